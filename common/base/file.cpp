@@ -1,0 +1,87 @@
+#include "common/base/file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <string>
+
+namespace enamel {
+namespace {
+
+Status Errno(const std::string& what, const std::filesystem::path& path) {
+  Code code = errno == ENOENT ? Code::kNotFound : Code::kStorage;
+  return Status(code, what + " " + path.string() + ": " + std::strerror(errno));
+}
+
+class Fd {
+ public:
+  explicit Fd(int fd) : fd_(fd) {}
+  ~Fd() { if (fd_ >= 0) ::close(fd_); }
+  Fd(const Fd&) = delete;
+  Fd& operator=(const Fd&) = delete;
+  int get() const { return fd_; }
+
+ private:
+  int fd_;
+};
+
+}  // namespace
+
+Result<Bytes> ReadFile(const std::filesystem::path& path, size_t max_bytes) {
+  Fd fd(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (fd.get() < 0) return Errno("cannot open", path);
+  struct stat info {};
+  if (::fstat(fd.get(), &info) != 0) return Errno("cannot stat", path);
+  if (S_ISDIR(info.st_mode)) {
+    return Status(Code::kInvalidInput, path.string() + " is a folder, expected a file");
+  }
+  Bytes out;
+  out.reserve(static_cast<size_t>(info.st_size > 0 ? info.st_size : 0));
+  uint8_t buffer[65536];
+  for (;;) {
+    ssize_t n = ::read(fd.get(), buffer, sizeof buffer);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return Errno("cannot read", path);
+    if (n == 0) return out;
+    if (out.size() + static_cast<size_t>(n) > max_bytes) {
+      return Status(Code::kTooLarge, path.string() + " is larger than the " +
+                                         std::to_string(max_bytes) + " bytes allowed here");
+    }
+    out.insert(out.end(), buffer, buffer + n);
+  }
+}
+
+Status WriteFileDurably(const std::filesystem::path& path, ByteView data, int mode) {
+  std::filesystem::path temporary = path;
+  temporary += ".tmp" + std::to_string(::getpid());
+  {
+    Fd fd(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, mode));
+    if (fd.get() < 0) return Errno("cannot create", temporary);
+    size_t done = 0;
+    while (done < data.size()) {
+      ssize_t n = ::write(fd.get(), data.data() + done, data.size() - done);
+      if (n < 0 && errno == EINTR) continue;
+      if (n < 0) {
+        Status status = Errno("cannot write", temporary);
+        ::unlink(temporary.c_str());
+        return status;
+      }
+      done += static_cast<size_t>(n);
+    }
+    if (::fsync(fd.get()) != 0) return Errno("cannot sync", temporary);
+  }
+  if (::rename(temporary.c_str(), path.c_str()) != 0) {
+    Status status = Errno("cannot rename to", path);
+    ::unlink(temporary.c_str());
+    return status;
+  }
+  Fd folder(::open(path.parent_path().empty() ? "." : path.parent_path().c_str(),
+                   O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (folder.get() >= 0) ::fsync(folder.get());
+  return Status::Ok();
+}
+
+}  // namespace enamel

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <filesystem>
+
+#include "common/base/bytes.h"
+#include "common/base/result.h"
+
+namespace enamel {
+
+// Whole file into memory. Errors: kNotFound, kTooLarge beyond `max_bytes`, kStorage.
+Result<Bytes> ReadFile(const std::filesystem::path& path, size_t max_bytes = size_t{1} << 31);
+
+// Replaces `path` so that a reader, or the next start after a power cut, sees the old content or
+// the new one and never a mixture: temporary file, fsync, rename, fsync of the folder.
+Status WriteFileDurably(const std::filesystem::path& path, ByteView data, int mode = 0644);
+
+}  // namespace enamel

@@ -1,0 +1,259 @@
+#include "common/core/core.h"
+
+#include <bit>
+#include <cmath>
+
+namespace enamel::core {
+namespace {
+
+using cutting::kTissueCount;
+using cutting::Pose;
+
+constexpr double kRefreshVoxels = 1.0 / 32;
+constexpr int kHashedBricksPerTick = 8;
+
+cutting::Bur BurOf(const CoreParams& p) {
+  return {p.bur_shape, p.bur_radius_nm * 1e-9, p.bur_length_nm * 1e-9};
+}
+
+std::array<double, kTissueCount> DampingOf(const CoreParams& p) {
+  std::array<double, kTissueCount> out{};
+  // 1 mN s/mm = 1 N s/m.
+  for (size_t t = 0; t < kTissueCount; ++t) out[t] = p.damping_mn_s_per_mm[t];
+  return out;
+}
+
+haptics::CouplingParams CouplingOf(const CoreParams& p, double voxel_m) {
+  haptics::CouplingParams c;
+  c.law.kind = p.law;
+  c.law.kc_n_per_m = p.kc_mn_per_mm;
+  c.law.resolution_m = dvec3(p.resolution_nm[0], p.resolution_nm[1], p.resolution_nm[2]) * 1e-9;
+  c.law.tick_s = 1.0 / p.rate_hz;
+  c.law.pass_through_at_rest = p.pass_through_at_rest;
+  c.peak_force_n = p.peak_force_mn * 1e-3;
+  c.max_step_m = 0.5 * voxel_m;
+  return c;
+}
+
+// Rounds half away from zero and saturates.
+int32_t Quantise(double v) noexcept {
+  if (!(v > -2147483647.0)) return -2147483647;
+  if (!(v < 2147483647.0)) return 2147483647;
+  return static_cast<int32_t>(v < 0 ? v - 0.5 : v + 0.5);
+}
+
+std::array<int32_t, 3> Quantise(const dvec3& v, double unit) noexcept {
+  return {Quantise(v.x / unit), Quantise(v.y / unit), Quantise(v.z / unit)};
+}
+
+// Largest displacement of any point of a bur of this height between two poses, bounded from above.
+double Motion(const Pose& a, const Pose& b, double reach_m) noexcept {
+  dvec3 d = a.tip_m - b.tip_m;
+  double dx = a.orientation.x - b.orientation.x, dy = a.orientation.y - b.orientation.y,
+         dz = a.orientation.z - b.orientation.z, dw = a.orientation.w - b.orientation.w;
+  // |q - q'| = 2 sin(angle / 4), so the angle is below 2.3 |q - q'| up to a right angle.
+  return std::sqrt(Dot(d, d)) + 2.3 * reach_m * std::sqrt(dx * dx + dy * dy + dz * dz + dw * dw);
+}
+
+}  // namespace
+
+// The volume as the coupling sees it.
+class Core::TissueMaterial final : public haptics::Material {
+ public:
+  explicit TissueMaterial(Core& core)
+      : core_(core),
+        refresh_m_(kRefreshVoxels * core.volume_.spec().voxel_m()),
+        reach_m_(core.params_.bur_radius_nm * 2e-9 + core.params_.bur_length_nm * 1e-9) {}
+
+  haptics::Contact ContactAt(const dvec3& anchor_m, const dvec3& stretch_m) noexcept override {
+    Pose pose{anchor_m, core_.orientation_};
+    haptics::Contact contact;
+    double travel = std::sqrt(Dot(stretch_m, stretch_m));
+    // Look as far ahead as the move itself: no solid there, no contact on the way.
+    double voxel = core_.volume_.spec().voxel_m();
+    if (!core_.cutter_.AnySolidNear(pose, travel + voxel)) {
+      contact.clearance_m = travel;
+      core_.sample_valid_ = false;
+      return contact;
+    }
+    if (!core_.sample_valid_ || Motion(pose, core_.sampled_, reach_m_) >= refresh_m_) {
+      core_.engagement_.Sample(core_.volume_, pose);
+      core_.sampled_ = pose;
+      core_.sample_valid_ = true;
+    }
+    if (!core_.engagement_.AnyContact()) return contact;
+    cutting::Engagement engagement = core_.engagement_.Read(stretch_m);
+    contact.engaged = engagement.area_m2 > 0;
+    if (core_.bur_on_) contact.damping_n_s_per_m = engagement.damping_n_s_per_m;
+    else contact.wall_normal = engagement.mean_normal;
+    return contact;
+  }
+
+  void AnchorMoved(const dvec3& from_m, const dvec3& to_m) noexcept override {
+    if (!core_.bur_on_) return;
+    Pose to{to_m, core_.orientation_};
+    if (core_.cut_valid_ && Motion(to, core_.cut_, reach_m_) < refresh_m_) return;
+    // Tip laws and open-air steps may move far at once: cut poses half a voxel apart.
+    double step = 0.5 * core_.volume_.spec().voxel_m();
+    dvec3 d = to_m - from_m;
+    double length = std::sqrt(Dot(d, d));
+    int poses = length > step ? static_cast<int>(length / step) + 1 : 1;
+    if (poses > kMaxPoses) poses = kMaxPoses;
+    for (int i = 1; i <= poses; ++i) {
+      Pose at = i == poses ? to : Pose{from_m + d * (static_cast<double>(i) / poses), core_.orientation_};
+      if (!core_.cutter_.Cut(at, core_.removed_)) core_.reserve_exhausted_ = true;
+      for (int32_t brick : core_.cutter_.touched()) core_.MarkTouched(brick);
+      if (!core_.cutter_.touched().empty()) core_.sample_valid_ = false;
+    }
+    core_.cut_ = to;
+    core_.cut_valid_ = true;
+  }
+
+ private:
+  static constexpr int kMaxPoses = 256;
+  Core& core_;
+  double refresh_m_;
+  double reach_m_;
+};
+
+Core::Core(const CoreParams& params, cutting::Volume initial)
+    : params_(params),
+      volume_(std::move(initial)),
+      cutter_((volume_.Reserve(), volume_), BurOf(params)),
+      engagement_(BurOf(params), volume_.spec().voxel_m(), DampingOf(params)),
+      coupling_(CouplingOf(params, volume_.spec().voxel_m())) {
+  ENAMEL_CHECK(ValidateParams(params).ok());
+  auto bricks = static_cast<size_t>(volume_.spec().brick_count());
+  dirty_ring_.resize(bricks);
+  is_dirty_.resize(bricks);
+  touched_.resize(bricks);
+  is_touched_.resize(bricks);
+}
+
+Core::~Core() = default;
+
+dvec3 Core::TipOf(const std::array<int32_t, 3>& counts) const noexcept {
+  dvec3 out;
+  for (int i = 0; i < 3; ++i) {
+    auto n = static_cast<size_t>(i);
+    int64_t nm = params_.device_origin_nm[n] + static_cast<int64_t>(counts[n]) * params_.resolution_nm[n];
+    out[i] = static_cast<double>(nm) * 1e-9;
+  }
+  return out;
+}
+
+void Core::Restart(const dvec3& tip_m, const Quat& orientation) noexcept {
+  coupling_.Reset(tip_m);
+  orientation_ = orientation;
+  sample_valid_ = cut_valid_ = false;
+  soft_ticks_ = 0;
+}
+
+// The anchor's orientation follows the device's through the same coupling as its position: the
+// angular stretch e relaxes as B_rot (B_rot + K_rot T I)^-1 e. Small-angle form, e = 2 sign(w) v of
+// the error quaternion: no libm. In air (B_rot = 0) the anchor's orientation is the device's.
+void Core::FollowOrientation(const Quat& device) noexcept {
+  if (params_.rotational_kc_un_m_per_rad == 0 || !engagement_.AnyContact() || !sample_valid_) {
+    orientation_ = device;
+    return;
+  }
+  Quat error = device * orientation_.Conjugate();
+  double sign = error.w < 0 ? -2 : 2;
+  dvec3 e(error.x * sign, error.y * sign, error.z * sign);
+  Sym3 b = bur_on_ ? engagement_.ReadRotational() : Sym3::Isotropic(1e3);
+  double s = params_.rotational_kc_un_m_per_rad * 1e-6 / params_.rate_hz;
+  dvec3 left = b * SolveShifted(b, s, e);
+  dvec3 move = (e - left) * 0.5;
+  orientation_ = (Quat{move.x, move.y, move.z, 1} * orientation_).Normalised();
+}
+
+TickOutput Core::Step(const TickInput& input) noexcept {
+  TickOutput out;
+  for (size_t i = 0; i < touched_count_; ++i) is_touched_[static_cast<size_t>(touched_[i])] = 0;
+  touched_count_ = 0;
+  cutting::RemovedUnits before = removed_;
+  dvec3 tip = TipOf(input.counts);
+  Quat device = FromQuantised(input.orientation);
+  bool faulted = (input.flags & kFaulted) != 0;
+  bur_on_ = (input.flags & kBurOn) != 0 && !faulted;
+
+  if (!started_ || input.gap_ticks > 0 || faulted) {
+    // Nothing is known of the time between: the anchor is put at the tip, no force, no cut.
+    Restart(tip, device);
+    started_ = true;
+    out.flags |= kAnchorReset;
+    out.anchor = {tip, device};
+  } else {
+    if (input.flags & kSoftRestart) soft_ticks_ = 0;
+    if (soft_ticks_ < params_.soft_start_ticks) ++soft_ticks_;
+    double bound = params_.soft_start_ticks == 0
+                       ? 1.0
+                       : static_cast<double>(soft_ticks_) / params_.soft_start_ticks;
+    FollowOrientation(device);
+    TissueMaterial material(*this);
+    haptics::CouplingOutput tick = coupling_.Tick(tip, bound, material);
+    out.force_computed_n = tick.force_computed_n;
+    out.force_sent_n = tick.force_sent_n;
+    out.flags |= tick.flags;
+    out.anchor = {tick.anchor_m, orientation_};
+  }
+  if (reserve_exhausted_) out.flags |= kReserveExhausted;
+  for (size_t t = 0; t < kTissueCount; ++t) out.removed[t] = removed_[t] - before[t];
+
+  dvec3 origin = TipOf({0, 0, 0});
+  out.witness.force_sent_100un = Quantise(out.force_sent_n, 1e-4);
+  out.witness.force_computed_100un = Quantise(out.force_computed_n, 1e-4);
+  out.witness.anchor_10nm = Quantise(out.anchor.tip_m - origin, 1e-8);
+  out.witness.flags = out.flags;
+  ++ticks_;
+  FoldHash(input, out);
+  return out;
+}
+
+void Core::MarkTouched(int32_t brick) noexcept {
+  auto b = static_cast<size_t>(brick);
+  if (!is_touched_[b]) {
+    is_touched_[b] = 1;
+    touched_[touched_count_++] = brick;
+  }
+  if (!is_dirty_[b]) {
+    is_dirty_[b] = 1;
+    dirty_ring_[(dirty_head_ + dirty_count_) % dirty_ring_.size()] = brick;
+    ++dirty_count_;
+  }
+}
+
+void Core::FoldHash(const TickInput& input, const TickOutput& out) noexcept {
+  hash_.I32x2(input.counts[0], input.counts[1]);
+  hash_.I32x2(input.counts[2], static_cast<int32_t>(input.gap_ticks));
+  for (int i = 0; i < 3; ++i) {
+    hash_.F64(out.anchor.tip_m[i]);
+    hash_.F64(out.force_sent_n[i]);
+  }
+  hash_.F64(orientation_.x);
+  hash_.F64(orientation_.y);
+  hash_.F64(orientation_.z);
+  hash_.I32x2(input.flags, out.flags);
+  for (int64_t r : out.removed) {
+    if (r != 0) hash_.U64(static_cast<uint64_t>(r));
+  }
+  for (int n = 0; n < kHashedBricksPerTick && dirty_count_ > 0; ++n) {
+    int32_t brick = dirty_ring_[dirty_head_];
+    dirty_head_ = (dirty_head_ + 1) % dirty_ring_.size();
+    --dirty_count_;
+    is_dirty_[static_cast<size_t>(brick)] = 0;
+    hash_.U64(static_cast<uint64_t>(brick));
+    const auto& phi = volume_.Phi(brick).phi;
+    // Samples packed by value, not by memory layout, so byte order cannot matter.
+    std::array<uint64_t, cutting::kBrickVoxels / 4> words;
+    for (size_t i = 0; i < words.size(); ++i) {
+      words[i] = static_cast<uint64_t>(static_cast<uint16_t>(phi[4 * i])) |
+                 static_cast<uint64_t>(static_cast<uint16_t>(phi[4 * i + 1])) << 16 |
+                 static_cast<uint64_t>(static_cast<uint16_t>(phi[4 * i + 2])) << 32 |
+                 static_cast<uint64_t>(static_cast<uint16_t>(phi[4 * i + 3])) << 48;
+    }
+    hash_.Words(words);
+  }
+}
+
+}  // namespace enamel::core

@@ -1,0 +1,130 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "common/base/check.h"
+#include "common/base/state_hash.h"
+#include "common/core/params.h"
+#include "common/cutting/cutter.h"
+#include "common/cutting/engagement.h"
+#include "common/cutting/volume.h"
+#include "common/haptics/coupling.h"
+#include "common/math/orientation.h"
+
+// The deterministic core: quantised pose in; force, anchor, tooth and state hash out.
+namespace enamel::core {
+
+// What the device and its loop said about a tick. Recorded, so that replay sees the same.
+enum InputFlags : uint8_t {
+  kBurOn = 1 << 0,        // pedal down: the bur turns
+  kLateTick = 1 << 1,     // this tick ran late (recorded; the maths does not read the clock)
+  kFaulted = 1 << 2,      // force is held at zero until the operator acts; nothing is cut
+  kSoftRestart = 1 << 3,  // begin the soft start again at this tick
+};
+
+// One tick's input: the truth of a recording. Everything else is computed.
+struct TickInput {
+  std::array<int32_t, 3> counts{};                       // device counts (CoreParams::resolution_nm)
+  QuantisedOrientation orientation = kIdentityOrientation;
+  uint8_t flags = 0;                                     // InputFlags
+  uint16_t bur_speed_krpm = 0;
+  // Ticks that passed without being recorded, and so without being stepped, before this one.
+  uint32_t gap_ticks = 0;
+
+  bool operator==(const TickInput&) const = default;
+};
+
+// What the core computed, at the resolution it is recorded with: the witness of a tick.
+struct TickWitness {
+  std::array<int32_t, 3> force_sent_100un{};      // on the operator, 0.1 mN
+  std::array<int32_t, 3> force_computed_100un{};  // before the bounds
+  std::array<int32_t, 3> anchor_10nm{};           // relative to CoreParams::device_origin_nm
+  uint16_t flags = 0;                             // haptics::CouplingFlags | OutputFlags
+
+  bool operator==(const TickWitness&) const = default;
+};
+
+enum OutputFlags : uint16_t {
+  kAnchorReset = 1 << 8,       // after a gap, a fault or at the start
+  kReserveExhausted = 1 << 9,  // the cut is incomplete: a fault of the scene's budget
+};
+
+struct TickOutput {
+  dvec3 force_sent_n{0};          // to send to the device, scene frame
+  dvec3 force_computed_n{0};
+  cutting::Pose anchor;           // the bur as drawn and as it cuts
+  cutting::RemovedUnits removed{};  // by this tick, per tissue, 1/65536 voxel
+  uint16_t flags = 0;
+  TickWitness witness;
+};
+
+// A pure function of (params, initial volume, inputs so far): same tooth, same forces, same hash, to
+// the last bit, on every compiler and machine this builds on. No clock, no randomness, no libm.
+//
+// Order in a tick: read p; engagement at the anchor; law moves the anchor (through contact, in steps
+// of at most half a voxel) and cuts along it; bounds; hash.
+// Thread safety: none. Real-time: Step is safe (no allocation, bounded work); construction is not.
+class Core {
+ public:
+  // Requires: ValidateParams(params).ok().
+  Core(const CoreParams& params, cutting::Volume initial);
+  ~Core();
+  Core(const Core&) = delete;
+  Core& operator=(const Core&) = delete;
+
+  ENAMEL_REALTIME TickOutput Step(const TickInput& input) noexcept;
+
+  // Hash of all scalars and, in a fixed schedule of at most 8 bricks per tick, of every brick that
+  // changed. Two runs that differ anywhere differ here within dirty bricks / 8 ticks.
+  uint64_t state_hash() const noexcept { return hash_.value(); }
+  uint64_t ticks() const noexcept { return ticks_; }
+  const cutting::Volume& volume() const noexcept { return volume_; }
+  const CoreParams& params() const noexcept { return params_; }
+  // Removed since the start, per tissue, 1/65536 voxel.
+  const cutting::RemovedUnits& removed() const noexcept { return removed_; }
+  // Bricks changed by the last Step; valid until the next.
+  std::span<const int32_t> touched() const noexcept { return {touched_.data(), touched_count_}; }
+  // Tip position of device counts, scene frame, metres.
+  dvec3 TipOf(const std::array<int32_t, 3>& counts) const noexcept;
+
+ private:
+  class TissueMaterial;
+
+  void Restart(const dvec3& tip_m, const Quat& orientation) noexcept;
+  void FollowOrientation(const Quat& device) noexcept;
+  void MarkTouched(int32_t brick) noexcept;
+  void FoldHash(const TickInput& input, const TickOutput& out) noexcept;
+
+  const CoreParams params_;
+  cutting::Volume volume_;
+  cutting::Cutter cutter_;
+  cutting::EngagementReader engagement_;
+  haptics::Coupling coupling_;
+  Quat orientation_;               // the anchor's
+  bool started_ = false;
+  bool bur_on_ = false;
+  uint32_t soft_ticks_ = 0;
+  cutting::RemovedUnits removed_{};
+  StateHash hash_;
+  uint64_t ticks_ = 0;
+
+  // Pose of the last engagement sample and of the last cut; both are renewed when the anchor has
+  // moved by a thirty-second of a voxel.
+  cutting::Pose sampled_, cut_;
+  bool sample_valid_ = false, cut_valid_ = false;
+  bool reserve_exhausted_ = false;
+
+  // Changed bricks waiting to be hashed: ring with one entry per brick at most.
+  std::vector<int32_t> dirty_ring_;
+  std::vector<uint8_t> is_dirty_;
+  size_t dirty_head_ = 0, dirty_count_ = 0;
+  // Bricks touched in this tick.
+  std::vector<int32_t> touched_;
+  std::vector<uint8_t> is_touched_;
+  size_t touched_count_ = 0;
+};
+
+}  // namespace enamel::core

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "common/base/bytes.h"
+#include "common/base/result.h"
+#include "common/cutting/bur.h"
+#include "common/cutting/tissue.h"
+#include "common/haptics/force_law.h"
+
+namespace enamel::core {
+
+// Any change that moves a golden hash bumps this. A station with another core version is refused
+// for new attempts; sealed attempts are re-run by a worker of the version in their header.
+inline constexpr uint32_t kCoreVersion = 1;
+
+// Everything the core's result depends on besides the initial volume and the recorded inputs.
+// Integers with units, never decimal text, so that both sides start from the same bits. Written
+// into every attempt header (schemas/trace_format.md, "Core parameters").
+struct CoreParams {
+  uint32_t core_version = kCoreVersion;
+  uint32_t rate_hz = 1000;
+  haptics::LawKind law = haptics::LawKind::kMaxwell;
+  bool pass_through_at_rest = false;         // eq. 17's rule for dp = 0 (force_law.h)
+  int32_t kc_mn_per_mm = 0;                  // coupling stiffness, 1 mN/mm = 1 N/m
+  std::array<int32_t, 3> resolution_nm{};    // encoder cell per axis
+  // Tip in the scene = device_origin + counts * resolution (counts are cell middles).
+  std::array<int64_t, 3> device_origin_nm{};
+  int32_t peak_force_mn = 0;
+  uint32_t soft_start_ticks = 500;           // bound rises from 0 to the peak after start or fault
+  cutting::BurShape bur_shape = cutting::BurShape::kSphere;
+  int32_t bur_radius_nm = 0;
+  int32_t bur_length_nm = 0;
+  std::array<int32_t, cutting::kTissueCount> damping_mn_s_per_mm{};  // B per tissue
+  // Rotational coupling: stiffness about each axis, uN m per rad. 0: the device has no orientation.
+  int32_t rotational_kc_un_m_per_rad = 0;
+
+  bool operator==(const CoreParams&) const = default;
+};
+
+// Refuses what the core cannot run with, naming the field. Also the passivity premise on kc is the
+// profile's business (haptics), not checked here.
+Status ValidateParams(const CoreParams& params);
+
+// Canonical little-endian form, versioned (first u16); see schemas/trace_format.md.
+void WriteParams(const CoreParams& params, ByteWriter& out);
+Result<CoreParams> ReadParams(ByteReader& in);
+
+}  // namespace enamel::core

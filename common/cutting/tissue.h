@@ -1,0 +1,34 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+namespace enamel::cutting {
+
+// What a voxel is made of. Stable numbers: they are stored in volume blobs and traces.
+enum class Tissue : uint8_t {
+  kAir = 0,
+  kEnamel = 1,
+  kDentin = 2,
+  kPulp = 3,
+  kCaries = 4,      // soft, leathery
+  kFilling = 5,
+  kGypsum = 6,      // or plastic: the material of practice teeth and blocks
+  kNeighbour = 7,   // adjacent tooth: cuts like enamel, counted apart
+};
+inline constexpr int kTissueCount = 8;
+
+inline constexpr std::array<std::string_view, kTissueCount> kTissueNames = {
+    "air", "enamel", "dentin", "pulp", "caries", "filling", "gypsum", "neighbour"};
+
+constexpr std::string_view TissueName(Tissue t) { return kTissueNames[static_cast<size_t>(t)]; }
+constexpr std::optional<Tissue> TissueFromName(std::string_view name) {
+  for (int i = 0; i < kTissueCount; ++i) {
+    if (kTissueNames[static_cast<size_t>(i)] == name) return static_cast<Tissue>(i);
+  }
+  return std::nullopt;
+}
+
+}  // namespace enamel::cutting

@@ -1,0 +1,201 @@
+#include "common/cutting/volume.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace enamel::cutting {
+namespace {
+
+constexpr int kShift = 3;  // log2(kBrickSide)
+
+int InBrick(const ivec3& v) noexcept {
+  return ((v.z & 7) << 6) | ((v.y & 7) << 3) | (v.x & 7);
+}
+
+}  // namespace
+
+Volume::Volume(const GridSpec& spec) : spec_(spec) {
+  slot_.assign(static_cast<size_t>(spec.brick_count()), -1);
+}
+
+void Volume::SetBrick(int brick, std::span<const int16_t, kBrickVoxels> phi,
+                      std::span<const uint8_t> labels, Tissue tissue) {
+  auto& slot = slot_[static_cast<size_t>(brick)];
+  if (slot < 0) {
+    slot = static_cast<int32_t>(phi_.size());
+    phi_.emplace_back();
+    uniform_.push_back(tissue);
+    label_slot_.push_back(-1);
+  }
+  auto s = static_cast<size_t>(slot);
+  std::copy(phi.begin(), phi.end(), phi_[s].phi.begin());
+  uniform_[s] = tissue;
+  if (labels.empty()) {
+    label_slot_[s] = -1;
+    return;
+  }
+  ENAMEL_CHECK(labels.size() == kBrickVoxels);
+  if (label_slot_[s] < 0) {
+    label_slot_[s] = static_cast<int32_t>(labels_.size());
+    labels_.emplace_back();
+  }
+  std::copy(labels.begin(), labels.end(),
+            labels_[static_cast<size_t>(label_slot_[s])].tissue.begin());
+}
+
+void Volume::SetUniform(int brick, Tissue tissue) {
+  ENAMEL_CHECK(!IsStored(brick));
+  slot_[static_cast<size_t>(brick)] = -1 - static_cast<int32_t>(tissue);
+}
+
+void Volume::Reserve() {
+  size_t solid = 0;
+  for (int32_t s : slot_) solid += s < -1;
+  // Reserved, not touched: pages become resident only as bricks are cut.
+  phi_.reserve(phi_.size() + solid);
+  uniform_.reserve(uniform_.size() + solid);
+  label_slot_.reserve(label_slot_.size() + solid);
+}
+
+size_t Volume::MemoryBytes() const noexcept {
+  return slot_.size() * sizeof(int32_t) + phi_.size() * (sizeof(BrickPhi) + 5) +
+         labels_.size() * sizeof(BrickLabels);
+}
+
+bool Volume::Materialise(int brick) noexcept {
+  auto& slot = slot_[static_cast<size_t>(brick)];
+  if (slot >= 0) return true;
+  if (slot == -1 || phi_.size() == phi_.capacity() || uniform_.size() == uniform_.capacity() ||
+      label_slot_.size() == label_slot_.capacity()) {
+    return false;
+  }
+  uniform_.push_back(static_cast<Tissue>(-1 - slot));
+  label_slot_.push_back(-1);
+  phi_.emplace_back().phi.fill(-kPhiLimit);
+  slot = static_cast<int32_t>(phi_.size() - 1);
+  return true;
+}
+
+int Volume::PhiAt(const ivec3& v) const noexcept {
+  if (v.x < 0 || v.y < 0 || v.z < 0) return kPhiLimit;
+  ivec3 b(v.x >> kShift, v.y >> kShift, v.z >> kShift);
+  if (!spec_.Contains(b)) return kPhiLimit;
+  int32_t s = slot_[static_cast<size_t>(spec_.BrickIndex(b))];
+  if (s < 0) return s == -1 ? kPhiLimit : -kPhiLimit;
+  return phi_[static_cast<size_t>(s)].phi[static_cast<size_t>(InBrick(v))];
+}
+
+Tissue Volume::TissueAt(const ivec3& v) const noexcept {
+  if (v.x < 0 || v.y < 0 || v.z < 0) return Tissue::kAir;
+  ivec3 b(v.x >> kShift, v.y >> kShift, v.z >> kShift);
+  if (!spec_.Contains(b)) return Tissue::kAir;
+  int brick = spec_.BrickIndex(b);
+  if (HasLabels(brick)) return static_cast<Tissue>(Labels(brick).tissue[static_cast<size_t>(InBrick(v))]);
+  return UniformTissue(brick);
+}
+
+double Volume::DistanceAt_m(const dvec3& point_m) const noexcept {
+  double h = spec_.voxel_m();
+  dvec3 g = (point_m - spec_.origin_m()) / h;
+  ivec3 n = spec_.voxels();
+  if (!(g.x > -1 && g.y > -1 && g.z > -1 && g.x < n.x && g.y < n.y && g.z < n.z)) {
+    return kPhiLimit * h / kPhiPerVoxel;
+  }
+  // g > -1, so truncation of g + 1 is floor.
+  ivec3 i(static_cast<int>(g.x + 1) - 1, static_cast<int>(g.y + 1) - 1, static_cast<int>(g.z + 1) - 1);
+  double fx = g.x - i.x, fy = g.y - i.y, fz = g.z - i.z;
+  double c[2][2][2];
+  if (i.x >= 0 && i.y >= 0 && i.z >= 0 && (i.x & 7) < 7 && (i.y & 7) < 7 && (i.z & 7) < 7) {
+    int32_t s = slot_[static_cast<size_t>(
+        spec_.BrickIndex(ivec3(i.x >> kShift, i.y >> kShift, i.z >> kShift)))];
+    if (s < 0) return (s == -1 ? kPhiLimit : -kPhiLimit) * h / kPhiPerVoxel;
+    const int16_t* phi = phi_[static_cast<size_t>(s)].phi.data() + InBrick(i);
+    for (int z = 0; z < 2; ++z)
+      for (int y = 0; y < 2; ++y)
+        for (int x = 0; x < 2; ++x) c[z][y][x] = phi[z * 64 + y * 8 + x];
+  } else {
+    for (int z = 0; z < 2; ++z)
+      for (int y = 0; y < 2; ++y)
+        for (int x = 0; x < 2; ++x) c[z][y][x] = PhiAt(i + ivec3(x, y, z));
+  }
+  double z0 = (c[0][0][0] * (1 - fx) + c[0][0][1] * fx) * (1 - fy) +
+              (c[0][1][0] * (1 - fx) + c[0][1][1] * fx) * fy;
+  double z1 = (c[1][0][0] * (1 - fx) + c[1][0][1] * fx) * (1 - fy) +
+              (c[1][1][0] * (1 - fx) + c[1][1][1] * fx) * fy;
+  return (z0 * (1 - fz) + z1 * fz) * h / kPhiPerVoxel;
+}
+
+Tissue Volume::TissueAtPoint(const dvec3& point_m) const noexcept {
+  dvec3 g = (point_m - spec_.origin_m()) / spec_.voxel_m();
+  ivec3 n = spec_.voxels();
+  if (!(g.x > -0.5 && g.y > -0.5 && g.z > -0.5 && g.x < n.x && g.y < n.y && g.z < n.z)) {
+    return Tissue::kAir;
+  }
+  return TissueAt(ivec3(static_cast<int>(g.x + 0.5), static_cast<int>(g.y + 0.5),
+                        static_cast<int>(g.z + 0.5)));
+}
+
+bool Volume::operator==(const Volume& other) const {
+  if (!(spec_ == other.spec_)) return false;
+  for (int b = 0; b < spec_.brick_count(); ++b) {
+    if (IsStored(b) != other.IsStored(b)) return false;
+    if (!IsStored(b)) {
+      if (UniformTissue(b) != other.UniformTissue(b)) return false;
+      continue;
+    }
+    if (Phi(b).phi != other.Phi(b).phi || HasLabels(b) != other.HasLabels(b)) return false;
+    if (HasLabels(b) ? Labels(b).tissue != other.Labels(b).tissue
+                     : UniformTissue(b) != other.UniformTissue(b)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+Status ValidateGrid(const GridSpec& spec, size_t max_bytes) {
+  if (spec.voxel_nm < 5'000 || spec.voxel_nm > 1'000'000) {
+    return Status(Code::kInvalidInput,
+                  "expected a voxel size from 0.005 to 1 mm, found " +
+                      std::to_string(spec.voxel_nm * 1e-6) + " mm", "voxel_nm");
+  }
+  for (int i = 0; i < 3; ++i) {
+    if (spec.bricks[i] < 1 || spec.bricks[i] > 4096) {
+      return Status(Code::kInvalidInput, "expected 1 to 4096 bricks along each axis, found " +
+                                             std::to_string(spec.bricks[i]), "bricks");
+    }
+    if (std::llabs(spec.origin_nm[static_cast<size_t>(i)]) > 1'000'000'000) {
+      return Status(Code::kInvalidInput, "expected an origin within 1 m of the scene's", "origin_nm");
+    }
+  }
+  auto needed = static_cast<double>(spec.brick_count()) * (4.0 + sizeof(BrickPhi));
+  if (needed > static_cast<double>(max_bytes)) {
+    return Status(Code::kTooLarge,
+                  "a grid of this size may need " + std::to_string(needed / 1048576.0) +
+                      " MiB, allowed are " + std::to_string(max_bytes / 1048576) +
+                      " MiB: choose a larger voxel", "voxel_nm");
+  }
+  return Status::Ok();
+}
+
+std::array<double, kTissueCount> SolidVolume_m3(const Volume& volume) {
+  std::array<int64_t, kTissueCount> sums{};
+  for (int b = 0; b < volume.spec().brick_count(); ++b) {
+    auto uniform = static_cast<size_t>(volume.UniformTissue(b));
+    if (!volume.IsStored(b)) {
+      if (uniform != 0) sums[uniform] += int64_t{kBrickVoxels} * 65536;
+      continue;
+    }
+    const auto& phi = volume.Phi(b).phi;
+    const BrickLabels* labels = volume.HasLabels(b) ? &volume.Labels(b) : nullptr;
+    for (size_t i = 0; i < kBrickVoxels; ++i) {
+      sums[labels ? labels->tissue[i] : uniform] += SolidFraction(phi[i]);
+    }
+  }
+  double h = volume.spec().voxel_m();
+  std::array<double, kTissueCount> out{};
+  for (size_t t = 0; t < kTissueCount; ++t) out[t] = static_cast<double>(sums[t]) * (h * h * h / 65536.0);
+  return out;
+}
+
+}  // namespace enamel::cutting

@@ -1,0 +1,134 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/cutting/tissue.h"
+#include "common/math/vec.h"
+
+// The tooth: signed distance to the surface and a tissue label per voxel, in sparse bricks.
+namespace enamel::cutting {
+
+inline constexpr int kBrickSide = 8;                  // voxels along a brick's edge
+inline constexpr int kBrickVoxels = 512;
+// Distance is fixed point: kPhiPerVoxel units are one voxel edge. Negative inside solid. Values
+// saturate at +-kPhiLimit, so the band is just under 4 voxels to either side of the surface.
+inline constexpr int kPhiPerVoxel = 8192;
+inline constexpr int16_t kPhiLimit = 32767;
+
+// Shape of the grid. Voxel (i, j, k) is a sample at origin + voxel * (i, j, k); integers in
+// nanometres, so the same blob means the same geometry everywhere.
+struct GridSpec {
+  int32_t voxel_nm = 0;
+  ivec3 bricks{0};                         // bricks along x, y, z
+  std::array<int64_t, 3> origin_nm{};      // sample (0, 0, 0), scene frame
+
+  double voxel_m() const noexcept { return voxel_nm * 1e-9; }
+  dvec3 origin_m() const noexcept {
+    return {static_cast<double>(origin_nm[0]) * 1e-9, static_cast<double>(origin_nm[1]) * 1e-9,
+            static_cast<double>(origin_nm[2]) * 1e-9};
+  }
+  ivec3 voxels() const noexcept { return bricks * kBrickSide; }
+  int64_t brick_count() const noexcept {
+    return static_cast<int64_t>(bricks.x) * bricks.y * bricks.z;
+  }
+  int BrickIndex(const ivec3& b) const noexcept { return (b.z * bricks.y + b.y) * bricks.x + b.x; }
+  bool Contains(const ivec3& b) const noexcept {
+    return b.x >= 0 && b.y >= 0 && b.z >= 0 && b.x < bricks.x && b.y < bricks.y && b.z < bricks.z;
+  }
+  bool operator==(const GridSpec& o) const {
+    return voxel_nm == o.voxel_nm && bricks == o.bricks && origin_nm == o.origin_nm;
+  }
+};
+
+// One stored brick: (8, 8, 8) samples, x fastest.
+struct alignas(64) BrickPhi {
+  std::array<int16_t, kBrickVoxels> phi;
+};
+struct BrickLabels {
+  std::array<uint8_t, kBrickVoxels> tissue;
+};
+
+// Sparse volume. Bricks without a surface are one word: air, or deep inside one tissue. A label
+// is kept when its voxel turns to air, so that what was removed can be told per tissue.
+// Thread safety: const methods from any thread while nobody writes. Real-time: all methods below
+// "real-time" are safe once Reserve was called; the rest allocate.
+class Volume {
+ public:
+  Volume() = default;
+  // All air. Requires: spec validated by ValidateGrid.
+  explicit Volume(const GridSpec& spec);
+
+  const GridSpec& spec() const noexcept { return spec_; }
+
+  // --- building and reading (not real-time) ---
+  // Makes the brick stored. `labels` empty: all voxels are `tissue`.
+  void SetBrick(int brick, std::span<const int16_t, kBrickVoxels> phi,
+                std::span<const uint8_t> labels, Tissue tissue);
+  void SetUniform(int brick, Tissue tissue);  // kAir, or solid and deep.
+  // Room for every uniform solid brick to become stored, so that cutting never allocates.
+  void Reserve();
+  size_t MemoryBytes() const noexcept;
+
+  // --- real-time ---
+  bool IsStored(int brick) const noexcept { return slot_[static_cast<size_t>(brick)] >= 0; }
+  // Tissue of a uniform brick (kAir for air), or the label shared by all voxels of a stored one;
+  // meaningless where HasLabels.
+  Tissue UniformTissue(int brick) const noexcept {
+    int32_t s = slot_[static_cast<size_t>(brick)];
+    return s >= 0 ? uniform_[static_cast<size_t>(s)] : static_cast<Tissue>(-1 - s);
+  }
+  bool HasLabels(int brick) const noexcept {
+    int32_t s = slot_[static_cast<size_t>(brick)];
+    return s >= 0 && label_slot_[static_cast<size_t>(s)] >= 0;
+  }
+  // Requires: IsStored.
+  const BrickPhi& Phi(int brick) const noexcept { return phi_[static_cast<size_t>(slot_[static_cast<size_t>(brick)])]; }
+  BrickPhi& MutablePhi(int brick) noexcept { return phi_[static_cast<size_t>(slot_[static_cast<size_t>(brick)])]; }
+  // Requires: HasLabels.
+  const BrickLabels& Labels(int brick) const noexcept {
+    return labels_[static_cast<size_t>(label_slot_[static_cast<size_t>(slot_[static_cast<size_t>(brick)])])];
+  }
+  // Turns a uniform solid brick into a stored one (all -kPhiLimit). False when the reserve is used
+  // up or the brick is air. No effect on a stored brick.
+  bool Materialise(int brick) noexcept;
+
+  // Distance at a voxel in fixed point; +kPhiLimit outside the grid.
+  int PhiAt(const ivec3& voxel) const noexcept;
+  Tissue TissueAt(const ivec3& voxel) const noexcept;
+  // Trilinear distance at a point of the scene frame, in metres, saturated at about 4 voxels.
+  double DistanceAt_m(const dvec3& point_m) const noexcept;
+  // Tissue of the nearest voxel.
+  Tissue TissueAtPoint(const dvec3& point_m) const noexcept;
+
+  bool operator==(const Volume& other) const;  // Same grid, same samples, same labels.
+
+ private:
+  GridSpec spec_;
+  // Per brick: >= 0 index into phi_; -1 air; -1 - t deep inside tissue t.
+  std::vector<int32_t> slot_;
+  std::vector<BrickPhi> phi_;
+  std::vector<Tissue> uniform_;        // per stored brick
+  std::vector<int32_t> label_slot_;    // per stored brick: index into labels_, or -1
+  std::vector<BrickLabels> labels_;
+};
+
+// Refuses what cannot be a tooth's grid here: voxel outside 5 um .. 1 mm, empty, or more than
+// max_bytes if every brick were stored.
+Status ValidateGrid(const GridSpec& spec, size_t max_bytes = size_t{4} << 30);
+
+// Fraction of a voxel that is solid, in 1/65536, from its centre's distance: exact for a plane
+// parallel to a face, and right on average for others. Real-time: safe.
+inline int32_t SolidFraction(int phi) noexcept {
+  // 0.5 - phi / kPhiPerVoxel, clamped to [0, 1].
+  int32_t f = 32768 - phi * 8;
+  return f < 0 ? 0 : f > 65536 ? 65536 : f;
+}
+
+// Solid volume per tissue, m^3.
+std::array<double, kTissueCount> SolidVolume_m3(const Volume& volume);
+
+}  // namespace enamel::cutting

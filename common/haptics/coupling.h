@@ -1,0 +1,100 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "common/base/check.h"
+#include "common/haptics/force_law.h"
+
+// The tick's force chain: finite check -> law -> guard -> magnitude bound -> finite check.
+//
+// Passivity. Let x be the true tip, p the middle of its encoder cell (|p_i - x_i| <= delta_i/2),
+// e = p - a, R = Kc e, V = Kc/2 (x - a).(x - a).
+//  * Moving the tip by dx while R is held: R.dx >= dV - Kc/2 dx.dx - Kc/2 sum_i delta_i |dx_i|,
+//    so the device's own damping b and Coulomb friction c pay for it when Kc <= 2 b/T and
+//    c_i >= Kc delta_i / 2.
+//  * Moving the anchor by w changes V by Kc (w.w/2 - (x - a).w) <= Kc (w.w/2 - e.w +
+//    sum_i delta_i |w_i| / 2), which is <= 0 wherever in its cell the tip is if w is scaled by
+//    clamp(2 (e.w - sum_i delta_i |w_i| / 2) / w.w, 0, 1). That scaling is the guard.
+// Summed over ticks: sum(R.dx) + (b/T) dx.dx + c sum |dx_i| >= -V_0. The operator never extracts
+// energy, whatever the tissue, the geometry, B(t), the law's parameters or the hand do. The premise
+// is structural here: Coupling moves the anchor in one function only (MoveAnchor), after the guard.
+namespace enamel::haptics {
+
+// What the bur touches, read at the anchor's pose.
+struct Contact {
+  Sym3 damping_n_s_per_m;   // B of what the bur's engaged surface cuts; zero in air
+  bool engaged = false;     // any part of the bur within reach of solid, in the direction of travel
+  // A still bur or the shank against solid: motion along +wall_normal (into the material) is
+  // blocked, everything else is free. Zero when there is no wall.
+  dvec3 wall_normal{0};
+  // How far the bur may travel in a straight line before it can touch anything else, m. Zero when
+  // not known; lets a step through open air be taken at once.
+  double clearance_m = 0;
+};
+
+// The world the coupling moves in. Implemented by the core (volume and bur), by the qualification
+// suite (constant or random B) and by tests. Real-time: both methods must be safe.
+class Material {
+ public:
+  virtual ~Material() = default;
+  // Contact at the anchor for travel along `stretch_m` = p - a (metres, not normalised).
+  virtual Contact ContactAt(const dvec3& anchor_m, const dvec3& stretch_m) noexcept = 0;
+  // The anchor moved in a straight line; a turning bur cuts along it.
+  virtual void AnchorMoved(const dvec3& from_m, const dvec3& to_m) noexcept = 0;
+};
+
+// Which bounds engaged in a tick; recorded with it.
+enum CouplingFlags : uint16_t {
+  kGuardEngaged = 1 << 0,       // the guard shortened an anchor step
+  kPeakBounded = 1 << 1,        // magnitude bound moved the anchor (or clipped at a wall)
+  kNonFiniteInput = 1 << 2,     // position or material was NaN or infinite: force 0
+  kSubstepLimit = 1 << 3,       // the anchor could not reach its place within the bounded work
+  kWallContact = 1 << 4,
+  kFreeAir = 1 << 5,            // nothing engaged at the end of the tick
+};
+
+struct CouplingParams {
+  LawParams law;
+  double peak_force_n = 0;      // magnitude never exceeded, N
+  double max_step_m = 25e-6;    // longest anchor move before contact is read again (half a voxel)
+  int max_substeps = 96;        // bound on work per tick
+};
+
+struct CouplingOutput {
+  dvec3 force_computed_n{0};    // -R of the law, on the operator, world frame
+  dvec3 force_sent_n{0};        // after the bounds
+  dvec3 anchor_m{0};
+  uint16_t flags = 0;           // CouplingFlags
+  uint16_t substeps = 0;
+};
+
+// Thread safety: none, one loop owns it. Real-time: Tick and Reset are safe (no allocation).
+class Coupling {
+ public:
+  explicit Coupling(const CouplingParams& params);
+
+  // Anchor at the tip, no force, law's history cleared: start of an attempt, after a gap or fault.
+  void Reset(const dvec3& tip_m) noexcept;
+  // One tick. `bound_ratio` in [0, 1] scales the peak bound (soft start, fault fade).
+  ENAMEL_REALTIME CouplingOutput Tick(const dvec3& tip_m, double bound_ratio, Material& material) noexcept;
+
+  const dvec3& anchor_m() const noexcept { return anchor_; }
+  const CouplingParams& params() const noexcept { return params_; }
+
+ private:
+  void RelaxAnchor(const dvec3& tip_m, Material& material, CouplingOutput& out) noexcept;
+  void BoundMagnitude(const dvec3& tip_m, double bound_n, bool wall, Material& material, CouplingOutput& out) noexcept;
+  // The only place where the anchor moves. `w` is scaled by the guard; returns what was taken.
+  dvec3 MoveAnchor(const dvec3& tip_m, dvec3 w, Material& material, CouplingOutput& out) noexcept;
+
+  CouplingParams params_;
+  std::unique_ptr<ForceLaw> law_;
+  dvec3 anchor_{0};
+  bool wall_ = false;
+};
+
+// The guard's factor for anchor step w at stretch e and resolution delta (header comment).
+double GuardFactor(const dvec3& e_m, const dvec3& w_m, const dvec3& resolution_m) noexcept;
+
+}  // namespace enamel::haptics

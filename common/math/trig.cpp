@@ -1,0 +1,25 @@
+#include "common/math/trig.h"
+
+namespace enamel {
+
+SinCos SinCosOfTurns(double turns) noexcept {
+  // Reduce to |t| <= 1/8 turn around the nearest quarter, then Taylor series: x <= pi/4, the first
+  // term left out is x^20/20! < 4e-21.
+  int quarter = static_cast<int>(turns * 4 + 0.5);
+  double x = (turns - quarter * 0.25) * 6.28318530717958647692;
+  double x2 = x * x;
+  double s = 1, c = 1;
+  for (int k = 18; k >= 2; k -= 2) {
+    s = 1 - s * x2 / (k * (k + 1));
+    c = 1 - c * x2 / (k * (k - 1));
+  }
+  s *= x;
+  switch (quarter & 3) {
+    case 0: return {s, c};
+    case 1: return {c, -s};
+    case 2: return {-s, -c};
+    default: return {-c, s};
+  }
+}
+
+}  // namespace enamel

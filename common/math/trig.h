@@ -1,0 +1,13 @@
+#pragma once
+
+namespace enamel {
+
+struct SinCos {
+  double sin = 0, cos = 1;
+};
+
+// Sine and cosine of `turns` full turns, 0 <= turns <= 1, from + - * alone, so the last bit is the
+// same on every machine (libm's is not). Error below 1e-15. For tables built when a core is made.
+SinCos SinCosOfTurns(double turns) noexcept;
+
+}  // namespace enamel
