@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "common/base/result.h"
+#include "common/scene/types.h"
+
+// Documents as canonical JSON: members in a fixed order, two-space indent, '\n' at the end, so that
+// equal documents have equal bytes and a content address can name them.
+// Errors: kInvalidInput with the member's path in field(), kVersion for a newer format number.
+// Bounded: text up to 1 MiB, depth 16. Thread safety: functions, any thread. Real-time: not safe.
+namespace enamel::scene {
+
+std::string ToJson(const Scene& scene);
+std::string ToJson(const DeviceProfile& profile);
+std::string ToJson(const Exercise& exercise);
+
+Result<Scene> SceneFromJson(std::string_view json);
+Result<DeviceProfile> ProfileFromJson(std::string_view json);
+Result<Exercise> ExerciseFromJson(std::string_view json);
+
+}  // namespace enamel::scene

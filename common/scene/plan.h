@@ -1,0 +1,17 @@
+#pragma once
+
+#include "common/base/result.h"
+#include "common/core/params.h"
+#include "common/scene/types.h"
+
+namespace enamel::scene {
+
+// Compiles scene, exercise and device profile into the core's parameters: the only way an attempt
+// gets them, on the station; the server re-derives them and compares with the attempt's header.
+// The device's counts are centred on the landmark of the exercise.
+// Errors: kInvalidInput when the profile cannot carry the exercise (rate, Kc above the passive limit
+// 2 b f/(2 d + 1) or above 2 c/delta, a missing landmark or tissue), with what would be allowed.
+Result<core::CoreParams> CompilePlan(const Scene& scene, const Exercise& exercise,
+                                     const DeviceProfile& profile);
+
+}  // namespace enamel::scene

@@ -1,0 +1,110 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/sha256.h"
+#include "common/cutting/bur.h"
+#include "common/cutting/tissue.h"
+#include "common/haptics/force_law.h"
+#include "common/math/vec.h"
+
+// The documents a graded attempt is made from. Each has a JSON form with a schema
+// (schemas/{scene,exercise,device_profile}.schema.json), a format number, and the rule that unknown
+// members are refused in what we author (a misspelt limit must not be silently ignored).
+// Lengths in the JSON are integers in micrometres or nanometres, forces in millinewtons.
+namespace enamel::scene {
+
+// Scene frame: millimetre-scale, right-handed; +z occlusal (away from the root), +x mesial, +y
+// buccal; origin in the middle of the crown's bounding box. JSON: integers in um.
+using PointUm = std::array<int32_t, 3>;
+
+struct TissueSpec {
+  cutting::Tissue tissue = cutting::Tissue::kAir;
+  int32_t damping_mn_s_per_mm = 0;       // B; 1 N s/mm = 1000 mN s/mm
+  std::string provenance;                // where the number is from
+};
+
+// A tooth (and what surrounds it) to work on.
+struct Scene {
+  std::string name;                      // "molar-46"
+  std::string title;
+  Sha256 volume;                         // content address of the volume blob (volume_blob.h)
+  int32_t voxel_nm = 0;
+  std::vector<TissueSpec> tissues;
+  std::map<std::string, PointUm> landmarks;  // always has "occlusal_centre"
+  std::string provenance;                // generated, or imported from which file (hash, licence)
+};
+
+// One number of a device profile and where it is from.
+struct Sourced {
+  int64_t value = 0;
+  std::string source;                    // "paper, table 3", "assumption", "datasheet", "measured 2026-…"
+};
+
+struct DeviceProfile {
+  std::string name;                      // "phantom_desktop"
+  std::string title;
+  Sourced resolution_nm;                 // delta, same on all axes
+  Sourced max_stiffness_mn_per_mm;       // K at the stated rate
+  Sourced coupling_mn_per_mm;            // Kc used by the coupling
+  Sourced damping_mn_s_per_m;            // b of the device itself
+  Sourced friction_mn;                   // c
+  Sourced mass_g;
+  Sourced peak_force_mn;
+  Sourced continuous_force_mn;
+  Sourced rate_hz;
+  Sourced bus_delay_ticks;
+  Sourced workspace_radius_um;
+};
+
+// What is to be cut: a box of the cavity, axis-aligned in the scene frame, its top open.
+struct CavityTarget {
+  std::string landmark = "occlusal_centre";  // the point the box hangs from
+  PointUm half_size_um{};                // half length x (mesio-distal), half width y; z unused
+  int32_t depth_um = 0;                  // floor below the landmark
+  int32_t leeway_side_um = 0;            // may go, beyond the walls
+  int32_t leeway_bottom_um = 0;
+  int32_t container_um = 0;              // must stay, beyond the leeway
+};
+
+struct RubricPoint { double value; double share; };  // share of the points, 0..1
+
+struct RubricCriterion {
+  std::string metric;                    // a name from scoring/metrics.h
+  std::string title;                     // "Mesial wall"
+  std::string unit;                      // must equal the metric's unit
+  double points = 0;                     // full marks
+  std::vector<RubricPoint> map;          // piecewise linear in value, at least one, sorted
+  std::string comment;                   // shown where points are lost
+  // Critical: when value exceeds this the whole score is 0.
+  std::optional<double> fails_above;
+};
+
+struct Rubric {
+  std::string name;
+  int32_t version = 1;
+  std::vector<RubricCriterion> criteria;
+};
+
+struct Exercise {
+  std::string name;                      // "class-1-occlusal"
+  std::string title;
+  std::string instructions;
+  Sha256 scene;                          // content address of the scene's JSON
+  cutting::BurShape bur_shape = cutting::BurShape::kCylinder;
+  int32_t bur_radius_um = 0;
+  int32_t bur_length_um = 0;
+  haptics::LawKind law = haptics::LawKind::kMaxwell;
+  int32_t rate_hz = 1000;
+  int32_t time_limit_s = 0;              // 0: none
+  bool graded = true;                    // score shown after release; practice shows at once
+  CavityTarget target;
+  Rubric rubric;
+};
+
+}  // namespace enamel::scene
