@@ -1,9 +1,6 @@
 #pragma once
 
-#include <functional>
-#include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -69,19 +66,23 @@ class Store {
   virtual Result<Person> PersonByLogin(const std::string& login) = 0;
   virtual Result<std::string> PasswordVerifier(const Uuid& person) = 0;
   virtual Status SetPassword(const Uuid& person, const std::string& verifier, const Actor& by) = 0;
+  // Disabling ends the person's sessions in the same transaction.
+  virtual Status SetDisabled(const Uuid& person, bool disabled, const Actor& by) = 0;
   virtual Result<std::vector<Person>> People() = 0;
 
+  // Sessions: whether one still counts (idle, absolute end) is for server/auth to say.
   virtual Status CreateSession(const SessionRow& session) = 0;
-  virtual Result<SessionRow> FindSession(const Sha256& token_hash) = 0;   // kNotFound also when expired
+  virtual Result<SessionRow> FindSession(const Sha256& token_hash) = 0;
   virtual Status TouchSession(const Sha256& token_hash, UnixMs now_ms) = 0;
   virtual Status EndSession(const Sha256& token_hash) = 0;
+  virtual Status EndSessionsOf(const Uuid& person) = 0;
 
   virtual Result<Uuid> CreateCohort(const std::string& name, const Actor& by) = 0;
   virtual Status AddToCohort(const Uuid& cohort, const Uuid& person, const Actor& by) = 0;
   virtual Result<std::vector<Cohort>> CohortsOf(const Uuid& person) = 0;  // as student or instructor
   virtual Result<std::vector<Cohort>> Cohorts() = 0;
   virtual Result<std::vector<Person>> CohortMembers(const Uuid& cohort) = 0;
-  // True when the two share a cohort.
+  // True when the two share a cohort (a person shares one with itself only as a member of any).
   virtual Result<bool> ShareCohort(const Uuid& a, const Uuid& b) = 0;
 
   // Stations. A code works once and before it expires.
@@ -90,6 +91,7 @@ class Store {
                                           const Sha256& credential_hash, UnixMs now_ms) = 0;
   virtual Result<StationRow> StationByCredential(const Uuid& id, const Sha256& credential_hash) = 0;
   virtual Result<StationRow> StationById(const Uuid& id) = 0;
+  virtual Status TouchStation(const Uuid& id, UnixMs now_ms) = 0;
   virtual Result<std::vector<StationRow>> Stations() = 0;
 
   // Content-addressed blobs: documents, volumes, sealed results. Write-once, durable on return.
@@ -101,7 +103,8 @@ class Store {
   virtual Result<std::vector<ProfileRow>> Profiles() = 0;
   virtual Status PutScene(const SceneRow& row, const Actor& by) = 0;
   virtual Result<std::vector<SceneRow>> Scenes() = 0;
-  // A new version of the exercise of this name when the content differs; returns the row as stored.
+  // A new version of the exercise of this name when the content differs from the newest one; returns
+  // the row as stored. Assigned to `cohort` from then on; a zero cohort: open to everybody.
   virtual Result<ExerciseRow> PublishExercise(ExerciseRow row, const Uuid& cohort, const Actor& by) = 0;
   virtual Result<ExerciseRow> ExerciseById(const Uuid& id) = 0;
   virtual Result<ExerciseRow> ExerciseByContent(const Sha256& content) = 0;
@@ -109,9 +112,11 @@ class Store {
   virtual Result<std::vector<ExerciseRow>> ExercisesFor(const Uuid& person) = 0;
   virtual Result<std::vector<ExerciseRow>> AllExercises() = 0;
 
-  // Attempts and their traces.
+  // Attempts and their traces. `ticket` is what OpenAttempt's header must contain: one ticket, one
+  // attempt, one header.
   virtual Status CreateAttempt(const AttemptRow& row, ByteView ticket, const Actor& by) = 0;
-  // First or repeated; kConflict when another header is stored.
+  // First or repeated; kConflict when another header is stored. Whether the ticket inside the header
+  // is genuine and in time is for the caller to have checked.
   virtual Status OpenAttempt(const Uuid& attempt, ByteView header) = 0;
   struct ChunkPut {
     Uuid attempt;
@@ -121,9 +126,12 @@ class Store {
     UnixMs received_ms = 0;
   };
   // Durable on return. Idempotent by (attempt, seq, hash). Same seq with another hash: kConflict, the
-  // attempt is quarantined and both are kept. Out of order: kInvalidInput naming the expected seq.
+  // attempt is quarantined and both are kept. Out of order, or not continuing the stored chain (first
+  // tick, previous hash): kInvalidInput naming what was expected. Concurrent callers share one fsync.
   virtual Status AppendChunk(const ChunkPut& chunk) = 0;
-  virtual Status SealAttempt(const trace::Seal& seal, UnixMs now_ms) = 0;  // queues a "score" job
+  // Refuses a seal that does not match the committed chunks (kConflict). Moves the trace from rows into
+  // one write-once blob (a trace file, schemas/trace_format.md) and queues a "score" job. Idempotent.
+  virtual Status SealAttempt(const trace::Seal& seal, UnixMs now_ms) = 0;
   virtual Result<AttemptRow> AttemptById(const Uuid& id) = 0;
   virtual Result<std::vector<AttemptRow>> Attempts(const AttemptFilter& filter) = 0;
   virtual Result<Bytes> AttemptHeader(const Uuid& attempt) = 0;
@@ -143,11 +151,13 @@ class Store {
   virtual Status ReleaseAttempt(const Uuid& attempt, const Actor& by) = 0;
 
   // A sealed and scored attempt becomes the exercise's reference (newest wins); attempts of that
-  // exercise which were sealed without a reference are queued for scoring.
+  // exercise which were sealed without a reference are queued for scoring, itself included (it then
+  // reads deviation 0).
   virtual Result<ReferenceRow> AddReference(const Uuid& attempt, const std::string& dentist, const Actor& by) = 0;
   virtual Result<std::optional<ReferenceRow>> ReferenceFor(const Uuid& exercise) = 0;
 
   // Jobs as leases: a job whose lease ran out is taken again; after 3 tries it is "failed" and shown.
+  // Taking a "score" job turns its attempt to "scoring"; its last failure turns it to "failed".
   virtual Result<std::optional<JobRow>> LeaseJob(UnixMs now_ms, UnixMs lease_ms) = 0;
   virtual Status FinishJob(const Uuid& job, bool ok, const std::string& error) = 0;
   virtual Result<std::vector<JobRow>> Jobs(const std::string& state) = 0;

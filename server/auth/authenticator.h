@@ -1,0 +1,81 @@
+#pragma once
+
+#include <atomic>
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/thread_pool.hpp>
+#include <functional>
+#include <string>
+#include <string_view>
+
+#include "common/base/result.h"
+#include "server/auth/password.h"
+#include "server/auth/throttle.h"
+#include "server/storage/store.h"
+#include "server/storage/store_pool.h"
+
+namespace enamel::server::auth {
+
+struct AuthOptions {
+  UnixMs idle_ms = 30 * 60 * 1000;
+  UnixMs absolute_ms = 12 * 60 * 60 * 1000;
+  PasswordCost cost;
+  size_t hash_threads = 2;          // 64 MiB each while hashing
+  size_t max_waiting = 16;          // sign-ins beyond these are refused with kUnavailable
+  std::function<UnixMs()> clock;    // empty: the system's
+};
+
+// Who a request is from.
+struct Identity {
+  Person person;
+  Sha256 token_hash;
+  std::string csrf;                 // expected X-Enamel-Csrf
+};
+
+struct SignedIn {
+  Bytes token;                      // 32 bytes; the page gets it as 64 hex digits in the cookie
+  Identity identity;
+};
+
+struct SignInRequest {
+  std::string login, password;
+  std::string address;              // peer, for throttling
+  std::string via;                  // "page" | "station"
+};
+
+// Sign-in, sessions, sign-out. Thread safety: any thread.
+//
+// A wrong password, an unknown login and a disabled person give the same answer after the same work
+// (kUnauthenticated). Too many failures: kUnavailable, field "throttled" (HTTP 429). Too many sign-ins
+// at once: kUnavailable.
+class Authenticator {
+ public:
+  explicit Authenticator(Store& store, AuthOptions options = {});
+  ~Authenticator();
+
+  // Runs on the hashing threads; continues on the caller's executor.
+  boost::asio::awaitable<Result<SignedIn>> SignIn(SignInRequest request);
+  // The same on this thread, outside the bound: for the command line and tests.
+  Result<SignedIn> SignInHere(const SignInRequest& request);
+
+  // Who holds this token (32 bytes) now; renews the idle time. Blocks (store): call it through a
+  // StorePool. Errors: kUnauthenticated.
+  Result<Identity> Authenticate(ByteView token);
+  // `cookie` is the token as 64 hex digits.
+  Result<Identity> AuthenticateHex(std::string_view cookie);
+  Status SignOut(const Sha256& token_hash);
+
+  // Policy, then a verifier for Store::CreatePerson and SetPassword. Blocks.
+  Result<std::string> NewVerifier(std::string_view password, std::string_view login) const;
+
+ private:
+  UnixMs Now() const;
+
+  Store& store_;
+  const AuthOptions options_;
+  const std::string decoy_verifier_;   // verified against when there is no such login
+  Throttle throttle_;
+  std::atomic<size_t> waiting_{0};
+  StorePool hashing_;
+};
+
+}  // namespace enamel::server::auth

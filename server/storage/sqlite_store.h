@@ -1,0 +1,35 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+
+#include "server/storage/store.h"
+
+namespace enamel::server {
+
+struct SqliteOptions {
+  std::filesystem::path folder;      // made when absent, mode 0700
+  // The server holds the folder's lock (LOCK, flock) as long as it runs. The command line opens the
+  // same folder beside it without: SQLite's own locks are enough for that, except to migrate.
+  bool hold_lock = false;
+  int readers = 4;                   // read connections, opened as needed
+  // Asked before every statement that writes, every COMMIT and every blob; true makes that one fail.
+  // For tests (fail the Nth operation). Empty: never.
+  std::function<bool()> fail_next;
+};
+
+// The embedded store: DIR/enamel.db (SQLite, WAL, synchronous=FULL) and DIR/blobs/xx/<sha256>.
+//
+// Writes from all threads queue up; the first becomes the leader, runs everything queued in one
+// transaction (each write in a savepoint of its own) and one fsync, and hands out the results.
+// Chunks of an unsealed attempt are rows; SealAttempt moves them into one write-once blob.
+//
+// Errors: kStorage (folder not writable, disk full, database damaged), kUnavailable (another server
+// holds the folder), kVersion (database made by a newer enamel-server).
+Result<std::unique_ptr<Store>> OpenSqliteStore(const SqliteOptions& options);
+
+// Newest schema this program knows, 1-based; migrations are schemas/sql/NNNN_*.sql, forward only.
+int LatestSchemaVersion();
+
+}  // namespace enamel::server

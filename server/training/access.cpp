@@ -1,0 +1,45 @@
+#include "server/training/access.h"
+
+namespace enamel::server {
+namespace {
+
+bool Is(const Person& viewer, Role role) { return !viewer.disabled && viewer.role == role; }
+
+bool Supervises(const Person& viewer, bool shares_cohort) {
+  return Is(viewer, Role::kAdmin) || (Is(viewer, Role::kInstructor) && shares_cohort);
+}
+
+bool Owns(const Person& viewer, const AttemptRow& attempt) {
+  return !viewer.disabled && viewer.id == attempt.person;
+}
+
+}  // namespace
+
+bool CanSeeAttempt(const Person& viewer, const AttemptRow& attempt, bool shares_cohort) {
+  return Owns(viewer, attempt) || Supervises(viewer, shares_cohort);
+}
+
+bool CanSeeScore(const Person& viewer, const AttemptRow& attempt, bool graded,
+                 bool shares_cohort) {
+  if (Supervises(viewer, shares_cohort)) return true;
+  if (!Owns(viewer, attempt)) return false;
+  return !graded || attempt.released || !Is(viewer, Role::kStudent);
+}
+
+bool CanReleaseAttempt(const Person& viewer, const AttemptRow&, bool shares_cohort) {
+  return Supervises(viewer, shares_cohort);
+}
+
+bool CanMarkReference(const Person& viewer, const AttemptRow& attempt, bool shares_cohort) {
+  return Supervises(viewer, shares_cohort) || (Is(viewer, Role::kInstructor) && Owns(viewer, attempt));
+}
+
+bool CanRecordReference(const Person& viewer) {
+  return Is(viewer, Role::kInstructor) || Is(viewer, Role::kAdmin);
+}
+
+bool CanListCohorts(const Person& viewer) { return CanRecordReference(viewer); }
+bool CanListStations(const Person& viewer) { return CanRecordReference(viewer); }
+bool CanAdminister(const Person& viewer) { return Is(viewer, Role::kAdmin); }
+
+}  // namespace enamel::server
