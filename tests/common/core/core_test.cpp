@@ -1,0 +1,169 @@
+#include "common/core/core.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "tests/support/analytic_volume.h"
+
+namespace enamel::core {
+namespace {
+
+CoreParams Params() {
+  CoreParams p;
+  p.kc_mn_per_mm = 2500;
+  p.resolution_nm = {10'000, 10'000, 10'000};
+  p.peak_force_mn = 7900;
+  p.bur_shape = cutting::BurShape::kCylinder;
+  p.bur_radius_nm = 600'000;
+  p.bur_length_nm = 4'000'000;
+  p.damping_mn_s_per_mm[1] = 6500;
+  return p;
+}
+
+TickInput At(double x_m, double y_m, double z_m, uint8_t flags = kBurOn) {
+  TickInput in;
+  in.counts = {static_cast<int32_t>(std::lround(x_m / 10e-6)), static_cast<int32_t>(std::lround(y_m / 10e-6)),
+               static_cast<int32_t>(std::lround(z_m / 10e-6))};
+  in.flags = flags;
+  return in;
+}
+
+// A hand that comes down into the block and then moves sideways through it.
+TickInput Stroke(int tick) {
+  double down = std::min(tick * 0.5e-6, 1e-3), along = std::max(0.0, tick * 0.5e-6 - 1e-3);
+  return At(along, 0.2e-3 * std::sin(tick * 0.003), 0.2e-3 - down);
+}
+
+TEST(CoreTest, SameInputsGiveTheSameToothForcesAndHash) {
+  Core a(Params(), test::Block(50'000, 3e-3, 3e-3)), b(Params(), test::Block(50'000, 3e-3, 3e-3));
+  for (int tick = 0; tick < 6000; ++tick) {
+    TickOutput x = a.Step(Stroke(tick)), y = b.Step(Stroke(tick));
+    ASSERT_EQ(x.witness, y.witness);
+  }
+  EXPECT_EQ(a.state_hash(), b.state_hash());
+  EXPECT_TRUE(a.volume() == b.volume());
+  EXPECT_GT(a.removed()[1], 0);
+}
+
+TEST(CoreTest, OneCountOfDifferenceInOneTickChangesTheHash) {
+  Core a(Params(), test::Block(50'000, 3e-3, 3e-3)), b(Params(), test::Block(50'000, 3e-3, 3e-3));
+  for (int tick = 0; tick < 3000; ++tick) {
+    TickInput in = Stroke(tick);
+    a.Step(in);
+    if (tick == 1500) in.counts[1] += 1;
+    b.Step(in);
+  }
+  EXPECT_NE(a.state_hash(), b.state_hash());
+}
+
+TEST(CoreTest, SteadyCutFeelsTheTissuesDampingTimesTheFeed) {
+  CoreParams p = Params();
+  p.soft_start_ticks = 0;
+  Core core(p, test::Block(50'000, 6e-3, 5e-3));
+  // Seat the bur at its full length, then feed at 0.4 mm/s for 8 s (three times B/Kc).
+  core.Step(At(-4e-3, 0, -4e-3));
+  TickOutput out;
+  double sum = 0;
+  for (int tick = 0; tick < 12000; ++tick) {
+    out = core.Step(At(-4e-3 + tick * 0.4e-6, 0, -4e-3));
+    if (tick >= 11000) sum -= out.force_sent_n.x;
+  }
+  EXPECT_NEAR(sum / 1000, 6.5 * 0.4, 0.12);
+}
+
+TEST(CoreTest, StillBurIsAWallThatDoesNotCutAndLetsTheHandWithdraw) {
+  CoreParams p = Params();
+  p.soft_start_ticks = 0;
+  Core core(p, test::Block(50'000, 3e-3, 3e-3));
+  TickOutput out;
+  core.Step(At(0, 0, 0.1e-3, 0));
+  for (int tick = 0; tick < 1000; ++tick) out = core.Step(At(0, 0, 0.1e-3 - tick * 1e-6, 0));
+  EXPECT_EQ(core.removed(), cutting::RemovedUnits{});
+  // Tip 0.9 mm under the surface: Kc * 0.9 mm, within half a voxel of where contact begins.
+  EXPECT_NEAR(out.force_sent_n.z, 2.5 * 0.9, 2500 * 60e-6);
+  for (int tick = 0; tick < 400; ++tick) out = core.Step(At(0, 0, -0.9e-3 + tick * 5e-6, 0));
+  EXPECT_EQ(out.force_sent_n, dvec3(0));
+}
+
+TEST(CoreTest, StillBurSlidesAlongTheWall) {
+  CoreParams p = Params();
+  p.soft_start_ticks = 0;
+  Core core(p, test::Block(50'000, 4e-3, 3e-3));
+  TickOutput out;
+  core.Step(At(0, 0, 0.1e-3, 0));
+  for (int tick = 0; tick < 300; ++tick) out = core.Step(At(0, 0, 0.1e-3 - tick * 1e-6, 0));
+  for (int tick = 0; tick < 1000; ++tick) out = core.Step(At(tick * 1e-6, 0, -0.2e-3, 0));
+  EXPECT_NEAR(out.anchor.tip_m.x, 1e-3, 30e-6);
+  EXPECT_LT(std::fabs(out.force_sent_n.x), 0.1);
+}
+
+TEST(CoreTest, GapPutsTheAnchorAtTheTipWithoutForceOrCut) {
+  Core core(Params(), test::Block(50'000, 3e-3, 3e-3));
+  for (int tick = 0; tick < 1000; ++tick) core.Step(Stroke(tick));
+  cutting::RemovedUnits before = core.removed();
+  TickInput after = Stroke(1100);
+  after.gap_ticks = 100;
+  TickOutput out = core.Step(after);
+  EXPECT_EQ(out.force_sent_n, dvec3(0));
+  EXPECT_TRUE(out.flags & kAnchorReset);
+  EXPECT_EQ(core.removed(), before);
+}
+
+TEST(CoreTest, FaultHoldsZeroForceAndCutsNothingUntilCleared) {
+  Core core(Params(), test::Block(50'000, 3e-3, 3e-3));
+  for (int tick = 0; tick < 2000; ++tick) core.Step(Stroke(tick));
+  cutting::RemovedUnits before = core.removed();
+  for (int tick = 2000; tick < 2200; ++tick) {
+    TickInput in = Stroke(tick);
+    in.flags |= kFaulted;
+    EXPECT_EQ(core.Step(in).force_sent_n, dvec3(0));
+  }
+  EXPECT_EQ(core.removed(), before);
+}
+
+TEST(CoreTest, WildInputsStayBoundedInForceAndWork) {
+  Core core(Params(), test::Block(100'000, 2e-3, 2e-3));
+  std::mt19937_64 random(3);
+  for (int tick = 0; tick < 300; ++tick) {
+    TickInput in;
+    for (auto& c : in.counts) {
+      c = tick % 3 == 0 ? static_cast<int32_t>(random()) : static_cast<int32_t>(random() % 400) - 200;
+    }
+    for (auto& q : in.orientation) q = static_cast<int16_t>(random());
+    in.flags = static_cast<uint8_t>(random());
+    in.gap_ticks = random() % 10 == 0 ? static_cast<uint32_t>(random()) : 0;
+    TickOutput out = core.Step(in);
+    EXPECT_LE(glm::length(out.force_sent_n), 7.9 + 1e-9);
+  }
+}
+
+TEST(CoreParamsTest, ComeBackFromTheirCanonicalBytes) {
+  ByteWriter out;
+  WriteParams(Params(), out);
+  ByteReader in(out.bytes());
+  auto back = ReadParams(in);
+  ASSERT_TRUE(back.ok()) << back.status().message();
+  EXPECT_EQ(*back, Params());
+}
+
+TEST(CoreParamsTest, EveryTruncationIsRefused) {
+  ByteWriter out;
+  WriteParams(Params(), out);
+  for (size_t n = 0; n < out.size(); ++n) {
+    ByteReader in(ByteView(out.bytes()).first(n));
+    EXPECT_FALSE(ReadParams(in).ok()) << n;
+  }
+}
+
+TEST(CoreParamsTest, ForeignCoreVersionIsNamed) {
+  CoreParams p = Params();
+  p.core_version = 99;
+  Status status = ValidateParams(p);
+  EXPECT_EQ(status.code(), Code::kVersion);
+  EXPECT_NE(status.message().find("99"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace enamel::core

@@ -1,0 +1,182 @@
+#include "common/haptics/coupling.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace enamel::haptics {
+namespace {
+
+class UniformMaterial final : public Material {
+ public:
+  explicit UniformMaterial(Sym3 b) : b_(b) {}
+  Contact ContactAt(const dvec3& anchor, const dvec3&) noexcept override {
+    Contact c;
+    bool inside = anchor.x > surface_x;
+    if (inside) c.damping_n_s_per_m = b_;
+    c.engaged = inside;
+    return c;
+  }
+  void AnchorMoved(const dvec3& from, const dvec3& to) noexcept override {
+    path += glm::length(to - from);
+  }
+  Sym3 b_;
+  double surface_x = -1e9;
+  double path = 0;
+};
+
+CouplingParams Phantom() {
+  CouplingParams p;
+  p.law.kc_n_per_m = 2500;
+  p.law.resolution_m = dvec3(10e-6);
+  p.peak_force_n = 7.9;
+  return p;
+}
+
+dvec3 Quantise(const dvec3& x, double delta) {
+  return dvec3(std::floor(x.x / delta + 0.5), std::floor(x.y / delta + 0.5),
+               std::floor(x.z / delta + 0.5)) * delta;
+}
+
+// Steady state of the Maxwell coupling: R = B V_hand, at any direction. 0.43 mm/s at 6.5 N s/mm is
+// 2.795 N; the tolerance is the guard's price, Kc delta / 2 per axis, plus one count's ripple.
+TEST(CouplingTest, ConstantSpeedCutSettlesAtDampingTimesSpeed) {
+  for (dvec3 direction : {dvec3(1, 0, 0), glm::normalize(dvec3(1, 1, 0)), glm::normalize(dvec3(1, 2, 3))}) {
+    Coupling coupling(Phantom());
+    UniformMaterial enamel(Sym3::Isotropic(6500));
+    coupling.Reset(dvec3(0));
+    CouplingOutput out;
+    for (int tick = 0; tick < 30000; ++tick) {
+      out = coupling.Tick(Quantise(direction * (0.43e-6 * tick), 10e-6), 1, enamel);
+    }
+    EXPECT_NEAR(glm::dot(out.force_sent_n, -direction), 2.795, 2500 * 10e-6 * 1.8);
+    EXPECT_EQ(out.flags & kPeakBounded, 0);
+  }
+}
+
+TEST(CouplingTest, AirCostsNothingAndFirstContactIsFelt) {
+  Coupling coupling(Phantom());
+  UniformMaterial enamel(Sym3::Isotropic(6500));
+  enamel.surface_x = 1e-3;
+  coupling.Reset(dvec3(0));
+  auto air = coupling.Tick(dvec3(0.5e-3, 0, 0), 1, enamel);
+  EXPECT_EQ(air.force_sent_n, dvec3(0));
+  EXPECT_TRUE(air.flags & kFreeAir);
+  EXPECT_EQ(coupling.anchor_m(), dvec3(0.5e-3, 0, 0));
+  // One tick through the surface: the anchor stops there and does not tunnel to the tip.
+  auto hit = coupling.Tick(dvec3(2e-3, 0, 0), 1, enamel);
+  EXPECT_GT(-hit.force_sent_n.x, 2.0);
+  EXPECT_LT(coupling.anchor_m().x, 1.1e-3);
+}
+
+TEST(CouplingTest, MagnitudeBoundMovesTheAnchorSoForceStaysTheSprings) {
+  Coupling coupling(Phantom());
+  UniformMaterial stone(Sym3::Isotropic(1e7));
+  coupling.Reset(dvec3(0));
+  CouplingOutput out;
+  for (int tick = 0; tick < 1000; ++tick) out = coupling.Tick(dvec3(tick * 10e-6, 0, 0), 1, stone);
+  EXPECT_NEAR(glm::length(out.force_sent_n), 7.9, 1e-9);
+  EXPECT_TRUE(out.flags & kPeakBounded);
+  EXPECT_NEAR(2500 * (999 * 10e-6 - coupling.anchor_m().x), 7.9, 2500 * 5e-6 + 1e-9);
+}
+
+TEST(CouplingTest, NonFiniteInputGivesNoForceAndKeepsTheAnchor) {
+  Coupling coupling(Phantom());
+  UniformMaterial enamel(Sym3::Isotropic(6500));
+  coupling.Reset(dvec3(0));
+  coupling.Tick(dvec3(1e-4, 0, 0), 1, enamel);
+  dvec3 before = coupling.anchor_m();
+  for (double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
+    auto out = coupling.Tick(dvec3(bad, 0, 0), 1, enamel);
+    EXPECT_EQ(out.force_sent_n, dvec3(0));
+    EXPECT_TRUE(out.flags & kNonFiniteInput);
+  }
+  EXPECT_EQ(coupling.anchor_m(), before);
+}
+
+TEST(CouplingTest, NonFiniteMaterialGivesNoMotionOfTheAnchor) {
+  Coupling coupling(Phantom());
+  UniformMaterial broken(Sym3{std::nan(""), 0, 0, 0, 0, 0});
+  coupling.Reset(dvec3(0));
+  auto out = coupling.Tick(dvec3(1e-5, 0, 0), 1, broken);
+  EXPECT_TRUE(std::isfinite(out.force_sent_n.x));
+  EXPECT_EQ(coupling.anchor_m(), dvec3(0));
+}
+
+class RandomMaterial final : public Material {
+ public:
+  explicit RandomMaterial(uint64_t seed) : random_(seed) {}
+  Contact ContactAt(const dvec3&, const dvec3&) noexcept override {
+    Contact c;
+    int rank = static_cast<int>(random_() % 4);
+    for (int i = 0; i < rank; ++i) {
+      dvec3 n(normal_(random_), normal_(random_), normal_(random_));
+      c.damping_n_s_per_m += Sym3::Outer(n, std::exp(normal_(random_) * 3 + 5));
+    }
+    c.engaged = rank > 0;
+    return c;
+  }
+  void AnchorMoved(const dvec3&, const dvec3&) noexcept override {}
+
+ private:
+  std::mt19937_64 random_;
+  std::normal_distribution<double> normal_;
+};
+
+// The theorem of coupling.h as a property: with Kc = 2 b/T and c = Kc delta / 2 per axis, the sum of
+// R.dx + (b/T) dx.dx + c sum |dx_i| never falls below -V_0 = 0 from an unloaded start, whatever B does each
+// tick and wherever the true position is in its encoder cell.
+TEST(CouplingTest, OperatorNeverExtractsEnergy) {
+  CouplingParams params = Phantom();
+  params.peak_force_n = 5;
+  const double delta = 10e-6, kc = params.law.kc_n_per_m, b_over_t = kc / 2, c = kc * delta / 2;
+  for (uint64_t seed = 1; seed <= 40; ++seed) {
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> normal;
+    Coupling coupling(params);
+    RandomMaterial material(seed);
+    dvec3 x(0), v(0), force(0);
+    coupling.Reset(x);
+    double energy = 0;
+    double step = delta * std::pow(10.0, static_cast<double>(seed % 5) - 2);
+    for (int tick = 0; tick < 5000; ++tick) {
+      v = v * 0.9 + dvec3(normal(random), normal(random), normal(random)) * step;
+      dvec3 dx = v;
+      energy += glm::dot(-force, dx) + b_over_t * glm::dot(dx, dx) +
+                c * (std::fabs(dx.x) + std::fabs(dx.y) + std::fabs(dx.z));
+      ASSERT_GE(energy, -1e-12) << "seed " << seed << " tick " << tick;
+      x += dx;
+      force = coupling.Tick(Quantise(x, delta), 1, material).force_sent_n;
+    }
+  }
+}
+
+// The premise of the proof, checked on the moves themselves: no anchor move, once guarded, lengthens
+// the spring for any true position within the encoder cell.
+TEST(GuardTest, NoGuardedMoveRaisesSpringEnergyAnywhereInTheCell) {
+  std::mt19937_64 random(7);
+  std::normal_distribution<double> normal;
+  dvec3 delta(10e-6, 20e-6, 9e-6);
+  for (int i = 0; i < 20000; ++i) {
+    dvec3 e = dvec3(normal(random), normal(random), normal(random)) * 1e-5;
+    dvec3 w = dvec3(normal(random), normal(random), normal(random)) * 1e-5;
+    w *= GuardFactor(e, w, delta);
+    for (int corner = 0; corner < 8; ++corner) {
+      dvec3 x = e + dvec3(corner & 1 ? delta.x : -delta.x, corner & 2 ? delta.y : -delta.y,
+                          corner & 4 ? delta.z : -delta.z) * 0.5;
+      EXPECT_LE(glm::dot(x - w, x - w), glm::dot(x, x) * (1 + 1e-12) + 1e-24);
+    }
+  }
+}
+
+TEST(CouplingTest, SoftStartScalesTheBound) {
+  Coupling coupling(Phantom());
+  UniformMaterial stone(Sym3::Isotropic(1e7));
+  coupling.Reset(dvec3(0));
+  auto out = coupling.Tick(dvec3(3e-3, 0, 0), 0.25, stone);
+  EXPECT_NEAR(glm::length(out.force_sent_n), 0.25 * 7.9, 1e-9);
+}
+
+}  // namespace
+}  // namespace enamel::haptics

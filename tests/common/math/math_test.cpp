@@ -1,0 +1,67 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "common/math/orientation.h"
+#include "common/math/sym3.h"
+#include "common/math/trig.h"
+
+namespace enamel {
+namespace {
+
+TEST(TrigTest, AgreesWithLibmToItsRounding) {
+  for (int i = 0; i <= 10000; ++i) {
+    double turns = i / 10000.0;
+    SinCos t = SinCosOfTurns(turns);
+    EXPECT_NEAR(t.sin, std::sin(2 * M_PI * turns), 1e-15);
+    EXPECT_NEAR(t.cos, std::cos(2 * M_PI * turns), 1e-15);
+  }
+}
+
+TEST(Sym3Test, SolveShiftedSatisfiesItsEquationOverElevenDecades) {
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> normal;
+  for (double scale : {1e-3, 1.0, 1e4, 1e8}) {
+    for (int i = 0; i < 200; ++i) {
+      // Sum of outer products: positive semi-definite, often singular.
+      Sym3 a;
+      for (int k = 0; k < 1 + i % 4; ++k) {
+        a += Sym3::Outer(dvec3(normal(random), normal(random), normal(random)), scale);
+      }
+      dvec3 v(normal(random), normal(random), normal(random));
+      double s = 2.5;
+      dvec3 x = SolveShifted(a, s, v);
+      dvec3 back = a * x + x * s;
+      EXPECT_LT(glm::length(back - v), 1e-15 * (scale + 1) * 1e3 + 1e-9) << scale;
+      EXPECT_TRUE(a.IsPositiveSemiDefinite(1e-9));
+    }
+  }
+}
+
+TEST(Sym3Test, IndefiniteMatrixIsRecognised) {
+  EXPECT_FALSE((Sym3{1, 1, -0.1, 0, 0, 0}).IsPositiveSemiDefinite(1e-9));
+  EXPECT_FALSE((Sym3{1, 1, 1, 2, 0, 0}).IsPositiveSemiDefinite(1e-9));
+}
+
+TEST(OrientationTest, QuantisedFormComesBackWithinItsResolution) {
+  Quat q = Quat{0.1, -0.2, 0.3, 0.9}.Normalised();
+  Quat back = FromQuantised(ToQuantised(q));
+  EXPECT_NEAR(back.x, q.x, 2e-5);
+  EXPECT_NEAR(back.w, q.w, 2e-5);
+}
+
+TEST(OrientationTest, MatrixRotatesAsTheQuaternionDoes) {
+  // A quarter turn about z takes x to y.
+  Quat q{0, 0, std::sqrt(0.5), std::sqrt(0.5)};
+  dvec3 x = q.Matrix()[0];
+  EXPECT_NEAR(x.x, 0, 1e-15);
+  EXPECT_NEAR(x.y, 1, 1e-15);
+}
+
+TEST(OrientationTest, ZeroQuaternionMeansTheIdentity) {
+  EXPECT_EQ(FromQuantised({0, 0, 0, 0}).w, 1);
+}
+
+}  // namespace
+}  // namespace enamel
