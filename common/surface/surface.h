@@ -8,9 +8,18 @@
 #include "common/cutting/volume.h"
 #include "common/math/vec.h"
 
-// The volume's surface as triangles, by surface nets: one vertex per grid cell that the zero level
-// crosses, at the mean of its edge crossings; one quad per crossed grid edge. Closed and oriented
-// outward; no cracks between bricks, because a cell belongs to one brick and reads its neighbours.
+// The volume's surface as triangles, by surface nets (Gibson 1998): one vertex per grid cell that the
+// zero level crosses, at the mean of its edge crossings; one quad per crossed grid edge, split along
+// its shorter diagonal. Closed and oriented outward; no cracks between bricks, because a cell belongs
+// to one brick and reads its neighbours. What lies outside the grid counts as air, so solid that
+// touches the border is closed there too.
+//
+// Every directed edge is matched by one in the opposite direction. Where two sheets of the surface
+// pass through one cell (a wall thinner than a voxel) they share its vertex, and an edge may then
+// carry four triangles instead of two.
+//
+// A plane is met exactly (to the fixed point's 1/8192 voxel); on a sphere of radius R voxels the
+// vertices lie inside by up to about 0.5 / R voxel.
 namespace enamel::surface {
 
 struct Mesh {
@@ -20,18 +29,28 @@ struct Mesh {
   std::vector<std::array<uint32_t, 3>> triangles;  // counter-clockwise seen from outside
 };
 
-// Whole surface. Not real-time. Thread safety: reads the volume only.
+// Whole surface. Deterministic: equal volumes give equal meshes. Not real-time.
+// Thread safety: reads the volume only.
 Mesh ExtractSurface(const cutting::Volume& volume);
-// Only cells of these bricks, with vertices of their own: for incremental display. The parts of all
-// bricks together make the same triangles as ExtractSurface.
+
+// Only the quads of the edges that start in this brick, with vertices of their own (those on the
+// brick's lower faces are repeated by its neighbours): for incremental display. The parts of all
+// bricks together make the same triangles, at bit-equal positions, as ExtractSurface. Reads samples up
+// to one voxel outside the brick: after a change, extract the brick and its 26 neighbours.
+// Requires: 0 <= brick < brick_count.
 Mesh ExtractBrick(const cutting::Volume& volume, int brick);
 
+// Area (m^2) and enclosed volume (m^3; divergence theorem, so only for closed meshes).
+double Area_m2(const Mesh& mesh);
+double EnclosedVolume_m3(const Mesh& mesh);
+
 // Unsigned distance from points to a mesh, in a uniform grid of triangles.
-// Thread safety: const after construction.
+// Copies what it needs of the mesh. Thread safety: const after construction. Not real-time.
 class DistanceQuery {
  public:
   explicit DistanceQuery(const Mesh& mesh);
-  // Distance in metres to the nearest triangle, at most `limit_m`.
+  // Distance in metres to the nearest triangle, at most `limit_m`; `limit_m` for an empty mesh or a
+  // point that is not finite. Exact. Time grows with the distance found, in cells.
   double Distance_m(const dvec3& point_m, double limit_m) const;
 
  private:
@@ -40,7 +59,7 @@ class DistanceQuery {
   double cell_m_ = 0;
   ivec3 size_{0};
   std::vector<uint32_t> first_;          // (cells + 1): start in items_
-  std::vector<uint32_t> items_;
+  std::vector<uint32_t> items_;          // triangle indices
 };
 
 }  // namespace enamel::surface
