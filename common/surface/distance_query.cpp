@@ -117,6 +117,9 @@ double DistanceQuery::Distance_m(const dvec3& point_m, double limit_m) const {
     if (nearest * nearest >= best2) break;
     VisitRing(centre, ring, size_, [&](const ivec3& c) {
       size_t cell = (static_cast<size_t>(c.z) * size_.y + c.y) * size_.x + c.x;
+      if (first_[cell] == first_[cell + 1]) return;
+      dvec3 outside = glm::max(glm::max(dvec3(c) - g, g - dvec3(c) - 1.0), dvec3(0));
+      if (Dot(outside, outside) * cell_m_ * cell_m_ >= best2) return;
       for (uint32_t i = first_[cell]; i < first_[cell + 1]; ++i) {
         best2 = std::min(best2, TriangleDistance2(point_m, triangles_[items_[i]]));
       }
