@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/base/check.h"
+#include "common/cutting/brick_kernel.h"
 #include "common/cutting/bur.h"
 #include "common/cutting/volume.h"
 
@@ -46,6 +47,7 @@ class Cutter {
   Volume& volume_;
   Bur bur_;
   double voxel_m_;
+  BrickKernel kernel_;
   std::vector<int16_t> min_phi_;   // per brick: lower bound of its samples, +limit once all air
   std::vector<int32_t> touched_;
   size_t touched_count_ = 0;

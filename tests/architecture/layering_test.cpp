@@ -1,0 +1,223 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+// The tree's layers, as a table: which directories a directory may include from. Downward only;
+// what stands here is the design (README, "Layers"), and the sources and the link graph must agree.
+namespace {
+
+namespace fs = std::filesystem;
+using Names = std::set<std::string>;
+
+const fs::path kRoot = ENAMEL_SOURCE_DIR;
+
+const std::map<std::string, Names>& Allowed() {
+  static const std::map<std::string, Names> table = [] {
+    // Direct dependencies; Closure() adds what those may include.
+    std::map<std::string, Names> t = {
+        {"common/base", {}},
+        {"common/math", {"common/base"}},
+        {"common/haptics", {"common/math"}},
+        {"common/cutting", {"common/math"}},
+        {"common/core", {"common/haptics", "common/cutting"}},
+        {"common/scene", {"common/core"}},
+        {"common/surface", {"common/core"}},
+        {"common/import", {"common/scene"}},
+        {"common/trace", {"common/core"}},
+        {"common/scoring", {"common/scene", "common/surface", "common/trace"}},
+        {"common/protocol", {"common/base"}},
+        {"common/net", {"common/protocol"}},
+        {"station/devices", {"common/core", "common/scene"}},
+        {"station/loop", {"station/devices", "common/trace"}},
+        {"station/render", {"common/core", "common/surface"}},
+        {"station/spool", {"common/trace"}},
+        {"station/uplink", {"station/spool", "common/net", "common/trace", "common/scene"}},
+        {"station/qualify", {"station/devices", "common/core"}},
+        {"station/app",
+         {"station/devices", "station/loop", "station/render", "station/spool", "station/uplink", "station/qualify",
+          "common/import", "common/scene", "common/scoring"}},
+        {"server/training", {"common/base"}},
+        {"server/storage", {"server/training", "common/trace", "common/scene"}},
+        {"server/auth", {"server/storage"}},
+        {"server/live", {"server/training", "common/protocol"}},
+        {"server/stations", {"server/auth", "server/live", "server/storage", "common/net", "common/trace", "common/scene"}},
+        {"server/jobs", {"server/storage", "common/scoring"}},
+        {"server/http", {"server/auth", "server/live", "server/storage", "server/jobs", "common/scene", "common/net"}},
+        {"server/app", {"server/http", "server/stations", "server/jobs", "common/scoring", "common/import"}},
+    };
+    bool grew = true;
+    while (grew) {
+      grew = false;
+      for (auto& [name, uses] : t) {
+        Names more = uses;
+        for (const auto& u : uses) more.insert(t.at(u).begin(), t.at(u).end());
+        grew |= more.size() > uses.size();
+        uses = more;
+      }
+    }
+    return t;
+  }();
+  return table;
+}
+
+std::string ReadAll(const fs::path& path) {
+  std::ifstream in(path);
+  std::stringstream out;
+  out << in.rdbuf();
+  return out.str();
+}
+
+std::vector<fs::path> Sources(const std::string& folder) {
+  std::vector<fs::path> out;
+  for (const auto& entry : fs::recursive_directory_iterator(kRoot / folder)) {
+    auto ext = entry.path().extension();
+    if (ext == ".h" || ext == ".cpp") out.push_back(entry.path());
+  }
+  return out;
+}
+
+std::string FolderOf(const std::string& include) {
+  auto first = include.find('/');
+  auto second = include.find('/', first + 1);
+  return second == std::string::npos ? "" : include.substr(0, second);
+}
+
+std::vector<std::string> Includes(const fs::path& file) {
+  static const std::regex pattern(R"re(^\s*#\s*include\s*(["<])([^">]+)[">])re");
+  std::vector<std::string> out;
+  std::istringstream lines(ReadAll(file));
+  for (std::string line; std::getline(lines, line);) {
+    std::smatch m;
+    if (std::regex_search(line, m, pattern)) out.push_back(m[1].str() + m[2].str());
+  }
+  return out;
+}
+
+TEST(LayeringTest, EveryDirectoryHasItsPlaceInTheTable) {
+  for (const char* area : {"common", "station", "server"}) {
+    for (const auto& entry : fs::directory_iterator(kRoot / area)) {
+      if (!entry.is_directory()) continue;
+      std::string name = std::string(area) + "/" + entry.path().filename().string();
+      EXPECT_TRUE(Allowed().count(name)) << name << " is not in the layering table";
+    }
+  }
+}
+
+TEST(LayeringTest, IncludesPointDownward) {
+  for (const auto& [folder, allowed] : Allowed()) {
+    if (!fs::exists(kRoot / folder)) continue;
+    for (const auto& file : Sources(folder)) {
+      for (const auto& include : Includes(file)) {
+        if (include[0] != '"') continue;
+        std::string used = FolderOf(include.substr(1));
+        if (!Allowed().count(used) || used == folder) continue;
+        EXPECT_TRUE(allowed.count(used)) << file << " includes " << include.substr(1);
+      }
+    }
+  }
+}
+
+// The link graph says the same: a target names only directories its folder may use.
+TEST(LayeringTest, LinkGraphAgreesWithTheTable) {
+  static const std::regex target(R"re(enamel_(common|station|server)_([a-z]+))re");
+  for (const auto& [folder, allowed] : Allowed()) {
+    fs::path list = kRoot / folder / "CMakeLists.txt";
+    if (!fs::exists(list)) continue;
+    std::string text = std::regex_replace(ReadAll(list), std::regex("#[^\n]*"), "");
+    for (std::sregex_iterator it(text.begin(), text.end(), target), end; it != end; ++it) {
+      std::string used = (*it)[1].str() + "/" + (*it)[2].str();
+      if (used == folder || !Allowed().count(used)) continue;
+      EXPECT_TRUE(allowed.count(used)) << list << " links " << used;
+    }
+  }
+}
+
+struct Ban {
+  const char* what;
+  const char* pattern;               // of the include line's target
+  std::vector<std::string> only_in;  // folders that may; everything else may not
+};
+
+TEST(LayeringTest, LibrariesStayInTheirRooms) {
+  const std::vector<Ban> bans = {
+      {"SQLite", R"re(^<sqlite3\.h)re", {"server/storage", "station/spool"}},
+      {"OpenGL", R"re(^<(epoxy|GL|GLFW)/)re", {"station/render"}},
+      {"hidapi", R"re(^<hidapi)re", {"station/devices"}},
+      {"assimp", R"re(^<assimp/)re", {"common/import"}},
+      {"libsodium", R"re(^<sodium)re", {"common/base", "common/trace", "server/auth", "server/app", "station/app", "common/net", "server/stations", "station/uplink"}},
+  };
+  for (const auto& ban : bans) {
+    std::regex pattern(ban.pattern);
+    for (const auto& [folder, unused] : Allowed()) {
+      if (!fs::exists(kRoot / folder)) continue;
+      if (std::find(ban.only_in.begin(), ban.only_in.end(), folder) != ban.only_in.end()) continue;
+      for (const auto& file : Sources(folder))
+        for (const auto& include : Includes(file))
+          EXPECT_FALSE(std::regex_search(include, pattern)) << ban.what << " in " << file;
+    }
+  }
+}
+
+TEST(LayeringTest, CoreAndTickFoldersUseNothingThatBlocksOrVaries) {
+  std::regex banned(
+      R"re(^<(iostream|fstream|mutex|shared_mutex|condition_variable|filesystem|thread|random|unordered_map|unordered_set|boost/|sqlite3|epoxy|GL/|GLFW/|spdlog/))re");
+  for (const char* folder : {"common/math", "common/haptics", "common/cutting", "common/core"})
+    for (const auto& file : Sources(folder)) {
+      for (const auto& include : Includes(file)) {
+        EXPECT_FALSE(std::regex_search(include, banned)) << file << " includes " << include;
+      }
+    }
+  std::regex in_loop(R"re(^<(iostream|mutex|filesystem|boost/|sqlite3|epoxy|GL/|GLFW/))re");
+  if (!fs::exists(kRoot / "station/loop")) return;
+  for (const auto& file : Sources("station/loop")) {
+    for (const auto& include : Includes(file)) {
+      EXPECT_FALSE(std::regex_search(include, in_loop)) << file << " includes " << include;
+    }
+  }
+}
+
+// The core's promise of equal bits: + - * / sqrt and integers only.
+TEST(LayeringTest, CoreCallsNoLibmTranscendental) {
+  std::regex call(
+      R"re(\b(std::|glm::)?(sin|cos|tan|asin|acos|atan|atan2|exp|exp2|expm1|log|log2|log10|log1p|pow|cbrt|hypot|tanh|sinh|cosh|fma|slerp|lround|rotate|angle)\s*\()re");
+  for (const char* folder : {"common/haptics", "common/cutting", "common/core", "common/math"}) {
+    for (const auto& file : Sources(folder)) {
+      if (file.filename() == "orientation.cpp") continue;  // ToQuantised, for edges, rounds with lround
+      std::istringstream lines(ReadAll(file));
+      int number = 0;
+      for (std::string line; std::getline(lines, line);) {
+        ++number;
+        std::string code = line.substr(0, line.find("//"));
+        EXPECT_FALSE(std::regex_search(code, call)) << file << ":" << number << ": " << line;
+      }
+    }
+  }
+}
+
+TEST(LayeringTest, BeastStaysOutOfHeaders) {
+  for (const char* area : {"server", "station", "common"}) {
+    for (const auto& file : Sources(area)) {
+      if (file.extension() != ".h") continue;
+      for (const auto& include : Includes(file)) {
+        EXPECT_EQ(include.find("<boost/beast"), std::string::npos) << file;
+      }
+    }
+  }
+}
+
+TEST(LayeringTest, DomainKnowsNoTransportStorageOrText) {
+  std::regex banned(R"re(^<(boost/|sqlite3|openssl/|google/))re");
+  for (const auto& file : Sources("server/training"))
+    for (const auto& include : Includes(file))
+      EXPECT_FALSE(std::regex_search(include, banned)) << file << " includes " << include;
+}
+
+}  // namespace
