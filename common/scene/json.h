@@ -6,8 +6,10 @@
 #include "common/base/result.h"
 #include "common/scene/types.h"
 
-// Documents as canonical JSON: members in a fixed order, two-space indent, '\n' at the end, so that
-// equal documents have equal bytes and a content address can name them.
+// Documents as canonical JSON: members in a fixed order, two-space indent, arrays of scalars on one
+// line, shortest numbers, '\n' at the end, so that equal documents have equal bytes and a content
+// address (SHA-256 of the text) can name them. Schemas: schemas/*.schema.json.
+// Reading is strict: unknown, repeated and missing members are refused.
 // Errors: kInvalidInput with the member's path in field(), kVersion for a newer format number.
 // Bounded: text up to 1 MiB, depth 16. Thread safety: functions, any thread. Real-time: not safe.
 namespace enamel::scene {

@@ -1,0 +1,72 @@
+#include "common/scene/builtin.h"
+
+// Sources: "paper" is Liu et al. 2008 (Virtual Reality 12:99-106).
+namespace enamel::scene {
+namespace {
+
+constexpr const char* kDampingSource =
+    "assumption: K T/2 at 1 kHz, so that the paper's stiffness is the largest passive one";
+constexpr const char* kMassSource = "assumption: effective mass at the tip, not measured";
+constexpr const char* kFrictionSource = "assumption: Coulomb friction at the tip, not measured";
+constexpr const char* kDelaySource = "assumption: force is out before the next tick";
+constexpr const char* kContinuousSource = "paper, table 3 (maximum continuous force with the limiter)";
+
+DeviceProfile Omega3() {
+  DeviceProfile p;
+  p.name = "omega3";
+  p.title = "Omega 3DOF";
+  p.resolution_nm = {9'000, "paper, device table (0.009 mm)"};
+  p.max_stiffness_mn_per_mm = {12'000, "paper, device table (12 N/mm)"};
+  p.coupling_mn_per_mm = {10'000, "paper, table 3 (Kc 10 N/mm)"};
+  p.damping_mn_s_per_m = {6'000, kDampingSource};
+  p.friction_mn = {90, kFrictionSource};
+  p.mass_g = {250, kMassSource};
+  p.peak_force_mn = {12'000, "CHAI3D's device list (omega.3, 12 N)"};
+  p.continuous_force_mn = {3'700, kContinuousSource};
+  p.rate_hz = {1'000, "paper, device table"};
+  p.bus_delay_ticks = {0, kDelaySource};
+  p.workspace_radius_um = {75'000, "CHAI3D's device list (omega.3, 75 mm)"};
+  return p;
+}
+
+DeviceProfile PhantomDesktop() {
+  DeviceProfile p;
+  p.name = "phantom_desktop";
+  p.title = "Phantom Desktop";
+  p.resolution_nm = {10'000, "paper, device table (0.01 mm)"};
+  p.max_stiffness_mn_per_mm = {3'500, "paper, device table (3.5 N/mm)"};
+  p.coupling_mn_per_mm = {2'500, "paper, table 3 (Kc 2.5 N/mm)"};
+  p.damping_mn_s_per_m = {1'750, kDampingSource};
+  p.friction_mn = {25, kFrictionSource};
+  p.mass_g = {45, kMassSource};
+  p.peak_force_mn = {7'900, "CHAI3D's device list (Phantom Desktop, 7.9 N)"};
+  p.continuous_force_mn = {800, kContinuousSource};
+  p.rate_hz = {1'000, "paper, device table"};
+  p.bus_delay_ticks = {0, kDelaySource};
+  p.workspace_radius_um = {100'000, "CHAI3D's device list (Phantom Desktop, 100 mm)"};
+  return p;
+}
+
+DeviceProfile Bhhd3() {
+  DeviceProfile p;
+  p.name = "bhhd3";
+  p.title = "BHhd 3DOF";
+  p.resolution_nm = {20'000, "paper, device table (0.02 mm)"};
+  p.max_stiffness_mn_per_mm = {5'000, "paper, device table (5 N/mm)"};
+  p.coupling_mn_per_mm = {4'000, "paper, table 3 (Kc 4 N/mm)"};
+  p.damping_mn_s_per_m = {2'500, kDampingSource};
+  p.friction_mn = {80, kFrictionSource};
+  p.mass_g = {150, kMassSource};
+  p.peak_force_mn = {8'000, "assumption: no published figure; between the other two devices' scale"};
+  p.continuous_force_mn = {1'100, kContinuousSource};
+  p.rate_hz = {1'000, "paper, device table"};
+  p.bus_delay_ticks = {0, kDelaySource};
+  p.workspace_radius_um = {75'000, "assumption: no published figure"};
+  return p;
+}
+
+}  // namespace
+
+std::vector<DeviceProfile> BuiltinProfiles() { return {Omega3(), PhantomDesktop(), Bhhd3()}; }
+
+}  // namespace enamel::scene

@@ -1,0 +1,155 @@
+#include <boost/json.hpp>
+
+#include "common/scene/json.h"
+#include "common/scene/json_read.h"
+#include "common/scene/json_text.h"
+
+namespace enamel::scene {
+namespace {
+
+namespace json = boost::json;
+
+constexpr int64_t kFormat = 1;
+constexpr int32_t kMaxExtentUm = 100'000;
+
+json::object BurJson(const Exercise& e) {
+  return {{"shape", cutting::BurShapeName(e.bur_shape)},
+          {"radius_um", e.bur_radius_um},
+          {"length_um", e.bur_length_um}};
+}
+
+json::object TargetJson(const CavityTarget& t) {
+  return {{"landmark", t.landmark},
+          {"half_size_um", json::array{t.half_size_um[0], t.half_size_um[1]}},
+          {"depth_um", t.depth_um},
+          {"leeway_side_um", t.leeway_side_um},
+          {"leeway_bottom_um", t.leeway_bottom_um},
+          {"container_um", t.container_um}};
+}
+
+json::object CriterionJson(const RubricCriterion& c) {
+  json::array map;
+  for (const RubricPoint& p : c.map) map.push_back(json::array{p.value, p.share});
+  json::object out{{"metric", c.metric}, {"title", c.title},   {"unit", c.unit},
+                   {"points", c.points}, {"map", std::move(map)}, {"comment", c.comment}};
+  if (c.fails_above) out["fails_above"] = *c.fails_above;
+  return out;
+}
+
+json::object RubricJson(const Rubric& r) {
+  json::array criteria;
+  for (const RubricCriterion& c : r.criteria) criteria.push_back(CriterionJson(c));
+  return {{"name", r.name}, {"version", r.version}, {"criteria", std::move(criteria)}};
+}
+
+void ReadBur(ObjectReader& in, Exercise& e) {
+  ObjectReader bur = in.Object("bur");
+  std::string shape = bur.Name("shape");
+  auto known = cutting::BurShapeFromName(shape);
+  if (!known) bur.Refuse("shape", "sphere or cylinder", "\"" + shape + "\"");
+  e.bur_shape = known.value_or(cutting::BurShape::kSphere);
+  e.bur_radius_um = static_cast<int32_t>(bur.Int("radius_um", 50, 5'000));
+  bool cylinder = e.bur_shape == cutting::BurShape::kCylinder;
+  e.bur_length_um = static_cast<int32_t>(bur.Int("length_um", cylinder ? 100 : 0, 20'000));
+  bur.Finish();
+}
+
+void ReadLaw(ObjectReader& in, Exercise& e) {
+  std::string name = in.Name("law");
+  const haptics::LawEntry* law = haptics::FindLaw(std::string_view(name));
+  if (law != nullptr) {
+    e.law = law->kind;
+    return;
+  }
+  std::string known;
+  for (const haptics::LawEntry& entry : haptics::ForceLaws()) {
+    known += (known.empty() ? "" : ", ") + std::string(entry.name);
+  }
+  in.Refuse("law", "one of " + known, "\"" + name + "\"");
+}
+
+void ReadTarget(ObjectReader& in, CavityTarget& t) {
+  ObjectReader target = in.Object("target");
+  t.landmark = target.Name("landmark");
+  auto half = target.Ints("half_size_um", 2, 1, kMaxExtentUm);
+  t.half_size_um = {half[0], half[1], 0};
+  t.depth_um = static_cast<int32_t>(target.Int("depth_um", 1, kMaxExtentUm));
+  t.leeway_side_um = static_cast<int32_t>(target.Int("leeway_side_um", 0, kMaxExtentUm));
+  t.leeway_bottom_um = static_cast<int32_t>(target.Int("leeway_bottom_um", 0, kMaxExtentUm));
+  t.container_um = static_cast<int32_t>(target.Int("container_um", 0, kMaxExtentUm));
+  target.Finish();
+}
+
+void ReadMap(ObjectReader& in, RubricCriterion& c) {
+  for (const auto& row : in.Rows("map", 2, 64)) {
+    if (row[1] < 0 || row[1] > 1) in.Refuse("map", "shares from 0 to 1", std::to_string(row[1]));
+    if (!c.map.empty() && row[0] <= c.map.back().value) {
+      in.Refuse("map", "values in ascending order", std::to_string(row[0]) + " after " +
+                                                        std::to_string(c.map.back().value));
+    }
+    c.map.push_back({row[0], row[1]});
+  }
+}
+
+void ReadRubric(ObjectReader& in, Rubric& r) {
+  ObjectReader rubric = in.Object("rubric");
+  r.name = rubric.Name("name");
+  r.version = static_cast<int32_t>(rubric.Int("version", 1, 1'000'000));
+  for (ObjectReader& item : rubric.Objects("criteria", 1, 64)) {
+    RubricCriterion c;
+    c.metric = item.Name("metric");
+    c.title = item.Text("title", 1, 200);
+    c.unit = item.Text("unit", 1, 16);
+    c.points = item.Number("points", 0, 1000);
+    ReadMap(item, c);
+    c.comment = item.Text("comment", 0, 1'000);
+    if (item.Has("fails_above")) c.fails_above = item.Number("fails_above", -1e9, 1e9);
+    item.Finish();
+    r.criteria.push_back(std::move(c));
+  }
+  rubric.Finish();
+}
+
+}  // namespace
+
+std::string ToJson(const Exercise& e) {
+  const haptics::LawEntry* law = haptics::FindLaw(e.law);
+  ENAMEL_CHECK(law != nullptr);
+  return CanonicalText(json::object{{"format", kFormat},
+                                    {"name", e.name},
+                                    {"title", e.title},
+                                    {"instructions", e.instructions},
+                                    {"scene_sha256", e.scene.Hex()},
+                                    {"bur", BurJson(e)},
+                                    {"law", law->name},
+                                    {"rate_hz", e.rate_hz},
+                                    {"time_limit_s", e.time_limit_s},
+                                    {"graded", e.graded},
+                                    {"target", TargetJson(e.target)},
+                                    {"rubric", RubricJson(e.rubric)}});
+}
+
+Result<Exercise> ExerciseFromJson(std::string_view text) {
+  Result<json::value> document = ParseBounded(text);
+  if (!document.ok()) return document.status();
+  Status status;
+  ObjectReader in(*document, "", status);
+  Exercise e;
+  in.Format(kFormat);
+  e.name = in.Name("name");
+  e.title = in.Text("title", 1, 200);
+  e.instructions = in.Text("instructions", 0, 4'000);
+  e.scene = in.Hash("scene_sha256");
+  ReadBur(in, e);
+  ReadLaw(in, e);
+  e.rate_hz = static_cast<int32_t>(in.Int("rate_hz", 100, 20'000));
+  e.time_limit_s = static_cast<int32_t>(in.Int("time_limit_s", 0, 86'400));
+  e.graded = in.Bool("graded");
+  ReadTarget(in, e.target);
+  ReadRubric(in, e.rubric);
+  in.Finish();
+  if (!status.ok()) return status;
+  return e;
+}
+
+}  // namespace enamel::scene

@@ -1,0 +1,69 @@
+#include <array>
+
+#include <boost/json.hpp>
+
+#include "common/scene/json.h"
+#include "common/scene/json_read.h"
+#include "common/scene/json_text.h"
+
+namespace enamel::scene {
+namespace {
+
+namespace json = boost::json;
+
+constexpr int64_t kFormat = 1;
+
+struct Number {
+  const char* name;
+  Sourced DeviceProfile::*member;
+  int64_t lo, hi;
+};
+
+// The order is that of the canonical document.
+constexpr std::array<Number, 11> kNumbers = {{
+    {"resolution_nm", &DeviceProfile::resolution_nm, 1, 1'000'000},
+    {"max_stiffness_mn_per_mm", &DeviceProfile::max_stiffness_mn_per_mm, 1, 1'000'000},
+    {"coupling_mn_per_mm", &DeviceProfile::coupling_mn_per_mm, 1, 1'000'000},
+    {"damping_mn_s_per_m", &DeviceProfile::damping_mn_s_per_m, 0, 1'000'000'000},
+    {"friction_mn", &DeviceProfile::friction_mn, 0, 100'000},
+    {"mass_g", &DeviceProfile::mass_g, 1, 100'000},
+    {"peak_force_mn", &DeviceProfile::peak_force_mn, 1, 100'000},
+    {"continuous_force_mn", &DeviceProfile::continuous_force_mn, 1, 100'000},
+    {"rate_hz", &DeviceProfile::rate_hz, 100, 20'000},
+    {"bus_delay_ticks", &DeviceProfile::bus_delay_ticks, 0, 100},
+    {"workspace_radius_um", &DeviceProfile::workspace_radius_um, 1'000, 1'000'000},
+}};
+
+}  // namespace
+
+std::string ToJson(const DeviceProfile& profile) {
+  json::object out{{"format", kFormat}, {"name", profile.name}, {"title", profile.title}};
+  for (const Number& n : kNumbers) {
+    const Sourced& s = profile.*n.member;
+    out[n.name] = json::object{{"value", s.value}, {"source", s.source}};
+  }
+  return CanonicalText(out);
+}
+
+Result<DeviceProfile> ProfileFromJson(std::string_view text) {
+  Result<json::value> document = ParseBounded(text);
+  if (!document.ok()) return document.status();
+  Status status;
+  ObjectReader in(*document, "", status);
+  DeviceProfile profile;
+  in.Format(kFormat);
+  profile.name = in.Name("name");
+  profile.title = in.Text("title", 1, 200);
+  for (const Number& n : kNumbers) {
+    ObjectReader item = in.Object(n.name);
+    Sourced& s = profile.*n.member;
+    s.value = item.Int("value", n.lo, n.hi);
+    s.source = item.Text("source", 1, 500);
+    item.Finish();
+  }
+  in.Finish();
+  if (!status.ok()) return status;
+  return profile;
+}
+
+}  // namespace enamel::scene

@@ -1,0 +1,108 @@
+#include "common/scene/plan.h"
+
+#include <algorithm>
+#include <string>
+
+#include "common/scene/json.h"
+
+namespace enamel::scene {
+namespace {
+
+constexpr int64_t kStartHeight_nm = 8'000'000;  // plan.h: where count 0 is
+
+Status Refuse(std::string message, std::string field) {
+  return Status(Code::kInvalidInput, std::move(message), std::move(field));
+}
+
+std::string Newtons(int64_t mn) {
+  std::string text = std::to_string(mn / 1000) + "." + std::to_string(1000 + mn % 1000).substr(1);
+  return text;
+}
+
+Status CheckRate(const Exercise& exercise, const DeviceProfile& profile) {
+  if (exercise.rate_hz <= profile.rate_hz.value) return Status::Ok();
+  return Refuse("exercise '" + exercise.name + "' runs at " + std::to_string(exercise.rate_hz) +
+                    " Hz, device profile '" + profile.name + "' carries at most " +
+                    std::to_string(profile.rate_hz.value) + " Hz: use another device or exercise",
+                "rate_hz");
+}
+
+// Kc <= 2 b f / (2 d + 1), in integers: mN/mm = N/m, b in mN s/m.
+Status CheckDamping(const Exercise& exercise, const DeviceProfile& profile) {
+  int64_t allowed = 2 * profile.damping_mn_s_per_m.value * exercise.rate_hz /
+                    (1000 * (2 * profile.bus_delay_ticks.value + 1));
+  if (profile.coupling_mn_per_mm.value <= allowed) return Status::Ok();
+  return Refuse("device profile '" + profile.name + "': coupling stiffness Kc = " +
+                    Newtons(profile.coupling_mn_per_mm.value) + " N/mm is above the passive limit 2 b f/(2 d + 1) = " +
+                    Newtons(allowed) + " N/mm at " + std::to_string(exercise.rate_hz) + " Hz and " +
+                    std::to_string(profile.bus_delay_ticks.value) + " ticks of delay: set at most " +
+                    std::to_string(allowed) + " mN/mm", "coupling_mn_per_mm");
+}
+
+// c >= Kc delta / 2: the friction that pays for the encoder's cell.
+Status CheckFriction(const DeviceProfile& profile) {
+  int64_t allowed = 2 * profile.friction_mn.value * 1'000'000 / profile.resolution_nm.value;
+  if (profile.coupling_mn_per_mm.value <= allowed) return Status::Ok();
+  int64_t needed = (profile.coupling_mn_per_mm.value * profile.resolution_nm.value + 1'999'999) / 2'000'000;
+  return Refuse("device profile '" + profile.name + "': friction c = " + Newtons(profile.friction_mn.value) +
+                    " N is below Kc delta/2 = " + Newtons(needed) + " N: set Kc to at most " +
+                    std::to_string(allowed) + " mN/mm, or c to at least " + std::to_string(needed) +
+                    " mN if the device has it", "friction_mn");
+}
+
+Status CheckScene(const Scene& scene, const Exercise& exercise) {
+  if (!exercise.scene.IsZero() && exercise.scene != HashSha256(AsBytes(ToJson(scene)))) {
+    return Status(Code::kConflict, "exercise '" + exercise.name + "' is for the scene " + exercise.scene.Hex() +
+                                       ", '" + scene.name + "' is another or a changed one", "scene_sha256");
+  }
+  if (scene.landmarks.count(exercise.target.landmark) == 0) {
+    return Refuse("exercise '" + exercise.name + "' hangs from landmark '" + exercise.target.landmark +
+                      "', which scene '" + scene.name + "' does not have", "landmark");
+  }
+  if (scene.tissues.empty()) {
+    return Refuse("scene '" + scene.name + "' names no tissue: nothing could be cut", "tissues");
+  }
+  for (const TissueSpec& t : scene.tissues) {
+    if (t.tissue == cutting::Tissue::kAir || t.damping_mn_s_per_mm <= 0) {
+      return Refuse("scene '" + scene.name + "': tissue " + std::string(cutting::TissueName(t.tissue)) +
+                        " needs a damping above 0, found " + std::to_string(t.damping_mn_s_per_mm) +
+                        " mN s/mm", "tissues");
+    }
+  }
+  return Status::Ok();
+}
+
+core::CoreParams Compile(const Scene& scene, const Exercise& exercise, const DeviceProfile& profile) {
+  core::CoreParams p;
+  p.rate_hz = static_cast<uint32_t>(exercise.rate_hz);
+  p.law = exercise.law;
+  p.kc_mn_per_mm = static_cast<int32_t>(profile.coupling_mn_per_mm.value);
+  p.resolution_nm.fill(static_cast<int32_t>(profile.resolution_nm.value));
+  const PointUm& landmark = scene.landmarks.at(exercise.target.landmark);
+  for (size_t i = 0; i < 3; ++i) p.device_origin_nm[i] = int64_t{landmark[i]} * 1000;
+  p.device_origin_nm[2] += kStartHeight_nm;
+  p.peak_force_mn = static_cast<int32_t>(profile.peak_force_mn.value);
+  p.soft_start_ticks = static_cast<uint32_t>(exercise.rate_hz / 2);
+  p.bur_shape = exercise.bur_shape;
+  p.bur_radius_nm = exercise.bur_radius_um * 1000;
+  p.bur_length_nm = exercise.bur_length_um * 1000;
+  for (const TissueSpec& t : scene.tissues) {
+    p.damping_mn_s_per_mm[static_cast<size_t>(t.tissue)] = t.damping_mn_s_per_mm;
+  }
+  return p;
+}
+
+}  // namespace
+
+Result<core::CoreParams> CompilePlan(const Scene& scene, const Exercise& exercise,
+                                     const DeviceProfile& profile) {
+  ENAMEL_RETURN_IF_ERROR(CheckRate(exercise, profile));
+  ENAMEL_RETURN_IF_ERROR(CheckDamping(exercise, profile));
+  ENAMEL_RETURN_IF_ERROR(CheckFriction(profile));
+  ENAMEL_RETURN_IF_ERROR(CheckScene(scene, exercise));
+  core::CoreParams params = Compile(scene, exercise, profile);
+  ENAMEL_RETURN_IF_ERROR(core::ValidateParams(params));
+  return params;
+}
+
+}  // namespace enamel::scene

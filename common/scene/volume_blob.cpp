@@ -1,0 +1,212 @@
+#include "common/scene/volume_blob.h"
+
+#include <zstd.h>
+
+#include <algorithm>
+#include <memory>
+#include <string>
+
+namespace enamel::scene {
+namespace {
+
+using cutting::GridSpec;
+using cutting::kBrickVoxels;
+using cutting::kTissueCount;
+using cutting::Tissue;
+using cutting::Volume;
+
+constexpr std::array<uint8_t, 4> kMagic = {'E', 'N', 'V', 'B'};
+constexpr uint16_t kVersion = 1;
+constexpr int kLevel = 6;  // 3x smaller than level 1, still under a second for a tooth
+// Kind byte of a brick (schemas/volume_blob.md).
+constexpr uint8_t kTissueMask = 0x0f;
+constexpr uint8_t kStored = 0x40;
+constexpr uint8_t kLabelled = 0x80;
+
+Status Malformed(const std::string& what) {
+  return Status(Code::kInvalidInput, "volume blob: " + what);
+}
+
+Bytes Compress(const Bytes& raw) {
+  Bytes out(ZSTD_compressBound(raw.size()));
+  size_t n = ZSTD_compress(out.data(), out.size(), raw.data(), raw.size(), kLevel);
+  ENAMEL_CHECK(!ZSTD_isError(n));
+  out.resize(n);
+  return out;
+}
+
+Result<Bytes> Decompress(ByteView packed, size_t size, const char* section) {
+  if (ZSTD_getFrameContentSize(packed.data(), packed.size()) != size) {
+    return Malformed(std::string("section '") + section + "' does not hold the " + std::to_string(size) +
+                     " bytes its header asks for");
+  }
+  Bytes out(size);
+  size_t n = ZSTD_decompress(out.data(), out.size(), packed.data(), packed.size());
+  if (ZSTD_isError(n) || n != size) return Malformed(std::string("section '") + section + "' is damaged");
+  return out;
+}
+
+// Difference to the sample before it along x; the first of a row to the row before; then low bytes
+// of a brick together and high bytes together, which is what makes them compress.
+void PackPhi(const cutting::BrickPhi& brick, uint8_t* out) {
+  int previous = 0;
+  for (int i = 0; i < kBrickVoxels; ++i) {
+    if (i % 8 == 0 && i > 0) previous = brick.phi[static_cast<size_t>(i - 8)];
+    auto delta = static_cast<uint16_t>(brick.phi[static_cast<size_t>(i)] - previous);
+    previous = brick.phi[static_cast<size_t>(i)];
+    out[i] = static_cast<uint8_t>(delta);
+    out[i + kBrickVoxels] = static_cast<uint8_t>(delta >> 8);
+  }
+}
+
+bool UnpackPhi(const uint8_t* in, std::array<int16_t, kBrickVoxels>& phi) {
+  uint16_t previous = 0;
+  for (int i = 0; i < kBrickVoxels; ++i) {
+    if (i % 8 == 0 && i > 0) previous = static_cast<uint16_t>(phi[static_cast<size_t>(i - 8)]);
+    auto delta = static_cast<uint16_t>(in[i] | in[i + kBrickVoxels] << 8);
+    previous = static_cast<uint16_t>(previous + delta);
+    phi[static_cast<size_t>(i)] = static_cast<int16_t>(previous);
+    if (phi[static_cast<size_t>(i)] == INT16_MIN) return false;
+  }
+  return true;
+}
+
+uint8_t KindOf(const Volume& v, int brick) {
+  if (!v.IsStored(brick)) return static_cast<uint8_t>(v.UniformTissue(brick));
+  if (v.HasLabels(brick)) return kStored | kLabelled;
+  return kStored | static_cast<uint8_t>(v.UniformTissue(brick));
+}
+
+bool KindIsValid(uint8_t kind) {
+  uint8_t tissue = kind & kTissueMask;
+  if (kind & kLabelled) return kind == (kStored | kLabelled);
+  if ((kind & ~(kTissueMask | kStored)) != 0 || tissue >= kTissueCount) return false;
+  return !(kind & kStored) || tissue != 0;
+}
+
+void WriteHeader(const GridSpec& spec, size_t stored, size_t labelled, ByteWriter& out) {
+  out.Raw(kMagic);
+  out.U16(kVersion);
+  out.U16(0);
+  out.I32(spec.voxel_nm);
+  for (int i = 0; i < 3; ++i) out.I32(spec.bricks[i]);
+  for (int64_t o : spec.origin_nm) out.I64(o);
+  out.U32(static_cast<uint32_t>(stored));
+  out.U32(static_cast<uint32_t>(labelled));
+}
+
+struct Header {
+  GridSpec spec;
+  uint32_t stored = 0, labelled = 0;
+};
+
+Result<Header> ReadHeader(ByteReader& in) {
+  ByteView magic = in.Raw(4);
+  if (!in.ok() || !std::equal(magic.begin(), magic.end(), kMagic.begin())) {
+    return Malformed("expected the letters ENVB at its start: this is no volume");
+  }
+  uint16_t version = in.U16();
+  if (version != kVersion) {
+    return Status(Code::kVersion, "volume blob: this program reads version " + std::to_string(kVersion) +
+                                      ", found version " + std::to_string(version));
+  }
+  uint16_t flags = in.U16();
+  Header h;
+  h.spec.voxel_nm = in.I32();
+  for (int i = 0; i < 3; ++i) h.spec.bricks[i] = in.I32();
+  for (int64_t& o : h.spec.origin_nm) o = in.I64();
+  h.stored = in.U32();
+  h.labelled = in.U32();
+  if (!in.ok()) return Malformed("ends within its header");
+  if (flags != 0) return Malformed("expected flags 0, found " + std::to_string(flags));
+  ENAMEL_RETURN_IF_ERROR(cutting::ValidateGrid(h.spec));
+  if (h.stored > static_cast<uint64_t>(h.spec.brick_count()) || h.labelled > h.stored) {
+    return Malformed("more stored bricks than its grid has");
+  }
+  return h;
+}
+
+Status CheckKinds(const Bytes& kinds, const Header& h) {
+  uint64_t stored = 0, labelled = 0;
+  for (uint8_t kind : kinds) {
+    if (!KindIsValid(kind)) return Malformed("unknown kind of brick " + std::to_string(kind));
+    stored += (kind & kStored) != 0;
+    labelled += (kind & kLabelled) != 0;
+  }
+  if (stored != h.stored || labelled != h.labelled) {
+    return Malformed("its header counts " + std::to_string(h.stored) + " stored bricks, its table " +
+                     std::to_string(stored));
+  }
+  return Status::Ok();
+}
+
+Status Fill(const Bytes& kinds, const Bytes& phi, const Bytes& labels, Volume& volume) {
+  const uint8_t* next_phi = phi.data();
+  const uint8_t* next_labels = labels.data();
+  std::array<int16_t, kBrickVoxels> samples;
+  for (size_t b = 0; b < kinds.size(); ++b) {
+    auto brick = static_cast<int>(b);
+    auto tissue = static_cast<Tissue>(kinds[b] & kTissueMask);
+    if (!(kinds[b] & kStored)) {
+      volume.SetUniform(brick, tissue);
+      continue;
+    }
+    if (!UnpackPhi(next_phi, samples)) return Malformed("a distance is out of range");
+    next_phi += 2 * kBrickVoxels;
+    std::span<const uint8_t> own;
+    if (kinds[b] & kLabelled) {
+      own = {next_labels, kBrickVoxels};
+      next_labels += kBrickVoxels;
+      for (uint8_t t : own) {
+        if (t == 0 || t >= kTissueCount) return Malformed("unknown tissue " + std::to_string(t));
+      }
+      tissue = static_cast<Tissue>(own[0]);
+    }
+    volume.SetBrick(brick, samples, own, tissue);
+  }
+  return Status::Ok();
+}
+
+}  // namespace
+
+Bytes EncodeVolume(const Volume& volume) {
+  Bytes kinds, phi, labels;
+  size_t stored = 0;
+  const auto bricks = static_cast<int>(volume.spec().brick_count());
+  for (int b = 0; b < bricks; ++b) {
+    kinds.push_back(KindOf(volume, b));
+    if (!volume.IsStored(b)) continue;
+    phi.resize(phi.size() + 2 * kBrickVoxels);
+    PackPhi(volume.Phi(b), phi.data() + stored * 2 * kBrickVoxels);
+    ++stored;
+    if (!volume.HasLabels(b)) continue;
+    const auto& own = volume.Labels(b).tissue;
+    labels.insert(labels.end(), own.begin(), own.end());
+  }
+  ByteWriter out;
+  WriteHeader(volume.spec(), stored, labels.size() / kBrickVoxels, out);
+  for (const Bytes* section : {&kinds, &phi, &labels}) out.Blob(Compress(*section));
+  return out.Take();
+}
+
+Result<Volume> DecodeVolume(ByteView blob) {
+  ByteReader in(blob);
+  Result<Header> header = ReadHeader(in);
+  if (!header.ok()) return header.status();
+  std::array<ByteView, 3> packed;
+  for (ByteView& section : packed) section = in.Blob(blob.size());
+  if (!in.ok()) return Malformed("ends early: the file was cut off");
+  if (!in.AtEnd()) return Malformed(std::to_string(in.remaining()) + " bytes too many at its end");
+  Result<Bytes> kinds = Decompress(packed[0], static_cast<size_t>(header->spec.brick_count()), "kinds");
+  if (!kinds.ok()) return kinds.status();
+  ENAMEL_RETURN_IF_ERROR(CheckKinds(*kinds, *header));
+  Result<Bytes> phi = Decompress(packed[1], size_t{header->stored} * 2 * kBrickVoxels, "distances");
+  if (!phi.ok()) return phi.status();
+  Result<Bytes> labels = Decompress(packed[2], size_t{header->labelled} * kBrickVoxels, "labels");
+  if (!labels.ok()) return labels.status();
+  Volume volume(header->spec);
+  ENAMEL_RETURN_IF_ERROR(Fill(*kinds, *phi, *labels, volume));
+  return volume;
+}
+
+}  // namespace enamel::scene
