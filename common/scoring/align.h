@@ -1,20 +1,26 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
-#include <span>
 #include <utility>
 #include <vector>
 
 namespace enamel::scoring {
 
-// Dynamic time warping inside a Sakoe-Chiba band: cells (i, j) with |i - j * n/m| <= band only, so
-// work is n * (2 band + 1) and never n * m. Returns the mean cost per step of the best alignment and
-// the path. Requires: n, m >= 1, band >= 1. Source: Sakoe and Chiba 1978.
+// The cheapest monotone pairing of two series, and its path for a side-by-side view.
 struct Alignment {
-  double mean_cost = 0;
-  std::vector<std::pair<uint32_t, uint32_t>> path;
+  double mean_cost = 0;                               // of the path's pairs
+  std::vector<std::pair<uint32_t, uint32_t>> path;    // (i, j), from (0, 0) to (n - 1, m - 1)
 };
-Alignment AlignBanded(size_t n, size_t m, size_t band, const std::function<double(size_t, size_t)>& cost);
+
+// Dynamic time warping inside a Sakoe-Chiba band: cells (i, j) with |i - j n/m| <= band only, so
+// work and memory are m (2 band + 1) and never n m. Steps are (1,0), (0,1), (1,1), each with weight
+// 1; of equally cheap ones the diagonal is taken. A band narrower than one step of the slope
+// (n/m + 1) would cut the path and is widened to it.
+// Requires: n, m, band >= 1; cost(i, j) finite and >= 0. Thread safety: a function, any thread.
+// Deterministic. Source: Sakoe and Chiba, IEEE Trans. ASSP 26(1), 1978.
+Alignment AlignBanded(size_t n, size_t m, size_t band,
+                      const std::function<double(size_t, size_t)>& cost);
 
 }  // namespace enamel::scoring

@@ -12,82 +12,116 @@
 #include "common/surface/surface.h"
 #include "common/trace/trace.h"
 
-// What is measured about an attempt. Every metric: formula, unit, source in metrics.cpp beside its
-// code, a worked example in the tests against a closed form.
+// What is measured about an attempt: schemas/score.md says of every metric the formula, unit and
+// source; the tests have a worked example of each against a closed form.
+//
+// Deterministic: equal inputs give equal bits; only + - * / sqrt, fixed orders, no threads.
+// Thread safety: functions, any thread; ProcessRecorder has one owner. Real-time: nothing here is.
 namespace enamel::scoring {
 
-// A metric's registry entry: a new metric is one function and one line.
+// A metric's registry entry. A new metric is one function and one line in metrics.cpp.
 struct MetricInfo {
   std::string_view name;      // "wall_mesial_mm"
-  std::string_view unit;      // "mm", "mm3", "%", "N", "s", "count"
+  std::string_view unit;      // "mm", "mm2", "mm3", "%", "N", "s"
   std::string_view title;
   std::string_view formula;   // one sentence for people
+  // Signed metrics only: what a value above and below zero means ("too deep", "too shallow").
+  std::string_view above_zero = {};
+  std::string_view below_zero = {};
 };
 std::span<const MetricInfo> Metrics();
-const MetricInfo* FindMetric(std::string_view name);
+const MetricInfo* FindMetric(std::string_view name);   // nullptr when unknown
 
-// One tick of the trace reduced to what process metrics need, at <= 50 Hz for alignment.
+// A stretch of the recording reduced to what the alignment needs.
 struct PathSample {
-  double time_s;
-  dvec3 anchor_m;
-  dvec3 force_n;
+  double time_s;              // since the start, gaps included
+  dvec3 anchor_m;             // scene frame, at the stretch's first tick
+  dvec3 force_n;              // sent, mean over the stretch
 };
 
-// Accumulates process metrics during the replay pass (trace::Replay's observe).
-// Thread safety: none.
+// Accumulates process metrics during the replay pass (trace::Replay's observe). Pose and force are
+// taken at the resolution of the witness (10 nm, 0.1 mN), so that a recording read back without
+// re-running the core gives the same figures.
 class ProcessRecorder {
  public:
-  explicit ProcessRecorder(uint32_t rate_hz);
+  // Requires: ValidateParams(params).ok().
+  explicit ProcessRecorder(const core::CoreParams& params);
+
   void Add(const trace::Tick& tick, const core::TickOutput& output);
+  // The same from the recording alone, for a reference whose replay was verified before: everything
+  // but what needs the removal (cutting_s, force_sent_mean_cutting_n stay 0).
+  void AddRecorded(const trace::Tick& tick);
 
   // After the last Add:
   uint64_t ticks() const { return ticks_; }
-  double duration_s() const;
+  uint64_t gap_ticks() const { return gap_ticks_; }
+  double duration_s() const;                   // gaps included
   double cutting_s() const;                    // ticks that removed something
-  double anchor_path_m() const { return path_m_; }
-  double force_sent_p95_n() const;
+  double anchor_path_m() const { return path_m_; }  // without the jumps after gaps and faults
+  double force_sent_p95_n() const;             // over ticks with any force; 1 mN steps
   double force_sent_max_n() const { return max_force_n_; }
-  double force_sent_mean_cutting_n() const;    // mean over cutting ticks
-  uint64_t bounded_ticks() const { return bounded_ticks_; }
+  double force_sent_mean_cutting_n() const;    // mean over cutting ticks; 0 when nothing was cut
+  uint64_t bounded_ticks() const { return bounded_ticks_; }  // peak bound engaged
   uint64_t late_ticks() const { return late_ticks_; }
+  // At most 50 Hz.
   const std::vector<PathSample>& samples() const { return samples_; }
 
  private:
+  void AddWitness(const core::TickInput& input, const core::TickWitness& witness, bool cutting);
+
   uint32_t rate_hz_;
+  dvec3 origin_m_;
   uint32_t decimation_;                        // ticks per kept sample
   uint64_t ticks_ = 0, cutting_ticks_ = 0, bounded_ticks_ = 0, late_ticks_ = 0, gap_ticks_ = 0;
+  uint64_t force_ticks_ = 0;
   double path_m_ = 0, max_force_n_ = 0, cutting_force_sum_n_ = 0;
-  bool have_last_ = false;
   dvec3 last_anchor_{0};
   std::vector<uint32_t> force_histogram_;      // 1 mN bins
   std::vector<PathSample> samples_;
 };
 
-// Everything about one attempt (or reference) that metrics are computed from.
+// Everything about one attempt (or reference) that metrics are computed from. Nothing is owned.
+// All volumes of one comparison have the same grid.
 struct AttemptData {
   const cutting::Volume* initial = nullptr;
   const cutting::Volume* final_volume = nullptr;
-  const surface::Mesh* final_surface = nullptr;
+  const surface::Mesh* final_surface = nullptr;      // of final_volume
   const ProcessRecorder* process = nullptr;
+  // Of the attempt only: DeviationPerVertex of final_surface where the caller has it already;
+  // computed when null.
+  const std::vector<float>* deviation_m = nullptr;
 };
 
 struct MetricValue {
   std::string name;
   double value = 0;
   std::string unit;
+
+  bool operator==(const MetricValue&) const = default;
 };
+
+// Farther deviations are reported as this far: 5 mm, half a crown.
+inline constexpr double kDeviationLimit_m = 5e-3;
 
 // Signed deviation (m) of every vertex of `mesh` from the reference surface: positive where more was
 // removed than in the reference, negative where less. NaN where the vertex belongs to the untouched
-// initial surface in both (nothing was cut there and nothing should have been).
+// initial surface in both (nothing was cut there and nothing should have been): where neither final
+// volume differs from the initial one by more than a tenth of a voxel.
+//
+// The magnitude is the distance to the reference's triangles (a volume's own distance saturates at
+// four voxels), the sign is the side of the reference volume the vertex lies on.
 std::vector<float> DeviationPerVertex(const surface::Mesh& mesh, const cutting::Volume& initial,
                                       const cutting::Volume& final_volume,
                                       const cutting::Volume& reference,
                                       const surface::Mesh& reference_surface);
 
-// All metrics of an attempt against a reference. `progress` may be empty.
-Result<std::vector<MetricValue>> ComputeMetrics(const scene::Scene& scene, const scene::Exercise& exercise,
-                                                const AttemptData& attempt, const AttemptData& reference,
+// All metrics of an attempt against a reference, in the order of Metrics(). `progress` (0..1) may be
+// empty. Errors: kInvalidInput when grids differ, the exercise's landmark is missing, its target
+// holds no solid, or a recording is empty.
+Result<std::vector<MetricValue>> ComputeMetrics(const scene::Scene& scene,
+                                                const scene::Exercise& exercise,
+                                                const AttemptData& attempt,
+                                                const AttemptData& reference,
                                                 const std::function<void(double)>& progress = {});
 
 }  // namespace enamel::scoring

@@ -8,6 +8,8 @@
 #include "common/scene/types.h"
 #include "common/scoring/metrics.h"
 
+// From metrics to points and sentences; the stored form is in schemas/score.md.
+// Thread safety: functions, any thread. Deterministic.
 namespace enamel::scoring {
 
 struct CriterionResult {
@@ -18,6 +20,8 @@ struct CriterionResult {
   double points = 0;
   double max_points = 0;
   std::string reason;     // one sentence for the student: what was found, what was asked for
+
+  bool operator==(const CriterionResult&) const = default;
 };
 
 // A score is metrics + rubric version + reference + core version; recomputed bit-identically.
@@ -34,13 +38,29 @@ struct ScoreResult {
   bool witness_ok = false;
   std::string witness_note;                  // where it broke, when it did
   double replay_realtime_factor = 0;         // not part of the comparison of two scores
+
+  bool operator==(const ScoreResult&) const = default;
 };
 
-// Errors: kInvalidInput when the rubric names an unknown metric, another unit, an unsorted map.
+inline constexpr size_t kMaxCriteria = 64;
+inline constexpr size_t kMaxScoreJsonBytes = 1 << 20;
+
+// Errors: kInvalidInput naming the criterion ("criteria[2].map") when the rubric names an unknown
+// metric or another unit, has an empty or unsorted map, a share outside 0..1, no points at all, or
+// more than kMaxCriteria criteria.
 Status ValidateRubric(const scene::Rubric& rubric);
+
+// Points by the piecewise linear map, constant beyond its ends; the score is the share of all points
+// in percent, or 0 when any criterion is critically failed. Fills score, critical_fail, criteria,
+// metrics and rubric_version; the caller fills the rest.
+// Errors: those of ValidateRubric; kInvalidInput when a metric is missing or not finite.
 Result<ScoreResult> ApplyRubric(const scene::Rubric& rubric, const std::vector<MetricValue>& metrics);
 
+// Canonical: members in a fixed order, shortest decimal text that reads back to the same double.
+// Requires: all numbers finite.
 std::string ToJson(const ScoreResult& result);
+// Errors: kTooLarge beyond kMaxScoreJsonBytes; kInvalidInput naming the member that is missing or of
+// another type. Unknown members are ignored: a newer server may have written more.
 Result<ScoreResult> ScoreFromJson(std::string_view json);
 
 }  // namespace enamel::scoring

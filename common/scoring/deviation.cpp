@@ -1,0 +1,81 @@
+#include "common/scoring/deviation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/scoring/metrics.h"
+
+namespace enamel::scoring {
+namespace {
+
+using cutting::Volume;
+
+constexpr double kTouchedVoxels = 0.1;
+constexpr double kFacing = 0.9;
+
+bool Touched(const Volume& initial, const Volume& after, const dvec3& point_m, double before_m) {
+  return after.DistanceAt_m(point_m) - before_m > kTouchedVoxels * initial.spec().voxel_m();
+}
+
+}  // namespace
+
+std::vector<float> DeviationPerVertex(const surface::Mesh& mesh, const Volume& initial,
+                                      const Volume& final_volume, const Volume& reference,
+                                      const surface::Mesh& reference_surface) {
+  std::vector<float> out(mesh.position_m.size(), std::numeric_limits<float>::quiet_NaN());
+  if (reference_surface.triangles.empty()) return out;
+  surface::DistanceQuery query(reference_surface);
+  for (size_t i = 0; i < out.size(); ++i) {
+    dvec3 p(mesh.position_m[i]);
+    double before = initial.DistanceAt_m(p);
+    if (!Touched(initial, final_volume, p, before) && !Touched(initial, reference, p, before)) continue;
+    double distance = query.Distance_m(p, kDeviationLimit_m);
+    bool in_reference_solid = reference.DistanceAt_m(p) < 0;
+    out[i] = static_cast<float>(in_reference_solid || distance == 0 ? distance : -distance);
+  }
+  return out;
+}
+
+double WeightedQuantile(std::vector<WeightedValue> values, double share) {
+  std::sort(values.begin(), values.end(), [](const WeightedValue& a, const WeightedValue& b) {
+    return a.value != b.value ? a.value < b.value : a.weight < b.weight;
+  });
+  double total = 0;
+  for (const WeightedValue& v : values) total += v.weight;
+  double sum = 0;
+  for (const WeightedValue& v : values) {
+    sum += v.weight;
+    if (sum >= share * total) return v.value;
+  }
+  return values.empty() ? 0 : values.back().value;
+}
+
+std::vector<double> VertexAreas_m2(const surface::Mesh& mesh) {
+  std::vector<double> areas(mesh.position_m.size());
+  for (const auto& t : mesh.triangles) {
+    dvec3 a(mesh.position_m[t[0]]);
+    dvec3 normal = glm::cross(dvec3(mesh.position_m[t[1]]) - a, dvec3(mesh.position_m[t[2]]) - a);
+    double third = std::sqrt(Dot(normal, normal)) / 6;
+    for (uint32_t v : t) areas[v] += third;
+  }
+  return areas;
+}
+
+Part PartOf(const OpenBox& target, double depth_m, const dvec3& point_m, const dvec3& normal) {
+  dvec3 middle = (target.lo_m + target.hi_m) * 0.5;
+  dvec3 half = (target.hi_m - target.lo_m) * 0.5;
+  dvec3 out = point_m - middle;
+  bool in_length = std::fabs(out.x) <= half.x, in_width = std::fabs(out.y) <= half.y;
+  if (normal.z >= kFacing) {
+    bool low = point_m.z <= target.lo_m.z + 0.5 * depth_m;
+    return low && in_length && in_width ? kFloor : kNoPart;
+  }
+  if (in_width && normal.x <= -kFacing && out.x > 0.5 * half.x) return kMesial;
+  if (in_width && normal.x >= kFacing && out.x < -0.5 * half.x) return kDistal;
+  if (in_length && normal.y <= -kFacing && out.y > 0.5 * half.y) return kBuccal;
+  if (in_length && normal.y >= kFacing && out.y < -0.5 * half.y) return kLingual;
+  return kNoPart;
+}
+
+}  // namespace enamel::scoring

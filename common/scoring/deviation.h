@@ -1,0 +1,33 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "common/scoring/zones.h"
+#include "common/surface/surface.h"
+
+// Statistics of deviations over a surface, and the parts of a cavity's surface.
+namespace enamel::scoring {
+
+struct WeightedValue {
+  double value;
+  double weight;
+};
+// The smallest value below or at which `share` (0..1) of the weight lies; 0 when there is none.
+double WeightedQuantile(std::vector<WeightedValue> values, double share);
+
+// A third of the triangles around each vertex, m^2: what a vertex stands for.
+std::vector<double> VertexAreas_m2(const surface::Mesh& mesh);
+
+// Parts of a cavity, in the scene frame's directions: +x mesial, +y buccal, +z occlusal.
+enum Part : uint8_t { kMesial, kDistal, kBuccal, kLingual, kFloor, kPartCount, kNoPart = kPartCount };
+
+// Which part a point of a surface belongs to, from where it is and where the surface faces:
+//  * a wall faces the box's middle within 26 degrees (cosine 0.9), is more than half the half size
+//    out on its side and not beyond the box's ends along the wall;
+//  * the floor faces up within 26 degrees, is below half the depth and not beyond the box's sides.
+// `depth_m` is the target's depth.
+Part PartOf(const OpenBox& target, double depth_m, const dvec3& point_m, const dvec3& normal);
+
+}  // namespace enamel::scoring

@@ -1,0 +1,162 @@
+#include "common/scoring/zones.h"
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+namespace enamel::scoring {
+namespace {
+
+using cutting::GridSpec;
+using cutting::kBrickVoxels;
+using cutting::SolidFraction;
+using cutting::Volume;
+
+constexpr int kSubSamples = 4;  // along each axis of a voxel that a box face and a surface cut
+
+OpenBox Grown(const OpenBox& box, int32_t side_um, int32_t bottom_um) {
+  dvec3 side(side_um * 1e-6, side_um * 1e-6, 0);
+  return {box.lo_m - side - dvec3(0, 0, bottom_um * 1e-6), box.hi_m + side};
+}
+
+// Share of [middle - half, middle + half] that lies in [lo, hi].
+double Overlap(double middle, double half, double lo, double hi) {
+  double from = std::max(middle - half, lo), to = std::min(middle + half, hi);
+  return to > from ? (to - from) / (2 * half) : 0;
+}
+
+// The box along one axis in voxels: which samples' cells it meets, and how much of each.
+struct Span {
+  int first = 0;
+  std::vector<double> share;
+
+  Span(double lo, double hi, int count) {
+    first = std::clamp(static_cast<int>(std::max(lo + 0.5, 0.0)), 0, count);
+    int last = std::clamp(static_cast<int>(std::max(hi + 0.5, -1.0)), -1, count - 1);
+    for (int i = first; i <= last; ++i) share.push_back(Overlap(i, 0.5, lo, hi));
+  }
+};
+
+// Trilinear distance of eight neighbours, voxels.
+double PhiVoxels(const Volume& volume, const dvec3& point_m) {
+  return volume.DistanceAt_m(point_m) / volume.spec().voxel_m();
+}
+
+struct BoxMeter {
+  const Volume& initial;
+  const Volume& final_volume;
+  const GridSpec& spec;
+  dvec3 lo, hi;                // box in voxels
+  double solid = 0, removed = 0;
+
+  void AddCell(const ivec3& v, double share) {
+    int32_t before = SolidFraction(initial.PhiAt(v));
+    if (before == 0) return;
+    int32_t after = SolidFraction(final_volume.PhiAt(v));
+    bool cut_by_surface = before < 65536 || (after > 0 && after < 65536);
+    if (share < 1 && cut_by_surface) {
+      AddSubCells(v);
+      return;
+    }
+    solid += share * before / 65536;
+    removed += share * (before - after) / 65536;
+  }
+
+  void AddSubCells(const ivec3& v) {
+    constexpr double kSide = 1.0 / kSubSamples;
+    double h = spec.voxel_m();
+    dvec3 origin = spec.origin_m();
+    for (int z = 0; z < kSubSamples; ++z) {
+      for (int y = 0; y < kSubSamples; ++y) {
+        for (int x = 0; x < kSubSamples; ++x) {
+          dvec3 p = dvec3(v) + (dvec3(x, y, z) + 0.5) * kSide - 0.5;
+          double weight = kSide * kSide * kSide;
+          for (int i = 0; i < 3; ++i) weight *= Overlap(p[i], 0.5 * kSide, lo[i], hi[i]);
+          if (weight == 0) continue;
+          dvec3 point = origin + p * h;
+          auto solid_share = [&](const Volume& volume) {
+            return std::clamp(0.5 - PhiVoxels(volume, point) * kSubSamples, 0.0, 1.0);
+          };
+          double before = solid_share(initial), after = std::min(before, solid_share(final_volume));
+          solid += weight * before;
+          removed += weight * (before - after);
+        }
+      }
+    }
+  }
+};
+
+// Removed units of one brick, booked to its tissues.
+void AddBrick(const Volume& initial, const Volume& final_volume, int brick,
+              std::array<int64_t, cutting::kTissueCount>& removed) {
+  if (!final_volume.IsStored(brick)) return;  // a uniform brick was never cut
+  const auto& after = final_volume.Phi(brick).phi;
+  auto uniform = static_cast<size_t>(initial.UniformTissue(brick));
+  if (!initial.IsStored(brick)) {
+    if (uniform == 0) return;
+    for (int16_t phi : after) removed[uniform] += 65536 - SolidFraction(phi);
+    return;
+  }
+  const auto& before = initial.Phi(brick).phi;
+  if (before == after) return;
+  const uint8_t* labels = initial.HasLabels(brick) ? initial.Labels(brick).tissue.data() : nullptr;
+  for (size_t i = 0; i < kBrickVoxels; ++i) {
+    removed[labels ? labels[i] : uniform] += SolidFraction(before[i]) - SolidFraction(after[i]);
+  }
+}
+
+}  // namespace
+
+Result<ZoneBoxes> BoxesOf(const scene::Scene& scene, const scene::CavityTarget& target) {
+  auto landmark = scene.landmarks.find(target.landmark);
+  if (landmark == scene.landmarks.end()) {
+    return Status(Code::kInvalidInput,
+                  "the target hangs from landmark \"" + target.landmark + "\", which scene \"" +
+                      scene.name + "\" does not have: add it to the scene or choose another",
+                  "target.landmark");
+  }
+  dvec3 top;
+  for (int i = 0; i < 3; ++i) top[i] = landmark->second[static_cast<size_t>(i)] * 1e-6;
+  dvec3 half(target.half_size_um[0] * 1e-6, target.half_size_um[1] * 1e-6, 0);
+  ZoneBoxes boxes;
+  boxes.target = {top - half - dvec3(0, 0, target.depth_um * 1e-6), top + half};
+  boxes.leeway = Grown(boxes.target, target.leeway_side_um, target.leeway_bottom_um);
+  boxes.container = Grown(boxes.leeway, target.container_um, target.container_um);
+  return boxes;
+}
+
+BoxVolume MeasureBox(const Volume& initial, const Volume& final_volume, const OpenBox& box) {
+  const GridSpec& spec = initial.spec();
+  double h = spec.voxel_m();
+  ivec3 count = spec.voxels();
+  BoxMeter meter{initial, final_volume, spec, (box.lo_m - spec.origin_m()) / h,
+                 (box.hi_m - spec.origin_m()) / h};
+  meter.hi.z = count.z;  // open at the top: to the end of the grid
+  Span xs(meter.lo.x, meter.hi.x, count.x), ys(meter.lo.y, meter.hi.y, count.y),
+      zs(meter.lo.z, meter.hi.z, count.z);
+  for (size_t z = 0; z < zs.share.size(); ++z) {
+    for (size_t y = 0; y < ys.share.size(); ++y) {
+      double share_yz = ys.share[y] * zs.share[z];
+      for (size_t x = 0; x < xs.share.size(); ++x) {
+        ivec3 v(xs.first + static_cast<int>(x), ys.first + static_cast<int>(y),
+                zs.first + static_cast<int>(z));
+        if (double share = xs.share[x] * share_yz; share > 0) meter.AddCell(v, share);
+      }
+    }
+  }
+  return {meter.solid * h * h * h, meter.removed * h * h * h};
+}
+
+std::array<double, cutting::kTissueCount> RemovedPerTissue_m3(const Volume& initial,
+                                                              const Volume& final_volume) {
+  std::array<int64_t, cutting::kTissueCount> units{};
+  for (int b = 0; b < initial.spec().brick_count(); ++b) AddBrick(initial, final_volume, b, units);
+  double h = initial.spec().voxel_m();
+  std::array<double, cutting::kTissueCount> out{};
+  for (size_t t = 0; t < units.size(); ++t) {
+    out[t] = static_cast<double>(units[t]) * (h * h * h / 65536);
+  }
+  return out;
+}
+
+}  // namespace enamel::scoring

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <array>
+
+#include "common/base/result.h"
+#include "common/cutting/volume.h"
+#include "common/scene/types.h"
+
+// Volumes that went: from the boxes around a cavity's target, and per tissue.
+namespace enamel::scoring {
+
+// Axis-aligned in the scene frame, open at the top (+z), metres.
+struct OpenBox {
+  dvec3 lo_m{0};
+  dvec3 hi_m{0};          // z unused
+};
+
+// The target, and the target grown by the leeway, and that grown by the container; each contains
+// the one before.
+struct ZoneBoxes {
+  OpenBox target, leeway, container;
+};
+// Errors: kInvalidInput when the landmark is not in the scene.
+Result<ZoneBoxes> BoxesOf(const scene::Scene& scene, const scene::CavityTarget& target);
+
+// Solid inside a box before, and how much of it went, m^3. Voxels that a box face and a surface
+// both cut are read at 4 x 4 x 4 points, so that a cut along a zone's face is not booked to both
+// sides of it.
+struct BoxVolume {
+  double solid_m3 = 0;
+  double removed_m3 = 0;
+};
+// Requires: equal grids.
+BoxVolume MeasureBox(const cutting::Volume& initial, const cutting::Volume& final_volume,
+                     const OpenBox& box);
+
+// Solid that went, per tissue, m^3. Requires: equal grids.
+std::array<double, cutting::kTissueCount> RemovedPerTissue_m3(const cutting::Volume& initial,
+                                                              const cutting::Volume& final_volume);
+
+}  // namespace enamel::scoring
