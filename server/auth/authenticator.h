@@ -19,34 +19,34 @@ struct AuthOptions {
   UnixMs idle_ms = 30 * 60 * 1000;
   UnixMs absolute_ms = 12 * 60 * 60 * 1000;
   PasswordCost cost;
-  size_t hash_threads = 2;          // 64 MiB each while hashing
-  size_t max_waiting = 16;          // sign-ins beyond these are refused with kUnavailable
-  std::function<UnixMs()> clock;    // empty: the system's
+  size_t hash_threads = 2;        // 64 MiB each while hashing
+  size_t max_waiting = 16;        // sign-ins beyond these are refused with kUnavailable
+  std::function<UnixMs()> clock;  // empty: the system's
 };
 
 // Who a request is from.
 struct Identity {
   Person person;
   Sha256 token_hash;
-  std::string csrf;                 // expected X-Enamel-Csrf
+  std::string csrf;  // expected X-Enamel-Csrf
 };
 
 struct SignedIn {
-  Bytes token;                      // 32 bytes; the page gets it as 64 hex digits in the cookie
+  Bytes token;  // 32 bytes; the page gets it as 64 hex digits in the cookie
   Identity identity;
 };
 
 struct SignInRequest {
   std::string login, password;
-  std::string address;              // peer, for throttling
-  std::string via;                  // "page" | "station"
+  std::string address;  // peer, for throttling
+  std::string via;      // "page" | "station"
 };
 
 // Sign-in, sessions, sign-out. Thread safety: any thread.
 //
 // A wrong password, an unknown login and a disabled person give the same answer after the same work
-// (kUnauthenticated). Too many failures: kUnavailable, field "throttled" (HTTP 429). Too many sign-ins
-// at once: kUnavailable.
+// (kUnauthenticated). Too many failures: kUnavailable, field "throttled" (HTTP 429). Too many
+// sign-ins at once: kUnavailable.
 class Authenticator {
  public:
   explicit Authenticator(Store& store, AuthOptions options = {});
@@ -72,7 +72,7 @@ class Authenticator {
 
   Store& store_;
   const AuthOptions options_;
-  const std::string decoy_verifier_;   // verified against when there is no such login
+  const std::string decoy_verifier_;  // verified against when there is no such login
   Throttle throttle_;
   std::atomic<size_t> waiting_{0};
   StorePool hashing_;

@@ -11,11 +11,11 @@
 
 namespace enamel::server::auth {
 
-// Slows guessing down without locking anybody out: after some free failures each further one doubles
-// the time until the next try is looked at, up to a bound. Counted per address block (IPv4 /24, IPv6
-// /64), per login from that block, and (later and milder, so that a stranger cannot keep the owner out)
-// per login from anywhere. Failures are forgotten after 15 minutes without one, or by a success.
-// Bounded: at most 20 000 counters; the oldest go first. Thread safety: any thread.
+// Slows guessing down without locking anybody out: after some free failures each further one
+// doubles the time until the next try is looked at, up to a bound. Counted per address block (IPv4
+// /24, IPv6 /64), per login from that block, and (later and milder, so that a stranger cannot keep
+// the owner out) per login from anywhere. Failures are forgotten after 15 minutes without one, or
+// by a success. Bounded: at most 20 000 counters; the oldest go first. Thread safety: any thread.
 class Throttle {
  public:
   // kUnavailable with field "throttled" and the seconds to wait in the message.
@@ -29,15 +29,15 @@ class Throttle {
     UnixMs last_ms = 0;
   };
   struct Rule {
-    uint32_t free;        // failures before any delay
-    int64_t max_ms;       // longest delay
+    uint32_t free;   // failures before any delay
+    int64_t max_ms;  // longest delay
   };
   static int64_t WaitMs(const Counter& counter, const Rule& rule, UnixMs now_ms);
-  void Add(const std::string& key, UnixMs now_ms);       // with mutex_ held
-  void Forget(UnixMs now_ms);                            // with mutex_ held
+  void Add(const std::string& key, UnixMs now_ms);  // with mutex_ held
+  void Forget(UnixMs now_ms);                       // with mutex_ held
 
   std::mutex mutex_;
-  std::unordered_map<std::string, Counter> counters_;    // guarded by mutex_
+  std::unordered_map<std::string, Counter> counters_;  // guarded by mutex_
 };
 
 // "203.0.113.7" -> "203.0.113.0/24"; "2001:db8:1:2::3" -> "2001:db8:1:2::/64"; other text as it is.

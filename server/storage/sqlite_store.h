@@ -9,13 +9,13 @@
 namespace enamel::server {
 
 struct SqliteOptions {
-  std::filesystem::path folder;      // made when absent, mode 0700
+  std::filesystem::path folder;  // made when absent, mode 0700
   // The server holds the folder's lock (LOCK, flock) as long as it runs. The command line opens the
   // same folder beside it without: SQLite's own locks are enough for that, except to migrate.
   bool hold_lock = false;
-  int readers = 4;                   // read connections, opened as needed
-  // Asked before every statement that writes, every COMMIT and every blob; true makes that one fail.
-  // For tests (fail the Nth operation). Empty: never.
+  int readers = 4;  // read connections, opened as needed
+  // Asked before every statement that writes, every COMMIT and every blob; true makes that one
+  // fail. For tests (fail the Nth operation). Empty: never.
   std::function<bool()> fail_next;
 };
 

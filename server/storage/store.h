@@ -8,42 +8,42 @@
 #include "common/trace/trace.h"
 #include "server/training/types.h"
 
-// The one interface to everything durable. SQLite behind it today (sqlite_store.h); a second backend
-// must pass tests/server/storage/conformance. Every change is one transaction and leaves an audit row
-// in the same transaction.
+// The one interface to everything durable. SQLite behind it today (sqlite_store.h); a second
+// backend must pass tests/server/storage/conformance. Every change is one transaction and leaves an
+// audit row in the same transaction.
 //
-// Thread safety: any thread; calls block (the SQLite backend has one writer connection behind a mutex
-// with group commit and a pool of readers). Coroutines call it through StorePool (storage/store_pool.h),
-// never directly. Errors: kNotFound, kConflict, kStorage with what to do.
+// Thread safety: any thread; calls block (the SQLite backend has one writer connection behind a
+// mutex with group commit and a pool of readers). Coroutines call it through StorePool
+// (storage/store_pool.h), never directly. Errors: kNotFound, kConflict, kStorage with what to do.
 namespace enamel::server {
 
 // Who does something, for the audit trail. Zero id: the system or the command line.
 struct Actor {
   Uuid person;
-  std::string via;             // "page", "station <name>", "command line", "job"
+  std::string via;  // "page", "station <name>", "command line", "job"
 };
 
 struct AttemptFilter {
   std::optional<Uuid> person;
-  std::optional<Uuid> cohort;        // attempts of its students
+  std::optional<Uuid> cohort;                 // attempts of its students
   std::optional<Uuid> visible_to_instructor;  // attempts in any cohort of this instructor
   std::optional<Uuid> exercise;
-  std::optional<Uuid> before;        // page: ids lower than this (newest first)
-  uint32_t limit = 50;               // at most 200
+  std::optional<Uuid> before;  // page: ids lower than this (newest first)
+  uint32_t limit = 50;         // at most 200
 };
 
 struct SessionRow {
   Sha256 token_hash;
   Uuid person;
   UnixMs created_ms = 0, last_used_ms = 0, expires_ms = 0;
-  std::string via;             // "page" | "station"
+  std::string via;  // "page" | "station"
 };
 
 struct JobRow {
   Uuid id;
-  std::string kind;            // "score"
+  std::string kind;  // "score"
   Uuid attempt;
-  std::string state;           // "queued" | "running" | "done" | "failed"
+  std::string state;  // "queued" | "running" | "done" | "failed"
   uint32_t tries = 0;
   std::string error;
 };
@@ -51,7 +51,7 @@ struct JobRow {
 struct AuditRow {
   UnixMs at_ms = 0;
   std::string actor;
-  std::string action;          // "attempt.seal", "person.create"
+  std::string action;  // "attempt.seal", "person.create"
   std::string object;
   std::string before_json, after_json;
 };
@@ -61,10 +61,12 @@ class Store {
   virtual ~Store() = default;
 
   // People. Passwords are verifier strings made by server/auth; never shown by any reader.
-  virtual Result<Uuid> CreatePerson(const Person& person, const std::string& password_verifier, const Actor& by) = 0;
+  virtual Result<Uuid> CreatePerson(const Person& person, const std::string& password_verifier,
+                                    const Actor& by) = 0;
   virtual Result<Person> PersonById(const Uuid& id) = 0;
   virtual Result<Person> PersonByLogin(const std::string& login) = 0;
   virtual Result<std::string> PasswordVerifier(const Uuid& person) = 0;
+  // Ends the sessions made with the old password.
   virtual Status SetPassword(const Uuid& person, const std::string& verifier, const Actor& by) = 0;
   // Disabling ends the person's sessions in the same transaction.
   virtual Status SetDisabled(const Uuid& person, bool disabled, const Actor& by) = 0;
@@ -79,7 +81,8 @@ class Store {
 
   virtual Result<Uuid> CreateCohort(const std::string& name, const Actor& by) = 0;
   virtual Status AddToCohort(const Uuid& cohort, const Uuid& person, const Actor& by) = 0;
-  virtual Result<std::vector<Cohort>> CohortsOf(const Uuid& person) = 0;  // as student or instructor
+  virtual Result<std::vector<Cohort>> CohortsOf(
+      const Uuid& person) = 0;  // as student or instructor
   virtual Result<std::vector<Cohort>> Cohorts() = 0;
   virtual Result<std::vector<Person>> CohortMembers(const Uuid& cohort) = 0;
   // True when the two share a cohort (a person shares one with itself only as a member of any).
@@ -99,13 +102,14 @@ class Store {
   virtual Result<Bytes> GetBlob(const Sha256& hash) = 0;
   virtual bool HasBlob(const Sha256& hash) = 0;
 
-  virtual Status PutProfile(const ProfileRow& row, const Actor& by) = 0;   // replaces by name
+  virtual Status PutProfile(const ProfileRow& row, const Actor& by) = 0;  // replaces by name
   virtual Result<std::vector<ProfileRow>> Profiles() = 0;
   virtual Status PutScene(const SceneRow& row, const Actor& by) = 0;
   virtual Result<std::vector<SceneRow>> Scenes() = 0;
-  // A new version of the exercise of this name when the content differs from the newest one; returns
-  // the row as stored. Assigned to `cohort` from then on; a zero cohort: open to everybody.
-  virtual Result<ExerciseRow> PublishExercise(ExerciseRow row, const Uuid& cohort, const Actor& by) = 0;
+  // A new version of the exercise of this name when the content differs from the newest one;
+  // returns the row as stored. Assigned to `cohort` from then on; a zero cohort: open to everybody.
+  virtual Result<ExerciseRow> PublishExercise(ExerciseRow row, const Uuid& cohort,
+                                              const Actor& by) = 0;
   virtual Result<ExerciseRow> ExerciseById(const Uuid& id) = 0;
   virtual Result<ExerciseRow> ExerciseByContent(const Sha256& content) = 0;
   // Newest versions: of the person's cohorts, or all (admin).
@@ -115,8 +119,8 @@ class Store {
   // Attempts and their traces. `ticket` is what OpenAttempt's header must contain: one ticket, one
   // attempt, one header.
   virtual Status CreateAttempt(const AttemptRow& row, ByteView ticket, const Actor& by) = 0;
-  // First or repeated; kConflict when another header is stored. Whether the ticket inside the header
-  // is genuine and in time is for the caller to have checked.
+  // First or repeated; kConflict when another header is stored. Whether the ticket inside the
+  // header is genuine and in time is for the caller to have checked.
   virtual Status OpenAttempt(const Uuid& attempt, ByteView header) = 0;
   struct ChunkPut {
     Uuid attempt;
@@ -125,24 +129,27 @@ class Store {
     Bytes bytes;
     UnixMs received_ms = 0;
   };
-  // Durable on return. Idempotent by (attempt, seq, hash). Same seq with another hash: kConflict, the
-  // attempt is quarantined and both are kept. Out of order, or not continuing the stored chain (first
-  // tick, previous hash): kInvalidInput naming what was expected. Concurrent callers share one fsync.
+  // Durable on return. Idempotent by (attempt, seq, hash). Same seq with another hash: kConflict,
+  // the attempt is quarantined and both are kept. Out of order, or not continuing the stored chain
+  // (first tick, previous hash): kInvalidInput naming what was expected. Concurrent callers share
+  // one fsync.
   virtual Status AppendChunk(const ChunkPut& chunk) = 0;
-  // Refuses a seal that does not match the committed chunks (kConflict). Moves the trace from rows into
-  // one write-once blob (a trace file, schemas/trace_format.md) and queues a "score" job. Idempotent.
+  // Refuses a seal that does not match the committed chunks (kConflict). Moves the trace from rows
+  // into one write-once blob (a trace file, schemas/trace_format.md) and queues a "score" job.
+  // Idempotent.
   virtual Status SealAttempt(const trace::Seal& seal, UnixMs now_ms) = 0;
   virtual Result<AttemptRow> AttemptById(const Uuid& id) = 0;
   virtual Result<std::vector<AttemptRow>> Attempts(const AttemptFilter& filter) = 0;
   virtual Result<Bytes> AttemptHeader(const Uuid& attempt) = 0;
   virtual Result<std::vector<Bytes>> AttemptChunks(const Uuid& attempt) = 0;
   virtual Result<trace::Seal> AttemptSeal(const Uuid& attempt) = 0;
-  // What the job leaves: score JSON, final volume blob, page data (surface with deviation, force series).
+  // What the job leaves: score JSON, final volume blob, page data (surface with deviation, force
+  // series).
   struct AttemptResult {
     double score = 0;
     bool critical_fail = false;
     Sha256 score_json, final_volume, surface, series;
-    std::optional<Uuid> reference;    // none when the exercise has no reference yet
+    std::optional<Uuid> reference;  // none when the exercise has no reference yet
   };
   virtual Status FinishAttempt(const Uuid& attempt, const AttemptResult& result) = 0;
   virtual Status FailAttempt(const Uuid& attempt, const std::string& problem) = 0;
@@ -153,11 +160,13 @@ class Store {
   // A sealed and scored attempt becomes the exercise's reference (newest wins); attempts of that
   // exercise which were sealed without a reference are queued for scoring, itself included (it then
   // reads deviation 0).
-  virtual Result<ReferenceRow> AddReference(const Uuid& attempt, const std::string& dentist, const Actor& by) = 0;
+  virtual Result<ReferenceRow> AddReference(const Uuid& attempt, const std::string& dentist,
+                                            const Actor& by) = 0;
   virtual Result<std::optional<ReferenceRow>> ReferenceFor(const Uuid& exercise) = 0;
 
-  // Jobs as leases: a job whose lease ran out is taken again; after 3 tries it is "failed" and shown.
-  // Taking a "score" job turns its attempt to "scoring"; its last failure turns it to "failed".
+  // Jobs as leases: a job whose lease ran out is taken again; after 3 tries it is "failed" and
+  // shown. Taking a "score" job turns its attempt to "scoring"; its last failure turns it to
+  // "failed".
   virtual Result<std::optional<JobRow>> LeaseJob(UnixMs now_ms, UnixMs lease_ms) = 0;
   virtual Status FinishJob(const Uuid& job, bool ok, const std::string& error) = 0;
   virtual Result<std::vector<JobRow>> Jobs(const std::string& state) = 0;

@@ -3,9 +3,9 @@
 #include <boost/asio/associated_executor.hpp>
 #include <boost/asio/async_result.hpp>
 #include <boost/asio/awaitable.hpp>
+#include <boost/asio/execution/outstanding_work.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/prefer.hpp>
-#include <boost/asio/execution/outstanding_work.hpp>
 #include <boost/asio/thread_pool.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <cstddef>
@@ -19,8 +19,8 @@ namespace enamel::server {
 //
 //   Result<Person> person = co_await pool.Run([&] { return store.PersonById(id); });
 //
-// References captured by the work stay valid because the coroutine's frame waits for it. The work must
-// not throw. Thread safety: any thread. Destruction waits for work that has begun.
+// References captured by the work stay valid because the coroutine's frame waits for it. The work
+// must not throw. Thread safety: any thread. Destruction waits for work that has begun.
 class StorePool {
  public:
   explicit StorePool(size_t threads = 4) : pool_(threads) {}

@@ -19,8 +19,7 @@ bool CanSeeAttempt(const Person& viewer, const AttemptRow& attempt, bool shares_
   return Owns(viewer, attempt) || Supervises(viewer, shares_cohort);
 }
 
-bool CanSeeScore(const Person& viewer, const AttemptRow& attempt, bool graded,
-                 bool shares_cohort) {
+bool CanSeeScore(const Person& viewer, const AttemptRow& attempt, bool graded, bool shares_cohort) {
   if (Supervises(viewer, shares_cohort)) return true;
   if (!Owns(viewer, attempt)) return false;
   return !graded || attempt.released || !Is(viewer, Role::kStudent);
@@ -31,7 +30,8 @@ bool CanReleaseAttempt(const Person& viewer, const AttemptRow&, bool shares_coho
 }
 
 bool CanMarkReference(const Person& viewer, const AttemptRow& attempt, bool shares_cohort) {
-  return Supervises(viewer, shares_cohort) || (Is(viewer, Role::kInstructor) && Owns(viewer, attempt));
+  return Supervises(viewer, shares_cohort) ||
+         (Is(viewer, Role::kInstructor) && Owns(viewer, attempt));
 }
 
 bool CanRecordReference(const Person& viewer) {

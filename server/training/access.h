@@ -16,8 +16,8 @@ bool CanReleaseAttempt(const Person& viewer, const AttemptRow& attempt, bool sha
 bool CanMarkReference(const Person& viewer, const AttemptRow& attempt, bool shares_cohort);
 // Asking for a ticket whose attempt is meant as a reference cut.
 bool CanRecordReference(const Person& viewer);
-bool CanListCohorts(const Person& viewer);       // instructor: own; admin: all
+bool CanListCohorts(const Person& viewer);  // instructor: own; admin: all
 bool CanListStations(const Person& viewer);
-bool CanAdminister(const Person& viewer);        // people, cohorts, audit, jobs
+bool CanAdminister(const Person& viewer);  // people, cohorts, audit, jobs
 
 }  // namespace enamel::server

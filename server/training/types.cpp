@@ -12,9 +12,12 @@ constexpr std::array kRoles = {Role::kStudent, Role::kInstructor, Role::kAdmin};
 
 const char* RoleName(Role role) {
   switch (role) {
-    case Role::kStudent: return "student";
-    case Role::kInstructor: return "instructor";
-    case Role::kAdmin: return "admin";
+    case Role::kStudent:
+      return "student";
+    case Role::kInstructor:
+      return "instructor";
+    case Role::kAdmin:
+      return "admin";
   }
   return "student";
 }
@@ -28,13 +31,20 @@ std::optional<Role> RoleFromName(std::string_view name) {
 
 const char* AttemptStateName(AttemptState state) {
   switch (state) {
-    case AttemptState::kTicketed: return "ticketed";
-    case AttemptState::kRecording: return "recording";
-    case AttemptState::kSealed: return "sealed";
-    case AttemptState::kScoring: return "scoring";
-    case AttemptState::kScored: return "scored";
-    case AttemptState::kFailed: return "failed";
-    case AttemptState::kQuarantined: return "quarantined";
+    case AttemptState::kTicketed:
+      return "ticketed";
+    case AttemptState::kRecording:
+      return "recording";
+    case AttemptState::kSealed:
+      return "sealed";
+    case AttemptState::kScoring:
+      return "scoring";
+    case AttemptState::kScored:
+      return "scored";
+    case AttemptState::kFailed:
+      return "failed";
+    case AttemptState::kQuarantined:
+      return "quarantined";
   }
   return "failed";
 }

@@ -1,0 +1,135 @@
+#include "server/auth/authenticator.h"
+
+#include <algorithm>
+#include <cctype>
+#include <chrono>
+
+#include "common/base/hex.h"
+#include "server/auth/token.h"
+
+namespace enamel::server::auth {
+namespace {
+
+// Idle time is renewed in the store at most this often: requests of a page come in bursts.
+constexpr UnixMs kTouchEveryMs = 60'000;
+
+Status Refused() {
+  return Status(Code::kUnauthenticated, "login or password is wrong, or the account is disabled");
+}
+
+Status Ended() {
+  return Status(Code::kUnauthenticated, "not signed in, or the session has ended; sign in again");
+}
+
+std::string LowerLogin(std::string login) {
+  std::transform(login.begin(), login.end(), login.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return login;
+}
+
+std::string Decoy(const PasswordCost& cost) {
+  auto verifier = HashPassword(ToHex(NewToken()), cost);
+  ENAMEL_CHECK(verifier.ok());
+  return *verifier;
+}
+
+}  // namespace
+
+Authenticator::Authenticator(Store& store, AuthOptions options)
+    : store_(store),
+      options_(std::move(options)),
+      decoy_verifier_(Decoy(options_.cost)),
+      hashing_(options_.hash_threads) {}
+
+Authenticator::~Authenticator() = default;
+
+UnixMs Authenticator::Now() const {
+  if (options_.clock) return options_.clock();
+  return std::chrono::duration_cast<std::chrono::milliseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+boost::asio::awaitable<Result<SignedIn>> Authenticator::SignIn(SignInRequest request) {
+  if (waiting_.fetch_add(1) >= options_.max_waiting + options_.hash_threads) {
+    --waiting_;
+    co_return Status(Code::kUnavailable, "too many sign-ins at once; try again in a few seconds");
+  }
+  auto result = co_await hashing_.Run([&] {
+    auto here = SignInHere(request);
+    --waiting_;
+    return here;
+  });
+  co_return result;
+}
+
+Result<SignedIn> Authenticator::SignInHere(const SignInRequest& request) {
+  std::string login = LowerLogin(request.login);
+  ENAMEL_RETURN_IF_ERROR(throttle_.Check(login, request.address, Now()));
+  if (request.password.size() > kMaxPasswordLength || login.size() > 256) {
+    throttle_.Failed(login, request.address, Now());
+    return Refused();
+  }
+  auto person = store_.PersonByLogin(login);
+  if (!person.ok() && person.status().code() != Code::kNotFound) return person.status();
+  std::string verifier = decoy_verifier_;
+  if (person.ok()) {
+    auto stored = store_.PasswordVerifier(person->id);
+    if (!stored.ok()) return stored.status();
+    verifier = *stored;
+  }
+  // The same work whether or not the person exists.
+  bool matches = VerifyPassword(request.password, verifier);
+  if (!matches || !person.ok() || person->disabled) {
+    throttle_.Failed(login, request.address, Now());
+    return Refused();
+  }
+  throttle_.Succeeded(login, request.address);
+
+  SignedIn out;
+  out.token = NewToken();
+  out.identity = Identity{*person, TokenHash(out.token), CsrfFor(out.token)};
+  UnixMs now = Now();
+  SessionRow row{out.identity.token_hash,    person->id, now, now,
+                 now + options_.absolute_ms, request.via};
+  ENAMEL_RETURN_IF_ERROR(store_.CreateSession(row));
+  return out;
+}
+
+Result<Identity> Authenticator::Authenticate(ByteView token) {
+  if (token.size() != 32) return Ended();
+  Sha256 hash = TokenHash(token);
+  auto session = store_.FindSession(hash);
+  if (!session.ok()) {
+    return session.status().code() == Code::kNotFound ? Ended() : session.status();
+  }
+  UnixMs now = Now();
+  if (now >= session->expires_ms || now - session->last_used_ms > options_.idle_ms) {
+    ENAMEL_RETURN_IF_ERROR(store_.EndSession(hash));
+    return Ended();
+  }
+  auto person = store_.PersonById(session->person);
+  if (!person.ok()) return person.status();
+  if (person->disabled) return Ended();
+  if (now - session->last_used_ms >= std::min(kTouchEveryMs, options_.idle_ms / 4)) {
+    ENAMEL_RETURN_IF_ERROR(store_.TouchSession(hash, now));
+  }
+  return Identity{*person, hash, CsrfFor(token)};
+}
+
+Result<Identity> Authenticator::AuthenticateHex(std::string_view cookie) {
+  if (cookie.size() != 64) return Ended();
+  auto token = FromHex(cookie);
+  if (!token.ok()) return Ended();
+  return Authenticate(*token);
+}
+
+Status Authenticator::SignOut(const Sha256& token_hash) { return store_.EndSession(token_hash); }
+
+Result<std::string> Authenticator::NewVerifier(std::string_view password,
+                                               std::string_view login) const {
+  ENAMEL_RETURN_IF_ERROR(CheckPasswordPolicy(password, login));
+  return HashPassword(password, options_.cost);
+}
+
+}  // namespace enamel::server::auth

@@ -1,0 +1,112 @@
+#include "server/http/api.h"
+
+#include <exception>
+
+#include "server/auth/token.h"
+#include "server/http/error_response.h"
+#include "server/http/site.h"
+
+namespace enamel::server::http {
+namespace {
+
+bool IsSafe(Method method) { return method == Method::kGet || method == Method::kHead; }
+
+Response NoSuchRoute(const Request& request, const RouteMatch& match) {
+  if (match.allowed_methods.empty()) {
+    return ErrorResponse({Code::kNotFound, "expected a path of the API (schemas/api/openapi.yaml), "
+                                           "found " + request.path});
+  }
+  Response response = ErrorResponse(405, "method_not_allowed",
+                                    "expected " + match.allowed_methods + " for this path");
+  response.headers.emplace_back("Allow", match.allowed_methods);
+  return response;
+}
+
+Status CheckRole(Need need, const Person& person) {
+  bool allowed = need == Need::kPerson || person.role == Role::kAdmin ||
+                 (need == Need::kInstructor && person.role == Role::kInstructor);
+  if (allowed) return {};
+  return {Code::kForbidden, std::string("expected an ") +
+                                (need == Need::kAdmin ? "admin" : "instructor or admin") +
+                                ", signed in is a " + RoleName(person.role)};
+}
+
+Status CheckCsrf(const Request& request, const auth::Identity& caller) {
+  if (IsSafe(request.method)) return {};
+  if (auth::SameSecret(request.Header("x-enamel-csrf"), caller.csrf)) return {};
+  return {Code::kForbidden,
+          "expected the session's csrf value in the header X-Enamel-Csrf; get it from "
+          "GET /api/v1/session",
+          "x-enamel-csrf"};
+}
+
+// Counts a request in for as long as it lives.
+class Ticket {
+ public:
+  Ticket(std::atomic<size_t>& count, size_t limit) : count_(count), granted_(++count_ <= limit) {}
+  ~Ticket() { --count_; }
+  Ticket(const Ticket&) = delete;
+  Ticket& operator=(const Ticket&) = delete;
+  bool granted() const { return granted_; }
+
+ private:
+  std::atomic<size_t>& count_;
+  const bool granted_;
+};
+
+}  // namespace
+
+Api::Api(Store& store, auth::Authenticator& authenticator, size_t threads, size_t max_in_flight)
+    : store_(store), authenticator_(authenticator), max_in_flight_(max_in_flight), pool_(threads) {}
+
+bool Api::Owns(std::string_view path) {
+  return path == "/healthz" || path == "/api" || path.starts_with("/api/");
+}
+
+boost::asio::awaitable<Response> Api::Handle(const Request& request) {
+  RouteMatch match = FindRoute(request.method, request.path);
+  if (!match.route) co_return NoSuchRoute(request, match);
+  Uuid id;
+  if (!match.id.empty()) {
+    Result<Uuid> parsed = Uuid::Parse(match.id);
+    if (!parsed.ok()) co_return ErrorResponse({Code::kInvalidInput, "expected a UUID in the path", "id"});
+    id = *parsed;
+  }
+  if (!IsSafe(request.method)) {
+    if (Status same = CheckSameSite(request); !same.ok()) co_return ErrorResponse(same);
+  }
+  const Route& route = *match.route;
+  if (auto* handler = std::get_if<AsyncHandler>(&route.handler)) {
+    co_return co_await (*handler)(Call{request, store_, authenticator_, nullptr, id});
+  }
+  Ticket ticket(in_flight_, max_in_flight_);
+  if (!ticket.granted()) {
+    co_return ErrorResponse({Code::kUnavailable, "the server is busy; try again in a few seconds"});
+  }
+  co_return co_await pool_.Run([&] { return Blocking(request, route, id); });
+}
+
+Response Api::Blocking(const Request& request, const Route& route, const Uuid& id) {
+  try {
+    return Authorised(request, route, id);
+  } catch (const std::exception& error) {
+    return ErrorResponse(Status{Code::kInternal, error.what(), request.path});
+  }
+}
+
+Response Api::Authorised(const Request& request, const Route& route, const Uuid& id) {
+  Call call{request, store_, authenticator_, nullptr, id};
+  auto handler = std::get<BlockingHandler>(route.handler);
+  if (route.need == Need::kNobody) return handler(call);
+
+  std::optional<std::string> cookie = SessionCookie(request);
+  if (!cookie) return ErrorResponse({Code::kUnauthenticated, "expected a session; sign in first"});
+  Result<auth::Identity> caller = authenticator_.AuthenticateHex(*cookie);
+  if (!caller.ok()) return ErrorResponse(caller.status());
+  if (Status role = CheckRole(route.need, caller->person); !role.ok()) return ErrorResponse(role);
+  if (Status csrf = CheckCsrf(request, *caller); !csrf.ok()) return ErrorResponse(csrf);
+  call.caller = &*caller;
+  return handler(call);
+}
+
+}  // namespace enamel::server::http

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <atomic>
+#include <boost/asio/awaitable.hpp>
+#include <cstddef>
+#include <string_view>
+
+#include "server/auth/authenticator.h"
+#include "server/http/message.h"
+#include "server/http/routes.h"
+#include "server/storage/store.h"
+#include "server/storage/store_pool.h"
+
+namespace enamel::server::http {
+
+// From request to answer, without a socket: route, same-site check, session, role, CSRF, handler, in
+// this order. Thread safety: Handle from any strand; the work itself runs on the store's threads, so
+// no I/O thread ever blocks. At most `max_in_flight` requests wait for those threads; more get 503.
+class Api {
+ public:
+  Api(Store& store, auth::Authenticator& authenticator, size_t threads, size_t max_in_flight);
+
+  // True for paths that are never the page's.
+  static bool Owns(std::string_view path);
+
+  boost::asio::awaitable<Response> Handle(const Request& request);
+
+ private:
+  Response Blocking(const Request& request, const Route& route, const Uuid& id);
+  Response Authorised(const Request& request, const Route& route, const Uuid& id);
+
+  Store& store_;
+  auth::Authenticator& authenticator_;
+  const size_t max_in_flight_;
+  std::atomic<size_t> in_flight_{0};
+  StorePool pool_;
+};
+
+}  // namespace enamel::server::http

@@ -1,0 +1,174 @@
+#include <boost/json.hpp>
+
+#include "common/scene/json.h"
+#include "server/http/attempt_view.h"
+#include "server/http/error_response.h"
+#include "server/http/handlers.h"
+#include "server/http/json_body.h"
+#include "server/http/query.h"
+#include "server/training/access.h"
+
+namespace enamel::server::http {
+namespace json = boost::json;
+namespace {
+
+constexpr uint32_t kDefaultPage = 50;
+constexpr uint32_t kMaxPage = 200;
+constexpr size_t kMaxDentist = 200;
+
+Status NoSuchAttempt() { return {Code::kNotFound, "there is no such attempt", "id"}; }
+
+Result<AttemptFilter> FilterFor(const Call& call) {
+  AttemptFilter filter;
+  struct { const char* name; std::optional<Uuid>& into; } const ids[] = {
+      {"person", filter.person}, {"cohort", filter.cohort},
+      {"exercise", filter.exercise}, {"before", filter.before}};
+  for (const auto& id : ids) {
+    Result<std::optional<Uuid>> value = QueryId(call.request, id.name);
+    if (!value.ok()) return value.status();
+    id.into = *value;
+  }
+  Result<uint32_t> limit = QueryLimit(call.request, kDefaultPage, kMaxPage);
+  if (!limit.ok()) return limit.status();
+  filter.limit = *limit;
+
+  const Person& viewer = call.caller->person;
+  if (viewer.role == Role::kStudent) {
+    filter.person = viewer.id;
+    filter.cohort.reset();
+  } else if (viewer.role == Role::kInstructor && filter.person != viewer.id) {
+    filter.visible_to_instructor = viewer.id;
+  }
+  return filter;
+}
+
+// An attempt the caller may see, with what access.h asks about it.
+struct Seen {
+  AttemptRow row;
+  bool shares_cohort = false;
+  bool graded = true;
+};
+
+Result<Seen> SeeAttempt(const Call& call) {
+  Result<AttemptRow> row = call.store.AttemptById(call.id);
+  if (!row.ok()) return row.status().code() == Code::kNotFound ? NoSuchAttempt() : row.status();
+  const Person& viewer = call.caller->person;
+  Result<bool> shares = call.store.ShareCohort(viewer.id, row->person);
+  if (!shares.ok()) return shares.status();
+  if (!CanSeeAttempt(viewer, *row, *shares)) return NoSuchAttempt();
+  Result<ExerciseRow> exercise = call.store.ExerciseById(row->exercise);
+  if (!exercise.ok()) return exercise.status();
+  return Seen{std::move(*row), *shares, exercise->graded};
+}
+
+Status RequireScored(const AttemptRow& row) {
+  if (row.state == AttemptState::kScored) return {};
+  return {Code::kConflict, std::string("expected a scored attempt, this one is ") +
+                               AttemptStateName(row.state) +
+                               (row.problem.empty() ? "; wait for the score" : ": " + row.problem)};
+}
+
+// What the scoring job left, for a caller who may see it now.
+Result<Store::AttemptResult> SeeResult(const Call& call) {
+  Result<Seen> seen = SeeAttempt(call);
+  if (!seen.ok()) return seen.status();
+  if (!CanSeeScore(call.caller->person, seen->row, seen->graded, seen->shares_cohort)) {
+    return Status{Code::kForbidden,
+                  "this work is graded: the result shows after the instructor has released it"};
+  }
+  ENAMEL_RETURN_IF_ERROR(RequireScored(seen->row));
+  return call.store.ResultOf(call.id);
+}
+
+Response BlobResponse(const Call& call, Sha256 Store::AttemptResult::*member,
+                      std::string content_type) {
+  Result<Store::AttemptResult> result = SeeResult(call);
+  if (!result.ok()) return ErrorResponse(result.status());
+  Result<Bytes> bytes = call.store.GetBlob((*result).*member);
+  if (!bytes.ok()) return ErrorResponse(Status{Code::kInternal, bytes.status().message()});
+  Response response;
+  response.content_type = std::move(content_type);
+  response.body = AsText(*bytes);
+  return response;
+}
+
+Actor ActorOf(const Call& call) { return {call.caller->person.id, "page"}; }
+
+}  // namespace
+
+Response ListAttempts(const Call& call) {
+  Result<AttemptFilter> filter = FilterFor(call);
+  if (!filter.ok()) return ErrorResponse(filter.status());
+  Result<std::vector<AttemptRow>> rows = call.store.Attempts(*filter);
+  if (!rows.ok()) return ErrorResponse(rows.status());
+  AttemptView view(call.store, call.caller->person);
+  json::array attempts;
+  for (const AttemptRow& row : *rows) {
+    Result<json::object> attempt = view.Json(row);
+    if (!attempt.ok()) return ErrorResponse(attempt.status());
+    attempts.push_back(std::move(*attempt));
+  }
+  json::value next;
+  if (rows->size() == filter->limit) next = rows->back().id.Text();
+  return JsonResponse({{"attempts", std::move(attempts)}, {"next", std::move(next)}});
+}
+
+Response GetAttempt(const Call& call) {
+  Result<Seen> seen = SeeAttempt(call);
+  if (!seen.ok()) return ErrorResponse(seen.status());
+  AttemptView view(call.store, call.caller->person);
+  Result<json::object> attempt = view.DetailJson(seen->row);
+  if (!attempt.ok()) return ErrorResponse(attempt.status());
+  return JsonResponse(std::move(*attempt));
+}
+
+Response GetScore(const Call& call) {
+  return BlobResponse(call, &Store::AttemptResult::score_json, "application/json");
+}
+
+Response GetSurface(const Call& call) {
+  return BlobResponse(call, &Store::AttemptResult::surface, "application/octet-stream");
+}
+
+Response GetSeries(const Call& call) {
+  return BlobResponse(call, &Store::AttemptResult::series, "application/json");
+}
+
+Response ReleaseAttempt(const Call& call) {
+  Result<Seen> seen = SeeAttempt(call);
+  if (!seen.ok()) return ErrorResponse(seen.status());
+  if (!CanReleaseAttempt(call.caller->person, seen->row, seen->shares_cohort)) {
+    return ErrorResponse({Code::kForbidden, "expected an instructor of the student's cohort"});
+  }
+  if (Status scored = RequireScored(seen->row); !scored.ok()) return ErrorResponse(scored);
+  if (Status done = call.store.ReleaseAttempt(call.id, ActorOf(call)); !done.ok()) {
+    return ErrorResponse(done);
+  }
+  Response response;
+  response.status = 204;
+  return response;
+}
+
+Response MakeReference(const Call& call) {
+  if (!IsJson(call.request)) return NotJson();
+  Result<json::object> body = TextMembers(call.request, {{"dentist", kMaxDentist}});
+  if (!body.ok()) return ErrorResponse(body.status());
+  Result<Seen> seen = SeeAttempt(call);
+  if (!seen.ok()) return ErrorResponse(seen.status());
+  if (!CanMarkReference(call.caller->person, seen->row, seen->shares_cohort)) {
+    return ErrorResponse({Code::kForbidden, "expected an instructor of the person's cohort"});
+  }
+  if (Status scored = RequireScored(seen->row); !scored.ok()) return ErrorResponse(scored);
+  Result<ReferenceRow> row = call.store.AddReference(
+      call.id, std::string((*body)["dentist"].as_string()), ActorOf(call));
+  if (!row.ok()) return ErrorResponse(row.status());
+  return JsonResponse({{"id", row->id.Text()},
+                       {"exercise_id", row->exercise.Text()},
+                       {"attempt_id", row->attempt.Text()},
+                       {"dentist", row->dentist},
+                       {"version", row->version},
+                       {"created_ms", row->created_ms}},
+                      201);
+}
+
+}  // namespace enamel::server::http

@@ -1,0 +1,143 @@
+#include "server/http/attempt_view.h"
+
+#include <boost/json.hpp>
+
+#include "common/scene/json.h"
+#include "common/scoring/score.h"
+#include "server/training/access.h"
+
+namespace enamel::server::http {
+namespace json = boost::json;
+namespace {
+
+Result<std::string> BlobText(Store& store, const Sha256& hash) {
+  Result<Bytes> bytes = store.GetBlob(hash);
+  if (!bytes.ok()) return bytes.status();
+  return std::string(AsText(*bytes));
+}
+
+json::object PersonJson(const AttemptRow& row) {
+  return {{"id", row.person.Text()}, {"display_name", row.person_name}};
+}
+
+}  // namespace
+
+Result<const AttemptView::Exercise*> AttemptView::ExerciseOf(const AttemptRow& row) {
+  if (auto found = exercises_.find(row.exercise); found != exercises_.end()) return &found->second;
+  Exercise exercise;
+  Result<ExerciseRow> stored = store_.ExerciseById(row.exercise);
+  if (!stored.ok()) return stored.status();
+  exercise.graded = stored->graded;
+  Result<std::optional<ReferenceRow>> reference = store_.ReferenceFor(row.exercise);
+  if (!reference.ok()) return reference.status();
+  exercise.reference = *reference;
+  Result<std::string> text = BlobText(store_, row.exercise_content);
+  if (!text.ok()) return text.status();
+  if (Result<scene::Exercise> document = scene::ExerciseFromJson(*text); document.ok()) {
+    exercise.rate_hz = document->rate_hz;
+  }
+  return &exercises_.emplace(row.exercise, std::move(exercise)).first->second;
+}
+
+Result<std::string> AttemptView::StationName(const Uuid& id) {
+  if (!stations_) {
+    Result<std::vector<StationRow>> rows = store_.Stations();
+    if (!rows.ok()) return rows.status();
+    stations_.emplace();
+    for (const StationRow& row : *rows) stations_->emplace(row.id, row.name);
+  }
+  auto found = stations_->find(id);
+  return found == stations_->end() ? std::string() : found->second;
+}
+
+Result<std::pair<std::string, std::string>> AttemptView::ProfileNameAndTitle(const Sha256& content) {
+  if (auto found = profiles_.find(content); found != profiles_.end()) return found->second;
+  Result<std::string> text = BlobText(store_, content);
+  if (!text.ok()) return text.status();
+  std::pair<std::string, std::string> names;
+  if (Result<scene::DeviceProfile> profile = scene::ProfileFromJson(*text); profile.ok()) {
+    names = {profile->name, profile->title};
+  }
+  return profiles_.emplace(content, std::move(names)).first->second;
+}
+
+Result<bool> AttemptView::ScoreVisible(const AttemptRow& row, bool graded) {
+  auto known = shares_cohort_.find(row.person);
+  if (known == shares_cohort_.end()) {
+    Result<bool> shares = store_.ShareCohort(viewer_.id, row.person);
+    if (!shares.ok()) return shares.status();
+    known = shares_cohort_.emplace(row.person, *shares).first;
+  }
+  return CanSeeScore(viewer_, row, graded, known->second);
+}
+
+Result<json::object> AttemptView::Json(const AttemptRow& row) {
+  Result<const Exercise*> exercise = ExerciseOf(row);
+  if (!exercise.ok()) return exercise.status();
+  Result<std::string> station = StationName(row.station);
+  if (!station.ok()) return station.status();
+  Result<std::pair<std::string, std::string>> profile = ProfileNameAndTitle(row.profile_content);
+  if (!profile.ok()) return profile.status();
+  Result<bool> visible = ScoreVisible(row, (*exercise)->graded);
+  if (!visible.ok()) return visible.status();
+  const std::optional<ReferenceRow>& reference = (*exercise)->reference;
+
+  json::value score, critical_fail;
+  if (row.score && *visible) {
+    score = *row.score;
+    critical_fail = row.critical_fail;
+  }
+  return json::object{
+      {"id", row.id.Text()},
+      {"person", PersonJson(row)},
+      {"exercise", {{"id", row.exercise.Text()}, {"title", row.exercise_title}}},
+      {"station", {{"id", row.station.Text()}, {"name", *station}}},
+      {"profile", {{"name", profile->first}, {"title", profile->second}}},
+      {"state", AttemptStateName(row.state)},
+      {"as_reference", row.as_reference},
+      {"is_reference", reference && reference->attempt == row.id},
+      {"released", row.released},
+      {"score", score},
+      {"critical_fail", critical_fail},
+      {"progress", row.progress},
+      {"ticketed_ms", row.ticketed_ms},
+      {"sealed_ms", row.sealed_ms},
+      {"ticks", row.ticks},
+      {"gap_ticks", row.gap_ticks},
+      {"chunks", row.chunks},
+      {"trace_bytes", row.trace_bytes},
+      {"problem", row.problem}};
+}
+
+Result<json::value> AttemptView::ReferenceJson(const AttemptRow& row, const Exercise& exercise) {
+  Result<bool> visible = ScoreVisible(row, exercise.graded);
+  if (!visible.ok()) return visible.status();
+  if (!*visible || row.state != AttemptState::kScored) return json::value();
+  Result<Store::AttemptResult> result = store_.ResultOf(row.id);
+  if (!result.ok()) return result.status();
+  Result<std::string> text = BlobText(store_, result->score_json);
+  if (!text.ok()) return text.status();
+  Result<scoring::ScoreResult> score = scoring::ScoreFromJson(*text);
+  if (!score.ok() || score->reference_attempt.empty()) return json::value();
+  json::value dentist;
+  if (exercise.reference && exercise.reference->attempt.Text() == score->reference_attempt) {
+    dentist = exercise.reference->dentist;
+  }
+  return json::value{{"attempt_id", score->reference_attempt}, {"dentist", std::move(dentist)}};
+}
+
+Result<json::object> AttemptView::DetailJson(const AttemptRow& row) {
+  Result<json::object> out = Json(row);
+  if (!out.ok()) return out;
+  Result<const Exercise*> exercise = ExerciseOf(row);
+  if (!exercise.ok()) return exercise.status();
+  Result<json::value> reference = ReferenceJson(row, **exercise);
+  if (!reference.ok()) return reference.status();
+  double ticks = static_cast<double>(row.ticks + row.gap_ticks);
+  double rate_hz = (*exercise)->rate_hz;
+  out->emplace("duration_s", rate_hz > 0 ? ticks / rate_hz : 0.0);
+  out->emplace("reference", std::move(*reference));
+  return out;
+}
+
+}  // namespace enamel::server::http

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <boost/json/object.hpp>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "common/base/result.h"
+#include "server/storage/store.h"
+
+namespace enamel::server::http {
+
+// Attempts as one viewer sees them (schemas Attempt and AttemptDetail): joins names, hides a graded score
+// that is not released. Keeps what it looked up, so a page of attempts costs a look-up per station,
+// profile and exercise. Lives for one request; blocks. Thread safety: none.
+class AttemptView {
+ public:
+  AttemptView(Store& store, const Person& viewer) : store_(store), viewer_(viewer) {}
+
+  // Requires: the viewer may see the attempt (CanSeeAttempt). Errors: the store's.
+  Result<boost::json::object> Json(const AttemptRow& row);
+  Result<boost::json::object> DetailJson(const AttemptRow& row);
+
+ private:
+  struct Exercise {
+    bool graded = true;
+    int32_t rate_hz = 0;                      // 0: the document cannot be read
+    std::optional<ReferenceRow> reference;
+  };
+  Result<const Exercise*> ExerciseOf(const AttemptRow& row);
+  Result<std::string> StationName(const Uuid& id);
+  Result<std::pair<std::string, std::string>> ProfileNameAndTitle(const Sha256& content);
+  Result<bool> ScoreVisible(const AttemptRow& row, bool graded);
+  Result<boost::json::value> ReferenceJson(const AttemptRow& row, const Exercise& exercise);
+
+  Store& store_;
+  const Person& viewer_;
+  std::map<Uuid, Exercise> exercises_;
+  std::map<Uuid, bool> shares_cohort_;
+  std::optional<std::map<Uuid, std::string>> stations_;
+  std::map<Sha256, std::pair<std::string, std::string>> profiles_;
+};
+
+}  // namespace enamel::server::http

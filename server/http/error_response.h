@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string_view>
+
+#include "common/base/result.h"
+#include "server/http/message.h"
+
+// The one place where a refusal becomes an HTTP answer (schemas/api/openapi.yaml, schema Error).
+namespace enamel::server::http {
+
+// 400, 401, 403, 404, 409, 413, 429, 503 say what the Status says. Everything that is our fault
+// (kStorage, kVersion, kInternal) becomes a 500 without detail; the detail goes to the log, here.
+Response ErrorResponse(const Status& status);
+
+// Refusals that only exist in HTTP: 405 "method_not_allowed", 415 "unsupported_media_type",
+// 421 "misdirected", 431 "too_large", …
+Response ErrorResponse(int status, std::string_view code, std::string_view message,
+                       std::string_view field = {});
+
+}  // namespace enamel::server::http

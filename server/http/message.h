@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+// A request and its answer as plain values: what the handlers see. No sockets, no Beast; a test makes
+// one with braces.
+namespace enamel::server::http {
+
+enum class Method : uint8_t { kGet, kHead, kPost, kDelete, kOther };
+const char* MethodName(Method method);
+
+// Thread safety: a value.
+struct Request {
+  Method method = Method::kGet;
+  std::string path;                            // as sent, still percent-encoded, without the query
+  std::map<std::string, std::string> query;    // decoded; a name given twice: the last
+  std::map<std::string, std::string> headers;  // names in lower case; a repeated one joined by ", "
+  std::string body;
+  std::string peer;                            // IP address
+  bool tls = false;
+
+  // Empty when absent.
+  std::string_view Header(std::string_view lower_case_name) const;
+};
+
+struct Response {
+  int status = 200;
+  std::string content_type;                    // none when empty
+  std::string body;
+  std::shared_ptr<const std::string> shared_body;  // instead of `body`: what many answers share
+  std::vector<std::pair<std::string, std::string>> headers;
+
+  std::string_view Body() const { return shared_body ? *shared_body : body; }
+};
+
+}  // namespace enamel::server::http

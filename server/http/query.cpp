@@ -1,0 +1,27 @@
+#include "server/http/query.h"
+
+#include <charconv>
+
+namespace enamel::server::http {
+
+Result<std::optional<Uuid>> QueryId(const Request& request, const char* name) {
+  auto found = request.query.find(name);
+  if (found == request.query.end()) return std::optional<Uuid>();
+  Result<Uuid> id = Uuid::Parse(found->second);
+  if (!id.ok()) return Status{Code::kInvalidInput, "expected a UUID", name};
+  return std::optional<Uuid>(*id);
+}
+
+Result<uint32_t> QueryLimit(const Request& request, uint32_t otherwise, uint32_t at_most) {
+  auto found = request.query.find("limit");
+  if (found == request.query.end()) return otherwise;
+  const std::string& text = found->second;
+  uint32_t limit = 0;
+  auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), limit);
+  if (error != std::errc() || end != text.data() + text.size() || limit < 1 || limit > at_most) {
+    return Status{Code::kInvalidInput, "expected a number from 1 to " + std::to_string(at_most), "limit"};
+  }
+  return limit;
+}
+
+}  // namespace enamel::server::http

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <boost/asio/awaitable.hpp>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <variant>
+
+#include "common/base/uuid.h"
+#include "server/auth/authenticator.h"
+#include "server/http/message.h"
+#include "server/storage/store.h"
+
+// The API's table of routes and what a handler gets. schemas/api/openapi.yaml is the contract; a test
+// compares the two both ways.
+namespace enamel::server::http {
+
+// Who may call a route at all. Whose data the answer holds is decided by server/training/access.h.
+enum class Need : uint8_t {
+  kNobody,      // no session asked for
+  kPerson,      // any signed-in person
+  kInstructor,  // instructor or admin
+  kAdmin,
+};
+
+// What a handler works on. References outlive the call.
+struct Call {
+  const Request& request;
+  Store& store;
+  auth::Authenticator& authenticator;
+  const auth::Identity* caller = nullptr;  // set unless the route needs nobody
+  Uuid id;                                 // of `{id}` in the pattern
+};
+
+// Runs on the store's threads and may block.
+using BlockingHandler = Response (*)(const Call&);
+// Runs on the connection's strand and must not block.
+using AsyncHandler = boost::asio::awaitable<Response> (*)(Call);
+
+struct Route {
+  Method method;
+  std::string_view pattern;  // "/api/v1/attempts/{id}/score"
+  Need need;
+  std::variant<BlockingHandler, AsyncHandler> handler;
+};
+
+std::span<const Route> Routes();
+
+struct RouteMatch {
+  const Route* route = nullptr;   // none: no such path, or not with this method
+  std::string_view id;            // text in the place of `{id}`
+  std::string allowed_methods;    // "GET, POST" when the path exists; else empty
+};
+// HEAD finds the GET route.
+RouteMatch FindRoute(Method method, std::string_view path);
+
+}  // namespace enamel::server::http

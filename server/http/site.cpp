@@ -1,0 +1,113 @@
+#include "server/http/site.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace enamel::server::http {
+namespace {
+
+constexpr std::pair<const char*, const char*> kSecurityHeaders[] = {
+    {"Content-Security-Policy",
+     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
+     "font-src 'self'; connect-src 'self'; worker-src 'self'; manifest-src 'self'; "
+     "frame-ancestors 'none'; base-uri 'none'; object-src 'none'; form-action 'self'; "
+     "require-trusted-types-for 'script'"},
+    {"X-Content-Type-Options", "nosniff"},
+    {"Referrer-Policy", "no-referrer"},
+    {"Cross-Origin-Opener-Policy", "same-origin"},
+    {"Cross-Origin-Embedder-Policy", "require-corp"},
+    {"Cross-Origin-Resource-Policy", "same-origin"},
+    {"Permissions-Policy",
+     "camera=(), display-capture=(), geolocation=(), hid=(), microphone=(), midi=(), payment=(), "
+     "serial=(), usb=()"},
+};
+constexpr const char* kHsts = "max-age=31536000; includeSubDomains";
+
+std::string ToLower(std::string_view text) {
+  std::string out(text);
+  std::transform(out.begin(), out.end(), out.begin(), [](char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  });
+  return out;
+}
+
+bool IsPort(std::string_view text) {
+  return !text.empty() && text.size() <= 5 &&
+         std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
+}
+
+// Without the port; empty when there is no valid one after the colon.
+std::string_view HostName(std::string_view host) {
+  size_t end = !host.empty() && host.front() == '[' ? host.find(']') : host.find(':');
+  if (end == std::string_view::npos) return host.empty() || host.front() != '[' ? host : "";
+  if (host.front() == '[') ++end;
+  if (end == host.size()) return host;
+  if (host[end] != ':' || !IsPort(host.substr(end + 1))) return "";
+  return host.substr(0, end);
+}
+
+std::string_view Trim(std::string_view text) {
+  size_t first = text.find_first_not_of(' ');
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(' ') - first + 1);
+}
+
+}  // namespace
+
+bool HostAllowed(std::string_view host_header, const std::vector<std::string>& allowed) {
+  std::string name = ToLower(HostName(host_header));
+  return !name.empty() && std::find(allowed.begin(), allowed.end(), name) != allowed.end();
+}
+
+Status CheckSameSite(const Request& request) {
+  std::string_view site = request.Header("sec-fetch-site");
+  if (!site.empty() && site != "same-origin" && site != "none") {
+    return {Code::kForbidden, "expected a request from this server's own page, found one from " +
+                                  std::string(site) + "; open the page itself and try again",
+            "sec-fetch-site"};
+  }
+  std::string_view origin = request.Header("origin");
+  std::string own = (request.tls ? "https://" : "http://") + std::string(request.Header("host"));
+  if (!origin.empty() && ToLower(origin) != ToLower(own)) {
+    return {Code::kForbidden,
+            "expected origin " + own + ", found " + std::string(origin) +
+                "; open the page itself and try again",
+            "origin"};
+  }
+  return {};
+}
+
+std::string SessionCookieName(bool tls) { return tls ? "__Host-enamel_session" : "enamel_session"; }
+
+std::optional<std::string> SessionCookie(const Request& request) {
+  const std::string name = SessionCookieName(request.tls);
+  std::optional<std::string> found;
+  std::string_view rest = request.Header("cookie");
+  while (!rest.empty()) {
+    size_t end = std::min(rest.find(';'), rest.size());
+    std::string_view pair = Trim(rest.substr(0, end));
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+    size_t equals = pair.find('=');
+    if (equals == std::string_view::npos || pair.substr(0, equals) != name) continue;
+    if (found) return std::nullopt;
+    found = std::string(pair.substr(equals + 1));
+  }
+  return found;
+}
+
+std::string SetSessionCookie(const std::string& token_hex, bool tls) {
+  std::string cookie = SessionCookieName(tls) + "=" + token_hex + "; Path=/; HttpOnly; SameSite=Strict";
+  if (tls) cookie += "; Secure";
+  if (token_hex.empty()) cookie += "; Max-Age=0";
+  return cookie;
+}
+
+void AddSecurityHeaders(Response& response, bool tls) {
+  for (const auto& [name, value] : kSecurityHeaders) response.headers.emplace_back(name, value);
+  if (tls) response.headers.emplace_back("Strict-Transport-Security", kHsts);
+  bool has_caching = std::any_of(response.headers.begin(), response.headers.end(),
+                                 [](const auto& header) { return header.first == "Cache-Control"; });
+  if (!has_caching) response.headers.emplace_back("Cache-Control", "no-store");
+}
+
+}  // namespace enamel::server::http

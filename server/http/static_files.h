@@ -1,0 +1,43 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "common/base/result.h"
+#include "server/http/message.h"
+
+namespace enamel::server::http {
+
+// The page: every regular file under a folder, read into memory once. A request is a look-up among the
+// names that were found there, so no path can lead outside; a page that was built anew is seen after
+// a restart.
+//
+// `x.js.br` and `x.js.gz` are the compressed forms of `x.js`, chosen by Accept-Encoding. A hashed name
+// (`main-4XKQ7B2D.js`) may be cached for ever; index.html never; anything else is asked about again (ETag).
+// Paths that look like no file (`/attempts/…`) are index.html: the page's own addresses.
+//
+// Thread safety: const after Load. No I/O in Serve.
+class StaticFiles {
+ public:
+  // Errors: kNotFound without folder or index.html, kTooLarge beyond 64 MiB together, kStorage.
+  static Result<StaticFiles> Load(const std::filesystem::path& folder);
+
+  // 200, 304, 404, or 405 for anything but GET and HEAD.
+  Response Serve(const Request& request) const;
+
+ private:
+  struct File {
+    std::string content_type;
+    std::string cache_control;
+    std::string etag;                               // of the plain form
+    std::shared_ptr<const std::string> plain, br, gz;
+  };
+  const File* Find(std::string_view path) const;
+
+  std::map<std::string, File, std::less<>> files_;  // by path: "/assets/main-4XKQ7B2D.js"
+};
+
+}  // namespace enamel::server::http

@@ -1,0 +1,262 @@
+#include <algorithm>
+
+#include "server/storage/sqlite_impl.h"
+
+// Attempts as rows, what scoring leaves, references. Their traces: traces.cpp.
+namespace enamel::server::sqlite {
+namespace {
+
+constexpr char kAttemptSelect[] =
+    "SELECT a.id, a.person, p.display_name, a.station, a.exercise, e.title, e.content, "
+    "a.profile_content, "
+    "a.state, a.as_reference, a.released, a.ticketed_ms, a.sealed_ms, a.chunks, a.ticks, "
+    "a.gap_ticks, "
+    "a.trace_bytes, a.score, a.critical_fail, a.progress, a.problem FROM attempts a "
+    "JOIN people p ON p.tenant = a.tenant AND p.id = a.person "
+    "JOIN exercises e ON e.tenant = a.tenant AND e.id = a.exercise WHERE a.tenant = ?1";
+
+AttemptRow AttemptOf(const Query& q) {
+  AttemptRow out;
+  out.id = q.Id(0);
+  out.person = q.Id(1);
+  out.person_name = q.Text(2);
+  out.station = q.Id(3);
+  out.exercise = q.Id(4);
+  out.exercise_title = q.Text(5);
+  out.exercise_content = q.Hash(6);
+  out.profile_content = q.Hash(7);
+  out.state = static_cast<AttemptState>(q.Int(8));
+  out.as_reference = q.Int(9) != 0;
+  out.released = q.Int(10) != 0;
+  out.ticketed_ms = q.Int(11);
+  out.sealed_ms = q.Int(12);
+  out.chunks = static_cast<uint32_t>(q.Int(13));
+  out.ticks = static_cast<uint64_t>(q.Int(14));
+  out.gap_ticks = static_cast<uint64_t>(q.Int(15));
+  out.trace_bytes = static_cast<uint64_t>(q.Int(16));
+  if (!q.IsNull(17)) out.score = q.Real(17);
+  out.critical_fail = q.Int(18) != 0;
+  out.progress = q.Real(19);
+  out.problem = q.Text(20);
+  return out;
+}
+
+Status MustExist(Db& db, const Uuid& attempt) {
+  if (db.Changes() > 0) return Status::Ok();
+  return Status(Code::kNotFound, "no attempt " + attempt.Text());
+}
+
+Status QueueUnreferenced(Db& db, const Uuid& exercise) {
+  std::vector<Uuid> waiting;
+  {
+    Query q(
+        db,
+        "SELECT a.id FROM attempts a WHERE a.tenant = ?1 AND a.exercise = ?2 AND a.state IN (3, 5) "
+        "AND "
+        "a.reference IS NULL AND NOT EXISTS (SELECT 1 FROM jobs j WHERE j.tenant = a.tenant AND "
+        "j.attempt = a.id AND j.state = 'queued')");
+    q.Bind(exercise);
+    while (q.Next()) waiting.push_back(q.Id(0));
+    ENAMEL_RETURN_IF_ERROR(q.status());
+  }
+  for (const Uuid& attempt : waiting) ENAMEL_RETURN_IF_ERROR(QueueScoreJob(db, attempt));
+  return Status::Ok();
+}
+
+Status InsertReference(Db& db, ReferenceRow& row) {
+  {
+    Query q(
+        db,
+        "SELECT coalesce(max(version), 0) FROM reference_cuts WHERE tenant = ?1 AND exercise = ?2");
+    row.version = q.Bind(row.exercise).Next() ? static_cast<int32_t>(q.Int(0)) + 1 : 1;
+    ENAMEL_RETURN_IF_ERROR(q.status());
+  }
+  Query q(
+      db,
+      "INSERT INTO reference_cuts (tenant, id, exercise, attempt, dentist, version, created_ms) "
+      "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)");
+  q.Bind(row.id).Bind(row.exercise).Bind(row.attempt).Bind(row.dentist).Bind(int64_t{row.version});
+  return q.Bind(row.created_ms).Run();
+}
+
+}  // namespace
+
+Result<AttemptRow> FindAttempt(Db& db, const Uuid& id) {
+  static const std::string kSql = std::string(kAttemptSelect) + " AND a.id = ?2";
+  Query q(db, kSql.c_str());
+  if (q.Bind(id).Next()) return AttemptOf(q);
+  if (!q.status().ok()) return q.status();
+  return Status(Code::kNotFound, "no attempt " + id.Text());
+}
+
+Status SqliteStore::CreateAttempt(const AttemptRow& row, ByteView ticket, const Actor& by) {
+  return Write([&](Db& db) -> Status {
+    Query q(db,
+            "INSERT INTO attempts (tenant, id, person, station, exercise, profile_content, state, "
+            "as_reference, ticketed_ms, ticket) VALUES (?1, ?2, ?3, ?4, ?5, ?6, 1, ?7, ?8, ?9)");
+    q.Bind(row.id).Bind(row.person).Bind(row.station).Bind(row.exercise).Bind(row.profile_content);
+    q.Bind(static_cast<int64_t>(row.as_reference)).Bind(row.ticketed_ms).Bind(ticket);
+    ENAMEL_RETURN_IF_ERROR(Explain(
+        q.Run(),
+        "attempt " + row.id.Text() + " exists, or its person, station or exercise does not"));
+    return WriteAudit(db, by, "attempt.ticket", row.id.Text(), "{}",
+                      JsonOf({{"person", row.person.Text()}, {"exercise", row.exercise.Text()}}));
+  });
+}
+
+Result<AttemptRow> SqliteStore::AttemptById(const Uuid& id) {
+  return Read([&](Db& db) { return FindAttempt(db, id); });
+}
+
+Result<std::vector<AttemptRow>> SqliteStore::Attempts(const AttemptFilter& filter) {
+  std::string sql = kAttemptSelect;
+  std::vector<Uuid> ids;
+  auto where = [&](const std::optional<Uuid>& id, const std::string& before,
+                   const std::string& after) {
+    if (!id) return;
+    ids.push_back(*id);
+    sql += " AND " + before + "?" + std::to_string(ids.size() + 1) + after;
+  };
+  where(filter.person, "a.person = ", "");
+  where(filter.cohort,
+        "EXISTS (SELECT 1 FROM cohort_members m WHERE m.tenant = a.tenant AND m.person = a.person "
+        "AND "
+        "m.cohort = ",
+        ")");
+  where(filter.visible_to_instructor,
+        "EXISTS (SELECT 1 FROM cohort_members i JOIN cohort_members m ON m.tenant = i.tenant AND "
+        "m.cohort = i.cohort WHERE i.tenant = a.tenant AND m.person = a.person AND i.person = ",
+        ")");
+  where(filter.exercise, "a.exercise = ", "");
+  where(filter.before, "a.id < ", "");
+  sql += " ORDER BY a.id DESC LIMIT " + std::to_string(std::clamp<uint32_t>(filter.limit, 1, 200));
+  return Read([&](Db& db) -> Result<std::vector<AttemptRow>> {
+    Query q(db, sql.c_str());
+    for (const Uuid& id : ids) q.Bind(id);
+    std::vector<AttemptRow> out;
+    while (q.Next()) out.push_back(AttemptOf(q));
+    if (!q.status().ok()) return q.status();
+    return out;
+  });
+}
+
+Status SqliteStore::FinishAttempt(const Uuid& attempt, const AttemptResult& result) {
+  return Write([&](Db& db) -> Status {
+    Query q(db,
+            "UPDATE attempts SET state = 5, progress = 1, problem = '', score = ?3, critical_fail "
+            "= ?4, "
+            "score_json = ?5, final_volume = ?6, surface = ?7, series = ?8, "
+            "reference = iif(length(?9) = 16, ?9, NULL) "
+            "WHERE tenant = ?1 AND id = ?2 AND state IN (3, 4, 5, 6)");
+    q.Bind(attempt).Bind(result.score).Bind(static_cast<int64_t>(result.critical_fail));
+    q.Bind(result.score_json).Bind(result.final_volume).Bind(result.surface).Bind(result.series);
+    q.Bind(result.reference ? result.reference->view() : ByteView());
+    ENAMEL_RETURN_IF_ERROR(q.Run());
+    if (db.Changes() == 0) {
+      return Status(Code::kConflict,
+                    "attempt " + attempt.Text() + " is not one that waits for a score");
+    }
+    return WriteAudit(db, Actor{{}, "job"}, "attempt.score", attempt.Text(), "{}",
+                      JsonOf({{"score_json", result.score_json.Hex()}}));
+  });
+}
+
+Status SqliteStore::FailAttempt(const Uuid& attempt, const std::string& problem) {
+  return Write([&](Db& db) -> Status {
+    Query q(db, "UPDATE attempts SET state = 6, problem = ?3 WHERE tenant = ?1 AND id = ?2");
+    ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(problem).Run());
+    ENAMEL_RETURN_IF_ERROR(MustExist(db, attempt));
+    return WriteAudit(db, Actor{{}, "job"}, "attempt.fail", attempt.Text(), "{}",
+                      JsonOf({{"problem", problem}}));
+  });
+}
+
+Result<Store::AttemptResult> SqliteStore::ResultOf(const Uuid& attempt) {
+  return Read([&](Db& db) -> Result<AttemptResult> {
+    Query q(db,
+            "SELECT score, critical_fail, score_json, final_volume, surface, series, reference "
+            "FROM attempts WHERE tenant = ?1 AND id = ?2");
+    if (!q.Bind(attempt).Next()) {
+      if (!q.status().ok()) return q.status();
+      return Status(Code::kNotFound, "no attempt " + attempt.Text());
+    }
+    if (q.IsNull(2))
+      return Status(Code::kConflict, "attempt " + attempt.Text() + " has no score yet");
+    AttemptResult out;
+    out.score = q.Real(0);
+    out.critical_fail = q.Int(1) != 0;
+    out.score_json = q.Hash(2);
+    out.final_volume = q.Hash(3);
+    out.surface = q.Hash(4);
+    out.series = q.Hash(5);
+    if (!q.IsNull(6)) out.reference = q.Id(6);
+    return out;
+  });
+}
+
+Status SqliteStore::SetProgress(const Uuid& attempt, double progress) {
+  return Write([&](Db& db) -> Status {
+    Query q(db, "UPDATE attempts SET progress = ?3 WHERE tenant = ?1 AND id = ?2 AND state = 4");
+    return q.Bind(attempt).Bind(std::clamp(progress, 0.0, 1.0)).Run();
+  });
+}
+
+Status SqliteStore::ReleaseAttempt(const Uuid& attempt, const Actor& by) {
+  return Write([&](Db& db) -> Status {
+    auto row = FindAttempt(db, attempt);
+    if (!row.ok()) return row.status();
+    if (row->state != AttemptState::kScored) {
+      return Status(Code::kConflict, "attempt " + attempt.Text() + " is " +
+                                         AttemptStateName(row->state) +
+                                         ", only a scored one can be released");
+    }
+    if (row->released) return Status::Ok();
+    Query q(db, "UPDATE attempts SET released = 1 WHERE tenant = ?1 AND id = ?2");
+    ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Run());
+    return WriteAudit(db, by, "attempt.release", attempt.Text(), JsonOf({{"released", "no"}}),
+                      JsonOf({{"released", "yes"}}));
+  });
+}
+
+Result<ReferenceRow> SqliteStore::AddReference(const Uuid& attempt, const std::string& dentist,
+                                               const Actor& by) {
+  ReferenceRow row;
+  row.id = Uuid::New();
+  row.attempt = attempt;
+  row.dentist = dentist;
+  row.created_ms = NowMs();
+  Status status = Write([&](Db& db) -> Status {
+    auto found = FindAttempt(db, attempt);
+    if (!found.ok()) return found.status();
+    if (found->state != AttemptState::kScored) {
+      return Status(Code::kConflict, "attempt " + attempt.Text() + " is " +
+                                         AttemptStateName(found->state) +
+                                         ", only a scored one can become a reference");
+    }
+    row.exercise = found->exercise;
+    ENAMEL_RETURN_IF_ERROR(InsertReference(db, row));
+    ENAMEL_RETURN_IF_ERROR(QueueUnreferenced(db, row.exercise));
+    return WriteAudit(
+        db, by, "reference.add", attempt.Text(), "{}",
+        JsonOf({{"exercise", row.exercise.Text()}, {"version", std::to_string(row.version)}}));
+  });
+  if (!status.ok()) return status;
+  return row;
+}
+
+Result<std::optional<ReferenceRow>> SqliteStore::ReferenceFor(const Uuid& exercise) {
+  return Read([&](Db& db) -> Result<std::optional<ReferenceRow>> {
+    Query q(db,
+            "SELECT id, exercise, attempt, dentist, version, created_ms FROM reference_cuts "
+            "WHERE tenant = ?1 AND exercise = ?2 ORDER BY version DESC LIMIT 1");
+    std::optional<ReferenceRow> out;
+    if (q.Bind(exercise).Next()) {
+      out = ReferenceRow{q.Id(0), q.Id(1), q.Id(2), q.Text(3), static_cast<int32_t>(q.Int(4)),
+                         q.Int(5)};
+    }
+    if (!q.status().ok()) return q.status();
+    return out;
+  });
+}
+
+}  // namespace enamel::server::sqlite

@@ -1,0 +1,175 @@
+#include "server/storage/db.h"
+
+#include <chrono>
+
+namespace enamel::server::sqlite {
+namespace {
+
+constexpr int64_t kTenant = 1;
+constexpr int kBusyMs = 10'000;
+
+Status ErrorOf(sqlite3* handle, const std::string& path) {
+  int code = sqlite3_extended_errcode(handle);
+  std::string what = path + ": " + sqlite3_errmsg(handle);
+  switch (code & 0xff) {
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+      return Status(Code::kUnavailable, what + "; another process is writing, try again");
+    case SQLITE_FULL:
+      return Status(Code::kStorage, what + "; free some disk space");
+    case SQLITE_READONLY:
+    case SQLITE_CANTOPEN:
+    case SQLITE_PERM:
+      return Status(Code::kStorage,
+                    what + "; make the folder and its files writable for this user");
+    case SQLITE_CORRUPT:
+    case SQLITE_NOTADB:
+      return Status(Code::kStorage, what + "; the database is damaged, restore a backup");
+    case SQLITE_CONSTRAINT:
+      return Status(Code::kConflict, what);
+    default:
+      return Status(Code::kStorage, what);
+  }
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Db>> Db::Open(const std::filesystem::path& path, Mode mode,
+                                     std::function<bool()> fail_next) {
+  sqlite3* handle = nullptr;
+  int flags =
+      mode == Mode::kReadOnly ? SQLITE_OPEN_READONLY : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
+  int rc = sqlite3_open_v2(path.c_str(), &handle, flags | SQLITE_OPEN_NOMUTEX, nullptr);
+  if (rc != SQLITE_OK) {
+    Status status = ErrorOf(handle, path.string());
+    sqlite3_close_v2(handle);
+    return status;
+  }
+  std::unique_ptr<Db> db(new Db(handle, path.string(), {}));
+  sqlite3_extended_result_codes(handle, 1);
+  sqlite3_busy_timeout(handle, kBusyMs);
+  const char* setup =
+      mode == Mode::kReadOnly
+          ? "PRAGMA query_only = 1"
+          : "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL; PRAGMA foreign_keys = 1";
+  ENAMEL_RETURN_IF_ERROR(db->Exec(setup));
+  db->fail_next_ = std::move(fail_next);
+  return db;
+}
+
+Db::~Db() {
+  for (auto& [sql, statement] : statements_) sqlite3_finalize(statement);
+  sqlite3_close_v2(handle_);
+}
+
+Status Db::Exec(const char* sql) {
+  if (InjectedFailure()) return Status(Code::kStorage, "injected failure");
+  if (sqlite3_exec(handle_, sql, nullptr, nullptr, nullptr) == SQLITE_OK) return Status::Ok();
+  return Error();
+}
+
+void Db::Rollback() {
+  if (sqlite3_get_autocommit(handle_) == 0)
+    sqlite3_exec(handle_, "ROLLBACK", nullptr, nullptr, nullptr);
+}
+
+Status Db::Error() const { return ErrorOf(handle_, path_); }
+
+sqlite3_stmt* Db::Take(const char* sql, Status& status) {
+  auto [at, fresh] = statements_.try_emplace(sql, nullptr);
+  if (at->second == nullptr && sqlite3_prepare_v3(handle_, sql, -1, SQLITE_PREPARE_PERSISTENT,
+                                                  &at->second, nullptr) != SQLITE_OK) {
+    status = Error();
+    statements_.erase(at);
+    return nullptr;
+  }
+  ENAMEL_CHECK(!sqlite3_stmt_busy(at->second));
+  return at->second;
+}
+
+Query::Query(Db& db, const char* sql) : Query(db, sql, kNoTenant) { Bind(kTenant); }
+
+Query::Query(Db& db, const char* sql, NoTenant) : db_(db) { statement_ = db.Take(sql, status_); }
+
+Query::~Query() {
+  if (statement_ == nullptr) return;
+  sqlite3_reset(statement_);
+  sqlite3_clear_bindings(statement_);
+}
+
+void Query::Check(int rc) {
+  if (rc != SQLITE_OK && status_.ok()) status_ = db_.Error();
+}
+
+Query& Query::Bind(int64_t value) {
+  if (statement_) Check(sqlite3_bind_int64(statement_, next_parameter_++, value));
+  return *this;
+}
+
+Query& Query::Bind(double value) {
+  if (statement_) Check(sqlite3_bind_double(statement_, next_parameter_++, value));
+  return *this;
+}
+
+Query& Query::Bind(const std::string& value) {
+  if (!statement_) return *this;
+  Check(sqlite3_bind_text64(statement_, next_parameter_++, value.data(), value.size(),
+                            SQLITE_TRANSIENT, SQLITE_UTF8));
+  return *this;
+}
+
+Query& Query::Bind(ByteView value) {
+  static const uint8_t kNothing = 0;
+  if (!statement_) return *this;
+  Check(sqlite3_bind_blob64(statement_, next_parameter_++, value.empty() ? &kNothing : value.data(),
+                            value.size(), SQLITE_TRANSIENT));
+  return *this;
+}
+
+bool Query::Next() {
+  if (!status_.ok()) return false;
+  if (!sqlite3_stmt_readonly(statement_) && db_.InjectedFailure()) {
+    status_ = Status(Code::kStorage, "injected failure");
+    return false;
+  }
+  int rc = sqlite3_step(statement_);
+  if (rc == SQLITE_ROW) return true;
+  if (rc != SQLITE_DONE) status_ = db_.Error();
+  return false;
+}
+
+Status Query::Run() {
+  Next();
+  return status_;
+}
+
+ByteView Query::View(int column) const {
+  const void* data = sqlite3_column_blob(statement_, column);
+  int size = sqlite3_column_bytes(statement_, column);
+  return {static_cast<const uint8_t*>(data), static_cast<size_t>(size)};
+}
+
+std::string Query::Text(int column) const { return std::string(AsText(View(column))); }
+
+Bytes Query::Blob(int column) const {
+  ByteView view = View(column);
+  return Bytes(view.begin(), view.end());
+}
+
+Uuid Query::Id(int column) const {
+  ByteView view = View(column);
+  return view.size() == 16 ? Uuid::FromBytes(view) : Uuid{};
+}
+
+Sha256 Query::Hash(int column) const {
+  ByteView view = View(column);
+  return view.size() == 32 ? Sha256::FromBytes(view) : Sha256{};
+}
+
+int64_t NowMs() {
+  return std::chrono::duration_cast<std::chrono::milliseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+}  // namespace enamel::server::sqlite

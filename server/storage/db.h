@@ -1,0 +1,103 @@
+#pragma once
+
+#include <sqlite3.h>
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <unordered_map>
+
+#include "common/base/bytes.h"
+#include "common/base/result.h"
+#include "common/base/sha256.h"
+#include "common/base/uuid.h"
+
+// A thin, checked layer over SQLite's C interface. Only server/storage includes it.
+namespace enamel::server::sqlite {
+
+// One connection. Thread safety: one thread at a time. Statements are prepared once and kept.
+class Db {
+ public:
+  enum class Mode { kReadWrite, kReadOnly };
+  // WAL, synchronous=FULL, foreign keys on, waits up to 10 s for another process's write.
+  static Result<std::unique_ptr<Db>> Open(const std::filesystem::path& path, Mode mode,
+                                          std::function<bool()> fail_next = {});
+  ~Db();
+  Db(const Db&) = delete;
+  Db& operator=(const Db&) = delete;
+
+  // One or several statements without results.
+  Status Exec(const char* sql);
+  // Rows changed by the last statement.
+  int64_t Changes() const { return sqlite3_changes64(handle_); }
+  // Ends the open transaction, if SQLite has not done so itself.
+  void Rollback();
+  // The last failure as a Status; says what to do where that is known.
+  Status Error() const;
+  const std::string& path() const { return path_; }
+
+ private:
+  friend class Query;
+  Db(sqlite3* handle, std::string path, std::function<bool()> fail_next)
+      : handle_(handle), path_(std::move(path)), fail_next_(std::move(fail_next)) {}
+  sqlite3_stmt* Take(const char* sql, Status& status);
+  bool InjectedFailure() const { return fail_next_ && fail_next_(); }
+
+  sqlite3* handle_;
+  std::string path_;
+  std::function<bool()> fail_next_;
+  std::unordered_map<std::string, sqlite3_stmt*> statements_;
+};
+
+// One use of a prepared statement. ?1 is always the tenant; Bind fills ?2, ?3, … in order.
+//   Query q(db, "SELECT name FROM people WHERE tenant = ?1 AND id = ?2");
+//   q.Bind(id);
+//   if (q.Next()) … q.Text(0) …
+// A failure at any point makes Next() false and stays in status().
+class Query {
+ public:
+  enum NoTenant { kNoTenant };
+  Query(Db& db, const char* sql);
+  Query(Db& db, const char* sql, NoTenant);
+  ~Query();
+  Query(const Query&) = delete;
+  Query& operator=(const Query&) = delete;
+
+  Query& Bind(int64_t value);
+  Query& Bind(double value);
+  Query& Bind(const std::string& value);
+  Query& Bind(ByteView value);
+  Query& Bind(const Bytes& value) { return Bind(ByteView(value)); }
+  Query& Bind(const Uuid& value) { return Bind(value.view()); }
+  Query& Bind(const Sha256& value) { return Bind(value.view()); }
+
+  // Steps to the next row; false at the end or on failure.
+  bool Next();
+  // Runs a statement that returns no rows.
+  Status Run();
+  const Status& status() const { return status_; }
+
+  int64_t Int(int column) const { return sqlite3_column_int64(statement_, column); }
+  double Real(int column) const { return sqlite3_column_double(statement_, column); }
+  bool IsNull(int column) const { return sqlite3_column_type(statement_, column) == SQLITE_NULL; }
+  std::string Text(int column) const;
+  Bytes Blob(int column) const;
+  Uuid Id(int column) const;      // zero when NULL
+  Sha256 Hash(int column) const;  // zero when NULL
+
+ private:
+  ByteView View(int column) const;
+  void Check(int rc);
+
+  Db& db_;
+  sqlite3_stmt* statement_ = nullptr;
+  int next_parameter_ = 1;
+  Status status_;
+};
+
+// Milliseconds since the epoch, now.
+int64_t NowMs();
+
+}  // namespace enamel::server::sqlite

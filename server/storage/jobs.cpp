@@ -1,0 +1,150 @@
+#include <algorithm>
+
+#include "server/storage/sqlite_impl.h"
+
+// The queue of jobs as leases, and the audit trail.
+namespace enamel::server::sqlite {
+namespace {
+
+constexpr int kMaxTries = 3;
+
+JobRow JobOf(const Query& q) {
+  JobRow out;
+  out.id = q.Id(0);
+  out.kind = q.Text(1);
+  out.attempt = q.Id(2);
+  out.state = q.Text(3);
+  out.tries = static_cast<uint32_t>(q.Int(4));
+  out.error = q.Text(5);
+  return out;
+}
+
+Status SetAttemptState(Db& db, const Uuid& attempt, AttemptState from, AttemptState to,
+                       const std::string& problem) {
+  Query q(db,
+          "UPDATE attempts SET state = ?4, problem = ?5, progress = 0 "
+          "WHERE tenant = ?1 AND id = ?2 AND state = ?3");
+  q.Bind(attempt).Bind(static_cast<int64_t>(from)).Bind(static_cast<int64_t>(to));
+  return q.Bind(problem).Run();
+}
+
+Status SetJob(Db& db, const JobRow& job, UnixMs lease_until_ms) {
+  Query q(db,
+          "UPDATE jobs SET state = ?3, tries = ?4, lease_until_ms = ?5, error = ?6 "
+          "WHERE tenant = ?1 AND id = ?2");
+  q.Bind(job.id).Bind(job.state).Bind(int64_t{job.tries}).Bind(lease_until_ms);
+  return q.Bind(job.error).Run();
+}
+
+Status GiveUp(Db& db, JobRow job, const std::string& error) {
+  job.state = "failed";
+  job.error = error;
+  ENAMEL_RETURN_IF_ERROR(SetJob(db, job, 0));
+  return SetAttemptState(db, job.attempt, AttemptState::kScoring, AttemptState::kFailed, error);
+}
+
+Result<std::optional<JobRow>> NextJob(Db& db, UnixMs now_ms) {
+  Query q(db,
+          "SELECT id, kind, attempt, state, tries, error FROM jobs WHERE tenant = ?1 AND "
+          "(state = 'queued' OR (state = 'running' AND lease_until_ms < ?2)) ORDER BY id LIMIT 1");
+  std::optional<JobRow> out;
+  if (q.Bind(now_ms).Next()) out = JobOf(q);
+  if (!q.status().ok()) return q.status();
+  return out;
+}
+
+Status TakeJob(Db& db, UnixMs now_ms, UnixMs lease_ms, std::optional<JobRow>& taken) {
+  for (;;) {
+    auto next = NextJob(db, now_ms);
+    if (!next.ok()) return next.status();
+    if (!*next) return Status::Ok();
+    JobRow job = **next;
+    if (job.tries >= kMaxTries) {
+      ENAMEL_RETURN_IF_ERROR(GiveUp(db, job,
+                                    "the worker died " + std::to_string(kMaxTries) +
+                                        " times on this job" +
+                                        (job.error.empty() ? "" : "; before that: " + job.error)));
+      continue;
+    }
+    ++job.tries;
+    job.state = "running";
+    ENAMEL_RETURN_IF_ERROR(SetJob(db, job, now_ms + lease_ms));
+    for (AttemptState from :
+         {AttemptState::kSealed, AttemptState::kScored, AttemptState::kFailed}) {
+      ENAMEL_RETURN_IF_ERROR(SetAttemptState(db, job.attempt, from, AttemptState::kScoring, ""));
+    }
+    taken = job;
+    return Status::Ok();
+  }
+}
+
+}  // namespace
+
+Status QueueScoreJob(Db& db, const Uuid& attempt) {
+  Query q(
+      db,
+      "INSERT INTO jobs (tenant, id, kind, attempt, state) VALUES (?1, ?2, 'score', ?3, 'queued')");
+  return q.Bind(Uuid::New()).Bind(attempt).Run();
+}
+
+Result<std::optional<JobRow>> SqliteStore::LeaseJob(UnixMs now_ms, UnixMs lease_ms) {
+  // Most calls find nothing: look on a reader first and leave the writer alone.
+  auto any = Read([&](Db& db) { return NextJob(db, now_ms); });
+  if (!any.ok() || !*any) return any;
+  std::optional<JobRow> taken;
+  Status status = Write([&](Db& db) -> Status { return TakeJob(db, now_ms, lease_ms, taken); });
+  if (!status.ok()) return status;
+  return taken;
+}
+
+Status SqliteStore::FinishJob(const Uuid& job, bool ok, const std::string& error) {
+  return Write([&](Db& db) -> Status {
+    std::optional<JobRow> row;
+    {
+      Query q(
+          db,
+          "SELECT id, kind, attempt, state, tries, error FROM jobs WHERE tenant = ?1 AND id = ?2");
+      if (q.Bind(job).Next()) row = JobOf(q);
+      ENAMEL_RETURN_IF_ERROR(q.status());
+    }
+    if (!row) return Status(Code::kNotFound, "no job " + job.Text());
+    if (!ok && row->tries >= kMaxTries) return GiveUp(db, *row, error);
+    row->state = ok ? "done" : "queued";
+    row->error = error;
+    ENAMEL_RETURN_IF_ERROR(SetJob(db, *row, 0));
+    if (ok) return Status::Ok();
+    return SetAttemptState(db, row->attempt, AttemptState::kScoring, AttemptState::kSealed, error);
+  });
+}
+
+Result<std::vector<JobRow>> SqliteStore::Jobs(const std::string& state) {
+  return Read([&](Db& db) -> Result<std::vector<JobRow>> {
+    Query q(db,
+            "SELECT id, kind, attempt, state, tries, error FROM jobs "
+            "WHERE tenant = ?1 AND (?2 = '' OR state = ?2) ORDER BY id DESC LIMIT 200");
+    q.Bind(state);
+    std::vector<JobRow> out;
+    while (q.Next()) out.push_back(JobOf(q));
+    if (!q.status().ok()) return q.status();
+    return out;
+  });
+}
+
+Result<std::vector<AuditRow>> SqliteStore::Audit(uint32_t limit) {
+  return Read([&](Db& db) -> Result<std::vector<AuditRow>> {
+    Query q(db,
+            "SELECT at_ms, actor, via, action, object, before_json, after_json FROM audit "
+            "WHERE tenant = ?1 ORDER BY id DESC LIMIT ?2");
+    q.Bind(static_cast<int64_t>(std::clamp<uint32_t>(limit, 1, 1000)));
+    std::vector<AuditRow> out;
+    while (q.Next()) {
+      Uuid actor = q.Id(1);
+      std::string who = actor.IsZero() ? q.Text(2) : actor.Text() + " (" + q.Text(2) + ")";
+      out.push_back(AuditRow{q.Int(0), who, q.Text(3), q.Text(4), q.Text(5), q.Text(6)});
+    }
+    if (!q.status().ok()) return q.status();
+    return out;
+  });
+}
+
+}  // namespace enamel::server::sqlite

@@ -1,0 +1,165 @@
+#pragma once
+
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "server/storage/blobs.h"
+#include "server/storage/db.h"
+#include "server/storage/sqlite_store.h"
+#include "server/storage/writer.h"
+
+// Private to server/storage: the class behind OpenSqliteStore, its sources split by subject
+// (people.cpp, stations.cpp, content.cpp, attempts.cpp, traces.cpp, jobs.cpp).
+namespace enamel::server::sqlite {
+
+// Read connections, opened as needed up to a number, then waited for.
+// Thread safety: any thread.
+class Readers {
+ public:
+  Readers(std::filesystem::path path, int most) : path_(std::move(path)), most_(most) {}
+
+  class Lease {
+   public:
+    Lease(Readers& readers, std::unique_ptr<Db> db) : readers_(readers), db_(std::move(db)) {}
+    ~Lease() { readers_.Return(std::move(db_)); }
+    Lease(const Lease&) = delete;
+    Lease& operator=(const Lease&) = delete;
+    Db& db() { return *db_; }
+
+   private:
+    Readers& readers_;
+    std::unique_ptr<Db> db_;
+  };
+  Result<std::unique_ptr<Db>> Take();
+
+ private:
+  void Return(std::unique_ptr<Db> db);
+
+  const std::filesystem::path path_;
+  const int most_;
+  std::mutex mutex_;
+  std::condition_variable returned_;
+  std::vector<std::unique_ptr<Db>> idle_;  // guarded by mutex_
+  int open_ = 0;                           // guarded by mutex_
+};
+
+// Holds an advisory lock on a file until destroyed; -1: holds none.
+class FolderLock {
+ public:
+  explicit FolderLock(int fd = -1) : fd_(fd) {}
+  ~FolderLock();
+  FolderLock(FolderLock&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+  FolderLock& operator=(FolderLock&&) = delete;
+
+ private:
+  int fd_;
+};
+
+class SqliteStore final : public Store {
+ public:
+  SqliteStore(const SqliteOptions& options, std::unique_ptr<Db> writer, FolderLock lock);
+
+  Result<Uuid> CreatePerson(const Person& person, const std::string& password_verifier,
+                            const Actor& by) override;
+  Result<Person> PersonById(const Uuid& id) override;
+  Result<Person> PersonByLogin(const std::string& login) override;
+  Result<std::string> PasswordVerifier(const Uuid& person) override;
+  Status SetPassword(const Uuid& person, const std::string& verifier, const Actor& by) override;
+  Status SetDisabled(const Uuid& person, bool disabled, const Actor& by) override;
+  Result<std::vector<Person>> People() override;
+  Status CreateSession(const SessionRow& session) override;
+  Result<SessionRow> FindSession(const Sha256& token_hash) override;
+  Status TouchSession(const Sha256& token_hash, UnixMs now_ms) override;
+  Status EndSession(const Sha256& token_hash) override;
+  Status EndSessionsOf(const Uuid& person) override;
+  Result<Uuid> CreateCohort(const std::string& name, const Actor& by) override;
+  Status AddToCohort(const Uuid& cohort, const Uuid& person, const Actor& by) override;
+  Result<std::vector<Cohort>> CohortsOf(const Uuid& person) override;
+  Result<std::vector<Cohort>> Cohorts() override;
+  Result<std::vector<Person>> CohortMembers(const Uuid& cohort) override;
+  Result<bool> ShareCohort(const Uuid& a, const Uuid& b) override;
+
+  Status AddEnrolCode(const Sha256& code_hash, UnixMs expires_ms, const Actor& by) override;
+  Result<StationRow> EnrolStation(const Sha256& code_hash, StationRow station,
+                                  const Sha256& credential_hash, UnixMs now_ms) override;
+  Result<StationRow> StationByCredential(const Uuid& id, const Sha256& credential_hash) override;
+  Result<StationRow> StationById(const Uuid& id) override;
+  Status TouchStation(const Uuid& id, UnixMs now_ms) override;
+  Result<std::vector<StationRow>> Stations() override;
+
+  Result<Sha256> PutBlob(ByteView data) override { return blobs_.Put(data); }
+  Result<Bytes> GetBlob(const Sha256& hash) override { return blobs_.Get(hash); }
+  bool HasBlob(const Sha256& hash) override { return blobs_.Has(hash); }
+  Status PutProfile(const ProfileRow& row, const Actor& by) override;
+  Result<std::vector<ProfileRow>> Profiles() override;
+  Status PutScene(const SceneRow& row, const Actor& by) override;
+  Result<std::vector<SceneRow>> Scenes() override;
+  Result<ExerciseRow> PublishExercise(ExerciseRow row, const Uuid& cohort,
+                                      const Actor& by) override;
+  Result<ExerciseRow> ExerciseById(const Uuid& id) override;
+  Result<ExerciseRow> ExerciseByContent(const Sha256& content) override;
+  Result<std::vector<ExerciseRow>> ExercisesFor(const Uuid& person) override;
+  Result<std::vector<ExerciseRow>> AllExercises() override;
+
+  Status CreateAttempt(const AttemptRow& row, ByteView ticket, const Actor& by) override;
+  Status OpenAttempt(const Uuid& attempt, ByteView header) override;
+  Status AppendChunk(const ChunkPut& chunk) override;
+  Status SealAttempt(const trace::Seal& seal, UnixMs now_ms) override;
+  Result<AttemptRow> AttemptById(const Uuid& id) override;
+  Result<std::vector<AttemptRow>> Attempts(const AttemptFilter& filter) override;
+  Result<Bytes> AttemptHeader(const Uuid& attempt) override;
+  Result<std::vector<Bytes>> AttemptChunks(const Uuid& attempt) override;
+  Result<trace::Seal> AttemptSeal(const Uuid& attempt) override;
+  Status FinishAttempt(const Uuid& attempt, const AttemptResult& result) override;
+  Status FailAttempt(const Uuid& attempt, const std::string& problem) override;
+  Result<AttemptResult> ResultOf(const Uuid& attempt) override;
+  Status SetProgress(const Uuid& attempt, double progress) override;
+  Status ReleaseAttempt(const Uuid& attempt, const Actor& by) override;
+  Result<ReferenceRow> AddReference(const Uuid& attempt, const std::string& dentist,
+                                    const Actor& by) override;
+  Result<std::optional<ReferenceRow>> ReferenceFor(const Uuid& exercise) override;
+
+  Result<std::optional<JobRow>> LeaseJob(UnixMs now_ms, UnixMs lease_ms) override;
+  Status FinishJob(const Uuid& job, bool ok, const std::string& error) override;
+  Result<std::vector<JobRow>> Jobs(const std::string& state) override;
+  Result<std::vector<AuditRow>> Audit(uint32_t limit) override;
+
+ private:
+  // `read` is called as Result<T>(Db&) on a connection of the pool.
+  template <typename F>
+  auto Read(const F& read) -> std::invoke_result_t<F, Db&> {
+    auto db = readers_.Take();
+    if (!db.ok()) return db.status();
+    Readers::Lease lease(readers_, std::move(db).value());
+    return read(lease.db());
+  }
+  Status Write(const Writer::Work& work) { return writer_.Run(work); }
+  Status Write(const std::function<Status(Db&)>& work) {
+    return writer_.Run([&](Db& db, bool&) { return work(db); });
+  }
+  Status RepeatedAfterSeal(const ChunkPut& chunk);
+  Status MoveTraceToBlob(const trace::Seal& seal, Sha256& blob);
+
+  const FolderLock lock_;
+  Writer writer_;
+  Readers readers_;
+  Blobs blobs_;
+};
+
+// Shared by the sources.
+using Json = std::string;
+// {"name":value,…} of text values, for audit rows.
+Json JsonOf(std::initializer_list<std::pair<const char*, std::string>> members);
+Status WriteAudit(Db& db, const Actor& by, const char* action, const std::string& object,
+                  const Json& before, const Json& after);
+// kConflict from a UNIQUE constraint, in words.
+Status Explain(Status status, const std::string& conflict);
+Status QueueScoreJob(Db& db, const Uuid& attempt);
+Result<AttemptRow> FindAttempt(Db& db, const Uuid& id);
+
+}  // namespace enamel::server::sqlite

@@ -1,0 +1,300 @@
+#include <algorithm>
+#include <bit>
+
+#include "server/storage/sqlite_impl.h"
+
+// Ingest of traces: header, chunks as rows, and on seal one write-once blob instead of the rows.
+namespace enamel::server::sqlite {
+namespace {
+
+constexpr int kMaxEvidence = 16;
+
+// The part of an attempt's row that ingest works on.
+struct Ingest {
+  AttemptState state = AttemptState::kTicketed;
+  bool has_header = false;
+  Sha256 head;
+  uint64_t head_state_hash = 0;
+  uint32_t chunks = 0;
+  uint64_t ticks = 0;
+  Sha256 trace_blob;
+};
+
+Result<Ingest> FindIngest(Db& db, const Uuid& attempt) {
+  Query q(db,
+          "SELECT state, header IS NOT NULL, head_hash, head_state_hash, chunks, ticks, trace_blob "
+          "FROM attempts WHERE tenant = ?1 AND id = ?2");
+  if (!q.Bind(attempt).Next()) {
+    if (!q.status().ok()) return q.status();
+    return Status(Code::kNotFound,
+                  "no attempt " + attempt.Text() + "; its ticket was not issued here");
+  }
+  Ingest out;
+  out.state = static_cast<AttemptState>(q.Int(0));
+  out.has_header = q.Int(1) != 0;
+  out.head = q.Hash(2);
+  out.head_state_hash = std::bit_cast<uint64_t>(q.Int(3));
+  out.chunks = static_cast<uint32_t>(q.Int(4));
+  out.ticks = static_cast<uint64_t>(q.Int(5));
+  out.trace_blob = q.Hash(6);
+  return out;
+}
+
+Result<std::optional<Sha256>> StoredHash(Db& db, const Uuid& attempt, uint32_t seq) {
+  Query q(db, "SELECT hash FROM trace_chunks WHERE tenant = ?1 AND attempt = ?2 AND seq = ?3");
+  std::optional<Sha256> out;
+  if (q.Bind(attempt).Bind(int64_t{seq}).Next()) out = q.Hash(0);
+  if (!q.status().ok()) return q.status();
+  return out;
+}
+
+Status KeepEvidence(Db& db, const Store::ChunkPut& chunk) {
+  Query q(db,
+          "INSERT INTO contradicting_chunks (tenant, attempt, seq, hash, bytes, received_ms) "
+          "SELECT ?1, ?2, ?3, ?4, ?5, ?6 WHERE (SELECT count(*) FROM contradicting_chunks "
+          "WHERE tenant = ?1 AND attempt = ?2) < ?7 ON CONFLICT DO NOTHING");
+  q.Bind(chunk.attempt).Bind(int64_t{chunk.head.seq}).Bind(chunk.hash).Bind(chunk.bytes);
+  return q.Bind(chunk.received_ms).Bind(int64_t{kMaxEvidence}).Run();
+}
+
+Status Quarantine(Db& db, const Uuid& attempt, const std::string& problem) {
+  Query q(db, "UPDATE attempts SET state = 7, problem = ?3 WHERE tenant = ?1 AND id = ?2");
+  ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(problem).Run());
+  return WriteAudit(db, Actor{{}, "station link"}, "attempt.quarantine", attempt.Text(), "{}",
+                    JsonOf({{"problem", problem}}));
+}
+
+// A chunk of a number that is committed already. Its row is gone once sealed: see
+// RepeatedAfterSeal.
+Status Repeated(Db& db, const Store::ChunkPut& chunk, bool& keep_anyway) {
+  auto stored = StoredHash(db, chunk.attempt, chunk.head.seq);
+  if (!stored.ok()) return stored.status();
+  if (!*stored || **stored == chunk.hash) return Status::Ok();
+  std::string problem = "chunk " + std::to_string(chunk.head.seq) +
+                        " came twice with different content: " + (*stored)->Hex() +
+                        " is committed, " + chunk.hash.Hex() + " was refused";
+  ENAMEL_RETURN_IF_ERROR(KeepEvidence(db, chunk));
+  ENAMEL_RETURN_IF_ERROR(Quarantine(db, chunk.attempt, problem));
+  keep_anyway = true;
+  return Status(Code::kConflict, problem + "; the attempt is quarantined, ask the instructor",
+                "seq");
+}
+
+Status MustContinue(const Ingest& ingest, const trace::ChunkHead& head) {
+  if (head.seq != ingest.chunks) {
+    return Status(Code::kInvalidInput,
+                  "expected chunk " + std::to_string(ingest.chunks) + ", found " +
+                      std::to_string(head.seq) + "; send the missing ones first",
+                  "seq");
+  }
+  if (head.first_tick != ingest.ticks) {
+    return Status(Code::kInvalidInput,
+                  "chunk " + std::to_string(head.seq) + " must begin at tick " +
+                      std::to_string(ingest.ticks) + ", it begins at " +
+                      std::to_string(head.first_tick),
+                  "first_tick");
+  }
+  if (head.previous != ingest.head) {
+    return Status(Code::kInvalidInput,
+                  "chunk " + std::to_string(head.seq) + " must follow " + ingest.head.Hex() +
+                      ", it names " + head.previous.Hex(),
+                  "previous");
+  }
+  return Status::Ok();
+}
+
+Status InsertChunk(Db& db, const Store::ChunkPut& chunk) {
+  {
+    Query q(db,
+            "INSERT INTO trace_chunks (tenant, attempt, seq, hash, bytes, received_ms) "
+            "VALUES (?1, ?2, ?3, ?4, ?5, ?6)");
+    q.Bind(chunk.attempt).Bind(int64_t{chunk.head.seq}).Bind(chunk.hash).Bind(chunk.bytes);
+    ENAMEL_RETURN_IF_ERROR(q.Bind(chunk.received_ms).Run());
+  }
+  Query q(db,
+          "UPDATE attempts SET head_hash = ?3, head_state_hash = ?4, chunks = chunks + 1, "
+          "ticks = ticks + ?5, gap_ticks = gap_ticks + ?6, trace_bytes = trace_bytes + ?7 "
+          "WHERE tenant = ?1 AND id = ?2");
+  q.Bind(chunk.attempt).Bind(chunk.hash).Bind(std::bit_cast<int64_t>(chunk.head.state_hash));
+  q.Bind(int64_t{chunk.head.count}).Bind(int64_t{chunk.head.gap_ticks});
+  return q.Bind(static_cast<int64_t>(chunk.bytes.size())).Run();
+}
+
+Status SealMatches(const Ingest& ingest, const trace::Seal& seal) {
+  if (seal.chunks == ingest.chunks && seal.ticks == ingest.ticks &&
+      seal.last_chunk == ingest.head && seal.state_hash == ingest.head_state_hash) {
+    return Status::Ok();
+  }
+  return Status(Code::kConflict, "the seal names " + std::to_string(seal.chunks) + " chunks, " +
+                                     std::to_string(seal.ticks) + " ticks and the last chunk " +
+                                     seal.last_chunk.Hex() + "; committed are " +
+                                     std::to_string(ingest.chunks) + ", " +
+                                     std::to_string(ingest.ticks) + " and " + ingest.head.Hex() +
+                                     "; send what is missing, then seal again");
+}
+
+Result<std::vector<Bytes>> ChunkRows(Db& db, const Uuid& attempt) {
+  Query q(db, "SELECT bytes FROM trace_chunks WHERE tenant = ?1 AND attempt = ?2 ORDER BY seq");
+  q.Bind(attempt);
+  std::vector<Bytes> out;
+  while (q.Next()) out.push_back(q.Blob(0));
+  if (!q.status().ok()) return q.status();
+  return out;
+}
+
+Result<Bytes> HeaderOf(Db& db, const Uuid& attempt) {
+  Query q(db, "SELECT header FROM attempts WHERE tenant = ?1 AND id = ?2");
+  bool found = q.Bind(attempt).Next();
+  if (!q.status().ok()) return q.status();
+  if (!found || q.IsNull(0)) {
+    return Status(Code::kNotFound, "attempt " + attempt.Text() + " has no recording");
+  }
+  return q.Blob(0);
+}
+
+}  // namespace
+
+Status SqliteStore::OpenAttempt(const Uuid& attempt, ByteView header) {
+  return Write([&](Db& db) -> Status {
+    auto ingest = FindIngest(db, attempt);
+    if (!ingest.ok()) return ingest.status();
+    if (ingest->has_header) {
+      auto stored = HeaderOf(db, attempt);
+      if (!stored.ok()) return stored.status();
+      if (std::ranges::equal(*stored, header)) return Status::Ok();
+      return Status(Code::kConflict, "the ticket of attempt " + attempt.Text() +
+                                         " was used for another recording; ask for a new ticket");
+    }
+    Query q(db,
+            "UPDATE attempts SET header = ?3, head_hash = ?4, state = 2, trace_bytes = ?5 "
+            "WHERE tenant = ?1 AND id = ?2");
+    q.Bind(attempt).Bind(header).Bind(HashSha256(header)).Bind(static_cast<int64_t>(header.size()));
+    return q.Run();
+  });
+}
+
+Status SqliteStore::RepeatedAfterSeal(const ChunkPut& chunk) {
+  auto chunks = AttemptChunks(chunk.attempt);
+  if (!chunks.ok()) return chunks.status();
+  auto stored = trace::DecodeChunkHead(chunks->at(chunk.head.seq));
+  if (!stored.ok()) return stored.status();
+  if (stored->hash == chunk.hash) return Status::Ok();
+  std::string problem = "chunk " + std::to_string(chunk.head.seq) + " of the sealed attempt " +
+                        chunk.attempt.Text() + " is committed with other content";
+  ENAMEL_RETURN_IF_ERROR(Write([&](Db& db) { return KeepEvidence(db, chunk); }));
+  return Status(Code::kConflict, problem, "seq");
+}
+
+Status SqliteStore::AppendChunk(const ChunkPut& chunk) {
+  bool sealed_before = false;
+  Status status = Write(Writer::Work([&](Db& db, bool& keep_anyway) -> Status {
+    auto ingest = FindIngest(db, chunk.attempt);
+    if (!ingest.ok()) return ingest.status();
+    if (!ingest->has_header) {
+      return Status(Code::kInvalidInput,
+                    "attempt " + chunk.attempt.Text() + " is not open; send OpenAttempt");
+    }
+    if (chunk.head.seq < ingest->chunks) {
+      sealed_before = !ingest->trace_blob.IsZero();
+      return Repeated(db, chunk, keep_anyway);
+    }
+    if (ingest->state != AttemptState::kRecording) {
+      return Status(Code::kConflict, "attempt " + chunk.attempt.Text() + " is " +
+                                         AttemptStateName(ingest->state) +
+                                         " and takes no more chunks");
+    }
+    ENAMEL_RETURN_IF_ERROR(MustContinue(*ingest, chunk.head));
+    return InsertChunk(db, chunk);
+  }));
+  return status.ok() && sealed_before ? RepeatedAfterSeal(chunk) : status;
+}
+
+// Outside the transaction that ends the attempt: after a crash in between, the blob is written
+// again.
+Status SqliteStore::MoveTraceToBlob(const trace::Seal& seal, Sha256& blob) {
+  auto file = Read([&](Db& db) -> Result<trace::TraceFile> {
+    auto header = HeaderOf(db, seal.attempt);
+    if (!header.ok()) return header.status();
+    auto chunks = ChunkRows(db, seal.attempt);
+    if (!chunks.ok()) return chunks.status();
+    return trace::TraceFile{std::move(header).value(), std::move(chunks).value(), seal, false};
+  });
+  if (!file.ok()) return file.status();
+  auto hash = blobs_.Put(trace::EncodeTraceFile(*file));
+  if (!hash.ok()) return hash.status();
+  blob = *hash;
+  return Status::Ok();
+}
+
+Status SqliteStore::SealAttempt(const trace::Seal& seal, UnixMs now_ms) {
+  auto check = [&](Db& db) -> Result<Ingest> {
+    auto ingest = FindIngest(db, seal.attempt);
+    if (!ingest.ok()) return ingest;
+    if (ingest->state == AttemptState::kTicketed || ingest->state == AttemptState::kQuarantined) {
+      return Status(Code::kConflict, "attempt " + seal.attempt.Text() + " is " +
+                                         AttemptStateName(ingest->state) + " and cannot be sealed");
+    }
+    if (Status status = SealMatches(*ingest, seal); !status.ok()) return status;
+    return ingest;
+  };
+  auto before = Read(check);
+  if (!before.ok()) return before.status();
+  if (before->state != AttemptState::kRecording) return Status::Ok();
+  if (before->chunks == 0)
+    return Status(Code::kConflict, "an attempt without a chunk cannot be sealed");
+  Sha256 blob;
+  ENAMEL_RETURN_IF_ERROR(MoveTraceToBlob(seal, blob));
+  return Write([&](Db& db) -> Status {
+    auto ingest = check(db);
+    if (!ingest.ok()) return ingest.status();
+    if (ingest->state != AttemptState::kRecording) return Status::Ok();
+    {
+      Query q(db,
+              "UPDATE attempts SET state = 3, sealed_ms = ?3, trace_blob = ?4 "
+              "WHERE tenant = ?1 AND id = ?2");
+      ENAMEL_RETURN_IF_ERROR(q.Bind(seal.attempt).Bind(now_ms).Bind(blob).Run());
+    }
+    {
+      Query q(db, "DELETE FROM trace_chunks WHERE tenant = ?1 AND attempt = ?2");
+      ENAMEL_RETURN_IF_ERROR(q.Bind(seal.attempt).Run());
+    }
+    ENAMEL_RETURN_IF_ERROR(QueueScoreJob(db, seal.attempt));
+    return WriteAudit(db, Actor{{}, "station link"}, "attempt.seal", seal.attempt.Text(), "{}",
+                      JsonOf({{"chunks", std::to_string(seal.chunks)}, {"trace", blob.Hex()}}));
+  });
+}
+
+Result<Bytes> SqliteStore::AttemptHeader(const Uuid& attempt) {
+  return Read([&](Db& db) { return HeaderOf(db, attempt); });
+}
+
+Result<std::vector<Bytes>> SqliteStore::AttemptChunks(const Uuid& attempt) {
+  Sha256 blob;
+  auto rows = Read([&](Db& db) -> Result<std::vector<Bytes>> {
+    auto ingest = FindIngest(db, attempt);
+    if (!ingest.ok()) return ingest.status();
+    blob = ingest->trace_blob;
+    if (!blob.IsZero()) return std::vector<Bytes>();
+    return ChunkRows(db, attempt);
+  });
+  if (!rows.ok() || blob.IsZero()) return rows;
+  auto bytes = blobs_.Get(blob);
+  if (!bytes.ok()) return bytes.status();
+  auto file = trace::DecodeTraceFile(*bytes);
+  if (!file.ok()) return file.status();
+  return std::move(file->chunks);
+}
+
+Result<trace::Seal> SqliteStore::AttemptSeal(const Uuid& attempt) {
+  return Read([&](Db& db) -> Result<trace::Seal> {
+    auto ingest = FindIngest(db, attempt);
+    if (!ingest.ok()) return ingest.status();
+    if (ingest->trace_blob.IsZero()) {
+      return Status(Code::kConflict, "attempt " + attempt.Text() + " is not sealed yet");
+    }
+    return trace::Seal{attempt, ingest->chunks, ingest->ticks, ingest->head,
+                       ingest->head_state_hash};
+  });
+}
+
+}  // namespace enamel::server::sqlite

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "server/storage/db.h"
+
+namespace enamel::server::sqlite {
+
+// The one write connection, with group commit: callers queue their work; whoever finds no leader
+// leads, runs up to kMaxBatch queued works in one transaction (each in a savepoint) and one fsync,
+// and wakes their owners. A work that fails is rolled back alone; a COMMIT that fails fails the
+// whole batch. Thread safety: any thread.
+class Writer {
+ public:
+  explicit Writer(std::unique_ptr<Db> db) : db_(std::move(db)) {}
+
+  // What the work did is kept when it returns Ok, or sets `keep_anyway` (a refusal that leaves
+  // evidence). Durable when Run returns.
+  using Work = std::function<Status(Db& db, bool& keep_anyway)>;
+  Status Run(const Work& work);
+
+ private:
+  static constexpr size_t kMaxBatch = 64;
+  struct Pending {
+    const Work* work;
+    Status status;
+    bool done = false;
+  };
+  void Commit(const std::vector<Pending*>& batch);   // by the leader only
+  Status RunOne(const Work& work, Status& outcome);  // by the leader only
+
+  std::unique_ptr<Db> db_;  // used by the leader
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<Pending*> queue_;  // guarded by mutex_
+  bool leading_ = false;        // guarded by mutex_
+};
+
+}  // namespace enamel::server::sqlite
