@@ -14,21 +14,22 @@ struct ReplayReport {
   uint64_t ticks = 0;
   uint32_t chunks = 0;
   uint64_t gap_ticks = 0;
-  bool witness_ok = true;            // every tick's witness and every chunk's state hash agreed
+  bool witness_ok = true;  // every tick's witness and every chunk's state hash agreed
   // Where the first disagreement is, when there is one.
   uint64_t first_bad_tick = 0;
   uint32_t first_bad_chunk = 0;
-  std::string what;                  // "force_sent", "anchor", "flags", "state_hash"
+  std::string what;  // "force_sent", "anchor", "flags", "state_hash"
   uint64_t state_hash = 0;
-  double seconds = 0;                // wall time, for the real-time factor
+  double seconds = 0;  // wall time, for the real-time factor
 };
 
-// Re-runs `core` over chunks in order, comparing the witness tick by tick and the state hash chunk by
-// chunk. `observe` (may be empty) sees every tick with its output: metrics are computed there, in
-// the same pass. Errors: undecodable or broken chain. Cancel: `keep_going` returning false stops with
-// kUnavailable.
-Result<ReplayReport> Replay(core::Core& core, const Header& header, std::span<const Bytes> chunks,
-                            const std::function<void(const Tick&, const core::TickOutput&)>& observe = {},
-                            const std::function<bool(double progress)>& keep_going = {});
+// Re-runs `core` over chunks in order, comparing the witness tick by tick and the state hash chunk
+// by chunk. `observe` (may be empty) sees every tick with its output: metrics are computed there,
+// in the same pass. Errors: undecodable or broken chain. Cancel: `keep_going` returning false stops
+// with kUnavailable.
+Result<ReplayReport> Replay(
+    core::Core& core, const Header& header, std::span<const Bytes> chunks,
+    const std::function<void(const Tick&, const core::TickOutput&)>& observe = {},
+    const std::function<bool(double progress)>& keep_going = {});
 
 }  // namespace enamel::trace

@@ -1,0 +1,149 @@
+#include "common/net/certificate.h"
+
+#include <openssl/bio.h>
+#include <openssl/ec.h>
+#include <openssl/err.h>
+#include <openssl/evp.h>
+#include <openssl/pem.h>
+#include <openssl/rand.h>
+#include <openssl/x509v3.h>
+
+#include <algorithm>
+#include <cctype>
+#include <memory>
+
+#include "common/base/file.h"
+
+namespace enamel::net {
+namespace {
+
+template <auto kFree>
+struct Free {
+  template <typename T>
+  void operator()(T* p) const {
+    kFree(p);
+  }
+};
+using Key = std::unique_ptr<EVP_PKEY, Free<EVP_PKEY_free>>;
+using Certificate = std::unique_ptr<X509, Free<X509_free>>;
+using Bio = std::unique_ptr<BIO, Free<BIO_free_all>>;
+using Extension = std::unique_ptr<X509_EXTENSION, Free<X509_EXTENSION_free>>;
+
+constexpr long kDay_s = 24 * 3600;
+constexpr long kValid_s = 3652 * kDay_s;
+constexpr size_t kMaxCommonName = 64;
+
+Status OpenSslFailed(const char* what) {
+  char text[256] = "no detail";
+  if (unsigned long code = ERR_get_error()) ERR_error_string_n(code, text, sizeof text);
+  ERR_clear_error();
+  return Status(Code::kInternal, std::string("OpenSSL could not ") + what + ": " + text);
+}
+
+// Letters, digits, '.', '-' and '_': nothing that could change the meaning of an extension's text.
+bool IsHostName(const std::string& name) {
+  return !name.empty() && name.size() <= kMaxCommonName &&
+         std::all_of(name.begin(), name.end(), [](unsigned char c) {
+           return (c < 0x80 && std::isalnum(c)) || c == '.' || c == '-' || c == '_';
+         });
+}
+
+bool AddExtension(X509* certificate, int nid, const std::string& value) {
+  X509V3_CTX context;
+  X509V3_set_ctx(&context, certificate, certificate, nullptr, nullptr, 0);
+  Extension extension(X509V3_EXT_conf_nid(nullptr, &context, nid, value.c_str()));
+  return extension && X509_add_ext(certificate, extension.get(), -1) == 1;
+}
+
+bool SetSerial(X509* certificate) {
+  uint64_t serial = 0;
+  if (RAND_bytes(reinterpret_cast<unsigned char*>(&serial), sizeof serial) != 1) return false;
+  return ASN1_INTEGER_set_uint64(X509_get_serialNumber(certificate), serial >> 1) == 1;
+}
+
+bool SetSubject(X509* certificate, const std::string& common_name) {
+  X509_NAME* name = X509_get_subject_name(certificate);
+  const auto* text = reinterpret_cast<const unsigned char*>(common_name.c_str());
+  return X509_NAME_add_entry_by_txt(name, "CN", MBSTRING_UTF8, text, -1, -1, 0) == 1 &&
+         X509_set_issuer_name(certificate, name) == 1;
+}
+
+Certificate SignFor(EVP_PKEY* key, const std::string& common_name) {
+  Certificate certificate(X509_new());
+  X509* c = certificate.get();
+  bool made =
+      c && X509_set_version(c, X509_VERSION_3) == 1 && SetSerial(c) &&
+      X509_gmtime_adj(X509_getm_notBefore(c), -kDay_s) &&
+      X509_gmtime_adj(X509_getm_notAfter(c), kValid_s) && SetSubject(c, common_name) &&
+      X509_set_pubkey(c, key) == 1 && AddExtension(c, NID_basic_constraints, "critical,CA:FALSE") &&
+      AddExtension(c, NID_ext_key_usage, "serverAuth") &&
+      AddExtension(c, NID_subject_alt_name, "DNS:" + common_name + ",DNS:localhost,IP:127.0.0.1") &&
+      X509_sign(c, key, EVP_sha256()) > 0;
+  return made ? std::move(certificate) : nullptr;
+}
+
+std::string TextOf(BIO* bio) {
+  char* data = nullptr;
+  long size = BIO_get_mem_data(bio, &data);
+  return std::string(data, static_cast<size_t>(size));
+}
+
+Status CheckAbsent(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) return Status::Ok();
+  return Status(Code::kConflict,
+                path.string() +
+                    " exists and is not overwritten, because enrolled stations know it; "
+                    "move it away to make a new one and enrol the stations again");
+}
+
+}  // namespace
+
+Result<CertificatePem> MakeSelfSignedCertificate(const std::string& common_name) {
+  if (!IsHostName(common_name)) {
+    return Status(Code::kInvalidInput,
+                  "certificate name: expected 1 to 64 letters, digits, '.', '-' or '_', found \"" +
+                      common_name.substr(0, 80) + "\"",
+                  "common_name");
+  }
+  Key key(EVP_EC_gen("P-256"));
+  if (!key) return OpenSslFailed("make a key");
+  Certificate certificate = SignFor(key.get(), common_name);
+  if (!certificate) return OpenSslFailed("make a certificate");
+  Bio certificate_out(BIO_new(BIO_s_mem())), key_out(BIO_new(BIO_s_secmem()));
+  if (!certificate_out || !key_out ||
+      PEM_write_bio_X509(certificate_out.get(), certificate.get()) != 1 ||
+      PEM_write_bio_PKCS8PrivateKey(key_out.get(), key.get(), nullptr, nullptr, 0, nullptr,
+                                    nullptr) != 1) {
+    return OpenSslFailed("write a certificate");
+  }
+  return CertificatePem{TextOf(certificate_out.get()), TextOf(key_out.get())};
+}
+
+Status CreateCertificateFiles(const std::filesystem::path& certificate,
+                              const std::filesystem::path& private_key,
+                              const std::string& common_name) {
+  ENAMEL_RETURN_IF_ERROR(CheckAbsent(certificate));
+  ENAMEL_RETURN_IF_ERROR(CheckAbsent(private_key));
+  auto pem = MakeSelfSignedCertificate(common_name);
+  if (!pem.ok()) return pem.status();
+  ENAMEL_RETURN_IF_ERROR(WriteFileDurably(private_key, AsBytes(pem->private_key), 0600));
+  return WriteFileDurably(certificate, AsBytes(pem->certificate), 0644);
+}
+
+Result<Sha256> CertificateFingerprint(ByteView pem) {
+  Bio in(BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size())));
+  Certificate certificate(PEM_read_bio_X509(in.get(), nullptr, nullptr, nullptr));
+  ERR_clear_error();
+  Sha256 out;
+  unsigned int size = 0;
+  if (!certificate || X509_digest(certificate.get(), EVP_sha256(), out.bytes.data(), &size) != 1 ||
+      size != out.bytes.size()) {
+    return Status(Code::kInvalidInput,
+                  "expected a certificate in PEM form (-----BEGIN CERTIFICATE-----), "
+                  "found none that can be read");
+  }
+  return out;
+}
+
+}  // namespace enamel::net

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "common/base/bytes.h"
+#include "common/base/result.h"
+#include "common/base/sha256.h"
+
+// Identity of a server on the station link: a self-signed certificate known by its fingerprint,
+// which a station is told when it is enrolled. No certificate authority is needed or consulted.
+namespace enamel::net {
+
+struct CertificatePem {
+  std::string certificate;
+  std::string private_key;  // PKCS #8, not encrypted
+};
+
+// EC P-256, valid from one day ago (clocks differ) for ten years, subject CN = `common_name` (1 to
+// 64 characters), alternative names `common_name`, localhost and 127.0.0.1. Errors: kInvalidInput,
+// kInternal (OpenSSL).
+Result<CertificatePem> MakeSelfSignedCertificate(const std::string& common_name);
+
+// Makes a certificate and writes it (mode 0644) and its key (mode 0600) as PEM files, key first.
+// Errors: kConflict if either exists (nothing is overwritten: stations know the old one), kStorage.
+Status CreateCertificateFiles(const std::filesystem::path& certificate,
+                              const std::filesystem::path& private_key,
+                              const std::string& common_name);
+
+// SHA-256 of the certificate's DER form, what `openssl x509 -fingerprint -sha256` prints. With more
+// than one certificate in the text: of the first. Errors: kInvalidInput.
+Result<Sha256> CertificateFingerprint(ByteView pem);
+
+}  // namespace enamel::net

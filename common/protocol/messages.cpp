@@ -1,0 +1,84 @@
+#include "common/protocol/messages.h"
+
+#include <algorithm>
+
+namespace enamel::protocol {
+namespace {
+
+constexpr const char* kUnsupported = "unsupported";
+
+template <typename Message>
+Result<Message> Parse(ByteView frame, const char* kind) {
+  Message message;
+  if (!message.ParseFromArray(frame.data(), static_cast<int>(frame.size()))) {
+    return Status(Code::kInvalidInput, std::string("frame of ") + std::to_string(frame.size()) +
+                                           " bytes: expected a Protobuf message of kind " + kind +
+                                           " (schemas/wire/station.proto), found something else");
+  }
+  return message;
+}
+
+Status CheckSize(const std::string& bytes, size_t expected, const char* field) {
+  if (bytes.size() == expected) return Status::Ok();
+  return Status(Code::kInvalidInput,
+                std::string("field ") + field + ": expected " + std::to_string(expected) +
+                    " bytes, found " + std::to_string(bytes.size()),
+                field);
+}
+
+}  // namespace
+
+Bytes Serialize(const google::protobuf::MessageLite& message) {
+  Bytes out(message.ByteSizeLong());
+  ENAMEL_CHECK(message.SerializeToArray(out.data(), static_cast<int>(out.size())));
+  return out;
+}
+
+Result<wire::Request> ParseRequest(ByteView frame) {
+  return Parse<wire::Request>(frame, "Request");
+}
+Result<wire::Reply> ParseReply(ByteView frame) { return Parse<wire::Reply>(frame, "Reply"); }
+
+wire::Error ToError(const Status& status) {
+  wire::Error error;
+  error.set_code(CodeName(status.code()));
+  error.set_message(status.message());
+  error.set_field(status.field());
+  return error;
+}
+
+Status ToStatus(const wire::Error& error) {
+  for (int c = static_cast<int>(Code::kInvalidInput); c <= static_cast<int>(Code::kInternal); ++c) {
+    auto code = static_cast<Code>(c);
+    if (error.code() == CodeName(code)) return Status(code, error.message(), error.field());
+  }
+  if (error.code() == kUnsupported) return Status(Code::kVersion, error.message(), error.field());
+  return Status(Code::kInternal, error.code() + ": " + error.message(), error.field());
+}
+
+wire::Error UnsupportedError() {
+  wire::Error error;
+  error.set_code(kUnsupported);
+  error.set_message(
+      "this server does not know this kind of request; update it, or use a station of its version");
+  return error;
+}
+
+Result<Uuid> ReadUuid(const std::string& bytes, const char* field) {
+  ENAMEL_RETURN_IF_ERROR(CheckSize(bytes, 16, field));
+  return Uuid::FromBytes(AsBytes(bytes));
+}
+
+Result<Sha256> ReadSha256(const std::string& bytes, const char* field) {
+  ENAMEL_RETURN_IF_ERROR(CheckSize(bytes, 32, field));
+  return Sha256::FromBytes(AsBytes(bytes));
+}
+
+Result<std::array<uint8_t, 32>> ReadKey(const std::string& bytes, const char* field) {
+  ENAMEL_RETURN_IF_ERROR(CheckSize(bytes, 32, field));
+  std::array<uint8_t, 32> out;
+  std::copy(bytes.begin(), bytes.end(), out.begin());
+  return out;
+}
+
+}  // namespace enamel::protocol

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+#include "common/base/bytes.h"
+#include "common/base/result.h"
+
+// Magics, sizes and the refusals shared by the codecs of this directory (schemas/trace_format.md).
+namespace enamel::trace {
+
+using Magic = std::array<uint8_t, 4>;
+inline constexpr Magic kTicketMagic = {'E', 'N', 't', 'k'};
+inline constexpr Magic kHeaderMagic = {'E', 'N', 'h', 'd'};
+inline constexpr Magic kChunkMagic = {'E', 'N', 'c', 'h'};
+inline constexpr Magic kSealMagic = {'E', 'N', 's', 'l'};
+inline constexpr Magic kFileMagic = {'E', 'N', 't', 'f'};
+inline constexpr size_t kSealBytes = 74;
+
+// Magic and version.
+void WriteMagic(const Magic& magic, ByteWriter& out);
+// Errors: kInvalidInput for another magic, kVersion for another version.
+Status ReadMagic(const std::string& what, const Magic& magic, ByteReader& in);
+
+Status EndsEarly(const std::string& what, size_t size);
+Status WrongSize(const std::string& what, size_t expected, size_t found);
+Status TooLarge(const std::string& what, size_t limit, size_t found);
+
+}  // namespace enamel::trace
