@@ -18,6 +18,7 @@ enum class LawKind : uint8_t {
   kMaxwell = 1,          // spring Kc to an anchor that moves through tissue as F/B (default)
   kPaperDamping = 2,     // eq. 1: R = B V, V = (p_i - p_{i-1}) f, nothing else
   kPaperLimited = 3,     // eq. 1 with the limiter of eq. 17 exactly as printed
+  kGatedMaxwell = 4,     // Maxwell whose anchor is slowed while the force is still too small for the speed
 };
 
 // What every law of one device is built from. SI units.
@@ -66,6 +67,7 @@ const LawEntry* FindLaw(LawKind kind);
 
 // Factories, one per law file.
 std::unique_ptr<ForceLaw> MakeMaxwell(const LawParams& params);
+std::unique_ptr<ForceLaw> MakeGatedMaxwell(const LawParams& params);
 std::unique_ptr<ForceLaw> MakePaperDamping(const LawParams& params);
 std::unique_ptr<ForceLaw> MakePaperLimited(const LawParams& params);
 

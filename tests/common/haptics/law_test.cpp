@@ -15,7 +15,7 @@ LawParams Omega() {
 }
 
 TEST(LawRegistryTest, EveryLawIsFoundByNameAndKindAndMakesAnInstance) {
-  EXPECT_EQ(ForceLaws().size(), 3u);
+  EXPECT_EQ(ForceLaws().size(), 4u);
   for (const LawEntry& law : ForceLaws()) {
     EXPECT_EQ(FindLaw(law.name), &law);
     EXPECT_EQ(FindLaw(law.kind), &law);
