@@ -1,0 +1,111 @@
+// Builds the page: dist/index.html, dist/assets/* with hashed names, .gz and .br beside each.
+//   node scripts/build.mjs [--out DIR]
+import { createHash } from "node:crypto";
+import { existsSync, mkdirSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
+import { basename, join, relative, resolve } from "node:path";
+import { fileURLToPath } from "node:url";
+import { brotliCompressSync, constants, gzipSync } from "node:zlib";
+import { build } from "esbuild";
+import { generate } from "./generate.mjs";
+
+const web = fileURLToPath(new URL("..", import.meta.url));
+const kCompressible = /\.(html|js|css|svg|json|txt)$/;
+const kMinimumCompressed = 512;
+
+function outputFolder(args) {
+  const at = args.indexOf("--out");
+  if (at < 0) return join(web, "dist");
+  if (args[at + 1] === undefined) throw new Error("--out expects a folder");
+  return resolve(args[at + 1]);
+}
+
+function filesUnder(folder) {
+  return readdirSync(folder, { withFileTypes: true }).flatMap((entry) => {
+    const path = join(folder, entry.name);
+    return entry.isDirectory() ? filesUnder(path) : [path];
+  });
+}
+
+// The folder is emptied first: never one that holds something other than a build of the page.
+function emptyFolder(folder) {
+  if (existsSync(folder)) {
+    const entries = readdirSync(folder);
+    if (entries.length > 0 && !entries.includes("index.html")) {
+      throw new Error(`expected an empty folder or an earlier build at ${folder}, found other files: name another with --out`);
+    }
+    rmSync(folder, { recursive: true });
+  }
+  mkdirSync(folder, { recursive: true });
+}
+
+async function bundle(out) {
+  const result = await build({
+    absWorkingDir: web,
+    entryPoints: { app: "src/app/main.tsx", style: "src/app/style.css" },
+    outdir: join(out, "assets"),
+    entryNames: "[name]-[hash]", chunkNames: "[name]-[hash]", assetNames: "[name]-[hash]",
+    bundle: true, splitting: true, format: "esm", target: "es2022", minify: true,
+    jsx: "automatic", jsxImportSource: "preact", legalComments: "none", metafile: true, logLevel: "warning",
+  });
+  const entries = {};
+  for (const [path, output] of Object.entries(result.metafile.outputs)) {
+    if (output.entryPoint !== undefined) entries[output.entryPoint] = basename(path);
+  }
+  return entries;
+}
+
+// Everything under assets/ is cached for ever, so every name there changes with the content.
+function copyHashed(name, extension, out) {
+  const bytes = readFileSync(join(web, "public", name + extension));
+  const hashed = `${name}-${createHash("sha256").update(bytes).digest("hex").slice(0, 8).toUpperCase()}${extension}`;
+  writeFileSync(join(out, "assets", hashed), bytes);
+  return hashed;
+}
+
+function indexHtml(script, style, icon) {
+  return `<!doctype html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta name="color-scheme" content="light dark">
+<meta name="description" content="Exercises, attempts and scores of haptic tooth preparation">
+<title>Enamel</title>
+<link rel="icon" href="/assets/${icon}" type="image/svg+xml">
+<link rel="stylesheet" href="/assets/${style}">
+<script type="module" src="/assets/${script}"></script>
+</head>
+<body>
+<div id="app"></div>
+<noscript>Enamel needs JavaScript: allow it for this address and load the page again.</noscript>
+</body>
+</html>
+`;
+}
+
+function compress(path) {
+  const bytes = readFileSync(path);
+  if (!kCompressible.test(path) || bytes.length < kMinimumCompressed) return;
+  writeFileSync(`${path}.gz`, gzipSync(bytes, { level: 9 }));
+  writeFileSync(`${path}.br`, brotliCompressSync(bytes, {
+    params: { [constants.BROTLI_PARAM_QUALITY]: 11, [constants.BROTLI_PARAM_SIZE_HINT]: bytes.length },
+  }));
+}
+
+function report(out) {
+  for (const path of filesUnder(out).filter((file) => kCompressible.test(file)).sort()) {
+    const gz = `${path}.gz`;
+    const size = readFileSync(path).length;
+    const packed = existsSync(gz) ? readFileSync(gz).length : size;
+    console.log(`${relative(out, path).padEnd(36)} ${(size / 1000).toFixed(1).padStart(8)} kB ${(packed / 1000).toFixed(1).padStart(8)} kB gz`);
+  }
+}
+
+await generate();
+const out = outputFolder(process.argv.slice(2));
+emptyFolder(out);
+const entries = await bundle(out);
+const icon = copyHashed("favicon", ".svg", out);
+writeFileSync(join(out, "index.html"), indexHtml(entries["src/app/main.tsx"], entries["src/app/style.css"], icon));
+for (const path of filesUnder(out)) compress(path);
+report(out);

@@ -1,0 +1,22 @@
+// Types of the HTTP API from schemas/api/openapi.yaml into build/api.d.ts. Nothing is written when
+// nothing changed, so that a build without a schema change stays fast.
+import { existsSync, mkdirSync, readFileSync, writeFileSync } from "node:fs";
+import { createHash } from "node:crypto";
+import { fileURLToPath } from "node:url";
+
+const source = new URL("../../schemas/api/openapi.yaml", import.meta.url);
+const target = new URL("../build/api.d.ts", import.meta.url);
+
+export async function generate() {
+  if (!existsSync(source)) {
+    throw new Error(`expected the API contract at ${fileURLToPath(source)}, found nothing: check out the whole repository`);
+  }
+  const stamp = `// schema ${createHash("sha256").update(readFileSync(source)).digest("hex")}\n`;
+  if (existsSync(target) && readFileSync(target, "utf8").startsWith(stamp)) return;
+  const { default: openapiTS, astToString } = await import("openapi-typescript");
+  const ast = await openapiTS(source, { arrayLength: true, immutable: true });
+  mkdirSync(new URL(".", target), { recursive: true });
+  writeFileSync(target, stamp + astToString(ast));
+}
+
+if (process.argv[1] === fileURLToPath(import.meta.url)) await generate();

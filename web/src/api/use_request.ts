@@ -1,0 +1,35 @@
+import { useCallback, useEffect, useRef, useState } from "preact/hooks";
+import type { ApiError, ApiResult } from "./client";
+
+export type Loaded<T> =
+  | { readonly state: "loading" }
+  | { readonly state: "ready"; readonly value: T }
+  | { readonly state: "failed"; readonly error: ApiError };
+
+export interface Request<T> {
+  readonly loaded: Loaded<T>;
+  // Asks again; what is shown stays until the answer is there.
+  readonly reload: () => void;
+}
+
+// Loads on mount and whenever `key` changes; an answer to an older key is dropped. With `key`
+// undefined nothing is asked and the state stays "loading".
+export function useRequest<T>(key: string | undefined, ask: (signal: AbortSignal) => Promise<ApiResult<T>>): Request<T> {
+  const [loaded, setLoaded] = useState<Loaded<T> & { key?: string }>({ state: "loading" });
+  const [round, setRound] = useState(0);
+  const latestAsk = useRef(ask);
+  latestAsk.current = ask;
+
+  useEffect(() => {
+    if (key === undefined) return undefined;
+    const abort = new AbortController();
+    void latestAsk.current(abort.signal).then((result) => {
+      if (abort.signal.aborted) return;
+      setLoaded(result.ok ? { state: "ready", value: result.value, key } : { state: "failed", error: result.error, key });
+    });
+    return () => abort.abort();
+  }, [key, round]);
+
+  const reload = useCallback(() => setRound((value) => value + 1), []);
+  return { loaded: key !== undefined && loaded.key === key ? loaded : { state: "loading" }, reload };
+}

@@ -1,0 +1,39 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import {
+  formatBytes, formatDuration, formatNumber, formatQuantity, formatSigned, metricTitle, micrometresAsMm, plural,
+} from "./format";
+
+test("a deviation that rounds to zero carries no sign", () => {
+  assert.equal(formatSigned(0.001), "0");
+  assert.equal(formatSigned(-0.001), "0");
+  assert.equal(formatSigned(0.3), "+0.3");
+  assert.equal(formatSigned(-0.305, 2), "−0.3");
+});
+
+test("a value that is not a number is shown as a dash and never as NaN", () => {
+  assert.equal(formatNumber(Number.NaN), "–");
+  assert.equal(formatQuantity(Number.POSITIVE_INFINITY, "mm"), "–");
+  assert.equal(formatDuration(-1), "–");
+});
+
+test("quantities keep about three significant places and carry their unit", () => {
+  assert.equal(formatQuantity(0.0421, "mm"), "0.042\u00a0mm");
+  assert.equal(formatQuantity(12.345, "mm3"), "12.3\u00a0mm³");
+  assert.equal(formatQuantity(42180, "count"), "42\u202f180");
+});
+
+test("metric names read as titles without their unit", () => {
+  assert.equal(metricTitle("wall_mesial_mm", "mm"), "Wall mesial");
+  assert.equal(metricTitle("target_removed_percent", "%"), "Target removed");
+  assert.equal(metricTitle("pulp_exposed", "count"), "Pulp exposed");
+});
+
+test("times, sizes and lengths use the unit people expect", () => {
+  assert.equal(formatDuration(42.4), "42 s");
+  assert.equal(formatDuration(125), "2 min 05 s");
+  assert.equal(formatBytes(173_214), "173.2 kB");
+  assert.equal(micrometresAsMm(600), "0.6\u00a0mm");
+  assert.equal(plural(1, "gap"), "1 gap");
+  assert.equal(plural(2, "attempt"), "2 attempts");
+});

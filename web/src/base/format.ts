@@ -1,0 +1,75 @@
+// Numbers, units and times as people read them. Values that are not finite are shown as a dash.
+
+const kDash = "–";
+const kUnits: Readonly<Record<string, string>> = {
+  mm3: "mm³", mm2: "mm²", count: "", n: "N", mn: "mN", um: "µm", nm: "nm", percent: "%",
+  "mN/mm": "mN/mm", "N/mm": "N/mm", ratio: "",
+};
+
+export function unitText(unit: string): string {
+  return kUnits[unit] ?? unit;
+}
+
+// Up to `digits` decimals, a true minus sign, thin grouping of thousands.
+export function formatNumber(value: number, digits = 2): string {
+  if (!Number.isFinite(value)) return kDash;
+  const rounded = Number(value.toFixed(digits));
+  const text = Math.abs(rounded).toLocaleString("en-US", { maximumFractionDigits: digits });
+  return (rounded < 0 ? "−" : "") + text.replaceAll(",", "\u202f");
+}
+
+// With a sign unless it rounds to zero: for deviations.
+export function formatSigned(value: number, digits = 2): string {
+  const text = formatNumber(value, digits);
+  return Number(value.toFixed(digits)) > 0 ? `+${text}` : text;
+}
+
+export function formatQuantity(value: number, unit: string, digits?: number): string {
+  const number = formatNumber(value, digits ?? digitsFor(value));
+  const shown = unitText(unit);
+  return shown === "" || number === kDash ? number : `${number}\u00a0${shown}`;
+}
+
+// Three significant places for small values, fewer decimals for big ones.
+export function digitsFor(value: number): number {
+  const size = Math.abs(value);
+  if (size >= 100) return 0;
+  if (size >= 10) return 1;
+  if (size >= 0.095 || size === 0) return 2;
+  return 3;
+}
+
+export function formatDateTime(unixMs: number): string {
+  if (!Number.isFinite(unixMs) || unixMs <= 0) return kDash;
+  return new Intl.DateTimeFormat(undefined, { dateStyle: "medium", timeStyle: "short" }).format(new Date(unixMs));
+}
+
+export function formatDuration(seconds: number): string {
+  if (!Number.isFinite(seconds) || seconds < 0) return kDash;
+  const whole = Math.round(seconds);
+  if (whole < 60) return `${whole} s`;
+  return `${Math.floor(whole / 60)} min ${String(whole % 60).padStart(2, "0")} s`;
+}
+
+export function formatBytes(bytes: number): string {
+  if (!Number.isFinite(bytes) || bytes < 0) return kDash;
+  if (bytes < 1000) return `${bytes} B`;
+  if (bytes < 1e6) return `${formatNumber(bytes / 1e3, 1)} kB`;
+  return `${formatNumber(bytes / 1e6, 2)} MB`;
+}
+
+export function micrometresAsMm(um: number): string {
+  return `${formatNumber(um / 1000, 3)}\u00a0mm`;
+}
+
+// "wall_mesial_mm" with unit "mm" reads "Wall mesial".
+export function metricTitle(name: string, unit: string): string {
+  const suffix = unit === "%" ? "_percent" : `_${unit.toLowerCase()}`;
+  const stem = name.toLowerCase().endsWith(suffix) ? name.slice(0, -suffix.length) : name;
+  const words = stem.replaceAll("_", " ").trim();
+  return words.charAt(0).toUpperCase() + words.slice(1);
+}
+
+export function plural(count: number, one: string, many = `${one}s`): string {
+  return `${formatNumber(count, 0)} ${count === 1 ? one : many}`;
+}

@@ -1,0 +1,132 @@
+import { useEffect, useState } from "preact/hooks";
+import type { ApiError, Client } from "../../api/client";
+import type { AttemptDetail, Person } from "../../api/types";
+import { useRequest } from "../../api/use_request";
+import { unreachable } from "../../base/assert";
+import { formatDateTime } from "../../base/format";
+import { Flags, isUnderWay, StateBadge } from "../../widgets/attempt_state";
+import { Card, ErrorNotice, Loading, Notice, PageTitle, Progress } from "../../widgets/basics";
+import { MetricsPanel, RecordingPanel } from "./detail_panels";
+import { ForcePanel } from "./force_panel";
+import { ScorePanel } from "./score_panel";
+import { TeacherActions } from "./teacher_actions";
+import { ToothPanel } from "./tooth_panel";
+
+const kPollMs = 1500;
+
+interface Props {
+  readonly client: Client;
+  readonly person: Person;
+  readonly id: string;
+}
+
+// One attempt. While it is recorded or scored its state is asked for again and again, so that the
+// score appears by itself.
+export function AttemptPage({ client, person, id }: Props) {
+  const { loaded, reload } = useRequest(id, (signal) => client.attempt(id, signal));
+  const attempt = loaded.state === "ready" ? loaded.value : undefined;
+  const polling = attempt !== undefined && isUnderWay(attempt.state);
+  useEffect(() => {
+    if (!polling) return undefined;
+    const timer = setInterval(() => { if (!document.hidden) reload(); }, kPollMs);
+    return () => clearInterval(timer);
+  }, [polling, reload]);
+
+  if (loaded.state === "failed") return <AttemptError error={loaded.error} onRetry={reload} />;
+  if (attempt === undefined) return <Loading what="the attempt" />;
+  const teacher = person.role !== "student";
+  return (
+    <>
+      <nav class="trail" aria-label="Where you are"><a href="/attempts">{teacher ? "Attempts" : "My attempts"}</a></nav>
+      <div class="attempt-head">
+        <div>
+          <PageTitle document={attempt.exercise.title}>{attempt.exercise.title}</PageTitle>
+          <p class="byline">
+            {attempt.person.display_name}, {formatDateTime(attempt.ticketed_ms)} <StateBadge attempt={attempt} /> {teacher && <Flags attempt={attempt} />}
+          </p>
+        </div>
+        {teacher && attempt.state === "scored" && <TeacherActions client={client} attempt={attempt} onChanged={reload} />}
+      </div>
+      {attempt.state === "scored" ? <ScoredAttempt client={client} attempt={attempt} /> : <UnscoredAttempt attempt={attempt} />}
+    </>
+  );
+}
+
+function ScoredAttempt({ client, attempt }: { readonly client: Client; readonly attempt: AttemptDetail }) {
+  const { id } = attempt;
+  const score = useRequest(`${id} ${attempt.released}`, (signal) => client.score(id, signal));
+  const surface = useRequest(`${id} ${attempt.released}`, (signal) => client.surface(id, signal));
+  const series = useRequest(id, (signal) => client.series(id, signal));
+  const [cursor, setCursor] = useState<number>();   // undefined until first moved
+  const scored = score.loaded.state === "ready" ? score.loaded.value : undefined;
+  const reference = attempt.reference === null ? undefined : attempt.reference.dentist ?? "an earlier reference";
+  return (
+    <>
+      <div class="attempt-grid">
+        <div>
+          {score.loaded.state === "loading" && <Card title="Score"><Loading what="the score" /></Card>}
+          {score.loaded.state === "failed" && <ScoreError error={score.loaded.error} onRetry={score.reload} />}
+          {scored !== undefined && <ScorePanel score={scored} reference={reference} />}
+        </div>
+        <ToothPanel surface={surface.loaded} series={series.loaded.state === "ready" ? series.loaded.value : undefined}
+                    cursor={cursor} onRetry={surface.reload} />
+      </div>
+      <ForcePanel series={series.loaded} cursor={cursor ?? 0} onCursor={setCursor} onRetry={series.reload} />
+      <div class="columns">
+        <RecordingPanel attempt={attempt} score={scored} />
+        {scored !== undefined && <MetricsPanel metrics={scored.metrics} />}
+      </div>
+    </>
+  );
+}
+
+function UnscoredAttempt({ attempt }: { readonly attempt: AttemptDetail }) {
+  return (
+    <>
+      <Card title="Score">{unscoredText(attempt)}</Card>
+      <RecordingPanel attempt={attempt} score={undefined} />
+    </>
+  );
+}
+
+function unscoredText(attempt: AttemptDetail) {
+  switch (attempt.state) {
+    case "ticketed": return <p>The attempt has not begun at the station yet.</p>;
+    case "recording": return <Progress label="Recording at the station" share={undefined} />;
+    case "sealed": return <Progress label="Waiting to be scored" share={undefined} />;
+    case "scoring": return <Progress label="Replaying and scoring" share={attempt.progress} />;
+    case "failed": return <Notice tone="bad" title="The attempt could not be scored"><p>{attempt.problem}</p></Notice>;
+    case "quarantined":
+      return (
+        <Notice tone="bad" title="The recording is set aside">
+          <p>{attempt.problem}</p><p>Nothing was deleted. An instructor decides what happens with it.</p>
+        </Notice>
+      );
+    case "scored": return null;
+    default: return unreachable(attempt.state);
+  }
+}
+
+function ScoreError({ error, onRetry }: { readonly error: ApiError; readonly onRetry: () => void }) {
+  if (error.code === "forbidden") {
+    return (
+      <Card title="Score">
+        <Notice tone="neutral" title="Not released yet"><p>This is graded work: the score shows here as soon as your instructor releases it.</p></Notice>
+      </Card>
+    );
+  }
+  return <Card title="Score"><ErrorNotice title="The score could not be loaded" message={error.message} onRetry={onRetry} /></Card>;
+}
+
+function AttemptError({ error, onRetry }: { readonly error: ApiError; readonly onRetry: () => void }) {
+  const missing = error.code === "not_found";
+  return (
+    <>
+      <nav class="trail" aria-label="Where you are"><a href="/attempts">Attempts</a></nav>
+      <PageTitle document="Attempt">Attempt</PageTitle>
+      <ErrorNotice title={missing ? "There is no such attempt for you" : "The attempt could not be loaded"}
+                   message={missing ? "It does not exist, or it belongs to somebody whose attempts you may not see. Check the address or choose from the list." : error.message}
+                   onRetry={missing ? undefined : onRetry} />
+    </>
+  );
+}

@@ -1,0 +1,44 @@
+import type { AttemptDetail, Metric, Score } from "../../api/types";
+import { formatBytes, formatDuration, formatNumber, formatQuantity, metricTitle, plural } from "../../base/format";
+import { Card, Notice, TableFrame } from "../../widgets/basics";
+import { recordingFacts } from "./summary";
+
+export function RecordingPanel({ attempt, score }: { readonly attempt: AttemptDetail; readonly score: Score | undefined }) {
+  const facts = recordingFacts(attempt, score);
+  return (
+    <Card title="Recording">
+      <Notice tone={facts.complete ? "good" : "warning"} title={facts.headline}>
+        {facts.details.length > 0 && <ul>{facts.details.map((text) => <li key={text}>{text}</li>)}</ul>}
+      </Notice>
+      <dl class="facts stacked">
+        <div><dt>Ticks</dt><dd>{formatNumber(attempt.ticks, 0)}</dd></div>
+        <div><dt>Gaps</dt><dd>{attempt.gap_ticks === 0 ? "None" : plural(attempt.gap_ticks, "tick")}</dd></div>
+        <div><dt>Duration</dt><dd>{formatDuration(attempt.duration_s)}</dd></div>
+        <div><dt>Chunks, size</dt><dd>{formatNumber(attempt.chunks, 0)}, {formatBytes(attempt.trace_bytes)}</dd></div>
+        <div><dt>Station</dt><dd>{attempt.station.name}</dd></div>
+        <div><dt>Device</dt><dd>{attempt.profile.title}</dd></div>
+        {score !== undefined && <div><dt>Replay</dt><dd>{formatNumber(score.replay_realtime_factor, 1)} times real time, core version {score.core_version}</dd></div>}
+      </dl>
+    </Card>
+  );
+}
+
+export function MetricsPanel({ metrics }: { readonly metrics: readonly Metric[] }) {
+  return (
+    <Card title="All measurements">
+      <TableFrame label="All measurements">
+        <table class="dense">
+          <thead><tr><th scope="col">Measurement</th><th scope="col" class="number">Value</th></tr></thead>
+          <tbody>
+            {metrics.map((metric) => (
+              <tr key={metric.name}>
+                <th scope="row">{metricTitle(metric.name, metric.unit)}</th>
+                <td class="number nowrap">{formatQuantity(metric.value, metric.unit)}</td>
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      </TableFrame>
+    </Card>
+  );
+}

@@ -1,0 +1,40 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import type { Surface } from "../../api/surface";
+import { summariseDeviation } from "./deviation";
+
+type Vertex = readonly [normal: readonly [number, number, number], deviationMm: number];
+
+function surfaceOf(vertices: readonly Vertex[]): Surface {
+  return {
+    positionMm: new Float32Array(3 * vertices.length),
+    normal: new Int8Array(vertices.flatMap(([normal]) => [...normal.map((value) => value * 127), 0])),
+    tissue: new Uint8Array(vertices.length).fill(1),
+    deviationMm: new Float32Array(vertices.map(([, deviation]) => deviation)),
+    triangle: new Uint32Array(0),
+  };
+}
+
+test("a mesial wall that is 0.3 mm too deep is named first, with its sign", () => {
+  const summary = summariseDeviation(surfaceOf([
+    [[-1, 0, 0], 0.3], [[-1, 0, 0], 0.28], [[1, 0, 0], -0.02], [[0, 0, 1], 0.01], [[0, 1, 0], 0],
+  ]));
+  assert.equal(summary?.sides[0]?.side, "Mesial wall");
+  assert.ok(Math.abs(summary.sides[0].meanMm - 0.29) < 1e-6);
+  assert.ok(Math.abs(summary.sides[0].mostMm - 0.3) < 1e-6);
+});
+
+test("shares of more, less and within tolerance add up to the whole", () => {
+  const summary = summariseDeviation(surfaceOf([
+    [[0, 0, 1], 0.2], [[0, 0, 1], -0.2], [[0, 0, 1], 0.05], [[0, 0, 1], 0],
+  ]));
+  assert.equal(summary?.overShare, 0.25);
+  assert.equal(summary?.underShare, 0.25);
+  assert.equal(summary?.withinShare, 0.5);
+});
+
+test("untouched vertices do not count, and nothing compared is no summary", () => {
+  assert.equal(summariseDeviation(surfaceOf([[[0, 0, 1], Number.NaN], [[0, 0, 1], 0.4]]))?.vertices, 1);
+  assert.equal(summariseDeviation(surfaceOf([[[0, 0, 1], Number.NaN]])), undefined);
+  assert.equal(summariseDeviation({ ...surfaceOf([]), deviationMm: undefined }), undefined);
+});

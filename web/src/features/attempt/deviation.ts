@@ -1,0 +1,67 @@
+import type { Surface } from "../../api/surface";
+
+// The deviation map in numbers, for who does not or cannot look at the picture. Counted by vertex:
+// the surface comes from a grid, so vertices lie nearly evenly over its area.
+
+export interface SideDeviation {
+  readonly side: string;
+  readonly vertices: number;
+  readonly meanMm: number;
+  readonly mostMm: number;                      // the deviation of greatest size, with its sign
+}
+
+export interface DeviationSummary {
+  readonly vertices: number;                    // compared with the reference
+  readonly withinShare: number;                 // |deviation| <= kToleranceMm
+  readonly overShare: number;                   // more removed than that
+  readonly underShare: number;
+  readonly p95Mm: number;                       // of the size
+  readonly sides: readonly SideDeviation[];     // most deviating first; only sides that have vertices
+}
+
+export const kToleranceMm = 0.1;
+const kFacing = 0.7;                            // a normal's component along a side's direction, about 45 degrees
+
+// A wall of the cavity faces inward: the mesial wall's outward normal points distally, to -x.
+const kSides: ReadonlyArray<readonly [string, number, number]> = [
+  ["Mesial wall", 0, -1], ["Distal wall", 0, 1], ["Buccal wall", 1, -1], ["Lingual wall", 1, 1], ["Floor", 2, 1],
+];
+
+export function summariseDeviation(surface: Surface): DeviationSummary | undefined {
+  const { deviationMm } = surface;
+  if (deviationMm === undefined) return undefined;
+  const sizes: number[] = [];
+  let over = 0;
+  let under = 0;
+  const sides = kSides.map(() => ({ vertices: 0, sum: 0, most: 0 }));
+  deviationMm.forEach((value, vertex) => {
+    if (Number.isNaN(value)) return;
+    sizes.push(Math.abs(value));
+    if (value > kToleranceMm) ++over;
+    if (value < -kToleranceMm) ++under;
+    const side = sides[sideOf(surface, vertex)];
+    if (side === undefined) return;
+    ++side.vertices;
+    side.sum += value;
+    if (Math.abs(value) > Math.abs(side.most)) side.most = value;
+  });
+  if (sizes.length === 0) return undefined;
+  const n = sizes.length;
+  return {
+    vertices: n, overShare: over / n, underShare: under / n, withinShare: (n - over - under) / n,
+    p95Mm: percentile(sizes, 0.95),
+    sides: kSides.map(([name], i) => ({ name, side: sides[i]! }))
+      .filter(({ side }) => side.vertices > 0)
+      .map(({ name, side }) => ({ side: name, vertices: side.vertices, meanMm: side.sum / side.vertices, mostMm: side.most }))
+      .sort((a, b) => Math.abs(b.meanMm) - Math.abs(a.meanMm)),
+  };
+}
+
+function sideOf(surface: Surface, vertex: number): number {
+  return kSides.findIndex(([, axis, sign]) => (sign * surface.normal[4 * vertex + axis]!) / 127 > kFacing);
+}
+
+function percentile(values: number[], share: number): number {
+  values.sort((a, b) => a - b);
+  return values[Math.min(values.length - 1, Math.floor(share * values.length))] ?? 0;
+}

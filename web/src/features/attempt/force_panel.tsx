@@ -1,0 +1,118 @@
+import { useMemo } from "preact/hooks";
+import type { Series } from "../../api/types";
+import type { Loaded } from "../../api/use_request";
+import { formatNumber, formatQuantity } from "../../base/format";
+import { Card, ErrorNotice, Loading, TableFrame } from "../../widgets/basics";
+import { type PlotLine, TimePlot } from "../../widgets/time_plot";
+
+const kTableRows = 40;
+
+interface Props {
+  readonly series: Loaded<Series>;
+  readonly cursor: number;
+  readonly onCursor: (index: number) => void;
+  readonly onRetry: () => void;
+}
+
+export function ForcePanel({ series, cursor, onCursor, onRetry }: Props) {
+  return (
+    <Card title="Force and removal over time" className="force-card">
+      {series.state === "loading" && <Loading what="the force record" />}
+      {series.state === "failed" && <ErrorNotice title="The force record could not be loaded" message={series.error.message} onRetry={onRetry} />}
+      {series.state === "ready" && (series.value.t_s.length === 0
+        ? <p class="empty">The attempt has no recorded step.</p>
+        : <LoadedForce series={series.value} cursor={cursor} onCursor={onCursor} />)}
+    </Card>
+  );
+}
+
+function LoadedForce({ series, cursor, onCursor }: Omit<Props, "series" | "onRetry"> & { readonly series: Series }) {
+  const lines = useMemo(() => linesOf(series), [series]);
+  const last = series.t_s.length - 1;
+  const at = Math.min(cursor, last);
+  return (
+    <>
+      <Readout lines={lines} timeS={series.t_s[at] ?? 0} index={at} />
+      <TimePlot timeS={series.t_s} lines={lines} leftTitle="Force (N)" rightTitle="Removed (mm³)" label={plotText(series)}
+                cursor={at} onCursor={onCursor} />
+      <div class="timeline">
+        <label for="timeline">Time in the attempt</label>
+        <input id="timeline" type="range" min={0} max={last} step={1} value={at}
+               aria-valuetext={lines.reduce((text, line) => `${text}, ${line.label.toLowerCase()} ${formatQuantity(line.values[at] ?? 0, line.unit)}`,
+                                            `${formatNumber(series.t_s[at] ?? 0, 1)} seconds`)}
+               onInput={(event) => onCursor(Number(event.currentTarget.value))} />
+      </div>
+      <details class="numbers">
+        <summary>The same as a table</summary>
+        <SeriesTable series={series} />
+      </details>
+    </>
+  );
+}
+
+function linesOf(series: Series): PlotLine[] {
+  const largest = series.force_n.reduce((a, b) => Math.max(a, b), 0);
+  const bounded = series.bound_n.some((value) => value <= largest * 1.05);
+  return [
+    { label: "Removed volume", unit: "mm3", values: series.removed_mm3, colorVariable: "--plot-removed", axis: "right", fill: true, dash: [7, 4] },
+    { label: "Largest force", unit: "N", values: series.force_n, colorVariable: "--plot-force", axis: "left", width: 1 },
+    { label: "Mean force", unit: "N", values: series.force_mean_n, colorVariable: "--plot-mean", axis: "left", width: 2.2 },
+    ...(bounded ? [{ label: "Device's limit", unit: "N", values: series.bound_n, colorVariable: "--plot-bound", axis: "left" as const,
+                     dash: [2, 3], setsScale: false }] : []),
+  ];
+}
+
+function Readout({ lines, timeS, index }: { readonly lines: readonly PlotLine[]; readonly timeS: number; readonly index: number }) {
+  return (
+    <dl class="readout">
+      <div><dt>Time</dt><dd>{formatNumber(timeS, 1)} s</dd></div>
+      {lines.map((line) => (
+        <div key={line.label}>
+          <dt><LineSample line={line} />{line.label}</dt>
+          <dd>{(line.values[index] ?? 0).toFixed(2)} {line.unit === "mm3" ? "mm³" : line.unit}</dd>
+        </div>
+      ))}
+    </dl>
+  );
+}
+
+function LineSample({ line }: { readonly line: PlotLine }) {
+  return (
+    <svg class="line-sample" viewBox="0 0 24 8" aria-hidden="true">
+      <line x1="0" y1="4" x2="24" y2="4" style={{ stroke: `var(${line.colorVariable})` }} stroke-width={(line.width ?? 1.5) + 0.5}
+            {...(line.dash === undefined ? {} : { "stroke-dasharray": line.dash.join(" ") })} />
+    </svg>
+  );
+}
+
+function SeriesTable({ series }: { readonly series: Series }) {
+  const stride = Math.max(1, Math.ceil(series.t_s.length / kTableRows));
+  const rows = series.t_s.map((_, i) => i).filter((i) => i % stride === 0 || i === series.t_s.length - 1);
+  return (
+    <TableFrame label="Force and removal over time">
+      <table class="dense">
+        <thead>
+          <tr><th scope="col" class="number">Time (s)</th><th scope="col" class="number">Largest force (N)</th>
+              <th scope="col" class="number">Mean force (N)</th><th scope="col" class="number">Removed (mm³)</th></tr>
+        </thead>
+        <tbody>
+          {rows.map((i) => (
+            <tr key={i}>
+              <th scope="row" class="number">{(series.t_s[i] ?? 0).toFixed(1)}</th>
+              <td class="number">{(series.force_n[i] ?? 0).toFixed(2)}</td>
+              <td class="number">{(series.force_mean_n[i] ?? 0).toFixed(2)}</td>
+              <td class="number">{(series.removed_mm3[i] ?? 0).toFixed(2)}</td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </TableFrame>
+  );
+}
+
+function plotText(series: Series): string {
+  const largest = series.force_n.reduce((a, b) => Math.max(a, b), 0);
+  const at = series.t_s[series.force_n.indexOf(largest)] ?? 0;
+  return `Force and removed volume over ${formatNumber(series.t_s.at(-1) ?? 0, 0)} seconds. The largest force is ` +
+         `${formatQuantity(largest, "N")} at ${formatNumber(at, 1)} seconds; ${formatQuantity(series.removed_mm3.at(-1) ?? 0, "mm3")} were removed in all.`;
+}

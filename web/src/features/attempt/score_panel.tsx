@@ -1,0 +1,72 @@
+import type { Criterion, Score } from "../../api/types";
+import { formatNumber, formatQuantity } from "../../base/format";
+import { Badge, Bar, Card, type Tone } from "../../widgets/basics";
+import { byLostPoints, lostPoints, summarySentence } from "./summary";
+
+const kRingRadius = 52;
+const kRingLength = 2 * Math.PI * kRingRadius;
+
+export function ScorePanel({ score, reference }: { readonly score: Score; readonly reference: string | undefined }) {
+  return (
+    <Card title="Score" className="score-card">
+      <div class="score-head">
+        <ScoreRing score={score} />
+        <div>
+          <p class="summary">{summarySentence(score)}</p>
+          {score.critical_fail && <Badge tone="bad">Critical criterion failed</Badge>}
+          <p class="hint">
+            {reference === undefined ? "Scored without a reference cut" : `Compared with the cut of ${reference}`}, rubric version {score.rubric_version}
+          </p>
+        </div>
+      </div>
+      <CriteriaTable criteria={byLostPoints(score.criteria)} />
+    </Card>
+  );
+}
+
+function ScoreRing({ score }: { readonly score: Score }) {
+  const share = Math.min(Math.max(score.score / 100, 0), 1);
+  return (
+    <div class={`score-ring ${toneOf(share, score.critical_fail)}`}>
+      <svg viewBox="0 0 120 120" aria-hidden="true">
+        <circle class="ring-track" cx="60" cy="60" r={kRingRadius} />
+        <circle class="ring-value" cx="60" cy="60" r={kRingRadius} stroke-dasharray={`${share * kRingLength} ${kRingLength}`}
+                transform="rotate(-90 60 60)" />
+      </svg>
+      <p class="score-number" data-testid="score">{formatNumber(score.score, 1)}<span class="score-of"> of 100</span></p>
+    </div>
+  );
+}
+
+function toneOf(share: number, critical: boolean): Tone {
+  if (critical || share < 0.5) return "bad";
+  return share < 0.75 ? "warning" : "good";
+}
+
+function CriteriaTable({ criteria }: { readonly criteria: readonly Criterion[] }) {
+  return (
+    <table class="criteria">
+      <caption class="hidden">Criteria, those that lost most points first</caption>
+      <thead><tr><th scope="col">Criterion</th><th scope="col" class="number">Measured</th><th scope="col" class="number">Points</th></tr></thead>
+      <tbody>{criteria.map((criterion) => <CriterionRow key={criterion.name} criterion={criterion} />)}</tbody>
+    </table>
+  );
+}
+
+function CriterionRow({ criterion }: { readonly criterion: Criterion }) {
+  const share = criterion.max_points > 0 ? criterion.points / criterion.max_points : 1;
+  const full = lostPoints(criterion) < 0.05;
+  return (
+    <tr class={full ? "full" : "lost"}>
+      <th scope="row">
+        {criterion.title}
+        {criterion.reason !== "" && <span class="reason">{criterion.reason}</span>}
+      </th>
+      <td class="number nowrap">{formatQuantity(criterion.value, criterion.unit)}</td>
+      <td class="number points">
+        <span class="nowrap"><b>{formatNumber(criterion.points, 1)}</b> / {formatNumber(criterion.max_points, 1)}</span>
+        <Bar share={share} tone={full ? "good" : toneOf(share, false)} />
+      </td>
+    </tr>
+  );
+}

@@ -1,0 +1,51 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import type { AttemptDetail, Criterion, Score } from "../../api/types";
+import { byLostPoints, recordingFacts, summarySentence } from "./summary";
+
+const criterion = (title: string, points: number, max = 10): Criterion =>
+  ({ name: title, title, value: 0.3, unit: "mm", points, max_points: max, reason: "" });
+
+const score = (changes: Partial<Score> = {}): Score => ({
+  score: 83.4, critical_fail: false, criteria: [criterion("Floor", 10), criterion("Mesial wall", 4), criterion("Time", 8)],
+  metrics: [], reference_attempt: "", rubric_version: 1, core_version: 1, ticks: 1000, gap_ticks: 0, late_ticks: 0,
+  bounded_ticks: 0, witness_ok: true, witness_note: "", replay_realtime_factor: 30, ...changes,
+});
+
+const attempt = (changes: Partial<AttemptDetail> = {}) => ({ ticks: 1000, gap_ticks: 0, ...changes }) as AttemptDetail;
+
+test("criteria are listed with the most points lost first, full marks last", () => {
+  assert.deepEqual(byLostPoints(score().criteria).map((item) => item.title), ["Mesial wall", "Time", "Floor"]);
+});
+
+test("the sentence names the score and where most points went", () => {
+  const text = summarySentence(score());
+  assert.match(text, /^83\.4 of 100\./);
+  assert.match(text, /“Mesial wall” \(0\.3\u00a0mm, −6\), then on “Time”/);
+  assert.match(text, /Full marks in 1 of 3 criteria\.$/);
+});
+
+test("full marks and a critical fail are said so", () => {
+  assert.match(summarySentence(score({ score: 100, criteria: [criterion("Floor", 10)] })), /Full marks in every criterion/);
+  assert.match(summarySentence(score({ score: 0, critical_fail: true })), /critical criterion failed/);
+});
+
+test("a recording without gaps whose replay agrees is complete", () => {
+  const facts = recordingFacts(attempt(), score());
+  assert.equal(facts.complete, true);
+  assert.deepEqual(facts.details, []);
+});
+
+test("gaps, a broken replay and late ticks are each said, with how many", () => {
+  const facts = recordingFacts(attempt({ gap_ticks: 10 }),
+                               score({ gap_ticks: 10, ticks: 990, witness_ok: false, witness_note: "chunk 12", late_ticks: 1 }));
+  assert.equal(facts.complete, false);
+  assert.match(facts.details.join("\n"), /10 ticks \(1 %\) were not recorded/);
+  assert.match(facts.details.join("\n"), /does not repeat what the station recorded: chunk 12/);
+  assert.match(facts.details.join("\n"), /1 tick came late/);
+});
+
+test("before the score is known only what the attempt itself says is claimed", () => {
+  assert.equal(recordingFacts(attempt(), undefined).headline, "Nothing was lost");
+  assert.equal(recordingFacts(attempt({ gap_ticks: 3 }), undefined).complete, false);
+});

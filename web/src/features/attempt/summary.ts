@@ -1,0 +1,56 @@
+import type { AttemptDetail, Criterion, Score } from "../../api/types";
+import { formatNumber, formatQuantity, plural } from "../../base/format";
+
+const kPointsShown = 0.05;                      // lost points below this round to zero
+
+export function lostPoints(criterion: Criterion): number {
+  return Math.max(0, criterion.max_points - criterion.points);
+}
+
+// Where points were lost first, most lost on top; full marks after, as the rubric has them.
+export function byLostPoints(criteria: readonly Criterion[]): Criterion[] {
+  return [...criteria].sort((a, b) => lostPoints(b) - lostPoints(a));
+}
+
+// One or two sentences that say what happened.
+export function summarySentence(score: Score): string {
+  const total = `${formatNumber(score.score, 1)} of 100.`;
+  if (score.critical_fail) return `${total} A critical criterion failed, so the whole attempt counts as not passed.`;
+  const lost = byLostPoints(score.criteria).filter((criterion) => lostPoints(criterion) >= kPointsShown);
+  const [worst, second] = lost;
+  if (worst === undefined) return `${total} Full marks in every criterion.`;
+  const first = `${total} Most points were lost on ${inSentence(worst)}`;
+  const kept = score.criteria.length - lost.length;
+  const rest = kept > 0 ? ` Full marks in ${formatNumber(kept, 0)} of ${plural(score.criteria.length, "criterion", "criteria")}.` : "";
+  return `${first}${second === undefined ? "" : `, then on ${inSentence(second)}`}.${rest}`;
+}
+
+function inSentence(criterion: Criterion): string {
+  return `“${criterion.title}” (${formatQuantity(criterion.value, criterion.unit)}, −${formatNumber(lostPoints(criterion), 1)})`;
+}
+
+export interface RecordingFacts {
+  readonly complete: boolean;                   // nothing lost, and the replay repeats the recording
+  readonly headline: string;
+  readonly details: readonly string[];
+}
+
+// What became of the recording on its way: gaps, late ticks, the replay's agreement.
+export function recordingFacts(attempt: AttemptDetail, score: Score | undefined): RecordingFacts {
+  const gaps = score?.gap_ticks ?? attempt.gap_ticks;
+  const ticks = score?.ticks ?? attempt.ticks;
+  const details: string[] = [];
+  if (gaps > 0) details.push(`${plural(gaps, "tick")} (${formatNumber((100 * gaps) / Math.max(1, ticks + gaps), 2)} %) were not recorded; the gaps are declared and were not scored.`);
+  if (score !== undefined) {
+    if (!score.witness_ok) details.push(`The replay does not repeat what the station recorded${score.witness_note === "" ? "" : `: ${score.witness_note}`}. The score needs a person's judgement.`);
+    if (score.late_ticks > 0) details.push(`${plural(score.late_ticks, "tick")} came late.`);
+    if (score.bounded_ticks > 0) details.push(`The device's force limit acted in ${plural(score.bounded_ticks, "tick")}.`);
+  }
+  const complete = gaps === 0 && score?.witness_ok !== false;
+  return { complete, headline: headline(complete, score), details };
+}
+
+function headline(complete: boolean, score: Score | undefined): string {
+  if (!complete) return "The recording was disturbed";
+  return score === undefined ? "Nothing was lost" : "Nothing was lost, and the replay repeats the recording exactly";
+}

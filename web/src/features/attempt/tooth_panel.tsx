@@ -1,0 +1,98 @@
+import { useMemo, useState } from "preact/hooks";
+import type { ApiError } from "../../api/client";
+import type { Surface } from "../../api/surface";
+import type { Series } from "../../api/types";
+import type { Loaded } from "../../api/use_request";
+import { formatNumber, formatSigned } from "../../base/format";
+import { Card, ErrorNotice, Loading, Segmented } from "../../widgets/basics";
+import { DeviationLegend, TissueLegend } from "../../widgets/tooth/legend";
+import type { ColorMode, PointMm } from "../../widgets/tooth/scene";
+import { tissuesPresent, tissueTitle } from "../../widgets/tooth/tissue";
+import { ToothView } from "../../widgets/tooth/tooth_view";
+import { type DeviationSummary, kToleranceMm, summariseDeviation } from "./deviation";
+
+const kPathSeconds = 3;                         // of the tool's way drawn behind it
+
+interface Props {
+  readonly surface: Loaded<Surface>;
+  readonly series: Series | undefined;
+  readonly cursor: number | undefined;              // undefined: no tool is drawn
+  readonly onRetry: () => void;
+}
+
+export function ToothPanel({ surface, series, cursor, onRetry }: Props) {
+  return (
+    <Card className="tooth-card" title="Tooth after the attempt">
+      {surface.state === "loading" && <Loading what="the tooth" />}
+      {surface.state === "failed" && <SurfaceError error={surface.error} onRetry={onRetry} />}
+      {surface.state === "ready" && <LoadedTooth surface={surface.value} series={series} cursor={cursor} />}
+    </Card>
+  );
+}
+
+function LoadedTooth({ surface, series, cursor }: { readonly surface: Surface; readonly series: Series | undefined; readonly cursor: number | undefined }) {
+  const summary = useMemo(() => summariseDeviation(surface), [surface]);
+  const tissues = useMemo(() => tissuesPresent(surface.tissue), [surface]);
+  const [wanted, setMode] = useState<ColorMode>("deviation");
+  const mode: ColorMode = summary === undefined ? "tissue" : wanted;
+  const path = useMemo(() => pathBefore(series, cursor), [series, cursor]);
+  return (
+    <>
+      {summary !== undefined && (
+        <Segmented legend="Colours show" name="tooth-mode" value={mode} onChange={setMode}
+                   choices={[{ value: "deviation", title: "Deviation from the reference" }, { value: "tissue", title: "Tissues" }]} />
+      )}
+      <ToothView surface={surface} mode={mode} label={pictureText(summary, tissues)} tool={path.at(-1)} path={path} />
+      {mode === "deviation" ? <DeviationLegend /> : <TissueLegend tissues={tissues} />}
+      {summary === undefined
+        ? <p class="hint">No deviation to show: the attempt has no reference, or its score is not released yet.</p>
+        : <DeviationTable summary={summary} />}
+    </>
+  );
+}
+
+function DeviationTable({ summary }: { readonly summary: DeviationSummary }) {
+  return (
+    <details class="numbers">
+      <summary>Deviation in numbers</summary>
+      <p>{deviationText(summary)}</p>
+      <table>
+        <caption class="hidden">Deviation from the reference by side of the cavity</caption>
+        <thead><tr><th scope="col">Side</th><th scope="col" class="number">Mean (mm)</th><th scope="col" class="number">Largest (mm)</th></tr></thead>
+        <tbody>
+          {summary.sides.map((side) => (
+            <tr key={side.side}>
+              <th scope="row">{side.side}</th><td class="number">{formatSigned(side.meanMm)}</td><td class="number">{formatSigned(side.mostMm)}</td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+      <p class="hint">Plus: more removed than in the reference. Minus: less.</p>
+    </details>
+  );
+}
+
+function SurfaceError({ error, onRetry }: { readonly error: ApiError; readonly onRetry: () => void }) {
+  return <ErrorNotice title="The tooth could not be loaded" message={error.message} onRetry={onRetry} />;
+}
+
+function pathBefore(series: Series | undefined, cursor: number | undefined): PointMm[] {
+  const end = cursor === undefined ? undefined : series?.t_s[cursor];
+  if (series === undefined || cursor === undefined || end === undefined) return [];
+  let first = cursor;
+  while (first > 0 && series.t_s[first - 1]! > end - kPathSeconds) --first;
+  return series.anchor_mm.slice(first, cursor + 1);
+}
+
+function deviationText(summary: DeviationSummary): string {
+  const percent = (share: number) => `${formatNumber(100 * share, 0)} %`;
+  const worst = summary.sides[0];
+  const where = worst === undefined ? "" : ` Furthest off on average: ${worst.side.toLowerCase()}, ${formatSigned(worst.meanMm)} mm.`;
+  return `Of the surface that was cut, ${percent(summary.withinShare)} lies within ${kToleranceMm} mm of the reference, ` +
+         `${percent(summary.overShare)} is cut further and ${percent(summary.underShare)} less far; 95 % is within ${formatNumber(summary.p95Mm)} mm.${where}`;
+}
+
+function pictureText(summary: DeviationSummary | undefined, tissues: readonly number[]): string {
+  const tooth = `Tooth after the attempt, showing ${tissues.map(tissueTitle).join(", ").toLowerCase()}.`;
+  return summary === undefined ? tooth : `${tooth} ${deviationText(summary)}`;
+}

@@ -1,0 +1,43 @@
+import type { Attempt, AttemptState } from "../api/types";
+import { unreachable } from "../base/assert";
+import { Badge, type Tone } from "./basics";
+
+interface StateText {
+  readonly title: string;
+  readonly tone: Tone;
+}
+
+export function stateText(state: AttemptState): StateText {
+  switch (state) {
+    case "ticketed": return { title: "Not started", tone: "neutral" };
+    case "recording": return { title: "Recording", tone: "neutral" };
+    case "sealed": return { title: "Waiting to be scored", tone: "neutral" };
+    case "scoring": return { title: "Being scored", tone: "neutral" };
+    case "scored": return { title: "Scored", tone: "good" };
+    case "failed": return { title: "Scoring failed", tone: "bad" };
+    case "quarantined": return { title: "Quarantined", tone: "bad" };
+    default: return unreachable(state);
+  }
+}
+
+export function isUnderWay(state: AttemptState): boolean {
+  return state === "ticketed" || state === "recording" || state === "sealed" || state === "scoring";
+}
+
+export function StateBadge({ attempt }: { readonly attempt: Attempt }) {
+  const { title, tone } = stateText(attempt.state);
+  const progress = attempt.state === "scoring" ? ` ${Math.round(attempt.progress * 100)} %` : "";
+  return <Badge tone={tone}>{title}{progress}</Badge>;
+}
+
+// What somebody skimming a list must not miss.
+export function Flags({ attempt }: { readonly attempt: Attempt }) {
+  return (
+    <span class="flags">
+      {attempt.critical_fail === true && <Badge tone="bad">Critical</Badge>}
+      {attempt.gap_ticks > 0 && <Badge tone="warning">Gaps</Badge>}
+      {attempt.is_reference && <Badge tone="good">Reference</Badge>}
+      {attempt.state === "scored" && !attempt.released && !attempt.as_reference && <Badge tone="neutral">Not released</Badge>}
+    </span>
+  );
+}

@@ -1,0 +1,105 @@
+import type { ComponentChildren } from "preact";
+import { useEffect, useRef } from "preact/hooks";
+
+// Small building blocks without any state of the application.
+
+export type Tone = "good" | "warning" | "bad" | "neutral";
+
+const kIcons: Readonly<Record<Tone, string>> = { good: "✓", warning: "!", bad: "✕", neutral: "•" };
+
+// A short state in words; the icon and the colour only repeat it.
+export function Badge({ tone, children }: { readonly tone: Tone; readonly children: ComponentChildren }) {
+  return <span class={`badge ${tone}`}><span aria-hidden="true">{kIcons[tone]}</span> {children}</span>;
+}
+
+export function Notice({ tone, title, children }:
+                       { readonly tone: Tone; readonly title?: string; readonly children?: ComponentChildren }) {
+  return (
+    <div class={`notice ${tone}`} role={tone === "bad" ? "alert" : "status"}>
+      <span class="notice-icon" aria-hidden="true">{kIcons[tone]}</span>
+      <div>{title !== undefined && <p class="notice-title">{title}</p>}{children}</div>
+    </div>
+  );
+}
+
+export function ErrorNotice({ title, message, onRetry }:
+                            { readonly title: string; readonly message: string; readonly onRetry?: (() => void) | undefined }) {
+  return (
+    <Notice tone="bad" title={title}>
+      <p>{message}</p>
+      {onRetry !== undefined && <button type="button" class="button small" onClick={onRetry}>Try again</button>}
+    </Notice>
+  );
+}
+
+export function Loading({ what }: { readonly what: string }) {
+  return <p class="loading" role="status"><span class="spinner" aria-hidden="true" />Loading {what}…</p>;
+}
+
+export function Empty({ children }: { readonly children: ComponentChildren }) {
+  return <p class="empty">{children}</p>;
+}
+
+// The heading of a screen; takes the focus when the screen appears, so that a screen reader begins there.
+export function PageTitle({ children, document: documentTitle }:
+                          { readonly children: ComponentChildren; readonly document: string }) {
+  const heading = useRef<HTMLHeadingElement>(null);
+  useEffect(() => { document.title = `${documentTitle} – Enamel`; }, [documentTitle]);
+  useEffect(() => heading.current?.focus({ preventScroll: true }), []);
+  return <h1 tabIndex={-1} ref={heading}>{children}</h1>;
+}
+
+export function Card({ title, aside, children, className = "" }:
+                     { readonly title?: string; readonly aside?: ComponentChildren; readonly children: ComponentChildren;
+                       readonly className?: string }) {
+  return (
+    <section class={`card ${className}`} aria-label={title}>
+      {title !== undefined && <div class="card-head"><h2>{title}</h2>{aside}</div>}
+      {children}
+    </section>
+  );
+}
+
+// A table that scrolls sideways inside itself on a narrow screen, reachable by keyboard.
+export function TableFrame({ label, children }: { readonly label: string; readonly children: ComponentChildren }) {
+  return <div class="table-frame" role="region" aria-label={label} tabIndex={0}>{children}</div>;
+}
+
+// `share` 0..1. The bar repeats the number next to it and is hidden from screen readers.
+export function Bar({ share, tone }: { readonly share: number; readonly tone: Tone }) {
+  const percent = Math.min(Math.max(share, 0), 1) * 100;
+  return <span class={`bar ${tone}`} aria-hidden="true"><span style={{ width: `${percent}%` }} /></span>;
+}
+
+export function Progress({ label, share }: { readonly label: string; readonly share: number | undefined }) {
+  const percent = share === undefined ? undefined : Math.round(Math.min(Math.max(share, 0), 1) * 100);
+  return (
+    <div class="progress">
+      <div class="progress-head"><span>{label}</span>{percent !== undefined && <span>{percent} %</span>}</div>
+      <progress aria-label={label} max={100} {...(percent === undefined ? {} : { value: percent })} />
+    </div>
+  );
+}
+
+export interface Choice<T extends string> {
+  readonly value: T;
+  readonly title: string;
+}
+
+// One of a few, as radio buttons in a row.
+export function Segmented<T extends string>({ legend, name, choices, value, onChange }:
+    { readonly legend: string; readonly name: string; readonly choices: readonly Choice<T>[]; readonly value: T;
+      readonly onChange: (value: T) => void }) {
+  return (
+    <fieldset class="segmented">
+      <legend class="hidden">{legend}</legend>
+      {choices.map((choice) => (
+        <label key={choice.value}>
+          <input type="radio" name={name} value={choice.value} checked={choice.value === value}
+                 onChange={() => onChange(choice.value)} />
+          <span>{choice.title}</span>
+        </label>
+      ))}
+    </fieldset>
+  );
+}

@@ -1,0 +1,137 @@
+import { useEffect, useRef, useState } from "preact/hooks";
+import type uPlot from "uplot";
+import { Disposables } from "../base/disposables";
+
+export interface PlotLine {
+  readonly label: string;
+  readonly unit: string;
+  readonly values: readonly number[];
+  readonly colorVariable: string;               // a CSS custom property, so that dark and light both work
+  readonly dash?: readonly number[];
+  readonly fill?: boolean;
+  readonly width?: number;
+  readonly axis: "left" | "right";
+  readonly setsScale?: boolean;                 // false: drawn only where the others' range shows it
+}
+
+interface Props {
+  readonly timeS: readonly number[];
+  readonly lines: readonly PlotLine[];
+  readonly leftTitle: string;
+  readonly rightTitle: string;
+  readonly label: string;
+  readonly cursor: number;                      // index into timeS
+  readonly onCursor: (index: number) => void;
+}
+
+const kHeightPx = 280;
+const kHeadroom = 1.08;
+
+// Lines over time with two value axes and a cursor that follows pointer or finger. The picture is
+// for the eye: whoever shows it offers the numbers as a table and the cursor as a slider too.
+export function TimePlot({ timeS, lines, leftTitle, rightTitle, label, cursor, onCursor }: Props) {
+  const frame = useRef<HTMLDivElement>(null);
+  const plot = useRef<uPlot | undefined>(undefined);
+  const marker = useRef<HTMLDivElement | undefined>(undefined);
+  const latest = useRef({ cursor, onCursor });
+  latest.current = { cursor, onCursor };
+  const dark = useDarkScheme();
+
+  const place = () => {
+    const time = timeS[latest.current.cursor];
+    if (plot.current === undefined || marker.current === undefined || time === undefined) return;
+    marker.current.style.transform = `translateX(${plot.current.valToPos(time, "x").toFixed(1)}px)`;
+  };
+
+  useEffect(() => {
+    const element = frame.current;
+    if (element === null) return undefined;
+    const cleanup = new Disposables();
+    let abandoned = false;
+    cleanup.add(() => { abandoned = true; });
+    void import("uplot").then(({ default: UPlot }) => {
+      if (abandoned) return;
+      const created = new UPlot(plotOptions(element, lines, leftTitle, rightTitle),
+                                [[...timeS], ...lines.map((line) => [...line.values])], element);
+      plot.current = created;
+      cleanup.add(() => created.destroy());
+      marker.current = document.createElement("div");
+      marker.current.className = "plot-cursor";
+      created.over.append(marker.current);
+      followPointer(created, cleanup, (index) => latest.current.onCursor(index));
+      const observer = new ResizeObserver(() => {
+        created.setSize({ width: element.clientWidth, height: kHeightPx });
+        place();
+      });
+      observer.observe(element);
+      cleanup.add(() => observer.disconnect());
+      place();
+    });
+    return () => {
+      cleanup.dispose();
+      plot.current = undefined;
+    };
+  }, [timeS, lines, leftTitle, rightTitle, dark]);
+
+  useEffect(place, [cursor]);
+
+  return <div class="plot" ref={frame} role="img" aria-label={label} />;
+}
+
+function followPointer(plot: uPlot, cleanup: Disposables, report: (index: number) => void): void {
+  const move = (event: Event) => {
+    const box = plot.over.getBoundingClientRect();
+    report(plot.posToIdx((event as PointerEvent).clientX - box.left));
+  };
+  cleanup.listen(plot.over, "pointermove", move);
+  cleanup.listen(plot.over, "pointerdown", move);
+}
+
+function plotOptions(element: HTMLElement, lines: readonly PlotLine[], leftTitle: string, rightTitle: string): uPlot.Options {
+  const style = getComputedStyle(element);
+  const color = (name: string) => style.getPropertyValue(name).trim();
+  const narrow = element.clientWidth < 520;
+  const axis = { stroke: color("--text-soft"), grid: { stroke: color("--line"), width: 1 }, ticks: { stroke: color("--line"), width: 1 },
+                 font: `12px ${style.fontFamily}`, labelFont: `12px ${style.fontFamily}`, labelSize: 18 };
+  const valueAxis = narrow ? { ...axis, size: 38 } : { ...axis, size: 46 };
+  return {
+    width: element.clientWidth, height: kHeightPx,
+    legend: { show: false },
+    cursor: { show: false },
+    scales: { x: { time: false }, left: { range: [0, upperEnd(lines, "left")] }, right: { range: [0, upperEnd(lines, "right")] } },
+    axes: [
+      { ...axis, label: "Time (s)", size: 36 },
+      { ...valueAxis, scale: "left", label: leftTitle },
+      { ...valueAxis, scale: "right", side: 1, label: rightTitle, grid: { show: false } },
+    ],
+    series: [{}, ...lines.map((line): uPlot.Series => ({
+      scale: line.axis, stroke: color(line.colorVariable), width: line.width ?? 1.5, points: { show: false },
+      ...(line.dash === undefined ? {} : { dash: [...line.dash] }),
+      ...(line.fill === true ? { fill: withAlpha(color(line.colorVariable), "26") } : {}),
+    }))],
+  };
+}
+
+function upperEnd(lines: readonly PlotLine[], axis: "left" | "right"): number {
+  let largest = 0;
+  for (const line of lines) {
+    if (line.axis !== axis || line.setsScale === false) continue;
+    for (const value of line.values) largest = Math.max(largest, value);
+  }
+  return largest > 0 ? largest * kHeadroom : 1;
+}
+
+function withAlpha(hex: string, alpha: string): string {
+  return /^#[0-9a-f]{6}$/i.test(hex) ? hex + alpha : hex;
+}
+
+function useDarkScheme(): boolean {
+  const [dark, setDark] = useState(() => matchMedia("(prefers-color-scheme: dark)").matches);
+  useEffect(() => {
+    const cleanup = new Disposables();
+    const query = matchMedia("(prefers-color-scheme: dark)");
+    cleanup.listen(query, "change", () => setDark(query.matches));
+    return () => cleanup.dispose();
+  }, []);
+  return dark;
+}

@@ -1,0 +1,46 @@
+import { useEffect, useRef } from "preact/hooks";
+import { formatSigned } from "../../base/format";
+import { deviationScalePixels, kDeviationRangeMm, kUntouchedColor } from "./deviation_scale";
+import { tissueColor, tissueTitle } from "./tissue";
+
+const kTicks = [-0.5, -0.3, -0.1, 0.1, 0.3, 0.5] as const;
+const kPixels = 220;
+
+export function DeviationLegend() {
+  const canvas = useRef<HTMLCanvasElement>(null);
+  useEffect(() => {
+    const context = canvas.current?.getContext("2d");
+    if (context == null) return;
+    const row = new ImageData(new Uint8ClampedArray(deviationScalePixels(kPixels)), kPixels, 1);
+    context.putImageData(row, 0, 0);
+  }, []);
+  return (
+    <div class="legend">
+      <div class="legend-scale">
+        <div class="legend-ends"><span>Less removed</span><span>As reference</span><span>More removed</span></div>
+        <canvas ref={canvas} width={kPixels} height={1} aria-hidden="true" />
+        <div class="legend-ticks">
+          {kTicks.map((mm) => (
+            <span key={mm} style={{ left: `${50 + (50 * mm) / kDeviationRangeMm}%` }}>{formatSigned(mm, 1)}</span>
+          ))}
+        </div>
+      </div>
+      <span class="legend-item">
+        <span class="swatch" style={{ background: kUntouchedColor }} />Untouched
+      </span>
+      <span class="legend-item hint">in mm, a line each 0.1 mm</span>
+    </div>
+  );
+}
+
+export function TissueLegend({ tissues }: { readonly tissues: readonly number[] }) {
+  return (
+    <div class="legend">
+      {tissues.map((tissue) => (
+        <span key={tissue} class="legend-item">
+          <span class="swatch" style={{ background: tissueColor(tissue) }} />{tissueTitle(tissue)}
+        </span>
+      ))}
+    </div>
+  );
+}

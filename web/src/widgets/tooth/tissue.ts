@@ -1,0 +1,17 @@
+import { kTissueNames } from "../../api/surface";
+
+// How tissues are drawn and named; index: the tissue number of a surface.
+const kColors = ["#cccccc", "#f1e8d4", "#d9a95f", "#c7405f", "#5d4030", "#7fa3bf", "#cfd3c8", "#b9c9b2"] as const;
+
+export function tissueColor(tissue: number): string {
+  return kColors[tissue] ?? kColors[0];
+}
+
+export function tissueTitle(tissue: number): string {
+  const name = kTissueNames[tissue] ?? `tissue ${tissue}`;
+  return name.charAt(0).toUpperCase() + name.slice(1);
+}
+
+export function tissuesPresent(tissue: Uint8Array): number[] {
+  return [...new Set(tissue)].sort((a, b) => a - b);
+}

@@ -1,0 +1,134 @@
+import { useEffect, useRef, useState } from "preact/hooks";
+import type { Surface } from "../../api/surface";
+import { Disposables } from "../../base/disposables";
+import { formatSigned } from "../../base/format";
+import type { CameraPreset, ColorMode, PointMm, SurfacePoint, ToothScene } from "./scene";
+import { tissueTitle } from "./tissue";
+
+interface Props {
+  readonly surface: Surface;
+  readonly mode: ColorMode;
+  readonly label: string;                       // what the picture shows, for who cannot see it
+  readonly tool?: PointMm | undefined;
+  readonly path?: readonly PointMm[];
+}
+
+const kPresets: ReadonlyArray<readonly [CameraPreset, string]> = [
+  ["angled", "Angled"], ["occlusal", "Occlusal"], ["buccal", "Buccal"], ["mesial", "Mesial"],
+];
+const kDirections: ReadonlyArray<readonly [string, PointMm]> = [
+  ["Mesial", [1, 0, 0]], ["Distal", [-1, 0, 0]], ["Buccal", [0, 1, 0]], ["Lingual", [0, -1, 0]],
+];
+const kKeyStepRad = Math.PI / 24;
+const kKeyZoom = 1.15;
+
+// A tooth to turn: by mouse, finger, arrow keys, + and −, and the preset buttons.
+export function ToothView({ surface, mode, label, tool, path }: Props) {
+  const frame = useRef<HTMLDivElement>(null);
+  const scene = useRef<ToothScene | undefined>(undefined);
+  const [problem, setProblem] = useState("");
+  const [ready, setReady] = useState(false);
+  const [under, setUnder] = useState<SurfacePoint>();
+
+  useEffect(() => {
+    const element = frame.current;
+    if (element === null) return undefined;
+    const cleanup = new Disposables();
+    let abandoned = false;
+    cleanup.add(() => { abandoned = true; });
+    import("./scene").then((module) => {
+      if (abandoned) return;
+      scene.current = openScene(module.ToothScene, element, surface, cleanup, setProblem);
+      cleanup.add(() => { scene.current = undefined; });
+      setReady(true);
+    }).catch(() => setProblem("The 3-D picture needs WebGL 2, which this browser does not offer here. The table below says the same in numbers."));
+    return () => {
+      setReady(false);
+      cleanup.dispose();
+    };
+  }, [surface]);
+
+  useEffect(() => scene.current?.setMode(mode), [mode, ready]);
+  useEffect(() => scene.current?.setTool(tool, path ?? []), [tool, path, ready]);
+
+  return (
+    <div class="tooth">
+      <div class="tooth-frame" ref={frame} tabIndex={0} role="application" aria-roledescription="3-D view" aria-label={label}
+           aria-describedby="tooth-keys" aria-busy={!ready && problem === ""}
+           onKeyDown={(event) => handleKey(event, scene.current)}
+           onFocus={() => scene.current?.setZoomEnabled(true)} onBlur={() => scene.current?.setZoomEnabled(false)}
+           onPointerMove={(event) => setUnder(pickAt(event, scene.current))} onPointerLeave={() => setUnder(undefined)}>
+        {kDirections.map(([name]) => <span key={name} class="tooth-direction" aria-hidden="true">{name}</span>)}
+        {problem !== "" && <p class="tooth-problem">{problem}</p>}
+        {under !== undefined && <p class="tooth-under" aria-hidden="true">{pointText(under)}</p>}
+      </div>
+      <div class="tooth-tools">
+        <div class="button-row" role="group" aria-label="Look from">
+          {kPresets.map(([preset, title]) => (
+            <button key={preset} type="button" class="button small" disabled={!ready}
+                    onClick={() => scene.current?.view(preset)}>{title}</button>
+          ))}
+        </div>
+        <p class="hint" id="tooth-keys">Drag or use the arrow keys to turn, + and − to zoom</p>
+      </div>
+    </div>
+  );
+}
+
+function openScene(Scene: typeof ToothScene, element: HTMLElement, surface: Surface, cleanup: Disposables,
+                   report: (problem: string) => void): ToothScene {
+  const canvas = document.createElement("canvas");
+  canvas.setAttribute("aria-hidden", "true");
+  const labels = [...element.querySelectorAll<HTMLElement>(".tooth-direction")];
+  const scene = new Scene(canvas, surface, (project, centre, radius) => placeLabels(labels, element, project, centre, radius));
+  element.prepend(canvas);
+  cleanup.add(() => canvas.remove());
+  cleanup.add(() => scene.dispose());
+  cleanup.listen(canvas, "webglcontextlost", () => report("The graphics driver stopped the 3-D picture. Load the page again to get it back."));
+  const observer = new ResizeObserver(() => scene.resize(element.clientWidth, element.clientHeight));
+  observer.observe(element);
+  cleanup.add(() => observer.disconnect());
+  return scene;
+}
+
+// Names of the sides, around the tooth; hidden where they would point at the viewer or away.
+function placeLabels(labels: readonly HTMLElement[], frame: HTMLElement, project: (point: PointMm) => PointMm,
+                     centre: PointMm, radius: number): void {
+  const [cx, cy] = project(centre);
+  kDirections.forEach(([, direction], i) => {
+    const label = labels[i];
+    if (label === undefined) return;
+    const at = project([centre[0] + direction[0] * radius, centre[1] + direction[1] * radius, centre[2]]);
+    const length = Math.hypot(at[0] - cx, at[1] - cy);
+    const x = Math.min(Math.max(at[0], 34), frame.clientWidth - 34);
+    const y = Math.min(Math.max(at[1], 14), frame.clientHeight - 14);
+    label.style.transform = `translate(-50%, -50%) translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
+    label.style.visibility = length > 0.12 * frame.clientHeight ? "visible" : "hidden";
+  });
+}
+
+function handleKey(event: KeyboardEvent, scene: ToothScene | undefined): void {
+  if (scene === undefined || event.ctrlKey || event.metaKey || event.altKey) return;
+  switch (event.key) {
+    case "ArrowLeft": scene.rotate(-kKeyStepRad, 0); break;
+    case "ArrowRight": scene.rotate(kKeyStepRad, 0); break;
+    case "ArrowUp": scene.rotate(0, -kKeyStepRad); break;
+    case "ArrowDown": scene.rotate(0, kKeyStepRad); break;
+    case "+": case "=": scene.zoom(1 / kKeyZoom); break;
+    case "-": scene.zoom(kKeyZoom); break;
+    default: return;
+  }
+  event.preventDefault();
+}
+
+function pickAt(event: PointerEvent, scene: ToothScene | undefined): SurfacePoint | undefined {
+  if (scene === undefined || event.buttons !== 0 || event.pointerType === "touch") return undefined;
+  const box = (event.currentTarget as HTMLElement).getBoundingClientRect();
+  return scene.pick(event.clientX - box.left, event.clientY - box.top);
+}
+
+function pointText({ tissue, deviationMm }: SurfacePoint): string {
+  if (deviationMm === undefined) return tissueTitle(tissue);
+  if (Number.isNaN(deviationMm)) return `${tissueTitle(tissue)}, untouched`;
+  return `${tissueTitle(tissue)}, ${formatSigned(deviationMm)} mm ${deviationMm > 0 ? "more" : "less"} removed than the reference`;
+}
