@@ -13,6 +13,8 @@ using cutting::Volume;
 
 constexpr double kTouchedVoxels = 0.1;
 constexpr double kFacing = 0.9;
+// Positions are single precision: 0.5 nm at 5 mm. Less than this is none.
+constexpr double kPositionResolution_m = 1e-9;
 
 bool Touched(const Volume& initial, const Volume& after, const dvec3& point_m, double before_m) {
   return after.DistanceAt_m(point_m) - before_m > kTouchedVoxels * initial.spec().voxel_m();
@@ -31,6 +33,7 @@ std::vector<float> DeviationPerVertex(const surface::Mesh& mesh, const Volume& i
     double before = initial.DistanceAt_m(p);
     if (!Touched(initial, final_volume, p, before) && !Touched(initial, reference, p, before)) continue;
     double distance = query.Distance_m(p, kDeviationLimit_m);
+    if (distance < kPositionResolution_m) distance = 0;
     bool in_reference_solid = reference.DistanceAt_m(p) < 0;
     out[i] = static_cast<float>(in_reference_solid || distance == 0 ? distance : -distance);
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <boost/json.hpp>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -129,6 +130,16 @@ CriterionResult Judge(const RubricCriterion& criterion, double value, bool& crit
   return out;
 }
 
+// To 12 significant digits: more than any metric means, and few enough that every reader of decimal
+// text gives back the same double.
+double Rounded(double value) {
+  char text[40];
+  auto end = std::to_chars(text, text + sizeof text, value, std::chars_format::general, 12).ptr;
+  double out = value;
+  std::from_chars(text, end, out);
+  return out;
+}
+
 // Reads members of one object; the first trouble is kept and everything after it is empty.
 class ObjectReader {
  public:
@@ -151,7 +162,7 @@ class ObjectReader {
   }
   void Read(const char* name, double& out) {
     if (const json::value* v = Member(name)) {
-      if (v->is_number()) out = v->to_number<double>();
+      if (v->is_number()) out = Rounded(v->to_number<double>());
       else Fail(Path(name), "a number");
     }
   }
@@ -239,14 +250,15 @@ Result<ScoreResult> ApplyRubric(const Rubric& rubric, const std::vector<MetricVa
 std::string ToJson(const ScoreResult& result) {
   json::array criteria;
   for (const CriterionResult& c : result.criteria) {
-    criteria.push_back({{"name", c.name}, {"title", c.title}, {"value", c.value}, {"unit", c.unit},
-                        {"points", c.points}, {"max_points", c.max_points}, {"reason", c.reason}});
+    criteria.push_back({{"name", c.name}, {"title", c.title}, {"value", Rounded(c.value)},
+                        {"unit", c.unit}, {"points", Rounded(c.points)},
+                        {"max_points", Rounded(c.max_points)}, {"reason", c.reason}});
   }
   json::array metrics;
   for (const MetricValue& m : result.metrics) {
-    metrics.push_back({{"name", m.name}, {"value", m.value}, {"unit", m.unit}});
+    metrics.push_back({{"name", m.name}, {"value", Rounded(m.value)}, {"unit", m.unit}});
   }
-  json::object out{{"score", result.score},
+  json::object out{{"score", Rounded(result.score)},
                    {"critical_fail", result.critical_fail},
                    {"criteria", std::move(criteria)},
                    {"metrics", std::move(metrics)},
@@ -259,7 +271,7 @@ std::string ToJson(const ScoreResult& result) {
                    {"bounded_ticks", result.bounded_ticks},
                    {"witness_ok", result.witness_ok},
                    {"witness_note", result.witness_note},
-                   {"replay_realtime_factor", result.replay_realtime_factor}};
+                   {"replay_realtime_factor", Rounded(result.replay_realtime_factor)}};
   return json::serialize(out);
 }
 

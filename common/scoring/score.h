@@ -56,8 +56,8 @@ Status ValidateRubric(const scene::Rubric& rubric);
 // Errors: those of ValidateRubric; kInvalidInput when a metric is missing or not finite.
 Result<ScoreResult> ApplyRubric(const scene::Rubric& rubric, const std::vector<MetricValue>& metrics);
 
-// Canonical: members in a fixed order, shortest decimal text that reads back to the same double.
-// Requires: all numbers finite.
+// Canonical: members in a fixed order, numbers to 12 significant digits, so that equal scores have
+// equal bytes and ToJson(ScoreFromJson(text)) == text for any text of ours. Requires: all finite.
 std::string ToJson(const ScoreResult& result);
 // Errors: kTooLarge beyond kMaxScoreJsonBytes; kInvalidInput naming the member that is missing or of
 // another type. Unknown members are ignored: a newer server may have written more.

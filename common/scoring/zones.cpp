@@ -1,6 +1,7 @@
 #include "common/scoring/zones.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -12,7 +13,7 @@ using cutting::kBrickVoxels;
 using cutting::SolidFraction;
 using cutting::Volume;
 
-constexpr int kSubSamples = 4;  // along each axis of a voxel that a box face and a surface cut
+constexpr int kSubCells = 2;  // along each axis of a voxel that a box face and a surface cut
 
 OpenBox Grown(const OpenBox& box, int32_t side_um, int32_t bottom_um) {
   dvec3 side(side_um * 1e-6, side_um * 1e-6, 0);
@@ -37,11 +38,6 @@ struct Span {
   }
 };
 
-// Trilinear distance of eight neighbours, voxels.
-double PhiVoxels(const Volume& volume, const dvec3& point_m) {
-  return volume.DistanceAt_m(point_m) / volume.spec().voxel_m();
-}
-
 struct BoxMeter {
   const Volume& initial;
   const Volume& final_volume;
@@ -62,27 +58,37 @@ struct BoxMeter {
     removed += share * (before - after) / 65536;
   }
 
+  // The part of voxel `v` inside the box, in kSubCells^3 pieces.
   void AddSubCells(const ivec3& v) {
-    constexpr double kSide = 1.0 / kSubSamples;
-    double h = spec.voxel_m();
-    dvec3 origin = spec.origin_m();
-    for (int z = 0; z < kSubSamples; ++z) {
-      for (int y = 0; y < kSubSamples; ++y) {
-        for (int x = 0; x < kSubSamples; ++x) {
-          dvec3 p = dvec3(v) + (dvec3(x, y, z) + 0.5) * kSide - 0.5;
-          double weight = kSide * kSide * kSide;
-          for (int i = 0; i < 3; ++i) weight *= Overlap(p[i], 0.5 * kSide, lo[i], hi[i]);
-          if (weight == 0) continue;
-          dvec3 point = origin + p * h;
-          auto solid_share = [&](const Volume& volume) {
-            return std::clamp(0.5 - PhiVoxels(volume, point) * kSubSamples, 0.0, 1.0);
-          };
-          double before = solid_share(initial), after = std::min(before, solid_share(final_volume));
+    dvec3 from = glm::max(dvec3(v) - 0.5, lo), to = glm::min(dvec3(v) + 0.5, hi);
+    dvec3 half = (to - from) * (0.5 / kSubCells);
+    double weight = 8 * half.x * half.y * half.z;
+    for (int z = 0; z < kSubCells; ++z) {
+      for (int y = 0; y < kSubCells; ++y) {
+        for (int x = 0; x < kSubCells; ++x) {
+          dvec3 middle = from + (dvec3(x, y, z) * 2.0 + 1.0) * half;
+          double before = SolidShare(initial, middle, half);
+          double after = std::min(before, SolidShare(final_volume, middle, half));
           solid += weight * before;
           removed += weight * (before - after);
         }
       }
     }
+  }
+
+  // How much of a small box is solid, taking the distance as linear over it: exact for a surface
+  // parallel to a face.
+  double SolidShare(const Volume& volume, const dvec3& middle, const dvec3& half) const {
+    auto phi = [&](const dvec3& p) { return volume.DistanceAt_m(spec.origin_m() + p * spec.voxel_m()); };
+    double width = 0;
+    for (int i = 0; i < 3; ++i) {
+      dvec3 step(0);
+      step[i] = half[i];
+      width += std::fabs(phi(middle + step) - phi(middle - step));
+    }
+    double here = phi(middle);
+    if (width == 0) return here < 0 ? 1 : 0;
+    return std::clamp(0.5 - here / width, 0.0, 1.0);
   }
 };
 

@@ -24,8 +24,8 @@ struct ZoneBoxes {
 Result<ZoneBoxes> BoxesOf(const scene::Scene& scene, const scene::CavityTarget& target);
 
 // Solid inside a box before, and how much of it went, m^3. Voxels that a box face and a surface
-// both cut are read at 4 x 4 x 4 points, so that a cut along a zone's face is not booked to both
-// sides of it.
+// both cut are split at the face and read in parts, so that a cut along a zone's face is not booked to
+// both sides of it.
 struct BoxVolume {
   double solid_m3 = 0;
   double removed_m3 = 0;

@@ -1,0 +1,225 @@
+#include "common/scoring/metrics.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "tests/common/scoring/synthetic_cavity.h"
+
+namespace enamel::scoring {
+namespace {
+
+using cutting::Volume;
+
+std::vector<MetricValue> Compare(const Volume& block, const Cut& attempt, const Cut& reference) {
+  auto metrics = ComputeMetrics(BlockScene(), BlockExercise(), attempt.Data(block), reference.Data(block));
+  EXPECT_TRUE(metrics.ok()) << metrics.status().message();
+  return metrics.ok() ? *metrics : std::vector<MetricValue>{};
+}
+
+const char* const kParts[] = {"wall_mesial_mm", "wall_distal_mm", "wall_buccal_mm",
+                              "wall_lingual_mm", "floor_mm"};
+
+struct WallCase {
+  const char* name;
+  int32_t voxel_nm;
+  double turn, tilt;
+  double shift_mm;  // of every wall, so that none lines up with the grid
+};
+
+class OneWallOff : public testing::TestWithParam<WallCase> {
+ protected:
+  Cavity Reference() const {
+    const WallCase& c = GetParam();
+    Cavity out;
+    out.mesial_mm += c.shift_mm;
+    out.distal_mm -= c.shift_mm;
+    out.buccal_mm += 0.7 * c.shift_mm;
+    out.depth_mm += 0.3 * c.shift_mm;
+    out.turn = c.turn;
+    out.tilt = c.tilt;
+    return out;
+  }
+};
+
+// Moves one part of the cavity outwards.
+void Move(Cavity& cavity, size_t part, double by_mm) {
+  double* sides[] = {&cavity.mesial_mm, &cavity.distal_mm, &cavity.buccal_mm, &cavity.lingual_mm,
+                     &cavity.depth_mm};
+  *sides[part] += by_mm;
+}
+
+TEST_P(OneWallOff, IsFoundWithinAQuarterVoxelAndTheOthersAreZero) {
+  Volume block = MakeBlock(GetParam().voxel_nm);
+  double tolerance = GetParam().voxel_nm * 1e-6 / 4;
+  Cut reference(block, Reference());
+  for (double d_mm : {0.3, -0.3}) {
+    for (size_t part = 0; part < 5; ++part) {
+      Cavity wrong = Reference();
+      Move(wrong, part, d_mm);
+      auto metrics = Compare(block, Cut(block, wrong), reference);
+      for (size_t p = 0; p < 5; ++p) {
+        EXPECT_NEAR(ValueOf(metrics, kParts[p]), p == part ? d_mm : 0, tolerance)
+            << kParts[p] << " with " << kParts[part] << " off by " << d_mm;
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Cavities, OneWallOff,
+                         testing::Values(WallCase{"coarse", 100'000, 0, 0, 0},
+                                         WallCase{"coarse_off_grid", 100'000, 0, 0, 0.0371},
+                                         WallCase{"coarse_turned", 100'000, 0.13, 0, 0.0123},
+                                         WallCase{"fine", 50'000, 0, 0, 0},
+                                         WallCase{"fine_off_grid", 50'000, 0, 0, 0.0171},
+                                         WallCase{"fine_turned", 50'000, -0.1, 0, 0.0213}),
+                         [](const auto& test) { return test.param.name; });
+
+TEST(MetricsTest, TheReferenceAgainstItselfHasNoDeviationAtAll) {
+  Volume block = MakeBlock(50'000);
+  Cavity cavity;
+  cavity.turn = 0.07;
+  Cut cut(block, cavity);
+  auto metrics = Compare(block, cut, cut);
+  for (const char* part : kParts) EXPECT_EQ(ValueOf(metrics, part), 0) << part;
+  for (const char* name : {"deviation_rms_mm", "deviation_p95_mm", "dtw_pose_mm", "dtw_force_n"}) {
+    EXPECT_EQ(ValueOf(metrics, name), 0) << name;
+  }
+}
+
+TEST(MetricsTest, AWallThatWasNeverCutIsShortByItsDistanceFromWhatWas) {
+  Volume block = MakeBlock(100'000);
+  Cut reference(block, {});
+  Cavity half;
+  half.mesial_mm = -0.2;  // the cavity ends before the middle
+  auto metrics = Compare(block, Cut(block, half), reference);
+  EXPECT_LT(ValueOf(metrics, "wall_mesial_mm"), -0.7);
+  EXPECT_NEAR(ValueOf(metrics, "wall_distal_mm"), 0, 0.025);
+}
+
+TEST(MetricsTest, AnAttemptThatCutNothingIsShortEverywhere) {
+  Volume block = MakeBlock(100'000);
+  Cut reference(block, {}), attempt(block, {});
+  attempt.volume = block;
+  attempt.mesh = surface::ExtractSurface(block);
+  auto metrics = Compare(block, attempt, reference);
+  EXPECT_EQ(ValueOf(metrics, "zone_target_removed_percent"), 0);
+  EXPECT_EQ(ValueOf(metrics, "removed_enamel_mm3"), 0);
+  for (const char* part : kParts) EXPECT_LT(ValueOf(metrics, part), -0.5) << part;
+}
+
+TEST(MetricsTest, ZonesOfTheCavityAsAskedForAreFullEmptyAndEmpty) {
+  Volume block = MakeBlock(50'000);
+  Cut cut(block, {});
+  auto metrics = Compare(block, cut, cut);
+  // Only the four corners of the bur's radius stay: (4 - pi) r^2 of 3 x 2.4 mm.
+  EXPECT_NEAR(ValueOf(metrics, "zone_target_removed_percent"), 100 * (1 - 0.8584 * 0.25 / 7.2), 0.1);
+  EXPECT_NEAR(ValueOf(metrics, "zone_leeway_removed_percent"), 0, 0.5);
+  EXPECT_NEAR(ValueOf(metrics, "zone_container_removed_mm3"), 0, 0.02);
+}
+
+TEST(MetricsTest, PulpThatWasOpenedIsItsArea) {
+  Volume block = MakeBlock(50'000);
+  Cut shallow(block, {});
+  EXPECT_EQ(ValueOf(Compare(block, shallow, shallow), "pulp_exposed_mm2"), 0);
+  Cavity deep;
+  deep.depth_mm = 3.2;  // 0.4 mm into the pulp
+  Cut cut(block, deep);
+  auto metrics = Compare(block, cut, shallow);
+  double corners = 0.8584 * 0.25, floor = 3 * 2.4 - corners;
+  double around = 2 * (3 + 2.4) - 8 * kBurRadius_mm + 2 * 3.14159 * kBurRadius_mm;
+  // Surface nets cut edges off and a label boundary may be half a voxel off.
+  EXPECT_NEAR(ValueOf(metrics, "pulp_exposed_mm2"), floor + 0.4 * around, 0.05 * around);
+  EXPECT_NEAR(ValueOf(metrics, "removed_pulp_mm3"), floor * 0.4, floor * 0.026);
+}
+
+TEST(MetricsTest, AlignmentFindsAConstantOffsetOfPoseAndForce) {
+  Volume block = MakeBlock(100'000);
+  Cut attempt(block, {}), reference(block, {});
+  attempt.process = StraightRecording(4000, 0, 1.5);
+  reference.process = StraightRecording(3000, 0, 0.9);
+  auto metrics = Compare(block, attempt, reference);
+  EXPECT_NEAR(ValueOf(metrics, "dtw_force_n"), 0.6, 1e-9);
+  EXPECT_NEAR(ValueOf(metrics, "dtw_pose_mm"), 0, 1e-12);
+  // The same way at three quarters of the speed is the same way, but for the spacing of samples.
+  attempt.process = StraightRecording(4000, 1.5, 1);
+  reference.process = StraightRecording(3000, 2, 1);
+  EXPECT_LT(ValueOf(Compare(block, attempt, reference), "dtw_pose_mm"), 0.04);
+}
+
+TEST(MetricsTest, TenMinutesAreAlignedWithinTheBound) {
+  Volume block = MakeBlock(100'000);
+  Cut attempt(block, {}), reference(block, {});
+  attempt.process = StraightRecording(600'000, 0.01, 1);
+  auto metrics = Compare(block, attempt, reference);
+  EXPECT_TRUE(std::isfinite(ValueOf(metrics, "dtw_pose_mm")));
+}
+
+TEST(MetricsTest, EveryMetricHasAUniqueNameATitleAndAFiniteValue) {
+  Volume block = MakeBlock(100'000);
+  Cut cut(block, {});
+  auto metrics = Compare(block, cut, cut);
+  ASSERT_EQ(metrics.size(), Metrics().size());
+  std::set<std::string_view> names;
+  for (size_t i = 0; i < metrics.size(); ++i) {
+    const MetricInfo& info = Metrics()[i];
+    EXPECT_EQ(metrics[i].name, info.name);
+    EXPECT_EQ(metrics[i].unit, info.unit);
+    EXPECT_TRUE(std::isfinite(metrics[i].value)) << info.name;
+    EXPECT_FALSE(info.title.empty());
+    EXPECT_TRUE(names.insert(info.name).second);
+    EXPECT_EQ(FindMetric(info.name), &info);
+  }
+  EXPECT_EQ(FindMetric("beauty"), nullptr);
+}
+
+TEST(MetricsTest, EqualInputsGiveEqualBits) {
+  Volume block = MakeBlock(100'000);
+  Cavity wrong;
+  wrong.lingual_mm += 0.17;
+  EXPECT_EQ(Compare(block, Cut(block, wrong), Cut(block, {})),
+            Compare(block, Cut(block, wrong), Cut(block, {})));
+}
+
+TEST(MetricsTest, DeviationGivenByTheCallerIsUsed) {
+  Volume block = MakeBlock(100'000);
+  Cavity wrong;
+  wrong.buccal_mm += 0.3;
+  Cut attempt(block, wrong), reference(block, {});
+  auto deviation = DeviationPerVertex(attempt.mesh, block, attempt.volume, reference.volume, reference.mesh);
+  AttemptData data = attempt.Data(block);
+  data.deviation_m = &deviation;
+  auto given = ComputeMetrics(BlockScene(), BlockExercise(), data, reference.Data(block));
+  ASSERT_TRUE(given.ok());
+  EXPECT_EQ(*given, Compare(block, attempt, reference));
+}
+
+TEST(MetricsTest, CutsOfDifferentGridsAreRefused) {
+  Volume fine = MakeBlock(100'000), coarse = MakeBlock(200'000);
+  Cut attempt(fine, {}), reference(coarse, {});
+  auto metrics = ComputeMetrics(BlockScene(), BlockExercise(), attempt.Data(fine), reference.Data(coarse));
+  ASSERT_FALSE(metrics.ok());
+  EXPECT_EQ(metrics.status().code(), Code::kInvalidInput);
+}
+
+TEST(MetricsTest, ATargetInTheAirIsRefused) {
+  Volume block = MakeBlock(100'000);
+  Cut cut(block, {});
+  scene::Scene scene = BlockScene();
+  scene.landmarks["occlusal_centre"] = {0, 0, 9000};
+  auto metrics = ComputeMetrics(scene, BlockExercise(), cut.Data(block), cut.Data(block));
+  ASSERT_FALSE(metrics.ok());
+  EXPECT_EQ(metrics.status().field(), "target");
+}
+
+TEST(MetricsTest, AnEmptyRecordingIsRefused) {
+  Volume block = MakeBlock(100'000);
+  Cut attempt(block, {}), reference(block, {});
+  attempt.process = ProcessRecorder(SomeParams());
+  auto metrics = ComputeMetrics(BlockScene(), BlockExercise(), attempt.Data(block), reference.Data(block));
+  ASSERT_FALSE(metrics.ok());
+}
+
+}  // namespace
+}  // namespace enamel::scoring

@@ -1,0 +1,175 @@
+#include "common/scoring/score.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+
+namespace enamel::scoring {
+namespace {
+
+using scene::Rubric;
+using scene::RubricCriterion;
+
+RubricCriterion Wall() {
+  return {"wall_mesial_mm", "Mesial wall", "mm", 60,
+          {{-0.3, 0}, {-0.05, 1}, {0.05, 1}, {0.3, 0}}, "Watch the line angle.", {}};
+}
+RubricCriterion Target() {
+  return {"zone_target_removed_percent", "Target removed", "%", 20, {{80, 0}, {95, 1}}, "", {}};
+}
+RubricCriterion Pulp() {
+  return {"pulp_exposed_mm2", "Pulp", "mm2", 20, {{0, 1}, {0.01, 0}}, "The pulp must stay closed.", 0.01};
+}
+Rubric Three() { return {"class-1", 3, {Wall(), Target(), Pulp()}}; }
+
+std::vector<MetricValue> Values(double wall, double target, double pulp) {
+  return {{"wall_mesial_mm", wall, "mm"},
+          {"zone_target_removed_percent", target, "%"},
+          {"pulp_exposed_mm2", pulp, "mm2"}};
+}
+
+ScoreResult Score(double wall, double target, double pulp) {
+  auto result = ApplyRubric(Three(), Values(wall, target, pulp));
+  EXPECT_TRUE(result.ok()) << result.status().message();
+  return result.ok() ? *result : ScoreResult{};
+}
+
+TEST(ApplyRubricTest, FullMarksAreAHundred) {
+  ScoreResult r = Score(0, 99, 0);
+  EXPECT_EQ(r.score, 100);
+  EXPECT_FALSE(r.critical_fail);
+  EXPECT_EQ(r.rubric_version, 3);
+  EXPECT_EQ(r.criteria[0].reason, "Mesial wall: 0.00 mm off (within 0.05 mm asked for).");
+}
+
+TEST(ApplyRubricTest, PointsAreLinearBetweenTheMapsPointsAndConstantBeyond) {
+  EXPECT_NEAR(Score(0.175, 99, 0).criteria[0].points, 30, 1e-12);   // halfway down
+  EXPECT_NEAR(Score(-0.175, 99, 0).criteria[0].points, 30, 1e-12);
+  EXPECT_NEAR(Score(0, 87.5, 0).criteria[1].points, 10, 1e-12);
+  EXPECT_EQ(Score(5, 99, 0).criteria[0].points, 0);
+  EXPECT_EQ(Score(0, 10, 0).criteria[1].points, 0);
+  EXPECT_EQ(Score(0, 100, 0).criteria[1].points, 20);
+}
+
+TEST(ApplyRubricTest, TheScoreIsTheShareOfAllPoints) {
+  Rubric rubric{"half", 1, {Wall()}};
+  auto r = ApplyRubric(rubric, Values(0.175, 0, 0));
+  ASSERT_TRUE(r.ok());
+  EXPECT_NEAR(r->score, 50, 1e-12);
+}
+
+TEST(ApplyRubricTest, ReasonsSayWhatWasFoundAndWhatWasAskedFor) {
+  ScoreResult r = Score(0.3, 91.2, 0);
+  EXPECT_EQ(r.criteria[0].reason,
+            "Mesial wall: 0.30 mm too deep (within 0.05 mm asked for). Watch the line angle.");
+  EXPECT_EQ(r.criteria[1].reason, "Target removed: 91.2 % (at least 95.0 % asked for).");
+  EXPECT_EQ(r.criteria[2].reason, "Pulp: 0.00 mm² (at most 0.00 mm² asked for).");
+  EXPECT_EQ(Score(-0.2, 99, 0).criteria[0].reason,
+            "Mesial wall: 0.20 mm short (within 0.05 mm asked for). Watch the line angle.");
+}
+
+TEST(ApplyRubricTest, ACriticalFailScoresZeroAndSaysWhy) {
+  ScoreResult r = Score(0, 99, 0.42);
+  EXPECT_EQ(r.score, 0);
+  EXPECT_TRUE(r.critical_fail);
+  EXPECT_EQ(r.criteria[0].points, 60) << "what was good is still shown";
+  EXPECT_EQ(r.criteria[2].reason,
+            "Pulp: 0.42 mm² (more than 0.01 mm² fails the whole attempt). The pulp must stay closed.");
+}
+
+TEST(ApplyRubricTest, AMissingOrInfiniteMetricIsRefusedByName) {
+  auto missing = ApplyRubric(Three(), {{"wall_mesial_mm", 0, "mm"}});
+  ASSERT_FALSE(missing.ok());
+  EXPECT_EQ(missing.status().field(), "zone_target_removed_percent");
+  EXPECT_FALSE(ApplyRubric(Three(), Values(1.0 / 0.0, 99, 0)).ok());
+}
+
+TEST(ValidateRubricTest, RefusesWhatCannotBeScoredAndNamesIt) {
+  struct Case {
+    const char* field;
+    std::function<void(Rubric&)> spoil;
+  };
+  const Case cases[] = {
+      {"criteria[0].metric", [](Rubric& r) { r.criteria[0].metric = "beauty"; }},
+      {"criteria[1].unit", [](Rubric& r) { r.criteria[1].unit = "mm"; }},
+      {"criteria[0].map", [](Rubric& r) { r.criteria[0].map.clear(); }},
+      {"criteria[0].map", [](Rubric& r) { std::swap(r.criteria[0].map[0], r.criteria[0].map[1]); }},
+      {"criteria[0].map", [](Rubric& r) { r.criteria[0].map[1].share = 1.5; }},
+      {"criteria[2].points", [](Rubric& r) { r.criteria[2].points = -1; }},
+      {"criteria[2].fails_above", [](Rubric& r) { r.criteria[2].fails_above = 0.0 / 0.0; }},
+      {"criteria", [](Rubric& r) { r.criteria.clear(); }},
+      {"criteria", [](Rubric& r) { for (auto& c : r.criteria) c.points = 0; }},
+      {"criteria", [](Rubric& r) { r.criteria.resize(kMaxCriteria + 1, Wall()); }},
+  };
+  for (const Case& c : cases) {
+    Rubric rubric = Three();
+    c.spoil(rubric);
+    Status status = ValidateRubric(rubric);
+    EXPECT_EQ(status.code(), Code::kInvalidInput);
+    EXPECT_EQ(status.field(), c.field) << status.message();
+  }
+  EXPECT_TRUE(ValidateRubric(Three()).ok());
+}
+
+ScoreResult Filled() {
+  ScoreResult r = Score(0.1 + 0.2, 91.234567890123456, 0);
+  r.reference_attempt = "01890a5d-ac96-774b-bcce-b302099a8057";
+  r.ticks = 123'456'789'012;
+  r.gap_ticks = 7;
+  r.late_ticks = 8;
+  r.bounded_ticks = 9;
+  r.witness_note = "tick 12: \"force_sent\"\n";
+  r.replay_realtime_factor = 81.5;
+  return r;
+}
+
+TEST(ScoreJsonTest, ReadsBackToTheSameScore) {
+  auto back = ScoreFromJson(ToJson(Filled()));
+  ASSERT_TRUE(back.ok()) << back.status().message();
+  EXPECT_EQ(ToJson(*back), ToJson(Filled()));
+  EXPECT_NEAR(back->score, Filled().score, 1e-10);
+  EXPECT_EQ(back->criteria.size(), 3u);
+  EXPECT_EQ(back->criteria[1].reason, Filled().criteria[1].reason);
+  EXPECT_EQ(back->ticks, 123'456'789'012u);
+  EXPECT_EQ(back->witness_note, Filled().witness_note);
+  EXPECT_EQ(*ScoreFromJson(ToJson(*back)), *back);
+}
+
+TEST(ScoreJsonTest, NumbersOfAnySizeSurviveAnyNumberOfTrips) {
+  ScoreResult r = Filled();
+  uint64_t bits = 0x3ff123456789abcd;
+  for (int i = 0; i < 2000; ++i) {
+    bits = bits * 6364136223846793005u + 1442695040888963407u;
+    r.metrics[0].value = static_cast<double>(bits >> 11) * std::pow(10, -10 - i % 12);
+    std::string once = ToJson(r);
+    auto back = ScoreFromJson(once);
+    ASSERT_TRUE(back.ok());
+    ASSERT_EQ(ToJson(*back), once);
+  }
+}
+
+TEST(ScoreJsonTest, EveryTruncationAndEveryMissingMemberIsRefused) {
+  std::string text = ToJson(Filled());
+  for (size_t n = 0; n < text.size(); ++n) EXPECT_FALSE(ScoreFromJson(text.substr(0, n)).ok());
+  for (const char* member : {"score", "critical_fail", "criteria", "metrics", "rubric_version", "ticks",
+                             "witness_ok", "max_points", "reason"}) {
+    std::string spoiled = text;
+    spoiled.replace(spoiled.find("\"" + std::string(member) + "\""), std::strlen(member) + 2, "\"x\"");
+    auto result = ScoreFromJson(spoiled);
+    ASSERT_FALSE(result.ok()) << member;
+    EXPECT_NE(result.status().field().find(member), std::string::npos) << result.status().message();
+  }
+}
+
+TEST(ScoreJsonTest, WrongTypesAndOversizeAreRefused) {
+  EXPECT_FALSE(ScoreFromJson("[]").ok());
+  EXPECT_FALSE(ScoreFromJson("{}").ok());
+  std::string negative = ToJson(Filled());
+  negative.replace(negative.find("\"gap_ticks\":7"), 13, "\"gap_ticks\":-7");
+  EXPECT_FALSE(ScoreFromJson(negative).ok());
+  EXPECT_EQ(ScoreFromJson(std::string(kMaxScoreJsonBytes + 1, ' ')).status().code(), Code::kTooLarge);
+}
+
+}  // namespace
+}  // namespace enamel::scoring
