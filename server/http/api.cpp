@@ -13,8 +13,10 @@ bool IsSafe(Method method) { return method == Method::kGet || method == Method::
 
 Response NoSuchRoute(const Request& request, const RouteMatch& match) {
   if (match.allowed_methods.empty()) {
-    return ErrorResponse({Code::kNotFound, "expected a path of the API (schemas/api/openapi.yaml), "
-                                           "found " + request.path});
+    return ErrorResponse({Code::kNotFound,
+                          "expected a path of the API (schemas/api/openapi.yaml), "
+                          "found " +
+                              request.path});
   }
   Response response = ErrorResponse(405, "method_not_allowed",
                                     "expected " + match.allowed_methods + " for this path");
@@ -69,7 +71,8 @@ boost::asio::awaitable<Response> Api::Handle(const Request& request) {
   Uuid id;
   if (!match.id.empty()) {
     Result<Uuid> parsed = Uuid::Parse(match.id);
-    if (!parsed.ok()) co_return ErrorResponse({Code::kInvalidInput, "expected a UUID in the path", "id"});
+    if (!parsed.ok())
+      co_return ErrorResponse({Code::kInvalidInput, "expected a UUID in the path", "id"});
     id = *parsed;
   }
   if (!IsSafe(request.method)) {

@@ -13,9 +13,10 @@
 
 namespace enamel::server::http {
 
-// From request to answer, without a socket: route, same-site check, session, role, CSRF, handler, in
-// this order. Thread safety: Handle from any strand; the work itself runs on the store's threads, so
-// no I/O thread ever blocks. At most `max_in_flight` requests wait for those threads; more get 503.
+// From request to answer, without a socket: route, same-site check, session, role, CSRF, handler,
+// in this order. Thread safety: Handle from any strand; the work itself runs on the store's
+// threads, so no I/O thread ever blocks. At most `max_in_flight` requests wait for those threads;
+// more get 503.
 class Api {
  public:
   Api(Store& store, auth::Authenticator& authenticator, size_t threads, size_t max_in_flight);

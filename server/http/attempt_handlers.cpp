@@ -20,9 +20,13 @@ Status NoSuchAttempt() { return {Code::kNotFound, "there is no such attempt", "i
 
 Result<AttemptFilter> FilterFor(const Call& call) {
   AttemptFilter filter;
-  struct { const char* name; std::optional<Uuid>& into; } const ids[] = {
-      {"person", filter.person}, {"cohort", filter.cohort},
-      {"exercise", filter.exercise}, {"before", filter.before}};
+  struct {
+    const char* name;
+    std::optional<Uuid>& into;
+  } const ids[] = {{"person", filter.person},
+                   {"cohort", filter.cohort},
+                   {"exercise", filter.exercise},
+                   {"before", filter.before}};
   for (const auto& id : ids) {
     Result<std::optional<Uuid>> value = QueryId(call.request, id.name);
     if (!value.ok()) return value.status();
@@ -159,8 +163,8 @@ Response MakeReference(const Call& call) {
     return ErrorResponse({Code::kForbidden, "expected an instructor of the person's cohort"});
   }
   if (Status scored = RequireScored(seen->row); !scored.ok()) return ErrorResponse(scored);
-  Result<ReferenceRow> row = call.store.AddReference(
-      call.id, std::string((*body)["dentist"].as_string()), ActorOf(call));
+  Result<ReferenceRow> row =
+      call.store.AddReference(call.id, std::string((*body)["dentist"].as_string()), ActorOf(call));
   if (!row.ok()) return ErrorResponse(row.status());
   return JsonResponse({{"id", row->id.Text()},
                        {"exercise_id", row->exercise.Text()},

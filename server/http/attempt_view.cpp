@@ -50,7 +50,8 @@ Result<std::string> AttemptView::StationName(const Uuid& id) {
   return found == stations_->end() ? std::string() : found->second;
 }
 
-Result<std::pair<std::string, std::string>> AttemptView::ProfileNameAndTitle(const Sha256& content) {
+Result<std::pair<std::string, std::string>> AttemptView::ProfileNameAndTitle(
+    const Sha256& content) {
   if (auto found = profiles_.find(content); found != profiles_.end()) return found->second;
   Result<std::string> text = BlobText(store_, content);
   if (!text.ok()) return text.status();
@@ -87,26 +88,25 @@ Result<json::object> AttemptView::Json(const AttemptRow& row) {
     score = *row.score;
     critical_fail = row.critical_fail;
   }
-  return json::object{
-      {"id", row.id.Text()},
-      {"person", PersonJson(row)},
-      {"exercise", {{"id", row.exercise.Text()}, {"title", row.exercise_title}}},
-      {"station", {{"id", row.station.Text()}, {"name", *station}}},
-      {"profile", {{"name", profile->first}, {"title", profile->second}}},
-      {"state", AttemptStateName(row.state)},
-      {"as_reference", row.as_reference},
-      {"is_reference", reference && reference->attempt == row.id},
-      {"released", row.released},
-      {"score", score},
-      {"critical_fail", critical_fail},
-      {"progress", row.progress},
-      {"ticketed_ms", row.ticketed_ms},
-      {"sealed_ms", row.sealed_ms},
-      {"ticks", row.ticks},
-      {"gap_ticks", row.gap_ticks},
-      {"chunks", row.chunks},
-      {"trace_bytes", row.trace_bytes},
-      {"problem", row.problem}};
+  return json::object{{"id", row.id.Text()},
+                      {"person", PersonJson(row)},
+                      {"exercise", {{"id", row.exercise.Text()}, {"title", row.exercise_title}}},
+                      {"station", {{"id", row.station.Text()}, {"name", *station}}},
+                      {"profile", {{"name", profile->first}, {"title", profile->second}}},
+                      {"state", AttemptStateName(row.state)},
+                      {"as_reference", row.as_reference},
+                      {"is_reference", reference && reference->attempt == row.id},
+                      {"released", row.released},
+                      {"score", score},
+                      {"critical_fail", critical_fail},
+                      {"progress", row.progress},
+                      {"ticketed_ms", row.ticketed_ms},
+                      {"sealed_ms", row.sealed_ms},
+                      {"ticks", row.ticks},
+                      {"gap_ticks", row.gap_ticks},
+                      {"chunks", row.chunks},
+                      {"trace_bytes", row.trace_bytes},
+                      {"problem", row.problem}};
 }
 
 Result<json::value> AttemptView::ReferenceJson(const AttemptRow& row, const Exercise& exercise) {

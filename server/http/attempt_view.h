@@ -11,9 +11,9 @@
 
 namespace enamel::server::http {
 
-// Attempts as one viewer sees them (schemas Attempt and AttemptDetail): joins names, hides a graded score
-// that is not released. Keeps what it looked up, so a page of attempts costs a look-up per station,
-// profile and exercise. Lives for one request; blocks. Thread safety: none.
+// Attempts as one viewer sees them (schemas Attempt and AttemptDetail): joins names, hides a graded
+// score that is not released. Keeps what it looked up, so a page of attempts costs a look-up per
+// station, profile and exercise. Lives for one request; blocks. Thread safety: none.
 class AttemptView {
  public:
   AttemptView(Store& store, const Person& viewer) : store_(store), viewer_(viewer) {}
@@ -25,7 +25,7 @@ class AttemptView {
  private:
   struct Exercise {
     bool graded = true;
-    int32_t rate_hz = 0;                      // 0: the document cannot be read
+    int32_t rate_hz = 0;  // 0: the document cannot be read
     std::optional<ReferenceRow> reference;
   };
   Result<const Exercise*> ExerciseOf(const AttemptRow& row);

@@ -15,17 +15,25 @@ bool Throttled(const Status& status) {
 
 int HttpStatus(const Status& status) {
   switch (status.code()) {
-    case Code::kInvalidInput: return 400;
-    case Code::kUnauthenticated: return 401;
-    case Code::kForbidden: return 403;
-    case Code::kNotFound: return 404;
-    case Code::kConflict: return 409;
-    case Code::kTooLarge: return 413;
-    case Code::kUnavailable: return Throttled(status) ? 429 : 503;
+    case Code::kInvalidInput:
+      return 400;
+    case Code::kUnauthenticated:
+      return 401;
+    case Code::kForbidden:
+      return 403;
+    case Code::kNotFound:
+      return 404;
+    case Code::kConflict:
+      return 409;
+    case Code::kTooLarge:
+      return 413;
+    case Code::kUnavailable:
+      return Throttled(status) ? 429 : 503;
     case Code::kOk:
     case Code::kStorage:
     case Code::kVersion:
-    case Code::kInternal: return 500;
+    case Code::kInternal:
+      return 500;
   }
   return 500;
 }
@@ -37,8 +45,8 @@ Response ErrorResponse(int status, std::string_view code, std::string_view messa
   Response response;
   response.status = status;
   response.content_type = "application/json";
-  response.body = boost::json::serialize(boost::json::object{
-      {"error", {{"code", code}, {"message", message}, {"field", field}}}});
+  response.body = boost::json::serialize(
+      boost::json::object{{"error", {{"code", code}, {"message", message}, {"field", field}}}});
   if (status == 503 || status == 429) {
     response.headers.emplace_back("Retry-After", kRetryAfterSeconds);
   }

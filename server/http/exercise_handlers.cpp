@@ -14,7 +14,8 @@ constexpr uint32_t kCountedAttempts = 200;
 
 Result<std::vector<ExerciseRow>> VisibleExercises(const Call& call) {
   const Person& person = call.caller->person;
-  return person.role == Role::kAdmin ? call.store.AllExercises() : call.store.ExercisesFor(person.id);
+  return person.role == Role::kAdmin ? call.store.AllExercises()
+                                     : call.store.ExercisesFor(person.id);
 }
 
 Result<scene::Exercise> Document(Store& store, const ExerciseRow& row) {

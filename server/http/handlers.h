@@ -4,8 +4,8 @@
 
 #include "server/http/routes.h"
 
-// The handlers of the route table, by subject: *_handlers.cpp. They trust the table for session, role
-// and CSRF, and decide themselves whose data the caller may see.
+// The handlers of the route table, by subject: *_handlers.cpp. They trust the table for session,
+// role and CSRF, and decide themselves whose data the caller may see.
 namespace enamel::server::http {
 
 Response GetHealth(const Call& call);

@@ -70,7 +70,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
   State(asio::io_context& context, HttpOptions given, Store& store, auth::Authenticator& auth)
       : io(context),
         options(std::move(given)),
-        api(store, auth, options.store_threads, options.max_in_flight),
+        api(std::make_unique<Api>(store, auth, options.store_threads, options.max_in_flight)),
         strand(asio::make_strand(context)),
         acceptor(strand),
         stop_timer(strand) {}
@@ -79,12 +79,16 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
   Status Listen(const asio::ip::address& address);
   asio::awaitable<void> Accept();
   void Spawn(tcp::socket socket);
-  void BeginStop();
+  void Forget(std::list<std::shared_ptr<Connection>>::iterator place);
+  asio::awaitable<void> StopAll();
   void ForEachConnection(const std::function<void(Connection&)>& visit);
 
   template <typename Stream>
-  asio::awaitable<void> ServeAll(Stream stream, std::string peer, std::shared_ptr<Connection> connection);
-  asio::awaitable<void> ServeTls(TlsStream stream, std::string peer, std::shared_ptr<Connection> connection);
+  asio::awaitable<void> ServeAll(Stream& stream, const std::string& peer, Connection& connection);
+  asio::awaitable<void> ServePlain(beast::tcp_stream stream, std::string peer,
+                                   std::shared_ptr<Connection> connection);
+  asio::awaitable<void> ServeTls(TlsStream stream, std::string peer,
+                                 std::shared_ptr<Connection> connection);
   asio::awaitable<Response> Answer(const Request& request);
 
   // Constant after Start.
@@ -93,7 +97,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
   std::optional<asio::ssl::context> tls;
   std::optional<StaticFiles> files;
 
-  Api api;
+  std::unique_ptr<Api> api;  // until the server is destroyed
 
   // On `strand`.
   asio::strand<asio::io_context::executor_type> strand;
@@ -107,14 +111,25 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
 
 namespace {
 
-Request PlainRequest(const bhttp::request<bhttp::string_body>& message, std::string peer, bool tls) {
+Request PlainRequest(const bhttp::request<bhttp::string_body>& message, std::string peer,
+                     bool tls) {
   Request out;
   switch (message.method()) {
-    case bhttp::verb::get: out.method = Method::kGet; break;
-    case bhttp::verb::head: out.method = Method::kHead; break;
-    case bhttp::verb::post: out.method = Method::kPost; break;
-    case bhttp::verb::delete_: out.method = Method::kDelete; break;
-    default: out.method = Method::kOther; break;
+    case bhttp::verb::get:
+      out.method = Method::kGet;
+      break;
+    case bhttp::verb::head:
+      out.method = Method::kHead;
+      break;
+    case bhttp::verb::post:
+      out.method = Method::kPost;
+      break;
+    case bhttp::verb::delete_:
+      out.method = Method::kDelete;
+      break;
+    default:
+      out.method = Method::kOther;
+      break;
   }
   for (const auto& field : message) {
     std::string name(field.name_string());
@@ -191,8 +206,8 @@ asio::awaitable<bool> Write(Stream& stream, Response response, bool head_only, b
   co_return !error;
 }
 
-// Ends the sending side and reads what the peer still sends for a while, so that the answer is not lost
-// to a reset.
+// Ends the sending side and reads what the peer still sends for a while, so that the answer is not
+// lost to a reset.
 template <typename Stream>
 asio::awaitable<void> Drain(Stream& stream, beast::flat_buffer& buffer) {
   beast::tcp_stream& lowest = beast::get_lowest_layer(stream);
@@ -226,7 +241,8 @@ asio::awaitable<bool> ServeOne(Stream& stream, beast::flat_buffer& buffer, const
     bhttp::request_parser<bhttp::string_body> parser;
     parser.header_limit(kMaxHeadBytes);
     parser.body_limit(kMaxBodyBytes);
-    auto [head_error, ignored] = co_await bhttp::async_read_header(stream, buffer, parser, kNoThrow);
+    auto [head_error, ignored] =
+        co_await bhttp::async_read_header(stream, buffer, parser, kNoThrow);
     beast::error_code error = head_error;
     if (!error && beast::iequals(parser.get()[bhttp::field::expect], "100-continue")) {
       static constexpr std::string_view kContinue = "HTTP/1.1 100 Continue\r\n\r\n";
@@ -248,13 +264,14 @@ asio::awaitable<bool> ServeOne(Stream& stream, beast::flat_buffer& buffer, const
       bool written = co_await Write(stream, std::move(response), request.method == Method::kHead,
                                     keep_alive, tls, deadlines);
       if (written && !keep_alive) co_await Drain(stream, buffer);
-      co_return written && keep_alive;
+      co_return written&& keep_alive;
     }
     if (error == bhttp::error::body_limit) {
       refusal = ErrorResponse({Code::kTooLarge, "expected a body of at most 1 MiB"});
     } else if (error.category() == make_error_code(bhttp::error::bad_version).category() &&
                error != bhttp::error::partial_message && error != bhttp::error::end_of_stream) {
-      refusal = ErrorResponse({Code::kInvalidInput, "expected an HTTP/1.1 request: " + error.message()});
+      refusal =
+          ErrorResponse({Code::kInvalidInput, "expected an HTTP/1.1 request: " + error.message()});
     } else {
       co_return false;
     }
@@ -297,28 +314,35 @@ asio::awaitable<Response> HttpServer::State::Answer(const Request& request) {
                                 "; open the page under its own address",
                             "host");
   }
-  if (Api::Owns(request.path)) co_return co_await api.Handle(request);
+  if (Api::Owns(request.path)) co_return co_await api->Handle(request);
   if (files) co_return files->Serve(request);
   co_return ErrorResponse(Status{Code::kNotFound, "this server was started without the page"});
 }
 
 template <typename Stream>
-asio::awaitable<void> HttpServer::State::ServeAll(Stream stream, std::string peer,
-                                                  std::shared_ptr<Connection> connection) {
-  connection->close = [&stream] { beast::get_lowest_layer(stream).close(); };
+asio::awaitable<void> HttpServer::State::ServeAll(Stream& stream, const std::string& peer,
+                                                  Connection& connection) {
   beast::flat_buffer buffer(kMaxHeadBytes + kReadBytes);
   auto answer = [this](const Request& request) { return Answer(request); };
-  while (!connection->stopping &&
-         co_await ServeOne(stream, buffer, peer, options, *connection, answer)) {
+  while (!connection.stopping &&
+         co_await ServeOne(stream, buffer, peer, options, connection, answer)) {
   }
+}
+
+asio::awaitable<void> HttpServer::State::ServePlain(beast::tcp_stream stream, std::string peer,
+                                                    std::shared_ptr<Connection> connection) {
+  connection->close = [&stream] { stream.close(); };
+  co_await ServeAll(stream, peer, *connection);
   connection->close = nullptr;
 }
 
 asio::awaitable<void> HttpServer::State::ServeTls(TlsStream stream, std::string peer,
                                                   std::shared_ptr<Connection> connection) {
+  connection->close = [&stream] { beast::get_lowest_layer(stream).close(); };
   beast::get_lowest_layer(stream).expires_after(options.deadlines.handshake);
   auto [error] = co_await stream.async_handshake(asio::ssl::stream_base::server, kNoThrow);
-  if (!error) co_await ServeAll(std::move(stream), std::move(peer), std::move(connection));
+  if (!error) co_await ServeAll(stream, peer, *connection);
+  connection->close = nullptr;
 }
 
 void HttpServer::State::Spawn(tcp::socket socket) {
@@ -339,12 +363,11 @@ void HttpServer::State::Spawn(tcp::socket socket) {
   auto strand_of = connection->strand;
   beast::tcp_stream plain(std::move(socket));
   auto serve = tls ? ServeTls(TlsStream(std::move(plain), *tls), std::move(peer), connection)
-                   : ServeAll(std::move(plain), std::move(peer), connection);
+                   : ServePlain(std::move(plain), std::move(peer), connection);
   asio::co_spawn(strand_of, std::move(serve),
                  [self = shared_from_this(), place](const std::exception_ptr& failed) {
                    if (failed) spdlog::error("http: a connection ended with an exception");
-                   std::lock_guard lock(self->mutex);
-                   self->connections.erase(place);
+                   self->Forget(place);
                  });
 }
 
@@ -368,7 +391,8 @@ Status HttpServer::State::Prepare() {
   asio::ip::address address = asio::ip::make_address(options.address, error);
   if (error) {
     return {Code::kInvalidInput,
-            "expected a numeric address such as 127.0.0.1, found '" + options.address + "'", "address"};
+            "expected a numeric address such as 127.0.0.1, found '" + options.address + "'",
+            "address"};
   }
   if (!address.is_loopback() && !options.tls) {
     return {Code::kInvalidInput,
@@ -408,7 +432,8 @@ Status HttpServer::State::Listen(const asio::ip::address& address) {
                 " in use; stop the program that holds it or choose another port",
             "port"};
   }
-  return {Code::kUnavailable, "expected to listen on " + where + ", found: " + error.message(), "address"};
+  return {Code::kUnavailable, "expected to listen on " + where + ", found: " + error.message(),
+          "address"};
 }
 
 void HttpServer::State::ForEachConnection(const std::function<void(Connection&)>& visit) {
@@ -418,8 +443,17 @@ void HttpServer::State::ForEachConnection(const std::function<void(Connection&)>
   }
 }
 
-void HttpServer::State::BeginStop() {
-  if (stopping) return;
+void HttpServer::State::Forget(std::list<std::shared_ptr<Connection>>::iterator place) {
+  std::lock_guard lock(mutex);
+  connections.erase(place);
+  if (connections.empty()) {
+    asio::post(strand, [self = shared_from_this()] { self->stop_timer.cancel(); });
+  }
+}
+
+asio::awaitable<void> HttpServer::State::StopAll() {
+  auto self = shared_from_this();
+  if (stopping) co_return;
   stopping = true;
   beast::error_code ignored;
   acceptor.close(ignored);
@@ -427,13 +461,21 @@ void HttpServer::State::BeginStop() {
     connection.stopping = true;
     if (connection.idle) connection.Close();
   });
+  {
+    std::lock_guard lock(mutex);
+    if (connections.empty()) co_return;
+  }
+  stop_timer.expires_after(options.deadlines.stop);
+  co_await stop_timer.async_wait(kNoThrow);
+  ForEachConnection([](Connection& connection) { connection.Close(); });
 }
 
 HttpServer::HttpServer(asio::io_context& io, HttpOptions options, Store& store,
                        auth::Authenticator& authenticator)
     : state_(std::make_shared<State>(io, std::move(options), store, authenticator)) {}
 
-HttpServer::~HttpServer() = default;
+// Waits for the store's threads: nothing of ours touches the store afterwards.
+HttpServer::~HttpServer() { state_->api.reset(); }
 
 Result<uint16_t> HttpServer::Start() {
   if (Status ready = state_->Prepare(); !ready.ok()) return ready;
@@ -443,7 +485,8 @@ Result<uint16_t> HttpServer::Start() {
 }
 
 void HttpServer::Stop() {
-  asio::post(state_->strand, [state = state_] { state->BeginStop(); });
+  asio::co_spawn(
+      state_->strand, [state = state_] { return state->StopAll(); }, asio::detached);
 }
 
 }  // namespace enamel::server::http

@@ -20,27 +20,28 @@ struct TlsFiles {
   std::filesystem::path private_key;        // PEM
 };
 
-// Deadlines of a connection; each covers the whole of what it names, so a byte now and then does not
-// extend it.
+// Deadlines of a connection; each covers the whole of what it names, so a byte now and then does
+// not extend it.
 struct HttpDeadlines {
   std::chrono::milliseconds idle{30'000};       // between requests
   std::chrono::milliseconds handshake{10'000};  // TLS
   std::chrono::milliseconds head{10'000};       // from a head's first byte to its last
   std::chrono::milliseconds body{30'000};
   std::chrono::milliseconds write{60'000};
-  std::chrono::milliseconds stop{5'000};        // what a request gets to finish in when stopping
+  std::chrono::milliseconds stop{5'000};  // what a request gets to finish in when stopping
 };
 
 struct HttpOptions {
-  std::string address = "127.0.0.1";   // numeric; anything but loopback needs `tls`
-  uint16_t port = 8080;                // 0: any free one
-  std::optional<TlsFiles> tls;         // TLS 1.3
-  std::filesystem::path web_root;      // the built page; empty: API only
-  // Names the page may be asked for under, lower case, without port. Empty: 127.0.0.1, localhost and
+  std::string address = "127.0.0.1";  // numeric; anything but loopback needs `tls`
+  uint16_t port = 8080;               // 0: any free one
+  std::optional<TlsFiles> tls;        // TLS 1.3
+  std::filesystem::path web_root;     // the built page; empty: API only
+  // Names the page may be asked for under, lower case, without port. Empty: 127.0.0.1, localhost
+  // and
   // [::1]; required when `address` is not loopback.
   std::vector<std::string> host_names;
-  size_t max_connections = 256;        // one more is closed at once with 503
-  size_t max_in_flight = 64;           // requests waiting for the store's threads
+  size_t max_connections = 256;  // one more is closed at once with 503
+  size_t max_in_flight = 64;     // requests waiting for the store's threads
   size_t store_threads = 4;
   HttpDeadlines deadlines;
 };
@@ -48,12 +49,13 @@ struct HttpOptions {
 inline constexpr size_t kMaxHeadBytes = 16 * 1024;
 inline constexpr size_t kMaxBodyBytes = 1024 * 1024;
 
-// Serves the API (schemas/api/openapi.yaml) and the page. One coroutine on one strand per connection,
-// which alone owns the stream and its buffers; blocking work runs on threads of its own (Api).
+// Serves the API (schemas/api/openapi.yaml) and the page. One coroutine on one strand per
+// connection, which alone owns the stream and its buffers; blocking work runs on threads of its own
+// (Api).
 //
 // Lifetime: store and authenticator outlive the server, the server outlives the running of `io`.
-// Thread safety: Start once; Stop from any thread, any number of times; `io` may run on any number of
-// threads.
+// Thread safety: Start once; Stop from any thread, any number of times; `io` may run on any number
+// of threads.
 class HttpServer {
  public:
   HttpServer(boost::asio::io_context& io, HttpOptions options, Store& store,
@@ -61,8 +63,8 @@ class HttpServer {
   // Requires: `io` does not run any more, or has run out of work.
   ~HttpServer();
 
-  // Listens; returns the port. Errors: kInvalidInput (address, host names, plain HTTP beyond loopback),
-  // kUnavailable (port in use), kNotFound (page, certificate), each with what to do.
+  // Listens; returns the port. Errors: kInvalidInput (address, host names, plain HTTP beyond
+  // loopback), kUnavailable (port in use), kNotFound (page, certificate), each with what to do.
   Result<uint16_t> Start();
 
   // Returns at once. First no new connections and requests, and idle ones are closed; after

@@ -15,7 +15,8 @@ Response JsonResponse(const json::object& object, int status) {
   return response;
 }
 
-Result<json::object> TextMembers(const Request& request, std::initializer_list<TextMember> members) {
+Result<json::object> TextMembers(const Request& request,
+                                 std::initializer_list<TextMember> members) {
   json::parse_options options;
   options.max_depth = 4;
   json::error_code error;
@@ -38,7 +39,8 @@ Result<json::object> TextMembers(const Request& request, std::initializer_list<T
     bool known = std::any_of(members.begin(), members.end(),
                              [&](const TextMember& member) { return member.name == entry.key(); });
     if (!known) {
-      return Status{Code::kInvalidInput, "expected no member of this name", std::string(entry.key())};
+      return Status{Code::kInvalidInput, "expected no member of this name",
+                    std::string(entry.key())};
     }
   }
   return std::move(object);

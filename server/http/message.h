@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-// A request and its answer as plain values: what the handlers see. No sockets, no Beast; a test makes
-// one with braces.
+// A request and its answer as plain values: what the handlers see. No sockets, no Beast; a test
+// makes one with braces.
 namespace enamel::server::http {
 
 enum class Method : uint8_t { kGet, kHead, kPost, kDelete, kOther };
@@ -23,7 +23,7 @@ struct Request {
   std::map<std::string, std::string> query;    // decoded; a name given twice: the last
   std::map<std::string, std::string> headers;  // names in lower case; a repeated one joined by ", "
   std::string body;
-  std::string peer;                            // IP address
+  std::string peer;  // IP address
   bool tls = false;
 
   // Empty when absent.
@@ -32,7 +32,7 @@ struct Request {
 
 struct Response {
   int status = 200;
-  std::string content_type;                    // none when empty
+  std::string content_type;  // none when empty
   std::string body;
   std::shared_ptr<const std::string> shared_body;  // instead of `body`: what many answers share
   std::vector<std::pair<std::string, std::string>> headers;

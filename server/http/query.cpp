@@ -19,7 +19,8 @@ Result<uint32_t> QueryLimit(const Request& request, uint32_t otherwise, uint32_t
   uint32_t limit = 0;
   auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), limit);
   if (error != std::errc() || end != text.data() + text.size() || limit < 1 || limit > at_most) {
-    return Status{Code::kInvalidInput, "expected a number from 1 to " + std::to_string(at_most), "limit"};
+    return Status{Code::kInvalidInput, "expected a number from 1 to " + std::to_string(at_most),
+                  "limit"};
   }
   return limit;
 }

@@ -57,7 +57,8 @@ struct Framing {
 };
 
 Status TakeLength(std::string_view value, Framing& framing) {
-  if (framing.length) return Refuse("content-length", "expected one Content-Length, found a second");
+  if (framing.length)
+    return Refuse("content-length", "expected one Content-Length, found a second");
   bool digits = !value.empty() && std::all_of(value.begin(), value.end(), IsDigit);
   if (!digits || value.size() > kMaxLengthDigits) {
     return Refuse("content-length", "expected a decimal number of bytes as Content-Length");

@@ -19,9 +19,9 @@ size_t FindHeadEnd(std::string_view bytes, size_t from = 0);
 // `head` up to and including the empty line. Accepts exactly:
 //   METHOD SP /target SP HTTP/1.1 CRLF, then `name: value` CRLF lines, then CRLF;
 //   names are tokens, values visible ASCII, space, tab and 0x80-0xFF; no folding, no lone CR or LF;
-//   exactly one Host; at most one Content-Length of decimal digits, or one Transfer-Encoding that is
-//   "chunked", never both, neither with GET, HEAD (a length of 0 is accepted); nothing that resembles
-//   those two names without being one.
+//   exactly one Host; at most one Content-Length of decimal digits, or one Transfer-Encoding that
+//   is "chunked", never both, neither with GET, HEAD (a length of 0 is accepted); nothing that
+//   resembles those two names without being one.
 // Errors: kInvalidInput, field() is the header's name or "request line".
 Status CheckRequestHead(std::string_view head);
 

@@ -12,8 +12,8 @@
 #include "server/http/message.h"
 #include "server/storage/store.h"
 
-// The API's table of routes and what a handler gets. schemas/api/openapi.yaml is the contract; a test
-// compares the two both ways.
+// The API's table of routes and what a handler gets. schemas/api/openapi.yaml is the contract; a
+// test compares the two both ways.
 namespace enamel::server::http {
 
 // Who may call a route at all. Whose data the answer holds is decided by server/training/access.h.
@@ -48,9 +48,9 @@ struct Route {
 std::span<const Route> Routes();
 
 struct RouteMatch {
-  const Route* route = nullptr;   // none: no such path, or not with this method
-  std::string_view id;            // text in the place of `{id}`
-  std::string allowed_methods;    // "GET, POST" when the path exists; else empty
+  const Route* route = nullptr;  // none: no such path, or not with this method
+  std::string_view id;           // text in the place of `{id}`
+  std::string allowed_methods;   // "GET, POST" when the path exists; else empty
 };
 // HEAD finds the GET route.
 RouteMatch FindRoute(Method method, std::string_view path);

@@ -62,8 +62,9 @@ bool HostAllowed(std::string_view host_header, const std::vector<std::string>& a
 Status CheckSameSite(const Request& request) {
   std::string_view site = request.Header("sec-fetch-site");
   if (!site.empty() && site != "same-origin" && site != "none") {
-    return {Code::kForbidden, "expected a request from this server's own page, found one from " +
-                                  std::string(site) + "; open the page itself and try again",
+    return {Code::kForbidden,
+            "expected a request from this server's own page, found one from " + std::string(site) +
+                "; open the page itself and try again",
             "sec-fetch-site"};
   }
   std::string_view origin = request.Header("origin");
@@ -96,7 +97,8 @@ std::optional<std::string> SessionCookie(const Request& request) {
 }
 
 std::string SetSessionCookie(const std::string& token_hex, bool tls) {
-  std::string cookie = SessionCookieName(tls) + "=" + token_hex + "; Path=/; HttpOnly; SameSite=Strict";
+  std::string cookie =
+      SessionCookieName(tls) + "=" + token_hex + "; Path=/; HttpOnly; SameSite=Strict";
   if (tls) cookie += "; Secure";
   if (token_hex.empty()) cookie += "; Max-Age=0";
   return cookie;
@@ -105,8 +107,9 @@ std::string SetSessionCookie(const std::string& token_hex, bool tls) {
 void AddSecurityHeaders(Response& response, bool tls) {
   for (const auto& [name, value] : kSecurityHeaders) response.headers.emplace_back(name, value);
   if (tls) response.headers.emplace_back("Strict-Transport-Security", kHsts);
-  bool has_caching = std::any_of(response.headers.begin(), response.headers.end(),
-                                 [](const auto& header) { return header.first == "Cache-Control"; });
+  bool has_caching =
+      std::any_of(response.headers.begin(), response.headers.end(),
+                  [](const auto& header) { return header.first == "Cache-Control"; });
   if (!has_caching) response.headers.emplace_back("Cache-Control", "no-store");
 }
 

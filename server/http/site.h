@@ -12,12 +12,13 @@
 // browser. Pure functions; any thread. Source: OWASP ASVS 5.0, Fetch Metadata.
 namespace enamel::server::http {
 
-// True when the Host header names one of `allowed` (lower case, without port; IPv6 in brackets): a page
-// of another name that was made to resolve to this address (DNS rebinding) is no page of ours.
+// True when the Host header names one of `allowed` (lower case, without port; IPv6 in brackets): a
+// page of another name that was made to resolve to this address (DNS rebinding) is no page of ours.
 bool HostAllowed(std::string_view host_header, const std::vector<std::string>& allowed);
 
-// For requests that change something. Errors: kForbidden when Origin is not the host the request was
-// sent to, or Sec-Fetch-Site says that another site made it. Neither header: not a browser, accepted.
+// For requests that change something. Errors: kForbidden when Origin is not the host the request
+// was sent to, or Sec-Fetch-Site says that another site made it. Neither header: not a browser,
+// accepted.
 Status CheckSameSite(const Request& request);
 
 // "enamel_session"; over TLS "__Host-enamel_session", which no other host or plain page can set.
@@ -27,8 +28,8 @@ std::optional<std::string> SessionCookie(const Request& request);
 // Value of Set-Cookie. An empty token removes the cookie.
 std::string SetSessionCookie(const std::string& token_hex, bool tls);
 
-// Adds what every answer carries: content security policy, isolation, no sniffing, no referrer; HSTS
-// over TLS; `Cache-Control: no-store` unless the answer has a Cache-Control of its own.
+// Adds what every answer carries: content security policy, isolation, no sniffing, no referrer;
+// HSTS over TLS; `Cache-Control: no-store` unless the answer has a Cache-Control of its own.
 void AddSecurityHeaders(Response& response, bool tls);
 
 }  // namespace enamel::server::http

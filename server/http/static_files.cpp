@@ -46,9 +46,8 @@ bool HasHashedName(const std::string& path) {
   std::string stem = fs::path(path).stem().string();
   size_t dash = stem.rfind('-');
   if (dash == std::string::npos || stem.size() - dash - 1 < kHashLength) return false;
-  return std::all_of(stem.begin() + static_cast<std::ptrdiff_t>(dash) + 1, stem.end(), [](char c) {
-    return (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
-  });
+  return std::all_of(stem.begin() + static_cast<std::ptrdiff_t>(dash) + 1, stem.end(),
+                     [](char c) { return (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9'); });
 }
 
 std::string CacheControl(const std::string& path) {
@@ -130,17 +129,19 @@ const StaticFiles::File* StaticFiles::Find(std::string_view path) const {
 
 Response StaticFiles::Serve(const Request& request) const {
   if (request.method != Method::kGet && request.method != Method::kHead) {
-    Response refused = ErrorResponse(405, "method_not_allowed", "expected GET or HEAD for the page");
+    Response refused =
+        ErrorResponse(405, "method_not_allowed", "expected GET or HEAD for the page");
     refused.headers.emplace_back("Allow", "GET, HEAD");
     return refused;
   }
   const File* file = Find(request.path);
-  if (!file) return ErrorResponse(404, "not_found", "expected a file of the page, found none of this name");
+  if (!file)
+    return ErrorResponse(404, "not_found", "expected a file of the page, found none of this name");
 
   Response response;
   response.content_type = file->content_type;
   response.shared_body = file->plain;
-  std::string tag = file->etag;
+  std::string tag = '"' + file->etag;
   std::string_view accepted = request.Header("accept-encoding");
   if (file->br && Accepts(accepted, "br")) {
     response.shared_body = file->br;
@@ -154,7 +155,7 @@ Response StaticFiles::Serve(const Request& request) const {
   if (file->br || file->gz) response.headers.emplace_back("Vary", "Accept-Encoding");
   response.headers.emplace_back("Cache-Control", file->cache_control);
   if (file->cache_control == "no-store") return response;
-  tag = "\"" + tag + "\"";
+  tag += '"';
   response.headers.emplace_back("ETag", tag);
   if (request.Header("if-none-match").find(tag) != std::string_view::npos) {
     response.status = 304;
