@@ -31,7 +31,9 @@ struct Brick {
   std::unique_ptr<Samples> stored;
 };
 
-size_t InBrick(int x, int y, int z) { return static_cast<size_t>((z * kBrickSide + y) * kBrickSide + x); }
+size_t InBrick(int x, int y, int z) {
+  return static_cast<size_t>((z * kBrickSide + y) * kBrickSide + x);
+}
 
 int16_t ToPhi(double distance_m, double voxel_m) {
   double phi = distance_m / voxel_m * cutting::kPhiPerVoxel;
@@ -70,7 +72,8 @@ bool DilateLabels(Samples& s) {
 
 class BrickBuilder {
  public:
-  BrickBuilder(const GridSpec& spec, Field field) : spec_(spec), field_(std::move(field)), h_(spec.voxel_m()) {}
+  BrickBuilder(const GridSpec& spec, Field field)
+      : spec_(spec), field_(std::move(field)), h_(spec.voxel_m()) {}
 
   Brick Build(const ivec3& b) const {
     dvec3 corner = spec_.origin_m() + h_ * kBrickSide * dvec3(b);
@@ -93,7 +96,8 @@ class BrickBuilder {
           s->phi[InBrick(x, y, z)] = ToPhi(f.distance_m, h_);
           s->tissue[InBrick(x, y, z)] = static_cast<uint8_t>(f.tissue);
         }
-    bool one_phi = std::all_of(s->phi.begin(), s->phi.end(), [&](int16_t p) { return p == s->phi[0]; });
+    bool one_phi =
+        std::all_of(s->phi.begin(), s->phi.end(), [&](int16_t p) { return p == s->phi[0]; });
     if (one_phi && s->phi[0] == kPhiLimit) return {};
     bool one_tissue = std::all_of(s->tissue.begin(), s->tissue.end(),
                                   [&](uint8_t t) { return t == s->tissue[0]; });
@@ -140,8 +144,8 @@ Volume Assemble(const GridSpec& spec, const std::vector<Brick>& bricks) {
       continue;
     }
     const Samples& s = *bricks[i].stored;
-    bool one_tissue = std::all_of(s.tissue.begin(), s.tissue.end(),
-                                  [&](uint8_t t) { return t == s.tissue[0]; });
+    bool one_tissue =
+        std::all_of(s.tissue.begin(), s.tissue.end(), [&](uint8_t t) { return t == s.tissue[0]; });
     std::span<const uint8_t> labels;
     if (!one_tissue) labels = s.tissue;
     volume.SetBrick(b, s.phi, labels, static_cast<Tissue>(s.tissue[0]));
@@ -190,6 +194,8 @@ GridSpec GridAround(const dvec3& lo_m, const dvec3& hi_m, int32_t voxel_nm) {
   return spec;
 }
 
-int BuildThreads() { return std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 8); }
+int BuildThreads() {
+  return std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 8);
+}
 
 }  // namespace enamel::scene

@@ -9,11 +9,10 @@ namespace enamel::scene {
 
 // One sample of a tooth to be: signed distance to its outer surface (m, negative inside) and the
 // tissue there. Within 4 voxels of the surface the distance must be good to a fraction of a voxel;
-// beyond, it may be anything of the right sign that does not exceed the true distance, so that whole
-// bricks can be skipped by one sample at their middle.
-// Outside the solid the tissue is that of the nearest solid where the field knows it; kAir there is
-// filled in by the builder, so that labels of stored bricks are never air and a voxel's removal is
-// always booked to a tissue.
+// beyond, it may be anything of the right sign that does not exceed the true distance, so that
+// whole bricks can be skipped by one sample at their middle. Outside the solid the tissue is that
+// of the nearest solid where the field knows it; kAir there is filled in by the builder, so that
+// labels of stored bricks are never air and a voxel's removal is always booked to a tissue.
 struct FieldSample {
   double distance_m;
   cutting::Tissue tissue;
@@ -23,11 +22,11 @@ struct FieldSample {
 
 using Field = std::function<FieldSample(const dvec3& point_m)>;
 
-// Samples a field into a volume: bricks without a surface or tissue boundary become one word. May use
-// any libm: the result is stored as a blob and never rebuilt elsewhere. The result does not depend
-// on `threads` as long as the field is a function of the point.
-// Points are visited brick by brick, x fastest. `progress` (0..1, from one of the threads) may be empty.
-// Requires: ValidateGrid(spec).ok(). Thread safety: `field` is called from `threads` at once.
+// Samples a field into a volume: bricks without a surface or tissue boundary become one word. May
+// use any libm: the result is stored as a blob and never rebuilt elsewhere. The result does not
+// depend on `threads` as long as the field is a function of the point. Points are visited brick by
+// brick, x fastest. `progress` (0..1, from one of the threads) may be empty. Requires:
+// ValidateGrid(spec).ok(). Thread safety: `field` is called from `threads` at once.
 cutting::Volume BuildVolume(const cutting::GridSpec& spec, const Field& field, int threads = 1,
                             const std::function<void(double)>& progress = {});
 // The same with a field of its own for each thread (`make_field` is called in it), for fields that

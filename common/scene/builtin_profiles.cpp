@@ -9,7 +9,8 @@ constexpr const char* kDampingSource =
 constexpr const char* kMassSource = "assumption: effective mass at the tip, not measured";
 constexpr const char* kFrictionSource = "assumption: Coulomb friction at the tip, not measured";
 constexpr const char* kDelaySource = "assumption: force is out before the next tick";
-constexpr const char* kContinuousSource = "paper, table 3 (maximum continuous force with the limiter)";
+constexpr const char* kContinuousSource =
+    "paper, table 3 (maximum continuous force with the limiter)";
 
 DeviceProfile Omega3() {
   DeviceProfile p;
@@ -57,7 +58,8 @@ DeviceProfile Bhhd3() {
   p.damping_mn_s_per_m = {2'500, kDampingSource};
   p.friction_mn = {80, kFrictionSource};
   p.mass_g = {150, kMassSource};
-  p.peak_force_mn = {8'000, "assumption: no published figure; between the other two devices' scale"};
+  p.peak_force_mn = {8'000,
+                     "assumption: no published figure; between the other two devices' scale"};
   p.continuous_force_mn = {1'100, kContinuousSource};
   p.rate_hz = {1'000, "paper, device table"};
   p.bus_delay_ticks = {0, kDelaySource};

@@ -30,7 +30,7 @@ json::object TargetJson(const CavityTarget& t) {
 json::object CriterionJson(const RubricCriterion& c) {
   json::array map;
   for (const RubricPoint& p : c.map) map.push_back(json::array{p.value, p.share});
-  json::object out{{"metric", c.metric}, {"title", c.title},   {"unit", c.unit},
+  json::object out{{"metric", c.metric}, {"title", c.title},      {"unit", c.unit},
                    {"points", c.points}, {"map", std::move(map)}, {"comment", c.comment}};
   if (c.fails_above) out["fails_above"] = *c.fails_above;
   return out;
@@ -84,8 +84,8 @@ void ReadMap(ObjectReader& in, RubricCriterion& c) {
   for (const auto& row : in.Rows("map", 2, 64)) {
     if (row[1] < 0 || row[1] > 1) in.Refuse("map", "shares from 0 to 1", std::to_string(row[1]));
     if (!c.map.empty() && row[0] <= c.map.back().value) {
-      in.Refuse("map", "values in ascending order", std::to_string(row[0]) + " after " +
-                                                        std::to_string(c.map.back().value));
+      in.Refuse("map", "values in ascending order",
+                std::to_string(row[0]) + " after " + std::to_string(c.map.back().value));
     }
     c.map.push_back({row[0], row[1]});
   }

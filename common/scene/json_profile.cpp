@@ -1,5 +1,4 @@
 #include <array>
-
 #include <boost/json.hpp>
 
 #include "common/scene/json.h"

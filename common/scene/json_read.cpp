@@ -1,10 +1,9 @@
 #include "common/scene/json_read.h"
 
 #include <algorithm>
+#include <boost/json.hpp>
 #include <cmath>
 #include <limits>
-
-#include <boost/json.hpp>
 
 namespace enamel::scene {
 namespace {
@@ -62,8 +61,9 @@ Result<json::value> ParseBounded(std::string_view text) {
   json::error_code error;
   size_t used = parser.write_some(text.data(), text.size(), error);
   if (!error && used < text.size()) {
-    bool blank = std::all_of(text.begin() + static_cast<ptrdiff_t>(used), text.end(),
-                             [](char c) { return c == ' ' || c == '\n' || c == '\r' || c == '\t'; });
+    bool blank = std::all_of(text.begin() + static_cast<ptrdiff_t>(used), text.end(), [](char c) {
+      return c == ' ' || c == '\n' || c == '\r' || c == '\t';
+    });
     if (!blank) error = json::error::extra_data;
   }
   if (!error) parser.finish(error);
@@ -119,7 +119,8 @@ int64_t ObjectReader::Int(std::string_view name, int64_t lo, int64_t hi) {
   if (v == nullptr) return lo;
   const int64_t* number = v->if_int64();
   if (number == nullptr || *number < lo || *number > hi) {
-    Refuse(name, "an integer from " + std::to_string(lo) + " to " + std::to_string(hi), Describe(*v));
+    Refuse(name, "an integer from " + std::to_string(lo) + " to " + std::to_string(hi),
+           Describe(*v));
     return lo;
   }
   return *number;
@@ -153,7 +154,8 @@ std::string ObjectReader::Text(std::string_view name, size_t min_size, size_t ma
   }
   std::string text(v->get_string());
   if (text.size() < min_size || text.size() > max_size) {
-    Refuse(name, "text of " + std::to_string(min_size) + " to " + std::to_string(max_size) + " bytes",
+    Refuse(name,
+           "text of " + std::to_string(min_size) + " to " + std::to_string(max_size) + " bytes",
            std::to_string(text.size()) + " bytes");
     return {};
   }
@@ -180,7 +182,8 @@ Sha256 ObjectReader::Hash(std::string_view name) {
   return *hash;
 }
 
-std::vector<int32_t> ObjectReader::Ints(std::string_view name, size_t size, int32_t lo, int32_t hi) {
+std::vector<int32_t> ObjectReader::Ints(std::string_view name, size_t size, int32_t lo,
+                                        int32_t hi) {
   std::vector<int32_t> out(size, lo);
   const json::value* v = Take(name);
   if (v == nullptr) return out;
@@ -191,8 +194,10 @@ std::vector<int32_t> ObjectReader::Ints(std::string_view name, size_t size, int3
     if (good) out[i] = static_cast<int32_t>(*number);
   }
   if (!good) {
-    Refuse(name, std::to_string(size) + " integers from " + std::to_string(lo) + " to " + std::to_string(hi),
-           Describe(*v));
+    Refuse(
+        name,
+        std::to_string(size) + " integers from " + std::to_string(lo) + " to " + std::to_string(hi),
+        Describe(*v));
   }
   return out;
 }
@@ -232,7 +237,8 @@ std::vector<ObjectReader> ObjectReader::Objects(std::string_view name, size_t mi
   const json::value* v = Take(name);
   if (v == nullptr) return out;
   if (!v->is_array() || v->get_array().size() < min_count || v->get_array().size() > max_count) {
-    Refuse(name, std::to_string(min_count) + " to " + std::to_string(max_count) + " objects in an array",
+    Refuse(name,
+           std::to_string(min_count) + " to " + std::to_string(max_count) + " objects in an array",
            Describe(*v));
     return out;
   }
@@ -245,9 +251,11 @@ std::vector<ObjectReader> ObjectReader::Objects(std::string_view name, size_t mi
 void ObjectReader::Format(int64_t version) {
   int64_t found = Int("format", 1, std::numeric_limits<int32_t>::max());
   if (status_->ok() && found > version) {
-    *status_ = Status(Code::kVersion, PathOf("format") + ": this program reads format " + std::to_string(version) +
-                                          ", the document has format " + std::to_string(found) +
-                                          ": use a newer program", PathOf("format"));
+    *status_ =
+        Status(Code::kVersion,
+               PathOf("format") + ": this program reads format " + std::to_string(version) +
+                   ", the document has format " + std::to_string(found) + ": use a newer program",
+               PathOf("format"));
   }
 }
 

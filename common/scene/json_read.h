@@ -1,19 +1,19 @@
 #pragma once
 
+#include <boost/json/value.hpp>
 #include <cstdint>
 #include <set>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include <boost/json/value.hpp>
-
 #include "common/base/result.h"
 #include "common/base/sha256.h"
 
-// Strict reading of the documents we author: every member must be known, present, of its type and in
-// its range. The first thing wrong is kept, with its JSON pointer ("/tissues/0/provenance"); after
-// it every read returns a harmless default, so that a reader is one straight run and one check.
+// Strict reading of the documents we author: every member must be known, present, of its type and
+// in its range. The first thing wrong is kept, with its JSON pointer ("/tissues/0/provenance");
+// after it every read returns a harmless default, so that a reader is one straight run and one
+// check.
 namespace enamel::scene {
 
 // Parses text of at most 1 MiB and depth 16. Errors: kTooLarge, kInvalidInput (with the offset),

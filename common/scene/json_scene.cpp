@@ -16,7 +16,8 @@ cutting::Tissue ReadTissueName(ObjectReader& in) {
   std::string name = in.Name("tissue");
   auto tissue = cutting::TissueFromName(name);
   if (tissue && *tissue != cutting::Tissue::kAir) return *tissue;
-  in.Refuse("tissue", "enamel, dentin, pulp, caries, filling, gypsum or neighbour", "\"" + name + "\"");
+  in.Refuse("tissue", "enamel, dentin, pulp, caries, filling, gypsum or neighbour",
+            "\"" + name + "\"");
   return cutting::Tissue::kEnamel;
 }
 
@@ -25,10 +26,12 @@ void ReadTissues(ObjectReader& in, Scene& scene) {
   for (ObjectReader& item : in.Objects("tissues", 1, cutting::kTissueCount - 1)) {
     TissueSpec spec;
     spec.tissue = ReadTissueName(item);
-    spec.damping_mn_s_per_mm = static_cast<int32_t>(item.Int("damping_mn_s_per_mm", 1, 1'000'000'000));
+    spec.damping_mn_s_per_mm =
+        static_cast<int32_t>(item.Int("damping_mn_s_per_mm", 1, 1'000'000'000));
     spec.provenance = item.Text("provenance", 1, 500);
     if (!seen.insert(spec.tissue).second) {
-      item.Refuse("tissue", "each tissue once", std::string(cutting::TissueName(spec.tissue)) + " twice");
+      item.Refuse("tissue", "each tissue once",
+                  std::string(cutting::TissueName(spec.tissue)) + " twice");
     }
     item.Finish();
     scene.tissues.push_back(std::move(spec));

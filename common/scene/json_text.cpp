@@ -1,10 +1,9 @@
 #include "common/scene/json_text.h"
 
 #include <algorithm>
+#include <boost/json.hpp>
 #include <charconv>
 #include <cmath>
-
-#include <boost/json.hpp>
 
 #include "common/base/check.h"
 

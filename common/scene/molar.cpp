@@ -12,7 +12,9 @@ using cutting::Tissue;
 // Everything below is in millimetres. x mesial, y buccal, z occlusal.
 constexpr double kCervicalZ = -3.75;
 constexpr double kRootLength = 14.0;
-constexpr double kTrunkZ = -6.9;      // where the root trunk ends and the roots part
+constexpr double kTrunkZ = -6.9;  // where the root trunk ends and the roots part
+constexpr double kRootsBelowZ =
+    -2.0;  // above it roots and crown do not meet any more, nor does the relief below
 
 double SmoothMax(double a, double b, double k) {
   double h = std::max(k - std::abs(a - b), 0.0);
@@ -31,16 +33,19 @@ double Curve(const std::array<double, N>& samples, double first, double step, do
   double u = std::clamp((z - first) / step, 0.0, static_cast<double>(N - 1) - 1e-9);
   auto i = static_cast<int>(u);
   double t = u - i;
-  auto at = [&](int j) { return samples[static_cast<size_t>(std::clamp(j, 0, static_cast<int>(N) - 1))]; };
+  auto at = [&](int j) {
+    return samples[static_cast<size_t>(std::clamp(j, 0, static_cast<int>(N) - 1))];
+  };
   double p0 = at(i - 1), p1 = at(i), p2 = at(i + 1), p3 = at(i + 2);
-  return p1 + 0.5 * t * (p2 - p0 + t * (2 * p0 - 5 * p1 + 4 * p2 - p3 + t * (3 * (p1 - p2) + p3 - p0)));
+  return p1 +
+         0.5 * t * (p2 - p0 + t * (2 * p0 - 5 * p1 + 4 * p2 - p3 + t * (3 * (p1 - p2) + p3 - p0)));
 }
 
 // --- occlusal relief: a height over (x, y) ---
 
 struct Cusp {
-  double x, y, z;      // tip
-  double slope;        // fall per mm across the triangular ridge
+  double x, y, z;  // tip
+  double slope;    // fall per mm across the triangular ridge
 };
 constexpr std::array<Cusp, 5> kCusps = {{
     {2.35, 2.65, 3.70, 0.86},    // mesiobuccal
@@ -63,16 +68,15 @@ double CuspHeight(const Cusp& c, double x, double y) {
 }
 
 // A ridge along y at the mesial or distal end of the occlusal table.
-double MarginalRidge(double x, double y, double at_x, double half, double top) {
-  double dy = std::max(std::abs(y) - half, 0.0);
-  return top - 1.05 * (std::sqrt(Square(x - at_x) + dy * dy + 0.09) - 0.3);
+double MarginalRidge(double x, double y, double at_x, double top) {
+  return top - 1.0 * (std::sqrt(Square(x - at_x) + 0.30 * y * y + 0.16) - 0.4);
 }
 
 double OcclusalHeight(double x, double y) {
   double h = -10;
   for (const Cusp& c : kCusps) h = SmoothMax(h, CuspHeight(c, x, y), 0.22);
-  h = SmoothMax(h, MarginalRidge(x, y, 4.15, 1.3, 2.75), 0.35);
-  h = SmoothMax(h, MarginalRidge(x, y, -4.35, 0.7, 2.35), 0.35);
+  h = SmoothMax(h, MarginalRidge(x, y, 4.20, 2.95), 0.7);
+  h = SmoothMax(h, MarginalRidge(x, y, -4.30, 2.60), 0.7);
   return h;
 }
 
@@ -80,19 +84,16 @@ double OcclusalHeight(double x, double y) {
 
 constexpr double kCurveFirst = -7.5, kCurveStep = 1.5;
 //                                    z = -7.5   -6    -4.5    -3   -1.5    0    1.5     3    4.5
-constexpr std::array<double, 9> kHalfMesial = {3.95, 4.15, 4.38, 4.72, 5.20, 5.48, 5.40, 4.85, 3.9};
-constexpr std::array<double, 9> kBuccal = {3.50, 3.85, 4.35, 4.90, 5.05, 4.85, 4.40, 3.75, 2.9};
-constexpr std::array<double, 9> kLingual = {3.40, 3.70, 4.05, 4.45, 4.80, 4.95, 4.75, 4.10, 3.2};
-
-struct Barrel {
-  double distance;     // about mm, negative inside
-};
+constexpr std::array<double, 9> kHalfMesial = {3.70, 3.95, 4.30, 4.72, 5.20, 5.48, 5.40, 4.85, 3.9};
+constexpr std::array<double, 9> kBuccal = {3.15, 3.55, 4.20, 4.85, 5.05, 4.85, 4.40, 3.75, 2.9};
+constexpr std::array<double, 9> kLingual = {3.05, 3.42, 3.92, 4.45, 4.80, 4.95, 4.75, 4.10, 3.2};
 
 // Grooves that run from the occlusal table over the buccal and lingual faces.
 double SideGrooves(double x, double y, double z) {
   double fade = Ramp(z, -1.6, 1.5);
   if (fade == 0) return 0;
-  double buccal = 0.42 * std::exp(-Square((x - 0.75) / 0.42)) + 0.34 * std::exp(-Square((x + 2.55) / 0.42));
+  double buccal =
+      0.42 * std::exp(-Square((x - 0.75) / 0.42)) + 0.34 * std::exp(-Square((x + 2.55) / 0.42));
   double lingual = 0.36 * std::exp(-Square((x - 0.15) / 0.42));
   return fade * (y > 0 ? buccal * Ramp(y, 1.0, 3.0) : lingual * Ramp(-y, 1.0, 3.0));
 }
@@ -111,16 +112,18 @@ double BarrelDistance(double x, double y, double z) {
 // --- roots ---
 
 struct Root {
-  std::array<double, 5> x;             // centre line at 0, 1/4, 1/2, 3/4, 1 of the length
+  std::array<double, 5> x;  // centre line at 0, 1/4, 1/2, 3/4, 1 of the length
   std::array<double, 5> half_x, half_y;
-  double groove;                       // depth of the hollow on its flat faces
+  double groove;  // depth of the hollow on its flat faces
 };
 constexpr Root kMesialRoot = {{2.35, 2.75, 2.95, 2.75, 2.25},
                               {1.95, 1.65, 1.40, 1.12, 0.80},
-                              {3.75, 3.45, 2.95, 2.30, 1.55}, 0.22};
+                              {3.75, 3.45, 2.95, 2.30, 1.55},
+                              0.22};
 constexpr Root kDistalRoot = {{-2.35, -2.80, -3.10, -3.25, -3.30},
                               {1.90, 1.60, 1.32, 1.05, 0.75},
-                              {3.45, 3.05, 2.50, 1.90, 1.25}, 0.10};
+                              {3.45, 3.05, 2.50, 1.90, 1.25},
+                              0.10};
 
 double RootProgress(double z) { return (kCervicalZ - z) / kRootLength; }
 
@@ -133,12 +136,12 @@ double RootDistance(const Root& root, double x, double y, double z) {
   double t8 = t2 * t2 * t2 * t2;
   double side = (std::sqrt(u * u + v * v + t8 * t2) - 1) * rx;
   side += root.groove * std::exp(-Square(v / 0.35)) * Ramp(t, 0.1, 0.3);
-  return SmoothMax(side, z - (kCervicalZ + 0.6), 0.5);
+  return SmoothMax(side, z - (kCervicalZ - 0.5), 1.5);
 }
 
 double OuterDistance(double x, double y, double z) {
   double body = SmoothMax(BarrelDistance(x, y, z), kTrunkZ - z, 1.6);
-  if (z > -3) return SmoothMax(body, (z - OcclusalHeight(x, y)) * 0.78, 0.9);
+  if (z > kRootsBelowZ) return SmoothMax(body, (z - OcclusalHeight(x, y)) * 0.78, 0.9);
   double roots = std::min(RootDistance(kMesialRoot, x, y, z), RootDistance(kDistalRoot, x, y, z));
   return SmoothMin(body, roots, 1.1);
 }
@@ -165,10 +168,12 @@ double Segment(double x, double y, double z, const dvec3& a, const dvec3& b) {
   return std::sqrt(Dot(d, d));
 }
 
-double Canal(const Root& root, double offset_y, double end_y, double half_y, double x, double y, double z) {
+double Canal(const Root& root, double offset_y, double end_y, double half_y, double x, double y,
+             double z) {
   double t = RootProgress(z);
-  double cx = Curve(root.x, 0, 0.25, t), cy = offset_y + (end_y - offset_y) * std::clamp(t, 0.0, 1.0);
-  double r = 0.50 - 0.32 * std::clamp(t, 0.0, 1.0);
+  double cx = Curve(root.x, 0, 0.25, t),
+         cy = offset_y + (end_y - offset_y) * std::clamp(t, 0.0, 1.0);
+  double r = 0.42 - 0.26 * std::clamp(t, 0.0, 1.0);
   double dy = std::max(std::abs(y - cy) - half_y * (1 - t), 0.0);
   double d = std::sqrt(Square(x - cx) + dy * dy) - r;
   return std::max({d, z - (kCervicalZ - 0.8), kCervicalZ - kRootLength + 0.3 - z});
@@ -176,8 +181,11 @@ double Canal(const Root& root, double offset_y, double end_y, double half_y, dou
 
 // Negative in pulp, about mm.
 double PulpDistance(double x, double y, double z) {
-  double u = x / 2.7, v = y / 1.9, w = (z + 4.1) / 1.45;
-  double chamber = (std::sqrt(std::sqrt(u * u * u * u + v * v * v * v + w * w * w * w)) - 1) * 1.45;
+  double u = x / 2.5, v = y / 1.7, w = (z + 4.1) / 1.25;
+  double chamber = (std::sqrt(std::sqrt(u * u * u * u + v * v * v * v + w * w * w * w +
+                                        u * u * v * v + (u * u + v * v) * w * w)) -
+                    1) *
+                   1.25;
   double horns = 10;
   for (const Cusp& c : kCusps) {
     double hx = 0.72 * c.x, hy = 0.62 * c.y;
@@ -191,8 +199,8 @@ double PulpDistance(double x, double y, double z) {
   return SmoothMin(SmoothMin(chamber, horns, 0.35), canals, 0.5);
 }
 
-// Outer distance made a true one near the surface: divided by its gradient, shortened far away where
-// that is only a guess.
+// Outer distance made a true one near the surface: divided by its gradient, shortened far away
+// where that is only a guess.
 double TrueDistance(double x, double y, double z, double value) {
   constexpr double kStep = 0.01, kNear = 0.45;
   if (std::abs(value) > 2 * kNear) return value * 0.5;
@@ -221,9 +229,7 @@ FieldSample MolarField(const dvec3& point_m) {
   return out;
 }
 
-MolarBox MolarBounds() {
-  return {dvec3(-5.8, -5.6, -18.2) * 1e-3, dvec3(5.8, 5.6, 4.4) * 1e-3};
-}
+MolarBox MolarBounds() { return {dvec3(-5.8, -5.6, -18.2) * 1e-3, dvec3(5.8, 5.6, 4.4) * 1e-3}; }
 
 dvec3 MolarCentralFossa() {
   // The lowest point of the relief near the middle, by descent on a shrinking pattern.
@@ -232,7 +238,12 @@ dvec3 MolarCentralFossa() {
     for (bool moved = true; moved;) {
       moved = false;
       for (int i = 0; i < 4; ++i) {
-        double nx = x + (i == 0 ? step : i == 1 ? -step : 0), ny = y + (i == 2 ? step : i == 3 ? -step : 0);
+        double nx = x + (i == 0   ? step
+                         : i == 1 ? -step
+                                  : 0),
+               ny = y + (i == 2   ? step
+                         : i == 3 ? -step
+                                  : 0);
         if (OcclusalHeight(nx, ny) >= OcclusalHeight(x, y)) continue;
         x = nx, y = ny, moved = true;
       }

@@ -32,47 +32,59 @@ Status CheckDamping(const Exercise& exercise, const DeviceProfile& profile) {
   int64_t allowed = 2 * profile.damping_mn_s_per_m.value * exercise.rate_hz /
                     (1000 * (2 * profile.bus_delay_ticks.value + 1));
   if (profile.coupling_mn_per_mm.value <= allowed) return Status::Ok();
-  return Refuse("device profile '" + profile.name + "': coupling stiffness Kc = " +
-                    Newtons(profile.coupling_mn_per_mm.value) + " N/mm is above the passive limit 2 b f/(2 d + 1) = " +
-                    Newtons(allowed) + " N/mm at " + std::to_string(exercise.rate_hz) + " Hz and " +
-                    std::to_string(profile.bus_delay_ticks.value) + " ticks of delay: set at most " +
-                    std::to_string(allowed) + " mN/mm", "coupling_mn_per_mm");
+  return Refuse("device profile '" + profile.name +
+                    "': coupling stiffness Kc = " + Newtons(profile.coupling_mn_per_mm.value) +
+                    " N/mm is above the passive limit 2 b f/(2 d + 1) = " + Newtons(allowed) +
+                    " N/mm at " + std::to_string(exercise.rate_hz) + " Hz and " +
+                    std::to_string(profile.bus_delay_ticks.value) +
+                    " ticks of delay: set at most " + std::to_string(allowed) + " mN/mm",
+                "coupling_mn_per_mm");
 }
 
 // c >= Kc delta / 2: the friction that pays for the encoder's cell.
 Status CheckFriction(const DeviceProfile& profile) {
   int64_t allowed = 2 * profile.friction_mn.value * 1'000'000 / profile.resolution_nm.value;
   if (profile.coupling_mn_per_mm.value <= allowed) return Status::Ok();
-  int64_t needed = (profile.coupling_mn_per_mm.value * profile.resolution_nm.value + 1'999'999) / 2'000'000;
-  return Refuse("device profile '" + profile.name + "': friction c = " + Newtons(profile.friction_mn.value) +
+  int64_t needed =
+      (profile.coupling_mn_per_mm.value * profile.resolution_nm.value + 1'999'999) / 2'000'000;
+  return Refuse("device profile '" + profile.name +
+                    "': friction c = " + Newtons(profile.friction_mn.value) +
                     " N is below Kc delta/2 = " + Newtons(needed) + " N: set Kc to at most " +
                     std::to_string(allowed) + " mN/mm, or c to at least " + std::to_string(needed) +
-                    " mN if the device has it", "friction_mn");
+                    " mN if the device has it",
+                "friction_mn");
 }
 
 Status CheckScene(const Scene& scene, const Exercise& exercise) {
   if (!exercise.scene.IsZero() && exercise.scene != HashSha256(AsBytes(ToJson(scene)))) {
-    return Status(Code::kConflict, "exercise '" + exercise.name + "' is for the scene " + exercise.scene.Hex() +
-                                       ", '" + scene.name + "' is another or a changed one", "scene_sha256");
+    return Status(Code::kConflict,
+                  "exercise '" + exercise.name + "' is for the scene " + exercise.scene.Hex() +
+                      ", '" + scene.name + "' is another or a changed one",
+                  "scene_sha256");
   }
   if (scene.landmarks.count(exercise.target.landmark) == 0) {
-    return Refuse("exercise '" + exercise.name + "' hangs from landmark '" + exercise.target.landmark +
-                      "', which scene '" + scene.name + "' does not have", "landmark");
+    return Refuse("exercise '" + exercise.name + "' hangs from landmark '" +
+                      exercise.target.landmark + "', which scene '" + scene.name +
+                      "' does not have",
+                  "landmark");
   }
   if (scene.tissues.empty()) {
     return Refuse("scene '" + scene.name + "' names no tissue: nothing could be cut", "tissues");
   }
   for (const TissueSpec& t : scene.tissues) {
     if (t.tissue == cutting::Tissue::kAir || t.damping_mn_s_per_mm <= 0) {
-      return Refuse("scene '" + scene.name + "': tissue " + std::string(cutting::TissueName(t.tissue)) +
+      return Refuse("scene '" + scene.name + "': tissue " +
+                        std::string(cutting::TissueName(t.tissue)) +
                         " needs a damping above 0, found " + std::to_string(t.damping_mn_s_per_mm) +
-                        " mN s/mm", "tissues");
+                        " mN s/mm",
+                    "tissues");
     }
   }
   return Status::Ok();
 }
 
-core::CoreParams Compile(const Scene& scene, const Exercise& exercise, const DeviceProfile& profile) {
+core::CoreParams Compile(const Scene& scene, const Exercise& exercise,
+                         const DeviceProfile& profile) {
   core::CoreParams p;
   p.rate_hz = static_cast<uint32_t>(exercise.rate_hz);
   p.law = exercise.law;

@@ -37,12 +37,13 @@ Bytes Compress(const Bytes& raw) {
 
 Result<Bytes> Decompress(ByteView packed, size_t size, const char* section) {
   if (ZSTD_getFrameContentSize(packed.data(), packed.size()) != size) {
-    return Malformed(std::string("section '") + section + "' does not hold the " + std::to_string(size) +
-                     " bytes its header asks for");
+    return Malformed(std::string("section '") + section + "' does not hold the " +
+                     std::to_string(size) + " bytes its header asks for");
   }
   Bytes out(size);
   size_t n = ZSTD_decompress(out.data(), out.size(), packed.data(), packed.size());
-  if (ZSTD_isError(n) || n != size) return Malformed(std::string("section '") + section + "' is damaged");
+  if (ZSTD_isError(n) || n != size)
+    return Malformed(std::string("section '") + section + "' is damaged");
   return out;
 }
 
@@ -107,8 +108,9 @@ Result<Header> ReadHeader(ByteReader& in) {
   }
   uint16_t version = in.U16();
   if (version != kVersion) {
-    return Status(Code::kVersion, "volume blob: this program reads version " + std::to_string(kVersion) +
-                                      ", found version " + std::to_string(version));
+    return Status(Code::kVersion, "volume blob: this program reads version " +
+                                      std::to_string(kVersion) + ", found version " +
+                                      std::to_string(version));
   }
   uint16_t flags = in.U16();
   Header h;
@@ -134,8 +136,8 @@ Status CheckKinds(const Bytes& kinds, const Header& h) {
     labelled += (kind & kLabelled) != 0;
   }
   if (stored != h.stored || labelled != h.labelled) {
-    return Malformed("its header counts " + std::to_string(h.stored) + " stored bricks, its table " +
-                     std::to_string(stored));
+    return Malformed("its header counts " + std::to_string(h.stored) +
+                     " stored bricks, its table " + std::to_string(stored));
   }
   return Status::Ok();
 }
@@ -197,7 +199,8 @@ Result<Volume> DecodeVolume(ByteView blob) {
   for (ByteView& section : packed) section = in.Blob(blob.size());
   if (!in.ok()) return Malformed("ends early: the file was cut off");
   if (!in.AtEnd()) return Malformed(std::to_string(in.remaining()) + " bytes too many at its end");
-  Result<Bytes> kinds = Decompress(packed[0], static_cast<size_t>(header->spec.brick_count()), "kinds");
+  Result<Bytes> kinds =
+      Decompress(packed[0], static_cast<size_t>(header->spec.brick_count()), "kinds");
   if (!kinds.ok()) return kinds.status();
   ENAMEL_RETURN_IF_ERROR(CheckKinds(*kinds, *header));
   Result<Bytes> phi = Decompress(packed[1], size_t{header->stored} * 2 * kBrickVoxels, "distances");

@@ -1,0 +1,175 @@
+#include "common/scene/json.h"
+
+#include <gtest/gtest.h>
+
+#include <boost/json.hpp>
+#include <filesystem>
+#include <set>
+#include <string>
+
+#include "common/base/file.h"
+#include "common/scene/builtin.h"
+
+namespace enamel::scene {
+namespace {
+
+namespace json = boost::json;
+
+std::string ReadText(const std::string& path) {
+  Result<Bytes> bytes = ReadFile(std::filesystem::path(ENAMEL_SOURCE_DIR) / "schemas" / path);
+  EXPECT_TRUE(bytes.ok()) << path;
+  return bytes.ok() ? std::string(AsText(*bytes)) : std::string();
+}
+
+std::string Replaced(std::string text, const std::string& from, const std::string& to) {
+  size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return at == std::string::npos ? text : text.replace(at, from.size(), to);
+}
+
+// Members of every object in `document`, as "/a/b" with array positions left out.
+void CollectNames(const json::value& v, const std::string& path, std::set<std::string>& out) {
+  if (v.is_array()) {
+    for (const auto& item : v.get_array()) CollectNames(item, path, out);
+  } else if (v.is_object()) {
+    for (const auto& m : v.get_object()) {
+      std::string own = path + "/" + std::string(m.key());
+      out.insert(own);
+      CollectNames(m.value(), own, out);
+    }
+  }
+}
+
+void CollectSchemaNames(const json::object& schema, const std::string& path,
+                        std::set<std::string>& out) {
+  if (const auto* items = schema.if_contains("items"))
+    CollectSchemaNames(items->as_object(), path, out);
+  const auto* properties = schema.if_contains("properties");
+  if (properties == nullptr) return;
+  for (const auto& m : properties->as_object()) {
+    std::string own = path + "/" + std::string(m.key());
+    out.insert(own);
+    CollectSchemaNames(m.value().as_object(), own, out);
+  }
+}
+
+std::set<std::string> NamesOf(const std::string& text) {
+  std::set<std::string> out;
+  CollectNames(json::parse(text), "", out);
+  return out;
+}
+
+std::set<std::string> SchemaNames(const std::string& file) {
+  std::set<std::string> out;
+  CollectSchemaNames(json::parse(ReadText(file)).as_object(), "", out);
+  return out;
+}
+
+TEST(SceneJsonTest, GoldenDocumentsReadBackToTheSameBytes) {
+  std::string text = ReadText("golden/scene_molar.json");
+  Result<Scene> scene = SceneFromJson(text);
+  ASSERT_TRUE(scene.ok()) << scene.status().message();
+  EXPECT_EQ(ToJson(*scene), text);
+  text = ReadText("golden/scene_exercise.json");
+  Result<Exercise> exercise = ExerciseFromJson(text);
+  ASSERT_TRUE(exercise.ok()) << exercise.status().message();
+  EXPECT_EQ(ToJson(*exercise), text);
+}
+
+TEST(SceneJsonTest, BuiltinProfilesAreTheGoldenDocuments) {
+  for (const DeviceProfile& profile : BuiltinProfiles()) {
+    std::string text = ReadText("golden/scene_profile_" + profile.name + ".json");
+    EXPECT_EQ(ToJson(profile), text);
+    Result<DeviceProfile> back = ProfileFromJson(text);
+    ASSERT_TRUE(back.ok()) << back.status().message();
+    EXPECT_EQ(ToJson(*back), text);
+  }
+}
+
+TEST(SceneJsonTest, SchemasNameExactlyTheMembersOfTheDocuments) {
+  auto exercise = NamesOf(ReadText("golden/scene_exercise.json"));
+  EXPECT_EQ(exercise, SchemaNames("exercise.schema.json"));
+  EXPECT_EQ(NamesOf(ReadText("golden/scene_profile_omega3.json")),
+            SchemaNames("device_profile.schema.json"));
+  auto scene = NamesOf(ReadText("golden/scene_molar.json"));
+  EXPECT_EQ(scene.erase("/landmarks_um/occlusal_centre"), 1u);
+  EXPECT_EQ(scene, SchemaNames("scene.schema.json"));
+}
+
+TEST(SceneJsonTest, MisspeltMemberIsRefusedWithItsPath) {
+  std::string text = Replaced(ReadText("golden/scene_exercise.json"), "\"leeway_side_um\": 250,",
+                              "\"leeway_side_um\": 250, \"leeway_sides_um\": 900,");
+  Result<Exercise> e = ExerciseFromJson(text);
+  ASSERT_FALSE(e.ok());
+  EXPECT_EQ(e.status().field(), "/target/leeway_sides_um");
+}
+
+TEST(SceneJsonTest, MissingMemberIsRefusedWithItsPath) {
+  Result<Scene> s =
+      SceneFromJson(Replaced(ReadText("golden/scene_molar.json"), "\"voxel_nm\": 50000,", ""));
+  ASSERT_FALSE(s.ok());
+  EXPECT_EQ(s.status().field(), "/voxel_nm");
+}
+
+TEST(SceneJsonTest, MemberWrittenTwiceIsRefused) {
+  std::string text = Replaced(ReadText("golden/scene_molar.json"), "\"voxel_nm\": 50000,",
+                              "\"voxel_nm\": 50000, \"voxel_nm\": 100000,");
+  EXPECT_EQ(SceneFromJson(text).status().code(), Code::kInvalidInput);
+}
+
+TEST(SceneJsonTest, ColonsAndQuotesInTextAreNoMembers) {
+  Result<Scene> s =
+      SceneFromJson(Replaced(ReadText("golden/scene_molar.json"), "no scan", R"(a \": b: \\)"));
+  ASSERT_TRUE(s.ok()) << s.status().message();
+  EXPECT_EQ(SceneFromJson(ToJson(*s))->provenance, s->provenance);
+}
+
+TEST(SceneJsonTest, NewerFormatIsAVersionError) {
+  std::string text =
+      Replaced(ReadText("golden/scene_molar.json"), "\"format\": 1,", "\"format\": 2, \"new\": 1,");
+  EXPECT_EQ(SceneFromJson(text).status().code(), Code::kVersion);
+}
+
+TEST(SceneJsonTest, TextOverAMegabyteAndDeepNestingAreRefused) {
+  EXPECT_EQ(SceneFromJson(std::string((1 << 20) + 1, ' ')).status().code(), Code::kTooLarge);
+  EXPECT_EQ(SceneFromJson(std::string(100, '[') + std::string(100, ']')).status().code(),
+            Code::kInvalidInput);
+}
+
+TEST(SceneJsonTest, EveryTruncationIsRefused) {
+  std::string text = ReadText("golden/scene_exercise.json");
+  for (size_t n = 0; n + 2 < text.size(); n += 7)
+    EXPECT_FALSE(ExerciseFromJson(text.substr(0, n)).ok()) << n;
+}
+
+struct BadValue {
+  const char* from;
+  const char* to;
+  const char* field;
+};
+
+class BadExerciseTest : public testing::TestWithParam<BadValue> {};
+
+TEST_P(BadExerciseTest, IsRefusedWithItsPath) {
+  Result<Exercise> e = ExerciseFromJson(
+      Replaced(ReadText("golden/scene_exercise.json"), GetParam().from, GetParam().to));
+  ASSERT_FALSE(e.ok());
+  EXPECT_EQ(e.status().code(), Code::kInvalidInput);
+  EXPECT_EQ(e.status().field(), GetParam().field);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Values, BadExerciseTest,
+    testing::Values(BadValue{"\"maxwell\"", "\"spring\"", "/law"},
+                    BadValue{"\"cylinder\"", "\"pear\"", "/bur/shape"},
+                    BadValue{"\"rate_hz\": 1000", "\"rate_hz\": 1000.5", "/rate_hz"},
+                    BadValue{"\"rate_hz\": 1000", "\"rate_hz\": 10", "/rate_hz"},
+                    BadValue{"\"graded\": true", "\"graded\": 1", "/graded"},
+                    BadValue{"[2000, 1200]", "[2000]", "/target/half_size_um"},
+                    BadValue{"[60, 0]", "[99, 0]", "/rubric/criteria/0/map"},
+                    BadValue{"[60, 0]", "[60, 1.5]", "/rubric/criteria/0/map"},
+                    BadValue{"\"points\": 18", "\"points\": -1", "/rubric/criteria/0/points"},
+                    BadValue{"\"class-1-", "\"Class 1 ", "/name"}));
+
+}  // namespace
+}  // namespace enamel::scene
