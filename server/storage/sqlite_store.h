@@ -16,7 +16,7 @@ struct SqliteOptions {
   int readers = 4;  // read connections, opened as needed
   // Asked before every statement that writes, every COMMIT and every blob; true makes that one
   // fail. For tests (fail the Nth operation). Empty: never.
-  std::function<bool()> fail_next;
+  std::function<bool()> fail_next{};
 };
 
 // The embedded store: DIR/enamel.db (SQLite, WAL, synchronous=FULL) and DIR/blobs/xx/<sha256>.

@@ -24,11 +24,11 @@ struct Actor {
 };
 
 struct AttemptFilter {
-  std::optional<Uuid> person;
-  std::optional<Uuid> cohort;                 // attempts of its students
-  std::optional<Uuid> visible_to_instructor;  // attempts in any cohort of this instructor
-  std::optional<Uuid> exercise;
-  std::optional<Uuid> before;  // page: ids lower than this (newest first)
+  std::optional<Uuid> person{};
+  std::optional<Uuid> cohort{};                 // attempts of its students
+  std::optional<Uuid> visible_to_instructor{};  // attempts in any cohort of this instructor
+  std::optional<Uuid> exercise{};
+  std::optional<Uuid> before{};  // page: ids lower than this (newest first)
   uint32_t limit = 50;         // at most 200
 };
 

@@ -1,0 +1,208 @@
+#include <gtest/gtest.h>
+
+#include "tests/server/storage/store_world.h"
+
+// What every backend of Store must do: people, stations, content, results, references, jobs, audit.
+namespace enamel::server {
+namespace {
+
+using namespace testing;
+
+class StoreTest : public ::testing::Test {
+ protected:
+  TempFolder folder_;
+  std::unique_ptr<Store> store_ = OpenStore(folder_.path());
+};
+
+TEST_F(StoreTest, PersonIsFoundByIdAndLoginAfterReopening) {
+  Uuid id = AddPerson(*store_, "ada", Role::kInstructor, "verifier");
+  store_.reset();
+  store_ = OpenStore(folder_.path());
+  EXPECT_EQ(store_->PersonById(id)->login, "ada");
+  EXPECT_EQ(store_->PersonByLogin("ada")->role, Role::kInstructor);
+  EXPECT_EQ(*store_->PasswordVerifier(id), "verifier");
+  EXPECT_EQ(store_->PersonByLogin("nobody").status().code(), Code::kNotFound);
+}
+
+TEST_F(StoreTest, SecondPersonWithTheSameLoginIsAConflict) {
+  AddPerson(*store_, "ada", Role::kStudent);
+  Person again;
+  again.login = "ada";
+  auto refused = store_->CreatePerson(again, "x", kSystem);
+  EXPECT_EQ(refused.status().code(), Code::kConflict);
+  EXPECT_NE(refused.status().message().find("ada"), std::string::npos);
+}
+
+TEST_F(StoreTest, DisablingAPersonEndsItsSessions) {
+  Uuid id = AddPerson(*store_, "ada", Role::kStudent);
+  Sha256 token = HashSha256(AsBytes("token"));
+  ASSERT_TRUE(store_->CreateSession({token, id, 1, 1, 1000, "page"}).ok());
+  ASSERT_TRUE(store_->FindSession(token).ok());
+  ASSERT_TRUE(store_->SetDisabled(id, true, kSystem).ok());
+  EXPECT_EQ(store_->FindSession(token).status().code(), Code::kNotFound);
+}
+
+TEST_F(StoreTest, NewPasswordEndsSessionsMadeWithTheOldOne) {
+  Uuid id = AddPerson(*store_, "ada", Role::kStudent);
+  Sha256 token = HashSha256(AsBytes("token"));
+  ASSERT_TRUE(store_->CreateSession({token, id, 1, 1, 1000, "page"}).ok());
+  ASSERT_TRUE(store_->SetPassword(id, "new", kSystem).ok());
+  EXPECT_FALSE(store_->FindSession(token).ok());
+}
+
+TEST_F(StoreTest, CohortSharingIsWhatMembershipSays) {
+  Uuid a = AddPerson(*store_, "a", Role::kStudent), b = AddPerson(*store_, "b", Role::kInstructor);
+  Uuid c = AddPerson(*store_, "c", Role::kInstructor);
+  Uuid cohort = *store_->CreateCohort("year 1", kSystem);
+  ASSERT_TRUE(store_->AddToCohort(cohort, a, kSystem).ok());
+  ASSERT_TRUE(store_->AddToCohort(cohort, b, kSystem).ok());
+  ASSERT_TRUE(store_->AddToCohort(cohort, b, kSystem).ok()) << "adding twice changes nothing";
+  EXPECT_TRUE(*store_->ShareCohort(a, b));
+  EXPECT_FALSE(*store_->ShareCohort(a, c));
+  EXPECT_EQ(store_->CohortMembers(cohort)->size(), 2u);
+  EXPECT_EQ(store_->AddToCohort(Uuid::New(), a, kSystem).code(), Code::kNotFound);
+}
+
+TEST_F(StoreTest, EnrolmentCodeWorksOnceAndBeforeItExpires) {
+  Sha256 code = HashSha256(AsBytes("a")), late = HashSha256(AsBytes("b"));
+  ASSERT_TRUE(store_->AddEnrolCode(code, 1000, kSystem).ok());
+  ASSERT_TRUE(store_->AddEnrolCode(late, 1000, kSystem).ok());
+  StationRow row;
+  row.name = "s";
+  row.public_key.assign(32, 7);
+  Sha256 credential = HashSha256(AsBytes("credential"));
+  auto station = store_->EnrolStation(code, row, credential, 1000);
+  ASSERT_TRUE(station.ok()) << station.status().message();
+  EXPECT_EQ(store_->EnrolStation(code, row, credential, 1000).status().code(),
+            Code::kUnauthenticated);
+  EXPECT_EQ(store_->EnrolStation(late, row, credential, 1001).status().code(),
+            Code::kUnauthenticated);
+  EXPECT_EQ(store_->StationByCredential(station->id, credential)->public_key, row.public_key);
+  EXPECT_EQ(store_->StationByCredential(station->id, late).status().code(), Code::kNotFound);
+}
+
+TEST_F(StoreTest, BlobReadsBackAndAbsentOneIsNotFound) {
+  Bytes data(100'000, 42);
+  Sha256 hash = *store_->PutBlob(data);
+  EXPECT_EQ(hash, HashSha256(data));
+  EXPECT_EQ(*store_->PutBlob(data), hash);
+  EXPECT_EQ(*store_->GetBlob(hash), data);
+  EXPECT_EQ(store_->GetBlob(Sha256{}).status().code(), Code::kNotFound);
+}
+
+TEST_F(StoreTest, PublishingTheSameContentAgainKeepsTheVersion) {
+  World world(*store_);
+  auto same = store_->PublishExercise(world.Exercise("exercise", "v1"), Uuid{}, kSystem);
+  EXPECT_EQ(same->id, world.exercise.id);
+  auto next = store_->PublishExercise(world.Exercise("exercise", "v2"), Uuid{}, kSystem);
+  EXPECT_EQ(next->version, 2);
+  auto all = store_->AllExercises();
+  ASSERT_EQ(all->size(), 1u);
+  EXPECT_EQ(all->front().content, next->content);
+  EXPECT_EQ(store_->ExerciseByContent(world.exercise.content)->version, 1);
+}
+
+TEST_F(StoreTest, ExerciseOfACohortIsOfferedToItsMembersOnly) {
+  World world(*store_);
+  Uuid cohort = *store_->CreateCohort("year 1", kSystem);
+  ASSERT_TRUE(store_->PublishExercise(world.Exercise("closed", "c1"), cohort, kSystem).ok());
+  EXPECT_EQ(store_->ExercisesFor(world.student)->size(), 1u) << "the open one";
+  ASSERT_TRUE(store_->AddToCohort(cohort, world.student, kSystem).ok());
+  EXPECT_EQ(store_->ExercisesFor(world.student)->size(), 2u);
+}
+
+TEST_F(StoreTest, AttemptFiltersNarrowAndPage) {
+  World world(*store_);
+  Uuid other = AddPerson(*store_, "other", Role::kStudent);
+  Uuid instructor = AddPerson(*store_, "instructor", Role::kInstructor);
+  Uuid cohort = *store_->CreateCohort("year 1", kSystem);
+  ASSERT_TRUE(store_->AddToCohort(cohort, other, kSystem).ok());
+  ASSERT_TRUE(store_->AddToCohort(cohort, instructor, kSystem).ok());
+  world.NewAttempt();
+  world.NewAttemptOf(other);
+  auto count = [&](AttemptFilter filter) { return store_->Attempts(filter)->size(); };
+  EXPECT_EQ(count({}), 2u);
+  EXPECT_EQ(count({.person = world.student}), 1u);
+  EXPECT_EQ(count({.cohort = cohort}), 1u);
+  EXPECT_EQ(store_->Attempts({.visible_to_instructor = instructor})->front().person, other);
+  EXPECT_EQ(count({.visible_to_instructor = world.student}), 0u);
+  EXPECT_EQ(count({.person = other, .cohort = cohort, .exercise = world.exercise.id}), 1u);
+  AttemptRow newest = store_->Attempts({.limit = 1})->front();
+  EXPECT_EQ(count({.before = newest.id}), 1u);
+}
+
+TEST_F(StoreTest, OnlyAScoredAttemptIsReleased) {
+  World world(*store_);
+  Uuid open = world.OpenedAttempt();
+  EXPECT_EQ(store_->ReleaseAttempt(open, kSystem).code(), Code::kConflict);
+  Uuid scored = world.ScoredAttempt();
+  ASSERT_TRUE(store_->ReleaseAttempt(scored, kSystem).ok());
+  EXPECT_TRUE(store_->AttemptById(scored)->released);
+}
+
+TEST_F(StoreTest, ReferenceQueuesAttemptsThatWereScoredWithoutOne) {
+  World world(*store_);
+  Uuid scored = world.ScoredAttempt();
+  auto job = store_->LeaseJob(1, 1000);
+  ASSERT_TRUE(job.ok() && job->has_value());
+  ASSERT_TRUE(store_->FinishJob((*job)->id, true, "").ok());
+  ASSERT_TRUE(store_->FinishAttempt(scored, {}).ok());
+  EXPECT_FALSE(store_->LeaseJob(1, 1000)->has_value());
+
+  auto reference = store_->AddReference(scored, "Dr. Example", kSystem);
+  ASSERT_TRUE(reference.ok()) << reference.status().message();
+  EXPECT_EQ(store_->ReferenceFor(world.exercise.id)->value().attempt, scored);
+  auto again = store_->LeaseJob(1, 1000);
+  ASSERT_TRUE(again->has_value());
+  EXPECT_EQ((*again)->attempt, scored);
+
+  Store::AttemptResult result;
+  result.reference = scored;
+  ASSERT_TRUE(store_->FinishAttempt(scored, result).ok());
+  EXPECT_EQ(store_->ResultOf(scored).status().code(), Code::kOk);
+  EXPECT_EQ(store_->ResultOf(scored)->reference, scored);
+}
+
+TEST_F(StoreTest, JobWhoseLeaseRanOutIsTakenAgainAndFailsAfterThreeTries) {
+  World world(*store_);
+  Uuid attempt = world.OpenedAttempt();
+  ASSERT_TRUE(store_->SealAttempt(World::SealOf(world.Append(attempt, 1)), 200).ok());
+  UnixMs now = 1000;
+  for (uint32_t tries = 1; tries <= 3; ++tries) {
+    auto job = store_->LeaseJob(now, 50);
+    ASSERT_TRUE(job->has_value());
+    EXPECT_EQ((*job)->tries, tries);
+    EXPECT_EQ(store_->AttemptById(attempt)->state, AttemptState::kScoring);
+    EXPECT_FALSE(store_->LeaseJob(now + 50, 50)->has_value()) << "leased";
+    now += 100;
+  }
+  EXPECT_FALSE(store_->LeaseJob(now, 50)->has_value());
+  EXPECT_EQ(store_->Jobs("failed")->size(), 1u);
+  EXPECT_EQ(store_->AttemptById(attempt)->state, AttemptState::kFailed);
+}
+
+TEST_F(StoreTest, FailedTryIsQueuedAgainWithItsError) {
+  World world(*store_);
+  Uuid attempt = world.OpenedAttempt();
+  ASSERT_TRUE(store_->SealAttempt(World::SealOf(world.Append(attempt, 1)), 200).ok());
+  Uuid job = store_->LeaseJob(1, 50)->value().id;
+  ASSERT_TRUE(store_->FinishJob(job, false, "disk full").ok());
+  EXPECT_EQ(store_->Jobs("queued")->front().error, "disk full");
+  EXPECT_EQ(store_->AttemptById(attempt)->state, AttemptState::kSealed);
+}
+
+TEST_F(StoreTest, EveryChangeLeavesAnAuditRowWithItsActor) {
+  World world(*store_);
+  Uuid scored = world.ScoredAttempt();
+  ASSERT_TRUE(store_->ReleaseAttempt(scored, Actor{world.student, "page"}).ok());
+  auto rows = store_->Audit(100);
+  auto released = std::find_if(rows->begin(), rows->end(),
+                               [](const AuditRow& row) { return row.action == "attempt.release"; });
+  ASSERT_NE(released, rows->end());
+  EXPECT_EQ(released->object, scored.Text());
+  EXPECT_EQ(released->actor, world.student.Text() + " (page)");
+  EXPECT_NE(released->after_json, released->before_json);
+}
+
+}  // namespace
+}  // namespace enamel::server

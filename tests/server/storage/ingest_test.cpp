@@ -1,0 +1,115 @@
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "tests/server/storage/store_world.h"
+
+// Traces: what is committed, what is refused, what survives.
+namespace enamel::server {
+namespace {
+
+using namespace testing;
+
+class IngestTest : public ::testing::Test {
+ protected:
+  TempFolder folder_;
+  std::unique_ptr<Store> store_ = OpenStore(folder_.path());
+  World world_{*store_};
+};
+
+TEST_F(IngestTest, HeaderIsOpenedOnceAndAgainOnlyWithTheSameBytes) {
+  Uuid attempt = world_.OpenedAttempt();
+  EXPECT_TRUE(store_->OpenAttempt(attempt, AsBytes("header")).ok());
+  EXPECT_EQ(store_->OpenAttempt(attempt, AsBytes("another")).code(), Code::kConflict);
+  EXPECT_EQ(store_->OpenAttempt(Uuid::New(), AsBytes("header")).code(), Code::kNotFound);
+}
+
+TEST_F(IngestTest, ChunksAreCountedOnceHoweverOftenTheyCome) {
+  Uuid attempt = world_.OpenedAttempt();
+  auto chunks = world_.Append(attempt, 3);
+  for (const auto& chunk : chunks) EXPECT_TRUE(store_->AppendChunk(chunk).ok());
+  AttemptRow row = *store_->AttemptById(attempt);
+  EXPECT_EQ(row.chunks, 3u);
+  EXPECT_EQ(row.ticks, 3u * World::kTicksPerChunk);
+  EXPECT_EQ(row.state, AttemptState::kRecording);
+}
+
+TEST_F(IngestTest, ChunkOutOfOrderNamesTheExpectedOne) {
+  Uuid attempt = world_.OpenedAttempt();
+  Status status = store_->AppendChunk(world_.Chunk(attempt, 2, World::HeaderHash()));
+  EXPECT_EQ(status.code(), Code::kInvalidInput);
+  EXPECT_NE(status.message().find("expected chunk 0"), std::string::npos) << status.message();
+}
+
+TEST_F(IngestTest, ChunkOfAnotherChainIsRefused) {
+  Uuid attempt = world_.OpenedAttempt();
+  Status status = store_->AppendChunk(world_.Chunk(attempt, 0, HashSha256(AsBytes("elsewhere"))));
+  EXPECT_EQ(status.code(), Code::kInvalidInput);
+  EXPECT_EQ(status.field(), "previous");
+  EXPECT_EQ(store_->AttemptById(attempt)->chunks, 0u);
+}
+
+TEST_F(IngestTest, ContradictingChunkQuarantinesTheAttemptAndKeepsBoth) {
+  Uuid attempt = world_.OpenedAttempt();
+  auto chunks = world_.Append(attempt, 1);
+  EXPECT_EQ(store_->AppendChunk(world_.Chunk(attempt, 0, World::HeaderHash(), 9)).code(),
+            Code::kConflict);
+  AttemptRow row = *store_->AttemptById(attempt);
+  EXPECT_EQ(row.state, AttemptState::kQuarantined);
+  EXPECT_FALSE(row.problem.empty());
+  EXPECT_EQ(store_->AttemptChunks(attempt)->front(), chunks[0].bytes);
+  EXPECT_EQ(store_->SealAttempt(World::SealOf(chunks), 1).code(), Code::kConflict);
+}
+
+TEST_F(IngestTest, SealedTraceReadsBackTheSameBytes) {
+  Uuid attempt = world_.OpenedAttempt();
+  auto chunks = world_.Append(attempt, 4);
+  trace::Seal seal = World::SealOf(chunks);
+  ASSERT_TRUE(store_->SealAttempt(seal, 200).ok());
+  EXPECT_TRUE(store_->SealAttempt(seal, 300).ok()) << "again: nothing to do";
+  auto stored = store_->AttemptChunks(attempt);
+  ASSERT_EQ(stored->size(), chunks.size());
+  for (size_t i = 0; i < chunks.size(); ++i) EXPECT_EQ((*stored)[i], chunks[i].bytes);
+  EXPECT_EQ(*store_->AttemptHeader(attempt), Bytes({'h', 'e', 'a', 'd', 'e', 'r'}));
+  EXPECT_EQ(store_->AttemptSeal(attempt)->state_hash, seal.state_hash);
+  EXPECT_EQ(store_->AttemptById(attempt)->sealed_ms, 200);
+  EXPECT_EQ(store_->Jobs("queued")->size(), 1u);
+}
+
+TEST_F(IngestTest, SealThatDoesNotMatchTheChunksIsRefused) {
+  Uuid attempt = world_.OpenedAttempt();
+  auto chunks = world_.Append(attempt, 2);
+  trace::Seal seal = World::SealOf(chunks);
+  ++seal.chunks;
+  EXPECT_EQ(store_->SealAttempt(seal, 200).code(), Code::kConflict);
+  EXPECT_EQ(store_->AttemptById(attempt)->state, AttemptState::kRecording);
+}
+
+TEST_F(IngestTest, SealedAttemptTakesRepeatsButNothingNew) {
+  Uuid attempt = world_.OpenedAttempt();
+  auto chunks = world_.Append(attempt, 2);
+  ASSERT_TRUE(store_->SealAttempt(World::SealOf(chunks), 200).ok());
+  EXPECT_TRUE(store_->AppendChunk(chunks[1]).ok());
+  EXPECT_EQ(store_->AppendChunk(world_.Chunk(attempt, 1, chunks[0].hash, 5)).code(),
+            Code::kConflict);
+  EXPECT_EQ(store_->AppendChunk(world_.Chunk(attempt, 2, chunks[1].hash)).code(), Code::kConflict);
+  EXPECT_EQ(store_->AttemptById(attempt)->state, AttemptState::kSealed);
+}
+
+TEST_F(IngestTest, ConcurrentAttemptsAllCommit) {
+  constexpr int kAttempts = 4, kChunks = 8;
+  std::vector<Uuid> attempts;
+  for (int i = 0; i < kAttempts; ++i) attempts.push_back(world_.OpenedAttempt());
+  std::vector<std::thread> threads;
+  for (const Uuid& attempt : attempts) {
+    threads.emplace_back([&, attempt] { world_.Append(attempt, kChunks); });
+  }
+  for (auto& thread : threads) thread.join();
+  store_.reset();
+  store_ = OpenStore(folder_.path());
+  for (const Uuid& attempt : attempts)
+    EXPECT_EQ(store_->AttemptChunks(attempt)->size(), size_t{kChunks});
+}
+
+}  // namespace
+}  // namespace enamel::server

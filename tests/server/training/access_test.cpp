@@ -1,0 +1,76 @@
+#include "server/training/access.h"
+
+#include <gtest/gtest.h>
+
+namespace enamel::server {
+namespace {
+
+Person Of(Role role, uint8_t id) {
+  Person out;
+  out.id.bytes[0] = id;
+  out.role = role;
+  return out;
+}
+
+const Person kOwner = Of(Role::kStudent, 1);
+const Person kOtherStudent = Of(Role::kStudent, 2);
+const Person kInstructor = Of(Role::kInstructor, 3);
+const Person kAdmin = Of(Role::kAdmin, 4);
+
+AttemptRow AttemptOfOwner(bool released = false) {
+  AttemptRow out;
+  out.person = kOwner.id;
+  out.released = released;
+  return out;
+}
+
+TEST(AccessTest, StudentSeesOwnAttemptsOnlyEvenInASharedCohort) {
+  EXPECT_TRUE(CanSeeAttempt(kOwner, AttemptOfOwner(), false));
+  EXPECT_FALSE(CanSeeAttempt(kOtherStudent, AttemptOfOwner(), true));
+}
+
+TEST(AccessTest, InstructorSeesAttemptsOfOwnCohortsOnly) {
+  EXPECT_TRUE(CanSeeAttempt(kInstructor, AttemptOfOwner(), true));
+  EXPECT_FALSE(CanSeeAttempt(kInstructor, AttemptOfOwner(), false));
+  EXPECT_FALSE(CanReleaseAttempt(kInstructor, AttemptOfOwner(), false));
+}
+
+TEST(AccessTest, GradedScoreIsHiddenFromItsStudentUntilReleased) {
+  EXPECT_FALSE(CanSeeScore(kOwner, AttemptOfOwner(false), true, true));
+  EXPECT_TRUE(CanSeeScore(kOwner, AttemptOfOwner(true), true, true));
+  EXPECT_TRUE(CanSeeScore(kOwner, AttemptOfOwner(false), false, true));
+  EXPECT_FALSE(CanSeeScore(kOtherStudent, AttemptOfOwner(true), false, true));
+}
+
+TEST(AccessTest, AdminSeesAndAdministersAll) {
+  EXPECT_TRUE(CanSeeScore(kAdmin, AttemptOfOwner(), true, false));
+  EXPECT_TRUE(CanAdminister(kAdmin));
+  EXPECT_FALSE(CanAdminister(kInstructor));
+  EXPECT_FALSE(CanListCohorts(kOwner));
+}
+
+TEST(AccessTest, StudentNeverReleasesNorMakesReferences) {
+  EXPECT_FALSE(CanReleaseAttempt(kOwner, AttemptOfOwner(), true));
+  EXPECT_FALSE(CanMarkReference(kOwner, AttemptOfOwner(), true));
+  EXPECT_FALSE(CanRecordReference(kOwner));
+}
+
+TEST(AccessTest, DisabledPersonMayNothing) {
+  for (Person person : {kOwner, kInstructor, kAdmin}) {
+    person.disabled = true;
+    EXPECT_FALSE(CanSeeAttempt(person, AttemptOfOwner(true), true));
+    EXPECT_FALSE(CanSeeScore(person, AttemptOfOwner(true), false, true));
+    EXPECT_FALSE(CanListCohorts(person));
+    EXPECT_FALSE(CanAdminister(person));
+  }
+}
+
+TEST(AccessTest, RoleNamesReadBack) {
+  for (Role role : {Role::kStudent, Role::kInstructor, Role::kAdmin}) {
+    EXPECT_EQ(RoleFromName(RoleName(role)), role);
+  }
+  EXPECT_FALSE(RoleFromName("Admin").has_value());
+}
+
+}  // namespace
+}  // namespace enamel::server
