@@ -11,23 +11,23 @@ namespace enamel::station::render {
 
 // Why the operator should look at the screen. Shown as text in the window.
 enum Warning : uint32_t {
-  kWarnForceBounded = 1u << 0,   // the force the law asked for was cut to the device's limit
-  kWarnLate = 1u << 1,           // ticks run late
-  kWarnFault = 1u << 2,          // force is held at zero until the operator acts
-  kWarnGap = 1u << 3,            // ticks were lost: the recording has a declared gap
-  kWarnOffline = 1u << 4,        // server not reachable: recording continues on the station
+  kWarnForceBounded = 1u << 0,  // the force the law asked for was cut to the device's limit
+  kWarnLate = 1u << 1,          // ticks run late
+  kWarnFault = 1u << 2,         // force is held at zero until the operator acts
+  kWarnGap = 1u << 3,           // ticks were lost: the recording has a declared gap
+  kWarnOffline = 1u << 4,       // server not reachable: recording continues on the station
   kWarnPulpExposed = 1u << 5,
 };
 
 // All the picture needs to know about one tick: a plain value, copied whole. Scene frame, SI.
 struct FrameState {
   uint64_t tick = 0;
-  double time_s = 0;                     // of the attempt, for the timer
-  cutting::Pose anchor;                  // the bur as it cuts
-  cutting::Pose device;                  // where the hand is; drawn as a ghost when apart from the anchor
-  dvec3 force_sent_n{0};                 // on the operator
+  double time_s = 0;      // of the attempt, for the timer
+  cutting::Pose anchor;   // the bur as it cuts
+  cutting::Pose device;   // where the hand is; drawn as a ghost when apart from the anchor
+  dvec3 force_sent_n{0};  // on the operator
   bool bur_on = false;
-  uint32_t warnings = 0;                 // Warning bits
+  uint32_t warnings = 0;  // Warning bits
   std::array<double, cutting::kTissueCount> removed_mm3{};
 };
 

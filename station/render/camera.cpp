@@ -1,0 +1,69 @@
+#include "station/render/camera.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+
+namespace enamel::station::render {
+namespace {
+
+constexpr float kFieldOfView = glm::radians(28.0f);  // narrow: little perspective distortion
+constexpr float kMaxPitch = glm::radians(89.9f);
+
+glm::vec3 Direction(float yaw, float pitch) {
+  return {std::cos(pitch) * std::cos(yaw), std::cos(pitch) * std::sin(yaw), std::sin(pitch)};
+}
+
+}  // namespace
+
+Camera::Camera(const glm::vec3& focus_mm, float radius_mm)
+    : home_mm_(focus_mm), focus_mm_(focus_mm), home_radius_mm_(radius_mm), radius_mm_(radius_mm) {
+  SetView(View::kOblique);
+}
+
+void Camera::SetView(View view) {
+  focus_mm_ = home_mm_;
+  radius_mm_ = home_radius_mm_;
+  auto place = [&](float yaw_deg, float pitch_deg) {
+    yaw_ = glm::radians(yaw_deg);
+    pitch_ = std::clamp(glm::radians(pitch_deg), -kMaxPitch, kMaxPitch);
+  };
+  switch (view) {
+    case View::kOblique:
+      return place(-64, 55);
+    case View::kOcclusal:
+      return place(-90, 90);
+    case View::kBuccal:
+      return place(90, 8);
+    case View::kMesial:
+      return place(0, 8);
+  }
+}
+
+void Camera::Orbit(float dx, float dy) {
+  yaw_ -= dx * 4;
+  pitch_ = std::clamp(pitch_ + dy * 4, -kMaxPitch, kMaxPitch);
+}
+
+void Camera::Pan(float dx, float dy) {
+  glm::mat4 view = ViewFromScene();
+  glm::vec3 right(view[0][0], view[1][0], view[2][0]), up(view[0][1], view[1][1], view[2][1]);
+  focus_mm_ += (-dx * right + dy * up) * (2 * radius_mm_);
+}
+
+void Camera::Zoom(float notches) {
+  radius_mm_ = std::clamp(radius_mm_ * std::pow(0.9f, notches), 0.3f, 60.0f);
+}
+
+float Camera::distance_mm() const { return radius_mm_ / std::tan(kFieldOfView / 2); }
+
+glm::mat4 Camera::ViewFromScene() const {
+  return glm::lookAt(focus_mm_ + distance_mm() * Direction(yaw_, pitch_), focus_mm_,
+                     glm::vec3(0, 0, 1));
+}
+
+glm::mat4 Camera::ClipFromView(float aspect) const {
+  return glm::perspective(kFieldOfView, aspect, near_mm(), far_mm());
+}
+
+}  // namespace enamel::station::render

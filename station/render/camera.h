@@ -1,0 +1,38 @@
+#pragma once
+
+#include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
+
+#include "station/render/window.h"
+
+namespace enamel::station::render {
+
+// Orbits a focus; millimetres, scene frame (+z occlusal, +x mesial, +y buccal). Not thread-safe.
+class Camera {
+ public:
+  // `radius_mm`: half of what fits into the picture's height.
+  Camera(const glm::vec3& focus_mm, float radius_mm);
+
+  void SetView(View view);
+  // Turns by a drag of the mouse, as fractions of the window's height.
+  void Orbit(float dx, float dy);
+  // Moves the focus in the picture's plane, same unit.
+  void Pan(float dx, float dy);
+  // One notch of the wheel; positive comes nearer.
+  void Zoom(float notches);
+
+  glm::mat4 ViewFromScene() const;
+  glm::mat4 ClipFromView(float aspect) const;
+  float radius_mm() const { return radius_mm_; }
+  float near_mm() const { return distance_mm() * 0.05f; }
+  float far_mm() const { return distance_mm() + 60; }
+
+ private:
+  float distance_mm() const;
+
+  glm::vec3 home_mm_, focus_mm_;
+  float home_radius_mm_, radius_mm_;
+  float yaw_ = 0, pitch_ = 0;  // rad; where the camera is, seen from the focus
+};
+
+}  // namespace enamel::station::render

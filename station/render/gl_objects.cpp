@@ -1,0 +1,168 @@
+#include "station/render/gl_objects.h"
+
+#include <cstddef>
+#include <glm/gtc/type_ptr.hpp>
+#include <stdexcept>
+#include <utility>
+
+#include "common/base/check.h"
+
+namespace enamel::station::render {
+namespace {
+
+GLuint Compile(GLenum kind, const char* source) {
+  GLuint shader = glCreateShader(kind);
+  glShaderSource(shader, 1, &source, nullptr);
+  glCompileShader(shader);
+  GLint ok = 0;
+  glGetShaderiv(shader, GL_COMPILE_STATUS, &ok);
+  if (ok) return shader;
+  char log[2048] = "";
+  glGetShaderInfoLog(shader, sizeof log, nullptr, log);
+  glDeleteShader(shader);
+  throw std::runtime_error(std::string("the graphics driver refused a shader: ") + log);
+}
+
+GLuint MakeTexture(GLenum format, int width, int height, GLenum filter) {
+  GLuint name = 0;
+  glGenTextures(1, &name);
+  glBindTexture(GL_TEXTURE_2D, name);
+  bool depth = format == GL_DEPTH_COMPONENT24;
+  glTexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(format), width, height, 0,
+               depth ? GL_DEPTH_COMPONENT : GL_RGBA, depth ? GL_UNSIGNED_INT : GL_UNSIGNED_BYTE,
+               nullptr);
+  auto sampling = static_cast<GLint>(depth ? GL_NEAREST : filter);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, sampling);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, sampling);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+  return name;
+}
+
+}  // namespace
+
+Program::Program(const char* vertex_source, const char* fragment_source) {
+  GLuint vertex = Compile(GL_VERTEX_SHADER, vertex_source);
+  GLuint fragment = Compile(GL_FRAGMENT_SHADER, fragment_source);
+  name_ = glCreateProgram();
+  glAttachShader(name_, vertex);
+  glAttachShader(name_, fragment);
+  glLinkProgram(name_);
+  glDeleteShader(vertex);
+  glDeleteShader(fragment);
+  GLint ok = 0;
+  glGetProgramiv(name_, GL_LINK_STATUS, &ok);
+  if (ok) return;
+  char log[2048] = "";
+  glGetProgramInfoLog(name_, sizeof log, nullptr, log);
+  glDeleteProgram(name_);
+  throw std::runtime_error(std::string("the graphics driver could not link a shader: ") + log);
+}
+
+void Program::Set(const char* uniform, const glm::mat4& m) const {
+  glUniformMatrix4fv(Location(uniform), 1, GL_FALSE, glm::value_ptr(m));
+}
+void Program::Set(const char* uniform, const glm::vec3& v) const {
+  glUniform3f(Location(uniform), v.x, v.y, v.z);
+}
+void Program::Set(const char* uniform, float v) const { glUniform1f(Location(uniform), v); }
+void Program::Set(const char* uniform, int v) const { glUniform1i(Location(uniform), v); }
+void Program::Set(const char* uniform, std::span<const glm::vec3> v) const {
+  glUniform3fv(Location(uniform), static_cast<GLsizei>(v.size()), &v[0].x);
+}
+void Program::Set(const char* uniform, std::span<const float> v) const {
+  glUniform1fv(Location(uniform), static_cast<GLsizei>(v.size()), v.data());
+}
+
+TriangleBuffer::TriangleBuffer() {
+  glGenVertexArrays(1, &array_);
+  glGenBuffers(1, &vertices_);
+  glGenBuffers(1, &indices_);
+  glBindVertexArray(array_);
+  glBindBuffer(GL_ARRAY_BUFFER, vertices_);
+  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_);
+  auto at = [](size_t offset) { return reinterpret_cast<const void*>(offset); };
+  glEnableVertexAttribArray(0);
+  glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(GpuVertex),
+                        at(offsetof(GpuVertex, position_mm)));
+  glEnableVertexAttribArray(1);
+  glVertexAttribPointer(1, 3, GL_BYTE, GL_TRUE, sizeof(GpuVertex), at(offsetof(GpuVertex, normal)));
+  glEnableVertexAttribArray(2);
+  glVertexAttribIPointer(2, 1, GL_UNSIGNED_BYTE, sizeof(GpuVertex),
+                         at(offsetof(GpuVertex, tissue)));
+  glBindVertexArray(0);
+}
+
+TriangleBuffer::TriangleBuffer(TriangleBuffer&& other) noexcept
+    : array_(std::exchange(other.array_, 0)),
+      vertices_(std::exchange(other.vertices_, 0)),
+      indices_(std::exchange(other.indices_, 0)),
+      count_(std::exchange(other.count_, 0)) {}
+
+TriangleBuffer::~TriangleBuffer() {
+  glDeleteVertexArrays(1, &array_);
+  glDeleteBuffers(1, &vertices_);
+  glDeleteBuffers(1, &indices_);
+}
+
+void TriangleBuffer::Upload(std::span<const GpuVertex> vertices,
+                            std::span<const uint32_t> indices) {
+  glBindVertexArray(array_);
+  glBindBuffer(GL_ARRAY_BUFFER, vertices_);
+  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size_bytes()), vertices.data(),
+               GL_DYNAMIC_DRAW);
+  glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(indices.size_bytes()),
+               indices.data(), GL_DYNAMIC_DRAW);
+  glBindVertexArray(0);
+  count_ = static_cast<GLsizei>(indices.size());
+}
+
+void TriangleBuffer::Draw() const {
+  if (count_ == 0) return;
+  glBindVertexArray(array_);
+  glDrawElements(GL_TRIANGLES, count_, GL_UNSIGNED_INT, nullptr);
+}
+
+Target::Target(int width, int height, std::initializer_list<GLenum> colour_formats, bool depth,
+               GLenum filter)
+    : width_(width), height_(height) {
+  glGenFramebuffers(1, &name_);
+  glBindFramebuffer(GL_FRAMEBUFFER, name_);
+  std::vector<GLenum> attachments;
+  for (GLenum format : colour_formats) {
+    attachments.push_back(static_cast<GLenum>(GL_COLOR_ATTACHMENT0 + colour_.size()));
+    colour_.push_back(MakeTexture(format, width, height, filter));
+    glFramebufferTexture2D(GL_FRAMEBUFFER, attachments.back(), GL_TEXTURE_2D, colour_.back(), 0);
+  }
+  glDrawBuffers(static_cast<GLsizei>(attachments.size()), attachments.data());
+  if (depth) {
+    depth_ = MakeTexture(GL_DEPTH_COMPONENT24, width, height, GL_NEAREST);
+    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, depth_, 0);
+  }
+  if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
+    throw std::runtime_error("the graphics driver cannot draw off screen");
+  }
+}
+
+Target::~Target() {
+  glDeleteFramebuffers(1, &name_);
+  glDeleteTextures(static_cast<GLsizei>(colour_.size()), colour_.data());
+  glDeleteTextures(1, &depth_);
+}
+
+void Target::Bind() const {
+  glBindFramebuffer(GL_FRAMEBUFFER, name_);
+  glViewport(0, 0, width_, height_);
+}
+
+void Target::BindColour(int unit, size_t which) const {
+  glActiveTexture(static_cast<GLenum>(GL_TEXTURE0 + unit));
+  glBindTexture(GL_TEXTURE_2D, colour_[which]);
+}
+
+void Target::BindDepth(int unit) const {
+  glActiveTexture(static_cast<GLenum>(GL_TEXTURE0 + unit));
+  glBindTexture(GL_TEXTURE_2D, depth_);
+}
+
+}  // namespace enamel::station::render

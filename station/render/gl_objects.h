@@ -1,0 +1,79 @@
+#pragma once
+
+#include <epoxy/gl.h>
+
+#include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
+#include <initializer_list>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "station/render/mesher.h"
+
+// Owners of OpenGL names. All need the context current, also when destroyed. Not thread-safe.
+namespace enamel::station::render {
+
+// Throws std::runtime_error with the driver's log when the driver refuses the source.
+class Program {
+ public:
+  Program(const char* vertex_source, const char* fragment_source);
+  ~Program() { glDeleteProgram(name_); }
+  Program(const Program&) = delete;
+  Program& operator=(const Program&) = delete;
+
+  void Use() const { glUseProgram(name_); }
+  // Uniforms of the program in use. Unused names are ignored, as OpenGL does.
+  void Set(const char* uniform, const glm::mat4& m) const;
+  void Set(const char* uniform, const glm::vec3& v) const;
+  void Set(const char* uniform, float v) const;
+  void Set(const char* uniform, int v) const;
+  void Set(const char* uniform, std::span<const glm::vec3> v) const;
+  void Set(const char* uniform, std::span<const float> v) const;
+
+ private:
+  int Location(const char* uniform) const { return glGetUniformLocation(name_, uniform); }
+  GLuint name_ = 0;
+};
+
+// Indexed triangles of GpuVertex: attributes 0 position, 1 normal, 2 tissue or material.
+class TriangleBuffer {
+ public:
+  TriangleBuffer();
+  ~TriangleBuffer();
+  TriangleBuffer(TriangleBuffer&& other) noexcept;
+  TriangleBuffer(const TriangleBuffer&) = delete;
+  TriangleBuffer& operator=(const TriangleBuffer&) = delete;
+
+  void Upload(std::span<const GpuVertex> vertices, std::span<const uint32_t> indices);
+  void Draw() const;
+
+ private:
+  GLuint array_ = 0, vertices_ = 0, indices_ = 0;
+  GLsizei count_ = 0;
+};
+
+// A framebuffer with colour textures and, optionally, a depth texture.
+class Target {
+ public:
+  Target(int width, int height, std::initializer_list<GLenum> colour_formats, bool depth,
+         GLenum filter);
+  ~Target();
+  Target(const Target&) = delete;
+  Target& operator=(const Target&) = delete;
+
+  // Draws go here from now on, over its whole size.
+  void Bind() const;
+  void BindColour(int unit, size_t which) const;
+  void BindDepth(int unit) const;
+  GLuint name() const { return name_; }
+  int width() const { return width_; }
+  int height() const { return height_; }
+
+ private:
+  int width_, height_;
+  GLuint name_ = 0, depth_ = 0;
+  std::vector<GLuint> colour_;
+};
+
+}  // namespace enamel::station::render

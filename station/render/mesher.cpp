@@ -1,0 +1,155 @@
+#include "station/render/mesher.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace enamel::station::render {
+namespace {
+
+constexpr int kGroupSide = 4;
+// The tick thread cannot wake the mesher without a system call, so the mesher looks.
+constexpr auto kPollInterval = std::chrono::milliseconds(4);
+
+int8_t ToInt8(float v) {
+  return static_cast<int8_t>(std::lround(std::clamp(v, -1.0f, 1.0f) * 127));
+}
+
+ivec3 BrickAt(const cutting::GridSpec& spec, int brick) {
+  return {brick % spec.bricks.x, brick / spec.bricks.x % spec.bricks.y,
+          brick / (spec.bricks.x * spec.bricks.y)};
+}
+
+}  // namespace
+
+Mesher::Mesher(const cutting::Volume& initial, BrickFeed& feed)
+    : feed_(feed),
+      groups_((initial.spec().bricks + kGroupSide - 1) / kGroupSide),
+      replica_(initial) {
+  replica_.Reserve();
+  auto bricks = static_cast<size_t>(initial.spec().brick_count());
+  bricks_.resize(bricks);
+  is_changed_.resize(bricks);
+  bricks_of_group_.resize(group_count());
+  for (size_t b = 0; b < bricks; ++b) {
+    auto brick = static_cast<int>(b);
+    bricks_of_group_[GroupOf(BrickAt(initial.spec(), brick))].push_back(brick);
+  }
+  thread_ = std::thread([this] { Run(); });
+}
+
+Mesher::~Mesher() {
+  stop_ = true;
+  thread_.join();
+}
+
+size_t Mesher::GroupOf(const ivec3& brick) const {
+  ivec3 g = brick / kGroupSide;
+  return (static_cast<size_t>(g.z) * groups_.y + g.y) * groups_.x + g.x;
+}
+
+std::vector<GroupMesh> Mesher::TakeReady() {
+  std::lock_guard lock(mutex_);
+  return std::exchange(ready_, {});
+}
+
+bool Mesher::WaitIdle(std::chrono::milliseconds limit) {
+  size_t target = feed_.sent();
+  std::unique_lock lock(mutex_);
+  return idle_.wait_for(lock, limit, [&] { return initial_done_ && meshed_ >= target; });
+}
+
+void Mesher::Run() {
+  MeshInitial();
+  while (!stop_) {
+    if (!ApplyUpdates()) {
+      std::this_thread::sleep_for(kPollInterval);
+      continue;
+    }
+    RemeshChanged();
+    {
+      std::lock_guard lock(mutex_);
+      meshed_ = applied_;
+    }
+    idle_.notify_all();
+  }
+}
+
+void Mesher::MeshInitial() {
+  for (size_t g = 0; g < group_count() && !stop_; ++g) {
+    for (int32_t b : bricks_of_group_[g])
+      bricks_[static_cast<size_t>(b)] = surface::ExtractBrick(replica_, b);
+    GroupMesh mesh = Assemble(g);
+    if (!mesh.indices.empty()) Deliver(std::move(mesh));
+  }
+  {
+    std::lock_guard lock(mutex_);
+    initial_done_ = true;
+  }
+  idle_.notify_all();
+}
+
+bool Mesher::ApplyUpdates() {
+  const cutting::GridSpec& spec = replica_.spec();
+  size_t taken = feed_.Drain([&](const BrickUpdate& update) {
+    if (!replica_.Materialise(update.brick)) return;
+    replica_.MutablePhi(update.brick) = update.phi;
+    ivec3 at = BrickAt(spec, update.brick);
+    for (int i = 0; i < 27; ++i) {
+      ivec3 b = at + ivec3(i % 3, i / 3 % 3, i / 9) - 1;
+      if (!spec.Contains(b)) continue;
+      int near = spec.BrickIndex(b);
+      if (std::exchange(is_changed_[static_cast<size_t>(near)], uint8_t{1}) == 0)
+        changed_.push_back(near);
+    }
+  });
+  applied_ += taken;
+  return taken > 0;
+}
+
+void Mesher::RemeshChanged() {
+  std::vector<size_t> groups;
+  for (int32_t b : changed_) {
+    is_changed_[static_cast<size_t>(b)] = 0;
+    surface::Mesh& mesh = bricks_[static_cast<size_t>(b)];
+    bool was_empty = mesh.triangles.empty();
+    mesh = surface::ExtractBrick(replica_, b);
+    if (!was_empty || !mesh.triangles.empty())
+      groups.push_back(GroupOf(BrickAt(replica_.spec(), b)));
+  }
+  changed_.clear();
+  std::sort(groups.begin(), groups.end());
+  groups.erase(std::unique(groups.begin(), groups.end()), groups.end());
+  for (size_t g : groups) Deliver(Assemble(g));
+}
+
+GroupMesh Mesher::Assemble(size_t group) const {
+  GroupMesh out;
+  out.group = group;
+  for (int32_t b : bricks_of_group_[group]) {
+    const surface::Mesh& mesh = bricks_[static_cast<size_t>(b)];
+    auto base = static_cast<uint32_t>(out.vertices.size());
+    for (size_t i = 0; i < mesh.position_m.size(); ++i) {
+      glm::vec3 p = mesh.position_m[i] * 1000.0f, n = mesh.normal[i];
+      out.vertices.push_back(
+          {{p.x, p.y, p.z}, {ToInt8(n.x), ToInt8(n.y), ToInt8(n.z)}, mesh.tissue[i]});
+    }
+    for (const auto& t : mesh.triangles) {
+      for (uint32_t i : t) out.indices.push_back(base + i);
+    }
+  }
+  return out;
+}
+
+void Mesher::Deliver(GroupMesh mesh) {
+  std::lock_guard lock(mutex_);
+  for (GroupMesh& waiting : ready_) {
+    if (waiting.group == mesh.group) {
+      waiting = std::move(mesh);
+      return;
+    }
+  }
+  ready_.push_back(std::move(mesh));
+}
+
+}  // namespace enamel::station::render

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "common/cutting/volume.h"
+#include "common/surface/surface.h"
+#include "station/render/brick_feed.h"
+
+namespace enamel::station::render {
+
+// A vertex as the graphics card takes it. Position in millimetres, scene frame.
+struct GpuVertex {
+  float position_mm[3];
+  int8_t normal[3];  // 127 = 1
+  uint8_t tissue;
+};
+static_assert(sizeof(GpuVertex) == 16);
+
+// The surface of 4 x 4 x 4 bricks, replaced as a whole when one of them changes.
+struct GroupMesh {
+  size_t group = 0;
+  std::vector<GpuVertex> vertices;
+  std::vector<uint32_t> indices;
+};
+
+// Keeps a replica of the volume up to date from a BrickFeed, on a thread of its own, and meshes
+// what changed: each changed brick and its 26 neighbours. Bricks that a cut spreads over arrive
+// within a few milliseconds of each other, so a picture may show a step between them for one frame.
+// Thread safety: TakeReady, WaitIdle from any thread. Not real-time.
+class Mesher {
+ public:
+  // Copies `initial`. `feed` must outlive the mesher, which is its consumer.
+  Mesher(const cutting::Volume& initial, BrickFeed& feed);
+  ~Mesher();
+  Mesher(const Mesher&) = delete;
+  Mesher& operator=(const Mesher&) = delete;
+
+  size_t group_count() const { return static_cast<size_t>(groups_.x) * groups_.y * groups_.z; }
+  // Groups meshed since the last call; at most one entry per group.
+  std::vector<GroupMesh> TakeReady();
+  // Waits until all that the feed has sent, and the initial volume, is meshed. False on time-out.
+  bool WaitIdle(std::chrono::milliseconds limit);
+
+ private:
+  void Run();
+  void MeshInitial();
+  bool ApplyUpdates();  // false when there were none
+  void RemeshChanged();
+  GroupMesh Assemble(size_t group) const;
+  void Deliver(GroupMesh mesh);
+  size_t GroupOf(const ivec3& brick) const;
+
+  // Constant after construction.
+  BrickFeed& feed_;
+  ivec3 groups_{0};
+  // Owned by the mesher's thread.
+  cutting::Volume replica_;
+  std::vector<surface::Mesh> bricks_;
+  std::vector<std::vector<int32_t>> bricks_of_group_;
+  std::vector<int32_t> changed_;
+  std::vector<uint8_t> is_changed_;
+  size_t applied_ = 0;
+  // Guarded by mutex_.
+  std::mutex mutex_;
+  std::condition_variable idle_;
+  std::vector<GroupMesh> ready_;
+  size_t meshed_ = 0;  // updates that are in the picture
+  bool initial_done_ = false;
+
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+}  // namespace enamel::station::render

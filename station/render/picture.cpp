@@ -1,0 +1,215 @@
+#include "station/render/picture.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+#include <random>
+
+#include "station/render/revolve.h"
+#include "station/render/shaders.h"
+
+namespace enamel::station::render {
+namespace {
+
+constexpr int kKernelSize = 20;
+// Reach of ambient occlusion: about half a cavity's width.
+constexpr float kOcclusionRadius_mm = 1.6f;
+
+glm::vec3 Linear(int r, int g, int b) {
+  return glm::pow(glm::vec3(r, g, b) / 255.0f, glm::vec3(2.2f));
+}
+
+// By cutting::Tissue, then Material.
+std::array<glm::vec3, 16> Colours() {
+  std::array<glm::vec3, 16> c;
+  c.fill(Linear(255, 0, 255));
+  c[1] = Linear(242, 234, 214);  // enamel: ivory
+  c[2] = Linear(226, 187, 116);  // dentin: yellower
+  c[3] = Linear(186, 46, 48);    // pulp
+  c[4] = Linear(112, 74, 44);    // caries
+  c[5] = Linear(190, 196, 206);  // filling
+  c[6] = Linear(226, 222, 212);  // gypsum
+  c[7] = Linear(222, 214, 196);  // neighbour
+  c[kBurHead] = Linear(150, 170, 205);
+  c[kBurShank] = Linear(176, 186, 204);
+  c[kForceArrow] = Linear(40, 205, 190);
+  return c;
+}
+
+std::array<float, 16> Gloss() {
+  std::array<float, 16> g;
+  g.fill(0.25f);
+  g[1] = 0.55f;
+  g[2] = 0.15f;
+  g[kBurHead] = g[kBurShank] = 1.0f;
+  g[kForceArrow] = 0.1f;
+  return g;
+}
+
+// Points of the half ball over +z, denser near its middle.
+std::array<glm::vec3, kKernelSize> OcclusionKernel() {
+  std::array<glm::vec3, kKernelSize> kernel;
+  std::mt19937 random(5);
+  auto unit = [&] { return static_cast<float>(random()) / 4294967296.0f; };
+  for (int i = 0; i < kKernelSize; ++i) {
+    float turn = 6.2831853f * unit(), z = std::sqrt(0.05f + 0.95f * unit()),
+          rho = std::sqrt(1 - z * z);
+    float share = (static_cast<float>(i) + 0.5f) / kKernelSize;
+    kernel[static_cast<size_t>(i)] =
+        glm::vec3(rho * std::cos(turn), rho * std::sin(turn), z) * (0.08f + 0.92f * share * share);
+  }
+  return kernel;
+}
+
+TriangleBuffer& Fill(TriangleBuffer& buffer, const Shape& shape) {
+  buffer.Upload(shape.vertices, shape.indices);
+  return buffer;
+}
+
+// A frame whose +z is along `direction`.
+glm::mat4 Along(const glm::vec3& from, const glm::vec3& direction) {
+  glm::vec3 z = glm::normalize(direction);
+  glm::vec3 x = glm::normalize(
+      glm::cross(std::fabs(z.x) < 0.7f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0), z));
+  return glm::mat4(glm::vec4(x, 0), glm::vec4(glm::cross(z, x), 0), glm::vec4(z, 0),
+                   glm::vec4(from, 1));
+}
+
+}  // namespace
+
+Picture::Picture(const cutting::Bur& bur, size_t group_count)
+    : solid_(kSolidVertex, kSolidFragment),
+      occlusion_(kFullScreenVertex, kOcclusionFragment),
+      compose_(kFullScreenVertex, kComposeFragment),
+      groups_(group_count),
+      bur_height_mm_(static_cast<float>(bur.height_m() * 1000)) {
+  Fill(bur_head_, BurHeadShape(bur));
+  Fill(bur_shank_, BurShankShape(bur));
+  Fill(shaft_, ShaftShape());
+  Fill(tip_, TipShape());
+  glGenVertexArrays(1, &empty_array_);
+  solid_.Use();
+  solid_.Set("colours", std::span<const glm::vec3>(Colours()));
+  solid_.Set("gloss", std::span<const float>(Gloss()));
+  solid_.Set("ghost_colour", Linear(90, 150, 255));
+  occlusion_.Use();
+  occlusion_.Set("kernel", std::span<const glm::vec3>(OcclusionKernel()));
+  occlusion_.Set("radius_mm", kOcclusionRadius_mm);
+  occlusion_.Set("depth", 0);
+  occlusion_.Set("normals", 1);
+  compose_.Use();
+  compose_.Set("solid", 0);
+  compose_.Set("occlusion", 1);
+  compose_.Set("depth", 2);
+}
+
+void Picture::Replace(const GroupMesh& mesh) {
+  auto& group = groups_[mesh.group];
+  if (!group) group.emplace();
+  group->Upload(mesh.vertices, mesh.indices);
+}
+
+void Picture::Resize(int width, int height, int oversampling) {
+  int w = width * oversampling, h = height * oversampling;
+  if (result_ && result_->width() == width && result_->height() == height && solids_->width() == w)
+    return;
+  solids_ = std::make_unique<Target>(w, h, std::initializer_list<GLenum>{GL_RGBA8, GL_RGBA8}, true,
+                                     GL_LINEAR);
+  occluded_ = std::make_unique<Target>((w + 1) / 2, (h + 1) / 2,
+                                       std::initializer_list<GLenum>{GL_R8}, false, GL_NEAREST);
+  result_ = std::make_unique<Target>(width, height, std::initializer_list<GLenum>{GL_RGBA8}, true,
+                                     GL_NEAREST);
+}
+
+void Picture::Draw(const PictureState& state, int width, int height, int oversampling) {
+  Resize(width, height, oversampling);
+  DrawSolids(state);
+  DrawOcclusion(state);
+  Compose(state);
+  DrawArrow(state);
+}
+
+void Picture::DrawSolids(const PictureState& state) {
+  solids_->Bind();
+  glDisable(GL_BLEND);
+  glEnable(GL_DEPTH_TEST);
+  glEnable(GL_CULL_FACE);
+  glClearColor(0, 0, 0, 0);
+  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  solid_.Use();
+  solid_.Set("clip_from_view", state.clip_from_view);
+  solid_.Set("view_from_model", state.view_from_scene);
+  solid_.Set("up_in_view", glm::vec3(state.view_from_scene * glm::vec4(0, 0, 1, 0)));
+  solid_.Set("spin", state.bur_spin);
+  solid_.Set("flute_height_mm", bur_height_mm_);
+  solid_.Set("opacity", 1.0f);
+  solid_.Set("ghostly", 0.0f);
+  for (const auto& group : groups_) {
+    if (group) group->Draw();
+  }
+  auto draw_bur = [&](const glm::mat4& scene_from_bur) {
+    solid_.Set("view_from_model", state.view_from_scene * scene_from_bur);
+    bur_head_.Draw();
+    bur_shank_.Draw();
+  };
+  if (state.scene_from_bur) draw_bur(*state.scene_from_bur);
+  if (!state.scene_from_ghost) return;
+  glEnable(GL_BLEND);
+  glDisablei(GL_BLEND, 1);
+  glColorMaski(1, GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+  glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  glDepthMask(GL_FALSE);
+  solid_.Set("opacity", 0.42f);
+  solid_.Set("ghostly", 0.85f);
+  draw_bur(*state.scene_from_ghost);
+  solid_.Set("opacity", 1.0f);
+  solid_.Set("ghostly", 0.0f);
+  glDepthMask(GL_TRUE);
+  glColorMaski(1, GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  glDisable(GL_BLEND);
+}
+
+void Picture::DrawOcclusion(const PictureState& state) {
+  occluded_->Bind();
+  glDisable(GL_DEPTH_TEST);
+  solids_->BindDepth(0);
+  solids_->BindColour(1, 1);
+  occlusion_.Use();
+  occlusion_.Set("clip_from_view", state.clip_from_view);
+  glBindVertexArray(empty_array_);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+void Picture::Compose(const PictureState& state) {
+  result_->Bind();
+  solids_->BindColour(0, 0);
+  occluded_->BindColour(1, 0);
+  solids_->BindDepth(2);
+  compose_.Use();
+  compose_.Set("clip_from_view", state.clip_from_view);
+  glBindVertexArray(empty_array_);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+// Over everything: the hand feels the force wherever the tooth hides the bur.
+void Picture::DrawArrow(const PictureState& state) {
+  float length = glm::length(state.arrow_mm);
+  if (length < 0.05f) return;
+  constexpr float kShaft_mm = 0.09f, kTip_mm = 0.24f;
+  float tip = std::min(0.7f, 0.5f * length);
+  glm::mat4 frame = Along(state.arrow_from_mm, state.arrow_mm);
+  glEnable(GL_DEPTH_TEST);
+  glClear(GL_DEPTH_BUFFER_BIT);
+  solid_.Use();
+  glm::mat4 view_from_arrow = state.view_from_scene * frame;
+  solid_.Set("view_from_model",
+             glm::scale(view_from_arrow, glm::vec3(kShaft_mm, kShaft_mm, length - tip)));
+  shaft_.Draw();
+  solid_.Set("view_from_model",
+             glm::scale(glm::translate(view_from_arrow, glm::vec3(0, 0, length - tip)),
+                        glm::vec3(kTip_mm, kTip_mm, tip)));
+  tip_.Draw();
+}
+
+}  // namespace enamel::station::render

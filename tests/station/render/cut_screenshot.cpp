@@ -1,0 +1,80 @@
+#include <cstdio>
+
+#include "common/cutting/cutter.h"
+#include "common/scene/builtin.h"
+#include "station/render/window.h"
+#include "tests/station/render/virtual_display.h"
+
+// Cuts part of a class I cavity into the built-in molar and writes the window's picture of it, for
+// a person to look at: cut_screenshot OUT.png [voxel_um]
+
+namespace {
+
+using namespace enamel;
+
+constexpr double kDepth_m = 2.0e-3, kHalfLength_m = 1.7e-3, kHalfWidth_m = 0.9e-3;
+
+// A cavity in layers, its last layer left half done.
+template <typename Step>
+void Visit(const dvec3& centre, Step&& step) {
+  constexpr double kPass_m = 0.3e-3, kStride_m = 0.02e-3;
+  for (double z = -0.25e-3; z >= -kDepth_m; z -= 0.25e-3) {
+    bool last = z - 0.25e-3 < -kDepth_m;
+    bool forward = true;
+    for (double y = -kHalfWidth_m; y <= (last ? 0.0 : kHalfWidth_m);
+         y += kPass_m, forward = !forward) {
+      for (double x = -kHalfLength_m; x <= kHalfLength_m; x += kStride_m) {
+        step(centre + dvec3(forward ? x : -x, y, z));
+      }
+    }
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 2) {
+    std::fprintf(stderr, "usage: cut_screenshot OUT.png [voxel_um]\n");
+    return 2;
+  }
+  int32_t voxel_nm = argc > 2 ? std::atoi(argv[2]) * 1000 : 50'000;
+  auto built = scene::BuildBuiltinScene("molar", voxel_nm);
+  if (!built.ok()) {
+    std::fprintf(stderr, "%s\n", built.status().message().c_str());
+    return 1;
+  }
+  station::render::VirtualDisplay display;
+  cutting::Volume volume = built->volume;
+  volume.Reserve();
+  station::render::WindowOptions options;
+  options.bur = {cutting::BurShape::kCylinder, 0.6e-3, 4e-3};
+  options.heading = "Class I cavity, molar 46";
+  options.time_limit_s = 600;
+  auto window = station::render::Window::Create(options, volume);
+  if (!window.ok()) {
+    std::fprintf(stderr, "%s\n", window.status().message().c_str());
+    return 1;
+  }
+  auto landmark = built->scene.landmarks.at("occlusal_centre");
+  cutting::Cutter cutter(volume, options.bur);
+  cutting::RemovedUnits removed{};
+  station::render::FrameState state;
+  state.bur_on = true;
+  Visit(dvec3(landmark[0], landmark[1], landmark[2]) * 1e-6, [&](const dvec3& tip) {
+    state.anchor.tip_m = tip;
+    cutter.Cut(state.anchor, removed);
+    (*window)->PublishBricks(volume, cutter.touched());
+    ++state.tick;
+  });
+  state.time_s = 187;
+  state.device.tip_m = state.anchor.tip_m + dvec3(0.3e-3, 0, -0.35e-3);
+  state.force_sent_n = {-0.6, 0.15, 1.1};
+  for (size_t t = 0; t < removed.size(); ++t) {
+    state.removed_mm3[t] = cutting::RemovedUnitsToM3(removed[t], voxel_nm * 1e-9) * 1e9;
+  }
+  (*window)->Publish(state);
+  (*window)->FlushBricks(volume);
+  Status status = (*window)->WriteScreenshot(argv[1]);
+  if (!status.ok()) std::fprintf(stderr, "%s\n", status.message().c_str());
+  return status.ok() ? 0 : 1;
+}

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <sys/types.h>
+
+namespace enamel::station::render {
+
+// An X server without a screen for as long as this lives: Xvfb on a display number of its own
+// choice, which it reports through a pipe, so that tests may run side by side. Sets DISPLAY.
+class VirtualDisplay {
+ public:
+  VirtualDisplay();
+  ~VirtualDisplay();
+  VirtualDisplay(const VirtualDisplay&) = delete;
+  VirtualDisplay& operator=(const VirtualDisplay&) = delete;
+  // False when Xvfb is not installed or did not start.
+  bool ok() const { return ok_; }
+
+ private:
+  pid_t server_ = -1;
+  bool ok_ = false;
+};
+
+}  // namespace enamel::station::render
