@@ -146,7 +146,7 @@ struct FrameClient::Impl {
   }
 
   void StartRead() {
-    if (reading || reader.done()) return;
+    if (reading || reader.done() || read_error || !refusal.ok()) return;
     reading = true;
     auto space = reader.Prepare();
     stream->async_read_some(asio::buffer(space.data(), space.size()),
