@@ -67,6 +67,15 @@ TriangleBuffer& Fill(TriangleBuffer& buffer, const Shape& shape) {
   return buffer;
 }
 
+// Parts of a bur.
+constexpr int kHead = 1, kShank = 2;
+
+// Looking down the shank, which would then hide what is being cut.
+bool SeenFromAbove(const PictureState& state) {
+  glm::vec4 axis = state.view_from_scene * (*state.scene_from_bur)[2];
+  return axis.z > 0.85f;
+}
+
 // A frame whose +z is along `direction`.
 glm::mat4 Along(const glm::vec3& from, const glm::vec3& direction) {
   glm::vec3 z = glm::normalize(direction);
@@ -148,26 +157,33 @@ void Picture::DrawSolids(const PictureState& state) {
   for (const auto& group : groups_) {
     if (group) group->Draw();
   }
-  auto draw_bur = [&](const glm::mat4& scene_from_bur) {
-    solid_.Set("view_from_model", state.view_from_scene * scene_from_bur);
-    bur_head_.Draw();
-    bur_shank_.Draw();
-  };
-  if (state.scene_from_bur) draw_bur(*state.scene_from_bur);
-  if (!state.scene_from_ghost) return;
+  if (state.scene_from_bur)
+    DrawBur(state, *state.scene_from_bur, SeenFromAbove(state) ? kHead : kHead | kShank);
   glEnable(GL_BLEND);
   glDisablei(GL_BLEND, 1);
   glColorMaski(1, GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
   glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   glDepthMask(GL_FALSE);
-  solid_.Set("opacity", 0.42f);
-  solid_.Set("ghostly", 0.85f);
-  draw_bur(*state.scene_from_ghost);
+  if (state.scene_from_bur && SeenFromAbove(state)) {
+    solid_.Set("opacity", 0.15f);
+    DrawBur(state, *state.scene_from_bur, kShank);
+  }
+  if (state.scene_from_ghost) {
+    solid_.Set("opacity", 0.42f);
+    solid_.Set("ghostly", 0.85f);
+    DrawBur(state, *state.scene_from_ghost, SeenFromAbove(state) ? kHead : kHead | kShank);
+  }
   solid_.Set("opacity", 1.0f);
   solid_.Set("ghostly", 0.0f);
   glDepthMask(GL_TRUE);
   glColorMaski(1, GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   glDisable(GL_BLEND);
+}
+
+void Picture::DrawBur(const PictureState& state, const glm::mat4& scene_from_bur, int parts) {
+  solid_.Set("view_from_model", state.view_from_scene * scene_from_bur);
+  if (parts & kHead) bur_head_.Draw();
+  if (parts & kShank) bur_shank_.Draw();
 }
 
 void Picture::DrawOcclusion(const PictureState& state) {

@@ -14,10 +14,10 @@ namespace enamel::station::render {
 // What to draw in one frame; millimetres, scene frame.
 struct PictureState {
   glm::mat4 view_from_scene{1}, clip_from_view{1};
-  std::optional<glm::mat4> scene_from_bur;  // none: not drawn
-  std::optional<glm::mat4> scene_from_ghost;
-  glm::vec3 arrow_from_mm{0}, arrow_mm{0};  // zero: no arrow
-  float bur_spin = 0;                       // rad
+  std::optional<glm::mat4> scene_from_bur;    // none: not drawn
+  std::optional<glm::mat4> scene_from_ghost;  // only with scene_from_bur
+  glm::vec3 arrow_from_mm{0}, arrow_mm{0};    // zero: no arrow
+  float bur_spin = 0;                         // rad
 };
 
 // The solid part of the picture, by OpenGL 3.3. Draws into a buffer of its own, which the panel is
@@ -36,6 +36,7 @@ class Picture {
  private:
   void Resize(int width, int height, int oversampling);
   void DrawSolids(const PictureState& state);
+  void DrawBur(const PictureState& state, const glm::mat4& scene_from_bur, int parts);
   void DrawOcclusion(const PictureState& state);
   void Compose(const PictureState& state);
   void DrawArrow(const PictureState& state);

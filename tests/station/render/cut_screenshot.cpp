@@ -1,4 +1,6 @@
 #include <cstdio>
+#include <cstdlib>
+#include <string_view>
 
 #include "common/cutting/cutter.h"
 #include "common/scene/builtin.h"
@@ -30,11 +32,19 @@ void Visit(const dvec3& centre, Step&& step) {
   }
 }
 
+station::render::View ViewOf(std::string_view name) {
+  using station::render::View;
+  if (name == "occlusal") return View::kOcclusal;
+  if (name == "buccal") return View::kBuccal;
+  return name == "mesial" ? View::kMesial : View::kOblique;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   if (argc < 2) {
-    std::fprintf(stderr, "usage: cut_screenshot OUT.png [voxel_um]\n");
+    std::fprintf(stderr,
+                 "usage: cut_screenshot OUT.png [voxel_um [oblique|occlusal|buccal|mesial]]\n");
     return 2;
   }
   int32_t voxel_nm = argc > 2 ? std::atoi(argv[2]) * 1000 : 50'000;
@@ -50,6 +60,7 @@ int main(int argc, char** argv) {
   options.bur = {cutting::BurShape::kCylinder, 0.6e-3, 4e-3};
   options.heading = "Class I cavity, molar 46";
   options.time_limit_s = 600;
+  options.view = ViewOf(argc > 3 ? argv[3] : "oblique");
   auto window = station::render::Window::Create(options, volume);
   if (!window.ok()) {
     std::fprintf(stderr, "%s\n", window.status().message().c_str());
