@@ -82,20 +82,20 @@ Status Repeated(Db& db, const Store::ChunkPut& chunk, bool& keep_anyway) {
 
 Status MustContinue(const Ingest& ingest, const trace::ChunkHead& head) {
   if (head.seq != ingest.chunks) {
-    return Status(Code::kInvalidInput,
+    return Status(Code::kConflict,
                   "expected chunk " + std::to_string(ingest.chunks) + ", found " +
                       std::to_string(head.seq) + "; send the missing ones first",
                   "seq");
   }
   if (head.first_tick != ingest.ticks) {
-    return Status(Code::kInvalidInput,
+    return Status(Code::kConflict,
                   "chunk " + std::to_string(head.seq) + " must begin at tick " +
                       std::to_string(ingest.ticks) + ", it begins at " +
                       std::to_string(head.first_tick),
                   "first_tick");
   }
   if (head.previous != ingest.head) {
-    return Status(Code::kInvalidInput,
+    return Status(Code::kConflict,
                   "chunk " + std::to_string(head.seq) + " must follow " + ingest.head.Hex() +
                       ", it names " + head.previous.Hex(),
                   "previous");
@@ -182,7 +182,7 @@ Status SqliteStore::RepeatedAfterSeal(const ChunkPut& chunk) {
   std::string problem = "chunk " + std::to_string(chunk.head.seq) + " of the sealed attempt " +
                         chunk.attempt.Text() + " is committed with other content";
   ENAMEL_RETURN_IF_ERROR(Write([&](Db& db) { return KeepEvidence(db, chunk); }));
-  return Status(Code::kConflict, problem, "seq");
+  return Status(Code::kConflict, problem, "hash");
 }
 
 Status SqliteStore::AppendChunk(const ChunkPut& chunk) {
@@ -191,7 +191,7 @@ Status SqliteStore::AppendChunk(const ChunkPut& chunk) {
     auto ingest = FindIngest(db, chunk.attempt);
     if (!ingest.ok()) return ingest.status();
     if (!ingest->has_header) {
-      return Status(Code::kInvalidInput,
+      return Status(Code::kNotFound,
                     "attempt " + chunk.attempt.Text() + " is not open; send OpenAttempt");
     }
     if (chunk.head.seq < ingest->chunks) {

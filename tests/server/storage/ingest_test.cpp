@@ -37,14 +37,15 @@ TEST_F(IngestTest, ChunksAreCountedOnceHoweverOftenTheyCome) {
 TEST_F(IngestTest, ChunkOutOfOrderNamesTheExpectedOne) {
   Uuid attempt = world_.OpenedAttempt();
   Status status = store_->AppendChunk(world_.Chunk(attempt, 2, World::HeaderHash()));
-  EXPECT_EQ(status.code(), Code::kInvalidInput);
+  EXPECT_EQ(status.code(), Code::kConflict);
+  EXPECT_EQ(status.field(), "seq");
   EXPECT_NE(status.message().find("expected chunk 0"), std::string::npos) << status.message();
 }
 
 TEST_F(IngestTest, ChunkOfAnotherChainIsRefused) {
   Uuid attempt = world_.OpenedAttempt();
   Status status = store_->AppendChunk(world_.Chunk(attempt, 0, HashSha256(AsBytes("elsewhere"))));
-  EXPECT_EQ(status.code(), Code::kInvalidInput);
+  EXPECT_EQ(status.code(), Code::kConflict);
   EXPECT_EQ(status.field(), "previous");
   EXPECT_EQ(store_->AttemptById(attempt)->chunks, 0u);
 }

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/ssl/stream.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/strand.hpp>
+#include <memory>
+
+#include "common/protocol/frame.h"
+#include "server/stations/session.h"
+#include "server/stations/station_server.h"
+
+namespace enamel::server::stations {
+
+// One station's connection. Two coroutines on its strand: one serves, one closes the socket when
+// the deadline of what the first waits for has passed. Everything here is touched on the strand
+// only, except BeginStop and Close, which post to it.
+class Connection : public std::enable_shared_from_this<Connection> {
+ public:
+  // Requires: the socket's executor is a strand of its own.
+  Connection(boost::asio::ip::tcp::socket socket, std::shared_ptr<boost::asio::ssl::context> tls,
+             const LinkDeadlines& deadlines, Services& services, StorePool& pool);
+
+  // Serves until either side ends it. Call once.
+  void Run(std::function<void()> on_end);
+  // Finish the request in progress, say why, close. Any thread.
+  void BeginStop();
+  // Close now. Any thread.
+  void Close();
+
+ private:
+  using Stream = boost::asio::ssl::stream<boost::asio::ip::tcp::socket>;
+
+  boost::asio::awaitable<void> Serve();
+  boost::asio::awaitable<void> ServeRequests();
+  boost::asio::awaitable<void> Watch();
+  boost::asio::awaitable<Result<Bytes>> ReadFrame();
+  boost::asio::awaitable<bool> Write(wire::Reply reply);
+  boost::asio::awaitable<Answer> Carry(const wire::Request& request);
+  boost::asio::awaitable<void> Refuse(Status status);
+  void Allow(std::chrono::milliseconds time) { deadline_.expires_after(time); }
+  void CloseSocket();
+
+  const std::shared_ptr<boost::asio::ssl::context> tls_;
+  const LinkDeadlines& deadlines_;
+  StorePool& pool_;
+  Stream stream_;
+  boost::asio::steady_timer deadline_;
+  protocol::FrameReader reader_;
+  Session session_;
+  bool introduced_ = false;         // a first message was read
+  bool waiting_for_frame_ = false;  // a read of a frame's first byte is in progress
+  bool stopping_ = false;
+  bool ended_ = false;
+};
+
+}  // namespace enamel::server::stations

@@ -1,0 +1,258 @@
+#include "server/stations/session.h"
+
+#include <algorithm>
+
+#include "server/auth/token.h"
+
+// Identity: hello, enrolment, sign-in; and what a station may fetch.
+namespace enamel::server::stations {
+namespace {
+
+constexpr size_t kMaxNameBytes = 64;
+
+Status CheckProtocolVersion(uint32_t version) {
+  if (version == protocol::kProtocolVersion) return Status::Ok();
+  return Status(Code::kVersion,
+                "this server speaks protocol version " +
+                    std::to_string(protocol::kProtocolVersion) + ", the station " +
+                    std::to_string(version) + "; install matching versions",
+                "protocol_version");
+}
+
+Answer AnswerOf(const wire::Request& request, const Result<wire::Reply>& result, bool close) {
+  Answer out;
+  out.close = close;
+  out.reply.emplace();
+  if (result.ok()) {
+    *out.reply = *result;
+  } else {
+    *out.reply->mutable_error() = protocol::ToError(result.status());
+  }
+  out.reply->set_reply_to(request.id());
+  return out;
+}
+
+}  // namespace
+
+Answer Session::Handle(const wire::Request& request) {
+  bool introduces = request.has_hello() || request.has_enrol();
+  if (!station_ && !introduces) {
+    return AnswerOf(request, Status(Code::kUnauthenticated, "send Hello or Enrol first"), true);
+  }
+  if (request.has_live_state()) {
+    Take(request.live_state());
+    return {};
+  }
+  if (introduces && station_) {
+    return AnswerOf(request, Status(Code::kInvalidInput, "this connection has said hello already"),
+                    true);
+  }
+  if (request.body_case() == wire::Request::BODY_NOT_SET) {
+    wire::Reply reply;
+    *reply.mutable_error() = protocol::UnsupportedError();
+    return AnswerOf(request, reply, false);
+  }
+  auto result = Dispatch(request);
+  return AnswerOf(request, result, request.has_enrol() || (request.has_hello() && !result.ok()));
+}
+
+Result<wire::Reply> Session::Dispatch(const wire::Request& request) {
+  switch (request.body_case()) {
+    case wire::Request::kHello:
+      return Do(request.hello());
+    case wire::Request::kEnrol:
+      return Do(request.enrol());
+    case wire::Request::kListExercises:
+      return Do(request.list_exercises());
+    case wire::Request::kGetBlob:
+      return Do(request.get_blob());
+    case wire::Request::kRequestTicket:
+      return Do(request.request_ticket());
+    case wire::Request::kOpenAttempt:
+      return Do(request.open_attempt());
+    case wire::Request::kPutChunk:
+      return Do(request.put_chunk());
+    case wire::Request::kSealAttempt:
+      return Do(request.seal_attempt());
+    case wire::Request::kAttemptStatus:
+      return Do(request.attempt_status());
+    case wire::Request::kPing: {
+      wire::Reply reply;
+      reply.mutable_pong()->set_nonce(request.ping().nonce());
+      return reply;
+    }
+    default:
+      return Status(Code::kInternal, "request without a handler");
+  }
+}
+
+Result<wire::Reply> Session::Do(const wire::Hello& hello) {
+  ENAMEL_RETURN_IF_ERROR(CheckProtocolVersion(hello.protocol_version()));
+  auto id = protocol::ReadUuid(hello.station_id(), "station_id");
+  if (!id.ok()) return id.status();
+  auto station =
+      services_.store.StationByCredential(*id, auth::TokenHash(AsBytes(hello.credential())));
+  if (!station.ok() && station.status().code() != Code::kNotFound) return station.status();
+  if (!station.ok() || station->revoked) {
+    return Status(
+        Code::kUnauthenticated,
+        "this server does not know the station or no longer admits it; enrol it with a new code");
+  }
+  ENAMEL_RETURN_IF_ERROR(services_.store.TouchStation(*id, services_.clock()));
+  station_ = *station;
+  station_core_version_ = hello.core_version();
+
+  wire::Reply reply;
+  wire::Welcome& welcome = *reply.mutable_welcome();
+  welcome.set_protocol_version(protocol::kProtocolVersion);
+  welcome.set_server_software(services_.software);
+  welcome.set_core_version(core::kCoreVersion);
+  welcome.set_server_unix_ms(services_.clock());
+  welcome.set_ticket_key(protocol::ToField(services_.ticket_key.public_key));
+  return reply;
+}
+
+Result<wire::Reply> Session::Do(const wire::Enrol& enrol) {
+  ENAMEL_RETURN_IF_ERROR(CheckProtocolVersion(enrol.protocol_version()));
+  auto key = protocol::ReadKey(enrol.public_key(), "public_key");
+  if (!key.ok()) return key.status();
+  if (enrol.name().empty() || enrol.name().size() > kMaxNameBytes) {
+    return Status(Code::kInvalidInput,
+                  "a station's name has 1 to " + std::to_string(kMaxNameBytes) + " bytes", "name");
+  }
+  StationRow row;
+  row.name = enrol.name();
+  row.public_key.assign(key->begin(), key->end());
+  Bytes credential = auth::NewToken();
+  auto station = services_.store.EnrolStation(HashSha256(AsBytes(enrol.code())), row,
+                                              auth::TokenHash(credential), services_.clock());
+  if (!station.ok()) return station.status();
+
+  wire::Reply reply;
+  wire::Enrolled& enrolled = *reply.mutable_enrolled();
+  enrolled.set_station_id(protocol::ToField(station->id.view()));
+  enrolled.set_credential(protocol::ToField(credential));
+  enrolled.set_ticket_key(protocol::ToField(services_.ticket_key.public_key));
+  return reply;
+}
+
+std::optional<auth::SignInRequest> Session::SignInWanted(const wire::Request& request) const {
+  if (!station_ || !request.has_sign_in()) return std::nullopt;
+  return auth::SignInRequest{request.sign_in().login(), request.sign_in().password(), peer_address_,
+                             "station"};
+}
+
+Answer Session::FinishSignIn(const wire::Request& request, const Result<auth::SignedIn>& result) {
+  if (!result.ok()) return AnswerOf(request, result.status(), false);
+  if (signed_in_.size() >= kMaxSignedIn) {
+    (void)services_.authenticator.SignOut(result->identity.token_hash);
+    return AnswerOf(request,
+                    Status(Code::kTooLarge, "too many people signed in on this connection"), false);
+  }
+  signed_in_.insert(result->identity.token_hash);
+  wire::Reply reply;
+  wire::SignedIn& out = *reply.mutable_signed_in();
+  out.set_person_id(protocol::ToField(result->identity.person.id.view()));
+  out.set_display_name(result->identity.person.display_name);
+  out.set_role(RoleName(result->identity.person.role));
+  out.set_session(protocol::ToField(result->token));
+  return AnswerOf(request, reply, false);
+}
+
+void Session::End() {
+  // A failure leaves a session that nobody holds the token of; it ends by its idle time.
+  for (const Sha256& hash : signed_in_) (void)services_.authenticator.SignOut(hash);
+  signed_in_.clear();
+}
+
+Result<Person> Session::PersonOf(const std::string& session_token) {
+  if (!signed_in_.contains(auth::TokenHash(AsBytes(session_token)))) {
+    return Status(Code::kUnauthenticated,
+                  "nobody is signed in with this session here; sign in again", "session");
+  }
+  auto identity = services_.authenticator.Authenticate(AsBytes(session_token));
+  if (!identity.ok()) return identity.status();
+  return identity->person;
+}
+
+Result<std::vector<ExerciseRow>> Session::ExercisesOf(const Person& person) {
+  return person.role == Role::kAdmin ? services_.store.AllExercises()
+                                     : services_.store.ExercisesFor(person.id);
+}
+
+Result<wire::Reply> Session::Do(const wire::ListExercises& request) {
+  auto person = PersonOf(request.session());
+  if (!person.ok()) return person.status();
+  auto exercises = ExercisesOf(*person);
+  if (!exercises.ok()) return exercises.status();
+  auto scenes = services_.store.Scenes();
+  if (!scenes.ok()) return scenes.status();
+  auto profiles = services_.store.Profiles();
+  if (!profiles.ok()) return profiles.status();
+
+  wire::Reply reply;
+  wire::Exercises& out = *reply.mutable_exercises();
+  for (const ExerciseRow& row : *exercises) {
+    auto scene = std::ranges::find(*scenes, row.scene, &SceneRow::content);
+    if (scene == scenes->end()) continue;
+    wire::ExerciseRef& ref = *out.add_exercises();
+    ref.set_name(row.name);
+    ref.set_title(row.title);
+    ref.set_exercise(protocol::ToField(row.content.view()));
+    ref.set_scene(protocol::ToField(row.scene.view()));
+    ref.set_volume(protocol::ToField(scene->volume.view()));
+  }
+  for (const ProfileRow& row : *profiles) {
+    wire::ProfileRef& ref = *out.add_profiles();
+    ref.set_name(row.name);
+    ref.set_title(row.title);
+    ref.set_profile(protocol::ToField(row.content.view()));
+  }
+  return reply;
+}
+
+Result<wire::Reply> Session::Do(const wire::GetBlob& request) {
+  auto hash = protocol::ReadSha256(request.sha256(), "sha256");
+  if (!hash.ok()) return hash.status();
+  if (!fetched_ || fetched_hash_ != *hash) {
+    fetched_.reset();
+    auto blob = services_.content.Get(*hash);
+    if (!blob.ok()) return blob.status();
+    fetched_ = *blob;
+    fetched_hash_ = *hash;
+  }
+  uint64_t total = fetched_->size();
+  if (request.offset() > total) {
+    return Status(Code::kInvalidInput,
+                  "offset " + std::to_string(request.offset()) + " is beyond the " +
+                      std::to_string(total) + " bytes of this blob",
+                  "offset");
+  }
+  uint64_t size = std::min<uint64_t>(kBlobPartBytes, total - request.offset());
+  wire::Reply reply;
+  wire::BlobPart& part = *reply.mutable_blob_part();
+  part.set_offset(request.offset());
+  part.set_total(total);
+  part.set_data(fetched_->data() + request.offset(), size);
+  if (request.offset() + size == total) fetched_.reset();
+  return reply;
+}
+
+void Session::Take(const wire::LiveState& live) {
+  auto attempt = protocol::ReadUuid(live.attempt(), "attempt");
+  if (!attempt.ok() || !ours_.contains(*attempt)) return;
+  if (live.anchor_um_size() != 3 || live.force_mn_size() != 3) return;
+  LiveSample sample;
+  sample.attempt = *attempt;
+  sample.station = station_->id;
+  sample.tick = live.tick();
+  for (int i = 0; i < 3; ++i) {
+    sample.anchor_um[static_cast<size_t>(i)] = live.anchor_um(i);
+    sample.force_mn[static_cast<size_t>(i)] = live.force_mn(i);
+  }
+  sample.flags = live.flags();
+  sample.received_ms = services_.clock();
+  services_.live.Put(sample);
+}
+
+}  // namespace enamel::server::stations

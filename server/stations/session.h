@@ -1,0 +1,96 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "common/protocol/messages.h"
+#include "common/trace/trace.h"
+#include "server/auth/authenticator.h"
+#include "server/live/live_board.h"
+#include "server/stations/content.h"
+#include "server/storage/store.h"
+
+namespace enamel::server::stations {
+
+inline constexpr UnixMs kTicketValidMs = 12 * 60 * 60 * 1000;
+// How long after its ticket ran out a recording may still be opened here. The station checks that
+// it begins in time; it may have been cut off from the server since.
+inline constexpr UnixMs kLateUploadMs = 7ll * 24 * 60 * 60 * 1000;
+inline constexpr size_t kBlobPartBytes = 1 << 20;
+inline constexpr size_t kMaxSignedIn = 8;  // people signed in on one connection
+
+// What all sessions share. Everything in it outlives them and may be used from any thread.
+struct Services {
+  Store& store;
+  auth::Authenticator& authenticator;
+  LiveBoard& live;
+  Content& content;
+  trace::KeyPair ticket_key;
+  std::string software;  // "enamel-server 0.1.0"
+  std::function<UnixMs()> clock;
+};
+
+// What to send back and whether the connection ends after it. No reply: to LiveState.
+struct Answer {
+  std::optional<wire::Reply> reply;
+  bool close = false;
+};
+
+// The server's end of the station protocol (schemas/wire/README.md) without any I/O of its own: a
+// request in, an answer out. One per connection. A chunk's ChunkAck is made only once the store has
+// it durably. Thread safety: one call at a time. Calls block on the store and decode chunks: run
+// them in StorePool.
+class Session {
+ public:
+  Session(Services& services, std::string peer_address)
+      : services_(services), peer_address_(std::move(peer_address)) {}
+
+  // After Welcome: larger frames are allowed.
+  auth::Authenticator& authenticator() const { return services_.authenticator; }
+  bool welcomed() const { return station_.has_value(); }
+  const std::optional<StationRow>& station() const { return station_; }
+
+  // Everything but sign-in, which waits for the hashing threads:
+  //   if (auto who = session.SignInWanted(request)) answer = session.FinishSignIn(request, co_await
+  //   …);
+  Answer Handle(const wire::Request& request);
+  std::optional<auth::SignInRequest> SignInWanted(const wire::Request& request) const;
+  Answer FinishSignIn(const wire::Request& request, const Result<auth::SignedIn>& result);
+
+  // Ends the sign-ins made on this connection. Blocks.
+  void End();
+
+ private:
+  Result<wire::Reply> Dispatch(const wire::Request& request);
+  Result<wire::Reply> Do(const wire::Hello& hello);
+  Result<wire::Reply> Do(const wire::Enrol& enrol);
+  Result<wire::Reply> Do(const wire::ListExercises& request);
+  Result<wire::Reply> Do(const wire::GetBlob& request);
+  Result<wire::Reply> Do(const wire::RequestTicket& request);
+  Result<wire::Reply> Do(const wire::OpenAttempt& request);
+  Result<wire::Reply> Do(const wire::PutChunk& request);
+  Result<wire::Reply> Do(const wire::SealAttempt& request);
+  Result<wire::Reply> Do(const wire::AttemptStatus& request);
+  void Take(const wire::LiveState& live);
+
+  Result<Person> PersonOf(const std::string& session_token);
+  Result<std::vector<ExerciseRow>> ExercisesOf(const Person& person);
+  Status CheckHeader(const trace::Header& header);
+  Status CheckParams(const trace::Header& header);
+  // Errors: kNotFound unless the attempt was ticketed for this station.
+  Status MustBeOurs(const Uuid& attempt);
+
+  Services& services_;
+  const std::string peer_address_;
+  std::optional<StationRow> station_;
+  uint32_t station_core_version_ = 0;
+  std::set<Sha256> signed_in_;  // token hashes
+  std::set<Uuid> ours_;         // attempts known to be of this station
+  // The blob being fetched part by part.
+  Sha256 fetched_hash_;
+  Content::Blob fetched_;
+};
+
+}  // namespace enamel::server::stations

@@ -1,0 +1,237 @@
+#include <sodium.h>
+
+#include <algorithm>
+
+#include "common/scene/json.h"
+#include "common/scene/plan.h"
+#include "server/stations/session.h"
+#include "server/training/access.h"
+
+// Tickets and recordings.
+namespace enamel::server::stations {
+namespace {
+
+// Attempts of this station remembered per connection; more are looked up again.
+constexpr size_t kMaxRemembered = 256;
+
+Status NotOurs(const Uuid& attempt) {
+  return Status(Code::kNotFound, "no attempt " + attempt.Text() + " of this station", "attempt");
+}
+
+}  // namespace
+
+Status Session::MustBeOurs(const Uuid& attempt) {
+  if (ours_.contains(attempt)) return Status::Ok();
+  auto row = services_.store.AttemptById(attempt);
+  if (!row.ok()) return row.status().code() == Code::kNotFound ? NotOurs(attempt) : row.status();
+  if (row->station != station_->id) return NotOurs(attempt);
+  if (ours_.size() >= kMaxRemembered) ours_.clear();
+  ours_.insert(attempt);
+  return Status::Ok();
+}
+
+Result<wire::Reply> Session::Do(const wire::RequestTicket& request) {
+  auto person = PersonOf(request.session());
+  if (!person.ok()) return person.status();
+  auto content = protocol::ReadSha256(request.exercise(), "exercise");
+  if (!content.ok()) return content.status();
+  auto profile = protocol::ReadSha256(request.profile(), "profile");
+  if (!profile.ok()) return profile.status();
+  if (station_core_version_ != core::kCoreVersion) {
+    return Status(Code::kVersion, "the station's core has version " +
+                                      std::to_string(station_core_version_) + ", this server's " +
+                                      std::to_string(core::kCoreVersion) +
+                                      "; install matching versions to begin attempts");
+  }
+  if (request.as_reference() && !CanRecordReference(*person)) {
+    return Status(Code::kForbidden, "only instructors and admins record reference cuts",
+                  "as_reference");
+  }
+  auto exercise = services_.store.ExerciseByContent(*content);
+  if (!exercise.ok()) return exercise.status();
+  auto offered = ExercisesOf(*person);
+  if (!offered.ok()) return offered.status();
+  if (std::ranges::find(*offered, *content, &ExerciseRow::content) == offered->end()) {
+    return Status(
+        Code::kForbidden,
+        "exercise \"" + exercise->name + "\" in this version is not assigned to " + person->login,
+        "exercise");
+  }
+  auto profiles = services_.store.Profiles();
+  if (!profiles.ok()) return profiles.status();
+  if (std::ranges::find(*profiles, *profile, &ProfileRow::content) == profiles->end()) {
+    return Status(Code::kNotFound, "this server has no device profile " + profile->Hex(),
+                  "profile");
+  }
+
+  trace::Ticket ticket;
+  ticket.attempt = Uuid::New();
+  randombytes_buf(ticket.nonce.data(), ticket.nonce.size());
+  ticket.person = person->id;
+  ticket.station = station_->id;
+  ticket.exercise = *content;
+  ticket.profile = *profile;
+  ticket.issued_unix_ms = services_.clock();
+  ticket.expires_unix_ms = ticket.issued_unix_ms + kTicketValidMs;
+  trace::SignTicket(ticket, services_.ticket_key.secret_key);
+  Bytes encoded = trace::EncodeTicket(ticket);
+
+  AttemptRow row;
+  row.id = ticket.attempt;
+  row.person = person->id;
+  row.station = station_->id;
+  row.exercise = exercise->id;
+  row.profile_content = *profile;
+  row.as_reference = request.as_reference();
+  row.ticketed_ms = ticket.issued_unix_ms;
+  ENAMEL_RETURN_IF_ERROR(
+      services_.store.CreateAttempt(row, encoded, Actor{person->id, "station " + station_->name}));
+  ours_.insert(ticket.attempt);
+  wire::Reply reply;
+  reply.mutable_ticket_issued()->set_ticket(protocol::ToField(encoded));
+  return reply;
+}
+
+// The core's parameters follow from exercise, scene and profile; a header that names others would
+// be scored as something it was not.
+Status Session::CheckParams(const trace::Header& header) {
+  auto text_of = [&](const Sha256& hash) { return services_.store.GetBlob(hash); };
+  auto exercise_text = text_of(header.ticket.exercise);
+  if (!exercise_text.ok()) return exercise_text.status();
+  auto profile_text = text_of(header.ticket.profile);
+  if (!profile_text.ok()) return profile_text.status();
+  auto exercise = scene::ExerciseFromJson(AsText(*exercise_text));
+  if (!exercise.ok()) return exercise.status();
+  auto profile = scene::ProfileFromJson(AsText(*profile_text));
+  if (!profile.ok()) return profile.status();
+  if (header.scene != exercise->scene) {
+    return Status(Code::kConflict, "the header names another scene than the exercise", "scene");
+  }
+  auto scene_text = text_of(header.scene);
+  if (!scene_text.ok()) return scene_text.status();
+  auto scene = scene::SceneFromJson(AsText(*scene_text));
+  if (!scene.ok()) return scene.status();
+  if (header.volume != scene->volume) {
+    return Status(Code::kConflict, "the header names another volume than the scene", "volume");
+  }
+  auto params = scene::CompilePlan(*scene, *exercise, *profile);
+  if (!params.ok()) return params.status();
+  if (!(*params == header.params)) {
+    return Status(Code::kConflict,
+                  "the header's core parameters are not those of the exercise and device profile",
+                  "params");
+  }
+  return Status::Ok();
+}
+
+Status Session::CheckHeader(const trace::Header& header) {
+  const trace::Ticket& ticket = header.ticket;
+  if (!trace::VerifyTicket(ticket, services_.ticket_key.public_key)) {
+    return Status(Code::kForbidden, "the ticket is not signed by this server; ask for one here",
+                  "ticket");
+  }
+  if (ticket.station != station_->id) {
+    return Status(Code::kForbidden, "the ticket was issued to another station", "ticket");
+  }
+  return Status::Ok();
+}
+
+Result<wire::Reply> Session::Do(const wire::OpenAttempt& request) {
+  auto header = trace::DecodeHeader(AsBytes(request.header()));
+  if (!header.ok()) return header.status();
+  ENAMEL_RETURN_IF_ERROR(CheckHeader(*header));
+  const Uuid& attempt = header->ticket.attempt;
+  auto row = services_.store.AttemptById(attempt);
+  if (!row.ok()) return row.status();
+  if (row->state == AttemptState::kTicketed) {
+    if (services_.clock() > header->ticket.expires_unix_ms + kLateUploadMs) {
+      return Status(Code::kConflict, "the ticket ran out too long ago; ask for a new one",
+                    "ticket");
+    }
+    ENAMEL_RETURN_IF_ERROR(CheckParams(*header));
+  }
+  ENAMEL_RETURN_IF_ERROR(services_.store.OpenAttempt(attempt, AsBytes(request.header())));
+  ours_.insert(attempt);
+
+  wire::Reply reply;
+  reply.mutable_attempt_opened()->set_attempt(protocol::ToField(attempt.view()));
+  reply.mutable_attempt_opened()->set_next_seq(row->chunks);
+  return reply;
+}
+
+Result<wire::Reply> Session::Do(const wire::PutChunk& request) {
+  ByteView bytes = AsBytes(request.chunk());
+  if (bytes.size() > trace::kMaxChunkBytes) {
+    return Status(Code::kTooLarge,
+                  "a chunk has at most " + std::to_string(trace::kMaxChunkBytes) +
+                      " bytes, this one has " + std::to_string(bytes.size()),
+                  "chunk");
+  }
+  auto chunk = trace::DecodeChunk(bytes);
+  if (!chunk.ok()) return chunk.status();
+  ENAMEL_RETURN_IF_ERROR(MustBeOurs(chunk->head.attempt));
+  trace::PublicKey key{};
+  ENAMEL_CHECK(station_->public_key.size() == key.size());
+  std::ranges::copy(station_->public_key, key.begin());
+  if (!trace::VerifyChunk(bytes, key)) {
+    return Status(
+        Code::kForbidden,
+        "chunk " + std::to_string(chunk->head.seq) + " is not signed with this station's key",
+        "chunk");
+  }
+  Store::ChunkPut put{chunk->head.attempt, chunk->head, chunk->hash,
+                      Bytes(bytes.begin(), bytes.end()), services_.clock()};
+  ENAMEL_RETURN_IF_ERROR(services_.store.AppendChunk(put));
+
+  wire::Reply reply;
+  wire::ChunkAck& ack = *reply.mutable_chunk_ack();
+  ack.set_attempt(protocol::ToField(chunk->head.attempt.view()));
+  ack.set_seq(chunk->head.seq);
+  ack.set_committed(true);
+  return reply;
+}
+
+Result<wire::Reply> Session::Do(const wire::SealAttempt& request) {
+  auto attempt = protocol::ReadUuid(request.attempt(), "attempt");
+  if (!attempt.ok()) return attempt.status();
+  auto last = protocol::ReadSha256(request.last_chunk(), "last_chunk");
+  if (!last.ok()) return last.status();
+  ENAMEL_RETURN_IF_ERROR(MustBeOurs(*attempt));
+  trace::Seal seal{*attempt, request.chunks(), request.ticks(), *last, request.state_hash()};
+  ENAMEL_RETURN_IF_ERROR(services_.store.SealAttempt(seal, services_.clock()));
+  services_.live.Remove(*attempt);
+  wire::Reply reply;
+  reply.mutable_sealed()->set_attempt(request.attempt());
+  return reply;
+}
+
+Result<wire::Reply> Session::Do(const wire::AttemptStatus& request) {
+  auto attempt = protocol::ReadUuid(request.attempt(), "attempt");
+  if (!attempt.ok()) return attempt.status();
+  auto person = PersonOf(request.session());
+  if (!person.ok()) return person.status();
+  auto row = services_.store.AttemptById(*attempt);
+  if (!row.ok()) return row.status();
+  auto shares = services_.store.ShareCohort(person->id, row->person);
+  if (!shares.ok()) return shares.status();
+  if (!CanSeeAttempt(*person, *row, *shares)) {
+    return Status(Code::kNotFound, "no attempt " + attempt->Text(), "attempt");
+  }
+  wire::Reply reply;
+  wire::AttemptState& state = *reply.mutable_attempt_state();
+  state.set_attempt(request.attempt());
+  state.set_state(AttemptStateName(row->state));
+  state.set_progress(row->progress);
+  if (row->state != AttemptState::kScored) return reply;
+  auto exercise = services_.store.ExerciseById(row->exercise);
+  if (!exercise.ok()) return exercise.status();
+  if (!CanSeeScore(*person, *row, exercise->graded, *shares)) return reply;
+  auto result = services_.store.ResultOf(*attempt);
+  if (!result.ok()) return result.status();
+  auto json = services_.store.GetBlob(result->score_json);
+  if (!json.ok()) return json.status();
+  state.set_result_json(std::string(AsText(*json)));
+  return reply;
+}
+
+}  // namespace enamel::server::stations

@@ -1,0 +1,142 @@
+#include "server/stations/station_server.h"
+
+#include <spdlog/spdlog.h>
+
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/redirect_error.hpp>
+#include <map>
+#include <mutex>
+
+#include "common/net/tls.h"
+#include "server/stations/connection.h"
+
+namespace enamel::server::stations {
+
+namespace asio = boost::asio;
+using asio::ip::tcp;
+using boost::system::error_code;
+
+struct StationServer::State : std::enable_shared_from_this<State> {
+  State(asio::io_context& context, StationServerOptions o, Services& s, StorePool& p)
+      : io(context),
+        options(std::move(o)),
+        services(s),
+        pool(p),
+        strand(asio::make_strand(io)),
+        acceptor(strand),
+        grace(strand) {}
+
+  asio::awaitable<void> Accept();
+  void Admit(tcp::socket socket);
+  void Forget(uint64_t id);
+  void StopOnStrand();
+
+  asio::io_context& io;
+  const StationServerOptions options;
+  Services& services;
+  StorePool& pool;
+  std::shared_ptr<asio::ssl::context> tls;
+  // Owned by the strand.
+  asio::strand<asio::io_context::executor_type> strand;
+  tcp::acceptor acceptor;
+  asio::steady_timer grace;
+  std::map<uint64_t, std::weak_ptr<Connection>> connections;
+  uint64_t next_id = 0;
+  bool stopping = false;
+};
+
+asio::awaitable<void> StationServer::State::Accept() {
+  while (!stopping) {
+    error_code error;
+    tcp::socket socket(asio::make_strand(io));
+    co_await acceptor.async_accept(socket, asio::redirect_error(asio::use_awaitable, error));
+    if (!error) {
+      Admit(std::move(socket));
+      continue;
+    }
+    if (stopping || error == asio::error::operation_aborted) co_return;
+    // Out of descriptors, most likely: give the others time to go.
+    spdlog::warn("station link: cannot accept a connection: {}", error.message());
+    asio::steady_timer pause(strand, std::chrono::milliseconds(100));
+    co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
+  }
+}
+
+void StationServer::State::Admit(tcp::socket socket) {
+  if (connections.size() >= options.max_connections) {
+    spdlog::warn("station link: refused a connection, {} are open", connections.size());
+    return;
+  }
+  error_code ignored;
+  socket.set_option(tcp::no_delay(true), ignored);
+  uint64_t id = next_id++;
+  auto connection =
+      std::make_shared<Connection>(std::move(socket), tls, options.deadlines, services, pool);
+  connections[id] = connection;
+  connection->Run([self = shared_from_this(), id] {
+    asio::post(self->strand, [self, id] { self->Forget(id); });
+  });
+}
+
+void StationServer::State::Forget(uint64_t id) {
+  connections.erase(id);
+  if (stopping && connections.empty()) grace.cancel();
+}
+
+void StationServer::State::StopOnStrand() {
+  if (stopping) return;
+  stopping = true;
+  error_code ignored;
+  acceptor.close(ignored);
+  if (connections.empty()) return;
+  for (auto& [id, weak] : connections) {
+    if (auto connection = weak.lock()) connection->BeginStop();
+  }
+  grace.expires_after(options.deadlines.stop);
+  grace.async_wait([self = shared_from_this()](error_code cancelled) {
+    if (cancelled) return;
+    for (auto& [id, weak] : self->connections) {
+      if (auto connection = weak.lock()) connection->Close();
+    }
+  });
+}
+
+StationServer::StationServer(asio::io_context& io, StationServerOptions options, Services& services,
+                             StorePool& pool)
+    : state_(std::make_shared<State>(io, std::move(options), services, pool)) {}
+
+StationServer::~StationServer() { Stop(); }
+
+Result<uint16_t> StationServer::Start() {
+  State& s = *state_;
+  auto tls = net::MakeServerContext(s.options.certificate, s.options.private_key);
+  if (!tls.ok()) return tls.status();
+  s.tls = *tls;
+  error_code error;
+  auto address = asio::ip::make_address(s.options.address, error);
+  if (error) {
+    return Status(Code::kInvalidInput,
+                  "expected a numeric address to listen on, found \"" + s.options.address + "\"");
+  }
+  tcp::endpoint endpoint(address, s.options.port);
+  s.acceptor.open(endpoint.protocol(), error);
+  if (!error) s.acceptor.set_option(tcp::acceptor::reuse_address(true), error);
+  if (!error) s.acceptor.bind(endpoint, error);
+  if (!error) s.acceptor.listen(asio::socket_base::max_listen_connections, error);
+  if (error) {
+    return Status(Code::kUnavailable,
+                  "cannot listen for stations on " + s.options.address + ":" +
+                      std::to_string(s.options.port) + ": " + error.message() +
+                      "; stop the program that uses the port or name another one");
+  }
+  asio::co_spawn(s.strand, s.Accept(), [state = state_](std::exception_ptr failure) {
+    if (failure) spdlog::error("station link: accepting ended by an exception");
+  });
+  return s.acceptor.local_endpoint().port();
+}
+
+void StationServer::Stop() {
+  asio::post(state_->strand, [state = state_] { state->StopOnStrand(); });
+}
+
+}  // namespace enamel::server::stations

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "common/base/result.h"
+#include "server/stations/session.h"
+#include "server/storage/store_pool.h"
+
+namespace enamel::server::stations {
+
+// schemas/wire/README.md, "Deadlines".
+struct LinkDeadlines {
+  std::chrono::milliseconds introduction{10'000};  // TLS handshake and first message
+  std::chrono::milliseconds idle{60'000};          // between frames
+  std::chrono::milliseconds frame{30'000};         // from a frame's first byte to its last
+  std::chrono::milliseconds work{60'000};          // a request in the store
+  std::chrono::milliseconds write{30'000};
+  std::chrono::milliseconds stop{5'000};  // what a request gets to finish in when stopping
+};
+
+struct StationServerOptions {
+  std::string address = "127.0.0.1";               // numeric
+  uint16_t port = 8443;                            // 0: any free one
+  std::filesystem::path certificate, private_key;  // PEM
+  size_t max_connections = 256;                    // one more is closed at once
+  LinkDeadlines deadlines;
+};
+
+// The station link: TLS 1.3, one coroutine on one strand per connection, which alone owns the
+// stream, its buffers and its Session. Requests are carried out in order, one at a time, and
+// answered before the next is read, so that at most one frame in and one frame out are held per
+// connection.
+//
+// Lifetime: services and pool outlive the server, the server outlives the running of `io`.
+// Thread safety: Start once; Stop from any thread, any number of times; `io` may run on any number
+// of threads.
+class StationServer {
+ public:
+  StationServer(boost::asio::io_context& io, StationServerOptions options, Services& services,
+                StorePool& pool);
+  ~StationServer();
+
+  // Listens; returns the port. Errors: kInvalidInput (address), kUnavailable (port in use), those
+  // of the certificate.
+  Result<uint16_t> Start();
+
+  // Returns at once. First no new connections and requests, idle ones are told and closed; after
+  // deadlines.stop what is left is closed too. `io` then has no work of this server.
+  void Stop();
+
+ private:
+  struct State;
+  std::shared_ptr<State> state_;  // shared with the connections' coroutines
+};
+
+}  // namespace enamel::server::stations
