@@ -105,6 +105,25 @@ std::vector<core::TickInput> CutInputs(size_t ticks) {
   return inputs;
 }
 
+std::vector<Tick> OddTicks() {
+  std::vector<Tick> ticks(6);
+  for (int i = 0; i < 6; ++i) {
+    Tick& t = ticks[static_cast<size_t>(i)];
+    t.input.counts = {100 + i, -200 - 3 * i, i * i};
+    t.input.orientation = {static_cast<int16_t>(-5 * i), 12, 0, 32767};
+    t.input.flags = i < 3 ? core::kBurOn : 0;
+    t.input.bur_speed_krpm = i < 3 ? 200 : 0;
+    t.witness.anchor_10nm = {230'000 + 7 * i * i, -460'000, -2'147'483'647};
+    t.witness.force_sent_100un = {-28'000 - 150 * i, 90 * i, 2'147'483'647};
+    t.witness.force_computed_100un = {-28'000 - 150 * i, 95 * i, -2'147'483'647};
+    t.witness.flags = static_cast<uint16_t>(i);
+  }
+  ticks[0].witness.flags = core::kAnchorReset;
+  ticks[4].input.gap_ticks = 12;
+  ticks[5].input.flags = core::kFaulted | core::kLateTick;
+  return ticks;
+}
+
 Recording Record(const std::vector<core::TickInput>& inputs, size_t per_chunk) {
   Recording out;
   out.header = MakeHeader();

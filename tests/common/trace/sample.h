@@ -20,6 +20,9 @@ cutting::Volume MakeBlock();
 // lifts, and lets go of the pedal; deterministic, integers only after the last rounding.
 std::vector<core::TickInput> CutInputs(size_t ticks);
 
+// Six ticks that use every column, with negative values, a gap, a fault and extremes.
+std::vector<Tick> OddTicks();
+
 struct Recording {
   Header header;
   std::vector<Tick> ticks;

@@ -1,0 +1,118 @@
+#include "tests/common/trace/describe.h"
+
+#include "common/base/hex.h"
+#include "common/trace/columns.h"
+
+namespace enamel::trace {
+namespace {
+
+namespace json = boost::json;
+
+// All numbers as int64, which is what the parser makes of them.
+int64_t Number(auto v) { return static_cast<int64_t>(v); }
+
+template <typename T, size_t N>
+json::array Numbers(const std::array<T, N>& values) {
+  json::array out;
+  for (T v : values) out.push_back(Number(v));
+  return out;
+}
+
+std::string Hex64(uint64_t v) {
+  ByteWriter big_endian;
+  for (int shift = 56; shift >= 0; shift -= 8) big_endian.U8(static_cast<uint8_t>(v >> shift));
+  return ToHex(big_endian.bytes());
+}
+
+json::object Describe(const core::CoreParams& p) {
+  return {{"core_version", Number(p.core_version)},
+          {"rate_hz", Number(p.rate_hz)},
+          {"law", Number(p.law)},
+          {"pass_through_at_rest", p.pass_through_at_rest},
+          {"kc_mn_per_mm", Number(p.kc_mn_per_mm)},
+          {"resolution_nm", Numbers(p.resolution_nm)},
+          {"device_origin_nm", Numbers(p.device_origin_nm)},
+          {"peak_force_mn", Number(p.peak_force_mn)},
+          {"soft_start_ticks", Number(p.soft_start_ticks)},
+          {"bur_shape", Number(p.bur_shape)},
+          {"bur_radius_nm", Number(p.bur_radius_nm)},
+          {"bur_length_nm", Number(p.bur_length_nm)},
+          {"damping_mn_s_per_mm", Numbers(p.damping_mn_s_per_mm)},
+          {"rotational_kc_un_m_per_rad", Number(p.rotational_kc_un_m_per_rad)}};
+}
+
+json::object Describe(const ChunkHead& head) {
+  return {{"attempt", head.attempt.Text()},        {"seq", Number(head.seq)},
+          {"first_tick", Number(head.first_tick)}, {"count", Number(head.count)},
+          {"gap_ticks", Number(head.gap_ticks)},   {"state_hash", Hex64(head.state_hash)},
+          {"previous", head.previous.Hex()}};
+}
+
+json::object Describe(const Tick& tick) {
+  return {{"counts", Numbers(tick.input.counts)},
+          {"orientation", Numbers(tick.input.orientation)},
+          {"input_flags", Number(tick.input.flags)},
+          {"bur_speed_krpm", Number(tick.input.bur_speed_krpm)},
+          {"gap_ticks", Number(tick.input.gap_ticks)},
+          {"anchor_10nm", Numbers(tick.witness.anchor_10nm)},
+          {"force_sent_100un", Numbers(tick.witness.force_sent_100un)},
+          {"force_computed_100un", Numbers(tick.witness.force_computed_100un)},
+          {"witness_flags", Number(tick.witness.flags)}};
+}
+
+}  // namespace
+
+json::object Describe(const Ticket& t) {
+  return {{"attempt", t.attempt.Text()},        {"nonce", ToHex(t.nonce)},
+          {"person", t.person.Text()},          {"station", t.station.Text()},
+          {"exercise", t.exercise.Hex()},       {"profile", t.profile.Hex()},
+          {"issued_unix_ms", t.issued_unix_ms}, {"expires_unix_ms", t.expires_unix_ms},
+          {"signature", ToHex(t.signature)}};
+}
+
+json::object Describe(const Header& h) {
+  return {{"ticket", Describe(h.ticket)},
+          {"scene", h.scene.Hex()},
+          {"volume", h.volume.Hex()},
+          {"params", Describe(h.params)},
+          {"station_software", h.station_software},
+          {"hash", HashSha256(EncodeHeader(h)).Hex()}};
+}
+
+json::object Describe(const Chunk& chunk) {
+  json::array ticks;
+  for (const Tick& tick : chunk.ticks) ticks.push_back(Describe(tick));
+  return {{"head", Describe(chunk.head)},
+          {"hash", chunk.hash.Hex()},
+          {"signature", ToHex(chunk.signature)},
+          {"payload", ToHex(EncodeColumns(chunk.ticks))},
+          {"ticks", std::move(ticks)}};
+}
+
+json::object Describe(const Seal& seal) {
+  return {{"attempt", seal.attempt.Text()},
+          {"chunks", Number(seal.chunks)},
+          {"ticks", Number(seal.ticks)},
+          {"last_chunk", seal.last_chunk.Hex()},
+          {"state_hash", Hex64(seal.state_hash)}};
+}
+
+json::object Describe(const TraceFile& file) {
+  json::array chunks;
+  for (const Bytes& bytes : file.chunks) {
+    auto chunk = DecodeChunkHead(bytes);
+    ENAMEL_CHECK(chunk.ok());
+    json::object item = Describe(chunk->head);
+    item["hash"] = chunk->hash.Hex();
+    item["bytes"] = Number(bytes.size());
+    chunks.push_back(std::move(item));
+  }
+  auto header = DecodeHeader(file.header);
+  ENAMEL_CHECK(header.ok());
+  json::object out{
+      {"header", Describe(*header)}, {"chunks", std::move(chunks)}, {"truncated", file.truncated}};
+  if (file.seal) out["seal"] = Describe(*file.seal);
+  return out;
+}
+
+}  // namespace enamel::trace
