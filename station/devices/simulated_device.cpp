@@ -1,0 +1,67 @@
+#include "station/devices/simulated_device.h"
+
+#include <cmath>
+
+namespace enamel::station {
+namespace {
+
+constexpr uint16_t kTurbineSpeed_krpm = 300;
+
+dvec3 Limited(const dvec3& v, double limit) noexcept {
+  double length = std::sqrt(Dot(v, v));
+  return length > limit ? v * (limit / length) : v;
+}
+
+}  // namespace
+
+SimulatedDevice::SimulatedDevice(const PlantParams& params, std::unique_ptr<SimulatedOperator> op)
+    : params_(params), operator_(std::move(op)) {
+  ENAMEL_CHECK(operator_ != nullptr);
+  ENAMEL_CHECK(params_.mass_kg > 0 && params_.resolution_m > 0 && params_.substeps > 0);
+  x_ = bur_m_ = operator_->Start_m();
+}
+
+std::string SimulatedDevice::Name() const {
+  return "simulated device, held by " + operator_->Name();
+}
+
+DeviceSample SimulatedDevice::ReadSample() noexcept {
+  HandDrive hand = operator_->Act(x_, bur_m_, params_.tick_s);
+  double dt = params_.tick_s / params_.substeps;
+  dvec3 equilibrium = hand.equilibrium_m - hand.velocity_m_per_s * params_.tick_s;
+  for (int i = 0; i < params_.substeps; ++i) {
+    equilibrium += hand.velocity_m_per_s * dt;
+    Substep(hand, equilibrium, dt);
+  }
+  DeviceSample sample;
+  for (int i = 0; i < 3; ++i) {
+    sample.counts[static_cast<size_t>(i)] =
+        static_cast<int32_t>(std::lround((x_[i] - params_.origin_m[i]) / params_.resolution_m));
+  }
+  if (hand.pedal) {
+    sample.buttons |= kPedal;
+    sample.bur_speed_krpm = kTurbineSpeed_krpm;
+  }
+  if (hand.finished) sample.buttons |= kFinish;
+  return sample;
+}
+
+void SimulatedDevice::SendForce(const dvec3& force_n) noexcept {
+  motor_n_ = Limited(force_n, params_.peak_force_n);
+}
+
+void SimulatedDevice::Substep(const HandDrive& hand, const dvec3& equilibrium_m,
+                              double dt) noexcept {
+  double mass = params_.mass_kg + params_.hand_mass_kg;
+  dvec3 push = (equilibrium_m - x_) * hand.stiffness_n_per_m +
+               (hand.velocity_m_per_s - v_) * hand.damping_n_s_per_m;
+  dvec3 force = Limited(push, hand.max_force_n) + motor_n_;
+  double stop = params_.friction_n * dt / mass;
+  for (int i = 0; i < 3; ++i) {
+    double v = (v_[i] + force[i] * dt / mass) / (1 + params_.damping_n_s_per_m * dt / mass);
+    v_[i] = std::fabs(v) <= stop ? 0 : v - std::copysign(stop, v);
+  }
+  x_ += v_ * dt;
+}
+
+}  // namespace enamel::station
