@@ -44,6 +44,7 @@ constexpr size_t kReadBytes = 4096;
 constexpr size_t kMaxDrainBytes = 4 * kMaxBodyBytes;
 constexpr std::chrono::milliseconds kDrain{1000};
 constexpr std::chrono::milliseconds kAcceptPause{100};
+constexpr std::string_view kContinue = "HTTP/1.1 100 Continue\r\n\r\n";
 constexpr std::string_view kTooManyConnections =
     "HTTP/1.1 503 Service Unavailable\r\nContent-Length: 0\r\nRetry-After: 5\r\n"
     "Connection: close\r\n\r\n";
@@ -186,9 +187,9 @@ asio::awaitable<Result<bool>> ReadHead(Stream& stream, beast::flat_buffer& buffe
 }
 
 template <typename Stream>
-asio::awaitable<bool> Write(Stream& stream, Response response, bool head_only, bool keep_alive,
-                            bool tls, const HttpDeadlines& deadlines) {
-  AddSecurityHeaders(response, tls);
+asio::awaitable<bool> Write(Stream& stream, Response& response, bool head_only, bool keep_alive,
+                            const HttpOptions& options) {
+  AddSecurityHeaders(response, options.tls.has_value());
   bhttp::response<bhttp::span_body<const char>> message;
   message.version(11);
   message.result(static_cast<unsigned>(response.status));
@@ -201,7 +202,7 @@ asio::awaitable<bool> Write(Stream& stream, Response response, bool head_only, b
   if (response.status != 204 && response.status != 304) message.content_length(body.size());
   if (!head_only) message.body() = {body.data(), body.size()};
   bhttp::response_serializer<bhttp::span_body<const char>> serializer(message);
-  beast::get_lowest_layer(stream).expires_after(deadlines.write);
+  beast::get_lowest_layer(stream).expires_after(options.deadlines.write);
   auto [error, count] = co_await bhttp::async_write(stream, serializer, kNoThrow);
   co_return !error;
 }
@@ -222,64 +223,98 @@ asio::awaitable<void> Drain(Stream& stream, beast::flat_buffer& buffer) {
   }
 }
 
+// What came of waiting for a request.
+struct Incoming {
+  enum class Kind { kClosed, kRefused, kRequest } kind = Kind::kClosed;
+  Request request;
+  bool keep_alive = false;
+  Response refusal;
+};
+
+Incoming Refused(Response refusal) {
+  Incoming out;
+  out.kind = Incoming::Kind::kRefused;
+  out.refusal = std::move(refusal);
+  return out;
+}
+
+// An error of reading head or body: an answer where the peer is still there to get it.
+Incoming FailedRead(const beast::error_code& error) {
+  if (error == bhttp::error::body_limit) {
+    return Refused(ErrorResponse({Code::kTooLarge, "expected a body of at most 1 MiB"}));
+  }
+  bool malformed = error.category() == make_error_code(bhttp::error::bad_version).category() &&
+                   error != bhttp::error::partial_message && error != bhttp::error::end_of_stream;
+  if (!malformed) return {};
+  return Refused(
+      ErrorResponse({Code::kInvalidInput, "expected an HTTP/1.1 request: " + error.message()}));
+}
+
+Incoming TakeMessage(const bhttp::request<bhttp::string_body>& message, const std::string& peer,
+                     bool tls) {
+  Incoming out;
+  out.request = PlainRequest(message, peer, tls);
+  out.keep_alive = message.keep_alive();
+  auto target = message.target();
+  Status valid = TakeTarget({target.data(), target.size()}, out.request);
+  if (!valid.ok()) return Refused(ErrorResponse(valid));
+  out.kind = Incoming::Kind::kRequest;
+  return out;
+}
+
+template <typename Stream>
+asio::awaitable<Incoming> ReadMessage(Stream& stream, beast::flat_buffer& buffer,
+                                      const std::string& peer, const HttpOptions& options) {
+  bhttp::request_parser<bhttp::string_body> parser;
+  parser.header_limit(kMaxHeadBytes);
+  parser.body_limit(kMaxBodyBytes);
+  beast::get_lowest_layer(stream).expires_after(options.deadlines.body);
+  auto [head_error, head_bytes] =
+      co_await bhttp::async_read_header(stream, buffer, parser, kNoThrow);
+  if (head_error) co_return FailedRead(head_error);
+  if (beast::iequals(parser.get()[bhttp::field::expect], "100-continue")) {
+    auto [write_error, written] =
+        co_await asio::async_write(stream, asio::buffer(kContinue), kNoThrow);
+    if (write_error) co_return Incoming{};
+  }
+  auto [body_error, body_bytes] = co_await bhttp::async_read(stream, buffer, parser, kNoThrow);
+  if (body_error) co_return FailedRead(body_error);
+  co_return TakeMessage(parser.get(), peer, options.tls.has_value());
+}
+
+template <typename Stream>
+asio::awaitable<Incoming> ReadRequest(Stream& stream, beast::flat_buffer& buffer,
+                                      const std::string& peer, const HttpOptions& options,
+                                      Connection& connection) {
+  size_t head_end = 0;
+  Result<bool> complete =
+      co_await ReadHead(stream, buffer, options.deadlines, connection, head_end);
+  if (!complete.ok()) {
+    co_return Refused(ErrorResponse(431, "too_large", complete.status().message()));
+  }
+  if (!*complete) co_return Incoming{};
+  Status head = CheckRequestHead(View(buffer).substr(0, head_end));
+  if (!head.ok()) co_return Refused(ErrorResponse(head));
+  co_return co_await ReadMessage(stream, buffer, peer, options);
+}
+
 // One request and its answer. False: close the connection.
 template <typename Stream, typename Answer>
 asio::awaitable<bool> ServeOne(Stream& stream, beast::flat_buffer& buffer, const std::string& peer,
-                               const HttpOptions& options, Connection& connection, Answer answer) {
-  const bool tls = options.tls.has_value();
-  const HttpDeadlines& deadlines = options.deadlines;
-  size_t head_end = 0;
-  Result<bool> complete = co_await ReadHead(stream, buffer, deadlines, connection, head_end);
-  Response refusal;
-  if (!complete.ok()) {
-    refusal = ErrorResponse(431, "too_large", complete.status().message());
-  } else if (!*complete) {
-    co_return false;
-  } else if (Status head = CheckRequestHead(View(buffer).substr(0, head_end)); !head.ok()) {
-    refusal = ErrorResponse(head);
-  } else {
-    bhttp::request_parser<bhttp::string_body> parser;
-    parser.header_limit(kMaxHeadBytes);
-    parser.body_limit(kMaxBodyBytes);
-    auto [head_error, ignored] =
-        co_await bhttp::async_read_header(stream, buffer, parser, kNoThrow);
-    beast::error_code error = head_error;
-    if (!error && beast::iequals(parser.get()[bhttp::field::expect], "100-continue")) {
-      static constexpr std::string_view kContinue = "HTTP/1.1 100 Continue\r\n\r\n";
-      auto [written, count] = co_await asio::async_write(stream, asio::buffer(kContinue), kNoThrow);
-      error = written;
-    }
-    if (!error) {
-      beast::get_lowest_layer(stream).expires_after(deadlines.body);
-      auto [body_error, count] = co_await bhttp::async_read(stream, buffer, parser, kNoThrow);
-      error = body_error;
-    }
-    if (!error) {
-      bool keep_alive = parser.get().keep_alive();
-      Request request = PlainRequest(parser.get(), peer, tls);
-      auto target = parser.get().target();
-      Status valid = TakeTarget({target.data(), target.size()}, request);
-      Response response = valid.ok() ? co_await answer(request) : ErrorResponse(valid);
-      keep_alive = keep_alive && !connection.stopping;
-      bool written = co_await Write(stream, std::move(response), request.method == Method::kHead,
-                                    keep_alive, tls, deadlines);
-      if (written && !keep_alive) co_await Drain(stream, buffer);
-      co_return written&& keep_alive;
-    }
-    if (error == bhttp::error::body_limit) {
-      refusal = ErrorResponse({Code::kTooLarge, "expected a body of at most 1 MiB"});
-    } else if (error.category() == make_error_code(bhttp::error::bad_version).category() &&
-               error != bhttp::error::partial_message && error != bhttp::error::end_of_stream) {
-      refusal =
-          ErrorResponse({Code::kInvalidInput, "expected an HTTP/1.1 request: " + error.message()});
-    } else {
-      co_return false;
-    }
+                               const HttpOptions& options, Connection& connection,
+                               const Answer& answer) {
+  Incoming incoming = co_await ReadRequest(stream, buffer, peer, options, connection);
+  if (incoming.kind == Incoming::Kind::kClosed) co_return false;
+  Response response = std::move(incoming.refusal);
+  bool keep_alive = false;
+  if (incoming.kind == Incoming::Kind::kRequest) {
+    response = co_await answer(incoming.request);
+    keep_alive = incoming.keep_alive && !connection.stopping;
   }
-  if (co_await Write(stream, std::move(refusal), false, false, tls, deadlines)) {
-    co_await Drain(stream, buffer);
-  }
-  co_return false;
+  bool head_only = incoming.request.method == Method::kHead;
+  bool written = co_await Write(stream, response, head_only, keep_alive, options);
+  if (written && !keep_alive) co_await Drain(stream, buffer);
+  co_return written&& keep_alive;
 }
 
 std::string PeerAddress(const tcp::socket& socket) {
@@ -324,8 +359,9 @@ asio::awaitable<void> HttpServer::State::ServeAll(Stream& stream, const std::str
                                                   Connection& connection) {
   beast::flat_buffer buffer(kMaxHeadBytes + kReadBytes);
   auto answer = [this](const Request& request) { return Answer(request); };
-  while (!connection.stopping &&
-         co_await ServeOne(stream, buffer, peer, options, connection, answer)) {
+  bool open = true;
+  while (open && !connection.stopping) {
+    open = co_await ServeOne(stream, buffer, peer, options, connection, answer);
   }
 }
 

@@ -1,0 +1,225 @@
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "tests/server/http/running_server.h"
+
+// Who gets what: person × route, over the wire.
+namespace enamel::server::http {
+namespace {
+
+const char* const kLogins[] = {"sam", "sue", "tom", "ada", "ben", "root"};
+
+class AccessTest : public testing::Test {
+ protected:
+  AccessTest() {
+    for (const char* login : kLogins) visitors_.emplace(login, Visitor(server_.port(), login));
+  }
+  Visitor& By(const std::string& login) { return visitors_.at(login); }
+  std::string Scored(const std::string& rest = "") const {
+    return "/api/v1/attempts/" + school_.sams_scored.Text() + rest;
+  }
+  std::vector<std::string> AttemptIds(const std::string& login, const std::string& query = "") {
+    RawResponse response = By(login).Get("/api/v1/attempts" + query);
+    EXPECT_EQ(response.status, 200) << response.body;
+    std::vector<std::string> out;
+    boost::json::value body = Parsed(response);
+    for (const auto& attempt : body.at("attempts").as_array()) {
+      out.emplace_back(attempt.at("id").as_string());
+    }
+    return out;
+  }
+
+  School school_;
+  RunningServer server_{school_};
+  std::map<std::string, Visitor> visitors_;
+};
+
+struct Row {
+  const char* what;
+  std::string method, target, body;
+  std::map<std::string, int> expected;  // by login
+};
+
+TEST_F(AccessTest, EveryRoleGetsItsOwnAndNothingElse) {
+  const std::string scored = Scored();
+  const std::string recording = "/api/v1/attempts/" + school_.sams_recording.Text();
+  const std::map<std::string, int> all = {{"sam", 200}, {"sue", 200}, {"tom", 200},
+                                          {"ada", 200}, {"ben", 200}, {"root", 200}};
+  const std::map<std::string, int> staff = {{"sam", 403}, {"sue", 403}, {"tom", 403},
+                                            {"ada", 200}, {"ben", 200}, {"root", 200}};
+  const std::map<std::string, int> admin = {{"sam", 403}, {"sue", 403}, {"tom", 403},
+                                            {"ada", 403}, {"ben", 403}, {"root", 200}};
+  const std::map<std::string, int> hidden = {{"sam", 403}, {"sue", 404}, {"tom", 404},
+                                             {"ada", 200}, {"ben", 404}, {"root", 200}};
+  const Row rows[] = {
+      {"session", "GET", "/api/v1/session", "", all},
+      {"exercises", "GET", "/api/v1/exercises", "", all},
+      {"profiles", "GET", "/api/v1/profiles", "", all},
+      {"attempts", "GET", "/api/v1/attempts", "", all},
+      {"exercise of cohort A",
+       "GET",
+       "/api/v1/exercises/" + school_.exercise.Text(),
+       "",
+       {{"sam", 200}, {"sue", 200}, {"tom", 404}, {"ada", 200}, {"ben", 404}, {"root", 200}}},
+      {"cohorts", "GET", "/api/v1/cohorts", "", staff},
+      {"stations", "GET", "/api/v1/stations", "", staff},
+      {"audit", "GET", "/api/v1/audit", "", admin},
+      {"jobs", "GET", "/api/v1/jobs", "", admin},
+      {"attempt",
+       "GET",
+       scored,
+       "",
+       {{"sam", 200}, {"sue", 404}, {"tom", 404}, {"ada", 200}, {"ben", 404}, {"root", 200}}},
+      {"graded score before release", "GET", scored + "/score", "", hidden},
+      {"graded surface before release", "GET", scored + "/surface", "", hidden},
+      {"graded series before release", "GET", scored + "/series", "", hidden},
+      {"score while recording",
+       "GET",
+       recording + "/score",
+       "",
+       {{"sam", 403}, {"sue", 404}, {"tom", 404}, {"ada", 409}, {"ben", 404}, {"root", 409}}},
+      {"release while recording",
+       "POST",
+       recording + "/release",
+       "",
+       {{"sam", 403}, {"sue", 403}, {"tom", 403}, {"ada", 409}, {"ben", 404}, {"root", 409}}},
+      {"mark as reference",
+       "POST",
+       scored + "/reference",
+       R"({"dentist":"Dr. Vega"})",
+       {{"sam", 403}, {"sue", 403}, {"tom", 403}, {"ada", 201}, {"ben", 404}, {"root", 201}}},
+      {"release",
+       "POST",
+       scored + "/release",
+       "",
+       {{"sam", 403}, {"sue", 403}, {"tom", 403}, {"ada", 204}, {"ben", 404}, {"root", 204}}},
+      {"graded score after release",
+       "GET",
+       scored + "/score",
+       "",
+       {{"sam", 200}, {"sue", 404}, {"tom", 404}, {"ada", 200}, {"ben", 404}, {"root", 200}}},
+  };
+  for (const Row& row : rows) {
+    for (const char* login : kLogins) {
+      Visitor& visitor = By(login);
+      RawResponse response =
+          row.method == "GET" ? visitor.Get(row.target) : visitor.Post(row.target, row.body);
+      EXPECT_EQ(response.status, row.expected.at(login))
+          << row.what << " by " << login << ": " << response.body;
+    }
+  }
+}
+
+TEST_F(AccessTest, AnotherStudentsAttemptLooksLikeNone) {
+  RawResponse existing = By("sue").Get(Scored());
+  RawResponse missing = By("sue").Get("/api/v1/attempts/" + Uuid::New().Text());
+  EXPECT_EQ(existing.status, 404);
+  EXPECT_EQ(existing.body, missing.body);
+}
+
+TEST_F(AccessTest, StudentListsOnlyOwnAttemptsWhateverIsAsked) {
+  const std::string toms = school_.toms_scored.Text();
+  for (const std::string& query :
+       {std::string(), "?person=" + school_.tom.Text(), "?cohort=" + school_.cohort_b.Text(),
+        std::string("?limit=200")}) {
+    std::vector<std::string> ids = AttemptIds("sam", query);
+    EXPECT_EQ(ids.size(), 2u) << query;
+    EXPECT_EQ(std::count(ids.begin(), ids.end(), toms), 0) << query;
+  }
+}
+
+TEST_F(AccessTest, InstructorListsOwnCohortsAndAdminAll) {
+  EXPECT_EQ(AttemptIds("ada").size(), 2u);
+  EXPECT_EQ(AttemptIds("ada", "?person=" + school_.tom.Text()).size(), 0u);
+  EXPECT_EQ(AttemptIds("ben"), std::vector<std::string>{school_.toms_scored.Text()});
+  EXPECT_EQ(AttemptIds("root").size(), 3u);
+  EXPECT_EQ(AttemptIds("root", "?cohort=" + school_.cohort_b.Text()).size(), 1u);
+}
+
+TEST_F(AccessTest, PagesFollowEachOtherWithoutGapOrRepeat) {
+  std::vector<std::string> seen;
+  std::string query = "?limit=1";
+  for (int page = 0; page < 10; ++page) {
+    boost::json::value body = Parsed(By("root").Get("/api/v1/attempts" + query));
+    for (const auto& attempt : body.at("attempts").as_array()) {
+      seen.emplace_back(attempt.at("id").as_string());
+    }
+    if (body.at("next").is_null()) break;
+    query = "?limit=1&before=" + std::string(body.at("next").as_string());
+  }
+  EXPECT_EQ(seen, AttemptIds("root"));
+}
+
+TEST_F(AccessTest, ScoreIsHiddenInListsUntilReleased) {
+  auto score = [&](const std::string& login) {
+    return Parsed(By(login).Get(Scored())).at("score");
+  };
+  EXPECT_TRUE(score("sam").is_null());
+  EXPECT_EQ(score("ada").to_number<double>(), 87.5);
+  EXPECT_EQ(By("ada").Post(Scored("/release")).status, 204);
+  EXPECT_EQ(score("sam").to_number<double>(), 87.5);
+  EXPECT_EQ(Parsed(By("sam").Get(Scored())).at("released"), true);
+}
+
+TEST_F(AccessTest, AttemptCarriesTheNamesOfWhatItPointsTo) {
+  boost::json::value attempt = Parsed(By("ada").Get(Scored()));
+  EXPECT_EQ(attempt.at("person").at("display_name"), "Person sam");
+  EXPECT_EQ(attempt.at("exercise").at("title"), "Occlusal cavity");
+  EXPECT_EQ(attempt.at("station").at("name"), "bench-1");
+  EXPECT_EQ(attempt.at("profile").at("name"), "phantom_desktop");
+  EXPECT_EQ(attempt.at("state"), "scored");
+  EXPECT_TRUE(attempt.at("reference").is_null());
+}
+
+TEST_F(AccessTest, ReferenceShowsAtTheExerciseAndTheAttempt) {
+  RawResponse made = By("ada").Post(Scored("/reference"), R"({"dentist":"Dr. Vega"})");
+  ASSERT_EQ(made.status, 201) << made.body;
+  EXPECT_EQ(Parsed(made).at("dentist"), "Dr. Vega");
+  EXPECT_EQ(Parsed(By("ada").Get(Scored())).at("is_reference"), true);
+  boost::json::value exercise =
+      Parsed(By("sam").Get("/api/v1/exercises/" + school_.exercise.Text()));
+  EXPECT_EQ(exercise.at("has_reference"), true);
+  EXPECT_EQ(exercise.at("my_attempts"), 2);
+  EXPECT_EQ(exercise.at("bur").at("shape"), "cylinder");
+  EXPECT_EQ(exercise.at("target").at("depth_um"), 2000);
+  EXPECT_EQ(exercise.at("rubric").at("criteria").at(0).at("metric"), "wall_mesial_mm");
+  EXPECT_EQ(By("ada").Post(Scored("/reference"), R"({"dentist":""})").status, 400);
+}
+
+TEST_F(AccessTest, SurfaceIsServedAsItWasStored) {
+  RawResponse surface = By("ada").Get(Scored("/surface"));
+  EXPECT_EQ(surface.headers["content-type"], "application/octet-stream");
+  EXPECT_EQ(surface.body, "ENSF");
+}
+
+TEST_F(AccessTest, ProfilesNameTheSourceOfEveryNumber) {
+  boost::json::value body = Parsed(By("sam").Get("/api/v1/profiles"));
+  const auto& profile = body.at("profiles").as_array().at(0);
+  ASSERT_EQ(profile.at("numbers").as_array().size(), 11u);
+  for (const auto& number : profile.at("numbers").as_array()) {
+    EXPECT_EQ(number.at("source"), "assumption");
+  }
+}
+
+TEST_F(AccessTest, MalformedQueriesNameTheField) {
+  for (const char* field : {"person", "cohort", "exercise", "before", "limit"}) {
+    RawResponse response = By("root").Get(std::string("/api/v1/attempts?") + field + "=x");
+    EXPECT_EQ(response.status, 400) << field;
+    EXPECT_EQ(Parsed(response).at("error").at("field"), field);
+  }
+  EXPECT_EQ(By("root").Get("/api/v1/attempts?limit=201").status, 400);
+  EXPECT_EQ(By("root").Get("/api/v1/jobs?state=lost").status, 400);
+  EXPECT_EQ(By("root").Get("/api/v1/attempts/not-a-uuid").status, 400);
+}
+
+TEST_F(AccessTest, ReleaseIsAudited) {
+  By("ada").Post(Scored("/release"));
+  boost::json::value body = Parsed(By("root").Get("/api/v1/audit?limit=1"));
+  const auto& entry = body.at("audit").as_array().at(0);
+  EXPECT_EQ(entry.at("action"), "attempt.release");
+  EXPECT_EQ(entry.at("object"), school_.sams_scored.Text().c_str());
+}
+
+}  // namespace
+}  // namespace enamel::server::http

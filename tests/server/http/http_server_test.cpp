@@ -1,0 +1,328 @@
+#include "server/http/http_server.h"
+
+#include <gtest/gtest.h>
+
+#include "common/base/file.h"
+#include "tests/server/http/desync_suite.h"
+#include "tests/server/http/running_server.h"
+
+namespace enamel::server::http {
+namespace {
+
+constexpr char kHealth[] = "GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n";
+
+HttpOptions Impatient() {
+  HttpOptions options;
+  options.deadlines.idle = options.deadlines.head = options.deadlines.body =
+      std::chrono::milliseconds(200);
+  return options;
+}
+
+class HttpServerTest : public testing::Test {
+ protected:
+  HttpServerTest() {
+    page_.Write("index.html", "<!doctype html>page");
+    page_.Write("main-4XKQ7B2D.js", "script");
+    options_.web_root = page_.path();
+  }
+
+  TempFolder page_;
+  School school_;
+  HttpOptions options_;
+};
+
+TEST_F(HttpServerTest, KeepsTheConnectionForPipelinedRequests) {
+  RunningServer server(school_, options_);
+  RawClient client(server.port());
+  client.Send(std::string(kHealth) + kHealth + kHealth);
+  for (int i = 0; i < 3; ++i) {
+    auto response = client.Read();
+    ASSERT_TRUE(response);
+    EXPECT_EQ(response->status, 200);
+    EXPECT_EQ(response->body, R"({"status":"ok"})");
+  }
+}
+
+TEST_F(HttpServerTest, ClosesWhenAsked) {
+  RunningServer server(school_, options_);
+  RawClient client(server.port());
+  client.Send("GET /healthz HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
+  EXPECT_EQ(client.Read()->headers["connection"], "close");
+  EXPECT_TRUE(client.ClosedByServer());
+}
+
+TEST_F(HttpServerTest, AcceptsARequestSplitAtEveryByte) {
+  RunningServer server(school_, options_);
+  const std::string body = R"({"login":"sam","password":"wrong"})";
+  RawClient client(server.port());
+  for (char c : std::string(kHealth)) client.Send(std::string(1, c));
+  EXPECT_EQ(client.Read()->status, 200);
+  std::string post =
+      "POST /api/v1/session HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
+      "Content-Length: " +
+      std::to_string(body.size()) + "\r\n\r\n" + body;
+  for (char c : post) client.Send(std::string(1, c));
+  EXPECT_EQ(client.Read()->status, 401);
+}
+
+TEST_F(HttpServerTest, ReadsChunkedBodies) {
+  RunningServer server(school_, options_);
+  RawClient client(server.port());
+  client.Send(
+      "POST /api/v1/session HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
+      "Transfer-Encoding: "
+      "chunked\r\n\r\n10\r\n{\"login\":\"sam\",\"\r\n12\r\npassword\":\"wrong\"}\r\n0\r\n\r\n");
+  EXPECT_EQ(client.Read()->status, 401);
+}
+
+TEST_F(HttpServerTest, EveryAnswerCarriesTheSecurityHeaders) {
+  RunningServer server(school_, options_);
+  Visitor nobody(server.port());
+  for (const char* target :
+       {"/", "/main-4XKQ7B2D.js", "/healthz", "/api/v1/session", "/api/none", "/x.js"}) {
+    RawResponse response = nobody.Get(target);
+    EXPECT_TRUE(response.headers["content-security-policy"].starts_with(
+        "default-src 'none'; script-src 'self';"))
+        << target;
+    EXPECT_EQ(response.headers["x-content-type-options"], "nosniff") << target;
+    EXPECT_EQ(response.headers["referrer-policy"], "no-referrer") << target;
+    EXPECT_EQ(response.headers["cross-origin-opener-policy"], "same-origin") << target;
+    EXPECT_EQ(response.headers["cross-origin-embedder-policy"], "require-corp") << target;
+    EXPECT_EQ(response.headers["cross-origin-resource-policy"], "same-origin") << target;
+    EXPECT_TRUE(response.headers.contains("permissions-policy")) << target;
+    EXPECT_TRUE(response.headers.contains("cache-control")) << target;
+    EXPECT_FALSE(response.headers.contains("server")) << target;
+  }
+}
+
+TEST_F(HttpServerTest, HeadAnswersLikeGetWithoutTheBody) {
+  RunningServer server(school_, options_);
+  RawClient client(server.port());
+  for (const char* target : {"/", "/main-4XKQ7B2D.js", "/healthz"}) {
+    client.Send(std::string("HEAD ") + target + " HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    auto head = client.Read(true);
+    client.Send(std::string("GET ") + target + " HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    auto get = client.Read();
+    ASSERT_TRUE(head && get) << target;
+    EXPECT_EQ(head->status, 200);
+    EXPECT_EQ(head->headers, get->headers);
+    EXPECT_EQ(std::to_string(get->body.size()), head->headers["content-length"]);
+  }
+}
+
+TEST_F(HttpServerTest, UnknownApiPathsAre404AndOtherPathsArePages) {
+  RunningServer server(school_, options_);
+  Visitor nobody(server.port());
+  RawResponse unknown = nobody.Get("/api/v1/nothing");
+  EXPECT_EQ(unknown.status, 404);
+  EXPECT_EQ(ErrorCode(unknown), "not_found");
+  EXPECT_EQ(nobody.Get("/api").status, 404);
+  EXPECT_EQ(nobody.Get("/attempts/1").body, "<!doctype html>page");
+  EXPECT_EQ(nobody.Get("/missing.js").status, 404);
+  RawResponse put = nobody.Send("PUT", "/api/v1/session", "");
+  EXPECT_EQ(put.status, 405);
+  EXPECT_EQ(put.headers["allow"], "POST, GET, HEAD, DELETE");
+}
+
+TEST_F(HttpServerTest, NoPathLeadsOutOfThePage) {
+  RunningServer server(school_, options_);
+  Visitor nobody(server.port());
+  for (const char* target :
+       {"/../../etc/passwd", "/%2e%2e/%2e%2e/etc/passwd", "/..%5c..%5cetc%5cpasswd",
+        "//etc/passwd.txt", "/%00.js", "/main-4XKQ7B2D.js%00.txt", "/.."}) {
+    RawResponse response = nobody.Get(target);
+    EXPECT_TRUE(response.status == 404 || response.status == 400)
+        << target << " " << response.status;
+    EXPECT_EQ(response.body.find("root:"), std::string::npos);
+  }
+}
+
+TEST_F(HttpServerTest, HostNamesOfOthersAreMisdirected) {
+  RunningServer server(school_, options_);
+  for (const char* host : {"evil.example", "evil.example:80", "localhost.evil.example"}) {
+    RawClient client(server.port());
+    client.Send(std::string("GET / HTTP/1.1\r\nHost: ") + host + "\r\n\r\n");
+    EXPECT_EQ(client.Read()->status, 421) << host;
+  }
+}
+
+TEST_F(HttpServerTest, OversizedHeadIsRefusedWith431) {
+  RunningServer server(school_, options_);
+  RawClient client(server.port());
+  client.Send("GET / HTTP/1.1\r\nHost: localhost\r\nX: " + std::string(kMaxHeadBytes, 'a'));
+  auto response = client.Read();
+  ASSERT_TRUE(response);
+  EXPECT_EQ(response->status, 431);
+  EXPECT_EQ(ErrorCode(*response), "too_large");
+}
+
+TEST_F(HttpServerTest, OversizedBodyIsRefusedWith413) {
+  RunningServer server(school_, options_);
+  const std::string big(kMaxBodyBytes + 1, 'a');
+  Visitor nobody(server.port());
+  EXPECT_EQ(
+      nobody.Send("POST", "/api/v1/session", "Content-Type: application/json\r\n", big).status,
+      413);
+  RawClient chunked(server.port());
+  chunked.Send(
+      "POST /api/v1/session HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: "
+      "chunked\r\n\r\n100001\r\n" +
+      big);
+  EXPECT_EQ(chunked.Read()->status, 413);
+}
+
+TEST_F(HttpServerTest, AHugeAnnouncedBodyIsRefusedBeforeItIsSent) {
+  RunningServer server(school_, options_);
+  RawClient client(server.port());
+  client.Send(
+      "POST /api/v1/session HTTP/1.1\r\nHost: localhost\r\nContent-Length: 999999999999\r\n\r\n");
+  EXPECT_EQ(client.Read()->status, 413);
+}
+
+TEST_F(HttpServerTest, AnswersExpectContinue) {
+  RunningServer server(school_, options_);
+  RawClient client(server.port());
+  client.Send(
+      "POST /api/v1/session HTTP/1.1\r\nHost: localhost\r\nExpect: 100-continue\r\nContent-Length: "
+      "2\r\n"
+      "Content-Type: application/json\r\n\r\n");
+  EXPECT_EQ(client.Read()->status, 100);
+  client.Send("{}");
+  EXPECT_EQ(client.Read()->status, 400);
+}
+
+TEST_F(HttpServerTest, ClosesAConnectionThatStaysIdle) {
+  RunningServer server(school_, Impatient());
+  RawClient client(server.port());
+  client.Send(kHealth);
+  EXPECT_EQ(client.Read()->status, 200);
+  EXPECT_TRUE(client.ClosedByServer());
+}
+
+TEST_F(HttpServerTest, ASlowDripDoesNotExtendTheDeadline) {
+  HttpOptions options = Impatient();
+  options.deadlines.idle = std::chrono::seconds(30);
+  RunningServer server(school_, options);
+  RawClient head(server.port());
+  head.Send("GET /healthz HTTP/1.1\r\nHost: loc");
+  EXPECT_TRUE(head.ClosedByServer());
+  RawClient dripping(server.port());
+  bool open = true;
+  for (int i = 0; open && i < 600; ++i) {
+    open = dripping.Send("G");
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  EXPECT_FALSE(open);
+  RawClient body(server.port());
+  body.Send("POST /api/v1/session HTTP/1.1\r\nHost: localhost\r\nContent-Length: 10\r\n\r\n12");
+  EXPECT_TRUE(body.ClosedByServer());
+}
+
+TEST_F(HttpServerTest, MoreConnectionsThanAllowedAreTurnedAway) {
+  options_.max_connections = 2;
+  RunningServer server(school_, options_);
+  RawClient first(server.port()), second(server.port());
+  for (RawClient* client : {&first, &second}) {
+    client->Send(kHealth);
+    EXPECT_EQ(client->Read()->status, 200);
+  }
+  RawClient third(server.port());
+  EXPECT_EQ(third.Read()->status, 503);
+  EXPECT_TRUE(third.ClosedByServer());
+  first.Send(kHealth);
+  EXPECT_EQ(first.Read()->status, 200);
+}
+
+TEST_F(HttpServerTest, StopClosesIdleConnectionsAndRunsOutOfWork) {
+  options_.deadlines.stop = std::chrono::minutes(10);
+  RunningServer server(school_, options_);
+  RawClient client(server.port());
+  client.Send(kHealth);
+  EXPECT_EQ(client.Read()->status, 200);
+  server.server().Stop();
+  server.server().Stop();
+  server.Join();
+  EXPECT_TRUE(client.ClosedByServer());
+  RawClient late(server.port());
+  EXPECT_FALSE(late.Send(kHealth) && late.Read());
+}
+
+TEST_F(HttpServerTest, StopDoesNotWaitForAStuckRequest) {
+  options_.deadlines.stop = std::chrono::milliseconds(100);
+  RunningServer server(school_, options_);
+  RawClient client(server.port());
+  client.Send(
+      "POST /api/v1/session HTTP/1.1\r\nHost: localhost\r\nExpect: 100-continue\r\nContent-Length: "
+      "10\r\n\r\n");
+  EXPECT_EQ(client.Read()->status, 100);
+  server.server().Stop();
+  server.Join();
+  EXPECT_TRUE(client.ClosedByServer());
+}
+
+TEST_F(HttpServerTest, SaysThatThePortIsInUse) {
+  RunningServer server(school_, options_);
+  boost::asio::io_context io;
+  options_.port = server.port();
+  HttpServer second(io, options_, *school_.store, *school_.authenticator);
+  Result<uint16_t> started = second.Start();
+  ASSERT_FALSE(started.ok());
+  EXPECT_EQ(started.status().code(), Code::kUnavailable);
+  EXPECT_NE(started.status().message().find(":" + std::to_string(server.port()) + " in use"),
+            std::string::npos)
+      << started.status().message();
+}
+
+TEST_F(HttpServerTest, RefusesToSpeakPlainHttpBeyondLoopback) {
+  boost::asio::io_context io;
+  for (const char* address : {"0.0.0.0", "::", "192.0.2.1"}) {
+    options_.address = address;
+    HttpServer server(io, options_, *school_.store, *school_.authenticator);
+    Result<uint16_t> started = server.Start();
+    ASSERT_FALSE(started.ok());
+    EXPECT_EQ(started.status().code(), Code::kInvalidInput);
+    EXPECT_NE(started.status().message().find("TLS"), std::string::npos);
+  }
+  options_.address = "localhost";
+  HttpServer server(io, options_, *school_.store, *school_.authenticator);
+  EXPECT_EQ(server.Start().status().field(), "address");
+}
+
+TEST_F(HttpServerTest, SaysThatThePageIsMissing) {
+  boost::asio::io_context io;
+  options_.web_root = page_.path() / "none";
+  HttpServer server(io, options_, *school_.store, *school_.authenticator);
+  EXPECT_EQ(server.Start().status().code(), Code::kNotFound);
+}
+
+TEST_F(HttpServerTest, AStoreFailureIsA500WithoutDetail) {
+  RunningServer server(school_, options_);
+  Visitor sam(server.port(), "sam");
+  std::filesystem::remove_all(school_.folder.path() / "data" / "blobs");
+  RawResponse response = sam.Get("/api/v1/exercises");
+  EXPECT_EQ(response.status, 500);
+  EXPECT_EQ(ErrorCode(response), "internal");
+  EXPECT_EQ(response.body.find(school_.folder.path().string()), std::string::npos);
+}
+
+TEST_F(HttpServerTest, AnswersNothingThatTheDesyncSuiteCallsAmbiguousOrSevereAndCloses) {
+  std::filesystem::path folder =
+      std::filesystem::path(ENAMEL_SHARED_DATA) / "suites/http_desync_guardian/tests";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "skipped: no shared data";
+  RunningServer server(school_, options_);
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().extension() != ".yaml") continue;
+    for (const DesyncCase& suspect : ReadDesyncCases(AsText(*ReadFile(entry.path(), 1 << 20)))) {
+      if (suspect.tier != "Ambiguous" && suspect.tier != "Severe") continue;
+      RawClient client(server.port());
+      client.Send(suspect.Head());
+      auto response = client.Read(suspect.method == "HEAD");
+      ASSERT_TRUE(response) << suspect.name << "\n" << suspect.Head();
+      EXPECT_EQ(response->status, 400) << suspect.name;
+      EXPECT_EQ(response->headers["connection"], "close") << suspect.name;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace enamel::server::http

@@ -1,0 +1,164 @@
+#include "tests/server/http/school.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+
+#include "common/scene/json.h"
+#include "common/scoring/score.h"
+#include "common/trace/trace.h"
+
+namespace enamel::server::http {
+namespace {
+
+const Actor kBy{{}, "test"};
+
+template <typename T>
+T Must(Result<T> result) {
+  EXPECT_TRUE(result.ok()) << result.status().message();
+  if (!result.ok()) std::abort();
+  return std::move(result).value();
+}
+void Must(const Status& status) {
+  EXPECT_TRUE(status.ok()) << status.message();
+  if (!status.ok()) std::abort();
+}
+
+scene::DeviceProfile SomeProfile() {
+  scene::DeviceProfile out;
+  out.name = "phantom_desktop";
+  out.title = "Phantom Desktop";
+  for (scene::Sourced* number :
+       {&out.resolution_nm, &out.max_stiffness_mn_per_mm, &out.coupling_mn_per_mm,
+        &out.damping_mn_s_per_m, &out.friction_mn, &out.mass_g, &out.peak_force_mn,
+        &out.continuous_force_mn, &out.rate_hz, &out.bus_delay_ticks, &out.workspace_radius_um}) {
+    *number = {1000, "assumption"};
+  }
+  out.bus_delay_ticks.value = 1;
+  return out;
+}
+
+scene::Exercise SomeExercise(const Sha256& scene) {
+  scene::Exercise out;
+  out.name = "class-1-occlusal";
+  out.title = "Occlusal cavity";
+  out.instructions = "Cut the cavity.";
+  out.scene = scene;
+  out.bur_radius_um = 500;
+  out.bur_length_um = 4000;
+  out.target.half_size_um = {2000, 1500, 0};
+  out.target.depth_um = 2000;
+  out.target.leeway_side_um = 200;
+  out.target.leeway_bottom_um = 300;
+  out.target.container_um = 500;
+  out.rubric.name = "class-1";
+  out.rubric.criteria.push_back({"wall_mesial_mm",
+                                 "Mesial wall",
+                                 "mm",
+                                 20,
+                                 {{0.0, 1.0}, {0.5, 0.0}},
+                                 "too deep",
+                                 std::nullopt});
+  return out;
+}
+
+}  // namespace
+
+School::School() {
+  now_ms = std::chrono::duration_cast<std::chrono::milliseconds>(
+               std::chrono::system_clock::now().time_since_epoch())
+               .count();
+  store = Must(OpenSqliteStore({folder.path() / "data", false, 2, {}}));
+  auth::AuthOptions options;
+  options.cost = {1, 8192};
+  options.clock = [this] { return now_ms; };
+  authenticator = std::make_unique<auth::Authenticator>(*store, options);
+  verifier_ = Must(authenticator->NewVerifier(kPassword, "nobody"));
+  root = AddPerson("root", Role::kAdmin);
+  ada = AddPerson("ada", Role::kInstructor);
+  ben = AddPerson("ben", Role::kInstructor);
+  sam = AddPerson("sam", Role::kStudent);
+  sue = AddPerson("sue", Role::kStudent);
+  tom = AddPerson("tom", Role::kStudent);
+  cohort_a = Must(store->CreateCohort("A", kBy));
+  cohort_b = Must(store->CreateCohort("B", kBy));
+  for (const Uuid& id : {ada, sam, sue}) Must(store->AddToCohort(cohort_a, id, kBy));
+  for (const Uuid& id : {ben, tom}) Must(store->AddToCohort(cohort_b, id, kBy));
+  AddDocuments();
+  sams_scored = ScoredAttempt(sam);
+  sams_recording = RecordingAttempt(sam);
+  toms_scored = ScoredAttempt(tom);
+}
+
+Uuid School::AddPerson(const std::string& login, Role role) {
+  Person person;
+  person.login = login;
+  person.display_name = "Person " + login;
+  person.role = role;
+  return Must(store->CreatePerson(person, verifier_, kBy));
+}
+
+void School::AddDocuments() {
+  Sha256 code = HashSha256(AsBytes("code"));
+  Must(store->AddEnrolCode(code, now_ms + 1000, kBy));
+  StationRow row;
+  row.name = "bench-1";
+  row.public_key.assign(32, 1);
+  station = Must(store->EnrolStation(code, row, HashSha256(AsBytes("credential")), now_ms)).id;
+
+  scene::DeviceProfile profile = SomeProfile();
+  profile_ = Must(store->PutBlob(AsBytes(scene::ToJson(profile))));
+  Must(store->PutProfile({profile.name, profile.title, profile_}, kBy));
+  Sha256 scene_json = Must(store->PutBlob(AsBytes("scene")));
+  Sha256 volume = Must(store->PutBlob(AsBytes("volume")));
+  Must(store->PutScene({"molar", "Molar", scene_json, volume}, kBy));
+  scene::Exercise document = SomeExercise(scene_json);
+  exercise_row_.name = document.name;
+  exercise_row_.title = document.title;
+  exercise_row_.content = Must(store->PutBlob(AsBytes(scene::ToJson(document))));
+  exercise_row_.scene = scene_json;
+  exercise_row_ = Must(store->PublishExercise(exercise_row_, cohort_a, kBy));
+  exercise = exercise_row_.id;
+}
+
+Uuid School::RecordingAttempt(const Uuid& person) {
+  AttemptRow row;
+  row.id = Uuid::New();
+  row.person = person;
+  row.station = station;
+  row.exercise = exercise;
+  row.profile_content = profile_;
+  row.ticketed_ms = now_ms;
+  Must(store->CreateAttempt(row, AsBytes("ticket"), kBy));
+  Must(store->OpenAttempt(row.id, AsBytes("header")));
+  return row.id;
+}
+
+Uuid School::ScoredAttempt(const Uuid& person) {
+  Uuid id = RecordingAttempt(person);
+  Store::ChunkPut chunk;
+  chunk.attempt = chunk.head.attempt = id;
+  chunk.head.count = 1000;
+  chunk.head.previous = HashSha256(AsBytes("header"));
+  chunk.bytes = Bytes(10, 1);
+  chunk.hash = HashSha256(chunk.bytes);
+  Must(store->AppendChunk(chunk));
+  trace::Seal seal;
+  seal.attempt = id;
+  seal.chunks = 1;
+  seal.ticks = 1000;
+  seal.last_chunk = chunk.hash;
+  Must(store->SealAttempt(seal, now_ms));
+  scoring::ScoreResult score;
+  score.score = 87.5;
+  Store::AttemptResult result;
+  result.score = score.score;
+  result.score_json = Must(store->PutBlob(AsBytes(scoring::ToJson(score))));
+  result.final_volume = Must(store->PutBlob(AsBytes("volume")));
+  result.surface = Must(store->PutBlob(AsBytes("ENSF")));
+  result.series = Must(store->PutBlob(AsBytes("{}")));
+  Must(store->FinishAttempt(id, result));
+  return id;
+}
+
+}  // namespace enamel::server::http

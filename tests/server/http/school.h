@@ -1,0 +1,42 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "server/auth/authenticator.h"
+#include "server/storage/sqlite_store.h"
+#include "tests/server/http/temp_folder.h"
+
+namespace enamel::server::http {
+
+inline constexpr char kPassword[] = "correct horse battery";
+
+// A real store in a temporary folder: two cohorts, one graded exercise, attempts in several states.
+//   cohort A: ada (instructor), sam and sue (students); cohort B: ben (instructor), tom (student);
+//   root (admin). All have kPassword. Time stands still until `now_ms` is changed.
+struct School {
+  School();
+
+  // A sealed and scored attempt of the person; its blobs are `{...}` score, "ENSF" surface, `{}`
+  // series.
+  Uuid ScoredAttempt(const Uuid& person);
+  Uuid RecordingAttempt(const Uuid& person);
+
+  TempFolder folder;
+  std::unique_ptr<Store> store;
+  UnixMs now_ms = 0;
+  std::unique_ptr<auth::Authenticator> authenticator;
+  Uuid root, ada, ben, sam, sue, tom;
+  Uuid cohort_a, cohort_b, station, exercise;
+  Uuid sams_scored, sams_recording, toms_scored;
+
+ private:
+  Uuid AddPerson(const std::string& login, Role role);
+  void AddDocuments();
+
+  std::string verifier_;
+  ExerciseRow exercise_row_;
+  Sha256 profile_;
+};
+
+}  // namespace enamel::server::http

@@ -1,0 +1,123 @@
+#include <gtest/gtest.h>
+
+#include "server/http/routes.h"
+#include "tests/server/http/running_server.h"
+
+namespace enamel::server::http {
+namespace {
+
+const std::string kJson = "Content-Type: application/json\r\n";
+
+class SessionTest : public testing::Test {
+ protected:
+  School school_;
+  RunningServer server_{school_};
+  Visitor nobody_{server_.port()};
+
+  RawResponse SignIn(const std::string& login, const std::string& password,
+                     const std::string& headers = kJson) {
+    return nobody_.Send("POST", "/api/v1/session", headers,
+                        R"({"login":")" + login + R"(","password":")" + password + R"("})");
+  }
+};
+
+TEST_F(SessionTest, SignInSetsAStrictCookieThatOpensTheSession) {
+  RawResponse response = SignIn("sam", kPassword);
+  ASSERT_EQ(response.status, 200) << response.body;
+  std::string cookie = response.headers["set-cookie"];
+  EXPECT_TRUE(cookie.starts_with("enamel_session="));
+  EXPECT_TRUE(cookie.ends_with("; Path=/; HttpOnly; SameSite=Strict")) << cookie;
+  EXPECT_EQ(Parsed(response).at("person").at("role"), "student");
+  Visitor sam(server_.port(), "sam");
+  boost::json::value session = Parsed(sam.Get("/api/v1/session"));
+  EXPECT_EQ(session.at("person").at("id"), school_.sam.Text().c_str());
+  EXPECT_EQ(session.at("csrf"), sam.csrf.c_str());
+}
+
+TEST_F(SessionTest, WrongPasswordAndUnknownLoginGetTheSameAnswer) {
+  RawResponse wrong = SignIn("sam", "not the password");
+  RawResponse unknown = SignIn("nobody", "not the password");
+  EXPECT_EQ(wrong.status, 401);
+  EXPECT_EQ(unknown.status, 401);
+  EXPECT_EQ(wrong.body, unknown.body);
+  EXPECT_FALSE(wrong.headers.contains("set-cookie"));
+}
+
+TEST_F(SessionTest, GuessingIsSlowedDownWith429) {
+  RawResponse last;
+  for (int i = 0; i < 40 && last.status != 429; ++i) last = SignIn("sam", "not the password");
+  EXPECT_EQ(last.status, 429);
+  EXPECT_EQ(ErrorCode(last), "throttled");
+  EXPECT_TRUE(last.headers.contains("retry-after"));
+}
+
+TEST_F(SessionTest, RefusesBodiesThatAreNotTheTwoTexts) {
+  for (const char* body :
+       {"", "[]", "{", R"({"login":"sam"})", R"({"login":"sam","password":1})",
+        R"({"login":"","password":"x"})", R"({"login":"sam","password":"x","role":"admin"})"}) {
+    RawResponse response = nobody_.Send("POST", "/api/v1/session", kJson, body);
+    EXPECT_EQ(response.status, 400) << body;
+    EXPECT_EQ(ErrorCode(response), "invalid_input");
+  }
+  EXPECT_EQ(SignIn("sam", kPassword, "Content-Type: text/plain\r\n").status, 415);
+}
+
+TEST_F(SessionTest, RefusesSignInFromAnotherSite) {
+  RawResponse response = SignIn("sam", kPassword, kJson + "Origin: http://evil.example\r\n");
+  EXPECT_EQ(response.status, 403);
+  EXPECT_EQ(SignIn("sam", kPassword, kJson + "Sec-Fetch-Site: cross-site\r\n").status, 403);
+  EXPECT_EQ(SignIn("sam", kPassword, kJson + "Origin: http://localhost\r\n").status, 200);
+}
+
+TEST_F(SessionTest, WithoutASessionOnlySignInAndHealthAnswer) {
+  EXPECT_EQ(nobody_.Get("/healthz").status, 200);
+  for (const Route& route : Routes()) {
+    if (route.need == Need::kNobody) continue;
+    std::string target(route.pattern);
+    if (size_t place = target.find("{id}"); place != std::string::npos) {
+      target.replace(place, 4, school_.sams_scored.Text());
+    }
+    RawResponse response = nobody_.Send(MethodName(route.method), target, "");
+    EXPECT_EQ(response.status, 401) << target;
+    EXPECT_EQ(ErrorCode(response), "unauthenticated");
+  }
+}
+
+TEST_F(SessionTest, ExpiredSessionIsRefused) {
+  Visitor sam(server_.port(), "sam");
+  EXPECT_EQ(sam.Get("/api/v1/session").status, 200);
+  school_.now_ms += 24 * 60 * 60 * 1000;
+  RawResponse late = sam.Get("/api/v1/session");
+  EXPECT_EQ(late.status, 401);
+  EXPECT_NE(late.body.find("sign in again"), std::string::npos);
+}
+
+TEST_F(SessionTest, MadeUpTokensAreRefused) {
+  for (const char* cookie : {"enamel_session=", "enamel_session=00", "enamel_session=zz"}) {
+    nobody_.cookie = cookie;
+    EXPECT_EQ(nobody_.Get("/api/v1/session").status, 401) << cookie;
+  }
+}
+
+TEST_F(SessionTest, SignOutEndsTheSessionAndRemovesTheCookie) {
+  Visitor sam(server_.port(), "sam");
+  RawResponse out = sam.Send("DELETE", "/api/v1/session", "X-Enamel-Csrf: " + sam.csrf + "\r\n");
+  EXPECT_EQ(out.status, 204);
+  EXPECT_NE(out.headers["set-cookie"].find("Max-Age=0"), std::string::npos);
+  EXPECT_EQ(sam.Get("/api/v1/session").status, 401);
+}
+
+TEST_F(SessionTest, ChangesNeedTheCsrfValueOfThisSession) {
+  Visitor ada(server_.port(), "ada"), ben(server_.port(), "ben");
+  const std::string target = "/api/v1/attempts/" + school_.sams_scored.Text() + "/release";
+  EXPECT_EQ(ada.Send("POST", target, "").status, 403);
+  EXPECT_EQ(ada.Send("POST", target, "X-Enamel-Csrf: " + ben.csrf + "\r\n").status, 403);
+  EXPECT_EQ(ada.Send("POST", target, "X-Enamel-Csrf: " + ada.csrf + "\r\nOrigin: null\r\n").status,
+            403);
+  EXPECT_FALSE(school_.store->AttemptById(school_.sams_scored)->released);
+  EXPECT_EQ(ada.Send("POST", target, "X-Enamel-Csrf: " + ada.csrf + "\r\n").status, 204);
+  EXPECT_TRUE(school_.store->AttemptById(school_.sams_scored)->released);
+}
+
+}  // namespace
+}  // namespace enamel::server::http
