@@ -1,5 +1,7 @@
 #include "common/protocol/messages.h"
 
+#include <google/protobuf/stubs/logging.h>
+
 #include <algorithm>
 
 namespace enamel::protocol {
@@ -7,8 +9,19 @@ namespace {
 
 constexpr const char* kUnsupported = "unsupported";
 
+// Protobuf reports malformed input on stderr as well as in its result: a peer could fill the log.
+// Errors are returned here, and handled once by the caller.
+void SilenceProtobuf() {
+  static const bool done = [] {
+    google::protobuf::SetLogHandler(nullptr);
+    return true;
+  }();
+  (void)done;
+}
+
 template <typename Message>
 Result<Message> Parse(ByteView frame, const char* kind) {
+  SilenceProtobuf();
   Message message;
   if (!message.ParseFromArray(frame.data(), static_cast<int>(frame.size()))) {
     return Status(Code::kInvalidInput, std::string("frame of ") + std::to_string(frame.size()) +
