@@ -20,7 +20,56 @@ ivec3 BrickAt(const cutting::GridSpec& spec, int brick) {
           brick / (spec.bricks.x * spec.bricks.y)};
 }
 
+glm::vec3 PositionOf(const GpuVertex& v) {
+  return {v.position_mm[0], v.position_mm[1], v.position_mm[2]};
+}
+
+// Calls visit(unit normal) for each triangle that has one.
+template <typename Visit>
+void ForEachNormal(std::span<const GpuVertex> vertices, std::span<const uint32_t> indices,
+                   Visit&& visit) {
+  for (size_t i = 0; i + 2 < indices.size(); i += 3) {
+    glm::vec3 a = PositionOf(vertices[indices[i]]);
+    glm::vec3 n = glm::cross(PositionOf(vertices[indices[i + 1]]) - a,
+                             PositionOf(vertices[indices[i + 2]]) - a);
+    float length = glm::length(n);
+    if (length > 0) visit(n / length);
+  }
+}
+
 }  // namespace
+
+Bounds BoundsOf(std::span<const GpuVertex> vertices, std::span<const uint32_t> indices) {
+  Bounds out;
+  if (vertices.empty()) return out;
+  glm::vec3 lo = PositionOf(vertices[0]), hi = lo, sum(0);
+  for (const GpuVertex& v : vertices) {
+    lo = glm::min(lo, PositionOf(v));
+    hi = glm::max(hi, PositionOf(v));
+  }
+  out.middle_mm = 0.5f * (lo + hi);
+  out.radius_mm = 0.5f * glm::length(hi - lo);
+  ForEachNormal(vertices, indices, [&](const glm::vec3& n) { sum += n; });
+  float length = glm::length(sum);
+  if (length < 1e-3f) return out;
+  out.axis = sum / length;
+  float least = 1;
+  ForEachNormal(vertices, indices,
+                [&](const glm::vec3& n) { least = std::min(least, glm::dot(n, out.axis)); });
+  out.spread_rad = std::acos(std::clamp(least, -1.0f, 1.0f)) + 1e-3f;
+  return out;
+}
+
+bool MayFace(const Bounds& bounds, const glm::vec3& eye_mm) {
+  glm::vec3 to_middle = bounds.middle_mm - eye_mm;
+  float distance = glm::length(to_middle);
+  if (distance <= bounds.radius_mm) return true;
+  // A triangle faces away when its normal is less than a right angle from the line of sight; lines
+  // of sight to the sphere differ by the sphere's angle.
+  float open = bounds.spread_rad + std::asin(bounds.radius_mm / distance);
+  constexpr float kRightAngle = 1.5707963f;
+  return open >= kRightAngle || glm::dot(bounds.axis, to_middle) / distance <= std::sin(open);
+}
 
 Mesher::Mesher(const cutting::Volume& initial, BrickFeed& feed)
     : feed_(feed),
@@ -138,6 +187,7 @@ GroupMesh Mesher::Assemble(size_t group) const {
       for (uint32_t i : t) out.indices.push_back(base + i);
     }
   }
+  out.bounds = BoundsOf(out.vertices, out.indices);
   return out;
 }
 

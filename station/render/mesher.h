@@ -5,6 +5,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <mutex>
+#include <span>
 #include <thread>
 #include <vector>
 
@@ -22,11 +23,23 @@ struct GpuVertex {
 };
 static_assert(sizeof(GpuVertex) == 16);
 
+// Where a mesh is and which way its triangles face, so that what cannot be seen is not drawn.
+struct Bounds {
+  glm::vec3 middle_mm{0};
+  float radius_mm = 0;
+  glm::vec3 axis{0, 0, 1};  // every triangle's normal is within `spread_rad` of it
+  float spread_rad = 4;     // more than pi: all directions
+};
+Bounds BoundsOf(std::span<const GpuVertex> vertices, std::span<const uint32_t> indices);
+// False when no triangle can be seen from `eye_mm`, all facing away. Never false by mistake.
+bool MayFace(const Bounds& bounds, const glm::vec3& eye_mm);
+
 // The surface of 4 x 4 x 4 bricks, replaced as a whole when one of them changes.
 struct GroupMesh {
   size_t group = 0;
   std::vector<GpuVertex> vertices;
   std::vector<uint32_t> indices;
+  Bounds bounds;
 };
 
 // Keeps a replica of the volume up to date from a BrickFeed, on a thread of its own, and meshes

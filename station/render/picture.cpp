@@ -90,6 +90,7 @@ glm::mat4 Along(const glm::vec3& from, const glm::vec3& direction) {
 Picture::Picture(const cutting::Bur& bur, size_t group_count)
     : solid_(kSolidVertex, kSolidFragment),
       occlusion_(kFullScreenVertex, kOcclusionFragment),
+      blur_(kFullScreenVertex, kBlurFragment),
       compose_(kFullScreenVertex, kComposeFragment),
       groups_(group_count),
       bur_height_mm_(static_cast<float>(bur.height_m() * 1000)) {
@@ -107,6 +108,9 @@ Picture::Picture(const cutting::Bur& bur, size_t group_count)
   occlusion_.Set("radius_mm", kOcclusionRadius_mm);
   occlusion_.Set("depth", 0);
   occlusion_.Set("normals", 1);
+  blur_.Use();
+  blur_.Set("occlusion", 0);
+  blur_.Set("depth", 1);
   compose_.Use();
   compose_.Set("solid", 0);
   compose_.Set("occlusion", 1);
@@ -115,8 +119,21 @@ Picture::Picture(const cutting::Bur& bur, size_t group_count)
 
 void Picture::Replace(const GroupMesh& mesh) {
   auto& group = groups_[mesh.group];
-  if (!group) group.emplace();
-  group->Upload(mesh.vertices, mesh.indices);
+  if (!group) group = std::make_unique<Group>();
+  group->triangles.Upload(mesh.vertices, mesh.indices);
+  group->bounds = mesh.bounds;
+}
+
+bool Picture::MayBeSeen(const Bounds& bounds, const PictureState& state) const {
+  const glm::mat4 &view = state.view_from_scene, &clip = state.clip_from_view;
+  glm::vec3 p(view * glm::vec4(bounds.middle_mm, 1));
+  for (int axis = 0; axis < 2; ++axis) {
+    // Sides of the view: |clip p| <= -z.
+    float slope = clip[axis][axis], outside = slope * std::fabs(p[axis]) + p.z;
+    if (outside > bounds.radius_mm * std::sqrt(slope * slope + 1)) return false;
+  }
+  glm::vec3 eye(glm::inverse(view)[3]);
+  return MayFace(bounds, eye);
 }
 
 void Picture::Resize(int width, int height, int oversampling) {
@@ -125,8 +142,12 @@ void Picture::Resize(int width, int height, int oversampling) {
     return;
   solids_ = std::make_unique<Target>(w, h, std::initializer_list<GLenum>{GL_RGBA8, GL_RGBA8}, true,
                                      GL_LINEAR);
-  occluded_ = std::make_unique<Target>((w + 1) / 2, (h + 1) / 2,
-                                       std::initializer_list<GLenum>{GL_R8}, false, GL_NEAREST);
+  auto half = [&] {
+    return std::make_unique<Target>((w + 1) / 2, (h + 1) / 2, std::initializer_list<GLenum>{GL_R8},
+                                    false, GL_NEAREST);
+  };
+  occluded_ = half();
+  blurred_ = half();
   result_ = std::make_unique<Target>(width, height, std::initializer_list<GLenum>{GL_RGBA8}, true,
                                      GL_NEAREST);
 }
@@ -155,7 +176,7 @@ void Picture::DrawSolids(const PictureState& state) {
   solid_.Set("opacity", 1.0f);
   solid_.Set("ghostly", 0.0f);
   for (const auto& group : groups_) {
-    if (group) group->Draw();
+    if (group && MayBeSeen(group->bounds, state)) group->triangles.Draw();
   }
   if (state.scene_from_bur)
     DrawBur(state, *state.scene_from_bur, SeenFromAbove(state) ? kHead : kHead | kShank);
@@ -195,12 +216,18 @@ void Picture::DrawOcclusion(const PictureState& state) {
   occlusion_.Set("clip_from_view", state.clip_from_view);
   glBindVertexArray(empty_array_);
   glDrawArrays(GL_TRIANGLES, 0, 3);
+  blurred_->Bind();
+  occluded_->BindColour(0, 0);
+  solids_->BindDepth(1);
+  blur_.Use();
+  blur_.Set("clip_from_view", state.clip_from_view);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
 void Picture::Compose(const PictureState& state) {
   result_->Bind();
   solids_->BindColour(0, 0);
-  occluded_->BindColour(1, 0);
+  blurred_->BindColour(1, 0);
   solids_->BindDepth(2);
   compose_.Use();
   compose_.Set("clip_from_view", state.clip_from_view);

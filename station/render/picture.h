@@ -34,6 +34,7 @@ class Picture {
   const Target& result() const { return *result_; }
 
  private:
+  bool MayBeSeen(const Bounds& bounds, const PictureState& state) const;
   void Resize(int width, int height, int oversampling);
   void DrawSolids(const PictureState& state);
   void DrawBur(const PictureState& state, const glm::mat4& scene_from_bur, int parts);
@@ -41,12 +42,16 @@ class Picture {
   void Compose(const PictureState& state);
   void DrawArrow(const PictureState& state);
 
-  Program solid_, occlusion_, compose_;
-  std::vector<std::optional<TriangleBuffer>> groups_;
+  Program solid_, occlusion_, blur_, compose_;
+  struct Group {
+    TriangleBuffer triangles;
+    Bounds bounds;
+  };
+  std::vector<std::unique_ptr<Group>> groups_;
   TriangleBuffer bur_head_, bur_shank_, shaft_, tip_;
   float bur_height_mm_;
   GLuint empty_array_ = 0;
-  std::unique_ptr<Target> solids_, occluded_, result_;
+  std::unique_ptr<Target> solids_, occluded_, blurred_, result_;
 };
 
 }  // namespace enamel::station::render

@@ -104,6 +104,29 @@ void main() {
 }
 )";
 
+// Averages the 4 x 4 tile, not across edges in depth.
+const char* const kBlurFragment = R"(#version 330 core
+uniform sampler2D occlusion, depth;
+uniform mat4 clip_from_view;
+layout(location = 0) out vec4 smooth_occlusion;
+float ZAt(vec2 at) {
+  return -clip_from_view[3][2] / (texture(depth, at).r * 2.0 - 1.0 + clip_from_view[2][2]);
+}
+void main() {
+  vec2 size = vec2(textureSize(occlusion, 0));
+  float z = ZAt(gl_FragCoord.xy / size), sum = 0.0, weights = 0.0;
+  for (int y = -2; y < 2; ++y) {
+    for (int x = -2; x < 2; ++x) {
+      vec2 at = (gl_FragCoord.xy + vec2(x, y)) / size;
+      float w = 1.0 / (0.05 + abs(ZAt(at) - z));
+      sum += w * texture(occlusion, at).r;
+      weights += w;
+    }
+  }
+  smooth_occlusion = vec4(sum / weights);
+}
+)";
+
 const char* const kComposeFragment = R"(#version 330 core
 in vec2 uv;
 uniform sampler2D solid, occlusion, depth;
@@ -114,15 +137,15 @@ float ZAt(vec2 at) {
 }
 void main() {
   vec4 c = texture(solid, uv);
-  vec2 size = vec2(textureSize(occlusion, 0));
+  // Bilinear between the four occlusion pixels around, as far as they are at the same depth.
+  vec2 size = vec2(textureSize(occlusion, 0)), at = uv * size - 0.5, f = fract(at);
   float z = ZAt(uv), sum = 0.0, weights = 0.0;
-  for (int y = -2; y < 2; ++y) {
-    for (int x = -2; x < 2; ++x) {
-      vec2 at = (floor(uv * size + 0.25) + vec2(x, y) + 0.5) / size;
-      float w = 1.0 / (0.05 + abs(ZAt(at) - z));
-      sum += w * texture(occlusion, at).r;
-      weights += w;
-    }
+  for (int i = 0; i < 4; ++i) {
+    vec2 step = vec2(i & 1, i >> 1), corner = (floor(at) + step + 0.5) / size;
+    vec2 share = mix(1.0 - f, f, step);
+    float w = (share.x * share.y + 1e-3) / (0.05 + abs(ZAt(corner) - z));
+    sum += w * texture(occlusion, corner).r;
+    weights += w;
   }
   float open = mix(1.0, sum / weights, c.a);
   // Occluded light is warm: it has bounced off tooth.

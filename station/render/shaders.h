@@ -8,6 +8,7 @@ extern const char* const kSolidVertex;
 extern const char* const kSolidFragment;
 extern const char* const kFullScreenVertex;
 extern const char* const kOcclusionFragment;
+extern const char* const kBlurFragment;
 extern const char* const kComposeFragment;
 
 }  // namespace enamel::station::render

@@ -133,16 +133,19 @@ class Window::Impl {
   }
 
   bool PumpOnce() {
-    // Where there is no display to wait for, drawing must not take the processor from the tick.
-    auto interval = std::chrono::milliseconds(software_ ? 33 : 15);
     for (;;) {
-      std::chrono::duration<double> left = last_frame_ + interval - Clock::now();
+      std::chrono::duration<double> left = next_frame_ - Clock::now();
       if (left.count() <= 0) break;
       glfwWaitEventsTimeout(left.count());
     }
-    last_frame_ = Clock::now();
+    auto start = Clock::now();
     glfwPollEvents();
     DrawFrame(software_ ? 1 : 2);
+    // At most 60 frames a second. Where the processor draws, the tick needs it too: pause as long
+    // as drawing took.
+    auto end = Clock::now();
+    next_frame_ =
+        std::max(start + std::chrono::milliseconds(16), software_ ? end + (end - start) : end);
     return !glfwWindowShouldClose(glfw_.get());
   }
 
@@ -261,7 +264,7 @@ class Window::Impl {
   bool has_state_ = false;
   float spin_ = 0;
   double cursor_x_ = 0, cursor_y_ = 0;
-  Clock::time_point last_frame_{};
+  Clock::time_point next_frame_{};
   // Between threads.
   Latest<FrameState> latest_;
   BrickFeed feed_;

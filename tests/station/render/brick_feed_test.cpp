@@ -136,5 +136,29 @@ TEST(MesherTest, FollowsTheCutAcrossThreads) {
   EXPECT_EQ(TrianglesReady(mesher, per_group), surface::ExtractSurface(volume).triangles.size());
 }
 
+TEST(MesherTest, LeavesOutOnlyTrianglesThatFaceAway) {
+  Volume volume = SolidBlock({10, 10, 10});
+  BrickFeed feed(volume.spec().brick_count(), 8);
+  Mesher mesher(volume, feed);
+  ASSERT_TRUE(mesher.WaitIdle(std::chrono::seconds(30)));
+  std::vector<GroupMesh> groups = mesher.TakeReady();
+  size_t left_out = 0;
+  for (glm::vec3 eye : {glm::vec3(20, 2, 2), glm::vec3(-20, -9, 4), glm::vec3(2, 2, 9)}) {
+    for (const GroupMesh& g : groups) {
+      if (MayFace(g.bounds, eye)) continue;
+      ++left_out;
+      for (size_t i = 0; i < g.indices.size(); i += 3) {
+        glm::vec3 p[3];
+        for (size_t k = 0; k < 3; ++k) {
+          const GpuVertex& v = g.vertices[g.indices[i + k]];
+          p[k] = {v.position_mm[0], v.position_mm[1], v.position_mm[2]};
+        }
+        ASSERT_LE(glm::dot(glm::cross(p[1] - p[0], p[2] - p[0]), eye - p[0]), 1e-6f);
+      }
+    }
+  }
+  EXPECT_GE(left_out, 3u);
+}
+
 }  // namespace
 }  // namespace enamel::station::render
