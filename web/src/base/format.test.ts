@@ -19,6 +19,7 @@ test("a value that is not a number is shown as a dash and never as NaN", () => {
 
 test("quantities keep about three significant places and carry their unit", () => {
   assert.equal(formatQuantity(0.0421, "mm"), "0.042\u00a0mm");
+  assert.equal(formatQuantity(0.301, "mm"), "0.301\u00a0mm");
   assert.equal(formatQuantity(12.345, "mm3"), "12.3\u00a0mm³");
   assert.equal(formatQuantity(42180, "count"), "42\u202f180");
 });
@@ -27,6 +28,7 @@ test("metric names read as titles without their unit", () => {
   assert.equal(metricTitle("wall_mesial_mm", "mm"), "Wall mesial");
   assert.equal(metricTitle("target_removed_percent", "%"), "Target removed");
   assert.equal(metricTitle("pulp_exposed", "count"), "Pulp exposed");
+  assert.equal(metricTitle("deviation_rms_mm", "mm"), "Deviation RMS");
 });
 
 test("times, sizes and lengths use the unit people expect", () => {

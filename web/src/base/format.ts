@@ -18,6 +18,11 @@ export function formatNumber(value: number, digits = 2): string {
   return (rounded < 0 ? "−" : "") + text.replaceAll(",", "\u202f");
 }
 
+// One decimal always, so that scores in a column line up.
+export function formatScore(score: number | null): string {
+  return score === null || !Number.isFinite(score) ? kDash : score.toFixed(1);
+}
+
 // With a sign unless it rounds to zero: for deviations.
 export function formatSigned(value: number, digits = 2): string {
   const text = formatNumber(value, digits);
@@ -30,13 +35,12 @@ export function formatQuantity(value: number, unit: string, digits?: number): st
   return shown === "" || number === kDash ? number : `${number}\u00a0${shown}`;
 }
 
-// Three significant places for small values, fewer decimals for big ones.
-export function digitsFor(value: number): number {
+// About three significant places; micrometres and millinewtons for small values, not less.
+function digitsFor(value: number): number {
   const size = Math.abs(value);
   if (size >= 100) return 0;
   if (size >= 10) return 1;
-  if (size >= 0.095 || size === 0) return 2;
-  return 3;
+  return size >= 1 ? 2 : 3;
 }
 
 export function formatDateTime(unixMs: number): string {
@@ -62,11 +66,13 @@ export function micrometresAsMm(um: number): string {
   return `${formatNumber(um / 1000, 3)}\u00a0mm`;
 }
 
-// "wall_mesial_mm" with unit "mm" reads "Wall mesial".
+const kAcronyms = /\b(rms|dtw|iou)\b/g;
+
+// "wall_mesial_mm" with unit "mm" reads "Wall mesial", "dtw_pose_mm" reads "DTW pose".
 export function metricTitle(name: string, unit: string): string {
   const suffix = unit === "%" ? "_percent" : `_${unit.toLowerCase()}`;
   const stem = name.toLowerCase().endsWith(suffix) ? name.slice(0, -suffix.length) : name;
-  const words = stem.replaceAll("_", " ").trim();
+  const words = stem.replaceAll("_", " ").trim().replace(kAcronyms, (word) => word.toUpperCase());
   return words.charAt(0).toUpperCase() + words.slice(1);
 }
 

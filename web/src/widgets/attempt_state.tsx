@@ -30,14 +30,19 @@ export function StateBadge({ attempt }: { readonly attempt: Attempt }) {
   return <Badge tone={tone}>{title}{progress}</Badge>;
 }
 
+// Whether the student waits for the score. Practice (`graded` false) is never released: it shows at once.
+export function awaitsRelease(attempt: Attempt, graded: boolean): boolean {
+  return attempt.state === "scored" && graded && !attempt.released && !attempt.as_reference;
+}
+
 // What somebody skimming a list must not miss.
-export function Flags({ attempt }: { readonly attempt: Attempt }) {
+export function Flags({ attempt, graded }: { readonly attempt: Attempt; readonly graded: boolean }) {
   return (
     <span class="flags">
       {attempt.critical_fail === true && <Badge tone="bad">Critical</Badge>}
       {attempt.gap_ticks > 0 && <Badge tone="warning">Gaps</Badge>}
       {attempt.is_reference && <Badge tone="good">Reference</Badge>}
-      {attempt.state === "scored" && !attempt.released && !attempt.as_reference && <Badge tone="neutral">Not released</Badge>}
+      {awaitsRelease(attempt, graded) && <Badge tone="neutral">Not released</Badge>}
     </span>
   );
 }

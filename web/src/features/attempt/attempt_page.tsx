@@ -25,6 +25,8 @@ interface Props {
 export function AttemptPage({ client, person, id }: Props) {
   const { loaded, reload } = useRequest(id, (signal) => client.attempt(id, signal));
   const attempt = loaded.state === "ready" ? loaded.value : undefined;
+  const exercise = useRequest(attempt?.exercise.id, (signal) => client.exercise(attempt?.exercise.id ?? "", signal));
+  const graded = exercise.loaded.state !== "ready" || exercise.loaded.value.graded;
   const polling = attempt !== undefined && isUnderWay(attempt.state);
   useEffect(() => {
     if (!polling) return undefined;
@@ -42,10 +44,10 @@ export function AttemptPage({ client, person, id }: Props) {
         <div>
           <PageTitle document={attempt.exercise.title}>{attempt.exercise.title}</PageTitle>
           <p class="byline">
-            {attempt.person.display_name}, {formatDateTime(attempt.ticketed_ms)} <StateBadge attempt={attempt} /> {teacher && <Flags attempt={attempt} />}
+            {attempt.person.display_name}, {formatDateTime(attempt.ticketed_ms)} <StateBadge attempt={attempt} /> {teacher && <Flags attempt={attempt} graded={graded} />}
           </p>
         </div>
-        {teacher && attempt.state === "scored" && <TeacherActions client={client} attempt={attempt} onChanged={reload} />}
+        {teacher && attempt.state === "scored" && <TeacherActions client={client} attempt={attempt} graded={graded} onChanged={reload} />}
       </div>
       {attempt.state === "scored" ? <ScoredAttempt client={client} attempt={attempt} /> : <UnscoredAttempt attempt={attempt} />}
     </>
@@ -72,7 +74,7 @@ function ScoredAttempt({ client, attempt }: { readonly client: Client; readonly 
                     cursor={cursor} onRetry={surface.reload} />
       </div>
       <ForcePanel series={series.loaded} cursor={cursor ?? 0} onCursor={setCursor} onRetry={series.reload} />
-      <div class="columns">
+      <div class="columns wide-right">
         <RecordingPanel attempt={attempt} score={scored} />
         {scored !== undefined && <MetricsPanel metrics={scored.metrics} />}
       </div>

@@ -1,6 +1,6 @@
 import type { AttemptDetail, Metric, Score } from "../../api/types";
 import { formatBytes, formatDuration, formatNumber, formatQuantity, metricTitle, plural } from "../../base/format";
-import { Card, Notice, TableFrame } from "../../widgets/basics";
+import { Card, Notice } from "../../widgets/basics";
 import { recordingFacts } from "./summary";
 
 export function RecordingPanel({ attempt, score }: { readonly attempt: AttemptDetail; readonly score: Score | undefined }) {
@@ -26,19 +26,11 @@ export function RecordingPanel({ attempt, score }: { readonly attempt: AttemptDe
 export function MetricsPanel({ metrics }: { readonly metrics: readonly Metric[] }) {
   return (
     <Card title="All measurements">
-      <TableFrame label="All measurements">
-        <table class="dense">
-          <thead><tr><th scope="col">Measurement</th><th scope="col" class="number">Value</th></tr></thead>
-          <tbody>
-            {metrics.map((metric) => (
-              <tr key={metric.name}>
-                <th scope="row">{metricTitle(metric.name, metric.unit)}</th>
-                <td class="number nowrap">{formatQuantity(metric.value, metric.unit)}</td>
-              </tr>
-            ))}
-          </tbody>
-        </table>
-      </TableFrame>
+      <dl class="facts stacked two">
+        {metrics.map((metric) => (
+          <div key={metric.name}><dt>{metricTitle(metric.name, metric.unit)}</dt><dd>{formatQuantity(metric.value, metric.unit)}</dd></div>
+        ))}
+      </dl>
     </Card>
   );
 }

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { Surface } from "../../api/surface";
-import { summariseDeviation } from "./deviation";
+import { outlook, summariseDeviation } from "./deviation";
 
 type Vertex = readonly [normal: readonly [number, number, number], deviationMm: number];
 
@@ -37,4 +37,13 @@ test("untouched vertices do not count, and nothing compared is no summary", () =
   assert.equal(summariseDeviation(surfaceOf([[[0, 0, 1], Number.NaN], [[0, 0, 1], 0.4]]))?.vertices, 1);
   assert.equal(summariseDeviation(surfaceOf([[[0, 0, 1], Number.NaN]])), undefined);
   assert.equal(summariseDeviation({ ...surfaceOf([]), deviationMm: undefined }), undefined);
+});
+
+test("the view begins opposite the wall that deviates most, at the middle of what was cut", () => {
+  const surface = surfaceOf([[[-1, 0, 0], 0.3], [[0, 0, 1], 0], [[0, 1, 0], Number.NaN]]);
+  surface.positionMm.set([2, 0, 1, 0, 0, -1, 90, 90, 90]);
+  const { direction, centre } = outlook(surface, summariseDeviation(surface));
+  assert.ok(direction[0] < 0 && direction[2] > 0);
+  assert.deepEqual(centre, [1, 0, 0]);
+  assert.equal(outlook(surface, undefined).centre, undefined);
 });

@@ -10,6 +10,13 @@ export interface SideDeviation {
   readonly mostMm: number;                      // the deviation of greatest size, with its sign
 }
 
+// Where to look from, and at what, to see the side that deviates most.
+export interface Outlook {
+  readonly direction: Point;
+  readonly centre: Point | undefined;
+}
+type Point = readonly [number, number, number];
+
 export interface DeviationSummary {
   readonly vertices: number;                    // compared with the reference
   readonly withinShare: number;                 // |deviation| <= kToleranceMm
@@ -26,6 +33,28 @@ const kFacing = 0.7;                            // a normal's component along a 
 const kSides: ReadonlyArray<readonly [string, number, number]> = [
   ["Mesial wall", 0, -1], ["Distal wall", 0, 1], ["Buccal wall", 1, -1], ["Lingual wall", 1, 1], ["Floor", 2, 1],
 ];
+
+const kDefaultOutlook: Outlook = { direction: [0.5, -0.6, 0.9], centre: undefined };
+const kOutlooks: Readonly<Record<string, Point>> = {
+  "Mesial wall": [-0.75, -0.45, 1], "Distal wall": [0.75, -0.45, 1], "Buccal wall": [0.4, -0.75, 1], "Lingual wall": [-0.4, 0.75, 1],
+};
+
+export function outlook(surface: Surface, summary: DeviationSummary | undefined): Outlook {
+  const worst = summary?.sides[0];
+  if (worst === undefined) return kDefaultOutlook;
+  return { direction: kOutlooks[worst.side] ?? kDefaultOutlook.direction, centre: comparedCentre(surface) };
+}
+
+function comparedCentre({ positionMm, deviationMm }: Surface): Point | undefined {
+  const sum = [0, 0, 0];
+  let count = 0;
+  deviationMm?.forEach((value, vertex) => {
+    if (Number.isNaN(value)) return;
+    ++count;
+    for (let axis = 0; axis < 3; ++axis) sum[axis]! += positionMm[3 * vertex + axis]!;
+  });
+  return count === 0 ? undefined : [sum[0]! / count, sum[1]! / count, sum[2]! / count];
+}
 
 export function summariseDeviation(surface: Surface): DeviationSummary | undefined {
   const { deviationMm } = surface;

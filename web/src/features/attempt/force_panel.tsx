@@ -89,7 +89,7 @@ function SeriesTable({ series }: { readonly series: Series }) {
   const stride = Math.max(1, Math.ceil(series.t_s.length / kTableRows));
   const rows = series.t_s.map((_, i) => i).filter((i) => i % stride === 0 || i === series.t_s.length - 1);
   return (
-    <TableFrame label="Force and removal over time">
+    <TableFrame label="Force and removal as a table">
       <table class="dense">
         <thead>
           <tr><th scope="col" class="number">Time (s)</th><th scope="col" class="number">Largest force (N)</th>

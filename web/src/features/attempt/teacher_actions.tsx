@@ -1,18 +1,20 @@
 import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
 import type { AttemptDetail } from "../../api/types";
+import { awaitsRelease } from "../../widgets/attempt_state";
 import { Badge, Notice } from "../../widgets/basics";
 
 interface Props {
   readonly client: Client;
   readonly attempt: AttemptDetail;
+  readonly graded: boolean;
   readonly onChanged: () => void;
 }
 
 type Outcome = { readonly tone: "good" | "bad"; readonly text: string };
 
 // What an instructor can do with a scored attempt: release it, or make it the reference.
-export function TeacherActions({ client, attempt, onChanged }: Props) {
+export function TeacherActions({ client, attempt, graded, onChanged }: Props) {
   const [naming, setNaming] = useState(false);
   const [busy, setBusy] = useState(false);
   const [outcome, setOutcome] = useState<Outcome>();
@@ -31,7 +33,8 @@ export function TeacherActions({ client, attempt, onChanged }: Props) {
   return (
     <div class="actions">
       <div class="button-row">
-        {attempt.released ? <Badge tone="good">Score released</Badge> : !attempt.as_reference && (
+        {attempt.released && <Badge tone="good">Score released</Badge>}
+        {awaitsRelease(attempt, graded) && (
           <button type="button" class="button primary" disabled={busy}
                   onClick={() => void act(() => client.release(attempt.id), `${attempt.person.display_name} can see the score now.`)}>
             Release score

@@ -9,7 +9,7 @@ import { DeviationLegend, TissueLegend } from "../../widgets/tooth/legend";
 import type { ColorMode, PointMm } from "../../widgets/tooth/scene";
 import { tissuesPresent, tissueTitle } from "../../widgets/tooth/tissue";
 import { ToothView } from "../../widgets/tooth/tooth_view";
-import { type DeviationSummary, kToleranceMm, summariseDeviation } from "./deviation";
+import { type DeviationSummary, kToleranceMm, outlook, summariseDeviation } from "./deviation";
 
 const kPathSeconds = 3;                         // of the tool's way drawn behind it
 
@@ -32,6 +32,7 @@ export function ToothPanel({ surface, series, cursor, onRetry }: Props) {
 
 function LoadedTooth({ surface, series, cursor }: { readonly surface: Surface; readonly series: Series | undefined; readonly cursor: number | undefined }) {
   const summary = useMemo(() => summariseDeviation(surface), [surface]);
+  const angled = useMemo(() => outlook(surface, summary), [surface, summary]);
   const tissues = useMemo(() => tissuesPresent(surface.tissue), [surface]);
   const [wanted, setMode] = useState<ColorMode>("deviation");
   const mode: ColorMode = summary === undefined ? "tissue" : wanted;
@@ -40,9 +41,9 @@ function LoadedTooth({ surface, series, cursor }: { readonly surface: Surface; r
     <>
       {summary !== undefined && (
         <Segmented legend="Colours show" name="tooth-mode" value={mode} onChange={setMode}
-                   choices={[{ value: "deviation", title: "Deviation from the reference" }, { value: "tissue", title: "Tissues" }]} />
+                   choices={[{ value: "deviation", title: "Deviation" }, { value: "tissue", title: "Tissues" }]} />
       )}
-      <ToothView surface={surface} mode={mode} label={pictureText(summary, tissues)} tool={path.at(-1)} path={path} />
+      <ToothView surface={surface} mode={mode} label={pictureText(summary, tissues)} angled={angled} tool={path.at(-1)} path={path} />
       {mode === "deviation" ? <DeviationLegend /> : <TissueLegend tissues={tissues} />}
       {summary === undefined
         ? <p class="hint">No deviation to show: the attempt has no reference, or its score is not released yet.</p>

@@ -2,7 +2,7 @@ import { useEffect, useState } from "preact/hooks";
 import type { ApiError, Client } from "../../api/client";
 import type { Attempt, Cohort } from "../../api/types";
 import { useRequest } from "../../api/use_request";
-import { formatDateTime, formatNumber, plural } from "../../base/format";
+import { formatDateTime, formatScore, plural } from "../../base/format";
 import { Flags, isUnderWay, StateBadge } from "../../widgets/attempt_state";
 import { Empty, ErrorNotice, Loading, PageTitle, TableFrame } from "../../widgets/basics";
 
@@ -59,6 +59,9 @@ function CohortPicker({ cohorts, chosen, onCohort }:
 function AttemptList({ client, cohort, named }:
                      { readonly client: Client; readonly cohort: string | undefined; readonly named: boolean }) {
   const first = useRequest(cohort ?? "own", (signal) => client.attempts({ cohort, limit: kPageSize }, signal));
+  const exercises = useRequest("exercises", (signal) => client.exercises(signal));
+  const practice = new Set(exercises.loaded.state === "ready"
+    ? exercises.loaded.value.exercises.filter((exercise) => !exercise.graded).map((exercise) => exercise.id) : []);
   const [more, setMore] = useState<readonly Attempt[]>([]);
   const [next, setNext] = useState<string | null | undefined>();  // undefined: as the first page says
   const [error, setError] = useState<ApiError>();
@@ -88,14 +91,15 @@ function AttemptList({ client, cohort, named }:
   };
   return (
     <>
-      <AttemptTable attempts={attempts} named={named} />
+      <AttemptTable attempts={attempts} practice={practice} named={named} />
       {error !== undefined && <ErrorNotice title="More attempts could not be loaded" message={error.message} />}
       {before !== null && <button type="button" class="button" onClick={() => void loadMore()}>Show more</button>}
     </>
   );
 }
 
-function AttemptTable({ attempts, named }: { readonly attempts: readonly Attempt[]; readonly named: boolean }) {
+function AttemptTable({ attempts, practice, named }:
+                      { readonly attempts: readonly Attempt[]; readonly practice: ReadonlySet<string>; readonly named: boolean }) {
   return (
     <div class="card flush">
       <TableFrame label="Attempts">
@@ -107,23 +111,26 @@ function AttemptTable({ attempts, named }: { readonly attempts: readonly Attempt
               <th scope="col">State</th><th scope="col">Flags</th>
             </tr>
           </thead>
-          <tbody>{attempts.map((attempt) => <AttemptRow key={attempt.id} attempt={attempt} named={named} />)}</tbody>
+          <tbody>
+            {attempts.map((attempt) =>
+              <AttemptRow key={attempt.id} attempt={attempt} graded={!practice.has(attempt.exercise.id)} named={named} />)}
+          </tbody>
         </table>
       </TableFrame>
     </div>
   );
 }
 
-function AttemptRow({ attempt, named }: { readonly attempt: Attempt; readonly named: boolean }) {
+function AttemptRow({ attempt, graded, named }: { readonly attempt: Attempt; readonly graded: boolean; readonly named: boolean }) {
   const open = (text: string) => <a href={`/attempts/${attempt.id}`}>{text}</a>;
   return (
     <tr>
       {named && <th scope="row">{open(attempt.person.display_name)}</th>}
       {named ? <td>{attempt.exercise.title}</td> : <th scope="row">{open(attempt.exercise.title)}</th>}
-      <td class="nowrap">{formatDateTime(attempt.ticketed_ms)}</td>
-      <td class="number score-cell">{attempt.score === null ? "–" : formatNumber(attempt.score, 1)}</td>
+      <td>{formatDateTime(attempt.ticketed_ms)}</td>
+      <td class="number score-cell">{formatScore(attempt.score)}</td>
       <td><StateBadge attempt={attempt} /></td>
-      <td><Flags attempt={attempt} /></td>
+      <td><Flags attempt={attempt} graded={graded} /></td>
     </tr>
   );
 }

@@ -1,7 +1,7 @@
 import type { Client } from "../../api/client";
 import type { Attempt, Exercise } from "../../api/types";
 import { useRequest } from "../../api/use_request";
-import { formatDateTime, formatNumber, formatQuantity, micrometresAsMm } from "../../base/format";
+import { formatDateTime, formatNumber, formatQuantity, formatScore, micrometresAsMm } from "../../base/format";
 import { Flags, StateBadge } from "../../widgets/attempt_state";
 import { Badge, Card, Empty, ErrorNotice, Loading, PageTitle, TableFrame } from "../../widgets/basics";
 import { burText } from "./exercises_page";
@@ -39,7 +39,7 @@ export function ExercisePage({ client, id, personId }:
         {attempts.loaded.state === "loading" && <Loading what="attempts" />}
         {attempts.loaded.state === "failed" &&
           <ErrorNotice title="The attempts could not be loaded" message={attempts.loaded.error.message} onRetry={attempts.reload} />}
-        {attempts.loaded.state === "ready" && <OwnAttempts attempts={attempts.loaded.value.attempts} />}
+        {attempts.loaded.state === "ready" && <OwnAttempts attempts={attempts.loaded.value.attempts} graded={value.graded} />}
       </Card>
     </>
   );
@@ -94,19 +94,19 @@ function markEnds(map: ReadonlyArray<{ readonly value: number; readonly share: n
   return falling ? { full: full.at(-1)?.value, none: none.at(0)?.value } : { full: full.at(0)?.value, none: none.at(-1)?.value };
 }
 
-function OwnAttempts({ attempts }: { readonly attempts: readonly Attempt[] }) {
+function OwnAttempts({ attempts, graded }: { readonly attempts: readonly Attempt[]; readonly graded: boolean }) {
   if (attempts.length === 0) return <Empty>No attempt yet. Sign in at a station and choose this exercise there.</Empty>;
   return (
     <TableFrame label="My attempts at this exercise">
       <table>
-        <thead><tr><th scope="col">When</th><th scope="col">State</th><th scope="col" class="number">Score</th><th scope="col">Notes</th></tr></thead>
+        <thead><tr><th scope="col">When</th><th scope="col">State</th><th scope="col" class="number">Score</th><th scope="col">Flags</th></tr></thead>
         <tbody>
           {attempts.map((attempt) => (
             <tr key={attempt.id}>
               <th scope="row"><a href={`/attempts/${attempt.id}`}>{formatDateTime(attempt.ticketed_ms)}</a></th>
               <td><StateBadge attempt={attempt} /></td>
-              <td class="number score-cell">{attempt.score === null ? "–" : formatNumber(attempt.score, 1)}</td>
-              <td><Flags attempt={attempt} /></td>
+              <td class="number score-cell">{formatScore(attempt.score)}</td>
+              <td><Flags attempt={attempt} graded={graded} /></td>
             </tr>
           ))}
         </tbody>

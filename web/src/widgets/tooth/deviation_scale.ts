@@ -3,7 +3,7 @@
 
 export const kDeviationRangeMm = 0.5;
 export const kContourStepMm = 0.1;
-export const kUntouchedColor = "#a9adb3";
+export const kUntouchedColor = "#c2c6cc";
 
 const kStops = [
   "#313695", "#4575b4", "#74add1", "#abd9e9", "#e0f3f8", "#ffffbf", "#fee090", "#fdae61", "#f46d43", "#d73027", "#a50026",

@@ -14,20 +14,26 @@ export type ColorMode = "tissue" | "deviation";
 export type CameraPreset = "angled" | "occlusal" | "buccal" | "mesial";
 export type PointMm = readonly [number, number, number];
 
+// How to look into what was cut: from where, and at what.
+export interface AngledView {
+  readonly direction: PointMm;
+  readonly centre: PointMm | undefined;         // undefined: the middle of the tooth
+}
+
 export interface SurfacePoint {
   readonly tissue: number;
   readonly deviationMm: number | undefined;   // NaN: untouched; undefined: nothing to compare with
 }
 
-// From the tooth's centre towards the camera; scene frame.
-const kDirections: Readonly<Record<CameraPreset, PointMm>> = {
-  angled: [0.5, -0.62, 0.9],
+// From what is looked at towards the camera; scene frame. "angled" is given by who shows the tooth.
+const kDirections: Readonly<Record<Exclude<CameraPreset, "angled">, PointMm>> = {
   occlusal: [0, -0.001, 1],
   buccal: [0, 1, 0.25],
   mesial: [1, 0, 0.25],
 };
 const kFieldOfViewDeg = 28;
 const kMargin = 1.02;                          // of the bounding sphere, so that nothing touches the edge
+const kAngledCloser = 0.8;                     // of the distance at which the whole tooth is in view
 const kMarkerRadiusMm = 0.2;
 const kMinPolar = 0.001;                       // Spherical turns over at the poles
 
@@ -47,7 +53,7 @@ export class ToothScene {
   private readonly centre = new Vector3();
   private radius = 1;
 
-  constructor(private readonly canvas: HTMLCanvasElement, private readonly surface: Surface,
+  constructor(private readonly canvas: HTMLCanvasElement, private readonly surface: Surface, private readonly angled: AngledView,
               private readonly drawn: (project: (point: PointMm) => PointMm, centre: PointMm, radius: number) => void) {
     this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, powerPreference: "low-power" });
     this.cleanup.add(() => this.renderer.dispose());
@@ -56,7 +62,7 @@ export class ToothScene {
     this.trail = new Line(new BufferGeometry(), new LineBasicMaterial({ color: 0x101418, depthTest: false, transparent: true, opacity: 0.55 }));
     this.trail.renderOrder = 1;
     this.trail.frustumCulled = false;
-    this.scene.add(this.tooth, this.trail, this.marker, this.camera, new AmbientLight(0xffffff, 1.15));
+    this.scene.add(this.tooth, this.trail, this.marker, this.camera, new AmbientLight(0xffffff, 1.3));
     this.addLights();
 
     const sphere = this.tooth.geometry.boundingSphere;
@@ -104,9 +110,11 @@ export class ToothScene {
   }
 
   view(preset: CameraPreset): void {
-    const direction = new Vector3(...kDirections[preset]).normalize();
-    this.controls.target.copy(this.centre);
-    this.camera.position.copy(this.centre).addScaledVector(direction, this.fitDistance());
+    const angled = preset === "angled";
+    const direction = new Vector3(...(angled ? this.angled.direction : kDirections[preset])).normalize();
+    const target = angled && this.angled.centre !== undefined ? new Vector3(...this.angled.centre) : this.centre;
+    this.controls.target.copy(target);
+    this.camera.position.copy(target).addScaledVector(direction, this.fitDistance() * (angled ? kAngledCloser : 1));
     this.controls.update();
     this.frame.request();
   }
@@ -241,7 +249,8 @@ function withDeviationAttribute(shader: string): string {
     .replace("#include <begin_vertex>", "#include <begin_vertex>\nvDeviation = deviation;");
 }
 
-// The scale's colour, with a thin line at every contour step except zero, where noise would draw it.
+// The scale's colour, with a thin line at every contour step: not at zero, and not where the deviation
+// hardly changes, because there noise alone would draw it.
 function withDeviationColor(shader: string): string {
   return shader
     .replace("#include <common>", `#include <common>
@@ -254,8 +263,9 @@ vec3 deviationColor() {
   float mm = vDeviation.x / vDeviation.y;
   vec3 color = texture2D(scale, vec2(0.5 + 0.5 * mm / ${kDeviationRangeMm.toFixed(3)}, 0.5)).rgb;
   float level = mm / ${kContourStepMm.toFixed(3)};
-  float line = abs(fract(level - 0.5) - 0.5) / max(fwidth(level), 1e-4);
-  float strength = 0.45 * step(0.5, abs(level)) * (1.0 - smoothstep(0.4, 1.2, line));
+  float slope = fwidth(level);
+  float line = abs(fract(level - 0.5) - 0.5) / max(slope, 1e-4);
+  float strength = 0.45 * step(0.5, abs(level)) * smoothstep(0.01, 0.04, slope) * (1.0 - smoothstep(0.4, 1.2, line));
   return color * (1.0 - strength);
 }`)
     .replace("#include <color_fragment>",

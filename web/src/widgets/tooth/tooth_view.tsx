@@ -2,13 +2,14 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import type { Surface } from "../../api/surface";
 import { Disposables } from "../../base/disposables";
 import { formatSigned } from "../../base/format";
-import type { CameraPreset, ColorMode, PointMm, SurfacePoint, ToothScene } from "./scene";
+import type { AngledView, CameraPreset, ColorMode, PointMm, SurfacePoint, ToothScene } from "./scene";
 import { tissueTitle } from "./tissue";
 
 interface Props {
   readonly surface: Surface;
   readonly mode: ColorMode;
   readonly label: string;                       // what the picture shows, for who cannot see it
+  readonly angled: AngledView;                  // what the view begins with
   readonly tool?: PointMm | undefined;
   readonly path?: readonly PointMm[];
 }
@@ -21,9 +22,11 @@ const kDirections: ReadonlyArray<readonly [string, PointMm]> = [
 ];
 const kKeyStepRad = Math.PI / 24;
 const kKeyZoom = 1.15;
+const kLabelMarginPx = [38, 18] as const;       // half a label and a little air
+const kLabelMinShare = 0.12;                    // of the picture's height: shorter points at the viewer
 
 // A tooth to turn: by mouse, finger, arrow keys, + and −, and the preset buttons.
-export function ToothView({ surface, mode, label, tool, path }: Props) {
+export function ToothView({ surface, mode, label, angled, tool, path }: Props) {
   const frame = useRef<HTMLDivElement>(null);
   const scene = useRef<ToothScene | undefined>(undefined);
   const [problem, setProblem] = useState("");
@@ -38,7 +41,7 @@ export function ToothView({ surface, mode, label, tool, path }: Props) {
     cleanup.add(() => { abandoned = true; });
     import("./scene").then((module) => {
       if (abandoned) return;
-      scene.current = openScene(module.ToothScene, element, surface, cleanup, setProblem);
+      scene.current = openScene(module.ToothScene, element, surface, angled, cleanup, setProblem);
       cleanup.add(() => { scene.current = undefined; });
       setReady(true);
     }).catch(() => setProblem("The 3-D picture needs WebGL 2, which this browser does not offer here. The table below says the same in numbers."));
@@ -46,7 +49,7 @@ export function ToothView({ surface, mode, label, tool, path }: Props) {
       setReady(false);
       cleanup.dispose();
     };
-  }, [surface]);
+  }, [surface, angled]);
 
   useEffect(() => scene.current?.setMode(mode), [mode, ready]);
   useEffect(() => scene.current?.setTool(tool, path ?? []), [tool, path, ready]);
@@ -75,12 +78,12 @@ export function ToothView({ surface, mode, label, tool, path }: Props) {
   );
 }
 
-function openScene(Scene: typeof ToothScene, element: HTMLElement, surface: Surface, cleanup: Disposables,
-                   report: (problem: string) => void): ToothScene {
+function openScene(Scene: typeof ToothScene, element: HTMLElement, surface: Surface, angled: AngledView,
+                   cleanup: Disposables, report: (problem: string) => void): ToothScene {
   const canvas = document.createElement("canvas");
   canvas.setAttribute("aria-hidden", "true");
   const labels = [...element.querySelectorAll<HTMLElement>(".tooth-direction")];
-  const scene = new Scene(canvas, surface, (project, centre, radius) => placeLabels(labels, element, project, centre, radius));
+  const scene = new Scene(canvas, surface, angled, (project, centre, radius) => placeLabels(labels, element, project, centre, radius));
   element.prepend(canvas);
   cleanup.add(() => canvas.remove());
   cleanup.add(() => scene.dispose());
@@ -91,7 +94,8 @@ function openScene(Scene: typeof ToothScene, element: HTMLElement, surface: Surf
   return scene;
 }
 
-// Names of the sides, around the tooth; hidden where they would point at the viewer or away.
+// Names of the sides at the edge of the picture, in the direction in which they lie; hidden where they
+// lie towards the viewer or away.
 function placeLabels(labels: readonly HTMLElement[], frame: HTMLElement, project: (point: PointMm) => PointMm,
                      centre: PointMm, radius: number): void {
   const [cx, cy] = project(centre);
@@ -99,11 +103,12 @@ function placeLabels(labels: readonly HTMLElement[], frame: HTMLElement, project
     const label = labels[i];
     if (label === undefined) return;
     const at = project([centre[0] + direction[0] * radius, centre[1] + direction[1] * radius, centre[2]]);
-    const length = Math.hypot(at[0] - cx, at[1] - cy);
-    const x = Math.min(Math.max(at[0], 34), frame.clientWidth - 34);
-    const y = Math.min(Math.max(at[1], 14), frame.clientHeight - 14);
-    label.style.transform = `translate(-50%, -50%) translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
-    label.style.visibility = length > 0.12 * frame.clientHeight ? "visible" : "hidden";
+    const [dx, dy] = [at[0] - cx, at[1] - cy];
+    const half = [frame.clientWidth / 2, frame.clientHeight / 2] as const;
+    const toEdge = Math.min((half[0] - kLabelMarginPx[0]) / Math.abs(dx), (half[1] - kLabelMarginPx[1]) / Math.abs(dy));
+    const visible = Math.hypot(dx, dy) > kLabelMinShare * frame.clientHeight && Number.isFinite(toEdge);
+    label.style.visibility = visible ? "visible" : "hidden";
+    if (visible) label.style.transform = `translate(-50%, -50%) translate(${half[0] + dx * toEdge}px, ${half[1] + dy * toEdge}px)`;
   });
 }
 

@@ -1,0 +1,257 @@
+// What a person does with the page, as checks. Every flow runs against the mock server; those marked
+// `anywhere` also against a real one whose newest scored attempt, not itself the reference, deviates
+// from its reference by about 0.3 mm somewhere, as the demonstration's does.
+import assert from "node:assert/strict";
+import { accessibilityViolations, openPage } from "./browser.mjs";
+import { decodePng } from "./png.mjs";
+
+const kScored = "✓ Scored";
+
+export const flows = [
+  { name: "a wrong password is refused in words and keeps the login", anywhere: true, run: wrongPassword },
+  { name: "an expired session asks to sign in again and leads back", anywhere: true, run: expiredSession },
+  { name: "a student finds exercises, what is asked, and own attempts only", anywhere: true, run: studentLooksAround },
+  { name: "somebody else's attempt is as if it did not exist", anywhere: true, run: foreignAttempt },
+  { name: "an instructor sees score, deviation on the tooth, and forces", anywhere: true, run: instructorReviews },
+  { name: "the tooth turns by keyboard and the timeline moves the tool", anywhere: true, run: toothByKeyboard },
+  { name: "the page fits a narrow screen and a dark scheme without an accessibility violation", anywhere: true, run: narrowAndDark },
+  { name: "an admin reads people, stations, devices, jobs and audit", anywhere: true, run: adminReads },
+  { name: "a score that is being computed shows progress and then appears", anywhere: false, run: scoringProgress },
+  { name: "an instructor releases a graded score and the student then sees it", anywhere: false, run: release },
+  { name: "an instructor marks an attempt as the reference", anywhere: false, run: markReference },
+  { name: "gaps and a replay that disagrees are said plainly", anywhere: false, run: disturbedRecording },
+  { name: "more attempts than one page are loaded on request", anywhere: false, run: pagination },
+];
+
+async function signIn(page, { login, password }) {
+  await page.getByLabel("Login").fill(login);
+  await page.getByLabel("Password").fill(password);
+  await page.getByRole("button", { name: "Sign in" }).click();
+}
+
+async function signedIn(world, role, path = "/", options = {}) {
+  const { page } = await world.open(options);
+  await page.goto(path);
+  await signIn(page, world.logins[role]);
+  await page.getByRole("button", { name: "Sign out" }).waitFor();
+  return page;
+}
+
+async function accessible(page, where) {
+  assert.deepEqual(await accessibilityViolations(page), [], `accessibility of ${where}`);
+}
+
+async function wrongPassword(world) {
+  const { page } = await world.open();
+  await page.goto("/");
+  await signIn(page, { login: world.logins.student.login, password: "not this one" });
+  const alert = page.getByRole("alert");
+  await alert.waitFor();
+  assert.match(await alert.innerText(), /Login and password do not belong together/);
+  assert.equal(await page.getByLabel("Login").inputValue(), world.logins.student.login);
+  await accessible(page, "sign-in with an error");
+  await signIn(page, world.logins.student);
+  await page.getByRole("heading", { level: 1, name: "Exercises" }).waitFor();
+}
+
+async function expiredSession(world) {
+  const page = await signedIn(world, "student", "/attempts");
+  await page.getByRole("heading", { level: 1, name: "My attempts" }).waitFor();
+  await page.context().clearCookies();
+  await page.getByRole("link", { name: "Exercises" }).click();
+  await page.getByText("Your session has ended").waitFor();
+  assert.equal(new URL(page.url()).pathname, "/exercises");
+  await signIn(page, world.logins.student);
+  await page.getByRole("heading", { level: 1, name: "Exercises" }).waitFor();
+}
+
+async function studentLooksAround(world) {
+  const page = await signedIn(world, "student");
+  await page.getByRole("heading", { level: 1, name: "Exercises" }).waitFor();
+  await accessible(page, "exercises");
+  await page.locator("main article a").first().click();
+  await page.getByRole("heading", { level: 2, name: "What is asked" }).waitFor();
+  assert.match(await page.getByRole("main").innerText(), /Depth\s+[\d.]+\smm/);
+  await accessible(page, "an exercise");
+  await page.getByRole("link", { name: "My attempts" }).click();
+  await page.getByRole("heading", { level: 1, name: "My attempts" }).waitFor();
+  await page.locator("table").waitFor();
+  assert.equal(await page.getByRole("columnheader", { name: "Student" }).count(), 0);
+  await accessible(page, "own attempts");
+}
+
+async function foreignAttempt(world) {
+  const page = await signedIn(world, "student", `/attempts/${world.foreignAttempt}`);
+  await page.getByRole("heading", { level: 1, name: "Attempt" }).waitFor();
+  assert.match(await page.getByRole("alert").innerText(), /There is no such attempt for you/);
+  await accessible(page, "a missing attempt");
+}
+
+// The first scored attempt of a student that is not the reference itself.
+async function openScoredAttempt(world, options = {}) {
+  const page = await signedIn(world, "instructor", "/attempts", options);
+  const row = page.locator("tbody tr").filter({ hasText: kScored }).filter({ hasNotText: "Reference" }).filter({ hasNotText: "Gaps" }).first();
+  await row.getByRole("link").click();
+  await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
+  await page.locator(".plot canvas").waitFor();
+  return page;
+}
+
+async function instructorReviews(world) {
+  const page = await openScoredAttempt(world);
+  const score = Number.parseFloat(await page.getByTestId("score").innerText());
+  assert.ok(score > 0 && score <= 100, `score ${score}`);
+  const lost = await page.locator(".criteria tbody tr").evaluateAll((rows) => rows.map((row) => {
+    const [points, of] = row.querySelector(".points").innerText.split("/").map(Number.parseFloat);
+    return of - points;
+  }));
+  assert.ok(lost.length >= 3);
+  assert.deepEqual(lost, [...lost].sort((a, b) => b - a), "criteria that lost most come first");
+  await accessible(page, "an attempt");
+  await page.screenshot({ path: world.picture("attempt"), fullPage: true });
+  await heatMapIsThere(page);
+  await plotIsThere(page);
+}
+
+// Yellow (as the reference), red (0.3 mm too far) and the neutral of untouched tooth, in view at once.
+async function heatMapIsThere(page) {
+  const counts = await countColors(page, ".tooth-frame canvas", {
+    deep: ([r, g, b]) => r > 130 && r > 1.6 * g && r > 1.8 * b,
+    asReference: ([r, g, b]) => r > 150 && g > 150 && b < 0.9 * r && Math.abs(r - g) < 30,
+    untouched: ([r, g, b]) => r > 90 && r < 245 && Math.abs(r - b) < 16 && Math.abs(r - g) < 12,
+  });
+  assert.ok(counts.deep > 300, `too far: ${counts.deep} pixels`);
+  assert.ok(counts.asReference > 300, `as the reference: ${counts.asReference} pixels`);
+  assert.ok(counts.untouched > 5000, `untouched: ${counts.untouched} pixels`);
+  await page.getByLabel("Tissues").check();
+  const tissues = await countColors(page, ".tooth-frame canvas", { deep: ([r, g, b]) => r > 130 && r > 1.9 * g && r > 1.9 * b });
+  assert.ok(tissues.deep < counts.deep / 4, "tissue colours replace the deviation's");
+  await page.getByLabel("Deviation").check();
+}
+
+async function plotIsThere(page) {
+  const counts = await countColors(page, ".plot canvas", { force: ([r, g, b]) => b > 90 && b > 1.4 * r && g > r, removed: ([r, g, b]) => r > 150 && r > 1.5 * b && g < r });
+  assert.ok(counts.force > 300 && counts.removed > 100, `plot: ${JSON.stringify(counts)}`);
+}
+
+async function countColors(page, selector, tests) {
+  const picture = decodePng(await page.locator(selector).first().screenshot());
+  const counts = Object.fromEntries(Object.keys(tests).map((name) => [name, 0]));
+  for (let y = 0; y < picture.height; ++y) {
+    for (let x = 0; x < picture.width; ++x) {
+      const pixel = picture.at(x, y);
+      for (const [name, matches] of Object.entries(tests)) if (matches(pixel)) ++counts[name];
+    }
+  }
+  return counts;
+}
+
+async function toothByKeyboard(world) {
+  const page = await openScoredAttempt(world);
+  const canvas = page.locator(".tooth-frame canvas");
+  const before = await canvas.screenshot();
+  await page.locator(".tooth-frame").focus();
+  for (let i = 0; i < 4; ++i) await page.keyboard.press("ArrowRight");
+  const turned = await canvas.screenshot();
+  assert.ok(!turned.equals(before), "arrow keys turn the tooth");
+  await page.getByRole("button", { name: "Occlusal" }).click();
+  const occlusal = await canvas.screenshot();
+  assert.ok(!occlusal.equals(turned), "a preset moves the camera");
+
+  const timeline = page.getByLabel("Time in the attempt");
+  await timeline.focus();
+  for (let i = 0; i < 4; ++i) await page.keyboard.press("PageUp");
+  assert.ok(Number(await timeline.inputValue()) > 0);
+  assert.match(await timeline.getAttribute("aria-valuetext"), /seconds.*largest force.*\sN/);
+  assert.ok(!(await canvas.screenshot()).equals(occlusal), "the tool appears at the tooth");
+
+  await page.getByText("The same as a table").click();
+  assert.ok(await page.getByRole("region", { name: "Force and removal as a table" }).locator("tbody tr").count() > 10);
+  await page.getByText("Deviation in numbers").click();
+  assert.match(await page.getByRole("main").innerText(), /Of the surface that was cut, \d+ % lies within 0\.1 mm of the reference/);
+  await accessible(page, "an attempt with its tables open");
+}
+
+async function narrowAndDark(world) {
+  const page = await openScoredAttempt(world, { width: 390, height: 844, colorScheme: "dark" });
+  const overflow = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
+  assert.ok(overflow <= 0, `the page is ${overflow} px wider than the screen`);
+  await page.screenshot({ path: world.picture("attempt_narrow_dark"), fullPage: true });
+  await accessible(page, "an attempt, narrow and dark");
+}
+
+async function adminReads(world) {
+  const page = await signedIn(world, "admin");
+  for (const [link, title] of [["People", "People"], ["Stations", "Stations"], ["Devices", "Device profiles"], ["Jobs", "Jobs"], ["Audit", "Audit"]]) {
+    await page.getByRole("link", { name: link, exact: true }).click();
+    await page.getByRole("heading", { level: 1, name: title }).waitFor();
+    await page.locator("main table").first().waitFor();
+    await accessible(page, title);
+  }
+}
+
+async function scoringProgress(world) {
+  const page = await signedIn(world, "instructor", "/attempts");
+  await page.locator("tbody tr").filter({ hasText: "Being scored" }).getByRole("link").click();
+  await page.getByRole("progressbar", { name: "Replaying and scoring" }).waitFor();
+  await page.getByTestId("score").waitFor();
+}
+
+async function release(world) {
+  const student = await signedIn(world, "student", "/attempts/00000000-0000-7000-8000-000000000106");
+  await student.getByText("Not released yet", { exact: true }).waitFor();
+  assert.equal(await student.getByTestId("score").count(), 0);
+  assert.equal(await student.getByText("Deviation in numbers").count(), 0);
+
+  const instructor = await signedIn(world, "instructor", "/attempts/00000000-0000-7000-8000-000000000106");
+  await instructor.getByRole("button", { name: "Release score" }).click();
+  await instructor.getByText("Score released").waitFor();
+  await accessible(instructor, "a released attempt");
+
+  await student.reload();
+  await student.getByTestId("score").waitFor();
+}
+
+async function markReference(world) {
+  const page = await signedIn(world, "instructor", "/attempts/00000000-0000-7000-8000-000000000106");
+  await page.getByRole("button", { name: "Mark as reference…" }).click();
+  await page.getByLabel("Dentist, as to be shown with consent").fill("Dentist Two");
+  await accessible(page, "naming the dentist");
+  await page.getByRole("button", { name: "Mark as reference", exact: true }).click();
+  await page.getByText("Reference of its exercise", { exact: false }).first().waitFor();
+}
+
+async function disturbedRecording(world) {
+  const page = await signedIn(world, "instructor", "/attempts/00000000-0000-7000-8000-000000000104");
+  await page.getByText("The recording was disturbed").waitFor();
+  const text = await page.getByRole("region", { name: "Recording" }).innerText();
+  assert.match(text, /412 ticks .* were not recorded/);
+  assert.match(text, /does not repeat what the station recorded: the state after chunk 12 differs/);
+}
+
+async function pagination(world) {
+  const page = await signedIn(world, "instructor", "/attempts");
+  await page.locator("tbody tr").first().waitFor();
+  const before = await page.locator("tbody tr").count();
+  await page.getByRole("button", { name: "Show more" }).click();
+  await page.waitForFunction((count) => document.querySelectorAll("tbody tr").length > count, before);
+  assert.equal(await page.getByRole("button", { name: "Show more" }).count(), 0);
+}
+
+// Runs one flow in browsers of its own; the page must not have logged an error or broken its policy.
+export async function runFlow(flow, browser, { baseUrl, logins, foreignAttempt, picture }) {
+  const opened = [];
+  const open = async (options) => {
+    opened.push(await openPage(browser, baseUrl, options));
+    return opened.at(-1);
+  };
+  try {
+    await flow.run({ open, logins, foreignAttempt, picture });
+    assert.deepEqual(opened.flatMap(({ errors }) => errors), [], "errors in the browser's console");
+  } catch (error) {
+    await Promise.all(opened.map(({ page }, i) => page.screenshot({ path: picture(`failed_${i}`), fullPage: true }).catch(() => {})));
+    throw error;
+  } finally {
+    await Promise.all(opened.map(({ context }) => context.close()));
+  }
+}

@@ -1,0 +1,167 @@
+// What the mock server knows: invented people and attempts in the shapes of schemas/api/openapi.yaml.
+import { toolPosition } from "./mock_tooth.mjs";
+
+const id = (number) => `00000000-0000-7000-8000-${String(number).padStart(12, "0")}`;
+const kStartMs = Date.UTC(2026, 2, 9, 9, 0);
+const kMinuteMs = 60_000;
+
+export const people = [
+  { id: id(1), login: "student", password: "a long student phrase", display_name: "Student One", role: "student" },
+  { id: id(2), login: "student2", password: "a long student phrase", display_name: "Student Two", role: "student" },
+  { id: id(3), login: "instructor", password: "a long instructor phrase", display_name: "Instructor One", role: "instructor" },
+  { id: id(4), login: "admin", password: "a long admin phrase", display_name: "Admin One", role: "admin" },
+];
+const [studentOne, studentTwo, instructor] = people;
+
+export const cohorts = [
+  { id: id(10), name: "Preclinic, first term", members: [studentOne, studentTwo, instructor].map(member) },
+  { id: id(11), name: "Preclinic, second term", members: [instructor].map(member) },
+];
+
+function member({ id: personId, display_name, role }) {
+  return { id: personId, display_name, role };
+}
+
+const rubric = [
+  ["deviation_rms_mm", "Shape against the reference", "mm", 25, [[0.05, 1], [0.3, 0]]],
+  ["wall_mesial_mm", "Mesial wall", "mm", 15, [[0.1, 1], [0.4, 0]]],
+  ["target_removed_percent", "Caries zone removed", "%", 20, [[80, 0], [98, 1]]],
+  ["container_removed_mm3", "Sound tissue kept", "mm3", 20, [[0.1, 1], [3, 0]]],
+  ["force_sent_p95_n", "Gentle force", "N", 10, [[1.5, 1], [3, 0]]],
+  ["duration_s", "Time", "s", 10, [[120, 1], [300, 0]]],
+];
+
+export const exercises = [
+  exercise(20, "class-1-occlusal", "Occlusal cavity, class I", true,
+           "Cut a box cavity in the occlusal surface of the lower first molar.\nKeep the walls upright and the floor flat. Stay out of the marginal ridges.", 0),
+  exercise(21, "class-1-practice", "Occlusal cavity, practice", false, "The same cavity without a grade. The score shows as soon as you are done.", 1),
+];
+
+function exercise(number, name, title, graded, instructions, version) {
+  return {
+    id: id(number), name, title, version: version + 1, graded, instructions,
+    bur: { shape: "cylinder", radius_um: 500, length_um: 4000 }, has_reference: true, my_attempts: 0,
+    target: { half_size_um: [2100, 1350, 0], depth_um: 2000, leeway_side_um: 200, leeway_bottom_um: 200, container_um: 800 },
+    rubric: { criteria: rubric.map(([metric, criterion, unit, points, map]) => ({
+      metric, title: criterion, unit, points, comment: "", map: map.map(([value, share]) => ({ value, share })) })) },
+  };
+}
+
+function attempt(number, person, exerciseIndex, changes = {}) {
+  const { id: exerciseId, title } = exercises[exerciseIndex];
+  return {
+    id: id(number), person: { id: person.id, display_name: person.display_name }, exercise: { id: exerciseId, title },
+    station: { id: id(30), name: "Station 1" }, profile: { name: "phantom_desktop", title: "Phantom Desktop" },
+    state: "scored", as_reference: false, is_reference: false, released: false, score: 83.4, critical_fail: false, progress: 1,
+    ticketed_ms: kStartMs + number * 7 * kMinuteMs, sealed_ms: kStartMs + number * 7 * kMinuteMs + kMinuteMs, ticks: 42_180, gap_ticks: 0,
+    chunks: 169, trace_bytes: 173_214, problem: "", ...changes,
+  };
+}
+
+// A fresh copy for every server: flows change them.
+export function makeAttempts() {
+  const unscored = { score: null, critical_fail: null, progress: 0 };
+  const older = Array.from({ length: 55 }, (_, i) => attempt(200 + i, studentTwo, 1, {
+    ticketed_ms: kStartMs - (i + 1) * 1440 * kMinuteMs, released: true, score: Math.round((90 - i * 0.8) * 10) / 10 }));
+  return [
+    attempt(107, studentTwo, 0, { state: "scoring", ...unscored, progress: 0.2 }),
+    attempt(106, studentOne, 0),
+    attempt(105, studentOne, 1, { released: true }),
+    attempt(104, studentTwo, 0, { gap_ticks: 412, critical_fail: true, score: 0 }),
+    attempt(103, studentTwo, 0, { state: "quarantined", ...unscored,
+      problem: "Chunk 12 was received twice with different content. Both are kept." }),
+    attempt(102, studentOne, 0, { state: "failed", ...unscored, problem: "The volume of the scene is missing: restore its blob, then score again." }),
+    attempt(101, instructor, 0, { as_reference: true, is_reference: true, score: 100 }),
+    ...older,
+  ];
+}
+
+export const referenceDetail = { attempt_id: id(101), dentist: "Dentist One" };
+
+export function scoreOf(row) {
+  const perfect = row.as_reference;
+  const criterion = (index, value, points, reason) => {
+    const [name, title, unit, max] = rubric[index];
+    return { name, title, value, unit, points: perfect ? max : points, max_points: max, reason };
+  };
+  return {
+    score: row.critical_fail ? 0 : perfect ? 100 : row.score ?? 83.4, critical_fail: row.critical_fail === true,
+    criteria: [
+      criterion(0, 0.098, 20.2, "The surface lies 0.098 mm (RMS) from the reference; full marks up to 0.05 mm, none from 0.3 mm."),
+      criterion(1, 0.301, 4.9, "The mesial wall was cut 0.301 mm too far; full marks up to 0.1 mm, none from 0.4 mm."),
+      criterion(2, 99.1, 20, "99.1 % of the target was removed; full marks from 98 %."),
+      criterion(3, 0.84, 14.9, "0.84 mm³ were removed that must stay; full marks up to 0.1 mm³."),
+      criterion(4, 1.31, 10, "95 % of the sent force stays below 1.31 N; full marks up to 1.5 N."),
+      criterion(5, 42.2, 10, "Done in 42 s; full marks up to 120 s."),
+    ],
+    metrics: [
+      ["deviation_rms_mm", 0.098, "mm"], ["deviation_p95_mm", 0.292, "mm"], ["wall_mesial_mm", 0.301, "mm"], ["wall_distal_mm", -0.088, "mm"],
+      ["target_removed_percent", 99.1, "%"], ["leeway_removed_percent", 31.4, "%"], ["container_removed_mm3", 0.84, "mm3"],
+      ["removed_enamel_mm3", 19.82, "mm3"], ["removed_dentin_mm3", 4.91, "mm3"], ["removed_pulp_mm3", 0, "mm3"], ["pulp_exposed", 0, "count"],
+      ["force_sent_p95_n", 1.31, "N"], ["force_sent_max_n", 2.04, "N"], ["anchor_path_m", 0.412, "m"], ["duration_s", 42.18, "s"],
+      ["dtw_pose_mm", 0.36, "mm"], ["dtw_force_n", 0.21, "N"],
+    ].map(([name, value, unit]) => ({ name, value, unit })),
+    reference_attempt: referenceDetail.attempt_id, rubric_version: 1, core_version: 1, ticks: row.ticks, gap_ticks: row.gap_ticks,
+    late_ticks: row.gap_ticks > 0 ? 7 : 0, bounded_ticks: 0, witness_ok: row.gap_ticks === 0,
+    witness_note: row.gap_ticks === 0 ? "" : "the state after chunk 12 differs", replay_realtime_factor: 31.4,
+  };
+}
+
+export function seriesOf() {
+  const steps = 1800;
+  const random = seeded(7);
+  const series = { rate_hz: 1000, step_ticks: 24, t_s: [], force_n: [], force_mean_n: [], bound_n: [], removed_mm3: [],
+                   removed_by_tissue: { enamel: [], dentin: [] }, anchor_mm: [] };
+  let removed = 0;
+  let drift = 0;
+  for (let i = 0; i < steps; ++i) {
+    const share = i / (steps - 1);
+    const contact = share > 0.03 && share < 0.97 && Math.sin(share * 44) > -0.82;
+    drift = 0.96 * drift + 0.06 * (random() - 0.5);
+    const mean = contact ? Math.max(0.05, 0.72 + 0.35 * Math.sin(share * 21) + 1.4 * drift) : 0.01;
+    const largest = mean * (1.1 + 0.35 * random());
+    removed += contact ? (24.73 / (steps * 0.86)) * (0.7 + 0.6 * random()) : 0;
+    series.t_s.push(Math.round(i * 24) / 1000);
+    series.force_n.push(round(largest));
+    series.force_mean_n.push(round(mean));
+    series.bound_n.push(7.9);
+    series.removed_mm3.push(round(removed));
+    series.removed_by_tissue.enamel.push(round(removed * 0.8));
+    series.removed_by_tissue.dentin.push(round(removed * 0.2));
+    const [x, y, z] = toolPosition(share);
+    series.anchor_mm.push([round(x), round(y), round(contact ? z : z + 2.5)]);
+  }
+  return series;
+}
+
+function round(value) {
+  return Math.round(value * 1000) / 1000;
+}
+
+function seeded(seed) {
+  let state = seed;
+  return () => {
+    state = (state * 1664525 + 1013904223) >>> 0;
+    return state / 2 ** 32;
+  };
+}
+
+const number = (name, value, unit, source) => ({ name, value, unit, source });
+export const profiles = [
+  { name: "phantom_desktop", title: "Phantom Desktop", numbers: [
+    number("resolution", 23_000, "nm", "paper, table 1"), number("max_stiffness", 1860, "mN/mm", "paper, table 1"),
+    number("peak_force", 7900, "mN", "datasheet"), number("mass", 45, "g", "assumption")] },
+  { name: "omega_6", title: "Omega 6", numbers: [number("resolution", 10_000, "nm", "paper, table 1"), number("peak_force", 12_000, "mN", "datasheet")] },
+];
+export const stations = [
+  { id: id(30), name: "Station 1", revoked: false, enrolled_ms: kStartMs - 90 * 1440 * kMinuteMs, last_seen_ms: kStartMs + 900 * kMinuteMs },
+  { id: id(31), name: "Station 2", revoked: true, enrolled_ms: kStartMs - 80 * 1440 * kMinuteMs, last_seen_ms: 0 },
+];
+export const jobs = [
+  { id: id(40), kind: "score", attempt_id: id(102), state: "failed", tries: 3, error: "The volume of the scene is missing." },
+  { id: id(41), kind: "score", attempt_id: id(106), state: "done", tries: 1, error: "" },
+];
+export const audit = [
+  { at_ms: kStartMs, actor: "instructor", action: "attempt.release", object: id(105), before: '{"released":false}', after: '{"released":true}' },
+  { at_ms: kStartMs - kMinuteMs, actor: "station 1", action: "attempt.seal", object: id(106), before: "", after: '{"ticks":42180}' },
+];
