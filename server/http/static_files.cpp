@@ -100,7 +100,8 @@ Result<StaticFiles> StaticFiles::Load(const fs::path& folder) {
                                          ", found more; is this the page's dist folder?"};
     }
     auto content = std::make_shared<const std::string>(AsText(*bytes));
-    std::string path = "/" + fs::relative(walk->path(), folder).generic_string();
+    std::string path = fs::relative(walk->path(), folder, error).generic_string();
+    path.insert(path.begin(), '/');
     if (StripSuffix(path, ".br")) {
       out.files_[path].br = std::move(content);
     } else if (StripSuffix(path, ".gz")) {
