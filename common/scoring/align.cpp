@@ -68,9 +68,16 @@ Alignment AlignBanded(size_t n, size_t m, size_t band,
     out.path.emplace_back(static_cast<uint32_t>(i), static_cast<uint32_t>(j));
     if (i == 0 && j == 0) break;
     switch (step[j * width + (i - rows.First(j))]) {
-      case kDiagonal: --i; --j; break;
-      case kAlongI: --i; break;
-      default: --j; break;
+      case kDiagonal:
+        --i;
+        --j;
+        break;
+      case kAlongI:
+        --i;
+        break;
+      default:
+        --j;
+        break;
     }
   }
   std::reverse(out.path.begin(), out.path.end());

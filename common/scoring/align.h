@@ -10,8 +10,8 @@ namespace enamel::scoring {
 
 // The cheapest monotone pairing of two series, and its path for a side-by-side view.
 struct Alignment {
-  double mean_cost = 0;                               // of the path's pairs
-  std::vector<std::pair<uint32_t, uint32_t>> path;    // (i, j), from (0, 0) to (n - 1, m - 1)
+  double mean_cost = 0;                             // of the path's pairs
+  std::vector<std::pair<uint32_t, uint32_t>> path;  // (i, j), from (0, 0) to (n - 1, m - 1)
 };
 
 // Dynamic time warping inside a Sakoe-Chiba band: cells (i, j) with |i - j n/m| <= band only, so

@@ -31,7 +31,8 @@ std::vector<float> DeviationPerVertex(const surface::Mesh& mesh, const Volume& i
   for (size_t i = 0; i < out.size(); ++i) {
     dvec3 p(mesh.position_m[i]);
     double before = initial.DistanceAt_m(p);
-    if (!Touched(initial, final_volume, p, before) && !Touched(initial, reference, p, before)) continue;
+    if (!Touched(initial, final_volume, p, before) && !Touched(initial, reference, p, before))
+      continue;
     double distance = query.Distance_m(p, kDeviationLimit_m);
     if (distance < kPositionResolution_m) distance = 0;
     bool in_reference_solid = reference.DistanceAt_m(p) < 0;

@@ -21,7 +21,15 @@ double WeightedQuantile(std::vector<WeightedValue> values, double share);
 std::vector<double> VertexAreas_m2(const surface::Mesh& mesh);
 
 // Parts of a cavity, in the scene frame's directions: +x mesial, +y buccal, +z occlusal.
-enum Part : uint8_t { kMesial, kDistal, kBuccal, kLingual, kFloor, kPartCount, kNoPart = kPartCount };
+enum Part : uint8_t {
+  kMesial,
+  kDistal,
+  kBuccal,
+  kLingual,
+  kFloor,
+  kPartCount,
+  kNoPart = kPartCount
+};
 
 // Which part a point of a surface belongs to, from where it is and where the surface faces:
 //  * a wall faces the box's middle within 26 degrees (cosine 0.9), is more than half the half size

@@ -212,7 +212,8 @@ void MeasureAlignment(const ProcessRecorder& attempt, const ProcessRecorder& ref
                       ? attempt.samples()[1].time_s - attempt.samples()[0].time_s
                       : 1 / kAlignRate_hz;
   size_t stride = 1;
-  while (longest > stride * kAlignSamples || static_cast<double>(stride) * step_s * kAlignRate_hz < 0.999) {
+  while (longest > stride * kAlignSamples ||
+         static_cast<double>(stride) * step_s * kAlignRate_hz < 0.999) {
     ++stride;
   }
   auto a = Resample(attempt.samples(), stride), b = Resample(reference.samples(), stride);
@@ -278,7 +279,8 @@ Result<std::vector<MetricValue>> ComputeMetrics(const scene::Scene& scene,
   std::vector<double> areas = VertexAreas_m2(*attempt.final_surface);
   MeasureDeviation(deviation, areas, m);
   tell(0.5);
-  MeasureParts(attempt, deviation, areas, reference, boxes->target, exercise.target.depth_um * 1e-6, m);
+  MeasureParts(attempt, deviation, areas, reference, boxes->target, exercise.target.depth_um * 1e-6,
+               m);
   m.pulp_exposed_m2 = PulpExposed_m2(attempt, areas);
   tell(0.8);
   MeasureAlignment(*attempt.process, *reference.process, m);

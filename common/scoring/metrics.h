@@ -21,22 +21,22 @@ namespace enamel::scoring {
 
 // A metric's registry entry. A new metric is one function and one line in metrics.cpp.
 struct MetricInfo {
-  std::string_view name;      // "wall_mesial_mm"
-  std::string_view unit;      // "mm", "mm2", "mm3", "%", "N", "s"
+  std::string_view name;  // "wall_mesial_mm"
+  std::string_view unit;  // "mm", "mm2", "mm3", "%", "N", "s"
   std::string_view title;
-  std::string_view formula;   // one sentence for people
+  std::string_view formula;  // one sentence for people
   // Signed metrics only: what a value above and below zero means ("too deep", "too shallow").
   std::string_view above_zero = {};
   std::string_view below_zero = {};
 };
 std::span<const MetricInfo> Metrics();
-const MetricInfo* FindMetric(std::string_view name);   // nullptr when unknown
+const MetricInfo* FindMetric(std::string_view name);  // nullptr when unknown
 
 // A stretch of the recording reduced to what the alignment needs.
 struct PathSample {
-  double time_s;              // since the start, gaps included
-  dvec3 anchor_m;             // scene frame, at the stretch's first tick
-  dvec3 force_n;              // sent, mean over the stretch
+  double time_s;   // since the start, gaps included
+  dvec3 anchor_m;  // scene frame, at the stretch's first tick
+  dvec3 force_n;   // sent, mean over the stretch
 };
 
 // Accumulates process metrics during the replay pass (trace::Replay's observe). Pose and force are
@@ -55,12 +55,12 @@ class ProcessRecorder {
   // After the last Add:
   uint64_t ticks() const { return ticks_; }
   uint64_t gap_ticks() const { return gap_ticks_; }
-  double duration_s() const;                   // gaps included
-  double cutting_s() const;                    // ticks that removed something
+  double duration_s() const;                        // gaps included
+  double cutting_s() const;                         // ticks that removed something
   double anchor_path_m() const { return path_m_; }  // without the jumps after gaps and faults
-  double force_sent_p95_n() const;             // over ticks with any force; 1 mN steps
+  double force_sent_p95_n() const;                  // over ticks with any force; 1 mN steps
   double force_sent_max_n() const { return max_force_n_; }
-  double force_sent_mean_cutting_n() const;    // mean over cutting ticks; 0 when nothing was cut
+  double force_sent_mean_cutting_n() const;  // mean over cutting ticks; 0 when nothing was cut
   uint64_t bounded_ticks() const { return bounded_ticks_; }  // peak bound engaged
   uint64_t late_ticks() const { return late_ticks_; }
   // At most 50 Hz.
@@ -71,12 +71,12 @@ class ProcessRecorder {
 
   uint32_t rate_hz_;
   dvec3 origin_m_;
-  uint32_t decimation_;                        // ticks per kept sample
+  uint32_t decimation_;  // ticks per kept sample
   uint64_t ticks_ = 0, cutting_ticks_ = 0, bounded_ticks_ = 0, late_ticks_ = 0, gap_ticks_ = 0;
   uint64_t force_ticks_ = 0;
   double path_m_ = 0, max_force_n_ = 0, cutting_force_sum_n_ = 0;
   dvec3 last_anchor_{0};
-  std::vector<uint32_t> force_histogram_;      // 1 mN bins
+  std::vector<uint32_t> force_histogram_;  // 1 mN bins
   std::vector<PathSample> samples_;
 };
 
@@ -85,7 +85,7 @@ class ProcessRecorder {
 struct AttemptData {
   const cutting::Volume* initial = nullptr;
   const cutting::Volume* final_volume = nullptr;
-  const surface::Mesh* final_surface = nullptr;      // of final_volume
+  const surface::Mesh* final_surface = nullptr;  // of final_volume
   const ProcessRecorder* process = nullptr;
   // Of the attempt only: DeviationPerVertex of final_surface where the caller has it already;
   // computed when null.
@@ -103,10 +103,10 @@ struct MetricValue {
 // Farther deviations are reported as this far: 5 mm, half a crown.
 inline constexpr double kDeviationLimit_m = 5e-3;
 
-// Signed deviation (m) of every vertex of `mesh` from the reference surface: positive where more was
-// removed than in the reference, negative where less. NaN where the vertex belongs to the untouched
-// initial surface in both (nothing was cut there and nothing should have been): where neither final
-// volume differs from the initial one by more than a tenth of a voxel.
+// Signed deviation (m) of every vertex of `mesh` from the reference surface: positive where more
+// was removed than in the reference, negative where less. NaN where the vertex belongs to the
+// untouched initial surface in both (nothing was cut there and nothing should have been): where
+// neither final volume differs from the initial one by more than a tenth of a voxel.
 //
 // The magnitude is the distance to the reference's triangles (a volume's own distance saturates at
 // four voxels), the sign is the side of the reference volume the vertex lies on.
@@ -115,8 +115,8 @@ std::vector<float> DeviationPerVertex(const surface::Mesh& mesh, const cutting::
                                       const cutting::Volume& reference,
                                       const surface::Mesh& reference_surface);
 
-// All metrics of an attempt against a reference, in the order of Metrics(). `progress` (0..1) may be
-// empty. Errors: kInvalidInput when grids differ, the exercise's landmark is missing, its target
+// All metrics of an attempt against a reference, in the order of Metrics(). `progress` (0..1) may
+// be empty. Errors: kInvalidInput when grids differ, the exercise's landmark is missing, its target
 // holds no solid, or a recording is empty.
 Result<std::vector<MetricValue>> ComputeMetrics(const scene::Scene& scene,
                                                 const scene::Exercise& exercise,

@@ -59,7 +59,8 @@ void ProcessRecorder::AddWitness(const core::TickInput& input, const core::TickW
   }
 
   dvec3 anchor = origin_m_ + ToVec(witness.anchor_10nm, kAnchorUnit_m);
-  if (ticks_ > 0 && (witness.flags & core::kAnchorReset) == 0) path_m_ += Length(anchor - last_anchor_);
+  if (ticks_ > 0 && (witness.flags & core::kAnchorReset) == 0)
+    path_m_ += Length(anchor - last_anchor_);
   last_anchor_ = anchor;
 
   uint64_t in_stretch = ticks_ % decimation_;

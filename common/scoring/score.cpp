@@ -29,9 +29,9 @@ Status ValidateMap(size_t index, const RubricCriterion& criterion) {
   double last = -kInfinite;
   for (const auto& point : criterion.map) {
     if (!std::isfinite(point.value) || !(point.value > last)) {
-      return BadCriterion(index, "map", "expected values in rising order, found " +
-                                            std::to_string(point.value) + " after " +
-                                            std::to_string(last));
+      return BadCriterion(index, "map",
+                          "expected values in rising order, found " + std::to_string(point.value) +
+                              " after " + std::to_string(last));
     }
     if (!(point.share >= 0 && point.share <= 1)) {
       return BadCriterion(index, "map",
@@ -48,8 +48,9 @@ Status ValidateCriterion(size_t index, const RubricCriterion& criterion) {
     return BadCriterion(index, "metric", "no metric is called \"" + criterion.metric + "\"");
   }
   if (criterion.unit != info->unit) {
-    return BadCriterion(index, "unit", "expected \"" + std::string(info->unit) + "\" for " +
-                                           criterion.metric + ", found \"" + criterion.unit + "\"");
+    return BadCriterion(index, "unit",
+                        "expected \"" + std::string(info->unit) + "\" for " + criterion.metric +
+                            ", found \"" + criterion.unit + "\"");
   }
   if (!(criterion.points >= 0 && criterion.points <= 1e6)) {
     return BadCriterion(index, "points",
@@ -114,15 +115,15 @@ std::string AskedText(const MetricInfo& info, const Asked& asked) {
 CriterionResult Judge(const RubricCriterion& criterion, double value, bool& critical_fail) {
   const MetricInfo& info = *FindMetric(criterion.metric);
   double share = ShareAt(criterion.map, value);
-  CriterionResult out{criterion.metric, criterion.title,           value, criterion.unit,
+  CriterionResult out{criterion.metric,         criterion.title,  value, criterion.unit,
                       criterion.points * share, criterion.points, ""};
   out.reason = criterion.title + ": " + Found(info, value);
   bool critical = criterion.fails_above && value > *criterion.fails_above;
   if (critical) {
     critical_fail = true;
     out.points = 0;
-    out.reason += " (more than " + Number(*criterion.fails_above, info.unit) +
-                  " fails the whole attempt).";
+    out.reason +=
+        " (more than " + Number(*criterion.fails_above, info.unit) + " fails the whole attempt).";
   } else {
     out.reason += AskedText(info, AskedFor(criterion.map)) + ".";
   }
@@ -150,20 +151,26 @@ class ObjectReader {
 
   void Read(const char* name, std::string& out) {
     if (const json::value* v = Member(name)) {
-      if (v->is_string()) out = std::string(v->get_string());
-      else Fail(Path(name), "text");
+      if (v->is_string())
+        out = std::string(v->get_string());
+      else
+        Fail(Path(name), "text");
     }
   }
   void Read(const char* name, bool& out) {
     if (const json::value* v = Member(name)) {
-      if (v->is_bool()) out = v->get_bool();
-      else Fail(Path(name), "true or false");
+      if (v->is_bool())
+        out = v->get_bool();
+      else
+        Fail(Path(name), "true or false");
     }
   }
   void Read(const char* name, double& out) {
     if (const json::value* v = Member(name)) {
-      if (v->is_number()) out = Rounded(v->to_number<double>());
-      else Fail(Path(name), "a number");
+      if (v->is_number())
+        out = Rounded(v->to_number<double>());
+      else
+        Fail(Path(name), "a number");
     }
   }
   template <typename Integer>
@@ -171,8 +178,10 @@ class ObjectReader {
     if (const json::value* v = Member(name)) {
       boost::system::error_code error;
       auto number = v->to_number<Integer>(error);
-      if (error) Fail(Path(name), "a whole number in range");
-      else out = number;
+      if (error)
+        Fail(Path(name), "a whole number in range");
+      else
+        out = number;
     }
   }
   const json::array* Array(const char* name, size_t max_size) {
@@ -229,9 +238,8 @@ Result<ScoreResult> ApplyRubric(const Rubric& rubric, const std::vector<MetricVa
   out.rubric_version = rubric.version;
   double points = 0, max_points = 0;
   for (const RubricCriterion& criterion : rubric.criteria) {
-    auto metric = std::find_if(metrics.begin(), metrics.end(), [&](const MetricValue& m) {
-      return m.name == criterion.metric;
-    });
+    auto metric = std::find_if(metrics.begin(), metrics.end(),
+                               [&](const MetricValue& m) { return m.name == criterion.metric; });
     if (metric == metrics.end() || !std::isfinite(metric->value)) {
       return Status(Code::kInvalidInput,
                     "the rubric asks for metric " + criterion.metric +
@@ -250,9 +258,13 @@ Result<ScoreResult> ApplyRubric(const Rubric& rubric, const std::vector<MetricVa
 std::string ToJson(const ScoreResult& result) {
   json::array criteria;
   for (const CriterionResult& c : result.criteria) {
-    criteria.push_back({{"name", c.name}, {"title", c.title}, {"value", Rounded(c.value)},
-                        {"unit", c.unit}, {"points", Rounded(c.points)},
-                        {"max_points", Rounded(c.max_points)}, {"reason", c.reason}});
+    criteria.push_back({{"name", c.name},
+                        {"title", c.title},
+                        {"value", Rounded(c.value)},
+                        {"unit", c.unit},
+                        {"points", Rounded(c.points)},
+                        {"max_points", Rounded(c.max_points)},
+                        {"reason", c.reason}});
   }
   json::array metrics;
   for (const MetricValue& m : result.metrics) {

@@ -13,31 +13,31 @@
 namespace enamel::scoring {
 
 struct CriterionResult {
-  std::string name;       // metric
+  std::string name;  // metric
   std::string title;
   double value = 0;
   std::string unit;
   double points = 0;
   double max_points = 0;
-  std::string reason;     // one sentence for the student: what was found, what was asked for
+  std::string reason;  // one sentence for the student: what was found, what was asked for
 
   bool operator==(const CriterionResult&) const = default;
 };
 
 // A score is metrics + rubric version + reference + core version; recomputed bit-identically.
 struct ScoreResult {
-  double score = 0;                          // 0..100
+  double score = 0;  // 0..100
   bool critical_fail = false;
   std::vector<CriterionResult> criteria;
-  std::vector<MetricValue> metrics;          // all of them, also those the rubric does not use
-  std::string reference_attempt;             // UUID text
+  std::vector<MetricValue> metrics;  // all of them, also those the rubric does not use
+  std::string reference_attempt;     // UUID text
   int32_t rubric_version = 1;
   uint32_t core_version = core::kCoreVersion;
   // From the replay: the station's part in the attempt.
   uint64_t ticks = 0, gap_ticks = 0, late_ticks = 0, bounded_ticks = 0;
   bool witness_ok = false;
-  std::string witness_note;                  // where it broke, when it did
-  double replay_realtime_factor = 0;         // not part of the comparison of two scores
+  std::string witness_note;           // where it broke, when it did
+  double replay_realtime_factor = 0;  // not part of the comparison of two scores
 
   bool operator==(const ScoreResult&) const = default;
 };
@@ -50,17 +50,18 @@ inline constexpr size_t kMaxScoreJsonBytes = 1 << 20;
 // more than kMaxCriteria criteria.
 Status ValidateRubric(const scene::Rubric& rubric);
 
-// Points by the piecewise linear map, constant beyond its ends; the score is the share of all points
-// in percent, or 0 when any criterion is critically failed. Fills score, critical_fail, criteria,
-// metrics and rubric_version; the caller fills the rest.
-// Errors: those of ValidateRubric; kInvalidInput when a metric is missing or not finite.
-Result<ScoreResult> ApplyRubric(const scene::Rubric& rubric, const std::vector<MetricValue>& metrics);
+// Points by the piecewise linear map, constant beyond its ends; the score is the share of all
+// points in percent, or 0 when any criterion is critically failed. Fills score, critical_fail,
+// criteria, metrics and rubric_version; the caller fills the rest. Errors: those of ValidateRubric;
+// kInvalidInput when a metric is missing or not finite.
+Result<ScoreResult> ApplyRubric(const scene::Rubric& rubric,
+                                const std::vector<MetricValue>& metrics);
 
 // Canonical: members in a fixed order, numbers to 12 significant digits, so that equal scores have
 // equal bytes and ToJson(ScoreFromJson(text)) == text for any text of ours. Requires: all finite.
 std::string ToJson(const ScoreResult& result);
-// Errors: kTooLarge beyond kMaxScoreJsonBytes; kInvalidInput naming the member that is missing or of
-// another type. Unknown members are ignored: a newer server may have written more.
+// Errors: kTooLarge beyond kMaxScoreJsonBytes; kInvalidInput naming the member that is missing or
+// of another type. Unknown members are ignored: a newer server may have written more.
 Result<ScoreResult> ScoreFromJson(std::string_view json);
 
 }  // namespace enamel::scoring

@@ -42,7 +42,7 @@ struct BoxMeter {
   const Volume& initial;
   const Volume& final_volume;
   const GridSpec& spec;
-  dvec3 lo, hi;                // box in voxels
+  dvec3 lo, hi;  // box in voxels
   double solid = 0, removed = 0;
 
   void AddCell(const ivec3& v, double share) {
@@ -79,7 +79,9 @@ struct BoxMeter {
   // How much of a small box is solid, taking the distance as linear over it: exact for a surface
   // parallel to a face.
   double SolidShare(const Volume& volume, const dvec3& middle, const dvec3& half) const {
-    auto phi = [&](const dvec3& p) { return volume.DistanceAt_m(spec.origin_m() + p * spec.voxel_m()); };
+    auto phi = [&](const dvec3& p) {
+      return volume.DistanceAt_m(spec.origin_m() + p * spec.voxel_m());
+    };
     double width = 0;
     for (int i = 0; i < 3; ++i) {
       dvec3 step(0);

@@ -12,7 +12,7 @@ namespace enamel::scoring {
 // Axis-aligned in the scene frame, open at the top (+z), metres.
 struct OpenBox {
   dvec3 lo_m{0};
-  dvec3 hi_m{0};          // z unused
+  dvec3 hi_m{0};  // z unused
 };
 
 // The target, and the target grown by the leeway, and that grown by the container; each contains
@@ -24,8 +24,8 @@ struct ZoneBoxes {
 Result<ZoneBoxes> BoxesOf(const scene::Scene& scene, const scene::CavityTarget& target);
 
 // Solid inside a box before, and how much of it went, m^3. Voxels that a box face and a surface
-// both cut are split at the face and read in parts, so that a cut along a zone's face is not booked to
-// both sides of it.
+// both cut are split at the face and read in parts, so that a cut along a zone's face is not booked
+// to both sides of it.
 struct BoxVolume {
   double solid_m3 = 0;
   double removed_m3 = 0;

@@ -62,7 +62,8 @@ TEST(AlignBandedTest, EqualsTheFullTableWhenTheBandCoversIt) {
 }
 
 TEST(AlignBandedTest, AnyBandGivesAWholePathThatIsNeverCheaperThanTheFullTable) {
-  const std::pair<size_t, size_t> sizes[] = {{1, 1}, {1, 9}, {9, 1}, {40, 3}, {3, 40}, {31, 29}, {100, 10}};
+  const std::pair<size_t, size_t> sizes[] = {{1, 1},  {1, 9},   {9, 1},   {40, 3},
+                                             {3, 40}, {31, 29}, {100, 10}};
   for (auto [n, m] : sizes) {
     for (size_t band : {1u, 2u, 5u}) {
       auto a = Noise(n, 5), b = Noise(m, 6);

@@ -24,8 +24,10 @@ Volume MakeBall(int32_t voxel_nm, double radius_mm) {
     for (int i = 0; i < cutting::kBrickVoxels; ++i) {
       ivec3 v = brick * 8 + ivec3(i % 8, i / 8 % 8, i / 64);
       dvec3 p = spec.origin_m() + dvec3(v) * spec.voxel_m() - dvec3(0, 0, -2e-3);
-      double units = (std::sqrt(Dot(p, p)) - radius_mm * 1e-3) / spec.voxel_m() * cutting::kPhiPerVoxel;
-      phi[static_cast<size_t>(i)] = static_cast<int16_t>(std::lround(std::clamp(units, -32767.0, 32767.0)));
+      double units =
+          (std::sqrt(Dot(p, p)) - radius_mm * 1e-3) / spec.voxel_m() * cutting::kPhiPerVoxel;
+      phi[static_cast<size_t>(i)] =
+          static_cast<int16_t>(std::lround(std::clamp(units, -32767.0, 32767.0)));
     }
     out.SetBrick(b, phi, {}, cutting::Tissue::kEnamel);
   }
@@ -65,7 +67,8 @@ TEST_P(EvenDeviation, IsFoundWithinAQuarterVoxelAndWithItsSign) {
   double tolerance = voxel_nm * 1e-6 / 4;
   Volume initial = MakeBall(voxel_nm, 2.3), reference = MakeBall(voxel_nm, 1.913),
          deeper = MakeBall(voxel_nm, 1.913 - d_mm);
-  Spread over = DeviationOf(initial, deeper, reference), under = DeviationOf(initial, reference, deeper);
+  Spread over = DeviationOf(initial, deeper, reference),
+         under = DeviationOf(initial, reference, deeper);
   EXPECT_NEAR(over.rms_mm, d_mm, tolerance);
   EXPECT_NEAR(over.lowest_mm, d_mm, tolerance);
   EXPECT_NEAR(over.highest_mm, d_mm, tolerance);

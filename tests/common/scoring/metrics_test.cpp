@@ -13,7 +13,8 @@ namespace {
 using cutting::Volume;
 
 std::vector<MetricValue> Compare(const Volume& block, const Cut& attempt, const Cut& reference) {
-  auto metrics = ComputeMetrics(BlockScene(), BlockExercise(), attempt.Data(block), reference.Data(block));
+  auto metrics =
+      ComputeMetrics(BlockScene(), BlockExercise(), attempt.Data(block), reference.Data(block));
   EXPECT_TRUE(metrics.ok()) << metrics.status().message();
   return metrics.ok() ? *metrics : std::vector<MetricValue>{};
 }
@@ -114,7 +115,8 @@ TEST(MetricsTest, ZonesOfTheCavityAsAskedForAreFullEmptyAndEmpty) {
   Cut cut(block, {});
   auto metrics = Compare(block, cut, cut);
   // Only the four corners of the bur's radius stay: (4 - pi) r^2 of 3 x 2.4 mm.
-  EXPECT_NEAR(ValueOf(metrics, "zone_target_removed_percent"), 100 * (1 - 0.8584 * 0.25 / 7.2), 0.1);
+  EXPECT_NEAR(ValueOf(metrics, "zone_target_removed_percent"), 100 * (1 - 0.8584 * 0.25 / 7.2),
+              0.1);
   EXPECT_NEAR(ValueOf(metrics, "zone_leeway_removed_percent"), 0, 0.5);
   EXPECT_NEAR(ValueOf(metrics, "zone_container_removed_mm3"), 0, 0.02);
 }
@@ -187,7 +189,8 @@ TEST(MetricsTest, DeviationGivenByTheCallerIsUsed) {
   Cavity wrong;
   wrong.buccal_mm += 0.3;
   Cut attempt(block, wrong), reference(block, {});
-  auto deviation = DeviationPerVertex(attempt.mesh, block, attempt.volume, reference.volume, reference.mesh);
+  auto deviation =
+      DeviationPerVertex(attempt.mesh, block, attempt.volume, reference.volume, reference.mesh);
   AttemptData data = attempt.Data(block);
   data.deviation_m = &deviation;
   auto given = ComputeMetrics(BlockScene(), BlockExercise(), data, reference.Data(block));
@@ -198,7 +201,8 @@ TEST(MetricsTest, DeviationGivenByTheCallerIsUsed) {
 TEST(MetricsTest, CutsOfDifferentGridsAreRefused) {
   Volume fine = MakeBlock(100'000), coarse = MakeBlock(200'000);
   Cut attempt(fine, {}), reference(coarse, {});
-  auto metrics = ComputeMetrics(BlockScene(), BlockExercise(), attempt.Data(fine), reference.Data(coarse));
+  auto metrics =
+      ComputeMetrics(BlockScene(), BlockExercise(), attempt.Data(fine), reference.Data(coarse));
   ASSERT_FALSE(metrics.ok());
   EXPECT_EQ(metrics.status().code(), Code::kInvalidInput);
 }
@@ -217,7 +221,8 @@ TEST(MetricsTest, AnEmptyRecordingIsRefused) {
   Volume block = MakeBlock(100'000);
   Cut attempt(block, {}), reference(block, {});
   attempt.process = ProcessRecorder(SomeParams());
-  auto metrics = ComputeMetrics(BlockScene(), BlockExercise(), attempt.Data(block), reference.Data(block));
+  auto metrics =
+      ComputeMetrics(BlockScene(), BlockExercise(), attempt.Data(block), reference.Data(block));
   ASSERT_FALSE(metrics.ok());
 }
 

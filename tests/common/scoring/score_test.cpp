@@ -12,14 +12,20 @@ using scene::Rubric;
 using scene::RubricCriterion;
 
 RubricCriterion Wall() {
-  return {"wall_mesial_mm", "Mesial wall", "mm", 60,
-          {{-0.3, 0}, {-0.05, 1}, {0.05, 1}, {0.3, 0}}, "Watch the line angle.", {}};
+  return {"wall_mesial_mm",
+          "Mesial wall",
+          "mm",
+          60,
+          {{-0.3, 0}, {-0.05, 1}, {0.05, 1}, {0.3, 0}},
+          "Watch the line angle.",
+          {}};
 }
 RubricCriterion Target() {
   return {"zone_target_removed_percent", "Target removed", "%", 20, {{80, 0}, {95, 1}}, "", {}};
 }
 RubricCriterion Pulp() {
-  return {"pulp_exposed_mm2", "Pulp", "mm2", 20, {{0, 1}, {0.01, 0}}, "The pulp must stay closed.", 0.01};
+  return {"pulp_exposed_mm2",           "Pulp", "mm2", 20, {{0, 1}, {0.01, 0}},
+          "The pulp must stay closed.", 0.01};
 }
 Rubric Three() { return {"class-1", 3, {Wall(), Target(), Pulp()}}; }
 
@@ -44,7 +50,7 @@ TEST(ApplyRubricTest, FullMarksAreAHundred) {
 }
 
 TEST(ApplyRubricTest, PointsAreLinearBetweenTheMapsPointsAndConstantBeyond) {
-  EXPECT_NEAR(Score(0.175, 99, 0).criteria[0].points, 30, 1e-12);   // halfway down
+  EXPECT_NEAR(Score(0.175, 99, 0).criteria[0].points, 30, 1e-12);  // halfway down
   EXPECT_NEAR(Score(-0.175, 99, 0).criteria[0].points, 30, 1e-12);
   EXPECT_NEAR(Score(0, 87.5, 0).criteria[1].points, 10, 1e-12);
   EXPECT_EQ(Score(5, 99, 0).criteria[0].points, 0);
@@ -74,8 +80,9 @@ TEST(ApplyRubricTest, ACriticalFailScoresZeroAndSaysWhy) {
   EXPECT_EQ(r.score, 0);
   EXPECT_TRUE(r.critical_fail);
   EXPECT_EQ(r.criteria[0].points, 60) << "what was good is still shown";
-  EXPECT_EQ(r.criteria[2].reason,
-            "Pulp: 0.42 mm² (more than 0.01 mm² fails the whole attempt). The pulp must stay closed.");
+  EXPECT_EQ(
+      r.criteria[2].reason,
+      "Pulp: 0.42 mm² (more than 0.01 mm² fails the whole attempt). The pulp must stay closed.");
 }
 
 TEST(ApplyRubricTest, AMissingOrInfiniteMetricIsRefusedByName) {
@@ -99,7 +106,10 @@ TEST(ValidateRubricTest, RefusesWhatCannotBeScoredAndNamesIt) {
       {"criteria[2].points", [](Rubric& r) { r.criteria[2].points = -1; }},
       {"criteria[2].fails_above", [](Rubric& r) { r.criteria[2].fails_above = 0.0 / 0.0; }},
       {"criteria", [](Rubric& r) { r.criteria.clear(); }},
-      {"criteria", [](Rubric& r) { for (auto& c : r.criteria) c.points = 0; }},
+      {"criteria",
+       [](Rubric& r) {
+         for (auto& c : r.criteria) c.points = 0;
+       }},
       {"criteria", [](Rubric& r) { r.criteria.resize(kMaxCriteria + 1, Wall()); }},
   };
   for (const Case& c : cases) {
@@ -152,10 +162,11 @@ TEST(ScoreJsonTest, NumbersOfAnySizeSurviveAnyNumberOfTrips) {
 TEST(ScoreJsonTest, EveryTruncationAndEveryMissingMemberIsRefused) {
   std::string text = ToJson(Filled());
   for (size_t n = 0; n < text.size(); ++n) EXPECT_FALSE(ScoreFromJson(text.substr(0, n)).ok());
-  for (const char* member : {"score", "critical_fail", "criteria", "metrics", "rubric_version", "ticks",
-                             "witness_ok", "max_points", "reason"}) {
+  for (const char* member : {"score", "critical_fail", "criteria", "metrics", "rubric_version",
+                             "ticks", "witness_ok", "max_points", "reason"}) {
     std::string spoiled = text;
-    spoiled.replace(spoiled.find("\"" + std::string(member) + "\""), std::strlen(member) + 2, "\"x\"");
+    spoiled.replace(spoiled.find("\"" + std::string(member) + "\""), std::strlen(member) + 2,
+                    "\"x\"");
     auto result = ScoreFromJson(spoiled);
     ASSERT_FALSE(result.ok()) << member;
     EXPECT_NE(result.status().field().find(member), std::string::npos) << result.status().message();
@@ -168,7 +179,8 @@ TEST(ScoreJsonTest, WrongTypesAndOversizeAreRefused) {
   std::string negative = ToJson(Filled());
   negative.replace(negative.find("\"gap_ticks\":7"), 13, "\"gap_ticks\":-7");
   EXPECT_FALSE(ScoreFromJson(negative).ok());
-  EXPECT_EQ(ScoreFromJson(std::string(kMaxScoreJsonBytes + 1, ' ')).status().code(), Code::kTooLarge);
+  EXPECT_EQ(ScoreFromJson(std::string(kMaxScoreJsonBytes + 1, ' ')).status().code(),
+            Code::kTooLarge);
 }
 
 }  // namespace

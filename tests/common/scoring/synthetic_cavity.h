@@ -5,8 +5,8 @@
 #include "common/scene/types.h"
 #include "common/scoring/metrics.h"
 
-// A flat block and box cavities cut into it with a turning cylinder, where every metric has a closed
-// form.
+// A flat block and box cavities cut into it with a turning cylinder, where every metric has a
+// closed form.
 namespace enamel::scoring {
 
 // Top of the block at z = 0, 7 x 6 mm wide, 4 mm deep, of enamel down to 1.2 mm, dentin below,
@@ -14,11 +14,11 @@ namespace enamel::scoring {
 cutting::Volume MakeBlock(int32_t voxel_nm);
 
 struct Cavity {
-  double mesial_mm = 1.5, distal_mm = 1.5;    // walls at +x, -x from the middle
-  double buccal_mm = 1.2, lingual_mm = 1.2;   // +y, -y
+  double mesial_mm = 1.5, distal_mm = 1.5;   // walls at +x, -x from the middle
+  double buccal_mm = 1.2, lingual_mm = 1.2;  // +y, -y
   double depth_mm = 2;
-  double turn = 0;                            // about the block's axis: tangent of half the angle
-  double tilt = 0;                            // of the bur about x: tangent of half the angle
+  double turn = 0;  // about the block's axis: tangent of half the angle
+  double tilt = 0;  // of the bur about x: tangent of half the angle
 };
 inline constexpr double kBurRadius_mm = 0.5;
 
@@ -40,7 +40,9 @@ struct Cut {
   ProcessRecorder process;
 
   Cut(const cutting::Volume& block, const Cavity& cavity);
-  AttemptData Data(const cutting::Volume& block) const { return {&block, &volume, &mesh, &process}; }
+  AttemptData Data(const cutting::Volume& block) const {
+    return {&block, &volume, &mesh, &process};
+  }
 };
 
 double ValueOf(const std::vector<MetricValue>& metrics, std::string_view name);

@@ -53,7 +53,8 @@ TEST(ZonesTest, ACutAlongTheTargetsFacesLeavesTheLeewayWhole) {
     BoxVolume target = MeasureBox(block, after, boxes->target);
     BoxVolume leeway = MeasureBox(block, after, boxes->leeway);
     EXPECT_NEAR(target.solid_m3 * 1e9, 3 * 2.4 * 2, 1e-3);
-    // A voxel's fraction is taken as a plane's: off by a part of a voxel along 18 mm of inner edges.
+    // A voxel's fraction is taken as a plane's: off by a part of a voxel along 18 mm of inner
+    // edges.
     double h_mm = voxel_nm * 1e-6, tolerance = 18 * 0.25 * h_mm * h_mm;
     EXPECT_NEAR(target.removed_m3 * 1e9, CavityVolume_mm3(cavity), tolerance) << voxel_nm;
     EXPECT_NEAR((leeway.removed_m3 - target.removed_m3) * 1e9, 0, tolerance) << voxel_nm;

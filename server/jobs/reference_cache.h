@@ -1,0 +1,39 @@
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <utility>
+
+#include "common/base/result.h"
+#include "common/scoring/metrics.h"
+#include "server/storage/store.h"
+
+namespace enamel::server {
+
+// What attempts are compared with: a reference attempt's final tooth and its recording.
+struct ReferenceCut {
+  Sha256 initial_volume;  // blob it was cut from
+  cutting::Volume final_volume;
+  surface::Mesh surface;
+  scoring::ProcessRecorder process;  // from the witness: its replay was verified when it was scored
+};
+
+// Reads references from the store and keeps the last few, so that grading a cohort reads each once.
+// Scored attempts never change their final volume, so nothing goes stale.
+// Thread safety: any thread; two that miss at once both read.
+class ReferenceCache {
+ public:
+  explicit ReferenceCache(size_t capacity = 2) : capacity_(capacity) {}
+
+  // Errors: those of the store; kNotFound or kConflict when the attempt has no result.
+  Result<std::shared_ptr<const ReferenceCut>> Get(Store& store, const Uuid& attempt);
+
+ private:
+  const size_t capacity_;
+  std::mutex mutex_;
+  // Guarded by mutex_. Newest first.
+  std::deque<std::pair<Uuid, std::shared_ptr<const ReferenceCut>>> kept_;
+};
+
+}  // namespace enamel::server

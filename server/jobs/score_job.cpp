@@ -1,0 +1,280 @@
+#include "server/jobs/score_job.h"
+
+#include <algorithm>
+#include <string>
+
+#include "common/scene/json.h"
+#include "common/scene/plan.h"
+#include "common/scene/volume_blob.h"
+#include "common/scoring/score.h"
+#include "common/trace/replay.h"
+#include "server/jobs/series.h"
+#include "server/jobs/surface_blob.h"
+
+namespace enamel::server {
+namespace {
+
+// Shares of a job's time, for its progress.
+constexpr double kReplayFrom = 0.05, kReplayTo = 0.7, kMeasureTo = 0.95;
+
+Status Differs(const std::string& what, const std::string& expected, const std::string& found) {
+  return Status(Code::kConflict,
+                what + ": expected " + expected + ", found " + found +
+                    "; the recording does not belong to this attempt as it was issued");
+}
+
+Status Stopped() {
+  return Status(Code::kUnavailable, "stopped: the job runs again after the next start");
+}
+
+class ScoreJob {
+ public:
+  ScoreJob(Store& store, const Uuid& attempt, const JobProgress& progress, ReferenceCache& cache)
+      : store_(store), attempt_(attempt), progress_(progress), cache_(cache) {}
+
+  Status Run() {
+    ENAMEL_RETURN_IF_ERROR(LoadTrace());
+    ENAMEL_RETURN_IF_ERROR(CheckChain());
+    ENAMEL_RETURN_IF_ERROR(LoadDocuments());
+    ENAMEL_RETURN_IF_ERROR(LoadReference());
+    ENAMEL_RETURN_IF_ERROR(Tell(kReplayFrom));
+    core::Core core(header_.params, initial_);
+    scoring::ProcessRecorder process(header_.params);
+    SeriesRecorder series(header_.params, initial_.spec().voxel_m(), seal_.ticks);
+    ENAMEL_RETURN_IF_ERROR(Replay(core, process, series));
+    return Finish(core.volume(), process, series);
+  }
+
+ private:
+  Status Tell(double progress) const {
+    return progress_ && !progress_(progress) ? Stopped() : Status::Ok();
+  }
+
+  Status LoadTrace() {
+    auto row = store_.AttemptById(attempt_);
+    if (!row.ok()) return row.status();
+    row_ = std::move(row).value();
+    auto header = store_.AttemptHeader(attempt_);
+    if (!header.ok()) return header.status();
+    header_hash_ = HashSha256(*header);
+    auto decoded = trace::DecodeHeader(*header);
+    if (!decoded.ok()) return decoded.status();
+    header_ = std::move(decoded).value();
+    auto chunks = store_.AttemptChunks(attempt_);
+    if (!chunks.ok()) return chunks.status();
+    chunks_ = std::move(chunks).value();
+    auto seal = store_.AttemptSeal(attempt_);
+    if (!seal.ok()) return seal.status();
+    seal_ = *seal;
+    return Status::Ok();
+  }
+
+  Status CheckChain() const {
+    if (header_.ticket.attempt != attempt_) {
+      return Differs("attempt in the header", attempt_.Text(), header_.ticket.attempt.Text());
+    }
+    auto station = store_.StationById(row_.station);
+    if (!station.ok()) return station.status();
+    trace::PublicKey key{};
+    if (station->public_key.size() != key.size()) {
+      return Status(Code::kInvalidInput, "station " + station->name + " has no valid public key");
+    }
+    std::copy(station->public_key.begin(), station->public_key.end(), key.begin());
+    trace::ChainVerifier chain(attempt_, header_hash_);
+    for (size_t i = 0; i < chunks_.size(); ++i) {
+      if (!trace::VerifyChunk(chunks_[i], key)) {
+        return Status(Code::kConflict, "chunk " + std::to_string(i) + " is not signed by station " +
+                                           station->name + ", which the attempt was recorded on");
+      }
+      auto chunk = trace::DecodeChunkHead(chunks_[i]);
+      if (!chunk.ok()) return chunk.status();
+      ENAMEL_RETURN_IF_ERROR(chain.Accept(*chunk));
+    }
+    return chain.AcceptSeal(seal_);
+  }
+
+  Result<std::string> Document(const Sha256& hash) const {
+    auto blob = store_.GetBlob(hash);
+    if (!blob.ok()) return blob.status();
+    return std::string(AsText(*blob));
+  }
+
+  Status LoadDocuments() {
+    const trace::Ticket& ticket = header_.ticket;
+    if (ticket.exercise != row_.exercise_content) {
+      return Differs("exercise", row_.exercise_content.Hex(), ticket.exercise.Hex());
+    }
+    if (ticket.profile != row_.profile_content) {
+      return Differs("device profile", row_.profile_content.Hex(), ticket.profile.Hex());
+    }
+    auto exercise_json = Document(ticket.exercise), profile_json = Document(ticket.profile),
+         scene_json = Document(header_.scene);
+    for (const auto* text : {&exercise_json, &profile_json, &scene_json}) {
+      if (!text->ok()) return text->status();
+    }
+    auto exercise = scene::ExerciseFromJson(*exercise_json);
+    if (!exercise.ok()) return exercise.status();
+    auto profile = scene::ProfileFromJson(*profile_json);
+    if (!profile.ok()) return profile.status();
+    auto scene = scene::SceneFromJson(*scene_json);
+    if (!scene.ok()) return scene.status();
+    exercise_ = std::move(exercise).value();
+    scene_ = std::move(scene).value();
+    if (exercise_.scene != header_.scene) {
+      return Differs("scene", exercise_.scene.Hex(), header_.scene.Hex());
+    }
+    if (scene_.volume != header_.volume) {
+      return Differs("initial volume", scene_.volume.Hex(), header_.volume.Hex());
+    }
+    auto params = scene::CompilePlan(scene_, exercise_, *profile);
+    if (!params.ok()) return params.status();
+    if (!(*params == header_.params)) {
+      return Status(Code::kConflict,
+                    "the recording was made with other core parameters than exercise \"" +
+                        exercise_.name + "\" and profile \"" + profile->name +
+                        "\" give: it cannot be graded");
+    }
+    return LoadVolume();
+  }
+
+  Status LoadVolume() {
+    auto blob = store_.GetBlob(header_.volume);
+    if (!blob.ok()) return blob.status();
+    auto volume = scene::DecodeVolume(*blob);
+    if (!volume.ok()) return volume.status();
+    initial_ = std::move(volume).value();
+    return Status::Ok();
+  }
+
+  Status LoadReference() {
+    auto row = store_.ReferenceFor(row_.exercise);
+    if (!row.ok()) return row.status();
+    if (!*row) {
+      if (row_.as_reference) return Status::Ok();
+      return Status(Code::kNotFound,
+                    "no reference yet: exercise \"" + exercise_.title +
+                        "\" has no reference cut to compare with; the attempt is scored once an "
+                        "instructor adds one");
+    }
+    reference_attempt_ = (*row)->attempt;
+    if (*reference_attempt_ == attempt_) return Status::Ok();
+    auto cut = cache_.Get(store_, *reference_attempt_);
+    if (!cut.ok()) {
+      return Status(cut.status().code(), "the reference (attempt " + reference_attempt_->Text() +
+                                             ") cannot be read: " + cut.status().message());
+    }
+    reference_ = *cut;
+    if (reference_->initial_volume != header_.volume) {
+      return Status(Code::kConflict, "the reference was cut from another volume (" +
+                                         reference_->initial_volume.Hex() + ") than the attempt (" +
+                                         header_.volume.Hex() + ")");
+    }
+    return Status::Ok();
+  }
+
+  Status Replay(core::Core& core, scoring::ProcessRecorder& process, SeriesRecorder& series) {
+    auto report = trace::Replay(
+        core, header_, chunks_,
+        [&](const trace::Tick& tick, const core::TickOutput& output) {
+          process.Add(tick, output);
+          series.Add(tick, output);
+        },
+        [&](double done) { return Tell(kReplayFrom + (kReplayTo - kReplayFrom) * done).ok(); });
+    if (!report.ok()) return report.status();
+    report_ = std::move(report).value();
+    if (report_.witness_ok) return Status::Ok();
+    return Status(Code::kConflict,
+                  "replay and recording part at tick " + std::to_string(report_.first_bad_tick) +
+                      " (chunk " + std::to_string(report_.first_bad_chunk) + "): " + report_.what +
+                      " differs. Nothing was scored. The station ran \"" +
+                      header_.station_software + "\", core version " +
+                      std::to_string(header_.params.core_version) +
+                      "; check its memory and its software");
+  }
+
+  Status Finish(const cutting::Volume& final_volume, const scoring::ProcessRecorder& process,
+                const SeriesRecorder& series) {
+    surface::Mesh mesh = surface::ExtractSurface(final_volume);
+    scoring::AttemptData attempt{&initial_, &final_volume, &mesh, &process};
+    scoring::AttemptData reference = attempt;
+    if (reference_) {
+      reference = {&initial_, &reference_->final_volume, &reference_->surface,
+                   &reference_->process};
+    }
+    std::vector<float> deviation = scoring::DeviationPerVertex(
+        mesh, initial_, final_volume, *reference.final_volume, *reference.final_surface);
+    attempt.deviation_m = &deviation;
+    bool stopped = false;
+    auto metrics = scoring::ComputeMetrics(scene_, exercise_, attempt, reference, [&](double done) {
+      stopped = stopped || !Tell(kReplayTo + (kMeasureTo - kReplayTo) * done).ok();
+    });
+    if (stopped) return Stopped();
+    if (!metrics.ok()) return metrics.status();
+    auto score = scoring::ApplyRubric(exercise_.rubric, *metrics);
+    if (!score.ok()) return score.status();
+    FillStation(process, *score);
+
+    Store::AttemptResult result;
+    result.score = score->score;
+    result.critical_fail = score->critical_fail;
+    result.reference = reference_attempt_;
+    std::string score_json = scoring::ToJson(*score), series_json = series.ToJson();
+    ENAMEL_RETURN_IF_ERROR(Put(AsBytes(score_json), result.score_json));
+    ENAMEL_RETURN_IF_ERROR(Put(scene::EncodeVolume(final_volume), result.final_volume));
+    ENAMEL_RETURN_IF_ERROR(Put(EncodeSurface(mesh, deviation), result.surface));
+    ENAMEL_RETURN_IF_ERROR(Put(AsBytes(series_json), result.series));
+    return store_.FinishAttempt(attempt_, result);
+  }
+
+  void FillStation(const scoring::ProcessRecorder& process, scoring::ScoreResult& score) const {
+    if (reference_attempt_) score.reference_attempt = reference_attempt_->Text();
+    score.core_version = header_.params.core_version;
+    score.ticks = report_.ticks;
+    score.gap_ticks = report_.gap_ticks;
+    score.late_ticks = process.late_ticks();
+    score.bounded_ticks = process.bounded_ticks();
+    score.witness_ok = report_.witness_ok;
+    double recorded_s = static_cast<double>(report_.ticks) / header_.params.rate_hz;
+    score.replay_realtime_factor = report_.seconds > 0 ? recorded_s / report_.seconds : 0;
+  }
+
+  Status Put(ByteView bytes, Sha256& hash) {
+    auto put = store_.PutBlob(bytes);
+    if (!put.ok()) return put.status();
+    hash = *put;
+    return Status::Ok();
+  }
+
+  Store& store_;
+  const Uuid attempt_;
+  const JobProgress& progress_;
+  ReferenceCache& cache_;
+
+  AttemptRow row_;
+  trace::Header header_;
+  Sha256 header_hash_;
+  std::vector<Bytes> chunks_;
+  trace::Seal seal_;
+  scene::Scene scene_;
+  scene::Exercise exercise_;
+  cutting::Volume initial_;
+  std::optional<Uuid> reference_attempt_;          // none: against itself, as there is no reference
+  std::shared_ptr<const ReferenceCut> reference_;  // null: against itself
+  trace::ReplayReport report_;
+};
+
+bool WorthAnotherTry(const Status& status) {
+  return status.code() == Code::kStorage || status.code() == Code::kUnavailable;
+}
+
+}  // namespace
+
+Status RunScoreJob(Store& store, const Uuid& attempt, const JobProgress& progress,
+                   ReferenceCache* cache) {
+  ReferenceCache own;
+  Status status = ScoreJob(store, attempt, progress, cache ? *cache : own).Run();
+  if (status.ok() || WorthAnotherTry(status)) return status;
+  return store.FailAttempt(attempt, status.message());
+}
+
+}  // namespace enamel::server

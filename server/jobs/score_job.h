@@ -1,0 +1,35 @@
+#pragma once
+
+#include <functional>
+
+#include "common/base/result.h"
+#include "common/base/uuid.h"
+#include "server/jobs/reference_cache.h"
+#include "server/storage/store.h"
+
+namespace enamel::server {
+
+// Told how far a job is, 0..1; returning false stops it (the server shuts down).
+using JobProgress = std::function<bool(double progress)>;
+
+// Scores one sealed attempt from what is stored, and nothing else:
+//  1. header, chunks and seal: signatures, chain and counts must agree;
+//  2. scene, exercise and profile: CompilePlan of them must give the header's parameters;
+//  3. the reference of the exercise (Store::ReferenceFor). An exercise without one scores only
+//  attempts
+//     that were recorded as a reference, against themselves; another waits: it fails with "no
+//     reference yet" and is queued again by Store::AddReference;
+//  4. the core re-run on the recorded inputs: every witness and every state hash must agree. A
+//  mismatch
+//     fails the attempt with the tick and chunk where it broke; nothing is scored;
+//  5. metrics, rubric, and four blobs: score JSON (schemas/score.md), final volume, surface with
+//     deviation (surface_blob.h), series (series.h); then Store::FinishAttempt.
+// Running it again gives the same blobs but for replay_realtime_factor.
+//
+// Returns Ok when the attempt has its verdict: scored, or failed with its problem stored. Errors,
+// after which the job should be tried again: kStorage, kUnavailable (also when `progress` stopped
+// it); kNotFound when there is no such attempt. Thread safety: any thread. Blocks for seconds.
+Status RunScoreJob(Store& store, const Uuid& attempt, const JobProgress& progress = {},
+                   ReferenceCache* cache = nullptr);
+
+}  // namespace enamel::server

@@ -1,0 +1,111 @@
+#include "server/jobs/series.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+namespace enamel::server {
+namespace {
+
+// The shortest text of a value rounded to a number of decimals.
+void AppendNumber(std::string& out, double value, double per_unit) {
+  double rounded = std::round(value * per_unit) / per_unit + 0.0;  // no "-0"
+  char text[40];
+  out.append(text, std::to_chars(text, text + sizeof text, rounded).ptr);
+}
+
+template <typename Items, typename Append>
+void AppendList(std::string& out, const Items& items, Append append) {
+  out += '[';
+  bool first = true;
+  for (const auto& item : items) {
+    if (!first) out += ',';
+    first = false;
+    append(item);
+  }
+  out += ']';
+}
+
+}  // namespace
+
+SeriesRecorder::SeriesRecorder(const core::CoreParams& params, double voxel_m,
+                               uint64_t expected_ticks)
+    : params_(params),
+      voxel_m_(voxel_m),
+      step_ticks_(static_cast<uint32_t>(
+          std::max<uint64_t>(1, (expected_ticks + kMaxSteps - 1) / kMaxSteps))) {}
+
+double SeriesRecorder::Bound_n(const trace::Tick& tick, const core::TickOutput& output) {
+  if (output.flags & core::kAnchorReset) {
+    soft_ticks_ = 0;
+    return 0;
+  }
+  if (tick.input.flags & core::kSoftRestart) soft_ticks_ = 0;
+  if (soft_ticks_ < params_.soft_start_ticks) ++soft_ticks_;
+  double share = params_.soft_start_ticks == 0
+                     ? 1.0
+                     : static_cast<double>(soft_ticks_) / params_.soft_start_ticks;
+  return share * params_.peak_force_mn * 1e-3;
+}
+
+void SeriesRecorder::Add(const trace::Tick& tick, const core::TickOutput& output) {
+  time_ticks_ += tick.input.gap_ticks;
+  if (steps_.empty() || steps_.back().ticks == step_ticks_) {
+    steps_.emplace_back().t_s = static_cast<double>(time_ticks_) / params_.rate_hz;
+  }
+  for (size_t t = 0; t < removed_.size(); ++t) removed_[t] += output.removed[t];
+  Step& step = steps_.back();
+  double force = std::sqrt(Dot(output.force_sent_n, output.force_sent_n));
+  step.force_n = std::max(step.force_n, force);
+  step.force_sum_n += force;
+  step.bound_n = Bound_n(tick, output);
+  step.anchor_m = output.anchor.tip_m;
+  step.removed = removed_;
+  ++step.ticks;
+  ++time_ticks_;
+}
+
+std::vector<double> SeriesRecorder::Cumulative_mm3(size_t tissue) const {
+  std::vector<double> out;
+  for (const Step& s : steps_) {
+    int64_t units = s.removed[tissue];
+    out.push_back(cutting::RemovedUnitsToM3(units, voxel_m_) * 1e9);
+  }
+  return out;
+}
+
+std::string SeriesRecorder::ToJson() const {
+  std::string out = "{\"rate_hz\":" + std::to_string(params_.rate_hz) +
+                    ",\"step_ticks\":" + std::to_string(step_ticks_);
+  auto column = [&](const char* name, double per_unit, auto value) {
+    out += std::string(",\"") + name + "\":";
+    AppendList(out, steps_, [&](const Step& s) { AppendNumber(out, value(s), per_unit); });
+  };
+  column("t_s", 1e4, [](const Step& s) { return s.t_s; });
+  column("force_n", 1e4, [](const Step& s) { return s.force_n; });
+  column("force_mean_n", 1e4, [](const Step& s) { return s.force_sum_n / s.ticks; });
+  column("bound_n", 1e4, [](const Step& s) { return s.bound_n; });
+  column("removed_mm3", 1e6, [&](const Step& s) {
+    int64_t units = 0;
+    for (int64_t u : s.removed) units += u;
+    return cutting::RemovedUnitsToM3(units, voxel_m_) * 1e9;
+  });
+  out += ",\"removed_by_tissue\":{";
+  bool first = true;
+  for (size_t t = 0; t < removed_.size(); ++t) {
+    if (removed_[t] == 0) continue;
+    if (!first) out += ',';
+    first = false;
+    out += "\"" + std::string(cutting::kTissueNames[t]) + "\":";
+    AppendList(out, Cumulative_mm3(t), [&](double v) { AppendNumber(out, v, 1e6); });
+  }
+  out += "},\"anchor_mm\":";
+  AppendList(out, steps_, [&](const Step& s) {
+    std::array<double, 3> mm{s.anchor_m.x * 1e3, s.anchor_m.y * 1e3, s.anchor_m.z * 1e3};
+    AppendList(out, mm, [&](double v) { AppendNumber(out, v, 1e4); });
+  });
+  out += "}";
+  return out;
+}
+
+}  // namespace enamel::server

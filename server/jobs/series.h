@@ -1,0 +1,53 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "common/core/core.h"
+#include "common/trace/trace.h"
+
+namespace enamel::server {
+
+// Gathers what the page plots over time, in at most 2000 steps of equally many ticks
+// (schemas/api/openapi.yaml, Series), during the replay pass.
+// Thread safety: none.
+class SeriesRecorder {
+ public:
+  static constexpr uint64_t kMaxSteps = 2000;
+
+  // `expected_ticks`: how many Adds will come (the seal says); more only add steps.
+  SeriesRecorder(const core::CoreParams& params, double voxel_m, uint64_t expected_ticks);
+  void Add(const trace::Tick& tick, const core::TickOutput& output);
+
+  // The JSON text: times to 0.1 ms, forces to 0.1 mN, volumes to 1e-6 mm^3, positions to 0.1 um.
+  // Tissues that were never cut are left out. Deterministic.
+  std::string ToJson() const;
+  uint32_t step_ticks() const { return step_ticks_; }
+
+ private:
+  struct Step {
+    double t_s = 0;      // of its first tick, gaps included
+    double force_n = 0;  // largest sent
+    double force_sum_n = 0;
+    double bound_n = 0;               // at its last tick
+    dvec3 anchor_m{0};                // at its last tick
+    cutting::RemovedUnits removed{};  // since the start
+    uint32_t ticks = 0;
+  };
+
+  // The peak bound as the core applied it: rises over the soft start after the start, a gap, a
+  // fault.
+  double Bound_n(const trace::Tick& tick, const core::TickOutput& output);
+  std::vector<double> Cumulative_mm3(size_t tissue) const;
+
+  core::CoreParams params_;
+  double voxel_m_;
+  uint32_t step_ticks_;
+  uint64_t time_ticks_ = 0;  // gaps included
+  uint32_t soft_ticks_ = 0;
+  cutting::RemovedUnits removed_{};
+  std::vector<Step> steps_;
+};
+
+}  // namespace enamel::server

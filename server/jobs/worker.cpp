@@ -1,0 +1,103 @@
+#include "server/jobs/worker.h"
+
+#include <exception>
+
+#include "server/jobs/score_job.h"
+
+namespace enamel::server {
+namespace {
+
+constexpr double kProgressStep = 0.05;
+
+UnixMs NowMs() {
+  return std::chrono::duration_cast<std::chrono::milliseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+}  // namespace
+
+Worker::Worker(Store& store, WorkerOptions options) : store_(store), options_(std::move(options)) {}
+
+Worker::~Worker() { Stop(); }
+
+void Worker::Start() {
+  for (int i = 0; i < options_.threads; ++i) {
+    threads_.emplace_back([this](std::stop_token stop) { Loop(std::move(stop)); });
+  }
+}
+
+void Worker::Stop() {
+  for (std::jthread& thread : threads_) thread.request_stop();
+  threads_.clear();  // joins
+}
+
+void Worker::Notify() {
+  {
+    std::lock_guard lock(mutex_);
+    ++notified_;
+  }
+  wake_.notify_all();
+}
+
+void Worker::Loop(std::stop_token stop) {
+  while (!stop.stop_requested()) {
+    // Read before the queue is, so that a Notify in between is not slept through.
+    uint64_t seen = Notified();
+    if (!RunOne(stop)) Wait(stop, seen);
+  }
+}
+
+uint64_t Worker::Notified() {
+  std::lock_guard lock(mutex_);
+  return notified_;
+}
+
+void Worker::Wait(const std::stop_token& stop, uint64_t seen) {
+  std::unique_lock lock(mutex_);
+  wake_.wait_for(lock, stop, options_.poll, [&] { return notified_ != seen; });
+}
+
+bool Worker::RunOne(const std::stop_token& stop) {
+  auto job = store_.LeaseJob(NowMs(), options_.lease_ms);
+  bool report_queue = false;
+  {
+    std::lock_guard lock(mutex_);
+    report_queue = !job.ok() && queue_ok_;
+    queue_ok_ = job.ok();
+  }
+  if (report_queue) Report({}, job.status());
+  if (!job.ok() || !*job) return false;
+
+  Status status = RunJob(**job, stop);
+  Status finished = store_.FinishJob((*job)->id, status.ok(), status.message());
+  Report(**job, status.ok() ? finished : status);
+  return true;
+}
+
+Status Worker::RunJob(const JobRow& job, const std::stop_token& stop) {
+  if (job.kind != "score") {
+    return Status(Code::kVersion,
+                  "job kind \"" + job.kind + "\" is not known to this server: expected \"score\"");
+  }
+  double told = -kProgressStep;
+  auto progress = [&](double done) {
+    if (done >= told + kProgressStep) {
+      told = done;
+      // Progress is only shown; the job's own writes will meet the same trouble and report it.
+      (void)store_.SetProgress(job.attempt, done);
+    }
+    return !stop.stop_requested();
+  };
+  try {
+    return RunScoreJob(store_, job.attempt, progress, &references_);
+  } catch (const std::exception& e) {  // thread's entry: out of memory
+    return Status(Code::kInternal, std::string("scoring ended with an exception: ") + e.what());
+  }
+}
+
+void Worker::Report(const JobRow& job, const Status& status) const {
+  if (options_.on_done) options_.on_done(job, status);
+}
+
+}  // namespace enamel::server

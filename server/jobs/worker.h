@@ -1,0 +1,64 @@
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <stop_token>
+#include <thread>
+#include <vector>
+
+#include "common/base/result.h"
+#include "server/jobs/reference_cache.h"
+#include "server/storage/store.h"
+
+namespace enamel::server {
+
+struct WorkerOptions {
+  int threads = 1;
+  // How often the queue is looked at when nobody calls Notify.
+  std::chrono::milliseconds poll{200};
+  // A job not finished by then may be taken by another worker: its result is the same.
+  UnixMs lease_ms = 120'000;
+  // Called on a worker's thread after every job, with what RunScoreJob returned; and with an empty
+  // job when the queue itself cannot be read (once, until it can be again). Must not call Stop.
+  std::function<void(const JobRow& job, const Status& status)> on_done;
+};
+
+// Runs queued jobs on threads of its own: lease, run, finish. Progress goes to Store::SetProgress
+// at every twentieth. An interrupted job returns to the queue. Thread safety: Notify from any
+// thread; Start and Stop from the owner's. `store` must outlive it.
+class Worker {
+ public:
+  explicit Worker(Store& store, WorkerOptions options = {});
+  ~Worker();  // Stops.
+  Worker(const Worker&) = delete;
+  Worker& operator=(const Worker&) = delete;
+
+  void Start();  // Once.
+  // Returns when all threads have ended; a running job is interrupted within a chunk's replay or
+  // one step of its measuring (about a second). Idempotent.
+  void Stop();
+  // There may be something in the queue: look now.
+  void Notify();
+
+ private:
+  void Loop(std::stop_token stop);
+  bool RunOne(const std::stop_token& stop);  // False when there was nothing to do.
+  Status RunJob(const JobRow& job, const std::stop_token& stop);
+  uint64_t Notified();
+  void Wait(const std::stop_token& stop, uint64_t seen);
+  void Report(const JobRow& job, const Status& status) const;
+
+  Store& store_;
+  const WorkerOptions options_;
+  ReferenceCache references_;
+  std::vector<std::jthread> threads_;
+
+  std::mutex mutex_;
+  std::condition_variable_any wake_;
+  uint64_t notified_ = 0;  // guarded by mutex_
+  bool queue_ok_ = true;   // guarded by mutex_
+};
+
+}  // namespace enamel::server

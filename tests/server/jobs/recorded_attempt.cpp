@@ -1,0 +1,179 @@
+#include "tests/server/jobs/recorded_attempt.h"
+
+#include <cmath>
+
+#include "common/scene/builtin.h"
+#include "common/scene/json.h"
+#include "common/scene/plan.h"
+#include "common/scene/volume_blob.h"
+
+namespace enamel::test {
+namespace {
+
+constexpr int32_t kVoxel_nm = 100'000;
+constexpr double kBurRadius_mm = 0.5;
+
+// Tick by tick positions of the tip above the landmark, mm.
+class Path {
+ public:
+  explicit Path(dvec3 start) : at_(start) {}
+  void Move(const dvec3& to, double mm_per_s) {
+    dvec3 from = at_;
+    double length = std::sqrt(Dot(to - from, to - from));
+    int n = static_cast<int>(std::ceil(length / mm_per_s * 1000));
+    for (int i = 1; i <= n; ++i)
+      points.push_back(from + (to - from) * (static_cast<double>(i) / n));
+    at_ = to;
+  }
+  void Rest(int ticks) { points.insert(points.end(), static_cast<size_t>(ticks), at_); }
+  std::vector<dvec3> points;
+
+ private:
+  dvec3 at_;
+};
+
+std::vector<dvec3> PathOf(const scene::CavityTarget& target, const PathOptions& options) {
+  double x0 = -target.half_size_um[0] * 1e-3 + kBurRadius_mm, x1 = -x0 + options.mesial_extra_mm;
+  double y1 = target.half_size_um[1] * 1e-3 - kBurRadius_mm, z = -target.depth_um * 1e-3;
+  Path path({0, 0, 8});
+  path.Rest(20);
+  path.Move({0, 0, 0.2}, 40);
+  path.Move({0, 0, z}, 4);
+  path.Rest(60);
+  const dvec3 corners[] = {{x1, 0, z},   {x1, y1, z},  {x0, y1, z},
+                           {x0, -y1, z}, {x1, -y1, z}, {x1, 0, z}};
+  for (const dvec3& c : corners) {
+    path.Move(c, 8);
+    path.Rest(60);
+  }
+  path.Move({0, 0, z}, 8);
+  path.Move({0, 0, 8}, 40);
+  return path.points;
+}
+
+std::array<int32_t, 3> CountsOf(const dvec3& above_landmark_mm, const core::CoreParams& params) {
+  std::array<int32_t, 3> out;
+  for (int i = 0; i < 3; ++i) {
+    double mm = above_landmark_mm[i] - (i == 2 ? 8 : 0);  // count 0 is 8 mm above the landmark
+    out[static_cast<size_t>(i)] =
+        static_cast<int32_t>(std::lround(mm * 1e6 / params.resolution_nm[static_cast<size_t>(i)]));
+  }
+  return out;
+}
+
+}  // namespace
+
+const World& World::Get() {
+  static const World world;
+  return world;
+}
+
+World::World() {
+  auto built = scene::BuildBuiltinScene("block", kVoxel_nm);
+  ENAMEL_CHECK(built.ok());
+  scene = built->scene;
+  volume = built->volume;
+  // Soft enough that the anchor follows the tip within the rests at the corners.
+  for (auto& t : scene.tissues) t.damping_mn_s_per_mm = 10;
+  volume_blob_ = scene::EncodeVolume(volume);
+  exercise = scene::ClassOneExercise(scene, HashSha256(AsBytes(scene::ToJson(scene))));
+  exercise.target.half_size_um = {1'500, 1'000, 0};
+  exercise.target.depth_um = 1'000;
+  for (const auto& p : scene::BuiltinProfiles()) {
+    if (p.name == "phantom_desktop") profile = p;
+  }
+  auto plan = scene::CompilePlan(scene, exercise, profile);
+  ENAMEL_CHECK(plan.ok());
+  params = *plan;
+}
+
+void World::AddTo(MemoryStore& store) const {
+  for (const std::string& json :
+       {scene::ToJson(scene), scene::ToJson(exercise), scene::ToJson(profile)}) {
+    ENAMEL_CHECK(store.PutBlob(AsBytes(json)).ok());
+  }
+  ENAMEL_CHECK(store.PutBlob(volume_blob_).ok());
+  server::StationRow station;
+  station.id = station_id;
+  station.name = "bench 1";
+  station.public_key.assign(station_key.public_key.begin(), station_key.public_key.end());
+  store.stations[station_id] = station;
+}
+
+Uuid World::Record(MemoryStore& store, const PathOptions& options, bool as_reference) const {
+  server::AttemptRow row;
+  row.id = Uuid::New();
+  row.station = station_id;
+  row.exercise = exercise_id;
+  row.exercise_content = HashSha256(AsBytes(scene::ToJson(exercise)));
+  row.profile_content = HashSha256(AsBytes(scene::ToJson(profile)));
+  row.state = server::AttemptState::kSealed;
+  row.as_reference = as_reference;
+
+  trace::Header header;
+  header.ticket.attempt = row.id;
+  header.ticket.station = station_id;
+  header.ticket.exercise = row.exercise_content;
+  header.ticket.profile = row.profile_content;
+  header.scene = exercise.scene;
+  header.volume = HashSha256(volume_blob_);
+  header.params = params;
+  header.station_software = "test 1";
+
+  MemoryStore::Trace recording;
+  recording.header = trace::EncodeHeader(header);
+  core::Core core(params, volume);
+  Sha256 previous = HashSha256(recording.header);
+  std::vector<trace::Tick> ticks;
+  uint64_t first = 0;
+  auto flush = [&] {
+    if (ticks.empty()) return;
+    trace::ChunkHead head;
+    head.attempt = row.id;
+    head.seq = static_cast<uint32_t>(recording.chunks.size());
+    head.first_tick = first;
+    head.state_hash = core.state_hash();
+    head.previous = previous;
+    recording.chunks.push_back(trace::EncodeChunk(head, ticks, station_key.secret_key));
+    previous = trace::DecodeChunkHead(recording.chunks.back())->hash;
+    first += ticks.size();
+    ticks.clear();
+  };
+  std::vector<dvec3> points = PathOf(exercise.target, options);
+  for (size_t i = 0; i < points.size(); ++i) {
+    trace::Tick tick;
+    tick.input.counts = CountsOf(points[i], params);
+    tick.input.flags = core::kBurOn;
+    if (options.late && i % 100 == 0) tick.input.flags |= core::kLateTick;
+    if (i == points.size() - 50) tick.input.gap_ticks = options.gap_ticks;
+    tick.witness = core.Step(tick.input).witness;
+    ticks.push_back(tick);
+    if (ticks.size() == 250) flush();
+  }
+  flush();
+  recording.seal = {row.id, static_cast<uint32_t>(recording.chunks.size()), core.ticks(), previous,
+                    core.state_hash()};
+  row.ticks = core.ticks();
+  store.attempts[row.id] = row;
+  store.traces[row.id] = std::move(recording);
+  return row.id;
+}
+
+Bytes World::Resign(ByteView bytes, const std::function<void(trace::Tick&)>& change) const {
+  auto chunk = trace::DecodeChunk(bytes);
+  ENAMEL_CHECK(chunk.ok());
+  change(chunk->ticks[chunk->ticks.size() / 2]);
+  return trace::EncodeChunk(chunk->head, chunk->ticks, station_key.secret_key);
+}
+
+void World::SetReference(MemoryStore& store, const Uuid& attempt) const {
+  store.references[exercise_id] = {Uuid::New(), exercise_id, attempt, "Dr. Example", 1, 0};
+}
+
+Uuid World::RecordReference(MemoryStore& store) const {
+  Uuid attempt = Record(store, {}, true);
+  SetReference(store, attempt);
+  return attempt;
+}
+
+}  // namespace enamel::test

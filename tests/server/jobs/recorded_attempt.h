@@ -1,0 +1,44 @@
+#pragma once
+
+#include <functional>
+
+#include "common/scene/types.h"
+#include "tests/support/memory_store.h"
+
+// A small class I exercise on a soft practice block, and recorded attempts at it made by stepping
+// the core along a path, signed and sealed like a station's.
+namespace enamel::test {
+
+struct PathOptions {
+  double mesial_extra_mm = 0;  // how much farther out the mesial wall is cut
+  uint32_t gap_ticks = 0;      // lost in the middle
+  bool late = false;           // marks some ticks late
+};
+
+// Everything the store must hold before an attempt; built once, copied into each test's store.
+class World {
+ public:
+  static const World& Get();
+  void AddTo(MemoryStore& store) const;
+  // Records an attempt and adds it, sealed, to the store.
+  Uuid Record(MemoryStore& store, const PathOptions& path = {}, bool as_reference = false) const;
+  // Recorded as a reference; with its row in the store.
+  Uuid RecordReference(MemoryStore& store) const;
+  // Signs the (changed) ticks of a chunk again, with the head it had.
+  Bytes Resign(ByteView chunk, const std::function<void(trace::Tick&)>& change) const;
+  void SetReference(MemoryStore& store, const Uuid& attempt) const;
+
+  scene::Scene scene;
+  scene::Exercise exercise;
+  scene::DeviceProfile profile;
+  cutting::Volume volume;
+  core::CoreParams params;
+  Uuid exercise_id = Uuid::New(), station_id = Uuid::New();
+  trace::KeyPair station_key = trace::NewKeyPair();
+
+ private:
+  World();
+  Bytes volume_blob_;
+};
+
+}  // namespace enamel::test

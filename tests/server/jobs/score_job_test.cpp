@@ -1,0 +1,254 @@
+#include "server/jobs/score_job.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "common/scene/volume_blob.h"
+#include "common/scoring/score.h"
+#include "tests/server/jobs/recorded_attempt.h"
+
+namespace enamel::server {
+namespace {
+
+using test::MemoryStore;
+using test::PathOptions;
+using test::World;
+
+class ScoreJobTest : public testing::Test {
+ protected:
+  ScoreJobTest() { world_.AddTo(store_); }
+
+  scoring::ScoreResult ScoreOf(const Uuid& attempt) {
+    EXPECT_EQ(store_.attempts[attempt].problem, "");
+    EXPECT_EQ(store_.attempts[attempt].state, AttemptState::kScored);
+    auto score = scoring::ScoreFromJson(AsText(store_.blobs[store_.results[attempt].score_json]));
+    EXPECT_TRUE(score.ok()) << score.status().message();
+    return score.ok() ? *score : scoring::ScoreResult{};
+  }
+  double Metric(const scoring::ScoreResult& score, std::string_view name) {
+    for (const auto& m : score.metrics) {
+      if (m.name == name) return m.value;
+    }
+    ADD_FAILURE() << "no metric " << name;
+    return 0;
+  }
+  // The scored reference and one attempt beside it.
+  Uuid WithReference(const PathOptions& path) {
+    reference_ = world_.RecordReference(store_);
+    EXPECT_TRUE(RunScoreJob(store_, reference_).ok());
+    return world_.Record(store_, path);
+  }
+  void ExpectFailed(const Uuid& attempt, const std::string& part_of_problem) {
+    Status status = RunScoreJob(store_, attempt);
+    EXPECT_TRUE(status.ok()) << status.message();
+    EXPECT_EQ(store_.attempts[attempt].state, AttemptState::kFailed);
+    EXPECT_NE(store_.attempts[attempt].problem.find(part_of_problem), std::string::npos)
+        << store_.attempts[attempt].problem;
+    EXPECT_EQ(store_.results.count(attempt), 0u) << "nothing may be scored";
+  }
+
+  const World& world_ = World::Get();
+  MemoryStore store_;
+  Uuid reference_;
+};
+
+TEST_F(ScoreJobTest, TheReferenceAgainstItselfHasNoDeviationAndFullMarksForShape) {
+  Uuid attempt = world_.RecordReference(store_);
+  ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
+  auto score = ScoreOf(attempt);
+  for (const char* name :
+       {"deviation_rms_mm", "deviation_p95_mm", "wall_mesial_mm", "wall_distal_mm",
+        "wall_buccal_mm", "wall_lingual_mm", "floor_mm", "dtw_pose_mm", "dtw_force_n"}) {
+    EXPECT_EQ(Metric(score, name), 0) << name;
+  }
+  EXPECT_EQ(score.score, 100) << "the least of them: " << score.criteria[0].reason;
+  EXPECT_EQ(score.reference_attempt, attempt.Text());
+  EXPECT_EQ(store_.results[attempt].reference, attempt);
+  EXPECT_TRUE(score.witness_ok);
+}
+
+TEST_F(ScoreJobTest, AWallThreeTenthsTooFarOutIsFoundAndExplained) {
+  Uuid attempt = WithReference({.mesial_extra_mm = 0.3});
+  ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
+  auto score = ScoreOf(attempt);
+  EXPECT_NEAR(Metric(score, "wall_mesial_mm"), 0.3, 0.025);  // a quarter voxel
+  EXPECT_NEAR(Metric(score, "wall_distal_mm"), 0, 0.025);
+  EXPECT_NEAR(Metric(score, "floor_mm"), 0, 0.025);
+  EXPECT_LT(score.score, 100);
+  EXPECT_EQ(score.reference_attempt, reference_.Text());
+  bool explained = false;
+  for (const auto& c : score.criteria)
+    explained |= c.reason.find("0.30 mm too deep") != std::string::npos;
+  EXPECT_TRUE(explained);
+}
+
+TEST_F(ScoreJobTest, TicksGapsAndLateTicksAreOnTheScore) {
+  Uuid attempt = WithReference({.gap_ticks = 40, .late = true});
+  ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
+  auto score = ScoreOf(attempt);
+  EXPECT_EQ(score.ticks, store_.attempts[attempt].ticks);
+  EXPECT_EQ(score.gap_ticks, 40u);
+  EXPECT_EQ(score.late_ticks, (score.ticks + 99) / 100);
+  EXPECT_GT(score.replay_realtime_factor, 0);
+  EXPECT_EQ(score.core_version, core::kCoreVersion);
+}
+
+TEST_F(ScoreJobTest, TheFinalVolumeIsTheOneTheStationHad) {
+  Uuid attempt = WithReference({.mesial_extra_mm = 0.1});
+  ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
+  core::Core core(world_.params, world_.volume);
+  for (const Bytes& bytes : store_.traces[attempt].chunks) {
+    auto chunk = trace::DecodeChunk(bytes);
+    ASSERT_TRUE(chunk.ok());
+    for (const trace::Tick& tick : chunk->ticks) core.Step(tick.input);
+  }
+  auto stored = scene::DecodeVolume(store_.blobs[store_.results[attempt].final_volume]);
+  ASSERT_TRUE(stored.ok());
+  EXPECT_TRUE(*stored == core.volume());
+}
+
+TEST_F(ScoreJobTest, ScoringAgainGivesTheSameBlobs) {
+  Uuid attempt = WithReference({.mesial_extra_mm = 0.2});
+  ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
+  auto first = store_.results[attempt];
+  auto first_score = ScoreOf(attempt);
+  ReferenceCache cache;
+  ASSERT_TRUE(RunScoreJob(store_, attempt, {}, &cache).ok());
+  auto again = store_.results[attempt];
+  EXPECT_EQ(first.final_volume, again.final_volume);
+  EXPECT_EQ(first.surface, again.surface);
+  EXPECT_EQ(first.series, again.series);
+  auto again_score = ScoreOf(attempt);
+  first_score.replay_realtime_factor = again_score.replay_realtime_factor = 1;
+  EXPECT_EQ(scoring::ToJson(first_score), scoring::ToJson(again_score));
+}
+
+TEST_F(ScoreJobTest, TheCacheReadsAReferenceOnce) {
+  Uuid attempt = WithReference({});
+  ReferenceCache cache;
+  store_.chunk_reads = 0;
+  ASSERT_TRUE(RunScoreJob(store_, attempt, {}, &cache).ok());
+  ASSERT_TRUE(RunScoreJob(store_, attempt, {}, &cache).ok());
+  EXPECT_EQ(store_.chunk_reads, 3);  // the attempt twice, the reference once
+}
+
+TEST_F(ScoreJobTest, WithoutAReferenceAnAttemptWaitsAndSaysSo) {
+  Uuid attempt = world_.Record(store_);
+  ExpectFailed(attempt, "no reference yet");
+  reference_ = world_.RecordReference(store_);
+  ASSERT_TRUE(RunScoreJob(store_, reference_).ok());
+  ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
+  EXPECT_EQ(ScoreOf(attempt).score, 100);
+}
+
+TEST_F(ScoreJobTest, AReferenceCutIsProcessedBeforeThereIsAReference) {
+  Uuid attempt = world_.Record(store_, {}, true);
+  ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
+  EXPECT_EQ(ScoreOf(attempt).reference_attempt, "");
+  EXPECT_FALSE(store_.results[attempt].reference.has_value());
+}
+
+TEST_F(ScoreJobTest, AChangedWitnessIsPlacedToItsTickAndNothingIsScored) {
+  Uuid attempt = WithReference({});
+  auto& recording = store_.traces[attempt];
+  Bytes& last = recording.chunks.back();
+  auto head = trace::DecodeChunkHead(last)->head;
+  last = world_.Resign(last, [](trace::Tick& tick) { tick.witness.anchor_10nm[0] += 1; });
+  recording.seal.last_chunk = trace::DecodeChunkHead(last)->hash;
+  uint64_t tick = head.first_tick + head.count / 2;
+  ExpectFailed(attempt, "tick " + std::to_string(tick) + " (chunk " + std::to_string(head.seq) +
+                            "): anchor differs");
+}
+
+TEST_F(ScoreJobTest, AChangedInputIsFoundByTheReplay) {
+  Uuid attempt = WithReference({});
+  auto& recording = store_.traces[attempt];
+  Bytes& last = recording.chunks.back();
+  last = world_.Resign(last, [](trace::Tick& tick) { tick.input.counts[2] -= 50; });
+  recording.seal.last_chunk = trace::DecodeChunkHead(last)->hash;
+  ExpectFailed(attempt, "replay and recording part at tick");
+}
+
+TEST_F(ScoreJobTest, ABrokenChainASealThatDoesNotFitAndAForeignSignatureAreFound) {
+  reference_ = world_.RecordReference(store_);
+  ASSERT_TRUE(RunScoreJob(store_, reference_).ok());
+  Uuid swapped = world_.Record(store_), cut = world_.Record(store_),
+       foreign = world_.Record(store_);
+  std::swap(store_.traces[swapped].chunks[1], store_.traces[swapped].chunks[2]);
+  ExpectFailed(swapped, "expected");
+  store_.traces[cut].chunks.pop_back();
+  ExpectFailed(cut, "expected");
+  store_.traces[foreign].chunks[0].back() ^= 1;
+  ExpectFailed(foreign, "chunk 0 is not signed by station bench 1");
+}
+
+TEST_F(ScoreJobTest, AnotherAttemptsRecordingIsRefused) {
+  Uuid attempt = WithReference({}), other = world_.Record(store_);
+  store_.traces[attempt] = store_.traces[other];
+  ExpectFailed(attempt, "attempt in the header");
+}
+
+TEST_F(ScoreJobTest, OtherParametersThanThePlanGivesAreRefused) {
+  Uuid attempt = WithReference({});
+  store_.attempts[attempt].profile_content = HashSha256(AsBytes("another"));
+  ExpectFailed(attempt, "device profile");
+
+  Uuid softer = world_.Record(store_);
+  auto header = trace::DecodeHeader(store_.traces[softer].header);
+  ASSERT_TRUE(header.ok());
+  header->params.peak_force_mn += 1;
+  store_.traces[softer].header = trace::EncodeHeader(*header);
+  store_.traces[softer].chunks.clear();
+  store_.traces[softer].seal = {softer, 0, 0, HashSha256(store_.traces[softer].header), 0};
+  ExpectFailed(softer, "other core parameters");
+}
+
+TEST_F(ScoreJobTest, ADamagedHeaderIsAProblemOfTheAttempt) {
+  Uuid attempt = WithReference({});
+  store_.traces[attempt].header.resize(20);
+  Status status = RunScoreJob(store_, attempt);
+  EXPECT_TRUE(status.ok());
+  EXPECT_EQ(store_.attempts[attempt].state, AttemptState::kFailed);
+}
+
+TEST_F(ScoreJobTest, AFullDiskIsTriedAgainAndNotTheAttemptsFault) {
+  Uuid attempt = WithReference({});
+  for (int nth = 1; nth <= 4; ++nth) {
+    store_.failing_puts = 1;
+    Status status = RunScoreJob(store_, attempt);
+    EXPECT_EQ(status.code(), Code::kStorage);
+    EXPECT_EQ(store_.attempts[attempt].state, AttemptState::kSealed);
+  }
+  EXPECT_TRUE(RunScoreJob(store_, attempt).ok());
+  EXPECT_EQ(ScoreOf(attempt).score, 100);
+}
+
+TEST_F(ScoreJobTest, ProgressRisesAndStoppingLeavesNoTrace) {
+  Uuid attempt = WithReference({});
+  std::vector<double> seen;
+  ASSERT_TRUE(RunScoreJob(store_, attempt, [&](double p) {
+                seen.push_back(p);
+                return true;
+              }).ok());
+  EXPECT_TRUE(std::is_sorted(seen.begin(), seen.end()));
+  EXPECT_GE(seen.size(), 5u);
+  EXPECT_LE(seen.back(), 1);
+
+  for (size_t stop_at = 0; stop_at < seen.size(); ++stop_at) {
+    store_.results.erase(attempt);
+    store_.attempts[attempt].state = AttemptState::kScoring;
+    size_t calls = 0;
+    Status status = RunScoreJob(store_, attempt, [&](double) { return calls++ < stop_at; });
+    EXPECT_EQ(status.code(), Code::kUnavailable) << "stopped at call " << stop_at;
+    EXPECT_EQ(store_.attempts[attempt].state, AttemptState::kScoring);
+    EXPECT_EQ(store_.results.count(attempt), 0u);
+  }
+}
+
+TEST_F(ScoreJobTest, AnUnknownAttemptIsNotFound) {
+  EXPECT_EQ(RunScoreJob(store_, Uuid::New()).code(), Code::kNotFound);
+}
+
+}  // namespace
+}  // namespace enamel::server

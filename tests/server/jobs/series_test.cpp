@@ -1,0 +1,86 @@
+#include "server/jobs/series.h"
+
+#include <gtest/gtest.h>
+
+#include <boost/json.hpp>
+#include <cmath>
+
+namespace enamel::server {
+namespace {
+
+namespace json = boost::json;
+
+core::CoreParams Params() {
+  core::CoreParams p;
+  p.peak_force_mn = 6000;
+  p.soft_start_ticks = 100;
+  return p;
+}
+
+core::TickOutput Output(double force_n, double x_mm, int64_t enamel_units) {
+  core::TickOutput out;
+  out.force_sent_n = dvec3(0, -force_n, 0);
+  out.anchor.tip_m = dvec3(x_mm * 1e-3, 0, 1e-3);
+  out.removed[1] = enamel_units;
+  return out;
+}
+
+json::object Json(const SeriesRecorder& series) { return json::parse(series.ToJson()).as_object(); }
+double At(const json::object& o, const char* name, size_t i) {
+  return o.at(name).as_array().at(i).to_number<double>();
+}
+
+TEST(SeriesRecorderTest, EveryTickIsAStepWhenThereAreFew) {
+  SeriesRecorder series(Params(), 50e-6, 3);
+  for (int i = 0; i < 3; ++i) series.Add({}, Output(i, i, 65536));
+  json::object o = Json(series);
+  EXPECT_EQ(o.at("step_ticks").as_int64(), 1);
+  EXPECT_EQ(o.at("rate_hz").as_int64(), 1000);
+  for (size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(At(o, "t_s", i), 0.001 * static_cast<double>(i), 1e-9);
+    EXPECT_NEAR(At(o, "force_n", i), static_cast<double>(i), 1e-9);
+    EXPECT_NEAR(At(o, "removed_mm3", i), 1.25e-4 * static_cast<double>(i + 1), 1e-6);
+    EXPECT_NEAR(At(o, "bound_n", i), 0.06 * static_cast<double>(i + 1), 1e-9);
+    EXPECT_NEAR(o.at("anchor_mm").at(i).at(0).to_number<double>(), static_cast<double>(i), 1e-9);
+    EXPECT_NEAR(o.at("anchor_mm").at(i).at(2).to_number<double>(), 1, 1e-9);
+  }
+  const json::object& tissues = o.at("removed_by_tissue").as_object();
+  EXPECT_EQ(tissues.size(), 1u) << "only what was cut";
+  EXPECT_EQ(tissues.at("enamel"), o.at("removed_mm3"));
+}
+
+TEST(SeriesRecorderTest, LongAttemptsHaveAtMostTwoThousandSteps) {
+  SeriesRecorder series(Params(), 50e-6, 600'000);
+  for (int i = 0; i < 600'000; ++i) series.Add({}, Output(i % 300 == 7 ? 3 : 1, 0, 0));
+  json::object o = Json(series);
+  ASSERT_EQ(o.at("t_s").as_array().size(), 2000u);
+  EXPECT_EQ(o.at("step_ticks").as_int64(), 300);
+  EXPECT_NEAR(At(o, "force_n", 1000), 3, 1e-9) << "the largest, not a sample";
+  EXPECT_NEAR(At(o, "force_mean_n", 1000), 302.0 / 300, 1e-4);
+  EXPECT_NEAR(At(o, "t_s", 1999), 599.7, 1e-9);
+}
+
+TEST(SeriesRecorderTest, GapsMoveTheTimeAndStartTheBoundAnew) {
+  SeriesRecorder series(Params(), 50e-6, 4);
+  for (int i = 0; i < 2; ++i) series.Add({}, Output(0, 0, 0));
+  trace::Tick after_gap;
+  after_gap.input.gap_ticks = 10;
+  core::TickOutput reset = Output(0, 0, 0);
+  reset.flags = core::kAnchorReset;
+  series.Add(after_gap, reset);
+  series.Add({}, Output(0, 0, 0));
+  json::object o = Json(series);
+  EXPECT_NEAR(At(o, "t_s", 2), 0.012, 1e-9);
+  EXPECT_NEAR(At(o, "bound_n", 1), 0.12, 1e-9);
+  EXPECT_EQ(At(o, "bound_n", 2), 0);
+  EXPECT_NEAR(At(o, "bound_n", 3), 0.06, 1e-9);
+}
+
+TEST(SeriesRecorderTest, AnEmptyAttemptIsEmptyLists) {
+  json::object o = Json(SeriesRecorder(Params(), 50e-6, 0));
+  EXPECT_TRUE(o.at("t_s").as_array().empty());
+  EXPECT_TRUE(o.at("removed_by_tissue").as_object().empty());
+}
+
+}  // namespace
+}  // namespace enamel::server

@@ -1,0 +1,225 @@
+#pragma once
+
+#include <algorithm>
+#include <map>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "server/storage/store.h"
+
+namespace enamel::test {
+
+// The part of the store that jobs use, in memory: blobs, attempts with their traces, references,
+// the queue. Everything else answers kInternal. Fields are open so that a test can arrange and
+// spoil them; what is running on other threads must be looked at through the methods. Thread
+// safety: methods from any thread.
+class MemoryStore final : public server::Store {
+ public:
+  struct Trace {
+    Bytes header;
+    std::vector<Bytes> chunks;
+    trace::Seal seal;
+  };
+  std::map<Sha256, Bytes> blobs;
+  std::map<Uuid, server::AttemptRow> attempts;
+  std::map<Uuid, Trace> traces;
+  std::map<Uuid, AttemptResult> results;
+  std::map<Uuid, server::StationRow> stations;
+  std::map<Uuid, server::ReferenceRow> references;  // by exercise
+  std::vector<server::JobRow> jobs;
+  std::vector<double> progress;  // everything SetProgress was told
+  int failing_puts = 0;          // this many PutBlob answer kStorage
+
+  Result<Sha256> PutBlob(ByteView data) override {
+    std::lock_guard lock(mutex_);
+    if (failing_puts > 0) {
+      --failing_puts;
+      return Status(Code::kStorage, "disk full");
+    }
+    Sha256 hash = HashSha256(data);
+    blobs[hash] = Bytes(data.begin(), data.end());
+    return hash;
+  }
+  Result<Bytes> GetBlob(const Sha256& hash) override {
+    std::lock_guard lock(mutex_);
+    return Find(blobs, hash, "blob");
+  }
+  bool HasBlob(const Sha256& hash) override {
+    std::lock_guard lock(mutex_);
+    return blobs.count(hash) != 0;
+  }
+  Result<server::StationRow> StationById(const Uuid& id) override {
+    std::lock_guard lock(mutex_);
+    return Find(stations, id, "station");
+  }
+  Result<server::AttemptRow> AttemptById(const Uuid& id) override {
+    std::lock_guard lock(mutex_);
+    return Find(attempts, id, "attempt");
+  }
+  Result<Bytes> AttemptHeader(const Uuid& id) override {
+    std::lock_guard lock(mutex_);
+    auto found = Find(traces, id, "trace");
+    if (!found.ok()) return found.status();
+    return found->header;
+  }
+  Result<std::vector<Bytes>> AttemptChunks(const Uuid& id) override {
+    std::lock_guard lock(mutex_);
+    ++chunk_reads;
+    auto found = Find(traces, id, "trace");
+    if (!found.ok()) return found.status();
+    return found->chunks;
+  }
+  Result<trace::Seal> AttemptSeal(const Uuid& id) override {
+    std::lock_guard lock(mutex_);
+    auto found = Find(traces, id, "trace");
+    if (!found.ok()) return found.status();
+    return found->seal;
+  }
+  Status FinishAttempt(const Uuid& id, const AttemptResult& result) override {
+    std::lock_guard lock(mutex_);
+    results[id] = result;
+    attempts[id].state = server::AttemptState::kScored;
+    attempts[id].score = result.score;
+    attempts[id].problem.clear();
+    return Status::Ok();
+  }
+  Status FailAttempt(const Uuid& id, const std::string& problem) override {
+    std::lock_guard lock(mutex_);
+    if (attempts.count(id) == 0) return Status(Code::kNotFound, "no attempt");
+    attempts[id].state = server::AttemptState::kFailed;
+    attempts[id].problem = problem;
+    return Status::Ok();
+  }
+  Result<AttemptResult> ResultOf(const Uuid& id) override {
+    std::lock_guard lock(mutex_);
+    return Find(results, id, "result");
+  }
+  Status SetProgress(const Uuid&, double done) override {
+    std::lock_guard lock(mutex_);
+    progress.push_back(done);
+    return Status::Ok();
+  }
+  Result<std::optional<server::ReferenceRow>> ReferenceFor(const Uuid& exercise) override {
+    std::lock_guard lock(mutex_);
+    auto found = references.find(exercise);
+    if (found == references.end()) return std::optional<server::ReferenceRow>();
+    return std::optional(found->second);
+  }
+  Result<std::optional<server::JobRow>> LeaseJob(server::UnixMs, server::UnixMs) override {
+    std::lock_guard lock(mutex_);
+    ++leases;
+    if (broken_queue_) return Status(Code::kStorage, "database is locked");
+    for (server::JobRow& job : jobs) {
+      if (job.state != "queued") continue;
+      job.state = "running";
+      ++job.tries;
+      return std::optional(job);
+    }
+    return std::optional<server::JobRow>();
+  }
+  Status FinishJob(const Uuid& id, bool ok, const std::string& error) override {
+    std::lock_guard lock(mutex_);
+    for (server::JobRow& job : jobs) {
+      if (job.id != id) continue;
+      job.state = ok ? "done" : job.tries >= 3 ? "failed" : "queued";
+      job.error = error;
+    }
+    return Status::Ok();
+  }
+  Result<std::vector<server::JobRow>> Jobs(const std::string& state) override {
+    std::lock_guard lock(mutex_);
+    std::vector<server::JobRow> out;
+    std::copy_if(jobs.begin(), jobs.end(), std::back_inserter(out),
+                 [&](const server::JobRow& j) { return j.state == state; });
+    return out;
+  }
+
+  void Queue(const Uuid& attempt) {
+    std::lock_guard lock(mutex_);
+    jobs.push_back({Uuid::New(), "score", attempt, "queued", 0, ""});
+  }
+  void SetQueueBroken(bool broken) {
+    std::lock_guard lock(mutex_);
+    broken_queue_ = broken;
+  }
+
+  int chunk_reads = 0;
+  int leases = 0;
+
+  // Not used by jobs.
+  Result<Uuid> CreatePerson(const server::Person&, const std::string&,
+                            const server::Actor&) override {
+    return No();
+  }
+  Result<server::Person> PersonById(const Uuid&) override { return No(); }
+  Result<server::Person> PersonByLogin(const std::string&) override { return No(); }
+  Result<std::string> PasswordVerifier(const Uuid&) override { return No(); }
+  Status SetPassword(const Uuid&, const std::string&, const server::Actor&) override {
+    return No();
+  }
+  Status SetDisabled(const Uuid&, bool, const server::Actor&) override { return No(); }
+  Result<std::vector<server::Person>> People() override { return No(); }
+  Status CreateSession(const server::SessionRow&) override { return No(); }
+  Result<server::SessionRow> FindSession(const Sha256&) override { return No(); }
+  Status TouchSession(const Sha256&, server::UnixMs) override { return No(); }
+  Status EndSession(const Sha256&) override { return No(); }
+  Status EndSessionsOf(const Uuid&) override { return No(); }
+  Result<Uuid> CreateCohort(const std::string&, const server::Actor&) override { return No(); }
+  Status AddToCohort(const Uuid&, const Uuid&, const server::Actor&) override { return No(); }
+  Result<std::vector<server::Cohort>> CohortsOf(const Uuid&) override { return No(); }
+  Result<std::vector<server::Cohort>> Cohorts() override { return No(); }
+  Result<std::vector<server::Person>> CohortMembers(const Uuid&) override { return No(); }
+  Result<bool> ShareCohort(const Uuid&, const Uuid&) override { return No(); }
+  Status AddEnrolCode(const Sha256&, server::UnixMs, const server::Actor&) override { return No(); }
+  Result<server::StationRow> EnrolStation(const Sha256&, server::StationRow, const Sha256&,
+                                          server::UnixMs) override {
+    return No();
+  }
+  Result<server::StationRow> StationByCredential(const Uuid&, const Sha256&) override {
+    return No();
+  }
+  Status TouchStation(const Uuid&, server::UnixMs) override { return No(); }
+  Result<std::vector<server::StationRow>> Stations() override { return No(); }
+  Status PutProfile(const server::ProfileRow&, const server::Actor&) override { return No(); }
+  Result<std::vector<server::ProfileRow>> Profiles() override { return No(); }
+  Status PutScene(const server::SceneRow&, const server::Actor&) override { return No(); }
+  Result<std::vector<server::SceneRow>> Scenes() override { return No(); }
+  Result<server::ExerciseRow> PublishExercise(server::ExerciseRow, const Uuid&,
+                                              const server::Actor&) override {
+    return No();
+  }
+  Result<server::ExerciseRow> ExerciseById(const Uuid&) override { return No(); }
+  Result<server::ExerciseRow> ExerciseByContent(const Sha256&) override { return No(); }
+  Result<std::vector<server::ExerciseRow>> ExercisesFor(const Uuid&) override { return No(); }
+  Result<std::vector<server::ExerciseRow>> AllExercises() override { return No(); }
+  Status CreateAttempt(const server::AttemptRow&, ByteView, const server::Actor&) override {
+    return No();
+  }
+  Status OpenAttempt(const Uuid&, ByteView) override { return No(); }
+  Status AppendChunk(const ChunkPut&) override { return No(); }
+  Status SealAttempt(const trace::Seal&, server::UnixMs) override { return No(); }
+  Result<std::vector<server::AttemptRow>> Attempts(const server::AttemptFilter&) override {
+    return No();
+  }
+  Status ReleaseAttempt(const Uuid&, const server::Actor&) override { return No(); }
+  Result<server::ReferenceRow> AddReference(const Uuid&, const std::string&,
+                                            const server::Actor&) override {
+    return No();
+  }
+  Result<std::vector<server::AuditRow>> Audit(uint32_t) override { return No(); }
+
+ private:
+  static Status No() { return Status(Code::kInternal, "MemoryStore does not do this"); }
+  template <typename Map, typename Key>
+  static Result<typename Map::mapped_type> Find(const Map& map, const Key& key, const char* what) {
+    auto found = map.find(key);
+    if (found == map.end()) return Status(Code::kNotFound, std::string("no such ") + what);
+    return found->second;
+  }
+
+  std::mutex mutex_;
+  bool broken_queue_ = false;
+};
+
+}  // namespace enamel::test
