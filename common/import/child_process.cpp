@@ -1,0 +1,157 @@
+#include "common/import/child_process.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <string>
+
+extern char** environ;
+
+namespace enamel::import {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr auto kDeadline = std::chrono::seconds(90);
+constexpr size_t kMaxOutput = 64 + 12 * (kMaxVertices + kMaxTriangles);
+constexpr size_t kMaxMessage = 2'000;
+
+// A pipe whose ends close themselves.
+struct Pipe {
+  int ends[2] = {-1, -1};
+  Pipe() {
+    if (pipe2(ends, O_CLOEXEC) != 0) ends[0] = ends[1] = -1;
+  }
+  ~Pipe() {
+    Close(0);
+    Close(1);
+  }
+  Pipe(const Pipe&) = delete;
+  Pipe& operator=(const Pipe&) = delete;
+  bool ok() const { return ends[0] >= 0; }
+  void Close(int end) {
+    if (ends[end] >= 0) close(ends[end]);
+    ends[end] = -1;
+  }
+};
+
+std::filesystem::path OwnFolder() {
+  std::error_code error;
+  auto exe = std::filesystem::read_symlink("/proc/self/exe", error);
+  return error ? std::filesystem::path(".") : exe.parent_path();
+}
+
+int Spawn(const std::filesystem::path& child, const std::filesystem::path& file, const Pipe& out,
+          const Pipe& err, pid_t& pid) {
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_adddup2(&actions, out.ends[1], STDOUT_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, err.ends[1], STDERR_FILENO);
+  std::string program = child.string(), argument = std::filesystem::absolute(file).string();
+  char* argv[] = {program.data(), argument.data(), nullptr};
+  int error = posix_spawn(&pid, program.c_str(), &actions, nullptr, argv, environ);
+  posix_spawn_file_actions_destroy(&actions);
+  return error;
+}
+
+// Appends what can be read now. False at the end of the stream or over the bound.
+bool Drain(int fd, Bytes& to, size_t max_size) {
+  uint8_t buffer[65536];
+  ssize_t n = read(fd, buffer, sizeof buffer);
+  if (n < 0) return errno == EINTR || errno == EAGAIN;
+  if (n == 0) return false;
+  to.insert(to.end(), buffer, buffer + n);
+  return to.size() <= max_size;
+}
+
+// True when both streams ended by themselves within bounds and time.
+bool Collect(Pipe& out, Pipe& err, Bytes& output, Bytes& message) {
+  const auto end = Clock::now() + kDeadline;
+  while (out.ends[0] >= 0 || err.ends[0] >= 0) {
+    auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now()).count();
+    if (left <= 0) return false;
+    pollfd fds[2] = {{out.ends[0], POLLIN, 0}, {err.ends[0], POLLIN, 0}};
+    if (poll(fds, 2, static_cast<int>(left)) < 0 && errno != EINTR) return false;
+    if (fds[0].revents != 0 && !Drain(out.ends[0], output, kMaxOutput)) out.Close(0);
+    if (fds[1].revents != 0 && !Drain(err.ends[0], message, kMaxMessage)) err.Close(0);
+  }
+  return output.size() <= kMaxOutput;
+}
+
+int WaitFor(pid_t pid) {
+  int status = 0;
+  while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
+  }
+  return status;
+}
+
+// One printable line.
+std::string Clean(const Bytes& message) {
+  std::string text(AsText(message));
+  for (char& c : text) {
+    if (static_cast<unsigned char>(c) < 0x20) c = ' ';
+  }
+  while (!text.empty() && text.back() == ' ') text.pop_back();
+  return text.substr(0, 400);
+}
+
+Status CheckFile(const std::filesystem::path& file) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error)) {
+    return Status(Code::kNotFound, "there is no mesh file " + file.string() +
+                                       ": expected an STL, PLY, OBJ or OFF file");
+  }
+  std::string ext = file.extension().string();
+  std::transform(ext.begin(), ext.end(), ext.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  for (const char* known : {".stl", ".ply", ".obj", ".off"}) {
+    if (ext == known) return Status::Ok();
+  }
+  return Status(Code::kInvalidInput, "expected a file named .stl, .ply, .obj or .off, found " +
+                                         file.filename().string());
+}
+
+}  // namespace
+
+Result<Triangles> ReadMeshInChild(const std::filesystem::path& file,
+                                  const std::filesystem::path& child) {
+  ENAMEL_RETURN_IF_ERROR(CheckFile(file));
+  const auto program = child.empty() ? OwnFolder() / "enamel-import-child" : child;
+  Pipe out, err;
+  if (!out.ok() || !err.ok())
+    return Status(Code::kUnavailable,
+                  std::string("no pipe for the mesh reader: ") + std::strerror(errno));
+  pid_t pid = -1;
+  if (int error = Spawn(program, file, out, err, pid); error != 0) {
+    return Status(Code::kNotFound, "cannot start the mesh reader " + program.string() + ": " +
+                                       std::strerror(error) +
+                                       "; it is installed beside this program");
+  }
+  out.Close(1);
+  err.Close(1);
+  Bytes output, message;
+  bool in_time = Collect(out, err, output, message);
+  if (!in_time) kill(pid, SIGKILL);
+  int status = WaitFor(pid);
+  const std::string name = file.filename().string();
+  if (!in_time || WIFSIGNALED(status)) {
+    return Status(Code::kUnavailable, name +
+                                          ": the mesh reader was stopped, the file takes too much "
+                                          "time or memory, or breaks it: " +
+                                          "export it anew from another program");
+  }
+  if (WEXITSTATUS(status) != 0) return Status(Code::kInvalidInput, name + ": " + Clean(message));
+  return DecodeTriangles(output);
+}
+
+}  // namespace enamel::import

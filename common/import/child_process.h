@@ -1,0 +1,17 @@
+#pragma once
+
+#include <filesystem>
+
+#include "common/base/result.h"
+#include "common/import/triangles.h"
+
+namespace enamel::import {
+
+// Reads a mesh file in a child process with limits (child_main.cpp) and checks what comes back.
+// `child` empty: enamel-import-child beside the running program. Blocks for at most 90 s.
+// Errors: kNotFound (file or child missing), kInvalidInput with the reader's reason, kTooLarge,
+// kUnavailable when the child was killed by a limit.
+Result<Triangles> ReadMeshInChild(const std::filesystem::path& file,
+                                  const std::filesystem::path& child = {});
+
+}  // namespace enamel::import

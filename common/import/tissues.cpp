@@ -1,0 +1,117 @@
+#include "common/import/tissues.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace enamel::import {
+namespace {
+
+using cutting::Tissue;
+
+constexpr double kCell_mm = 0.2;
+constexpr int kMaxCells = 96;  // along an axis
+constexpr double kGumCosine = 0.85;
+constexpr double kFullEnamel_mm = 2.3;   // molar cusps, textbook average
+constexpr double kEnamelOfWidth = 0.23;  // and never more than this of the crown's width
+constexpr double kPulpOfDepth = 0.68;    // of the deepest point
+constexpr double kLeastPulpDepth_mm = 1.8;
+constexpr double kPulpFloor_mm = 0.4;  // dentin left below the chamber
+
+double ClampedRatio(double v, double lo, double hi) {
+  return std::clamp((v - lo) / (hi - lo), 0.0, 1.0);
+}
+
+}  // namespace
+
+TissueModel::TissueModel(const Triangles& boundary, const dvec3* gum, const dvec3& lo_mm,
+                         const dvec3& hi_mm, double pulp_top_mm)
+    : lo_(lo_mm), rise_(gum != nullptr ? -*gum : dvec3(0, 0, 1)), pulp_top_(pulp_top_mm) {
+  for (int i = 0; i < 3; ++i) {
+    size_[i] = std::clamp(static_cast<int>((hi_mm[i] - lo_mm[i]) / kCell_mm) + 2, 4, kMaxCells);
+    step_[i] = (hi_mm[i] - lo_mm[i]) / (size_[i] - 1);
+  }
+  bottom_ = 1e300, top_ = -1e300;
+  for (const auto& t : boundary.indices) {
+    for (uint32_t i : t) {
+      bottom_ = std::min(bottom_, Height(boundary.vertices[i]));
+      top_ = std::max(top_, Height(boundary.vertices[i]));
+    }
+  }
+  enamel_max_mm_ =
+      std::min(kFullEnamel_mm, kEnamelOfWidth * std::min(hi_mm.x - lo_mm.x, hi_mm.y - lo_mm.y));
+  SampleDepths(boundary, gum);
+  smooth_depth_ = depth_;
+  for (int pass = 0; pass < 3; ++pass) Smooth(smooth_depth_);
+  float deepest = *std::max_element(smooth_depth_.begin(), smooth_depth_.end());
+  pulp_depth_ = std::max(kLeastPulpDepth_mm, kPulpOfDepth * static_cast<double>(deepest));
+}
+
+void TissueModel::SampleDepths(const Triangles& boundary, const dvec3* gum) {
+  Triangles outer{boundary.vertices, {}}, base{boundary.vertices, {}};
+  for (const auto& t : boundary.indices) {
+    dvec3 n = glm::cross(boundary.vertices[t[1]] - boundary.vertices[t[0]],
+                         boundary.vertices[t[2]] - boundary.vertices[t[0]]);
+    bool is_gum = gum != nullptr && Dot(n, *gum) > kGumCosine * std::sqrt(Dot(n, n));
+    (is_gum ? base : outer).indices.push_back(t);
+  }
+  const TriangleTree outer_tree(outer), base_tree(base), whole(boundary);
+  const double far = 2 * glm::length(step_ * dvec3(size_));
+  for (int z = 0; z < size_.z; ++z)
+    for (int y = 0; y < size_.y; ++y)
+      for (int x = 0; x < size_.x; ++x) {
+        dvec3 p = lo_ + step_ * dvec3(x, y, z);
+        bool inside = whole.Winding(p) > 0.5;
+        double d = outer_tree.Distance(p, far);
+        depth_.push_back(static_cast<float>(inside ? d : -std::min(d, 1.0)));
+        gum_depth_.push_back(static_cast<float>(inside ? base_tree.Distance(p, far) : 0));
+      }
+}
+
+void TissueModel::Smooth(std::vector<float>& grid) const {
+  const std::vector<float> in = grid;
+  auto at = [&](int x, int y, int z) {
+    x = std::clamp(x, 0, size_.x - 1), y = std::clamp(y, 0, size_.y - 1),
+    z = std::clamp(z, 0, size_.z - 1);
+    return in[static_cast<size_t>((z * size_.y + y) * size_.x + x)];
+  };
+  size_t i = 0;
+  for (int z = 0; z < size_.z; ++z)
+    for (int y = 0; y < size_.y; ++y)
+      for (int x = 0; x < size_.x; ++x, ++i) {
+        float sum = 0;
+        for (int k = 0; k < 27; ++k) sum += at(x + k % 3 - 1, y + k / 3 % 3 - 1, z + k / 9 - 1);
+        grid[i] = sum / 27;
+      }
+}
+
+double TissueModel::Depth(const std::vector<float>& grid, const dvec3& p) const {
+  dvec3 g = glm::clamp((p - lo_) / step_, dvec3(0), dvec3(size_ - 1) - 1e-9);
+  ivec3 i(g);
+  dvec3 f = g - dvec3(i);
+  double sum = 0;
+  for (int k = 0; k < 8; ++k) {
+    int dx = k & 1, dy = k >> 1 & 1, dz = k >> 2;
+    double w = (dx ? f.x : 1 - f.x) * (dy ? f.y : 1 - f.y) * (dz ? f.z : 1 - f.z);
+    sum +=
+        w * static_cast<double>(
+                grid[static_cast<size_t>(((i.z + dz) * size_.y + i.y + dy) * size_.x + i.x + dx)]);
+  }
+  return sum;
+}
+
+double TissueModel::EnamelThickness(double height) const {
+  double u = ClampedRatio(height, bottom_ + 0.06 * (top_ - bottom_), top_);
+  return enamel_max_mm_ * 1.25 * u / (u + 0.25);
+}
+
+TissueModel::Sample TissueModel::At(const dvec3& p) const {
+  double enamel = EnamelThickness(Height(p)) - Depth(depth_, p);
+  double pulp = std::min({Depth(smooth_depth_, p) - pulp_depth_,
+                          Depth(gum_depth_, p) - kPulpFloor_mm, pulp_top_ - p.z});
+  Tissue tissue = pulp > 0 ? Tissue::kPulp : enamel > 0 ? Tissue::kEnamel : Tissue::kDentin;
+  // Both fields change by less than 2 mm per mm.
+  double margin = 0.5 * std::min(std::abs(enamel), std::abs(pulp)) - 0.05;
+  return {tissue, std::max(margin, 0.0)};
+}
+
+}  // namespace enamel::import

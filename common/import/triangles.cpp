@@ -1,0 +1,81 @@
+#include "common/import/triangles.h"
+
+#include <bit>
+#include <cmath>
+#include <string>
+
+namespace enamel::import {
+namespace {
+
+constexpr std::string_view kMagic = "ENTR";
+
+Status Malformed(const std::string& what) {
+  return Status(Code::kInvalidInput, "triangle list: " + what);
+}
+
+}  // namespace
+
+Bytes EncodeTriangles(const Triangles& mesh) {
+  ByteWriter out;
+  out.Raw(AsBytes(kMagic));
+  out.U32(static_cast<uint32_t>(mesh.vertices.size()));
+  out.U32(static_cast<uint32_t>(mesh.indices.size()));
+  for (const dvec3& v : mesh.vertices) {
+    for (int i = 0; i < 3; ++i) out.U32(std::bit_cast<uint32_t>(static_cast<float>(v[i])));
+  }
+  for (const auto& t : mesh.indices) {
+    for (uint32_t i : t) out.U32(i);
+  }
+  return out.Take();
+}
+
+Result<Triangles> DecodeTriangles(ByteView bytes) {
+  ByteReader in(bytes);
+  ByteView magic = in.Raw(kMagic.size());
+  size_t n_vertices = in.U32(), n_triangles = in.U32();
+  if (!in.ok() || AsText(magic) != kMagic) return Malformed("does not begin as one");
+  if (n_vertices > kMaxVertices || n_triangles > kMaxTriangles ||
+      in.remaining() != 12 * (n_vertices + n_triangles)) {
+    return Malformed("its size does not match its header");
+  }
+  Triangles mesh;
+  mesh.vertices.resize(n_vertices);
+  mesh.indices.resize(n_triangles);
+  for (dvec3& v : mesh.vertices) {
+    for (int i = 0; i < 3; ++i) v[i] = std::bit_cast<float>(in.U32());
+    if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z)) {
+      return Malformed("a coordinate is not a finite number");
+    }
+  }
+  for (auto& t : mesh.indices) {
+    for (uint32_t& i : t) {
+      i = in.U32();
+      if (i >= n_vertices)
+        return Malformed("a triangle names vertex " + std::to_string(i) + " of " +
+                         std::to_string(n_vertices));
+    }
+  }
+  return mesh;
+}
+
+double SignedVolume(const Triangles& mesh) {
+  if (mesh.vertices.empty()) return 0;
+  const dvec3 o = mesh.vertices[0];
+  double sum = 0;
+  for (const auto& t : mesh.indices) {
+    sum +=
+        Dot(mesh.vertices[t[0]] - o, glm::cross(mesh.vertices[t[1]] - o, mesh.vertices[t[2]] - o));
+  }
+  return sum / 6;
+}
+
+double SurfaceArea(const Triangles& mesh) {
+  double sum = 0;
+  for (const auto& t : mesh.indices) {
+    sum += 0.5 * glm::length(glm::cross(mesh.vertices[t[1]] - mesh.vertices[t[0]],
+                                        mesh.vertices[t[2]] - mesh.vertices[t[0]]));
+  }
+  return sum;
+}
+
+}  // namespace enamel::import

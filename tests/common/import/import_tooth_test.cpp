@@ -1,0 +1,286 @@
+#include "common/import/import_tooth.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+
+#include "common/base/file.h"
+#include "common/base/uuid.h"
+#include "common/import/orient.h"
+#include "common/import/scene_folder.h"
+#include "common/scene/builtin.h"
+#include "common/scene/json.h"
+#include "common/scene/plan.h"
+#include "shapes.h"
+
+namespace enamel::import {
+namespace {
+
+namespace fs = std::filesystem;
+using cutting::Tissue;
+
+const fs::path kShared = ENAMEL_SHARED_DATA;
+
+double Solid_mm3(const cutting::Volume& v) {
+  double sum = 0;
+  for (double t : cutting::SolidVolume_m3(v)) sum += t * 1e9;
+  return sum;
+}
+
+std::string Lines(const ImportedScene& s) {
+  std::string out;
+  for (const std::string& line : s.report) out += line + "\n";
+  return out;
+}
+
+struct TempFolder {
+  fs::path path = fs::temp_directory_path() / ("enamel-import-" + Uuid::New().Text());
+  TempFolder() { fs::create_directories(path); }
+  ~TempFolder() { fs::remove_all(path); }
+  fs::path Write(const std::string& name, const std::string& text) const {
+    std::ofstream(path / name) << text;
+    return path / name;
+  }
+};
+
+TEST(ImportTest, SphereHasTheVolumeOfASphere) {
+  ImportOptions options;
+  options.voxel_nm = 100'000;
+  auto s = ImportTriangles(SphereMesh(5, 60), "test", options);
+  ASSERT_TRUE(s.ok()) << s.status().message();
+  double ideal = 4.0 / 3 * std::numbers::pi * 125;
+  EXPECT_NEAR(Solid_mm3(s->volume) / ideal, 1, 0.005);
+  EXPECT_NEAR(Solid_mm3(s->volume) / s->mesh_volume_mm3, 1, 0.002);
+}
+
+TEST(ImportTest, DistanceInTheVolumeIsTheSpheresDistance) {
+  ImportOptions options;
+  options.voxel_nm = 100'000;
+  auto s = ImportTriangles(SphereMesh(5, 90), "test", options);
+  ASSERT_TRUE(s.ok());
+  dvec3 u = dvec3(2, 3, 6) / 7.0;
+  for (double d = -0.35; d < 0.36; d += 0.05) {
+    EXPECT_NEAR(s->volume.DistanceAt_m(u * (5 + d) * 1e-3) * 1e3, d, 0.01);
+  }
+}
+
+TEST(ImportTest, OverlappingPartsBecomeOneSolidWithoutInnerWalls) {
+  ImportOptions options;
+  options.voxel_nm = 200'000;
+  auto s = ImportTriangles(
+      Joined(BoxMesh({-5, -3, -3}, {2, 3, 3}), BoxMesh({-2, -2.9, -2.9}, {5, 2.9, 2.9})), "test",
+      options);
+  ASSERT_TRUE(s.ok()) << s.status().message();
+  double ideal = 7 * 36 + 3 * 5.8 * 5.8;
+  EXPECT_NEAR(Solid_mm3(s->volume) / ideal, 1, 0.01);
+}
+
+TEST(ImportTest, WrongUnitIsRefusedWithTheOneThatFits) {
+  ImportOptions options;
+  options.unit = "m";
+  Status refused = ImportTriangles(SphereMesh(6, 10), "test", options).status();
+  EXPECT_EQ(refused.code(), Code::kInvalidInput);
+  EXPECT_NE(refused.message().find("12000.0 mm"), std::string::npos) << refused.message();
+  EXPECT_NE(refused.message().find("look like mm"), std::string::npos) << refused.message();
+}
+
+TEST(ImportTest, EveryUnitGivesTheSameTooth) {
+  const std::pair<const char*, double> units[] = {
+      {"um", 1e3}, {"cm", 0.1}, {"m", 1e-3}, {"inch", 1 / 25.4}};
+  for (auto [name, factor] : units) {
+    ImportOptions options;
+    options.unit = name;
+    options.voxel_nm = 400'000;
+    auto s = ImportTriangles(SphereMesh(5 * factor, 20), "test", options);
+    ASSERT_TRUE(s.ok()) << name << s.status().message();
+    EXPECT_NEAR(s->mesh_volume_mm3, 520, 10);
+  }
+}
+
+TEST(ImportTest, BadOptionsAreRefusedByName) {
+  ImportOptions options;
+  options.unit = "furlong";
+  EXPECT_EQ(ImportTriangles(SphereMesh(5, 8), "test", options).status().field(), "unit");
+  options = {};
+  options.up = "north";
+  EXPECT_EQ(ImportTriangles(SphereMesh(5, 8), "test", options).status().field(), "up");
+  options = {};
+  options.voxel_nm = 1;
+  EXPECT_EQ(ImportTriangles(SphereMesh(5, 8), "test", options).status().field(), "voxel_nm");
+}
+
+TEST(ImportTest, GivenUpBecomesTheScenesZ) {
+  ImportOptions options;
+  options.voxel_nm = 200'000;
+  options.up = "-x";
+  auto s = ImportTriangles(BoxMesh({0, 0, 0}, {4, 6, 8}), "test", options);
+  ASSERT_TRUE(s.ok());
+  // 4 along z, the longer of the others along x, top of the box at z = 2.
+  EXPECT_LT(s->volume.DistanceAt_m(dvec3(3.7, 2.7, 1.7) * 1e-3), 0);
+  EXPECT_GT(s->volume.DistanceAt_m(dvec3(0, 0, 2.3) * 1e-3), 0);
+  EXPECT_GT(s->volume.DistanceAt_m(dvec3(0, 3.3, 0) * 1e-3), 0);
+  EXPECT_NEAR(s->scene.landmarks.at("occlusal_centre")[2], 2000, 2);
+}
+
+TEST(ImportTest, SceneFolderReadsBackAndASwappedVolumeIsFound) {
+  TempFolder folder;
+  ImportOptions options;
+  options.voxel_nm = 400'000;
+  auto a = ImportTriangles(SphereMesh(5, 10), "test", options),
+       b = ImportTriangles(SphereMesh(4, 10), "test", options);
+  ASSERT_TRUE(a.ok() && b.ok());
+  ASSERT_TRUE(WriteSceneFolder(folder.path / "a", *a).ok());
+  ASSERT_TRUE(WriteSceneFolder(folder.path / "b", *b).ok());
+  auto back = LoadSceneFolder(folder.path / "a");
+  ASSERT_TRUE(back.ok()) << back.status().message();
+  EXPECT_TRUE(back->volume == a->volume);
+  EXPECT_EQ(scene::ToJson(back->scene), scene::ToJson(a->scene));
+  fs::copy_file(folder.path / "b/volume.envb", folder.path / "a/volume.envb",
+                fs::copy_options::overwrite_existing);
+  EXPECT_EQ(LoadSceneFolder(folder.path / "a").status().code(), Code::kConflict);
+  EXPECT_EQ(LoadSceneFolder(folder.path / "none").status().code(), Code::kNotFound);
+}
+
+TEST(ImportChildTest, AsciiStlOfACubeInCentimetresIsRead) {
+  TempFolder folder;
+  Triangles cube = BoxMesh(dvec3(0), dvec3(1));
+  std::string text = "solid cube\n";
+  for (const auto& t : cube.indices) {
+    text += "facet normal 0 0 0\nouter loop\n";
+    for (uint32_t i : t) {
+      const dvec3& v = cube.vertices[i];
+      text += "vertex " + std::to_string(v.x) + " " + std::to_string(v.y) + " " +
+              std::to_string(v.z) + "\n";
+    }
+    text += "endloop\nendfacet\n";
+  }
+  ImportOptions options;
+  options.unit = "cm";
+  options.voxel_nm = 200'000;
+  auto s = ImportTooth(folder.Write("Cube One.STL", text + "endsolid cube\n"), options);
+  ASSERT_TRUE(s.ok()) << s.status().message();
+  EXPECT_NEAR(Solid_mm3(s->volume), 1000, 2);
+  EXPECT_EQ(s->scene.name, "cube-one");
+}
+
+TEST(ImportChildTest, MissingFileUnknownKindAndEmptyFileAreRefused) {
+  TempFolder folder;
+  EXPECT_EQ(ImportTooth(folder.path / "none.stl").status().code(), Code::kNotFound);
+  EXPECT_EQ(ImportTooth(folder.Write("tooth.doc", "x")).status().code(), Code::kInvalidInput);
+  Status empty = ImportTooth(folder.Write("tooth.stl", "")).status();
+  EXPECT_NE(empty.message().find("empty"), std::string::npos) << empty.message();
+}
+
+TEST(ImportChildTest, MissingReaderIsSaid) {
+  TempFolder folder;
+  ImportOptions options;
+  options.child = folder.path / "no-such-program";
+  EXPECT_EQ(ImportTooth(folder.Write("tooth.stl", "solid"), options).status().code(),
+            Code::kNotFound);
+}
+
+TEST(ImportChildTest, ReaderThatFloodsItsOutputIsNoCrash) {
+  TempFolder folder;
+  fs::path fake =
+      folder.Write("fake", "#!/bin/sh\nhead -c 300000 /dev/zero\nhead -c 100000 /dev/zero >&2\n");
+  fs::permissions(fake, fs::perms::owner_all);
+  ImportOptions options;
+  options.child = fake;
+  EXPECT_FALSE(ImportTooth(folder.Write("tooth.stl", "solid"), options).ok());
+}
+
+std::vector<fs::path> FilesIn(const fs::path& folder) {
+  std::vector<fs::path> out;
+  if (!fs::exists(folder)) return out;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.is_regular_file()) out.push_back(entry.path());
+  }
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+TEST(RealCrownTest, EveryCrownImportsWithItsMeshsVolume) {
+  auto files = FilesIn(kShared / "crowns");
+  if (files.empty()) GTEST_SKIP() << "skipped: no shared data";
+  for (const fs::path& file : files) {
+    if (file.extension() != ".obj") continue;
+    ImportOptions options;
+    options.voxel_nm = 100'000;
+    auto s = ImportTooth(file, options);
+    ASSERT_TRUE(s.ok()) << s.status().message();
+    EXPECT_GT(s->mesh_volume_mm3, 100);
+    EXPECT_NEAR(Solid_mm3(s->volume) / s->mesh_volume_mm3, 1, 0.02) << file;
+    const auto& p = s->scene.landmarks.at("occlusal_centre");
+    EXPECT_NEAR(s->volume.DistanceAt_m(dvec3(p[0], p[1], p[2]) * 1e-6), 0, 30e-6) << file;
+    EXPECT_TRUE(scene::SceneFromJson(scene::ToJson(s->scene)).ok());
+  }
+}
+
+TEST(RealCrownTest, OcclusalSideOfMolarsIsFound) {
+  if (!fs::exists(kShared / "crowns")) GTEST_SKIP() << "skipped: no shared data";
+  const std::pair<const char*, const char*> known[] = {{"fdi_16.obj", "direction -y"},
+                                                       {"fdi_14.obj", "direction -y"},
+                                                       {"fdi_36.obj", "direction +y"},
+                                                       {"fdi_46.obj", "direction +y"},
+                                                       {"fdi_47.obj", "direction +y"}};
+  for (auto [file, words] : known) {
+    ImportOptions options;
+    options.voxel_nm = 400'000;
+    auto s = ImportTooth(kShared / "crowns" / file, options);
+    ASSERT_TRUE(s.ok()) << s.status().message();
+    EXPECT_NE(Lines(*s).find(words), std::string::npos) << file << "\n" << Lines(*s);
+  }
+}
+
+TEST(RealCrownTest, ClassOneCavityOnAMolarKeepsClearOfThePulpAndMeetsEnamelFirst) {
+  if (!fs::exists(kShared / "crowns")) GTEST_SKIP() << "skipped: no shared data";
+  ImportOptions options;
+  options.voxel_nm = 100'000;
+  auto s = ImportTooth(kShared / "crowns/fdi_46.obj", options);
+  ASSERT_TRUE(s.ok()) << s.status().message();
+  auto exercise = scene::ClassOneExercise(s->scene, HashSha256(AsBytes(scene::ToJson(s->scene))));
+  EXPECT_TRUE(scene::CompilePlan(s->scene, exercise, scene::BuiltinProfiles()[1]).ok());
+  const auto& c = s->scene.landmarks.at("occlusal_centre");
+  EXPECT_EQ(s->volume.TissueAtPoint(dvec3(c[0], c[1], c[2] - 200) * 1e-6), Tissue::kEnamel);
+  bool dentin = false;
+  for (int x = -2300; x <= 2300; x += 100)
+    for (int y = -1500; y <= 1500; y += 100)
+      for (int z = -2600; z <= 0; z += 100) {
+        dvec3 p = dvec3(c[0] + x, c[1] + y, c[2] + z) * 1e-6;
+        if (s->volume.DistanceAt_m(p) > 0) continue;
+        ASSERT_NE(s->volume.TissueAtPoint(p), Tissue::kPulp);
+        dentin |= s->volume.TissueAtPoint(p) == Tissue::kDentin;
+      }
+  EXPECT_TRUE(dentin);
+}
+
+TEST(OddMeshTest, EachFileImportsOrIsRefusedWithAReasonInEveryUnit) {
+  auto files = FilesIn(kShared / "meshes_odd");
+  if (files.empty()) GTEST_SKIP() << "skipped: no shared data";
+  int imported = 0, refused = 0;
+  for (const fs::path& file : files) {
+    for (const char* unit : {"mm", "cm", "inch"}) {
+      ImportOptions options;
+      options.unit = unit;
+      options.voxel_nm = 400'000;
+      auto s = ImportTooth(file, options);
+      if (s.ok()) {
+        ++imported;
+        EXPECT_GT(Solid_mm3(s->volume), 0) << file;
+      } else {
+        ++refused;
+        EXPECT_GT(s.status().message().size(), 15u) << file;
+        if (std::getenv("ENAMEL_TEST_VERBOSE")) std::printf("%s\n", s.status().message().c_str());
+        EXPECT_NE(s.status().code(), Code::kUnavailable) << file << s.status().message();
+      }
+    }
+  }
+  EXPECT_GT(imported, 5);
+  EXPECT_GT(refused, 5);
+}
+
+}  // namespace
+}  // namespace enamel::import
