@@ -1,0 +1,210 @@
+#include "server/app/admin.h"
+
+#include <sodium.h>
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cctype>
+#include <chrono>
+#include <iostream>
+
+#include "common/base/hex.h"
+#include "server/app/data_folder.h"
+#include "server/app/publish.h"
+#include "server/auth/password.h"
+
+namespace enamel::server::app {
+namespace {
+
+struct Password {
+  std::string text;
+  bool made_up = false;
+};
+
+Result<Password> ReadOrMakePassword(bool from_stdin) {
+  if (!from_stdin) {
+    Bytes random(12);
+    randombytes_buf(random.data(), random.size());
+    return Password{ToHex(random), true};
+  }
+  Password password;
+  if (!std::getline(std::cin, password.text)) {
+    return Status(Code::kInvalidInput,
+                  "expected a password as one line on standard input, found nothing");
+  }
+  return password;
+}
+
+Result<std::string> VerifierFor(const Password& password, const std::string& login) {
+  ENAMEL_RETURN_IF_ERROR(auth::CheckPasswordPolicy(password.text, login));
+  return auth::HashPassword(password.text);
+}
+
+void ShowIfMadeUp(const Password& password) {
+  if (password.made_up) std::cout << "password (shown only now): " << password.text << "\n";
+}
+
+// Logins are stored in lower case: people type them either way.
+Result<std::string> Login(std::string text) {
+  bool fits = !text.empty() && text.size() <= 64 && std::ranges::all_of(text, [](unsigned char c) {
+    return std::isalnum(c) || c == '.' || c == '-' || c == '_' || c == '@';
+  });
+  if (!fits) {
+    return Status(Code::kInvalidInput,
+                  "a login has 1 to 64 letters, digits or any of . - _ @, found \"" + text + "\"",
+                  "login");
+  }
+  std::ranges::transform(text, text.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+Result<Uuid> CohortByName(Store& store, const std::string& name) {
+  auto cohorts = store.Cohorts();
+  if (!cohorts.ok()) return cohorts.status();
+  auto found = std::ranges::find(*cohorts, name, &Cohort::name);
+  if (found != cohorts->end()) return found->id;
+  return Status(Code::kNotFound, "no cohort named \"" + name + "\"; make it with admin add-cohort",
+                "cohort");
+}
+
+}  // namespace
+
+Status AddPerson(const std::filesystem::path& data, const NewPerson& person) {
+  auto store = OpenForCommand(data);
+  if (!store.ok()) return store.status();
+  auto login = Login(person.login);
+  if (!login.ok()) return login.status();
+  auto role = RoleFromName(person.role);
+  if (!role) {
+    return Status(Code::kInvalidInput,
+                  "a role is student, instructor or admin, found \"" + person.role + "\"", "role");
+  }
+  auto password = ReadOrMakePassword(person.password_from_stdin);
+  if (!password.ok()) return password.status();
+  auto verifier = VerifierFor(*password, *login);
+  if (!verifier.ok()) return verifier.status();
+  Person row;
+  row.login = *login;
+  row.display_name = person.display_name.empty() ? *login : person.display_name;
+  row.role = *role;
+  auto id = (*store)->CreatePerson(row, *verifier, kCommandLine);
+  if (!id.ok()) return id.status();
+  std::cout << "added " << *login << " (" << RoleName(*role) << "), id " << id->Text() << "\n";
+  ShowIfMadeUp(*password);
+  return Status::Ok();
+}
+
+Status SetPassword(const std::filesystem::path& data, const std::string& login, bool from_stdin) {
+  auto store = OpenForCommand(data);
+  if (!store.ok()) return store.status();
+  auto person = (*store)->PersonByLogin(login);
+  if (!person.ok()) return person.status();
+  auto password = ReadOrMakePassword(from_stdin);
+  if (!password.ok()) return password.status();
+  auto verifier = VerifierFor(*password, login);
+  if (!verifier.ok()) return verifier.status();
+  ENAMEL_RETURN_IF_ERROR((*store)->SetPassword(person->id, *verifier, kCommandLine));
+  std::cout << "new password for " << login << "; its sessions have ended\n";
+  ShowIfMadeUp(*password);
+  return Status::Ok();
+}
+
+Status SetDisabled(const std::filesystem::path& data, const std::string& login, bool disabled) {
+  auto store = OpenForCommand(data);
+  if (!store.ok()) return store.status();
+  auto person = (*store)->PersonByLogin(login);
+  if (!person.ok()) return person.status();
+  ENAMEL_RETURN_IF_ERROR((*store)->SetDisabled(person->id, disabled, kCommandLine));
+  std::cout << login << (disabled ? " may no longer sign in\n" : " may sign in again\n");
+  return Status::Ok();
+}
+
+Status AddCohort(const std::filesystem::path& data, const std::string& name) {
+  auto store = OpenForCommand(data);
+  if (!store.ok()) return store.status();
+  auto id = (*store)->CreateCohort(name, kCommandLine);
+  if (!id.ok()) return id.status();
+  std::cout << "added cohort \"" << name << "\", id " << id->Text() << "\n";
+  return Status::Ok();
+}
+
+Status AddToCohort(const std::filesystem::path& data, const std::string& cohort,
+                   const std::string& login) {
+  auto store = OpenForCommand(data);
+  if (!store.ok()) return store.status();
+  auto id = CohortByName(**store, cohort);
+  if (!id.ok()) return id.status();
+  auto person = (*store)->PersonByLogin(login);
+  if (!person.ok()) return person.status();
+  ENAMEL_RETURN_IF_ERROR((*store)->AddToCohort(*id, person->id, kCommandLine));
+  std::cout << login << " is in \"" << cohort << "\"\n";
+  return Status::Ok();
+}
+
+Status EnrolCode(const std::filesystem::path& data, int valid_minutes) {
+  auto store = OpenForCommand(data);
+  if (!store.ok()) return store.status();
+  auto identity = EnsureIdentity(data);
+  if (!identity.ok()) return identity.status();
+  Bytes random(16);
+  randombytes_buf(random.data(), random.size());
+  std::string code = ToHex(random);
+  auto now = std::chrono::duration_cast<std::chrono::milliseconds>(
+      std::chrono::system_clock::now().time_since_epoch());
+  UnixMs expires = now.count() + UnixMs{valid_minutes} * 60'000;
+  ENAMEL_RETURN_IF_ERROR((*store)->AddEnrolCode(HashSha256(AsBytes(code)), expires, kCommandLine));
+  std::cout << code << "@" << identity->fingerprint.Hex() << "\n";
+  return Status::Ok();
+}
+
+Status PublishExercise(const std::filesystem::path& data, const NewExercise& exercise) {
+  auto store = OpenForCommand(data);
+  if (!store.ok()) return store.status();
+  Uuid cohort;
+  if (!exercise.cohort.empty()) {
+    auto found = CohortByName(**store, exercise.cohort);
+    if (!found.ok()) return found.status();
+    cohort = *found;
+  }
+  ENAMEL_RETURN_IF_ERROR(PublishProfiles(**store));
+  auto scene = PublishScene(**store, exercise.scene, exercise.voxel_um * 1000);
+  if (!scene.ok()) return scene.status();
+  auto row = PublishClassOne(**store, *scene, cohort);
+  if (!row.ok()) return row.status();
+  std::cout << "exercise \"" << row->name << "\" version " << row->version << ", id "
+            << row->id.Text() << "\n";
+  return Status::Ok();
+}
+
+Status MarkReference(const std::filesystem::path& data, const std::string& attempt,
+                     const std::string& dentist) {
+  auto id = Uuid::Parse(attempt);
+  if (!id.ok()) return id.status();
+  auto store = OpenForCommand(data);
+  if (!store.ok()) return store.status();
+  auto row = (*store)->AddReference(*id, dentist, kCommandLine);
+  if (!row.ok()) return row.status();
+  std::cout << "reference version " << row->version << " of the exercise: attempt " << attempt
+            << " by " << dentist << "\n";
+  return Status::Ok();
+}
+
+Status ListAttempts(const std::filesystem::path& data, uint32_t limit) {
+  auto store = OpenForCommand(data);
+  if (!store.ok()) return store.status();
+  AttemptFilter filter;
+  filter.limit = limit;
+  auto rows = (*store)->Attempts(filter);
+  if (!rows.ok()) return rows.status();
+  for (const AttemptRow& row : *rows) {
+    std::string score = row.score ? fmt::format("{:.1f}", *row.score) : "-";
+    std::cout << fmt::format("{}  {:<11} {:>6}  {:>7} ticks  {:<20} {}{}\n", row.id.Text(),
+                             AttemptStateName(row.state), score, row.ticks, row.person_name,
+                             row.exercise_title,
+                             row.problem.empty() ? "" : "  (" + row.problem + ")");
+  }
+  return Status::Ok();
+}
+
+}  // namespace enamel::server::app

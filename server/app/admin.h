@@ -1,0 +1,37 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "common/base/result.h"
+
+// The `admin` commands. Each opens the data folder beside a running server, or without one, prints
+// its outcome to standard output and returns.
+namespace enamel::server::app {
+
+struct NewPerson {
+  std::string login, display_name, role;
+  bool password_from_stdin = false;  // otherwise one is made up and printed, once
+};
+Status AddPerson(const std::filesystem::path& data, const NewPerson& person);
+Status SetPassword(const std::filesystem::path& data, const std::string& login, bool from_stdin);
+Status SetDisabled(const std::filesystem::path& data, const std::string& login, bool disabled);
+Status AddCohort(const std::filesystem::path& data, const std::string& name);
+Status AddToCohort(const std::filesystem::path& data, const std::string& cohort,
+                   const std::string& login);
+
+// Prints CODE@FINGERPRINT: the one-time code (128 random bits, hexadecimal) and the SHA-256 of the
+// certificate that the station is to trust.
+Status EnrolCode(const std::filesystem::path& data, int valid_minutes);
+
+struct NewExercise {
+  std::string scene;   // PublishScene's source
+  std::string cohort;  // name; empty: open to everybody
+  int32_t voxel_um = 50;
+};
+Status PublishExercise(const std::filesystem::path& data, const NewExercise& exercise);
+Status MarkReference(const std::filesystem::path& data, const std::string& attempt,
+                     const std::string& dentist);
+Status ListAttempts(const std::filesystem::path& data, uint32_t limit);
+
+}  // namespace enamel::server::app

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "common/base/result.h"
+#include "common/base/sha256.h"
+#include "common/trace/trace.h"
+#include "server/storage/store.h"
+
+namespace enamel::server::app {
+
+// What makes a data folder this server and no other; made once, never overwritten. Losing it means
+// enrolling every station again.
+struct ServerIdentity {
+  std::filesystem::path certificate;  // station.crt, what stations know the server by
+  std::filesystem::path private_key;  // station.key, mode 0600
+  Sha256 fingerprint;                 // of the certificate
+  trace::KeyPair ticket_key;          // ticket.key, mode 0600: signs tickets
+};
+
+// Makes what is missing. Errors: kStorage, kInvalidInput (a file is not what it should be).
+Result<ServerIdentity> EnsureIdentity(const std::filesystem::path& folder);
+
+// The store for a command that runs beside a server, or without one.
+Result<std::unique_ptr<Store>> OpenForCommand(const std::filesystem::path& folder);
+
+// The command line in the audit trail.
+inline const Actor kCommandLine{{}, "command line"};
+
+}  // namespace enamel::server::app

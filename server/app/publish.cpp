@@ -1,0 +1,99 @@
+#include "server/app/publish.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+
+#include "common/base/file.h"
+#include "common/scene/builtin.h"
+#include "common/scene/json.h"
+#include "common/scene/volume_blob.h"
+#include "server/app/data_folder.h"
+
+namespace enamel::server::app {
+namespace {
+
+constexpr std::string_view kBuiltinPrefix = "builtin:";
+constexpr size_t kMaxVolumeBytes = size_t{1} << 30;
+constexpr int kMaxFilesLookedAt = 64;
+
+Result<SceneRow> StoreScene(Store& store, const scene::Scene& scene, ByteView volume) {
+  auto volume_hash = store.PutBlob(volume);
+  if (!volume_hash.ok()) return volume_hash.status();
+  std::string json = scene::ToJson(scene);
+  auto content = store.PutBlob(AsBytes(json));
+  if (!content.ok()) return content.status();
+  SceneRow row{scene.name, scene.title, *content, *volume_hash};
+  ENAMEL_RETURN_IF_ERROR(store.PutScene(row, kCommandLine));
+  return row;
+}
+
+Result<SceneRow> PublishBuiltin(Store& store, const std::string& name, int32_t voxel_nm) {
+  auto built = scene::BuildBuiltinScene(name, voxel_nm);
+  if (!built.ok()) return built.status();
+  return StoreScene(store, built->scene, scene::EncodeVolume(built->volume));
+}
+
+// By content, so that no file name has to be agreed on.
+Result<Bytes> FindVolume(const std::filesystem::path& folder, const Sha256& hash) {
+  std::error_code error;
+  int looked_at = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    if (!entry.is_regular_file(error) || ++looked_at > kMaxFilesLookedAt) continue;
+    auto bytes = ReadFile(entry.path(), kMaxVolumeBytes);
+    if (bytes.ok() && HashSha256(*bytes) == hash) return bytes;
+  }
+  return Status(Code::kNotFound, "no file in " + folder.string() + " is the volume " + hash.Hex() +
+                                     " that scene.json names; import the mesh again");
+}
+
+Result<SceneRow> PublishFolder(Store& store, const std::filesystem::path& folder) {
+  auto text = ReadFile(folder / "scene.json", 1 << 20);
+  if (!text.ok()) {
+    return Status(text.status().code(),
+                  "expected a scene folder with scene.json (enamel-station import "
+                  "makes one) or builtin:molar: " +
+                      text.status().message());
+  }
+  auto scene = scene::SceneFromJson(AsText(*text));
+  if (!scene.ok()) return scene.status();
+  auto volume = FindVolume(folder, scene->volume);
+  if (!volume.ok()) return volume.status();
+  if (auto decoded = scene::DecodeVolume(*volume); !decoded.ok()) return decoded.status();
+  return StoreScene(store, *scene, *volume);
+}
+
+}  // namespace
+
+Result<SceneRow> PublishScene(Store& store, const std::string& source, int32_t voxel_nm) {
+  if (!source.starts_with(kBuiltinPrefix)) return PublishFolder(store, source);
+  return PublishBuiltin(store, source.substr(kBuiltinPrefix.size()), voxel_nm);
+}
+
+Result<ExerciseRow> PublishClassOne(Store& store, const SceneRow& scene, const Uuid& cohort) {
+  auto text = store.GetBlob(scene.content);
+  if (!text.ok()) return text.status();
+  auto parsed = scene::SceneFromJson(AsText(*text));
+  if (!parsed.ok()) return parsed.status();
+  scene::Exercise exercise = scene::ClassOneExercise(*parsed, scene.content);
+  auto content = store.PutBlob(AsBytes(scene::ToJson(exercise)));
+  if (!content.ok()) return content.status();
+  ExerciseRow row;
+  row.name = exercise.name;
+  row.title = exercise.title;
+  row.content = *content;
+  row.scene = scene.content;
+  row.graded = exercise.graded;
+  return store.PublishExercise(row, cohort, kCommandLine);
+}
+
+Status PublishProfiles(Store& store) {
+  for (const scene::DeviceProfile& profile : scene::BuiltinProfiles()) {
+    auto content = store.PutBlob(AsBytes(scene::ToJson(profile)));
+    if (!content.ok()) return content.status();
+    ENAMEL_RETURN_IF_ERROR(store.PutProfile({profile.name, profile.title, *content}, kCommandLine));
+  }
+  return Status::Ok();
+}
+
+}  // namespace enamel::server::app

@@ -1,0 +1,164 @@
+#include "server/app/report.h"
+
+#include <spdlog/fmt/fmt.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <boost/json/array.hpp>
+#include <boost/json/object.hpp>
+#include <boost/json/serialize.hpp>
+#include <chrono>
+#include <iostream>
+#include <thread>
+
+#include "common/base/file.h"
+#include "common/scoring/score.h"
+#include "server/app/data_folder.h"
+
+namespace enamel::server::app {
+namespace {
+
+namespace json = boost::json;
+using scoring::ScoreResult;
+
+constexpr auto kPoll = std::chrono::milliseconds(200);
+constexpr char kDeviationMetric[] = "deviation_rms_mm";
+
+Result<bool> HasOpenJob(Store& store, const Uuid& attempt) {
+  for (const char* state : {"queued", "running"}) {
+    auto jobs = store.Jobs(state);
+    if (!jobs.ok()) return jobs.status();
+    if (std::ranges::any_of(*jobs, [&](const JobRow& job) { return job.attempt == attempt; }))
+      return true;
+  }
+  return false;
+}
+
+void ShowProgress(const AttemptRow& row) {
+  if (::isatty(STDERR_FILENO) == 0) return;
+  std::cerr << fmt::format("\r{:<11} {:3.0f} %", AttemptStateName(row.state), row.progress * 100)
+            << std::flush;
+}
+
+// The attempt once nothing is going to happen to it any more.
+Result<AttemptRow> WaitForVerdict(Store& store, const Uuid& attempt, int wait_s) {
+  auto until = std::chrono::steady_clock::now() + std::chrono::seconds(wait_s);
+  for (;;) {
+    auto row = store.AttemptById(attempt);
+    if (!row.ok()) return row;
+    auto open = HasOpenJob(store, attempt);
+    if (!open.ok()) return open.status();
+    bool settled = row->state == AttemptState::kScored || row->state == AttemptState::kFailed ||
+                   row->state == AttemptState::kQuarantined;
+    if (settled && !*open) return row;
+    if (std::chrono::steady_clock::now() >= until) {
+      return Status(
+          Code::kUnavailable,
+          fmt::format("attempt {} is {} after {} s, not scored; is enamel-server running on this "
+                      "data folder? Ask again with a longer --wait",
+                      attempt.Text(), AttemptStateName(row->state), wait_s));
+    }
+    ShowProgress(*row);
+    std::this_thread::sleep_for(kPoll);
+  }
+}
+
+std::optional<double> Metric(const ScoreResult& score, std::string_view name) {
+  for (const auto& metric : score.metrics) {
+    if (metric.name == name) return metric.value;
+  }
+  return std::nullopt;
+}
+
+json::object Facts(const AttemptRow& row, const ScoreResult& score, const std::string& page_url) {
+  json::array criteria, metrics;
+  for (const auto& c : score.criteria) {
+    criteria.push_back(json::object{{"name", c.name},
+                                    {"title", c.title},
+                                    {"value", c.value},
+                                    {"unit", c.unit},
+                                    {"points", c.points},
+                                    {"max_points", c.max_points},
+                                    {"reason", c.reason}});
+  }
+  for (const auto& m : score.metrics) {
+    metrics.push_back(json::object{{"name", m.name}, {"value", m.value}, {"unit", m.unit}});
+  }
+  json::object out{{"attempt_id", row.id.Text()},
+                   {"reference_id", score.reference_attempt},
+                   {"score", score.score},
+                   {"critical_fail", score.critical_fail},
+                   {"criteria", std::move(criteria)},
+                   {"metrics", std::move(metrics)}};
+  auto deviation = Metric(score, kDeviationMetric);
+  out["deviation_rms_mm"] = deviation ? json::value(*deviation) : json::value();
+  out["ticks"] = score.ticks;
+  out["chunks"] = row.chunks;
+  out["gaps"] = score.gap_ticks;
+  out["witness_ok"] = score.witness_ok;
+  out["trace_bytes"] = row.trace_bytes;
+  out["realtime_factor"] = score.replay_realtime_factor;
+  out["page_url"] = page_url;
+  return out;
+}
+
+void Line(const std::string& name, const std::string& value) {
+  std::cout << fmt::format("  {:<34} {}\n", name, value);
+}
+
+void PrintTable(const AttemptRow& row, const ScoreResult& score, const ReportOptions& options) {
+  std::cout << fmt::format("\n{}, {}: {:.1f} of 100 points{}\n", row.exercise_title,
+                           row.person_name, score.score,
+                           score.critical_fail ? " (critical fault)" : "");
+  for (const auto& c : score.criteria) {
+    std::cout << fmt::format("  {:<34} {:>9.3f} {:<5} {:>5.1f} of {:<4.0f} {}\n", c.title, c.value,
+                             c.unit, c.points, c.max_points, c.reason);
+  }
+  std::cout << "Measured\n";
+  for (const auto& m : score.metrics) {
+    const auto* info = scoring::FindMetric(m.name);
+    Line(info != nullptr ? std::string(info->title) : m.name,
+         fmt::format("{:>9.3f} {}", m.value, m.unit));
+  }
+  std::cout << "Trace\n";
+  Line("ticks, chunks", fmt::format("{}, {}", score.ticks, row.chunks));
+  Line("size",
+       fmt::format("{:.1f} kB ({:.1f} bytes a tick)", static_cast<double>(row.trace_bytes) / 1e3,
+                   static_cast<double>(row.trace_bytes) /
+                       static_cast<double>(std::max<uint64_t>(score.ticks, 1))));
+  Line("lost", score.gap_ticks == 0 ? "nothing"
+                                    : fmt::format("{} ticks, declared as gaps", score.gap_ticks));
+  Line("late ticks, force bounded", fmt::format("{}, {}", score.late_ticks, score.bounded_ticks));
+  Line("replay agrees tick by tick", score.witness_ok ? "yes" : "no: " + score.witness_note);
+  Line("replayed at", fmt::format("{:.1f} x real time", score.replay_realtime_factor));
+  Line("attempt", row.id.Text());
+  Line("reference", score.reference_attempt);
+  if (!options.page_url.empty()) Line("page", options.page_url);
+}
+
+}  // namespace
+
+Status Report(const ReportOptions& options) {
+  auto id = Uuid::Parse(options.attempt);
+  if (!id.ok()) return id.status();
+  auto store = OpenForCommand(options.data);
+  if (!store.ok()) return store.status();
+  auto row = WaitForVerdict(**store, *id, options.wait_s);
+  if (!row.ok()) return row.status();
+  if (row->state != AttemptState::kScored) {
+    return Status(Code::kConflict, fmt::format("attempt {} is {}: {}", id->Text(),
+                                               AttemptStateName(row->state), row->problem));
+  }
+  auto result = (*store)->ResultOf(*id);
+  if (!result.ok()) return result.status();
+  auto text = (*store)->GetBlob(result->score_json);
+  if (!text.ok()) return text.status();
+  auto score = scoring::ScoreFromJson(AsText(*text));
+  if (!score.ok()) return score.status();
+  PrintTable(*row, *score, options);
+  if (options.json.empty()) return Status::Ok();
+  std::string facts = json::serialize(Facts(*row, *score, options.page_url)) + "\n";
+  return WriteFileDurably(options.json, AsBytes(facts));
+}
+
+}  // namespace enamel::server::app

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "common/base/result.h"
+
+namespace enamel::server::app {
+
+struct ReportOptions {
+  std::filesystem::path data;
+  std::string attempt;         // UUID text
+  int wait_s = 0;              // for a running server to score it
+  std::string page_url;        // printed as it is
+  std::filesystem::path json;  // the same facts as JSON; empty: none
+};
+
+// Prints a short table about a scored attempt: score and reasons, volumes, forces, trace, what was
+// lost. Errors: kNotFound; kUnavailable (not scored in time); kConflict (failed or quarantined,
+// with why).
+Status Report(const ReportOptions& options);
+
+}  // namespace enamel::server::app

@@ -1,0 +1,120 @@
+#include "server/app/seed.h"
+
+#include <algorithm>
+#include <boost/json/array.hpp>
+#include <boost/json/object.hpp>
+#include <boost/json/serialize.hpp>
+#include <iostream>
+
+#include "common/base/file.h"
+#include "server/app/data_folder.h"
+#include "server/app/publish.h"
+#include "server/auth/password.h"
+
+namespace enamel::server::app {
+namespace {
+
+namespace json = boost::json;
+
+struct DemoPerson {
+  const char* login;
+  const char* display_name;
+  Role role;
+  bool in_cohort;
+};
+
+constexpr DemoPerson kPeople[] = {
+    {"admin", "Demo admin", Role::kAdmin, false},
+    {"instructor", "Demo instructor", Role::kInstructor, true},
+    {"student1", "Demo student 1", Role::kStudent, true},
+    {"student2", "Demo student 2", Role::kStudent, true},
+};
+constexpr char kCohortName[] = "Demo cohort";
+constexpr char kMolarName[] = "molar-46";
+constexpr char kMolarSource[] = "builtin:molar";
+
+std::string DemoPassword(const char* login) { return std::string("enamel-demo-") + login; }
+
+Result<Uuid> EnsurePerson(Store& store, const DemoPerson& demo) {
+  auto found = store.PersonByLogin(demo.login);
+  if (found.ok()) return found->id;
+  if (found.status().code() != Code::kNotFound) return found.status();
+  auto verifier = auth::HashPassword(DemoPassword(demo.login));
+  if (!verifier.ok()) return verifier.status();
+  Person person;
+  person.login = demo.login;
+  person.display_name = demo.display_name;
+  person.role = demo.role;
+  return store.CreatePerson(person, *verifier, kCommandLine);
+}
+
+Result<Uuid> EnsureCohort(Store& store) {
+  auto cohorts = store.Cohorts();
+  if (!cohorts.ok()) return cohorts.status();
+  auto found = std::ranges::find(*cohorts, kCohortName, &Cohort::name);
+  if (found != cohorts->end()) return found->id;
+  return store.CreateCohort(kCohortName, kCommandLine);
+}
+
+// Building takes seconds: a molar that is there is taken as it is.
+Result<SceneRow> EnsureMolar(Store& store, int32_t voxel_nm) {
+  auto scenes = store.Scenes();
+  if (!scenes.ok()) return scenes.status();
+  auto found = std::ranges::find(*scenes, kMolarName, &SceneRow::name);
+  if (found != scenes->end()) return *found;
+  std::cout << "building the molar (once)" << std::endl;
+  return PublishScene(store, kMolarSource, voxel_nm);
+}
+
+json::object Facts(const ExerciseRow& exercise, bool has_reference) {
+  json::array people;
+  for (const DemoPerson& demo : kPeople) {
+    people.push_back(json::object{{"login", demo.login},
+                                  {"password", DemoPassword(demo.login)},
+                                  {"role", RoleName(demo.role)}});
+  }
+  return {{"exercise", exercise.name},
+          {"exercise_id", exercise.id.Text()},
+          {"exercise_version", exercise.version},
+          {"has_reference", has_reference},
+          {"cohort", kCohortName},
+          {"people", std::move(people)}};
+}
+
+}  // namespace
+
+Status SeedDemo(const SeedOptions& options) {
+  auto opened = OpenForCommand(options.data);
+  if (!opened.ok()) return opened.status();
+  Store& store = **opened;
+  if (auto identity = EnsureIdentity(options.data); !identity.ok()) return identity.status();
+
+  auto cohort = EnsureCohort(store);
+  if (!cohort.ok()) return cohort.status();
+  for (const DemoPerson& demo : kPeople) {
+    auto person = EnsurePerson(store, demo);
+    if (!person.ok()) return person.status();
+    if (demo.in_cohort) ENAMEL_RETURN_IF_ERROR(store.AddToCohort(*cohort, *person, kCommandLine));
+  }
+  ENAMEL_RETURN_IF_ERROR(PublishProfiles(store));
+  auto scene = EnsureMolar(store, options.voxel_um * 1000);
+  if (!scene.ok()) return scene.status();
+  auto exercise = PublishClassOne(store, *scene, *cohort);
+  if (exercise.ok() && !options.scene.empty()) {
+    scene = PublishScene(store, options.scene, options.voxel_um * 1000);
+    if (!scene.ok()) return scene.status();
+    exercise = PublishClassOne(store, *scene, *cohort);
+  }
+  if (!exercise.ok()) return exercise.status();
+  auto reference = store.ReferenceFor(exercise->id);
+  if (!reference.ok()) return reference.status();
+
+  std::cout << "demo data is there: exercise \"" << exercise->name << "\" version "
+            << exercise->version << "; its passwords are public, keep this server on loopback"
+            << std::endl;
+  if (options.json.empty()) return Status::Ok();
+  std::string text = json::serialize(Facts(*exercise, reference->has_value())) + "\n";
+  return WriteFileDurably(options.json, AsBytes(text));
+}
+
+}  // namespace enamel::server::app

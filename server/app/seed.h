@@ -1,0 +1,23 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "common/base/result.h"
+
+namespace enamel::server::app {
+
+struct SeedOptions {
+  std::filesystem::path data;
+  std::string scene;           // folder of an imported scene, offered besides the built-in molar
+  int32_t voxel_um = 50;       // of the built-in molar
+  std::filesystem::path json;  // facts as JSON; empty: none
+};
+
+// People admin, instructor, student1, student2 with the public passwords enamel-demo-<login>; a
+// cohort of the last three; the three device profiles; the built-in molar; its class I exercise for
+// the cohort. Idempotent: what is there stays (also changed passwords). Only for servers on
+// loopback.
+Status SeedDemo(const SeedOptions& options);
+
+}  // namespace enamel::server::app

@@ -1,0 +1,143 @@
+#include "server/app/serve.h"
+
+#include <spdlog/spdlog.h>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/signal_set.hpp>
+#include <chrono>
+#include <csignal>
+#include <future>
+#include <iostream>
+#include <thread>
+
+#include "common/net/frame_client.h"
+#include "server/app/data_folder.h"
+#include "server/http/http_server.h"
+#include "server/jobs/worker.h"
+#include "server/stations/station_server.h"
+#include "server/storage/sqlite_store.h"
+
+namespace enamel::server::app {
+namespace {
+
+namespace asio = boost::asio;
+
+// Longer than either server's own deadline for stopping.
+constexpr auto kStopWait = std::chrono::seconds(10);
+constexpr char kSoftware[] = "enamel-server 0.1.0";
+
+UnixMs SystemNow() {
+  return std::chrono::duration_cast<std::chrono::milliseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+Result<http::HttpOptions> HttpOptionsOf(const ServeOptions& options) {
+  auto endpoint = net::ParseEndpoint(options.http);
+  if (!endpoint.ok()) return endpoint.status();
+  http::HttpOptions out;
+  out.address = endpoint->host;
+  out.port = endpoint->port;
+  out.web_root = options.web;
+  out.host_names = options.host_names;
+  if (!options.http_certificate.empty()) {
+    out.tls = http::TlsFiles{options.http_certificate, options.http_key};
+  }
+  return out;
+}
+
+Result<stations::StationServerOptions> LinkOptionsOf(const ServeOptions& options,
+                                                     const ServerIdentity& identity) {
+  auto endpoint = net::ParseEndpoint(options.stations);
+  if (!endpoint.ok()) return endpoint.status();
+  stations::StationServerOptions out;
+  out.address = endpoint->host;
+  out.port = endpoint->port;
+  out.certificate = identity.certificate;
+  out.private_key = identity.private_key;
+  return out;
+}
+
+WorkerOptions JobOptions(const ServeOptions& options) {
+  WorkerOptions out;
+  out.threads = options.job_threads;
+  out.on_done = [](const JobRow& job, const Status& status) {
+    if (status.ok()) {
+      spdlog::info("job {} of attempt {} done", job.kind, job.attempt.Text());
+    } else {
+      spdlog::warn("job {} of attempt {}: {}", job.kind, job.attempt.Text(), status.message());
+    }
+  };
+  return out;
+}
+
+// Runs `io` on its threads until it is out of work; `stopping` becomes ready with the first signal.
+void RunUntilStopped(asio::io_context& io, int threads, std::future<void> stopping) {
+  auto ended = std::async(std::launch::async, [&] {
+    std::vector<std::jthread> runners;
+    for (int i = 0; i < threads; ++i) runners.emplace_back([&] { io.run(); });
+  });
+  stopping.wait();
+  if (ended.wait_for(kStopWait) != std::future_status::ready) {
+    spdlog::warn("some connections did not end in time; closing them");
+    io.stop();
+  }
+  ended.wait();
+}
+
+}  // namespace
+
+Status Serve(const ServeOptions& options) {
+  SqliteOptions store_options;
+  store_options.folder = options.data;
+  store_options.hold_lock = true;
+  auto opened = OpenSqliteStore(store_options);
+  if (!opened.ok()) return opened.status();
+  Store& store = **opened;
+  auto identity = EnsureIdentity(options.data);
+  if (!identity.ok()) return identity.status();
+  auto http_options = HttpOptionsOf(options);
+  if (!http_options.ok()) return http_options.status();
+  auto link_options = LinkOptionsOf(options, *identity);
+  if (!link_options.ok()) return link_options.status();
+
+  // First, so that it goes last: work still in a pool when the wait was cut short posts back to it.
+  asio::io_context io;
+  auth::Authenticator authenticator(store);
+  LiveBoard live;
+  stations::Content content(store);
+  stations::Services services{store,     authenticator, live, content, identity->ticket_key,
+                              kSoftware, SystemNow};
+  StorePool pool;
+  http::HttpServer page(io, *http_options, store, authenticator);
+  stations::StationServer link(io, *link_options, services, pool);
+  Worker worker(store, JobOptions(options));
+
+  auto page_port = page.Start();
+  if (!page_port.ok()) return page_port.status();
+  auto link_port = link.Start();
+  if (!link_port.ok()) return link_port.status();
+  worker.Start();
+
+  std::promise<void> stop_asked;
+  asio::signal_set signals(io, SIGINT, SIGTERM);
+  signals.async_wait([&](const boost::system::error_code&, int signal) {
+    spdlog::info("signal {}: finishing what is in progress", signal);
+    signals.clear();  // A second signal has its usual effect.
+    link.Stop();
+    page.Stop();
+    stop_asked.set_value();
+  });
+  net::Endpoint page_at{http_options->address, *page_port},
+      link_at{link_options->address, *link_port};
+  std::cout << "ready: page " << (http_options->tls ? "https://" : "http://") << page_at.Text()
+            << ", stations " << link_at.Text() << ", fingerprint " << identity->fingerprint.Hex()
+            << std::endl;
+
+  RunUntilStopped(io, options.io_threads, stop_asked.get_future());
+  worker.Stop();
+  spdlog::info("stopped");
+  return Status::Ok();
+}
+
+}  // namespace enamel::server::app

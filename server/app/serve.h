@@ -1,0 +1,27 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+
+namespace enamel::server::app {
+
+struct ServeOptions {
+  std::filesystem::path data;
+  std::string http = "127.0.0.1:8080";  // numeric address:port
+  std::string stations = "127.0.0.1:8443";
+  std::filesystem::path web;                         // the built page; empty: API only
+  std::filesystem::path http_certificate, http_key;  // both or none; needed beyond loopback
+  std::vector<std::string> host_names;  // the page may be asked for under; needed beyond loopback
+  int io_threads = 2;
+  int job_threads = 1;
+};
+
+// Runs until SIGINT or SIGTERM. Prints one line "ready …" to standard output when page and station
+// link listen. A first signal lets requests finish (at most some seconds), a second one ends at
+// once; neither loses anything that was acknowledged.
+Status Serve(const ServeOptions& options);
+
+}  // namespace enamel::server::app
