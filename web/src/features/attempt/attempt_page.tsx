@@ -49,15 +49,18 @@ export function AttemptPage({ client, person, id }: Props) {
         </div>
         {teacher && attempt.state === "scored" && <TeacherActions client={client} attempt={attempt} graded={graded} onChanged={reload} />}
       </div>
-      {attempt.state === "scored" ? <ScoredAttempt client={client} attempt={attempt} /> : <UnscoredAttempt attempt={attempt} />}
+      {attempt.state === "scored" ? <ScoredAttempt client={client} attempt={attempt} teacher={teacher} /> : <UnscoredAttempt attempt={attempt} />}
     </>
   );
 }
 
-function ScoredAttempt({ client, attempt }: { readonly client: Client; readonly attempt: AttemptDetail }) {
+function ScoredAttempt({ client, attempt, teacher }:
+                       { readonly client: Client; readonly attempt: AttemptDetail; readonly teacher: boolean }) {
   const { id } = attempt;
-  const score = useRequest(`${id} ${attempt.released}`, (signal) => client.score(id, signal));
-  const surface = useRequest(`${id} ${attempt.released}`, (signal) => client.surface(id, signal));
+  // Release changes what a student gets, not what a teacher gets.
+  const key = teacher ? id : `${id} ${attempt.released}`;
+  const score = useRequest(key, (signal) => client.score(id, signal));
+  const surface = useRequest(key, (signal) => client.surface(id, signal));
   const series = useRequest(id, (signal) => client.series(id, signal));
   const [cursor, setCursor] = useState<number>();   // undefined until first moved
   const scored = score.loaded.state === "ready" ? score.loaded.value : undefined;
