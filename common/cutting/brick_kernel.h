@@ -13,10 +13,11 @@ struct BrickFrame {
   float first[3], dx[3], dy[3], dz[3];
   float radius, half_length;
   bool sphere;
+  int32_t lowest;        // a lower bound of the brick's samples
 };
 
 struct BrickChange {
-  int32_t lowest = 0;    // smallest sample after the cut
+  int32_t lowest = 0;    // a lower bound of the samples after the cut; exact when no row was out of reach
   int64_t removed = 0;   // 1/65536 voxel
   bool changed = false;
 };

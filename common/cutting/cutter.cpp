@@ -125,6 +125,7 @@ bool Cutter::CutBrick(int brick, const ivec3& first, const dmat3& m, const dvec3
   int16_t* phi = volume_.MutablePhi(brick).phi.data();
   bool mixed = volume_.HasLabels(brick);
   std::array<int32_t, kBrickVoxels> gone;
+  frame.lowest = min_phi_[static_cast<size_t>(brick)];
   frame.sphere = bur_.shape == BurShape::kSphere;
   BrickChange change = kernel_(frame, phi, mixed ? gone.data() : nullptr);
   min_phi_[static_cast<size_t>(brick)] = static_cast<int16_t>(change.lowest);

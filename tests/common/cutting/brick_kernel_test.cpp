@@ -32,7 +32,8 @@ Case RandomCase(std::mt19937_64& random, bool sphere) {
     c.frame.dy[i] = static_cast<float>(m[i].y);
     c.frame.dz[i] = static_cast<float>(m[i].z);
   }
-  for (auto& p : c.phi) p = static_cast<int16_t>(random());
+  for (auto& p : c.phi) p = static_cast<int16_t>(random() % 5 ? random() : 32767);
+  c.frame.lowest = -32768;
   return c;
 }
 
