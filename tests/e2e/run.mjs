@@ -4,8 +4,7 @@
 // INSTRUCTOR_LOGIN, INSTRUCTOR_PASSWORD, ADMIN_LOGIN, ADMIN_PASSWORD; FOREIGN_ATTEMPT,
 // the id of an attempt that is not the student's): against that server.
 // Ends with 0 when all pass, 1 when one fails, 77 when there is no Chromium.
-import { mkdirSync, mkdtempSync } from "node:fs";
-import { tmpdir } from "node:os";
+import { mkdirSync } from "node:fs";
 import { join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { chromiumIsThere, launch } from "./browser.mjs";
@@ -58,7 +57,7 @@ if (!chromiumIsThere()) {
 
 const real = process.env.BASE_URL;
 const dist = option("--dist") ?? fileURLToPath(new URL("../../web/dist", import.meta.url));
-const pictures = option("--pictures") ?? mkdtempSync(join(tmpdir(), "enamel-e2e-"));
+const pictures = option("--pictures") ?? fileURLToPath(new URL("../../web/build/pictures", import.meta.url));
 mkdirSync(pictures, { recursive: true });
 const start = real === undefined
   ? async () => {

@@ -265,7 +265,7 @@ vec3 deviationColor() {
   float level = mm / ${kContourStepMm.toFixed(3)};
   float slope = fwidth(level);
   float line = abs(fract(level - 0.5) - 0.5) / max(slope, 1e-4);
-  float strength = 0.45 * step(0.5, abs(level)) * smoothstep(0.01, 0.04, slope) * (1.0 - smoothstep(0.4, 1.2, line));
+  float strength = 0.45 * step(0.5, abs(level)) * smoothstep(0.05, 0.14, slope) * (1.0 - smoothstep(0.4, 1.2, line));
   return color * (1.0 - strength);
 }`)
     .replace("#include <color_fragment>",

@@ -1,7 +1,7 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { Surface } from "../../api/surface";
 import { Disposables } from "../../base/disposables";
-import { formatSigned } from "../../base/format";
+import { formatNumber } from "../../base/format";
 import type { AngledView, CameraPreset, ColorMode, PointMm, SurfacePoint, ToothScene } from "./scene";
 import { tissueTitle } from "./tissue";
 
@@ -22,6 +22,7 @@ const kDirections: ReadonlyArray<readonly [string, PointMm]> = [
 ];
 const kKeyStepRad = Math.PI / 24;
 const kKeyZoom = 1.15;
+const kSameMm = 0.005;                          // shown as no deviation: rounds to zero
 const kLabelMarginPx = [38, 18] as const;       // half a label and a little air
 const kLabelMinShare = 0.12;                    // of the picture's height: shorter points at the viewer
 
@@ -135,5 +136,7 @@ function pickAt(event: PointerEvent, scene: ToothScene | undefined): SurfacePoin
 function pointText({ tissue, deviationMm }: SurfacePoint): string {
   if (deviationMm === undefined) return tissueTitle(tissue);
   if (Number.isNaN(deviationMm)) return `${tissueTitle(tissue)}, untouched`;
-  return `${tissueTitle(tissue)}, ${formatSigned(deviationMm)} mm ${deviationMm > 0 ? "more" : "less"} removed than the reference`;
+  const size = Math.abs(deviationMm);
+  if (size < kSameMm) return `${tissueTitle(tissue)}, as the reference`;
+  return `${tissueTitle(tissue)}, ${formatNumber(size)} mm ${deviationMm > 0 ? "more" : "less"} removed than in the reference`;
 }
