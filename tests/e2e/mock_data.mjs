@@ -25,7 +25,7 @@ function member({ id: personId, display_name, role }) {
 const rubric = [
   ["deviation_rms_mm", "Shape against the reference", "mm", 25, [[0.05, 1], [0.3, 0]]],
   ["wall_mesial_mm", "Mesial wall", "mm", 15, [[0.1, 1], [0.4, 0]]],
-  ["target_removed_percent", "Caries zone removed", "%", 20, [[80, 0], [98, 1]]],
+  ["target_removed_percent", "Target removed", "%", 20, [[80, 0], [98, 1]]],
   ["container_removed_mm3", "Sound tissue kept", "mm3", 20, [[0.1, 1], [3, 0]]],
   ["force_sent_p95_n", "Gentle force", "N", 10, [[1.5, 1], [3, 0]]],
   ["duration_s", "Time", "s", 10, [[120, 1], [300, 0]]],
@@ -52,7 +52,7 @@ function attempt(number, person, exerciseIndex, changes = {}) {
   return {
     id: id(number), person: { id: person.id, display_name: person.display_name }, exercise: { id: exerciseId, title },
     station: { id: id(30), name: "Station 1" }, profile: { name: "phantom_desktop", title: "Phantom Desktop" },
-    state: "scored", as_reference: false, is_reference: false, released: false, score: 83.4, critical_fail: false, progress: 1,
+    state: "scored", as_reference: false, is_reference: false, released: false, score: 80, critical_fail: false, progress: 1,
     ticketed_ms: kStartMs + number * 7 * kMinuteMs, sealed_ms: kStartMs + number * 7 * kMinuteMs + kMinuteMs, ticks: 42_180, gap_ticks: 0,
     chunks: 169, trace_bytes: 173_214, problem: "", ...changes,
   };
@@ -85,7 +85,7 @@ export function scoreOf(row) {
     return { name, title, value, unit, points: perfect ? max : points, max_points: max, reason };
   };
   return {
-    score: row.critical_fail ? 0 : perfect ? 100 : row.score ?? 83.4, critical_fail: row.critical_fail === true,
+    score: row.critical_fail ? 0 : perfect ? 100 : row.score ?? 80, critical_fail: row.critical_fail === true,
     criteria: [
       criterion(0, 0.098, 20.2, "The surface lies 0.098 mm (RMS) from the reference; full marks up to 0.05 mm, none from 0.3 mm."),
       criterion(1, 0.301, 4.9, "The mesial wall was cut 0.301 mm too far; full marks up to 0.1 mm, none from 0.4 mm."),
