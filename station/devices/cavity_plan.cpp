@@ -128,8 +128,7 @@ class Planner {
     }
     ring.gentle = true;
     ring.tolerance_m = 0.2e-3;
-    ring.max_passes = 5;
-    ring.first_lean_m = 15e-6;
+    ring.max_passes = 6;
     ring.outward.assign(ring.corners.size(), dvec3(0, 0, -1));
     ring.feed_m_per_s = kFinishFeed_m_per_s * options_.speed_ratio;
     ring.push_n = 0.8;
@@ -167,6 +166,12 @@ double HighestSolid_m(const cutting::Volume& volume, double x0, double x1, doubl
     }
   }
   return origin.z;
+}
+
+bool FitsInto(const BoxCut& box, const cutting::Bur& bur, const CavityPlanOptions& options) {
+  double width = std::min(box.distal_m + box.mesial_m, box.lingual_m + box.buccal_m);
+  return 0.5 * width - bur.radius_m > options.wall_stock_m &&
+         box.depth_m > options.floor_stock_m;
 }
 
 std::vector<Move> PlanCavity(const BoxCut& box, const cutting::Bur& bur,

@@ -39,7 +39,6 @@ struct FinishRing {
   double feed_m_per_s = 0;
   double push_n = 0;
   bool gentle = false;                // little left and all sides share it: lean more in small steps
-  double first_lean_m = 0;            // beyond the line in the first pass
   double tolerance_m = 1e-4;          // a corner is reached when the bur is this near
   double accuracy_m = 4e-6;           // a side is done where its depth was seen within this
   int max_passes = 9;
@@ -57,8 +56,11 @@ struct CavityPlanOptions {
   bool clockwise = false;          // direction of the rings
 };
 
+// Whether the bur goes into the box with room for the stock on both sides.
+bool FitsInto(const BoxCut& box, const cutting::Bur& bur, const CavityPlanOptions& options);
+
 // The plan for cutting `box` into `volume` with `bur`, upright. Layers in open air are left out.
-// Requires: the bur fits into the box with room for the stock on both sides.
+// Requires: FitsInto.
 std::vector<Move> PlanCavity(const BoxCut& box, const cutting::Bur& bur,
                              const cutting::Volume& volume, const CavityPlanOptions& options);
 

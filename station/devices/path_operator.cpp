@@ -17,17 +17,15 @@ constexpr double kStall_s = 1.5;             // no nearer for so long: he goes o
 constexpr double kRingStall_s = 0.35;
 constexpr double kStallStep_m = 10e-6;
 constexpr double kBin_m = 0.2e-3;            // length of a side that is judged and pressed as one
-constexpr double kLightTouch_m = 50e-6;      // lean that only just overcomes the device's friction
 constexpr double kMaxStretch_m = 1.2e-3;
 constexpr double kFirstYield = 0.08;         // share of the lean a pass takes, before he knows better
 constexpr double kAim = 0.7;                 // of what is left, to be taken in one pass
 constexpr double kGoodEnough = 0.08;         // share of the bins that may be left
-constexpr double kGentle_m = 15e-6;          // more lean per pass, at most
+constexpr double kGentle = 0.3;              // of a light touch: more lean per pass, at most
 constexpr double kNoGain_m = 5e-6;           // of all bins of a pass together: pressing on is no use
 constexpr double kLinger = 0.3;              // of the feed
 constexpr double kMaxLinger_m = 150e-6;      // with more lean he would dig in
 constexpr double kMaxSlope_m = 120e-6;       // of the lean, per bin
-constexpr double kBackOff_m = 25e-6;         // from where it is done
 
 dvec3 Limited(const dvec3& v, double limit) noexcept {
   double length = std::sqrt(Dot(v, v));
@@ -95,13 +93,15 @@ HandDrive PathOperator::Act(const dvec3& hand_m, const dvec3& bur_m, double tick
                         std::max(there, 0.0) + kMinLead_m + on * leg_.lead,
                         leg_.length + kPress * std::max(0.0, leg_.length - there)});
     lean_ = Limited(lean_ + beside * (params_.lean_rate_per_s * tick_s), params_.max_lean_m);
-    equilibrium_ = leg_.from + leg_.along * carrot_ + lean_ + beside * kReach + leg_.learnt_axis * (leg_.learnt_axis == dvec3(0) ? 0 : LearntLean(there));
+    equilibrium_ = leg_.from + leg_.along * carrot_ + lean_ + beside * kReach;
+    if (leg_.learnt_axis != dvec3(0)) equilibrium_ += leg_.learnt_axis * LearntLean(there);
     const auto* ring = std::get_if<FinishRing>(&plan_[move_]);
     if (ring && leg_.learnt_axis != dvec3(0)) WatchSide(*ring, seen);
     double left = leg_.length - Dot(seen - leg_.from, leg_.along);
     stalled_s_ = left < best_ - kStallStep_m ? 0 : stalled_s_ + tick_s;
     best_ = std::min(best_, stalled_s_ == 0 ? left : best_);
-    if (leg_.length - there < leg_.tolerance && left < 3 * leg_.tolerance || stalled_s_ > (leg_.learnt_axis == dvec3(0) ? kStall_s : kRingStall_s)) NextLeg();
+    bool arrived = leg_.length - there < leg_.tolerance && left < 3 * leg_.tolerance;
+    if (arrived || stalled_s_ > (leg_.learnt_axis == dvec3(0) ? kStall_s : kRingStall_s)) NextLeg();
   }
   dvec3 tremor = Tremor(tick_s);
   hand.equilibrium_m = equilibrium_ + tremor;
@@ -155,7 +155,7 @@ void PathOperator::NextMove() noexcept {
   sides_.fill(Side{});
   for (Side& side : sides_) {
     side.yield = kFirstYield;
-    for (Bin& bin : side.bins) bin.lean = ring.first_lean_m;
+    for (Bin& bin : side.bins) bin.lean = ring.gentle ? kGentle * params_.light_touch_m : 0;
   }
   pass_ = idle_passes_ = 0;
   Stroke like;
@@ -198,7 +198,7 @@ size_t PathOperator::BinCount() const noexcept {
 
 double PathOperator::LearntLean(double along_m) const noexcept {
   const Side& side = sides_[side_];
-  if (carrot_ >= leg_.length) return -kBackOff_m;   // arriving: he no longer presses sideways
+  if (carrot_ >= leg_.length) return -params_.back_off_m;   // arriving: he no longer presses sideways
   size_t n = BinCount();
   double at = std::clamp(FromCorner(along_m) / leg_.length * static_cast<double>(n) - 0.5, 0.0,
                          static_cast<double>(n - 1));
@@ -255,7 +255,7 @@ size_t PathOperator::LearnSide(Side& side, double accuracy_m, bool gentle) noexc
     Bin& bin = side.bins[b];
     if (bin.count == 0) continue;
     double depth = bin.sum / bin.count;
-    double stretch = bin.lean - bin.deepest - kLightTouch_m;
+    double stretch = bin.lean - bin.deepest - params_.light_touch_m;
     if (bin.seen && bin.deepest < -accuracy_m && stretch > 0) {
       gained += std::max(0.0, depth - bin.deepest);
       pressed += stretch;
@@ -276,12 +276,12 @@ size_t PathOperator::LearnSide(Side& side, double accuracy_m, bool gentle) noexc
     double left = -bin.deepest;
     if (!bin.seen) continue;
     if (left < accuracy_m) {
-      bin.lean = -kBackOff_m;
+      bin.lean = -params_.back_off_m;
       continue;
     }
     ++undone;
-    bin.lean = gentle ? bin.lean + std::min(kAim * left, kGentle_m)
-                      : std::min(kLightTouch_m + kAim * left / side.yield, kMaxStretch_m) - left;
+    bin.lean = gentle ? bin.lean + std::min(kAim * left, kGentle * params_.light_touch_m)
+                      : std::min(params_.light_touch_m + kAim * left / side.yield, kMaxStretch_m) - left;
   }
   SmoothLeans(side);
   return undone;

@@ -18,6 +18,8 @@ struct HandParams {
   double eye_delay_s = 0.150;         // from the picture to the hand
   double lean_rate_per_s = 1.5;       // slow correction of what he sees beside the line
   double max_lean_m = 0.15e-3;
+  double light_touch_m = 50e-6;       // lean that only just overcomes the device's friction
+  double back_off_m = 25e-6;          // from where a wall is done
   double tremor_m = 8e-6;             // rms per axis of an 8 to 12 Hz tremor; 0: none
   uint64_t seed = 1;                  // of the tremor
 };

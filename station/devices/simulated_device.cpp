@@ -42,6 +42,7 @@ DeviceSample SimulatedDevice::ReadSample() noexcept {
     sample.buttons |= kPedal;
     sample.bur_speed_krpm = kTurbineSpeed_krpm;
   }
+  progress_.store(operator_->Progress(), std::memory_order_relaxed);
   if (hand.finished) sample.buttons |= kFinish;
   return sample;
 }

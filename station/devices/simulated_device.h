@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <memory>
 
 #include "station/devices/device.h"
@@ -41,13 +42,15 @@ class SimulatedDevice final : public Device {
   // The true tip, which no real device tells.
   const dvec3& position_m() const noexcept { return x_; }
   const dvec3& velocity_m_per_s() const noexcept { return v_; }
-  const SimulatedOperator& simulated_operator() const noexcept { return *operator_; }
+  // Share of the operator's plan done, 0..1. From any thread.
+  double progress() const noexcept { return progress_.load(std::memory_order_relaxed); }
 
  private:
   void Substep(const HandDrive& hand, const dvec3& equilibrium_m, double dt) noexcept;
 
   const PlantParams params_;
   std::unique_ptr<SimulatedOperator> operator_;
+  std::atomic<double> progress_{0};
   dvec3 x_{0}, v_{0}, motor_n_{0}, bur_m_{0};
 };
 

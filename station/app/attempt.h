@@ -1,0 +1,40 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "common/base/result.h"
+#include "common/base/uuid.h"
+
+namespace enamel::station {
+
+struct RunOptions {
+  std::filesystem::path data;
+  std::string exercise, profile, login, password;
+  std::string operator_name = "student";
+  uint64_t seed = 0;              // of the operator's tremor; 0: the operator's own
+  bool lockstep = false;
+  bool window = false;
+  std::filesystem::path screenshot;
+  std::filesystem::path json;
+  bool as_reference = false;
+  bool quiet = false;             // no progress line
+};
+
+// How an attempt ended when nothing was lost.
+struct AttemptResult {
+  Uuid attempt;
+  bool uploaded = false;          // sealed and durable on the server
+  std::string not_uploaded_because;
+};
+
+// One attempt from sign-in to the last acknowledgement: fetches what it needs, runs the tick loop,
+// the recorder and the uplink on threads of their own, shows progress, ends with the seal. An
+// interrupt (SIGINT, SIGTERM) ends the attempt properly: what was done is sealed and sent.
+//
+// Errors: everything before the first tick (not enrolled, server not reachable, wrong password,
+// unknown exercise, profile or operator, no display), and a spool that cannot be written. After the
+// first tick an unreachable server is no error: see AttemptResult.
+Result<AttemptResult> RunAttempt(const RunOptions& options);
+
+}  // namespace enamel::station

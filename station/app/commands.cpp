@@ -1,0 +1,299 @@
+#include "station/app/commands.h"
+
+#include <algorithm>
+#include <boost/json.hpp>
+#include <cmath>
+#include <cstdio>
+
+#include "common/base/file.h"
+#include "common/scene/builtin.h"
+#include "common/scene/json.h"
+#include "common/scene/volume_blob.h"
+#include "common/trace/replay.h"
+#include "station/app/simulate.h"
+#include "station/devices/operators.h"
+#include "station/spool/spool.h"
+#include "station/uplink/uploader.h"
+#ifdef ENAMEL_HAVE_IMPORT
+#include "common/import/scene_folder.h"
+#endif
+
+namespace enamel::station {
+namespace {
+
+namespace fs = std::filesystem;
+using unsigned_ll = unsigned long long;
+
+const char* StateOf(const SpooledAttempt& a) {
+  if (!a.refused.empty()) return "refused";
+  if (a.complete()) return "uploaded";
+  return a.seal ? "waiting" : "unfinished";
+}
+
+Status WriteJson(const fs::path& file, const boost::json::object& object) {
+  if (file.empty()) return Status::Ok();
+  return WriteFileDurably(file, AsBytes(boost::json::serialize(object) + "\n"));
+}
+
+const scene::DeviceProfile* FindProfile(const std::vector<scene::DeviceProfile>& all,
+                                        const std::string& name) {
+  auto it = std::find_if(all.begin(), all.end(), [&](const auto& p) { return p.name == name; });
+  return it == all.end() ? nullptr : &*it;
+}
+
+Result<scene::BuiltScene> LoadScene(const std::string& source, int voxel_um) {
+  constexpr std::string_view kBuiltin = "builtin:";
+  if (source.starts_with(kBuiltin)) {
+    return scene::BuildBuiltinScene(source.substr(kBuiltin.size()), voxel_um * 1000);
+  }
+#ifdef ENAMEL_HAVE_IMPORT
+  auto folder = import::LoadSceneFolder(source);
+  if (!folder.ok()) return folder.status();
+  return scene::BuiltScene{std::move(folder->scene), std::move(folder->volume)};
+#else
+  return Status(Code::kNotFound, "no scene '" + source + "': this build knows builtin:molar and builtin:block");
+#endif
+}
+
+}  // namespace
+
+Status EnrolStation(const EnrolOptions& options) {
+  auto server = net::ParseEndpoint(options.server);
+  if (!server.ok()) return server.status();
+  auto code = ParseEnrolCode(options.code);
+  if (!code.ok()) return code.status();
+  if (fs::exists(options.data / "station.json")) {
+    return Status(Code::kConflict, (options.data / "station.json").string() +
+                                       " exists: this station is enrolled already. Its recordings "
+                                       "are signed with that key: upload them before you move it away");
+  }
+  auto credentials = ServerLink::Enrol(*server, *code, options.name);
+  if (!credentials.ok()) return credentials.status();
+  ENAMEL_RETURN_IF_ERROR(SaveCredentials(options.data, *credentials));
+  std::printf("enrolled as station %s (%s) at %s\n", credentials->name.c_str(),
+              credentials->station.Text().c_str(), credentials->server.Text().c_str());
+  return Status::Ok();
+}
+
+Status UploadSpool(const fs::path& data) {
+  auto credentials = LoadCredentials(data);
+  if (!credentials.ok()) return credentials.status();
+  auto spool = Spool::Open(data);
+  if (!spool.ok()) return spool.status();
+  auto attempts = (*spool)->List();
+  if (!attempts.ok()) return attempts.status();
+  ServerLink link;
+  Status worst;
+  int sent = 0;
+  for (const SpooledAttempt& attempt : *attempts) {
+    if (attempt.complete() || !attempt.refused.empty()) continue;
+    if (!link.connected()) ENAMEL_RETURN_IF_ERROR(link.Connect(*credentials));
+    Status status = UploadAttempt(link, **spool, attempt.id);
+    if (!status.ok() && IsTransient(status)) return status;
+    auto after = (*spool)->Get(attempt.id);
+    if (!after.ok()) return after.status();
+    std::printf("%s  %s  %u of %u chunks  %s\n", attempt.id.Text().c_str(), StateOf(*after),
+                after->committed, after->chunks, status.message().c_str());
+    if (!status.ok()) worst = status;
+    ++sent;
+  }
+  if (sent == 0) std::printf("nothing to upload\n");
+  return worst;
+}
+
+Status ListSpool(const fs::path& data) {
+  auto spool = Spool::Open(data);
+  if (!spool.ok()) return spool.status();
+  auto attempts = (*spool)->List();
+  if (!attempts.ok()) return attempts.status();
+  if (attempts->empty()) std::printf("the spool %s is empty\n", (*spool)->file().c_str());
+  for (const SpooledAttempt& a : *attempts) {
+    std::printf("%s  %-10s  %s on %s  %llu ticks  %u of %u chunks on the server  %.1f kB%s%s\n",
+                a.id.Text().c_str(), StateOf(a), a.exercise.c_str(), a.profile.c_str(),
+                static_cast<unsigned_ll>(a.ticks), a.committed, a.chunks,
+                static_cast<double>(a.bytes) / 1000, a.refused.empty() ? "" : ": ", a.refused.c_str());
+  }
+  return Status::Ok();
+}
+
+Status VerifySpool(const fs::path& data) {
+  auto spool = Spool::Open(data);
+  if (!spool.ok()) return spool.status();
+  std::optional<trace::PublicKey> key;
+  if (auto credentials = LoadCredentials(data); credentials.ok()) key = credentials->public_key();
+  auto verdicts = (*spool)->Verify(key);
+  if (!verdicts.ok()) return verdicts.status();
+  Status worst;
+  for (const SpoolVerdict& v : *verdicts) {
+    std::printf("%s  %s\n", v.attempt.id.Text().c_str(),
+                v.status.ok() ? "whole" : v.status.message().c_str());
+    if (!v.status.ok()) {
+      worst = Status(v.status.code(), "attempt " + v.attempt.id.Text() + ": " + v.status.message());
+    }
+  }
+  if (worst.ok()) {
+    std::printf("%zu attempts: chains%s and seals are right\n", verdicts->size(),
+                key ? ", signatures" : "");
+  }
+  return worst;
+}
+
+Status ExportFromSpool(const fs::path& data, const std::string& attempt, const fs::path& out) {
+  auto id = Uuid::Parse(attempt);
+  if (!id.ok()) return id.status();
+  auto spool = Spool::Open(data);
+  if (!spool.ok()) return spool.status();
+  auto file = (*spool)->Export(*id);
+  if (!file.ok()) return file.status();
+  Bytes bytes = trace::EncodeTraceFile(*file);
+  ENAMEL_RETURN_IF_ERROR(WriteFileDurably(out, bytes, 0600));
+  std::printf("%s: %zu chunks, %zu bytes%s\n", out.c_str(), file->chunks.size(), bytes.size(),
+              file->seal ? ", sealed" : ", not sealed");
+  return Status::Ok();
+}
+
+Status ReplayTrace(const ReplayOptions& options) {
+  auto bytes = ReadFile(options.trace);
+  if (!bytes.ok()) return bytes.status();
+  auto file = trace::DecodeTraceFile(*bytes);
+  if (!file.ok()) return file.status();
+  auto header = trace::DecodeHeader(file->header);
+  if (!header.ok()) return header.status();
+  std::optional<Bytes> blob;
+  if (!options.volume.empty()) {
+    auto read = ReadFile(options.volume);
+    if (!read.ok()) return read.status();
+    if (HashSha256(*read) != header->volume) {
+      return Status(Code::kConflict, options.volume.string() + " is not the volume this recording "
+                                                               "began with (" +
+                                         header->volume.Hex() + ")");
+    }
+    blob = std::move(*read);
+  } else {
+    blob = BlobCache(options.data / "blobs").Find(header->volume);
+  }
+  if (!blob) {
+    return Status(Code::kNotFound, "the volume " + header->volume.Hex() + " is not in " +
+                                       (options.data / "blobs").string() +
+                                       ": name its file with --volume");
+  }
+  auto volume = scene::DecodeVolume(*blob);
+  if (!volume.ok()) return volume.status();
+  double voxel_m = volume->spec().voxel_m();
+  core::Core core(header->params, std::move(*volume));
+  auto report = trace::Replay(core, *header, file->chunks);
+  if (!report.ok()) return report.status();
+  double factor = report->seconds > 0 ? static_cast<double>(report->ticks) /
+                                            header->params.rate_hz / report->seconds
+                                      : 0;
+  auto removed = Removed_mm3(core.removed(), voxel_m);
+  double sum = 0;
+  for (double r : removed) sum += r;
+  std::printf("attempt %s: %llu ticks in %u chunks, %llu ticks of gaps%s\n",
+              header->ticket.attempt.Text().c_str(), static_cast<unsigned_ll>(report->ticks),
+              report->chunks, static_cast<unsigned_ll>(report->gap_ticks),
+              file->truncated ? ", file cut short" : "");
+  std::printf("removed %.3f mm3, state hash %016llx, %.0f x real time\n", sum,
+              static_cast<unsigned_ll>(report->state_hash), factor);
+  ENAMEL_RETURN_IF_ERROR(WriteJson(options.json, {{"attempt_id", header->ticket.attempt.Text()},
+                                                  {"ticks", report->ticks},
+                                                  {"chunks", report->chunks},
+                                                  {"gap_ticks", report->gap_ticks},
+                                                  {"witness_ok", report->witness_ok},
+                                                  {"removed_mm3", sum},
+                                                  {"state_hash", report->state_hash},
+                                                  {"realtime_factor", factor}}));
+  if (!report->witness_ok) {
+    return Status(Code::kConflict, "the recording disagrees with the core at tick " +
+                                       std::to_string(report->first_bad_tick) + " of chunk " +
+                                       std::to_string(report->first_bad_chunk) + " (" + report->what + ")");
+  }
+  std::printf("every tick agrees with the core\n");
+  return Status::Ok();
+}
+
+Status ImportMesh(const ImportCommand& options) {
+#ifdef ENAMEL_HAVE_IMPORT
+  import::ImportOptions import_options;
+  import_options.unit = options.unit;
+  import_options.up = options.up;
+  import_options.voxel_nm = options.voxel_um * 1000;
+  auto imported = import::ImportTooth(options.file, import_options);
+  if (!imported.ok()) return imported.status();
+  ENAMEL_RETURN_IF_ERROR(import::WriteSceneFolder(options.out, *imported));
+  for (const std::string& line : imported->report) std::printf("%s\n", line.c_str());
+  std::printf("scene '%s' written to %s\n", imported->scene.name.c_str(), options.out.c_str());
+  return Status::Ok();
+#else
+  (void)options;
+  return Status(Code::kUnavailable, "this enamel-station was built without mesh import");
+#endif
+}
+
+Status SimulateAttempt(const SimulateCommand& options) {
+  auto built = LoadScene(options.scene, options.voxel_um);
+  if (!built.ok()) return built.status();
+  std::vector<scene::DeviceProfile> profiles = scene::BuiltinProfiles();
+  const scene::DeviceProfile* profile = FindProfile(profiles, options.profile);
+  if (profile == nullptr) {
+    return Status(Code::kNotFound, "no device profile '" + options.profile +
+                                       "': 'enamel-station profiles' shows those there are", "profile");
+  }
+  scene::Exercise exercise = scene::ClassOneExercise(
+      built->scene, HashSha256(AsBytes(scene::ToJson(built->scene))));
+  auto report = Simulate(*built, exercise, *profile, options.operator_name, options.seed);
+  if (!report.ok()) return report.status();
+  double rate = exercise.rate_hz;
+  std::printf("%s cuts '%s' on %s: %llu ticks (%.0f s), computed in %.1f s\n",
+              options.operator_name.c_str(), built->scene.name.c_str(), profile->name.c_str(),
+              static_cast<unsigned_ll>(report->ticks), static_cast<double>(report->ticks) / rate,
+              report->seconds);
+  std::printf("force sent: median %.2f N, 95 %% %.2f N, peak %.2f N; bounded in %llu ticks\n",
+              report->force_p50_n, report->force_p95_n, report->force_max_n,
+              static_cast<unsigned_ll>(report->bounded_ticks));
+  boost::json::object removed, planes;
+  for (size_t t = 1; t < report->removed_mm3.size(); ++t) {
+    if (report->removed_mm3[t] <= 0) continue;
+    std::printf("removed %-9s %8.3f mm3\n", std::string(cutting::kTissueNames[t]).c_str(),
+                report->removed_mm3[t]);
+    removed[std::string(cutting::kTissueNames[t])] = report->removed_mm3[t];
+  }
+  std::printf("plane      median    mean     rms   um beyond the exercise's box\n");
+  for (const PlaneError& p : report->planes) {
+    std::printf("%-8s %+8.1f %+7.1f %7.1f\n", p.name.c_str(), p.median_um, p.mean_um, p.rms_um);
+    planes[p.name] = p.median_um;
+  }
+  return WriteJson(options.json, {{"ticks", report->ticks},
+                                  {"force_p95_n", report->force_p95_n},
+                                  {"force_max_n", report->force_max_n},
+                                  {"state_hash", report->state_hash},
+                                  {"removed_mm3", removed},
+                                  {"plane_median_um", planes}});
+}
+
+void PrintDevices() {
+  std::printf("simulated  always there; held by one of:\n");
+  for (const OperatorPreset& p : OperatorPresets()) {
+    std::printf("  %-20s %s\n", std::string(p.name).c_str(), std::string(p.summary).c_str());
+  }
+}
+
+void PrintProfiles() {
+  for (const scene::DeviceProfile& p : scene::BuiltinProfiles()) {
+    std::printf("%s (%s)\n", p.name.c_str(), p.title.c_str());
+    auto line = [](const char* what, const scene::Sourced& n, double unit, const char* name) {
+      std::printf("  %-22s %10.4g %-8s %s\n", what, static_cast<double>(n.value) * unit, name, n.source.c_str());
+    };
+    line("resolution", p.resolution_nm, 1e-3, "um");
+    line("coupling Kc", p.coupling_mn_per_mm, 1e-3, "N/mm");
+    line("maximum stiffness K", p.max_stiffness_mn_per_mm, 1e-3, "N/mm");
+    line("damping b", p.damping_mn_s_per_m, 1e-3, "N s/m");
+    line("friction c", p.friction_mn, 1e-3, "N");
+    line("mass", p.mass_g, 1, "g");
+    line("peak force", p.peak_force_mn, 1e-3, "N");
+    line("continuous force", p.continuous_force_mn, 1e-3, "N");
+    line("rate", p.rate_hz, 1, "Hz");
+  }
+}
+
+}  // namespace enamel::station

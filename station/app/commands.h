@@ -1,0 +1,54 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "common/base/result.h"
+
+// What the subcommands of enamel-station do, apart from running an attempt (attempt.h). They print
+// to standard output and return the first thing that went wrong.
+namespace enamel::station {
+
+struct EnrolOptions {
+  std::filesystem::path data;
+  std::string server, code, name;
+};
+Status EnrolStation(const EnrolOptions& options);
+
+// Sends what is in the spool and not yet on the server. Errors: kUnavailable when it is not
+// reachable; the worst refusal when the server will not have some of it.
+Status UploadSpool(const std::filesystem::path& data);
+
+Status ListSpool(const std::filesystem::path& data);
+Status VerifySpool(const std::filesystem::path& data);
+Status ExportFromSpool(const std::filesystem::path& data, const std::string& attempt,
+                       const std::filesystem::path& out);
+
+// Re-runs the core on an exported recording and compares every tick's witness. The volume comes
+// from the station's cache, or from a file.
+struct ReplayOptions {
+  std::filesystem::path data, trace, volume, json;
+};
+Status ReplayTrace(const ReplayOptions& options);
+
+struct ImportCommand {
+  std::filesystem::path file, out;
+  std::string unit = "mm", up = "auto";
+  int voxel_um = 50;
+};
+Status ImportMesh(const ImportCommand& options);
+
+struct SimulateCommand {
+  std::string scene = "builtin:molar";    // or a folder written by import
+  std::string profile = "phantom_desktop";
+  std::string operator_name = "dentist";
+  int voxel_um = 50;
+  uint64_t seed = 0;
+  std::filesystem::path json;
+};
+Status SimulateAttempt(const SimulateCommand& options);
+
+void PrintDevices();
+void PrintProfiles();
+
+}  // namespace enamel::station

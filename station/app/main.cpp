@@ -1,0 +1,171 @@
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <cstdlib>
+#include <iostream>
+#include <string>
+
+#include "station/app/attempt.h"
+#include "station/app/commands.h"
+
+namespace {
+
+using namespace enamel;
+using namespace enamel::station;
+
+// Exit codes; 2 is for a command line that cannot be understood.
+constexpr int kFailed = 1, kUsage = 2, kNotUploaded = 3;
+
+constexpr char kFooter[] = R"(A first attempt, with a server on the same machine:
+  enamel-server admin enrol-code --data SERVER_DATA        # prints CODE@FINGERPRINT
+  enamel-station enrol --server 127.0.0.1:7443 --code CODE@FINGERPRINT
+  ENAMEL_PASSWORD=... enamel-station run --user LOGIN \
+      --exercise NAME --profile phantom_desktop --operator student
+Without any server:
+  enamel-station simulate --profile phantom_desktop --operator dentist
+What was recorded while the server was away is sent by:
+  enamel-station upload
+Exit codes: 0 done, 1 failed (the reason is on standard error), 2 wrong command line,
+3 recorded and safe on this station, but not on the server yet.)";
+
+std::string DefaultData() {
+  if (const char* set = std::getenv("ENAMEL_STATION_DATA")) return set;
+  if (const char* home = std::getenv("HOME")) return std::string(home) + "/.local/share/enamel-station";
+  return "enamel-station-data";
+}
+
+std::string HostName() {
+  char name[256] = {};
+  return ::gethostname(name, sizeof name - 1) == 0 && name[0] != 0 ? name : "station";
+}
+
+int Finish(const Status& status) {
+  if (status.ok()) return 0;
+  std::fflush(stdout);
+  std::cerr << "enamel-station: " << status.message() << '\n';
+  return kFailed;
+}
+
+int Run(RunOptions& options, bool password_stdin) {
+  if (password_stdin) {
+    std::getline(std::cin, options.password);
+  } else if (const char* set = std::getenv("ENAMEL_PASSWORD")) {
+    options.password = set;
+  } else {
+    return Finish(Status(Code::kInvalidInput, "no password: set ENAMEL_PASSWORD, or use "
+                                              "--password-stdin and write it there"));
+  }
+  auto result = RunAttempt(options);
+  if (!result.ok()) return Finish(result.status());
+  std::printf("attempt %s\n", result->attempt.Text().c_str());
+  if (result->uploaded) return 0;
+  std::cerr << "enamel-station: recorded and safe in " << options.data.string()
+            << ", but not on the server yet (" << result->not_uploaded_because
+            << "). Run 'enamel-station upload' later: nothing is lost\n";
+  return kNotUploaded;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("enamel-station: cut virtual teeth; every tick is recorded and sent to the server.");
+  app.footer(kFooter);
+  app.require_subcommand(1);
+  app.set_version_flag("--version", "enamel-station " ENAMEL_VERSION);
+  int exit_code = 0;
+  std::string data = DefaultData();
+  auto with_data = [&](CLI::App* command) {
+    command->add_option("--data", data, "Folder for credentials, spool and cache (also ENAMEL_STATION_DATA)")
+        ->capture_default_str();
+    return command;
+  };
+
+  EnrolOptions enrol;
+  enrol.name = HostName();
+  auto* enrol_cmd = with_data(app.add_subcommand("enrol", "Make this machine a station of a server (once)"));
+  enrol_cmd->add_option("--server", enrol.server, "HOST:PORT of its station link")->required();
+  enrol_cmd->add_option("--code", enrol.code, "CODE@FINGERPRINT from 'enamel-server admin enrol-code'")->required();
+  enrol_cmd->add_option("--name", enrol.name, "What to call this station")->capture_default_str();
+  enrol_cmd->callback([&] {
+    enrol.data = data;
+    exit_code = Finish(EnrolStation(enrol));
+  });
+
+  RunOptions run;
+  bool password_stdin = false;
+  auto* run_cmd = with_data(app.add_subcommand("run", "Make an attempt at an exercise"));
+  run_cmd->add_option("--exercise", run.exercise, "Name of the exercise")->required();
+  run_cmd->add_option("--profile", run.profile, "Name of the device profile")->required();
+  run_cmd->add_option("--user", run.login, "Login of the person at this station")->required();
+  run_cmd->add_flag("--password-stdin", password_stdin, "Read the password from standard input (else ENAMEL_PASSWORD)");
+  run_cmd->add_option("--operator", run.operator_name, "Who holds the simulated device ('devices' lists them)")->capture_default_str();
+  run_cmd->add_option("--seed", run.seed, "Of the operator's tremor; 0: his own")->capture_default_str();
+  run_cmd->add_flag("--lockstep", run.lockstep, "As fast as the machine can instead of 1 kHz");
+  run_cmd->add_flag("--window", run.window, "Show the tooth being cut");
+  run_cmd->add_option("--screenshot", run.screenshot, "Write the last picture as PNG");
+  run_cmd->add_option("--json", run.json, "Write the facts of the attempt to this file");
+  run_cmd->add_flag("--as-reference", run.as_reference, "Meant as a reference cut (instructors)");
+  run_cmd->add_flag("--quiet", run.quiet, "No progress");
+  run_cmd->callback([&] {
+    run.data = data;
+    exit_code = Run(run, password_stdin);
+  });
+
+  auto* upload_cmd = with_data(app.add_subcommand("upload", "Send what is recorded here and not yet on the server"));
+  upload_cmd->callback([&] { exit_code = Finish(UploadSpool(data)); });
+
+  auto* spool_cmd = app.add_subcommand("spool", "Recordings on this station");
+  spool_cmd->require_subcommand(1);
+  with_data(spool_cmd->add_subcommand("list", "What is there, and what of it is on the server"))
+      ->callback([&] { exit_code = Finish(ListSpool(data)); });
+  with_data(spool_cmd->add_subcommand("verify", "Check pages, chains, signatures and seals"))
+      ->callback([&] { exit_code = Finish(VerifySpool(data)); });
+  std::string attempt, out;
+  auto* export_cmd = with_data(spool_cmd->add_subcommand("export", "Write one recording to a file"));
+  export_cmd->add_option("attempt", attempt, "Its id, as 'spool list' prints it")->required();
+  export_cmd->add_option("--out", out, "File to write")->required();
+  export_cmd->callback([&] { exit_code = Finish(ExportFromSpool(data, attempt, out)); });
+
+  ReplayOptions replay;
+  auto* replay_cmd = with_data(app.add_subcommand("replay", "Re-run the core on an exported recording and compare"));
+  replay_cmd->add_option("trace", replay.trace, "File from 'spool export'")->required();
+  replay_cmd->add_option("--volume", replay.volume, "The tooth it began with, when it is not in the cache");
+  replay_cmd->add_option("--json", replay.json, "Write what was found to this file");
+  replay_cmd->callback([&] {
+    replay.data = data;
+    exit_code = Finish(ReplayTrace(replay));
+  });
+
+  ImportCommand import;
+  auto* import_cmd = app.add_subcommand("import", "Make a scene of a real crown (STL, PLY, OBJ)");
+  import_cmd->add_option("file", import.file, "Mesh")->required();
+  import_cmd->add_option("--unit", import.unit, "Of its coordinates: mm, um, cm, m, inch")->required();
+  import_cmd->add_option("--out", import.out, "Folder for the scene")->required();
+  import_cmd->add_option("--voxel-um", import.voxel_um, "Edge of a voxel")->check(CLI::Range(10, 500))->capture_default_str();
+  import_cmd->add_option("--up", import.up, "Occlusal direction in the file: +x … -z, or auto")->capture_default_str();
+  import_cmd->callback([&] { exit_code = Finish(ImportMesh(import)); });
+
+  SimulateCommand simulate;
+  auto* simulate_cmd = app.add_subcommand("simulate", "An attempt without any server: walls, forces, ticks");
+  simulate_cmd->add_option("--scene", simulate.scene, "builtin:molar, builtin:block, or an imported scene's folder")->capture_default_str();
+  simulate_cmd->add_option("--profile", simulate.profile, "Device profile")->capture_default_str();
+  simulate_cmd->add_option("--operator", simulate.operator_name, "Who holds the device")->capture_default_str();
+  simulate_cmd->add_option("--voxel-um", simulate.voxel_um, "Voxel of a built-in scene")->capture_default_str();
+  simulate_cmd->add_option("--seed", simulate.seed, "Of the tremor; 0: the operator's own")->capture_default_str();
+  simulate_cmd->add_option("--json", simulate.json, "Write the facts to this file");
+  simulate_cmd->callback([&] { exit_code = Finish(SimulateAttempt(simulate)); });
+
+  app.add_subcommand("devices", "Devices and simulated operators")->callback([] { PrintDevices(); });
+  app.add_subcommand("profiles", "Device profiles and where their numbers are from")->callback([] { PrintProfiles(); });
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kUsage;
+  } catch (const std::exception& error) {
+    std::cerr << "enamel-station: " << error.what() << '\n';
+    return kFailed;
+  }
+  return exit_code;
+}

@@ -1,0 +1,58 @@
+#include "station/spool/recorder.h"
+
+namespace enamel::station {
+
+Recorder::Recorder(Spool& spool, SampleRing& ring, const Uuid& attempt, const Sha256& header_hash,
+                   const trace::SecretKey& station_key)
+    : spool_(spool), ring_(ring), attempt_(attempt), key_(station_key), previous_(header_hash) {
+  open_.reserve(kTicksPerChunk);
+}
+
+Result<bool> Recorder::Pump() {
+  bool moved = false;
+  Sample sample;
+  while (open_.size() < kTicksPerChunk && ring_.Pop(sample)) {
+    open_.push_back(sample.tick);
+    state_hash_ = sample.state_hash;
+    moved = true;
+  }
+  if (open_.size() == kTicksPerChunk) ENAMEL_RETURN_IF_ERROR(Spill());
+  return moved;
+}
+
+Result<trace::Seal> Recorder::Finish() {
+  while (true) {
+    auto moved = Pump();
+    if (!moved.ok()) return moved.status();
+    if (!*moved) break;
+  }
+  if (!open_.empty()) ENAMEL_RETURN_IF_ERROR(Spill());
+  if (chunks() == 0) return Status(Code::kInvalidInput, "not one tick was recorded: nothing to seal");
+  trace::Seal seal{attempt_, chunks(), first_tick_, previous_, state_hash_};
+  ENAMEL_RETURN_IF_ERROR(spool_.PutSeal(seal));
+  return seal;
+}
+
+Status Recorder::Spill() {
+  if (unspooled_.empty()) {
+    trace::ChunkHead head;
+    head.attempt = attempt_;
+    head.seq = chunks();
+    head.first_tick = first_tick_;
+    head.state_hash = state_hash_;
+    head.previous = previous_;
+    unspooled_ = trace::EncodeChunk(head, open_, key_);
+  }
+  ENAMEL_RETURN_IF_ERROR(spool_.PutChunk(attempt_, unspooled_));
+  auto chunk = trace::DecodeChunkHead(unspooled_);
+  ENAMEL_CHECK(chunk.ok());
+  previous_ = chunk->hash;
+  first_tick_ += open_.size();
+  ticks_.store(first_tick_, std::memory_order_release);
+  chunks_.fetch_add(1, std::memory_order_release);
+  open_.clear();
+  unspooled_.clear();
+  return Status::Ok();
+}
+
+}  // namespace enamel::station

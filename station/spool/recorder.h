@@ -1,0 +1,50 @@
+#pragma once
+
+#include <atomic>
+#include <functional>
+
+#include "common/base/result.h"
+#include "station/loop/tick_loop.h"
+#include "station/spool/spool.h"
+
+namespace enamel::station {
+
+// Takes samples out of the loop's ring, makes signed chunks of them and puts those into the spool.
+// Thread safety: one thread calls Pump and Finish; chunks() and ticks() from any.
+// Real-time: never; this is the other end of the ring.
+class Recorder {
+ public:
+  // Half a second at 1 kHz: what a crash can lose.
+  static constexpr size_t kTicksPerChunk = 500;
+
+  // All must outlive the recorder. Requires: the spool has the attempt.
+  Recorder(Spool& spool, SampleRing& ring, const Uuid& attempt, const Sha256& header_hash,
+           const trace::SecretKey& station_key);
+
+  // Moves what is in the ring; spools each chunk that is full. True when something was moved.
+  // Errors: the spool's; nothing is lost by calling again once the cause is gone.
+  Result<bool> Pump();
+  // After the loop's end: the rest as a last chunk, then the seal.
+  // Errors: the spool's; kInvalidInput when not one tick was recorded.
+  Result<trace::Seal> Finish();
+
+  uint32_t chunks() const { return chunks_.load(std::memory_order_acquire); }
+  uint64_t ticks() const { return ticks_.load(std::memory_order_acquire); }
+
+ private:
+  Status Spill();
+
+  Spool& spool_;
+  SampleRing& ring_;
+  const Uuid attempt_;
+  const trace::SecretKey key_;
+  std::vector<trace::Tick> open_;       // ticks of the chunk being filled
+  Bytes unspooled_;                     // an encoded chunk the spool did not take yet
+  uint64_t state_hash_ = 0;
+  uint64_t first_tick_ = 0;
+  Sha256 previous_;
+  std::atomic<uint32_t> chunks_{0};
+  std::atomic<uint64_t> ticks_{0};
+};
+
+}  // namespace enamel::station

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "common/base/result.h"
+#include "common/base/sha256.h"
+#include "common/base/uuid.h"
+#include "common/net/frame_client.h"
+#include "common/trace/trace.h"
+
+namespace enamel::station {
+
+// What a station got when it was enrolled, and the key it signs its recordings with.
+struct Credentials {
+  net::Endpoint server;
+  Sha256 fingerprint;                  // of the server's certificate
+  Uuid station;
+  std::array<uint8_t, 32> credential{};
+  std::string name;
+  trace::PublicKey ticket_key{};       // the server's, for tickets
+  trace::SecretKey secret_key{};       // the station's
+
+  trace::PublicKey public_key() const;
+};
+
+// `folder`/station.json, readable by its owner only: the students' account must not be this one.
+// Errors of Load: kNotFound (not enrolled: message says how), kInvalidInput, kForbidden when others
+// may read the file.
+Status SaveCredentials(const std::filesystem::path& folder, const Credentials& credentials);
+Result<Credentials> LoadCredentials(const std::filesystem::path& folder);
+
+// A one-time code as `enamel-server admin enrol-code` prints it: CODE@FINGERPRINT, the fingerprint
+// as 64 hexadecimal digits, with or without colons. Errors: kInvalidInput.
+struct EnrolCode {
+  std::string code;
+  Sha256 fingerprint;
+};
+Result<EnrolCode> ParseEnrolCode(std::string_view text);
+
+}  // namespace enamel::station

@@ -1,0 +1,227 @@
+#include "station/uplink/server_link.h"
+
+#include "common/core/params.h"
+
+namespace enamel::station {
+namespace {
+
+constexpr uint64_t kMaxBlob = uint64_t{2} << 30;
+
+Status Unexpected(const char* wanted) {
+  return Status(Code::kVersion, std::string("the server answered with another message than ") +
+                                    wanted + ": it speaks another version of the protocol");
+}
+
+}  // namespace
+
+std::string SoftwareName() { return "enamel-station " ENAMEL_VERSION; }
+
+Status ServerLink::Send(wire::Request& request) {
+  request.set_id(++last_id_);
+  return client_.Send(protocol::Serialize(request));
+}
+
+// The reply to `reply_to`, or the next reply of any kind when that is 0.
+Result<wire::Reply> ServerLink::Receive(uint32_t reply_to) {
+  while (true) {
+    auto frame = client_.Receive(kTimeout);
+    if (!frame.ok()) {
+      // A server that does not answer in time is as good as gone: what it owes would come later
+      // and be taken for something else.
+      client_.Close();
+      return frame.status();
+    }
+    auto reply = protocol::ParseReply(*frame);
+    if (!reply.ok()) {
+      client_.Close();
+      return reply.status();
+    }
+    if (reply_to != 0 && reply->reply_to() != reply_to && reply->reply_to() != 0) continue;
+    if (reply->has_error()) return protocol::ToStatus(reply->error());
+    if (reply_to != 0 && reply->reply_to() != reply_to) continue;
+    return reply;
+  }
+}
+
+Result<wire::Reply> ServerLink::Call(wire::Request& request) {
+  ENAMEL_RETURN_IF_ERROR(Send(request));
+  return Receive(request.id());
+}
+
+Result<Credentials> ServerLink::Enrol(const net::Endpoint& server, const EnrolCode& code,
+                                      const std::string& name) {
+  ServerLink link;
+  ENAMEL_RETURN_IF_ERROR(link.client_.Connect(server, code.fingerprint, kTimeout));
+  trace::KeyPair keys = trace::NewKeyPair();
+  wire::Request request;
+  auto* enrol = request.mutable_enrol();
+  enrol->set_protocol_version(protocol::kProtocolVersion);
+  enrol->set_code(code.code);
+  enrol->set_name(name);
+  enrol->set_public_key(protocol::ToField(keys.public_key));
+  enrol->set_software(SoftwareName());
+  auto reply = link.Call(request);
+  if (!reply.ok()) return reply.status();
+  if (!reply->has_enrolled()) return Unexpected("Enrolled");
+  auto station = protocol::ReadUuid(reply->enrolled().station_id(), "station_id");
+  auto credential = protocol::ReadKey(reply->enrolled().credential(), "credential");
+  auto ticket_key = protocol::ReadKey(reply->enrolled().ticket_key(), "ticket_key");
+  if (!station.ok()) return station.status();
+  if (!credential.ok()) return credential.status();
+  if (!ticket_key.ok()) return ticket_key.status();
+  Credentials out;
+  out.server = server;
+  out.fingerprint = code.fingerprint;
+  out.station = *station;
+  out.credential = *credential;
+  out.name = name;
+  out.ticket_key = *ticket_key;
+  out.secret_key = keys.secret_key;
+  return out;
+}
+
+Status ServerLink::Connect(const Credentials& credentials) {
+  ENAMEL_RETURN_IF_ERROR(client_.Connect(credentials.server, credentials.fingerprint, kTimeout));
+  wire::Request request;
+  auto* hello = request.mutable_hello();
+  hello->set_protocol_version(protocol::kProtocolVersion);
+  hello->set_station_id(protocol::ToField(credentials.station.view()));
+  hello->set_credential(protocol::ToField(credentials.credential));
+  hello->set_core_version(core::kCoreVersion);
+  hello->set_software(SoftwareName());
+  auto reply = Call(request);
+  if (!reply.ok()) {
+    client_.Close();
+    return reply.status();
+  }
+  if (!reply->has_welcome()) return Unexpected("Welcome");
+  may_begin_ = reply->welcome().core_version() == core::kCoreVersion;
+  return Status::Ok();
+}
+
+Result<Person> ServerLink::SignIn(const std::string& login, const std::string& password) {
+  wire::Request request;
+  request.mutable_sign_in()->set_login(login);
+  request.mutable_sign_in()->set_password(password);
+  auto reply = Call(request);
+  if (!reply.ok()) return reply.status();
+  if (!reply->has_signed_in()) return Unexpected("SignedIn");
+  const wire::SignedIn& in = reply->signed_in();
+  auto id = protocol::ReadUuid(in.person_id(), "person_id");
+  if (!id.ok()) return id.status();
+  return Person{*id, in.display_name(), in.role(), in.session()};
+}
+
+Result<Catalogue> ServerLink::ListExercises(const Person& person) {
+  wire::Request request;
+  request.mutable_list_exercises()->set_session(person.session);
+  auto reply = Call(request);
+  if (!reply.ok()) return reply.status();
+  if (!reply->has_exercises()) return Unexpected("Exercises");
+  Catalogue out;
+  for (const auto& e : reply->exercises().exercises()) {
+    auto exercise = protocol::ReadSha256(e.exercise(), "exercise");
+    auto scene = protocol::ReadSha256(e.scene(), "scene");
+    auto volume = protocol::ReadSha256(e.volume(), "volume");
+    if (!exercise.ok()) return exercise.status();
+    if (!scene.ok()) return scene.status();
+    if (!volume.ok()) return volume.status();
+    out.exercises.push_back({e.name(), e.title(), *exercise, *scene, *volume});
+  }
+  for (const auto& p : reply->exercises().profiles()) {
+    auto profile = protocol::ReadSha256(p.profile(), "profile");
+    if (!profile.ok()) return profile.status();
+    out.profiles.push_back({p.name(), p.title(), *profile});
+  }
+  return out;
+}
+
+Result<Bytes> ServerLink::FetchBlob(const Sha256& name, const BlobCache& cache) {
+  if (auto cached = cache.Find(name)) return std::move(*cached);
+  Bytes blob;
+  uint64_t total = 0;
+  do {
+    wire::Request request;
+    request.mutable_get_blob()->set_sha256(protocol::ToField(name.view()));
+    request.mutable_get_blob()->set_offset(blob.size());
+    auto reply = Call(request);
+    if (!reply.ok()) return reply.status();
+    if (!reply->has_blob_part()) return Unexpected("BlobPart");
+    const wire::BlobPart& part = reply->blob_part();
+    total = part.total();
+    bool nothing = part.data().empty() && blob.size() < total;
+    if (part.offset() != blob.size() || total > kMaxBlob || nothing ||
+        blob.size() + part.data().size() > total) {
+      return Status(Code::kConflict, "the server sent blob " + name.Hex() + " in parts that do not "
+                                                                            "fit together");
+    }
+    ByteView data = AsBytes(part.data());
+    blob.insert(blob.end(), data.begin(), data.end());
+  } while (blob.size() < total);
+  if (HashSha256(blob) != name) {
+    return Status(Code::kConflict, "the server sent other bytes than blob " + name.Hex() +
+                                       ": nothing was stored; tell its admin");
+  }
+  ENAMEL_RETURN_IF_ERROR(cache.Put(name, blob));
+  return blob;
+}
+
+Result<trace::Ticket> ServerLink::RequestTicket(const Credentials& credentials, const Person& person,
+                                                const Sha256& exercise, const Sha256& profile,
+                                                bool as_reference) {
+  wire::Request request;
+  auto* ask = request.mutable_request_ticket();
+  ask->set_session(person.session);
+  ask->set_exercise(protocol::ToField(exercise.view()));
+  ask->set_profile(protocol::ToField(profile.view()));
+  ask->set_as_reference(as_reference);
+  auto reply = Call(request);
+  if (!reply.ok()) return reply.status();
+  if (!reply->has_ticket_issued()) return Unexpected("TicketIssued");
+  auto ticket = trace::DecodeTicket(AsBytes(reply->ticket_issued().ticket()));
+  if (!ticket.ok()) return ticket.status();
+  bool ours = ticket->station == credentials.station && ticket->person == person.id &&
+              ticket->exercise == exercise && ticket->profile == profile;
+  if (!ours || !trace::VerifyTicket(*ticket, credentials.ticket_key)) {
+    return Status(Code::kConflict, "the server issued a ticket for something else, or one it did not "
+                                   "sign: no attempt was begun; tell its admin");
+  }
+  return ticket;
+}
+
+Result<uint32_t> ServerLink::OpenAttempt(ByteView header) {
+  wire::Request request;
+  request.mutable_open_attempt()->set_header(protocol::ToField(header));
+  auto reply = Call(request);
+  if (!reply.ok()) return reply.status();
+  if (!reply->has_attempt_opened()) return Unexpected("AttemptOpened");
+  return reply->attempt_opened().next_seq();
+}
+
+Status ServerLink::SendChunk(ByteView chunk) {
+  wire::Request request;
+  request.mutable_put_chunk()->set_chunk(protocol::ToField(chunk));
+  return Send(request);
+}
+
+Result<ServerLink::Ack> ServerLink::NextAck() {
+  auto reply = Receive(0);
+  if (!reply.ok()) return reply.status();
+  if (!reply->has_chunk_ack()) return Unexpected("ChunkAck");
+  return Ack{reply->chunk_ack().seq(), reply->chunk_ack().committed()};
+}
+
+Status ServerLink::Seal(const trace::Seal& seal) {
+  wire::Request request;
+  auto* message = request.mutable_seal_attempt();
+  message->set_attempt(protocol::ToField(seal.attempt.view()));
+  message->set_chunks(seal.chunks);
+  message->set_ticks(seal.ticks);
+  message->set_last_chunk(protocol::ToField(seal.last_chunk.view()));
+  message->set_state_hash(seal.state_hash);
+  auto reply = Call(request);
+  if (!reply.ok()) return reply.status();
+  return reply->has_sealed() ? Status::Ok() : Unexpected("Sealed");
+}
+
+}  // namespace enamel::station
