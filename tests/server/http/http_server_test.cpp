@@ -194,8 +194,6 @@ TEST_F(HttpServerTest, AnswersExpectContinue) {
 TEST_F(HttpServerTest, ClosesAConnectionThatStaysIdle) {
   RunningServer server(school_, Impatient());
   RawClient client(server.port());
-  client.Send(kHealth);
-  EXPECT_EQ(client.Read()->status, 200);
   EXPECT_TRUE(client.ClosedByServer());
 }
 
