@@ -1,0 +1,157 @@
+#include "server/auth/authenticator.h"
+
+#include <gtest/gtest.h>
+
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/io_context.hpp>
+
+#include "common/base/hex.h"
+#include "server/auth/token.h"
+#include "tests/server/storage/store_world.h"
+
+namespace enamel::server::auth {
+namespace {
+
+using namespace server::testing;
+
+// Cheapest that libsodium allows: these tests are not about the cost.
+constexpr PasswordCost kCheap{1, 8192};
+constexpr char kPassword[] = "correct horse battery";
+
+class AuthenticatorTest : public ::testing::Test {
+ protected:
+  AuthenticatorTest() {
+    person_ = AddPerson(*store_, "ada", Role::kStudent, *HashPassword(kPassword, kCheap));
+  }
+
+  AuthOptions Options() {
+    AuthOptions options;
+    options.cost = kCheap;
+    options.clock = [this] { return now_; };
+    return options;
+  }
+  static SignInRequest Request(const std::string& login, const std::string& password) {
+    return {login, password, "203.0.113.7", "page"};
+  }
+
+  TempFolder folder_;
+  std::unique_ptr<Store> store_ = OpenStore(folder_.path());
+  Uuid person_;
+  UnixMs now_ = 1'000'000;
+  Authenticator authenticator_{*store_, Options()};
+};
+
+TEST_F(AuthenticatorTest, RightPasswordOpensASessionThatIsRecognised) {
+  auto signed_in = authenticator_.SignInHere(Request("Ada", kPassword));
+  ASSERT_TRUE(signed_in.ok()) << signed_in.status().message();
+  auto identity = authenticator_.AuthenticateHex(ToHex(signed_in->token));
+  ASSERT_TRUE(identity.ok());
+  EXPECT_EQ(identity->person.id, person_);
+  EXPECT_EQ(identity->csrf, signed_in->identity.csrf);
+}
+
+TEST_F(AuthenticatorTest, WrongPasswordAndUnknownLoginGetTheSameAnswer) {
+  Status wrong = authenticator_.SignInHere(Request("ada", "wrong password")).status();
+  Status unknown = authenticator_.SignInHere(Request("nobody", "wrong password")).status();
+  EXPECT_EQ(wrong.code(), Code::kUnauthenticated);
+  EXPECT_EQ(wrong.message(), unknown.message());
+  EXPECT_EQ(wrong.code(), unknown.code());
+  EXPECT_EQ(wrong.field(), unknown.field());
+}
+
+TEST_F(AuthenticatorTest, DisabledPersonIsRefusedWithTheSameWords) {
+  ASSERT_TRUE(store_->SetDisabled(person_, true, kSystem).ok());
+  Status disabled = authenticator_.SignInHere(Request("ada", kPassword)).status();
+  EXPECT_EQ(disabled.message(),
+            authenticator_.SignInHere(Request("nobody", "x")).status().message());
+}
+
+TEST_F(AuthenticatorTest, TokenItselfIsNotStored) {
+  auto signed_in = authenticator_.SignInHere(Request("ada", kPassword));
+  EXPECT_FALSE(store_->FindSession(Sha256::FromBytes(signed_in->token)).ok());
+  EXPECT_TRUE(store_->FindSession(HashSha256(signed_in->token)).ok());
+}
+
+TEST_F(AuthenticatorTest, SessionEndsWhenIdleForHalfAnHour) {
+  auto signed_in = authenticator_.SignInHere(Request("ada", kPassword));
+  now_ += 29 * 60 * 1000;
+  EXPECT_TRUE(authenticator_.Authenticate(signed_in->token).ok()) << "and renews";
+  now_ += 29 * 60 * 1000;
+  EXPECT_TRUE(authenticator_.Authenticate(signed_in->token).ok());
+  now_ += 30 * 60 * 1000 + 1;
+  EXPECT_EQ(authenticator_.Authenticate(signed_in->token).status().code(), Code::kUnauthenticated);
+}
+
+TEST_F(AuthenticatorTest, SessionEndsAfterTwelveHoursHoweverBusy) {
+  auto signed_in = authenticator_.SignInHere(Request("ada", kPassword));
+  for (int minutes = 0; minutes < 12 * 60; minutes += 20) {
+    ASSERT_TRUE(authenticator_.Authenticate(signed_in->token).ok()) << minutes;
+    now_ += 20 * 60 * 1000;
+  }
+  EXPECT_FALSE(authenticator_.Authenticate(signed_in->token).ok());
+}
+
+TEST_F(AuthenticatorTest, SignedOutTokenIsRefused) {
+  auto signed_in = authenticator_.SignInHere(Request("ada", kPassword));
+  ASSERT_TRUE(authenticator_.SignOut(signed_in->identity.token_hash).ok());
+  EXPECT_FALSE(authenticator_.Authenticate(signed_in->token).ok());
+  EXPECT_FALSE(authenticator_.AuthenticateHex("nonsense").ok());
+}
+
+TEST_F(AuthenticatorTest, GuessingIsSlowedButTheOwnerElsewhereIsNotLockedOut) {
+  for (int i = 0; i < 6; ++i) (void)authenticator_.SignInHere(Request("ada", "guess guess"));
+  EXPECT_EQ(authenticator_.SignInHere(Request("ada", kPassword)).status().field(), "throttled");
+  SignInRequest elsewhere = Request("ada", kPassword);
+  elsewhere.address = "198.51.100.9";
+  EXPECT_TRUE(authenticator_.SignInHere(elsewhere).ok());
+}
+
+TEST_F(AuthenticatorTest, SignInsBeyondTheQueueAreRefusedAtOnce) {
+  AuthOptions options = Options();
+  options.hash_threads = 1;
+  options.max_waiting = 1;
+  Authenticator small(*store_, options);
+  boost::asio::io_context io;
+  int ok = 0, refused = 0;
+  auto sign_in = [&]() -> boost::asio::awaitable<void> {
+    auto result = co_await small.SignIn(Request("ada", kPassword));
+    if (result.ok()) ++ok;
+    if (result.status().code() == Code::kUnavailable) ++refused;
+  };
+  for (int i = 0; i < 10; ++i) {
+    boost::asio::co_spawn(io, sign_in(), [](std::exception_ptr failure) { EXPECT_FALSE(failure); });
+  }
+  io.run();
+  EXPECT_EQ(ok + refused, 10);
+  EXPECT_GE(ok, 2);
+}
+
+TEST(PasswordTest, VerifierIsArgon2idWithTheStatedCost) {
+  auto verifier = HashPassword(kPassword);
+  ASSERT_TRUE(verifier.ok());
+  EXPECT_TRUE(verifier->starts_with("$argon2id$v=19$m=65536,t=2,p=1$")) << *verifier;
+  EXPECT_TRUE(VerifyPassword(kPassword, *verifier));
+  EXPECT_FALSE(VerifyPassword("correct horse", *verifier));
+}
+
+TEST(PasswordTest, PolicyRefusesShortCommonAndOwnLogin) {
+  EXPECT_FALSE(CheckPasswordPolicy("short", "ada").ok());
+  EXPECT_FALSE(CheckPasswordPolicy("Password123", "ada").ok());
+  EXPECT_FALSE(CheckPasswordPolicy("Ada.Lovelace", "ada.lovelace").ok());
+  EXPECT_TRUE(CheckPasswordPolicy(std::string(256, 'x'), "ada").ok());
+  EXPECT_FALSE(CheckPasswordPolicy(std::string(257, 'x'), "ada").ok());
+}
+
+TEST(TokenTest, CsrfDependsOnTheTokenAndDoesNotShowIt) {
+  Bytes a = NewToken(), b = NewToken();
+  EXPECT_EQ(CsrfFor(a), CsrfFor(a));
+  EXPECT_NE(CsrfFor(a), CsrfFor(b));
+  EXPECT_NE(CsrfFor(a), ToHex(a));
+  EXPECT_TRUE(SameSecret("abc", "abc"));
+  EXPECT_FALSE(SameSecret("abc", "abd"));
+  EXPECT_FALSE(SameSecret("abc", "ab"));
+}
+
+}  // namespace
+}  // namespace enamel::server::auth
