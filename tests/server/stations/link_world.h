@@ -1,0 +1,215 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include "common/scene/builtin.h"
+#include "common/scene/json.h"
+#include "common/scene/plan.h"
+#include "server/app/data_folder.h"
+#include "server/app/publish.h"
+#include "server/auth/token.h"
+#include "server/stations/session.h"
+#include "tests/server/storage/store_world.h"
+
+// A server's side of the station link with real content, and a scripted station with keys of its
+// own.
+namespace enamel::server::stations::testing {
+
+using namespace server::testing;
+
+inline constexpr auth::PasswordCost kCheap{1, 8192};
+inline constexpr char kPassword[] = "correct horse battery";
+
+inline auth::AuthOptions CheapAuth() {
+  auth::AuthOptions options;
+  options.cost = kCheap;
+  return options;
+}
+
+struct LinkWorld {
+  LinkWorld() {
+    verifier = *auth::HashPassword(kPassword, kCheap);
+    student = AddPerson(*store, "student", Role::kStudent, verifier);
+    instructor = AddPerson(*store, "instructor", Role::kInstructor, verifier);
+    AddPerson(*store, "outsider", Role::kStudent, verifier);
+    Uuid cohort = *store->CreateCohort("year 1", kSystem);
+    EXPECT_TRUE(store->AddToCohort(cohort, student, kSystem).ok());
+    EXPECT_TRUE(store->AddToCohort(cohort, instructor, kSystem).ok());
+    EXPECT_TRUE(app::PublishProfiles(*store).ok());
+    scene = *app::PublishScene(*store, "builtin:block", 500'000);
+    exercise = *app::PublishClassOne(*store, scene, cohort);
+    EXPECT_TRUE(store->AddEnrolCode(HashSha256(AsBytes("code")), UnixMs{1} << 60, kSystem).ok());
+  }
+
+  Sha256 Profile(const std::string& name) {
+    std::vector<ProfileRow> profiles = *store->Profiles();
+    for (const ProfileRow& row : profiles) {
+      if (row.name == name) return row.content;
+    }
+    return {};
+  }
+
+  TempFolder folder;
+  std::unique_ptr<Store> store = OpenStore(folder.path());
+  auth::Authenticator authenticator{*store, CheapAuth()};
+  LiveBoard live;
+  Content content{*store};
+  UnixMs now = 1'700'000'000'000;
+  Services services{
+      *store, authenticator, live, content, trace::NewKeyPair(), "enamel-server test", [this] {
+        return now;
+      }};
+  std::string verifier;
+  Uuid student, instructor;
+  SceneRow scene;
+  ExerciseRow exercise;
+};
+
+// Makes requests; `Ask` carries one to the server and back, over a Session or over TLS.
+class ScriptedStation {
+ public:
+  using Ask = std::function<wire::Reply(wire::Request)>;
+  explicit ScriptedStation(Ask ask) : ask_(std::move(ask)) {}
+
+  wire::Reply Send(wire::Request request) {
+    request.set_id(++last_id_);
+    wire::Reply reply = ask_(request);
+    EXPECT_EQ(reply.reply_to(), last_id_);
+    return reply;
+  }
+
+  wire::Reply Enrol(const std::string& code = "code") {
+    wire::Request request;
+    wire::Enrol& enrol = *request.mutable_enrol();
+    enrol.set_protocol_version(1);
+    enrol.set_code(code);
+    enrol.set_name("scripted");
+    enrol.set_public_key(protocol::ToField(keys.public_key));
+    wire::Reply reply = Send(request);
+    if (reply.has_enrolled()) {
+      id = reply.enrolled().station_id();
+      credential = reply.enrolled().credential();
+    }
+    return reply;
+  }
+
+  wire::Reply Hello(uint32_t version = 1) {
+    wire::Request request;
+    wire::Hello& hello = *request.mutable_hello();
+    hello.set_protocol_version(version);
+    hello.set_station_id(id);
+    hello.set_credential(credential);
+    hello.set_core_version(core_version);
+    return Send(request);
+  }
+
+  wire::Reply SignIn(const std::string& login, const std::string& password = kPassword) {
+    wire::Request request;
+    request.mutable_sign_in()->set_login(login);
+    request.mutable_sign_in()->set_password(password);
+    wire::Reply reply = Send(request);
+    if (reply.has_signed_in()) session = reply.signed_in().session();
+    return reply;
+  }
+
+  wire::Reply RequestTicket(const Sha256& exercise, const Sha256& profile,
+                            bool as_reference = false) {
+    wire::Request request;
+    wire::RequestTicket& body = *request.mutable_request_ticket();
+    body.set_session(session);
+    body.set_exercise(protocol::ToField(exercise.view()));
+    body.set_profile(protocol::ToField(profile.view()));
+    body.set_as_reference(as_reference);
+    return Send(request);
+  }
+
+  wire::Reply Open(const Bytes& header) {
+    wire::Request request;
+    request.mutable_open_attempt()->set_header(protocol::ToField(header));
+    return Send(request);
+  }
+
+  wire::Reply Put(const Bytes& chunk) {
+    wire::Request request;
+    request.mutable_put_chunk()->set_chunk(protocol::ToField(chunk));
+    return Send(request);
+  }
+
+  wire::Reply Seal(const trace::Seal& seal) {
+    wire::Request request;
+    wire::SealAttempt& body = *request.mutable_seal_attempt();
+    body.set_attempt(protocol::ToField(seal.attempt.view()));
+    body.set_chunks(seal.chunks);
+    body.set_ticks(seal.ticks);
+    body.set_last_chunk(protocol::ToField(seal.last_chunk.view()));
+    body.set_state_hash(seal.state_hash);
+    return Send(request);
+  }
+
+  wire::Reply Status(const Uuid& attempt) {
+    wire::Request request;
+    request.mutable_attempt_status()->set_session(session);
+    request.mutable_attempt_status()->set_attempt(protocol::ToField(attempt.view()));
+    return Send(request);
+  }
+
+  trace::KeyPair keys = trace::NewKeyPair();
+  std::string id, credential, session;
+  uint32_t core_version = core::kCoreVersion;
+
+ private:
+  Ask ask_;
+  uint32_t last_id_ = 0;
+};
+
+// A recording made from a ticket: header and chunks, chained and signed.
+struct Recording {
+  Recording(LinkWorld& world, const Bytes& encoded_ticket, const trace::KeyPair& keys,
+            uint32_t chunk_count) {
+    header_fields.ticket = *trace::DecodeTicket(encoded_ticket);
+    header_fields.scene = world.scene.content;
+    header_fields.volume = world.scene.volume;
+    auto text = [&](const Sha256& hash) { return *world.store->GetBlob(hash); };
+    header_fields.params =
+        *scene::CompilePlan(*scene::SceneFromJson(AsText(text(world.scene.content))),
+                            *scene::ExerciseFromJson(AsText(text(header_fields.ticket.exercise))),
+                            *scene::ProfileFromJson(AsText(text(header_fields.ticket.profile))));
+    header_fields.station_software = "scripted";
+    header = trace::EncodeHeader(header_fields);
+    Sha256 previous = HashSha256(header);
+    for (uint32_t seq = 0; seq < chunk_count; ++seq) {
+      chunks.push_back(Chunk(seq, previous, keys));
+      previous = trace::DecodeChunkHead(chunks.back())->hash;
+    }
+    auto last = *trace::DecodeChunkHead(chunks.back());
+    seal = {header_fields.ticket.attempt, chunk_count, uint64_t{chunk_count} * kTicks, last.hash,
+            last.head.state_hash};
+  }
+
+  Bytes Chunk(uint32_t seq, const Sha256& previous, const trace::KeyPair& keys,
+              int32_t salt = 0) const {
+    std::vector<trace::Tick> ticks(kTicks);
+    for (size_t i = 0; i < ticks.size(); ++i)
+      ticks[i].input.counts[1] = static_cast<int32_t>(i) * 3 + salt;
+    trace::ChunkHead head;
+    head.attempt = header_fields.ticket.attempt;
+    head.seq = seq;
+    head.first_tick = uint64_t{seq} * kTicks;
+    head.state_hash = 77 + seq;
+    head.previous = previous;
+    return trace::EncodeChunk(head, ticks, keys.secret_key);
+  }
+
+  static constexpr uint32_t kTicks = 100;
+  trace::Header header_fields;
+  Bytes header;
+  std::vector<Bytes> chunks;
+  trace::Seal seal;
+};
+
+inline Bytes TicketOf(const wire::Reply& reply) {
+  ByteView view = AsBytes(reply.ticket_issued().ticket());
+  return Bytes(view.begin(), view.end());
+}
+
+}  // namespace enamel::server::stations::testing

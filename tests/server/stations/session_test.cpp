@@ -1,0 +1,292 @@
+#include "server/stations/session.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/server/stations/link_world.h"
+
+// The protocol without sockets: one request, one answer.
+namespace enamel::server::stations {
+namespace {
+
+using namespace testing;
+
+class SessionTest : public ::testing::Test {
+ protected:
+  wire::Reply Carry(const wire::Request& request) {
+    Answer answer;
+    if (auto who = session_.SignInWanted(request)) {
+      answer = session_.FinishSignIn(request, world_.authenticator.SignInHere(*who));
+    } else {
+      answer = session_.Handle(request);
+    }
+    closed_ = answer.close;
+    EXPECT_TRUE(answer.reply.has_value());
+    return answer.reply.value_or(wire::Reply());
+  }
+
+  void Reconnect() {
+    session_.End();
+    std::destroy_at(&session_);
+    std::construct_at(&session_, world_.services, "127.0.0.1");
+  }
+
+  void Welcome() {
+    ASSERT_TRUE(station_.Enrol().has_enrolled());
+    Reconnect();
+    ASSERT_TRUE(station_.Hello().has_welcome());
+  }
+
+  // Signed in as the student, with a recording ready to be sent.
+  Recording Ticketed(uint32_t chunks = 3) {
+    EXPECT_TRUE(station_.SignIn("student").has_signed_in());
+    auto reply = station_.RequestTicket(world_.exercise.content, profile_);
+    EXPECT_TRUE(reply.has_ticket_issued()) << reply.error().message();
+    return Recording(world_, TicketOf(reply), station_.keys, chunks);
+  }
+
+  LinkWorld world_;
+  Session session_{world_.services, "127.0.0.1"};
+  ScriptedStation station_{[this](const wire::Request& request) { return Carry(request); }};
+  Sha256 profile_ = world_.Profile("phantom_desktop");
+  bool closed_ = false;
+};
+
+TEST_F(SessionTest, AnythingBeforeHelloIsRefusedAndEndsTheConnection) {
+  EXPECT_EQ(station_.SignIn("student").error().code(), "unauthenticated");
+  EXPECT_TRUE(closed_);
+}
+
+TEST_F(SessionTest, EnrolmentCodeIsUsedUpByOneStation) {
+  ASSERT_TRUE(station_.Enrol().has_enrolled());
+  EXPECT_TRUE(closed_);
+  Reconnect();
+  EXPECT_EQ(station_.Enrol().error().code(), "unauthenticated");
+}
+
+TEST_F(SessionTest, WrongCredentialAndOtherVersionAreRefused) {
+  ASSERT_TRUE(station_.Enrol().has_enrolled());
+  Reconnect();
+  EXPECT_EQ(station_.Hello(2).error().code(), "version");
+  EXPECT_TRUE(closed_);
+  station_.credential.assign(32, 'x');
+  EXPECT_EQ(station_.Hello().error().code(), "unauthenticated");
+}
+
+TEST_F(SessionTest, UnknownKindIsAnsweredAndTheConnectionGoesOn) {
+  Welcome();
+  EXPECT_EQ(station_.Send(wire::Request()).error().code(), "unsupported");
+  EXPECT_FALSE(closed_);
+}
+
+TEST_F(SessionTest, WrongPasswordIsRefusedAndTheConnectionGoesOn) {
+  Welcome();
+  EXPECT_EQ(station_.SignIn("student", "wrong password").error().code(), "unauthenticated");
+  EXPECT_FALSE(closed_);
+  EXPECT_EQ(station_.SignIn("student").signed_in().role(), "student");
+}
+
+TEST_F(SessionTest, SignInEndsWithTheConnection) {
+  Welcome();
+  ASSERT_TRUE(station_.SignIn("student").has_signed_in());
+  Reconnect();
+  ASSERT_TRUE(station_.Hello().has_welcome());
+  EXPECT_EQ(station_.RequestTicket(world_.exercise.content, profile_).error().code(),
+            "unauthenticated");
+}
+
+TEST_F(SessionTest, ListedContentCanBeFetchedPartByPartAndNothingElse) {
+  Welcome();
+  ASSERT_TRUE(station_.SignIn("student").has_signed_in());
+  wire::Request list;
+  list.mutable_list_exercises()->set_session(station_.session);
+  auto listed = station_.Send(list).exercises();
+  ASSERT_EQ(listed.exercises_size(), 1);
+  EXPECT_EQ(listed.profiles_size(), 3);
+
+  std::string data;
+  uint64_t total = 1;
+  while (data.size() < total) {
+    wire::Request get;
+    get.mutable_get_blob()->set_sha256(listed.exercises(0).volume());
+    get.mutable_get_blob()->set_offset(data.size());
+    auto part = station_.Send(get).blob_part();
+    ASSERT_FALSE(part.data().empty());
+    total = part.total();
+    data += part.data();
+  }
+  EXPECT_EQ(HashSha256(AsBytes(data)), world_.scene.volume);
+
+  wire::Request secret;
+  secret.mutable_get_blob()->set_sha256(
+      protocol::ToField(PutText(*world_.store, "a score").view()));
+  EXPECT_EQ(station_.Send(secret).error().code(), "not_found");
+}
+
+TEST_F(SessionTest, TicketIsRefusedToWhomTheExerciseIsNotAssigned) {
+  Welcome();
+  ASSERT_TRUE(station_.SignIn("outsider").has_signed_in());
+  EXPECT_EQ(station_.RequestTicket(world_.exercise.content, profile_).error().code(), "forbidden");
+  ASSERT_TRUE(station_.SignIn("student").has_signed_in());
+  EXPECT_EQ(station_.RequestTicket(world_.exercise.content, profile_, true).error().code(),
+            "forbidden");
+  EXPECT_EQ(station_.RequestTicket(Sha256{}, profile_).error().code(), "not_found");
+  EXPECT_EQ(station_.RequestTicket(world_.exercise.content, Sha256{}).error().code(), "not_found");
+}
+
+TEST_F(SessionTest, OtherCoreVersionMayUploadButNotBegin) {
+  station_.core_version = core::kCoreVersion + 1;
+  Welcome();
+  ASSERT_TRUE(station_.SignIn("student").has_signed_in());
+  EXPECT_EQ(station_.RequestTicket(world_.exercise.content, profile_).error().code(), "version");
+}
+
+TEST_F(SessionTest, WholeAttemptIsCommittedAndSealed) {
+  Welcome();
+  Recording recording = Ticketed();
+  auto opened = station_.Open(recording.header);
+  ASSERT_TRUE(opened.has_attempt_opened()) << opened.error().message();
+  EXPECT_EQ(opened.attempt_opened().next_seq(), 0u);
+  for (uint32_t seq = 0; seq < recording.chunks.size(); ++seq) {
+    auto ack = station_.Put(recording.chunks[seq]);
+    ASSERT_TRUE(ack.has_chunk_ack()) << ack.error().message();
+    EXPECT_EQ(ack.chunk_ack().seq(), seq);
+    EXPECT_TRUE(ack.chunk_ack().committed());
+  }
+  ASSERT_TRUE(station_.Seal(recording.seal).has_sealed());
+  EXPECT_EQ(*world_.store->AttemptChunks(recording.seal.attempt), recording.chunks);
+  EXPECT_EQ(station_.Status(recording.seal.attempt).attempt_state().state(), "sealed");
+}
+
+TEST_F(SessionTest, BrokenConnectionGoesOnWhereItWas) {
+  Welcome();
+  Recording recording = Ticketed();
+  station_.Open(recording.header);
+  station_.Put(recording.chunks[0]);
+  Reconnect();
+  ASSERT_TRUE(station_.Hello().has_welcome());
+  EXPECT_EQ(station_.Open(recording.header).attempt_opened().next_seq(), 1u);
+  EXPECT_TRUE(station_.Put(recording.chunks[0]).chunk_ack().committed()) << "again";
+  EXPECT_TRUE(station_.Put(recording.chunks[1]).chunk_ack().committed());
+  EXPECT_EQ(world_.store->AttemptById(recording.seal.attempt)->chunks, 2u);
+}
+
+TEST_F(SessionTest, ChunkOutOfOrderIsAConflictOfSeq) {
+  Welcome();
+  Recording recording = Ticketed();
+  station_.Open(recording.header);
+  auto reply = station_.Put(recording.chunks[2]);
+  EXPECT_EQ(reply.error().code(), "conflict");
+  EXPECT_EQ(reply.error().field(), "seq");
+}
+
+TEST_F(SessionTest, ContradictingChunkQuarantines) {
+  Welcome();
+  Recording recording = Ticketed();
+  station_.Open(recording.header);
+  station_.Put(recording.chunks[0]);
+  Bytes other = recording.Chunk(0, HashSha256(recording.header), station_.keys, 5);
+  EXPECT_EQ(station_.Put(other).error().code(), "conflict");
+  EXPECT_EQ(station_.Status(recording.seal.attempt).attempt_state().state(), "quarantined");
+}
+
+TEST_F(SessionTest, ChunkSignedWithAnotherKeyIsRefused) {
+  Welcome();
+  Recording recording = Ticketed();
+  station_.Open(recording.header);
+  Bytes forged = recording.Chunk(0, HashSha256(recording.header), trace::NewKeyPair());
+  EXPECT_EQ(station_.Put(forged).error().code(), "forbidden");
+  Bytes damaged = recording.chunks[0];
+  damaged[damaged.size() / 2] ^= 1;
+  EXPECT_TRUE(station_.Put(damaged).has_error());
+  EXPECT_EQ(world_.store->AttemptById(recording.seal.attempt)->chunks, 0u);
+}
+
+TEST_F(SessionTest, TicketThatThisServerDidNotSignIsRefused) {
+  Welcome();
+  Recording recording = Ticketed();
+  trace::SignTicket(recording.header_fields.ticket, trace::NewKeyPair().secret_key);
+  EXPECT_EQ(station_.Open(trace::EncodeHeader(recording.header_fields)).error().code(),
+            "forbidden");
+}
+
+TEST_F(SessionTest, HeaderWithOtherParametersThanThePlanIsRefused) {
+  Welcome();
+  Recording recording = Ticketed();
+  recording.header_fields.params.peak_force_mn += 1;
+  auto reply = station_.Open(trace::EncodeHeader(recording.header_fields));
+  EXPECT_EQ(reply.error().code(), "conflict");
+  EXPECT_EQ(reply.error().field(), "params");
+}
+
+TEST_F(SessionTest, TicketServesOneRecordingOnly) {
+  Welcome();
+  Recording recording = Ticketed();
+  ASSERT_TRUE(station_.Open(recording.header).has_attempt_opened());
+  recording.header_fields.station_software = "another run";
+  EXPECT_EQ(station_.Open(trace::EncodeHeader(recording.header_fields)).error().code(), "conflict");
+}
+
+TEST_F(SessionTest, LongExpiredTicketOpensNothing) {
+  Welcome();
+  Recording recording = Ticketed();
+  world_.now += kTicketValidMs + kLateUploadMs + 1;
+  EXPECT_EQ(station_.Open(recording.header).error().code(), "conflict");
+}
+
+TEST_F(SessionTest, AttemptOfAnotherStationIsNotFound) {
+  Welcome();
+  Recording recording = Ticketed();
+  station_.Open(recording.header);
+  ASSERT_TRUE(
+      world_.store->AddEnrolCode(HashSha256(AsBytes("second")), UnixMs{1} << 60, kSystem).ok());
+  Reconnect();
+  ScriptedStation other{[this](const wire::Request& request) { return Carry(request); }};
+  ASSERT_TRUE(other.Enrol("second").has_enrolled());
+  Reconnect();
+  ASSERT_TRUE(other.Hello().has_welcome());
+  EXPECT_EQ(other.Put(recording.chunks[0]).error().code(), "not_found");
+  EXPECT_EQ(other.Open(recording.header).error().code(), "forbidden");
+}
+
+TEST_F(SessionTest, SomebodyElsesAttemptIsNotFoundAndGradedScoreIsHeldBack) {
+  Welcome();
+  Recording recording = Ticketed(1);
+  station_.Open(recording.header);
+  station_.Put(recording.chunks[0]);
+  station_.Seal(recording.seal);
+  Store::AttemptResult result;
+  result.score_json = PutText(*world_.store, "{\"score\":80}");
+  ASSERT_TRUE(world_.store->FinishAttempt(recording.seal.attempt, result).ok());
+  auto mine = station_.Status(recording.seal.attempt).attempt_state();
+  EXPECT_EQ(mine.state(), "scored");
+  EXPECT_EQ(mine.result_json().empty(), world_.exercise.graded);
+  ASSERT_TRUE(world_.store->ReleaseAttempt(recording.seal.attempt, kSystem).ok());
+  EXPECT_EQ(station_.Status(recording.seal.attempt).attempt_state().result_json(),
+            "{\"score\":80}");
+  station_.SignIn("outsider");
+  EXPECT_EQ(station_.Status(recording.seal.attempt).error().code(), "not_found");
+}
+
+TEST_F(SessionTest, LatestLiveStateIsKeptUntilTheAttemptIsSealed) {
+  Welcome();
+  Recording recording = Ticketed(1);
+  station_.Open(recording.header);
+  wire::Request live;
+  live.mutable_live_state()->set_attempt(protocol::ToField(recording.seal.attempt.view()));
+  for (int value : {1, 2, 3}) {
+    live.mutable_live_state()->add_anchor_um(value);
+    live.mutable_live_state()->add_force_mn(-value);
+  }
+  for (uint64_t tick : {10, 30, 20}) {
+    live.mutable_live_state()->set_tick(tick);
+    EXPECT_FALSE(session_.Handle(live).reply.has_value());
+  }
+  ASSERT_TRUE(world_.live.Latest(recording.seal.attempt).has_value());
+  EXPECT_EQ(world_.live.Latest(recording.seal.attempt)->tick, 30u);
+  station_.Put(recording.chunks[0]);
+  station_.Seal(recording.seal);
+  EXPECT_FALSE(world_.live.Latest(recording.seal.attempt).has_value());
+}
+
+}  // namespace
+}  // namespace enamel::server::stations

@@ -1,0 +1,181 @@
+#include "server/stations/station_server.h"
+
+#include <gtest/gtest.h>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <thread>
+
+#include "common/net/certificate.h"
+#include "common/net/frame_client.h"
+#include "common/protocol/frame.h"
+#include "tests/server/stations/link_world.h"
+
+// Real bytes over TLS on loopback: deadlines, limits, shutdown.
+namespace enamel::server::stations {
+namespace {
+
+using namespace testing;
+using namespace std::chrono_literals;
+
+class StationServerTest : public ::testing::Test {
+ protected:
+  ~StationServerTest() override { StopAndJoin(); }
+
+  void Start(LinkDeadlines deadlines = {}) {
+    auto identity = app::EnsureIdentity(world_.folder.path());
+    ASSERT_TRUE(identity.ok()) << identity.status().message();
+    fingerprint_ = identity->fingerprint;
+    StationServerOptions options;
+    options.port = 0;
+    options.certificate = identity->certificate;
+    options.private_key = identity->private_key;
+    options.deadlines = deadlines;
+    server_.emplace(io_, options, world_.services, pool_);
+    auto port = server_->Start();
+    ASSERT_TRUE(port.ok()) << port.status().message();
+    at_ = {"127.0.0.1", *port};
+    for (auto& thread : threads_) thread = std::thread([this] { io_.run(); });
+  }
+
+  void StopAndJoin() {
+    if (server_) server_->Stop();
+    for (auto& thread : threads_) {
+      if (thread.joinable()) thread.join();
+    }
+  }
+
+  void Connect(net::FrameClient& client) {
+    Status status = client.Connect(at_, fingerprint_, 10s);
+    ASSERT_TRUE(status.ok()) << status.message();
+  }
+
+  static wire::Reply Exchange(net::FrameClient& client, const wire::Request& request) {
+    EXPECT_TRUE(client.Send(protocol::Serialize(request)).ok());
+    return Receive(client);
+  }
+
+  static wire::Reply Receive(net::FrameClient& client) {
+    auto frame = client.Receive(10s);
+    EXPECT_TRUE(frame.ok()) << frame.status().message();
+    if (!frame.ok()) return {};
+    return *protocol::ParseReply(*frame);
+  }
+
+  // True when the server ends the connection.
+  static bool Ends(net::FrameClient& client) {
+    auto frame = client.Receive(10s);
+    return !frame.ok() && !net::IsTimeout(frame.status());
+  }
+
+  LinkWorld world_;
+  boost::asio::io_context io_;
+  StorePool pool_{2};
+  std::optional<StationServer> server_;
+  std::array<std::thread, 2> threads_;
+  Sha256 fingerprint_;
+  net::Endpoint at_;
+  net::FrameClient client_;
+  ScriptedStation station_{
+      [this](const wire::Request& request) { return Exchange(client_, request); }};
+};
+
+TEST_F(StationServerTest, AttemptIsUploadedOverTls) {
+  Start();
+  Connect(client_);
+  ASSERT_TRUE(station_.Enrol().has_enrolled());
+  Connect(client_);
+  ASSERT_TRUE(station_.Hello().has_welcome());
+  ASSERT_TRUE(station_.SignIn("student").has_signed_in());
+  auto ticket = station_.RequestTicket(world_.exercise.content, world_.Profile("omega3"));
+  ASSERT_TRUE(ticket.has_ticket_issued()) << ticket.error().message();
+  Recording recording(world_, TicketOf(ticket), station_.keys, 5);
+  ASSERT_TRUE(station_.Open(recording.header).has_attempt_opened());
+
+  // Without waiting for each: answers come in order.
+  for (uint32_t seq = 0; seq < 5; ++seq) {
+    wire::Request request;
+    request.set_id(100 + seq);
+    request.mutable_put_chunk()->set_chunk(protocol::ToField(recording.chunks[seq]));
+    ASSERT_TRUE(client_.Send(protocol::Serialize(request)).ok());
+  }
+  for (uint32_t seq = 0; seq < 5; ++seq) {
+    wire::Reply reply = Receive(client_);
+    EXPECT_EQ(reply.reply_to(), 100 + seq);
+    EXPECT_TRUE(reply.chunk_ack().committed()) << reply.error().message();
+  }
+  EXPECT_TRUE(station_.Seal(recording.seal).has_sealed());
+  EXPECT_EQ(world_.store->AttemptChunks(recording.seal.attempt)->size(), 5u);
+}
+
+TEST_F(StationServerTest, OversizedFrameBeforeHelloIsNamedAndEndsTheConnection) {
+  Start();
+  Connect(client_);
+  ASSERT_TRUE(client_.Send(Bytes(protocol::kMaxFrameBytesBeforeHello + 1, 0)).ok());
+  EXPECT_EQ(Receive(client_).error().code(), "too_large");
+  EXPECT_TRUE(Ends(client_));
+}
+
+TEST_F(StationServerTest, FrameThatIsNoMessageIsNamedAndEndsTheConnection) {
+  Start();
+  Connect(client_);
+  ASSERT_TRUE(client_.Send(Bytes(10, 0xff)).ok());
+  EXPECT_EQ(Receive(client_).error().code(), "invalid_input");
+  EXPECT_TRUE(Ends(client_));
+}
+
+TEST_F(StationServerTest, SilentConnectionIsEndedAtItsDeadline) {
+  LinkDeadlines deadlines;
+  deadlines.introduction = 200ms;
+  Start(deadlines);
+  Connect(client_);
+  EXPECT_TRUE(Ends(client_));
+}
+
+TEST_F(StationServerTest, ConnectionThatNeverShakesHandsIsEndedAtItsDeadline) {
+  LinkDeadlines deadlines;
+  deadlines.introduction = 200ms;
+  Start(deadlines);
+  boost::asio::io_context io;
+  boost::asio::ip::tcp::socket socket(io);
+  socket.connect({boost::asio::ip::make_address("127.0.0.1"), at_.port});
+  uint8_t byte = 0;
+  boost::system::error_code error;
+  EXPECT_EQ(socket.read_some(boost::asio::buffer(&byte, 1), error), 0u);
+  EXPECT_TRUE(error);
+}
+
+TEST_F(StationServerTest, StoppingTellsIdleStationsAndRunsOutOfWork) {
+  Start();
+  Connect(client_);
+  ASSERT_TRUE(station_.Enrol().has_enrolled());
+  Connect(client_);
+  ASSERT_TRUE(station_.Hello().has_welcome());
+  server_->Stop();
+  EXPECT_EQ(Receive(client_).error().code(), "unavailable");
+  client_.Close();
+  StopAndJoin();
+  EXPECT_FALSE(client_.Connect(at_, fingerprint_, 2s).ok());
+}
+
+TEST_F(StationServerTest, PortInUseIsNamed) {
+  Start();
+  StationServerOptions options;
+  options.port = at_.port;
+  options.certificate = world_.folder.path() / "station.crt";
+  options.private_key = world_.folder.path() / "station.key";
+  StationServer second(io_, options, world_.services, pool_);
+  auto refused = second.Start();
+  EXPECT_EQ(refused.status().code(), Code::kUnavailable);
+  EXPECT_NE(refused.status().message().find("another"), std::string::npos)
+      << refused.status().message();
+}
+
+TEST_F(StationServerTest, StationWithAnotherFingerprintRefusesTheServer) {
+  Start();
+  EXPECT_EQ(client_.Connect(at_, HashSha256(AsBytes("another")), 10s).code(),
+            Code::kUnauthenticated);
+}
+
+}  // namespace
+}  // namespace enamel::server::stations
