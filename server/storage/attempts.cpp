@@ -51,7 +51,7 @@ Status QueueUnreferenced(Db& db, const Uuid& exercise) {
   {
     Query q(
         db,
-        "SELECT a.id FROM attempts a WHERE a.tenant = ?1 AND a.exercise = ?2 AND a.state IN (3, 5) "
+        "SELECT a.id FROM attempts a WHERE a.tenant = ?1 AND a.exercise = ?2 AND a.state IN (3, 5, 6) "
         "AND "
         "a.reference IS NULL AND NOT EXISTS (SELECT 1 FROM jobs j WHERE j.tenant = a.tenant AND "
         "j.attempt = a.id AND j.state = 'queued')");

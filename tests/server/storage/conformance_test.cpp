@@ -163,6 +163,25 @@ TEST_F(StoreTest, ReferenceQueuesAttemptsThatWereScoredWithoutOne) {
   EXPECT_EQ(store_->ResultOf(scored)->reference, scored);
 }
 
+TEST_F(StoreTest, ReferenceQueuesAttemptsThatFailedForWantOfOne) {
+  World world(*store_);
+  Uuid waiting = world.OpenedAttempt();
+  ASSERT_TRUE(store_->SealAttempt(World::SealOf(world.Append(waiting, 1)), 200).ok());
+  auto job = store_->LeaseJob(1, 1000);
+  ASSERT_TRUE(job.ok() && job->has_value());
+  ASSERT_TRUE(store_->FailAttempt(waiting, "no reference yet").ok());
+  ASSERT_TRUE(store_->FinishJob((*job)->id, true, "").ok());
+
+  Uuid reference = world.ScoredAttempt();
+  ASSERT_TRUE(store_->AddReference(reference, "Dr. Example", kSystem).ok());
+  bool queued = false;
+  for (auto next = store_->LeaseJob(1, 1000); next->has_value(); next = store_->LeaseJob(1, 1000)) {
+    queued |= (*next)->attempt == waiting;
+  }
+  EXPECT_TRUE(queued);
+  EXPECT_EQ(store_->AttemptById(waiting)->problem, "");
+}
+
 TEST_F(StoreTest, JobWhoseLeaseRanOutIsTakenAgainAndFailsAfterThreeTries) {
   World world(*store_);
   Uuid attempt = world.OpenedAttempt();
