@@ -28,9 +28,8 @@ constexpr int32_t kFinestVoxel_nm = 10'000, kCoarsestVoxel_nm = 500'000;
 constexpr size_t kMaxGridBytes = size_t{3} << 30;
 constexpr double kPulpBelowFossa_mm =
     2.9;                               // roof of the chamber below the central fossa, assumption
-constexpr double kFossaSearch = 0.22;  // of the crown's smaller width
-// Whole bricks are skipped beyond about 10 voxels: no distance is needed farther out.
-constexpr double kReachVoxels = 12;
+constexpr double kFossaSearch = 0.25;  // half a side of the searched square, of the smaller width
+constexpr int kFossaSteps = 20;
 
 struct Unit {
   const char* name;
@@ -82,7 +81,7 @@ Status CheckSize(const Triangles& mesh_mm, const std::string& unit, double unit_
       fits += (fits.empty() ? "" : " or ") + std::string(u.name);
   }
   return Invalid(
-      "expected a tooth of 3 to 40 mm, found one of " + Fixed(extent, extent < 1 ? 4 : 1) +
+      "expected a tooth of 3 to 40 mm, found one of " + Fixed(extent, extent < 1 ? 4 : 2) +
           " mm with the unit '" + unit + "': " +
           (fits.empty() ? "no known unit makes it a tooth" : "its numbers look like " + fits),
       "unit");
@@ -116,30 +115,37 @@ class TopView {
 
 struct Fossa {
   dvec3 point;
-  bool is_pit;  // a local lowest point, not a slope
+  bool is_pit;
 };
 
-// Lowest point (along `rise`) of the occlusal surface near its middle.
-Fossa FindFossa(const TriangleTree& tree, const Box& box, const dvec3& rise) {
-  TopView top(tree, box);
-  dvec3 middle = 0.5 * (box.lo + box.hi), size = box.hi - box.lo;
-  double radius = kFossaSearch * std::min(size.x, size.y);
-  Fossa best{dvec3(middle.x, middle.y, top.Height(middle.x, middle.y).value_or(box.hi.z)), false};
-  double lowest = std::numeric_limits<double>::max(), best_r = radius;
-  const double step = radius / 16;
-  for (int j = -16; j <= 16; ++j)
-    for (int i = -16; i <= 16; ++i) {
-      double dx = i * step, dy = j * step, r = std::sqrt(dx * dx + dy * dy);
-      if (r > radius) continue;
-      auto z = top.Height(middle.x + dx, middle.y + dy);
-      if (!z) continue;
-      dvec3 p(middle.x + dx, middle.y + dy, *z);
-      if (Dot(p, rise) >= lowest) continue;
-      lowest = Dot(p, rise), best.point = p, best_r = r;
+// The pit of the occlusal surface nearest its middle, or its middle where there is no pit.
+Fossa FindFossa(const TriangleTree& tree, const Box& box) {
+  const TopView top(tree, box);
+  const dvec3 middle = 0.5 * (box.lo + box.hi), size = box.hi - box.lo;
+  const double step = kFossaSearch * std::min(size.x, size.y) / kFossaSteps;
+  constexpr int kSide = 2 * kFossaSteps + 1;
+  std::array<double, kSide * kSide> height;
+  auto at = [&](int i, int j) -> double& { return height[static_cast<size_t>(j * kSide + i)]; };
+  for (int j = 0; j < kSide; ++j)
+    for (int i = 0; i < kSide; ++i) {
+      at(i, j) =
+          top.Height(middle.x + (i - kFossaSteps) * step, middle.y + (j - kFossaSteps) * step)
+              .value_or(box.hi.z);
     }
-  best.is_pit = best_r < radius - 1.5 * step;
-  if (!best.is_pit)
-    best.point = dvec3(middle.x, middle.y, top.Height(middle.x, middle.y).value_or(box.hi.z));
+  int nearest = kSide * kSide;
+  Fossa best{dvec3(middle.x, middle.y, at(kFossaSteps, kFossaSteps)), false};
+  for (int j = 2; j < kSide - 2; ++j)
+    for (int i = 2; i < kSide - 2; ++i) {
+      bool pit = true;
+      for (int k = 0; k < 25 && pit; ++k) pit = at(i + k % 5 - 2, j + k / 5 - 2) >= at(i, j);
+      const int away =
+          (i - kFossaSteps) * (i - kFossaSteps) + (j - kFossaSteps) * (j - kFossaSteps);
+      if (!pit || away >= nearest) continue;
+      nearest = away;
+      best = {
+          dvec3(middle.x + (i - kFossaSteps) * step, middle.y + (j - kFossaSteps) * step, at(i, j)),
+          true};
+    }
   return best;
 }
 
@@ -161,6 +167,16 @@ std::string PlainName(const std::string& text) {
   return out.empty() ? "tooth" : out;
 }
 
+// Printable ASCII of at most 200 characters, so that documents stay valid whatever a file is
+// called.
+std::string Printable(const std::string& text) {
+  std::string out = text.substr(0, 200);
+  for (char& c : out) {
+    if (c < 0x20 || c > 0x7e) c = '?';
+  }
+  return out;
+}
+
 // Stance, and the mesh turned into the scene's frame, its bounding box around the origin.
 struct Placed {
   Solid solid;
@@ -168,9 +184,13 @@ struct Placed {
   std::string words;         // for the report
 };
 
-std::string AxisName(const dvec3& axis) {
-  int k = std::abs(axis.x) > 0.5 ? 0 : std::abs(axis.y) > 0.5 ? 1 : 2;
-  return std::string(axis[k] > 0 ? "+" : "-") + "xyz"[k];
+// "+y of the file, 12 degrees off".
+std::string AxisName(const dvec3& up) {
+  dvec3 a = glm::abs(up);
+  int k = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
+  std::string name = std::string(up[k] > 0 ? "+" : "-") + "xyz"[k] + " of the file";
+  int degrees = static_cast<int>(std::lround(std::acos(std::min(a[k], 1.0)) * 57.29577951308232));
+  return degrees == 0 ? name : name + ", " + std::to_string(degrees) + " degrees off";
 }
 
 Result<Placed> Place(Solid solid, const std::string& up) {
@@ -191,13 +211,13 @@ Result<Placed> Place(Solid solid, const std::string& up) {
   for (Triangles* mesh : {&solid.mesh, &solid.boundary}) {
     for (dvec3& v : mesh->vertices) v -= middle;
   }
-  Placed placed{std::move(solid), std::nullopt,
-                "occlusal direction " + AxisName(stance.up) + " of the file"};
+  Placed placed{std::move(solid), std::nullopt, "occlusal direction " + AxisName(stance.up)};
   if (stance.gum) placed.gum = turn * *stance.gum;
   if (up != "auto") {
     placed.words += " (as given)";
   } else if (stance.certain) {
-    placed.words += " (found: the smooth gum side faces the other way)";
+    placed.words +=
+        " (found: a smooth gum side faces the other way; give the direction if it is wrong)";
   } else {
     placed.words += " (a guess, no smooth gum side stands out: give the direction if it is wrong)";
   }
@@ -206,20 +226,19 @@ Result<Placed> Place(Solid solid, const std::string& up) {
 
 cutting::Volume Fill(const Placed& placed, const TriangleTree& boundary, const TissueModel& tissues,
                      const cutting::GridSpec& spec, const ImportOptions& options) {
-  const double limit_mm = kReachVoxels * spec.voxel_m() * 1e3;
   const TriangleTree whole(placed.solid.mesh);
-  auto make_field = [&]() -> scene::Field {
+  auto make_field = [&]() -> scene::ReachField {
     auto probe = std::make_shared<SignedProbe>(boundary, whole);
-    return [probe, &tissues, limit_mm](const dvec3& p_m) {
-      dvec3 p = p_m * 1e3;
-      double d = probe->Distance(p, limit_mm);
-      if (d >= limit_mm) return scene::FieldSample{d * 1e-3, Tissue::kAir, 0};
+    return [probe, &tissues](const dvec3& p_m, double reach_m) {
+      const dvec3 p = p_m * 1e3;
+      double d_m = probe->Distance(p, reach_m * 1e3) * 1e-3;
+      if (d_m >= reach_m) return scene::FieldSample{d_m, Tissue::kAir, 0};
       TissueModel::Sample t = tissues.At(p);
-      return scene::FieldSample{d * 1e-3, t.tissue, t.margin_mm * 1e-3};
+      return scene::FieldSample{d_m, t.tissue, t.margin_mm * 1e-3};
     };
   };
   int threads = options.threads > 0 ? options.threads : scene::BuildThreads();
-  return scene::BuildVolume(spec, std::function<scene::Field()>(make_field), threads,
+  return scene::BuildVolume(spec, std::function<scene::ReachField()>(make_field), threads,
                             options.progress);
 }
 
@@ -291,8 +310,7 @@ Result<ImportedScene> ImportTriangles(const Triangles& mesh, const std::string& 
   auto spec = scene::GridAround(box.lo * 1e-3, box.hi * 1e-3, options.voxel_nm);
   ENAMEL_RETURN_IF_ERROR(cutting::ValidateGrid(spec, kMaxGridBytes));
   const TriangleTree boundary(placed->solid.boundary);
-  const dvec3 rise = placed->gum ? -*placed->gum : dvec3(0, 0, 1);
-  const Fossa fossa = FindFossa(boundary, box, rise);
+  const Fossa fossa = FindFossa(boundary, box);
   const TissueModel tissues(placed->solid.boundary, placed->gum ? &*placed->gum : nullptr, box.lo,
                             box.hi, fossa.point.z - kPulpBelowFossa_mm);
   ImportedScene out = Describe(*placed, fossa, box, tissues);
@@ -300,7 +318,7 @@ Result<ImportedScene> ImportTriangles(const Triangles& mesh, const std::string& 
   auto volumes = cutting::SolidVolume_m3(out.volume);
   ReportVolume(volumes, out);
   out.scene.name = PlainName(options.name.empty() ? "imported" : options.name);
-  out.scene.title = options.name.empty() ? "Imported tooth" : options.name.substr(0, 200);
+  out.scene.title = options.name.empty() ? "Imported tooth" : Printable(options.name);
   out.scene.voxel_nm = options.voxel_nm;
   out.scene.tissues = scene::DefaultTissues(TissuesIn(volumes));
   out.scene.landmarks["occlusal_centre"] = ToUm(fossa.point);
@@ -317,7 +335,7 @@ Result<ImportedScene> ImportTooth(const std::filesystem::path& file, const Impor
   if (!bytes.ok()) return bytes.status();
   ImportOptions named = options;
   if (named.name.empty()) named.name = file.stem().string();
-  std::string source = "imported from " + file.filename().string().substr(0, 200) + " (SHA-256 " +
+  std::string source = "imported from " + Printable(file.filename().string()) + " (SHA-256 " +
                        HashSha256(*bytes).Hex() + "), unit " + options.unit;
   Result<ImportedScene> out = ImportTriangles(*mesh, source, named);
   if (out.ok()) return out;

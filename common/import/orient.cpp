@@ -10,7 +10,8 @@ namespace enamel::import {
 namespace {
 
 constexpr int kDirections = 400;
-constexpr double kPatchCosine = 0.96;     // within 16 degrees of the patch's direction
+constexpr double kPatchCosine = 0.96;  // within 16 degrees of the patch's direction
+constexpr double kMeanCosine = 0.9;
 constexpr double kElsewhereCosine = 0.5;  // another patch: 60 degrees away or more
 constexpr double kClearly = 1.4;
 
@@ -69,12 +70,14 @@ dvec3 Direction(int i) {
   return {r * std::cos(turn), r * std::sin(turn), z};
 }
 
-dvec3 NearestAxis(const dvec3& d) {
-  dvec3 a = glm::abs(d);
-  int k = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
-  dvec3 axis(0);
-  axis[k] = d[k] < 0 ? -1 : 1;
-  return axis;
+// Area-weighted mean of the normals near a patch's direction.
+dvec3 MeanNormal(const std::vector<Facet>& facets, const dvec3& direction) {
+  dvec3 sum(0);
+  for (const Facet& f : facets) {
+    if (Dot(f.normal, direction) > kMeanCosine) sum += f.area * f.normal;
+  }
+  double size = std::sqrt(Dot(sum, sum));
+  return size > 0 ? sum / size : direction;
 }
 
 // The best patch whose direction has at least `cosine` with `toward`.
@@ -120,7 +123,8 @@ Stance FindStance(const Triangles& mesh) {
   Patch rival = BestPatchElsewhere(facets, gum.direction);
   Patch opposite = PatchAlong(facets, -gum.direction, 0.7);
   if (gum.score() > kClearly * rival.score() && opposite.roughness > kClearly * gum.roughness) {
-    return {NearestAxis(-gum.direction), gum.direction, true};
+    dvec3 mean = MeanNormal(facets, gum.direction);
+    return {-mean, mean, true};
   }
   Patch above = PatchAlong(facets, {0, 1, 0}, 0.7), below = PatchAlong(facets, {0, -1, 0}, 0.7);
   dvec3 up(0, above.roughness > below.roughness ? 1 : -1, 0);
@@ -132,11 +136,13 @@ Stance StanceWithUp(const Triangles& mesh, const dvec3& up) {
   Patch gum = BestPatch(facets, -up, 0.75);
   Patch opposite = PatchAlong(facets, up, 0.7);
   bool clear = opposite.roughness > kClearly * gum.roughness && gum.area > 0;
-  return {up, clear ? std::optional<dvec3>(gum.direction) : std::nullopt, true};
+  return {up, clear ? std::optional<dvec3>(MeanNormal(facets, gum.direction)) : std::nullopt, true};
 }
 
 dmat3 SceneFromFile(const Triangles& mesh, const dvec3& up) {
-  dvec3 a = std::abs(up.x) < 0.5 ? dvec3(1, 0, 0) : dvec3(0, 1, 0);
+  dvec3 a = std::abs(up.x) < 0.7 ? dvec3(1, 0, 0) : dvec3(0, 1, 0);
+  a -= Dot(a, up) * up;
+  a /= std::sqrt(Dot(a, a));
   dvec3 b = glm::cross(up, a);
   auto extent = [&](const dvec3& axis) {
     double lo = 1e300, hi = -1e300;

@@ -8,8 +8,9 @@ namespace {
 
 using cutting::Tissue;
 
-constexpr double kCell_mm = 0.2;
-constexpr int kMaxCells = 96;  // along an axis
+constexpr double kCell_mm = 0.25;
+constexpr int kMaxCells = 96;        // along an axis
+constexpr double kOutside_mm = 1.0;  // depths beyond this above the surface are cut off
 constexpr double kGumCosine = 0.85;
 constexpr double kFullEnamel_mm = 2.3;   // molar cusps, textbook average
 constexpr double kEnamelOfWidth = 0.23;  // and never more than this of the crown's width
@@ -56,14 +57,18 @@ void TissueModel::SampleDepths(const Triangles& boundary, const dvec3* gum) {
   }
   const TriangleTree outer_tree(outer), base_tree(base), whole(boundary);
   const double far = 2 * glm::length(step_ * dvec3(size_));
+  SignedProbe side(whole, whole);
+  uint32_t nearest_outer = 0, nearest_base = 0;
   for (int z = 0; z < size_.z; ++z)
     for (int y = 0; y < size_.y; ++y)
       for (int x = 0; x < size_.x; ++x) {
         dvec3 p = lo_ + step_ * dvec3(x, y, z);
-        bool inside = whole.Winding(p) > 0.5;
-        double d = outer_tree.Distance(p, far);
-        depth_.push_back(static_cast<float>(inside ? d : -std::min(d, 1.0)));
-        gum_depth_.push_back(static_cast<float>(inside ? base_tree.Distance(p, far) : 0));
+        double d = side.Distance(p, kOutside_mm);
+        bool inside = d < 0;
+        if (inside) d = outer_tree.Distance(p, far, &nearest_outer);
+        depth_.push_back(static_cast<float>(inside ? d : -d));
+        gum_depth_.push_back(
+            static_cast<float>(inside ? base_tree.Distance(p, kOutside_mm, &nearest_base) : 0));
       }
 }
 

@@ -14,26 +14,21 @@ constexpr double kOpening = 2;
 
 double Square(const dvec3& v) { return Dot(v, v); }
 
-double SquareToSegment(const dvec3& p, const dvec3& a, const dvec3& b) {
-  dvec3 ab = b - a;
+double SquareToSegment(const dvec3& ap, const dvec3& ab) {
   double n = Square(ab);
-  double t = n > 0 ? std::clamp(Dot(p - a, ab) / n, 0.0, 1.0) : 0.0;
-  return Square(p - a - t * ab);
+  double t = n > 0 ? std::clamp(Dot(ap, ab) / n, 0.0, 1.0) : 0.0;
+  return Square(ap - t * ab);
 }
 
+// The foot of the perpendicular is a + s u + t v with u, v the edges at a; outside the triangle
+// the nearest point is on an edge.
 double SquareToTriangle(const dvec3& p, const dvec3& a, const dvec3& b, const dvec3& c) {
-  dvec3 n = glm::cross(b - a, c - a);
-  double nn = Square(n);
-  if (nn > 0) {
-    // Inside the prism over the triangle the foot of the perpendicular is the nearest point.
-    bool over = Dot(glm::cross(b - a, p - a), n) >= 0 && Dot(glm::cross(c - b, p - b), n) >= 0 &&
-                Dot(glm::cross(a - c, p - c), n) >= 0;
-    if (over) {
-      double d = Dot(p - a, n);
-      return d * d / nn;
-    }
-  }
-  return std::min({SquareToSegment(p, a, b), SquareToSegment(p, b, c), SquareToSegment(p, c, a)});
+  const dvec3 u = b - a, v = c - a, w = p - a;
+  double uu = Dot(u, u), uv = Dot(u, v), vv = Dot(v, v), uw = Dot(u, w), vw = Dot(v, w);
+  double det = uu * vv - uv * uv;
+  double s = vv * uw - uv * vw, t = uu * vw - uv * uw;
+  if (det > 0 && s >= 0 && t >= 0 && s + t <= det) return Square(w - (s / det) * u - (t / det) * v);
+  return std::min({SquareToSegment(w, u), SquareToSegment(w, v), SquareToSegment(p - b, c - b)});
 }
 
 double SquareToBox(const dvec3& p, const dvec3& lo, const dvec3& hi) {
@@ -51,10 +46,16 @@ double SolidAngle(const dvec3& p, dvec3 a, dvec3 b, dvec3 c) {
 
 }  // namespace
 
+TriangleTree::Triangle TriangleTree::WithSphere(const dvec3& a, const dvec3& b, const dvec3& c) {
+  dvec3 middle = (a + b + c) / 3.0;
+  return {a, b, c, middle,
+          std::sqrt(std::max({Square(a - middle), Square(b - middle), Square(c - middle)}))};
+}
+
 TriangleTree::TriangleTree(const Triangles& mesh) {
   std::vector<Triangle> all;
   for (const auto& t : mesh.indices) {
-    all.push_back({mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]});
+    all.push_back(WithSphere(mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]));
   }
   std::vector<uint32_t> order(all.size());
   for (uint32_t i = 0; i < order.size(); ++i) order[i] = i;
@@ -100,9 +101,21 @@ void TriangleTree::Build(std::vector<uint32_t>& order, uint32_t first, uint32_t 
   Build(order, first + half, count - half, all, depth + 1);
 }
 
-double TriangleTree::Distance(const dvec3& p, double limit) const {
+double TriangleTree::Distance(const dvec3& p, double limit, uint32_t* nearest) const {
   if (nodes_.empty()) return limit;
-  double best = limit * limit;
+  double best = limit, best_square = limit * limit;
+  uint32_t found = nearest != nullptr && *nearest < triangles_.size() ? *nearest : 0;
+  auto look = [&](uint32_t i) {
+    const Triangle& t = triangles_[i];
+    double reach = best + t.radius;
+    if (Square(p - t.middle) >= reach * reach) return;
+    double square = SquareToTriangle(p, t.a, t.b, t.c);
+    if (square >= best_square) return;
+    best_square = square;
+    best = std::sqrt(square);
+    found = i;
+  };
+  look(found);
   struct Entry {
     uint32_t node;
     double square;
@@ -112,13 +125,10 @@ double TriangleTree::Distance(const dvec3& p, double limit) const {
   stack[top++] = {0, SquareToBox(p, nodes_[0].lo, nodes_[0].hi)};
   while (top > 0) {
     Entry e = stack[--top];
-    if (e.square >= best) continue;
+    if (e.square >= best_square) continue;
     const Node& node = nodes_[e.node];
     if (node.count > 0) {
-      for (uint32_t i = node.first; i < node.first + node.count; ++i) {
-        best =
-            std::min(best, SquareToTriangle(p, triangles_[i].a, triangles_[i].b, triangles_[i].c));
-      }
+      for (uint32_t i = node.first; i < node.first + node.count; ++i) look(i);
       continue;
     }
     Entry l{e.node + 1, SquareToBox(p, nodes_[e.node + 1].lo, nodes_[e.node + 1].hi)};
@@ -127,7 +137,8 @@ double TriangleTree::Distance(const dvec3& p, double limit) const {
     stack[top++] = l;  // the nearer one is looked at first
     stack[top++] = r;
   }
-  return std::sqrt(best);
+  if (nearest != nullptr) *nearest = found;
+  return best;
 }
 
 double TriangleTree::Winding(const dvec3& p) const {
@@ -156,17 +167,13 @@ double TriangleTree::Winding(const dvec3& p) const {
 }
 
 double SignedProbe::Distance(const dvec3& p, double limit) {
+  double d = surface_->Distance(p, limit, &nearest_);
   double moved = known_ ? std::sqrt(Square(p - last_)) : 0;
-  // The last point's nearest triangle is at most this far from here.
-  double bound = limit;
-  if (last_found_) bound = std::min(limit, (moved + last_distance_) * (1 + 1e-9) + 1e-12);
-  double d = surface_->Distance(p, bound);
   bool same_side = known_ && moved < std::max(d, last_distance_) * (1 - 1e-9);
   bool inside = same_side ? last_inside_ : solid_->Winding(p) > 0.5;
   known_ = true;
   last_ = p;
   last_distance_ = d;
-  last_found_ = d < limit;
   last_inside_ = inside;
   return inside ? -d : d;
 }

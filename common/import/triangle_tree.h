@@ -16,14 +16,17 @@ class TriangleTree {
   explicit TriangleTree(const Triangles& mesh);
 
   bool empty() const { return triangles_.empty(); }
-  // Distance to the nearest triangle, or `limit` when none is nearer.
-  double Distance(const dvec3& p, double limit) const;
+  // Distance to the nearest triangle, or `limit` when none is nearer. `nearest` (may be null) is a
+  // guess, in the tree's own numbering, that shortens the search, and becomes the triangle found.
+  double Distance(const dvec3& p, double limit, uint32_t* nearest = nullptr) const;
   // How many times the mesh surrounds p: 0 outside, 1 inside a closed mesh oriented outward.
   double Winding(const dvec3& p) const;
 
  private:
   struct Triangle {
     dvec3 a, b, c;
+    dvec3 middle{0};  // of a sphere around it
+    double radius = 0;
   };
   struct Node {
     dvec3 lo, hi;
@@ -32,6 +35,7 @@ class TriangleTree {
     uint32_t first = 0, count = 0;  // leaf: triangles
     uint32_t right = 0;             // inner: left child is the next node
   };
+  static Triangle WithSphere(const dvec3& a, const dvec3& b, const dvec3& c);
   void Build(std::vector<uint32_t>& order, uint32_t first, uint32_t count,
              const std::vector<Triangle>& all, int depth);
 
@@ -40,8 +44,8 @@ class TriangleTree {
 };
 
 // Signed distance to `surface` of points visited one near the other: each search starts from the
-// last one's bound, and the side (winding number of `solid`) is found anew only when a surface may
-// lie between. One per thread.
+// triangle found last, and the side (winding number of `solid`) is found anew only when a surface
+// may lie between. One per thread.
 class SignedProbe {
  public:
   SignedProbe(const TriangleTree& surface, const TriangleTree& solid)
@@ -52,8 +56,8 @@ class SignedProbe {
  private:
   const TriangleTree* surface_;
   const TriangleTree* solid_;
-  bool known_ = false;       // there was a last point
-  bool last_found_ = false;  // its distance was below its limit, not cut off
+  uint32_t nearest_ = 0;
+  bool known_ = false;  // there was a last point
   dvec3 last_{0};
   double last_distance_ = 0;
   bool last_inside_ = false;

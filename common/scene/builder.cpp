@@ -72,13 +72,13 @@ bool DilateLabels(Samples& s) {
 
 class BrickBuilder {
  public:
-  BrickBuilder(const GridSpec& spec, Field field)
+  BrickBuilder(const GridSpec& spec, ReachField field)
       : spec_(spec), field_(std::move(field)), h_(spec.voxel_m()) {}
 
   Brick Build(const ivec3& b) const {
     dvec3 corner = spec_.origin_m() + h_ * kBrickSide * dvec3(b);
-    FieldSample middle = field_(corner + 3.5 * h_);
     double reach = (kBandVoxels + kBrickHalfDiagonalVoxels) * h_;
+    FieldSample middle = field_(corner + 3.5 * h_, 1.01 * reach);
     if (middle.distance_m > reach) return {};
     if (middle.distance_m < -reach && middle.tissue_margin_m > kBrickHalfDiagonalVoxels * h_) {
       return {middle.tissue, nullptr};
@@ -92,7 +92,7 @@ class BrickBuilder {
     for (int z = 0; z < kBrickSide; ++z)
       for (int y = 0; y < kBrickSide; ++y)
         for (int x = 0; x < kBrickSide; ++x) {
-          FieldSample f = field_(corner + h_ * dvec3(x, y, z));
+          FieldSample f = field_(corner + h_ * dvec3(x, y, z), 1.01 * kBandVoxels * h_);
           s->phi[InBrick(x, y, z)] = ToPhi(f.distance_m, h_);
           s->tissue[InBrick(x, y, z)] = static_cast<uint8_t>(f.tissue);
         }
@@ -109,7 +109,7 @@ class BrickBuilder {
   }
 
   const GridSpec& spec_;
-  Field field_;
+  ReachField field_;
   double h_;
 };
 
@@ -155,7 +155,7 @@ Volume Assemble(const GridSpec& spec, const std::vector<Brick>& bricks) {
 
 }  // namespace
 
-Volume BuildVolume(const GridSpec& spec, const std::function<Field()>& make_field, int threads,
+Volume BuildVolume(const GridSpec& spec, const std::function<ReachField()>& make_field, int threads,
                    const std::function<void(double)>& progress) {
   std::vector<Brick> bricks(static_cast<size_t>(spec.brick_count()));
   std::atomic<int> next_layer{0};
@@ -179,7 +179,10 @@ Volume BuildVolume(const GridSpec& spec, const std::function<Field()>& make_fiel
 
 Volume BuildVolume(const GridSpec& spec, const Field& field, int threads,
                    const std::function<void(double)>& progress) {
-  return BuildVolume(spec, std::function<Field()>([&field] { return field; }), threads, progress);
+  auto make_field = [&field]() -> ReachField {
+    return [&field](const dvec3& p, double) { return field(p); };
+  };
+  return BuildVolume(spec, std::function<ReachField()>(make_field), threads, progress);
 }
 
 GridSpec GridAround(const dvec3& lo_m, const dvec3& hi_m, int32_t voxel_nm) {

@@ -29,10 +29,13 @@ using Field = std::function<FieldSample(const dvec3& point_m)>;
 // ValidateGrid(spec).ok(). Thread safety: `field` is called from `threads` at once.
 cutting::Volume BuildVolume(const cutting::GridSpec& spec, const Field& field, int threads = 1,
                             const std::function<void(double)>& progress = {});
-// The same with a field of its own for each thread (`make_field` is called in it), for fields that
-// remember where they were.
-cutting::Volume BuildVolume(const cutting::GridSpec& spec, const std::function<Field()>& make_field,
-                            int threads, const std::function<void(double)>& progress);
+// The same for fields that are costly far from the surface or remember where they were: each thread
+// makes one of its own (`make_field` is called in it), and magnitudes above `reach_m` may be cut
+// off there.
+using ReachField = std::function<FieldSample(const dvec3& point_m, double reach_m)>;
+cutting::Volume BuildVolume(const cutting::GridSpec& spec,
+                            const std::function<ReachField()>& make_field, int threads,
+                            const std::function<void(double)>& progress);
 
 // The smallest grid whose samples cover lo..hi (m) with a band of 5 voxels around.
 cutting::GridSpec GridAround(const dvec3& lo_m, const dvec3& hi_m, int32_t voxel_nm);

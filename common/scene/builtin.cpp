@@ -181,7 +181,7 @@ std::vector<TissueSpec> DefaultTissues(const std::vector<Tissue>& present) {
 
 Exercise ClassOneExercise(const Scene& scene, const Sha256& scene_hash) {
   Exercise e;
-  e.name = "class-1-" + scene.name;
+  e.name = ("class-1-" + scene.name).substr(0, 64);
   e.title = "Class I occlusal cavity";
   e.instructions =
       "Cut a box of 4.0 x 2.4 mm, 2.0 mm deep from the central fossa, with upright walls and a "

@@ -1,6 +1,7 @@
 #include "common/import/import_tooth.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <cmath>
 #include <filesystem>
@@ -83,7 +84,7 @@ TEST(ImportTest, WrongUnitIsRefusedWithTheOneThatFits) {
   options.unit = "m";
   Status refused = ImportTriangles(SphereMesh(6, 10), "test", options).status();
   EXPECT_EQ(refused.code(), Code::kInvalidInput);
-  EXPECT_NE(refused.message().find("12000.0 mm"), std::string::npos) << refused.message();
+  EXPECT_NE(refused.message().find("12000.00 mm"), std::string::npos) << refused.message();
   EXPECT_NE(refused.message().find("look like mm"), std::string::npos) << refused.message();
 }
 
@@ -160,10 +161,33 @@ TEST(ImportChildTest, AsciiStlOfACubeInCentimetresIsRead) {
   ImportOptions options;
   options.unit = "cm";
   options.voxel_nm = 200'000;
-  auto s = ImportTooth(folder.Write("Cube One.STL", text + "endsolid cube\n"), options);
+  auto s = ImportTooth(folder.Write("Cube \xff\n1.STL", text + "endsolid cube\n"), options);
   ASSERT_TRUE(s.ok()) << s.status().message();
   EXPECT_NEAR(Solid_mm3(s->volume), 1000, 2);
-  EXPECT_EQ(s->scene.name, "cube-one");
+  EXPECT_EQ(s->scene.name, "cube---1");
+  EXPECT_TRUE(scene::SceneFromJson(scene::ToJson(s->scene)).ok());
+}
+
+TEST(ImportChildTest, ReaderOpensNoOtherFile) {
+  TempFolder folder;
+  fs::path trap = folder.path / "trap.mtl";
+  // A pipe that nobody writes to: opening it would hang until the reader's deadline.
+  ASSERT_EQ(mkfifo(trap.c_str(), 0600), 0);
+  std::string text = "mtllib trap.mtl\n";
+  Triangles cube = BoxMesh(dvec3(0), dvec3(10));
+  for (const dvec3& v : cube.vertices) {
+    text +=
+        "v " + std::to_string(v.x) + " " + std::to_string(v.y) + " " + std::to_string(v.z) + "\n";
+  }
+  for (const auto& t : cube.indices) {
+    text += "f " + std::to_string(t[0] + 1) + " " + std::to_string(t[1] + 1) + " " +
+            std::to_string(t[2] + 1) + "\n";
+  }
+  ImportOptions options;
+  options.voxel_nm = 400'000;
+  auto s = ImportTooth(folder.Write("cube.obj", text), options);
+  ASSERT_TRUE(s.ok()) << s.status().message();
+  EXPECT_NEAR(s->mesh_volume_mm3, 1000, 1e-6);
 }
 
 TEST(ImportChildTest, MissingFileUnknownKindAndEmptyFileAreRefused) {
@@ -257,12 +281,12 @@ TEST(RealCrownTest, ClassOneCavityOnAMolarKeepsClearOfThePulpAndMeetsEnamelFirst
   EXPECT_TRUE(dentin);
 }
 
-TEST(OddMeshTest, EachFileImportsOrIsRefusedWithAReasonInEveryUnit) {
+TEST(OddMeshTest, EachFileImportsOrIsRefusedWithAReasonInTwoUnits) {
   auto files = FilesIn(kShared / "meshes_odd");
   if (files.empty()) GTEST_SKIP() << "skipped: no shared data";
   int imported = 0, refused = 0;
   for (const fs::path& file : files) {
-    for (const char* unit : {"mm", "cm", "inch"}) {
+    for (const char* unit : {"mm", "cm"}) {
       ImportOptions options;
       options.unit = unit;
       options.voxel_nm = 400'000;
