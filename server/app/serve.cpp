@@ -32,8 +32,21 @@ UnixMs SystemNow() {
       .count();
 }
 
+// Where to listen. Unlike where to connect to, the port may be 0: any free one.
+Result<net::Endpoint> ListenAddress(const std::string& text, const char* option) {
+  if (text.ends_with(":0")) {
+    auto endpoint = net::ParseEndpoint(text.substr(0, text.size() - 1) + "1");
+    if (endpoint.ok()) endpoint->port = 0;
+    if (endpoint.ok()) return endpoint;
+  }
+  auto endpoint = net::ParseEndpoint(text);
+  if (endpoint.ok()) return endpoint;
+  return Status(Code::kInvalidInput,
+                std::string(option) + " expects address:port, found \"" + text + "\"");
+}
+
 Result<http::HttpOptions> HttpOptionsOf(const ServeOptions& options) {
-  auto endpoint = net::ParseEndpoint(options.http);
+  auto endpoint = ListenAddress(options.http, "--http");
   if (!endpoint.ok()) return endpoint.status();
   http::HttpOptions out;
   out.address = endpoint->host;
@@ -48,7 +61,7 @@ Result<http::HttpOptions> HttpOptionsOf(const ServeOptions& options) {
 
 Result<stations::StationServerOptions> LinkOptionsOf(const ServeOptions& options,
                                                      const ServerIdentity& identity) {
-  auto endpoint = net::ParseEndpoint(options.stations);
+  auto endpoint = ListenAddress(options.stations, "--stations");
   if (!endpoint.ok()) return endpoint.status();
   stations::StationServerOptions out;
   out.address = endpoint->host;

@@ -1,0 +1,115 @@
+#include <gtest/gtest.h>
+
+#include <boost/json/parse.hpp>
+
+#include "common/base/file.h"
+#include "common/scene/builtin.h"
+#include "common/scene/json.h"
+#include "common/scene/volume_blob.h"
+#include "server/app/admin.h"
+#include "server/app/data_folder.h"
+#include "server/app/publish.h"
+#include "server/app/report.h"
+#include "server/app/seed.h"
+#include "server/auth/authenticator.h"
+#include "tests/server/storage/store_world.h"
+
+namespace enamel::server::app {
+namespace {
+
+using namespace server::testing;
+
+class CommandsTest : public ::testing::Test {
+ protected:
+  std::filesystem::path Data() const { return folder_.path() / "data"; }
+  std::unique_ptr<Store> OpenData() { return OpenStore(Data()); }
+
+  TempFolder folder_;
+};
+
+TEST_F(CommandsTest, SeedingTwiceChangesNothing) {
+  SeedOptions options;
+  options.data = Data();
+  options.voxel_um = 400;
+  options.json = folder_.path() / "seed.json";
+  ASSERT_TRUE(SeedDemo(options).ok());
+  auto people = OpenData()->People();
+  auto exercises = OpenData()->AllExercises();
+  size_t changes = OpenData()->Audit(1000)->size();
+  ASSERT_TRUE(SeedDemo(options).ok());
+  EXPECT_EQ(people->size(), 4u);
+  EXPECT_EQ(OpenData()->AllExercises()->front().id, exercises->front().id);
+  EXPECT_EQ(OpenData()->Audit(1000)->size(), changes);
+
+  auto facts = boost::json::parse(AsText(*ReadFile(options.json))).as_object();
+  EXPECT_EQ(facts.at("exercise").as_string(), exercises->front().name);
+  EXPECT_FALSE(facts.at("has_reference").as_bool());
+  auto store = OpenData();
+  EXPECT_EQ(store->Profiles()->size(), 3u);
+  EXPECT_EQ(store->ExercisesFor(store->PersonByLogin("student1")->id)->size(), 1u);
+  auth::Authenticator authenticator(*store);
+  EXPECT_TRUE(
+      authenticator.SignInHere({"student1", "enamel-demo-student1", "127.0.0.1", "page"}).ok());
+}
+
+TEST_F(CommandsTest, SceneFolderIsFoundByContentAndRefusedWhenIncomplete) {
+  auto built = scene::BuildBuiltinScene("block", 500'000);
+  std::filesystem::path scene = folder_.path() / "scene";
+  std::filesystem::create_directories(scene);
+  auto store = OpenData();
+  EXPECT_EQ(PublishScene(*store, scene, 0).status().code(), Code::kNotFound);
+  ASSERT_TRUE(WriteFileDurably(scene / "scene.json", AsBytes(scene::ToJson(built->scene))).ok());
+  Status incomplete = PublishScene(*store, scene, 0).status();
+  EXPECT_EQ(incomplete.code(), Code::kNotFound);
+  EXPECT_NE(incomplete.message().find(built->scene.volume.Hex()), std::string::npos);
+  ASSERT_TRUE(WriteFileDurably(scene / "any.name", scene::EncodeVolume(built->volume)).ok());
+  auto row = PublishScene(*store, scene, 0);
+  ASSERT_TRUE(row.ok()) << row.status().message();
+  EXPECT_TRUE(store->HasBlob(row->volume));
+}
+
+TEST_F(CommandsTest, RefusalsSayWhatIsAllowed) {
+  EXPECT_NE(
+      AddPerson(Data(), {"ada", "Ada", "dean"}).message().find("student, instructor or admin"),
+      std::string::npos);
+  EXPECT_EQ(AddPerson(Data(), {"a b", "", "student"}).field(), "login");
+  EXPECT_EQ(AddToCohort(Data(), "none", "ada").code(), Code::kNotFound);
+  EXPECT_EQ(PublishExercise(Data(), {"builtin:incisor", ""}).field(), "name");
+  EXPECT_EQ(MarkReference(Data(), "not an id", "x").code(), Code::kInvalidInput);
+  EXPECT_EQ(MarkReference(Data(), Uuid::New().Text(), "x").code(), Code::kNotFound);
+  ReportOptions report;
+  report.data = Data();
+  report.attempt = Uuid::New().Text();
+  EXPECT_EQ(Report(report).code(), Code::kNotFound);
+}
+
+TEST_F(CommandsTest, ReportSaysWhyThereIsNoScore) {
+  auto store = OpenData();
+  World world(*store);
+  ReportOptions report;
+  report.data = Data();
+  Uuid open = world.OpenedAttempt();
+  report.attempt = open.Text();
+  Status waiting = Report(report);
+  EXPECT_EQ(waiting.code(), Code::kUnavailable);
+  EXPECT_NE(waiting.message().find("recording"), std::string::npos) << waiting.message();
+  ASSERT_TRUE(store->FailAttempt(open, "witness differs at tick 7").ok());
+  Status failed = Report(report);
+  EXPECT_EQ(failed.code(), Code::kConflict);
+  EXPECT_NE(failed.message().find("tick 7"), std::string::npos);
+}
+
+TEST_F(CommandsTest, IdentityIsMadeOnce) {
+  OpenData();
+  auto first = EnsureIdentity(Data());
+  auto again = EnsureIdentity(Data());
+  ASSERT_TRUE(first.ok() && again.ok());
+  EXPECT_EQ(first->fingerprint, again->fingerprint);
+  EXPECT_EQ(first->ticket_key.public_key, again->ticket_key.public_key);
+  auto mode = std::filesystem::status(Data() / "ticket.key").permissions();
+  EXPECT_EQ(mode & std::filesystem::perms::all,
+            std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+}
+
+}  // namespace
+}  // namespace enamel::server::app

@@ -1,0 +1,151 @@
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sqlite3.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+
+#include "server/storage/sqlite_store.h"
+#include "tests/server/storage/store_world.h"
+
+// The program itself: what it says and how it ends.
+namespace enamel::server {
+namespace {
+
+using namespace testing;
+
+class Program {
+ public:
+  explicit Program(std::vector<std::string> arguments) {
+    int ends[2];
+    EXPECT_EQ(::pipe2(ends, O_CLOEXEC), 0);
+    pid_ = ::fork();
+    if (pid_ == 0) {
+      ::alarm(60);  // Bounds the test whatever happens to it.
+      ::dup2(ends[1], STDOUT_FILENO);
+      ::dup2(ends[1], STDERR_FILENO);
+      std::vector<char*> argv{const_cast<char*>(ENAMEL_SERVER_PROGRAM)};
+      for (auto& argument : arguments) argv.push_back(argument.data());
+      argv.push_back(nullptr);
+      ::execv(argv[0], argv.data());
+      ::_exit(127);
+    }
+    ::close(ends[1]);
+    out_ = ends[0];
+  }
+  ~Program() {
+    if (!ended_) {
+      ::kill(pid_, SIGKILL);
+      ::waitpid(pid_, nullptr, 0);
+    }
+    ::close(out_);
+  }
+  Program(const Program&) = delete;
+  Program& operator=(const Program&) = delete;
+
+  // Reads until `text` or the end; what was read so far.
+  std::string ReadUntil(const std::string& text) {
+    char byte = 0;
+    while (said_.find(text) == std::string::npos && ::read(out_, &byte, 1) == 1)
+      said_.push_back(byte);
+    return said_;
+  }
+  std::string ReadAll() { return ReadUntil(std::string(1, '\0')); }
+  void Signal(int signal) { ::kill(pid_, signal); }
+  int ExitCode() {
+    int status = 0;
+    ::waitpid(pid_, &status, 0);
+    ended_ = true;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+  }
+
+ private:
+  pid_t pid_ = -1;
+  int out_ = -1;
+  bool ended_ = false;
+  std::string said_;
+};
+
+class ServeProcessTest : public ::testing::Test {
+ protected:
+  std::vector<std::string> Serve(const std::string& folder,
+                                 const std::string& stations = "127.0.0.1:0") const {
+    return {"serve", "--data", folder, "--http", "127.0.0.1:0", "--stations", stations};
+  }
+  std::string Data() const { return (folder_.path() / "data").string(); }
+  TempFolder folder_;
+};
+
+TEST_F(ServeProcessTest, SaysReadyAndEndsCleanlyOnTerm) {
+  for (int signal : {SIGTERM, SIGINT}) {
+    Program server(Serve(Data()));
+    std::string said = server.ReadUntil("fingerprint");
+    EXPECT_NE(said.find("ready: page http://127.0.0.1:"), std::string::npos) << said;
+    server.Signal(signal);
+    server.ReadAll();
+    EXPECT_EQ(server.ExitCode(), 0);
+  }
+}
+
+TEST_F(ServeProcessTest, SecondServerOnTheFolderIsRefused) {
+  Program first(Serve(Data()));
+  first.ReadUntil("fingerprint");
+  Program second(Serve(Data()));
+  std::string said = second.ReadAll();
+  EXPECT_NE(said.find("another enamel-server"), std::string::npos) << said;
+  EXPECT_EQ(second.ExitCode(), 1);
+}
+
+TEST_F(ServeProcessTest, PortInUseIsRefused) {
+  Program first(Serve(Data()));
+  std::string said = first.ReadUntil(", fingerprint");
+  size_t at = said.find("stations ") + 9;
+  std::string taken = said.substr(at, said.find(',', at) - at);
+  Program second(Serve((folder_.path() / "other").string(), taken));
+  EXPECT_NE(second.ReadAll().find("name another one"), std::string::npos);
+  EXPECT_EQ(second.ExitCode(), 1);
+}
+
+TEST_F(ServeProcessTest, FolderThatCannotBeMadeIsRefused) {
+  Program server(Serve("/proc/enamel"));
+  std::string said = server.ReadAll();
+  EXPECT_NE(said.find("name a folder this user may write"), std::string::npos) << said;
+  EXPECT_EQ(server.ExitCode(), 1);
+}
+
+TEST_F(ServeProcessTest, NewerDatabaseIsRefused) {
+  OpenStore(Data());
+  sqlite3* handle = nullptr;
+  ASSERT_EQ(sqlite3_open((Data() + "/enamel.db").c_str(), &handle), SQLITE_OK);
+  std::string sql = "PRAGMA user_version = " + std::to_string(LatestSchemaVersion() + 1);
+  EXPECT_EQ(sqlite3_exec(handle, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK);
+  sqlite3_close(handle);
+  Program server(Serve(Data()));
+  std::string said = server.ReadAll();
+  EXPECT_NE(said.find("newer enamel-server"), std::string::npos) << said;
+  EXPECT_EQ(server.ExitCode(), 1);
+}
+
+TEST_F(ServeProcessTest, AddressThatIsNoneIsNamedWithItsOption) {
+  Program server(Serve(Data(), "nowhere"));
+  EXPECT_NE(server.ReadAll().find("--stations expects address:port"), std::string::npos);
+  EXPECT_EQ(server.ExitCode(), 1);
+}
+
+TEST_F(ServeProcessTest, WrongUsageEndsWithTwo) {
+  Program server({"serve", "--nonsense"});
+  EXPECT_FALSE(server.ReadAll().empty());
+  EXPECT_EQ(server.ExitCode(), 2);
+}
+
+TEST_F(ServeProcessTest, EnrolCodeIsOneWordWithTheFingerprint) {
+  Program server({"admin", "enrol-code", "--data", Data()});
+  std::string said = server.ReadAll();
+  EXPECT_EQ(said.size(), 32u + 1 + 64 + 1) << said;
+  EXPECT_EQ(said.at(32), '@');
+  EXPECT_EQ(server.ExitCode(), 0);
+}
+
+}  // namespace
+}  // namespace enamel::server
