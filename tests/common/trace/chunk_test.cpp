@@ -12,7 +12,6 @@
 namespace enamel::trace {
 namespace {
 
-constexpr size_t kHeadBytes = 90;
 constexpr size_t kSignatureBytes = 64;
 constexpr size_t kCountAt = 34;  // schemas/trace_format.md, "Chunk"
 constexpr size_t kPayloadSizeAt = 82;
