@@ -16,7 +16,8 @@ namespace {
 constexpr std::string_view kChunkDomain = "enamel.chunk.v1";
 constexpr size_t kHeadBytes = 90;
 constexpr size_t kSignatureBytes = 64;
-// Level 3 against 1 saves about a tenth; higher levels save nothing worth their time at 500 ticks.
+// 4 % smaller than level 1 at the same time; level 19 would save another 14 % at forty times the
+// time (chunks of 500 ticks of a simulated cut).
 constexpr int kZstdLevel = 3;
 
 // A chunk taken apart; the views point into its bytes.
