@@ -17,6 +17,7 @@ using cutting::Volume;
 
 constexpr std::array<uint8_t, 4> kMagic = {'E', 'N', 'V', 'B'};
 constexpr uint16_t kVersion = 1;
+constexpr int64_t kMaxOrigin_nm = 1'000'000'000;
 constexpr int kLevel = 6;  // 3x smaller than level 1, still under a second for a tooth
 // Kind byte of a brick (schemas/volume_blob.md).
 constexpr uint8_t kTissueMask = 0x0f;
@@ -116,7 +117,10 @@ Result<Header> ReadHeader(ByteReader& in) {
   Header h;
   h.spec.voxel_nm = in.I32();
   for (int i = 0; i < 3; ++i) h.spec.bricks[i] = in.I32();
-  for (int64_t& o : h.spec.origin_nm) o = in.I64();
+  for (int64_t& o : h.spec.origin_nm) {
+    o = in.I64();
+    if (o < -kMaxOrigin_nm || o > kMaxOrigin_nm) return Malformed("its origin is over 1 m away");
+  }
   h.stored = in.U32();
   h.labelled = in.U32();
   if (!in.ok()) return Malformed("ends within its header");
