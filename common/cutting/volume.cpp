@@ -164,7 +164,8 @@ Status ValidateGrid(const GridSpec& spec, size_t max_bytes) {
       return Status(Code::kInvalidInput, "expected 1 to 4096 bricks along each axis, found " +
                                              std::to_string(spec.bricks[i]), "bricks");
     }
-    if (std::llabs(spec.origin_nm[static_cast<size_t>(i)]) > 1'000'000'000) {
+    int64_t origin = spec.origin_nm[static_cast<size_t>(i)];
+    if (origin < -1'000'000'000 || origin > 1'000'000'000) {
       return Status(Code::kInvalidInput, "expected an origin within 1 m of the scene's", "origin_nm");
     }
   }

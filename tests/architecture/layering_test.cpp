@@ -38,7 +38,7 @@ const std::map<std::string, Names>& Allowed() {
         {"station/devices", {"common/core", "common/scene"}},
         {"station/loop", {"station/devices", "common/trace"}},
         {"station/render", {"common/core", "common/surface"}},
-        {"station/spool", {"common/trace"}},
+        {"station/spool", {"station/loop", "common/trace"}},
         {"station/uplink", {"station/spool", "common/net", "common/trace", "common/scene"}},
         {"station/qualify", {"station/devices", "common/core"}},
         {"station/app",

@@ -52,6 +52,7 @@ TEST(VolumeTest, UniformBrickBecomesStoredOnDemandAndOnlyWithinTheReserve) {
 TEST(GridSpecTest, SizesNoToothNeedsAreRefusedWithTheNumber) {
   EXPECT_FALSE(ValidateGrid({1'000, ivec3(8), {}}).ok());
   EXPECT_FALSE(ValidateGrid({50'000, ivec3(0, 8, 8), {}}).ok());
+  EXPECT_FALSE(ValidateGrid({50'000, ivec3(8), {0, INT64_MIN, 0}}).ok());
   Status huge = ValidateGrid({5'000, ivec3(1000), {}});
   EXPECT_EQ(huge.code(), Code::kTooLarge);
   EXPECT_NE(huge.message().find("MiB"), std::string::npos);

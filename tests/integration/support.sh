@@ -1,0 +1,62 @@
+# Shared by the integration scripts: a work folder, free ports, and everything stopped at the end.
+set -euo pipefail
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
+bin=$root/build/release/bin
+work=$(mktemp -d)
+pids=()
+stop_all() {
+  for pid in "${pids[@]:-}"; do [ -n "$pid" ] && kill -TERM "$pid" 2>/dev/null; done
+  wait 2>/dev/null || true
+  rm -rf "$work"
+}
+trap stop_all EXIT
+
+fail() { echo "FAILED: $*" >&2; exit 1; }
+
+# Two neighbouring free ports on loopback; prints the lower.
+free_ports() {
+  node -e '
+    const net = require("net");
+    const open = (p) => new Promise((ok) => { const s = net.createServer(); s.once("error", () => ok()); s.listen(p, "127.0.0.1", () => ok(s)); });
+    (async () => {
+      for (let i = 0; i < 200; ++i) {
+        const p = 20000 + Math.floor(Math.random() * 20000);
+        const a = await open(p), b = a && await open(p + 1);
+        a?.close(); b?.close();
+        if (a && b) { console.log(p); return; }
+      }
+      process.exit(1);
+    })();'
+}
+
+# expect_failure NAME PATTERN COMMAND...: exits non-zero, says PATTERN, and does not crash.
+expect_failure() {
+  local name=$1 pattern=$2 rc=0
+  shift 2
+  timeout 60 "$@" >"$work/out" 2>&1 </dev/null || rc=$?
+  [ $rc -ne 0 ] || { cat "$work/out"; fail "$name: expected a failure, exit code was 0"; }
+  [ $rc -ne 124 ] || fail "$name: did not end within 60 s"
+  [ $rc -lt 128 ] || { cat "$work/out"; fail "$name: crashed with signal $((rc - 128))"; }
+  grep -qiE "$pattern" "$work/out" || { cat "$work/out"; fail "$name: message does not say /$pattern/"; }
+  echo "ok: $name (exit code $rc): $(grep -iE -m1 "$pattern" "$work/out" | cut -c1-160)"
+}
+
+# start_server DATA PORT [options]: waits until it is ready.
+start_server() {
+  local data=$1 port=$2
+  shift 2
+  "$bin/enamel-server" serve --data "$data" --http "127.0.0.1:$port" --stations "127.0.0.1:$((port + 1))" \
+    --web "$root/web/dist" "$@" >"$work/server.log" 2>&1 &
+  server=$!
+  pids+=("$server")
+  for _ in $(seq 600); do
+    grep -q '^ready' "$work/server.log" && return
+    kill -0 "$server" 2>/dev/null || { cat "$work/server.log"; fail "server did not start"; }
+    sleep 0.1
+  done
+  fail "server not ready within 60 s"
+}
+stop_server() {
+  kill -TERM "$server"
+  wait "$server" || fail "server ended with exit code $?"
+}
