@@ -30,12 +30,12 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-constexpr size_t kRingTicks = 4000;               // 4 s at 1 kHz before a slow disk makes a gap
+constexpr size_t kRingTicks = 4000;  // 4 s at 1 kHz before a slow disk makes a gap
 constexpr milliseconds kRecorderIdle{2};
 constexpr milliseconds kSpoolRetry{200};
 constexpr int kSpoolRetries = 25;
 constexpr milliseconds kProgressEvery{200};
-constexpr milliseconds kUploadPatience{8'000};    // with the server gone, at the end
+constexpr milliseconds kUploadPatience{8'000};  // with the server gone, at the end
 constexpr std::chrono::hours kKeepCommitted{7 * 24};
 
 volatile std::sig_atomic_t interrupted = 0;
@@ -56,8 +56,9 @@ template <typename T>
 Status Unknown(const char* what, const std::string& name, const std::vector<T>& known) {
   std::string names;
   for (const T& k : known) names += (names.empty() ? "" : ", ") + k.name;
-  return Status(Code::kNotFound, std::string("no ") + what + " '" + name + "' for you on this server: " +
-                                     (names.empty() ? "there are none" : "there are " + names),
+  return Status(Code::kNotFound,
+                std::string("no ") + what + " '" + name + "' for you on this server: " +
+                    (names.empty() ? "there are none" : "there are " + names),
                 what);
 }
 
@@ -76,13 +77,15 @@ Result<Job> Prepare(ServerLink& link, const RunOptions& options) {
   job.credentials = *credentials;
   if (Status s = link.Connect(job.credentials); !s.ok()) {
     if (s.code() != Code::kUnavailable) return s;
-    return Status(s.code(), s.message() + ". An attempt needs the server to begin; recordings made "
-                                          "earlier are safe in " + options.data.string() +
-                                " ('enamel-station upload' sends them)");
+    return Status(s.code(), s.message() +
+                                ". An attempt needs the server to begin; recordings made "
+                                "earlier are safe in " +
+                                options.data.string() + " ('enamel-station upload' sends them)");
   }
   if (!link.may_begin_attempts()) {
-    return Status(Code::kVersion, "the server runs another version of the core: this station can "
-                                  "upload recordings, not begin attempts; update it");
+    return Status(Code::kVersion,
+                  "the server runs another version of the core: this station can "
+                  "upload recordings, not begin attempts; update it");
   }
   auto person = link.SignIn(options.login, options.password);
   if (!person.ok()) return person.status();
@@ -163,7 +166,8 @@ Result<std::unique_ptr<render::Window>> OpenWindow(const RunOptions& options, co
   w.title = "Enamel";
   w.heading = job.exercise.title + ", " + job.scene.title;
   w.visible = options.window;
-  w.bur = {job.exercise.bur_shape, job.exercise.bur_radius_um * 1e-6, job.exercise.bur_length_um * 1e-6};
+  w.bur = {job.exercise.bur_shape, job.exercise.bur_radius_um * 1e-6,
+           job.exercise.bur_length_um * 1e-6};
   w.force_full_scale_n = static_cast<double>(job.profile.peak_force_mn.value) * 1e-3;
   w.time_limit_s = job.exercise.time_limit_s;
   return render::Window::Create(w, job.volume);
@@ -188,7 +192,7 @@ class RecorderThread {
   void Run() {
     int failures = 0;
     while (!result_) {
-      bool ended = loop_.finished();   // asked before Pump: nothing comes after it
+      bool ended = loop_.finished();  // asked before Pump: nothing comes after it
       uint32_t before = recorder_.chunks();
       auto moved = recorder_.Pump();
       if (!moved.ok()) {
@@ -203,8 +207,10 @@ class RecorderThread {
       failures = 0;
       if (recorder_.chunks() != before) uploader_.Wake();
       if (*moved) continue;
-      if (ended) result_ = recorder_.Finish();
-      else std::this_thread::sleep_for(kRecorderIdle);
+      if (ended)
+        result_ = recorder_.Finish();
+      else
+        std::this_thread::sleep_for(kRecorderIdle);
     }
     uploader_.Wake();
   }
@@ -227,16 +233,17 @@ class Progress {
  public:
   explicit Progress(bool quiet) : quiet_(quiet), terminal_(::isatty(STDERR_FILENO) != 0) {}
 
-  void Show(const Snapshot& s, double voxel_m, double done, uint32_t chunks, const Uploader::State& up) {
+  void Show(const Snapshot& s, double voxel_m, double done, uint32_t chunks,
+            const Uploader::State& up) {
     if (quiet_) return;
     auto now = steady_clock::now();
     if (!terminal_ && now - last_ < std::chrono::seconds(2)) return;
     last_ = now;
     std::fprintf(stderr, "%s%3.0f %%  %llu ticks  removed %.2f mm3  uploaded %u of %u chunks%s%s",
                  terminal_ ? "\r\033[K" : "", 100 * done,
-                 static_cast<unsigned long long>(s.counters.ticks), Sum(Removed_mm3(s.removed, voxel_m)),
-                 up.committed, chunks, up.reachable ? "" : "  (server not reachable: kept here)",
-                 terminal_ ? "" : "\n");
+                 static_cast<unsigned long long>(s.counters.ticks),
+                 Sum(Removed_mm3(s.removed, voxel_m)), up.committed, chunks,
+                 up.reachable ? "" : "  (server not reachable: kept here)", terminal_ ? "" : "\n");
     shown_ = true;
   }
   void End() {
@@ -279,8 +286,12 @@ Status WriteFacts(const RunOptions& options, const Job& job, const SpooledAttemp
 class Session {
  public:
   Session(const RunOptions& options, Job& job, Spool& spool, SimulatedDevice& device)
-      : options_(options), job_(job), spool_(spool), device_(device),
-        core_(job.header.params, job.volume), ring_(kRingTicks),
+      : options_(options),
+        job_(job),
+        spool_(spool),
+        device_(device),
+        core_(job.header.params, job.volume),
+        ring_(kRingTicks),
         recorder_(spool, ring_, job.header.ticket.attempt,
                   HashSha256(trace::EncodeHeader(job.header)), job.credentials.secret_key),
         progress_(options.quiet) {}
@@ -303,7 +314,8 @@ class Session {
     const Uuid attempt = job_.header.ticket.attempt;
     ENAMEL_RETURN_IF_ERROR(spool_.BeginAttempt(job_.header, job_.exercise.name, job_.profile.name));
     // A simulated device's time is the loop's own: being late harms nobody.
-    TickLoop loop(device_, core_, ring_, {job_.header.params.rate_hz, options_.lockstep, false}, observer);
+    TickLoop loop(device_, core_, ring_, {job_.header.params.rate_hz, options_.lockstep, false},
+                  observer);
     Uploader uploader(job_.credentials, spool_, attempt);
     std::thread ticks([&] {
       if (!options_.lockstep) {
@@ -343,14 +355,15 @@ class Session {
       if (interrupted) loop.RequestStop();
       if (steady_clock::now() >= next) {
         next = steady_clock::now() + kProgressEvery;
-        progress_.Show(loop.snapshot(), voxel_m(), device_.progress(), recorder_.chunks(), uploader.state());
+        progress_.Show(loop.snapshot(), voxel_m(), device_.progress(), recorder_.chunks(),
+                       uploader.state());
       }
       return loop.finished();
     };
 #ifdef ENAMEL_HAVE_WINDOW
     if (window_) {
       window_->Run(over);
-      if (!loop.finished()) loop.RequestStop();   // the operator closed the window
+      if (!loop.finished()) loop.RequestStop();  // the operator closed the window
     }
 #endif
     while (!over()) std::this_thread::sleep_for(milliseconds(20));
@@ -407,8 +420,9 @@ Result<AttemptResult> RunAttempt(const RunOptions& options) {
     std::vector<OperatorPreset> all(OperatorPresets().begin(), OperatorPresets().end());
     std::string names;
     for (const auto& p : all) names += (names.empty() ? "" : ", ") + std::string(p.name);
-    return Status(Code::kNotFound, "no simulated operator '" + options.operator_name +
-                                       "': there are " + names, "operator");
+    return Status(Code::kNotFound,
+                  "no simulated operator '" + options.operator_name + "': there are " + names,
+                  "operator");
   }
   ServerLink link;
   auto job = Prepare(link, options);

@@ -12,19 +12,19 @@ struct RunOptions {
   std::filesystem::path data;
   std::string exercise, profile, login, password;
   std::string operator_name = "student";
-  uint64_t seed = 0;              // of the operator's tremor; 0: the operator's own
+  uint64_t seed = 0;  // of the operator's tremor; 0: the operator's own
   bool lockstep = false;
   bool window = false;
   std::filesystem::path screenshot;
   std::filesystem::path json;
   bool as_reference = false;
-  bool quiet = false;             // no progress line
+  bool quiet = false;  // no progress line
 };
 
 // How an attempt ended when nothing was lost.
 struct AttemptResult {
   Uuid attempt;
-  bool uploaded = false;          // sealed and durable on the server
+  bool uploaded = false;  // sealed and durable on the server
   std::string not_uploaded_because;
 };
 

@@ -51,7 +51,8 @@ Result<scene::BuiltScene> LoadScene(const std::string& source, int voxel_um) {
   if (!folder.ok()) return folder.status();
   return scene::BuiltScene{std::move(folder->scene), std::move(folder->volume)};
 #else
-  return Status(Code::kNotFound, "no scene '" + source + "': this build knows builtin:molar and builtin:block");
+  return Status(Code::kNotFound,
+                "no scene '" + source + "': this build knows builtin:molar and builtin:block");
 #endif
 }
 
@@ -63,9 +64,10 @@ Status EnrolStation(const EnrolOptions& options) {
   auto code = ParseEnrolCode(options.code);
   if (!code.ok()) return code.status();
   if (fs::exists(options.data / "station.json")) {
-    return Status(Code::kConflict, (options.data / "station.json").string() +
-                                       " exists: this station is enrolled already. Its recordings "
-                                       "are signed with that key: upload them before you move it away");
+    return Status(Code::kConflict,
+                  (options.data / "station.json").string() +
+                      " exists: this station is enrolled already. Its recordings "
+                      "are signed with that key: upload them before you move it away");
   }
   auto credentials = ServerLink::Enrol(*server, *code, options.name);
   if (!credentials.ok()) return credentials.status();
@@ -111,7 +113,8 @@ Status ListSpool(const fs::path& data) {
     std::printf("%s  %-10s  %s on %s  %llu ticks  %u of %u chunks on the server  %.1f kB%s%s\n",
                 a.id.Text().c_str(), StateOf(a), a.exercise.c_str(), a.profile.c_str(),
                 static_cast<unsigned_ll>(a.ticks), a.committed, a.chunks,
-                static_cast<double>(a.bytes) / 1000, a.refused.empty() ? "" : ": ", a.refused.c_str());
+                static_cast<double>(a.bytes) / 1000, a.refused.empty() ? "" : ": ",
+                a.refused.c_str());
   }
   return Status::Ok();
 }
@@ -164,8 +167,9 @@ Status ReplayTrace(const ReplayOptions& options) {
     auto read = ReadFile(options.volume);
     if (!read.ok()) return read.status();
     if (HashSha256(*read) != header->volume) {
-      return Status(Code::kConflict, options.volume.string() + " is not the volume this recording "
-                                                               "began with (" +
+      return Status(Code::kConflict, options.volume.string() +
+                                         " is not the volume this recording "
+                                         "began with (" +
                                          header->volume.Hex() + ")");
     }
     blob = std::move(*read);
@@ -206,7 +210,8 @@ Status ReplayTrace(const ReplayOptions& options) {
   if (!report->witness_ok) {
     return Status(Code::kConflict, "the recording disagrees with the core at tick " +
                                        std::to_string(report->first_bad_tick) + " of chunk " +
-                                       std::to_string(report->first_bad_chunk) + " (" + report->what + ")");
+                                       std::to_string(report->first_bad_chunk) + " (" +
+                                       report->what + ")");
   }
   std::printf("every tick agrees with the core\n");
   return Status::Ok();
@@ -236,11 +241,13 @@ Status SimulateAttempt(const SimulateCommand& options) {
   std::vector<scene::DeviceProfile> profiles = scene::BuiltinProfiles();
   const scene::DeviceProfile* profile = FindProfile(profiles, options.profile);
   if (profile == nullptr) {
-    return Status(Code::kNotFound, "no device profile '" + options.profile +
-                                       "': 'enamel-station profiles' shows those there are", "profile");
+    return Status(Code::kNotFound,
+                  "no device profile '" + options.profile +
+                      "': 'enamel-station profiles' shows those there are",
+                  "profile");
   }
-  scene::Exercise exercise = scene::ClassOneExercise(
-      built->scene, HashSha256(AsBytes(scene::ToJson(built->scene))));
+  scene::Exercise exercise =
+      scene::ClassOneExercise(built->scene, HashSha256(AsBytes(scene::ToJson(built->scene))));
   auto report = Simulate(*built, exercise, *profile, options.operator_name, options.seed);
   if (!report.ok()) return report.status();
   double rate = exercise.rate_hz;
@@ -282,7 +289,8 @@ void PrintProfiles() {
   for (const scene::DeviceProfile& p : scene::BuiltinProfiles()) {
     std::printf("%s (%s)\n", p.name.c_str(), p.title.c_str());
     auto line = [](const char* what, const scene::Sourced& n, double unit, const char* name) {
-      std::printf("  %-22s %10.4g %-8s %s\n", what, static_cast<double>(n.value) * unit, name, n.source.c_str());
+      std::printf("  %-22s %10.4g %-8s %s\n", what, static_cast<double>(n.value) * unit, name,
+                  n.source.c_str());
     };
     line("resolution", p.resolution_nm, 1e-3, "um");
     line("coupling Kc", p.coupling_mn_per_mm, 1e-3, "N/mm");

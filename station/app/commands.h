@@ -39,7 +39,7 @@ struct ImportCommand {
 Status ImportMesh(const ImportCommand& options);
 
 struct SimulateCommand {
-  std::string scene = "builtin:molar";    // or a folder written by import
+  std::string scene = "builtin:molar";  // or a folder written by import
   std::string profile = "phantom_desktop";
   std::string operator_name = "dentist";
   int voxel_um = 50;

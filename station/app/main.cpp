@@ -31,7 +31,8 @@ Exit codes: 0 done, 1 failed (the reason is on standard error), 2 wrong command 
 
 std::string DefaultData() {
   if (const char* set = std::getenv("ENAMEL_STATION_DATA")) return set;
-  if (const char* home = std::getenv("HOME")) return std::string(home) + "/.local/share/enamel-station";
+  if (const char* home = std::getenv("HOME"))
+    return std::string(home) + "/.local/share/enamel-station";
   return "enamel-station-data";
 }
 
@@ -53,8 +54,9 @@ int Run(RunOptions& options, bool password_stdin) {
   } else if (const char* set = std::getenv("ENAMEL_PASSWORD")) {
     options.password = set;
   } else {
-    return Finish(Status(Code::kInvalidInput, "no password: set ENAMEL_PASSWORD, or use "
-                                              "--password-stdin and write it there"));
+    return Finish(Status(Code::kInvalidInput,
+                         "no password: set ENAMEL_PASSWORD, or use "
+                         "--password-stdin and write it there"));
   }
   auto result = RunAttempt(options);
   if (!result.ok()) return Finish(result.status());
@@ -76,16 +78,21 @@ int main(int argc, char** argv) {
   int exit_code = 0;
   std::string data = DefaultData();
   auto with_data = [&](CLI::App* command) {
-    command->add_option("--data", data, "Folder for credentials, spool and cache (also ENAMEL_STATION_DATA)")
+    command
+        ->add_option("--data", data,
+                     "Folder for credentials, spool and cache (also ENAMEL_STATION_DATA)")
         ->capture_default_str();
     return command;
   };
 
   EnrolOptions enrol;
   enrol.name = HostName();
-  auto* enrol_cmd = with_data(app.add_subcommand("enrol", "Make this machine a station of a server (once)"));
+  auto* enrol_cmd =
+      with_data(app.add_subcommand("enrol", "Make this machine a station of a server (once)"));
   enrol_cmd->add_option("--server", enrol.server, "HOST:PORT of its station link")->required();
-  enrol_cmd->add_option("--code", enrol.code, "CODE@FINGERPRINT from 'enamel-server admin enrol-code'")->required();
+  enrol_cmd
+      ->add_option("--code", enrol.code, "CODE@FINGERPRINT from 'enamel-server admin enrol-code'")
+      ->required();
   enrol_cmd->add_option("--name", enrol.name, "What to call this station")->capture_default_str();
   enrol_cmd->callback([&] {
     enrol.data = data;
@@ -98,9 +105,14 @@ int main(int argc, char** argv) {
   run_cmd->add_option("--exercise", run.exercise, "Name of the exercise")->required();
   run_cmd->add_option("--profile", run.profile, "Name of the device profile")->required();
   run_cmd->add_option("--user", run.login, "Login of the person at this station")->required();
-  run_cmd->add_flag("--password-stdin", password_stdin, "Read the password from standard input (else ENAMEL_PASSWORD)");
-  run_cmd->add_option("--operator", run.operator_name, "Who holds the simulated device ('devices' lists them)")->capture_default_str();
-  run_cmd->add_option("--seed", run.seed, "Of the operator's tremor; 0: his own")->capture_default_str();
+  run_cmd->add_flag("--password-stdin", password_stdin,
+                    "Read the password from standard input (else ENAMEL_PASSWORD)");
+  run_cmd
+      ->add_option("--operator", run.operator_name,
+                   "Who holds the simulated device ('devices' lists them)")
+      ->capture_default_str();
+  run_cmd->add_option("--seed", run.seed, "Of the operator's tremor; 0: his own")
+      ->capture_default_str();
   run_cmd->add_flag("--lockstep", run.lockstep, "As fast as the machine can instead of 1 kHz");
   run_cmd->add_flag("--window", run.window, "Show the tooth being cut");
   run_cmd->add_option("--screenshot", run.screenshot, "Write the last picture as PNG");
@@ -112,7 +124,8 @@ int main(int argc, char** argv) {
     exit_code = Run(run, password_stdin);
   });
 
-  auto* upload_cmd = with_data(app.add_subcommand("upload", "Send what is recorded here and not yet on the server"));
+  auto* upload_cmd = with_data(
+      app.add_subcommand("upload", "Send what is recorded here and not yet on the server"));
   upload_cmd->callback([&] { exit_code = Finish(UploadSpool(data)); });
 
   auto* spool_cmd = app.add_subcommand("spool", "Recordings on this station");
@@ -122,15 +135,18 @@ int main(int argc, char** argv) {
   with_data(spool_cmd->add_subcommand("verify", "Check pages, chains, signatures and seals"))
       ->callback([&] { exit_code = Finish(VerifySpool(data)); });
   std::string attempt, out;
-  auto* export_cmd = with_data(spool_cmd->add_subcommand("export", "Write one recording to a file"));
+  auto* export_cmd =
+      with_data(spool_cmd->add_subcommand("export", "Write one recording to a file"));
   export_cmd->add_option("attempt", attempt, "Its id, as 'spool list' prints it")->required();
   export_cmd->add_option("--out", out, "File to write")->required();
   export_cmd->callback([&] { exit_code = Finish(ExportFromSpool(data, attempt, out)); });
 
   ReplayOptions replay;
-  auto* replay_cmd = with_data(app.add_subcommand("replay", "Re-run the core on an exported recording and compare"));
+  auto* replay_cmd = with_data(
+      app.add_subcommand("replay", "Re-run the core on an exported recording and compare"));
   replay_cmd->add_option("trace", replay.trace, "File from 'spool export'")->required();
-  replay_cmd->add_option("--volume", replay.volume, "The tooth it began with, when it is not in the cache");
+  replay_cmd->add_option("--volume", replay.volume,
+                         "The tooth it began with, when it is not in the cache");
   replay_cmd->add_option("--json", replay.json, "Write what was found to this file");
   replay_cmd->callback([&] {
     replay.data = data;
@@ -140,24 +156,39 @@ int main(int argc, char** argv) {
   ImportCommand import;
   auto* import_cmd = app.add_subcommand("import", "Make a scene of a real crown (STL, PLY, OBJ)");
   import_cmd->add_option("file", import.file, "Mesh")->required();
-  import_cmd->add_option("--unit", import.unit, "Of its coordinates: mm, um, cm, m, inch")->required();
+  import_cmd->add_option("--unit", import.unit, "Of its coordinates: mm, um, cm, m, inch")
+      ->required();
   import_cmd->add_option("--out", import.out, "Folder for the scene")->required();
-  import_cmd->add_option("--voxel-um", import.voxel_um, "Edge of a voxel")->check(CLI::Range(10, 500))->capture_default_str();
-  import_cmd->add_option("--up", import.up, "Occlusal direction in the file: +x … -z, or auto")->capture_default_str();
+  import_cmd->add_option("--voxel-um", import.voxel_um, "Edge of a voxel")
+      ->check(CLI::Range(10, 500))
+      ->capture_default_str();
+  import_cmd->add_option("--up", import.up, "Occlusal direction in the file: +x … -z, or auto")
+      ->capture_default_str();
   import_cmd->callback([&] { exit_code = Finish(ImportMesh(import)); });
 
   SimulateCommand simulate;
-  auto* simulate_cmd = app.add_subcommand("simulate", "An attempt without any server: walls, forces, ticks");
-  simulate_cmd->add_option("--scene", simulate.scene, "builtin:molar, builtin:block, or an imported scene's folder")->capture_default_str();
+  auto* simulate_cmd =
+      app.add_subcommand("simulate", "An attempt without any server: walls, forces, ticks");
+  simulate_cmd
+      ->add_option("--scene", simulate.scene,
+                   "builtin:molar, builtin:block, or an imported scene's folder")
+      ->capture_default_str();
   simulate_cmd->add_option("--profile", simulate.profile, "Device profile")->capture_default_str();
-  simulate_cmd->add_option("--operator", simulate.operator_name, "Who holds the device")->capture_default_str();
-  simulate_cmd->add_option("--voxel-um", simulate.voxel_um, "Voxel of a built-in scene")->capture_default_str();
-  simulate_cmd->add_option("--seed", simulate.seed, "Of the tremor; 0: the operator's own")->capture_default_str();
+  simulate_cmd->add_option("--operator", simulate.operator_name, "Who holds the device")
+      ->capture_default_str();
+  simulate_cmd->add_option("--voxel-um", simulate.voxel_um, "Voxel of a built-in scene")
+      ->capture_default_str();
+  simulate_cmd->add_option("--seed", simulate.seed, "Of the tremor; 0: the operator's own")
+      ->capture_default_str();
   simulate_cmd->add_option("--json", simulate.json, "Write the facts to this file");
   simulate_cmd->callback([&] { exit_code = Finish(SimulateAttempt(simulate)); });
 
-  app.add_subcommand("devices", "Devices and simulated operators")->callback([] { PrintDevices(); });
-  app.add_subcommand("profiles", "Device profiles and where their numbers are from")->callback([] { PrintProfiles(); });
+  app.add_subcommand("devices", "Devices and simulated operators")->callback([] {
+    PrintDevices();
+  });
+  app.add_subcommand("profiles", "Device profiles and where their numbers are from")->callback([] {
+    PrintProfiles();
+  });
 
   try {
     app.parse(argc, argv);

@@ -85,11 +85,12 @@ std::vector<PlaneError> MeasureBox(const cutting::Volume& volume, const scene::S
     return Plane{name, centre + out * distance + dvec3(0, 0, middle_z), out, across,
                  dvec3(0, 0, half_z)};
   };
-  const Plane planes[] = {
-      wall("mesial", dvec3(1, 0, 0), hx, hy - r), wall("distal", dvec3(-1, 0, 0), hx, hy - r),
-      wall("buccal", dvec3(0, 1, 0), hy, hx - r), wall("lingual", dvec3(0, -1, 0), hy, hx - r),
-      {"floor", centre - dvec3(0, 0, depth), dvec3(0, 0, -1), dvec3(hx - r, 0, 0),
-       dvec3(0, hy - r, 0)}};
+  const Plane planes[] = {wall("mesial", dvec3(1, 0, 0), hx, hy - r),
+                          wall("distal", dvec3(-1, 0, 0), hx, hy - r),
+                          wall("buccal", dvec3(0, 1, 0), hy, hx - r),
+                          wall("lingual", dvec3(0, -1, 0), hy, hx - r),
+                          {"floor", centre - dvec3(0, 0, depth), dvec3(0, 0, -1),
+                           dvec3(hx - r, 0, 0), dvec3(0, hy - r, 0)}};
   std::vector<PlaneError> out;
   for (const Plane& plane : planes) out.push_back(Measure(volume, plane, r));
   return out;
@@ -121,8 +122,7 @@ Result<SimulationReport> Simulate(const scene::BuiltScene& built, const scene::E
     dvec3 f = loop.snapshot().force_sent_n;
     if (double n = std::sqrt(Dot(f, f)); n > 0) forces.push_back(n);
   }
-  report.seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   report.bounded_ticks = loop.snapshot().counters.bounded_ticks;
   report.state_hash = core.state_hash();
   std::sort(forces.begin(), forces.end());

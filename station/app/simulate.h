@@ -16,7 +16,7 @@ namespace enamel::station {
 
 // Where a cut plane lies against the exercise's box: positive when too far out (too deep).
 struct PlaneError {
-  std::string name;        // "mesial", …, "floor"
+  std::string name;  // "mesial", …, "floor"
   double mean_um = 0;
   double median_um = 0;
   double rms_um = 0;
@@ -26,16 +26,17 @@ struct SimulationReport {
   uint64_t ticks = 0;
   uint64_t bounded_ticks = 0;
   uint64_t state_hash = 0;
-  double seconds = 0;              // wall time
-  double force_p50_n = 0, force_p95_n = 0, force_max_n = 0;   // sent, over ticks with any
+  double seconds = 0;                                        // wall time
+  double force_p50_n = 0, force_p95_n = 0, force_max_n = 0;  // sent, over ticks with any
   std::array<double, cutting::kTissueCount> removed_mm3{};
   std::vector<PlaneError> planes;
-  bool finished = false;           // false: gave up after max_ticks
+  bool finished = false;  // false: gave up after max_ticks
 };
 
 Result<SimulationReport> Simulate(const scene::BuiltScene& built, const scene::Exercise& exercise,
-                                  const scene::DeviceProfile& profile, const std::string& operator_name,
-                                  uint64_t seed = 0, uint64_t max_ticks = 600'000);
+                                  const scene::DeviceProfile& profile,
+                                  const std::string& operator_name, uint64_t seed = 0,
+                                  uint64_t max_ticks = 600'000);
 
 // Planes of `volume` against the exercise's box, measured along rays from inside the cavity.
 std::vector<PlaneError> MeasureBox(const cutting::Volume& volume, const scene::Scene& scene,

@@ -6,12 +6,12 @@
 namespace enamel::station {
 namespace {
 
-constexpr double kHover_m = 1.0e-3;         // above the highest solid, between air and work
+constexpr double kHover_m = 1.0e-3;  // above the highest solid, between air and work
 constexpr double kAirFeed_m_per_s = 10e-3;
 constexpr double kRoughFeed_m_per_s = 3e-3;
 constexpr double kFinishFeed_m_per_s = 3e-3;
-constexpr double kWallLift_m = 40e-6;       // wall passes stay this far above the floor
-constexpr double kFloorInset_m = 25e-6;     // floor passes stay this far off the walls
+constexpr double kWallLift_m = 40e-6;    // wall passes stay this far above the floor
+constexpr double kFloorInset_m = 25e-6;  // floor passes stay this far off the walls
 
 // A level rectangle the bur's tip may be in.
 struct Rect {
@@ -43,8 +43,9 @@ class Planner {
           const CavityPlanOptions& options)
       : options_(options), radius_(bur.radius_m), floor_(box.centre_m.z - box.depth_m) {
     const dvec3& c = box.centre_m;
-    tip_ = Rect{c.x - box.distal_m, c.x + box.mesial_m, c.y - box.lingual_m, c.y + box.buccal_m}
-               .Inset(radius_);
+    tip_ =
+        Rect{c.x - box.distal_m, c.x + box.mesial_m, c.y - box.lingual_m, c.y + box.buccal_m}.Inset(
+            radius_);
     ENAMEL_CHECK(tip_.HalfWidth() > options_.wall_stock_m);
     Rect opening = tip_.Inset(-radius_);
     top_ = std::max(HighestSolid_m(volume, opening.x0, opening.x1, opening.y0, opening.y1),
@@ -107,7 +108,8 @@ class Planner {
     ring.corners = Corners(tip_, floor_ + kWallLift_m, options_.clockwise);
     for (size_t i = 0; i < ring.corners.size(); ++i) {
       dvec3 along = ring.corners[(i + 1) % 4] - ring.corners[i];
-      dvec3 out = std::fabs(along.x) > std::fabs(along.y) ? dvec3(0, along.x, 0) : dvec3(along.y, 0, 0);
+      dvec3 out =
+          std::fabs(along.x) > std::fabs(along.y) ? dvec3(0, along.x, 0) : dvec3(along.y, 0, 0);
       // Away from the middle: to the right of a counter-clockwise way, to the left of the other.
       double sign = (out.x != 0) != options_.clockwise ? 1 : -1;
       ring.outward.push_back(out * (sign / std::sqrt(Dot(out, out))));
@@ -128,6 +130,7 @@ class Planner {
     }
     ring.gentle = true;
     ring.tolerance_m = 0.2e-3;
+    ring.accuracy_m = 7e-6;
     ring.max_passes = 6;
     ring.outward.assign(ring.corners.size(), dvec3(0, 0, -1));
     ring.feed_m_per_s = kFinishFeed_m_per_s * options_.speed_ratio;
@@ -170,8 +173,7 @@ double HighestSolid_m(const cutting::Volume& volume, double x0, double x1, doubl
 
 bool FitsInto(const BoxCut& box, const cutting::Bur& bur, const CavityPlanOptions& options) {
   double width = std::min(box.distal_m + box.mesial_m, box.lingual_m + box.buccal_m);
-  return 0.5 * width - bur.radius_m > options.wall_stock_m &&
-         box.depth_m > options.floor_stock_m;
+  return 0.5 * width - bur.radius_m > options.wall_stock_m && box.depth_m > options.floor_stock_m;
 }
 
 std::vector<Move> PlanCavity(const BoxCut& box, const cutting::Bur& bur,

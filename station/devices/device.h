@@ -20,9 +20,9 @@ enum DeviceButtons : uint8_t {
 struct DeviceSample {
   std::array<int32_t, 3> counts{};  // encoder cells from the device's centre, scene axes
   QuantisedOrientation orientation = kIdentityOrientation;
-  uint8_t buttons = 0;              // DeviceButtons
+  uint8_t buttons = 0;  // DeviceButtons
   uint16_t bur_speed_krpm = 0;
-  bool fresh = true;                // false: nothing new since the last tick (stall)
+  bool fresh = true;  // false: nothing new since the last tick (stall)
 };
 
 // A haptic device, seen from the tick loop. One call of ReadSample and one of SendForce per tick,

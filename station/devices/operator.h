@@ -12,17 +12,17 @@ namespace enamel::station {
 // - damping (v - equilibrium velocity), at most max_force.
 struct HandDrive {
   dvec3 equilibrium_m{0};
-  dvec3 velocity_m_per_s{0};   // of the equilibrium
+  dvec3 velocity_m_per_s{0};  // of the equilibrium
   double stiffness_n_per_m = 0;
   double damping_n_s_per_m = 0;
   double max_force_n = 0;
   bool pedal = false;
-  bool finished = false;       // nothing left to do
+  bool finished = false;  // nothing left to do
 };
 
 // Who holds a simulated device. Act is called once per tick of tick_s with what the operator can
-// know: where his hand is and where the picture shows the bur now (he reacts to it late by himself).
-// Real-time: Act is safe. Thread safety: none.
+// know: where his hand is and where the picture shows the bur now (he reacts to it late by
+// himself). Real-time: Act is safe. Thread safety: none.
 class SimulatedOperator {
  public:
   virtual ~SimulatedOperator() = default;

@@ -9,7 +9,7 @@
 namespace enamel::station {
 namespace {
 
-constexpr double kStartAbove_m = 2e-3;   // of the highest point near the cavity
+constexpr double kStartAbove_m = 2e-3;  // of the highest point near the cavity
 
 constexpr std::array<OperatorPreset, 3> kPresets = {{
     {"dentist", "cuts the exercise's box to about 5 um", 0, 1, 1.0, 0.55e-3, 2.2, false},
@@ -72,11 +72,13 @@ Result<std::unique_ptr<SimulatedDevice>> MakeSimulatedDevice(
     const cutting::Volume& volume, uint64_t seed) {
   auto landmark = scene.landmarks.find(exercise.target.landmark);
   if (landmark == scene.landmarks.end()) {
-    return Status(Code::kInvalidInput, "the exercise's box hangs from landmark '" +
-                                           exercise.target.landmark + "', which scene '" +
-                                           scene.name + "' does not have", "landmark");
+    return Status(Code::kInvalidInput,
+                  "the exercise's box hangs from landmark '" + exercise.target.landmark +
+                      "', which scene '" + scene.name + "' does not have",
+                  "landmark");
   }
-  cutting::Bur bur{exercise.bur_shape, exercise.bur_radius_um * 1e-6, exercise.bur_length_um * 1e-6};
+  cutting::Bur bur{exercise.bur_shape, exercise.bur_radius_um * 1e-6,
+                   exercise.bur_length_um * 1e-6};
   BoxCut box = BoxOf(exercise.target, landmark->second, preset.mesial_extra_m);
   CavityPlanOptions options;
   options.layer_m = preset.layer_m;
@@ -84,14 +86,14 @@ Result<std::unique_ptr<SimulatedDevice>> MakeSimulatedDevice(
   options.speed_ratio = preset.speed_ratio;
   options.clockwise = preset.clockwise;
   if (!FitsInto(box, bur, options)) {
-    return Status(Code::kInvalidInput,
-                  "exercise '" + exercise.name + "': a simulated operator cuts boxes at least " +
-                      std::to_string(static_cast<int>(
-                          2e6 * (bur.radius_m + options.wall_stock_m) + 1)) +
-                      " um wide with this bur, found half sizes " +
-                      std::to_string(exercise.target.half_size_um[0]) + " and " +
-                      std::to_string(exercise.target.half_size_um[1]) + " um",
-                  "half_size_um");
+    return Status(
+        Code::kInvalidInput,
+        "exercise '" + exercise.name + "': a simulated operator cuts boxes at least " +
+            std::to_string(static_cast<int>(2e6 * (bur.radius_m + options.wall_stock_m) + 1)) +
+            " um wide with this bur, found half sizes " +
+            std::to_string(exercise.target.half_size_um[0]) + " and " +
+            std::to_string(exercise.target.half_size_um[1]) + " um",
+        "half_size_um");
   }
   std::vector<Move> plan = PlanCavity(box, bur, volume, options);
   double top = HighestSolid_m(volume, box.centre_m.x - box.distal_m, box.centre_m.x + box.mesial_m,

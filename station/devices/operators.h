@@ -15,10 +15,10 @@
 namespace enamel::station {
 
 struct OperatorPreset {
-  std::string_view name;       // as on the command line
+  std::string_view name;  // as on the command line
   std::string_view summary;
-  double mesial_extra_m;       // how much too far the mesial wall is cut
-  uint64_t seed;               // of the tremor
+  double mesial_extra_m;  // how much too far the mesial wall is cut
+  uint64_t seed;          // of the tremor
   double speed_ratio;
   double layer_m;
   double rough_push_n;

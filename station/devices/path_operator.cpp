@@ -7,25 +7,26 @@ namespace enamel::station {
 namespace {
 
 constexpr double kTremorHz = 10;
-constexpr double kTremorDamping = 0.15;      // spread over about 8 to 12 Hz
-constexpr double kOnLine_m = 40e-6;          // beside the line: near enough to go on at full feed
-constexpr double kOffLine_m = 200e-6;        // here he waits until the bur is back
+constexpr double kTremorDamping = 0.15;  // spread over about 8 to 12 Hz
+constexpr double kOnLine_m = 40e-6;      // beside the line: near enough to go on at full feed
+constexpr double kOffLine_m = 200e-6;    // here he waits until the bur is back
 constexpr double kMinLead_m = 50e-6;
-constexpr double kReach = 5.0;               // of what he sees beside the line, added at once
-constexpr double kPress = 2.5;               // how far he aims beyond the end, of what is left
-constexpr double kStall_s = 1.5;             // no nearer for so long: he goes on
+constexpr double kReach = 5.0;    // of what he sees beside the line, added at once
+constexpr double kPress = 2.5;    // how far he aims beyond the end, of what is left
+constexpr double kStall_s = 1.5;  // no nearer for so long: he goes on
 constexpr double kRingStall_s = 0.35;
 constexpr double kStallStep_m = 10e-6;
-constexpr double kBin_m = 0.2e-3;            // length of a side that is judged and pressed as one
+constexpr double kBin_m = 0.2e-3;  // length of a side that is judged and pressed as one
 constexpr double kMaxStretch_m = 1.2e-3;
-constexpr double kFirstYield = 0.08;         // share of the lean a pass takes, before he knows better
-constexpr double kAim = 0.7;                 // of what is left, to be taken in one pass
-constexpr double kGoodEnough = 0.08;         // share of the bins that may be left
-constexpr double kGentle = 0.3;              // of a light touch: more lean per pass, at most
-constexpr double kNoGain_m = 5e-6;           // of all bins of a pass together: pressing on is no use
-constexpr double kLinger = 0.3;              // of the feed
-constexpr double kMaxLinger_m = 150e-6;      // with more lean he would dig in
-constexpr double kMaxSlope_m = 120e-6;       // of the lean, per bin
+constexpr double kFirstYield = 0.08;     // share of the lean a pass takes, before he knows better
+constexpr double kAim = 0.7;             // of what is left, to be taken in one pass
+constexpr double kGoodEnough = 0.08;     // share of the bins that may be left
+constexpr double kGentle = 0.2;          // of a light touch: more lean per pass, at most
+constexpr double kNoGain_m = 5e-6;       // of all bins of a pass together: pressing on is no use
+constexpr double kHurry = 2;             // times the feed
+constexpr double kLinger = 0.3;          // of the feed
+constexpr double kMaxLinger_m = 150e-6;  // with more lean he would dig in
+constexpr double kMaxSlope_m = 120e-6;   // of the lean, per bin
 
 dvec3 Limited(const dvec3& v, double limit) noexcept {
   double length = std::sqrt(Dot(v, v));
@@ -38,7 +39,10 @@ dvec3 Across(const dvec3& v, const dvec3& unit) noexcept { return v - unit * Dot
 
 PathOperator::PathOperator(std::string name, std::vector<Move> plan, const HandParams& params,
                            dvec3 start_m)
-    : name_(std::move(name)), plan_(std::move(plan)), params_(params), start_m_(start_m),
+    : name_(std::move(name)),
+      plan_(std::move(plan)),
+      params_(params),
+      start_m_(start_m),
       random_(params.seed * 0x9e3779b97f4a7c15ull + 1) {
   for (const Move& move : plan_) {
     if (const auto* ring = std::get_if<FinishRing>(&move)) {
@@ -68,8 +72,8 @@ PathOperator::Moment PathOperator::Seen(const Moment& now) noexcept {
 
 HandDrive PathOperator::Act(const dvec3& hand_m, const dvec3& bur_m, double tick_s) noexcept {
   if (delay_ticks_ == 0) {
-    delay_ticks_ = std::clamp(static_cast<size_t>(params_.eye_delay_s / tick_s), size_t{1},
-                              kDelayRing - 1);
+    delay_ticks_ =
+        std::clamp(static_cast<size_t>(params_.eye_delay_s / tick_s), size_t{1}, kDelayRing - 1);
   }
   Moment past = Seen({hand_m, bur_m});
   const dvec3& seen = past.bur_m;
@@ -173,12 +177,14 @@ void PathOperator::BeginRingSide(const FinishRing& ring) noexcept {
   side_ = backward() ? ring.corners.size() - 1 - step_ : step_;
   BeginLeg(ring.corners[(side_ + (backward() ? 0 : 1)) % ring.corners.size()], like);
   leg_.learnt_axis = ring.outward[side_];
+  // Past what is clean he only hurries.
+  if (pass_ > 0 && sides_[side_].undone == 0) leg_.feed *= kHurry;
   lean_ = Across(lean_, leg_.learnt_axis);
 }
 
 bool PathOperator::NextRingSide(const FinishRing& ring) noexcept {
   if (leg_.learnt_axis == dvec3(0)) {
-    step_ = 0;   // at the first corner
+    step_ = 0;  // at the first corner
   } else if (++step_ == ring.corners.size()) {
     step_ = 0;
     bool done = EndPass(ring);
@@ -198,7 +204,8 @@ size_t PathOperator::BinCount() const noexcept {
 
 double PathOperator::LearntLean(double along_m) const noexcept {
   const Side& side = sides_[side_];
-  if (carrot_ >= leg_.length) return -params_.back_off_m;   // arriving: he no longer presses sideways
+  if (carrot_ >= leg_.length)
+    return -params_.back_off_m;  // arriving: he no longer presses sideways
   size_t n = BinCount();
   double at = std::clamp(FromCorner(along_m) / leg_.length * static_cast<double>(n) - 0.5, 0.0,
                          static_cast<double>(n - 1));
@@ -211,7 +218,8 @@ double PathOperator::LearntLean(double along_m) const noexcept {
 bool PathOperator::Lingers(double along_m) const noexcept {
   if (leg_.learnt_axis == dvec3(0)) return false;
   const Bin& first = sides_[side_].bins[backward() ? BinCount() - 1 : 0];
-  return first.seen && first.lean > 0 && first.lean < kMaxLinger_m && along_m < leg_.length / static_cast<double>(BinCount());
+  return first.seen && first.lean > 0 && first.lean < kMaxLinger_m &&
+         along_m < leg_.length / static_cast<double>(BinCount());
 }
 
 void PathOperator::WatchSide(const FinishRing& ring, const dvec3& seen) noexcept {
@@ -236,7 +244,8 @@ bool PathOperator::EndPass(const FinishRing& ring) noexcept {
     bins += sides_[i].bin_count;
   }
   idle_passes_ = gained < kNoGain_m ? idle_passes_ + 1 : 0;
-  return pass_ > 0 && (static_cast<double>(left) < kGoodEnough * static_cast<double>(bins) || idle_passes_ >= (ring.gentle ? 4 : 2));
+  return pass_ > 0 && (static_cast<double>(left) < kGoodEnough * static_cast<double>(bins) ||
+                       idle_passes_ >= (ring.gentle ? 4 : 2));
 }
 
 // The arm cannot change its push from one bin to the next at will: never by more than a slope.
@@ -280,10 +289,12 @@ size_t PathOperator::LearnSide(Side& side, double accuracy_m, bool gentle) noexc
       continue;
     }
     ++undone;
-    bin.lean = gentle ? bin.lean + std::min(kAim * left, kGentle * params_.light_touch_m)
-                      : std::min(params_.light_touch_m + kAim * left / side.yield, kMaxStretch_m) - left;
+    bin.lean =
+        gentle ? bin.lean + std::min(kAim * left, kGentle * params_.light_touch_m)
+               : std::min(params_.light_touch_m + kAim * left / side.yield, kMaxStretch_m) - left;
   }
   SmoothLeans(side);
+  side.undone = undone;
   return undone;
 }
 
@@ -291,7 +302,8 @@ dvec3 PathOperator::Tremor(double tick_s) noexcept {
   if (params_.tremor_m <= 0) return dvec3(0);
   constexpr double kOmega = 2 * 3.14159265358979323846 * kTremorHz;
   // A resonator kicked by noise; its variance is kick^2 / (4 damping omega^3 dt).
-  double kick = params_.tremor_m * std::sqrt(4 * kTremorDamping * kOmega * kOmega * kOmega * tick_s);
+  double kick =
+      params_.tremor_m * std::sqrt(4 * kTremorDamping * kOmega * kOmega * kOmega * tick_s);
   auto& [x, v] = tremor_state_;
   for (int i = 0; i < 3; ++i) {
     random_ ^= random_ << 13;

@@ -11,24 +11,24 @@ namespace enamel::station {
 
 // A person's hand and eye, as far as they matter here. SI units.
 struct HandParams {
-  double stiffness_n_per_m = 800;     // 0.5 to 1 N/mm
+  double stiffness_n_per_m = 800;  // 0.5 to 1 N/mm
   double damping_n_s_per_m = 20;
   double max_force_n = 3.5;
-  double coupling_n_per_m = 2500;     // of the device in hand: he has got used to it
-  double eye_delay_s = 0.150;         // from the picture to the hand
-  double lean_rate_per_s = 1.5;       // slow correction of what he sees beside the line
+  double coupling_n_per_m = 2500;  // of the device in hand: he has got used to it
+  double eye_delay_s = 0.150;      // from the picture to the hand
+  double lean_rate_per_s = 1.5;    // slow correction of what he sees beside the line
   double max_lean_m = 0.15e-3;
-  double light_touch_m = 50e-6;       // lean that only just overcomes the device's friction
-  double back_off_m = 25e-6;          // from where a wall is done
-  double tremor_m = 8e-6;             // rms per axis of an 8 to 12 Hz tremor; 0: none
-  uint64_t seed = 1;                  // of the tremor
+  double light_touch_m = 50e-6;  // lean that only just overcomes the device's friction
+  double back_off_m = 25e-6;     // from where a wall is done
+  double tremor_m = 8e-6;        // rms per axis of an 8 to 12 Hz tremor; 0: none
+  uint64_t seed = 1;             // of the tremor
 };
 
-// Follows a plan with a hand impedance. He sees the bur late and knows how his hand has moved since,
-// so he expects it at seen + hand now - hand then. Along a stroke the hand's equilibrium goes ahead
-// of that by at most what the wanted push needs, and less as the end comes near: the bur comes to
-// rest from behind. Across it he corrects slowly what he sees. On finishing rings he remembers from pass
-// to pass how much each side needs.
+// Follows a plan with a hand impedance. He sees the bur late and knows how his hand has moved
+// since, so he expects it at seen + hand now - hand then. Along a stroke the hand's equilibrium
+// goes ahead of that by at most what the wanted push needs, and less as the end comes near: the bur
+// comes to rest from behind. Across it he corrects slowly what he sees. On finishing rings he
+// remembers from pass to pass how much each side needs.
 //
 // Real-time: Act is safe (memory is fixed when built). Thread safety: none.
 class PathOperator final : public SimulatedOperator {
@@ -52,21 +52,22 @@ class PathOperator final : public SimulatedOperator {
     double length = 0;
     double feed = 0, lead = 0, tolerance = 0;
     bool bur_on = false;
-    dvec3 learnt_axis{0};      // across the leg: corrected from pass to pass, not on the way
+    dvec3 learnt_axis{0};  // across the leg: corrected from pass to pass, not on the way
   };
   // A piece of a finishing side.
   struct Bin {
-    double lean = 0;           // how far beyond the line the hand aims here
-    double deepest = 0;        // greatest mean depth of a pass so far, against the line, m
+    double lean = 0;     // how far beyond the line the hand aims here
+    double deepest = 0;  // greatest mean depth of a pass so far, against the line, m
     bool seen = false;
-    double sum = 0;            // of this pass
+    double sum = 0;  // of this pass
     int count = 0;
   };
   struct Side {
     std::array<Bin, kMaxBins> bins{};
     size_t bin_count = 0;
-    double gained_m = 0;       // by the last pass, summed over bins that were not done
-    double yield = 0;  // how much of the lean a pass takes
+    size_t undone = 0;    // bins, after the last pass
+    double gained_m = 0;  // by the last pass, summed over bins that were not done
+    double yield = 0;     // how much of the lean a pass takes
   };
   // What he knew at one moment.
   struct Moment {
@@ -105,11 +106,11 @@ class PathOperator final : public SimulatedOperator {
   bool finished_ = false;
 
   Leg leg_;
-  dvec3 at_{0};                // end of the last leg, on the plan
-  double carrot_ = 0;          // how far along the leg the equilibrium is
+  dvec3 at_{0};        // end of the last leg, on the plan
+  double carrot_ = 0;  // how far along the leg the equilibrium is
   dvec3 lean_{0};
   dvec3 equilibrium_{0};
-  double best_ = 0;            // nearest to the leg's end so far
+  double best_ = 0;  // nearest to the leg's end so far
   double stalled_s_ = 0;
 
   std::array<Moment, kDelayRing> past_{};

@@ -53,16 +53,18 @@ void SimulatedDevice::SendForce(const dvec3& force_n) noexcept {
 
 void SimulatedDevice::Substep(const HandDrive& hand, const dvec3& equilibrium_m,
                               double dt) noexcept {
+  x_ += v_ * (0.5 * dt);
   double mass = params_.mass_kg + params_.hand_mass_kg;
   dvec3 push = (equilibrium_m - x_) * hand.stiffness_n_per_m +
                (hand.velocity_m_per_s - v_) * hand.damping_n_s_per_m;
   dvec3 force = Limited(push, hand.max_force_n) + motor_n_;
   double stop = params_.friction_n * dt / mass;
+  double half_decay = 0.5 * params_.damping_n_s_per_m * dt / mass;
   for (int i = 0; i < 3; ++i) {
-    double v = (v_[i] + force[i] * dt / mass) / (1 + params_.damping_n_s_per_m * dt / mass);
+    double v = (v_[i] * (1 - half_decay) + force[i] * dt / mass) / (1 + half_decay);
     v_[i] = std::fabs(v) <= stop ? 0 : v - std::copysign(stop, v);
   }
-  x_ += v_ * dt;
+  x_ += v_ * (0.5 * dt);
 }
 
 }  // namespace enamel::station

@@ -10,25 +10,26 @@ namespace enamel::station {
 
 // Numbers of a device that is not there. SI units.
 struct PlantParams {
-  double mass_kg = 0;              // apparent mass of the device
-  double hand_mass_kg = 0.1;       // of the hand, lumped to it
-  double damping_n_s_per_m = 0;    // b
-  double friction_n = 0;           // c, Coulomb, per axis
-  double resolution_m = 0;         // delta: edge of an encoder cell
-  double peak_force_n = 0;         // the motors saturate here
+  double mass_kg = 0;            // apparent mass of the device
+  double hand_mass_kg = 0.1;     // of the hand, lumped to it
+  double damping_n_s_per_m = 0;  // b
+  double friction_n = 0;         // c, Coulomb, per axis
+  double resolution_m = 0;       // delta: edge of an encoder cell
+  double peak_force_n = 0;       // the motors saturate here
   double tick_s = 0.001;
-  dvec3 origin_m{0};               // scene position of counts (0, 0, 0)
-  int substeps = 16;               // per tick
+  dvec3 origin_m{0};  // scene position of counts (0, 0, 0)
+  int substeps = 16;  // per tick
 };
 
 // A rigid mass with damping, Coulomb friction, an encoder and motors that hold their force for a
 // tick, in the hand of a simulated operator. One tick of its time passes in every ReadSample: it
 // neither knows nor needs the real time, so a lockstep run is exactly a slow one.
 //
-// Integration: semi-implicit, `substeps` per tick, friction as the impulse that can at most stop
-// the mass. The motor force is constant within a tick, so the step need only resolve the hand's own
-// oscillation (1 N/mm on 45 g: 24 Hz) and its damping; against 64 times finer steps the position
-// stays within a hundredth of a micrometre per tick (simulated_device_test).
+// Integration: half a step of motion, the step's impulse, half a step of motion (leapfrog, second
+// order, no drift of energy), `substeps` per tick; friction is the impulse that can at most stop
+// the mass. The motor force is constant within a tick, so a step need only resolve the hand's own
+// oscillation (1 N/mm on 45 g: 24 Hz). 16 steps agree with 1024 to a tenth of a count: 1 um
+// (simulated_device_test).
 class SimulatedDevice final : public Device {
  public:
   // `op` must not be null.

@@ -10,7 +10,7 @@
 namespace enamel::station {
 namespace {
 
-constexpr int kPriority = 80;   // above audio and network, below the kernel's own threads
+constexpr int kPriority = 80;  // above audio and network, below the kernel's own threads
 
 }  // namespace
 

@@ -66,7 +66,7 @@ bool TickLoop::Tick(double late_s) noexcept {
     return (sample.buttons & kFinish) != 0;
   }
   core::TickInput input = InputOf(sample);
-  core::TickOutput out = core_.Step(input);   // finite check, law, bound, finite check (coupling.h)
+  core::TickOutput out = core_.Step(input);  // finite check, law, bound, finite check (coupling.h)
   device_.SendForce(out.force_sent_n);
   ring_.Push({{input, out.witness}, core_.state_hash()});
   if (out.flags & core::kReserveExhausted) Latch(Fault::kReserve);

@@ -14,17 +14,17 @@ namespace enamel::station {
 // One stepped tick on its way to the recorder.
 struct Sample {
   trace::Tick tick;
-  uint64_t state_hash = 0;   // core's, after this tick
+  uint64_t state_hash = 0;  // core's, after this tick
 };
 using SampleRing = SpscRing<Sample>;
 
 // Counters of a loop, as of one tick.
 struct LoopCounters {
-  uint64_t ticks = 0;        // stepped and recorded
-  uint64_t gap_ticks = 0;    // not stepped, because they could not be recorded
+  uint64_t ticks = 0;      // stepped and recorded
+  uint64_t gap_ticks = 0;  // not stepped, because they could not be recorded
   uint64_t late_ticks = 0;
   uint64_t faults = 0;
-  uint64_t bounded_ticks = 0;   // the force was limited to the device's
+  uint64_t bounded_ticks = 0;  // the force was limited to the device's
 };
 
 // What the loop shows of its newest tick: to the picture, the progress line and the live view.
@@ -33,8 +33,8 @@ struct Snapshot {
   cutting::Pose anchor;
   cutting::Pose device;
   dvec3 force_sent_n{0};
-  cutting::RemovedUnits removed{};   // since the start
-  uint8_t input_flags = 0;           // core::InputFlags
+  cutting::RemovedUnits removed{};  // since the start
+  uint8_t input_flags = 0;          // core::InputFlags
   uint16_t output_flags = 0;
 };
 
@@ -42,7 +42,8 @@ struct Snapshot {
 class TickObserver {
  public:
   virtual ~TickObserver() = default;
-  ENAMEL_REALTIME virtual void OnTick(const core::Core& core, const Snapshot& snapshot) noexcept = 0;
+  ENAMEL_REALTIME virtual void OnTick(const core::Core& core,
+                                      const Snapshot& snapshot) noexcept = 0;
 };
 
 struct TickLoopOptions {
@@ -104,12 +105,12 @@ class TickLoop {
 
   // Owned by the tick's thread.
   LoopCounters counters_;
-  uint32_t gap_ = 0;                 // ticks not stepped since the last sample
+  uint32_t gap_ = 0;  // ticks not stepped since the last sample
   bool late_ = false;
   Fault fault_ = Fault::kNone;
-  bool pedal_released_ = false;      // since the fault
+  bool pedal_released_ = false;  // since the fault
   bool soft_restart_ = false;
-  double silent_s_ = 0;              // since the device said something new
+  double silent_s_ = 0;  // since the device said something new
   double late_window_s_ = 0;
   int late_in_window_ = 0;
 };

@@ -29,9 +29,9 @@ class TripleBuffer {
  private:
   static constexpr uint32_t kIndex = 3, kFresh = 4;
   std::array<T, 3> slots_{};
-  uint32_t writer_ = 0;                // owned by the writer
+  uint32_t writer_ = 0;  // owned by the writer
   std::atomic<uint32_t> middle_{1};
-  uint32_t reader_ = 2;                // owned by the reader
+  uint32_t reader_ = 2;  // owned by the reader
 };
 
 }  // namespace enamel::station

@@ -27,7 +27,8 @@ Result<trace::Seal> Recorder::Finish() {
     if (!*moved) break;
   }
   if (!open_.empty()) ENAMEL_RETURN_IF_ERROR(Spill());
-  if (chunks() == 0) return Status(Code::kInvalidInput, "not one tick was recorded: nothing to seal");
+  if (chunks() == 0)
+    return Status(Code::kInvalidInput, "not one tick was recorded: nothing to seal");
   trace::Seal seal{attempt_, chunks(), first_tick_, previous_, state_hash_};
   ENAMEL_RETURN_IF_ERROR(spool_.PutSeal(seal));
   return seal;

@@ -38,8 +38,8 @@ class Recorder {
   SampleRing& ring_;
   const Uuid attempt_;
   const trace::SecretKey key_;
-  std::vector<trace::Tick> open_;       // ticks of the chunk being filled
-  Bytes unspooled_;                     // an encoded chunk the spool did not take yet
+  std::vector<trace::Tick> open_;  // ticks of the chunk being filled
+  Bytes unspooled_;                // an encoded chunk the spool did not take yet
   uint64_t state_hash_ = 0;
   uint64_t first_tick_ = 0;
   Sha256 previous_;

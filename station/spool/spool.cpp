@@ -18,15 +18,20 @@ int64_t UnixMs(std::chrono::system_clock::time_point t) {
 
 std::string WhatToDo(int code) {
   switch (code & 0xff) {
-    case SQLITE_FULL: return "the disk is full: free space there and start again";
+    case SQLITE_FULL:
+      return "the disk is full: free space there and start again";
     case SQLITE_READONLY:
     case SQLITE_PERM:
-    case SQLITE_CANTOPEN: return "make the folder writable for this user, or choose another with --data";
+    case SQLITE_CANTOPEN:
+      return "make the folder writable for this user, or choose another with --data";
     case SQLITE_CORRUPT:
     case SQLITE_NOTADB:
-      return "the file is damaged: keep a copy, run 'enamel-station spool verify', and move it away";
-    case SQLITE_BUSY: return "another enamel-station is using it: wait until that one has ended";
-    default: return "see the system's log for this disk";
+      return "the file is damaged: keep a copy, run 'enamel-station spool verify', and move it "
+             "away";
+    case SQLITE_BUSY:
+      return "another enamel-station is using it: wait until that one has ended";
+    default:
+      return "see the system's log for this disk";
   }
 }
 
@@ -54,16 +59,15 @@ namespace {
 // One prepared statement; steps through its rows.
 class Statement {
  public:
-  Statement(sqlite3* db, const char* sql) {
-    sqlite3_prepare_v2(db, sql, -1, &statement_, nullptr);
-  }
+  Statement(sqlite3* db, const char* sql) { sqlite3_prepare_v2(db, sql, -1, &statement_, nullptr); }
   ~Statement() { sqlite3_finalize(statement_); }
   Statement(const Statement&) = delete;
   Statement& operator=(const Statement&) = delete;
 
   Statement& Blob(ByteView v) {
     // Never null: an empty blob is not NULL.
-    sqlite3_bind_blob(statement_, ++bound_, v.empty() ? "" : reinterpret_cast<const char*>(v.data()),
+    sqlite3_bind_blob(statement_, ++bound_,
+                      v.empty() ? "" : reinterpret_cast<const char*>(v.data()),
                       static_cast<int>(v.size()), SQLITE_TRANSIENT);
     return *this;
   }
@@ -184,12 +188,13 @@ Result<std::unique_ptr<Spool>> Spool::Open(const fs::path& folder) {
                                       ": use the newer enamel-station that made it");
   }
   if (version == 0) {
-    std::string sql = std::string("BEGIN IMMEDIATE;") + kSpoolSchema + "PRAGMA user_version = 1; COMMIT";
+    std::string sql =
+        std::string("BEGIN IMMEDIATE;") + kSpoolSchema + "PRAGMA user_version = 1; COMMIT";
     ENAMEL_RETURN_IF_ERROR(db->Exec(sql.c_str(), "creating its tables"));
   }
   if (sqlite3_db_readonly(db->handle, "main") == 1) {
-    return Status(Code::kStorage, "spool " + db->file.string() + " is not writable: " +
-                                      WhatToDo(SQLITE_READONLY));
+    return Status(Code::kStorage,
+                  "spool " + db->file.string() + " is not writable: " + WhatToDo(SQLITE_READONLY));
   }
   return std::unique_ptr<Spool>(new Spool(std::move(db)));
 }
@@ -213,8 +218,12 @@ Status Spool::BeginAttempt(const trace::Header& header, const std::string& exerc
   Statement s(db_->handle,
               "INSERT INTO attempts (id, header, header_sha256, exercise, profile, created_unix_ms)"
               " VALUES (?, ?, ?, ?, ?, ?)");
-  s.Blob(id).Blob(bytes).Blob(hash.view()).Text(exercise).Text(profile).Int(
-      UnixMs(std::chrono::system_clock::now()));
+  s.Blob(id)
+      .Blob(bytes)
+      .Blob(hash.view())
+      .Text(exercise)
+      .Text(profile)
+      .Int(UnixMs(std::chrono::system_clock::now()));
   return s.Step() == SQLITE_DONE ? Status::Ok() : db_->Fail("storing an attempt");
 }
 
@@ -230,7 +239,8 @@ Status Spool::PutChunk(const Uuid& attempt, ByteView chunk) {
     Statement s(db_->handle, "SELECT sha256 FROM chunks WHERE attempt = ? AND seq = ?");
     int rc = s.Blob(attempt.view()).Int(head->head.seq).Step();
     if (rc == SQLITE_ROW) {
-      if (s.BlobAt(0) == Bytes(head->hash.bytes.begin(), head->hash.bytes.end())) return Status::Ok();
+      if (s.BlobAt(0) == Bytes(head->hash.bytes.begin(), head->hash.bytes.end()))
+        return Status::Ok();
       return Status(Code::kConflict, "attempt " + attempt.Text() + " has another chunk " +
                                          std::to_string(head->head.seq) + " already");
     }
@@ -239,8 +249,12 @@ Status Spool::PutChunk(const Uuid& attempt, ByteView chunk) {
   Statement s(db_->handle,
               "INSERT INTO chunks (attempt, seq, sha256, bytes, ticks, gap_ticks)"
               " VALUES (?, ?, ?, ?, ?, ?)");
-  s.Blob(attempt.view()).Int(head->head.seq).Blob(head->hash.view()).Blob(chunk)
-      .Int(head->head.count).Int(head->head.gap_ticks);
+  s.Blob(attempt.view())
+      .Int(head->head.seq)
+      .Blob(head->hash.view())
+      .Blob(chunk)
+      .Int(head->head.count)
+      .Int(head->head.gap_ticks);
   return s.Step() == SQLITE_DONE ? Status::Ok() : db_->Fail("storing a chunk");
 }
 
@@ -252,14 +266,18 @@ Status Spool::PutSeal(const trace::Seal& seal) {
                 stored->seal->last_chunk == seal.last_chunk &&
                 stored->seal->state_hash == seal.state_hash;
     if (same) return Status::Ok();
-    return Status(Code::kConflict, "attempt " + seal.attempt.Text() + " is sealed otherwise already");
+    return Status(Code::kConflict,
+                  "attempt " + seal.attempt.Text() + " is sealed otherwise already");
   }
   std::lock_guard lock(mutex_);
   Statement s(db_->handle,
               "UPDATE attempts SET seal_chunks = ?, seal_ticks = ?, seal_last_sha256 = ?,"
               " seal_state_hash = ? WHERE id = ?");
-  s.Int(seal.chunks).Int(static_cast<int64_t>(seal.ticks)).Blob(seal.last_chunk.view())
-      .Int(static_cast<int64_t>(seal.state_hash)).Blob(seal.attempt.view());
+  s.Int(seal.chunks)
+      .Int(static_cast<int64_t>(seal.ticks))
+      .Blob(seal.last_chunk.view())
+      .Int(static_cast<int64_t>(seal.state_hash))
+      .Blob(seal.attempt.view());
   return s.Step() == SQLITE_DONE ? Status::Ok() : db_->Fail("storing a seal");
 }
 
@@ -357,8 +375,8 @@ Result<std::vector<SpoolVerdict>> Spool::Verify(const std::optional<trace::Publi
     Statement s(db_->handle, "PRAGMA integrity_check");
     if (s.Step() != SQLITE_ROW) return db_->Fail("checking its pages");
     if (std::string found = s.TextAt(0); found != "ok") {
-      return Status(Code::kStorage, "spool " + db_->file.string() + ": " + found + "; " +
-                                        WhatToDo(SQLITE_CORRUPT));
+      return Status(Code::kStorage,
+                    "spool " + db_->file.string() + ": " + found + "; " + WhatToDo(SQLITE_CORRUPT));
     }
   }
   auto attempts = List();

@@ -23,12 +23,12 @@ struct SpooledAttempt {
   std::string exercise, profile;
   int64_t created_unix_ms = 0;
   uint32_t chunks = 0;
-  uint32_t committed = 0;        // chunks the server has durably
+  uint32_t committed = 0;  // chunks the server has durably
   uint64_t ticks = 0, gap_ticks = 0;
   uint64_t bytes = 0;
   std::optional<trace::Seal> seal;
   bool sealed_at_server = false;
-  std::string refused;           // not empty: the server will not have it
+  std::string refused;  // not empty: the server will not have it
 
   bool complete() const { return seal.has_value() && sealed_at_server; }
 };
@@ -41,7 +41,7 @@ struct SpooledChunk {
 // What Verify found in one attempt.
 struct SpoolVerdict {
   SpooledAttempt attempt;
-  Status status;                 // first thing that is wrong, or ok
+  Status status;  // first thing that is wrong, or ok
 };
 
 // Recordings on the station's disk: durable before they are sent, kept until the server has had

@@ -15,8 +15,8 @@ Status BlobCache::Put(const Sha256& name, ByteView data) const {
   std::error_code error;
   std::filesystem::create_directories(folder_, error);
   if (error) {
-    return Status(Code::kStorage, "cannot create the folder " + folder_.string() + " (" +
-                                      error.message() + ")");
+    return Status(Code::kStorage,
+                  "cannot create the folder " + folder_.string() + " (" + error.message() + ")");
   }
   return WriteFileDurably(folder_ / name.Hex(), data);
 }

@@ -16,11 +16,13 @@ namespace json = boost::json;
 constexpr int kFormat = 1;
 constexpr size_t kMaxFile = 64 << 10;
 
-std::filesystem::path FileIn(const std::filesystem::path& folder) { return folder / "station.json"; }
+std::filesystem::path FileIn(const std::filesystem::path& folder) {
+  return folder / "station.json";
+}
 
 Status Damaged(const std::filesystem::path& file, const std::string& what) {
-  return Status(Code::kInvalidInput, file.string() + ": " + what +
-                                         ": restore the file or enrol this station again");
+  return Status(Code::kInvalidInput,
+                file.string() + ": " + what + ": restore the file or enrol this station again");
 }
 
 template <size_t N>
@@ -72,8 +74,9 @@ Result<Credentials> LoadCredentials(const std::filesystem::path& folder) {
   if (!bytes.ok()) return bytes.status();
   struct stat info {};
   if (::stat(file.c_str(), &info) == 0 && (info.st_mode & 077) != 0) {
-    return Status(Code::kForbidden, file.string() + " can be read by others, and it holds this "
-                                                    "station's key: 'chmod 600' it");
+    return Status(Code::kForbidden, file.string() +
+                                        " can be read by others, and it holds this "
+                                        "station's key: 'chmod 600' it");
   }
   json::error_code error;
   json::value root = json::parse(AsText(*bytes), error);
@@ -99,7 +102,8 @@ Result<Credentials> LoadCredentials(const std::filesystem::path& folder) {
   c.fingerprint = *fingerprint;
   c.station = *station;
   c.name = text("name");
-  if (!ReadHex(object, "credential", c.credential) || !ReadHex(object, "ticket_key", c.ticket_key) ||
+  if (!ReadHex(object, "credential", c.credential) ||
+      !ReadHex(object, "ticket_key", c.ticket_key) ||
       !ReadHex(object, "secret_key", c.secret_key)) {
     return Damaged(file, "a key is not readable");
   }

@@ -16,12 +16,12 @@ namespace enamel::station {
 // What a station got when it was enrolled, and the key it signs its recordings with.
 struct Credentials {
   net::Endpoint server;
-  Sha256 fingerprint;                  // of the server's certificate
+  Sha256 fingerprint;  // of the server's certificate
   Uuid station;
   std::array<uint8_t, 32> credential{};
   std::string name;
-  trace::PublicKey ticket_key{};       // the server's, for tickets
-  trace::SecretKey secret_key{};       // the station's
+  trace::PublicKey ticket_key{};  // the server's, for tickets
+  trace::SecretKey secret_key{};  // the station's
 
   trace::PublicKey public_key() const;
 };

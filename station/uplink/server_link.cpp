@@ -152,8 +152,9 @@ Result<Bytes> ServerLink::FetchBlob(const Sha256& name, const BlobCache& cache) 
     bool nothing = part.data().empty() && blob.size() < total;
     if (part.offset() != blob.size() || total > kMaxBlob || nothing ||
         blob.size() + part.data().size() > total) {
-      return Status(Code::kConflict, "the server sent blob " + name.Hex() + " in parts that do not "
-                                                                            "fit together");
+      return Status(Code::kConflict, "the server sent blob " + name.Hex() +
+                                         " in parts that do not "
+                                         "fit together");
     }
     ByteView data = AsBytes(part.data());
     blob.insert(blob.end(), data.begin(), data.end());
@@ -166,9 +167,9 @@ Result<Bytes> ServerLink::FetchBlob(const Sha256& name, const BlobCache& cache) 
   return blob;
 }
 
-Result<trace::Ticket> ServerLink::RequestTicket(const Credentials& credentials, const Person& person,
-                                                const Sha256& exercise, const Sha256& profile,
-                                                bool as_reference) {
+Result<trace::Ticket> ServerLink::RequestTicket(const Credentials& credentials,
+                                                const Person& person, const Sha256& exercise,
+                                                const Sha256& profile, bool as_reference) {
   wire::Request request;
   auto* ask = request.mutable_request_ticket();
   ask->set_session(person.session);
@@ -183,8 +184,9 @@ Result<trace::Ticket> ServerLink::RequestTicket(const Credentials& credentials, 
   bool ours = ticket->station == credentials.station && ticket->person == person.id &&
               ticket->exercise == exercise && ticket->profile == profile;
   if (!ours || !trace::VerifyTicket(*ticket, credentials.ticket_key)) {
-    return Status(Code::kConflict, "the server issued a ticket for something else, or one it did not "
-                                   "sign: no attempt was begun; tell its admin");
+    return Status(Code::kConflict,
+                  "the server issued a ticket for something else, or one it did not "
+                  "sign: no attempt was begun; tell its admin");
   }
   return ticket;
 }

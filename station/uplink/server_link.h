@@ -21,7 +21,7 @@ struct Person {
   Uuid id;
   std::string display_name;
   std::string role;
-  std::string session;        // opaque
+  std::string session;  // opaque
 };
 
 struct Catalogue {
@@ -39,9 +39,9 @@ struct Catalogue {
 
 // The station's side of the wire protocol (schemas/wire), one request at a time, blocking.
 //
-// Every method returns the server's refusal as its Status, or kUnavailable when the connection broke
-// or the server did not answer in time: then connect again.
-// Thread safety: one thread; Cancel from any. Real-time: never.
+// Every method returns the server's refusal as its Status, or kUnavailable when the connection
+// broke or the server did not answer in time: then connect again. Thread safety: one thread; Cancel
+// from any. Real-time: never.
 class ServerLink {
  public:
   static constexpr std::chrono::seconds kTimeout{20};

@@ -6,15 +6,14 @@
 namespace enamel::station {
 namespace {
 
-constexpr size_t kWindow = 16;                    // chunks on the way without acknowledgement
+constexpr size_t kWindow = 16;  // chunks on the way without acknowledgement
 constexpr std::chrono::milliseconds kFirstDelay{500};
 constexpr std::chrono::milliseconds kLongestDelay{30'000};
 
 std::chrono::milliseconds Delay(int failures) {
   auto delay = std::min(kLongestDelay, kFirstDelay * (1 << std::min(failures - 1, 6)));
   static thread_local std::minstd_rand random{std::random_device{}()};
-  return delay - std::chrono::milliseconds(
-                     random() % static_cast<unsigned>(delay.count() / 2 + 1));
+  return delay - std::chrono::milliseconds(random() % static_cast<unsigned>(delay.count() / 2 + 1));
 }
 
 Status SendChunks(ServerLink& link, Spool& spool, const Uuid& attempt, uint32_t next,
@@ -74,7 +73,9 @@ Status UploadAttempt(ServerLink& link, Spool& spool, const Uuid& attempt,
 }
 
 Uploader::Uploader(Credentials credentials, Spool& spool, const Uuid& attempt)
-    : credentials_(std::move(credentials)), spool_(spool), attempt_(attempt),
+    : credentials_(std::move(credentials)),
+      spool_(spool),
+      attempt_(attempt),
       thread_([this] { Run(); }) {}
 
 Uploader::~Uploader() { Stop(); }

@@ -29,15 +29,15 @@ Status UploadAttempt(ServerLink& link, Spool& spool, const Uuid& attempt,
 class Uploader {
  public:
   struct State {
-    uint32_t committed = 0;        // chunks of the attempt
-    bool sealed = false;           // everything is there
-    bool reachable = true;         // as of the last try
-    Status problem;                // last failure; refused for good when `gave_up`
+    uint32_t committed = 0;  // chunks of the attempt
+    bool sealed = false;     // everything is there
+    bool reachable = true;   // as of the last try
+    Status problem;          // last failure; refused for good when `gave_up`
     bool gave_up = false;
   };
 
   Uploader(Credentials credentials, Spool& spool, const Uuid& attempt);
-  ~Uploader();   // stops
+  ~Uploader();  // stops
   Uploader(const Uploader&) = delete;
   Uploader& operator=(const Uploader&) = delete;
 
@@ -60,7 +60,7 @@ class Uploader {
   State state_;
   bool wake_ = true, stop_ = false;
   int failures_ = 0;
-  ServerLink* link_ = nullptr;   // while one is in use, for Cancel
+  ServerLink* link_ = nullptr;  // while one is in use, for Cancel
   std::thread thread_;
 };
 

@@ -1,0 +1,95 @@
+#include "station/devices/cavity_plan.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "common/scene/builtin.h"
+#include "station/devices/operators.h"
+
+namespace enamel::station {
+namespace {
+
+class CavityPlanTest : public testing::Test {
+ protected:
+  CavityPlanTest() {
+    auto built = scene::BuildBuiltinScene("block", 200'000);
+    EXPECT_TRUE(built.ok()) << built.status().message();
+    scene_ = built->scene;
+    volume_ = std::move(built->volume);
+    exercise_ = scene::ClassOneExercise(scene_, {});
+    const auto& at = scene_.landmarks.at("occlusal_centre");
+    box_.centre_m = dvec3(at[0], at[1], at[2]) * 1e-6;
+    box_.distal_m = box_.mesial_m = 2e-3;
+    box_.lingual_m = box_.buccal_m = 1.2e-3;
+    box_.depth_m = 2e-3;
+  }
+
+  scene::Scene scene_;
+  scene::Exercise exercise_;
+  cutting::Volume volume_;
+  BoxCut box_;
+  cutting::Bur bur_{cutting::BurShape::kCylinder, 0.5e-3, 4e-3};
+};
+
+TEST_F(CavityPlanTest, NoStrokeLeavesTheBox) {
+  for (bool clockwise : {false, true}) {
+    CavityPlanOptions options;
+    options.clockwise = clockwise;
+    for (const Move& move : PlanCavity(box_, bur_, volume_, options)) {
+      const auto* ring = std::get_if<FinishRing>(&move);
+      const auto& points = ring ? ring->corners : std::get<Stroke>(move).points;
+      for (const dvec3& p : points) {
+        dvec3 d = p - box_.centre_m;
+        EXPECT_LE(std::abs(d.x) + bur_.radius_m, 2e-3 + 1e-9);
+        EXPECT_LE(std::abs(d.y) + bur_.radius_m, 1.2e-3 + 1e-9);
+        EXPECT_GE(d.z, -2e-3 - 1e-9);
+      }
+    }
+  }
+}
+
+TEST_F(CavityPlanTest, RoughingLeavesStockOnWallsAndFloor) {
+  CavityPlanOptions options;
+  auto plan = PlanCavity(box_, bur_, volume_, options);
+  size_t first_ring = 0;
+  while (!std::holds_alternative<FinishRing>(plan[first_ring])) ++first_ring;
+  ASSERT_GT(first_ring, 3u);
+  const auto& entry = std::get<Stroke>(plan[2]);
+  for (const dvec3& p : entry.points) {
+    EXPECT_LE(std::abs(p.x - box_.centre_m.x) + bur_.radius_m, 2e-3 - options.wall_stock_m + 1e-9);
+    EXPECT_GE(p.z, box_.centre_m.z - box_.depth_m + options.floor_stock_m - 1e-9);
+  }
+}
+
+TEST_F(CavityPlanTest, FinishingPushesOutwardWhicheverWayItGoesRound) {
+  for (bool clockwise : {false, true}) {
+    CavityPlanOptions options;
+    options.clockwise = clockwise;
+    for (const Move& move : PlanCavity(box_, bur_, volume_, options)) {
+      const auto* ring = std::get_if<FinishRing>(&move);
+      if (ring == nullptr || ring->outward[0].z != 0) continue;
+      for (size_t i = 0; i < ring->corners.size(); ++i) {
+        dvec3 middle = 0.5 * (ring->corners[i] + ring->corners[(i + 1) % ring->corners.size()]);
+        EXPECT_GT(Dot(ring->outward[i], middle - box_.centre_m), 0) << "side " << i;
+      }
+    }
+  }
+}
+
+TEST_F(CavityPlanTest, HighestSolidIsTheBlocksTop) {
+  double top = HighestSolid_m(volume_, -1e-3, 1e-3, -1e-3, 1e-3);
+  EXPECT_NEAR(top, box_.centre_m.z, volume_.spec().voxel_m());
+}
+
+TEST_F(CavityPlanTest, BoxTooNarrowForTheBurIsRefused) {
+  exercise_.target.half_size_um[1] = 600;
+  auto profiles = scene::BuiltinProfiles();
+  auto device = MakeSimulatedDevice(*FindOperator("dentist"), scene_, exercise_, profiles[0],
+                                    core::CoreParams{}, volume_);
+  EXPECT_EQ(device.status().code(), Code::kInvalidInput);
+  EXPECT_EQ(device.status().field(), "half_size_um");
+}
+
+}  // namespace
+}  // namespace enamel::station

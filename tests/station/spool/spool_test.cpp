@@ -1,0 +1,266 @@
+#include "station/spool/spool.h"
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sqlite3.h>
+#include <stdlib.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <fstream>
+
+#include "station/spool/recorder.h"
+
+namespace enamel::station {
+namespace {
+
+namespace fs = std::filesystem;
+
+class SpoolTest : public testing::Test {
+ protected:
+  SpoolTest() {
+    std::string name = (fs::temp_directory_path() / "enamel_spool_XXXXXX").string();
+    folder_ = ::mkdtemp(name.data());
+    keys_ = trace::NewKeyPair();
+    header_.ticket.attempt = Uuid::New();
+    header_.params.kc_mn_per_mm = 2500;
+    header_.params.resolution_nm = {10'000, 10'000, 10'000};
+    header_.params.peak_force_mn = 7900;
+    header_.params.bur_radius_nm = 500'000;
+    header_.station_software = "test";
+  }
+  ~SpoolTest() override { fs::remove_all(folder_); }
+
+  std::unique_ptr<Spool> Open() {
+    auto spool = Spool::Open(folder_);
+    EXPECT_TRUE(spool.ok()) << spool.status().message();
+    return spool.ok() ? std::move(*spool) : nullptr;
+  }
+  Uuid id() const { return header_.ticket.attempt; }
+  Sha256 header_hash() const { return HashSha256(trace::EncodeHeader(header_)); }
+
+  // Records `ticks` invented ticks through a Recorder; sealed when `finish`.
+  void Record(Spool& spool, int ticks, bool finish) {
+    SampleRing ring(static_cast<size_t>(ticks));
+    Recorder recorder(spool, ring, id(), header_hash(), keys_.secret_key);
+    for (int i = 0; i < ticks; ++i) {
+      Sample s;
+      s.tick.input.counts = {i, -i, i / 3};
+      s.state_hash = static_cast<uint64_t>(i) * 77;
+      ASSERT_TRUE(ring.Push(s));
+    }
+    if (finish) {
+      auto seal = recorder.Finish();
+      ASSERT_TRUE(seal.ok()) << seal.status().message();
+      EXPECT_EQ(seal->ticks, static_cast<uint64_t>(ticks));
+      return;
+    }
+    while (true) {
+      auto moved = recorder.Pump();
+      ASSERT_TRUE(moved.ok()) << moved.status().message();
+      if (!*moved) break;
+    }
+  }
+
+  fs::path folder_;
+  trace::KeyPair keys_;
+  trace::Header header_;
+};
+
+TEST_F(SpoolTest, RecordingComesBackAsItWentIn) {
+  auto spool = Open();
+  ASSERT_TRUE(spool->BeginAttempt(header_, "class-1", "phantom_desktop").ok());
+  Record(*spool, 1234, true);
+  auto file = spool->Export(id());
+  ASSERT_TRUE(file.ok());
+  ASSERT_EQ(file->chunks.size(), 3u);
+  int tick = 0;
+  for (const Bytes& bytes : file->chunks) {
+    auto chunk = trace::DecodeChunk(bytes);
+    ASSERT_TRUE(chunk.ok());
+    for (const trace::Tick& t : chunk->ticks) EXPECT_EQ(t.input.counts[0], tick++);
+  }
+  EXPECT_EQ(tick, 1234);
+  ASSERT_TRUE(file->seal.has_value());
+  EXPECT_EQ(file->seal->state_hash, 1233u * 77);
+}
+
+TEST_F(SpoolTest, VerifyAcceptsWhatWasRecorded) {
+  auto spool = Open();
+  ASSERT_TRUE(spool->BeginAttempt(header_, "e", "p").ok());
+  Record(*spool, 1100, true);
+  auto verdicts = spool->Verify(keys_.public_key);
+  ASSERT_TRUE(verdicts.ok());
+  ASSERT_EQ(verdicts->size(), 1u);
+  EXPECT_TRUE((*verdicts)[0].status.ok()) << (*verdicts)[0].status.message();
+  EXPECT_FALSE((*spool->Verify(trace::NewKeyPair().public_key))[0].status.ok());
+}
+
+TEST_F(SpoolTest, VerifyFindsAChunkThatWasChanged) {
+  {
+    auto spool = Open();
+    ASSERT_TRUE(spool->BeginAttempt(header_, "e", "p").ok());
+    Record(*spool, 1100, true);
+  }
+  sqlite3* db = nullptr;
+  ASSERT_EQ(sqlite3_open((folder_ / "spool.sqlite").c_str(), &db), SQLITE_OK);
+  EXPECT_EQ(sqlite3_exec(db, "DELETE FROM chunks WHERE seq = 1", nullptr, nullptr, nullptr),
+            SQLITE_OK);
+  sqlite3_close(db);
+  EXPECT_EQ((*Open()->Verify(keys_.public_key))[0].status.code(), Code::kConflict);
+}
+
+TEST_F(SpoolTest, WritingTheSameTwiceIsNoError) {
+  auto spool = Open();
+  for (int i = 0; i < 2; ++i) {
+    ASSERT_TRUE(spool->BeginAttempt(header_, "e", "p").ok());
+    Record(*spool, 600, true);
+  }
+  EXPECT_EQ(spool->Get(id())->chunks, 2u);
+}
+
+TEST_F(SpoolTest, AnotherChunkUnderTheSameNumberIsRefusedAndTheFirstKept) {
+  auto spool = Open();
+  ASSERT_TRUE(spool->BeginAttempt(header_, "e", "p").ok());
+  trace::ChunkHead head;
+  head.attempt = id();
+  head.previous = header_hash();
+  std::vector<trace::Tick> ticks(3);
+  Bytes first = trace::EncodeChunk(head, ticks, keys_.secret_key);
+  ticks[1].input.counts[0] = 9;
+  Bytes second = trace::EncodeChunk(head, ticks, keys_.secret_key);
+  ASSERT_TRUE(spool->PutChunk(id(), first).ok());
+  EXPECT_EQ(spool->PutChunk(id(), second).code(), Code::kConflict);
+  EXPECT_EQ((*spool->ChunksFrom(id(), 0, 10))[0].bytes, first);
+}
+
+TEST_F(SpoolTest, ReopeningContinuesWhereItWas) {
+  {
+    auto spool = Open();
+    ASSERT_TRUE(spool->BeginAttempt(header_, "e", "p").ok());
+    Record(*spool, 1000, false);
+    ASSERT_TRUE(spool->MarkCommitted(id(), 0).ok());
+  }
+  auto spool = Open();
+  auto attempt = spool->Get(id());
+  EXPECT_EQ(attempt->chunks, 2u);
+  EXPECT_EQ(attempt->committed, 1u);
+  EXPECT_FALSE(attempt->seal.has_value());
+}
+
+TEST_F(SpoolTest, WhatWasPutSurvivesKillNine) {
+  pid_t child = ::fork();
+  if (child == 0) {
+    auto spool = Spool::Open(folder_);
+    bool ok = spool.ok() && (*spool)->BeginAttempt(header_, "e", "p").ok();
+    SampleRing ring(2000);
+    Recorder recorder(**spool, ring, id(), header_hash(), keys_.secret_key);
+    for (int i = 0; i < 1500; ++i) ring.Push(Sample{});
+    for (int i = 0; i < 3; ++i) ok = ok && recorder.Pump().ok();
+    if (!ok) ::_exit(1);
+    ::kill(::getpid(), SIGKILL);
+  }
+  int state = 0;
+  ASSERT_EQ(::waitpid(child, &state, 0), child);
+  ASSERT_TRUE(WIFSIGNALED(state));
+  auto spool = Open();
+  EXPECT_EQ(spool->Get(id())->chunks, 3u);
+  EXPECT_TRUE((*spool->Verify(keys_.public_key))[0].status.ok());
+}
+
+TEST_F(SpoolTest, ServerThatForgotMakesChunksWaitAgain) {
+  auto spool = Open();
+  ASSERT_TRUE(spool->BeginAttempt(header_, "e", "p").ok());
+  Record(*spool, 2000, true);
+  ASSERT_TRUE(spool->SetCommittedBelow(id(), 4).ok());
+  EXPECT_EQ(spool->Get(id())->committed, 4u);
+  ASSERT_TRUE(spool->SetCommittedBelow(id(), 1).ok());
+  EXPECT_EQ(spool->Get(id())->committed, 1u);
+}
+
+TEST_F(SpoolTest, OnlyWhatTheServerHadForAWeekIsForgotten) {
+  auto spool = Open();
+  ASSERT_TRUE(spool->BeginAttempt(header_, "e", "p").ok());
+  Record(*spool, 600, true);
+  using std::chrono::hours;
+  auto later = std::chrono::system_clock::now() + hours(24 * 8);
+  EXPECT_EQ(*spool->Prune(hours(24 * 7), later), 0);
+  ASSERT_TRUE(spool->SetCommittedBelow(id(), 2).ok());
+  EXPECT_EQ(*spool->Prune(hours(24 * 7), later), 0);
+  ASSERT_TRUE(spool->MarkSealedAtServer(id()).ok());
+  EXPECT_EQ(*spool->Prune(hours(24 * 7)), 0);
+  EXPECT_EQ(*spool->Prune(hours(24 * 7), later), 1);
+  EXPECT_EQ(spool->Get(id()).status().code(), Code::kNotFound);
+}
+
+TEST_F(SpoolTest, FileThatIsNoDatabaseIsRefusedWithItsName) {
+  std::ofstream(folder_ / "spool.sqlite") << std::string(5000, 'x');
+  auto spool = Spool::Open(folder_);
+  EXPECT_EQ(spool.status().code(), Code::kStorage);
+  EXPECT_NE(spool.status().message().find("spool.sqlite"), std::string::npos);
+  EXPECT_NE(spool.status().message().find("damaged"), std::string::npos)
+      << spool.status().message();
+}
+
+TEST_F(SpoolTest, NewerSpoolIsRefusedUnchanged) {
+  Open();
+  sqlite3* db = nullptr;
+  ASSERT_EQ(sqlite3_open((folder_ / "spool.sqlite").c_str(), &db), SQLITE_OK);
+  sqlite3_exec(db, "PRAGMA user_version = 99", nullptr, nullptr, nullptr);
+  sqlite3_close(db);
+  EXPECT_EQ(Spool::Open(folder_).status().code(), Code::kVersion);
+}
+
+TEST_F(SpoolTest, FolderThatCannotBeMadeIsRefusedWithWhatToDo) {
+  std::ofstream(folder_ / "file") << "x";
+  auto spool = Spool::Open(folder_ / "file" / "data");
+  EXPECT_EQ(spool.status().code(), Code::kStorage);
+  EXPECT_NE(spool.status().message().find("--data"), std::string::npos);
+}
+
+TEST_F(SpoolTest, FullDiskIsAClearErrorAndNothingSpooledIsLost) {
+  {
+    auto spool = Open();
+    ASSERT_TRUE(spool->BeginAttempt(header_, "e", "p").ok());
+    Record(*spool, 500, false);
+  }
+  pid_t child = ::fork();
+  if (child == 0) {
+    auto spool = Spool::Open(folder_);
+    if (!spool.ok()) ::_exit(1);
+    // No file may grow beyond what is there: the disk is full.
+    ::signal(SIGXFSZ, SIG_IGN);
+    rlimit limit{60'000, 60'000};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+    Status status;
+    for (uint32_t i = 1; i < 200 && status.ok(); ++i) {
+      trace::ChunkHead head;
+      head.attempt = id();
+      head.seq = i;
+      std::vector<trace::Tick> ticks(500);
+      for (size_t t = 0; t < 500; ++t)
+        ticks[t].input.counts[0] = static_cast<int32_t>(t * t * i * 7919);
+      status = (*spool)->PutChunk(id(), trace::EncodeChunk(head, ticks, keys_.secret_key));
+    }
+    ::_exit(status.code() == Code::kStorage ? 0 : 2);
+  }
+  int state = 0;
+  ASSERT_EQ(::waitpid(child, &state, 0), child);
+  ASSERT_TRUE(WIFEXITED(state));
+  EXPECT_EQ(WEXITSTATUS(state), 0);
+  auto spool = Open();
+  EXPECT_GE(spool->Get(id())->chunks, 1u);
+  EXPECT_TRUE(trace::DecodeChunk((*spool->ChunksFrom(id(), 0, 1))[0].bytes).ok());
+}
+
+TEST_F(SpoolTest, IsReadableByItsOwnerOnly) {
+  Open();
+  struct stat info {};
+  ASSERT_EQ(::stat((folder_ / "spool.sqlite").c_str(), &info), 0);
+  EXPECT_EQ(info.st_mode & 0777, 0600u);
+}
+
+}  // namespace
+}  // namespace enamel::station

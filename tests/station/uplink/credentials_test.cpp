@@ -1,0 +1,112 @@
+#include "station/uplink/credentials.h"
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+#include <sys/stat.h>
+
+#include "common/base/file.h"
+#include "station/uplink/blob_cache.h"
+
+namespace enamel::station {
+namespace {
+
+namespace fs = std::filesystem;
+
+class CredentialsTest : public testing::Test {
+ protected:
+  CredentialsTest() {
+    std::string name = (fs::temp_directory_path() / "enamel_credentials_XXXXXX").string();
+    folder_ = ::mkdtemp(name.data());
+    credentials_.server = {"::1", 7443};
+    credentials_.fingerprint = HashSha256(AsBytes("certificate"));
+    credentials_.station = Uuid::New();
+    credentials_.credential.fill(7);
+    credentials_.name = "chair \"4\"";
+    credentials_.ticket_key.fill(9);
+    credentials_.secret_key = trace::NewKeyPair().secret_key;
+  }
+  ~CredentialsTest() override { fs::remove_all(folder_); }
+
+  fs::path folder_;
+  Credentials credentials_;
+};
+
+TEST_F(CredentialsTest, ComeBackAsTheyWereSaved) {
+  ASSERT_TRUE(SaveCredentials(folder_, credentials_).ok());
+  auto back = LoadCredentials(folder_);
+  ASSERT_TRUE(back.ok()) << back.status().message();
+  EXPECT_EQ(back->server.Text(), credentials_.server.Text());
+  EXPECT_EQ(back->fingerprint, credentials_.fingerprint);
+  EXPECT_EQ(back->station, credentials_.station);
+  EXPECT_EQ(back->credential, credentials_.credential);
+  EXPECT_EQ(back->name, credentials_.name);
+  EXPECT_EQ(back->ticket_key, credentials_.ticket_key);
+  EXPECT_EQ(back->secret_key, credentials_.secret_key);
+}
+
+TEST_F(CredentialsTest, PublicKeyIsTheSecretKeysOwn) {
+  trace::KeyPair keys = trace::NewKeyPair();
+  credentials_.secret_key = keys.secret_key;
+  EXPECT_EQ(credentials_.public_key(), keys.public_key);
+}
+
+TEST_F(CredentialsTest, FileIsForItsOwnerOnlyAndRefusedOtherwise) {
+  ASSERT_TRUE(SaveCredentials(folder_, credentials_).ok());
+  struct stat info {};
+  ASSERT_EQ(::stat((folder_ / "station.json").c_str(), &info), 0);
+  EXPECT_EQ(info.st_mode & 0777, 0600u);
+  ::chmod((folder_ / "station.json").c_str(), 0644);
+  EXPECT_EQ(LoadCredentials(folder_).status().code(), Code::kForbidden);
+}
+
+TEST_F(CredentialsTest, StationThatIsNotEnrolledIsToldHow) {
+  Status status = LoadCredentials(folder_).status();
+  EXPECT_EQ(status.code(), Code::kNotFound);
+  EXPECT_NE(status.message().find("enamel-station enrol"), std::string::npos);
+}
+
+TEST_F(CredentialsTest, DamagedFileIsRefused) {
+  for (const char* text : {"", "{", "[]", "{\"format\":1}", "{\"format\":2}"}) {
+    ASSERT_TRUE(WriteFileDurably(folder_ / "station.json", AsBytes(text), 0600).ok());
+    EXPECT_FALSE(LoadCredentials(folder_).ok()) << text;
+  }
+}
+
+TEST(EnrolCodeTest, FingerprintMayBeWrittenWithColons) {
+  Sha256 hash = HashSha256(AsBytes("x"));
+  std::string colons;
+  for (size_t i = 0; i < 64; i += 2) {
+    if (i > 0) colons += ':';
+    colons.append(hash.Hex(), i, 2);
+  }
+  for (const std::string& fingerprint : {hash.Hex(), colons}) {
+    auto code = ParseEnrolCode("abc123@" + fingerprint);
+    ASSERT_TRUE(code.ok());
+    EXPECT_EQ(code->code, "abc123");
+    EXPECT_EQ(code->fingerprint, hash);
+  }
+}
+
+TEST(EnrolCodeTest, AnythingElseIsRefusedWithTheExpectedForm) {
+  for (const char* text : {"", "abc", "@", "abc@", "abc@12",
+                           "@"
+                           "00"}) {
+    Status status = ParseEnrolCode(text).status();
+    EXPECT_EQ(status.code(), Code::kInvalidInput) << text;
+    EXPECT_NE(status.message().find("CODE@FINGERPRINT"), std::string::npos);
+  }
+}
+
+TEST_F(CredentialsTest, CacheGivesBackOnlyWhatMatchesItsName) {
+  BlobCache cache(folder_ / "blobs");
+  Bytes data = {1, 2, 3};
+  Sha256 name = HashSha256(data);
+  EXPECT_FALSE(cache.Find(name));
+  ASSERT_TRUE(cache.Put(name, data).ok());
+  EXPECT_EQ(cache.Find(name), data);
+  ASSERT_TRUE(WriteFileDurably(folder_ / "blobs" / name.Hex(), AsBytes("other")).ok());
+  EXPECT_FALSE(cache.Find(name));
+}
+
+}  // namespace
+}  // namespace enamel::station

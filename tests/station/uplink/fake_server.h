@@ -1,0 +1,178 @@
+#pragma once
+
+#include <atomic>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/ssl.hpp>
+#include <boost/asio/write.hpp>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <thread>
+
+#include "common/base/file.h"
+#include "common/net/certificate.h"
+#include "common/net/tls.h"
+#include "common/protocol/frame.h"
+#include "common/protocol/messages.h"
+#include "station/uplink/credentials.h"
+
+namespace enamel::station {
+
+namespace asio = boost::asio;
+
+// The server's half of the station link, over real TLS on loopback, with a store in memory and
+// faults on demand. One connection at a time.
+class FakeServer {
+ public:
+  explicit FakeServer(const std::filesystem::path& folder, uint16_t port = 0)
+      : pem_(folder / "server.pem"), key_(folder / "server.key") {
+    if (!std::filesystem::exists(pem_)) {
+      ENAMEL_CHECK(net::CreateCertificateFiles(pem_, key_, "enamel-test").ok());
+    }
+    context_ = *net::MakeServerContext(pem_, key_);
+    asio::ip::tcp::endpoint at(asio::ip::address_v4::loopback(), port);
+    acceptor_.open(at.protocol());
+    acceptor_.set_option(asio::socket_base::reuse_address(true));
+    acceptor_.bind(at);
+    acceptor_.listen();
+    thread_ = std::thread([this] { Run(); });
+  }
+  ~FakeServer() {
+    stopping_ = true;
+    Break();
+    asio::io_context io;
+    asio::ip::tcp::socket wake(io);
+    boost::system::error_code ignored;
+    wake.connect(acceptor_.local_endpoint(), ignored);
+    thread_.join();
+  }
+
+  net::Endpoint endpoint() const { return {"127.0.0.1", acceptor_.local_endpoint().port()}; }
+  Sha256 fingerprint() const { return *net::CertificateFingerprint(*ReadFile(pem_)); }
+  Credentials NewStation() const {
+    Credentials c;
+    c.server = endpoint();
+    c.fingerprint = fingerprint();
+    c.station = Uuid::New();
+    c.secret_key = trace::NewKeyPair().secret_key;
+    return c;
+  }
+
+  // What it holds: chunks by seq, whatever the attempt.
+  std::map<uint32_t, Bytes> chunks() const {
+    std::lock_guard lock(mutex_);
+    return chunks_;
+  }
+  bool sealed() const { return sealed_; }
+  int connections() const { return connections_; }
+  int doubled() const { return doubled_; }  // chunks it was sent although it had them
+  void Forget(uint32_t from) {
+    std::lock_guard lock(mutex_);
+    chunks_.erase(chunks_.lower_bound(from), chunks_.end());
+  }
+
+  // Closes the connection instead of acknowledging the n-th chunk from now on (and each n-th
+  // after).
+  std::atomic<int> break_every{0};
+  // Answers OpenAttempt with this.
+  std::optional<Status> refuse;
+
+ private:
+  using Stream = asio::ssl::stream<asio::ip::tcp::socket>;
+  void Break() {
+    std::lock_guard lock(mutex_);
+    if (connection_ >= 0) ::shutdown(connection_, SHUT_RDWR);
+  }
+
+  void Run() {
+    while (!stopping_) {
+      asio::ip::tcp::socket socket = acceptor_.accept();
+      if (stopping_) return;
+      ++connections_;
+      Stream stream(std::move(socket), *context_);
+      SetConnection(stream.next_layer().native_handle());
+      try {
+        stream.handshake(Stream::server);
+        while (!stopping_) Answer(stream, *protocol::ParseRequest(ReadMessage(stream)));
+      } catch (const boost::system::system_error&) {
+        // The station went away, or a fault was asked for.
+      }
+      SetConnection(-1);
+    }
+  }
+
+  void SetConnection(int fd) {
+    std::lock_guard lock(mutex_);
+    connection_ = fd;
+  }
+
+  static Bytes ReadMessage(Stream& stream) {
+    protocol::FrameReader reader;
+    while (!reader.done()) {
+      auto space = reader.Prepare();
+      size_t n = stream.read_some(asio::buffer(space.data(), space.size()));
+      if (!reader.Resume(n).ok()) throw boost::system::system_error(asio::error::message_size);
+    }
+    return reader.Take();
+  }
+
+  void Answer(Stream& stream, const wire::Request& request) {
+    wire::Reply reply;
+    reply.set_reply_to(request.id());
+    if (request.has_hello()) {
+      reply.mutable_welcome()->set_core_version(request.hello().core_version());
+    } else if (request.has_open_attempt()) {
+      if (refuse) {
+        *reply.mutable_error() = protocol::ToError(*refuse);
+      } else {
+        std::lock_guard lock(mutex_);
+        uint32_t next = 0;
+        while (chunks_.count(next) != 0) ++next;
+        reply.mutable_attempt_opened()->set_next_seq(next);
+      }
+    } else if (request.has_put_chunk()) {
+      Keep(request.put_chunk(), reply);
+    } else if (request.has_seal_attempt()) {
+      sealed_ = true;
+      reply.mutable_sealed();
+    } else {
+      *reply.mutable_error() = protocol::UnsupportedError();
+    }
+    asio::write(stream, asio::buffer(*protocol::EncodeFrame(protocol::Serialize(reply))));
+  }
+
+  void Keep(const wire::PutChunk& put, wire::Reply& reply) {
+    ByteView bytes = AsBytes(put.chunk());
+    auto chunk = trace::DecodeChunk(bytes);
+    ENAMEL_CHECK(chunk.ok());
+    {
+      std::lock_guard lock(mutex_);
+      doubled_ += chunks_.count(chunk->head.seq) != 0 ? 1 : 0;
+      chunks_[chunk->head.seq] = Bytes(bytes.begin(), bytes.end());
+    }
+    // Kept, but the station never hears of it.
+    if (break_every != 0 && ++received_ % break_every == 0) {
+      throw boost::system::system_error(asio::error::connection_reset);
+    }
+    reply.mutable_chunk_ack()->set_seq(chunk->head.seq);
+    reply.mutable_chunk_ack()->set_committed(true);
+  }
+
+  std::filesystem::path pem_, key_;
+  std::shared_ptr<asio::ssl::context> context_;
+  asio::io_context io_;
+  asio::ip::tcp::acceptor acceptor_{io_};
+  std::thread thread_;
+  std::atomic<bool> stopping_{false}, sealed_{false};
+  std::atomic<int> connections_{0}, doubled_{0};
+  int received_ = 0;
+  mutable std::mutex mutex_;
+  int connection_ = -1;               // guarded by mutex_
+  std::map<uint32_t, Bytes> chunks_;  // guarded by mutex_
+};
+
+}  // namespace enamel::station
