@@ -132,7 +132,8 @@ void PrintTable(const AttemptRow& row, const ScoreResult& score, const ReportOpt
   Line("replay agrees tick by tick", score.witness_ok ? "yes" : "no: " + score.witness_note);
   Line("replayed at", fmt::format("{:.1f} x real time", score.replay_realtime_factor));
   Line("attempt", row.id.Text());
-  Line("reference", score.reference_attempt);
+  Line("reference",
+       score.reference_attempt.empty() ? "none: compared with itself" : score.reference_attempt);
   if (!options.page_url.empty()) Line("page", options.page_url);
 }
 
