@@ -190,6 +190,16 @@ Status MarkReference(const std::filesystem::path& data, const std::string& attem
   return Status::Ok();
 }
 
+Status ReleaseScore(const std::filesystem::path& data, const std::string& attempt) {
+  auto id = Uuid::Parse(attempt);
+  if (!id.ok()) return id.status();
+  auto store = OpenForCommand(data);
+  if (!store.ok()) return store.status();
+  ENAMEL_RETURN_IF_ERROR((*store)->ReleaseAttempt(*id, kCommandLine));
+  std::cout << "the score of attempt " << attempt << " is released to its student\n";
+  return Status::Ok();
+}
+
 Status ListAttempts(const std::filesystem::path& data, uint32_t limit) {
   auto store = OpenForCommand(data);
   if (!store.ok()) return store.status();

@@ -32,6 +32,7 @@ struct NewExercise {
 Status PublishExercise(const std::filesystem::path& data, const NewExercise& exercise);
 Status MarkReference(const std::filesystem::path& data, const std::string& attempt,
                      const std::string& dentist);
+Status ReleaseScore(const std::filesystem::path& data, const std::string& attempt);
 Status ListAttempts(const std::filesystem::path& data, uint32_t limit);
 
 }  // namespace enamel::server::app

@@ -156,6 +156,11 @@ void AddContent(CLI::App& admin, Options& o, Command& command) {
   mark->callback(
       [&] { command = [&] { return app::MarkReference(o.data, o.attempt, o.dentist); }; });
 
+  auto* release = admin.add_subcommand("release", "Let the student see a graded score");
+  release->add_option("--data", o.data)->required();
+  release->add_option("--attempt", o.attempt)->required();
+  release->callback([&] { command = [&] { return app::ReleaseScore(o.data, o.attempt); }; });
+
   auto* list = admin.add_subcommand("list-attempts", "Newest attempts first");
   list->add_option("--data", o.data)->required();
   list->add_option("--limit", o.limit)->check(CLI::Range(1, 200))->capture_default_str();
