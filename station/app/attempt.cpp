@@ -72,7 +72,7 @@ const T* Find(const std::vector<T>& all, const std::string& name) {
 
 Result<Job> Prepare(ServerLink& link, const RunOptions& options) {
   Job job;
-  auto credentials = LoadCredentials(options.data);
+  auto credentials = LoadCredentialsFor(options.data, options.server);
   if (!credentials.ok()) return credentials.status();
   job.credentials = *credentials;
   if (Status s = link.Connect(job.credentials); !s.ok()) {

@@ -10,6 +10,7 @@ namespace enamel::station {
 
 struct RunOptions {
   std::filesystem::path data;
+  std::string server;  // HOST:PORT when it has moved since enrolment; else empty
   std::string exercise, profile, login, password;
   std::string operator_name = "student";
   uint64_t seed = 0;  // of the operator's tremor; 0: the operator's own

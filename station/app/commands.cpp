@@ -77,8 +77,8 @@ Status EnrolStation(const EnrolOptions& options) {
   return Status::Ok();
 }
 
-Status UploadSpool(const fs::path& data) {
-  auto credentials = LoadCredentials(data);
+Status UploadSpool(const fs::path& data, const std::string& server) {
+  auto credentials = LoadCredentialsFor(data, server);
   if (!credentials.ok()) return credentials.status();
   auto spool = Spool::Open(data);
   if (!spool.ok()) return spool.status();

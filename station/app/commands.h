@@ -17,7 +17,8 @@ Status EnrolStation(const EnrolOptions& options);
 
 // Sends what is in the spool and not yet on the server. Errors: kUnavailable when it is not
 // reachable; the worst refusal when the server will not have some of it.
-Status UploadSpool(const std::filesystem::path& data);
+// `server`: HOST:PORT when it has moved since enrolment; else empty.
+Status UploadSpool(const std::filesystem::path& data, const std::string& server);
 
 Status ListSpool(const std::filesystem::path& data);
 Status VerifySpool(const std::filesystem::path& data);

@@ -19,7 +19,7 @@ constexpr int kFailed = 1, kUsage = 2, kNotUploaded = 3;
 
 constexpr char kFooter[] = R"(A first attempt, with a server on the same machine:
   enamel-server admin enrol-code --data SERVER_DATA        # prints CODE@FINGERPRINT
-  enamel-station enrol --server 127.0.0.1:7443 --code CODE@FINGERPRINT
+  enamel-station enrol --server 127.0.0.1:8443 --code CODE@FINGERPRINT
   ENAMEL_PASSWORD=... enamel-station run --user LOGIN \
       --exercise NAME --profile phantom_desktop --operator student
 Without any server:
@@ -102,6 +102,7 @@ int main(int argc, char** argv) {
   RunOptions run;
   bool password_stdin = false;
   auto* run_cmd = with_data(app.add_subcommand("run", "Make an attempt at an exercise"));
+  run_cmd->add_option("--server", run.server, "HOST:PORT when it has moved since enrolment");
   run_cmd->add_option("--exercise", run.exercise, "Name of the exercise")->required();
   run_cmd->add_option("--profile", run.profile, "Name of the device profile")->required();
   run_cmd->add_option("--user", run.login, "Login of the person at this station")->required();
@@ -126,7 +127,9 @@ int main(int argc, char** argv) {
 
   auto* upload_cmd = with_data(
       app.add_subcommand("upload", "Send what is recorded here and not yet on the server"));
-  upload_cmd->callback([&] { exit_code = Finish(UploadSpool(data)); });
+  std::string upload_server;
+  upload_cmd->add_option("--server", upload_server, "HOST:PORT when it has moved since enrolment");
+  upload_cmd->callback([&] { exit_code = Finish(UploadSpool(data, upload_server)); });
 
   auto* spool_cmd = app.add_subcommand("spool", "Recordings on this station");
   spool_cmd->require_subcommand(1);

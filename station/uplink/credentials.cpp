@@ -110,6 +110,15 @@ Result<Credentials> LoadCredentials(const std::filesystem::path& folder) {
   return c;
 }
 
+Result<Credentials> LoadCredentialsFor(const std::filesystem::path& folder, std::string_view server) {
+  auto credentials = LoadCredentials(folder);
+  if (!credentials.ok() || server.empty()) return credentials;
+  auto endpoint = net::ParseEndpoint(server);
+  if (!endpoint.ok()) return endpoint.status();
+  credentials->server = *endpoint;
+  return credentials;
+}
+
 Result<EnrolCode> ParseEnrolCode(std::string_view text) {
   Status bad(Code::kInvalidInput,
              "expected CODE@FINGERPRINT as 'enamel-server admin enrol-code' prints it, found '" +

@@ -31,6 +31,9 @@ struct Credentials {
 // may read the file.
 Status SaveCredentials(const std::filesystem::path& folder, const Credentials& credentials);
 Result<Credentials> LoadCredentials(const std::filesystem::path& folder);
+// The same station when the server has moved to another address (HOST:PORT; empty: as enrolled). Its
+// identity stays pinned: another server at that address is refused.
+Result<Credentials> LoadCredentialsFor(const std::filesystem::path& folder, std::string_view server);
 
 // A one-time code as `enamel-server admin enrol-code` prints it: CODE@FINGERPRINT, the fingerprint
 // as 64 hexadecimal digits, with or without colons. Errors: kInvalidInput.

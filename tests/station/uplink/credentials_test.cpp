@@ -44,6 +44,16 @@ TEST_F(CredentialsTest, ComeBackAsTheyWereSaved) {
   EXPECT_EQ(back->secret_key, credentials_.secret_key);
 }
 
+TEST_F(CredentialsTest, MovedServerKeepsItsPinnedIdentity) {
+  ASSERT_TRUE(SaveCredentials(folder_, credentials_).ok());
+  auto moved = LoadCredentialsFor(folder_, "127.0.0.1:9");
+  ASSERT_TRUE(moved.ok());
+  EXPECT_EQ(moved->server.Text(), "127.0.0.1:9");
+  EXPECT_EQ(moved->fingerprint, credentials_.fingerprint);
+  EXPECT_EQ(LoadCredentialsFor(folder_, "")->server.Text(), credentials_.server.Text());
+  EXPECT_FALSE(LoadCredentialsFor(folder_, "nowhere").ok());
+}
+
 TEST_F(CredentialsTest, PublicKeyIsTheSecretKeysOwn) {
   trace::KeyPair keys = trace::NewKeyPair();
   credentials_.secret_key = keys.secret_key;
