@@ -2,6 +2,8 @@
 
 #include <sodium.h>
 
+#include <mutex>
+
 #include "common/base/hex.h"
 
 namespace enamel {
@@ -40,8 +42,23 @@ Uuid Uuid::New(std::chrono::system_clock::time_point now) {
   randombytes_buf(out.bytes.data(), out.bytes.size());
   auto ms = static_cast<uint64_t>(
       std::chrono::duration_cast<std::chrono::milliseconds>(now.time_since_epoch()).count());
+  static std::mutex mutex;
+  static uint64_t last_ms = 0;
+  static uint32_t counter = 0;
+  uint32_t order;
+  {
+    std::lock_guard lock(mutex);
+    if (ms == last_ms && counter < 0xfff) {
+      ++counter;
+    } else {
+      last_ms = ms;
+      counter = out.bytes[7];  // random, with room to count up
+    }
+    order = counter;
+  }
   for (int i = 0; i < 6; ++i) out.bytes[i] = static_cast<uint8_t>(ms >> (8 * (5 - i)));
-  out.bytes[6] = static_cast<uint8_t>(0x70 | (out.bytes[6] & 0x0f));
+  out.bytes[6] = static_cast<uint8_t>(0x70 | (order >> 8));
+  out.bytes[7] = static_cast<uint8_t>(order);
   out.bytes[8] = static_cast<uint8_t>(0x80 | (out.bytes[8] & 0x3f));
   return out;
 }

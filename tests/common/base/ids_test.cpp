@@ -35,6 +35,16 @@ TEST(UuidTest, IsVersionSevenSortsByTimeAndComesBackFromText) {
   EXPECT_EQ(Uuid::Parse(early.Text()).value(), early);
 }
 
+TEST(UuidTest, IdsOfOneMillisecondKeepTheirOrder) {
+  auto t = std::chrono::system_clock::time_point(std::chrono::milliseconds(1'700'000'000'001));
+  Uuid last = Uuid::New(t);
+  for (int i = 0; i < 3000; ++i) {
+    Uuid next = Uuid::New(t);
+    ASSERT_LT(last, next) << i;
+    last = next;
+  }
+}
+
 TEST(UuidTest, MalformedTextIsRefused) {
   for (const char* text : {"", "0123", "01234567-89ab-7cde-8f01-23456789abcg",
                            "0123456789ab-7cde-8f01-23456789abcdef-"}) {
