@@ -70,7 +70,9 @@ bool Worker::RunOne(const std::stop_token& stop) {
   if (!job.ok() || !*job) return false;
 
   Status status = RunJob(**job, stop);
-  Status finished = store_.FinishJob((*job)->id, status.ok(), status.message());
+  bool interrupted = status.code() == Code::kUnavailable && stop.stop_requested();
+  Status finished = interrupted ? store_.ReturnJob((*job)->id)
+                                : store_.FinishJob((*job)->id, status.ok(), status.message());
   Report(**job, status.ok() ? finished : status);
   return true;
 }

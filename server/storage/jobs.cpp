@@ -78,7 +78,26 @@ Status TakeJob(Db& db, UnixMs now_ms, UnixMs lease_ms, std::optional<JobRow>& ta
   }
 }
 
+Result<JobRow> FindJob(Db& db, const Uuid& job) {
+  Query q(db,
+          "SELECT id, kind, attempt, state, tries, error FROM jobs WHERE tenant = ?1 AND id = ?2");
+  if (q.Bind(job).Next()) return JobOf(q);
+  if (!q.status().ok()) return q.status();
+  return Status(Code::kNotFound, "no job " + job.Text());
+}
+
+Status Requeue(Db& db, JobRow job) {
+  job.state = "queued";
+  ENAMEL_RETURN_IF_ERROR(SetJob(db, job, 0));
+  return SetAttemptState(db, job.attempt, AttemptState::kScoring, AttemptState::kSealed, job.error);
+}
+
 }  // namespace
+
+Status EndLeases(Db& db) {
+  Query q(db, "UPDATE jobs SET lease_until_ms = 0 WHERE tenant = ?1 AND state = 'running'");
+  return q.Run();
+}
 
 Status QueueScoreJob(Db& db, const Uuid& attempt) {
   Query q(
@@ -99,21 +118,23 @@ Result<std::optional<JobRow>> SqliteStore::LeaseJob(UnixMs now_ms, UnixMs lease_
 
 Status SqliteStore::FinishJob(const Uuid& job, bool ok, const std::string& error) {
   return Write([&](Db& db) -> Status {
-    std::optional<JobRow> row;
-    {
-      Query q(
-          db,
-          "SELECT id, kind, attempt, state, tries, error FROM jobs WHERE tenant = ?1 AND id = ?2");
-      if (q.Bind(job).Next()) row = JobOf(q);
-      ENAMEL_RETURN_IF_ERROR(q.status());
-    }
-    if (!row) return Status(Code::kNotFound, "no job " + job.Text());
+    auto row = FindJob(db, job);
+    if (!row.ok()) return row.status();
     if (!ok && row->tries >= kMaxTries) return GiveUp(db, *row, error);
-    row->state = ok ? "done" : "queued";
     row->error = error;
-    ENAMEL_RETURN_IF_ERROR(SetJob(db, *row, 0));
-    if (ok) return Status::Ok();
-    return SetAttemptState(db, row->attempt, AttemptState::kScoring, AttemptState::kSealed, error);
+    if (!ok) return Requeue(db, *row);
+    row->state = "done";
+    return SetJob(db, *row, 0);
+  });
+}
+
+Status SqliteStore::ReturnJob(const Uuid& job) {
+  return Write([&](Db& db) -> Status {
+    auto row = FindJob(db, job);
+    if (!row.ok()) return row.status();
+    if (row->state != "running") return Status::Ok();
+    if (row->tries > 0) --row->tries;
+    return Requeue(db, *row);
   });
 }
 

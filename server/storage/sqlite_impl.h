@@ -126,6 +126,7 @@ class SqliteStore final : public Store {
 
   Result<std::optional<JobRow>> LeaseJob(UnixMs now_ms, UnixMs lease_ms) override;
   Status FinishJob(const Uuid& job, bool ok, const std::string& error) override;
+  Status ReturnJob(const Uuid& job) override;
   Result<std::vector<JobRow>> Jobs(const std::string& state) override;
   Result<std::vector<AuditRow>> Audit(uint32_t limit) override;
 
@@ -160,6 +161,8 @@ Status WriteAudit(Db& db, const Actor& by, const char* action, const std::string
 // kConflict from a UNIQUE constraint, in words.
 Status Explain(Status status, const std::string& conflict);
 Status QueueScoreJob(Db& db, const Uuid& attempt);
+// Jobs that a worker of an earlier process held may be taken again at once.
+Status EndLeases(Db& db);
 Result<AttemptRow> FindAttempt(Db& db, const Uuid& id);
 
 }  // namespace enamel::server::sqlite

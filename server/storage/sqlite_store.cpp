@@ -132,6 +132,8 @@ Result<std::unique_ptr<Store>> OpenSqliteStore(const SqliteOptions& options) {
     ENAMEL_RETURN_IF_ERROR(Migrate(**db));
   }
   if (!options.hold_lock) lock.reset();
+  // Who holds the folder's lock is the only worker there is: leases of a killed one are over.
+  if (lock) ENAMEL_RETURN_IF_ERROR(EndLeases(**db));
   FolderLock kept = lock ? std::move(*lock) : FolderLock();
   return std::unique_ptr<Store>(new SqliteStore(options, std::move(db).value(), std::move(kept)));
 }

@@ -169,6 +169,8 @@ class Store {
   // "failed".
   virtual Result<std::optional<JobRow>> LeaseJob(UnixMs now_ms, UnixMs lease_ms) = 0;
   virtual Status FinishJob(const Uuid& job, bool ok, const std::string& error) = 0;
+  // Stopped before its end through no fault of its own (shutdown): queued again, the try not counted.
+  virtual Status ReturnJob(const Uuid& job) = 0;
   virtual Result<std::vector<JobRow>> Jobs(const std::string& state) = 0;
 
   virtual Result<std::vector<AuditRow>> Audit(uint32_t limit) = 0;

@@ -127,6 +127,15 @@ class MemoryStore final : public server::Store {
     }
     return Status::Ok();
   }
+  Status ReturnJob(const Uuid& id) override {
+    std::lock_guard lock(mutex_);
+    for (server::JobRow& job : jobs) {
+      if (job.id != id || job.state != "running") continue;
+      job.state = "queued";
+      --job.tries;
+    }
+    return Status::Ok();
+  }
   Result<std::vector<server::JobRow>> Jobs(const std::string& state) override {
     std::lock_guard lock(mutex_);
     std::vector<server::JobRow> out;

@@ -200,6 +200,19 @@ TEST_F(StoreTest, JobWhoseLeaseRanOutIsTakenAgainAndFailsAfterThreeTries) {
   EXPECT_EQ(store_->AttemptById(attempt)->state, AttemptState::kFailed);
 }
 
+TEST_F(StoreTest, ReturnedJobIsQueuedAgainWithoutCountingTheTry) {
+  World world(*store_);
+  Uuid attempt = world.OpenedAttempt();
+  ASSERT_TRUE(store_->SealAttempt(World::SealOf(world.Append(attempt, 1)), 200).ok());
+  for (int i = 0; i < 5; ++i) {
+    auto job = store_->LeaseJob(1, 1000);
+    ASSERT_TRUE(job->has_value());
+    EXPECT_EQ((*job)->tries, 1u);
+    ASSERT_TRUE(store_->ReturnJob((*job)->id).ok());
+    EXPECT_EQ(store_->AttemptById(attempt)->state, AttemptState::kSealed);
+  }
+}
+
 TEST_F(StoreTest, FailedTryIsQueuedAgainWithItsError) {
   World world(*store_);
   Uuid attempt = world.OpenedAttempt();

@@ -46,6 +46,25 @@ TEST(SqliteOpenTest, SecondServerOnTheFolderIsRefusedAndTheCommandLineIsNot) {
   EXPECT_TRUE((*server)->PersonByLogin("ada").ok());
 }
 
+TEST(SqliteOpenTest, JobOfAKilledServerIsTakenAgainAtOnce) {
+  TempFolder folder;
+  Uuid attempt;
+  {
+    auto server = OpenSqliteStore({folder.path(), true});
+    World world(**server);
+    attempt = world.OpenedAttempt();
+    ASSERT_TRUE((*server)->SealAttempt(World::SealOf(world.Append(attempt, 1)), 200).ok());
+    ASSERT_TRUE((*server)->LeaseJob(1000, 120'000)->has_value());
+  }
+  auto command_line = OpenSqliteStore({folder.path(), false});
+  EXPECT_FALSE((*command_line)->LeaseJob(1001, 120'000)->has_value()) << "its lease still runs";
+  auto restarted = OpenSqliteStore({folder.path(), true});
+  auto job = (*restarted)->LeaseJob(1001, 120'000);
+  ASSERT_TRUE(job.ok() && job->has_value());
+  EXPECT_EQ((*job)->attempt, attempt);
+  EXPECT_EQ((*job)->tries, 2u);
+}
+
 TEST(SqliteOpenTest, FolderThatIsAFileIsRefused) {
   TempFolder folder;
   std::filesystem::path file = folder.path() / "file";
