@@ -5,6 +5,7 @@
 #include <span>
 #include <string_view>
 
+#include "common/haptics/estimator.h"
 #include "common/math/sym3.h"
 #include "common/math/vec.h"
 
@@ -19,6 +20,10 @@ enum class LawKind : uint8_t {
   kPaperDamping = 2,     // eq. 1: R = B V, V = (p_i - p_{i-1}) f, nothing else
   kPaperLimited = 3,     // eq. 1 with the limiter of eq. 17 exactly as printed
   kGatedMaxwell = 4,     // Maxwell whose anchor is slowed while the force is still too small for the speed
+  kPaperSymmetric = 5,   // eq. 1 with eq. 12's slope bound on rises and falls, per axis, adaptive window
+  kVirtualCoupling = 6,  // Adams-Hannaford: spring and damper to a tool that moves through tissue
+  kPassivityControlled = 7,  // eq. 1 with a passivity observer and controller (Hannaford-Ryu)
+  kEnergyBounded = 8,    // eq. 1 under the energy bound (Kim-Ryu)
 };
 
 // What every law of one device is built from. SI units.
@@ -30,6 +35,9 @@ struct LawParams {
   // eq. 17 divides by dp.dp, which is 0 on most ticks at cutting speed. The stated rule there:
   // false: hold R_{i-1} (a pure spring Kc up to saturation); true: pass R_c through.
   bool pass_through_at_rest = false;
+  // Velocity for the laws that need one (eq1, eq17, eq17-symmetric, eq1-popc, eq1-bounded). The anchored
+  // laws do not look at it. The core leaves it to the law; the qualification suite tries them all.
+  EstimatorParams estimator{};
 };
 
 // One force law. A law is of one of two families:
@@ -70,5 +78,9 @@ std::unique_ptr<ForceLaw> MakeMaxwell(const LawParams& params);
 std::unique_ptr<ForceLaw> MakeGatedMaxwell(const LawParams& params);
 std::unique_ptr<ForceLaw> MakePaperDamping(const LawParams& params);
 std::unique_ptr<ForceLaw> MakePaperLimited(const LawParams& params);
+std::unique_ptr<ForceLaw> MakePaperSymmetric(const LawParams& params);
+std::unique_ptr<ForceLaw> MakeVirtualCoupling(const LawParams& params);
+std::unique_ptr<ForceLaw> MakePassivityControlled(const LawParams& params);
+std::unique_ptr<ForceLaw> MakeEnergyBounded(const LawParams& params);
 
 }  // namespace enamel::haptics

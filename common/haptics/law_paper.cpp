@@ -7,21 +7,29 @@ namespace {
 // encoders, so that its tables can be reproduced beside ours.
 class Paper final : public ForceLaw {
  public:
-  Paper(const LawParams& params, bool limited) : params_(params), limited_(limited) {}
+  Paper(const LawParams& params, bool limited)
+      : params_(params),
+        limited_(limited),
+        printed_(params.estimator.kind == EstimatorKind::kLawsOwn),
+        estimators_(params.estimator, EstimatorKind::kBackwardDifference, params.resolution_m,
+                    params.tick_s) {
+    Reset(dvec3(0));
+  }
 
   bool anchored() const noexcept override { return false; }
   void Reset(const dvec3& tip_m) noexcept override {
     tip_ = previous_ = tip_m;
-    sent_ = dvec3(0);
+    sent_ = velocity_ = dvec3(0);
+    estimators_.Reset(tip_m);
   }
   void BeginTick(const dvec3& tip_m) noexcept override {
     previous_ = tip_;
     tip_ = tip_m;
+    velocity_ = printed_ ? (tip_ - previous_) / params_.tick_s : estimators_.Update(tip_m);
   }
   dvec3 TipForce(const Sym3& b) noexcept override {
-    dvec3 dp = tip_ - previous_;
-    dvec3 wanted = b * (dp / params_.tick_s);  // eq. 1
-    sent_ = limited_ ? Limit(wanted, dp) : wanted;
+    dvec3 wanted = b * velocity_;  // eq. 1
+    sent_ = limited_ ? Limit(wanted, tip_ - previous_) : wanted;
     return sent_;
   }
 
@@ -35,8 +43,9 @@ class Paper final : public ForceLaw {
   }
 
   LawParams params_;
-  bool limited_;
-  dvec3 tip_{0}, previous_{0}, sent_{0};
+  bool limited_, printed_;
+  AxisVelocities estimators_;
+  dvec3 tip_{0}, previous_{0}, sent_{0}, velocity_{0};
 };
 
 }  // namespace

@@ -127,8 +127,11 @@ class RandomMaterial final : public Material {
 // The theorem of coupling.h as a property: with Kc = 2 b/T and c = Kc delta / 2 per axis, the sum of
 // R.dx + (b/T) dx.dx + c sum |dx_i| never falls below -V_0 = 0 from an unloaded start, whatever B does each
 // tick and wherever the true position is in its encoder cell.
-TEST(CouplingTest, OperatorNeverExtractsEnergy) {
+class PassivityTest : public testing::TestWithParam<LawKind> {};
+
+TEST_P(PassivityTest, OperatorNeverExtractsEnergy) {
   CouplingParams params = Phantom();
+  params.law.kind = GetParam();
   params.peak_force_n = 5;
   const double delta = 10e-6, kc = params.law.kc_n_per_m, b_over_t = kc / 2, c = kc * delta / 2;
   for (uint64_t seed = 1; seed <= 40; ++seed) {
@@ -151,6 +154,7 @@ TEST(CouplingTest, OperatorNeverExtractsEnergy) {
     }
   }
 }
+INSTANTIATE_TEST_SUITE_P(AnchoredLaws, PassivityTest, testing::Values(LawKind::kMaxwell, LawKind::kGatedMaxwell));
 
 // The premise of the proof, checked on the moves themselves: no anchor move, once guarded, lengthens
 // the spring for any true position within the encoder cell.

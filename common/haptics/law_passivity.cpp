@@ -1,0 +1,56 @@
+#include "common/haptics/force_law.h"
+
+namespace enamel::haptics {
+namespace {
+
+// Time-domain passivity control of Hannaford and Ryu (IEEE TRA 18(1) 2002) around eq. 1. Observer:
+// W_k = W_{k-1} + R_{k-1} . dp_k, exact for a held force but for quantisation. Controller: where W
+// < 0 a damper alpha = -W T / (dp . dp) is added, at most Kc T, which takes the deficit back over
+// the next step if that step is as long as the last. Where dp = 0 it can do nothing. Eq. 2 of Liu
+// et al. is this observer.
+class PassivityControlled final : public ForceLaw {
+ public:
+  explicit PassivityControlled(const LawParams& params)
+      : params_(params),
+        estimators_(params.estimator, EstimatorKind::kBackwardDifference, params.resolution_m,
+                    params.tick_s) {
+    Reset(dvec3(0));
+  }
+
+  bool anchored() const noexcept override { return false; }
+  void Reset(const dvec3& tip_m) noexcept override {
+    tip_ = tip_m;
+    step_ = sent_ = velocity_ = dvec3(0);
+    energy_j_ = 0;
+    estimators_.Reset(tip_m);
+  }
+  void BeginTick(const dvec3& tip_m) noexcept override {
+    step_ = tip_m - tip_;
+    tip_ = tip_m;
+    velocity_ = estimators_.Update(tip_m);
+    energy_j_ += Dot(sent_, step_);
+  }
+  dvec3 TipForce(const Sym3& b) noexcept override {
+    sent_ = b * velocity_;
+    double moved2 = Dot(step_, step_);
+    if (energy_j_ < 0 && moved2 > 0) {
+      double most = params_.kc_n_per_m, stiffness = -energy_j_ / moved2;
+      sent_ += step_ * (stiffness < most ? stiffness : most);
+    }
+    return sent_;
+  }
+
+ private:
+  LawParams params_;
+  AxisVelocities estimators_;
+  dvec3 tip_{0}, step_{0}, sent_{0}, velocity_{0};
+  double energy_j_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<ForceLaw> MakePassivityControlled(const LawParams& params) {
+  return std::make_unique<PassivityControlled>(params);
+}
+
+}  // namespace enamel::haptics
