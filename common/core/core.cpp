@@ -11,6 +11,8 @@ using cutting::Pose;
 
 constexpr double kRefreshVoxels = 1.0 / 32;
 constexpr int kHashedBricksPerTick = 8;
+constexpr int kMaxTurns = 64;                       // half-voxel turns of the bur per tick
+constexpr double kWallRotational_n_m_s = 1e3;       // a still bur in contact does not turn
 
 cutting::Bur BurOf(const CoreParams& p) {
   return {p.bur_shape, p.bur_radius_nm * 1e-9, p.bur_length_nm * 1e-9};
@@ -76,11 +78,7 @@ class Core::TissueMaterial final : public haptics::Material {
       core_.sample_valid_ = false;
       return contact;
     }
-    if (!core_.sample_valid_ || Motion(pose, core_.sampled_, reach_m_) >= refresh_m_) {
-      core_.engagement_.Sample(core_.volume_, pose);
-      core_.sampled_ = pose;
-      core_.sample_valid_ = true;
-    }
+    core_.ReadContact(pose);
     if (!core_.engagement_.AnyContact()) return contact;
     cutting::Engagement engagement = core_.engagement_.Read(stretch_m);
     contact.engaged = engagement.area_m2 > 0;
@@ -142,29 +140,76 @@ dvec3 Core::TipOf(const std::array<int32_t, 3>& counts) const noexcept {
   return out;
 }
 
-void Core::Restart(const dvec3& tip_m, const Quat& orientation) noexcept {
+void Core::Suspend(const dvec3& tip_m, const Quat& orientation) noexcept {
+  suspended_ = true;
+  free_ticks_ = 0;
+  FollowTip(tip_m, orientation);
+}
+
+void Core::FollowTip(const dvec3& tip_m, const Quat& orientation) noexcept {
   coupling_.Reset(tip_m);
   orientation_ = orientation;
   sample_valid_ = cut_valid_ = false;
-  soft_ticks_ = 0;
 }
 
-// The anchor's orientation follows the device's through the same coupling as its position: the
-// angular stretch e relaxes as B_rot (B_rot + K_rot T I)^-1 e. Small-angle form, e = 2 sign(w) v of
-// the error quaternion: no libm. In air (B_rot = 0) the anchor's orientation is the device's.
-void Core::FollowOrientation(const Quat& device) noexcept {
-  if (params_.rotational_kc_un_m_per_rad == 0 || !engagement_.AnyContact() || !sample_valid_) {
-    orientation_ = device;
-    return;
+void Core::AwaitFreeAir(const dvec3& tip_m, const Quat& orientation) noexcept {
+  FollowTip(tip_m, orientation);
+  Pose pose{tip_m, orientation};
+  bool touches = false;
+  if (cutter_.AnySolidNear(pose, volume_.spec().voxel_m())) {
+    engagement_.Sample(volume_, pose);
+    touches = engagement_.AnyContact();
   }
-  Quat error = device * orientation_.Conjugate();
-  double sign = error.w < 0 ? -2 : 2;
-  dvec3 e(error.x * sign, error.y * sign, error.z * sign);
-  Sym3 b = bur_on_ ? engagement_.ReadRotational() : Sym3::Isotropic(1e3);
-  double s = params_.rotational_kc_un_m_per_rad * 1e-6 / params_.rate_hz;
-  dvec3 left = b * SolveShifted(b, s, e);
-  dvec3 move = (e - left) * 0.5;
-  orientation_ = (Quat{move.x, move.y, move.z, 1} * orientation_).Normalised();
+  free_ticks_ = touches ? 0 : free_ticks_ + 1;
+  suspended_ = touches || free_ticks_ < params_.soft_start_ticks;
+}
+
+bool Core::ResumeAfterGap(const dvec3& tip_m) noexcept {
+  TissueMaterial material(*this);
+  return coupling_.Resume(tip_m, material);
+}
+
+// The anchor's orientation follows the device's through the same coupling as its position, felt or not:
+// the angular stretch e relaxes as B_rot (B_rot + K_rot T I)^-1 e. Small-angle form, e = 2 sign(w) v of
+// the error quaternion: no libm. In air (B_rot = 0) the anchor's orientation is the device's. No point of
+// the bur moves more than half a voxel before contact is read again, so a turn stops at the first
+// contact and the rest of the tick is spent against its resistance.
+void Core::FollowOrientation(const Quat& device, TissueMaterial& material) noexcept {
+  if (params_.rotational_kc_un_m_per_rad == 0) return;
+  const double voxel = volume_.spec().voxel_m(), reach = params_.bur_radius_nm * 1e-9 + params_.bur_length_nm * 1e-9;
+  double left_s = 1.0 / params_.rate_hz;
+  for (int i = 0; i < kMaxTurns; ++i) {
+    Quat error = device * orientation_.Conjugate();
+    double sign = error.w < 0 ? -2 : 2;
+    dvec3 e(error.x * sign, error.y * sign, error.z * sign);
+    if (Dot(e, e) == 0) return;
+    dvec3 move = e - RotationalStretch(e, left_s);
+    double length = std::sqrt(Dot(move, move)), limit = 0.5 * voxel / reach;
+    bool whole = length <= limit;
+    if (!whole) move *= limit / length;
+    orientation_ = (Quat{0.5 * move.x, 0.5 * move.y, 0.5 * move.z, 1} * orientation_).Normalised();
+    material.AnchorMoved(coupling_.anchor_m(), coupling_.anchor_m());
+    if (whole) return;
+    left_s -= left_s * (limit / length);
+  }
+}
+
+dvec3 Core::RotationalStretch(const dvec3& e, double dt_s) noexcept {
+  Pose pose{coupling_.anchor_m(), orientation_};
+  if (!cutter_.AnySolidNear(pose, volume_.spec().voxel_m())) return dvec3(0);
+  ReadContact(pose);
+  if (!engagement_.AnyContact()) return dvec3(0);
+  Sym3 b = bur_on_ ? engagement_.ReadRotational() : Sym3::Isotropic(kWallRotational_n_m_s);
+  return b * SolveShifted(b, params_.rotational_kc_un_m_per_rad * 1e-6 * dt_s, e);
+}
+
+// The engagement sample is renewed when the bur has cut, or moved by a thirty-second of a voxel.
+void Core::ReadContact(const Pose& pose) noexcept {
+  double reach = params_.bur_radius_nm * 2e-9 + params_.bur_length_nm * 1e-9;
+  if (sample_valid_ && Motion(pose, sampled_, reach) < kRefreshVoxels * volume_.spec().voxel_m()) return;
+  engagement_.Sample(volume_, pose);
+  sampled_ = pose;
+  sample_valid_ = true;
 }
 
 TickOutput Core::Step(const TickInput& input) noexcept {
@@ -177,26 +222,24 @@ TickOutput Core::Step(const TickInput& input) noexcept {
   bool faulted = (input.flags & kFaulted) != 0;
   bur_on_ = (input.flags & kBurOn) != 0 && !faulted;
 
-  if (!started_ || input.gap_ticks > 0 || faulted) {
-    // Nothing is known of the time between: the anchor is put at the tip, no force, no cut.
-    Restart(tip, device);
+  bool stop = !started_ || faulted || (input.flags & kSoftRestart) != 0;
+  bool lost = input.gap_ticks > 0 && !stop && (suspended_ || !ResumeAfterGap(tip));
+  if (stop || lost) {
+    Suspend(tip, device);
     started_ = true;
-    out.flags |= kAnchorReset;
-    out.anchor = {tip, device};
-  } else {
-    if (input.flags & kSoftRestart) soft_ticks_ = 0;
-    if (soft_ticks_ < params_.soft_start_ticks) ++soft_ticks_;
-    double bound = params_.soft_start_ticks == 0
-                       ? 1.0
-                       : static_cast<double>(soft_ticks_) / params_.soft_start_ticks;
-    FollowOrientation(device);
+    out.flags |= kAnchorReset | kSuspended;
+  } else if (suspended_) {
+    AwaitFreeAir(tip, device);
+    out.flags |= kSuspended;
+  } else if (input.gap_ticks == 0) {
     TissueMaterial material(*this);
-    haptics::CouplingOutput tick = coupling_.Tick(tip, bound, material);
+    FollowOrientation(device, material);
+    haptics::CouplingOutput tick = coupling_.Tick(tip, 1, material);
     out.force_computed_n = tick.force_computed_n;
     out.force_sent_n = tick.force_sent_n;
     out.flags |= tick.flags;
-    out.anchor = {tick.anchor_m, orientation_};
   }
+  out.anchor = {coupling_.anchor_m(), orientation_};
   if (reserve_exhausted_) out.flags |= kReserveExhausted;
   for (size_t t = 0; t < kTissueCount; ++t) out.removed[t] = removed_[t] - before[t];
 

@@ -22,7 +22,7 @@ enum InputFlags : uint8_t {
   kBurOn = 1 << 0,        // pedal down: the bur turns
   kLateTick = 1 << 1,     // this tick ran late (recorded; the maths does not read the clock)
   kFaulted = 1 << 2,      // force is held at zero until the operator acts; nothing is cut
-  kSoftRestart = 1 << 3,  // begin the soft start again at this tick
+  kSoftRestart = 1 << 3,  // switch force and cutting off until the bur has been in free air again
 };
 
 // One tick's input: the truth of a recording. Everything else is computed.
@@ -50,6 +50,7 @@ struct TickWitness {
 enum OutputFlags : uint16_t {
   kAnchorReset = 1 << 8,       // after a gap, a fault or at the start
   kReserveExhausted = 1 << 9,  // the cut is incomplete: a fault of the scene's budget
+  kSuspended = 1 << 10,        // no force and no cut: the bur has not yet been in free air long enough
 };
 
 struct TickOutput {
@@ -63,6 +64,13 @@ struct TickOutput {
 
 // A pure function of (params, initial volume, inputs so far): same tooth, same forces, same hash, to
 // the last bit, on every compiler and machine this builds on. No clock, no randomness, no libm.
+//
+// Force and cutting are switched on in free air only. At the start, after a fault and after a gap in
+// which the hand moved by more than half a voxel, nothing is known of how the tip came to where it is:
+// putting the anchor there would cut a hole of the bur's size at no force, and leaving it behind would
+// hand out energy that nobody put in. So the anchor stays at the tip, without force or cut, until the
+// bur has touched nothing for soft_start_ticks (kSuspended). After a shorter gap the cut goes on from
+// where it was (Coupling::Resume).
 //
 // Order in a tick: read p; engagement at the anchor; law moves the anchor (through contact, in steps
 // of at most half a voxel) and cuts along it; bounds; hash.
@@ -93,8 +101,13 @@ class Core {
  private:
   class TissueMaterial;
 
-  void Restart(const dvec3& tip_m, const Quat& orientation) noexcept;
-  void FollowOrientation(const Quat& device) noexcept;
+  void Suspend(const dvec3& tip_m, const Quat& orientation) noexcept;
+  void FollowTip(const dvec3& tip_m, const Quat& orientation) noexcept;
+  void AwaitFreeAir(const dvec3& tip_m, const Quat& orientation) noexcept;
+  bool ResumeAfterGap(const dvec3& tip_m) noexcept;
+  void FollowOrientation(const Quat& device, TissueMaterial& material) noexcept;
+  dvec3 RotationalStretch(const dvec3& e_rad, double dt_s) noexcept;
+  void ReadContact(const cutting::Pose& pose) noexcept;
   void MarkTouched(int32_t brick) noexcept;
   void FoldHash(const TickInput& input, const TickOutput& out) noexcept;
 
@@ -106,7 +119,8 @@ class Core {
   Quat orientation_;               // the anchor's
   bool started_ = false;
   bool bur_on_ = false;
-  uint32_t soft_ticks_ = 0;
+  bool suspended_ = true;
+  uint32_t free_ticks_ = 0;        // in a row, while suspended
   cutting::RemovedUnits removed_{};
   StateHash hash_;
   uint64_t ticks_ = 0;

@@ -28,12 +28,15 @@ struct CoreParams {
   // Tip in the scene = device_origin + counts * resolution (counts are cell middles).
   std::array<int64_t, 3> device_origin_nm{};
   int32_t peak_force_mn = 0;
-  uint32_t soft_start_ticks = 500;           // bound rises from 0 to the peak after start or fault
+  // Ticks the bur must be in free air, without a break, before force and cutting are switched on:
+  // at the start, after a fault, after a gap that moved the hand too far.
+  uint32_t soft_start_ticks = 500;
   cutting::BurShape bur_shape = cutting::BurShape::kSphere;
   int32_t bur_radius_nm = 0;
   int32_t bur_length_nm = 0;
   std::array<int32_t, cutting::kTissueCount> damping_mn_s_per_mm{};  // B per tissue
-  // Rotational coupling: stiffness about each axis, uN m per rad. 0: the device has no orientation.
+  // Rotational coupling: stiffness about each axis, uN m per rad. 0: orientation is not followed at all,
+  // the bur keeps the one it was switched on with.
   int32_t rotational_kc_un_m_per_rad = 0;
 
   bool operator==(const CoreParams&) const = default;

@@ -28,8 +28,27 @@ Coupling::Coupling(const CouplingParams& params) : params_(params) {
 
 void Coupling::Reset(const dvec3& tip_m) noexcept {
   anchor_ = tip_m;
+  stretch_ = 0;
+  clipped_at_n_ = 0;
   wall_ = false;
   law_->Reset(tip_m);
+}
+
+bool Coupling::Resume(const dvec3& tip_m, Material& material) noexcept {
+  if (!Finite(tip_m)) return false;
+  dvec3 e = tip_m - anchor_;
+  double length = std::sqrt(Dot(e, e)), grown = length - stretch_;
+  if (grown > params_.max_step_m) return false;
+  law_->Reset(tip_m);
+  if (!(grown > 0)) return true;
+  if (law_->anchored()) {
+    CouplingOutput unused;
+    MoveAnchor(tip_m, e * (grown / length), material, unused);
+  } else {
+    material.AnchorMoved(anchor_, tip_m);
+    anchor_ = tip_m;
+  }
+  return true;
 }
 
 CouplingOutput Coupling::Tick(const dvec3& tip_m, double bound_ratio, Material& material) noexcept {
@@ -40,6 +59,8 @@ CouplingOutput Coupling::Tick(const dvec3& tip_m, double bound_ratio, Material& 
     return out;
   }
   double bound_n = params_.peak_force_n * (bound_ratio < 0 ? 0 : bound_ratio > 1 ? 1 : bound_ratio);
+  if (clipped_at_n_ > 0 && bound_n > clipped_at_n_) bound_n = clipped_at_n_;
+  clipped_at_n_ = 0;
   law_->BeginTick(tip_m);
   wall_ = false;
   if (law_->anchored()) {
@@ -55,10 +76,10 @@ CouplingOutput Coupling::Tick(const dvec3& tip_m, double bound_ratio, Material& 
     // No anchor to move: clip.
     BoundMagnitude(tip_m, bound_n, true, material, out);
   }
-  if (!Finite(out.force_sent_n)) {
-    out.force_sent_n = dvec3(0);
-    out.flags |= kNonFiniteInput;
-  }
+  if (!Finite(out.force_sent_n)) out.flags |= kNonFiniteInput;
+  if (out.flags & kNonFiniteInput) out.force_computed_n = out.force_sent_n = dvec3(0);
+  dvec3 stretch = tip_m - anchor_;
+  stretch_ = std::sqrt(Dot(stretch, stretch));
   out.anchor_m = anchor_;
   return out;
 }
@@ -70,10 +91,7 @@ void Coupling::RelaxAnchor(const dvec3& tip_m, Material& material, CouplingOutpu
   double left_s = params_.law.tick_s;
   for (int i = 0; i < params_.max_substeps; ++i) {
     dvec3 e = tip_m - anchor_;
-    if (Dot(e, e) == 0) {
-      out.flags |= kFreeAir;
-      return;
-    }
+    if (Dot(e, e) == 0) return;
     Contact contact = material.ContactAt(anchor_, e);
     if (!contact.damping_n_s_per_m.IsFinite()) {
       out.flags |= kNonFiniteInput;
@@ -124,7 +142,9 @@ void Coupling::BoundMagnitude(const dvec3& tip_m, double bound_n, bool wall, Mat
   if (!(magnitude > bound_n)) return;
   out.flags |= kPeakBounded;
   double keep = bound_n / magnitude;
-  if (!wall) {
+  if (wall) {
+    clipped_at_n_ = bound_n;
+  } else {
     dvec3 e = tip_m - anchor_;
     dvec3 w = e * (1 - keep);
     for (int i = 0; i < params_.max_substeps; ++i) {

@@ -17,8 +17,16 @@
 //    sum_i delta_i |w_i| / 2), which is <= 0 wherever in its cell the tip is if w is scaled by
 //    clamp(2 (e.w - sum_i delta_i |w_i| / 2) / w.w, 0, 1). That scaling is the guard.
 // Summed over ticks: sum(R.dx) + (b/T) dx.dx + c sum |dx_i| >= -V_0. The operator never extracts
-// energy, whatever the tissue, the geometry, B(t), the law's parameters or the hand do. The premise
-// is structural here: Coupling moves the anchor in one function only (MoveAnchor), after the guard.
+// energy, whatever the tissue, the geometry, B(t), the law's parameters or the hand do.
+//  * Magnitude bound F. While the bur turns the anchor gives way, guarded like any move. At a wall (still
+//    bur) the output is clipped instead: then R is the gradient of the Huber form of V, Kc e.e/2 up to
+//    Kc |e| = F and F |e| - F^2 / 2 Kc beyond, which is Kc-smooth, so the same inequalities hold. F may
+//    fall at any time (V falls) but a rising F would raise V by itself: while the output is clipped the
+//    bound does not rise.
+//  * Ticks that were not stepped: Resume lets the spring be no longer than it was.
+// The premise is structural: with an anchored law the anchor moves in MoveAnchor only, after the guard,
+// and in Reset, where it meets the tip and V becomes 0. The tip laws (eq. 1, eq. 17) have no anchor and
+// no such proof: they are there to be compared with.
 namespace enamel::haptics {
 
 // What the bur touches, read at the anchor's pose.
@@ -48,10 +56,10 @@ class Material {
 enum CouplingFlags : uint16_t {
   kGuardEngaged = 1 << 0,       // the guard shortened an anchor step
   kPeakBounded = 1 << 1,        // magnitude bound moved the anchor (or clipped at a wall)
-  kNonFiniteInput = 1 << 2,     // position or material was NaN or infinite: force 0
+  kNonFiniteInput = 1 << 2,     // position or material was NaN or infinite: force 0, anchor kept
   kSubstepLimit = 1 << 3,       // the anchor could not reach its place within the bounded work
   kWallContact = 1 << 4,
-  kFreeAir = 1 << 5,            // nothing engaged at the end of the tick
+  kFreeAir = 1 << 5,            // nothing engaged in the direction of travel
 };
 
 struct CouplingParams {
@@ -76,7 +84,12 @@ class Coupling {
 
   // Anchor at the tip, no force, law's history cleared: start of an attempt, after a gap or fault.
   void Reset(const dvec3& tip_m) noexcept;
-  // One tick. `bound_ratio` in [0, 1] scales the peak bound (soft start, fault fade).
+  // After ticks that were not stepped: the hand moved while no force was sent, so the spring must not
+  // be longer than it was, or the hand would get back energy it never put in. The anchor follows by
+  // what the spring has grown, if that is at most max_step (a cut of the same length); the law's history
+  // is cleared. False, and nothing done, when it has grown by more: Reset is all that is left.
+  [[nodiscard]] bool Resume(const dvec3& tip_m, Material& material) noexcept;
+  // One tick. `bound_ratio` in [0, 1] scales the peak bound (fault fade).
   ENAMEL_REALTIME CouplingOutput Tick(const dvec3& tip_m, double bound_ratio, Material& material) noexcept;
 
   const dvec3& anchor_m() const noexcept { return anchor_; }
@@ -91,6 +104,8 @@ class Coupling {
   CouplingParams params_;
   std::unique_ptr<ForceLaw> law_;
   dvec3 anchor_{0};
+  double stretch_ = 0;          // |tip - anchor| after the last tick
+  double clipped_at_n_ = 0;     // bound of the last tick if the output was clipped at a wall, else 0
   bool wall_ = false;
 };
 

@@ -81,7 +81,8 @@ Rubric ClassOneRubric() {
        "Outline removed",
        "%",
        18,
-       {{60, 0}, {95, 1}},
+       // A 1 mm bur cannot reach the corners: 2.2 % of this box.
+       {{60, 0}, {93, 1}},
        "Part of the outline was left standing.",
        {}},
       {"zone_container_removed_mm3",

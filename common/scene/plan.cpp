@@ -98,6 +98,9 @@ core::CoreParams Compile(const Scene& scene, const Exercise& exercise,
   p.bur_shape = exercise.bur_shape;
   p.bur_radius_nm = exercise.bur_radius_um * 1000;
   p.bur_length_nm = exercise.bur_length_um * 1000;
+  // The coupling's stiffness at half the bur's height, as an angle: Kc (h/2)^2; 1 N/m (1 m)^2 = 1 N m/rad.
+  double arm_m = 0.5e-9 * (p.bur_shape == cutting::BurShape::kSphere ? 2.0 * p.bur_radius_nm : p.bur_length_nm);
+  p.rotational_kc_un_m_per_rad = static_cast<int32_t>(p.kc_mn_per_mm * arm_m * arm_m * 1e6 + 0.5);
   for (const TissueSpec& t : scene.tissues) {
     p.damping_mn_s_per_mm[static_cast<size_t>(t.tissue)] = t.damping_mn_s_per_mm;
   }

@@ -9,8 +9,9 @@ namespace enamel::scene {
 // Compiles scene, exercise and device profile into the core's parameters: the only way an attempt
 // gets them, on the station; the server re-derives them and compares with the attempt's header.
 // The device's counts are centred above the exercise's landmark: count (0, 0, 0) is the bur's tip 8 mm
-// above it (scene frame, +z), clear of every cusp; the axes of device and scene agree. The soft start
-// takes half a second; the orientation is not resisted (none of the profiles' devices can).
+// above it (scene frame, +z), clear of every cusp; the axes of device and scene agree. Force and
+// cutting come on after half a second in free air. A turn of the bur is resisted with the coupling's
+// stiffness at half its height, felt or not: a device that cannot push back must not cut by turning.
 // An exercise whose scene hash is not zero is compiled with that scene only (kConflict).
 // Errors: kInvalidInput when the profile cannot carry the exercise (rate, Kc above the passive limit
 // 2 b f/(2 d + 1) or above 2 c/delta, a missing landmark or tissue), with what would be allowed.

@@ -35,17 +35,8 @@ SeriesRecorder::SeriesRecorder(const core::CoreParams& params, double voxel_m,
       step_ticks_(static_cast<uint32_t>(
           std::max<uint64_t>(1, (expected_ticks + kMaxSteps - 1) / kMaxSteps))) {}
 
-double SeriesRecorder::Bound_n(const trace::Tick& tick, const core::TickOutput& output) {
-  if (output.flags & core::kAnchorReset) {
-    soft_ticks_ = 0;
-    return 0;
-  }
-  if (tick.input.flags & core::kSoftRestart) soft_ticks_ = 0;
-  if (soft_ticks_ < params_.soft_start_ticks) ++soft_ticks_;
-  double share = params_.soft_start_ticks == 0
-                     ? 1.0
-                     : static_cast<double>(soft_ticks_) / params_.soft_start_ticks;
-  return share * params_.peak_force_mn * 1e-3;
+double SeriesRecorder::Bound_n(const core::TickOutput& output) const {
+  return output.flags & core::kSuspended ? 0 : params_.peak_force_mn * 1e-3;
 }
 
 void SeriesRecorder::Add(const trace::Tick& tick, const core::TickOutput& output) {
@@ -58,7 +49,7 @@ void SeriesRecorder::Add(const trace::Tick& tick, const core::TickOutput& output
   double force = std::sqrt(Dot(output.force_sent_n, output.force_sent_n));
   step.force_n = std::max(step.force_n, force);
   step.force_sum_n += force;
-  step.bound_n = Bound_n(tick, output);
+  step.bound_n = Bound_n(output);
   step.anchor_m = output.anchor.tip_m;
   step.removed = removed_;
   ++step.ticks;

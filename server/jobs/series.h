@@ -36,16 +36,14 @@ class SeriesRecorder {
     uint32_t ticks = 0;
   };
 
-  // The peak bound as the core applied it: rises over the soft start after the start, a gap, a
-  // fault.
-  double Bound_n(const trace::Tick& tick, const core::TickOutput& output);
+  // The bound as the core applied it: 0 while force and cutting are off (core.h, kSuspended).
+  double Bound_n(const core::TickOutput& output) const;
   std::vector<double> Cumulative_mm3(size_t tissue) const;
 
   core::CoreParams params_;
   double voxel_m_;
   uint32_t step_ticks_;
   uint64_t time_ticks_ = 0;  // gaps included
-  uint32_t soft_ticks_ = 0;
   cutting::RemovedUnits removed_{};
   std::vector<Step> steps_;
 };

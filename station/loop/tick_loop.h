@@ -63,8 +63,8 @@ enum class Fault : uint8_t { kNone = 0, kStalled, kLateOnce, kLateOften, kReserv
 //
 // Late ticks (haptics.md section 4): a tick late by a whole period is flagged; by 5 ms, or more
 // than 20 late ones within a second, latches a fault, as does a device that says nothing new for
-// 5 ms. The fault ends when the operator releases the pedal and presses it again; the force then
-// comes back with the soft start.
+// 5 ms. The fault ends when the operator releases the pedal and presses it again; the core then
+// switches force and cutting on once the bur has been in free air (core.h).
 //
 // Thread safety: Run and Tick on one thread; RequestStop, snapshot() (one reader) and counters from
 // others. Real-time: Tick is safe; Run sleeps between ticks and does nothing else.

@@ -68,15 +68,17 @@ int Record(uint64_t seed, const char* trace_path, const char* volume_path) {
   core::Core core(header.params, ball);
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
-  dvec3 tip(0.4e-3 * normal(random), 0.4e-3 * normal(random), 3.4e-3), velocity(0);
+  dvec3 tip(0.4e-3 * normal(random), 0.4e-3 * normal(random), 4.4e-3), velocity(0);
   Quat tilt;
   trace::ChunkHead head;
   head.attempt = header.ticket.attempt;
   head.previous = HashSha256(file.header);
   std::vector<trace::Tick> ticks;
-  for (int i = 0; i < 12'000; ++i) {
-    // Drawn to the ball's middle, wandering; now and then the pedal is lifted, a tick is lost, the bur tilts.
-    velocity = velocity * 0.995 + dvec3(normal(random), normal(random), normal(random)) * 1.2e-8 - tip * 2e-6;
+  for (int i = -600; i < 11'400; ++i) {
+    // Wanders between the ball's middle and the air above it; now and then the pedal is lifted, a tick is
+    // lost, the bur tilts.
+    dvec3 goal(0, 0, i >= 0 && i % 4000 < 2600 ? 1e-3 : 4.4e-3);
+    velocity = velocity * 0.995 + dvec3(normal(random), normal(random), normal(random)) * 1.2e-8 - (tip - goal) * 2e-6;
     tip += velocity;
     tilt = Quat{tilt.x + 1e-4 * normal(random), tilt.y + 1e-4 * normal(random), 0, 1}.Normalised();
     trace::Tick tick;
@@ -85,11 +87,11 @@ int Record(uint64_t seed, const char* trace_path, const char* volume_path) {
           static_cast<int32_t>(std::lround(tip[a] * 1e9 / header.params.resolution_nm[static_cast<size_t>(a)]));
     }
     tick.input.orientation = ToQuantised(tilt);
-    tick.input.flags = i % 4000 > 3700 ? 0 : core::kBurOn;
-    if (random() % 3000 == 0) tick.input.gap_ticks = 1 + static_cast<uint32_t>(random() % 40);
+    tick.input.flags = i % 4000 > 2300 && i % 4000 < 2500 ? 0 : core::kBurOn;
+    if (random() % 1000 == 0) tick.input.gap_ticks = 1 + static_cast<uint32_t>(random() % 40);
     tick.witness = core.Step(tick.input).witness;
     ticks.push_back(tick);
-    if (ticks.size() == 400 || i == 11'999) {
+    if (ticks.size() == 400 || i == 11'399) {
       head.state_hash = core.state_hash();
       file.chunks.push_back(trace::EncodeChunk(head, ticks, keys.secret_key));
       head.previous = trace::DecodeChunkHead(file.chunks.back()).value().hash;

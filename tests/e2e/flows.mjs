@@ -57,6 +57,9 @@ async function wrongPassword(world) {
 async function expiredSession(world) {
   const page = await signedIn(world, "student", "/attempts");
   await page.getByRole("heading", { level: 1, name: "My attempts" }).waitFor();
+  await page.locator("table").waitFor();
+  // A request still under way when the cookies go would end the session before the click does.
+  await page.waitForLoadState("networkidle");
   await page.context().clearCookies();
   await page.getByRole("link", { name: "Exercises" }).click();
   await page.getByText("Your session has ended").waitFor();

@@ -30,9 +30,9 @@ TickInput At(double x_m, double y_m, double z_m, uint8_t flags = kBurOn) {
   return in;
 }
 
-// A hand that comes down into the block and then moves sideways through it.
+// A hand that waits, comes down into the block and then moves sideways through it.
 TickInput Stroke(int tick) {
-  double down = std::min(tick * 0.5e-6, 1e-3), along = std::max(0.0, tick * 0.5e-6 - 1e-3);
+  double down = std::min(std::max(0, tick - 600) * 1e-6, 1e-3), along = std::max(0.0, (tick - 1600) * 0.5e-6);
   return At(along, 0.2e-3 * std::sin(tick * 0.003), 0.2e-3 - down);
 }
 
@@ -61,14 +61,14 @@ TEST(CoreTest, OneCountOfDifferenceInOneTickChangesTheHash) {
 TEST(CoreTest, SteadyCutFeelsTheTissuesDampingTimesTheFeed) {
   CoreParams p = Params();
   p.soft_start_ticks = 0;
-  Core core(p, test::Block(50'000, 6e-3, 5e-3));
-  // Seat the bur at its full length, then feed at 0.4 mm/s for 8 s (three times B/Kc).
-  core.Step(At(-4e-3, 0, -4e-3));
+  Core core(p, test::Block(50'000, 6e-3, 5e-3));  // its side is at x = -6 mm
+  // Comes in from the block's side at its full length, then feeds at 0.4 mm/s for 12 s.
+  core.Step(At(-6.8e-3, 0, -4e-3));
   TickOutput out;
   double sum = 0;
-  for (int tick = 0; tick < 12000; ++tick) {
-    out = core.Step(At(-4e-3 + tick * 0.4e-6, 0, -4e-3));
-    if (tick >= 11000) sum -= out.force_sent_n.x;
+  for (int tick = 0; tick < 14000; ++tick) {
+    out = core.Step(At(-6.8e-3 + tick * 0.4e-6, 0, -4e-3));
+    if (tick >= 13000) sum -= out.force_sent_n.x;
   }
   EXPECT_NEAR(sum / 1000, 6.5 * 0.4, 0.12);
 }
@@ -99,28 +99,100 @@ TEST(CoreTest, StillBurSlidesAlongTheWall) {
   EXPECT_LT(std::fabs(out.force_sent_n.x), 0.1);
 }
 
-TEST(CoreTest, GapPutsTheAnchorAtTheTipWithoutForceOrCut) {
+TEST(CoreTest, ShortGapGoesOnWithTheCutWithoutAForceInTheTickAfterIt) {
   Core core(Params(), test::Block(50'000, 3e-3, 3e-3));
-  for (int tick = 0; tick < 1000; ++tick) core.Step(Stroke(tick));
+  TickOutput before, after;
+  for (int tick = 0; tick < 2500; ++tick) before = core.Step(Stroke(tick));
+  ASSERT_GT(glm::length(before.force_sent_n), 0.2);
+  TickInput in = Stroke(2510);
+  in.gap_ticks = 10;
+  EXPECT_EQ(core.Step(in).force_sent_n, dvec3(0));
+  for (int tick = 2511; tick < 2600; ++tick) after = core.Step(Stroke(tick));
+  EXPECT_EQ(after.flags & kSuspended, 0);
+  EXPECT_NEAR(glm::length(after.force_sent_n), glm::length(before.force_sent_n), 0.3);
+}
+
+// While nothing was known of the hand it went 1 mm deeper. The bur must not follow at no force.
+TEST(CoreTest, LongGapInTheToothCutsNothingUntilTheBurHasBeenInFreeAir) {
+  Core core(Params(), test::Block(50'000, 3e-3, 3e-3));
+  for (int tick = 0; tick < 2500; ++tick) core.Step(Stroke(tick));
   cutting::RemovedUnits before = core.removed();
-  TickInput after = Stroke(1100);
-  after.gap_ticks = 100;
-  TickOutput out = core.Step(after);
-  EXPECT_EQ(out.force_sent_n, dvec3(0));
+  TickInput deep = At(0.25e-3, 0, -1.8e-3);
+  deep.gap_ticks = 100;
+  TickOutput out = core.Step(deep);
   EXPECT_TRUE(out.flags & kAnchorReset);
+  deep.gap_ticks = 0;
+  for (int tick = 0; tick < 1000; ++tick) {
+    out = core.Step(deep);
+    ASSERT_EQ(out.force_sent_n, dvec3(0));
+    ASSERT_TRUE(out.flags & kSuspended);
+  }
   EXPECT_EQ(core.removed(), before);
+  for (int tick = 0; tick < 600; ++tick) out = core.Step(At(0, 0, 0.5e-3));
+  EXPECT_EQ(out.flags & kSuspended, 0);
+  for (int tick = 0; tick < 1000; ++tick) out = core.Step(At(1.5e-3, 0, 0.5e-3 - tick * 1e-6));
+  EXPECT_NE(core.removed(), before);
+}
+
+TEST(CoreTest, StartInsideTheToothCutsNothing) {
+  Core core(Params(), test::Block(50'000, 3e-3, 3e-3));
+  for (int tick = 0; tick < 2000; ++tick) {
+    ASSERT_EQ(core.Step(At(0, 0, -1e-3 - tick * 0.2e-6)).force_sent_n, dvec3(0));
+  }
+  EXPECT_EQ(core.removed(), cutting::RemovedUnits{});
 }
 
 TEST(CoreTest, FaultHoldsZeroForceAndCutsNothingUntilCleared) {
   Core core(Params(), test::Block(50'000, 3e-3, 3e-3));
-  for (int tick = 0; tick < 2000; ++tick) core.Step(Stroke(tick));
+  for (int tick = 0; tick < 2500; ++tick) core.Step(Stroke(tick));
   cutting::RemovedUnits before = core.removed();
-  for (int tick = 2000; tick < 2200; ++tick) {
+  for (int tick = 2500; tick < 2700; ++tick) {
     TickInput in = Stroke(tick);
     in.flags |= kFaulted;
     EXPECT_EQ(core.Step(in).force_sent_n, dvec3(0));
   }
   EXPECT_EQ(core.removed(), before);
+}
+
+// A bur seated 2 mm deep is tilted by half a radian in half a second. Turned freely it would sweep some
+// 3 mm^3; against the tissue it lags with B_rot / K_rot, which is B/Kc seconds here.
+TEST(CoreTest, TurningTheBurInTheToothIsResisted) {
+  CoreParams p = Params();
+  p.rotational_kc_un_m_per_rad = 10'000;
+  auto tilted = [](int tick) {
+    double angle = tick * 1e-3;
+    return ToQuantised(Quat{std::sin(angle / 2), 0, 0, std::cos(angle / 2)});
+  };
+  auto removed_by_turning = [&](const CoreParams& params) {
+    Core core(params, test::Block(50'000, 4e-3, 4e-3));
+    for (int tick = 0; tick < 600; ++tick) core.Step(At(0, 0, 0.5e-3));
+    for (int tick = 0; tick < 9000; ++tick) core.Step(At(0, 0, std::max(-2e-3, 0.5e-3 - tick * 0.5e-6)));
+    int64_t before = core.removed()[1];
+    TickOutput out;
+    for (int tick = 0; tick < 500; ++tick) {
+      TickInput in = At(0, 0, -2e-3);
+      in.orientation = tilted(tick);
+      out = core.Step(in);
+    }
+    double turned = 2 * std::fabs(out.anchor.orientation.x);
+    EXPECT_LT(turned, 0.25);
+    return cutting::RemovedUnitsToM3(core.removed()[1] - before, 50e-6) * 1e9;
+  };
+  EXPECT_LT(removed_by_turning(p), 0.8);
+  p.rotational_kc_un_m_per_rad = 0;
+  EXPECT_LT(removed_by_turning(p), 1e-3) << "not followed at all";
+}
+
+TEST(CoreTest, InAirTheBurTurnsWithTheDevice) {
+  CoreParams p = Params();
+  p.rotational_kc_un_m_per_rad = 10'000;
+  Core core(p, test::Block(50'000, 3e-3, 3e-3));
+  for (int tick = 0; tick < 600; ++tick) core.Step(At(0, 0, 6e-3));
+  TickInput in = At(0, 0, 6e-3);
+  in.orientation = ToQuantised(Quat{0.3, 0, 0, 0.9});
+  TickOutput out;
+  for (int tick = 0; tick < 3; ++tick) out = core.Step(in);
+  EXPECT_NEAR(out.anchor.orientation.x, FromQuantised(in.orientation).x, 1e-3);
 }
 
 TEST(CoreTest, WildInputsStayBoundedInForceAndWork) {

@@ -156,6 +156,80 @@ TEST_P(PassivityTest, OperatorNeverExtractsEnergy) {
 }
 INSTANTIATE_TEST_SUITE_P(AnchoredLaws, PassivityTest, testing::Values(LawKind::kMaxwell, LawKind::kGatedMaxwell));
 
+// The same with everything the chain may do besides: still-bur walls, a bound that rises and falls, gaps
+// resumed or not.
+class ChangingMaterial final : public Material {
+ public:
+  explicit ChangingMaterial(uint64_t seed) : random_(seed) {}
+  Contact ContactAt(const dvec3&, const dvec3& stretch) noexcept override {
+    Contact c;
+    if (still) {
+      dvec3 n = glm::normalize(dvec3(1, 0.3, -0.2));
+      if (glm::dot(n, stretch) > 0) c.wall_normal = n;
+    } else if (random_() % 3) {
+      c.damping_n_s_per_m = Sym3::Isotropic(std::exp(normal_(random_) * 3 + 5));
+    }
+    c.engaged = true;
+    return c;
+  }
+  void AnchorMoved(const dvec3&, const dvec3&) noexcept override {}
+  bool still = false;
+
+ private:
+  std::mt19937_64 random_;
+  std::normal_distribution<double> normal_;
+};
+
+TEST(CouplingTest, OperatorNeverExtractsEnergyAtWallsUnderChangingBoundsAndGaps) {
+  CouplingParams params = Phantom();
+  params.peak_force_n = 3;
+  const double delta = 10e-6, kc = params.law.kc_n_per_m, b_over_t = kc / 2, c = kc * delta / 2;
+  for (uint64_t seed = 1; seed <= 60; ++seed) {
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> normal;
+    Coupling coupling(params);
+    ChangingMaterial material(seed);
+    dvec3 x(0), v(0), force(0);
+    coupling.Reset(x);
+    double energy = 0, bound = 0;
+    double step = delta * std::pow(10.0, static_cast<double>(seed % 4) - 1.5);
+    for (int tick = 0; tick < 8000; ++tick) {
+      if (random() % 500 == 0) material.still = !material.still;
+      bound = random() % 700 == 0 ? 0 : std::min(1.0, bound + 0.002);
+      v = v * 0.95 + dvec3(normal(random), normal(random), normal(random)) * step;
+      energy += glm::dot(-force, v) + b_over_t * glm::dot(v, v) +
+                c * (std::fabs(v.x) + std::fabs(v.y) + std::fabs(v.z));
+      ASSERT_GE(energy, -1e-12) << "seed " << seed << " tick " << tick;
+      x += v;
+      dvec3 tip = Quantise(x, delta);
+      if (random() % 400 == 0) {
+        force = dvec3(0);
+        // The spring may be as long as before, to within the encoder's cell on both readings.
+        double slack = kc * delta * 2 * glm::length(tip - coupling.anchor_m());
+        if (!coupling.Resume(tip, material)) coupling.Reset(tip);
+        energy += slack + kc * delta * delta * 3;
+      } else {
+        force = coupling.Tick(tip, bound, material).force_sent_n;
+      }
+    }
+  }
+}
+
+// What a rising bound would give away: pushed 2 mm into a wall while the bound was small, let out slowly
+// when it is large.
+TEST(CouplingTest, BoundDoesNotRiseWhileTheOutputIsClippedAtAWall) {
+  CouplingParams params = Phantom();
+  Coupling coupling(params);
+  ChangingMaterial wall(1);
+  wall.still = true;
+  coupling.Reset(dvec3(0));
+  CouplingOutput out;
+  for (int tick = 0; tick < 500; ++tick) {
+    out = coupling.Tick(dvec3(std::min(tick * 100e-6, 2e-3), 0, 0), tick / 500.0, wall);
+  }
+  EXPECT_LT(glm::length(out.force_sent_n), 0.1);
+}
+
 // The premise of the proof, checked on the moves themselves: no anchor move, once guarded, lengthens
 // the spring for any true position within the encoder cell.
 TEST(GuardTest, NoGuardedMoveRaisesSpringEnergyAnywhereInTheCell) {

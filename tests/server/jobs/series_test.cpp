@@ -60,20 +60,20 @@ TEST(SeriesRecorderTest, LongAttemptsHaveAtMostTwoThousandSteps) {
   EXPECT_NEAR(At(o, "t_s", 1999), 599.7, 1e-9);
 }
 
-TEST(SeriesRecorderTest, GapsMoveTheTimeAndStartTheBoundAnew) {
+TEST(SeriesRecorderTest, GapsMoveTheTimeAndTheBoundIsZeroWhileForceIsOff) {
   SeriesRecorder series(Params(), 50e-6, 4);
   for (int i = 0; i < 2; ++i) series.Add({}, Output(0, 0, 0));
   trace::Tick after_gap;
   after_gap.input.gap_ticks = 10;
   core::TickOutput reset = Output(0, 0, 0);
-  reset.flags = core::kAnchorReset;
+  reset.flags = core::kAnchorReset | core::kSuspended;
   series.Add(after_gap, reset);
   series.Add({}, Output(0, 0, 0));
   json::object o = Json(series);
   EXPECT_NEAR(At(o, "t_s", 2), 0.012, 1e-9);
-  EXPECT_NEAR(At(o, "bound_n", 1), 0.12, 1e-9);
+  EXPECT_NEAR(At(o, "bound_n", 1), 6, 1e-9);
   EXPECT_EQ(At(o, "bound_n", 2), 0);
-  EXPECT_NEAR(At(o, "bound_n", 3), 0.06, 1e-9);
+  EXPECT_NEAR(At(o, "bound_n", 3), 6, 1e-9);
 }
 
 TEST(SeriesRecorderTest, AnEmptyAttemptIsEmptyLists) {
