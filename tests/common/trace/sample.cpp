@@ -26,6 +26,7 @@ core::CoreParams MakeParams() {
   p.kc_mn_per_mm = 1860;
   p.resolution_nm = {kCell_nm, kCell_nm, kCell_nm};
   p.peak_force_mn = 7900;
+  p.soft_start_ticks = 100;
   p.bur_radius_nm = 600'000;
   p.damping_mn_s_per_mm = {0, 6500, 3000, 500, 1500, 4000, 2500, 6500};
   return p;

@@ -36,7 +36,7 @@ std::vector<dvec3> PathOf(const scene::CavityTarget& target, const PathOptions& 
   double x0 = -target.half_size_um[0] * 1e-3 + kBurRadius_mm, x1 = -x0 + options.mesial_extra_mm;
   double y1 = target.half_size_um[1] * 1e-3 - kBurRadius_mm, z = -target.depth_um * 1e-3;
   Path path({0, 0, 8});
-  path.Rest(20);
+  path.Rest(600);  // force and cutting come on in free air
   path.Move({0, 0, 0.2}, 40);
   path.Move({0, 0, z}, 4);
   path.Rest(60);

@@ -42,10 +42,11 @@ class TickLoopTest : public testing::Test {
                                      scene::BuiltinProfiles()[1]);
     EXPECT_TRUE(params.ok()) << params.status().message();
     params_ = *params;
+    params_.soft_start_ticks = 1;
     volume_ = std::move(built->volume);
-    // From 50 um above the block down into it, 2 um per tick.
+    // From 0.3 mm above the block down into it, one count per tick.
     int64_t top_nm = built->scene.landmarks.at("occlusal_centre")[2] * int64_t{1000};
-    int64_t start = (top_nm + 50'000 - params_.device_origin_nm[2]) / params_.resolution_nm[2];
+    int64_t start = (top_nm + 300'000 - params_.device_origin_nm[2]) / params_.resolution_nm[2];
     device_.start_z = static_cast<int32_t>(start);
     device_.step = 1;
     device_.sample.buttons = kPedal;
