@@ -5,9 +5,13 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/signal_set.hpp>
 #include <chrono>
+#include <condition_variable>
 #include <csignal>
+#include <functional>
 #include <future>
 #include <iostream>
+#include <mutex>
+#include <stop_token>
 #include <thread>
 
 #include "common/net/frame_client.h"
@@ -24,6 +28,9 @@ namespace asio = boost::asio;
 
 // Longer than either server's own deadline for stopping.
 constexpr auto kStopWait = std::chrono::seconds(10);
+// A terminal's Ctrl-C reaches a whole process group, whose leader then asks once more: that is one
+// wish to stop, not two.
+constexpr auto kFurtherSignalsIgnored = std::chrono::seconds(2);
 constexpr char kSoftware[] = "enamel-server 0.1.0";
 
 UnixMs SystemNow() {
@@ -84,6 +91,35 @@ WorkerOptions JobOptions(const ServeOptions& options) {
   return out;
 }
 
+// The first signal asks to stop, those within kFurtherSignalsIgnored of it change nothing, later
+// ones have their usual effect. Outlives what is stopped, so that a late one does not cut that
+// short.
+class StopSignals {
+ public:
+  explicit StopSignals(asio::io_context& io) : signals_(io, SIGINT, SIGTERM) {}
+
+  void OnFirst(std::function<void()> stop) {
+    signals_.async_wait(
+        [this, stop = std::move(stop)](const boost::system::error_code&, int signal) {
+          spdlog::info("signal {}: finishing what is in progress", signal);
+          patience_ = std::jthread([this](const std::stop_token& ended) { EndPatience(ended); });
+          stop();
+        });
+  }
+
+ private:
+  void EndPatience(const std::stop_token& ended) {
+    std::mutex mutex;
+    std::unique_lock lock(mutex);
+    std::condition_variable_any never;
+    never.wait_for(lock, ended, kFurtherSignalsIgnored, [] { return false; });
+    if (!ended.stop_requested()) signals_.clear();
+  }
+
+  asio::signal_set signals_;
+  std::jthread patience_;
+};
+
 // Runs `io` on its threads until it is out of work; `stopping` becomes ready with the first signal.
 void RunUntilStopped(asio::io_context& io, int threads, std::future<void> stopping) {
   auto ended = std::async(std::launch::async, [&] {
@@ -101,6 +137,9 @@ void RunUntilStopped(asio::io_context& io, int threads, std::future<void> stoppi
 }  // namespace
 
 Status Serve(const ServeOptions& options) {
+  // First, so that they go last: work still in a pool when the wait was cut short posts back to it.
+  asio::io_context io;
+  StopSignals signals(io);
   SqliteOptions store_options;
   store_options.folder = options.data;
   store_options.hold_lock = true;
@@ -114,8 +153,6 @@ Status Serve(const ServeOptions& options) {
   auto link_options = LinkOptionsOf(options, *identity);
   if (!link_options.ok()) return link_options.status();
 
-  // First, so that it goes last: work still in a pool when the wait was cut short posts back to it.
-  asio::io_context io;
   auth::Authenticator authenticator(store);
   LiveBoard live;
   stations::Content content(store);
@@ -133,10 +170,7 @@ Status Serve(const ServeOptions& options) {
   worker.Start();
 
   std::promise<void> stop_asked;
-  asio::signal_set signals(io, SIGINT, SIGTERM);
-  signals.async_wait([&](const boost::system::error_code&, int signal) {
-    spdlog::info("signal {}: finishing what is in progress", signal);
-    signals.clear();  // A second signal has its usual effect.
+  signals.OnFirst([&] {
     link.Stop();
     page.Stop();
     stop_asked.set_value();

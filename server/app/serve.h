@@ -20,8 +20,8 @@ struct ServeOptions {
 };
 
 // Runs until SIGINT or SIGTERM. Prints one line "ready …" to standard output when page and station
-// link listen. A first signal lets requests finish (at most some seconds), a second one ends at
-// once; neither loses anything that was acknowledged.
+// link listen. A first signal lets requests finish (at most some seconds); further ones within 2 s
+// of it change nothing, later ones end it at once. Nothing that was acknowledged is lost.
 Status Serve(const ServeOptions& options);
 
 }  // namespace enamel::server::app

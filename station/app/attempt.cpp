@@ -15,6 +15,7 @@
 #include "common/scene/json.h"
 #include "common/scene/plan.h"
 #include "common/scene/volume_blob.h"
+#include "station/app/places.h"
 #include "station/app/simulate.h"
 #include "station/devices/operators.h"
 #include "station/loop/realtime.h"
@@ -41,10 +42,11 @@ constexpr std::chrono::hours kKeepCommitted{7 * 24};
 volatile std::sig_atomic_t interrupted = 0;
 void OnSignal(int) { interrupted = 1; }
 
-// All of an attempt's documents, fetched and checked.
+// All of an attempt's documents, fetched and checked; the header lacks its ticket.
 struct Job {
   Credentials credentials;
   Person person;
+  Sha256 exercise_hash, profile_hash;
   scene::Scene scene;
   scene::Exercise exercise;
   scene::DeviceProfile profile;
@@ -121,11 +123,20 @@ Result<Job> Prepare(ServerLink& link, const RunOptions& options) {
 
   auto params = scene::CompilePlan(job.scene, job.exercise, job.profile);
   if (!params.ok()) return params.status();
-  auto ticket = link.RequestTicket(job.credentials, job.person, exercise->exercise,
-                                   profile->profile, options.as_reference);
-  if (!ticket.ok()) return ticket.status();
-  job.header = {*ticket, exercise->scene, exercise->volume, *params, SoftwareName()};
+  job.exercise_hash = exercise->exercise;
+  job.profile_hash = profile->profile;
+  job.header = {{}, exercise->scene, exercise->volume, *params, SoftwareName()};
   return job;
+}
+
+// From here on the server waits for this attempt, so everything else is in place before.
+Status TakeTicket(ServerLink& link, const RunOptions& options, Job& job) {
+  auto ticket = link.RequestTicket(job.credentials, job.person, job.exercise_hash, job.profile_hash,
+                                   options.as_reference);
+  if (!ticket.ok()) return ticket.status();
+  job.header.ticket = *ticket;
+  link.Close();
+  return Status::Ok();
 }
 
 #ifdef ENAMEL_HAVE_WINDOW
@@ -278,18 +289,46 @@ Status WriteFacts(const RunOptions& options, const Job& job, const SpooledAttemp
                             {"trace_bytes", spooled.bytes},
                             {"removed_mm3", by_tissue},
                             {"uploaded", result.uploaded},
+                            {"ended_early", result.ended_early},
                             {"problem", result.not_uploaded_because}};
   return WriteFileDurably(options.json, AsBytes(boost::json::serialize(facts) + "\n"));
+}
+
+// The window of an attempt, when it has one.
+struct Screen {
+#ifdef ENAMEL_HAVE_WINDOW
+  std::unique_ptr<render::Window> window;
+  std::optional<WindowFeed> feed;
+  TickObserver* observer() { return feed ? &*feed : nullptr; }
+#else
+  TickObserver* observer() { return nullptr; }
+#endif
+};
+
+Status OpenScreen(const RunOptions& options, const Job& job, Screen& screen) {
+  if (!options.window && options.screenshot.empty()) return Status::Ok();
+#ifdef ENAMEL_HAVE_WINDOW
+  auto window = OpenWindow(options, job);
+  if (!window.ok()) return window.status();
+  screen.window = std::move(*window);
+  screen.feed.emplace(*screen.window, job.volume.spec().voxel_m(), job.header.params.rate_hz);
+  return Status::Ok();
+#else
+  (void)job, (void)screen;
+  return Status(Code::kUnavailable, "this enamel-station was built without the window");
+#endif
 }
 
 // Everything that runs during one attempt, in the order it must be destroyed in reverse.
 class Session {
  public:
-  Session(const RunOptions& options, Job& job, Spool& spool, SimulatedDevice& device)
+  Session(const RunOptions& options, Job& job, Spool& spool, SimulatedDevice& device,
+          Screen& screen)
       : options_(options),
         job_(job),
         spool_(spool),
         device_(device),
+        screen_(screen),
         core_(job.header.params, job.volume),
         ring_(kRingTicks),
         recorder_(spool, ring_, job.header.ticket.attempt,
@@ -297,25 +336,11 @@ class Session {
         progress_(options.quiet) {}
 
   Result<AttemptResult> Run() {
-    TickObserver* observer = nullptr;
-#ifdef ENAMEL_HAVE_WINDOW
-    if (options_.window || !options_.screenshot.empty()) {
-      auto window = OpenWindow(options_, job_);
-      if (!window.ok()) return window.status();
-      window_ = std::move(*window);
-      feed_.emplace(*window_, voxel_m(), job_.header.params.rate_hz);
-      observer = &*feed_;
-    }
-#else
-    if (options_.window || !options_.screenshot.empty()) {
-      return Status(Code::kUnavailable, "this enamel-station was built without the window");
-    }
-#endif
     const Uuid attempt = job_.header.ticket.attempt;
     ENAMEL_RETURN_IF_ERROR(spool_.BeginAttempt(job_.header, job_.exercise.name, job_.profile.name));
     // A simulated device's time is the loop's own: being late harms nobody.
     TickLoop loop(device_, core_, ring_, {job_.header.params.rate_hz, options_.lockstep, false},
-                  observer);
+                  screen_.observer());
     Uploader uploader(job_.credentials, spool_, attempt);
     std::thread ticks([&] {
       if (!options_.lockstep) {
@@ -334,8 +359,11 @@ class Session {
     last_ = loop.snapshot();
     Status picture = TakePicture();
     if (!seal.ok()) return seal.status();
-    AttemptResult result{attempt, false, {}};
-    AwaitUpload(uploader, loop, result);
+    AttemptResult result;
+    result.attempt = attempt;
+    result.ended_early = ended_early_;
+    result.done_ratio = device_.progress();
+    AwaitUpload(uploader, result);
     progress_.End();
     ENAMEL_RETURN_IF_ERROR(picture);
     auto spooled = spool_.Get(attempt);
@@ -352,7 +380,7 @@ class Session {
   void Watch(TickLoop& loop, Uploader& uploader) {
     auto next = steady_clock::now();
     auto over = [&] {
-      if (interrupted) loop.RequestStop();
+      if (interrupted) EndEarly(loop);
       if (steady_clock::now() >= next) {
         next = steady_clock::now() + kProgressEvery;
         progress_.Show(loop.snapshot(), voxel_m(), device_.progress(), recorder_.chunks(),
@@ -361,25 +389,31 @@ class Session {
       return loop.finished();
     };
 #ifdef ENAMEL_HAVE_WINDOW
-    if (window_) {
-      window_->Run(over);
-      if (!loop.finished()) loop.RequestStop();  // the operator closed the window
+    if (screen_.window) {
+      screen_.window->Run(over);
+      EndEarly(loop);  // unless it has ended: the operator closed the window
     }
 #endif
     while (!over()) std::this_thread::sleep_for(milliseconds(20));
   }
 
+  void EndEarly(TickLoop& loop) {
+    if (loop.finished()) return;
+    ended_early_ = true;
+    loop.RequestStop();
+  }
+
   Status TakePicture() {
 #ifdef ENAMEL_HAVE_WINDOW
-    if (window_ && !options_.screenshot.empty()) {
-      window_->FlushBricks(core_.volume());
-      return window_->WriteScreenshot(options_.screenshot.string());
+    if (screen_.window && !options_.screenshot.empty()) {
+      screen_.window->FlushBricks(core_.volume());
+      return screen_.window->WriteScreenshot(options_.screenshot.string());
     }
 #endif
     return Status::Ok();
   }
 
-  void AwaitUpload(Uploader& uploader, TickLoop&, AttemptResult& result) {
+  void AwaitUpload(Uploader& uploader, AttemptResult& result) {
     uploader.Wake();
     std::atomic<bool> done{false};
     std::thread shower([&] {
@@ -401,15 +435,13 @@ class Session {
   Job& job_;
   Spool& spool_;
   SimulatedDevice& device_;
+  Screen& screen_;
   core::Core core_;
   SampleRing ring_;
   Recorder recorder_;
   Progress progress_;
   Snapshot last_;
-#ifdef ENAMEL_HAVE_WINDOW
-  std::unique_ptr<render::Window> window_;
-  std::optional<WindowFeed> feed_;
-#endif
+  bool ended_early_ = false;
 };
 
 }  // namespace
@@ -424,19 +456,23 @@ Result<AttemptResult> RunAttempt(const RunOptions& options) {
                   "no simulated operator '" + options.operator_name + "': there are " + names,
                   "operator");
   }
+  ENAMEL_RETURN_IF_ERROR(CheckOutputFile(options.json, "--json"));
+  ENAMEL_RETURN_IF_ERROR(CheckOutputFile(options.screenshot, "--screenshot"));
   ServerLink link;
   auto job = Prepare(link, options);
   if (!job.ok()) return job.status();
-  link.Close();
   auto spool = Spool::Open(options.data);
   if (!spool.ok()) return spool.status();
   if (auto pruned = (*spool)->Prune(kKeepCommitted); !pruned.ok()) return pruned.status();
   auto device = MakeSimulatedDevice(*preset, job->scene, job->exercise, job->profile,
                                     job->header.params, job->volume, options.seed);
   if (!device.ok()) return device.status();
+  Screen screen;
+  ENAMEL_RETURN_IF_ERROR(OpenScreen(options, *job, screen));
   std::signal(SIGINT, OnSignal);
   std::signal(SIGTERM, OnSignal);
-  Session session(options, *job, **spool, **device);
+  ENAMEL_RETURN_IF_ERROR(TakeTicket(link, options, *job));
+  Session session(options, *job, **spool, **device, screen);
   return session.Run();
 }
 

@@ -27,6 +27,9 @@ struct AttemptResult {
   Uuid attempt;
   bool uploaded = false;  // sealed and durable on the server
   std::string not_uploaded_because;
+  // Interrupted, or its window was closed: the recording is sealed and scored as far as it goes.
+  bool ended_early = false;
+  double done_ratio = 0;  // of what the operator meant to do
 };
 
 // One attempt from sign-in to the last acknowledgement: fetches what it needs, runs the tick loop,
@@ -34,7 +37,8 @@ struct AttemptResult {
 // interrupt (SIGINT, SIGTERM) ends the attempt properly: what was done is sealed and sent.
 //
 // Errors: everything before the first tick (not enrolled, server not reachable, wrong password,
-// unknown exercise, profile or operator, no display), and a spool that cannot be written. After the
+// unknown exercise, profile or operator, no display, nowhere to write the facts: the server then
+// does not know of an attempt), and a spool that cannot be written. After the
 // first tick an unreachable server is no error: see AttemptResult.
 Result<AttemptResult> RunAttempt(const RunOptions& options);
 

@@ -10,9 +10,11 @@
 #include "common/scene/json.h"
 #include "common/scene/volume_blob.h"
 #include "common/trace/replay.h"
+#include "station/app/places.h"
 #include "station/app/simulate.h"
 #include "station/devices/operators.h"
 #include "station/spool/spool.h"
+#include "station/uplink/private_folder.h"
 #include "station/uplink/uploader.h"
 #ifdef ENAMEL_HAVE_IMPORT
 #include "common/import/scene_folder.h"
@@ -28,6 +30,11 @@ const char* StateOf(const SpooledAttempt& a) {
   if (!a.refused.empty()) return "refused";
   if (a.complete()) return "uploaded";
   return a.seal ? "waiting" : "unfinished";
+}
+
+Result<std::unique_ptr<Spool>> OpenSpool(const fs::path& data) {
+  ENAMEL_RETURN_IF_ERROR(MakePrivateFolder(data));
+  return Spool::Open(data);
 }
 
 Status WriteJson(const fs::path& file, const boost::json::object& object) {
@@ -69,6 +76,9 @@ Status EnrolStation(const EnrolOptions& options) {
                       " exists: this station is enrolled already. Its recordings "
                       "are signed with that key: upload them before you move it away");
   }
+  // Before the code is used up.
+  ENAMEL_RETURN_IF_ERROR(MakePrivateFolder(options.data));
+  ENAMEL_RETURN_IF_ERROR(CheckOutputFile(options.data / "station.json", "--data"));
   auto credentials = ServerLink::Enrol(*server, *code, options.name);
   if (!credentials.ok()) return credentials.status();
   ENAMEL_RETURN_IF_ERROR(SaveCredentials(options.data, *credentials));
@@ -89,6 +99,8 @@ Status UploadSpool(const fs::path& data, const std::string& server) {
   int sent = 0;
   for (const SpooledAttempt& attempt : *attempts) {
     if (attempt.complete() || !attempt.refused.empty()) continue;
+    // Broken off, and the server has all there is of it.
+    if (!attempt.seal && attempt.committed == attempt.chunks) continue;
     if (!link.connected()) ENAMEL_RETURN_IF_ERROR(link.Connect(*credentials));
     Status status = UploadAttempt(link, **spool, attempt.id);
     if (!status.ok() && IsTransient(status)) return status;
@@ -96,6 +108,11 @@ Status UploadSpool(const fs::path& data, const std::string& server) {
     if (!after.ok()) return after.status();
     std::printf("%s  %s  %u of %u chunks  %s\n", attempt.id.Text().c_str(), StateOf(*after),
                 after->committed, after->chunks, status.message().c_str());
+    if (status.ok() && !after->seal) {
+      std::printf(
+          "  no end of it is recorded (it broke off, or goes on): it is kept here and on the "
+          "server, and not scored\n");
+    }
     if (!status.ok()) worst = status;
     ++sent;
   }
@@ -104,7 +121,7 @@ Status UploadSpool(const fs::path& data, const std::string& server) {
 }
 
 Status ListSpool(const fs::path& data) {
-  auto spool = Spool::Open(data);
+  auto spool = OpenSpool(data);
   if (!spool.ok()) return spool.status();
   auto attempts = (*spool)->List();
   if (!attempts.ok()) return attempts.status();
@@ -120,7 +137,7 @@ Status ListSpool(const fs::path& data) {
 }
 
 Status VerifySpool(const fs::path& data) {
-  auto spool = Spool::Open(data);
+  auto spool = OpenSpool(data);
   if (!spool.ok()) return spool.status();
   std::optional<trace::PublicKey> key;
   if (auto credentials = LoadCredentials(data); credentials.ok()) key = credentials->public_key();
@@ -146,6 +163,7 @@ Status ExportFromSpool(const fs::path& data, const std::string& attempt, const f
   if (!id.ok()) return id.status();
   auto spool = Spool::Open(data);
   if (!spool.ok()) return spool.status();
+  ENAMEL_RETURN_IF_ERROR(CheckOutputFile(out, "--out"));
   auto file = (*spool)->Export(*id);
   if (!file.ok()) return file.status();
   Bytes bytes = trace::EncodeTraceFile(*file);
@@ -156,6 +174,7 @@ Status ExportFromSpool(const fs::path& data, const std::string& attempt, const f
 }
 
 Status ReplayTrace(const ReplayOptions& options) {
+  ENAMEL_RETURN_IF_ERROR(CheckOutputFile(options.json, "--json"));
   auto bytes = ReadFile(options.trace);
   if (!bytes.ok()) return bytes.status();
   auto file = trace::DecodeTraceFile(*bytes);
@@ -219,6 +238,7 @@ Status ReplayTrace(const ReplayOptions& options) {
 
 Status ImportMesh(const ImportCommand& options) {
 #ifdef ENAMEL_HAVE_IMPORT
+  ENAMEL_RETURN_IF_ERROR(CheckOutputFolder(options.out, "--out"));
   import::ImportOptions import_options;
   import_options.unit = options.unit;
   import_options.up = options.up;
@@ -236,6 +256,7 @@ Status ImportMesh(const ImportCommand& options) {
 }
 
 Status SimulateAttempt(const SimulateCommand& options) {
+  ENAMEL_RETURN_IF_ERROR(CheckOutputFile(options.json, "--json"));
   auto built = LoadScene(options.scene, options.voxel_um);
   if (!built.ok()) return built.status();
   std::vector<scene::DeviceProfile> profiles = scene::BuiltinProfiles();

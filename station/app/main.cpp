@@ -61,6 +61,13 @@ int Run(RunOptions& options, bool password_stdin) {
   auto result = RunAttempt(options);
   if (!result.ok()) return Finish(result.status());
   std::printf("attempt %s\n", result->attempt.Text().c_str());
+  std::fflush(stdout);
+  if (result->ended_early) {
+    std::fprintf(stderr,
+                 "enamel-station: this attempt was ended early, at %.0f %% of it. What was done is "
+                 "sealed and will be scored as it is: what was not cut counts as missing\n",
+                 100 * result->done_ratio);
+  }
   if (result->uploaded) return 0;
   std::cerr << "enamel-station: recorded and safe in " << options.data.string()
             << ", but not on the server yet (" << result->not_uploaded_because

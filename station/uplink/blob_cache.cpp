@@ -1,6 +1,7 @@
 #include "station/uplink/blob_cache.h"
 
 #include "common/base/file.h"
+#include "station/uplink/private_folder.h"
 
 namespace enamel::station {
 
@@ -12,12 +13,7 @@ std::optional<Bytes> BlobCache::Find(const Sha256& name) const {
 
 Status BlobCache::Put(const Sha256& name, ByteView data) const {
   ENAMEL_CHECK(HashSha256(data) == name);
-  std::error_code error;
-  std::filesystem::create_directories(folder_, error);
-  if (error) {
-    return Status(Code::kStorage,
-                  "cannot create the folder " + folder_.string() + " (" + error.message() + ")");
-  }
+  ENAMEL_RETURN_IF_ERROR(MakePrivateFolder(folder_));
   return WriteFileDurably(folder_ / name.Hex(), data);
 }
 

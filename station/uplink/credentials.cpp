@@ -7,6 +7,7 @@
 
 #include "common/base/file.h"
 #include "common/base/hex.h"
+#include "station/uplink/private_folder.h"
 
 namespace enamel::station {
 namespace {
@@ -44,12 +45,7 @@ trace::PublicKey Credentials::public_key() const {
 }
 
 Status SaveCredentials(const std::filesystem::path& folder, const Credentials& c) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) {
-    return Status(Code::kStorage, "cannot create the folder " + folder.string() + " (" +
-                                      error.message() + "): choose another with --data");
-  }
+  ENAMEL_RETURN_IF_ERROR(MakePrivateFolder(folder));
   json::object object{{"format", kFormat},
                       {"server", c.server.Text()},
                       {"fingerprint", c.fingerprint.Hex()},

@@ -1,11 +1,12 @@
 # Shared by the integration scripts: a work folder, free ports, and everything stopped at the end.
+# ENAMEL_BIN names the folder of the programs under test (default: build/release/bin).
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
-bin=$root/build/release/bin
+bin=${ENAMEL_BIN:-$root/build/release/bin}
 work=$(mktemp -d)
 pids=()
 stop_all() {
-  for pid in "${pids[@]:-}"; do [ -n "$pid" ] && kill -TERM "$pid" 2>/dev/null; done
+  for pid in "${pids[@]:-}"; do [ -n "$pid" ] && kill -TERM "$pid" 2>/dev/null || true; done
   wait 2>/dev/null || true
   rm -rf "$work"
 }
@@ -33,12 +34,22 @@ free_ports() {
 expect_failure() {
   local name=$1 pattern=$2 rc=0
   shift 2
-  timeout 60 "$@" >"$work/out" 2>&1 </dev/null || rc=$?
+  timeout 120 "$@" >"$work/out" 2>&1 </dev/null || rc=$?
   [ $rc -ne 0 ] || { cat "$work/out"; fail "$name: expected a failure, exit code was 0"; }
-  [ $rc -ne 124 ] || fail "$name: did not end within 60 s"
+  [ $rc -ne 124 ] || fail "$name: did not end within 120 s"
   [ $rc -lt 128 ] || { cat "$work/out"; fail "$name: crashed with signal $((rc - 128))"; }
   grep -qiE "$pattern" "$work/out" || { cat "$work/out"; fail "$name: message does not say /$pattern/"; }
   echo "ok: $name (exit code $rc): $(grep -iE -m1 "$pattern" "$work/out" | cut -c1-160)"
+}
+
+# json_of FILE NAME: one member of a JSON object.
+json_of() { node -p 'JSON.parse(require("fs").readFileSync(process.argv[1], "utf8"))[process.argv[2]]' "$1" "$2"; }
+
+# chunks_of STATION: "recorded committed" of the newest attempt in the spool, or "0 0".
+chunks_of() {
+  "$bin/enamel-station" spool list --data "$1" 2>/dev/null |
+    awk '/ chunks on the server/ { match($0, /[0-9]+ of [0-9]+ chunks/); split(substr($0, RSTART), n, " "); r = n[3]; c = n[1] }
+         END { print r + 0, c + 0 }'
 }
 
 # start_server DATA PORT [options]: waits until it is ready.
@@ -59,4 +70,8 @@ start_server() {
 stop_server() {
   kill -TERM "$server"
   wait "$server" || fail "server ended with exit code $?"
+}
+kill_server() {
+  kill -KILL "$server" 2>/dev/null || true
+  wait "$server" 2>/dev/null || true
 }

@@ -88,6 +88,16 @@ TEST_F(ServeProcessTest, SaysReadyAndEndsCleanlyOnTerm) {
   }
 }
 
+// A terminal's Ctrl-C comes to the whole group, and its leader asks once more: one wish, not two.
+TEST_F(ServeProcessTest, SeveralSignalsAtOnceEndItCleanlyToo) {
+  Program server(Serve(Data()));
+  server.ReadUntil("fingerprint");
+  for (int signal : {SIGINT, SIGTERM, SIGINT, SIGTERM}) server.Signal(signal);
+  std::string said = server.ReadAll();
+  EXPECT_NE(said.find("stopped"), std::string::npos) << said;
+  EXPECT_EQ(server.ExitCode(), 0);
+}
+
 TEST_F(ServeProcessTest, SecondServerOnTheFolderIsRefused) {
   Program first(Serve(Data()));
   first.ReadUntil("fingerprint");

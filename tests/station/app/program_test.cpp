@@ -118,6 +118,26 @@ TEST_F(ProgramTest, EmptySpoolIsListedVerifiedAndHasNothingToUpload) {
   EXPECT_NE(out.text.find("nothing to upload"), std::string::npos) << out.text;
 }
 
+TEST_F(ProgramTest, DataFolderIsForItsOwnerOnly) {
+  EXPECT_EQ(RunProgram("spool list" + data() + "/below/").code, 0);
+  EXPECT_EQ(fs::status(folder_ / "data" / "below").permissions(), fs::perms::owner_all);
+}
+
+TEST_F(ProgramTest, PlaceThatCannotBeWrittenIsRefusedBeforeTheWork) {
+  std::string nowhere = (folder_ / "none" / "facts.json").string();
+  std::string file = (folder_ / "file").string();
+  std::fclose(std::fopen(file.c_str(), "w"));
+  for (const std::string& arguments :
+       {"simulate --json " + nowhere, "simulate --json " + folder_.string(),
+        kRun + data() + " --json " + nowhere, kRun + data() + " --screenshot " + nowhere,
+        "import nothing.stl --unit mm --out " + file + "/scene"}) {
+    Outcome out = RunProgram(arguments);
+    EXPECT_EQ(out.code, 1) << arguments;
+    EXPECT_NE(out.text.find("name a place that this user may write"), std::string::npos)
+        << arguments << ": " << out.text;
+  }
+}
+
 TEST_F(ProgramTest, ReplayOfAFileThatIsNoTraceIsRefused) {
   Outcome out = RunProgram("replay " + std::string(ENAMEL_STATION_PROGRAM) + data());
   EXPECT_EQ(out.code, 1);
