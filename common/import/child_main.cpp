@@ -1,7 +1,7 @@
 // enamel-import-child FILE: reads one mesh file and writes its triangles to standard output
 // (triangles.h). A mesh library is a large attack surface: it runs here, with limits, without
 // files, network or children, and never inside the station or the server. Exit: 0 and a triangle
-// list; 1 and one line on standard error.
+// list; 1 and one line on standard error, also where the kernel cannot confine it.
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <unistd.h>
@@ -91,7 +91,11 @@ int Run(const std::filesystem::path& path) {
   Result<Bytes> file = ReadFile(path, kMaxMeshFile);
   if (!file.ok()) return Fail(file.status().message());
   if (file->empty()) return Fail("the file is empty");
-  ForbidSystem();
+  if (!ForbidSystem()) {
+    return Fail(
+        "expected a kernel that can confine the mesh reader (seccomp filters), found none: mesh "
+        "files are not read unconfined; import on another machine and copy the scene's folder");
+  }
   Result<Triangles> mesh = ReadMesh(*file, Extension(path));
   if (!mesh.ok()) return Fail(mesh.status().message());
   return WriteAll(EncodeTriangles(*mesh)) ? 0 : 1;

@@ -6,7 +6,8 @@ namespace enamel::import {
 void LimitResources();
 
 // From here on the process can open no file, make no socket, start no program and no other process
-// (seccomp). Returns false where the kernel does not offer it: the resource limits still hold.
-bool ForbidSystem();
+// (seccomp). Returns false where the kernel does not offer it: then no file may be
+// parsed.
+[[nodiscard]] bool ForbidSystem();
 
 }  // namespace enamel::import

@@ -30,6 +30,10 @@ constexpr double kPulpBelowFossa_mm =
     2.9;                               // roof of the chamber below the central fossa, assumption
 constexpr double kFossaSearch = 0.25;  // half a side of the searched square, of the smaller width
 constexpr int kFossaSteps = 20;
+// Substance a class I outline needs around the centre: half sides, depths, and what must be left.
+constexpr double kOutlineX_mm = 2.3, kOutlineY_mm = 1.3;
+constexpr std::array<double, 2> kOutlineDepths_mm = {1, 2};
+constexpr double kEnoughRoom_mm = 0.2;
 
 struct Unit {
   const char* name;
@@ -113,40 +117,109 @@ class TopView {
   Box box_;
 };
 
+enum class Centre { kPit, kMiddle, kMostRoom };
+
 struct Fossa {
   dvec3 point;
-  bool is_pit;
+  Centre kind;
 };
 
-// The pit of the occlusal surface nearest its middle, or its middle where there is no pit.
-Fossa FindFossa(const TriangleTree& tree, const Box& box) {
-  const TopView top(tree, box);
-  const dvec3 middle = 0.5 * (box.lo + box.hi), size = box.hi - box.lo;
-  const double step = kFossaSearch * std::min(size.x, size.y) / kFossaSteps;
-  constexpr int kSide = 2 * kFossaSteps + 1;
-  std::array<double, kSide * kSide> height;
-  auto at = [&](int i, int j) -> double& { return height[static_cast<size_t>(j * kSide + i)]; };
-  for (int j = 0; j < kSide; ++j)
-    for (int i = 0; i < kSide; ++i) {
-      at(i, j) =
-          top.Height(middle.x + (i - kFossaSteps) * step, middle.y + (j - kFossaSteps) * step)
-              .value_or(box.hi.z);
+// Least distance from the outline of a class I box below `p` to the tooth's surface, mm; negative
+// where the outline leaves the tooth.
+double RoomAround(const dvec3& p, SignedProbe& probe) {
+  double room = 1e300;
+  for (double depth : kOutlineDepths_mm)
+    for (int k = 0; k < 9; ++k) {
+      if (k == 4) continue;
+      const dvec3 at = p + dvec3((k % 3 - 1) * kOutlineX_mm, (k / 3 - 1) * kOutlineY_mm, -depth);
+      room = std::min(room, -probe.Distance(at, 100));
     }
-  int nearest = kSide * kSide;
-  Fossa best{dvec3(middle.x, middle.y, at(kFossaSteps, kFossaSteps)), false};
-  for (int j = 2; j < kSide - 2; ++j)
-    for (int i = 2; i < kSide - 2; ++i) {
-      bool pit = true;
-      for (int k = 0; k < 25 && pit; ++k) pit = at(i + k % 5 - 2, j + k / 5 - 2) >= at(i, j);
-      const int away =
-          (i - kFossaSteps) * (i - kFossaSteps) + (j - kFossaSteps) * (j - kFossaSteps);
-      if (!pit || away >= nearest) continue;
-      nearest = away;
-      best = {
-          dvec3(middle.x + (i - kFossaSteps) * step, middle.y + (j - kFossaSteps) * step, at(i, j)),
-          true};
+  return room;
+}
+
+// Heights of the occlusal surface on a square grid around its middle.
+class FossaSearch {
+ public:
+  FossaSearch(const TriangleTree& boundary, const TriangleTree& whole, const Box& box)
+      : probe_(boundary, whole), middle_(0.5 * (box.lo + box.hi)) {
+    const TopView top(boundary, box);
+    const dvec3 size = box.hi - box.lo;
+    step_ = kFossaSearch * std::min(size.x, size.y) / kFossaSteps;
+    for (int k = 0; k < kSide * kSide; ++k) {
+      const dvec3 p = At(k);
+      height_[static_cast<size_t>(k)] = top.Height(p.x, p.y).value_or(box.hi.z);
     }
-  return best;
+    FindSlope();
+  }
+
+  // The pit nearest the middle, else the middle, as far as there is room around it; else the point
+  // with most room.
+  Fossa Find() {
+    constexpr int kMiddle = kSide * kSide / 2;
+    int nearest = -1;
+    for (int k = 0; k < kSide * kSide; ++k) {
+      if (IsPit(k) && (nearest < 0 || Away(k) < Away(nearest)) && Room(k) >= kEnoughRoom_mm)
+        nearest = k;
+    }
+    if (nearest >= 0) return {At(nearest), Centre::kPit};
+    if (Room(kMiddle) >= kEnoughRoom_mm) return {At(kMiddle), Centre::kMiddle};
+    int best = kMiddle;
+    double most = Room(kMiddle);
+    for (int k = 0; k < kSide * kSide; ++k) {
+      const double room = Room(k);
+      if (room > most) most = room, best = k;
+    }
+    return {At(best), best == kMiddle ? Centre::kMiddle : Centre::kMostRoom};
+  }
+
+ private:
+  static constexpr int kSide = 2 * kFossaSteps + 1;
+  static int Column(int k) { return k % kSide - kFossaSteps; }
+  static int Row(int k) { return k / kSide - kFossaSteps; }
+  static int Away(int k) { return Column(k) * Column(k) + Row(k) * Row(k); }
+  dvec3 At(int k) const {
+    return {middle_.x + Column(k) * step_, middle_.y + Row(k) * step_,
+            height_[static_cast<size_t>(k)]};
+  }
+  double Room(int k) { return RoomAround(At(k), probe_); }
+
+  void FindSlope() {
+    double spread = 0;
+    for (int k = 0; k < kSide * kSide; ++k) {
+      slope_x_ += height_[static_cast<size_t>(k)] * Column(k);
+      slope_y_ += height_[static_cast<size_t>(k)] * Row(k);
+      spread += Column(k) * Column(k);
+    }
+    slope_x_ /= spread, slope_y_ /= spread;
+  }
+  // Counted from the surface's mean slope, so that a fossa on a leaning crown is a pit too.
+  double Level(int k) const {
+    return height_[static_cast<size_t>(k)] - slope_x_ * Column(k) - slope_y_ * Row(k);
+  }
+  bool IsPit(int k) const {
+    if (std::abs(Column(k)) > kFossaSteps - 2 || std::abs(Row(k)) > kFossaSteps - 2) return false;
+    for (int i = 0; i < 25; ++i) {
+      if (Level(k + i % 5 - 2 + (i / 5 - 2) * kSide) < Level(k)) return false;
+    }
+    return true;
+  }
+
+  SignedProbe probe_;
+  dvec3 middle_;
+  double step_ = 0, slope_x_ = 0, slope_y_ = 0;
+  std::array<double, kSide * kSide> height_{};
+};
+
+const char* Words(Centre kind) {
+  switch (kind) {
+    case Centre::kPit:
+      return "bottom of the pit nearest the middle";
+    case Centre::kMiddle:
+      return "middle of the occlusal surface, there is no pit near it";
+    case Centre::kMostRoom:
+      return "where a class I outline has most room, it has little everywhere";
+  }
+  return "";
 }
 
 scene::PointUm ToUm(const dvec3& p_mm) {
@@ -215,18 +288,20 @@ Result<Placed> Place(Solid solid, const std::string& up) {
   if (stance.gum) placed.gum = turn * *stance.gum;
   if (up != "auto") {
     placed.words += " (as given)";
-  } else if (stance.certain) {
-    placed.words +=
-        " (found: a smooth gum side faces the other way; give the direction if it is wrong)";
   } else {
-    placed.words += " (a guess, no smooth gum side stands out: give the direction if it is wrong)";
+    const std::string margin = "margin " + Fixed(stance.margin);
+    placed.words += stance.certain ? " (found by its hollows, " + margin +
+                                         "; if it is wrong, give another with --up)"
+                                   : " (a guess, " + margin +
+                                         ": look at the tooth, and give the direction with --up, "
+                                         "for example --up=-y)";
   }
   return placed;
 }
 
-cutting::Volume Fill(const Placed& placed, const TriangleTree& boundary, const TissueModel& tissues,
-                     const cutting::GridSpec& spec, const ImportOptions& options) {
-  const TriangleTree whole(placed.solid.mesh);
+cutting::Volume Fill(const TriangleTree& whole, const TriangleTree& boundary,
+                     const TissueModel& tissues, const cutting::GridSpec& spec,
+                     const ImportOptions& options) {
   auto make_field = [&]() -> scene::ReachField {
     auto probe = std::make_shared<SignedProbe>(boundary, whole);
     return [probe, &tissues](const dvec3& p_m, double reach_m) {
@@ -283,9 +358,7 @@ ImportedScene Describe(const Placed& placed, const Fossa& fossa, const Box& box,
   out.report.push_back(placed.words);
   out.report.push_back(
       "the longer side lies along x; what is mesial and buccal is not known from a mesh");
-  out.report.push_back(
-      fossa.is_pit ? "occlusal centre: bottom of the pit nearest the middle"
-                   : "occlusal centre: middle of the occlusal surface, there is no pit near it");
+  out.report.push_back(std::string("occlusal centre: ") + Words(fossa.kind));
   out.report.push_back("tissues assumed by depth from the surface: enamel up to " +
                        Fixed(tissues.enamel_max_mm(), 1) +
                        " mm, none at the gum; pulp low in the middle");
@@ -309,12 +382,12 @@ Result<ImportedScene> ImportTriangles(const Triangles& mesh, const std::string& 
   const Box box = BoxOf(placed->solid.mesh);
   auto spec = scene::GridAround(box.lo * 1e-3, box.hi * 1e-3, options.voxel_nm);
   ENAMEL_RETURN_IF_ERROR(cutting::ValidateGrid(spec, kMaxGridBytes));
-  const TriangleTree boundary(placed->solid.boundary);
-  const Fossa fossa = FindFossa(boundary, box);
+  const TriangleTree boundary(placed->solid.boundary), whole(placed->solid.mesh);
+  const Fossa fossa = FossaSearch(boundary, whole, box).Find();
   const TissueModel tissues(placed->solid.boundary, placed->gum ? &*placed->gum : nullptr, box.lo,
                             box.hi, fossa.point.z - kPulpBelowFossa_mm);
   ImportedScene out = Describe(*placed, fossa, box, tissues);
-  out.volume = Fill(*placed, boundary, tissues, spec, options);
+  out.volume = Fill(whole, boundary, tissues, spec, options);
   auto volumes = cutting::SolidVolume_m3(out.volume);
   ReportVolume(volumes, out);
   out.scene.name = PlainName(options.name.empty() ? "imported" : options.name);

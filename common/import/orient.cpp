@@ -14,6 +14,13 @@ constexpr double kPatchCosine = 0.96;  // within 16 degrees of the patch's direc
 constexpr double kMeanCosine = 0.9;
 constexpr double kElsewhereCosine = 0.5;  // another patch: 60 degrees away or more
 constexpr double kClearly = 1.4;
+constexpr double kHollowFrom_mm = 0.1;  // the hull of kDirections is no finer
+constexpr double kShallow_mm = 0.01;    // mean depth at which hollows count by half
+constexpr double kWeak = 0.1;
+constexpr double kFavourY = 0.3;
+constexpr double kCertainMargin = 0.2;
+constexpr double kAcross = 0.85;
+constexpr double kAskew = 0.88;  // 28 degrees from the nearest axis
 
 struct Facet {
   dvec3 normal{0};
@@ -103,6 +110,69 @@ Patch BestPatchElsewhere(const std::vector<Facet>& facets, const dvec3& from) {
   return best;
 }
 
+// How far the surface lies within its convex hull, and which way those hollows face. The occlusal
+// side of every crown has fossae, an anterior crown's lingual side is hollow; the gum patch and the
+// labial face bulge.
+struct Hollows {
+  dvec3 facing{0};   // sum of area * depth * normal over the sum of area * depth
+  double depth = 0;  // mean over the surface
+};
+
+Hollows HollowsOf(const Triangles& mesh, const std::vector<Facet>& facets) {
+  std::vector<double> reach(kDirections, -1e300), depth(mesh.vertices.size(), 1e300);
+  for (int i = 0; i < kDirections; ++i) {
+    const dvec3 d = Direction(i);
+    double& farthest = reach[static_cast<size_t>(i)];
+    for (const auto& t : mesh.indices) {
+      for (uint32_t v : t) farthest = std::max(farthest, Dot(mesh.vertices[v], d));
+    }
+    for (size_t v = 0; v < depth.size(); ++v)
+      depth[v] = std::min(depth[v], farthest - Dot(mesh.vertices[v], d));
+  }
+  Hollows out;
+  double area = 0, sum = 0;
+  for (size_t i = 0; i < facets.size(); ++i) {
+    const auto& t = mesh.indices[i];
+    const double below =
+        std::max(0.0, (depth[t[0]] + depth[t[1]] + depth[t[2]]) / 3 - kHollowFrom_mm);
+    area += facets[i].area;
+    sum += facets[i].area * below;
+    out.facing += facets[i].area * below * facets[i].normal;
+  }
+  if (sum > 0) out.facing /= sum, out.depth = sum / area;
+  return out;
+}
+
+struct Axis {
+  dvec3 direction{0, 1, 0};
+  double margin = 0;  // over the next best
+};
+
+// Each file axis by the hollows that face it, and the y axis favoured.
+Axis AxisByHollows(const Hollows& hollows, double y_sign) {
+  const double trust = hollows.depth / (hollows.depth + kShallow_mm);
+  Axis best;
+  double first = -1e300, second = -1e300;
+  for (int k = 0; k < 3; ++k) {
+    const double along = trust * hollows.facing[k];
+    double sign = along >= 0 ? 1 : -1;
+    if (k == 1 && std::abs(along) < kWeak) sign = y_sign;
+    const double score = sign * along + (k == 1 ? kFavourY : 0);
+    // The opposite direction is a rival too: only the hollows tell the two ends of an axis apart.
+    const double rival = -sign * along + (k == 1 ? kFavourY : 0);
+    if (score > first) {
+      second = std::max(first, rival);
+      first = score;
+      best.direction = dvec3(0);
+      best.direction[k] = sign;
+    } else {
+      second = std::max(second, score);
+    }
+  }
+  best.margin = first - second;
+  return best;
+}
+
 }  // namespace
 
 Result<dvec3> ParseAxis(std::string_view text) {
@@ -119,16 +189,23 @@ Result<dvec3> ParseAxis(std::string_view text) {
 
 Stance FindStance(const Triangles& mesh) {
   const auto facets = FacetsOf(mesh);
-  Patch gum = BestPatch(facets, {0, 0, 1}, -2);
-  Patch rival = BestPatchElsewhere(facets, gum.direction);
-  Patch opposite = PatchAlong(facets, -gum.direction, 0.7);
-  if (gum.score() > kClearly * rival.score() && opposite.roughness > kClearly * gum.roughness) {
-    dvec3 mean = MeanNormal(facets, gum.direction);
-    return {-mean, mean, true};
-  }
-  Patch above = PatchAlong(facets, {0, 1, 0}, 0.7), below = PatchAlong(facets, {0, -1, 0}, 0.7);
-  dvec3 up(0, above.roughness > below.roughness ? 1 : -1, 0);
-  return {up, std::nullopt, false};
+  const Hollows hollows = HollowsOf(mesh, facets);
+  const Patch above = PatchAlong(facets, {0, 1, 0}, 0.7),
+              below = PatchAlong(facets, {0, -1, 0}, 0.7);
+  const Axis axis = AxisByHollows(hollows, above.roughness > below.roughness ? 1 : -1);
+  // A crown that stands askew in its file: a smooth patch right across from the hollows.
+  const Patch gum = BestPatch(facets, {0, 0, 1}, -2);
+  const Patch rival = BestPatchElsewhere(facets, gum.direction);
+  const dvec3 mean = MeanNormal(facets, gum.direction);
+  const double size = std::sqrt(Dot(hollows.facing, hollows.facing));
+  const bool across = hollows.depth > kShallow_mm && Dot(-mean, hollows.facing) > kAcross * size;
+  const double off_axis = std::max({std::abs(mean.x), std::abs(mean.y), std::abs(mean.z)});
+  if (across && size > 0.5 && gum.score() > kClearly * rival.score() && off_axis < kAskew)
+    return {-mean, mean, true, size};
+  Stance stance = StanceWithUp(mesh, axis.direction);
+  stance.margin = axis.margin;
+  stance.certain = axis.margin >= kCertainMargin;
+  return stance;
 }
 
 Stance StanceWithUp(const Triangles& mesh, const dvec3& up) {
@@ -136,7 +213,8 @@ Stance StanceWithUp(const Triangles& mesh, const dvec3& up) {
   Patch gum = BestPatch(facets, -up, 0.75);
   Patch opposite = PatchAlong(facets, up, 0.7);
   bool clear = opposite.roughness > kClearly * gum.roughness && gum.area > 0;
-  return {up, clear ? std::optional<dvec3>(MeanNormal(facets, gum.direction)) : std::nullopt, true};
+  return {up, clear ? std::optional<dvec3>(MeanNormal(facets, gum.direction)) : std::nullopt, true,
+          1};
 }
 
 dmat3 SceneFromFile(const Triangles& mesh, const dvec3& up) {

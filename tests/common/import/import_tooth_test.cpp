@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -10,6 +11,8 @@
 
 #include "common/base/file.h"
 #include "common/base/uuid.h"
+#include "common/import/child_process.h"
+#include "common/import/mesh_repair.h"
 #include "common/import/orient.h"
 #include "common/import/scene_folder.h"
 #include "common/scene/builtin.h"
@@ -243,20 +246,122 @@ TEST(RealCrownTest, EveryCrownImportsWithItsMeshsVolume) {
   }
 }
 
-TEST(RealCrownTest, OcclusalSideOfMolarsIsFound) {
-  if (!fs::exists(kShared / "crowns")) GTEST_SKIP() << "skipped: no shared data";
-  const std::pair<const char*, const char*> known[] = {{"fdi_16.obj", "direction -y"},
-                                                       {"fdi_14.obj", "direction -y"},
-                                                       {"fdi_36.obj", "direction +y"},
-                                                       {"fdi_46.obj", "direction +y"},
-                                                       {"fdi_47.obj", "direction +y"}};
-  for (auto [file, words] : known) {
-    ImportOptions options;
-    options.voxel_nm = 400'000;
-    auto s = ImportTooth(kShared / "crowns" / file, options);
-    ASSERT_TRUE(s.ok()) << s.status().message();
-    EXPECT_NE(Lines(*s).find(words), std::string::npos) << file << "\n" << Lines(*s);
+// The occlusal end of each crown's y axis, by its FDI number: the file keeps the arch's frame,
+// where upper teeth (1x, 2x) point down and lower teeth (3x, 4x) up.
+struct KnownCrown {
+  fs::path file;
+  dvec3 up;
+};
+
+std::vector<KnownCrown> KnownCrowns() {
+  std::vector<KnownCrown> out;
+  for (const fs::path& file : FilesIn(kShared / "crowns")) {
+    if (file.extension() != ".obj") continue;
+    const char quadrant = file.stem().string().at(4);
+    out.push_back({file, dvec3(0, quadrant <= '2' ? -1 : 1, 0)});
   }
+  return out;
+}
+
+Triangles SolidOf(const fs::path& file) {
+  auto mesh = ReadMeshInChild(file);
+  EXPECT_TRUE(mesh.ok()) << mesh.status().message();
+  auto solid = MakeSolid(*mesh);
+  EXPECT_TRUE(solid.ok()) << solid.status().message();
+  return solid->mesh;
+}
+
+double Degrees(const dvec3& a, const dvec3& b) {
+  return std::acos(std::clamp(Dot(a, b), -1.0, 1.0)) * 180 / std::numbers::pi;
+}
+
+Triangles Turned(const Triangles& mesh, const dmat3& by) {
+  Triangles out = mesh;
+  for (dvec3& v : out.vertices) v = by * v;
+  return out;
+}
+
+TEST(RealCrownTest, OcclusalDirectionOfEveryKindOfToothIsFoundToTenDegrees) {
+  const auto crowns = KnownCrowns();
+  if (crowns.empty()) GTEST_SKIP() << "skipped: no shared data";
+  for (const auto& [file, up] : crowns) {
+    const Stance stance = FindStance(SolidOf(file));
+    EXPECT_LE(Degrees(stance.up, up), 10) << file;
+    EXPECT_EQ(stance.certain, stance.margin >= 0.2) << file;
+  }
+}
+
+TEST(RealCrownTest, UpsideDownFileTurnsTheDirectionAround) {
+  const auto crowns = KnownCrowns();
+  if (crowns.empty()) GTEST_SKIP() << "skipped: no shared data";
+  const dmat3 half_turn(1, 0, 0, 0, -1, 0, 0, 0, -1);
+  for (const auto& [file, up] : crowns)
+    EXPECT_LE(Degrees(FindStance(Turned(SolidOf(file), half_turn)).up, -up), 10) << file;
+}
+
+TEST(RealCrownTest, MolarIsFoundWhicheverAxisPointsUp) {
+  const auto crowns = KnownCrowns();
+  if (crowns.empty()) GTEST_SKIP() << "skipped: no shared data";
+  const dmat3 y_to_z(0, 1, 0, 0, 0, 1, 1, 0, 0);  // columns: x to y, y to z, z to x
+  for (const auto& [file, up] : crowns) {
+    if (file.stem().string().back() < '6') continue;
+    const Stance stance = FindStance(Turned(SolidOf(file), y_to_z));
+    EXPECT_LE(Degrees(stance.up, y_to_z * up), 10) << file;
+  }
+}
+
+// The turn that takes one unit vector to another (Rodrigues).
+dmat3 TurnFrom(const dvec3& a, const dvec3& b) {
+  const dvec3 v = glm::cross(a, b);
+  const dmat3 k(0, v.z, -v.y, -v.z, 0, v.x, v.y, -v.x, 0);
+  return dmat3(1) + k + k * k * (1 / (1 + Dot(a, b)));
+}
+
+TEST(RealCrownTest, MolarAskewInItsFileIsTakenSquareToItsGumPlane) {
+  const auto crowns = KnownCrowns();
+  if (crowns.empty()) GTEST_SKIP() << "skipped: no shared data";
+  const dvec3 between = glm::normalize(dvec3(0.2, 0.8, 0.8));  // 46 degrees from y and z
+  for (const auto& [file, up] : crowns) {
+    if (file.stem().string().back() < '6') continue;
+    const Triangles solid = SolidOf(file);
+    const auto gum = StanceWithUp(solid, up).gum;
+    ASSERT_TRUE(gum) << file;
+    const dmat3 turn = TurnFrom(-*gum, between);
+    const Stance stance = FindStance(Turned(solid, turn));
+    EXPECT_TRUE(stance.certain) << file;
+    EXPECT_LE(Degrees(stance.up, between), 5) << file;
+    EXPECT_LE(Degrees(stance.up, turn * up), 25) << file;
+  }
+}
+
+TEST(ImportTest, ReportNamesTheDirectionWhetherItIsAGuessAndHowToOverrideIt) {
+  ImportOptions options;
+  options.voxel_nm = 400'000;
+  auto guess = ImportTriangles(SphereMesh(5, 20), "test", options);
+  ASSERT_TRUE(guess.ok());
+  EXPECT_NE(Lines(*guess).find("of the file (a guess, margin"), std::string::npos) << Lines(*guess);
+  EXPECT_NE(Lines(*guess).find("--up"), std::string::npos);
+  options.up = "-z";
+  auto given = ImportTriangles(SphereMesh(5, 20), "test", options);
+  ASSERT_TRUE(given.ok());
+  EXPECT_NE(Lines(*given).find("direction -z of the file (as given)"), std::string::npos);
+}
+
+// A cup: a box with a pit in its top, like a fossa.
+TEST(ImportTest, HollowSideIsTheOcclusalSideAlongEveryAxis) {
+  for (int axis = 0; axis < 3; ++axis)
+    for (double sign : {-1.0, 1.0}) {
+      dvec3 up(0);
+      up[axis] = sign;
+      Triangles cup = SphereMesh(5, 40);
+      for (dvec3& v : cup.vertices) {
+        const double height = Dot(v, up);
+        if (height > 3) v -= 2 * (height - 3) * up;  // the cap above 3 mm pushed in
+      }
+      const Stance stance = FindStance(cup);
+      EXPECT_LE(Degrees(stance.up, up), 1) << axis << " " << sign;
+      EXPECT_TRUE(stance.certain) << axis << " " << sign << " " << stance.margin;
+    }
 }
 
 TEST(RealCrownTest, ClassOneCavityOnAMolarKeepsClearOfThePulpAndMeetsEnamelFirst) {
