@@ -38,6 +38,7 @@ expect_failure() {
   [ $rc -ne 0 ] || { cat "$work/out"; fail "$name: expected a failure, exit code was 0"; }
   [ $rc -ne 124 ] || fail "$name: did not end within 120 s"
   [ $rc -lt 128 ] || { cat "$work/out"; fail "$name: crashed with signal $((rc - 128))"; }
+  ! grep -qE 'Sanitizer: |runtime error: ' "$work/out" || { cat "$work/out"; fail "$name: found by a sanitizer"; }
   grep -qiE "$pattern" "$work/out" || { cat "$work/out"; fail "$name: message does not say /$pattern/"; }
   echo "ok: $name (exit code $rc): $(grep -iE -m1 "$pattern" "$work/out" | cut -c1-160)"
 }
@@ -56,6 +57,7 @@ chunks_of() {
 start_server() {
   local data=$1 port=$2
   shift 2
+  : >"$work/server.log"  # an earlier server's "ready" is not this one's
   "$bin/enamel-server" serve --data "$data" --http "127.0.0.1:$port" --stations "127.0.0.1:$((port + 1))" \
     --web "$root/web/dist" "$@" >"$work/server.log" 2>&1 &
   server=$!

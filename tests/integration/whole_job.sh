@@ -1,8 +1,14 @@
 #!/usr/bin/env bash
-# ./run --once, again, then ./run with the page looked at in a browser, Ctrl-C, and again: attempts still there.
+# ./run --once, again, then ./run with the page looked at in a browser, Ctrl-C at every stage, and again: attempts still there.
 . "$(dirname "$0")/support.sh"
 cd "$root"
 port=$(free_ports)
+
+mkdir "$work/folder"
+for bad in "$work/none/x.json" "$work/folder"; do
+  expect_failure "facts to $(basename "$bad")" "json.*$(basename "$bad")" ./run --once --data "$work/data" --port "$port" --json "$bad"
+done
+[ ! -e "$work/data/server" ] || fail "a refused ./run has begun its work"
 
 ./run --once --data "$work/data" --port "$port" --json "$work/1.json"
 node tests/integration/check_facts.mjs "$work/1.json"
@@ -19,9 +25,12 @@ node -e '
 # What the station recorded re-runs to the same bits, here and in a core built by the other compiler.
 "$bin/enamel-station" spool verify --data "$work/data/station"
 "$bin/enamel-station" spool export --data "$work/data/station" "$first" --out "$work/first.trace"
-volume=$(for blob in "$work"/data/station/blobs/*; do [ "$(head -c 4 "$blob")" = ENVB ] && echo "$blob"; done | head -n 1)
+volume=""
+for blob in "$work"/data/station/blobs/*; do
+  if [ "$(head -c 4 "$blob" | tr -d '\0')" = ENVB ]; then volume=$blob; fi
+done
 [ -n "$volume" ] || fail "no volume blob among the station's"
-build/release/bin/core_replay replay "$work/first.trace" "$volume" | tee "$work/replay.a"
+"$bin/core_replay" replay "$work/first.trace" "$volume" | tee "$work/replay.a"
 grep -q '^witness_ok 1' "$work/replay.a" || fail "the exported recording does not re-run to its witness"
 other=build/core-clang-O0/bin/core_replay
 if [ -x $other ]; then
@@ -32,14 +41,71 @@ fi
 ./run --once --data "$work/data" --port "$port" --json "$work/2.json"
 node tests/integration/check_facts.mjs "$work/2.json"
 
-./run --data "$work/data" --port "$port" >"$work/run.log" 2>&1 &
-runner=$!
-pids+=("$runner")
-for _ in $(seq 3000); do
-  grep -q 'Running until Ctrl-C' "$work/run.log" && break
-  kill -0 "$runner" 2>/dev/null || { cat "$work/run.log"; fail "./run ended early"; }
-  sleep 0.1
-done
+# As a terminal starts it: a process group of its own that heeds Ctrl-C.
+start_run() {
+  env --default-signal=INT,TERM setsid ./run --data "$work/data" --port "$port" >"$work/run.log" 2>&1 &
+  runner=$!
+  pids+=("$runner")
+}
+wait_for_line() {
+  for _ in $(seq 6000); do
+    grep -q "$1" "$work/run.log" && return
+    kill -0 "$runner" 2>/dev/null || { cat "$work/run.log"; fail "./run ended before it said \"$1\""; }
+    sleep 0.05
+  done
+  cat "$work/run.log"
+  fail "./run did not say \"$1\" within 300 s"
+}
+wait_for_ticks() {
+  wait_for_line "attempt by a simulated student"
+  until "$bin/enamel-station" spool list --data "$work/data/station" | tail -n 1 | grep -qE 'unfinished .* [1-9][0-9]* of'; do
+    ! grep -q '==> score' "$work/run.log" || return
+    kill -0 "$runner" 2>/dev/null || { cat "$work/run.log"; fail "./run ended before the attempt"; }
+  done
+}
+# An impatient Ctrl-C: whole group, three times.
+press_ctrl_c() {
+  local rc=0
+  kill -INT -- "-$runner"
+  for _ in 1 2; do sleep 0.2; kill -INT -- "-$runner" 2>/dev/null || true; done
+  wait "$runner" || rc=$?
+  [ $rc -eq 130 ] || { cat "$work/run.log"; fail "./run ended with exit code $rc on Ctrl-C, expected 130"; }
+  grep -q '\] stopped$' "$work/data/server.log" || { cat "$work/data/server.log"; fail "the server was not stopped cleanly"; }
+  "$bin/enamel-server" admin list-attempts --data "$work/data/server" >"$work/list"
+  ! grep -qE ' (scoring|recording|failed) ' "$work/list" || { cat "$work/list"; fail "a job or a recording was left behind"; }
+}
+
+start_run
+wait_for_ticks
+press_ctrl_c
+if grep -q "ended early" "$work/run.log"; then
+  echo "ok: Ctrl-C in an attempt: $(grep -m1 'ended early' "$work/run.log" | cut -c1-120)"
+fi
+"$bin/enamel-station" spool list --data "$work/data/station" >"$work/spool"
+! grep -v ' uploaded ' "$work/spool" || fail "Ctrl-C left a recording on the station while the server was there"
+
+start_run
+wait_for_line "==> score"
+press_ctrl_c
+echo "ok: Ctrl-C while scoring"
+
+# The server dies in an attempt: the next ./run brings what the station kept.
+start_run
+wait_for_ticks
+server_pid=$(pgrep -f "^build/release/bin/enamel-server serve --data $work/data/server ")
+kill -KILL "$server_pid"
+rc=0
+wait "$runner" || rc=$?
+[ $rc -ne 0 ] || fail "./run ended with exit code 0 without its server"
+left=$("$bin/enamel-station" spool list --data "$work/data/station" | grep -v ' uploaded ') || true
+
+start_run
+wait_for_line 'Running until Ctrl-C'
+if [ -n "$left" ]; then
+  grep -q "sent what an earlier run recorded" "$work/run.log" || { cat "$work/run.log"; fail "./run did not send the recording that was left"; }
+  echo "ok: ./run sends what an earlier one could not"
+fi
+! "$bin/enamel-station" spool list --data "$work/data/station" | grep -v ' uploaded ' || fail "a recording is still only on the station"
 if [ -x /usr/bin/chromium ]; then
   BASE_URL="http://127.0.0.1:$port" STUDENT_LOGIN=student1 STUDENT_PASSWORD=enamel-demo-student1 \
     INSTRUCTOR_LOGIN=instructor INSTRUCTOR_PASSWORD=enamel-demo-instructor ADMIN_LOGIN=admin \
@@ -47,11 +113,7 @@ if [ -x /usr/bin/chromium ]; then
 else
   echo "skipped: no chromium; the page was not looked at"
 fi
-# bash ignores INT in background jobs, so the test asks with TERM; Ctrl-C takes the same way out.
-kill -TERM "$runner"
-rc=0
-wait "$runner" || rc=$?
-[ $rc -eq 143 ] || { cat "$work/run.log"; fail "./run ended with exit code $rc on TERM"; }
+press_ctrl_c
 
 "$bin/enamel-server" admin list-attempts --data "$work/data/server" >"$work/list"
 for id in "$first" "$reference" "$(node -p "JSON.parse(require('fs').readFileSync('$work/2.json','utf8')).attempt_id")"; do
