@@ -1,10 +1,20 @@
 #include "common/import/import_tooth.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <linux/filter.h>
+#include <linux/seccomp.h>
+#include <sys/prctl.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <cstddef>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <numbers>
@@ -199,6 +209,49 @@ TEST(ImportChildTest, MissingFileUnknownKindAndEmptyFileAreRefused) {
   EXPECT_EQ(ImportTooth(folder.Write("tooth.doc", "x")).status().code(), Code::kInvalidInput);
   Status empty = ImportTooth(folder.Write("tooth.stl", "")).status();
   EXPECT_NE(empty.message().find("empty"), std::string::npos) << empty.message();
+}
+
+// In a child: a kernel that takes no filter, then the mesh reader.
+[[noreturn]] void BecomeUnconfinableReader(const fs::path& reader, const fs::path& file,
+                                           int errors) {
+  sock_filter steps[] = {
+      BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr)),
+      BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, SYS_prctl, 0, 3),
+      BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, args[0])),
+      BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, PR_SET_SECCOMP, 0, 1),
+      BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | EINVAL),
+      BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW),
+  };
+  sock_fprog filter{6, steps};
+  if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0 ||
+      prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &filter, 0, 0) != 0 ||
+      dup2(errors, STDERR_FILENO) < 0)
+    _exit(99);
+  execl(reader.c_str(), reader.c_str(), file.c_str(), nullptr);
+  _exit(98);
+}
+
+TEST(ImportChildTest, ReaderThatCannotBeConfinedReadsNothingAndSaysWhy) {
+  TempFolder folder;
+  const fs::path file = folder.Write("tooth.stl", "solid\nendsolid\n");
+  const fs::path reader = fs::read_symlink("/proc/self/exe").parent_path() / "enamel-import-child";
+  int ends[2];  // a pipe: the reader may write no file, not even for its errors
+  ASSERT_EQ(pipe2(ends, O_CLOEXEC), 0);
+  const pid_t pid = fork();
+  ASSERT_GE(pid, 0);
+  if (pid == 0) BecomeUnconfinableReader(reader, file, ends[1]);
+  close(ends[1]);
+  char text[1000];
+  const ssize_t size = read(ends[0], text, sizeof text);
+  close(ends[0]);
+  int status = 0;
+  ASSERT_EQ(waitpid(pid, &status, 0), pid);
+  ASSERT_TRUE(WIFEXITED(status));
+  if (WEXITSTATUS(status) == 99) GTEST_SKIP() << "this kernel takes no filter to test with";
+  EXPECT_EQ(WEXITSTATUS(status), 1);
+  ASSERT_GT(size, 0);
+  const std::string said(text, static_cast<size_t>(size));
+  EXPECT_NE(said.find("not read unconfined"), std::string::npos) << said;
 }
 
 TEST(ImportChildTest, MissingReaderIsSaid) {
