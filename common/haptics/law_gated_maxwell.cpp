@@ -13,17 +13,18 @@ struct Tuning {
   double gate_power_slope = 5;   // s: how fast the gate opens above r = 1
   double cap_moving = 2.5;       // largest gate while counts arrive
   double cap_silent = 15;        // largest gate once the tip is silent
+  double force_smooth_s = 0.06;  // of the force the gate looks at: tremor must not be rectified
   double cross_threshold = 0.5;  // beta: cross force, relative to B v, that opens the gate
   double window_share = 0.3;     // look back this share of B/Kc ...
   double window_min_s = 0.23, window_max_s = 0.6;  // ... within these
   int window_intervals = 5;                        // and at least this many counts
   double spacing_s = 0.01;  // counts closer than this are one event, so 64 always span the window
-  double smooth_s = 0.04;   // of the mean speed: a swinging hand must not open and close the gate
+  double smooth_s = 0.06;   // of the mean speed: a swinging hand must not open and close the gate
   double start_counts = 1;  // cells an axis is taken to have moved while others made more counts
   double silence_counts =
       1.4;  // kappa: cells' worth of time without a count that is not yet silence
   double silence_gaps = 1.03;  // nor is this many times the longest of the last gaps between counts
-  double silence_share = 0.1;  // plus this share of B/Kc, which is how patient the release may be,
+  double silence_share = 0.12;  // plus this share of B/Kc, which is how patient the release may be,
   double silence_min_s = 0.02;  // and at least this
   double rest_below = 1e-3;     // fade at which the estimator starts afresh
   double anchor_share = 0.15;   // mu
@@ -110,13 +111,15 @@ class AxisEstimator {
     if (!stale_ && window_s == window_s_) return;
     stale_ = false;
     window_s_ = window_s;
+    // The shortest look back that satisfies both bounds, found from the last one: O(1) per count.
     const CountEvent& newest = At(0);
-    int back = 1;
-    while (back + 1 < size_ &&
-           (newest.time_s - At(back).time_s < window_s || back < kTuning.window_intervals)) {
-      ++back;
-    }
-    const CountEvent& oldest = At(back);
+    auto Enough = [&](int back) {
+      return newest.time_s - At(back).time_s >= window_s && back >= kTuning.window_intervals;
+    };
+    back_ = back_ < 1 ? 1 : back_ > size_ - 1 ? size_ - 1 : back_;
+    while (back_ > 1 && Enough(back_ - 1)) --back_;
+    while (back_ + 1 < size_ && !Enough(back_)) ++back_;
+    const CountEvent& oldest = At(back_);
     double span = newest.time_s - oldest.time_s;
     mean_m_per_s_ = span > 0 ? (newest.edge_m - oldest.edge_m) / span : 0;
     anchor_mean_m_per_s_ = span > 0 ? (newest.anchor_m - oldest.anchor_m) / span : 0;
@@ -133,7 +136,7 @@ class AxisEstimator {
   }
 
   std::array<CountEvent, kEvents> events_{};
-  int head_ = 0, size_ = 0;
+  int head_ = 0, size_ = 0, back_ = 1;
   double tip_ = 0, restart_s_ = -1, sign_ = 0;
   double mean_m_per_s_ = 0, anchor_mean_m_per_s_ = 0, window_s_ = -1;
   bool has_edge_ = false, stale_ = true;
@@ -201,13 +204,13 @@ class GatedMaxwell final : public ForceLaw {
     tip_ = tip_m;
     time_s_ = 0;
     anchor_known_ = false;
-    anchor_speed_ = smooth_ = v_ = dvec3(0);
+    anchor_speed_ = smooth_ = slow_force_ = v_ = dvec3(0);
   }
 
   void BeginTick(const dvec3& tip_m) noexcept override {
     tip_ = tip_m;
     time_s_ += params_.tick_s;
-    observe_ = estimate_ = true;
+    observe_ = estimate_ = smooth_force_ = true;
   }
 
   dvec3 Relax(const dvec3& e_m, const Sym3& b, double dt_s) noexcept override {
@@ -231,7 +234,7 @@ class GatedMaxwell final : public ForceLaw {
       double r = along / power;
       double across2 = Dot(force, SolveShifted(b, 1e-6 * mean_b, force)) / power - r * r;
       double r_across = across2 > 0 ? std::sqrt(across2) / kTuning.cross_threshold : 0;
-      gate_along = GateAlong(r, cap);
+      gate_along = GateAlong(SlowRatio(force, power), cap);
       gate_across =
           r_across > 1 ? GateAcross(r_across, cap) : StillGate(e_m - bv * (r / params_.kc_n_per_m));
     }
@@ -303,6 +306,17 @@ class GatedMaxwell final : public ForceLaw {
     }
     return axes_[i].FirstGuess(time_s_, start, others_know ? kTuning.start_counts : 2,
                                params_.resolution_m[i], params_.tick_s);
+  }
+
+  // r from the smoothed force.
+  double SlowRatio(const dvec3& force, double power) noexcept {
+    if (smooth_force_) {
+      smooth_force_ = false;
+      slow_force_ +=
+          (force - slow_force_) * (params_.tick_s / (kTuning.force_smooth_s + params_.tick_s));
+    }
+    double r = Dot(v_, slow_force_) / power;
+    return r > 0 ? r : 0;
   }
 
   void Rest() noexcept {
@@ -396,9 +410,10 @@ class GatedMaxwell final : public ForceLaw {
   LawParams params_;
   AxisEstimator axes_[3];
   GapRecord gaps_;
-  dvec3 tip_{0}, anchor_{0}, anchor_speed_{0}, smooth_{0}, v_{0};
+  dvec3 tip_{0}, anchor_{0}, anchor_speed_{0}, smooth_{0}, slow_force_{0}, v_{0};
   double time_s_ = 0;
-  bool anchor_known_ = false, observe_ = false, estimate_ = false, silent_ = false;
+  bool anchor_known_ = false, observe_ = false, estimate_ = false, smooth_force_ = false,
+       silent_ = false;
 };
 
 }  // namespace

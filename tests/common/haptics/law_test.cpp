@@ -123,13 +123,14 @@ TEST(SymmetricTest, NeverChangesByMoreThanKcPerTravelOnAnyAxis) {
     tip += step;
     law->BeginTick(tip);
     dvec3 now = law->TipForce(Sym3::Isotropic(6500));
-    for (int i = 0; i < 3; ++i) ASSERT_LE(std::fabs(now[i] - last[i]), 10e3 * std::fabs(step[i]) + 1e-12);
+    for (int i = 0; i < 3; ++i)
+      ASSERT_LE(std::fabs(now[i] - last[i]), 10e3 * std::fabs(step[i]) + 1e-12);
     last = now;
   }
 }
 
-// Series of spring and tool damper: with the coupling's damper a tenth of Kc T the force of a steady
-// hand is still B v.
+// Series of spring and tool damper: with the coupling's damper a tenth of Kc T the force of a
+// steady hand is still B v.
 TEST(VirtualCouplingTest, SettlesAtDampingTimesSpeed) {
   auto law = MakeVirtualCoupling(Omega());
   law->Reset(dvec3(0));

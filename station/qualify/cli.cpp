@@ -1,0 +1,50 @@
+#include "station/qualify/cli.h"
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "station/qualify/fit_damping.h"
+#include "station/qualify/qualify.h"
+
+namespace enamel::station::qualify {
+
+void RegisterQualify(CLI::App& app, int* exit_code) {
+  auto options = std::make_shared<QualifyOptions>();
+  options->out = stdout;
+  options->progress = stderr;
+  CLI::App* qualify = app.add_subcommand("qualify",
+                                         "Measure force laws on a device profile: error against "
+                                         "run time, stability, a search for energy");
+  qualify->add_option("--profile", options->profile, "device profile, or all")
+      ->capture_default_str();
+  qualify
+      ->add_option("--suite", options->suites,
+                   "paper, laws, estimators, extreme, adversary, random or all")
+      ->delimiter(',')
+      ->capture_default_str();
+  qualify->add_flag("--quick", options->quick, "under a minute on two cores");
+  qualify->add_option("--json", options->json_path, "write every row to this file");
+  qualify->add_option("--report", options->report_dir,
+                      "write report.html, its plots and qualification.json into this folder");
+  qualify->add_option("--cases", options->cases, "random: how many")->capture_default_str();
+  qualify
+      ->add_option("--ticks", options->adversary_ticks,
+                   "adversary: how many over all laws (0: the suite's own)")
+      ->check(CLI::NonNegativeNumber);
+  qualify->add_option("--seed", options->seed, "of everything drawn")->capture_default_str();
+  qualify->add_option("--threads", options->threads, "threads to use")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  qualify->callback([options, exit_code] { *exit_code = RunQualify(*options); });
+
+  auto csv = std::make_shared<std::string>(), svg = std::make_shared<std::string>();
+  CLI::App* fit = app.add_subcommand(
+      "fit-damping",
+      "Fit the damping coefficient B per tissue from a CSV of time, position and force");
+  fit->add_option("csv", *csv, "columns time_s, position_mm, force_n and optionally tissue")
+      ->required();
+  fit->add_option("--plot", *svg, "write an SVG of force against speed");
+  fit->callback([csv, svg, exit_code] { *exit_code = RunFitDamping(*csv, *svg); });
+}
+
+}  // namespace enamel::station::qualify

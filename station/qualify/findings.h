@@ -1,0 +1,82 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "station/qualify/model.h"
+
+// What the suites find, as data: the tables, the JSON and the report are made from it.
+namespace enamel::station::qualify {
+
+enum class Verdict { kPassive, kStable, kBounded, kUnstable };
+// "passive", "stable with these grips", "bounded", "unstable".
+const char* VerdictName(Verdict v);
+
+// One cut: device x law x estimator x rate x material x hand.
+struct Row {
+  std::string suite, profile, law, estimator, hand, title;
+  double rate_hz = 1000, b_n_s_per_mm = 0, speed_mm_s = 0, kc_n_per_mm = 0;
+  double tau_s = 0, kc_delta_half_n = 0, ns_per_tick = 0;
+  Measurement m;
+  Verdict verdict = Verdict::kStable;
+  bool pareto = false, is_default = false;
+};
+
+struct Table {
+  std::string title, note;
+  std::vector<std::string> head;
+  std::vector<std::vector<std::string>> rows;
+};
+
+// A grid of verdicts with curves over it.
+struct VerdictMap {
+  std::string title, x_label, y_label, note;
+  std::vector<double> x, y;    // cell centres, logarithmic axes
+  std::vector<Verdict> cells;  // (y.size() x x.size()), x fastest
+  struct Curve {
+    std::string label;
+    std::vector<std::pair<double, double>> points;
+  };
+  std::vector<Curve> curves;
+};
+
+// Force over time of one law in one hand.
+struct TimeTrace {
+  std::string title, label;  // plots with one title are drawn into one frame
+  double target_n = 0;
+  std::vector<Sample> samples;
+};
+
+// One game of the adversary.
+struct Attack {
+  std::string law, kind;  // kind: how the motion was made
+  uint64_t seed = 0;
+  int64_t ticks = 0;
+  double worst_j = 0;      // lowest balance above its floor; < 0: violation
+  double extracted_j = 0;  // most energy taken out of the law itself
+  int64_t violations = 0;
+  bool proved = false;
+};
+
+struct RandomSummary {
+  int cases = 0, held = 0, error = 0, rise = 0, release = 0, cycle = 0;
+  std::vector<Row> failures;
+  std::vector<double> errors_n, rises,
+      releases;  // velocity-hand figures of every case, over their bounds
+};
+
+struct Findings {
+  std::vector<DeviceModel> models;
+  std::vector<Row> rows;
+  std::vector<Table> tables;
+  std::vector<VerdictMap> maps;
+  std::vector<TimeTrace> traces;
+  std::vector<Attack> attacks;
+  std::vector<RandomSummary> random;
+  double integration_error_m = 0;  // the simulator's own, worst of the trials asked
+  double seconds = 0;
+  uint64_t seed = 1;
+  bool quick = false;
+};
+
+}  // namespace enamel::station::qualify

@@ -1,0 +1,83 @@
+#include <boost/json.hpp>
+#include <cmath>
+
+#include "station/qualify/report.h"
+
+namespace enamel::station::qualify {
+namespace {
+
+namespace json = boost::json;
+
+// JSON has no infinities: what never happened is null.
+json::value Number(double v) { return std::isfinite(v) ? json::value(v) : json::value(nullptr); }
+json::value Time(double v) { return v < 0 ? json::value(nullptr) : Number(v); }
+
+json::object RowJson(const Row& r) {
+  const Measurement& m = r.m;
+  return {{"suite", r.suite},
+          {"title", r.title},
+          {"profile", r.profile},
+          {"law", r.law},
+          {"estimator", r.estimator},
+          {"rate_hz", Number(r.rate_hz)},
+          {"hand", r.hand},
+          {"b_n_s_per_mm", Number(r.b_n_s_per_mm)},
+          {"kc_n_per_mm", Number(r.kc_n_per_mm)},
+          {"steady_error_max_n", Number(m.error_max_n)},
+          {"steady_error_rms_n", Number(m.error_rms_n)},
+          {"ripple_rms_n", Number(m.ripple_rms_n)},
+          {"ripple_above_20_hz_rms_n", Number(m.ripple_fast_rms_n)},
+          {"deviation_m", Number(m.deviation_m)},
+          {"mean_n", Number(m.mean_n)},
+          {"target_n", Number(m.target_n)},
+          {"speed_mm_s", Number(r.speed_mm_s)},
+          {"rise90_s", Time(m.rise90_s)},
+          {"rise90_floor_s", Number(m.rise90_floor_s)},
+          {"release10_s", Time(m.release10_s)},
+          {"kick_n", Number(m.kick_n)},
+          {"tau_s", Number(r.tau_s)},
+          {"energy_min_j", Number(m.energy_min_j)},
+          {"energy_floor_j", Number(m.energy_floor_j)},
+          {"violations", m.violation ? 1 : 0},
+          {"kc_delta_half_n", Number(r.kc_delta_half_n)},
+          {"cycle", m.cycle},
+          {"ns_per_tick", Number(r.ns_per_tick)},
+          {"verdict", VerdictName(r.verdict)},
+          {"pareto", r.pareto},
+          {"default", r.is_default}};
+}
+
+}  // namespace
+
+std::string JsonOf(const Findings& f) {
+  json::array rows, attacks, random;
+  for (const Row& r : f.rows) rows.push_back(RowJson(r));
+  for (const Attack& a : f.attacks) {
+    attacks.push_back(json::object{{"law", a.law},
+                                   {"game", a.kind},
+                                   {"seed", a.seed},
+                                   {"ticks", a.ticks},
+                                   {"lowest_above_floor_j", Number(a.worst_j)},
+                                   {"extracted_j", Number(a.extracted_j)},
+                                   {"violations", a.violations},
+                                   {"proved", a.proved}});
+  }
+  for (const RandomSummary& r : f.random) {
+    random.push_back(json::object{{"cases", r.cases},
+                                  {"held", r.held},
+                                  {"error", r.error},
+                                  {"rise", r.rise},
+                                  {"release", r.release},
+                                  {"cycle", r.cycle}});
+  }
+  json::object out{{"format", 1},
+                   {"seed", f.seed},
+                   {"quick", f.quick},
+                   {"integration_error_m", Number(f.integration_error_m)},
+                   {"rows", std::move(rows)},
+                   {"attacks", std::move(attacks)},
+                   {"random", std::move(random)}};
+  return json::serialize(out);
+}
+
+}  // namespace enamel::station::qualify

@@ -1,0 +1,137 @@
+#include "station/qualify/qualify.h"
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+#include <mutex>
+
+#include "station/qualify/report.h"
+#include "station/qualify/suites.h"
+
+namespace enamel::station::qualify {
+namespace {
+
+struct Suite {
+  const char* name;
+  void (*run)(SuiteContext&);
+};
+constexpr Suite kSuites[] = {{"paper", &RunPaperSuite},           {"laws", &RunLawsSuite},
+                             {"estimators", &RunEstimatorsSuite}, {"extreme", &RunExtremeSuite},
+                             {"adversary", &RunAdversarySuite},   {"random", &RunRandomSuite}};
+
+Result<std::vector<DeviceModel>> ModelsFor(const std::string& name) {
+  std::vector<DeviceModel> out;
+  std::string known;
+  for (const scene::DeviceProfile& p : QualifyProfiles()) {
+    known += (known.empty() ? "" : ", ") + p.name;
+    if (name != "all" && name != p.name) continue;
+    Result<DeviceModel> model = ModelOf(p);
+    if (!model.ok())
+      return Status(model.status().code(), p.name + ": " + model.status().message(),
+                    model.status().field());
+    out.push_back(*model);
+  }
+  if (out.empty())
+    return Status(Code::kInvalidInput,
+                  "unknown profile '" + name + "': expected all or one of " + known, "profile");
+  return out;
+}
+
+Status CheckSuites(const std::vector<std::string>& names) {
+  for (const std::string& name : names) {
+    bool known = name == "all" || std::any_of(std::begin(kSuites), std::end(kSuites),
+                                              [&](const Suite& s) { return name == s.name; });
+    if (!known)
+      return {Code::kInvalidInput,
+              "unknown suite '" + name +
+                  "': expected paper, laws, estimators, extreme, adversary, random or all",
+              "suite"};
+  }
+  return Status::Ok();
+}
+
+// One line, rewritten at most ten times a second.
+Progress ProgressTo(std::FILE* out) {
+  if (out == nullptr) return [](const char*, size_t, size_t) {};
+  struct Shown {
+    std::mutex guard;
+    std::chrono::steady_clock::time_point last{};
+  };
+  auto shown = std::make_shared<Shown>();
+  return [out, shown](const char* what, size_t done, size_t all) {
+    std::lock_guard lock(shown->guard);
+    auto now = std::chrono::steady_clock::now();
+    if (done < all && now - shown->last < std::chrono::milliseconds(100)) return;
+    shown->last = now;
+    std::fprintf(out, "\r%-60.60s %5zu / %zu", what, done, all);
+    if (done == all) std::fprintf(out, "\r%80s\r", "");
+    std::fflush(out);
+  };
+}
+
+void Print(std::FILE* out, const Findings& f) {
+  for (const Table& t : f.tables) std::fputs(TextOf(t).c_str(), out);
+  for (const RandomSummary& r : f.random) {
+    std::fprintf(out,
+                 "Random cases: %d of %d hold every bound (%.1f %%); error %d, rise %d, release "
+                 "%d, cycle %d; seed %llu\n",
+                 r.held, r.cases, 100.0 * r.held / std::max(1, r.cases), r.error, r.rise, r.release,
+                 r.cycle, static_cast<unsigned long long>(f.seed));
+  }
+  for (const VerdictMap& m : f.maps) {
+    size_t counts[4] = {};
+    for (Verdict v : m.cells) ++counts[static_cast<size_t>(v)];
+    std::fprintf(out, "%s: %zu passive, %zu stable with these grips, %zu bounded, %zu unstable\n",
+                 m.title.c_str(), counts[0], counts[1], counts[2], counts[3]);
+  }
+  std::fprintf(out, "%zu rows in %.1f s\n", f.rows.size(), f.seconds);
+}
+
+}  // namespace
+
+int RunQualify(const QualifyOptions& options) {
+  auto Fail = [&](const Status& status) {
+    if (options.out != nullptr)
+      std::fprintf(options.out, "qualify: %s\n", status.message().c_str());
+    return 1;
+  };
+  if (Status status = CheckSuites(options.suites); !status.ok()) return Fail(status);
+  if (options.cases < 1 || options.cases > 1'000'000)
+    return Fail({Code::kInvalidInput, "--cases: expected 1 to 1000000", "cases"});
+  Result<std::vector<DeviceModel>> models = ModelsFor(options.profile);
+  if (!models.ok()) return Fail(models.status());
+  auto from = std::chrono::steady_clock::now();
+  Findings findings;
+  findings.models = *models;
+  findings.seed = options.seed;
+  findings.quick = options.quick;
+  SuiteContext context{options, findings, ProgressTo(options.progress)};
+  auto Wanted = [&](const char* name) {
+    return std::any_of(options.suites.begin(), options.suites.end(),
+                       [&](const std::string& s) { return s == "all" || s == name; });
+  };
+  for (const Suite& suite : kSuites) {
+    if (Wanted(suite.name)) suite.run(context);
+  }
+  findings.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - from).count();
+  if (options.out != nullptr) Print(options.out, findings);
+  if (!options.json_path.empty()) {
+    std::ofstream json(options.json_path, std::ios::binary);
+    json << JsonOf(findings);
+    json.close();
+    if (!json)
+      return Fail(
+          {Code::kStorage,
+           "cannot write " + options.json_path + ": choose a path that can be written with --json",
+           "json"});
+  }
+  if (!options.report_dir.empty()) {
+    if (Status status = WriteReport(findings, options.report_dir); !status.ok())
+      return Fail(status);
+  }
+  bool broken = std::any_of(findings.attacks.begin(), findings.attacks.end(),
+                            [](const Attack& a) { return a.proved && a.violations > 0; });
+  return broken ? 2 : 0;
+}
+
+}  // namespace enamel::station::qualify

@@ -1,0 +1,75 @@
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+#include "station/qualify/suites.h"
+
+namespace enamel::station::qualify {
+
+// Device aside: B 2.5-11.3 N s/mm, speed 0.05-1.0 mm/s (logarithmic: the slow cuts are the hard
+// ones), any direction, friction 0-2 Kc delta / 2, hand and its mass; B v at most 0.9 of the peak.
+TrialSpec RandomCase(const DeviceModel& m, uint64_t seed) {
+  Random r(seed);
+  double b, v;
+  do {
+    b = r.Between(2500, 11300);
+    v = r.LogBetween(0.05e-3, 1e-3);
+  } while (b * v > 0.9 * m.peak_force_n);
+  TrialSpec s = SpecOf(m, haptics::LawKind::kGatedMaxwell, b, v);
+  s.direction = r.Direction();
+  s.plant.friction_n = r.Uniform() * m.kc_n_per_m * m.resolution_m;
+  s.start_offset_m = dvec3(r.Uniform(), r.Uniform(), r.Uniform()) * m.resolution_m;
+  s.hand_mass_kg = r.LogBetween(0.02, 0.5);
+  // Half of the cases prescribe velocity; the rest a force or an impedance.
+  int hand = r.Below(6);
+  s.hand = hand < 3 ? HandKind::kVelocity : hand == 3 ? HandKind::kForce : HandKind::kImpedance;
+  s.hand_stiffness_n_per_m = hand == 4 ? 1000 : 200;
+  double ratio = r.Between(0.1, 0.8);
+  s.hand_damping_n_s_per_m =
+      s.hand == HandKind::kForce
+          ? r.Between(0, 3)
+          : 2 * ratio * std::sqrt(s.hand_stiffness_n_per_m * (s.hand_mass_kg + m.mass_kg));
+  return s;
+}
+
+void RunRandomSuite(SuiteContext& c) {
+  const std::vector<DeviceModel>& models = c.findings.models;
+  auto n = static_cast<size_t>(c.options.quick ? std::min(c.options.cases, 150) : c.options.cases);
+  std::vector<Row> rows(n);
+  Random draws(c.options.seed);
+  std::vector<uint64_t> seeds(n);
+  for (uint64_t& seed : seeds) seed = draws.Next();
+  std::atomic<size_t> done{0};
+  ParallelFor(n, c.options.threads, [&](size_t i) {
+    const DeviceModel& m = models[seeds[i] % models.size()];
+    rows[i] = RunRow(m, RandomCase(m, seeds[i]));
+    rows[i].suite = "random";
+    rows[i].title = "seed " + std::to_string(seeds[i]);
+    c.progress("random", ++done, n);
+  });
+  RandomSummary sum;
+  for (Row& r : rows) {
+    bool velocity = r.hand == "velocity";
+    double bound = std::max(0.06, 1.3 * r.kc_delta_half_n);
+    double rise = velocity ? (r.m.rise90_s < 0 ? 99 : r.m.rise90_s / r.m.rise90_floor_s) : 0;
+    double release = velocity ? (r.m.release10_s < 0 ? 99 : r.m.release10_s / r.tau_s) : 0;
+    bool error = r.m.error_max_n > bound, late = rise > 1.25, held_on = release > 0.75;
+    ++sum.cases;
+    sum.error += error;
+    sum.rise += late;
+    sum.release += held_on;
+    sum.cycle += r.m.cycle;
+    bool holds = !error && !late && !held_on && !r.m.cycle;
+    sum.held += holds;
+    sum.errors_n.push_back(r.m.error_max_n / bound);
+    if (velocity) {
+      sum.rises.push_back(rise / 1.25);
+      sum.releases.push_back(release / 0.75);
+    }
+    if (!holds) sum.failures.push_back(r);
+    c.findings.rows.push_back(std::move(r));
+  }
+  c.findings.random.push_back(std::move(sum));
+}
+
+}  // namespace enamel::station::qualify

@@ -1,0 +1,153 @@
+#include "station/qualify/qualify.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <boost/json.hpp>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "station/qualify/report.h"
+#include "station/qualify/svg.h"
+
+namespace enamel::station::qualify {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Folder {
+ public:
+  Folder() : path_(fs::temp_directory_path() / ("enamel-qualify-" + std::to_string(getpid()))) {
+    fs::create_directories(path_);
+  }
+  ~Folder() { fs::remove_all(path_); }
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+std::string ReadAll(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::stringstream out;
+  out << in.rdbuf();
+  return out.str();
+}
+
+TEST(QualifyTest, RefusesUnknownProfilesAndSuitesWithWhatIsKnown) {
+  QualifyOptions o;
+  o.out = std::tmpfile();
+  o.profile = "no-such-device";
+  EXPECT_EQ(RunQualify(o), 1);
+  o.profile = "omega3";
+  o.suites = {"nonsense"};
+  EXPECT_EQ(RunQualify(o), 1);
+  std::rewind(o.out);
+  char text[4000] = {};
+  size_t n = std::fread(text, 1, sizeof text - 1, o.out);
+  std::fclose(o.out);
+  EXPECT_NE(std::string(text, n).find("phantom_desktop"), std::string::npos);
+  EXPECT_NE(std::string(text, n).find("estimators"), std::string::npos);
+}
+
+// Every member the rows promise, and a page that needs nothing from elsewhere.
+TEST(QualifyTest, WritesRowsAndASelfContainedPage) {
+  Folder folder;
+  QualifyOptions o;
+  o.profile = "omega3";
+  o.suites = {"random", "adversary", "estimators"};
+  o.quick = true;
+  o.cases = 6;
+  o.adversary_ticks = 100'000;
+  o.json_path = folder.path() / "rows.json";
+  o.report_dir = folder.path() / "report";
+  EXPECT_EQ(RunQualify(o), 0);
+  auto json = boost::json::parse(ReadAll(o.json_path)).as_object();
+  const auto& rows = json.at("rows").as_array();
+  ASSERT_EQ(rows.size(), 6u);
+  for (const char* name : {"profile",
+                           "law",
+                           "estimator",
+                           "rate_hz",
+                           "hand",
+                           "b_n_s_per_mm",
+                           "steady_error_max_n",
+                           "ripple_rms_n",
+                           "speed_mm_s",
+                           "rise90_s",
+                           "rise90_floor_s",
+                           "release10_s",
+                           "tau_s",
+                           "energy_min_j",
+                           "energy_floor_j",
+                           "violations",
+                           "kc_delta_half_n",
+                           "cycle",
+                           "ns_per_tick",
+                           "verdict",
+                           "pareto",
+                           "default"}) {
+    EXPECT_TRUE(rows[0].as_object().contains(name)) << name;
+  }
+  std::string html = ReadAll(folder.path() / "report/report.html");
+  EXPECT_NE(html.find("<svg"), std::string::npos);
+  for (const char* outside : {"http://", "https://", "<script", "<link", "src="}) {
+    size_t at = 0;
+    while ((at = html.find(outside, at)) != std::string::npos) {
+      EXPECT_EQ(html.compare(at, 26, "http://www.w3.org/2000/svg"), 0) << outside;
+      ++at;
+    }
+  }
+  EXPECT_TRUE(fs::exists(folder.path() / "report/random.svg"));
+}
+
+TEST(QualifyTest, GivesTheSameRowsForTheSameSeed) {
+  Folder folder;
+  std::string seen[2];
+  for (int i : {0, 1}) {
+    QualifyOptions o;
+    o.profile = "phantom_desktop";
+    o.suites = {"random"};
+    o.cases = 5;
+    o.threads = 1 + i;
+    o.seed = 77;
+    o.json_path = folder.path() / "rows.json";
+    ASSERT_EQ(RunQualify(o), 0);
+    seen[i] = ReadAll(o.json_path);
+  }
+  EXPECT_EQ(seen[0], seen[1]);
+}
+
+TEST(QualifyTest, SaysWhereItCannotWrite) {
+  QualifyOptions o;
+  o.suites = {"estimators"};
+  o.json_path = "/proc/no/rows.json";
+  EXPECT_EQ(RunQualify(o), 1);
+}
+
+TEST(SvgTest, EscapesTextAndDrawsMapsWithTheirCurves) {
+  Plot p;
+  p.title = "a < b & c";
+  p.series = {{"x", {{0, 1}, {1, 2}}}};
+  EXPECT_NE(SvgOf(p).find("a &lt; b &amp; c"), std::string::npos);
+  VerdictMap map{"m",
+                 "x",
+                 "y",
+                 "",
+                 {1, 10},
+                 {1, 10},
+                 {Verdict::kPassive, Verdict::kUnstable, Verdict::kBounded, Verdict::kStable},
+                 {{"theory", {{1, 1}, {10, 10}}}}};
+  std::string svg = SvgOf(map);
+  EXPECT_NE(svg.find("theory"), std::string::npos);
+  EXPECT_NE(svg.find("stable with these grips"), std::string::npos);
+}
+
+TEST(TextTableTest, AlignsColumns) {
+  Table t{"title", "", {"a", "bb"}, {{"long cell", "x"}, {"s", "y"}}};
+  EXPECT_EQ(TextOf(t), "title\na          bb\nlong cell  x\ns          y\n\n");
+}
+
+}  // namespace
+}  // namespace enamel::station::qualify
