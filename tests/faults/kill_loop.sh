@@ -133,7 +133,6 @@ start_attempt
 wait "$runner" || { cat "$work/cut.log"; fail "an attempt without faults"; }
 cut_short=0
 for _ in 1 2 3 4; do
-  sleep 0.3
   stop_server
   if grep -q 'the job runs again after the next start' "$work/server.log"; then cut_short=$((cut_short + 1)); fi
   start_server "$data" "$port"
