@@ -19,11 +19,9 @@
 #include "station/app/simulate.h"
 #include "station/devices/operators.h"
 #include "station/loop/realtime.h"
+#include "station/render/window.h"
 #include "station/spool/recorder.h"
 #include "station/uplink/uploader.h"
-#ifdef ENAMEL_HAVE_WINDOW
-#include "station/render/window.h"
-#endif
 
 namespace enamel::station {
 namespace {
@@ -139,7 +137,6 @@ Status TakeTicket(ServerLink& link, const RunOptions& options, Job& job) {
   return Status::Ok();
 }
 
-#ifdef ENAMEL_HAVE_WINDOW
 // Feeds the window from the tick.
 class WindowFeed final : public TickObserver {
  public:
@@ -183,7 +180,6 @@ Result<std::unique_ptr<render::Window>> OpenWindow(const RunOptions& options, co
   w.time_limit_s = job.exercise.time_limit_s;
   return render::Window::Create(w, job.volume);
 }
-#endif
 
 // The recording end of an attempt: ring -> spool -> uplink's attention.
 class RecorderThread {
@@ -296,27 +292,18 @@ Status WriteFacts(const RunOptions& options, const Job& job, const SpooledAttemp
 
 // The window of an attempt, when it has one.
 struct Screen {
-#ifdef ENAMEL_HAVE_WINDOW
   std::unique_ptr<render::Window> window;
   std::optional<WindowFeed> feed;
   TickObserver* observer() { return feed ? &*feed : nullptr; }
-#else
-  TickObserver* observer() { return nullptr; }
-#endif
 };
 
 Status OpenScreen(const RunOptions& options, const Job& job, Screen& screen) {
   if (!options.window && options.screenshot.empty()) return Status::Ok();
-#ifdef ENAMEL_HAVE_WINDOW
   auto window = OpenWindow(options, job);
   if (!window.ok()) return window.status();
   screen.window = std::move(*window);
   screen.feed.emplace(*screen.window, job.volume.spec().voxel_m(), job.header.params.rate_hz);
   return Status::Ok();
-#else
-  (void)job, (void)screen;
-  return Status(Code::kUnavailable, "this enamel-station was built without the window");
-#endif
 }
 
 // Everything that runs during one attempt, in the order it must be destroyed in reverse.
@@ -388,12 +375,10 @@ class Session {
       }
       return loop.finished();
     };
-#ifdef ENAMEL_HAVE_WINDOW
     if (screen_.window) {
       screen_.window->Run(over);
       EndEarly(loop);  // unless it has ended: the operator closed the window
     }
-#endif
     while (!over()) std::this_thread::sleep_for(milliseconds(20));
   }
 
@@ -404,12 +389,10 @@ class Session {
   }
 
   Status TakePicture() {
-#ifdef ENAMEL_HAVE_WINDOW
     if (screen_.window && !options_.screenshot.empty()) {
       screen_.window->FlushBricks(core_.volume());
       return screen_.window->WriteScreenshot(options_.screenshot.string());
     }
-#endif
     return Status::Ok();
   }
 

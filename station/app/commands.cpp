@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "common/base/file.h"
+#include "common/import/scene_folder.h"
 #include "common/scene/builtin.h"
 #include "common/scene/json.h"
 #include "common/scene/volume_blob.h"
@@ -16,9 +17,6 @@
 #include "station/spool/spool.h"
 #include "station/uplink/private_folder.h"
 #include "station/uplink/uploader.h"
-#ifdef ENAMEL_HAVE_IMPORT
-#include "common/import/scene_folder.h"
-#endif
 
 namespace enamel::station {
 namespace {
@@ -53,14 +51,9 @@ Result<scene::BuiltScene> LoadScene(const std::string& source, int voxel_um) {
   if (source.starts_with(kBuiltin)) {
     return scene::BuildBuiltinScene(source.substr(kBuiltin.size()), voxel_um * 1000);
   }
-#ifdef ENAMEL_HAVE_IMPORT
   auto folder = import::LoadSceneFolder(source);
   if (!folder.ok()) return folder.status();
   return scene::BuiltScene{std::move(folder->scene), std::move(folder->volume)};
-#else
-  return Status(Code::kNotFound,
-                "no scene '" + source + "': this build knows builtin:molar and builtin:block");
-#endif
 }
 
 }  // namespace
@@ -237,7 +230,6 @@ Status ReplayTrace(const ReplayOptions& options) {
 }
 
 Status ImportMesh(const ImportCommand& options) {
-#ifdef ENAMEL_HAVE_IMPORT
   ENAMEL_RETURN_IF_ERROR(CheckOutputFolder(options.out, "--out"));
   import::ImportOptions import_options;
   import_options.unit = options.unit;
@@ -249,10 +241,6 @@ Status ImportMesh(const ImportCommand& options) {
   for (const std::string& line : imported->report) std::printf("%s\n", line.c_str());
   std::printf("scene '%s' written to %s\n", imported->scene.name.c_str(), options.out.c_str());
   return Status::Ok();
-#else
-  (void)options;
-  return Status(Code::kUnavailable, "this enamel-station was built without mesh import");
-#endif
 }
 
 Status SimulateAttempt(const SimulateCommand& options) {

@@ -8,6 +8,7 @@
 
 #include "station/app/attempt.h"
 #include "station/app/commands.h"
+#include "station/qualify/cli.h"
 
 namespace {
 
@@ -199,6 +200,8 @@ int main(int argc, char** argv) {
   app.add_subcommand("profiles", "Device profiles and where their numbers are from")->callback([] {
     PrintProfiles();
   });
+
+  qualify::RegisterQualify(app, &exit_code);
 
   try {
     app.parse(argc, argv);
