@@ -34,9 +34,10 @@ bool Swings(const TrialSpec& s, const Measurement& m) {
 Verdict OneGrip(TrialSpec s) {
   s.settle_s = 1.5;
   s.window_s = 1;
+  s.measure_release = false;
   Measurement m = RunTrial(s);
-  if (Swings(s, m)) return Verdict::kUnstable;
   if (Proved(s)) return m.violation ? Verdict::kUnstable : Verdict::kPassive;
+  if (Swings(s, m)) return Verdict::kUnstable;
   if (m.deviation_m > 2.5 * s.plant.resolution_m || m.violation)
     return m.cycle ? Verdict::kBounded : Verdict::kStable;
   return Verdict::kStable;
@@ -48,12 +49,12 @@ Verdict CellVerdict(TrialSpec s) {
   s.plant.substeps = std::clamp(static_cast<int>(s.plant.tick_s / 0.12e-3), 1, 80);
   s.hand = HandKind::kImpedance;
   s.hand_stiffness_n_per_m = 1000;
-  s.hand_damping_n_s_per_m = 1;
+  s.hand_damping_n_s_per_m = 0.2 * std::sqrt(1000 * (s.hand_mass_kg + s.plant.mass_kg));
   Verdict v = OneGrip(s);
   double b = s.b_n_s_per_m.Trace() / 3;
   if (v == Verdict::kUnstable || b < 1000 || b > 2e4) return v;
   s.hand = HandKind::kForce;
-  s.hand_damping_n_s_per_m = 0.5;
+  s.hand_damping_n_s_per_m = 2;
   return Worse(v, OneGrip(s));
 }
 
@@ -88,7 +89,7 @@ void AddZWidth(SuiteContext& c, const DeviceModel& m, LawKind law) {
          friction = 2 * m.friction_n / m.resolution_m / k;
   map.curves.push_back({"theorem: Kc = 2b/T", {{theorem, 1e-3}, {theorem, 1e6}}});
   map.curves.push_back({"friction: Kc = 2c/delta", {{friction, 1e-3}, {friction, 1e6}}});
-  VerdictMap::Curve colgate{"Colgate-Schenkel, K beside B of eq. 1", {}};
+  VerdictMap::Curve colgate{"Colgate-Schenkel: K beside eq. 1", {}};
   for (double virtual_b : Steps(1e-3, 0.999e-3 * b, 12)) {
     if (virtual_b > 0.999e-3 * b) break;
     colgate.points.push_back(

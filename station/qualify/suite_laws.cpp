@@ -79,6 +79,8 @@ std::string CostKey(const Row& r) {
   return r.law + "/" + r.estimator + "/" + std::to_string(r.rate_hz);
 }
 
+constexpr double kLost_n = 1e9;  // a hand in which it cycles or is unstable: never on the front
+
 // Of the rows at B = 6.5: the worst error of the hands against nanoseconds; no other is better in
 // both.
 void MarkPareto(std::vector<Row>& rows, size_t from) {
@@ -88,7 +90,7 @@ void MarkPareto(std::vector<Row>& rows, size_t from) {
     const Row& r = rows[i];
     if (std::fabs(r.b_n_s_per_mm - 6.5) > 1e-9) continue;
     double error =
-        r.verdict == Verdict::kUnstable ? 1e9 : std::max(r.m.error_max_n, r.m.anchor_error_n);
+        r.m.unstable || r.m.cycle ? kLost_n : std::max(r.m.error_max_n, r.m.anchor_error_n);
     worst[Key(r)] = std::max(worst[Key(r)], error);
     cost[Key(r)] = r.ns_per_tick;
   }
@@ -96,12 +98,13 @@ void MarkPareto(std::vector<Row>& rows, size_t from) {
     Row& r = rows[i];
     auto mine = worst.find(Key(r));
     if (mine == worst.end()) continue;
-    r.pareto = std::none_of(worst.begin(), worst.end(), [&](const auto& other) {
-      if (other.first.compare(0, r.profile.size() + 1, r.profile + "/") != 0 ||
-          other.first == mine->first)
-        return false;
-      return other.second <= mine->second && cost[other.first] < cost[mine->first];
-    });
+    r.pareto =
+        mine->second < kLost_n && std::none_of(worst.begin(), worst.end(), [&](const auto& other) {
+          if (other.first.compare(0, r.profile.size() + 1, r.profile + "/") != 0 ||
+              other.first == mine->first)
+            return false;
+          return other.second <= mine->second && cost[other.first] < cost[mine->first];
+        });
   }
 }
 
@@ -232,7 +235,7 @@ void RunLawsSuite(SuiteContext& c) {
   for (const DeviceModel& m : c.findings.models) {
     AddTraces(m, c.findings);
     TrialSpec s = SpecOf(m, LawKind::kGatedMaxwell, kEnamel, kSpeed);
-    s.hand = HandKind::kForce;
+    s.hand = HandKind::kImpedance;
     c.findings.integration_error_m = std::max(c.findings.integration_error_m, IntegrationError(s));
   }
 }

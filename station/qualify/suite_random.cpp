@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstdio>
 
 #include "station/qualify/suites.h"
 
@@ -32,8 +33,53 @@ TrialSpec RandomCase(const DeviceModel& m, uint64_t seed) {
   return s;
 }
 
+namespace {
+
+constexpr double kSoftest_n_s_per_m = 2500;
+constexpr double kSlowest_s = 3;  // B/Kc above this is what a profile says it cannot render
+constexpr const char* kNone =
+    "B/Kc is above 3 s for every B of the draw: the profile says it cannot render this, so nothing "
+    "is drawn.";
+
+bool RendersAny(const DeviceModel& m) { return kSoftest_n_s_per_m / m.kc_n_per_m <= kSlowest_s; }
+
+// Which devices the misses are on: a coarse encoder counts too rarely at 0.05 mm/s to notice a
+// stop.
+void AddDeviceTable(Findings& findings, const RandomSummary& sum) {
+  Table t{
+      "Random cases by device",
+      "",
+      {"device", "cases", "hold every bound", "delta / (0.05 mm/s), s", "B/Kc at 2.5 N s/mm, s"},
+      {}};
+  for (const DeviceModel& m : findings.models) {
+    auto Of = [&](const std::vector<Row>& rows) {
+      return std::count_if(rows.begin(), rows.end(), [&](const Row& r) {
+        return r.profile == m.name && r.suite == "random";
+      });
+    };
+    auto cases = Of(findings.rows), missed = Of(sum.failures);
+    char gap[32], tau[32];
+    std::snprintf(gap, sizeof gap, "%.2f", m.resolution_m / 0.05e-3);
+    std::snprintf(tau, sizeof tau, "%.2f", 2500 / m.kc_n_per_m);
+    t.rows.push_back({m.title, std::to_string(cases),
+                      RendersAny(m) ? std::to_string(cases - missed) : "none drawn: B/Kc > 3 s",
+                      gap, tau});
+  }
+  findings.tables.push_back(std::move(t));
+}
+
+}  // namespace
+
 void RunRandomSuite(SuiteContext& c) {
-  const std::vector<DeviceModel>& models = c.findings.models;
+  std::vector<DeviceModel> models;
+  for (const DeviceModel& m : c.findings.models) {
+    if (RendersAny(m)) models.push_back(m);
+  }
+  if (models.empty()) {
+    c.findings.tables.push_back(
+        {"Random cases: none", kNone, {"device"}, {{c.findings.models[0].title}}});
+    return;
+  }
   auto n = static_cast<size_t>(c.options.quick ? std::min(c.options.cases, 150) : c.options.cases);
   std::vector<Row> rows(n);
   Random draws(c.options.seed);
@@ -69,6 +115,7 @@ void RunRandomSuite(SuiteContext& c) {
     if (!holds) sum.failures.push_back(r);
     c.findings.rows.push_back(std::move(r));
   }
+  AddDeviceTable(c.findings, sum);
   c.findings.random.push_back(std::move(sum));
 }
 

@@ -7,6 +7,7 @@
 namespace enamel::station::qualify {
 namespace {
 
+constexpr double kLegend = 232;  // column on the right
 constexpr double kLeft = 62, kRight = 18, kTop = 34, kBottom = 46;
 
 std::string Num(double v, const char* format = "%.6g") {
@@ -30,7 +31,15 @@ struct Axis {
           last = static_cast<int>(std::floor(std::log10(hi) + 1e-9));
       int step = std::max(1, (last - first) / 7);
       for (int e = first; e <= last; e += step) out.push_back(std::pow(10, e));
-      if (out.size() < 2) out = {lo, std::sqrt(lo * hi), hi};
+      if (out.size() < 3) {
+        out.clear();
+        for (int e = first - 1; e <= last + 1; ++e) {
+          for (double m : {1.0, 2.0, 3.0, 5.0}) {
+            double v = m * std::pow(10, e);
+            if (v >= lo && v <= hi) out.push_back(v);
+          }
+        }
+      }
       return out;
     }
     double raw = (hi - lo) / 6, base = std::pow(10, std::floor(std::log10(raw))), step = base;
@@ -101,6 +110,11 @@ const char* Colour(Verdict v) {
   return "#000";
 }
 
+bool HasLegend(const Plot& p) {
+  return std::any_of(p.series.begin(), p.series.end(),
+                     [](const Series& s) { return !s.label.empty() && !s.labelled; });
+}
+
 void Fit(const Plot& p, Axis* x, Axis* y) {
   double x0 = 1e300, x1 = -1e300, y0 = 1e300, y1 = -1e300;
   for (const Series& s : p.series) {
@@ -123,7 +137,7 @@ void Fit(const Plot& p, Axis* x, Axis* y) {
   };
   Pad(p.log_x, &x0, &x1);
   Pad(p.log_y, &y0, &y1);
-  *x = {x0, x1, kLeft, p.width - kRight, p.log_x};
+  *x = {x0, x1, kLeft, p.width - (HasLegend(p) ? kLegend : kRight), p.log_x};
   *y = {y0, y1, p.height - kBottom, kTop, p.log_y};
 }
 
@@ -189,12 +203,12 @@ std::string SvgOf(const Plot& p) {
       entries.push_back({line.label, line.colour});
     }
   }
-  s += Legend(entries, p.width - kRight - 190, kTop + 14);
+  s += Legend(entries, p.width - kLegend + 14, kTop + 12);
   return s + "</svg>";
 }
 
 std::string SvgOf(const VerdictMap& map) {
-  constexpr double kWidth = 620, kHeight = 380, kLegend = 178;
+  constexpr double kWidth = 700, kHeight = 380;
   auto Span = [](const std::vector<double>& v, double* half) {
     *half = v.size() > 1 ? std::sqrt(v[1] / v[0]) : 1.5;
     return std::pair{v.front() / *half, v.back() * *half};

@@ -120,7 +120,8 @@ class TrialRun {
 
   Measurement Run() {
     // A force hand that lets go is thrown back by the spring it held: no release to measure.
-    double end = spec_.hand == HandKind::kForce ? stop_ : stop_ + 3 * Tau() + 1;
+    double wait = std::min(3 * Tau() + 1, std::max(0.0, kLongestTrial_s - stop_));
+    double end = spec_.hand == HandKind::kForce || !spec_.measure_release ? stop_ : stop_ + wait;
     while (plant_.time_s() < end && !m_.unstable) {
       if (plant_.TickLost())
         Held();

@@ -35,6 +35,7 @@ struct TrialSpec {
   dvec3 start_offset_m{3.3e-6, 2.1e-6, 1.1e-6};  // where in its cell the tip starts
   double settle_s = 0;                           // 0: SettleTime
   double window_s = 2;                           // steady figures are taken over this
+  bool measure_release = true;                   // wait after the stop, at most until 120 s
   double trace_s = 0;                            // > 0: keep a sample that often
 };
 
