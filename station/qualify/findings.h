@@ -59,6 +59,7 @@ struct Attack {
 };
 
 struct RandomSummary {
+  std::string title;  // how speeds were drawn
   int cases = 0, held = 0, error = 0, rise = 0, release = 0, cycle = 0;
   std::vector<Row> failures;
   std::vector<double> errors_n, rises,

@@ -63,7 +63,8 @@ std::string JsonOf(const Findings& f) {
                                    {"proved", a.proved}});
   }
   for (const RandomSummary& r : f.random) {
-    random.push_back(json::object{{"cases", r.cases},
+    random.push_back(json::object{{"draw", r.title},
+                                  {"cases", r.cases},
                                   {"held", r.held},
                                   {"error", r.error},
                                   {"rise", r.rise},

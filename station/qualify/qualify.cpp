@@ -72,11 +72,12 @@ Progress ProgressTo(std::FILE* out) {
 void Print(std::FILE* out, const Findings& f) {
   for (const Table& t : f.tables) std::fputs(TextOf(t).c_str(), out);
   for (const RandomSummary& r : f.random) {
-    std::fprintf(out,
-                 "Random cases: %d of %d hold every bound (%.1f %%); error %d, rise %d, release "
-                 "%d, cycle %d; seed %llu\n",
-                 r.held, r.cases, 100.0 * r.held / std::max(1, r.cases), r.error, r.rise, r.release,
-                 r.cycle, static_cast<unsigned long long>(f.seed));
+    std::fprintf(
+        out,
+        "Random cases, %s: %d of %d hold every bound (%.1f %%); error %d, rise %d, release "
+        "%d, cycle %d; seed %llu\n",
+        r.title.c_str(), r.held, r.cases, 100.0 * r.held / std::max(1, r.cases), r.error, r.rise,
+        r.release, r.cycle, static_cast<unsigned long long>(f.seed));
   }
   for (const VerdictMap& m : f.maps) {
     size_t counts[4] = {};

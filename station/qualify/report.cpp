@@ -99,7 +99,7 @@ Plot RatePlot(const Findings& f, const DeviceModel& m) {
 
 Plot RandomPlot(const RandomSummary& r) {
   Plot p;
-  p.title = "Random cases: share of cases below a multiple of the bound";
+  p.title = "Share of cases below a multiple of the bound: " + r.title;
   p.x_label = "figure / its bound (1 = bound)";
   p.y_label = "share of cases";
   auto Curve = [](std::vector<double> v, const char* label, const char* colour) {
@@ -169,10 +169,10 @@ std::string Cards(const Findings& f) {
               violations == 0);
   for (const RandomSummary& r : f.random) {
     double share = 100.0 * r.held / std::max(1, r.cases);
-    s += Card(
-        F(share, "%.1f") + " %",
-        "of " + std::to_string(r.cases) + " random cases hold every bound with one parameter set",
-        share >= 99);
+    s += Card(F(share, "%.1f") + " %",
+              "of " + std::to_string(r.cases) +
+                  " random cases hold every bound with one parameter set; " + r.title,
+              share >= 99);
   }
   if (f.integration_error_m > 0)
     s += Card(F(f.integration_error_m * 1e6, "%.3f") + " um",
@@ -197,8 +197,8 @@ std::string FailuresHtml(const Findings& f) {
   std::string s;
   for (const RandomSummary& r : f.random) {
     Table t;
-    t.title = "Random cases that miss a bound: " + std::to_string(r.failures.size()) + " of " +
-              std::to_string(r.cases) + " (error " + std::to_string(r.error) + ", rise " +
+    t.title = "Cases that miss a bound, " + r.title + ": " + std::to_string(r.failures.size()) +
+              " of " + std::to_string(r.cases) + " (error " + std::to_string(r.error) + ", rise " +
               std::to_string(r.rise) + ", release " + std::to_string(r.release) + ", cycle " +
               std::to_string(r.cycle) + ")";
     t.head = {"device",       "hand",         "B N s/mm", "speed mm/s", "error N",
@@ -284,7 +284,7 @@ std::vector<Named> AllPlots(const Findings& f) {
   for (size_t i = 0; i < f.maps.size(); ++i)
     out.push_back({"extreme", "map-" + std::to_string(i + 1), SvgOf(f.maps[i])});
   for (size_t i = 0; i < f.random.size(); ++i)
-    out.push_back({"random", "random", SvgOf(RandomPlot(f.random[i]))});
+    out.push_back({"random", "random-" + std::to_string(i + 1), SvgOf(RandomPlot(f.random[i]))});
   return out;
 }
 
@@ -313,7 +313,8 @@ constexpr Section kSections[] = {
      "v, for force and impedance hands against B V of the cutting front. Filled blue points are on "
      "the front: nothing is both cheaper and more accurate."},
     {"random", "Random cases, one parameter set",
-     "Device, B, speed, direction, friction, hand and its mass are drawn; speeds are drawn "
+     "Device, B, speed, direction, friction, hand and its mass are drawn. Speeds are drawn "
+     "uniformly, then "
      "logarithmically, which favours the slow cuts where counts are rare."},
     {"extreme", "Stiff and extreme",
      "Each cell is simulated past what a profile would accept. Passive: the theorem covers it and "

@@ -9,12 +9,12 @@ namespace enamel::station::qualify {
 
 // Device aside: B 2.5-11.3 N s/mm, speed 0.05-1.0 mm/s (logarithmic: the slow cuts are the hard
 // ones), any direction, friction 0-2 Kc delta / 2, hand and its mass; B v at most 0.9 of the peak.
-TrialSpec RandomCase(const DeviceModel& m, uint64_t seed) {
+TrialSpec RandomCase(const DeviceModel& m, uint64_t seed, bool slow) {
   Random r(seed);
   double b, v;
   do {
     b = r.Between(2500, 11300);
-    v = r.LogBetween(0.05e-3, 1e-3);
+    v = slow ? r.LogBetween(0.05e-3, 1e-3) : r.Between(0.05e-3, 1e-3);
   } while (b * v > 0.9 * m.peak_force_n);
   TrialSpec s = SpecOf(m, haptics::LawKind::kGatedMaxwell, b, v);
   s.direction = r.Direction();
@@ -45,7 +45,7 @@ bool RendersAny(const DeviceModel& m) { return kSoftest_n_s_per_m / m.kc_n_per_m
 
 // Which devices the misses are on: a coarse encoder counts too rarely at 0.05 mm/s to notice a
 // stop.
-void AddDeviceTable(Findings& findings, const RandomSummary& sum) {
+void AddDeviceTable(Findings& findings, const RandomSummary& sum, const char* suite) {
   Table t{
       "Random cases by device",
       "",
@@ -53,9 +53,8 @@ void AddDeviceTable(Findings& findings, const RandomSummary& sum) {
       {}};
   for (const DeviceModel& m : findings.models) {
     auto Of = [&](const std::vector<Row>& rows) {
-      return std::count_if(rows.begin(), rows.end(), [&](const Row& r) {
-        return r.profile == m.name && r.suite == "random";
-      });
+      return std::count_if(rows.begin(), rows.end(),
+                           [&](const Row& r) { return r.profile == m.name && r.suite == suite; });
     };
     auto cases = Of(findings.rows), missed = Of(sum.failures);
     char gap[32], tau[32];
@@ -68,18 +67,7 @@ void AddDeviceTable(Findings& findings, const RandomSummary& sum) {
   findings.tables.push_back(std::move(t));
 }
 
-}  // namespace
-
-void RunRandomSuite(SuiteContext& c) {
-  std::vector<DeviceModel> models;
-  for (const DeviceModel& m : c.findings.models) {
-    if (RendersAny(m)) models.push_back(m);
-  }
-  if (models.empty()) {
-    c.findings.tables.push_back(
-        {"Random cases: none", kNone, {"device"}, {{c.findings.models[0].title}}});
-    return;
-  }
+void RunDraws(SuiteContext& c, const std::vector<DeviceModel>& models, bool slow) {
   auto n = static_cast<size_t>(c.options.quick ? std::min(c.options.cases, 150) : c.options.cases);
   std::vector<Row> rows(n);
   Random draws(c.options.seed);
@@ -88,12 +76,13 @@ void RunRandomSuite(SuiteContext& c) {
   std::atomic<size_t> done{0};
   ParallelFor(n, c.options.threads, [&](size_t i) {
     const DeviceModel& m = models[seeds[i] % models.size()];
-    rows[i] = RunRow(m, RandomCase(m, seeds[i]));
-    rows[i].suite = "random";
+    rows[i] = RunRow(m, RandomCase(m, seeds[i], slow));
+    rows[i].suite = slow ? "random-slow" : "random";
     rows[i].title = "seed " + std::to_string(seeds[i]);
     c.progress("random", ++done, n);
   });
   RandomSummary sum;
+  sum.title = slow ? "speeds drawn logarithmically (slow cuts)" : "speeds drawn uniformly";
   for (Row& r : rows) {
     bool velocity = r.hand == "velocity";
     double bound = std::max(0.06, 1.3 * r.kc_delta_half_n);
@@ -115,8 +104,24 @@ void RunRandomSuite(SuiteContext& c) {
     if (!holds) sum.failures.push_back(r);
     c.findings.rows.push_back(std::move(r));
   }
-  AddDeviceTable(c.findings, sum);
+  AddDeviceTable(c.findings, sum, slow ? "random-slow" : "random");
   c.findings.random.push_back(std::move(sum));
+}
+
+}  // namespace
+
+void RunRandomSuite(SuiteContext& c) {
+  std::vector<DeviceModel> models;
+  for (const DeviceModel& m : c.findings.models) {
+    if (RendersAny(m)) models.push_back(m);
+  }
+  if (models.empty()) {
+    c.findings.tables.push_back(
+        {"Random cases: none", kNone, {"device"}, {{c.findings.models[0].title}}});
+    return;
+  }
+  RunDraws(c, models, false);
+  RunDraws(c, models, true);
 }
 
 }  // namespace enamel::station::qualify

@@ -43,7 +43,7 @@ Attack PlayRandom(const DeviceModel& model, haptics::LawKind law, uint64_t seed,
 // The same, searching: (1+1) evolution of a periodic 3-D motion and of a material that follows its
 // phase, `rounds` tries of 400 ticks.
 Attack PlaySearch(const DeviceModel& model, haptics::LawKind law, uint64_t seed, int rounds);
-// One draw of the random suite.
-TrialSpec RandomCase(const DeviceModel& model, uint64_t seed);
+// One draw of the random suite; `slow`: the speed logarithmically, which favours slow cuts.
+TrialSpec RandomCase(const DeviceModel& model, uint64_t seed, bool slow);
 
 }  // namespace enamel::station::qualify

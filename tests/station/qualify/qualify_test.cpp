@@ -65,7 +65,7 @@ TEST(QualifyTest, WritesRowsAndASelfContainedPage) {
   EXPECT_EQ(RunQualify(o), 0);
   auto json = boost::json::parse(ReadAll(o.json_path)).as_object();
   const auto& rows = json.at("rows").as_array();
-  ASSERT_EQ(rows.size(), 6u);
+  ASSERT_EQ(rows.size(), 12u);
   for (const char* name : {"profile",
                            "law",
                            "estimator",
@@ -99,7 +99,7 @@ TEST(QualifyTest, WritesRowsAndASelfContainedPage) {
       ++at;
     }
   }
-  EXPECT_TRUE(fs::exists(folder.path() / "report/random.svg"));
+  EXPECT_TRUE(fs::exists(folder.path() / "report/random-1.svg"));
 }
 
 TEST(QualifyTest, GivesTheSameRowsForTheSameSeed) {
