@@ -26,6 +26,8 @@ size_t Width(const std::string& s) {
       std::count_if(s.begin(), s.end(), [](char c) { return (c & 0xc0) != 0x80; }));
 }
 
+constexpr double kLabelled_n = 1;  // points worse than this have no name in the plot
+
 // Error of a law at B = 6.5: the worst hand against the cost of a tick.
 Plot ParetoPlot(const Findings& f, const DeviceModel& m) {
   Plot p;
@@ -68,7 +70,8 @@ Plot ParetoPlot(const Findings& f, const DeviceModel& m) {
       front.points.push_back(at);
     else
       others.points.push_back(at);
-    if (q.front && !q.is_default) names.push_back({name, {at}, "#1f6f8b", true, true, false, true});
+    if (q.front && !q.is_default && q.error < kLabelled_n)
+      names.push_back({name, {at}, "#1f6f8b", true, true, false, true});
   }
   p.series = {others, lost, front};
   for (Series& s : names) p.series.push_back(std::move(s));

@@ -47,7 +47,7 @@ bool RendersAny(const DeviceModel& m) { return kSoftest_n_s_per_m / m.kc_n_per_m
 // stop.
 void AddDeviceTable(Findings& findings, const RandomSummary& sum, const char* suite) {
   Table t{
-      "Random cases by device",
+      "Random cases by device, " + sum.title,
       "",
       {"device", "cases", "hold every bound", "delta / (0.05 mm/s), s", "B/Kc at 2.5 N s/mm, s"},
       {}};

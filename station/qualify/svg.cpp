@@ -185,6 +185,7 @@ std::string SvgOf(const Plot& p) {
   Fit(p, &x, &y);
   std::string s = Frame(p.title, p.x_label, p.y_label, x, y, p.width, p.height);
   std::vector<std::pair<std::string, std::string>> entries;
+  int labels = 0;  // beside points: above and below in turn
   for (const Series& line : p.series) {
     if (line.dots) {
       for (auto [px, py] : line.points) {
@@ -197,8 +198,9 @@ std::string SvgOf(const Plot& p) {
            "' stroke-width='1.6'" + (line.dashed ? " stroke-dasharray='5 4'" : "") + "/>";
     }
     if (line.labelled && !line.points.empty()) {
-      s += Label(x.At(line.points.back().first) + 7, y.At(line.points.back().second) - 6,
-                 line.label, "fill='#17242b' font-size='10'");
+      s += Label(x.At(line.points.back().first) + 7,
+                 y.At(line.points.back().second) + (labels++ % 2 ? 15 : -7), line.label,
+                 "fill='#17242b' font-size='10'");
     } else if (!line.label.empty()) {
       entries.push_back({line.label, line.colour});
     }
