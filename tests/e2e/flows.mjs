@@ -171,6 +171,7 @@ async function toothByKeyboard(world) {
   await page.getByText("The same as a table").click();
   assert.ok(await page.getByRole("region", { name: "Force and removal as a table" }).locator("tbody tr").count() > 10);
   await page.getByText("Deviation in numbers").click();
+  await page.getByText("Of the surface that was cut", { exact: false }).first().waitFor();
   assert.match(await page.getByRole("main").innerText(), /Of the surface that was cut, \d+ % lies within 0\.1 mm of the reference/);
   await accessible(page, "an attempt with its tables open");
 }
@@ -226,7 +227,8 @@ async function markReference(world) {
 
 async function disturbedRecording(world) {
   const page = await signedIn(world, "instructor", "/attempts/00000000-0000-7000-8000-000000000104");
-  await page.getByText("The recording was disturbed").waitFor();
+  // The score, which says whether the replay agreed, comes after the attempt itself.
+  await page.getByText("does not repeat what the station recorded", { exact: false }).first().waitFor();
   const text = await page.getByRole("region", { name: "Recording" }).innerText();
   assert.match(text, /412 ticks .* were not recorded/);
   assert.match(text, /does not repeat what the station recorded: the state after chunk 12 differs/);
