@@ -1,4 +1,4 @@
-#include "common/haptics/force_law.h"
+#include "common/haptics/estimated_tip_law.h"
 
 namespace enamel::haptics {
 namespace {
@@ -9,26 +9,13 @@ namespace {
 //   R_{k-1} dp + (b / T) dp^2 >= (R_k^2 - R_{k-1}^2) / (2 c1)
 // which factors into (c1 - beta) (2 R_{k-1} / dp + c1 + beta) >= 0. So beta lies between c1 and
 // -c1 - 2 R_{k-1} / dp. Proved for unquantised positions only. Holds where dp = 0.
-class EnergyBounded final : public ForceLaw {
+class EnergyBounded final : public EstimatedTipLaw {
  public:
   explicit EnergyBounded(const LawParams& params)
-      : params_(params),
-        estimators_(params.estimator, EstimatorKind::kBackwardDifference, params.resolution_m,
-                    params.tick_s) {
+      : EstimatedTipLaw(params, EstimatorKind::kBackwardDifference) {
     Reset(dvec3(0));
   }
 
-  bool anchored() const noexcept override { return false; }
-  void Reset(const dvec3& tip_m) noexcept override {
-    tip_ = tip_m;
-    step_ = sent_ = velocity_ = dvec3(0);
-    estimators_.Reset(tip_m);
-  }
-  void BeginTick(const dvec3& tip_m) noexcept override {
-    step_ = tip_m - tip_;
-    tip_ = tip_m;
-    velocity_ = estimators_.Update(tip_m);
-  }
   dvec3 TipForce(const Sym3& b) noexcept override {
     dvec3 wanted = b * velocity_;
     for (int i = 0; i < 3; ++i) {
@@ -40,11 +27,6 @@ class EnergyBounded final : public ForceLaw {
     }
     return sent_;
   }
-
- private:
-  LawParams params_;
-  AxisVelocities estimators_;
-  dvec3 tip_{0}, step_{0}, sent_{0}, velocity_{0};
 };
 
 }  // namespace

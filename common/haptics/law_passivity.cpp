@@ -1,4 +1,4 @@
-#include "common/haptics/force_law.h"
+#include "common/haptics/estimated_tip_law.h"
 
 namespace enamel::haptics {
 namespace {
@@ -8,26 +8,19 @@ namespace {
 // < 0 a damper alpha = -W T / (dp . dp) is added, at most Kc T, which takes the deficit back over
 // the next step if that step is as long as the last. Where dp = 0 it can do nothing. Eq. 2 of Liu
 // et al. is this observer.
-class PassivityControlled final : public ForceLaw {
+class PassivityControlled final : public EstimatedTipLaw {
  public:
   explicit PassivityControlled(const LawParams& params)
-      : params_(params),
-        estimators_(params.estimator, EstimatorKind::kBackwardDifference, params.resolution_m,
-                    params.tick_s) {
+      : EstimatedTipLaw(params, EstimatorKind::kBackwardDifference) {
     Reset(dvec3(0));
   }
 
-  bool anchored() const noexcept override { return false; }
   void Reset(const dvec3& tip_m) noexcept override {
-    tip_ = tip_m;
-    step_ = sent_ = velocity_ = dvec3(0);
+    EstimatedTipLaw::Reset(tip_m);
     energy_j_ = 0;
-    estimators_.Reset(tip_m);
   }
   void BeginTick(const dvec3& tip_m) noexcept override {
-    step_ = tip_m - tip_;
-    tip_ = tip_m;
-    velocity_ = estimators_.Update(tip_m);
+    EstimatedTipLaw::BeginTick(tip_m);
     energy_j_ += Dot(sent_, step_);
   }
   dvec3 TipForce(const Sym3& b) noexcept override {
@@ -41,9 +34,6 @@ class PassivityControlled final : public ForceLaw {
   }
 
  private:
-  LawParams params_;
-  AxisVelocities estimators_;
-  dvec3 tip_{0}, step_{0}, sent_{0}, velocity_{0};
   double energy_j_ = 0;
 };
 

@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "common/haptics/force_law.h"
+#include "common/haptics/estimated_tip_law.h"
 
 namespace enamel::haptics {
 namespace {
@@ -10,26 +10,13 @@ namespace {
 // satisfies the bound for every dp that may follow). Velocity: best-fit adaptive window unless told
 // otherwise. It follows a hand that prescribes velocity; one that prescribes force sticks (v = 0
 // for ever), and it never lets go of a hand that stops.
-class Symmetric final : public ForceLaw {
+class Symmetric final : public EstimatedTipLaw {
  public:
   explicit Symmetric(const LawParams& params)
-      : params_(params),
-        estimators_(params.estimator, EstimatorKind::kFoawBestFit, params.resolution_m,
-                    params.tick_s) {
+      : EstimatedTipLaw(params, EstimatorKind::kFoawBestFit) {
     Reset(dvec3(0));
   }
 
-  bool anchored() const noexcept override { return false; }
-  void Reset(const dvec3& tip_m) noexcept override {
-    tip_ = tip_m;
-    step_ = sent_ = velocity_ = dvec3(0);
-    estimators_.Reset(tip_m);
-  }
-  void BeginTick(const dvec3& tip_m) noexcept override {
-    step_ = tip_m - tip_;
-    tip_ = tip_m;
-    velocity_ = estimators_.Update(tip_m);
-  }
   dvec3 TipForce(const Sym3& b) noexcept override {
     dvec3 wanted = b * velocity_;
     for (int i = 0; i < 3; ++i) {
@@ -38,11 +25,6 @@ class Symmetric final : public ForceLaw {
     }
     return sent_;
   }
-
- private:
-  LawParams params_;
-  AxisVelocities estimators_;
-  dvec3 tip_{0}, step_{0}, sent_{0}, velocity_{0};
 };
 
 }  // namespace
