@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "common/core/core.h"
+#include "common/cutting/bur.h"
+
+// What a tick of the core costs: cut, engagement, force and hash, on a bur that moves sideways
+// through a block and is engaged in every tick that counts.
+namespace enamel::measure {
+
+// How the bur stands in the block.
+enum class Sunk : uint8_t {
+  kHalf,   // upright, half of its height below the surface
+  kWhole,  // upright, all of it below the surface: a slot
+  kLying,  // axis in the surface, across the travel
+};
+const char* SunkName(Sunk sunk);  // "half", "whole", "lying"
+
+struct CutCase {
+  cutting::BurShape shape = cutting::BurShape::kCylinder;
+  double radius_m = 0.6e-3;
+  double length_m = 4e-3;  // what a sphere does not have
+  int32_t voxel_nm = 50'000;
+  double speed_m_s = 5e-3;
+  Sunk sunk = Sunk::kHalf;
+  uint32_t rate_hz = 1000;
+};
+// "cylinder r 0.6 x 4 mm".
+std::string BurText(const CutCase& c);
+
+// A way through a block, as the core gets it.
+struct CutPath {
+  core::CoreParams params;
+  cutting::Volume block;
+  std::vector<core::TickInput> inputs;
+  size_t first_measured = 0;  // before it: soft start, entry at 20 mm/s, settling
+};
+// `ticks`: how many are to be measured at most; fewer where they would travel over 6 mm.
+// Requires: a bur and a voxel the core accepts.
+CutPath MakeCutPath(const CutCase& c, size_t ticks);
+
+struct TickCost {
+  size_t ticks = 0;
+  int replays = 0;
+  // Per tick the least of the replays; mean and 99th percentile over ticks.
+  double mean_us = 0, p99_us = 0;
+  // Over all ticks of all replays, as they came.
+  double raw_mean_us = 0, raw_p99_us = 0;
+  double removed_mm3 = 0;     // in the measured ticks
+  double engaged_share = 0;   // of the measured ticks
+  uint64_t state_hash = 0;    // after the last tick, the same in every replay
+  bool replays_agree = true;  // they must: the core is deterministic
+};
+
+// Replays the case's path `replays` times on fresh cores and times every tick with the steady clock
+// (about 25 ns of the clock's own are included). `progress` (done, all) may be empty. Blocks.
+TickCost MeasureTicks(const CutCase& c, size_t ticks, int replays,
+                      const std::function<void(int, int)>& progress = {});
+
+}  // namespace enamel::measure
