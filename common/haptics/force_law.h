@@ -16,10 +16,10 @@ namespace enamel::haptics {
 
 // Stable numbers: they are recorded in attempt headers.
 enum class LawKind : uint8_t {
-  kMaxwell = 1,          // spring Kc to an anchor that moves through tissue as F/B (default)
+  kMaxwell = 1,          // spring Kc to an anchor that moves through tissue as F/B
   kPaperDamping = 2,     // eq. 1: R = B V, V = (p_i - p_{i-1}) f, nothing else
   kPaperLimited = 3,     // eq. 1 with the limiter of eq. 17 exactly as printed
-  kGatedMaxwell = 4,     // Maxwell whose anchor is slowed while the force is still too small for the speed
+  kGatedMaxwell = 4,     // Maxwell whose anchor waits while the force is too small for the speed (default)
   kPaperSymmetric = 5,   // eq. 1 with eq. 12's slope bound on rises and falls, per axis, adaptive window
   kVirtualCoupling = 6,  // Adams-Hannaford: spring and damper to a tool that moves through tissue
   kPassivityControlled = 7,  // eq. 1 with a passivity observer and controller (Hannaford-Ryu)

@@ -99,7 +99,7 @@ struct Exercise {
   cutting::BurShape bur_shape = cutting::BurShape::kCylinder;
   int32_t bur_radius_um = 0;
   int32_t bur_length_um = 0;
-  haptics::LawKind law = haptics::LawKind::kMaxwell;
+  haptics::LawKind law = haptics::LawKind::kGatedMaxwell;
   int32_t rate_hz = 1000;
   int32_t time_limit_s = 0;              // 0: none
   bool graded = true;                    // score shown after release; practice shows at once

@@ -13,6 +13,7 @@ using cutting::Volume;
 
 constexpr double kTouchedVoxels = 0.1;
 constexpr double kFacing = 0.9;
+constexpr double kLineStepVoxels = 0.5;
 // Positions are single precision: 0.5 nm at 5 mm. Less than this is none.
 constexpr double kPositionResolution_m = 1e-9;
 
@@ -39,6 +40,22 @@ std::vector<float> DeviationPerVertex(const surface::Mesh& mesh, const Volume& i
     out[i] = static_cast<float>(in_reference_solid || distance == 0 ? distance : -distance);
   }
   return out;
+}
+
+double SurfaceAlong_m(const Volume& volume, const dvec3& point_m, const dvec3& direction,
+                      double limit_m) {
+  double here = volume.DistanceAt_m(point_m);
+  double sign = here < 0 ? 1 : -1;
+  double step = kLineStepVoxels * volume.spec().voxel_m();
+  for (double from = 0; from < limit_m; from += step) {
+    double next = volume.DistanceAt_m(point_m + direction * (sign * (from + step)));
+    if ((next < 0) == (here < 0)) {
+      here = next;
+      continue;
+    }
+    return sign * std::min(limit_m, from + step * (here / (here - next)));
+  }
+  return sign * limit_m;
 }
 
 double WeightedQuantile(std::vector<WeightedValue> values, double share) {

@@ -136,13 +136,42 @@ Status CheckInputs(const AttemptData& attempt, const AttemptData& reference) {
 // Signed deviations of the parts' vertices of one surface, by area.
 using PartValues = std::array<std::vector<WeightedValue>, kPartCount>;
 
-void CollectParts(const surface::Mesh& mesh, const std::vector<float>& deviation_m,
-                  const std::vector<double>& areas_m2, const OpenBox& target, double depth_m,
-                  double sign, PartValues& parts) {
+constexpr double kOtherSurface = 2;  // a line may be so many times the nearest distance
+
+// From the nearest distance to the distance along the wall's mean normal. Nearest distances to a
+// rough wall end at whatever stands out of it, and so make a deep wall look shallower by its
+// roughness; along one direction they are the two walls' heights. What the line meets farther off
+// is another surface: then the nearest distance stands.
+double AlongNormal_m(double nearest_m, const cutting::Volume& own, const cutting::Volume& other,
+                     const dvec3& point_m, const dvec3& normal) {
+  double h = own.spec().voxel_m();
+  double reach = kOtherSurface * std::fabs(nearest_m) + h;
+  double there = SurfaceAlong_m(other, point_m, normal, reach);
+  double along = there - SurfaceAlong_m(own, point_m, normal, h);
+  return std::fabs(there) < reach ? along : nearest_m;
+}
+
+void CollectParts(const AttemptData& cut, const AttemptData& other,
+                  const std::vector<float>& deviation_m, const std::vector<double>& areas_m2,
+                  const OpenBox& target, double depth_m, double sign, PartValues& parts) {
+  const surface::Mesh& mesh = *cut.final_surface;
+  std::array<std::vector<size_t>, kPartCount> vertices;
+  std::array<dvec3, kPartCount> normal{};
   for (size_t i = 0; i < deviation_m.size(); ++i) {
     if (std::isnan(deviation_m[i])) continue;
-    Part part = PartOf(target, depth_m, dvec3(mesh.position_m[i]), dvec3(mesh.normal[i]));
-    if (part != kNoPart) parts[part].push_back({sign * deviation_m[i], areas_m2[i]});
+    dvec3 facing(mesh.normal[i]);
+    Part part = PartOf(target, depth_m, dvec3(mesh.position_m[i]), facing);
+    if (part == kNoPart) continue;
+    vertices[part].push_back(i);
+    normal[part] += facing * areas_m2[i];
+  }
+  for (size_t p = 0; p < kPartCount; ++p) {
+    double length = std::sqrt(Dot(normal[p], normal[p]));
+    for (size_t i : vertices[p]) {
+      double value = AlongNormal_m(deviation_m[i], *cut.final_volume, *other.final_volume,
+                                   dvec3(mesh.position_m[i]), normal[p] / length);
+      parts[p].push_back({sign * value, areas_m2[i]});
+    }
   }
 }
 
@@ -152,12 +181,12 @@ void MeasureParts(const AttemptData& attempt, const std::vector<float>& deviatio
                   const std::vector<double>& areas_m2, const AttemptData& reference,
                   const OpenBox& target, double depth_m, Measured& out) {
   PartValues parts;
-  CollectParts(*attempt.final_surface, deviation_m, areas_m2, target, depth_m, 1, parts);
+  CollectParts(attempt, reference, deviation_m, areas_m2, target, depth_m, 1, parts);
   std::vector<float> back =
       DeviationPerVertex(*reference.final_surface, *reference.initial, *reference.final_volume,
                          *attempt.final_volume, *attempt.final_surface);
-  CollectParts(*reference.final_surface, back, VertexAreas_m2(*reference.final_surface), target,
-               depth_m, -1, parts);
+  CollectParts(reference, attempt, back, VertexAreas_m2(*reference.final_surface), target, depth_m,
+               -1, parts);
   for (size_t p = 0; p < kPartCount; ++p) {
     // Adding zero turns -0 into 0.
     out.part_m[p] = WeightedQuantile(std::move(parts[p]), 0.5) + 0.0;

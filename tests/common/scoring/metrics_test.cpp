@@ -5,6 +5,7 @@
 #include <cmath>
 #include <set>
 
+#include "common/cutting/cutter.h"
 #include "tests/common/scoring/synthetic_cavity.h"
 
 namespace enamel::scoring {
@@ -76,6 +77,34 @@ INSTANTIATE_TEST_SUITE_P(Cavities, OneWallOff,
                                          WallCase{"fine_off_grid", 50'000, 0, 0, 0.0171},
                                          WallCase{"fine_turned", 50'000, -0.1, 0, 0.0213}),
                          [](const auto& test) { return test.param.name; });
+
+// Grooves of a 0.1 mm bur, 0.06 mm deep and 0.4 mm apart: they take less than half of the wall, so
+// its median height is that of the flat between them.
+void GrooveMesialWall(Cut& cut, const Cavity& cavity) {
+  cutting::Bur bur{cutting::BurShape::kCylinder, 0.1e-3, 6e-3};
+  cut.volume.Reserve();
+  cutting::Cutter cutter(cut.volume, bur);
+  cutting::RemovedUnits removed{};
+  double x_mm = cavity.mesial_mm + 0.06 - 0.1;
+  for (double y_mm = -cavity.lingual_mm; y_mm < cavity.buccal_mm; y_mm += 0.4) {
+    cutting::Pose pose{dvec3(x_mm, y_mm, -cavity.depth_mm) * 1e-3, {}};
+    ASSERT_TRUE(cutter.Cut(pose, removed));
+  }
+  cut.mesh = surface::ExtractSurface(cut.volume);
+}
+
+TEST(MetricsTest, ARoughReferenceDoesNotMakeADeepWallShallower) {
+  Volume block = MakeBlock(50'000);
+  Cavity deep;
+  deep.mesial_mm += 0.3;
+  Cut reference(block, {}), attempt(block, deep);
+  GrooveMesialWall(reference, {});
+  auto metrics = Compare(block, attempt, reference);
+  EXPECT_NEAR(ValueOf(metrics, "wall_mesial_mm"), 0.3, 0.0125);
+  // A nearest point would be in a groove for most of the wall.
+  surface::DistanceQuery nearest(reference.mesh);
+  EXPECT_LT(nearest.Distance_m(dvec3(1.8, 0.1, -1) * 1e-3, 1e-3), 0.27e-3);
+}
 
 TEST(MetricsTest, TheReferenceAgainstItselfHasNoDeviationAtAll) {
   Volume block = MakeBlock(50'000);
