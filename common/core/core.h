@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/base/check.h"
+#include "common/base/state_archive.h"
 #include "common/base/state_hash.h"
 #include "common/core/params.h"
 #include "common/cutting/cutter.h"
@@ -97,6 +98,14 @@ class Core {
   std::span<const int32_t> touched() const noexcept { return {touched_.data(), touched_count_}; }
   // Tip position of device counts, scene frame, metres.
   dvec3 TipOf(const std::array<int32_t, 3>& counts) const noexcept;
+
+  // Keyframes of a replay (trace/keyframes.h). VisitState saves or restores all that the next Step
+  // depends on but the tooth's samples; RestoreBrick puts those back, brick by brick, into a core made
+  // with the same parameters and initial volume. Saved bytes are this build's own. Restoring: false
+  // when they are not such a core's; then the core must not be stepped. Not real-time.
+  bool VisitState(StateArchive& archive);
+  // False when the brick can never have been stored: outside the grid, or air from the start.
+  bool RestoreBrick(int brick, std::span<const int16_t, cutting::kBrickVoxels> phi);
 
  private:
   class TissueMaterial;

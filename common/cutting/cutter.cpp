@@ -62,6 +62,11 @@ Cutter::Cutter(Volume& volume, const Bur& bur)
   touched_.resize(std::min(side * side * side, min_phi_.size()));
 }
 
+void Cutter::VisitState(StateArchive& archive) {
+  archive(min_phi_);
+  touched_count_ = 0;
+}
+
 bool Cutter::AnySolidNear(const Pose& pose, double margin_m) const noexcept {
   dmat3 m = pose.orientation.Matrix();
   dvec3 middle = pose.tip_m + m[2] * (0.5 * bur_.height_m());

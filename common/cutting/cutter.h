@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/base/check.h"
+#include "common/base/state_archive.h"
 #include "common/cutting/brick_kernel.h"
 #include "common/cutting/bur.h"
 #include "common/cutting/volume.h"
@@ -39,6 +40,9 @@ class Cutter {
   // a whole move is through open air.
   bool AnySolidNear(const Pose& pose, double margin_m) const noexcept;
   size_t MaxBricks() const noexcept { return touched_.size(); }
+  // Saves or restores all that the next Cut depends on but the volume, the bur and its pose. Not
+  // real-time.
+  void VisitState(StateArchive& archive);
 
  private:
   bool CutBrick(int brick, const ivec3& first_voxel, const dmat3& scene_from_bur,

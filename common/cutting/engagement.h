@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/base/check.h"
+#include "common/base/state_archive.h"
 #include "common/cutting/bur.h"
 #include "common/cutting/volume.h"
 #include "common/math/sym3.h"
@@ -45,6 +46,8 @@ class EngagementReader {
   // Rotational damping of the sampled contact about the bur's tip, N m s: sum beta (r x n)(r x n)^T.
   ENAMEL_REALTIME Sym3 ReadRotational() const noexcept;
   bool AnyContact() const noexcept { return active_count_ != 0; }
+  // Saves or restores the last Sample. Not real-time.
+  void VisitState(StateArchive& archive) { archive(active_, active_count_); }
   size_t point_count() const noexcept { return points_.size(); }
 
  private:

@@ -34,6 +34,11 @@ void Coupling::Reset(const dvec3& tip_m) noexcept {
   law_->Reset(tip_m);
 }
 
+void Coupling::VisitState(StateArchive& archive) {
+  archive(anchor_, stretch_, clipped_at_n_, wall_);
+  law_->VisitState(archive);
+}
+
 bool Coupling::Resume(const dvec3& tip_m, Material& material) noexcept {
   if (!Finite(tip_m)) return false;
   dvec3 e = tip_m - anchor_;

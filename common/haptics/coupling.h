@@ -92,6 +92,9 @@ class Coupling {
   // One tick. `bound_ratio` in [0, 1] scales the peak bound (fault fade).
   ENAMEL_REALTIME CouplingOutput Tick(const dvec3& tip_m, double bound_ratio, Material& material) noexcept;
 
+  // Saves or restores all that the next Tick depends on but the parameters. Not real-time.
+  void VisitState(StateArchive& archive);
+
   const dvec3& anchor_m() const noexcept { return anchor_; }
   const CouplingParams& params() const noexcept { return params_; }
 

@@ -25,6 +25,10 @@ class EstimatedTipLaw : public ForceLaw {
     tip_ = tip_m;
     velocity_ = estimators_.Update(tip_m);
   }
+  void VisitState(StateArchive& archive) override {
+    archive(tip_, step_, sent_, velocity_);
+    estimators_.VisitState(archive);
+  }
 
  protected:
   LawParams params_;

@@ -62,4 +62,8 @@ dvec3 AxisVelocities::Update(const dvec3& p) noexcept {
   return {axes_[0]->Update(p.x), axes_[1]->Update(p.y), axes_[2]->Update(p.z)};
 }
 
+void AxisVelocities::VisitState(StateArchive& archive) {
+  for (auto& axis : axes_) axis->VisitState(archive);
+}
+
 }  // namespace enamel::haptics

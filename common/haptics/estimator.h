@@ -5,6 +5,7 @@
 #include <span>
 #include <string_view>
 
+#include "common/base/state_archive.h"
 #include "common/math/vec.h"
 
 // Velocity from quantised positions, one axis at a time. Notation: p_k cell middle at tick k, T
@@ -42,6 +43,8 @@ class VelocityEstimator {
   virtual void Reset(double p_m) noexcept = 0;
   // Once per tick. Returns m/s.
   virtual double Update(double p_m) noexcept = 0;
+  // Saves or restores all that Update depends on.
+  virtual void VisitState(StateArchive& archive) = 0;
 };
 
 // A new estimator is one class, one factory and one line in the registry (estimator.cpp).
@@ -76,6 +79,7 @@ class AxisVelocities {
                  double tick_s);
   void Reset(const dvec3& p_m) noexcept;
   dvec3 Update(const dvec3& p_m) noexcept;
+  void VisitState(StateArchive& archive);
 
  private:
   std::unique_ptr<VelocityEstimator> axes_[3];

@@ -21,6 +21,7 @@ class LowPass final : public VelocityEstimator {
     p_ = p;
     return v_;
   }
+  void VisitState(StateArchive& archive) override { archive(p_, v_); }
 
  private:
   double keep_, gain_, p_ = 0, v_ = 0;
@@ -55,6 +56,7 @@ class Kalman final : public VelocityEstimator {
     pxx_ -= kx * pxx_;
     return v_;
   }
+  void VisitState(StateArchive& archive) override { archive(x_, v_, pxx_, pxv_, pvv_); }
 
  private:
   double tick_, noise_, push_, x_ = 0, v_ = 0, pxx_ = 0, pxv_ = 0, pvv_ = 0;
@@ -77,6 +79,7 @@ class Levant final : public VelocityEstimator {
     z1_ -= tick_ * 1.1 * lipschitz_ * sign;
     return z1_;
   }
+  void VisitState(StateArchive& archive) override { archive(z0_, z1_); }
 
  private:
   double tick_, lipschitz_, root_, z0_ = 0, z1_ = 0;

@@ -43,6 +43,7 @@ class Window final : public VelocityEstimator {
     int n = history_.size() - 1 < ticks_ ? history_.size() - 1 : ticks_;
     return (p - history_.Back(n)) / (n * tick_s_);
   }
+  void VisitState(StateArchive& archive) override { archive(history_); }
 
  private:
   static constexpr int kLongest = 1024;
@@ -84,6 +85,7 @@ class Foaw final : public VelocityEstimator {
     }
     return slope / tick_s_;
   }
+  void VisitState(StateArchive& archive) override { archive(history_); }
 
  private:
   static constexpr int kLongest = 256;

@@ -59,6 +59,8 @@ class ForceLaw {
   virtual dvec3 Relax(const dvec3& e_m, const Sym3& b, double dt_s) noexcept { (void)b; (void)dt_s; return e_m; }
   // Tip laws: resisting force R (N, against motion) in material b.
   virtual dvec3 TipForce(const Sym3& b) noexcept { (void)b; return dvec3(0); }
+  // Saves or restores all that the next tick depends on but the parameters.
+  virtual void VisitState(StateArchive& archive) = 0;
 };
 
 // A new law is one file and one line in the registry (force_law.cpp).

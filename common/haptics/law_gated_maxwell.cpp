@@ -244,6 +244,11 @@ class GatedMaxwell final : public ForceLaw {
     return SpendBeforeGuard(e_m, e);
   }
 
+  void VisitState(StateArchive& archive) override {
+    archive(axes_, gaps_, tip_, anchor_, anchor_speed_, smooth_, slow_force_, v_, time_s_,
+            anchor_known_, observe_, estimate_, smooth_force_, silent_);
+  }
+
  private:
   void Observe(const dvec3& anchor) noexcept {
     observe_ = false;

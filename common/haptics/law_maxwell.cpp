@@ -21,6 +21,7 @@ class Maxwell final : public ForceLaw {
     if (!(s > 0)) return e_m;
     return b * SolveShifted(b, s, e_m);
   }
+  void VisitState(StateArchive&) override {}
 
  private:
   LawParams params_;

@@ -32,6 +32,10 @@ class Paper final : public ForceLaw {
     sent_ = limited_ ? Limit(wanted, tip_ - previous_) : wanted;
     return sent_;
   }
+  void VisitState(StateArchive& archive) override {
+    archive(tip_, previous_, sent_, velocity_);
+    estimators_.VisitState(archive);
+  }
 
  private:
   // eq. 17: s = (R_c - R_{i-1}).dp / dp.dp; below Kc send R_c, otherwise R_{i-1} + Kc dp.

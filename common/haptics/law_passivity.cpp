@@ -32,6 +32,10 @@ class PassivityControlled final : public EstimatedTipLaw {
     }
     return sent_;
   }
+  void VisitState(StateArchive& archive) override {
+    EstimatedTipLaw::VisitState(archive);
+    archive(energy_j_);
+  }
 
  private:
   double energy_j_ = 0;

@@ -33,6 +33,7 @@ class VirtualCoupling final : public ForceLaw {
     tool_ += (pull - force) * (t / whole);
     return force;
   }
+  void VisitState(StateArchive& archive) override { archive(tip_, tool_, step_); }
 
  private:
   static constexpr double kDamperShare = 0.1;  // bc = 0.1 Kc T: a tenth of the stiffness it costs

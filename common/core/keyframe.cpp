@@ -1,0 +1,46 @@
+#include <algorithm>
+
+#include "common/core/core.h"
+
+// Saving and restoring a core between two ticks.
+namespace enamel::core {
+
+bool Core::VisitState(StateArchive& archive) {
+  archive(orientation_, started_, bur_on_, suspended_, free_ticks_, removed_, hash_, ticks_);
+  archive(sampled_, cut_, sample_valid_, cut_valid_, reserve_exhausted_);
+  coupling_.VisitState(archive);
+  cutter_.VisitState(archive);
+  engagement_.VisitState(archive);
+  // Of the ring only the bricks that wait, from the front.
+  const size_t capacity = dirty_ring_.size();
+  std::vector<int32_t> waiting(dirty_count_);
+  for (size_t i = 0; i < dirty_count_; ++i) {
+    waiting[i] = dirty_ring_[(dirty_head_ + i) % capacity];
+  }
+  auto count = static_cast<uint64_t>(waiting.size());
+  archive(count);
+  if (!archive.ok() || count > capacity) return false;
+  waiting.resize(count);
+  archive(waiting);
+  if (archive.saving()) return true;
+  std::fill(is_dirty_.begin(), is_dirty_.end(), uint8_t{0});
+  std::fill(is_touched_.begin(), is_touched_.end(), uint8_t{0});
+  touched_count_ = dirty_head_ = 0;
+  dirty_count_ = waiting.size();
+  for (size_t i = 0; i < waiting.size(); ++i) {
+    if (waiting[i] < 0 || static_cast<size_t>(waiting[i]) >= capacity) return false;
+    dirty_ring_[i] = waiting[i];
+    is_dirty_[static_cast<size_t>(waiting[i])] = 1;
+  }
+  return archive.Complete();
+}
+
+bool Core::RestoreBrick(int brick, std::span<const int16_t, cutting::kBrickVoxels> phi) {
+  if (brick < 0 || brick >= volume_.spec().brick_count() || !volume_.Materialise(brick)) {
+    return false;
+  }
+  std::copy(phi.begin(), phi.end(), volume_.MutablePhi(brick).phi.begin());
+  return true;
+}
+
+}  // namespace enamel::core
