@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "common/base/file.h"
+#include "common/import/band_sampler.h"
 #include "common/import/child_process.h"
 #include "common/import/mesh_repair.h"
 #include "common/import/orient.h"
@@ -299,22 +300,52 @@ Result<Placed> Place(Solid solid, const std::string& up) {
   return placed;
 }
 
+// One surface, tissues by depth. Metres outside, millimetres within.
+class DepthField : public scene::BrickField {
+ public:
+  DepthField(const TriangleTree& boundary, const TriangleTree& whole, const TissueModel& tissues)
+      : probe_(boundary, whole), band_(boundary), whole_(whole), tissues_(tissues) {}
+
+  scene::FieldSample At(const dvec3& point_m, double reach_m) override {
+    const dvec3 p = point_m * 1e3;
+    return Sample(p, probe_.Distance(p, reach_m * 1e3), reach_m);
+  }
+  void Brick(const dvec3& corner_m, double voxel_m, double reach_m, Samples& out) override {
+    const dvec3 corner = corner_m * 1e3;
+    const double h = voxel_m * 1e3;
+    band_.Distances(corner, h, reach_m * 1e3, distance_);
+    SidesOf(
+        corner, h, distance_, [&](const dvec3& p) { return whole_.Inside(p); }, inside_);
+    for (int i = 0; i < cutting::kBrickVoxels; ++i) {
+      const auto k = static_cast<size_t>(i);
+      const double d = static_cast<double>(distance_[k]);
+      out[k] = Sample(corner + h * dvec3(i % 8, i / 8 % 8, i / 64), inside_[k] ? -d : d, reach_m);
+    }
+  }
+
+ private:
+  scene::FieldSample Sample(const dvec3& p, double distance, double reach_m) const {
+    const double d_m = distance * 1e-3;
+    if (d_m >= reach_m) return {d_m, Tissue::kAir, 0};
+    const TissueModel::Sample t = tissues_.At(p);
+    return {d_m, t.tissue, t.margin_mm * 1e-3};
+  }
+
+  SignedProbe probe_;
+  BandSampler band_;
+  const TriangleTree& whole_;
+  const TissueModel& tissues_;
+  BandSampler::Samples distance_;
+  std::array<bool, cutting::kBrickVoxels> inside_;
+};
+
 cutting::Volume Fill(const TriangleTree& whole, const TriangleTree& boundary,
                      const TissueModel& tissues, const cutting::GridSpec& spec,
                      const ImportOptions& options) {
-  auto make_field = [&]() -> scene::ReachField {
-    auto probe = std::make_shared<SignedProbe>(boundary, whole);
-    return [probe, &tissues](const dvec3& p_m, double reach_m) {
-      const dvec3 p = p_m * 1e3;
-      double d_m = probe->Distance(p, reach_m * 1e3) * 1e-3;
-      if (d_m >= reach_m) return scene::FieldSample{d_m, Tissue::kAir, 0};
-      TissueModel::Sample t = tissues.At(p);
-      return scene::FieldSample{d_m, t.tissue, t.margin_mm * 1e-3};
-    };
-  };
-  int threads = options.threads > 0 ? options.threads : scene::BuildThreads();
-  return scene::BuildVolume(spec, std::function<scene::ReachField()>(make_field), threads,
-                            options.progress);
+  const int threads = options.threads > 0 ? options.threads : scene::BuildThreads();
+  return scene::BuildVolume(
+      spec, [&] { return std::make_unique<DepthField>(boundary, whole, tissues); }, threads,
+      options.progress);
 }
 
 std::vector<Tissue> TissuesIn(const std::array<double, cutting::kTissueCount>& volumes) {

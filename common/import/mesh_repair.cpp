@@ -2,31 +2,39 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <map>
-#include <set>
+#include <numeric>
+#include <unordered_map>
 
+#include "common/import/mesh_edges.h"
+#include "common/import/solid_boundary.h"
 #include "common/import/triangle_tree.h"
 
 namespace enamel::import {
 namespace {
 
 constexpr double kWeld_mm = 1e-3;
-constexpr double kLargestCapShare = 0.4;  // a flat sheet and its cap: 0.5
-constexpr double kSmallestFill = 0.02;    // of the bounding box
-constexpr double kSide_mm = 2e-3;         // how far from a triangle its two sides are probed
+constexpr double kSmallestFill = 0.02;  // of the bounding box
 
 using Triangle = std::array<uint32_t, 3>;
-using Edge = std::pair<uint32_t, uint32_t>;
-
-Edge Undirected(uint32_t a, uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
 Status NoSolid(const std::string& what) {
   return Status(Code::kInvalidInput, "this mesh is no solid: " + what);
 }
 
+struct CellHash {
+  size_t operator()(const std::array<int64_t, 3>& cell) const {
+    uint64_t h = 0;
+    for (int64_t c : cell) h = (h ^ static_cast<uint64_t>(c)) * 0x9e3779b97f4a7c15u, h ^= h >> 29;
+    return h;
+  }
+};
+
 Triangles Weld(const Triangles& in) {
   Triangles out;
-  std::map<std::array<int64_t, 3>, uint32_t> known;
+  std::unordered_map<std::array<int64_t, 3>, uint32_t, CellHash> known;
+  known.reserve(in.vertices.size());
   std::vector<uint32_t> to(in.vertices.size());
   for (size_t i = 0; i < in.vertices.size(); ++i) {
     std::array<int64_t, 3> key;
@@ -36,110 +44,100 @@ Triangles Weld(const Triangles& in) {
     if (fresh) out.vertices.push_back(in.vertices[i]);
     to[i] = it->second;
   }
+  out.indices.reserve(in.indices.size());
   for (const Triangle& t : in.indices) out.indices.push_back({to[t[0]], to[t[1]], to[t[2]]});
   return out;
 }
 
 void DropUseless(Triangles& mesh, MeshReport& report) {
-  std::set<Triangle> seen;
-  std::vector<Triangle> kept;
-  for (const Triangle& t : mesh.indices) {
+  std::vector<std::pair<Triangle, uint32_t>> known;  // corners in order, index
+  for (uint32_t i = 0; i < mesh.indices.size(); ++i) {
+    Triangle t = mesh.indices[i];
     if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) {
       ++report.degenerate;
       continue;
     }
-    Triangle key = t;
-    std::sort(key.begin(), key.end());
-    if (!seen.insert(key).second) {
-      ++report.duplicate;
-      continue;
-    }
-    kept.push_back(t);
+    std::sort(t.begin(), t.end());
+    known.emplace_back(t, i);
   }
-  mesh.indices = std::move(kept);
+  std::sort(known.begin(), known.end());
+  auto last = std::unique(known.begin(), known.end(),
+                          [](const auto& l, const auto& r) { return l.first == r.first; });
+  report.duplicate = static_cast<size_t>(known.end() - last);
+  known.erase(last, known.end());
+  std::vector<uint32_t> kept;
+  for (const auto& [corners, i] : known) kept.push_back(i);
+  std::sort(kept.begin(), kept.end());
+  std::vector<Triangle> triangles;
+  for (uint32_t i : kept) triangles.push_back(mesh.indices[i]);
+  mesh.indices = std::move(triangles);
 }
 
-struct EdgeUse {
-  uint32_t triangle;
-  bool forward;  // from the smaller index to the larger
+struct Parts {
+  std::vector<uint32_t> of;  // part of each triangle
+  std::vector<bool> turn;    // triangles to turn for neighbours to agree
+  uint32_t count = 0;
+  bool two_sided = true;
 };
 
-// Edges with their triangles, by index.
-std::map<Edge, std::vector<EdgeUse>> EdgesOf(const Triangles& mesh) {
-  std::map<Edge, std::vector<EdgeUse>> edges;
-  for (uint32_t i = 0; i < mesh.indices.size(); ++i) {
-    for (size_t k = 0; k < 3; ++k) {
-      uint32_t a = mesh.indices[i][k], b = mesh.indices[i][(k + 1) % 3];
-      edges[Undirected(a, b)].push_back({i, a < b});
-    }
-  }
-  return edges;
-}
-
-// Part of each triangle; parts hang together over edges of exactly two triangles. `turn` says which
-// triangles must be turned for neighbours to agree. False when a part has one side only.
-bool FindParts(const Triangles& mesh, std::vector<int>& part, std::vector<bool>& turn, int& parts) {
-  struct Neighbour {
-    uint32_t triangle;
-    bool agrees;
-  };
-  std::vector<std::vector<Neighbour>> neighbours(mesh.indices.size());
-  for (const auto& [edge, uses] : EdgesOf(mesh)) {
-    if (uses.size() != 2) continue;
-    bool agrees = uses[0].forward != uses[1].forward;
-    neighbours[uses[0].triangle].push_back({uses[1].triangle, agrees});
-    neighbours[uses[1].triangle].push_back({uses[0].triangle, agrees});
-  }
-  part.assign(mesh.indices.size(), -1);
-  turn.assign(mesh.indices.size(), false);
-  parts = 0;
-  bool two_sided = true;
+// Parts hang together over edges of exactly two triangles.
+Parts FindParts(const Triangles& mesh, MeshReport& report) {
+  constexpr uint32_t kNone = ~0u;
+  // Up to three neighbours; over edge k of a triangle.
+  std::vector<std::array<uint32_t, 3>> neighbour(mesh.indices.size(), {kNone, kNone, kNone});
+  std::vector<std::array<bool, 3>> agrees(mesh.indices.size());
+  std::vector<uint8_t> known(mesh.indices.size(), 0);
+  ForEachEdge(SortedEdges(mesh.indices), [&](std::span<const EdgeUse> uses) {
+    report.non_manifold_edges += uses.size() > 2;
+    if (uses.size() != 2) return;
+    const uint32_t l = uses[0].triangle, r = uses[1].triangle;
+    const bool agree = uses[0].forward != uses[1].forward;
+    neighbour[l][known[l]] = r, agrees[l][known[l]++] = agree;
+    neighbour[r][known[r]] = l, agrees[r][known[r]++] = agree;
+  });
+  Parts parts;
+  parts.of.assign(mesh.indices.size(), kNone);
+  parts.turn.assign(mesh.indices.size(), false);
   std::vector<uint32_t> open;
   for (uint32_t seed = 0; seed < mesh.indices.size(); ++seed) {
-    if (part[seed] >= 0) continue;
-    part[seed] = parts;
+    if (parts.of[seed] != kNone) continue;
+    parts.of[seed] = parts.count;
     open.assign(1, seed);
     while (!open.empty()) {
-      uint32_t t = open.back();
+      const uint32_t t = open.back();
       open.pop_back();
-      for (const Neighbour& n : neighbours[t]) {
-        bool wanted = n.agrees ? turn[t] : !turn[t];
-        if (part[n.triangle] < 0) {
-          part[n.triangle] = parts;
-          turn[n.triangle] = wanted;
-          open.push_back(n.triangle);
-        } else if (turn[n.triangle] != wanted) {
-          two_sided = false;
+      for (size_t k = 0; k < known[t]; ++k) {
+        const uint32_t n = neighbour[t][k];
+        const bool wanted = agrees[t][k] ? parts.turn[t] : !parts.turn[t];
+        if (parts.of[n] == kNone) {
+          parts.of[n] = parts.count;
+          parts.turn[n] = wanted;
+          open.push_back(n);
+        } else if (parts.turn[n] != wanted) {
+          parts.two_sided = false;
         }
       }
     }
-    ++parts;
+    ++parts.count;
   }
-  return two_sided;
+  return parts;
 }
 
 // Directed edges that no other triangle of the part runs against: its boundary.
-std::multimap<uint32_t, uint32_t> Boundary(const std::vector<Triangle>& triangles) {
-  std::map<Edge, int> balance;
-  for (const Triangle& t : triangles) {
-    for (size_t k = 0; k < 3; ++k) {
-      uint32_t a = t[k], b = t[(k + 1) % 3];
-      balance[Undirected(a, b)] += a < b ? 1 : -1;
-    }
-  }
+std::multimap<uint32_t, uint32_t> OpenEdges(const std::vector<Triangle>& triangles) {
   std::multimap<uint32_t, uint32_t> out;
-  for (const auto& [edge, n] : balance) {
-    for (int i = 0; i < std::abs(n); ++i) {
-      if (n > 0) out.emplace(edge.first, edge.second);
-      if (n < 0) out.emplace(edge.second, edge.first);
-    }
-  }
+  ForEachEdge(SortedEdges(triangles), [&](std::span<const EdgeUse> uses) {
+    int balance = 0;
+    for (const EdgeUse& use : uses) balance += use.forward ? 1 : -1;
+    for (; balance > 0; --balance) out.emplace(uses[0].low, uses[0].high);
+    for (; balance < 0; ++balance) out.emplace(uses[0].high, uses[0].low);
+  });
   return out;
 }
 
 // Closes every loop of the boundary by a fan around its middle; returns the caps' area.
 double CloseHoles(Triangles& mesh, std::vector<Triangle>& part, MeshReport& report) {
-  auto boundary = Boundary(part);
+  auto boundary = OpenEdges(part);
   report.open_edges += boundary.size();
   double area = 0;
   while (!boundary.empty()) {
@@ -165,66 +163,98 @@ double CloseHoles(Triangles& mesh, std::vector<Triangle>& part, MeshReport& repo
   return area;
 }
 
-// Orients and closes each part on its own; `mesh.indices` becomes all of them.
-double CloseParts(Triangles& mesh, const std::vector<int>& part_of, const std::vector<bool>& turn,
-                  int parts, MeshReport& report) {
-  std::vector<std::vector<Triangle>> part(static_cast<size_t>(parts));
-  std::vector<size_t> turned(static_cast<size_t>(parts), 0);
+void TurnAround(std::vector<Triangle>& triangles) {
+  for (Triangle& t : triangles) std::swap(t[1], t[2]);
+}
+
+struct Part {
+  std::vector<Triangle> triangles;  // closed, outward
+  size_t own = 0, turned = 0;       // triangles of the file, and those turned around
+  dvec3 lo{0}, hi{0};
+  double volume = 0;
+  bool faced_inward() const { return 2 * turned > own; }
+};
+
+// A part within another that faced the other way.
+bool IsHollowOf(const Part& inner, const Part& outer, const std::vector<dvec3>& vertices) {
+  if (inner.faced_inward() == outer.faced_inward() || inner.volume >= outer.volume) return false;
+  for (int k = 0; k < 3; ++k) {
+    if (inner.lo[k] < outer.lo[k] || inner.hi[k] > outer.hi[k]) return false;
+  }
+  const TriangleTree tree({vertices, outer.triangles});
+  for (size_t i = 0; i < inner.triangles.size(); i += inner.triangles.size() / 20 + 1) {
+    if (!tree.Inside(vertices[inner.triangles[i][0]])) return false;
+  }
+  return true;
+}
+
+// Only the few largest parts can be what a hollow is in.
+void FindHollows(std::vector<Part>& parts, const Triangles& mesh, const RepairOptions& options,
+                 MeshReport& report) {
+  constexpr size_t kLargest = 8;
+  std::vector<size_t> by_size(parts.size());
+  std::iota(by_size.begin(), by_size.end(), 0);
+  std::stable_sort(by_size.begin(), by_size.end(),
+                   [&](size_t l, size_t r) { return parts[l].volume > parts[r].volume; });
+  by_size.resize(std::min(by_size.size(), kLargest));
+  std::vector<size_t> hollows;
+  for (size_t i : by_size) {
+    if (std::any_of(by_size.begin(), by_size.end(), [&](size_t outer) {
+          return outer != i && IsHollowOf(parts[i], parts[outer], mesh.vertices);
+        }))
+      hollows.push_back(i);
+  }
+  for (size_t i : hollows) {
+    ++report.hollows;
+    report.hollow_mm3 += parts[i].volume;
+    if (!options.keep_hollows) continue;
+    TurnAround(parts[i].triangles);
+    parts[i].turned = parts[i].own - parts[i].turned;
+  }
+}
+
+// Orients and closes each part on its own; `mesh.indices` becomes all of them. Returns the caps'
+// area.
+double CloseParts(Triangles& mesh, const Parts& found, const RepairOptions& options,
+                  MeshReport& report) {
+  std::vector<Part> parts(found.count);
   for (size_t i = 0; i < mesh.indices.size(); ++i) {
     Triangle t = mesh.indices[i];
-    auto p = static_cast<size_t>(part_of[i]);
-    if (turn[i]) std::swap(t[1], t[2]);
-    turned[p] += turn[i];
-    part[p].push_back(t);
+    Part& part = parts[found.of[i]];
+    if (found.turn[i]) std::swap(t[1], t[2]);
+    part.turned += found.turn[i];
+    part.triangles.push_back(t);
   }
-  mesh.indices.clear();
   double cap_area = 0;
-  for (size_t p = 0; p < part.size(); ++p) {
-    const size_t own = part[p].size();
-    cap_area += CloseHoles(mesh, part[p], report);
-    Triangles alone{mesh.vertices, part[p]};
-    if (SignedVolume(alone) < 0) {
-      for (Triangle& t : part[p]) std::swap(t[1], t[2]);
-      turned[p] = own - turned[p];
+  for (Part& part : parts) {
+    part.own = part.triangles.size();
+    cap_area += CloseHoles(mesh, part.triangles, report);
+    part.volume = SignedVolume(mesh.vertices, part.triangles);
+    if (part.volume < 0) {
+      TurnAround(part.triangles);
+      part.volume = -part.volume;
+      part.turned = part.own - part.turned;
     }
-    report.flipped += turned[p];
-    mesh.indices.insert(mesh.indices.end(), part[p].begin(), part[p].end());
+    BoxOf(mesh.vertices, part.triangles, part.lo, part.hi);
+  }
+  if (parts.size() > 1) FindHollows(parts, mesh, options, report);
+  mesh.indices.clear();
+  for (const Part& part : parts) {
+    report.flipped += part.turned;
+    mesh.indices.insert(mesh.indices.end(), part.triangles.begin(), part.triangles.end());
   }
   return cap_area;
 }
 
-// Triangles with solid on one side and none on the other.
-Triangles OuterBoundary(const Triangles& mesh, const TriangleTree& tree, MeshReport& report) {
-  Triangles out{mesh.vertices, {}};
-  for (const Triangle& t : mesh.indices) {
-    const dvec3 &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
-    dvec3 n = glm::cross(b - a, c - a);
-    double size = std::sqrt(Dot(n, n));
-    if (size < 1e-12) continue;
-    dvec3 middle = (a + b + c) / 3.0, step = n * (kSide_mm / size);
-    bool solid_below = tree.Winding(middle - step) > 0.5,
-         solid_above = tree.Winding(middle + step) > 0.5;
-    if (solid_below && solid_above) {
-      ++report.buried;
-    } else {
-      out.indices.push_back(t);
-    }
-  }
-  return out;
-}
-
 double BoxVolume(const Triangles& mesh) {
-  dvec3 lo = mesh.vertices[mesh.indices[0][0]], hi = lo;
-  for (const Triangle& t : mesh.indices) {
-    for (uint32_t i : t) lo = glm::min(lo, mesh.vertices[i]), hi = glm::max(hi, mesh.vertices[i]);
-  }
-  dvec3 size = hi - lo;
-  return size.x * size.y * size.z;
+  dvec3 lo, hi;
+  BoxOf(mesh.vertices, mesh.indices, lo, hi);
+  return (hi - lo).x * (hi - lo).y * (hi - lo).z;
 }
 
 }  // namespace
 
-Result<Solid> MakeSolid(const Triangles& mesh_mm) {
+Result<Solid> MakeSolid(const Triangles& mesh_mm, const RepairOptions& options) {
   Solid solid;
   solid.mesh = Weld(mesh_mm);
   MeshReport& report = solid.report;
@@ -233,21 +263,18 @@ Result<Solid> MakeSolid(const Triangles& mesh_mm) {
     return NoSolid("expected at least 4 triangles with an area, found " +
                    std::to_string(solid.mesh.indices.size()));
   }
-  for (const auto& [edge, uses] : EdgesOf(solid.mesh)) report.non_manifold_edges += uses.size() > 2;
-  std::vector<int> part_of;
-  std::vector<bool> turn;
-  int parts = 0;
-  if (!FindParts(solid.mesh, part_of, turn, parts)) {
+  const Parts parts = FindParts(solid.mesh, report);
+  if (!parts.two_sided) {
     return NoSolid(
         "a part of it has only one side (like a Moebius strip), so nothing is inside: mend it in a "
         "mesh program");
   }
-  report.parts = static_cast<size_t>(parts);
-  double cap_area = CloseParts(solid.mesh, part_of, turn, parts, report);
+  report.parts = parts.count;
+  const double cap_area = CloseParts(solid.mesh, parts, options, report);
   report.vertices = solid.mesh.vertices.size();
   report.triangles = solid.mesh.indices.size();
   report.cap_share = cap_area / std::max(SurfaceArea(solid.mesh), 1e-12);
-  if (report.cap_share > kLargestCapShare) {
+  if (report.cap_share > options.largest_cap_share) {
     return NoSolid("it is an open sheet, its " + std::to_string(report.open_edges) +
                    " open edges would need caps of " +
                    std::to_string(static_cast<int>(100 * report.cap_share)) +
@@ -257,7 +284,11 @@ Result<Solid> MakeSolid(const Triangles& mesh_mm) {
     return NoSolid(
         "it encloses next to nothing of its bounding box (a flat sheet or a soup of triangles)");
   }
-  solid.boundary = OuterBoundary(solid.mesh, TriangleTree(solid.mesh), report);
+  Result<SolidBoundary> boundary = BoundaryOf(solid.mesh, TriangleTree(solid.mesh));
+  if (!boundary.ok()) return boundary.status();
+  report.crossing = boundary->crossing;
+  report.buried = boundary->buried;
+  solid.boundary = std::move(boundary->pieces);
   return solid;
 }
 
@@ -278,8 +309,14 @@ std::vector<std::string> Describe(const MeshReport& r) {
                     std::to_string(static_cast<int>(std::lround(100 * r.cap_share))) +
                     " % of the surface");
   }
-  note(r.buried,
-       "triangles inside the solid (parts overlap or the surface crosses itself), ignored");
+  note(r.crossing, "triangles crossed by others; the solid is all that they surround");
+  note(r.buried, "triangles inside the solid (of parts that overlap), ignored");
+  if (r.hollows > 0) {
+    char text[80];
+    std::snprintf(text, sizeof text, "%zu closed hollows of %.2f mm3 within it", r.hollows,
+                  r.hollow_mm3);
+    lines.push_back(text);
+  }
   if (lines.size() == 1) lines.push_back("closed and consistently oriented, nothing to repair");
   return lines;
 }

@@ -17,19 +17,32 @@ struct MeshReport {
   size_t parts = 0;
   size_t holes_closed = 0;
   double cap_share = 0;  // area of the caps over the whole
-  size_t buried = 0;     // triangles inside the solid: parts overlap or it crosses itself
+  size_t crossing = 0;   // triangles that another one crosses
+  size_t buried = 0;     // triangles wholly inside the solid: parts overlap or it crosses itself
+  size_t hollows = 0;    // closed parts within another that face the other way
+  double hollow_mm3 = 0;
+};
+
+struct RepairOptions {
+  // Air within a closed hollow: filled, or kept.
+  bool keep_hollows = false;
+  // Caps over more of the surface than this mean that it is a sheet and no solid. Half is the least
+  // a flat sheet and its cap have.
+  double largest_cap_share = 0.4;
 };
 
 struct Solid {
   Triangles mesh;      // closed, oriented outward, vertices welded
-  Triangles boundary;  // without triangles that lie inside the solid: distances are taken to these
+  Triangles boundary;  // pieces of it with solid on one side only: distances are taken to these
   MeshReport report;
 };
 
 // Makes a closed, outward mesh of triangles in millimetres, or says why it cannot be one: vertices
 // nearer than a micrometre are welded, faces turned to agree, holes closed by flat fans.
-// Parts that overlap or lie within each other become one solid.
-Result<Solid> MakeSolid(const Triangles& mesh_mm);
+// Parts that overlap or lie within each other become one solid, and so does a surface that crosses
+// itself: what it surrounds at least once, whichever way around, is inside.
+// Time: n log n for n triangles, and more for those that cross others (solid_boundary.h).
+Result<Solid> MakeSolid(const Triangles& mesh_mm, const RepairOptions& options = {});
 
 // The report for people, one line each.
 std::vector<std::string> Describe(const MeshReport& report);

@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/matrix.hpp>
-#include <map>
 #include <vector>
+
+#include "common/import/mesh_edges.h"
 
 namespace enamel::import {
 namespace {
@@ -30,7 +31,6 @@ struct Facet {
 
 std::vector<Facet> FacetsOf(const Triangles& mesh) {
   std::vector<Facet> facets(mesh.indices.size());
-  std::map<std::pair<uint32_t, uint32_t>, uint32_t> owner;
   for (uint32_t i = 0; i < facets.size(); ++i) {
     const auto& t = mesh.indices[i];
     dvec3 n = glm::cross(mesh.vertices[t[1]] - mesh.vertices[t[0]],
@@ -38,17 +38,14 @@ std::vector<Facet> FacetsOf(const Triangles& mesh) {
     double size = std::sqrt(Dot(n, n));
     facets[i].area = 0.5 * size;
     if (size > 0) facets[i].normal = n / size;
-    for (size_t k = 0; k < 3; ++k) owner[{t[k], t[(k + 1) % 3]}] = i;
   }
-  for (uint32_t i = 0; i < facets.size(); ++i) {
-    const auto& t = mesh.indices[i];
-    for (size_t k = 0; k < 3; ++k) {
-      auto other = owner.find({t[(k + 1) % 3], t[k]});
-      if (other == owner.end()) continue;
-      double c = std::clamp(Dot(facets[i].normal, facets[other->second].normal), -1.0, 1.0);
-      facets[i].roughness += std::acos(c) / 3;
-    }
-  }
+  ForEachEdge(SortedEdges(mesh.indices), [&](std::span<const EdgeUse> uses) {
+    if (uses.size() != 2 || uses[0].forward == uses[1].forward) return;
+    Facet &l = facets[uses[0].triangle], &r = facets[uses[1].triangle];
+    const double angle = std::acos(std::clamp(Dot(l.normal, r.normal), -1.0, 1.0));
+    l.roughness += angle / 3;
+    r.roughness += angle / 3;
+  });
   return facets;
 }
 
@@ -119,15 +116,19 @@ struct Hollows {
 };
 
 Hollows HollowsOf(const Triangles& mesh, const std::vector<Facet>& facets) {
-  std::vector<double> reach(kDirections, -1e300), depth(mesh.vertices.size(), 1e300);
+  std::vector<bool> used(mesh.vertices.size(), false);
+  for (const auto& t : mesh.indices) {
+    for (uint32_t v : t) used[v] = true;
+  }
+  std::vector<double> along(mesh.vertices.size()), depth(mesh.vertices.size(), 1e300);
   for (int i = 0; i < kDirections; ++i) {
     const dvec3 d = Direction(i);
-    double& farthest = reach[static_cast<size_t>(i)];
-    for (const auto& t : mesh.indices) {
-      for (uint32_t v : t) farthest = std::max(farthest, Dot(mesh.vertices[v], d));
+    double farthest = -1e300;
+    for (size_t v = 0; v < along.size(); ++v) {
+      along[v] = Dot(mesh.vertices[v], d);
+      if (used[v]) farthest = std::max(farthest, along[v]);
     }
-    for (size_t v = 0; v < depth.size(); ++v)
-      depth[v] = std::min(depth[v], farthest - Dot(mesh.vertices[v], d));
+    for (size_t v = 0; v < along.size(); ++v) depth[v] = std::min(depth[v], farthest - along[v]);
   }
   Hollows out;
   double area = 0, sum = 0;

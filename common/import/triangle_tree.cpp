@@ -54,6 +54,7 @@ TriangleTree::Triangle TriangleTree::WithSphere(const dvec3& a, const dvec3& b, 
 
 TriangleTree::TriangleTree(const Triangles& mesh) {
   std::vector<Triangle> all;
+  all.reserve(mesh.indices.size());
   for (const auto& t : mesh.indices) {
     all.push_back(WithSphere(mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]));
   }
@@ -61,7 +62,9 @@ TriangleTree::TriangleTree(const Triangles& mesh) {
   for (uint32_t i = 0; i < order.size(); ++i) order[i] = i;
   nodes_.reserve(all.size());
   if (!all.empty()) Build(order, 0, static_cast<uint32_t>(all.size()), all, 0);
+  triangles_.reserve(all.size());
   for (uint32_t i : order) triangles_.push_back(all[i]);
+  source_ = std::move(order);
 }
 
 void TriangleTree::Build(std::vector<uint32_t>& order, uint32_t first, uint32_t count,
@@ -141,6 +144,32 @@ double TriangleTree::Distance(const dvec3& p, double limit, uint32_t* nearest) c
   return best;
 }
 
+void TriangleTree::Collect(const dvec3& lo, const dvec3& hi, std::vector<uint32_t>& out) const {
+  out.clear();
+  if (nodes_.empty()) return;
+  auto meets = [&](const dvec3& l, const dvec3& h) {
+    return l.x <= hi.x && h.x >= lo.x && l.y <= hi.y && h.y >= lo.y && l.z <= hi.z && h.z >= lo.z;
+  };
+  uint32_t stack[2 * kMaxDepth + 4];
+  int top = 0;
+  stack[top++] = 0;
+  while (top > 0) {
+    const uint32_t at = stack[--top];
+    const Node& node = nodes_[at];
+    if (!meets(node.lo, node.hi)) continue;
+    if (node.count == 0) {
+      stack[top++] = node.right;
+      stack[top++] = at + 1;
+      continue;
+    }
+    for (uint32_t i = node.first; i < node.first + node.count; ++i) {
+      const Triangle& t = triangles_[i];
+      if (meets(glm::min(t.a, glm::min(t.b, t.c)), glm::max(t.a, glm::max(t.b, t.c))))
+        out.push_back(i);
+    }
+  }
+}
+
 double TriangleTree::Winding(const dvec3& p) const {
   if (nodes_.empty()) return 0;
   double sum = 0;
@@ -170,7 +199,7 @@ double SignedProbe::Distance(const dvec3& p, double limit) {
   double d = surface_->Distance(p, limit, &nearest_);
   double moved = known_ ? std::sqrt(Square(p - last_)) : 0;
   bool same_side = known_ && moved < std::max(d, last_distance_) * (1 - 1e-9);
-  bool inside = same_side ? last_inside_ : solid_->Winding(p) > 0.5;
+  bool inside = same_side ? last_inside_ : solid_->Inside(p);
   known_ = true;
   last_ = p;
   last_distance_ = d;

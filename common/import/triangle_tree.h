@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -21,13 +22,20 @@ class TriangleTree {
   double Distance(const dvec3& p, double limit, uint32_t* nearest = nullptr) const;
   // How many times the mesh surrounds p: 0 outside, 1 inside a closed mesh oriented outward.
   double Winding(const dvec3& p) const;
+  // Surrounded at least once, whichever way around.
+  bool Inside(const dvec3& p) const { return std::abs(Winding(p)) > 0.5; }
 
- private:
   struct Triangle {
     dvec3 a, b, c;
     dvec3 middle{0};  // of a sphere around it
     double radius = 0;
   };
+  // The triangles whose bounding boxes meet lo..hi, in the tree's own numbering.
+  void Collect(const dvec3& lo, const dvec3& hi, std::vector<uint32_t>& out) const;
+  const Triangle& At(uint32_t i) const { return triangles_[i]; }
+  uint32_t SourceOf(uint32_t i) const { return source_[i]; }  // its index in the mesh
+
+ private:
   struct Node {
     dvec3 lo, hi;
     dvec3 centre{0}, area{0};  // area-weighted centre; sum of area vectors
@@ -40,6 +48,7 @@ class TriangleTree {
              const std::vector<Triangle>& all, int depth);
 
   std::vector<Triangle> triangles_;
+  std::vector<uint32_t> source_;
   std::vector<Node> nodes_;
 };
 
@@ -50,7 +59,7 @@ class SignedProbe {
  public:
   SignedProbe(const TriangleTree& surface, const TriangleTree& solid)
       : surface_(&surface), solid_(&solid) {}
-  // Negative inside (winding number over one half); magnitude at most `limit`.
+  // Negative inside (TriangleTree::Inside); magnitude at most `limit`.
   double Distance(const dvec3& p, double limit);
 
  private:

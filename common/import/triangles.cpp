@@ -58,15 +58,24 @@ Result<Triangles> DecodeTriangles(ByteView bytes) {
   return mesh;
 }
 
-double SignedVolume(const Triangles& mesh) {
-  if (mesh.vertices.empty()) return 0;
-  const dvec3 o = mesh.vertices[0];
+double SignedVolume(const std::vector<dvec3>& vertices,
+                    const std::vector<std::array<uint32_t, 3>>& triangles) {
+  if (triangles.empty()) return 0;
+  const dvec3 o = vertices[triangles[0][0]];
   double sum = 0;
-  for (const auto& t : mesh.indices) {
-    sum +=
-        Dot(mesh.vertices[t[0]] - o, glm::cross(mesh.vertices[t[1]] - o, mesh.vertices[t[2]] - o));
-  }
+  for (const auto& t : triangles)
+    sum += Dot(vertices[t[0]] - o, glm::cross(vertices[t[1]] - o, vertices[t[2]] - o));
   return sum / 6;
+}
+
+double SignedVolume(const Triangles& mesh) { return SignedVolume(mesh.vertices, mesh.indices); }
+
+void BoxOf(const std::vector<dvec3>& vertices,
+           const std::vector<std::array<uint32_t, 3>>& triangles, dvec3& lo, dvec3& hi) {
+  lo = hi = vertices[triangles[0][0]];
+  for (const auto& t : triangles) {
+    for (uint32_t i : t) lo = glm::min(lo, vertices[i]), hi = glm::max(hi, vertices[i]);
+  }
 }
 
 double SurfaceArea(const Triangles& mesh) {

@@ -27,7 +27,12 @@ Bytes EncodeTriangles(const Triangles& mesh);
 Result<Triangles> DecodeTriangles(ByteView bytes);
 
 // Volume by the divergence theorem; right for closed meshes, positive when oriented outward.
+double SignedVolume(const std::vector<dvec3>& vertices,
+                    const std::vector<std::array<uint32_t, 3>>& triangles);
 double SignedVolume(const Triangles& mesh);
+// Bounding box of what the triangles use. Requires: at least one.
+void BoxOf(const std::vector<dvec3>& vertices,
+           const std::vector<std::array<uint32_t, 3>>& triangles, dvec3& lo, dvec3& hi);
 double SurfaceArea(const Triangles& mesh);
 
 }  // namespace enamel::import

@@ -72,13 +72,13 @@ bool DilateLabels(Samples& s) {
 
 class BrickBuilder {
  public:
-  BrickBuilder(const GridSpec& spec, ReachField field)
+  BrickBuilder(const GridSpec& spec, std::unique_ptr<BrickField> field)
       : spec_(spec), field_(std::move(field)), h_(spec.voxel_m()) {}
 
-  Brick Build(const ivec3& b) const {
+  Brick Build(const ivec3& b) {
     dvec3 corner = spec_.origin_m() + h_ * kBrickSide * dvec3(b);
     double reach = (kBandVoxels + kBrickHalfDiagonalVoxels) * h_;
-    FieldSample middle = field_(corner + 3.5 * h_, 1.01 * reach);
+    FieldSample middle = field_->At(corner + 3.5 * h_, 1.01 * reach);
     if (middle.distance_m > reach) return {};
     if (middle.distance_m < -reach && middle.tissue_margin_m > kBrickHalfDiagonalVoxels * h_) {
       return {middle.tissue, nullptr};
@@ -87,15 +87,13 @@ class BrickBuilder {
   }
 
  private:
-  Brick SampleAll(const dvec3& corner) const {
+  Brick SampleAll(const dvec3& corner) {
     auto s = std::make_unique<Samples>();
-    for (int z = 0; z < kBrickSide; ++z)
-      for (int y = 0; y < kBrickSide; ++y)
-        for (int x = 0; x < kBrickSide; ++x) {
-          FieldSample f = field_(corner + h_ * dvec3(x, y, z), 1.01 * kBandVoxels * h_);
-          s->phi[InBrick(x, y, z)] = ToPhi(f.distance_m, h_);
-          s->tissue[InBrick(x, y, z)] = static_cast<uint8_t>(f.tissue);
-        }
+    field_->Brick(corner, h_, 1.01 * kBandVoxels * h_, samples_);
+    for (size_t i = 0; i < kBrickVoxels; ++i) {
+      s->phi[i] = ToPhi(samples_[i].distance_m, h_);
+      s->tissue[i] = static_cast<uint8_t>(samples_[i].tissue);
+    }
     bool one_phi =
         std::all_of(s->phi.begin(), s->phi.end(), [&](int16_t p) { return p == s->phi[0]; });
     if (one_phi && s->phi[0] == kPhiLimit) return {};
@@ -109,8 +107,24 @@ class BrickBuilder {
   }
 
   const GridSpec& spec_;
-  ReachField field_;
+  std::unique_ptr<BrickField> field_;
   double h_;
+  BrickField::Samples samples_;
+};
+
+class PointField : public BrickField {
+ public:
+  explicit PointField(const Field& field) : field_(field) {}
+  FieldSample At(const dvec3& point_m, double) override { return field_(point_m); }
+  void Brick(const dvec3& corner_m, double voxel_m, double, BrickField::Samples& out) override {
+    for (int z = 0; z < kBrickSide; ++z)
+      for (int y = 0; y < kBrickSide; ++y)
+        for (int x = 0; x < kBrickSide; ++x)
+          out[InBrick(x, y, z)] = field_(corner_m + voxel_m * dvec3(x, y, z));
+  }
+
+ private:
+  const Field& field_;
 };
 
 uint8_t AnyLabel(const Brick& brick) {
@@ -155,7 +169,8 @@ Volume Assemble(const GridSpec& spec, const std::vector<Brick>& bricks) {
 
 }  // namespace
 
-Volume BuildVolume(const GridSpec& spec, const std::function<ReachField()>& make_field, int threads,
+Volume BuildVolume(const GridSpec& spec,
+                   const std::function<std::unique_ptr<BrickField>()>& make_field, int threads,
                    const std::function<void(double)>& progress) {
   std::vector<Brick> bricks(static_cast<size_t>(spec.brick_count()));
   std::atomic<int> next_layer{0};
@@ -179,10 +194,8 @@ Volume BuildVolume(const GridSpec& spec, const std::function<ReachField()>& make
 
 Volume BuildVolume(const GridSpec& spec, const Field& field, int threads,
                    const std::function<void(double)>& progress) {
-  auto make_field = [&field]() -> ReachField {
-    return [&field](const dvec3& p, double) { return field(p); };
-  };
-  return BuildVolume(spec, std::function<ReachField()>(make_field), threads, progress);
+  return BuildVolume(
+      spec, [&field] { return std::make_unique<PointField>(field); }, threads, progress);
 }
 
 GridSpec GridAround(const dvec3& lo_m, const dvec3& hi_m, int32_t voxel_nm) {
@@ -195,6 +208,17 @@ GridSpec GridAround(const dvec3& lo_m, const dvec3& hi_m, int32_t voxel_nm) {
     spec.bricks[i] = static_cast<int>((hi - lo) / kBrickSide + 1);
   }
   return spec;
+}
+
+void CopyBrick(const Volume& from, int brick, Volume& to) {
+  if (!from.IsStored(brick)) {
+    to.SetUniform(brick, from.UniformTissue(brick));
+  } else if (from.HasLabels(brick)) {
+    const auto& labels = from.Labels(brick).tissue;
+    to.SetBrick(brick, from.Phi(brick).phi, labels, static_cast<Tissue>(labels[0]));
+  } else {
+    to.SetBrick(brick, from.Phi(brick).phi, {}, from.UniformTissue(brick));
+  }
 }
 
 int BuildThreads() {

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <functional>
+#include <memory>
 #include <utility>
 
 #include "common/cutting/volume.h"
@@ -29,16 +31,26 @@ using Field = std::function<FieldSample(const dvec3& point_m)>;
 // ValidateGrid(spec).ok(). Thread safety: `field` is called from `threads` at once.
 cutting::Volume BuildVolume(const cutting::GridSpec& spec, const Field& field, int threads = 1,
                             const std::function<void(double)>& progress = {});
-// The same for fields that are costly far from the surface or remember where they were: each thread
-// makes one of its own (`make_field` is called in it), and magnitudes above `reach_m` may be cut
-// off there.
-using ReachField = std::function<FieldSample(const dvec3& point_m, double reach_m)>;
+// A field that is asked for whole bricks: for those that are costly far from the surface, or that
+// save work on samples next to each other. Magnitudes above `reach_m` may be cut off there.
+class BrickField {
+ public:
+  using Samples = std::array<FieldSample, cutting::kBrickVoxels>;  // (z, y, x), x fastest
+  virtual ~BrickField() = default;
+  virtual FieldSample At(const dvec3& point_m, double reach_m) = 0;
+  // Samples at corner + voxel * (x, y, z), to the values that At gives.
+  virtual void Brick(const dvec3& corner_m, double voxel_m, double reach_m, Samples& out) = 0;
+};
+// The same for such fields: each thread makes one of its own (`make_field` is called in it).
 cutting::Volume BuildVolume(const cutting::GridSpec& spec,
-                            const std::function<ReachField()>& make_field, int threads,
-                            const std::function<void(double)>& progress);
+                            const std::function<std::unique_ptr<BrickField>()>& make_field,
+                            int threads, const std::function<void(double)>& progress);
 
 // The smallest grid whose samples cover lo..hi (m) with a band of 5 voxels around.
 cutting::GridSpec GridAround(const dvec3& lo_m, const dvec3& hi_m, int32_t voxel_nm);
+
+// Gives brick `brick` of `to` what it is in `from`. Requires: equal grids; the brick of `to` is air.
+void CopyBrick(const cutting::Volume& from, int brick, cutting::Volume& to);
 
 // Cores to build with: what the machine has, at most 8.
 int BuildThreads();

@@ -1,0 +1,242 @@
+#include "common/import/solid_boundary.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+#include "common/import/mesh_edges.h"
+
+namespace enamel::import {
+namespace {
+
+constexpr double kSide_mm = 2e-3;      // how far from a triangle its two sides are probed
+constexpr double kTouch_mm = 1e-6;     // nearer to a plane than this lies in it
+constexpr double kSmallest_mm = 0.01;  // radius of a piece that is not cut further
+constexpr size_t kMostPieces = 1'000'000;
+// On average, of each triangle with others.
+constexpr size_t kMostNear = 400, kMostCrossings = 40, kAllowed = 1'000'000;
+
+struct Facet {
+  dvec3 a, b, c;
+  dvec3 Middle() const { return (a + b + c) / 3.0; }
+  dvec3 Normal() const { return glm::cross(b - a, c - a); }
+  double Radius() const {
+    const dvec3 m = Middle();
+    return std::sqrt(std::max({Dot(a - m, a - m), Dot(b - m, b - m), Dot(c - m, c - m)}));
+  }
+};
+
+Facet FacetOf(const Triangles& mesh, uint32_t i) {
+  const auto& t = mesh.indices[i];
+  return {mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
+}
+
+// Does the segment, in the facet's plane, have a point in the facet?
+bool MeetsInPlane(const Facet& f, const dvec3& n, const dvec3& p, const dvec3& q) {
+  double from = 0, to = 1;
+  const dvec3 corners[3] = {f.a, f.b, f.c};
+  for (int k = 0; k < 3; ++k) {
+    const dvec3 inward = glm::cross(n, corners[(k + 1) % 3] - corners[k]);
+    const double at_p = Dot(p - corners[k], inward), at_q = Dot(q - corners[k], inward);
+    if (at_p <= 0 && at_q <= 0) return false;
+    if (at_p < 0) from = std::max(from, at_p / (at_p - at_q));
+    if (at_q < 0) to = std::min(to, at_p / (at_p - at_q));
+  }
+  return from < to;
+}
+
+// Does the segment pass through the facet's inner part?
+bool Pierces(const Facet& f, const dvec3& n, double at_p, double at_q, const dvec3& p,
+             const dvec3& q) {
+  if ((at_p > 0) == (at_q > 0)) return false;
+  const dvec3 x = p + (at_p / (at_p - at_q)) * (q - p);
+  return Dot(glm::cross(f.b - f.a, x - f.a), n) >= 0 &&
+         Dot(glm::cross(f.c - f.b, x - f.b), n) >= 0 && Dot(glm::cross(f.a - f.c, x - f.c), n) >= 0;
+}
+
+// Do some of the other facet's edges (bit k: the one from corner k) pass through this one, or run
+// over it in its plane?
+bool EdgesMeet(const Facet& f, const Facet& other, unsigned edges) {
+  const dvec3 n = f.Normal();
+  const double size = std::sqrt(Dot(n, n));
+  if (size <= 0) return false;
+  const dvec3 corners[3] = {other.a, other.b, other.c};
+  double at[3];
+  for (int k = 0; k < 3; ++k) {
+    at[k] = Dot(corners[k] - f.a, n) / size;
+    if (std::abs(at[k]) < kTouch_mm) at[k] = 0;
+  }
+  const bool in_plane = at[0] == 0 && at[1] == 0 && at[2] == 0;
+  for (int k = 0; k < 3; ++k) {
+    if ((edges >> k & 1) == 0) continue;
+    const dvec3 &p = corners[k], &q = corners[(k + 1) % 3];
+    if (in_plane ? MeetsInPlane(f, n, p, q) : Pierces(f, n, at[k], at[(k + 1) % 3], p, q))
+      return true;
+  }
+  return false;
+}
+
+bool Cross(const Facet& l, const Facet& r) { return EdgesMeet(l, r, 7) || EdgesMeet(r, l, 7); }
+
+// Of triangles with one common corner only the edges across from it can pass through the other;
+// neighbours over an edge do not cross.
+bool Cross(const Triangles& mesh, uint32_t l, uint32_t r) {
+  const auto &s = mesh.indices[l], &t = mesh.indices[r];
+  int common = 0, of_l = 0, of_r = 0;
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < 3; ++k) {
+      if (s[static_cast<size_t>(i)] != t[static_cast<size_t>(k)]) continue;
+      ++common, of_l = i, of_r = k;
+    }
+  if (common > 1) return false;
+  const Facet a = FacetOf(mesh, l), b = FacetOf(mesh, r);
+  if (common == 0) return Cross(a, b);
+  return EdgesMeet(a, b, 1u << (of_r + 1) % 3) || EdgesMeet(b, a, 1u << (of_l + 1) % 3);
+}
+
+using Crossing = std::vector<std::vector<uint32_t>>;  // which triangles cross which
+
+Result<Crossing> FindCrossings(const Triangles& mesh, const TriangleTree& tree) {
+  Crossing with(mesh.indices.size());
+  std::vector<uint32_t> near;
+  size_t looked = 0, found = 0;
+  for (uint32_t i = 0; i < mesh.indices.size(); ++i) {
+    const Facet f = FacetOf(mesh, i);
+    tree.Collect(glm::min(f.a, glm::min(f.b, f.c)), glm::max(f.a, glm::max(f.b, f.c)), near);
+    looked += near.size();
+    for (uint32_t at : near) {
+      const uint32_t other = tree.SourceOf(at);
+      if (other <= i || !Cross(mesh, i, other)) continue;
+      with[i].push_back(other);
+      with[other].push_back(i);
+      ++found;
+    }
+    if (looked > kMostNear * with.size() + kAllowed ||
+        found > kMostCrossings * with.size() + kAllowed) {
+      return Status(Code::kInvalidInput,
+                    "this mesh is no solid: its triangles overlap everywhere (a soup of triangles)"
+                    ": make one closed surface of it in a mesh program");
+    }
+  }
+  return with;
+}
+
+enum class Place { kBoundary, kBuried, kOutside };
+
+class Judge {
+ public:
+  explicit Judge(const TriangleTree& tree) : tree_(tree) {}
+  Place Of(const Facet& f) const {
+    const dvec3 n = f.Normal();
+    const double size = std::sqrt(Dot(n, n));
+    if (size < 1e-12) return Place::kOutside;
+    const dvec3 middle = f.Middle(), step = n * (kSide_mm / size);
+    const bool below = tree_.Inside(middle - step), above = tree_.Inside(middle + step);
+    return below != above ? Place::kBoundary : below ? Place::kBuried : Place::kOutside;
+  }
+
+ private:
+  const TriangleTree& tree_;
+};
+
+// Quarters a triangle where others cross it and keeps the pieces on the boundary.
+class Cutter {
+ public:
+  Cutter(const Triangles& mesh, const Judge& judge, SolidBoundary& out, double smallest_mm)
+      : mesh_(mesh), judge_(judge), out_(out), smallest_mm_(smallest_mm) {}
+
+  void Cut(const Facet& piece, const std::vector<uint32_t>& others) {
+    std::vector<uint32_t> here;
+    for (uint32_t i : others) {
+      if (Cross(piece, FacetOf(mesh_, i))) here.push_back(i);
+    }
+    if (here.empty() || piece.Radius() < smallest_mm_) {
+      if (judge_.Of(piece) == Place::kBoundary) Keep(piece);
+      return;
+    }
+    const dvec3 ab = 0.5 * (piece.a + piece.b), bc = 0.5 * (piece.b + piece.c),
+                ca = 0.5 * (piece.c + piece.a);
+    Cut({piece.a, ab, ca}, here);
+    Cut({ab, piece.b, bc}, here);
+    Cut({ca, bc, piece.c}, here);
+    Cut({ab, bc, ca}, here);
+  }
+
+ private:
+  void Keep(const Facet& piece) {
+    const auto first = static_cast<uint32_t>(out_.pieces.vertices.size());
+    out_.pieces.vertices.insert(out_.pieces.vertices.end(), {piece.a, piece.b, piece.c});
+    out_.pieces.indices.push_back({first, first + 1, first + 2});
+  }
+
+  const Triangles& mesh_;
+  const Judge& judge_;
+  SolidBoundary& out_;
+  double smallest_mm_;
+};
+
+// Patches of triangles that hang together over edges and that nothing crosses.
+std::vector<uint32_t> Patches(const Triangles& mesh, const Crossing& with) {
+  std::vector<uint32_t> patch(mesh.indices.size());
+  std::iota(patch.begin(), patch.end(), 0);
+  auto root = [&](uint32_t i) {
+    while (patch[i] != i) i = patch[i] = patch[patch[i]];
+    return i;
+  };
+  ForEachEdge(SortedEdges(mesh.indices), [&](std::span<const EdgeUse> uses) {
+    if (uses.size() != 2) return;
+    const uint32_t l = uses[0].triangle, r = uses[1].triangle;
+    if (with[l].empty() && with[r].empty()) patch[root(l)] = root(r);
+  });
+  for (uint32_t i = 0; i < patch.size(); ++i) patch[i] = root(i);
+  return patch;
+}
+
+// A line of length L through triangles of mean radius r makes about L / smallest pieces.
+double SmallestPiece(const Triangles& mesh, const Crossing& with) {
+  double pieces = 0;
+  for (uint32_t i = 0; i < with.size(); ++i) {
+    if (!with[i].empty())
+      pieces += static_cast<double>(with[i].size()) *
+                std::max(1.0, 4 * FacetOf(mesh, i).Radius() / kSmallest_mm);
+  }
+  return kSmallest_mm * std::max(1.0, pieces / static_cast<double>(kMostPieces));
+}
+
+}  // namespace
+
+Result<SolidBoundary> BoundaryOf(const Triangles& mesh, const TriangleTree& tree) {
+  const Result<Crossing> crossings = FindCrossings(mesh, tree);
+  if (!crossings.ok()) return crossings.status();
+  const Crossing& with = *crossings;
+  const auto patch = Patches(mesh, with);
+  const Judge judge(tree);
+  SolidBoundary out{{mesh.vertices, {}}, 0, 0};
+  Cutter cutter(mesh, judge, out, SmallestPiece(mesh, with));
+  // By each patch's largest triangle: the probes of a sliver may miss their side.
+  std::vector<uint32_t> largest = patch;
+  std::vector<double> size(patch.size(), -1);
+  for (uint32_t i = 0; i < patch.size(); ++i) {
+    const dvec3 n = FacetOf(mesh, i).Normal();
+    if (Dot(n, n) > size[patch[i]]) size[patch[i]] = Dot(n, n), largest[patch[i]] = i;
+  }
+  std::vector<std::optional<Place>> judged(patch.size());
+  for (uint32_t i = 0; i < patch.size(); ++i) {
+    if (!with[i].empty()) {
+      ++out.crossing;
+      cutter.Cut(FacetOf(mesh, i), with[i]);
+      continue;
+    }
+    auto& place = judged[patch[i]];
+    if (!place) place = judge.Of(FacetOf(mesh, largest[patch[i]]));
+    if (*place == Place::kBoundary) {
+      out.pieces.indices.push_back(mesh.indices[i]);
+    } else {
+      ++out.buried;
+    }
+  }
+  return out;
+}
+
+}  // namespace enamel::import
