@@ -2,9 +2,25 @@
 
 #include <algorithm>
 
+#include "common/base/sha256.h"
 #include "common/trace/trace.h"
 
 namespace enamel::trace {
+namespace {
+
+constexpr size_t kCheckBytes = 4;
+
+Sha256 CheckOf(uint8_t kind, ByteView content) {
+  ByteWriter prefix;
+  prefix.U8(kind);
+  prefix.U32(static_cast<uint32_t>(content.size()));
+  Sha256Stream stream;
+  stream.Update(prefix.bytes());
+  stream.Update(content);
+  return stream.Finish();
+}
+
+}  // namespace
 
 void WriteMagic(const Magic& magic, ByteWriter& out) {
   out.Raw(magic);
@@ -26,6 +42,39 @@ Status ReadMagic(const std::string& what, const Magic& magic, ByteReader& in) {
                     ", this program reads version " + std::to_string(kTraceVersion) +
                     "; use a program of the recording's version",
                 "version");
+}
+
+void WriteRecord(uint8_t kind, ByteView content, ByteWriter& out) {
+  out.U8(kind);
+  out.Blob(content);
+  out.Raw(CheckOf(kind, content).view().first(kCheckBytes));
+}
+
+Result<std::optional<Record>> ReadRecord(const std::string& what, size_t max_bytes,
+                                         ByteReader& in) {
+  size_t offset = in.offset();
+  Record record;
+  record.kind = in.U8();
+  size_t size = in.U32();
+  if (in.ok() && size > max_bytes) {
+    return TooLarge(what + ", record at byte " + std::to_string(offset), max_bytes, size);
+  }
+  record.content = in.Raw(size);
+  ByteView check = in.Raw(kCheckBytes);
+  if (!in.ok()) return std::optional<Record>();
+  Sha256 expected = CheckOf(record.kind, record.content);
+  if (!std::equal(check.begin(), check.end(), expected.bytes.begin())) {
+    return DamagedAt(what, offset,
+                     "its check does not fit its content, the file is damaged here; "
+                     "fetch it again from the spool or the server");
+  }
+  return std::optional<Record>(record);
+}
+
+Status DamagedAt(const std::string& what, size_t offset, const std::string& why) {
+  return Status(Code::kInvalidInput,
+                what + ", record at byte " + std::to_string(offset) + ": " + why,
+                std::to_string(offset));
 }
 
 Status EndsEarly(const std::string& what, size_t size) {

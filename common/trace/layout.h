@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "common/base/bytes.h"
@@ -16,12 +17,25 @@ inline constexpr Magic kHeaderMagic = {'E', 'N', 'h', 'd'};
 inline constexpr Magic kChunkMagic = {'E', 'N', 'c', 'h'};
 inline constexpr Magic kSealMagic = {'E', 'N', 's', 'l'};
 inline constexpr Magic kFileMagic = {'E', 'N', 't', 'f'};
+inline constexpr Magic kKeyframesMagic = {'E', 'N', 'k', 'f'};
 inline constexpr size_t kSealBytes = 74;
 
 // Magic and version.
 void WriteMagic(const Magic& magic, ByteWriter& out);
 // Errors: kInvalidInput for another magic, kVersion for another version.
 Status ReadMagic(const std::string& what, const Magic& magic, ByteReader& in);
+
+// A file is its magic, version and reserved field, a body if it has one, and records: kind, size,
+// content, check. `what` names the file in refusals.
+struct Record {
+  uint8_t kind = 0;
+  ByteView content;
+};
+void WriteRecord(uint8_t kind, ByteView content, ByteWriter& out);
+// The next record; nothing (and in.ok() false) when the file ends inside it. Errors: kTooLarge,
+// kInvalidInput with the offset.
+Result<std::optional<Record>> ReadRecord(const std::string& what, size_t max_bytes, ByteReader& in);
+Status DamagedAt(const std::string& what, size_t offset, const std::string& why);
 
 Status EndsEarly(const std::string& what, size_t size);
 Status WrongSize(const std::string& what, size_t expected, size_t found);

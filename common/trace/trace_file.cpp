@@ -9,56 +9,10 @@ namespace {
 
 enum RecordKind : uint8_t { kHeaderRecord = 1, kChunkRecord = 2, kSealRecord = 3 };
 
-constexpr size_t kCheckBytes = 4;
+constexpr char kWhat[] = "trace file";
 constexpr size_t kMaxRecordBytes = kMaxChunkBytes;
 
-struct Record {
-  uint8_t kind = 0;
-  ByteView content;
-};
-
-Sha256 CheckOf(uint8_t kind, ByteView content) {
-  ByteWriter prefix;
-  prefix.U8(kind);
-  prefix.U32(static_cast<uint32_t>(content.size()));
-  Sha256Stream stream;
-  stream.Update(prefix.bytes());
-  stream.Update(content);
-  return stream.Finish();
-}
-
-void WriteRecord(uint8_t kind, ByteView content, ByteWriter& out) {
-  out.U8(kind);
-  out.Blob(content);
-  out.Raw(CheckOf(kind, content).view().first(kCheckBytes));
-}
-
-Status Damaged(size_t offset, const std::string& what) {
-  return Status(Code::kInvalidInput,
-                "trace file, record at byte " + std::to_string(offset) + ": " + what,
-                std::to_string(offset));
-}
-
-// The next record; nothing (and in.ok() false) when the file ends inside it.
-Result<std::optional<Record>> ReadRecord(ByteReader& in) {
-  size_t offset = in.offset();
-  Record record;
-  record.kind = in.U8();
-  size_t size = in.U32();
-  if (in.ok() && size > kMaxRecordBytes) {
-    return TooLarge("trace file, record at byte " + std::to_string(offset), kMaxRecordBytes, size);
-  }
-  record.content = in.Raw(size);
-  ByteView check = in.Raw(kCheckBytes);
-  if (!in.ok()) return std::optional<Record>();
-  Sha256 expected = CheckOf(record.kind, record.content);
-  if (!std::equal(check.begin(), check.end(), expected.bytes.begin())) {
-    return Damaged(offset,
-                   "its check does not fit its content, the file is damaged here; "
-                   "fetch it again from the spool or the server");
-  }
-  return std::optional<Record>(record);
-}
+Status Damaged(size_t offset, const std::string& why) { return DamagedAt(kWhat, offset, why); }
 
 Status Add(const Record& record, size_t offset, TraceFile& file) {
   bool known = record.kind >= kHeaderRecord && record.kind <= kSealRecord;
@@ -95,13 +49,13 @@ Bytes EncodeTraceFile(const TraceFile& file) {
 
 Result<TraceFile> DecodeTraceFile(ByteView bytes) {
   ByteReader in(bytes);
-  ENAMEL_RETURN_IF_ERROR(ReadMagic("trace file", kFileMagic, in));
+  ENAMEL_RETURN_IF_ERROR(ReadMagic(kWhat, kFileMagic, in));
   uint16_t reserved = in.U16();
   if (reserved != 0) return Damaged(6, "expected 0 in the reserved field of the file's head");
   TraceFile file;
   while (in.ok() && !in.AtEnd()) {
     size_t offset = in.offset();
-    auto record = ReadRecord(in);
+    auto record = ReadRecord(kWhat, kMaxRecordBytes, in);
     if (!record.ok()) return record.status();
     if (!record->has_value()) break;
     ENAMEL_RETURN_IF_ERROR(Add(**record, offset, file));
