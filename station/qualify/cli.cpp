@@ -12,10 +12,12 @@ void RegisterQualify(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<QualifyOptions>();
   options->out = stdout;
   options->progress = stderr;
+  options->errors = stderr;
   CLI::App* qualify = app.add_subcommand("qualify",
                                          "Measure force laws on a device profile: error against "
                                          "run time, stability, a search for energy");
-  qualify->add_option("--profile", options->profile, "device profile, or all")
+  qualify->add_option("--profile", options->profile,
+                      "device profile, a profile document (….json), or all")
       ->capture_default_str();
   qualify
       ->add_option("--suite", options->suites,

@@ -47,10 +47,14 @@ struct TimeTrace {
   std::vector<Sample> samples;
 };
 
-// One game of the adversary.
+// One game of the adversary; of games merged into one line, the worst, with the ticks of all.
 struct Attack {
   std::string law, kind;  // kind: how the motion was made
+  // What repeats the worst: PlayRandom or PlaySearch with this profile, law, seed and length (ticks,
+  // or rounds of the search).
+  std::string profile;
   uint64_t seed = 0;
+  int64_t length = 0;
   int64_t ticks = 0;
   double worst_j = 0;      // lowest balance above its floor; < 0: violation
   double extracted_j = 0;  // most energy taken out of the law itself

@@ -55,7 +55,9 @@ std::string JsonOf(const Findings& f) {
   for (const Attack& a : f.attacks) {
     attacks.push_back(json::object{{"law", a.law},
                                    {"game", a.kind},
+                                   {"profile", a.profile},
                                    {"seed", a.seed},
+                                   {"length", a.length},
                                    {"ticks", a.ticks},
                                    {"lowest_above_floor_j", Number(a.worst_j)},
                                    {"extracted_j", Number(a.extracted_j)},

@@ -5,6 +5,8 @@
 #include <fstream>
 #include <mutex>
 
+#include "common/base/file.h"
+#include "common/scene/json.h"
 #include "station/qualify/report.h"
 #include "station/qualify/suites.h"
 
@@ -19,7 +21,26 @@ constexpr Suite kSuites[] = {{"paper", &RunPaperSuite},           {"laws", &RunL
                              {"estimators", &RunEstimatorsSuite}, {"extreme", &RunExtremeSuite},
                              {"adversary", &RunAdversarySuite},   {"random", &RunRandomSuite}};
 
+constexpr size_t kLargestProfile = 1 << 20;
+
+// A document of one's own, by its path.
+Result<std::vector<DeviceModel>> ModelIn(const std::string& path) {
+  Result<Bytes> text = ReadFile(path, kLargestProfile);
+  if (!text.ok()) return text.status();
+  Result<scene::DeviceProfile> profile = scene::ProfileFromJson(
+      std::string_view(reinterpret_cast<const char*>(text->data()), text->size()));
+  Status status = profile.status();
+  if (profile.ok()) {
+    Result<DeviceModel> model = ModelOf(*profile);
+    if (model.ok()) return std::vector<DeviceModel>{*model};
+    status = model.status();
+  }
+  std::string where = status.field().empty() ? "" : status.field() + ": ";
+  return Status(status.code(), path + ": " + where + status.message(), status.field());
+}
+
 Result<std::vector<DeviceModel>> ModelsFor(const std::string& name) {
+  if (name.ends_with(".json")) return ModelIn(name);
   std::vector<DeviceModel> out;
   std::string known;
   for (const scene::DeviceProfile& p : QualifyProfiles()) {
@@ -33,7 +54,9 @@ Result<std::vector<DeviceModel>> ModelsFor(const std::string& name) {
   }
   if (out.empty())
     return Status(Code::kInvalidInput,
-                  "unknown profile '" + name + "': expected all or one of " + known, "profile");
+                  "unknown profile '" + name + "': expected all, one of " + known +
+                      ", or the path of a profile document (….json)",
+                  "profile");
   return out;
 }
 
@@ -92,8 +115,8 @@ void Print(std::FILE* out, const Findings& f) {
 
 int RunQualify(const QualifyOptions& options) {
   auto Fail = [&](const Status& status) {
-    if (options.out != nullptr)
-      std::fprintf(options.out, "qualify: %s\n", status.message().c_str());
+    if (options.errors != nullptr)
+      std::fprintf(options.errors, "qualify: %s\n", status.message().c_str());
     return 1;
   };
   if (Status status = CheckSuites(options.suites); !status.ok()) return Fail(status);

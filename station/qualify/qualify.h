@@ -11,22 +11,23 @@
 namespace enamel::station::qualify {
 
 struct QualifyOptions {
-  std::string profile = "phantom_desktop";  // a name of QualifyProfiles, or "all"
+  std::string profile = "phantom_desktop";  // of QualifyProfiles, a file, or "all"
   std::vector<std::string> suites = {
       "all"};                   // paper | laws | estimators | extreme | adversary | random | all
   bool quick = false;           // under a minute on two cores; still B = 6.5 at 1 kHz
   std::string json_path;        // rows are written here when not empty
   std::string report_dir;       // report.html and its plots are written here when not empty
   int cases = 600;              // random
-  int64_t adversary_ticks = 0;  // 0: 20e6, or 2e6 with quick
+  int64_t adversary_ticks = 0;  // 0: 1e9, or 2e6 with quick
   uint64_t seed = 1;
   int threads = 2;
   std::FILE* out = nullptr;       // tables; nullptr: nothing printed
   std::FILE* progress = nullptr;  // one line, rewritten
+  std::FILE* errors = nullptr;    // why nothing was done
 };
 
 // Runs the suites asked for. Returns a program's exit code: 0 done and no proved case violated, 1
-// the options are wrong or a file cannot be written (said on out), 2 a case that is proved passive
+// the options are wrong or a file cannot be written (said on errors), 2 a case that is proved passive
 // was not. Blocks for minutes; uses `threads` threads. Deterministic but for ns_per_tick and
 // pareto.
 int RunQualify(const QualifyOptions& options);

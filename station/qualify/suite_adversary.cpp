@@ -141,7 +141,9 @@ Attack PlayRandom(const DeviceModel& m, LawKind law, uint64_t seed, int64_t tick
   Attack a;
   a.law = haptics::FindLaw(law)->name;
   a.kind = "random walk, random B, P, walls and bounds every tick";
+  a.profile = m.name;
   a.seed = seed;
+  a.length = ticks;
   a.proved = ProvedLaw(law);
   Random r(seed);
   Game game(m, law);
@@ -180,7 +182,9 @@ Attack PlaySearch(const DeviceModel& m, LawKind law, uint64_t seed, int rounds) 
   Attack a;
   a.law = haptics::FindLaw(law)->name;
   a.kind = "evolved periodic motion and material";
+  a.profile = m.name;
   a.seed = seed;
+  a.length = rounds;
   a.proved = ProvedLaw(law);
   Random r(seed);
   Game game(m, law);
@@ -205,7 +209,7 @@ Attack PlaySearch(const DeviceModel& m, LawKind law, uint64_t seed, int rounds) 
 void RunAdversarySuite(SuiteContext& c) {
   int64_t ticks = c.options.adversary_ticks > 0 ? c.options.adversary_ticks
                   : c.options.quick             ? 2'000'000
-                                                : 60'000'000;
+                                                : 1'000'000'000;
   struct Job {
     const DeviceModel* model;
     LawKind law;
@@ -248,7 +252,7 @@ void RunAdversarySuite(SuiteContext& c) {
             "lowest balance above its floor J",
             "most taken out of the law alone J",
             "violations",
-            "worst seed",
+            "worst game",
             "claim"};
   t.note =
       "Balance: sum of R.dx + (b/T) dx.dx + c sum|dx_i| with b and c at the least the theorem "
@@ -263,8 +267,12 @@ void RunAdversarySuite(SuiteContext& c) {
       merged.push_back(a);
       continue;
     }
-    if (a.worst_j < same->worst_j) same->seed = a.seed;
-    same->worst_j = std::min(same->worst_j, a.worst_j);
+    if (a.worst_j < same->worst_j) {
+      same->profile = a.profile;
+      same->seed = a.seed;
+      same->length = a.length;
+      same->worst_j = a.worst_j;
+    }
     same->extracted_j = std::max(same->extracted_j, a.extracted_j);
     same->ticks += a.ticks;
     same->violations += a.violations;
@@ -275,7 +283,7 @@ void RunAdversarySuite(SuiteContext& c) {
     std::snprintf(taken, sizeof taken, "%.3g", a.extracted_j);
     t.rows.push_back(
         {a.law, a.kind, std::to_string(a.ticks), worst, taken, std::to_string(a.violations),
-         std::to_string(a.seed),
+         a.profile + " seed " + std::to_string(a.seed) + " length " + std::to_string(a.length),
          a.proved ? (a.violations == 0 ? "proved, held" : "PROVED, VIOLATED") : "not proved"});
     c.findings.attacks.push_back(a);
   }

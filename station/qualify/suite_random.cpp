@@ -7,17 +7,36 @@
 
 namespace enamel::station::qualify {
 
-// Device aside: B 2.5-11.3 N s/mm, speed 0.05-1.0 mm/s (logarithmic: the slow cuts are the hard
-// ones), any direction, friction 0-2 Kc delta / 2, hand and its mass; B v at most 0.9 of the peak.
-TrialSpec RandomCase(const DeviceModel& m, uint64_t seed, bool slow) {
+namespace {
+
+// Symmetric with its axes turned at random.
+Sym3 RandomMatrix(Random& r, double lo, double hi) {
+  dvec3 x = r.Direction(), y = glm::normalize(glm::cross(x, r.Direction()));
+  Sym3 b = Sym3::Outer(x, r.Between(lo, hi));
+  b += Sym3::Outer(y, r.Between(lo, hi));
+  return b += Sym3::Outer(glm::cross(x, y), r.Between(lo, hi));
+}
+
+}  // namespace
+
+// Device aside: B 2.5-11.3 N s/mm, speed 0.05-1.0 mm/s, any direction, friction 0-2 Kc delta / 2,
+// hand and its mass; B v at most 0.9 of the peak.
+TrialSpec RandomCase(const DeviceModel& at_1khz, uint64_t seed, Draw draw) {
   Random r(seed);
-  double b, v;
+  constexpr double kRates_hz[] = {500, 2000, 4000, 8000};
+  DeviceModel m = draw == Draw::kRates ? AtRate(at_1khz, kRates_hz[r.Below(4)], false) : at_1khz;
+  double v;
+  Sym3 b;
+  dvec3 direction;
   do {
-    b = r.Between(2500, 11300);
-    v = slow ? r.LogBetween(0.05e-3, 1e-3) : r.Between(0.05e-3, 1e-3);
-  } while (b * v > 0.9 * m.peak_force_n);
-  TrialSpec s = SpecOf(m, haptics::LawKind::kGatedMaxwell, b, v);
-  s.direction = r.Direction();
+    b = draw == Draw::kMatrix ? RandomMatrix(r, 2500, 11300)
+                              : Sym3::Isotropic(r.Between(2500, 11300));
+    v = draw == Draw::kSlow ? r.LogBetween(0.05e-3, 1e-3) : r.Between(0.05e-3, 1e-3);
+    direction = r.Direction();
+  } while (glm::length(b * direction) * v > 0.9 * m.peak_force_n);
+  TrialSpec s = SpecOf(m, haptics::LawKind::kGatedMaxwell, b.Trace() / 3, v);
+  s.b_n_s_per_m = b;
+  s.direction = direction;
   s.plant.friction_n = r.Uniform() * m.kc_n_per_m * m.resolution_m;
   s.start_offset_m = dvec3(r.Uniform(), r.Uniform(), r.Uniform()) * m.resolution_m;
   s.hand_mass_kg = r.LogBetween(0.02, 0.5);
@@ -40,6 +59,17 @@ constexpr double kSlowest_s = 3;  // B/Kc above this is what a profile says it c
 constexpr const char* kNone =
     "B/Kc is above 3 s for every B of the draw: the profile says it cannot render this, so nothing "
     "is drawn.";
+
+struct DrawName {
+  Draw draw;
+  const char* suite;
+  const char* title;
+};
+constexpr DrawName kDraws[] = {
+    {Draw::kUniform, "random", "speeds drawn uniformly"},
+    {Draw::kSlow, "random-slow", "speeds drawn logarithmically (slow cuts)"},
+    {Draw::kRates, "random-rates", "loop rates of 500 Hz, 2, 4 and 8 kHz"},
+    {Draw::kMatrix, "random-matrix", "B a matrix, axes in any direction"}};
 
 bool RendersAny(const DeviceModel& m) { return kSoftest_n_s_per_m / m.kc_n_per_m <= kSlowest_s; }
 
@@ -67,7 +97,7 @@ void AddDeviceTable(Findings& findings, const RandomSummary& sum, const char* su
   findings.tables.push_back(std::move(t));
 }
 
-void RunDraws(SuiteContext& c, const std::vector<DeviceModel>& models, bool slow) {
+void RunDraws(SuiteContext& c, const std::vector<DeviceModel>& models, const DrawName& draw) {
   auto n = static_cast<size_t>(c.options.quick ? std::min(c.options.cases, 150) : c.options.cases);
   std::vector<Row> rows(n);
   Random draws(c.options.seed);
@@ -76,13 +106,13 @@ void RunDraws(SuiteContext& c, const std::vector<DeviceModel>& models, bool slow
   std::atomic<size_t> done{0};
   ParallelFor(n, c.options.threads, [&](size_t i) {
     const DeviceModel& m = models[seeds[i] % models.size()];
-    rows[i] = RunRow(m, RandomCase(m, seeds[i], slow));
-    rows[i].suite = slow ? "random-slow" : "random";
+    rows[i] = RunRow(m, RandomCase(m, seeds[i], draw.draw));
+    rows[i].suite = draw.suite;
     rows[i].title = "seed " + std::to_string(seeds[i]);
     c.progress("random", ++done, n);
   });
   RandomSummary sum;
-  sum.title = slow ? "speeds drawn logarithmically (slow cuts)" : "speeds drawn uniformly";
+  sum.title = draw.title;
   for (Row& r : rows) {
     bool velocity = r.hand == "velocity";
     double bound = std::max(0.06, 1.3 * r.kc_delta_half_n);
@@ -104,7 +134,7 @@ void RunDraws(SuiteContext& c, const std::vector<DeviceModel>& models, bool slow
     if (!holds) sum.failures.push_back(r);
     c.findings.rows.push_back(std::move(r));
   }
-  AddDeviceTable(c.findings, sum, slow ? "random-slow" : "random");
+  AddDeviceTable(c.findings, sum, draw.suite);
   c.findings.random.push_back(std::move(sum));
 }
 
@@ -120,8 +150,7 @@ void RunRandomSuite(SuiteContext& c) {
         {"Random cases: none", kNone, {"device"}, {{c.findings.models[0].title}}});
     return;
   }
-  RunDraws(c, models, false);
-  RunDraws(c, models, true);
+  for (const DrawName& draw : kDraws) RunDraws(c, models, draw);
 }
 
 }  // namespace enamel::station::qualify

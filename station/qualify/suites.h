@@ -43,7 +43,10 @@ Attack PlayRandom(const DeviceModel& model, haptics::LawKind law, uint64_t seed,
 // The same, searching: (1+1) evolution of a periodic 3-D motion and of a material that follows its
 // phase, `rounds` tries of 400 ticks.
 Attack PlaySearch(const DeviceModel& model, haptics::LawKind law, uint64_t seed, int rounds);
-// One draw of the random suite; `slow`: the speed logarithmically, which favours slow cuts.
-TrialSpec RandomCase(const DeviceModel& model, uint64_t seed, bool slow);
+// How the random suite draws: speeds uniformly; speeds logarithmically, which favours slow cuts;
+// also the loop rate, 500 Hz to 8 kHz with Kc as at 1 kHz where that is passive; B as a matrix with
+// axes of its own in any direction.
+enum class Draw { kUniform, kSlow, kRates, kMatrix };
+TrialSpec RandomCase(const DeviceModel& model, uint64_t seed, Draw draw);
 
 }  // namespace enamel::station::qualify

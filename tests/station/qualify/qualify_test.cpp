@@ -8,6 +8,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "common/scene/builtin.h"
+#include "common/scene/json.h"
 #include "station/qualify/report.h"
 #include "station/qualify/svg.h"
 
@@ -35,20 +37,53 @@ std::string ReadAll(const fs::path& path) {
   return out.str();
 }
 
+// Closes it.
+std::string Contents(std::FILE* file) {
+  std::rewind(file);
+  char text[4000] = {};
+  size_t n = std::fread(text, 1, sizeof text - 1, file);
+  std::fclose(file);
+  return std::string(text, n);
+}
+
 TEST(QualifyTest, RefusesUnknownProfilesAndSuitesWithWhatIsKnown) {
   QualifyOptions o;
-  o.out = std::tmpfile();
+  o.errors = std::tmpfile();
   o.profile = "no-such-device";
   EXPECT_EQ(RunQualify(o), 1);
   o.profile = "omega3";
   o.suites = {"nonsense"};
   EXPECT_EQ(RunQualify(o), 1);
-  std::rewind(o.out);
-  char text[4000] = {};
-  size_t n = std::fread(text, 1, sizeof text - 1, o.out);
-  std::fclose(o.out);
-  EXPECT_NE(std::string(text, n).find("phantom_desktop"), std::string::npos);
-  EXPECT_NE(std::string(text, n).find("estimators"), std::string::npos);
+  std::string text = Contents(o.errors);
+  EXPECT_NE(text.find("phantom_desktop"), std::string::npos);
+  EXPECT_NE(text.find("estimators"), std::string::npos);
+}
+
+TEST(QualifyTest, TakesAProfileOfOnesOwnAndRefusesOneThatIsNotPassiveWithTheKcThatIs) {
+  Folder folder;
+  scene::DeviceProfile profile = scene::BuiltinProfiles()[1];
+  profile.name = "bench_top";
+  fs::path path = folder.path() / "profile.json";
+  QualifyOptions o;
+  o.profile = path;
+  o.suites = {"random"};
+  o.cases = 4;
+  o.json_path = folder.path() / "rows.json";
+  o.errors = std::tmpfile();
+  std::ofstream(path) << scene::ToJson(profile);
+  EXPECT_EQ(RunQualify(o), 0);
+  EXPECT_NE(ReadAll(o.json_path).find("bench_top"), std::string::npos);
+  // 2 b / T = 3500 N/m, but friction of 25 mN allows 2 c / delta = 5000 N/m: the smaller counts.
+  profile.coupling_mn_per_mm.value = 3600;
+  std::ofstream(path) << scene::ToJson(profile);
+  EXPECT_EQ(RunQualify(o), 1);
+  std::ofstream(path) << "{\"format\": 1";
+  EXPECT_EQ(RunQualify(o), 1);
+  o.profile = folder.path() / "absent.json";
+  EXPECT_EQ(RunQualify(o), 1);
+  std::string text = Contents(o.errors);
+  EXPECT_NE(text.find("3500"), std::string::npos) << text;
+  EXPECT_NE(text.find("absent.json"), std::string::npos) << text;
 }
 
 // Every member the rows promise, and a page that needs nothing from elsewhere.
@@ -65,7 +100,7 @@ TEST(QualifyTest, WritesRowsAndASelfContainedPage) {
   EXPECT_EQ(RunQualify(o), 0);
   auto json = boost::json::parse(ReadAll(o.json_path)).as_object();
   const auto& rows = json.at("rows").as_array();
-  ASSERT_EQ(rows.size(), 12u);
+  ASSERT_EQ(rows.size(), 24u);  // four draws of six
   for (const char* name : {"profile",
                            "law",
                            "estimator",
