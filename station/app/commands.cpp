@@ -9,8 +9,6 @@
 #include "common/import/scene_folder.h"
 #include "common/scene/builtin.h"
 #include "common/scene/json.h"
-#include "common/scene/volume_blob.h"
-#include "common/trace/replay.h"
 #include "station/app/places.h"
 #include "station/app/simulate.h"
 #include "station/devices/operators.h"
@@ -33,11 +31,6 @@ const char* StateOf(const SpooledAttempt& a) {
 Result<std::unique_ptr<Spool>> OpenSpool(const fs::path& data) {
   ENAMEL_RETURN_IF_ERROR(MakePrivateFolder(data));
   return Spool::Open(data);
-}
-
-Status WriteJson(const fs::path& file, const boost::json::object& object) {
-  if (file.empty()) return Status::Ok();
-  return WriteFileDurably(file, AsBytes(boost::json::serialize(object) + "\n"));
 }
 
 const scene::DeviceProfile* FindProfile(const std::vector<scene::DeviceProfile>& all,
@@ -166,69 +159,6 @@ Status ExportFromSpool(const fs::path& data, const std::string& attempt, const f
   return Status::Ok();
 }
 
-Status ReplayTrace(const ReplayOptions& options) {
-  ENAMEL_RETURN_IF_ERROR(CheckOutputFile(options.json, "--json"));
-  auto bytes = ReadFile(options.trace);
-  if (!bytes.ok()) return bytes.status();
-  auto file = trace::DecodeTraceFile(*bytes);
-  if (!file.ok()) return file.status();
-  auto header = trace::DecodeHeader(file->header);
-  if (!header.ok()) return header.status();
-  std::optional<Bytes> blob;
-  if (!options.volume.empty()) {
-    auto read = ReadFile(options.volume);
-    if (!read.ok()) return read.status();
-    if (HashSha256(*read) != header->volume) {
-      return Status(Code::kConflict, options.volume.string() +
-                                         " is not the volume this recording "
-                                         "began with (" +
-                                         header->volume.Hex() + ")");
-    }
-    blob = std::move(*read);
-  } else {
-    blob = BlobCache(options.data / "blobs").Find(header->volume);
-  }
-  if (!blob) {
-    return Status(Code::kNotFound, "the volume " + header->volume.Hex() + " is not in " +
-                                       (options.data / "blobs").string() +
-                                       ": name its file with --volume");
-  }
-  auto volume = scene::DecodeVolume(*blob);
-  if (!volume.ok()) return volume.status();
-  double voxel_m = volume->spec().voxel_m();
-  core::Core core(header->params, std::move(*volume));
-  auto report = trace::Replay(core, *header, file->chunks);
-  if (!report.ok()) return report.status();
-  double factor = report->seconds > 0 ? static_cast<double>(report->ticks) /
-                                            header->params.rate_hz / report->seconds
-                                      : 0;
-  auto removed = Removed_mm3(core.removed(), voxel_m);
-  double sum = 0;
-  for (double r : removed) sum += r;
-  std::printf("attempt %s: %llu ticks in %u chunks, %llu ticks of gaps%s\n",
-              header->ticket.attempt.Text().c_str(), static_cast<unsigned_ll>(report->ticks),
-              report->chunks, static_cast<unsigned_ll>(report->gap_ticks),
-              file->truncated ? ", file cut short" : "");
-  std::printf("removed %.3f mm3, state hash %016llx, %.0f x real time\n", sum,
-              static_cast<unsigned_ll>(report->state_hash), factor);
-  ENAMEL_RETURN_IF_ERROR(WriteJson(options.json, {{"attempt_id", header->ticket.attempt.Text()},
-                                                  {"ticks", report->ticks},
-                                                  {"chunks", report->chunks},
-                                                  {"gap_ticks", report->gap_ticks},
-                                                  {"witness_ok", report->witness_ok},
-                                                  {"removed_mm3", sum},
-                                                  {"state_hash", report->state_hash},
-                                                  {"realtime_factor", factor}}));
-  if (!report->witness_ok) {
-    return Status(Code::kConflict, "the recording disagrees with the core at tick " +
-                                       std::to_string(report->first_bad_tick) + " of chunk " +
-                                       std::to_string(report->first_bad_chunk) + " (" +
-                                       report->what + ")");
-  }
-  std::printf("every tick agrees with the core\n");
-  return Status::Ok();
-}
-
 Status ImportMesh(const ImportCommand& options) {
   ENAMEL_RETURN_IF_ERROR(CheckOutputFolder(options.out, "--out"));
   import::ImportOptions import_options;
@@ -279,7 +209,7 @@ Status SimulateAttempt(const SimulateCommand& options) {
     std::printf("%-8s %+8.1f %+7.1f %7.1f\n", p.name.c_str(), p.median_um, p.mean_um, p.rms_um);
     planes[p.name] = p.median_um;
   }
-  return WriteJson(options.json, {{"ticks", report->ticks},
+  return WriteJsonFile(options.json, {{"ticks", report->ticks},
                                   {"force_p95_n", report->force_p95_n},
                                   {"force_max_n", report->force_max_n},
                                   {"state_hash", report->state_hash},

@@ -25,13 +25,6 @@ Status VerifySpool(const std::filesystem::path& data);
 Status ExportFromSpool(const std::filesystem::path& data, const std::string& attempt,
                        const std::filesystem::path& out);
 
-// Re-runs the core on an exported recording and compares every tick's witness. The volume comes
-// from the station's cache, or from a file.
-struct ReplayOptions {
-  std::filesystem::path data, trace, volume, json;
-};
-Status ReplayTrace(const ReplayOptions& options);
-
 struct ImportCommand {
   std::filesystem::path file, out;
   std::string unit = "mm", up = "auto";

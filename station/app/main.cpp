@@ -8,6 +8,7 @@
 
 #include "station/app/attempt.h"
 #include "station/app/commands.h"
+#include "station/app/replay.h"
 #include "station/qualify/cli.h"
 
 namespace {
@@ -158,6 +159,12 @@ int main(int argc, char** argv) {
   replay_cmd->add_option("trace", replay.trace, "File from 'spool export'")->required();
   replay_cmd->add_option("--volume", replay.volume,
                          "The tooth it began with, when it is not in the cache");
+  replay_cmd->add_option("--to-tick", replay.to_tick,
+                         "Stop after this many ticks, starting from the keyframe before");
+  replay_cmd->add_option("--surface", replay.surface,
+                         "Write the tooth's surface there as PLY (mm, tissue per vertex)");
+  replay_cmd->add_flag("!--no-keyframes", replay.keyframes,
+                       "Neither use nor write TRACE.keyframes, the cache beside the trace");
   replay_cmd->add_option("--json", replay.json, "Write what was found to this file");
   replay_cmd->callback([&] {
     replay.data = data;

@@ -2,9 +2,12 @@
 
 #include <unistd.h>
 
+#include <boost/json.hpp>
 #include <cerrno>
 #include <cstring>
 #include <string>
+
+#include "common/base/file.h"
 
 namespace enamel::station {
 namespace {
@@ -46,6 +49,11 @@ Status CheckOutputFolder(const fs::path& folder, const char* option) {
     nearest = nearest.parent_path();
   }
   return CheckWritableFolder(option, folder, nearest);
+}
+
+Status WriteJsonFile(const fs::path& file, const boost::json::object& object) {
+  if (file.empty()) return Status::Ok();
+  return WriteFileDurably(file, AsBytes(boost::json::serialize(object) + "\n"));
 }
 
 }  // namespace enamel::station

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <boost/json/fwd.hpp>
 #include <filesystem>
 
 #include "common/base/result.h"
@@ -12,5 +13,7 @@ namespace enamel::station {
 Status CheckOutputFile(const std::filesystem::path& file, const char* option);
 // The same for a folder, which need not exist yet.
 Status CheckOutputFolder(const std::filesystem::path& folder, const char* option);
+// Writes an object as one line of JSON, or nothing where `file` is empty.
+Status WriteJsonFile(const std::filesystem::path& file, const boost::json::object& object);
 
 }  // namespace enamel::station

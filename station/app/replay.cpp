@@ -1,0 +1,233 @@
+#include "station/app/replay.h"
+
+#include <unistd.h>
+
+#include <boost/json.hpp>
+#include <cstdio>
+#include <optional>
+
+#include "common/base/file.h"
+#include "common/scene/volume_blob.h"
+#include "common/surface/ply.h"
+#include "common/trace/moment.h"
+#include "station/app/places.h"
+#include "station/app/simulate.h"
+#include "station/uplink/uploader.h"
+
+namespace enamel::station {
+namespace {
+
+namespace fs = std::filesystem;
+using unsigned_ll = unsigned long long;
+
+struct Recording {
+  trace::TraceFile file;
+  trace::Header header;
+};
+
+Result<Recording> ReadRecording(const fs::path& path) {
+  auto bytes = ReadFile(path);
+  if (!bytes.ok()) return bytes.status();
+  auto file = trace::DecodeTraceFile(*bytes);
+  if (!file.ok()) return file.status();
+  auto header = trace::DecodeHeader(file->header);
+  if (!header.ok()) return header.status();
+  return Recording{std::move(*file), std::move(*header)};
+}
+
+Result<cutting::Volume> ReadVolume(const ReplayOptions& options, const trace::Header& header) {
+  std::optional<Bytes> blob;
+  if (!options.volume.empty()) {
+    auto read = ReadFile(options.volume);
+    if (!read.ok()) return read.status();
+    if (HashSha256(*read) != header.volume) {
+      return Status(Code::kConflict, options.volume.string() +
+                                         " is not the volume this recording began with (" +
+                                         header.volume.Hex() + "): it is of another scene");
+    }
+    blob = std::move(*read);
+  } else {
+    blob = BlobCache(options.data / "blobs").Find(header.volume);
+  }
+  if (!blob) {
+    return Status(Code::kNotFound, "the volume " + header.volume.Hex() + " is not in " +
+                                       (options.data / "blobs").string() +
+                                       ": name its file with --volume");
+  }
+  return scene::DecodeVolume(*blob);
+}
+
+// TRACE.keyframes. A cache: what cannot be read is made anew, what cannot be written is not missed.
+class KeyframeFile {
+ public:
+  KeyframeFile(const ReplayOptions& options, const Recording& recording)
+      : path_(options.trace.string() + ".keyframes"),
+        used_(options.keyframes),
+        frames_(HashSha256(recording.file.header)) {
+    std::error_code none;
+    if (!used_ || !fs::exists(path_, none)) return;
+    auto bytes = ReadFile(path_);
+    if (!bytes.ok()) return;
+    auto read = trace::Keyframes::Decode(*bytes, HashSha256(recording.file.header));
+    if (read.ok()) {
+      frames_ = std::move(*read);
+      before_ = frames_.size();
+    } else {
+      std::printf("%s is not used and made anew (%s)\n", path_.c_str(),
+                  read.status().message().c_str());
+    }
+  }
+  trace::Keyframes& frames() { return frames_; }
+  void Keep(bool discarded) {
+    if (!used_ || (!discarded && frames_.size() == before_) || frames_.size() == 0) return;
+    if (Status s = WriteFileDurably(path_, frames_.Encode()); !s.ok()) {
+      std::printf("keyframes are not kept: %s\n", s.message().c_str());
+    }
+  }
+
+ private:
+  fs::path path_;
+  bool used_;
+  trace::Keyframes frames_;
+  size_t before_ = 0;
+};
+
+// One line on standard error, where somebody can see it.
+bool ShowProgress(double ratio) {
+  static int shown = -1;
+  auto percent = static_cast<int>(100 * ratio);
+  if (percent != shown && ::isatty(STDERR_FILENO)) {
+    std::fprintf(stderr, "\rreplaying %3d %%", percent);
+  }
+  shown = percent;
+  return true;
+}
+
+Status CheckSeal(const Recording& recording, const trace::Moment& moment) {
+  if (!recording.file.seal || !moment.whole) return Status::Ok();
+  trace::ChainVerifier chain(recording.header.ticket.attempt, HashSha256(recording.file.header));
+  for (const Bytes& bytes : recording.file.chunks) {
+    auto chunk = trace::DecodeChunkHead(bytes);
+    if (!chunk.ok()) return chunk.status();
+    ENAMEL_RETURN_IF_ERROR(chain.Accept(*chunk));
+  }
+  return chain.AcceptSeal(*recording.file.seal);
+}
+
+std::string Hex(uint64_t value) {
+  char text[24];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned_ll>(value));
+  return text;
+}
+
+void PrintMoment(const Recording& recording, const trace::Moment& moment) {
+  const trace::ReplayReport& r = moment.report;
+  std::printf("attempt %s: %llu ticks in %u of %zu chunks, %llu ticks of gaps%s\n",
+              recording.header.ticket.attempt.Text().c_str(), static_cast<unsigned_ll>(r.ticks),
+              r.chunks, recording.file.chunks.size(), static_cast<unsigned_ll>(r.gap_ticks),
+              moment.whole ? "" : "; stopped where asked");
+  if (recording.file.truncated) {
+    std::printf(
+        "the file is cut short: its whole chunks were used, what was behind them is lost\n");
+  } else if (!recording.file.seal) {
+    std::printf(
+        "the recording has no seal: it broke off, or was still going on when it was exported\n");
+  }
+  if (!moment.discarded.empty())
+    std::printf("keyframes thrown away: %s\n", moment.discarded.c_str());
+}
+
+// Prints, and returns for the JSON.
+boost::json::object Removed(const core::Core& core) {
+  auto removed = Removed_mm3(core.removed(), core.volume().spec().voxel_m());
+  boost::json::object out;
+  double sum = 0;
+  for (size_t t = 1; t < removed.size(); ++t) {
+    if (removed[t] == 0) continue;
+    std::string name(cutting::kTissueNames[t]);
+    std::printf("removed %-9s %8.3f mm3\n", name.c_str(), removed[t]);
+    out[name] = removed[t];
+    sum += removed[t];
+  }
+  std::printf("removed %-9s %8.3f mm3\n", "in all", sum);
+  return out;
+}
+
+Status WriteSurface(const fs::path& path, const core::Core& core) {
+  if (path.empty()) return Status::Ok();
+  surface::Mesh mesh = surface::ExtractSurface(core.volume());
+  ENAMEL_RETURN_IF_ERROR(WriteFileDurably(path, surface::EncodePly(mesh)));
+  std::printf("%s: %zu triangles\n", path.c_str(), mesh.triangles.size());
+  return Status::Ok();
+}
+
+Status Verdict(const trace::Moment& moment) {
+  const trace::ReplayReport& r = moment.report;
+  if (!r.witness_ok) {
+    return Status(Code::kConflict, "the recording disagrees with the core at tick " +
+                                       std::to_string(r.first_bad_tick) + " of chunk " +
+                                       std::to_string(r.first_bad_chunk) + " (" + r.what + ")");
+  }
+  if (moment.from_tick == 0) {
+    std::printf("every tick agrees with the core\n");
+  } else {
+    std::printf(
+        "every tick from %llu on agrees with the core; without --to-tick all are compared\n",
+        static_cast<unsigned_ll>(moment.from_tick));
+  }
+  return Status::Ok();
+}
+
+}  // namespace
+
+Status ReplayTrace(const ReplayOptions& options) {
+  ENAMEL_RETURN_IF_ERROR(CheckOutputFile(options.json, "--json"));
+  ENAMEL_RETURN_IF_ERROR(CheckOutputFile(options.surface, "--surface"));
+  auto recording = ReadRecording(options.trace);
+  if (!recording.ok()) return recording.status();
+  auto volume = ReadVolume(options, recording->header);
+  if (!volume.ok()) return volume.status();
+  auto make_core = [&] { return std::make_unique<core::Core>(recording->header.params, *volume); };
+  KeyframeFile keyframes(options, *recording);
+  trace::MomentOptions how;
+  how.to_tick = options.to_tick;
+  how.start_from_keyframe = options.to_tick != UINT64_MAX && options.keyframes;
+  auto moment = trace::ReplayToMoment(make_core, recording->header, recording->file.chunks, how,
+                                      keyframes.frames(), ShowProgress);
+  if (::isatty(STDERR_FILENO)) std::fprintf(stderr, "\r%20s\r", "");
+  if (!moment.ok()) return moment.status();
+  keyframes.Keep(!moment->discarded.empty());
+
+  const trace::ReplayReport& r = moment->report;
+  auto stepped = static_cast<double>(r.ticks - moment->from_tick);
+  double per_second = r.seconds > 0 ? stepped / r.seconds : 0;
+  double factor = per_second / recording->header.params.rate_hz;
+  PrintMoment(*recording, *moment);
+  boost::json::object removed = Removed(*moment->core);
+  std::printf("state hash %s\n", Hex(r.state_hash).c_str());
+  std::printf(
+      "re-ran %.0f ticks from tick %llu in %.3f s: %.0f ticks per second, %.0f x real time\n",
+      stepped, static_cast<unsigned_ll>(moment->from_tick), r.seconds, per_second, factor);
+  ENAMEL_RETURN_IF_ERROR(WriteSurface(options.surface, *moment->core));
+  ENAMEL_RETURN_IF_ERROR(
+      WriteJsonFile(options.json, {{"format", 1},
+                                   {"attempt_id", recording->header.ticket.attempt.Text()},
+                                   {"core_version", recording->header.params.core_version},
+                                   {"ticks", r.ticks},
+                                   {"chunks", r.chunks},
+                                   {"gap_ticks", r.gap_ticks},
+                                   {"whole", moment->whole},
+                                   {"truncated", recording->file.truncated},
+                                   {"sealed", recording->file.seal.has_value()},
+                                   {"from_tick", moment->from_tick},
+                                   {"witness_ok", r.witness_ok},
+                                   {"state_hash", Hex(r.state_hash)},
+                                   {"removed_mm3", std::move(removed)},
+                                   {"seconds", r.seconds},
+                                   {"ticks_per_second", per_second},
+                                   {"realtime_factor", factor}}));
+  ENAMEL_RETURN_IF_ERROR(CheckSeal(*recording, *moment));
+  return Verdict(*moment);
+}
+
+}  // namespace enamel::station
