@@ -18,8 +18,11 @@ double Now() {
 
 }  // namespace
 
-Progress::~Progress() {
+Progress::~Progress() { Clear(); }
+
+void Progress::Clear() {
   if (shown_s_ >= 0) std::fprintf(stderr, "\r%80s\r", "");
+  shown_s_ = -1;
 }
 
 void Progress::Show(const std::string& what, double ratio) {

@@ -14,6 +14,7 @@ namespace enamel::bench {
 
 void RegisterTick(CLI::App& app, int* exit_code);
 void RegisterMemory(CLI::App& app, int* exit_code);
+void RegisterReplay(CLI::App& app, int* exit_code);
 
 // One line on standard error, rewritten in place and wiped at the end; at most ten times a second,
 // and only where somebody can see it: a log gets the rows as they come.
@@ -24,6 +25,8 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
   void Show(const std::string& what, double ratio);
+  // Wipes the line, before a row is printed.
+  void Clear();
 
  private:
   double shown_s_ = -1;

@@ -21,6 +21,7 @@ int main(int argc, char** argv) {
   int exit_code = 0;
   enamel::bench::RegisterTick(app, &exit_code);
   enamel::bench::RegisterMemory(app, &exit_code);
+  enamel::bench::RegisterReplay(app, &exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
