@@ -33,7 +33,8 @@ const char* HandName(const TrialSpec& s) {
 Verdict VerdictOf(const TrialSpec& spec, const Measurement& m) {
   if (m.unstable) return Verdict::kUnstable;
   if (Proved(spec) && !m.violation) return Verdict::kPassive;
-  return m.cycle ? Verdict::kBounded : Verdict::kStable;
+  // A law that pulls its hand along gives energy away without a swing.
+  return m.cycle || m.violation ? Verdict::kBounded : Verdict::kStable;
 }
 
 }  // namespace
