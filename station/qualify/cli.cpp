@@ -16,8 +16,9 @@ void RegisterQualify(CLI::App& app, int* exit_code) {
   CLI::App* qualify = app.add_subcommand("qualify",
                                          "Measure force laws on a device profile: error against "
                                          "run time, stability, a search for energy");
-  qualify->add_option("--profile", options->profile,
-                      "device profile, a profile document (….json), or all")
+  qualify
+      ->add_option("--profile", options->profile,
+                   "device profile, a profile document (….json), or all")
       ->capture_default_str();
   qualify
       ->add_option("--suite", options->suites,
@@ -39,14 +40,19 @@ void RegisterQualify(CLI::App& app, int* exit_code) {
       ->capture_default_str();
   qualify->callback([options, exit_code] { *exit_code = RunQualify(*options); });
 
-  auto csv = std::make_shared<std::string>(), svg = std::make_shared<std::string>();
+  auto fitting = std::make_shared<FitDampingOptions>();
   CLI::App* fit = app.add_subcommand(
       "fit-damping",
       "Fit the damping coefficient B per tissue from a CSV of time, position and force");
-  fit->add_option("csv", *csv, "columns time_s, position_mm, force_n and optionally tissue")
+  fit->add_option(
+         "csv", fitting->csv_path,
+         "columns time_s, position_mm (or x_mm, y_mm, z_mm), force_n (or fx_n, fy_n, fz_n)\n"
+         "and optionally tissue; 40 Hz is enough")
       ->required();
-  fit->add_option("--plot", *svg, "write an SVG of force against speed");
-  fit->callback([csv, svg, exit_code] { *exit_code = RunFitDamping(*csv, *svg); });
+  fit->add_option("--plot", fitting->svg_path, "write an SVG of force against speed");
+  fit->add_option("--material", fitting->material_path,
+                  "store the fit as a material profile (JSON) for scenes");
+  fit->callback([fitting, exit_code] { *exit_code = RunFitDamping(*fitting); });
 }
 
 }  // namespace enamel::station::qualify

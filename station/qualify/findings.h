@@ -50,8 +50,8 @@ struct TimeTrace {
 // One game of the adversary; of games merged into one line, the worst, with the ticks of all.
 struct Attack {
   std::string law, kind;  // kind: how the motion was made
-  // What repeats the worst: PlayRandom or PlaySearch with this profile, law, seed and length (ticks,
-  // or rounds of the search).
+  // What repeats the worst: PlayRandom or PlaySearch with this profile, law, seed and length
+  // (ticks, or rounds of the search).
   std::string profile;
   uint64_t seed = 0;
   int64_t length = 0;

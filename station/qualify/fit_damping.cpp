@@ -1,6 +1,7 @@
 #include "station/qualify/fit_damping.h"
 
 #include <algorithm>
+#include <boost/json.hpp>
 #include <cctype>
 #include <charconv>
 #include <cmath>
@@ -8,14 +9,17 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <sstream>
 
+#include "common/base/file.h"
 #include "common/math/vec.h"
+#include "common/scene/json_text.h"
 #include "station/qualify/csv.h"
 #include "station/qualify/svg.h"
 
 namespace enamel::station::qualify {
 namespace {
+
+constexpr size_t kLargestFile = size_t{1} << 28;
 
 constexpr double kBlock_s = 0.05;
 constexpr double kContact_n = 0.02;
@@ -378,32 +382,54 @@ std::string DampingPlot(const DampingReport& r) {
   return SvgOf(p);
 }
 
-int RunFitDamping(const std::string& csv_path, const std::string& svg_path) {
-  std::ifstream in(csv_path, std::ios::binary);
-  if (!in) {
-    std::fprintf(stderr, "fit-damping: cannot read %s\n", csv_path.c_str());
-    return 1;
+std::string MaterialText(const DampingReport& r, const std::string& source) {
+  namespace json = boost::json;
+  auto Milli = [](double v) { return std::llround(v * 1e3); };
+  json::array tissues;
+  for (const DampingFit& f : r.fits) {
+    if (!f.refused.empty()) continue;
+    tissues.push_back(json::object{
+        {"tissue", f.tissue},
+        {"damping_mn_s_per_mm", Milli(f.b_n_s_per_mm)},
+        {"provenance", "fitted from " + source + ": " + std::to_string(f.used) + " blocks, 95 % " +
+                           F(f.b_low) + " to " + F(f.b_high) + " N s/mm"},
+        {"damping_low_mn_s_per_mm", Milli(f.b_low)},
+        {"damping_high_mn_s_per_mm", Milli(f.b_high)},
+        {"offset_mn", Milli(f.offset_n)},
+        {"residual_rms_mn", Milli(f.residual_rms_n)},
+        {"blocks", f.used}});
   }
-  std::stringstream text;
-  text << in.rdbuf();
-  Result<DampingReport> report = FitDamping(text.str());
-  if (!report.ok()) {
-    std::fprintf(stderr, "fit-damping: %s\n", report.status().message().c_str());
+  return scene::CanonicalText(json::object{{"format", 1},
+                                           {"source", source},
+                                           {"rate_mhz", Milli(r.rate_hz)},
+                                           {"tissues", std::move(tissues)}});
+}
+
+int RunFitDamping(const FitDampingOptions& options) {
+  auto Fail = [](const std::string& why) {
+    std::fprintf(stderr, "fit-damping: %s\n", why.c_str());
     return 1;
-  }
+  };
+  Result<Bytes> text = ReadFile(options.csv_path, kLargestFile);
+  if (!text.ok()) return Fail(text.status().message());
+  Result<DampingReport> report =
+      FitDamping({reinterpret_cast<const char*>(text->data()), text->size()});
+  if (!report.ok()) return Fail(report.status().message());
   std::fputs(DampingText(*report).c_str(), stdout);
-  if (!svg_path.empty()) {
-    std::ofstream out(svg_path, std::ios::binary);
-    out << DampingPlot(*report);
+  auto Write = [&](const std::string& path, const std::string& content) {
+    if (path.empty()) return true;
+    std::ofstream out(path, std::ios::binary);
+    out << content;
     out.close();
-    if (!out) {
-      std::fprintf(stderr, "fit-damping: cannot write %s\n", svg_path.c_str());
-      return 1;
-    }
-  }
+    if (!out) Fail("cannot write " + path);
+    return static_cast<bool>(out);
+  };
+  if (!Write(options.svg_path, DampingPlot(*report))) return 1;
   bool any = std::any_of(report->fits.begin(), report->fits.end(),
                          [](const DampingFit& f) { return f.refused.empty(); });
-  return any ? 0 : 1;
+  if (!any) return Fail("no tissue could be fitted; nothing is stored");
+  std::string source = std::filesystem::path(options.csv_path).filename();
+  return Write(options.material_path, MaterialText(*report, source)) ? 0 : 1;
 }
 
 }  // namespace enamel::station::qualify

@@ -48,8 +48,17 @@ std::string DampingText(const DampingReport& report);
 // Force against speed with the fitted lines, SVG.
 std::string DampingPlot(const DampingReport& report);
 
-// Program entry: reads the file, prints the table, writes the plot when svg_path is not empty.
+// What was fitted, as schemas/material.schema.json has it; `source` names the file. Requires: a
+// tissue that could be fitted.
+std::string MaterialText(const DampingReport& report, const std::string& source);
+
+struct FitDampingOptions {
+  std::string csv_path;
+  std::string svg_path;       // plot; not written when empty
+  std::string material_path;  // material profile; not written when empty
+};
+// Program entry: reads the file (at most 256 MiB), prints the table, writes what is asked for.
 // Exit code: 0 at least one tissue fitted, 1 otherwise (said on stderr).
-int RunFitDamping(const std::string& csv_path, const std::string& svg_path);
+int RunFitDamping(const FitDampingOptions& options);
 
 }  // namespace enamel::station::qualify

@@ -27,9 +27,9 @@ struct QualifyOptions {
 };
 
 // Runs the suites asked for. Returns a program's exit code: 0 done and no proved case violated, 1
-// the options are wrong or a file cannot be written (said on errors), 2 a case that is proved passive
-// was not. Blocks for minutes; uses `threads` threads. Deterministic but for ns_per_tick and
-// pareto.
+// the options are wrong or a file cannot be written (said on errors), 2 a case that is proved
+// passive was not. Blocks for minutes; uses `threads` threads. Deterministic but for ns_per_tick
+// and pareto.
 int RunQualify(const QualifyOptions& options);
 
 }  // namespace enamel::station::qualify

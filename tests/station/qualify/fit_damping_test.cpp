@@ -1,9 +1,14 @@
 #include "station/qualify/fit_damping.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <boost/json.hpp>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <functional>
+#include <sstream>
 #include <string>
 
 #include "station/qualify/plant.h"
@@ -53,6 +58,26 @@ TEST(FitDampingTest, IntervalCoversTheTruthAsOftenAsItSays) {
   }
   EXPECT_GE(covered, 180);
   EXPECT_LT(widest, 2.0);
+}
+
+TEST(FitDampingTest, StoresAMaterialProfileOfWhatWasFittedAndNothingOfWhatWasNot) {
+  std::string base = testing::TempDir() + "enamel-material-" + std::to_string(getpid());
+  FitDampingOptions options{base + ".csv", "", base + ".json"};
+  std::ofstream(options.csv_path) << Cut(6.5, 100, 20, 0.05, 3);
+  EXPECT_EQ(RunFitDamping(options), 0);
+  std::stringstream text;
+  text << std::ifstream(options.material_path).rdbuf();
+  auto document = boost::json::parse(text.str()).as_object();
+  EXPECT_EQ(document.at("format"), 1);
+  auto tissue = document.at("tissues").at(0).as_object();
+  EXPECT_NEAR(tissue.at("damping_mn_s_per_mm").to_number<double>(), 6500, 130);
+  EXPECT_LT(tissue.at("damping_low_mn_s_per_mm").to_number<double>(), 6500);
+  EXPECT_GT(tissue.at("damping_high_mn_s_per_mm").to_number<double>(), 6500);
+  std::filesystem::remove(options.material_path);
+  std::ofstream(options.csv_path) << "time_s,position_mm,force_n\n0,0,1\n1,0,1\n2,0,1\n";
+  EXPECT_EQ(RunFitDamping(options), 1);
+  EXPECT_FALSE(std::filesystem::exists(options.material_path));
+  std::filesystem::remove(options.csv_path);
 }
 
 TEST(FitDampingTest, FitsEachTissueApart) {
