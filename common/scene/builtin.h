@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,20 +12,41 @@
 namespace enamel::scene {
 
 struct BuiltScene {
-  Scene scene;               // volume hash filled in
+  Scene scene;  // volume hash filled in
   cutting::Volume volume;
 };
 
-// Scenes the project makes itself, no download. "molar": a lower first molar (FDI 46) with enamel,
-// dentin, pulp chamber and roots; "block": a flat gypsum practice block of 20 x 20 x 10 mm.
+// A scene the project makes itself, no download.
+struct BuiltinScene {
+  std::string_view name;     // "molar"
+  std::string_view summary;  // one line for lists
+};
+std::span<const BuiltinScene> BuiltinScenes();
 std::vector<std::string> BuiltinSceneNames();
-Result<BuiltScene> BuildBuiltinScene(std::string_view name, int32_t voxel_nm);
+
+// What a volume may take in memory with every brick stored; what BuildBuiltinScene allows unless
+// told otherwise.
+inline constexpr size_t kDefaultSceneBytes = size_t{2} << 30;
+
+// Errors: kNotFound with the names there are; kInvalidInput outside 5 to 500 um; kTooLarge with the
+// finest voxel that would fit.
+Result<BuiltScene> BuildBuiltinScene(std::string_view name, int32_t voxel_nm,
+                                     size_t max_bytes = kDefaultSceneBytes);
 
 // The paper's three devices with the provenance of every number: omega3, phantom_desktop, bhhd3.
 std::vector<DeviceProfile> BuiltinProfiles();
 
 // Class I occlusal cavity on any scene with an "occlusal_centre" landmark.
 Exercise ClassOneExercise(const Scene& scene, const Sha256& scene_hash);
+
+// Every exercise the project makes for a scene, by the landmarks it has:
+//   occlusal_centre  class-1: a box in the fossa
+//   mesial_box       class-2: the box of a mesial class II cavity, beside the neighbour
+//   crown_top        crown: a crown preparation down to the height of the margin
+//   a preparation    its name: the shape on the practice block
+// Crown and shapes are judged by their closeness to the reference cut; the box of their target only
+// says where work is expected.
+std::vector<Exercise> BuiltinExercises(const Scene& scene, const Sha256& scene_hash);
 
 // B per tissue with provenance, as used by built-in and imported scenes.
 std::vector<TissueSpec> DefaultTissues(const std::vector<cutting::Tissue>& present);

@@ -1,6 +1,7 @@
 #include <boost/json.hpp>
 
 #include "common/scene/json.h"
+#include "common/scene/json_bur.h"
 #include "common/scene/json_read.h"
 #include "common/scene/json_text.h"
 
@@ -11,12 +12,6 @@ namespace json = boost::json;
 
 constexpr int64_t kFormat = 1;
 constexpr int32_t kMaxExtentUm = 100'000;
-
-json::object BurJson(const Exercise& e) {
-  return {{"shape", cutting::BurShapeName(e.bur_shape)},
-          {"radius_um", e.bur_radius_um},
-          {"length_um", e.bur_length_um}};
-}
 
 json::object TargetJson(const CavityTarget& t) {
   return {{"landmark", t.landmark},
@@ -42,16 +37,13 @@ json::object RubricJson(const Rubric& r) {
   return {{"name", r.name}, {"version", r.version}, {"criteria", std::move(criteria)}};
 }
 
-void ReadBur(ObjectReader& in, Exercise& e) {
-  ObjectReader bur = in.Object("bur");
-  std::string shape = bur.Name("shape");
-  auto known = cutting::BurShapeFromName(shape);
-  if (!known) bur.Refuse("shape", "sphere or cylinder", "\"" + shape + "\"");
-  e.bur_shape = known.value_or(cutting::BurShape::kSphere);
-  e.bur_radius_um = static_cast<int32_t>(bur.Int("radius_um", 50, 5'000));
-  bool cylinder = e.bur_shape == cutting::BurShape::kCylinder;
-  e.bur_length_um = static_cast<int32_t>(bur.Int("length_um", cylinder ? 100 : 0, 20'000));
-  bur.Finish();
+void ReadExerciseBur(ObjectReader& in, Exercise& e) {
+  ObjectReader object = in.Object("bur");
+  BurSpec bur = ReadBur(object);
+  object.Finish();
+  e.bur_shape = bur.shape;
+  e.bur_radius_um = bur.radius_um;
+  e.bur_length_um = bur.length_um;
 }
 
 void ReadLaw(ObjectReader& in, Exercise& e) {
@@ -120,7 +112,7 @@ std::string ToJson(const Exercise& e) {
                                     {"title", e.title},
                                     {"instructions", e.instructions},
                                     {"scene_sha256", e.scene.Hex()},
-                                    {"bur", BurJson(e)},
+                                    {"bur", BurJson(e.bur())},
                                     {"law", law->name},
                                     {"rate_hz", e.rate_hz},
                                     {"time_limit_s", e.time_limit_s},
@@ -135,12 +127,12 @@ Result<Exercise> ExerciseFromJson(std::string_view text) {
   Status status;
   ObjectReader in(*document, "", status);
   Exercise e;
-  in.Format(kFormat);
+  in.Format(kFormat, kFormat);
   e.name = in.Name("name");
   e.title = in.Text("title", 1, 200);
   e.instructions = in.Text("instructions", 0, 4'000);
   e.scene = in.Hash("scene_sha256");
-  ReadBur(in, e);
+  ReadExerciseBur(in, e);
   ReadLaw(in, e);
   e.rate_hz = static_cast<int32_t>(in.Int("rate_hz", 100, 20'000));
   e.time_limit_s = static_cast<int32_t>(in.Int("time_limit_s", 0, 86'400));

@@ -50,7 +50,7 @@ Result<DeviceProfile> ProfileFromJson(std::string_view text) {
   Status status;
   ObjectReader in(*document, "", status);
   DeviceProfile profile;
-  in.Format(kFormat);
+  in.Format(kFormat, kFormat);
   profile.name = in.Name("name");
   profile.title = in.Text("title", 1, 200);
   for (const Number& n : kNumbers) {

@@ -248,15 +248,16 @@ std::vector<ObjectReader> ObjectReader::Objects(std::string_view name, size_t mi
   return out;
 }
 
-void ObjectReader::Format(int64_t version) {
-  int64_t found = Int("format", 1, std::numeric_limits<int32_t>::max());
-  if (status_->ok() && found > version) {
+int64_t ObjectReader::Format(int64_t oldest, int64_t newest) {
+  int64_t found = Int("format", oldest, std::numeric_limits<int32_t>::max());
+  if (status_->ok() && found > newest) {
     *status_ =
         Status(Code::kVersion,
-               PathOf("format") + ": this program reads format " + std::to_string(version) +
+               PathOf("format") + ": this program reads format " + std::to_string(newest) +
                    ", the document has format " + std::to_string(found) + ": use a newer program",
                PathOf("format"));
   }
+  return found;
 }
 
 void ObjectReader::Finish() {

@@ -44,8 +44,8 @@ class ObjectReader {
   // Names of all members, for objects that are maps.
   std::vector<std::string> Names() const;
 
-  // "format": must be `version`; a larger one is kVersion.
-  void Format(int64_t version);
+  // "format": from `oldest` to `newest`, which is returned; a larger one is kVersion.
+  int64_t Format(int64_t oldest, int64_t newest);
   // Refuses members nobody asked for. Call last.
   void Finish();
   // Records that member `name` is wrong, unless something was wrong before.

@@ -1,6 +1,7 @@
 #include <boost/json.hpp>
 
 #include "common/scene/json.h"
+#include "common/scene/json_bur.h"
 #include "common/scene/json_read.h"
 #include "common/scene/json_text.h"
 
@@ -9,8 +10,10 @@ namespace {
 
 namespace json = boost::json;
 
-constexpr int64_t kFormat = 1;
+// A document is written in the lowest format that can say it: 1 has no burs and no preparations.
+constexpr int64_t kPlainFormat = 1, kFormat = 2;
 constexpr int32_t kMaxExtentUm = 100'000;
+constexpr size_t kMaxBurs = 64, kMaxPreparations = 64, kMaxParts = 64;
 
 cutting::Tissue ReadTissueName(ObjectReader& in) {
   std::string name = in.Name("tissue");
@@ -48,6 +51,84 @@ void ReadLandmarks(ObjectReader& in, Scene& scene) {
   marks.Finish();
 }
 
+void ReadBurs(ObjectReader& in, Scene& scene) {
+  for (ObjectReader& item : in.Objects("burs", 0, kMaxBurs)) {
+    BurSpec bur = ReadBur(item);
+    bur.name = item.Name("name");
+    for (const BurSpec& other : scene.burs) {
+      if (other.name == bur.name) item.Refuse("name", "each bur once", bur.name + " twice");
+    }
+    item.Finish();
+    scene.burs.push_back(std::move(bur));
+  }
+}
+
+PreparationPart ReadPart(ObjectReader& in) {
+  PreparationPart part;
+  std::string outline = in.Name("outline");
+  bool disc = outline == "disc";
+  if (!disc && outline != "box") in.Refuse("outline", "box or disc", "\"" + outline + "\"");
+  part.outline = disc ? PreparationPart::Outline::kDisc : PreparationPart::Outline::kBox;
+  auto top = in.Ints("top_um", 3, -kMaxExtentUm, kMaxExtentUm);
+  part.top_um = {top[0], top[1], top[2]};
+  if (disc) {
+    auto radius = static_cast<int32_t>(in.Int("radius_um", 1, kMaxExtentUm));
+    part.half_size_um = {radius, radius};
+  } else {
+    auto half = in.Ints("half_size_um", 2, 1, kMaxExtentUm);
+    part.half_size_um = {half[0], half[1]};
+  }
+  part.depth_um = static_cast<int32_t>(in.Int("depth_um", 1, kMaxExtentUm));
+  in.Finish();
+  return part;
+}
+
+void ReadPreparations(ObjectReader& in, Scene& scene) {
+  for (ObjectReader& item : in.Objects("preparations", 0, kMaxPreparations)) {
+    Preparation p;
+    p.name = item.Name("name");
+    for (const Preparation& other : scene.preparations) {
+      if (other.name == p.name) item.Refuse("name", "each preparation once", p.name + " twice");
+    }
+    p.title = item.Text("title", 1, 200);
+    for (ObjectReader& part : item.Objects("parts", 1, kMaxParts))
+      p.parts.push_back(ReadPart(part));
+    item.Finish();
+    scene.preparations.push_back(std::move(p));
+  }
+}
+
+json::array BursJson(const std::vector<BurSpec>& burs) {
+  json::array out;
+  for (const BurSpec& bur : burs) {
+    json::object named{{"name", bur.name}};
+    for (const auto& member : BurJson(bur)) named.insert(member);
+    out.push_back(std::move(named));
+  }
+  return out;
+}
+
+json::array PreparationsJson(const std::vector<Preparation>& preparations) {
+  json::array out;
+  for (const Preparation& p : preparations) {
+    json::array parts;
+    for (const PreparationPart& part : p.parts) {
+      bool disc = part.outline == PreparationPart::Outline::kDisc;
+      json::object one{{"outline", disc ? "disc" : "box"},
+                       {"top_um", json::array{part.top_um[0], part.top_um[1], part.top_um[2]}}};
+      if (disc) {
+        one["radius_um"] = part.half_size_um[0];
+      } else {
+        one["half_size_um"] = json::array{part.half_size_um[0], part.half_size_um[1]};
+      }
+      one["depth_um"] = part.depth_um;
+      parts.push_back(std::move(one));
+    }
+    out.push_back(json::object{{"name", p.name}, {"title", p.title}, {"parts", std::move(parts)}});
+  }
+  return out;
+}
+
 }  // namespace
 
 std::string ToJson(const Scene& scene) {
@@ -59,14 +140,20 @@ std::string ToJson(const Scene& scene) {
   }
   json::object landmarks;
   for (const auto& [name, p] : scene.landmarks) landmarks[name] = json::array{p[0], p[1], p[2]};
-  return CanonicalText(json::object{{"format", kFormat},
-                                    {"name", scene.name},
-                                    {"title", scene.title},
-                                    {"volume_sha256", scene.volume.Hex()},
-                                    {"voxel_nm", scene.voxel_nm},
-                                    {"tissues", std::move(tissues)},
-                                    {"landmarks_um", std::move(landmarks)},
-                                    {"provenance", scene.provenance}});
+  bool plain = scene.burs.empty() && scene.preparations.empty();
+  json::object out{{"format", plain ? kPlainFormat : kFormat},
+                   {"name", scene.name},
+                   {"title", scene.title},
+                   {"volume_sha256", scene.volume.Hex()},
+                   {"voxel_nm", scene.voxel_nm},
+                   {"tissues", std::move(tissues)},
+                   {"landmarks_um", std::move(landmarks)}};
+  if (!plain) {
+    out["burs"] = BursJson(scene.burs);
+    out["preparations"] = PreparationsJson(scene.preparations);
+  }
+  out["provenance"] = scene.provenance;
+  return CanonicalText(out);
 }
 
 Result<Scene> SceneFromJson(std::string_view text) {
@@ -75,13 +162,17 @@ Result<Scene> SceneFromJson(std::string_view text) {
   Status status;
   ObjectReader in(*document, "", status);
   Scene scene;
-  in.Format(kFormat);
+  bool plain = in.Format(kPlainFormat, kFormat) == kPlainFormat;
   scene.name = in.Name("name");
   scene.title = in.Text("title", 1, 200);
   scene.volume = in.Hash("volume_sha256");
   scene.voxel_nm = static_cast<int32_t>(in.Int("voxel_nm", 5'000, 1'000'000));
   ReadTissues(in, scene);
   ReadLandmarks(in, scene);
+  if (!plain) {
+    ReadBurs(in, scene);
+    ReadPreparations(in, scene);
+  }
   scene.provenance = in.Text("provenance", 1, 2'000);
   in.Finish();
   if (!status.ok()) return status;

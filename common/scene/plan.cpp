@@ -1,6 +1,7 @@
 #include "common/scene/plan.h"
 
 #include <algorithm>
+#include <array>
 #include <string>
 
 #include "common/scene/json.h"
@@ -83,6 +84,28 @@ Status CheckScene(const Scene& scene, const Exercise& exercise) {
   return Status::Ok();
 }
 
+std::string BurText(const BurSpec& bur) {
+  return std::string(cutting::BurShapeName(bur.shape)) + " of radius " +
+         std::to_string(bur.radius_um) + " um and length " + std::to_string(bur.length_um) + " um";
+}
+
+// A scene that offers no burs takes any.
+Status CheckBur(const Scene& scene, const Exercise& exercise) {
+  BurSpec wanted = exercise.bur();
+  std::string offered;
+  for (const BurSpec& bur : scene.burs) {
+    if (bur.shape == wanted.shape && bur.radius_um == wanted.radius_um &&
+        bur.length_um == wanted.length_um) {
+      return Status::Ok();
+    }
+    offered += (offered.empty() ? "" : ", ") + bur.name + " (" + BurText(bur) + ")";
+  }
+  if (scene.burs.empty()) return Status::Ok();
+  return Refuse("exercise '" + exercise.name + "' is done with a " + BurText(wanted) +
+                    ", which scene '" + scene.name + "' does not offer: it has " + offered,
+                "bur");
+}
+
 core::CoreParams Compile(const Scene& scene, const Exercise& exercise,
                          const DeviceProfile& profile) {
   core::CoreParams p;
@@ -115,9 +138,35 @@ Result<core::CoreParams> CompilePlan(const Scene& scene, const Exercise& exercis
   ENAMEL_RETURN_IF_ERROR(CheckDamping(exercise, profile));
   ENAMEL_RETURN_IF_ERROR(CheckFriction(profile));
   ENAMEL_RETURN_IF_ERROR(CheckScene(scene, exercise));
+  ENAMEL_RETURN_IF_ERROR(CheckBur(scene, exercise));
   core::CoreParams params = Compile(scene, exercise, profile);
   ENAMEL_RETURN_IF_ERROR(core::ValidateParams(params));
   return params;
+}
+
+Status CheckVolume(const Scene& scene, const cutting::Volume& volume) {
+  if (scene.voxel_nm != volume.spec().voxel_nm) {
+    return Status(Code::kConflict,
+                  "scene '" + scene.name + "' says voxels of " + std::to_string(scene.voxel_nm) +
+                      " nm, its volume has " + std::to_string(volume.spec().voxel_nm) +
+                      ": they do not belong together",
+                  "voxel_nm");
+  }
+  auto held_m3 = cutting::SolidVolume_m3(volume);
+  std::array<bool, cutting::kTissueCount> named{};
+  for (const TissueSpec& t : scene.tissues) named[static_cast<size_t>(t.tissue)] = true;
+  for (size_t t = 1; t < held_m3.size(); ++t) {
+    if (named[t] == (held_m3[t] > 0)) continue;
+    std::string tissue(cutting::kTissueNames[t]);
+    return Status(Code::kConflict,
+                  "scene '" + scene.name + "': " +
+                      (named[t] ? "it names " + tissue + ", of which its volume holds none: leave "
+                                                         "it out of 'tissues'"
+                                : "its volume holds " + tissue + ", which it does not name: add it "
+                                                                 "to 'tissues' with its damping"),
+                  "tissues");
+  }
+  return Status::Ok();
 }
 
 }  // namespace enamel::scene

@@ -2,6 +2,7 @@
 
 #include "common/base/result.h"
 #include "common/core/params.h"
+#include "common/cutting/volume.h"
 #include "common/scene/types.h"
 
 namespace enamel::scene {
@@ -14,8 +15,13 @@ namespace enamel::scene {
 // stiffness at half its height, felt or not: a device that cannot push back must not cut by turning.
 // An exercise whose scene hash is not zero is compiled with that scene only (kConflict).
 // Errors: kInvalidInput when the profile cannot carry the exercise (rate, Kc above the passive limit
-// 2 b f/(2 d + 1) or above 2 c/delta, a missing landmark or tissue), with what would be allowed.
+// 2 b f/(2 d + 1) or above 2 c/delta, a missing landmark or tissue, a bur that is not among those the
+// scene offers), with what would be allowed.
 Result<core::CoreParams> CompilePlan(const Scene& scene, const Exercise& exercise,
                                      const DeviceProfile& profile);
+
+// Refuses a volume that is not what the scene says: another voxel size, a tissue the scene does not
+// name (it would have no damping), a tissue it names that is nowhere. Errors: kConflict.
+Status CheckVolume(const Scene& scene, const cutting::Volume& volume);
 
 }  // namespace enamel::scene

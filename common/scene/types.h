@@ -29,6 +29,30 @@ struct TissueSpec {
   std::string provenance;                // where the number is from
 };
 
+// A bur as documents name it. What a shape does not use is 0 (cutting/bur.h).
+struct BurSpec {
+  std::string name;                      // of the offer in a scene: "fissure-10"; not in exercises
+  cutting::BurShape shape = cutting::BurShape::kCylinder;
+  int32_t radius_um = 0;
+  int32_t length_um = 0;
+};
+
+// One upright hollow of a preparation: a box or a disc, open at the top.
+struct PreparationPart {
+  enum class Outline { kBox, kDisc };
+  Outline outline = Outline::kBox;
+  PointUm top_um{};                      // middle of the opening
+  std::array<int32_t, 2> half_size_um{}; // box: half length x, half width y; disc: radius, radius
+  int32_t depth_um = 0;                  // floor below the opening
+};
+
+// A wanted shape: the union of its parts is what has to go. preparation.h makes the reference.
+struct Preparation {
+  std::string name;                      // "cross"; also the landmark its exercise hangs from
+  std::string title;
+  std::vector<PreparationPart> parts;
+};
+
 // A tooth (and what surrounds it) to work on.
 struct Scene {
   std::string name;                      // "molar-46"
@@ -37,6 +61,8 @@ struct Scene {
   int32_t voxel_nm = 0;
   std::vector<TissueSpec> tissues;
   std::map<std::string, PointUm> landmarks;  // always has "occlusal_centre"
+  std::vector<BurSpec> burs;             // burs an exercise may ask for; none: any
+  std::vector<Preparation> preparations; // wanted shapes, by name
   std::string provenance;                // generated, or imported from which file (hash, licence)
 };
 
@@ -105,6 +131,8 @@ struct Exercise {
   bool graded = true;                    // score shown after release; practice shows at once
   CavityTarget target;
   Rubric rubric;
+
+  BurSpec bur() const { return {{}, bur_shape, bur_radius_um, bur_length_um}; }
 };
 
 }  // namespace enamel::scene

@@ -246,12 +246,16 @@ class Window::Impl {
     picture_.Draw(PictureNow(static_cast<float>(width) / static_cast<float>(height)), width, height,
                   oversampling);
     picture_.result().Bind();
-    panel_->Draw({options_.heading, state_, options_.force_full_scale_n, options_.time_limit_s,
-                  2.0 * camera_.radius_mm() / std::max(window_height, 1), has_state_});
+    if (options_.panel) DrawPanel(window_height);
     glBindFramebuffer(GL_READ_FRAMEBUFFER, picture_.result().name());
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
     glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
     glfwSwapBuffers(glfw_.get());
+  }
+
+  void DrawPanel(int window_height) {
+    panel_->Draw({options_.heading, state_, options_.force_full_scale_n, options_.time_limit_s,
+                  2.0 * camera_.radius_mm() / std::max(window_height, 1), has_state_});
   }
 
   // Constant after construction.

@@ -35,6 +35,7 @@ struct WindowOptions {
   int width_px = 1280;
   int height_px = 800;
   bool visible = true;  // false: drawn off screen, for screenshots and tests
+  bool panel = true;    // false: only the solid picture
   cutting::Bur bur;
   double force_full_scale_n = 3.0;  // right end of the force bar: the device's continuous force
   double time_limit_s = 0;          // 0: none; the timer counts up either way

@@ -3,9 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
+#include <set>
+#include <string>
 
 #include "common/scene/json.h"
-#include "common/scene/molar.h"
+#include "common/scene/plan.h"
+#include "common/scene/preparation.h"
+#include "common/scene/teeth.h"
 #include "common/scene/volume_blob.h"
 
 namespace enamel::scene {
@@ -13,130 +18,168 @@ namespace {
 
 using cutting::Tissue;
 
-const BuiltScene& Molar() {
-  static const BuiltScene scene = *BuildBuiltinScene("molar", 100'000);
-  return scene;
-}
+constexpr int32_t kVoxel_nm = 200'000;
 
-dvec3 Landmark_m(const Scene& s) {
-  const PointUm& p = s.landmarks.at("occlusal_centre");
-  return dvec3(p[0], p[1], p[2]) * 1e-6;
-}
+dvec3 Metres(const PointUm& p) { return dvec3(p[0], p[1], p[2]) * 1e-6; }
 
-// Height of the first solid below (x, y), mm; NaN when there is none.
-double SurfaceHeight_mm(double x_mm, double y_mm) {
-  for (double z = 5; z > -4; z -= 0.01) {
-    if (MolarField(dvec3(x_mm, y_mm, z) * 1e-3).distance_m < 0) return z;
+class BuiltinSceneTest : public testing::TestWithParam<std::string> {
+ protected:
+  void SetUp() override {
+    auto built = BuildBuiltinScene(GetParam(), kVoxel_nm);
+    ASSERT_TRUE(built.ok()) << built.status().message();
+    built_ = std::move(*built);
   }
-  return std::nan("");
+  BuiltScene built_;
+};
+INSTANTIATE_TEST_SUITE_P(Scenes, BuiltinSceneTest, testing::ValuesIn(BuiltinSceneNames()),
+                         [](const auto& scene) {
+                           std::string name = scene.param;
+                           std::erase(name, '-');
+                           return name;
+                         });
+
+TEST_P(BuiltinSceneTest, VolumeHashNamesTheVolumeAndTheDocumentReadsBackToTheSameBytes) {
+  EXPECT_EQ(built_.scene.volume, HashSha256(EncodeVolume(built_.volume)));
+  std::string text = ToJson(built_.scene);
+  auto back = SceneFromJson(text);
+  ASSERT_TRUE(back.ok()) << back.status().message();
+  EXPECT_EQ(ToJson(*back), text);
 }
 
-TEST(MolarTest, VolumeHashNamesTheVolumeAndDocumentReadsBack) {
-  EXPECT_EQ(Molar().scene.volume, HashSha256(EncodeVolume(Molar().volume)));
-  EXPECT_TRUE(SceneFromJson(ToJson(Molar().scene)).ok());
-}
-
-TEST(MolarTest, LandmarkIsOnTheSurfaceAtTheBottomOfTheFossa) {
-  dvec3 p = Landmark_m(Molar().scene);
-  EXPECT_NEAR(Molar().volume.DistanceAt_m(p), 0, 20e-6);
-  for (double dx : {-0.3, 0.3})
-    EXPECT_GT(SurfaceHeight_mm(p.x * 1e3 + dx, p.y * 1e3), p.z * 1e3 - 0.01);
-  for (double dy : {-0.3, 0.3})
-    EXPECT_GT(SurfaceHeight_mm(p.x * 1e3, p.y * 1e3 + dy), p.z * 1e3 + 0.05);
-}
-
-TEST(MolarTest, FieldIsATrueDistanceNearTheSurface) {
-  // Walking the stated distance along the field's gradient must end on the surface.
-  int tested = 0, far_off = 0;
-  for (double x = -5.4; x < 5.5; x += 0.37)
-    for (double y = -5; y < 5.1; y += 0.41)
-      for (double z = -17.5; z < 4; z += 0.29) {
-        dvec3 p = dvec3(x, y, z) * 1e-3;
-        double d = MolarField(p).distance_m;
-        if (std::abs(d) > 0.2e-3) continue;
-        dvec3 g;
-        for (int i = 0; i < 3; ++i) {
-          dvec3 step(0);
-          step[i] = 5e-6;
-          g[i] = MolarField(p + step).distance_m - MolarField(p - step).distance_m;
-        }
-        g /= std::sqrt(Dot(g, g));
-        ++tested;
-        far_off += std::abs(MolarField(p - d * g).distance_m) > 10e-6;
-      }
-  EXPECT_GT(tested, 1000);
-  // Fissures and the furcation have no single gradient.
-  EXPECT_LT(far_off, tested / 20);
-}
-
-TEST(MolarTest, HasFiveCuspsAboveTheFossa) {
-  double fossa = Landmark_m(Molar().scene).z * 1e3;
-  const double cusps[5][2] = {
-      {2.35, 2.65}, {-0.95, 2.75}, {-3.75, 1.35}, {2.25, -2.6}, {-1.95, -2.65}};
-  for (const auto& c : cusps) EXPECT_GT(SurfaceHeight_mm(c[0], c[1]), fossa + 0.5);
-  EXPECT_LT(SurfaceHeight_mm(0.7, 2.7), SurfaceHeight_mm(2.35, 2.65) - 0.4);    // buccal groove
-  EXPECT_LT(SurfaceHeight_mm(0.15, -2.6), SurfaceHeight_mm(2.25, -2.6) - 0.4);  // lingual groove
-}
-
-TEST(MolarTest, EnamelIsThickAtTheCuspsAndEndsAtTheCervicalLine) {
-  for (double x : {2.3, -1.9}) {
-    double top = SurfaceHeight_mm(x, -2.6), z = top - 0.05;
-    while (MolarField(dvec3(x, -2.6, z) * 1e-3).tissue == Tissue::kEnamel) z -= 0.01;
-    EXPECT_GT(top - z, 1.8);
-    EXPECT_LT(top - z, 3.0);
+TEST_P(BuiltinSceneTest, NamesExactlyTheTissuesItsVolumeHolds) {
+  auto volumes = cutting::SolidVolume_m3(built_.volume);
+  std::set<Tissue> named;
+  for (const TissueSpec& t : built_.scene.tissues) named.insert(t.tissue);
+  for (int t = 1; t < cutting::kTissueCount; ++t) {
+    EXPECT_EQ(volumes[static_cast<size_t>(t)] > 0, named.count(static_cast<Tissue>(t)) == 1)
+        << cutting::TissueName(static_cast<Tissue>(t));
   }
-  for (double y : {-4.5, -3.0, 0.0, 3.0, 4.5}) {
-    EXPECT_NE(MolarField(dvec3(0, y, -4.2) * 1e-3).tissue, Tissue::kEnamel);
+  EXPECT_TRUE(CheckVolume(built_.scene, built_.volume).ok());
+}
+
+TEST_P(BuiltinSceneTest, ExercisesReadBackAndCompileForAPapersDevice) {
+  Sha256 hash = HashSha256(AsBytes(ToJson(built_.scene)));
+  auto exercises = BuiltinExercises(built_.scene, hash);
+  EXPECT_FALSE(exercises.empty());
+  for (const Exercise& e : exercises) {
+    auto back = ExerciseFromJson(ToJson(e));
+    ASSERT_TRUE(back.ok()) << back.status().message();
+    auto params = CompilePlan(built_.scene, *back, BuiltinProfiles()[1]);
+    EXPECT_TRUE(params.ok()) << e.name << ": " << params.status().message();
+    double points = 0;
+    for (const RubricCriterion& c : e.rubric.criteria) points += c.points;
+    EXPECT_EQ(points, 100) << e.name;
   }
 }
 
-TEST(MolarTest, ClassOneCavityLeavesAtLeastHalfAMillimetreOfDentinOverThePulp) {
-  Exercise e = ClassOneExercise(Molar().scene, {});
-  dvec3 c = Landmark_m(Molar().scene);
+TEST_P(BuiltinSceneTest, LandmarksOfCavitiesLieOnTheSurface) {
+  for (const auto& [name, at] : built_.scene.landmarks) {
+    if (name == "crown_top" || name == "mesial_box") continue;
+    EXPECT_NEAR(built_.volume.DistanceAt_m(Metres(at)), 0, 40e-6) << name;
+  }
+}
+
+TEST(BuiltinMolarTest, ClassOneCavityLeavesAtLeastHalfAMillimetreOfDentinOverThePulp) {
+  const ToothShape& molar = LowerFirstMolar();
+  Scene scene;
+  scene.name = "molar";
+  Exercise e = ClassOneExercise(scene, {});
+  dvec3 c = FossaBottom_m(molar);
   double floor = c.z - (e.target.depth_um + e.target.leeway_bottom_um) * 1e-6 - 0.5e-3;
   double hx = (e.target.half_size_um[0] + e.target.leeway_side_um) * 1e-6 + 0.5e-3;
   double hy = (e.target.half_size_um[1] + e.target.leeway_side_um) * 1e-6 + 0.5e-3;
   for (double x = -hx; x <= hx; x += 0.1e-3)
     for (double y = -hy; y <= hy; y += 0.1e-3)
       for (double z = floor; z < c.z; z += 0.2e-3) {
-        ASSERT_NE(MolarField({c.x + x, c.y + y, z}).tissue, Tissue::kPulp)
+        ASSERT_NE(ToothField(molar, {c.x + x, c.y + y, z}).tissue, Tissue::kPulp)
             << x << " " << y << " " << z;
       }
 }
 
-TEST(MolarTest, CrownAndRootsHaveTheStatedSize) {
-  dvec3 lo(1), hi(-1);
-  for (double x = -5.8; x < 5.8; x += 0.1)
-    for (double y = -5.6; y < 5.6; y += 0.1)
-      for (double z = -18.1; z < 4.4; z += 0.1) {
-        dvec3 p = dvec3(x, y, z) * 1e-3;
-        if (MolarField(p).distance_m > 0) continue;
-        lo = glm::min(lo, p);
-        hi = glm::max(hi, p);
+TEST(BuiltinClassTwoTest, TargetBoxIsOfTheToothAloneAndEndsShortOfTheNeighbour) {
+  auto built = BuildBuiltinScene("molar-class-2", 100'000);
+  ASSERT_TRUE(built.ok());
+  CavityTarget target;
+  for (const Exercise& e : BuiltinExercises(built->scene, {})) {
+    if (e.target.landmark == "mesial_box") target = e.target;
+  }
+  dvec3 c = Metres(built->scene.landmarks.at("mesial_box"));
+  int own = 0, neighbour = 0;
+  double h = 0.1e-3;
+  for (double x = -target.half_size_um[0] * 1e-6; x <= target.half_size_um[0] * 1e-6; x += h)
+    for (double y = -target.half_size_um[1] * 1e-6; y <= target.half_size_um[1] * 1e-6; y += h)
+      for (double z = -target.depth_um * 1e-6; z < 2e-3; z += h) {
+        dvec3 p = c + dvec3(x, y, z);
+        if (built->volume.DistanceAt_m(p) > 0) continue;
+        // Within half a voxel of the face the nearest label may be the neighbour's.
+        if (built->volume.TissueAtPoint(p) == Tissue::kNeighbour) ++neighbour;
+        ++own;
       }
-  EXPECT_NEAR(hi.x - lo.x, 11e-3, 0.5e-3);
-  EXPECT_NEAR(hi.y - lo.y, 10e-3, 0.5e-3);
-  EXPECT_NEAR(hi.z - -3.75e-3, 7.5e-3, 0.5e-3);
-  EXPECT_NEAR(-3.75e-3 - lo.z, 14e-3, 0.5e-3);
+  EXPECT_GT(own, 3'000);
+  EXPECT_EQ(neighbour, 0);
 }
 
 TEST(BlockTest, VolumeIsThatOfTheBox) {
-  auto block = BuildBuiltinScene("block", 200'000);
+  auto block = BuildBuiltinScene("block", kVoxel_nm);
   ASSERT_TRUE(block.ok());
   auto v = cutting::SolidVolume_m3(block->volume);
   EXPECT_NEAR(v[static_cast<size_t>(Tissue::kGypsum)] * 1e9, 4000, 4);
 }
 
-TEST(BuiltinTest, UnknownNameListsTheKnownOnes) {
-  auto none = BuildBuiltinScene("incisor", 100'000);
-  EXPECT_EQ(none.status().code(), Code::kNotFound);
-  EXPECT_NE(none.status().message().find("molar, block"), std::string::npos);
+TEST(BlockTest, PreparedShapesTakeAwayTheirClosedFormVolumes) {
+  auto block = BuildBuiltinScene("block", 100'000);
+  ASSERT_TRUE(block.ok());
+  const std::map<std::string, double> expected_mm3 = {
+      {"circle", 3.14159265358979 * 2.5 * 2.5 * 1.5},
+      {"cross", (2 * 6 * 1.5 - 1.5 * 1.5) * 1.5},
+      {"line", 7 * 1.5 * 1.5},
+      {"step", 3 * 3 * 1.0 + 3 * 3 * 2.0}};
+  double before = cutting::SolidVolume_m3(block->volume)[static_cast<size_t>(Tissue::kGypsum)];
+  ASSERT_EQ(block->scene.preparations.size(), expected_mm3.size());
+  for (const Preparation& p : block->scene.preparations) {
+    auto after = cutting::SolidVolume_m3(Prepared(block->volume, p));
+    double gone = (before - after[static_cast<size_t>(Tissue::kGypsum)]) * 1e9;
+    EXPECT_NEAR(gone / expected_mm3.at(p.name), 1, 0.01) << p.name;
+  }
 }
 
-TEST(BuiltinTest, ClassOneRubricHasOneHundredPoints) {
-  double sum = 0;
-  for (const auto& c : ClassOneExercise(Molar().scene, {}).rubric.criteria) sum += c.points;
-  EXPECT_EQ(sum, 100);
+TEST(BlockTest, FloorsOfPreparedShapesLieAtTheirDepth) {
+  auto block = BuildBuiltinScene("block", 100'000);
+  ASSERT_TRUE(block.ok());
+  for (const Preparation& p : block->scene.preparations) {
+    cutting::Volume prepared = Prepared(block->volume, p);
+    for (const PreparationPart& part : p.parts) {
+      dvec3 floor = Metres(part.top_um) - dvec3(0, 0, part.depth_um * 1e-6);
+      // Another part may go deeper here; the union's floor is then the other's.
+      double d = PreparationDistance_m(p, floor);
+      EXPECT_NEAR(prepared.DistanceAt_m(floor), std::max(-d, 0.0), 30e-6) << p.name;
+    }
+  }
+}
+
+TEST(BuiltinTest, UnknownNameListsTheKnownOnes) {
+  auto none = BuildBuiltinScene("wisdom", 100'000);
+  EXPECT_EQ(none.status().code(), Code::kNotFound);
+  EXPECT_NE(none.status().message().find("molar, premolar, incisor"), std::string::npos);
+}
+
+TEST(BuiltinTest, VoxelThatNeedsMoreMemoryThanAllowedIsRefusedWithOneThatFits) {
+  constexpr size_t kAllowed = 40'000'000;
+  auto refused = BuildBuiltinScene("molar", 50'000, kAllowed);
+  ASSERT_EQ(refused.status().code(), Code::kTooLarge);
+  EXPECT_EQ(refused.status().field(), "voxel_nm");
+  const std::string& text = refused.status().message();
+  size_t at = text.find("at least ");
+  ASSERT_NE(at, std::string::npos) << text;
+  int32_t fits = std::stoi(text.substr(at + 9));
+  EXPECT_TRUE(BuildBuiltinScene("molar", fits, kAllowed).ok());
+  EXPECT_EQ(BuildBuiltinScene("molar", fits - 1'000, kAllowed).status().code(), Code::kTooLarge);
+}
+
+TEST(BuiltinTest, MemoryThatHoldsNoVoxelAtAllIsSaidSo) {
+  auto refused = BuildBuiltinScene("molar", 100'000, 10'000);
+  ASSERT_EQ(refused.status().code(), Code::kTooLarge);
+  EXPECT_NE(refused.status().message().find("no voxel"), std::string::npos);
 }
 
 }  // namespace

@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
+#include "common/scene/builder.h"
 #include "common/scene/builtin.h"
 #include "common/scene/json.h"
 
@@ -77,6 +81,51 @@ TEST_F(PlanTest, FasterExerciseThanTheDeviceIsRefused) {
 TEST_F(PlanTest, MissingLandmarkIsRefused) {
   exercise.target.landmark = "mesial_pit";
   EXPECT_EQ(CompilePlan(scene, exercise, profile).status().field(), "landmark");
+}
+
+TEST_F(PlanTest, BurTheSceneDoesNotOfferIsRefusedWithThoseItHas) {
+  scene.burs = {{"round-16", cutting::BurShape::kSphere, 800, 0}};
+  exercise.scene = {};
+  Status refused = CompilePlan(scene, exercise, profile).status();
+  EXPECT_EQ(refused.code(), Code::kInvalidInput);
+  EXPECT_EQ(refused.field(), "bur");
+  EXPECT_NE(refused.message().find("round-16 (sphere of radius 800 um"), std::string::npos)
+      << refused.message();
+  scene.burs.push_back(
+      {"fissure-10", exercise.bur_shape, exercise.bur_radius_um, exercise.bur_length_um});
+  EXPECT_TRUE(CompilePlan(scene, exercise, profile).ok());
+}
+
+// A 2 mm cube of enamel in a grid of 3 mm.
+cutting::Volume EnamelCube() {
+  auto field = [](const dvec3& p) {
+    double d = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) - 1e-3;
+    return FieldSample{d, cutting::Tissue::kEnamel, 1};
+  };
+  return BuildVolume(GridAround(dvec3(-1e-3), dvec3(1e-3), 50'000), Field(field));
+}
+
+TEST_F(PlanTest, TissueOfTheVolumeThatTheSceneDoesNotNameIsRefused) {
+  scene.tissues = DefaultTissues({cutting::Tissue::kDentin});
+  Status refused = CheckVolume(scene, EnamelCube());
+  EXPECT_EQ(refused.code(), Code::kConflict);
+  EXPECT_NE(refused.message().find("enamel, which it does not name"), std::string::npos)
+      << refused.message();
+}
+
+TEST_F(PlanTest, TissueTheSceneNamesThatTheVolumeHasNotIsRefused) {
+  Status refused = CheckVolume(scene, EnamelCube());
+  EXPECT_EQ(refused.code(), Code::kConflict);
+  EXPECT_NE(refused.message().find("dentin, of which its volume holds none"), std::string::npos)
+      << refused.message();
+  scene.tissues = DefaultTissues({cutting::Tissue::kEnamel});
+  EXPECT_TRUE(CheckVolume(scene, EnamelCube()).ok());
+}
+
+TEST_F(PlanTest, VolumeOfAnotherVoxelSizeIsRefused) {
+  scene.tissues = DefaultTissues({cutting::Tissue::kEnamel});
+  scene.voxel_nm = 25'000;
+  EXPECT_EQ(CheckVolume(scene, EnamelCube()).field(), "voxel_nm");
 }
 
 TEST_F(PlanTest, AnotherSceneThanTheExercisesIsAConflict) {

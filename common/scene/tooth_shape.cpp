@@ -1,0 +1,230 @@
+#include "common/scene/tooth_shape.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace enamel::scene {
+namespace {
+
+using cutting::Tissue;
+
+double SmoothMax(double a, double b, double k) {
+  double h = std::max(k - std::abs(a - b), 0.0);
+  return std::max(a, b) + h * h / (4 * k);
+}
+double SmoothMin(double a, double b, double k) { return -SmoothMax(-a, -b, k); }
+double Square(double v) { return v * v; }
+double Ramp(double v, double lo, double hi) {
+  double t = std::clamp((v - lo) / (hi - lo), 0.0, 1.0);
+  return t * t * (3 - 2 * t);
+}
+
+// Catmull-Rom curve through samples at u = 0, 1, ...; level beyond its ends.
+template <size_t N>
+double Curve(const std::array<double, N>& samples, double u) {
+  u = std::clamp(u, 0.0, static_cast<double>(N - 1) - 1e-9);
+  auto i = static_cast<int>(u);
+  double t = u - i;
+  auto at = [&](int j) {
+    return samples[static_cast<size_t>(std::clamp(j, 0, static_cast<int>(N) - 1))];
+  };
+  double p0 = at(i - 1), p1 = at(i), p2 = at(i + 1), p3 = at(i + 2);
+  return p1 +
+         0.5 * t * (p2 - p0 + t * (2 * p0 - 5 * p1 + 4 * p2 - p3 + t * (3 * (p1 - p2) + p3 - p0)));
+}
+
+double SectionPlace(const Sections& s, double z) { return (z - s.first_z) / s.step_z; }
+
+double CuspHeight(const ToothShape& shape, const Cusp& c, double x, double y) {
+  double rx = shape.fossa_x - c.x, ry = shape.fossa_y - c.y;
+  double n = 1 / std::sqrt(rx * rx + ry * ry);
+  double along = ((x - c.x) * rx + (y - c.y) * ry) * n;
+  double across = ((x - c.x) * -ry + (y - c.y) * rx) * n;
+  double stretch = along > 0 ? 0.80 : 1.0;
+  double r = std::sqrt(Square(stretch * along) + Square(across) + 0.25) - 0.5;
+  return c.z - c.slope * r;
+}
+
+double RidgeHeight(const Ridge& r, double x, double y) {
+  double d2 = r.weight_x * Square(x - r.x) + r.weight_y * Square(y - r.y);
+  return r.top - r.fall * (std::sqrt(d2 + 0.16) - 0.4);
+}
+
+double GrooveDepth(const SideGroove& g, double x, double y, double z) {
+  double fade = Ramp(z, g.fade_from_z, g.fade_to_z) * (1 - Ramp(z, g.end_from_z, g.end_to_z));
+  if (fade == 0 || y * g.side <= 0) return 0;
+  return fade * g.depth * std::exp(-Square((x - g.x) / g.width)) * Ramp(y * g.side, 0.3, 2.0);
+}
+
+double SideDistance(const ToothShape& shape, double x, double y, double z) {
+  const Sections& s = shape.sections;
+  double u = SectionPlace(s, z);
+  double a = Curve(x > 0 ? s.mesial : s.distal, u);
+  double dy = y - Curve(s.middle_y, u);
+  double b = Curve(dy > 0 ? s.buccal : s.lingual, u);
+  double p = Square(x / a), q = Square(dy / b);
+  double r = std::sqrt(std::sqrt(p * p + q * q + s.round * p * q));
+  double d = (r - 1) * std::min(a, b);
+  for (const SideGroove& g : shape.grooves) d += GrooveDepth(g, x, dy, z);
+  return d;
+}
+
+double RootProgress(const ToothShape& shape, const Root& root, double z) {
+  return (shape.cervical_z - z) / root.length;
+}
+
+double RootDistance(const ToothShape& shape, const Root& root, double x, double y, double z) {
+  double t = RootProgress(shape, root, z);
+  double rx = Curve(root.half_x, 4 * t), ry = Curve(root.half_y, 4 * t);
+  double u = (x - Curve(root.x, 4 * t)) / rx, v = (y - Curve(root.y, 4 * t)) / ry;
+  double t2 = Square(std::max(t, 0.0));
+  double t8 = t2 * t2 * t2 * t2;
+  double side = (std::sqrt(u * u + v * v + t8 * t2) - 1) * std::min(rx, ry);
+  side += root.groove * std::exp(-Square(v / 0.35)) * Ramp(t, 0.1, 0.3);
+  return SmoothMax(side, z - (shape.cervical_z - 0.5), 1.5);
+}
+
+double OuterDistance(const ToothShape& shape, double x, double y, double z) {
+  double body = SmoothMax(SideDistance(shape, x, y, z), shape.trunk_z - z, shape.trunk_blend);
+  // Above the cervical line's neighbourhood crown and roots do not meet, nor does the relief below.
+  if (z > shape.cervical_z + 1.75) {
+    return SmoothMax(body, (z - OcclusalHeight_mm(shape, x, y)) * 0.78, shape.edge_blend);
+  }
+  double roots = 1e3;
+  for (const Root& r : shape.roots) roots = std::min(roots, RootDistance(shape, r, x, y, z));
+  return SmoothMin(body, roots, 1.1);
+}
+
+// The cervical line curves toward the crown on the mesial and distal faces, away on the others.
+double CervicalHeight(const ToothShape& shape, double x) {
+  double half = Curve(x > 0 ? shape.sections.mesial : shape.sections.distal,
+                      SectionPlace(shape.sections, shape.cervical_z));
+  return shape.cervical_z + shape.enamel.cervical_rise * Square(x / half);
+}
+
+// Positive in enamel: distance to the dentin-enamel junction, about mm.
+double EnamelDistance(const ToothShape& shape, double x, double y, double z) {
+  const EnamelCap& cap = shape.enamel;
+  double above = z - CervicalHeight(shape, x);
+  if (above <= 0) return std::max(above, -3.0);
+  double side = SideDistance(shape, x, y, z) + cap.side * above / (above + cap.rise);
+  double top = (z - (cap.relief * OcclusalHeight_mm(shape, x, y) - cap.drop)) * 0.85;
+  return std::min(SmoothMax(side, top, 1.0), above);
+}
+
+double Segment(const dvec3& p, const dvec3& a, const dvec3& b) {
+  dvec3 ab = b - a, ap = p - a;
+  double t = std::clamp(Dot(ap, ab) / Dot(ab, ab), 0.0, 1.0);
+  dvec3 d = ap - t * ab;
+  return std::sqrt(Dot(d, d));
+}
+
+double CanalDistance(const ToothShape& shape, const Canal& c, double x, double y, double z) {
+  const Root& root = shape.roots[c.root];
+  double t = RootProgress(shape, root, z), along = std::clamp(t, 0.0, 1.0);
+  double cx = Curve(root.x, 4 * t);
+  double cy = Curve(root.y, 4 * t) + c.offset_y + (c.end_y - c.offset_y) * along;
+  double r = c.radius + (c.apex_radius - c.radius) * along;
+  double dy = std::max(std::abs(y - cy) - c.flat_y * (1 - along), 0.0);
+  double d = std::sqrt(Square(x - cx) + dy * dy) - r;
+  return std::max({d, z - shape.pulp.middle.z, shape.cervical_z - root.length + 0.3 - z});
+}
+
+// Negative in pulp, about mm.
+double PulpDistance(const ToothShape& shape, double x, double y, double z) {
+  const Pulp& pulp = shape.pulp;
+  double u = Square((x - pulp.middle.x) / pulp.half.x),
+         v = Square((y - pulp.middle.y) / pulp.half.y),
+         w = Square((z - pulp.middle.z) / pulp.half.z);
+  double r = std::sqrt(std::sqrt(u * u + v * v + w * w + u * v + (u + v) * w));
+  double d = (r - 1) * std::min({pulp.half.x, pulp.half.y, pulp.half.z});
+  double horns = 10;
+  for (const Cusp& c : shape.cusps) {
+    dvec3 tip(pulp.lean_x * c.x, pulp.lean_y * c.y, c.z - pulp.depth);
+    dvec3 foot(0.6 * tip.x, 0.6 * tip.y, pulp.middle.z + 0.4 * pulp.half.z);
+    double radius = pulp.radius + (pulp.tip_radius - pulp.radius) * Ramp(z, foot.z, tip.z);
+    horns = std::min(horns, Segment({x, y, z}, foot, tip) - radius);
+  }
+  double canals = 10;
+  for (const Canal& c : pulp.canals) canals = std::min(canals, CanalDistance(shape, c, x, y, z));
+  return SmoothMin(SmoothMin(d, horns, 0.35), canals, 0.5);
+}
+
+// Outer distance made a true one near the surface: divided by its gradient, shortened far away
+// where that is only a guess.
+double TrueDistance(const ToothShape& shape, double x, double y, double z, double value) {
+  constexpr double kStep = 0.01, kNear = 0.45;
+  if (std::abs(value) > 2 * kNear) return value * 0.5;
+  double gx = OuterDistance(shape, x + kStep, y, z) - value;
+  double gy = OuterDistance(shape, x, y + kStep, z) - value;
+  double gz = OuterDistance(shape, x, y, z + kStep) - value;
+  double gradient = std::sqrt(gx * gx + gy * gy + gz * gz) / kStep;
+  double d = value / std::max(gradient, 0.3);
+  return std::abs(d) <= kNear ? d : std::copysign(kNear + 0.5 * (std::abs(d) - kNear), d);
+}
+
+}  // namespace
+
+FieldSample ToothField(const ToothShape& shape, const dvec3& point_m) {
+  const double x = point_m.x * 1e3, y = point_m.y * 1e3, z = point_m.z * 1e3;
+  double value = OuterDistance(shape, x, y, z);
+  FieldSample out{TrueDistance(shape, x, y, z, value) * 1e-3, Tissue::kDentin, 0};
+  if (value > 1) return out;
+  double enamel = EnamelDistance(shape, x, y, z), pulp = PulpDistance(shape, x, y, z);
+  if (pulp < 0) {
+    out.tissue = Tissue::kPulp;
+  } else if (enamel > 0) {
+    out.tissue = Tissue::kEnamel;
+  }
+  out.tissue_margin_m = 0.5e-3 * std::min(std::abs(enamel), std::abs(pulp));
+  return out;
+}
+
+double OcclusalHeight_mm(const ToothShape& shape, double x, double y) {
+  double h = -10;
+  for (const Cusp& c : shape.cusps)
+    h = SmoothMax(h, CuspHeight(shape, c, x, y), shape.relief_blend);
+  for (const Ridge& r : shape.ridges) h = SmoothMax(h, RidgeHeight(r, x, y), 0.7);
+  return h;
+}
+
+std::optional<dvec3> SurfaceBelow_m(const ToothShape& shape, double x, double y) {
+  double z = shape.hi.z + 0.5;
+  while (OuterDistance(shape, x, y, z) > 0) {
+    if ((z -= 0.05) < shape.lo.z) return std::nullopt;
+  }
+  double lo = z, hi = z + 0.05;
+  for (int i = 0; i < 30; ++i) {
+    double mid = 0.5 * (lo + hi);
+    (OuterDistance(shape, x, y, mid) < 0 ? lo : hi) = mid;
+  }
+  return dvec3(x, y, lo) * 1e-3;
+}
+
+dvec3 FossaBottom_m(const ToothShape& shape) {
+  // Descent on a shrinking pattern.
+  constexpr double kAround[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
+  double x = shape.fossa_x, y = shape.fossa_y;
+  if (shape.cusps.empty()) return SurfaceBelow_m(shape, x, y).value_or(dvec3(0));
+  for (double step = 0.2; step > 1e-4; step *= 0.5) {
+    for (bool moved = true; moved;) {
+      moved = false;
+      for (const auto& d : kAround) {
+        double nx = x + step * d[0], ny = y + step * d[1];
+        if (std::abs(nx - shape.fossa_x) > 1 || std::abs(ny - shape.fossa_y) > 1) continue;
+        if (OcclusalHeight_mm(shape, nx, ny) >= OcclusalHeight_mm(shape, x, y)) continue;
+        x = nx, y = ny, moved = true;
+      }
+    }
+  }
+  return SurfaceBelow_m(shape, x, y).value_or(dvec3(0));
+}
+
+std::array<double, 4> SectionAt_mm(const ToothShape& shape, double z) {
+  const Sections& s = shape.sections;
+  double u = SectionPlace(s, z), middle = Curve(s.middle_y, u);
+  return {Curve(s.mesial, u), Curve(s.distal, u), middle + Curve(s.buccal, u),
+          Curve(s.lingual, u) - middle};
+}
+
+}  // namespace enamel::scene
