@@ -22,7 +22,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr auto kDeadline = std::chrono::seconds(90);
-constexpr size_t kMaxOutput = 64 + 12 * (kMaxVertices + kMaxTriangles);
+constexpr size_t kMaxOutput = 64 + 12 * (kMaxVertices + kMaxTriangles) + kMaxParts * 520;
 constexpr size_t kMaxMessage = 2'000;
 
 // A pipe whose ends close themselves.
@@ -123,7 +123,7 @@ Status CheckFile(const std::filesystem::path& file) {
 
 }  // namespace
 
-Result<Triangles> ReadMeshInChild(const std::filesystem::path& file,
+Result<NamedMesh> ReadMeshInChild(const std::filesystem::path& file,
                                   const std::filesystem::path& child) {
   ENAMEL_RETURN_IF_ERROR(CheckFile(file));
   const auto program = child.empty() ? OwnFolder() / "enamel-import-child" : child;
@@ -151,7 +151,7 @@ Result<Triangles> ReadMeshInChild(const std::filesystem::path& file,
                                           "export it anew from another program");
   }
   if (WEXITSTATUS(status) != 0) return Status(Code::kInvalidInput, name + ": " + Clean(message));
-  return DecodeTriangles(output);
+  return DecodeMesh(output);
 }
 
 }  // namespace enamel::import

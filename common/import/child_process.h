@@ -11,7 +11,7 @@ namespace enamel::import {
 // `child` empty: enamel-import-child beside the running program. Blocks for at most 90 s.
 // Errors: kNotFound (file or child missing), kInvalidInput with the reader's reason, kTooLarge,
 // kUnavailable when the child was killed by a limit.
-Result<Triangles> ReadMeshInChild(const std::filesystem::path& file,
+Result<NamedMesh> ReadMeshInChild(const std::filesystem::path& file,
                                   const std::filesystem::path& child = {});
 
 }  // namespace enamel::import

@@ -11,10 +11,12 @@
 #include "common/base/file.h"
 #include "common/import/band_sampler.h"
 #include "common/import/child_process.h"
+#include "common/import/fossa.h"
 #include "common/import/mesh_repair.h"
 #include "common/import/orient.h"
 #include "common/import/tissues.h"
 #include "common/import/triangle_tree.h"
+#include "common/import/units.h"
 #include "common/scene/builder.h"
 #include "common/scene/builtin.h"
 #include "common/scene/volume_blob.h"
@@ -24,203 +26,21 @@ namespace {
 
 using cutting::Tissue;
 
-constexpr double kSmallest_mm = 3, kLargest_mm = 40;
 constexpr int32_t kFinestVoxel_nm = 10'000, kCoarsestVoxel_nm = 500'000;
 constexpr size_t kMaxGridBytes = size_t{3} << 30;
 constexpr double kPulpBelowFossa_mm =
-    2.9;                               // roof of the chamber below the central fossa, assumption
-constexpr double kFossaSearch = 0.25;  // half a side of the searched square, of the smaller width
-constexpr int kFossaSteps = 20;
-// Substance a class I outline needs around the centre: half sides, depths, and what must be left.
-constexpr double kOutlineX_mm = 2.3, kOutlineY_mm = 1.3;
-constexpr std::array<double, 2> kOutlineDepths_mm = {1, 2};
-constexpr double kEnoughRoom_mm = 0.2;
-
-struct Unit {
-  const char* name;
-  double mm;
-};
-constexpr std::array<Unit, 5> kUnits = {
-    {{"mm", 1}, {"um", 1e-3}, {"cm", 10}, {"m", 1000}, {"inch", 25.4}}};
+    2.9;  // roof of the chamber below the central fossa, assumption
+constexpr double kFar_mm = 100;
+constexpr double kFinestOfVoxel = 0.2;  // pieces where surfaces cross
 
 Status Invalid(std::string message, std::string field = {}) {
   return Status(Code::kInvalidInput, std::move(message), std::move(field));
-}
-
-std::string Fixed(double value, int digits = 2) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*f", digits, value);
-  return text;
-}
-
-Result<double> UnitInMm(const std::string& name) {
-  for (const Unit& u : kUnits) {
-    if (name == u.name) return u.mm;
-  }
-  return Invalid("expected the unit mm, um, cm, m or inch, found '" + name + "'", "unit");
-}
-
-struct Box {
-  dvec3 lo{std::numeric_limits<double>::max()}, hi{std::numeric_limits<double>::lowest()};
-};
-
-Box BoxOf(const Triangles& mesh) {
-  Box box;
-  for (const auto& t : mesh.indices) {
-    for (uint32_t i : t)
-      box.lo = glm::min(box.lo, mesh.vertices[i]), box.hi = glm::max(box.hi, mesh.vertices[i]);
-  }
-  return box;
-}
-
-bool IsToothSize(double extent_mm) { return extent_mm >= kSmallest_mm && extent_mm <= kLargest_mm; }
-
-Status CheckSize(const Triangles& mesh_mm, const std::string& unit, double unit_mm) {
-  Box box = BoxOf(mesh_mm);
-  dvec3 size = box.hi - box.lo;
-  double extent = std::max({size.x, size.y, size.z});
-  if (IsToothSize(extent)) return Status::Ok();
-  std::string fits;
-  for (const Unit& u : kUnits) {
-    if (IsToothSize(extent / unit_mm * u.mm))
-      fits += (fits.empty() ? "" : " or ") + std::string(u.name);
-  }
-  return Invalid(
-      "expected a tooth of 3 to 40 mm, found one of " + Fixed(extent, extent < 1 ? 4 : 2) +
-          " mm with the unit '" + unit + "': " +
-          (fits.empty() ? "no known unit makes it a tooth" : "its numbers look like " + fits),
-      "unit");
 }
 
 Triangles Scaled(const Triangles& mesh, double factor) {
   Triangles out = mesh;
   for (dvec3& v : out.vertices) v *= factor;
   return out;
-}
-
-// The occlusal surface seen from above.
-class TopView {
- public:
-  TopView(const TriangleTree& tree, const Box& box) : tree_(tree), box_(box) {}
-  // Height of the first surface under (x, y), mm; nothing where there is none.
-  std::optional<double> Height(double x, double y) const {
-    double z = box_.hi.z + 0.1;
-    for (int i = 0; i < 300 && z > box_.lo.z; ++i) {
-      double d = tree_.Distance({x, y, z}, 100);
-      if (d < 1e-4) return z;
-      z -= d;
-    }
-    return std::nullopt;
-  }
-
- private:
-  const TriangleTree& tree_;
-  Box box_;
-};
-
-enum class Centre { kPit, kMiddle, kMostRoom };
-
-struct Fossa {
-  dvec3 point;
-  Centre kind;
-};
-
-// Least distance from the outline of a class I box below `p` to the tooth's surface, mm; negative
-// where the outline leaves the tooth.
-double RoomAround(const dvec3& p, SignedProbe& probe) {
-  double room = 1e300;
-  for (double depth : kOutlineDepths_mm)
-    for (int k = 0; k < 9; ++k) {
-      if (k == 4) continue;
-      const dvec3 at = p + dvec3((k % 3 - 1) * kOutlineX_mm, (k / 3 - 1) * kOutlineY_mm, -depth);
-      room = std::min(room, -probe.Distance(at, 100));
-    }
-  return room;
-}
-
-// Heights of the occlusal surface on a square grid around its middle.
-class FossaSearch {
- public:
-  FossaSearch(const TriangleTree& boundary, const TriangleTree& whole, const Box& box)
-      : probe_(boundary, whole), middle_(0.5 * (box.lo + box.hi)) {
-    const TopView top(boundary, box);
-    const dvec3 size = box.hi - box.lo;
-    step_ = kFossaSearch * std::min(size.x, size.y) / kFossaSteps;
-    for (int k = 0; k < kSide * kSide; ++k) {
-      const dvec3 p = At(k);
-      height_[static_cast<size_t>(k)] = top.Height(p.x, p.y).value_or(box.hi.z);
-    }
-    FindSlope();
-  }
-
-  // The pit nearest the middle, else the middle, as far as there is room around it; else the point
-  // with most room.
-  Fossa Find() {
-    constexpr int kMiddle = kSide * kSide / 2;
-    int nearest = -1;
-    for (int k = 0; k < kSide * kSide; ++k) {
-      if (IsPit(k) && (nearest < 0 || Away(k) < Away(nearest)) && Room(k) >= kEnoughRoom_mm)
-        nearest = k;
-    }
-    if (nearest >= 0) return {At(nearest), Centre::kPit};
-    if (Room(kMiddle) >= kEnoughRoom_mm) return {At(kMiddle), Centre::kMiddle};
-    int best = kMiddle;
-    double most = Room(kMiddle);
-    for (int k = 0; k < kSide * kSide; ++k) {
-      const double room = Room(k);
-      if (room > most) most = room, best = k;
-    }
-    return {At(best), best == kMiddle ? Centre::kMiddle : Centre::kMostRoom};
-  }
-
- private:
-  static constexpr int kSide = 2 * kFossaSteps + 1;
-  static int Column(int k) { return k % kSide - kFossaSteps; }
-  static int Row(int k) { return k / kSide - kFossaSteps; }
-  static int Away(int k) { return Column(k) * Column(k) + Row(k) * Row(k); }
-  dvec3 At(int k) const {
-    return {middle_.x + Column(k) * step_, middle_.y + Row(k) * step_,
-            height_[static_cast<size_t>(k)]};
-  }
-  double Room(int k) { return RoomAround(At(k), probe_); }
-
-  void FindSlope() {
-    double spread = 0;
-    for (int k = 0; k < kSide * kSide; ++k) {
-      slope_x_ += height_[static_cast<size_t>(k)] * Column(k);
-      slope_y_ += height_[static_cast<size_t>(k)] * Row(k);
-      spread += Column(k) * Column(k);
-    }
-    slope_x_ /= spread, slope_y_ /= spread;
-  }
-  // Counted from the surface's mean slope, so that a fossa on a leaning crown is a pit too.
-  double Level(int k) const {
-    return height_[static_cast<size_t>(k)] - slope_x_ * Column(k) - slope_y_ * Row(k);
-  }
-  bool IsPit(int k) const {
-    if (std::abs(Column(k)) > kFossaSteps - 2 || std::abs(Row(k)) > kFossaSteps - 2) return false;
-    for (int i = 0; i < 25; ++i) {
-      if (Level(k + i % 5 - 2 + (i / 5 - 2) * kSide) < Level(k)) return false;
-    }
-    return true;
-  }
-
-  SignedProbe probe_;
-  dvec3 middle_;
-  double step_ = 0, slope_x_ = 0, slope_y_ = 0;
-  std::array<double, kSide * kSide> height_{};
-};
-
-const char* Words(Centre kind) {
-  switch (kind) {
-    case Centre::kPit:
-      return "bottom of the pit nearest the middle";
-    case Centre::kMiddle:
-      return "middle of the occlusal surface, there is no pit near it";
-    case Centre::kMostRoom:
-      return "where a class I outline has most room, it has little everywhere";
-  }
-  return "";
 }
 
 scene::PointUm ToUm(const dvec3& p_mm) {
@@ -406,7 +226,9 @@ Result<ImportedScene> ImportTriangles(const Triangles& mesh, const std::string& 
   if (mesh.indices.empty()) return Invalid("the mesh holds no triangles");
   Triangles mesh_mm = Scaled(mesh, *unit);
   ENAMEL_RETURN_IF_ERROR(CheckSize(mesh_mm, options.unit, *unit));
-  Result<Solid> solid = MakeSolid(mesh_mm);
+  RepairOptions repair;
+  repair.finest_mm = kFinestOfVoxel * options.voxel_nm * 1e-6;
+  Result<Solid> solid = MakeSolid(mesh_mm, repair);
   if (!solid.ok()) return solid.status();
   Result<Placed> placed = Place(std::move(*solid), options.up);
   if (!placed.ok()) return placed.status();
@@ -414,7 +236,9 @@ Result<ImportedScene> ImportTriangles(const Triangles& mesh, const std::string& 
   auto spec = scene::GridAround(box.lo * 1e-3, box.hi * 1e-3, options.voxel_nm);
   ENAMEL_RETURN_IF_ERROR(cutting::ValidateGrid(spec, kMaxGridBytes));
   const TriangleTree boundary(placed->solid.boundary), whole(placed->solid.mesh);
-  const Fossa fossa = FossaSearch(boundary, whole, box).Find();
+  SignedProbe probe(boundary, whole);
+  const Fossa fossa = FindFossa(
+      boundary, [&](const dvec3& p) { return probe.Distance(p, kFar_mm); }, box.lo, box.hi);
   const TissueModel tissues(placed->solid.boundary, placed->gum ? &*placed->gum : nullptr, box.lo,
                             box.hi, fossa.point.z - kPulpBelowFossa_mm);
   ImportedScene out = Describe(*placed, fossa, box, tissues);
@@ -433,7 +257,7 @@ Result<ImportedScene> ImportTriangles(const Triangles& mesh, const std::string& 
 
 Result<ImportedScene> ImportTooth(const std::filesystem::path& file, const ImportOptions& options) {
   ENAMEL_RETURN_IF_ERROR(CheckOptions(options));
-  Result<Triangles> mesh = ReadMeshInChild(file, options.child);
+  Result<NamedMesh> mesh = ReadMeshInChild(file, options.child);
   if (!mesh.ok()) return mesh.status();
   Result<Bytes> bytes = ReadFile(file, kMaxMeshFile);
   if (!bytes.ok()) return bytes.status();
@@ -441,7 +265,7 @@ Result<ImportedScene> ImportTooth(const std::filesystem::path& file, const Impor
   if (named.name.empty()) named.name = file.stem().string();
   std::string source = "imported from " + Printable(file.filename().string()) + " (SHA-256 " +
                        HashSha256(*bytes).Hex() + "), unit " + options.unit;
-  Result<ImportedScene> out = ImportTriangles(*mesh, source, named);
+  Result<ImportedScene> out = ImportTriangles(mesh->mesh, source, named);
   if (out.ok()) return out;
   const Status& why = out.status();
   return Status(why.code(), file.filename().string() + ": " + why.message(), why.field());

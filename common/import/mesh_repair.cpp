@@ -284,7 +284,8 @@ Result<Solid> MakeSolid(const Triangles& mesh_mm, const RepairOptions& options) 
     return NoSolid(
         "it encloses next to nothing of its bounding box (a flat sheet or a soup of triangles)");
   }
-  Result<SolidBoundary> boundary = BoundaryOf(solid.mesh, TriangleTree(solid.mesh));
+  Result<SolidBoundary> boundary =
+      BoundaryOf(solid.mesh, TriangleTree(solid.mesh), options.finest_mm);
   if (!boundary.ok()) return boundary.status();
   report.crossing = boundary->crossing;
   report.buried = boundary->buried;

@@ -29,6 +29,7 @@ struct RepairOptions {
   // Caps over more of the surface than this mean that it is a sheet and no solid. Half is the least
   // a flat sheet and its cap have.
   double largest_cap_share = 0.4;
+  double finest_mm = 0.01;  // pieces along lines where triangles cross (solid_boundary.h)
 };
 
 struct Solid {

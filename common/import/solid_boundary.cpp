@@ -10,9 +10,8 @@
 namespace enamel::import {
 namespace {
 
-constexpr double kSide_mm = 2e-3;      // how far from a triangle its two sides are probed
-constexpr double kTouch_mm = 1e-6;     // nearer to a plane than this lies in it
-constexpr double kSmallest_mm = 0.01;  // radius of a piece that is not cut further
+constexpr double kSide_mm = 2e-3;   // how far from a triangle its two sides are probed
+constexpr double kTouch_mm = 1e-6;  // nearer to a plane than this lies in it
 constexpr size_t kMostPieces = 1'000'000;
 // On average, of each triangle with others.
 constexpr size_t kMostNear = 400, kMostCrossings = 40, kAllowed = 1'000'000;
@@ -194,26 +193,27 @@ std::vector<uint32_t> Patches(const Triangles& mesh, const Crossing& with) {
 }
 
 // A line of length L through triangles of mean radius r makes about L / smallest pieces.
-double SmallestPiece(const Triangles& mesh, const Crossing& with) {
+double SmallestPiece(const Triangles& mesh, const Crossing& with, double finest_mm) {
   double pieces = 0;
   for (uint32_t i = 0; i < with.size(); ++i) {
     if (!with[i].empty())
       pieces += static_cast<double>(with[i].size()) *
-                std::max(1.0, 4 * FacetOf(mesh, i).Radius() / kSmallest_mm);
+                std::max(1.0, 4 * FacetOf(mesh, i).Radius() / finest_mm);
   }
-  return kSmallest_mm * std::max(1.0, pieces / static_cast<double>(kMostPieces));
+  return finest_mm * std::max(1.0, pieces / static_cast<double>(kMostPieces));
 }
 
 }  // namespace
 
-Result<SolidBoundary> BoundaryOf(const Triangles& mesh, const TriangleTree& tree) {
+Result<SolidBoundary> BoundaryOf(const Triangles& mesh, const TriangleTree& tree,
+                                 double finest_mm) {
   const Result<Crossing> crossings = FindCrossings(mesh, tree);
   if (!crossings.ok()) return crossings.status();
   const Crossing& with = *crossings;
   const auto patch = Patches(mesh, with);
   const Judge judge(tree);
   SolidBoundary out{{mesh.vertices, {}}, 0, 0};
-  Cutter cutter(mesh, judge, out, SmallestPiece(mesh, with));
+  Cutter cutter(mesh, judge, out, SmallestPiece(mesh, with, finest_mm));
   // By each patch's largest triangle: the probes of a sliver may miss their side.
   std::vector<uint32_t> largest = patch;
   std::vector<double> size(patch.size(), -1);

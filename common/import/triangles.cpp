@@ -10,44 +10,54 @@ namespace {
 constexpr std::string_view kMagic = "ENTR";
 
 Status Malformed(const std::string& what) {
-  return Status(Code::kInvalidInput, "triangle list: " + what);
+  return Status(Code::kInvalidInput, "the mesh reader's answer: " + what);
 }
 
 }  // namespace
 
-Bytes EncodeTriangles(const Triangles& mesh) {
+Bytes EncodeMesh(const NamedMesh& named) {
+  const Triangles& mesh = named.mesh;
   ByteWriter out;
   out.Raw(AsBytes(kMagic));
   out.U32(static_cast<uint32_t>(mesh.vertices.size()));
   out.U32(static_cast<uint32_t>(mesh.indices.size()));
+  out.U32(static_cast<uint32_t>(named.parts.size()));
   for (const dvec3& v : mesh.vertices) {
     for (int i = 0; i < 3; ++i) out.U32(std::bit_cast<uint32_t>(static_cast<float>(v[i])));
   }
   for (const auto& t : mesh.indices) {
     for (uint32_t i : t) out.U32(i);
   }
+  for (const MeshPart& part : named.parts) {
+    out.U32(part.first);
+    out.U32(part.count);
+    for (const std::string* text : {&part.name, &part.material}) {
+      out.U8(static_cast<uint8_t>(text->size()));
+      out.Raw(AsBytes(*text));
+    }
+  }
   return out.Take();
 }
 
-Result<Triangles> DecodeTriangles(ByteView bytes) {
+Result<NamedMesh> DecodeMesh(ByteView bytes) {
   ByteReader in(bytes);
   ByteView magic = in.Raw(kMagic.size());
-  size_t n_vertices = in.U32(), n_triangles = in.U32();
+  const size_t n_vertices = in.U32(), n_triangles = in.U32(), n_parts = in.U32();
   if (!in.ok() || AsText(magic) != kMagic) return Malformed("does not begin as one");
-  if (n_vertices > kMaxVertices || n_triangles > kMaxTriangles ||
-      in.remaining() != 12 * (n_vertices + n_triangles)) {
+  if (n_vertices > kMaxVertices || n_triangles > kMaxTriangles || n_parts > kMaxParts ||
+      in.remaining() < 12 * (n_vertices + n_triangles)) {
     return Malformed("its size does not match its header");
   }
-  Triangles mesh;
-  mesh.vertices.resize(n_vertices);
-  mesh.indices.resize(n_triangles);
-  for (dvec3& v : mesh.vertices) {
+  NamedMesh out;
+  out.mesh.vertices.resize(n_vertices);
+  out.mesh.indices.resize(n_triangles);
+  for (dvec3& v : out.mesh.vertices) {
     for (int i = 0; i < 3; ++i) v[i] = std::bit_cast<float>(in.U32());
     if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z)) {
       return Malformed("a coordinate is not a finite number");
     }
   }
-  for (auto& t : mesh.indices) {
+  for (auto& t : out.mesh.indices) {
     for (uint32_t& i : t) {
       i = in.U32();
       if (i >= n_vertices)
@@ -55,7 +65,17 @@ Result<Triangles> DecodeTriangles(ByteView bytes) {
                          std::to_string(n_vertices));
     }
   }
-  return mesh;
+  for (size_t k = 0; k < n_parts; ++k) {
+    MeshPart part;
+    part.first = in.U32(), part.count = in.U32();
+    part.name = AsText(in.Raw(in.U8()));
+    part.material = AsText(in.Raw(in.U8()));
+    if (!in.ok() || part.first > n_triangles || part.count > n_triangles - part.first)
+      return Malformed("a part is not within it");
+    out.parts.push_back(std::move(part));
+  }
+  if (in.remaining() != 0) return Malformed("more follows its end");
+  return out;
 }
 
 double SignedVolume(const std::vector<dvec3>& vertices,

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "common/base/bytes.h"
@@ -16,15 +17,29 @@ struct Triangles {
   std::vector<std::array<uint32_t, 3>> indices;  // counter-clockwise seen from outside
 };
 
+// A stretch of a file's triangles with the file's names for it: an OBJ object or group and its
+// material, an STL solid. Either may be empty.
+struct MeshPart {
+  std::string name, material;
+  uint32_t first = 0, count = 0;  // triangles
+};
+struct NamedMesh {
+  Triangles mesh;
+  std::vector<MeshPart> parts;  // in order; together all triangles, or the first kMaxParts of them
+};
+
 inline constexpr size_t kMaxTriangles = 2'000'000;
 inline constexpr size_t kMaxVertices = 3 * kMaxTriangles;
 inline constexpr size_t kMaxMeshFile = size_t{256} << 20;
 
-// What the import child writes: "ENTR", u32 vertices, u32 triangles, f32 x 3 per vertex,
-// u32 x 3 per triangle, little-endian. Lives only on a pipe between two programs of one build.
-Bytes EncodeTriangles(const Triangles& mesh);
+inline constexpr size_t kMaxParts = 1000, kMaxPartName = 100;
+
+// What the import child writes: "ENTR", u32 vertices, u32 triangles, u32 parts, f32 x 3 per vertex,
+// u32 x 3 per triangle; per part u32 first, u32 count, and twice u8 length and text. Little-endian.
+// Lives only on a pipe between two programs of one build.
+Bytes EncodeMesh(const NamedMesh& mesh);
 // Bounded; refuses indices out of range and coordinates that are not finite.
-Result<Triangles> DecodeTriangles(ByteView bytes);
+Result<NamedMesh> DecodeMesh(ByteView bytes);
 
 // Volume by the divergence theorem; right for closed meshes, positive when oriented outward.
 double SignedVolume(const std::vector<dvec3>& vertices,

@@ -15,7 +15,10 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size);
 namespace enamel {
 namespace {
 
-constexpr size_t kMaxCases = 500;
+#ifndef ENAMEL_CORPUS_CASES
+#define ENAMEL_CORPUS_CASES 500
+#endif
+constexpr size_t kMaxCases = ENAMEL_CORPUS_CASES;
 
 std::vector<std::filesystem::path> CorpusFiles() {
   std::vector<std::filesystem::path> files;

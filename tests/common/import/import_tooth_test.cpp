@@ -319,7 +319,7 @@ std::vector<KnownCrown> KnownCrowns() {
 Triangles SolidOf(const fs::path& file) {
   auto mesh = ReadMeshInChild(file);
   EXPECT_TRUE(mesh.ok()) << mesh.status().message();
-  auto solid = MakeSolid(*mesh);
+  auto solid = MakeSolid(mesh->mesh);
   EXPECT_TRUE(solid.ok()) << solid.status().message();
   return solid->mesh;
 }

@@ -48,15 +48,24 @@ TEST(TrianglesTest, VolumeAndAreaOfABox) {
   EXPECT_NEAR(SurfaceArea(box), 22, 1e-9);
 }
 
-TEST(TrianglesTest, EncodedListReadsBackAndDamageIsRefused) {
-  Triangles sphere = SphereMesh(5, 6);
-  Bytes bytes = EncodeTriangles(sphere);
-  auto back = DecodeTriangles(bytes);
-  ASSERT_TRUE(back.ok());
-  EXPECT_EQ(back->indices, sphere.indices);
-  for (size_t n = 0; n < bytes.size(); ++n) EXPECT_FALSE(DecodeTriangles({bytes.data(), n}).ok());
+TEST(TrianglesTest, EncodedMeshReadsBackWithItsPartsAndDamageIsRefused) {
+  NamedMesh sphere{SphereMesh(5, 6), {{"enamel", "white", 0, 10}, {"", "", 10, 20}}};
+  Bytes bytes = EncodeMesh(sphere);
+  auto back = DecodeMesh(bytes);
+  ASSERT_TRUE(back.ok()) << back.status().message();
+  EXPECT_EQ(back->mesh.indices, sphere.mesh.indices);
+  ASSERT_EQ(back->parts.size(), 2u);
+  EXPECT_EQ(back->parts[0].name, "enamel");
+  EXPECT_EQ(back->parts[0].material, "white");
+  EXPECT_EQ(back->parts[1].count, 20u);
+  for (size_t n = 0; n < bytes.size(); ++n) EXPECT_FALSE(DecodeMesh({bytes.data(), n}).ok());
+  Bytes longer = bytes;
+  longer.push_back(0);
+  EXPECT_FALSE(DecodeMesh(longer).ok());
+  sphere.parts.clear();
+  bytes = EncodeMesh(sphere);
   bytes[bytes.size() - 1] = 0x7f;  // an index out of range
-  EXPECT_FALSE(DecodeTriangles(bytes).ok());
+  EXPECT_FALSE(DecodeMesh(bytes).ok());
 }
 
 }  // namespace

@@ -1,0 +1,95 @@
+#include "common/import/mesh_reader.h"
+
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+
+#include <assimp/Importer.hpp>
+#include <cmath>
+
+#include "common/import/mesh_file_check.h"
+
+namespace enamel::import {
+namespace {
+
+Status Invalid(const std::string& what) { return Status(Code::kInvalidInput, what); }
+
+// Before the library makes triangles of polygons: it reads their corners without looking.
+Status CheckFaces(const aiScene& scene) {
+  for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
+    const aiMesh& mesh = *scene.mMeshes[m];
+    for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
+      const aiFace& f = mesh.mFaces[i];
+      for (unsigned k = 0; k < f.mNumIndices; ++k) {
+        if (f.mIndices[k] >= mesh.mNumVertices)
+          return Invalid("a face names a vertex that is not there: export the file anew");
+      }
+    }
+  }
+  return Status::Ok();
+}
+
+Status AddMesh(const aiMesh& mesh, Triangles& out) {
+  if (out.vertices.size() + mesh.mNumVertices > kMaxVertices ||
+      out.indices.size() + mesh.mNumFaces > kMaxTriangles) {
+    return Status(Code::kTooLarge, "more than " + std::to_string(kMaxTriangles) +
+                                       " triangles: reduce the mesh in a mesh program first");
+  }
+  auto first = static_cast<uint32_t>(out.vertices.size());
+  for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
+    const aiVector3D& v = mesh.mVertices[i];
+    if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z)) {
+      return Invalid("vertex " + std::to_string(i) +
+                     " has a coordinate that is not a finite number");
+    }
+    out.vertices.emplace_back(v.x, v.y, v.z);
+  }
+  for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
+    const aiFace& f = mesh.mFaces[i];
+    if (f.mNumIndices != 3) continue;  // points and lines
+    out.indices.push_back({first + f.mIndices[0], first + f.mIndices[1], first + f.mIndices[2]});
+  }
+  return Status::Ok();
+}
+
+// Printable and of bounded length, whatever the file says.
+std::string Name(const aiString& text) {
+  std::string name(text.C_Str(), std::min<size_t>(text.length, kMaxPartName));
+  for (char& c : name) {
+    if (c < 0x20 || c > 0x7e) c = '?';
+  }
+  return name;
+}
+
+std::string MaterialName(const aiScene& scene, const aiMesh& mesh) {
+  if (mesh.mMaterialIndex >= scene.mNumMaterials) return {};
+  aiString text;
+  if (scene.mMaterials[mesh.mMaterialIndex]->Get(AI_MATKEY_NAME, text) != aiReturn_SUCCESS)
+    return {};
+  const std::string name = Name(text);
+  return name == AI_DEFAULT_MATERIAL_NAME ? std::string() : name;
+}
+
+}  // namespace
+
+Result<NamedMesh> ReadMesh(ByteView file, const std::string& kind) {
+  ENAMEL_RETURN_IF_ERROR(CheckMeshBytes(file, kind));
+  Assimp::Importer importer;
+  const aiScene* scene = importer.ReadFileFromMemory(file.data(), file.size(), 0, kind.c_str());
+  if (scene == nullptr) return Invalid(std::string("cannot be read: ") + importer.GetErrorString());
+  ENAMEL_RETURN_IF_ERROR(CheckFaces(*scene));
+  scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
+  if (scene == nullptr) return Invalid(std::string("cannot be read: ") + importer.GetErrorString());
+  NamedMesh out;
+  for (unsigned i = 0; i < scene->mNumMeshes; ++i) {
+    const aiMesh& mesh = *scene->mMeshes[i];
+    const auto first = static_cast<uint32_t>(out.mesh.indices.size());
+    ENAMEL_RETURN_IF_ERROR(AddMesh(mesh, out.mesh));
+    const auto count = static_cast<uint32_t>(out.mesh.indices.size()) - first;
+    if (count > 0 && out.parts.size() < kMaxParts)
+      out.parts.push_back({Name(mesh.mName), MaterialName(*scene, mesh), first, count});
+  }
+  if (out.mesh.indices.empty()) return Invalid("holds no triangles, only points or nothing");
+  return out;
+}
+
+}  // namespace enamel::import
