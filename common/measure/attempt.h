@@ -19,7 +19,7 @@ struct Attempt {
   trace::Header header;
   std::vector<Bytes> chunks;  // of 500 ticks
   trace::Seal seal;
-  double cutting_share = 0;   // of the ticks: those that removed something
+  double cutting_share = 0;  // of the ticks: those that removed something
 };
 
 struct AttemptOptions {

@@ -77,19 +77,6 @@ core::TickInput InputAt(const CutCase& c, const dvec3& tip_m) {
   return in;
 }
 
-double Percentile99(std::vector<double>& v) {
-  if (v.empty()) return 0;
-  auto at = v.begin() + static_cast<std::ptrdiff_t>(v.size() * 99 / 100);
-  std::nth_element(v.begin(), at, v.end());
-  return *at;
-}
-
-double Mean(const std::vector<double>& v) {
-  double sum = 0;
-  for (double x : v) sum += x;
-  return v.empty() ? 0 : sum / static_cast<double>(v.size());
-}
-
 struct Replayed {
   std::vector<double> us;  // per measured tick
   int64_t removed = 0;
@@ -115,6 +102,15 @@ Replayed Replay(const CutPath& path) {
 }
 
 }  // namespace
+
+Spread SpreadOf(std::vector<double> values) {
+  if (values.empty()) return {};
+  double sum = 0;
+  for (double v : values) sum += v;
+  auto at = values.begin() + static_cast<std::ptrdiff_t>(values.size() * 99 / 100);
+  std::nth_element(values.begin(), at, values.end());
+  return {sum / static_cast<double>(values.size()), *at};
+}
 
 const char* SunkName(Sunk sunk) {
   return sunk == Sunk::kHalf ? "half" : sunk == Sunk::kWhole ? "whole" : "lying";
@@ -169,10 +165,11 @@ TickCost MeasureTicks(const CutCase& c, size_t ticks, int replays,
     cost.engaged_share = static_cast<double>(one.engaged) / static_cast<double>(one.us.size());
   }
   cost.ticks = least.size();
-  cost.mean_us = Mean(least);
-  cost.p99_us = Percentile99(least);
-  cost.raw_mean_us = Mean(raw);
-  cost.raw_p99_us = Percentile99(raw);
+  Spread own = SpreadOf(std::move(least)), as_it_came = SpreadOf(std::move(raw));
+  cost.mean_us = own.mean;
+  cost.p99_us = own.p99;
+  cost.raw_mean_us = as_it_came.mean;
+  cost.raw_p99_us = as_it_came.p99;
   return cost;
 }
 

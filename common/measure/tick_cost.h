@@ -43,6 +43,12 @@ struct CutPath {
 // Requires: a bur and a voxel the core accepts.
 CutPath MakeCutPath(const CutCase& c, size_t ticks);
 
+struct Spread {
+  double mean = 0, p99 = 0;
+};
+// Mean and 99th percentile; zeros for nothing.
+Spread SpreadOf(std::vector<double> values);
+
 struct TickCost {
   size_t ticks = 0;
   int replays = 0;

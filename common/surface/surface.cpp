@@ -1,161 +1,107 @@
 #include "common/surface/surface.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "common/base/check.h"
+#include "common/surface/brick_block.h"
 
 namespace enamel::surface {
 namespace {
 
 using cutting::GridSpec;
 using cutting::kBrickSide;
-using cutting::kPhiLimit;
-using cutting::Tissue;
 using cutting::Volume;
 
-// A brick's samples with one layer of its neighbours' around them.
-constexpr int kSide = kBrickSide + 2;
-// Cells that such a block holds whole; cell (0, 0, 0) starts one voxel below the brick.
-constexpr int kCells = kBrickSide + 1;
 constexpr uint32_t kNone = 0xffffffffu;
 using VertexTable = std::array<uint32_t, kCells * kCells * kCells>;
 
-constexpr size_t SampleIndex(int x, int y, int z) {
-  return static_cast<size_t>((z * kSide + y) * kSide + x);
-}
 constexpr size_t CellIndex(const ivec3& c) {
   return static_cast<size_t>((c.z * kCells + c.y) * kCells + c.x);
 }
 
-// -1 solid throughout, +1 air throughout, 0 stored.
-int SignOf(const Volume& volume, const ivec3& b) {
-  if (!volume.spec().Contains(b)) return 1;
-  int brick = volume.spec().BrickIndex(b);
-  if (volume.IsStored(brick)) return 0;
-  return volume.UniformTissue(brick) == Tissue::kAir ? 1 : -1;
-}
-
-struct Block {
-  ivec3 brick;  // grid coordinates
-  ivec3 first;  // voxel of sample (0, 0, 0)
-  std::array<int16_t, kSide * kSide * kSide> phi;
-
-  int At(const ivec3& s) const { return phi[SampleIndex(s.x, s.y, s.z)]; }
-};
-
-// Part of a block along one axis that comes from the neighbour at `d` (-1, 0, 1).
-struct Overlap {
-  int to, from, count;
-};
-constexpr Overlap OverlapOf(int d) {
-  if (d < 0) return {0, kBrickSide - 1, 1};
-  if (d > 0) return {kSide - 1, 0, 1};
-  return {1, 0, kBrickSide};
-}
-
-void CopyNeighbour(const Volume& volume, const ivec3& d, Block& block) {
-  ivec3 b = block.brick + d;
-  Overlap ox = OverlapOf(d.x), oy = OverlapOf(d.y), oz = OverlapOf(d.z);
-  int sign = SignOf(volume, b);
-  const int16_t* source = sign == 0 ? volume.Phi(volume.spec().BrickIndex(b)).phi.data() : nullptr;
-  auto uniform = static_cast<int16_t>(sign * kPhiLimit);
-  for (int z = 0; z < oz.count; ++z) {
-    for (int y = 0; y < oy.count; ++y) {
-      int16_t* row = &block.phi[SampleIndex(ox.to, oy.to + y, oz.to + z)];
-      if (!source) {
-        std::fill_n(row, ox.count, uniform);
-      } else {
-        std::copy_n(source + ((oz.from + z) * kBrickSide + oy.from + y) * kBrickSide + ox.from,
-                    ox.count, row);
-      }
-    }
-  }
-}
-
-// False when no surface passes near the brick; the block is then not filled.
-bool Gather(const Volume& volume, int brick, Block& block) {
-  const GridSpec& spec = volume.spec();
-  block.brick = ivec3(brick % spec.bricks.x, brick / spec.bricks.x % spec.bricks.y,
-                      brick / (spec.bricks.x * spec.bricks.y));
-  block.first = block.brick * kBrickSide - 1;
-  int own = SignOf(volume, block.brick);
-  bool mixed = own == 0;
-  for (int i = 0; i < 27 && !mixed; ++i) {
-    mixed = SignOf(volume, block.brick + ivec3(i % 3, i / 3 % 3, i / 9) - 1) != own;
-  }
-  if (!mixed) return false;
-  for (int i = 0; i < 27; ++i) {
-    CopyNeighbour(volume, ivec3(i % 3, i / 3 % 3, i / 9) - 1, block);
-  }
-  auto inside = [](int16_t v) { return v < 0; };
-  return std::any_of(block.phi.begin(), block.phi.end(), inside) &&
-         !std::all_of(block.phi.begin(), block.phi.end(), inside);
-}
-
+// All of a cell in single precision: samples are integers below 2^15, so crossings are good to
+// 1e-7 voxel.
 struct Vertex {
-  dvec3 offset;  // from the cell's first corner, voxels
-  dvec3 normal;
+  glm::vec3 offset;  // from the cell's first corner, voxels
+  glm::vec3 normal;
   ivec3 under;  // inside corner nearest to the vertex, 0 or 1 along each axis
 };
 
-constexpr ivec3 Corner(int i) { return ivec3(i & 1, i >> 1 & 1, i >> 2 & 1); }
+constexpr ivec3 Corner(size_t i) {
+  auto c = static_cast<int>(i);
+  return ivec3(c & 1, c >> 1 & 1, c >> 2 & 1);
+}
+
+// A cell's edges by their corners: four along x, four along y, four along z.
+constexpr size_t kEdgeFrom[12] = {0, 2, 4, 6, 0, 1, 4, 5, 0, 1, 2, 3};
+constexpr size_t kEdgeTo[12] = {1, 3, 5, 7, 2, 3, 6, 7, 4, 5, 6, 7};
+
+// Mean of the crossings of a cell's edges. Requires: at least one.
+glm::vec3 MeanCrossing(const std::array<float, 8>& v) {
+  float at[12], crossed[12];
+  for (int e = 0; e < 12; ++e) {
+    float a = v[kEdgeFrom[e]], b = v[kEdgeTo[e]];
+    crossed[e] = (a < 0) != (b < 0) ? 1.0f : 0.0f;
+    // Without a crossing a - b may be 0.
+    at[e] = crossed[e] * a / (crossed[e] != 0 ? a - b : 1.0f);
+  }
+  float count = 0;
+  for (float c : crossed) count += c;
+  // Along its own axis an edge says where it is crossed, along the others where it lies.
+  float x = at[0] + at[1] + at[2] + at[3] + crossed[5] + crossed[7] + crossed[9] + crossed[11];
+  float y = at[4] + at[5] + at[6] + at[7] + crossed[1] + crossed[3] + crossed[10] + crossed[11];
+  float z = at[8] + at[9] + at[10] + at[11] + crossed[2] + crossed[3] + crossed[6] + crossed[7];
+  return glm::vec3(x, y, z) / count;
+}
 
 // Gradient of the trilinear interpolation at `p` in the unit cell.
-dvec3 Gradient(const std::array<double, 8>& v, const dvec3& p) {
-  dvec3 g(0);
-  for (int i = 0; i < 8; ++i) {
-    ivec3 c = Corner(i);
-    double wx = c.x ? p.x : 1 - p.x, wy = c.y ? p.y : 1 - p.y, wz = c.z ? p.z : 1 - p.z;
-    double value = v[static_cast<size_t>(i)];
-    g +=
-        value * dvec3((c.x ? 1 : -1) * wy * wz, (c.y ? 1 : -1) * wx * wz, (c.z ? 1 : -1) * wx * wy);
-  }
-  return g;
+glm::vec3 Gradient(const std::array<float, 8>& v, const glm::vec3& p) {
+  glm::vec3 q = 1.0f - p;
+  float x00 = v[1] - v[0], x10 = v[3] - v[2], x01 = v[5] - v[4], x11 = v[7] - v[6];
+  float y00 = v[2] - v[0], y10 = v[3] - v[1], y01 = v[6] - v[4], y11 = v[7] - v[5];
+  float z00 = v[4] - v[0], z10 = v[5] - v[1], z01 = v[6] - v[2], z11 = v[7] - v[3];
+  return {(x00 * q.y + x10 * p.y) * q.z + (x01 * q.y + x11 * p.y) * p.z,
+          (y00 * q.x + y10 * p.x) * q.z + (y01 * q.x + y11 * p.x) * p.z,
+          (z00 * q.x + z10 * p.x) * q.y + (z01 * q.x + z11 * p.x) * p.y};
 }
 
 // From the inside corners to the outside ones: the normal where the gradient vanishes, as in the
 // middle of a sheet thinner than a voxel.
-dvec3 CoarseNormal(const std::array<double, 8>& v) {
-  dvec3 n(0);
-  for (int i = 0; i < 8; ++i) {
-    n += (dvec3(Corner(i)) - 0.5) * (v[static_cast<size_t>(i)] < 0 ? -1.0 : 1.0);
+glm::vec3 CoarseNormal(const std::array<float, 8>& v) {
+  glm::vec3 n(0);
+  for (size_t i = 0; i < 8; ++i) n += (glm::vec3(Corner(i)) - 0.5f) * (v[i] < 0 ? -1.0f : 1.0f);
+  float length = glm::length(n);
+  return length > 0 ? n / length : glm::vec3(0, 0, 1);
+}
+
+ivec3 NearestInside(const std::array<float, 8>& v, const glm::vec3& p) {
+  glm::vec3 q = 1.0f - p, near = p * p, far = q * q;
+  float nearest = 1e9f;
+  size_t corner = 0;
+  for (size_t i = 0; i < 8; ++i) {
+    float d2 = (i & 1 ? far.x : near.x) + (i & 2 ? far.y : near.y) + (i & 4 ? far.z : near.z);
+    bool better = v[i] < 0 && d2 < nearest;
+    corner = better ? i : corner;
+    nearest = better ? d2 : nearest;
   }
-  double length = glm::length(n);
-  return length > 0 ? n / length : dvec3(0, 0, 1);
+  return Corner(corner);
 }
 
 Vertex MakeVertex(const Block& block, const ivec3& cell) {
-  std::array<double, 8> v;
-  for (int i = 0; i < 8; ++i) v[static_cast<size_t>(i)] = block.At(cell + Corner(i));
-  dvec3 sum(0);
-  int crossings = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    for (int i = 0; i < 8; ++i) {
-      if (i >> axis & 1) continue;
-      double a = v[static_cast<size_t>(i)], b = v[static_cast<size_t>(i | 1 << axis)];
-      if ((a < 0) == (b < 0)) continue;
-      dvec3 at(Corner(i));
-      at[axis] = a / (a - b);
-      sum += at;
-      ++crossings;
-    }
+  std::array<float, 8> v;
+  const int16_t* first = &block.phi[SampleIndex(cell.x, cell.y, cell.z)];
+  for (size_t i = 0; i < 8; ++i) {
+    v[i] = first[(i & 1) + (i >> 1 & 1) * kSide + (i >> 2) * kSide * kSide];
   }
   Vertex out;
-  out.offset = sum / static_cast<double>(crossings);
-  dvec3 g = Gradient(v, out.offset);
-  double length = glm::length(g);
+  out.offset = MeanCrossing(v);
+  glm::vec3 g = Gradient(v, out.offset);
+  float length = glm::length(g);
   // Far below one voxel of distance per voxel the direction is rounding, not shape.
-  out.normal = length > 0.05 * cutting::kPhiPerVoxel ? g / length : CoarseNormal(v);
-  double nearest = 1e9;
-  for (int i = 0; i < 8; ++i) {
-    if (v[static_cast<size_t>(i)] >= 0) continue;
-    dvec3 d = dvec3(Corner(i)) - out.offset;
-    if (double d2 = Dot(d, d); d2 < nearest) {
-      nearest = d2;
-      out.under = Corner(i);
-    }
-  }
+  out.normal = length > 0.05f * cutting::kPhiPerVoxel ? g / length : CoarseNormal(v);
+  out.under = NearestInside(v, out.offset);
   return out;
 }
 
@@ -164,8 +110,8 @@ uint32_t AppendVertex(const Volume& volume, const Block& block, const ivec3& cel
   const GridSpec& spec = volume.spec();
   ivec3 voxel = block.first + cell;
   auto index = static_cast<uint32_t>(mesh.position_m.size());
-  mesh.position_m.emplace_back(spec.origin_m() + (dvec3(voxel) + v.offset) * spec.voxel_m());
-  mesh.normal.emplace_back(v.normal);
+  mesh.position_m.emplace_back(spec.origin_m() + (dvec3(voxel) + dvec3(v.offset)) * spec.voxel_m());
+  mesh.normal.push_back(v.normal);
   mesh.tissue.push_back(static_cast<uint8_t>(volume.TissueAt(voxel + v.under)));
   return index;
 }
@@ -184,19 +130,55 @@ void AppendQuad(const std::array<uint32_t, 4>& q, Mesh& mesh) {
   }
 }
 
+// Along x, y, z: bit x is set where the edge that starts at sample (x, y, z) is crossed.
+struct Crossings {
+  uint32_t along[3];
+  uint32_t any() const { return along[0] | along[1] | along[2]; }
+};
+Crossings CrossingsOf(const Block& block, int y, int z, uint32_t own) {
+  uint32_t row = block.Row(y, z);
+  return {{(row ^ row >> 1) & own, (row ^ block.Row(y + 1, z)) & own,
+           (row ^ block.Row(y, z + 1)) & own}};
+}
+
+// The samples whose edges are the brick's: its own, and those one voxel below the grid.
+struct OwnSamples {
+  int first_y, first_z;
+  uint32_t row;  // bits along x
+};
+OwnSamples OwnSamplesOf(const Block& block) {
+  uint32_t row = (1u << (kBrickSide + 1)) - 1;
+  return {block.brick.y == 0 ? 0 : 1, block.brick.z == 0 ? 0 : 1,
+          block.brick.x == 0 ? row : row & ~1u};
+}
+
+size_t CountCrossings(const Block& block) {
+  OwnSamples own = OwnSamplesOf(block);
+  size_t count = 0;
+  for (int z = own.first_z; z <= kBrickSide; ++z) {
+    for (int y = own.first_y; y <= kBrickSide; ++y) {
+      for (uint32_t bits : CrossingsOf(block, y, z, own.row).along) {
+        count += static_cast<size_t>(std::popcount(bits));
+      }
+    }
+  }
+  return count;
+}
+
 // Quads of the crossed edges whose first sample is the brick's, or lies one voxel below the grid.
 // `vertex_of(cell)` gives the index of a cell's vertex, made on first use.
 template <typename VertexOf>
 void AppendQuads(const Block& block, Mesh& mesh, VertexOf&& vertex_of) {
-  ivec3 lo(block.brick.x == 0 ? 0 : 1, block.brick.y == 0 ? 0 : 1, block.brick.z == 0 ? 0 : 1);
-  for (int z = lo.z; z <= kBrickSide; ++z) {
-    for (int y = lo.y; y <= kBrickSide; ++y) {
-      for (int x = lo.x; x <= kBrickSide; ++x) {
+  OwnSamples own = OwnSamplesOf(block);
+  for (int z = own.first_z; z <= kBrickSide; ++z) {
+    for (int y = own.first_y; y <= kBrickSide; ++y) {
+      Crossings crossed = CrossingsOf(block, y, z, own.row);
+      for (uint32_t left = crossed.any(); left != 0; left &= left - 1) {
+        int x = std::countr_zero(left);
         ivec3 s(x, y, z);
-        bool inside = block.At(s) < 0;
+        bool inside = block.Row(y, z) >> x & 1;
         for (int axis = 0; axis < 3; ++axis) {
-          ivec3 along(axis == 0, axis == 1, axis == 2);
-          if ((block.At(s + along) < 0) == inside) continue;
+          if (!(crossed.along[axis] >> x & 1)) continue;
           ivec3 u(axis == 2, axis == 0, axis == 1), w(axis == 1, axis == 2, axis == 0);
           // Counter-clockwise seen from the far end of the edge, since u x w is along it.
           std::array<uint32_t, 4> quad = {vertex_of(s - u - w), vertex_of(s - w), vertex_of(s),
@@ -209,21 +191,34 @@ void AppendQuads(const Block& block, Mesh& mesh, VertexOf&& vertex_of) {
   }
 }
 
+// A quad has four corners and a vertex four quads, but for the rim.
+void Reserve(size_t crossings, Mesh& mesh) {
+  size_t vertices = crossings + crossings / 2;
+  mesh.position_m.reserve(vertices);
+  mesh.normal.reserve(vertices);
+  mesh.tissue.reserve(vertices);
+  mesh.triangles.reserve(2 * crossings);
+}
+
 }  // namespace
 
-Mesh ExtractBrick(const Volume& volume, int brick) {
-  ENAMEL_CHECK(brick >= 0 && brick < volume.spec().brick_count());
+Mesh ExtractBlock(const Volume& volume, const Block& block) {
   Mesh mesh;
-  Block block;
-  if (!Gather(volume, brick, block)) return mesh;
   VertexTable table;
   table.fill(kNone);
+  Reserve(CountCrossings(block), mesh);
   AppendQuads(block, mesh, [&](const ivec3& cell) {
     uint32_t& index = table[CellIndex(cell)];
     if (index == kNone) index = AppendVertex(volume, block, cell, mesh);
     return index;
   });
   return mesh;
+}
+
+Mesh ExtractBrick(const Volume& volume, int brick) {
+  ENAMEL_CHECK(brick >= 0 && brick < volume.spec().brick_count());
+  Block block;
+  return Gather(volume, brick, block) ? ExtractBlock(volume, block) : Mesh();
 }
 
 Mesh ExtractSurface(const Volume& volume) {

@@ -8,11 +8,11 @@
 #include "common/cutting/volume.h"
 #include "common/math/vec.h"
 
-// The volume's surface as triangles, by surface nets (Gibson 1998): one vertex per grid cell that the
-// zero level crosses, at the mean of its edge crossings; one quad per crossed grid edge, split along
-// its shorter diagonal. Closed and oriented outward; no cracks between bricks, because a cell belongs
-// to one brick and reads its neighbours. What lies outside the grid counts as air, so solid that
-// touches the border is closed there too.
+// The volume's surface as triangles, by surface nets (Gibson 1998): one vertex per grid cell that
+// the zero level crosses, at the mean of its edge crossings; one quad per crossed grid edge, split
+// along its shorter diagonal. Closed and oriented outward; no cracks between bricks, because a cell
+// belongs to one brick and reads its neighbours. What lies outside the grid counts as air, so solid
+// that touches the border is closed there too.
 //
 // Every directed edge is matched by one in the opposite direction. Where two sheets of the surface
 // pass through one cell (a wall thinner than a voxel) they share its vertex, and an edge may then
@@ -23,9 +23,9 @@
 namespace enamel::surface {
 
 struct Mesh {
-  std::vector<glm::vec3> position_m;     // (n x 3), scene frame
-  std::vector<glm::vec3> normal;         // (n x 3), unit, outward, from the volume's gradient
-  std::vector<uint8_t> tissue;           // (n), cutting::Tissue just under the surface
+  std::vector<glm::vec3> position_m;  // (n x 3), scene frame
+  std::vector<glm::vec3> normal;      // (n x 3), unit, outward, from the volume's gradient
+  std::vector<uint8_t> tissue;        // (n), cutting::Tissue just under the surface
   std::vector<std::array<uint32_t, 3>> triangles;  // counter-clockwise seen from outside
 };
 
@@ -35,8 +35,8 @@ Mesh ExtractSurface(const cutting::Volume& volume);
 
 // Only the quads of the edges that start in this brick, with vertices of their own (those on the
 // brick's lower faces are repeated by its neighbours): for incremental display. The parts of all
-// bricks together make the same triangles, at bit-equal positions, as ExtractSurface. Reads samples up
-// to one voxel outside the brick: after a change, extract the brick and its 26 neighbours.
+// bricks together make the same triangles, at bit-equal positions, as ExtractSurface. Reads samples
+// up to one voxel outside the brick: after a change, extract the brick and its 26 neighbours.
 // Requires: 0 <= brick < brick_count.
 Mesh ExtractBrick(const cutting::Volume& volume, int brick);
 
@@ -58,8 +58,8 @@ class DistanceQuery {
   dvec3 origin_{0};
   double cell_m_ = 0;
   ivec3 size_{0};
-  std::vector<uint32_t> first_;          // (cells + 1): start in items_
-  std::vector<uint32_t> items_;          // triangle indices
+  std::vector<uint32_t> first_;  // (cells + 1): start in items_
+  std::vector<uint32_t> items_;  // triangle indices
 };
 
 }  // namespace enamel::surface

@@ -22,6 +22,7 @@ int main(int argc, char** argv) {
   enamel::bench::RegisterTick(app, &exit_code);
   enamel::bench::RegisterMemory(app, &exit_code);
   enamel::bench::RegisterReplay(app, &exit_code);
+  enamel::bench::RegisterSurface(app, &exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

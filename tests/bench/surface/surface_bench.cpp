@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
-#include "common/cutting/cutter.h"
 #include "common/surface/surface.h"
 
 // Surface of a body as large as a molar with its root: an ellipsoid of 10 x 10 x 20 mm around a
@@ -77,38 +75,6 @@ void BM_SurfaceBrick(benchmark::State& state) {
   state.counters["bricks"] = static_cast<double>(bricks.size());
 }
 BENCHMARK(BM_SurfaceBrick)->Unit(benchmark::kMicrosecond);
-
-// What one tick's cut touched, and its neighbours, for a cylinder r 0.6 x 4 mm moving sideways at
-// 5 mm/s.
-void BM_UpdateAfterTick(benchmark::State& state) {
-  Volume volume = Tooth(50'000);
-  cutting::Cutter cutter(volume, {cutting::BurShape::kCylinder, 0.6e-3, 4e-3});
-  cutting::RemovedUnits removed{};
-  cutting::Pose pose;
-  pose.tip_m = dvec3(-3e-3, 0, 6e-3);
-  cutter.Cut(pose, removed);
-  ivec3 n = volume.spec().bricks;
-  size_t bricks = 0, updates = 0;
-  for (auto _ : state) {
-    state.PauseTiming();
-    pose.tip_m.x = pose.tip_m.x < 3e-3 ? pose.tip_m.x + 5e-6 : -3e-3;
-    cutter.Cut(pose, removed);
-    std::set<int> changed;
-    for (int t : cutter.touched()) {
-      for (int i = 0; i < 27; ++i) {
-        ivec3 b =
-            ivec3(t % n.x, t / n.x % n.y, t / (n.x * n.y)) + ivec3(i % 3, i / 3 % 3, i / 9) - 1;
-        if (volume.spec().Contains(b)) changed.insert(volume.spec().BrickIndex(b));
-      }
-    }
-    state.ResumeTiming();
-    for (int b : changed) benchmark::DoNotOptimize(ExtractBrick(volume, b));
-    bricks += changed.size();
-    ++updates;
-  }
-  state.counters["bricks"] = static_cast<double>(bricks) / static_cast<double>(updates);
-}
-BENCHMARK(BM_UpdateAfterTick)->Unit(benchmark::kMicrosecond)->Iterations(1000);
 
 void BM_DistanceQuery(benchmark::State& state) {
   Mesh mesh = ExtractSurface(Tooth(50'000));

@@ -3,12 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <functional>
 #include <map>
 #include <random>
 
 #include "common/cutting/cutter.h"
+#include "common/surface/brick_meshes.h"
+#include "common/surface/ply.h"
 
 namespace enamel::surface {
 namespace {
@@ -306,6 +309,104 @@ TEST(SurfaceTest, ChangedBricksAndNeighboursAreAllThatChanges) {
     }
     EXPECT_TRUE(near);
   }
+}
+
+int EulerNumber(const Mesh& mesh) {
+  return static_cast<int>(mesh.position_m.size()) -
+         static_cast<int>(DirectedEdges(mesh).size() / 2) + static_cast<int>(mesh.triangles.size());
+}
+
+TEST(SurfaceTest, EulerNumberTellsASphereFromOneWithATunnelFromTwo) {
+  EXPECT_EQ(EulerNumber(ExtractSurface(Ball())), 2);
+  Volume tunnel = Ball();
+  tunnel.Reserve();
+  cutting::Cutter cutter(tunnel, Bur{BurShape::kCylinder, 0.3e-3, 3e-3});
+  cutting::RemovedUnits removed{};
+  cutting::Pose pose;
+  pose.tip_m = (kCentre + dvec3(0, 0, -25)) * kVoxel_m;
+  ASSERT_TRUE(cutter.Cut(pose, removed));
+  EXPECT_EQ(EulerNumber(ExtractSurface(tunnel)), 0);
+  auto two = [](const dvec3& p) {
+    return std::min(glm::length(p - dvec3(12.3, 16, 16)) - 6,
+                    glm::length(p - dvec3(40.2, 16, 16)) - 7);
+  };
+  EXPECT_EQ(EulerNumber(ExtractSurface(Sampled(Grid({7, 4, 4}), two))), 4);
+}
+
+void ExpectSameMesh(const Mesh& a, const Mesh& b, int brick) {
+  ASSERT_TRUE(a.position_m == b.position_m) << brick;
+  ASSERT_TRUE(a.normal == b.normal) << brick;
+  ASSERT_TRUE(a.tissue == b.tissue) << brick;
+  ASSERT_TRUE(a.triangles == b.triangles) << brick;
+}
+
+// Slow travel, turns and jumps: after each cut the kept meshes are those of the whole, extracted
+// anew.
+TEST(BrickMeshesTest, KeptUpToDateTheyEqualThoseMadeAnew) {
+  for (BurShape shape : {BurShape::kSphere, BurShape::kCylinder}) {
+    Volume volume = Ball();
+    volume.Reserve();
+    BrickMeshes meshes(volume.spec());
+    meshes.ExtractAll(volume);
+    cutting::Cutter cutter(volume, Bur{shape, 0.4e-3, 1.5e-3});
+    cutting::RemovedUnits removed{};
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> unit(-1, 1);
+    cutting::Pose pose;
+    size_t renewed = 0, looked_at = 0;
+    for (int i = 0; i < 80; ++i) {
+      if (i % 20 == 0) {
+        pose.tip_m = (kCentre + 20.0 * dvec3(unit(random), unit(random), unit(random))) * kVoxel_m;
+      }
+      if (i % 5 == 0) {
+        pose.orientation =
+            Quat{unit(random), unit(random), unit(random), unit(random)}.Normalised();
+      }
+      pose.tip_m += dvec3(3e-6, -2e-6, 1e-6);
+      ASSERT_TRUE(cutter.Cut(pose, removed));
+      renewed += meshes.Update(volume, cutter.touched()).size();
+      looked_at += meshes.looked_at();
+      if (i % 4 != 0) continue;
+      for (int b = 0; b < volume.spec().brick_count(); ++b) {
+        ExpectSameMesh(meshes.at(b), ExtractBrick(volume, b), b);
+      }
+    }
+    // It would be no news if all were made anew.
+    EXPECT_GT(renewed, 100u);
+    EXPECT_LT(2 * renewed, looked_at);
+  }
+}
+
+TEST(BrickMeshesTest, NothingChangedNothingIsMadeAnew) {
+  Volume volume = Ball();
+  BrickMeshes meshes(volume.spec());
+  meshes.ExtractAll(volume);
+  std::vector<int32_t> all(static_cast<size_t>(volume.spec().brick_count()));
+  for (size_t b = 0; b < all.size(); ++b) all[b] = static_cast<int32_t>(b);
+  EXPECT_TRUE(meshes.Update(volume, all).empty());
+}
+
+TEST(PlyTest, HoldsEveryVertexInMillimetresAndEveryTriangle) {
+  Mesh mesh = ExtractSurface(Ball());
+  Bytes ply = EncodePly(mesh);
+  std::string text(AsText(ply));
+  size_t body = text.find("end_header\n") + 11;
+  ASSERT_NE(text.find("element vertex " + std::to_string(mesh.position_m.size()) + "\n"),
+            std::string::npos);
+  ASSERT_NE(text.find("comment unit: mm\n"), std::string::npos);
+  ASSERT_EQ(ply.size(), body + 25 * mesh.position_m.size() + 13 * mesh.triangles.size());
+  ByteReader in(ByteView(ply).subspan(body));
+  for (const auto& p : mesh.position_m) {
+    for (int axis = 0; axis < 3; ++axis) {
+      ASSERT_FLOAT_EQ(std::bit_cast<float>(in.U32()), p[axis] * 1e3f);
+    }
+    in.Raw(13);
+  }
+  for (const auto& t : mesh.triangles) {
+    ASSERT_EQ(in.U8(), 3);
+    for (uint32_t corner : t) ASSERT_EQ(in.U32(), corner);
+  }
+  EXPECT_TRUE(in.ok() && in.AtEnd());
 }
 
 TEST(SurfaceTest, TissueIsThatJustUnderTheSurface) {
