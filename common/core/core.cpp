@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <cmath>
+#include <cstring>
 
 namespace enamel::core {
 namespace {
@@ -9,19 +10,25 @@ namespace {
 using cutting::kTissueCount;
 using cutting::Pose;
 
-constexpr double kRefreshVoxels = 1.0 / 32;
+constexpr double kSampleVoxels = 1.0 / 8;
 constexpr int kHashedBricksPerTick = 8;
 constexpr int kMaxTurns = 64;                       // half-voxel turns of the bur per tick
 constexpr double kWallRotational_n_m_s = 1e3;       // a still bur in contact does not turn
 
-cutting::Bur BurOf(const CoreParams& p) {
-  return {p.bur_shape, p.bur_radius_nm * 1e-9, p.bur_length_nm * 1e-9};
+double ReachOf(const CoreParams& p) {
+  cutting::Bur bur = BurOf(p);
+  double shank = bur.shank_radius_m > 0 ? bur.neck_m + bur.shank_radius_m + cutting::kShankLength_m : 0;
+  return bur.radius_m + bur.height_m() + shank;
 }
 
-std::array<double, kTissueCount> DampingOf(const CoreParams& p) {
-  std::array<double, kTissueCount> out{};
+cutting::TissueDamping DampingOf(const CoreParams& p) {
+  cutting::TissueDamping out;
   // 1 mN s/mm = 1 N s/m.
-  for (size_t t = 0; t < kTissueCount; ++t) out[t] = p.damping_mn_s_per_mm[t];
+  for (size_t t = 0; t < kTissueCount; ++t) {
+    out.lateral[t] = p.damping_mn_s_per_mm[t];
+    int32_t axial = p.axial_damping_mn_s_per_mm[t];
+    out.axial[t] = axial > 0 ? axial : p.damping_mn_s_per_mm[t];
+  }
   return out;
 }
 
@@ -48,24 +55,12 @@ std::array<int32_t, 3> Quantise(const dvec3& v, double unit) noexcept {
   return {Quantise(v.x / unit), Quantise(v.y / unit), Quantise(v.z / unit)};
 }
 
-// Largest displacement of any point of a bur of this height between two poses, bounded from above.
-double Motion(const Pose& a, const Pose& b, double reach_m) noexcept {
-  dvec3 d = a.tip_m - b.tip_m;
-  double dx = a.orientation.x - b.orientation.x, dy = a.orientation.y - b.orientation.y,
-         dz = a.orientation.z - b.orientation.z, dw = a.orientation.w - b.orientation.w;
-  // |q - q'| = 2 sin(angle / 4), so the angle is below 2.3 |q - q'| up to a right angle.
-  return std::sqrt(Dot(d, d)) + 2.3 * reach_m * std::sqrt(dx * dx + dy * dy + dz * dz + dw * dw);
-}
-
 }  // namespace
 
 // The volume as the coupling sees it.
 class Core::TissueMaterial final : public haptics::Material {
  public:
-  explicit TissueMaterial(Core& core)
-      : core_(core),
-        refresh_m_(kRefreshVoxels * core.volume_.spec().voxel_m()),
-        reach_m_(core.params_.bur_radius_nm * 2e-9 + core.params_.bur_length_nm * 1e-9) {}
+  explicit TissueMaterial(Core& core) : core_(core) {}
 
   haptics::Contact ContactAt(const dvec3& anchor_m, const dvec3& stretch_m) noexcept override {
     Pose pose{anchor_m, core_.orientation_};
@@ -82,44 +77,49 @@ class Core::TissueMaterial final : public haptics::Material {
     if (!core_.engagement_.AnyContact()) return contact;
     cutting::Engagement engagement = core_.engagement_.Read(stretch_m);
     contact.engaged = engagement.area_m2 > 0;
-    if (core_.bur_on_) contact.damping_n_s_per_m = engagement.damping_n_s_per_m;
-    else contact.wall_normal = engagement.mean_normal;
+    if (core_.bur_on_) {
+      contact.damping_n_s_per_m = engagement.damping_n_s_per_m * (1 / core_.handpiece_.speed_ratio());
+      contact.wall_normal = engagement.shank_normal;
+    } else {
+      contact.wall_normal = engagement.mean_normal;
+    }
     return contact;
   }
 
   void AnchorMoved(const dvec3& from_m, const dvec3& to_m) noexcept override {
-    if (!core_.bur_on_) return;
-    Pose to{to_m, core_.orientation_};
-    if (core_.cut_valid_ && Motion(to, core_.cut_, reach_m_) < refresh_m_) return;
-    // Tip laws and open-air steps may move far at once: cut poses half a voxel apart.
-    double step = 0.5 * core_.volume_.spec().voxel_m();
-    dvec3 d = to_m - from_m;
-    double length = std::sqrt(Dot(d, d));
-    int poses = length > step ? static_cast<int>(length / step) + 1 : 1;
-    if (poses > kMaxPoses) poses = kMaxPoses;
-    for (int i = 1; i <= poses; ++i) {
-      Pose at = i == poses ? to : Pose{from_m + d * (static_cast<double>(i) / poses), core_.orientation_};
-      if (!core_.cutter_.Cut(at, core_.removed_)) core_.reserve_exhausted_ = true;
-      for (int32_t brick : core_.cutter_.touched()) core_.MarkTouched(brick);
-      if (!core_.cutter_.touched().empty()) core_.sample_valid_ = false;
+    ++core_.work_.moves;
+    if (!core_.bur_on_ || core_.step_too_long_) return;
+    // Tip laws and open-air steps may move far at once: poses half a voxel apart.
+    const double step = 0.5 * core_.volume_.spec().voxel_m();
+    const dvec3 d = to_m - from_m;
+    const double length = std::sqrt(Dot(d, d));
+    if (length > step && !core_.cutter_.AnySolidNear({from_m, core_.orientation_}, length + 2 * step)) {
+      core_.FinishCut();
+      return;
     }
-    core_.cut_ = to;
-    core_.cut_valid_ = true;
+    if (length > step * kMaxPosesPerMove) {
+      core_.step_too_long_ = true;
+      return;
+    }
+    const int poses = length > step ? static_cast<int>(length / step) + 1 : 1;
+    for (int i = 1; i <= poses; ++i) {
+      dvec3 at = i == poses ? to_m : from_m + d * (static_cast<double>(i) / poses);
+      core_.CutPoses(core_.sweep_.Move({at, core_.orientation_}));
+    }
   }
 
  private:
-  static constexpr int kMaxPoses = 256;
   Core& core_;
-  double refresh_m_;
-  double reach_m_;
 };
 
 Core::Core(const CoreParams& params, cutting::Volume initial)
     : params_(params),
       volume_(std::move(initial)),
       cutter_((volume_.Reserve(), volume_), BurOf(params)),
+      sweep_(volume_.spec().voxel_m(), ReachOf(params)),
       engagement_(BurOf(params), volume_.spec().voxel_m(), DampingOf(params)),
-      coupling_(CouplingOf(params, volume_.spec().voxel_m())) {
+      coupling_(CouplingOf(params, volume_.spec().voxel_m())),
+      handpiece_(params) {
   ENAMEL_CHECK(ValidateParams(params).ok());
   auto bricks = static_cast<size_t>(volume_.spec().brick_count());
   dirty_ring_.resize(bricks);
@@ -147,9 +147,10 @@ void Core::Suspend(const dvec3& tip_m, const Quat& orientation) noexcept {
 }
 
 void Core::FollowTip(const dvec3& tip_m, const Quat& orientation) noexcept {
+  FinishCut();
   coupling_.Reset(tip_m);
   orientation_ = orientation;
-  sample_valid_ = cut_valid_ = false;
+  sample_valid_ = false;
 }
 
 void Core::AwaitFreeAir(const dvec3& tip_m, const Quat& orientation) noexcept {
@@ -176,7 +177,7 @@ bool Core::ResumeAfterGap(const dvec3& tip_m) noexcept {
 // contact and the rest of the tick is spent against its resistance.
 void Core::FollowOrientation(const Quat& device, TissueMaterial& material) noexcept {
   if (params_.rotational_kc_un_m_per_rad == 0) return;
-  const double voxel = volume_.spec().voxel_m(), reach = params_.bur_radius_nm * 1e-9 + params_.bur_length_nm * 1e-9;
+  const double voxel = volume_.spec().voxel_m(), reach = ReachOf(params_);
   double left_s = 1.0 / params_.rate_hz;
   for (int i = 0; i < kMaxTurns; ++i) {
     Quat error = device * orientation_.Conjugate();
@@ -199,21 +200,56 @@ dvec3 Core::RotationalStretch(const dvec3& e, double dt_s) noexcept {
   if (!cutter_.AnySolidNear(pose, volume_.spec().voxel_m())) return dvec3(0);
   ReadContact(pose);
   if (!engagement_.AnyContact()) return dvec3(0);
-  Sym3 b = bur_on_ ? engagement_.ReadRotational() : Sym3::Isotropic(kWallRotational_n_m_s);
+  // A still bur, or a shank at a wall, does not turn.
+  Sym3 b = bur_on_ && !engagement_.ShankContact()
+               ? engagement_.ReadRotational() * (1 / handpiece_.speed_ratio())
+               : Sym3::Isotropic(kWallRotational_n_m_s);
   return b * SolveShifted(b, params_.rotational_kc_un_m_per_rad * 1e-6 * dt_s, e);
 }
 
-// The engagement sample is renewed when the bur has cut, or moved by a thirty-second of a voxel.
 void Core::ReadContact(const Pose& pose) noexcept {
-  double reach = params_.bur_radius_nm * 2e-9 + params_.bur_length_nm * 1e-9;
-  if (sample_valid_ && Motion(pose, sampled_, reach) < kRefreshVoxels * volume_.spec().voxel_m()) return;
+  const double limit = kSampleVoxels * volume_.spec().voxel_m();
+  if (sample_valid_ && cutting::Motion(pose, sampled_, ReachOf(params_)) < limit) return;
+  ++work_.samples;
   engagement_.Sample(volume_, pose);
   sampled_ = pose;
   sample_valid_ = true;
 }
 
+void Core::Booked(bool complete) noexcept {
+  if (!complete) reserve_exhausted_ = true;
+  for (int32_t brick : cutter_.touched()) MarkTouched(brick);
+  work_.bricks += static_cast<int>(cutter_.touched().size());
+}
+
+// All of the poses but the last one's upper half.
+void Core::CutPoses(std::span<const Pose> due) noexcept {
+  for (const Pose& pose : due) {
+    CutRest();
+    ++work_.cuts;
+    Booked(cutter_.CutLower(pose, removed_));
+    half_cut_ = pose;
+    has_half_cut_ = true;
+  }
+}
+
+void Core::CutRest() noexcept {
+  if (!has_half_cut_) return;
+  has_half_cut_ = false;
+  Booked(cutter_.CutUpper(half_cut_, removed_));
+}
+
+// What the bur has passed and not yet cut, before it goes on somewhere else or stops turning.
+void Core::FinishCut() noexcept {
+  CutPoses(sweep_.Flush());
+  CutRest();
+  sweep_.Clear();
+}
+
 TickOutput Core::Step(const TickInput& input) noexcept {
   TickOutput out;
+  work_ = {};
+  volume_.Warm();
   for (size_t i = 0; i < touched_count_; ++i) is_touched_[static_cast<size_t>(touched_[i])] = 0;
   touched_count_ = 0;
   cutting::RemovedUnits before = removed_;
@@ -221,6 +257,8 @@ TickOutput Core::Step(const TickInput& input) noexcept {
   Quat device = FromQuantised(input.orientation);
   bool faulted = (input.flags & kFaulted) != 0;
   bur_on_ = (input.flags & kBurOn) != 0 && !faulted;
+  CutRest();
+  if (!bur_on_) FinishCut();
 
   bool stop = !started_ || faulted || (input.flags & kSoftRestart) != 0;
   bool lost = input.gap_ticks > 0 && !stop && (suspended_ || !ResumeAfterGap(tip));
@@ -233,12 +271,21 @@ TickOutput Core::Step(const TickInput& input) noexcept {
     out.flags |= kSuspended;
   } else if (input.gap_ticks == 0) {
     TissueMaterial material(*this);
+    handpiece_.Step(bur_on_ ? resisting_n_ : 0);
     FollowOrientation(device, material);
     haptics::CouplingOutput tick = coupling_.Tick(tip, 1, material);
-    out.force_computed_n = tick.force_computed_n;
-    out.force_sent_n = tick.force_sent_n;
     out.flags |= tick.flags;
+    if (step_too_long_) {
+      step_too_long_ = false;
+      Suspend(tip, device);
+      out.flags |= kStepTooLong | kAnchorReset | kSuspended;
+    } else {
+      out.force_computed_n = tick.force_computed_n;
+      out.force_sent_n = tick.force_sent_n;
+    }
   }
+  resisting_n_ = std::sqrt(Dot(out.force_sent_n, out.force_sent_n));
+  out.bur_speed_ratio = handpiece_.speed_ratio();
   out.anchor = {coupling_.anchor_m(), orientation_};
   if (reserve_exhausted_) out.flags |= kReserveExhausted;
   for (size_t t = 0; t < kTissueCount; ++t) out.removed[t] = removed_[t] - before[t];
@@ -276,6 +323,7 @@ void Core::FoldHash(const TickInput& input, const TickOutput& out) noexcept {
   hash_.F64(orientation_.x);
   hash_.F64(orientation_.y);
   hash_.F64(orientation_.z);
+  hash_.F64(out.bur_speed_ratio);
   hash_.I32x2(input.flags, out.flags);
   for (int64_t r : out.removed) {
     if (r != 0) hash_.U64(static_cast<uint64_t>(r));
@@ -287,13 +335,15 @@ void Core::FoldHash(const TickInput& input, const TickOutput& out) noexcept {
     is_dirty_[static_cast<size_t>(brick)] = 0;
     hash_.U64(static_cast<uint64_t>(brick));
     const auto& phi = volume_.Phi(brick).phi;
-    // Samples packed by value, not by memory layout, so byte order cannot matter.
     std::array<uint64_t, cutting::kBrickVoxels / 4> words;
-    for (size_t i = 0; i < words.size(); ++i) {
-      words[i] = static_cast<uint64_t>(static_cast<uint16_t>(phi[4 * i])) |
-                 static_cast<uint64_t>(static_cast<uint16_t>(phi[4 * i + 1])) << 16 |
-                 static_cast<uint64_t>(static_cast<uint16_t>(phi[4 * i + 2])) << 32 |
-                 static_cast<uint64_t>(static_cast<uint16_t>(phi[4 * i + 3])) << 48;
+    if constexpr (std::endian::native == std::endian::little) {
+      std::memcpy(words.data(), phi.data(), sizeof words);
+    } else {
+      // By value, not by memory layout, so that byte order cannot matter.
+      for (size_t i = 0; i < phi.size(); ++i) {
+        if (i % 4 == 0) words[i / 4] = 0;
+        words[i / 4] |= uint64_t{static_cast<uint16_t>(phi[i])} << (16 * (i % 4));
+      }
     }
     hash_.Words(words);
   }

@@ -8,9 +8,11 @@
 #include "common/base/check.h"
 #include "common/base/state_archive.h"
 #include "common/base/state_hash.h"
+#include "common/core/handpiece.h"
 #include "common/core/params.h"
 #include "common/cutting/cutter.h"
 #include "common/cutting/engagement.h"
+#include "common/cutting/sweep.h"
 #include "common/cutting/volume.h"
 #include "common/haptics/coupling.h"
 #include "common/math/orientation.h"
@@ -52,6 +54,7 @@ enum OutputFlags : uint16_t {
   kAnchorReset = 1 << 8,       // after a gap, a fault or at the start
   kReserveExhausted = 1 << 9,  // the cut is incomplete: a fault of the scene's budget
   kSuspended = 1 << 10,        // no force and no cut: the bur has not yet been in free air long enough
+  kStepTooLong = 1 << 11,      // a fault: the bur would have moved by more than kMaxPosesPerMove cuts at once
 };
 
 struct TickOutput {
@@ -59,6 +62,7 @@ struct TickOutput {
   dvec3 force_computed_n{0};
   cutting::Pose anchor;           // the bur as drawn and as it cuts
   cutting::RemovedUnits removed{};  // by this tick, per tissue, 1/65536 voxel
+  double bur_speed_ratio = 1;     // the handpiece's speed, as a share of its free speed
   uint16_t flags = 0;
   TickWitness witness;
 };
@@ -74,7 +78,16 @@ struct TickOutput {
 // where it was (Coupling::Resume).
 //
 // Order in a tick: read p; engagement at the anchor; law moves the anchor (through contact, in steps
-// of at most half a voxel) and cuts along it; bounds; hash.
+// of at most half a voxel) and cuts along it; bounds; hash. A step through open air stops at the first
+// contact and the rest of the tick is spent in what was found there (haptics/coupling.h). A tick's last cut
+// is done in two halves, the second at the beginning of the next tick.
+//
+// Work in a tick is bounded: at most kMaxMovesPerTick moves of the anchor, each with one engagement sample,
+// and kMaxCutsPerTick cuts of at most Cutter::MaxBricks bricks. The laws that take the bur to the tip
+// do so in one move of at most kMaxPosesPerMove poses: a longer one (6.4 mm a tick at 0.05 mm) cuts nothing, is
+// flagged kStepTooLong and suspends. Ordinary motion cuts half a pose a tick; a tick near the bound takes
+// milliseconds, and is then late. The hole lags behind a moving bur by at most Sweep::SpanOf
+// (cutting/sweep.h) and a tick; what lags is cut when the bur stops, turns, is switched off or suspended.
 // Thread safety: none. Real-time: Step is safe (no allocation, bounded work); construction is not.
 class Core {
  public:
@@ -83,6 +96,10 @@ class Core {
   ~Core();
   Core(const Core&) = delete;
   Core& operator=(const Core&) = delete;
+
+  static constexpr int kMaxMovesPerTick = 300, kMaxPosesPerMove = 256;
+  // A pose is cut once at most: those of the moves, and what waited before.
+  static constexpr int kMaxCutsPerTick = kMaxMovesPerTick + kMaxPosesPerMove + static_cast<int>(cutting::Sweep::kMaxDue);
 
   ENAMEL_REALTIME TickOutput Step(const TickInput& input) noexcept;
 
@@ -94,6 +111,11 @@ class Core {
   const CoreParams& params() const noexcept { return params_; }
   // Removed since the start, per tissue, 1/65536 voxel.
   const cutting::RemovedUnits& removed() const noexcept { return removed_; }
+  // Work of the last Step, for the bound above.
+  struct Work {
+    int moves = 0, cuts = 0, bricks = 0, samples = 0;
+  };
+  const Work& work() const noexcept { return work_; }
   // Bricks changed by the last Step; valid until the next.
   std::span<const int32_t> touched() const noexcept { return {touched_.data(), touched_count_}; }
   // Tip position of device counts, scene frame, metres.
@@ -117,14 +139,20 @@ class Core {
   void FollowOrientation(const Quat& device, TissueMaterial& material) noexcept;
   dvec3 RotationalStretch(const dvec3& e_rad, double dt_s) noexcept;
   void ReadContact(const cutting::Pose& pose) noexcept;
+  void CutPoses(std::span<const cutting::Pose> due) noexcept;
+  void CutRest() noexcept;
+  void Booked(bool complete) noexcept;
+  void FinishCut() noexcept;
   void MarkTouched(int32_t brick) noexcept;
   void FoldHash(const TickInput& input, const TickOutput& out) noexcept;
 
   const CoreParams params_;
   cutting::Volume volume_;
   cutting::Cutter cutter_;
+  cutting::Sweep sweep_;
   cutting::EngagementReader engagement_;
   haptics::Coupling coupling_;
+  Handpiece handpiece_;
   Quat orientation_;               // the anchor's
   bool started_ = false;
   bool bur_on_ = false;
@@ -134,10 +162,16 @@ class Core {
   StateHash hash_;
   uint64_t ticks_ = 0;
 
-  // Pose of the last engagement sample and of the last cut; both are renewed when the anchor has
-  // moved by a thirty-second of a voxel.
-  cutting::Pose sampled_, cut_;
-  bool sample_valid_ = false, cut_valid_ = false;
+  // Pose of the last engagement sample, which is renewed when the anchor has moved by an eighth of a
+  // voxel. A cut alone does not change it: it takes away what lies within the bur, and what lies there
+  // weighs no more than what lies on its surface.
+  cutting::Pose sampled_;
+  bool sample_valid_ = false;
+  cutting::Pose half_cut_;         // the pose whose upper half waits for the next tick
+  bool has_half_cut_ = false;
+  bool step_too_long_ = false;
+  double resisting_n_ = 0;         // |R| of the last tick
+  Work work_;
   bool reserve_exhausted_ = false;
 
   // Changed bricks waiting to be hashed: ring with one entry per brick at most.

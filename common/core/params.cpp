@@ -5,7 +5,7 @@
 namespace enamel::core {
 namespace {
 
-constexpr uint16_t kParamsVersion = 1;
+constexpr uint16_t kParamsVersion = 2;
 
 Status OutOfRange(const char* field, const std::string& expected, int64_t found) {
   return Status(Code::kInvalidInput,
@@ -18,14 +18,28 @@ Status CheckRange(const char* field, int64_t value, int64_t lo, int64_t hi) {
   return OutOfRange(field, std::to_string(lo) + " to " + std::to_string(hi), value);
 }
 
-}  // namespace
-
-Status ValidateParams(const CoreParams& p) {
-  if (p.core_version != kCoreVersion) {
-    return Status(Code::kVersion, "this program runs core version " + std::to_string(kCoreVersion) +
-                                      ", the attempt was made with version " +
-                                      std::to_string(p.core_version), "core_version");
+Status CheckBur(const CoreParams& p) {
+  if (cutting::BurShapeName(p.bur_shape) == "unknown") {
+    return OutOfRange("bur_shape", "1 to " + std::to_string(cutting::kBurShapeNames.size()) +
+                                       " (schemas/trace_format.md)", static_cast<int>(p.bur_shape));
   }
+  const bool sphere = p.bur_shape == cutting::BurShape::kSphere;
+  ENAMEL_RETURN_IF_ERROR(CheckRange("bur_radius_nm", p.bur_radius_nm, 50'000, 5'000'000));
+  ENAMEL_RETURN_IF_ERROR(CheckRange("bur_length_nm", p.bur_length_nm, sphere ? 0 : 100'000, 20'000'000));
+  ENAMEL_RETURN_IF_ERROR(CheckRange("bur_narrow_radius_nm", p.bur_narrow_radius_nm, 0, 5'000'000));
+  ENAMEL_RETURN_IF_ERROR(CheckRange("shank_radius_nm", p.shank_radius_nm, 0, 5'000'000));
+  ENAMEL_RETURN_IF_ERROR(CheckRange("neck_nm", p.neck_nm, 0, 20'000'000));
+  if (auto why = cutting::WhyImpossible(BurOf(p))) {
+    return Status(Code::kInvalidInput,
+                  "core parameters: expected " + std::string(*why) + ", found radius " +
+                      std::to_string(p.bur_radius_nm) + " nm, narrow radius " +
+                      std::to_string(p.bur_narrow_radius_nm) + " nm, length " +
+                      std::to_string(p.bur_length_nm) + " nm", "bur_narrow_radius_nm");
+  }
+  return Status::Ok();
+}
+
+Status CheckValues(const CoreParams& p) {
   ENAMEL_RETURN_IF_ERROR(CheckRange("rate_hz", p.rate_hz, 100, 20000));
   if (haptics::FindLaw(p.law) == nullptr) {
     return OutOfRange("law", "a known force law", static_cast<int>(p.law));
@@ -37,21 +51,50 @@ Status ValidateParams(const CoreParams& p) {
   }
   ENAMEL_RETURN_IF_ERROR(CheckRange("peak_force_mn", p.peak_force_mn, 1, 100'000));
   ENAMEL_RETURN_IF_ERROR(CheckRange("soft_start_ticks", p.soft_start_ticks, 0, 1'000'000));
-  if (p.bur_shape != cutting::BurShape::kSphere && p.bur_shape != cutting::BurShape::kCylinder) {
-    return OutOfRange("bur_shape", "1 (sphere) or 2 (cylinder)", static_cast<int>(p.bur_shape));
-  }
-  ENAMEL_RETURN_IF_ERROR(CheckRange("bur_radius_nm", p.bur_radius_nm, 50'000, 5'000'000));
-  if (p.bur_shape == cutting::BurShape::kCylinder) {
-    ENAMEL_RETURN_IF_ERROR(CheckRange("bur_length_nm", p.bur_length_nm, 100'000, 20'000'000));
-  }
+  ENAMEL_RETURN_IF_ERROR(CheckBur(p));
   for (int32_t b : p.damping_mn_s_per_mm) {
     ENAMEL_RETURN_IF_ERROR(CheckRange("damping_mn_s_per_mm", b, 0, 1'000'000'000));
   }
-  return CheckRange("rotational_kc_un_m_per_rad", p.rotational_kc_un_m_per_rad, 0, 100'000'000);
+  for (int32_t b : p.axial_damping_mn_s_per_mm) {
+    ENAMEL_RETURN_IF_ERROR(CheckRange("axial_damping_mn_s_per_mm", b, 0, 1'000'000'000));
+  }
+  ENAMEL_RETURN_IF_ERROR(
+      CheckRange("rotational_kc_un_m_per_rad", p.rotational_kc_un_m_per_rad, 0, 100'000'000));
+  ENAMEL_RETURN_IF_ERROR(CheckRange("handpiece_stall_un_m", p.handpiece_stall_un_m, 0, 1'000'000));
+  ENAMEL_RETURN_IF_ERROR(
+      CheckRange("handpiece_tangential_permille", p.handpiece_tangential_permille, 0, 10'000));
+  return CheckRange("handpiece_lag_us", p.handpiece_lag_us, 0, 10'000'000);
 }
 
+}  // namespace
+
+cutting::Bur BurOf(const CoreParams& p) noexcept {
+  cutting::Bur bur;
+  bur.shape = p.bur_shape;
+  bur.radius_m = p.bur_radius_nm * 1e-9;
+  bur.length_m = p.bur_length_nm * 1e-9;
+  bur.narrow_radius_m = p.bur_narrow_radius_nm * 1e-9;
+  bur.shank_radius_m = p.shank_radius_nm * 1e-9;
+  bur.neck_m = p.neck_nm * 1e-9;
+  return bur;
+}
+
+Status ValidateParams(const CoreParams& p) {
+  if (p.core_version != kCoreVersion) {
+    return Status(Code::kVersion, "this program runs core version " + std::to_string(kCoreVersion) +
+                                      ", the attempt was made with version " +
+                                      std::to_string(p.core_version) +
+                                      ": it can be listed, and re-run by a program of that version",
+                  "core_version");
+  }
+  return CheckValues(p);
+}
+
+size_t ParamsBytes(uint32_t core_version) noexcept { return core_version == 1 ? 106 : 162; }
+
 void WriteParams(const CoreParams& p, ByteWriter& out) {
-  out.U16(kParamsVersion);
+  const bool first_format = p.core_version == 1;
+  out.U16(first_format ? 1 : kParamsVersion);
   out.U32(p.core_version);
   out.U32(p.rate_hz);
   out.U8(static_cast<uint8_t>(p.law));
@@ -67,16 +110,31 @@ void WriteParams(const CoreParams& p, ByteWriter& out) {
   out.U8(cutting::kTissueCount);
   for (int32_t b : p.damping_mn_s_per_mm) out.I32(b);
   out.I32(p.rotational_kc_un_m_per_rad);
+  if (first_format) return;
+  out.I32(p.bur_narrow_radius_nm);
+  out.I32(p.shank_radius_nm);
+  out.I32(p.neck_nm);
+  for (int32_t b : p.axial_damping_mn_s_per_mm) out.I32(b);
+  out.I32(p.handpiece_stall_un_m);
+  out.I32(p.handpiece_tangential_permille);
+  out.I32(p.handpiece_lag_us);
 }
 
 Result<CoreParams> ReadParams(ByteReader& in) {
   CoreParams p;
   uint16_t version = in.U16();
-  if (in.ok() && version != kParamsVersion) {
+  if (in.ok() && version != 1 && version != kParamsVersion) {
     return Status(Code::kVersion, "core parameters are of format " + std::to_string(version) +
-                                      ", this program reads format " + std::to_string(kParamsVersion));
+                                      ", this program reads formats 1 and " +
+                                      std::to_string(kParamsVersion));
   }
   p.core_version = in.U32();
+  if (in.ok() && (version == 1) != (p.core_version == 1)) {
+    return Status(Code::kInvalidInput, "core parameters: expected format 1 for core version 1 and " +
+                                           std::to_string(kParamsVersion) +
+                                           " for later ones, found format " + std::to_string(version) +
+                                           " for core version " + std::to_string(p.core_version));
+  }
   p.rate_hz = in.U32();
   p.law = static_cast<haptics::LawKind>(in.U8());
   p.pass_through_at_rest = in.U8() != 0;
@@ -96,8 +154,17 @@ Result<CoreParams> ReadParams(ByteReader& in) {
   }
   for (int32_t& b : p.damping_mn_s_per_mm) b = in.I32();
   p.rotational_kc_un_m_per_rad = in.I32();
+  if (version != 1) {
+    p.bur_narrow_radius_nm = in.I32();
+    p.shank_radius_nm = in.I32();
+    p.neck_nm = in.I32();
+    for (int32_t& b : p.axial_damping_mn_s_per_mm) b = in.I32();
+    p.handpiece_stall_un_m = in.I32();
+    p.handpiece_tangential_permille = in.I32();
+    p.handpiece_lag_us = in.I32();
+  }
   if (!in.ok()) return Status(Code::kInvalidInput, "core parameters end early");
-  ENAMEL_RETURN_IF_ERROR(ValidateParams(p));
+  ENAMEL_RETURN_IF_ERROR(CheckValues(p));
   return p;
 }
 

@@ -1,13 +1,40 @@
-#include "common/cutting/brick_kernel.h"
-
 #include <cmath>
+
+#include "common/cutting/brick_kernel.h"
 
 namespace {
 
-typedef float Floats __attribute__((vector_size(32)));
-inline Floats Sqrt8(Floats v) {
+typedef float F8 __attribute__((vector_size(32)));
+typedef int32_t I8 __attribute__((vector_size(32)));
+typedef int16_t S8 __attribute__((vector_size(16)));
+typedef int16_t S16 __attribute__((vector_size(32)));
+
+inline F8 Sqrt8(F8 v) {
   for (int i = 0; i < 8; ++i) v[i] = std::sqrt(v[i]);
   return v;
+}
+inline S16 Pack(I8 a, I8 b) {
+  S16 out = {};
+  for (int i = 0; i < 16; ++i) {
+    int32_t v = i < 8 ? a[i] : b[i - 8];
+    out[i] = static_cast<int16_t>(v < -32768 ? -32768 : v > 32767 ? 32767 : v);
+  }
+  return out;
+}
+inline I8 PairSums(S16 v) {
+  I8 out = {};
+  for (int i = 0; i < 8; ++i) out[i] = int32_t{v[2 * i]} + int32_t{v[2 * i + 1]};
+  return out;
+}
+inline int Mask(I8 v) {
+  int out = 0;
+  for (int i = 0; i < 8; ++i) out |= (v[i] & 1) << i;
+  return out;
+}
+inline bool All(S16 v) {
+  bool out = true;
+  for (int i = 0; i < 16; ++i) out = out && v[i] != 0;
+  return out;
 }
 
 #include "common/cutting/brick_kernel.inc"
@@ -16,21 +43,6 @@ inline Floats Sqrt8(Floats v) {
 
 namespace enamel::cutting {
 
-BrickChange CutBrickGeneric(const BrickFrame& frame, int16_t* phi, int32_t* gone) noexcept {
-  return frame.sphere ? Cut<true>(frame, phi, gone) : Cut<false>(frame, phi, gone);
-}
-
-#if defined(__x86_64__)
-BrickChange CutBrickAvx2(const BrickFrame& frame, int16_t* phi, int32_t* gone) noexcept;
-#endif
-
-BrickKernel BestBrickKernel() noexcept {
-#if defined(__x86_64__)
-  static const BrickKernel kBest = __builtin_cpu_supports("avx2") ? &CutBrickAvx2 : &CutBrickGeneric;
-  return kBest;
-#else
-  return &CutBrickGeneric;
-#endif
-}
+Kernels GenericKernels() noexcept { return {&Cull, &Cut}; }
 
 }  // namespace enamel::cutting

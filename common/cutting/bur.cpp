@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "common/cutting/profile.h"
 #include "common/math/trig.h"
 
 namespace enamel::cutting {
@@ -9,80 +10,132 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-int CountAlong(double length, double spacing, int at_least) {
-  int n = static_cast<int>(length / spacing + 0.5);
-  return n < at_least ? at_least : n;
-}
+// Cuts a surface of revolution into bands, tip to shank, and places points of equal area on them. Turning
+// each by the golden ratio against the one before spreads them evenly (Vogel, Mathematical Biosciences 44,
+// 1979), and no two enter a wall or a layer at the same height.
+class PointSpreader {
+ public:
+  // Points stand for `area` each; 0: only add up the area.
+  PointSpreader(double area, std::vector<SurfacePoint>& out) : each_(area), out_(out) {}
+  double area() const { return area_; }
 
-// Every second ring is turned by half a step, so that points do not line up along the axis.
-double RingTurn(int j, int around, int ring) {
-  double turn = (j + 0.5 * (ring % 2)) / around;
-  return turn < 1 ? turn : turn - 1;
-}
+  void Line(const double (&a)[2], const double (&b)[2], const double (&n)[2]) {
+    double dr = b[0] - a[0], dz = b[1] - a[1], length = std::sqrt(dr * dr + dz * dz);
+    Band(kPi * (a[0] + b[0]) * length, [&](double area) {
+      // A cone's area to the share t of its length is 2 pi l (r_a t + dr t^2 / 2).
+      double y = area / (2 * kPi * length), square = a[0] * a[0] + 2 * dr * y;
+      double t = 2 * y / (a[0] + std::sqrt(square > 0 ? square : 0));
+      Place(a[0] + dr * t, a[1] + dz * t, n[0], n[1]);
+    });
+  }
+  // The part of an arc from normal a to b, halved until it is nearly straight.
+  void Arc(const ProfilePiece& p, double a_r, double a_z, double b_r, double b_z) {
+    double c_r = b_r - a_r, c_z = b_z - a_z, chord = std::sqrt(c_r * c_r + c_z * c_z);
+    if (chord > 0.03) {
+      double m_r = a_r + b_r, m_z = a_z + b_z, sum = std::sqrt(m_r * m_r + m_z * m_z);
+      // Half a turn has no middle by addition: it is a quarter from either end.
+      m_r = sum > 1e-9 ? m_r / sum : -a_z;
+      m_z = sum > 1e-9 ? m_z / sum : a_r;
+      Arc(p, a_r, a_z, m_r, m_z);
+      Arc(p, m_r, m_z, b_r, b_z);
+      return;
+    }
+    // Pappus and Guldin, 2 pi integral (r_c + R n_r) R d angle; angle = 2 asin(chord / 2), whose next
+    // term is below 1e-15.
+    double x = 0.5 * chord, x2 = x * x;
+    double angle = chord * (1 + x2 * (1.0 / 6 + x2 * (3.0 / 40 + x2 * (15.0 / 336))));
+    double whole = 2 * kPi * p.radius * (p.at[0] * angle + p.radius * c_z);
+    Band(whole, [&](double area) {
+      double t = area / whole, n_r = a_r + c_r * t, n_z = a_z + c_z * t;
+      double length = std::sqrt(n_r * n_r + n_z * n_z);
+      n_r /= length, n_z /= length;
+      Place(p.at[0] + p.radius * n_r, p.at[1] + p.radius * n_z, n_r, n_z);
+    });
+  }
 
-void SampleSphere(const Bur& bur, double spacing, std::vector<SurfacePoint>& out) {
-  double r = bur.radius_m;
-  int rings = CountAlong(kPi * r, spacing, 4);
-  for (int i = 0; i < rings; ++i) {
-    // Polar angle in turns: half a turn from pole to pole. A band's area is 2 pi r times its
-    // height (Archimedes).
-    SinCos lo = SinCosOfTurns(0.5 * i / rings), hi = SinCosOfTurns(0.5 * (i + 1) / rings),
-           mid = SinCosOfTurns(0.5 * (i + 0.5) / rings);
-    int around = CountAlong(2 * kPi * r * mid.sin, spacing, 4);
-    double area = 2 * kPi * r * r * (lo.cos - hi.cos) / around;
-    for (int j = 0; j < around; ++j) {
-      SinCos t = SinCosOfTurns(RingTurn(j, around, i));
-      dvec3 n(mid.sin * t.cos, mid.sin * t.sin, -mid.cos);
-      out.push_back({dvec3(0, 0, r) + r * n, n, area});
+ private:
+  template <typename At>
+  void Band(double area, At at) {
+    for (; each_ > 0; ++placed_) {
+      double within = (static_cast<double>(placed_) + 0.5) * each_ - area_;
+      if (!(within < area)) break;
+      at(within > 0 ? within : 0);
     }
+    area_ += area;
   }
-}
+  void Place(double r, double z, double n_r, double n_z) {
+    double turns = static_cast<double>(placed_) * 0.61803398874989484820;
+    SinCos t = SinCosOfTurns(turns - static_cast<double>(static_cast<int64_t>(turns)));
+    out_.push_back({dvec3(r * t.cos, r * t.sin, z), dvec3(n_r * t.cos, n_r * t.sin, n_z), each_});
+  }
 
-void SampleCylinder(const Bur& bur, double spacing, std::vector<SurfacePoint>& out) {
-  double r = bur.radius_m, length = bur.length_m;
-  int around = CountAlong(2 * kPi * r, spacing, 12), rows = CountAlong(length, spacing, 1);
-  for (int i = 0; i < rows; ++i) {
-    double z = length * (i + 0.5) / rows;
-    for (int j = 0; j < around; ++j) {
-      SinCos t = SinCosOfTurns(RingTurn(j, around, i));
-      dvec3 n(t.cos, t.sin, 0);
-      out.push_back({r * n + dvec3(0, 0, z), n, 2 * kPi * r * length / (around * rows)});
-    }
-  }
-  int rings = CountAlong(r, spacing, 2);
-  for (int i = 0; i < rings; ++i) {
-    double lo = r * i / rings, hi = r * (i + 1) / rings, rho = std::sqrt(0.5 * (lo * lo + hi * hi));
-    int on_ring = CountAlong(2 * kPi * rho, spacing, 4);
-    for (int j = 0; j < on_ring; ++j) {
-      SinCos t = SinCosOfTurns(RingTurn(j, on_ring, i));
-      out.push_back({dvec3(rho * t.cos, rho * t.sin, 0), dvec3(0, 0, -1),
-                     kPi * (hi * hi - lo * lo) / on_ring});
-    }
-  }
+  double each_;
+  std::vector<SurfacePoint>& out_;
+  double area_ = 0;
+  int64_t placed_ = 0;
+};
+
+template <typename Walk>
+std::vector<SurfacePoint> Spread(double spacing_m, size_t max_points, Walk walk) {
+  std::vector<SurfacePoint> out;
+  PointSpreader measure(0, out);
+  walk(measure);
+  double wanted = measure.area() / (spacing_m * spacing_m) + 1, most = static_cast<double>(max_points);
+  auto count = static_cast<size_t>(wanted < most ? wanted : most);
+  out.reserve(count);
+  PointSpreader place(measure.area() / static_cast<double>(count), out);
+  walk(place);
+  return out;
 }
 
 }  // namespace
 
 double Bur::Distance(const dvec3& p) const noexcept {
-  if (shape == BurShape::kSphere) {
-    double z = p.z - radius_m;
-    return std::sqrt((p.x * p.x + p.y * p.y) + z * z) - radius_m;
+  return ProfileOf(*this).Distance(std::sqrt(p.x * p.x + p.y * p.y), p.z);
+}
+
+std::optional<std::string_view> WhyImpossible(const Bur& bur) noexcept {
+  const double r = bur.radius_m, s = bur.narrow_radius_m, l = bur.length_m;
+  if (!(r > 0)) return "a radius above 0";
+  if (bur.shape != BurShape::kSphere && !(l > 0)) return "a length above 0";
+  switch (bur.shape) {
+    case BurShape::kSphere:
+    case BurShape::kCylinder: return std::nullopt;
+    case BurShape::kCone:
+      if (!(s >= 0 && s < r)) return "a cone's narrow radius from 0 to below its radius";
+      return std::nullopt;
+    case BurShape::kInvertedCone:
+      if (!(s > 0 && s < r)) return "an inverted cone's narrow radius between 0 and its radius";
+      return std::nullopt;
+    case BurShape::kPear:
+    case BurShape::kFlame:
+      if (!(s > 0 && s < r)) return "a pear's or flame's narrow radius between 0 and its radius";
+      if (!(l >= 2 * r)) return "a pear's or flame's length at least twice its radius";
+      return std::nullopt;
+    case BurShape::kWheel:
+      if (!(l <= 1.8 * r)) return "a wheel's length at most 1.8 times its radius";
+      return std::nullopt;
   }
-  double side = std::sqrt(p.x * p.x + p.y * p.y) - radius_m;
-  double half = 0.5 * length_m;
-  double end = std::fabs(p.z - half) - half;
-  if (side <= 0 || end <= 0) return side > end ? side : end;
-  return std::sqrt(side * side + end * end);
+  return "a known shape";
 }
 
 std::vector<SurfacePoint> SampleSurface(const Bur& bur, double spacing_m, size_t max_points) {
-  std::vector<SurfacePoint> out;
-  for (double spacing = spacing_m;; spacing *= 1.1) {
-    out.clear();
-    if (bur.shape == BurShape::kSphere) SampleSphere(bur, spacing, out);
-    else SampleCylinder(bur, spacing, out);
-    if (out.size() <= max_points) return out;
-  }
+  Profile profile = ProfileOf(bur);
+  return Spread(spacing_m, max_points, [&](PointSpreader& spreader) {
+    for (const ProfilePiece& p : profile.pieces()) {
+      if (!p.arc) spreader.Line(p.at, p.to, p.first);
+      else if (p.radius > 0) spreader.Arc(p, p.first[0], p.first[1], p.last[0], p.last[1]);
+    }
+  });
+}
+
+std::vector<SurfacePoint> SampleShank(const Bur& bur, double spacing_m, size_t max_points) {
+  if (!(bur.shank_radius_m > 0)) return {};
+  double r = bur.shank_radius_m, low = bur.height_m() + bur.neck_m;
+  return Spread(spacing_m, max_points, [&](PointSpreader& spreader) {
+    spreader.Line({0, low}, {r, low}, {0, -1});
+    spreader.Line({r, low}, {r, low + kShankLength_m}, {1, 0});
+  });
 }
 
 }  // namespace enamel::cutting

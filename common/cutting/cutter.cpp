@@ -44,12 +44,40 @@ Box BricksOf(const GridSpec& spec, const dvec3& lo_m, const dvec3& hi_m) noexcep
   return box;
 }
 
+// In voxels, by pieces of a double affine map: `first` at sample (0, 0, 0) of the grid.
+struct Affine {
+  dvec3 first;
+  dmat3 steps;   // columns: dx, dy, dz
+
+  BurFrame At(const ivec3& sample) const noexcept {
+    dvec3 at = first + steps * dvec3(sample);
+    BurFrame f;
+    for (int i = 0; i < 3; ++i) {
+      f.first[i] = static_cast<float>(at[i]);
+      f.dx[i] = static_cast<float>(steps[0][i]);
+      f.dy[i] = static_cast<float>(steps[1][i]);
+      f.dz[i] = static_cast<float>(steps[2][i]);
+    }
+    return f;
+  }
+};
+
 }  // namespace
 
+struct Cutter::Placed {
+  Affine bur_from_sample;
+  Box box;
+};
+
 Cutter::Cutter(Volume& volume, const Bur& bur)
-    : volume_(volume), bur_(bur), voxel_m_(volume.spec().voxel_m()), kernel_(BestBrickKernel()) {
+    : volume_(volume),
+      bur_(bur),
+      voxel_m_(volume.spec().voxel_m()),
+      kernels_(BestKernels()),
+      kernel_bur_(KernelBurOf(bur, voxel_m_)) {
   const GridSpec& spec = volume.spec();
-  min_phi_.resize(static_cast<size_t>(spec.brick_count()));
+  // Eight are read at a time.
+  min_phi_.resize(static_cast<size_t>(spec.brick_count()) + 7, kPhiLimit);
   for (int b = 0; b < spec.brick_count(); ++b) {
     min_phi_[static_cast<size_t>(b)] =
         volume.IsStored(b) ? *std::min_element(volume.Phi(b).phi.begin(), volume.Phi(b).phi.end())
@@ -59,18 +87,19 @@ Cutter::Cutter(Volume& volume, const Bur& bur)
   double reach = 2 * std::sqrt(bur.radius_m * bur.radius_m + 0.25 * bur.height_m() * bur.height_m()) +
                  2 * kSolidBandVoxels * voxel_m_;
   auto side = static_cast<size_t>(reach / (kSide * voxel_m_)) + 2;
-  touched_.resize(std::min(side * side * side, min_phi_.size()));
-}
-
-void Cutter::VisitState(StateArchive& archive) {
-  archive(min_phi_);
-  touched_count_ = 0;
+  touched_.resize(std::min(side * side * side, static_cast<size_t>(spec.brick_count())));
 }
 
 bool Cutter::AnySolidNear(const Pose& pose, double margin_m) const noexcept {
   dmat3 m = pose.orientation.Matrix();
-  dvec3 middle = pose.tip_m + m[2] * (0.5 * bur_.height_m());
-  dvec3 half = HalfExtent(bur_, m) + dvec3(margin_m);
+  double height = bur_.height_m();
+  Bur whole = bur_;
+  if (bur_.shank_radius_m > 0) {
+    height += bur_.neck_m + kShankLength_m;
+    whole = {BurShape::kCylinder, std::max(bur_.radius_m, bur_.shank_radius_m), height};
+  }
+  dvec3 middle = pose.tip_m + m[2] * (0.5 * height);
+  dvec3 half = HalfExtent(whole, m) + dvec3(margin_m);
   Box box = BricksOf(volume_.spec(), middle - half, middle + half);
   for (int z = box.lo.z; z <= box.hi.z; ++z)
     for (int y = box.lo.y; y <= box.hi.y; ++y)
@@ -79,68 +108,106 @@ bool Cutter::AnySolidNear(const Pose& pose, double margin_m) const noexcept {
   return false;
 }
 
-bool Cutter::Cut(const Pose& pose, RemovedUnits& removed) noexcept {
+void Cutter::VisitState(StateArchive& archive) {
+  archive(min_phi_, last_, has_last_, lower_complete_);
   touched_count_ = 0;
-  bool complete = true;
+}
+
+Cutter::Placed Cutter::Place(const Pose& pose) const noexcept {
   const GridSpec& spec = volume_.spec();
   dmat3 m = pose.orientation.Matrix();
   dvec3 middle = pose.tip_m + m[2] * (0.5 * bur_.height_m());
   dvec3 half = HalfExtent(bur_, m) + dvec3(kSolidBandVoxels * voxel_m_);
-  Box box = BricksOf(spec, middle - half, middle + half);
-  dvec3 origin = spec.origin_m();
-  // Farthest sample of a brick from the brick's middle, plus the rounding of the kernel.
-  double brick_radius = 6.07 * voxel_m_;
-  for (int z = box.lo.z; z <= box.hi.z; ++z) {
-    for (int y = box.lo.y; y <= box.hi.y; ++y) {
-      for (int x = box.lo.x; x <= box.hi.x; ++x) {
-        int brick = spec.BrickIndex(ivec3(x, y, z));
-        int lowest = min_phi_[static_cast<size_t>(brick)];
-        if (lowest == kPhiLimit) continue;
-        ivec3 first(x * kSide, y * kSide, z * kSide);
-        dvec3 d = origin + (dvec3(first) + 3.5) * voxel_m_ - pose.tip_m;
-        double nearest = bur_.Distance(dvec3(Dot(m[0], d), Dot(m[1], d), Dot(m[2], d))) - brick_radius;
-        // The deepest any sample can be inside the bur; nothing changes unless that beats `lowest`.
-        if (nearest > kSolidBandVoxels * voxel_m_ || -nearest * (kPhiPerVoxel / voxel_m_) <= lowest) continue;
-        if (!volume_.Materialise(brick)) {
-          complete = false;
-          continue;
+  dvec3 d = (spec.origin_m() - middle) / voxel_m_;
+  Placed out;
+  out.bur_from_sample.first = dvec3(Dot(m[0], d), Dot(m[1], d), Dot(m[2], d));
+  for (int i = 0; i < 3; ++i) out.bur_from_sample.steps[i] = dvec3(m[0][i], m[1][i], m[2][i]);
+  out.box = BricksOf(spec, middle - half, middle + half);
+  return out;
+}
+
+bool Cutter::Cut(const Pose& pose, RemovedUnits& removed) noexcept {
+  const bool complete = CutLayers(pose, true, true, removed);
+  last_ = pose;
+  has_last_ = complete;  // what could not be stored must be tried again
+  return complete;
+}
+
+bool Cutter::CutLower(const Pose& pose, RemovedUnits& removed) noexcept {
+  lower_complete_ = CutLayers(pose, true, false, removed);
+  return lower_complete_;
+}
+
+bool Cutter::CutUpper(const Pose& pose, RemovedUnits& removed) noexcept {
+  const bool complete = CutLayers(pose, false, true, removed);
+  last_ = pose;
+  has_last_ = complete && lower_complete_;
+  return complete;
+}
+
+bool Cutter::CutLayers(const Pose& pose, bool lower, bool upper, RemovedUnits& removed) noexcept {
+  touched_count_ = 0;
+  bool complete = true;
+  const GridSpec& spec = volume_.spec();
+  const Placed now = Place(pose);
+  CullJob cull{};
+  cull.across = cull.along = 0;
+  for (int corner = 0; corner < 4; ++corner) {
+    dvec3 to = now.bur_from_sample.steps * dvec3(3.5, corner & 1 ? 3.5 : -3.5, corner & 2 ? 3.5 : -3.5);
+    cull.across = std::max(cull.across, static_cast<float>(std::sqrt(to.x * to.x + to.y * to.y)));
+    cull.along = std::max(cull.along, static_cast<float>(std::fabs(to.z)));
+  }
+  Affine motion{};
+  if (has_last_) {
+    const Placed before = Place(last_);
+    for (int i = 0; i < 3; ++i) motion.steps[i] = before.bur_from_sample.steps[i] - now.bur_from_sample.steps[i];
+    motion.first = before.bur_from_sample.first - now.bur_from_sample.first;
+    double turn2 = 0;
+    for (int i = 0; i < 3; ++i) turn2 += Dot(motion.steps[i], motion.steps[i]);
+    cull.turn = static_cast<float>(std::sqrt(turn2));
+    dvec3 d = pose.tip_m - last_.tip_m;
+    double reach = bur_.radius_m + bur_.height_m() + 8 * voxel_m_;
+    cull.has_motion = std::sqrt(Dot(d, d)) + std::sqrt(turn2) * reach < 0.9 * kMaxMotion * voxel_m_;
+  }
+  const int middle = (now.box.lo.z + now.box.hi.z + 1) / 2;
+  const int z_lo = lower ? now.box.lo.z : middle, z_hi = upper ? now.box.hi.z : middle - 1;
+  for (int z = z_lo; z <= z_hi; ++z) {
+    for (int y = now.box.lo.y; y <= now.box.hi.y; ++y) {
+      for (int x = now.box.lo.x; x <= now.box.hi.x; x += 8) {
+        const int row = spec.BrickIndex(ivec3(x, y, z));
+        const ivec3 first(x * kSide, y * kSide, z * kSide);
+        cull.frame = now.bur_from_sample.At(first);
+        if (cull.has_motion) cull.motion = motion.At(first);
+        const CullResult pass = kernels_.cull(kernel_bur_, cull, &min_phi_[static_cast<size_t>(row)]);
+        for (int i = 0; i < 8 && x + i <= now.box.hi.x; ++i) {
+          if (pass.pieces[i] == 0) continue;
+          const int brick = row + i;
+          if (!volume_.Materialise(brick)) {
+            complete = false;
+            continue;
+          }
+          CutBrick(brick, {now.bur_from_sample.At(first + ivec3(8 * i, 0, 0)), pass.pieces[i],
+                           min_phi_[static_cast<size_t>(brick)]}, removed);
         }
-        if (CutBrick(brick, first, m, pose.tip_m, removed)) touched_[touched_count_++] = brick;
       }
     }
   }
   return complete;
 }
 
-bool Cutter::CutBrick(int brick, const ivec3& first, const dmat3& m, const dvec3& tip_m,
-                      RemovedUnits& removed) noexcept {
-  const double inv_h = 1 / voxel_m_;
-  const double half = 0.5 * bur_.height_m() * inv_h;
-  dvec3 d = (volume_.spec().origin_m() - tip_m) * inv_h + dvec3(first);
-  BrickFrame frame;
-  for (int axis = 0; axis < 3; ++axis) {
-    // Component along the bur's own axis; heights count from the bur's middle.
-    frame.first[axis] = static_cast<float>(Dot(m[axis], d) - (axis == 2 ? half : 0));
-    frame.dx[axis] = static_cast<float>(m[axis].x);
-    frame.dy[axis] = static_cast<float>(m[axis].y);
-    frame.dz[axis] = static_cast<float>(m[axis].z);
-  }
-  frame.radius = static_cast<float>(bur_.radius_m * inv_h);
-  frame.half_length = static_cast<float>(half);
+void Cutter::CutBrick(int brick, const BrickJob& job, RemovedUnits& removed) noexcept {
   int16_t* phi = volume_.MutablePhi(brick).phi.data();
-  bool mixed = volume_.HasLabels(brick);
-  std::array<int32_t, kBrickVoxels> gone;
-  frame.lowest = min_phi_[static_cast<size_t>(brick)];
-  frame.sphere = bur_.shape == BurShape::kSphere;
-  BrickChange change = kernel_(frame, phi, mixed ? gone.data() : nullptr);
+  const bool mixed = volume_.HasLabels(brick);
+  alignas(32) std::array<int16_t, kBrickVoxels> gone;
+  const BrickChange change = kernels_.cut(kernel_bur_, job, phi, mixed ? gone.data() : nullptr);
   min_phi_[static_cast<size_t>(brick)] = static_cast<int16_t>(change.lowest);
   if (change.removed != 0 && mixed) {
     const auto& labels = volume_.Labels(brick).tissue;
-    for (size_t i = 0; i < kBrickVoxels; ++i) removed[labels[i]] += gone[i];
+    for (size_t i = 0; i < kBrickVoxels; ++i) removed[labels[i]] += 8 * int64_t{gone[i]};
   } else {
     removed[static_cast<size_t>(volume_.UniformTissue(brick))] += change.removed;
   }
-  return change.changed;
+  if (change.changed) touched_[touched_count_++] = brick;
 }
 
 }  // namespace enamel::cutting

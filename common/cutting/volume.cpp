@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <new>
 #include <string>
+#include <utility>
 
 namespace enamel::cutting {
 namespace {
@@ -13,7 +16,50 @@ int InBrick(const ivec3& v) noexcept {
   return ((v.z & 7) << 6) | ((v.y & 7) << 3) | (v.x & 7);
 }
 
+constexpr size_t kPageBytes = 4096;
+
+void Free(BrickPhi* bricks) noexcept { ::operator delete(bricks, std::align_val_t(kPageBytes)); }
+
 }  // namespace
+
+BrickStore::BrickStore(const BrickStore& other) {
+  if (other.size_ == 0) return;
+  Reserve(other.size_);
+  size_ = other.size_;
+  std::memcpy(bricks_, other.bricks_, size_ * sizeof(BrickPhi));
+}
+
+BrickStore::~BrickStore() { Free(bricks_); }
+
+void BrickStore::swap(BrickStore& other) noexcept {
+  std::swap(bricks_, other.bricks_);
+  std::swap(size_, other.size_);
+  std::swap(capacity_, other.capacity_);
+  std::swap(warm_, other.warm_);
+}
+
+void BrickStore::Reserve(size_t capacity) {
+  if (capacity <= capacity_) return;
+  auto* room = static_cast<BrickPhi*>(::operator new(capacity * sizeof(BrickPhi), std::align_val_t(kPageBytes)));
+  if (size_ > 0) std::memcpy(room, bricks_, size_ * sizeof(BrickPhi));
+  Free(bricks_);
+  bricks_ = room;
+  capacity_ = capacity;
+  warm_ = size_;
+}
+
+BrickPhi& BrickStore::Append() {
+  if (size_ == capacity_) Reserve(capacity_ < 64 ? 64 : 2 * capacity_);
+  return bricks_[size_++];
+}
+
+void BrickStore::Warm(size_t ahead, size_t pages) noexcept {
+  size_t end = std::min(size_ + ahead, capacity_);
+  for (warm_ = std::max(warm_, size_); warm_ < end && pages > 0; --pages) {
+    bricks_[warm_].phi[0] = 0;
+    warm_ = std::min(end, warm_ + kPageBytes / sizeof(BrickPhi));
+  }
+}
 
 Volume::Volume(const GridSpec& spec) : spec_(spec) {
   slot_.assign(static_cast<size_t>(spec.brick_count()), -1);
@@ -24,7 +70,7 @@ void Volume::SetBrick(int brick, std::span<const int16_t, kBrickVoxels> phi,
   auto& slot = slot_[static_cast<size_t>(brick)];
   if (slot < 0) {
     slot = static_cast<int32_t>(phi_.size());
-    phi_.emplace_back();
+    phi_.Append();
     uniform_.push_back(tissue);
     label_slot_.push_back(-1);
   }
@@ -52,8 +98,8 @@ void Volume::SetUniform(int brick, Tissue tissue) {
 void Volume::Reserve() {
   size_t solid = 0;
   for (int32_t s : slot_) solid += s < -1;
-  // Reserved, not touched: pages become resident only as bricks are cut.
-  phi_.reserve(phi_.size() + solid);
+  phi_.Reserve(phi_.size() + solid);
+  phi_.Warm(kWarmBricks, SIZE_MAX);
   uniform_.reserve(uniform_.size() + solid);
   label_slot_.reserve(label_slot_.size() + solid);
 }
@@ -72,7 +118,7 @@ bool Volume::Materialise(int brick) noexcept {
   }
   uniform_.push_back(static_cast<Tissue>(-1 - slot));
   label_slot_.push_back(-1);
-  phi_.emplace_back().phi.fill(-kPhiLimit);
+  phi_.Append().phi.fill(-kPhiLimit);
   slot = static_cast<int32_t>(phi_.size() - 1);
   return true;
 }
@@ -81,9 +127,7 @@ int Volume::PhiAt(const ivec3& v) const noexcept {
   if (v.x < 0 || v.y < 0 || v.z < 0) return kPhiLimit;
   ivec3 b(v.x >> kShift, v.y >> kShift, v.z >> kShift);
   if (!spec_.Contains(b)) return kPhiLimit;
-  int32_t s = slot_[static_cast<size_t>(spec_.BrickIndex(b))];
-  if (s < 0) return s == -1 ? kPhiLimit : -kPhiLimit;
-  return phi_[static_cast<size_t>(s)].phi[static_cast<size_t>(InBrick(v))];
+  return SampleIn(spec_.BrickIndex(b), InBrick(v));
 }
 
 Tissue Volume::TissueAt(const ivec3& v) const noexcept {
@@ -97,23 +141,27 @@ Tissue Volume::TissueAt(const ivec3& v) const noexcept {
 
 double Volume::DistanceAt_m(const dvec3& point_m) const noexcept {
   double h = spec_.voxel_m();
-  dvec3 g = (point_m - spec_.origin_m()) / h;
+  return DistanceAtSample((point_m - spec_.origin_m()) / h) * h;
+}
+
+double Volume::DistanceAtSample(const dvec3& g) const noexcept {
   ivec3 n = spec_.voxels();
-  if (!(g.x > -1 && g.y > -1 && g.z > -1 && g.x < n.x && g.y < n.y && g.z < n.z)) {
-    return kPhiLimit * h / kPhiPerVoxel;
-  }
+  constexpr double kFar = static_cast<double>(kPhiLimit) / kPhiPerVoxel;
+  if (!(g.x > -1 && g.y > -1 && g.z > -1 && g.x < n.x && g.y < n.y && g.z < n.z)) return kFar;
   // g > -1, so truncation of g + 1 is floor.
   ivec3 i(static_cast<int>(g.x + 1) - 1, static_cast<int>(g.y + 1) - 1, static_cast<int>(g.z + 1) - 1);
   double fx = g.x - i.x, fy = g.y - i.y, fz = g.z - i.z;
   double c[2][2][2];
-  if (i.x >= 0 && i.y >= 0 && i.z >= 0 && (i.x & 7) < 7 && (i.y & 7) < 7 && (i.z & 7) < 7) {
-    int32_t s = slot_[static_cast<size_t>(
-        spec_.BrickIndex(ivec3(i.x >> kShift, i.y >> kShift, i.z >> kShift)))];
-    if (s < 0) return (s == -1 ? kPhiLimit : -kPhiLimit) * h / kPhiPerVoxel;
-    const int16_t* phi = phi_[static_cast<size_t>(s)].phi.data() + InBrick(i);
-    for (int z = 0; z < 2; ++z)
-      for (int y = 0; y < 2; ++y)
-        for (int x = 0; x < 2; ++x) c[z][y][x] = phi[z * 64 + y * 8 + x];
+  if (i.x >= 0 && i.y >= 0 && i.z >= 0 && i.x < n.x - 1 && i.y < n.y - 1 && i.z < n.z - 1) {
+    // Bricks of the cell's corners: two along each axis, the same one for most.
+    for (int z = 0; z < 2; ++z) {
+      for (int y = 0; y < 2; ++y) {
+        ivec3 v(i.x, i.y + y, i.z + z);
+        int row = spec_.BrickIndex(ivec3(v.x >> kShift, v.y >> kShift, v.z >> kShift)), in = InBrick(v);
+        c[z][y][0] = SampleIn(row, in);
+        c[z][y][1] = (v.x & 7) < 7 ? SampleIn(row, in + 1) : SampleIn(row + 1, in - 7);
+      }
+    }
   } else {
     for (int z = 0; z < 2; ++z)
       for (int y = 0; y < 2; ++y)
@@ -123,11 +171,23 @@ double Volume::DistanceAt_m(const dvec3& point_m) const noexcept {
               (c[0][1][0] * (1 - fx) + c[0][1][1] * fx) * fy;
   double z1 = (c[1][0][0] * (1 - fx) + c[1][0][1] * fx) * (1 - fy) +
               (c[1][1][0] * (1 - fx) + c[1][1][1] * fx) * fy;
-  return (z0 * (1 - fz) + z1 * fz) * h / kPhiPerVoxel;
+  return (z0 * (1 - fz) + z1 * fz) * (1.0 / kPhiPerVoxel);
+}
+
+bool Volume::MayBeNearer(const dvec3& g, double distance) const noexcept {
+  ivec3 n = spec_.voxels();
+  if (!(g.x > -0.5 && g.y > -0.5 && g.z > -0.5 && g.x < n.x - 1 && g.y < n.y - 1 && g.z < n.z - 1)) return true;
+  ivec3 v(static_cast<int>(g.x + 0.5), static_cast<int>(g.y + 0.5), static_cast<int>(g.z + 0.5));
+  int phi = SampleIn(spec_.BrickIndex(ivec3(v.x >> kShift, v.y >> kShift, v.z >> kShift)), InBrick(v));
+  constexpr double kHalfDiagonal = 0.8661;
+  return phi < (distance + kHalfDiagonal) * kPhiPerVoxel;
 }
 
 Tissue Volume::TissueAtPoint(const dvec3& point_m) const noexcept {
-  dvec3 g = (point_m - spec_.origin_m()) / spec_.voxel_m();
+  return TissueAtSample((point_m - spec_.origin_m()) / spec_.voxel_m());
+}
+
+Tissue Volume::TissueAtSample(const dvec3& g) const noexcept {
   ivec3 n = spec_.voxels();
   if (!(g.x > -0.5 && g.y > -0.5 && g.z > -0.5 && g.x < n.x && g.y < n.y && g.z < n.z)) {
     return Tissue::kAir;

@@ -48,6 +48,37 @@ struct GridSpec {
 struct alignas(64) BrickPhi {
   std::array<int16_t, kBrickVoxels> phi;
 };
+// A growing row of bricks whose room is reserved at once and made resident piece by piece: a first touch of
+// fresh memory costs a page fault, too much for a tick, and all of a tooth's room at once too much memory.
+// Thread safety: as std::vector. Real-time: Append within the room, and Warm.
+class BrickStore {
+ public:
+  BrickStore() = default;
+  BrickStore(const BrickStore& other);
+  BrickStore(BrickStore&& other) noexcept { swap(other); }
+  BrickStore& operator=(BrickStore other) noexcept {
+    swap(other);
+    return *this;
+  }
+  ~BrickStore();
+
+  size_t size() const noexcept { return size_; }
+  size_t capacity() const noexcept { return capacity_; }
+  BrickPhi& operator[](size_t i) noexcept { return bricks_[i]; }
+  const BrickPhi& operator[](size_t i) const noexcept { return bricks_[i]; }
+  void Reserve(size_t capacity);
+  // Samples are not set. Requires, in real time: size() < capacity().
+  BrickPhi& Append();
+  // Touches the room for `ahead` bricks after the last, at most `pages` of it that were not.
+  void Warm(size_t ahead, size_t pages) noexcept;
+
+ private:
+  void swap(BrickStore& other) noexcept;
+
+  BrickPhi* bricks_ = nullptr;
+  size_t size_ = 0, capacity_ = 0, warm_ = 0;
+};
+
 struct BrickLabels {
   std::array<uint8_t, kBrickVoxels> tissue;
 };
@@ -69,8 +100,10 @@ class Volume {
   void SetBrick(int brick, std::span<const int16_t, kBrickVoxels> phi,
                 std::span<const uint8_t> labels, Tissue tissue);
   void SetUniform(int brick, Tissue tissue);  // kAir, or solid and deep.
-  // Room for every uniform solid brick to become stored, so that cutting never allocates.
+  // Room for every uniform solid brick to become stored, so that cutting never allocates; the first
+  // kWarmBricks of it are resident.
   void Reserve();
+  static constexpr size_t kWarmBricks = 2048;
   size_t MemoryBytes() const noexcept;
 
   // --- real-time ---
@@ -95,6 +128,9 @@ class Volume {
   // Turns a uniform solid brick into a stored one (all -kPhiLimit). False when the reserve is used
   // up or the brick is air. No effect on a stored brick.
   bool Materialise(int brick) noexcept;
+  // Makes one more page of the room resident if less than kWarmBricks are: once a tick, so that no tick meets
+  // many page faults.
+  void Warm() noexcept { phi_.Warm(kWarmBricks, 1); }
 
   // Distance at a voxel in fixed point; +kPhiLimit outside the grid.
   int PhiAt(const ivec3& voxel) const noexcept;
@@ -103,14 +139,26 @@ class Volume {
   double DistanceAt_m(const dvec3& point_m) const noexcept;
   // Tissue of the nearest voxel.
   Tissue TissueAtPoint(const dvec3& point_m) const noexcept;
+  // The same by sample coordinates, (point - origin) / voxel; the distance in voxels.
+  double DistanceAtSample(const dvec3& sample) const noexcept;
+  Tissue TissueAtSample(const dvec3& sample) const noexcept;
+  // False only where the distance is at least `distance` voxels, from the nearest sample alone: a point is
+  // within half a diagonal of it and a distance changes by no more than the way. Quick.
+  bool MayBeNearer(const dvec3& sample, double distance) const noexcept;
 
   bool operator==(const Volume& other) const;  // Same grid, same samples, same labels.
 
  private:
+  int SampleIn(int brick, int in_brick) const noexcept {
+    int32_t s = slot_[static_cast<size_t>(brick)];
+    if (s < 0) return s == -1 ? kPhiLimit : -kPhiLimit;
+    return phi_[static_cast<size_t>(s)].phi[static_cast<size_t>(in_brick)];
+  }
+
   GridSpec spec_;
   // Per brick: >= 0 index into phi_; -1 air; -1 - t deep inside tissue t.
   std::vector<int32_t> slot_;
-  std::vector<BrickPhi> phi_;
+  BrickStore phi_;
   std::vector<Tissue> uniform_;        // per stored brick
   std::vector<int32_t> label_slot_;    // per stored brick: index into labels_, or -1
   std::vector<BrickLabels> labels_;

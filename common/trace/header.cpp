@@ -12,7 +12,6 @@ namespace {
 
 constexpr std::string_view kTicketDomain = "enamel.ticket.v1";
 constexpr size_t kTicketBytes = 214;
-constexpr size_t kParamsBytes = 106;
 
 template <size_t N>
 std::array<uint8_t, N> ReadArray(ByteReader& in) {
@@ -88,7 +87,7 @@ Bytes EncodeHeader(const Header& header) {
   ENAMEL_CHECK(header.station_software.size() <= kMaxSoftwareBytes);
   ByteWriter params;
   core::WriteParams(header.params, params);
-  ENAMEL_CHECK(params.size() == kParamsBytes);
+  ENAMEL_CHECK(params.size() == core::ParamsBytes(header.params.core_version));
   ByteWriter out;
   WriteMagic(kHeaderMagic, out);
   out.Blob(EncodeTicket(header.ticket));
@@ -107,7 +106,7 @@ Result<Header> DecodeHeader(ByteView bytes) {
   Header h;
   h.scene = ReadHash(in);
   h.volume = ReadHash(in);
-  ByteView params_bytes = in.Blob(kParamsBytes);
+  ByteView params_bytes = in.Blob(core::ParamsBytes(core::kCoreVersion));
   h.station_software = in.Text(kMaxSoftwareBytes);
   if (!in.ok()) return EndsEarly("header", bytes.size());
   auto ticket = DecodeTicket(ticket_bytes);

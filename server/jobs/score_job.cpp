@@ -60,6 +60,7 @@ class ScoreJob {
     auto decoded = trace::DecodeHeader(*header);
     if (!decoded.ok()) return decoded.status();
     header_ = std::move(decoded).value();
+    ENAMEL_RETURN_IF_ERROR(core::ValidateParams(header_.params));
     auto chunks = store_.AttemptChunks(attempt_);
     if (!chunks.ok()) return chunks.status();
     chunks_ = std::move(chunks).value();

@@ -185,6 +185,7 @@ Status ReplayTrace(const ReplayOptions& options) {
   ENAMEL_RETURN_IF_ERROR(CheckOutputFile(options.surface, "--surface"));
   auto recording = ReadRecording(options.trace);
   if (!recording.ok()) return recording.status();
+  ENAMEL_RETURN_IF_ERROR(core::ValidateParams(recording->header.params));
   auto volume = ReadVolume(options, recording->header);
   if (!volume.ok()) return volume.status();
   auto make_core = [&] { return std::make_unique<core::Core>(recording->header.params, *volume); };

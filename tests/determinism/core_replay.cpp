@@ -113,6 +113,7 @@ int Replay(const char* trace_path, const char* volume_path) {
   if (!file.ok()) return Fail(file.status());
   auto header = trace::DecodeHeader(file->header);
   if (!header.ok()) return Fail(header.status());
+  if (Status known = core::ValidateParams(header->params); !known.ok()) return Fail(known);
   auto blob = ReadFile(volume_path);
   if (!blob.ok()) return Fail(blob.status());
   auto volume = scene::DecodeVolume(*blob);

@@ -38,7 +38,14 @@ json::object Describe(const core::CoreParams& p) {
           {"bur_radius_nm", Number(p.bur_radius_nm)},
           {"bur_length_nm", Number(p.bur_length_nm)},
           {"damping_mn_s_per_mm", Numbers(p.damping_mn_s_per_mm)},
-          {"rotational_kc_un_m_per_rad", Number(p.rotational_kc_un_m_per_rad)}};
+          {"rotational_kc_un_m_per_rad", Number(p.rotational_kc_un_m_per_rad)},
+          {"bur_narrow_radius_nm", Number(p.bur_narrow_radius_nm)},
+          {"shank_radius_nm", Number(p.shank_radius_nm)},
+          {"neck_nm", Number(p.neck_nm)},
+          {"axial_damping_mn_s_per_mm", Numbers(p.axial_damping_mn_s_per_mm)},
+          {"handpiece_stall_un_m", Number(p.handpiece_stall_un_m)},
+          {"handpiece_tangential_permille", Number(p.handpiece_tangential_permille)},
+          {"handpiece_lag_us", Number(p.handpiece_lag_us)}};
 }
 
 json::object Describe(const ChunkHead& head) {

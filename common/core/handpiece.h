@@ -1,0 +1,41 @@
+#pragma once
+
+#include "common/base/state_archive.h"
+#include "common/core/params.h"
+
+namespace enamel::core {
+
+// A handpiece whose speed falls with the torque on the bur, and with it the rate at which it cuts.
+//
+// An air turbine's torque falls nearly linearly with its speed, from tau_stall at rest to none at the
+// free speed omega_0 (Dyson and Darvell, Journal of Dentistry 23, 1995), so under a tangential force F_t
+// at the bur's radius r it settles at omega = omega_0 (1 - r F_t / tau_stall). Removal per time at a
+// given force goes with the speed, so that B grows as omega_0 / omega. F_t is taken as a share of the
+// resisting force; the rotor's inertia is a lag of first order. Below kSlowest the bur is taken as stalled
+// at that speed: B is never infinite.
+// Thread safety: none. Real-time: safe.
+class Handpiece {
+ public:
+  static constexpr double kSlowest = 0.05;
+
+  explicit Handpiece(const CoreParams& p)
+      : torque_per_force_m_(p.bur_radius_nm * 1e-9 * p.handpiece_tangential_permille * 1e-3),
+        stall_n_m_(p.handpiece_stall_un_m * 1e-6),
+        step_(1.0 / p.rate_hz / (1.0 / p.rate_hz + p.handpiece_lag_us * 1e-6)) {}
+
+  // A tick under a resisting force, newtons; 0 while the bur is still or in the air.
+  void Step(double resisting_n) noexcept {
+    if (stall_n_m_ == 0) return;
+    double settled = 1 - torque_per_force_m_ * resisting_n / stall_n_m_;
+    ratio_ += ((settled > kSlowest ? settled : kSlowest) - ratio_) * step_;
+  }
+  // omega / omega_0.
+  double speed_ratio() const noexcept { return ratio_; }
+  void VisitState(StateArchive& archive) { archive(ratio_); }
+
+ private:
+  double torque_per_force_m_, stall_n_m_, step_;
+  double ratio_ = 1;
+};
+
+}  // namespace enamel::core
