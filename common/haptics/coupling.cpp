@@ -31,16 +31,17 @@ void Coupling::Reset(const dvec3& tip_m) noexcept {
   stretch_ = 0;
   clipped_at_n_ = 0;
   wall_ = false;
+  latched_ = false;
   law_->Reset(tip_m);
 }
 
 void Coupling::VisitState(StateArchive& archive) {
-  archive(anchor_, stretch_, clipped_at_n_, wall_);
+  archive(anchor_, stretch_, clipped_at_n_, wall_, latched_);
   law_->VisitState(archive);
 }
 
 bool Coupling::Resume(const dvec3& tip_m, Material& material) noexcept {
-  if (!Finite(tip_m)) return false;
+  if (latched_ || !Finite(tip_m)) return false;
   dvec3 e = tip_m - anchor_;
   double length = std::sqrt(Dot(e, e)), grown = length - stretch_;
   if (grown > params_.max_step_m) return false;
@@ -59,7 +60,11 @@ bool Coupling::Resume(const dvec3& tip_m, Material& material) noexcept {
 CouplingOutput Coupling::Tick(const dvec3& tip_m, double bound_ratio, Material& material) noexcept {
   CouplingOutput out;
   if (!Finite(tip_m) || !std::isfinite(bound_ratio)) {
+    latched_ = true;
     out.flags = kNonFiniteInput;
+  }
+  if (latched_) {
+    out.flags |= kLatched;
     out.anchor_m = anchor_;
     return out;
   }
@@ -74,6 +79,7 @@ CouplingOutput Coupling::Tick(const dvec3& tip_m, double bound_ratio, Material& 
     BoundMagnitude(tip_m, bound_n, wall_, material, out);
   } else {
     Contact contact = material.ContactAt(tip_m, tip_m - anchor_);
+    if (!contact.damping_n_s_per_m.IsFinite()) out.flags |= kNonFiniteInput;
     out.force_computed_n = -law_->TipForce(contact.damping_n_s_per_m);
     material.AnchorMoved(anchor_, tip_m);
     anchor_ = tip_m;
@@ -82,7 +88,11 @@ CouplingOutput Coupling::Tick(const dvec3& tip_m, double bound_ratio, Material& 
     BoundMagnitude(tip_m, bound_n, true, material, out);
   }
   if (!Finite(out.force_sent_n)) out.flags |= kNonFiniteInput;
-  if (out.flags & kNonFiniteInput) out.force_computed_n = out.force_sent_n = dvec3(0);
+  if (out.flags & kNonFiniteInput) {
+    latched_ = true;
+    out.flags |= kLatched;
+    out.force_computed_n = out.force_sent_n = dvec3(0);
+  }
   dvec3 stretch = tip_m - anchor_;
   stretch_ = std::sqrt(Dot(stretch, stretch));
   out.anchor_m = anchor_;

@@ -60,6 +60,7 @@ enum CouplingFlags : uint16_t {
   kSubstepLimit = 1 << 3,       // the anchor could not reach its place within the bounded work
   kWallContact = 1 << 4,
   kFreeAir = 1 << 5,            // nothing engaged in the direction of travel
+  kLatched = 1 << 6,            // after kNonFiniteInput: force 0 and anchor kept until Reset
 };
 
 struct CouplingParams {
@@ -82,14 +83,17 @@ class Coupling {
  public:
   explicit Coupling(const CouplingParams& params);
 
-  // Anchor at the tip, no force, law's history cleared: start of an attempt, after a gap or fault.
+  // Anchor at the tip, no force, law's history cleared, latched fault cleared: start of an attempt,
+  // after a gap or fault.
   void Reset(const dvec3& tip_m) noexcept;
   // After ticks that were not stepped: the hand moved while no force was sent, so the spring must not
   // be longer than it was, or the hand would get back energy it never put in. The anchor follows by
   // what the spring has grown, if that is at most max_step (a cut of the same length); the law's history
-  // is cleared. False, and nothing done, when it has grown by more: Reset is all that is left.
+  // is cleared. False, and nothing done, when it has grown by more or a fault is latched: Reset is all
+  // that is left.
   [[nodiscard]] bool Resume(const dvec3& tip_m, Material& material) noexcept;
-  // One tick. `bound_ratio` in [0, 1] scales the peak bound (fault fade).
+  // One tick. `bound_ratio` in [0, 1] scales the peak bound (fault fade). What is not finite, in or
+  // out, gives no force, and none until Reset: a fault latches until somebody acts.
   ENAMEL_REALTIME CouplingOutput Tick(const dvec3& tip_m, double bound_ratio, Material& material) noexcept;
 
   // Saves or restores all that the next Tick depends on but the parameters. Not real-time.
@@ -110,6 +114,7 @@ class Coupling {
   double stretch_ = 0;          // |tip - anchor| after the last tick
   double clipped_at_n_ = 0;     // bound of the last tick if the output was clipped at a wall, else 0
   bool wall_ = false;
+  bool latched_ = false;
 };
 
 // The guard's factor for anchor step w at stretch e and resolution delta (header comment).

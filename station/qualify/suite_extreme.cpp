@@ -196,13 +196,13 @@ void AddEvents(const DeviceModel& m, Table* t) {
   double nan = std::numeric_limits<double>::quiet_NaN(),
          inf = std::numeric_limits<double>::infinity();
   t->rows.push_back(
-      Event(m, "position NaN for 5 ticks", "no force, anchor stays", 8000,
+      Event(m, "position NaN for 5 ticks", "no force from then on", 8000,
             [&](int k, StepMaterial&) { return k > 4000 && k <= 4005 ? dvec3(nan) : Steady(k); }));
   t->rows.push_back(Event(
-      m, "position infinite for 5 ticks", "no force", 8000,
+      m, "position infinite for 5 ticks", "no force from then on", 8000,
       [&](int k, StepMaterial&) { return k > 4000 && k <= 4005 ? dvec3(inf, 0, 0) : Steady(k); }));
-  t->rows.push_back(
-      Event(m, "material NaN for 100 ticks", "anchor stays", 8000, [&](int k, StepMaterial& s) {
+  t->rows.push_back(Event(
+      m, "material NaN for 100 ticks", "no force from then on", 8000, [&](int k, StepMaterial& s) {
         s.b = k > 4000 && k <= 4100 ? Sym3::Isotropic(nan) : Sym3::Isotropic(6500);
         return Steady(k);
       }));

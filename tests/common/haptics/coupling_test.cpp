@@ -36,13 +36,15 @@ CouplingParams Phantom() {
 
 dvec3 Quantise(const dvec3& x, double delta) {
   return dvec3(std::floor(x.x / delta + 0.5), std::floor(x.y / delta + 0.5),
-               std::floor(x.z / delta + 0.5)) * delta;
+               std::floor(x.z / delta + 0.5)) *
+         delta;
 }
 
 // Steady state of the Maxwell coupling: R = B V_hand, at any direction. 0.43 mm/s at 6.5 N s/mm is
 // 2.795 N; the tolerance is the guard's price, Kc delta / 2 per axis, plus one count's ripple.
 TEST(CouplingTest, ConstantSpeedCutSettlesAtDampingTimesSpeed) {
-  for (dvec3 direction : {dvec3(1, 0, 0), glm::normalize(dvec3(1, 1, 0)), glm::normalize(dvec3(1, 2, 3))}) {
+  for (dvec3 direction :
+       {dvec3(1, 0, 0), glm::normalize(dvec3(1, 1, 0)), glm::normalize(dvec3(1, 2, 3))}) {
     Coupling coupling(Phantom());
     UniformMaterial enamel(Sym3::Isotropic(6500));
     coupling.Reset(dvec3(0));
@@ -95,12 +97,39 @@ TEST(CouplingTest, NonFiniteInputGivesNoForceAndKeepsTheAnchor) {
   EXPECT_EQ(coupling.anchor_m(), before);
 }
 
+TEST(CouplingTest, WhatWasNotFiniteLatchesUntilReset) {
+  UniformMaterial enamel(Sym3::Isotropic(6500)), broken(Sym3{std::nan(""), 0, 0, 0, 0, 0});
+  for (const LawEntry& law : ForceLaws()) {
+    for (bool position : {true, false}) {
+      CouplingParams params = Phantom();
+      params.law.kind = law.kind;
+      Coupling coupling(params);
+      coupling.Reset(dvec3(0));
+      dvec3 bad = position ? dvec3(std::nan(""), 0, 0) : dvec3(1e-5, 0, 0);
+      auto out = coupling.Tick(bad, 1, position ? enamel : broken);
+      EXPECT_TRUE(out.flags & kLatched) << law.name;
+      EXPECT_EQ(out.force_sent_n, dvec3(0)) << law.name;
+      for (int tick = 1; tick < 100; ++tick) {
+        out = coupling.Tick(dvec3(1e-5 * tick, 0, 0), 1, enamel);
+        EXPECT_EQ(out.force_sent_n, dvec3(0)) << law.name;
+        EXPECT_TRUE(out.flags & kLatched) << law.name;
+      }
+      EXPECT_FALSE(coupling.Resume(dvec3(1e-3, 0, 0), enamel)) << law.name;
+      coupling.Reset(dvec3(1e-3, 0, 0));
+      for (int tick = 1; tick < 100; ++tick)
+        out = coupling.Tick(dvec3(1e-3 + 1e-5 * tick, 0, 0), 1, enamel);
+      EXPECT_FALSE(out.flags & kLatched) << law.name;
+      EXPECT_NE(out.force_sent_n, dvec3(0)) << law.name;
+    }
+  }
+}
+
 TEST(CouplingTest, NonFiniteMaterialGivesNoMotionOfTheAnchor) {
   Coupling coupling(Phantom());
   UniformMaterial broken(Sym3{std::nan(""), 0, 0, 0, 0, 0});
   coupling.Reset(dvec3(0));
   auto out = coupling.Tick(dvec3(1e-5, 0, 0), 1, broken);
-  EXPECT_TRUE(std::isfinite(out.force_sent_n.x));
+  EXPECT_EQ(out.force_sent_n, dvec3(0));
   EXPECT_EQ(coupling.anchor_m(), dvec3(0));
 }
 
@@ -124,9 +153,9 @@ class RandomMaterial final : public Material {
   std::normal_distribution<double> normal_;
 };
 
-// The theorem of coupling.h as a property: with Kc = 2 b/T and c = Kc delta / 2 per axis, the sum of
-// R.dx + (b/T) dx.dx + c sum |dx_i| never falls below -V_0 = 0 from an unloaded start, whatever B does each
-// tick and wherever the true position is in its encoder cell.
+// The theorem of coupling.h as a property: with Kc = 2 b/T and c = Kc delta / 2 per axis, the sum
+// of R.dx + (b/T) dx.dx + c sum |dx_i| never falls below -V_0 = 0 from an unloaded start, whatever
+// B does each tick and wherever the true position is in its encoder cell.
 class PassivityTest : public testing::TestWithParam<LawKind> {};
 
 TEST_P(PassivityTest, OperatorNeverExtractsEnergy) {
@@ -154,10 +183,11 @@ TEST_P(PassivityTest, OperatorNeverExtractsEnergy) {
     }
   }
 }
-INSTANTIATE_TEST_SUITE_P(AnchoredLaws, PassivityTest, testing::Values(LawKind::kMaxwell, LawKind::kGatedMaxwell));
+INSTANTIATE_TEST_SUITE_P(AnchoredLaws, PassivityTest,
+                         testing::Values(LawKind::kMaxwell, LawKind::kGatedMaxwell));
 
-// The same with everything the chain may do besides: still-bur walls, a bound that rises and falls, gaps
-// resumed or not.
+// The same with everything the chain may do besides: still-bur walls, a bound that rises and falls,
+// gaps resumed or not.
 class ChangingMaterial final : public Material {
  public:
   explicit ChangingMaterial(uint64_t seed) : random_(seed) {}
@@ -215,8 +245,8 @@ TEST(CouplingTest, OperatorNeverExtractsEnergyAtWallsUnderChangingBoundsAndGaps)
   }
 }
 
-// What a rising bound would give away: pushed 2 mm into a wall while the bound was small, let out slowly
-// when it is large.
+// What a rising bound would give away: pushed 2 mm into a wall while the bound was small, let out
+// slowly when it is large.
 TEST(CouplingTest, BoundDoesNotRiseWhileTheOutputIsClippedAtAWall) {
   CouplingParams params = Phantom();
   Coupling coupling(params);
@@ -230,8 +260,8 @@ TEST(CouplingTest, BoundDoesNotRiseWhileTheOutputIsClippedAtAWall) {
   EXPECT_LT(glm::length(out.force_sent_n), 0.1);
 }
 
-// The premise of the proof, checked on the moves themselves: no anchor move, once guarded, lengthens
-// the spring for any true position within the encoder cell.
+// The premise of the proof, checked on the moves themselves: no anchor move, once guarded,
+// lengthens the spring for any true position within the encoder cell.
 TEST(GuardTest, NoGuardedMoveRaisesSpringEnergyAnywhereInTheCell) {
   std::mt19937_64 random(7);
   std::normal_distribution<double> normal;
@@ -242,7 +272,8 @@ TEST(GuardTest, NoGuardedMoveRaisesSpringEnergyAnywhereInTheCell) {
     w *= GuardFactor(e, w, delta);
     for (int corner = 0; corner < 8; ++corner) {
       dvec3 x = e + dvec3(corner & 1 ? delta.x : -delta.x, corner & 2 ? delta.y : -delta.y,
-                          corner & 4 ? delta.z : -delta.z) * 0.5;
+                          corner & 4 ? delta.z : -delta.z) *
+                        0.5;
       EXPECT_LE(glm::dot(x - w, x - w), glm::dot(x, x) * (1 + 1e-12) + 1e-24);
     }
   }
