@@ -1,16 +1,26 @@
-// Re-runs the core on a recorded attempt and prints what it found, one line per fact. Built twice,
-// by g++ -O3 and by clang++ -O0; tests/determinism compares the two outputs byte for byte.
+// Re-runs the core on a recorded attempt and prints what it found, one line per fact. Built several times,
+// by g++ -O3 and by clang++ -O0 among others; tests/determinism compares the outputs byte for byte.
 //   core_replay record SEED TRACE VOLUME   makes a recording (a seeded hand on a two-tissue ball)
 //   core_replay replay TRACE VOLUME        re-runs it
+//   core_replay digest TRACE VOLUME [TICK] re-runs it and prints a line per tick: state hash, and a hash of
+//                                          each brick it changed; with TICK, that tick's first count is
+//                                          one more
+//   core_replay diff DIGEST DIGEST         names the first tick, and brick, in which two digests differ
 
+#include <cinttypes>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
+#include <iostream>
 #include <random>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include "common/base/file.h"
+#include "common/base/state_hash.h"
 #include "common/scene/builder.h"
 #include "common/scene/volume_blob.h"
 #include "common/trace/replay.h"
@@ -44,9 +54,25 @@ core::CoreParams ParamsFor(uint64_t seed) {
   p.resolution_nm = {9'000, 10'000, 20'000};
   p.device_origin_nm = {17, -23, 41};
   p.peak_force_mn = 6000;
-  p.bur_shape = seed % 3 ? cutting::BurShape::kCylinder : cutting::BurShape::kSphere;
+  // All shapes in seven recordings, cylinder and sphere in the first two.
+  constexpr cutting::BurShape kShapes[] = {
+      cutting::BurShape::kCylinder, cutting::BurShape::kSphere,       cutting::BurShape::kCone,
+      cutting::BurShape::kFlame,    cutting::BurShape::kInvertedCone, cutting::BurShape::kPear,
+      cutting::BurShape::kWheel};
+  p.bur_shape = kShapes[(seed - 1) % std::size(kShapes)];
   p.bur_radius_nm = 500'000;
-  p.bur_length_nm = 4'000'000;
+  p.bur_length_nm = p.bur_shape == cutting::BurShape::kWheel ? 600'000 : 4'000'000;
+  p.bur_narrow_radius_nm = 300'000;
+  if (seed % 3 == 0) {
+    p.shank_radius_nm = 800'000;
+    p.neck_nm = 1'000'000;
+    p.axial_damping_mn_s_per_mm[1] = 2500;
+  }
+  if (seed % 5 == 0) {
+    p.handpiece_stall_un_m = 2330;
+    p.handpiece_tangential_permille = 300;
+    p.handpiece_lag_us = 50'000;
+  }
   p.damping_mn_s_per_mm[1] = 1500;
   p.damping_mn_s_per_mm[2] = 900;
   p.rotational_kc_un_m_per_rad = seed % 4 ? 0 : 20'000;
@@ -106,20 +132,87 @@ int Record(uint64_t seed, const char* trace_path, const char* volume_path) {
   return written.ok() ? 0 : Fail(written);
 }
 
-int Replay(const char* trace_path, const char* volume_path) {
+struct Recording {
+  trace::Header header;
+  std::vector<Bytes> chunks;
+  cutting::Volume volume;
+};
+
+Result<Recording> Read(const char* trace_path, const char* volume_path) {
   auto trace_bytes = ReadFile(trace_path);
-  if (!trace_bytes.ok()) return Fail(trace_bytes.status());
+  if (!trace_bytes.ok()) return trace_bytes.status();
   auto file = trace::DecodeTraceFile(*trace_bytes);
-  if (!file.ok()) return Fail(file.status());
+  if (!file.ok()) return file.status();
   auto header = trace::DecodeHeader(file->header);
-  if (!header.ok()) return Fail(header.status());
-  if (Status known = core::ValidateParams(header->params); !known.ok()) return Fail(known);
+  if (!header.ok()) return header.status();
+  ENAMEL_RETURN_IF_ERROR(core::ValidateParams(header->params));
   auto blob = ReadFile(volume_path);
-  if (!blob.ok()) return Fail(blob.status());
+  if (!blob.ok()) return blob.status();
   auto volume = scene::DecodeVolume(*blob);
-  if (!volume.ok()) return Fail(volume.status());
-  core::Core core(header->params, std::move(*volume));
-  auto report = trace::Replay(core, *header, file->chunks);
+  if (!volume.ok()) return volume.status();
+  return Recording{std::move(*header), std::move(file->chunks), std::move(*volume)};
+}
+
+int Digest(const char* trace_path, const char* volume_path, uint64_t disturbed_tick) {
+  auto recording = Read(trace_path, volume_path);
+  if (!recording.ok()) return Fail(recording.status());
+  core::Core core(recording->header.params, std::move(recording->volume));
+  for (const Bytes& bytes : recording->chunks) {
+    auto chunk = trace::DecodeChunk(bytes);
+    if (!chunk.ok()) return Fail(chunk.status());
+    for (trace::Tick& tick : chunk->ticks) {
+      uint64_t number = core.ticks();
+      if (number == disturbed_tick) tick.input.counts[0] += 1;
+      core.Step(tick.input);
+      std::printf("%" PRIu64 " %016" PRIx64, number, core.state_hash());
+      for (int32_t brick : core.touched()) {
+        StateHash samples;
+        for (int16_t phi : core.volume().Phi(brick).phi) samples.U64(static_cast<uint16_t>(phi));
+        std::printf(" %d:%016" PRIx64, brick, samples.value());
+      }
+      std::printf("\n");
+    }
+  }
+  return 0;
+}
+
+// 1 where the digests differ.
+int Diff(const char* path_a, const char* path_b) {
+  std::ifstream a(path_a), b(path_b);
+  std::string line_a, line_b;
+  for (;;) {
+    bool more_a = static_cast<bool>(std::getline(a, line_a)), more_b = static_cast<bool>(std::getline(b, line_b));
+    if (!more_a && !more_b) return 0;
+    if (more_a && more_b && line_a == line_b) continue;
+    std::istringstream words_a(line_a), words_b(line_b);
+    std::string tick, hash, word_a, word_b;
+    (more_a ? words_a : words_b) >> tick >> hash;
+    std::cout << "first difference in tick " << tick << ": ";
+    if (more_a != more_b) {
+      std::cout << "one run ends before it\n";
+      return 1;
+    }
+    words_b >> tick >> hash;
+    for (;;) {
+      word_a.clear(), word_b.clear();
+      words_a >> word_a, words_b >> word_b;
+      if (word_a != word_b) {
+        std::cout << "brick " << (word_a.empty() ? word_b : word_a).substr(0, (word_a.empty() ? word_b : word_a).find(':'))
+                  << (word_a.empty() || word_b.empty() ? ", changed in one run only\n" : "\n");
+        return 1;
+      }
+      if (word_a.empty()) break;
+    }
+    std::cout << "in the scalars or the input; every brick it changed agrees\n";
+    return 1;
+  }
+}
+
+int Replay(const char* trace_path, const char* volume_path) {
+  auto recording = Read(trace_path, volume_path);
+  if (!recording.ok()) return Fail(recording.status());
+  core::Core core(recording->header.params, std::move(recording->volume));
+  auto report = trace::Replay(core, recording->header, recording->chunks);
   if (!report.ok()) return Fail(report.status());
   std::printf("ticks %llu\nchunks %u\ngap_ticks %llu\nwitness_ok %d %s\nstate_hash %016llx\n",
               static_cast<unsigned long long>(report->ticks), report->chunks,
@@ -140,6 +233,12 @@ int main(int argc, char** argv) {
     return Record(std::strtoull(argv[2], nullptr, 10), argv[3], argv[4]);
   }
   if (argc == 4 && std::strcmp(argv[1], "replay") == 0) return Replay(argv[2], argv[3]);
-  std::fprintf(stderr, "usage: core_replay record SEED TRACE VOLUME | replay TRACE VOLUME\n");
+  if ((argc == 4 || argc == 5) && std::strcmp(argv[1], "digest") == 0) {
+    return Digest(argv[2], argv[3], argc == 5 ? std::strtoull(argv[4], nullptr, 10) : UINT64_MAX);
+  }
+  if (argc == 4 && std::strcmp(argv[1], "diff") == 0) return Diff(argv[2], argv[3]);
+  std::fprintf(stderr,
+               "usage: core_replay record SEED TRACE VOLUME | replay TRACE VOLUME | digest TRACE VOLUME [TICK] | "
+               "diff DIGEST DIGEST\n");
   return 2;
 }

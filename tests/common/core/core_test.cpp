@@ -2,39 +2,22 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <iterator>
 #include <random>
 
+#include "tests/common/core/params.h"
 #include "tests/support/analytic_volume.h"
 
 namespace enamel::core {
 namespace {
 
-CoreParams Params() {
-  CoreParams p;
-  p.kc_mn_per_mm = 2500;
-  p.resolution_nm = {10'000, 10'000, 10'000};
-  p.peak_force_mn = 7900;
-  p.bur_shape = cutting::BurShape::kCylinder;
-  p.bur_radius_nm = 600'000;
-  p.bur_length_nm = 4'000'000;
-  p.damping_mn_s_per_mm[1] = 6500;
-  return p;
-}
+using test::At;
+using test::Stroke;
 
-TickInput At(double x_m, double y_m, double z_m, uint8_t flags = kBurOn) {
-  TickInput in;
-  in.counts = {static_cast<int32_t>(std::lround(x_m / 10e-6)), static_cast<int32_t>(std::lround(y_m / 10e-6)),
-               static_cast<int32_t>(std::lround(z_m / 10e-6))};
-  in.flags = flags;
-  return in;
-}
-
-// A hand that waits, comes down into the block and then moves sideways through it.
-TickInput Stroke(int tick) {
-  double down = std::min(std::max(0, tick - 600) * 1e-6, 1e-3), along = std::max(0.0, (tick - 1600) * 0.5e-6);
-  return At(along, 0.2e-3 * std::sin(tick * 0.003), 0.2e-3 - down);
-}
+CoreParams Params() { return test::ParamsFor({cutting::BurShape::kCylinder, 0.6e-3, 4e-3}); }
 
 TEST(CoreTest, SameInputsGiveTheSameToothForcesAndHash) {
   Core a(Params(), test::Block(50'000, 3e-3, 3e-3)), b(Params(), test::Block(50'000, 3e-3, 3e-3));
@@ -215,6 +198,151 @@ TEST(CoreTest, WildInputsStayBoundedInForceAndWork) {
   }
 }
 
+// The bur's side feels the shank's wall long before the ball does: it stops there and cuts nothing, is
+// felt as a wall, and slides and withdraws freely.
+TEST(CoreTest, ShankIsAWallThatDoesNotCut) {
+  CoreParams p = test::ParamsFor({cutting::BurShape::kSphere, 0.3e-3, 0, 0, 0.8e-3, 0.5e-3});
+  p.soft_start_ticks = 0;
+  p.resolution_nm = {1'000, 1'000, 1'000};
+  Core core(p, test::Block(50'000, 2e-3, 6e-3));  // its side is at x = 2 mm
+  auto at = [](double x, double y) {
+    TickInput in;
+    in.counts = {static_cast<int32_t>(std::lround(x * 1e6)), static_cast<int32_t>(std::lround(y * 1e6)), -4000};
+    in.flags = kBurOn;
+    return in;
+  };
+  TickOutput out;
+  core.Step(at(2.9e-3, 0));
+  for (int tick = 0; tick < 500; ++tick) out = core.Step(at(2.9e-3 - tick * 1e-6, 0));
+  EXPECT_EQ(core.removed(), cutting::RemovedUnits{});
+  EXPECT_NEAR(out.anchor.tip_m.x, 2.8e-3, 40e-6);
+  EXPECT_NEAR(out.force_sent_n.x, 2500 * (out.anchor.tip_m.x - 2.401e-3), 1e-3);
+  for (int tick = 0; tick < 500; ++tick) out = core.Step(at(2.401e-3, tick * 1e-6));
+  EXPECT_NEAR(out.anchor.tip_m.y, 0.499e-3, 30e-6);
+  for (int tick = 0; tick < 500; ++tick) out = core.Step(at(2.401e-3 + tick * 1e-6, 0.499e-3));
+  EXPECT_LT(glm::length(out.force_sent_n), 0.01);
+}
+
+// Steady feed v against B: the bur settles where F (1 - r k F / tau) = B v.
+TEST(CoreTest, HandpieceSlowsDownUnderLoadAndResistsMore) {
+  auto force = [](int32_t stall_un_m, double* ratio) {
+    CoreParams p = Params();
+    p.soft_start_ticks = 0;
+    p.handpiece_stall_un_m = stall_un_m;
+    p.handpiece_tangential_permille = 400;
+    p.handpiece_lag_us = 20'000;
+    Core core(p, test::Block(50'000, 6e-3, 5e-3));
+    core.Step(At(-6.8e-3, 0, -4e-3));
+    double sum = 0;
+    for (int tick = 0; tick < 22000; ++tick) {
+      TickOutput out = core.Step(At(-6.8e-3 + tick * 0.3e-6, 0, -4e-3));
+      if (tick >= 21000) sum -= out.force_sent_n.x;
+      *ratio = out.bur_speed_ratio;
+    }
+    return sum / 1000;
+  };
+  double free_ratio = 0, loaded_ratio = 0;
+  double ideal = force(0, &free_ratio), loaded = force(2330, &loaded_ratio);
+  EXPECT_EQ(free_ratio, 1);
+  EXPECT_NEAR(loaded_ratio, 1 - 0.6e-3 * 0.4 * loaded / 2.33e-3, 0.01);
+  EXPECT_NEAR(loaded * loaded_ratio, ideal, 0.03 * ideal);
+  EXPECT_GT(loaded, 1.2 * ideal);
+}
+
+TEST(CoreTest, StalledHandpieceStillGivesWayAndRecovers) {
+  CoreParams p = Params();
+  p.soft_start_ticks = 0;
+  p.handpiece_stall_un_m = 100;
+  p.handpiece_tangential_permille = 1000;
+  Core core(p, test::Block(50'000, 3e-3, 3e-3));
+  TickOutput out;
+  for (int tick = 0; tick < 3000; ++tick) out = core.Step(Stroke(tick));
+  EXPECT_NEAR(out.bur_speed_ratio, Handpiece::kSlowest, 1e-6);
+  EXPECT_TRUE(std::isfinite(glm::length(out.force_sent_n)));
+  for (int tick = 0; tick < 3000; ++tick) out = core.Step(At(0, 0, 3e-3));
+  EXPECT_NEAR(out.bur_speed_ratio, 1, 1e-6);
+}
+
+// A law without an anchor takes the bur to the tip: 10 mm in a tick is no cut but a fault.
+TEST(CoreTest, StepLongerThanTheMaximumCutsNothingAndSuspends) {
+  CoreParams p = Params();
+  p.soft_start_ticks = 0;
+  p.law = haptics::LawKind::kPaperDamping;
+  Core core(p, test::Block(50'000, 6e-3, 3e-3));
+  core.Step(At(-7e-3, 0, 0.5e-3));
+  core.Step(At(-7e-3, 0, 0.5e-3));
+  TickOutput out = core.Step(At(5e-3, 0, -1e-3));
+  EXPECT_TRUE(out.flags & kStepTooLong);
+  EXPECT_TRUE(out.flags & kSuspended);
+  EXPECT_EQ(out.force_sent_n, dvec3(0));
+  EXPECT_EQ(core.removed(), cutting::RemovedUnits{});
+  out = core.Step(At(5e-3, 0, -1.001e-3));
+  EXPECT_EQ(out.flags & kStepTooLong, 0);
+  EXPECT_EQ(core.removed(), cutting::RemovedUnits{});
+}
+
+// The hole of one polyline of tip positions, cut at every pace. eq. 1 puts the bur where the tip is, so that
+// the path is the same whatever the force.
+struct Hole {
+  int64_t removed;
+  cutting::Volume volume;
+};
+Hole CutPolyline(double speed_m_s, uint32_t rate_hz) {
+  CoreParams p = Params();
+  p.soft_start_ticks = 0;
+  p.law = haptics::LawKind::kPaperDamping;
+  p.rate_hz = rate_hz;
+  p.resolution_nm = {10, 10, 10};
+  p.bur_radius_nm = 400'000;
+  p.bur_length_nm = 1'500'000;
+  Core core(p, test::Block(50'000, 1.2e-3, 1.2e-3));
+  auto step = [&](const dvec3& at, uint8_t flags) {
+    TickInput in;
+    for (int i = 0; i < 3; ++i) in.counts[static_cast<size_t>(i)] = static_cast<int32_t>(std::lround(at[i] * 1e8));
+    in.flags = flags;
+    core.Step(in);
+  };
+  const dvec3 corners[] = {dvec3(-0.5e-3, -0.3e-3, 0.2e-3), dvec3(-0.5e-3, -0.3e-3, -0.4e-3), dvec3(0.5e-3, -0.3e-3, -0.4e-3),
+                           dvec3(0.1e-3, 0.4e-3, -0.5e-3), dvec3(0.1e-3, 0.4e-3, 0.3e-3)};
+  step(corners[0], kBurOn);
+  step(corners[0], kBurOn);
+  for (size_t i = 0; i + 1 < std::size(corners); ++i) {
+    dvec3 way = corners[i + 1] - corners[i];
+    int ticks = std::max(1, static_cast<int>(std::ceil(glm::length(way) * rate_hz / speed_m_s)));
+    for (int k = 1; k <= ticks; ++k) step(corners[i] + way * (static_cast<double>(k) / ticks), kBurOn);
+  }
+  step(corners[4], 0);
+  return {core.removed()[1], core.volume()};
+}
+
+TEST(CoreTest, SamePolylineMakesTheSameHoleAtEverySpeedAndRate) {
+  Hole reference = CutPolyline(1e-3, 1000);
+  const double whole = cutting::RemovedUnitsToM3(reference.removed, 50e-6);
+  EXPECT_GT(whole, 0.5e-9);
+  struct Pace {
+    double speed_m_s;
+    uint32_t rate_hz;
+  };
+  for (Pace pace : {Pace{0.1e-3, 100}, Pace{0.1e-3, 10'000}, Pace{1e-3, 100}, Pace{5e-3, 1000}, Pace{20e-3, 10'000},
+                    Pace{100e-3, 100}, Pace{100e-3, 1000}, Pace{100e-3, 10'000}}) {
+    Hole hole = CutPolyline(pace.speed_m_s, pace.rate_hz);
+    double volume_error = static_cast<double>(hole.removed) / static_cast<double>(reference.removed) - 1;
+    // Where the reference's surface is, how far the other's is from it.
+    double worst = 0;
+    const auto& spec = reference.volume.spec();
+    ivec3 n = spec.voxels();
+    for (int z = 0; z < n.z; ++z)
+      for (int y = 0; y < n.y; ++y)
+        for (int x = 0; x < n.x; ++x) {
+          int a = reference.volume.PhiAt({x, y, z}), b = hole.volume.PhiAt({x, y, z});
+          if (std::abs(a) < 4096) worst = std::max(worst, std::abs(a - b) / 8192.0);
+        }
+    std::printf("%6g mm/s at %5u Hz: volume %+.4f %%, surface at most %.4f voxel away\n", pace.speed_m_s * 1e3, pace.rate_hz, 100 * volume_error, worst);
+    EXPECT_LT(std::fabs(volume_error), 1e-3);
+    EXPECT_LT(worst, 1.0 / 16);
+  }
+}
+
 TEST(CoreParamsTest, ComeBackFromTheirCanonicalBytes) {
   ByteWriter out;
   WriteParams(Params(), out);
@@ -222,6 +350,28 @@ TEST(CoreParamsTest, ComeBackFromTheirCanonicalBytes) {
   auto back = ReadParams(in);
   ASSERT_TRUE(back.ok()) << back.status().message();
   EXPECT_EQ(*back, Params());
+}
+
+TEST(CoreParamsTest, FormatOfTheFirstCoreIsReadWithDefaultsForWhatCameLater) {
+  CoreParams p = Params();
+  p.core_version = 1;
+  ByteWriter out;
+  WriteParams(p, out);
+  EXPECT_EQ(out.size(), ParamsBytes(1));
+  ByteReader in(out.bytes());
+  auto back = ReadParams(in);
+  ASSERT_TRUE(back.ok()) << back.status().message();
+  EXPECT_EQ(*back, p);
+  EXPECT_EQ(ValidateParams(*back).code(), Code::kVersion);
+}
+
+TEST(CoreParamsTest, ImpossibleBurIsRefusedWithItsMeasures) {
+  CoreParams p = test::ParamsFor({cutting::BurShape::kPear, 0.5e-3, 0.8e-3, 0.3e-3});
+  Status status = ValidateParams(p);
+  EXPECT_EQ(status.code(), Code::kInvalidInput);
+  EXPECT_NE(status.message().find("at least twice"), std::string::npos) << status.message();
+  p.bur_shape = static_cast<cutting::BurShape>(99);
+  EXPECT_NE(ValidateParams(p).message().find("99"), std::string::npos);
 }
 
 TEST(CoreParamsTest, EveryTruncationIsRefused) {
