@@ -8,6 +8,7 @@
 
 #include "station/app/attempt.h"
 #include "station/app/commands.h"
+#include "station/app/explain.h"
 #include "station/app/replay.h"
 #include "station/qualify/cli.h"
 
@@ -201,6 +202,35 @@ int main(int argc, char** argv) {
   simulate_cmd->add_option("--json", simulate.json, "Write the facts to this file");
   simulate_cmd->callback([&] { exit_code = Finish(SimulateAttempt(simulate)); });
 
+  ExplainCommand explain;
+  auto* explain_cmd = app.add_subcommand(
+      "explain", "What of a scene an attempt carries, what is left out and why, measured here");
+  explain_cmd
+      ->add_option("scene", explain.scene,
+                   "builtin:NAME ('scenes' lists them) or an imported scene's folder")
+      ->capture_default_str();
+  explain_cmd->add_option("--exercise", explain.exercise,
+                          "Name ('scenes' lists them) or kind, as class-1; else the scene's first");
+  explain_cmd->add_option("--profile", explain.profile, "Device profile")->capture_default_str();
+  explain_cmd->add_option("--voxel-um", explain.voxel_um, "Voxel of a built-in scene")
+      ->capture_default_str();
+  explain_cmd
+      ->add_option("--memory-mb", explain.memory_mb, "What a built-in scene may take at most")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  explain_cmd->add_flag("--window", explain.window, "For an attempt with a window");
+  explain_cmd->add_flag("--replay", explain.replay, "For re-running a recording");
+  explain_cmd
+      ->add_option("--budget-us", explain.budget_us,
+                   "Of a tick: practice picks voxel, law and rate that fit; a graded exercise is "
+                   "checked against it")
+      ->check(CLI::PositiveNumber);
+  explain_cmd->add_option("--json", explain.json, "Write the facts to this file");
+  explain_cmd->callback([&] { exit_code = Finish(ExplainScene(explain)); });
+
+  app.add_subcommand("scenes", "Built-in scenes and their exercises")->callback([] {
+    PrintScenes();
+  });
   app.add_subcommand("devices", "Devices and simulated operators")->callback([] {
     PrintDevices();
   });

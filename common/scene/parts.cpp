@@ -1,0 +1,74 @@
+#include "common/scene/parts.h"
+
+#include <algorithm>
+
+namespace enamel::scene {
+namespace {
+
+using cutting::Tissue;
+
+bool Names(const Scene& scene, Tissue tissue) {
+  return std::any_of(scene.tissues.begin(), scene.tissues.end(),
+                     [&](const TissueSpec& t) { return t.tissue == tissue; });
+}
+
+std::string TissueList(const Scene& scene) {
+  std::string out;
+  for (const TissueSpec& t : scene.tissues) {
+    out += (out.empty() ? "" : ", ") + std::string(cutting::TissueName(t.tissue));
+  }
+  return out;
+}
+
+Part Labels(const Scene& scene) {
+  if (scene.tissues.size() > 1) {
+    return {PartId::kLabels, "labels", true,
+            "tissues differ (" + TissueList(scene) + "); only bricks that hold two have them"};
+  }
+  return {PartId::kLabels, "labels", false, "a single tissue (" + TissueList(scene) + ")"};
+}
+
+Part Neighbour(const Scene& scene) {
+  bool there = Names(scene, Tissue::kNeighbour);
+  return {PartId::kNeighbour, "neighbour", there,
+          there ? "the scene has adjacent teeth: the bur may touch them" : "no adjacent tooth"};
+}
+
+Part OtherBurs(const Exercise& exercise) {
+  return {PartId::kOtherBurs, "other burs", false,
+          "the exercise has one bur, a " + std::string(cutting::BurShapeName(exercise.bur_shape))};
+}
+
+Part Surface(const Use& use) {
+  bool shown = use.window && !use.replay;
+  return {PartId::kSurface, "surface", shown,
+          shown ? "a window shows the tooth; off the tick's thread" : "no window"};
+}
+
+Part BusWrite(const Use& use) {
+  return {PartId::kBusWrite, "bus write", !use.replay,
+          use.replay ? "a replay has no device" : "the device gets its force every tick"};
+}
+
+}  // namespace
+
+std::vector<Part> ListParts(const Scene& scene, const Exercise& exercise, const Use& use) {
+  return {
+      Labels(scene),
+      {PartId::kUniform, "uniform bricks", false,
+       "air and the deep inside of a tissue are one word"},
+      Neighbour(scene),
+      {PartId::kBeyondReach, "beyond reach", true,
+       "a hand may go anywhere; the exercise itself stays 2 mm inside of it"},
+      {PartId::kTurning, "turning", true, "a bur must not cut by turning, felt or not"},
+      {PartId::kTorque, "torque", false, "the device has three degrees of freedom"},
+      OtherBurs(exercise),
+      Surface(use),
+      BusWrite(use),
+      {PartId::kForceBounds, "force bounds", true,
+       "part of the core: a recording replays with them"},
+      {PartId::kStateHash, "state hash", true, "part of the core: a divergence must be found"},
+  };
+}
+
+}  // namespace enamel::scene

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/scene/types.h"
+
+// What of a scene an attempt carries: the compiler's decisions. 'enamel-station explain' measures
+// what each is worth.
+namespace enamel::scene {
+
+enum class PartId {
+  kLabels,       // a tissue per voxel
+  kUniform,      // bricks without a surface, stored
+  kNeighbour,    // bricks of adjacent teeth
+  kBeyondReach,  // bricks the exercise's bur has no business in
+  kTurning,      // resistance to turning the bur
+  kTorque,       // torque for the device
+  kOtherBurs,    // tables of burs the exercise does not use
+  kSurface,      // triangles for the window
+  kBusWrite,     // force to the device
+  kForceBounds,
+  kStateHash,
+};
+
+struct Part {
+  PartId id;
+  std::string_view name;  // "labels"
+  bool kept;
+  std::string why;
+};
+
+// What the plan is for.
+struct Use {
+  bool window = false;
+  bool replay = false;  // a recording is re-run: no device
+};
+
+// Every part once, in the order of PartId. Requires: CompilePlan and CheckVolume accept the scene.
+std::vector<Part> ListParts(const Scene& scene, const Exercise& exercise, const Use& use);
+
+}  // namespace enamel::scene
