@@ -12,12 +12,13 @@ using cutting::Pose;
 
 constexpr double kSampleVoxels = 1.0 / 8;
 constexpr int kHashedBricksPerTick = 8;
-constexpr int kMaxTurns = 64;                       // half-voxel turns of the bur per tick
-constexpr double kWallRotational_n_m_s = 1e3;       // a still bur in contact does not turn
+constexpr int kMaxTurns = 64;                  // half-voxel turns of the bur per tick
+constexpr double kWallRotational_n_m_s = 1e3;  // a still bur in contact does not turn
 
 double ReachOf(const CoreParams& p) {
   cutting::Bur bur = BurOf(p);
-  double shank = bur.shank_radius_m > 0 ? bur.neck_m + bur.shank_radius_m + cutting::kShankLength_m : 0;
+  double shank =
+      bur.shank_radius_m > 0 ? bur.neck_m + bur.shank_radius_m + cutting::kShankLength_m : 0;
   return bur.radius_m + bur.height_m() + shank;
 }
 
@@ -78,7 +79,8 @@ class Core::TissueMaterial final : public haptics::Material {
     cutting::Engagement engagement = core_.engagement_.Read(stretch_m);
     contact.engaged = engagement.area_m2 > 0;
     if (core_.bur_on_) {
-      contact.damping_n_s_per_m = engagement.damping_n_s_per_m * (1 / core_.handpiece_.speed_ratio());
+      contact.damping_n_s_per_m =
+          engagement.damping_n_s_per_m * (1 / core_.handpiece_.speed_ratio());
       contact.wall_normal = engagement.shank_normal;
     } else {
       contact.wall_normal = engagement.mean_normal;
@@ -93,7 +95,8 @@ class Core::TissueMaterial final : public haptics::Material {
     const double step = 0.5 * core_.volume_.spec().voxel_m();
     const dvec3 d = to_m - from_m;
     const double length = std::sqrt(Dot(d, d));
-    if (length > step && !core_.cutter_.AnySolidNear({from_m, core_.orientation_}, length + 2 * step)) {
+    if (length > step &&
+        !core_.cutter_.AnySolidNear({from_m, core_.orientation_}, length + 2 * step)) {
       core_.FinishCut();
       return;
     }
@@ -134,7 +137,8 @@ dvec3 Core::TipOf(const std::array<int32_t, 3>& counts) const noexcept {
   dvec3 out;
   for (int i = 0; i < 3; ++i) {
     auto n = static_cast<size_t>(i);
-    int64_t nm = params_.device_origin_nm[n] + static_cast<int64_t>(counts[n]) * params_.resolution_nm[n];
+    int64_t nm =
+        params_.device_origin_nm[n] + static_cast<int64_t>(counts[n]) * params_.resolution_nm[n];
     out[i] = static_cast<double>(nm) * 1e-9;
   }
   return out;
@@ -170,11 +174,11 @@ bool Core::ResumeAfterGap(const dvec3& tip_m) noexcept {
   return coupling_.Resume(tip_m, material);
 }
 
-// The anchor's orientation follows the device's through the same coupling as its position, felt or not:
-// the angular stretch e relaxes as B_rot (B_rot + K_rot T I)^-1 e. Small-angle form, e = 2 sign(w) v of
-// the error quaternion: no libm. In air (B_rot = 0) the anchor's orientation is the device's. No point of
-// the bur moves more than half a voxel before contact is read again, so a turn stops at the first
-// contact and the rest of the tick is spent against its resistance.
+// The anchor's orientation follows the device's through the same coupling as its position, felt or
+// not: the angular stretch e relaxes as B_rot (B_rot + K_rot T I)^-1 e. Small-angle form, e = 2
+// sign(w) v of the error quaternion: no libm. In air (B_rot = 0) the anchor's orientation is the
+// device's. No point of the bur moves more than half a voxel before contact is read again, so a
+// turn stops at the first contact and the rest of the tick is spent against its resistance.
 void Core::FollowOrientation(const Quat& device, TissueMaterial& material) noexcept {
   if (params_.rotational_kc_un_m_per_rad == 0) return;
   const double voxel = volume_.spec().voxel_m(), reach = ReachOf(params_);

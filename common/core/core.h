@@ -30,9 +30,9 @@ enum InputFlags : uint8_t {
 
 // One tick's input: the truth of a recording. Everything else is computed.
 struct TickInput {
-  std::array<int32_t, 3> counts{};                       // device counts (CoreParams::resolution_nm)
+  std::array<int32_t, 3> counts{};  // device counts (CoreParams::resolution_nm)
   QuantisedOrientation orientation = kIdentityOrientation;
-  uint8_t flags = 0;                                     // InputFlags
+  uint8_t flags = 0;  // InputFlags
   uint16_t bur_speed_krpm = 0;
   // Ticks that passed without being recorded, and so without being stepped, before this one.
   uint32_t gap_ticks = 0;
@@ -53,42 +53,44 @@ struct TickWitness {
 enum OutputFlags : uint16_t {
   kAnchorReset = 1 << 8,       // after a gap, a fault or at the start
   kReserveExhausted = 1 << 9,  // the cut is incomplete: a fault of the scene's budget
-  kSuspended = 1 << 10,        // no force and no cut: the bur has not yet been in free air long enough
-  kStepTooLong = 1 << 11,      // a fault: the bur would have moved by more than kMaxPosesPerMove cuts at once
+  kSuspended = 1 << 10,  // no force and no cut: the bur has not yet been in free air long enough
+  kStepTooLong =
+      1 << 11,  // a fault: the bur would have moved by more than kMaxPosesPerMove cuts at once
 };
 
 struct TickOutput {
-  dvec3 force_sent_n{0};          // to send to the device, scene frame
+  dvec3 force_sent_n{0};  // to send to the device, scene frame
   dvec3 force_computed_n{0};
-  cutting::Pose anchor;           // the bur as drawn and as it cuts
+  cutting::Pose anchor;             // the bur as drawn and as it cuts
   cutting::RemovedUnits removed{};  // by this tick, per tissue, 1/65536 voxel
-  double bur_speed_ratio = 1;     // the handpiece's speed, as a share of its free speed
+  double bur_speed_ratio = 1;       // the handpiece's speed, as a share of its free speed
   uint16_t flags = 0;
   TickWitness witness;
 };
 
-// A pure function of (params, initial volume, inputs so far): same tooth, same forces, same hash, to
-// the last bit, on every compiler and machine this builds on. No clock, no randomness, no libm.
+// A pure function of (params, initial volume, inputs so far): same tooth, same forces, same hash,
+// to the last bit, on every compiler and machine this builds on. No clock, no randomness, no libm.
 //
-// Force and cutting are switched on in free air only. At the start, after a fault and after a gap in
-// which the hand moved by more than half a voxel, nothing is known of how the tip came to where it is:
-// putting the anchor there would cut a hole of the bur's size at no force, and leaving it behind would
-// hand out energy that nobody put in. So the anchor stays at the tip, without force or cut, until the
-// bur has touched nothing for soft_start_ticks (kSuspended). After a shorter gap the cut goes on from
-// where it was (Coupling::Resume).
+// Force and cutting are switched on in free air only. At the start, after a fault and after a gap
+// in which the hand moved by more than half a voxel, nothing is known of how the tip came to where
+// it is: putting the anchor there would cut a hole of the bur's size at no force, and leaving it
+// behind would hand out energy that nobody put in. So the anchor stays at the tip, without force or
+// cut, until the bur has touched nothing for soft_start_ticks (kSuspended). After a shorter gap the
+// cut goes on from where it was (Coupling::Resume).
 //
-// Order in a tick: read p; engagement at the anchor; law moves the anchor (through contact, in steps
-// of at most half a voxel) and cuts along it; bounds; hash. A step through open air stops at the first
-// contact and the rest of the tick is spent in what was found there (haptics/coupling.h). A tick's last cut
-// is done in two halves, the second at the beginning of the next tick.
+// Order in a tick: read p; engagement at the anchor; law moves the anchor (through contact, in
+// steps of at most half a voxel) and cuts along it; bounds; hash. A step through open air stops at
+// the first contact and the rest of the tick is spent in what was found there (haptics/coupling.h).
+// A tick's last cut is done in two halves, the second at the beginning of the next tick.
 //
-// Work in a tick is bounded: at most kMaxMovesPerTick moves of the anchor, each with one engagement sample,
-// and kMaxCutsPerTick cuts of at most Cutter::MaxBricks bricks. The laws that take the bur to the tip
-// do so in one move of at most kMaxPosesPerMove poses: a longer one (6.4 mm a tick at 0.05 mm) cuts nothing, is
-// flagged kStepTooLong and suspends. Ordinary motion cuts half a pose a tick; a tick near the bound takes
-// milliseconds, and is then late. The hole lags behind a moving bur by at most Sweep::SpanOf
-// (cutting/sweep.h) and a tick; what lags is cut when the bur stops, turns, is switched off or suspended.
-// Thread safety: none. Real-time: Step is safe (no allocation, bounded work); construction is not.
+// Work in a tick is bounded: at most kMaxMovesPerTick moves of the anchor, each with one engagement
+// sample, and kMaxCutsPerTick cuts of at most Cutter::MaxBricks bricks. The laws that take the bur
+// to the tip do so in one move of at most kMaxPosesPerMove poses: a longer one (6.4 mm a tick at
+// 0.05 mm) cuts nothing, is flagged kStepTooLong and suspends. Ordinary motion cuts half a pose a
+// tick; a tick near the bound takes milliseconds, and is then late. The hole lags behind a moving
+// bur by at most Sweep::SpanOf (cutting/sweep.h) and a tick; what lags is cut when the bur stops,
+// turns, is switched off or suspended. Thread safety: none. Real-time: Step is safe (no allocation,
+// bounded work); construction is not.
 class Core {
  public:
   // Requires: ValidateParams(params).ok().
@@ -99,7 +101,8 @@ class Core {
 
   static constexpr int kMaxMovesPerTick = 300, kMaxPosesPerMove = 256;
   // A pose is cut once at most: those of the moves, and what waited before.
-  static constexpr int kMaxCutsPerTick = kMaxMovesPerTick + kMaxPosesPerMove + static_cast<int>(cutting::Sweep::kMaxDue);
+  static constexpr int kMaxCutsPerTick =
+      kMaxMovesPerTick + kMaxPosesPerMove + static_cast<int>(cutting::Sweep::kMaxDue);
 
   ENAMEL_REALTIME TickOutput Step(const TickInput& input) noexcept;
 
@@ -122,9 +125,9 @@ class Core {
   dvec3 TipOf(const std::array<int32_t, 3>& counts) const noexcept;
 
   // Keyframes of a replay (trace/keyframes.h). VisitState saves or restores all that the next Step
-  // depends on but the tooth's samples; RestoreBrick puts those back, brick by brick, into a core made
-  // with the same parameters and initial volume. Saved bytes are this build's own. Restoring: false
-  // when they are not such a core's; then the core must not be stepped. Not real-time.
+  // depends on but the tooth's samples; RestoreBrick puts those back, brick by brick, into a core
+  // made with the same parameters and initial volume. Saved bytes are this build's own. Restoring:
+  // false when they are not such a core's; then the core must not be stepped. Not real-time.
   bool VisitState(StateArchive& archive);
   // False when the brick can never have been stored: outside the grid, or air from the start.
   bool RestoreBrick(int brick, std::span<const int16_t, cutting::kBrickVoxels> phi);
@@ -153,24 +156,24 @@ class Core {
   cutting::EngagementReader engagement_;
   haptics::Coupling coupling_;
   Handpiece handpiece_;
-  Quat orientation_;               // the anchor's
+  Quat orientation_;  // the anchor's
   bool started_ = false;
   bool bur_on_ = false;
   bool suspended_ = true;
-  uint32_t free_ticks_ = 0;        // in a row, while suspended
+  uint32_t free_ticks_ = 0;  // in a row, while suspended
   cutting::RemovedUnits removed_{};
   StateHash hash_;
   uint64_t ticks_ = 0;
 
-  // Pose of the last engagement sample, which is renewed when the anchor has moved by an eighth of a
-  // voxel. A cut alone does not change it: it takes away what lies within the bur, and what lies there
-  // weighs no more than what lies on its surface.
+  // Pose of the last engagement sample, which is renewed when the anchor has moved by an eighth of
+  // a voxel. A cut alone does not change it: it takes away what lies within the bur, and what lies
+  // there weighs no more than what lies on its surface.
   cutting::Pose sampled_;
   bool sample_valid_ = false;
-  cutting::Pose half_cut_;         // the pose whose upper half waits for the next tick
+  cutting::Pose half_cut_;  // the pose whose upper half waits for the next tick
   bool has_half_cut_ = false;
   bool step_too_long_ = false;
-  double resisting_n_ = 0;         // |R| of the last tick
+  double resisting_n_ = 0;  // |R| of the last tick
   Work work_;
   bool reserve_exhausted_ = false;
 

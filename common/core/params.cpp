@@ -10,7 +10,8 @@ constexpr uint16_t kParamsVersion = 2;
 Status OutOfRange(const char* field, const std::string& expected, int64_t found) {
   return Status(Code::kInvalidInput,
                 std::string("core parameter ") + field + ": expected " + expected + ", found " +
-                    std::to_string(found), field);
+                    std::to_string(found),
+                field);
 }
 
 Status CheckRange(const char* field, int64_t value, int64_t lo, int64_t hi) {
@@ -20,12 +21,15 @@ Status CheckRange(const char* field, int64_t value, int64_t lo, int64_t hi) {
 
 Status CheckBur(const CoreParams& p) {
   if (cutting::BurShapeName(p.bur_shape) == "unknown") {
-    return OutOfRange("bur_shape", "1 to " + std::to_string(cutting::kBurShapeNames.size()) +
-                                       " (schemas/trace_format.md)", static_cast<int>(p.bur_shape));
+    return OutOfRange(
+        "bur_shape",
+        "1 to " + std::to_string(cutting::kBurShapeNames.size()) + " (schemas/trace_format.md)",
+        static_cast<int>(p.bur_shape));
   }
   const bool sphere = p.bur_shape == cutting::BurShape::kSphere;
   ENAMEL_RETURN_IF_ERROR(CheckRange("bur_radius_nm", p.bur_radius_nm, 50'000, 5'000'000));
-  ENAMEL_RETURN_IF_ERROR(CheckRange("bur_length_nm", p.bur_length_nm, sphere ? 0 : 100'000, 20'000'000));
+  ENAMEL_RETURN_IF_ERROR(
+      CheckRange("bur_length_nm", p.bur_length_nm, sphere ? 0 : 100'000, 20'000'000));
   ENAMEL_RETURN_IF_ERROR(CheckRange("bur_narrow_radius_nm", p.bur_narrow_radius_nm, 0, 5'000'000));
   ENAMEL_RETURN_IF_ERROR(CheckRange("shank_radius_nm", p.shank_radius_nm, 0, 5'000'000));
   ENAMEL_RETURN_IF_ERROR(CheckRange("neck_nm", p.neck_nm, 0, 20'000'000));
@@ -34,7 +38,8 @@ Status CheckBur(const CoreParams& p) {
                   "core parameters: expected " + std::string(*why) + ", found radius " +
                       std::to_string(p.bur_radius_nm) + " nm, narrow radius " +
                       std::to_string(p.bur_narrow_radius_nm) + " nm, length " +
-                      std::to_string(p.bur_length_nm) + " nm", "bur_narrow_radius_nm");
+                      std::to_string(p.bur_length_nm) + " nm",
+                  "bur_narrow_radius_nm");
   }
   return Status::Ok();
 }
@@ -45,7 +50,8 @@ Status CheckValues(const CoreParams& p) {
     return OutOfRange("law", "a known force law", static_cast<int>(p.law));
   }
   ENAMEL_RETURN_IF_ERROR(CheckRange("kc_mn_per_mm", p.kc_mn_per_mm, 1, 1'000'000));
-  for (int32_t r : p.resolution_nm) ENAMEL_RETURN_IF_ERROR(CheckRange("resolution_nm", r, 1, 1'000'000));
+  for (int32_t r : p.resolution_nm)
+    ENAMEL_RETURN_IF_ERROR(CheckRange("resolution_nm", r, 1, 1'000'000));
   for (int64_t o : p.device_origin_nm) {
     ENAMEL_RETURN_IF_ERROR(CheckRange("device_origin_nm", o, -1'000'000'000, 1'000'000'000));
   }
@@ -81,10 +87,10 @@ cutting::Bur BurOf(const CoreParams& p) noexcept {
 
 Status ValidateParams(const CoreParams& p) {
   if (p.core_version != kCoreVersion) {
-    return Status(Code::kVersion, "this program runs core version " + std::to_string(kCoreVersion) +
-                                      ", the attempt was made with version " +
-                                      std::to_string(p.core_version) +
-                                      ": it can be listed, and re-run by a program of that version",
+    return Status(Code::kVersion,
+                  "this program runs core version " + std::to_string(kCoreVersion) +
+                      ", the attempt was made with version " + std::to_string(p.core_version) +
+                      ": it can be listed, and re-run by a program of that version",
                   "core_version");
   }
   return CheckValues(p);
@@ -130,10 +136,11 @@ Result<CoreParams> ReadParams(ByteReader& in) {
   }
   p.core_version = in.U32();
   if (in.ok() && (version == 1) != (p.core_version == 1)) {
-    return Status(Code::kInvalidInput, "core parameters: expected format 1 for core version 1 and " +
-                                           std::to_string(kParamsVersion) +
-                                           " for later ones, found format " + std::to_string(version) +
-                                           " for core version " + std::to_string(p.core_version));
+    return Status(Code::kInvalidInput,
+                  "core parameters: expected format 1 for core version 1 and " +
+                      std::to_string(kParamsVersion) + " for later ones, found format " +
+                      std::to_string(version) + " for core version " +
+                      std::to_string(p.core_version));
   }
   p.rate_hz = in.U32();
   p.law = static_cast<haptics::LawKind>(in.U8());

@@ -14,7 +14,8 @@ namespace enamel::core {
 // Any change that moves a golden hash bumps this. A station with another core version is refused
 // for new attempts; sealed attempts are re-run by a worker of the version in their header.
 //
-// 2: bur shapes, shank, axial B, handpiece; a cut visits only bricks that can change, and only poses that
+// 2: bur shapes, shank, axial B, handpiece; a cut visits only bricks that can change, and only
+// poses that
 //    leave a mark (cutting/sweep.h); engagement by evenly spread points.
 inline constexpr uint32_t kCoreVersion = 2;
 
@@ -25,9 +26,9 @@ struct CoreParams {
   uint32_t core_version = kCoreVersion;
   uint32_t rate_hz = 1000;
   haptics::LawKind law = haptics::LawKind::kMaxwell;
-  bool pass_through_at_rest = false;         // eq. 17's rule for dp = 0 (force_law.h)
-  int32_t kc_mn_per_mm = 0;                  // coupling stiffness, 1 mN/mm = 1 N/m
-  std::array<int32_t, 3> resolution_nm{};    // encoder cell per axis
+  bool pass_through_at_rest = false;       // eq. 17's rule for dp = 0 (force_law.h)
+  int32_t kc_mn_per_mm = 0;                // coupling stiffness, 1 mN/mm = 1 N/m
+  std::array<int32_t, 3> resolution_nm{};  // encoder cell per axis
   // Tip in the scene = device_origin + counts * resolution (counts are cell middles).
   std::array<int64_t, 3> device_origin_nm{};
   int32_t peak_force_mn = 0;
@@ -37,18 +38,20 @@ struct CoreParams {
   cutting::BurShape bur_shape = cutting::BurShape::kSphere;
   int32_t bur_radius_nm = 0;
   int32_t bur_length_nm = 0;
-  int32_t bur_narrow_radius_nm = 0;          // cutting::Bur
-  int32_t shank_radius_nm = 0;               // 0: no shank
+  int32_t bur_narrow_radius_nm = 0;  // cutting::Bur
+  int32_t shank_radius_nm = 0;       // 0: no shank
   int32_t neck_nm = 0;
-  std::array<int32_t, cutting::kTissueCount> damping_mn_s_per_mm{};  // B per tissue, across the bur's axis
+  std::array<int32_t, cutting::kTissueCount>
+      damping_mn_s_per_mm{};  // B per tissue, across the bur's axis
   // B along the axis; 0: as across it.
   std::array<int32_t, cutting::kTissueCount> axial_damping_mn_s_per_mm{};
-  // Rotational coupling: stiffness about each axis, uN m per rad. 0: orientation is not followed at all,
-  // the bur keeps the one it was switched on with.
+  // Rotational coupling: stiffness about each axis, uN m per rad. 0: orientation is not followed at
+  // all, the bur keeps the one it was switched on with.
   int32_t rotational_kc_un_m_per_rad = 0;
   // Handpiece (handpiece.h). Torque at which the bur stands still; 0: its speed does not fall.
   int32_t handpiece_stall_un_m = 0;
-  int32_t handpiece_tangential_permille = 0;  // tangential force at the bur's radius per resisting force
+  int32_t handpiece_tangential_permille =
+      0;  // tangential force at the bur's radius per resisting force
   int32_t handpiece_lag_us = 0;
 
   bool operator==(const CoreParams&) const = default;
@@ -57,16 +60,17 @@ struct CoreParams {
 cutting::Bur BurOf(const CoreParams& params) noexcept;
 
 // Refuses what the core cannot run with, naming the field: kVersion for another core's recording,
-// kInvalidInput for a value out of range. Also the passivity premise on kc is the profile's business
-// (haptics), not checked here.
+// kInvalidInput for a value out of range. Also the passivity premise on kc is the profile's
+// business (haptics), not checked here.
 Status ValidateParams(const CoreParams& params);
 
-// Canonical little-endian form, versioned (first u16); see schemas/trace_format.md. Core version 1 had
-// format 1, which has no fields for what came later: they must be at their defaults.
+// Canonical little-endian form, versioned (first u16); see schemas/trace_format.md. Core version 1
+// had format 1, which has no fields for what came later: they must be at their defaults.
 void WriteParams(const CoreParams& params, ByteWriter& out);
 size_t ParamsBytes(uint32_t core_version) noexcept;
-// Reads both formats and any core version, so that an old recording can be listed; whoever runs a core
-// calls ValidateParams. Errors: kInvalidInput (cut short, or a value out of range), kVersion (format).
+// Reads both formats and any core version, so that an old recording can be listed; whoever runs a
+// core calls ValidateParams. Errors: kInvalidInput (cut short, or a value out of range), kVersion
+// (format).
 Result<CoreParams> ReadParams(ByteReader& in);
 
 }  // namespace enamel::core

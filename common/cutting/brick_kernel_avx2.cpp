@@ -1,4 +1,5 @@
-// Compiled with -mavx2 (no FMA: contraction would change bits); only called where the processor has it.
+// Compiled with -mavx2 (no FMA: contraction would change bits); only called where the processor has
+// it.
 #include <immintrin.h>
 
 #include "common/cutting/brick_kernel.h"
@@ -19,7 +20,9 @@ inline __attribute__((always_inline)) I8 PairSums(S16 v) {
   return (I8)_mm256_madd_epi16((__m256i)v, _mm256_set1_epi16(1));
 }
 inline __attribute__((always_inline)) int Mask(I8 v) { return _mm256_movemask_ps((__m256)v); }
-inline __attribute__((always_inline)) bool All(S16 v) { return _mm256_movemask_epi8((__m256i)v) == -1; }
+inline __attribute__((always_inline)) bool All(S16 v) {
+  return _mm256_movemask_epi8((__m256i)v) == -1;
+}
 
 #include "common/cutting/brick_kernel.inc"
 

@@ -10,9 +10,9 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-// Cuts a surface of revolution into bands, tip to shank, and places points of equal area on them. Turning
-// each by the golden ratio against the one before spreads them evenly (Vogel, Mathematical Biosciences 44,
-// 1979), and no two enter a wall or a layer at the same height.
+// Cuts a surface of revolution into bands, tip to shank, and places points of equal area on them.
+// Turning each by the golden ratio against the one before spreads them evenly (Vogel, Mathematical
+// Biosciences 44, 1979), and no two enter a wall or a layer at the same height.
 class PointSpreader {
  public:
   // Points stand for `area` each; 0: only add up the area.
@@ -40,8 +40,8 @@ class PointSpreader {
       Arc(p, m_r, m_z, b_r, b_z);
       return;
     }
-    // Pappus and Guldin, 2 pi integral (r_c + R n_r) R d angle; angle = 2 asin(chord / 2), whose next
-    // term is below 1e-15.
+    // Pappus and Guldin, 2 pi integral (r_c + R n_r) R d angle; angle = 2 asin(chord / 2), whose
+    // next term is below 1e-15.
     double x = 0.5 * chord, x2 = x * x;
     double angle = chord * (1 + x2 * (1.0 / 6 + x2 * (3.0 / 40 + x2 * (15.0 / 336))));
     double whole = 2 * kPi * p.radius * (p.at[0] * angle + p.radius * c_z);
@@ -80,7 +80,8 @@ std::vector<SurfacePoint> Spread(double spacing_m, size_t max_points, Walk walk)
   std::vector<SurfacePoint> out;
   PointSpreader measure(0, out);
   walk(measure);
-  double wanted = measure.area() / (spacing_m * spacing_m) + 1, most = static_cast<double>(max_points);
+  double wanted = measure.area() / (spacing_m * spacing_m) + 1,
+         most = static_cast<double>(max_points);
   auto count = static_cast<size_t>(wanted < most ? wanted : most);
   out.reserve(count);
   PointSpreader place(measure.area() / static_cast<double>(count), out);
@@ -100,7 +101,8 @@ std::optional<std::string_view> WhyImpossible(const Bur& bur) noexcept {
   if (bur.shape != BurShape::kSphere && !(l > 0)) return "a length above 0";
   switch (bur.shape) {
     case BurShape::kSphere:
-    case BurShape::kCylinder: return std::nullopt;
+    case BurShape::kCylinder:
+      return std::nullopt;
     case BurShape::kCone:
       if (!(s >= 0 && s < r)) return "a cone's narrow radius from 0 to below its radius";
       return std::nullopt;
@@ -123,8 +125,10 @@ std::vector<SurfacePoint> SampleSurface(const Bur& bur, double spacing_m, size_t
   Profile profile = ProfileOf(bur);
   return Spread(spacing_m, max_points, [&](PointSpreader& spreader) {
     for (const ProfilePiece& p : profile.pieces()) {
-      if (!p.arc) spreader.Line(p.at, p.to, p.first);
-      else if (p.radius > 0) spreader.Arc(p, p.first[0], p.first[1], p.last[0], p.last[1]);
+      if (!p.arc)
+        spreader.Line(p.at, p.to, p.first);
+      else if (p.radius > 0)
+        spreader.Arc(p, p.first[0], p.first[1], p.last[0], p.last[1]);
     }
   });
 }

@@ -50,8 +50,8 @@ constexpr std::string_view BurShapeName(BurShape shape) {
 // shank. The cutting part spans 0 <= z <= height_m() and is convex (profile.h).
 struct Bur {
   BurShape shape = BurShape::kSphere;
-  double radius_m = 0;         // the largest
-  double length_m = 0;         // of the cutting part; not used by a sphere
+  double radius_m = 0;  // the largest
+  double length_m = 0;  // of the cutting part; not used by a sphere
   // The narrow end's: cone at the tip (0: pointed), inverted cone, pear and flame at the shank.
   double narrow_radius_m = 0;
   // A cylinder above the cutting part that does not cut but is a wall; radius 0: none. It begins
@@ -73,20 +73,21 @@ std::optional<std::string_view> WhyImpossible(const Bur& bur) noexcept;
 
 // Where the bur is. Real-time: safe.
 struct Pose {
-  dvec3 tip_m{0};        // origin of the bur frame in the scene frame
-  Quat orientation;      // scene_from_bur
+  dvec3 tip_m{0};    // origin of the bur frame in the scene frame
+  Quat orientation;  // scene_from_bur
 };
 
-// Sample of the bur's surface for engagement: where, outward normal, and how much area it stands for.
+// Sample of the bur's surface for engagement: where, outward normal, and how much area it stands
+// for.
 struct SurfacePoint {
-  dvec3 position_m;      // bur frame
+  dvec3 position_m;  // bur frame
   dvec3 normal;
   double area_m2;
 };
 
-// Points of equal area, about `spacing_m` apart, spread over the cutting surface, at most `max_points`;
-// their areas sum to the surface's. Bit-identical on every machine (no libm trigonometry). Not real-time: called when a core
-// is built.
+// Points of equal area, about `spacing_m` apart, spread over the cutting surface, at most
+// `max_points`; their areas sum to the surface's. Bit-identical on every machine (no libm
+// trigonometry). Not real-time: called when a core is built.
 std::vector<SurfacePoint> SampleSurface(const Bur& bur, double spacing_m, size_t max_points);
 // The same for the shank's side and the shoulder it begins with; none without a shank.
 std::vector<SurfacePoint> SampleShank(const Bur& bur, double spacing_m, size_t max_points);

@@ -37,7 +37,8 @@ Box BricksOf(const GridSpec& spec, const dvec3& lo_m, const dvec3& hi_m) noexcep
   Box box;
   for (int i = 0; i < 3; ++i) {
     double top = spec.bricks[i] * kSide;
-    double lo = std::clamp((lo_m[i] - origin[i]) / h, -1.0, top), hi = std::clamp((hi_m[i] - origin[i]) / h, -1.0, top);
+    double lo = std::clamp((lo_m[i] - origin[i]) / h, -1.0, top),
+           hi = std::clamp((hi_m[i] - origin[i]) / h, -1.0, top);
     box.lo[i] = std::max(0, FloorToInt(lo) >> 3);
     box.hi[i] = std::min(spec.bricks[i] - 1, FloorToInt(hi) >> 3);
   }
@@ -47,7 +48,7 @@ Box BricksOf(const GridSpec& spec, const dvec3& lo_m, const dvec3& hi_m) noexcep
 // In voxels, by pieces of a double affine map: `first` at sample (0, 0, 0) of the grid.
 struct Affine {
   dvec3 first;
-  dmat3 steps;   // columns: dx, dy, dz
+  dmat3 steps;  // columns: dx, dy, dz
 
   BurFrame At(const ivec3& sample) const noexcept {
     dvec3 at = first + steps * dvec3(sample);
@@ -84,8 +85,9 @@ Cutter::Cutter(Volume& volume, const Bur& bur)
         : volume.UniformTissue(b) == Tissue::kAir ? kPhiLimit
                                                   : static_cast<int16_t>(-kPhiLimit);
   }
-  double reach = 2 * std::sqrt(bur.radius_m * bur.radius_m + 0.25 * bur.height_m() * bur.height_m()) +
-                 2 * kSolidBandVoxels * voxel_m_;
+  double reach =
+      2 * std::sqrt(bur.radius_m * bur.radius_m + 0.25 * bur.height_m() * bur.height_m()) +
+      2 * kSolidBandVoxels * voxel_m_;
   auto side = static_cast<size_t>(reach / (kSide * voxel_m_)) + 2;
   touched_.resize(std::min(side * side * side, static_cast<size_t>(spec.brick_count())));
 }
@@ -104,7 +106,8 @@ bool Cutter::AnySolidNear(const Pose& pose, double margin_m) const noexcept {
   for (int z = box.lo.z; z <= box.hi.z; ++z)
     for (int y = box.lo.y; y <= box.hi.y; ++y)
       for (int x = box.lo.x; x <= box.hi.x; ++x)
-        if (min_phi_[static_cast<size_t>(volume_.spec().BrickIndex(ivec3(x, y, z)))] < kPhiLimit) return true;
+        if (min_phi_[static_cast<size_t>(volume_.spec().BrickIndex(ivec3(x, y, z)))] < kPhiLimit)
+          return true;
   return false;
 }
 
@@ -153,14 +156,16 @@ bool Cutter::CutLayers(const Pose& pose, bool lower, bool upper, RemovedUnits& r
   CullJob cull{};
   cull.across = cull.along = 0;
   for (int corner = 0; corner < 4; ++corner) {
-    dvec3 to = now.bur_from_sample.steps * dvec3(3.5, corner & 1 ? 3.5 : -3.5, corner & 2 ? 3.5 : -3.5);
+    dvec3 to =
+        now.bur_from_sample.steps * dvec3(3.5, corner & 1 ? 3.5 : -3.5, corner & 2 ? 3.5 : -3.5);
     cull.across = std::max(cull.across, static_cast<float>(std::sqrt(to.x * to.x + to.y * to.y)));
     cull.along = std::max(cull.along, static_cast<float>(std::fabs(to.z)));
   }
   Affine motion{};
   if (has_last_) {
     const Placed before = Place(last_);
-    for (int i = 0; i < 3; ++i) motion.steps[i] = before.bur_from_sample.steps[i] - now.bur_from_sample.steps[i];
+    for (int i = 0; i < 3; ++i)
+      motion.steps[i] = before.bur_from_sample.steps[i] - now.bur_from_sample.steps[i];
     motion.first = before.bur_from_sample.first - now.bur_from_sample.first;
     double turn2 = 0;
     for (int i = 0; i < 3; ++i) turn2 += Dot(motion.steps[i], motion.steps[i]);
@@ -178,7 +183,8 @@ bool Cutter::CutLayers(const Pose& pose, bool lower, bool upper, RemovedUnits& r
         const ivec3 first(x * kSide, y * kSide, z * kSide);
         cull.frame = now.bur_from_sample.At(first);
         if (cull.has_motion) cull.motion = motion.At(first);
-        const CullResult pass = kernels_.cull(kernel_bur_, cull, &min_phi_[static_cast<size_t>(row)]);
+        const CullResult pass =
+            kernels_.cull(kernel_bur_, cull, &min_phi_[static_cast<size_t>(row)]);
         for (int i = 0; i < 8 && x + i <= now.box.hi.x; ++i) {
           if (pass.pieces[i] == 0) continue;
           const int brick = row + i;
@@ -186,8 +192,10 @@ bool Cutter::CutLayers(const Pose& pose, bool lower, bool upper, RemovedUnits& r
             complete = false;
             continue;
           }
-          CutBrick(brick, {now.bur_from_sample.At(first + ivec3(8 * i, 0, 0)), pass.pieces[i],
-                           min_phi_[static_cast<size_t>(brick)]}, removed);
+          CutBrick(brick,
+                   {now.bur_from_sample.At(first + ivec3(8 * i, 0, 0)), pass.pieces[i],
+                    min_phi_[static_cast<size_t>(brick)]},
+                   removed);
         }
       }
     }

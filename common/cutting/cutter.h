@@ -24,9 +24,10 @@ inline double RemovedUnitsToM3(int64_t units, double voxel_m) noexcept {
 // 0.1 um per tick, and a sweep of poses at most s apart leaves ridges below s^2 / 8r,
 // 0.3 % of a voxel for s = 25 um, r = 0.5 mm, h = 0.05 mm.
 //
-// Only bricks that can change are visited: those within the band of the new surface, not yet air, and
-// where the bur has moved outward since the pose that was last cut (brick_kernel.h). That pose is state:
-// two cutters at the same volume with different last poses may differ by 1/8192 voxel of rounding.
+// Only bricks that can change are visited: those within the band of the new surface, not yet air,
+// and where the bur has moved outward since the pose that was last cut (brick_kernel.h). That pose
+// is state: two cutters at the same volume with different last poses may differ by 1/8192 voxel of
+// rounding.
 //
 // Work per call is bounded by the bricks that meet the bur's box plus two voxels: MaxBricks().
 // Thread safety: none. Real-time: Cut is safe after Volume::Reserve; the constructor allocates.
@@ -39,14 +40,14 @@ class Cutter {
   // touched() until the next call. False when the volume's reserve was used up (nothing is lost but
   // the cut is incomplete: the caller faults).
   ENAMEL_REALTIME bool Cut(const Pose& pose, RemovedUnits& removed) noexcept;
-  // The same in two halves of about equal work, so that a tick need not do all of it: the lower brick layers
-  // of the bur's box, then, at the same pose and before any other cut, the upper ones. The volume is that
-  // of Cut once both are done.
+  // The same in two halves of about equal work, so that a tick need not do all of it: the lower
+  // brick layers of the bur's box, then, at the same pose and before any other cut, the upper ones.
+  // The volume is that of Cut once both are done.
   ENAMEL_REALTIME bool CutLower(const Pose& pose, RemovedUnits& removed) noexcept;
   ENAMEL_REALTIME bool CutUpper(const Pose& pose, RemovedUnits& removed) noexcept;
   std::span<const int32_t> touched() const noexcept { return {touched_.data(), touched_count_}; }
-  // False when no solid is within `margin_m` of the bur's box, shank included: a cheap way to know that
-  // a whole move is through open air.
+  // False when no solid is within `margin_m` of the bur's box, shank included: a cheap way to know
+  // that a whole move is through open air.
   bool AnySolidNear(const Pose& pose, double margin_m) const noexcept;
   size_t MaxBricks() const noexcept { return touched_.size(); }
 
@@ -66,10 +67,11 @@ class Cutter {
   double voxel_m_;
   Kernels kernels_;
   KernelBur kernel_bur_;
-  Pose last_;                      // the last complete cut
+  Pose last_;  // the last complete cut
   bool has_last_ = false;
-  bool lower_complete_ = false;    // of the pose that is cut in halves
-  std::vector<int16_t> min_phi_;   // per brick: lower bound of its samples, +limit once all air; 7 more
+  bool lower_complete_ = false;  // of the pose that is cut in halves
+  std::vector<int16_t>
+      min_phi_;  // per brick: lower bound of its samples, +limit once all air; 7 more
   std::vector<int32_t> touched_;
   size_t touched_count_ = 0;
 };

@@ -16,7 +16,8 @@ EngagementReader::EngagementReader(const Bur& bur, double voxel_m, const TissueD
     : voxel_m_(voxel_m) {
   auto add = [&](const std::vector<SurfacePoint>& points, bool shank) {
     for (const SurfacePoint& p : points) {
-      points_.push_back({p.position_m / voxel_m, p.normal, p.area_m2, p.normal.z * p.normal.z, shank});
+      points_.push_back(
+          {p.position_m / voxel_m, p.normal, p.area_m2, p.normal.z * p.normal.z, shank});
     }
   };
   add(SampleSurface(bur, 3 * voxel_m, kMaxPoints), false);

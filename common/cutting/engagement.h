@@ -14,10 +14,10 @@ namespace enamel::cutting {
 
 // What the bur's surface touches, for travel along one direction.
 struct Engagement {
-  Sym3 damping_n_s_per_m;          // sum over tissues of beta_t * integral of n n^T dA; cutting part only
-  dvec3 mean_normal{0};            // area-weighted outward normal of the engaged surface, unit or 0
-  dvec3 shank_normal{0};           // the same of the engaged part of the shank
-  double area_m2 = 0;              // of the cutting part
+  Sym3 damping_n_s_per_m;  // sum over tissues of beta_t * integral of n n^T dA; cutting part only
+  dvec3 mean_normal{0};    // area-weighted outward normal of the engaged surface, unit or 0
+  dvec3 shank_normal{0};   // the same of the engaged part of the shank
+  double area_m2 = 0;      // of the cutting part
 };
 
 // B of each tissue for motion across the bur's axis and along it, N s/m.
@@ -26,16 +26,17 @@ struct TissueDamping {
 };
 
 // Reads engagement: M = integral of n n^T dA over the part of the bur's surface that lies within
-// half a voxel of solid and whose outward normal n has n . travel > 0; B = sum beta_tissue M. Motion
-// out of the material therefore meets no resistance. The weight of a surface point falls linearly
-// from 1 at the surface to 0 half a voxel away, so B has no steps; and no two points lie at one height
-// (SampleSurface), so that B grows evenly where a bur enters a wall.
+// half a voxel of solid and whose outward normal n has n . travel > 0; B = sum beta_tissue M.
+// Motion out of the material therefore meets no resistance. The weight of a surface point falls
+// linearly from 1 at the surface to 0 half a voxel away, so B has no steps; and no two points lie
+// at one height (SampleSurface), so that B grows evenly where a bur enters a wall.
 //
-// beta (N s / m^3) is chosen so that a cylinder of radius 0.6 mm and length 4 mm that moves sideways
-// with its front half engaged meets the tissue's lateral B: its integral of (n.d)^2 over the half
-// cylinder is r L pi/2 = 3.77 mm^2 (kReferenceArea_m2). Where a bur cuts less well with its end than
-// with its side, a point's beta is lateral (1 - n_z^2) + axial n_z^2, n_z being its normal's share along
-// the bur's axis: still symmetric and positive semi-definite, whatever the travel.
+// beta (N s / m^3) is chosen so that a cylinder of radius 0.6 mm and length 4 mm that moves
+// sideways with its front half engaged meets the tissue's lateral B: its integral of (n.d)^2 over
+// the half cylinder is r L pi/2 = 3.77 mm^2 (kReferenceArea_m2). Where a bur cuts less well with
+// its end than with its side, a point's beta is lateral (1 - n_z^2) + axial n_z^2, n_z being its
+// normal's share along the bur's axis: still symmetric and positive semi-definite, whatever the
+// travel.
 //
 // The shank does not cut: its points in contact only have a normal, the wall's.
 //
@@ -54,7 +55,8 @@ class EngagementReader {
   ENAMEL_REALTIME void Sample(const Volume& volume, const Pose& pose) noexcept;
   // For travel along `travel` (any length), from the last Sample.
   ENAMEL_REALTIME Engagement Read(const dvec3& travel) const noexcept;
-  // Rotational damping of the sampled contact about the bur's tip, N m s: sum beta (r x n)(r x n)^T.
+  // Rotational damping of the sampled contact about the bur's tip, N m s: sum beta (r x n)(r x
+  // n)^T.
   ENAMEL_REALTIME Sym3 ReadRotational() const noexcept;
   bool AnyContact() const noexcept { return active_count_ != 0; }
   bool ShankContact() const noexcept { return shank_contact_; }
@@ -64,16 +66,16 @@ class EngagementReader {
 
  private:
   struct Point {
-    dvec3 position;      // bur frame, voxels
+    dvec3 position;  // bur frame, voxels
     dvec3 normal;
     double area_m2;
     double axial_share;  // n_z^2
     bool shank;
   };
   struct Active {
-    dvec3 normal;        // scene frame
-    dvec3 arm;           // from the tip, scene frame, m
-    double area_m2;      // weighted
+    dvec3 normal;    // scene frame
+    dvec3 arm;       // from the tip, scene frame, m
+    double area_m2;  // weighted
     double beta;
     bool shank;
   };

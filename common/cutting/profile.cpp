@@ -42,7 +42,8 @@ class ProfileBuilder {
 
   static void Border(ProfilePiece& p, int end, const double (&through)[2]) noexcept {
     double* b = p.region[end];
-    // The tangent in walking direction is the normal turned by a quarter; the last border looks back.
+    // The tangent in walking direction is the normal turned by a quarter; the last border looks
+    // back.
     b[0] = end == 0 ? -p.first[1] : p.last[1];
     b[1] = end == 0 ? p.first[0] : -p.last[0];
     bool on_axis = through[0] == 0 && std::fabs(b[1]) < kSmooth;
@@ -114,13 +115,27 @@ Profile ProfileOf(const Bur& bur) noexcept {
   ProfileBuilder b;
   const double r = bur.radius_m, s = bur.narrow_radius_m, l = bur.length_m;
   switch (bur.shape) {
-    case BurShape::kSphere: b.Arc(0, r, r, 0, 1); break;
-    case BurShape::kCylinder: Frustum(r, r, l, b); break;
-    case BurShape::kCone: Frustum(s, r, l, b); break;
-    case BurShape::kInvertedCone: Frustum(r, s, l, b); break;
-    case BurShape::kPear: Pear(r, s, l, b); break;
-    case BurShape::kFlame: Flame(r, s, l, b); break;
-    case BurShape::kWheel: Wheel(r, l, b); break;
+    case BurShape::kSphere:
+      b.Arc(0, r, r, 0, 1);
+      break;
+    case BurShape::kCylinder:
+      Frustum(r, r, l, b);
+      break;
+    case BurShape::kCone:
+      Frustum(s, r, l, b);
+      break;
+    case BurShape::kInvertedCone:
+      Frustum(r, s, l, b);
+      break;
+    case BurShape::kPear:
+      Pear(r, s, l, b);
+      break;
+    case BurShape::kFlame:
+      Flame(r, s, l, b);
+      break;
+    case BurShape::kWheel:
+      Wheel(r, l, b);
+      break;
   }
   return b.Done();
 }

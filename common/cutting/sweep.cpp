@@ -5,28 +5,37 @@
 namespace enamel::cutting {
 namespace {
 
-double Length(const Quat& q) noexcept { return std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w); }
+double Length(const Quat& q) noexcept {
+  return std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
+}
 double Length(const dvec3& v) noexcept { return std::sqrt(Dot(v, v)); }
-Quat Difference(const Quat& a, const Quat& b) noexcept { return {a.x - b.x, a.y - b.y, a.z - b.z, a.w - b.w}; }
-double Dot4(const Quat& a, const Quat& b) noexcept { return a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w; }
+Quat Difference(const Quat& a, const Quat& b) noexcept {
+  return {a.x - b.x, a.y - b.y, a.z - b.z, a.w - b.w};
+}
+double Dot4(const Quat& a, const Quat& b) noexcept {
+  return a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w;
+}
 
 constexpr double kAnglePerQuat = 2.3;
 
 }  // namespace
 
 double Motion(const Pose& a, const Pose& b, double reach_m) noexcept {
-  return Length(a.tip_m - b.tip_m) + kAnglePerQuat * reach_m * Length(Difference(a.orientation, b.orientation));
+  return Length(a.tip_m - b.tip_m) +
+         kAnglePerQuat * reach_m * Length(Difference(a.orientation, b.orientation));
 }
 
 // How far a pose is from the straight way from the last cut to `to`: position and turn go together.
 double Sweep::Deviation(const Pose& pose, const Pose& to) const noexcept {
   const double k = kAnglePerQuat * reach_;
   dvec3 way = to.tip_m - cut_.tip_m, off = pose.tip_m - cut_.tip_m;
-  Quat turn = Difference(to.orientation, cut_.orientation), part = Difference(pose.orientation, cut_.orientation);
+  Quat turn = Difference(to.orientation, cut_.orientation),
+       part = Difference(pose.orientation, cut_.orientation);
   double square = Dot(way, way) + k * k * Dot4(turn, turn);
   double share = square > 0 ? (Dot(way, off) + k * k * Dot4(turn, part)) / square : 0;
   share = share < 0 ? 0 : share > 1 ? 1 : share;
-  Quat rest{part.x - turn.x * share, part.y - turn.y * share, part.z - turn.z * share, part.w - turn.w * share};
+  Quat rest{part.x - turn.x * share, part.y - turn.y * share, part.z - turn.z * share,
+            part.w - turn.w * share};
   return Length(off - way * share) + k * Length(rest);
 }
 

@@ -13,10 +13,10 @@ enum class Tissue : uint8_t {
   kEnamel = 1,
   kDentin = 2,
   kPulp = 3,
-  kCaries = 4,      // soft, leathery
+  kCaries = 4,  // soft, leathery
   kFilling = 5,
-  kGypsum = 6,      // or plastic: the material of practice teeth and blocks
-  kNeighbour = 7,   // adjacent tooth: cuts like enamel, counted apart
+  kGypsum = 6,     // or plastic: the material of practice teeth and blocks
+  kNeighbour = 7,  // adjacent tooth: cuts like enamel, counted apart
 };
 inline constexpr int kTissueCount = 8;
 

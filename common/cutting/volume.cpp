@@ -12,9 +12,7 @@ namespace {
 
 constexpr int kShift = 3;  // log2(kBrickSide)
 
-int InBrick(const ivec3& v) noexcept {
-  return ((v.z & 7) << 6) | ((v.y & 7) << 3) | (v.x & 7);
-}
+int InBrick(const ivec3& v) noexcept { return ((v.z & 7) << 6) | ((v.y & 7) << 3) | (v.x & 7); }
 
 constexpr size_t kPageBytes = 4096;
 
@@ -40,7 +38,8 @@ void BrickStore::swap(BrickStore& other) noexcept {
 
 void BrickStore::Reserve(size_t capacity) {
   if (capacity <= capacity_) return;
-  auto* room = static_cast<BrickPhi*>(::operator new(capacity * sizeof(BrickPhi), std::align_val_t(kPageBytes)));
+  auto* room = static_cast<BrickPhi*>(
+      ::operator new(capacity * sizeof(BrickPhi), std::align_val_t(kPageBytes)));
   if (size_ > 0) std::memcpy(room, bricks_, size_ * sizeof(BrickPhi));
   Free(bricks_);
   bricks_ = room;
@@ -135,7 +134,8 @@ Tissue Volume::TissueAt(const ivec3& v) const noexcept {
   ivec3 b(v.x >> kShift, v.y >> kShift, v.z >> kShift);
   if (!spec_.Contains(b)) return Tissue::kAir;
   int brick = spec_.BrickIndex(b);
-  if (HasLabels(brick)) return static_cast<Tissue>(Labels(brick).tissue[static_cast<size_t>(InBrick(v))]);
+  if (HasLabels(brick))
+    return static_cast<Tissue>(Labels(brick).tissue[static_cast<size_t>(InBrick(v))]);
   return UniformTissue(brick);
 }
 
@@ -149,7 +149,8 @@ double Volume::DistanceAtSample(const dvec3& g) const noexcept {
   constexpr double kFar = static_cast<double>(kPhiLimit) / kPhiPerVoxel;
   if (!(g.x > -1 && g.y > -1 && g.z > -1 && g.x < n.x && g.y < n.y && g.z < n.z)) return kFar;
   // g > -1, so truncation of g + 1 is floor.
-  ivec3 i(static_cast<int>(g.x + 1) - 1, static_cast<int>(g.y + 1) - 1, static_cast<int>(g.z + 1) - 1);
+  ivec3 i(static_cast<int>(g.x + 1) - 1, static_cast<int>(g.y + 1) - 1,
+          static_cast<int>(g.z + 1) - 1);
   double fx = g.x - i.x, fy = g.y - i.y, fz = g.z - i.z;
   double c[2][2][2];
   if (i.x >= 0 && i.y >= 0 && i.z >= 0 && i.x < n.x - 1 && i.y < n.y - 1 && i.z < n.z - 1) {
@@ -157,7 +158,8 @@ double Volume::DistanceAtSample(const dvec3& g) const noexcept {
     for (int z = 0; z < 2; ++z) {
       for (int y = 0; y < 2; ++y) {
         ivec3 v(i.x, i.y + y, i.z + z);
-        int row = spec_.BrickIndex(ivec3(v.x >> kShift, v.y >> kShift, v.z >> kShift)), in = InBrick(v);
+        int row = spec_.BrickIndex(ivec3(v.x >> kShift, v.y >> kShift, v.z >> kShift)),
+            in = InBrick(v);
         c[z][y][0] = SampleIn(row, in);
         c[z][y][1] = (v.x & 7) < 7 ? SampleIn(row, in + 1) : SampleIn(row + 1, in - 7);
       }
@@ -176,9 +178,11 @@ double Volume::DistanceAtSample(const dvec3& g) const noexcept {
 
 bool Volume::MayBeNearer(const dvec3& g, double distance) const noexcept {
   ivec3 n = spec_.voxels();
-  if (!(g.x > -0.5 && g.y > -0.5 && g.z > -0.5 && g.x < n.x - 1 && g.y < n.y - 1 && g.z < n.z - 1)) return true;
+  if (!(g.x > -0.5 && g.y > -0.5 && g.z > -0.5 && g.x < n.x - 1 && g.y < n.y - 1 && g.z < n.z - 1))
+    return true;
   ivec3 v(static_cast<int>(g.x + 0.5), static_cast<int>(g.y + 0.5), static_cast<int>(g.z + 0.5));
-  int phi = SampleIn(spec_.BrickIndex(ivec3(v.x >> kShift, v.y >> kShift, v.z >> kShift)), InBrick(v));
+  int phi =
+      SampleIn(spec_.BrickIndex(ivec3(v.x >> kShift, v.y >> kShift, v.z >> kShift)), InBrick(v));
   constexpr double kHalfDiagonal = 0.8661;
   return phi < (distance + kHalfDiagonal) * kPhiPerVoxel;
 }
@@ -192,8 +196,8 @@ Tissue Volume::TissueAtSample(const dvec3& g) const noexcept {
   if (!(g.x > -0.5 && g.y > -0.5 && g.z > -0.5 && g.x < n.x && g.y < n.y && g.z < n.z)) {
     return Tissue::kAir;
   }
-  return TissueAt(ivec3(static_cast<int>(g.x + 0.5), static_cast<int>(g.y + 0.5),
-                        static_cast<int>(g.z + 0.5)));
+  return TissueAt(
+      ivec3(static_cast<int>(g.x + 0.5), static_cast<int>(g.y + 0.5), static_cast<int>(g.z + 0.5)));
 }
 
 bool Volume::operator==(const Volume& other) const {
@@ -217,16 +221,20 @@ Status ValidateGrid(const GridSpec& spec, size_t max_bytes) {
   if (spec.voxel_nm < 5'000 || spec.voxel_nm > 1'000'000) {
     return Status(Code::kInvalidInput,
                   "expected a voxel size from 0.005 to 1 mm, found " +
-                      std::to_string(spec.voxel_nm * 1e-6) + " mm", "voxel_nm");
+                      std::to_string(spec.voxel_nm * 1e-6) + " mm",
+                  "voxel_nm");
   }
   for (int i = 0; i < 3; ++i) {
     if (spec.bricks[i] < 1 || spec.bricks[i] > 4096) {
-      return Status(Code::kInvalidInput, "expected 1 to 4096 bricks along each axis, found " +
-                                             std::to_string(spec.bricks[i]), "bricks");
+      return Status(
+          Code::kInvalidInput,
+          "expected 1 to 4096 bricks along each axis, found " + std::to_string(spec.bricks[i]),
+          "bricks");
     }
     int64_t origin = spec.origin_nm[static_cast<size_t>(i)];
     if (origin < -1'000'000'000 || origin > 1'000'000'000) {
-      return Status(Code::kInvalidInput, "expected an origin within 1 m of the scene's", "origin_nm");
+      return Status(Code::kInvalidInput, "expected an origin within 1 m of the scene's",
+                    "origin_nm");
     }
   }
   auto needed = static_cast<double>(spec.brick_count()) * (4.0 + sizeof(BrickPhi));
@@ -234,7 +242,8 @@ Status ValidateGrid(const GridSpec& spec, size_t max_bytes) {
     return Status(Code::kTooLarge,
                   "a grid of this size may need " + std::to_string(needed / 1048576.0) +
                       " MiB, allowed are " + std::to_string(max_bytes / 1048576) +
-                      " MiB: choose a larger voxel", "voxel_nm");
+                      " MiB: choose a larger voxel",
+                  "voxel_nm");
   }
   return Status::Ok();
 }
@@ -255,7 +264,8 @@ std::array<double, kTissueCount> SolidVolume_m3(const Volume& volume) {
   }
   double h = volume.spec().voxel_m();
   std::array<double, kTissueCount> out{};
-  for (size_t t = 0; t < kTissueCount; ++t) out[t] = static_cast<double>(sums[t]) * (h * h * h / 65536.0);
+  for (size_t t = 0; t < kTissueCount; ++t)
+    out[t] = static_cast<double>(sums[t]) * (h * h * h / 65536.0);
   return out;
 }
 

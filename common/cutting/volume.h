@@ -12,7 +12,7 @@
 // The tooth: signed distance to the surface and a tissue label per voxel, in sparse bricks.
 namespace enamel::cutting {
 
-inline constexpr int kBrickSide = 8;                  // voxels along a brick's edge
+inline constexpr int kBrickSide = 8;  // voxels along a brick's edge
 inline constexpr int kBrickVoxels = 512;
 // Distance is fixed point: kPhiPerVoxel units are one voxel edge. Negative inside solid. Values
 // saturate at +-kPhiLimit, so the band is just under 4 voxels to either side of the surface.
@@ -23,8 +23,8 @@ inline constexpr int16_t kPhiLimit = 32767;
 // nanometres, so the same blob means the same geometry everywhere.
 struct GridSpec {
   int32_t voxel_nm = 0;
-  ivec3 bricks{0};                         // bricks along x, y, z
-  std::array<int64_t, 3> origin_nm{};      // sample (0, 0, 0), scene frame
+  ivec3 bricks{0};                     // bricks along x, y, z
+  std::array<int64_t, 3> origin_nm{};  // sample (0, 0, 0), scene frame
 
   double voxel_m() const noexcept { return voxel_nm * 1e-9; }
   dvec3 origin_m() const noexcept {
@@ -48,9 +48,9 @@ struct GridSpec {
 struct alignas(64) BrickPhi {
   std::array<int16_t, kBrickVoxels> phi;
 };
-// A growing row of bricks whose room is reserved at once and made resident piece by piece: a first touch of
-// fresh memory costs a page fault, too much for a tick, and all of a tooth's room at once too much memory.
-// Thread safety: as std::vector. Real-time: Append within the room, and Warm.
+// A growing row of bricks whose room is reserved at once and made resident piece by piece: a first
+// touch of fresh memory costs a page fault, too much for a tick, and all of a tooth's room at once
+// too much memory. Thread safety: as std::vector. Real-time: Append within the room, and Warm.
 class BrickStore {
  public:
   BrickStore() = default;
@@ -119,17 +119,22 @@ class Volume {
     return s >= 0 && label_slot_[static_cast<size_t>(s)] >= 0;
   }
   // Requires: IsStored.
-  const BrickPhi& Phi(int brick) const noexcept { return phi_[static_cast<size_t>(slot_[static_cast<size_t>(brick)])]; }
-  BrickPhi& MutablePhi(int brick) noexcept { return phi_[static_cast<size_t>(slot_[static_cast<size_t>(brick)])]; }
+  const BrickPhi& Phi(int brick) const noexcept {
+    return phi_[static_cast<size_t>(slot_[static_cast<size_t>(brick)])];
+  }
+  BrickPhi& MutablePhi(int brick) noexcept {
+    return phi_[static_cast<size_t>(slot_[static_cast<size_t>(brick)])];
+  }
   // Requires: HasLabels.
   const BrickLabels& Labels(int brick) const noexcept {
-    return labels_[static_cast<size_t>(label_slot_[static_cast<size_t>(slot_[static_cast<size_t>(brick)])])];
+    return labels_[static_cast<size_t>(
+        label_slot_[static_cast<size_t>(slot_[static_cast<size_t>(brick)])])];
   }
   // Turns a uniform solid brick into a stored one (all -kPhiLimit). False when the reserve is used
   // up or the brick is air. No effect on a stored brick.
   bool Materialise(int brick) noexcept;
-  // Makes one more page of the room resident if less than kWarmBricks are: once a tick, so that no tick meets
-  // many page faults.
+  // Makes one more page of the room resident if less than kWarmBricks are: once a tick, so that no
+  // tick meets many page faults.
   void Warm() noexcept { phi_.Warm(kWarmBricks, 1); }
 
   // Distance at a voxel in fixed point; +kPhiLimit outside the grid.
@@ -142,8 +147,8 @@ class Volume {
   // The same by sample coordinates, (point - origin) / voxel; the distance in voxels.
   double DistanceAtSample(const dvec3& sample) const noexcept;
   Tissue TissueAtSample(const dvec3& sample) const noexcept;
-  // False only where the distance is at least `distance` voxels, from the nearest sample alone: a point is
-  // within half a diagonal of it and a distance changes by no more than the way. Quick.
+  // False only where the distance is at least `distance` voxels, from the nearest sample alone: a
+  // point is within half a diagonal of it and a distance changes by no more than the way. Quick.
   bool MayBeNearer(const dvec3& sample, double distance) const noexcept;
 
   bool operator==(const Volume& other) const;  // Same grid, same samples, same labels.
@@ -159,8 +164,8 @@ class Volume {
   // Per brick: >= 0 index into phi_; -1 air; -1 - t deep inside tissue t.
   std::vector<int32_t> slot_;
   BrickStore phi_;
-  std::vector<Tissue> uniform_;        // per stored brick
-  std::vector<int32_t> label_slot_;    // per stored brick: index into labels_, or -1
+  std::vector<Tissue> uniform_;      // per stored brick
+  std::vector<int32_t> label_slot_;  // per stored brick: index into labels_, or -1
   std::vector<BrickLabels> labels_;
 };
 

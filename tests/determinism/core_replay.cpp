@@ -1,11 +1,14 @@
-// Re-runs the core on a recorded attempt and prints what it found, one line per fact. Built several times,
-// by g++ -O3 and by clang++ -O0 among others; tests/determinism compares the outputs byte for byte.
+// Re-runs the core on a recorded attempt and prints what it found, one line per fact. Built several
+// times, by g++ -O3 and by clang++ -O0 among others; tests/determinism compares the outputs byte
+// for byte.
 //   core_replay record SEED TRACE VOLUME   makes a recording (a seeded hand on a two-tissue ball)
 //   core_replay replay TRACE VOLUME        re-runs it
-//   core_replay digest TRACE VOLUME [TICK] re-runs it and prints a line per tick: state hash, and a hash of
-//                                          each brick it changed; with TICK, that tick's first count is
-//                                          one more
-//   core_replay diff DIGEST DIGEST         names the first tick, and brick, in which two digests differ
+//   core_replay digest TRACE VOLUME [TICK] re-runs it and prints a line per tick: state hash, and a
+//   hash of
+//                                          each brick it changed; with TICK, that tick's first
+//                                          count is one more
+//   core_replay diff DIGEST DIGEST         names the first tick, and brick, in which two digests
+//   differ
 
 #include <cinttypes>
 #include <cmath>
@@ -43,7 +46,8 @@ cutting::Volume Ball(int32_t voxel_nm) {
   spec.origin_nm = {-3'700'013, -3'700'007, -3'700'003};
   return scene::BuildVolume(spec, [](const dvec3& p) {
     double r = glm::length(p);
-    return scene::FieldSample{r - 3e-3, r < 2e-3 ? cutting::Tissue::kDentin : cutting::Tissue::kEnamel};
+    return scene::FieldSample{r - 3e-3,
+                              r < 2e-3 ? cutting::Tissue::kDentin : cutting::Tissue::kEnamel};
   });
 }
 
@@ -101,16 +105,17 @@ int Record(uint64_t seed, const char* trace_path, const char* volume_path) {
   head.previous = HashSha256(file.header);
   std::vector<trace::Tick> ticks;
   for (int i = -600; i < 11'400; ++i) {
-    // Wanders between the ball's middle and the air above it; now and then the pedal is lifted, a tick is
-    // lost, the bur tilts.
+    // Wanders between the ball's middle and the air above it; now and then the pedal is lifted, a
+    // tick is lost, the bur tilts.
     dvec3 goal(0, 0, i >= 0 && i % 4000 < 2600 ? 1e-3 : 4.4e-3);
-    velocity = velocity * 0.995 + dvec3(normal(random), normal(random), normal(random)) * 1.2e-8 - (tip - goal) * 2e-6;
+    velocity = velocity * 0.995 + dvec3(normal(random), normal(random), normal(random)) * 1.2e-8 -
+               (tip - goal) * 2e-6;
     tip += velocity;
     tilt = Quat{tilt.x + 1e-4 * normal(random), tilt.y + 1e-4 * normal(random), 0, 1}.Normalised();
     trace::Tick tick;
     for (int a = 0; a < 3; ++a) {
-      tick.input.counts[static_cast<size_t>(a)] =
-          static_cast<int32_t>(std::lround(tip[a] * 1e9 / header.params.resolution_nm[static_cast<size_t>(a)]));
+      tick.input.counts[static_cast<size_t>(a)] = static_cast<int32_t>(
+          std::lround(tip[a] * 1e9 / header.params.resolution_nm[static_cast<size_t>(a)]));
     }
     tick.input.orientation = ToQuantised(tilt);
     tick.input.flags = i % 4000 > 2300 && i % 4000 < 2500 ? 0 : core::kBurOn;
@@ -126,7 +131,8 @@ int Record(uint64_t seed, const char* trace_path, const char* volume_path) {
       ticks.clear();
     }
   }
-  file.seal = trace::Seal{head.attempt, head.seq, head.first_tick, head.previous, core.state_hash()};
+  file.seal =
+      trace::Seal{head.attempt, head.seq, head.first_tick, head.previous, core.state_hash()};
   Status written = WriteFileDurably(trace_path, trace::EncodeTraceFile(file));
   if (written.ok()) written = WriteFileDurably(volume_path, blob);
   return written.ok() ? 0 : Fail(written);
@@ -181,7 +187,8 @@ int Diff(const char* path_a, const char* path_b) {
   std::ifstream a(path_a), b(path_b);
   std::string line_a, line_b;
   for (;;) {
-    bool more_a = static_cast<bool>(std::getline(a, line_a)), more_b = static_cast<bool>(std::getline(b, line_b));
+    bool more_a = static_cast<bool>(std::getline(a, line_a)),
+         more_b = static_cast<bool>(std::getline(b, line_b));
     if (!more_a && !more_b) return 0;
     if (more_a && more_b && line_a == line_b) continue;
     std::istringstream words_a(line_a), words_b(line_b);
@@ -197,7 +204,9 @@ int Diff(const char* path_a, const char* path_b) {
       word_a.clear(), word_b.clear();
       words_a >> word_a, words_b >> word_b;
       if (word_a != word_b) {
-        std::cout << "brick " << (word_a.empty() ? word_b : word_a).substr(0, (word_a.empty() ? word_b : word_a).find(':'))
+        std::cout << "brick "
+                  << (word_a.empty() ? word_b : word_a)
+                         .substr(0, (word_a.empty() ? word_b : word_a).find(':'))
                   << (word_a.empty() || word_b.empty() ? ", changed in one run only\n" : "\n");
         return 1;
       }
@@ -216,10 +225,11 @@ int Replay(const char* trace_path, const char* volume_path) {
   if (!report.ok()) return Fail(report.status());
   std::printf("ticks %llu\nchunks %u\ngap_ticks %llu\nwitness_ok %d %s\nstate_hash %016llx\n",
               static_cast<unsigned long long>(report->ticks), report->chunks,
-              static_cast<unsigned long long>(report->gap_ticks), report->witness_ok, report->what.c_str(),
-              static_cast<unsigned long long>(report->state_hash));
+              static_cast<unsigned long long>(report->gap_ticks), report->witness_ok,
+              report->what.c_str(), static_cast<unsigned long long>(report->state_hash));
   for (size_t t = 1; t < cutting::kTissueCount; ++t) {
-    std::printf("removed %s %lld\n", std::string(cutting::TissueName(static_cast<cutting::Tissue>(t))).c_str(),
+    std::printf("removed %s %lld\n",
+                std::string(cutting::TissueName(static_cast<cutting::Tissue>(t))).c_str(),
                 static_cast<long long>(core.removed()[t]));
   }
   std::printf("final_volume %s\n", HashSha256(scene::EncodeVolume(core.volume())).Hex().c_str());
@@ -238,7 +248,8 @@ int main(int argc, char** argv) {
   }
   if (argc == 4 && std::strcmp(argv[1], "diff") == 0) return Diff(argv[2], argv[3]);
   std::fprintf(stderr,
-               "usage: core_replay record SEED TRACE VOLUME | replay TRACE VOLUME | digest TRACE VOLUME [TICK] | "
+               "usage: core_replay record SEED TRACE VOLUME | replay TRACE VOLUME | digest TRACE "
+               "VOLUME [TICK] | "
                "diff DIGEST DIGEST\n");
   return 2;
 }

@@ -106,7 +106,8 @@ TEST(CoreTest, LongGapInTheToothCutsNothingUntilTheBurHasBeenInFreeAir) {
   TickOutput out = core.Step(deep);
   EXPECT_TRUE(out.flags & kAnchorReset);
   cutting::RemovedUnits before = core.removed();
-  EXPECT_LT(cutting::RemovedUnitsToM3(before[1] - lagging, 50e-6), 25e-6 * (1.2e-3 * 1e-3 + 1.2e-6));
+  EXPECT_LT(cutting::RemovedUnitsToM3(before[1] - lagging, 50e-6),
+            25e-6 * (1.2e-3 * 1e-3 + 1.2e-6));
   deep.gap_ticks = 0;
   for (int tick = 0; tick < 1000; ++tick) {
     out = core.Step(deep);
@@ -141,8 +142,8 @@ TEST(CoreTest, FaultHoldsZeroForceAndCutsNothingUntilCleared) {
   EXPECT_EQ(core.removed(), before);
 }
 
-// A bur seated 2 mm deep is tilted by half a radian in half a second. Turned freely it would sweep some
-// 3 mm^3; against the tissue it lags with B_rot / K_rot, which is B/Kc seconds here.
+// A bur seated 2 mm deep is tilted by half a radian in half a second. Turned freely it would sweep
+// some 3 mm^3; against the tissue it lags with B_rot / K_rot, which is B/Kc seconds here.
 TEST(CoreTest, TurningTheBurInTheToothIsResisted) {
   CoreParams p = Params();
   p.rotational_kc_un_m_per_rad = 10'000;
@@ -153,7 +154,8 @@ TEST(CoreTest, TurningTheBurInTheToothIsResisted) {
   auto removed_by_turning = [&](const CoreParams& params) {
     Core core(params, test::Block(50'000, 4e-3, 4e-3));
     for (int tick = 0; tick < 600; ++tick) core.Step(At(0, 0, 0.5e-3));
-    for (int tick = 0; tick < 9000; ++tick) core.Step(At(0, 0, std::max(-2e-3, 0.5e-3 - tick * 0.5e-6)));
+    for (int tick = 0; tick < 9000; ++tick)
+      core.Step(At(0, 0, std::max(-2e-3, 0.5e-3 - tick * 0.5e-6)));
     int64_t before = core.removed()[1];
     TickOutput out;
     for (int tick = 0; tick < 500; ++tick) {
@@ -188,7 +190,8 @@ TEST(CoreTest, WildInputsStayBoundedInForceAndWork) {
   for (int tick = 0; tick < 300; ++tick) {
     TickInput in;
     for (auto& c : in.counts) {
-      c = tick % 3 == 0 ? static_cast<int32_t>(random()) : static_cast<int32_t>(random() % 400) - 200;
+      c = tick % 3 == 0 ? static_cast<int32_t>(random())
+                        : static_cast<int32_t>(random() % 400) - 200;
     }
     for (auto& q : in.orientation) q = static_cast<int16_t>(random());
     in.flags = static_cast<uint8_t>(random());
@@ -198,8 +201,8 @@ TEST(CoreTest, WildInputsStayBoundedInForceAndWork) {
   }
 }
 
-// The bur's side feels the shank's wall long before the ball does: it stops there and cuts nothing, is
-// felt as a wall, and slides and withdraws freely.
+// The bur's side feels the shank's wall long before the ball does: it stops there and cuts nothing,
+// is felt as a wall, and slides and withdraws freely.
 TEST(CoreTest, ShankIsAWallThatDoesNotCut) {
   CoreParams p = test::ParamsFor({cutting::BurShape::kSphere, 0.3e-3, 0, 0, 0.8e-3, 0.5e-3});
   p.soft_start_ticks = 0;
@@ -207,7 +210,8 @@ TEST(CoreTest, ShankIsAWallThatDoesNotCut) {
   Core core(p, test::Block(50'000, 2e-3, 6e-3));  // its side is at x = 2 mm
   auto at = [](double x, double y) {
     TickInput in;
-    in.counts = {static_cast<int32_t>(std::lround(x * 1e6)), static_cast<int32_t>(std::lround(y * 1e6)), -4000};
+    in.counts = {static_cast<int32_t>(std::lround(x * 1e6)),
+                 static_cast<int32_t>(std::lround(y * 1e6)), -4000};
     in.flags = kBurOn;
     return in;
   };
@@ -281,8 +285,8 @@ TEST(CoreTest, StepLongerThanTheMaximumCutsNothingAndSuspends) {
   EXPECT_EQ(core.removed(), cutting::RemovedUnits{});
 }
 
-// The hole of one polyline of tip positions, cut at every pace. eq. 1 puts the bur where the tip is, so that
-// the path is the same whatever the force.
+// The hole of one polyline of tip positions, cut at every pace. eq. 1 puts the bur where the tip
+// is, so that the path is the same whatever the force.
 struct Hole {
   int64_t removed;
   cutting::Volume volume;
@@ -298,18 +302,21 @@ Hole CutPolyline(double speed_m_s, uint32_t rate_hz) {
   Core core(p, test::Block(50'000, 1.2e-3, 1.2e-3));
   auto step = [&](const dvec3& at, uint8_t flags) {
     TickInput in;
-    for (int i = 0; i < 3; ++i) in.counts[static_cast<size_t>(i)] = static_cast<int32_t>(std::lround(at[i] * 1e8));
+    for (int i = 0; i < 3; ++i)
+      in.counts[static_cast<size_t>(i)] = static_cast<int32_t>(std::lround(at[i] * 1e8));
     in.flags = flags;
     core.Step(in);
   };
-  const dvec3 corners[] = {dvec3(-0.5e-3, -0.3e-3, 0.2e-3), dvec3(-0.5e-3, -0.3e-3, -0.4e-3), dvec3(0.5e-3, -0.3e-3, -0.4e-3),
-                           dvec3(0.1e-3, 0.4e-3, -0.5e-3), dvec3(0.1e-3, 0.4e-3, 0.3e-3)};
+  const dvec3 corners[] = {dvec3(-0.5e-3, -0.3e-3, 0.2e-3), dvec3(-0.5e-3, -0.3e-3, -0.4e-3),
+                           dvec3(0.5e-3, -0.3e-3, -0.4e-3), dvec3(0.1e-3, 0.4e-3, -0.5e-3),
+                           dvec3(0.1e-3, 0.4e-3, 0.3e-3)};
   step(corners[0], kBurOn);
   step(corners[0], kBurOn);
   for (size_t i = 0; i + 1 < std::size(corners); ++i) {
     dvec3 way = corners[i + 1] - corners[i];
     int ticks = std::max(1, static_cast<int>(std::ceil(glm::length(way) * rate_hz / speed_m_s)));
-    for (int k = 1; k <= ticks; ++k) step(corners[i] + way * (static_cast<double>(k) / ticks), kBurOn);
+    for (int k = 1; k <= ticks; ++k)
+      step(corners[i] + way * (static_cast<double>(k) / ticks), kBurOn);
   }
   step(corners[4], 0);
   return {core.removed()[1], core.volume()};
@@ -323,10 +330,12 @@ TEST(CoreTest, SamePolylineMakesTheSameHoleAtEverySpeedAndRate) {
     double speed_m_s;
     uint32_t rate_hz;
   };
-  for (Pace pace : {Pace{0.1e-3, 100}, Pace{0.1e-3, 10'000}, Pace{1e-3, 100}, Pace{5e-3, 1000}, Pace{20e-3, 10'000},
-                    Pace{100e-3, 100}, Pace{100e-3, 1000}, Pace{100e-3, 10'000}}) {
+  for (Pace pace :
+       {Pace{0.1e-3, 100}, Pace{0.1e-3, 10'000}, Pace{1e-3, 100}, Pace{5e-3, 1000},
+        Pace{20e-3, 10'000}, Pace{100e-3, 100}, Pace{100e-3, 1000}, Pace{100e-3, 10'000}}) {
     Hole hole = CutPolyline(pace.speed_m_s, pace.rate_hz);
-    double volume_error = static_cast<double>(hole.removed) / static_cast<double>(reference.removed) - 1;
+    double volume_error =
+        static_cast<double>(hole.removed) / static_cast<double>(reference.removed) - 1;
     // Where the reference's surface is, how far the other's is from it.
     double worst = 0;
     const auto& spec = reference.volume.spec();
@@ -337,7 +346,8 @@ TEST(CoreTest, SamePolylineMakesTheSameHoleAtEverySpeedAndRate) {
           int a = reference.volume.PhiAt({x, y, z}), b = hole.volume.PhiAt({x, y, z});
           if (std::abs(a) < 4096) worst = std::max(worst, std::abs(a - b) / 8192.0);
         }
-    std::printf("%6g mm/s at %5u Hz: volume %+.4f %%, surface at most %.4f voxel away\n", pace.speed_m_s * 1e3, pace.rate_hz, 100 * volume_error, worst);
+    std::printf("%6g mm/s at %5u Hz: volume %+.4f %%, surface at most %.4f voxel away\n",
+                pace.speed_m_s * 1e3, pace.rate_hz, 100 * volume_error, worst);
     EXPECT_LT(std::fabs(volume_error), 1e-3);
     EXPECT_LT(worst, 1.0 / 16);
   }

@@ -26,7 +26,8 @@ inline core::CoreParams ParamsFor(const cutting::Bur& bur) {
 
 inline core::TickInput At(double x_m, double y_m, double z_m, uint8_t flags = core::kBurOn) {
   core::TickInput in;
-  in.counts = {static_cast<int32_t>(std::lround(x_m / 10e-6)), static_cast<int32_t>(std::lround(y_m / 10e-6)),
+  in.counts = {static_cast<int32_t>(std::lround(x_m / 10e-6)),
+               static_cast<int32_t>(std::lround(y_m / 10e-6)),
                static_cast<int32_t>(std::lround(z_m / 10e-6))};
   in.flags = flags;
   return in;
@@ -34,7 +35,8 @@ inline core::TickInput At(double x_m, double y_m, double z_m, uint8_t flags = co
 
 // A hand that waits, comes down into a block and then moves sideways through it.
 inline core::TickInput Stroke(int tick) {
-  double down = std::min(std::max(0, tick - 600) * 1e-6, 1e-3), along = std::max(0.0, (tick - 1600) * 0.5e-6);
+  double down = std::min(std::max(0, tick - 600) * 1e-6, 1e-3),
+         along = std::max(0.0, (tick - 1600) * 0.5e-6);
   return At(along, 0.2e-3 * std::sin(tick * 0.003), 0.2e-3 - down);
 }
 

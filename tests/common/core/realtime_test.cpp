@@ -42,7 +42,8 @@ TEST(RealtimeTest, NoTickAllocates) {
 TEST(RealtimeTest, WorkOfATickStaysWithinItsStatedBounds) {
   std::mt19937_64 random(17);
   int most_cuts = 0;
-  for (auto law : {haptics::LawKind::kMaxwell, haptics::LawKind::kGatedMaxwell, haptics::LawKind::kPaperDamping}) {
+  for (auto law : {haptics::LawKind::kMaxwell, haptics::LawKind::kGatedMaxwell,
+                   haptics::LawKind::kPaperDamping}) {
     CoreParams p = test::ParamsFor({cutting::BurShape::kCylinder, 0.3e-3, 1e-3});
     p.law = law;
     p.soft_start_ticks = 0;
@@ -57,7 +58,8 @@ TEST(RealtimeTest, WorkOfATickStaysWithinItsStatedBounds) {
     for (int tick = 0; tick < 400; ++tick) {
       int span = 1 << (random() % 13);
       TickInput in;
-      for (auto& c : in.counts) c = static_cast<int32_t>(random() % static_cast<uint64_t>(span)) - span / 2;
+      for (auto& c : in.counts)
+        c = static_cast<int32_t>(random() % static_cast<uint64_t>(span)) - span / 2;
       in.counts[2] -= 300;
       for (auto& q : in.orientation) q = static_cast<int16_t>(random());
       in.flags = tick % 13 == 0 ? 0 : kBurOn;
@@ -66,14 +68,16 @@ TEST(RealtimeTest, WorkOfATickStaysWithinItsStatedBounds) {
       ASSERT_LE(work.moves, Core::kMaxMovesPerTick);
       ASSERT_LE(work.samples, Core::kMaxMovesPerTick);
       ASSERT_LE(work.cuts, Core::kMaxCutsPerTick);
-      ASSERT_LE(static_cast<size_t>(work.bricks), (static_cast<size_t>(work.cuts) + 1) * most_bricks);
+      ASSERT_LE(static_cast<size_t>(work.bricks),
+                (static_cast<size_t>(work.cuts) + 1) * most_bricks);
       most_cuts = std::max(most_cuts, work.cuts);
     }
   }
   EXPECT_GT(most_cuts, 50) << "the inputs are not wild";
 }
 
-// Three ticks in four cut nothing at the pace of real work, and no brick is visited twice for one pose.
+// Three ticks in four cut nothing at the pace of real work, and no brick is visited twice for one
+// pose.
 TEST(RealtimeTest, OrdinaryCuttingIsFarFromTheBounds) {
   CoreParams p = test::ParamsFor({cutting::BurShape::kCylinder, 0.6e-3, 4e-3});
   Core core(p, test::Block(50'000, 3e-3, 3e-3));

@@ -14,13 +14,14 @@ namespace {
 using Samples = std::array<int16_t, 512>;
 constexpr double kVoxel = 50e-6;
 
-// Eight bricks in a row along x near a bur at some pose. All in voxels; bur frame from the body's middle.
+// Eight bricks in a row along x near a bur at some pose. All in voxels; bur frame from the body's
+// middle.
 struct Case {
   Bur bur;
   KernelBur kernel_bur;
   Profile profile;
-  dmat3 steps;      // columns: dx, dy, dz
-  dvec3 first;      // of the first brick
+  dmat3 steps;  // columns: dx, dy, dz
+  dvec3 first;  // of the first brick
   CullJob cull{};
   std::array<int16_t, 8> lowest;
 
@@ -32,7 +33,8 @@ struct Case {
   // Exact distance, voxels.
   double Distance(const dvec3& p) const {
     return profile.Distance(std::sqrt(p.x * p.x + p.y * p.y) * kVoxel,
-                            p.z * kVoxel + 0.5 * bur.height_m()) / kVoxel;
+                            p.z * kVoxel + 0.5 * bur.height_m()) /
+           kVoxel;
   }
 };
 
@@ -70,7 +72,8 @@ Case RandomCase(std::mt19937_64& random, const Bur& bur) {
 Samples RandomSamples(std::mt19937_64& random) {
   Samples phi;
   for (auto& p : phi) {
-    p = static_cast<int16_t>(random() % 5 ? std::max(-32767, static_cast<int>(static_cast<int16_t>(random()))) : 32767);
+    p = static_cast<int16_t>(
+        random() % 5 ? std::max(-32767, static_cast<int>(static_cast<int16_t>(random()))) : 32767);
   }
   return phi;
 }
@@ -79,11 +82,16 @@ BrickJob JobOf(const Case& c, int brick, int32_t cull) {
   return {FrameOf(c.steps, c.At(brick, 0)), cull, -32767};
 }
 
-double Wanted(double distance) { return distance > 2 ? -32767 : distance < -2.5 ? 32767 : -distance * 8192; }
-bool AtABandsEdge(double distance) { return std::fabs(distance - 2) < 1e-3 || std::fabs(distance + 2.5) < 1e-3; }
+double Wanted(double distance) {
+  return distance > 2 ? -32767 : distance < -2.5 ? 32767 : -distance * 8192;
+}
+bool AtABandsEdge(double distance) {
+  return std::fabs(distance - 2) < 1e-3 || std::fabs(distance + 2.5) < 1e-3;
+}
 
 TEST(BrickKernelTest, WidestAndGenericKernelsGiveTheSameBits) {
-  if (BestKernels().cut == GenericKernels().cut) GTEST_SKIP() << "skipped: this processor has no wider kernel";
+  if (BestKernels().cut == GenericKernels().cut)
+    GTEST_SKIP() << "skipped: this processor has no wider kernel";
   std::mt19937_64 random(11);
   for (int i = 0; i < 300; ++i) {
     for (const Bur& bur : test::AllBurs()) {
@@ -107,8 +115,8 @@ TEST(BrickKernelTest, WidestAndGenericKernelsGiveTheSameBits) {
   }
 }
 
-// Against the outline's exact distance in double precision, within the kernel's stated 1e-5 voxel (a
-// tenth of a unit; one unit for truncation); and what is culled could not have changed.
+// Against the outline's exact distance in double precision, within the kernel's stated 1e-5 voxel
+// (a tenth of a unit; one unit for truncation); and what is culled could not have changed.
 TEST(BrickKernelTest, SamplesAreTheNegativeBurDistanceWhereThatIsLarger) {
   std::mt19937_64 random(5);
   int cut = 0, culled = 0;
@@ -148,9 +156,12 @@ TEST(BrickKernelTest, BurThatMovedAwayFromABrickCouldNotHaveChangedIt) {
   for (int i = 0; i < 2000; ++i) {
     for (const Bur& bur : test::AllBurs()) {
       Case c = RandomCase(random, bur);
-      // Where the samples were: turned a little about the bur's middle and shifted, at most one voxel in all.
-      double turn = i % 3 == 0 ? 0 : 0.3 / (bur.height_m() / kVoxel), shift = i % 4 == 0 ? 1e-3 : 0.5;
-      Quat q = Quat{0.5 * turn * u(random), 0.5 * turn * u(random), 0.5 * turn * u(random), 1}.Normalised();
+      // Where the samples were: turned a little about the bur's middle and shifted, at most one
+      // voxel in all.
+      double turn = i % 3 == 0 ? 0 : 0.3 / (bur.height_m() / kVoxel),
+             shift = i % 4 == 0 ? 1e-3 : 0.5;
+      Quat q = Quat{0.5 * turn * u(random), 0.5 * turn * u(random), 0.5 * turn * u(random), 1}
+                   .Normalised();
       dmat3 rotate = q.Matrix();
       dvec3 moved = dvec3(u(random), u(random), i % 2 ? u(random) : 0.0) * shift;
       Case before = c;
@@ -172,7 +183,8 @@ TEST(BrickKernelTest, BurThatMovedAwayFromABrickCouldNotHaveChangedIt) {
         for (int n = 0; n < 512; ++n) {
           double was = c.Distance(before.At(b, n)), is = c.Distance(c.At(b, n));
           if (AtABandsEdge(was) || AtABandsEdge(is)) continue;
-          ASSERT_LE(Wanted(is), Wanted(was) + 1e-3) << BurShapeName(bur.shape) << " " << was << " -> " << is;
+          ASSERT_LE(Wanted(is), Wanted(was) + 1e-3)
+              << BurShapeName(bur.shape) << " " << was << " -> " << is;
         }
       }
     }

@@ -21,21 +21,23 @@ double RemovedMm3(const RemovedUnits& removed, double voxel_m) {
 
 struct SlotCase {
   Bur bur;
-  double depth_m;      // of the tip below the surface
+  double depth_m;  // of the tip below the surface
   double closed_form_mm3;
 };
 
 // Sphere sunk by its radius and moved by L: half a ball's two ends plus a half cylinder. Cylinder
 // standing upright, sunk by d and moved by L: d (pi r^2 + 2 r L).
 SlotCase SphereSlot(double r, double length) {
-  return {{BurShape::kSphere, r, 0}, r,
+  return {{BurShape::kSphere, r, 0},
+          r,
           (2.0 / 3 * M_PI * r * r * r + 0.5 * M_PI * r * r * length) * 1e9};
 }
 SlotCase CylinderSlot(double r, double d, double length) {
   return {{BurShape::kCylinder, r, 4e-3}, d, d * (M_PI * r * r + 2 * r * length) * 1e9};
 }
 
-double CutSlot(const SlotCase& slot, int32_t voxel_nm, double length, double step_m, Volume* out = nullptr) {
+double CutSlot(const SlotCase& slot, int32_t voxel_nm, double length, double step_m,
+               Volume* out = nullptr) {
   Volume block = test::Block(voxel_nm, 3e-3, 3e-3);
   block.Reserve();
   Cutter cutter(block, slot.bur);
@@ -50,10 +52,11 @@ double CutSlot(const SlotCase& slot, int32_t voxel_nm, double length, double ste
   return RemovedMm3(removed, voxel_nm * 1e-9);
 }
 
-// An upright body of revolution moved sideways sweeps its own volume and its outline's area times the way.
-// Integrals of the outline's radius at each height by the midpoint rule.
+// An upright body of revolution moved sideways sweeps its own volume and its outline's area times
+// the way. Integrals of the outline's radius at each height by the midpoint rule.
 SlotCase AnySlot(const Bur& bur, double length) {
-  double depth = bur.shape == BurShape::kSphere ? bur.radius_m : std::min(0.8 * bur.length_m, 1.2e-3);
+  double depth =
+      bur.shape == BurShape::kSphere ? bur.radius_m : std::min(0.8 * bur.length_m, 1.2e-3);
   double volume = 0, outline = 0;
   constexpr int kSteps = 20000;
   for (int i = 0; i < kSteps; ++i) {
@@ -68,7 +71,8 @@ SlotCase AnySlot(const Bur& bur, double length) {
   return {bur, depth, (volume + outline * length) * 1e9};
 }
 
-// Root of the mean square over places relative to the grid and turns of the bur about its axis' tilt.
+// Root of the mean square over places relative to the grid and turns of the bur about its axis'
+// tilt.
 double VolumeError(const SlotCase& slot, int32_t voxel_nm, double length) {
   double sum = 0;
   constexpr int kPlaces = 3;
@@ -81,7 +85,9 @@ double VolumeError(const SlotCase& slot, int32_t voxel_nm, double length) {
     dvec3 off = dvec3(0.31 * i, 0.47 * i, 0) * h;
     int n = static_cast<int>(std::ceil(length / (0.5 * h)));
     for (int k = 0; k <= n; ++k) {
-      EXPECT_TRUE(cutter.Cut({off + dvec3(-length / 2 + length * k / n, 0, -slot.depth_m - 0.29 * i * h), Quat{}}, removed));
+      EXPECT_TRUE(cutter.Cut(
+          {off + dvec3(-length / 2 + length * k / n, 0, -slot.depth_m - 0.29 * i * h), Quat{}},
+          removed));
     }
     SlotCase deeper = slot;
     // A deeper place sweeps more: the topmost slice again.
@@ -98,14 +104,16 @@ double VolumeError(const SlotCase& slot, int32_t voxel_nm, double length) {
 }
 
 TEST(CutterTest, RemovedVolumeAgreesWithTheSweptVolumeForEveryShapeAndConverges) {
-  EXPECT_NEAR(AnySlot({BurShape::kSphere, 0.5e-3}, 2e-3).closed_form_mm3, SphereSlot(0.5e-3, 2e-3).closed_form_mm3, 1e-6);
+  EXPECT_NEAR(AnySlot({BurShape::kSphere, 0.5e-3}, 2e-3).closed_form_mm3,
+              SphereSlot(0.5e-3, 2e-3).closed_form_mm3, 1e-6);
   EXPECT_NEAR(AnySlot({BurShape::kCylinder, 0.6e-3, 1.5e-3}, 2e-3).closed_form_mm3,
               CylinderSlot(0.6e-3, 1.2e-3, 2e-3).closed_form_mm3, 1e-6);
   double coarse_sum = 0, fine_sum = 0;
   for (const Bur& bur : test::AllBurs()) {
     SlotCase slot = AnySlot(bur, 2e-3);
     double coarse = VolumeError(slot, 100'000, 2e-3), fine = VolumeError(slot, 50'000, 2e-3);
-    std::printf("%-14s volume error %.3f %% at 0.1 mm, %.3f %% at 0.05 mm\n", std::string(BurShapeName(bur.shape)).c_str(), 100 * coarse, 100 * fine);
+    std::printf("%-14s volume error %.3f %% at 0.1 mm, %.3f %% at 0.05 mm\n",
+                std::string(BurShapeName(bur.shape)).c_str(), 100 * coarse, 100 * fine);
     EXPECT_LT(fine, 5e-3) << BurShapeName(bur.shape);
     coarse_sum += coarse;
     fine_sum += fine;
@@ -122,7 +130,8 @@ TEST(CutterTest, HalvesOfACutAreTheWholeCut) {
   Cutter a(whole, bur), b(halves, bur);
   RemovedUnits removed_a{}, removed_b{};
   for (int i = 0; i < 100; ++i) {
-    Pose pose{dvec3(-1e-3 + i * 20e-6, 3e-6 * i, -2e-3 - 1e-6 * i), Quat{0.001 * i, 0.02, 0, 1}.Normalised()};
+    Pose pose{dvec3(-1e-3 + i * 20e-6, 3e-6 * i, -2e-3 - 1e-6 * i),
+              Quat{0.001 * i, 0.02, 0, 1}.Normalised()};
     EXPECT_TRUE(a.Cut(pose, removed_a));
     EXPECT_TRUE(b.CutLower(pose, removed_b));
     EXPECT_TRUE(b.CutUpper(pose, removed_b));
@@ -131,8 +140,8 @@ TEST(CutterTest, HalvesOfACutAreTheWholeCut) {
   EXPECT_TRUE(whole == halves);
 }
 
-// Every visit that is left out because the bur moved away would have changed nothing: a cutter that forgets
-// where it was, and so visits all, makes the same hole.
+// Every visit that is left out because the bur moved away would have changed nothing: a cutter that
+// forgets where it was, and so visits all, makes the same hole.
 TEST(CutterTest, LeavingOutWhatTheBurMovedAwayFromChangesNothing) {
   for (const Bur& bur : test::AllBurs()) {
     Volume sparing = test::Block(50'000, 3e-3, 3e-3);
@@ -143,8 +152,9 @@ TEST(CutterTest, LeavingOutWhatTheBurMovedAwayFromChangesNothing) {
     RemovedUnits removed{}, removed_all{};
     for (int i = 0; i < 60; ++i) {
       double t = i * 0.21;
-      Pose pose{dvec3(0.4e-3 * std::sin(t), 0.3e-3 * std::cos(1.7 * t), -1e-3 + 20e-6 * std::sin(3 * t)),
-                Quat{0.05 * std::sin(t), 0.04 * std::cos(t), 0, 1}.Normalised()};
+      Pose pose{
+          dvec3(0.4e-3 * std::sin(t), 0.3e-3 * std::cos(1.7 * t), -1e-3 + 20e-6 * std::sin(3 * t)),
+          Quat{0.05 * std::sin(t), 0.04 * std::cos(t), 0, 1}.Normalised()};
       // Steps of every size, some too long for the comparison with the pose before.
       if (i % 10 > 4) pose.tip_m = dvec3(0.3e-3, 0, -1e-3) + dvec3(1, 0.3, 0.1) * (i % 10 * 7e-6);
       cutter.Cut(pose, removed);
@@ -155,7 +165,8 @@ TEST(CutterTest, LeavingOutWhatTheBurMovedAwayFromChangesNothing) {
     EXPECT_LT(std::abs(difference), removed_all[1] / 100'000) << BurShapeName(bur.shape);
     for (int b = 0; b < all.spec().brick_count(); ++b) {
       if (!all.IsStored(b) || !sparing.IsStored(b)) continue;
-      for (size_t k = 0; k < kBrickVoxels; ++k) ASSERT_NEAR(all.Phi(b).phi[k], sparing.Phi(b).phi[k], 2);
+      for (size_t k = 0; k < kBrickVoxels; ++k)
+        ASSERT_NEAR(all.Phi(b).phi[k], sparing.Phi(b).phi[k], 2);
     }
   }
 }
@@ -195,7 +206,8 @@ TEST(CutterTest, OneTenthMicrometrePerTickRemovesExactlyWhatTheFaceSweeps) {
   RemovedUnits start{}, removed{};
   cutter.Cut({dvec3(0, 0, -0.7e-3), Quat{}}, start);
   for (int i = 1; i <= 500; ++i) cutter.Cut({dvec3(0, 0, -0.7e-3 - i * 0.1e-6), Quat{}}, removed);
-  EXPECT_NEAR(RemovedMm3(removed, 50e-6), M_PI * r * r * 50e-6 * 1e9, 0.01 * M_PI * r * r * 50e-6 * 1e9);
+  EXPECT_NEAR(RemovedMm3(removed, 50e-6), M_PI * r * r * 50e-6 * 1e9,
+              0.01 * M_PI * r * r * 50e-6 * 1e9);
 }
 
 TEST(CutterTest, OutsideTheGridAndInAirNothingHappens) {
@@ -227,7 +239,8 @@ TEST(CutterTest, RemovalIsBookedToTheTissueThatWasThere) {
       labels[i] = static_cast<uint8_t>(z > -0.5e-3 ? Tissue::kEnamel : Tissue::kDentin);
       phi[i] = static_cast<int16_t>(two.PhiAt(v));
     }
-    if (two.IsStored(b) || two.UniformTissue(b) != Tissue::kAir) two.SetBrick(b, phi, labels, Tissue::kEnamel);
+    if (two.IsStored(b) || two.UniformTissue(b) != Tissue::kAir)
+      two.SetBrick(b, phi, labels, Tissue::kEnamel);
   }
   two.Reserve();
   double r = 0.5e-3;

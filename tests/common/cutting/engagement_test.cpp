@@ -48,16 +48,19 @@ TEST(EngagementTest, PlungeIsResistedByTheEndFaceOnly) {
   Seat seat({BurShape::kCylinder, 0.6e-3, 4e-3}, 2e-3, 50'000);
   dvec3 down(0, 0, -1);
   double expected = 6500 * (M_PI * 0.36e-6) / EngagementReader::kReferenceArea_m2;
-  EXPECT_NEAR(glm::dot(down, seat.reader.Read(down).damping_n_s_per_m * down), expected, 0.03 * expected);
+  EXPECT_NEAR(glm::dot(down, seat.reader.Read(down).damping_n_s_per_m * down), expected,
+              0.03 * expected);
 }
 
-// A bur that cuts with its end half as well as with its side is resisted twice as much when it plunges, and
-// as before when it moves sideways.
+// A bur that cuts with its end half as well as with its side is resisted twice as much when it
+// plunges, and as before when it moves sideways.
 TEST(EngagementTest, AxialDampingCountsForTheEndFaceOnly) {
   Bur bur{BurShape::kCylinder, 0.6e-3, 4e-3};
   Seat same(bur, 2e-3, 50'000), twice(bur, 2e-3, 50'000, Enamel(13000));
   dvec3 down(0, 0, -1), side(1, 0, 0);
-  auto along = [](const Seat& seat, const dvec3& d) { return glm::dot(d, seat.reader.Read(d).damping_n_s_per_m * d); };
+  auto along = [](const Seat& seat, const dvec3& d) {
+    return glm::dot(d, seat.reader.Read(d).damping_n_s_per_m * d);
+  };
   EXPECT_NEAR(along(twice, down) / along(same, down), 2, 1e-9);
   EXPECT_NEAR(along(twice, side) / along(same, side), 1, 1e-9);
 }
@@ -74,7 +77,8 @@ TEST(EngagementTest, DampingGrowsEvenlyWithDepth) {
 }
 
 TEST(EngagementTest, ShankAtAWallHasANormalAndNoDamping) {
-  // The cutting part is a small ball beside the block's edge; the shank above it is wider and touches.
+  // The cutting part is a small ball beside the block's edge; the shank above it is wider and
+  // touches.
   Volume block = test::Block(50'000, 2e-3, 6e-3);
   Bur bur{BurShape::kSphere, 0.3e-3};
   bur.shank_radius_m = 0.8e-3;
@@ -100,7 +104,8 @@ TEST(EngagementTest, HalfSunkBallMatchesTheSphereIntegral) {
   Seat seat({BurShape::kSphere, 0.5e-3, 0}, 0.5e-3, 50'000);
   dvec3 down(0, 0, -1);
   double expected = 6500 * (2 * M_PI * 0.25e-6 / 3) / EngagementReader::kReferenceArea_m2;
-  EXPECT_NEAR(glm::dot(down, seat.reader.Read(down).damping_n_s_per_m * down), expected, 0.04 * expected);
+  EXPECT_NEAR(glm::dot(down, seat.reader.Read(down).damping_n_s_per_m * down), expected,
+              0.04 * expected);
 }
 
 TEST(EngagementTest, InAirThereIsNothing) {

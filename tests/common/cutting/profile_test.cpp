@@ -20,10 +20,18 @@ std::vector<glm::dvec2> Polygon(const Bur& b) {
   };
   double r = b.radius_m, s = b.narrow_radius_m, l = b.length_m;
   switch (b.shape) {
-    case BurShape::kSphere: arc({0, r}, r, -M_PI / 2, M_PI / 2); return out;
-    case BurShape::kCylinder: out = {{0, 0}, {r, 0}, {r, l}, {0, l}}; return out;
-    case BurShape::kCone: out = {{0, 0}, {s, 0}, {r, l}, {0, l}}; return out;
-    case BurShape::kInvertedCone: out = {{0, 0}, {r, 0}, {s, l}, {0, l}}; return out;
+    case BurShape::kSphere:
+      arc({0, r}, r, -M_PI / 2, M_PI / 2);
+      return out;
+    case BurShape::kCylinder:
+      out = {{0, 0}, {r, 0}, {r, l}, {0, l}};
+      return out;
+    case BurShape::kCone:
+      out = {{0, 0}, {s, 0}, {r, l}, {0, l}};
+      return out;
+    case BurShape::kInvertedCone:
+      out = {{0, 0}, {r, 0}, {s, l}, {0, l}};
+      return out;
     case BurShape::kWheel:
       out = {{0, 0}};
       arc({r - l / 2, l / 2}, l / 2, -M_PI / 2, M_PI / 2);
@@ -67,7 +75,8 @@ double PolygonDistance(const std::vector<glm::dvec2>& p, glm::dvec2 at) {
       double t = std::clamp(glm::dot(at - a, d) / glm::dot(d, d), 0.0, 1.0);
       best = std::min(best, glm::length(at - a - t * d));
     }
-    if ((a.y > at.y) != (b.y > at.y) && at.x < a.x + (at.y - a.y) / (b.y - a.y) * d.x) inside = !inside;
+    if ((a.y > at.y) != (b.y > at.y) && at.x < a.x + (at.y - a.y) / (b.y - a.y) * d.x)
+      inside = !inside;
   }
   return inside ? -best : best;
 }
@@ -108,7 +117,8 @@ TEST(ProfileTest, SurfacePointsLieOnTheSurfaceAndCarryItsWholeArea) {
       EXPECT_NEAR(bur.Distance(p.position_m), 0, 1e-12) << BurShapeName(bur.shape);
       EXPECT_NEAR(glm::length(p.normal), 1, 1e-14);
       // The normal is the way in which the distance grows.
-      EXPECT_NEAR(bur.Distance(p.position_m + 1e-6 * p.normal), 1e-6, 1e-12) << BurShapeName(bur.shape);
+      EXPECT_NEAR(bur.Distance(p.position_m + 1e-6 * p.normal), 1e-6, 1e-12)
+          << BurShapeName(bur.shape);
       area += p.area_m2;
     }
     EXPECT_NEAR(area / exact, 1, 1e-7) << BurShapeName(bur.shape);

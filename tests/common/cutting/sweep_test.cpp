@@ -26,8 +26,8 @@ double ToSegment(const dvec3& p, const dvec3& a, const dvec3& b) {
   return glm::length(p - a - t * d);
 }
 
-// Every pose of the path is within the tolerance of the way through the poses that are cut, and those are
-// no more than half a voxel and a step apart.
+// Every pose of the path is within the tolerance of the way through the poses that are cut, and
+// those are no more than half a voxel and a step apart.
 void ExpectCovered(const std::vector<Pose>& path, double step_m) {
   std::vector<Pose> cut = CutOf(path);
   ASSERT_FALSE(cut.empty());
@@ -55,7 +55,8 @@ TEST(SweepTest, NothingOfATurningPathIsLeftOut) {
     std::vector<Pose> spiral, zigzag, tremor;
     for (int i = 0; i <= 3000; ++i) {
       double t = i * step * 0.05, along = i * step * kVoxel;
-      spiral.push_back({dvec3(std::cos(t), std::sin(t), 0.02 * t) * (0.5 * kVoxel * (1 + 0.05 * t)), Quat{}});
+      spiral.push_back(
+          {dvec3(std::cos(t), std::sin(t), 0.02 * t) * (0.5 * kVoxel * (1 + 0.05 * t)), Quat{}});
       double saw = std::fabs(std::remainder(i * step, 2.6)) * kVoxel;
       zigzag.push_back({dvec3(saw, 0.1 * along, 0), Quat{}});
       tremor.push_back({dvec3(along * 0.2, 0.2 * kVoxel * std::sin(i * 0.7), 0), Quat{}});
@@ -85,7 +86,8 @@ TEST(SweepTest, NoMoveMakesMoreThanItsMostCutsDue) {
   Sweep sweep(kVoxel, kReach);
   for (int i = 0; i < 20000; ++i) {
     double wild = (i * 7919 % 1000) * 1e-3;
-    auto due = sweep.Move({dvec3(0.4 * wild, 0.3 * std::sin(i * 0.9), 0.1 * std::cos(i * 2.3)) * kVoxel, Quat{}});
+    auto due = sweep.Move(
+        {dvec3(0.4 * wild, 0.3 * std::sin(i * 0.9), 0.1 * std::cos(i * 2.3)) * kVoxel, Quat{}});
     ASSERT_LE(due.size(), Sweep::kMaxDue);
   }
 }

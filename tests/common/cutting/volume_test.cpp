@@ -27,8 +27,10 @@ TEST(VolumeTest, DistanceSaturatesNearFourVoxelsAndOutsideTheGridIsAir) {
 TEST(VolumeTest, SolidVolumeOfASphereIsWithinTheSquareOfVoxelOverRadius) {
   double r = 1.3e-3, exact = 4.0 / 3 * M_PI * r * r * r;
   for (int32_t voxel_nm : {200'000, 100'000, 50'000, 25'000}) {
-    GridSpec spec{voxel_nm, ivec3(3'200'000 / voxel_nm / 8 + 1), {-1'600'000, -1'600'000, -1'600'000}};
-    Volume ball = test::VolumeOf(spec, Tissue::kDentin, [&](const dvec3& p) { return glm::length(p) - r; });
+    GridSpec spec{
+        voxel_nm, ivec3(3'200'000 / voxel_nm / 8 + 1), {-1'600'000, -1'600'000, -1'600'000}};
+    Volume ball =
+        test::VolumeOf(spec, Tissue::kDentin, [&](const dvec3& p) { return glm::length(p) - r; });
     double h = voxel_nm * 1e-9;
     EXPECT_NEAR(SolidVolume_m3(ball)[2] / exact, 1, 0.5 * h * h / (r * r)) << voxel_nm;
   }
