@@ -33,7 +33,7 @@ class Hand {
     double radius = exercise.bur_radius_um * 1e-6;
     half_x_ = std::max(0.1e-3, exercise.target.half_size_um[0] * 1e-6 - radius);
     half_y_ = std::max(0.1e-3, exercise.target.half_size_um[1] * 1e-6 - radius);
-    depth_ = exercise.target.depth_um * 1e-6;
+    depth_ = exercise.target.depth_um * 1e-6 + options.floor_extra_m;
     double stroke_s = 2 * half_x_ / kStroke_m_s;
     // Lift, pause and way down belong to every stroke.
     double cycle_s = stroke_s * (1 + options.pause_strokes) + 2 * kLift_m / kMove_m_s;
@@ -86,7 +86,9 @@ class Hand {
     double z = landmark_.z + kAbove_m - share * (kAbove_m + depth_);
     auto row = static_cast<int>(stroke_) % kRows;
     double y = landmark_.y + half_y_ * (2.0 * row / (kRows - 1) - 1), way = row % 2 == 0 ? 1 : -1;
-    dvec3 from(landmark_.x - way * half_x_, y, z), to(landmark_.x + way * half_x_, y, z);
+    // +x is mesial.
+    double distal = landmark_.x - half_x_, mesial = landmark_.x + half_x_ + options_.mesial_extra_m;
+    dvec3 from(way > 0 ? distal : mesial, y, z), to(way > 0 ? mesial : distal, y, z);
     dvec3 up(0, 0, kLift_m);
     Go(from + up, kMove_m_s, false);
     Go(from + up * 0.1, kMove_m_s, true);
@@ -175,20 +177,24 @@ Result<Attempt> RecordAttempt(const AttemptOptions& options,
   core::Core core(*params, built->volume);
   Hand hand(exercise, built->scene, options);
   Recorder recorder(out.header);
-  uint64_t cutting = 0;
+  uint64_t cutting = 0, cut_until = 0;
+  const uint64_t window = params->rate_hz / 20;
   for (uint64_t i = 0; i < options.ticks; ++i) {
     if (progress && i % 5000 == 0) {
       progress(static_cast<double>(i) / static_cast<double>(options.ticks));
     }
     core::TickInput input = hand.Next(*params);
     core::TickOutput tick = core.Step(input);
-    cutting +=
+    bool removed =
         std::any_of(tick.removed.begin(), tick.removed.end(), [](int64_t r) { return r != 0; });
+    if (removed) cut_until = i + window;
+    cutting += i < cut_until;
     recorder.Put(input, tick.witness, core.state_hash(), out);
   }
   recorder.Flush(out);
   out.cutting_share = static_cast<double>(cutting) / static_cast<double>(options.ticks);
   out.built = std::move(*built);
+  out.exercise = std::move(exercise);
   return out;
 }
 

@@ -16,19 +16,24 @@ namespace enamel::measure {
 // long people cut and how long they look.
 struct Attempt {
   scene::BuiltScene built;
+  scene::Exercise exercise;
   trace::Header header;
   std::vector<Bytes> chunks;  // of 500 ticks
   trace::Seal seal;
-  double cutting_share = 0;  // of the ticks: those that removed something
+  // Of the ticks: those less than 50 ms after something was removed. (The core renews a cut when it
+  // would leave a mark, so that most ticks of a stroke remove nothing themselves.)
+  double cutting_share = 0;
 };
 
 struct AttemptOptions {
   std::string scene = "molar";  // a built-in one
   int32_t voxel_nm = 50'000;
   uint64_t ticks = 120'000;  // at 1 kHz
-  // How long the bur is lifted and looked at after each stroke, in strokes. With 1.3 about a third
+  // How long the bur is lifted and looked at after each stroke, in strokes. With 1.15 about a third
   // of the ticks cut.
-  double pause_strokes = 1.3;
+  double pause_strokes = 1.15;
+  // How much too far the hand goes on purpose: through the mesial wall, below the floor.
+  double mesial_extra_m = 0, floor_extra_m = 0;
 };
 
 // A class I cavity on a built-in tooth with a Phantom Desktop: strokes along the box at 2 mm/s,

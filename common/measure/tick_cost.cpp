@@ -19,33 +19,44 @@ constexpr int kSettleTicks = 300;
 constexpr double kLow = -0.70710678118654752;
 constexpr int kNotEngaged = int{haptics::kFreeAir} | int{core::kSuspended};
 
-double HeightOf(const CutCase& c) {
-  return c.shape == cutting::BurShape::kSphere ? 2 * c.radius_m : c.length_m;
-}
-
 // The tip's place when the bur's axis is over x = 0.
 dvec3 TipAtStart(const CutCase& c) {
-  double height = HeightOf(c);
+  double height = c.bur.height_m();
   if (c.sunk == Sunk::kLying) return {0, -0.5 * height, 0};
   return {0, 0, c.sunk == Sunk::kHalf ? -0.5 * height : -height};
 }
 
+// Turned by about 33 degrees about an axis that is no symmetry of the grid.
+Quat TurnOf(const CutCase& c) {
+  return c.oblique ? Quat{0.17, 0.11, 0.23, 1}.Normalised() : Quat{};
+}
+
 // Solid for x > 0 and z < 0, as large as the way needs.
 cutting::Volume MakeBlock(const CutCase& c, double travel_m) {
-  double height = HeightOf(c);
-  double half_y =
-      (c.sunk == Sunk::kLying ? std::max(0.5 * height, c.radius_m) : c.radius_m) + kMargin_m;
-  double deep = (c.sunk == Sunk::kLying ? c.radius_m : height) + kMargin_m;
-  dvec3 lo(0, -half_y, -deep), hi(travel_m + c.radius_m + kMargin_m, half_y, 0);
-  auto field = [=](const dvec3& p) {
+  double radius = c.bur.radius_m, height = c.bur.height_m();
+  bool lying = c.sunk == Sunk::kLying;
+  double half_y = (lying ? std::max(0.5 * height, radius) : radius) + kMargin_m;
+  double deep = (lying ? radius : height) + kMargin_m;
+  dvec3 lo(0, -half_y, -deep), hi(travel_m + radius + kMargin_m, half_y, 0);
+  BlockFrame frame(TurnOf(c));
+  auto field = [=](const dvec3& scene) {
+    dvec3 p = frame.ToBlock(scene);
     dvec3 q = glm::max(lo - p, p - hi);
     dvec3 out = glm::max(q, dvec3(0));
     double inside = std::min(std::max({q.x, q.y, q.z}), 0.0);
     return scene::FieldSample{std::sqrt(Dot(out, out)) + inside, Tissue::kGypsum, 1.0};
   };
-  return scene::BuildVolume(scene::GridAround(lo, hi, c.voxel_nm), scene::Field(field),
+  dvec3 least(1), most(-1);
+  for (int i = 0; i < 8; ++i) {
+    dvec3 corner = frame.ToScene({i & 1 ? hi.x : lo.x, i & 2 ? hi.y : lo.y, i & 4 ? hi.z : lo.z});
+    least = glm::min(least, corner);
+    most = glm::max(most, corner);
+  }
+  return scene::BuildVolume(scene::GridAround(least, most, c.voxel_nm), scene::Field(field),
                             scene::BuildThreads());
 }
+
+int32_t Nanometres(double m) { return static_cast<int32_t>(std::lround(m * 1e9)); }
 
 core::CoreParams MakeParams(const CutCase& c) {
   core::CoreParams p;
@@ -57,21 +68,24 @@ core::CoreParams MakeParams(const CutCase& c) {
   p.resolution_nm.fill(kCell_nm);
   p.peak_force_mn = 100'000;
   p.soft_start_ticks = 1;
-  p.bur_shape = c.shape;
-  p.bur_radius_nm = static_cast<int32_t>(std::lround(c.radius_m * 1e9));
-  p.bur_length_nm = static_cast<int32_t>(std::lround(c.length_m * 1e9));
+  p.bur_shape = c.bur.shape;
+  p.bur_radius_nm = Nanometres(c.bur.radius_m);
+  p.bur_length_nm = Nanometres(c.bur.length_m);
+  p.bur_narrow_radius_nm = Nanometres(c.bur.narrow_radius_m);
   p.rotational_kc_un_m_per_rad = 100'000;
   return p;
 }
 
 core::TickInput InputAt(const CutCase& c, const dvec3& tip_m) {
   core::TickInput in;
+  Quat turn = TurnOf(c);
+  dvec3 at = BlockFrame(turn).ToScene(tip_m);
   for (int i = 0; i < 3; ++i) {
-    in.counts[static_cast<size_t>(i)] =
-        static_cast<int32_t>(std::lround(tip_m[i] * 1e9 / kCell_nm));
+    in.counts[static_cast<size_t>(i)] = static_cast<int32_t>(std::lround(at[i] * 1e9 / kCell_nm));
   }
-  // Lying: +z of the bur becomes +y of the scene.
-  if (c.sunk == Sunk::kLying) in.orientation = ToQuantised(Quat{kLow, 0, 0, -kLow});
+  // Lying: +z of the bur becomes +y of the block.
+  Quat own = c.sunk == Sunk::kLying ? Quat{kLow, 0, 0, -kLow} : Quat{};
+  in.orientation = ToQuantised(turn * own);
   in.flags = core::kBurOn;
   in.bur_speed_krpm = 200;
   return in;
@@ -117,25 +131,43 @@ const char* SunkName(Sunk sunk) {
 }
 
 std::string BurText(const CutCase& c) {
-  char text[80];
-  std::string name(cutting::BurShapeName(c.shape));
-  if (c.shape == cutting::BurShape::kSphere) {
-    std::snprintf(text, sizeof text, "%s r %g mm", name.c_str(), c.radius_m * 1e3);
-  } else {
-    std::snprintf(text, sizeof text, "%s r %g x %g mm", name.c_str(), c.radius_m * 1e3,
-                  c.length_m * 1e3);
+  char text[96];
+  std::string name(cutting::BurShapeName(c.bur.shape));
+  int n = std::snprintf(text, sizeof text, "%s r %g", name.c_str(), c.bur.radius_m * 1e3);
+  auto append = [&](const char* format, double m) {
+    n += std::snprintf(text + n, sizeof text - static_cast<size_t>(n), format, m * 1e3);
+  };
+  if (c.bur.narrow_radius_m > 0) append(" to %g", c.bur.narrow_radius_m);
+  if (c.bur.shape != cutting::BurShape::kSphere) append(" x %g", c.bur.length_m);
+  return std::string(text) + " mm";
+}
+
+std::vector<CutCase> BurCases() {
+  using cutting::BurShape;
+  const cutting::Bur burs[] = {
+      {BurShape::kCylinder, 0.6e-3, 4e-3},       {BurShape::kSphere, 0.5e-3, 0},
+      {BurShape::kCone, 0.8e-3, 4e-3, 0.4e-3},   {BurShape::kInvertedCone, 0.6e-3, 1.2e-3, 0.4e-3},
+      {BurShape::kPear, 0.6e-3, 2.5e-3, 0.3e-3}, {BurShape::kFlame, 0.6e-3, 4e-3, 0.3e-3},
+      {BurShape::kWheel, 1.2e-3, 1e-3}};
+  std::vector<CutCase> out;
+  for (const cutting::Bur& bur : burs) {
+    CutCase c;
+    c.bur = bur;
+    out.push_back(c);
   }
-  return text;
+  return out;
 }
 
 CutPath MakeCutPath(const CutCase& c, size_t ticks) {
   const double step = c.speed_m_s / c.rate_hz, entry_step = kEntry_m_s / c.rate_hz;
-  const double start = -(c.radius_m + 0.5e-3), inside = c.radius_m + 0.5e-3;
+  const double start = -(c.bur.radius_m + 0.5e-3), inside = c.bur.radius_m + 0.5e-3;
   size_t measured = std::min(ticks, static_cast<size_t>(kTravel_m / step));
   CutPath path;
   path.params = MakeParams(c);
-  dvec3 tip = TipAtStart(c);
-  auto add = [&](double x) { path.inputs.push_back(InputAt(c, tip + dvec3(x, 0, 0))); };
+  path.bur = core::BurOf(path.params);
+  path.turn = TurnOf(c);
+  path.tip_m = TipAtStart(c);
+  auto add = [&](double x) { path.inputs.push_back(InputAt(c, path.tip_m + dvec3(x, 0, 0))); };
   double x = start;
   for (int i = 0; i < 4; ++i) add(x);
   for (; x < inside; x += entry_step) add(x);
@@ -146,9 +178,8 @@ CutPath MakeCutPath(const CutCase& c, size_t ticks) {
   return path;
 }
 
-TickCost MeasureTicks(const CutCase& c, size_t ticks, int replays,
-                      const std::function<void(int, int)>& progress) {
-  CutPath path = MakeCutPath(c, ticks);
+TickCost TimeTicks(const CutPath& path, int replays,
+                   const std::function<void(int, int)>& progress) {
   TickCost cost;
   cost.replays = replays;
   std::vector<double> least, raw;

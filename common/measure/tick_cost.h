@@ -21,21 +21,38 @@ enum class Sunk : uint8_t {
 const char* SunkName(Sunk sunk);  // "half", "whole", "lying"
 
 struct CutCase {
-  cutting::BurShape shape = cutting::BurShape::kCylinder;
-  double radius_m = 0.6e-3;
-  double length_m = 4e-3;  // what a sphere does not have
+  cutting::Bur bur{cutting::BurShape::kCylinder, 0.6e-3, 4e-3};
   int32_t voxel_nm = 50'000;
   double speed_m_s = 5e-3;
   Sunk sunk = Sunk::kHalf;
+  // Block, way and bur are turned off the grid together, so that no face lies along voxels.
+  bool oblique = false;
   uint32_t rate_hz = 1000;
 };
 // "cylinder r 0.6 x 4 mm".
 std::string BurText(const CutCase& c);
+// One case per bur shape, in the sizes of dental burs, the headline's cylinder first.
+std::vector<CutCase> BurCases();
 
-// A way through a block, as the core gets it.
+// The block's frame in the scene's, same origin.
+class BlockFrame {
+ public:
+  explicit BlockFrame(const Quat& scene_from_block) : m_(scene_from_block.Matrix()) {}
+  dvec3 ToScene(const dvec3& p) const { return m_ * p; }
+  dvec3 ToBlock(const dvec3& p) const { return {Dot(m_[0], p), Dot(m_[1], p), Dot(m_[2], p)}; }
+
+ private:
+  dmat3 m_;
+};
+
+// A way through a block, as the core gets it. The block's frame: solid where x > 0 and z < 0, and
+// the bur moves along +x.
 struct CutPath {
   core::CoreParams params;
+  cutting::Bur bur;  // as the core has it
   cutting::Volume block;
+  Quat turn;       // scene from block
+  dvec3 tip_m{0};  // the tip when the bur's axis is over x = 0, block's frame
   std::vector<core::TickInput> inputs;
   size_t first_measured = 0;  // before it: soft start, entry at 20 mm/s, settling
 };
@@ -62,9 +79,9 @@ struct TickCost {
   bool replays_agree = true;  // they must: the core is deterministic
 };
 
-// Replays the case's path `replays` times on fresh cores and times every tick with the steady clock
-// (about 25 ns of the clock's own are included). `progress` (done, all) may be empty. Blocks.
-TickCost MeasureTicks(const CutCase& c, size_t ticks, int replays,
-                      const std::function<void(int, int)>& progress = {});
+// Replays the path `replays` times on fresh cores and times every tick with the steady clock (about
+// 25 ns of the clock's own are included). `progress` (done, all) may be empty. Blocks.
+TickCost TimeTicks(const CutPath& path, int replays,
+                   const std::function<void(int, int)>& progress = {});
 
 }  // namespace enamel::measure

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "common/measure/cutting_error.h"
 #include "station/qualify/model.h"
 
 // What the suites find, as data: the tables, the JSON and the report are made from it.
@@ -70,6 +71,12 @@ struct RandomSummary {
       releases;  // velocity-hand figures of every case, over their bounds
 };
 
+// One bur at one voxel size and speed.
+struct CuttingRow {
+  measure::CuttingFigures figures;
+  bool pareto = false;
+};
+
 struct Findings {
   std::vector<DeviceModel> models;
   std::vector<Row> rows;
@@ -78,6 +85,8 @@ struct Findings {
   std::vector<TimeTrace> traces;
   std::vector<Attack> attacks;
   std::vector<RandomSummary> random;
+  std::vector<CuttingRow> cutting;
+  std::vector<measure::ScoreFigures> scores;  // coarse to fine
   double integration_error_m = 0;  // the simulator's own, worst of the trials asked
   double seconds = 0;
   uint64_t seed = 1;

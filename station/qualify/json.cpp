@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "station/qualify/report.h"
+#include "station/qualify/suite_cutting.h"
 
 namespace enamel::station::qualify {
 namespace {
@@ -52,6 +53,7 @@ json::object RowJson(const Row& r) {
 std::string JsonOf(const Findings& f) {
   json::array rows, attacks, random;
   for (const Row& r : f.rows) rows.push_back(RowJson(r));
+  AppendCuttingRows(f, rows);
   for (const Attack& a : f.attacks) {
     attacks.push_back(json::object{{"law", a.law},
                                    {"game", a.kind},

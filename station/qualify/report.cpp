@@ -7,6 +7,7 @@
 #include <fstream>
 #include <map>
 
+#include "station/qualify/suite_cutting.h"
 #include "station/qualify/svg.h"
 
 namespace enamel::station::qualify {
@@ -288,6 +289,7 @@ std::vector<Named> AllPlots(const Findings& f) {
     out.push_back({"extreme", "map-" + std::to_string(i + 1), SvgOf(f.maps[i])});
   for (size_t i = 0; i < f.random.size(); ++i)
     out.push_back({"random", "random-" + std::to_string(i + 1), SvgOf(RandomPlot(f.random[i]))});
+  for (auto& [file, svg] : CuttingPlots(f)) out.push_back({"cutting", file, std::move(svg)});
   return out;
 }
 
@@ -299,6 +301,7 @@ const char* SectionOf(const Table& t) {
   if (Starts("Velocity est")) return "estimators";
   if (Starts("Adversary")) return "adversary";
   if (Starts("Random")) return "random";
+  if (Starts("Cutting") || Starts("Scores")) return "cutting";
   return "extreme";
 }
 
@@ -324,6 +327,9 @@ constexpr Section kSections[] = {
      "no balance fell under its floor. Stable with these grips: nothing swung, nothing is proved."},
     {"adversary", "Adversary",
      "A search for energy: it chooses the motion, the material and the walls tick by tick."},
+    {"cutting", "Cutting: error against run time",
+     "What a voxel size costs and what it is worth: burs against the bodies they sweep, and the score "
+     "of one hand at every voxel size."},
     {"estimators", "Velocity estimators", ""},
     {"paper", "The paper's tables beside ours",
      "Liu, Zhang, Wang, Townsend, Virtual Reality 12:99-106 (2008)."},

@@ -31,8 +31,7 @@ constexpr Goal kGoals[] = {{50'000, 12, 25}, {25'000, 50, 100}};
 constexpr double kGrowthGoal = 4;
 
 bool IsHeadline(const CutCase& c) {
-  return c.shape == cutting::BurShape::kCylinder && c.radius_m == 0.6e-3 && c.length_m == 4e-3 &&
-         c.speed_m_s == 5e-3;
+  return c.bur == CutCase().bur && c.speed_m_s == CutCase().speed_m_s;
 }
 
 std::vector<CutCase> Cases(bool quick) {
@@ -56,11 +55,10 @@ std::vector<CutCase> Cases(bool quick) {
     c.sunk = sunk;
     add(c);
   }
-  for (double radius : {0.5e-3, 1e-3}) {
+  std::vector<CutCase> burs = measure::BurCases();
+  for (size_t i = 1; i < burs.size(); ++i) {
     for (double speed : {1e-3, 5e-3, 20e-3}) {
-      CutCase c;
-      c.shape = cutting::BurShape::kSphere;
-      c.radius_m = radius;
+      CutCase c = burs[i];
       c.speed_m_s = speed;
       add(c);
     }
@@ -69,7 +67,7 @@ std::vector<CutCase> Cases(bool quick) {
 }
 
 void PrintRow(const CutCase& c, const TickCost& t, double growth) {
-  std::printf("%-24s %-6s %6.3f %5g %6zu %9.2f %8.2f %9.2f %8.2f %10.4f",
+  std::printf("%-36s %-6s %6.3f %5g %6zu %9.2f %8.2f %9.2f %8.2f %10.4f",
               measure::BurText(c).c_str(), SunkName(c.sunk), c.voxel_nm * 1e-6, c.speed_m_s * 1e3,
               t.ticks, t.mean_us, t.p99_us, t.raw_mean_us, t.raw_p99_us, t.removed_mm3);
   if (growth > 0) std::printf("  x%.1f", growth);
@@ -97,7 +95,7 @@ int Run(const Options& options) {
                        "with half its height in the "
                        "block, whole: all of it, lying: axis in the surface";
   std::printf("Method: %s.\n\n", method.c_str());
-  std::printf("%-24s %-6s %6s %5s %6s %9s %8s %9s %8s %10s  growth per halving\n", "bur", "sunk",
+  std::printf("%-36s %-6s %6s %5s %6s %9s %8s %9s %8s %10s  growth per halving\n", "bur", "sunk",
               "voxel", "mm/s", "ticks", "mean us", "p99 us", "raw mean", "raw p99", "mm3");
   Rows rows("tick", method);
   std::vector<std::pair<CutCase, TickCost>> headline;
@@ -111,10 +109,11 @@ int Run(const Options& options) {
       Progress progress;
       std::string what =
           measure::BurText(c) + ", voxel " + std::to_string(c.voxel_nm / 1000) + " um";
-      cost = measure::MeasureTicks(c, options.ticks, options.replays, [&](int done, int all) {
-        progress.Show(what, (static_cast<double>(i) + static_cast<double>(done) / all) /
-                                static_cast<double>(cases.size()));
-      });
+      cost = measure::TimeTicks(
+          measure::MakeCutPath(c, options.ticks), options.replays, [&](int done, int all) {
+            progress.Show(what, (static_cast<double>(i) + static_cast<double>(done) / all) /
+                                    static_cast<double>(cases.size()));
+          });
     }
     if (!cost.replays_agree) {
       std::fprintf(stderr,
