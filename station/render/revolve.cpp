@@ -5,6 +5,8 @@
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 
+#include "common/cutting/profile.h"
+
 namespace enamel::station::render {
 namespace {
 
@@ -55,16 +57,24 @@ Shape Revolve(const Profile& p, uint8_t material) {
 }  // namespace
 
 Shape BurHeadShape(const cutting::Bur& bur) {
-  auto r = static_cast<float>(bur.radius_m * 1000),
-       length = static_cast<float>(bur.height_m() * 1000);
   Profile p;
-  if (bur.shape == cutting::BurShape::kSphere) {
-    for (int i = 0; i <= 24; ++i) {
-      float a = kPi * static_cast<float>(i) / 24;
-      p.emplace_back(r * std::sin(a), r - r * std::cos(a));
+  auto add = [&](double r, double z) {
+    p.emplace_back(static_cast<float>(std::max(0.0, r) * 1000), static_cast<float>(z * 1000));
+  };
+  add(0, 0);
+  const cutting::Profile outline = cutting::ProfileOf(bur);
+  for (const cutting::ProfilePiece& piece : outline.pieces()) {
+    if (!piece.arc) {
+      add(piece.to[0], piece.to[1]);
+      continue;
     }
-  } else {
-    p = {{0, 0}, {r, 0}, {r, length}, {0, length}};
+    if (piece.radius == 0) continue;
+    double from = std::atan2(piece.first[1], piece.first[0]);
+    double turn = std::atan2(piece.last[1], piece.last[0]) - from;
+    for (int i = 1; i <= 24; ++i) {
+      double a = from + turn * i / 24;
+      add(piece.at[0] + piece.radius * std::cos(a), piece.at[1] + piece.radius * std::sin(a));
+    }
   }
   return Revolve(p, kBurHead);
 }
