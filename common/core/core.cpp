@@ -193,8 +193,8 @@ void Core::FollowOrientation(const Quat& device, TissueMaterial& material) noexc
     bool whole = length <= limit;
     if (!whole) move *= limit / length;
     orientation_ = (Quat{0.5 * move.x, 0.5 * move.y, 0.5 * move.z, 1} * orientation_).Normalised();
+    if (whole) return;  // Step reports it together with the tick's move
     material.AnchorMoved(coupling_.anchor_m(), coupling_.anchor_m());
-    if (whole) return;
     left_s -= left_s * (limit / length);
   }
 }
@@ -278,6 +278,8 @@ TickOutput Core::Step(const TickInput& input) noexcept {
     handpiece_.Step(bur_on_ ? resisting_n_ : 0);
     FollowOrientation(device, material);
     haptics::CouplingOutput tick = coupling_.Tick(tip, 1, material);
+    // A turn without a move; and a bur that stays lets what it has passed be cut in time.
+    material.AnchorMoved(coupling_.anchor_m(), coupling_.anchor_m());
     out.flags |= tick.flags;
     if (step_too_long_) {
       step_too_long_ = false;

@@ -51,6 +51,29 @@ TEST(VolumeTest, UniformBrickBecomesStoredOnDemandAndOnlyWithinTheReserve) {
   EXPECT_FALSE(copy == block);
 }
 
+// 2 MB of room are resident from the start and kept ahead of what is used; a copy shares nothing.
+TEST(VolumeTest, RoomForEverySolidBrickIsThereAndCopiesAreIndependent) {
+  Volume block = test::Block(50'000, 4e-3, 4e-3);
+  block.Reserve();
+  Volume copy = block;
+  copy.Reserve();
+  int materialised = 0;
+  for (int b = 0; b < block.spec().brick_count(); ++b) {
+    if (block.IsStored(b) || block.UniformTissue(b) == Tissue::kAir) continue;
+    block.Warm();
+    ASSERT_TRUE(block.Materialise(b));
+    block.MutablePhi(b).phi.fill(1);
+    ++materialised;
+  }
+  EXPECT_GT(materialised, 1000);
+  for (int b = 0; b < copy.spec().brick_count(); ++b) {
+    if (copy.IsStored(b)) continue;
+    ASSERT_NE(copy.UniformTissue(b) == Tissue::kAir, block.IsStored(b));
+  }
+  copy = block;
+  EXPECT_TRUE(copy == block);
+}
+
 TEST(GridSpecTest, SizesNoToothNeedsAreRefusedWithTheNumber) {
   EXPECT_FALSE(ValidateGrid({1'000, ivec3(8), {}}).ok());
   EXPECT_FALSE(ValidateGrid({50'000, ivec3(0, 8, 8), {}}).ok());
