@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <boost/json.hpp>
 
@@ -10,7 +11,8 @@ namespace {
 
 namespace json = boost::json;
 
-constexpr int64_t kFormat = 1;
+// Format 2 adds what may be unknown; a document without any of it is written as format 1.
+constexpr int64_t kFormat = 1, kFormatOptional = 2;
 
 struct Number {
   const char* name;
@@ -33,13 +35,36 @@ constexpr std::array<Number, 11> kNumbers = {{
     {"workspace_radius_um", &DeviceProfile::workspace_radius_um, 1'000, 1'000'000},
 }};
 
+constexpr std::array<Number, 3> kOptional = {{
+    {"axes", &DeviceProfile::axes, 3, 6},
+    {"structural_mode_hz", &DeviceProfile::structural_mode_hz, 1, 10'000},
+    {"thermal_time_constant_ms", &DeviceProfile::thermal_time_constant_ms, 1, 86'400'000},
+}};
+
+Sourced ReadSourced(ObjectReader& in, const Number& n) {
+  ObjectReader item = in.Object(n.name);
+  Sourced s;
+  s.value = item.Int("value", n.lo, n.hi);
+  s.source = item.Text("source", 1, 500);
+  item.Finish();
+  return s;
+}
+
 }  // namespace
 
 std::string ToJson(const DeviceProfile& profile) {
-  json::object out{{"format", kFormat}, {"name", profile.name}, {"title", profile.title}};
+  auto Known = [&](const Number& n) { return !(profile.*n.member).source.empty(); };
+  bool optional = std::any_of(kOptional.begin(), kOptional.end(), Known);
+  json::object out{{"format", optional ? kFormatOptional : kFormat},
+                   {"name", profile.name},
+                   {"title", profile.title}};
   for (const Number& n : kNumbers) {
     const Sourced& s = profile.*n.member;
     out[n.name] = json::object{{"value", s.value}, {"source", s.source}};
+  }
+  for (const Number& n : kOptional) {
+    const Sourced& s = profile.*n.member;
+    if (Known(n)) out[n.name] = json::object{{"value", s.value}, {"source", s.source}};
   }
   return CanonicalText(out);
 }
@@ -50,15 +75,12 @@ Result<DeviceProfile> ProfileFromJson(std::string_view text) {
   Status status;
   ObjectReader in(*document, "", status);
   DeviceProfile profile;
-  in.Format(kFormat, kFormat);
+  int64_t format = in.Format(kFormat, kFormatOptional);
   profile.name = in.Name("name");
   profile.title = in.Text("title", 1, 200);
-  for (const Number& n : kNumbers) {
-    ObjectReader item = in.Object(n.name);
-    Sourced& s = profile.*n.member;
-    s.value = item.Int("value", n.lo, n.hi);
-    s.source = item.Text("source", 1, 500);
-    item.Finish();
+  for (const Number& n : kNumbers) profile.*n.member = ReadSourced(in, n);
+  for (const Number& n : kOptional) {
+    if (format >= kFormatOptional && in.Has(n.name)) profile.*n.member = ReadSourced(in, n);
   }
   in.Finish();
   if (!status.ok()) return status;

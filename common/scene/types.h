@@ -75,7 +75,7 @@ struct Sourced {
 struct DeviceProfile {
   std::string name;                      // "phantom_desktop"
   std::string title;
-  Sourced resolution_nm;                 // delta, same on all axes
+  Sourced resolution_nm;                 // delta, of the coarsest axis
   Sourced max_stiffness_mn_per_mm;       // K at the stated rate
   Sourced coupling_mn_per_mm;            // Kc used by the coupling
   Sourced damping_mn_s_per_m;            // b of the device itself
@@ -86,6 +86,10 @@ struct DeviceProfile {
   Sourced rate_hz;
   Sourced bus_delay_ticks;
   Sourced workspace_radius_um;
+  // May be unknown: then the source is empty.
+  Sourced axes{3, ""};                   // that are driven: 3, or 6 with torque
+  Sourced structural_mode_hz;            // lowest resonance between motor and tip
+  Sourced thermal_time_constant_ms;      // of the motors: how long the peak may last
 };
 
 // What is to be cut: a box of the cavity, axis-aligned in the scene frame, its top open.

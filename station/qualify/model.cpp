@@ -14,7 +14,8 @@ using scene::DeviceProfile;
 using scene::Sourced;
 
 constexpr const char* kChai = "CHAI3D's device list";
-constexpr const char* kSheet = "manufacturer's datasheet, not measured here";
+constexpr const char* kSheet =
+    "published by the manufacturer; not measured, not checked against this unit";
 constexpr const char* kHalfKT =
     "assumption: K T/2 at 1 kHz, so that the listed stiffness is the largest passive one";
 constexpr const char* kFriction = "assumption: Kc delta / 2, the least the theorem asks for";
@@ -100,6 +101,8 @@ Result<DeviceModel> ModelOf(const DeviceProfile& p) {
   m.continuous_force_n = static_cast<double>(p.continuous_force_mn.value) * 1e-3;
   m.rate_hz = static_cast<double>(p.rate_hz.value);
   m.delay_ticks = static_cast<int>(p.bus_delay_ticks.value);
+  m.mode_hz = static_cast<double>(p.structural_mode_hz.value);
+  m.thermal_s = static_cast<double>(p.thermal_time_constant_ms.value) * 1e-3;
   m.provenance = {{"delta", p.resolution_nm.source},
                   {"K", p.max_stiffness_mn_per_mm.source},
                   {"Kc", p.coupling_mn_per_mm.source},
@@ -110,6 +113,11 @@ Result<DeviceModel> ModelOf(const DeviceProfile& p) {
                   {"continuous force", p.continuous_force_mn.source},
                   {"rate", p.rate_hz.source},
                   {"delay", p.bus_delay_ticks.source}};
+  for (const auto& [what, number] :
+       {std::pair{"structural mode", &p.structural_mode_hz},
+        std::pair{"thermal time constant", &p.thermal_time_constant_ms}}) {
+    m.provenance.push_back({what, number->source.empty() ? "not known" : number->source});
+  }
   double allowed = m.PassiveKc(m.rate_hz);
   if (m.kc_n_per_m > allowed * (1 + 1e-9)) {
     return Refuse("coupling_mn_per_mm", Text("Kc %.0f mN/mm is above what is passive at %.0f Hz "
@@ -139,10 +147,12 @@ std::vector<std::string> CannotRender(const DeviceModel& m, double b, double spe
   } else if (force > m.continuous_force_n) {
     // First-order motor heating: from cold, (F/Fc)^2 (1 - exp(-t/tau)) reaches 1 at t.
     double r = m.continuous_force_n / force;
-    out.push_back(
-        Text("B V = %.2f N is above the continuous force of %.2f N: from cold it may last %.2f "
-             "thermal time constants",
-             force, m.continuous_force_n, -std::log(1 - r * r)));
+    double constants = -std::log(1 - r * r);
+    std::string limit =
+        Text("B V = %.2f N is above the continuous force of %.2f N: from cold it may last ", force,
+             m.continuous_force_n);
+    out.push_back(limit + (m.thermal_s > 0 ? Text("%.1f s", constants * m.thermal_s)
+                                           : Text("%.2f thermal time constants", constants)));
   }
   if (tau > 3)
     out.push_back(
@@ -158,6 +168,7 @@ TrialSpec SpecOf(const DeviceModel& m, haptics::LawKind law, double b, double sp
   s.plant.resolution_m = m.resolution_m;
   s.plant.tick_s = m.tick_s();
   s.plant.delay_ticks = m.delay_ticks;
+  s.plant.mode_hz = m.mode_hz;
   s.plant.substeps = m.rate_hz > 2500 ? 2 : m.rate_hz > 1500 ? 4 : 6;
   s.law.kind = law;
   s.law.kc_n_per_m = m.kc_n_per_m;

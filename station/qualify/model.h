@@ -22,6 +22,8 @@ struct DeviceModel {
   double peak_force_n = 0, continuous_force_n = 0;
   double rate_hz = 1000;
   int delay_ticks = 0;
+  double mode_hz = 0;            // lowest structural mode, 0: unknown
+  double thermal_s = 0;          // time constant of the motors' heating, 0: unknown
   std::vector<std::pair<std::string, std::string>> provenance;  // number -> where it is from
 
   double tick_s() const { return 1 / rate_hz; }

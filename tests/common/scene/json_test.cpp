@@ -91,10 +91,21 @@ TEST(SceneJsonTest, BuiltinProfilesAreTheGoldenDocuments) {
   }
 }
 
+TEST(SceneJsonTest, ProfilesCarryWhatIsKnownBeyondTheNecessaryInFormatTwo) {
+  std::string text = ReadText("golden/scene_profile_optional.json");
+  Result<DeviceProfile> profile = ProfileFromJson(text);
+  ASSERT_TRUE(profile.ok()) << profile.status().message();
+  EXPECT_EQ(ToJson(*profile), text);
+  EXPECT_EQ(profile->structural_mode_hz.value, 120);
+  profile = ProfileFromJson(Replaced(text, "\"format\": 2", "\"format\": 1"));
+  ASSERT_FALSE(profile.ok()) << "format 1 has no such members";
+  EXPECT_EQ(profile.status().field(), "/axes");
+}
+
 TEST(SceneJsonTest, SchemasNameExactlyTheMembersOfTheDocuments) {
   auto exercise = NamesOf(ReadText("golden/scene_exercise.json"));
   EXPECT_EQ(exercise, SchemaNames("exercise.schema.json"));
-  EXPECT_EQ(NamesOf(ReadText("golden/scene_profile_omega3.json")),
+  EXPECT_EQ(NamesOf(ReadText("golden/scene_profile_optional.json")),
             SchemaNames("device_profile.schema.json"));
   auto scene = NamesOf(ReadText("golden/scene_block.json"));
   std::erase_if(scene, [](const std::string& n) { return n.starts_with("/landmarks_um/"); });

@@ -54,5 +54,16 @@ TEST(DeviceModelTest, SaysWhatItCannotRenderAndForHowLongThePeakLasts) {
   EXPECT_EQ(CannotRender(*omega, 6500, 2e-3).size(), 1u);
 }
 
+// 2.795 N against 0.8 N continuous: (F/Fc)^2 (1 - exp(-t/tau)) = 1 at t = 0.0855 tau.
+TEST(DeviceModelTest, SaysInSecondsHowLongThePeakLastsWhereTheTimeConstantIsKnown) {
+  auto profile = QualifyProfiles()[1];
+  profile.thermal_time_constant_ms = {60'000, "measured: warmed until its cut-out"};
+  auto phantom = ModelOf(profile);
+  ASSERT_TRUE(phantom.ok());
+  auto limits = CannotRender(*phantom, 6500, 0.43e-3);
+  ASSERT_EQ(limits.size(), 1u);
+  EXPECT_NE(limits[0].find("5.1 s"), std::string::npos) << limits[0];
+}
+
 }  // namespace
 }  // namespace enamel::station::qualify
