@@ -137,6 +137,10 @@ Exercise CrownExercise(const Scene& scene, const Sha256& scene_hash) {
   e.instructions =
       "Reduce the occlusal surface by 1.5 mm and the walls by 1 mm all around, down to a shoulder "
       "6.5 mm below the highest cusp. Neighbours and root stay untouched.";
+  e.bur_shape = cutting::BurShape::kCone;  // "taper-16": leaves walls of 2 degrees
+  e.bur_radius_um = 800;
+  e.bur_length_um = 8'000;
+  e.bur_narrow_radius_um = 500;
   e.target.landmark = "crown_top";
   e.target.half_size_um = {6'000, 6'000, 0};
   e.target.depth_um = kCrownDepth_um;

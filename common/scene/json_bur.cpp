@@ -1,25 +1,64 @@
 #include "common/scene/json_bur.h"
 
 #include <boost/json.hpp>
+#include <string>
+#include <utility>
 
 namespace enamel::scene {
+namespace {
+
+struct OptionalLength {
+  const char* name;
+  int32_t BurSpec::*member;
+};
+constexpr OptionalLength kOptional[] = {{"narrow_radius_um", &BurSpec::narrow_radius_um},
+                                        {"shank_radius_um", &BurSpec::shank_radius_um},
+                                        {"neck_um", &BurSpec::neck_um}};
+
+std::string ShapeNames() {
+  std::string out;
+  for (const auto& [shape, name] : cutting::kBurShapeNames) {
+    out += (out.empty() ? "" : ", ") + std::string(name);
+  }
+  return out;
+}
+
+}  // namespace
 
 boost::json::object BurJson(const BurSpec& bur) {
-  return {{"shape", cutting::BurShapeName(bur.shape)},
-          {"radius_um", bur.radius_um},
-          {"length_um", bur.length_um}};
+  boost::json::object out{{"shape", cutting::BurShapeName(bur.shape)},
+                          {"radius_um", bur.radius_um},
+                          {"length_um", bur.length_um}};
+  for (const OptionalLength& o : kOptional) {
+    if (bur.*o.member != 0) out[o.name] = bur.*o.member;
+  }
+  return out;
 }
 
 BurSpec ReadBur(ObjectReader& in) {
   BurSpec bur;
   std::string shape = in.Name("shape");
   auto known = cutting::BurShapeFromName(shape);
-  if (!known) in.Refuse("shape", "sphere or cylinder", "\"" + shape + "\"");
+  if (!known) in.Refuse("shape", "one of " + ShapeNames(), "\"" + shape + "\"");
   bur.shape = known.value_or(cutting::BurShape::kSphere);
   bur.radius_um = static_cast<int32_t>(in.Int("radius_um", 50, 5'000));
   bool sphere = bur.shape == cutting::BurShape::kSphere;
   bur.length_um = static_cast<int32_t>(in.Int("length_um", sphere ? 0 : 100, 20'000));
+  for (const OptionalLength& o : kOptional) {
+    if (in.Has(o.name)) bur.*o.member = static_cast<int32_t>(in.Int(o.name, 1, 20'000));
+  }
+  if (auto why = cutting::WhyImpossible(bur.metric())) {
+    in.Refuse("narrow_radius_um", std::string(*why),
+              "radius " + std::to_string(bur.radius_um) + ", length " +
+                  std::to_string(bur.length_um) + ", narrow radius " +
+                  std::to_string(bur.narrow_radius_um) + " um");
+  }
   return bur;
+}
+
+bool NeedsFormat2(const BurSpec& bur) {
+  bool plain = bur.shape == cutting::BurShape::kSphere || bur.shape == cutting::BurShape::kCylinder;
+  return !plain || bur.narrow_radius_um != 0 || bur.shank_radius_um != 0 || bur.neck_um != 0;
 }
 
 }  // namespace enamel::scene

@@ -5,13 +5,16 @@
 #include "common/scene/json_read.h"
 #include "common/scene/types.h"
 
-// A bur in a document: {"shape", "radius_um", "length_um"}, as exercises and scenes both have it.
+// A bur in a document: {"shape", "radius_um", "length_um"} and, where they are not 0,
+// "narrow_radius_um", "shank_radius_um" and "neck_um", as exercises and scenes both have it.
 namespace enamel::scene {
 
 // Without its name.
 boost::json::object BurJson(const BurSpec& bur);
-// Refuses unknown shapes (with the list) and sizes out of range. The caller reads further members
-// and finishes.
+// Refuses unknown shapes (with the list), sizes out of range and proportions that are no bur's. The
+// caller reads further members and finishes.
 BurSpec ReadBur(ObjectReader& in);
+// Not a sphere or cylinder without a shank, which is all that format 1 of an exercise can say.
+bool NeedsFormat2(const BurSpec& bur);
 
 }  // namespace enamel::scene

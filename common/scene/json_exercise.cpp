@@ -10,7 +10,7 @@ namespace {
 
 namespace json = boost::json;
 
-constexpr int64_t kFormat = 1;
+constexpr int64_t kPlainFormat = 1, kFormat = 2;
 constexpr int32_t kMaxExtentUm = 100'000;
 
 json::object TargetJson(const CavityTarget& t) {
@@ -44,6 +44,25 @@ void ReadExerciseBur(ObjectReader& in, Exercise& e) {
   e.bur_shape = bur.shape;
   e.bur_radius_um = bur.radius_um;
   e.bur_length_um = bur.length_um;
+  e.bur_narrow_radius_um = bur.narrow_radius_um;
+  e.bur_shank_radius_um = bur.shank_radius_um;
+  e.bur_neck_um = bur.neck_um;
+}
+
+void ReadHandpiece(ObjectReader& in, Exercise& e) {
+  if (!in.Has("handpiece")) return;
+  ObjectReader object = in.Object("handpiece");
+  e.handpiece.stall_un_m = static_cast<int32_t>(object.Int("stall_un_m", 1, 1'000'000));
+  e.handpiece.tangential_permille =
+      static_cast<int32_t>(object.Int("tangential_permille", 0, 10'000));
+  e.handpiece.lag_us = static_cast<int32_t>(object.Int("lag_us", 0, 10'000'000));
+  object.Finish();
+}
+
+json::object HandpieceJson(const HandpieceSpec& h) {
+  return {{"stall_un_m", h.stall_un_m},
+          {"tangential_permille", h.tangential_permille},
+          {"lag_us", h.lag_us}};
 }
 
 void ReadLaw(ObjectReader& in, Exercise& e) {
@@ -107,18 +126,21 @@ void ReadRubric(ObjectReader& in, Rubric& r) {
 std::string ToJson(const Exercise& e) {
   const haptics::LawEntry* law = haptics::FindLaw(e.law);
   ENAMEL_CHECK(law != nullptr);
-  return CanonicalText(json::object{{"format", kFormat},
-                                    {"name", e.name},
-                                    {"title", e.title},
-                                    {"instructions", e.instructions},
-                                    {"scene_sha256", e.scene.Hex()},
-                                    {"bur", BurJson(e.bur())},
-                                    {"law", law->name},
-                                    {"rate_hz", e.rate_hz},
-                                    {"time_limit_s", e.time_limit_s},
-                                    {"graded", e.graded},
-                                    {"target", TargetJson(e.target)},
-                                    {"rubric", RubricJson(e.rubric)}});
+  bool handpiece = e.handpiece != HandpieceSpec{};
+  json::object out{{"format", handpiece || NeedsFormat2(e.bur()) ? kFormat : kPlainFormat},
+                   {"name", e.name},
+                   {"title", e.title},
+                   {"instructions", e.instructions},
+                   {"scene_sha256", e.scene.Hex()},
+                   {"bur", BurJson(e.bur())}};
+  if (handpiece) out["handpiece"] = HandpieceJson(e.handpiece);
+  out["law"] = law->name;
+  out["rate_hz"] = e.rate_hz;
+  out["time_limit_s"] = e.time_limit_s;
+  out["graded"] = e.graded;
+  out["target"] = TargetJson(e.target);
+  out["rubric"] = RubricJson(e.rubric);
+  return CanonicalText(out);
 }
 
 Result<Exercise> ExerciseFromJson(std::string_view text) {
@@ -127,12 +149,16 @@ Result<Exercise> ExerciseFromJson(std::string_view text) {
   Status status;
   ObjectReader in(*document, "", status);
   Exercise e;
-  in.Format(kFormat, kFormat);
+  int64_t format = in.Format(kPlainFormat, kFormat);
   e.name = in.Name("name");
   e.title = in.Text("title", 1, 200);
   e.instructions = in.Text("instructions", 0, 4'000);
   e.scene = in.Hash("scene_sha256");
   ReadExerciseBur(in, e);
+  ReadHandpiece(in, e);
+  if (format < kFormat && (e.handpiece != HandpieceSpec{} || NeedsFormat2(e.bur()))) {
+    in.Refuse("format", "2 with this bur or a handpiece", std::to_string(format));
+  }
   ReadLaw(in, e);
   e.rate_hz = static_cast<int32_t>(in.Int("rate_hz", 100, 20'000));
   e.time_limit_s = static_cast<int32_t>(in.Int("time_limit_s", 0, 86'400));

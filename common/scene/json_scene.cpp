@@ -31,6 +31,10 @@ void ReadTissues(ObjectReader& in, Scene& scene) {
     spec.tissue = ReadTissueName(item);
     spec.damping_mn_s_per_mm =
         static_cast<int32_t>(item.Int("damping_mn_s_per_mm", 1, 1'000'000'000));
+    if (item.Has("axial_damping_mn_s_per_mm")) {
+      spec.axial_damping_mn_s_per_mm =
+          static_cast<int32_t>(item.Int("axial_damping_mn_s_per_mm", 1, 1'000'000'000));
+    }
     spec.provenance = item.Text("provenance", 1, 500);
     if (!seen.insert(spec.tissue).second) {
       item.Refuse("tissue", "each tissue once",
@@ -133,14 +137,20 @@ json::array PreparationsJson(const std::vector<Preparation>& preparations) {
 
 std::string ToJson(const Scene& scene) {
   json::array tissues;
+  bool axial = false;
   for (const TissueSpec& t : scene.tissues) {
-    tissues.push_back(json::object{{"tissue", cutting::TissueName(t.tissue)},
-                                   {"damping_mn_s_per_mm", t.damping_mn_s_per_mm},
-                                   {"provenance", t.provenance}});
+    json::object tissue{{"tissue", cutting::TissueName(t.tissue)},
+                        {"damping_mn_s_per_mm", t.damping_mn_s_per_mm}};
+    if (t.axial_damping_mn_s_per_mm != 0) {
+      tissue["axial_damping_mn_s_per_mm"] = t.axial_damping_mn_s_per_mm;
+      axial = true;
+    }
+    tissue["provenance"] = t.provenance;
+    tissues.push_back(std::move(tissue));
   }
   json::object landmarks;
   for (const auto& [name, p] : scene.landmarks) landmarks[name] = json::array{p[0], p[1], p[2]};
-  bool plain = scene.burs.empty() && scene.preparations.empty();
+  bool plain = scene.burs.empty() && scene.preparations.empty() && !axial;
   json::object out{{"format", plain ? kPlainFormat : kFormat},
                    {"name", scene.name},
                    {"title", scene.title},

@@ -85,8 +85,14 @@ Status CheckScene(const Scene& scene, const Exercise& exercise) {
 }
 
 std::string BurText(const BurSpec& bur) {
-  return std::string(cutting::BurShapeName(bur.shape)) + " of radius " +
-         std::to_string(bur.radius_um) + " um and length " + std::to_string(bur.length_um) + " um";
+  std::string text = std::string(cutting::BurShapeName(bur.shape)) + " of radius " +
+                     std::to_string(bur.radius_um) + " um and length " +
+                     std::to_string(bur.length_um) + " um";
+  if (bur.narrow_radius_um != 0) {
+    text += ", narrow end " + std::to_string(bur.narrow_radius_um) + " um";
+  }
+  if (bur.shank_radius_um != 0) text += ", shank " + std::to_string(bur.shank_radius_um) + " um";
+  return text;
 }
 
 // A scene that offers no burs takes any.
@@ -94,10 +100,7 @@ Status CheckBur(const Scene& scene, const Exercise& exercise) {
   BurSpec wanted = exercise.bur();
   std::string offered;
   for (const BurSpec& bur : scene.burs) {
-    if (bur.shape == wanted.shape && bur.radius_um == wanted.radius_um &&
-        bur.length_um == wanted.length_um) {
-      return Status::Ok();
-    }
+    if (bur.SameShapeAs(wanted)) return Status::Ok();
     offered += (offered.empty() ? "" : ", ") + bur.name + " (" + BurText(bur) + ")";
   }
   if (scene.burs.empty()) return Status::Ok();
@@ -121,11 +124,18 @@ core::CoreParams Compile(const Scene& scene, const Exercise& exercise,
   p.bur_shape = exercise.bur_shape;
   p.bur_radius_nm = exercise.bur_radius_um * 1000;
   p.bur_length_nm = exercise.bur_length_um * 1000;
+  p.bur_narrow_radius_nm = exercise.bur_narrow_radius_um * 1000;
+  p.shank_radius_nm = exercise.bur_shank_radius_um * 1000;
+  p.neck_nm = exercise.bur_neck_um * 1000;
+  p.handpiece_stall_un_m = exercise.handpiece.stall_un_m;
+  p.handpiece_tangential_permille = exercise.handpiece.tangential_permille;
+  p.handpiece_lag_us = exercise.handpiece.lag_us;
   // The coupling's stiffness at half the bur's height, as an angle: Kc (h/2)^2; 1 N/m (1 m)^2 = 1 N m/rad.
   double arm_m = 0.5e-9 * (p.bur_shape == cutting::BurShape::kSphere ? 2.0 * p.bur_radius_nm : p.bur_length_nm);
   p.rotational_kc_un_m_per_rad = static_cast<int32_t>(p.kc_mn_per_mm * arm_m * arm_m * 1e6 + 0.5);
   for (const TissueSpec& t : scene.tissues) {
     p.damping_mn_s_per_mm[static_cast<size_t>(t.tissue)] = t.damping_mn_s_per_mm;
+    p.axial_damping_mn_s_per_mm[static_cast<size_t>(t.tissue)] = t.axial_damping_mn_s_per_mm;
   }
   return p;
 }

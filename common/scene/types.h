@@ -25,8 +25,9 @@ using PointUm = std::array<int32_t, 3>;
 
 struct TissueSpec {
   cutting::Tissue tissue = cutting::Tissue::kAir;
-  int32_t damping_mn_s_per_mm = 0;       // B; 1 N s/mm = 1000 mN s/mm
-  std::string provenance;                // where the number is from
+  int32_t damping_mn_s_per_mm = 0;       // B across the bur's axis; 1 N s/mm = 1000 mN s/mm
+  std::string provenance;                // where the numbers are from
+  int32_t axial_damping_mn_s_per_mm = 0; // B along the bur's axis; 0: the same
 };
 
 // A bur as documents name it. What a shape does not use is 0 (cutting/bur.h).
@@ -35,6 +36,28 @@ struct BurSpec {
   cutting::BurShape shape = cutting::BurShape::kCylinder;
   int32_t radius_um = 0;
   int32_t length_um = 0;
+  int32_t narrow_radius_um = 0;
+  int32_t shank_radius_um = 0;
+  int32_t neck_um = 0;
+
+  cutting::Bur metric() const {
+    return {shape,
+            radius_um * 1e-6,
+            length_um * 1e-6,
+            narrow_radius_um * 1e-6,
+            shank_radius_um * 1e-6,
+            neck_um * 1e-6};
+  }
+  bool SameShapeAs(const BurSpec& o) const { return metric() == o.metric(); }
+};
+
+// A handpiece whose speed falls under load (core/handpiece.h). Stall torque 0: it does not.
+struct HandpieceSpec {
+  int32_t stall_un_m = 0;
+  int32_t tangential_permille = 0;
+  int32_t lag_us = 0;
+
+  bool operator==(const HandpieceSpec&) const = default;
 };
 
 // One upright hollow of a preparation: a box or a disc, open at the top.
@@ -129,6 +152,10 @@ struct Exercise {
   cutting::BurShape bur_shape = cutting::BurShape::kCylinder;
   int32_t bur_radius_um = 0;
   int32_t bur_length_um = 0;
+  int32_t bur_narrow_radius_um = 0;
+  int32_t bur_shank_radius_um = 0;
+  int32_t bur_neck_um = 0;
+  HandpieceSpec handpiece;
   haptics::LawKind law = haptics::LawKind::kGatedMaxwell;
   int32_t rate_hz = 1000;
   int32_t time_limit_s = 0;              // 0: none
@@ -136,7 +163,15 @@ struct Exercise {
   CavityTarget target;
   Rubric rubric;
 
-  BurSpec bur() const { return {{}, bur_shape, bur_radius_um, bur_length_um}; }
+  BurSpec bur() const {
+    return {{},
+            bur_shape,
+            bur_radius_um,
+            bur_length_um,
+            bur_narrow_radius_um,
+            bur_shank_radius_um,
+            bur_neck_um};
+  }
 };
 
 }  // namespace enamel::scene

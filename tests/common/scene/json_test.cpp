@@ -74,11 +74,17 @@ TEST(SceneJsonTest, GoldenDocumentsReadBackToTheSameBytes) {
   scene = SceneFromJson(text);
   ASSERT_TRUE(scene.ok()) << scene.status().message();
   EXPECT_EQ(ToJson(*scene), text);
-  EXPECT_EQ(scene->burs.size(), 2u);
+  EXPECT_EQ(scene->burs.size(), 8u);
+  EXPECT_EQ(scene->burs[2].shank_radius_um, 800);
   text = ReadText("golden/scene_exercise.json");
   Result<Exercise> exercise = ExerciseFromJson(text);
   ASSERT_TRUE(exercise.ok()) << exercise.status().message();
   EXPECT_EQ(ToJson(*exercise), text);
+  text = ReadText("golden/scene_exercise_crown.json");
+  exercise = ExerciseFromJson(text);
+  ASSERT_TRUE(exercise.ok()) << exercise.status().message();
+  EXPECT_EQ(ToJson(*exercise), text);
+  EXPECT_EQ(exercise->bur_narrow_radius_um, 500);
 }
 
 TEST(SceneJsonTest, BuiltinProfilesAreTheGoldenDocuments) {
@@ -103,7 +109,7 @@ TEST(SceneJsonTest, ProfilesCarryWhatIsKnownBeyondTheNecessaryInFormatTwo) {
 }
 
 TEST(SceneJsonTest, SchemasNameExactlyTheMembersOfTheDocuments) {
-  auto exercise = NamesOf(ReadText("golden/scene_exercise.json"));
+  auto exercise = NamesOf(ReadText("golden/scene_exercise_crown.json"));
   EXPECT_EQ(exercise, SchemaNames("exercise.schema.json"));
   EXPECT_EQ(NamesOf(ReadText("golden/scene_profile_optional.json")),
             SchemaNames("device_profile.schema.json"));
@@ -180,9 +186,11 @@ INSTANTIATE_TEST_SUITE_P(
                     BadValue{"\"damping_mn_s_per_mm\": 4000", "\"damping_mn_s_per_mm\": 0",
                              "/tissues/0/damping_mn_s_per_mm"},
                     BadValue{"\"voxel_nm\": 200000", "\"voxel_nm\": 100", "/voxel_nm"},
-                    BadValue{"\"sphere\"", "\"egg\"", "/burs/1/shape"},
+                    BadValue{"\"sphere\"", "\"egg\"", "/burs/5/shape"},
                     BadValue{"\"radius_um\": 500", "\"radius_um\": 0", "/burs/0/radius_um"},
-                    BadValue{"\"round-16\"", "\"fissure-10\"", "/burs/1/name"},
+                    BadValue{"\"round-16\"", "\"fissure-10\"", "/burs/5/name"},
+                    BadValue{"\"narrow_radius_um\": 300", "\"narrow_radius_um\": 600",
+                             "/burs/2/narrow_radius_um"},
                     BadValue{"\"outline\": \"disc\"", "\"outline\": \"star\"",
                              "/preparations/0/parts/0/outline"},
                     BadValue{"\"radius_um\": 2500", "\"half_size_um\": [2500, 2500]",
@@ -205,7 +213,7 @@ TEST_P(BadExerciseTest, IsRefusedWithItsPath) {
 INSTANTIATE_TEST_SUITE_P(
     Values, BadExerciseTest,
     testing::Values(BadValue{"\"maxwell\"", "\"spring\"", "/law"},
-                    BadValue{"\"cylinder\"", "\"pear\"", "/bur/shape"},
+                    BadValue{"\"cylinder\"", "\"egg\"", "/bur/shape"},
                     BadValue{"\"rate_hz\": 1000", "\"rate_hz\": 1000.5", "/rate_hz"},
                     BadValue{"\"rate_hz\": 1000", "\"rate_hz\": 10", "/rate_hz"},
                     BadValue{"\"graded\": true", "\"graded\": 1", "/graded"},

@@ -91,8 +91,7 @@ TEST_F(PlanTest, BurTheSceneDoesNotOfferIsRefusedWithThoseItHas) {
   EXPECT_EQ(refused.field(), "bur");
   EXPECT_NE(refused.message().find("round-16 (sphere of radius 800 um"), std::string::npos)
       << refused.message();
-  scene.burs.push_back(
-      {"fissure-10", exercise.bur_shape, exercise.bur_radius_um, exercise.bur_length_um});
+  scene.burs.push_back(exercise.bur());
   EXPECT_TRUE(CompilePlan(scene, exercise, profile).ok());
 }
 
