@@ -108,9 +108,9 @@ double ForceError_n(const core::CoreParams& params) {
   core::Core core(p, block.block);
   double squares = 0, step = kSpeed_m_s / p.rate_hz;
   size_t n = 0;
-  for (double x = -slot.radius_m - 0.1e-3; x < kTravel_m - slot.radius_m; x += step) {
-    core::TickOutput out = core.Step(inputs.At({x, 0, -slot.length_m}));
-    if (x < kTravel_m - slot.radius_m - kLast_m) continue;
+  for (double x = -slot.bur.radius_m - 0.1e-3; x < kTravel_m - slot.bur.radius_m; x += step) {
+    core::TickOutput out = core.Step(inputs.At({x, 0, -slot.bur.length_m}));
+    if (x < kTravel_m - slot.bur.radius_m - kLast_m) continue;
     double error = -out.force_sent_n.x - kDamping_n_s_m * kSpeed_m_s;
     squares += error * error;
     ++n;
