@@ -89,8 +89,9 @@ struct TickOutput {
 // 0.05 mm) cuts nothing, is flagged kStepTooLong and suspends. Ordinary motion cuts half a pose a
 // tick; a tick near the bound takes milliseconds, and is then late. The hole lags behind a moving
 // bur by at most Sweep::SpanOf (cutting/sweep.h) and a tick; what lags is cut when the bur stops,
-// turns, is switched off or suspended. Thread safety: none. Real-time: Step is safe (no allocation,
-// bounded work); construction is not.
+// turns, is switched off or suspended.
+//
+// Thread safety: none. Real-time: Step is safe (no allocation, bounded work); construction is not.
 class Core {
  public:
   // Requires: ValidateParams(params).ok().

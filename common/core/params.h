@@ -14,9 +14,8 @@ namespace enamel::core {
 // Any change that moves a golden hash bumps this. A station with another core version is refused
 // for new attempts; sealed attempts are re-run by a worker of the version in their header.
 //
-// 2: bur shapes, shank, axial B, handpiece; a cut visits only bricks that can change, and only
-// poses that
-//    leave a mark (cutting/sweep.h); engagement by evenly spread points.
+// Version 2: bur shapes, shank, axial B, handpiece; a cut visits only bricks that can change, and
+// only poses that leave a mark (cutting/sweep.h); engagement by evenly spread points.
 inline constexpr uint32_t kCoreVersion = 2;
 
 // Everything the core's result depends on besides the initial volume and the recorded inputs.

@@ -24,7 +24,9 @@ double Motion(const Pose& a, const Pose& b, double reach_m) noexcept;
 //
 // Tolerance: 1/32 voxel. Span: SpanOf; for r = 0.25 mm its ridge is 0.3 um at h <= 0.05 mm, below 2
 // % of a voxel. At h = 0.05 mm or less, 5 mm/s and 1 kHz every fifth tick cuts, at 0.5 mm/s one of
-// kPatience. Thread safety: none. Real-time: safe.
+// kPatience.
+//
+// Thread safety: none. Real-time: safe.
 class Sweep {
  public:
   static constexpr size_t kMaxWaiting = 16;

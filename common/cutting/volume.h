@@ -50,7 +50,9 @@ struct alignas(64) BrickPhi {
 };
 // A growing row of bricks whose room is reserved at once and made resident piece by piece: a first
 // touch of fresh memory costs a page fault, too much for a tick, and all of a tooth's room at once
-// too much memory. Thread safety: as std::vector. Real-time: Append within the room, and Warm.
+// too much memory.
+//
+// Thread safety: as std::vector. Real-time: Append within the room, and Warm.
 class BrickStore {
  public:
   BrickStore() = default;

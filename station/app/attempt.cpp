@@ -174,8 +174,7 @@ Result<std::unique_ptr<render::Window>> OpenWindow(const RunOptions& options, co
   w.title = "Enamel";
   w.heading = job.exercise.title + ", " + job.scene.title;
   w.visible = options.window;
-  w.bur = {job.exercise.bur_shape, job.exercise.bur_radius_um * 1e-6,
-           job.exercise.bur_length_um * 1e-6};
+  w.bur = job.exercise.bur().metric();
   w.force_full_scale_n = static_cast<double>(job.profile.peak_force_mn.value) * 1e-3;
   w.time_limit_s = job.exercise.time_limit_s;
   return render::Window::Create(w, job.volume);

@@ -77,8 +77,7 @@ Result<std::unique_ptr<SimulatedDevice>> MakeSimulatedDevice(
                       "', which scene '" + scene.name + "' does not have",
                   "landmark");
   }
-  cutting::Bur bur{exercise.bur_shape, exercise.bur_radius_um * 1e-6,
-                   exercise.bur_length_um * 1e-6};
+  cutting::Bur bur = exercise.bur().metric();
   BoxCut box = BoxOf(exercise.target, landmark->second, preset.mesial_extra_m);
   CavityPlanOptions options;
   options.layer_m = preset.layer_m;
