@@ -106,6 +106,9 @@ void BandSampler::Distances(const dvec3& corner, double h, double limit, Samples
         const float reach = row.farthest + f.radius;
         const float dy = y - f.middle.y, dz = z - f.middle.z;
         if (dx * dx + dy * dy + dz * dz >= reach * reach) continue;
+        const float off_plane = std::abs((y - f.corner.y) * f.normal.y +
+                                         (z - f.corner.z) * f.normal.z - f.corner.x * f.normal.x);
+        if (off_plane - edge * std::abs(f.normal.x) >= row.farthest) continue;
         Row squares;
         SquaresToFacet(f, at, y, z, squares);
         float farthest = 0;

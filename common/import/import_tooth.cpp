@@ -10,10 +10,11 @@
 
 #include "common/base/file.h"
 #include "common/import/band_sampler.h"
-#include "common/import/child_process.h"
 #include "common/import/fossa.h"
 #include "common/import/mesh_repair.h"
-#include "common/import/orient.h"
+#include "common/import/place.h"
+#include "common/import/printable.h"
+#include "common/import/sources.h"
 #include "common/import/tissues.h"
 #include "common/import/triangle_tree.h"
 #include "common/import/units.h"
@@ -31,10 +32,18 @@ constexpr size_t kMaxGridBytes = size_t{3} << 30;
 constexpr double kPulpBelowFossa_mm =
     2.9;  // roof of the chamber below the central fossa, assumption
 constexpr double kFar_mm = 100;
+constexpr double kWidestBridge_mm = 0.5;
 constexpr double kFinestOfVoxel = 0.2;  // pieces where surfaces cross
 
 Status Invalid(std::string message, std::string field = {}) {
   return Status(Code::kInvalidInput, std::move(message), std::move(field));
+}
+
+void Append(const Triangles& from, Triangles& to) {
+  const auto shift = static_cast<uint32_t>(to.vertices.size());
+  to.vertices.insert(to.vertices.end(), from.vertices.begin(), from.vertices.end());
+  for (const auto& t : from.indices)
+    to.indices.push_back({t[0] + shift, t[1] + shift, t[2] + shift});
 }
 
 Triangles Scaled(const Triangles& mesh, double factor) {
@@ -59,65 +68,6 @@ std::string PlainName(const std::string& text) {
                                   : '-';
   }
   return out.empty() ? "tooth" : out;
-}
-
-// Printable ASCII of at most 200 characters, so that documents stay valid whatever a file is
-// called.
-std::string Printable(const std::string& text) {
-  std::string out = text.substr(0, 200);
-  for (char& c : out) {
-    if (c < 0x20 || c > 0x7e) c = '?';
-  }
-  return out;
-}
-
-// Stance, and the mesh turned into the scene's frame, its bounding box around the origin.
-struct Placed {
-  Solid solid;
-  std::optional<dvec3> gum;  // scene frame
-  std::string words;         // for the report
-};
-
-// "+y of the file, 12 degrees off".
-std::string AxisName(const dvec3& up) {
-  dvec3 a = glm::abs(up);
-  int k = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
-  std::string name = std::string(up[k] > 0 ? "+" : "-") + "xyz"[k] + " of the file";
-  int degrees = static_cast<int>(std::lround(std::acos(std::min(a[k], 1.0)) * 57.29577951308232));
-  return degrees == 0 ? name : name + ", " + std::to_string(degrees) + " degrees off";
-}
-
-Result<Placed> Place(Solid solid, const std::string& up) {
-  Stance stance;
-  if (up == "auto") {
-    stance = FindStance(solid.mesh);
-  } else {
-    Result<dvec3> axis = ParseAxis(up);
-    if (!axis.ok()) return axis.status();
-    stance = StanceWithUp(solid.mesh, *axis);
-  }
-  dmat3 turn = SceneFromFile(solid.mesh, stance.up);
-  for (Triangles* mesh : {&solid.mesh, &solid.boundary}) {
-    for (dvec3& v : mesh->vertices) v = turn * v;
-  }
-  Box box = BoxOf(solid.mesh);
-  dvec3 middle = 0.5 * (box.lo + box.hi);
-  for (Triangles* mesh : {&solid.mesh, &solid.boundary}) {
-    for (dvec3& v : mesh->vertices) v -= middle;
-  }
-  Placed placed{std::move(solid), std::nullopt, "occlusal direction " + AxisName(stance.up)};
-  if (stance.gum) placed.gum = turn * *stance.gum;
-  if (up != "auto") {
-    placed.words += " (as given)";
-  } else {
-    const std::string margin = "margin " + Fixed(stance.margin);
-    placed.words += stance.certain ? " (found by its hollows, " + margin +
-                                         "; if it is wrong, give another with --up)"
-                                   : " (a guess, " + margin +
-                                         ": look at the tooth, and give the direction with --up, "
-                                         "for example --up=-y)";
-  }
-  return placed;
 }
 
 // One surface, tissues by depth. Metres outside, millimetres within.
@@ -159,15 +109,6 @@ class DepthField : public scene::BrickField {
   std::array<bool, cutting::kBrickVoxels> inside_;
 };
 
-cutting::Volume Fill(const TriangleTree& whole, const TriangleTree& boundary,
-                     const TissueModel& tissues, const cutting::GridSpec& spec,
-                     const ImportOptions& options) {
-  const int threads = options.threads > 0 ? options.threads : scene::BuildThreads();
-  return scene::BuildVolume(
-      spec, [&] { return std::make_unique<DepthField>(boundary, whole, tissues); }, threads,
-      options.progress);
-}
-
 std::vector<Tissue> TissuesIn(const std::array<double, cutting::kTissueCount>& volumes) {
   std::vector<Tissue> present;
   for (size_t t = 1; t < cutting::kTissueCount; ++t) {
@@ -176,7 +117,7 @@ std::vector<Tissue> TissuesIn(const std::array<double, cutting::kTissueCount>& v
   return present;
 }
 
-void ReportVolume(const std::array<double, cutting::kTissueCount>& volumes, ImportedScene& out) {
+std::string Words(const std::array<double, cutting::kTissueCount>& volumes) {
   double sum = 0;
   std::string tissues;
   for (size_t t = 1; t < cutting::kTissueCount; ++t) {
@@ -186,34 +127,62 @@ void ReportVolume(const std::array<double, cutting::kTissueCount>& volumes, Impo
                  Fixed(volumes[t] * 1e9, 1);
     }
   }
-  out.report.push_back("volume " + Fixed(sum, 1) + " mm3 in voxels, " +
-                       Fixed(out.mesh_volume_mm3, 1) + " mm3 by the mesh; " + tissues + " mm3");
+  return "volume " + Fixed(sum, 1) + " mm3 in voxels: " + tissues + " mm3";
 }
 
 Status CheckOptions(const ImportOptions& options) {
-  if (options.voxel_nm >= kFinestVoxel_nm && options.voxel_nm <= kCoarsestVoxel_nm)
-    return Status::Ok();
-  return Invalid(
-      "expected a voxel from 10000 to 500000 nm, found " + std::to_string(options.voxel_nm),
-      "voxel_nm");
+  if (options.voxel_nm < kFinestVoxel_nm || options.voxel_nm > kCoarsestVoxel_nm) {
+    return Invalid(
+        "expected a voxel from 10000 to 500000 nm, found " + std::to_string(options.voxel_nm),
+        "voxel_nm");
+  }
+  if (!(options.bridge_mm >= 0 && options.bridge_mm <= kWidestBridge_mm)) {
+    return Invalid("expected gaps of 0 to 0.5 mm to bridge, found " + Fixed(options.bridge_mm),
+                   "bridge_um");
+  }
+  return UnitInMm(options.unit).status();
 }
 
-ImportedScene Describe(const Placed& placed, const Fossa& fossa, const Box& box,
-                       const TissueModel& tissues) {
-  ImportedScene out;
-  dvec3 size = box.hi - box.lo;
-  out.mesh_volume_mm3 = SignedVolume(placed.solid.mesh);
-  out.report = import::Describe(placed.solid.report);
+double FinestPiece_mm(const ImportOptions& options) {
+  return kFinestOfVoxel * options.voxel_nm * 1e-6;
+}
+
+using MakeField = std::function<std::unique_ptr<scene::BrickField>()>;
+
+// The grid, filled; refused before that where it would be too large.
+Status Fill(const Box& box, const MakeField& field, const ImportOptions& options,
+            ImportedScene& out) {
+  const auto spec = scene::GridAround(box.lo * 1e-3, box.hi * 1e-3, options.voxel_nm);
+  ENAMEL_RETURN_IF_ERROR(cutting::ValidateGrid(spec, kMaxGridBytes));
+  const int threads = options.threads > 0 ? options.threads : scene::BuildThreads();
+  out.volume = scene::BuildVolume(spec, field, threads, options.progress);
+  return Status::Ok();
+}
+
+void ReportPlace(const Box& box, const std::string& words, const Fossa& fossa, ImportedScene& out) {
+  const dvec3 size = box.size();
   out.report.push_back("size " + Fixed(size.x) + " x " + Fixed(size.y) + " x " + Fixed(size.z) +
                        " mm");
-  out.report.push_back(placed.words);
+  out.report.push_back(words);
   out.report.push_back(
       "the longer side lies along x; what is mesial and buccal is not known from a mesh");
   out.report.push_back(std::string("occlusal centre: ") + Words(fossa.kind));
-  out.report.push_back("tissues assumed by depth from the surface: enamel up to " +
-                       Fixed(tissues.enamel_max_mm(), 1) +
-                       " mm, none at the gum; pulp low in the middle");
-  return out;
+}
+
+// The scene's document around the filled volume.
+void Finish(const Fossa& fossa, const std::string& source, const ImportOptions& options,
+            ImportedScene& out) {
+  const auto volumes = cutting::SolidVolume_m3(out.volume);
+  out.report.push_back(Words(volumes));
+  if (out.mesh_volume_mm3 > 0)
+    out.report.push_back("volume " + Fixed(out.mesh_volume_mm3, 1) + " mm3 by the mesh");
+  out.scene.name = PlainName(options.name.empty() ? "imported" : options.name);
+  out.scene.title = options.name.empty() ? "Imported tooth" : Printable(options.name);
+  out.scene.voxel_nm = options.voxel_nm;
+  out.scene.tissues = scene::DefaultTissues(TissuesIn(volumes));
+  out.scene.landmarks["occlusal_centre"] = ToUm(fossa.point);
+  out.scene.provenance = source;
+  out.scene.volume = HashSha256(scene::EncodeVolume(out.volume));
 }
 
 }  // namespace
@@ -221,54 +190,94 @@ ImportedScene Describe(const Placed& placed, const Fossa& fossa, const Box& box,
 Result<ImportedScene> ImportTriangles(const Triangles& mesh, const std::string& source,
                                       const ImportOptions& options) {
   ENAMEL_RETURN_IF_ERROR(CheckOptions(options));
-  Result<double> unit = UnitInMm(options.unit);
-  if (!unit.ok()) return unit.status();
   if (mesh.indices.empty()) return Invalid("the mesh holds no triangles");
-  Triangles mesh_mm = Scaled(mesh, *unit);
-  ENAMEL_RETURN_IF_ERROR(CheckSize(mesh_mm, options.unit, *unit));
+  const double unit = *UnitInMm(options.unit);
+  const Triangles mesh_mm = Scaled(mesh, unit);
+  ENAMEL_RETURN_IF_ERROR(CheckSize(mesh_mm, options.unit, unit));
   RepairOptions repair;
-  repair.finest_mm = kFinestOfVoxel * options.voxel_nm * 1e-6;
+  repair.finest_mm = FinestPiece_mm(options);
   Result<Solid> solid = MakeSolid(mesh_mm, repair);
   if (!solid.ok()) return solid.status();
-  Result<Placed> placed = Place(std::move(*solid), options.up);
+  Result<PlacedSolid> placed = Place(std::move(*solid), options.up);
   if (!placed.ok()) return placed.status();
   const Box box = BoxOf(placed->solid.mesh);
-  auto spec = scene::GridAround(box.lo * 1e-3, box.hi * 1e-3, options.voxel_nm);
-  ENAMEL_RETURN_IF_ERROR(cutting::ValidateGrid(spec, kMaxGridBytes));
   const TriangleTree boundary(placed->solid.boundary), whole(placed->solid.mesh);
   SignedProbe probe(boundary, whole);
   const Fossa fossa = FindFossa(
       boundary, [&](const dvec3& p) { return probe.Distance(p, kFar_mm); }, box.lo, box.hi);
   const TissueModel tissues(placed->solid.boundary, placed->gum ? &*placed->gum : nullptr, box.lo,
                             box.hi, fossa.point.z - kPulpBelowFossa_mm);
-  ImportedScene out = Describe(*placed, fossa, box, tissues);
-  out.volume = Fill(whole, boundary, tissues, spec, options);
-  auto volumes = cutting::SolidVolume_m3(out.volume);
-  ReportVolume(volumes, out);
-  out.scene.name = PlainName(options.name.empty() ? "imported" : options.name);
-  out.scene.title = options.name.empty() ? "Imported tooth" : Printable(options.name);
-  out.scene.voxel_nm = options.voxel_nm;
-  out.scene.tissues = scene::DefaultTissues(TissuesIn(volumes));
-  out.scene.landmarks["occlusal_centre"] = ToUm(fossa.point);
-  out.scene.provenance = source + "; tissues by depth from the surface are an assumption";
-  out.scene.volume = HashSha256(scene::EncodeVolume(out.volume));
+  ImportedScene out;
+  out.mesh_volume_mm3 = SignedVolume(placed->solid.mesh);
+  out.report = Describe(placed->solid.report);
+  ReportPlace(box, placed->words, fossa, out);
+  out.report.push_back("tissues assumed by depth from the surface: enamel up to " +
+                       Fixed(tissues.enamel_max_mm(), 1) +
+                       " mm, none at the gum; pulp low in the middle");
+  ENAMEL_RETURN_IF_ERROR(Fill(
+      box, [&] { return std::make_unique<DepthField>(boundary, whole, tissues); }, options, out));
+  Finish(fossa, source + "; tissues by depth from the surface are an assumption", options, out);
   return out;
 }
 
-Result<ImportedScene> ImportTooth(const std::filesystem::path& file, const ImportOptions& options) {
+Result<ImportedScene> ImportLayers(const std::array<std::optional<Triangles>, kLayers>& surfaces,
+                                   const std::string& source, const ImportOptions& options) {
   ENAMEL_RETURN_IF_ERROR(CheckOptions(options));
-  Result<NamedMesh> mesh = ReadMeshInChild(file, options.child);
-  if (!mesh.ok()) return mesh.status();
-  Result<Bytes> bytes = ReadFile(file, kMaxMeshFile);
-  if (!bytes.ok()) return bytes.status();
+  const double unit = *UnitInMm(options.unit);
+  std::array<std::optional<Triangles>, kLayers> surfaces_mm;
+  Triangles all;
+  for (size_t i = 0; i < kLayers; ++i) {
+    if (!surfaces[i]) continue;
+    surfaces_mm[i] = Scaled(*surfaces[i], unit);
+    Append(*surfaces_mm[i], all);
+  }
+  if (!all.indices.empty()) ENAMEL_RETURN_IF_ERROR(CheckSize(all, options.unit, unit));
+  const LayerOptions layer_options{options.bridge_mm, FinestPiece_mm(options)};
+  Result<LayerSolids> solids = RepairLayers(surfaces_mm, layer_options);
+  if (!solids.ok()) return solids.status();
+  Result<PlacedLayers> placed = Place(std::move(*solids), options.up);
+  if (!placed.ok()) return placed.status();
+  Result<LayeredTooth> tooth = LayeredTooth::Make(std::move(placed->layers), layer_options);
+  if (!tooth.ok()) return tooth.status();
+  Box box{dvec3(1e300), dvec3(-1e300)}, crown = box;
+  std::string alone;
+  for (size_t i = kLayers; i-- > 0;) {
+    if (tooth->surface(i) == nullptr) continue;
+    const Triangles& mesh = tooth->surface(i)->solid.mesh;
+    crown = BoxOf(mesh);  // the enamel's where there is one
+    box.lo = glm::min(box.lo, crown.lo), box.hi = glm::max(box.hi, crown.hi);
+    alone = std::string(cutting::TissueName(kLayerTissues[i])) + " " +
+            Fixed(SignedVolume(mesh), 1) + (alone.empty() ? "" : ", ") + alone;
+  }
+  LayerProbe probe(*tooth);
+  const Fossa fossa = FindFossa(
+      tooth->boundary(), [&](const dvec3& p) { return probe.Distance(p, kFar_mm); }, crown.lo,
+      crown.hi);
+  ImportedScene out;
+  out.report = tooth->report();
+  ReportPlace(box, placed->words, fossa, out);
+  out.report.push_back("volume of each surface alone: " + alone + " mm3");
+  ENAMEL_RETURN_IF_ERROR(Fill(
+      box, [&] { return MakeLayerField(*tooth); }, options, out));
+  Finish(fossa, source + "; one surface per tissue", options, out);
+  return out;
+}
+
+Result<ImportedScene> ImportTooth(const ImportSources& sources, const ImportOptions& options) {
+  ENAMEL_RETURN_IF_ERROR(CheckOptions(options));
+  Result<ReadSources> read = Read(sources, options.child);
+  if (!read.ok()) return read.status();
   ImportOptions named = options;
-  if (named.name.empty()) named.name = file.stem().string();
-  std::string source = "imported from " + Printable(file.filename().string()) + " (SHA-256 " +
-                       HashSha256(*bytes).Hex() + "), unit " + options.unit;
-  Result<ImportedScene> out = ImportTriangles(mesh->mesh, source, named);
-  if (out.ok()) return out;
-  const Status& why = out.status();
-  return Status(why.code(), file.filename().string() + ": " + why.message(), why.field());
+  if (named.name.empty()) named.name = read->name;
+  const std::string source = "imported from " + read->provenance + ", unit " + options.unit;
+  Result<ImportedScene> out = read->whole ? ImportTriangles(*read->whole, source, named)
+                                          : ImportLayers(read->surfaces, source, named);
+  if (!out.ok()) {
+    const Status& why = out.status();
+    return Status(why.code(), Printable(read->name) + ": " + why.message(), why.field());
+  }
+  out->report.insert(out->report.begin(), read->report.begin(), read->report.end());
+  return out;
 }
 
 }  // namespace enamel::import

@@ -1,25 +1,30 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "common/base/result.h"
 #include "common/cutting/volume.h"
+#include "common/import/layers.h"
 #include "common/import/triangles.h"
 #include "common/scene/types.h"
 
-// Real teeth: a mesh file becomes a scene. Not real-time; runs on station or by hand, never in the
+// Real teeth: mesh files become a scene. Not real-time; runs on station or by hand, never in the
 // server.
 namespace enamel::import {
 
 struct ImportOptions {
-  std::string unit = "mm";    // of the file's coordinates: mm, um, cm, m, inch
+  std::string unit = "mm";    // of the files' coordinates: mm, um, cm, m, inch
   int32_t voxel_nm = 50'000;  // 10'000 to 500'000
-  // Occlusal direction in the file: "+x" ... "-z", or "auto" (found from the shape; orient.h).
+  // Occlusal direction in the file: "+x" ... "-z", or "auto" (place.h).
   std::string up = "auto";
+  // With one surface per tissue: gaps and crossings that are mended (layers.h), 0 to 0.5.
+  double bridge_mm = 0.1;
   std::string name;                      // of the scene; empty: made from the file's name
   int threads = 0;                       // 0: as many as the machine has
   std::filesystem::path child;           // empty: enamel-import-child beside the running program
@@ -30,18 +35,38 @@ struct ImportedScene {
   scene::Scene scene;  // volume hash filled in
   cutting::Volume volume;
   std::vector<std::string> report;  // for people: what was found, repaired, assumed
-  double mesh_volume_mm3 = 0;       // of the closed mesh, by the divergence theorem
+  // Of the closed mesh, by the divergence theorem; what parts share counts twice. 0 with one
+  // surface per tissue.
+  double mesh_volume_mm3 = 0;
 };
 
-// Reads FILE (STL, PLY, OBJ, OFF) in a child process, repairs what can be repaired, turns it into
-// the scene's frame, fills it (generalised winding number, distance to the mesh) and assumes
-// tissues by depth. One surface: the outside of a crown or tooth. Errors: kNotFound; kInvalidInput
-// when it is no solid, of no tooth's size (3 to 40 mm; the message names the unit that would fit)
-// or an option is wrong; kTooLarge; kUnavailable (the reader was stopped).
-Result<ImportedScene> ImportTooth(const std::filesystem::path& file,
-                                  const ImportOptions& options = {});
+// Where surfaces come from. `file`: one file of everything; may be empty when all tissues name
+// files. Each tissue: FILE, FILE#PART, or a PART of `file`; empty where there is none. A part is an
+// OBJ object, group or material, or an STL solid, by its name in capitals or small letters, or a
+// piece of the name that only one has.
+struct ImportSources {
+  std::filesystem::path file;
+  std::array<std::string, kLayers> tissues;  // by Layer
+};
+
+// Reads files (STL, PLY, OBJ, OFF) in a child process, repairs what can be repaired, turns them
+// into the scene's frame and fills the volume (generalised winding number, distance to the mesh).
+// - One surface, the outside of a crown or tooth: tissues are assumed by depth (tissues.h).
+// - One surface per tissue: layers.h. Also when `file` alone is given and has parts whose names
+// hold
+//   "enamel", "dentin" (or "root", "cement") and "pulp", with dentin and another among them.
+// Errors: kNotFound; kInvalidInput when something is no solid, of no tooth's size (3 to 40 mm; the
+// message names the unit that would fit), tissues do not fit together, or an option is wrong;
+// kTooLarge; kUnavailable (the reader was stopped).
+Result<ImportedScene> ImportTooth(const ImportSources& sources, const ImportOptions& options = {});
+inline Result<ImportedScene> ImportTooth(const std::filesystem::path& file,
+                                         const ImportOptions& options = {}) {
+  return ImportTooth(ImportSources{file, {}}, options);
+}
 // The same from triangles in the given unit, without a file; `source` is what the provenance says.
 Result<ImportedScene> ImportTriangles(const Triangles& mesh, const std::string& source,
                                       const ImportOptions& options);
+Result<ImportedScene> ImportLayers(const std::array<std::optional<Triangles>, kLayers>& surfaces,
+                                   const std::string& source, const ImportOptions& options);
 
 }  // namespace enamel::import

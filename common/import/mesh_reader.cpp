@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "common/import/mesh_file_check.h"
+#include "common/import/printable.h"
 
 namespace enamel::import {
 namespace {
@@ -51,13 +52,8 @@ Status AddMesh(const aiMesh& mesh, Triangles& out) {
   return Status::Ok();
 }
 
-// Printable and of bounded length, whatever the file says.
 std::string Name(const aiString& text) {
-  std::string name(text.C_Str(), std::min<size_t>(text.length, kMaxPartName));
-  for (char& c : name) {
-    if (c < 0x20 || c > 0x7e) c = '?';
-  }
-  return name;
+  return Printable(std::string(text.C_Str(), std::min<size_t>(text.length, kMaxPartName)));
 }
 
 std::string MaterialName(const aiScene& scene, const aiMesh& mesh) {

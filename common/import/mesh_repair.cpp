@@ -175,22 +175,27 @@ struct Part {
   bool faced_inward() const { return 2 * turned > own; }
 };
 
-// A part within another that faced the other way.
+// A part within another that faced the other way; caps of both may lie in one plane.
 bool IsHollowOf(const Part& inner, const Part& outer, const std::vector<dvec3>& vertices) {
   if (inner.faced_inward() == outer.faced_inward() || inner.volume >= outer.volume) return false;
   for (int k = 0; k < 3; ++k) {
-    if (inner.lo[k] < outer.lo[k] || inner.hi[k] > outer.hi[k]) return false;
+    if (inner.lo[k] < outer.lo[k] - kWeld_mm || inner.hi[k] > outer.hi[k] + kWeld_mm) return false;
   }
   const TriangleTree tree({vertices, outer.triangles});
-  for (size_t i = 0; i < inner.triangles.size(); i += inner.triangles.size() / 20 + 1) {
-    if (!tree.Inside(vertices[inner.triangles[i][0]])) return false;
+  const size_t step = inner.own / 40 + 1;
+  size_t tried = 0, within = 0;
+  for (size_t i = 0; i < inner.own; i += step, ++tried) {
+    const Triangle& t = inner.triangles[i];
+    within += tree.Inside((vertices[t[0]] + vertices[t[1]] + vertices[t[2]]) / 3.0);
   }
-  return true;
+  return 20 * within >= 19 * tried;
 }
 
 // Only the few largest parts can be what a hollow is in.
-void FindHollows(std::vector<Part>& parts, const Triangles& mesh, const RepairOptions& options,
-                 MeshReport& report) {
+void FindHollows(std::vector<Part>& parts, const RepairOptions& options, Solid& solid) {
+  const Triangles& mesh = solid.mesh;
+  MeshReport& report = solid.report;
+  solid.hollows.vertices = mesh.vertices;
   constexpr size_t kLargest = 8;
   std::vector<size_t> by_size(parts.size());
   std::iota(by_size.begin(), by_size.end(), 0);
@@ -207,6 +212,8 @@ void FindHollows(std::vector<Part>& parts, const Triangles& mesh, const RepairOp
   for (size_t i : hollows) {
     ++report.hollows;
     report.hollow_mm3 += parts[i].volume;
+    solid.hollows.indices.insert(solid.hollows.indices.end(), parts[i].triangles.begin(),
+                                 parts[i].triangles.end());
     if (!options.keep_hollows) continue;
     TurnAround(parts[i].triangles);
     parts[i].turned = parts[i].own - parts[i].turned;
@@ -215,8 +222,9 @@ void FindHollows(std::vector<Part>& parts, const Triangles& mesh, const RepairOp
 
 // Orients and closes each part on its own; `mesh.indices` becomes all of them. Returns the caps'
 // area.
-double CloseParts(Triangles& mesh, const Parts& found, const RepairOptions& options,
-                  MeshReport& report) {
+double CloseParts(Solid& solid, const Parts& found, const RepairOptions& options) {
+  Triangles& mesh = solid.mesh;
+  MeshReport& report = solid.report;
   std::vector<Part> parts(found.count);
   for (size_t i = 0; i < mesh.indices.size(); ++i) {
     Triangle t = mesh.indices[i];
@@ -237,7 +245,7 @@ double CloseParts(Triangles& mesh, const Parts& found, const RepairOptions& opti
     }
     BoxOf(mesh.vertices, part.triangles, part.lo, part.hi);
   }
-  if (parts.size() > 1) FindHollows(parts, mesh, options, report);
+  if (parts.size() > 1) FindHollows(parts, options, solid);
   mesh.indices.clear();
   for (const Part& part : parts) {
     report.flipped += part.turned;
@@ -270,7 +278,8 @@ Result<Solid> MakeSolid(const Triangles& mesh_mm, const RepairOptions& options) 
         "mesh program");
   }
   report.parts = parts.count;
-  const double cap_area = CloseParts(solid.mesh, parts, options, report);
+  solid.first_cap_vertex = solid.mesh.vertices.size();
+  const double cap_area = CloseParts(solid, parts, options);
   report.vertices = solid.mesh.vertices.size();
   report.triangles = solid.mesh.indices.size();
   report.cap_share = cap_area / std::max(SurfaceArea(solid.mesh), 1e-12);

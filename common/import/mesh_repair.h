@@ -24,7 +24,7 @@ struct MeshReport {
 };
 
 struct RepairOptions {
-  // Air within a closed hollow: filled, or kept.
+  // Air within a closed hollow (`hollows`): filled, or kept.
   bool keep_hollows = false;
   // Caps over more of the surface than this mean that it is a sheet and no solid. Half is the least
   // a flat sheet and its cap have.
@@ -35,6 +35,9 @@ struct RepairOptions {
 struct Solid {
   Triangles mesh;      // closed, oriented outward, vertices welded
   Triangles boundary;  // pieces of it with solid on one side only: distances are taken to these
+  Triangles hollows;   // closed parts within it that faced the other way, outward
+  // Triangles of the mesh with this or a later vertex close holes; the others are the file's.
+  size_t first_cap_vertex = 0;
   MeshReport report;
 };
 

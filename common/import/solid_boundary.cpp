@@ -5,6 +5,7 @@
 #include <numeric>
 #include <optional>
 
+#include "common/import/facet.h"
 #include "common/import/mesh_edges.h"
 
 namespace enamel::import {
@@ -16,20 +17,7 @@ constexpr size_t kMostPieces = 1'000'000;
 // On average, of each triangle with others.
 constexpr size_t kMostNear = 400, kMostCrossings = 40, kAllowed = 1'000'000;
 
-struct Facet {
-  dvec3 a, b, c;
-  dvec3 Middle() const { return (a + b + c) / 3.0; }
-  dvec3 Normal() const { return glm::cross(b - a, c - a); }
-  double Radius() const {
-    const dvec3 m = Middle();
-    return std::sqrt(std::max({Dot(a - m, a - m), Dot(b - m, b - m), Dot(c - m, c - m)}));
-  }
-};
-
-Facet FacetOf(const Triangles& mesh, uint32_t i) {
-  const auto& t = mesh.indices[i];
-  return {mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
-}
+Facet FacetOf(const Triangles& mesh, uint32_t i) { return Facet::Of(mesh, mesh.indices[i]); }
 
 // Does the segment, in the facet's plane, have a point in the facet?
 bool MeetsInPlane(const Facet& f, const dvec3& n, const dvec3& p, const dvec3& q) {
@@ -57,7 +45,7 @@ bool Pierces(const Facet& f, const dvec3& n, double at_p, double at_q, const dve
 // Do some of the other facet's edges (bit k: the one from corner k) pass through this one, or run
 // over it in its plane?
 bool EdgesMeet(const Facet& f, const Facet& other, unsigned edges) {
-  const dvec3 n = f.Normal();
+  const dvec3 n = f.AreaNormal();
   const double size = std::sqrt(Dot(n, n));
   if (size <= 0) return false;
   const dvec3 corners[3] = {other.a, other.b, other.c};
@@ -127,9 +115,9 @@ class Judge {
  public:
   explicit Judge(const TriangleTree& tree) : tree_(tree) {}
   Place Of(const Facet& f) const {
-    const dvec3 n = f.Normal();
+    const dvec3 n = f.AreaNormal();
     const double size = std::sqrt(Dot(n, n));
-    if (size < 1e-12) return Place::kOutside;
+    if (size <= 0) return Place::kOutside;
     const dvec3 middle = f.Middle(), step = n * (kSide_mm / size);
     const bool below = tree_.Inside(middle - step), above = tree_.Inside(middle + step);
     return below != above ? Place::kBoundary : below ? Place::kBuried : Place::kOutside;
@@ -139,7 +127,7 @@ class Judge {
   const TriangleTree& tree_;
 };
 
-// Quarters a triangle where others cross it and keeps the pieces on the boundary.
+// Halves a triangle where others cross it and keeps the pieces on the boundary.
 class Cutter {
  public:
   Cutter(const Triangles& mesh, const Judge& judge, SolidBoundary& out, double smallest_mm)
@@ -154,12 +142,7 @@ class Cutter {
       if (judge_.Of(piece) == Place::kBoundary) Keep(piece);
       return;
     }
-    const dvec3 ab = 0.5 * (piece.a + piece.b), bc = 0.5 * (piece.b + piece.c),
-                ca = 0.5 * (piece.c + piece.a);
-    Cut({piece.a, ab, ca}, here);
-    Cut({ab, piece.b, bc}, here);
-    Cut({ca, bc, piece.c}, here);
-    Cut({ab, bc, ca}, here);
+    for (const Facet& half : piece.Halves()) Cut(half, here);
   }
 
  private:
@@ -218,7 +201,7 @@ Result<SolidBoundary> BoundaryOf(const Triangles& mesh, const TriangleTree& tree
   std::vector<uint32_t> largest = patch;
   std::vector<double> size(patch.size(), -1);
   for (uint32_t i = 0; i < patch.size(); ++i) {
-    const dvec3 n = FacetOf(mesh, i).Normal();
+    const dvec3 n = FacetOf(mesh, i).AreaNormal();
     if (Dot(n, n) > size[patch[i]]) size[patch[i]] = Dot(n, n), largest[patch[i]] = i;
   }
   std::vector<std::optional<Place>> judged(patch.size());

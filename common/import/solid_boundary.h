@@ -15,7 +15,7 @@ struct SolidBoundary {
 };
 
 // Only a line along which triangles cross parts one side of a mesh from another, so each patch
-// between such lines is judged by one of its triangles; triangles on a line are quartered down to
+// between such lines is judged by one of its triangles; triangles on a line are halved down to
 // `finest_mm` (coarser where that would be over a million pieces) and judged piece by piece. Parts
 // that nothing crosses are judged whole. Errors: kInvalidInput when triangles overlap everywhere (a
 // soup: on average more than 40 crossings or 400 overlapping boxes each). Requires: closed parts,

@@ -20,6 +20,11 @@ double SquareToSegment(const dvec3& ap, const dvec3& ab) {
   return Square(ap - t * ab);
 }
 
+dvec3 NearestOnSegment(const dvec3& p, const dvec3& a, const dvec3& b) {
+  const double n = Square(b - a);
+  return a + (n > 0 ? std::clamp(Dot(p - a, b - a) / n, 0.0, 1.0) : 0.0) * (b - a);
+}
+
 // The foot of the perpendicular is a + s u + t v with u, v the edges at a; outside the triangle
 // the nearest point is on an edge.
 double SquareToTriangle(const dvec3& p, const dvec3& a, const dvec3& b, const dvec3& c) {
@@ -142,6 +147,22 @@ double TriangleTree::Distance(const dvec3& p, double limit, uint32_t* nearest) c
   }
   if (nearest != nullptr) *nearest = found;
   return best;
+}
+
+dvec3 TriangleTree::NearestOn(uint32_t triangle, const dvec3& p) const {
+  const Triangle& t = triangles_[triangle];
+  const dvec3 n = glm::cross(t.b - t.a, t.c - t.a);
+  const double square = Square(n);
+  const dvec3 corners[3] = {t.a, t.b, t.c};
+  bool over = square > 0;
+  dvec3 nearest = t.a;
+  for (int k = 0; k < 3; ++k) {
+    const dvec3 &a = corners[k], &b = corners[(k + 1) % 3];
+    over = over && Dot(glm::cross(n, b - a), p - a) >= 0;
+    const dvec3 q = NearestOnSegment(p, a, b);
+    if (Square(p - q) < Square(p - nearest)) nearest = q;
+  }
+  return over ? p - (Dot(p - t.a, n) / square) * n : nearest;
 }
 
 void TriangleTree::Collect(const dvec3& lo, const dvec3& hi, std::vector<uint32_t>& out) const {

@@ -20,6 +20,8 @@ class TriangleTree {
   // Distance to the nearest triangle, or `limit` when none is nearer. `nearest` (may be null) is a
   // guess, in the tree's own numbering, that shortens the search, and becomes the triangle found.
   double Distance(const dvec3& p, double limit, uint32_t* nearest = nullptr) const;
+  // The point of one triangle (the tree's own numbering) that is nearest to p.
+  dvec3 NearestOn(uint32_t triangle, const dvec3& p) const;
   // How many times the mesh surrounds p: 0 outside, 1 inside a closed mesh oriented outward.
   double Winding(const dvec3& p) const;
   // Surrounded at least once, whichever way around.
@@ -61,6 +63,8 @@ class SignedProbe {
       : surface_(&surface), solid_(&solid) {}
   // Negative inside (TriangleTree::Inside); magnitude at most `limit`.
   double Distance(const dvec3& p, double limit);
+  // The triangle found last, in the surface tree's numbering; meaningful when it was within limit.
+  uint32_t nearest() const { return nearest_; }
 
  private:
   const TriangleTree* surface_;

@@ -1,5 +1,6 @@
 #include "shapes.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -38,6 +39,41 @@ Triangles BoxMesh(const dvec3& lo, const dvec3& hi) {
     m.indices.push_back({q[0], q[2], q[3]});
   }
   return m;
+}
+
+Triangles RevolvedMesh(const std::vector<ProfilePoint>& profile, int around, bool closed) {
+  Triangles m;
+  const auto n = static_cast<uint32_t>(around);
+  for (const ProfilePoint& p : profile)
+    for (int i = 0; i < around; ++i) {
+      const double turn = 2 * std::numbers::pi * i / around;
+      m.vertices.emplace_back(p.r * std::cos(turn), p.r * std::sin(turn), p.z);
+    }
+  const size_t rings = profile.size();
+  for (size_t j = 0; j + (closed ? 0 : 1) < rings; ++j) {
+    const auto lower = static_cast<uint32_t>(j) * n,
+               upper = static_cast<uint32_t>((j + 1) % rings) * n;
+    for (uint32_t i = 0; i < n; ++i) {
+      const uint32_t k = (i + 1) % n;
+      m.indices.push_back({lower + i, upper + i, upper + k});
+      m.indices.push_back({lower + i, upper + k, lower + k});
+    }
+  }
+  return m;
+}
+
+std::vector<ProfilePoint> Arc(double radius, double z, double from, double to, int steps) {
+  std::vector<ProfilePoint> out;
+  for (int i = 0; i <= steps; ++i) {
+    const double a = from + (to - from) * i / steps;
+    out.push_back({radius * std::max(0.0, std::sin(a)), z + radius * std::cos(a)});
+  }
+  return out;
+}
+
+Triangles Reversed(Triangles mesh) {
+  for (auto& t : mesh.indices) std::swap(t[1], t[2]);
+  return mesh;
 }
 
 Triangles Joined(const Triangles& a, const Triangles& b) {

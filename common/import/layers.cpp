@@ -1,0 +1,456 @@
+#include "common/import/layers.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/import/band_sampler.h"
+#include "common/import/facet.h"
+#include "common/import/units.h"
+
+namespace enamel::import {
+namespace {
+
+using cutting::Tissue;
+
+constexpr size_t kEnamel = 0, kDentin = 1, kPulp = 2;
+constexpr double kLargestCapShare = 0.47;  // the caps of a dome lie within the dentin
+constexpr double kMostTimesLarger = 30;
+constexpr int kNestingSamples = 16;   // along an axis
+constexpr double kLook_mm = 0.5;      // how far apart surfaces are still measured
+constexpr double kFaceToFace = -0.5;  // cosine of their normals
+constexpr double kOpposite = -0.5;    // cosine between the ways to both sides of a cleft
+constexpr double kTouching_mm = 1e-4;
+constexpr double kMostBeyond = 0.02;
+constexpr double kLeastMeeting = 0.1;  // of the smaller surface
+constexpr double kLeastShared = 0.1;   // of the smaller volume
+constexpr double kStep_mm = 2e-3;
+constexpr double kUniform_mm = 0.1;  // smaller triangles are judged by four of their points
+constexpr double kBehind_mm = 1.0;
+
+std::string Name(size_t layer) { return std::string(cutting::TissueName(kLayerTissues[layer])); }
+
+Status Invalid(const std::string& what) { return Status(Code::kInvalidInput, what); }
+
+dvec3 Unit(const dvec3& v) {
+  const double size = std::sqrt(Dot(v, v));
+  return size > 0 ? v / size : dvec3(0);
+}
+
+// More than 120 degrees apart; also where one of them is hardly a way at all.
+bool AreOpposite(const dvec3& l, const dvec3& r) {
+  const double product = std::sqrt(Dot(l, l) * Dot(r, r));
+  return product < kTouching_mm * kTouching_mm || Dot(l, r) < kOpposite * product;
+}
+
+bool IsCap(const Solid& solid, const std::array<uint32_t, 3>& t) {
+  return std::max({t[0], t[1], t[2]}) >= solid.first_cap_vertex;
+}
+
+Triangles Select(const Solid& solid, bool caps) {
+  Triangles out{solid.mesh.vertices, {}};
+  for (const auto& t : solid.mesh.indices) {
+    if (IsCap(solid, t) == caps) out.indices.push_back(t);
+  }
+  return out;
+}
+
+Status CheckTogether(size_t layer, const Triangles& surface, const Triangles& dentin) {
+  const Box own = BoxOf(surface), other = BoxOf(dentin);
+  const double ratio = own.extent() / std::max(other.extent(), 1e-12);
+  bool apart = false;
+  for (int k = 0; k < 3; ++k) apart |= own.lo[k] > other.hi[k] || own.hi[k] < other.lo[k];
+  if (ratio < kMostTimesLarger && ratio > 1 / kMostTimesLarger && !apart) return Status::Ok();
+  return Invalid(Name(layer) + ": expected it around or within the dentin (" +
+                 Fixed(other.extent(), 3) + " mm), found a surface of " + Fixed(own.extent(), 3) +
+                 " mm" + (apart ? " apart from it" : "") +
+                 ": all surfaces must be of one tooth, in one unit and one frame");
+}
+
+Status InLayer(size_t layer, const Status& status) {
+  return Status(status.code(), Name(layer) + ": " + status.message(), status.field());
+}
+
+dvec3 MiddleOfSurface(const Triangles& mesh) {
+  dvec3 sum(0);
+  double area = 0;
+  for (const auto& t : mesh.indices) {
+    const Facet f = Facet::Of(mesh, t);
+    const dvec3 n = f.AreaNormal();
+    const double size = std::sqrt(Dot(n, n));
+    sum += size * f.Middle();
+    area += size;
+  }
+  return area > 0 ? sum / area : sum;
+}
+
+void TakeHollowAsPulp(LayerSolids& layers, const LayerOptions& options) {
+  const Solid& dentin = *layers.solids[kDentin];
+  if (layers.solids[kPulp] || dentin.hollows.indices.empty()) return;
+  RepairOptions repair;
+  repair.finest_mm = options.finest_mm;
+  Result<Solid> pulp = MakeSolid(dentin.hollows, repair);
+  if (!pulp.ok()) return;
+  layers.report.push_back("no pulp given: the hollow in the dentin (" +
+                          Fixed(SignedVolume(pulp->mesh)) + " mm3) is taken as the pulp");
+  layers.solids[kPulp] = std::move(*pulp);
+}
+
+}  // namespace
+
+Result<LayerSolids> RepairLayers(const std::array<std::optional<Triangles>, kLayers>& surfaces_mm,
+                                 const LayerOptions& options) {
+  if (!surfaces_mm[kDentin]) {
+    return Invalid(
+        "dentin: expected a surface of it beside that of enamel or pulp, found none; a crown's "
+        "outside alone is imported as one file, without naming a tissue");
+  }
+  LayerSolids out;
+  for (size_t layer = 0; layer < kLayers; ++layer) {
+    if (!surfaces_mm[layer]) continue;
+    if (surfaces_mm[layer]->indices.empty())
+      return Invalid(Name(layer) + ": its surface holds no triangles");
+    ENAMEL_RETURN_IF_ERROR(CheckTogether(layer, *surfaces_mm[layer], *surfaces_mm[kDentin]));
+    RepairOptions repair;
+    repair.keep_hollows = layer == kEnamel;
+    repair.largest_cap_share = kLargestCapShare;
+    repair.finest_mm = options.finest_mm;
+    Result<Solid> solid = MakeSolid(*surfaces_mm[layer], repair);
+    if (!solid.ok()) return InLayer(layer, solid.status());
+    for (const std::string& line : Describe(solid->report))
+      out.report.push_back(Name(layer) + ": " + line);
+    out.solids[layer] = std::move(*solid);
+  }
+  TakeHollowAsPulp(out, options);
+  if (!out.solids[kEnamel] && !out.solids[kPulp])
+    return Invalid("dentin: expected a surface of enamel or pulp beside it, found none");
+  if (!out.solids[kPulp]) out.report.push_back("no pulp given: dentin throughout");
+  if (!out.solids[kEnamel]) out.report.push_back("no enamel given: the dentin is bare");
+  return out;
+}
+
+dvec3 RiseOf(const LayerSolids& layers) {
+  if (!layers.solids[kEnamel] || !layers.solids[kDentin]) return dvec3(0);
+  return MiddleOfSurface(Select(*layers.solids[kEnamel], false)) -
+         MiddleOfSurface(Select(*layers.solids[kDentin], false));
+}
+
+LayerProbe::LayerProbe(const LayeredTooth& tooth) : tooth_(&tooth) {
+  for (size_t i = 0; i < kLayers; ++i) {
+    if (const auto* s = tooth.surface(i)) probes_[i].emplace(s->boundary, s->whole);
+  }
+}
+
+LayeredTooth::Distances LayerProbe::At(const dvec3& p, double reach) {
+  LayeredTooth::Distances d{{reach, reach, reach}, reach};
+  for (size_t i = 0; i < kLayers; ++i) {
+    if (probes_[i]) d.to[i] = probes_[i]->Distance(p, reach);
+  }
+  return d;
+}
+
+double LayerProbe::Distance(const dvec3& p, double limit) {
+  const double outside = tooth_->boundary().Distance(p, limit, &nearest_);
+  return tooth_->Inside(p, At(p, tooth_->bridge())) ? -outside : outside;
+}
+
+// The side of a cleft that is nearer; nothing when p is in none.
+std::optional<size_t> LayeredTooth::NearerOfCleft(const dvec3& p, const Distances& d) const {
+  for (size_t i = 0; i < kLayers; ++i)
+    for (size_t k = i + 1; k < kLayers; ++k) {
+      if (!surfaces_[i] || !surfaces_[k] || d.to[i] < 0 || d.to[k] < 0) continue;
+      if (d.to[i] + d.to[k] > bridge_) continue;
+      const TriangleTree &one = surfaces_[i]->boundary, &other = surfaces_[k]->boundary;
+      uint32_t on_one = 0, on_other = 0;
+      one.Distance(p, 2 * bridge_, &on_one);
+      other.Distance(p, 2 * bridge_, &on_other);
+      if (AreOpposite(one.NearestOn(on_one, p) - p, other.NearestOn(on_other, p) - p))
+        return d.to[i] < d.to[k] ? i : k;
+    }
+  return std::nullopt;
+}
+
+bool LayeredTooth::IsBehindCap(const dvec3& p) const {
+  const TriangleTree &caps = surfaces_[kEnamel]->caps, &dentin = surfaces_[kDentin]->boundary;
+  uint32_t cap = 0, other = 0;
+  if (caps.empty() || caps.Distance(p, kBehind_mm, &cap) >= kBehind_mm) return false;
+  if (dentin.Distance(p, kBehind_mm, &other) >= kBehind_mm) return false;
+  return AreOpposite(caps.NearestOn(cap, p) - p, dentin.NearestOn(other, p) - p);
+}
+
+bool LayeredTooth::Inside(const dvec3& p, const Distances& d) const {
+  return std::any_of(d.to.begin(), d.to.end(), [](double s) { return s < 0; }) ||
+         NearerOfCleft(p, d).has_value();
+}
+
+Tissue LayeredTooth::TissueAt(const dvec3& p, const Distances& d) const {
+  const double enamel = d.to[kEnamel], dentin = d.to[kDentin], pulp = d.to[kPulp];
+  if (pulp < 0) return dentin < pulp && !nested_[kDentin][kPulp] ? Tissue::kDentin : Tissue::kPulp;
+  if (dentin < 0)
+    return enamel < dentin && !nested_[kEnamel][kDentin] ? Tissue::kEnamel : Tissue::kDentin;
+  if (enamel < 0) {
+    if (const auto side = NearerOfCleft(p, d)) return kLayerTissues[*side];
+    return IsBehindCap(p) ? Tissue::kDentin : Tissue::kEnamel;
+  }
+  const auto nearest =
+      static_cast<size_t>(std::min_element(d.to.begin(), d.to.end()) - d.to.begin());
+  return d.to[nearest] < d.reach ? kLayerTissues[nearest] : Tissue::kAir;
+}
+
+Result<LayeredTooth> LayeredTooth::Make(LayerSolids layers, const LayerOptions& options) {
+  LayeredTooth tooth;
+  tooth.bridge_ = options.bridge_mm;
+  tooth.report_ = std::move(layers.report);
+  for (size_t i = 0; i < kLayers; ++i) {
+    if (!layers.solids[i]) continue;
+    Solid& solid = *layers.solids[i];
+    TriangleTree boundary(solid.boundary), whole(solid.mesh), own(Select(solid, false)),
+        caps(Select(solid, true));
+    tooth.surfaces_[i] = std::make_unique<Surface>(Surface{
+        std::move(solid), std::move(boundary), std::move(whole), std::move(own), std::move(caps)});
+  }
+  for (auto [outer, inner] :
+       {std::pair{Layer::kEnamel, Layer::kDentin}, std::pair{Layer::kDentin, Layer::kPulp}})
+    ENAMEL_RETURN_IF_ERROR(tooth.FindRelation(outer, inner));
+  tooth.ReportPulpOutside();
+  tooth.FindBoundary(options.finest_mm);
+  return tooth;
+}
+
+// The share of the smaller solid that is in both; by samples spread evenly over the inner one's
+// bounding box.
+double LayeredTooth::SharedVolume(size_t outer, size_t inner) const {
+  const Surface &l = *surfaces_[outer], &r = *surfaces_[inner];
+  const Box box = BoxOf(r.solid.mesh);
+  int both = 0, n = kNestingSamples;
+  for (int i = 0; i < n * n * n; ++i) {
+    const dvec3 cell(i % n, i / n % n, i / (n * n));
+    const dvec3 p = box.lo + box.size() * (cell + 0.5) / static_cast<double>(n);
+    both += r.whole.Inside(p) && l.whole.Inside(p);
+  }
+  const dvec3 size = box.size() / static_cast<double>(n);
+  return both * size.x * size.y * size.z /
+         std::min(SignedVolume(l.solid.mesh), SignedVolume(r.solid.mesh));
+}
+
+LayeredTooth::Meeting LayeredTooth::Measure(size_t outer, size_t inner) const {
+  const Solid& solid = surfaces_[outer]->solid;
+  const TriangleTree& other = surfaces_[inner]->boundary;
+  Meeting m;
+  SignedProbe probe(other, surfaces_[inner]->whole);
+  for (const auto& t : solid.mesh.indices) {
+    if (IsCap(solid, t)) continue;
+    const Facet f = Facet::Of(solid.mesh, t);
+    const dvec3 normal = f.AreaNormal();
+    const double area = std::sqrt(Dot(normal, normal)),
+                 apart = probe.Distance(f.Middle(), kLook_mm);
+    m.own_mm2 += area;
+    if (std::abs(apart) >= kLook_mm) continue;
+    const TriangleTree::Triangle& facing = other.At(probe.nearest());
+    const dvec3 its = Unit(glm::cross(facing.b - facing.a, facing.c - facing.a));
+    if (Dot(Unit(normal), its) > kFaceToFace) continue;
+    m.area_mm2 += area;
+    if (std::abs(apart) > bridge_) m.beyond_mm2 += area;
+    m.gap_mm = std::max(m.gap_mm, apart);
+    m.crossing_mm = std::max(m.crossing_mm, -apart);
+  }
+  return m;
+}
+
+// Side by side when they face each other; nested when one shares volume with the other.
+Status LayeredTooth::FindRelation(Layer outer_layer, Layer inner_layer) {
+  const auto outer = static_cast<size_t>(outer_layer), inner = static_cast<size_t>(inner_layer);
+  if (!surfaces_[outer] || !surfaces_[inner]) return Status::Ok();
+  const Meeting m = Measure(outer, inner);
+  const std::string names = Name(outer) + " and " + Name(inner);
+  const double smaller = std::min(m.own_mm2, SurfaceArea(surfaces_[inner]->solid.mesh));
+  if (m.area_mm2 < kLeastMeeting * smaller) {
+    nested_[outer][inner] = true;
+    if (SharedVolume(outer, inner) > kLeastShared) return Status::Ok();
+    return Invalid(names + " do not meet: their surfaces face each other within " +
+                   Fixed(kLook_mm, 1) + " mm over " + Fixed(m.area_mm2) +
+                   " mm2 only, and neither is within the other; give surfaces of one tooth, in one "
+                   "unit and one frame");
+  }
+  const std::string figures = "gaps of up to " + Fixed(m.gap_mm, 3) +
+                              " mm and crossings of up to " + Fixed(m.crossing_mm, 3) +
+                              " mm over " + Fixed(m.area_mm2, 1) + " mm2";
+  if (m.beyond_mm2 > kMostBeyond * m.area_mm2) {
+    return Invalid(names + ": expected surfaces that meet to " + Fixed(bridge_, 2) + " mm, found " +
+                   figures + ", " + Fixed(100 * m.beyond_mm2 / m.area_mm2, 0) +
+                   " % of it beyond: mend them in a mesh program, or allow more with --bridge-um");
+  }
+  report_.push_back(names + " meet with " + figures + "; up to " + Fixed(bridge_, 2) +
+                    " mm is bridged" +
+                    (m.beyond_mm2 > 0 ? ", " + Fixed(m.beyond_mm2) + " mm2 lie beyond that" : ""));
+  return Status::Ok();
+}
+
+void LayeredTooth::ReportPulpOutside() {
+  if (!surfaces_[kPulp] || !nested_[kDentin][kPulp]) return;
+  const Solid& pulp = surfaces_[kPulp]->solid;
+  SignedProbe dentin(surfaces_[kDentin]->boundary, surfaces_[kDentin]->whole);
+  double deepest = 0, outside = 0, area = 0;
+  for (const auto& t : pulp.mesh.indices) {
+    const Facet f = Facet::Of(pulp.mesh, t);
+    const dvec3 normal = f.AreaNormal();
+    const double size = std::sqrt(Dot(normal, normal)), s = dentin.Distance(f.Middle(), 5);
+    area += size;
+    if (s <= 0) continue;
+    outside += size;
+    deepest = std::max(deepest, s);
+  }
+  if (outside > 0) {
+    report_.push_back("pulp reaches out of the dentin by up to " + Fixed(deepest, 3) +
+                      " mm, over " + Fixed(100 * outside / area, 1) + " % of its surface");
+  }
+}
+
+namespace {
+
+// Halves triangles until each piece is of one kind, and keeps those with air before them.
+class BoundaryPieces {
+ public:
+  BoundaryPieces(const LayeredTooth& tooth, size_t own, double finest_mm)
+      : bridge_(tooth.bridge()), finest_(finest_mm) {
+    for (size_t i = 0; i < kLayers; ++i) {
+      const auto* s = tooth.surface(i);
+      if (s == nullptr || i == own) continue;
+      others_.push_back({&s->boundary, SignedProbe(s->boundary, s->whole)});
+    }
+  }
+
+  void Add(const Facet& f, Triangles& out) {
+    const double radius = f.Radius();
+    const dvec3 normal = Unit(f.AreaNormal()), middle = f.Middle();
+    if (Dot(normal, normal) < 0.5) return;
+    bool near = false;
+    const bool bare = HasAirBefore(middle, normal, radius + bridge_, near);
+    if (near && radius > finest_ && (radius > kUniform_mm || !IsOfOneKind(f, normal, bare))) {
+      for (const Facet& half : f.Halves()) Add(half, out);
+      return;
+    }
+    if (!bare) return;
+    const auto first = static_cast<uint32_t>(out.vertices.size());
+    out.vertices.insert(out.vertices.end(), {f.a, f.b, f.c});
+    out.indices.push_back({first, first + 1, first + 2});
+  }
+
+ private:
+  struct Other {
+    const TriangleTree* surface;
+    SignedProbe probe;
+  };
+
+  bool IsOfOneKind(const Facet& f, const dvec3& normal, bool bare) {
+    bool near = false;
+    const dvec3 middle = f.Middle();
+    for (const dvec3& corner : {f.a, f.b, f.c}) {
+      if (HasAirBefore(corner + 0.05 * (middle - corner), normal, 2 * bridge_, near) != bare)
+        return false;
+    }
+    return true;
+  }
+
+  // Neither inside another solid nor at a cleft to one. `near` is set when another surface is
+  // within `look`.
+  bool HasAirBefore(const dvec3& p, const dvec3& normal, double look, bool& near) {
+    bool bare = true;
+    const dvec3 before = p + kStep_mm * normal;
+    for (Other& other : others_) {
+      const double s = other.probe.Distance(before, look + kStep_mm);
+      near |= std::abs(s) < look;
+      if (s < 0) {
+        bare = false;
+      } else if (s < bridge_) {
+        const dvec3 way = other.surface->NearestOn(other.probe.nearest(), before) - before;
+        if (Dot(way, normal) > -kOpposite * s) bare = false;
+      }
+    }
+    return bare;
+  }
+
+  double bridge_, finest_;
+  std::vector<Other> others_;
+};
+
+}  // namespace
+
+void LayeredTooth::FindBoundary(double finest_mm) {
+  Triangles pieces;
+  for (size_t i = 0; i < kLayers; ++i) {
+    if (!surfaces_[i]) continue;
+    const Triangles& own = surfaces_[i]->solid.boundary;
+    BoundaryPieces cutter(*this, i, finest_mm);
+    for (const auto& t : own.indices) cutter.Add(Facet::Of(own, t), pieces);
+  }
+  boundary_ = std::make_unique<TriangleTree>(pieces);
+}
+
+namespace {
+
+class LayerField : public scene::BrickField {
+ public:
+  explicit LayerField(const LayeredTooth& tooth)
+      : tooth_(tooth), probe_(tooth), outer_(tooth.boundary()) {
+    for (size_t i = 0; i < kLayers; ++i) {
+      if (const auto* s = tooth.surface(i)) bands_[i].emplace(s->boundary);
+    }
+  }
+
+  scene::FieldSample At(const dvec3& point_m, double reach_m) override {
+    const dvec3 p = point_m * 1e3;
+    const double reach = std::max(reach_m * 1e3, tooth_.bridge());
+    const LayeredTooth::Distances d = probe_.At(p, reach);
+    double margin = reach;
+    for (double s : d.to) margin = std::min(margin, std::abs(s));
+    const double outside = tooth_.boundary().Distance(p, reach, &nearest_);
+    return Sample(p, d, outside, margin - tooth_.bridge());
+  }
+
+  void Brick(const dvec3& corner_m, double voxel_m, double reach_m, Samples& out) override {
+    const dvec3 corner = corner_m * 1e3;
+    const double h = voxel_m * 1e3, reach = std::max(tooth_.bridge(), 1.5 * h) * 1.01;
+    for (size_t layer = 0; layer < kLayers; ++layer) {
+      if (!bands_[layer]) continue;
+      bands_[layer]->Distances(corner, h, reach, to_[layer]);
+      SidesOf(
+          corner, h, to_[layer],
+          [&](const dvec3& p) { return tooth_.surface(layer)->whole.Inside(p); }, inside_[layer]);
+    }
+    outer_.Distances(corner, h, reach_m * 1e3, outside_);
+    for (size_t i = 0; i < cutting::kBrickVoxels; ++i) {
+      LayeredTooth::Distances d{{reach, reach, reach}, reach};
+      for (size_t layer = 0; layer < kLayers; ++layer) {
+        if (!bands_[layer]) continue;
+        const double s = static_cast<double>(to_[layer][i]);
+        d.to[layer] = inside_[layer][i] ? -s : s;
+      }
+      out[i] = Sample(corner + h * dvec3(i % 8, i / 8 % 8, i / 64), d,
+                      static_cast<double>(outside_[i]), 0);
+    }
+  }
+
+ private:
+  scene::FieldSample Sample(const dvec3& p, const LayeredTooth::Distances& d, double outside,
+                            double margin) const {
+    const double distance = tooth_.Inside(p, d) ? -outside : outside;
+    return {distance * 1e-3, tooth_.TissueAt(p, d), std::max(margin, 0.0) * 1e-3};
+  }
+
+  const LayeredTooth& tooth_;
+  LayerProbe probe_;
+  uint32_t nearest_ = 0;
+  BandSampler outer_;
+  std::array<std::optional<BandSampler>, kLayers> bands_;
+  std::array<BandSampler::Samples, kLayers> to_;
+  std::array<std::array<bool, cutting::kBrickVoxels>, kLayers> inside_;
+  BandSampler::Samples outside_;
+};
+
+}  // namespace
+
+std::unique_ptr<scene::BrickField> MakeLayerField(const LayeredTooth& tooth) {
+  return std::make_unique<LayerField>(tooth);
+}
+
+}  // namespace enamel::import

@@ -1,0 +1,111 @@
+#include "common/import/place.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/import/orient.h"
+#include "common/import/units.h"
+
+namespace enamel::import {
+namespace {
+
+constexpr double kDegrees = 57.29577951308232;
+constexpr double kLeastRise = 0.03;  // of the enamel's extent, to tell a direction by it
+constexpr double kOnAxis = 0.866;    // 30 degrees
+
+size_t LongestAxis(const dvec3& v) {
+  const dvec3 a = glm::abs(v);
+  return a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
+}
+
+// "+y of the file, 12 degrees off".
+std::string AxisName(const dvec3& up) {
+  const auto k = static_cast<int>(LongestAxis(up));
+  const std::string name = std::string(up[k] > 0 ? "+" : "-") + "xyz"[k] + " of the file";
+  const auto degrees = std::lround(std::acos(std::min(std::abs(up[k]), 1.0)) * kDegrees);
+  return degrees == 0 ? name : name + ", " + std::to_string(degrees) + " degrees off";
+}
+
+std::string Explain(const Stance& stance, const std::string& up, const std::string& how) {
+  const std::string axis = "occlusal direction " + AxisName(stance.up);
+  if (up != "auto") return axis + " (as given)";
+  const std::string margin = "margin " + Fixed(stance.margin);
+  if (stance.certain)
+    return axis + " (found by " + how + ", " + margin + "; if it is wrong, give another with --up)";
+  return axis + " (a guess, " + margin +
+         ": look at the tooth, and give the direction with --up, for example --up=-y)";
+}
+
+void Move(Solid& solid, const dmat3& turn, const dvec3& middle) {
+  for (Triangles* mesh : {&solid.mesh, &solid.boundary, &solid.hollows}) {
+    for (dvec3& v : mesh->vertices) v = turn * v - middle;
+  }
+}
+
+dvec3 MiddleOf(const Triangles& mesh, const dmat3& turn) {
+  Triangles turned = mesh;
+  for (dvec3& v : turned.vertices) v = turn * v;
+  const Box box = BoxOf(turned);
+  return 0.5 * (box.lo + box.hi);
+}
+
+// By the way from dentin to enamel; nothing where they have one middle.
+std::optional<Stance> StanceByRise(const LayerSolids& layers, double extent) {
+  const dvec3 rise = RiseOf(layers);
+  const double size = std::sqrt(Dot(rise, rise));
+  if (size < kLeastRise * extent) return std::nullopt;
+  Stance stance;
+  stance.up = rise / size;
+  stance.margin = size / extent;
+  const auto k = static_cast<int>(LongestAxis(rise));
+  if (std::abs(stance.up[k]) > kOnAxis) {
+    const double sign = rise[k] > 0 ? 1 : -1;
+    stance.up = dvec3(0);
+    stance.up[k] = sign;
+  }
+  return stance;
+}
+
+}  // namespace
+
+Result<PlacedSolid> Place(Solid solid, const std::string& up) {
+  Stance stance;
+  if (up == "auto") {
+    stance = FindStance(solid.mesh);
+  } else {
+    Result<dvec3> axis = ParseAxis(up);
+    if (!axis.ok()) return axis.status();
+    stance = StanceWithUp(solid.mesh, *axis);
+  }
+  const dmat3 turn = SceneFromFile(solid.mesh, stance.up);
+  Move(solid, turn, MiddleOf(solid.mesh, turn));
+  PlacedSolid placed{std::move(solid), std::nullopt, Explain(stance, up, "its hollows")};
+  if (stance.gum) placed.gum = turn * *stance.gum;
+  return placed;
+}
+
+Result<PlacedLayers> Place(LayerSolids layers, const std::string& up) {
+  const auto& enamel = layers.solids[static_cast<size_t>(Layer::kEnamel)];
+  const auto& dentin = layers.solids[static_cast<size_t>(Layer::kDentin)];
+  const Triangles crown = enamel ? enamel->mesh : dentin->mesh;
+  Stance stance;
+  std::string how = "the enamel's place on the dentin";
+  if (up != "auto") {
+    Result<dvec3> axis = ParseAxis(up);
+    if (!axis.ok()) return axis.status();
+    stance.up = *axis;
+  } else if (auto by_rise = StanceByRise(layers, BoxOf(crown).extent())) {
+    stance = *by_rise;
+  } else {
+    stance = FindStance(crown);
+    how = "its hollows";
+  }
+  const dmat3 turn = SceneFromFile(crown, stance.up);
+  const dvec3 middle = MiddleOf(crown, turn);
+  for (auto& solid : layers.solids) {
+    if (solid) Move(*solid, turn, middle);
+  }
+  return PlacedLayers{std::move(layers), Explain(stance, up, how)};
+}
+
+}  // namespace enamel::import

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/import/import_tooth.h"
+
+namespace enamel::import {
+
+// What ImportSources name, read from their files.
+struct ReadSources {
+  // Either the whole of one file, or surfaces by tissue.
+  std::optional<Triangles> whole;
+  std::array<std::optional<Triangles>, kLayers> surfaces;
+  std::string provenance;           // each file with its SHA-256
+  std::string name;                 // of the first file, without its extension
+  std::vector<std::string> report;  // which part is which tissue, what was left out
+};
+
+// Each file is read once. Errors as ReadMeshInChild; kInvalidInput, field = the tissue, where a
+// part is not there or not the only one of that name (the message lists those there are).
+Result<ReadSources> Read(const ImportSources& sources, const std::filesystem::path& child);
+
+}  // namespace enamel::import
