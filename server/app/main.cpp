@@ -46,8 +46,8 @@ void AddServe(CLI::App& root, Options& o, Command& command) {
   certificate->needs(key);
   key->needs(certificate);
   cmd->add_option("--host-name", o.serve.host_names, "Name the page is reached under (repeatable)");
-  cmd->add_option("--job-threads", o.serve.job_threads, "Attempts scored at once")
-      ->check(CLI::Range(1, 64))
+  cmd->add_option("--job-threads", o.serve.job_threads, "Attempts scored at once; 0: scoring waits")
+      ->check(CLI::Range(0, 64))
       ->capture_default_str();
   cmd->callback([&] {
     command = [&] {

@@ -1,40 +1,90 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "server/training/types.h"
 
 namespace enamel::server {
 
-// A decimated picture of an attempt being made (station.proto, LiveState).
+// A moment of an attempt being made (station.proto, LiveState; or a tick of a committed chunk).
 struct LiveSample {
   Uuid attempt;
   Uuid station;
   uint64_t tick = 0;
-  std::array<int32_t, 3> anchor_um{};
-  std::array<int32_t, 3> force_mn{};
-  uint32_t flags = 0;
+  std::array<int32_t, 3> anchor_um{};  // from the device's origin, along the scene's axes
+  std::array<int32_t, 3> force_mn{};   // on the operator
+  uint32_t flags = 0;                  // witness flags (schemas/trace_format.md, column 19)
   UnixMs received_ms = 0;
 };
 
-// The latest sample of every attempt that is being watched or could be: latest wins, nothing is
-// queued, nothing is stored. Bounded: at most 1024 attempts, the one longest silent goes first.
-// Thread safety: any thread.
+class LiveWatch;
+
+// Attempts as they are being made: latest wins, nothing is queued, nothing is stored. What comes in
+// is made into an event once, and only while somebody watches; all watchers share its bytes and
+// fetch it when they can, so that a slow one misses some and slows nobody down.
+//
+// Bounded: the latest sample of at most 1024 attempts (the one longest silent goes first), one
+// event for each watched attempt, at most kMaxWatches watches. Thread safety: any thread; nothing
+// waits for a watcher.
 class LiveBoard {
  public:
-  // Ignored when an equal or later tick is there already.
-  void Put(const LiveSample& sample);
+  static constexpr size_t kMaxWatches = 512;
+  static constexpr uint32_t kRowsPerSecond = 60;
+
+  // Moments of one attempt in order. Ignored when they do not end later than what is there already.
+  void Put(std::span<const LiveSample> samples);
+  void Put(const LiveSample& sample) { Put(std::span(&sample, 1)); }
+  // The attempt is over: its watches end.
   void Remove(const Uuid& attempt);
   std::optional<LiveSample> Latest(const Uuid& attempt) const;
-  std::vector<LiveSample> All() const;
+  // Somebody watches it: what Put gets is worth making.
+  bool Watched(const Uuid& attempt) const;
+  // None when there are kMaxWatches already. The board outlives the watch.
+  std::unique_ptr<LiveWatch> Watch(const Uuid& attempt);
 
  private:
+  friend class LiveWatch;
+  struct Channel {
+    size_t watches = 0;
+    uint64_t version = 0;
+    bool ended = false;
+    std::shared_ptr<const std::string> event;
+  };
+  void Leave(const Uuid& attempt);
+
   mutable std::mutex mutex_;
   std::map<Uuid, LiveSample> latest_;  // guarded by mutex_
+  std::map<Uuid, Channel> channels_;   // guarded by mutex_; the watched ones
+  std::atomic<size_t> watches_{0};     // changed under mutex_
+};
+
+// One watcher of one attempt. Thread safety: one thread at a time.
+class LiveWatch {
+ public:
+  LiveWatch(LiveBoard& board, const Uuid& attempt) : board_(board), attempt_(attempt) {}
+  ~LiveWatch() { board_.Leave(attempt_); }
+  LiveWatch(const LiveWatch&) = delete;
+  LiveWatch& operator=(const LiveWatch&) = delete;
+
+  // What came since the last call, the newest only: {"tick":…,"rows":[[tick, anchor x, y, z in um,
+  // force x, y, z in mN, flags],…]} (schemas/api/openapi.yaml, LiveEvent). Null: nothing new.
+  std::shared_ptr<const std::string> Next();
+  // The attempt was sealed.
+  bool ended() const { return ended_; }
+
+ private:
+  LiveBoard& board_;
+  const Uuid attempt_;
+  uint64_t seen_ = 0;
+  bool ended_ = false;
 };
 
 }  // namespace enamel::server

@@ -3,10 +3,9 @@
 #include <spdlog/spdlog.h>
 
 #include <boost/asio/co_spawn.hpp>
-#include <boost/asio/detached.hpp>
+#include <boost/asio/post.hpp>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/use_awaitable.hpp>
-#include <boost/asio/write.hpp>
 
 namespace enamel::server::stations {
 
@@ -25,71 +24,86 @@ std::string PeerAddress(const asio::ip::tcp::socket& socket) {
 
 }  // namespace
 
-Connection::Connection(asio::ip::tcp::socket socket, std::shared_ptr<asio::ssl::context> tls,
-                       const LinkDeadlines& deadlines, Services& services, StorePool& pool)
-    : tls_(std::move(tls)),
-      deadlines_(deadlines),
+Connection::Connection(asio::ip::tcp::socket socket, SSL_CTX* tls, const LinkDeadlines& deadlines,
+                       Services& services, StorePool& pool, RefusalLog& refusals)
+    : deadlines_(deadlines),
       pool_(pool),
-      stream_(std::move(socket), *tls_),
-      deadline_(stream_.get_executor()),
+      refusals_(refusals),
+      stream_(std::move(socket), tls),
+      watch_(stream_.socket().get_executor()),
       reader_(protocol::kMaxFrameBytesBeforeHello),
-      session_(services, PeerAddress(stream_.next_layer())) {}
+      peer_(PeerAddress(stream_.socket())),
+      session_(services, peer_) {}
 
 void Connection::Run(std::function<void()> on_end) {
   auto self = shared_from_this();
+  auto strand = stream_.socket().get_executor();
   Allow(deadlines_.introduction);
-  asio::co_spawn(stream_.get_executor(), Watch(), [self](std::exception_ptr) {});
-  asio::co_spawn(stream_.get_executor(), Serve(), [self, on_end](std::exception_ptr failure) {
+  asio::co_spawn(strand, Watch(), [self](std::exception_ptr) {});
+  asio::co_spawn(strand, Serve(), [self, on_end](std::exception_ptr failure) {
     if (failure) spdlog::error("station link: a connection ended by an exception");
     self->ended_ = true;
     self->CloseSocket();
-    self->deadline_.cancel();
+    self->watch_.cancel();
     on_end();
   });
 }
 
 void Connection::BeginStop() {
-  asio::post(stream_.get_executor(), [self = shared_from_this()] {
+  asio::post(stream_.socket().get_executor(), [self = shared_from_this()] {
     self->stopping_ = true;
     error_code ignored;
-    if (self->waiting_for_frame_) self->stream_.next_layer().cancel(ignored);
+    if (self->waiting_for_frame_) self->stream_.socket().cancel(ignored);
   });
 }
 
 void Connection::Close() {
-  asio::post(stream_.get_executor(), [self = shared_from_this()] { self->CloseSocket(); });
+  asio::post(stream_.socket().get_executor(), [self = shared_from_this()] { self->CloseSocket(); });
 }
 
 void Connection::CloseSocket() {
   error_code ignored;
-  stream_.next_layer().close(ignored);
+  stream_.socket().close(ignored);
 }
 
-// Moving the deadline cancels the wait with an error; only a wait that ran out closes the socket.
+// A deadline that moves away leaves the timer alone: Watch looks again when it wakes. So a chunk
+// that comes and is answered in time touches no timer at all.
+void Connection::Allow(std::chrono::milliseconds time) {
+  deadline_ = Clock::now() + time;
+  if (deadline_ < watch_.expiry()) watch_.expires_at(deadline_);
+}
+
 asio::awaitable<void> Connection::Watch() {
   while (!ended_) {
-    error_code moved;
-    co_await deadline_.async_wait(asio::redirect_error(asio::use_awaitable, moved));
-    if (!moved && deadline_.expiry() <= std::chrono::steady_clock::now()) {
+    if (deadline_ <= Clock::now()) {
       CloseSocket();
       co_return;
     }
+    watch_.expires_at(deadline_);
+    error_code moved;
+    co_await watch_.async_wait(asio::redirect_error(asio::use_awaitable, moved));
   }
 }
 
 asio::awaitable<void> Connection::Serve() {
-  error_code error;
-  co_await stream_.async_handshake(Stream::server,
-                                   asio::redirect_error(asio::use_awaitable, error));
-  if (error) co_return;
+  Io io = stream_.Handshake();
+  while (io > Io::kEnded) {
+    co_await stream_.Wait(io);
+    io = stream_.Handshake();
+  }
+  if (io == Io::kEnded) co_return;
   co_await ServeRequests();
-  Allow(deadlines_.work);
-  co_await pool_.Run([this] {
-    session_.End();
-    return true;
-  });
+  if (session_.has_sign_ins()) {
+    Allow(deadlines_.work);
+    co_await pool_.Run([this] {
+      session_.End();
+      return true;
+    });
+  }
   Allow(kGoodbye);
-  co_await stream_.async_shutdown(asio::redirect_error(asio::use_awaitable, error));
+  for (io = stream_.Shutdown(); io > Io::kEnded; io = stream_.Shutdown()) {
+    co_await stream_.Wait(io);
+  }
 }
 
 asio::awaitable<void> Connection::ServeRequests() {
@@ -111,13 +125,20 @@ asio::awaitable<void> Connection::ServeRequests() {
     introduced_ = true;
     Answer answer = co_await Carry(*request);
     if (session_.welcomed()) reader_.set_limit(protocol::kMaxFrameBytes);
-    if (answer.reply && !co_await Write(std::move(*answer.reply))) co_return;
-    if (answer.close) co_return;
+    if (!answer.reply) continue;
+    if (answer.reply->has_error()) refusals_.Note(peer_, session_.name(), answer.reply->error());
+    bool written = co_await Write(std::move(*answer.reply));
+    if (!written || answer.close) co_return;
   }
 }
 
 asio::awaitable<Answer> Connection::Carry(const wire::Request& request) {
   Allow(deadlines_.work);
+  if (Session::IsQuick(request)) {
+    // A turn for the other connections: quick requests could come without an end.
+    co_await asio::post(stream_.socket().get_executor(), asio::use_awaitable);
+    co_return session_.Handle(request);
+  }
   if (auto who = session_.SignInWanted(request)) {
     auto signed_in = co_await session_.authenticator().SignIn(std::move(*who));
     co_return co_await pool_.Run([&] { return session_.FinishSignIn(request, signed_in); });
@@ -127,19 +148,24 @@ asio::awaitable<Answer> Connection::Carry(const wire::Request& request) {
 
 // kUnavailable: the connection ended. kTooLarge: the frame is over the limit.
 asio::awaitable<Result<Bytes>> Connection::ReadFrame() {
+  bool begun = false;  // the frame's own deadline runs
   if (introduced_) Allow(deadlines_.idle);
   while (!reader_.done()) {
-    auto space = reader_.Prepare();
+    size_t n = 0;
+    Io io = stream_.Read(reader_.Prepare(), n);
+    if (io == Io::kEnded) co_return Status(Code::kUnavailable, "connection ended");
+    if (io == Io::kDone) {
+      if (Status status = reader_.Resume(n); !status.ok()) co_return status;
+      continue;
+    }
     waiting_for_frame_ = reader_.at_boundary();
-    if (stopping_ && waiting_for_frame_) co_return Status(Code::kUnavailable, "stopping");
-    error_code error;
-    size_t n = co_await stream_.async_read_some(asio::buffer(space.data(), space.size()),
-                                                asio::redirect_error(asio::use_awaitable, error));
-    bool first_bytes = waiting_for_frame_;
+    if (waiting_for_frame_ && stopping_) co_return Status(Code::kUnavailable, "stopping");
+    if (!waiting_for_frame_ && !begun && introduced_) {
+      begun = true;
+      Allow(deadlines_.frame);
+    }
+    co_await stream_.Wait(io);
     waiting_for_frame_ = false;
-    if (error) co_return Status(Code::kUnavailable, "connection ended");
-    if (Status status = reader_.Resume(n); !status.ok()) co_return status;
-    if (first_bytes && introduced_) Allow(deadlines_.frame);
   }
   co_return reader_.Take();
 }
@@ -150,16 +176,26 @@ asio::awaitable<bool> Connection::Write(wire::Reply reply) {
     spdlog::error("station link: a reply could not be framed: {}", frame.status().message());
     co_return false;
   }
-  Allow(deadlines_.write);
-  error_code error;
-  co_await asio::async_write(stream_, asio::buffer(*frame),
-                             asio::redirect_error(asio::use_awaitable, error));
-  co_return !error;
+  bool waited = false;
+  for (ByteView rest = *frame; !rest.empty();) {
+    size_t n = 0;
+    Io io = stream_.Write(rest, n);
+    if (io == Io::kEnded) co_return false;
+    if (io == Io::kDone) {
+      rest = rest.subspan(n);
+      continue;
+    }
+    if (!waited) Allow(deadlines_.write);
+    waited = true;
+    co_await stream_.Wait(io);
+  }
+  co_return true;
 }
 
 asio::awaitable<void> Connection::Refuse(Status status) {
   wire::Reply reply;
   *reply.mutable_error() = protocol::ToError(status);
+  if (!stopping_) refusals_.Note(peer_, session_.name(), reply.error());
   co_await Write(std::move(reply));
 }
 

@@ -2,14 +2,15 @@
 
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/ip/tcp.hpp>
-#include <boost/asio/ssl/stream.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/strand.hpp>
 #include <memory>
 
 #include "common/protocol/frame.h"
+#include "server/stations/refusal_log.h"
 #include "server/stations/session.h"
 #include "server/stations/station_server.h"
+#include "server/stations/tls_socket.h"
 
 namespace enamel::server::stations {
 
@@ -18,9 +19,10 @@ namespace enamel::server::stations {
 // only, except BeginStop and Close, which post to it.
 class Connection : public std::enable_shared_from_this<Connection> {
  public:
-  // Requires: the socket's executor is a strand of its own.
-  Connection(boost::asio::ip::tcp::socket socket, std::shared_ptr<boost::asio::ssl::context> tls,
-             const LinkDeadlines& deadlines, Services& services, StorePool& pool);
+  // Requires: the socket's executor is a strand of its own. `tls`, `deadlines` and what follows
+  // outlive it.
+  Connection(boost::asio::ip::tcp::socket socket, SSL_CTX* tls, const LinkDeadlines& deadlines,
+             Services& services, StorePool& pool, RefusalLog& refusals);
 
   // Serves until either side ends it. Call once.
   void Run(std::function<void()> on_end);
@@ -30,7 +32,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
   void Close();
 
  private:
-  using Stream = boost::asio::ssl::stream<boost::asio::ip::tcp::socket>;
+  using Clock = std::chrono::steady_clock;
+  using Io = TlsSocket::Io;
 
   boost::asio::awaitable<void> Serve();
   boost::asio::awaitable<void> ServeRequests();
@@ -39,18 +42,20 @@ class Connection : public std::enable_shared_from_this<Connection> {
   boost::asio::awaitable<bool> Write(wire::Reply reply);
   boost::asio::awaitable<Answer> Carry(const wire::Request& request);
   boost::asio::awaitable<void> Refuse(Status status);
-  void Allow(std::chrono::milliseconds time) { deadline_.expires_after(time); }
+  void Allow(std::chrono::milliseconds time);
   void CloseSocket();
 
-  const std::shared_ptr<boost::asio::ssl::context> tls_;
   const LinkDeadlines& deadlines_;
   StorePool& pool_;
-  Stream stream_;
-  boost::asio::steady_timer deadline_;
+  RefusalLog& refusals_;
+  TlsSocket stream_;
+  Clock::time_point deadline_;
+  boost::asio::steady_timer watch_;  // wakes Watch, never later than the deadline
   protocol::FrameReader reader_;
+  const std::string peer_;
   Session session_;
   bool introduced_ = false;         // a first message was read
-  bool waiting_for_frame_ = false;  // a read of a frame's first byte is in progress
+  bool waiting_for_frame_ = false;  // for a frame's first byte
   bool stopping_ = false;
   bool ended_ = false;
 };

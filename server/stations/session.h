@@ -47,11 +47,18 @@ class Session {
   Session(Services& services, std::string peer_address)
       : services_(services), peer_address_(std::move(peer_address)) {}
 
-  // After Welcome: larger frames are allowed.
   auth::Authenticator& authenticator() const { return services_.authenticator; }
+  // After Welcome: larger frames are allowed.
   bool welcomed() const { return station_.has_value(); }
+  // What the station is called; empty before Welcome.
+  std::string name() const { return station_ ? station_->name : std::string(); }
+  bool has_sign_ins() const { return !signed_in_.empty(); }
   const std::optional<StationRow>& station() const { return station_; }
 
+  // Handle answers it without touching the store: no thread of its own is needed.
+  static bool IsQuick(const wire::Request& request) {
+    return request.has_live_state() || request.has_ping();
+  }
   // Everything but sign-in, which waits for the hashing threads:
   //   if (auto who = session.SignInWanted(request)) answer = session.FinishSignIn(request, co_await
   //   …);
@@ -74,6 +81,7 @@ class Session {
   Result<wire::Reply> Do(const wire::SealAttempt& request);
   Result<wire::Reply> Do(const wire::AttemptStatus& request);
   void Take(const wire::LiveState& live);
+  void ShowLive(const trace::Chunk& chunk);
 
   Result<Person> PersonOf(const std::string& session_token);
   Result<std::vector<ExerciseRow>> ExercisesOf(const Person& person);
@@ -81,6 +89,7 @@ class Session {
   Status CheckParams(const trace::Header& header);
   // Errors: kNotFound unless the attempt was ticketed for this station.
   Status MustBeOurs(const Uuid& attempt);
+  Status NotSigned(ByteView chunk);
 
   Services& services_;
   const std::string peer_address_;

@@ -159,6 +159,17 @@ Result<wire::Reply> Session::Do(const wire::OpenAttempt& request) {
   return reply;
 }
 
+// Why a chunk that this station's key does not fit is refused.
+Status Session::NotSigned(ByteView chunk) {
+  auto head = trace::DecodeChunkHead(chunk);
+  if (!head.ok()) return head.status();
+  ENAMEL_RETURN_IF_ERROR(MustBeOurs(head->head.attempt));
+  return Status(
+      Code::kForbidden,
+      "chunk " + std::to_string(head->head.seq) + " is not signed with this station's key",
+      "chunk");
+}
+
 Result<wire::Reply> Session::Do(const wire::PutChunk& request) {
   ByteView bytes = AsBytes(request.chunk());
   if (bytes.size() > trace::kMaxChunkBytes) {
@@ -167,21 +178,18 @@ Result<wire::Reply> Session::Do(const wire::PutChunk& request) {
                       " bytes, this one has " + std::to_string(bytes.size()),
                   "chunk");
   }
-  auto chunk = trace::DecodeChunk(bytes);
-  if (!chunk.ok()) return chunk.status();
-  ENAMEL_RETURN_IF_ERROR(MustBeOurs(chunk->head.attempt));
+  // Signature before content: what this station did not sign is never unpacked.
   trace::PublicKey key{};
   ENAMEL_CHECK(station_->public_key.size() == key.size());
   std::ranges::copy(station_->public_key, key.begin());
-  if (!trace::VerifyChunk(bytes, key)) {
-    return Status(
-        Code::kForbidden,
-        "chunk " + std::to_string(chunk->head.seq) + " is not signed with this station's key",
-        "chunk");
-  }
+  if (!trace::VerifyChunk(bytes, key)) return NotSigned(bytes);
+  auto chunk = trace::DecodeChunk(bytes);
+  if (!chunk.ok()) return chunk.status();
+  ENAMEL_RETURN_IF_ERROR(MustBeOurs(chunk->head.attempt));
   Store::ChunkPut put{chunk->head.attempt, chunk->head, chunk->hash,
                       Bytes(bytes.begin(), bytes.end()), services_.clock()};
   ENAMEL_RETURN_IF_ERROR(services_.store.AppendChunk(put));
+  if (services_.live.Watched(put.attempt)) ShowLive(*chunk);
 
   wire::Reply reply;
   wire::ChunkAck& ack = *reply.mutable_chunk_ack();
@@ -189,6 +197,28 @@ Result<wire::Reply> Session::Do(const wire::PutChunk& request) {
   ack.set_seq(chunk->head.seq);
   ack.set_committed(true);
   return reply;
+}
+
+// Who watches sees what is committed too, half a second late, of stations that send no LiveState.
+void Session::ShowLive(const trace::Chunk& chunk) {
+  constexpr int32_t kAnchorPerUm = 100, kForcePerMn = 10;
+  const size_t step = std::max<size_t>(1, trace::kMaxTicksPerChunk / LiveBoard::kRowsPerSecond);
+  std::vector<LiveSample> samples;
+  for (size_t i = (chunk.ticks.size() - 1) % step; i < chunk.ticks.size(); i += step) {
+    const core::TickWitness& witness = chunk.ticks[i].witness;
+    LiveSample sample;
+    sample.attempt = chunk.head.attempt;
+    sample.station = station_->id;
+    sample.tick = chunk.head.first_tick + i;
+    for (size_t axis = 0; axis < 3; ++axis) {
+      sample.anchor_um[axis] = witness.anchor_10nm[axis] / kAnchorPerUm;
+      sample.force_mn[axis] = witness.force_sent_100un[axis] / kForcePerMn;
+    }
+    sample.flags = witness.flags;
+    sample.received_ms = services_.clock();
+    samples.push_back(sample);
+  }
+  services_.live.Put(samples);
 }
 
 Result<wire::Reply> Session::Do(const wire::SealAttempt& request) {

@@ -1,9 +1,11 @@
 #include "server/stations/station_server.h"
 
 #include <spdlog/spdlog.h>
+#include <sys/resource.h>
 
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/redirect_error.hpp>
+#include <boost/asio/ssl/context.hpp>
 #include <map>
 #include <mutex>
 
@@ -15,6 +17,28 @@ namespace enamel::server::stations {
 namespace asio = boost::asio;
 using asio::ip::tcp;
 using boost::system::error_code;
+
+namespace {
+
+// Idle connections keep no record buffers; stations pin a certificate and never resume a session.
+void SaveMemory(SSL_CTX* tls) {
+  SSL_CTX_set_mode(tls, SSL_MODE_RELEASE_BUFFERS | SSL_MODE_ENABLE_PARTIAL_WRITE |
+                            SSL_MODE_ACCEPT_MOVING_WRITE_BUFFER);
+  SSL_CTX_set_session_cache_mode(tls, SSL_SESS_CACHE_OFF);
+  SSL_CTX_set_num_tickets(tls, 0);
+}
+
+// As many as the system lets this process have: one each.
+void AllowDescriptors() {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur == limit.rlim_max) return;
+  limit.rlim_cur = limit.rlim_max;
+  if (::setrlimit(RLIMIT_NOFILE, &limit) != 0) {
+    spdlog::warn("station link: cannot raise the limit of open files; see ulimit -n");
+  }
+}
+
+}  // namespace
 
 struct StationServer::State : std::enable_shared_from_this<State> {
   State(asio::io_context& context, StationServerOptions o, Services& s, StorePool& p)
@@ -36,6 +60,7 @@ struct StationServer::State : std::enable_shared_from_this<State> {
   Services& services;
   StorePool& pool;
   std::shared_ptr<asio::ssl::context> tls;
+  RefusalLog refusals;
   // Owned by the strand.
   asio::strand<asio::io_context::executor_type> strand;
   tcp::acceptor acceptor;
@@ -70,8 +95,8 @@ void StationServer::State::Admit(tcp::socket socket) {
   error_code ignored;
   socket.set_option(tcp::no_delay(true), ignored);
   uint64_t id = next_id++;
-  auto connection =
-      std::make_shared<Connection>(std::move(socket), tls, options.deadlines, services, pool);
+  auto connection = std::make_shared<Connection>(std::move(socket), tls->native_handle(),
+                                                 options.deadlines, services, pool, refusals);
   connections[id] = connection;
   connection->Run([self = shared_from_this(), id] {
     asio::post(self->strand, [self, id] { self->Forget(id); });
@@ -112,6 +137,8 @@ Result<uint16_t> StationServer::Start() {
   auto tls = net::MakeServerContext(s.options.certificate, s.options.private_key);
   if (!tls.ok()) return tls.status();
   s.tls = *tls;
+  SaveMemory((*tls)->native_handle());
+  AllowDescriptors();
   error_code error;
   auto address = asio::ip::make_address(s.options.address, error);
   if (error) {

@@ -26,7 +26,7 @@ struct StationServerOptions {
   std::string address = "127.0.0.1";               // numeric
   uint16_t port = 8443;                            // 0: any free one
   std::filesystem::path certificate, private_key;  // PEM
-  size_t max_connections = 256;                    // one more is closed at once
+  size_t max_connections = 16'384;                 // one more is closed at once
   LinkDeadlines deadlines;
 };
 

@@ -1,0 +1,21 @@
+#pragma once
+
+#include "common/trace/trace.h"
+#include "tests/load/motion.h"
+
+namespace enamel::load {
+
+// Chunks taken apart and put together from schemas/trace_format.md ("Chunk") alone, so that one
+// encoded payload can stand in many places of a chain without being encoded again.
+inline constexpr size_t kChunkHeadBytes = 90;
+inline constexpr size_t kChunkSignatureBytes = 64;
+
+using HeadBytes = std::array<uint8_t, kChunkHeadBytes>;
+
+Payload PayloadOf(ByteView chunk);
+// `head.count` and `head.gap_ticks` are the payload's.
+HeadBytes EncodeHead(const trace::ChunkHead& head, const Payload& payload);
+Sha256 ChunkHash(const HeadBytes& head, const Payload& payload);
+trace::Signature SignChunk(const Sha256& hash, const trace::SecretKey& key);
+
+}  // namespace enamel::load

@@ -1,0 +1,78 @@
+#include "tests/load/motion.h"
+
+#include "common/base/check.h"
+#include "common/base/file.h"
+#include "common/measure/attempt.h"
+#include "tests/load/chunk_layout.h"
+
+namespace enamel::load {
+namespace {
+
+constexpr int32_t kVoxel_nm = 200'000;
+// Coprime to any length of motion that matters: stations begin spread all over it.
+constexpr size_t kStationStride = 7919;
+constexpr int32_t kAnchorUnit_nm = 10;  // schemas/trace_format.md, column 10
+
+Status TakeTicks(const std::vector<Bytes>& chunks, Motion& motion) {
+  for (const Bytes& bytes : chunks) {
+    auto chunk = trace::DecodeChunk(bytes);
+    if (!chunk.ok()) return chunk.status();
+    motion.ticks.insert(motion.ticks.end(), chunk->ticks.begin(), chunk->ticks.end());
+  }
+  if (!motion.ticks.empty()) return Status::Ok();
+  return Status(Code::kInvalidInput, "expected a recording with at least one tick, found none");
+}
+
+// Counts and anchor moved together, so that the recording stays one of a bur beside its anchor.
+trace::Tick Shifted(trace::Tick tick, int32_t cells, const std::array<int32_t, 3>& resolution_nm) {
+  for (size_t axis = 0; axis < 3; ++axis) {
+    tick.input.counts[axis] += cells;
+    tick.witness.anchor_10nm[axis] += cells * (resolution_nm[axis] / kAnchorUnit_nm);
+  }
+  return tick;
+}
+
+}  // namespace
+
+Result<Motion> SimulatedMotion(uint64_t ticks, const std::function<void(double)>& progress) {
+  measure::AttemptOptions options;
+  options.voxel_nm = kVoxel_nm;
+  options.ticks = ticks;
+  auto attempt = measure::RecordAttempt(options, progress);
+  if (!attempt.ok()) return attempt.status();
+  Motion motion;
+  motion.resolution_nm = attempt->header.params.resolution_nm;
+  ENAMEL_RETURN_IF_ERROR(TakeTicks(attempt->chunks, motion));
+  return motion;
+}
+
+Result<Motion> ReadMotion(const std::filesystem::path& file) {
+  auto bytes = ReadFile(file);
+  if (!bytes.ok()) return bytes.status();
+  auto trace = trace::DecodeTraceFile(*bytes);
+  if (!trace.ok()) return trace.status();
+  auto header = trace::DecodeHeader(trace->header);
+  if (!header.ok()) return header.status();
+  Motion motion;
+  motion.resolution_nm = header->params.resolution_nm;
+  ENAMEL_RETURN_IF_ERROR(TakeTicks(trace->chunks, motion));
+  return motion;
+}
+
+std::vector<Payload> StreamOf(const Motion& motion, size_t station, size_t chunk_ticks,
+                              size_t chunks) {
+  ENAMEL_CHECK(!motion.ticks.empty());
+  std::vector<Payload> out;
+  std::vector<trace::Tick> ticks(chunk_ticks);
+  size_t at = station * kStationStride;
+  auto cells = static_cast<int32_t>(1 + station % 20'000);
+  for (size_t i = 0; i < chunks; ++i) {
+    for (trace::Tick& tick : ticks) {
+      tick = Shifted(motion.ticks[at++ % motion.ticks.size()], cells, motion.resolution_nm);
+    }
+    out.push_back(PayloadOf(trace::EncodeChunk({}, ticks, trace::SecretKey{})));
+  }
+  return out;
+}
+
+}  // namespace enamel::load

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "common/trace/trace.h"
+#include "tests/load/chunk_layout.h"
+#include "tests/load/school.h"
+
+namespace enamel::load {
+
+// A station's attempt, every chunk chained and signed before the clock starts. Payloads repeat when
+// the attempt is longer than the stream they were cut from; heads and signatures never do. Memory:
+// 154 bytes a chunk beside the payloads. Thread safety: const after construction.
+class Recording {
+ public:
+  // Requires: the ticket is whole, payloads are not empty. The first chunk is decoded and its
+  // signature checked by common/trace.
+  Recording(const School& school, ByteView ticket, const trace::KeyPair& keys,
+            std::vector<Payload> payloads, uint32_t chunks);
+
+  const Uuid& attempt() const { return attempt_; }
+  const Bytes& header() const { return header_; }
+  double rate_hz() const { return rate_hz_; }
+  uint32_t chunks() const { return static_cast<uint32_t>(heads_.size()); }
+  uint32_t ticks(uint32_t seq) const { return PayloadAt(seq).count; }
+  Bytes Chunk(uint32_t seq) const;
+  // Of the first `chunks` chunks; at least one.
+  trace::Seal SealOf(uint32_t chunks) const;
+
+ private:
+  const Payload& PayloadAt(uint32_t seq) const { return payloads_[seq % payloads_.size()]; }
+
+  Uuid attempt_;
+  double rate_hz_;
+  Bytes header_;
+  std::vector<Payload> payloads_;
+  std::vector<HeadBytes> heads_;
+  std::vector<trace::Signature> signatures_;
+};
+
+}  // namespace enamel::load

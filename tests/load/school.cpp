@@ -1,0 +1,116 @@
+#include "tests/load/school.h"
+
+#include <atomic>
+#include <thread>
+
+#include "common/base/hex.h"
+#include "common/scene/json.h"
+#include "common/scene/plan.h"
+#include "server/app/data_folder.h"
+#include "server/app/publish.h"
+#include "server/auth/password.h"
+#include "server/auth/token.h"
+
+namespace enamel::load {
+namespace {
+
+using namespace server;
+
+constexpr char kProfile[] = "phantom_desktop";
+constexpr int32_t kBlockVoxel_nm = 500'000;
+constexpr auth::PasswordCost kCheapPassword{1, 8192};
+// Writers at once: they share the store's commits.
+constexpr size_t kWriters = 32;
+constexpr UnixMs kNever = UnixMs{1} << 60;
+
+const Actor kLoadgen{{}, "enamel-loadgen"};
+
+Status AddPerson(Store& store, const std::string& login, Role role, const std::string& password,
+                 const Uuid& cohort) {
+  auto verifier = auth::HashPassword(password, kCheapPassword);
+  if (!verifier.ok()) return verifier.status();
+  Person person;
+  person.login = login;
+  person.display_name = login;
+  person.role = role;
+  auto id = store.CreatePerson(person, *verifier, kLoadgen);
+  if (!id.ok()) return id.status();
+  return store.AddToCohort(cohort, *id, kLoadgen);
+}
+
+Status Compile(Store& store, School& school) {
+  auto text = [&](const Sha256& hash) { return store.GetBlob(hash); };
+  auto scene_text = text(school.scene), exercise_text = text(school.exercise),
+       profile_text = text(school.profile);
+  if (!scene_text.ok()) return scene_text.status();
+  if (!exercise_text.ok()) return exercise_text.status();
+  if (!profile_text.ok()) return profile_text.status();
+  auto scene = scene::SceneFromJson(AsText(*scene_text));
+  auto exercise = scene::ExerciseFromJson(AsText(*exercise_text));
+  auto profile = scene::ProfileFromJson(AsText(*profile_text));
+  if (!scene.ok()) return scene.status();
+  if (!exercise.ok()) return exercise.status();
+  if (!profile.ok()) return profile.status();
+  auto params = scene::CompilePlan(*scene, *exercise, *profile);
+  if (!params.ok()) return params.status();
+  school.params = *params;
+  return Status::Ok();
+}
+
+Status Publish(Store& store, School& school) {
+  ENAMEL_RETURN_IF_ERROR(app::PublishProfiles(store));
+  auto scene = app::PublishScene(store, "builtin:block", kBlockVoxel_nm);
+  if (!scene.ok()) return scene.status();
+  auto exercise = app::PublishClassOne(store, *scene, Uuid{});
+  if (!exercise.ok()) return exercise.status();
+  auto profiles = store.Profiles();
+  if (!profiles.ok()) return profiles.status();
+  for (const ProfileRow& row : *profiles) {
+    if (row.name == kProfile) school.profile = row.content;
+  }
+  school.exercise = exercise->content;
+  school.scene = scene->content;
+  school.volume = scene->volume;
+  return Compile(store, school);
+}
+
+Status AddCodes(Store& store, School& school, size_t count) {
+  for (size_t i = 0; i < count; ++i) school.codes.push_back(ToHex(auth::NewToken()));
+  std::atomic<size_t> next{0};
+  std::vector<Status> outcomes(kWriters);
+  {
+    std::vector<std::jthread> writers;
+    for (Status& outcome : outcomes) {
+      writers.emplace_back([&] {
+        for (size_t i; outcome.ok() && (i = next++) < count;) {
+          outcome = store.AddEnrolCode(HashSha256(AsBytes(school.codes[i])), kNever, kLoadgen);
+        }
+      });
+    }
+  }
+  for (const Status& outcome : outcomes) ENAMEL_RETURN_IF_ERROR(outcome);
+  return Status::Ok();
+}
+
+}  // namespace
+
+Result<School> FoundSchool(const std::filesystem::path& data, size_t stations) {
+  auto store = app::OpenForCommand(data);
+  if (!store.ok()) return store.status();
+  School school;
+  std::string tag = ToHex(auth::NewToken()).substr(0, 8);
+  school.login = "load-student-" + tag;
+  school.instructor_login = "load-instructor-" + tag;
+  school.password = ToHex(auth::NewToken());
+  auto cohort = (*store)->CreateCohort("load " + tag, kLoadgen);
+  if (!cohort.ok()) return cohort.status();
+  ENAMEL_RETURN_IF_ERROR(
+      AddPerson(**store, school.login, Role::kStudent, school.password, *cohort));
+  ENAMEL_RETURN_IF_ERROR(
+      AddPerson(**store, school.instructor_login, Role::kInstructor, school.password, *cohort));
+  ENAMEL_RETURN_IF_ERROR(Publish(**store, school));
+  ENAMEL_RETURN_IF_ERROR(AddCodes(**store, school, stations));
+  return school;
+}
+
+}  // namespace enamel::load

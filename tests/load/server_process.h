@@ -1,0 +1,56 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/base/sha256.h"
+#include "common/net/frame_client.h"
+
+namespace enamel::load {
+
+// An enamel-server of our own: started on ports of its choice, killed as hard as a power cut kills
+// a process, and started again on the same ports. Destruction kills it. Thread safety: none, except
+// pid().
+class ServerProcess {
+ public:
+  // `log`: where its standard error goes, appended to.
+  ServerProcess(std::filesystem::path program, std::filesystem::path data,
+                std::filesystem::path log, std::vector<std::string> more_arguments = {});
+  ~ServerProcess();
+  ServerProcess(const ServerProcess&) = delete;
+  ServerProcess& operator=(const ServerProcess&) = delete;
+
+  // Returns once it says that it is ready. Errors: kUnavailable with the end of its log.
+  Status Start();
+  void Kill();  // SIGKILL
+  // SIGTERM, and SIGKILL after 15 s.
+  void Stop();
+
+  pid_t pid() const { return pid_; }
+  const net::Endpoint& stations() const { return stations_; }
+  const net::Endpoint& page() const { return page_; }
+  const Sha256& fingerprint() const { return fingerprint_; }
+
+ private:
+  Status ReadReadyLine(int fd);
+
+  const std::filesystem::path program_, data_, log_;
+  const std::vector<std::string> more_arguments_;
+  pid_t pid_ = -1;
+  net::Endpoint stations_{"127.0.0.1", 0}, page_{"127.0.0.1", 0};
+  Sha256 fingerprint_;
+};
+
+// What /proc says of a process; zeros when it is gone. The peak is since it was started.
+struct ProcessUse {
+  double cpu_s = 0;  // user and system, all threads
+  double rss_mb = 0, peak_rss_mb = 0;
+};
+ProcessUse UseOf(pid_t pid);
+
+}  // namespace enamel::load
