@@ -29,9 +29,9 @@ struct AttemptOptions {
   std::string scene = "molar";  // a built-in one
   int32_t voxel_nm = 50'000;
   uint64_t ticks = 120'000;  // at 1 kHz
-  // How long the bur is lifted and looked at after each stroke, in strokes. With 1.15 about a third
+  // How long the bur is lifted and looked at after each stroke, in strokes. With 1.8 about a third
   // of the ticks cut.
-  double pause_strokes = 1.15;
+  double pause_strokes = 1.8;
   // How much too far the hand goes on purpose: through the mesial wall, below the floor.
   double mesial_extra_m = 0, floor_extra_m = 0;
 };

@@ -14,14 +14,12 @@ BrickMeshes::BrickMeshes(const cutting::GridSpec& spec)
 void BrickMeshes::ExtractAll(const cutting::Volume& volume) {
   std::vector<int32_t> all(meshes_.size());
   for (size_t b = 0; b < all.size(); ++b) all[b] = static_cast<int32_t>(b);
-  Update(volume, all);
+  Renew(volume, all);
 }
 
 std::span<const int32_t> BrickMeshes::Update(const cutting::Volume& volume,
                                              std::span<const int32_t> changed) {
-  ENAMEL_CHECK(volume.spec() == spec_);
   candidates_.clear();
-  renewed_.clear();
   for (int32_t brick : changed) {
     ivec3 at(brick % spec_.bricks.x, brick / spec_.bricks.x % spec_.bricks.y,
              brick / (spec_.bricks.x * spec_.bricks.y));
@@ -34,10 +32,17 @@ std::span<const int32_t> BrickMeshes::Update(const cutting::Volume& volume,
       candidates_.push_back(near);
     }
   }
+  for (int32_t brick : candidates_) is_candidate_[static_cast<size_t>(brick)] = 0;
+  return Renew(volume, candidates_);
+}
+
+std::span<const int32_t> BrickMeshes::Renew(const cutting::Volume& volume,
+                                            std::span<const int32_t> bricks) {
+  ENAMEL_CHECK(volume.spec() == spec_);
+  renewed_.clear();
   Block block;
-  for (int32_t brick : candidates_) {
+  for (int32_t brick : bricks) {
     auto b = static_cast<size_t>(brick);
-    is_candidate_[b] = 0;
     bool any = Gather(volume, brick, block);
     uint64_t fingerprint = any ? Fingerprint(block) : kNoSurface;
     if (fingerprint == fingerprints_[b]) continue;

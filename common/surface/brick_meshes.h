@@ -17,7 +17,10 @@ class BrickMeshes {
   // All empty: as if the volume were air.
   explicit BrickMeshes(const cutting::GridSpec& spec);
 
-  // Makes every brick's mesh.
+  // Makes these bricks' meshes, each named once, where they are not what they should be. Returns
+  // those that were made anew, until the next call.
+  std::span<const int32_t> Renew(const cutting::Volume& volume, std::span<const int32_t> bricks);
+  // The same for all bricks.
   void ExtractAll(const cutting::Volume& volume);
   // After the samples of `changed` bricks changed (in any order, repeats allowed): looks at them
   // and their 26 neighbours. Returns the bricks whose mesh was made anew, each once, until the next

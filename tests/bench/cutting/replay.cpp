@@ -1,3 +1,5 @@
+#include "common/trace/replay.h"
+
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
@@ -10,10 +12,13 @@
 namespace enamel::bench {
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
 struct Options {
   std::string json;
   std::vector<int> voxels_um = {100, 50, 25};
   uint64_t ticks = 600'000;
+  int replays = 3;
   double pause_strokes = measure::AttemptOptions().pause_strokes;
 };
 
@@ -50,6 +55,50 @@ Result<Reach> MeasureReach(const measure::Attempt& attempt, const trace::Keyfram
   return out;
 }
 
+// Seconds per chunk.
+Result<std::vector<double>> TimeChunks(const measure::Attempt& attempt) {
+  core::Core core(attempt.header.params, attempt.built.volume);
+  std::vector<Clock::time_point> marks;
+  marks.reserve(attempt.chunks.size() + 1);
+  auto report = trace::Replay(core, attempt.header, attempt.chunks, {}, [&](double) {
+    marks.push_back(Clock::now());
+    return true;
+  });
+  marks.push_back(Clock::now());
+  if (!report.ok()) return report.status();
+  if (!report->witness_ok || report->state_hash != attempt.seal.state_hash) {
+    return Status(Code::kConflict, "the replay disagrees with the recording");
+  }
+  std::vector<double> out;
+  for (size_t i = 1; i < marks.size(); ++i) {
+    out.push_back(std::chrono::duration<double>(marks[i] - marks[i - 1]).count());
+  }
+  return out;
+}
+
+struct Speed {
+  double least_s = 0;  // per chunk the least of the replays, summed
+  double raw_s = 0;    // mean of the replays as they came
+};
+
+Result<Speed> MeasureSpeed(const measure::Attempt& attempt, int replays,
+                           const std::function<void(double)>& progress) {
+  Speed out;
+  std::vector<double> least;
+  for (int r = 0; r < replays; ++r) {
+    progress(static_cast<double>(r) / replays);
+    auto times = TimeChunks(attempt);
+    if (!times.ok()) return times.status();
+    if (least.empty()) least = *times;
+    for (size_t i = 0; i < least.size(); ++i) {
+      least[i] = std::min(least[i], (*times)[i]);
+      out.raw_s += (*times)[i] / replays;
+    }
+  }
+  for (double s : least) out.least_s += s;
+  return out;
+}
+
 int Fail(const Status& status) {
   std::fprintf(stderr, "enamel-bench: %s\n", status.message().c_str());
   return 1;
@@ -62,11 +111,13 @@ int Run(const Options& options) {
       "through the core and "
       "encoded as a station sends it; replayed on one core: chunks decoded, chain, every tick's "
       "witness and every "
-      "chunk's state hash compared. reach: time to a moment with keyframes, worst of 20 over the "
+      "chunk's state hash compared; seconds: per chunk of 500 ticks the least of several identical "
+      "replays, summed; raw: the replays as they came. reach: time to a moment with keyframes, "
+      "worst of 20 over the "
       "attempt";
-  std::printf("Method: %s.\n\n%6s %8s %8s %9s %10s %10s %10s %10s %9s\n", method.c_str(), "voxel",
-              "ticks", "cutting", "replay s", "x real", "keyframes", "their MB", "reach s",
-              "worst s");
+  std::printf("Method: %s.\n\n%6s %8s %8s %9s %10s %10s %10s %10s %10s %9s\n", method.c_str(),
+              "voxel", "ticks", "cutting", "replay s", "x real", "raw", "keyframes", "their MB",
+              "reach s", "worst s");
   Rows rows("replay", method);
   std::string goals;
   for (int voxel_um : options.voxels_um) {
@@ -79,6 +130,10 @@ int Run(const Options& options) {
       progress.Show("recording at " + std::to_string(voxel_um) + " um", ratio);
     });
     if (!attempt.ok()) return Fail(attempt.status());
+    auto speed = MeasureSpeed(*attempt, options.replays, [&](double ratio) {
+      progress.Show("replaying at " + std::to_string(voxel_um) + " um", ratio);
+    });
+    if (!speed.ok()) return Fail(speed.status());
     trace::Keyframes keyframes(HashSha256(trace::EncodeHeader(attempt->header)));
     trace::MomentOptions whole;
     whole.start_from_keyframe = false;
@@ -86,30 +141,30 @@ int Run(const Options& options) {
         [&] { return std::make_unique<core::Core>(attempt->header.params, attempt->built.volume); },
         attempt->header, attempt->chunks, whole, keyframes,
         [&](double ratio) {
-          progress.Show("replaying at " + std::to_string(voxel_um) + " um", ratio);
+          progress.Show("making keyframes at " + std::to_string(voxel_um) + " um", ratio);
           return true;
         });
     if (!moment.ok()) return Fail(moment.status());
-    if (!moment->report.witness_ok)
-      return Fail(Status(Code::kConflict, "the replay disagrees with the recording"));
     auto reach = MeasureReach(*attempt, keyframes);
     if (!reach.ok()) return Fail(reach.status());
-    double factor = static_cast<double>(moment->report.ticks) / attempt->header.params.rate_hz /
-                    moment->report.seconds;
+    double recorded_s = static_cast<double>(attempt->seal.ticks) / attempt->header.params.rate_hz;
+    double factor = recorded_s / speed->least_s, raw_factor = recorded_s / speed->raw_s;
     progress.Clear();
-    std::printf("%6.3f %8llu %6.1f %% %9.2f %10.1f %10zu %10.2f %10.3f %9.3f\n", voxel_um * 1e-3,
-                static_cast<unsigned long long>(moment->report.ticks), 100 * attempt->cutting_share,
-                moment->report.seconds, factor, reach->keyframes,
+    std::printf("%6.3f %8llu %6.1f %% %9.2f %10.1f %10.1f %10zu %10.2f %10.3f %9.3f\n",
+                voxel_um * 1e-3, static_cast<unsigned long long>(attempt->seal.ticks),
+                100 * attempt->cutting_share, speed->least_s, factor, raw_factor, reach->keyframes,
                 static_cast<double>(reach->bytes) * 1e-6, reach->mean_s, reach->worst_s);
     if (voxel_um == 50) {
       goals = "  replay at 0.05 mm, x real time: " + AgainstGoal(factor, kFactorGoal, true) +
               "\n  worst moment at 0.05 mm: " + AgainstGoal(reach->worst_s, kReachGoal_s) + " s\n";
     }
     rows.Add({{"voxel_mm", voxel_um * 1e-3},
-              {"ticks", moment->report.ticks},
+              {"ticks", attempt->seal.ticks},
               {"cutting_share", attempt->cutting_share},
-              {"seconds", moment->report.seconds},
+              {"seconds", speed->least_s},
+              {"raw_seconds", speed->raw_s},
               {"realtime_factor", factor},
+              {"raw_realtime_factor", raw_factor},
               {"keyframes", reach->keyframes},
               {"keyframes_mb", static_cast<double>(reach->bytes) * 1e-6},
               {"reach_mean_s", reach->mean_s},
@@ -136,6 +191,9 @@ void RegisterReplay(CLI::App& app, int* exit_code) {
       ->add_option("--pause", options->pause_strokes,
                    "Looking after each stroke, in strokes: decides the share of ticks that cut")
       ->check(CLI::Range(0.0, 100.0))
+      ->capture_default_str();
+  replay->add_option("--replays", options->replays, "Identical replays")
+      ->check(CLI::Range(1, 100))
       ->capture_default_str();
   replay->add_option("--json", options->json, "Write the rows to this file");
   replay->callback([options, exit_code] { *exit_code = Run(*options); });
