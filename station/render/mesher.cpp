@@ -74,11 +74,10 @@ bool MayFace(const Bounds& bounds, const glm::vec3& eye_mm) {
 Mesher::Mesher(const cutting::Volume& initial, BrickFeed& feed)
     : feed_(feed),
       groups_((initial.spec().bricks + kGroupSide - 1) / kGroupSide),
-      replica_(initial) {
+      replica_(initial),
+      bricks_(initial.spec()) {
   replica_.Reserve();
   auto bricks = static_cast<size_t>(initial.spec().brick_count());
-  bricks_.resize(bricks);
-  is_changed_.resize(bricks);
   bricks_of_group_.resize(group_count());
   for (size_t b = 0; b < bricks; ++b) {
     auto brick = static_cast<int>(b);
@@ -126,8 +125,7 @@ void Mesher::Run() {
 
 void Mesher::MeshInitial() {
   for (size_t g = 0; g < group_count() && !stop_; ++g) {
-    for (int32_t b : bricks_of_group_[g])
-      bricks_[static_cast<size_t>(b)] = surface::ExtractBrick(replica_, b);
+    bricks_.Renew(replica_, bricks_of_group_[g]);
     GroupMesh mesh = Assemble(g);
     if (!mesh.indices.empty()) Deliver(std::move(mesh));
   }
@@ -139,18 +137,10 @@ void Mesher::MeshInitial() {
 }
 
 bool Mesher::ApplyUpdates() {
-  const cutting::GridSpec& spec = replica_.spec();
   size_t taken = feed_.Drain([&](const BrickUpdate& update) {
     if (!replica_.Materialise(update.brick)) return;
     replica_.MutablePhi(update.brick) = update.phi;
-    ivec3 at = BrickAt(spec, update.brick);
-    for (int i = 0; i < 27; ++i) {
-      ivec3 b = at + ivec3(i % 3, i / 3 % 3, i / 9) - 1;
-      if (!spec.Contains(b)) continue;
-      int near = spec.BrickIndex(b);
-      if (std::exchange(is_changed_[static_cast<size_t>(near)], uint8_t{1}) == 0)
-        changed_.push_back(near);
-    }
+    changed_.push_back(update.brick);
   });
   applied_ += taken;
   return taken > 0;
@@ -158,13 +148,8 @@ bool Mesher::ApplyUpdates() {
 
 void Mesher::RemeshChanged() {
   std::vector<size_t> groups;
-  for (int32_t b : changed_) {
-    is_changed_[static_cast<size_t>(b)] = 0;
-    surface::Mesh& mesh = bricks_[static_cast<size_t>(b)];
-    bool was_empty = mesh.triangles.empty();
-    mesh = surface::ExtractBrick(replica_, b);
-    if (!was_empty || !mesh.triangles.empty())
-      groups.push_back(GroupOf(BrickAt(replica_.spec(), b)));
+  for (int32_t b : bricks_.Update(replica_, changed_)) {
+    groups.push_back(GroupOf(BrickAt(replica_.spec(), b)));
   }
   changed_.clear();
   std::sort(groups.begin(), groups.end());
@@ -176,7 +161,7 @@ GroupMesh Mesher::Assemble(size_t group) const {
   GroupMesh out;
   out.group = group;
   for (int32_t b : bricks_of_group_[group]) {
-    const surface::Mesh& mesh = bricks_[static_cast<size_t>(b)];
+    const surface::Mesh& mesh = bricks_.at(b);
     auto base = static_cast<uint32_t>(out.vertices.size());
     for (size_t i = 0; i < mesh.position_m.size(); ++i) {
       glm::vec3 p = mesh.position_m[i] * 1000.0f, n = mesh.normal[i];

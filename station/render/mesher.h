@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "common/cutting/volume.h"
-#include "common/surface/surface.h"
+#include "common/surface/brick_meshes.h"
 #include "station/render/brick_feed.h"
 
 namespace enamel::station::render {
@@ -43,7 +43,7 @@ struct GroupMesh {
 };
 
 // Keeps a replica of the volume up to date from a BrickFeed, on a thread of its own, and meshes
-// what changed: each changed brick and its 26 neighbours. Bricks that a cut spreads over arrive
+// what changed (surface::BrickMeshes). Bricks that a cut spreads over arrive
 // within a few milliseconds of each other, so a picture may show a step between them for one frame.
 // Thread safety: TakeReady, WaitIdle from any thread. Not real-time.
 class Mesher {
@@ -74,10 +74,9 @@ class Mesher {
   ivec3 groups_{0};
   // Owned by the mesher's thread.
   cutting::Volume replica_;
-  std::vector<surface::Mesh> bricks_;
+  surface::BrickMeshes bricks_;
   std::vector<std::vector<int32_t>> bricks_of_group_;
   std::vector<int32_t> changed_;
-  std::vector<uint8_t> is_changed_;
   size_t applied_ = 0;
   // Guarded by mutex_.
   std::mutex mutex_;
