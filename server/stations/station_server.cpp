@@ -6,6 +6,7 @@
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/ssl/context.hpp>
+#include <csignal>
 #include <map>
 #include <mutex>
 
@@ -27,6 +28,9 @@ void SaveMemory(SSL_CTX* tls) {
   SSL_CTX_set_session_cache_mode(tls, SSL_SESS_CACHE_OFF);
   SSL_CTX_set_num_tickets(tls, 0);
 }
+
+// A peer that is gone shall be an error of the write, not a signal: OpenSSL writes with write(2).
+void IgnoreBrokenPipes() { std::signal(SIGPIPE, SIG_IGN); }
 
 // As many as the system lets this process have: one each.
 void AllowDescriptors() {
@@ -139,6 +143,7 @@ Result<uint16_t> StationServer::Start() {
   s.tls = *tls;
   SaveMemory((*tls)->native_handle());
   AllowDescriptors();
+  IgnoreBrokenPipes();
   error_code error;
   auto address = asio::ip::make_address(s.options.address, error);
   if (error) {

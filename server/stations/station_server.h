@@ -44,7 +44,8 @@ class StationServer {
                 StorePool& pool);
   ~StationServer();
 
-  // Listens; returns the port. Errors: kInvalidInput (address), kUnavailable (port in use), those
+  // Listens; returns the port. From then on this process ignores SIGPIPE and may open as many files
+  // as its hard limit allows. Errors: kInvalidInput (address), kUnavailable (port in use), those
   // of the certificate.
   Result<uint16_t> Start();
 

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <boost/json/object.hpp>
 #include <boost/json/serialize.hpp>
+#include <csignal>
 #include <cstdio>
 #include <thread>
 
@@ -237,6 +238,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
+  std::signal(SIGPIPE, SIG_IGN);  // a server that was killed is an error of the write
   spdlog::set_level(spdlog::level::warn);
   if (Status status = Complete(arguments, argv[0]); !status.ok()) {
     std::fprintf(stderr, "enamel-loadgen: %s\n", status.message().c_str());
