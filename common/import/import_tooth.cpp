@@ -147,6 +147,10 @@ double FinestPiece_mm(const ImportOptions& options) {
   return kFinestOfVoxel * options.voxel_nm * 1e-6;
 }
 
+void Enter(const ImportOptions& options, std::string_view phase) {
+  if (options.phase) options.phase(phase);
+}
+
 using MakeField = std::function<std::unique_ptr<scene::BrickField>()>;
 
 // The grid, filled; refused before that where it would be too large.
@@ -154,6 +158,7 @@ Status Fill(const Box& box, const MakeField& field, const ImportOptions& options
             ImportedScene& out) {
   const auto spec = scene::GridAround(box.lo * 1e-3, box.hi * 1e-3, options.voxel_nm);
   ENAMEL_RETURN_IF_ERROR(cutting::ValidateGrid(spec, kMaxGridBytes));
+  Enter(options, "filling");
   const int threads = options.threads > 0 ? options.threads : scene::BuildThreads();
   out.volume = scene::BuildVolume(spec, field, threads, options.progress);
   return Status::Ok();
@@ -172,6 +177,7 @@ void ReportPlace(const Box& box, const std::string& words, const Fossa& fossa, I
 // The scene's document around the filled volume.
 void Finish(const Fossa& fossa, const std::string& source, const ImportOptions& options,
             ImportedScene& out) {
+  Enter(options, "storing");
   const auto volumes = cutting::SolidVolume_m3(out.volume);
   out.report.push_back(Words(volumes));
   if (out.mesh_volume_mm3 > 0)
@@ -194,10 +200,12 @@ Result<ImportedScene> ImportTriangles(const Triangles& mesh, const std::string& 
   const double unit = *UnitInMm(options.unit);
   const Triangles mesh_mm = Scaled(mesh, unit);
   ENAMEL_RETURN_IF_ERROR(CheckSize(mesh_mm, options.unit, unit));
+  Enter(options, "repairing");
   RepairOptions repair;
   repair.finest_mm = FinestPiece_mm(options);
   Result<Solid> solid = MakeSolid(mesh_mm, repair);
   if (!solid.ok()) return solid.status();
+  Enter(options, "placing");
   Result<PlacedSolid> placed = Place(std::move(*solid), options.up);
   if (!placed.ok()) return placed.status();
   const Box box = BoxOf(placed->solid.mesh);
@@ -205,6 +213,7 @@ Result<ImportedScene> ImportTriangles(const Triangles& mesh, const std::string& 
   SignedProbe probe(boundary, whole);
   const Fossa fossa = FindFossa(
       boundary, [&](const dvec3& p) { return probe.Distance(p, kFar_mm); }, box.lo, box.hi);
+  Enter(options, "tissues");
   const TissueModel tissues(placed->solid.boundary, placed->gum ? &*placed->gum : nullptr, box.lo,
                             box.hi, fossa.point.z - kPulpBelowFossa_mm);
   ImportedScene out;
@@ -233,10 +242,13 @@ Result<ImportedScene> ImportLayers(const std::array<std::optional<Triangles>, kL
   }
   if (!all.indices.empty()) ENAMEL_RETURN_IF_ERROR(CheckSize(all, options.unit, unit));
   const LayerOptions layer_options{options.bridge_mm, FinestPiece_mm(options)};
+  Enter(options, "repairing");
   Result<LayerSolids> solids = RepairLayers(surfaces_mm, layer_options);
   if (!solids.ok()) return solids.status();
+  Enter(options, "placing");
   Result<PlacedLayers> placed = Place(std::move(*solids), options.up);
   if (!placed.ok()) return placed.status();
+  Enter(options, "tissues");
   Result<LayeredTooth> tooth = LayeredTooth::Make(std::move(placed->layers), layer_options);
   if (!tooth.ok()) return tooth.status();
   Box box{dvec3(1e300), dvec3(-1e300)}, crown = box;
@@ -265,6 +277,7 @@ Result<ImportedScene> ImportLayers(const std::array<std::optional<Triangles>, kL
 
 Result<ImportedScene> ImportTooth(const ImportSources& sources, const ImportOptions& options) {
   ENAMEL_RETURN_IF_ERROR(CheckOptions(options));
+  Enter(options, "reading");
   Result<ReadSources> read = Read(sources, options.child);
   if (!read.ok()) return read.status();
   ImportOptions named = options;

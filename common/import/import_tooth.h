@@ -29,6 +29,9 @@ struct ImportOptions {
   int threads = 0;                       // 0: as many as the machine has
   std::filesystem::path child;           // empty: enamel-import-child beside the running program
   std::function<void(double)> progress;  // 0..1 while the volume is filled; may be empty
+  // Called as each phase begins, in this order: reading, repairing, placing, tissues, filling,
+  // storing; may be empty.
+  std::function<void(std::string_view)> phase;
 };
 
 struct ImportedScene {
@@ -41,7 +44,8 @@ struct ImportedScene {
 };
 
 // Where surfaces come from. `file`: one file of everything; may be empty when all tissues name
-// files. Each tissue: FILE, FILE#PART, or a PART of `file`; empty where there is none. A part is an
+// files; where tissues name other files only, it is the enamel. Each tissue: FILE, FILE#PART, or a
+// PART of `file`; empty where there is none. A part is an
 // OBJ object, group or material, or an STL solid, by its name in capitals or small letters, or a
 // piece of the name that only one has.
 struct ImportSources {

@@ -3,8 +3,10 @@
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
+#include <algorithm>
 #include <assimp/Importer.hpp>
 #include <cmath>
+#include <string_view>
 
 #include "common/import/mesh_file_check.h"
 #include "common/import/printable.h"
@@ -65,11 +67,33 @@ std::string MaterialName(const aiScene& scene, const aiMesh& mesh) {
   return name == AI_DEFAULT_MATERIAL_NAME ? std::string() : name;
 }
 
+// An OBJ file without its mention of a material library: the library would look for one, and for
+// want of it parse the OBJ file itself as materials. Names of materials in the faces stay. Names of
+// objects are made one word, of which the library would keep the first only.
+Bytes PreparedObj(ByteView file) {
+  constexpr std::string_view kWord = "mtllib";
+  Bytes out(file.begin(), file.end());
+  for (auto at = out.begin();
+       (at = std::search(at, out.end(), kWord.begin(), kWord.end())) != out.end();)
+    *at = '#';
+  for (size_t i = 0; i + 2 < out.size(); ++i) {
+    const bool starts = i == 0 || out[i - 1] == '\n' || out[i - 1] == '\r';
+    if (!starts || out[i] != 'o' || out[i + 1] != ' ') continue;
+    for (i += 2; i < out.size() && out[i] != '\n' && out[i] != '\r'; ++i) {
+      const bool follows = i + 1 < out.size() && out[i + 1] > ' ';
+      if (out[i] == ' ' && out[i - 1] > ' ' && follows) out[i] = '_';
+    }
+  }
+  return out;
+}
+
 }  // namespace
 
 Result<NamedMesh> ReadMesh(ByteView file, const std::string& kind) {
   ENAMEL_RETURN_IF_ERROR(CheckMeshBytes(file, kind));
   Assimp::Importer importer;
+  const Bytes obj = kind == "obj" ? PreparedObj(file) : Bytes();
+  if (kind == "obj") file = obj;
   const aiScene* scene = importer.ReadFileFromMemory(file.data(), file.size(), 0, kind.c_str());
   if (scene == nullptr) return Invalid(std::string("cannot be read: ") + importer.GetErrorString());
   ENAMEL_RETURN_IF_ERROR(CheckFaces(*scene));

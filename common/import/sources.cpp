@@ -79,6 +79,7 @@ class Reader {
       if (!sources_.tissues[layer].empty())
         ENAMEL_RETURN_IF_ERROR(Take(layer, sources_.tissues[layer]));
     }
+    if (!sources_.file.empty() && !used_file_) ENAMEL_RETURN_IF_ERROR(TakeWholeAsEnamel());
     return std::move(out_);
   }
 
@@ -93,6 +94,19 @@ class Reader {
     out_.provenance += (out_.provenance.empty() ? "" : ", ") + Printable(file.filename().string()) +
                        " (SHA-256 " + HashSha256(*bytes).Hex() + ")";
     return &files_.emplace(file, std::move(*mesh)).first->second;
+  }
+
+  // A whole crown beside files of what is in it.
+  Status TakeWholeAsEnamel() {
+    if (out_.surfaces[0]) {
+      return Status(Code::kInvalidInput,
+                    "expected tissues that are parts of " + sources_.file.filename().string() +
+                        ", or it alone as the enamel; every tissue names another file",
+                    "file");
+    }
+    out_.surfaces[0] = files_.at(sources_.file).mesh;
+    out_.report.push_back("enamel: the whole of " + Printable(sources_.file.filename().string()));
+    return Status::Ok();
   }
 
   void TakeWholeOrKnownParts() {
@@ -140,6 +154,7 @@ class Reader {
         part = source.substr(hash + 1);
       } else if (!sources_.file.empty() && !file.has_parent_path() && !file.has_extension()) {
         file = sources_.file;
+        used_file_ = true;
         part = hash == 0 ? source.substr(1) : source;
       }
     }
@@ -179,6 +194,7 @@ class Reader {
   const fs::path& child_;
   std::map<fs::path, NamedMesh> files_;
   ReadSources out_;
+  bool used_file_ = false;  // some tissue is a part of it
 };
 
 }  // namespace

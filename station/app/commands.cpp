@@ -159,20 +159,6 @@ Status ExportFromSpool(const fs::path& data, const std::string& attempt, const f
   return Status::Ok();
 }
 
-Status ImportMesh(const ImportCommand& options) {
-  ENAMEL_RETURN_IF_ERROR(CheckOutputFolder(options.out, "--out"));
-  import::ImportOptions import_options;
-  import_options.unit = options.unit;
-  import_options.up = options.up;
-  import_options.voxel_nm = options.voxel_um * 1000;
-  auto imported = import::ImportTooth(options.file, import_options);
-  if (!imported.ok()) return imported.status();
-  ENAMEL_RETURN_IF_ERROR(import::WriteSceneFolder(options.out, *imported));
-  for (const std::string& line : imported->report) std::printf("%s\n", line.c_str());
-  std::printf("scene '%s' written to %s\n", imported->scene.name.c_str(), options.out.c_str());
-  return Status::Ok();
-}
-
 Status SimulateAttempt(const SimulateCommand& options) {
   ENAMEL_RETURN_IF_ERROR(CheckOutputFile(options.json, "--json"));
   auto built = LoadScene(options.scene, options.voxel_um);

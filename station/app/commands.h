@@ -25,13 +25,6 @@ Status VerifySpool(const std::filesystem::path& data);
 Status ExportFromSpool(const std::filesystem::path& data, const std::string& attempt,
                        const std::filesystem::path& out);
 
-struct ImportCommand {
-  std::filesystem::path file, out;
-  std::string unit = "mm", up = "auto";
-  int voxel_um = 50;
-};
-Status ImportMesh(const ImportCommand& options);
-
 struct SimulateCommand {
   std::string scene = "builtin:molar";  // or a folder written by import
   std::string profile = "phantom_desktop";

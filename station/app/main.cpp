@@ -8,6 +8,7 @@
 
 #include "station/app/attempt.h"
 #include "station/app/commands.h"
+#include "station/app/import_command.h"
 #include "station/app/explain.h"
 #include "station/app/replay.h"
 #include "station/qualify/cli.h"
@@ -173,17 +174,7 @@ int main(int argc, char** argv) {
   });
 
   ImportCommand import;
-  auto* import_cmd = app.add_subcommand("import", "Make a scene of a real crown (STL, PLY, OBJ)");
-  import_cmd->add_option("file", import.file, "Mesh")->required();
-  import_cmd->add_option("--unit", import.unit, "Of its coordinates: mm, um, cm, m, inch")
-      ->required();
-  import_cmd->add_option("--out", import.out, "Folder for the scene")->required();
-  import_cmd->add_option("--voxel-um", import.voxel_um, "Edge of a voxel")
-      ->check(CLI::Range(10, 500))
-      ->capture_default_str();
-  import_cmd->add_option("--up", import.up, "Occlusal direction in the file: +x … -z, or auto")
-      ->capture_default_str();
-  import_cmd->callback([&] { exit_code = Finish(ImportMesh(import)); });
+  AddImportCommand(app, import)->callback([&] { exit_code = Finish(ImportMesh(import)); });
 
   SimulateCommand simulate;
   auto* simulate_cmd =

@@ -16,6 +16,7 @@ void RegisterTick(CLI::App& app, int* exit_code);
 void RegisterMemory(CLI::App& app, int* exit_code);
 void RegisterReplay(CLI::App& app, int* exit_code);
 void RegisterSurface(CLI::App& app, int* exit_code);
+void RegisterImport(CLI::App& app, int* exit_code);
 void RegisterError(CLI::App& app, int* exit_code);
 
 // One line on standard error, rewritten in place and wiped at the end; at most ten times a second,

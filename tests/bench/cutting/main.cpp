@@ -23,6 +23,7 @@ int main(int argc, char** argv) {
   enamel::bench::RegisterMemory(app, &exit_code);
   enamel::bench::RegisterReplay(app, &exit_code);
   enamel::bench::RegisterSurface(app, &exit_code);
+  enamel::bench::RegisterImport(app, &exit_code);
   enamel::bench::RegisterError(app, &exit_code);
   try {
     app.parse(argc, argv);

@@ -1,0 +1,82 @@
+#include "station/app/import_command.h"
+
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+#include "common/import/scene_folder.h"
+#include "station/app/places.h"
+
+namespace enamel::station {
+namespace {
+
+constexpr char kFooter[] =
+    R"(One surface, the outside of a crown or tooth; tissues are assumed by depth:
+  enamel-station import crown.stl --unit mm --out crown46
+One surface per tissue, from files or from named parts of one (OBJ objects, groups
+or materials, STL solids):
+  enamel-station import --enamel e.ply --dentin d.ply --pulp p.ply --unit mm --out t46
+  enamel-station import tooth.obj --enamel Enamel --dentin Dentin --unit mm --out t46
+  enamel-station import crown.stl --dentin inner.obj#Dentin --unit mm --out t46
+A file whose parts are called enamel, dentin (root, cement) and pulp needs none of these.
+Enamel may be an open dome, a shell with an inside or the outside of the whole crown;
+dentin may be open below, and a hollow in it is the pulp where none is given. Surfaces
+that gape or cross by up to --bridge-um are mended; more is refused with the figure.
+A crown has at most 2000000 triangles and 256 MiB; reading takes at most 60 s and 4 GiB.
+The folder gets scene.json, volume.envb and report.txt, which says what was repaired
+and assumed; 'enamel-station simulate --scene FOLDER' cuts it.)";
+
+}  // namespace
+
+Status ImportMesh(const ImportCommand& options) {
+  ENAMEL_RETURN_IF_ERROR(CheckOutputFolder(options.out, "--out"));
+  import::ImportOptions import_options;
+  import_options.unit = options.unit;
+  import_options.up = options.up;
+  import_options.voxel_nm = options.voxel_um * 1000;
+  import_options.bridge_mm = options.bridge_um * 1e-3;
+  if (isatty(STDERR_FILENO) != 0) {
+    import_options.phase = [](std::string_view phase) {
+      std::fprintf(stderr, "\r\033[K%.*s", static_cast<int>(phase.size()), phase.data());
+    };
+    import_options.progress = [](double done) {
+      std::fprintf(stderr, "\r\033[Kfilling the volume %3.0f %%", 100 * done);
+    };
+  }
+  const import::ImportSources sources{options.file, {options.enamel, options.dentin, options.pulp}};
+  auto imported = import::ImportTooth(sources, import_options);
+  if (isatty(STDERR_FILENO) != 0) std::fprintf(stderr, "\r\033[K");
+  if (!imported.ok()) return imported.status();
+  ENAMEL_RETURN_IF_ERROR(import::WriteSceneFolder(options.out, *imported));
+  for (const std::string& line : imported->report) std::printf("%s\n", line.c_str());
+  std::printf("scene '%s' written to %s\n", imported->scene.name.c_str(), options.out.c_str());
+  return Status::Ok();
+}
+
+CLI::App* AddImportCommand(CLI::App& app, ImportCommand& options) {
+  auto* command =
+      app.add_subcommand("import", "Make a scene of a real tooth's meshes (STL, PLY, OBJ, OFF)");
+  command->footer(kFooter);
+  command->add_option("file", options.file, "Mesh of the whole, or the one that has the parts");
+  command->add_option("--enamel", options.enamel,
+                      "Its surface: FILE, FILE#PART, or PART of 'file'");
+  command->add_option("--dentin", options.dentin, "The same");
+  command->add_option("--pulp", options.pulp, "The same");
+  command->add_option("--unit", options.unit, "Of the coordinates: mm, um, cm, m, inch")
+      ->required();
+  command->add_option("--out", options.out, "Folder for the scene")->required();
+  command->add_option("--voxel-um", options.voxel_um, "Edge of a voxel")
+      ->check(CLI::Range(10, 500))
+      ->capture_default_str();
+  command->add_option("--up", options.up, "Occlusal direction in the file: +x … -z, or auto")
+      ->capture_default_str();
+  command
+      ->add_option("--bridge-um", options.bridge_um,
+                   "Gaps and crossings between tissues that are mended")
+      ->check(CLI::Range(0, 500))
+      ->capture_default_str();
+  return command;
+}
+
+}  // namespace enamel::station

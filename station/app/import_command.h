@@ -1,0 +1,28 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "common/base/result.h"
+
+namespace CLI {
+class App;
+}
+
+namespace enamel::station {
+
+// 'enamel-station import': a scene's folder from mesh files (common/import/import_tooth.h).
+struct ImportCommand {
+  std::filesystem::path file, out;   // `file` may be empty when tissues name files
+  std::string enamel, dentin, pulp;  // FILE, FILE#PART or a PART of `file`; may be empty
+  std::string unit = "mm", up = "auto";
+  int voxel_um = 50;
+  int bridge_um = 100;
+};
+// Prints the report to standard output and, on a terminal, progress to standard error.
+Status ImportMesh(const ImportCommand& options);
+
+// Options and help of the subcommand; `options` must live as long as the parser.
+CLI::App* AddImportCommand(CLI::App& app, ImportCommand& options);
+
+}  // namespace enamel::station
