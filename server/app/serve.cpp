@@ -28,6 +28,8 @@ namespace asio = boost::asio;
 
 // Longer than either server's own deadline for stopping.
 constexpr auto kStopWait = std::chrono::seconds(10);
+// Chunks whose commit is waited for at once: they share one sync.
+constexpr size_t kStationThreads = 64;
 // A terminal's Ctrl-C reaches a whole process group, whose leader then asks once more: that is one
 // wish to stop, not two.
 constexpr auto kFurtherSignalsIgnored = std::chrono::seconds(2);
@@ -158,7 +160,7 @@ Status Serve(const ServeOptions& options) {
   stations::Content content(store);
   stations::Services services{store,     authenticator, live, content, identity->ticket_key,
                               kSoftware, SystemNow};
-  StorePool pool;
+  StorePool pool(kStationThreads);
   http::HttpServer page(io, *http_options, store, authenticator);
   stations::StationServer link(io, *link_options, services, pool);
   Worker worker(store, JobOptions(options));

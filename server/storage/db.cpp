@@ -51,7 +51,10 @@ Result<std::unique_ptr<Db>> Db::Open(const std::filesystem::path& path, Mode mod
   const char* setup =
       mode == Mode::kReadOnly
           ? "PRAGMA query_only = 1"
-          : "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL; PRAGMA foreign_keys = 1";
+          : "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL; PRAGMA foreign_keys = 1; "
+            // Under load the same pages are written again and again: 32 MiB of log between
+            // checkpoints instead of 4 write each to the database an eighth as often.
+            "PRAGMA wal_autocheckpoint = 8192";
   ENAMEL_RETURN_IF_ERROR(db->Exec(setup));
   db->fail_next_ = std::move(fail_next);
   return db;

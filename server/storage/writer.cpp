@@ -1,30 +1,41 @@
 #include "server/storage/writer.h"
 
+#include <thread>
+
 namespace enamel::server::sqlite {
 
 Status Writer::Run(const Work& work) {
-  Pending mine{&work, {}, false};
+  Pending mine{&work};
   std::unique_lock lock(mutex_);
   queue_.push_back(&mine);
   while (!mine.done) {
-    if (leading_) {
-      changed_.wait(lock, [&] { return mine.done || !leading_; });
-      continue;
-    }
-    leading_ = true;
-    std::vector<Pending*> batch;
-    while (!queue_.empty() && batch.size() < kMaxBatch) {
-      batch.push_back(queue_.front());
-      queue_.pop_front();
-    }
-    lock.unlock();
-    Commit(batch);
-    lock.lock();
-    for (Pending* pending : batch) pending->done = true;
-    leading_ = false;
-    changed_.notify_all();
+    mine.turn.wait(lock, [&] { return mine.done || !leading_; });
+    if (!mine.done) Lead(lock);
   }
   return mine.status;
+}
+
+// Commits what waits, in the order it came, then wakes whoever waits longest.
+void Writer::Lead(std::unique_lock<std::mutex>& lock) {
+  leading_ = true;
+  lock.unlock();
+  std::this_thread::sleep_until(next_commit_);
+  lock.lock();
+  std::vector<Pending*> batch;
+  while (!queue_.empty() && batch.size() < kMaxBatch) {
+    batch.push_back(queue_.front());
+    queue_.pop_front();
+  }
+  lock.unlock();
+  if (batch.size() >= kBusyBatch) next_commit_ = std::chrono::steady_clock::now() + kPace;
+  Commit(batch);
+  lock.lock();
+  leading_ = false;
+  for (Pending* pending : batch) {
+    pending->done = true;
+    pending->turn.notify_one();
+  }
+  if (!queue_.empty()) queue_.front()->turn.notify_one();
 }
 
 void Writer::Commit(const std::vector<Pending*>& batch) {

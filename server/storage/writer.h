@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <functional>
@@ -13,8 +14,8 @@ namespace enamel::server::sqlite {
 
 // The one write connection, with group commit: callers queue their work; whoever finds no leader
 // leads, runs up to kMaxBatch queued works in one transaction (each in a savepoint) and one fsync,
-// and wakes their owners. A work that fails is rolled back alone; a COMMIT that fails fails the
-// whole batch. Thread safety: any thread.
+// wakes their owners, each alone, and the next leader. A work that fails is rolled back alone; a
+// COMMIT that fails fails the whole batch. Thread safety: any thread.
 class Writer {
  public:
   explicit Writer(std::unique_ptr<Db> db) : db_(std::move(db)) {}
@@ -25,18 +26,24 @@ class Writer {
   Status Run(const Work& work);
 
  private:
-  static constexpr size_t kMaxBatch = 64;
+  static constexpr size_t kMaxBatch = 256;
+  // A batch of so many says that many write at once: the next commit then waits until more have
+  // come together. Who writes alone never waits.
+  static constexpr size_t kBusyBatch = 4;
+  static constexpr std::chrono::milliseconds kPace{10};
   struct Pending {
     const Work* work;
-    Status status;
+    Status status{};
     bool done = false;
+    std::condition_variable turn{};  // done, or nobody leads
   };
+  void Lead(std::unique_lock<std::mutex>& lock);
   void Commit(const std::vector<Pending*>& batch);   // by the leader only
   Status RunOne(const Work& work, Status& outcome);  // by the leader only
 
-  std::unique_ptr<Db> db_;  // used by the leader
+  std::unique_ptr<Db> db_;                               // used by the leader
+  std::chrono::steady_clock::time_point next_commit_{};  // used by the leader
   std::mutex mutex_;
-  std::condition_variable changed_;
   std::deque<Pending*> queue_;  // guarded by mutex_
   bool leading_ = false;        // guarded by mutex_
 };
