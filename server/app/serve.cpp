@@ -161,6 +161,7 @@ Status Serve(const ServeOptions& options) {
   stations::Services services{store,     authenticator, live, content, identity->ticket_key,
                               kSoftware, SystemNow};
   StorePool pool(kStationThreads);
+  http_options->live = &live;
   http::HttpServer page(io, *http_options, store, authenticator);
   stations::StationServer link(io, *link_options, services, pool);
   Worker worker(store, JobOptions(options));

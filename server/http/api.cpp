@@ -99,6 +99,7 @@ Response Api::Blocking(const Request& request, const Route& route, const Uuid& i
 
 Response Api::Authorised(const Request& request, const Route& route, const Uuid& id) {
   Call call{request, store_, authenticator_, nullptr, id};
+  call.live = live_;
   auto handler = std::get<BlockingHandler>(route.handler);
   if (route.need == Need::kNobody) return handler(call);
 

@@ -21,6 +21,9 @@ class Api {
  public:
   Api(Store& store, auth::Authenticator& authenticator, size_t threads, size_t max_in_flight);
 
+  // Attempts can be watched from now on. Before the first Handle.
+  void Show(LiveBoard& live) { live_ = &live; }
+
   // True for paths that are never the page's.
   static bool Owns(std::string_view path);
 
@@ -33,6 +36,7 @@ class Api {
   Store& store_;
   auth::Authenticator& authenticator_;
   const size_t max_in_flight_;
+  LiveBoard* live_ = nullptr;
   std::atomic<size_t> in_flight_{0};
   StorePool pool_;
 };

@@ -6,6 +6,7 @@
 #include "server/http/handlers.h"
 #include "server/http/json_body.h"
 #include "server/http/query.h"
+#include "server/http/site.h"
 #include "server/training/access.h"
 
 namespace enamel::server::http {
@@ -98,6 +99,19 @@ Response BlobResponse(const Call& call, Sha256 Store::AttemptResult::*member,
 
 Actor ActorOf(const Call& call) { return {call.caller->person.id, "page"}; }
 
+class LiveEvents final : public EventSource {
+ public:
+  explicit LiveEvents(std::unique_ptr<LiveWatch> watch) : watch_(std::move(watch)) {}
+  Event Take() override {
+    Event event{watch_->Next()};
+    event.last = watch_->ended();
+    return event;
+  }
+
+ private:
+  const std::unique_ptr<LiveWatch> watch_;
+};
+
 }  // namespace
 
 Response ListAttempts(const Call& call) {
@@ -173,6 +187,30 @@ Response MakeReference(const Call& call) {
                        {"version", row->version},
                        {"created_ms", row->created_ms}},
                       201);
+}
+
+// Other sites' pages cannot read the stream, and are not to begin one either.
+Response GetLive(const Call& call) {
+  if (Status same = CheckSameSite(call.request); !same.ok()) return ErrorResponse(same);
+  if (!call.live) return ErrorResponse({Code::kNotFound, "this server shows nothing live"});
+  // Watched before its state is looked at: an end in between is not missed.
+  auto watch = call.live->Watch(call.id);
+  Result<Seen> seen = SeeAttempt(call);
+  if (!seen.ok()) return ErrorResponse(seen.status());
+  AttemptState state = seen->row.state;
+  if (state != AttemptState::kTicketed && state != AttemptState::kRecording) {
+    return ErrorResponse(
+        {Code::kConflict,
+         std::string("expected an attempt being made, this one is ") + AttemptStateName(state)});
+  }
+  if (!watch) {
+    return ErrorResponse(
+        {Code::kUnavailable, "as many are watching as this server can show; try later"});
+  }
+  Response response;
+  response.content_type = "text/event-stream";
+  response.events = std::make_shared<LiveEvents>(std::move(watch));
+  return response;
 }
 
 }  // namespace enamel::server::http

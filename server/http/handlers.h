@@ -23,6 +23,7 @@ Response GetAttempt(const Call& call);
 Response GetScore(const Call& call);
 Response GetSurface(const Call& call);
 Response GetSeries(const Call& call);
+Response GetLive(const Call& call);
 Response ReleaseAttempt(const Call& call);
 Response MakeReference(const Call& call);
 

@@ -44,6 +44,11 @@ constexpr size_t kReadBytes = 4096;
 constexpr size_t kMaxDrainBytes = 4 * kMaxBodyBytes;
 constexpr std::chrono::milliseconds kDrain{1000};
 constexpr std::chrono::milliseconds kAcceptPause{100};
+// How often a viewer is shown what is new, and how long nothing may be sent. The system keeps
+// little for a viewer who does not read.
+constexpr std::chrono::milliseconds kEventPeriod{100};
+constexpr std::chrono::seconds kEventSilence{15};
+constexpr int kEventSendBuffer = 64 * 1024;
 constexpr std::string_view kContinue = "HTTP/1.1 100 Continue\r\n\r\n";
 constexpr std::string_view kTooManyConnections =
     "HTTP/1.1 503 Service Unavailable\r\nContent-Length: 0\r\nRetry-After: 5\r\n"
@@ -74,7 +79,9 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
         api(std::make_unique<Api>(store, auth, options.store_threads, options.max_in_flight)),
         strand(asio::make_strand(context)),
         acceptor(strand),
-        stop_timer(strand) {}
+        stop_timer(strand) {
+    if (options.live) api->Show(*options.live);
+  }
 
   Status Prepare();
   Status Listen(const asio::ip::address& address);
@@ -207,6 +214,57 @@ asio::awaitable<bool> Write(Stream& stream, Response& response, bool head_only, 
   co_return !error;
 }
 
+// Empty when there is nothing to send yet.
+std::string TextOf(const EventSource::Event& event, bool silent_for_long) {
+  std::string text;
+  if (event.data) text = "event: ticks\ndata: " + *event.data + "\n\n";
+  if (event.last) text += "event: end\ndata: {}\n\n";
+  return text.empty() && silent_for_long ? ":\n\n" : text;
+}
+
+template <typename Stream>
+asio::awaitable<bool> WriteEventsHead(Stream& stream, Response& response,
+                                      const HttpOptions& options) {
+  AddSecurityHeaders(response, options.tls.has_value());
+  bhttp::response<bhttp::empty_body> message;
+  message.version(11);
+  message.result(static_cast<unsigned>(response.status));
+  for (const auto& [name, value] : response.headers) message.insert(name, value);
+  message.set(bhttp::field::content_type, response.content_type);
+  message.keep_alive(false);
+  bhttp::response_serializer<bhttp::empty_body> serializer(message);
+  beast::get_lowest_layer(stream).expires_after(options.deadlines.write);
+  auto [error, count] = co_await bhttp::async_write_header(stream, serializer, kNoThrow);
+  co_return !error;
+}
+
+// The newest event whenever there is a new one, until either side has had enough.
+template <typename Stream>
+asio::awaitable<void> WriteEvents(Stream& stream, Response response, const HttpOptions& options,
+                                  Connection& connection) {
+  using Clock = std::chrono::steady_clock;
+  beast::tcp_stream& lowest = beast::get_lowest_layer(stream);
+  beast::error_code ignored;
+  lowest.socket().set_option(asio::socket_base::send_buffer_size(kEventSendBuffer), ignored);
+  bool open = co_await WriteEventsHead(stream, response, options);
+  connection.idle = true;  // stopping does not wait for it
+  asio::steady_timer pause(connection.strand);
+  auto end = Clock::now() + options.deadlines.events;
+  auto last_sent = Clock::now();
+  while (open && !connection.stopping && Clock::now() < end) {
+    EventSource::Event event = response.events->Take();
+    std::string text = TextOf(event, Clock::now() - last_sent > kEventSilence);
+    if (!text.empty()) {
+      last_sent = Clock::now();
+      lowest.expires_after(options.deadlines.event);
+      auto [error, count] = co_await asio::async_write(stream, asio::buffer(text), kNoThrow);
+      open = !error && !event.last;
+    }
+    pause.expires_after(kEventPeriod);
+    co_await pause.async_wait(kNoThrow);
+  }
+}
+
 // Ends the sending side and reads what the peer still sends for a while, so that the answer is not
 // lost to a reset.
 template <typename Stream>
@@ -312,6 +370,10 @@ asio::awaitable<bool> ServeOne(Stream& stream, beast::flat_buffer& buffer, const
     keep_alive = incoming.keep_alive && !connection.stopping;
   }
   bool head_only = incoming.request.method == Method::kHead;
+  if (response.events && !head_only) {
+    co_await WriteEvents(stream, std::move(response), options, connection);
+    co_return false;
+  }
   bool written = co_await Write(stream, response, head_only, keep_alive, options);
   if (written && !keep_alive) co_await Drain(stream, buffer);
   co_return written&& keep_alive;

@@ -11,6 +11,7 @@
 
 #include "common/base/result.h"
 #include "server/auth/authenticator.h"
+#include "server/live/live_board.h"
 #include "server/storage/store.h"
 
 namespace enamel::server::http {
@@ -28,7 +29,9 @@ struct HttpDeadlines {
   std::chrono::milliseconds head{10'000};       // from a head's first byte to its last
   std::chrono::milliseconds body{30'000};
   std::chrono::milliseconds write{60'000};
-  std::chrono::milliseconds stop{5'000};  // what a request gets to finish in when stopping
+  std::chrono::milliseconds event{5'000};     // one event to a viewer: who is slower is dropped
+  std::chrono::milliseconds events{300'000};  // a stream; its viewer comes back, and is asked again
+  std::chrono::milliseconds stop{5'000};      // what a request gets to finish in when stopping
 };
 
 struct HttpOptions {
@@ -44,6 +47,7 @@ struct HttpOptions {
   size_t max_in_flight = 64;     // requests waiting for the store's threads
   size_t store_threads = 4;
   HttpDeadlines deadlines;
+  LiveBoard* live = nullptr;  // what /attempts/{id}/live shows; none: there is no such path
 };
 
 inline constexpr size_t kMaxHeadBytes = 16 * 1024;

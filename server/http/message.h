@@ -30,12 +30,26 @@ struct Request {
   std::string_view Header(std::string_view lower_case_name) const;
 };
 
+// What an answer goes on with after its head: server-sent events (WHATWG HTML, "Server-sent
+// events"), fetched as often as the connection likes. Thread safety: one thread at a time.
+class EventSource {
+ public:
+  virtual ~EventSource() = default;
+  struct Event {
+    std::shared_ptr<const std::string> data;  // one line; null: nothing new
+    bool last = false;                        // nothing will come after it
+  };
+  // Must not block.
+  virtual Event Take() = 0;
+};
+
 struct Response {
   int status = 200;
   std::string content_type;  // none when empty
   std::string body;
   std::shared_ptr<const std::string> shared_body;  // instead of `body`: what many answers share
   std::vector<std::pair<std::string, std::string>> headers;
+  std::shared_ptr<EventSource> events;  // instead of a body; the connection ends with them
 
   std::string_view Body() const { return shared_body ? *shared_body : body; }
 };

@@ -22,6 +22,7 @@ const std::array kRoutes = {
     Route{Method::kGet, "/api/v1/attempts/{id}/score", Need::kPerson, &GetScore},
     Route{Method::kGet, "/api/v1/attempts/{id}/surface", Need::kPerson, &GetSurface},
     Route{Method::kGet, "/api/v1/attempts/{id}/series", Need::kPerson, &GetSeries},
+    Route{Method::kGet, "/api/v1/attempts/{id}/live", Need::kInstructor, &GetLive},
     Route{Method::kPost, "/api/v1/attempts/{id}/release", Need::kInstructor, &ReleaseAttempt},
     Route{Method::kPost, "/api/v1/attempts/{id}/reference", Need::kInstructor, &MakeReference},
     Route{Method::kGet, "/api/v1/profiles", Need::kPerson, &ListProfiles},

@@ -10,6 +10,7 @@
 #include "common/base/uuid.h"
 #include "server/auth/authenticator.h"
 #include "server/http/message.h"
+#include "server/live/live_board.h"
 #include "server/storage/store.h"
 
 // The API's table of routes and what a handler gets. schemas/api/openapi.yaml is the contract; a
@@ -31,6 +32,7 @@ struct Call {
   auth::Authenticator& authenticator;
   const auth::Identity* caller = nullptr;  // set unless the route needs nobody
   Uuid id;                                 // of `{id}` in the pattern
+  LiveBoard* live = nullptr;               // none: nothing can be watched
 };
 
 // Runs on the store's threads and may block.

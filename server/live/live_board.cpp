@@ -30,59 +30,60 @@ void LiveBoard::Put(std::span<const LiveSample> samples) {
   const LiveSample& last = samples.back();
   bool watched = Watched(last.attempt);
   auto event = watched ? std::make_shared<const std::string>(EventOf(samples)) : nullptr;
-  std::lock_guard lock(mutex_);
-  auto [at, fresh] = latest_.try_emplace(last.attempt, last);
+  std::lock_guard lock(state_->mutex);
+  auto [at, fresh] = state_->latest.try_emplace(last.attempt, last);
   if (!fresh && last.tick <= at->second.tick) return;
   at->second = last;
-  if (auto channel = channels_.find(last.attempt); event && channel != channels_.end()) {
+  if (auto channel = state_->channels.find(last.attempt);
+      event && channel != state_->channels.end()) {
     channel->second.event = std::move(event);
     ++channel->second.version;
   }
-  if (latest_.size() <= kMaxAttempts) return;
-  latest_.erase(std::min_element(latest_.begin(), latest_.end(), [](const auto& a, const auto& b) {
-    return a.second.received_ms < b.second.received_ms;
-  }));
+  if (state_->latest.size() <= kMaxAttempts) return;
+  state_->latest.erase(std::min_element(
+      state_->latest.begin(), state_->latest.end(),
+      [](const auto& a, const auto& b) { return a.second.received_ms < b.second.received_ms; }));
 }
 
 void LiveBoard::Remove(const Uuid& attempt) {
-  std::lock_guard lock(mutex_);
-  latest_.erase(attempt);
-  if (auto channel = channels_.find(attempt); channel != channels_.end()) {
+  std::lock_guard lock(state_->mutex);
+  state_->latest.erase(attempt);
+  if (auto channel = state_->channels.find(attempt); channel != state_->channels.end()) {
     channel->second.ended = true;
   }
 }
 
 std::optional<LiveSample> LiveBoard::Latest(const Uuid& attempt) const {
-  std::lock_guard lock(mutex_);
-  auto at = latest_.find(attempt);
-  if (at == latest_.end()) return std::nullopt;
+  std::lock_guard lock(state_->mutex);
+  auto at = state_->latest.find(attempt);
+  if (at == state_->latest.end()) return std::nullopt;
   return at->second;
 }
 
 bool LiveBoard::Watched(const Uuid& attempt) const {
-  if (watches_ == 0) return false;
-  std::lock_guard lock(mutex_);
-  return channels_.contains(attempt);
+  if (state_->watches == 0) return false;
+  std::lock_guard lock(state_->mutex);
+  return state_->channels.contains(attempt);
 }
 
 std::unique_ptr<LiveWatch> LiveBoard::Watch(const Uuid& attempt) {
-  std::lock_guard lock(mutex_);
-  if (watches_ >= kMaxWatches) return nullptr;
-  ++watches_;
-  ++channels_[attempt].watches;
-  return std::make_unique<LiveWatch>(*this, attempt);
+  std::lock_guard lock(state_->mutex);
+  if (state_->watches >= kMaxWatches) return nullptr;
+  ++state_->watches;
+  ++state_->channels[attempt].watches;
+  return std::make_unique<LiveWatch>(state_, attempt);
 }
 
-void LiveBoard::Leave(const Uuid& attempt) {
-  std::lock_guard lock(mutex_);
-  --watches_;
-  auto channel = channels_.find(attempt);
-  if (--channel->second.watches == 0) channels_.erase(channel);
+LiveWatch::~LiveWatch() {
+  std::lock_guard lock(state_->mutex);
+  --state_->watches;
+  auto channel = state_->channels.find(attempt_);
+  if (--channel->second.watches == 0) state_->channels.erase(channel);
 }
 
 std::shared_ptr<const std::string> LiveWatch::Next() {
-  std::lock_guard lock(board_.mutex_);
-  const LiveBoard::Channel& channel = board_.channels_.at(attempt_);
+  std::lock_guard lock(state_->mutex);
+  const LiveBoard::Channel& channel = state_->channels.at(attempt_);
   ended_ = channel.ended;
   if (channel.version == seen_) return nullptr;
   seen_ = channel.version;

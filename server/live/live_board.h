@@ -47,7 +47,7 @@ class LiveBoard {
   std::optional<LiveSample> Latest(const Uuid& attempt) const;
   // Somebody watches it: what Put gets is worth making.
   bool Watched(const Uuid& attempt) const;
-  // None when there are kMaxWatches already. The board outlives the watch.
+  // None when there are kMaxWatches already. May outlive the board.
   std::unique_ptr<LiveWatch> Watch(const Uuid& attempt);
 
  private:
@@ -58,19 +58,23 @@ class LiveBoard {
     bool ended = false;
     std::shared_ptr<const std::string> event;
   };
-  void Leave(const Uuid& attempt);
+  // Shared with the watches.
+  struct State {
+    std::mutex mutex;
+    std::map<Uuid, LiveSample> latest;  // guarded by mutex
+    std::map<Uuid, Channel> channels;   // guarded by mutex; the watched attempts
+    std::atomic<size_t> watches{0};     // changed under mutex
+  };
 
-  mutable std::mutex mutex_;
-  std::map<Uuid, LiveSample> latest_;  // guarded by mutex_
-  std::map<Uuid, Channel> channels_;   // guarded by mutex_; the watched ones
-  std::atomic<size_t> watches_{0};     // changed under mutex_
+  const std::shared_ptr<State> state_ = std::make_shared<State>();
 };
 
 // One watcher of one attempt. Thread safety: one thread at a time.
 class LiveWatch {
  public:
-  LiveWatch(LiveBoard& board, const Uuid& attempt) : board_(board), attempt_(attempt) {}
-  ~LiveWatch() { board_.Leave(attempt_); }
+  LiveWatch(std::shared_ptr<LiveBoard::State> state, const Uuid& attempt)
+      : state_(std::move(state)), attempt_(attempt) {}
+  ~LiveWatch();
   LiveWatch(const LiveWatch&) = delete;
   LiveWatch& operator=(const LiveWatch&) = delete;
 
@@ -81,7 +85,7 @@ class LiveWatch {
   bool ended() const { return ended_; }
 
  private:
-  LiveBoard& board_;
+  const std::shared_ptr<LiveBoard::State> state_;
   const Uuid attempt_;
   uint64_t seen_ = 0;
   bool ended_ = false;

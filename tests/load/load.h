@@ -44,7 +44,6 @@ struct LoadReport {
   double server_cpu_s = 0, loadgen_cpu_s = 0;  // while the clock ran
   double server_rss_mb = 0, server_peak_rss_mb = 0;
   double seal_s = 0;
-  double stored_bytes_per_tick = 0;
   std::vector<double> restart_s;  // from kill to ready
   uint64_t hostile_thrown_out = 0;
   std::vector<float> api_ms;

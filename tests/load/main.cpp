@@ -141,46 +141,42 @@ Status Complete(Arguments& a, const char* program) {
   return Status::Ok();
 }
 
-boost::json::object Facts(const Arguments& a, LoadReport& r) {
+void AddStreamFacts(const Arguments& a, LoadReport& r, boost::json::object& out) {
   StreamFigures& s = r.stream;
   auto ticks = static_cast<double>(std::max<uint64_t>(1, s.ticks_sent));
-  double mticks = std::max(1e-9, static_cast<double>(s.ticks_committed) * 1e-6);
-  boost::json::object out{
-      {"format", 1},
-      {"stations", r.stations},
-      {"seconds", a.load.seconds},
-      {"chunk_ticks", a.load.chunk_ticks},
-      {"ticks_sent", s.ticks_sent},
-      {"ticks_committed", s.ticks_committed},
-      {"ticks_stored", r.read_back.ticks_stored},
-      {"ticks_lost", r.read_back.ticks_lost},
-      {"ticks_doubled", r.read_back.ticks_doubled},
-      {"commit_p50_ms", Quantile(s.commit_ms, 0.5)},
-      {"commit_p99_ms", Quantile(s.commit_ms, 0.99)},
-      {"commit_max_ms", Quantile(s.commit_ms, 1)},
-      {"late_p99_ms", Quantile(s.late_ms, 0.99)},
-      {"bytes_per_tick", static_cast<double>(s.chunk_bytes) / ticks},
-      {"bytes_per_s", static_cast<double>(s.bytes_sent) / std::max(1e-9, r.wall_s)},
-      {"server_cpu_s", r.server_cpu_s},
-      {"server_cpu_s_per_mtick", r.server_cpu_s / mticks},
-      {"loadgen_cpu_s", r.loadgen_cpu_s},
-      {"wall_s", r.wall_s},
-      {"server_rss_mb", r.server_rss_mb},
-      {"server_peak_rss_mb", r.server_peak_rss_mb},
-      {"load_average", boost::json::array(r.load_average.begin(), r.load_average.end())},
-      {"seal_s", r.seal_s},
-      {"reconnects", s.reconnects},
-      {"problem", r.problem}};
-  if (a.load.idle > 0) out["idle_connected"] = r.idle_connected;
+  out["chunk_ticks"] = a.load.chunk_ticks;
+  out["ticks_sent"] = s.ticks_sent;
+  out["ticks_committed"] = s.ticks_committed;
+  out["ticks_stored"] = r.read_back.ticks_stored;
+  out["ticks_lost"] = r.read_back.ticks_lost;
+  out["ticks_doubled"] = r.read_back.ticks_doubled;
+  out["commit_p50_ms"] = Quantile(s.commit_ms, 0.5);
+  out["commit_p99_ms"] = Quantile(s.commit_ms, 0.99);
+  out["commit_max_ms"] = Quantile(s.commit_ms, 1);
+  out["late_p99_ms"] = Quantile(s.late_ms, 0.99);
+  out["bytes_per_tick"] = static_cast<double>(s.chunk_bytes) / ticks;
+  out["bytes_per_s"] = static_cast<double>(s.bytes_sent) / std::max(1e-9, r.wall_s);
+  out["server_cpu_s_per_mtick"] = r.server_cpu_s / ticks * 1e6;
+  out["server_cpu_percent_per_station"] =
+      100 * r.server_cpu_s / std::max(1e-9, r.wall_s) / static_cast<double>(r.stations);
+  out["load_average"] = boost::json::array(r.load_average.begin(), r.load_average.end());
+  out["seal_s"] = r.seal_s;
+  out["reconnects"] = s.reconnects;
+}
+
+void AddFaultFacts(const Arguments& a, const LoadReport& r, boost::json::object& out) {
   if (a.load.kills > 0) {
     out["kills"] = r.restart_s.size();
     out["restart_max_s"] = r.restart_s.empty() ? 0 : *std::ranges::max_element(r.restart_s);
   }
-  if (a.load.cuts > 0) out["cuts"] = s.cuts;
-  if (s.repeats > 0) out["repeated_chunks"] = s.repeats;
-  if (s.disorders > 0) out["disordered_chunks"] = s.disorders;
+  if (a.load.cuts > 0) out["cuts"] = r.stream.cuts;
+  if (r.stream.repeats > 0) out["repeated_chunks"] = r.stream.repeats;
+  if (r.stream.disorders > 0) out["disordered_chunks"] = r.stream.disorders;
   if (a.load.hostile > 0) out["hostile_thrown_out"] = r.hostile_thrown_out;
-  if (s.live_states > 0) out["live_states"] = s.live_states;
+}
+
+void AddPageFacts(const Arguments& a, LoadReport& r, boost::json::object& out) {
+  if (r.stream.live_states > 0) out["live_states"] = r.stream.live_states;
   if (a.load.api_reads_per_s > 0) {
     out["api_reads"] = r.api_ms.size();
     out["api_failures"] = r.api_failures;
@@ -192,14 +188,41 @@ boost::json::object Facts(const Arguments& a, LoadReport& r) {
     out["viewer_events"] = r.viewer_events;
     out["viewer_bytes"] = r.viewer_bytes;
   }
-  if (a.load.alternate > 0) {
-    double without = Median(r.cpu_without_viewers), with = Median(r.cpu_with_viewers);
-    out["cpu_s_per_mtick_without_viewers"] =
-        boost::json::array(r.cpu_without_viewers.begin(), r.cpu_without_viewers.end());
-    out["cpu_s_per_mtick_with_viewers"] =
-        boost::json::array(r.cpu_with_viewers.begin(), r.cpu_with_viewers.end());
-    out["viewers_extra_cpu_percent"] = without > 0 ? 100 * (with / without - 1) : 0;
+  if (a.load.alternate == 0) return;
+  double without = Median(r.cpu_without_viewers), with = Median(r.cpu_with_viewers);
+  out["cpu_s_per_mtick_without_viewers"] =
+      boost::json::array(r.cpu_without_viewers.begin(), r.cpu_without_viewers.end());
+  out["cpu_s_per_mtick_with_viewers"] =
+      boost::json::array(r.cpu_with_viewers.begin(), r.cpu_with_viewers.end());
+  out["viewers_extra_cpu_percent"] = without > 0 ? 100 * (with / without - 1) : 0;
+}
+
+boost::json::object Facts(const Arguments& a, LoadReport& r) {
+  boost::json::object out{{"format", 1}, {"stations", r.stations}, {"seconds", a.load.seconds}};
+  if (r.stations > 0) AddStreamFacts(a, r, out);
+  if (a.load.idle > 0) out["idle_connected"] = r.idle_connected;
+  out["server_cpu_s"] = r.server_cpu_s;
+  out["loadgen_cpu_s"] = r.loadgen_cpu_s;
+  out["wall_s"] = r.wall_s;
+  out["server_rss_mb"] = r.server_rss_mb;
+  out["server_peak_rss_mb"] = r.server_peak_rss_mb;
+  AddFaultFacts(a, r, out);
+  AddPageFacts(a, r, out);
+  out["problem"] = r.problem;
+  return out;
+}
+
+// Without the exponents that a machine likes.
+std::string ForPeople(const boost::json::value& value) {
+  if (value.is_double()) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.6g", value.as_double());
+    return text;
   }
+  if (!value.is_array()) return boost::json::serialize(value);
+  std::string out;
+  for (const auto& element : value.as_array())
+    out += (out.empty() ? "" : "  ") + ForPeople(element);
   return out;
 }
 
@@ -211,8 +234,7 @@ bool Sound(const LoadReport& r) {
 int Finish(const Arguments& a, LoadReport& report) {
   boost::json::object facts = Facts(a, report);
   for (const auto& member : facts) {
-    std::printf("%-34s %s\n", std::string(member.key()).c_str(),
-                boost::json::serialize(member.value()).c_str());
+    std::printf("%-34s %s\n", std::string(member.key()).c_str(), ForPeople(member.value()).c_str());
   }
   if (!a.json.empty()) {
     Status written = WriteFileDurably(a.json, AsBytes(boost::json::serialize(facts) + "\n"));

@@ -4,6 +4,9 @@
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/ssl/context.hpp>
+#include <boost/asio/ssl/stream.hpp>
+#include <boost/asio/write.hpp>
 #include <thread>
 
 #include "common/net/certificate.h"
@@ -156,6 +159,83 @@ TEST_F(StationServerTest, StoppingTellsIdleStationsAndRunsOutOfWork) {
   client_.Close();
   StopAndJoin();
   EXPECT_FALSE(client_.Connect(at_, fingerprint_, 2s).ok());
+}
+
+// TLS by hand, for bytes that a FrameClient would never send.
+class RawPeer {
+ public:
+  explicit RawPeer(uint16_t port) {
+    socket_.next_layer().connect({boost::asio::ip::make_address("127.0.0.1"), port});
+    socket_.handshake(boost::asio::ssl::stream_base::client);
+  }
+  bool Send(ByteView bytes) {
+    boost::system::error_code error;
+    boost::asio::write(socket_, boost::asio::buffer(bytes.data(), bytes.size()), error);
+    return !error;
+  }
+  // Closes without reading what was answered: the system answers the rest with a reset.
+  void Vanish() {
+    boost::system::error_code ignored;
+    socket_.next_layer().set_option(boost::asio::socket_base::linger(true, 0), ignored);
+    socket_.next_layer().close(ignored);
+  }
+
+ private:
+  boost::asio::io_context io_;
+  boost::asio::ssl::context tls_{boost::asio::ssl::context::tls_client};
+  boost::asio::ssl::stream<boost::asio::ip::tcp::socket> socket_{io_, tls_};
+};
+
+TEST_F(StationServerTest, FrameThatDripsIsEndedAtItsDeadlineAndOthersGoOn) {
+  LinkDeadlines deadlines;
+  deadlines.introduction = 400ms;
+  Start(deadlines);
+  Connect(client_);
+  ASSERT_TRUE(station_.Enrol().has_enrolled());
+  Connect(client_);
+  ASSERT_TRUE(station_.Hello().has_welcome());
+  RawPeer dripping(at_.port);
+  ASSERT_TRUE(dripping.Send(Bytes{200, 0, 0, 0}));
+  // A byte now and then does not extend the time.
+  int sent = 0;
+  while (sent < 196 && dripping.Send(Bytes{0})) {
+    std::this_thread::sleep_for(50ms);
+    ++sent;
+  }
+  EXPECT_LT(sent, 196);
+  wire::Request ping;
+  ping.mutable_ping()->set_nonce(5);
+  EXPECT_EQ(station_.Send(ping).pong().nonce(), 5u);
+}
+
+TEST_F(StationServerTest, PeersThatVanishBeforeTheirAnswerHarmNobody) {
+  Start();
+  wire::Request request;
+  request.set_id(1);
+  request.mutable_enrol()->set_code("guess");
+  Bytes frame = *protocol::EncodeFrame(protocol::Serialize(request));
+  for (int i = 0; i < 20; ++i) {
+    RawPeer peer(at_.port);
+    peer.Send(frame);
+    peer.Vanish();
+  }
+  Connect(client_);
+  EXPECT_TRUE(station_.Enrol().has_enrolled());
+}
+
+TEST_F(StationServerTest, PingsWithoutAnEndLeaveRoomForOthers) {
+  Start();
+  Connect(client_);
+  ASSERT_TRUE(station_.Enrol().has_enrolled());
+  Connect(client_);
+  ASSERT_TRUE(station_.Hello().has_welcome());
+  for (int i = 0; i < 200; ++i) {
+    wire::Request ping;
+    ping.set_id(static_cast<uint32_t>(i + 1));
+    ping.mutable_ping()->set_nonce(static_cast<uint64_t>(i));
+    ASSERT_TRUE(client_.Send(protocol::Serialize(ping)).ok());
+  }
+  for (uint64_t i = 0; i < 200; ++i) EXPECT_EQ(Receive(client_).pong().nonce(), i);
 }
 
 TEST_F(StationServerTest, PortInUseIsNamed) {

@@ -1,0 +1,128 @@
+#include "server/live/live_board.h"
+
+#include <gtest/gtest.h>
+
+#include <boost/json/parse.hpp>
+#include <boost/json/value.hpp>
+#include <thread>
+
+namespace enamel::server {
+namespace {
+
+LiveSample Sample(const Uuid& attempt, uint64_t tick, UnixMs received_ms = 0) {
+  LiveSample sample;
+  sample.attempt = attempt;
+  sample.tick = tick;
+  sample.anchor_um = {1, -2, 3};
+  sample.force_mn = {-4, 5, -6};
+  sample.flags = 7;
+  sample.received_ms = received_ms;
+  return sample;
+}
+
+TEST(LiveBoardTest, WatcherGetsTheNewestOnceAndMissesWhatItDidNotFetch) {
+  LiveBoard board;
+  Uuid attempt = Uuid::New();
+  auto watch = board.Watch(attempt);
+  EXPECT_EQ(watch->Next(), nullptr);
+  board.Put(Sample(attempt, 1));
+  board.Put(Sample(attempt, 2));
+  EXPECT_EQ(*watch->Next(), "{\"tick\":2,\"rows\":[[2,1,-2,3,-4,5,-6,7]]}");
+  EXPECT_EQ(watch->Next(), nullptr);
+}
+
+TEST(LiveBoardTest, EventIsTheDocumentedJson) {
+  LiveBoard board;
+  Uuid attempt = Uuid::New();
+  auto watch = board.Watch(attempt);
+  std::vector<LiveSample> samples = {Sample(attempt, 10), Sample(attempt, 26)};
+  board.Put(samples);
+  boost::json::value event = boost::json::parse(*watch->Next());
+  EXPECT_EQ(event.at("tick").as_int64(), 26);
+  ASSERT_EQ(event.at("rows").as_array().size(), 2u);
+  for (const auto& row : event.at("rows").as_array()) EXPECT_EQ(row.as_array().size(), 8u);
+}
+
+TEST(LiveBoardTest, AllWatchersShareOneEventsBytes) {
+  LiveBoard board;
+  Uuid attempt = Uuid::New();
+  auto one = board.Watch(attempt), other = board.Watch(attempt);
+  board.Put(Sample(attempt, 1));
+  EXPECT_EQ(one->Next().get(), other->Next().get());
+}
+
+TEST(LiveBoardTest, EarlierOrRepeatedTicksChangeNothing) {
+  LiveBoard board;
+  Uuid attempt = Uuid::New();
+  auto watch = board.Watch(attempt);
+  board.Put(Sample(attempt, 9));
+  watch->Next();
+  board.Put(Sample(attempt, 9));
+  board.Put(Sample(attempt, 3));
+  EXPECT_EQ(watch->Next(), nullptr);
+  EXPECT_EQ(board.Latest(attempt)->tick, 9u);
+}
+
+TEST(LiveBoardTest, AttemptIsWatchedAsLongAsSomebodyWatchesIt) {
+  LiveBoard board;
+  Uuid attempt = Uuid::New();
+  EXPECT_FALSE(board.Watched(attempt));
+  auto one = board.Watch(attempt), other = board.Watch(attempt);
+  one.reset();
+  EXPECT_TRUE(board.Watched(attempt));
+  EXPECT_FALSE(board.Watched(Uuid::New()));
+  other.reset();
+  EXPECT_FALSE(board.Watched(attempt));
+}
+
+TEST(LiveBoardTest, SealedAttemptEndsItsWatches) {
+  LiveBoard board;
+  Uuid attempt = Uuid::New();
+  auto watch = board.Watch(attempt);
+  board.Put(Sample(attempt, 1));
+  board.Remove(attempt);
+  watch->Next();
+  EXPECT_TRUE(watch->ended());
+  EXPECT_FALSE(board.Latest(attempt).has_value());
+}
+
+TEST(LiveBoardTest, NumbersAreBounded) {
+  LiveBoard board;
+  std::vector<std::unique_ptr<LiveWatch>> watches;
+  for (size_t i = 0; i < LiveBoard::kMaxWatches; ++i) watches.push_back(board.Watch(Uuid::New()));
+  EXPECT_EQ(board.Watch(Uuid::New()), nullptr);
+  Uuid oldest = Uuid::New();
+  board.Put(Sample(oldest, 1, 1));
+  for (UnixMs i = 0; i < 1024; ++i) board.Put(Sample(Uuid::New(), 1, 2 + i));
+  EXPECT_FALSE(board.Latest(oldest).has_value());
+}
+
+TEST(LiveBoardTest, WatchMayOutliveTheBoard) {
+  auto board = std::make_unique<LiveBoard>();
+  auto watch = board->Watch(Uuid::New());
+  board.reset();
+  EXPECT_EQ(watch->Next(), nullptr);
+}
+
+TEST(LiveBoardTest, PuttingAndWatchingFromManyThreadsLosesNoEnd) {
+  LiveBoard board;
+  Uuid attempt = Uuid::New();
+  std::vector<std::unique_ptr<LiveWatch>> watches;
+  for (int i = 0; i < 4; ++i) watches.push_back(board.Watch(attempt));
+  std::vector<std::jthread> threads;
+  for (auto& watch : watches) {
+    threads.emplace_back([&watch] {
+      while (!watch->ended()) {
+        watch->Next();
+        std::this_thread::yield();
+      }
+    });
+  }
+  for (uint64_t tick = 1; tick < 2000; ++tick) board.Put(Sample(attempt, tick));
+  board.Remove(attempt);
+  threads.clear();
+  for (auto& watch : watches) EXPECT_TRUE(watch->ended());
+}
+
+}  // namespace
+}  // namespace enamel::server
