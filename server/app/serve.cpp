@@ -29,7 +29,7 @@ namespace asio = boost::asio;
 // Longer than either server's own deadline for stopping.
 constexpr auto kStopWait = std::chrono::seconds(10);
 // Chunks whose commit is waited for at once: they share one sync.
-constexpr size_t kStationThreads = 64;
+constexpr size_t kStationThreads = 256;
 // A terminal's Ctrl-C reaches a whole process group, whose leader then asks once more: that is one
 // wish to stop, not two.
 constexpr auto kFurtherSignalsIgnored = std::chrono::seconds(2);

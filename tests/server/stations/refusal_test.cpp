@@ -63,8 +63,7 @@ class ChunkRefusalTest : public ::testing::Test {
   }
 
   Bytes Signed(Bytes bytes) {
-    // EncodeChunk is the only signer there is: its signature of a chunk with this hash is made by
-    // the same key over the same words.
+    // schemas/trace_format.md, "Chunk".
     Bytes message(kDomain.begin(), kDomain.end());
     Sha256 hash = HashSha256(bytes);
     message.insert(message.end(), hash.bytes.begin(), hash.bytes.end());
