@@ -68,6 +68,14 @@ Result<Uuid> CohortByName(Store& store, const std::string& name) {
                 "cohort");
 }
 
+void Show(const AttemptRow& row) {
+  std::string score = row.score ? fmt::format("{:.1f}", *row.score) : "-";
+  std::cout << fmt::format("{}  {:<11} {:>6}  {:>7} ticks  {:<20} {}{}\n", row.id.Text(),
+                           AttemptStateName(row.state), score, row.ticks, row.person_name,
+                           row.exercise_title,
+                           row.problem.empty() ? "" : "  (" + row.problem + ")");
+}
+
 }  // namespace
 
 Status AddPerson(const std::filesystem::path& data, const NewPerson& person) {
@@ -203,16 +211,16 @@ Status ReleaseScore(const std::filesystem::path& data, const std::string& attemp
 Status ListAttempts(const std::filesystem::path& data, uint32_t limit) {
   auto store = OpenForCommand(data);
   if (!store.ok()) return store.status();
+  constexpr uint32_t kPage = 200;
   AttemptFilter filter;
-  filter.limit = limit;
-  auto rows = (*store)->Attempts(filter);
-  if (!rows.ok()) return rows.status();
-  for (const AttemptRow& row : *rows) {
-    std::string score = row.score ? fmt::format("{:.1f}", *row.score) : "-";
-    std::cout << fmt::format("{}  {:<11} {:>6}  {:>7} ticks  {:<20} {}{}\n", row.id.Text(),
-                             AttemptStateName(row.state), score, row.ticks, row.person_name,
-                             row.exercise_title,
-                             row.problem.empty() ? "" : "  (" + row.problem + ")");
+  for (uint32_t shown = 0; shown < limit;) {
+    filter.limit = std::min(limit - shown, kPage);
+    auto rows = (*store)->Attempts(filter);
+    if (!rows.ok()) return rows.status();
+    for (const AttemptRow& row : *rows) Show(row);
+    if (rows->size() < filter.limit) break;
+    shown += filter.limit;
+    filter.before = rows->back().id;
   }
   return Status::Ok();
 }

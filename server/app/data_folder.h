@@ -10,6 +10,9 @@
 
 namespace enamel::server::app {
 
+// As told to stations and written into backups.
+inline constexpr char kSoftware[] = "enamel-server 0.1.0";
+
 // What makes a data folder this server and no other; made once, never overwritten. Losing it means
 // enrolling every station again.
 struct ServerIdentity {

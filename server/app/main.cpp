@@ -1,15 +1,18 @@
 #include <sodium.h>
-#include <spdlog/sinks/stdout_color_sinks.h>
-#include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
 #include <functional>
 #include <iostream>
 
 #include "server/app/admin.h"
+#include "server/app/data_folder.h"
+#include "server/app/personal_data.h"
 #include "server/app/report.h"
 #include "server/app/seed.h"
 #include "server/app/serve.h"
+#include "server/app/upkeep.h"
+#include "server/ops/log.h"
+#include "server/ops/settings.h"
 
 // enamel-server: command line only. Exit codes: 0 done, 1 refused or failed, 2 wrong usage.
 namespace {
@@ -21,7 +24,14 @@ using Command = std::function<Status()>;
 
 // Options live as long as the parser, so they are kept here.
 struct Options {
-  std::filesystem::path data;
+  std::filesystem::path data, config, target;
+  bool print_settings = false, with_references = false;
+  ops::LogOptions log;
+  app::BackupCommand backup;
+  app::RestoreCommand restore;
+  app::VerifyCommand verify;
+  app::RetentionCommand retention;
+  std::string confirm;
   app::ServeOptions serve;
   app::SeedOptions seed;
   app::ReportOptions report;
@@ -33,34 +43,152 @@ struct Options {
   uint32_t limit = 50;
 };
 
-void AddServe(CLI::App& root, Options& o, Command& command) {
-  auto* cmd = root.add_subcommand("serve", "Run the server until Ctrl-C");
-  cmd->add_option("--data", o.data, "Data folder; made when absent")->required();
-  cmd->add_option("--http", o.serve.http, "Page and API: address:port")->capture_default_str();
-  cmd->add_option("--stations", o.serve.stations, "Station link: address:port")
+// --data, as every command but `serve` takes it.
+CLI::Option* AddData(CLI::App* cmd, std::filesystem::path& data) {
+  return cmd->add_option("--data", data, "Data folder of the server")
+      ->envname("ENAMEL_DATA")
+      ->required();
+}
+
+void AddAddresses(CLI::App* cmd, app::ServeOptions& serve) {
+  cmd->add_option("--http", serve.http, "Page and API: address:port")->capture_default_str();
+  cmd->add_option("--stations", serve.stations, "Station link: address:port")
       ->capture_default_str();
-  cmd->add_option("--web", o.serve.web, "Folder of the built page (web/dist)");
-  auto* certificate =
-      cmd->add_option("--http-cert", o.serve.http_certificate, "PEM; needed beyond loopback");
-  auto* key = cmd->add_option("--http-key", o.serve.http_key, "PEM");
-  certificate->needs(key);
-  key->needs(certificate);
-  cmd->add_option("--host-name", o.serve.host_names, "Name the page is reached under (repeatable)");
+  cmd->add_option("--web", serve.web, "Folder of the built page (web/dist)");
+  cmd->add_option("--http-cert", serve.http_certificate,
+                  "Certificate chain, PEM; needed beyond loopback");
+  cmd->add_option("--http-key", serve.http_key, "Its key, PEM");
+  cmd->add_option("--host-name", serve.host_names, "Name the page is reached under (repeatable)");
+}
+
+void AddOperations(CLI::App* cmd, Options& o) {
   cmd->add_option("--job-threads", o.serve.job_threads, "Attempts scored at once; 0: scoring waits")
       ->check(CLI::Range(0, 64))
       ->capture_default_str();
-  cmd->callback([&] {
-    command = [&] {
-      o.serve.data = o.data;
+  cmd->add_option(
+         "--min-free-mib", o.serve.min_free_mib,
+         "Recordings are refused, and wait at the stations, when the disk has less; 0: never")
+      ->check(CLI::Range(0, 1 << 20))
+      ->capture_default_str();
+  cmd->add_option("--metrics-token-file", o.serve.metrics_token_file,
+                  "File with the token that GET /metrics asks for; without: only this machine may")
+      ->check(CLI::ExistingFile);
+  cmd->add_option("--log-format", o.log.format, "text, or json: one object a line")
+      ->capture_default_str();
+  cmd->add_option("--log-level", o.log.level, "trace, debug, info, warning or error")
+      ->capture_default_str();
+}
+
+// After the command line and the environment: the file, and what is needed from either.
+Status FinishServe(CLI::App& cmd, Options& o) {
+  if (!o.config.empty()) ENAMEL_RETURN_IF_ERROR(ops::ReadSettingsFile(o.config, cmd));
+  if (o.serve.data.empty()) {
+    return Status(Code::kInvalidInput,
+                  "serve needs a data folder: --data DIR, ENAMEL_DATA, or data = \"DIR\" in the "
+                  "settings file");
+  }
+  if (o.serve.http_certificate.empty() != o.serve.http_key.empty()) {
+    return Status(Code::kInvalidInput, "--http-cert and --http-key go together; give both or none");
+  }
+  return ops::SetUpLog(o.log);
+}
+
+void AddServe(CLI::App& root, Options& o, Command& command) {
+  auto* cmd = root.add_subcommand("serve", "Run the server until Ctrl-C");
+  cmd->add_option("--data", o.serve.data, "Data folder; made when absent");
+  AddAddresses(cmd, o.serve);
+  AddOperations(cmd, o);
+  cmd->add_option("--config", o.config, "TOML file with any of these settings")
+      ->check(CLI::ExistingFile);
+  cmd->add_flag("--print-settings", o.print_settings,
+                "Show what is set, from wherever, as such a file; and end");
+  cmd->footer(
+      "Every setting can come from the command line, from the environment (--job-threads is\n"
+      "ENAMEL_JOB_THREADS) or from the file; the nearer one wins, in this order.\n\n"
+      "  enamel-server serve --data /srv/enamel                   try it, on this machine only\n"
+      "  enamel-server serve --config /etc/enamel/server.toml     as a service (server/ops)\n\n"
+      "Watch it with GET /healthz (503 when no recordings are taken) and GET /metrics "
+      "(Prometheus).");
+  ops::ReadEnvironment(*cmd);
+  cmd->callback([&, cmd] {
+    command = [&, cmd]() -> Status {
+      ENAMEL_RETURN_IF_ERROR(FinishServe(*cmd, o));
+      if (o.print_settings) {
+        std::cout << ops::SettingsText(*cmd);
+        return Status::Ok();
+      }
       return app::Serve(o.serve);
     };
   });
 }
 
+void AddBackup(CLI::App& root, Options& o, Command& command) {
+  auto* backup = root.add_subcommand("backup", "Copy the data folder, also while the server runs");
+  backup->add_option("TARGET", o.backup.target, "Folder to make; absent or empty")->required();
+  AddData(backup, o.backup.data);
+  backup->add_option("--keyring", o.backup.keyring,
+                     "Keep keys and erasures in this folder instead of inside; use the same one "
+                     "every time, and no other medium than the backups' own");
+  backup->add_flag("--copy", o.backup.copy,
+                   "Copy every file, where links to the same disk would do");
+  backup->add_option("--json", o.backup.json, "Write the outcome to this file");
+  backup->footer(
+      "A backup is consistent as of one moment and has a manifest with the hash of every file.\n"
+      "Links save space and share the disk's fate: back up to another disk.\n\n"
+      "  enamel-server backup /mnt/backup/2026-09-01 --data /srv/enamel\n"
+      "  enamel-server verify /mnt/backup/2026-09-01\n"
+      "  enamel-server restore /mnt/backup/2026-09-01 --data /srv/enamel-new");
+  backup->callback([&] { command = [&] { return app::Backup(o.backup); }; });
+
+  auto* restore = root.add_subcommand("restore", "Make a data folder from a backup, and verify it");
+  restore->add_option("BACKUP", o.restore.backup, "What `backup` made")->required();
+  AddData(restore, o.restore.data)->description("Folder to make; absent or empty");
+  restore->add_option("--keyring", o.restore.keyrings,
+                      "Newer key ring (repeatable): the keyring folder of the lost data folder, or "
+                      "what backup --keyring kept. People erased there are erased here too");
+  restore->add_flag("--accept-damage", o.restore.accept_damage,
+                    "Leave out files that are missing or damaged, and say which");
+  restore->add_option("--json", o.restore.json, "Write the outcome to this file");
+  restore->callback([&] { command = [&] { return app::RestoreBackup(o.restore); }; });
+
+  auto* verify = root.add_subcommand(
+      "verify", "Compare everything with everything: hashes, chains, signatures, seals, keys");
+  verify->add_option("BACKUP", o.verify.folder, "A backup; without: the data folder");
+  auto* data = verify->add_option("--data", o.data, "Data folder, in use or not");
+  data->envname("ENAMEL_DATA");
+  verify->add_option("--keyring", o.verify.keyring, "Key ring of a backup that has none inside");
+  verify->add_option("--json", o.verify.json, "Write everything that was found to this file");
+  verify->footer("Changes nothing. Exit code 1 when anything disagrees, after all of it was told.");
+  verify->callback([&] {
+    command = [&]() -> Status {
+      if (o.verify.folder.empty()) o.verify.folder = o.data;
+      if (!o.verify.folder.empty()) return app::VerifyFolder(o.verify);
+      return Status(Code::kInvalidInput, "verify needs a backup, or a data folder with --data DIR");
+    };
+  });
+}
+
+void AddRetention(CLI::App& root, Options& o, Command& command) {
+  auto* cmd = root.add_subcommand("retention", "How long things are kept");
+  AddData(cmd, o.retention.data);
+  cmd->add_option("--set", o.retention.what, "unfinished, recordings or attempts")
+      ->check(CLI::IsMember({"unfinished", "recordings", "attempts"}));
+  cmd->add_option("--days", o.retention.days, "Days for --set; 0 takes the rule away");
+  cmd->add_flag("--apply", o.retention.apply, "Now; a running server does it every hour");
+  cmd->footer(
+      "Shows the rules and what they would remove now.\n"
+      "  unfinished   attempts that were never ended, from their beginning (at least 14 days)\n"
+      "  recordings   motion, forces and the cut tooth, from the end; the score stays\n"
+      "  attempts     all of an attempt, from the end\n"
+      "Reference cuts are kept whatever the rules say.\n\n"
+      "  enamel-server retention --data /srv/enamel --set recordings --days 730");
+  cmd->callback([&] { command = [&] { return app::Retention(o.retention); }; });
+}
+
 void AddSeed(CLI::App& root, Options& o, Command& command) {
   auto* cmd =
       root.add_subcommand("seed-demo", "Demo people, profiles, molar and exercise; idempotent");
-  cmd->add_option("--data", o.data)->required();
+  AddData(cmd, o.data);
   cmd->add_option("--scene", o.seed.scene, "Folder of an imported scene to offer as well");
   cmd->add_option("--voxel-um", o.seed.voxel_um, "Voxel size of the built-in molar")
       ->check(CLI::Range(20, 500))
@@ -76,7 +204,7 @@ void AddSeed(CLI::App& root, Options& o, Command& command) {
 
 void AddReport(CLI::App& root, Options& o, Command& command) {
   auto* cmd = root.add_subcommand("report", "Score, reasons and trace statistics of an attempt");
-  cmd->add_option("--data", o.data)->required();
+  AddData(cmd, o.data);
   cmd->add_option("--attempt", o.report.attempt)->required();
   cmd->add_option("--json", o.report.json, "Write the same facts to this file");
   cmd->add_option("--wait", o.report.wait_s, "Seconds to wait for the score")
@@ -92,7 +220,7 @@ void AddReport(CLI::App& root, Options& o, Command& command) {
 
 void AddPeople(CLI::App& admin, Options& o, Command& command) {
   auto* add = admin.add_subcommand("add-person", "Add a person");
-  add->add_option("--data", o.data)->required();
+  AddData(add, o.data);
   add->add_option("--login", o.person.login)->required();
   add->add_option("--name", o.person.display_name, "Name as shown");
   add->add_option("--role", o.person.role, "student, instructor or admin")->required();
@@ -102,7 +230,7 @@ void AddPeople(CLI::App& admin, Options& o, Command& command) {
 
   auto* password =
       admin.add_subcommand("set-password", "Set a password; ends the person's sessions");
-  password->add_option("--data", o.data)->required();
+  AddData(password, o.data);
   password->add_option("--login", o.login)->required();
   password->add_flag("--password-stdin", o.password_from_stdin,
                      "Read the password; else one is made up");
@@ -112,7 +240,7 @@ void AddPeople(CLI::App& admin, Options& o, Command& command) {
   for (bool disabled : {true, false}) {
     auto* cmd =
         admin.add_subcommand(disabled ? "disable" : "enable", "Let a person sign in or not");
-    cmd->add_option("--data", o.data)->required();
+    AddData(cmd, o.data);
     cmd->add_option("--login", o.login)->required();
     cmd->callback([&o, &command, disabled] {
       command = [&o, disabled] { return app::SetDisabled(o.data, o.login, disabled); };
@@ -120,27 +248,46 @@ void AddPeople(CLI::App& admin, Options& o, Command& command) {
   }
 
   auto* cohort = admin.add_subcommand("add-cohort", "Add a cohort");
-  cohort->add_option("--data", o.data)->required();
+  AddData(cohort, o.data);
   cohort->add_option("--name", o.cohort)->required();
   cohort->callback([&] { command = [&] { return app::AddCohort(o.data, o.cohort); }; });
 
   auto* member = admin.add_subcommand("add-to-cohort", "Add a student or instructor to a cohort");
-  member->add_option("--data", o.data)->required();
+  AddData(member, o.data);
   member->add_option("--cohort", o.cohort)->required();
   member->add_option("--login", o.login)->required();
   member->callback([&] { command = [&] { return app::AddToCohort(o.data, o.cohort, o.login); }; });
 }
 
+void AddPersonalData(CLI::App& admin, Options& o, Command& command) {
+  auto* copy = admin.add_subcommand("export-person", "Write all that is kept about a person");
+  AddData(copy, o.data);
+  copy->add_option("--login", o.login)->required();
+  copy->add_option("TARGET", o.target, "Folder to make; absent or empty")->required();
+  copy->callback([&] { command = [&] { return app::ExportPerson(o.data, o.login, o.target); }; });
+
+  auto* erase = admin.add_subcommand("erase-person", "End everything that is kept about a person");
+  AddData(erase, o.data);
+  erase->add_option("--login", o.login)->required();
+  erase->add_option("--confirm", o.confirm, "The login once more: this cannot be undone")
+      ->required();
+  erase->add_flag("--with-references", o.with_references,
+                  "Also when attempts of this person are reference cuts");
+  erase->callback([&] {
+    command = [&] { return app::ErasePerson(o.data, o.login, o.confirm, o.with_references); };
+  });
+}
+
 void AddContent(CLI::App& admin, Options& o, Command& command) {
   auto* code = admin.add_subcommand("enrol-code", "One-time code for a station: CODE@FINGERPRINT");
-  code->add_option("--data", o.data)->required();
+  AddData(code, o.data);
   code->add_option("--minutes", o.valid_minutes, "How long it can be used")
       ->check(CLI::Range(1, 7 * 24 * 60))
       ->capture_default_str();
   code->callback([&] { command = [&] { return app::EnrolCode(o.data, o.valid_minutes); }; });
 
   auto* publish = admin.add_subcommand("publish-exercise", "Offer the class I exercise on a scene");
-  publish->add_option("--data", o.data)->required();
+  AddData(publish, o.data);
   publish->add_option("--scene", o.exercise.scene, "Scene folder, or builtin:molar")->required();
   publish->add_option("--cohort", o.exercise.cohort, "For whom; without: everybody");
   publish->add_option("--voxel-um", o.exercise.voxel_um, "Voxel size of a built-in scene")
@@ -150,28 +297,27 @@ void AddContent(CLI::App& admin, Options& o, Command& command) {
 
   auto* mark =
       admin.add_subcommand("mark-reference", "Make a scored attempt its exercise's reference");
-  mark->add_option("--data", o.data)->required();
+  AddData(mark, o.data);
   mark->add_option("--attempt", o.attempt)->required();
   mark->add_option("--dentist", o.dentist, "Name to be shown, with consent")->required();
   mark->callback(
       [&] { command = [&] { return app::MarkReference(o.data, o.attempt, o.dentist); }; });
 
   auto* release = admin.add_subcommand("release", "Let the student see a graded score");
-  release->add_option("--data", o.data)->required();
+  AddData(release, o.data);
   release->add_option("--attempt", o.attempt)->required();
   release->callback([&] { command = [&] { return app::ReleaseScore(o.data, o.attempt); }; });
 
   auto* list = admin.add_subcommand("list-attempts", "Newest attempts first");
-  list->add_option("--data", o.data)->required();
-  list->add_option("--limit", o.limit)->check(CLI::Range(1, 200))->capture_default_str();
+  AddData(list, o.data);
+  list->add_option("--limit", o.limit)->check(CLI::Range(1, 1'000'000))->capture_default_str();
   list->callback([&] { command = [&] { return app::ListAttempts(o.data, o.limit); }; });
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  spdlog::set_default_logger(spdlog::stderr_color_mt("enamel-server"));
-  if (sodium_init() < 0) {
+  if (Status log = ops::SetUpLog({}); !log.ok() || sodium_init() < 0) {
     std::cerr << "enamel-server: libsodium cannot be initialised on this machine\n";
     return 1;
   }
@@ -179,13 +325,23 @@ int main(int argc, char** argv) {
   Command command;
   CLI::App root("Enamel server: station link, storage, scoring, API and page");
   root.require_subcommand(1);
+  root.set_version_flag("--version", std::string(app::kSoftware));
   AddServe(root, options, command);
+  AddBackup(root, options, command);
+  AddRetention(root, options, command);
   AddSeed(root, options, command);
   AddReport(root, options, command);
   auto* admin = root.add_subcommand("admin", "People, cohorts, stations, exercises, references");
   admin->require_subcommand(1);
   AddPeople(*admin, options, command);
+  AddPersonalData(*admin, options, command);
   AddContent(*admin, options, command);
+  root.footer(
+      "First steps:\n"
+      "  enamel-server serve --data DIR                 in one terminal; then, in another:\n"
+      "  enamel-server admin add-person --data DIR --login anna --role admin\n"
+      "  enamel-server admin enrol-code --data DIR      for `enamel-station enrol`\n"
+      "Each command has its own --help. Exit codes: 0 done, 1 refused or failed, 2 wrong usage.");
   try {
     root.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -14,10 +14,13 @@
 #include <stop_token>
 #include <thread>
 
+#include "common/base/file.h"
 #include "common/net/frame_client.h"
+#include "server/app/caretaker.h"
 #include "server/app/data_folder.h"
 #include "server/http/http_server.h"
 #include "server/jobs/worker.h"
+#include "server/ops/metrics.h"
 #include "server/stations/station_server.h"
 #include "server/storage/sqlite_store.h"
 
@@ -33,7 +36,6 @@ constexpr size_t kStationThreads = 256;
 // A terminal's Ctrl-C reaches a whole process group, whose leader then asks once more: that is one
 // wish to stop, not two.
 constexpr auto kFurtherSignalsIgnored = std::chrono::seconds(2);
-constexpr char kSoftware[] = "enamel-server 0.1.0";
 
 UnixMs SystemNow() {
   return std::chrono::duration_cast<std::chrono::milliseconds>(
@@ -66,6 +68,51 @@ Result<http::HttpOptions> HttpOptionsOf(const ServeOptions& options) {
     out.tls = http::TlsFiles{options.http_certificate, options.http_key};
   }
   return out;
+}
+
+// The token of a file that only the server's user may read, say; a line end after it does not
+// count.
+Status ReadToken(const std::filesystem::path& file, std::string& token) {
+  constexpr size_t kMinBytes = 16, kMaxBytes = 1024;
+  if (file.empty()) return Status::Ok();
+  auto bytes = ReadFile(file, kMaxBytes);
+  if (!bytes.ok()) return bytes.status();
+  token = AsText(*bytes);
+  while (token.ends_with('\n') || token.ends_with('\r')) token.pop_back();
+  if (token.size() >= kMinBytes) return Status::Ok();
+  return Status(Code::kInvalidInput, "expected a token of at least 16 bytes in " + file.string() +
+                                         ", found " + std::to_string(token.size()));
+}
+
+// What the store knows, as figures.
+void AddStoreFigures(Store& store, ops::MetricsText& text) {
+  StoreHealth health = store.Health();
+  auto number = [](auto value) { return static_cast<double>(value); };
+  text.Gauge("enamel_takes_recordings", "1 while recordings are taken.",
+             health.takes_recordings ? 1 : 0);
+  text.Gauge("enamel_disk_free_bytes", "Free where the data folder is.", number(health.free_bytes));
+  text.Gauge("enamel_disk_kept_free_bytes", "Below this no recordings are taken.",
+             number(health.min_free_bytes));
+  text.Gauge("enamel_database_bytes", "Size of the database.", number(health.database_bytes));
+  text.Gauge("enamel_database_log_bytes", "Size of its log.", number(health.log_bytes));
+  text.Counter("enamel_store_commits_total", "Transactions written, each with one sync.",
+               number(health.commits));
+  text.Counter("enamel_store_failed_commits_total", "Transactions that could not be written.",
+               number(health.failed_commits));
+  text.Counter("enamel_store_commit_seconds_total", "Time spent in transactions.", health.commit_s);
+  text.Counter("enamel_store_writes_total", "Changes in those transactions.",
+               number(health.writes));
+  text.Counter("enamel_chunks_committed_total", "Chunks of recordings committed.",
+               number(health.chunks));
+  text.Counter("enamel_chunk_bytes_committed_total", "Bytes of those chunks.",
+               number(health.chunk_bytes));
+  text.Counter("enamel_attempts_sealed_total", "Attempts sealed.", number(health.sealed));
+  for (const char* state : {"queued", "running", "failed"}) {
+    if (auto jobs = store.Jobs(state); jobs.ok()) {
+      text.Gauge("enamel_jobs", "Scoring jobs by state, counted up to 200.", number(jobs->size()),
+                 {{"state", state}});
+    }
+  }
 }
 
 Result<stations::StationServerOptions> LinkOptionsOf(const ServeOptions& options,
@@ -145,6 +192,7 @@ Status Serve(const ServeOptions& options) {
   SqliteOptions store_options;
   store_options.folder = options.data;
   store_options.hold_lock = true;
+  store_options.min_free_bytes = uint64_t(options.min_free_mib) << 20;
   auto opened = OpenSqliteStore(store_options);
   if (!opened.ok()) return opened.status();
   Store& store = **opened;
@@ -154,6 +202,11 @@ Status Serve(const ServeOptions& options) {
   if (!http_options.ok()) return http_options.status();
   auto link_options = LinkOptionsOf(options, *identity);
   if (!link_options.ok()) return link_options.status();
+  ops::Metrics metrics;
+  metrics.Add(ops::AddProcess);
+  metrics.Add([&store](ops::MetricsText& text) { AddStoreFigures(store, text); });
+  http_options->metrics = &metrics;
+  ENAMEL_RETURN_IF_ERROR(ReadToken(options.metrics_token_file, http_options->metrics_token));
 
   auth::Authenticator authenticator(store);
   LiveBoard live;
@@ -171,6 +224,7 @@ Status Serve(const ServeOptions& options) {
   auto link_port = link.Start();
   if (!link_port.ok()) return link_port.status();
   worker.Start();
+  Caretaker caretaker(store);
 
   std::promise<void> stop_asked;
   signals.OnFirst([&] {

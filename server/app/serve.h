@@ -17,6 +17,8 @@ struct ServeOptions {
   std::vector<std::string> host_names;  // the page may be asked for under; needed beyond loopback
   int io_threads = 2;
   int job_threads = 1;
+  int min_free_mib = 256;                    // recordings are refused when the disk has less
+  std::filesystem::path metrics_token_file;  // empty: /metrics is for this machine only
 };
 
 // Runs until SIGINT or SIGTERM. Prints one line "ready …" to standard output when page and station

@@ -1,6 +1,8 @@
 #include "server/http/api.h"
 
+#include <chrono>
 #include <exception>
+#include <utility>
 
 #include "server/auth/token.h"
 #include "server/http/error_response.h"
@@ -58,14 +60,28 @@ class Ticket {
 
 }  // namespace
 
-Api::Api(Store& store, auth::Authenticator& authenticator, size_t threads, size_t max_in_flight)
-    : store_(store), authenticator_(authenticator), max_in_flight_(max_in_flight), pool_(threads) {}
+Api::Api(Store& store, auth::Authenticator& authenticator, Monitoring monitoring, size_t threads,
+         size_t max_in_flight)
+    : store_(store),
+      authenticator_(authenticator),
+      monitoring_(std::move(monitoring)),
+      max_in_flight_(max_in_flight),
+      pool_(threads) {}
 
 bool Api::Owns(std::string_view path) {
-  return path == "/healthz" || path == "/api" || path.starts_with("/api/");
+  return path == "/healthz" || path == "/metrics" || path == "/api" || path.starts_with("/api/");
 }
 
 boost::asio::awaitable<Response> Api::Handle(const Request& request) {
+  auto begin = std::chrono::steady_clock::now();
+  Response response = co_await Answer(request);
+  auto kind = static_cast<size_t>(response.status / 100);
+  if (kind < answers_.size()) ++answers_[kind];
+  if (IsSafe(request.method)) reads_.Add(std::chrono::steady_clock::now() - begin);
+  co_return response;
+}
+
+boost::asio::awaitable<Response> Api::Answer(const Request& request) {
   RouteMatch match = FindRoute(request.method, request.path);
   if (!match.route) co_return NoSuchRoute(request, match);
   Uuid id;
@@ -80,7 +96,7 @@ boost::asio::awaitable<Response> Api::Handle(const Request& request) {
   }
   const Route& route = *match.route;
   if (auto* handler = std::get_if<AsyncHandler>(&route.handler)) {
-    co_return co_await (*handler)(Call{request, store_, authenticator_, nullptr, id});
+    co_return co_await (*handler)(Call{request, store_, authenticator_, nullptr, id, &monitoring_});
   }
   Ticket ticket(in_flight_, max_in_flight_);
   if (!ticket.granted()) {
@@ -98,7 +114,7 @@ Response Api::Blocking(const Request& request, const Route& route, const Uuid& i
 }
 
 Response Api::Authorised(const Request& request, const Route& route, const Uuid& id) {
-  Call call{request, store_, authenticator_, nullptr, id};
+  Call call{request, store_, authenticator_, nullptr, id, &monitoring_};
   call.live = live_;
   auto handler = std::get<BlockingHandler>(route.handler);
   if (route.need == Need::kNobody) return handler(call);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <boost/asio/awaitable.hpp>
 #include <cstddef>
@@ -19,7 +20,8 @@ namespace enamel::server::http {
 // more get 503.
 class Api {
  public:
-  Api(Store& store, auth::Authenticator& authenticator, size_t threads, size_t max_in_flight);
+  Api(Store& store, auth::Authenticator& authenticator, Monitoring monitoring, size_t threads,
+      size_t max_in_flight);
 
   // Attempts can be watched from now on. Before the first Handle.
   void Show(LiveBoard& live) { live_ = &live; }
@@ -29,15 +31,24 @@ class Api {
 
   boost::asio::awaitable<Response> Handle(const Request& request);
 
+  // Answers so far by the first digit of their status (index 1 to 5), and how long reads (GET,
+  // HEAD) took from the whole request to the answer.
+  const std::array<std::atomic<uint64_t>, 6>& answers() const { return answers_; }
+  const ops::Histogram& reads() const { return reads_; }
+
  private:
+  boost::asio::awaitable<Response> Answer(const Request& request);
   Response Blocking(const Request& request, const Route& route, const Uuid& id);
   Response Authorised(const Request& request, const Route& route, const Uuid& id);
 
   Store& store_;
   auth::Authenticator& authenticator_;
+  const Monitoring monitoring_;
   const size_t max_in_flight_;
   LiveBoard* live_ = nullptr;
   std::atomic<size_t> in_flight_{0};
+  std::array<std::atomic<uint64_t>, 6> answers_{};
+  ops::Histogram reads_;
   StorePool pool_;
 };
 

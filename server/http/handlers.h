@@ -9,6 +9,7 @@
 namespace enamel::server::http {
 
 Response GetHealth(const Call& call);
+Response GetMetrics(const Call& call);
 
 boost::asio::awaitable<Response> SignIn(Call call);
 Response GetSession(const Call& call);

@@ -44,8 +44,8 @@ constexpr size_t kReadBytes = 4096;
 constexpr size_t kMaxDrainBytes = 4 * kMaxBodyBytes;
 constexpr std::chrono::milliseconds kDrain{1000};
 constexpr std::chrono::milliseconds kAcceptPause{100};
-// How often a viewer is shown what is new, and how long nothing may be sent. The system keeps
-// little for a viewer who does not read.
+// How often a viewer is shown what is new, and how long nothing may be sent. The system keeps little
+// for a viewer who does not read.
 constexpr std::chrono::milliseconds kEventPeriod{100};
 constexpr std::chrono::seconds kEventSilence{15};
 constexpr int kEventSendBuffer = 64 * 1024;
@@ -76,7 +76,8 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
   State(asio::io_context& context, HttpOptions given, Store& store, auth::Authenticator& auth)
       : io(context),
         options(std::move(given)),
-        api(std::make_unique<Api>(store, auth, options.store_threads, options.max_in_flight)),
+        api(std::make_unique<Api>(store, auth, Monitoring{options.metrics, options.metrics_token},
+                                  options.store_threads, options.max_in_flight)),
         strand(asio::make_strand(context)),
         acceptor(strand),
         stop_timer(strand) {
@@ -84,6 +85,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
   }
 
   Status Prepare();
+  void AddFigures();
   Status Listen(const asio::ip::address& address);
   asio::awaitable<void> Accept();
   void Spawn(tcp::socket socket);
@@ -515,6 +517,27 @@ Status HttpServer::State::Prepare() {
   return Listen(address);
 }
 
+void HttpServer::State::AddFigures() {
+  if (options.metrics == nullptr) return;
+  options.metrics->Add([weak = weak_from_this()](ops::MetricsText& text) {
+    auto self = weak.lock();
+    if (!self || !self->api) return;
+    {
+      std::lock_guard lock(self->mutex);
+      text.Gauge("enamel_http_connections", "Open page and API connections.",
+                 static_cast<double>(self->connections.size()));
+    }
+    constexpr std::string_view kKinds[] = {"1xx", "2xx", "3xx", "4xx", "5xx"};
+    for (size_t i = 1; i <= std::size(kKinds); ++i) {
+      text.Counter("enamel_http_answers_total", "API answers by kind of status.",
+                   static_cast<double>(self->api->answers()[i].load()),
+                   {{"status", kKinds[i - 1]}});
+    }
+    text.Durations("enamel_http_read_seconds", "API reads, from the whole request to the answer.",
+                   self->api->reads().counts());
+  });
+}
+
 Status HttpServer::State::Listen(const asio::ip::address& address) {
   tcp::endpoint endpoint(address, options.port);
   beast::error_code error;
@@ -577,6 +600,7 @@ HttpServer::~HttpServer() { state_->api.reset(); }
 
 Result<uint16_t> HttpServer::Start() {
   if (Status ready = state_->Prepare(); !ready.ok()) return ready;
+  state_->AddFigures();
   uint16_t port = state_->acceptor.local_endpoint().port();
   asio::co_spawn(state_->strand, state_->Accept(), asio::detached);
   return port;

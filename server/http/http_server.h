@@ -12,6 +12,7 @@
 #include "common/base/result.h"
 #include "server/auth/authenticator.h"
 #include "server/live/live_board.h"
+#include "server/ops/metrics.h"
 #include "server/storage/store.h"
 
 namespace enamel::server::http {
@@ -31,7 +32,7 @@ struct HttpDeadlines {
   std::chrono::milliseconds write{60'000};
   std::chrono::milliseconds event{5'000};     // one event to a viewer: who is slower is dropped
   std::chrono::milliseconds events{300'000};  // a stream; its viewer comes back, and is asked again
-  std::chrono::milliseconds stop{5'000};      // what a request gets to finish in when stopping
+  std::chrono::milliseconds stop{5'000};  // what a request gets to finish in when stopping
 };
 
 struct HttpOptions {
@@ -48,6 +49,10 @@ struct HttpOptions {
   size_t store_threads = 4;
   HttpDeadlines deadlines;
   LiveBoard* live = nullptr;  // what /attempts/{id}/live shows; none: there is no such path
+  // GET /metrics is for this machine, or with a token for whoever has it. No metrics: no such path.
+  // The server adds its own figures to them.
+  ops::Metrics* metrics = nullptr;
+  std::string metrics_token;
 };
 
 inline constexpr size_t kMaxHeadBytes = 16 * 1024;

@@ -11,6 +11,7 @@ constexpr std::string_view kIdPlace = "{id}";
 
 const std::array kRoutes = {
     Route{Method::kGet, "/healthz", Need::kNobody, &GetHealth},
+    Route{Method::kGet, "/metrics", Need::kNobody, &GetMetrics},
     Route{Method::kPost, "/api/v1/session", Need::kNobody, &SignIn},
     Route{Method::kGet, "/api/v1/session", Need::kPerson, &GetSession},
     Route{Method::kDelete, "/api/v1/session", Need::kPerson, &SignOut},

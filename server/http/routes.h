@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <variant>
 
@@ -11,6 +12,7 @@
 #include "server/auth/authenticator.h"
 #include "server/http/message.h"
 #include "server/live/live_board.h"
+#include "server/ops/metrics.h"
 #include "server/storage/store.h"
 
 // The API's table of routes and what a handler gets. schemas/api/openapi.yaml is the contract; a
@@ -25,6 +27,13 @@ enum class Need : uint8_t {
   kAdmin,
 };
 
+// What GET /metrics answers, and to whom besides this machine: whoever sends `token` as bearer
+// token.
+struct Monitoring {
+  const ops::Metrics* metrics = nullptr;  // none: there is no such path
+  std::string token;                      // none when empty
+};
+
 // What a handler works on. References outlive the call.
 struct Call {
   const Request& request;
@@ -32,6 +41,7 @@ struct Call {
   auth::Authenticator& authenticator;
   const auth::Identity* caller = nullptr;  // set unless the route needs nobody
   Uuid id;                                 // of `{id}` in the pattern
+  const Monitoring* monitoring = nullptr;  // always set
   LiveBoard* live = nullptr;               // none: nothing can be watched
 };
 

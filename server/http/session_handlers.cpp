@@ -23,8 +23,6 @@ json::object SessionJson(const auth::Identity& identity) {
 
 }  // namespace
 
-Response GetHealth(const Call&) { return JsonResponse({{"status", "ok"}}); }
-
 boost::asio::awaitable<Response> SignIn(Call call) {
   if (!IsJson(call.request)) co_return NotJson();
   Result<json::object> body =

@@ -240,7 +240,7 @@ class ScoreJob {
   }
 
   Status Put(ByteView bytes, Sha256& hash) {
-    auto put = store_.PutBlob(bytes);
+    auto put = store_.PutAttemptBlob(attempt_, bytes);
     if (!put.ok()) return put.status();
     hash = *put;
     return Status::Ok();

@@ -11,7 +11,7 @@ constexpr char kAttemptSelect[] =
     "a.profile_content, "
     "a.state, a.as_reference, a.released, a.ticketed_ms, a.sealed_ms, a.chunks, a.ticks, "
     "a.gap_ticks, "
-    "a.trace_bytes, a.score, a.critical_fail, a.progress, a.problem FROM attempts a "
+    "a.trace_bytes, a.score, a.critical_fail, a.progress, a.problem, a.expired_ms FROM attempts a "
     "JOIN people p ON p.tenant = a.tenant AND p.id = a.person "
     "JOIN exercises e ON e.tenant = a.tenant AND e.id = a.exercise WHERE a.tenant = ?1";
 
@@ -38,6 +38,7 @@ AttemptRow AttemptOf(const Query& q) {
   out.critical_fail = q.Int(18) != 0;
   out.progress = q.Real(19);
   out.problem = q.Text(20);
+  out.expired_ms = q.Int(21);
   return out;
 }
 
@@ -49,12 +50,13 @@ Status MustExist(Db& db, const Uuid& attempt) {
 Status QueueUnreferenced(Db& db, const Uuid& exercise) {
   std::vector<Uuid> waiting;
   {
-    Query q(
-        db,
-        "SELECT a.id FROM attempts a WHERE a.tenant = ?1 AND a.exercise = ?2 AND a.state IN (3, 5, 6) "
-        "AND "
-        "a.reference IS NULL AND NOT EXISTS (SELECT 1 FROM jobs j WHERE j.tenant = a.tenant AND "
-        "j.attempt = a.id AND j.state = 'queued')");
+    Query q(db,
+            "SELECT a.id FROM attempts a WHERE a.tenant = ?1 AND a.exercise = ?2 AND a.state IN "
+            "(3, 5, 6) "
+            "AND "
+            "a.reference IS NULL AND a.expired_ms = 0 AND NOT EXISTS (SELECT 1 FROM jobs j WHERE "
+            "j.tenant = a.tenant AND "
+            "j.attempt = a.id AND j.state = 'queued')");
     q.Bind(exercise);
     while (q.Next()) waiting.push_back(q.Id(0));
     ENAMEL_RETURN_IF_ERROR(q.status());
@@ -90,6 +92,7 @@ Result<AttemptRow> FindAttempt(Db& db, const Uuid& id) {
 }
 
 Status SqliteStore::CreateAttempt(const AttemptRow& row, ByteView ticket, const Actor& by) {
+  ENAMEL_RETURN_IF_ERROR(space_.Check());
   return Write([&](Db& db) -> Status {
     Query q(db,
             "INSERT INTO attempts (tenant, id, person, station, exercise, profile_content, state, "
@@ -232,6 +235,11 @@ Result<ReferenceRow> SqliteStore::AddReference(const Uuid& attempt, const std::s
       return Status(Code::kConflict, "attempt " + attempt.Text() + " is " +
                                          AttemptStateName(found->state) +
                                          ", only a scored one can become a reference");
+    }
+    if (found->expired_ms != 0) {
+      return Status(Code::kConflict, "the recording of attempt " + attempt.Text() +
+                                         " was removed by a retention rule, so it can no longer "
+                                         "become a reference");
     }
     row.exercise = found->exercise;
     ENAMEL_RETURN_IF_ERROR(InsertReference(db, row));

@@ -1,41 +1,32 @@
 #include "server/storage/blobs.h"
 
-#include <fcntl.h>
-#include <unistd.h>
+#include <algorithm>
 
 #include "common/base/file.h"
 
 namespace enamel::server::sqlite {
-namespace {
 
-// Makes a new entry of `folder` survive a power cut.
-void SyncFolder(const std::filesystem::path& folder) {
-  int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (fd < 0) return;
-  ::fsync(fd);
-  ::close(fd);
-}
+namespace fs = std::filesystem;
 
-}  // namespace
-
-std::filesystem::path Blobs::PathOf(const Sha256& hash) const {
+fs::path Blobs::PathOf(const Sha256& hash) const {
   std::string hex = hash.Hex();
   return folder_ / hex.substr(0, 2) / hex;
 }
 
 Result<Sha256> Blobs::Put(ByteView data) {
   Sha256 hash = HashSha256(data);
-  std::filesystem::path path = PathOf(hash);
+  fs::path path = PathOf(hash);
   std::lock_guard lock(mutex_);
   std::error_code error;
-  if (std::filesystem::exists(path, error)) return hash;
-  if (fail_next_ && fail_next_()) return Status(Code::kStorage, "injected failure");
-  if (std::filesystem::create_directories(path.parent_path(), error)) SyncFolder(folder_);
-  if (error) {
-    return Status(Code::kStorage,
-                  "cannot make " + path.parent_path().string() + ": " + error.message());
+  if (fs::exists(path, error)) {
+    // Fresh again, for RemoveIfOlder; and a process that was killed may have left it unsynced.
+    fs::last_write_time(path, fs::file_time_type::clock::now(), error);
+    ENAMEL_RETURN_IF_ERROR(disk_.SyncFolder(path.parent_path()));
+    return hash;
   }
-  ENAMEL_RETURN_IF_ERROR(WriteFileDurably(path, data, 0600));
+  if (fail_next_ && fail_next_()) return Status(Code::kStorage, "injected failure");
+  ENAMEL_RETURN_IF_ERROR(disk_.MakeFolder(path.parent_path()));
+  ENAMEL_RETURN_IF_ERROR(disk_.Replace(path, data));
   return hash;
 }
 
@@ -53,7 +44,43 @@ Result<Bytes> Blobs::Get(const Sha256& hash) const {
 
 bool Blobs::Has(const Sha256& hash) const {
   std::error_code error;
-  return std::filesystem::exists(PathOf(hash), error);
+  return fs::exists(PathOf(hash), error);
+}
+
+Status Blobs::Remove(const Sha256& hash) {
+  std::lock_guard lock(mutex_);
+  return disk_.Remove(PathOf(hash));
+}
+
+Result<bool> Blobs::RemoveIfOlder(const Sha256& hash, std::chrono::seconds age) {
+  std::lock_guard lock(mutex_);
+  std::error_code error;
+  auto put = fs::last_write_time(PathOf(hash), error);
+  if (error || fs::file_time_type::clock::now() - put < age) return false;
+  ENAMEL_RETURN_IF_ERROR(disk_.Remove(PathOf(hash)));
+  return true;
+}
+
+Result<Blobs::Listing> Blobs::List() const {
+  Listing out;
+  std::error_code error;
+  fs::recursive_directory_iterator it(folder_, error), end;
+  for (; !error && it != end; it.increment(error)) {
+    if (it->is_directory(error)) continue;
+    auto hash = Sha256::FromHex(it->path().filename().string());
+    if (hash.ok() && PathOf(*hash) == it->path()) {
+      out.blobs.push_back(*hash);
+    } else {
+      out.others.push_back(it->path());
+    }
+  }
+  if (error) {
+    return Status(Code::kStorage, "cannot read the folder " + folder_.string() + ": " +
+                                      error.message() + "; make it readable for this user");
+  }
+  std::ranges::sort(out.blobs);
+  std::ranges::sort(out.others);
+  return out;
 }
 
 }  // namespace enamel::server::sqlite

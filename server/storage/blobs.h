@@ -1,12 +1,15 @@
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <functional>
 #include <mutex>
+#include <vector>
 
 #include "common/base/bytes.h"
 #include "common/base/result.h"
 #include "common/base/sha256.h"
+#include "server/storage/disk.h"
 
 namespace enamel::server::sqlite {
 
@@ -14,18 +17,30 @@ namespace enamel::server::sqlite {
 // read. Thread safety: any thread (one Put at a time); several processes may share the folder.
 class Blobs {
  public:
-  Blobs(std::filesystem::path folder, std::function<bool()> fail_next)
-      : folder_(std::move(folder)), fail_next_(std::move(fail_next)) {}
+  Blobs(std::filesystem::path folder, Disk& disk, std::function<bool()> fail_next = {})
+      : folder_(std::move(folder)), disk_(disk), fail_next_(std::move(fail_next)) {}
 
   Result<Sha256> Put(ByteView data);
   // Errors: kNotFound; kStorage when the content no longer has its name's hash.
   Result<Bytes> Get(const Sha256& hash) const;
   bool Has(const Sha256& hash) const;
+  // Absent: nothing to do.
+  Status Remove(const Sha256& hash);
+  // Unless it was put within the last `age`; tells whether it is gone.
+  Result<bool> RemoveIfOlder(const Sha256& hash, std::chrono::seconds age);
 
- private:
+  // Every blob by name, in order. `others`: files that are none (an interrupted write, something
+  // put there by hand). Errors: kStorage.
+  struct Listing {
+    std::vector<Sha256> blobs;
+    std::vector<std::filesystem::path> others;
+  };
+  Result<Listing> List() const;
   std::filesystem::path PathOf(const Sha256& hash) const;
 
+ private:
   const std::filesystem::path folder_;
+  Disk& disk_;
   const std::function<bool()> fail_next_;
   std::mutex mutex_;  // serialises Put: equal content shares a temporary name
 };

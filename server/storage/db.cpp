@@ -35,11 +35,12 @@ Status ErrorOf(sqlite3* handle, const std::string& path) {
 }  // namespace
 
 Result<std::unique_ptr<Db>> Db::Open(const std::filesystem::path& path, Mode mode,
-                                     std::function<bool()> fail_next) {
+                                     const std::string& vfs, std::function<bool()> fail_next) {
   sqlite3* handle = nullptr;
   int flags =
       mode == Mode::kReadOnly ? SQLITE_OPEN_READONLY : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
-  int rc = sqlite3_open_v2(path.c_str(), &handle, flags | SQLITE_OPEN_NOMUTEX, nullptr);
+  int rc = sqlite3_open_v2(path.c_str(), &handle, flags | SQLITE_OPEN_NOMUTEX,
+                           vfs.empty() ? nullptr : vfs.c_str());
   if (rc != SQLITE_OK) {
     Status status = ErrorOf(handle, path.string());
     sqlite3_close_v2(handle);
@@ -74,6 +75,32 @@ Status Db::Exec(const char* sql) {
 void Db::Rollback() {
   if (sqlite3_get_autocommit(handle_) == 0)
     sqlite3_exec(handle_, "ROLLBACK", nullptr, nullptr, nullptr);
+}
+
+Status Db::CopyTo(const std::filesystem::path& target, const CopyProgress& progress) {
+  constexpr int kPagesAtOnce = 4096;
+  sqlite3* copy = nullptr;
+  int rc =
+      sqlite3_open_v2(target.c_str(), &copy, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, nullptr);
+  sqlite3_backup* backup = nullptr;
+  Status begun = Exec("BEGIN; SELECT count(*) FROM sqlite_schema");
+  if (rc == SQLITE_OK && begun.ok()) backup = sqlite3_backup_init(copy, "main", handle_, "main");
+  do {
+    rc = backup == nullptr ? SQLITE_ERROR : sqlite3_backup_step(backup, kPagesAtOnce);
+    if (backup != nullptr && progress) {
+      int all = sqlite3_backup_pagecount(backup);
+      progress(all - sqlite3_backup_remaining(backup), all);
+    }
+  } while (rc == SQLITE_OK);
+  if (backup != nullptr) sqlite3_backup_finish(backup);
+  // The copied header says WAL; one file without a log is easier to keep.
+  if (rc == SQLITE_DONE) {
+    rc = sqlite3_exec(copy, "PRAGMA journal_mode = DELETE", nullptr, nullptr, nullptr);
+  }
+  Status status = rc == SQLITE_OK ? Status::Ok() : ErrorOf(copy, target.string());
+  sqlite3_close_v2(copy);
+  Rollback();
+  return begun.ok() ? status : begun;
 }
 
 Status Db::Error() const { return ErrorOf(handle_, path_); }

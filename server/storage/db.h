@@ -22,7 +22,9 @@ class Db {
  public:
   enum class Mode { kReadWrite, kReadOnly };
   // WAL, synchronous=FULL, foreign keys on, waits up to 10 s for another process's write.
+  // `vfs`: SQLite's name of the file layer to use; empty: its own.
   static Result<std::unique_ptr<Db>> Open(const std::filesystem::path& path, Mode mode,
+                                          const std::string& vfs = {},
                                           std::function<bool()> fail_next = {});
   ~Db();
   Db(const Db&) = delete;
@@ -34,6 +36,11 @@ class Db {
   int64_t Changes() const { return sqlite3_changes64(handle_); }
   // Ends the open transaction, if SQLite has not done so itself.
   void Rollback();
+  // Copies the whole database as it is at this moment into the new file `target`, while others go
+  // on writing (SQLite's backup interface, inside one read transaction, so that no write restarts
+  // it). `done`: pages copied and in all. The copy is one file, synced.
+  using CopyProgress = std::function<void(int done, int all)>;
+  Status CopyTo(const std::filesystem::path& target, const CopyProgress& progress);
   // The last failure as a Status; says what to do where that is known.
   Status Error() const;
   const std::string& path() const { return path_; }

@@ -92,6 +92,19 @@ Status Requeue(Db& db, JobRow job) {
   return SetAttemptState(db, job.attempt, AttemptState::kScoring, AttemptState::kSealed, job.error);
 }
 
+Result<std::vector<AuditRow>> AuditIn(
+    Query& q, const std::function<bool(const Query&)>& wanted = [](const Query&) { return true; }) {
+  std::vector<AuditRow> out;
+  while (q.Next()) {
+    if (!wanted(q)) continue;
+    Uuid actor = q.Id(1);
+    std::string who = actor.IsZero() ? q.Text(2) : actor.Text() + " (" + q.Text(2) + ")";
+    out.push_back(AuditRow{q.Int(0), who, q.Text(3), q.Text(4), q.Text(5), q.Text(6)});
+  }
+  if (!q.status().ok()) return q.status();
+  return out;
+}
+
 }  // namespace
 
 Status EndLeases(Db& db) {
@@ -156,16 +169,31 @@ Result<std::vector<AuditRow>> SqliteStore::Audit(uint32_t limit) {
     Query q(db,
             "SELECT at_ms, actor, via, action, object, before_json, after_json FROM audit "
             "WHERE tenant = ?1 ORDER BY id DESC LIMIT ?2");
-    q.Bind(static_cast<int64_t>(std::clamp<uint32_t>(limit, 1, 1000)));
-    std::vector<AuditRow> out;
-    while (q.Next()) {
-      Uuid actor = q.Id(1);
-      std::string who = actor.IsZero() ? q.Text(2) : actor.Text() + " (" + q.Text(2) + ")";
-      out.push_back(AuditRow{q.Int(0), who, q.Text(3), q.Text(4), q.Text(5), q.Text(6)});
-    }
-    if (!q.status().ok()) return q.status();
-    return out;
+    return AuditIn(q.Bind(static_cast<int64_t>(std::clamp<uint32_t>(limit, 1, 1000))));
   });
+}
+
+Result<std::vector<AuditRow>> SqliteStore::AuditAbout(const Uuid& person) {
+  return Read([&](Db& db) -> Result<std::vector<AuditRow>> {
+    std::set<std::string> objects{person.Text()};
+    {
+      Query q(db, "SELECT id FROM attempts WHERE tenant = ?1 AND person = ?2");
+      q.Bind(person);
+      while (q.Next()) objects.insert(q.Id(0).Text());
+      if (!q.status().ok()) return q.status();
+    }
+    Query q(db,
+            "SELECT at_ms, actor, via, action, object, before_json, after_json FROM audit "
+            "WHERE tenant = ?1 ORDER BY id");
+    return AuditIn(
+        q, [&](const Query& row) { return row.Id(1) == person || objects.contains(row.Text(4)); });
+  });
+}
+
+Status SqliteStore::NoteAudit(const Actor& by, const std::string& action, const std::string& object,
+                              const std::string& after_json) {
+  return Write(
+      [&](Db& db) { return WriteAudit(db, by, action.c_str(), object, "{}", after_json); });
 }
 
 }  // namespace enamel::server::sqlite

@@ -1,27 +1,36 @@
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
+#include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 #include <type_traits>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include "server/storage/blobs.h"
 #include "server/storage/db.h"
+#include "server/storage/folder_lock.h"
+#include "server/storage/keyring.h"
+#include "server/storage/space_guard.h"
 #include "server/storage/sqlite_store.h"
 #include "server/storage/writer.h"
 
 // Private to server/storage: the class behind OpenSqliteStore, its sources split by subject
-// (people.cpp, stations.cpp, content.cpp, attempts.cpp, traces.cpp, jobs.cpp).
+// (people.cpp, stations.cpp, content.cpp, attempts.cpp, traces.cpp, jobs.cpp, erasure.cpp,
+// retention.cpp).
 namespace enamel::server::sqlite {
 
 // Read connections, opened as needed up to a number, then waited for.
 // Thread safety: any thread.
 class Readers {
  public:
-  Readers(std::filesystem::path path, int most) : path_(std::move(path)), most_(most) {}
+  Readers(std::filesystem::path path, int most, std::string vfs)
+      : path_(std::move(path)), most_(most), vfs_(std::move(vfs)) {}
 
   class Lease {
    public:
@@ -42,22 +51,11 @@ class Readers {
 
   const std::filesystem::path path_;
   const int most_;
+  const std::string vfs_;
   std::mutex mutex_;
   std::condition_variable returned_;
   std::vector<std::unique_ptr<Db>> idle_;  // guarded by mutex_
   int open_ = 0;                           // guarded by mutex_
-};
-
-// Holds an advisory lock on a file until destroyed; -1: holds none.
-class FolderLock {
- public:
-  explicit FolderLock(int fd = -1) : fd_(fd) {}
-  ~FolderLock();
-  FolderLock(FolderLock&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
-  FolderLock& operator=(FolderLock&&) = delete;
-
- private:
-  int fd_;
 };
 
 class SqliteStore final : public Store {
@@ -92,8 +90,9 @@ class SqliteStore final : public Store {
   Status TouchStation(const Uuid& id, UnixMs now_ms) override;
   Result<std::vector<StationRow>> Stations() override;
 
-  Result<Sha256> PutBlob(ByteView data) override { return blobs_.Put(data); }
-  Result<Bytes> GetBlob(const Sha256& hash) override { return blobs_.Get(hash); }
+  Result<Sha256> PutBlob(ByteView data) override;
+  Result<Sha256> PutAttemptBlob(const Uuid& attempt, ByteView data) override;
+  Result<Bytes> GetBlob(const Sha256& hash) override;
   bool HasBlob(const Sha256& hash) override { return blobs_.Has(hash); }
   Status PutProfile(const ProfileRow& row, const Actor& by) override;
   Result<std::vector<ProfileRow>> Profiles() override;
@@ -129,6 +128,19 @@ class SqliteStore final : public Store {
   Status ReturnJob(const Uuid& job) override;
   Result<std::vector<JobRow>> Jobs(const std::string& state) override;
   Result<std::vector<AuditRow>> Audit(uint32_t limit) override;
+  Result<std::vector<AuditRow>> AuditAbout(const Uuid& person) override;
+  Status NoteAudit(const Actor& by, const std::string& action, const std::string& object,
+                   const std::string& after_json) override;
+  Result<ErasureReport> ErasePerson(const Uuid& person, bool with_references,
+                                    const Actor& by) override;
+  Result<std::vector<RetentionRule>> RetentionRules() override;
+  Status SetRetention(const RetentionRule& rule, const Actor& by) override;
+  Result<RetentionReport> ApplyRetention(UnixMs now_ms, bool dry_run, const Actor& by) override;
+  StoreHealth Health() override;
+
+  // What is erased here, in the key ring or in the database, is erased in both: after a restore of
+  // either, and after a crash in between.
+  Status Reconcile();
 
  private:
   // `read` is called as Result<T>(Db&) on a connection of the pool.
@@ -143,13 +155,35 @@ class SqliteStore final : public Store {
   Status Write(const std::function<Status(Db&)>& work) {
     return writer_.Run([&](Db& db, bool&) { return work(db); });
   }
+  // The key under which things of this attempt are kept. Errors: kNotFound, kConflict (erased).
+  struct PersonKey {
+    Uuid person;
+    DataKey key;
+  };
+  Result<PersonKey> KeyOf(const Uuid& attempt);
+  // Removes those of the blobs that no row names any more; tells how many.
+  Result<size_t> RemoveUnnamed(const std::set<Sha256>& blobs);
+  // Removes blobs that no row names and that are older than `age`.
+  Result<size_t> SweepUnnamed(std::chrono::seconds age);
+  // Empties the log: what was overwritten in the database is not kept there either.
+  Status TruncateLog();
+
   Status RepeatedAfterSeal(const ChunkPut& chunk);
   Status MoveTraceToBlob(const trace::Seal& seal, Sha256& blob);
 
+  static constexpr size_t kMaxRemembered = 50'000;
+
+  const std::filesystem::path folder_;
+  const std::string vfs_;
   const FolderLock lock_;
   Writer writer_;
   Readers readers_;
   Blobs blobs_;
+  Keyring keyring_;
+  SpaceGuard space_;
+  std::mutex people_mutex_;
+  std::unordered_map<std::string, Uuid> person_of_;  // attempt to person; guarded by people_mutex_
+  std::atomic<uint64_t> chunks_{0}, chunk_bytes_{0}, sealed_{0};
 };
 
 // Shared by the sources.
@@ -164,5 +198,14 @@ Status QueueScoreJob(Db& db, const Uuid& attempt);
 // Jobs that a worker of an earlier process held may be taken again at once.
 Status EndLeases(Db& db);
 Result<AttemptRow> FindAttempt(Db& db, const Uuid& id);
+// Every blob that a row names.
+Result<std::set<Sha256>> NamedBlobs(Db& db);
+// Deletes attempts with all that hangs on them (chunks, evidence, jobs, references); adds the blobs
+// they named to `blobs`. Others' scores that were compared with them stay, without naming them.
+Status DeleteAttempts(Db& db, const std::vector<Uuid>& attempts, std::set<Sha256>& blobs);
+// Deletes the person's rows, keeps the tombstone, writes the audit row.
+Status DeletePerson(Db& db, const Uuid& person, const Tombstone& tombstone, const Actor& by,
+                    ErasureReport& report, std::set<Sha256>& blobs);
+Result<std::vector<Tombstone>> ErasuresIn(Db& db);
 
 }  // namespace enamel::server::sqlite

@@ -1,7 +1,6 @@
 #include "server/storage/sqlite_store.h"
 
-#include <fcntl.h>
-#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <boost/json/object.hpp>
@@ -26,7 +25,7 @@ Result<std::unique_ptr<Db>> Readers::Take() {
     }
     ++open_;
   }
-  auto db = Db::Open(path_, Db::Mode::kReadOnly);
+  auto db = Db::Open(path_, Db::Mode::kReadOnly, vfs_);
   if (!db.ok()) {
     std::lock_guard lock(mutex_);
     --open_;
@@ -41,15 +40,125 @@ void Readers::Return(std::unique_ptr<Db> db) {
   returned_.notify_one();
 }
 
-FolderLock::~FolderLock() {
-  if (fd_ >= 0) ::close(fd_);
+namespace {
+
+Disk& DiskOf(const SqliteOptions& options) {
+  return options.disk != nullptr ? *options.disk : SystemDisk();
 }
 
+}  // namespace
+
 SqliteStore::SqliteStore(const SqliteOptions& options, std::unique_ptr<Db> writer, FolderLock lock)
-    : lock_(std::move(lock)),
+    : folder_(options.folder),
+      vfs_(options.vfs),
+      lock_(std::move(lock)),
       writer_(std::move(writer)),
-      readers_(options.folder / "enamel.db", options.readers),
-      blobs_(options.folder / "blobs", options.fail_next) {}
+      readers_(options.folder / "enamel.db", options.readers, options.vfs),
+      blobs_(options.folder / "blobs", DiskOf(options), options.fail_next),
+      keyring_(options.folder / "keyring", DiskOf(options)),
+      space_(options.folder, DiskOf(options), options.min_free_bytes, options.free_space_check) {}
+
+Result<Sha256> SqliteStore::PutBlob(ByteView data) {
+  ENAMEL_RETURN_IF_ERROR(space_.Check());
+  return blobs_.Put(data);
+}
+
+Result<Sha256> SqliteStore::PutAttemptBlob(const Uuid& attempt, ByteView data) {
+  ENAMEL_RETURN_IF_ERROR(space_.Check());
+  auto key = KeyOf(attempt);
+  if (!key.ok()) return key.status();
+  return blobs_.Put(SealPersonal(key->person, key->key, attempt, data));
+}
+
+Result<Bytes> SqliteStore::GetBlob(const Sha256& hash) {
+  auto bytes = blobs_.Get(hash);
+  if (!bytes.ok()) return bytes;
+  return OpenPersonal(keyring_, std::move(bytes).value());
+}
+
+Result<SqliteStore::PersonKey> SqliteStore::KeyOf(const Uuid& attempt) {
+  std::string name(AsText(attempt.view()));
+  Uuid person;
+  {
+    std::lock_guard lock(people_mutex_);
+    auto known = person_of_.find(name);
+    if (known != person_of_.end()) person = known->second;
+  }
+  if (person.IsZero()) {
+    auto row = AttemptById(attempt);
+    if (!row.ok()) return row.status();
+    person = row->person;
+    std::lock_guard lock(people_mutex_);
+    if (person_of_.size() >= kMaxRemembered) person_of_.clear();
+    person_of_[name] = person;
+  }
+  auto key = keyring_.FindOrMake(person);
+  if (!key.ok()) return key.status();
+  return PersonKey{person, *key};
+}
+
+StoreHealth SqliteStore::Health() {
+  StoreHealth out;
+  out.free_bytes = space_.FreeBytes();
+  out.min_free_bytes = space_.min_free_bytes();
+  std::error_code error;
+  auto size = [&](const char* name) -> uint64_t {
+    uintmax_t bytes = std::filesystem::file_size(folder_ / name, error);
+    return error ? 0 : bytes;
+  };
+  out.database_bytes = size("enamel.db");
+  out.log_bytes = size("enamel.db-wal");
+  Writer::Counters counters = writer_.counters();
+  out.commits = counters.commits;
+  out.writes = counters.works;
+  out.failed_commits = counters.failed_commits;
+  out.commit_s = counters.commit_s;
+  out.chunks = chunks_;
+  out.chunk_bytes = chunk_bytes_;
+  out.sealed = sealed_;
+  if (Status room = space_.Check(); !room.ok()) out.problem = room.message();
+  if (out.problem.empty() && !writer_.last_failure().ok()) {
+    out.problem =
+        "the last change could not be written to the database; the server's log says why. "
+        "Recordings wait at the stations, the next write that succeeds ends this";
+  }
+  out.takes_recordings = out.problem.empty();
+  return out;
+}
+
+Status SqliteStore::TruncateLog() {
+  auto db = Db::Open(folder_ / "enamel.db", Db::Mode::kReadWrite, vfs_);
+  if (!db.ok()) return db.status();
+  return (*db)->Exec("PRAGMA wal_checkpoint(TRUNCATE)");
+}
+
+Result<size_t> SqliteStore::SweepUnnamed(std::chrono::seconds age) {
+  auto listing = blobs_.List();
+  if (!listing.ok()) return listing.status();
+  // Read after the list: whatever is on it and was named meanwhile is not swept.
+  auto named = Read([](Db& db) { return NamedBlobs(db); });
+  if (!named.ok()) return named.status();
+  size_t removed = 0;
+  for (const Sha256& blob : listing->blobs) {
+    if (named->contains(blob)) continue;
+    auto gone = blobs_.RemoveIfOlder(blob, age);
+    if (!gone.ok()) return gone.status();
+    removed += *gone ? 1 : 0;
+  }
+  return removed;
+}
+
+Result<size_t> SqliteStore::RemoveUnnamed(const std::set<Sha256>& blobs) {
+  auto named = Read([](Db& db) { return NamedBlobs(db); });
+  if (!named.ok()) return named.status();
+  size_t removed = 0;
+  for (const Sha256& blob : blobs) {
+    if (named->contains(blob) || !blobs_.Has(blob)) continue;
+    ENAMEL_RETURN_IF_ERROR(blobs_.Remove(blob));
+    ++removed;
+  }
+  return removed;
+}
 
 Json JsonOf(std::initializer_list<std::pair<const char*, std::string>> members) {
   boost::json::object object;
@@ -74,37 +183,36 @@ Status Explain(Status status, const std::string& conflict) {
 
 namespace {
 
-// Errors: kUnavailable when another process holds it.
-Result<FolderLock> LockFolder(const std::filesystem::path& folder) {
-  std::filesystem::path path = folder / "LOCK";
-  int fd = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
-  if (fd < 0) {
-    return Status(Code::kStorage, "cannot open " + path.string() + ": " + std::strerror(errno) +
-                                      "; name a folder this user may write");
-  }
-  FolderLock lock(fd);
-  if (::flock(fd, LOCK_EX | LOCK_NB) != 0) {
-    return Status(Code::kUnavailable, "another enamel-server uses " + folder.string() +
-                                          "; stop it first or name another folder");
-  }
-  return lock;
+// What root writes, the folder's owner could not read.
+Status MustNotBeRootForAnother(const std::filesystem::path& folder) {
+  struct stat info {};
+  if (::geteuid() != 0 || ::stat(folder.c_str(), &info) != 0 || info.st_uid == 0)
+    return Status::Ok();
+  return Status(Code::kForbidden,
+                folder.string() + " belongs to user " + std::to_string(info.st_uid) +
+                    ", who could not read what root writes there; run this as that user: runuser "
+                    "-u USER -- enamel-server …");
 }
 
-Status MakeFolder(const std::filesystem::path& folder) {
-  std::error_code error;
-  bool made = std::filesystem::create_directories(folder, error);
-  if (error) {
+Status MakeFolder(const std::filesystem::path& folder, Disk& disk, bool restoring) {
+  if (Status made = disk.MakeFolder(folder); !made.ok()) {
     return Status(Code::kStorage, "cannot make the data folder " + folder.string() + ": " +
-                                      error.message() + "; name a folder this user may write");
+                                      made.message() + "; name a folder this user may write");
   }
-  if (made) std::filesystem::permissions(folder, std::filesystem::perms::owner_all, error);
+  ENAMEL_RETURN_IF_ERROR(MustNotBeRootForAnother(folder));
+  if (!restoring && std::filesystem::exists(folder / kRestoreMark)) {
+    return Status(Code::kConflict, folder.string() +
+                                       " holds a restore that did not finish; empty the folder and "
+                                       "restore again");
+  }
   if (::access(folder.c_str(), W_OK | X_OK) != 0) {
     return Status(Code::kStorage, "the data folder " + folder.string() + " is not writable: " +
                                       std::strerror(errno) + "; name a folder this user may write");
   }
-  std::filesystem::create_directories(folder / "blobs", error);
-  if (error) return Status(Code::kStorage, "cannot make " + (folder / "blobs").string());
-  return Status::Ok();
+  ENAMEL_RETURN_IF_ERROR(disk.MakeFolder(folder / "blobs"));
+  // A process that was killed may have left entries unsynced.
+  ENAMEL_RETURN_IF_ERROR(disk.SyncFolder(folder / "blobs"));
+  return disk.SyncFolder(folder);
 }
 
 }  // namespace
@@ -114,16 +222,19 @@ int LatestSchemaVersion() { return static_cast<int>(sqlite::Migrations().size())
 
 Result<std::unique_ptr<Store>> OpenSqliteStore(const SqliteOptions& options) {
   using namespace sqlite;
-  ENAMEL_RETURN_IF_ERROR(MakeFolder(options.folder));
+  ENAMEL_RETURN_IF_ERROR(MakeFolder(options.folder, DiskOf(options), options.restoring));
   std::optional<FolderLock> lock;
   auto acquire = [&]() -> Status {
-    auto held = LockFolder(options.folder);
+    auto held = FolderLock::Take(options.folder / kServerLock, FolderLock::Mode::kExclusive,
+                                 "another enamel-server uses " + options.folder.string() +
+                                     "; stop it first or name another folder");
     if (!held.ok()) return held.status();
     lock.emplace(std::move(held).value());
     return Status::Ok();
   };
   if (options.hold_lock) ENAMEL_RETURN_IF_ERROR(acquire());
-  auto db = Db::Open(options.folder / "enamel.db", Db::Mode::kReadWrite, options.fail_next);
+  auto db =
+      Db::Open(options.folder / "enamel.db", Db::Mode::kReadWrite, options.vfs, options.fail_next);
   if (!db.ok()) return db.status();
   auto version = SchemaVersion(**db);
   if (!version.ok()) return version.status();
@@ -135,7 +246,9 @@ Result<std::unique_ptr<Store>> OpenSqliteStore(const SqliteOptions& options) {
   // Who holds the folder's lock is the only worker there is: leases of a killed one are over.
   if (lock) ENAMEL_RETURN_IF_ERROR(EndLeases(**db));
   FolderLock kept = lock ? std::move(*lock) : FolderLock();
-  return std::unique_ptr<Store>(new SqliteStore(options, std::move(db).value(), std::move(kept)));
+  auto store = std::make_unique<SqliteStore>(options, std::move(db).value(), std::move(kept));
+  if (options.hold_lock) ENAMEL_RETURN_IF_ERROR(store->Reconcile());
+  return std::unique_ptr<Store>(std::move(store));
 }
 
 }  // namespace enamel::server

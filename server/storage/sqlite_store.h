@@ -1,9 +1,12 @@
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <string>
 
+#include "server/storage/disk.h"
 #include "server/storage/store.h"
 
 namespace enamel::server {
@@ -17,9 +20,19 @@ struct SqliteOptions {
   // Asked before every statement that writes, every COMMIT and every blob; true makes that one
   // fail. For tests (fail the Nth operation). Empty: never.
   std::function<bool()> fail_next{};
+  // Below this no recording is taken (StoreHealth); signing in, reading, erasing go on. 0: no
+  // limit.
+  uint64_t min_free_bytes = 0;
+  std::chrono::milliseconds free_space_check{1000};  // how often the disk is asked
+  bool restoring = false;  // opened by Restore (backup.h), under its own mark
+  // Where files go: SQLite's name of a registered VFS (empty: its own) and what else is on the disk
+  // (null: the machine's). For tests.
+  std::string vfs{};
+  Disk* disk = nullptr;
 };
 
-// The embedded store: DIR/enamel.db (SQLite, WAL, synchronous=FULL) and DIR/blobs/xx/<sha256>.
+// The embedded store: DIR/enamel.db (SQLite, WAL, synchronous=FULL), DIR/blobs/xx/<sha256> and
+// DIR/keyring (keyring.h), under whose keys everything is kept that shows a person's motion.
 //
 // Writes from all threads queue up; the first becomes the leader, runs everything queued in one
 // transaction (each write in a savepoint of its own) and one fsync, and hands out the results.

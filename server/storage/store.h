@@ -29,7 +29,7 @@ struct AttemptFilter {
   std::optional<Uuid> visible_to_instructor{};  // attempts in any cohort of this instructor
   std::optional<Uuid> exercise{};
   std::optional<Uuid> before{};  // page: ids lower than this (newest first)
-  uint32_t limit = 50;         // at most 200
+  uint32_t limit = 50;           // at most 200
 };
 
 struct SessionRow {
@@ -54,6 +54,40 @@ struct AuditRow {
   std::string action;  // "attempt.seal", "person.create"
   std::string object;
   std::string before_json, after_json;
+};
+
+// What was removed with a person.
+struct ErasureReport {
+  size_t attempts = 0, references = 0, blobs = 0;
+};
+
+// How long things are kept; no rule: for good.
+//   "unfinished"  attempts that were never sealed, since their ticket; at least 14 days, as
+//   stations
+//                 may still upload (schemas/wire/README.md)
+//   "recordings"  since sealing: trace, final volume, surface and force series go, the score stays
+//   "attempts"    since sealing (quarantined ones: since their ticket): all of it
+// Reference cuts and attempts with a job in the queue are never touched; quarantined ones, being
+// evidence, only by "attempts".
+struct RetentionRule {
+  std::string what;
+  int32_t days = 0;
+};
+
+// Attempts a rule applies to now.
+struct RetentionReport {
+  std::vector<Uuid> unfinished, recordings, attempts;
+  size_t blobs = 0;  // removed with them
+};
+
+// How the store does. Counters are since it was opened.
+struct StoreHealth {
+  bool takes_recordings = true;
+  std::string problem;  // why not, and what to do; names no path
+  uint64_t free_bytes = 0, min_free_bytes = 0, database_bytes = 0, log_bytes = 0;
+  uint64_t commits = 0, writes = 0, failed_commits = 0;
+  double commit_s = 0;  // time spent in commits
+  uint64_t chunks = 0, chunk_bytes = 0, sealed = 0;
 };
 
 class Store {
@@ -101,6 +135,9 @@ class Store {
   virtual Result<Sha256> PutBlob(ByteView data) = 0;
   virtual Result<Bytes> GetBlob(const Sha256& hash) = 0;
   virtual bool HasBlob(const Sha256& hash) = 0;
+  // A blob that shows what the attempt's person did: kept under that person's key, readable through
+  // GetBlob as long as the key exists. Errors also: kNotFound (attempt), kConflict (person erased).
+  virtual Result<Sha256> PutAttemptBlob(const Uuid& attempt, ByteView data) = 0;
 
   virtual Status PutProfile(const ProfileRow& row, const Actor& by) = 0;  // replaces by name
   virtual Result<std::vector<ProfileRow>> Profiles() = 0;
@@ -129,10 +166,10 @@ class Store {
     Bytes bytes;
     UnixMs received_ms = 0;
   };
-  // Durable on return. Idempotent by (attempt, seq, hash). Same seq with another hash: kConflict,
-  // the attempt is quarantined and both are kept. Out of order, or not continuing the stored chain
-  // (first tick, previous hash): kInvalidInput naming what was expected. Concurrent callers share
-  // one fsync.
+  // Durable on return, kept under the person's key. Idempotent by (attempt, seq, hash). Same seq
+  // with another hash: kConflict, the attempt is quarantined and both are kept. Out of order, or
+  // not continuing the stored chain (first tick, previous hash): kInvalidInput naming what was
+  // expected. Concurrent callers share one fsync.
   virtual Status AppendChunk(const ChunkPut& chunk) = 0;
   // Refuses a seal that does not match the committed chunks (kConflict). Moves the trace from rows
   // into one write-once blob (a trace file, schemas/trace_format.md) and queues a "score" job.
@@ -169,11 +206,36 @@ class Store {
   // "failed".
   virtual Result<std::optional<JobRow>> LeaseJob(UnixMs now_ms, UnixMs lease_ms) = 0;
   virtual Status FinishJob(const Uuid& job, bool ok, const std::string& error) = 0;
-  // Stopped before its end through no fault of its own (shutdown): queued again, the try not counted.
+  // Stopped before its end through no fault of its own (shutdown): queued again, the try not
+  // counted.
   virtual Status ReturnJob(const Uuid& job) = 0;
   virtual Result<std::vector<JobRow>> Jobs(const std::string& state) = 0;
 
+  // Newest first.
   virtual Result<std::vector<AuditRow>> Audit(uint32_t limit) = 0;
+  // What the person did and what was done to the person and the person's attempts, oldest first.
+  virtual Result<std::vector<AuditRow>> AuditAbout(const Uuid& person) = 0;
+  // Something that changed nothing here but is to be known: a backup, an export.
+  virtual Status NoteAudit(const Actor& by, const std::string& action, const std::string& object,
+                           const std::string& after_json) = 0;
+
+  // Erases a person: key, attempts with everything made from them, sessions, memberships, name. The
+  // audit trail keeps the id, which nothing leads to any more, and a tombstone stays, so that the
+  // person is erased again after a restore. Scores of others that were compared with a reference
+  // cut of this person stay. Idempotent after a failure. Errors: kNotFound; kConflict (the person's
+  // attempts are references and `with_references` is not set); kUnavailable (a backup is running).
+  virtual Result<ErasureReport> ErasePerson(const Uuid& person, bool with_references,
+                                            const Actor& by) = 0;
+
+  virtual Result<std::vector<RetentionRule>> RetentionRules() = 0;
+  // Days 0: no rule. Errors: kInvalidInput.
+  virtual Status SetRetention(const RetentionRule& rule, const Actor& by) = 0;
+  // Removes what the rules say; with `dry_run` only tells. Errors: kUnavailable (a backup is
+  // running).
+  virtual Result<RetentionReport> ApplyRetention(UnixMs now_ms, bool dry_run, const Actor& by) = 0;
+
+  // Never fails: trouble is what it tells.
+  virtual StoreHealth Health() = 0;
 };
 
 }  // namespace enamel::server

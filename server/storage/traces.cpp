@@ -18,12 +18,14 @@ struct Ingest {
   uint32_t chunks = 0;
   uint64_t ticks = 0;
   Sha256 trace_blob;
+  bool expired = false;
 };
 
 Result<Ingest> FindIngest(Db& db, const Uuid& attempt) {
-  Query q(db,
-          "SELECT state, header IS NOT NULL, head_hash, head_state_hash, chunks, ticks, trace_blob "
-          "FROM attempts WHERE tenant = ?1 AND id = ?2");
+  Query q(
+      db,
+      "SELECT state, header IS NOT NULL, head_hash, head_state_hash, chunks, ticks, trace_blob, "
+      "expired_ms FROM attempts WHERE tenant = ?1 AND id = ?2");
   if (!q.Bind(attempt).Next()) {
     if (!q.status().ok()) return q.status();
     return Status(Code::kNotFound,
@@ -37,6 +39,7 @@ Result<Ingest> FindIngest(Db& db, const Uuid& attempt) {
   out.chunks = static_cast<uint32_t>(q.Int(4));
   out.ticks = static_cast<uint64_t>(q.Int(5));
   out.trace_blob = q.Hash(6);
+  out.expired = q.Int(7) != 0;
   return out;
 }
 
@@ -48,12 +51,12 @@ Result<std::optional<Sha256>> StoredHash(Db& db, const Uuid& attempt, uint32_t s
   return out;
 }
 
-Status KeepEvidence(Db& db, const Store::ChunkPut& chunk) {
+Status KeepEvidence(Db& db, const Store::ChunkPut& chunk, ByteView sealed) {
   Query q(db,
           "INSERT INTO contradicting_chunks (tenant, attempt, seq, hash, bytes, received_ms) "
           "SELECT ?1, ?2, ?3, ?4, ?5, ?6 WHERE (SELECT count(*) FROM contradicting_chunks "
           "WHERE tenant = ?1 AND attempt = ?2) < ?7 ON CONFLICT DO NOTHING");
-  q.Bind(chunk.attempt).Bind(int64_t{chunk.head.seq}).Bind(chunk.hash).Bind(chunk.bytes);
+  q.Bind(chunk.attempt).Bind(int64_t{chunk.head.seq}).Bind(chunk.hash).Bind(sealed);
   return q.Bind(chunk.received_ms).Bind(int64_t{kMaxEvidence}).Run();
 }
 
@@ -66,14 +69,14 @@ Status Quarantine(Db& db, const Uuid& attempt, const std::string& problem) {
 
 // A chunk of a number that is committed already. Its row is gone once sealed: see
 // RepeatedAfterSeal.
-Status Repeated(Db& db, const Store::ChunkPut& chunk, bool& keep_anyway) {
+Status Repeated(Db& db, const Store::ChunkPut& chunk, ByteView sealed, bool& keep_anyway) {
   auto stored = StoredHash(db, chunk.attempt, chunk.head.seq);
   if (!stored.ok()) return stored.status();
   if (!*stored || **stored == chunk.hash) return Status::Ok();
   std::string problem = "chunk " + std::to_string(chunk.head.seq) +
                         " came twice with different content: " + (*stored)->Hex() +
                         " is committed, " + chunk.hash.Hex() + " was refused";
-  ENAMEL_RETURN_IF_ERROR(KeepEvidence(db, chunk));
+  ENAMEL_RETURN_IF_ERROR(KeepEvidence(db, chunk, sealed));
   ENAMEL_RETURN_IF_ERROR(Quarantine(db, chunk.attempt, problem));
   keep_anyway = true;
   return Status(Code::kConflict, problem + "; the attempt is quarantined, ask the instructor",
@@ -103,12 +106,12 @@ Status MustContinue(const Ingest& ingest, const trace::ChunkHead& head) {
   return Status::Ok();
 }
 
-Status InsertChunk(Db& db, const Store::ChunkPut& chunk) {
+Status InsertChunk(Db& db, const Store::ChunkPut& chunk, ByteView sealed) {
   {
     Query q(db,
             "INSERT INTO trace_chunks (tenant, attempt, seq, hash, bytes, received_ms) "
             "VALUES (?1, ?2, ?3, ?4, ?5, ?6)");
-    q.Bind(chunk.attempt).Bind(int64_t{chunk.head.seq}).Bind(chunk.hash).Bind(chunk.bytes);
+    q.Bind(chunk.attempt).Bind(int64_t{chunk.head.seq}).Bind(chunk.hash).Bind(sealed);
     ENAMEL_RETURN_IF_ERROR(q.Bind(chunk.received_ms).Run());
   }
   Query q(db,
@@ -142,6 +145,11 @@ Result<std::vector<Bytes>> ChunkRows(Db& db, const Uuid& attempt) {
   return out;
 }
 
+Status Expired(const Uuid& attempt) {
+  return Status(Code::kNotFound, "the recording of attempt " + attempt.Text() +
+                                     " was removed by a retention rule; its score stays");
+}
+
 Result<Bytes> HeaderOf(Db& db, const Uuid& attempt) {
   Query q(db, "SELECT header FROM attempts WHERE tenant = ?1 AND id = ?2");
   bool found = q.Bind(attempt).Next();
@@ -155,6 +163,7 @@ Result<Bytes> HeaderOf(Db& db, const Uuid& attempt) {
 }  // namespace
 
 Status SqliteStore::OpenAttempt(const Uuid& attempt, ByteView header) {
+  ENAMEL_RETURN_IF_ERROR(space_.Check());
   return Write([&](Db& db) -> Status {
     auto ingest = FindIngest(db, attempt);
     if (!ingest.ok()) return ingest.status();
@@ -181,12 +190,19 @@ Status SqliteStore::RepeatedAfterSeal(const ChunkPut& chunk) {
   if (stored->hash == chunk.hash) return Status::Ok();
   std::string problem = "chunk " + std::to_string(chunk.head.seq) + " of the sealed attempt " +
                         chunk.attempt.Text() + " is committed with other content";
-  ENAMEL_RETURN_IF_ERROR(Write([&](Db& db) { return KeepEvidence(db, chunk); }));
+  auto key = KeyOf(chunk.attempt);
+  if (!key.ok()) return key.status();
+  Bytes sealed = SealPersonal(key->person, key->key, chunk.attempt, chunk.bytes);
+  ENAMEL_RETURN_IF_ERROR(Write([&](Db& db) { return KeepEvidence(db, chunk, sealed); }));
   return Status(Code::kConflict, problem, "hash");
 }
 
 Status SqliteStore::AppendChunk(const ChunkPut& chunk) {
-  bool sealed_before = false;
+  ENAMEL_RETURN_IF_ERROR(space_.Check());
+  auto key = KeyOf(chunk.attempt);
+  if (!key.ok()) return key.status();
+  const Bytes sealed = SealPersonal(key->person, key->key, chunk.attempt, chunk.bytes);
+  bool sealed_before = false, fresh = false;
   Status status = Write(Writer::Work([&](Db& db, bool& keep_anyway) -> Status {
     auto ingest = FindIngest(db, chunk.attempt);
     if (!ingest.ok()) return ingest.status();
@@ -196,7 +212,7 @@ Status SqliteStore::AppendChunk(const ChunkPut& chunk) {
     }
     if (chunk.head.seq < ingest->chunks) {
       sealed_before = !ingest->trace_blob.IsZero();
-      return Repeated(db, chunk, keep_anyway);
+      return Repeated(db, chunk, sealed, keep_anyway);
     }
     if (ingest->state != AttemptState::kRecording) {
       return Status(Code::kConflict, "attempt " + chunk.attempt.Text() + " is " +
@@ -204,8 +220,13 @@ Status SqliteStore::AppendChunk(const ChunkPut& chunk) {
                                          " and takes no more chunks");
     }
     ENAMEL_RETURN_IF_ERROR(MustContinue(*ingest, chunk.head));
-    return InsertChunk(db, chunk);
+    fresh = true;
+    return InsertChunk(db, chunk, sealed);
   }));
+  if (status.ok() && fresh) {
+    ++chunks_;
+    chunk_bytes_ += chunk.bytes.size();
+  }
   return status.ok() && sealed_before ? RepeatedAfterSeal(chunk) : status;
 }
 
@@ -220,7 +241,12 @@ Status SqliteStore::MoveTraceToBlob(const trace::Seal& seal, Sha256& blob) {
     return trace::TraceFile{std::move(header).value(), std::move(chunks).value(), seal, false};
   });
   if (!file.ok()) return file.status();
-  auto hash = blobs_.Put(trace::EncodeTraceFile(*file));
+  for (Bytes& chunk : file->chunks) {
+    auto opened = OpenPersonal(keyring_, std::move(chunk));
+    if (!opened.ok()) return opened.status();
+    chunk = std::move(opened).value();
+  }
+  auto hash = PutAttemptBlob(seal.attempt, trace::EncodeTraceFile(*file));
   if (!hash.ok()) return hash.status();
   blob = *hash;
   return Status::Ok();
@@ -237,6 +263,7 @@ Status SqliteStore::SealAttempt(const trace::Seal& seal, UnixMs now_ms) {
     if (Status status = SealMatches(*ingest, seal); !status.ok()) return status;
     return ingest;
   };
+  ENAMEL_RETURN_IF_ERROR(space_.Check());
   auto before = Read(check);
   if (!before.ok()) return before.status();
   if (before->state != AttemptState::kRecording) return Status::Ok();
@@ -244,10 +271,12 @@ Status SqliteStore::SealAttempt(const trace::Seal& seal, UnixMs now_ms) {
     return Status(Code::kConflict, "an attempt without a chunk cannot be sealed");
   Sha256 blob;
   ENAMEL_RETURN_IF_ERROR(MoveTraceToBlob(seal, blob));
-  return Write([&](Db& db) -> Status {
+  bool fresh = false;
+  Status status = Write([&](Db& db) -> Status {
     auto ingest = check(db);
     if (!ingest.ok()) return ingest.status();
     if (ingest->state != AttemptState::kRecording) return Status::Ok();
+    fresh = true;
     {
       Query q(db,
               "UPDATE attempts SET state = 3, sealed_ms = ?3, trace_blob = ?4 "
@@ -262,6 +291,8 @@ Status SqliteStore::SealAttempt(const trace::Seal& seal, UnixMs now_ms) {
     return WriteAudit(db, Actor{{}, "station link"}, "attempt.seal", seal.attempt.Text(), "{}",
                       JsonOf({{"chunks", std::to_string(seal.chunks)}, {"trace", blob.Hex()}}));
   });
+  if (status.ok() && fresh) ++sealed_;
+  return status;
 }
 
 Result<Bytes> SqliteStore::AttemptHeader(const Uuid& attempt) {
@@ -274,11 +305,18 @@ Result<std::vector<Bytes>> SqliteStore::AttemptChunks(const Uuid& attempt) {
     auto ingest = FindIngest(db, attempt);
     if (!ingest.ok()) return ingest.status();
     blob = ingest->trace_blob;
+    if (ingest->expired) return Expired(attempt);
     if (!blob.IsZero()) return std::vector<Bytes>();
     return ChunkRows(db, attempt);
   });
-  if (!rows.ok() || blob.IsZero()) return rows;
-  auto bytes = blobs_.Get(blob);
+  if (!rows.ok()) return rows;
+  for (Bytes& row : *rows) {
+    auto opened = OpenPersonal(keyring_, std::move(row));
+    if (!opened.ok()) return opened.status();
+    row = std::move(opened).value();
+  }
+  if (blob.IsZero()) return rows;
+  auto bytes = GetBlob(blob);
   if (!bytes.ok()) return bytes.status();
   auto file = trace::DecodeTraceFile(*bytes);
   if (!file.ok()) return file.status();
@@ -289,6 +327,7 @@ Result<trace::Seal> SqliteStore::AttemptSeal(const Uuid& attempt) {
   return Read([&](Db& db) -> Result<trace::Seal> {
     auto ingest = FindIngest(db, attempt);
     if (!ingest.ok()) return ingest.status();
+    if (ingest->expired) return Expired(attempt);
     if (ingest->trace_blob.IsZero()) {
       return Status(Code::kConflict, "attempt " + attempt.Text() + " is not sealed yet");
     }

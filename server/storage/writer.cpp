@@ -1,5 +1,6 @@
 #include "server/storage/writer.h"
 
+#include <chrono>
 #include <thread>
 
 namespace enamel::server::sqlite {
@@ -39,14 +40,39 @@ void Writer::Lead(std::unique_lock<std::mutex>& lock) {
 }
 
 void Writer::Commit(const std::vector<Pending*>& batch) {
+  auto begin = std::chrono::steady_clock::now();
+  Status failure = Transact(batch);
+  std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+  std::lock_guard lock(mutex_);
+  last_failure_ = failure;
+  for (const Pending* pending : batch) {
+    if (pending->status.code() == Code::kStorage) last_failure_ = pending->status;
+  }
+  ++(failure.ok() ? counters_.commits : counters_.failed_commits);
+  counters_.works += failure.ok() ? batch.size() : 0;
+  counters_.commit_s += took.count();
+}
+
+Status Writer::Transact(const std::vector<Pending*>& batch) {
   Status failure = db_->Exec("BEGIN IMMEDIATE");
   for (size_t i = 0; failure.ok() && i < batch.size(); ++i) {
     failure = RunOne(*batch[i]->work, batch[i]->status);
   }
   if (failure.ok()) failure = db_->Exec("COMMIT");
-  if (failure.ok()) return;
+  if (failure.ok()) return failure;
   db_->Rollback();
   for (Pending* pending : batch) pending->status = failure;
+  return failure;
+}
+
+Writer::Counters Writer::counters() const {
+  std::lock_guard lock(mutex_);
+  return counters_;
+}
+
+Status Writer::last_failure() const {
+  std::lock_guard lock(mutex_);
+  return last_failure_;
 }
 
 Status Writer::RunOne(const Work& work, Status& outcome) {

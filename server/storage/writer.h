@@ -25,6 +25,15 @@ class Writer {
   using Work = std::function<Status(Db& db, bool& keep_anyway)>;
   Status Run(const Work& work);
 
+  // Since the start.
+  struct Counters {
+    uint64_t commits = 0, works = 0, failed_commits = 0;
+    double commit_s = 0;  // from BEGIN to the end of COMMIT
+  };
+  Counters counters() const;
+  // Why the last transaction could not be written; Ok after one that could.
+  Status last_failure() const;
+
  private:
   static constexpr size_t kMaxBatch = 256;
   // A batch of so many says that many write at once: the next commit then waits until more have
@@ -38,14 +47,17 @@ class Writer {
     std::condition_variable turn{};  // done, or nobody leads
   };
   void Lead(std::unique_lock<std::mutex>& lock);
-  void Commit(const std::vector<Pending*>& batch);   // by the leader only
+  void Commit(const std::vector<Pending*>& batch);  // by the leader only
+  Status Transact(const std::vector<Pending*>& batch);
   Status RunOne(const Work& work, Status& outcome);  // by the leader only
 
   std::unique_ptr<Db> db_;                               // used by the leader
   std::chrono::steady_clock::time_point next_commit_{};  // used by the leader
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::deque<Pending*> queue_;  // guarded by mutex_
   bool leading_ = false;        // guarded by mutex_
+  Status last_failure_;         // guarded by mutex_
+  Counters counters_;           // guarded by mutex_
 };
 
 }  // namespace enamel::server::sqlite

@@ -99,8 +99,9 @@ struct AttemptRow {
   uint64_t trace_bytes = 0;  // header + committed chunks
   std::optional<double> score;
   bool critical_fail = false;
-  double progress = 0;  // 0..1 while scoring
-  std::string problem;  // why failed or quarantined
+  double progress = 0;    // 0..1 while scoring
+  UnixMs expired_ms = 0;  // when a retention rule removed the recording; 0: it is there
+  std::string problem;    // why failed or quarantined
 };
 
 struct ReferenceRow {

@@ -41,6 +41,7 @@ class MemoryStore final : public server::Store {
     blobs[hash] = Bytes(data.begin(), data.end());
     return hash;
   }
+  Result<Sha256> PutAttemptBlob(const Uuid&, ByteView data) override { return PutBlob(data); }
   Result<Bytes> GetBlob(const Sha256& hash) override {
     std::lock_guard lock(mutex_);
     return Find(blobs, hash, "blob");
@@ -217,6 +218,21 @@ class MemoryStore final : public server::Store {
     return No();
   }
   Result<std::vector<server::AuditRow>> Audit(uint32_t) override { return No(); }
+  Result<std::vector<server::AuditRow>> AuditAbout(const Uuid&) override { return No(); }
+  Status NoteAudit(const server::Actor&, const std::string&, const std::string&,
+                   const std::string&) override {
+    return No();
+  }
+  Result<server::ErasureReport> ErasePerson(const Uuid&, bool, const server::Actor&) override {
+    return No();
+  }
+  Result<std::vector<server::RetentionRule>> RetentionRules() override { return No(); }
+  Status SetRetention(const server::RetentionRule&, const server::Actor&) override { return No(); }
+  Result<server::RetentionReport> ApplyRetention(server::UnixMs, bool,
+                                                 const server::Actor&) override {
+    return No();
+  }
+  server::StoreHealth Health() override { return {}; }
 
  private:
   static Status No() { return Status(Code::kInternal, "MemoryStore does not do this"); }

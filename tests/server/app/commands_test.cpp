@@ -74,7 +74,7 @@ TEST_F(CommandsTest, RefusalsSayWhatIsAllowed) {
       std::string::npos);
   EXPECT_EQ(AddPerson(Data(), {"a b", "", "student"}).field(), "login");
   EXPECT_EQ(AddToCohort(Data(), "none", "ada").code(), Code::kNotFound);
-  EXPECT_EQ(PublishExercise(Data(), {"builtin:incisor", ""}).field(), "name");
+  EXPECT_EQ(PublishExercise(Data(), {"builtin:no-such-tooth", ""}).field(), "name");
   EXPECT_EQ(MarkReference(Data(), "not an id", "x").code(), Code::kInvalidInput);
   EXPECT_EQ(MarkReference(Data(), Uuid::New().Text(), "x").code(), Code::kNotFound);
   ReportOptions report;

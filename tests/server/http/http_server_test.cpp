@@ -39,7 +39,7 @@ TEST_F(HttpServerTest, KeepsTheConnectionForPipelinedRequests) {
     auto response = client.Read();
     ASSERT_TRUE(response);
     EXPECT_EQ(response->status, 200);
-    EXPECT_EQ(response->body, R"({"status":"ok"})");
+    EXPECT_EQ(response->body, R"({"status":"ok","problem":""})");
   }
 }
 

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "tests/server/storage/store_world.h"
+#include "tests/server/storage/backends.h"
 
 // What every backend of Store must do: people, stations, content, results, references, jobs, audit.
 namespace enamel::server {
@@ -8,23 +8,19 @@ namespace {
 
 using namespace testing;
 
-class StoreTest : public ::testing::Test {
- protected:
-  TempFolder folder_;
-  std::unique_ptr<Store> store_ = OpenStore(folder_.path());
-};
+class StoreTest : public StoreSuite {};
+INSTANTIATE_TEST_SUITE_P(Backends, StoreTest, ::testing::ValuesIn(Backends()), BackendName);
 
-TEST_F(StoreTest, PersonIsFoundByIdAndLoginAfterReopening) {
+TEST_P(StoreTest, PersonIsFoundByIdAndLoginAfterReopening) {
   Uuid id = AddPerson(*store_, "ada", Role::kInstructor, "verifier");
-  store_.reset();
-  store_ = OpenStore(folder_.path());
+  Reopen();
   EXPECT_EQ(store_->PersonById(id)->login, "ada");
   EXPECT_EQ(store_->PersonByLogin("ada")->role, Role::kInstructor);
   EXPECT_EQ(*store_->PasswordVerifier(id), "verifier");
   EXPECT_EQ(store_->PersonByLogin("nobody").status().code(), Code::kNotFound);
 }
 
-TEST_F(StoreTest, SecondPersonWithTheSameLoginIsAConflict) {
+TEST_P(StoreTest, SecondPersonWithTheSameLoginIsAConflict) {
   AddPerson(*store_, "ada", Role::kStudent);
   Person again;
   again.login = "ada";
@@ -33,7 +29,7 @@ TEST_F(StoreTest, SecondPersonWithTheSameLoginIsAConflict) {
   EXPECT_NE(refused.status().message().find("ada"), std::string::npos);
 }
 
-TEST_F(StoreTest, DisablingAPersonEndsItsSessions) {
+TEST_P(StoreTest, DisablingAPersonEndsItsSessions) {
   Uuid id = AddPerson(*store_, "ada", Role::kStudent);
   Sha256 token = HashSha256(AsBytes("token"));
   ASSERT_TRUE(store_->CreateSession({token, id, 1, 1, 1000, "page"}).ok());
@@ -42,7 +38,7 @@ TEST_F(StoreTest, DisablingAPersonEndsItsSessions) {
   EXPECT_EQ(store_->FindSession(token).status().code(), Code::kNotFound);
 }
 
-TEST_F(StoreTest, NewPasswordEndsSessionsMadeWithTheOldOne) {
+TEST_P(StoreTest, NewPasswordEndsSessionsMadeWithTheOldOne) {
   Uuid id = AddPerson(*store_, "ada", Role::kStudent);
   Sha256 token = HashSha256(AsBytes("token"));
   ASSERT_TRUE(store_->CreateSession({token, id, 1, 1, 1000, "page"}).ok());
@@ -50,7 +46,7 @@ TEST_F(StoreTest, NewPasswordEndsSessionsMadeWithTheOldOne) {
   EXPECT_FALSE(store_->FindSession(token).ok());
 }
 
-TEST_F(StoreTest, CohortSharingIsWhatMembershipSays) {
+TEST_P(StoreTest, CohortSharingIsWhatMembershipSays) {
   Uuid a = AddPerson(*store_, "a", Role::kStudent), b = AddPerson(*store_, "b", Role::kInstructor);
   Uuid c = AddPerson(*store_, "c", Role::kInstructor);
   Uuid cohort = *store_->CreateCohort("year 1", kSystem);
@@ -63,7 +59,7 @@ TEST_F(StoreTest, CohortSharingIsWhatMembershipSays) {
   EXPECT_EQ(store_->AddToCohort(Uuid::New(), a, kSystem).code(), Code::kNotFound);
 }
 
-TEST_F(StoreTest, EnrolmentCodeWorksOnceAndBeforeItExpires) {
+TEST_P(StoreTest, EnrolmentCodeWorksOnceAndBeforeItExpires) {
   Sha256 code = HashSha256(AsBytes("a")), late = HashSha256(AsBytes("b"));
   ASSERT_TRUE(store_->AddEnrolCode(code, 1000, kSystem).ok());
   ASSERT_TRUE(store_->AddEnrolCode(late, 1000, kSystem).ok());
@@ -81,7 +77,7 @@ TEST_F(StoreTest, EnrolmentCodeWorksOnceAndBeforeItExpires) {
   EXPECT_EQ(store_->StationByCredential(station->id, late).status().code(), Code::kNotFound);
 }
 
-TEST_F(StoreTest, BlobReadsBackAndAbsentOneIsNotFound) {
+TEST_P(StoreTest, BlobReadsBackAndAbsentOneIsNotFound) {
   Bytes data(100'000, 42);
   Sha256 hash = *store_->PutBlob(data);
   EXPECT_EQ(hash, HashSha256(data));
@@ -90,7 +86,7 @@ TEST_F(StoreTest, BlobReadsBackAndAbsentOneIsNotFound) {
   EXPECT_EQ(store_->GetBlob(Sha256{}).status().code(), Code::kNotFound);
 }
 
-TEST_F(StoreTest, PublishingTheSameContentAgainKeepsTheVersion) {
+TEST_P(StoreTest, PublishingTheSameContentAgainKeepsTheVersion) {
   World world(*store_);
   auto same = store_->PublishExercise(world.Exercise("exercise", "v1"), Uuid{}, kSystem);
   EXPECT_EQ(same->id, world.exercise.id);
@@ -102,7 +98,7 @@ TEST_F(StoreTest, PublishingTheSameContentAgainKeepsTheVersion) {
   EXPECT_EQ(store_->ExerciseByContent(world.exercise.content)->version, 1);
 }
 
-TEST_F(StoreTest, ExerciseOfACohortIsOfferedToItsMembersOnly) {
+TEST_P(StoreTest, ExerciseOfACohortIsOfferedToItsMembersOnly) {
   World world(*store_);
   Uuid cohort = *store_->CreateCohort("year 1", kSystem);
   ASSERT_TRUE(store_->PublishExercise(world.Exercise("closed", "c1"), cohort, kSystem).ok());
@@ -111,7 +107,7 @@ TEST_F(StoreTest, ExerciseOfACohortIsOfferedToItsMembersOnly) {
   EXPECT_EQ(store_->ExercisesFor(world.student)->size(), 2u);
 }
 
-TEST_F(StoreTest, AttemptFiltersNarrowAndPage) {
+TEST_P(StoreTest, AttemptFiltersNarrowAndPage) {
   World world(*store_);
   Uuid other = AddPerson(*store_, "other", Role::kStudent);
   Uuid instructor = AddPerson(*store_, "instructor", Role::kInstructor);
@@ -131,7 +127,7 @@ TEST_F(StoreTest, AttemptFiltersNarrowAndPage) {
   EXPECT_EQ(count({.before = newest.id}), 1u);
 }
 
-TEST_F(StoreTest, OnlyAScoredAttemptIsReleased) {
+TEST_P(StoreTest, OnlyAScoredAttemptIsReleased) {
   World world(*store_);
   Uuid open = world.OpenedAttempt();
   EXPECT_EQ(store_->ReleaseAttempt(open, kSystem).code(), Code::kConflict);
@@ -140,7 +136,7 @@ TEST_F(StoreTest, OnlyAScoredAttemptIsReleased) {
   EXPECT_TRUE(store_->AttemptById(scored)->released);
 }
 
-TEST_F(StoreTest, ReferenceQueuesAttemptsThatWereScoredWithoutOne) {
+TEST_P(StoreTest, ReferenceQueuesAttemptsThatWereScoredWithoutOne) {
   World world(*store_);
   Uuid scored = world.ScoredAttempt();
   auto job = store_->LeaseJob(1, 1000);
@@ -163,7 +159,7 @@ TEST_F(StoreTest, ReferenceQueuesAttemptsThatWereScoredWithoutOne) {
   EXPECT_EQ(store_->ResultOf(scored)->reference, scored);
 }
 
-TEST_F(StoreTest, ReferenceQueuesAttemptsThatFailedForWantOfOne) {
+TEST_P(StoreTest, ReferenceQueuesAttemptsThatFailedForWantOfOne) {
   World world(*store_);
   Uuid waiting = world.OpenedAttempt();
   ASSERT_TRUE(store_->SealAttempt(World::SealOf(world.Append(waiting, 1)), 200).ok());
@@ -182,7 +178,7 @@ TEST_F(StoreTest, ReferenceQueuesAttemptsThatFailedForWantOfOne) {
   EXPECT_EQ(store_->AttemptById(waiting)->problem, "");
 }
 
-TEST_F(StoreTest, JobWhoseLeaseRanOutIsTakenAgainAndFailsAfterThreeTries) {
+TEST_P(StoreTest, JobWhoseLeaseRanOutIsTakenAgainAndFailsAfterThreeTries) {
   World world(*store_);
   Uuid attempt = world.OpenedAttempt();
   ASSERT_TRUE(store_->SealAttempt(World::SealOf(world.Append(attempt, 1)), 200).ok());
@@ -200,7 +196,7 @@ TEST_F(StoreTest, JobWhoseLeaseRanOutIsTakenAgainAndFailsAfterThreeTries) {
   EXPECT_EQ(store_->AttemptById(attempt)->state, AttemptState::kFailed);
 }
 
-TEST_F(StoreTest, ReturnedJobIsQueuedAgainWithoutCountingTheTry) {
+TEST_P(StoreTest, ReturnedJobIsQueuedAgainWithoutCountingTheTry) {
   World world(*store_);
   Uuid attempt = world.OpenedAttempt();
   ASSERT_TRUE(store_->SealAttempt(World::SealOf(world.Append(attempt, 1)), 200).ok());
@@ -213,7 +209,7 @@ TEST_F(StoreTest, ReturnedJobIsQueuedAgainWithoutCountingTheTry) {
   }
 }
 
-TEST_F(StoreTest, FailedTryIsQueuedAgainWithItsError) {
+TEST_P(StoreTest, FailedTryIsQueuedAgainWithItsError) {
   World world(*store_);
   Uuid attempt = world.OpenedAttempt();
   ASSERT_TRUE(store_->SealAttempt(World::SealOf(world.Append(attempt, 1)), 200).ok());
@@ -223,7 +219,7 @@ TEST_F(StoreTest, FailedTryIsQueuedAgainWithItsError) {
   EXPECT_EQ(store_->AttemptById(attempt)->state, AttemptState::kSealed);
 }
 
-TEST_F(StoreTest, EveryChangeLeavesAnAuditRowWithItsActor) {
+TEST_P(StoreTest, EveryChangeLeavesAnAuditRowWithItsActor) {
   World world(*store_);
   Uuid scored = world.ScoredAttempt();
   ASSERT_TRUE(store_->ReleaseAttempt(scored, Actor{world.student, "page"}).ok());

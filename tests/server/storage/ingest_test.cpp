@@ -2,7 +2,7 @@
 
 #include <thread>
 
-#include "tests/server/storage/store_world.h"
+#include "tests/server/storage/backends.h"
 
 // Traces: what is committed, what is refused, what survives.
 namespace enamel::server {
@@ -10,21 +10,21 @@ namespace {
 
 using namespace testing;
 
-class IngestTest : public ::testing::Test {
+class IngestTest : public StoreSuite {
  protected:
-  TempFolder folder_;
-  std::unique_ptr<Store> store_ = OpenStore(folder_.path());
   World world_{*store_};
 };
 
-TEST_F(IngestTest, HeaderIsOpenedOnceAndAgainOnlyWithTheSameBytes) {
+INSTANTIATE_TEST_SUITE_P(Backends, IngestTest, ::testing::ValuesIn(Backends()), BackendName);
+
+TEST_P(IngestTest, HeaderIsOpenedOnceAndAgainOnlyWithTheSameBytes) {
   Uuid attempt = world_.OpenedAttempt();
   EXPECT_TRUE(store_->OpenAttempt(attempt, AsBytes("header")).ok());
   EXPECT_EQ(store_->OpenAttempt(attempt, AsBytes("another")).code(), Code::kConflict);
   EXPECT_EQ(store_->OpenAttempt(Uuid::New(), AsBytes("header")).code(), Code::kNotFound);
 }
 
-TEST_F(IngestTest, ChunksAreCountedOnceHoweverOftenTheyCome) {
+TEST_P(IngestTest, ChunksAreCountedOnceHoweverOftenTheyCome) {
   Uuid attempt = world_.OpenedAttempt();
   auto chunks = world_.Append(attempt, 3);
   for (const auto& chunk : chunks) EXPECT_TRUE(store_->AppendChunk(chunk).ok());
@@ -34,7 +34,7 @@ TEST_F(IngestTest, ChunksAreCountedOnceHoweverOftenTheyCome) {
   EXPECT_EQ(row.state, AttemptState::kRecording);
 }
 
-TEST_F(IngestTest, ChunkOutOfOrderNamesTheExpectedOne) {
+TEST_P(IngestTest, ChunkOutOfOrderNamesTheExpectedOne) {
   Uuid attempt = world_.OpenedAttempt();
   Status status = store_->AppendChunk(world_.Chunk(attempt, 2, World::HeaderHash()));
   EXPECT_EQ(status.code(), Code::kConflict);
@@ -42,7 +42,7 @@ TEST_F(IngestTest, ChunkOutOfOrderNamesTheExpectedOne) {
   EXPECT_NE(status.message().find("expected chunk 0"), std::string::npos) << status.message();
 }
 
-TEST_F(IngestTest, ChunkOfAnotherChainIsRefused) {
+TEST_P(IngestTest, ChunkOfAnotherChainIsRefused) {
   Uuid attempt = world_.OpenedAttempt();
   Status status = store_->AppendChunk(world_.Chunk(attempt, 0, HashSha256(AsBytes("elsewhere"))));
   EXPECT_EQ(status.code(), Code::kConflict);
@@ -50,7 +50,7 @@ TEST_F(IngestTest, ChunkOfAnotherChainIsRefused) {
   EXPECT_EQ(store_->AttemptById(attempt)->chunks, 0u);
 }
 
-TEST_F(IngestTest, ContradictingChunkQuarantinesTheAttemptAndKeepsBoth) {
+TEST_P(IngestTest, ContradictingChunkQuarantinesTheAttemptAndKeepsBoth) {
   Uuid attempt = world_.OpenedAttempt();
   auto chunks = world_.Append(attempt, 1);
   EXPECT_EQ(store_->AppendChunk(world_.Chunk(attempt, 0, World::HeaderHash(), 9)).code(),
@@ -62,7 +62,7 @@ TEST_F(IngestTest, ContradictingChunkQuarantinesTheAttemptAndKeepsBoth) {
   EXPECT_EQ(store_->SealAttempt(World::SealOf(chunks), 1).code(), Code::kConflict);
 }
 
-TEST_F(IngestTest, SealedTraceReadsBackTheSameBytes) {
+TEST_P(IngestTest, SealedTraceReadsBackTheSameBytes) {
   Uuid attempt = world_.OpenedAttempt();
   auto chunks = world_.Append(attempt, 4);
   trace::Seal seal = World::SealOf(chunks);
@@ -77,7 +77,7 @@ TEST_F(IngestTest, SealedTraceReadsBackTheSameBytes) {
   EXPECT_EQ(store_->Jobs("queued")->size(), 1u);
 }
 
-TEST_F(IngestTest, SealThatDoesNotMatchTheChunksIsRefused) {
+TEST_P(IngestTest, SealThatDoesNotMatchTheChunksIsRefused) {
   Uuid attempt = world_.OpenedAttempt();
   auto chunks = world_.Append(attempt, 2);
   trace::Seal seal = World::SealOf(chunks);
@@ -86,7 +86,7 @@ TEST_F(IngestTest, SealThatDoesNotMatchTheChunksIsRefused) {
   EXPECT_EQ(store_->AttemptById(attempt)->state, AttemptState::kRecording);
 }
 
-TEST_F(IngestTest, SealedAttemptTakesRepeatsButNothingNew) {
+TEST_P(IngestTest, SealedAttemptTakesRepeatsButNothingNew) {
   Uuid attempt = world_.OpenedAttempt();
   auto chunks = world_.Append(attempt, 2);
   ASSERT_TRUE(store_->SealAttempt(World::SealOf(chunks), 200).ok());
@@ -97,7 +97,7 @@ TEST_F(IngestTest, SealedAttemptTakesRepeatsButNothingNew) {
   EXPECT_EQ(store_->AttemptById(attempt)->state, AttemptState::kSealed);
 }
 
-TEST_F(IngestTest, ConcurrentAttemptsAllCommit) {
+TEST_P(IngestTest, ConcurrentAttemptsAllCommit) {
   constexpr int kAttempts = 4, kChunks = 8;
   std::vector<Uuid> attempts;
   for (int i = 0; i < kAttempts; ++i) attempts.push_back(world_.OpenedAttempt());
@@ -106,8 +106,7 @@ TEST_F(IngestTest, ConcurrentAttemptsAllCommit) {
     threads.emplace_back([&, attempt] { world_.Append(attempt, kChunks); });
   }
   for (auto& thread : threads) thread.join();
-  store_.reset();
-  store_ = OpenStore(folder_.path());
+  Reopen();
   for (const Uuid& attempt : attempts)
     EXPECT_EQ(store_->AttemptChunks(attempt)->size(), size_t{kChunks});
 }

@@ -48,7 +48,9 @@ TEST(SqliteFaultTest, NothingAcknowledgedIsLostWhicheverWriteFails) {
     store.reset();
     store = OpenStore(folder.path());
     EXPECT_GE(store->AttemptChunks(attempt)->size(), acknowledged);
-    if (sealed) { EXPECT_EQ(store->AttemptById(attempt)->state, AttemptState::kSealed); }
+    if (sealed) {
+      EXPECT_EQ(store->AttemptById(attempt)->state, AttemptState::kSealed);
+    }
 
     previous = World::HeaderHash();
     std::vector<Store::ChunkPut> all;

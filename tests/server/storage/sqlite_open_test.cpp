@@ -86,6 +86,16 @@ TEST(SqliteOpenTest, FolderThatMayNotBeWrittenIsRefused) {
   EXPECT_NE(refused.status().message().find("not writable"), std::string::npos);
 }
 
+TEST(SqliteOpenTest, FolderOfAnotherUserIsRefusedForRoot) {
+  if (::geteuid() != 0) GTEST_SKIP() << "skipped: only root could open it at all";
+  TempFolder folder;
+  ASSERT_EQ(::chown(folder.path().c_str(), 12345, 12345), 0);
+  auto refused = OpenSqliteStore({folder.path()});
+  EXPECT_EQ(refused.status().code(), Code::kForbidden);
+  EXPECT_NE(refused.status().message().find("12345"), std::string::npos);
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
 TEST(SqliteOpenTest, DamagedBlobIsRefusedNotReturned) {
   TempFolder folder;
   auto store = OpenStore(folder.path());

@@ -1,0 +1,64 @@
+#include "server/app/caretaker.h"
+
+#include <spdlog/spdlog.h>
+
+#include <condition_variable>
+#include <mutex>
+
+namespace enamel::server::app {
+namespace {
+
+UnixMs NowMs() {
+  return std::chrono::duration_cast<std::chrono::milliseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+}  // namespace
+
+Caretaker::Caretaker(Store& store, Intervals intervals)
+    : store_(store),
+      intervals_(intervals),
+      thread_([this](const std::stop_token& stop) { Run(stop); }) {}
+
+void Caretaker::Run(const std::stop_token& stop) {
+  std::mutex mutex;
+  std::unique_lock lock(mutex);
+  std::condition_variable_any never;
+  auto retention = std::chrono::steady_clock::now() + intervals_.first_retention;
+  while (!stop.stop_requested()) {
+    LookAtHealth();
+    if (std::chrono::steady_clock::now() >= retention) {
+      ApplyRetention();
+      retention = std::chrono::steady_clock::now() + intervals_.retention;
+    }
+    never.wait_for(lock, stop, intervals_.health, [] { return false; });
+  }
+}
+
+void Caretaker::LookAtHealth() {
+  StoreHealth health = store_.Health();
+  if (health.takes_recordings == took_recordings_) return;
+  took_recordings_ = health.takes_recordings;
+  if (took_recordings_) {
+    spdlog::info("recordings are taken again");
+  } else {
+    spdlog::error("no recordings are taken: {}", health.problem);
+  }
+}
+
+void Caretaker::ApplyRetention() {
+  auto report = store_.ApplyRetention(NowMs(), false, Actor{{}, "retention"});
+  if (!report.ok()) {
+    spdlog::warn("retention rules were not applied, next try in an hour: {}",
+                 report.status().message());
+    return;
+  }
+  size_t all = report->unfinished.size() + report->recordings.size() + report->attempts.size();
+  if (all + report->blobs == 0) return;
+  spdlog::info("retention removed {} unfinished attempts, {} recordings, {} attempts, {} blobs",
+               report->unfinished.size(), report->recordings.size(), report->attempts.size(),
+               report->blobs);
+}
+
+}  // namespace enamel::server::app

@@ -1,0 +1,210 @@
+#include "server/app/personal_data.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <boost/json.hpp>
+#include <iostream>
+
+#include "common/base/file.h"
+#include "server/app/data_folder.h"
+
+namespace enamel::server::app {
+namespace {
+
+namespace fs = std::filesystem;
+namespace json = boost::json;
+
+// Collects an export's files and what stands in export.json about them.
+class Exporter {
+ public:
+  Exporter(Store& store, fs::path target) : store_(store), target_(std::move(target)) {}
+
+  Status Run(const Person& person) {
+    ENAMEL_RETURN_IF_ERROR(MakeFolder(target_));
+    json::object root{{"format", "enamel-person"},
+                      {"version", 1},
+                      {"person",
+                       {{"id", person.id.Text()},
+                        {"login", person.login},
+                        {"display_name", person.display_name},
+                        {"role", RoleName(person.role)},
+                        {"disabled", person.disabled},
+                        {"created_ms", person.created_ms}}}};
+    ENAMEL_RETURN_IF_ERROR(AddCohorts(person, root));
+    ENAMEL_RETURN_IF_ERROR(AddAttempts(person, root));
+    ENAMEL_RETURN_IF_ERROR(AddAudit(person, root));
+    return Write("export.json", AsBytes(json::serialize(root) + "\n"));
+  }
+  size_t attempts() const { return attempts_; }
+  uint64_t bytes() const { return bytes_; }
+
+ private:
+  static Status MakeFolder(const fs::path& folder) {
+    std::error_code error;
+    fs::create_directories(folder, error);
+    if (!error) fs::permissions(folder, fs::perms::owner_all, error);
+    if (!error) return Status::Ok();
+    return Status(Code::kStorage, "cannot make " + folder.string() + ": " + error.message());
+  }
+
+  Status Write(const fs::path& name, ByteView content) {
+    bytes_ += content.size();
+    return WriteFileDurably(target_ / name, content, 0600);
+  }
+
+  Status AddCohorts(const Person& person, json::object& root) {
+    auto cohorts = store_.CohortsOf(person.id);
+    if (!cohorts.ok()) return cohorts.status();
+    json::array names;
+    for (const Cohort& cohort : *cohorts) names.emplace_back(cohort.name);
+    root["cohorts"] = std::move(names);
+    return Status::Ok();
+  }
+
+  Status AddAudit(const Person& person, json::object& root) {
+    auto rows = store_.AuditAbout(person.id);
+    if (!rows.ok()) return rows.status();
+    json::array audit;
+    for (const AuditRow& row : *rows) {
+      audit.push_back({{"at_ms", row.at_ms},
+                       {"actor", row.actor},
+                       {"action", row.action},
+                       {"object", row.object},
+                       {"before", row.before_json},
+                       {"after", row.after_json}});
+    }
+    root["audit"] = std::move(audit);
+    return Status::Ok();
+  }
+
+  Status AddAttempts(const Person& person, json::object& root) {
+    AttemptFilter filter;
+    filter.person = person.id;
+    filter.limit = 200;
+    json::array attempts;
+    for (;;) {
+      auto rows = store_.Attempts(filter);
+      if (!rows.ok()) return rows.status();
+      for (const AttemptRow& row : *rows) {
+        json::object facts = Facts(row);
+        ENAMEL_RETURN_IF_ERROR(AddFiles(row, facts));
+        attempts.push_back(std::move(facts));
+        ++attempts_;
+      }
+      if (rows->size() < filter.limit) break;
+      filter.before = rows->back().id;
+    }
+    root["attempts"] = std::move(attempts);
+    return Status::Ok();
+  }
+
+  static json::object Facts(const AttemptRow& row) {
+    json::object out{{"id", row.id.Text()},
+                     {"exercise", row.exercise_title},
+                     {"station", row.station.Text()},
+                     {"state", AttemptStateName(row.state)},
+                     {"as_reference", row.as_reference},
+                     {"released", row.released},
+                     {"ticketed_ms", row.ticketed_ms},
+                     {"sealed_ms", row.sealed_ms},
+                     {"recording_removed_ms", row.expired_ms},
+                     {"ticks", row.ticks},
+                     {"gap_ticks", row.gap_ticks},
+                     {"problem", row.problem}};
+    if (row.score) out["score"] = *row.score;
+    return out;
+  }
+
+  // What cannot be read is said in the export, and does not end it.
+  Status AddFiles(const AttemptRow& row, json::object& facts) {
+    json::array files, problems;
+    fs::path folder = fs::path("attempts") / row.id.Text();
+    ENAMEL_RETURN_IF_ERROR(MakeFolder(target_ / folder));
+    auto add = [&](const char* name, const Result<Bytes>& content) -> Status {
+      if (!content.ok()) {
+        problems.emplace_back(std::string(name) + ": " + content.status().message());
+        return Status::Ok();
+      }
+      files.emplace_back((folder / name).generic_string());
+      return Write(folder / name, *content);
+    };
+    bool has_recording = row.state != AttemptState::kTicketed && row.expired_ms == 0;
+    if (has_recording) ENAMEL_RETURN_IF_ERROR(add("recording.entrace", TraceOf(row)));
+    if (auto result = store_.ResultOf(row.id); result.ok()) {
+      const std::pair<const char*, Sha256> blobs[] = {{"score.json", result->score_json},
+                                                      {"tooth.envb", result->final_volume},
+                                                      {"surface.ensf", result->surface},
+                                                      {"forces.json", result->series}};
+      for (const auto& [name, hash] : blobs) {
+        if (!hash.IsZero()) ENAMEL_RETURN_IF_ERROR(add(name, store_.GetBlob(hash)));
+      }
+    }
+    facts["files"] = std::move(files);
+    if (!problems.empty()) facts["problems"] = std::move(problems);
+    return Status::Ok();
+  }
+
+  Result<Bytes> TraceOf(const AttemptRow& row) {
+    auto header = store_.AttemptHeader(row.id);
+    if (!header.ok()) return header.status();
+    auto chunks = store_.AttemptChunks(row.id);
+    if (!chunks.ok()) return chunks.status();
+    trace::TraceFile file{std::move(header).value(), std::move(chunks).value(), std::nullopt,
+                          false};
+    if (auto seal = store_.AttemptSeal(row.id); seal.ok()) file.seal = *seal;
+    return trace::EncodeTraceFile(file);
+  }
+
+  Store& store_;
+  const fs::path target_;
+  size_t attempts_ = 0;
+  uint64_t bytes_ = 0;
+};
+
+}  // namespace
+
+Status ExportPerson(const fs::path& data, const std::string& login, const fs::path& target) {
+  std::error_code error;
+  if (fs::exists(target, error) && !fs::is_empty(target, error)) {
+    return Status(Code::kConflict,
+                  "expected an absent or empty folder for the export, found files in " +
+                      target.string() + "; name another one");
+  }
+  auto store = OpenForCommand(data);
+  if (!store.ok()) return store.status();
+  auto person = (*store)->PersonByLogin(login);
+  if (!person.ok()) return person.status();
+  Exporter exporter(**store, target);
+  ENAMEL_RETURN_IF_ERROR(exporter.Run(*person));
+  ENAMEL_RETURN_IF_ERROR(
+      (*store)->NoteAudit(kCommandLine, "person.export", person->id.Text(), "{}"));
+  std::cout << fmt::format("{}: {} attempts, {} bytes in {}\n", login, exporter.attempts(),
+                           exporter.bytes(), target.string());
+  return Status::Ok();
+}
+
+Status ErasePerson(const fs::path& data, const std::string& login, const std::string& confirm,
+                   bool with_references) {
+  if (confirm != login) {
+    return Status(
+        Code::kInvalidInput,
+        "erasing cannot be undone: expected --confirm " + login + ", found \"" + confirm + "\"",
+        "confirm");
+  }
+  auto store = OpenForCommand(data);
+  if (!store.ok()) return store.status();
+  auto person = (*store)->PersonByLogin(login);
+  if (!person.ok()) return person.status();
+  auto report = (*store)->ErasePerson(person->id, with_references, kCommandLine);
+  if (!report.ok()) return report.status();
+  std::cout << fmt::format(
+      "{} is erased: key destroyed, {} attempts and {} blobs removed, {} reference cuts among "
+      "them\n"
+      "backups made before still hold name and login, and the key where it is kept inside: delete "
+      "those backups in their time; a restore of one erases again when the newest key ring is "
+      "named\n",
+      login, report->attempts, report->blobs, report->references);
+  return Status::Ok();
+}
+
+}  // namespace enamel::server::app

@@ -1,0 +1,248 @@
+#include "server/app/upkeep.h"
+
+#include <spdlog/fmt/fmt.h>
+#include <unistd.h>
+
+#include <boost/json.hpp>
+#include <chrono>
+#include <ctime>
+#include <iostream>
+
+#include "common/base/file.h"
+#include "server/app/data_folder.h"
+#include "server/storage/backup.h"
+
+namespace enamel::server::app {
+namespace {
+
+namespace json = boost::json;
+
+constexpr size_t kShownFindings = 50;
+
+// Tells on standard error how far long work is: on a terminal in one line, else a line every ten
+// seconds. Work that takes less than a second says nothing.
+class ConsoleProgress {
+ public:
+  ~ConsoleProgress() {
+    if (shown_ && terminal_) std::cerr << "\r\033[K" << std::flush;
+  }
+  void operator()(const std::string& what, uint64_t done, uint64_t all) {
+    auto now = std::chrono::steady_clock::now();
+    if (now < next_) return;
+    next_ = now + (terminal_ ? std::chrono::milliseconds(200) : std::chrono::milliseconds(10'000));
+    shown_ = true;
+    std::cerr << (terminal_ ? "\r\033[K" : "") << what << ": " << done << " of " << all
+              << (terminal_ ? "" : "\n") << std::flush;
+  }
+
+ private:
+  const bool terminal_ = ::isatty(STDERR_FILENO) == 1;
+  bool shown_ = false;
+  std::chrono::steady_clock::time_point next_ =
+      std::chrono::steady_clock::now() + std::chrono::seconds(1);
+};
+
+UpkeepProgress Telling(ConsoleProgress& progress) {
+  return [&progress](const std::string& what, uint64_t done, uint64_t all) {
+    progress(what, done, all);
+  };
+}
+
+std::string Mib(uint64_t bytes) {
+  return fmt::format("{:.1f} MiB", static_cast<double>(bytes) / (1 << 20));
+}
+
+std::string UtcText(UnixMs ms) {
+  std::time_t seconds = ms / 1000;
+  std::tm utc{};
+  ::gmtime_r(&seconds, &utc);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%d %H:%M:%S UTC", &utc);
+  return text;
+}
+
+Status WriteJson(const std::filesystem::path& file, const json::object& facts) {
+  if (file.empty()) return Status::Ok();
+  return WriteFileDurably(file, AsBytes(json::serialize(facts) + "\n"));
+}
+
+json::object JsonOf(const VerifyReport& report) {
+  json::array findings, notes;
+  for (const Finding& finding : report.findings) {
+    findings.push_back({{"kind", finding.kind},
+                        {"object", finding.object},
+                        {"expected", finding.expected},
+                        {"found", finding.found},
+                        {"remedy", finding.remedy}});
+  }
+  for (const std::string& note : report.notes) notes.emplace_back(note);
+  return {{"ok", report.findings.empty()},   {"backup", report.is_backup},
+          {"schema", report.schema},         {"blobs", report.blobs},
+          {"blob_bytes", report.blob_bytes}, {"unnamed_blobs", report.unnamed_blobs},
+          {"people", report.people},         {"attempts", report.attempts},
+          {"sealed", report.sealed},         {"chunks", report.chunks},
+          {"ticks", report.ticks},           {"keys", report.keys},
+          {"erased", report.erased},         {"findings", std::move(findings)},
+          {"notes", std::move(notes)}};
+}
+
+void Print(const VerifyReport& report) {
+  std::cout << fmt::format(
+      "looked at: {} blobs ({}), {} people, {} attempts ({} sealed), {} chunks with {} ticks, {} "
+      "keys\n",
+      report.blobs, Mib(report.blob_bytes), report.people, report.attempts, report.sealed,
+      report.chunks, report.ticks, report.keys);
+  if (report.unnamed_blobs > 0) {
+    std::cout << fmt::format(
+        "{} blobs ({}) are named by nothing: a crash or a repeated scoring left them; retention "
+        "--apply removes those older than a day\n",
+        report.unnamed_blobs, Mib(report.unnamed_bytes));
+  }
+  for (const std::string& note : report.notes) std::cout << "note: " << note << "\n";
+  for (size_t i = 0; i < report.findings.size() && i < kShownFindings; ++i) {
+    const Finding& finding = report.findings[i];
+    std::cout << fmt::format("{} {}\n  expected: {}\n  found:    {}\n  do:       {}\n",
+                             finding.kind, finding.object, finding.expected, finding.found,
+                             finding.remedy);
+  }
+  if (report.findings.size() > kShownFindings) {
+    std::cout << fmt::format("and {} more (--json FILE has them all)\n",
+                             report.findings.size() - kShownFindings);
+  }
+}
+
+Status Verdict(const VerifyReport& report) {
+  if (report.findings.empty()) {
+    std::cout << "everything agrees\n";
+    return Status::Ok();
+  }
+  return Status(Code::kStorage,
+                fmt::format("{} things do not agree; see the list", report.findings.size()));
+}
+
+}  // namespace
+
+Status Backup(const BackupCommand& command) {
+  // Opening brings an older database up to date first, and tells when there is none at all.
+  std::error_code error;
+  std::unique_ptr<Store> store;
+  if (std::filesystem::exists(command.data / "enamel.db", error)) {
+    auto opened = OpenForCommand(command.data);
+    if (!opened.ok()) return opened.status();
+    store = std::move(opened).value();
+  }
+  Result<BackupReport> report = [&] {
+    ConsoleProgress progress;
+    return BackUp({command.data, command.target, command.keyring, command.copy, kSoftware,
+                   Telling(progress)});
+  }();
+  if (!report.ok()) return report.status();
+  ENAMEL_RETURN_IF_ERROR(
+      store->NoteAudit(kCommandLine, "store.backup", "",
+                       json::serialize(json::object{{"files", report->files},
+                                                    {"missing", report->missing.size()}})));
+  std::cout << fmt::format(
+      "backup as of {}: {} files, {} ({} linked), {} people, {} attempts, {} ticks\n",
+      UtcText(report->created_ms), report->files, Mib(report->bytes), report->linked,
+      report->people, report->attempts, report->ticks);
+  if (command.keyring.empty()) {
+    std::cout << "the keys are inside; with --keyring FOLDER they are kept apart, so that an "
+                 "erasure reaches old backups too\n";
+  } else {
+    std::cout << "the keys are in " << command.keyring.string()
+              << ": without them no recording of this backup can be read\n";
+  }
+  json::array missing;
+  for (const Sha256& hash : report->missing) missing.emplace_back(hash.Hex());
+  size_t lost = missing.size();
+  for (const Sha256& hash : report->missing)
+    std::cout << "missing or damaged: blob " << hash.Hex() << "\n";
+  ENAMEL_RETURN_IF_ERROR(WriteJson(command.json, {{"created_ms", report->created_ms},
+                                                  {"files", report->files},
+                                                  {"bytes", report->bytes},
+                                                  {"linked", report->linked},
+                                                  {"people", report->people},
+                                                  {"attempts", report->attempts},
+                                                  {"ticks", report->ticks},
+                                                  {"missing", std::move(missing)}}));
+  if (lost == 0) return Status::Ok();
+  return Status(Code::kStorage, fmt::format("{} blobs that the database names are missing or "
+                                            "damaged; everything else is in the backup. Keep older "
+                                            "backups, they may have them",
+                                            lost));
+}
+
+Status RestoreBackup(const RestoreCommand& command) {
+  Result<RestoreReport> report = [&] {
+    ConsoleProgress progress;
+    RestoreOptions options;
+    options.backup = command.backup;
+    options.data = command.data;
+    options.keyrings = command.keyrings;
+    options.accept_damage = command.accept_damage;
+    options.progress = Telling(progress);
+    return Restore(options);
+  }();
+  if (!report.ok()) return report.status();
+  std::cout << fmt::format("restored the backup of {}: {} files, {}\n", UtcText(report->created_ms),
+                           report->files, Mib(report->bytes));
+  std::cout << fmt::format("{} people erased since were erased again; all sessions have ended\n",
+                           report->erased_again);
+  std::cout << "what changed after the backup is gone: disable people and revoke stations again "
+               "where that was done since; stations send again what they still hold\n";
+  if (command.keyrings.empty()) {
+    std::cout << "erasures made after the backup are not known here; name the newest key ring with "
+                 "--keyring to apply them\n";
+  }
+  json::array left_out;
+  for (const std::string& file : report->left_out) {
+    std::cout << "left out: " << file << "\n";
+    left_out.emplace_back(file);
+  }
+  Print(report->verified);
+  ENAMEL_RETURN_IF_ERROR(WriteJson(command.json, {{"created_ms", report->created_ms},
+                                                  {"files", report->files},
+                                                  {"bytes", report->bytes},
+                                                  {"erased_again", report->erased_again},
+                                                  {"left_out", std::move(left_out)},
+                                                  {"verified", JsonOf(report->verified)}}));
+  return Verdict(report->verified);
+}
+
+Status VerifyFolder(const VerifyCommand& command) {
+  Result<VerifyReport> report = [&] {
+    ConsoleProgress progress;
+    return Verify({command.folder, command.keyring, Telling(progress)});
+  }();
+  if (!report.ok()) return report.status();
+  Print(*report);
+  ENAMEL_RETURN_IF_ERROR(WriteJson(command.json, JsonOf(*report)));
+  return Verdict(*report);
+}
+
+Status Retention(const RetentionCommand& command) {
+  auto store = OpenForCommand(command.data);
+  if (!store.ok()) return store.status();
+  if (!command.what.empty()) {
+    ENAMEL_RETURN_IF_ERROR((*store)->SetRetention({command.what, command.days}, kCommandLine));
+  }
+  auto rules = (*store)->RetentionRules();
+  if (!rules.ok()) return rules.status();
+  if (rules->empty()) std::cout << "no rules: everything is kept for good\n";
+  for (const RetentionRule& rule : *rules) {
+    std::cout << fmt::format("{:<10} kept for {} days\n", rule.what, rule.days);
+  }
+  auto now = std::chrono::duration_cast<std::chrono::milliseconds>(
+                 std::chrono::system_clock::now().time_since_epoch())
+                 .count();
+  auto report = (*store)->ApplyRetention(now, !command.apply, kCommandLine);
+  if (!report.ok()) return report.status();
+  std::cout << fmt::format("{}: {} unfinished attempts, {} recordings, {} whole attempts",
+                           command.apply ? "removed" : "would be removed now",
+                           report->unfinished.size(), report->recordings.size(),
+                           report->attempts.size());
+  std::cout << (command.apply ? fmt::format(", {} blobs\n", report->blobs) : std::string("\n"));
+  return Status::Ok();
+}
+
+}  // namespace enamel::server::app

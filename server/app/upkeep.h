@@ -1,0 +1,44 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+
+// The commands with which a school keeps its data: backup, restore, verify, retention. Each prints
+// progress to standard error, its outcome to standard output and, where asked, as JSON to a file.
+namespace enamel::server::app {
+
+struct BackupCommand {
+  std::filesystem::path data, target, keyring, json;
+  bool copy = false;
+};
+// Errors: those of BackUp (storage/backup.h); kStorage also when blobs were missing or damaged and
+// all else was backed up.
+Status Backup(const BackupCommand& command);
+
+struct RestoreCommand {
+  std::filesystem::path backup, data, json;
+  std::vector<std::filesystem::path> keyrings;
+  bool accept_damage = false;
+};
+// Errors: those of Restore; kStorage also when the restored data disagrees with itself.
+Status RestoreBackup(const RestoreCommand& command);
+
+struct VerifyCommand {
+  std::filesystem::path folder, keyring, json;
+};
+// Errors: those of Verify; kStorage when anything disagrees, after all of it was printed.
+Status VerifyFolder(const VerifyCommand& command);
+
+// No `what`: shows the rules and what they apply to now.
+struct RetentionCommand {
+  std::filesystem::path data;
+  std::string what;  // sets the rule for this …
+  int days = 0;      // … to so many days, 0 takes it away
+  bool apply = false;
+};
+Status Retention(const RetentionCommand& command);
+
+}  // namespace enamel::server::app

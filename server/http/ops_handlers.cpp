@@ -1,0 +1,40 @@
+#include "server/auth/token.h"
+#include "server/http/error_response.h"
+#include "server/http/handlers.h"
+#include "server/http/json_body.h"
+
+// For those who run the server.
+namespace enamel::server::http {
+namespace {
+
+constexpr const char* kPrometheusText = "text/plain; version=0.0.4; charset=utf-8";
+
+bool IsThisMachine(std::string_view peer) {
+  return peer == "::1" || peer.starts_with("127.") || peer.starts_with("::ffff:127.");
+}
+
+bool MaySeeMetrics(const Call& call) {
+  const std::string& token = call.monitoring->token;
+  if (token.empty()) return IsThisMachine(call.request.peer);
+  return auth::SameSecret(call.request.Header("authorization"), "Bearer " + token);
+}
+
+}  // namespace
+
+Response GetHealth(const Call& call) {
+  StoreHealth health = call.store.Health();
+  if (health.takes_recordings) return JsonResponse({{"status", "ok"}, {"problem", ""}});
+  return JsonResponse({{"status", "no_recordings"}, {"problem", health.problem}}, 503);
+}
+
+Response GetMetrics(const Call& call) {
+  if (call.monitoring->metrics == nullptr || !MaySeeMetrics(call)) {
+    return ErrorResponse(Status{Code::kNotFound, "there is nothing to see here for this caller"});
+  }
+  Response response;
+  response.content_type = kPrometheusText;
+  response.body = call.monitoring->metrics->Text();
+  return response;
+}
+
+}  // namespace enamel::server::http

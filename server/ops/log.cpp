@@ -1,0 +1,73 @@
+#include "server/ops/log.h"
+
+#include <spdlog/formatter.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <boost/json.hpp>
+#include <chrono>
+#include <ctime>
+#include <memory>
+
+namespace enamel::server::ops {
+namespace {
+
+std::string UtcText(spdlog::log_clock::time_point time) {
+  auto since = time.time_since_epoch();
+  auto seconds = std::chrono::duration_cast<std::chrono::seconds>(since);
+  auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(since - seconds);
+  std::time_t t = seconds.count();
+  std::tm utc{};
+  ::gmtime_r(&t, &utc);
+  char day[32];
+  std::strftime(day, sizeof day, "%Y-%m-%dT%H:%M:%S", &utc);
+  char all[48];
+  std::snprintf(all, sizeof all, "%s.%03dZ", day, static_cast<int>(ms.count()));
+  return all;
+}
+
+class JsonLines final : public spdlog::formatter {
+ public:
+  void format(const spdlog::details::log_msg& message, spdlog::memory_buf_t& out) override {
+    auto level = spdlog::level::to_string_view(message.level);
+    boost::json::object line{
+        {"time", UtcText(message.time)},
+        {"level", boost::json::string_view(level.data(), level.size())},
+        {"message", boost::json::string_view(message.payload.data(), message.payload.size())}};
+    std::string text = boost::json::serialize(line) + "\n";
+    out.append(text.data(), text.data() + text.size());
+  }
+  std::unique_ptr<spdlog::formatter> clone() const override {
+    return std::make_unique<JsonLines>();
+  }
+};
+
+}  // namespace
+
+Status SetUpLog(const LogOptions& options) {
+  auto level = spdlog::level::from_str(options.level);
+  if (level == spdlog::level::off) {
+    return Status(Code::kInvalidInput,
+                  "expected the log level trace, debug, info, warning or error, found \"" +
+                      options.level + "\"",
+                  "log-level");
+  }
+  if (options.format != "text" && options.format != "json") {
+    return Status(Code::kInvalidInput,
+                  "expected the log format text or json, found \"" + options.format + "\"",
+                  "log-format");
+  }
+  spdlog::drop("enamel-server");
+  if (options.format == "json") {
+    auto logger = spdlog::stderr_logger_mt("enamel-server");
+    logger->set_formatter(std::make_unique<JsonLines>());
+    spdlog::set_default_logger(logger);
+  } else {
+    spdlog::set_default_logger(spdlog::stderr_color_mt("enamel-server"));
+  }
+  spdlog::set_level(level);
+  return Status::Ok();
+}
+
+}  // namespace enamel::server::ops

@@ -1,0 +1,144 @@
+#include "server/ops/metrics.h"
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+namespace enamel::server::ops {
+namespace {
+
+// As few digits as read back the same; with an exponent only where that is much shorter.
+std::string Number(double value) {
+  char buffer[64];
+  double size = std::abs(value);
+  bool plain = size == 0 || (size >= 1e-6 && size < 1e15);
+  auto [end, error] =
+      plain ? std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::fixed)
+            : std::to_chars(buffer, buffer + sizeof buffer, value);
+  return std::string(buffer, end);
+}
+
+std::string Escaped(std::string_view value) {
+  std::string out;
+  for (char c : value) {
+    if (c == '\\' || c == '"') out += '\\';
+    if (c == '\n') {
+      out += "\\n";
+    } else {
+      out += c;
+    }
+  }
+  return out;
+}
+
+double Seconds(const timeval& time) {
+  return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+}
+
+size_t OpenFiles() {
+  std::error_code error;
+  std::filesystem::directory_iterator begin("/proc/self/fd", error), end;
+  return error ? 0 : static_cast<size_t>(std::distance(begin, end));
+}
+
+const auto kStarted = std::chrono::system_clock::now();
+
+}  // namespace
+
+void Histogram::Add(std::chrono::nanoseconds duration) {
+  double s = std::chrono::duration<double>(duration).count();
+  auto step = std::lower_bound(kUpToS.begin(), kUpToS.end(), s) - kUpToS.begin();
+  counts_[static_cast<size_t>(step)].fetch_add(1, std::memory_order_relaxed);
+  sum_ns_.fetch_add(static_cast<uint64_t>(std::max<int64_t>(duration.count(), 0)),
+                    std::memory_order_relaxed);
+}
+
+Histogram::Counts Histogram::counts() const {
+  Counts out;
+  for (size_t i = 0; i < counts_.size(); ++i) out.each[i] = counts_[i].load();
+  out.sum_s = 1e-9 * static_cast<double>(sum_ns_.load());
+  return out;
+}
+
+void MetricsText::Head(std::string_view name, std::string_view help, std::string_view type) {
+  if (last_name_ == name) return;
+  last_name_ = name;
+  text_.append("# HELP ").append(name).append(" ").append(help).append("\n# TYPE ");
+  text_.append(name).append(" ").append(type).append("\n");
+}
+
+void MetricsText::Line(std::string_view name, double value, const Labels& labels) {
+  text_.append(name);
+  char before = '{';
+  for (const auto& [label, content] : labels) {
+    text_ += before;
+    text_.append(label).append("=\"").append(Escaped(content)).append("\"");
+    before = ',';
+  }
+  if (!labels.empty()) text_ += '}';
+  text_.append(" ").append(Number(value)).append("\n");
+}
+
+void MetricsText::Counter(std::string_view name, std::string_view help, double value,
+                          const Labels& labels) {
+  Head(name, help, "counter");
+  Line(name, value, labels);
+}
+
+void MetricsText::Gauge(std::string_view name, std::string_view help, double value,
+                        const Labels& labels) {
+  Head(name, help, "gauge");
+  Line(name, value, labels);
+}
+
+void MetricsText::Durations(std::string_view name, std::string_view help,
+                            const Histogram::Counts& counts) {
+  Head(name, help, "histogram");
+  const std::string base(name);
+  uint64_t all = 0;
+  for (size_t i = 0; i < counts.each.size(); ++i) {
+    all += counts.each[i];
+    std::string bound = i < Histogram::kUpToS.size() ? Number(Histogram::kUpToS[i]) : "+Inf";
+    Line(base + "_bucket", static_cast<double>(all), {{"le", bound}});
+  }
+  Line(base + "_sum", counts.sum_s, {});
+  Line(base + "_count", static_cast<double>(all), {});
+}
+
+void Metrics::Add(Source source) {
+  std::lock_guard lock(mutex_);
+  sources_.push_back(std::move(source));
+}
+
+std::string Metrics::Text() const {
+  std::vector<Source> sources;
+  {
+    std::lock_guard lock(mutex_);
+    sources = sources_;
+  }
+  MetricsText text;
+  for (const Source& source : sources) source(text);
+  return text.Take();
+}
+
+void AddProcess(MetricsText& text) {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  uint64_t pages = 0, resident = 0;
+  std::ifstream("/proc/self/statm") >> pages >> resident;
+  auto page_bytes = static_cast<double>(::sysconf(_SC_PAGESIZE));
+  text.Counter("process_cpu_seconds_total", "User and system CPU time.",
+               Seconds(usage.ru_utime) + Seconds(usage.ru_stime));
+  text.Gauge("process_resident_memory_bytes", "Resident memory.",
+             static_cast<double>(resident) * page_bytes);
+  text.Gauge("process_open_fds", "Open file descriptors.", static_cast<double>(OpenFiles()));
+  text.Gauge("process_start_time_seconds", "When the process started, Unix time.",
+             std::chrono::duration<double>(kStarted.time_since_epoch()).count());
+}
+
+}  // namespace enamel::server::ops

@@ -1,0 +1,146 @@
+#include "server/ops/settings.h"
+
+#include <toml++/toml.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cctype>
+#include <sstream>
+
+#include "common/base/file.h"
+
+namespace enamel::server::ops {
+namespace {
+
+constexpr size_t kMaxFileBytes = 1 << 20;
+// Where to read settings from, and what is only for the command line.
+constexpr std::string_view kNotInFile[] = {"help", "help-all", "config", "print-settings"};
+
+bool IsSetting(const std::string& name) {
+  return !name.empty() && std::ranges::find(kNotInFile, name) == std::end(kNotInFile);
+}
+
+// Long name without dashes; empty: none.
+std::string NameOf(const CLI::Option& option) {
+  return option.get_lnames().empty() ? std::string() : option.get_lnames().front();
+}
+
+std::string Where(const std::filesystem::path& file, const toml::source_region& region) {
+  return file.string() + ":" + std::to_string(region.begin.line) + ":" +
+         std::to_string(region.begin.column) + ": ";
+}
+
+std::string Names(CLI::App& command) {
+  std::string out;
+  for (const CLI::Option* option : command.get_options()) {
+    std::string name = NameOf(*option);
+    if (IsSetting(name)) out += (out.empty() ? "" : ", ") + name;
+  }
+  return out;
+}
+
+Result<std::vector<std::string>> TextsOf(const toml::node& node) {
+  if (auto text = node.value_exact<std::string>()) return std::vector{*text};
+  if (auto number = node.value_exact<int64_t>()) return std::vector{std::to_string(*number)};
+  if (auto yes = node.value_exact<bool>()) return std::vector<std::string>{*yes ? "true" : "false"};
+  const toml::array* list = node.as_array();
+  std::vector<std::string> out;
+  bool texts = list != nullptr;
+  for (size_t i = 0; texts && i < list->size(); ++i) {
+    auto text = list->get(i)->value_exact<std::string>();
+    texts = text.has_value();
+    if (texts) out.push_back(*text);
+  }
+  if (texts) return out;
+  return Status(Code::kInvalidInput, "expected a text, an integer, true, false or a list of texts");
+}
+
+Status Apply(CLI::Option& option, const toml::node& node) {
+  auto texts = TextsOf(node);
+  if (!texts.ok()) return texts.status();
+  if (option.count() > 0 || texts->empty()) return Status::Ok();
+  try {
+    for (const std::string& text : *texts) option.add_result(text);
+    option.run_callback();
+  } catch (const CLI::Error& error) {
+    return Status(Code::kInvalidInput, error.what());
+  }
+  return Status::Ok();
+}
+
+std::string Quoted(const std::string& text) {
+  std::ostringstream out;
+  out << toml::value<std::string>(text);
+  return out.str();
+}
+
+std::string ValueText(const CLI::Option& option) {
+  std::vector<std::string> values = option.results();
+  if (values.empty() && !option.get_default_str().empty()) values = {option.get_default_str()};
+  if (values.empty()) return "";
+  bool list = option.get_expected_max() > 1;
+  std::string out;
+  for (const std::string& value : values) out += (out.empty() ? "" : ", ") + Quoted(value);
+  return list ? "[" + out + "]" : out;
+}
+
+}  // namespace
+
+std::string EnvironmentName(const std::string& option) {
+  std::string out = "ENAMEL_" + option;
+  std::ranges::transform(out, out.begin(), [](unsigned char c) {
+    return c == '-' ? '_' : static_cast<char>(std::toupper(c));
+  });
+  return out;
+}
+
+void ReadEnvironment(CLI::App& command) {
+  for (CLI::Option* option : command.get_options()) {
+    std::string name = NameOf(*option);
+    if (!name.empty() && name != "help" && name != "print-settings") {
+      option->envname(EnvironmentName(name));
+    }
+  }
+}
+
+Status ReadSettingsFile(const std::filesystem::path& file, CLI::App& command) {
+  auto bytes = ReadFile(file, kMaxFileBytes);
+  if (!bytes.ok()) return bytes.status();
+  toml::table table;
+  try {
+    table = toml::parse(AsText(*bytes), file.string());
+  } catch (const toml::parse_error& error) {
+    return Status(Code::kInvalidInput,
+                  Where(file, error.source()) + std::string(error.description()));
+  }
+  for (auto&& [key, node] : table) {
+    std::string name(key.str());
+    std::ranges::replace(name, '_', '-');
+    CLI::Option* option = IsSetting(name) ? command.get_option_no_throw("--" + name) : nullptr;
+    if (option == nullptr) {
+      return Status(Code::kInvalidInput, Where(file, key.source()) + "expected one of " +
+                                             Names(command) + "; found \"" +
+                                             std::string(key.str()) + "\"");
+    }
+    if (Status applied = Apply(*option, node); !applied.ok()) {
+      return Status(Code::kInvalidInput,
+                    Where(file, node.source()) + name + ": " + applied.message());
+    }
+  }
+  return Status::Ok();
+}
+
+std::string SettingsText(const CLI::App& command) {
+  std::string out;
+  for (const CLI::Option* option : command.get_options()) {
+    std::string name = NameOf(*option);
+    if (!IsSetting(name)) continue;
+    std::string value = ValueText(*option);
+    std::istringstream help(option->get_description());
+    for (std::string line; std::getline(help, line);) out += "# " + line + "\n";
+    out += value.empty() ? "# " + name + " =\n" : name + " = " + value + "\n";
+  }
+  return out;
+}
+
+}  // namespace enamel::server::ops

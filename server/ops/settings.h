@@ -1,0 +1,32 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "common/base/result.h"
+
+namespace CLI {
+class App;
+}
+
+// Settings from three places, the nearer one wins: command line, environment, file.
+namespace enamel::server::ops {
+
+// The environment variable of an option: "--job-threads" is ENAMEL_JOB_THREADS.
+std::string EnvironmentName(const std::string& option);
+
+// Lets every option of `command` be given by its environment variable too.
+void ReadEnvironment(CLI::App& command);
+
+// Gives the options of `command` that neither command line nor environment gave the values of a
+// TOML file (https://toml.io, 1.0): its keys are the options' long names without dashes in front,
+// "job-threads" or "job_threads"; texts, integers, booleans, and lists of texts for options that
+// may be repeated. After the command line was parsed. Errors: kNotFound; kInvalidInput with line
+// and column, also for a key that is no option (it names those there are) and for a value that the
+// option refuses.
+Status ReadSettingsFile(const std::filesystem::path& file, CLI::App& command);
+
+// The options of `command` with their values as a TOML file that ReadSettingsFile takes.
+std::string SettingsText(const CLI::App& command);
+
+}  // namespace enamel::server::ops

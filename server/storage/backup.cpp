@@ -1,0 +1,311 @@
+#include "server/storage/backup.h"
+
+#include <algorithm>
+#include <optional>
+
+#include "server/storage/manifest.h"
+#include "server/storage/migrate.h"
+#include "server/storage/sqlite_impl.h"
+#include "server/storage/sqlite_store.h"
+
+namespace enamel::server {
+namespace {
+
+using namespace sqlite;
+namespace fs = std::filesystem;
+
+constexpr const char* kServerFiles[] = {"station.crt", "station.key", "ticket.key"};
+
+Disk& DiskOf(Disk* disk) { return disk != nullptr ? *disk : SystemDisk(); }
+
+Status MustBeFree(const fs::path& folder, const char* what) {
+  std::error_code error;
+  if (fs::is_empty(folder, error) || error == std::errc::no_such_file_or_directory)
+    return Status::Ok();
+  if (error) {
+    return Status(Code::kStorage, "cannot read " + folder.string() + ": " + error.message());
+  }
+  return Status(Code::kConflict, "expected an absent or empty folder for the " + std::string(what) +
+                                     ", found files in " + folder.string() + "; name another one");
+}
+
+class BackupMaker {
+ public:
+  explicit BackupMaker(const BackupOptions& options)
+      : options_(options), disk_(DiskOf(options.disk)), blobs_(options.data / "blobs", disk_) {}
+
+  Result<BackupReport> Run() {
+    std::error_code error;
+    if (!fs::exists(options_.data / "enamel.db", error)) {
+      return Status(Code::kNotFound, "there is no enamel.db in " + options_.data.string() +
+                                         "; name the server's data folder");
+    }
+    ENAMEL_RETURN_IF_ERROR(MustBeFree(options_.target, "backup"));
+    auto shared = TakeUpkeepLock(options_.data, FolderLock::Mode::kShared);
+    if (!shared.ok()) return shared.status();
+    ENAMEL_RETURN_IF_ERROR(disk_.MakeFolder(options_.target));
+    std::set<Sha256> named;
+    ENAMEL_RETURN_IF_ERROR(CopyDatabase(named));
+    ENAMEL_RETURN_IF_ERROR(CopyBlobs(named));
+    ENAMEL_RETURN_IF_ERROR(CopyKeys());
+    for (const char* name : kServerFiles) {
+      if (fs::exists(options_.data / name, error)) ENAMEL_RETURN_IF_ERROR(Add(name, false));
+    }
+    ENAMEL_RETURN_IF_ERROR(disk_.SyncAll(options_.target));
+    std::ranges::sort(manifest_.files, {}, &Manifest::File::path);
+    ENAMEL_RETURN_IF_ERROR(
+        disk_.Replace(options_.target / kManifestName, AsBytes(ToJson(manifest_))));
+    return Finished();
+  }
+
+ private:
+  void Tell(const char* what, uint64_t done, uint64_t all) const {
+    if (options_.progress) options_.progress(what, done, all);
+  }
+
+  void Note(const std::string& path, const Disk::Copied& copied) {
+    manifest_.files.push_back({path, copied.bytes, copied.hash});
+    report_.bytes += copied.bytes;
+    report_.linked += copied.linked ? 1 : 0;
+  }
+
+  Status Add(const std::string& path, bool link) {
+    fs::path to = options_.target / path;
+    ENAMEL_RETURN_IF_ERROR(disk_.MakeFolder(to.parent_path()));
+    auto copied = disk_.Copy(options_.data / path, to, link);
+    if (!copied.ok()) return copied.status();
+    Note(path, *copied);
+    return Status::Ok();
+  }
+
+  Status CopyDatabase(std::set<Sha256>& named) {
+    fs::path copy = options_.target / "enamel.db";
+    {
+      auto db = Db::Open(options_.data / "enamel.db", Db::Mode::kReadOnly);
+      if (!db.ok()) return db.status();
+      auto schema = SchemaVersion(**db);
+      if (!schema.ok()) return schema.status();
+      manifest_.schema = *schema;
+      manifest_.created_ms = NowMs();
+      ENAMEL_RETURN_IF_ERROR((*db)->CopyTo(copy, [&](int done, int all) {
+        Tell("pages of the database", static_cast<uint64_t>(done), static_cast<uint64_t>(all));
+      }));
+    }
+    std::error_code error;
+    fs::permissions(copy, fs::perms::owner_read | fs::perms::owner_write, error);
+    auto content = disk_.Hash(copy);
+    if (!content.ok()) return content.status();
+    Note("enamel.db", {*content, false});
+    return ReadCopy(copy, named);
+  }
+
+  Status ReadCopy(const fs::path& copy, std::set<Sha256>& named) {
+    auto db = Db::Open(copy, Db::Mode::kReadOnly);
+    if (!db.ok()) return db.status();
+    auto blobs = NamedBlobs(**db);
+    if (!blobs.ok()) return blobs.status();
+    named = std::move(blobs).value();
+    Query q(**db,
+            "SELECT (SELECT count(*) FROM people WHERE tenant = ?1), count(*), "
+            "coalesce(sum(ticks), 0) FROM attempts WHERE tenant = ?1");
+    if (q.Next()) {
+      manifest_.people = static_cast<uint64_t>(q.Int(0));
+      manifest_.attempts = static_cast<uint64_t>(q.Int(1));
+      manifest_.ticks = static_cast<uint64_t>(q.Int(2));
+    }
+    return q.status();
+  }
+
+  Status CopyBlobs(const std::set<Sha256>& named) {
+    uint64_t done = 0;
+    for (const Sha256& hash : named) {
+      Tell("blobs", ++done, named.size());
+      std::string path = blobs_.PathOf(hash).lexically_relative(options_.data).generic_string();
+      if (!blobs_.Has(hash)) {
+        report_.missing.push_back(hash);
+        continue;
+      }
+      ENAMEL_RETURN_IF_ERROR(Add(path, !options_.copy));
+      if (manifest_.files.back().hash == hash) continue;
+      manifest_.files.pop_back();
+      report_.missing.push_back(hash);
+      ENAMEL_RETURN_IF_ERROR(disk_.Remove(options_.target / path));
+    }
+    return Status::Ok();
+  }
+
+  Status CopyKeys() {
+    Keyring source(options_.data / "keyring", disk_);
+    if (!options_.keyring.empty()) {
+      manifest_.keyring_inside = false;
+      return Keyring(options_.keyring, disk_).MirrorFrom(source);
+    }
+    auto people = source.People();
+    if (!people.ok()) return people.status();
+    auto gone = source.Gone();
+    if (!gone.ok()) return gone.status();
+    uint64_t done = 0;
+    for (const Uuid& person : *people) {
+      Tell("keys", ++done, people->size());
+      // A copy, never a link: a key that is destroyed is overwritten in its place.
+      ENAMEL_RETURN_IF_ERROR(Add("keyring/" + person.Text() + ".key", false));
+    }
+    for (const Tombstone& tombstone : *gone) {
+      ENAMEL_RETURN_IF_ERROR(Add("keyring/gone/" + tombstone.person.Hex(), false));
+    }
+    return Status::Ok();
+  }
+
+  Result<BackupReport> Finished() {
+    report_.created_ms = manifest_.created_ms;
+    report_.files = manifest_.files.size();
+    report_.people = manifest_.people;
+    report_.attempts = manifest_.attempts;
+    report_.ticks = manifest_.ticks;
+    return report_;
+  }
+
+  const BackupOptions& options_;
+  Disk& disk_;
+  Blobs blobs_;
+  Manifest manifest_{.software = options_.software};
+  BackupReport report_;
+};
+
+class Restorer {
+ public:
+  explicit Restorer(const RestoreOptions& options)
+      : options_(options), disk_(DiskOf(options.disk)) {}
+
+  Result<RestoreReport> Run() {
+    auto manifest = ReadManifest(options_.backup);
+    if (!manifest.ok()) return manifest.status();
+    ENAMEL_RETURN_IF_ERROR(MayBegin(*manifest));
+    report_.created_ms = manifest->created_ms;
+    ENAMEL_RETURN_IF_ERROR(disk_.MakeFolder(options_.data));
+    ENAMEL_RETURN_IF_ERROR(disk_.Replace(options_.data / kRestoreMark, {}));
+    ENAMEL_RETURN_IF_ERROR(CopyFiles(*manifest));
+    ENAMEL_RETURN_IF_ERROR(TakeKeys());
+    ENAMEL_RETURN_IF_ERROR(disk_.SyncAll(options_.data));
+    ENAMEL_RETURN_IF_ERROR(EndSessions());
+    ENAMEL_RETURN_IF_ERROR(EraseAgain());
+    auto verified = Verify({options_.data, {}, options_.progress});
+    if (!verified.ok()) return verified.status();
+    report_.verified = std::move(verified).value();
+    ENAMEL_RETURN_IF_ERROR(disk_.Remove(options_.data / kRestoreMark));
+    return report_;
+  }
+
+ private:
+  Status MayBegin(const Manifest& manifest) const {
+    int latest = LatestSchemaVersion();
+    if (manifest.schema > latest) {
+      return Status(Code::kVersion, "the backup's database has schema " +
+                                        std::to_string(manifest.schema) +
+                                        ", this enamel-server knows up to " +
+                                        std::to_string(latest) + "; run the newer one");
+    }
+    if (!manifest.keyring_inside && options_.keyrings.empty()) {
+      return Status(Code::kConflict,
+                    "the keys of this backup are kept apart; name their folder with --keyring");
+    }
+    std::error_code error;
+    for (const fs::path& keyring : options_.keyrings) {
+      if (!fs::is_directory(keyring, error)) {
+        return Status(Code::kNotFound, "there is no key ring " + keyring.string());
+      }
+    }
+    return MustBeFree(options_.data, "restored data");
+  }
+
+  Status CopyFiles(const Manifest& manifest) {
+    uint64_t done = 0;
+    for (const Manifest::File& file : manifest.files) {
+      if (options_.progress) options_.progress("files", ++done, manifest.files.size());
+      fs::path to = options_.data / file.path;
+      ENAMEL_RETURN_IF_ERROR(disk_.MakeFolder(to.parent_path()));
+      auto copied = disk_.Copy(options_.backup / file.path, to, false);
+      if (copied.ok() && copied->hash == file.hash) {
+        ++report_.files;
+        report_.bytes += copied->bytes;
+        continue;
+      }
+      if (!copied.ok() && copied.status().code() != Code::kNotFound) return copied.status();
+      ENAMEL_RETURN_IF_ERROR(disk_.Remove(to));
+      report_.left_out.push_back(file.path + (copied.ok() ? " (damaged)" : " (cannot be read)"));
+    }
+    return Judge();
+  }
+
+  Status Judge() const {
+    bool database = std::ranges::any_of(
+        report_.left_out, [](const std::string& file) { return file.starts_with("enamel.db"); });
+    if (report_.left_out.empty() || (options_.accept_damage && !database)) return Status::Ok();
+    std::string list;
+    for (size_t i = 0; i < report_.left_out.size() && i < 20; ++i)
+      list += "\n  " + report_.left_out[i];
+    if (report_.left_out.size() > 20)
+      list += "\n  and " + std::to_string(report_.left_out.size() - 20) + " more";
+    return Status(Code::kInvalidInput,
+                  std::to_string(report_.left_out.size()) +
+                      " files of the backup are not what its manifest says:" + list +
+                      "\nUse another backup" +
+                      (database ? "" : ", or accept the loss with --accept-damage") + "; " +
+                      options_.data.string() + " is unfinished, empty it first");
+  }
+
+  Status TakeKeys() {
+    Keyring keyring(options_.data / "keyring", disk_);
+    for (const fs::path& folder : options_.keyrings) {
+      ENAMEL_RETURN_IF_ERROR(keyring.Join(Keyring(folder, disk_)));
+    }
+    return Status::Ok();
+  }
+
+  // Who was signed in then, and which codes were open, may have been ended since.
+  Status EndSessions() {
+    auto db = Db::Open(options_.data / "enamel.db", Db::Mode::kReadWrite);
+    if (!db.ok()) return db.status();
+    return (*db)->Exec("DELETE FROM sessions; DELETE FROM enrol_codes WHERE used_ms IS NULL");
+  }
+
+  // Opening does it: what the key ring says is erased is erased.
+  Status EraseAgain() {
+    SqliteOptions open;
+    open.folder = options_.data;
+    open.hold_lock = true;
+    open.restoring = true;
+    open.disk = options_.disk;
+    auto before = CountPeople();
+    if (!before.ok()) return before.status();
+    auto store = OpenSqliteStore(open);
+    if (!store.ok()) return store.status();
+    auto people = (*store)->People();
+    if (!people.ok()) return people.status();
+    report_.erased_again = *before - people->size();
+    return (*store)->NoteAudit(Actor{{}, "command line"}, "store.restore", "",
+                               JsonOf({{"backup_of_ms", std::to_string(report_.created_ms)},
+                                       {"erased_again", std::to_string(report_.erased_again)}}));
+  }
+
+  Result<size_t> CountPeople() const {
+    auto db = Db::Open(options_.data / "enamel.db", Db::Mode::kReadOnly);
+    if (!db.ok()) return db.status();
+    Query q(**db, "SELECT count(*) FROM people WHERE tenant = ?1");
+    size_t count = q.Next() ? static_cast<size_t>(q.Int(0)) : 0;
+    if (!q.status().ok()) return q.status();
+    return count;
+  }
+
+  const RestoreOptions& options_;
+  Disk& disk_;
+  RestoreReport report_;
+};
+
+}  // namespace
+
+Result<BackupReport> BackUp(const BackupOptions& options) { return BackupMaker(options).Run(); }
+
+Result<RestoreReport> Restore(const RestoreOptions& options) { return Restorer(options).Run(); }
+
+}  // namespace enamel::server

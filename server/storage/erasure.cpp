@@ -1,0 +1,176 @@
+#include "server/storage/sqlite_impl.h"
+
+// Erasing a person: the key first, then the rows, then the blobs.
+namespace enamel::server::sqlite {
+namespace {
+
+Result<std::vector<Uuid>> Ids(Query& q) {
+  std::vector<Uuid> out;
+  while (q.Next()) out.push_back(q.Id(0));
+  if (!q.status().ok()) return q.status();
+  return out;
+}
+
+Result<std::vector<Uuid>> AttemptsOf(Db& db, const Uuid& person) {
+  Query q(db, "SELECT id FROM attempts WHERE tenant = ?1 AND person = ?2");
+  return Ids(q.Bind(person));
+}
+
+Result<std::vector<Uuid>> ReferencesBy(Db& db, const Uuid& person) {
+  Query q(
+      db,
+      "SELECT r.attempt FROM reference_cuts r JOIN attempts a ON a.tenant = r.tenant AND a.id = "
+      "r.attempt WHERE r.tenant = ?1 AND a.person = ?2 ORDER BY r.attempt");
+  return Ids(q.Bind(person));
+}
+
+Result<std::vector<Uuid>> PeopleIn(Db& db) {
+  Query q(db, "SELECT id FROM people WHERE tenant = ?1");
+  return Ids(q);
+}
+
+// Runs with overwriting of what is deleted, which costs too much to have it always on.
+Status WithOverwriting(Db& db, const std::function<Status()>& work) {
+  ENAMEL_RETURN_IF_ERROR(db.Exec("PRAGMA secure_delete = ON"));
+  Status status = work();
+  Status off = db.Exec("PRAGMA secure_delete = OFF");
+  return status.ok() ? off : status;
+}
+
+}  // namespace
+
+Result<std::set<Sha256>> NamedBlobs(Db& db) {
+  std::set<Sha256> out;
+  auto add = [&](Query& q, int columns) {
+    while (q.Next()) {
+      for (int i = 0; i < columns; ++i) {
+        if (Sha256 hash = q.Hash(i); !hash.IsZero()) out.insert(hash);
+      }
+    }
+    return q.status();
+  };
+  Query documents(db,
+                  "SELECT content FROM profiles WHERE tenant = ?1 UNION SELECT content FROM scenes "
+                  "WHERE tenant = ?1 UNION SELECT volume FROM scenes WHERE tenant = ?1 UNION "
+                  "SELECT content FROM exercises WHERE tenant = ?1");
+  ENAMEL_RETURN_IF_ERROR(add(documents, 1));
+  Query attempts(db,
+                 "SELECT profile_content, trace_blob, score_json, final_volume, surface, series "
+                 "FROM attempts WHERE tenant = ?1");
+  ENAMEL_RETURN_IF_ERROR(add(attempts, 6));
+  return out;
+}
+
+Status DeleteAttempts(Db& db, const std::vector<Uuid>& attempts, std::set<Sha256>& blobs) {
+  for (const Uuid& attempt : attempts) {
+    Query named(db,
+                "SELECT trace_blob, score_json, final_volume, surface, series FROM attempts "
+                "WHERE tenant = ?1 AND id = ?2");
+    if (named.Bind(attempt).Next()) {
+      for (int i = 0; i < 5; ++i) {
+        if (Sha256 hash = named.Hash(i); !hash.IsZero()) blobs.insert(hash);
+      }
+    }
+    ENAMEL_RETURN_IF_ERROR(named.status());
+    for (const char* sql :
+         {"UPDATE attempts SET reference = NULL WHERE tenant = ?1 AND reference = ?2",
+          "DELETE FROM reference_cuts WHERE tenant = ?1 AND attempt = ?2",
+          "DELETE FROM jobs WHERE tenant = ?1 AND attempt = ?2",
+          "DELETE FROM trace_chunks WHERE tenant = ?1 AND attempt = ?2",
+          "DELETE FROM contradicting_chunks WHERE tenant = ?1 AND attempt = ?2",
+          "DELETE FROM attempts WHERE tenant = ?1 AND id = ?2"}) {
+      ENAMEL_RETURN_IF_ERROR(Query(db, sql).Bind(attempt).Run());
+    }
+  }
+  return Status::Ok();
+}
+
+Status DeletePerson(Db& db, const Uuid& person, const Tombstone& tombstone, const Actor& by,
+                    ErasureReport& report, std::set<Sha256>& blobs) {
+  auto attempts = AttemptsOf(db, person);
+  if (!attempts.ok()) return attempts.status();
+  auto references = ReferencesBy(db, person);
+  if (!references.ok()) return references.status();
+  report.attempts += attempts->size();
+  report.references += references->size();
+  ENAMEL_RETURN_IF_ERROR(DeleteAttempts(db, *attempts, blobs));
+  for (const char* sql : {"DELETE FROM sessions WHERE tenant = ?1 AND person = ?2",
+                          "DELETE FROM cohort_members WHERE tenant = ?1 AND person = ?2",
+                          "DELETE FROM people WHERE tenant = ?1 AND id = ?2"}) {
+    ENAMEL_RETURN_IF_ERROR(Query(db, sql).Bind(person).Run());
+  }
+  Query q(db,
+          "INSERT INTO erasures (tenant, person_hash, erased_ms) VALUES (?1, ?2, ?3) "
+          "ON CONFLICT DO NOTHING");
+  ENAMEL_RETURN_IF_ERROR(q.Bind(tombstone.person).Bind(tombstone.erased_ms).Run());
+  return WriteAudit(db, by, "person.erase", tombstone.person.Hex(),
+                    JsonOf({{"attempts", std::to_string(attempts->size())}}), "{}");
+}
+
+Result<std::vector<Tombstone>> ErasuresIn(Db& db) {
+  Query q(db, "SELECT person_hash, erased_ms FROM erasures WHERE tenant = ?1");
+  std::vector<Tombstone> out;
+  while (q.Next()) out.push_back(Tombstone{q.Hash(0), q.Int(1)});
+  if (!q.status().ok()) return q.status();
+  return out;
+}
+
+Result<ErasureReport> SqliteStore::ErasePerson(const Uuid& person, bool with_references,
+                                               const Actor& by) {
+  auto found = PersonById(person);
+  if (!found.ok()) return found.status();
+  auto references = Read([&](Db& db) { return ReferencesBy(db, person); });
+  if (!references.ok()) return references.status();
+  if (!references->empty() && !with_references) {
+    return Status(Code::kConflict,
+                  std::to_string(references->size()) +
+                      " attempts of this person are reference cuts, the first is " +
+                      references->front().Text() +
+                      "; make another attempt the reference first, or erase with the references");
+  }
+  auto alone = TakeUpkeepLock(folder_, FolderLock::Mode::kExclusive);
+  if (!alone.ok()) return alone.status();
+  Tombstone tombstone{TombstoneOf(person), NowMs()};
+  ENAMEL_RETURN_IF_ERROR(keyring_.Destroy(person, tombstone.erased_ms));
+  ErasureReport report;
+  std::set<Sha256> blobs;
+  ENAMEL_RETURN_IF_ERROR(Write([&](Db& db) -> Status {
+    report = {};
+    return WithOverwriting(db,
+                           [&] { return DeletePerson(db, person, tombstone, by, report, blobs); });
+  }));
+  auto removed = RemoveUnnamed(blobs);
+  if (!removed.ok()) return removed.status();
+  report.blobs = *removed;
+  ENAMEL_RETURN_IF_ERROR(TruncateLog());
+  return report;
+}
+
+Status SqliteStore::Reconcile() {
+  auto recorded = Read([](Db& db) { return ErasuresIn(db); });
+  if (!recorded.ok()) return recorded.status();
+  if (!recorded->empty()) ENAMEL_RETURN_IF_ERROR(keyring_.Bury(*recorded));
+  auto gone = keyring_.Gone();
+  if (!gone.ok()) return gone.status();
+  if (gone->empty()) return Status::Ok();
+  std::map<Sha256, Tombstone> tombstones;
+  for (const Tombstone& tombstone : *gone) tombstones[tombstone.person] = tombstone;
+  auto people = Read([](Db& db) { return PeopleIn(db); });
+  if (!people.ok()) return people.status();
+  std::set<Sha256> blobs;
+  for (const Uuid& person : *people) {
+    auto tombstone = tombstones.find(TombstoneOf(person));
+    if (tombstone == tombstones.end()) continue;
+    ENAMEL_RETURN_IF_ERROR(Write([&](Db& db) -> Status {
+      ErasureReport report;
+      return WithOverwriting(db, [&] {
+        return DeletePerson(db, person, tombstone->second, Actor{{}, "list of erasures"}, report,
+                            blobs);
+      });
+    }));
+  }
+  if (blobs.empty()) return Status::Ok();
+  return RemoveUnnamed(blobs).status();
+}
+
+}  // namespace enamel::server::sqlite

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <filesystem>
+#include <utility>
+
+#include "common/base/result.h"
+
+namespace enamel::server::sqlite {
+
+// Names in a data folder besides the database, blobs/ and keyring/.
+inline constexpr char kServerLock[] = "LOCK";    // held by the running server
+inline constexpr char kUpkeepLock[] = "UPKEEP";  // held by a backup, or by what removes blobs
+inline constexpr char kRestoreMark[] = "RESTORE-UNFINISHED";
+
+// An advisory lock (flock) on a file of the data folder, until destroyed. A killed process holds
+// none. Thread safety: a value.
+class FolderLock {
+ public:
+  enum class Mode { kShared, kExclusive };
+  // Does not wait. Errors: kUnavailable (somebody holds it in a way that excludes this one: says
+  // `busy`), kStorage.
+  static Result<FolderLock> Take(const std::filesystem::path& file, Mode mode,
+                                 const std::string& busy);
+  FolderLock() = default;
+  ~FolderLock();
+  FolderLock(FolderLock&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+  FolderLock& operator=(FolderLock&&) = delete;
+
+ private:
+  explicit FolderLock(int fd) : fd_(fd) {}
+  int fd_ = -1;
+};
+
+// Backups share it; what removes blobs needs it alone.
+Result<FolderLock> TakeUpkeepLock(const std::filesystem::path& folder, FolderLock::Mode mode);
+
+}  // namespace enamel::server::sqlite

@@ -1,0 +1,176 @@
+#include <algorithm>
+#include <chrono>
+
+#include "server/storage/sqlite_impl.h"
+
+// Rules that say how long things are kept.
+namespace enamel::server::sqlite {
+namespace {
+
+// A blob that no row names is what a crash or a repeated scoring left; younger ones may be about to
+// be named.
+constexpr std::chrono::hours kUnnamedFor{24};
+constexpr int64_t kDayMs = 24ll * 60 * 60 * 1000;
+constexpr int32_t kMaxDays = 36'500;
+constexpr int32_t kMinUnfinishedDays = 14;
+
+struct Rule {
+  const char* what;
+  int32_t min_days;
+  const char* condition;  // ?2: before when
+};
+constexpr Rule kRules[] = {
+    {"unfinished", kMinUnfinishedDays, "a.state IN (1, 2) AND a.ticketed_ms < ?2"},
+    {"recordings", 1,
+     "a.state IN (5, 6) AND a.expired_ms = 0 AND a.sealed_ms > 0 AND a.sealed_ms < ?2"},
+    {"attempts", 1,
+     "(a.state IN (5, 6) AND a.sealed_ms > 0 AND a.sealed_ms < ?2) OR (a.state = 7 AND "
+     "a.ticketed_ms < ?2)"},
+};
+// Never touched: references, and what a job may be reading.
+constexpr char kNotInUse[] =
+    " AND NOT EXISTS (SELECT 1 FROM reference_cuts r WHERE r.tenant = a.tenant AND r.attempt = "
+    "a.id) AND NOT EXISTS (SELECT 1 FROM jobs j WHERE j.tenant = a.tenant AND j.attempt = a.id "
+    "AND j.state IN ('queued', 'running')) ORDER BY a.id";
+
+const Rule* FindRule(const std::string& what) {
+  auto found = std::ranges::find(kRules, what, &Rule::what);
+  return found == std::end(kRules) ? nullptr : found;
+}
+
+Result<std::vector<RetentionRule>> RulesIn(Db& db) {
+  Query q(db, "SELECT what, days FROM retention_rules WHERE tenant = ?1 ORDER BY what");
+  std::vector<RetentionRule> out;
+  while (q.Next()) out.push_back({q.Text(0), static_cast<int32_t>(q.Int(1))});
+  if (!q.status().ok()) return q.status();
+  return out;
+}
+
+std::vector<Uuid>& ListOf(RetentionReport& report, const std::string& what) {
+  if (what == "unfinished") return report.unfinished;
+  return what == "recordings" ? report.recordings : report.attempts;
+}
+
+Status FindDue(Db& db, UnixMs now_ms, RetentionReport& report) {
+  auto rules = RulesIn(db);
+  if (!rules.ok()) return rules.status();
+  for (const RetentionRule& row : *rules) {
+    const Rule* rule = FindRule(row.what);
+    ENAMEL_CHECK(rule != nullptr);
+    std::string sql = std::string("SELECT a.id FROM attempts a WHERE a.tenant = ?1 AND (") +
+                      rule->condition + ")" + kNotInUse;
+    Query q(db, sql.c_str());
+    q.Bind(now_ms - int64_t{row.days} * kDayMs);
+    while (q.Next()) ListOf(report, row.what).push_back(q.Id(0));
+    ENAMEL_RETURN_IF_ERROR(q.status());
+  }
+  // What goes as a whole needs no step before.
+  std::erase_if(report.recordings,
+                [&](const Uuid& id) { return std::ranges::binary_search(report.attempts, id); });
+  return Status::Ok();
+}
+
+// The recording and what shows motion go; score and reasons stay.
+Status Expire(Db& db, const std::vector<Uuid>& attempts, UnixMs now_ms, std::set<Sha256>& blobs) {
+  for (const Uuid& attempt : attempts) {
+    Query named(db,
+                "SELECT trace_blob, final_volume, surface, series FROM attempts WHERE tenant = ?1 "
+                "AND id = ?2");
+    if (named.Bind(attempt).Next()) {
+      for (int i = 0; i < 4; ++i) {
+        if (Sha256 hash = named.Hash(i); !hash.IsZero()) blobs.insert(hash);
+      }
+    }
+    ENAMEL_RETURN_IF_ERROR(named.status());
+    Query q(
+        db,
+        "UPDATE attempts SET expired_ms = ?3, trace_blob = NULL, final_volume = NULL, surface = "
+        "NULL, series = NULL WHERE tenant = ?1 AND id = ?2");
+    ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(now_ms).Run());
+  }
+  return Status::Ok();
+}
+
+Status Remove(Db& db, UnixMs now_ms, const Actor& by, RetentionReport& report,
+              std::set<Sha256>& blobs) {
+  report = {};
+  ENAMEL_RETURN_IF_ERROR(FindDue(db, now_ms, report));
+  ENAMEL_RETURN_IF_ERROR(Expire(db, report.recordings, now_ms, blobs));
+  ENAMEL_RETURN_IF_ERROR(DeleteAttempts(db, report.unfinished, blobs));
+  ENAMEL_RETURN_IF_ERROR(DeleteAttempts(db, report.attempts, blobs));
+  for (const Rule& rule : kRules) {
+    for (const Uuid& attempt : ListOf(report, rule.what)) {
+      ENAMEL_RETURN_IF_ERROR(WriteAudit(db, by, "attempt.retention", attempt.Text(), "{}",
+                                        JsonOf({{"rule", rule.what}})));
+    }
+  }
+  return Status::Ok();
+}
+
+}  // namespace
+
+Result<std::vector<RetentionRule>> SqliteStore::RetentionRules() {
+  return Read([](Db& db) { return RulesIn(db); });
+}
+
+Status SqliteStore::SetRetention(const RetentionRule& rule, const Actor& by) {
+  const Rule* known = FindRule(rule.what);
+  if (known == nullptr) {
+    return Status(
+        Code::kInvalidInput,
+        "expected a rule for unfinished, recordings or attempts, found \"" + rule.what + "\"",
+        "what");
+  }
+  if (rule.days != 0 && (rule.days < known->min_days || rule.days > kMaxDays)) {
+    return Status(Code::kInvalidInput,
+                  "expected " + std::to_string(known->min_days) + " to " +
+                      std::to_string(kMaxDays) + " days for " + rule.what +
+                      ", or 0 for no rule, found " + std::to_string(rule.days),
+                  "days");
+  }
+  return Write([&](Db& db) -> Status {
+    auto rules = RulesIn(db);
+    if (!rules.ok()) return rules.status();
+    auto old = std::ranges::find(*rules, rule.what, &RetentionRule::what);
+    int32_t before = old == rules->end() ? 0 : old->days;
+    if (before == rule.days) return Status::Ok();
+    {
+      Query q(db, "DELETE FROM retention_rules WHERE tenant = ?1 AND what = ?2");
+      ENAMEL_RETURN_IF_ERROR(q.Bind(rule.what).Run());
+    }
+    if (rule.days != 0) {
+      Query q(db, "INSERT INTO retention_rules (tenant, what, days) VALUES (?1, ?2, ?3)");
+      ENAMEL_RETURN_IF_ERROR(q.Bind(rule.what).Bind(int64_t{rule.days}).Run());
+    }
+    return WriteAudit(db, by, "retention.set", rule.what,
+                      JsonOf({{"days", std::to_string(before)}}),
+                      JsonOf({{"days", std::to_string(rule.days)}}));
+  });
+}
+
+Result<RetentionReport> SqliteStore::ApplyRetention(UnixMs now_ms, bool dry_run, const Actor& by) {
+  RetentionReport report;
+  ENAMEL_RETURN_IF_ERROR(Read([&](Db& db) -> Result<bool> {
+                           Status found = FindDue(db, now_ms, report);
+                           if (!found.ok()) return found;
+                           return true;
+                         }).status());
+  if (dry_run) return report;
+  auto alone = TakeUpkeepLock(folder_, FolderLock::Mode::kExclusive);
+  if (!alone.ok()) return alone.status();
+  std::set<Sha256> blobs;
+  bool anything =
+      !report.unfinished.empty() || !report.recordings.empty() || !report.attempts.empty();
+  if (anything) {
+    ENAMEL_RETURN_IF_ERROR(
+        Write([&](Db& db) -> Status { return Remove(db, now_ms, by, report, blobs); }));
+  }
+  auto removed = RemoveUnnamed(blobs);
+  if (!removed.ok()) return removed.status();
+  auto swept = SweepUnnamed(kUnnamedFor);
+  if (!swept.ok()) return swept.status();
+  report.blobs = *removed + *swept;
+  return report;
+}
+
+}  // namespace enamel::server::sqlite

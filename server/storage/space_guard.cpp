@@ -1,0 +1,27 @@
+#include "server/storage/space_guard.h"
+
+#include <string>
+
+namespace enamel::server::sqlite {
+
+uint64_t SpaceGuard::FreeBytes() {
+  std::lock_guard lock(mutex_);
+  auto now = std::chrono::steady_clock::now();
+  if (looked_ != decltype(looked_){} && now - looked_ < interval_) return free_;
+  looked_ = now;
+  auto free = disk_.FreeBytes(folder_);
+  free_ = free.ok() ? *free : UINT64_MAX;
+  return free_;
+}
+
+Status SpaceGuard::Check() {
+  if (min_free_ == 0) return Status::Ok();
+  uint64_t free = FreeBytes();
+  if (free >= min_free_) return Status::Ok();
+  return Status(Code::kUnavailable,
+                "the server's disk is full: " + std::to_string(free >> 20) + " MiB are free, " +
+                    std::to_string(min_free_ >> 20) +
+                    " MiB are kept free; recordings wait at the stations until there is room");
+}
+
+}  // namespace enamel::server::sqlite

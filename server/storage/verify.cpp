@@ -1,0 +1,455 @@
+#include "server/storage/verify.h"
+
+#include <algorithm>
+#include <bit>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "common/base/file.h"
+#include "common/trace/trace.h"
+#include "server/storage/manifest.h"
+#include "server/storage/migrate.h"
+#include "server/storage/sqlite_impl.h"
+#include "server/training/types.h"
+
+namespace enamel::server {
+namespace {
+
+using namespace sqlite;
+namespace fs = std::filesystem;
+
+constexpr char kFromBackup[] = "restore a backup that has it";
+constexpr char kAskStation[] =
+    "restore a backup, or have the station send it again within seven days";
+
+// What an attempt's row says.
+struct AttemptFacts {
+  Uuid id, person, station;
+  AttemptState state = AttemptState::kTicketed;
+  Bytes header;
+  bool has_header = false, expired = false;
+  Sha256 head, trace_blob;
+  uint64_t head_state_hash = 0, chunks = 0, ticks = 0, gap_ticks = 0, trace_bytes = 0;
+};
+
+AttemptFacts FactsOf(const Query& q) {
+  AttemptFacts out;
+  out.id = q.Id(0);
+  out.person = q.Id(1);
+  out.station = q.Id(2);
+  out.state = static_cast<AttemptState>(q.Int(3));
+  out.has_header = !q.IsNull(4);
+  out.header = q.Blob(4);
+  out.head = q.Hash(5);
+  out.head_state_hash = std::bit_cast<uint64_t>(q.Int(6));
+  out.chunks = static_cast<uint64_t>(q.Int(7));
+  out.ticks = static_cast<uint64_t>(q.Int(8));
+  out.gap_ticks = static_cast<uint64_t>(q.Int(9));
+  out.trace_bytes = static_cast<uint64_t>(q.Int(10));
+  out.trace_blob = q.Hash(11);
+  out.expired = q.Int(12) != 0;
+  return out;
+}
+
+class Verifier {
+ public:
+  explicit Verifier(const VerifyOptions& options)
+      : options_(options),
+        blobs_(options.folder / "blobs", SystemDisk()),
+        keyring_(options.keyring.empty() ? options.folder / "keyring" : options.keyring,
+                 SystemDisk()) {}
+
+  Result<VerifyReport> Run() {
+    fs::path path = options_.folder / "enamel.db";
+    std::error_code error;
+    if (!fs::exists(path, error)) {
+      return Status(Code::kNotFound, "there is no enamel.db in " + options_.folder.string() +
+                                         "; name a data folder or a backup");
+    }
+    report_.is_backup = fs::exists(options_.folder / kManifestName, error);
+    if (report_.is_backup) CheckManifest();
+    auto db = Db::Open(path, Db::Mode::kReadOnly);
+    if (!db.ok()) return db.status();
+    Status begun = (*db)->Exec("BEGIN");
+    auto schema = begun.ok() ? SchemaVersion(**db) : Result<int>(begun);
+    if (!schema.ok() && schema.status().code() == Code::kVersion) return schema.status();
+    if (!schema.ok()) {
+      Find("database", path.string(), "a database that can be read", schema.status().message(),
+           kFromBackup);
+      return report_;
+    }
+    report_.schema = *schema;
+    if (Status status = CheckAll(**db); !status.ok()) {
+      Find("database", path.string(), "a database that can be read to its end", status.message(),
+           kFromBackup);
+    }
+    return report_;
+  }
+
+ private:
+  void Find(std::string kind, std::string object, std::string expected, std::string found,
+            std::string remedy) {
+    report_.findings.push_back({std::move(kind), std::move(object), std::move(expected),
+                                std::move(found), std::move(remedy)});
+  }
+
+  void Tell(const char* what, uint64_t done, uint64_t all) const {
+    if (options_.progress) options_.progress(what, done, all);
+  }
+
+  Status CheckAll(Db& db) {
+    ENAMEL_RETURN_IF_ERROR(CheckDatabase(db));
+    auto named = NamedBlobs(db);
+    if (!named.ok()) return named.status();
+    has_keys_ = LooksLikeKeyring();
+    ENAMEL_RETURN_IF_ERROR(CheckBlobs(*named));
+    if (report_.schema < static_cast<int>(Migrations().size())) {
+      report_.notes.push_back("the database has schema " + std::to_string(report_.schema) +
+                              "; attempts are looked at once a server has brought it to " +
+                              std::to_string(Migrations().size()));
+      return Status::Ok();
+    }
+    ENAMEL_RETURN_IF_ERROR(CheckPeople(db));
+    ENAMEL_RETURN_IF_ERROR(LoadStations(db));
+    LoadTicketKey();
+    return CheckAttempts(db);
+  }
+
+  void CheckManifest() {
+    auto manifest = ReadManifest(options_.folder);
+    if (!manifest.ok()) {
+      Find("file", kManifestName, "a manifest (schemas/backup.md)", manifest.status().message(),
+           "make a new backup");
+      return;
+    }
+    if (!manifest->keyring_inside && options_.keyring.empty()) {
+      report_.notes.push_back(
+          "the keys of this backup are kept apart: what is kept under them was not opened; name "
+          "them with --keyring");
+    }
+    std::set<std::string> listed;
+    uint64_t done = 0;
+    for (const Manifest::File& file : manifest->files) {
+      listed.insert(file.path);
+      Tell("files of the manifest", ++done, manifest->files.size());
+      if (file.path.starts_with("blobs/")) {
+        in_manifest_.insert(*Sha256::FromHex(fs::path(file.path).filename().string()));
+        continue;  // its name is its hash, and blobs are all read below
+      }
+      auto content = SystemDisk().Hash(options_.folder / file.path);
+      if (!content.ok()) {
+        Find("file", file.path, "a file of " + std::to_string(file.bytes) + " bytes",
+             content.status().message(), "use another backup");
+      } else if (content->hash != file.hash) {
+        Find("file", file.path, "content " + file.hash.Hex(), content->hash.Hex(),
+             "use another backup");
+      }
+    }
+    FindUnlisted(listed);
+  }
+
+  void FindUnlisted(const std::set<std::string>& listed) {
+    std::error_code error;
+    for (fs::recursive_directory_iterator it(options_.folder, error), end; !error && it != end;
+         it.increment(error)) {
+      std::string path = it->path().lexically_relative(options_.folder).generic_string();
+      if (it->is_directory(error) || path == kManifestName || listed.contains(path)) continue;
+      Find("file", path, "only files that the manifest lists", "a file more",
+           "take it away, or make a new backup");
+    }
+  }
+
+  Status CheckDatabase(Db& db) {
+    Tell("database", 0, 1);
+    Query integrity(db, "PRAGMA integrity_check(100)", Query::kNoTenant);
+    while (integrity.Next()) {
+      if (integrity.Text(0) != "ok")
+        Find("database", "enamel.db", "a whole database", integrity.Text(0), kFromBackup);
+    }
+    ENAMEL_RETURN_IF_ERROR(integrity.status());
+    Query keys(db, "PRAGMA foreign_key_check", Query::kNoTenant);
+    while (keys.Next()) {
+      Find("database", keys.Text(0), "rows that name existing rows of " + keys.Text(2),
+           "row " + keys.Text(1) + " names one that is not there", kFromBackup);
+    }
+    Tell("database", 1, 1);
+    return keys.status();
+  }
+
+  bool LooksLikeKeyring() const {
+    std::error_code error;
+    return fs::exists(keyring_.folder(), error);
+  }
+
+  Status CheckBlobs(const std::set<Sha256>& named) {
+    auto listing = blobs_.List();
+    if (!listing.ok()) return listing.status();
+    for (const fs::path& other : listing->others) {
+      report_.notes.push_back(other.string() +
+                              " is no blob: what an interrupted write left, or put "
+                              "there by hand");
+    }
+    uint64_t done = 0;
+    for (const Sha256& hash : listing->blobs) {
+      CheckBlob(hash, named.contains(hash));
+      Tell("blobs", ++done, listing->blobs.size());
+    }
+    for (const Sha256& hash : named) {
+      if (std::ranges::binary_search(listing->blobs, hash)) continue;
+      Find("blob", hash.Hex(), "a blob that the database names", "no such file", kFromBackup);
+    }
+    for (const Sha256& hash : in_manifest_) {
+      if (named.contains(hash) || std::ranges::binary_search(listing->blobs, hash)) continue;
+      Find("blob", hash.Hex(), "a blob that the manifest lists", "no such file",
+           "use another backup");
+    }
+    return Status::Ok();
+  }
+
+  void CheckBlob(const Sha256& hash, bool is_named) {
+    auto content = blobs_.Get(hash);
+    if (!content.ok()) {
+      bad_blobs_.insert(hash);
+      if (is_named) {
+        Find("blob", hash.Hex(), "content with this hash", content.status().message(), kFromBackup);
+      } else {
+        report_.notes.push_back("blob " + hash.Hex() +
+                                " is damaged; nothing names it, so nothing is lost");
+      }
+      return;
+    }
+    ++report_.blobs;
+    report_.blob_bytes += content->size();
+    if (!is_named) {
+      ++report_.unnamed_blobs;
+      report_.unnamed_bytes += content->size();
+      return;
+    }
+    if (!has_keys_ || !PersonOfSealed(*content)) return;
+    auto opened = OpenPersonal(keyring_, std::move(content).value());
+    if (opened.ok()) return;
+    bad_blobs_.insert(hash);
+    Find("key", hash.Hex(), "a blob that its person's key opens", opened.status().message(),
+         "restore the key ring");
+  }
+
+  Status CheckPeople(Db& db) {
+    std::set<Uuid> people;
+    std::set<Sha256> gone;
+    Query q(db, "SELECT id FROM people WHERE tenant = ?1");
+    while (q.Next()) people.insert(q.Id(0));
+    ENAMEL_RETURN_IF_ERROR(q.status());
+    auto erased = ErasuresIn(db);
+    if (!erased.ok()) return erased.status();
+    auto buried = keyring_.Gone();
+    auto keys = keyring_.People();
+    for (const Status& status : {buried.status(), keys.status()}) {
+      if (!status.ok())
+        Find("key", keyring_.folder().string(), "a key ring", status.message(), kFromBackup);
+    }
+    if (!buried.ok() || !keys.ok()) return Status::Ok();
+    for (const auto& list : {*erased, *buried}) {
+      for (const Tombstone& tombstone : list) gone.insert(tombstone.person);
+    }
+    report_.people = people.size();
+    report_.keys = keys->size();
+    report_.erased = gone.size();
+    for (const Uuid& person : people) {
+      if (gone.contains(TombstoneOf(person))) FindErased(person, "rows of an erased person");
+    }
+    for (const Uuid& person : *keys) {
+      if (gone.contains(TombstoneOf(person))) FindErased(person, "the key of an erased person");
+    }
+    return Status::Ok();
+  }
+
+  void FindErased(const Uuid& person, const std::string& found) {
+    Find("erasure", person.Text(), "nothing of a person who was erased", found,
+         "start the server once: it finishes erasures");
+  }
+
+  Status LoadStations(Db& db) {
+    Query q(db, "SELECT id, public_key FROM stations WHERE tenant = ?1");
+    while (q.Next()) {
+      Bytes key = q.Blob(1);
+      trace::PublicKey& into = stations_[q.Id(0)];
+      if (key.size() == into.size()) std::ranges::copy(key, into.begin());
+    }
+    return q.status();
+  }
+
+  void LoadTicketKey() {
+    auto key = ReadFile(options_.folder / "ticket.key", 1024);
+    // libsodium's form: the public half is the second one.
+    if (key.ok() && key->size() == 64) {
+      ticket_key_.emplace();
+      std::copy(key->begin() + 32, key->end(), ticket_key_->begin());
+    } else {
+      report_.notes.push_back("ticket.key is not here: the signatures of tickets were not checked");
+    }
+  }
+
+  Status CheckAttempts(Db& db) {
+    Query count(db, "SELECT count(*), coalesce(sum(ticks), 0) FROM attempts WHERE tenant = ?1");
+    uint64_t all = count.Next() ? static_cast<uint64_t>(count.Int(0)) : 0;
+    ENAMEL_RETURN_IF_ERROR(count.status());
+    Query q(db,
+            "SELECT id, person, station, state, header, head_hash, head_state_hash, chunks, ticks, "
+            "gap_ticks, trace_bytes, trace_blob, expired_ms FROM attempts WHERE tenant = ?1");
+    while (q.Next()) {
+      AttemptFacts facts = FactsOf(q);
+      ++report_.attempts;
+      ENAMEL_RETURN_IF_ERROR(CheckAttempt(db, facts));
+      Tell("attempts", report_.attempts, all);
+    }
+    return q.status();
+  }
+
+  Status CheckAttempt(Db& db, const AttemptFacts& facts) {
+    if (!facts.has_header) return Status::Ok();
+    CheckHeader(facts);
+    if (facts.expired) return Status::Ok();
+    if (!facts.trace_blob.IsZero()) {
+      ++report_.sealed;
+      CheckSealed(facts);
+      return Status::Ok();
+    }
+    if (facts.state != AttemptState::kRecording && facts.state != AttemptState::kQuarantined) {
+      Find("seal", facts.id.Text(),
+           "a trace, as the attempt is " + std::string(AttemptStateName(facts.state)), "none named",
+           kFromBackup);
+      return Status::Ok();
+    }
+    std::vector<Bytes> chunks;
+    Query q(db, "SELECT bytes FROM trace_chunks WHERE tenant = ?1 AND attempt = ?2 ORDER BY seq");
+    q.Bind(facts.id);
+    while (q.Next()) chunks.push_back(q.Blob(0));
+    ENAMEL_RETURN_IF_ERROR(q.status());
+    if (OpenChunks(facts, chunks)) CheckChain(facts, chunks, std::nullopt);
+    return Status::Ok();
+  }
+
+  void CheckHeader(const AttemptFacts& facts) {
+    auto header = trace::DecodeHeader(facts.header);
+    if (!header.ok()) {
+      Find("ticket", facts.id.Text(), "a header with the server's ticket",
+           header.status().message(), kAskStation);
+      return;
+    }
+    const trace::Ticket& ticket = header->ticket;
+    if (ticket.attempt != facts.id || ticket.person != facts.person ||
+        ticket.station != facts.station) {
+      Find("ticket", facts.id.Text(), "a ticket of this attempt, person and station",
+           "one of attempt " + ticket.attempt.Text() + ", person " + ticket.person.Text() +
+               ", station " + ticket.station.Text(),
+           kFromBackup);
+    }
+    if (ticket_key_ && !trace::VerifyTicket(ticket, *ticket_key_)) {
+      Find("ticket", facts.id.Text(), "a ticket signed by this server", "another signature",
+           "compare ticket.key with the one of a backup");
+    }
+  }
+
+  bool OpenChunks(const AttemptFacts& facts, std::vector<Bytes>& chunks) {
+    if (!has_keys_ &&
+        std::ranges::any_of(chunks, [](const Bytes& c) { return PersonOfSealed(c).has_value(); })) {
+      return false;  // noted: the keys are apart
+    }
+    for (Bytes& chunk : chunks) {
+      auto opened = OpenPersonal(keyring_, std::move(chunk));
+      if (!opened.ok()) {
+        Find("key", facts.id.Text(), "chunks that the person's key opens",
+             opened.status().message(), "restore the key ring");
+        return false;
+      }
+      chunk = std::move(opened).value();
+    }
+    return true;
+  }
+
+  void CheckSealed(const AttemptFacts& facts) {
+    if (bad_blobs_.contains(facts.trace_blob)) return;  // found already
+    auto bytes = blobs_.Get(facts.trace_blob);
+    if (!bytes.ok()) return;
+    if (!has_keys_ && PersonOfSealed(*bytes)) return;
+    auto opened = OpenPersonal(keyring_, std::move(bytes).value());
+    if (!opened.ok()) return;
+    auto file = trace::DecodeTraceFile(*opened);
+    if (!file.ok() || file->truncated || !file->seal) {
+      Find("seal", facts.id.Text(), "a whole trace with its seal",
+           file.ok() ? "one that ends early" : file.status().message(), kAskStation);
+      return;
+    }
+    if (file->header != facts.header) {
+      Find("chain", facts.id.Text(), "the header of the attempt's row at the head of its trace",
+           "another one", kFromBackup);
+    }
+    CheckChain(facts, file->chunks, file->seal);
+  }
+
+  void CheckChain(const AttemptFacts& facts, const std::vector<Bytes>& chunks,
+                  const std::optional<trace::Seal>& seal) {
+    trace::ChainVerifier chain(facts.id, HashSha256(facts.header));
+    const std::string id = facts.id.Text();
+    uint64_t bytes = facts.header.size(), gaps = 0;
+    for (const Bytes& encoded : chunks) {
+      auto chunk = trace::DecodeChunk(encoded);
+      if (!chunk.ok())
+        return Find("chain", id, "chunk " + std::to_string(chain.next_seq()) + " to be whole",
+                    chunk.status().message(), kAskStation);
+      if (Status linked = chain.Accept(*chunk); !linked.ok())
+        return Find("chain", id, "each chunk to continue the one before", linked.message(),
+                    kAskStation);
+      CheckSignature(facts, chunk->head.seq, encoded);
+      bytes += encoded.size();
+      gaps += chunk->head.gap_ticks;
+      ++report_.chunks;
+      report_.ticks += chunk->head.count;
+    }
+    if (chain.next_seq() != facts.chunks || chain.next_tick() != facts.ticks ||
+        chain.head() != facts.head || chain.state_hash() != facts.head_state_hash) {
+      Find("chain", id, RowText(facts),
+           "the chunks say " + std::to_string(chain.next_seq()) + " chunks, " +
+               std::to_string(chain.next_tick()) + " ticks, head " + chain.head().Hex(),
+           kAskStation);
+    }
+    if (bytes != facts.trace_bytes || gaps != facts.gap_ticks) {
+      Find("chain", id,
+           std::to_string(facts.trace_bytes) + " bytes and " + std::to_string(facts.gap_ticks) +
+               " ticks of gaps, as the row says",
+           std::to_string(bytes) + " and " + std::to_string(gaps), kFromBackup);
+    }
+    if (!seal) return;
+    if (Status sealed = chain.AcceptSeal(*seal); !sealed.ok())
+      Find("seal", id, "a seal that fits the chunks", sealed.message(), kFromBackup);
+  }
+
+  static std::string RowText(const AttemptFacts& facts) {
+    return "the row's " + std::to_string(facts.chunks) + " chunks, " + std::to_string(facts.ticks) +
+           " ticks, head " + facts.head.Hex();
+  }
+
+  void CheckSignature(const AttemptFacts& facts, uint32_t seq, const Bytes& chunk) {
+    auto key = stations_.find(facts.station);
+    if (key != stations_.end() && trace::VerifyChunk(chunk, key->second)) return;
+    Find("signature", facts.id.Text(),
+         "chunk " + std::to_string(seq) + " signed by station " + facts.station.Text(),
+         key == stations_.end() ? "no such station" : "another signature", kAskStation);
+  }
+
+  const VerifyOptions& options_;
+  Blobs blobs_;
+  Keyring keyring_;
+  VerifyReport report_;
+  bool has_keys_ = false;
+  std::set<Sha256> in_manifest_, bad_blobs_;
+  std::map<Uuid, trace::PublicKey> stations_;
+  std::optional<trace::PublicKey> ticket_key_;
+};
+
+}  // namespace
+
+Result<VerifyReport> Verify(const VerifyOptions& options) { return Verifier(options).Run(); }
+
+}  // namespace enamel::server

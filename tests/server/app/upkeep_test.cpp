@@ -1,0 +1,177 @@
+#include "server/app/upkeep.h"
+
+#include <gtest/gtest.h>
+#include <spdlog/sinks/ringbuffer_sink.h>
+#include <spdlog/spdlog.h>
+
+#include <boost/json.hpp>
+#include <thread>
+
+#include "common/base/file.h"
+#include "server/app/caretaker.h"
+#include "server/app/personal_data.h"
+#include "tests/server/storage/recorded_attempt.h"
+#include "tests/server/storage/simulated_disk.h"
+
+// The commands that keep data, copy it, give it out and end it; what they print and refuse.
+namespace enamel::server::app {
+namespace {
+
+using namespace server::testing;
+namespace fs = std::filesystem;
+namespace json = boost::json;
+
+class UpkeepTest : public ::testing::Test {
+ protected:
+  fs::path Path(const char* name) const { return folder_.path() / name; }
+  // Runs the command and returns what it printed.
+  template <typename Command>
+  std::string Said(const Command& command, Status& status) {
+    ::testing::internal::CaptureStdout();
+    status = command();
+    return ::testing::internal::GetCapturedStdout();
+  }
+  json::object Json(const char* name) const {
+    return json::parse(AsText(*ReadFile(Path(name)))).as_object();
+  }
+
+  TempFolder folder_;
+  RecordedSchool school_{Path("data")};
+};
+
+TEST_F(UpkeepTest, BackupRestoreAndVerifyAgreeInWordsAndNumbers) {
+  school_.Score(school_.Record(2));
+  Status status;
+  std::string said = Said(
+      [&] {
+        return Backup({Path("data"), Path("backup"), {}, Path("b.json"), false});
+      },
+      status);
+  ASSERT_TRUE(status.ok()) << status.message();
+  EXPECT_NE(said.find("1 attempts, 500 ticks"), std::string::npos) << said;
+  EXPECT_EQ(Json("b.json").at("ticks").to_number<int>(), 500);
+  EXPECT_EQ(school_.store->Audit(1)->front().action, "store.backup");
+
+  said = Said([&] { return VerifyFolder({Path("backup"), {}, Path("v.json")}); }, status);
+  EXPECT_TRUE(status.ok()) << status.message();
+  EXPECT_NE(said.find("everything agrees"), std::string::npos) << said;
+  EXPECT_TRUE(Json("v.json").at("ok").as_bool());
+
+  said = Said(
+      [&] {
+        return RestoreBackup({Path("backup"), Path("new"), Path("r.json"), {}, false});
+      },
+      status);
+  EXPECT_TRUE(status.ok()) << status.message();
+  EXPECT_NE(said.find("everything agrees"), std::string::npos) << said;
+  EXPECT_EQ(Json("r.json").at("verified").at("ticks").to_number<int>(), 500);
+}
+
+TEST_F(UpkeepTest, VerifyThatFindsSomethingFailsAndNamesIt) {
+  Uuid scored = school_.Record(1);
+  school_.Score(scored);
+  Sha256 series = school_.store->ResultOf(scored)->series;
+  fs::remove(Path("data") / "blobs" / series.Hex().substr(0, 2) / series.Hex());
+  Status status;
+  std::string said = Said([&] { return VerifyFolder({Path("data"), {}, Path("v.json")}); }, status);
+  EXPECT_EQ(status.code(), Code::kStorage);
+  EXPECT_NE(said.find(series.Hex()), std::string::npos) << said;
+  auto facts = Json("v.json");
+  EXPECT_FALSE(facts.at("ok").as_bool());
+  EXPECT_EQ(facts.at("findings").as_array().at(0).at("object").as_string(), series.Hex());
+}
+
+TEST_F(UpkeepTest, ExportHasWhatIsKeptAndTheRecordingReads) {
+  Uuid scored = school_.Record(2), open = school_.Record(1);
+  school_.Score(scored);
+  Uuid cohort = *school_.store->CreateCohort("year 1", kSystem);
+  ASSERT_TRUE(school_.store->AddToCohort(cohort, school_.world.student, kSystem).ok());
+  Status status;
+  Said([&] { return ExportPerson(Path("data"), "student", Path("copy")); }, status);
+  ASSERT_TRUE(status.ok()) << status.message();
+  auto root = Json("copy/export.json");
+  EXPECT_EQ(root.at("person").at("login").as_string(), "student");
+  EXPECT_EQ(root.at("cohorts").as_array().at(0).as_string(), "year 1");
+  ASSERT_EQ(root.at("attempts").as_array().size(), 2u);
+  for (const json::value& attempt : root.at("attempts").as_array()) {
+    EXPECT_FALSE(attempt.as_object().contains("problems"));
+    for (const json::value& file : attempt.at("files").as_array())
+      EXPECT_TRUE(fs::exists(Path("copy") / std::string(file.as_string())));
+  }
+  auto trace = ReadFile(Path("copy") / "attempts" / scored.Text() / "recording.entrace");
+  ASSERT_TRUE(trace.ok()) << trace.status().message();
+  auto file = trace::DecodeTraceFile(*trace);
+  ASSERT_TRUE(file.ok()) << file.status().message();
+  EXPECT_EQ(file->chunks, *school_.store->AttemptChunks(scored));
+  EXPECT_TRUE(file->seal.has_value());
+  EXPECT_EQ(*ReadFile(Path("copy") / "attempts" / scored.Text() / "forces.json"),
+            Bytes({'s', 'e', 'r', 'i', 'e', 's'}));
+  EXPECT_TRUE(fs::exists(Path("copy") / "attempts" / open.Text() / "recording.entrace"));
+  std::string whole(AsText(*ReadFile(Path("copy") / "export.json")));
+  EXPECT_EQ(whole.find("verifier"), std::string::npos);
+  EXPECT_EQ(school_.store->Audit(1)->front().action, "person.export");
+  EXPECT_EQ(ExportPerson(Path("data"), "student", Path("copy")).code(), Code::kConflict);
+  EXPECT_EQ(ExportPerson(Path("data"), "nobody", Path("copy2")).code(), Code::kNotFound);
+}
+
+TEST_F(UpkeepTest, ErasingWantsTheLoginTwice) {
+  EXPECT_EQ(ErasePerson(Path("data"), "student", "students", false).field(), "confirm");
+  EXPECT_TRUE(school_.store->PersonByLogin("student").ok());
+  Status status;
+  Said([&] { return ErasePerson(Path("data"), "student", "student", false); }, status);
+  EXPECT_TRUE(status.ok()) << status.message();
+  EXPECT_FALSE(school_.store->PersonByLogin("student").ok());
+}
+
+TEST_F(UpkeepTest, RetentionTellsBeforeItDoes) {
+  school_.Score(school_.Record(1));
+  Status status;
+  std::string said = Said([&] { return Retention({Path("data"), "", 0, false}); }, status);
+  EXPECT_NE(said.find("kept for good"), std::string::npos);
+  said = Said([&] { return Retention({Path("data"), "recordings", 30, false}); }, status);
+  EXPECT_NE(said.find("would be removed now: 0 unfinished attempts, 1 recordings"),
+            std::string::npos)
+      << said;
+  said = Said([&] { return Retention({Path("data"), "", 0, true}); }, status);
+  EXPECT_NE(said.find("removed: 0 unfinished attempts, 1 recordings"), std::string::npos) << said;
+  EXPECT_EQ(Retention({Path("data"), "recordings", -4, false}).field(), "days");
+}
+
+// The log says once that recordings stop and once that they go on.
+TEST(CaretakerTest, FullDiskIsLoggedOnceAndSoIsItsEnd) {
+  auto said = std::make_shared<spdlog::sinks::ringbuffer_sink_mt>(16);
+  auto before = spdlog::default_logger();
+  spdlog::set_default_logger(std::make_shared<spdlog::logger>("test", said));
+  {
+    TempFolder folder;
+    SimulatedDisk disk(folder.path());
+    SqliteOptions options;
+    options.folder = folder.path();
+    options.vfs = disk.vfs();
+    options.disk = &disk;
+    options.min_free_bytes = 1 << 20;
+    options.free_space_check = std::chrono::milliseconds(0);
+    auto store = std::move(OpenSqliteStore(options)).value();
+    Caretaker::Intervals intervals;
+    intervals.health = std::chrono::milliseconds(1);
+    auto wait_for = [&](const char* text) {
+      for (int i = 0; i < 5000; ++i) {
+        for (const std::string& line : said->last_formatted()) {
+          if (line.find(text) != std::string::npos) return true;
+        }
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+      }
+      return false;
+    };
+    disk.SetFree(0);
+    Caretaker caretaker(*store, intervals);
+    EXPECT_TRUE(wait_for("no recordings are taken"));
+    disk.SetFree(std::nullopt);
+    EXPECT_TRUE(wait_for("recordings are taken again"));
+  }
+  spdlog::set_default_logger(before);
+  EXPECT_EQ(said->last_formatted().size(), 2u);
+}
+
+}  // namespace
+}  // namespace enamel::server::app

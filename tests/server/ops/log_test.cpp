@@ -1,0 +1,45 @@
+#include "server/ops/log.h"
+
+#include <gtest/gtest.h>
+#include <spdlog/spdlog.h>
+
+#include <boost/json.hpp>
+#include <regex>
+#include <sstream>
+
+namespace enamel::server::ops {
+namespace {
+
+class LogTest : public ::testing::Test {
+ protected:
+  ~LogTest() override { EXPECT_TRUE(SetUpLog({}).ok()); }
+};
+
+TEST_F(LogTest, EveryMessageIsOneJsonObjectOnOneLine) {
+  ::testing::internal::CaptureStderr();
+  ASSERT_TRUE(SetUpLog({"json", "info"}).ok());
+  const std::string nasty = "a \"quoted\" name\nlevel: error \x1b[31m \\ ü";
+  spdlog::info("sign-in of {}", nasty);
+  spdlog::debug("not this one");
+  spdlog::error("second");
+  std::string said = ::testing::internal::GetCapturedStderr();
+  std::istringstream lines(said);
+  std::vector<boost::json::object> objects;
+  for (std::string line; std::getline(lines, line);) {
+    objects.push_back(boost::json::parse(line).as_object());
+  }
+  ASSERT_EQ(objects.size(), 2u) << said;
+  EXPECT_EQ(std::string(objects[0].at("message").as_string()), "sign-in of " + nasty);
+  EXPECT_EQ(objects[0].at("level").as_string(), "info");
+  EXPECT_EQ(objects[1].at("level").as_string(), "error");
+  EXPECT_TRUE(std::regex_match(std::string(objects[0].at("time").as_string()),
+                               std::regex(R"(\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}Z)")));
+}
+
+TEST_F(LogTest, UnknownFormatAndLevelAreRefusedByName) {
+  EXPECT_EQ(SetUpLog({"xml", "info"}).field(), "log-format");
+  EXPECT_EQ(SetUpLog({"text", "loud"}).field(), "log-level");
+}
+
+}  // namespace
+}  // namespace enamel::server::ops

@@ -1,0 +1,119 @@
+#include "server/ops/settings.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include "common/base/uuid.h"
+
+// Command line before environment before file.
+namespace enamel::server::ops {
+namespace {
+
+class SettingsTest : public ::testing::Test {
+ protected:
+  SettingsTest() {
+    command_.add_option("--data", data_, "Where data is");
+    command_.add_option("--threads", threads_, "How many")
+        ->check(CLI::Range(1, 8))
+        ->capture_default_str();
+    command_.add_option("--host-name", names_, "Names (repeatable)");
+    command_.add_flag("--quiet", quiet_, "Say less");
+    command_.add_option("--config", config_);
+    ReadEnvironment(command_);
+  }
+  ~SettingsTest() override {
+    ::unsetenv("ENAMEL_THREADS");
+    std::filesystem::remove(file_);
+  }
+  Status Read(const std::string& toml, std::vector<std::string> arguments = {}) {
+    std::ofstream(file_) << toml;
+    std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
+    command_.parse(arguments);
+    return ReadSettingsFile(file_, command_);
+  }
+
+  CLI::App command_;
+  std::string data_, config_;
+  int threads_ = 2;
+  std::vector<std::string> names_;
+  bool quiet_ = false;
+  const std::filesystem::path file_ =
+      std::filesystem::temp_directory_path() / ("enamel-test-" + Uuid::New().Text() + ".toml");
+};
+
+TEST_F(SettingsTest, FileGivesWhatNobodyElseGave) {
+  Status read = Read(
+      "data = '/srv/enamel' # a comment\nthreads = 3\nhost_name = ['a.example', 'b.example']\n"
+      "quiet = true\n");
+  ASSERT_TRUE(read.ok()) << read.message();
+  EXPECT_EQ(data_, "/srv/enamel");
+  EXPECT_EQ(threads_, 3);
+  EXPECT_EQ(names_, (std::vector<std::string>{"a.example", "b.example"}));
+  EXPECT_TRUE(quiet_);
+}
+
+TEST_F(SettingsTest, EnvironmentIsNearerThanTheFile) {
+  ::setenv("ENAMEL_THREADS", "4", 1);
+  ASSERT_TRUE(Read("threads = 3\n").ok());
+  EXPECT_EQ(threads_, 4);
+}
+
+TEST_F(SettingsTest, CommandLineIsNearest) {
+  ::setenv("ENAMEL_THREADS", "4", 1);
+  ASSERT_TRUE(Read("threads = 3\n", {"--threads", "5"}).ok());
+  EXPECT_EQ(threads_, 5);
+}
+
+TEST_F(SettingsTest, UnknownKeyIsRefusedWithItsPlaceAndTheKnownOnes) {
+  Status refused = Read("data = 'x'\nthread = 3\n");
+  EXPECT_EQ(refused.code(), Code::kInvalidInput);
+  EXPECT_NE(refused.message().find(":2:1"), std::string::npos) << refused.message();
+  EXPECT_NE(refused.message().find("threads"), std::string::npos);
+  EXPECT_FALSE(Read("config = 'x'\n").ok()) << "a file does not name another file";
+}
+
+TEST_F(SettingsTest, ValueThatTheOptionRefusesIsRefused) {
+  for (const char* toml : {"threads = 9\n", "threads = 'many'\n", "threads = 1.5\n",
+                           "threads = [1, 2]\n", "[data]\nx = 1\n", "data = 1979-05-27\n"}) {
+    Status refused = Read(toml);
+    EXPECT_EQ(refused.code(), Code::kInvalidInput) << toml;
+    EXPECT_NE(refused.message().find(file_.string() + ":"), std::string::npos) << refused.message();
+  }
+}
+
+TEST_F(SettingsTest, WhatIsNoTomlIsRefusedWithItsPlace) {
+  for (const char* toml : {"data = \n", "= 3\n", "data = 'a\n", "threads = 3\nthreads = 4\n"}) {
+    Status refused = Read(toml);
+    EXPECT_EQ(refused.code(), Code::kInvalidInput) << toml;
+    EXPECT_NE(refused.message().find(file_.string() + ":"), std::string::npos);
+  }
+}
+
+TEST_F(SettingsTest, PrintedSettingsReadBackTheSame) {
+  ASSERT_TRUE(Read("data = 'a \"b\" \\ c'\nhost-name = ['x', 'y']\n", {"--threads", "7"}).ok());
+  std::string printed = SettingsText(command_);
+  EXPECT_NE(printed.find("# Where data is"), std::string::npos);
+  CLI::App other;
+  std::string data;
+  int threads = 0;
+  std::vector<std::string> names;
+  bool quiet = true;
+  other.add_option("--data", data);
+  other.add_option("--threads", threads);
+  other.add_option("--host-name", names);
+  other.add_flag("--quiet", quiet);
+  std::ofstream(file_) << printed;
+  Status read = ReadSettingsFile(file_, other);
+  ASSERT_TRUE(read.ok()) << read.message() << "\n" << printed;
+  EXPECT_EQ(data, data_);
+  EXPECT_EQ(threads, 7);
+  EXPECT_EQ(names, names_);
+}
+
+}  // namespace
+}  // namespace enamel::server::ops

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tests/server/storage/simulated_disk.h"
+#include "tests/server/storage/store_world.h"
+
+// The conformance suite (conformance, ingest, personal_data, retention tests) runs once for each of
+// these. A new backend adds itself to Backends() in backends.cpp and has to pass all of it.
+namespace enamel::server::testing {
+
+// One store's place, empty at first and gone with this. Open gives the same data again.
+class Place {
+ public:
+  virtual ~Place() = default;
+  virtual std::unique_ptr<Store> Open() = 0;
+};
+
+struct Backend {
+  const char* name;
+  std::function<std::unique_ptr<Place>()> make;
+};
+const std::vector<Backend>& Backends();
+
+// `store_` is open on an empty place; Reopen closes it and opens it again.
+class StoreSuite : public ::testing::TestWithParam<Backend> {
+ protected:
+  void Reopen() {
+    store_.reset();
+    store_ = place_->Open();
+  }
+
+  std::unique_ptr<Place> place_ = GetParam().make();
+  std::unique_ptr<Store> store_ = place_->Open();
+};
+
+inline std::string BackendName(const ::testing::TestParamInfo<Backend>& info) {
+  return info.param.name;
+}
+
+}  // namespace enamel::server::testing

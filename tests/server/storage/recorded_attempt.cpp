@@ -1,0 +1,74 @@
+#include "tests/server/storage/recorded_attempt.h"
+
+#include "common/base/file.h"
+#include "tests/common/core/params.h"
+
+namespace enamel::server::testing {
+
+RecordedSchool::RecordedSchool(const std::filesystem::path& folder)
+    : data(folder), store(OpenStore(folder)), world(*store) {
+  // As server/app/data_folder.h keeps them.
+  EXPECT_TRUE(WriteFileDurably(data / "ticket.key", ticket_key.secret_key, 0600).ok());
+  EXPECT_TRUE(WriteFileDurably(data / "station.crt", AsBytes("certificate"), 0600).ok());
+  EXPECT_TRUE(WriteFileDurably(data / "station.key", AsBytes("key"), 0600).ok());
+}
+
+Uuid RecordedSchool::Record(uint32_t chunks) { return RecordOf(world.student, chunks); }
+
+Uuid RecordedSchool::RecordOf(const Uuid& person, uint32_t chunks) {
+  AttemptRow row = world.NewAttemptOf(person);
+  trace::Header header;
+  header.ticket.attempt = row.id;
+  header.ticket.person = person;
+  header.ticket.station = world.station;
+  header.ticket.exercise = world.exercise.content;
+  header.ticket.profile = world.profile;
+  header.ticket.issued_unix_ms = 5;
+  header.ticket.expires_unix_ms = 6;
+  trace::SignTicket(header.ticket, ticket_key.secret_key);
+  header.scene = world.scene;
+  header.params = test::ParamsFor({cutting::BurShape::kCylinder, 0.6e-3, 4e-3});
+  header.station_software = "test";
+  Bytes encoded = trace::EncodeHeader(header);
+  EXPECT_TRUE(store->OpenAttempt(row.id, encoded).ok());
+  chains_[row.id].head = HashSha256(encoded);
+  for (uint32_t i = 0; i < chunks; ++i) EXPECT_TRUE(Append(row.id).ok());
+  return row.id;
+}
+
+Status RecordedSchool::Append(const Uuid& attempt) {
+  Chain& chain = chains_.at(attempt);
+  auto put = world.Chunk(attempt, static_cast<uint32_t>(chain.chunks.size()), chain.head);
+  ENAMEL_RETURN_IF_ERROR(store->AppendChunk(put));
+  chain.head = put.hash;
+  chain.chunks.push_back(std::move(put));
+  return Status::Ok();
+}
+
+void RecordedSchool::Seal(const Uuid& attempt) {
+  Status sealed = store->SealAttempt(World::SealOf(chains_.at(attempt).chunks), 200);
+  EXPECT_TRUE(sealed.ok()) << sealed.message();
+}
+
+void RecordedSchool::Score(const Uuid& attempt) {
+  Seal(attempt);
+  auto job = store->LeaseJob(1, 1000);
+  EXPECT_TRUE(job.ok() && job->has_value() && (*job)->attempt == attempt);
+  Store::AttemptResult result;
+  result.score = 80;
+  auto put = [&](const char* text) { return *store->PutAttemptBlob(attempt, AsBytes(text)); };
+  result.score_json = put("score");
+  result.final_volume = put("volume");
+  result.surface = put("surface");
+  result.series = put("series");
+  EXPECT_TRUE(store->FinishAttempt(attempt, result).ok());
+  EXPECT_TRUE(store->FinishJob((*job)->id, true, "").ok());
+}
+
+Bytes RecordedSchool::TraceOf(const Uuid& attempt) {
+  trace::TraceFile file{*store->AttemptHeader(attempt), *store->AttemptChunks(attempt),
+                        std::nullopt, false};
+  return trace::EncodeTraceFile(file);
+}
+
+}  // namespace enamel::server::testing

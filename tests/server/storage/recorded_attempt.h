@@ -1,0 +1,38 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+
+#include "tests/server/storage/store_world.h"
+
+namespace enamel::server::testing {
+
+// A data folder as a server leaves it: people, a station, documents, and recordings whose headers,
+// tickets, signatures and chains are genuine, so that `verify` has everything to compare.
+struct RecordedSchool {
+  explicit RecordedSchool(const std::filesystem::path& data);
+
+  // A ticketed and opened attempt of the student with so many chunks.
+  Uuid Record(uint32_t chunks);
+  Uuid RecordOf(const Uuid& person, uint32_t chunks);
+  // One more chunk of an open attempt.
+  Status Append(const Uuid& attempt);
+  void Seal(const Uuid& attempt);
+  // Seals and leaves a result, as the scoring job does.
+  void Score(const Uuid& attempt);
+  Bytes TraceOf(const Uuid& attempt);  // as the store has it
+
+  std::filesystem::path data;
+  std::unique_ptr<Store> store;
+  World world;
+  trace::KeyPair ticket_key = trace::NewKeyPair();
+
+ private:
+  struct Chain {
+    Sha256 head;
+    std::vector<Store::ChunkPut> chunks;
+  };
+  std::map<Uuid, Chain> chains_;
+};
+
+}  // namespace enamel::server::testing

@@ -1,0 +1,122 @@
+#include "tests/server/storage/backends.h"
+
+// Rules that say how long things are kept; the same for every backend.
+namespace enamel::server {
+namespace {
+
+using namespace testing;
+
+constexpr UnixMs kDay = 24ll * 60 * 60 * 1000;
+
+class RetentionTest : public StoreSuite {
+ protected:
+  // Scored, its job done, sealed 200 ms after the epoch.
+  Uuid Scored() {
+    Uuid attempt = world_.ScoredAttempt();
+    Store::AttemptResult result = *store_->ResultOf(attempt);
+    result.surface = *store_->PutAttemptBlob(attempt, AsBytes("surface"));
+    EXPECT_TRUE(store_->FinishAttempt(attempt, result).ok());
+    auto job = store_->LeaseJob(1, 1000);
+    EXPECT_TRUE(job.ok() && job->has_value());
+    EXPECT_TRUE(store_->FinishAttempt(attempt, result).ok());
+    EXPECT_TRUE(store_->FinishJob((*job)->id, true, "").ok());
+    return attempt;
+  }
+  RetentionReport Apply(UnixMs now, bool dry_run = false) {
+    auto report = store_->ApplyRetention(now, dry_run, kSystem);
+    EXPECT_TRUE(report.ok()) << report.status().message();
+    return *report;
+  }
+  void Rule(const char* what, int days) {
+    Status set = store_->SetRetention({what, days}, kSystem);
+    EXPECT_TRUE(set.ok()) << set.message();
+  }
+
+  World world_{*store_};
+};
+INSTANTIATE_TEST_SUITE_P(Backends, RetentionTest, ::testing::ValuesIn(Backends()), BackendName);
+
+TEST_P(RetentionTest, WithoutARuleEverythingIsKept) {
+  Uuid attempt = Scored();
+  RetentionReport report = Apply(100'000 * kDay);
+  EXPECT_TRUE(report.attempts.empty() && report.recordings.empty() && report.unfinished.empty());
+  EXPECT_TRUE(store_->AttemptChunks(attempt).ok());
+}
+
+TEST_P(RetentionTest, RecordingGoesAfterItsDaysAndTheScoreStays) {
+  Uuid attempt = Scored();
+  Sha256 surface = store_->ResultOf(attempt)->surface;
+  Rule("recordings", 30);
+  EXPECT_TRUE(Apply(30 * kDay).recordings.empty()) << "sealed at 200 ms: not yet";
+  EXPECT_EQ(Apply(30 * kDay + 201, true).recordings, std::vector{attempt}) << "only told";
+  EXPECT_TRUE(store_->AttemptChunks(attempt).ok());
+  RetentionReport report = Apply(30 * kDay + 201);
+  EXPECT_EQ(report.recordings, std::vector{attempt});
+  EXPECT_GE(report.blobs, 2u) << "trace and surface";
+  auto gone = store_->AttemptChunks(attempt);
+  EXPECT_EQ(gone.status().code(), Code::kNotFound);
+  EXPECT_NE(gone.status().message().find("retention"), std::string::npos);
+  EXPECT_FALSE(store_->HasBlob(surface));
+  EXPECT_EQ(store_->AttemptById(attempt)->score, 80);
+  EXPECT_EQ(store_->AttemptById(attempt)->expired_ms, 30 * kDay + 201);
+  EXPECT_TRUE(store_->GetBlob(store_->ResultOf(attempt)->score_json).ok());
+  EXPECT_EQ(store_->AddReference(attempt, "Dr. Example", kSystem).status().code(), Code::kConflict);
+  EXPECT_TRUE(Apply(40 * kDay).recordings.empty()) << "once";
+}
+
+TEST_P(RetentionTest, WholeAttemptGoesAndOnlyItsOwnBlobs) {
+  Uuid attempt = Scored();
+  Rule("attempts", 1);
+  Rule("recordings", 1);
+  RetentionReport report = Apply(3 * kDay);
+  EXPECT_EQ(report.attempts, std::vector{attempt});
+  EXPECT_TRUE(report.recordings.empty()) << "counted once";
+  EXPECT_EQ(store_->AttemptById(attempt).status().code(), Code::kNotFound);
+  EXPECT_TRUE(store_->HasBlob(world_.scene)) << "documents stay";
+}
+
+TEST_P(RetentionTest, ReferenceAndWhatAJobNeedsAreKept) {
+  Uuid reference = Scored();
+  ASSERT_TRUE(store_->AddReference(reference, "Dr. Example", kSystem).ok());
+  Uuid queued = world_.OpenedAttempt();
+  ASSERT_TRUE(store_->SealAttempt(World::SealOf(world_.Append(queued, 1)), 200).ok());
+  Rule("attempts", 1);
+  Rule("recordings", 1);
+  RetentionReport report = Apply(1000 * kDay);
+  EXPECT_TRUE(report.attempts.empty());
+  EXPECT_TRUE(report.recordings.empty());
+  EXPECT_TRUE(store_->AttemptChunks(reference).ok());
+}
+
+TEST_P(RetentionTest, UnfinishedGoesButNotWhatIsQuarantined) {
+  Uuid unfinished = world_.OpenedAttempt(), contradicted = world_.OpenedAttempt();
+  world_.Append(contradicted, 1);
+  EXPECT_FALSE(store_->AppendChunk(world_.Chunk(contradicted, 0, World::HeaderHash(), 9)).ok());
+  Rule("unfinished", 14);
+  EXPECT_TRUE(Apply(14 * kDay).unfinished.empty()) << "ticketed at 5 ms";
+  EXPECT_EQ(Apply(14 * kDay + 6).unfinished, std::vector{unfinished});
+  EXPECT_EQ(store_->AttemptById(contradicted)->state, AttemptState::kQuarantined);
+  Rule("attempts", 1);
+  EXPECT_EQ(Apply(14 * kDay + 6).attempts, std::vector{contradicted});
+}
+
+TEST_P(RetentionTest, RulesAreCheckedKeptAndAudited) {
+  EXPECT_EQ(store_->SetRetention({"everything", 3}, kSystem).code(), Code::kInvalidInput);
+  EXPECT_EQ(store_->SetRetention({"unfinished", 13}, kSystem).code(), Code::kInvalidInput)
+      << "stations may still upload";
+  EXPECT_EQ(store_->SetRetention({"attempts", -1}, kSystem).code(), Code::kInvalidInput);
+  Rule("attempts", 365);
+  Rule("recordings", 30);
+  Rule("recordings", 0);
+  Reopen();
+  auto rules = store_->RetentionRules();
+  ASSERT_EQ(rules->size(), 1u);
+  EXPECT_EQ(rules->front().what, "attempts");
+  EXPECT_EQ(rules->front().days, 365);
+  AuditRow last = store_->Audit(1)->front();
+  EXPECT_EQ(last.action, "retention.set");
+  EXPECT_NE(last.before_json.find("30"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace enamel::server

@@ -1,0 +1,208 @@
+#include "server/storage/verify.h"
+
+#include <gtest/gtest.h>
+#include <sqlite3.h>
+
+#include <algorithm>
+
+#include "common/base/file.h"
+#include "server/storage/keyring.h"
+#include "tests/server/storage/recorded_attempt.h"
+
+// Every kind of disagreement is found and named; without one there is nothing to find.
+namespace enamel::server {
+namespace {
+
+using namespace testing;
+namespace fs = std::filesystem;
+
+class VerifyTest : public ::testing::Test {
+ protected:
+  VerifyTest() {
+    scored_ = school_.Record(3);
+    school_.Score(scored_);
+    open_ = school_.Record(2);
+  }
+
+  fs::path Data() const { return folder_.path() / "data"; }
+  VerifyReport Look() {
+    auto report = Verify({Data(), {}, {}});
+    EXPECT_TRUE(report.ok()) << report.status().message();
+    return report.ok() ? *report : VerifyReport();
+  }
+  // The one finding there is, which must be of this kind and name this object.
+  void ExpectOnly(const std::string& kind, const std::string& object) {
+    VerifyReport report = Look();
+    ASSERT_FALSE(report.findings.empty());
+    for (const Finding& finding : report.findings) {
+      EXPECT_EQ(finding.kind, kind) << finding.expected << " / " << finding.found;
+      EXPECT_EQ(finding.object, object) << finding.expected << " / " << finding.found;
+      EXPECT_FALSE(finding.remedy.empty());
+    }
+  }
+  void Sql(const std::string& sql) {
+    sqlite3* handle = nullptr;
+    ASSERT_EQ(sqlite3_open((Data() / "enamel.db").c_str(), &handle), SQLITE_OK);
+    EXPECT_EQ(sqlite3_exec(handle, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK)
+        << sqlite3_errmsg(handle);
+    EXPECT_GT(sqlite3_total_changes(handle), 0) << sql;
+    sqlite3_close(handle);
+  }
+  fs::path Blob(const Sha256& hash) const {
+    return Data() / "blobs" / hash.Hex().substr(0, 2) / hash.Hex();
+  }
+  static std::string Id(const Uuid& id) {
+    std::string hex = id.Text();
+    std::erase(hex, '-');
+    return "x'" + hex + "'";
+  }
+
+  TempFolder folder_;
+  RecordedSchool school_{folder_.path() / "data"};
+  Uuid scored_, open_;
+};
+
+TEST_F(VerifyTest, WholeDataHasNoFindings) {
+  VerifyReport report = Look();
+  for (const Finding& finding : report.findings)
+    ADD_FAILURE() << finding.kind << ": " << finding.found;
+  EXPECT_EQ(report.attempts, 2u);
+  EXPECT_EQ(report.sealed, 1u);
+  EXPECT_EQ(report.chunks, 5u);
+  EXPECT_EQ(report.ticks, 5u * World::kTicksPerChunk);
+  EXPECT_EQ(report.keys, 1u);
+  EXPECT_EQ(report.unnamed_blobs, 0u);
+}
+
+TEST_F(VerifyTest, ChangedBlobIsFound) {
+  Sha256 series = school_.store->ResultOf(scored_)->series;
+  ASSERT_TRUE(WriteFileDurably(Blob(series), AsBytes("other")).ok());
+  ExpectOnly("blob", series.Hex());
+}
+
+TEST_F(VerifyTest, MissingBlobIsFound) {
+  Sha256 surface = school_.store->ResultOf(scored_)->surface;
+  fs::remove(Blob(surface));
+  ExpectOnly("blob", surface.Hex());
+}
+
+TEST_F(VerifyTest, UnnamedBlobIsToldAndNoFault) {
+  ASSERT_TRUE(school_.store->PutBlob(AsBytes("left by a crash")).ok());
+  VerifyReport report = Look();
+  EXPECT_TRUE(report.findings.empty());
+  EXPECT_EQ(report.unnamed_blobs, 1u);
+}
+
+TEST_F(VerifyTest, StrayFileAmongBlobsIsToldAndNoFault) {
+  ASSERT_TRUE(WriteFileDurably(Data() / "blobs" / "notes.txt", AsBytes("x")).ok());
+  VerifyReport report = Look();
+  EXPECT_TRUE(report.findings.empty());
+  ASSERT_EQ(report.notes.size(), 1u);
+  EXPECT_NE(report.notes[0].find("notes.txt"), std::string::npos);
+}
+
+TEST_F(VerifyTest, LostChunkIsFound) {
+  Sql("DELETE FROM trace_chunks WHERE attempt = " + Id(open_) + " AND seq = 1");
+  ExpectOnly("chain", open_.Text());
+}
+
+TEST_F(VerifyTest, ChunkOfAnotherPlaceIsFound) {
+  Sql("UPDATE trace_chunks SET bytes = (SELECT bytes FROM trace_chunks WHERE attempt = " +
+      Id(open_) + " AND seq = 1) WHERE attempt = " + Id(open_) + " AND seq = 0");
+  ExpectOnly("chain", open_.Text());
+}
+
+TEST_F(VerifyTest, CountsThatDoNotFitAreFound) {
+  const std::pair<const char*, const char*> changes[] = {
+      {"ticks = ticks + 1", "ticks = ticks - 1"},
+      {"chunks = chunks + 1", "chunks = chunks - 1"},
+      {"head_state_hash = head_state_hash + 1", "head_state_hash = head_state_hash - 1"},
+      {"trace_bytes = trace_bytes - 1", "trace_bytes = trace_bytes + 1"},
+      {"gap_ticks = gap_ticks + 7", "gap_ticks = gap_ticks - 7"}};
+  for (const auto& [change, back] : changes) {
+    SCOPED_TRACE(change);
+    const std::string where = " WHERE id = " + Id(scored_);
+    Sql(std::string("UPDATE attempts SET ") + change + where);
+    ExpectOnly("chain", scored_.Text());
+    Sql(std::string("UPDATE attempts SET ") + back + where);
+    EXPECT_TRUE(Look().findings.empty());
+  }
+}
+
+TEST_F(VerifyTest, ScoredAttemptWithoutItsTraceIsFound) {
+  Sql("UPDATE attempts SET trace_blob = NULL WHERE id = " + Id(scored_));
+  ExpectOnly("seal", scored_.Text());
+}
+
+TEST_F(VerifyTest, SignatureOfAnotherStationIsFound) {
+  Sql("UPDATE stations SET public_key = zeroblob(32)");
+  VerifyReport report = Look();
+  EXPECT_EQ(report.findings.size(), 5u) << "one for each chunk";
+  EXPECT_TRUE(
+      std::ranges::all_of(report.findings, [](const Finding& f) { return f.kind == "signature"; }));
+}
+
+TEST_F(VerifyTest, TicketOfAnotherServerIsFound) {
+  auto other = trace::NewKeyPair();
+  ASSERT_TRUE(WriteFileDurably(Data() / "ticket.key", other.secret_key, 0600).ok());
+  VerifyReport report = Look();
+  EXPECT_EQ(report.findings.size(), 2u);
+  for (const Finding& finding : report.findings) EXPECT_EQ(finding.kind, "ticket");
+  fs::remove(Data() / "ticket.key");
+  EXPECT_TRUE(Look().findings.empty());
+  EXPECT_EQ(Look().notes.size(), 1u) << "says that it could not look";
+}
+
+TEST_F(VerifyTest, AttemptMovedToAnotherPersonIsFound) {
+  Uuid other = AddPerson(*school_.store, "other", Role::kStudent);
+  Sql("UPDATE attempts SET person = " + Id(other) + " WHERE id = " + Id(scored_));
+  ExpectOnly("ticket", scored_.Text());
+}
+
+TEST_F(VerifyTest, LostKeyIsFound) {
+  fs::remove(Data() / "keyring" / (school_.world.student.Text() + ".key"));
+  VerifyReport report = Look();
+  ASSERT_FALSE(report.findings.empty());
+  for (const Finding& finding : report.findings) EXPECT_EQ(finding.kind, "key");
+}
+
+TEST_F(VerifyTest, UnfinishedErasureIsFoundAndFinishedByTheNextStart) {
+  Keyring ring(Data() / "keyring", SystemDisk());
+  ASSERT_TRUE(ring.Destroy(school_.world.student, 5).ok());
+  VerifyReport report = Look();
+  EXPECT_TRUE(
+      std::ranges::any_of(report.findings, [](const Finding& f) { return f.kind == "erasure"; }));
+  school_.store.reset();
+  SqliteOptions server;
+  server.folder = Data();
+  server.hold_lock = true;
+  ASSERT_TRUE(OpenSqliteStore(server).ok());
+  EXPECT_TRUE(Look().findings.empty());
+  EXPECT_EQ(Look().people, 0u);
+}
+
+TEST_F(VerifyTest, RowThatNamesNothingIsFound) {
+  Sql("PRAGMA foreign_keys = 0; DELETE FROM stations");
+  VerifyReport report = Look();
+  EXPECT_TRUE(
+      std::ranges::any_of(report.findings, [](const Finding& f) { return f.kind == "database"; }));
+}
+
+TEST_F(VerifyTest, CorruptPageIsFoundNotFollowed) {
+  school_.store.reset();
+  Bytes content = *ReadFile(Data() / "enamel.db");
+  for (size_t page = 4; page * 4096 + 200 < content.size(); page += 5) {
+    std::fill_n(content.begin() + static_cast<std::ptrdiff_t>(page * 4096), 200, 0xff);
+  }
+  ASSERT_TRUE(WriteFileDurably(Data() / "enamel.db", content).ok());
+  VerifyReport report = Look();
+  EXPECT_TRUE(
+      std::ranges::any_of(report.findings, [](const Finding& f) { return f.kind == "database"; }));
+}
+
+TEST_F(VerifyTest, FolderWithoutADatabaseIsRefused) {
+  EXPECT_EQ(Verify({folder_.path() / "nowhere", {}, {}}).status().code(), Code::kNotFound);
+}
+
+}  // namespace
+}  // namespace enamel::server
