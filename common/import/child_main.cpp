@@ -10,6 +10,7 @@
 #include <exception>
 #include <filesystem>
 #include <string>
+#include <system_error>
 
 #include "common/base/file.h"
 #include "common/import/child_sandbox.h"
@@ -43,6 +44,13 @@ int Fail(const std::string& message) {
 
 int Run(const std::filesystem::path& path) {
   LimitResources();
+  std::error_code error;
+  if (const auto size = std::filesystem::file_size(path, error); !error && size > kMaxMeshFile) {
+    return Fail("expected a file of at most " + std::to_string(kMaxMeshFile >> 20) +
+                " MiB, found one of " + std::to_string(size >> 20) +
+                " MiB: reduce the mesh in a mesh program (a crown needs no more than 200000 "
+                "triangles)");
+  }
   Result<Bytes> file = ReadFile(path, kMaxMeshFile);
   if (!file.ok()) return Fail(file.status().message());
   if (!ForbidSystem()) {

@@ -18,7 +18,8 @@ constexpr double kMostTimesLarger = 30;
 constexpr int kNestingSamples = 16;   // along an axis
 constexpr double kLook_mm = 0.5;      // how far apart surfaces are still measured
 constexpr double kFaceToFace = -0.5;  // cosine of their normals
-constexpr double kOpposite = -0.5;    // cosine between the ways to both sides of a cleft
+constexpr double kOpposite = -0.1;    // cosine between the ways to both sides of a cleft
+constexpr double kAcrossCap = -0.5;   // and to a cap and the dentin across from it
 constexpr double kTouching_mm = 1e-4;
 constexpr double kMostBeyond = 0.02;
 constexpr double kLeastMeeting = 0.1;  // of the smaller surface
@@ -36,10 +37,21 @@ dvec3 Unit(const dvec3& v) {
   return size > 0 ? v / size : dvec3(0);
 }
 
-// More than 120 degrees apart; also where one of them is hardly a way at all.
-bool AreOpposite(const dvec3& l, const dvec3& r) {
+// At an angle of more than this cosine; also where one of them is hardly a way at all.
+bool AreOpposite(const dvec3& l, const dvec3& r, double cosine) {
   const double product = std::sqrt(Dot(l, l) * Dot(r, r));
-  return product < kTouching_mm * kTouching_mm || Dot(l, r) < kOpposite * product;
+  return product < kTouching_mm * kTouching_mm || Dot(l, r) < cosine * product;
+}
+
+// Going on from p, away from a surface that lies `way` behind it, is the solid entered before
+// `bridge` from that surface?
+bool Enters(const LayeredTooth::Surface& solid, const dvec3& p, const dvec3& way, double bridge) {
+  const double size = std::sqrt(Dot(way, way));
+  if (size < kTouching_mm) return true;
+  for (double part : {0.5, 1.0}) {
+    if (solid.whole.Inside(p + way * (part * (bridge - size) / size))) return true;
+  }
+  return false;
 }
 
 bool IsCap(const Solid& solid, const std::array<uint32_t, 3>& t) {
@@ -163,7 +175,9 @@ std::optional<size_t> LayeredTooth::NearerOfCleft(const dvec3& p, const Distance
       uint32_t on_one = 0, on_other = 0;
       one.Distance(p, 2 * bridge_, &on_one);
       other.Distance(p, 2 * bridge_, &on_other);
-      if (AreOpposite(one.NearestOn(on_one, p) - p, other.NearestOn(on_other, p) - p))
+      const dvec3 way = one.NearestOn(on_one, p) - p, other_way = other.NearestOn(on_other, p) - p;
+      if (AreOpposite(way, other_way, kOpposite) || Enters(*surfaces_[k], p, -way, bridge_) ||
+          Enters(*surfaces_[i], p, -other_way, bridge_))
         return d.to[i] < d.to[k] ? i : k;
     }
   return std::nullopt;
@@ -174,7 +188,7 @@ bool LayeredTooth::IsBehindCap(const dvec3& p) const {
   uint32_t cap = 0, other = 0;
   if (caps.empty() || caps.Distance(p, kBehind_mm, &cap) >= kBehind_mm) return false;
   if (dentin.Distance(p, kBehind_mm, &other) >= kBehind_mm) return false;
-  return AreOpposite(caps.NearestOn(cap, p) - p, dentin.NearestOn(other, p) - p);
+  return AreOpposite(caps.NearestOn(cap, p) - p, dentin.NearestOn(other, p) - p, kAcrossCap);
 }
 
 bool LayeredTooth::Inside(const dvec3& p, const Distances& d) const {
@@ -311,7 +325,9 @@ namespace {
 class BoundaryPieces {
  public:
   BoundaryPieces(const LayeredTooth& tooth, size_t own, double finest_mm)
-      : bridge_(tooth.bridge()), finest_(finest_mm) {
+      : own_(tooth.surface(own)->boundary, tooth.surface(own)->whole),
+        bridge_(tooth.bridge()),
+        finest_(finest_mm) {
     for (size_t i = 0; i < kLayers; ++i) {
       const auto* s = tooth.surface(i);
       if (s == nullptr || i == own) continue;
@@ -321,8 +337,11 @@ class BoundaryPieces {
 
   void Add(const Facet& f, Triangles& out) {
     const double radius = f.Radius();
-    const dvec3 normal = Unit(f.AreaNormal()), middle = f.Middle();
+    const dvec3 middle = f.Middle();
+    dvec3 normal = Unit(f.AreaNormal());
     if (Dot(normal, normal) < 0.5) return;
+    // Slivers along a line where a surface crosses itself may face either way.
+    if (own_.Distance(middle + 2 * kStep_mm * normal, 1) < 0) normal = -normal;
     bool near = false;
     const bool bare = HasAirBefore(middle, normal, radius + bridge_, near);
     if (near && radius > finest_ && (radius > kUniform_mm || !IsOfOneKind(f, normal, bare))) {
@@ -340,6 +359,12 @@ class BoundaryPieces {
     const TriangleTree* surface;
     SignedProbe probe;
   };
+
+  // Half and all of the bridge before p.
+  bool IsOutside(SignedProbe& probe, const dvec3& p, const dvec3& normal) const {
+    return probe.Distance(p + 0.5 * bridge_ * normal, 1) >= 0 &&
+           probe.Distance(p + bridge_ * normal, 1) >= 0;
+  }
 
   bool IsOfOneKind(const Facet& f, const dvec3& normal, bool bare) {
     bool near = false;
@@ -364,11 +389,15 @@ class BoundaryPieces {
       } else if (s < bridge_) {
         const dvec3 way = other.surface->NearestOn(other.probe.nearest(), before) - before;
         if (Dot(way, normal) > -kOpposite * s) bare = false;
+        bare = bare && IsOutside(other.probe, p, normal);
       }
+      // A fold of the own surface, if it is at an interface.
+      if (bare && std::abs(s) < bridge_) bare = IsOutside(own_, p, normal);
     }
     return bare;
   }
 
+  SignedProbe own_;
   double bridge_, finest_;
   std::vector<Other> others_;
 };

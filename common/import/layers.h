@@ -15,12 +15,13 @@
 // tissues meet they cross and gape by some hundredths of a millimetre. That must leave no air
 // between them, and nothing of one within the other.
 //
-// Solid is what is inside any of the surfaces or in a cleft between two: outside all, with the
-// nearest points of both in opposite directions (over 120 degrees apart) and their distances
-// together no more than the bridge. The tissue there:
+// Solid is what is inside any of the surfaces or in a cleft between two: outside all, with
+// distances to both that are together no more than the bridge, and their nearest points on opposite
+// sides (over 96 degrees apart), or one straight ahead when coming from the other. The tissue
+// there:
 // - side by side (face to face within 0.5 mm over a tenth of the smaller surface, as an enamel
-// shell
-//   on dentin): the one that the point lies deeper in, so that a crossing is parted in its middle;
+//   shell on dentin): the one that the point lies deeper in, so that a crossing is parted in its
+//   middle;
 // - else nested (sharing a tenth of the smaller volume): the inner one's, pulp before dentin before
 //   enamel; pulp is pulp wherever it crosses enamel;
 // - in a cleft: the nearer one's, also where both sides lie within an enamel dome;

@@ -65,6 +65,13 @@ bool Number(std::string_view word, uint64_t& value) {
   return error == std::errc() && end == word.data() + word.size();
 }
 
+bool IsCoordinate(std::string_view word) {
+  if (word.starts_with('+')) word.remove_prefix(1);
+  double value = 0;
+  auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  return error == std::errc() && end == word.data() + word.size();
+}
+
 bool StartsWithWord(std::string_view text, std::string_view word) {
   text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
   return text.size() >= word.size() &&
@@ -312,12 +319,16 @@ Status CheckOff(ByteView file) {
   if (faces > kMaxTriangles) return TooMany(faces);
   if (vertices > file.size()) return OffTooShort("vertices", vertices, 0);
   for (uint64_t i = 0; i < 3 * vertices; ++i) {
-    if (words.Next().empty()) return OffTooShort("vertices", vertices, i / 3);
+    const std::string_view word_at = words.Next();
+    if (word_at.empty()) return OffTooShort("vertices", vertices, i / 3);
+    if (!IsCoordinate(word_at))
+      return Invalid("vertex " + std::to_string(i / 3) + " has a coordinate that is no number");
     if (i % 3 == 2) words.SkipLine();  // normals or colours
   }
   for (uint64_t i = 0; i < faces; ++i) {
     uint64_t corners = 0;
     bool whole = Number(words.Next(), corners) && corners <= file.size();
+    if (whole && corners == 0) return Invalid("face " + std::to_string(i) + " has no corners");
     for (uint64_t k = 0; whole && k < corners; ++k) {
       uint64_t index = 0;
       whole = Number(words.Next(), index);

@@ -109,7 +109,8 @@ Result<Crossing> FindCrossings(const Triangles& mesh, const TriangleTree& tree) 
   return with;
 }
 
-enum class Place { kBoundary, kBuried, kOutside };
+// kTurned: on the boundary, but facing the solid (a loop the wrong way around).
+enum class Place { kBoundary, kTurned, kBuried, kOutside };
 
 class Judge {
  public:
@@ -120,7 +121,8 @@ class Judge {
     if (size <= 0) return Place::kOutside;
     const dvec3 middle = f.Middle(), step = n * (kSide_mm / size);
     const bool below = tree_.Inside(middle - step), above = tree_.Inside(middle + step);
-    return below != above ? Place::kBoundary : below ? Place::kBuried : Place::kOutside;
+    if (below != above) return below ? Place::kBoundary : Place::kTurned;
+    return below ? Place::kBuried : Place::kOutside;
   }
 
  private:
@@ -139,7 +141,9 @@ class Cutter {
       if (Cross(piece, FacetOf(mesh_, i))) here.push_back(i);
     }
     if (here.empty() || piece.Radius() < smallest_mm_) {
-      if (judge_.Of(piece) == Place::kBoundary) Keep(piece);
+      const Place place = judge_.Of(piece);
+      if (place == Place::kBoundary) Keep(piece);
+      if (place == Place::kTurned) Keep({piece.a, piece.c, piece.b});
       return;
     }
     for (const Facet& half : piece.Halves()) Cut(half, here);
@@ -213,8 +217,11 @@ Result<SolidBoundary> BoundaryOf(const Triangles& mesh, const TriangleTree& tree
     }
     auto& place = judged[patch[i]];
     if (!place) place = judge.Of(FacetOf(mesh, largest[patch[i]]));
+    const auto& t = mesh.indices[i];
     if (*place == Place::kBoundary) {
-      out.pieces.indices.push_back(mesh.indices[i]);
+      out.pieces.indices.push_back(t);
+    } else if (*place == Place::kTurned) {
+      out.pieces.indices.push_back({t[0], t[2], t[1]});
     } else {
       ++out.buried;
     }

@@ -6,8 +6,9 @@
 
 namespace enamel::import {
 
-// The pieces of a closed mesh that have solid on one side and none on the other. Inside is what
-// the mesh surrounds at least once, whichever way around (TriangleTree::Inside).
+// The pieces of a closed mesh that have solid on one side and none on the other, all facing away
+// from it. Inside is what the mesh surrounds at least once, whichever way around
+// (TriangleTree::Inside).
 struct SolidBoundary {
   Triangles pieces;     // over the mesh's vertices, then those of cut triangles
   size_t crossing = 0;  // triangles that others cross or lie upon

@@ -110,6 +110,8 @@ TEST(MeshFileCheckTest, OffWithCommentsColoursAndAJoinedHeaderMayBeRead) {
   EXPECT_EQ(Refusal("#x\nOFF # y\n3 1 0\n\n0 0 0\n1 0 0 # z\n0 1 0\n3 0 1 2 255 0 0\n", "off"), "");
   EXPECT_EQ(Refusal("OFF3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2", "off"), "");
   ExpectSays(Refusal("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", "off"), "vertex 3 of 3");
+  ExpectSays(Refusal("OFF\n3 1 0\n0 0 0\n1z 0 0\n0 1 0\n3 0 1 2\n", "off"), "vertex 1 has a");
+  ExpectSays(Refusal("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n0\n", "off"), "face 0 has no corners");
 }
 
 }  // namespace
