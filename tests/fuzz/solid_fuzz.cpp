@@ -4,8 +4,8 @@
 #include "common/cutting/volume.h"
 #include "common/import/import_tooth.h"
 
-// Bytes as a small mesh: first byte how many vertices, then three bytes each in quarters of a
-// millimetre, then triangles. Refused, or a tooth of no more than its bounding box.
+// Bytes as a small mesh: first byte how many vertices, then three bytes each in sixteenths of
+// a millimetre, then triangles. Refused, or a tooth of no more than its bounding box.
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace enamel;
   ByteReader in({data, std::min<size_t>(size, 1000)});
@@ -13,7 +13,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const int vertices = in.U8() + 1;
   for (int i = 0; i < vertices && in.remaining() >= 3; ++i) {
     const double x = in.U8(), y = in.U8(), z = in.U8();
-    mesh.vertices.emplace_back(x / 4, y / 4, z / 4);
+    mesh.vertices.emplace_back(x / 16, y / 16, z / 16);
   }
   while (in.remaining() >= 3 && !mesh.vertices.empty()) {
     std::array<uint32_t, 3> t{in.U8(), in.U8(), in.U8()};
