@@ -16,10 +16,23 @@ namespace {
 
 Status Invalid(const std::string& what) { return Status(Code::kInvalidInput, what); }
 
-// Before the library makes triangles of polygons: it reads their corners without looking.
-Status CheckFaces(const aiScene& scene) {
+// Before the library makes triangles of polygons: it reads their corners without looking, and gives
+// up the process over coordinates whose products overflow.
+Status CheckMeshes(const aiScene& scene) {
+  constexpr float kFarthest = 1e9f;  // a kilometre in micrometres
   for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
     const aiMesh& mesh = *scene.mMeshes[m];
+    for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
+      const aiVector3D& v = mesh.mVertices[i];
+      if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z)) {
+        return Invalid("vertex " + std::to_string(i) +
+                       " has a coordinate that is not a finite number");
+      }
+      if (std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}) > kFarthest) {
+        return Invalid("vertex " + std::to_string(i) +
+                       " has a coordinate beyond 1000000000: the file is damaged, export it anew");
+      }
+    }
     for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
       const aiFace& f = mesh.mFaces[i];
       for (unsigned k = 0; k < f.mNumIndices; ++k) {
@@ -40,10 +53,6 @@ Status AddMesh(const aiMesh& mesh, Triangles& out) {
   auto first = static_cast<uint32_t>(out.vertices.size());
   for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
     const aiVector3D& v = mesh.mVertices[i];
-    if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z)) {
-      return Invalid("vertex " + std::to_string(i) +
-                     " has a coordinate that is not a finite number");
-    }
     out.vertices.emplace_back(v.x, v.y, v.z);
   }
   for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
@@ -96,7 +105,7 @@ Result<NamedMesh> ReadMesh(ByteView file, const std::string& kind) {
   if (kind == "obj") file = obj;
   const aiScene* scene = importer.ReadFileFromMemory(file.data(), file.size(), 0, kind.c_str());
   if (scene == nullptr) return Invalid(std::string("cannot be read: ") + importer.GetErrorString());
-  ENAMEL_RETURN_IF_ERROR(CheckFaces(*scene));
+  ENAMEL_RETURN_IF_ERROR(CheckMeshes(*scene));
   scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
   if (scene == nullptr) return Invalid(std::string("cannot be read: ") + importer.GetErrorString());
   NamedMesh out;

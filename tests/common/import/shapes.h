@@ -11,8 +11,8 @@ namespace enamel::import {
 Triangles SphereMesh(double radius, int n, dvec3 centre = dvec3(0));
 // Box lo..hi of 12 triangles.
 Triangles BoxMesh(const dvec3& lo, const dvec3& hi);
-// A profile (r, z) turned about z in `around` steps, its left side outward: closed where it begins and
-// ends on the axis or where it ends; open otherwise.
+// A profile (r, z) turned about z in `around` steps, its left side outward: closed where it begins
+// and ends on the axis or where it ends; open otherwise.
 struct ProfilePoint {
   double r, z;
 };
