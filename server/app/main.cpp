@@ -1,6 +1,7 @@
 #include <sodium.h>
 
 #include <CLI/CLI.hpp>
+#include <cstdlib>
 #include <functional>
 #include <iostream>
 
@@ -43,11 +44,13 @@ struct Options {
   uint32_t limit = 50;
 };
 
-// --data, as every command but `serve` takes it.
+// --data, as every command but `serve` takes it. The environment is read here and not by the
+// parser, which would let it overrule another command's option that has the same place.
 CLI::Option* AddData(CLI::App* cmd, std::filesystem::path& data) {
-  return cmd->add_option("--data", data, "Data folder of the server")
-      ->envname("ENAMEL_DATA")
-      ->required();
+  auto* option = cmd->add_option("--data", data, "Data folder of the server (or ENAMEL_DATA)");
+  const char* given = std::getenv("ENAMEL_DATA");
+  if (given != nullptr) data = given;
+  return option->required(given == nullptr);
 }
 
 void AddAddresses(CLI::App* cmd, app::ServeOptions& serve) {
@@ -79,8 +82,9 @@ void AddOperations(CLI::App* cmd, Options& o) {
       ->capture_default_str();
 }
 
-// After the command line and the environment: the file, and what is needed from either.
+// After the command line: the environment, the file, and what is needed from either.
 Status FinishServe(CLI::App& cmd, Options& o) {
+  ENAMEL_RETURN_IF_ERROR(ops::ReadEnvironment(cmd));
   if (!o.config.empty()) ENAMEL_RETURN_IF_ERROR(ops::ReadSettingsFile(o.config, cmd));
   if (o.serve.data.empty()) {
     return Status(Code::kInvalidInput,
@@ -109,7 +113,6 @@ void AddServe(CLI::App& root, Options& o, Command& command) {
       "  enamel-server serve --config /etc/enamel/server.toml     as a service (server/ops)\n\n"
       "Watch it with GET /healthz (503 when no recordings are taken) and GET /metrics "
       "(Prometheus).");
-  ops::ReadEnvironment(*cmd);
   cmd->callback([&, cmd] {
     command = [&, cmd]() -> Status {
       ENAMEL_RETURN_IF_ERROR(FinishServe(*cmd, o));
@@ -154,8 +157,7 @@ void AddBackup(CLI::App& root, Options& o, Command& command) {
   auto* verify = root.add_subcommand(
       "verify", "Compare everything with everything: hashes, chains, signatures, seals, keys");
   verify->add_option("BACKUP", o.verify.folder, "A backup; without: the data folder");
-  auto* data = verify->add_option("--data", o.data, "Data folder, in use or not");
-  data->envname("ENAMEL_DATA");
+  AddData(verify, o.data)->required(false)->description("Data folder, in use or not");
   verify->add_option("--keyring", o.verify.keyring, "Key ring of a backup that has none inside");
   verify->add_option("--json", o.verify.json, "Write everything that was found to this file");
   verify->footer("Changes nothing. Exit code 1 when anything disagrees, after all of it was told.");

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
+#include <cstdlib>
 #include <sstream>
 
 #include "common/base/file.h"
@@ -55,12 +56,11 @@ Result<std::vector<std::string>> TextsOf(const toml::node& node) {
   return Status(Code::kInvalidInput, "expected a text, an integer, true, false or a list of texts");
 }
 
-Status Apply(CLI::Option& option, const toml::node& node) {
-  auto texts = TextsOf(node);
-  if (!texts.ok()) return texts.status();
-  if (option.count() > 0 || texts->empty()) return Status::Ok();
+// Unless something nearer gave the option already.
+Status Apply(CLI::Option& option, const std::vector<std::string>& texts) {
+  if (option.count() > 0 || texts.empty()) return Status::Ok();
   try {
-    for (const std::string& text : *texts) option.add_result(text);
+    for (const std::string& text : texts) option.add_result(text);
     option.run_callback();
   } catch (const CLI::Error& error) {
     return Status(Code::kInvalidInput, error.what());
@@ -94,13 +94,17 @@ std::string EnvironmentName(const std::string& option) {
   return out;
 }
 
-void ReadEnvironment(CLI::App& command) {
+Status ReadEnvironment(CLI::App& command) {
   for (CLI::Option* option : command.get_options()) {
     std::string name = NameOf(*option);
-    if (!name.empty() && name != "help" && name != "print-settings") {
-      option->envname(EnvironmentName(name));
+    if (!IsSetting(name) && name != "config") continue;
+    const char* value = std::getenv(EnvironmentName(name).c_str());
+    if (value == nullptr) continue;
+    if (Status applied = Apply(*option, {value}); !applied.ok()) {
+      return Status(Code::kInvalidInput, EnvironmentName(name) + ": " + applied.message());
     }
   }
+  return Status::Ok();
 }
 
 Status ReadSettingsFile(const std::filesystem::path& file, CLI::App& command) {
@@ -122,7 +126,9 @@ Status ReadSettingsFile(const std::filesystem::path& file, CLI::App& command) {
                                              Names(command) + "; found \"" +
                                              std::string(key.str()) + "\"");
     }
-    if (Status applied = Apply(*option, node); !applied.ok()) {
+    auto texts = TextsOf(node);
+    Status applied = texts.ok() ? Apply(*option, *texts) : texts.status();
+    if (!applied.ok()) {
       return Status(Code::kInvalidInput,
                     Where(file, node.source()) + name + ": " + applied.message());
     }

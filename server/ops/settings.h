@@ -15,8 +15,10 @@ namespace enamel::server::ops {
 // The environment variable of an option: "--job-threads" is ENAMEL_JOB_THREADS.
 std::string EnvironmentName(const std::string& option);
 
-// Lets every option of `command` be given by its environment variable too.
-void ReadEnvironment(CLI::App& command);
+// Gives the options of `command` that the command line did not give the values of their environment
+// variables. After the command line was parsed, so that a command only minds its own. Errors:
+// kInvalidInput with the variable's name.
+Status ReadEnvironment(CLI::App& command);
 
 // Gives the options of `command` that neither command line nor environment gave the values of a
 // TOML file (https://toml.io, 1.0): its keys are the options' long names without dashes in front,

@@ -6,6 +6,7 @@
 
 #include <csignal>
 
+#include "common/base/file.h"
 #include "server/storage/sqlite_store.h"
 #include "tests/server/storage/store_world.h"
 
@@ -147,6 +148,39 @@ TEST_F(ServeProcessTest, WrongUsageEndsWithTwo) {
   Program server({"serve", "--nonsense"});
   EXPECT_FALSE(server.ReadAll().empty());
   EXPECT_EQ(server.ExitCode(), 2);
+}
+
+TEST_F(ServeProcessTest, FolderOfTheCommandLineCountsMoreThanTheEnvironments) {
+  const std::string other = (folder_.path() / "other").string();
+  ::setenv("ENAMEL_DATA", other.c_str(), 1);
+  Program given({"admin", "enrol-code", "--data", Data()});
+  given.ReadAll();
+  EXPECT_EQ(given.ExitCode(), 0);
+  EXPECT_TRUE(std::filesystem::exists(Data() + "/enamel.db"));
+  EXPECT_FALSE(std::filesystem::exists(other));
+  Program inherited({"admin", "enrol-code"});
+  inherited.ReadAll();
+  EXPECT_EQ(inherited.ExitCode(), 0);
+  EXPECT_TRUE(std::filesystem::exists(other + "/enamel.db"));
+  ::unsetenv("ENAMEL_DATA");
+  Program neither({"admin", "enrol-code"});
+  EXPECT_NE(neither.ReadAll().find("--data"), std::string::npos);
+  EXPECT_EQ(neither.ExitCode(), 2);
+}
+
+// The printed settings are a file that the server takes, and the one that comes with it is one too.
+TEST_F(ServeProcessTest, SettingsComeFromTheFileThatComesWithTheServer) {
+  Program print({"serve", "--config", ENAMEL_SOURCE_DIR "/server/ops/server.toml",
+                 "--print-settings", "--min-free-mib", "77"});
+  std::string said = print.ReadAll();
+  EXPECT_EQ(print.ExitCode(), 0) << said;
+  EXPECT_NE(said.find("log-format = 'json'"), std::string::npos) << said;
+  EXPECT_NE(said.find("min-free-mib = '77'"), std::string::npos) << said;
+  std::string file = (folder_.path() / "printed.toml").string();
+  ASSERT_TRUE(WriteFileDurably(file, AsBytes(said)).ok());
+  Program again({"serve", "--config", file, "--print-settings"});
+  EXPECT_EQ(again.ReadAll(), said);
+  EXPECT_EQ(again.ExitCode(), 0);
 }
 
 TEST_F(ServeProcessTest, EnrolCodeIsOneWordWithTheFingerprint) {

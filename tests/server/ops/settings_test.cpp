@@ -24,7 +24,6 @@ class SettingsTest : public ::testing::Test {
     command_.add_option("--host-name", names_, "Names (repeatable)");
     command_.add_flag("--quiet", quiet_, "Say less");
     command_.add_option("--config", config_);
-    ReadEnvironment(command_);
   }
   ~SettingsTest() override {
     ::unsetenv("ENAMEL_THREADS");
@@ -34,6 +33,7 @@ class SettingsTest : public ::testing::Test {
     std::ofstream(file_) << toml;
     std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
     command_.parse(arguments);
+    ENAMEL_RETURN_IF_ERROR(ReadEnvironment(command_));
     return ReadSettingsFile(file_, command_);
   }
 
@@ -61,6 +61,13 @@ TEST_F(SettingsTest, EnvironmentIsNearerThanTheFile) {
   ::setenv("ENAMEL_THREADS", "4", 1);
   ASSERT_TRUE(Read("threads = 3\n").ok());
   EXPECT_EQ(threads_, 4);
+}
+
+TEST_F(SettingsTest, EnvironmentThatTheOptionRefusesIsNamed) {
+  ::setenv("ENAMEL_THREADS", "many", 1);
+  Status refused = Read("");
+  EXPECT_EQ(refused.code(), Code::kInvalidInput);
+  EXPECT_NE(refused.message().find("ENAMEL_THREADS"), std::string::npos) << refused.message();
 }
 
 TEST_F(SettingsTest, CommandLineIsNearest) {
