@@ -54,11 +54,14 @@ bool Station::Reached() const {
 
 double Station::Advance(double now) {
   if (!problem_.empty()) return kNever;
+  // Closed by somebody else since the last time.
+  if (link_.state() == Link::State::kClosed && up_) Lost(now);
   if (link_.state() == Link::State::kClosed) {
     // Goals behind us need no connection; streams and idle stations keep theirs.
     if (Reached() && goal_ != Goal::kOpen) return kNever;
     if (now < again_s_) return again_s_;
     link_.Open();
+    up_ = true;
     asked_s_ = now;
   }
   link_.Advance();
@@ -76,7 +79,7 @@ double Station::Advance(double now) {
       Ask(std::move(ping));
     }
   }
-  if (link_.state() == Link::State::kClosed) Lost(now);
+  if (link_.state() == Link::State::kClosed && up_) Lost(now);
   return NextWake(now);
 }
 
@@ -104,7 +107,7 @@ void Station::Cut() {
 
 void Station::Lost(double now) {
   bool was_up = greeted_;
-  said_hello_ = greeted_ = asked_ = opened_ = false;
+  up_ = said_hello_ = greeted_ = asked_ = opened_ = false;
   in_flight_.clear();
   session_.clear();
   next_ = committed_;

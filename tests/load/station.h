@@ -102,7 +102,7 @@ class Station {
   std::string problem_;
 
   // Of this connection.
-  bool said_hello_ = false, greeted_ = false, asked_ = false, opened_ = false;
+  bool up_ = false, said_hello_ = false, greeted_ = false, asked_ = false, opened_ = false;
   uint32_t last_id_ = 0;
   std::deque<InFlight> in_flight_;
   double asked_s_ = 0, live_s_ = 0, ping_s_ = 0;
