@@ -89,6 +89,12 @@ class Session {
   Status CheckParams(const trace::Header& header);
   // Errors: kNotFound unless the attempt was ticketed for this station.
   Status MustBeOurs(const Uuid& attempt);
+  // Errors: kConflict when the ticket ran out longer than kLateUploadMs ago.
+  Status MayStillBegin(const trace::Ticket& ticket) const;
+  // The attempt of a ticket that was issued here and is not known any more: the server was restored
+  // from a backup made before it. Whether it was to be a reference is not in a ticket. Errors also:
+  // kConflict (person erased, ticket too old).
+  Result<AttemptRow> Readmit(const trace::Ticket& ticket);
   Status NotSigned(ByteView chunk);
 
   Services& services_;

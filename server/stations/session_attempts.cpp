@@ -136,18 +136,38 @@ Status Session::CheckHeader(const trace::Header& header) {
   return Status::Ok();
 }
 
+Status Session::MayStillBegin(const trace::Ticket& ticket) const {
+  if (services_.clock() <= ticket.expires_unix_ms + kLateUploadMs) return Status::Ok();
+  return Status(Code::kConflict, "the ticket ran out too long ago; ask for a new one", "ticket");
+}
+
+Result<AttemptRow> Session::Readmit(const trace::Ticket& ticket) {
+  ENAMEL_RETURN_IF_ERROR(MayStillBegin(ticket));
+  auto exercise = services_.store.ExerciseByContent(ticket.exercise);
+  if (!exercise.ok()) return exercise.status();
+  AttemptRow row;
+  row.id = ticket.attempt;
+  row.person = ticket.person;
+  row.station = ticket.station;
+  row.exercise = exercise->id;
+  row.profile_content = ticket.profile;
+  row.ticketed_ms = ticket.issued_unix_ms;
+  ENAMEL_RETURN_IF_ERROR(services_.store.CreateAttempt(
+      row, trace::EncodeTicket(ticket),
+      Actor{ticket.person, "station " + station_->name + ", ticket from before a restore"}));
+  return services_.store.AttemptById(ticket.attempt);
+}
+
 Result<wire::Reply> Session::Do(const wire::OpenAttempt& request) {
   auto header = trace::DecodeHeader(AsBytes(request.header()));
   if (!header.ok()) return header.status();
   ENAMEL_RETURN_IF_ERROR(CheckHeader(*header));
   const Uuid& attempt = header->ticket.attempt;
   auto row = services_.store.AttemptById(attempt);
+  if (row.status().code() == Code::kNotFound) row = Readmit(header->ticket);
   if (!row.ok()) return row.status();
   if (row->state == AttemptState::kTicketed) {
-    if (services_.clock() > header->ticket.expires_unix_ms + kLateUploadMs) {
-      return Status(Code::kConflict, "the ticket ran out too long ago; ask for a new one",
-                    "ticket");
-    }
+    ENAMEL_RETURN_IF_ERROR(MayStillBegin(header->ticket));
     ENAMEL_RETURN_IF_ERROR(CheckParams(*header));
   }
   ENAMEL_RETURN_IF_ERROR(services_.store.OpenAttempt(attempt, AsBytes(request.header())));

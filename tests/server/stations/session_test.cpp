@@ -288,5 +288,35 @@ TEST_F(SessionTest, LatestLiveStateIsKeptUntilTheAttemptIsSealed) {
   EXPECT_FALSE(world_.live.Latest(recording.seal.attempt).has_value());
 }
 
+// A restore brings back a time before some tickets; stations still hold what was recorded with them.
+TEST_F(SessionTest, RecordingWhoseTicketARestoreForgotIsTaken) {
+  Welcome();
+  trace::Ticket ticket = Ticketed(1).header_fields.ticket;
+  ticket.attempt = Uuid::New();  // one that the store has never heard of
+  trace::SignTicket(ticket, world_.services.ticket_key.secret_key);
+  Recording recording(world_, trace::EncodeTicket(ticket), station_.keys, 2);
+  wire::Reply opened = station_.Open(recording.header);
+  ASSERT_TRUE(opened.has_attempt_opened()) << opened.error().message();
+  EXPECT_TRUE(station_.Put(recording.chunks[0]).chunk_ack().committed());
+  EXPECT_EQ(world_.store->AttemptById(ticket.attempt)->person, world_.student);
+
+  ticket.attempt = Uuid::New();
+  ticket.person = Uuid::New();  // erased, say
+  trace::SignTicket(ticket, world_.services.ticket_key.secret_key);
+  Recording nobodys(world_, trace::EncodeTicket(ticket), station_.keys, 1);
+  EXPECT_EQ(station_.Open(nobodys.header).error().code(), "conflict");
+
+  ticket.person = world_.student;
+  ticket.expires_unix_ms = world_.now - kLateUploadMs - 1;
+  trace::SignTicket(ticket, world_.services.ticket_key.secret_key);
+  Recording late(world_, trace::EncodeTicket(ticket), station_.keys, 1);
+  EXPECT_EQ(station_.Open(late.header).error().code(), "conflict");
+  EXPECT_FALSE(world_.store->AttemptById(ticket.attempt).ok());
+
+  trace::SignTicket(ticket, trace::NewKeyPair().secret_key);
+  Recording forged(world_, trace::EncodeTicket(ticket), station_.keys, 1);
+  EXPECT_EQ(station_.Open(forged.header).error().code(), "forbidden");
+}
+
 }  // namespace
 }  // namespace enamel::server::stations

@@ -212,6 +212,23 @@ INSTANTIATE_TEST_SUITE_P(UnsyncedWrites, PowerCutTest,
                                                                                : "AreTorn";
                          });
 
+// The test can fail: a drive that only says it synced loses what was acknowledged.
+TEST(SimulatedDiskTest, DriveThatLiesAboutSyncsLosesWhatWasAcknowledged) {
+  TempFolder folder, left;
+  Day day(folder.path());
+  day.disk().SetLying();
+  ASSERT_NO_FATAL_FAILURE(day.Run());
+  const size_t last = day.disk().operations();
+  day.disk().CutAfter(last, SimulatedDisk::Unsynced::kLost, 0, left.path());
+  auto store = OpenSqliteStore({left.path(), true});
+  size_t lost = 0;
+  for (const auto& [attempt, count] : day.PromiseAfter(last).chunks) {
+    auto chunks = store.ok() ? (*store)->AttemptChunks(attempt) : store.status();
+    lost += !chunks.ok() || chunks->size() < count ? 1 : 0;
+  }
+  EXPECT_GT(lost, 0u);
+}
+
 // The test's own foundation: a disk that forgets to sync is caught.
 TEST(SimulatedDiskTest, WhatWasNotSyncedIsLost) {
   TempFolder folder;

@@ -3,7 +3,6 @@
 #include <sqlite3.h>
 
 #include <algorithm>
-#include <atomic>
 #include <random>
 #include <set>
 
@@ -70,7 +69,7 @@ struct SimulatedVfs {
   }
   static int Sync(sqlite3_file* file, int) {
     File& f = Of(file);
-    if (f.path == nullptr) return SQLITE_OK;
+    if (f.path == nullptr || f.disk->lying_) return SQLITE_OK;
     f.disk->Record(SimulatedDisk::Kind::kSync, *f.path);
     if (f.sync_folder) {
       f.disk->Record(SimulatedDisk::Kind::kSyncFolder, fs::path(*f.path).parent_path().string());

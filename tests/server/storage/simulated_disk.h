@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -43,6 +44,9 @@ class SimulatedDisk final : public Disk {
   void CutAfter(size_t operations, Unsynced unsynced, uint32_t seed,
                 const std::filesystem::path& target) const;
 
+  // From now on files' syncs are acknowledged and not done, as bad drives do.
+  void SetLying() { lying_ = true; }
+
   // Bytes that can still be written; none: plenty.
   void SetFree(std::optional<uint64_t> bytes);
 
@@ -75,6 +79,7 @@ class SimulatedDisk final : public Disk {
 
   const std::filesystem::path folder_;
   std::string name_;
+  std::atomic<bool> lying_{false};
   std::unique_ptr<sqlite3_vfs> vfs_;
   mutable std::mutex mutex_;
   std::vector<Operation> log_;    // guarded by mutex_
