@@ -8,17 +8,17 @@ port=$(free_ports)
 ./run --once --tooth "$crowns/fdi_46.obj" --data "$work/data" --port "$port" --json "$work/1.json"
 node tests/integration/check_facts.mjs "$work/1.json"
 
-# Half a voxel of 0.05 mm: a wall that breaks out of the tooth is off by far more.
+# 35 um, what the simulated hand may be off beside a narrow crown: a wall that breaks out of the tooth is off by far more.
 for crown in "$crowns"/*.obj; do
   "$bin/enamel-station" import "$crown" --unit mm --out "$work/scene" >"$work/import.log" || { cat "$work/import.log"; fail "$crown"; }
   "$bin/enamel-station" simulate --scene "$work/scene" --operator student-deep-mesial --json "$work/simulated.json" >"$work/simulate.log"
   node -e '
     const { plane_median_um: found } = JSON.parse(require("fs").readFileSync(process.argv[1], "utf8"));
     const expected = { mesial: 300, distal: 0, buccal: 0, lingual: 0, floor: 0 };
-    const off = Object.keys(expected).filter((wall) => !(Math.abs(found[wall] - expected[wall]) <= 25));
+    const off = Object.keys(expected).filter((wall) => !(Math.abs(found[wall] - expected[wall]) <= 35));
     console.log(`${process.argv[2]}: ${Object.entries(found).map(([wall, um]) => `${wall} ${um.toFixed(0)}`).join(", ")} um`);
     process.exit(off.length);' "$work/simulated.json" "$(basename "$crown")" ||
-    { cat "$work/import.log" "$work/simulate.log"; fail "the cavity leaves $(basename "$crown"): expected the mesial wall 300 um too deep, the others within 25 um"; }
+    { cat "$work/import.log" "$work/simulate.log"; fail "the cavity leaves $(basename "$crown"): expected the mesial wall 300 um too deep, the others within 35 um"; }
 done
 
 expect_failure "--up without --tooth" "goes with --tooth" ./run --once --up -y
