@@ -119,7 +119,8 @@ Core::Core(const CoreParams& params, cutting::Volume initial)
     : params_(params),
       volume_(std::move(initial)),
       cutter_((volume_.Reserve(), volume_), BurOf(params)),
-      sweep_(volume_.spec().voxel_m(), ReachOf(params)),
+      reach_m_(ReachOf(params)),
+      sweep_(volume_.spec().voxel_m(), reach_m_),
       engagement_(BurOf(params), volume_.spec().voxel_m(), DampingOf(params)),
       coupling_(CouplingOf(params, volume_.spec().voxel_m())),
       handpiece_(params) {
@@ -181,7 +182,7 @@ bool Core::ResumeAfterGap(const dvec3& tip_m) noexcept {
 // turn stops at the first contact and the rest of the tick is spent against its resistance.
 void Core::FollowOrientation(const Quat& device, TissueMaterial& material) noexcept {
   if (params_.rotational_kc_un_m_per_rad == 0) return;
-  const double voxel = volume_.spec().voxel_m(), reach = ReachOf(params_);
+  const double voxel = volume_.spec().voxel_m();
   double left_s = 1.0 / params_.rate_hz;
   for (int i = 0; i < kMaxTurns; ++i) {
     Quat error = device * orientation_.Conjugate();
@@ -189,7 +190,7 @@ void Core::FollowOrientation(const Quat& device, TissueMaterial& material) noexc
     dvec3 e(error.x * sign, error.y * sign, error.z * sign);
     if (Dot(e, e) == 0) return;
     dvec3 move = e - RotationalStretch(e, left_s);
-    double length = std::sqrt(Dot(move, move)), limit = 0.5 * voxel / reach;
+    double length = std::sqrt(Dot(move, move)), limit = 0.5 * voxel / reach_m_;
     bool whole = length <= limit;
     if (!whole) move *= limit / length;
     orientation_ = (Quat{0.5 * move.x, 0.5 * move.y, 0.5 * move.z, 1} * orientation_).Normalised();
@@ -213,7 +214,7 @@ dvec3 Core::RotationalStretch(const dvec3& e, double dt_s) noexcept {
 
 void Core::ReadContact(const Pose& pose) noexcept {
   const double limit = kSampleVoxels * volume_.spec().voxel_m();
-  if (sample_valid_ && cutting::Motion(pose, sampled_, ReachOf(params_)) < limit) return;
+  if (sample_valid_ && cutting::Motion(pose, sampled_, reach_m_) < limit) return;
   ++work_.samples;
   engagement_.Sample(volume_, pose);
   sampled_ = pose;

@@ -153,6 +153,7 @@ class Core {
   const CoreParams params_;
   cutting::Volume volume_;
   cutting::Cutter cutter_;
+  const double reach_m_;  // of the bur and its shank, from the tip
   cutting::Sweep sweep_;
   cutting::EngagementReader engagement_;
   haptics::Coupling coupling_;

@@ -12,7 +12,7 @@ namespace {
 constexpr double kStartAbove_m = 2e-3;  // of the highest point near the cavity
 
 constexpr std::array<OperatorPreset, 3> kPresets = {{
-    {"dentist", "cuts the exercise's box to about 5 um", 0, 1, 1.0, 0.55e-3, 2.2, false},
+    {"dentist", "cuts the exercise's box to about a third of a voxel", 0, 1, 1.0, 0.55e-3, 2.2, false},
     {"student", "the same box, another hand: slower, other layers, other way round", 0, 7, 0.85,
      0.5e-3, 1.8, true},
     {"student-deep-mesial", "like student, and cuts the mesial wall 0.3 mm too far", 0.3e-3, 7,

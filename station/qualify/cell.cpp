@@ -64,8 +64,10 @@ void ParallelFor(size_t n, int threads, const std::function<void(size_t)>& job) 
   for (std::thread& t : others) t.join();
 }
 
+bool ProvedLaw(LawKind law) { return law == LawKind::kMaxwell || law == LawKind::kGatedMaxwell; }
+
 bool Proved(const TrialSpec& s) {
-  if (s.law.kind != LawKind::kMaxwell && s.law.kind != LawKind::kGatedMaxwell) return false;
+  if (!ProvedLaw(s.law.kind)) return false;
   if (s.plant.jitter_ratio > 0 || s.plant.drop_ratio > 0 || s.plant.mode_hz > 0) return false;
   double slack = 1 + 1e-9;
   return s.law.kc_n_per_m <= slack * haptics::CouplingStiffness(s.plant.damping_n_s_per_m,

@@ -77,7 +77,17 @@ struct Game {
   Ledger ledger;
 };
 
-bool ProvedLaw(LawKind law) { return law == LawKind::kMaxwell || law == LawKind::kGatedMaxwell; }
+Attack NotPlayed(const char* kind, const DeviceModel& m, LawKind law, uint64_t seed,
+                 int64_t length) {
+  Attack a;
+  a.law = haptics::FindLaw(law)->name;
+  a.kind = kind;
+  a.profile = m.name;
+  a.seed = seed;
+  a.length = length;
+  a.proved = ProvedLaw(law);
+  return a;
+}
 
 void RandomB(Random& r, haptics::Contact* contact) {
   Sym3 b;
@@ -138,13 +148,8 @@ double PlayMotion(Game& game, const Motion& motion, Attack* attack) {
 }  // namespace
 
 Attack PlayRandom(const DeviceModel& m, LawKind law, uint64_t seed, int64_t ticks) {
-  Attack a;
-  a.law = haptics::FindLaw(law)->name;
-  a.kind = "random walk, random B, P, walls and bounds every tick";
-  a.profile = m.name;
-  a.seed = seed;
-  a.length = ticks;
-  a.proved = ProvedLaw(law);
+  Attack a =
+      NotPlayed("random walk, random B, P, walls and bounds every tick", m, law, seed, ticks);
   Random r(seed);
   Game game(m, law);
   int64_t until = 0;
@@ -179,13 +184,7 @@ Attack PlayRandom(const DeviceModel& m, LawKind law, uint64_t seed, int64_t tick
 }
 
 Attack PlaySearch(const DeviceModel& m, LawKind law, uint64_t seed, int rounds) {
-  Attack a;
-  a.law = haptics::FindLaw(law)->name;
-  a.kind = "evolved periodic motion and material";
-  a.profile = m.name;
-  a.seed = seed;
-  a.length = rounds;
-  a.proved = ProvedLaw(law);
+  Attack a = NotPlayed("evolved periodic motion and material", m, law, seed, rounds);
   Random r(seed);
   Game game(m, law);
   Motion best;

@@ -30,6 +30,8 @@ void ParallelFor(size_t n, int threads, const std::function<void(size_t)>& job);
 
 // Runs the trial and fills in what it measures; names and nanoseconds are the caller's.
 Row RunRow(const DeviceModel& model, const TrialSpec& spec);
+// The laws the theorem of coupling.h is about.
+bool ProvedLaw(haptics::LawKind law);
 // Whether the theorem of coupling.h covers this trial: an anchored law, Kc and c within the
 // profile's.
 bool Proved(const TrialSpec& spec);

@@ -18,11 +18,12 @@ const scene::BuiltScene& Molar() {
   return *built;
 }
 
-SimulationReport Cut(const std::string& operator_name) {
+SimulationReport Cut(const std::string& operator_name,
+                     const std::string& device = "phantom_desktop") {
   scene::Exercise exercise =
       scene::ClassOneExercise(Molar().scene, HashSha256(AsBytes(scene::ToJson(Molar().scene))));
   for (const scene::DeviceProfile& profile : scene::BuiltinProfiles()) {
-    if (profile.name != "phantom_desktop") continue;
+    if (profile.name != device) continue;
     auto report = Simulate(Molar(), exercise, profile, operator_name);
     ENAMEL_CHECK(report.ok());
     return std::move(*report);
@@ -51,6 +52,15 @@ TEST(SimulateTest, DentistCutsEveryPlaneToAThirdOfAVoxel) {
   // The box and what stood above it: at least 4.0 x 2.4 x 2.0 mm less four round corners.
   double corners = (4 - 3.14159265) * 0.5 * 0.5 * 2;
   EXPECT_GT(report.removed_mm3[1] + report.removed_mm3[2], 4.0 * 2.4 * 2.0 - corners - 0.6);
+}
+
+TEST(SimulateTest, DentistIsWithinHalfAVoxelOnTheOtherDevices) {
+  for (const char* device : {"omega3", "bhhd3"}) {
+    SimulationReport report = Cut("dentist", device);
+    EXPECT_TRUE(report.finished) << device;
+    for (const PlaneError& p : report.planes)
+      EXPECT_LE(std::abs(p.median_um), 25) << device << " " << p.name;
+  }
 }
 
 TEST(SimulateTest, StudentsMesialWallIsThreeTenthsTooFarAndNothingElse) {

@@ -80,6 +80,26 @@ TEST(FitDampingTest, StoresAMaterialProfileOfWhatWasFittedAndNothingOfWhatWasNot
   std::filesystem::remove(options.csv_path);
 }
 
+TEST(FitDampingTest, MaterialProfileIsTheGoldenDocument) {
+  DampingReport report;
+  report.rate_hz = 40;
+  DampingFit enamel;
+  enamel.tissue = "enamel";
+  enamel.used = 120;
+  enamel.b_n_s_per_mm = 8.7;
+  enamel.b_low = 6.1;
+  enamel.b_high = 11.3;
+  enamel.offset_n = -0.02;
+  enamel.residual_rms_n = 0.15;
+  DampingFit pulp;
+  pulp.tissue = "pulp";
+  pulp.refused = "no contact";
+  report.fits = {enamel, pulp};
+  std::stringstream golden;
+  golden << std::ifstream(ENAMEL_SOURCE_DIR "/schemas/golden/material.json").rdbuf();
+  EXPECT_EQ(MaterialText(report, "molar_cut.csv"), golden.str());
+}
+
 TEST(FitDampingTest, FitsEachTissueApart) {
   std::string csv = "time_s,position_mm,force_n,tissue\n";
   double x = 0;
