@@ -9,6 +9,7 @@
 
 #include "common/base/file.h"
 #include "common/scene/builtin.h"
+#include "common/scene/calibration.h"
 
 namespace enamel::scene {
 namespace {
@@ -40,16 +41,23 @@ void CollectNames(const json::value& v, const std::string& path, std::set<std::s
   }
 }
 
-void CollectSchemaNames(const json::object& schema, const std::string& path,
-                        std::set<std::string>& out) {
+// `definitions`: where "$ref" leads, by "#/$defs/NAME".
+void CollectSchemaNames(const json::object& schema, const json::object& definitions,
+                        const std::string& path, std::set<std::string>& out) {
+  constexpr std::string_view kDefinitions = "#/$defs/";
+  if (const auto* ref = schema.if_contains("$ref")) {
+    std::string_view name = ref->as_string();
+    name.remove_prefix(kDefinitions.size());
+    CollectSchemaNames(definitions.at(name).as_object(), definitions, path, out);
+  }
   if (const auto* items = schema.if_contains("items"))
-    CollectSchemaNames(items->as_object(), path, out);
+    CollectSchemaNames(items->as_object(), definitions, path, out);
   const auto* properties = schema.if_contains("properties");
   if (properties == nullptr) return;
   for (const auto& m : properties->as_object()) {
     std::string own = path + "/" + std::string(m.key());
     out.insert(own);
-    CollectSchemaNames(m.value().as_object(), own, out);
+    CollectSchemaNames(m.value().as_object(), definitions, own, out);
   }
 }
 
@@ -61,7 +69,10 @@ std::set<std::string> NamesOf(const std::string& text) {
 
 std::set<std::string> SchemaNames(const std::string& file) {
   std::set<std::string> out;
-  CollectSchemaNames(json::parse(ReadText(file)).as_object(), "", out);
+  json::value document = json::parse(ReadText(file));
+  const json::object& schema = document.as_object();
+  const auto* definitions = schema.if_contains("$defs");
+  CollectSchemaNames(schema, definitions ? definitions->as_object() : json::object(), "", out);
   return out;
 }
 
@@ -113,9 +124,33 @@ TEST(SceneJsonTest, SchemasNameExactlyTheMembersOfTheDocuments) {
   EXPECT_EQ(exercise, SchemaNames("exercise.schema.json"));
   EXPECT_EQ(NamesOf(ReadText("golden/scene_profile_optional.json")),
             SchemaNames("device_profile.schema.json"));
+  EXPECT_EQ(NamesOf(ReadText("golden/scene_calibration.json")),
+            SchemaNames("calibration.schema.json"));
   auto scene = NamesOf(ReadText("golden/scene_block.json"));
   std::erase_if(scene, [](const std::string& n) { return n.starts_with("/landmarks_um/"); });
   EXPECT_EQ(scene, SchemaNames("scene.schema.json"));
+}
+
+TEST(SceneJsonTest, CalibrationsReadBackToTheSameBytesAndLeaveOutWhatWasNotMeasured) {
+  std::string text = ReadText("golden/scene_calibration.json");
+  Result<Calibration> calibration = CalibrationFromJson(text);
+  ASSERT_TRUE(calibration.ok()) << calibration.status().message();
+  EXPECT_EQ(ToJson(*calibration), text);
+  EXPECT_EQ(calibration->friction_mn, (Measured{25, 2, 15}));
+
+  calibration->mass_g.reset();
+  calibration->noise_nm.reset();
+  Result<Calibration> fewer = CalibrationFromJson(ToJson(*calibration));
+  ASSERT_TRUE(fewer.ok()) << fewer.status().message();
+  EXPECT_EQ(*fewer, *calibration);
+
+  Result<Calibration> none =
+      CalibrationFromJson(text.substr(0, text.find("\"measured\": {")) + "\"measured\": {}\n}\n");
+  ASSERT_FALSE(none.ok());
+  EXPECT_EQ(none.status().field(), "/measured");
+  Result<Calibration> unknown = CalibrationFromJson(Replaced(text, "\"noise_nm\"", "\"noise_um\""));
+  ASSERT_FALSE(unknown.ok());
+  EXPECT_EQ(unknown.status().field(), "/measured/noise_um");
 }
 
 TEST(SceneJsonTest, MisspeltMemberIsRefusedWithItsPath) {
