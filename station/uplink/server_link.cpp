@@ -191,6 +191,25 @@ Result<trace::Ticket> ServerLink::RequestTicket(const Credentials& credentials,
   return ticket;
 }
 
+Result<AttemptProgress> ServerLink::AttemptStatus(const Person& person, const Uuid& attempt) {
+  wire::Request request;
+  request.mutable_attempt_status()->set_session(person.session);
+  request.mutable_attempt_status()->set_attempt(protocol::ToField(attempt.view()));
+  auto reply = Call(request);
+  if (!reply.ok()) return reply.status();
+  if (!reply->has_attempt_state()) return Unexpected("AttemptState");
+  const wire::AttemptState& state = reply->attempt_state();
+  return AttemptProgress{state.state(), state.progress(), state.result_json()};
+}
+
+Status ServerLink::Ping() {
+  wire::Request request;
+  request.mutable_ping();
+  auto reply = Call(request);
+  if (!reply.ok()) return reply.status();
+  return reply->has_pong() ? Status::Ok() : Unexpected("Pong");
+}
+
 Result<uint32_t> ServerLink::OpenAttempt(ByteView header) {
   wire::Request request;
   request.mutable_open_attempt()->set_header(protocol::ToField(header));

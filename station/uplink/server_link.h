@@ -37,6 +37,13 @@ struct Catalogue {
   std::vector<Profile> profiles;
 };
 
+// What the server has made of an attempt so far.
+struct AttemptProgress {
+  std::string state;        // "recording", "sealed", "scoring", "scored", "failed", "quarantined"
+  double progress = 0;      // 0..1 while scoring
+  std::string result_json;  // once scored and visible to the person (schemas/score.md); else empty
+};
+
 // The station's side of the wire protocol (schemas/wire), one request at a time, blocking.
 //
 // Every method returns the server's refusal as its Status, or kUnavailable when the connection
@@ -65,6 +72,11 @@ class ServerLink {
   Result<trace::Ticket> RequestTicket(const Credentials& credentials, const Person& person,
                                       const Sha256& exercise, const Sha256& profile,
                                       bool as_reference);
+
+  // Errors: kNotFound, also for somebody else's attempt.
+  Result<AttemptProgress> AttemptStatus(const Person& person, const Uuid& attempt);
+  // Keeps a connection alive that has nothing to say.
+  Status Ping();
 
   // Returns the first chunk the server does not have.
   Result<uint32_t> OpenAttempt(ByteView header);

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <condition_variable>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "station/session/prepared_attempt.h"
+#include "station/session/running_attempt.h"
+#include "station/spool/spool.h"
+#include "station/uplink/server_link.h"
+
+namespace enamel::station {
+
+struct WorkplaceOptions {
+  std::filesystem::path data;
+  std::string server;  // HOST:PORT when it has moved since enrolment; else empty
+};
+
+// A person's way through an attempt, step by step, for the command line and the window:
+//
+//   SignIn -> Exercises -> Prepare -> TakeTicket -> Begin -> (RunningAttempt) -> Progress ->
+//   SignOut
+//
+// A step that fails changes nothing: it can be tried again, or another one taken. A sign-in lasts
+// as long as the connection, which is kept alive here; once it is lost the person signs in again.
+// Every step but Begin and SignOut may wait for the server for up to ServerLink::kTimeout: the
+// window calls them from a thread of its own. Thread safety: any thread; steps wait for each other.
+//
+// Errors of the steps: the server's refusals in its words, kUnavailable when it cannot be reached
+// (what to do is in the message), kUnauthenticated when nobody is signed in.
+class Workplace {
+ public:
+  // Loads the credentials, opens the spool. Errors: LoadCredentials', the spool's.
+  static Result<std::unique_ptr<Workplace>> Open(const WorkplaceOptions& options);
+  ~Workplace();
+  Workplace(const Workplace&) = delete;
+  Workplace& operator=(const Workplace&) = delete;
+
+  // Connects if need be. Errors also: kVersion when this server's core is another: recordings can
+  // be uploaded, attempts not begun.
+  Result<Person> SignIn(const std::string& login, const std::string& password);
+  // Ends the connection and with it the sign-in.
+  void SignOut();
+  // Who is signed in; nobody once the connection is lost.
+  std::optional<Person> person() const;
+
+  Result<Catalogue> Exercises();
+  // Fetches what of it is not in the cache yet.
+  Result<PreparedAttempt> Prepare(const Catalogue::Exercise& exercise,
+                                  const Catalogue::Profile& profile);
+  // From here on the server waits for this attempt: have everything else in place before.
+  // `as_reference`: instructors only.
+  Status TakeTicket(PreparedAttempt& prepared, bool as_reference);
+  // Begins to tick. `device` outlives the attempt. Requires: a ticket. Errors: the spool's.
+  Result<std::unique_ptr<RunningAttempt>> Begin(const PreparedAttempt& prepared, Device& device,
+                                                const AttemptOptions& options);
+  // What the server has made of an attempt so far.
+  Result<AttemptProgress> Progress(const Uuid& attempt);
+
+  Spool& spool() { return *spool_; }
+  const Credentials& credentials() const { return credentials_; }
+
+ private:
+  Workplace(std::filesystem::path data, Credentials credentials, std::unique_ptr<Spool> spool);
+  Status MustBeSignedIn();
+  void KeepAlive();
+
+  const std::filesystem::path data_;
+  const Credentials credentials_;
+  const std::unique_ptr<Spool> spool_;
+  mutable std::mutex link_mutex_;  // held while a request is under way
+  ServerLink link_;                // guarded by link_mutex_
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::optional<Person> person_;  // guarded by mutex_
+  bool stop_ = false;             // guarded by mutex_
+  std::thread keep_alive_;
+};
+
+}  // namespace enamel::station
