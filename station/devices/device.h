@@ -16,18 +16,36 @@ enum DeviceButtons : uint8_t {
   kFinish = 1 << 1,  // the operator has put the handpiece down: end of the attempt
 };
 
+// Free speed of the handpiece of a device that cannot tell: a dental turbine's.
+inline constexpr uint16_t kTurbineSpeed_krpm = 300;
+
 // What the device said about one tick.
 struct DeviceSample {
   std::array<int32_t, 3> counts{};  // encoder cells from the device's centre, scene axes
   QuantisedOrientation orientation = kIdentityOrientation;
   uint8_t buttons = 0;  // DeviceButtons
   uint16_t bur_speed_krpm = 0;
-  bool fresh = true;  // false: nothing new since the last tick (stall)
+  bool fresh = true;     // false: nothing new since the last tick (stall)
+  bool attached = true;  // false: unplugged, or never there; the pose is the last one known
+  // The device's own numbering of its samples and its clock at this one; 0 where it has none.
+  uint32_t sequence = 0;
+  uint64_t device_time_us = 0;
+};
+
+// What an adapter has seen of its bus since it was made. All zero for a device without one.
+struct DeviceCounters {
+  uint64_t samples = 0;     // taken
+  uint64_t lost = 0;        // missing in the sequence
+  uint64_t duplicated = 0;  // the same sequence number again, or one from before: left out
+  uint64_t refused = 0;     // too short, wrong id or version, failed check: left out
+  uint64_t writes = 0;      // forces written
+  uint64_t write_errors = 0;
+  uint64_t detached = 0;  // times it was unplugged
 };
 
 // A haptic device, seen from the tick loop. One call of ReadSample and one of SendForce per tick,
-// from one thread. Real-time: all methods but construction are safe: adapters of buses that block
-// keep a thread of their own and exchange the newest values here.
+// from one thread. Real-time: ReadSample, SendForce and ShowBur are safe: adapters of buses that
+// block keep threads of their own and exchange the newest values with the tick (TripleBuffer).
 class Device {
  public:
   virtual ~Device() = default;
@@ -38,6 +56,11 @@ class Device {
   ENAMEL_REALTIME virtual void SendForce(const dvec3& force_n) noexcept = 0;
   // The bur as the picture shows it now. Only a simulated operator looks.
   ENAMEL_REALTIME virtual void ShowBur(const dvec3& tip_m) noexcept { (void)tip_m; }
+
+  // False: what is sent is shown, not felt (a mouse). Then late ticks put nobody at risk.
+  virtual bool has_motors() const noexcept { return true; }
+  // From any thread.
+  virtual DeviceCounters counters() const noexcept { return {}; }
 };
 
 }  // namespace enamel::station

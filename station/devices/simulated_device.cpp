@@ -5,8 +5,6 @@
 namespace enamel::station {
 namespace {
 
-constexpr uint16_t kTurbineSpeed_krpm = 300;
-
 dvec3 Limited(const dvec3& v, double limit) noexcept {
   double length = std::sqrt(Dot(v, v));
   return length > limit ? v * (limit / length) : v;

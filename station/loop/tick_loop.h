@@ -3,11 +3,11 @@
 #include <atomic>
 #include <cstdint>
 
+#include "common/base/triple_buffer.h"
 #include "common/core/core.h"
 #include "common/trace/trace.h"
 #include "station/devices/device.h"
 #include "station/loop/spsc_ring.h"
-#include "station/loop/triple_buffer.h"
 
 namespace enamel::station {
 

@@ -3,7 +3,7 @@
 #include <thread>
 
 #include "station/loop/spsc_ring.h"
-#include "station/loop/triple_buffer.h"
+#include "common/base/triple_buffer.h"
 
 namespace enamel::station {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "common/base/check.h"
 
-namespace enamel::station {
+namespace enamel {
 
 // The newest value from one writer thread to one reader thread; older ones are overwritten.
 // Before the first Write the reader sees a default T. Neither side ever waits for the other.
@@ -34,4 +34,4 @@ class TripleBuffer {
   uint32_t reader_ = 2;  // owned by the reader
 };
 
-}  // namespace enamel::station
+}  // namespace enamel
