@@ -67,8 +67,32 @@ DeviceProfile Bhhd3() {
   return p;
 }
 
+// Devices without motors. Nothing is felt, so nothing can be unstable: the numbers choose how
+// closely the bur follows the hand (10 N/mm: 0.3 mm behind it at 3 N) and satisfy the same premises
+// as a real device's.
+DeviceProfile Pointer() {
+  constexpr const char* kChosen = "chosen: no motors, the force is computed and shown, not felt";
+  DeviceProfile p;
+  p.name = "pointer";
+  p.title = "Mouse or 6-DoF mouse, no force";
+  p.resolution_nm = {5'000, "chosen: a fifth of a pixel at the usual magnification"};
+  p.max_stiffness_mn_per_mm = {12'000, kChosen};
+  p.coupling_mn_per_mm = {10'000, kChosen};
+  p.damping_mn_s_per_m = {12'000, kChosen};
+  p.friction_mn = {30, kChosen};
+  p.mass_g = {100, kChosen};
+  p.peak_force_mn = {3'000, "chosen: about what cutting enamel takes (paper: 2.8 N)"};
+  p.continuous_force_mn = {3'000, kChosen};
+  p.rate_hz = {8'000, kChosen};
+  p.bus_delay_ticks = {0, kChosen};
+  p.workspace_radius_um = {30'000, kChosen};
+  return p;
+}
+
 }  // namespace
 
-std::vector<DeviceProfile> BuiltinProfiles() { return {Omega3(), PhantomDesktop(), Bhhd3()}; }
+std::vector<DeviceProfile> BuiltinProfiles() {
+  return {Omega3(), PhantomDesktop(), Bhhd3(), Pointer()};
+}
 
 }  // namespace enamel::scene

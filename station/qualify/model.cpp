@@ -61,6 +61,7 @@ double DeviceModel::PassiveKc(double rate) const {
 
 std::vector<DeviceProfile> QualifyProfiles() {
   std::vector<DeviceProfile> all = scene::BuiltinProfiles();
+  std::erase_if(all, [](const DeviceProfile& p) { return p.name == "pointer"; });  // no motors
   all.push_back(Other("omega_dot_3", "omega.3 (CHAI3D's figures)", {10'000, kSheet}, {5'000, kChai},
                       4'500, {250, kGuess}, {12'000, kChai}, {12'000, kSheet}, 75'000));
   all.push_back(Other("touch", "Touch", {55'000, kSheet}, {400, kChai}, 360, {45, kSheet},
