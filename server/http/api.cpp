@@ -1,5 +1,6 @@
 #include "server/http/api.h"
 
+#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <utility>
@@ -44,6 +45,26 @@ Status CheckCsrf(const Request& request, const auth::Identity& caller) {
           "x-enamel-csrf"};
 }
 
+bool IsName(std::string_view text) {
+  return text.size() <= 64 && std::ranges::all_of(text, [](char c) {
+           return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
+         });
+}
+
+// What stands in the place of the pattern's `{id}` or `{name}`.
+Status FillPlace(const RouteMatch& match, Call& call) {
+  if (match.id.empty()) return {};
+  if (match.route->pattern.find("{name}") != std::string_view::npos) {
+    call.name = match.id;
+    if (IsName(match.id)) return {};
+    return {Code::kInvalidInput, "expected 1 to 64 of a-z 0-9 _ - in the path", "name"};
+  }
+  Result<Uuid> id = Uuid::Parse(match.id);
+  if (!id.ok()) return {Code::kInvalidInput, "expected a UUID in the path", "id"};
+  call.id = *id;
+  return {};
+}
+
 // Counts a request in for as long as it lives.
 class Ticket {
  public:
@@ -84,38 +105,32 @@ boost::asio::awaitable<Response> Api::Handle(const Request& request) {
 boost::asio::awaitable<Response> Api::Answer(const Request& request) {
   RouteMatch match = FindRoute(request.method, request.path);
   if (!match.route) co_return NoSuchRoute(request, match);
-  Uuid id;
-  if (!match.id.empty()) {
-    Result<Uuid> parsed = Uuid::Parse(match.id);
-    if (!parsed.ok())
-      co_return ErrorResponse({Code::kInvalidInput, "expected a UUID in the path", "id"});
-    id = *parsed;
-  }
+  Call call{request, store_, authenticator_, nullptr, {}, {}, &monitoring_, live_};
+  if (Status place = FillPlace(match, call); !place.ok()) co_return ErrorResponse(place);
   if (!IsSafe(request.method)) {
     if (Status same = CheckSameSite(request); !same.ok()) co_return ErrorResponse(same);
   }
   const Route& route = *match.route;
   if (auto* handler = std::get_if<AsyncHandler>(&route.handler)) {
-    co_return co_await (*handler)(Call{request, store_, authenticator_, nullptr, id, &monitoring_});
+    co_return co_await (*handler)(call);
   }
   Ticket ticket(in_flight_, max_in_flight_);
   if (!ticket.granted()) {
     co_return ErrorResponse({Code::kUnavailable, "the server is busy; try again in a few seconds"});
   }
-  co_return co_await pool_.Run([&] { return Blocking(request, route, id); });
+  co_return co_await pool_.Run([&] { return Blocking(call, route); });
 }
 
-Response Api::Blocking(const Request& request, const Route& route, const Uuid& id) {
+Response Api::Blocking(Call& call, const Route& route) {
   try {
-    return Authorised(request, route, id);
+    return Authorised(call, route);
   } catch (const std::exception& error) {
-    return ErrorResponse(Status{Code::kInternal, error.what(), request.path});
+    return ErrorResponse(Status{Code::kInternal, error.what(), call.request.path});
   }
 }
 
-Response Api::Authorised(const Request& request, const Route& route, const Uuid& id) {
-  Call call{request, store_, authenticator_, nullptr, id, &monitoring_};
-  call.live = live_;
+Response Api::Authorised(Call& call, const Route& route) {
+  const Request& request = call.request;
   auto handler = std::get<BlockingHandler>(route.handler);
   if (route.need == Need::kNobody) return handler(call);
 

@@ -38,8 +38,8 @@ class Api {
 
  private:
   boost::asio::awaitable<Response> Answer(const Request& request);
-  Response Blocking(const Request& request, const Route& route, const Uuid& id);
-  Response Authorised(const Request& request, const Route& route, const Uuid& id);
+  Response Blocking(Call& call, const Route& route);
+  Response Authorised(Call& call, const Route& route);
 
   Store& store_;
   auth::Authenticator& authenticator_;

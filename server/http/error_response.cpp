@@ -4,13 +4,34 @@
 
 #include <boost/json.hpp>
 
+#include "server/training/revision.h"
+
 namespace enamel::server::http {
 namespace {
 
 constexpr const char* kRetryAfterSeconds = "5";
 
-bool Throttled(const Status& status) {
-  return status.code() == Code::kUnavailable && status.field() == "throttled";
+// Refusals that are finer than a Code, told by their field.
+struct Finer {
+  Code code;
+  std::string_view field;
+  int http_status;
+  const char* name;
+  bool shows_field;
+};
+constexpr Finer kFiner[] = {
+    {Code::kUnavailable, "throttled", 429, "throttled", false},
+    {Code::kInvalidInput, "if-match", 428, "precondition_required", true},
+    {Code::kConflict, kStale, 412, "precondition_failed", false},
+    {Code::kForbidden, kConfirmPassword, 403, "confirm_password", false},
+    {Code::kForbidden, kChangePassword, 403, "change_password", false},
+};
+
+const Finer* FinerOf(const Status& status) {
+  for (const Finer& finer : kFiner) {
+    if (finer.code == status.code() && finer.field == status.field()) return &finer;
+  }
+  return nullptr;
 }
 
 int HttpStatus(const Status& status) {
@@ -28,7 +49,7 @@ int HttpStatus(const Status& status) {
     case Code::kTooLarge:
       return 413;
     case Code::kUnavailable:
-      return Throttled(status) ? 429 : 503;
+      return 503;
     case Code::kOk:
     case Code::kStorage:
     case Code::kVersion:
@@ -54,6 +75,10 @@ Response ErrorResponse(int status, std::string_view code, std::string_view messa
 }
 
 Response ErrorResponse(const Status& status) {
+  if (const Finer* finer = FinerOf(status)) {
+    return ErrorResponse(finer->http_status, finer->name, status.message(),
+                         finer->shows_field ? finer->field : std::string_view{});
+  }
   int http_status = HttpStatus(status);
   if (http_status == 500) {
     spdlog::error("http: {}: {} {}", CodeName(status.code()), status.field(), status.message());
@@ -61,9 +86,7 @@ Response ErrorResponse(const Status& status) {
                          "The server could not do this; its log says why. Try again, or tell the "
                          "person who runs the server.");
   }
-  const char* code = Throttled(status) ? "throttled" : CodeName(status.code());
-  return ErrorResponse(http_status, code, status.message(),
-                       Throttled(status) ? std::string_view{} : status.field());
+  return ErrorResponse(http_status, CodeName(status.code()), status.message(), status.field());
 }
 
 }  // namespace enamel::server::http

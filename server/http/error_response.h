@@ -8,8 +8,14 @@
 // The one place where a refusal becomes an HTTP answer (schemas/api/openapi.yaml, schema Error).
 namespace enamel::server::http {
 
-// 400, 401, 403, 404, 409, 413, 429, 503 say what the Status says. Everything that is our fault
-// (kStorage, kVersion, kInternal) becomes a 500 without detail; the detail goes to the log, here.
+// Fields of kForbidden that the page acts upon: 403 "confirm_password" (give the password again,
+// POST /api/v1/session/confirm) and 403 "change_password" (the password is for one use only).
+inline constexpr std::string_view kConfirmPassword = "confirm-password";
+inline constexpr std::string_view kChangePassword = "change-password";
+
+// 400, 401, 403, 404, 409, 412, 413, 428, 429, 503 say what the Status says. Everything that is our
+// fault (kStorage, kVersion, kInternal) becomes a 500 without detail; the detail goes to the log,
+// here.
 Response ErrorResponse(const Status& status);
 
 // Refusals that only exist in HTTP: 405 "method_not_allowed", 415 "unsupported_media_type",

@@ -44,8 +44,8 @@ constexpr size_t kReadBytes = 4096;
 constexpr size_t kMaxDrainBytes = 4 * kMaxBodyBytes;
 constexpr std::chrono::milliseconds kDrain{1000};
 constexpr std::chrono::milliseconds kAcceptPause{100};
-// How often a viewer is shown what is new, and how long nothing may be sent. The system keeps little
-// for a viewer who does not read.
+// How often a viewer is shown what is new, and how long nothing may be sent. The system keeps
+// little for a viewer who does not read.
 constexpr std::chrono::milliseconds kEventPeriod{100};
 constexpr std::chrono::seconds kEventSilence{15};
 constexpr int kEventSendBuffer = 64 * 1024;
@@ -136,6 +136,9 @@ Request PlainRequest(const bhttp::request<bhttp::string_body>& message, std::str
       break;
     case bhttp::verb::delete_:
       out.method = Method::kDelete;
+      break;
+    case bhttp::verb::patch:
+      out.method = Method::kPatch;
       break;
     default:
       out.method = Method::kOther;

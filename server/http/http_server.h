@@ -32,7 +32,7 @@ struct HttpDeadlines {
   std::chrono::milliseconds write{60'000};
   std::chrono::milliseconds event{5'000};     // one event to a viewer: who is slower is dropped
   std::chrono::milliseconds events{300'000};  // a stream; its viewer comes back, and is asked again
-  std::chrono::milliseconds stop{5'000};  // what a request gets to finish in when stopping
+  std::chrono::milliseconds stop{5'000};      // what a request gets to finish in when stopping
 };
 
 struct HttpOptions {

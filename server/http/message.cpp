@@ -10,6 +10,8 @@ const char* MethodName(Method method) {
       return "HEAD";
     case Method::kPost:
       return "POST";
+    case Method::kPatch:
+      return "PATCH";
     case Method::kDelete:
       return "DELETE";
     case Method::kOther:

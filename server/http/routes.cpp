@@ -7,8 +7,6 @@
 namespace enamel::server::http {
 namespace {
 
-constexpr std::string_view kIdPlace = "{id}";
-
 const std::array kRoutes = {
     Route{Method::kGet, "/healthz", Need::kNobody, &GetHealth},
     Route{Method::kGet, "/metrics", Need::kNobody, &GetMetrics},
@@ -32,14 +30,14 @@ const std::array kRoutes = {
     Route{Method::kGet, "/api/v1/jobs", Need::kAdmin, &ListJobs},
 };
 
-// The text in the place of `{id}` (empty for a pattern without), none when the path does not match.
+// The text in the place of `{…}` (empty for a pattern without), none when the path does not match.
 std::optional<std::string_view> Match(std::string_view pattern, std::string_view path) {
-  size_t place = pattern.find(kIdPlace);
+  size_t place = pattern.find('{');
   if (place == std::string_view::npos) {
     return pattern == path ? std::optional(std::string_view{}) : std::nullopt;
   }
   std::string_view before = pattern.substr(0, place);
-  std::string_view after = pattern.substr(place + kIdPlace.size());
+  std::string_view after = pattern.substr(pattern.find('}') + 1);
   if (path.size() <= before.size() + after.size() || !path.starts_with(before) ||
       !path.ends_with(after)) {
     return std::nullopt;

@@ -41,6 +41,7 @@ struct Call {
   auth::Authenticator& authenticator;
   const auth::Identity* caller = nullptr;  // set unless the route needs nobody
   Uuid id;                                 // of `{id}` in the pattern
+  std::string_view name = {};              // of `{name}`: 1 to 64 of a-z 0-9 _ -
   const Monitoring* monitoring = nullptr;  // always set
   LiveBoard* live = nullptr;               // none: nothing can be watched
 };
@@ -61,7 +62,7 @@ std::span<const Route> Routes();
 
 struct RouteMatch {
   const Route* route = nullptr;  // none: no such path, or not with this method
-  std::string_view id;           // text in the place of `{id}`
+  std::string_view id;           // text in the place of `{id}` or `{name}`
   std::string allowed_methods;   // "GET, POST" when the path exists; else empty
 };
 // HEAD finds the GET route.

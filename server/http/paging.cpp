@@ -1,0 +1,34 @@
+#include "server/http/paging.h"
+
+#include "common/base/hex.h"
+#include "server/http/query.h"
+
+namespace enamel::server::http {
+namespace {
+
+constexpr size_t kMaxCursor = 1024;
+
+}  // namespace
+
+Result<Page> PageOf(const Request& request, uint32_t otherwise, uint32_t at_most) {
+  Page out;
+  Result<uint32_t> limit = QueryLimit(request, otherwise, at_most);
+  if (!limit.ok()) return limit.status();
+  out.limit = *limit;
+  auto given = request.query.find("cursor");
+  if (given == request.query.end()) return out;
+  Result<Bytes> key = given->second.size() <= kMaxCursor
+                          ? FromHex(given->second)
+                          : Result<Bytes>(Status(Code::kTooLarge, ""));
+  if (!key.ok() || key->empty()) {
+    return Status{Code::kInvalidInput, "expected the `next` of the page before", "cursor"};
+  }
+  out.after = std::string(AsText(*key));
+  return out;
+}
+
+boost::json::value NextAfter(const std::string& key) {
+  return boost::json::value(ToHex(AsBytes(key)));
+}
+
+}  // namespace enamel::server::http

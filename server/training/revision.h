@@ -1,0 +1,12 @@
+#pragma once
+
+#include <string_view>
+
+// Things that are edited carry a revision: 1 at first, one more with every change. Who changes one
+// says which revision was read.
+namespace enamel::server {
+
+// Field of kConflict when somebody else changed the thing since then: read it again.
+inline constexpr std::string_view kStale = "revision";
+
+}  // namespace enamel::server
