@@ -59,6 +59,9 @@ class Device {
 
   // False: what is sent is shown, not felt (a mouse). Then late ticks put nobody at risk.
   virtual bool has_motors() const noexcept { return true; }
+  // How long the device must have been still before force comes on, at the start and after a fault,
+  // s. 0 for what nobody can be hurt by.
+  virtual double still_before_force_s() const noexcept { return 0; }
   // From any thread.
   virtual DeviceCounters counters() const noexcept { return {}; }
 };

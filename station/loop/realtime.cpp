@@ -3,6 +3,8 @@
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
@@ -12,23 +14,57 @@ namespace {
 
 constexpr int kPriority = 80;  // above audio and network, below the kernel's own threads
 
+void Add(std::string& text, const std::string& sentence) {
+  if (!text.empty()) text += "; ";
+  text += sentence;
+}
+
+bool LockMemory() {
+  // With a limit, pages allocated later could not be locked and the allocation would fail.
+  rlimit limit{};
+  if (::geteuid() != 0 &&
+      (::getrlimit(RLIMIT_MEMLOCK, &limit) != 0 || limit.rlim_cur != RLIM_INFINITY)) {
+    errno = EPERM;
+    return false;
+  }
+  return ::mlockall(MCL_CURRENT | MCL_FUTURE) == 0;
+}
+
+int Pin(int cpu) {
+  if (cpu >= CPU_SETSIZE) return EINVAL;
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  CPU_SET(cpu, &set);
+  return ::pthread_setaffinity_np(pthread_self(), sizeof set, &set);
+}
+
 }  // namespace
 
-RealtimeGrant RequestRealtime() {
+RealtimeGrant RequestRealtime(const RealtimeRequest& request) {
   RealtimeGrant grant;
   sched_param param{};
   param.sched_priority = kPriority;
-  int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &param);
+  int error = ::pthread_setschedparam(pthread_self(), SCHED_FIFO, &param);
   grant.fifo = error == 0;
   if (!grant.fifo) {
-    grant.refused = std::string("real-time priority refused (") + std::strerror(error) +
-                    "): allow it with 'rtprio 80' in /etc/security/limits.d";
+    Add(grant.refused, std::string("real-time priority refused (") + std::strerror(error) +
+                           "): other programs can make ticks late. Allow it with '@GROUP - rtprio "
+                           "80' in /etc/security/limits.d/enamel.conf and a new login, or "
+                           "LimitRTPRIO=80 in the systemd unit");
   }
-  grant.memory_locked = mlockall(MCL_CURRENT | MCL_FUTURE) == 0;
+  grant.memory_locked = LockMemory();
   if (!grant.memory_locked) {
-    if (!grant.refused.empty()) grant.refused += "; ";
-    grant.refused += std::string("memory lock refused (") + std::strerror(errno) +
-                     "): allow it with 'memlock unlimited' there";
+    Add(grant.refused, std::string("memory lock refused (") + std::strerror(errno) +
+                           "): a swapped-out page can make a tick late. Allow it with '@GROUP - "
+                           "memlock unlimited' there, or LimitMEMLOCK=infinity in the unit");
+  }
+  if (request.cpu >= 0) {
+    error = Pin(request.cpu);
+    grant.pinned = error == 0;
+    if (!grant.pinned) {
+      Add(grant.refused, "processor " + std::to_string(request.cpu) + " refused (" +
+                             std::strerror(error) + "): name one this process may run on");
+    }
   }
   return grant;
 }

@@ -6,8 +6,9 @@ namespace enamel::station {
 namespace {
 
 constexpr double kFaultAfter_s = 5e-3;
-constexpr int kLateTicksPerWindow = 20;
+constexpr double kRounding_s = 1e-9;  // a sum of ticks is compared with a time
 constexpr double kLateWindow_s = 1.0;
+constexpr double kStillReach_m = 0.5e-3;
 constexpr int64_t kSecond_ns = 1'000'000'000;
 // How long a lockstep loop waits before it looks at a full ring again.
 constexpr int64_t kBackPressure_ns = 100'000;
@@ -26,10 +27,33 @@ void SleepUntil(int64_t due_ns) noexcept {
 
 }  // namespace
 
+const char* FaultText(Fault fault) noexcept {
+  switch (fault) {
+    case Fault::kNone:
+      return "";
+    case Fault::kStalled:
+      return "the device has gone silent: check its cable, release the pedal and press it again";
+    case Fault::kLateOnce:
+      return "the force was held too long by a busy computer: release the pedal and press it again";
+    case Fault::kLateOften:
+      return "the computer is too busy for the haptic loop: close other programs, release the "
+             "pedal "
+             "and press it again";
+    case Fault::kReserve:
+      return "the cut has used up the memory set aside for this tooth: finish the attempt";
+    case Fault::kUnplugged:
+      return "the device is not connected: plug it in, release the pedal and press it again";
+  }
+  return "";
+}
+
 TickLoop::TickLoop(Device& device, core::Core& core, SampleRing& ring,
                    const TickLoopOptions& options, TickObserver* observer)
     : device_(device), core_(core), ring_(ring), options_(options), observer_(observer) {
   ENAMEL_CHECK(options_.rate_hz > 0);
+  still_ticks_needed_ =
+      static_cast<uint64_t>(device.still_before_force_s() * options_.rate_hz + 0.5);
+  await_still_ = still_ticks_needed_ > 0;
 }
 
 void TickLoop::Run() noexcept {
@@ -46,8 +70,11 @@ void TickLoop::Run() noexcept {
     }
     due_ns += period_ns;
     SleepUntil(due_ns);
-    int64_t late_ns = Now_ns() - due_ns;
-    if (Tick(static_cast<double>(late_ns) * 1e-9)) break;
+    int64_t begin_ns = Now_ns(), late_ns = begin_ns - due_ns;
+    lateness_.Add(late_ns);
+    bool finished = Tick(static_cast<double>(late_ns) * 1e-9);
+    durations_.Add(Now_ns() - begin_ns);
+    if (finished) break;
     // Periods that passed meanwhile are not made up for: the hand has moved on.
     if (late_ns > period_ns) due_ns += late_ns / period_ns * period_ns;
   }
@@ -58,6 +85,7 @@ void TickLoop::Run() noexcept {
 bool TickLoop::Tick(double late_s) noexcept {
   DeviceSample sample = device_.ReadSample();
   WatchTime(sample, late_s);
+  WatchStillness(sample);
   if (ring_.Full()) {
     // What cannot be recorded is not stepped: no force, no cut, a declared gap.
     ++gap_;
@@ -70,6 +98,7 @@ bool TickLoop::Tick(double late_s) noexcept {
   device_.SendForce(out.force_sent_n);
   ring_.Push({{input, out.witness}, core_.state_hash()});
   if (out.flags & core::kReserveExhausted) Latch(Fault::kReserve);
+  Remember(sample, input, out.force_sent_n, late_s);
   Publish(input, out);
   device_.ShowBur(out.anchor.tip_m);
   return (sample.buttons & kFinish) != 0;
@@ -79,7 +108,7 @@ core::TickInput TickLoop::InputOf(const DeviceSample& sample) noexcept {
   bool pedal = (sample.buttons & kPedal) != 0;
   if (fault_ != Fault::kNone) {
     if (!pedal) pedal_released_ = true;
-    if (pedal && pedal_released_) {
+    if (pedal && pedal_released_ && DeviceAlive(sample)) {
       fault_ = Fault::kNone;
       soft_restart_ = true;
     }
@@ -93,32 +122,108 @@ core::TickInput TickLoop::InputOf(const DeviceSample& sample) noexcept {
   if (pedal) input.flags |= core::kBurOn;
   if (late_) input.flags |= core::kLateTick;
   if (fault_ != Fault::kNone) input.flags |= core::kFaulted;
-  if (soft_restart_) input.flags |= core::kSoftRestart;
+  if (soft_restart_ || await_still_) input.flags |= core::kSoftRestart;
   soft_restart_ = false;
   return input;
 }
 
 void TickLoop::WatchTime(const DeviceSample& sample, double late_s) noexcept {
-  double tick_s = 1.0 / options_.rate_hz;
+  const double tick_s = 1.0 / options_.rate_hz;
   late_ = late_s >= tick_s;
-  if (late_) ++counters_.late_ticks;
-  silent_s_ = sample.fresh ? 0 : silent_s_ + tick_s + late_s;
-  if (silent_s_ >= kFaultAfter_s) Latch(Fault::kStalled);
-  if (!options_.faults_when_late) return;
-  late_window_s_ += tick_s;
-  if (late_window_s_ >= kLateWindow_s) {
-    late_window_s_ = 0;
-    late_in_window_ = 0;
+  double skipped = late_ ? static_cast<double>(static_cast<int64_t>(late_s / tick_s)) : 0;
+  now_s_ += tick_s * (1 + skipped);
+  if (late_) {
+    ++counters_.late_ticks;
+    counters_.skipped_ticks += static_cast<uint64_t>(skipped);
   }
-  if (late_ && ++late_in_window_ > kLateTicksPerWindow) Latch(Fault::kLateOften);
+  if (sample.fresh) {
+    AddLeak(sample, tick_s + silent_s_ + (late_ ? late_s : 0));
+    silent_s_ = 0;
+  } else {
+    silent_s_ += tick_s + late_s;
+    ++counters_.stale_ticks;
+  }
+  if (!sample.attached) {
+    Latch(Fault::kUnplugged);
+  } else if (!DeviceAlive(sample)) {
+    Latch(Fault::kStalled);
+  }
+  if (options_.faults_when_late && device_.has_motors()) WatchLateness(late_s);
+}
+
+void TickLoop::WatchLateness(double late_s) noexcept {
+  if (late_) {
+    double& oldest = late_at_s_[late_count_ % late_at_s_.size()];
+    if (late_count_ >= late_at_s_.size() && now_s_ - oldest < kLateWindow_s) {
+      Latch(Fault::kLateOften);
+    }
+    oldest = now_s_;
+    ++late_count_;
+  }
   if (late_s >= kFaultAfter_s) Latch(Fault::kLateOnce);
+}
+
+// max(0, Kc/2 - b/T_hold) |dx|^2, for a hold longer than a tick.
+void TickLoop::AddLeak(const DeviceSample& sample, double hold_s) noexcept {
+  const core::CoreParams& params = core_.params();
+  if (has_last_ && options_.faults_when_late && hold_s > 1.0 / options_.rate_hz + kRounding_s) {
+    double square = 0;
+    for (size_t i = 0; i < 3; ++i) {
+      double dx = (static_cast<double>(sample.counts[i]) - last_counts_[i]) *
+                  params.resolution_nm[i] * 1e-9;
+      square += dx * dx;
+    }
+    double rate = 0.5 * params.kc_mn_per_mm - options_.damping_n_s_per_m / hold_s;
+    if (rate > 0) counters_.leak_j += rate * square;
+  }
+  last_counts_ = sample.counts;
+  has_last_ = true;
+}
+
+bool TickLoop::DeviceAlive(const DeviceSample& sample) const noexcept {
+  return sample.attached && silent_s_ < kFaultAfter_s - kRounding_s;
+}
+
+void TickLoop::WatchStillness(const DeviceSample& sample) noexcept {
+  if (!await_still_) return;
+  bool still = sample.attached;
+  for (size_t i = 0; i < 3; ++i) {
+    double moved = (static_cast<double>(sample.counts[i]) - still_at_[i]) *
+                   core_.params().resolution_nm[i] * 1e-9;
+    still = still && moved < kStillReach_m && -moved < kStillReach_m;
+  }
+  if (!still) {
+    still_at_ = sample.counts;
+    still_ticks_ = 0;
+    return;
+  }
+  if (++still_ticks_ >= still_ticks_needed_) await_still_ = false;
 }
 
 void TickLoop::Latch(Fault fault) noexcept {
   if (fault_ != Fault::kNone) return;
   fault_ = fault;
   pedal_released_ = false;
+  late_count_ = 0;
+  still_ticks_ = 0;
+  await_still_ = still_ticks_needed_ > 0;
+  record_due_ = record_count_ < kMaxRecords;
   ++counters_.faults;
+}
+
+void TickLoop::Remember(const DeviceSample& sample, const core::TickInput& input,
+                        const dvec3& sent_n, double late_s) noexcept {
+  constexpr size_t kTicks = FaultRecord::kTicks;
+  history_[history_count_++ % kTicks] = {input, sent_n, late_s, sample.fresh, sample.attached};
+  if (!record_due_) return;
+  record_due_ = false;
+  FaultRecord& record = records_[record_count_++];
+  record.fault = fault_;
+  record.tick = counters_.ticks;
+  record.count = history_count_ < kTicks ? static_cast<size_t>(history_count_) : kTicks;
+  for (size_t i = 0; i < record.count; ++i) {
+    record.ticks[i] = history_[(history_count_ - record.count + i) % kTicks];
+  }
 }
 
 void TickLoop::Publish(const core::TickInput& input, const core::TickOutput& out) noexcept {
@@ -132,6 +237,7 @@ void TickLoop::Publish(const core::TickInput& input, const core::TickOutput& out
   snapshot.removed = core_.removed();
   snapshot.input_flags = input.flags;
   snapshot.output_flags = out.flags;
+  snapshot.fault = fault_;
   snapshots_.Write(snapshot);
   if (observer_ != nullptr) observer_->OnTick(core_, snapshot);
 }

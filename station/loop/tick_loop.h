@@ -1,12 +1,15 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
+#include <span>
 
 #include "common/base/triple_buffer.h"
 #include "common/core/core.h"
 #include "common/trace/trace.h"
 #include "station/devices/device.h"
+#include "station/loop/duration_histogram.h"
 #include "station/loop/spsc_ring.h"
 
 namespace enamel::station {
@@ -25,7 +28,16 @@ struct LoopCounters {
   uint64_t late_ticks = 0;
   uint64_t faults = 0;
   uint64_t bounded_ticks = 0;  // the force was limited to the device's
+  uint64_t stale_ticks = 0;    // stepped without anything new from the device
+  uint64_t skipped_ticks = 0;  // whole periods that passed while a tick was late
+  // Energy that late and stale ticks can have handed out, at most, J (tick_loop.h, "Leak").
+  double leak_j = 0;
 };
+
+// Why a fault was latched: force zero, no cutting, until the operator acts.
+enum class Fault : uint8_t { kNone = 0, kStalled, kLateOnce, kLateOften, kReserve, kUnplugged };
+// One sentence for the operator: what happened, and what to do.
+const char* FaultText(Fault fault) noexcept;
 
 // What the loop shows of its newest tick: to the picture, the progress line and the live view.
 struct Snapshot {
@@ -36,6 +48,24 @@ struct Snapshot {
   cutting::RemovedUnits removed{};  // since the start
   uint8_t input_flags = 0;          // core::InputFlags
   uint16_t output_flags = 0;
+  Fault fault = Fault::kNone;
+};
+
+// One tick as it is kept for a fault's record.
+struct FaultTick {
+  core::TickInput input;
+  dvec3 force_sent_n{0};
+  double late_s = 0;
+  bool fresh = true, attached = true;
+};
+
+// A fault and the ticks that led to it, the one it was latched in last.
+struct FaultRecord {
+  static constexpr size_t kTicks = 64;
+  Fault fault = Fault::kNone;
+  uint64_t tick = 0;  // stepped ticks before it
+  size_t count = 0;   // of ticks
+  std::array<FaultTick, kTicks> ticks{};
 };
 
 // Sees each stepped tick on the tick's own thread: for the window's mailbox. Real-time.
@@ -54,20 +84,29 @@ struct TickLoopOptions {
   // A device whose time does not pass while the loop is late (a simulated one) is not put at risk
   // by late ticks: they are counted and recorded, no fault is latched.
   bool faults_when_late = true;
+  // b of the device, for the leak's bound. 0 bounds it for any device.
+  double damping_n_s_per_m = 0;
 };
-
-// Why a fault was latched: force zero, no cutting, until the operator acts.
-enum class Fault : uint8_t { kNone = 0, kStalled, kLateOnce, kLateOften, kReserve };
 
 // The haptic loop: device -> core -> device, and what was done to the ring and the snapshot.
 //
 // Late ticks (haptics.md section 4): a tick late by a whole period is flagged; by 5 ms, or more
-// than 20 late ones within a second, latches a fault, as does a device that says nothing new for
-// 5 ms. The fault ends when the operator releases the pedal and presses it again; the core then
-// switches force and cutting on once the bur has been in free air (core.h).
+// than 20 late ones within any second, latches a fault, as does a device that says nothing new for
+// 5 ms, and at once one that is unplugged. A fault sends 0 in the tick it is latched in: a force
+// that falls can hand out no energy, so there is nothing to gain from fading it, and the bound is 0
+// sooner than the 20 ms allowed. It ends when the operator releases the pedal and presses it again,
+// with the device there and alive. The last FaultRecord::kTicks ticks of the first kMaxRecords
+// faults are kept.
 //
-// Thread safety: Run and Tick on one thread; RequestStop, snapshot() (one reader) and counters from
-// others. Real-time: Tick is safe; Run sleeps between ticks and does nothing else.
+// Force comes on softly: never before the device has been still for as long as it asks
+// (Device::still_before_force_s; still is within 0.5 mm on each axis), and then in free air only
+// (core.h), where it is 0 and grows with the way into the tooth.
+//
+// Leak: while a force is held for T_hold instead of a tick, and the tip moves by dx meanwhile, the
+// operator can be handed at most max(0, Kc/2 - b/T_hold) |dx|^2. The sum is in the counters.
+//
+// Thread safety: Run and Tick on one thread; RequestStop, snapshot() (one reader), lateness() and
+// durations() from others. Real-time: Tick is safe; Run sleeps between ticks and does nothing else.
 class TickLoop {
  public:
   // All must outlive the loop; `observer` may be null.
@@ -87,11 +126,25 @@ class TickLoop {
   // Newest tick, for one reader thread.
   const Snapshot& snapshot() noexcept { return snapshots_.Read(); }
   Fault fault() const noexcept { return fault_; }
+  // Oldest first. On the tick's thread, or after finished().
+  std::span<const FaultRecord> fault_records() const noexcept { return {records_, record_count_}; }
+  // How late Run's ticks began, and how long they took. Lockstep fills neither.
+  const DurationHistogram& lateness() const noexcept { return lateness_; }
+  const DurationHistogram& durations() const noexcept { return durations_; }
+
+  static constexpr size_t kMaxRecords = 8;
+  static constexpr int kLateTicksPerSecond = 20;
 
  private:
   core::TickInput InputOf(const DeviceSample& sample) noexcept;
   void WatchTime(const DeviceSample& sample, double late_s) noexcept;
+  void WatchLateness(double late_s) noexcept;
+  void WatchStillness(const DeviceSample& sample) noexcept;
+  void AddLeak(const DeviceSample& sample, double hold_s) noexcept;
+  bool DeviceAlive(const DeviceSample& sample) const noexcept;
   void Latch(Fault fault) noexcept;
+  void Remember(const DeviceSample& sample, const core::TickInput& input, const dvec3& sent_n,
+                double late_s) noexcept;
   void Publish(const core::TickInput& input, const core::TickOutput& out) noexcept;
 
   Device& device_;
@@ -110,9 +163,20 @@ class TickLoop {
   Fault fault_ = Fault::kNone;
   bool pedal_released_ = false;  // since the fault
   bool soft_restart_ = false;
+  double now_s_ = 0;     // of the attempt, by the ticks that were due
   double silent_s_ = 0;  // since the device said something new
-  double late_window_s_ = 0;
-  int late_in_window_ = 0;
+  std::array<double, kLateTicksPerSecond> late_at_s_{};  // ring of the last late ticks' times
+  uint64_t late_count_ = 0;                              // since the last fault
+  uint64_t still_ticks_needed_ = 0, still_ticks_ = 0;
+  bool await_still_ = false;
+  std::array<int32_t, 3> still_at_{}, last_counts_{};
+  bool has_last_ = false;
+  std::array<FaultTick, FaultRecord::kTicks> history_{};  // ring
+  uint64_t history_count_ = 0;
+  FaultRecord records_[kMaxRecords];
+  size_t record_count_ = 0;
+  bool record_due_ = false;
+  DurationHistogram lateness_, durations_;
 };
 
 }  // namespace enamel::station

@@ -26,8 +26,10 @@ class ScriptedDevice final : public Device {
     last_force = force_n;
     ++sends;
   }
+  double still_before_force_s() const noexcept override { return still_s; }
 
   DeviceSample sample;
+  double still_s = 0;
   int32_t start_z = 0, step = 0;
   uint64_t reads = 0, finish_after = 0, sends = 0;
   dvec3 last_force{0};
@@ -176,6 +178,207 @@ TEST_F(TickLoopTest, DeviceThatSaysNothingNewForFiveMillisecondsFaults) {
   EXPECT_EQ(loop.fault(), Fault::kNone);
   for (int i = 0; i < 2; ++i) loop.Tick();
   EXPECT_EQ(loop.fault(), Fault::kStalled);
+}
+
+TEST_F(TickLoopTest, TwentyLateTicksSpreadOverMoreThanASecondDoNotFault) {
+  core::Core core(params_, volume_);
+  SampleRing ring(4000);
+  TickLoop loop(device_, core, ring, {1000, false, true});
+  device_.step = 0;
+  for (int i = 0; i < 60; ++i) {
+    loop.Tick(0.0015);
+    for (int k = 0; k < 52; ++k) loop.Tick();  // 18.5 late ones in a second
+  }
+  EXPECT_EQ(loop.fault(), Fault::kNone);
+  EXPECT_EQ(loop.snapshot().counters.late_ticks, 60u);
+  EXPECT_EQ(loop.snapshot().counters.skipped_ticks, 60u);
+}
+
+TEST_F(TickLoopTest, ManyLateTicksFaultAlsoAcrossTheTurnOfASecond) {
+  core::Core core(params_, volume_);
+  SampleRing ring(4000);
+  TickLoop loop(device_, core, ring, {1000, false, true});
+  device_.step = 0;
+  for (int i = 0; i < 960; ++i) loop.Tick();
+  for (int i = 0; i < 20; ++i) loop.Tick(0.001);
+  EXPECT_EQ(loop.fault(), Fault::kNone);
+  loop.Tick(0.001);
+  EXPECT_EQ(loop.fault(), Fault::kLateOften);
+}
+
+TEST_F(TickLoopTest, UnpluggedMidCutCommandsZeroInTheTickThatSeesIt) {
+  core::Core core(params_, volume_);
+  SampleRing ring(4000);
+  TickLoop loop(device_, core, ring, {1000, false, true});
+  for (int i = 0; i < 200 && device_.last_force.z < 0.2; ++i) loop.Tick();
+  ASSERT_GE(device_.last_force.z, 0.2);
+  auto removed = core.removed();
+  device_.sample.attached = device_.sample.fresh = false;
+  device_.step = 0;
+  loop.Tick();
+  EXPECT_EQ(device_.last_force, dvec3(0));
+  EXPECT_EQ(loop.fault(), Fault::kUnplugged);
+  for (int i = 0; i < 20; ++i) loop.Tick();
+  EXPECT_EQ(device_.last_force, dvec3(0));
+  // What the bur had passed and not yet cut is cut, within a voxel; nothing after.
+  EXPECT_LE(core.removed()[static_cast<size_t>(cutting::Tissue::kGypsum)] -
+                removed[static_cast<size_t>(cutting::Tissue::kGypsum)],
+            65536 * 200);
+  // The pedal alone does not help while it is away.
+  device_.sample.buttons = 0;
+  loop.Tick();
+  device_.sample.buttons = kPedal;
+  for (int i = 0; i < 5; ++i) loop.Tick();
+  EXPECT_EQ(loop.fault(), Fault::kUnplugged);
+  // Back: the pedal is down already and counts only when pressed anew with the device there.
+  device_.sample.attached = device_.sample.fresh = true;
+  device_.sample.buttons = 0;
+  loop.Tick();
+  EXPECT_EQ(loop.snapshot().fault, Fault::kUnplugged);
+  device_.sample.buttons = kPedal;
+  loop.Tick();
+  EXPECT_EQ(loop.snapshot().fault, Fault::kNone);
+}
+
+TEST_F(TickLoopTest, StalledDeviceHasZeroForceTwentyMillisecondsAfterItsLastSample) {
+  for (uint32_t rate : {500u, 1000u, 4000u, 8000u}) {
+    core::CoreParams params = params_;
+    params.rate_hz = rate;
+    ScriptedDevice device;
+    device.start_z = device_.start_z;
+    device.step = 1;
+    device.sample.buttons = kPedal;
+    core::Core core(params, volume_);
+    SampleRing ring(8000);
+    TickLoop loop(device, core, ring, {rate, false, true});
+    for (int i = 0; i < 400 && device.last_force.z < 0.2; ++i) loop.Tick();
+    ASSERT_GE(device.last_force.z, 0.2) << rate;
+    device.sample.fresh = false;
+    device.start_z -= static_cast<int32_t>(device.reads);
+    device.step = 0;
+    for (uint32_t i = 0; i < rate / 50; ++i) loop.Tick();  // 20 ms
+    EXPECT_EQ(device.last_force, dvec3(0)) << rate;
+    EXPECT_EQ(loop.fault(), Fault::kStalled) << rate;
+    Sample s;
+    while (ring.Pop(s)) {
+    }
+    EXPECT_EQ(s.tick.witness.force_sent_100un, (std::array<int32_t, 3>{0, 0, 0}));
+  }
+}
+
+TEST_F(TickLoopTest, FaultKeepsTheTicksThatLedToIt) {
+  core::Core core(params_, volume_);
+  SampleRing ring(4000);
+  TickLoop loop(device_, core, ring, {1000, false, true});
+  std::vector<core::TickInput> inputs;
+  auto tick = [&](double late_s) {
+    loop.Tick(late_s);
+    Sample s;
+    ASSERT_TRUE(ring.Pop(s));
+    inputs.push_back(s.tick.input);
+  };
+  for (int i = 0; i < 100; ++i) tick(0);
+  tick(0.007);
+  ASSERT_EQ(loop.fault_records().size(), 1u);
+  const FaultRecord& record = loop.fault_records()[0];
+  EXPECT_EQ(record.fault, Fault::kLateOnce);
+  EXPECT_EQ(record.tick, 100u);
+  ASSERT_EQ(record.count, FaultRecord::kTicks);
+  for (size_t i = 0; i < record.count; ++i) {
+    EXPECT_EQ(record.ticks[i].input, inputs[inputs.size() - record.count + i]);
+  }
+  EXPECT_EQ(record.ticks.back().late_s, 0.007);
+  EXPECT_EQ(record.ticks.back().force_sent_n, dvec3(0));
+  EXPECT_NE(std::string(FaultText(record.fault)), "");
+}
+
+TEST_F(TickLoopTest, LeakOfAHeldForceIsItsBound) {
+  core::Core core(params_, volume_);
+  SampleRing ring(4000);
+  double b = 0.5;
+  TickLoop loop(device_, core, ring, {1000, false, true, b});
+  for (int i = 0; i < 10; ++i) loop.Tick();
+  EXPECT_EQ(loop.snapshot().counters.leak_j, 0);
+  device_.step = 0;
+  device_.start_z -= 10 + 7;  // seven counts beyond the last
+  loop.Tick(0.002);
+  double dx = (7 + 1) * params_.resolution_nm[2] * 1e-9;
+  double kc = params_.kc_mn_per_mm;
+  EXPECT_NEAR(loop.snapshot().counters.leak_j, (kc / 2 - b / 0.003) * dx * dx, 1e-15);
+  // A sample missed is a hold of two ticks.
+  device_.sample.fresh = false;
+  loop.Tick();
+  device_.sample.fresh = true;
+  device_.start_z -= 3;
+  double before = loop.snapshot().counters.leak_j;
+  loop.Tick();
+  dx = 3 * params_.resolution_nm[2] * 1e-9;
+  EXPECT_NEAR(loop.snapshot().counters.leak_j - before, (kc / 2 - b / 0.002) * dx * dx, 1e-15);
+  EXPECT_EQ(loop.snapshot().counters.stale_ticks, 1u);
+}
+
+TEST_F(TickLoopTest, NoForceUntilTheDeviceWasStillAndThenOnlyFromZero) {
+  core::CoreParams params = params_;
+  params.soft_start_ticks = 50;
+  core::Core core(params, volume_);
+  SampleRing ring(8000);
+  device_.still_s = 0.1;
+  TickLoop loop(device_, core, ring, {1000, false, true});
+  // Plunges into the block at 100 mm/s, as somebody who grabs it: no force, no cut.
+  device_.step = 10;
+  for (int i = 0; i < 90; ++i) {
+    loop.Tick();
+    ASSERT_EQ(device_.last_force, dvec3(0));
+  }
+  EXPECT_EQ(core.removed()[static_cast<size_t>(cutting::Tissue::kGypsum)], 0);
+  // Back above it and still; then slowly down. The force begins at 0 and grows by at most Kc times
+  // the way per tick.
+  Sample s;
+  while (ring.Pop(s)) {
+  }
+  device_.reads = 0;
+  device_.step = 0;
+  for (int i = 0; i < 99; ++i) loop.Tick();
+  while (ring.Pop(s)) EXPECT_TRUE(s.tick.input.flags & core::kSoftRestart);
+  for (int i = 0; i < 100; ++i) loop.Tick();
+  while (ring.Pop(s)) {
+  }
+  EXPECT_FALSE(s.tick.input.flags & core::kSoftRestart);
+  device_.reads = 0;
+  device_.step = 1;
+  double last = 0, per_count = params.kc_mn_per_mm * params.resolution_nm[2] * 1e-9;
+  for (int i = 0; i < 200; ++i) {
+    loop.Tick();
+    EXPECT_LE(device_.last_force.z, last + 2 * per_count) << i;
+    last = device_.last_force.z;
+  }
+  EXPECT_GT(last, 0.1);
+}
+
+TEST(DurationHistogramTest, BucketsCoverAllDurationsWithoutGapsOrOverlaps) {
+  for (size_t i = 0; i + 1 < DurationHistogram::kBuckets; ++i) {
+    uint64_t low = DurationHistogram::Floor_ns(i), high = DurationHistogram::Floor_ns(i + 1);
+    ASSERT_LT(low, high);
+    ASSERT_EQ(DurationHistogram::BucketOf(low), i);
+    ASSERT_EQ(DurationHistogram::BucketOf(high - 1), i);
+    if (i >= 8) {
+      ASSERT_LE(high - low, low / 8 + 1);
+    }
+  }
+  EXPECT_EQ(DurationHistogram::BucketOf(~uint64_t{0}), DurationHistogram::kBuckets - 1);
+}
+
+TEST(DurationHistogramTest, QuantilesAreWithinAnEighthOfTheTrueOnes) {
+  DurationHistogram h;
+  EXPECT_EQ(h.Quantile_ns(0.5), 0);
+  for (int64_t i = 0; i < 100'000; ++i) h.Add(i * 17 % 100'000 * 10);  // 0 to 1 ms, each once
+  h.Add(-5);
+  EXPECT_EQ(h.count(), 100'001u);
+  EXPECT_NEAR(h.mean_ns(), 499'990, 10);
+  for (double share : {0.1, 0.5, 0.9, 0.99}) {
+    EXPECT_NEAR(h.Quantile_ns(share), share * 1e6, share * 1e6 / 8) << share;
+  }
+  EXPECT_EQ(h.max_ns(), 999'990u);
 }
 
 TEST_F(TickLoopTest, LockstepWaitsForASlowRecorderInsteadOfDropping) {
