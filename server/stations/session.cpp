@@ -76,6 +76,8 @@ Result<wire::Reply> Session::Dispatch(const wire::Request& request) {
       return Do(request.seal_attempt());
     case wire::Request::kAttemptStatus:
       return Do(request.attempt_status());
+    case wire::Request::kMarkReference:
+      return Do(request.mark_reference());
     case wire::Request::kPing: {
       wire::Reply reply;
       reply.mutable_pong()->set_nonce(request.ping().nonce());

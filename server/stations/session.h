@@ -80,6 +80,7 @@ class Session {
   Result<wire::Reply> Do(const wire::PutChunk& request);
   Result<wire::Reply> Do(const wire::SealAttempt& request);
   Result<wire::Reply> Do(const wire::AttemptStatus& request);
+  Result<wire::Reply> Do(const wire::MarkReference& request);
   void Take(const wire::LiveState& live);
   void ShowLive(const trace::Chunk& chunk);
 

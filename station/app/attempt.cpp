@@ -63,7 +63,7 @@ Result<PreparedAttempt> Prepare(Workplace& workplace, const RunOptions& options)
 // Feeds the window from the tick.
 class WindowFeed final : public TickObserver {
  public:
-  WindowFeed(render::Window& window, double voxel_m, uint32_t rate_hz)
+  WindowFeed(render::ToothView& window, double voxel_m, uint32_t rate_hz)
       : window_(window), voxel_m_(voxel_m), tick_s_(1.0 / rate_hz) {}
 
   void OnTick(const core::Core& core, const Snapshot& s) noexcept override {
@@ -87,7 +87,7 @@ class WindowFeed final : public TickObserver {
   }
 
  private:
-  render::Window& window_;
+  render::ToothView& window_;
   const double voxel_m_;
   const double tick_s_;
 };
@@ -95,11 +95,10 @@ class WindowFeed final : public TickObserver {
 Result<std::unique_ptr<render::Window>> OpenWindow(const RunOptions& options,
                                                    const PreparedAttempt& job) {
   render::WindowOptions w;
-  w.title = "Enamel";
   w.heading = job.exercise.title + ", " + job.scene.title;
-  w.visible = options.window;
-  w.bur = job.exercise.bur().metric();
-  w.force_full_scale_n = static_cast<double>(job.profile.peak_force_mn.value) * 1e-3;
+  w.screen.visible = options.window;
+  w.view.bur = job.exercise.bur().metric();
+  w.view.force_full_scale_n = static_cast<double>(job.profile.peak_force_mn.value) * 1e-3;
   w.time_limit_s = job.exercise.time_limit_s;
   return render::Window::Create(w, job.volume);
 }
@@ -178,7 +177,8 @@ Status OpenScreen(const RunOptions& options, const PreparedAttempt& job, Screen&
   auto window = OpenWindow(options, job);
   if (!window.ok()) return window.status();
   screen.window = std::move(*window);
-  screen.feed.emplace(*screen.window, job.volume.spec().voxel_m(), job.header.params.rate_hz);
+  screen.feed.emplace(screen.window->tooth(), job.volume.spec().voxel_m(),
+                      job.header.params.rate_hz);
   return Status::Ok();
 }
 
@@ -245,7 +245,7 @@ class Watcher {
 
   Status TakePicture() {
     if (screen_.window && !options_.screenshot.empty()) {
-      screen_.window->FlushBricks(attempt_.core().volume());
+      screen_.window->tooth().FlushBricks(attempt_.core().volume());
       return screen_.window->WriteScreenshot(options_.screenshot.string());
     }
     return Status::Ok();

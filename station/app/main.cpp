@@ -8,8 +8,9 @@
 
 #include "station/app/attempt.h"
 #include "station/app/commands.h"
-#include "station/app/import_command.h"
 #include "station/app/explain.h"
+#include "station/app/frame_bench.h"
+#include "station/app/import_command.h"
 #include "station/app/replay.h"
 #include "station/qualify/cli.h"
 
@@ -218,6 +219,21 @@ int main(int argc, char** argv) {
       ->check(CLI::PositiveNumber);
   explain_cmd->add_option("--json", explain.json, "Write the facts to this file");
   explain_cmd->callback([&] { exit_code = Finish(ExplainScene(explain)); });
+
+  FrameBenchOptions frames;
+  auto* frames_cmd = app.add_subcommand(
+      "frame-bench", "How long pictures of a tooth being cut take on this computer");
+  frames_cmd->add_option("--width", frames.width_px, "Of the picture, pixels")
+      ->capture_default_str();
+  frames_cmd->add_option("--height", frames.height_px, "Of the picture, pixels")
+      ->capture_default_str();
+  frames_cmd->add_option("--frames", frames.frames, "Of each kind")->capture_default_str();
+  frames_cmd->add_option("--voxel-um", frames.voxel_um, "Voxel of the built-in molar")
+      ->capture_default_str();
+  frames_cmd->add_option("--quality", frames.quality,
+                         "best, good, fair or low; else what this computer begins with");
+  frames_cmd->add_option("--json", frames.json, "Write the figures to this file");
+  frames_cmd->callback([&] { exit_code = Finish(BenchFrames(frames)); });
 
   app.add_subcommand("scenes", "Built-in scenes and their exercises")->callback([] {
     PrintScenes();

@@ -3,7 +3,7 @@
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
 
-#include "station/render/window.h"
+#include "station/render/view.h"
 
 namespace enamel::station::render {
 

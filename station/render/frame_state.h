@@ -17,7 +17,11 @@ enum Warning : uint32_t {
   kWarnGap = 1u << 3,           // ticks were lost: the recording has a declared gap
   kWarnOffline = 1u << 4,       // server not reachable: recording continues on the station
   kWarnPulpExposed = 1u << 5,
+  kWarnDisk = 1u << 6,    // the spool takes nothing just now
+  kWarnDevice = 1u << 7,  // the device says nothing new
+  kWarnTime = 1u << 8,    // past the exercise's time limit
 };
+inline constexpr int kWarningCount = 9;
 
 // All the picture needs to know about one tick: a plain value, copied whole. Scene frame, SI.
 struct FrameState {

@@ -160,6 +160,21 @@ void Target::BindColour(int unit, size_t which) const {
   glBindTexture(GL_TEXTURE_2D, colour_[which]);
 }
 
+void Target::CopyColourTo(const Target& other) const {
+  bool same = width_ == other.width_ && height_ == other.height_;
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, name_);
+  glReadBuffer(GL_COLOR_ATTACHMENT0);
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, other.name_);
+  glBlitFramebuffer(0, 0, width_, height_, 0, 0, other.width_, other.height_, GL_COLOR_BUFFER_BIT,
+                    same ? GL_NEAREST : GL_LINEAR);
+}
+
+void Target::CopyDepthTo(const Target& other) const {
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, name_);
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, other.name_);
+  glBlitFramebuffer(0, 0, width_, height_, 0, 0, width_, height_, GL_DEPTH_BUFFER_BIT, GL_NEAREST);
+}
+
 void Target::BindDepth(int unit) const {
   glActiveTexture(static_cast<GLenum>(GL_TEXTURE0 + unit));
   glBindTexture(GL_TEXTURE_2D, depth_);

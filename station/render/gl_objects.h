@@ -47,6 +47,7 @@ class TriangleBuffer {
 
   void Upload(std::span<const GpuVertex> vertices, std::span<const uint32_t> indices);
   void Draw() const;
+  size_t triangle_count() const { return static_cast<size_t>(count_) / 3; }
 
  private:
   GLuint array_ = 0, vertices_ = 0, indices_ = 0;
@@ -66,6 +67,11 @@ class Target {
   void Bind() const;
   void BindColour(int unit, size_t which) const;
   void BindDepth(int unit) const;
+  // All of this one's first colour into all of the other's: averaged where it is half the size,
+  // stretched where sizes differ otherwise.
+  void CopyColourTo(const Target& other) const;
+  // Requires: equal sizes, both with depth.
+  void CopyDepthTo(const Target& other) const;
   GLuint name() const { return name_; }
   int width() const { return width_; }
   int height() const { return height_; }

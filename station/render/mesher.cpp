@@ -71,8 +71,9 @@ bool MayFace(const Bounds& bounds, const glm::vec3& eye_mm) {
   return open >= kRightAngle || glm::dot(bounds.axis, to_middle) / distance <= std::sin(open);
 }
 
-Mesher::Mesher(const cutting::Volume& initial, BrickFeed& feed)
+Mesher::Mesher(const cutting::Volume& initial, BrickFeed& feed, VolumeWatch watch)
     : feed_(feed),
+      watch_(std::move(watch)),
       groups_((initial.spec().bricks + kGroupSide - 1) / kGroupSide),
       replica_(initial),
       bricks_(initial.spec()) {
@@ -110,6 +111,7 @@ bool Mesher::WaitIdle(std::chrono::milliseconds limit) {
 void Mesher::Run() {
   MeshInitial();
   while (!stop_) {
+    LetWatch();
     if (!ApplyUpdates()) {
       std::this_thread::sleep_for(kPollInterval);
       continue;
@@ -121,6 +123,14 @@ void Mesher::Run() {
     }
     idle_.notify_all();
   }
+}
+
+void Mesher::LetWatch() {
+  auto now = std::chrono::steady_clock::now();
+  if (!watch_ || watched_ == applied_ || now - watched_at_ < kWatchInterval) return;
+  watch_(replica_);
+  watched_ = applied_;
+  watched_at_ = std::chrono::steady_clock::now();
 }
 
 void Mesher::MeshInitial() {

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <functional>
 #include <mutex>
 #include <span>
 #include <thread>
@@ -42,6 +43,11 @@ struct GroupMesh {
   Bounds bounds;
 };
 
+// Sees the replica on the mesher's thread after it has changed, at most every kWatchInterval: for
+// measuring what has gone. The picture waits meanwhile.
+using VolumeWatch = std::function<void(const cutting::Volume& now)>;
+inline constexpr std::chrono::milliseconds kWatchInterval{500};
+
 // Keeps a replica of the volume up to date from a BrickFeed, on a thread of its own, and meshes
 // what changed (surface::BrickMeshes). Bricks that a cut spreads over arrive
 // within a few milliseconds of each other, so a picture may show a step between them for one frame.
@@ -49,7 +55,7 @@ struct GroupMesh {
 class Mesher {
  public:
   // Copies `initial`. `feed` must outlive the mesher, which is its consumer.
-  Mesher(const cutting::Volume& initial, BrickFeed& feed);
+  Mesher(const cutting::Volume& initial, BrickFeed& feed, VolumeWatch watch = {});
   ~Mesher();
   Mesher(const Mesher&) = delete;
   Mesher& operator=(const Mesher&) = delete;
@@ -65,19 +71,22 @@ class Mesher {
   void MeshInitial();
   bool ApplyUpdates();  // false when there were none
   void RemeshChanged();
+  void LetWatch();
   GroupMesh Assemble(size_t group) const;
   void Deliver(GroupMesh mesh);
   size_t GroupOf(const ivec3& brick) const;
 
   // Constant after construction.
   BrickFeed& feed_;
+  const VolumeWatch watch_;
   ivec3 groups_{0};
   // Owned by the mesher's thread.
   cutting::Volume replica_;
   surface::BrickMeshes bricks_;
   std::vector<std::vector<int32_t>> bricks_of_group_;
   std::vector<int32_t> changed_;
-  size_t applied_ = 0;
+  size_t applied_ = 0, watched_ = 0;
+  std::chrono::steady_clock::time_point watched_at_{};
   // Guarded by mutex_.
   std::mutex mutex_;
   std::condition_variable idle_;

@@ -1,102 +1,155 @@
 #include "station/render/panel.h"
 
-#include <backends/imgui_impl_glfw.h>
-#include <backends/imgui_impl_opengl3.h>
 #include <imgui.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <glm/geometric.hpp>
 
 namespace enamel::station::render {
 namespace {
 
-constexpr const char* kFont = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
-constexpr float kFontSize_px = 17;
-constexpr float kMargin_px = 16, kPanelWidth_px = 250;
+constexpr float kMargin_px = 28, kPanelWidth_px = 430, kBar_px = 16;  // at the reference height
 constexpr ImGuiWindowFlags kOverlay =
     ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoInputs |
     ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoFocusOnAppearing;
 
-constexpr std::array<const char*, 6> kWarningTexts = {
-    "Force limited: press less",
-    "Ticks run late",
-    "Fault: force is off until the operator resets it",
+const ImVec4 kGood{0.22f, 0.74f, 0.62f, 1}, kCareful{0.93f, 0.68f, 0.24f, 1},
+    kBad{0.92f, 0.34f, 0.30f, 1};
+
+constexpr std::array<const char*, kWarningCount> kWarningTexts = {
+    "Press less",
+    "Force is uneven: computer too busy",
+    "Force is off. Release the pedal, press it again",
     "Part of the recording is missing",
-    "Server not reachable: recording continues here",
-    "Pulp exposed"};
+    "No server: recording goes on here",
+    "Pulp exposed",
+    "Disk trouble: call the instructor",
+    "Device silent: call the instructor",
+    "Time is up",
+};
 
-ImVec4 ForceColour(double share) {
-  if (share < 0.6) return {0.22f, 0.74f, 0.62f, 1};
-  return share < 0.9 ? ImVec4{0.93f, 0.68f, 0.24f, 1} : ImVec4{0.90f, 0.32f, 0.28f, 1};
-}
+struct Panel {
+  const PanelContent& c;
+  const Fonts& fonts;
+  float px;  // one pixel of the reference picture
 
-void DrawTime(const PanelContent& c) {
-  std::string text = TimerText(c.state.time_s);
-  if (c.time_limit_s > 0) text += " of " + TimerText(c.time_limit_s);
-  bool over = c.time_limit_s > 0 && c.state.time_s > c.time_limit_s;
-  ImGui::SetWindowFontScale(1.6f);
-  ImGui::TextColored(over ? ImVec4{0.95f, 0.45f, 0.4f, 1} : ImVec4{1, 1, 1, 1}, "%s", text.c_str());
-  ImGui::SetWindowFontScale(1);
-  ImGui::TextDisabled("%s", c.state.bur_on ? "bur turning" : "bur still");
-}
+  float width() const { return kPanelWidth_px * px; }
 
-void DrawForce(const PanelContent& c) {
-  double force = glm::length(c.state.force_sent_n),
-         share = force / std::max(c.force_full_scale_n, 1e-3);
-  char text[32];
-  std::snprintf(text, sizeof text, "%.2f N", force);
-  ImGui::Text("Force");
-  ImGui::SameLine(kPanelWidth_px - ImGui::CalcTextSize(text).x);
-  ImGui::TextUnformatted(text);
-  ImGui::PushStyleColor(ImGuiCol_PlotHistogram, ForceColour(share));
-  ImGui::ProgressBar(static_cast<float>(std::clamp(share, 0.0, 1.0)),
-                     {kPanelWidth_px - kMargin_px, 10}, "");
-  ImGui::PopStyleColor();
-}
-
-void DrawRemoved(const PanelContent& c) {
-  ImGui::Text("Removed");
-  bool any = false;
-  for (size_t t = 1; t < c.state.removed_mm3.size(); ++t) {
-    double mm3 = c.state.removed_mm3[t];
-    if (mm3 < 0.005) continue;
-    any = true;
-    char text[32];
-    std::snprintf(text, sizeof text, "%.2f mm\xc2\xb3", mm3);
-    std::string name(cutting::TissueName(static_cast<cutting::Tissue>(t)));
-    ImGui::TextDisabled("  %s", name.c_str());
-    ImGui::SameLine(kPanelWidth_px - ImGui::CalcTextSize(text).x);
-    ImGui::TextUnformatted(text);
+  void Value(const char* name, const char* value) const {
+    ImGui::TextUnformatted(name);
+    ImGui::SameLine(ImGui::GetCursorPosX() + width() - ImGui::CalcTextSize(value).x);
+    ImGui::TextUnformatted(value);
   }
-  if (!any) ImGui::TextDisabled("  nothing yet");
-}
 
-void DrawWarnings(const PanelContent& c, const ImVec2& size) {
-  std::string text = WarningText(c.state.warnings);
+  void Bar(const char* name, const char* value, double share, const ImVec4& colour) const {
+    Value(name, value);
+    ImGui::PushStyleColor(ImGuiCol_PlotHistogram, colour);
+    ImGui::ProgressBar(static_cast<float>(std::clamp(share, 0.0, 1.0)), {width(), kBar_px * px},
+                       "");
+    ImGui::PopStyleColor();
+  }
+
+  void Time() const {
+    std::string text = TimerText(c.state.time_s);
+    bool over = c.time_limit_s > 0 && c.state.time_s > c.time_limit_s;
+    ImGui::PushFont(fonts.far);
+    ImGui::TextColored(over ? kBad : ImVec4{1, 1, 1, 1}, "%s", text.c_str());
+    ImGui::PopFont();
+    if (c.time_limit_s > 0) {
+      ImGui::TextDisabled("of %s minutes", TimerText(c.time_limit_s).c_str());
+    }
+  }
+
+  void Force() const {
+    double force = glm::length(c.state.force_sent_n);
+    double share = force / std::max(c.force_full_scale_n, 1e-3);
+    char text[32];
+    std::snprintf(text, sizeof text, "%.2f N", force);
+    Bar("Force", text, share, share < 0.6 ? kGood : share < 0.9 ? kCareful : kBad);
+  }
+
+  void Zones() const {
+    if (!c.zones) return;
+    char text[32];
+    std::snprintf(text, sizeof text, "%.0f %%", c.zones->target_percent);
+    Bar("Target", text, c.zones->target_percent / 100, kGood);
+    std::snprintf(text, sizeof text, "%.0f %%", c.zones->leeway_percent);
+    Bar("Leeway", text, c.zones->leeway_percent / 100, kCareful);
+    std::snprintf(text, sizeof text, "%.2f mm\xc2\xb3", c.zones->container_mm3);
+    bool none = c.zones->container_mm3 < 0.005;
+    ImGui::PushStyleColor(ImGuiCol_Text, none ? ImGui::GetStyleColorVec4(ImGuiCol_Text) : kBad);
+    Value("Beyond", none ? "nothing" : text);
+    ImGui::PopStyleColor();
+  }
+
+  void Removed() const {
+    bool any = false;
+    for (size_t t = 1; t < c.state.removed_mm3.size(); ++t) {
+      double mm3 = c.state.removed_mm3[t];
+      if (mm3 < 0.005) continue;
+      any = true;
+      char text[32];
+      std::snprintf(text, sizeof text, "%.2f mm\xc2\xb3", mm3);
+      std::string name(cutting::TissueName(static_cast<cutting::Tissue>(t)));
+      name[0] = static_cast<char>(name[0] & ~0x20);
+      Value(name.c_str(), text);
+    }
+    if (!any) Value("Removed", "nothing yet");
+  }
+
+  void All() const {
+    ImGui::PushFont(fonts.near);
+    if (!c.heading.empty()) {
+      ImGui::PushTextWrapPos(ImGui::GetCursorPosX() + width());
+      ImGui::TextDisabled("%s", c.heading.c_str());
+      ImGui::PopTextWrapPos();
+    }
+    if (c.has_state) {
+      Time();
+      ImGui::Spacing();
+      Force();
+      Zones();
+      ImGui::Spacing();
+      Removed();
+    } else {
+      ImGui::TextDisabled("waiting for the first tick");
+    }
+    ImGui::PopFont();
+  }
+};
+
+void DrawWarnings(uint32_t warnings, const Fonts& fonts, float width, float px) {
+  std::string text = WarningText(warnings);
   if (text.empty()) return;
-  ImGui::SetNextWindowPos({size.x / 2, kMargin_px}, ImGuiCond_Always, {0.5f, 0});
-  ImGui::PushStyleColor(ImGuiCol_WindowBg, ImVec4{0.55f, 0.13f, 0.10f, 0.92f});
+  ImGui::PushFont(fonts.far);
+  float left = (kPanelWidth_px + 4 * kMargin_px) * px;
+  ImGui::SetNextWindowPos({0.5f * (left + width), kMargin_px * px}, ImGuiCond_Always, {0.5f, 0});
+  ImGui::SetNextWindowSizeConstraints({0, 0}, {width - left - kMargin_px * px, 1e6f});
+  ImGui::PushStyleColor(ImGuiCol_WindowBg, ImVec4{0.60f, 0.13f, 0.10f, 0.94f});
   ImGui::Begin("warnings", nullptr, kOverlay);
+  ImGui::PushTextWrapPos(width - left - 3 * kMargin_px * px);
   ImGui::TextUnformatted(text.c_str());
+  ImGui::PopTextWrapPos();
   ImGui::End();
   ImGui::PopStyleColor();
+  ImGui::PopFont();
 }
 
-void DrawScaleBar(const PanelContent& c, const ImVec2& size) {
-  if (c.mm_per_pixel <= 0) return;
-  auto length = static_cast<float>(1 / c.mm_per_pixel);
-  ImVec2 right{size.x - kMargin_px, size.y - kMargin_px}, left{right.x - length, right.y};
+void DrawScaleBar(double mm_per_pixel, const Fonts& fonts, float width, float height, float px) {
+  if (mm_per_pixel <= 0) return;
+  auto length = static_cast<float>(1 / mm_per_pixel);
+  ImVec2 right{width - kMargin_px * px, height - kMargin_px * px}, left{right.x - length, right.y};
   ImDrawList* list = ImGui::GetForegroundDrawList();
-  ImU32 white = IM_COL32(255, 255, 255, 200);
-  list->AddLine(left, right, white, 2);
-  list->AddLine({left.x, left.y - 5}, {left.x, left.y + 5}, white, 2);
-  list->AddLine({right.x, right.y - 5}, {right.x, right.y + 5}, white, 2);
-  ImVec2 text = ImGui::CalcTextSize("1 mm");
-  list->AddText({(left.x + right.x - text.x) / 2, left.y - 6 - text.y}, white, "1 mm");
+  ImU32 white = IM_COL32(255, 255, 255, 210);
+  list->AddLine(left, right, white, 3 * px);
+  list->AddLine({left.x, left.y - 9 * px}, {left.x, left.y + 9 * px}, white, 3 * px);
+  list->AddLine({right.x, right.y - 9 * px}, {right.x, right.y + 9 * px}, white, 3 * px);
+  ImVec2 text = fonts.near->CalcTextSizeA(fonts.near->FontSize, 1e6f, 0, "1 mm");
+  list->AddText(fonts.near, fonts.near->FontSize,
+                {(left.x + right.x - text.x) / 2, left.y - 10 * px - text.y}, white, "1 mm");
 }
 
 }  // namespace
@@ -121,62 +174,19 @@ std::string WarningText(uint32_t warnings) {
   return out;
 }
 
-Panel::Panel(GLFWwindow* window) {
-  ImGui::CreateContext();
-  ImGuiIO& io = ImGui::GetIO();
-  io.IniFilename = nullptr;
-  io.LogFilename = nullptr;
-  std::error_code none;
-  if (std::filesystem::exists(kFont, none)) io.Fonts->AddFontFromFileTTF(kFont, kFontSize_px);
-  ImGui::StyleColorsDark();
-  ImGuiStyle& style = ImGui::GetStyle();
-  style.WindowRounding = style.FrameRounding = 6;
-  style.WindowPadding = {kMargin_px, 12};
-  style.WindowBorderSize = 0;
-  style.Colors[ImGuiCol_WindowBg] = {0.06f, 0.065f, 0.075f, 0.78f};
-  style.Colors[ImGuiCol_TextDisabled] = {0.68f, 0.71f, 0.75f, 1};
-  ImGui_ImplGlfw_InitForOpenGL(window, true);
-  ImGui_ImplOpenGL3_Init("#version 330 core");
-}
-
-Panel::~Panel() {
-  ImGui_ImplOpenGL3_Shutdown();
-  ImGui_ImplGlfw_Shutdown();
-  ImGui::DestroyContext();
-}
-
-void Panel::Draw(const PanelContent& content) {
-  ImGui_ImplOpenGL3_NewFrame();
-  ImGui_ImplGlfw_NewFrame();
-  ImGui::NewFrame();
-  ImVec2 size = ImGui::GetIO().DisplaySize;
-  ImGui::SetNextWindowPos({kMargin_px, kMargin_px});
-  ImGui::SetNextWindowSizeConstraints({kPanelWidth_px + kMargin_px, 0},
-                                      {kPanelWidth_px + kMargin_px, size.y});
+void DrawPanel(const PanelContent& content, const Fonts& fonts, int width, int height) {
+  Panel panel{content, fonts, fonts.scale};
+  float margin = kMargin_px * fonts.scale, w = static_cast<float>(width),
+        h = static_cast<float>(height);
+  ImGui::SetNextWindowPos({margin, margin});
   ImGui::Begin("panel", nullptr, kOverlay);
-  if (!content.heading.empty()) {
-    ImGui::PushTextWrapPos(kPanelWidth_px);
-    ImGui::TextUnformatted(content.heading.c_str());
-    ImGui::PopTextWrapPos();
-    ImGui::Separator();
-  }
-  if (content.has_state) {
-    DrawTime(content);
-    ImGui::Spacing();
-    DrawForce(content);
-    ImGui::Spacing();
-    DrawRemoved(content);
-  } else {
-    ImGui::TextDisabled("waiting for the first tick");
-  }
+  panel.All();
   ImGui::End();
-  DrawWarnings(content, size);
-  DrawScaleBar(content, size);
-  ImGui::GetForegroundDrawList()->AddText(
-      {kMargin_px, size.y - kMargin_px - ImGui::GetFontSize()}, IM_COL32(190, 196, 205, 220),
-      "1 occlusal   2 buccal   3 mesial   4 oblique   drag: turn   right drag: move   wheel: zoom");
-  ImGui::Render();
-  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+  DrawWarnings(content.state.warnings, fonts, w, fonts.scale);
+  DrawScaleBar(content.mm_per_pixel, fonts, w, h, fonts.scale);
+  ImGui::GetForegroundDrawList()->AddText(fonts.near, fonts.near->FontSize,
+                                          {margin, h - margin - fonts.near->FontSize},
+                                          IM_COL32(190, 196, 205, 230), content.hint.c_str());
 }
 
 }  // namespace enamel::station::render

@@ -12,7 +12,7 @@
 namespace enamel::station::render {
 namespace {
 
-constexpr int kKernelSize = 20;
+constexpr int kKernelSize = 20;  // the shader's array; a lower quality uses the first of them
 // Reach of ambient occlusion: about half a cavity's width.
 constexpr float kOcclusionRadius_mm = 1.6f;
 
@@ -53,9 +53,11 @@ std::array<glm::vec3, kKernelSize> OcclusionKernel() {
   std::mt19937 random(5);
   auto unit = [&] { return static_cast<float>(random()) / 4294967296.0f; };
   for (int i = 0; i < kKernelSize; ++i) {
+    // Near and far points alternate, so that any first few of them reach as far as all.
+    int rank = i * 7 % kKernelSize;
     float turn = 6.2831853f * unit(), z = std::sqrt(0.05f + 0.95f * unit()),
           rho = std::sqrt(1 - z * z);
-    float share = (static_cast<float>(i) + 0.5f) / kKernelSize;
+    float share = (static_cast<float>(rank) + 0.5f) / kKernelSize;
     kernel[static_cast<size_t>(i)] =
         glm::vec3(rho * std::cos(turn), rho * std::sin(turn), z) * (0.08f + 0.92f * share * share);
   }
@@ -65,6 +67,21 @@ std::array<glm::vec3, kKernelSize> OcclusionKernel() {
 TriangleBuffer& Fill(TriangleBuffer& buffer, const Shape& shape) {
   buffer.Upload(shape.vertices, shape.indices);
   return buffer;
+}
+
+// As in the shaders: over the left shoulder, in view.
+const glm::vec3 kKeyLight = glm::normalize(glm::vec3(-0.55f, 0.75f, 0.55f));
+// How far a shadow is followed, and how far beside the bur it reaches.
+constexpr float kShadowReach_mm = 5, kShadowSide_mm = 1.2f, kShankShadow_mm = 6;
+
+void Scissor(const PixelRect& part) {
+  glEnable(GL_SCISSOR_TEST);
+  glScissor(part.x0, part.y0, part.x1 - part.x0, part.y1 - part.y0);
+}
+
+// Pixels of a target at half the size that a rectangle of the whole one touches.
+PixelRect Halved(const PixelRect& part) {
+  return {part.x0 / 2, part.y0 / 2, (part.x1 + 1) / 2, (part.y1 + 1) / 2};
 }
 
 // Parts of a bur.
@@ -92,8 +109,10 @@ Picture::Picture(const cutting::Bur& bur, size_t group_count)
       occlusion_(kFullScreenVertex, kOcclusionFragment),
       blur_(kFullScreenVertex, kBlurFragment),
       compose_(kFullScreenVertex, kComposeFragment),
+      shadow_(kFullScreenVertex, kShadowFragment),
       groups_(group_count),
-      bur_height_mm_(static_cast<float>(bur.height_m() * 1000)) {
+      bur_height_mm_(static_cast<float>(bur.height_m() * 1000)),
+      bur_radius_mm_(static_cast<float>(bur.radius_m * 1000)) {
   Fill(bur_head_, BurHeadShape(bur));
   Fill(bur_shank_, BurShankShape(bur));
   Fill(shaft_, ShaftShape());
@@ -115,13 +134,22 @@ Picture::Picture(const cutting::Bur& bur, size_t group_count)
   compose_.Set("solid", 0);
   compose_.Set("occlusion", 1);
   compose_.Set("depth", 2);
+  shadow_.Use();
+  shadow_.Set("depth", 0);
+  shadow_.Set("to_light", kKeyLight);
 }
 
 void Picture::Replace(const GroupMesh& mesh) {
   auto& group = groups_[mesh.group];
-  if (!group) group = std::make_unique<Group>();
+  if (group)
+    changed_.push_back(group->bounds);
+  else
+    group = std::make_unique<Group>();
+  work_.triangles -= group->triangles.triangle_count();
   group->triangles.Upload(mesh.vertices, mesh.indices);
+  work_.triangles += group->triangles.triangle_count();
   group->bounds = mesh.bounds;
+  changed_.push_back(group->bounds);
 }
 
 bool Picture::MayBeSeen(const Bounds& bounds, const PictureState& state) const {
@@ -136,37 +164,78 @@ bool Picture::MayBeSeen(const Bounds& bounds, const PictureState& state) const {
   return MayFace(bounds, eye);
 }
 
-void Picture::Resize(int width, int height, int oversampling) {
-  int w = width * oversampling, h = height * oversampling;
-  if (result_ && result_->width() == width && result_->height() == height && solids_->width() == w)
-    return;
-  solids_ = std::make_unique<Target>(w, h, std::initializer_list<GLenum>{GL_RGBA8, GL_RGBA8}, true,
-                                     GL_LINEAR);
-  auto half = [&] {
-    return std::make_unique<Target>((w + 1) / 2, (h + 1) / 2, std::initializer_list<GLenum>{GL_R8},
-                                    false, GL_NEAREST);
+void Picture::Resize(int width, int height, const Quality& quality) {
+  auto scaled = [&](int n) {
+    return std::max(1, static_cast<int>(std::lround(static_cast<float>(n) * quality.scale)));
   };
-  occluded_ = half();
-  blurred_ = half();
-  result_ = std::make_unique<Target>(width, height, std::initializer_list<GLenum>{GL_RGBA8}, true,
-                                     GL_NEAREST);
+  int w = scaled(width), h = scaled(height);
+  bool same = result_ && result_->width() == width && result_->height() == height &&
+              solids_->width() == w && solids_->height() == h;
+  if (same) return;
+  auto target = [](int tw, int th, std::initializer_list<GLenum> colours, bool depth,
+                   GLenum filter) {
+    return std::make_unique<Target>(tw, th, colours, depth, filter);
+  };
+  solids_ = target(w, h, {GL_RGBA8, GL_RGBA8}, true, GL_LINEAR);
+  occluded_ = target((w + 1) / 2, (h + 1) / 2, {GL_R8}, false, GL_NEAREST);
+  blurred_ = target((w + 1) / 2, (h + 1) / 2, {GL_R8}, false, GL_NEAREST);
+  composed_ = target(w, h, {GL_RGBA8}, false, GL_NEAREST);
+  frame_ = target(w, h, {GL_RGBA8}, true, GL_LINEAR);
+  result_ = target(width, height, {GL_RGBA8}, false, GL_NEAREST);
+  drawn_view_ = drawn_clip_ = glm::mat4(0);
 }
 
-void Picture::Draw(const PictureState& state, int width, int height, int oversampling) {
-  Resize(width, height, oversampling);
-  DrawSolids(state);
-  DrawOcclusion(state);
-  Compose(state);
+Picture::Stale Picture::StalePart(const PictureState& state, const Quality& quality) {
+  int w = solids_->width(), h = solids_->height();
+  work_.whole = drawn_view_ != state.view_from_scene || drawn_clip_ != state.clip_from_view ||
+                !(drawn_quality_ == quality);
+  work_.triangles_drawn = 0;
+  Stale stale;
+  if (work_.whole) {
+    stale.solids = stale.around = PixelRect::Whole(w, h);
+  } else {
+    float reach = quality.occlusion_samples > 0 ? kOcclusionRadius_mm : 0;
+    for (const Bounds& b : changed_) {
+      auto ball = [&](float radius) {
+        return AroundBall(state.view_from_scene, state.clip_from_view, w, h, b.middle_mm, radius);
+      };
+      stale.solids = stale.solids.Around(ball(b.radius_mm));
+      stale.around = stale.around.Around(ball(b.radius_mm + reach));
+    }
+    // Pixels of the half-size occlusion, and its blur, reach over the edge.
+    constexpr int kEdge = 1, kBlur = 8;
+    stale.solids = stale.solids.Grown(kEdge, w, h);
+    stale.around = stale.around.Grown(kBlur, w, h);
+  }
+  changed_.clear();
+  drawn_view_ = state.view_from_scene;
+  drawn_clip_ = state.clip_from_view;
+  drawn_quality_ = quality;
+  return stale;
+}
+
+void Picture::Draw(const PictureState& state, int width, int height, const Quality& quality) {
+  Resize(width, height, quality);
+  Stale stale = StalePart(state, quality);
+  if (!stale.solids.empty()) {
+    DrawTooth(state, stale.solids);
+    if (quality.occlusion_samples > 0) DrawOcclusion(state, quality, stale.around);
+    Compose(state, quality, stale.around);
+    glDisable(GL_SCISSOR_TEST);
+  }
+  CopyTooth();
+  if (state.scene_from_bur) {
+    if (quality.shadow) DrawShadow(state);
+    DrawBurs(state);
+  }
   DrawArrow(state);
+  frame_->CopyColourTo(*result_);
 }
 
-void Picture::DrawSolids(const PictureState& state) {
-  solids_->Bind();
+void Picture::UseSolid(const PictureState& state) {
   glDisable(GL_BLEND);
   glEnable(GL_DEPTH_TEST);
   glEnable(GL_CULL_FACE);
-  glClearColor(0, 0, 0, 0);
-  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   solid_.Use();
   solid_.Set("clip_from_view", state.clip_from_view);
   solid_.Set("view_from_model", state.view_from_scene);
@@ -175,45 +244,35 @@ void Picture::DrawSolids(const PictureState& state) {
   solid_.Set("flute_height_mm", bur_height_mm_);
   solid_.Set("opacity", 1.0f);
   solid_.Set("ghostly", 0.0f);
+}
+
+void Picture::DrawTooth(const PictureState& state, const PixelRect& part) {
+  solids_->Bind();
+  Scissor(part);
+  glClearColor(0, 0, 0, 0);
+  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  UseSolid(state);
+  int w = solids_->width(), h = solids_->height();
   for (const auto& group : groups_) {
-    if (group && MayBeSeen(group->bounds, state)) group->triangles.Draw();
+    if (!group || !MayBeSeen(group->bounds, state)) continue;
+    PixelRect here = AroundBall(state.view_from_scene, state.clip_from_view, w, h,
+                                group->bounds.middle_mm, group->bounds.radius_mm);
+    if (!here.Meets(part)) continue;
+    group->triangles.Draw();
+    work_.triangles_drawn += group->triangles.triangle_count();
   }
-  if (state.scene_from_bur)
-    DrawBur(state, *state.scene_from_bur, SeenFromAbove(state) ? kHead : kHead | kShank);
-  glEnable(GL_BLEND);
-  glDisablei(GL_BLEND, 1);
-  glColorMaski(1, GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
-  glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
-  glDepthMask(GL_FALSE);
-  if (state.scene_from_bur && SeenFromAbove(state)) {
-    solid_.Set("opacity", 0.15f);
-    DrawBur(state, *state.scene_from_bur, kShank);
-  }
-  if (state.scene_from_ghost) {
-    solid_.Set("opacity", 0.42f);
-    solid_.Set("ghostly", 0.85f);
-    DrawBur(state, *state.scene_from_ghost, SeenFromAbove(state) ? kHead : kHead | kShank);
-  }
-  solid_.Set("opacity", 1.0f);
-  solid_.Set("ghostly", 0.0f);
-  glDepthMask(GL_TRUE);
-  glColorMaski(1, GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-  glDisable(GL_BLEND);
 }
 
-void Picture::DrawBur(const PictureState& state, const glm::mat4& scene_from_bur, int parts) {
-  solid_.Set("view_from_model", state.view_from_scene * scene_from_bur);
-  if (parts & kHead) bur_head_.Draw();
-  if (parts & kShank) bur_shank_.Draw();
-}
-
-void Picture::DrawOcclusion(const PictureState& state) {
+void Picture::DrawOcclusion(const PictureState& state, const Quality& quality,
+                            const PixelRect& part) {
   occluded_->Bind();
+  Scissor(Halved(part));
   glDisable(GL_DEPTH_TEST);
   solids_->BindDepth(0);
   solids_->BindColour(1, 1);
   occlusion_.Use();
   occlusion_.Set("clip_from_view", state.clip_from_view);
+  occlusion_.Set("samples", std::min(quality.occlusion_samples, kKernelSize));
   glBindVertexArray(empty_array_);
   glDrawArrays(GL_TRIANGLES, 0, 3);
   blurred_->Bind();
@@ -224,15 +283,84 @@ void Picture::DrawOcclusion(const PictureState& state) {
   glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-void Picture::Compose(const PictureState& state) {
-  result_->Bind();
+void Picture::Compose(const PictureState& state, const Quality& quality, const PixelRect& part) {
+  composed_->Bind();
+  Scissor(part);
+  glDisable(GL_DEPTH_TEST);
   solids_->BindColour(0, 0);
   blurred_->BindColour(1, 0);
   solids_->BindDepth(2);
   compose_.Use();
   compose_.Set("clip_from_view", state.clip_from_view);
+  compose_.Set("occluded", quality.occlusion_samples > 0 ? 1 : 0);
   glBindVertexArray(empty_array_);
   glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+void Picture::CopyTooth() {
+  composed_->CopyColourTo(*frame_);
+  solids_->CopyDepthTo(*frame_);
+  frame_->Bind();
+}
+
+// The bur as two capsules, cutting part and shank, seen from the light and from beside the tooth.
+void Picture::DrawShadow(const PictureState& state) {
+  glm::mat4 view_from_bur = state.view_from_scene * *state.scene_from_bur;
+  auto at = [&](float z) { return glm::vec3(view_from_bur * glm::vec4(0, 0, z, 1)); };
+  float lift = std::min(bur_radius_mm_, 0.5f * bur_height_mm_);
+  glm::vec3 tip = at(lift), neck = at(bur_height_mm_), top = at(bur_height_mm_ + kShankShadow_mm);
+  int w = frame_->width(), h = frame_->height();
+  PixelRect part;
+  for (const glm::vec3& p : {tip, neck, top}) {
+    for (float along : {0.0f, kShadowReach_mm}) {
+      part = part.Around(AroundBall(glm::mat4(1), state.clip_from_view, w, h, p - along * kKeyLight,
+                                    bur_radius_mm_ + kShadowSide_mm));
+    }
+  }
+  if (part.empty()) return;
+  Scissor(part);
+  glDisable(GL_DEPTH_TEST);
+  glEnable(GL_BLEND);
+  glBlendFunc(GL_DST_COLOR, GL_ZERO);
+  solids_->BindDepth(0);
+  shadow_.Use();
+  shadow_.Set("clip_from_view", state.clip_from_view);
+  shadow_.Set("tip", tip);
+  shadow_.Set("neck", neck);
+  shadow_.Set("top", top);
+  shadow_.Set("head_radius_mm", bur_radius_mm_);
+  shadow_.Set("reach_mm", kShadowReach_mm);
+  shadow_.Set("side_mm", kShadowSide_mm);
+  glBindVertexArray(empty_array_);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  glDisable(GL_BLEND);
+  glDisable(GL_SCISSOR_TEST);
+}
+
+void Picture::DrawBurs(const PictureState& state) {
+  UseSolid(state);
+  int parts = SeenFromAbove(state) ? kHead : kHead | kShank;
+  DrawBur(state, *state.scene_from_bur, parts);
+  glEnable(GL_BLEND);
+  glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  glDepthMask(GL_FALSE);
+  if (parts == kHead) {
+    solid_.Set("opacity", 0.15f);
+    DrawBur(state, *state.scene_from_bur, kShank);
+  }
+  if (state.scene_from_ghost) {
+    solid_.Set("opacity", 0.42f);
+    solid_.Set("ghostly", 0.85f);
+    DrawBur(state, *state.scene_from_ghost, parts);
+  }
+  glDepthMask(GL_TRUE);
+  glDisable(GL_BLEND);
+}
+
+void Picture::DrawBur(const PictureState& state, const glm::mat4& scene_from_bur, int parts) {
+  solid_.Set("view_from_model", state.view_from_scene * scene_from_bur);
+  if (parts & kHead) bur_head_.Draw();
+  if (parts & kShank) bur_shank_.Draw();
 }
 
 // Over everything: the hand feels the force wherever the tooth hides the bur.
@@ -242,9 +370,8 @@ void Picture::DrawArrow(const PictureState& state) {
   constexpr float kShaft_mm = 0.09f, kTip_mm = 0.24f;
   float tip = std::min(0.7f, 0.5f * length);
   glm::mat4 frame = Along(state.arrow_from_mm, state.arrow_mm);
-  glEnable(GL_DEPTH_TEST);
+  UseSolid(state);
   glClear(GL_DEPTH_BUFFER_BIT);
-  solid_.Use();
   glm::mat4 view_from_arrow = state.view_from_scene * frame;
   solid_.Set("view_from_model",
              glm::scale(view_from_arrow, glm::vec3(kShaft_mm, kShaft_mm, length - tip)));

@@ -8,6 +8,8 @@
 #include "common/cutting/bur.h"
 #include "station/render/gl_objects.h"
 #include "station/render/mesher.h"
+#include "station/render/pixel_rect.h"
+#include "station/render/quality.h"
 
 namespace enamel::station::render {
 
@@ -20,38 +22,68 @@ struct PictureState {
   float bur_spin = 0;                         // rad
 };
 
-// The solid part of the picture, by OpenGL 3.3. Draws into a buffer of its own, which the panel is
-// then drawn over. Needs the context current. Not thread-safe.
+// What the last Draw did.
+struct PictureWork {
+  size_t triangles = 0;        // of the tooth, all of it
+  size_t triangles_drawn = 0;  // of the tooth, this time
+  bool whole = false;          // the tooth was drawn anew everywhere
+};
+
+// The solid part of the picture, by OpenGL 3.3. The tooth is kept as a layer: colour, depth and
+// ambient occlusion, drawn anew only where a mesh has changed, or everywhere when the camera has.
+// Over a copy of that layer each frame draws what always moves: the bur's shadow, the bur, the
+// ghost of the hand, the force. *Why:* while somebody cuts, the camera rests and the cut changes a
+// thousandth of the surface; all of it each time is what a computer without graphics card cannot.
+// Draws into a buffer of its own, which the panel is then drawn over. Needs the context current.
+// Not thread-safe.
 class Picture {
  public:
   // Throws std::runtime_error when the driver refuses something.
   Picture(const cutting::Bur& bur, size_t group_count);
 
   void Replace(const GroupMesh& mesh);
-  // `oversampling` 1 or 2: solid pixels per picture pixel along each side.
-  void Draw(const PictureState& state, int width, int height, int oversampling);
+  void Draw(const PictureState& state, int width, int height, const Quality& quality);
   // Valid after Draw.
   const Target& result() const { return *result_; }
+  const PictureWork& work() const { return work_; }
 
  private:
-  bool MayBeSeen(const Bounds& bounds, const PictureState& state) const;
-  void Resize(int width, int height, int oversampling);
-  void DrawSolids(const PictureState& state);
-  void DrawBur(const PictureState& state, const glm::mat4& scene_from_bur, int parts);
-  void DrawOcclusion(const PictureState& state);
-  void Compose(const PictureState& state);
-  void DrawArrow(const PictureState& state);
-
-  Program solid_, occlusion_, blur_, compose_;
   struct Group {
     TriangleBuffer triangles;
     Bounds bounds;
   };
+
+  bool MayBeSeen(const Bounds& bounds, const PictureState& state) const;
+  void Resize(int width, int height, const Quality& quality);
+  // What of the layer is to be drawn anew, and what around it that light reaches differently then.
+  struct Stale {
+    PixelRect solids, around;
+  };
+  Stale StalePart(const PictureState& state, const Quality& quality);
+  void UseSolid(const PictureState& state);
+  void DrawTooth(const PictureState& state, const PixelRect& part);
+  void DrawOcclusion(const PictureState& state, const Quality& quality, const PixelRect& part);
+  void Compose(const PictureState& state, const Quality& quality, const PixelRect& part);
+  void CopyTooth();
+  void DrawShadow(const PictureState& state);
+  void DrawBurs(const PictureState& state);
+  void DrawBur(const PictureState& state, const glm::mat4& scene_from_bur, int parts);
+  void DrawArrow(const PictureState& state);
+
+  Program solid_, occlusion_, blur_, compose_, shadow_;
   std::vector<std::unique_ptr<Group>> groups_;
   TriangleBuffer bur_head_, bur_shank_, shaft_, tip_;
-  float bur_height_mm_;
+  float bur_height_mm_, bur_radius_mm_;
   GLuint empty_array_ = 0;
-  std::unique_ptr<Target> solids_, occluded_, blurred_, result_;
+  PictureWork work_;
+  // The tooth's layer: as drawn, its occlusion, both composed over the background; and what it is
+  // of.
+  std::unique_ptr<Target> solids_, occluded_, blurred_, composed_;
+  glm::mat4 drawn_view_{0}, drawn_clip_{0};
+  Quality drawn_quality_;
+  std::vector<Bounds> changed_;  // since then: what was there, and what is
+  // The frame, at the layer's size and at the window's.
+  std::unique_ptr<Target> frame_, result_;
 };
 
 }  // namespace enamel::station::render

@@ -75,6 +75,7 @@ uniform sampler2D depth, normals;
 uniform mat4 clip_from_view;
 uniform float radius_mm;
 uniform vec3 kernel[20];
+uniform int samples;
 layout(location = 0) out vec4 occlusion;
 vec3 ViewAt(vec2 at) {
   float ndc = texture(depth, at).r * 2.0 - 1.0;
@@ -93,14 +94,14 @@ void main() {
   vec3 t = normalize(turned - n * dot(turned, n) + vec3(0.0, 0.0, 1e-4));
   mat3 frame = mat3(t, cross(n, t), n);
   float hidden = 0.0;
-  for (int i = 0; i < 20; ++i) {
+  for (int i = 0; i < samples; ++i) {
     vec3 q = p + n * (0.02 * radius_mm) + frame * kernel[i] * radius_mm;
     vec4 c = clip_from_view * vec4(q, 1.0);
     float seen = ViewAt(c.xy / c.w * 0.5 + 0.5).z;
     float near = smoothstep(0.0, 1.0, radius_mm / max(abs(p.z - seen), 1e-4));
     hidden += seen > q.z + 0.015 * radius_mm ? near : 0.0;
   }
-  occlusion = vec4(1.0 - hidden / 20.0);
+  occlusion = vec4(1.0 - hidden / float(samples));
 }
 )";
 
@@ -131,12 +132,20 @@ const char* const kComposeFragment = R"(#version 330 core
 in vec2 uv;
 uniform sampler2D solid, occlusion, depth;
 uniform mat4 clip_from_view;
+uniform int occluded;
 layout(location = 0) out vec4 colour;
 float ZAt(vec2 at) {
   return -clip_from_view[3][2] / (texture(depth, at).r * 2.0 - 1.0 + clip_from_view[2][2]);
 }
 void main() {
   vec4 c = texture(solid, uv);
+  if (c.a == 0.0 || occluded == 0) {
+    float open_sky = occluded == 0 ? 0.94 : 1.0;
+    float from_middle = length(uv - vec2(0.5, 0.55));
+    vec3 sky = mix(vec3(0.235, 0.25, 0.275), vec3(0.085, 0.09, 0.10), smoothstep(0.05, 0.85, from_middle));
+    colour = vec4(mix(sky, c.rgb * open_sky, c.a), 1.0);
+    return;
+  }
   // Bilinear between the four occlusion pixels around, as far as they are at the same depth.
   vec2 size = vec2(textureSize(occlusion, 0)), at = uv * size - 0.5, f = fract(at);
   float z = ZAt(uv), sum = 0.0, weights = 0.0;
@@ -153,6 +162,46 @@ void main() {
   float vignette = length(uv - vec2(0.5, 0.55));
   vec3 behind = mix(vec3(0.235, 0.25, 0.275), vec3(0.085, 0.09, 0.10), smoothstep(0.05, 0.85, vignette));
   colour = vec4(mix(behind, c.rgb / max(c.a, 1e-3) * shade, c.a), 1.0);
+}
+)";
+
+// Where the bur keeps the key light off: the nearest point of the way to the light to the axis of
+// the cutting part (tip to neck) and of the shank (neck to top), softer the farther the bur is; and
+// a darker seam where it is near, whatever the light. Exact for capsules.
+const char* const kShadowFragment = R"(#version 330 core
+in vec2 uv;
+uniform sampler2D depth;
+uniform mat4 clip_from_view;
+uniform vec3 to_light, tip, neck, top;
+uniform float head_radius_mm, reach_mm, side_mm;
+layout(location = 0) out vec4 light_left;
+// Of the ray from p: x, the least distance to the segment; y, how far along the ray that is.
+vec2 ToSegment(vec3 p, vec3 a, vec3 b) {
+  vec3 v = b - a, w = p - a;
+  float uv = dot(to_light, v), vv = dot(v, v), uw = dot(to_light, w), vw = dot(v, w);
+  float s = clamp((vw - uv * uw) / max(vv - uv * uv, 1e-6), 0.0, 1.0);
+  float t = max(dot(a + s * v - p, to_light), 0.0);
+  s = clamp(dot(p + t * to_light - a, v) / vv, 0.0, 1.0);
+  return vec2(length(p + t * to_light - a - s * v), t);
+}
+float Lit(vec3 p, vec3 a, vec3 b, float radius) {
+  vec2 near = ToSegment(p, a, b);
+  float soft = 0.06 + 0.22 * near.y;
+  float shade = 1.0 - smoothstep(radius - soft, radius + soft, near.x);
+  return 1.0 - 0.55 * shade * (1.0 - smoothstep(0.3 * reach_mm, reach_mm, near.y));
+}
+void main() {
+  float d = texture(depth, uv).r;
+  light_left = vec4(1.0);
+  if (d >= 1.0) return;
+  float z = -clip_from_view[3][2] / (d * 2.0 - 1.0 + clip_from_view[2][2]);
+  vec3 p = vec3((uv * 2.0 - 1.0) * -z / vec2(clip_from_view[0][0], clip_from_view[1][1]), z);
+  float shank = min(0.8, head_radius_mm);
+  float lit = min(Lit(p, tip, neck, head_radius_mm), Lit(p, neck, top, shank));
+  float s = clamp(dot(p - tip, neck - tip) / max(dot(neck - tip, neck - tip), 1e-6), 0.0, 1.0);
+  float beside = distance(p, mix(tip, neck, s)) - head_radius_mm;
+  lit *= 1.0 - 0.35 * (1.0 - smoothstep(0.0, side_mm, beside));
+  light_left = vec4(vec3(lit), 1.0);
 }
 )";
 

@@ -153,6 +153,16 @@ class ScriptedStation {
     return Send(request);
   }
 
+  wire::Reply MarkReference(const Uuid& attempt, const std::string& dentist, bool consent) {
+    wire::Request request;
+    wire::MarkReference& body = *request.mutable_mark_reference();
+    body.set_session(session);
+    body.set_attempt(protocol::ToField(attempt.view()));
+    body.set_dentist(dentist);
+    body.set_consent(consent);
+    return Send(request);
+  }
+
   trace::KeyPair keys = trace::NewKeyPair();
   std::string id, credential, session;
   uint32_t core_version = core::kCoreVersion;

@@ -101,7 +101,7 @@ TEST_F(SessionTest, ListedContentCanBeFetchedPartByPartAndNothingElse) {
   list.mutable_list_exercises()->set_session(station_.session);
   auto listed = station_.Send(list).exercises();
   ASSERT_EQ(listed.exercises_size(), 1);
-  EXPECT_EQ(listed.profiles_size(), 3);
+  EXPECT_EQ(listed.profiles_size(), 4);
 
   std::string data;
   uint64_t total = 1;
@@ -267,6 +267,37 @@ TEST_F(SessionTest, SomebodyElsesAttemptIsNotFoundAndGradedScoreIsHeldBack) {
   EXPECT_EQ(station_.Status(recording.seal.attempt).error().code(), "not_found");
 }
 
+TEST_F(SessionTest, OnlyAnInstructorWithConsentMarksAScoredAttemptAsReference) {
+  Welcome();
+  Recording recording = Ticketed(1);
+  const Uuid attempt = recording.seal.attempt;
+  station_.Open(recording.header);
+  station_.Put(recording.chunks[0]);
+  station_.Seal(recording.seal);
+  EXPECT_EQ(station_.MarkReference(attempt, "Dr A", true).error().code(), "forbidden");
+  station_.SignIn("outsider");
+  EXPECT_EQ(station_.MarkReference(attempt, "Dr A", true).error().code(), "not_found");
+  station_.SignIn("instructor");
+  EXPECT_EQ(station_.MarkReference(attempt, "Dr A", true).error().code(), "conflict")
+      << "not scored yet";
+  Store::AttemptResult result;
+  result.score_json = PutText(*world_.store, "{}");
+  ASSERT_TRUE(world_.store->FinishAttempt(attempt, result).ok());
+  auto without = station_.MarkReference(attempt, "Dr A", false);
+  EXPECT_EQ(without.error().field(), "consent");
+  EXPECT_EQ(station_.MarkReference(attempt, "", true).error().field(), "dentist");
+  EXPECT_EQ(station_.MarkReference(attempt, std::string(201, 'a'), true).error().field(),
+            "dentist");
+  EXPECT_FALSE(world_.store->ReferenceFor(world_.exercise.id)->has_value());
+  auto marked = station_.MarkReference(attempt, "Dr A", true);
+  ASSERT_TRUE(marked.has_reference_marked()) << marked.error().message();
+  EXPECT_EQ(marked.reference_marked().version(), 1);
+  auto reference = *world_.store->ReferenceFor(world_.exercise.id);
+  ASSERT_TRUE(reference.has_value());
+  EXPECT_EQ(reference->attempt, attempt);
+  EXPECT_EQ(reference->dentist, "Dr A");
+}
+
 TEST_F(SessionTest, LatestLiveStateIsKeptUntilTheAttemptIsSealed) {
   Welcome();
   Recording recording = Ticketed(1);
@@ -288,7 +319,8 @@ TEST_F(SessionTest, LatestLiveStateIsKeptUntilTheAttemptIsSealed) {
   EXPECT_FALSE(world_.live.Latest(recording.seal.attempt).has_value());
 }
 
-// A restore brings back a time before some tickets; stations still hold what was recorded with them.
+// A restore brings back a time before some tickets; stations still hold what was recorded with
+// them.
 TEST_F(SessionTest, RecordingWhoseTicketARestoreForgotIsTaken) {
   Welcome();
   trace::Ticket ticket = Ticketed(1).header_fields.ticket;

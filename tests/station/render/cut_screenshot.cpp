@@ -57,24 +57,24 @@ int main(int argc, char** argv) {
   cutting::Volume volume = built->volume;
   volume.Reserve();
   station::render::WindowOptions options;
-  options.bur = {cutting::BurShape::kCylinder, 0.6e-3, 4e-3};
+  options.view.bur = {cutting::BurShape::kCylinder, 0.6e-3, 4e-3};
   options.heading = "Class I cavity, molar 46";
   options.time_limit_s = 600;
-  options.view = ViewOf(argc > 3 ? argv[3] : "oblique");
+  options.view.view = ViewOf(argc > 3 ? argv[3] : "oblique");
   auto window = station::render::Window::Create(options, volume);
   if (!window.ok()) {
     std::fprintf(stderr, "%s\n", window.status().message().c_str());
     return 1;
   }
   auto landmark = built->scene.landmarks.at("occlusal_centre");
-  cutting::Cutter cutter(volume, options.bur);
+  cutting::Cutter cutter(volume, options.view.bur);
   cutting::RemovedUnits removed{};
   station::render::FrameState state;
   state.bur_on = true;
   Visit(dvec3(landmark[0], landmark[1], landmark[2]) * 1e-6, [&](const dvec3& tip) {
     state.anchor.tip_m = tip;
     cutter.Cut(state.anchor, removed);
-    (*window)->PublishBricks(volume, cutter.touched());
+    (*window)->tooth().PublishBricks(volume, cutter.touched());
     ++state.tick;
   });
   state.time_s = 187;
@@ -83,8 +83,8 @@ int main(int argc, char** argv) {
   for (size_t t = 0; t < removed.size(); ++t) {
     state.removed_mm3[t] = cutting::RemovedUnitsToM3(removed[t], voxel_nm * 1e-9) * 1e9;
   }
-  (*window)->Publish(state);
-  (*window)->FlushBricks(volume);
+  (*window)->tooth().Publish(state);
+  (*window)->tooth().FlushBricks(volume);
   Status status = (*window)->WriteScreenshot(argv[1]);
   if (!status.ok()) std::fprintf(stderr, "%s\n", status.message().c_str());
   return status.ok() ? 0 : 1;

@@ -64,12 +64,12 @@ struct Shot {
 
 Image Draw(const cutting::Volume& volume, const Shot& shot, const std::string& scratch) {
   station::render::WindowOptions options;
-  options.width_px = options.height_px = kTile_px;
-  options.visible = options.panel = false;
-  options.view = shot.view;
-  options.focus_m = shot.focus_m;
-  options.view_radius_m = shot.radius_m;
-  options.bur = {cutting::BurShape::kCylinder, 0.5e-3, 4e-3};
+  options.screen.width_px = options.screen.height_px = kTile_px;
+  options.screen.visible = options.panel = false;
+  options.view.view = shot.view;
+  options.view.focus_m = shot.focus_m;
+  options.view.view_radius_m = shot.radius_m;
+  options.view.bur = {cutting::BurShape::kCylinder, 0.5e-3, 4e-3};
   auto window = station::render::Window::Create(options, volume);
   Status status = window.ok() ? (*window)->WriteScreenshot(scratch) : window.status();
   if (!status.ok()) std::fprintf(stderr, "%s\n", status.message().c_str());

@@ -58,7 +58,7 @@ struct Image {
     int count = 0;
     for (int y = 0; y < height; ++y) {
       for (int x = 0; x < width; ++x) {
-        if ((x < 300 && y < 260) || y > height - 45) continue;
+        if ((x < 340 && y < 330) || y > height - 45) continue;
         const uint8_t* p = &rgb[(static_cast<size_t>(y) * width + x) * 3];
         count += is(int{p[0]}, int{p[1]}, int{p[2]});
       }
@@ -117,10 +117,10 @@ const Bur kBur{BurShape::kCylinder, 0.6e-3, 3e-3};
 
 WindowOptions Options() {
   WindowOptions options;
-  options.width_px = 900;
-  options.height_px = 640;
-  options.bur = kBur;
-  options.focus_m = {0, 0, -1e-3};
+  options.screen.width_px = 900;
+  options.screen.height_px = 640;
+  options.view.bur = kBur;
+  options.view.focus_m = {0, 0, -1e-3};
   return options;
 }
 
@@ -135,10 +135,10 @@ FrameState CutSlot(Volume& volume, Window& window) {
     state.anchor.tip_m = dvec3(-2e-3 + 0.05e-3 * i, 0, -1.6e-3);
     state.device = state.anchor;
     EXPECT_TRUE(cutter.Cut(state.anchor, removed));
-    window.PublishBricks(volume, cutter.touched());
+    window.tooth().PublishBricks(volume, cutter.touched());
     for (size_t t = 0; t < removed.size(); ++t)
       state.removed_mm3[t] = cutting::RemovedUnitsToM3(removed[t], 1e-4) * 1e9;
-    window.Publish(state);
+    window.tooth().Publish(state);
   }
   return state;
 }
@@ -157,14 +157,14 @@ TEST_F(WindowTest, ShowsToothThenCavityAndBur) {
   EXPECT_LT(whole.Count(IsSteel), pixels / 2000);
 
   FrameState state = CutSlot(volume, window);
-  window.FlushBricks(volume);
+  window.tooth().FlushBricks(volume);
   Image cut = Screenshot(window);
   EXPECT_GT(cut.Count(IsSteel), pixels / 100);
   EXPECT_GT(cut.Count(IsDentin), whole.Count(IsDentin) + pixels / 500);
   EXPECT_LT(cut.Count(IsArrow), pixels / 5000);
 
   state.force_sent_n = {0, 0, 2};
-  window.Publish(state);
+  window.tooth().Publish(state);
   EXPECT_GT(Screenshot(window).Count(IsArrow), pixels / 2000);
 }
 
@@ -175,11 +175,82 @@ TEST_F(WindowTest, ShowsAGhostWhereTheHandIsWhenItLeavesTheBur) {
   Window& window = **created;
   FrameState state;
   state.anchor.tip_m = state.device.tip_m = {0, 0, 0.5e-3};
-  window.Publish(state);
+  window.tooth().Publish(state);
   int together = Screenshot(window).Count(IsSteel);
   state.device.tip_m.x += 2.5e-3;
-  window.Publish(state);
+  window.tooth().Publish(state);
   EXPECT_GT(Screenshot(window).Count(IsSteel), together + together / 4);
+}
+
+// The tooth is drawn anew only where it has changed: the picture must not tell.
+TEST_F(WindowTest, DrawnPieceByPieceIsDrawnAsAWhole) {
+  Volume volume = Slab();
+  auto created = Window::Create(Options(), volume);
+  ASSERT_TRUE(created.ok()) << created.status().message();
+  Window& window = **created;
+  Screenshot(window);
+  CutSlot(volume, window);
+  window.tooth().FlushBricks(volume);
+  Image pieces = Screenshot(window);
+  ASSERT_FALSE(window.tooth().work().whole);
+  EXPECT_LT(window.tooth().work().triangles_drawn, window.tooth().work().triangles);
+  window.tooth().camera().SetView(View::kBuccal);
+  Screenshot(window);
+  window.tooth().camera().SetView(View::kOblique);
+  Image whole = Screenshot(window);
+  ASSERT_EQ(pieces.rgb.size(), whole.rgb.size());
+  int differ = 0;
+  for (size_t i = 0; i < whole.rgb.size(); ++i)
+    differ += std::abs(pieces.rgb[i] - whole.rgb[i]) > 2;
+  EXPECT_EQ(differ, 0);
+}
+
+TEST_F(WindowTest, TheBurThrowsAShadowOnTheToothBelow) {
+  Volume volume = Slab();
+  auto created = Window::Create(Options(), volume);
+  ASSERT_TRUE(created.ok()) << created.status().message();
+  Window& window = **created;
+  Image alone = Screenshot(window);
+  FrameState state;
+  state.anchor.tip_m = state.device.tip_m = {0, 0, 0.4e-3};
+  window.tooth().Publish(state);
+  Image with = Screenshot(window);
+  // Ivory that is darker than it was: shadow, not bur.
+  int darker = 0;
+  for (size_t i = 0; i < alone.rgb.size(); i += 3) {
+    bool ivory = with.rgb[i] > with.rgb[i + 2] + 10;
+    darker += ivory && with.rgb[i] + 25 < alone.rgb[i];
+  }
+  EXPECT_GT(darker, alone.width * alone.height / 1000);
+}
+
+TEST_F(WindowTest, CapitalsThatMustBeReadFromTwoMetresAreTwelveMillimetres) {
+  WindowOptions options = Options();
+  options.screen.width_px = 1520;
+  options.screen.height_px = 900;
+  auto created = Window::Create(options, Slab());
+  ASSERT_TRUE(created.ok()) << created.status().message();
+  const Fonts& fonts = (*created)->screen().fonts();
+  double pixel_mm = kReferencePixel_mm * kReferenceHeight_px / 900;  // the same 24-inch screen
+  EXPECT_GE(CapitalHeight_px(*fonts.far) * pixel_mm, kFarCapital_mm);
+  EXPECT_LE(CapitalHeight_px(*fonts.far) * pixel_mm, kFarCapital_mm + 1);
+  EXPECT_GT(CapitalHeight_px(*fonts.score), 2 * CapitalHeight_px(*fonts.far));
+
+  // And as drawn: the timer's white digits are as high as capitals in DejaVu.
+  FrameState state;
+  state.time_s = 11;
+  (*created)->tooth().Publish(state);
+  Image image = Screenshot(**created);
+  int first = image.height, last = 0;
+  for (int y = 60; y < 160; ++y) {
+    for (int x = 30; x < 330; ++x) {
+      const uint8_t* p = &image.rgb[(static_cast<size_t>(y) * image.width + x) * 3];
+      if (p[0] < 200 || p[1] < 200 || p[2] < 200) continue;
+      first = std::min(first, y);
+      last = std::max(last, y);
+    }
+  }
+  EXPECT_GE((last - first + 1) * pixel_mm, kFarCapital_mm - pixel_mm);
 }
 
 TEST_F(WindowTest, EveryViewShowsTheToothAndViewsDiffer) {
@@ -188,7 +259,7 @@ TEST_F(WindowTest, EveryViewShowsTheToothAndViewsDiffer) {
   ASSERT_TRUE(created.ok()) << created.status().message();
   std::vector<std::vector<uint8_t>> pictures;
   for (View view : {View::kOcclusal, View::kBuccal, View::kMesial, View::kOblique}) {
-    (*created)->SetView(view);
+    (*created)->tooth().camera().SetView(view);
     Image image = Screenshot(**created);
     EXPECT_GT(image.Count([](int r, int g, int b) { return r > b + 8 && g > b; }),
               image.width * image.height / 20);
@@ -203,7 +274,7 @@ TEST_F(WindowTest, ProducerNeverWaitsWhileTheWindowIsNotPumped) {
   ASSERT_TRUE(created.ok()) << created.status().message();
   std::thread producer([&] { CutSlot(volume, **created); });
   producer.join();  // Without a single frame drawn.
-  (*created)->FlushBricks(volume);
+  (*created)->tooth().FlushBricks(volume);
   int frames = 0;
   (*created)->Run([&] { return ++frames > 3; });
   EXPECT_EQ(frames, 4);
@@ -236,9 +307,10 @@ TEST(PanelTextTest, TimerReadsAsMinutesAndSeconds) {
 
 TEST(PanelTextTest, EveryWarningHasASentence) {
   EXPECT_EQ(WarningText(0), "");
-  for (uint32_t bit = kWarnForceBounded; bit <= kWarnPulpExposed; bit <<= 1)
+  for (uint32_t bit = kWarnForceBounded; bit < 1u << kWarningCount; bit <<= 1)
     EXPECT_NE(WarningText(bit), "");
-  EXPECT_EQ(WarningText(kWarnLate | kWarnPulpExposed), "Ticks run late\nPulp exposed");
+  EXPECT_EQ(WarningText(kWarnLate | kWarnPulpExposed),
+            "Force is uneven: computer too busy\nPulp exposed");
 }
 
 }  // namespace

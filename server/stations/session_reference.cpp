@@ -1,0 +1,58 @@
+#include "server/stations/session.h"
+#include "server/training/access.h"
+
+// An instructor's word, at the station, that an attempt is what others are compared with.
+namespace enamel::server::stations {
+namespace {
+
+constexpr size_t kMaxDentistBytes = 200;
+
+Status CheckWords(const wire::MarkReference& request) {
+  if (request.dentist().empty() || request.dentist().size() > kMaxDentistBytes) {
+    return Status(Code::kInvalidInput,
+                  "expected the dentist's name in 1 to " + std::to_string(kMaxDentistBytes) +
+                      " bytes, found " + std::to_string(request.dentist().size()),
+                  "dentist");
+  }
+  if (request.consent()) return Status::Ok();
+  return Status(Code::kConflict,
+                "the dentist has not agreed: a reference shows a name and a cut to students; ask, "
+                "and confirm it",
+                "consent");
+}
+
+}  // namespace
+
+Result<wire::Reply> Session::Do(const wire::MarkReference& request) {
+  auto attempt = protocol::ReadUuid(request.attempt(), "attempt");
+  if (!attempt.ok()) return attempt.status();
+  auto person = PersonOf(request.session());
+  if (!person.ok()) return person.status();
+  auto row = services_.store.AttemptById(*attempt);
+  if (!row.ok()) return row.status();
+  auto shares = services_.store.ShareCohort(person->id, row->person);
+  if (!shares.ok()) return shares.status();
+  if (!CanSeeAttempt(*person, *row, *shares)) {
+    return Status(Code::kNotFound, "no attempt " + attempt->Text(), "attempt");
+  }
+  if (!CanMarkReference(*person, *row, *shares)) {
+    return Status(Code::kForbidden, "only instructors and admins make an attempt the reference",
+                  "attempt");
+  }
+  ENAMEL_RETURN_IF_ERROR(CheckWords(request));
+  if (row->state != AttemptState::kScored) {
+    return Status(Code::kConflict,
+                  std::string("expected a scored attempt, this one is ") +
+                      AttemptStateName(row->state) + "; wait for the score",
+                  "attempt");
+  }
+  auto reference = services_.store.AddReference(*attempt, request.dentist(),
+                                                Actor{person->id, "station " + station_->name});
+  if (!reference.ok()) return reference.status();
+  wire::Reply reply;
+  reply.mutable_reference_marked()->set_attempt(request.attempt());
+  reply.mutable_reference_marked()->set_version(reference->version);
+  return reply;
+}
+
+}  // namespace enamel::server::stations

@@ -1,0 +1,187 @@
+#include "station/app/frame_bench.h"
+
+#include <algorithm>
+#include <boost/json.hpp>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <vector>
+
+#include "common/cutting/cutter.h"
+#include "common/scene/builtin.h"
+#include "station/app/places.h"
+#include "station/render/panel.h"
+#include "station/render/window.h"
+
+namespace enamel::station {
+namespace {
+
+using render::Quality;
+
+constexpr int kTicksPerFrame = 16;       // at 60 frames a second
+constexpr double kFeed_m = 5e-3 * 1e-3;  // per tick: 5 mm/s
+constexpr double kSlotHalf_m = 1.5e-3, kSlotStep_m = 0.3e-3, kSlotDepth_m = 1.2e-3;
+
+struct Figures {
+  const char* kind;
+  double p50_ms = 0, p95_ms = 0, p99_ms = 0, max_ms = 0, triangles = 0;
+};
+
+// A molar, a bur that cuts slots into it, and the window it is seen in.
+class Bench {
+ public:
+  Bench(const FrameBenchOptions& options, const Quality& quality, render::Screen& screen,
+        const scene::BuiltScene& built)
+      : options_(options),
+        quality_(quality),
+        screen_(screen),
+        volume_(built.volume),
+        view_(View(), built.volume),
+        cutter_((volume_.Reserve(), volume_), View().bur) {
+    auto at = built.scene.landmarks.at("occlusal_centre");
+    centre_ = dvec3(at[0], at[1], at[2]) * 1e-6;
+    view_.WaitIdle(std::chrono::seconds(60));
+  }
+
+  Figures Rest() {
+    return Run("at rest", [&] { Show(centre_ + dvec3(Wave(), 0, 1e-3)); });
+  }
+
+  Figures Cut() {
+    return Run("cutting", [&] {
+      for (int i = 0; i < kTicksPerFrame; ++i) Step();
+    });
+  }
+
+  Figures Turn() {
+    return Run("turning", [&] { view_.camera().Orbit(0.004f, 0); });
+  }
+
+  size_t triangles() const { return view_.work().triangles; }
+
+ private:
+  static render::ViewOptions View() {
+    render::ViewOptions view;
+    view.bur = {cutting::BurShape::kCylinder, 0.6e-3, 4e-3};
+    return view;
+  }
+
+  double Wave() { return 1e-3 * std::sin(0.1 * static_cast<double>(++waves_)); }
+
+  void Show(const dvec3& tip) {
+    state_.anchor.tip_m = state_.device.tip_m = tip;
+    state_.force_sent_n = {0.2, 0, 0.8};
+    state_.bur_on = true;
+    view_.Publish(state_);
+  }
+
+  // Slots side by side, to and fro, deeper each time.
+  void Step() {
+    along_ += kFeed_m;
+    double length = 2 * kSlotHalf_m;
+    auto slot = static_cast<int>(along_ / length);
+    double x = along_ - slot * length - kSlotHalf_m;
+    int across = slot % 5 - 2, layer = slot / 5;
+    double z = std::max(-0.2e-3 * (layer + 1), -kSlotDepth_m);
+    Show(centre_ + dvec3(slot % 2 == 0 ? x : -x, across * kSlotStep_m, z));
+    cutter_.Cut(state_.anchor, removed_);
+    view_.PublishBricks(volume_, cutter_.touched());
+  }
+
+  Figures Run(const char* kind, const std::function<void()>& before) {
+    std::vector<double> ms;
+    Figures out{kind};
+    for (int i = 0; i < options_.frames; ++i) {
+      before();
+      screen_.Begin();
+      view_.Draw(screen_.width(), screen_.height(), quality_);
+      render::PanelContent content{"Class I, molar", view_.state(), view_.has_state()};
+      render::DrawPanel(content, screen_.fonts(), screen_.width(), screen_.height());
+      screen_.End(&view_.result());
+      ms.push_back(1e3 * screen_.drawing_s());
+      out.triangles += static_cast<double>(view_.work().triangles_drawn) / options_.frames;
+    }
+    std::sort(ms.begin(), ms.end());
+    auto at = [&](double share) {
+      return ms[std::min(ms.size() - 1,
+                         static_cast<size_t>(share * static_cast<double>(ms.size())))];
+    };
+    out.p50_ms = at(0.5), out.p95_ms = at(0.95), out.p99_ms = at(0.99), out.max_ms = ms.back();
+    return out;
+  }
+
+  const FrameBenchOptions& options_;
+  const Quality& quality_;
+  render::Screen& screen_;
+  cutting::Volume volume_;
+  render::ToothView view_;
+  cutting::Cutter cutter_;
+  cutting::RemovedUnits removed_{};
+  render::FrameState state_;
+  dvec3 centre_{0};
+  double along_ = 0;
+  uint64_t waves_ = 0;
+};
+
+Status Print(const FrameBenchOptions& options, const Bench& bench, const render::Screen& screen,
+             const Quality& quality, const std::vector<Figures>& all) {
+  std::printf("renderer   %s\n", screen.renderer().c_str());
+  std::printf("picture    %d x %d, quality %s, tooth of %zu triangles at %d um\n", screen.width(),
+              screen.height(), std::string(quality.name).c_str(), bench.triangles(),
+              options.voxel_um);
+  std::printf(
+      "method     %d frames each, tooth, bur, panel; from the beginning of a frame to "
+      "glFinish, no waiting for the display\n\n",
+      options.frames);
+  std::printf("%-10s %8s %8s %8s %8s %9s %12s\n", "ms", "p50", "p95", "p99", "max", "fps (p50)",
+              "triangles");
+  boost::json::object json{{"renderer", screen.renderer()},
+                           {"quality", quality.name},
+                           {"width_px", screen.width()},
+                           {"height_px", screen.height()},
+                           {"triangles", bench.triangles()}};
+  for (const Figures& f : all) {
+    std::printf("%-10s %8.1f %8.1f %8.1f %8.1f %9.0f %12.0f\n", f.kind, f.p50_ms, f.p95_ms,
+                f.p99_ms, f.max_ms, 1e3 / std::max(f.p50_ms, 1e-3), f.triangles);
+    json[f.kind] = {{"p50_ms", f.p50_ms},
+                    {"p95_ms", f.p95_ms},
+                    {"p99_ms", f.p99_ms},
+                    {"max_ms", f.max_ms},
+                    {"triangles_drawn", f.triangles}};
+  }
+  return WriteJsonFile(options.json, json);
+}
+
+}  // namespace
+
+Status BenchFrames(const FrameBenchOptions& options) {
+  ENAMEL_RETURN_IF_ERROR(CheckOutputFile(options.json, "--json"));
+  if (options.frames < 1 || options.width_px < 64 || options.height_px < 64) {
+    return Status(Code::kInvalidInput, "expected at least one frame of at least 64 x 64 pixels",
+                  "frames");
+  }
+  const Quality* wanted = options.quality.empty() ? nullptr : render::FindQuality(options.quality);
+  if (wanted == nullptr && !options.quality.empty()) {
+    return Status(Code::kInvalidInput,
+                  "no quality '" + options.quality + "': there are best, good, fair, low",
+                  "quality");
+  }
+  auto built = scene::BuildBuiltinScene("molar", options.voxel_um * 1000);
+  if (!built.ok()) return built.status();
+  try {
+    render::ScreenOptions window;
+    window.width_px = options.width_px;
+    window.height_px = options.height_px;
+    window.paced = false;
+    render::Screen screen(window);
+    const Quality& quality =
+        wanted != nullptr ? *wanted : render::kQualities[render::GovernorFor(screen).level()];
+    Bench bench(options, quality, screen, *built);
+    std::vector<Figures> all{bench.Rest(), bench.Cut(), bench.Turn()};
+    return Print(options, bench, screen, quality, all);
+  } catch (const std::exception& e) {
+    return render::NoDisplay(e.what());
+  }
+}
+
+}  // namespace enamel::station

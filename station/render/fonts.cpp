@@ -1,0 +1,95 @@
+#include "station/render/fonts.h"
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+namespace enamel::station::render {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Heights of capitals at the reference height, px: 12 mm of a 24-inch screen, and what is 12 mm at
+// 2 m seen from 0.9 m.
+constexpr double kFarCapital_px = kFarCapital_mm / kReferencePixel_mm + 0.7;  // hinting rounds
+constexpr double kTextCapital_px = 23, kNearCapital_px = 16, kScoreCapital_px = 150;
+
+// Latin with what names and our texts need: accents, Turkish and Polish, dashes, quotes, µ, ², ³,
+// ≥.
+constexpr ImWchar kLatin[] = {0x20,   0x17f,  0x218,  0x21b,  0x2010, 0x2026,
+                              0x2190, 0x2193, 0x2264, 0x2265, 0};
+constexpr ImWchar kDigits[] = {0x20, 0x20, 0x2d, 0x39, 0x2013, 0x2013, 'H', 'H', 0};
+
+// Size to ask for so that capitals are `capital_px` high: measured on the font itself.
+float SizeFor(const fs::path* file, double capital_px) {
+  constexpr float kProbe_px = 64;
+  ImFontAtlas atlas;
+  constexpr ImWchar only_h[] = {'H', 'H', 0};
+  ImFont* font = nullptr;
+  if (file != nullptr) {
+    font = atlas.AddFontFromFileTTF(file->c_str(), kProbe_px, nullptr, only_h);
+  } else {
+    ImFontConfig config;
+    config.SizePixels = kProbe_px;
+    font = atlas.AddFontDefault(&config);
+  }
+  if (font == nullptr || !atlas.Build()) return static_cast<float>(capital_px / 0.63);
+  float capital = CapitalHeight_px(*font);
+  return capital > 0 ? static_cast<float>(kProbe_px * capital_px / capital)
+                     : static_cast<float>(capital_px / 0.63);
+}
+
+ImFont* Add(const fs::path* file, double capital_px, const ImWchar* ranges) {
+  ImFontAtlas& atlas = *ImGui::GetIO().Fonts;
+  float size = std::ceil(SizeFor(file, capital_px));
+  ImFontConfig config;
+  config.OversampleH = size > 40 ? 1 : 2;
+  config.OversampleV = 1;
+  if (file != nullptr) return atlas.AddFontFromFileTTF(file->c_str(), size, &config, ranges);
+  config.SizePixels = size;
+  return atlas.AddFontDefault(&config);
+}
+
+}  // namespace
+
+float CapitalHeight_px(const ImFont& font) {
+  const ImFontGlyph* glyph = font.FindGlyphNoFallback('H');
+  return glyph != nullptr ? glyph->Y1 - glyph->Y0 : 0;
+}
+
+std::optional<fs::path> FindFont(bool bold) {
+  std::error_code none;
+  if (const char* set = std::getenv("ENAMEL_FONT"); set != nullptr && fs::exists(set, none)) {
+    return fs::path(set);
+  }
+  const char* file = bold ? "DejaVuSans-Bold.ttf" : "DejaVuSans.ttf";
+  for (const char* folder :
+       {"/usr/share/fonts/truetype/dejavu", "/usr/share/fonts/TTF", "/usr/share/fonts/dejavu",
+        "/usr/share/fonts/dejavu-sans-fonts", "/usr/local/share/fonts"}) {
+    fs::path path = fs::path(folder) / file;
+    if (fs::exists(path, none)) return path;
+  }
+  return std::nullopt;
+}
+
+Fonts MakeFonts(int picture_height_px) {
+  ImFontAtlas& atlas = *ImGui::GetIO().Fonts;
+  atlas.Clear();
+  atlas.Flags |= ImFontAtlasFlags_NoPowerOfTwoHeight;
+  double scale = std::max(picture_height_px, 240) / kReferenceHeight_px;
+  std::optional<fs::path> plain = FindFont(), bold = FindFont(true);
+  const fs::path *text = plain ? &*plain : nullptr, *title = bold ? &*bold : text;
+  Fonts fonts;
+  fonts.scale = static_cast<float>(scale);
+  fonts.near = Add(text, kNearCapital_px * scale, kLatin);
+  fonts.text = Add(text, kTextCapital_px * scale, kLatin);
+  fonts.far = Add(title, kFarCapital_px * scale, kLatin);
+  fonts.score = Add(title, kScoreCapital_px * scale, kDigits);
+  return fonts;
+}
+
+}  // namespace enamel::station::render

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+
+struct ImFont;
+
+// Letters in the sizes the station needs. What has to be read from two metres (titles, score,
+// timer, warnings, buttons) has capitals of kFarCapital_mm; the rest is read from the chair.
+namespace enamel::station::render {
+
+inline constexpr double kFarCapital_mm = 12;
+// Pixel of a 24-inch screen of 1920 x 1080: 24 in * 25.4 / hypot(1920, 1080).
+inline constexpr double kReferencePixel_mm = 0.27673;
+// Height of the picture for which sizes are given; others are in proportion.
+inline constexpr double kReferenceHeight_px = 1080;
+
+struct Fonts {
+  ImFont* near = nullptr;   // operator panel, hints
+  ImFont* text = nullptr;   // instructions, reasons
+  ImFont* far = nullptr;    // to be read from 2 m
+  ImFont* score = nullptr;  // digits only
+  float scale = 1;          // picture height / kReferenceHeight_px
+};
+
+// Height of a font's capitals, px, from the outline of its letter H. 0 when it has none.
+float CapitalHeight_px(const ImFont& font);
+
+// Where the letters come from: DejaVu where Linux distributions put it, or the file named by
+// ENAMEL_FONT. None: Dear ImGui's own bitmap letters are used, enlarged.
+std::optional<std::filesystem::path> FindFont(bool bold = false);
+
+// Makes the letters for pictures of this height; into the current ImGui context, whose textures
+// must then be made anew (Screen does). Not thread-safe.
+Fonts MakeFonts(int picture_height_px);
+
+}  // namespace enamel::station::render

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string_view>
+
+// How much work a picture may be, and the choice of it from how long pictures take.
+namespace enamel::station::render {
+
+struct Quality {
+  std::string_view name;      // as in settings
+  float scale = 1;            // solid pixels per picture pixel along each side
+  int occlusion_samples = 0;  // per pixel of ambient occlusion; 0: none
+  bool shadow = true;         // of the bur on the tooth
+
+  bool operator==(const Quality&) const = default;
+};
+
+// Best first.
+inline constexpr std::array<Quality, 4> kQualities = {{
+    {"best", 2.0f, 20, true},
+    {"good", 1.0f, 20, true},
+    {"fair", 1.0f, 8, true},
+    {"low", 0.5f, 0, false},
+}};
+// nullptr when the name is unknown.
+const Quality* FindQuality(std::string_view name);
+
+// Steps down when pictures take longer than the budget and up again when there is much time left.
+// A picture counts by its median over kWindow, so that one slow picture (a window that is moved)
+// changes nothing. It goes up at most kMaxRises times: a level that was too slow twice stays left.
+// Pure: time comes in, a level comes out. Not thread-safe.
+class QualityGovernor {
+ public:
+  static constexpr size_t kWindow = 30;
+  static constexpr int kMaxRises = 2;
+  // Levels are indices into kQualities.
+  QualityGovernor(size_t first_level, double budget_s);
+
+  // After each picture, with the time it took. True when the level changed.
+  bool Note(double picture_s);
+  size_t level() const { return level_; }
+  double budget_s() const { return budget_s_; }
+
+ private:
+  const double budget_s_;
+  size_t level_;
+  int rises_ = 0;
+  size_t easy_windows_ = 0;
+  size_t count_ = 0;
+  std::array<double, kWindow> times_s_{};
+};
+
+}  // namespace enamel::station::render

@@ -1,0 +1,305 @@
+#include "station/render/screen.h"
+
+#include <backends/imgui_impl_glfw.h>
+#include <backends/imgui_impl_opengl3.h>
+#include <epoxy/gl.h>
+#include <imgui.h>
+// epoxy must come before GLFW, which would otherwise bring OpenGL headers of its own.
+#include <GLFW/glfw3.h>
+
+#include <algorithm>
+#include <bitset>
+#include <chrono>
+#include <cmath>
+#include <deque>
+#include <optional>
+#include <stdexcept>
+#include <string_view>
+#include <vector>
+
+#include "station/render/gl_objects.h"
+#include "station/render/png_file.h"
+
+namespace enamel::station::render {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr auto kFrameTime = std::chrono::milliseconds(16);
+constexpr int kButtons = 3;
+
+std::string LastGlfwError() {
+  const char* text = nullptr;
+  glfwGetError(&text);
+  return text ? text : "no reason given";
+}
+
+// GLFW is one per process, as is the window.
+class GlfwWindow {
+ public:
+  explicit GlfwWindow(const ScreenOptions& options) {
+    glfwSetErrorCallback(nullptr);
+    if (!glfwInit()) throw std::runtime_error(LastGlfwError());
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
+    glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+    glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
+    glfwWindowHint(GLFW_VISIBLE, options.visible ? GLFW_TRUE : GLFW_FALSE);
+    Open(options);
+    if (!window_) {
+      std::string reason = LastGlfwError();
+      glfwTerminate();
+      throw std::runtime_error(reason);
+    }
+    glfwMakeContextCurrent(window_);
+    glfwSwapInterval(options.paced ? 1 : 0);
+  }
+  ~GlfwWindow() {
+    glfwDestroyWindow(window_);
+    glfwTerminate();
+  }
+  GlfwWindow(const GlfwWindow&) = delete;
+  GlfwWindow& operator=(const GlfwWindow&) = delete;
+  GLFWwindow* get() const { return window_; }
+
+ private:
+  void Open(const ScreenOptions& options) {
+    GLFWmonitor* monitor = options.full_screen ? glfwGetPrimaryMonitor() : nullptr;
+    const GLFWvidmode* mode = monitor != nullptr ? glfwGetVideoMode(monitor) : nullptr;
+    window_ = glfwCreateWindow(mode != nullptr ? mode->width : options.width_px,
+                               mode != nullptr ? mode->height : options.height_px,
+                               options.title.c_str(), mode != nullptr ? monitor : nullptr, nullptr);
+  }
+
+  GLFWwindow* window_ = nullptr;
+};
+
+bool IsSoftware(std::string_view renderer) {
+  return renderer.find("llvmpipe") != renderer.npos || renderer.find("softpipe") != renderer.npos;
+}
+
+ImVec4 Shade(int r, int g, int b, float a = 1) {
+  return {static_cast<float>(r) / 255, static_cast<float>(g) / 255, static_cast<float>(b) / 255, a};
+}
+
+void SetStyle(float scale) {
+  ImGuiStyle style;
+  ImGui::StyleColorsDark(&style);
+  style.WindowRounding = style.FrameRounding = style.ScrollbarRounding = 12;
+  style.WindowPadding = {24, 20};
+  style.FramePadding = {18, 10};
+  style.ItemSpacing = {14, 10};
+  style.ScrollbarSize = 22;
+  style.WindowBorderSize = 0;
+  style.ScaleAllSizes(scale);
+  style.Colors[ImGuiCol_WindowBg] = Shade(15, 17, 20, 0.86f);
+  style.Colors[ImGuiCol_TextDisabled] = Shade(176, 184, 194);
+  style.Colors[ImGuiCol_FrameBg] = Shade(44, 50, 58);
+  ImGui::GetStyle() = style;
+}
+
+}  // namespace
+
+class Screen::Impl {
+ public:
+  explicit Impl(const ScreenOptions& options) : paced_(options.paced), glfw_(options) {
+    auto text = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
+    renderer_ = text ? text : "unknown";
+    software_ = IsSoftware(renderer_);
+    ListenToInput();
+    ImGui::CreateContext();
+    ImGuiIO& io = ImGui::GetIO();
+    io.IniFilename = nullptr;
+    io.LogFilename = nullptr;
+    ImGui_ImplGlfw_InitForOpenGL(glfw_.get(), false);
+    ImGui_ImplOpenGL3_Init("#version 330 core");
+    // The focus is moved and pages are left by those who draw them.
+    for (int key : {ImGuiKey_Tab, ImGuiKey_Escape}) io.KeyMap[key] = -1;
+    Measure();
+  }
+
+  ~Impl() {
+    ImGui_ImplOpenGL3_Shutdown();
+    ImGui_ImplGlfw_Shutdown();
+    ImGui::DestroyContext();
+  }
+
+  bool Begin() {
+    events_.clear();
+    last_cursor_x_ = cursor_x_;
+    last_cursor_y_ = cursor_y_;
+    Wait();
+    began_ = Clock::now();
+    glfwPollEvents();
+    if (!injected_.empty()) {
+      InputEvent event = injected_.front();
+      injected_.pop_front();
+      Take(event);
+    }
+    Measure();
+    ImGui_ImplOpenGL3_NewFrame();
+    ImGui_ImplGlfw_NewFrame();
+    // What the person did is what came through Take: one way in, also for a script.
+    ImGuiIO& io = ImGui::GetIO();
+    io.MousePos = {static_cast<float>(cursor_x_), static_cast<float>(cursor_y_)};
+    for (int i = 0; i < kButtons; ++i) {
+      io.MouseDown[i] = held_[static_cast<size_t>(i)] || clicked_[static_cast<size_t>(i)];
+    }
+    clicked_.reset();
+    ImGui::NewFrame();
+    return !glfwWindowShouldClose(glfw_.get());
+  }
+
+  void End(const Target* picture) {
+    ImGui::Render();
+    glDisable(GL_SCISSOR_TEST);
+    if (picture != nullptr) {
+      picture->CopyColourTo(*shown_);
+      shown_->Bind();
+    } else {
+      shown_->Bind();
+      glClearColor(0.075f, 0.085f, 0.10f, 1);
+      glClear(GL_COLOR_BUFFER_BIT);
+    }
+    ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, shown_->name());
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
+    glBlitFramebuffer(0, 0, width_, height_, 0, 0, width_, height_, GL_COLOR_BUFFER_BIT,
+                      GL_NEAREST);
+    if (software_ || !paced_) glFinish();
+    auto end = Clock::now();
+    drawing_s_ = std::chrono::duration<double>(end - began_).count();
+    // Where the processor draws, the tick needs it too: pause half as long as drawing took.
+    next_ = std::max(began_ + kFrameTime, software_ ? end + (end - began_) / 2 : end);
+    glfwSwapBuffers(glfw_.get());
+  }
+
+  Status WriteScreenshot(const std::string& path) {
+    std::vector<uint8_t> rgb(static_cast<size_t>(width_) * static_cast<size_t>(height_) * 3);
+    shown_->Bind();
+    glPixelStorei(GL_PACK_ALIGNMENT, 1);
+    glReadPixels(0, 0, width_, height_, GL_RGB, GL_UNSIGNED_BYTE, rgb.data());
+    return WritePng(path, rgb, width_, height_);
+  }
+
+  GLFWwindow* window() const { return glfw_.get(); }
+
+  std::vector<InputEvent> events_;
+  std::deque<InputEvent> injected_;
+  double cursor_x_ = 0, cursor_y_ = 0, last_cursor_x_ = 0, last_cursor_y_ = 0;
+  std::bitset<kButtons> held_;
+  std::bitset<GLFW_KEY_LAST + 1> keys_;
+  int width_ = 0, height_ = 0;
+  Fonts fonts_;
+  std::string renderer_;
+  bool software_ = false;
+  double drawing_s_ = 0;
+
+ private:
+  static Impl& Of(GLFWwindow* window) {
+    return *static_cast<Impl*>(glfwGetWindowUserPointer(window));
+  }
+
+  void ListenToInput() {
+    GLFWwindow* window = glfw_.get();
+    glfwSetWindowUserPointer(window, this);
+    glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int mods) {
+      InputEvent event = InputEvent::Key(key, action != GLFW_RELEASE, mods);
+      Of(w).Take(event);
+    });
+    glfwSetCharCallback(window, [](GLFWwindow* w, unsigned c) {
+      Of(w).Take(InputEvent::Character(static_cast<int>(c)));
+    });
+    glfwSetScrollCallback(
+        window, [](GLFWwindow* w, double, double dy) { Of(w).Take(InputEvent::Wheel(dy)); });
+    glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int button, int action, int) {
+      Of(w).Take(InputEvent::Button(button, action == GLFW_PRESS));
+    });
+    glfwSetCursorPosCallback(
+        window, [](GLFWwindow* w, double x, double y) { Of(w).Take(InputEvent::Cursor(x, y)); });
+  }
+
+  void Take(const InputEvent& event) {
+    events_.push_back(event);
+    GLFWwindow* window = glfw_.get();
+    switch (event.kind) {
+      case InputEvent::Kind::kKey:
+        if (event.code < 0 || event.code > GLFW_KEY_LAST) return;
+        keys_[static_cast<size_t>(event.code)] = event.pressed;
+        return ImGui_ImplGlfw_KeyCallback(window, event.code, 0,
+                                          event.pressed ? GLFW_PRESS : GLFW_RELEASE, event.mods);
+      case InputEvent::Kind::kCharacter:
+        return ImGui_ImplGlfw_CharCallback(window, static_cast<unsigned>(event.code));
+      case InputEvent::Kind::kWheel:
+        return ImGui_ImplGlfw_ScrollCallback(window, 0, event.y);
+      case InputEvent::Kind::kCursor:
+        cursor_x_ = event.x;
+        cursor_y_ = event.y;
+        return;
+      case InputEvent::Kind::kButton:
+        if (event.code < 0 || event.code >= kButtons) return;
+        held_[static_cast<size_t>(event.code)] = event.pressed;
+        if (event.pressed) clicked_[static_cast<size_t>(event.code)] = true;
+        return;
+    }
+  }
+
+  void Wait() {
+    while (paced_) {
+      std::chrono::duration<double> left = next_ - Clock::now();
+      if (left.count() <= 0) return;
+      glfwWaitEventsTimeout(left.count());
+    }
+  }
+
+  // After a change of the window's size: the letters and the picture in the new one.
+  void Measure() {
+    int width = 0, height = 0;
+    glfwGetFramebufferSize(glfw_.get(), &width, &height);
+    if (width == 0 || height == 0 || (width == width_ && height == height_)) return;  // minimised
+    width_ = width;
+    height_ = height;
+    shown_ = std::make_unique<Target>(width, height, std::initializer_list<GLenum>{GL_RGBA8}, false,
+                                      GL_NEAREST);
+    fonts_ = MakeFonts(height);
+    SetStyle(fonts_.scale);
+    ImGui_ImplOpenGL3_DestroyFontsTexture();
+    ImGui_ImplOpenGL3_CreateFontsTexture();
+  }
+
+  const bool paced_;
+  GlfwWindow glfw_;
+  std::bitset<kButtons> clicked_;  // pressed since the last frame, even if let go already
+  std::unique_ptr<Target> shown_;
+  Clock::time_point began_{}, next_{};
+};
+
+Screen::Screen(const ScreenOptions& options) : impl_(std::make_unique<Impl>(options)) {}
+Screen::~Screen() = default;
+
+bool Screen::Begin() { return impl_->Begin(); }
+void Screen::End(const Target* picture) { impl_->End(picture); }
+void Screen::CancelClose() { glfwSetWindowShouldClose(impl_->window(), GLFW_FALSE); }
+void Screen::Close() { glfwSetWindowShouldClose(impl_->window(), GLFW_TRUE); }
+std::span<const InputEvent> Screen::events() const { return impl_->events_; }
+void Screen::Inject(const InputEvent& event) { impl_->injected_.push_back(event); }
+bool Screen::injecting() const { return !impl_->injected_.empty(); }
+double Screen::cursor_x() const { return impl_->cursor_x_; }
+double Screen::cursor_y() const { return impl_->cursor_y_; }
+double Screen::last_cursor_x() const { return impl_->last_cursor_x_; }
+double Screen::last_cursor_y() const { return impl_->last_cursor_y_; }
+bool Screen::button(int button) const {
+  return button >= 0 && button < kButtons && impl_->held_[static_cast<size_t>(button)];
+}
+bool Screen::key(int key) const {
+  return key >= 0 && key <= GLFW_KEY_LAST && impl_->keys_[static_cast<size_t>(key)];
+}
+int Screen::width() const { return impl_->width_; }
+int Screen::height() const { return impl_->height_; }
+const Fonts& Screen::fonts() const { return impl_->fonts_; }
+bool Screen::draws_in_software() const { return impl_->software_; }
+const std::string& Screen::renderer() const { return impl_->renderer_; }
+double Screen::drawing_s() const { return impl_->drawing_s_; }
+Status Screen::WriteScreenshot(const std::string& path) { return impl_->WriteScreenshot(path); }
+
+}  // namespace enamel::station::render

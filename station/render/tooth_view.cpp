@@ -1,0 +1,92 @@
+#include "station/render/tooth_view.h"
+
+#include <algorithm>
+#include <thread>
+
+namespace enamel::station::render {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr size_t kRingBricks = 1024;  // about 1 MB
+constexpr auto kFlushLimit = std::chrono::seconds(30);
+constexpr double kGhostFrom_m = 50e-6;  // apart by less, hand and bur look the same
+constexpr float kArrowFullScale_mm = 5;
+constexpr float kSpinPerFrame = 0.37f;  // for the eye: not the true speed
+
+// Half the larger of length and width of what is there, with a margin.
+float RadiusOf(const cutting::Volume& volume) {
+  const cutting::GridSpec& spec = volume.spec();
+  ivec3 lo = spec.bricks, hi(-1);
+  for (int b = 0; b < spec.brick_count(); ++b) {
+    if (!volume.IsStored(b)) continue;
+    ivec3 at(b % spec.bricks.x, b / spec.bricks.x % spec.bricks.y,
+             b / (spec.bricks.x * spec.bricks.y));
+    lo = glm::min(lo, at);
+    hi = glm::max(hi, at);
+  }
+  int bricks = std::max({hi.x - lo.x, hi.y - lo.y, 0}) + 1;
+  return 0.62f * static_cast<float>(bricks * cutting::kBrickSide * spec.voxel_m() * 1000);
+}
+
+glm::mat4 FromPose(const cutting::Pose& pose) {
+  glm::mat4 m(glm::mat3(pose.orientation.Matrix()));
+  m[3] = glm::vec4(glm::vec3(pose.tip_m * 1000.0), 1);
+  return m;
+}
+
+}  // namespace
+
+ToothView::ToothView(const ViewOptions& options, const cutting::Volume& initial, VolumeWatch watch)
+    : options_(options),
+      camera_(glm::vec3(options.focus_m * 1000.0),
+              options.view_radius_m > 0 ? static_cast<float>(options.view_radius_m * 1000)
+                                        : RadiusOf(initial)),
+      feed_(initial.spec().brick_count(), kRingBricks),
+      mesher_(initial, feed_, std::move(watch)),
+      picture_(options.bur, mesher_.group_count()) {
+  camera_.SetView(options.view);
+}
+
+void ToothView::PublishBricks(const cutting::Volume& volume,
+                              std::span<const int32_t> touched) noexcept {
+  feed_.Mark(touched);
+  feed_.Send(volume, kBricksPerTick);
+}
+
+void ToothView::FlushBricks(const cutting::Volume& volume) {
+  auto until = Clock::now() + kFlushLimit;
+  while (feed_.dirty_count() > 0 && Clock::now() < until) {
+    if (feed_.Send(volume, kRingBricks) == 0)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  mesher_.WaitIdle(kFlushLimit);
+}
+
+PictureState ToothView::PictureNow(float aspect) {
+  PictureState picture;
+  picture.view_from_scene = camera_.ViewFromScene();
+  picture.clip_from_view = camera_.ClipFromView(aspect);
+  if (!has_state_) return picture;
+  picture.scene_from_bur = FromPose(state_.anchor);
+  if (glm::length(state_.device.tip_m - state_.anchor.tip_m) > kGhostFrom_m) {
+    picture.scene_from_ghost = FromPose(state_.device);
+  }
+  dvec3 middle =
+      state_.anchor.tip_m + state_.anchor.orientation.Matrix()[2] * (0.5 * options_.bur.height_m());
+  picture.arrow_from_mm = glm::vec3(middle * 1000.0);
+  picture.arrow_mm =
+      glm::vec3(state_.force_sent_n / options_.force_full_scale_n) * kArrowFullScale_mm;
+  if (state_.bur_on) spin_ += kSpinPerFrame;
+  picture.bur_spin = spin_;
+  return picture;
+}
+
+void ToothView::Draw(int width, int height, const Quality& quality) {
+  for (const GroupMesh& mesh : mesher_.TakeReady()) picture_.Replace(mesh);
+  has_state_ |= latest_.Read(state_);
+  picture_.Draw(PictureNow(static_cast<float>(width) / static_cast<float>(height)), width, height,
+                quality);
+}
+
+}  // namespace enamel::station::render

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <chrono>
+#include <span>
+
+#include "common/base/check.h"
+#include "common/cutting/bur.h"
+#include "common/cutting/volume.h"
+#include "station/render/brick_feed.h"
+#include "station/render/camera.h"
+#include "station/render/frame_state.h"
+#include "station/render/latest.h"
+#include "station/render/mesher.h"
+#include "station/render/picture.h"
+#include "station/render/quality.h"
+#include "station/render/view.h"
+
+namespace enamel::station::render {
+
+// A tooth being cut, the bur, the forces: the solid picture of one attempt.
+//
+// How the picture is fed without the tick ever waiting:
+//
+//   tick thread ── Publish ──────▶ latest-value mailbox ─────────────────────────▶ main thread
+//   (draws)
+//               └─ PublishBricks ▶ dirty set ▶ bounded ring ▶ mesher (replica) ▶ meshes ┘
+//
+// The mesher owns a replica of the volume. A brick the cut changes is marked dirty on the tick
+// thread; each tick copies at most kBricksPerTick dirty bricks (1 kB each) into a ring that the
+// mesher empties. A full ring leaves bricks dirty, so nothing is ever lost and no resync is needed:
+// a brick that changes many times while it waits is copied once, as it is then. The picture lags by
+// dirty bricks / kBricksPerTick ticks at most, and the recording is never touched by it.
+//
+// Thread safety: Publish and PublishBricks are called by one thread, the producer (the tick thread
+// or, in lockstep, the one that steps the core); everything else on the thread that has the OpenGL
+// context. Destroy after the producer has stopped. Before the first Publish the bur is not drawn;
+// after the last one the picture stays as it is.
+class ToothView {
+ public:
+  static constexpr size_t kBricksPerTick = 4;
+
+  // Begins to mesh `initial` (copied). `watch` sees the replica now and then (mesher.h).
+  // Throws std::runtime_error when the driver refuses something.
+  ToothView(const ViewOptions& options, const cutting::Volume& initial, VolumeWatch watch = {});
+
+  // --- producer ---
+  // Latest state; older ones that were not drawn are dropped. Real-time: safe, wait-free.
+  ENAMEL_REALTIME void Publish(const FrameState& state) noexcept { latest_.Write(state); }
+  // `touched` bricks of `volume` changed (core::Core::touched()). Call each tick, also with an
+  // empty span, so that bricks which wait are sent. `volume` must be the same object each time.
+  // Real-time: safe, wait-free; cost at most kBricksPerTick copies of 1 kB.
+  ENAMEL_REALTIME void PublishBricks(const cutting::Volume& volume,
+                                     std::span<const int32_t> touched) noexcept;
+  // Sends all that waits and blocks until the mesher has it all: for the end of an attempt.
+  // Requires: the producer has stopped or is the caller. Not real-time.
+  void FlushBricks(const cutting::Volume& volume);
+
+  // --- main thread ---
+  void Draw(int width, int height, const Quality& quality);
+  const Target& result() const { return picture_.result(); }
+  const PictureWork& work() const { return picture_.work(); }
+  Camera& camera() { return camera_; }
+  // Newest state drawn; none before the first tick.
+  const FrameState& state() const { return state_; }
+  bool has_state() const { return has_state_; }
+  // Until every brick received is meshed. False on time-out.
+  bool WaitIdle(std::chrono::milliseconds limit) { return mesher_.WaitIdle(limit); }
+
+ private:
+  PictureState PictureNow(float aspect);
+
+  const ViewOptions options_;
+  Camera camera_;
+  FrameState state_;
+  bool has_state_ = false;
+  float spin_ = 0;
+  Latest<FrameState> latest_;
+  BrickFeed feed_;
+  Mesher mesher_;
+  Picture picture_;
+};
+
+}  // namespace enamel::station::render

@@ -1,0 +1,21 @@
+#pragma once
+
+#include "common/cutting/bur.h"
+#include "common/math/vec.h"
+
+namespace enamel::station::render {
+
+enum class View { kOblique, kOcclusal, kBuccal, kMesial };
+
+// What a picture of an attempt needs to know before the first tick.
+struct ViewOptions {
+  cutting::Bur bur;
+  double force_full_scale_n = 3.0;  // full length of the arrow and the bar
+  View view = View::kOblique;
+  // What the camera circles around, scene frame; the middle of the crown for a tooth.
+  dvec3 focus_m{0};
+  // Radius (m) of what should fill the view; 0: from the volume's surface.
+  double view_radius_m = 0;
+};
+
+}  // namespace enamel::station::render
