@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "station/devices/device.h"
+
+namespace enamel::station {
+
+// Buttons that are no part of a device: a foot pedal.
+class ButtonSource {
+ public:
+  virtual ~ButtonSource() = default;
+  virtual std::string Name() const = 0;
+  // DeviceButtons that are down now; none while it is unplugged. From any thread. Real-time: safe.
+  ENAMEL_REALTIME virtual uint8_t buttons() const noexcept = 0;
+};
+
+// A device whose pedal is another one: a button is down when either says so.
+class PedalledDevice final : public Device {
+ public:
+  // Neither may be null.
+  PedalledDevice(std::unique_ptr<Device> device, std::unique_ptr<ButtonSource> pedal)
+      : device_(std::move(device)), pedal_(std::move(pedal)) {
+    ENAMEL_CHECK(device_ != nullptr && pedal_ != nullptr);
+  }
+
+  std::string Name() const override { return device_->Name() + ", pedal: " + pedal_->Name(); }
+  ENAMEL_REALTIME DeviceSample ReadSample() noexcept override {
+    DeviceSample sample = device_->ReadSample();
+    sample.buttons |= pedal_->buttons();
+    if ((sample.buttons & kPedal) != 0 && sample.bur_speed_krpm == 0) {
+      sample.bur_speed_krpm = kTurbineSpeed_krpm;
+    }
+    return sample;
+  }
+  ENAMEL_REALTIME void SendForce(const dvec3& force_n) noexcept override {
+    device_->SendForce(force_n);
+  }
+  ENAMEL_REALTIME void ShowBur(const dvec3& tip_m) noexcept override { device_->ShowBur(tip_m); }
+  bool has_motors() const noexcept override { return device_->has_motors(); }
+  double still_before_force_s() const noexcept override { return device_->still_before_force_s(); }
+  DeviceCounters counters() const noexcept override { return device_->counters(); }
+
+ private:
+  const std::unique_ptr<Device> device_;
+  const std::unique_ptr<ButtonSource> pedal_;
+};
+
+}  // namespace enamel::station

@@ -1,0 +1,33 @@
+#include "station/hid/force_keeper.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace enamel::station::hid {
+
+void ForceKeeper::Take(const dvec3& force_n, uint64_t number, int64_t now_us) noexcept {
+  if (number == number_) return;
+  number_ = number;
+  force_n_ = std::isfinite(Dot(force_n, force_n)) ? force_n : dvec3(0);
+  taken_us_ = now_us;
+  unsent_ = true;
+}
+
+std::optional<ForceKeeper::Command> ForceKeeper::Next(int64_t now_us) noexcept {
+  if (!unsent_ && now_us - sent_us_ < repeat_us_) return std::nullopt;
+  unsent_ = false;
+  sent_us_ = now_us;
+  int64_t age = now_us - taken_us_;
+  if (number_ == 0 || age >= kGone_us) return Command{};
+  double share = age <= kHold_us ? 1
+                                 : static_cast<double>(kGone_us - age) /
+                                       static_cast<double>(kGone_us - kHold_us);
+  return Command{force_n_ * share, true};
+}
+
+int64_t ForceKeeper::WaitFor_us(int64_t now_us) const noexcept {
+  if (unsent_) return 0;
+  return std::clamp<int64_t>(sent_us_ + repeat_us_ - now_us, 0, repeat_us_);
+}
+
+}  // namespace enamel::station::hid

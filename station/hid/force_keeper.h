@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "common/math/vec.h"
+
+namespace enamel::station::hid {
+
+// Decides what a writer thread sends to a board, and when. Keeps the board's watchdog fed without
+// keeping an old force alive: a force the loop has not renewed for kHold_us falls linearly to 0 at
+// kGone_us after its time, and from then on the repeats say 0. Time is a parameter: no clock.
+// Thread safety: none. Real-time: safe.
+class ForceKeeper {
+ public:
+  static constexpr int64_t kHold_us = 5'000, kGone_us = 20'000;
+
+  // Repeats come four times per watchdog time.
+  explicit ForceKeeper(int watchdog_ms) : repeat_us_(int64_t{watchdog_ms} * 250) {}
+
+  struct Command {
+    dvec3 force_n{0};
+    bool motors_on = false;  // false before the first force and once it has gone
+  };
+
+  // The newest from the loop; `number` counts its forces, 0: none yet. What is not finite is 0.
+  void Take(const dvec3& force_n, uint64_t number, int64_t now_us) noexcept;
+  // What to send now: something new, a repeat that is due, or nothing.
+  std::optional<Command> Next(int64_t now_us) noexcept;
+  // How long to wait for a new force before asking Next again.
+  int64_t WaitFor_us(int64_t now_us) const noexcept;
+
+ private:
+  const int64_t repeat_us_;
+  dvec3 force_n_{0};
+  uint64_t number_ = 0;
+  int64_t taken_us_ = 0, sent_us_ = 0;
+  bool unsent_ = false;
+};
+
+}  // namespace enamel::station::hid

@@ -1,0 +1,255 @@
+#include "station/hid/haptic_board.h"
+
+#include <time.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace enamel::station::hid {
+namespace {
+
+constexpr uint32_t kLateReports = 1000;  // so far back is late, farther is a restart
+constexpr std::chrono::milliseconds kFirstReport{1000}, kStep{1};
+constexpr int64_t kSecond_ns = 1'000'000'000;
+
+int64_t Now_us() noexcept {
+  timespec t{};
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return t.tv_sec * int64_t{1'000'000} + t.tv_nsec / 1000;
+}
+
+Result<FeatureReport> AskFeature(HidPort& port) {
+  auto bytes = port.GetFeature(kFeatureId, kFeatureBytes);
+  if (!bytes.ok()) return bytes.status();
+  FeatureReport feature;
+  ReportError error = DecodeFeature(*bytes, feature);
+  if (error == ReportError::kNone) return feature;
+  return Status(error == ReportError::kVersion ? Code::kVersion : Code::kInvalidInput,
+                std::string("what the board says of itself (feature report 0x44) is ") +
+                    ReportErrorText(error),
+                "device");
+}
+
+int32_t Saturated(int64_t v) noexcept {
+  return static_cast<int32_t>(std::clamp<int64_t>(v, INT32_MIN, INT32_MAX));
+}
+
+}  // namespace
+
+ReportOrder::Verdict ReportOrder::Judge(uint32_t sequence) noexcept {
+  uint32_t ahead = sequence - last_, behind = last_ - sequence;
+  if (!has_last_) {
+    has_last_ = true;
+    last_ = sequence;
+    return Verdict::kNew;
+  }
+  if (ahead == 0) return Verdict::kDuplicate;
+  if (behind <= kLateReports) return Verdict::kLate;
+  bool restarted = ahead > UINT32_MAX / 2;
+  if (!restarted) lost_ += ahead - 1;
+  last_ = sequence;
+  return restarted ? Verdict::kRestarted : Verdict::kNew;
+}
+
+Result<std::unique_ptr<HapticBoard>> HapticBoard::Open(const HapticBoardSettings& settings) {
+  HidMatch match = settings.match;
+  match.usage_page = kBoardUsagePage;
+  match.usage = kBoardUsage;
+  auto info = FindHid(match);
+  if (!info.ok()) return info.status();
+  auto port = HidPort::Open(info->path);
+  if (!port.ok()) return port.status();
+  auto feature = AskFeature(**port);
+  if (!feature.ok()) return feature.status();
+  std::unique_ptr<HapticBoard> board(new HapticBoard(settings, *info, std::move(*feature)));
+  for (auto waited = kStep; waited <= kFirstReport; waited += kStep) {
+    if (board->samples_ > 0) return board;
+    std::this_thread::sleep_for(kStep);
+  }
+  return Status(Code::kUnavailable,
+                board->name_ + " says what it is and sends no pose within a second (" +
+                    std::to_string(board->refused_.load()) +
+                    " reports were refused): plug it in again",
+                "device");
+}
+
+HapticBoard::HapticBoard(const HapticBoardSettings& settings, const HidInfo& info,
+                         FeatureReport feature)
+    : settings_(settings),
+      feature_(std::move(feature)),
+      name_(feature_.name.empty() ? info.name : feature_.name),
+      watchdog_ms_(std::clamp(settings.watchdog_ms, 1, int{feature_.max_watchdog_ms})) {
+  ENAMEL_CHECK(sem_init(&force_posted_, 0, 0) == 0);
+  HidMatch again{info.vendor, info.product, info.serial, kBoardUsagePage, kBoardUsage};
+  writer_ = std::thread([this] { Write(); });
+  reader_.reset(new HidReader(again, *this));
+}
+
+HapticBoard::~HapticBoard() {
+  reader_.reset();
+  stop_ = true;
+  sem_post(&force_posted_);
+  writer_.join();
+  sem_destroy(&force_posted_);
+}
+
+DeviceSample HapticBoard::ReadSample() noexcept {
+  const Pose& newest = poses_.Read();
+  DeviceSample sample = newest.sample;
+  sample.fresh = sample.fresh && newest.number != seen_;
+  seen_ = newest.number;
+  return sample;
+}
+
+void HapticBoard::SendForce(const dvec3& force_n) noexcept {
+  forces_.Write({force_n, ++sent_});
+  if (!force_waits_.exchange(true, std::memory_order_acq_rel)) sem_post(&force_posted_);
+}
+
+DeviceCounters HapticBoard::counters() const noexcept {
+  return {samples_, lost_, duplicated_, refused_, writes_, write_errors_, detached_};
+}
+
+void HapticBoard::OnAttached(const std::string& path) {
+  if (settings_.thread_setup && published_ == 0) settings_.thread_setup();
+  auto port = HidPort::Open(path);
+  if (!port.ok()) return;
+  auto feature = AskFeature(**port);
+  // Something else behind the same ids.
+  if (!feature.ok() || feature->resolution_nm != feature_.resolution_nm) return;
+  order_.Forget();
+  {
+    std::lock_guard lock(port_mutex_);
+    new_port_ = std::move(*port);
+  }
+  attached_ = true;
+}
+
+void HapticBoard::OnDetached() {
+  attached_ = false;
+  ++detached_;
+  sample_.buttons = 0;
+  sample_.bur_speed_krpm = 0;
+  PublishPose(false);
+}
+
+void HapticBoard::OnReport(ByteView bytes) {
+  InputReport report;
+  if (!attached_ || DecodeInput(bytes, report) != ReportError::kNone) {
+    ++refused_;
+    return;
+  }
+  switch (order_.Judge(report.sequence)) {
+    case ReportOrder::Verdict::kDuplicate:
+    case ReportOrder::Verdict::kLate:
+      ++duplicated_;
+      return;
+    case ReportOrder::Verdict::kNew:
+    case ReportOrder::Verdict::kRestarted:
+      break;
+  }
+  lost_ = order_.lost();
+  TakeReport(report);
+  PublishPose(true);
+  ++samples_;
+}
+
+void HapticBoard::TakeReport(const InputReport& report) {
+  auto scene = settings_.axes.ToScene(
+      std::array<int32_t, 3>{report.counts[0], report.counts[1], report.counts[2]});
+  if (!centred_ && settings_.centre_on_first_report) centre_ = scene;
+  centred_ = true;
+  for (size_t i = 0; i < 3; ++i) sample_.counts[i] = Saturated(int64_t{scene[i]} - centre_[i]);
+  if (report.status & kOrientationValid) {
+    sample_.orientation = ToQuantised(settings_.axes.ToScene(FromQuantised(report.orientation)));
+  }
+  sample_.buttons = 0;
+  if (report.buttons & 1) sample_.buttons |= kPedal;
+  if (report.buttons & 2) sample_.buttons |= kFinish;
+  bool down = (sample_.buttons & kPedal) != 0;
+  uint16_t speed = report.bur_speed_krpm != 0 ? report.bur_speed_krpm : kTurbineSpeed_krpm;
+  sample_.bur_speed_krpm = down ? speed : uint16_t{0};
+  sample_.attached = (report.status & kNotFit) == 0;
+  sample_.sequence = report.sequence;
+  sample_.device_time_us += report.time_us - last_time_us_;  // modulo 2^32: it wraps
+  last_time_us_ = report.time_us;
+}
+
+void HapticBoard::PublishPose(bool fresh) {
+  sample_.fresh = fresh;
+  if (!attached_) sample_.attached = false;
+  poses_.Write({sample_, ++published_});
+}
+
+void HapticBoard::TakePort(std::unique_ptr<HidPort>& port) {
+  std::lock_guard lock(port_mutex_);
+  if (new_port_ != nullptr) {
+    port = std::move(new_port_);
+  } else if (!attached_) {
+    port.reset();
+  }
+}
+
+bool HapticBoard::WaitForForce(int64_t timeout_us) {
+  timespec t{};
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  int64_t until = t.tv_nsec + timeout_us * 1000;
+  t.tv_sec += until / kSecond_ns;
+  t.tv_nsec = until % kSecond_ns;
+  bool posted = sem_clockwait(&force_posted_, CLOCK_MONOTONIC, &t) == 0;
+  force_waits_.store(false, std::memory_order_release);
+  return posted;
+}
+
+void HapticBoard::Write() {
+  if (settings_.thread_setup) settings_.thread_setup();
+  ForceKeeper keeper(watchdog_ms_);
+  std::unique_ptr<HidPort> port;
+  uint32_t sequence = 0;
+  while (!stop_) {
+    WaitForForce(std::max<int64_t>(keeper.WaitFor_us(Now_us()), 100));
+    TakePort(port);
+    Force newest = forces_.Read();
+    int64_t now = Now_us();
+    keeper.Take(newest.newtons, newest.number, now);
+    auto command = keeper.Next(now);
+    if (command && port != nullptr) Send(*port, *command, ++sequence);
+  }
+  TakePort(port);
+  if (port != nullptr) Send(*port, {}, ++sequence);
+}
+
+bool HapticBoard::Send(HidPort& port, const ForceKeeper::Command& command, uint32_t sequence) {
+  OutputReport report;
+  report.motors_on = command.motors_on;
+  report.sequence = sequence;
+  report.watchdog_ms = static_cast<uint16_t>(watchdog_ms_);
+  dvec3 force = settings_.axes.ToBoard(command.force_n);
+  for (int i = 0; i < 3; ++i) {
+    auto n = static_cast<size_t>(i);
+    double peak = feature_.peak_force_mn[n] * 10.0;
+    report.force_100un[n] =
+        static_cast<int32_t>(std::lround(std::clamp(force[i] * 1e4, -peak, peak)));
+  }
+  auto bytes = EncodeOutput(report);
+  bool written = port.Write(bytes);
+  ++(written ? writes_ : write_errors_);
+  return written;
+}
+
+Status CheckBoard(const FeatureReport& board, const scene::DeviceProfile& profile) {
+  for (size_t i = 0; i < 3; ++i) {
+    if (board.resolution_nm[i] == static_cast<uint64_t>(profile.resolution_nm.value)) continue;
+    return Status(Code::kConflict,
+                  board.name + " has cells of " + std::to_string(board.resolution_nm[i]) +
+                      " nm on axis " + std::to_string(i + 1) + ", device profile '" + profile.name +
+                      "' says " + std::to_string(profile.resolution_nm.value) +
+                      ": choose its own profile" +
+                      (board.profile.empty() ? "" : " ('" + board.profile + "')") +
+                      ", or let 'enamel-station calibrate' propose one",
+                  "resolution_nm");
+  }
+  return Status::Ok();
+}
+
+}  // namespace enamel::station::hid

@@ -1,0 +1,129 @@
+#pragma once
+
+#include <semaphore.h>
+
+#include <atomic>
+#include <functional>
+#include <mutex>
+#include <thread>
+
+#include "common/base/triple_buffer.h"
+#include "common/scene/types.h"
+#include "station/devices/device.h"
+#include "station/hid/axis_map.h"
+#include "station/hid/force_keeper.h"
+#include "station/hid/haptic_report.h"
+#include "station/hid/hid_reader.h"
+
+namespace enamel::station::hid {
+
+struct HapticBoardSettings {
+  HidMatch match;  // any board, unless its ids are given
+  AxisMap axes;
+  int watchdog_ms = 20;  // or what the board accepts, if that is less
+  // Where the hand is when the first report comes is the middle of the exercise. False: the board's
+  // own zero is.
+  bool centre_on_first_report = true;
+  // Called at the start of each of its two threads: to give them the loop's priority.
+  std::function<void()> thread_setup;
+};
+
+// Orders the reports of a board by their sequence numbers. Pure; see the schema for the rule.
+class ReportOrder {
+ public:
+  enum class Verdict : uint8_t { kNew, kRestarted, kDuplicate, kLate };
+  Verdict Judge(uint32_t sequence) noexcept;
+  uint64_t lost() const noexcept { return lost_; }
+  // The next report is taken whatever its number.
+  void Forget() noexcept { has_last_ = false; }
+
+ private:
+  bool has_last_ = false;
+  uint32_t last_ = 0;
+  uint64_t lost_ = 0;
+};
+
+// A haptic board that speaks schemas/hid_haptic_report.md.
+//
+//   reader thread:  hid_read ─▶ checked, ordered ─▶ latest sample ─▶ ReadSample     (tick)
+//   writer thread:  hid_write ◀─ ForceKeeper ◀─ latest force ◀─ semaphore ◀─ SendForce (tick)
+//
+// Each thread has a handle of its own, so a write that blocks holds up neither reading nor the
+// tick; what it then writes is the newest force. An unplugged board is looked for until it is back;
+// the loop's fault stays latched until the operator acts. One that comes back as another device
+// (other resolution) is not taken.
+//
+// Thread safety: ReadSample and SendForce by the tick's thread, counters by any. Real-time: those
+// are safe (SendForce posts a semaphore at most once per write). Destruction sends force 0, motors
+// off.
+class HapticBoard final : public Device, private ReportSink {
+ public:
+  // Opens the board, asks what it is and waits for its first report. Errors: kNotFound with what is
+  // attached, kUnavailable (may not be opened, silent), kVersion, kInvalidInput (its answer).
+  static Result<std::unique_ptr<HapticBoard>> Open(const HapticBoardSettings& settings);
+  ~HapticBoard() override;
+
+  const FeatureReport& feature() const noexcept { return feature_; }
+
+  std::string Name() const override { return name_; }
+  ENAMEL_REALTIME DeviceSample ReadSample() noexcept override;
+  ENAMEL_REALTIME void SendForce(const dvec3& force_n) noexcept override;
+  double still_before_force_s() const noexcept override { return 0.1; }
+  DeviceCounters counters() const noexcept override;
+
+ private:
+  struct Pose {
+    DeviceSample sample;
+    uint64_t number = 0;
+  };
+  struct Force {
+    dvec3 newtons{0};  // scene axes
+    uint64_t number = 0;
+  };
+
+  HapticBoard(const HapticBoardSettings& settings, const HidInfo& info, FeatureReport feature);
+  void OnReport(ByteView bytes) override;
+  void OnAttached(const std::string& path) override;
+  void OnDetached() override;
+  void PublishPose(bool fresh);
+  void TakeReport(const InputReport& report);
+
+  void Write();
+  bool Send(HidPort& port, const ForceKeeper::Command& command, uint32_t sequence);
+  void TakePort(std::unique_ptr<HidPort>& port);
+  bool WaitForForce(int64_t timeout_us);
+
+  const HapticBoardSettings settings_;
+  const FeatureReport feature_;
+  const std::string name_;
+  const int watchdog_ms_;
+  TripleBuffer<Pose> poses_;
+  TripleBuffer<Force> forces_;
+  std::atomic<bool> stop_{false}, attached_{false};
+  std::atomic<uint64_t> samples_{0}, lost_{0}, duplicated_{0}, refused_{0}, writes_{0},
+      write_errors_{0}, detached_{0};
+
+  // Owned by the reader's thread.
+  DeviceSample sample_;
+  uint64_t published_ = 0;
+  ReportOrder order_;
+  bool centred_ = false;
+  std::array<int32_t, 3> centre_{};
+  uint32_t last_time_us_ = 0;
+
+  // Owned by the tick.
+  uint64_t seen_ = 0, sent_ = 0;
+
+  std::atomic<bool> force_waits_{false};
+  sem_t force_posted_;
+  std::mutex port_mutex_;
+  std::unique_ptr<HidPort> new_port_;  // guarded by port_mutex_: for the writer to take
+  std::thread writer_;
+  std::unique_ptr<HidReader> reader_;  // made last, ended first
+};
+
+// Whether the board is what the profile says: its cells must have the profile's edge on every axis,
+// since that is what the core computes with. Errors: kConflict with both figures.
+Status CheckBoard(const FeatureReport& board, const scene::DeviceProfile& profile);
+
+}  // namespace enamel::station::hid

@@ -1,0 +1,65 @@
+#include "station/hid/hid_reader.h"
+
+#include <array>
+#include <chrono>
+
+namespace enamel::station::hid {
+namespace {
+
+constexpr size_t kMaxReport = 256;
+constexpr std::chrono::milliseconds kStep{20};
+
+}  // namespace
+
+Result<HidInfo> FindHid(const HidMatch& match) {
+  std::string there;
+  for (const HidInfo& info : ListHid()) {
+    if (match.Fits(info)) return info;
+    there += (there.empty() ? "" : ", ") + HidMatch{info.vendor, info.product, {}, 0, 0}.Text() +
+             (info.name.empty() ? "" : " (" + info.name + ")");
+  }
+  return Status(Code::kNotFound,
+                "device " + match.Text() + " is not attached; there " +
+                    (there.empty() ? "is no HID device at all" : "are " + there),
+                "device");
+}
+
+HidReader::HidReader(HidMatch match, ReportSink& sink)
+    : match_(std::move(match)), sink_(sink), thread_([this] { Run(); }) {}
+
+HidReader::~HidReader() {
+  stop_ = true;
+  thread_.join();
+}
+
+std::unique_ptr<HidPort> HidReader::Find() {
+  auto info = FindHid(match_);
+  if (!info.ok()) return nullptr;
+  auto port = HidPort::Open(info->path);
+  if (!port.ok()) return nullptr;
+  sink_.OnAttached(info->path);
+  return std::move(*port);
+}
+
+void HidReader::Run() {
+  std::unique_ptr<HidPort> port;
+  std::array<uint8_t, kMaxReport> buffer;
+  while (!stop_) {
+    if (port == nullptr) {
+      port = Find();
+      for (auto waited = kStep; port == nullptr && waited <= kRetry && !stop_; waited += kStep) {
+        std::this_thread::sleep_for(kStep);
+      }
+      continue;
+    }
+    int got = port->Read(buffer, kPatience_ms);
+    if (got > 0) {
+      sink_.OnReport({buffer.data(), static_cast<size_t>(got)});
+    } else if (got < 0) {
+      sink_.OnDetached();
+      port.reset();
+    }
+  }
+}
+
+}  // namespace enamel::station::hid

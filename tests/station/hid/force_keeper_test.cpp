@@ -1,0 +1,77 @@
+#include "station/hid/force_keeper.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <vector>
+
+namespace enamel::station::hid {
+namespace {
+
+constexpr int kWatchdog_ms = 20;
+
+TEST(ForceKeeperTest, SendsEachNewForceOnce) {
+  ForceKeeper keeper(kWatchdog_ms);
+  keeper.Take(dvec3(1, 2, 3), 1, 1000);
+  auto c = keeper.Next(1000);
+  ASSERT_TRUE(c);
+  EXPECT_EQ(c->force_n, dvec3(1, 2, 3));
+  EXPECT_TRUE(c->motors_on);
+  keeper.Take(dvec3(1, 2, 3), 1, 1500);  // the same one
+  EXPECT_FALSE(keeper.Next(1500));
+  keeper.Take(dvec3(0, 0, 1), 2, 2000);
+  EXPECT_EQ(keeper.WaitFor_us(2000), 0);
+  EXPECT_EQ(keeper.Next(2000)->force_n, dvec3(0, 0, 1));
+  EXPECT_EQ(keeper.WaitFor_us(2000), 5000);
+}
+
+TEST(ForceKeeperTest, FeedsTheWatchdogFourTimesPerItsTimeForEver) {
+  ForceKeeper keeper(kWatchdog_ms);
+  keeper.Take(dvec3(1, 0, 0), 1, 0);
+  int64_t last = 0, longest = 0;
+  int sent = 0;
+  for (int64_t t = 0; t < 1'000'000; t += 100) {
+    if (!keeper.Next(t)) continue;
+    longest = std::max(longest, t - last);
+    last = t;
+    ++sent;
+  }
+  EXPECT_EQ(longest, kWatchdog_ms * 250);
+  EXPECT_EQ(sent, 200);
+}
+
+TEST(ForceKeeperTest, NeverKeepsAnOldForceAlive) {
+  ForceKeeper keeper(4);  // repeats each millisecond
+  keeper.Take(dvec3(0, 0, 2), 1, 0);
+  for (int64_t t = 0; t <= 100'000; t += 1000) {
+    auto c = keeper.Next(t);
+    ASSERT_TRUE(c) << t;
+    // Held for 5 ms, then linear to 0 at 20 ms.
+    double share = t <= 5'000 ? 1 : t >= 20'000 ? 0 : (20'000 - static_cast<double>(t)) / 15'000;
+    EXPECT_NEAR(c->force_n.z, 2 * share, 1e-12) << t;
+    EXPECT_EQ(c->motors_on, t < 20'000) << t;
+  }
+  keeper.Take(dvec3(0, 0, 1), 2, 200'000);
+  EXPECT_EQ(keeper.Next(200'000)->force_n.z, 1);
+}
+
+TEST(ForceKeeperTest, MotorsAreOffBeforeTheFirstForce) {
+  ForceKeeper keeper(kWatchdog_ms);
+  keeper.Take(dvec3(5, 5, 5), 0, 4'000);
+  auto c = keeper.Next(6'000);
+  ASSERT_TRUE(c);
+  EXPECT_EQ(c->force_n, dvec3(0));
+  EXPECT_FALSE(c->motors_on);
+}
+
+TEST(ForceKeeperTest, WhatIsNotFiniteIsZero) {
+  for (double bad :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    ForceKeeper keeper(kWatchdog_ms);
+    keeper.Take(dvec3(1, bad, 0), 1, 0);
+    EXPECT_EQ(keeper.Next(0)->force_n, dvec3(0));
+  }
+}
+
+}  // namespace
+}  // namespace enamel::station::hid

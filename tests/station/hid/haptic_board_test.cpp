@@ -1,0 +1,419 @@
+#include "station/hid/haptic_board.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+#include <thread>
+
+#include "common/scene/builtin.h"
+#include "common/scene/plan.h"
+#include "station/loop/tick_loop.h"
+#include "tests/station/hid/hid_double.h"
+#include "tests/support/allocation_guard.h"
+
+namespace enamel::station::hid {
+namespace {
+
+using testing_support::HidBus;
+using testing_support::ScriptedHid;
+
+constexpr const char* kPath = "/dev/hidraw4";
+
+FeatureReport Feature(uint32_t resolution_nm = 10'000) {
+  FeatureReport f;
+  f.resolution_nm.fill(resolution_nm);
+  f.peak_force_mn.fill(7'900);
+  f.max_watchdog_ms = 100;
+  f.rate_hz = 1000;
+  f.name = "Bench arm";
+  f.profile = "phantom_desktop";
+  return f;
+}
+
+ScriptedHid Plugged(const FeatureReport& feature = Feature()) {
+  ScriptedHid d;
+  d.path = kPath;
+  d.vendor = 0x1209;
+  d.product = 0x0001;
+  d.usage_page = kBoardUsagePage;
+  d.usage = kBoardUsage;
+  auto bytes = EncodeFeature(feature);
+  d.feature.assign(bytes.begin(), bytes.end());
+  return d;
+}
+
+TEST(ReportOrderTest, CountsWhatIsLostAndLeavesOutWhatIsLateOrDoubled) {
+  using V = ReportOrder::Verdict;
+  ReportOrder order;
+  EXPECT_EQ(order.Judge(5), V::kNew);
+  EXPECT_EQ(order.Judge(6), V::kNew);
+  EXPECT_EQ(order.Judge(6), V::kDuplicate);
+  EXPECT_EQ(order.Judge(10), V::kNew);
+  EXPECT_EQ(order.lost(), 3u);
+  EXPECT_EQ(order.Judge(9), V::kLate);
+  EXPECT_EQ(order.Judge(11), V::kNew);
+  EXPECT_EQ(order.lost(), 3u);
+}
+
+TEST(ReportOrderTest, WrapsAndNoticesARestart) {
+  using V = ReportOrder::Verdict;
+  ReportOrder order;
+  EXPECT_EQ(order.Judge(UINT32_MAX), V::kNew);
+  EXPECT_EQ(order.Judge(0), V::kNew);
+  EXPECT_EQ(order.Judge(UINT32_MAX), V::kLate);
+  EXPECT_EQ(order.Judge(5000), V::kNew);
+  EXPECT_EQ(order.lost(), 4999u);
+  EXPECT_EQ(order.Judge(4000), V::kLate);
+  EXPECT_EQ(order.Judge(3999), V::kRestarted);
+  EXPECT_EQ(order.Judge(4000), V::kNew);
+  EXPECT_EQ(order.lost(), 4999u);
+}
+
+TEST(AxisMapTest, MapsPosesAndForcesInverselyAndRefusesMirrors) {
+  auto map = ParseAxisMap("-y+x+z");
+  ASSERT_TRUE(map.ok());
+  EXPECT_EQ(map->ToScene(std::array<int32_t, 3>{1, 2, 3}), (std::array<int32_t, 3>{-2, 1, 3}));
+  EXPECT_EQ(map->ToScene(std::array<int32_t, 3>{0, INT32_MIN, 0})[0], INT32_MAX);
+  EXPECT_EQ(map->ToBoard(dvec3(-2, 1, 3)), dvec3(1, 2, 3));
+  // A turn about the board's y is one about the scene's -x: conjugation by the map's rotation.
+  Quat turned = map->ToScene(Quat{0, 0.6, 0, 0.8});
+  EXPECT_EQ(turned.x, -0.6);
+  EXPECT_EQ(turned.w, 0.8);
+  for (const char* bad : {"", "+x+y", "+x+y-z", "+x+x+z", "+y+x+z", "xyz+++", "+x+y+w"}) {
+    EXPECT_FALSE(ParseAxisMap(bad).ok()) << bad;
+  }
+}
+
+class HapticBoardTest : public testing::Test {
+ protected:
+  HapticBoardTest() { bus_.Reset(); }
+  ~HapticBoardTest() override {
+    bus_.HoldWrites(false);
+    board_.reset();
+    bus_.Reset();
+  }
+
+  // Opens it while another thread plays the board's first report.
+  Status Open(HapticBoardSettings settings = {}) {
+    std::thread first([&] {
+      if (bus_.Await([](HidBus& b) { return b.handle_count() == 3; })) Send(first_);
+    });
+    auto board = HapticBoard::Open(settings);
+    first.join();
+    if (!board.ok()) return board.status();
+    board_ = std::move(*board);
+    return Status::Ok();
+  }
+  void Send(InputReport report) { bus_.Send(kPath, EncodeInput(report)); }
+  InputReport At(uint32_t sequence, int32_t z) {
+    InputReport r;
+    r.sequence = sequence;
+    r.counts = {first_.counts[0], first_.counts[1], z, 0, 0, 0};
+    return r;
+  }
+  // The first sample that is as wanted, or the last one after ten seconds.
+  DeviceSample Until(const std::function<bool(const DeviceSample&)>& wanted) {
+    DeviceSample s = board_->ReadSample();
+    for (int i = 0; i < 10'000 && !wanted(s); ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      s = board_->ReadSample();
+    }
+    EXPECT_TRUE(wanted(s));
+    return s;
+  }
+  template <typename Reached>
+  void UntilCounted(Reached reached) {
+    for (int i = 0; i < 10'000 && !reached(board_->counters()); ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    EXPECT_TRUE(reached(board_->counters()));
+  }
+  OutputReport LastWritten() {
+    OutputReport out;
+    auto all = bus_.Written();
+    EXPECT_FALSE(all.empty());
+    if (!all.empty()) {
+      EXPECT_EQ(DecodeOutput(all.back(), out), ReportError::kNone);
+    }
+    return out;
+  }
+
+  HidBus& bus_ = HidBus::Get();
+  InputReport first_ = [] {
+    InputReport r;
+    r.sequence = 100;
+    r.time_us = UINT32_MAX - 500;
+    r.counts = {1000, -2000, 3000, 0, 0, 0};
+    return r;
+  }();
+  std::unique_ptr<HapticBoard> board_;
+};
+
+TEST_F(HapticBoardTest, CentresOnTheFirstReportAndFollowsTheNext) {
+  bus_.Plug(Plugged());
+  ASSERT_TRUE(Open().ok());
+  EXPECT_EQ(board_->Name(), "Bench arm");
+  DeviceSample s = Until([](const DeviceSample& d) { return d.fresh; });
+  EXPECT_EQ(s.counts, (std::array<int32_t, 3>{0, 0, 0}));
+  EXPECT_TRUE(s.attached);
+  EXPECT_EQ(s.sequence, 100u);
+  InputReport next = At(101, 3007);
+  next.time_us = 499;  // wrapped
+  next.buttons = 1;
+  next.status = kMotorsOn | kOrientationValid;
+  next.orientation = {0, 0, 23170, 23170};
+  Send(next);
+  s = Until([](const DeviceSample& d) { return d.sequence == 101; });
+  EXPECT_EQ(s.counts, (std::array<int32_t, 3>{0, 0, 7}));
+  EXPECT_EQ(s.device_time_us - (UINT32_MAX - 500ull), 1000u);
+  EXPECT_EQ(s.buttons, kPedal);
+  EXPECT_EQ(s.bur_speed_krpm, kTurbineSpeed_krpm);
+  EXPECT_EQ(s.orientation, (QuantisedOrientation{0, 0, 23170, 23170}));
+  EXPECT_TRUE(s.fresh);
+  EXPECT_FALSE(board_->ReadSample().fresh);  // nothing new: the loop counts it as silence
+}
+
+TEST_F(HapticBoardTest, ShortWrongAndDamagedReportsAreCountedAndChangeNothing) {
+  bus_.Plug(Plugged());
+  ASSERT_TRUE(Open().ok());
+  auto good = EncodeInput(At(101, 4000));
+  auto wrong_id = good, wrong_version = good, damaged = good;
+  wrong_id[0] = 0x49;
+  wrong_version[1] = 2;
+  damaged[20] ^= 0x10;
+  bus_.Send(kPath, {good.data(), 47});
+  bus_.Send(kPath, {good.data(), 1});
+  bus_.Send(kPath, wrong_id);
+  bus_.Send(kPath, wrong_version);
+  bus_.Send(kPath, damaged);
+  UntilCounted([](const DeviceCounters& c) { return c.refused == 5; });
+  EXPECT_EQ(board_->ReadSample().sequence, 100u);
+  Send(At(102, 3005));
+  EXPECT_EQ(Until([](const DeviceSample& d) { return d.sequence == 102; }).counts[2], 5);
+  EXPECT_EQ(board_->counters().samples, 2u);
+  EXPECT_EQ(board_->counters().lost, 1u);
+}
+
+TEST_F(HapticBoardTest, LateAndDoubledReportsNeverMoveTheHandBack) {
+  bus_.Plug(Plugged());
+  ASSERT_TRUE(Open().ok());
+  Send(At(105, 3050));
+  Send(At(104, 3040));
+  Send(At(105, 9999));
+  UntilCounted([](const DeviceCounters& c) { return c.duplicated == 2; });
+  DeviceSample s = board_->ReadSample();
+  EXPECT_EQ(s.counts[2], 50);
+  EXPECT_EQ(board_->counters().lost, 4u);
+}
+
+TEST_F(HapticBoardTest, BoardThatIsNotFitIsAsUnplugged) {
+  bus_.Plug(Plugged());
+  ASSERT_TRUE(Open().ok());
+  InputReport hot = At(101, 3001);
+  hot.status = kNotFit;
+  Send(hot);
+  EXPECT_FALSE(Until([](const DeviceSample& d) { return d.sequence == 101; }).attached);
+  Send(At(102, 3001));
+  EXPECT_TRUE(Until([](const DeviceSample& d) { return d.sequence == 102; }).attached);
+}
+
+TEST_F(HapticBoardTest, WritesTheForceInItsOwnAxesWithinItsPeak) {
+  FeatureReport feature = Feature();
+  feature.peak_force_mn = {1'000, 7'900, 7'900};
+  bus_.Plug(Plugged(feature));
+  HapticBoardSettings settings;
+  settings.axes = *ParseAxisMap("-y+x+z");
+  settings.watchdog_ms = 500;  // more than the board accepts
+  ASSERT_TRUE(Open(settings).ok());
+  board_->SendForce(dvec3(0.5, 2.5, -1.23456));
+  // Before the first force it is kept alive with the motors off.
+  OutputReport out;
+  ASSERT_TRUE(bus_.Await([&](HidBus& b) {
+    return !b.written().empty() && DecodeOutput(b.written().back(), out) == ReportError::kNone &&
+           out.motors_on;
+  }));
+  EXPECT_EQ(bus_.Written().back().size(), kOutputBytes);
+  EXPECT_TRUE(out.motors_on);
+  EXPECT_EQ(out.force_100un, (std::array<int32_t, 3>{10'000, -5'000, -12'346}));
+  EXPECT_EQ(out.watchdog_ms, 100);
+}
+
+TEST_F(HapticBoardTest, StalledWriteHoldsUpNeitherReadingNorTheTickAndIsFollowedByTheNewestForce) {
+  bus_.Plug(Plugged());
+  ASSERT_TRUE(Open().ok());
+  bus_.HoldWrites(true);
+  board_->SendForce(dvec3(0, 0, 1));
+  ASSERT_TRUE(bus_.Await([](HidBus& b) { return b.waiting() == 1; }));
+  size_t before = bus_.Written().size();
+  // The write is stuck for as long as this takes: ten ticks and more.
+  size_t allocations = 0;
+  for (uint32_t tick = 1; tick <= 50; ++tick) {
+    Send(At(100 + tick, 3000 + static_cast<int32_t>(tick)));
+    Until([&](const DeviceSample& d) { return d.sequence == 100 + tick && d.attached; });
+    enamel::testing_support::AllocationGuard guard;
+    board_->ReadSample();
+    board_->SendForce(dvec3(0, 0, 0.01 * tick));
+    allocations += guard.count();
+  }
+  EXPECT_EQ(bus_.WritesWaiting(), 1);
+  EXPECT_EQ(bus_.Written().size(), before);
+  EXPECT_EQ(allocations, 0u);
+  bus_.HoldWrites(false);
+  ASSERT_TRUE(bus_.Await([&](HidBus& b) { return b.written_count() >= before + 2; }));
+  // What was stuck, and then one force for the fifty: the last, or on a slow machine what is left
+  // of it.
+  OutputReport next;
+  ASSERT_EQ(DecodeOutput(bus_.Written()[before + 1], next), ReportError::kNone);
+  EXPECT_LE(next.force_100un[2], 5000);
+  EXPECT_NE(next.force_100un[2], 10'000);
+}
+
+TEST_F(HapticBoardTest, WithoutNewForcesTheBoardIsKeptAliveAndTheForceIsGone) {
+  bus_.Plug(Plugged());
+  ASSERT_TRUE(Open().ok());
+  board_->SendForce(dvec3(0, 0, 2));
+  ASSERT_TRUE(bus_.Await([](HidBus& b) { return b.written_count() >= 30; }));
+  OutputReport last = LastWritten();
+  EXPECT_EQ(last.force_100un, (std::array<int32_t, 3>{0, 0, 0}));
+  EXPECT_FALSE(last.motors_on);
+  uint32_t expected = 1;
+  for (const Bytes& b : bus_.Written()) {
+    OutputReport out;
+    ASSERT_EQ(DecodeOutput(b, out), ReportError::kNone);
+    EXPECT_EQ(out.sequence, expected++);
+  }
+}
+
+TEST_F(HapticBoardTest, EndsWithMotorsOff) {
+  bus_.Plug(Plugged());
+  ASSERT_TRUE(Open().ok());
+  board_->SendForce(dvec3(0, 0, 2));
+  board_.reset();
+  EXPECT_FALSE(LastWritten().motors_on);
+  EXPECT_EQ(bus_.OpenHandles(), 0);
+}
+
+TEST_F(HapticBoardTest, PluggedInAgainElsewhereItIsBackAndNotMovedByTheWay) {
+  bus_.Plug(Plugged());
+  ASSERT_TRUE(Open().ok());
+  bus_.Unplug(kPath);
+  DeviceSample s = Until([](const DeviceSample& d) { return !d.attached; });
+  EXPECT_FALSE(s.fresh);
+  EXPECT_EQ(s.buttons, 0);
+  ASSERT_TRUE(bus_.Await([](HidBus& b) { return b.handle_count() == 0; }));
+  ScriptedHid again = Plugged();
+  again.path = "/dev/hidraw12";
+  bus_.Plug(again);
+  ASSERT_TRUE(bus_.Await([](HidBus& b) { return b.handle_count() == 2; }));
+  InputReport r = At(3, 3020);  // it counts from the start again
+  bus_.Send(again.path, EncodeInput(r));
+  s = Until([](const DeviceSample& d) { return d.attached; });
+  EXPECT_EQ(s.counts[2], 20);
+  size_t before = bus_.Written().size();
+  board_->SendForce(dvec3(0, 0, 1));
+  EXPECT_TRUE(bus_.Await([&](HidBus& b) { return b.written_count() > before; }));
+}
+
+TEST_F(HapticBoardTest, AnotherBoardBehindTheSameIdsIsNotTaken) {
+  bus_.Plug(Plugged());
+  ASSERT_TRUE(Open().ok());
+  bus_.Unplug(kPath);
+  Until([](const DeviceSample& d) { return !d.attached; });
+  ASSERT_TRUE(bus_.Await([](HidBus& b) { return b.handle_count() == 0; }));
+  bus_.Plug(Plugged(Feature(20'000)));
+  ASSERT_TRUE(bus_.Await([](HidBus& b) { return b.handle_count() == 1; }));
+  Send(At(101, 3001));
+  UntilCounted([](const DeviceCounters& c) { return c.refused == 1; });
+  EXPECT_FALSE(board_->ReadSample().attached);
+}
+
+TEST_F(HapticBoardTest, WhatCannotBeOpenedSaysWhy) {
+  auto refusal = [] { return HapticBoard::Open({}).status(); };
+  EXPECT_EQ(refusal().code(), Code::kNotFound);
+  ScriptedHid d = Plugged();
+  d.may_open = false;
+  bus_.Plug(d);
+  Status s = refusal();
+  EXPECT_EQ(s.code(), Code::kUnavailable);
+  EXPECT_NE(s.message().find("60-enamel.rules"), std::string::npos);
+  d = Plugged();
+  d.feature.clear();
+  bus_.Plug(d);
+  EXPECT_NE(refusal().message().find("does not answer"), std::string::npos);
+  d = Plugged();
+  d.feature[1] = 9;
+  bus_.Plug(d);
+  EXPECT_EQ(refusal().code(), Code::kVersion);
+  d = Plugged();
+  d.feature[4] ^= 1;
+  bus_.Plug(d);
+  EXPECT_NE(refusal().message().find("checksum"), std::string::npos);
+}
+
+TEST_F(HapticBoardTest, SilentBoardIsRefused) {
+  bus_.Plug(Plugged());
+  auto board = HapticBoard::Open({});
+  ASSERT_FALSE(board.ok());
+  EXPECT_NE(board.status().message().find("no pose"), std::string::npos);
+}
+
+TEST_F(HapticBoardTest, ProfileMustHaveTheBoardsCells) {
+  auto profiles = scene::BuiltinProfiles();
+  EXPECT_TRUE(CheckBoard(Feature(10'000), profiles[1]).ok());
+  Status s = CheckBoard(Feature(20'000), profiles[1]);
+  EXPECT_EQ(s.code(), Code::kConflict);
+  EXPECT_NE(s.message().find("20000"), std::string::npos);
+  EXPECT_NE(s.message().find("10000"), std::string::npos);
+}
+
+// The whole way: a board cutting the block, unplugged between reading and sending.
+TEST_F(HapticBoardTest, UnpluggedMidCutIsCommandedZeroWithinTwoTicksOfBeingSeen) {
+  auto built = scene::BuildBuiltinScene("block", 200'000);
+  ASSERT_TRUE(built.ok());
+  auto params = scene::CompilePlan(built->scene, scene::ClassOneExercise(built->scene, {}),
+                                   scene::BuiltinProfiles()[1]);
+  ASSERT_TRUE(params.ok());
+  params->soft_start_ticks = 1;
+  int64_t top_nm = built->scene.landmarks.at("occlusal_centre")[2] * int64_t{1000};
+  auto start = static_cast<int32_t>((top_nm + 300'000 - params->device_origin_nm[2]) /
+                                    params->resolution_nm[2]);
+  bus_.Plug(Plugged());
+  HapticBoardSettings settings;
+  settings.centre_on_first_report = false;
+  first_.counts = {0, 0, start, 0, 0, 0};
+  ASSERT_TRUE(Open(settings).ok());
+  core::Core core(*params, built->volume);
+  SampleRing ring(4);
+  TickLoop loop(*board_, core, ring, {1000, false, true});
+  uint32_t sequence = 100;
+  Sample recorded;
+  auto tick = [&](int32_t z) {
+    InputReport r;
+    r.sequence = ++sequence;
+    r.counts = {0, 0, z, 0, 0, 0};
+    r.buttons = 1;
+    uint64_t before = board_->counters().samples;
+    Send(r);
+    UntilCounted([&](const DeviceCounters& c) { return c.samples > before; });
+    loop.Tick();
+    ASSERT_TRUE(ring.Pop(recorded));
+  };
+  // Still for the tenth of a second that it asks for, then down.
+  for (int i = 0; i < 110; ++i) tick(start);
+  for (int i = 1; i < 120 && recorded.tick.witness.force_sent_100un[2] < 2000; ++i) tick(start - i);
+  ASSERT_GE(recorded.tick.witness.force_sent_100un[2], 2000);
+  bus_.Unplug(kPath);
+  UntilCounted([](const DeviceCounters& c) { return c.detached == 1; });
+  ASSERT_TRUE(bus_.Await([](HidBus& b) { return b.handle_count() <= 1; }));
+  loop.Tick();
+  loop.Tick();
+  while (ring.Pop(recorded)) {
+  }
+  EXPECT_EQ(recorded.tick.witness.force_sent_100un, (std::array<int32_t, 3>{0, 0, 0}));
+  EXPECT_TRUE(recorded.tick.input.flags & core::kFaulted);
+  EXPECT_EQ(loop.fault(), Fault::kUnplugged);
+}
+
+}  // namespace
+}  // namespace enamel::station::hid

@@ -1,0 +1,153 @@
+#include "station/hid/haptic_report.h"
+
+#include <gtest/gtest.h>
+
+#include <boost/json.hpp>
+#include <fstream>
+#include <sstream>
+
+namespace enamel::station::hid {
+namespace {
+
+namespace json = boost::json;
+
+std::string Golden(const std::string& name) {
+  std::ifstream in(std::string(ENAMEL_SOURCE_DIR) + "/schemas/golden/hid/" + name,
+                   std::ios::binary);
+  EXPECT_TRUE(in) << name;
+  std::ostringstream out;
+  out << in.rdbuf();
+  return out.str();
+}
+
+json::object Values(const std::string& name) {
+  return json::parse(Golden(name + ".json")).as_object();
+}
+
+template <typename T, size_t N>
+std::array<T, N> Numbers(const json::object& values, const char* name) {
+  std::array<T, N> out{};
+  for (size_t i = 0; i < N; ++i) out[i] = values.at(name).as_array()[i].to_number<T>();
+  return out;
+}
+
+InputReport GoldenInput() {
+  json::object v = Values("input");
+  InputReport r;
+  r.status = v.at("status").to_number<uint8_t>();
+  r.buttons = v.at("buttons").to_number<uint8_t>();
+  r.sequence = v.at("sequence").to_number<uint32_t>();
+  r.time_us = v.at("time_us").to_number<uint32_t>();
+  r.counts = Numbers<int32_t, 6>(v, "counts");
+  r.orientation = Numbers<int16_t, 4>(v, "orientation");
+  r.bur_speed_krpm = v.at("bur_speed_krpm").to_number<uint16_t>();
+  return r;
+}
+
+OutputReport GoldenOutput() {
+  json::object v = Values("output");
+  OutputReport r;
+  r.motors_on = v.at("motors_on").as_bool();
+  r.sequence = v.at("sequence").to_number<uint32_t>();
+  r.force_100un = Numbers<int32_t, 3>(v, "force_100un");
+  r.torque_un_m = Numbers<int32_t, 3>(v, "torque_un_m");
+  r.watchdog_ms = v.at("watchdog_ms").to_number<uint16_t>();
+  return r;
+}
+
+FeatureReport GoldenFeature() {
+  json::object v = Values("feature");
+  FeatureReport r;
+  r.axes = v.at("axes").to_number<uint8_t>();
+  r.tells_orientation = v.at("flags").to_number<int>() == 1;
+  r.resolution_nm = Numbers<uint32_t, 3>(v, "resolution_nm");
+  r.peak_force_mn = Numbers<uint32_t, 3>(v, "peak_force_mn");
+  r.max_watchdog_ms = v.at("max_watchdog_ms").to_number<uint16_t>();
+  r.rate_hz = v.at("rate_hz").to_number<uint16_t>();
+  r.name = std::string(v.at("name").as_string());
+  r.profile = std::string(v.at("profile").as_string());
+  return r;
+}
+
+template <size_t N>
+std::string Text(const std::array<uint8_t, N>& bytes) {
+  return {bytes.begin(), bytes.end()};
+}
+
+TEST(HapticReportTest, EncodesTheGoldenBytes) {
+  EXPECT_EQ(Text(EncodeInput(GoldenInput())), Golden("input.bin"));
+  EXPECT_EQ(Text(EncodeOutput(GoldenOutput())), Golden("output.bin"));
+  EXPECT_EQ(Text(EncodeFeature(GoldenFeature())), Golden("feature.bin"));
+}
+
+TEST(HapticReportTest, DecodesTheGoldenBytes) {
+  InputReport input;
+  ASSERT_EQ(DecodeInput(AsBytes(Golden("input.bin")), input), ReportError::kNone);
+  EXPECT_EQ(input, GoldenInput());
+  OutputReport output;
+  ASSERT_EQ(DecodeOutput(AsBytes(Golden("output.bin")), output), ReportError::kNone);
+  EXPECT_EQ(output, GoldenOutput());
+  FeatureReport feature;
+  ASSERT_EQ(DecodeFeature(AsBytes(Golden("feature.bin")), feature), ReportError::kNone);
+  EXPECT_EQ(feature, GoldenFeature());
+}
+
+// The published check value of CRC-16/CCITT-FALSE.
+TEST(HapticReportTest, ChecksumIsThePublishedOne) {
+  EXPECT_EQ(Crc16(AsBytes("123456789")), 0x29B1);
+  EXPECT_EQ(Crc16({}), 0xFFFF);
+}
+
+TEST(HapticReportTest, EveryShorterReportIsRefusedAndLongerOnesAreTaken) {
+  std::string bytes = Golden("input.bin");
+  InputReport out;
+  for (size_t n = 0; n < bytes.size(); ++n) {
+    EXPECT_EQ(DecodeInput(AsBytes(std::string_view(bytes).substr(0, n)), out), ReportError::kShort)
+        << n;
+  }
+  EXPECT_EQ(out, InputReport{});
+  bytes.append(16, '\x55');
+  EXPECT_EQ(DecodeInput(AsBytes(bytes), out), ReportError::kNone);
+}
+
+TEST(HapticReportTest, EveryFlippedBitIsRefusedForWhatItIs) {
+  for (size_t i = 0; i < kInputBytes; ++i) {
+    for (int bit = 0; bit < 8; ++bit) {
+      std::string bytes = Golden("input.bin");
+      bytes[i] = static_cast<char>(bytes[i] ^ 1 << bit);
+      InputReport out;
+      ReportError expected = i == 0   ? ReportError::kWrongId
+                             : i == 1 ? ReportError::kVersion
+                                      : ReportError::kChecksum;
+      ASSERT_EQ(DecodeInput(AsBytes(bytes), out), expected) << i << "." << bit;
+      ASSERT_EQ(out, InputReport{});
+    }
+  }
+}
+
+TEST(HapticReportTest, FeatureOutOfRangeIsRefused) {
+  auto refused = [](auto change) {
+    FeatureReport f = GoldenFeature(), out;
+    change(f);
+    return DecodeFeature(EncodeFeature(f), out) == ReportError::kRange;
+  };
+  EXPECT_TRUE(refused([](auto& f) { f.axes = 2; }));
+  EXPECT_TRUE(refused([](auto& f) { f.axes = 7; }));
+  EXPECT_TRUE(refused([](auto& f) { f.resolution_nm[1] = 0; }));
+  EXPECT_TRUE(refused([](auto& f) { f.resolution_nm[2] = 1'000'001; }));
+  EXPECT_TRUE(refused([](auto& f) { f.peak_force_mn[0] = 0; }));
+  EXPECT_TRUE(refused([](auto& f) { f.max_watchdog_ms = 0; }));
+  EXPECT_TRUE(refused([](auto& f) { f.rate_hz = 99; }));
+  EXPECT_FALSE(refused([](auto& f) { f.axes = 6; }));
+}
+
+TEST(HapticReportTest, NamesLongerThanTheirFieldAreCut) {
+  FeatureReport f = GoldenFeature(), out;
+  f.name = std::string(40, 'n');
+  ASSERT_EQ(DecodeFeature(EncodeFeature(f), out), ReportError::kNone);
+  EXPECT_EQ(out.name, std::string(32, 'n'));
+  EXPECT_EQ(out.profile, f.profile);
+}
+
+}  // namespace
+}  // namespace enamel::station::hid

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "common/base/bytes.h"
+
+// hidapi without a bus: linked in place of libhidapi, with devices that a test plugs in and
+// scripts. Every function the station calls is here, with hidapi's shape and return values.
+namespace enamel::station::testing_support {
+
+struct ScriptedHid {
+  std::string path;
+  uint16_t vendor = 0, product = 0, usage_page = 0, usage = 0;
+  std::wstring serial, maker, name;
+  Bytes feature;         // answer to every feature request; empty: none
+  bool may_open = true;  // false: permission denied
+};
+
+// One per process, as hidapi is. Thread safety: all of it.
+class HidBus {
+ public:
+  static HidBus& Get();
+
+  // No devices, nothing scripted. Handles that are still open read "gone".
+  void Reset();
+  void Plug(const ScriptedHid& device);
+  // Reads and writes of its open handles fail from now on; waiting ones return at once.
+  void Unplug(const std::string& path);
+  // One input report, to every open handle of the device and no other.
+  void Send(const std::string& path, ByteView report);
+  // Writes wait until they are let go (the bus is stalled).
+  void HoldWrites(bool held);
+  int WritesWaiting();
+  std::vector<Bytes> Written();
+  int OpenHandles();
+  // Until `what` holds of this bus, or ten seconds have passed: false then.
+  template <typename What>
+  bool Await(What what) {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_for(lock, std::chrono::seconds(10), [&] { return what(*this); });
+  }
+  // Unlocked views for Await.
+  size_t written_count() const { return written_.size(); }
+  const std::vector<Bytes>& written() const { return written_; }
+  int waiting() const { return waiting_; }
+  int handle_count() const { return static_cast<int>(handles_.size()); }
+
+  struct Handle {
+    std::string path;
+    bool gone = false;
+    std::deque<Bytes> reports;
+  };
+  // --- hidapi's side ---
+  std::vector<ScriptedHid> Devices();
+  Handle* Open(const std::string& path);
+  void Close(Handle* handle);
+  int Read(Handle* handle, unsigned char* out, size_t size, int timeout_ms);
+  int Write(Handle* handle, const unsigned char* data, size_t size);
+  int Feature(Handle* handle, unsigned char* data, size_t size);
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::map<std::string, ScriptedHid> devices_;
+  std::vector<Handle*> handles_;
+  std::vector<Bytes> written_;
+  bool held_ = false;
+  int waiting_ = 0;
+};
+
+}  // namespace enamel::station::testing_support
