@@ -13,9 +13,10 @@ dvec3 Limited(const dvec3& v, double limit) noexcept {
 }  // namespace
 
 SimulatedDevice::SimulatedDevice(const PlantParams& params, std::unique_ptr<SimulatedOperator> op)
-    : params_(params), operator_(std::move(op)) {
+    : params_(params), operator_(std::move(op)), random_(params.seed) {
   ENAMEL_CHECK(operator_ != nullptr);
   ENAMEL_CHECK(params_.mass_kg > 0 && params_.resolution_m > 0 && params_.substeps > 0);
+  ENAMEL_CHECK(params_.delay_ticks >= 0 && params_.delay_ticks <= kMaxDelay);
   x_ = bur_m_ = operator_->Start_m();
 }
 
@@ -25,6 +26,11 @@ std::string SimulatedDevice::Name() const {
 
 DeviceSample SimulatedDevice::ReadSample() noexcept {
   HandDrive hand = operator_->Act(x_, bur_m_, params_.tick_s);
+  // What was sent last goes in, what was sent delay_ticks before it comes out.
+  const size_t size = pipe_.size(), delay = static_cast<size_t>(params_.delay_ticks);
+  pipe_[pipe_at_] = sent_n_;
+  motor_n_ = pipe_[(pipe_at_ + size - delay) % size];
+  pipe_at_ = (pipe_at_ + 1) % size;
   double dt = params_.tick_s / params_.substeps;
   dvec3 equilibrium = hand.equilibrium_m - hand.velocity_m_per_s * params_.tick_s;
   for (int i = 0; i < params_.substeps; ++i) {
@@ -33,8 +39,8 @@ DeviceSample SimulatedDevice::ReadSample() noexcept {
   }
   DeviceSample sample;
   for (int i = 0; i < 3; ++i) {
-    sample.counts[static_cast<size_t>(i)] =
-        static_cast<int32_t>(std::lround((x_[i] - params_.origin_m[i]) / params_.resolution_m));
+    sample.counts[static_cast<size_t>(i)] = static_cast<int32_t>(
+        std::lround((x_[i] + Noise() - params_.origin_m[i]) / params_.resolution_m));
   }
   if (hand.pedal) {
     sample.buttons |= kPedal;
@@ -46,7 +52,20 @@ DeviceSample SimulatedDevice::ReadSample() noexcept {
 }
 
 void SimulatedDevice::SendForce(const dvec3& force_n) noexcept {
-  motor_n_ = Limited(force_n, params_.peak_force_n);
+  sent_n_ = Limited(force_n, params_.peak_force_n);
+}
+
+// Nearly normal: the sum of twelve uniform numbers (splitmix64), less its mean, has variance 1.
+double SimulatedDevice::Noise() noexcept {
+  if (params_.noise_m == 0) return 0;
+  double sum = -6;
+  for (int i = 0; i < 12; ++i) {
+    uint64_t z = (random_ += 0x9e3779b97f4a7c15ull);
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
+    sum += static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
+  }
+  return params_.noise_m * sum;
 }
 
 void SimulatedDevice::Substep(const HandDrive& hand, const dvec3& equilibrium_m,

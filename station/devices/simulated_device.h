@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <memory>
 
@@ -17,8 +18,11 @@ struct PlantParams {
   double resolution_m = 0;       // delta: edge of an encoder cell
   double peak_force_n = 0;       // the motors saturate here
   double tick_s = 0.001;
-  dvec3 origin_m{0};  // scene position of counts (0, 0, 0)
-  int substeps = 16;  // per tick
+  dvec3 origin_m{0};    // scene position of counts (0, 0, 0)
+  int substeps = 16;    // per tick
+  int delay_ticks = 0;  // of the bus: a force acts so many ticks later, at most kMaxDelay
+  double noise_m = 0;   // of the sensor, standard deviation per axis, before the encoder rounds
+  uint64_t seed = 1;    // of the noise
 };
 
 // A rigid mass with damping, Coulomb friction, an encoder and motors that hold their force for a
@@ -32,6 +36,7 @@ struct PlantParams {
 // (simulated_device_test).
 class SimulatedDevice final : public Device {
  public:
+  static constexpr int kMaxDelay = 15;
   // `op` must not be null.
   SimulatedDevice(const PlantParams& params, std::unique_ptr<SimulatedOperator> op);
 
@@ -52,7 +57,12 @@ class SimulatedDevice final : public Device {
   const PlantParams params_;
   std::unique_ptr<SimulatedOperator> operator_;
   std::atomic<double> progress_{0};
-  dvec3 x_{0}, v_{0}, motor_n_{0}, bur_m_{0};
+  double Noise() noexcept;
+
+  dvec3 x_{0}, v_{0}, sent_n_{0}, motor_n_{0}, bur_m_{0};
+  std::array<dvec3, kMaxDelay + 1> pipe_{};  // ring of forces on their way
+  size_t pipe_at_ = 0;
+  uint64_t random_;
 };
 
 }  // namespace enamel::station

@@ -1,0 +1,116 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "station/devices/device.h"
+
+// Measures what a force law has to know of a haptic device: cell, noise, Coulomb friction, viscous
+// damping, effective mass and bus delay, per axis, by moving it with its own motors. Nobody holds
+// it meanwhile.
+//
+// Rest (2 s, no force): noise is the standard deviation about a straight line through the counts,
+// less the cell's own delta^2/12 (Sheppard).
+//
+// Pushes (per axis): a force is switched on, and to the way that follows that of a mass with
+// damping is fitted, by the moment t0 at which it began: the bus delay.
+//
+// Swings (per axis): sinusoidal targets at four speeds, held by a weak spring and damper. In the
+// periodic motion that follows, the fundamentals obey exactly
+//
+//   F = (-m w^2 + j b w) X + c S,
+//
+// X, F and S the complex amplitudes of position, force (as it arrives: half a tick and the bus
+// delay after it was sent) and sign of velocity; while it sticks, friction takes the force up, and
+// neither counts. Two real equations per period; m, b and c by least
+// squares over all of them, intervals from the residuals. What is constant (gravity) has no
+// fundamental.
+//
+// Cell: the steps between neighbouring values of all counts ever seen. A device that reports finer
+// than it measures shows steps of more than one count.
+namespace enamel::station {
+
+struct CalibratorSetup {
+  std::array<double, 3> count_m{};  // way per count, of the device's report
+  double tick_s = 1e-3;
+  double max_force_n = 2;  // never more than this, per axis
+  double reach_m = 0.008;  // swings go so far each way; twice as far is an error
+};
+
+struct Estimate {
+  double value = 0;
+  double uncertainty = 0;  // half the 95 % interval
+  int64_t samples = 0;
+};
+
+// One axis. SI units; delay in ticks.
+struct AxisFigures {
+  Estimate resolution_m, noise_m, friction_n, damping_n_s_per_m, mass_kg, delay_ticks;
+};
+
+// Step once per tick with what the device said; send what it returns. No clock, no thread: with a
+// simulated device it runs as fast as the machine. Thread safety: none. Real-time: Step allocates
+// nothing after construction.
+class Calibrator {
+ public:
+  explicit Calibrator(const CalibratorSetup& setup);
+
+  // Force to send before the next tick, N, per device axis. Zero when done or failed.
+  dvec3 Step(const DeviceSample& sample) noexcept;
+  bool done() const noexcept { return phase_ == Phase::kDone || failed(); }
+  bool failed() const noexcept { return phase_ == Phase::kFailed; }
+  double progress() const noexcept;  // 0..1
+  // What is happening, as a sentence for whoever stands beside it.
+  std::string Doing() const;
+  // Requires: done(). Errors: kUnavailable, with what went wrong and what to do: silent or
+  // unplugged, does not move, ran away.
+  Result<std::array<AxisFigures, 3>> Figures() const;
+
+ private:
+  enum class Phase : uint8_t { kRest, kPulses, kSwings, kDone, kFailed };
+  struct Swing {
+    double hz, amplitude_m;
+    int periods;
+  };
+  static const std::array<Swing, 4> kSwings;
+  static constexpr int kPulses = 8;
+
+  void Fail(const char* why) noexcept;
+  bool Watch(const DeviceSample& sample) noexcept;
+  dvec3 Rest() noexcept;
+  double Pulse() noexcept;
+  double SwingForce() noexcept;
+  double Hold(double target_m, double target_m_per_s) noexcept;
+  double Velocity() const noexcept;
+  void NextAxis() noexcept;
+  int64_t TicksOf(const Swing& swing) const noexcept;
+  int64_t SettleTicks() const noexcept;
+
+  double Delay(size_t axis, double cell_m, double g, Estimate& out) const;
+  double PushResidual(size_t axis, size_t begin, size_t ticks, double t0_ticks, double g) const;
+  Estimate Cell(size_t axis) const;
+  Estimate Noise(size_t axis, double cell_m) const;
+  double Range(size_t axis, size_t i, int64_t ticks, double& way_m) const;
+  bool Dynamics(size_t axis, double delay_ticks, double cell_m, AxisFigures& out) const;
+
+  const CalibratorSetup setup_;
+  Phase phase_ = Phase::kRest;
+  const char* why_ = "";
+  size_t axis_ = 0, swing_ = 0;
+  int64_t tick_ = 0, phase_tick_ = 0, total_ticks_ = 0;
+  std::array<double, 3> home_m_{};
+  double push_from_m_ = 0;
+  int64_t push_ticks_ = 0;  // 0: still pushing
+  int silent_ = 0;
+
+  // Everything that was seen and sent, (ticks x 3), and where each part of it begins.
+  std::vector<std::array<int32_t, 3>> counts_;
+  std::vector<std::array<float, 3>> forces_;
+  std::array<int64_t, 3> pulses_begin_{}, swings_begin_{};
+  int64_t rest_ticks_ = 0, pulse_ticks_ = 0, push_limit_ = 0;
+};
+
+}  // namespace enamel::station
