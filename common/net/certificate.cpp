@@ -1,5 +1,6 @@
 #include "common/net/certificate.h"
 
+#include <arpa/inet.h>
 #include <openssl/bio.h>
 #include <openssl/ec.h>
 #include <openssl/err.h>
@@ -48,6 +49,12 @@ bool IsHostName(const std::string& name) {
          });
 }
 
+// Browsers look for an address among the addresses only.
+std::string AlternativeName(const std::string& name) {
+  in_addr address{};
+  return (inet_pton(AF_INET, name.c_str(), &address) == 1 ? "IP:" : "DNS:") + name;
+}
+
 bool AddExtension(X509* certificate, int nid, const std::string& value) {
   X509V3_CTX context;
   X509V3_set_ctx(&context, certificate, certificate, nullptr, nullptr, 0);
@@ -71,14 +78,15 @@ bool SetSubject(X509* certificate, const std::string& common_name) {
 Certificate SignFor(EVP_PKEY* key, const std::string& common_name) {
   Certificate certificate(X509_new());
   X509* c = certificate.get();
-  bool made =
-      c && X509_set_version(c, X509_VERSION_3) == 1 && SetSerial(c) &&
-      X509_gmtime_adj(X509_getm_notBefore(c), -kDay_s) &&
-      X509_gmtime_adj(X509_getm_notAfter(c), kValid_s) && SetSubject(c, common_name) &&
-      X509_set_pubkey(c, key) == 1 && AddExtension(c, NID_basic_constraints, "critical,CA:FALSE") &&
-      AddExtension(c, NID_ext_key_usage, "serverAuth") &&
-      AddExtension(c, NID_subject_alt_name, "DNS:" + common_name + ",DNS:localhost,IP:127.0.0.1") &&
-      X509_sign(c, key, EVP_sha256()) > 0;
+  bool made = c && X509_set_version(c, X509_VERSION_3) == 1 && SetSerial(c) &&
+              X509_gmtime_adj(X509_getm_notBefore(c), -kDay_s) &&
+              X509_gmtime_adj(X509_getm_notAfter(c), kValid_s) && SetSubject(c, common_name) &&
+              X509_set_pubkey(c, key) == 1 &&
+              AddExtension(c, NID_basic_constraints, "critical,CA:FALSE") &&
+              AddExtension(c, NID_ext_key_usage, "serverAuth") &&
+              AddExtension(c, NID_subject_alt_name,
+                           AlternativeName(common_name) + ",DNS:localhost,IP:127.0.0.1") &&
+              X509_sign(c, key, EVP_sha256()) > 0;
   return made ? std::move(certificate) : nullptr;
 }
 

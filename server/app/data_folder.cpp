@@ -28,16 +28,20 @@ Result<trace::KeyPair> EnsureTicketKey(const std::filesystem::path& path) {
   return keys;
 }
 
-Status EnsureCertificate(const ServerIdentity& identity) {
+// Makes the certificate unless it is there; its fingerprint.
+Result<Sha256> EnsureCertificate(const std::filesystem::path& certificate,
+                                 const std::filesystem::path& private_key,
+                                 const std::string& name) {
   std::error_code error;
-  if (std::filesystem::exists(identity.certificate, error)) return Status::Ok();
-  Status made =
-      net::CreateCertificateFiles(identity.certificate, identity.private_key, "enamel-server");
-  // Another command of ours was faster.
-  if (made.code() == Code::kConflict && std::filesystem::exists(identity.certificate, error)) {
-    return Status::Ok();
+  if (!std::filesystem::exists(certificate, error)) {
+    Status made = net::CreateCertificateFiles(certificate, private_key, name);
+    // Another command of ours was faster.
+    bool there = made.code() == Code::kConflict && std::filesystem::exists(certificate, error);
+    if (!made.ok() && !there) return made;
   }
-  return made;
+  auto pem = ReadFile(certificate, 1 << 20);
+  if (!pem.ok()) return pem.status();
+  return net::CertificateFingerprint(*pem);
 }
 
 }  // namespace
@@ -46,16 +50,25 @@ Result<ServerIdentity> EnsureIdentity(const std::filesystem::path& folder) {
   ServerIdentity identity;
   identity.certificate = folder / "station.crt";
   identity.private_key = folder / "station.key";
-  ENAMEL_RETURN_IF_ERROR(EnsureCertificate(identity));
-  auto pem = ReadFile(identity.certificate, 1 << 20);
-  if (!pem.ok()) return pem.status();
-  auto fingerprint = net::CertificateFingerprint(*pem);
+  auto fingerprint = EnsureCertificate(identity.certificate, identity.private_key, "enamel-server");
   if (!fingerprint.ok()) return fingerprint.status();
   identity.fingerprint = *fingerprint;
   auto keys = EnsureTicketKey(folder / "ticket.key");
   if (!keys.ok()) return keys.status();
   identity.ticket_key = *keys;
   return identity;
+}
+
+Result<PageCertificate> EnsurePageCertificate(const std::filesystem::path& folder,
+                                              const std::vector<std::string>& host_names) {
+  PageCertificate page;
+  page.certificate = folder / "page.crt";
+  page.private_key = folder / "page.key";
+  auto fingerprint = EnsureCertificate(page.certificate, page.private_key,
+                                       host_names.empty() ? "localhost" : host_names.front());
+  if (!fingerprint.ok()) return fingerprint.status();
+  page.fingerprint = *fingerprint;
+  return page;
 }
 
 Result<std::unique_ptr<Store>> OpenForCommand(const std::filesystem::path& folder) {

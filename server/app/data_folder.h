@@ -2,6 +2,8 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "common/base/result.h"
 #include "common/base/sha256.h"
@@ -24,6 +26,16 @@ struct ServerIdentity {
 
 // Makes what is missing. Errors: kStorage, kInvalidInput (a file is not what it should be).
 Result<ServerIdentity> EnsureIdentity(const std::filesystem::path& folder);
+
+struct PageCertificate {
+  std::filesystem::path certificate;  // page.crt
+  std::filesystem::path private_key;  // page.key, mode 0600
+  Sha256 fingerprint;
+};
+// A self-signed certificate of the page, made when absent for the first of `host_names`, or
+// localhost. Errors: kStorage, kInvalidInput (the name cannot be one of a certificate).
+Result<PageCertificate> EnsurePageCertificate(const std::filesystem::path& folder,
+                                              const std::vector<std::string>& host_names);
 
 // The store for a command that runs beside a server, or without one.
 Result<std::unique_ptr<Store>> OpenForCommand(const std::filesystem::path& folder);

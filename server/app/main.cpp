@@ -59,8 +59,14 @@ void AddAddresses(CLI::App* cmd, app::ServeOptions& serve) {
       ->capture_default_str();
   cmd->add_option("--web", serve.web, "Folder of the built page (web/dist)");
   cmd->add_option("--http-cert", serve.http_certificate,
-                  "Certificate chain, PEM; needed beyond loopback");
+                  "Certificate chain of the page, PEM. Beyond loopback the page needs this,\n"
+                  "--http-self-signed or --http-behind-proxy");
   cmd->add_option("--http-key", serve.http_key, "Its key, PEM");
+  cmd->add_flag("--http-self-signed", serve.http_self_signed,
+                "Make a certificate for the first --host-name, to start with");
+  cmd->add_option("--http-behind-proxy", serve.http_proxies,
+                  "Numeric address of the proxy that speaks TLS to the browsers and sets\n"
+                  "X-Forwarded-For and X-Forwarded-Proto; nobody else is answered (repeatable)");
   cmd->add_option("--host-name", serve.host_names, "Name the page is reached under (repeatable)");
 }
 
@@ -93,6 +99,10 @@ Status FinishServe(CLI::App& cmd, Options& o) {
   }
   if (o.serve.http_certificate.empty() != o.serve.http_key.empty()) {
     return Status(Code::kInvalidInput, "--http-cert and --http-key go together; give both or none");
+  }
+  if (o.serve.http_self_signed && !o.serve.http_key.empty()) {
+    return Status(Code::kInvalidInput,
+                  "--http-self-signed makes the certificate that --http-cert gives; choose one");
   }
   return ops::SetUpLog(o.log);
 }

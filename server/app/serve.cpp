@@ -64,6 +64,14 @@ Result<http::HttpOptions> HttpOptionsOf(const ServeOptions& options) {
   out.port = endpoint->port;
   out.web_root = options.web;
   out.host_names = options.host_names;
+  out.trusted_proxies = options.http_proxies;
+  if (options.http_self_signed) {
+    auto made = EnsurePageCertificate(options.data, options.host_names);
+    if (!made.ok()) return made.status();
+    spdlog::info("page: self-signed certificate {}, SHA-256 {}; browsers ask before they trust it",
+                 made->certificate.string(), made->fingerprint.Hex());
+    out.tls = http::TlsFiles{made->certificate, made->private_key};
+  }
   if (!options.http_certificate.empty()) {
     out.tls = http::TlsFiles{options.http_certificate, options.http_key};
   }

@@ -13,8 +13,10 @@ struct ServeOptions {
   std::string http = "127.0.0.1:8080";  // numeric address:port
   std::string stations = "127.0.0.1:8443";
   std::filesystem::path web;                         // the built page; empty: API only
-  std::filesystem::path http_certificate, http_key;  // both or none; needed beyond loopback
-  std::vector<std::string> host_names;  // the page may be asked for under; needed beyond loopback
+  std::filesystem::path http_certificate, http_key;  // both or none; TLS for the page
+  bool http_self_signed = false;          // page.crt, page.key in the data folder, made when absent
+  std::vector<std::string> http_proxies;  // numeric addresses; no one else is answered
+  std::vector<std::string> host_names;    // the page may be asked for under; needed beyond loopback
   int io_threads = 2;
   int job_threads = 1;
   int min_free_mib = 256;                    // recordings are refused when the disk has less

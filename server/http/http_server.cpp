@@ -7,6 +7,7 @@
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/redirect_error.hpp>
 #include <boost/asio/ssl/context.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/strand.hpp>
@@ -16,8 +17,6 @@
 #include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/ssl/ssl_stream.hpp>
-#include <boost/url/parse.hpp>
-#include <boost/url/url_view.hpp>
 #include <functional>
 #include <list>
 #include <mutex>
@@ -26,9 +25,10 @@
 #include "server/http/api.h"
 #include "server/http/error_response.h"
 #include "server/http/message.h"
-#include "server/http/request_head.h"
+#include "server/http/request_reader.h"
 #include "server/http/site.h"
 #include "server/http/static_files.h"
+#include "server/ops/refusal_log.h"
 
 namespace enamel::server::http {
 namespace asio = boost::asio;
@@ -40,6 +40,7 @@ using TlsStream = beast::ssl_stream<beast::tcp_stream>;
 namespace {
 
 constexpr auto kNoThrow = asio::as_tuple(asio::use_awaitable);
+auto Into(beast::error_code& error) { return asio::redirect_error(asio::use_awaitable, error); }
 constexpr size_t kReadBytes = 4096;
 constexpr size_t kMaxDrainBytes = 4 * kMaxBodyBytes;
 constexpr std::chrono::milliseconds kDrain{1000};
@@ -49,6 +50,7 @@ constexpr std::chrono::milliseconds kAcceptPause{100};
 constexpr std::chrono::milliseconds kEventPeriod{100};
 constexpr std::chrono::seconds kEventSilence{15};
 constexpr int kEventSendBuffer = 64 * 1024;
+constexpr std::string_view kHealthPath = "/healthz";  // also for the proxy itself
 constexpr std::string_view kContinue = "HTTP/1.1 100 Continue\r\n\r\n";
 constexpr std::string_view kTooManyConnections =
     "HTTP/1.1 503 Service Unavailable\r\nContent-Length: 0\r\nRetry-After: 5\r\n"
@@ -56,6 +58,17 @@ constexpr std::string_view kTooManyConnections =
 
 std::string_view View(const beast::flat_buffer& buffer) {
   return {static_cast<const char*>(buffer.data().data()), buffer.size()};
+}
+
+// The reason begins with the status, which alone tells refusals apart: what follows may be what the
+// peer wrote.
+void Note(ops::RefusalLog& refusals, const std::string& peer, const std::string& reason) {
+  refusals.Note({"a peer at " + peer, reason.substr(0, reason.find(' ')), reason});
+}
+
+// The browser's end of the line is TLS, here or at the proxy.
+bool IsSecure(const HttpOptions& options) {
+  return options.tls.has_value() || !options.trusted_proxies.empty();
 }
 
 }  // namespace
@@ -99,7 +112,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
                                    std::shared_ptr<Connection> connection);
   asio::awaitable<void> ServeTls(TlsStream stream, std::string peer,
                                  std::shared_ptr<Connection> connection);
-  asio::awaitable<Response> Answer(const Request& request);
+  asio::awaitable<Response> Answer(Request& request);
 
   // Constant after Start.
   asio::io_context& io;
@@ -108,6 +121,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
   std::optional<StaticFiles> files;
 
   std::unique_ptr<Api> api;  // until the server is destroyed
+  ops::RefusalLog refusals{"page"};
 
   // On `strand`.
   asio::strand<asio::io_context::executor_type> strand;
@@ -121,87 +135,46 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
 
 namespace {
 
-Request PlainRequest(const bhttp::request<bhttp::string_body>& message, std::string peer,
-                     bool tls) {
-  Request out;
-  switch (message.method()) {
-    case bhttp::verb::get:
-      out.method = Method::kGet;
-      break;
-    case bhttp::verb::head:
-      out.method = Method::kHead;
-      break;
-    case bhttp::verb::post:
-      out.method = Method::kPost;
-      break;
-    case bhttp::verb::delete_:
-      out.method = Method::kDelete;
-      break;
-    case bhttp::verb::patch:
-      out.method = Method::kPatch;
-      break;
-    default:
-      out.method = Method::kOther;
-      break;
-  }
-  for (const auto& field : message) {
-    std::string name(field.name_string());
-    std::transform(name.begin(), name.end(), name.begin(), [](char c) {
-      return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    });
-    std::string& value = out.headers[name];
-    if (!value.empty()) value += name == "cookie" ? "; " : ", ";
-    value += std::string_view(field.value().data(), field.value().size());
-  }
-  out.body = message.body();
-  out.peer = std::move(peer);
-  out.tls = tls;
-  return out;
-}
-
-// Path and decoded query. Errors: kInvalidInput.
-Status TakeTarget(std::string_view target, Request& request) {
-  auto url = boost::urls::parse_origin_form({target.data(), target.size()});
-  if (url.has_error()) {
-    return {Code::kInvalidInput, "expected a percent-encoded path and query", "request line"};
-  }
-  auto path = url->encoded_path();
-  request.path.assign(path.data(), path.size());
-  for (const auto& param : url->params()) request.query[param.key] = param.value;
-  return {};
-}
-
-// Reads until a whole head is in the buffer. False: the peer went away, or the deadline passed.
-// Errors: kTooLarge.
+// Reads until `reader` has a request or refuses it. kMore: the peer went away, or a deadline passed
+// (`late`).
 template <typename Stream>
-asio::awaitable<Result<bool>> ReadHead(Stream& stream, beast::flat_buffer& buffer,
-                                       const HttpDeadlines& deadlines, Connection& connection,
-                                       size_t& head_end) {
-  head_end = FindHeadEnd(View(buffer));
+asio::awaitable<RequestReader::Step> ReadRequest(Stream& stream, beast::flat_buffer& buffer,
+                                                 RequestReader& reader,
+                                                 const HttpDeadlines& deadlines,
+                                                 Connection& connection, bool& late) {
+  using Step = RequestReader::Step;
   connection.idle = buffer.size() == 0;
   beast::get_lowest_layer(stream).expires_after(connection.idle ? deadlines.idle : deadlines.head);
-  while (head_end == std::string_view::npos) {
-    size_t before = buffer.size();
-    if (before >= kMaxHeadBytes) {
-      co_return Status{Code::kTooLarge, "expected a request line and headers of at most 16 KiB"};
+  for (;;) {
+    bool in_head = reader.in_head();
+    size_t used = 0;
+    Step step = reader.Feed(View(buffer), used);
+    buffer.consume(used);
+    if (step == Step::kRequest || step == Step::kRefused) co_return step;
+    if (in_head && !reader.in_head()) {
+      beast::get_lowest_layer(stream).expires_after(deadlines.body);
     }
-    auto [error, count] = co_await stream.async_read_some(
-        buffer.prepare(std::min(kReadBytes, kMaxHeadBytes - before)), kNoThrow);
-    if (error) co_return false;
+    beast::error_code error;
+    if (step == Step::kContinue) {
+      co_await asio::async_write(stream, asio::buffer(kContinue), Into(error));
+      if (error) co_return Step::kMore;
+    }
+    size_t count = co_await stream.async_read_some(
+        buffer.prepare(std::min(kReadBytes, buffer.max_size() - buffer.size())), Into(error));
+    late = !connection.idle && error == beast::error::timeout;
+    if (error) co_return Step::kMore;
     buffer.commit(count);
     if (connection.idle) {
       connection.idle = false;
       beast::get_lowest_layer(stream).expires_after(deadlines.head);
     }
-    head_end = FindHeadEnd(View(buffer), before);
   }
-  co_return true;
 }
 
 template <typename Stream>
 asio::awaitable<bool> Write(Stream& stream, Response& response, bool head_only, bool keep_alive,
                             const HttpOptions& options) {
-  AddSecurityHeaders(response, options.tls.has_value());
+  AddSecurityHeaders(response, IsSecure(options));
   bhttp::response<bhttp::span_body<const char>> message;
   message.version(11);
   message.result(static_cast<unsigned>(response.status));
@@ -230,7 +203,7 @@ std::string TextOf(const EventSource::Event& event, bool silent_for_long) {
 template <typename Stream>
 asio::awaitable<bool> WriteEventsHead(Stream& stream, Response& response,
                                       const HttpOptions& options) {
-  AddSecurityHeaders(response, options.tls.has_value());
+  AddSecurityHeaders(response, IsSecure(options));
   bhttp::response<bhttp::empty_body> message;
   message.version(11);
   message.result(static_cast<unsigned>(response.status));
@@ -286,102 +259,37 @@ asio::awaitable<void> Drain(Stream& stream, beast::flat_buffer& buffer) {
   }
 }
 
-// What came of waiting for a request.
-struct Incoming {
-  enum class Kind { kClosed, kRefused, kRequest } kind = Kind::kClosed;
-  Request request;
-  bool keep_alive = false;
-  Response refusal;
-};
-
-Incoming Refused(Response refusal) {
-  Incoming out;
-  out.kind = Incoming::Kind::kRefused;
-  out.refusal = std::move(refusal);
-  return out;
-}
-
-// An error of reading head or body: an answer where the peer is still there to get it.
-Incoming FailedRead(const beast::error_code& error) {
-  if (error == bhttp::error::body_limit) {
-    return Refused(ErrorResponse({Code::kTooLarge, "expected a body of at most 1 MiB"}));
-  }
-  bool malformed = error.category() == make_error_code(bhttp::error::bad_version).category() &&
-                   error != bhttp::error::partial_message && error != bhttp::error::end_of_stream;
-  if (!malformed) return {};
-  return Refused(
-      ErrorResponse({Code::kInvalidInput, "expected an HTTP/1.1 request: " + error.message()}));
-}
-
-Incoming TakeMessage(const bhttp::request<bhttp::string_body>& message, const std::string& peer,
-                     bool tls) {
-  Incoming out;
-  out.request = PlainRequest(message, peer, tls);
-  out.keep_alive = message.keep_alive();
-  auto target = message.target();
-  Status valid = TakeTarget({target.data(), target.size()}, out.request);
-  if (!valid.ok()) return Refused(ErrorResponse(valid));
-  out.kind = Incoming::Kind::kRequest;
-  return out;
-}
-
-template <typename Stream>
-asio::awaitable<Incoming> ReadMessage(Stream& stream, beast::flat_buffer& buffer,
-                                      const std::string& peer, const HttpOptions& options) {
-  bhttp::request_parser<bhttp::string_body> parser;
-  parser.header_limit(kMaxHeadBytes);
-  parser.body_limit(kMaxBodyBytes);
-  beast::get_lowest_layer(stream).expires_after(options.deadlines.body);
-  auto [head_error, head_bytes] =
-      co_await bhttp::async_read_header(stream, buffer, parser, kNoThrow);
-  if (head_error) co_return FailedRead(head_error);
-  if (beast::iequals(parser.get()[bhttp::field::expect], "100-continue")) {
-    auto [write_error, written] =
-        co_await asio::async_write(stream, asio::buffer(kContinue), kNoThrow);
-    if (write_error) co_return Incoming{};
-  }
-  auto [body_error, body_bytes] = co_await bhttp::async_read(stream, buffer, parser, kNoThrow);
-  if (body_error) co_return FailedRead(body_error);
-  co_return TakeMessage(parser.get(), peer, options.tls.has_value());
-}
-
-template <typename Stream>
-asio::awaitable<Incoming> ReadRequest(Stream& stream, beast::flat_buffer& buffer,
-                                      const std::string& peer, const HttpOptions& options,
-                                      Connection& connection) {
-  size_t head_end = 0;
-  Result<bool> complete =
-      co_await ReadHead(stream, buffer, options.deadlines, connection, head_end);
-  if (!complete.ok()) {
-    co_return Refused(ErrorResponse(431, "too_large", complete.status().message()));
-  }
-  if (!*complete) co_return Incoming{};
-  Status head = CheckRequestHead(View(buffer).substr(0, head_end));
-  if (!head.ok()) co_return Refused(ErrorResponse(head));
-  co_return co_await ReadMessage(stream, buffer, peer, options);
-}
-
 // One request and its answer. False: close the connection.
 template <typename Stream, typename Answer>
 asio::awaitable<bool> ServeOne(Stream& stream, beast::flat_buffer& buffer, const std::string& peer,
-                               const HttpOptions& options, Connection& connection,
-                               const Answer& answer) {
-  Incoming incoming = co_await ReadRequest(stream, buffer, peer, options, connection);
-  if (incoming.kind == Incoming::Kind::kClosed) co_return false;
-  Response response = std::move(incoming.refusal);
+                               const HttpOptions& options, ops::RefusalLog& refusals,
+                               Connection& connection, const Answer& answer) {
+  RequestReader reader;
+  bool late = false;
+  RequestReader::Step step =
+      co_await ReadRequest(stream, buffer, reader, options.deadlines, connection, late);
+  if (late) Note(refusals, peer, "408 a request did not arrive within its time");
+  if (step == RequestReader::Step::kMore) co_return false;
+  Response response;
   bool keep_alive = false;
-  if (incoming.kind == Incoming::Kind::kRequest) {
-    response = co_await answer(incoming.request);
-    keep_alive = incoming.keep_alive && !connection.stopping;
+  if (step == RequestReader::Step::kRequest) {
+    reader.request().peer = peer;
+    reader.request().tls = options.tls.has_value();
+    response = co_await answer(reader.request());
+    keep_alive = reader.keep_alive() && !connection.stopping;
+  } else {
+    response = std::move(reader.refusal());
+    Note(refusals, peer, std::to_string(response.status) + " " + response.body);
   }
-  bool head_only = incoming.request.method == Method::kHead;
+  bool head_only = reader.request().method == Method::kHead;
   if (response.events && !head_only) {
     co_await WriteEvents(stream, std::move(response), options, connection);
     co_return false;
   }
   bool written = co_await Write(stream, response, head_only, keep_alive, options);
   if (written && !keep_alive) co_await Drain(stream, buffer);
-  co_return written&& keep_alive;
+  if (!written) co_return false;
+  co_return keep_alive;
 }
 
 std::string PeerAddress(const tcp::socket& socket) {
@@ -408,8 +316,16 @@ Status LoadTls(asio::ssl::context& context, const TlsFiles& files) {
 
 }  // namespace
 
-asio::awaitable<Response> HttpServer::State::Answer(const Request& request) {
+asio::awaitable<Response> HttpServer::State::Answer(Request& request) {
+  if (!options.trusted_proxies.empty() && request.path != kHealthPath) {
+    const std::string peer = request.peer;
+    if (Status known = TakeFromProxy(options.trusted_proxies, request); !known.ok()) {
+      Note(refusals, peer, "403 " + known.message());
+      co_return ErrorResponse(known);
+    }
+  }
   if (!HostAllowed(request.Header("host"), options.host_names)) {
+    Note(refusals, request.peer, "421 the host it asked for is not one of this server's names");
     co_return ErrorResponse(421, "misdirected",
                             "expected a host name of this server, found " +
                                 std::string(request.Header("host")) +
@@ -425,10 +341,10 @@ template <typename Stream>
 asio::awaitable<void> HttpServer::State::ServeAll(Stream& stream, const std::string& peer,
                                                   Connection& connection) {
   beast::flat_buffer buffer(kMaxHeadBytes + kReadBytes);
-  auto answer = [this](const Request& request) { return Answer(request); };
+  auto answer = [this](Request& request) { return Answer(request); };
   bool open = true;
   while (open && !connection.stopping) {
-    open = co_await ServeOne(stream, buffer, peer, options, connection, answer);
+    open = co_await ServeOne(stream, buffer, peer, options, refusals, connection, answer);
   }
 }
 
@@ -458,6 +374,7 @@ void HttpServer::State::Spawn(tcp::socket socket) {
       beast::error_code ignored;
       socket.non_blocking(true, ignored);
       socket.write_some(asio::buffer(kTooManyConnections), ignored);
+      Note(refusals, PeerAddress(socket), "503 as many connections are open as there may be");
       return;
     }
     place = connections.insert(connections.end(), connection);
@@ -497,14 +414,22 @@ Status HttpServer::State::Prepare() {
             "expected a numeric address such as 127.0.0.1, found '" + options.address + "'",
             "address"};
   }
-  if (!address.is_loopback() && !options.tls) {
-    return {Code::kInvalidInput,
-            "expected TLS for " + options.address +
-                ": passwords do not travel in the clear; give a certificate and key, or listen on "
-                "127.0.0.1",
-            "address"};
+  if (!address.is_loopback() && !options.tls && options.trusted_proxies.empty()) {
+    return {
+        Code::kInvalidInput,
+        "expected TLS for " + options.address +
+            ": passwords do not travel in the clear; give a certificate and key, name the proxy "
+            "that speaks TLS to the browsers, or listen on 127.0.0.1",
+        "address"};
   }
-  if (options.host_names.empty() && !address.is_loopback()) {
+  for (const std::string& proxy : options.trusted_proxies) {
+    if (asio::ip::make_address(proxy, error).to_string() == proxy && !error) continue;
+    return {Code::kInvalidInput,
+            "expected a proxy's numeric address such as 10.0.0.5, found '" + proxy + "'",
+            "trusted_proxies"};
+  }
+  bool reached_from_afar = !address.is_loopback() || !options.trusted_proxies.empty();
+  if (options.host_names.empty() && reached_from_afar) {
     return {Code::kInvalidInput, "expected the host names the page is opened under", "host_names"};
   }
   if (options.host_names.empty()) options.host_names = {"127.0.0.1", "localhost", "[::1]"};

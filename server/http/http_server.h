@@ -36,13 +36,15 @@ struct HttpDeadlines {
 };
 
 struct HttpOptions {
-  std::string address = "127.0.0.1";  // numeric; anything but loopback needs `tls`
+  std::string address = "127.0.0.1";  // numeric; anything but loopback needs `tls` or a proxy
   uint16_t port = 8080;               // 0: any free one
   std::optional<TlsFiles> tls;        // TLS 1.3
-  std::filesystem::path web_root;     // the built page; empty: API only
+  // Numeric addresses of the proxies in front of this server, which then answers nobody else and
+  // may speak plain HTTP beyond loopback: they speak TLS to the browsers (TakeFromProxy).
+  std::vector<std::string> trusted_proxies;
+  std::filesystem::path web_root;  // the built page; empty: API only
   // Names the page may be asked for under, lower case, without port. Empty: 127.0.0.1, localhost
-  // and
-  // [::1]; required when `address` is not loopback.
+  // and [::1]; required when `address` is not loopback, and behind a proxy.
   std::vector<std::string> host_names;
   size_t max_connections = 256;  // one more is closed at once with 503
   size_t max_in_flight = 64;     // requests waiting for the store's threads
@@ -54,9 +56,6 @@ struct HttpOptions {
   ops::Metrics* metrics = nullptr;
   std::string metrics_token;
 };
-
-inline constexpr size_t kMaxHeadBytes = 16 * 1024;
-inline constexpr size_t kMaxBodyBytes = 1024 * 1024;
 
 // Serves the API (schemas/api/openapi.yaml) and the page. One coroutine on one strand per
 // connection, which alone owns the stream and its buffers; blocking work runs on threads of its own

@@ -23,8 +23,10 @@ bool IsValueChar(char c) {
   auto byte = static_cast<unsigned char>(c);
   return c == '\t' || (byte >= 0x20 && byte != 0x7f);
 }
-// RFC 3986 without the fragment; what a browser encodes must come encoded.
-bool IsTargetChar(char c) { return c > 0x20 && c < 0x7f && c != '#'; }
+bool IsTargetChar(char c) {
+  auto byte = static_cast<unsigned char>(c);
+  return byte > 0x20 && byte != 0x7f;
+}
 
 std::string ToLower(std::string_view text) {
   std::string out(text);
@@ -49,12 +51,30 @@ bool Imitates(std::string_view lower_name, std::string_view letters) {
   return kept == letters;
 }
 
+// RFC 9112 section 7, and "identity" of its forerunners.
+bool IsCoding(std::string_view lower) {
+  constexpr std::string_view kCodings[] = {"chunked",  "gzip",       "x-gzip",  "deflate",
+                                           "compress", "x-compress", "identity"};
+  return std::find(std::begin(kCodings), std::end(kCodings), lower) != std::end(kCodings);
+}
+
 struct Framing {
-  bool host = false;
+  bool bodyless = false;  // GET, HEAD
+  bool old = false;       // HTTP/1.0
+  std::string authority;  // of an absolute target, lower case
+  std::string host;       // lower case
+  bool has_host = false;
   bool length = false;
   bool nonzero_length = false;
+  bool coding = false;
   bool chunked = false;
+  bool other_coding = false;
+  bool packed = false;  // Content-Encoding
 };
+
+Status Unspoken(std::string_view what, std::string message) {
+  return {Code::kVersion, std::move(message), std::string(what)};
+}
 
 Status TakeLength(std::string_view value, Framing& framing) {
   if (framing.length)
@@ -68,14 +88,18 @@ Status TakeLength(std::string_view value, Framing& framing) {
   return {};
 }
 
-Status TakeCoding(std::string_view value, Framing& framing) {
-  if (framing.chunked) {
-    return Refuse("transfer-encoding", "expected one Transfer-Encoding, found a second");
+Status TakeCodings(std::string_view value, Framing& framing) {
+  framing.coding = true;
+  for (bool more = true; more;) {
+    size_t end = value.find(',');
+    more = end != std::string_view::npos;
+    std::string coding = ToLower(Trim(value.substr(0, end)));
+    value.remove_prefix(more ? end + 1 : value.size());
+    if (framing.chunked || !IsCoding(coding)) {
+      return Refuse("transfer-encoding", "expected chunked, once, as the last Transfer-Encoding");
+    }
+    (coding == "chunked" ? framing.chunked : framing.other_coding) = true;
   }
-  if (ToLower(value) != "chunked") {
-    return Refuse("transfer-encoding", "expected chunked as the only Transfer-Encoding");
-  }
-  framing.chunked = true;
   return {};
 }
 
@@ -90,18 +114,48 @@ Status TakeHeader(std::string_view line, Framing& framing) {
     return Refuse(name, "expected no control characters in a header's value");
   }
   if (name == "content-length") return TakeLength(value, framing);
-  if (name == "transfer-encoding") return TakeCoding(value, framing);
+  if (name == "transfer-encoding") return TakeCodings(value, framing);
   if (Imitates(name, "contentlength") || Imitates(name, "transferencoding")) {
     return Refuse(name, "expected Content-Length or Transfer-Encoding, found an imitation");
   }
   if (name == "host") {
-    if (framing.host) return Refuse(name, "expected one Host, found a second");
-    framing.host = true;
+    if (framing.has_host) return Refuse(name, "expected one Host, found a second");
+    framing.has_host = true;
+    framing.host = ToLower(value);
   }
+  if (name == "content-encoding" && ToLower(value) != "identity") framing.packed = true;
   return {};
 }
 
-Status CheckRequestLine(std::string_view line, bool& bodyless) {
+Status CheckTarget(std::string_view method, std::string_view target, Framing& framing) {
+  constexpr std::string_view kField = "request line";
+  if (!std::all_of(target.begin(), target.end(), IsTargetChar)) {
+    return Refuse(kField, "expected a path without spaces and control characters");
+  }
+  if (target.starts_with('/') || (target == "*" && method == "OPTIONS")) return {};
+  std::string lower = ToLower(target);
+  for (std::string_view scheme : {"http://", "https://"}) {
+    if (!lower.starts_with(scheme)) continue;
+    size_t end = std::min(lower.find_first_of("/?#", scheme.size()), lower.size());
+    framing.authority = lower.substr(scheme.size(), end - scheme.size());
+    if (!framing.authority.empty()) return {};
+  }
+  return Refuse(kField, "expected a path that starts with '/'; this server is no proxy");
+}
+
+Status CheckVersion(std::string_view version, Framing& framing) {
+  constexpr std::string_view kName = "HTTP/";
+  if (version == "HTTP/1.1") return {};
+  framing.old = version == "HTTP/1.0";
+  if (framing.old) return {};
+  bool well_formed = version.size() == 8 && version.starts_with(kName) && IsDigit(version[5]) &&
+                     version[6] == '.' && IsDigit(version[7]);
+  bool later = well_formed && version[5] != '0';
+  return later ? Unspoken("request line", "expected version HTTP/1.1 or HTTP/1.0")
+               : Refuse("request line", "expected version HTTP/1.1");
+}
+
+Status CheckRequestLine(std::string_view line, Framing& framing) {
   constexpr std::string_view kField = "request line";
   size_t first = line.find(' ');
   size_t last = line.rfind(' ');
@@ -109,27 +163,33 @@ Status CheckRequestLine(std::string_view line, bool& bodyless) {
     return Refuse(kField, "expected 'METHOD /path HTTP/1.1'");
   }
   std::string_view method = line.substr(0, first);
-  std::string_view target = line.substr(first + 1, last - first - 1);
   if (!IsToken(method)) return Refuse(kField, "expected a token as method");
-  if (line.substr(last + 1) != "HTTP/1.1") return Refuse(kField, "expected version HTTP/1.1");
-  if (target.empty() || target[0] != '/') {
-    return Refuse(kField, "expected a path that starts with '/'; this server is no proxy");
-  }
-  if (!std::all_of(target.begin(), target.end(), IsTargetChar)) {
-    return Refuse(kField, "expected a percent-encoded path without spaces and fragment");
-  }
-  bodyless = method == "GET" || method == "HEAD";
-  return {};
+  framing.bodyless = method == "GET" || method == "HEAD";
+  ENAMEL_RETURN_IF_ERROR(CheckTarget(method, line.substr(first + 1, last - first - 1), framing));
+  return CheckVersion(line.substr(last + 1), framing);
 }
 
-Status CheckFraming(const Framing& framing, bool bodyless) {
-  if (!framing.host) return Refuse("host", "expected a Host header, found none");
-  if (framing.length && framing.chunked) {
+Status CheckFraming(const Framing& framing) {
+  if (!framing.has_host) return Refuse("host", "expected a Host header, found none");
+  if (!framing.authority.empty() && framing.authority != framing.host) {
+    return Refuse("host", "expected the Host that the request line names, found another");
+  }
+  if (framing.length && framing.coding) {
     return Refuse("transfer-encoding", "expected Content-Length or Transfer-Encoding, found both");
   }
-  if (bodyless && (framing.nonzero_length || framing.chunked)) {
+  if (framing.bodyless && (framing.nonzero_length || framing.coding)) {
     return Refuse("content-length", "expected no body with GET and HEAD");
   }
+  if (framing.old && framing.coding) {
+    return Refuse("transfer-encoding", "expected no Transfer-Encoding with HTTP/1.0");
+  }
+  if (framing.coding && !framing.chunked) {
+    return Refuse("transfer-encoding", "expected chunked as the last Transfer-Encoding");
+  }
+  if (framing.other_coding) {
+    return Unspoken("transfer-encoding", "expected chunked as the only Transfer-Encoding");
+  }
+  if (framing.packed) return Unspoken("content-encoding", "expected a body as it is, not packed");
   return {};
 }
 
@@ -147,7 +207,6 @@ size_t FindHeadEnd(std::string_view bytes, size_t from) {
 }
 
 Status CheckRequestHead(std::string_view head) {
-  bool bodyless = false;
   bool first = true;
   Framing framing;
   while (!head.empty()) {
@@ -161,10 +220,10 @@ Status CheckRequestHead(std::string_view head) {
       return Refuse("header", "expected every line to end with CR LF, found a lone CR or LF");
     }
     if (first) {
-      ENAMEL_RETURN_IF_ERROR(CheckRequestLine(line, bodyless));
+      ENAMEL_RETURN_IF_ERROR(CheckRequestLine(line, framing));
       first = false;
     } else if (line.empty()) {
-      return head.empty() ? CheckFraming(framing, bodyless)
+      return head.empty() ? CheckFraming(framing)
                           : Refuse("header", "expected nothing after the empty line");
     } else {
       ENAMEL_RETURN_IF_ERROR(TakeHeader(line, framing));

@@ -17,12 +17,26 @@ namespace enamel::server::http {
 size_t FindHeadEnd(std::string_view bytes, size_t from = 0);
 
 // `head` up to and including the empty line. Accepts exactly:
-//   METHOD SP /target SP HTTP/1.1 CRLF, then `name: value` CRLF lines, then CRLF;
+//   METHOD SP target SP HTTP/1.1 CRLF (or HTTP/1.0), `name: value` CRLF lines, then CRLF;
+//   the target is /path?query, http(s)://host/path with the Host it names, or * with OPTIONS;
+//   it has no space and no control character (TakeTarget encodes what a browser would have);
 //   names are tokens, values visible ASCII, space, tab and 0x80-0xFF; no folding, no lone CR or LF;
 //   exactly one Host; at most one Content-Length of decimal digits, or one Transfer-Encoding that
-//   is "chunked", never both, neither with GET, HEAD (a length of 0 is accepted); nothing that
-//   resembles those two names without being one.
-// Errors: kInvalidInput, field() is the header's name or "request line".
+//   is "chunked", never both, neither with GET, HEAD (a length of 0 is accepted), no
+//   Transfer-Encoding with HTTP/1.0; nothing that resembles those two names without being one.
+//
+// What the suite calls acceptable:
+//   GetHeadZeroContentLength   accepted: some clients send it, and both readings are the same
+//   NonCompliantHeader         refused: spaces and control characters in names and values
+//   NonCompliantVersion        refused: HTTP/0.9 and none, spaces after the version; 1.2: see below
+//   SpaceInUri                 refused: where the target ends is a guess
+// What it calls compliant and is refused all the same: an empty target, which shifts the version
+// into its place, and parameters of a transfer coding, which RFC 9112 section 7.1 calls an error.
+//
+// Errors: kInvalidInput, field() is the header's name or "request line"; kVersion for what is well
+// formed and not spoken here: other versions ("request line"), codings of the message besides
+// chunked ("transfer-encoding"), of its content ("content-encoding": nothing here unpacks what a
+// stranger packed).
 Status CheckRequestHead(std::string_view head);
 
 }  // namespace enamel::server::http

@@ -1,6 +1,7 @@
 #include "server/http/site.h"
 
 #include <algorithm>
+#include <boost/asio/ip/address.hpp>
 #include <utility>
 
 namespace enamel::server::http {
@@ -75,6 +76,32 @@ Status CheckSameSite(const Request& request) {
                 "; open the page itself and try again",
             "origin"};
   }
+  return {};
+}
+
+Status TakeFromProxy(const std::vector<std::string>& proxies, Request& request) {
+  if (std::find(proxies.begin(), proxies.end(), request.peer) == proxies.end()) {
+    return {Code::kForbidden, "expected the proxy in front of this server; open the page there"};
+  }
+  if (request.Header("x-forwarded-proto") != "https") {
+    return {
+        Code::kForbidden,
+        "expected the proxy to say X-Forwarded-Proto: https; let it serve the page over TLS and "
+        "set that header",
+        "x-forwarded-proto"};
+  }
+  std::string_view passed = request.Header("x-forwarded-for");
+  std::string_view last = Trim(passed.substr(passed.rfind(',') + 1));
+  boost::system::error_code error;
+  auto address = boost::asio::ip::make_address(last, error);
+  if (error) {
+    return {Code::kForbidden,
+            "expected the proxy to end X-Forwarded-For with the address it was asked from; let it "
+            "set that header",
+            "x-forwarded-for"};
+  }
+  request.peer = address.to_string();
+  request.tls = true;
   return {};
 }
 

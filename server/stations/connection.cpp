@@ -22,10 +22,15 @@ std::string PeerAddress(const asio::ip::tcp::socket& socket) {
   return error ? std::string("unknown") : endpoint.address().to_string();
 }
 
+// Then the message names files and tables, which are for the server's log alone.
+bool IsOurFault(const wire::Error& error) {
+  return error.code() == CodeName(Code::kStorage) || error.code() == CodeName(Code::kInternal);
+}
+
 }  // namespace
 
 Connection::Connection(asio::ip::tcp::socket socket, SSL_CTX* tls, const LinkDeadlines& deadlines,
-                       Services& services, StorePool& pool, RefusalLog& refusals)
+                       Services& services, StorePool& pool, ops::RefusalLog& refusals)
     : deadlines_(deadlines),
       pool_(pool),
       refusals_(refusals),
@@ -126,7 +131,7 @@ asio::awaitable<void> Connection::ServeRequests() {
     Answer answer = co_await Carry(*request);
     if (session_.welcomed()) reader_.set_limit(protocol::kMaxFrameBytes);
     if (!answer.reply) continue;
-    if (answer.reply->has_error()) refusals_.Note(peer_, session_.name(), answer.reply->error());
+    if (answer.reply->has_error()) NoteRefusal(*answer.reply->mutable_error());
     bool written = co_await Write(std::move(*answer.reply));
     if (!written || answer.close) co_return;
   }
@@ -192,10 +197,20 @@ asio::awaitable<bool> Connection::Write(wire::Reply reply) {
   co_return true;
 }
 
+void Connection::NoteRefusal(wire::Error& error) {
+  std::string who = "a peer at " + peer_;
+  if (!session_.name().empty()) who = "station \"" + session_.name() + "\" at " + peer_;
+  refusals_.Note({who, error.code() + "\n" + error.field(), error.code() + ": " + error.message()});
+  if (IsOurFault(error)) {
+    error.set_message("the server could not do this; its log says why; what was sent is not lost");
+    error.clear_field();
+  }
+}
+
 asio::awaitable<void> Connection::Refuse(Status status) {
   wire::Reply reply;
   *reply.mutable_error() = protocol::ToError(status);
-  if (!stopping_) refusals_.Note(peer_, session_.name(), reply.error());
+  if (!stopping_) NoteRefusal(*reply.mutable_error());
   co_await Write(std::move(reply));
 }
 

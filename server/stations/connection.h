@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "common/protocol/frame.h"
-#include "server/stations/refusal_log.h"
+#include "server/ops/refusal_log.h"
 #include "server/stations/session.h"
 #include "server/stations/station_server.h"
 #include "server/stations/tls_socket.h"
@@ -22,7 +22,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   // Requires: the socket's executor is a strand of its own. `tls`, `deadlines` and what follows
   // outlive it.
   Connection(boost::asio::ip::tcp::socket socket, SSL_CTX* tls, const LinkDeadlines& deadlines,
-             Services& services, StorePool& pool, RefusalLog& refusals);
+             Services& services, StorePool& pool, ops::RefusalLog& refusals);
 
   // Serves until either side ends it. Call once.
   void Run(std::function<void()> on_end);
@@ -42,12 +42,14 @@ class Connection : public std::enable_shared_from_this<Connection> {
   boost::asio::awaitable<bool> Write(wire::Reply reply);
   boost::asio::awaitable<Answer> Carry(const wire::Request& request);
   boost::asio::awaitable<void> Refuse(Status status);
+  // Says it in the log, and takes out of it what is for the log alone.
+  void NoteRefusal(wire::Error& error);
   void Allow(std::chrono::milliseconds time);
   void CloseSocket();
 
   const LinkDeadlines& deadlines_;
   StorePool& pool_;
-  RefusalLog& refusals_;
+  ops::RefusalLog& refusals_;
   TlsSocket stream_;
   Clock::time_point deadline_;
   boost::asio::steady_timer watch_;  // wakes Watch, never later than the deadline

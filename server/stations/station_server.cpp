@@ -64,7 +64,7 @@ struct StationServer::State : std::enable_shared_from_this<State> {
   Services& services;
   StorePool& pool;
   std::shared_ptr<asio::ssl::context> tls;
-  RefusalLog refusals;
+  ops::RefusalLog refusals{"station link"};
   // Owned by the strand.
   asio::strand<asio::io_context::executor_type> strand;
   tcp::acceptor acceptor;
@@ -93,7 +93,10 @@ asio::awaitable<void> StationServer::State::Accept() {
 
 void StationServer::State::Admit(tcp::socket socket) {
   if (connections.size() >= options.max_connections) {
-    spdlog::warn("station link: refused a connection, {} are open", connections.size());
+    error_code error;
+    auto peer = socket.remote_endpoint(error);
+    refusals.Note({"a peer at " + (error ? std::string("?") : peer.address().to_string()), "full",
+                   std::to_string(connections.size()) + " connections are open"});
     return;
   }
   error_code ignored;

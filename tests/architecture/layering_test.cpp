@@ -52,7 +52,7 @@ const std::map<std::string, Names>& Allowed() {
         {"server/storage", {"server/training", "common/trace", "common/scene"}},
         {"server/auth", {"server/storage"}},
         {"server/live", {"server/training", "common/protocol"}},
-        {"server/stations", {"server/auth", "server/live", "server/storage", "common/net", "common/trace", "common/scene"}},
+        {"server/stations", {"server/auth", "server/live", "server/ops", "server/storage", "common/net", "common/trace", "common/scene"}},
         {"server/jobs", {"server/storage", "common/scoring"}},
         {"server/http", {"server/auth", "server/live", "server/ops", "server/storage", "server/jobs", "common/scene", "common/net"}},
         {"server/app", {"server/http", "server/ops", "server/stations", "server/jobs", "common/scoring", "common/import"}},

@@ -45,7 +45,7 @@ TEST_F(CommandsTest, SeedingTwiceChangesNothing) {
   EXPECT_EQ(facts.at("exercise").as_string(), exercises->front().name);
   EXPECT_FALSE(facts.at("has_reference").as_bool());
   auto store = OpenData();
-  EXPECT_EQ(store->Profiles()->size(), 3u);
+  EXPECT_EQ(store->Profiles()->size(), scene::BuiltinProfiles().size());
   EXPECT_EQ(store->ExercisesFor(store->PersonByLogin("student1")->id)->size(), 1u);
   auth::Authenticator authenticator(*store);
   EXPECT_TRUE(

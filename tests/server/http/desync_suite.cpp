@@ -1,6 +1,9 @@
 #include "tests/server/http/desync_suite.h"
 
 #include <algorithm>
+#include <filesystem>
+
+#include "common/base/file.h"
 
 namespace enamel::server::http {
 namespace {
@@ -85,6 +88,7 @@ void Take(const Line& line, DesyncCase& into) {
   if (line.key == "name" && line.item) into.headers.emplace_back(line.value, "");
   if (line.key == "value" && !into.headers.empty()) into.headers.back().second = line.value;
   if (line.key == "tier" && line.indent == 4) into.tier = line.value;
+  if (line.key == "reason" && line.indent == 4) into.reason = line.value;
 }
 
 }  // namespace
@@ -110,6 +114,24 @@ std::vector<DesyncCase> ReadDesyncCases(std::string_view yaml) {
     if (line.item && line.indent == 0) out.emplace_back();
     // `tier` of a header stands beside its name, `tier` of the verdict under "expected".
     if (!out.empty()) Take(line, out.back());
+  }
+  return out;
+}
+
+std::vector<DesyncCase> SharedDesyncCases() {
+  namespace fs = std::filesystem;
+  std::vector<DesyncCase> out;
+  const fs::path folder = fs::path(ENAMEL_SHARED_DATA) / "suites/http_desync_guardian/tests";
+  if (!fs::exists(folder)) return out;
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (entry.path().extension() == ".yaml") files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  for (const fs::path& file : files) {
+    Result<Bytes> text = ReadFile(file, 1 << 20);
+    if (!text.ok()) continue;
+    for (DesyncCase& found : ReadDesyncCases(AsText(*text))) out.push_back(std::move(found));
   }
   return out;
 }

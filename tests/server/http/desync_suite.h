@@ -12,12 +12,16 @@ namespace enamel::server::http {
 struct DesyncCase {
   std::string name, uri, method, version;
   std::vector<std::pair<std::string, std::string>> headers;
-  std::string tier;  // Compliant, Acceptable, Ambiguous, Severe
+  std::string tier;    // Compliant, Acceptable, Ambiguous, Severe
+  std::string reason;  // NonCompliantHeader, BadUri, …
 
   // Request line and headers as the case says, with a Host in front unless it has its own.
   std::string Head() const;
 };
 
 std::vector<DesyncCase> ReadDesyncCases(std::string_view yaml);
+
+// Every case of the suite's files, in the order of their names; none without shared data.
+std::vector<DesyncCase> SharedDesyncCases();
 
 }  // namespace enamel::server::http

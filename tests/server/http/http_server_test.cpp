@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "common/base/file.h"
-#include "tests/server/http/desync_suite.h"
+#include "server/http/request_reader.h"
 #include "tests/server/http/running_server.h"
 
 namespace enamel::server::http {
@@ -127,9 +126,11 @@ TEST_F(HttpServerTest, UnknownApiPathsAre404AndOtherPathsArePages) {
 TEST_F(HttpServerTest, NoPathLeadsOutOfThePage) {
   RunningServer server(school_, options_);
   Visitor nobody(server.port());
-  for (const char* target :
-       {"/../../etc/passwd", "/%2e%2e/%2e%2e/etc/passwd", "/..%5c..%5cetc%5cpasswd",
-        "//etc/passwd.txt", "/%00.js", "/main-4XKQ7B2D.js%00.txt", "/.."}) {
+  for (const char* target : {"/%252e%252e/%252e%252e/etc/passwd.js", "/%c0%ae%c0%ae/etc/passwd.js",
+                             "/\xc0\xae\xc0\xae/etc/passwd.js", "/assets/..%2f..%2fetc/passwd.js",
+                             "/\\..\\..\\etc\\passwd.js", "/../../etc/passwd",
+                             "/%2e%2e/%2e%2e/etc/passwd", "/..%5c..%5cetc%5cpasswd",
+                             "//etc/passwd.txt", "/%00.js", "/main-4XKQ7B2D.js%00.txt", "/.."}) {
     RawResponse response = nobody.Get(target);
     EXPECT_TRUE(response.status == 404 || response.status == 400)
         << target << " " << response.status;
@@ -303,23 +304,87 @@ TEST_F(HttpServerTest, AStoreFailureIsA500WithoutDetail) {
   EXPECT_EQ(response.body.find(school_.folder.path().string()), std::string::npos);
 }
 
-TEST_F(HttpServerTest, AnswersNothingThatTheDesyncSuiteCallsAmbiguousOrSevereAndCloses) {
-  std::filesystem::path folder =
-      std::filesystem::path(ENAMEL_SHARED_DATA) / "suites/http_desync_guardian/tests";
-  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "skipped: no shared data";
+TEST_F(HttpServerTest, ServesAnOldVersionOnceAndTheAbsoluteFormOfATarget) {
   RunningServer server(school_, options_);
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    if (entry.path().extension() != ".yaml") continue;
-    for (const DesyncCase& suspect : ReadDesyncCases(AsText(*ReadFile(entry.path(), 1 << 20)))) {
-      if (suspect.tier != "Ambiguous" && suspect.tier != "Severe") continue;
-      RawClient client(server.port());
-      client.Send(suspect.Head());
-      auto response = client.Read(suspect.method == "HEAD");
-      ASSERT_TRUE(response) << suspect.name << "\n" << suspect.Head();
-      EXPECT_EQ(response->status, 400) << suspect.name;
-      EXPECT_EQ(response->headers["connection"], "close") << suspect.name;
-    }
+  RawClient old(server.port());
+  old.Send("GET /healthz HTTP/1.0\r\nHost: localhost\r\nConnection: keep-alive\r\n\r\n");
+  EXPECT_EQ(old.Read()->status, 200);
+  EXPECT_TRUE(old.ClosedByServer());
+  RawClient absolute(server.port());
+  absolute.Send("GET http://localhost/healthz HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  EXPECT_EQ(absolute.Read()->status, 200);
+  absolute.Send("GET /%zz?a=%&b=[\xc3\xa4] HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  EXPECT_EQ(absolute.Read()->status, 404);  // understood, and no file of the page
+}
+
+TEST_F(HttpServerTest, ABodyThatIsPackedIsRefusedUnread) {
+  RunningServer server(school_, options_);
+  RawClient client(server.port());
+  client.Send(
+      "POST /api/v1/session HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
+      "Content-Encoding: gzip\r\nContent-Length: 1000000\r\n\r\n");
+  auto answer = client.Read();
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(answer->status, 415);
+  EXPECT_EQ(answer->headers["connection"], "close");
+}
+
+class ProxyTest : public HttpServerTest {
+ protected:
+  ProxyTest() {
+    options_.trusted_proxies = {"127.0.0.1"};
+    options_.host_names = {"teeth.example"};
   }
+  std::optional<RawResponse> Ask(uint16_t port, const std::string& headers) {
+    RawClient client(port);
+    client.Send("GET /api/v1/session HTTP/1.1\r\nHost: teeth.example\r\n" + headers + "\r\n");
+    return client.Read();
+  }
+};
+
+TEST_F(ProxyTest, AnswersWhatTheProxyPassesOnAsOverTls) {
+  RunningServer server(school_, options_);
+  auto answer = Ask(server.port(),
+                    "X-Forwarded-For: 203.0.113.9, 198.51.100.7\r\nX-Forwarded-Proto: https\r\n");
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(answer->status, 401);
+  EXPECT_TRUE(answer->headers.contains("strict-transport-security"));
+}
+
+TEST_F(ProxyTest, RefusesAProxyThatDoesNotSayWhoAsksAndHow) {
+  RunningServer server(school_, options_);
+  for (const char* headers : {"", "X-Forwarded-For: 203.0.113.9\r\n",
+                              "X-Forwarded-For: 203.0.113.9\r\nX-Forwarded-Proto: http\r\n",
+                              "X-Forwarded-For: unknown\r\nX-Forwarded-Proto: https\r\n",
+                              "X-Forwarded-Proto: https\r\n"}) {
+    EXPECT_EQ(Ask(server.port(), headers)->status, 403) << headers;
+  }
+}
+
+TEST_F(ProxyTest, RefusesEverybodyElse) {
+  options_.trusted_proxies = {"192.0.2.1"};
+  RunningServer server(school_, options_);
+  EXPECT_EQ(
+      Ask(server.port(), "X-Forwarded-For: 203.0.113.9\r\nX-Forwarded-Proto: https\r\n")->status,
+      403);
+}
+
+TEST_F(ProxyTest, TellsItsHealthToTheProxyItself) {
+  RunningServer server(school_, options_);
+  RawClient client(server.port());
+  client.Send("GET /healthz HTTP/1.1\r\nHost: teeth.example\r\n\r\n");
+  EXPECT_EQ(client.Read()->status, 200);
+}
+
+TEST_F(ProxyTest, WantsNumericAddressesAndHostNames) {
+  boost::asio::io_context io;
+  options_.trusted_proxies = {"proxy.example"};
+  HttpServer named(io, options_, *school_.store, *school_.authenticator);
+  EXPECT_EQ(named.Start().status().field(), "trusted_proxies");
+  options_.trusted_proxies = {"127.0.0.1"};
+  options_.host_names.clear();
+  HttpServer nameless(io, options_, *school_.store, *school_.authenticator);
+  EXPECT_EQ(nameless.Start().status().field(), "host_names");
 }
 
 }  // namespace

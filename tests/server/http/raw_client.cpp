@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <cctype>
+#include <utility>
 
 namespace enamel::server::http {
 
@@ -71,6 +72,13 @@ std::optional<RawResponse> RawClient::Read(bool head) {
   buffer_.erase(0, length);
   return out;
 }
+
+std::string RawClient::ReadToEnd() {
+  while (Fill()) continue;
+  return std::exchange(buffer_, {});
+}
+
+void RawClient::EndSending() { ::shutdown(socket_, SHUT_WR); }
 
 bool RawClient::ClosedByServer() {
   if (!buffer_.empty()) return false;

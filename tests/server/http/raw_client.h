@@ -30,6 +30,10 @@ class RawClient {
   std::optional<RawResponse> Read(bool head = false);
   // True when the server ends the connection without another byte.
   bool ClosedByServer();
+  // Everything until the server ends the connection.
+  std::string ReadToEnd();
+  // No more will be sent.
+  void EndSending();
 
  private:
   bool Fill();

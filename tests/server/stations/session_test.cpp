@@ -233,6 +233,23 @@ TEST_F(SessionTest, LongExpiredTicketOpensNothing) {
   EXPECT_EQ(station_.Open(recording.header).error().code(), "conflict");
 }
 
+TEST_F(SessionTest, RecordingSurvivesAClockThatJumps) {
+  Welcome();
+  Recording recording = Ticketed();
+  const UnixMs now = world_.now;
+  world_.now = now - UnixMs{86'400'000} * 365;
+  ASSERT_TRUE(station_.Open(recording.header).has_attempt_opened());
+  ASSERT_TRUE(station_.Put(recording.chunks[0]).has_chunk_ack());
+  world_.now = now + UnixMs{86'400'000} * 365;
+  ASSERT_TRUE(station_.Put(recording.chunks[1]).has_chunk_ack());
+  Reconnect();
+  ASSERT_TRUE(station_.Hello().has_welcome());
+  EXPECT_EQ(station_.Open(recording.header).attempt_opened().next_seq(), 2u);
+  world_.now = now;
+  ASSERT_TRUE(station_.Put(recording.chunks[2]).has_chunk_ack());
+  EXPECT_TRUE(station_.Seal(recording.seal).has_sealed());
+}
+
 TEST_F(SessionTest, AttemptOfAnotherStationIsNotFound) {
   Welcome();
   Recording recording = Ticketed();

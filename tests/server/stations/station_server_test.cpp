@@ -1,6 +1,7 @@
 #include "server/stations/station_server.h"
 
 #include <gtest/gtest.h>
+#include <sqlite3.h>
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -117,6 +118,23 @@ TEST_F(StationServerTest, OversizedFrameBeforeHelloIsNamedAndEndsTheConnection) 
   ASSERT_TRUE(client_.Send(Bytes(protocol::kMaxFrameBytesBeforeHello + 1, 0)).ok());
   EXPECT_EQ(Receive(client_).error().code(), "too_large");
   EXPECT_TRUE(Ends(client_));
+}
+
+TEST_F(StationServerTest, TroubleOfTheStoreIsToldWithoutThePathsInIt) {
+  Start();
+  sqlite3* handle = nullptr;
+  ASSERT_EQ(sqlite3_open((world_.folder.path() / "enamel.db").c_str(), &handle), SQLITE_OK);
+  ASSERT_EQ(
+      sqlite3_exec(handle, "ALTER TABLE enrol_codes RENAME TO gone", nullptr, nullptr, nullptr),
+      SQLITE_OK);
+  sqlite3_close(handle);
+  net::FrameClient client;
+  Connect(client);
+  ScriptedStation station([&](const wire::Request& request) { return Exchange(client, request); });
+  wire::Error error = station.Enrol().error();
+  EXPECT_EQ(error.code(), "storage");
+  EXPECT_EQ(error.message().find("enamel.db"), std::string::npos) << error.message();
+  EXPECT_EQ(error.message().find("/"), std::string::npos) << error.message();
 }
 
 TEST_F(StationServerTest, FrameThatIsNoMessageIsNamedAndEndsTheConnection) {

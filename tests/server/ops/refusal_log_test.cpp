@@ -1,10 +1,10 @@
-#include "server/stations/refusal_log.h"
+#include "server/ops/refusal_log.h"
 
 #include <gtest/gtest.h>
 
 #include <vector>
 
-namespace enamel::server::stations {
+namespace enamel::server::ops {
 namespace {
 
 using namespace std::chrono_literals;
@@ -12,14 +12,11 @@ using namespace std::chrono_literals;
 struct Log {
   std::vector<std::string> lines;
   std::chrono::steady_clock::time_point now{};
-  RefusalLog log{[this](const std::string& line) { lines.push_back(line); },
+  RefusalLog log{"station link", [this](const std::string& line) { lines.push_back(line); },
                  [this] { return now; }};
 
   void Note(const std::string& peer, const char* code, const char* message = "reason") {
-    wire::Error error;
-    error.set_code(code);
-    error.set_message(message);
-    log.Note(peer, "", error);
+    log.Note({peer, code, std::string(code) + ": " + message});
   }
 };
 
@@ -63,4 +60,4 @@ TEST(RefusalLogTest, ManyPeersAreForgottenOldestFirst) {
 }
 
 }  // namespace
-}  // namespace enamel::server::stations
+}  // namespace enamel::server::ops
