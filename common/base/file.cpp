@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <string>
@@ -55,8 +56,9 @@ Result<Bytes> ReadFile(const std::filesystem::path& path, size_t max_bytes) {
 }
 
 Status WriteFileDurably(const std::filesystem::path& path, ByteView data, int mode) {
+  static std::atomic<uint64_t> made{0};
   std::filesystem::path temporary = path;
-  temporary += ".tmp" + std::to_string(::getpid());
+  temporary += ".tmp" + std::to_string(::getpid()) + "-" + std::to_string(++made);
   {
     Fd fd(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, mode));
     if (fd.get() < 0) return Errno("cannot create", temporary);
@@ -71,7 +73,11 @@ Status WriteFileDurably(const std::filesystem::path& path, ByteView data, int mo
       }
       done += static_cast<size_t>(n);
     }
-    if (::fsync(fd.get()) != 0) return Errno("cannot sync", temporary);
+    if (::fsync(fd.get()) != 0) {
+      Status status = Errno("cannot sync", temporary);
+      ::unlink(temporary.c_str());
+      return status;
+    }
   }
   if (::rename(temporary.c_str(), path.c_str()) != 0) {
     Status status = Errno("cannot rename to", path);
@@ -80,7 +86,8 @@ Status WriteFileDurably(const std::filesystem::path& path, ByteView data, int mo
   }
   Fd folder(::open(path.parent_path().empty() ? "." : path.parent_path().c_str(),
                    O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (folder.get() >= 0) ::fsync(folder.get());
+  if (folder.get() < 0) return Errno("cannot open the folder of", path);
+  if (::fsync(folder.get()) != 0) return Errno("cannot sync the folder of", path);
   return Status::Ok();
 }
 

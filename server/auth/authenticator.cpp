@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <chrono>
+#include <cstdlib>
 
 #include "common/base/hex.h"
 #include "server/auth/token.h"
@@ -12,6 +13,9 @@ namespace {
 
 // Idle time is renewed in the store at most this often: requests of a page come in bursts.
 constexpr UnixMs kTouchEveryMs = 60'000;
+// A clock that is set back by more than this ends the sessions made before: they would last longer
+// than they may, by as much.
+constexpr UnixMs kClockSlackMs = 60 * 60 * 1000;
 
 Status Refused() {
   return Status(Code::kUnauthenticated, "login or password is wrong, or the account is disabled");
@@ -50,6 +54,14 @@ UnixMs Authenticator::Now() const {
       .count();
 }
 
+int64_t Authenticator::Elapsed() const {
+  if (options_.elapsed) return options_.elapsed();
+  if (options_.clock) return options_.clock();
+  return std::chrono::duration_cast<std::chrono::milliseconds>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
 boost::asio::awaitable<Result<SignedIn>> Authenticator::SignIn(SignInRequest request) {
   if (waiting_.fetch_add(1) >= options_.max_waiting + options_.hash_threads) {
     --waiting_;
@@ -65,9 +77,9 @@ boost::asio::awaitable<Result<SignedIn>> Authenticator::SignIn(SignInRequest req
 
 Result<SignedIn> Authenticator::SignInHere(const SignInRequest& request) {
   std::string login = LowerLogin(request.login);
-  ENAMEL_RETURN_IF_ERROR(throttle_.Check(login, request.address, Now()));
+  ENAMEL_RETURN_IF_ERROR(throttle_.Check(login, request.address, Elapsed()));
   if (request.password.size() > kMaxPasswordLength || login.size() > 256) {
-    throttle_.Failed(login, request.address, Now());
+    throttle_.Failed(login, request.address, Elapsed());
     return Refused();
   }
   auto person = store_.PersonByLogin(login);
@@ -81,7 +93,7 @@ Result<SignedIn> Authenticator::SignInHere(const SignInRequest& request) {
   // The same work whether or not the person exists.
   bool matches = VerifyPassword(request.password, verifier);
   if (!matches || !person.ok() || person->disabled) {
-    throttle_.Failed(login, request.address, Now());
+    throttle_.Failed(login, request.address, Elapsed());
     return Refused();
   }
   throttle_.Succeeded(login, request.address);
@@ -104,14 +116,16 @@ Result<Identity> Authenticator::Authenticate(ByteView token) {
     return session.status().code() == Code::kNotFound ? Ended() : session.status();
   }
   UnixMs now = Now();
-  if (now >= session->expires_ms || now - session->last_used_ms > options_.idle_ms) {
+  bool set_back = now < session->created_ms - kClockSlackMs;
+  if (now >= session->expires_ms || set_back || now - session->last_used_ms > options_.idle_ms) {
     ENAMEL_RETURN_IF_ERROR(store_.EndSession(hash));
     return Ended();
   }
   auto person = store_.PersonById(session->person);
   if (!person.ok()) return person.status();
   if (person->disabled) return Ended();
-  if (now - session->last_used_ms >= std::min(kTouchEveryMs, options_.idle_ms / 4)) {
+  // Either way: with a clock set back, the idle time counts from now.
+  if (std::abs(now - session->last_used_ms) >= std::min(kTouchEveryMs, options_.idle_ms / 4)) {
     ENAMEL_RETURN_IF_ERROR(store_.TouchSession(hash, now));
   }
   return Identity{*person, hash, CsrfFor(token)};

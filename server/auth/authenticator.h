@@ -21,7 +21,10 @@ struct AuthOptions {
   PasswordCost cost;
   size_t hash_threads = 2;        // 64 MiB each while hashing
   size_t max_waiting = 16;        // sign-ins beyond these are refused with kUnavailable
-  std::function<UnixMs()> clock;  // empty: the system's
+  std::function<UnixMs()> clock;  // empty: the system's, which may be set back and forth
+  // Milliseconds of a clock that only goes forward, for slowing down. Empty: `clock` where that is
+  // given, else the system's.
+  std::function<int64_t()> elapsed;
 };
 
 // Who a request is from.
@@ -69,6 +72,7 @@ class Authenticator {
 
  private:
   UnixMs Now() const;
+  int64_t Elapsed() const;
 
   Store& store_;
   const AuthOptions options_;

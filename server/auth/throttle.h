@@ -15,7 +15,9 @@ namespace enamel::server::auth {
 // doubles the time until the next try is looked at, up to a bound. Counted per address block (IPv4
 // /24, IPv6 /64), per login from that block, and (later and milder, so that a stranger cannot keep
 // the owner out) per login from anywhere. Failures are forgotten after 15 minutes without one, or
-// by a success. Bounded: at most 20 000 counters; the oldest go first. Thread safety: any thread.
+// by a success. Times are of a clock that
+// only goes forward. Bounded: at most 20 000 counters; the oldest go first. Thread safety: any
+// thread.
 class Throttle {
  public:
   // kUnavailable with field "throttled" and the seconds to wait in the message.

@@ -18,16 +18,18 @@ struct WorkerOptions {
   int threads = 1;
   // How often the queue is looked at when nobody calls Notify.
   std::chrono::milliseconds poll{200};
-  // A job not finished by then may be taken by another worker: its result is the same.
-  UnixMs lease_ms = 120'000;
+  // A job not finished by then may be taken by another worker: its result is the same. Much longer
+  // than any job takes, and than a clock that is corrected: who dies is known by the next start,
+  // which takes its jobs at once.
+  UnixMs lease_ms = 24 * 3'600'000;
   // Called on a worker's thread after every job, with what RunScoreJob returned; and with an empty
   // job when the queue itself cannot be read (once, until it can be again). Must not call Stop.
   std::function<void(const JobRow& job, const Status& status)> on_done;
 };
 
-// Runs queued jobs on threads of its own: lease, run, finish. Progress goes to Store::SetProgress
-// at every twentieth. An interrupted job returns to the queue. Thread safety: Notify from any
-// thread; Start and Stop from the owner's. `store` must outlive it.
+// Runs queued jobs on threads of its own, which yield to others: lease, run, finish. Progress goes
+// to Store::SetProgress at every twentieth. An interrupted job returns to the queue. Thread safety:
+// Notify from any thread; Start and Stop from the owner's. `store` must outlive it.
 class Worker {
  public:
   explicit Worker(Store& store, WorkerOptions options = {});

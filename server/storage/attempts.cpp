@@ -92,7 +92,7 @@ Result<AttemptRow> FindAttempt(Db& db, const Uuid& id) {
 }
 
 Status SqliteStore::CreateAttempt(const AttemptRow& row, ByteView ticket, const Actor& by) {
-  ENAMEL_RETURN_IF_ERROR(space_.Check());
+  ENAMEL_RETURN_IF_ERROR(MayRecord());
   return Write([&](Db& db) -> Status {
     Query q(db,
             "INSERT INTO attempts (tenant, id, person, station, exercise, profile_content, state, "

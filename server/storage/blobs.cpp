@@ -16,17 +16,18 @@ fs::path Blobs::PathOf(const Sha256& hash) const {
 Result<Sha256> Blobs::Put(ByteView data) {
   Sha256 hash = HashSha256(data);
   fs::path path = PathOf(hash);
-  std::lock_guard lock(mutex_);
-  std::error_code error;
-  if (fs::exists(path, error)) {
-    // Fresh again, for RemoveIfOlder; and a process that was killed may have left it unsynced.
-    fs::last_write_time(path, fs::file_time_type::clock::now(), error);
-    ENAMEL_RETURN_IF_ERROR(disk_.SyncFolder(path.parent_path()));
-    return hash;
+  bool there = false;
+  {
+    std::lock_guard lock(mutex_);
+    std::error_code error;
+    there = fs::exists(path, error);
+    // Fresh again, for RemoveIfOlder.
+    if (there) fs::last_write_time(path, fs::file_time_type::clock::now(), error);
+    if (!there && fail_next_ && fail_next_()) return Status(Code::kStorage, "injected failure");
+    if (!there) ENAMEL_RETURN_IF_ERROR(disk_.MakeFolder(path.parent_path()));
   }
-  if (fail_next_ && fail_next_()) return Status(Code::kStorage, "injected failure");
-  ENAMEL_RETURN_IF_ERROR(disk_.MakeFolder(path.parent_path()));
-  ENAMEL_RETURN_IF_ERROR(disk_.Replace(path, data));
+  // A process that was killed, or another thread, may have left it unsynced.
+  ENAMEL_RETURN_IF_ERROR(there ? disk_.SyncFolder(path.parent_path()) : disk_.Replace(path, data));
   return hash;
 }
 

@@ -14,7 +14,8 @@
 namespace enamel::server::sqlite {
 
 // Content-addressed files: FOLDER/ab/ab12….  Write-once, durable when Put returns, verified when
-// read. Thread safety: any thread (one Put at a time); several processes may share the folder.
+// read. Thread safety: any thread; several processes may share the folder. What is put at the same
+// time is synced at the same time.
 class Blobs {
  public:
   Blobs(std::filesystem::path folder, Disk& disk, std::function<bool()> fail_next = {})
@@ -42,7 +43,9 @@ class Blobs {
   const std::filesystem::path folder_;
   Disk& disk_;
   const std::function<bool()> fail_next_;
-  std::mutex mutex_;  // serialises Put: equal content shares a temporary name
+  // Against removing what is just being put again, and against counting on a folder that another
+  // thread has made and not yet synced.
+  std::mutex mutex_;
 };
 
 }  // namespace enamel::server::sqlite

@@ -55,7 +55,11 @@ Result<std::unique_ptr<Db>> Db::Open(const std::filesystem::path& path, Mode mod
           : "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL; PRAGMA foreign_keys = 1; "
             // Under load the same pages are written again and again: 32 MiB of log between
             // checkpoints instead of 4 write each to the database an eighth as often.
-            "PRAGMA wal_autocheckpoint = 8192";
+            "PRAGMA wal_autocheckpoint = 8192; "
+            // Some builds of SQLite overwrite whatever is deleted, which writes a sealed
+            // recording's rows to the disk once more. What must not be readable is overwritten by
+            // ErasePerson.
+            "PRAGMA secure_delete = FAST";
   ENAMEL_RETURN_IF_ERROR(db->Exec(setup));
   db->fail_next_ = std::move(fail_next);
   return db;
@@ -103,7 +107,11 @@ Status Db::CopyTo(const std::filesystem::path& target, const CopyProgress& progr
   return begun.ok() ? status : begun;
 }
 
-Status Db::Error() const { return ErrorOf(handle_, path_); }
+Status Db::Error() const {
+  const int code = sqlite3_errcode(handle_) & 0xff;
+  damaged_ = damaged_ || code == SQLITE_CORRUPT || code == SQLITE_NOTADB;
+  return ErrorOf(handle_, path_);
+}
 
 sqlite3_stmt* Db::Take(const char* sql, Status& status) {
   auto [at, fresh] = statements_.try_emplace(sql, nullptr);

@@ -43,6 +43,8 @@ class Db {
   Status CopyTo(const std::filesystem::path& target, const CopyProgress& progress);
   // The last failure as a Status; says what to do where that is known.
   Status Error() const;
+  // SQLite has found the file itself damaged since it was opened.
+  bool damaged() const { return damaged_; }
   const std::string& path() const { return path_; }
 
  private:
@@ -55,6 +57,7 @@ class Db {
   sqlite3* handle_;
   std::string path_;
   std::function<bool()> fail_next_;
+  mutable bool damaged_ = false;
   std::unordered_map<std::string, sqlite3_stmt*> statements_;
 };
 

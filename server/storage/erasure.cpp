@@ -33,7 +33,7 @@ Result<std::vector<Uuid>> PeopleIn(Db& db) {
 Status WithOverwriting(Db& db, const std::function<Status()>& work) {
   ENAMEL_RETURN_IF_ERROR(db.Exec("PRAGMA secure_delete = ON"));
   Status status = work();
-  Status off = db.Exec("PRAGMA secure_delete = OFF");
+  Status off = db.Exec("PRAGMA secure_delete = FAST");
   return status.ok() ? off : status;
 }
 

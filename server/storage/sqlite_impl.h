@@ -149,7 +149,9 @@ class SqliteStore final : public Store {
     auto db = readers_.Take();
     if (!db.ok()) return db.status();
     Readers::Lease lease(readers_, std::move(db).value());
-    return read(lease.db());
+    auto result = read(lease.db());
+    if (lease.db().damaged()) damaged_ = true;
+    return result;
   }
   Status Write(const Writer::Work& work) { return writer_.Run(work); }
   Status Write(const std::function<Status(Db&)>& work) {
@@ -161,6 +163,9 @@ class SqliteStore final : public Store {
     DataKey key;
   };
   Result<PersonKey> KeyOf(const Uuid& attempt);
+  // Whether recordings may come in now. Errors: kUnavailable, so that a station keeps what it has
+  // and comes back.
+  Status MayRecord();
   // Removes those of the blobs that no row names any more; tells how many.
   Result<size_t> RemoveUnnamed(const std::set<Sha256>& blobs);
   // Removes blobs that no row names and that are older than `age`.
@@ -183,6 +188,7 @@ class SqliteStore final : public Store {
   SpaceGuard space_;
   std::mutex people_mutex_;
   std::unordered_map<std::string, Uuid> person_of_;  // attempt to person; guarded by people_mutex_
+  std::atomic<bool> damaged_{false};                 // a reader found the database damaged
   std::atomic<uint64_t> chunks_{0}, chunk_bytes_{0}, sealed_{0};
 };
 

@@ -59,12 +59,12 @@ SqliteStore::SqliteStore(const SqliteOptions& options, std::unique_ptr<Db> write
       space_(options.folder, DiskOf(options), options.min_free_bytes, options.free_space_check) {}
 
 Result<Sha256> SqliteStore::PutBlob(ByteView data) {
-  ENAMEL_RETURN_IF_ERROR(space_.Check());
+  ENAMEL_RETURN_IF_ERROR(MayRecord());
   return blobs_.Put(data);
 }
 
 Result<Sha256> SqliteStore::PutAttemptBlob(const Uuid& attempt, ByteView data) {
-  ENAMEL_RETURN_IF_ERROR(space_.Check());
+  ENAMEL_RETURN_IF_ERROR(MayRecord());
   auto key = KeyOf(attempt);
   if (!key.ok()) return key.status();
   return blobs_.Put(SealPersonal(key->person, key->key, attempt, data));
@@ -97,6 +97,15 @@ Result<SqliteStore::PersonKey> SqliteStore::KeyOf(const Uuid& attempt) {
   return PersonKey{person, *key};
 }
 
+Status SqliteStore::MayRecord() {
+  if (damaged_ || writer_.damaged()) {
+    return Status(Code::kUnavailable,
+                  "the server's database is damaged: stop the server, see what verify says, and "
+                  "restore a backup; recordings wait at the stations");
+  }
+  return space_.Check();
+}
+
 StoreHealth SqliteStore::Health() {
   StoreHealth out;
   out.free_bytes = space_.FreeBytes();
@@ -116,7 +125,7 @@ StoreHealth SqliteStore::Health() {
   out.chunks = chunks_;
   out.chunk_bytes = chunk_bytes_;
   out.sealed = sealed_;
-  if (Status room = space_.Check(); !room.ok()) out.problem = room.message();
+  if (Status able = MayRecord(); !able.ok()) out.problem = able.message();
   if (out.problem.empty() && !writer_.last_failure().ok()) {
     out.problem =
         "the last change could not be written to the database; the server's log says why. "
@@ -166,13 +175,33 @@ Json JsonOf(std::initializer_list<std::pair<const char*, std::string>> members) 
   return boost::json::serialize(object);
 }
 
+namespace {
+
+// Ids are in the order of time; the trail's order holds also where the clock has been set back.
+Result<Uuid> NextAuditId(Db& db) {
+  Uuid fresh = Uuid::New();
+  Query q(db, "SELECT max(id) FROM audit WHERE tenant = ?1");
+  Uuid newest;
+  if (q.Next()) newest = q.Id(0);
+  if (!q.status().ok()) return q.status();
+  if (newest.bytes < fresh.bytes) return fresh;
+  for (size_t i = newest.bytes.size(); i-- > 0;) {
+    if (++newest.bytes[i] != 0) break;
+  }
+  return newest;
+}
+
+}  // namespace
+
 Status WriteAudit(Db& db, const Actor& by, const char* action, const std::string& object,
                   const Json& before, const Json& after) {
+  auto id = NextAuditId(db);
+  if (!id.ok()) return id.status();
   Query q(
       db,
       "INSERT INTO audit (tenant, id, at_ms, actor, via, action, object, before_json, after_json) "
       "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)");
-  q.Bind(Uuid::New()).Bind(NowMs()).Bind(by.person).Bind(by.via).Bind(std::string(action));
+  q.Bind(*id).Bind(NowMs()).Bind(by.person).Bind(by.via).Bind(std::string(action));
   return q.Bind(object).Bind(before).Bind(after).Run();
 }
 

@@ -163,7 +163,7 @@ Result<Bytes> HeaderOf(Db& db, const Uuid& attempt) {
 }  // namespace
 
 Status SqliteStore::OpenAttempt(const Uuid& attempt, ByteView header) {
-  ENAMEL_RETURN_IF_ERROR(space_.Check());
+  ENAMEL_RETURN_IF_ERROR(MayRecord());
   return Write([&](Db& db) -> Status {
     auto ingest = FindIngest(db, attempt);
     if (!ingest.ok()) return ingest.status();
@@ -198,7 +198,7 @@ Status SqliteStore::RepeatedAfterSeal(const ChunkPut& chunk) {
 }
 
 Status SqliteStore::AppendChunk(const ChunkPut& chunk) {
-  ENAMEL_RETURN_IF_ERROR(space_.Check());
+  ENAMEL_RETURN_IF_ERROR(MayRecord());
   auto key = KeyOf(chunk.attempt);
   if (!key.ok()) return key.status();
   const Bytes sealed = SealPersonal(key->person, key->key, chunk.attempt, chunk.bytes);
@@ -263,7 +263,7 @@ Status SqliteStore::SealAttempt(const trace::Seal& seal, UnixMs now_ms) {
     if (Status status = SealMatches(*ingest, seal); !status.ok()) return status;
     return ingest;
   };
-  ENAMEL_RETURN_IF_ERROR(space_.Check());
+  ENAMEL_RETURN_IF_ERROR(MayRecord());
   auto before = Read(check);
   if (!before.ok()) return before.status();
   if (before->state != AttemptState::kRecording) return Status::Ok();

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <bit>
+#include <chrono>
 #include <map>
 #include <optional>
 #include <set>
+#include <thread>
 
 #include "common/base/file.h"
 #include "common/trace/trace.h"
@@ -448,8 +450,31 @@ class Verifier {
   std::optional<trace::PublicKey> ticket_key_;
 };
 
+// Removing takes several steps, between which things disagree that will agree again.
+Result<FolderLock> WaitUntilNothingIsRemoved(const fs::path& folder) {
+  constexpr auto kPatience = std::chrono::seconds(30);
+  const auto deadline = std::chrono::steady_clock::now() + kPatience;
+  for (;;) {
+    auto lock = TakeUpkeepLock(folder, FolderLock::Mode::kShared);
+    bool later = !lock.ok() && lock.status().code() == Code::kUnavailable;
+    if (!later || std::chrono::steady_clock::now() > deadline) return lock;
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+}
+
 }  // namespace
 
-Result<VerifyReport> Verify(const VerifyOptions& options) { return Verifier(options).Run(); }
+Result<VerifyReport> Verify(const VerifyOptions& options) {
+  auto report = Verifier(options).Run();
+  if (!report.ok() || report->is_backup || report->findings.empty()) return report;
+  auto quiet = WaitUntilNothingIsRemoved(options.folder);
+  if (quiet.ok()) return Verifier(options).Run();
+  if (quiet.status().code() == Code::kUnavailable) {
+    report->notes.push_back(
+        "recordings are being removed from this folder just now; what was found may be part of "
+        "that: run this again when it is done");
+  }
+  return report;
+}
 
 }  // namespace enamel::server

@@ -15,8 +15,8 @@ using UpkeepProgress = std::function<void(const std::string& what, uint64_t done
 
 // One disagreement.
 struct Finding {
-  std::string kind;  // "database", "blob", "chain", "signature", "seal", "ticket", "key",
-                     // "erasure", "file"
+  std::string kind;    // "database", "blob", "chain", "signature", "seal", "ticket", "key",
+                       // "erasure", "file"
   std::string object;  // the attempt's id, the blob's hash, the file's path
   std::string expected, found;
   std::string remedy;
@@ -44,8 +44,10 @@ struct VerifyReport {
 //   one before, its signature with the station's key, the row's counts and head with the chain, the
 //   seal; the key ring with the people: a key for everything that is kept under one, none for the
 //   erased; a backup's files with its manifest.
-// Changes nothing. Errors: kNotFound (nothing there), kVersion (a newer database); everything that
-// was looked at and disagrees is a finding.
+// What is found in a data folder is looked at once more while nothing may be removed from it, so
+// that a person who is being erased meanwhile is no damage. Changes nothing. Errors: kNotFound
+// (nothing there), kVersion (a newer database); everything that was looked at and disagrees is a
+// finding.
 Result<VerifyReport> Verify(const VerifyOptions& options);
 
 }  // namespace enamel::server

@@ -1,42 +1,53 @@
 #include "server/storage/writer.h"
 
 #include <chrono>
-#include <thread>
+#include <utility>
 
 namespace enamel::server::sqlite {
+
+Writer::Writer(std::unique_ptr<Db> db) : db_(std::move(db)), thread_([this] { Loop(); }) {}
+
+Writer::~Writer() {
+  {
+    std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  wake_.notify_one();
+  thread_.join();
+}
 
 Status Writer::Run(const Work& work) {
   Pending mine{&work};
   std::unique_lock lock(mutex_);
   queue_.push_back(&mine);
-  while (!mine.done) {
-    mine.turn.wait(lock, [&] { return mine.done || !leading_; });
-    if (!mine.done) Lead(lock);
-  }
+  if (queue_.size() == 1) wake_.notify_one();
+  mine.turn.wait(lock, [&] { return mine.done; });
   return mine.status;
 }
 
-// Commits what waits, in the order it came, then wakes whoever waits longest.
-void Writer::Lead(std::unique_lock<std::mutex>& lock) {
-  leading_ = true;
-  lock.unlock();
-  std::this_thread::sleep_until(next_commit_);
-  lock.lock();
-  std::vector<Pending*> batch;
-  while (!queue_.empty() && batch.size() < kMaxBatch) {
-    batch.push_back(queue_.front());
-    queue_.pop_front();
+// Commits what waits, in the order it came.
+void Writer::Loop() {
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    wake_.wait(lock, [&] { return stopping_ || !queue_.empty(); });
+    if (queue_.empty()) return;
+    lock.unlock();
+    std::this_thread::sleep_until(next_commit_);
+    lock.lock();
+    std::vector<Pending*> batch;
+    while (!queue_.empty() && batch.size() < kMaxBatch) {
+      batch.push_back(queue_.front());
+      queue_.pop_front();
+    }
+    lock.unlock();
+    if (batch.size() >= kBusyBatch) next_commit_ = std::chrono::steady_clock::now() + kPace;
+    Commit(batch);
+    lock.lock();
+    for (Pending* pending : batch) {
+      pending->done = true;
+      pending->turn.notify_one();
+    }
   }
-  lock.unlock();
-  if (batch.size() >= kBusyBatch) next_commit_ = std::chrono::steady_clock::now() + kPace;
-  Commit(batch);
-  lock.lock();
-  leading_ = false;
-  for (Pending* pending : batch) {
-    pending->done = true;
-    pending->turn.notify_one();
-  }
-  if (!queue_.empty()) queue_.front()->turn.notify_one();
 }
 
 void Writer::Commit(const std::vector<Pending*>& batch) {
@@ -45,6 +56,7 @@ void Writer::Commit(const std::vector<Pending*>& batch) {
   std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
   std::lock_guard lock(mutex_);
   last_failure_ = failure;
+  damaged_ = db_->damaged();
   for (const Pending* pending : batch) {
     if (pending->status.code() == Code::kStorage) last_failure_ = pending->status;
   }
@@ -73,6 +85,11 @@ Writer::Counters Writer::counters() const {
 Status Writer::last_failure() const {
   std::lock_guard lock(mutex_);
   return last_failure_;
+}
+
+bool Writer::damaged() const {
+  std::lock_guard lock(mutex_);
+  return damaged_;
 }
 
 Status Writer::RunOne(const Work& work, Status& outcome) {

@@ -6,19 +6,22 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <thread>
 #include <vector>
 
 #include "server/storage/db.h"
 
 namespace enamel::server::sqlite {
 
-// The one write connection, with group commit: callers queue their work; whoever finds no leader
-// leads, runs up to kMaxBatch queued works in one transaction (each in a savepoint) and one fsync,
-// wakes their owners, each alone, and the next leader. A work that fails is rolled back alone; a
-// COMMIT that fails fails the whole batch. Thread safety: any thread.
+// The one write connection, with group commit: callers queue their work; a thread of its own runs
+// up to kMaxBatch queued works in one transaction (each in a savepoint) and one fsync, and wakes
+// their owners. A work that fails is rolled back alone; a COMMIT that fails fails the whole batch.
+// Why a thread of its own: commits keep their pace when a caller runs at a low priority. Thread
+// safety: any thread. Destruction waits for what is queued.
 class Writer {
  public:
-  explicit Writer(std::unique_ptr<Db> db) : db_(std::move(db)) {}
+  explicit Writer(std::unique_ptr<Db> db);
+  ~Writer();
 
   // What the work did is kept when it returns Ok, or sets `keep_anyway` (a refusal that leaves
   // evidence). Durable when Run returns.
@@ -31,6 +34,8 @@ class Writer {
     double commit_s = 0;  // from BEGIN to the end of COMMIT
   };
   Counters counters() const;
+  // The database was found damaged; stays so.
+  bool damaged() const;
   // Why the last transaction could not be written; Ok after one that could.
   Status last_failure() const;
 
@@ -44,20 +49,24 @@ class Writer {
     const Work* work;
     Status status{};
     bool done = false;
-    std::condition_variable turn{};  // done, or nobody leads
+    std::condition_variable turn{};  // done
   };
-  void Lead(std::unique_lock<std::mutex>& lock);
-  void Commit(const std::vector<Pending*>& batch);  // by the leader only
+  // All of it on the thread.
+  void Loop();
+  void Commit(const std::vector<Pending*>& batch);
   Status Transact(const std::vector<Pending*>& batch);
-  Status RunOne(const Work& work, Status& outcome);  // by the leader only
+  Status RunOne(const Work& work, Status& outcome);
 
-  std::unique_ptr<Db> db_;                               // used by the leader
-  std::chrono::steady_clock::time_point next_commit_{};  // used by the leader
+  std::unique_ptr<Db> db_;                               // the thread's
+  std::chrono::steady_clock::time_point next_commit_{};  // the thread's
   mutable std::mutex mutex_;
-  std::deque<Pending*> queue_;  // guarded by mutex_
-  bool leading_ = false;        // guarded by mutex_
-  Status last_failure_;         // guarded by mutex_
-  Counters counters_;           // guarded by mutex_
+  std::condition_variable wake_;  // something is queued, or stopping_
+  std::deque<Pending*> queue_;    // guarded by mutex_
+  bool stopping_ = false;         // guarded by mutex_
+  Status last_failure_;           // guarded by mutex_
+  bool damaged_ = false;          // guarded by mutex_
+  Counters counters_;             // guarded by mutex_
+  std::thread thread_;            // last: uses the rest
 };
 
 }  // namespace enamel::server::sqlite

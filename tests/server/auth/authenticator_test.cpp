@@ -92,6 +92,38 @@ TEST_F(AuthenticatorTest, SessionEndsAfterTwelveHoursHoweverBusy) {
   EXPECT_FALSE(authenticator_.Authenticate(signed_in->token).ok());
 }
 
+TEST_F(AuthenticatorTest, SessionSurvivesAClockThatIsCorrectedAndStillEndsWhenIdle) {
+  now_ = 100'000'000;
+  auto signed_in = authenticator_.SignInHere(Request("ada", kPassword));
+  now_ -= 20 * 60 * 1000;
+  EXPECT_TRUE(authenticator_.Authenticate(signed_in->token).ok());
+  now_ += 40 * 60 * 1000;
+  EXPECT_FALSE(authenticator_.Authenticate(signed_in->token).ok()) << "idle for 40 minutes";
+}
+
+TEST_F(AuthenticatorTest, ClockSetBackByADayDoesNotMakeSessionsLastADayLonger) {
+  now_ = 200'000'000;
+  auto signed_in = authenticator_.SignInHere(Request("ada", kPassword));
+  now_ -= 86'400'000;
+  EXPECT_FALSE(authenticator_.Authenticate(signed_in->token).ok());
+  auto again = authenticator_.SignInHere(Request("ada", kPassword));
+  ASSERT_TRUE(again.ok());
+  EXPECT_TRUE(authenticator_.Authenticate(again->token).ok());
+}
+
+TEST_F(AuthenticatorTest, ClockThatJumpsNeitherLocksAnybodyOutNorForgetsGuesses) {
+  AuthOptions options = Options();
+  int64_t elapsed = 0;
+  options.elapsed = [&] { return elapsed; };
+  Authenticator authenticator(*store_, options);
+  for (int i = 0; i < 6; ++i) (void)authenticator.SignInHere(Request("ada", "guess guess"));
+  now_ += 86'400'000;
+  EXPECT_EQ(authenticator.SignInHere(Request("ada", kPassword)).status().field(), "throttled");
+  now_ -= 2 * 86'400'000;
+  elapsed += 60'000;
+  EXPECT_TRUE(authenticator.SignInHere(Request("ada", kPassword)).ok());
+}
+
 TEST_F(AuthenticatorTest, SignedOutTokenIsRefused) {
   auto signed_in = authenticator_.SignInHere(Request("ada", kPassword));
   ASSERT_TRUE(authenticator_.SignOut(signed_in->identity.token_hash).ok());

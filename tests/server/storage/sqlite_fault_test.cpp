@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <functional>
+
 #include "tests/server/storage/store_world.h"
 
 // Fails the Nth write for every N until a whole attempt goes through: what was acknowledged is
@@ -65,6 +68,108 @@ TEST(SqliteFaultTest, NothingAcknowledgedIsLostWhicheverWriteFails) {
     if (!fired) return;
   }
   FAIL() << "the attempt never went through without a failure";
+}
+
+// `act` with write n failing, for every n until none does: `look` is shown whether it said that it
+// did it, in a store opened afresh as a server opens it.
+void WhicheverWriteFails(const std::function<void(World&)>& prepare,
+                         const std::function<bool(Store&, const World&)>& act,
+                         const std::function<void(Store&, const World&, bool done)>& look) {
+  for (int n = 0; n < 200; ++n) {
+    SCOPED_TRACE("write " + std::to_string(n) + " fails");
+    TempFolder folder;
+    Faults faults;
+    auto store = OpenStore(folder.path(), [&] { return faults(); });
+    World world(*store);
+    prepare(world);
+    faults.until_failure = n;
+    bool done = act(*store, world);
+    bool fired = faults.fired;
+    faults.until_failure = -1;
+    EXPECT_TRUE(done || fired);
+    store.reset();
+    SqliteOptions server;
+    server.folder = folder.path();
+    server.hold_lock = true;
+    auto opened = OpenSqliteStore(server);
+    ASSERT_TRUE(opened.ok()) << opened.status().message();
+    look(**opened, world, done);
+    if (!fired) return;
+  }
+  FAIL() << "it never went through without a failure";
+}
+
+size_t AuditRows(Store& store, const std::string& action) {
+  auto rows = *store.Audit(1000);
+  return static_cast<size_t>(std::ranges::count(rows, action, &AuditRow::action));
+}
+
+TEST(SqliteFaultTest, APersonIsErasedWhollyOrNotAtAllWhicheverWriteFails) {
+  Uuid attempt;
+  WhicheverWriteFails([&](World& world) { attempt = world.ScoredAttempt(); },
+                      [](Store& store, const World& world) {
+                        return store.ErasePerson(world.student, true, kSystem).ok();
+                      },
+                      [&](Store& store, const World& world, bool done) {
+                        bool there = store.PersonById(world.student).ok();
+                        EXPECT_FALSE(done && there);
+                        EXPECT_EQ(store.AttemptById(attempt).ok(), there);
+                        EXPECT_EQ(store.AttemptChunks(attempt).ok(), there);
+                        EXPECT_EQ(AuditRows(store, "person.erase"), there ? 0u : 1u);
+                        if (!there) return;
+                        EXPECT_TRUE(store.ErasePerson(world.student, true, kSystem).ok());
+                        EXPECT_FALSE(store.AttemptById(attempt).ok());
+                      });
+}
+
+TEST(SqliteFaultTest, ARetentionRuleIsAppliedWhollyOrNotAtAllWhicheverWriteFails) {
+  constexpr UnixMs kLater = UnixMs{30} * 86'400'000;
+  Uuid attempt;
+  WhicheverWriteFails(
+      [&](World& world) {
+        attempt = world.OpenedAttempt();
+        world.Append(attempt, 2);
+        ASSERT_TRUE(world.store.SetRetention({"unfinished", 14}, kSystem).ok());
+      },
+      [](Store& store, const World&) { return store.ApplyRetention(kLater, false, kSystem).ok(); },
+      [&](Store& store, const World&, bool done) {
+        auto chunks = store.AttemptChunks(attempt);
+        EXPECT_FALSE(done && chunks.ok());
+        if (!chunks.ok()) return;
+        EXPECT_EQ(chunks->size(), 2u);
+        EXPECT_TRUE(store.ApplyRetention(kLater, false, kSystem).ok());
+        EXPECT_FALSE(store.AttemptById(attempt).ok());
+      });
+}
+
+TEST(SqliteFaultTest, EveryChangeOfPeopleIsDoneWithItsAuditOrNotAtAllWhicheverWriteFails) {
+  WhicheverWriteFails([](World&) {},
+                      [](Store& store, const World& world) {
+                        Person person;
+                        person.login = "ada";
+                        person.display_name = "Ada";
+                        auto ada = store.CreatePerson(person, "verifier", kSystem);
+                        if (!ada.ok()) return false;
+                        auto cohort = store.CreateCohort("year 3", kSystem);
+                        if (!cohort.ok()) return false;
+                        return store.AddToCohort(*cohort, *ada, kSystem).ok() &&
+                               store.SetPassword(*ada, "other", kSystem).ok() &&
+                               store.SetDisabled(world.student, true, kSystem).ok();
+                      },
+                      [](Store& store, const World& world, bool done) {
+                        auto ada = store.PersonByLogin("ada");
+                        auto cohorts = *store.Cohorts();
+                        bool member =
+                            !cohorts.empty() && !store.CohortMembers(cohorts[0].id)->empty();
+                        bool changed = ada.ok() && *store.PasswordVerifier(ada->id) == "other";
+                        bool disabled = store.PersonById(world.student)->disabled;
+                        EXPECT_EQ(AuditRows(store, "person.create"), ada.ok() ? 2u : 1u);
+                        EXPECT_EQ(AuditRows(store, "cohort.create"), cohorts.size());
+                        EXPECT_EQ(AuditRows(store, "cohort.add"), member ? 1u : 0u);
+                        EXPECT_EQ(AuditRows(store, "person.password"), changed ? 1u : 0u);
+                        EXPECT_EQ(AuditRows(store, "person.disable"), disabled ? 1u : 0u);
+                        EXPECT_EQ(done, disabled);
+                      });
 }
 
 }  // namespace

@@ -1,6 +1,9 @@
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 
+#include <algorithm>
+
+#include "common/base/file.h"
 #include "server/storage/sqlite_store.h"
 #include "tests/server/storage/store_world.h"
 
@@ -63,6 +66,51 @@ TEST(SqliteOpenTest, JobOfAKilledServerIsTakenAgainAtOnce) {
   ASSERT_TRUE(job.ok() && job->has_value());
   EXPECT_EQ((*job)->attempt, attempt);
   EXPECT_EQ((*job)->tries, 2u);
+}
+
+TEST(SqliteOpenTest, AuditKeepsItsOrderWhenTheClockIsSetBack) {
+  TempFolder folder;
+  auto store = OpenStore(folder.path());
+  ASSERT_TRUE(store->NoteAudit(kSystem, "test.first", "a", "{}").ok());
+  // As if it had been written a century later.
+  ExecRaw(folder.path(),
+          "UPDATE audit SET id = x'03ffffffffff7fffbfffffffffffffff' WHERE action = 'test.first'");
+  for (const char* action : {"test.second", "test.third"}) {
+    ASSERT_TRUE(store->NoteAudit(kSystem, action, "a", "{}").ok());
+  }
+  auto rows = *store->Audit(3);
+  ASSERT_EQ(rows.size(), 3u);
+  EXPECT_EQ(rows[0].action, "test.third");
+  EXPECT_EQ(rows[1].action, "test.second");
+  EXPECT_EQ(rows[2].action, "test.first");
+}
+
+TEST(SqliteOpenTest, DamagedDatabaseTakesNoRecordingsAndSaysSo) {
+  TempFolder folder;
+  Uuid attempt;
+  {
+    auto store = OpenStore(folder.path());
+    World world(*store);
+    attempt = world.OpenedAttempt();
+    world.Append(attempt, 40);
+  }
+  Bytes content = *ReadFile(folder.path() / "enamel.db");
+  ASSERT_GT(content.size(), 20u * 4096);
+  for (size_t page = 8; page * 4096 + 200 < content.size(); ++page) {
+    std::fill_n(content.begin() + static_cast<std::ptrdiff_t>(page * 4096), 200, 0xff);
+  }
+  ASSERT_TRUE(WriteFileDurably(folder.path() / "enamel.db", content).ok());
+  auto opened = OpenSqliteStore({folder.path()});
+  if (!opened.ok()) {
+    EXPECT_NE(opened.status().message().find("damaged, restore a backup"), std::string::npos);
+    return;
+  }
+  Status read = (*opened)->AttemptChunks(attempt).status();
+  EXPECT_EQ(read.code(), Code::kStorage) << read.message();
+  StoreHealth health = (*opened)->Health();
+  EXPECT_FALSE(health.takes_recordings);
+  EXPECT_NE(health.problem.find("restore a backup"), std::string::npos) << health.problem;
+  EXPECT_EQ((*opened)->PutBlob(AsBytes("more")).status().code(), Code::kUnavailable);
 }
 
 TEST(SqliteOpenTest, FolderThatIsAFileIsRefused) {

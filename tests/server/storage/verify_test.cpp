@@ -181,6 +181,24 @@ TEST_F(VerifyTest, UnfinishedErasureIsFoundAndFinishedByTheNextStart) {
   EXPECT_EQ(Look().people, 0u);
 }
 
+TEST_F(VerifyTest, APersonWhoIsErasedMeanwhileIsNoDamage) {
+  bool erased = false;
+  VerifyOptions options{
+      Data(), {}, [&](const std::string& what, uint64_t done, uint64_t) {
+        if (erased || what != "database" || done == 0) return;
+        erased = true;
+        auto gone = school_.store->ErasePerson(school_.world.student, true, Actor{{}, "test"});
+        EXPECT_TRUE(gone.ok()) << gone.status().message();
+      }};
+  auto report = Verify(options);
+  ASSERT_TRUE(report.ok()) << report.status().message();
+  EXPECT_TRUE(erased);
+  for (const Finding& finding : report->findings)
+    ADD_FAILURE() << finding.kind << ": " << finding.found;
+  EXPECT_EQ(report->erased, 1u);
+  EXPECT_EQ(report->attempts, 0u);
+}
+
 TEST_F(VerifyTest, RowThatNamesNothingIsFound) {
   Sql("PRAGMA foreign_keys = 0; DELETE FROM stations");
   VerifyReport report = Look();

@@ -1,0 +1,75 @@
+#include "common/base/file.h"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <filesystem>
+
+namespace {
+bool refuse_folders = false, refuse_files = false;
+}  // namespace
+
+// In place of the C library's: a disk that fails when asked to.
+extern "C" int fsync(int fd) {
+  struct stat info {};
+  bool folder = ::fstat(fd, &info) == 0 && S_ISDIR(info.st_mode);
+  if (folder ? refuse_folders : refuse_files) {
+    errno = EIO;
+    return -1;
+  }
+  return static_cast<int>(::syscall(SYS_fsync, fd));
+}
+
+namespace enamel {
+namespace {
+
+namespace fs = std::filesystem;
+
+class FileTest : public testing::Test {
+ protected:
+  FileTest() {
+    std::string pattern = (fs::temp_directory_path() / "enamel-file-XXXXXX").string();
+    folder_ = ::mkdtemp(pattern.data());
+  }
+  ~FileTest() override {
+    refuse_folders = refuse_files = false;
+    fs::remove_all(folder_);
+  }
+  size_t Entries() const {
+    return static_cast<size_t>(
+        std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
+  }
+  fs::path folder_;
+};
+
+TEST_F(FileTest, ReplacesTheContentAndLeavesNothingElse) {
+  const fs::path file = folder_ / "a";
+  ASSERT_TRUE(WriteFileDurably(file, AsBytes("old")).ok());
+  ASSERT_TRUE(WriteFileDurably(file, AsBytes("new")).ok());
+  EXPECT_EQ(AsText(*ReadFile(file)), "new");
+  EXPECT_EQ(Entries(), 1u);
+}
+
+TEST_F(FileTest, AFolderThatCannotBeSyncedIsReported) {
+  refuse_folders = true;
+  Status status = WriteFileDurably(folder_ / "a", AsBytes("new"));
+  EXPECT_EQ(status.code(), Code::kStorage);
+  EXPECT_NE(status.message().find("folder"), std::string::npos) << status.message();
+}
+
+TEST_F(FileTest, AFileThatCannotBeSyncedIsReportedAndTheOldOneStays) {
+  const fs::path file = folder_ / "a";
+  ASSERT_TRUE(WriteFileDurably(file, AsBytes("old")).ok());
+  refuse_files = true;
+  EXPECT_EQ(WriteFileDurably(file, AsBytes("new")).code(), Code::kStorage);
+  EXPECT_EQ(AsText(*ReadFile(file)), "old");
+  EXPECT_EQ(Entries(), 1u);
+}
+
+}  // namespace
+}  // namespace enamel
