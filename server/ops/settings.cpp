@@ -26,8 +26,8 @@ std::string NameOf(const CLI::Option& option) {
   return option.get_lnames().empty() ? std::string() : option.get_lnames().front();
 }
 
-std::string Where(const std::filesystem::path& file, const toml::source_region& region) {
-  return file.string() + ":" + std::to_string(region.begin.line) + ":" +
+std::string Where(const std::string& file, const toml::source_region& region) {
+  return file + ":" + std::to_string(region.begin.line) + ":" +
          std::to_string(region.begin.column) + ": ";
 }
 
@@ -54,6 +54,39 @@ Result<std::vector<std::string>> TextsOf(const toml::node& node) {
   }
   if (texts) return out;
   return Status(Code::kInvalidInput, "expected a text, an integer, true, false or a list of texts");
+}
+
+// Where the quotes that begin at `at` end: one past the last. Nowhere: the end of the text.
+size_t EndOfQuotes(std::string_view text, size_t at) {
+  const char quote = text[at];
+  const std::string three(3, quote);
+  const std::string closing = text.substr(at).starts_with(three) ? three : std::string(1, quote);
+  for (at += closing.size(); at < text.size(); ++at) {
+    if (text[at] == '\\' && quote == '"')
+      ++at;
+    else if (text.substr(at).starts_with(closing))
+      return at + closing.size();
+    else if (text[at] == '\n' && closing.size() == 1)
+      break;
+  }
+  return std::min(at, text.size());
+}
+
+// The first character beyond ASCII outside of quotes and comments, where TOML has none; npos: there
+// is none. Asked before the parser, whose behaviour with some of them is undefined (toml++ 3.1).
+size_t StrayCharacter(std::string_view text) {
+  for (size_t at = text.starts_with("\xef\xbb\xbf") ? 3 : 0; at < text.size();) {
+    const char c = text[at];
+    if (static_cast<unsigned char>(c) >= 0x80) return at;
+    if (c == '"' || c == '\'') {
+      at = EndOfQuotes(text, at);
+    } else if (c == '#') {
+      at = std::min(text.find('\n', at), text.size());
+    } else {
+      ++at;
+    }
+  }
+  return std::string_view::npos;
 }
 
 // Unless something nearer gave the option already.
@@ -110,9 +143,18 @@ Status ReadEnvironment(CLI::App& command) {
 Status ReadSettingsFile(const std::filesystem::path& file, CLI::App& command) {
   auto bytes = ReadFile(file, kMaxFileBytes);
   if (!bytes.ok()) return bytes.status();
+  return ReadSettings(AsText(*bytes), file.string(), command);
+}
+
+Status ReadSettings(std::string_view text, const std::string& file, CLI::App& command) {
+  if (size_t stray = StrayCharacter(text); stray != std::string_view::npos) {
+    auto line = 1 + std::ranges::count(text.substr(0, stray), '\n');
+    return Status(Code::kInvalidInput, file + ":" + std::to_string(line) +
+                                           ": expected letters beyond ASCII in quotes only");
+  }
   toml::table table;
   try {
-    table = toml::parse(AsText(*bytes), file.string());
+    table = toml::parse(text, file);
   } catch (const toml::parse_error& error) {
     return Status(Code::kInvalidInput,
                   Where(file, error.source()) + std::string(error.description()));

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "common/base/result.h"
 
@@ -27,6 +28,9 @@ Status ReadEnvironment(CLI::App& command);
 // and column, also for a key that is no option (it names those there are) and for a value that the
 // option refuses.
 Status ReadSettingsFile(const std::filesystem::path& file, CLI::App& command);
+
+// The same of a file's text; `file` is its name in messages.
+Status ReadSettings(std::string_view text, const std::string& file, CLI::App& command);
 
 // The options of `command` with their values as a TOML file that ReadSettingsFile takes.
 std::string SettingsText(const CLI::App& command);
