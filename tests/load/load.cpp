@@ -116,6 +116,7 @@ class Run {
     auto school = FoundSchool(data_, o_.stations + o_.idle);
     if (!school.ok()) return school.status();
     school_ = *std::move(school);
+    if (o_.marking) ENAMEL_RETURN_IF_ERROR(marking_.Prepare(data_, *o_.marking, say_));
     net::Endpoint stations;
     if (o_.server) {
       auto identity = server::app::EnsureIdentity(data_);
@@ -125,7 +126,7 @@ class Run {
       fingerprint_ = identity->fingerprint;
     } else {
       server_.emplace(o_.server_program, data_, data_ / "server.log",
-                      std::vector<std::string>{"--job-threads", "0"});
+                      std::vector<std::string>{"--job-threads", std::to_string(o_.job_threads)});
       ENAMEL_RETURN_IF_ERROR(server_->Start());
       stations = server_->stations();
       page_ = server_->page();
@@ -257,12 +258,14 @@ class Run {
     }
     std::optional<ApiReader> api;
     if (o_.api_reads_per_s > 0) api.emplace(page_, school_, o_.api_reads_per_s);
+    if (o_.marking) marking_.Begin();
     WatchOver(running);
     threads.clear();
     report_.wall_s = NowS() - start_s_;
     report_.server_cpu_s = server_cpu_.Now(Pid()) - server_cpu_s;
     report_.loadgen_cpu_s = OwnCpuS() - own_cpu_s;
     report_.load_average.push_back(LoadAverage());
+    if (o_.marking) ENAMEL_RETURN_IF_ERROR(FinishMarking());
     if (api) {
       api->Stop();
       report_.api_ms = std::move(api->latencies_ms());
@@ -270,6 +273,19 @@ class Run {
       if (api->failures() > 0 || !api->problem().empty()) Note("page: " + api->problem());
     }
     return restart_status_;
+  }
+
+  Status FinishMarking() {
+    if (!marking_.done())
+      Note("the stations had done before all was scored; let them stream longer");
+    auto figures = marking_.Finish(kSetupWithin_s);
+    if (!figures.ok()) return figures.status();
+    report_.marking = *figures;
+    if (figures->scored != o_.marking->attempts) {
+      Note(std::to_string(figures->scored) + " of " + std::to_string(o_.marking->attempts) +
+           " attempts have a score");
+    }
+    return Status::Ok();
   }
 
   // The main thread's part while the engines stream: kills, viewers, words.
@@ -412,6 +428,7 @@ class Run {
   std::vector<std::unique_ptr<Engine>> engines_;
   std::vector<Station*> streaming_;
   std::optional<Viewers> viewers_;
+  Marking marking_;
   ServerCpu server_cpu_;
   Status restart_status_;
   double start_s_ = 0, stretch_end_s_ = 0, stretch_cpu_s_ = 0;

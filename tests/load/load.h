@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tests/load/figures.h"
+#include "tests/load/marking.h"
 #include "tests/load/read_back.h"
 #include "tests/load/server_process.h"
 #include "tests/load/station.h"
@@ -30,6 +31,8 @@ struct LoadOptions {
   size_t hostile = 0;
   Disturbances disturbances;
   // Beside the stations.
+  std::optional<Marking::Options> marking;  // scored while they stream
+  int job_threads = 0;                      // of our own server
   double api_reads_per_s = 0;
   size_t viewers = 0, slow_viewers = 0;
   int alternate =
@@ -46,6 +49,7 @@ struct LoadReport {
   double seal_s = 0;
   std::vector<double> restart_s;  // from kill to ready
   uint64_t hostile_thrown_out = 0;
+  Marking::Figures marking;
   std::vector<float> api_ms;
   uint64_t api_failures = 0;
   uint64_t viewer_events = 0, viewer_bytes = 0;

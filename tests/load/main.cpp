@@ -19,6 +19,8 @@ using namespace enamel::load;
 struct Arguments {
   LoadOptions load;
   double minutes = 1;
+  size_t score_attempts = 0;
+  Marking::Options marking;
   std::string server, page;
   std::filesystem::path json;
 };
@@ -33,6 +35,7 @@ constexpr char kAbout[] =
     "  enamel-loadgen --stations 1000 --minutes 5 --json load.json\n"
     "  enamel-loadgen --stations 100 --minutes 2 --kills 5 --cuts 50 --hostile 25\n"
     "  enamel-loadgen --stations 200 --minutes 1 --api-reads 20\n"
+    "  enamel-loadgen --stations 200 --minutes 4 --score-attempts 42\n"
     "  enamel-loadgen --stations 500 --minutes 3 --viewers 50 --alternate 3\n"
     "  enamel-loadgen --idle 10000 --minutes 1\n"
     "  enamel-loadgen --stations 50 --server 127.0.0.1:8443 --data DIR   (a server that runs)\n\n"
@@ -93,6 +96,25 @@ void AddOptions(CLI::App& app, Arguments& a) {
       ->group(faults)
       ->check(CLI::Range(0, 10'000));
 
+  std::string jobs = "Scoring beside it";
+  app.add_option("--score-attempts", a.score_attempts,
+                 "Recordings that are sealed when the stations begin, and scored meanwhile")
+      ->group(jobs)
+      ->check(CLI::Range(1, 10'000))
+      ->excludes(server);
+  app.add_option("--attempt-minutes", a.marking.minutes, "Length of each of them")
+      ->group(jobs)
+      ->check(CLI::Range(0.1, 120.0))
+      ->capture_default_str();
+  app.add_option("--attempt-kinds", a.marking.different, "How many of them are recorded anew")
+      ->group(jobs)
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  app.add_option("--job-threads", o.job_threads, "Attempts scored at once by our server")
+      ->group(jobs)
+      ->check(CLI::Range(0, 64))
+      ->capture_default_str();
+
   std::string page = "Page and live view";
   app.add_option("--api-reads", o.api_reads_per_s, "API reads per second")
       ->group(page)
@@ -115,6 +137,13 @@ void AddOptions(CLI::App& app, Arguments& a) {
 Status Complete(Arguments& a, const char* program) {
   LoadOptions& o = a.load;
   o.seconds = a.minutes * 60;
+  if (a.score_attempts > 0) {
+    o.marking = a.marking;
+    o.marking->attempts = a.score_attempts;
+    if (o.job_threads == 0) {
+      o.job_threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+    }
+  }
   if (o.stations + o.idle == 0) {
     return Status(Code::kInvalidInput, "expected --stations or --idle, found neither");
   }
@@ -175,6 +204,19 @@ void AddFaultFacts(const Arguments& a, const LoadReport& r, boost::json::object&
   if (a.load.hostile > 0) out["hostile_thrown_out"] = r.hostile_thrown_out;
 }
 
+void AddMarkingFacts(const Arguments& a, const LoadReport& r, boost::json::object& out) {
+  if (!a.load.marking) return;
+  out["attempts_to_score"] = a.load.marking->attempts;
+  out["attempt_minutes"] = a.load.marking->minutes;
+  out["attempts_scored"] = r.marking.scored;
+  out["attempts_failed"] = r.marking.failed;
+  out["attempt_cutting_share"] = r.marking.cutting_share;
+  out["job_threads"] = a.load.job_threads;
+  out["attempts_sealed_s"] = r.marking.seal_s;
+  out["attempts_scored_s"] = r.marking.marked_s;
+  out["replay_realtime_factor"] = r.marking.replay_realtime;
+}
+
 void AddPageFacts(const Arguments& a, LoadReport& r, boost::json::object& out) {
   if (r.stream.live_states > 0) out["live_states"] = r.stream.live_states;
   if (a.load.api_reads_per_s > 0) {
@@ -207,6 +249,7 @@ boost::json::object Facts(const Arguments& a, LoadReport& r) {
   out["server_rss_mb"] = r.server_rss_mb;
   out["server_peak_rss_mb"] = r.server_peak_rss_mb;
   AddFaultFacts(a, r, out);
+  AddMarkingFacts(a, r, out);
   AddPageFacts(a, r, out);
   out["problem"] = r.problem;
   return out;

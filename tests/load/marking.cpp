@@ -1,0 +1,242 @@
+#include "tests/load/marking.h"
+
+#include <algorithm>
+
+#include "common/measure/attempt.h"
+#include "common/scoring/score.h"
+#include "server/app/data_folder.h"
+#include "server/app/publish.h"
+#include "server/jobs/worker.h"
+#include "tests/load/chunk_layout.h"
+#include "tests/load/engine.h"
+#include "tests/load/figures.h"
+
+namespace enamel::load {
+namespace {
+
+using namespace server;
+
+constexpr UnixMs kNever = UnixMs{1} << 60;
+constexpr auto kLook = std::chrono::milliseconds(200);
+constexpr double kReferenceWithin_s = 1800;
+// Too deep by so much more in each recording that is cut anew.
+constexpr double kFloorStep_m = 50e-6;
+
+const Actor kLoadgen{{}, "enamel-loadgen"};
+
+// Who cuts, where, on what.
+struct Bench {
+  Store& store;
+  trace::KeyPair ticket_key, station_key;
+  Uuid person, station;
+  ExerciseRow exercise;
+  Sha256 profile;
+};
+
+Result<Bench> SetUp(Store& store, const trace::KeyPair& ticket_key, int32_t voxel_nm) {
+  Bench out{store, ticket_key, trace::NewKeyPair(), {}, {}, {}, {}};
+  const std::string tag = Uuid::New().Text();
+  Person person;
+  person.login = "load-marked-" + tag;
+  person.display_name = person.login;
+  auto id = store.CreatePerson(person, "no password", kLoadgen);
+  if (!id.ok()) return id.status();
+  out.person = *id;
+  const Sha256 code = HashSha256(AsBytes("code " + tag));
+  ENAMEL_RETURN_IF_ERROR(store.AddEnrolCode(code, kNever, kLoadgen));
+  StationRow row;
+  row.name = "load marked " + tag;
+  row.public_key.assign(out.station_key.public_key.begin(), out.station_key.public_key.end());
+  auto station = store.EnrolStation(code, row, HashSha256(AsBytes("credential " + tag)), 0);
+  if (!station.ok()) return station.status();
+  out.station = station->id;
+  auto scene = app::PublishScene(store, "builtin:molar", voxel_nm);
+  if (!scene.ok()) return scene.status();
+  auto exercise = app::PublishClassOne(store, *scene, Uuid{});
+  if (!exercise.ok()) return exercise.status();
+  out.exercise = *exercise;
+  auto profiles = store.Profiles();
+  if (!profiles.ok()) return profiles.status();
+  for (const ProfileRow& profile : *profiles) {
+    if (profile.name == "phantom_desktop") out.profile = profile.content;
+  }
+  return out;
+}
+
+// A new attempt with the ticks of `recorded`, chained and signed as its station would. Everything
+// but the seal is in the store afterwards.
+Result<trace::Seal> Put(const Bench& bench, const measure::Attempt& recorded, bool as_reference) {
+  AttemptRow row;
+  row.id = Uuid::New();
+  row.person = bench.person;
+  row.station = bench.station;
+  row.exercise = bench.exercise.id;
+  row.exercise_content = bench.exercise.content;
+  row.profile_content = bench.profile;
+  row.as_reference = as_reference;
+  trace::Header header = recorded.header;
+  header.ticket = {};
+  header.ticket.attempt = row.id;
+  header.ticket.person = row.person;
+  header.ticket.station = row.station;
+  header.ticket.exercise = row.exercise_content;
+  header.ticket.profile = row.profile_content;
+  header.ticket.expires_unix_ms = kNever;
+  trace::SignTicket(header.ticket, bench.ticket_key.secret_key);
+  ENAMEL_RETURN_IF_ERROR(
+      bench.store.CreateAttempt(row, trace::EncodeTicket(header.ticket), kLoadgen));
+  const Bytes header_bytes = trace::EncodeHeader(header);
+  ENAMEL_RETURN_IF_ERROR(bench.store.OpenAttempt(row.id, header_bytes));
+  trace::ChainVerifier chain(row.id, HashSha256(header_bytes));
+  for (const Bytes& original : recorded.chunks) {
+    auto decoded = trace::DecodeChunkHead(original);
+    if (!decoded.ok()) return decoded.status();
+    const Payload payload = PayloadOf(original);
+    trace::ChunkHead head = decoded->head;
+    head.attempt = row.id;
+    head.previous = chain.head();
+    const HeadBytes head_bytes = EncodeHead(head, payload);
+    const trace::Signature signature =
+        SignChunk(ChunkHash(head_bytes, payload), bench.station_key.secret_key);
+    Store::ChunkPut put;
+    put.attempt = row.id;
+    put.bytes.assign(head_bytes.begin(), head_bytes.end());
+    put.bytes.insert(put.bytes.end(), payload.packed.begin(), payload.packed.end());
+    put.bytes.insert(put.bytes.end(), signature.begin(), signature.end());
+    auto whole = trace::DecodeChunkHead(put.bytes);
+    if (!whole.ok()) return whole.status();
+    ENAMEL_RETURN_IF_ERROR(chain.Accept(*whole));
+    put.head = whole->head;
+    put.hash = whole->hash;
+    ENAMEL_RETURN_IF_ERROR(bench.store.AppendChunk(put));
+  }
+  return chain.MakeSeal();
+}
+
+// Runs `work` for 0 … count-1 on `threads` threads; the first error.
+Status InParallel(size_t count, size_t threads, const std::function<Status(size_t)>& work) {
+  std::atomic<size_t> next{0};
+  std::vector<Status> outcomes(std::min(count, threads));
+  {
+    std::vector<std::jthread> runners;
+    for (Status& outcome : outcomes) {
+      runners.emplace_back([&] {
+        for (size_t i; outcome.ok() && (i = next++) < count;) outcome = work(i);
+      });
+    }
+  }
+  for (const Status& outcome : outcomes) ENAMEL_RETURN_IF_ERROR(outcome);
+  return Status::Ok();
+}
+
+Status RunJobs(Store& store) {
+  Worker worker(store);
+  worker.Start();
+  for (const double end = NowS() + kReferenceWithin_s; NowS() < end;) {
+    std::this_thread::sleep_for(kLook);
+    size_t open = 0;
+    for (const char* state : {"queued", "running"}) {
+      auto jobs = store.Jobs(state);
+      if (!jobs.ok()) return jobs.status();
+      open += jobs->size();
+    }
+    if (open == 0) return Status::Ok();
+  }
+  return Status(Code::kUnavailable, "the reference was not scored in time");
+}
+
+Status ScoreReference(const Bench& bench, const measure::Attempt& recorded) {
+  auto seal = Put(bench, recorded, true);
+  if (!seal.ok()) return seal.status();
+  ENAMEL_RETURN_IF_ERROR(bench.store.SealAttempt(*seal, 1));
+  ENAMEL_RETURN_IF_ERROR(RunJobs(bench.store));
+  auto reference = bench.store.AddReference(seal->attempt, "a simulated dentist", kLoadgen);
+  return reference.ok() ? RunJobs(bench.store) : reference.status();
+}
+
+}  // namespace
+
+Marking::~Marking() = default;  // asks the thread to stop, and waits
+
+Status Marking::Prepare(const std::filesystem::path& data, const Options& options,
+                        const std::function<void(const std::string&)>& say) {
+  data_ = data;
+  auto store = app::OpenForCommand(data);
+  if (!store.ok()) return store.status();
+  auto identity = app::EnsureIdentity(data);
+  if (!identity.ok()) return identity.status();
+  auto bench = SetUp(**store, identity->ticket_key, options.voxel_nm);
+  if (!bench.ok()) return bench.status();
+  const size_t processors = std::max(1u, std::thread::hardware_concurrency());
+  std::vector<measure::Attempt> recorded(
+      std::clamp<size_t>(options.different, 1, options.attempts));
+  say("recording " + std::to_string(recorded.size()) + " attempts to be scored");
+  ENAMEL_RETURN_IF_ERROR(InParallel(recorded.size(), processors, [&](size_t i) {
+    measure::AttemptOptions how;
+    how.voxel_nm = options.voxel_nm;
+    how.ticks = static_cast<uint64_t>(options.minutes * 60'000);
+    how.floor_extra_m = kFloorStep_m * static_cast<double>(i);
+    auto made = measure::RecordAttempt(how);
+    if (made.ok()) recorded[i] = *std::move(made);
+    return made.status();
+  }));
+  figures_.cutting_share = recorded[0].cutting_share;
+  say("scoring the reference");
+  ENAMEL_RETURN_IF_ERROR(ScoreReference(*bench, recorded[0]));
+  say("storing " + std::to_string(options.attempts) + " recordings");
+  attempts_.resize(options.attempts);
+  return InParallel(options.attempts, options.attempts, [&](size_t i) -> Status {
+    auto seal = Put(*bench, recorded[i % recorded.size()], false);
+    if (seal.ok()) attempts_[i] = {seal->attempt, *seal};
+    return seal.status();
+  });
+}
+
+void Marking::Begin() {
+  thread_ = std::jthread([this](const std::stop_token& stop) { Run(stop); });
+}
+
+void Marking::Run(const std::stop_token& stop) {
+  auto store = app::OpenForCommand(data_);
+  outcome_ = store.status();
+  const double from = NowS();
+  if (outcome_.ok()) {
+    outcome_ = InParallel(attempts_.size(), attempts_.size(),
+                          [&](size_t i) { return (*store)->SealAttempt(attempts_[i].seal, 1); });
+  }
+  figures_.seal_s = NowS() - from;
+  std::vector<double> replay;
+  for (size_t i = 0; i < attempts_.size() && outcome_.ok() && !stop.stop_requested();) {
+    auto row = (*store)->AttemptById(attempts_[i].attempt);
+    outcome_ = row.status();
+    if (!row.ok()) break;
+    bool scored = row->state == AttemptState::kScored;
+    if (!scored && row->state != AttemptState::kFailed) {
+      std::this_thread::sleep_for(kLook);
+      continue;
+    }
+    ++(scored ? figures_.scored : figures_.failed);
+    ++i;
+    auto result = (*store)->ResultOf(row->id);
+    if (!result.ok()) continue;
+    auto json = (*store)->GetBlob(result->score_json);
+    if (!json.ok()) continue;
+    auto score = scoring::ScoreFromJson(AsText(*json));
+    if (score.ok()) replay.push_back(score->replay_realtime_factor);
+  }
+  figures_.marked_s = NowS() - from;
+  figures_.replay_realtime = Median(replay);
+  done_ = true;
+}
+
+Result<Marking::Figures> Marking::Finish(double seconds) {
+  for (const double end = NowS() + seconds; !done_ && NowS() < end;) {
+    std::this_thread::sleep_for(kLook);
+  }
+  thread_.request_stop();
+  thread_.join();
+  if (!outcome_.ok()) return outcome_;
+  return figures_;
+}
+
+}  // namespace enamel::load

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/base/uuid.h"
+#include "common/trace/trace.h"
+
+namespace enamel::load {
+
+// Recordings that are sealed all at once while stations stream, as when a class ends: how long
+// until the last has its score. Thread safety: none; Begin starts a thread of its own.
+class Marking {
+ public:
+  struct Options {
+    size_t attempts = 42;
+    double minutes = 10;   // of each recording, at 1 kHz
+    size_t different = 3;  // recordings cut anew; the attempts take turns with them
+    int32_t voxel_nm = 50'000;
+  };
+  struct Figures {
+    size_t scored = 0, failed = 0;
+    double seal_s = 0;    // until all were sealed
+    double marked_s = 0;  // from the first seal to the last score
+    double cutting_share = 0;
+    double replay_realtime = 0;  // median of what the scores say
+  };
+
+  Marking() = default;
+  ~Marking();
+  Marking(const Marking&) = delete;
+  Marking& operator=(const Marking&) = delete;
+
+  // Before the server starts: records class I cavities on the built-in molar, scores one as the
+  // reference, and puts the others into the store, whole but for their seal.
+  Status Prepare(const std::filesystem::path& data, const Options& options,
+                 const std::function<void(const std::string&)>& say);
+  // Seals them, each from a thread of its own, and waits for the scores.
+  void Begin();
+  bool done() const { return done_; }
+  // Waits at most `seconds` for what Begin started. Errors: kUnavailable when not all were scored.
+  Result<Figures> Finish(double seconds);
+
+ private:
+  struct Sealed {
+    Uuid attempt;
+    trace::Seal seal;
+  };
+  void Run(const std::stop_token& stop);
+
+  std::filesystem::path data_;
+  std::vector<Sealed> attempts_;
+  Figures figures_;
+  Status outcome_;
+  std::atomic<bool> done_{false};
+  std::jthread thread_;
+};
+
+}  // namespace enamel::load
