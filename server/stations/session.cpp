@@ -78,6 +78,8 @@ Result<wire::Reply> Session::Dispatch(const wire::Request& request) {
       return Do(request.attempt_status());
     case wire::Request::kMarkReference:
       return Do(request.mark_reference());
+    case wire::Request::kOfferAttempts:
+      return Do(request.offer_attempts());
     case wire::Request::kPing: {
       wire::Reply reply;
       reply.mutable_pong()->set_nonce(request.ping().nonce());

@@ -81,6 +81,7 @@ class Session {
   Result<wire::Reply> Do(const wire::SealAttempt& request);
   Result<wire::Reply> Do(const wire::AttemptStatus& request);
   Result<wire::Reply> Do(const wire::MarkReference& request);
+  Result<wire::Reply> Do(const wire::OfferAttempts& request);
   void Take(const wire::LiveState& live);
   void ShowLive(const trace::Chunk& chunk);
 
@@ -90,6 +91,10 @@ class Session {
   Status CheckParams(const trace::Header& header);
   // Errors: kNotFound unless the attempt was ticketed for this station.
   Status MustBeOurs(const Uuid& attempt);
+  // Whether this server lacks some of an attempt that a station of its had finished sending.
+  Result<bool> Lacks(const wire::HeldAttempt& held);
+  // Whether a ticket that was not used yet must not be any more.
+  Result<bool> Revoked(const Uuid& attempt);
   // Errors: kConflict when the ticket ran out longer than kLateUploadMs ago.
   Status MayStillBegin(const trace::Ticket& ticket) const;
   // The attempt of a ticket that was issued here and is not known any more: the server was restored

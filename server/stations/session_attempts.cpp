@@ -176,6 +176,7 @@ Result<wire::Reply> Session::Do(const wire::OpenAttempt& request) {
   wire::Reply reply;
   reply.mutable_attempt_opened()->set_attempt(protocol::ToField(attempt.view()));
   reply.mutable_attempt_opened()->set_next_seq(row->chunks);
+  reply.mutable_attempt_opened()->set_watched(services_.live.Watched(attempt));
   return reply;
 }
 
@@ -209,13 +210,15 @@ Result<wire::Reply> Session::Do(const wire::PutChunk& request) {
   Store::ChunkPut put{chunk->head.attempt, chunk->head, chunk->hash,
                       Bytes(bytes.begin(), bytes.end()), services_.clock()};
   ENAMEL_RETURN_IF_ERROR(services_.store.AppendChunk(put));
-  if (services_.live.Watched(put.attempt)) ShowLive(*chunk);
+  const bool watched = services_.live.Watched(put.attempt);
+  if (watched) ShowLive(*chunk);
 
   wire::Reply reply;
   wire::ChunkAck& ack = *reply.mutable_chunk_ack();
   ack.set_attempt(protocol::ToField(chunk->head.attempt.view()));
   ack.set_seq(chunk->head.seq);
   ack.set_committed(true);
+  ack.set_watched(watched);
   return reply;
 }
 

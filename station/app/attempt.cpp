@@ -15,7 +15,7 @@
 #include "station/app/simulate.h"
 #include "station/devices/operators.h"
 #include "station/render/window.h"
-#include "station/session/workplace.h"
+#include "station/session/by_name.h"
 
 namespace enamel::station {
 namespace {
@@ -29,35 +29,35 @@ constexpr milliseconds kUploadPatience{8'000};  // with the server gone, at the 
 volatile std::sig_atomic_t interrupted = 0;
 void OnSignal(int) { interrupted = 1; }
 
-template <typename T>
-Status Unknown(const char* what, const std::string& name, const std::vector<T>& known) {
-  std::string names;
-  for (const T& k : known) names += (names.empty() ? "" : ", ") + k.name;
-  return Status(Code::kNotFound,
-                std::string("no ") + what + " '" + name + "' for you on this server: " +
-                    (names.empty() ? "there are none" : "there are " + names),
-                what);
+// The attempt that was cut off and is meant.
+Result<Uuid> Unfinished(Workplace& workplace, const std::string& text) {
+  if (text != "last") return Uuid::Parse(text);
+  auto all = workplace.Unfinished();
+  if (!all.ok()) return all.status();
+  if (!all->empty()) return all->back().id;
+  return Status(Code::kNotFound, "no attempt was cut off here: there is nothing to resume");
 }
 
-template <typename T>
-const T* Find(const std::vector<T>& all, const std::string& name) {
-  for (const T& one : all) {
-    if (one.name == name) return &one;
-  }
-  return nullptr;
-}
-
-// The exercise and the profile that are meant, fetched.
-Result<PreparedAttempt> Prepare(Workplace& workplace, const RunOptions& options) {
+Result<PreparedAttempt> PrepareResume(Workplace& workplace, const RunOptions& options) {
+  auto id = Unfinished(workplace, options.resume);
+  if (!id.ok()) return id.status();
+  if (!options.pin.empty()) return workplace.PrepareResume(*id, options.pin);
   auto person = workplace.SignIn(options.login, options.password);
   if (!person.ok()) return person.status();
-  auto catalogue = workplace.Exercises();
-  if (!catalogue.ok()) return catalogue.status();
-  const auto* exercise = Find(catalogue->exercises, options.exercise);
-  if (exercise == nullptr) return Unknown("exercise", options.exercise, catalogue->exercises);
-  const auto* profile = Find(catalogue->profiles, options.profile);
-  if (profile == nullptr) return Unknown("device profile", options.profile, catalogue->profiles);
-  return workplace.Prepare(*exercise, *profile);
+  return workplace.PrepareResume(*id);
+}
+
+// What the attempt needs, with its ticket if it has one already.
+Result<PreparedAttempt> Prepare(Workplace& workplace, const RunOptions& options) {
+  if (!options.resume.empty()) return PrepareResume(workplace, options);
+  if (!options.reserved.empty()) {
+    auto id = Uuid::Parse(options.reserved);
+    if (!id.ok()) return id.status();
+    return workplace.PrepareReserved(*id, options.pin);
+  }
+  auto person = workplace.SignIn(options.login, options.password);
+  if (!person.ok()) return person.status();
+  return PrepareByName(workplace, options.exercise, options.profile);
 }
 
 // Feeds the window from the tick.
@@ -152,6 +152,7 @@ Status WriteFacts(const RunOptions& options, const PreparedAttempt& job,
                             {"operator", options.operator_name},
                             {"ticks", spooled.ticks},
                             {"gap_ticks", spooled.gap_ticks},
+                            {"resumed", spooled.resumed},
                             {"late_ticks", last.counters.late_ticks},
                             {"bounded_ticks", last.counters.bounded_ticks},
                             {"faults", last.counters.faults},
@@ -290,7 +291,10 @@ Result<AttemptResult> RunAttempt(const RunOptions& options) {
   }
   ENAMEL_RETURN_IF_ERROR(CheckOutputFile(options.json, "--json"));
   ENAMEL_RETURN_IF_ERROR(CheckOutputFile(options.screenshot, "--screenshot"));
-  auto workplace = Workplace::Open({options.data, options.server});
+  auto workplace = Workplace::Open({.data = options.data,
+                                    .server = options.server,
+                                    .retention = options.retention,
+                                    .uploader = {options.kbit_per_s * 1000 / 8}});
   if (!workplace.ok()) return workplace.status();
   auto job = Prepare(**workplace, options);
   if (!job.ok()) return job.status();
@@ -301,7 +305,14 @@ Result<AttemptResult> RunAttempt(const RunOptions& options) {
   ENAMEL_RETURN_IF_ERROR(OpenScreen(options, *job, screen));
   std::signal(SIGINT, OnSignal);
   std::signal(SIGTERM, OnSignal);
-  ENAMEL_RETURN_IF_ERROR((*workplace)->TakeTicket(*job, options.as_reference));
+  if (job->attempt().IsZero()) {
+    ENAMEL_RETURN_IF_ERROR((*workplace)->TakeTicket(*job, options.as_reference));
+  }
+  if (job->core) {
+    std::fprintf(stderr,
+                 "resuming after %llu ticks; %u ticks passed since and are declared a gap\n",
+                 static_cast<unsigned long long>(job->place.next_tick), job->gap_ticks);
+  }
   (*workplace)->SignOut();  // uploading needs no sign-in
   // A simulated device's time is the loop's own: being late harms nobody.
   auto attempt = (*workplace)->Begin(*job, **device, {options.lockstep, false, screen.observer()});

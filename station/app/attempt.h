@@ -5,6 +5,7 @@
 
 #include "common/base/result.h"
 #include "common/base/uuid.h"
+#include "station/spool/spool.h"
 
 namespace enamel::station {
 
@@ -19,7 +20,12 @@ struct RunOptions {
   std::filesystem::path screenshot;
   std::filesystem::path json;
   bool as_reference = false;
-  bool quiet = false;  // no progress line
+  std::string resume;    // an attempt that was cut off, or "last"; else empty
+  std::string reserved;  // an attempt whose ticket was taken before; else empty
+  std::string pin;       // of the reserved ticket
+  Retention retention;
+  uint64_t kbit_per_s = 0;  // of the upload at most; 0: no bound
+  bool quiet = false;       // no progress line
 };
 
 // How an attempt ended when nothing was lost.

@@ -12,26 +12,14 @@
 #include "station/app/places.h"
 #include "station/app/simulate.h"
 #include "station/devices/operators.h"
-#include "station/spool/spool.h"
+#include "station/session/by_name.h"
 #include "station/uplink/private_folder.h"
-#include "station/uplink/uploader.h"
 
 namespace enamel::station {
 namespace {
 
 namespace fs = std::filesystem;
 using unsigned_ll = unsigned long long;
-
-const char* StateOf(const SpooledAttempt& a) {
-  if (!a.refused.empty()) return "refused";
-  if (a.complete()) return "uploaded";
-  return a.seal ? "waiting" : "unfinished";
-}
-
-Result<std::unique_ptr<Spool>> OpenSpool(const fs::path& data) {
-  ENAMEL_RETURN_IF_ERROR(MakePrivateFolder(data));
-  return Spool::Open(data);
-}
 
 const scene::DeviceProfile* FindProfile(const std::vector<scene::DeviceProfile>& all,
                                         const std::string& name) {
@@ -73,89 +61,36 @@ Status EnrolStation(const EnrolOptions& options) {
   return Status::Ok();
 }
 
-Status UploadSpool(const fs::path& data, const std::string& server) {
-  auto credentials = LoadCredentialsFor(data, server);
-  if (!credentials.ok()) return credentials.status();
+Status ReserveAttempt(const ReserveCommand& options) {
+  ENAMEL_RETURN_IF_ERROR(TicketSafe::CheckPin(options.pin));
+  auto workplace = Workplace::Open({.data = options.data, .server = options.server});
+  if (!workplace.ok()) return workplace.status();
+  auto person = (*workplace)->SignIn(options.login, options.password);
+  if (!person.ok()) return person.status();
+  auto prepared = PrepareByName(**workplace, options.exercise, options.profile);
+  if (!prepared.ok()) return prepared.status();
+  ENAMEL_RETURN_IF_ERROR((*workplace)->Reserve(*prepared, options.pin));
+  std::printf("reserved for %s, for the next 12 hours at this station:\n",
+              person->display_name.c_str());
+  return ListReserved(options.data);
+}
+
+Status ListReserved(const fs::path& data) {
   auto spool = Spool::Open(data);
   if (!spool.ok()) return spool.status();
-  auto attempts = (*spool)->List();
-  if (!attempts.ok()) return attempts.status();
-  ServerLink link;
-  Status worst;
-  int sent = 0;
-  for (const SpooledAttempt& attempt : *attempts) {
-    if (attempt.complete() || !attempt.refused.empty()) continue;
-    // Broken off, and the server has all there is of it.
-    if (!attempt.seal && attempt.committed == attempt.chunks) continue;
-    if (!link.connected()) ENAMEL_RETURN_IF_ERROR(link.Connect(*credentials));
-    Status status = UploadAttempt(link, **spool, attempt.id);
-    if (!status.ok() && IsTransient(status)) return status;
-    auto after = (*spool)->Get(attempt.id);
-    if (!after.ok()) return after.status();
-    std::printf("%s  %s  %u of %u chunks  %s\n", attempt.id.Text().c_str(), StateOf(*after),
-                after->committed, after->chunks, status.message().c_str());
-    if (status.ok() && !after->seal) {
-      std::printf(
-          "  no end of it is recorded (it broke off, or goes on): it is kept here and on the "
-          "server, and not scored\n");
-    }
-    if (!status.ok()) worst = status;
-    ++sent;
+  auto tickets = TicketSafe(**spool).List();
+  if (!tickets.ok()) return tickets.status();
+  if (tickets->empty()) std::printf("nothing is reserved here\n");
+  for (const LockedTicket& t : *tickets) {
+    auto left_min = (t.expires_unix_ms - std::chrono::duration_cast<std::chrono::milliseconds>(
+                                             std::chrono::system_clock::now().time_since_epoch())
+                                             .count()) /
+                    60'000;
+    std::printf("%s  %s: %s on %s, %lld h %02lld min left%s\n", t.attempt.Text().c_str(),
+                t.person.c_str(), t.title.c_str(), t.profile.c_str(),
+                static_cast<long long>(left_min / 60), static_cast<long long>(left_min % 60),
+                (*spool)->Get(t.attempt).ok() ? "  (begun)" : "");
   }
-  if (sent == 0) std::printf("nothing to upload\n");
-  return worst;
-}
-
-Status ListSpool(const fs::path& data) {
-  auto spool = OpenSpool(data);
-  if (!spool.ok()) return spool.status();
-  auto attempts = (*spool)->List();
-  if (!attempts.ok()) return attempts.status();
-  if (attempts->empty()) std::printf("the spool %s is empty\n", (*spool)->file().c_str());
-  for (const SpooledAttempt& a : *attempts) {
-    std::printf("%s  %-10s  %s on %s  %llu ticks  %u of %u chunks on the server  %.1f kB%s%s\n",
-                a.id.Text().c_str(), StateOf(a), a.exercise.c_str(), a.profile.c_str(),
-                static_cast<unsigned_ll>(a.ticks), a.committed, a.chunks,
-                static_cast<double>(a.bytes) / 1000, a.refused.empty() ? "" : ": ",
-                a.refused.c_str());
-  }
-  return Status::Ok();
-}
-
-Status VerifySpool(const fs::path& data) {
-  auto spool = OpenSpool(data);
-  if (!spool.ok()) return spool.status();
-  std::optional<trace::PublicKey> key;
-  if (auto credentials = LoadCredentials(data); credentials.ok()) key = credentials->public_key();
-  auto verdicts = (*spool)->Verify(key);
-  if (!verdicts.ok()) return verdicts.status();
-  Status worst;
-  for (const SpoolVerdict& v : *verdicts) {
-    std::printf("%s  %s\n", v.attempt.id.Text().c_str(),
-                v.status.ok() ? "whole" : v.status.message().c_str());
-    if (!v.status.ok()) {
-      worst = Status(v.status.code(), "attempt " + v.attempt.id.Text() + ": " + v.status.message());
-    }
-  }
-  if (worst.ok()) {
-    std::printf("%zu attempts: chains%s and seals are right\n", verdicts->size(),
-                key ? ", signatures" : "");
-  }
-  return worst;
-}
-
-Status ExportFromSpool(const fs::path& data, const std::string& attempt, const fs::path& out) {
-  auto id = Uuid::Parse(attempt);
-  if (!id.ok()) return id.status();
-  auto spool = Spool::Open(data);
-  if (!spool.ok()) return spool.status();
-  ENAMEL_RETURN_IF_ERROR(CheckOutputFile(out, "--out"));
-  auto file = (*spool)->Export(*id);
-  if (!file.ok()) return file.status();
-  Bytes bytes = trace::EncodeTraceFile(*file);
-  ENAMEL_RETURN_IF_ERROR(WriteFileDurably(out, bytes, 0600));
-  std::printf("%s: %zu chunks, %zu bytes%s\n", out.c_str(), file->chunks.size(), bytes.size(),
-              file->seal ? ", sealed" : ", not sealed");
   return Status::Ok();
 }
 
@@ -196,11 +131,11 @@ Status SimulateAttempt(const SimulateCommand& options) {
     planes[p.name] = p.median_um;
   }
   return WriteJsonFile(options.json, {{"ticks", report->ticks},
-                                  {"force_p95_n", report->force_p95_n},
-                                  {"force_max_n", report->force_max_n},
-                                  {"state_hash", report->state_hash},
-                                  {"removed_mm3", removed},
-                                  {"plane_median_um", planes}});
+                                      {"force_p95_n", report->force_p95_n},
+                                      {"force_max_n", report->force_max_n},
+                                      {"state_hash", report->state_hash},
+                                      {"removed_mm3", removed},
+                                      {"plane_median_um", planes}});
 }
 
 void PrintDevices() {

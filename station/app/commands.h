@@ -15,15 +15,13 @@ struct EnrolOptions {
 };
 Status EnrolStation(const EnrolOptions& options);
 
-// Sends what is in the spool and not yet on the server. Errors: kUnavailable when it is not
-// reachable; the worst refusal when the server will not have some of it.
-// `server`: HOST:PORT when it has moved since enrolment; else empty.
-Status UploadSpool(const std::filesystem::path& data, const std::string& server);
-
-Status ListSpool(const std::filesystem::path& data);
-Status VerifySpool(const std::filesystem::path& data);
-Status ExportFromSpool(const std::filesystem::path& data, const std::string& attempt,
-                       const std::filesystem::path& out);
+// Takes a ticket now, to make the attempt later with or without the server, and prints how.
+struct ReserveCommand {
+  std::filesystem::path data;
+  std::string server, exercise, profile, login, password, pin;
+};
+Status ReserveAttempt(const ReserveCommand& options);
+Status ListReserved(const std::filesystem::path& data);
 
 struct SimulateCommand {
   std::string scene = "builtin:molar";  // or a folder written by import

@@ -12,6 +12,7 @@
 #include "station/app/frame_bench.h"
 #include "station/app/import_command.h"
 #include "station/app/replay.h"
+#include "station/app/spool_command.h"
 #include "station/qualify/cli.h"
 
 namespace {
@@ -31,6 +32,12 @@ Without any server:
   enamel-station simulate --profile phantom_desktop --operator dentist
 What was recorded while the server was away is sent by:
   enamel-station upload
+After a crash or a power cut, go on where the recording ends, or end it there:
+  ENAMEL_PASSWORD=... enamel-station run --user LOGIN --resume last
+  enamel-station spool close last
+For hours without the server, with a PIN of your own:
+  ENAMEL_PASSWORD=... ENAMEL_PIN=... enamel-station reserve --user LOGIN --exercise NAME --profile NAME
+  ENAMEL_PIN=... enamel-station run --reserved ID
 Exit codes: 0 done, 1 failed (the reason is on standard error), 2 wrong command line,
 3 recorded and safe on this station, but not on the server yet.)";
 
@@ -53,15 +60,52 @@ int Finish(const Status& status) {
   return kFailed;
 }
 
+std::string Environment(const char* name) {
+  const char* set = std::getenv(name);
+  return set == nullptr ? "" : set;
+}
+
+// The PIN of a reserved ticket stands for its person where the server is not asked.
+bool SignsInByPin(const RunOptions& options) {
+  return !options.pin.empty() && (!options.reserved.empty() || !options.resume.empty());
+}
+
+// What CLI11 cannot say: which options belong together.
+Status CheckRun(const RunOptions& options) {
+  if (!options.reserved.empty() && options.pin.empty()) {
+    return Status(Code::kInvalidInput, "a reserved ticket needs its PIN: set ENAMEL_PIN");
+  }
+  if (SignsInByPin(options)) return Status::Ok();
+  if (options.login.empty()) return Status(Code::kInvalidInput, "--user is required");
+  bool begins = options.resume.empty() && options.reserved.empty();
+  if (begins && (options.exercise.empty() || options.profile.empty())) {
+    return Status(Code::kInvalidInput,
+                  "--exercise and --profile are required (or --resume, or --reserved)");
+  }
+  return Status::Ok();
+}
+
+Result<std::string> Password(bool from_stdin) {
+  std::string line;
+  if (from_stdin) {
+    std::getline(std::cin, line);
+    return line;
+  }
+  if (const char* set = std::getenv("ENAMEL_PASSWORD")) return std::string(set);
+  return Status(Code::kInvalidInput,
+                "no password: set ENAMEL_PASSWORD, or use --password-stdin and write it there");
+}
+
 int Run(RunOptions& options, bool password_stdin) {
-  if (password_stdin) {
-    std::getline(std::cin, options.password);
-  } else if (const char* set = std::getenv("ENAMEL_PASSWORD")) {
-    options.password = set;
-  } else {
-    return Finish(Status(Code::kInvalidInput,
-                         "no password: set ENAMEL_PASSWORD, or use "
-                         "--password-stdin and write it there"));
+  options.pin = Environment("ENAMEL_PIN");
+  if (Status s = CheckRun(options); !s.ok()) {
+    (void)Finish(s);
+    return kUsage;
+  }
+  if (!SignsInByPin(options)) {
+    auto password = Password(password_stdin);
+    if (!password.ok()) return Finish(password.status());
+    options.password = *password;
   }
   auto result = RunAttempt(options);
   if (!result.ok()) return Finish(result.status());
@@ -115,9 +159,20 @@ int main(int argc, char** argv) {
   bool password_stdin = false;
   auto* run_cmd = with_data(app.add_subcommand("run", "Make an attempt at an exercise"));
   run_cmd->add_option("--server", run.server, "HOST:PORT when it has moved since enrolment");
-  run_cmd->add_option("--exercise", run.exercise, "Name of the exercise")->required();
-  run_cmd->add_option("--profile", run.profile, "Name of the device profile")->required();
-  run_cmd->add_option("--user", run.login, "Login of the person at this station")->required();
+  auto* exercise = run_cmd->add_option("--exercise", run.exercise, "Name of the exercise");
+  run_cmd->add_option("--profile", run.profile, "Name of the device profile");
+  run_cmd->add_option("--user", run.login, "Login of the person at this station");
+  auto* resume =
+      run_cmd
+          ->add_option("--resume", run.resume,
+                       "Go on with an attempt that was cut off: its id ('spool list'), or 'last'")
+          ->excludes(exercise);
+  run_cmd
+      ->add_option("--reserved", run.reserved,
+                   "Use a ticket taken with 'reserve'; PIN in ENAMEL_PIN")
+      ->excludes(exercise)
+      ->excludes(resume);
+  run_cmd->add_option("--uplink-kbit", run.kbit_per_s, "Send no faster than this; 0: no bound");
   run_cmd->add_flag("--password-stdin", password_stdin,
                     "Read the password from standard input (else ENAMEL_PASSWORD)");
   run_cmd
@@ -137,24 +192,32 @@ int main(int argc, char** argv) {
     exit_code = Run(run, password_stdin);
   });
 
-  auto* upload_cmd = with_data(
-      app.add_subcommand("upload", "Send what is recorded here and not yet on the server"));
-  std::string upload_server;
-  upload_cmd->add_option("--server", upload_server, "HOST:PORT when it has moved since enrolment");
-  upload_cmd->callback([&] { exit_code = Finish(UploadSpool(data, upload_server)); });
+  SpoolCommand spool;
+  spool.data = data;
+  AddSpoolCommands(app, spool, [&](const Status& status) { exit_code = Finish(status); });
 
-  auto* spool_cmd = app.add_subcommand("spool", "Recordings on this station");
-  spool_cmd->require_subcommand(1);
-  with_data(spool_cmd->add_subcommand("list", "What is there, and what of it is on the server"))
-      ->callback([&] { exit_code = Finish(ListSpool(data)); });
-  with_data(spool_cmd->add_subcommand("verify", "Check pages, chains, signatures and seals"))
-      ->callback([&] { exit_code = Finish(VerifySpool(data)); });
-  std::string attempt, out;
-  auto* export_cmd =
-      with_data(spool_cmd->add_subcommand("export", "Write one recording to a file"));
-  export_cmd->add_option("attempt", attempt, "Its id, as 'spool list' prints it")->required();
-  export_cmd->add_option("--out", out, "File to write")->required();
-  export_cmd->callback([&] { exit_code = Finish(ExportFromSpool(data, attempt, out)); });
+  ReserveCommand reserve;
+  auto* reserve_cmd = with_data(app.add_subcommand(
+      "reserve", "Take a ticket now for an attempt within 12 hours, with or without the server"));
+  reserve_cmd->add_option("--server", reserve.server,
+                          "HOST:PORT when it has moved since enrolment");
+  reserve_cmd->add_option("--exercise", reserve.exercise, "Name of the exercise");
+  reserve_cmd->add_option("--profile", reserve.profile, "Name of the device profile");
+  reserve_cmd->add_option("--user", reserve.login, "Login of the person at this station");
+  reserve_cmd->footer(
+      "Password in ENAMEL_PASSWORD, PIN (6 to 12 digits) in ENAMEL_PIN. Without --exercise it "
+      "lists "
+      "what is reserved here.\n'run --reserved ID' with ENAMEL_PIN makes the attempt. The PIN "
+      "keeps "
+      "others at this chair from using it;\nwho can read this station's disk is not kept out by "
+      "six "
+      "digits. Exams cannot be reserved.");
+  reserve_cmd->callback([&] {
+    reserve.data = data;
+    reserve.password = Environment("ENAMEL_PASSWORD");
+    reserve.pin = Environment("ENAMEL_PIN");
+    exit_code = Finish(reserve.exercise.empty() ? ListReserved(data) : ReserveAttempt(reserve));
+  });
 
   ReplayOptions replay;
   auto* replay_cmd = with_data(

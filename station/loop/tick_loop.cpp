@@ -54,6 +54,9 @@ TickLoop::TickLoop(Device& device, core::Core& core, SampleRing& ring,
   still_ticks_needed_ =
       static_cast<uint64_t>(device.still_before_force_s() * options_.rate_hz + 0.5);
   await_still_ = still_ticks_needed_ > 0;
+  counters_.ticks = options_.ticks_before;
+  counters_.gap_ticks = gap_ = options_.first_gap_ticks;
+  soft_restart_ = gap_ > 0;
 }
 
 void TickLoop::Run() noexcept {

@@ -86,6 +86,11 @@ struct TickLoopOptions {
   bool faults_when_late = true;
   // b of the device, for the leak's bound. 0 bounds it for any device.
   double damping_n_s_per_m = 0;
+  // An attempt that goes on after a crash: ticks stepped before, and those that passed since and were
+  // not. The first tick declares that gap and keeps force and cutting off until the bur is in free
+  // air.
+  uint64_t ticks_before = 0;
+  uint32_t first_gap_ticks = 0;
 };
 
 // The haptic loop: device -> core -> device, and what was done to the ring and the snapshot.

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <memory>
+
+#include "common/core/core.h"
 #include "common/cutting/volume.h"
 #include "common/scene/types.h"
 #include "common/trace/trace.h"
@@ -7,7 +10,7 @@
 namespace enamel::station {
 
 // Everything an attempt needs before its first tick: documents fetched, checked against each other,
-// and compiled. Its ticket is empty until Workplace::TakeTicket.
+// and compiled. Its ticket is empty until Workplace::TakeTicket; one that is resumed has its own.
 struct PreparedAttempt {
   Sha256 exercise_hash, profile_hash;  // content addresses of the documents
   scene::Scene scene;
@@ -15,6 +18,11 @@ struct PreparedAttempt {
   scene::DeviceProfile profile;
   cutting::Volume volume;  // the tooth before the first cut
   trace::Header header;
+  // Of an attempt that goes on after a crash: the core where the spool's chunks end, with the tooth
+  // as it was then; otherwise null.
+  std::unique_ptr<core::Core> core;
+  trace::ChainState place;  // where their chain stands
+  uint32_t gap_ticks = 0;   // that passed since and were not recorded
 
   const Uuid& attempt() const { return header.ticket.attempt; }
   double voxel_m() const { return volume.spec().voxel_m(); }

@@ -2,6 +2,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+
 #include "station/loop/realtime.h"
 
 namespace enamel::station {
@@ -13,21 +15,51 @@ constexpr size_t kRingTicks = 4000;  // 4 s at 1 kHz before a slow disk makes a 
 constexpr milliseconds kRecorderIdle{2};
 constexpr milliseconds kSpoolRetry{200};
 constexpr int kSpoolRetries = 25;
+constexpr uint32_t kLivePerSecond = 60;
+constexpr double kUmPerM = 1e6, kMnPerN = 1e3;
+
+trace::ChainState PlaceOf(const PreparedAttempt& prepared) {
+  if (prepared.place.next_seq > 0) return prepared.place;
+  return {HashSha256(trace::EncodeHeader(prepared.header)), 0, 0, 0};
+}
+
+TickLoopOptions LoopOptions(const PreparedAttempt& prepared, const AttemptOptions& options) {
+  TickLoopOptions out;
+  out.rate_hz = prepared.header.params.rate_hz;
+  out.lockstep = options.lockstep;
+  out.faults_when_late = options.faults_when_late;
+  out.damping_n_s_per_m = static_cast<double>(prepared.profile.damping_mn_s_per_m.value) * 1e-3;
+  out.ticks_before = prepared.place.next_tick;
+  out.first_gap_ticks = prepared.gap_ticks;
+  return out;
+}
+
+// The bound holds for every point of a scene.
+std::array<int32_t, 3> Rounded(const dvec3& v, double scale) noexcept {
+  std::array<int32_t, 3> out{};
+  for (int i = 0; i < 3; ++i) {
+    double x = std::clamp(v[i] * scale, -1e9, 1e9);
+    out[static_cast<size_t>(i)] = static_cast<int32_t>(x);
+  }
+  return out;
+}
 
 }  // namespace
 
-RunningAttempt::RunningAttempt(const Credentials& credentials, Spool& spool,
-                               const PreparedAttempt& prepared, Device& device,
-                               const AttemptOptions& options)
-    : attempt_(prepared.attempt()),
-      core_(prepared.header.params, prepared.volume),
+RunningAttempt::RunningAttempt(const trace::SecretKey& station_key, Spool& spool,
+                               Uploader& uploader, PreparedAttempt& prepared, Device& device,
+                               const AttemptOptions& options, RecordingLock lock)
+    : lock_(std::move(lock)),
+      attempt_(prepared.attempt()),
+      uploader_(uploader),
+      observer_(options.observer),
+      live_every_(std::max(1u, prepared.header.params.rate_hz / kLivePerSecond)),
+      core_(prepared.core ? std::move(prepared.core)
+                          : std::make_unique<core::Core>(prepared.header.params, prepared.volume)),
       ring_(kRingTicks),
-      recorder_(spool, ring_, attempt_, HashSha256(trace::EncodeHeader(prepared.header)),
-                credentials.secret_key),
-      loop_(device, core_, ring_,
-            {prepared.header.params.rate_hz, options.lockstep, options.faults_when_late},
-            options.observer),
-      uploader_(credentials, spool, attempt_) {
+      recorder_(spool, ring_, attempt_, PlaceOf(prepared), station_key),
+      loop_(device, *core_, ring_, LoopOptions(prepared, options), this) {
+  uploader_.Prefer(attempt_, live_);
   recorder_thread_ = std::thread([this] { Record(); });
   loop_thread_ = std::thread([this, lockstep = options.lockstep] { RunLoop(lockstep); });
 }
@@ -35,6 +67,15 @@ RunningAttempt::RunningAttempt(const Credentials& credentials, Spool& spool,
 RunningAttempt::~RunningAttempt() {
   End();
   (void)Join();
+}
+
+void RunningAttempt::OnTick(const core::Core& core, const Snapshot& snapshot) noexcept {
+  if (snapshot.counters.ticks % live_every_ == 0) {
+    const dvec3 origin_m = core.TipOf({});
+    live_->Write({snapshot.counters.ticks, Rounded(snapshot.anchor.tip_m - origin_m, kUmPerM),
+                  Rounded(snapshot.force_sent_n, kMnPerN), snapshot.output_flags});
+  }
+  if (observer_ != nullptr) observer_->OnTick(core, snapshot);
 }
 
 void RunningAttempt::RunLoop(bool lockstep) {
@@ -83,13 +124,14 @@ RunningAttempt::Recording RunningAttempt::recording() const {
 Result<trace::Seal> RunningAttempt::Join() {
   if (loop_thread_.joinable()) loop_thread_.join();
   if (recorder_thread_.joinable()) recorder_thread_.join();
+  lock_.reset();
   return *recorded_;
 }
 
 Uploader::State RunningAttempt::AwaitUpload(milliseconds patience) {
   uploader_.Wake();
-  uploader_.WaitUntilDone(patience);
-  return uploader_.state();
+  uploader_.WaitUntilDone(attempt_, patience);
+  return uploader_.state(attempt_);
 }
 
 }  // namespace enamel::station

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <thread>
 
@@ -28,7 +29,7 @@ struct AttemptOptions {
 // ticks are not stepped (a declared gap); if it still cannot, the attempt ends, and what is on disk
 // stays there. Thread safety: one owner's thread, but End, ticking and the states from any.
 // Real-time: never; only the loop inside is.
-class RunningAttempt {
+class RunningAttempt : private TickObserver {
  public:
   struct Recording {
     uint32_t chunks = 0;  // durable in the spool
@@ -36,10 +37,12 @@ class RunningAttempt {
     Status problem;  // why the spool takes nothing just now, or ok
   };
 
-  // Starts ticking. The spool must know the attempt; spool and device outlive this.
-  RunningAttempt(const Credentials& credentials, Spool& spool, const PreparedAttempt& prepared,
-                 Device& device, const AttemptOptions& options);
-  ~RunningAttempt();  // ends and seals it if need be
+  // Starts ticking. Takes the core of one that is resumed. The spool must know the attempt; all
+  // outlive this. `lock` is the spool's.
+  RunningAttempt(const trace::SecretKey& station_key, Spool& spool, Uploader& uploader,
+                 PreparedAttempt& prepared, Device& device, const AttemptOptions& options,
+                 RecordingLock lock);
+  ~RunningAttempt() override;  // ends and seals it if need be
   RunningAttempt(const RunningAttempt&) = delete;
   RunningAttempt& operator=(const RunningAttempt&) = delete;
 
@@ -51,27 +54,32 @@ class RunningAttempt {
   // Newest tick, for one reader thread.
   const Snapshot& snapshot() { return loop_.snapshot(); }
   Recording recording() const;
-  Uploader::State upload() const { return uploader_.state(); }
+  Uploader::State upload() const { return uploader_.state(attempt_); }
 
   // Waits for the loop's end and the seal. Errors: the recording is not complete on disk. May be
   // called again.
   Result<trace::Seal> Join();
   // The tooth as it is now. Requires: Join has returned.
-  const core::Core& core() const { return core_; }
+  const core::Core& core() const { return *core_; }
   // After Join: until everything is durable on the server, it refuses for good, or has not been
   // reachable for `patience`. The upload goes on afterwards.
   Uploader::State AwaitUpload(std::chrono::milliseconds patience);
 
  private:
+  void OnTick(const core::Core& core, const Snapshot& snapshot) noexcept override;
   void RunLoop(bool lockstep);
   void Record();
 
+  std::optional<RecordingLock> lock_;  // until the recording is whole
   const Uuid attempt_;
-  core::Core core_;
+  Uploader& uploader_;
+  TickObserver* const observer_;
+  const uint64_t live_every_;  // ticks
+  const std::shared_ptr<LiveMailbox> live_ = std::make_shared<LiveMailbox>();
+  std::unique_ptr<core::Core> core_;
   SampleRing ring_;
   Recorder recorder_;
   TickLoop loop_;
-  Uploader uploader_;
   mutable std::mutex mutex_;
   Status problem_;                               // guarded by mutex_
   std::optional<Result<trace::Seal>> recorded_;  // the recorder's, then Join's

@@ -1,14 +1,65 @@
 #include "station/session/workplace.h"
 
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+
 #include "common/scene/json.h"
 #include "common/scene/plan.h"
 #include "common/scene/volume_blob.h"
+#include "common/trace/replay_run.h"
 
 namespace enamel::station {
 namespace {
 
-constexpr std::chrono::hours kKeepCommitted{7 * 24};
 constexpr std::chrono::seconds kPingEvery{20};
+constexpr size_t kChunksAtOnce = 64;
+
+using Fetch = std::function<Result<Bytes>(const Sha256&)>;
+
+// Exercise and profile, and what they name in turn.
+Result<PreparedAttempt> Assemble(const Sha256& exercise, const Sha256& profile,
+                                 const Fetch& fetch) {
+  PreparedAttempt out;
+  out.exercise_hash = exercise;
+  out.profile_hash = profile;
+  auto exercise_json = fetch(exercise);
+  if (!exercise_json.ok()) return exercise_json.status();
+  auto parsed_exercise = scene::ExerciseFromJson(AsText(*exercise_json));
+  if (!parsed_exercise.ok()) return parsed_exercise.status();
+  out.exercise = std::move(*parsed_exercise);
+  auto scene_json = fetch(out.exercise.scene);
+  if (!scene_json.ok()) return scene_json.status();
+  auto parsed_scene = scene::SceneFromJson(AsText(*scene_json));
+  if (!parsed_scene.ok()) return parsed_scene.status();
+  out.scene = std::move(*parsed_scene);
+  auto profile_json = fetch(profile);
+  if (!profile_json.ok()) return profile_json.status();
+  auto parsed_profile = scene::ProfileFromJson(AsText(*profile_json));
+  if (!parsed_profile.ok()) return parsed_profile.status();
+  out.profile = std::move(*parsed_profile);
+  auto blob = fetch(out.scene.volume);
+  if (!blob.ok()) return blob.status();
+  auto volume = scene::DecodeVolume(*blob);
+  if (!volume.ok()) return volume.status();
+  out.volume = std::move(*volume);
+  auto params = scene::CompilePlan(out.scene, out.exercise, out.profile);
+  if (!params.ok()) return params.status();
+  out.header = {{}, out.exercise.scene, out.scene.volume, *params, SoftwareName()};
+  return out;
+}
+
+int64_t NowUnixMs() {
+  return std::chrono::duration_cast<std::chrono::milliseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+// Ticks that passed since `since_unix_ms`; at least one, so that the gap shows.
+uint32_t GapTicks(int64_t since_unix_ms, uint32_t rate_hz) {
+  double ticks = static_cast<double>(NowUnixMs() - since_unix_ms) * 1e-3 * rate_hz;
+  return static_cast<uint32_t>(std::clamp(ticks, 1.0, 4294967295.0));
+}
 
 }  // namespace
 
@@ -17,16 +68,25 @@ Result<std::unique_ptr<Workplace>> Workplace::Open(const WorkplaceOptions& optio
   if (!credentials.ok()) return credentials.status();
   auto spool = Spool::Open(options.data);
   if (!spool.ok()) return spool.status();
-  if (auto pruned = (*spool)->Prune(kKeepCommitted); !pruned.ok()) return pruned.status();
+  auto pruned = (*spool)->Prune(options.retention);
+  if (!pruned.ok()) return pruned.status();
+  if (pruned->early > 0) {
+    spdlog::warn(
+        "{} recordings that the server has were forgotten here before their time, as the spool may "
+        "take {} MB only: a server restored from an older backup cannot get them back from here",
+        pruned->early, options.retention.bytes / 1'000'000);
+  }
   return std::unique_ptr<Workplace>(
-      new Workplace(options.data, std::move(*credentials), std::move(*spool)));
+      new Workplace(options, std::move(*credentials), std::move(*spool)));
 }
 
-Workplace::Workplace(std::filesystem::path data, Credentials credentials,
+Workplace::Workplace(const WorkplaceOptions& options, Credentials credentials,
                      std::unique_ptr<Spool> spool)
-    : data_(std::move(data)),
+    : data_(options.data),
       credentials_(std::move(credentials)),
       spool_(std::move(spool)),
+      safe_(*spool_),
+      uploader_(credentials_, *spool_, options.uploader),
       keep_alive_([this] { KeepAlive(); }) {}
 
 Workplace::~Workplace() {
@@ -109,31 +169,8 @@ Result<PreparedAttempt> Workplace::Prepare(const Catalogue::Exercise& exercise,
   std::lock_guard link(link_mutex_);
   ENAMEL_RETURN_IF_ERROR(MustBeSignedIn());
   BlobCache cache(data_ / "blobs");
-  auto exercise_json = link_.FetchBlob(exercise.exercise, cache);
-  if (!exercise_json.ok()) return exercise_json.status();
-  auto scene_json = link_.FetchBlob(exercise.scene, cache);
-  if (!scene_json.ok()) return scene_json.status();
-  auto profile_json = link_.FetchBlob(profile.profile, cache);
-  if (!profile_json.ok()) return profile_json.status();
-  auto volume_blob = link_.FetchBlob(exercise.volume, cache);
-  if (!volume_blob.ok()) return volume_blob.status();
-  auto parsed_exercise = scene::ExerciseFromJson(AsText(*exercise_json));
-  if (!parsed_exercise.ok()) return parsed_exercise.status();
-  auto parsed_scene = scene::SceneFromJson(AsText(*scene_json));
-  if (!parsed_scene.ok()) return parsed_scene.status();
-  auto parsed_profile = scene::ProfileFromJson(AsText(*profile_json));
-  if (!parsed_profile.ok()) return parsed_profile.status();
-  auto volume = scene::DecodeVolume(*volume_blob);
-  if (!volume.ok()) return volume.status();
-  auto params = scene::CompilePlan(*parsed_scene, *parsed_exercise, *parsed_profile);
-  if (!params.ok()) return params.status();
-  return PreparedAttempt{exercise.exercise,
-                         profile.profile,
-                         std::move(*parsed_scene),
-                         std::move(*parsed_exercise),
-                         std::move(*parsed_profile),
-                         std::move(*volume),
-                         {{}, exercise.scene, exercise.volume, *params, SoftwareName()}};
+  return Assemble(exercise.exercise, profile.profile,
+                  [&](const Sha256& name) { return link_.FetchBlob(name, cache); });
 }
 
 Status Workplace::TakeTicket(PreparedAttempt& prepared, bool as_reference) {
@@ -146,13 +183,156 @@ Status Workplace::TakeTicket(PreparedAttempt& prepared, bool as_reference) {
   return Status::Ok();
 }
 
-Result<std::unique_ptr<RunningAttempt>> Workplace::Begin(const PreparedAttempt& prepared,
-                                                         Device& device,
+Result<std::unique_ptr<RunningAttempt>> Workplace::Begin(PreparedAttempt& prepared, Device& device,
                                                          const AttemptOptions& options) {
   ENAMEL_CHECK(!prepared.attempt().IsZero());
-  ENAMEL_RETURN_IF_ERROR(
-      spool_->BeginAttempt(prepared.header, prepared.exercise.name, prepared.profile.name));
-  return std::make_unique<RunningAttempt>(credentials_, *spool_, prepared, device, options);
+  auto lock = spool_->LockForRecording();
+  if (!lock.ok()) return lock.status();
+  if (prepared.core) {
+    ENAMEL_RETURN_IF_ERROR(spool_->MarkResumed(prepared.attempt()));
+  } else {
+    ENAMEL_RETURN_IF_ERROR(
+        spool_->BeginAttempt(prepared.header, prepared.exercise.name, prepared.profile.name));
+  }
+  return std::make_unique<RunningAttempt>(credentials_.secret_key, *spool_, uploader_, prepared,
+                                          device, options, std::move(*lock));
+}
+
+Status Workplace::Reserve(const PreparedAttempt& prepared, const std::string& pin) {
+  ENAMEL_RETURN_IF_ERROR(TicketSafe::CheckPin(pin));
+  std::lock_guard link(link_mutex_);
+  ENAMEL_RETURN_IF_ERROR(MustBeSignedIn());
+  auto ticket = link_.RequestTicket(credentials_, *person(), prepared.exercise_hash,
+                                    prepared.profile_hash, false, true);
+  if (!ticket.ok()) return ticket.status();
+  LockedTicket names;
+  names.person = person()->display_name;
+  names.exercise = prepared.exercise.name;
+  names.title = prepared.exercise.title;
+  names.profile = prepared.profile.name;
+  return safe_.Put(*ticket, names, pin);
+}
+
+Result<std::vector<LockedTicket>> Workplace::Reserved() {
+  auto tickets = safe_.List();
+  if (!tickets.ok()) return tickets.status();
+  std::vector<LockedTicket> out;
+  for (LockedTicket& t : *tickets) {
+    auto begun = spool_->Get(t.attempt);
+    if (begun.ok() && begun->seal) ENAMEL_RETURN_IF_ERROR(safe_.Remove(t.attempt));
+    if (!begun.ok()) out.push_back(std::move(t));
+  }
+  return out;
+}
+
+Result<PreparedAttempt> Workplace::PrepareReserved(const Uuid& attempt, const std::string& pin) {
+  if (spool_->Get(attempt).ok()) {
+    return Status(Code::kConflict, "attempt " + attempt.Text() + " was begun already: resume it");
+  }
+  auto ticket = safe_.Open(attempt, pin);
+  if (!ticket.ok()) return ticket.status();
+  auto prepared = FromCache(*ticket);
+  if (prepared.ok()) prepared->header.ticket = *ticket;
+  return prepared;
+}
+
+Result<PreparedAttempt> Workplace::FromCache(const trace::Ticket& ticket) {
+  BlobCache cache(data_ / "blobs");
+  return Assemble(ticket.exercise, ticket.profile, [&](const Sha256& name) -> Result<Bytes> {
+    if (auto cached = cache.Find(name)) return std::move(*cached);
+    return Status(Code::kNotFound, "document " + name.Hex() +
+                                       " of this attempt is not on this station any more (" +
+                                       (data_ / "blobs").string() +
+                                       "): prepare the exercise once with the server at hand");
+  });
+}
+
+Result<std::vector<SpooledAttempt>> Workplace::Unfinished() {
+  auto all = spool_->List();
+  if (all.ok()) {
+    std::erase_if(*all, [](const SpooledAttempt& a) { return a.seal || !a.refused.empty(); });
+  }
+  return all;
+}
+
+Result<trace::Header> Workplace::HeaderOf(const Uuid& attempt) {
+  auto bytes = spool_->HeaderOf(attempt);
+  if (!bytes.ok()) return bytes.status();
+  return trace::DecodeHeader(*bytes);
+}
+
+Result<PreparedAttempt> Workplace::PrepareResume(const Uuid& attempt, const KeepGoing& keep_going) {
+  auto header = HeaderOf(attempt);
+  if (!header.ok()) return header.status();
+  {
+    std::lock_guard link(link_mutex_);
+    ENAMEL_RETURN_IF_ERROR(MustBeSignedIn());
+  }
+  if (person()->id != header->ticket.person) {
+    return Status(Code::kForbidden, "attempt " + attempt.Text() +
+                                        " is somebody else's: only who began it can go on with it");
+  }
+  return Replayed(*header, keep_going);
+}
+
+Result<PreparedAttempt> Workplace::PrepareResume(const Uuid& attempt, const std::string& pin,
+                                                 const KeepGoing& keep_going) {
+  auto header = HeaderOf(attempt);
+  if (!header.ok()) return header.status();
+  auto ticket = safe_.Open(attempt, pin);
+  if (!ticket.ok()) return ticket.status();
+  return Replayed(*header, keep_going);
+}
+
+Result<PreparedAttempt> Workplace::Replayed(const trace::Header& header,
+                                            const KeepGoing& keep_going) {
+  const Uuid& attempt = header.ticket.attempt;
+  auto stored = spool_->Get(attempt);
+  if (!stored.ok()) return stored.status();
+  if (stored->seal) {
+    return Status(Code::kConflict,
+                  "attempt " + attempt.Text() + " has ended: it cannot be resumed");
+  }
+  auto prepared = FromCache(header.ticket);
+  if (!prepared.ok()) return prepared.status();
+  if (!(prepared->header.params == header.params)) {
+    return Status(Code::kVersion,
+                  "attempt " + attempt.Text() +
+                      " was begun by another version of this program and cannot go on in this one; "
+                      "'enamel-station spool close' ends it as far as it goes");
+  }
+  prepared->header = header;
+  prepared->core = std::make_unique<core::Core>(header.params, prepared->volume);
+  trace::ReplayRun run(*prepared->core, prepared->header);
+  ENAMEL_RETURN_IF_ERROR(run.CheckCore());
+  while (run.chain().next_seq < stored->chunks) {
+    auto chunks = spool_->ChunksFrom(attempt, run.chain().next_seq, kChunksAtOnce);
+    if (!chunks.ok()) return chunks.status();
+    for (const SpooledChunk& chunk : *chunks) {
+      ENAMEL_RETURN_IF_ERROR(run.CheckKeepGoing(keep_going, stored->chunks));
+      ENAMEL_RETURN_IF_ERROR(run.Run(chunk.bytes, UINT64_MAX));
+    }
+    if (chunks->empty() || !run.report().witness_ok) break;
+  }
+  if (!run.report().witness_ok || run.chain().next_seq != stored->chunks) {
+    return Status(Code::kConflict,
+                  "attempt " + attempt.Text() + " does not replay to what was recorded (tick " +
+                      std::to_string(run.report().first_bad_tick) +
+                      "): it cannot go on; 'enamel-station spool close' ends it as far as it goes");
+  }
+  prepared->place = run.chain();
+  auto last_ms = spool_->LastSpooledUnixMs(attempt);
+  if (!last_ms.ok()) return last_ms.status();
+  prepared->gap_ticks = GapTicks(last_ms->value_or(stored->created_unix_ms), header.params.rate_hz);
+  return prepared;
+}
+
+Result<trace::Seal> Workplace::Close(const Uuid& attempt) {
+  auto lock = spool_->LockForRecording();
+  if (!lock.ok()) return lock.status();
+  auto seal = spool_->CloseAttempt(attempt);
+  uploader_.Wake();
+  return seal;
 }
 
 Result<AttemptProgress> Workplace::Progress(const Uuid& attempt) {

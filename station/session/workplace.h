@@ -2,6 +2,7 @@
 
 #include <condition_variable>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -10,6 +11,7 @@
 
 #include "station/session/prepared_attempt.h"
 #include "station/session/running_attempt.h"
+#include "station/session/ticket_safe.h"
 #include "station/spool/spool.h"
 #include "station/uplink/server_link.h"
 
@@ -18,6 +20,8 @@ namespace enamel::station {
 struct WorkplaceOptions {
   std::filesystem::path data;
   std::string server;  // HOST:PORT when it has moved since enrolment; else empty
+  Retention retention;
+  UploaderOptions uploader;
 };
 
 // A person's way through an attempt, step by step, for the command line and the window:
@@ -55,23 +59,53 @@ class Workplace {
   // From here on the server waits for this attempt: have everything else in place before.
   // `as_reference`: instructors only.
   Status TakeTicket(PreparedAttempt& prepared, bool as_reference);
-  // Begins to tick. `device` outlives the attempt. Requires: a ticket. Errors: the spool's.
-  Result<std::unique_ptr<RunningAttempt>> Begin(const PreparedAttempt& prepared, Device& device,
+  // Begins to tick. `device` outlives the attempt. Requires: a ticket. Errors: the spool's;
+  // kConflict while another process records here.
+  Result<std::unique_ptr<RunningAttempt>> Begin(PreparedAttempt& prepared, Device& device,
                                                 const AttemptOptions& options);
+
+  // Takes a ticket now and locks it with a PIN, to make the attempt within 12 hours with or without
+  // the server. Its documents are in the cache once it was prepared. Errors also: the PIN's
+  // (TicketSafe::CheckPin); kForbidden for an exam.
+  Status Reserve(const PreparedAttempt& prepared, const std::string& pin);
+  // Tickets for later that were not begun.
+  Result<std::vector<LockedTicket>> Reserved();
+  // Needs no server. Errors: TicketSafe::Open's; kConflict when it was begun (resume it then).
+  Result<PreparedAttempt> PrepareReserved(const Uuid& attempt, const std::string& pin);
+
+  // Attempts that were cut off and have no end. Those being made are among them.
+  Result<std::vector<SpooledAttempt>> Unfinished();
+  // Replays what was recorded of one: the same tooth and the same core to the bit, which is
+  // checked. The person signed in must be the attempt's; or the PIN is that of its reserved ticket.
+  // Errors: kForbidden (somebody else's), kConflict (ended; or it does not replay to what was
+  // recorded), kVersion (another core). `keep_going` sees the progress, 0..1, and may cancel.
+  using KeepGoing = std::function<bool(double progress)>;
+  Result<PreparedAttempt> PrepareResume(const Uuid& attempt, const KeepGoing& keep_going = {});
+  Result<PreparedAttempt> PrepareResume(const Uuid& attempt, const std::string& pin,
+                                        const KeepGoing& keep_going = {});
+  // Seals it as far as it goes.
+  Result<trace::Seal> Close(const Uuid& attempt);
+
   // What the server has made of an attempt so far.
   Result<AttemptProgress> Progress(const Uuid& attempt);
 
   Spool& spool() { return *spool_; }
+  Uploader& uploader() { return uploader_; }
   const Credentials& credentials() const { return credentials_; }
 
  private:
-  Workplace(std::filesystem::path data, Credentials credentials, std::unique_ptr<Spool> spool);
+  Workplace(const WorkplaceOptions& options, Credentials credentials, std::unique_ptr<Spool> spool);
   Status MustBeSignedIn();
+  Result<trace::Header> HeaderOf(const Uuid& attempt);
+  Result<PreparedAttempt> FromCache(const trace::Ticket& ticket);
+  Result<PreparedAttempt> Replayed(const trace::Header& header, const KeepGoing& keep_going);
   void KeepAlive();
 
   const std::filesystem::path data_;
   const Credentials credentials_;
   const std::unique_ptr<Spool> spool_;
+  TicketSafe safe_;
+  Uploader uploader_;
   mutable std::mutex link_mutex_;  // held while a request is under way
   ServerLink link_;                // guarded by link_mutex_
   mutable std::mutex mutex_;

@@ -4,7 +4,19 @@ namespace enamel::station {
 
 Recorder::Recorder(Spool& spool, SampleRing& ring, const Uuid& attempt, const Sha256& header_hash,
                    const trace::SecretKey& station_key)
-    : spool_(spool), ring_(ring), attempt_(attempt), key_(station_key), previous_(header_hash) {
+    : Recorder(spool, ring, attempt, trace::ChainState{header_hash, 0, 0, 0}, station_key) {}
+
+Recorder::Recorder(Spool& spool, SampleRing& ring, const Uuid& attempt,
+                   const trace::ChainState& place, const trace::SecretKey& station_key)
+    : spool_(spool),
+      ring_(ring),
+      attempt_(attempt),
+      key_(station_key),
+      state_hash_(place.state_hash),
+      first_tick_(place.next_tick),
+      previous_(place.head),
+      chunks_(place.next_seq),
+      ticks_(place.next_tick) {
   open_.reserve(kTicksPerChunk);
 }
 

@@ -20,6 +20,9 @@ class Recorder {
   // All must outlive the recorder. Requires: the spool has the attempt.
   Recorder(Spool& spool, SampleRing& ring, const Uuid& attempt, const Sha256& header_hash,
            const trace::SecretKey& station_key);
+  // Goes on after the chunks that are in the spool already; `place` is where their chain stands.
+  Recorder(Spool& spool, SampleRing& ring, const Uuid& attempt, const trace::ChainState& place,
+           const trace::SecretKey& station_key);
 
   // Moves what is in the ring; spools each chunk that is full. True when something was moved.
   // Errors: the spool's; nothing is lost by calling again once the cause is gone.

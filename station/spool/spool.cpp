@@ -1,6 +1,13 @@
 #include "station/spool/spool.h"
 
+#include <fcntl.h>
 #include <sqlite3.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
 
 #include "spool_schema.h"
 
@@ -9,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kSchemaVersion = 1;
+constexpr int kSchemaVersion = 2;
 constexpr int kBusy_ms = 10'000;
 
 int64_t UnixMs(std::chrono::system_clock::time_point t) {
@@ -98,13 +105,35 @@ class Statement {
   int bound_ = 0;
 };
 
+// All of a transaction or nothing: what is not committed is rolled back.
+class Transaction {
+ public:
+  explicit Transaction(sqlite3* db) : db_(db) {
+    open_ = sqlite3_exec(db_, "BEGIN IMMEDIATE", nullptr, nullptr, nullptr) == SQLITE_OK;
+  }
+  ~Transaction() {
+    if (open_) sqlite3_exec(db_, "ROLLBACK", nullptr, nullptr, nullptr);
+  }
+  Transaction(const Transaction&) = delete;
+  Transaction& operator=(const Transaction&) = delete;
+
+  bool open() const { return open_; }
+  bool Commit() {
+    if (sqlite3_exec(db_, "COMMIT", nullptr, nullptr, nullptr) != SQLITE_OK) return false;
+    open_ = false;
+    return true;
+  }
+
+ private:
+  sqlite3* db_;
+  bool open_ = false;
+};
+
 constexpr char kSelectAttempts[] =
-    "SELECT a.id, a.exercise, a.profile, a.created_unix_ms, a.seal_chunks, a.seal_ticks,"
-    " a.seal_last_sha256, a.seal_state_hash, a.sealed_at_server, a.refused,"
-    " count(c.seq), count(c.committed_unix_ms), coalesce(sum(c.ticks), 0),"
-    " coalesce(sum(c.gap_ticks), 0), coalesce(sum(length(c.bytes)), 0)"
-    " FROM attempts a LEFT JOIN chunks c ON c.attempt = a.id"
-    " WHERE ?1 IS NULL OR a.id = ?1 GROUP BY a.id ORDER BY a.created_unix_ms, a.id";
+    "SELECT id, exercise, profile, created_unix_ms, seal_chunks, seal_ticks, seal_last_sha256,"
+    " seal_state_hash, sealed_at_server, refused, chunks, committed, ticks, gap_ticks, bytes, "
+    "resumed"
+    " FROM attempts WHERE ?1 IS NULL OR id = ?1 ORDER BY created_unix_ms, id";
 
 SpooledAttempt ReadAttempt(Statement& row) {
   SpooledAttempt out;
@@ -124,6 +153,7 @@ SpooledAttempt ReadAttempt(Statement& row) {
   out.ticks = static_cast<uint64_t>(row.IntAt(12));
   out.gap_ticks = static_cast<uint64_t>(row.IntAt(13));
   out.bytes = static_cast<uint64_t>(row.IntAt(14));
+  out.resumed = static_cast<uint32_t>(row.IntAt(15));
   return out;
 }
 
@@ -187,10 +217,12 @@ Result<std::unique_ptr<Spool>> Spool::Open(const fs::path& folder) {
                                       std::to_string(kSchemaVersion) +
                                       ": use the newer enamel-station that made it");
   }
-  if (version == 0) {
-    std::string sql =
-        std::string("BEGIN IMMEDIATE;") + kSpoolSchema + "PRAGMA user_version = 1; COMMIT";
-    ENAMEL_RETURN_IF_ERROR(db->Exec(sql.c_str(), "creating its tables"));
+  if (version < kSchemaVersion) {
+    std::string sql = std::string("BEGIN IMMEDIATE;") +
+                      (version == 0 ? kSpoolSchema : kSpoolFrom1) +
+                      "PRAGMA user_version = " + std::to_string(kSchemaVersion) + "; COMMIT";
+    ENAMEL_RETURN_IF_ERROR(
+        db->Exec(sql.c_str(), version == 0 ? "creating its tables" : "bringing it to version 2"));
   }
   if (sqlite3_db_readonly(db->handle, "main") == 1) {
     return Status(Code::kStorage,
@@ -246,16 +278,64 @@ Status Spool::PutChunk(const Uuid& attempt, ByteView chunk) {
     }
     if (rc != SQLITE_DONE) return db_->Fail("reading a chunk");
   }
+  Transaction transaction(db_->handle);
+  if (!transaction.open()) return db_->Fail("storing a chunk");
+  {
+    Statement s(
+        db_->handle,
+        "INSERT INTO chunks (attempt, seq, sha256, bytes, ticks, gap_ticks, spooled_unix_ms)"
+        " VALUES (?, ?, ?, ?, ?, ?, ?)");
+    s.Blob(attempt.view())
+        .Int(head->head.seq)
+        .Blob(head->hash.view())
+        .Blob(chunk)
+        .Int(head->head.count)
+        .Int(head->head.gap_ticks)
+        .Int(UnixMs(std::chrono::system_clock::now()));
+    if (s.Step() != SQLITE_DONE) return db_->Fail("storing a chunk");
+  }
+  {
+    Statement s(
+        db_->handle,
+        "UPDATE attempts SET chunks = chunks + 1, ticks = ticks + ?, gap_ticks = gap_ticks + ?,"
+        " bytes = bytes + ? WHERE id = ?");
+    s.Int(head->head.count)
+        .Int(head->head.gap_ticks)
+        .Int(static_cast<int64_t>(chunk.size()))
+        .Blob(attempt.view());
+    if (s.Step() != SQLITE_DONE) return db_->Fail("counting a chunk");
+  }
+  return transaction.Commit() ? Status::Ok() : db_->Fail("storing a chunk");
+}
+
+Status Spool::MarkResumed(const Uuid& attempt) {
+  std::lock_guard lock(mutex_);
   Statement s(db_->handle,
-              "INSERT INTO chunks (attempt, seq, sha256, bytes, ticks, gap_ticks)"
-              " VALUES (?, ?, ?, ?, ?, ?)");
-  s.Blob(attempt.view())
-      .Int(head->head.seq)
-      .Blob(head->hash.view())
-      .Blob(chunk)
-      .Int(head->head.count)
-      .Int(head->head.gap_ticks);
-  return s.Step() == SQLITE_DONE ? Status::Ok() : db_->Fail("storing a chunk");
+              "UPDATE attempts SET resumed = resumed + 1 WHERE id = ? AND seal_chunks IS NULL");
+  if (s.Blob(attempt.view()).Step() != SQLITE_DONE) return db_->Fail("resuming an attempt");
+  if (sqlite3_changes(db_->handle) == 1) return Status::Ok();
+  return Status(Code::kConflict,
+                "attempt " + attempt.Text() + " has ended (or is not here): it cannot be resumed");
+}
+
+Result<trace::Seal> Spool::CloseAttempt(const Uuid& attempt) {
+  auto stored = Get(attempt);
+  if (!stored.ok()) return stored.status();
+  if (stored->seal) return *stored->seal;
+  if (stored->chunks == 0) {
+    return Status(Code::kInvalidInput,
+                  "of attempt " + attempt.Text() +
+                      " not one chunk is here: it ended before anything was recorded");
+  }
+  auto last = ChunksFrom(attempt, stored->chunks - 1, 1);
+  if (!last.ok()) return last.status();
+  auto chunk = last->empty() ? Result<trace::Chunk>(NoAttempt(attempt))
+                             : trace::DecodeChunkHead(last->front().bytes);
+  if (!chunk.ok()) return chunk.status();
+  trace::Seal seal{attempt, stored->chunks, chunk->head.first_tick + chunk->head.count, chunk->hash,
+                   chunk->head.state_hash};
+  ENAMEL_RETURN_IF_ERROR(PutSeal(seal));
+  return seal;
 }
 
 Status Spool::PutSeal(const trace::Seal& seal) {
@@ -284,8 +364,8 @@ Status Spool::PutSeal(const trace::Seal& seal) {
 Status Spool::SetCommittedBelow(const Uuid& attempt, uint32_t next_seq) {
   std::lock_guard lock(mutex_);
   Statement s(db_->handle,
-              "UPDATE chunks SET committed_unix_ms = CASE WHEN seq < ?1"
-              " THEN coalesce(committed_unix_ms, ?2) END WHERE attempt = ?3");
+              "UPDATE attempts SET committed = min(?1, chunks), committed_unix_ms = ?2"
+              " WHERE id = ?3 AND committed != min(?1, chunks)");
   s.Int(next_seq).Int(UnixMs(std::chrono::system_clock::now())).Blob(attempt.view());
   return s.Step() == SQLITE_DONE ? Status::Ok() : db_->Fail("marking chunks");
 }
@@ -293,15 +373,24 @@ Status Spool::SetCommittedBelow(const Uuid& attempt, uint32_t next_seq) {
 Status Spool::MarkCommitted(const Uuid& attempt, uint32_t seq) {
   std::lock_guard lock(mutex_);
   Statement s(db_->handle,
-              "UPDATE chunks SET committed_unix_ms = coalesce(committed_unix_ms, ?)"
-              " WHERE attempt = ? AND seq = ?");
-  s.Int(UnixMs(std::chrono::system_clock::now())).Blob(attempt.view()).Int(seq);
+              "UPDATE attempts SET committed = ?1, committed_unix_ms = ?2"
+              " WHERE id = ?3 AND committed < ?1");
+  s.Int(int64_t{seq} + 1).Int(UnixMs(std::chrono::system_clock::now())).Blob(attempt.view());
   return s.Step() == SQLITE_DONE ? Status::Ok() : db_->Fail("marking a chunk");
+}
+
+Status Spool::MarkWanted(const Uuid& attempt) {
+  std::lock_guard lock(mutex_);
+  Statement s(db_->handle, "UPDATE attempts SET sealed_at_server = 0 WHERE id = ?");
+  return s.Blob(attempt.view()).Step() == SQLITE_DONE ? Status::Ok()
+                                                      : db_->Fail("marking an attempt");
 }
 
 Status Spool::MarkSealedAtServer(const Uuid& attempt) {
   std::lock_guard lock(mutex_);
-  Statement s(db_->handle, "UPDATE attempts SET sealed_at_server = 1 WHERE id = ?");
+  Statement s(db_->handle,
+              "UPDATE attempts SET sealed_at_server = 1, committed_unix_ms = ? WHERE id = ?");
+  s.Int(UnixMs(std::chrono::system_clock::now()));
   return s.Blob(attempt.view()).Step() == SQLITE_DONE ? Status::Ok() : db_->Fail("marking a seal");
 }
 
@@ -369,6 +458,63 @@ Result<trace::TraceFile> Spool::Export(const Uuid& attempt) {
   return file;
 }
 
+Status Spool::PutTicket(const LockedTicket& ticket) {
+  std::lock_guard lock(mutex_);
+  Statement s(
+      db_->handle,
+      "INSERT INTO tickets (attempt, person, exercise, title, profile, expires_unix_ms, salt,"
+      " locked) VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
+  s.Blob(ticket.attempt.view())
+      .Text(ticket.person)
+      .Text(ticket.exercise)
+      .Text(ticket.title)
+      .Text(ticket.profile)
+      .Int(ticket.expires_unix_ms)
+      .Blob(ticket.salt)
+      .Blob(ticket.locked);
+  return s.Step() == SQLITE_DONE ? Status::Ok() : db_->Fail("storing a ticket");
+}
+
+Result<std::vector<LockedTicket>> Spool::Tickets() {
+  std::lock_guard lock(mutex_);
+  Statement s(db_->handle,
+              "SELECT attempt, person, exercise, title, profile, expires_unix_ms, salt, locked,"
+              " wrong_pins, wait_unix_ms FROM tickets ORDER BY attempt");
+  std::vector<LockedTicket> out;
+  int rc = 0;
+  while ((rc = s.Step()) == SQLITE_ROW) {
+    LockedTicket t;
+    t.attempt = Uuid::FromBytes(s.BlobAt(0));
+    t.person = s.TextAt(1);
+    t.exercise = s.TextAt(2);
+    t.title = s.TextAt(3);
+    t.profile = s.TextAt(4);
+    t.expires_unix_ms = s.IntAt(5);
+    Bytes salt = s.BlobAt(6);
+    std::copy_n(salt.begin(), std::min(salt.size(), t.salt.size()), t.salt.begin());
+    t.locked = s.BlobAt(7);
+    t.wrong_pins = static_cast<int>(s.IntAt(8));
+    t.wait_unix_ms = s.IntAt(9);
+    out.push_back(std::move(t));
+  }
+  if (rc != SQLITE_DONE) return db_->Fail("listing tickets");
+  return out;
+}
+
+Status Spool::NoteWrongPin(const Uuid& attempt, int wrong_pins, int64_t wait_unix_ms) {
+  std::lock_guard lock(mutex_);
+  Statement s(db_->handle, "UPDATE tickets SET wrong_pins = ?, wait_unix_ms = ? WHERE attempt = ?");
+  s.Int(wrong_pins).Int(wait_unix_ms).Blob(attempt.view());
+  return s.Step() == SQLITE_DONE ? Status::Ok() : db_->Fail("counting a wrong PIN");
+}
+
+Status Spool::RemoveTicket(const Uuid& attempt) {
+  std::lock_guard lock(mutex_);
+  Statement s(db_->handle, "DELETE FROM tickets WHERE attempt = ?");
+  return s.Blob(attempt.view()).Step() == SQLITE_DONE ? Status::Ok()
+                                                      : db_->Fail("removing a ticket");
+}
+
 Result<std::vector<SpoolVerdict>> Spool::Verify(const std::optional<trace::PublicKey>& key) {
   {
     std::lock_guard lock(mutex_);
@@ -390,14 +536,64 @@ Result<std::vector<SpoolVerdict>> Spool::Verify(const std::optional<trace::Publi
   return out;
 }
 
-Result<int> Spool::Prune(std::chrono::milliseconds age, std::chrono::system_clock::time_point now) {
+Result<std::optional<int64_t>> Spool::LastSpooledUnixMs(const Uuid& attempt) {
   std::lock_guard lock(mutex_);
   Statement s(db_->handle,
-              "DELETE FROM attempts WHERE sealed_at_server = 1 AND NOT EXISTS"
-              " (SELECT 1 FROM chunks c WHERE c.attempt = attempts.id AND"
-              " (c.committed_unix_ms IS NULL OR c.committed_unix_ms > ?))");
-  if (s.Int(UnixMs(now) - age.count()).Step() != SQLITE_DONE) return db_->Fail("pruning");
-  return sqlite3_changes(db_->handle);
+              "SELECT spooled_unix_ms FROM chunks WHERE attempt = ? ORDER BY seq DESC LIMIT 1");
+  int rc = s.Blob(attempt.view()).Step();
+  if (rc != SQLITE_ROW && rc != SQLITE_DONE) return db_->Fail("reading a chunk's time");
+  if (rc == SQLITE_DONE || s.IsNull(0)) return std::optional<int64_t>();
+  return std::optional<int64_t>(s.IntAt(0));
+}
+
+Result<Pruned> Spool::Prune(const Retention& retention, std::chrono::system_clock::time_point now) {
+  const int64_t old_ms =
+      UnixMs(now) - std::chrono::duration_cast<std::chrono::milliseconds>(retention.age).count();
+  std::lock_guard lock(mutex_);
+  std::vector<std::pair<Bytes, bool>> going;  // id, early
+  {
+    // Newest first: what still fits stays.
+    Statement s(db_->handle,
+                "SELECT id, bytes, committed_unix_ms, sealed_at_server AND committed >= chunks"
+                " FROM attempts ORDER BY sealed_at_server AND committed >= chunks,"
+                " committed_unix_ms DESC, id DESC");
+    uint64_t kept = 0;
+    int rc = 0;
+    while ((rc = s.Step()) == SQLITE_ROW) {
+      kept += static_cast<uint64_t>(s.IntAt(1));
+      if (s.IntAt(3) == 0) continue;  // the server does not have it
+      bool old = s.IntAt(2) <= old_ms;
+      if (old || (retention.bytes > 0 && kept > retention.bytes))
+        going.push_back({s.BlobAt(0), !old});
+    }
+    if (rc != SQLITE_DONE) return db_->Fail("looking for what may go");
+  }
+  Pruned out;
+  for (const auto& [id, early] : going) {
+    Statement s(db_->handle, "DELETE FROM attempts WHERE id = ?");
+    if (s.Blob(id).Step() != SQLITE_DONE) return db_->Fail("pruning");
+    ++out.attempts;
+    if (early) ++out.early;
+  }
+  return out;
+}
+
+RecordingLock::~RecordingLock() {
+  if (file_ >= 0) ::close(file_);
+}
+
+Result<RecordingLock> Spool::LockForRecording() {
+  fs::path path = db_->file.parent_path() / "recording.lock";
+  int file = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+  if (file < 0) {
+    return Status(Code::kStorage, "cannot open " + path.string() + " (" + std::strerror(errno) +
+                                      "): " + WhatToDo(SQLITE_CANTOPEN));
+  }
+  RecordingLock lock(file);
+  if (::flock(file, LOCK_EX | LOCK_NB) == 0) return lock;
+  return Status(Code::kConflict, "another enamel-station is recording into " +
+                                     path.parent_path().string() +
+                                     ": end that one first, or use a folder of its own (--data)");
 }
 
 }  // namespace enamel::station

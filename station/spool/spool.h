@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
@@ -7,6 +8,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/base/bytes.h"
@@ -23,12 +25,13 @@ struct SpooledAttempt {
   std::string exercise, profile;
   int64_t created_unix_ms = 0;
   uint32_t chunks = 0;
-  uint32_t committed = 0;  // chunks the server has durably
+  uint32_t committed = 0;  // the server has the chunks below this one durably
   uint64_t ticks = 0, gap_ticks = 0;
   uint64_t bytes = 0;
   std::optional<trace::Seal> seal;
   bool sealed_at_server = false;
-  std::string refused;  // not empty: the server will not have it
+  std::string refused;   // not empty: the server will not have it
+  uint32_t resumed = 0;  // how often it was taken up again after a crash
 
   bool complete() const { return seal.has_value() && sealed_at_server; }
 };
@@ -36,6 +39,42 @@ struct SpooledAttempt {
 struct SpooledChunk {
   uint32_t seq = 0;
   Bytes bytes;
+};
+
+// A ticket taken in advance, locked with its person's PIN (station/session/ticket_safe.h).
+struct LockedTicket {
+  Uuid attempt;
+  std::string person, exercise, title, profile;  // for people
+  int64_t expires_unix_ms = 0;
+  std::array<uint8_t, 16> salt{};
+  Bytes locked;
+  int wrong_pins = 0;
+  int64_t wait_unix_ms = 0;  // no PIN is tried before
+};
+
+// How long recordings stay here that the server has.
+struct Retention {
+  std::chrono::hours age{7 * 24};  // since it has all of an attempt
+  // Above this the ones it has had longest go earlier; 0: no bound. What goes before a week is over
+  // cannot fill up a server that is restored from an older backup.
+  uint64_t bytes = uint64_t{10} << 30;
+};
+struct Pruned {
+  int attempts = 0;  // forgotten
+  int early = 0;     // of these, before their time, because of `bytes`
+};
+
+// Held while a recording is made or closed: one process at a time does that in a folder. The
+// system lets go of it when the process ends, however it ends.
+class RecordingLock {
+ public:
+  RecordingLock(RecordingLock&& other) noexcept : file_(std::exchange(other.file_, -1)) {}
+  ~RecordingLock();
+
+ private:
+  friend class Spool;
+  explicit RecordingLock(int file) : file_(file) {}
+  int file_;
 };
 
 // What Verify found in one attempt.
@@ -48,8 +87,8 @@ struct SpoolVerdict {
 // them for a week (schemas/sql/station_spool.sql).
 //
 // Every Put returns only when the data would survive a power cut (WAL, synchronous = FULL).
-// Thread safety: any thread; calls wait for each other. Real-time: never. One process writes at a
-// time; another may read.
+// Thread safety: any thread; calls wait for each other. Real-time: never. One process records at a
+// time (LockForRecording); others may read, and mark what the server has.
 // Errors: kStorage (disk full, not writable, damaged: message says which and what to do), kVersion
 // (made by a newer program), kConflict (contradicts what is stored), kNotFound.
 class Spool {
@@ -60,19 +99,31 @@ class Spool {
   Spool(const Spool&) = delete;
   Spool& operator=(const Spool&) = delete;
 
+  // Errors: kConflict while another process holds it.
+  Result<RecordingLock> LockForRecording();
+
   // The attempt's id is in the header. Idempotent for the same header.
   Status BeginAttempt(const trace::Header& header, const std::string& exercise,
                       const std::string& profile);
   // The next chunk. Idempotent for the same bytes; another chunk under a used seq is kConflict.
   Status PutChunk(const Uuid& attempt, ByteView chunk);
+  // The attempt goes on after a crash: it counts as resumed once more. Errors: kConflict when it
+  // has a seal.
+  Status MarkResumed(const Uuid& attempt);
+  // The seal that fits the chunks that are here: the end of an attempt that was cut off. Returns
+  // the one it has when it has one. Errors: kInvalidInput without a chunk.
+  Result<trace::Seal> CloseAttempt(const Uuid& attempt);
   // End of the attempt. Idempotent for the same seal.
   Status PutSeal(const trace::Seal& seal);
 
   // The server has chunks below `next_seq` durably; those from it on it does not (a restored
   // backup forgets: they will be sent again).
   Status SetCommittedBelow(const Uuid& attempt, uint32_t next_seq);
+  // It has chunk `seq` and all before it.
   Status MarkCommitted(const Uuid& attempt, uint32_t seq);
   Status MarkSealedAtServer(const Uuid& attempt);
+  // The server does not have it any more, as a whole: it waits to be sent again.
+  Status MarkWanted(const Uuid& attempt);
   // Uploading it again is no use; it stays here for export.
   Status MarkRefused(const Uuid& attempt, const std::string& why);
 
@@ -84,11 +135,19 @@ class Spool {
   // The whole recording as one file's content (trace::EncodeTraceFile).
   Result<trace::TraceFile> Export(const Uuid& attempt);
 
+  Status PutTicket(const LockedTicket& ticket);
+  Result<std::vector<LockedTicket>> Tickets();
+  // Durable before the PIN is tried, so that pulling the plug wins no further try.
+  Status NoteWrongPin(const Uuid& attempt, int wrong_pins, int64_t wait_unix_ms);
+  Status RemoveTicket(const Uuid& attempt);
+
   // Database pages, chain, signatures (when `station_key` is given) and seal of every attempt.
   Result<std::vector<SpoolVerdict>> Verify(const std::optional<trace::PublicKey>& station_key);
-  // Forgets attempts the server has had completely for `age`. Returns how many.
-  Result<int> Prune(std::chrono::milliseconds age,
-                    std::chrono::system_clock::time_point now = std::chrono::system_clock::now());
+  // When the last chunk became durable here; nothing when there is none, or it is of version 1.
+  Result<std::optional<int64_t>> LastSpooledUnixMs(const Uuid& attempt);
+  // Forgets attempts that the server has, as `retention` says; never one it does not have.
+  Result<Pruned> Prune(const Retention& retention, std::chrono::system_clock::time_point now =
+                                                       std::chrono::system_clock::now());
 
   const std::filesystem::path& file() const;
 

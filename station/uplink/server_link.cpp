@@ -5,6 +5,8 @@
 namespace enamel::station {
 namespace {
 
+using net::IsTimeout;
+
 constexpr uint64_t kMaxBlob = uint64_t{2} << 30;
 
 Status Unexpected(const char* wanted) {
@@ -21,7 +23,7 @@ Status ServerLink::Send(wire::Request& request) {
   return client_.Send(protocol::Serialize(request));
 }
 
-// The reply to `reply_to`, or the next reply of any kind when that is 0.
+// The reply to `reply_to`.
 Result<wire::Reply> ServerLink::Receive(uint32_t reply_to) {
   while (true) {
     auto frame = client_.Receive(kTimeout);
@@ -36,10 +38,9 @@ Result<wire::Reply> ServerLink::Receive(uint32_t reply_to) {
       client_.Close();
       return reply.status();
     }
-    if (reply_to != 0 && reply->reply_to() != reply_to && reply->reply_to() != 0) continue;
+    if (reply->reply_to() != reply_to && reply->reply_to() != 0) continue;
     if (reply->has_error()) return protocol::ToStatus(reply->error());
-    if (reply_to != 0 && reply->reply_to() != reply_to) continue;
-    return reply;
+    if (reply->reply_to() == reply_to) return reply;
   }
 }
 
@@ -169,13 +170,15 @@ Result<Bytes> ServerLink::FetchBlob(const Sha256& name, const BlobCache& cache) 
 
 Result<trace::Ticket> ServerLink::RequestTicket(const Credentials& credentials,
                                                 const Person& person, const Sha256& exercise,
-                                                const Sha256& profile, bool as_reference) {
+                                                const Sha256& profile, bool as_reference,
+                                                bool for_later) {
   wire::Request request;
   auto* ask = request.mutable_request_ticket();
   ask->set_session(person.session);
   ask->set_exercise(protocol::ToField(exercise.view()));
   ask->set_profile(protocol::ToField(profile.view()));
   ask->set_as_reference(as_reference);
+  ask->set_for_later(for_later);
   auto reply = Call(request);
   if (!reply.ok()) return reply.status();
   if (!reply->has_ticket_issued()) return Unexpected("TicketIssued");
@@ -210,13 +213,40 @@ Status ServerLink::Ping() {
   return reply->has_pong() ? Status::Ok() : Unexpected("Pong");
 }
 
-Result<uint32_t> ServerLink::OpenAttempt(ByteView header) {
+Result<Wanted> ServerLink::OfferAttempts(const std::vector<HeldAttempt>& attempts,
+                                         const std::vector<Uuid>& tickets) {
+  wire::Request request;
+  wire::OfferAttempts& offer = *request.mutable_offer_attempts();
+  for (const HeldAttempt& held : attempts) {
+    offer.add_attempts()->set_attempt(protocol::ToField(held.attempt.view()));
+    offer.mutable_attempts(offer.attempts_size() - 1)->set_chunks(held.chunks);
+  }
+  for (const Uuid& ticket : tickets) offer.add_tickets(protocol::ToField(ticket.view()));
+  auto reply = Call(request);
+  if (!reply.ok()) return reply.status();
+  if (!reply->has_attempts_wanted()) return Unexpected("AttemptsWanted");
+  Wanted out;
+  for (const std::string& bytes : reply->attempts_wanted().attempts()) {
+    auto id = protocol::ReadUuid(bytes, "attempts");
+    if (!id.ok()) return id.status();
+    out.attempts.push_back(*id);
+  }
+  for (const std::string& bytes : reply->attempts_wanted().revoked()) {
+    auto id = protocol::ReadUuid(bytes, "revoked");
+    if (!id.ok()) return id.status();
+    out.revoked.push_back(*id);
+  }
+  return out;
+}
+
+Result<ServerLink::Opened> ServerLink::OpenAttempt(ByteView header, uint32_t resumed) {
   wire::Request request;
   request.mutable_open_attempt()->set_header(protocol::ToField(header));
+  request.mutable_open_attempt()->set_resumed(resumed);
   auto reply = Call(request);
   if (!reply.ok()) return reply.status();
   if (!reply->has_attempt_opened()) return Unexpected("AttemptOpened");
-  return reply->attempt_opened().next_seq();
+  return Opened{reply->attempt_opened().next_seq(), reply->attempt_opened().watched()};
 }
 
 Status ServerLink::SendChunk(ByteView chunk) {
@@ -225,11 +255,31 @@ Status ServerLink::SendChunk(ByteView chunk) {
   return Send(request);
 }
 
-Result<ServerLink::Ack> ServerLink::NextAck() {
-  auto reply = Receive(0);
-  if (!reply.ok()) return reply.status();
+Result<std::optional<ServerLink::Ack>> ServerLink::PollAck(std::chrono::milliseconds patience) {
+  auto frame = client_.Receive(patience);
+  if (IsTimeout(frame.status())) return std::optional<Ack>();
+  auto reply = frame.ok() ? protocol::ParseReply(*frame) : Result<wire::Reply>(frame.status());
+  if (!reply.ok()) {
+    client_.Close();
+    return reply.status();
+  }
+  if (reply->has_error()) return protocol::ToStatus(reply->error());
   if (!reply->has_chunk_ack()) return Unexpected("ChunkAck");
-  return Ack{reply->chunk_ack().seq(), reply->chunk_ack().committed()};
+  const wire::ChunkAck& ack = reply->chunk_ack();
+  auto attempt = protocol::ReadUuid(ack.attempt(), "attempt");
+  if (!attempt.ok()) return attempt.status();
+  return std::optional<Ack>(Ack{*attempt, ack.seq(), ack.committed(), ack.watched()});
+}
+
+Status ServerLink::SendLive(const Uuid& attempt, const LivePoint& point) {
+  wire::Request request;
+  wire::LiveState& live = *request.mutable_live_state();
+  live.set_attempt(protocol::ToField(attempt.view()));
+  live.set_tick(point.ticks - 1);
+  for (int32_t v : point.anchor_um) live.add_anchor_um(v);
+  for (int32_t v : point.force_mn) live.add_force_mn(v);
+  live.set_flags(point.flags);
+  return client_.Send(protocol::Serialize(request));
 }
 
 Status ServerLink::Seal(const trace::Seal& seal) {

@@ -3,6 +3,7 @@
 #include <array>
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "common/protocol/messages.h"
 #include "station/uplink/blob_cache.h"
 #include "station/uplink/credentials.h"
+#include "station/uplink/live_mailbox.h"
 
 namespace enamel::station {
 
@@ -35,6 +37,15 @@ struct Catalogue {
   };
   std::vector<Exercise> exercises;
   std::vector<Profile> profiles;
+};
+
+struct HeldAttempt {
+  Uuid attempt;
+  uint32_t chunks = 0;
+};
+struct Wanted {
+  std::vector<Uuid> attempts;
+  std::vector<Uuid> revoked;  // tickets
 };
 
 // What the server has made of an attempt so far.
@@ -71,22 +82,36 @@ class ServerLink {
   // Signature, station, exercise and profile are checked.
   Result<trace::Ticket> RequestTicket(const Credentials& credentials, const Person& person,
                                       const Sha256& exercise, const Sha256& profile,
-                                      bool as_reference);
+                                      bool as_reference, bool for_later = false);
 
   // Errors: kNotFound, also for somebody else's attempt.
   Result<AttemptProgress> AttemptStatus(const Person& person, const Uuid& attempt);
   // Keeps a connection alive that has nothing to say.
   Status Ping();
 
-  // Returns the first chunk the server does not have.
-  Result<uint32_t> OpenAttempt(ByteView header);
-  // Sends without waiting; acknowledgements come from NextAck in any order.
+  // Which of the attempts the server lacks as a whole, and which of the tickets (by attempt) must
+  // not be used any more. At most 1024 of each. Errors: kVersion when the server does not know the
+  // question.
+  Result<Wanted> OfferAttempts(const std::vector<HeldAttempt>& attempts,
+                               const std::vector<Uuid>& tickets);
+
+  struct Opened {
+    uint32_t next_seq = 0;  // first chunk the server does not have
+    bool watched = false;
+  };
+  Result<Opened> OpenAttempt(ByteView header, uint32_t resumed);
+  // Sends without waiting; acknowledgements come from PollAck.
   Status SendChunk(ByteView chunk);
   struct Ack {
+    Uuid attempt;
     uint32_t seq = 0;
     bool committed = false;
+    bool watched = false;  // LiveState is wanted
   };
-  Result<Ack> NextAck();
+  // The next one, or nothing within `patience`.
+  Result<std::optional<Ack>> PollAck(std::chrono::milliseconds patience);
+  // Never answered.
+  Status SendLive(const Uuid& attempt, const LivePoint& point);
   Status Seal(const trace::Seal& seal);
 
   void Close() { client_.Close(); }

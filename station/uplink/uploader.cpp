@@ -1,84 +1,33 @@
 #include "station/uplink/uploader.h"
 
 #include <algorithm>
-#include <random>
+#include <utility>
 
 namespace enamel::station {
 namespace {
 
-constexpr size_t kWindow = 16;  // chunks on the way without acknowledgement
-constexpr std::chrono::milliseconds kFirstDelay{500};
-constexpr std::chrono::milliseconds kLongestDelay{30'000};
+using Clock = std::chrono::steady_clock;
 
-std::chrono::milliseconds Delay(int failures) {
-  auto delay = std::min(kLongestDelay, kFirstDelay * (1 << std::min(failures - 1, 6)));
-  static thread_local std::minstd_rand random{std::random_device{}()};
-  return delay - std::chrono::milliseconds(random() % static_cast<unsigned>(delay.count() / 2 + 1));
-}
-
-Status SendChunks(ServerLink& link, Spool& spool, const Uuid& attempt, uint32_t next,
-                  const std::function<bool()>& keep_going) {
-  size_t waiting = 0;
-  auto take_ack = [&]() -> Status {
-    auto ack = link.NextAck();
-    if (!ack.ok()) return ack.status();
-    --waiting;
-    return ack->committed ? spool.MarkCommitted(attempt, ack->seq) : Status::Ok();
-  };
-  while (true) {
-    auto chunks = spool.ChunksFrom(attempt, next, kWindow);
-    if (!chunks.ok()) return chunks.status();
-    if (chunks->empty()) break;
-    for (const SpooledChunk& chunk : *chunks) {
-      if (keep_going && !keep_going()) return Status(Code::kUnavailable, "the upload was stopped");
-      if (waiting == kWindow) ENAMEL_RETURN_IF_ERROR(take_ack());
-      ENAMEL_RETURN_IF_ERROR(link.SendChunk(chunk.bytes));
-      ++waiting;
-      next = chunk.seq + 1;
-    }
-  }
-  while (waiting > 0) ENAMEL_RETURN_IF_ERROR(take_ack());
-  return Status::Ok();
-}
-
-Status UploadOnce(ServerLink& link, Spool& spool, const Uuid& attempt,
-                  const std::function<bool()>& keep_going) {
-  auto header = spool.HeaderOf(attempt);
-  if (!header.ok()) return header.status();
-  auto next = link.OpenAttempt(*header);
-  if (!next.ok()) return next.status();
-  ENAMEL_RETURN_IF_ERROR(spool.SetCommittedBelow(attempt, *next));
-  ENAMEL_RETURN_IF_ERROR(SendChunks(link, spool, attempt, *next, keep_going));
-  auto stored = spool.Get(attempt);
-  if (!stored.ok()) return stored.status();
-  if (!stored->seal || stored->committed < stored->seal->chunks) return Status::Ok();
-  ENAMEL_RETURN_IF_ERROR(link.Seal(*stored->seal));
-  return spool.MarkSealedAtServer(attempt);
-}
+// What a LiveState takes on the wire, with frame and TLS record.
+constexpr size_t kLiveBytes = 100;
 
 }  // namespace
 
-bool IsTransient(const Status& status) {
-  return status.code() == Code::kUnavailable || status.code() == Code::kStorage ||
-         status.code() == Code::kInternal;
-}
-
-Status UploadAttempt(ServerLink& link, Spool& spool, const Uuid& attempt,
-                     const std::function<bool()>& keep_going) {
-  Status status = UploadOnce(link, spool, attempt, keep_going);
-  if (!status.ok() && !IsTransient(status)) {
-    ENAMEL_RETURN_IF_ERROR(spool.MarkRefused(attempt, status.message()));
-  }
-  return status;
-}
-
-Uploader::Uploader(Credentials credentials, Spool& spool, const Uuid& attempt)
+Uploader::Uploader(Credentials credentials, Spool& spool, const UploaderOptions& options)
     : credentials_(std::move(credentials)),
       spool_(spool),
-      attempt_(attempt),
+      bandwidth_(options.bytes_per_s),
       thread_([this] { Run(); }) {}
 
 Uploader::~Uploader() { Stop(); }
+
+void Uploader::Prefer(const Uuid& attempt, std::shared_ptr<LiveMailbox> live) {
+  std::lock_guard lock(mutex_);
+  preferred_ = attempt;
+  live_ = std::move(live);
+  reopen_ = wake_ = true;
+  changed_.notify_all();
+}
 
 void Uploader::Wake() {
   std::lock_guard lock(mutex_);
@@ -86,18 +35,36 @@ void Uploader::Wake() {
   changed_.notify_all();
 }
 
-Uploader::State Uploader::state() const {
+void Uploader::Retry() {
   std::lock_guard lock(mutex_);
-  return state_;
+  retry_ = true;
+  changed_.notify_all();
 }
 
-void Uploader::WaitUntilDone(std::chrono::milliseconds patience) {
+Uploader::State Uploader::state(const Uuid& attempt) const {
+  std::lock_guard lock(mutex_);
+  auto at = states_.find(attempt);
+  State out = at == states_.end() ? State{} : at->second;
+  out.reachable = about_link_.reachable;
+  out.gave_up = out.gave_up || about_link_.refused;
+  if (out.problem.ok()) out.problem = about_link_.problem;
+  return out;
+}
+
+Uploader::Link Uploader::link() const {
+  std::lock_guard lock(mutex_);
+  return about_link_;
+}
+
+void Uploader::WaitUntilDone(const Uuid& attempt, std::chrono::milliseconds patience) {
   std::unique_lock lock(mutex_);
-  auto gone_since = std::chrono::steady_clock::now();
-  while (!state_.sealed && !state_.gave_up && !stop_) {
-    if (state_.reachable) gone_since = std::chrono::steady_clock::now();
+  auto gone_since = Clock::now();
+  while (!stop_ && !about_link_.refused) {
+    const State& state = states_[attempt];
+    if (state.sealed || state.gave_up) return;
+    if (about_link_.reachable) gone_since = Clock::now();
     if (changed_.wait_until(lock, gone_since + patience) == std::cv_status::timeout &&
-        !state_.reachable) {
+        !about_link_.reachable) {
       return;
     }
   }
@@ -107,54 +74,157 @@ void Uploader::Stop() {
   {
     std::lock_guard lock(mutex_);
     stop_ = true;
-    if (link_ != nullptr) link_->Cancel();
+    link_.Cancel();
     changed_.notify_all();
   }
   if (thread_.joinable()) thread_.join();
 }
 
-Status Uploader::Once(ServerLink& link) {
-  if (!link.connected()) ENAMEL_RETURN_IF_ERROR(link.Connect(credentials_));
-  {
-    std::lock_guard lock(mutex_);
-    state_.reachable = true;
-    changed_.notify_all();
-  }
-  return UploadAttempt(link, spool_, attempt_, [this] {
-    std::lock_guard lock(mutex_);
-    return !stop_;
-  });
+bool Uploader::stopping() const {
+  std::lock_guard lock(mutex_);
+  return stop_;
 }
 
 void Uploader::Run() {
-  ServerLink link;
   std::unique_lock lock(mutex_);
-  link_ = &link;
-  while (!stop_ && !state_.sealed && !state_.gave_up) {
-    changed_.wait(lock, [&] { return wake_ || stop_; });
-    if (stop_) break;
-    wake_ = false;
+  while (!stop_) {
     lock.unlock();
-    Status status = Once(link);
-    auto stored = spool_.Get(attempt_);
+    Status status = RunConnection();
+    link_.Close();
     lock.lock();
-    if (stored.ok()) {
-      state_.committed = stored->committed;
-      state_.sealed = stored->complete();
-    }
-    state_.problem = status;
-    state_.reachable = status.ok();
-    state_.gave_up = !status.ok() && !IsTransient(status);
+    about_link_.reachable = false;
+    about_link_.problem = status;
+    about_link_.refused = !IsTransient(status);
+    retry_ = false;
     changed_.notify_all();
-    if (status.ok()) {
-      failures_ = 0;
-      continue;
-    }
-    wake_ = true;
-    link.Close();
-    changed_.wait_for(lock, Delay(++failures_), [&] { return stop_; });
+    auto woken = [&] { return stop_ || retry_; };
+    if (about_link_.refused)
+      changed_.wait(lock, woken);
+    else
+      changed_.wait_for(lock, backoff_.Next(), woken);
+    about_link_.refused = false;
   }
-  link_ = nullptr;
+}
+
+// Until the connection breaks or Stop; never ok.
+Status Uploader::RunConnection() {
+  ENAMEL_RETURN_IF_ERROR(link_.Connect(credentials_));
+  backoff_.Reset();
+  Carrier* self = nullptr;
+  Carrier carrier(link_, spool_, bandwidth_, [&] { return Meanwhile(*self); });
+  self = &carrier;
+  {
+    std::lock_guard lock(mutex_);
+    about_link_.reachable = true;
+    about_link_.problem = Status::Ok();
+    changed_.notify_all();
+  }
+  auto offered = carrier.Offer();
+  if (!offered.ok()) return offered.status();
+  while (true) {
+    ENAMEL_RETURN_IF_ERROR(BringWaiting(carrier));
+    ENAMEL_RETURN_IF_ERROR(AwaitWork(carrier));
+  }
+}
+
+Status Uploader::BringWaiting(Carrier& carrier) {
+  std::set<Uuid> brought;
+  while (auto attempt = NextWaiting(brought)) {
+    bool preferred = false, yielded = false;
+    {
+      std::lock_guard lock(mutex_);
+      preferred = attempt == preferred_;
+      if (preferred && std::exchange(reopen_, false)) carrier.Reopen(*attempt);
+    }
+    Status status =
+        carrier.Bring(*attempt, [&] { return yielded = !preferred && PreferredWaits(); });
+    Note(*attempt, status);
+    if (!status.ok() && IsTransient(status)) return status;
+    if (!yielded) brought.insert(*attempt);
+    if (!link_.connected()) return Status(Code::kUnavailable, "the connection was lost");
+    ping_due_ = Clock::now() + kPingEvery;
+  }
+  return Status::Ok();
+}
+
+// The preferred attempt when it waits, else the oldest that does; none of `brought`, unless there
+// is something new.
+std::optional<Uuid> Uploader::NextWaiting(std::set<Uuid>& brought) {
+  {
+    std::lock_guard lock(mutex_);
+    if (std::exchange(wake_, false)) brought.clear();
+  }
+  auto waiting = WaitingAttempts(spool_);
+  if (!waiting.ok()) return std::nullopt;
+  std::erase_if(*waiting, [&](const SpooledAttempt& a) { return brought.contains(a.id); });
+  if (waiting->empty()) return std::nullopt;
+  std::lock_guard lock(mutex_);
+  for (const SpooledAttempt& a : *waiting) {
+    if (a.id == preferred_) return a.id;
+  }
+  return waiting->front().id;
+}
+
+bool Uploader::PreferredWaits() {
+  std::lock_guard lock(mutex_);
+  return preferred_ && wake_;
+}
+
+void Uploader::Note(const Uuid& attempt, const Status& status) {
+  auto stored = spool_.Get(attempt);
+  std::lock_guard lock(mutex_);
+  State& state = states_[attempt];
+  if (stored.ok()) {
+    state.committed = stored->committed;
+    state.sealed = stored->complete();
+  }
+  state.problem = status;
+  state.gave_up = !status.ok() && !IsTransient(status);
+  changed_.notify_all();
+}
+
+Status Uploader::Meanwhile(const Carrier& carrier) {
+  if (stopping()) return Status(Code::kUnavailable, "the upload was stopped");
+  SendLive(carrier);
+  return Status::Ok();
+}
+
+void Uploader::SendLive(const Carrier& carrier) {
+  auto now = Clock::now();
+  if (now < live_due_) return;
+  std::shared_ptr<LiveMailbox> live;
+  Uuid attempt;
+  {
+    std::lock_guard lock(mutex_);
+    if (!preferred_ || !live_) return;
+    live = live_;
+    attempt = *preferred_;
+  }
+  if (!carrier.watched(attempt)) return;
+  auto point = live->Take();
+  if (!point) return;
+  // From when it was due, so that the rate holds; not all at once after a pause.
+  live_due_ = std::max(live_due_ + kLiveEvery, now - kLiveEvery);
+  bool sent = carrier.at_ease() && bandwidth_.TakeSpare(kLiveBytes, now) &&
+              link_.SendLive(attempt, *point).ok();
+  std::lock_guard lock(mutex_);
+  ++(sent ? about_link_.live_sent : about_link_.live_dropped);
+}
+
+// Until there is something new, keeping the connection alive and the live view going.
+Status Uploader::AwaitWork(Carrier& carrier) {
+  while (true) {
+    ENAMEL_RETURN_IF_ERROR(Meanwhile(carrier));
+    auto now = Clock::now();
+    if (now >= ping_due_) {
+      ENAMEL_RETURN_IF_ERROR(link_.Ping());
+      ping_due_ = now + kPingEvery;
+    }
+    std::unique_lock lock(mutex_);
+    bool watched = preferred_ && live_ && carrier.watched(*preferred_);
+    auto until = watched ? std::min<Clock::time_point>(ping_due_, now + kLiveEvery / 4) : ping_due_;
+    if (changed_.wait_until(lock, until, [&] { return wake_ || stop_; })) return Status::Ok();
+  }
 }
 
 }  // namespace enamel::station

@@ -1,70 +1,106 @@
 #pragma once
 
-#include <atomic>
 #include <condition_variable>
 #include <cstdint>
-#include <functional>
+#include <map>
+#include <memory>
 #include <mutex>
+#include <optional>
+#include <set>
 #include <string>
 #include <thread>
 
 #include "common/base/result.h"
 #include "station/spool/spool.h"
+#include "station/uplink/backoff.h"
+#include "station/uplink/carrier.h"
+#include "station/uplink/live_mailbox.h"
 #include "station/uplink/server_link.h"
 
 namespace enamel::station {
 
-// Sends one attempt's spooled chunks from where the server says, waits until they are committed
-// there, and seals it when the spool has the seal. Returns when everything the spool has now is
-// committed. A refusal that trying again cannot change is noted in the spool. Errors: the link's.
-Status UploadAttempt(ServerLink& link, Spool& spool, const Uuid& attempt,
-                     const std::function<bool()>& keep_going = {});
+struct UploaderOptions {
+  uint64_t bytes_per_s = 0;  // no more than this in the long run (bandwidth.h); 0: no bound
+};
 
-// Uploads on a thread of its own while recording goes on, over breaks of the connection.
+// Brings the spool to the server on a thread of its own while recording goes on, over breaks of the
+// connection: first the attempt being made, then what is left of earlier ones. On every connection
+// it first asks which attempts the server lost (Carrier::Offer) and sends those again.
 //
-// The delay before connecting again doubles from 0.5 s to 30 s, less up to a half by chance so that
-// a lab full of stations does not come back at once. A refusal that trying again cannot change
-// stops the upload of that attempt, not the recording.
-// Thread safety: all methods from any thread.
+// Waits between tries as Backoff says. A refusal that trying again cannot change stops the upload
+// of that attempt only; one of the station as a whole (not known any more, another certificate,
+// another protocol version) stops all until Retry. Recording goes on either way.
+//
+// Live: while the server says that somebody watches the attempt being made, its newest moment is
+// sent 60 times a second: latest wins, and none when bandwidth or acknowledgements are short, so
+// that chunks never wait for more than the one being written. Thread safety: all methods from any
+// thread; the live mailbox has one writer.
 class Uploader {
  public:
+  static constexpr std::chrono::microseconds kLiveEvery{16'667};
+  static constexpr std::chrono::seconds kPingEvery{20};
+
+  // Of one attempt.
   struct State {
-    uint32_t committed = 0;  // chunks of the attempt
+    uint32_t committed = 0;  // chunks the server has durably
     bool sealed = false;     // everything is there
-    bool reachable = true;   // as of the last try
+    bool reachable = true;   // the server, as of the last try
     Status problem;          // last failure; refused for good when `gave_up`
     bool gave_up = false;
   };
+  // Of the connection.
+  struct Link {
+    bool reachable = true;  // as of the last try
+    bool refused = false;   // not tried again by itself: somebody has to act, then Retry
+    Status problem;
+    uint64_t live_sent = 0, live_dropped = 0;
+  };
 
-  Uploader(Credentials credentials, Spool& spool, const Uuid& attempt);
+  Uploader(Credentials credentials, Spool& spool, const UploaderOptions& options = {});
   ~Uploader();  // stops
   Uploader(const Uploader&) = delete;
   Uploader& operator=(const Uploader&) = delete;
 
+  // This attempt goes before all others from now on, and is opened anew if it was before (resumed).
+  // `live` may be null.
+  void Prefer(const Uuid& attempt, std::shared_ptr<LiveMailbox> live);
   // There is something new in the spool.
   void Wake();
-  State state() const;
-  // Until sealed, given up, or not reachable for `patience`.
-  void WaitUntilDone(std::chrono::milliseconds patience);
+  // Tries again at once, also after a refusal of the station.
+  void Retry();
+  State state(const Uuid& attempt) const;
+  Link link() const;
+  // Until the attempt is sealed there, given up, or the server not reachable for `patience`.
+  void WaitUntilDone(const Uuid& attempt, std::chrono::milliseconds patience);
   void Stop();
 
  private:
   void Run();
-  Status Once(ServerLink& link);
+  Status RunConnection();
+  Status BringWaiting(Carrier& carrier);
+  std::optional<Uuid> NextWaiting(std::set<Uuid>& brought);
+  void Note(const Uuid& attempt, const Status& status);
+  Status Meanwhile(const Carrier& carrier);
+  void SendLive(const Carrier& carrier);
+  Status AwaitWork(Carrier& carrier);
+  bool stopping() const;
+  bool PreferredWaits();
 
   const Credentials credentials_;
   Spool& spool_;
-  const Uuid attempt_;
+  Bandwidth bandwidth_;                                            // of the thread
+  ServerLink link_;                                                // of the thread, but for Cancel
+  Backoff backoff_;                                                // of the thread
+  std::chrono::steady_clock::time_point live_due_{}, ping_due_{};  // of the thread
+
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  State state_;
-  bool wake_ = true, stop_ = false;
-  int failures_ = 0;
-  ServerLink* link_ = nullptr;  // while one is in use, for Cancel
+  std::map<Uuid, State> states_;
+  Link about_link_;
+  std::optional<Uuid> preferred_;
+  std::shared_ptr<LiveMailbox> live_;
+  bool reopen_ = false, wake_ = true, retry_ = false, stop_ = false;
   std::thread thread_;
 };
-
-// Whether trying again later may help.
-bool IsTransient(const Status& status);
 
 }  // namespace enamel::station

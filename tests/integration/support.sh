@@ -59,7 +59,7 @@ start_server() {
   shift 2
   : >"$work/server.log"  # an earlier server's "ready" is not this one's
   "$bin/enamel-server" serve --data "$data" --http "127.0.0.1:$port" --stations "127.0.0.1:$((port + 1))" \
-    --web "$root/web/dist" "$@" >"$work/server.log" 2>&1 &
+    --web "${ENAMEL_WEB:-$root/web/dist}" "$@" >"$work/server.log" 2>&1 &
   server=$!
   pids+=("$server")
   for _ in $(seq 600); do

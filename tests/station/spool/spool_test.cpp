@@ -64,6 +64,12 @@ class SpoolTest : public testing::Test {
     }
   }
 
+  // The tables a program of version 1 made.
+  static std::string VersionOne() {
+    std::ifstream in(fs::path(ENAMEL_SOURCE_DIR) / "schemas/golden/sql/station_spool_1.sql");
+    return std::string((std::istreambuf_iterator<char>(in)), {});
+  }
+
   fs::path folder_;
   trace::KeyPair keys_;
   trace::Header header_;
@@ -184,15 +190,152 @@ TEST_F(SpoolTest, OnlyWhatTheServerHadForAWeekIsForgotten) {
   auto spool = Open();
   ASSERT_TRUE(spool->BeginAttempt(header_, "e", "p").ok());
   Record(*spool, 600, true);
-  using std::chrono::hours;
-  auto later = std::chrono::system_clock::now() + hours(24 * 8);
-  EXPECT_EQ(*spool->Prune(hours(24 * 7), later), 0);
+  auto later = std::chrono::system_clock::now() + std::chrono::hours(24 * 8);
+  EXPECT_EQ(spool->Prune({}, later)->attempts, 0);
   ASSERT_TRUE(spool->SetCommittedBelow(id(), 2).ok());
-  EXPECT_EQ(*spool->Prune(hours(24 * 7), later), 0);
+  EXPECT_EQ(spool->Prune({}, later)->attempts, 0);
   ASSERT_TRUE(spool->MarkSealedAtServer(id()).ok());
-  EXPECT_EQ(*spool->Prune(hours(24 * 7)), 0);
-  EXPECT_EQ(*spool->Prune(hours(24 * 7), later), 1);
+  EXPECT_EQ(spool->Prune({})->attempts, 0);
+  EXPECT_EQ(spool->Prune({}, later)->attempts, 1);
   EXPECT_EQ(spool->Get(id()).status().code(), Code::kNotFound);
+}
+
+TEST_F(SpoolTest, FullQuotaForgetsWhatTheServerHasHadLongestAndNothingElse) {
+  auto spool = Open();
+  std::vector<Uuid> ids;
+  for (int i = 0; i < 4; ++i) {
+    header_.ticket.attempt = Uuid::New();
+    ids.push_back(id());
+    ASSERT_TRUE(spool->BeginAttempt(header_, "e", "p").ok());
+    Record(*spool, 1000, true);
+    if (i == 0) continue;  // the server has the later three
+    ASSERT_TRUE(spool->SetCommittedBelow(id(), 2).ok());
+    ASSERT_TRUE(spool->MarkSealedAtServer(id()).ok());
+    ::usleep(2'000);  // so that they were committed at different times
+  }
+  const uint64_t one = spool->Get(ids[0])->bytes;
+  Retention retention;
+  retention.bytes = 3 * one + one / 2;
+  auto pruned = spool->Prune(retention);
+  EXPECT_EQ(pruned->attempts, 1);
+  EXPECT_EQ(pruned->early, 1);
+  EXPECT_FALSE(spool->Get(ids[1]).ok());
+  retention.bytes = 1;
+  EXPECT_EQ(spool->Prune(retention)->attempts, 2);
+  ASSERT_EQ(spool->List()->size(), 1u);
+  EXPECT_EQ(spool->Get(ids[0])->chunks, 2u);
+}
+
+TEST_F(SpoolTest, SpoolOfVersionOneBecomesOneOfVersionTwoWithAllItHad) {
+  {
+    auto spool = Open();
+    ASSERT_TRUE(spool->BeginAttempt(header_, "e", "p").ok());
+    Record(*spool, 1700, true);
+  }
+  // What of it a program of version 1 had written.
+  sqlite3* db = nullptr;
+  ASSERT_EQ(sqlite3_open((folder_ / "spool.sqlite").c_str(), &db), SQLITE_OK);
+  const std::string back =
+      "ALTER TABLE attempts RENAME TO a2; ALTER TABLE chunks RENAME TO c2;" + VersionOne() +
+      "INSERT INTO attempts SELECT id, header, header_sha256, exercise, profile, created_unix_ms,"
+      " seal_chunks, seal_ticks, seal_last_sha256, seal_state_hash, sealed_at_server, refused FROM "
+      "a2;"
+      "INSERT INTO chunks SELECT attempt, seq, sha256, bytes, ticks, gap_ticks,"
+      " CASE WHEN seq < 3 THEN 1000 + seq END FROM c2;"
+      "DROP TABLE c2; DROP TABLE a2; DROP TABLE tickets; PRAGMA user_version = 1";
+  char* error = nullptr;
+  ASSERT_EQ(sqlite3_exec(db, back.c_str(), nullptr, nullptr, &error), SQLITE_OK) << error;
+  sqlite3_close(db);
+  auto spool = Open();
+  auto attempt = spool->Get(id());
+  ASSERT_TRUE(attempt.ok());
+  EXPECT_EQ(attempt->chunks, 4u);
+  EXPECT_EQ(attempt->committed, 3u);
+  EXPECT_EQ(attempt->ticks, 1700u);
+  EXPECT_GT(attempt->bytes, 0u);
+  EXPECT_FALSE(spool->LastSpooledUnixMs(id())->has_value());
+  EXPECT_TRUE((*spool->Verify(keys_.public_key))[0].status.ok());
+  EXPECT_TRUE(spool->Tickets()->empty());
+}
+
+TEST_F(SpoolTest, MigratedSpoolHasTheColumnsOfANewOne) {
+  auto columns = [](const fs::path& file) {
+    sqlite3* db = nullptr;
+    EXPECT_EQ(sqlite3_open(file.c_str(), &db), SQLITE_OK);
+    std::string out;
+    for (const char* table : {"attempts", "chunks", "tickets"}) {
+      std::string sql = std::string("PRAGMA table_info(") + table + ")";
+      sqlite3_exec(
+          db, sql.c_str(),
+          [](void* to, int n, char** values, char**) {
+            for (int i = 1; i < n; ++i) {
+              *static_cast<std::string*>(to) += std::string(values[i] ? values[i] : "-") + " ";
+            }
+            return 0;
+          },
+          &out, nullptr);
+    }
+    sqlite3_close(db);
+    return out;
+  };
+  fs::create_directories(folder_ / "old");
+  sqlite3* db = nullptr;
+  ASSERT_EQ(sqlite3_open((folder_ / "old" / "spool.sqlite").c_str(), &db), SQLITE_OK);
+  const std::string sql = VersionOne() + "PRAGMA user_version = 1";
+  ASSERT_EQ(sqlite3_exec(db, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK);
+  sqlite3_close(db);
+  ASSERT_TRUE(Spool::Open(folder_ / "old").ok());
+  Open();
+  EXPECT_EQ(columns(folder_ / "old" / "spool.sqlite"), columns(folder_ / "spool.sqlite"));
+}
+
+TEST_F(SpoolTest, OneProcessRecordsAtATime) {
+  auto spool = Open();
+  {
+    auto lock = spool->LockForRecording();
+    ASSERT_TRUE(lock.ok());
+    EXPECT_EQ(spool->LockForRecording().status().code(), Code::kConflict);
+  }
+  EXPECT_TRUE(spool->LockForRecording().ok());
+}
+
+TEST_F(SpoolTest, AttemptThatWasCutOffIsClosedAsFarAsItGoes) {
+  auto spool = Open();
+  ASSERT_TRUE(spool->BeginAttempt(header_, "e", "p").ok());
+  EXPECT_EQ(spool->CloseAttempt(id()).status().code(), Code::kInvalidInput);
+  Record(*spool, 1700, false);  // 200 of them never became a chunk
+  auto seal = spool->CloseAttempt(id());
+  ASSERT_TRUE(seal.ok());
+  EXPECT_EQ(seal->ticks, 1500u);
+  EXPECT_EQ(seal->state_hash, 1499u * 77);
+  EXPECT_TRUE((*spool->Verify(keys_.public_key))[0].status.ok());
+  EXPECT_EQ(*spool->CloseAttempt(id()), *seal);
+  EXPECT_EQ(spool->MarkResumed(id()).code(), Code::kConflict);
+}
+
+TEST_F(SpoolTest, RecorderGoesOnAfterTheChunksThatAreThere) {
+  auto spool = Open();
+  ASSERT_TRUE(spool->BeginAttempt(header_, "e", "p").ok());
+  Record(*spool, 1000, false);
+  auto last = trace::DecodeChunkHead((*spool->ChunksFrom(id(), 1, 1))[0].bytes);
+  ASSERT_TRUE(last.ok());
+  ASSERT_TRUE(spool->MarkResumed(id()).ok());
+  SampleRing ring(1000);
+  Recorder recorder(*spool, ring, id(), trace::ChainState{last->hash, 2, 1000, 999u * 77},
+                    keys_.secret_key);
+  Sample sample;
+  sample.tick.input.gap_ticks = 5'000;
+  for (int i = 0; i < 700; ++i) {
+    ring.Push(sample);
+    sample.tick.input.gap_ticks = 0;
+  }
+  ASSERT_TRUE(recorder.Finish().ok());
+  auto attempt = spool->Get(id());
+  EXPECT_EQ(attempt->chunks, 4u);
+  EXPECT_EQ(attempt->ticks, 1700u);
+  EXPECT_EQ(attempt->gap_ticks, 5'000u);
+  EXPECT_EQ(attempt->resumed, 1u);
+  EXPECT_TRUE((*spool->Verify(keys_.public_key))[0].status.ok());
 }
 
 TEST_F(SpoolTest, FileThatIsNoDatabaseIsRefusedWithItsName) {

@@ -62,22 +62,31 @@ class FakeServer {
     return c;
   }
 
-  // What it holds: chunks by seq, whatever the attempt.
+  // What it holds of the attempt that came first.
   std::map<uint32_t, Bytes> chunks() const {
     std::lock_guard lock(mutex_);
-    return chunks_;
+    auto at = chunks_.find(first_);
+    return at == chunks_.end() ? std::map<uint32_t, Bytes>{} : at->second;
   }
   bool sealed() const { return sealed_; }
   int connections() const { return connections_; }
   int doubled() const { return doubled_; }  // chunks it was sent although it had them
   void Forget(uint32_t from) {
     std::lock_guard lock(mutex_);
-    chunks_.erase(chunks_.lower_bound(from), chunks_.end());
+    for (auto& [attempt, chunks] : chunks_) chunks.erase(chunks.lower_bound(from), chunks.end());
   }
 
   // Closes the connection instead of acknowledging the n-th chunk from now on (and each n-th
   // after).
   std::atomic<int> break_every{0};
+  std::atomic<bool> watched{false};  // says so with every answer about an attempt
+  std::atomic<int> ack_delay_ms{0};
+  std::atomic<bool> revoke_tickets{false};  // all that it is offered
+  int live() const { return live_; }        // LiveStates that came
+  uint64_t last_live_tick() const { return last_live_tick_; }
+  int offered() const { return offered_; }       // attempts
+  uint32_t resumed() const { return resumed_; }  // as the last OpenAttempt said
+
   // Answers OpenAttempt with this.
   std::optional<Status> refuse;
 
@@ -130,10 +139,34 @@ class FakeServer {
         *reply.mutable_error() = protocol::ToError(*refuse);
       } else {
         std::lock_guard lock(mutex_);
+        auto header = trace::DecodeHeader(AsBytes(request.open_attempt().header()));
+        ENAMEL_CHECK(header.ok());
+        if (chunks_.empty()) first_ = header->ticket.attempt;
+        auto& chunks = chunks_[header->ticket.attempt];
         uint32_t next = 0;
-        while (chunks_.count(next) != 0) ++next;
+        while (chunks.count(next) != 0) ++next;
+        resumed_ = request.open_attempt().resumed();
         reply.mutable_attempt_opened()->set_next_seq(next);
+        reply.mutable_attempt_opened()->set_watched(watched);
       }
+    } else if (request.has_offer_attempts()) {
+      std::lock_guard lock(mutex_);
+      offered_ += request.offer_attempts().attempts_size();
+      auto& wanted = *reply.mutable_attempts_wanted();
+      for (const auto& held : request.offer_attempts().attempts()) {
+        auto at = chunks_.find(*protocol::ReadUuid(held.attempt(), "attempt"));
+        bool whole = at != chunks_.end() && at->second.size() == held.chunks();
+        if (!whole) wanted.add_attempts(held.attempt());
+      }
+      for (const auto& ticket : request.offer_attempts().tickets()) {
+        if (revoke_tickets) wanted.add_revoked(ticket);
+      }
+    } else if (request.has_live_state()) {
+      ++live_;
+      last_live_tick_ = request.live_state().tick();
+      return;
+    } else if (request.has_ping()) {
+      reply.mutable_pong();
     } else if (request.has_put_chunk()) {
       Keep(request.put_chunk(), reply);
     } else if (request.has_seal_attempt()) {
@@ -151,13 +184,17 @@ class FakeServer {
     ENAMEL_CHECK(chunk.ok());
     {
       std::lock_guard lock(mutex_);
-      doubled_ += chunks_.count(chunk->head.seq) != 0 ? 1 : 0;
-      chunks_[chunk->head.seq] = Bytes(bytes.begin(), bytes.end());
+      auto& chunks = chunks_[chunk->head.attempt];
+      doubled_ += chunks.count(chunk->head.seq) != 0 ? 1 : 0;
+      chunks[chunk->head.seq] = Bytes(bytes.begin(), bytes.end());
     }
     // Kept, but the station never hears of it.
     if (break_every != 0 && ++received_ % break_every == 0) {
       throw boost::system::system_error(asio::error::connection_reset);
     }
+    if (ack_delay_ms > 0) std::this_thread::sleep_for(std::chrono::milliseconds(ack_delay_ms));
+    reply.mutable_chunk_ack()->set_watched(watched);
+    reply.mutable_chunk_ack()->set_attempt(protocol::ToField(chunk->head.attempt.view()));
     reply.mutable_chunk_ack()->set_seq(chunk->head.seq);
     reply.mutable_chunk_ack()->set_committed(true);
   }
@@ -168,11 +205,14 @@ class FakeServer {
   asio::ip::tcp::acceptor acceptor_{io_};
   std::thread thread_;
   std::atomic<bool> stopping_{false}, sealed_{false};
-  std::atomic<int> connections_{0}, doubled_{0};
+  std::atomic<int> connections_{0}, doubled_{0}, live_{0}, offered_{0};
+  std::atomic<uint64_t> last_live_tick_{0};
+  std::atomic<uint32_t> resumed_{0};
   int received_ = 0;
   mutable std::mutex mutex_;
-  int connection_ = -1;               // guarded by mutex_
-  std::map<uint32_t, Bytes> chunks_;  // guarded by mutex_
+  int connection_ = -1;                               // guarded by mutex_
+  Uuid first_;                                        // guarded by mutex_
+  std::map<Uuid, std::map<uint32_t, Bytes>> chunks_;  // guarded by mutex_
 };
 
 }  // namespace enamel::station

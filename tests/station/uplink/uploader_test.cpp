@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
+#include <chrono>
+#include <thread>
+
 #include "station/spool/recorder.h"
 #include "tests/station/uplink/fake_server.h"
 
@@ -39,6 +42,10 @@ class UploaderTest : public testing::Test {
       for (size_t i = 0; i < Recorder::kTicksPerChunk; ++i) ring_.Push(Sample{});
       ASSERT_TRUE(recorder_->Pump().ok());
     }
+  }
+  Status UploadAttempt(ServerLink& link, Spool& spool, const Uuid& attempt) {
+    Bandwidth no_bound(0);
+    return Carrier(link, spool, no_bound).Bring(attempt);
   }
   void ExpectWholeAt(const FakeServer& server) {
     auto spooled = *spool_->ChunksFrom(id(), 0, 1000);
@@ -123,15 +130,15 @@ TEST_F(UploaderTest, RefusalForGoodIsNotedAndTheRecordingKept) {
 
 TEST_F(UploaderTest, UploadsWhileRecordingGoesOn) {
   FakeServer server(folder_);
-  Uploader uploader(server.NewStation(), *spool_, id());
+  Uploader uploader(server.NewStation(), *spool_);
   for (int i = 0; i < 20; ++i) {
     Record(1);
     uploader.Wake();
   }
   ASSERT_TRUE(recorder_->Finish().ok());
   uploader.Wake();
-  uploader.WaitUntilDone(kSoon);
-  EXPECT_TRUE(uploader.state().sealed) << uploader.state().problem.message();
+  uploader.WaitUntilDone(id(), kSoon);
+  EXPECT_TRUE(uploader.state(id()).sealed) << uploader.state(id()).problem.message();
   ExpectWholeAt(server);
 }
 
@@ -145,13 +152,13 @@ TEST_F(UploaderTest, ServerThatComesLaterIsFound) {
   }
   Record(4);
   ASSERT_TRUE(recorder_->Finish().ok());
-  Uploader uploader(credentials, *spool_, id());
-  uploader.WaitUntilDone(std::chrono::milliseconds(50));
-  EXPECT_FALSE(uploader.state().sealed);
-  EXPECT_FALSE(uploader.state().gave_up);
+  Uploader uploader(credentials, *spool_);
+  uploader.WaitUntilDone(id(), std::chrono::milliseconds(50));
+  EXPECT_FALSE(uploader.state(id()).sealed);
+  EXPECT_FALSE(uploader.state(id()).gave_up);
   FakeServer server(folder_, port);
-  uploader.WaitUntilDone(kSoon);
-  EXPECT_TRUE(uploader.state().sealed) << uploader.state().problem.message();
+  uploader.WaitUntilDone(id(), kSoon);
+  EXPECT_TRUE(uploader.state(id()).sealed) << uploader.state(id()).problem.message();
   ExpectWholeAt(server);
 }
 
@@ -159,11 +166,145 @@ TEST_F(UploaderTest, ServerWithAnotherCertificateIsGivenUp) {
   FakeServer server(folder_);
   Credentials credentials = server.NewStation();
   credentials.fingerprint = HashSha256(AsBytes("another"));
-  Uploader uploader(credentials, *spool_, id());
-  uploader.WaitUntilDone(kSoon);
-  EXPECT_TRUE(uploader.state().gave_up);
-  EXPECT_EQ(uploader.state().problem.code(), Code::kUnauthenticated);
+  Uploader uploader(credentials, *spool_);
+  uploader.WaitUntilDone(id(), kSoon);
+  EXPECT_TRUE(uploader.state(id()).gave_up);
+  EXPECT_EQ(uploader.state(id()).problem.code(), Code::kUnauthenticated);
   EXPECT_EQ(server.chunks().size(), 0u);
+}
+
+// The server was restored from a backup made before the attempt: nobody tells the station.
+TEST_F(UploaderTest, WhatTheServerLostIsSentAgainAsSoonAsItIsAsked) {
+  Record(9);
+  ASSERT_TRUE(recorder_->Finish().ok());
+  FakeServer server(folder_);
+  Credentials credentials = server.NewStation();
+  {
+    Uploader uploader(credentials, *spool_);
+    uploader.WaitUntilDone(id(), kSoon);
+    ASSERT_TRUE(spool_->Get(id())->complete());
+  }
+  EXPECT_EQ(server.offered(), 0);
+  server.Forget(0);
+  ServerLink link;
+  ASSERT_TRUE(link.Connect(credentials).ok());
+  Bandwidth no_bound(0);
+  Carrier carrier(link, *spool_, no_bound);
+  EXPECT_EQ(*carrier.Offer(), 1u);
+  EXPECT_EQ(server.offered(), 1);
+  EXPECT_EQ(WaitingAttempts(*spool_)->size(), 1u);
+  ASSERT_TRUE(carrier.Bring(id()).ok());
+  ExpectWholeAt(server);
+  EXPECT_TRUE(spool_->Get(id())->complete());
+  EXPECT_EQ(*carrier.Offer(), 0u);
+}
+
+TEST_F(UploaderTest, ServerIsToldThatAnAttemptWasResumed) {
+  Record(2);
+  ASSERT_TRUE(spool_->MarkResumed(id()).ok());
+  FakeServer server(folder_);
+  ServerLink link;
+  ASSERT_TRUE(link.Connect(server.NewStation()).ok());
+  ASSERT_TRUE(UploadAttempt(link, *spool_, id()).ok());
+  EXPECT_EQ(server.resumed(), 1u);
+}
+
+TEST_F(UploaderTest, RevokedTicketIsForgottenAndAnotherKept) {
+  LockedTicket ticket;
+  ticket.attempt = Uuid::New();
+  ticket.locked = Bytes(10);
+  ASSERT_TRUE(spool_->PutTicket(ticket).ok());
+  // A ticket whose attempt was begun is no longer asked about.
+  ticket.attempt = id();
+  ASSERT_TRUE(spool_->PutTicket(ticket).ok());
+  FakeServer server(folder_);
+  server.revoke_tickets = true;
+  ServerLink link;
+  ASSERT_TRUE(link.Connect(server.NewStation()).ok());
+  Bandwidth no_bound(0);
+  ASSERT_TRUE(Carrier(link, *spool_, no_bound).Offer().ok());
+  auto left = *spool_->Tickets();
+  ASSERT_EQ(left.size(), 1u);
+  EXPECT_EQ(left[0].attempt, id());
+}
+
+// Two attempts wait; a third is being made: its chunks do not wait for theirs.
+TEST_F(UploaderTest, AttemptBeingMadeGoesFirst) {
+  Record(200);
+  trace::Header other = header_;
+  other.ticket.attempt = Uuid::New();
+  ASSERT_TRUE(spool_->BeginAttempt(other, "e", "p").ok());
+  Recorder recorder(*spool_, ring_, other.ticket.attempt, HashSha256(trace::EncodeHeader(other)),
+                    keys_.secret_key);
+  FakeServer server(folder_);
+  server.ack_delay_ms = 5;
+  Uploader uploader(server.NewStation(), *spool_);
+  while (uploader.link().reachable && server.chunks().empty()) std::this_thread::yield();
+  for (size_t i = 0; i < Recorder::kTicksPerChunk; ++i) ring_.Push(Sample{});
+  ASSERT_TRUE(recorder.Finish().ok());
+  uploader.Prefer(other.ticket.attempt, nullptr);
+  uploader.WaitUntilDone(other.ticket.attempt, kSoon);
+  EXPECT_TRUE(uploader.state(other.ticket.attempt).sealed);
+  EXPECT_LT(spool_->Get(id())->committed, 150u);
+  EXPECT_EQ(server.doubled(), 0);
+}
+
+class LiveTest : public UploaderTest {
+ protected:
+  // Records and shows `ticks` in real time, and returns how many live states came meanwhile.
+  int Run(FakeServer& server, Uploader& uploader, int chunks) {
+    auto mailbox = std::make_shared<LiveMailbox>();
+    uploader.Prefer(id(), mailbox);
+    int before = server.live();
+    for (int c = 0; c < chunks; ++c) {
+      Record(1);
+      uploader.Wake();
+      for (int i = 0; i < 500; i += 5) {
+        ticks_ += 5;
+        mailbox->Write({ticks_, {1, 2, 3}, {4, 5, 6}, 0});
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      }
+    }
+    return server.live() - before;
+  }
+  uint64_t ticks_ = 0;
+};
+
+TEST_F(LiveTest, NothingIsSentWhileNobodyWatches) {
+  FakeServer server(folder_);
+  Uploader uploader(server.NewStation(), *spool_);
+  EXPECT_EQ(Run(server, uploader, 2), 0);
+}
+
+// How many arrive depends on the machine's speed; that they do, are the newest and no more than 60
+// a second does not.
+TEST_F(LiveTest, WhoWatchesGetsTheNewestMoments) {
+  FakeServer server(folder_);
+  server.watched = true;
+  Uploader uploader(server.NewStation(), *spool_);
+  auto begin = std::chrono::steady_clock::now();
+  int live = Run(server, uploader, 4);
+  double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  EXPECT_GT(live, 10);
+  EXPECT_LE(live, 60 * took_s + 3);
+  EXPECT_LT(server.last_live_tick(), ticks_);
+  EXPECT_GT(server.last_live_tick(), ticks_ / 2);
+  EXPECT_EQ(spool_->Get(id())->chunks, 4u);
+}
+
+TEST_F(LiveTest, ShortBandwidthDropsTheLiveViewAndNoChunk) {
+  FakeServer server(folder_);
+  server.watched = true;
+  // Less than the chunks need: nothing is to spare.
+  Record(1);
+  uint64_t chunk_bytes = spool_->Get(id())->bytes;
+  Uploader uploader(server.NewStation(), *spool_, {chunk_bytes});
+  int live = Run(server, uploader, 3);
+  ASSERT_TRUE(recorder_->Finish().ok());
+  uploader.Wake();
+  uploader.WaitUntilDone(id(), kSoon);
+  ExpectWholeAt(server);
+  EXPECT_GT(uploader.link().live_dropped, static_cast<uint64_t>(live));
 }
 
 }  // namespace

@@ -1,0 +1,57 @@
+#include "server/stations/session.h"
+
+// What a station still has that this server may have lost.
+namespace enamel::server::stations {
+namespace {
+
+constexpr int kMaxOffered = 1024;
+
+}  // namespace
+
+Result<wire::Reply> Session::Do(const wire::OfferAttempts& request) {
+  if (request.attempts_size() > kMaxOffered || request.tickets_size() > kMaxOffered) {
+    return Status(
+        Code::kTooLarge,
+        "at most " + std::to_string(kMaxOffered) + " attempts and as many tickets at once",
+        "attempts");
+  }
+  wire::Reply reply;
+  wire::AttemptsWanted& wanted = *reply.mutable_attempts_wanted();
+  for (const wire::HeldAttempt& held : request.attempts()) {
+    auto lacks = Lacks(held);
+    if (!lacks.ok()) return lacks.status();
+    if (*lacks) wanted.add_attempts(held.attempt());
+  }
+  for (const std::string& ticket : request.tickets()) {
+    auto attempt = protocol::ReadUuid(ticket, "tickets");
+    if (!attempt.ok()) return attempt.status();
+    auto revoked = Revoked(*attempt);
+    if (!revoked.ok()) return revoked.status();
+    if (*revoked) wanted.add_revoked(ticket);
+  }
+  return reply;
+}
+
+Result<bool> Session::Lacks(const wire::HeldAttempt& held) {
+  auto attempt = protocol::ReadUuid(held.attempt(), "attempts.attempt");
+  if (!attempt.ok()) return attempt.status();
+  auto row = services_.store.AttemptById(*attempt);
+  if (row.status().code() == Code::kNotFound) return true;
+  if (!row.ok()) return row.status();
+  if (row->station != station_->id) return false;
+  return row->state == AttemptState::kTicketed || row->state == AttemptState::kRecording;
+}
+
+Result<bool> Session::Revoked(const Uuid& attempt) {
+  auto row = services_.store.AttemptById(attempt);
+  // Issued before a restore: its signature says that it was.
+  if (row.status().code() == Code::kNotFound) return false;
+  if (!row.ok()) return row.status();
+  if (row->station != station_->id || row->state != AttemptState::kTicketed) return true;
+  auto person = services_.store.PersonById(row->person);
+  if (person.status().code() == Code::kNotFound) return true;
+  if (!person.ok()) return person.status();
+  return person->disabled;
+}
+
+}  // namespace enamel::server::stations

@@ -1,0 +1,277 @@
+#include "station/app/spool_command.h"
+
+#include <CLI/CLI.hpp>
+#include <boost/json.hpp>
+#include <cstdio>
+#include <ctime>
+
+#include "common/base/file.h"
+#include "station/app/places.h"
+#include "station/spool/spool.h"
+#include "station/uplink/carrier.h"
+#include "station/uplink/private_folder.h"
+
+namespace enamel::station {
+namespace {
+
+namespace fs = std::filesystem;
+namespace json = boost::json;
+using unsigned_ll = unsigned long long;
+
+constexpr char kLast[] = "last";
+
+const char* StateOf(const SpooledAttempt& a) {
+  if (!a.refused.empty()) return "refused";
+  if (a.complete()) return "uploaded";
+  return a.seal ? "waiting" : "unfinished";
+}
+
+json::object FactsOf(const SpooledAttempt& a) {
+  return {{"attempt_id", a.id.Text()},
+          {"state", StateOf(a)},
+          {"exercise", a.exercise},
+          {"profile", a.profile},
+          {"created_unix_ms", a.created_unix_ms},
+          {"ticks", a.ticks},
+          {"gap_ticks", a.gap_ticks},
+          {"chunks", a.chunks},
+          {"committed_chunks", a.committed},
+          {"bytes", a.bytes},
+          {"resumed", a.resumed},
+          {"sealed", a.seal.has_value()},
+          {"refused", a.refused}};
+}
+
+void PrintJson(const json::object& object) { std::printf("%s\n", json::serialize(object).c_str()); }
+
+Result<std::unique_ptr<Spool>> OpenSpool(const fs::path& data) {
+  ENAMEL_RETURN_IF_ERROR(MakePrivateFolder(data));
+  return Spool::Open(data);
+}
+
+// The one that is meant; of "last" the newest that `fits`.
+Result<Uuid> AttemptMeant(Spool& spool, const std::string& text,
+                          const std::function<bool(const SpooledAttempt&)>& fits) {
+  if (text != kLast) return Uuid::Parse(text);
+  auto all = spool.List();
+  if (!all.ok()) return all.status();
+  for (auto a = all->rbegin(); a != all->rend(); ++a) {
+    if (fits(*a)) return a->id;
+  }
+  return Status(Code::kNotFound, "there is no such attempt in " + spool.file().string() +
+                                     ": 'enamel-station spool list' shows those there are");
+}
+
+std::string LocalTime(int64_t unix_ms) {
+  std::time_t t = unix_ms / 1000;
+  std::tm local{};
+  ::localtime_r(&t, &local);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%d %H:%M", &local);
+  return text;
+}
+
+void PrintLine(const SpooledAttempt& a) {
+  std::printf("%s  %-10s  %s on %s  %llu ticks  %u of %u chunks on the server  %.1f kB  %s%s%s%s\n",
+              a.id.Text().c_str(), StateOf(a), a.exercise.c_str(), a.profile.c_str(),
+              static_cast<unsigned_ll>(a.ticks), a.committed, a.chunks,
+              static_cast<double>(a.bytes) / 1000, LocalTime(a.created_unix_ms).c_str(),
+              a.resumed > 0 ? "  resumed" : "", a.refused.empty() ? "" : ": ", a.refused.c_str());
+}
+
+Status SendWaiting(Carrier& carrier, Spool& spool, bool as_json, json::array& sent) {
+  auto waiting = WaitingAttempts(spool);
+  if (!waiting.ok()) return waiting.status();
+  Status worst;
+  for (const SpooledAttempt& attempt : *waiting) {
+    Status status = carrier.Bring(attempt.id);
+    if (!status.ok() && IsTransient(status)) return status;
+    auto after = spool.Get(attempt.id);
+    if (!after.ok()) return after.status();
+    sent.push_back(FactsOf(*after));
+    if (!status.ok()) worst = status;
+    if (as_json) continue;
+    std::printf("%s  %s  %u of %u chunks  %s\n", attempt.id.Text().c_str(), StateOf(*after),
+                after->committed, after->chunks, status.message().c_str());
+    if (status.ok() && !after->seal) {
+      std::printf(
+          "  no end of it is recorded (it broke off, or goes on): it is kept here and on the "
+          "server, and not scored. 'enamel-station run --resume %s' goes on with it, "
+          "'enamel-station spool close %s' ends it as far as it goes\n",
+          attempt.id.Text().c_str(), attempt.id.Text().c_str());
+    }
+  }
+  return worst;
+}
+
+}  // namespace
+
+Status ListSpool(const SpoolCommand& options) {
+  auto spool = OpenSpool(options.data);
+  if (!spool.ok()) return spool.status();
+  auto attempts = (*spool)->List();
+  if (!attempts.ok()) return attempts.status();
+  uint64_t bytes = 0;
+  for (const SpooledAttempt& a : *attempts) bytes += a.bytes;
+  if (options.json) {
+    json::array all;
+    for (const SpooledAttempt& a : *attempts) all.push_back(FactsOf(a));
+    PrintJson({{"spool", (*spool)->file().string()}, {"bytes", bytes}, {"attempts", all}});
+    return Status::Ok();
+  }
+  if (attempts->empty()) {
+    std::printf("the spool %s is empty\n", (*spool)->file().c_str());
+    return Status::Ok();
+  }
+  auto waiting = WaitingAttempts(**spool);
+  if (!waiting.ok()) return waiting.status();
+  std::printf("%s: %zu attempts, %.1f MB; %zu with something the server does not have\n",
+              (*spool)->file().c_str(), attempts->size(), static_cast<double>(bytes) / 1e6,
+              waiting->size());
+  for (const SpooledAttempt& a : *attempts) PrintLine(a);
+  return Status::Ok();
+}
+
+Status VerifySpool(const SpoolCommand& options) {
+  auto spool = OpenSpool(options.data);
+  if (!spool.ok()) return spool.status();
+  std::optional<trace::PublicKey> key;
+  if (auto credentials = LoadCredentials(options.data); credentials.ok()) {
+    key = credentials->public_key();
+  }
+  auto verdicts = (*spool)->Verify(key);
+  if (!verdicts.ok()) return verdicts.status();
+  Status worst;
+  json::array all;
+  for (const SpoolVerdict& v : *verdicts) {
+    json::object facts = FactsOf(v.attempt);
+    facts["whole"] = v.status.ok();
+    facts["problem"] = v.status.message();
+    all.push_back(facts);
+    if (!options.json) {
+      std::printf("%s  %s\n", v.attempt.id.Text().c_str(),
+                  v.status.ok() ? "whole" : v.status.message().c_str());
+    }
+    if (!v.status.ok()) {
+      worst = Status(v.status.code(), "attempt " + v.attempt.id.Text() + ": " + v.status.message());
+    }
+  }
+  if (options.json) {
+    PrintJson({{"signatures_checked", key.has_value()}, {"attempts", all}});
+  } else if (worst.ok()) {
+    std::printf("%zu attempts: chains%s and seals are right\n", verdicts->size(),
+                key ? ", signatures" : "");
+  }
+  return worst;
+}
+
+Status ExportFromSpool(const SpoolCommand& options) {
+  ENAMEL_RETURN_IF_ERROR(CheckOutputFile(options.out, "--out"));
+  auto spool = Spool::Open(options.data);
+  if (!spool.ok()) return spool.status();
+  auto id = AttemptMeant(**spool, options.attempt, [](const auto&) { return true; });
+  if (!id.ok()) return id.status();
+  auto file = (*spool)->Export(*id);
+  if (!file.ok()) return file.status();
+  Bytes bytes = trace::EncodeTraceFile(*file);
+  ENAMEL_RETURN_IF_ERROR(WriteFileDurably(options.out, bytes, 0600));
+  if (options.json) {
+    PrintJson({{"attempt_id", id->Text()},
+               {"file", options.out.string()},
+               {"chunks", file->chunks.size()},
+               {"bytes", bytes.size()},
+               {"sealed", file->seal.has_value()}});
+    return Status::Ok();
+  }
+  std::printf("%s: %zu chunks, %zu bytes%s\n", options.out.c_str(), file->chunks.size(),
+              bytes.size(), file->seal ? ", sealed" : ", not sealed");
+  return Status::Ok();
+}
+
+Status UploadSpool(const SpoolCommand& options) {
+  auto credentials = LoadCredentialsFor(options.data, options.server);
+  if (!credentials.ok()) return credentials.status();
+  auto spool = Spool::Open(options.data);
+  if (!spool.ok()) return spool.status();
+  auto waiting = WaitingAttempts(**spool);
+  if (!waiting.ok()) return waiting.status();
+  ServerLink link;
+  Bandwidth bandwidth(options.kbit_per_s * 1000 / 8);
+  Carrier carrier(link, **spool, bandwidth);
+  Status status = link.Connect(*credentials);
+  if (status.ok()) {
+    auto wanted = carrier.Offer();
+    status = wanted.status();
+    if (wanted.ok() && *wanted > 0 && !options.json) {
+      std::printf("the server has lost %zu attempts that it once had: they are sent again\n",
+                  *wanted);
+    }
+  } else if (waiting->empty() && IsTransient(status)) {
+    status = Status::Ok();  // nothing to send, and nobody to ask whether something got lost
+  }
+  json::array sent;
+  if (status.ok() && link.connected()) status = SendWaiting(carrier, **spool, options.json, sent);
+  if (options.json) PrintJson({{"attempts", sent}, {"problem", status.message()}});
+  if (!options.json && status.ok() && sent.empty()) std::printf("nothing to upload\n");
+  return status;
+}
+
+Status CloseInSpool(const SpoolCommand& options) {
+  auto spool = Spool::Open(options.data);
+  if (!spool.ok()) return spool.status();
+  auto lock = (*spool)->LockForRecording();
+  if (!lock.ok()) return lock.status();
+  auto id = AttemptMeant(**spool, options.attempt, [](const auto& a) { return !a.seal; });
+  if (!id.ok()) return id.status();
+  auto seal = (*spool)->CloseAttempt(*id);
+  if (!seal.ok()) return seal.status();
+  if (options.json) {
+    PrintJson({{"attempt_id", id->Text()}, {"chunks", seal->chunks}, {"ticks", seal->ticks}});
+    return Status::Ok();
+  }
+  std::printf(
+      "%s: sealed after %llu ticks; what was not cut counts as missing. 'enamel-station upload' "
+      "sends it\n",
+      id->Text().c_str(), static_cast<unsigned_ll>(seal->ticks));
+  return Status::Ok();
+}
+
+void AddSpoolCommands(CLI::App& app, SpoolCommand& options,
+                      const std::function<void(const Status&)>& finish) {
+  auto add = [&](CLI::App& to, const char* name, const char* about,
+                 Status (*command)(const SpoolCommand&)) {
+    CLI::App* added = to.add_subcommand(name, about);
+    added
+        ->add_option("--data", options.data,
+                     "Folder for credentials, spool and cache (also ENAMEL_STATION_DATA)")
+        ->capture_default_str();
+    added->add_flag("--json", options.json, "The facts as one JSON object");
+    added->callback([&options, finish, command] { finish(command(options)); });
+    return added;
+  };
+  auto with_uplink = [&](CLI::App* upload) {
+    upload->add_option("--server", options.server, "HOST:PORT when it has moved since enrolment");
+    upload->add_option("--uplink-kbit", options.kbit_per_s,
+                       "Send no faster than this; 0: no bound");
+  };
+  constexpr char kUpload[] = "Send what is recorded here and not, or no longer, on the server";
+  with_uplink(add(app, "upload", kUpload, UploadSpool));
+  CLI::App* spool = app.add_subcommand("spool", "Recordings on this station");
+  spool->require_subcommand(1);
+  add(*spool, "list", "What is there, how large, and what of it is on the server", ListSpool);
+  add(*spool, "verify", "Check pages, chains, signatures and seals", VerifySpool);
+  with_uplink(add(*spool, "upload", kUpload, UploadSpool));
+  auto with_attempt = [&](CLI::App* command) {
+    command->add_option("attempt", options.attempt, "Its id, as 'spool list' prints it, or 'last'")
+        ->required();
+    return command;
+  };
+  with_attempt(add(*spool, "export", "Write one recording to a file", ExportFromSpool))
+      ->add_option("--out", options.out, "File to write")
+      ->required();
+  with_attempt(add(*spool, "close",
+                   "End an attempt that was cut off, as far as it goes, so that it is scored",
+                   CloseInSpool));
+}
+
+}  // namespace enamel::station

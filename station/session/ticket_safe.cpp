@@ -1,0 +1,133 @@
+#include "station/session/ticket_safe.h"
+
+#include <sodium.h>
+
+#include <algorithm>
+
+namespace enamel::station {
+namespace {
+
+constexpr size_t kMinPin = 6, kMaxPin = 12;
+constexpr unsigned long long kPasses = 3;
+constexpr size_t kMemoryBytes = size_t{64} << 20;
+
+static_assert(crypto_pwhash_SALTBYTES == sizeof(LockedTicket::salt));
+
+using Key = std::array<uint8_t, crypto_secretbox_KEYBYTES>;
+
+int64_t SystemUnixMs() {
+  return std::chrono::duration_cast<std::chrono::milliseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+Result<Key> KeyOf(const std::string& pin, const std::array<uint8_t, 16>& salt) {
+  ENAMEL_CHECK(sodium_init() >= 0);
+  Key key{};
+  if (crypto_pwhash(key.data(), key.size(), pin.data(), pin.size(), salt.data(), kPasses,
+                    kMemoryBytes, crypto_pwhash_ALG_ARGON2ID13) != 0) {
+    return Status(Code::kInternal, "not enough memory to check the PIN (it takes 64 MiB)");
+  }
+  return key;
+}
+
+// All steps from one digit to the next are `step`.
+bool Steps(const std::string& pin, int step) {
+  return std::adjacent_find(pin.begin(), pin.end(),
+                            [step](char a, char b) { return b - a != step; }) == pin.end();
+}
+
+int64_t WaitAfter_ms(int wrong_pins) {
+  if (wrong_pins <= TicketSafe::kFreeTries) return 0;
+  return std::chrono::milliseconds(TicketSafe::kFirstWait).count()
+         << (wrong_pins - TicketSafe::kFreeTries - 1);
+}
+
+Status NoTicket(const Uuid& attempt) {
+  return Status(Code::kNotFound, "no ticket for later " + attempt.Text() +
+                                     " is here: it was used, has expired (after 12 hours), was "
+                                     "revoked, or its PIN was wrong too often");
+}
+
+}  // namespace
+
+TicketSafe::TicketSafe(Spool& spool, Clock clock)
+    : spool_(spool), clock_(clock ? std::move(clock) : SystemUnixMs) {}
+
+Status TicketSafe::CheckPin(const std::string& pin) {
+  bool digits = std::ranges::all_of(pin, [](char c) { return c >= '0' && c <= '9'; });
+  if (pin.size() < kMinPin || pin.size() > kMaxPin || !digits) {
+    return Status(Code::kInvalidInput, "a PIN has 6 to 12 digits and nothing else", "pin");
+  }
+  if (Steps(pin, 0) || Steps(pin, 1) || Steps(pin, -1)) {
+    return Status(Code::kInvalidInput,
+                  "this PIN is guessed first: choose one whose digits are neither all the same nor "
+                  "in a row",
+                  "pin");
+  }
+  return Status::Ok();
+}
+
+Status TicketSafe::Put(const trace::Ticket& ticket, LockedTicket names, const std::string& pin) {
+  ENAMEL_RETURN_IF_ERROR(CheckPin(pin));
+  names.attempt = ticket.attempt;
+  names.expires_unix_ms = ticket.expires_unix_ms;
+  randombytes_buf(names.salt.data(), names.salt.size());
+  auto key = KeyOf(pin, names.salt);
+  if (!key.ok()) return key.status();
+  Bytes open = trace::EncodeTicket(ticket);
+  names.locked.resize(crypto_secretbox_NONCEBYTES + crypto_secretbox_MACBYTES + open.size());
+  randombytes_buf(names.locked.data(), crypto_secretbox_NONCEBYTES);
+  crypto_secretbox_easy(names.locked.data() + crypto_secretbox_NONCEBYTES, open.data(), open.size(),
+                        names.locked.data(), key->data());
+  sodium_memzero(key->data(), key->size());
+  return spool_.PutTicket(names);
+}
+
+Result<std::vector<LockedTicket>> TicketSafe::List() {
+  auto all = spool_.Tickets();
+  if (!all.ok()) return all.status();
+  for (const LockedTicket& t : *all) {
+    if (t.expires_unix_ms <= clock_()) ENAMEL_RETURN_IF_ERROR(spool_.RemoveTicket(t.attempt));
+  }
+  std::erase_if(*all, [&](const LockedTicket& t) { return t.expires_unix_ms <= clock_(); });
+  return all;
+}
+
+Result<trace::Ticket> TicketSafe::Open(const Uuid& attempt, const std::string& pin) {
+  auto all = List();
+  if (!all.ok()) return all.status();
+  auto t = std::ranges::find(*all, attempt, &LockedTicket::attempt);
+  if (t == all->end()) return NoTicket(attempt);
+  if (int64_t wait_ms = t->wait_unix_ms - clock_(); wait_ms > 0) {
+    return Status(Code::kUnavailable, "after a wrong PIN: wait " +
+                                          std::to_string((wait_ms + 999) / 1000) +
+                                          " s before the next try");
+  }
+  const int tries = t->wrong_pins + 1;
+  ENAMEL_RETURN_IF_ERROR(spool_.NoteWrongPin(attempt, tries, clock_() + WaitAfter_ms(tries)));
+  auto key = KeyOf(pin, t->salt);
+  if (!key.ok()) return key.status();
+  const size_t overhead = crypto_secretbox_NONCEBYTES + crypto_secretbox_MACBYTES;
+  Bytes open(t->locked.size() > overhead ? t->locked.size() - overhead : 0);
+  bool right = !open.empty() && crypto_secretbox_open_easy(
+                                    open.data(), t->locked.data() + crypto_secretbox_NONCEBYTES,
+                                    t->locked.size() - crypto_secretbox_NONCEBYTES,
+                                    t->locked.data(), key->data()) == 0;
+  sodium_memzero(key->data(), key->size());
+  if (right) {
+    ENAMEL_RETURN_IF_ERROR(spool_.NoteWrongPin(attempt, 0, 0));
+    return trace::DecodeTicket(open);
+  }
+  if (tries < kMaxTries) {
+    return Status(Code::kUnauthenticated,
+                  "wrong PIN; " + std::to_string(kMaxTries - tries) + " more tries", "pin");
+  }
+  ENAMEL_RETURN_IF_ERROR(spool_.RemoveTicket(attempt));
+  return Status(Code::kUnauthenticated,
+                "wrong PIN for the tenth time: the ticket is destroyed; get another one from the "
+                "server",
+                "pin");
+}
+
+}  // namespace enamel::station

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+
+namespace enamel::station {
+
+// Keeps what is sent below a rate: a bucket that holds a second's worth and fills at the rate.
+//
+// A message goes when the bucket holds it, or is full; one that is larger leaves a debt that is
+// worked off before the next. So over any time t at most rate * (t + 1 s) and one message are sent.
+// Time is the caller's. Thread safety: none.
+class Bandwidth {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  // 0: no bound.
+  explicit Bandwidth(uint64_t bytes_per_s)
+      : rate_(static_cast<double>(bytes_per_s)), level_(rate_) {}
+
+  // Takes `bytes` out and returns zero, or returns how long to wait before asking again.
+  Clock::duration Take(size_t bytes, Clock::time_point now);
+  // For what may be dropped: takes only while half of the bucket stays for the rest.
+  bool TakeSpare(size_t bytes, Clock::time_point now);
+
+ private:
+  void Fill(Clock::time_point now);
+
+  const double rate_;  // bytes per second; also what the bucket holds
+  double level_;       // below zero: a debt
+  Clock::time_point filled_{};
+};
+
+}  // namespace enamel::station

@@ -1,0 +1,163 @@
+#include "station/uplink/carrier.h"
+
+#include <algorithm>
+#include <thread>
+#include <utility>
+
+namespace enamel::station {
+namespace {
+
+constexpr size_t kOfferAtOnce = 512;
+using Clock = std::chrono::steady_clock;
+
+bool Waits(const SpooledAttempt& a) {
+  return a.refused.empty() && (a.committed < a.chunks || (a.seal && !a.sealed_at_server));
+}
+
+}  // namespace
+
+bool IsTransient(const Status& status) {
+  return status.code() == Code::kUnavailable || status.code() == Code::kStorage ||
+         status.code() == Code::kInternal;
+}
+
+Result<std::vector<SpooledAttempt>> WaitingAttempts(Spool& spool) {
+  auto all = spool.List();
+  if (all.ok()) std::erase_if(*all, [](const SpooledAttempt& a) { return !Waits(a); });
+  return all;
+}
+
+Result<size_t> Carrier::Offer() {
+  auto all = spool_.List();
+  if (!all.ok()) return all.status();
+  std::erase_if(*all, [](const SpooledAttempt& a) { return !a.complete() || !a.refused.empty(); });
+  auto tickets = UnusedTickets();
+  if (!tickets.ok()) return tickets.status();
+  size_t wanted_count = 0, from = 0;
+  while (from < all->size() || !tickets->empty()) {
+    std::vector<HeldAttempt> held;
+    for (; from < all->size() && held.size() < kOfferAtOnce; ++from) {
+      held.push_back({(*all)[from].id, (*all)[from].chunks});
+    }
+    ENAMEL_RETURN_IF_ERROR(Meanwhiles());
+    auto wanted = link_.OfferAttempts(held, std::exchange(*tickets, {}));
+    if (wanted.status().code() == Code::kVersion) return size_t{0};
+    if (!wanted.ok()) return wanted.status();
+    for (const Uuid& id : wanted->attempts) {
+      bool offered = std::ranges::find(held, id, &HeldAttempt::attempt) != held.end();
+      if (!offered) continue;
+      ENAMEL_RETURN_IF_ERROR(spool_.MarkWanted(id));
+      ++wanted_count;
+    }
+    for (const Uuid& id : wanted->revoked) ENAMEL_RETURN_IF_ERROR(spool_.RemoveTicket(id));
+  }
+  return wanted_count;
+}
+
+Result<std::vector<Uuid>> Carrier::UnusedTickets() {
+  auto tickets = spool_.Tickets();
+  if (!tickets.ok()) return tickets.status();
+  std::vector<Uuid> out;
+  for (const LockedTicket& t : *tickets) {
+    // One that was begun is in the spool: its recording is evidence, and its PIN may resume it.
+    if (!spool_.Get(t.attempt).ok() && out.size() < kOfferAtOnce) out.push_back(t.attempt);
+  }
+  return out;
+}
+
+Status Carrier::Bring(const Uuid& attempt, const std::function<bool()>& yield) {
+  Status status = BringOnce(attempt, yield);
+  if (status.ok() || IsTransient(status)) return status;
+  next_.erase(attempt);
+  if (status.code() == Code::kConflict && status.field() == "seq") {
+    // The server stands elsewhere than it said: ask again on a new connection.
+    return Status(Code::kUnavailable, status.message());
+  }
+  ENAMEL_RETURN_IF_ERROR(spool_.MarkRefused(attempt, status.message()));
+  return status;
+}
+
+Status Carrier::BringOnce(const Uuid& attempt, const std::function<bool()>& yield) {
+  if (!next_.contains(attempt)) {
+    auto stored = spool_.Get(attempt);
+    if (!stored.ok()) return stored.status();
+    auto header = spool_.HeaderOf(attempt);
+    if (!header.ok()) return header.status();
+    auto opened = link_.OpenAttempt(*header, stored->resumed);
+    if (!opened.ok()) return opened.status();
+    NoteWatched(attempt, opened->watched);
+    ENAMEL_RETURN_IF_ERROR(spool_.SetCommittedBelow(attempt, opened->next_seq));
+    next_[attempt] = opened->next_seq;
+  }
+  Status sent = SendChunks(attempt, yield);
+  // What was refused is one of these: the others' answers are still to come, and mean nothing now.
+  if (!sent.ok() && waiting_ > 0) link_.Close();
+  ENAMEL_RETURN_IF_ERROR(sent);
+  auto stored = spool_.Get(attempt);
+  if (!stored.ok()) return stored.status();
+  if (!stored->seal || stored->sealed_at_server || stored->committed < stored->seal->chunks) {
+    return Status::Ok();
+  }
+  ENAMEL_RETURN_IF_ERROR(link_.Seal(*stored->seal));
+  next_.erase(attempt);
+  return spool_.MarkSealedAtServer(attempt);
+}
+
+Status Carrier::SendChunks(const Uuid& attempt, const std::function<bool()>& yield) {
+  uint32_t& next = next_.at(attempt);
+  bool yielding = false;
+  while (!yielding) {
+    auto chunks = spool_.ChunksFrom(attempt, next, kWindow);
+    if (!chunks.ok()) return chunks.status();
+    if (chunks->empty()) break;
+    for (const SpooledChunk& chunk : *chunks) {
+      yielding = yield && yield();
+      if (yielding) break;
+      while (waiting_ >= kWindow) ENAMEL_RETURN_IF_ERROR(TakeAck());
+      ENAMEL_RETURN_IF_ERROR(AwaitBandwidth(chunk.bytes.size()));
+      ENAMEL_RETURN_IF_ERROR(Meanwhiles());
+      ENAMEL_RETURN_IF_ERROR(link_.SendChunk(chunk.bytes));
+      ++waiting_;
+      next = chunk.seq + 1;
+    }
+  }
+  while (waiting_ > 0) ENAMEL_RETURN_IF_ERROR(TakeAck());
+  return Status::Ok();
+}
+
+Status Carrier::AwaitBandwidth(size_t bytes) {
+  while (true) {
+    auto wait = bandwidth_.Take(bytes, Clock::now());
+    if (wait == Clock::duration{}) return Status::Ok();
+    ENAMEL_RETURN_IF_ERROR(Meanwhiles());
+    std::this_thread::sleep_for(std::min<Clock::duration>(wait, kSlice));
+  }
+}
+
+Status Carrier::TakeAck() {
+  const auto deadline = Clock::now() + ServerLink::kTimeout;
+  while (true) {
+    ENAMEL_RETURN_IF_ERROR(Meanwhiles());
+    auto ack = link_.PollAck(kSlice);
+    if (!ack.ok()) return ack.status();
+    if (*ack) {
+      NoteWatched((*ack)->attempt, (*ack)->watched);
+      if (!(*ack)->committed) continue;
+      --waiting_;
+      return spool_.MarkCommitted((*ack)->attempt, (*ack)->seq);
+    }
+    if (Clock::now() > deadline) {
+      link_.Close();
+      return Status(Code::kUnavailable, "the server does not acknowledge what was sent to it");
+    }
+  }
+}
+
+void Carrier::NoteWatched(const Uuid& attempt, bool watched) {
+  if (watched)
+    watched_ = attempt;
+  else if (watched_ == attempt)
+    watched_.reset();
+}
+
+}  // namespace enamel::station

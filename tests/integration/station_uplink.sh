@@ -1,0 +1,117 @@
+#!/usr/bin/env bash
+# A station that is killed in the middle of an attempt goes on where its recording ends, or ends it there; a server
+# restored from an older backup gets back what it lost; an attempt is made without the server on a ticket taken before.
+. "$(dirname "$0")/support.sh"
+data=$work/server station=$work/station
+port=$(free_ports)
+export ENAMEL_PASSWORD=enamel-demo-student1
+server_cli() { "$bin/enamel-server" "$@"; }
+station_cli() { "$bin/enamel-station" "$@"; }
+
+server_cli seed-demo --data "$data" --voxel-um 100 --json "$work/seed" >/dev/null
+exercise=$(json_of "$work/seed" exercise)
+start_server "$data" "$port"
+station_cli enrol --data "$station" --server "127.0.0.1:$((port + 1))" --code "$(server_cli admin enrol-code --data "$data")" --name uplink
+ENAMEL_PASSWORD=enamel-demo-instructor station_cli run --data "$station" --profile phantom_desktop --lockstep --quiet \
+  --exercise "$exercise" --user instructor --operator dentist --as-reference --json "$work/cut.json" >/dev/null
+reference=$(json_of "$work/cut.json" attempt_id)
+server_cli report --data "$data" --attempt "$reference" --wait 600 >/dev/null
+server_cli admin mark-reference --data "$data" --attempt "$reference" --dentist "Simulated dentist" >/dev/null
+
+# spool_of ATTEMPT MEMBER
+spool_of() {
+  station_cli spool list --json --data "$station" >"$work/spool.json"
+  node -e 'const a = JSON.parse(require("fs").readFileSync(process.argv[1], "utf8")).attempts.find((a) => a.attempt_id === process.argv[2]);
+           if (!a) process.exit(1); console.log(a[process.argv[3]]);' "$work/spool.json" "$1" "$2"
+}
+newest() { station_cli spool list --data "$station" | tail -n 1 | cut -d' ' -f1; }
+ticks_on_server() {
+  server_cli admin list-attempts --data "$data" |
+    awk -v id="$1" '$1 == id { n = 0; for (i = 2; i <= NF; ++i) if ($i == "ticks") n = $(i - 1); print n }'
+}
+# Begins an attempt and kills the station once N chunks are spooled.
+cut_off_after() {
+  local before
+  before=$(newest)
+  # Not by the function above: the process that is killed must be the station's.
+  "$bin/enamel-station" run --data "$station" --profile phantom_desktop --lockstep --quiet --exercise "$exercise" \
+    --user student1 --operator student >"$work/cut.log" 2>&1 &
+  local runner=$! recorded
+  pids+=("$runner")
+  for _ in $(seq 3000); do
+    kill -0 "$runner" 2>/dev/null || { cat "$work/cut.log"; fail "the attempt was over before it could be cut off"; }
+    attempt=$(newest)
+    read -r recorded _ < <(chunks_of "$station")
+    [ "$attempt" = "$before" ] || [ "$recorded" -lt "$1" ] || break
+  done
+  kill -KILL "$runner"
+  wait "$runner" 2>/dev/null || true
+}
+
+echo "== resumed after kill -9"
+cut_off_after 40
+spooled=$(spool_of "$attempt" ticks)
+[ "$(spool_of "$attempt" state)" = unfinished ] || fail "an attempt that was cut off is $(spool_of "$attempt" state)"
+ENAMEL_PASSWORD=enamel-demo-student2 expect_failure "somebody else's attempt" "somebody else's" \
+  "$bin/enamel-station" run --data "$station" --lockstep --quiet --user student2 --resume last
+station_cli run --data "$station" --lockstep --quiet --user student1 --operator student --resume last --json "$work/resumed.json"
+[ "$(json_of "$work/resumed.json" attempt_id)" = "$attempt" ] || fail "another attempt was resumed"
+ticks=$(json_of "$work/resumed.json" ticks)
+[ "$ticks" -gt "$spooled" ] || fail "$spooled ticks before, $ticks after it was resumed"
+[ "$(json_of "$work/resumed.json" gap_ticks)" -gt 0 ] || fail "what was lost is no declared gap"
+[ "$(json_of "$work/resumed.json" resumed)" = 1 ] || fail "it does not count as resumed"
+server_cli report --data "$data" --attempt "$attempt" --wait 600 --json "$work/report.json" >/dev/null
+[ "$(json_of "$work/report.json" witness_ok)" = true ] || fail "the resumed attempt does not replay at the server"
+[ "$(json_of "$work/report.json" ticks)" = "$ticks" ] || fail "the server scored other ticks than were recorded"
+echo "ok: $spooled ticks before the kill, $ticks in the end, replayed and scored"
+expect_failure "resumed twice" "nothing to resume" "$bin/enamel-station" run --data "$station" --lockstep --quiet --user student1 --resume last
+
+echo "== closed after kill -9"
+cut_off_after 30
+spooled=$(spool_of "$attempt" ticks)
+station_cli spool close last --data "$station"
+station_cli upload --data "$station" >/dev/null
+server_cli report --data "$data" --attempt "$attempt" --wait 600 --json "$work/report.json" >/dev/null
+[ "$(json_of "$work/report.json" ticks)" = "$spooled" ] || fail "of $spooled ticks $(json_of "$work/report.json" ticks) were scored"
+[ "$(spool_of "$attempt" state)" = uploaded ] || fail "the closed attempt is $(spool_of "$attempt" state)"
+echo "ok: all $spooled spooled ticks scored"
+
+echo "== the server is restored from a backup made before an attempt"
+server_cli backup --data "$data" "$work/backup" >/dev/null
+station_cli run --data "$station" --profile phantom_desktop --lockstep --quiet --exercise "$exercise" --user student1 \
+  --operator student --json "$work/cut.json" >/dev/null
+attempt=$(json_of "$work/cut.json" attempt_id) ticks=$(json_of "$work/cut.json" ticks)
+stop_server
+server_cli restore --data "$work/restored" "$work/backup" >/dev/null
+data=$work/restored
+[ -z "$(ticks_on_server "$attempt")" ] || fail "the backup has an attempt that was made after it"
+start_server "$data" "$port"
+[ "$(spool_of "$attempt" state)" = uploaded ] || fail "expected the station to believe that all is well"
+station_cli upload --data "$station" | tee "$work/upload.log"
+grep -q "has lost 1 attempts" "$work/upload.log" || fail "the station did not hear of what the server lost"
+[ "$(ticks_on_server "$attempt")" = "$ticks" ] || fail "of $ticks ticks the restored server has $(ticks_on_server "$attempt")"
+server_cli report --data "$data" --attempt "$attempt" --wait 600 --json "$work/report.json" >/dev/null
+[ "$(json_of "$work/report.json" witness_ok)" = true ] || fail "what was sent again does not replay"
+station_cli upload --data "$station" | grep -q "nothing to upload" || fail "there is still something to send"
+
+echo "== an attempt without the server"
+expect_failure "a PIN that is guessed first" "guessed first" \
+  env ENAMEL_PIN=123456 "$bin/enamel-station" reserve --data "$station" --user student1 --exercise "$exercise" --profile phantom_desktop
+export ENAMEL_PIN=804217
+station_cli reserve --data "$station" --user student1 --exercise "$exercise" --profile phantom_desktop | tee "$work/reserve.log"
+attempt=$(tail -n 1 "$work/reserve.log" | cut -d' ' -f1)
+stop_server
+unset ENAMEL_PASSWORD
+expect_failure "a wrong PIN" "wrong PIN; 9 more" env ENAMEL_PIN=804218 "$bin/enamel-station" run --data "$station" --lockstep --reserved "$attempt"
+rc=0
+station_cli run --data "$station" --lockstep --quiet --operator student --reserved "$attempt" --json "$work/cut.json" || rc=$?
+[ $rc -eq 3 ] || fail "expected exit code 3 (recorded, not uploaded), found $rc"
+expect_failure "the same ticket again" "begun already" "$bin/enamel-station" run --data "$station" --lockstep --reserved "$attempt"
+start_server "$data" "$port"
+station_cli upload --data "$station" >/dev/null
+[ "$(ticks_on_server "$attempt")" = "$(json_of "$work/cut.json" ticks)" ] || fail "the offline attempt is not whole at the server"
+server_cli report --data "$data" --attempt "$attempt" --wait 600 --json "$work/report.json" >/dev/null
+[ "$(json_of "$work/report.json" witness_ok)" = true ] || fail "the offline attempt does not replay"
+station_cli spool verify --data "$station" | tail -n 1
+stop_server
+echo "nothing lost: resumed, closed, restored and offline"
