@@ -11,7 +11,6 @@
 #include "common/scene/json.h"
 #include "station/app/places.h"
 #include "station/app/simulate.h"
-#include "station/devices/operators.h"
 #include "station/session/by_name.h"
 #include "station/uplink/private_folder.h"
 
@@ -136,13 +135,6 @@ Status SimulateAttempt(const SimulateCommand& options) {
                                       {"state_hash", report->state_hash},
                                       {"removed_mm3", removed},
                                       {"plane_median_um", planes}});
-}
-
-void PrintDevices() {
-  std::printf("simulated  always there; held by one of:\n");
-  for (const OperatorPreset& p : OperatorPresets()) {
-    std::printf("  %-20s %s\n", std::string(p.name).c_str(), std::string(p.summary).c_str());
-  }
 }
 
 void PrintProfiles() {

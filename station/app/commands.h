@@ -33,7 +33,6 @@ struct SimulateCommand {
 };
 Status SimulateAttempt(const SimulateCommand& options);
 
-void PrintDevices();
 void PrintProfiles();
 
 }  // namespace enamel::station

@@ -8,6 +8,7 @@
 
 #include "station/app/attempt.h"
 #include "station/app/commands.h"
+#include "station/app/device_commands.h"
 #include "station/app/explain.h"
 #include "station/app/frame_bench.h"
 #include "station/app/import_command.h"
@@ -301,14 +302,12 @@ int main(int argc, char** argv) {
   app.add_subcommand("scenes", "Built-in scenes and their exercises")->callback([] {
     PrintScenes();
   });
-  app.add_subcommand("devices", "Devices and simulated operators")->callback([] {
-    PrintDevices();
-  });
   app.add_subcommand("profiles", "Device profiles and where their numbers are from")->callback([] {
     PrintProfiles();
   });
 
   qualify::RegisterQualify(app, &exit_code);
+  RegisterDeviceCommands(app, DefaultData(), Finish, &exit_code);
 
   try {
     app.parse(argc, argv);

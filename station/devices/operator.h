@@ -35,4 +35,13 @@ class SimulatedOperator {
   virtual double Progress() const noexcept = 0;
 };
 
+// Nobody: the device is left to itself, from the scene's origin on.
+class NobodyHolding final : public SimulatedOperator {
+ public:
+  std::string Name() const override { return "nobody"; }
+  dvec3 Start_m() const override { return dvec3(0); }
+  ENAMEL_REALTIME HandDrive Act(const dvec3&, const dvec3&, double) noexcept override { return {}; }
+  double Progress() const noexcept override { return 0; }
+};
+
 }  // namespace enamel::station

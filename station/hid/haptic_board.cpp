@@ -18,6 +18,12 @@ int64_t Now_us() noexcept {
   return t.tv_sec * int64_t{1'000'000} + t.tv_nsec / 1000;
 }
 
+int32_t Saturated(int64_t v) noexcept {
+  return static_cast<int32_t>(std::clamp<int64_t>(v, INT32_MIN, INT32_MAX));
+}
+
+}  // namespace
+
 Result<FeatureReport> AskFeature(HidPort& port) {
   auto bytes = port.GetFeature(kFeatureId, kFeatureBytes);
   if (!bytes.ok()) return bytes.status();
@@ -29,12 +35,6 @@ Result<FeatureReport> AskFeature(HidPort& port) {
                     ReportErrorText(error),
                 "device");
 }
-
-int32_t Saturated(int64_t v) noexcept {
-  return static_cast<int32_t>(std::clamp<int64_t>(v, INT32_MIN, INT32_MAX));
-}
-
-}  // namespace
 
 ReportOrder::Verdict ReportOrder::Judge(uint32_t sequence) noexcept {
   uint32_t ahead = sequence - last_, behind = last_ - sequence;

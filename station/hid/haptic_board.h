@@ -122,6 +122,9 @@ class HapticBoard final : public Device, private ReportSink {
   std::unique_ptr<HidReader> reader_;  // made last, ended first
 };
 
+// Asks an open board what it is. Errors: kUnavailable, kVersion, kInvalidInput.
+Result<FeatureReport> AskFeature(HidPort& port);
+
 // Whether the board is what the profile says: its cells must have the profile's edge on every axis,
 // since that is what the core computes with. Errors: kConflict with both figures.
 Status CheckBoard(const FeatureReport& board, const scene::DeviceProfile& profile);

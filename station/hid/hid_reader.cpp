@@ -19,7 +19,8 @@ Result<HidInfo> FindHid(const HidMatch& match) {
              (info.name.empty() ? "" : " (" + info.name + ")");
   }
   return Status(Code::kNotFound,
-                "device " + match.Text() + " is not attached; there " +
+                (match.vendor == 0 ? "no such device is attached; there "
+                                   : "device " + match.Text() + " is not attached; there ") +
                     (there.empty() ? "is no HID device at all" : "are " + there),
                 "device");
 }

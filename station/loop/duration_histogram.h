@@ -11,13 +11,13 @@
 namespace enamel::station {
 
 // How long something took or how late it was, over a whole attempt, in fixed memory: counts in
-// buckets whose edges grow by powers of two, each split into eight, so that a quantile is known to
-// an eighth of itself. From 0 ns to 2^40 ns (18 min); longer is counted as that.
+// buckets whose edges grow by powers of two, each split into 32, so that a quantile is known to
+// a 32nd of itself. From 0 ns to 2^40 ns (18 min); longer is counted as that.
 //
 // Thread safety: Add by one thread, everything else by any. Real-time: Add is safe (wait-free).
 class DurationHistogram {
  public:
-  static constexpr int kOctaves = 40, kSplit = 8;
+  static constexpr int kOctaves = 40, kSplit = 32;
   static constexpr size_t kBuckets = static_cast<size_t>(kOctaves) * kSplit;
 
   ENAMEL_REALTIME void Add(int64_t ns) noexcept {
@@ -34,7 +34,7 @@ class DurationHistogram {
   uint64_t max_ns() const noexcept { return max_ns_.load(std::memory_order_relaxed); }
   double mean_ns() const noexcept {
     uint64_t n = count();
-    return n == 0 ? 0 : static_cast<double>(sum_ns_.load(std::memory_order_relaxed)) / n;
+    return n == 0 ? 0 : static_cast<double>(sum_ns_.load(std::memory_order_relaxed)) / static_cast<double>(n);
   }
   // The middle of the bucket that holds the given share of all values; 0 when there are none.
   double Quantile_ns(double share) const noexcept {
@@ -52,7 +52,7 @@ class DurationHistogram {
   }
 
   uint64_t InBucket(size_t i) const noexcept { return buckets_[i].load(std::memory_order_relaxed); }
-  // Lower edge of a bucket: the edges are 0..8 by one, then eight to each doubling.
+  // Lower edge of a bucket: the edges are 0..32 by one, then 32 to each doubling.
   static constexpr uint64_t Floor_ns(size_t i) noexcept {
     if (i < kSplit) return i;
     size_t octave = i / kSplit - 1;
@@ -60,7 +60,7 @@ class DurationHistogram {
   }
   static constexpr size_t BucketOf(uint64_t ns) noexcept {
     if (ns < kSplit) return static_cast<size_t>(ns);
-    auto octave = static_cast<size_t>(std::bit_width(ns)) - 4;  // 8..15: 0
+    auto octave = static_cast<size_t>(std::bit_width(ns)) - 6;  // 32..63: 0
     size_t bucket = (octave + 1) * kSplit + static_cast<size_t>((ns >> octave) - kSplit);
     return bucket < kBuckets ? bucket : kBuckets - 1;
   }

@@ -74,6 +74,8 @@ class ServerLink {
   bool connected() const { return client_.connected(); }
   // False when the server's core is of another version: uploads only.
   bool may_begin_attempts() const { return may_begin_; }
+  // How far the server's clock is ahead of this machine's, ms, to half the time the hello took.
+  int64_t server_ahead_ms() const { return server_ahead_ms_; }
 
   Result<Person> SignIn(const std::string& login, const std::string& password);
   Result<Catalogue> ListExercises(const Person& person);
@@ -125,6 +127,7 @@ class ServerLink {
   net::FrameClient client_;
   uint32_t last_id_ = 0;
   bool may_begin_ = false;
+  int64_t server_ahead_ms_ = 0;
 };
 
 // "enamel-station 0.1.0".

@@ -45,7 +45,7 @@ const std::map<std::string, Names>& Allowed() {
         {"station/session", {"station/uplink", "station/devices", "station/loop", "common/scene"}},
         {"station/qualify", {"station/devices", "common/measure"}},
         {"station/app",
-         {"station/devices", "station/loop", "station/render", "station/spool", "station/uplink", "station/session", "station/qualify",
+         {"station/devices", "station/hid", "station/loop", "station/render", "station/spool", "station/uplink", "station/session", "station/qualify",
           "common/import", "common/scene", "common/scoring"}},
         {"server/ops", {"common/base"}},
         {"server/training", {"common/base"}},
@@ -108,7 +108,7 @@ std::vector<std::string> Includes(const fs::path& file) {
 TEST(LayeringTest, EveryDirectoryHasItsPlaceInTheTable) {
   for (const char* area : {"common", "station", "server"}) {
     for (const auto& entry : fs::directory_iterator(kRoot / area)) {
-      if (!entry.is_directory()) continue;
+      if (!fs::exists(entry.path() / "CMakeLists.txt")) continue;  // no code: station/ops
       std::string name = std::string(area) + "/" + entry.path().filename().string();
       EXPECT_TRUE(Allowed().count(name)) << name << " is not in the layering table";
     }

@@ -152,5 +152,51 @@ TEST_F(ProgramTest, ProfilesShowWhereTheirNumbersAreFrom) {
   }
 }
 
+TEST_F(ProgramTest, DevicesListsWhatIsAlwaysThereWithoutAnyRights) {
+  Outcome out = RunProgram("devices");
+  EXPECT_EQ(out.code, 0);
+  for (const char* word : {"pointer", "simulated", "dentist"}) {
+    EXPECT_NE(out.text.find(word), std::string::npos) << out.text;
+  }
+}
+
+TEST_F(ProgramTest, DoctorSaysWhatIsMissingAndFails) {
+  std::string json = (folder_ / "doctor.json").string();
+  Outcome out = RunProgram("doctor --no-graphics --json " + json + data());
+  EXPECT_EQ(out.code, 1);
+  for (const char* line : {"fail  enrolment", "enrol-code", "ok    spool", "disk", "real-time"}) {
+    EXPECT_NE(out.text.find(line), std::string::npos) << line << ": " << out.text;
+  }
+  EXPECT_TRUE(fs::exists(json));
+  EXPECT_FALSE(fs::exists(folder_ / "data"));  // it changes nothing
+}
+
+TEST_F(ProgramTest, DoctorFindsAServerThatIsNotThere) {
+  Enrol(1);
+  Outcome out = RunProgram("doctor --no-graphics" + data());
+  EXPECT_EQ(out.code, 1);
+  EXPECT_NE(out.text.find("ok    enrolment"), std::string::npos) << out.text;
+  EXPECT_NE(out.text.find("fail  server"), std::string::npos) << out.text;
+}
+
+TEST_F(ProgramTest, CalibratesASimulatedDeviceIntoAProfileThatCalibratesToItself) {
+  std::string out_file = (folder_ / "mine.json").string();
+  Outcome first = RunProgram("calibrate --device simulated:bhhd3 --name mine --out " + out_file);
+  EXPECT_EQ(first.code, 0) << first.text;
+  EXPECT_NE(first.text.find("proposed: Kc"), std::string::npos) << first.text;
+  Outcome again = RunProgram("calibrate --sim-noise-um 12 --device simulated:" + out_file +
+                             " --profile " + out_file);
+  EXPECT_EQ(again.code, 0) << again.text;
+}
+
+TEST_F(ProgramTest, CalibrateRefusesWhatHasNoMotorsAndWhatIsNotThere) {
+  Outcome mouse = RunProgram("calibrate --device spacemouse");
+  EXPECT_EQ(mouse.code, 1);
+  EXPECT_NE(mouse.text.find("only what has motors"), std::string::npos) << mouse.text;
+  Outcome nothing = RunProgram("calibrate --device simulated:nothing");
+  EXPECT_EQ(nothing.code, 1);
+  EXPECT_NE(nothing.text.find("omega3"), std::string::npos) << nothing.text;
+}
+
 }  // namespace
 }  // namespace enamel::station

@@ -10,15 +10,6 @@
 namespace enamel::station {
 namespace {
 
-// Nobody holds it.
-class NoHand final : public SimulatedOperator {
- public:
-  std::string Name() const override { return "nobody"; }
-  dvec3 Start_m() const override { return dvec3(0); }
-  HandDrive Act(const dvec3&, const dvec3&, double) noexcept override { return {}; }
-  double Progress() const noexcept override { return 0; }
-};
-
 struct Truth {
   const char* name;
   double cell_m, noise_m, friction_n, damping_n_s_per_m, mass_kg;
@@ -43,7 +34,7 @@ std::array<AxisFigures, 3> Measure(const Truth& truth, double count_m) {
   p.delay_ticks = truth.delay_ticks;
   p.peak_force_n = 8;
   p.tick_s = 1 / truth.rate_hz;
-  SimulatedDevice device(p, std::make_unique<NoHand>());
+  SimulatedDevice device(p, std::make_unique<NobodyHolding>());
   CalibratorSetup setup;
   setup.count_m.fill(count_m);
   setup.tick_s = p.tick_s;
@@ -184,7 +175,7 @@ TEST(CalibratorTest, NeverAsksForMoreThanTheForceAllowed) {
   p.friction_n = 0.4;
   p.resolution_m = 10e-6;
   p.peak_force_n = 8;
-  SimulatedDevice device(p, std::make_unique<NoHand>());
+  SimulatedDevice device(p, std::make_unique<NobodyHolding>());
   CalibratorSetup setup;
   setup.count_m.fill(10e-6);
   setup.max_force_n = 0.9;

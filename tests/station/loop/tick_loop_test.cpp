@@ -361,14 +361,14 @@ TEST(DurationHistogramTest, BucketsCoverAllDurationsWithoutGapsOrOverlaps) {
     ASSERT_LT(low, high);
     ASSERT_EQ(DurationHistogram::BucketOf(low), i);
     ASSERT_EQ(DurationHistogram::BucketOf(high - 1), i);
-    if (i >= 8) {
-      ASSERT_LE(high - low, low / 8 + 1);
+    if (i >= 32) {
+      ASSERT_LE(high - low, low / 32 + 1);
     }
   }
   EXPECT_EQ(DurationHistogram::BucketOf(~uint64_t{0}), DurationHistogram::kBuckets - 1);
 }
 
-TEST(DurationHistogramTest, QuantilesAreWithinAnEighthOfTheTrueOnes) {
+TEST(DurationHistogramTest, QuantilesAreWithinAThirtySecondOfTheTrueOnes) {
   DurationHistogram h;
   EXPECT_EQ(h.Quantile_ns(0.5), 0);
   for (int64_t i = 0; i < 100'000; ++i) h.Add(i * 17 % 100'000 * 10);  // 0 to 1 ms, each once
@@ -376,7 +376,7 @@ TEST(DurationHistogramTest, QuantilesAreWithinAnEighthOfTheTrueOnes) {
   EXPECT_EQ(h.count(), 100'001u);
   EXPECT_NEAR(h.mean_ns(), 499'990, 10);
   for (double share : {0.1, 0.5, 0.9, 0.99}) {
-    EXPECT_NEAR(h.Quantile_ns(share), share * 1e6, share * 1e6 / 8) << share;
+    EXPECT_NEAR(h.Quantile_ns(share), share * 1e6, share * 1e6 / 32) << share;
   }
   EXPECT_EQ(h.max_ns(), 999'990u);
 }

@@ -1,0 +1,324 @@
+#include "station/app/calibrate.h"
+
+#include <time.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <iostream>
+
+#include "common/base/file.h"
+#include "common/haptics/criteria.h"
+#include "common/scene/builtin.h"
+#include "common/scene/json.h"
+#include "station/app/places.h"
+#include "station/devices/operators.h"
+#include "station/hid/haptic_board.h"
+#include "station/hid/open_device.h"
+#include "station/loop/realtime.h"
+#include "station/uplink/credentials.h"
+#include "station/uplink/server_link.h"
+
+namespace enamel::station {
+namespace {
+
+constexpr double kMargin = 0.9;
+constexpr int64_t kSecond_ns = 1'000'000'000;
+constexpr std::string_view kSimulated = "simulated:";
+
+// What is measured, and at what pace.
+struct Subject {
+  std::unique_ptr<Device> device;
+  scene::DeviceProfile profile;  // compared with
+  std::array<double, 3> count_m{};
+  std::string address;  // with the serial number
+  bool real = false;
+};
+
+// A built-in one by name, or a document by its path.
+Result<scene::DeviceProfile> FindProfile(const std::string& name) {
+  constexpr size_t kMaxProfile = 1 << 20;
+  if (name.ends_with(".json")) {
+    auto text = ReadFile(name, kMaxProfile);
+    if (!text.ok()) return text.status();
+    return scene::ProfileFromJson(AsText(*text));
+  }
+  std::string names;
+  for (const scene::DeviceProfile& p : scene::BuiltinProfiles()) {
+    if (p.name == name) return p;
+    names += (names.empty() ? "" : ", ") + p.name;
+  }
+  return Status(
+      Code::kNotFound,
+      "no device profile '" + name + "': there are " + names + ", or name a profile's .json file",
+      "profile");
+}
+
+Result<Subject> OpenSimulated(const CalibrateCommand& options) {
+  Subject out;
+  auto truth = FindProfile(options.device.substr(kSimulated.size()));
+  if (!truth.ok()) return truth.status();
+  auto profile = options.profile.empty() ? truth : FindProfile(options.profile);
+  if (!profile.ok()) return profile.status();
+  core::CoreParams params;
+  params.rate_hz = static_cast<uint32_t>(options.rate_hz);
+  params.resolution_nm.fill(static_cast<int32_t>(truth->resolution_nm.value));
+  params.peak_force_mn = static_cast<int32_t>(truth->peak_force_mn.value);
+  PlantParams plant = PlantOf(*truth, params);
+  plant.hand_mass_kg = 0;
+  plant.noise_m = options.simulated_noise_um * 1e-6;
+  plant.delay_ticks =
+      static_cast<int>(std::min<int64_t>(truth->bus_delay_ticks.value, SimulatedDevice::kMaxDelay));
+  out.count_m.fill(plant.resolution_m);
+  out.device = std::make_unique<SimulatedDevice>(plant, std::make_unique<NobodyHolding>());
+  out.profile = std::move(*profile);
+  out.address = options.device;
+  return out;
+}
+
+Result<Subject> OpenAttached(const CalibrateCommand& options) {
+  Subject out;
+  hid::HapticBoardSettings settings;
+  size_t colon = options.device.find(':');
+  if (options.device.substr(0, colon) != "hid") {
+    return Status(Code::kInvalidInput,
+                  "expected hid, hid:VENDOR:PRODUCT or simulated:PROFILE, found '" +
+                      options.device +
+                      "': only what has motors can be calibrated ('enamel-station devices')",
+                  "device");
+  }
+  if (colon != std::string::npos) {
+    auto match = hid::ParseHidMatch(std::string_view(options.device).substr(colon + 1));
+    if (!match.ok()) return match.status();
+    settings.match = *match;
+  }
+  settings.thread_setup = [] { (void)RequestRealtime(); };
+  auto board = hid::HapticBoard::Open(settings);
+  if (!board.ok()) return board.status();
+  const hid::FeatureReport& feature = (*board)->feature();
+  std::string name = options.profile.empty() ? feature.profile : options.profile;
+  auto profile = FindProfile(name.empty() ? "phantom_desktop" : name);
+  if (!profile.ok()) return profile.status();
+  out.profile = std::move(*profile);
+  for (size_t i = 0; i < 3; ++i) out.count_m[i] = feature.resolution_nm[i] * 1e-9;
+  out.profile.peak_force_mn = {
+      *std::min_element(feature.peak_force_mn.begin(), feature.peak_force_mn.end()),
+      "the device's own (HID feature report)"};
+  out.profile.axes = {feature.axes, "the device's own (HID feature report)"};
+  out.address = options.device + " " + (*board)->Name();
+  out.device = std::move(*board);
+  out.real = true;
+  return out;
+}
+
+void SleepUntil(int64_t due_ns) {
+  timespec t{due_ns / kSecond_ns, due_ns % kSecond_ns};
+  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, nullptr) != 0) {
+  }
+}
+
+int64_t Now_ns() {
+  timespec t{};
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return t.tv_sec * kSecond_ns + t.tv_nsec;
+}
+
+void ShowProgress(const Calibrator& calibrator, std::string& last) {
+  std::string doing = calibrator.Doing();
+  if (doing == last) return;
+  last = doing;
+  std::fprintf(stderr, "%3.0f %%  %s\n", 100 * calibrator.progress(), doing.c_str());
+}
+
+Result<std::array<AxisFigures, 3>> Measure(Subject& subject, const CalibrateCommand& options) {
+  CalibratorSetup setup;
+  setup.count_m = subject.count_m;
+  setup.tick_s = 1.0 / options.rate_hz;
+  setup.max_force_n = std::min(options.max_force_n,
+                               static_cast<double>(subject.profile.peak_force_mn.value) * 1e-3);
+  Calibrator calibrator(setup);
+  if (subject.real) {
+    RealtimeGrant grant = RequestRealtime();
+    if (!grant.refused.empty()) std::fprintf(stderr, "note: %s\n", grant.refused.c_str());
+  }
+  std::string shown;
+  int64_t due_ns = Now_ns();
+  while (!calibrator.done()) {
+    if (subject.real) SleepUntil(due_ns += kSecond_ns / options.rate_hz);
+    ShowProgress(calibrator, shown);
+    subject.device->SendForce(calibrator.Step(subject.device->ReadSample()));
+  }
+  subject.device->SendForce(dvec3(0));
+  return calibrator.Figures();
+}
+
+// The person takes the hands off and says so; a pipe cannot.
+Status AwaitGoAhead(const CalibrateCommand& options, const Subject& subject) {
+  if (!subject.real || options.yes) return Status::Ok();
+  if (::isatty(STDIN_FILENO) == 0) {
+    return Status(
+        Code::kInvalidInput,
+        "the device will move by itself: run this on a terminal, or say --yes when nobody "
+        "is near it",
+        "yes");
+  }
+  std::printf(
+      "%s will move by itself, about a centimetre each way, for a minute and a half.\n"
+      "  1. Put its arm in the middle of its reach, balanced or on a rest that lets it move.\n"
+      "  2. Take everybody's hands off it.\n"
+      "  3. Press Enter. Ctrl-C stops it at any time: the force is then 0.\n",
+      subject.device->Name().c_str());
+  std::string line;
+  std::getline(std::cin, line);
+  return Status::Ok();
+}
+
+int64_t Rounded(double v) { return std::llround(std::max(0.0, v)); }
+
+scene::Measured Document(const Estimate& e, double unit) {
+  return {Rounded(e.value / unit), Rounded(e.uncertainty / unit), std::max<int64_t>(1, e.samples)};
+}
+
+void Print(const AxisFigures& worst, const std::array<AxisFigures, 3>& axes,
+           const scene::DeviceProfile& profile) {
+  std::printf("%-14s %10s %10s %10s   %-18s %s\n", "", "x", "y", "z", "worst, 95 %", "profile");
+  auto line = [&](const char* what, const char* unit, double scale, Estimate AxisFigures::*member,
+                  int64_t documented, double document_unit) {
+    const Estimate& w = worst.*member;
+    std::printf("%-14s %10.4g %10.4g %10.4g   %.4g +- %.2g %s", what,
+                (axes[0].*member).value / scale, (axes[1].*member).value / scale,
+                (axes[2].*member).value / scale, w.value / scale, w.uncertainty / scale, unit);
+    if (document_unit > 0) {
+      std::printf("   (%.4g)", static_cast<double>(documented) * document_unit / scale);
+    }
+    std::printf("\n");
+  };
+  line("cell", "um", 1e-6, &AxisFigures::resolution_m, profile.resolution_nm.value, 1e-9);
+  line("noise", "um", 1e-6, &AxisFigures::noise_m, 0, 0);
+  line("friction c", "N", 1, &AxisFigures::friction_n, profile.friction_mn.value, 1e-3);
+  line("damping b", "N s/m", 1, &AxisFigures::damping_n_s_per_m, profile.damping_mn_s_per_m.value,
+       1e-3);
+  line("mass", "g", 1e-3, &AxisFigures::mass_kg, profile.mass_g.value, 1e-3);
+  line("bus delay", "ticks", 1, &AxisFigures::delay_ticks, profile.bus_delay_ticks.value, 1);
+}
+
+std::string Today() {
+  std::time_t now = std::time(nullptr);
+  char text[16] = {};
+  std::tm utc{};
+  gmtime_r(&now, &utc);
+  std::strftime(text, sizeof text, "%Y-%m-%d", &utc);
+  return text;
+}
+
+}  // namespace
+
+AxisFigures WorstOf(const std::array<AxisFigures, 3>& axes) {
+  AxisFigures out = axes[0];
+  auto take = [&](Estimate AxisFigures::*member, bool largest) {
+    for (const AxisFigures& a : axes) {
+      bool worse = largest ? (a.*member).value > (out.*member).value
+                           : (a.*member).value < (out.*member).value;
+      if (worse) out.*member = a.*member;
+    }
+  };
+  take(&AxisFigures::resolution_m, true);
+  take(&AxisFigures::noise_m, true);
+  take(&AxisFigures::friction_n, false);
+  take(&AxisFigures::damping_n_s_per_m, false);
+  take(&AxisFigures::mass_kg, true);
+  take(&AxisFigures::delay_ticks, true);
+  return out;
+}
+
+Result<scene::DeviceProfile> ProposeProfile(const AxisFigures& worst, int rate_hz,
+                                            const scene::DeviceProfile& base,
+                                            const std::string& name, const std::string& source) {
+  auto low = [](const Estimate& e) { return std::max(0.0, e.value - e.uncertainty); };
+  double b = low(worst.damping_n_s_per_m), c = low(worst.friction_n);
+  double passive =
+      haptics::CouplingStiffness(b, 1.0 / rate_hz, static_cast<int>(worst.delay_ticks.value));
+  double kc = kMargin * std::min(passive, 2 * c / worst.resolution_m.value);
+  if (!(kc >= 1)) {
+    return Status(
+        Code::kInvalidInput,
+        "no coupling would be stable on this device: it needs friction and damping of its "
+        "own, found c = " +
+            std::to_string(c) + " N and b = " + std::to_string(b) +
+            " N s/m at the lower ends of their intervals",
+        "coupling_mn_per_mm");
+  }
+  scene::DeviceProfile p = base;
+  p.name = name;
+  p.title = base.title + ", measured";
+  p.resolution_nm = {Rounded(worst.resolution_m.value * 1e9), source};
+  p.damping_mn_s_per_m = {Rounded(b * 1e3), source + ", lower end of its interval"};
+  p.friction_mn = {Rounded(c * 1e3), source + ", lower end of its interval"};
+  p.mass_g = {std::max<int64_t>(1, Rounded(worst.mass_kg.value * 1e3)), source};
+  p.bus_delay_ticks = {Rounded(worst.delay_ticks.value), source};
+  p.max_stiffness_mn_per_mm = {std::max<int64_t>(1, Rounded(passive)),
+                               "2 b f/(2 d + 1) of the measured b and d"};
+  p.coupling_mn_per_mm = {static_cast<int64_t>(kc),
+                          "nine tenths of the smaller of 2 b f/(2 d + 1) and 2 c/delta, measured"};
+  p.rate_hz = {rate_hz, source};
+  return p;
+}
+
+scene::Calibration CalibrationOf(const AxisFigures& worst, int rate_hz) {
+  scene::Calibration out;
+  out.rate_hz = rate_hz;
+  out.method =
+      "Rest 2 s: noise. Eight pushes per axis: delay. Swings of 0.5, 1, 2 and 4 Hz per axis by its "
+      "own motors, nobody holding it: mass, damping and friction from the fundamentals of "
+      "position, "
+      "force and direction. Cell: steps between neighbouring counts. station/devices/calibrator.h";
+  out.resolution_nm = Document(worst.resolution_m, 1e-9);
+  out.noise_nm = Document(worst.noise_m, 1e-9);
+  out.friction_mn = Document(worst.friction_n, 1e-3);
+  out.damping_mn_s_per_m = Document(worst.damping_n_s_per_m, 1e-3);
+  out.mass_g = Document(worst.mass_kg, 1e-3);
+  out.bus_delay_ticks = Document(worst.delay_ticks, 1);
+  return out;
+}
+
+Status CalibrateDevice(const CalibrateCommand& options) {
+  ENAMEL_RETURN_IF_ERROR(CheckOutputFile(options.out, "--out"));
+  ENAMEL_RETURN_IF_ERROR(CheckOutputFile(options.calibration, "--calibration"));
+  auto subject =
+      options.device.starts_with(kSimulated) ? OpenSimulated(options) : OpenAttached(options);
+  if (!subject.ok()) return subject.status();
+  ENAMEL_RETURN_IF_ERROR(AwaitGoAhead(options, *subject));
+  auto axes = Measure(*subject, options);
+  if (!axes.ok()) return axes.status();
+  AxisFigures worst = WorstOf(*axes);
+  Print(worst, *axes, subject->profile);
+
+  std::string name = options.name.empty() ? subject->profile.name + "-measured" : options.name;
+  auto proposed = ProposeProfile(worst, options.rate_hz, subject->profile, name,
+                                 "measured " + Today() + " on " + subject->address);
+  if (!options.calibration.empty()) {
+    scene::Calibration document = CalibrationOf(worst, options.rate_hz);
+    document.device = subject->address;
+    document.profile = subject->profile.name;
+    if (auto station = LoadCredentials(options.data); station.ok())
+      document.station = station->name;
+    document.software = SoftwareName();
+    document.measured_ms = std::chrono::duration_cast<std::chrono::milliseconds>(
+                               std::chrono::system_clock::now().time_since_epoch())
+                               .count();
+    ENAMEL_RETURN_IF_ERROR(WriteFileDurably(options.calibration, AsBytes(scene::ToJson(document))));
+    std::printf("measurement: %s\n", options.calibration.c_str());
+  }
+  if (!proposed.ok()) return proposed.status();
+  std::printf("proposed: Kc = %.3f N/mm, K = %.3f N/mm at %d Hz\n",
+              static_cast<double>(proposed->coupling_mn_per_mm.value) * 1e-3,
+              static_cast<double>(proposed->max_stiffness_mn_per_mm.value) * 1e-3, options.rate_hz);
+  if (options.out.empty()) return Status::Ok();
+  ENAMEL_RETURN_IF_ERROR(WriteFileDurably(options.out, AsBytes(scene::ToJson(*proposed))));
+  std::printf("profile: %s\n", options.out.c_str());
+  return Status::Ok();
+}
+
+}  // namespace enamel::station

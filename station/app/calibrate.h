@@ -1,0 +1,46 @@
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <string>
+
+#include "common/base/result.h"
+#include "common/scene/calibration.h"
+#include "common/scene/types.h"
+#include "station/devices/calibrator.h"
+
+namespace enamel::station {
+
+struct CalibrateCommand {
+  std::filesystem::path data;  // whose station it is, if it is one
+  std::string device = "simulated:phantom_desktop";
+  std::string profile;  // it is compared with; empty: the device's own
+  int rate_hz = 1000;
+  double max_force_n = 2;         // it may use
+  double simulated_noise_um = 0;  // of a simulated device\'s sensor
+  std::string name;               // of the proposed profile; empty: the profile's with "-measured"
+  std::filesystem::path out;      // the proposed profile
+  std::filesystem::path calibration;  // the measurement
+  bool yes = false;                   // do not wait for the person's go-ahead
+};
+
+// Measures a haptic board or a simulated device (calibrator.h), prints the figures beside the
+// profile's, and writes a profile made of them (schemas/device_profile.schema.json) and the
+// measurement (schemas/calibration.schema.json). Errors: the device's, kUnavailable when it cannot
+// be measured, kInvalidInput when no coupling would be stable on it, kStorage.
+Status CalibrateDevice(const CalibrateCommand& options);
+
+// The worst of three axes, each quantity for itself.
+AxisFigures WorstOf(const std::array<AxisFigures, 3>& axes);
+
+// A profile with the measured numbers, and the rest of `base`: K = 2 b f/(2 d + 1), and Kc nine
+// tenths of what haptics/criteria.h allows at the lower ends of the intervals of b and c. Errors:
+// kInvalidInput when that is less than 1 mN/mm.
+Result<scene::DeviceProfile> ProposeProfile(const AxisFigures& worst, int rate_hz,
+                                            const scene::DeviceProfile& base,
+                                            const std::string& name, const std::string& source);
+
+// The measurement as a document; the caller adds device, profile, station, software and time.
+scene::Calibration CalibrationOf(const AxisFigures& worst, int rate_hz);
+
+}  // namespace enamel::station

@@ -1,0 +1,91 @@
+#include "station/app/device_commands.h"
+
+#include <CLI/CLI.hpp>
+
+#include "station/app/calibrate.h"
+#include "station/app/devices.h"
+#include "station/app/doctor.h"
+#include "station/app/loop_test.h"
+
+namespace enamel::station {
+namespace {
+
+using Finish = std::function<int(const Status&)>;
+
+void AddDevices(CLI::App& app, const Finish& finish, int* exit_code) {
+  auto options = std::make_shared<DevicesCommand>();
+  auto* command = app.add_subcommand(
+      "devices", "What is attached, what it is taken for, and the devices that are always there");
+  command->add_flag("--all", options->all, "Also HID devices that are nothing known here");
+  command->add_option("--json", options->json, "Write the list to this file");
+  command->callback([=] { *exit_code = finish(ListDevices(*options)); });
+}
+
+void AddCalibrate(CLI::App& app, const std::string& default_data, const Finish& finish,
+                  int* exit_code) {
+  auto options = std::make_shared<CalibrateCommand>();
+  options->data = default_data;
+  auto* command = app.add_subcommand(
+      "calibrate", "Measure a haptic device with its own motors and propose a profile for it");
+  command->footer(
+      "An example that needs no device:\n"
+      "  enamel-station calibrate --device simulated:omega3 --out profile.json\n"
+      "An attached board, found by 'enamel-station devices':\n"
+      "  enamel-station calibrate --device hid:1209:0001 --calibration today.json --out mine.json");
+  command
+      ->add_option("--device", options->device,
+                   "hid, hid:VENDOR:PRODUCT or simulated:PROFILE (a name or a .json file)")
+      ->capture_default_str();
+  command->add_option("--profile", options->profile,
+                      "Profile to compare with; else the device's own");
+  command->add_option("--rate", options->rate_hz, "Hz it is read and driven at")
+      ->check(CLI::Range(500, 8000))
+      ->capture_default_str();
+  command->add_option("--max-force", options->max_force_n, "N it may use")
+      ->check(CLI::Range(0.1, 20.0))
+      ->capture_default_str();
+  command->add_option("--sim-noise-um", options->simulated_noise_um,
+                      "Standard deviation of a simulated device's sensor");
+  command->add_option("--name", options->name, "Name of the proposed profile");
+  command->add_option("--out", options->out, "Write the proposed profile to this file");
+  command->add_option("--calibration", options->calibration, "Write the measurement to this file");
+  command->add_option("--data", options->data, "The station's folder, for its name");
+  command->add_flag("--yes", options->yes, "It may move at once: nobody is near it");
+  command->callback([=] { *exit_code = finish(CalibrateDevice(*options)); });
+}
+
+void AddDoctor(CLI::App& app, const std::string& default_data, const Finish& finish,
+               int* exit_code) {
+  auto options = std::make_shared<DoctorCommand>();
+  options->data = default_data;
+  auto* command = app.add_subcommand(
+      "doctor", "Check all that an attempt needs, one line each, with what to do");
+  command->add_option("--data", options->data, "The station's folder")->capture_default_str();
+  command->add_option("--server", options->server, "HOST:PORT when it has moved since enrolment");
+  command->add_flag("!--no-graphics", options->graphics, "For a station without a window");
+  command->add_option("--json", options->json, "Write the findings to this file");
+  command->callback([=] { *exit_code = finish(Doctor(*options)); });
+}
+
+void AddLoopTest(CLI::App& app, const Finish& finish, int* exit_code) {
+  auto options = std::make_shared<LoopTestCommand>();
+  auto* command = app.add_subcommand(
+      "loop-test", "What a tick of the haptic loop costs and how punctual it is on this computer");
+  command->add_option("--seconds", options->seconds, "Of taking turns")->capture_default_str();
+  command->add_option("--rate", options->rate_hz, "Hz")->capture_default_str();
+  command->add_option("--cpu", options->cpu, "Bind both to this processor");
+  command->add_option("--json", options->json, "Write the figures to this file");
+  command->callback([=] { *exit_code = finish(TestLoop(*options)); });
+}
+
+}  // namespace
+
+void RegisterDeviceCommands(CLI::App& app, const std::string& default_data, Finish finish,
+                            int* exit_code) {
+  AddDevices(app, finish, exit_code);
+  AddCalibrate(app, default_data, finish, exit_code);
+  AddDoctor(app, default_data, finish, exit_code);
+  AddLoopTest(app, finish, exit_code);
+}
+
+}  // namespace enamel::station

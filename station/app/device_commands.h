@@ -1,0 +1,21 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "common/base/result.h"
+
+namespace CLI {
+class App;
+}
+
+namespace enamel::station {
+
+// Adds 'devices', 'calibrate', 'doctor' and 'loop-test'. `finish` turns an outcome into the exit
+// code, which goes to `exit_code`; `default_data` is the folder used without --data. All must
+// outlive the parsing.
+void RegisterDeviceCommands(CLI::App& app, const std::string& default_data,
+                            std::function<int(const Status&)> finish, int* exit_code);
+
+}  // namespace enamel::station

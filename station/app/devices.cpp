@@ -1,0 +1,91 @@
+#include "station/app/devices.h"
+
+#include <unistd.h>
+
+#include <boost/json.hpp>
+#include <cstdio>
+
+#include "station/app/places.h"
+#include "station/devices/operators.h"
+#include "station/hid/open_device.h"
+
+namespace enamel::station {
+namespace {
+
+using hid::HidInfo;
+using hid::HidKind;
+
+bool MayUse(const HidInfo& info) { return ::access(info.path.c_str(), R_OK | W_OK) == 0; }
+
+// "profile phantom_desktop, 3 axes, 0.010 mm, 7.9 N", or why it is not known.
+std::string BoardText(const HidInfo& info, boost::json::object& out) {
+  auto board = hid::AskBoard(info);
+  if (!board.ok()) return board.status().message();
+  out["profile"] = board->profile;
+  out["axes"] = board->axes;
+  out["resolution_nm"] = board->resolution_nm[0];
+  out["peak_force_mn"] = board->peak_force_mn[0];
+  char text[160];
+  std::snprintf(text, sizeof text, "%s: profile %s, %d axes, cells of %.3f mm, up to %.1f N",
+                board->name.c_str(),
+                board->profile.empty() ? "none ('calibrate' proposes one)" : board->profile.c_str(),
+                board->axes, board->resolution_nm[0] * 1e-6, board->peak_force_mn[0] * 1e-3);
+  return text;
+}
+
+boost::json::object Show(const HidInfo& info) {
+  HidKind kind = hid::Recognise(info);
+  boost::json::object out{{"name", hid::DeviceNameOf(info)},
+                          {"taken_for", hid::HidKindText(kind)},
+                          {"product", info.name},
+                          {"path", info.path},
+                          {"usable", MayUse(info)}};
+  std::printf("%-28s %-22s %s\n", hid::DeviceNameOf(info).c_str(), hid::HidKindText(kind),
+              info.name.c_str());
+  if (!MayUse(info)) {
+    std::printf("    %s may not be used by you: install station/ops/60-enamel.rules%s\n",
+                info.path.c_str(),
+                kind == HidKind::kHapticBoard ? " with a line for this board" : "");
+  } else if (kind == HidKind::kHapticBoard) {
+    std::printf("    %s\n", BoardText(info, out).c_str());
+  }
+  return out;
+}
+
+void ShowBuiltIn() {
+  std::printf("\nAlways there:\n");
+  std::printf("%-28s %s\n", "pointer",
+              "mouse and keyboard in the window; profile pointer, no force");
+  std::printf("%-28s %s\n", "simulated",
+              "with any profile ('profiles' lists them), held by one of:");
+  for (const OperatorPreset& p : OperatorPresets()) {
+    std::printf("    %-24s %s\n", std::string(p.name).c_str(), std::string(p.summary).c_str());
+  }
+}
+
+}  // namespace
+
+Status ListDevices(const DevicesCommand& options) {
+  ENAMEL_RETURN_IF_ERROR(CheckOutputFile(options.json, "--json"));
+  boost::json::array listed;
+  size_t unknown = 0;
+  std::printf("Attached (HID):\n");
+  for (const HidInfo& info : hid::ListHid()) {
+    if (hid::Recognise(info) == HidKind::kOther && !options.all) {
+      ++unknown;
+      continue;
+    }
+    listed.push_back(Show(info));
+  }
+  if (listed.empty()) std::printf("    no haptic board, 6-DoF mouse or foot pedal\n");
+  if (unknown > 0) {
+    std::printf(
+        "    and %zu that are nothing known here (--all lists them; a pedal among them can "
+        "be named with --pedal VENDOR:PRODUCT)\n",
+        unknown);
+  }
+  ShowBuiltIn();
+  return WriteJsonFile(options.json, {{"attached", listed}});
+}
+
+}  // namespace enamel::station

@@ -1,0 +1,238 @@
+#include "station/app/doctor.h"
+
+#include <sys/statvfs.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <boost/json.hpp>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <stdexcept>
+#include <thread>
+
+#include "common/base/file.h"
+#include "station/app/places.h"
+#include "station/hid/open_device.h"
+#include "station/loop/duration_histogram.h"
+#include "station/loop/realtime.h"
+#include "station/render/screen.h"
+#include "station/spool/spool.h"
+#include "station/uplink/server_link.h"
+
+namespace enamel::station {
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::steady_clock;
+
+// 8 h of recording take up to 350 MB; a week of them waits on a station.
+constexpr double kFewFree_gb = 5, kTooFewFree_gb = 0.5;
+constexpr int64_t kClockOff_ms = 2'000, kClockWrong_ms = 60'000;
+constexpr int kTimerTicks = 500;
+constexpr int64_t kTick_ns = 1'000'000, kSecond_ns = 1'000'000'000;
+
+std::string Number(double v, const char* format) {
+  char text[64];
+  std::snprintf(text, sizeof text, format, v);
+  return text;
+}
+
+Finding Enrolment(const DoctorCommand& options, Result<Credentials>& credentials) {
+  credentials = LoadCredentialsFor(options.data, options.server);
+  if (!credentials.ok()) {
+    return {"enrolment", Verdict::kFail, credentials.status().message(), ""};
+  }
+  return {"enrolment", Verdict::kOk,
+          "station " + credentials->name + " of " + credentials->server.Text(), ""};
+}
+
+Finding Clock(int64_t ahead_ms) {
+  std::string found = "the server's is " + std::to_string(ahead_ms) + " ms ahead of this one";
+  int64_t off = ahead_ms < 0 ? -ahead_ms : ahead_ms;
+  if (off <= kClockOff_ms) return {"clock", Verdict::kOk, found, ""};
+  return {"clock", off <= kClockWrong_ms ? Verdict::kWarn : Verdict::kFail, found,
+          "let the system keep time (systemd-timesyncd or chrony) on both: tickets have an hour of "
+          "validity that is compared"};
+}
+
+void Server(const Result<Credentials>& credentials, std::vector<Finding>& out) {
+  if (!credentials.ok()) {
+    out.push_back({"server", Verdict::kWarn, "not asked: this station is not enrolled", ""});
+    return;
+  }
+  ServerLink link;
+  auto begin = steady_clock::now();
+  Status status = link.Connect(*credentials);
+  double ms = std::chrono::duration<double, std::milli>(steady_clock::now() - begin).count();
+  if (!status.ok()) {
+    const char* advice =
+        status.code() == Code::kUnauthenticated
+            ? "if the server was set up anew, enrol again; else somebody is between you and it"
+            : "check cable, address and that enamel-server runs; recordings made meanwhile are "
+              "kept here";
+    out.push_back({"server", Verdict::kFail, status.message(), advice});
+    return;
+  }
+  std::string found =
+      credentials->server.Text() + " answers, certificate as enrolled, " + Number(ms, "%.0f ms");
+  if (link.may_begin_attempts()) {
+    out.push_back({"server", Verdict::kOk, found, ""});
+  } else {
+    out.push_back({"server", Verdict::kFail, found + "; its core is another version",
+                   "update this station or the server: until then it takes recordings only"});
+  }
+  out.push_back(Clock(link.server_ahead_ms()));
+}
+
+Finding Disk(const fs::path& data) {
+  std::error_code error;
+  fs::path place = fs::absolute(data, error);
+  while (!fs::exists(place, error) && place.has_relative_path()) place = place.parent_path();
+  fs::path probe = place / (".enamel-doctor-" + std::to_string(::getpid()));
+  auto begin = steady_clock::now();
+  Status written = WriteFileDurably(probe, Bytes(4096, 0x5a), 0600);
+  double ms = std::chrono::duration<double, std::milli>(steady_clock::now() - begin).count();
+  fs::remove(probe, error);
+  if (!written.ok()) {
+    return {"disk", Verdict::kFail, written.message(),
+            "give this user the folder, or name another with --data"};
+  }
+  struct statvfs space {};
+  double free_gb =
+      ::statvfs(place.c_str(), &space) == 0
+          ? static_cast<double>(space.f_bavail) * static_cast<double>(space.f_frsize) * 1e-9
+          : 0;
+  std::string found = place.string() + ": " + Number(free_gb, "%.1f GB free, ") +
+                      Number(ms, "a durable write takes %.1f ms");
+  if (free_gb >= kFewFree_gb) return {"disk", Verdict::kOk, found, ""};
+  return {"disk", free_gb < kTooFewFree_gb ? Verdict::kFail : Verdict::kWarn, found,
+          "make room: a day of recording takes up to 0.35 GB, and it is kept for a week"};
+}
+
+Finding SpoolState(const fs::path& data) {
+  std::error_code error;
+  if (!fs::exists(data / "spool.sqlite", error)) {
+    return {"spool", Verdict::kOk, "empty: nothing was recorded here yet", ""};
+  }
+  auto spool = Spool::Open(data);
+  if (!spool.ok()) return {"spool", Verdict::kFail, spool.status().message(), ""};
+  auto attempts = (*spool)->List();
+  if (!attempts.ok()) return {"spool", Verdict::kFail, attempts.status().message(), ""};
+  size_t waiting = 0;
+  for (const SpooledAttempt& a : *attempts) waiting += !a.complete() && a.refused.empty();
+  std::string found = std::to_string(attempts->size()) + " attempts, " + std::to_string(waiting) +
+                      " not yet on the server";
+  if (waiting == 0) return {"spool", Verdict::kOk, found, ""};
+  return {"spool", Verdict::kWarn, found, "enamel-station upload"};
+}
+
+// On a thread of its own: the program's others keep their priority.
+void Realtime(std::vector<Finding>& out) {
+  RealtimeGrant grant;
+  DurationHistogram late;
+  std::thread([&] {
+    grant = RequestRealtime();
+    timespec t{};
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    int64_t due = t.tv_sec * kSecond_ns + t.tv_nsec;
+    for (int i = 0; i < kTimerTicks; ++i) {
+      due += kTick_ns;
+      timespec until{due / kSecond_ns, due % kSecond_ns};
+      clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr);
+      clock_gettime(CLOCK_MONOTONIC, &t);
+      late.Add(t.tv_sec * kSecond_ns + t.tv_nsec - due);
+    }
+  }).join();
+  if (grant.refused.empty()) {
+    out.push_back({"real-time rights", Verdict::kOk, "priority and memory lock are granted", ""});
+  } else {
+    out.push_back({"real-time rights", Verdict::kWarn, grant.refused, ""});
+  }
+  double p99_ms = late.Quantile_ns(0.99) * 1e-6, max_ms = static_cast<double>(late.max_ns()) * 1e-6;
+  std::string found = Number(p99_ms, "99 of 100 ticks begin within %.2f ms, ") +
+                      Number(max_ms, "the latest %.2f ms late (half a second at 1 kHz)");
+  bool good = max_ms < 1;
+  out.push_back({"timer", good ? Verdict::kOk : Verdict::kWarn, found,
+                 good ? "" : "close other programs; real-time rights help most"});
+}
+
+Finding Devices() {
+  std::string there, refused;
+  for (const hid::HidInfo& info : hid::ListHid()) {
+    if (hid::Recognise(info) == hid::HidKind::kOther) continue;
+    std::string name = hid::DeviceNameOf(info) + " (" + info.name + ")";
+    there += (there.empty() ? "" : ", ") + name;
+    if (::access(info.path.c_str(), R_OK | W_OK) != 0) refused += " " + info.path;
+  }
+  if (!refused.empty()) {
+    return {"devices", Verdict::kFail, there + "; may not be used by you:" + refused,
+            "install station/ops/60-enamel.rules and plug in again"};
+  }
+  if (there.empty()) {
+    return {"devices", Verdict::kWarn, "none attached: mouse and simulated device are there", ""};
+  }
+  return {"devices", Verdict::kOk, there, ""};
+}
+
+Finding Graphics() {
+  try {
+    render::ScreenOptions options;
+    options.width_px = options.height_px = 64;
+    options.visible = false;
+    render::Screen screen(options);
+    if (!screen.draws_in_software()) return {"graphics", Verdict::kOk, screen.renderer(), ""};
+    return {"graphics", Verdict::kWarn, screen.renderer() + ": drawn by the processor",
+            "install the graphics card's driver: the picture will be coarse and slow"};
+  } catch (const std::exception& error) {
+    return {"graphics", Verdict::kFail, error.what(),
+            "run this at the station's own screen, or with --no-graphics where there is none"};
+  }
+}
+
+const char* Word(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kOk:
+      return "ok";
+    case Verdict::kWarn:
+      return "warn";
+    case Verdict::kFail:
+      return "fail";
+  }
+  return "";
+}
+
+}  // namespace
+
+std::vector<Finding> Examine(const DoctorCommand& options) {
+  std::vector<Finding> out;
+  Result<Credentials> credentials = Status(Code::kNotFound, "");
+  out.push_back(Enrolment(options, credentials));
+  Server(credentials, out);
+  out.push_back(Disk(options.data));
+  out.push_back(SpoolState(options.data));
+  Realtime(out);
+  out.push_back(Devices());
+  if (options.graphics) out.push_back(Graphics());
+  return out;
+}
+
+Status Doctor(const DoctorCommand& options) {
+  ENAMEL_RETURN_IF_ERROR(CheckOutputFile(options.json, "--json"));
+  boost::json::array findings;
+  int failed = 0;
+  for (const Finding& f : Examine(options)) {
+    std::printf("%-5s %-17s %s%s%s\n", Word(f.verdict), f.what.c_str(), f.found.c_str(),
+                f.advice.empty() ? "" : ": ", f.advice.c_str());
+    failed += f.verdict == Verdict::kFail;
+    findings.push_back(
+        {{"what", f.what}, {"verdict", Word(f.verdict)}, {"found", f.found}, {"advice", f.advice}});
+  }
+  ENAMEL_RETURN_IF_ERROR(WriteJsonFile(options.json, {{"findings", findings}, {"failed", failed}}));
+  if (failed == 0) return Status::Ok();
+  return Status(Code::kUnavailable, std::to_string(failed) +
+                                        (failed == 1 ? " thing is" : " things are") +
+                                        " missing for an attempt: see 'fail' above");
+}
+
+}  // namespace enamel::station

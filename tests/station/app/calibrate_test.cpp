@@ -1,0 +1,72 @@
+#include "station/app/calibrate.h"
+
+#include <gtest/gtest.h>
+
+#include "common/scene/builtin.h"
+#include "common/scene/json.h"
+#include "common/scene/plan.h"
+
+namespace enamel::station {
+namespace {
+
+AxisFigures Axis(double cell_um, double c, double b, double delay) {
+  AxisFigures a;
+  a.resolution_m = {cell_um * 1e-6, 0, 1000};
+  a.noise_m = {2e-6, 1e-6, 2000};
+  a.friction_n = {c, 0.1 * c, 21};
+  a.damping_n_s_per_m = {b, 0.1 * b, 21};
+  a.mass_kg = {0.1, 0.001, 21};
+  a.delay_ticks = {delay, 0.1, 8};
+  return a;
+}
+
+TEST(CalibrateTest, WorstAxisIsTakenForEachQuantity) {
+  AxisFigures worst = WorstOf({Axis(10, 0.05, 2, 0), Axis(30, 0.09, 1, 0), Axis(20, 0.03, 3, 2)});
+  EXPECT_DOUBLE_EQ(worst.resolution_m.value, 30e-6);
+  EXPECT_DOUBLE_EQ(worst.friction_n.value, 0.03);
+  EXPECT_DOUBLE_EQ(worst.damping_n_s_per_m.value, 1);
+  EXPECT_DOUBLE_EQ(worst.delay_ticks.value, 2);
+}
+
+// The lower ends: b = 1.8, c = 0.045; K = 2 b f/(2 d + 1) = 3600 N/m at d = 0.
+TEST(CalibrateTest, ProposedProfileIsStableByTheMeasuredNumbersAndCarriesTheExercise) {
+  auto built = scene::BuildBuiltinScene("block", 200'000);
+  ASSERT_TRUE(built.ok());
+  scene::Exercise exercise = scene::ClassOneExercise(built->scene, {});
+  for (double delay : {0.0, 2.0}) {
+    auto p = ProposeProfile(Axis(20, 0.05, 2, delay), 1000, scene::BuiltinProfiles()[0], "mine",
+                            "measured here");
+    ASSERT_TRUE(p.ok()) << p.status().message();
+    EXPECT_NEAR(static_cast<double>(p->max_stiffness_mn_per_mm.value), 3600 / (2 * delay + 1), 1);
+    double friction_limit = 2 * 0.045 / 20e-6;
+    double kc = static_cast<double>(p->coupling_mn_per_mm.value);
+    EXPECT_NEAR(kc, 0.9 * std::min(3600 / (2 * delay + 1), friction_limit), 1);
+    EXPECT_TRUE(scene::CompilePlan(built->scene, exercise, *p).ok());
+    auto back = scene::ProfileFromJson(scene::ToJson(*p));
+    ASSERT_TRUE(back.ok()) << back.status().message();
+    EXPECT_EQ(back->name, "mine");
+    EXPECT_EQ(back->peak_force_mn.value, scene::BuiltinProfiles()[0].peak_force_mn.value);
+  }
+}
+
+TEST(CalibrateTest, DeviceThatNothingCouldBeStableOnIsRefused) {
+  auto p = ProposeProfile(Axis(20, 0, 2, 0), 1000, scene::BuiltinProfiles()[0], "mine", "measured");
+  ASSERT_FALSE(p.ok());
+  EXPECT_NE(p.status().message().find("friction"), std::string::npos);
+}
+
+TEST(CalibrateTest, MeasurementIsADocumentOfItsSchema) {
+  scene::Calibration c = CalibrationOf(Axis(20, 0.05, 2, 1), 1000);
+  c.device = "hid:1209:0001";
+  c.profile = "omega3";
+  c.software = "test";
+  c.measured_ms = 1'700'000'000'000;
+  auto back = scene::CalibrationFromJson(scene::ToJson(c));
+  ASSERT_TRUE(back.ok()) << back.status().message();
+  EXPECT_EQ(*back, c);
+  EXPECT_EQ(back->damping_mn_s_per_m->value, 2000);
+  EXPECT_EQ(back->damping_mn_s_per_m->uncertainty, 200);
+}
+
+}  // namespace
+}  // namespace enamel::station
