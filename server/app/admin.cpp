@@ -10,7 +10,6 @@
 
 #include "common/base/hex.h"
 #include "server/app/data_folder.h"
-#include "server/app/publish.h"
 #include "server/auth/password.h"
 
 namespace enamel::server::app {
@@ -59,15 +58,6 @@ Result<std::string> Login(std::string text) {
   return text;
 }
 
-Result<Uuid> CohortByName(Store& store, const std::string& name) {
-  auto cohorts = store.Cohorts();
-  if (!cohorts.ok()) return cohorts.status();
-  auto found = std::ranges::find(*cohorts, name, &Cohort::name);
-  if (found != cohorts->end()) return found->id;
-  return Status(Code::kNotFound, "no cohort named \"" + name + "\"; make it with admin add-cohort",
-                "cohort");
-}
-
 void Show(const AttemptRow& row) {
   std::string score = row.score ? fmt::format("{:.1f}", *row.score) : "-";
   std::cout << fmt::format("{}  {:<11} {:>6}  {:>7} ticks  {:<20} {}{}\n", row.id.Text(),
@@ -77,6 +67,15 @@ void Show(const AttemptRow& row) {
 }
 
 }  // namespace
+
+Result<Uuid> CohortByName(Store& store, const std::string& name) {
+  auto cohorts = store.Cohorts();
+  if (!cohorts.ok()) return cohorts.status();
+  auto found = std::ranges::find(*cohorts, name, &Cohort::name);
+  if (found != cohorts->end()) return found->id;
+  return Status(Code::kNotFound, "no cohort named \"" + name + "\"; make it with admin add-cohort",
+                "cohort");
+}
 
 Status AddPerson(const std::filesystem::path& data, const NewPerson& person) {
   auto store = OpenForCommand(data);
@@ -166,32 +165,13 @@ Status EnrolCode(const std::filesystem::path& data, int valid_minutes) {
   return Status::Ok();
 }
 
-Status PublishExercise(const std::filesystem::path& data, const NewExercise& exercise) {
-  auto store = OpenForCommand(data);
-  if (!store.ok()) return store.status();
-  Uuid cohort;
-  if (!exercise.cohort.empty()) {
-    auto found = CohortByName(**store, exercise.cohort);
-    if (!found.ok()) return found.status();
-    cohort = *found;
-  }
-  ENAMEL_RETURN_IF_ERROR(PublishProfiles(**store));
-  auto scene = PublishScene(**store, exercise.scene, exercise.voxel_um * 1000);
-  if (!scene.ok()) return scene.status();
-  auto row = PublishClassOne(**store, *scene, cohort);
-  if (!row.ok()) return row.status();
-  std::cout << "exercise \"" << row->name << "\" version " << row->version << ", id "
-            << row->id.Text() << "\n";
-  return Status::Ok();
-}
-
 Status MarkReference(const std::filesystem::path& data, const std::string& attempt,
                      const std::string& dentist) {
   auto id = Uuid::Parse(attempt);
   if (!id.ok()) return id.status();
   auto store = OpenForCommand(data);
   if (!store.ok()) return store.status();
-  auto row = (*store)->AddReference(*id, dentist, kCommandLine);
+  auto row = (*store)->AddReference(*id, dentist, true, kCommandLine);
   if (!row.ok()) return row.status();
   std::cout << "reference version " << row->version << " of the exercise: attempt " << attempt
             << " by " << dentist << "\n";

@@ -4,10 +4,14 @@
 #include <string>
 
 #include "common/base/result.h"
+#include "server/storage/store.h"
 
 // The `admin` commands. Each opens the data folder beside a running server, or without one, prints
 // its outcome to standard output and returns.
 namespace enamel::server::app {
+
+// Errors: kNotFound, with what to do.
+Result<Uuid> CohortByName(Store& store, const std::string& name);
 
 struct NewPerson {
   std::string login, display_name, role;
@@ -24,12 +28,6 @@ Status AddToCohort(const std::filesystem::path& data, const std::string& cohort,
 // certificate that the station is to trust.
 Status EnrolCode(const std::filesystem::path& data, int valid_minutes);
 
-struct NewExercise {
-  std::string scene;   // PublishScene's source
-  std::string cohort;  // name; empty: open to everybody
-  int32_t voxel_um = 50;
-};
-Status PublishExercise(const std::filesystem::path& data, const NewExercise& exercise);
 Status MarkReference(const std::filesystem::path& data, const std::string& attempt,
                      const std::string& dentist);
 Status ReleaseScore(const std::filesystem::path& data, const std::string& attempt);

@@ -11,6 +11,7 @@
 #include "server/app/report.h"
 #include "server/app/seed.h"
 #include "server/app/serve.h"
+#include "server/app/teaching.h"
 #include "server/app/upkeep.h"
 #include "server/ops/log.h"
 #include "server/ops/settings.h"
@@ -38,6 +39,8 @@ struct Options {
   app::ReportOptions report;
   app::NewPerson person;
   app::NewExercise exercise;
+  app::NewAssignment assignment;
+  std::string exercise_name, exercise_state, assignment_id;
   std::string login, cohort, attempt, dentist;
   bool password_from_stdin = false;
   int valid_minutes = 60;
@@ -298,15 +301,6 @@ void AddContent(CLI::App& admin, Options& o, Command& command) {
       ->capture_default_str();
   code->callback([&] { command = [&] { return app::EnrolCode(o.data, o.valid_minutes); }; });
 
-  auto* publish = admin.add_subcommand("publish-exercise", "Offer the class I exercise on a scene");
-  AddData(publish, o.data);
-  publish->add_option("--scene", o.exercise.scene, "Scene folder, or builtin:molar")->required();
-  publish->add_option("--cohort", o.exercise.cohort, "For whom; without: everybody");
-  publish->add_option("--voxel-um", o.exercise.voxel_um, "Voxel size of a built-in scene")
-      ->check(CLI::Range(20, 500))
-      ->capture_default_str();
-  publish->callback([&] { command = [&] { return app::PublishExercise(o.data, o.exercise); }; });
-
   auto* mark =
       admin.add_subcommand("mark-reference", "Make a scored attempt its exercise's reference");
   AddData(mark, o.data);
@@ -317,13 +311,82 @@ void AddContent(CLI::App& admin, Options& o, Command& command) {
 
   auto* release = admin.add_subcommand("release", "Let the student see a graded score");
   AddData(release, o.data);
-  release->add_option("--attempt", o.attempt)->required();
-  release->callback([&] { command = [&] { return app::ReleaseScore(o.data, o.attempt); }; });
+  auto* one = release->add_option("--attempt", o.attempt, "One attempt's");
+  release->add_option("--assignment", o.assignment_id, "Of every scored attempt under it")
+      ->excludes(one);
+  release->callback([&] {
+    command = [&]() -> Status {
+      if (!o.assignment_id.empty()) return app::ReleaseAssignment(o.data, o.assignment_id);
+      if (!o.attempt.empty()) return app::ReleaseScore(o.data, o.attempt);
+      return Status(Code::kInvalidInput, "release needs --attempt ID or --assignment ID");
+    };
+  });
 
   auto* list = admin.add_subcommand("list-attempts", "Newest attempts first");
   AddData(list, o.data);
   list->add_option("--limit", o.limit)->check(CLI::Range(1, 1'000'000))->capture_default_str();
   list->callback([&] { command = [&] { return app::ListAttempts(o.data, o.limit); }; });
+}
+
+void AddExercises(CLI::App& admin, Options& o, Command& command) {
+  auto* publish = admin.add_subcommand("publish-exercise", "Offer exercises on a scene");
+  AddData(publish, o.data);
+  publish->add_option("--scene", o.exercise.scene, "Scene folder, or builtin:molar and the like");
+  publish->add_option("--name", o.exercise.name,
+                      "Only this one, or this kind: class-1, class-2, crown, cross");
+  publish->add_option("--document", o.exercise.document,
+                      "Instead: file with an exercise (schemas/exercise.schema.json)");
+  publish->add_option("--cohort", o.exercise.cohort, "For whom; without: everybody");
+  publish->add_option("--voxel-um", o.exercise.voxel_um, "Voxel size of a built-in scene")
+      ->check(CLI::Range(20, 500))
+      ->capture_default_str();
+  publish->footer(
+      "A document that differs from the newest version of its name becomes the next version;\n"
+      "a published version never changes. Dates, limits and exams: assign-exercise.\n\n"
+      "  enamel-server admin publish-exercise --data DIR --scene builtin:molar --name class-1");
+  publish->callback([&] { command = [&] { return app::PublishExercise(o.data, o.exercise); }; });
+
+  auto* retire = admin.add_subcommand("retire-exercise", "Offer no version of it any more");
+  AddData(retire, o.data);
+  retire->add_option("--name", o.exercise_name)->required();
+  retire->callback([&] { command = [&] { return app::RetireExercise(o.data, o.exercise_name); }; });
+
+  auto* list = admin.add_subcommand("list-exercises", "Drafts, what is offered, what was retired");
+  AddData(list, o.data);
+  list->add_option("--state", o.exercise_state, "Only these")
+      ->check(CLI::IsMember({"draft", "published", "retired"}));
+  list->callback([&] { command = [&] { return app::ListExercises(o.data, o.exercise_state); }; });
+}
+
+void AddAssignments(CLI::App& admin, Options& o, Command& command) {
+  auto* assign = admin.add_subcommand("assign-exercise", "Have a cohort do an exercise");
+  AddData(assign, o.data);
+  app::NewAssignment& row = o.assignment;
+  assign->add_option("--exercise", row.exercise, "Its name; the newest version counts")->required();
+  assign->add_option("--cohort", row.cohort, "For whom; without: everybody");
+  assign->add_option("--opens", row.opens, "Not before: \"2026-11-20 09:00\", UTC");
+  assign->add_option("--due", row.due, "Not after; an attempt begun before may end after, flagged");
+  assign->add_option("--attempts", row.attempt_limit, "Attempts each; 0: as many as wanted")
+      ->check(CLI::Range(0, 1000))
+      ->capture_default_str();
+  assign->add_flag("--late", row.late_allowed, "Let attempts begin after it is due, flagged");
+  assign->add_flag("--exam", row.exam,
+                   "No score before it is released; begun online, one at a time");
+  assign->add_option("--station", row.stations, "Where the exam is taken (repeatable)");
+  assign->footer(
+      "  enamel-server admin assign-exercise --data DIR --exercise class-1-molar-46 --cohort "
+      "\"Year 2\" \\\n"
+      "      --opens \"2026-12-01 08:00\" --due \"2026-12-01 12:00\" --attempts 1 --exam");
+  assign->callback([&] { command = [&] { return app::AssignExercise(o.data, o.assignment); }; });
+
+  auto* end = admin.add_subcommand("end-assignment", "Take an assignment away; its attempts stay");
+  AddData(end, o.data);
+  end->add_option("--assignment", o.assignment_id)->required();
+  end->callback([&] { command = [&] { return app::EndAssignment(o.data, o.assignment_id); }; });
+
+  auto* list = admin.add_subcommand("list-assignments", "Who is to do what, by due time");
+  AddData(list, o.data);
+  list->callback([&] { command = [&] { return app::ListAssignments(o.data); }; });
 }
 
 }  // namespace
@@ -348,6 +411,8 @@ int main(int argc, char** argv) {
   AddPeople(*admin, options, command);
   AddPersonalData(*admin, options, command);
   AddContent(*admin, options, command);
+  AddExercises(*admin, options, command);
+  AddAssignments(*admin, options, command);
   root.footer(
       "First steps:\n"
       "  enamel-server serve --data DIR                 in one terminal; then, in another:\n"

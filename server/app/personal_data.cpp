@@ -87,6 +87,7 @@ class Exporter {
       if (!rows.ok()) return rows.status();
       for (const AttemptRow& row : *rows) {
         json::object facts = Facts(row);
+        ENAMEL_RETURN_IF_ERROR(AddWords(row, facts));
         ENAMEL_RETURN_IF_ERROR(AddFiles(row, facts));
         attempts.push_back(std::move(facts));
         ++attempts_;
@@ -112,7 +113,38 @@ class Exporter {
                      {"gap_ticks", row.gap_ticks},
                      {"problem", row.problem}};
     if (row.score) out["score"] = *row.score;
+    out["exam"] = row.exam;
+    out["due_ms"] = row.due_ms;
+    json::array flags;
+    for (const char* flag : AttemptFlagNames(row.flags)) flags.emplace_back(flag);
+    out["flags"] = std::move(flags);
+    if (row.overridden) {
+      out["override"] = {{"score", row.overridden->score},
+                         {"reason", row.overridden->reason},
+                         {"at_ms", row.overridden->at_ms}};
+    }
     return out;
+  }
+
+  // What was said about it.
+  Status AddWords(const AttemptRow& row, json::object& facts) {
+    auto remarks = store_.AnnotationsOf(row.id);
+    if (!remarks.ok()) return remarks.status();
+    json::array annotations;
+    for (const AnnotationRow& remark : *remarks) {
+      annotations.push_back(
+          {{"tick", remark.tick}, {"text", remark.text}, {"created_ms", remark.created_ms}});
+    }
+    facts["annotations"] = std::move(annotations);
+    auto appeal = store_.AppealOf(row.id);
+    if (!appeal.ok()) return appeal.status();
+    if (!*appeal) return Status::Ok();
+    facts["appeal"] = {{"filed_ms", (*appeal)->filed_ms},
+                       {"text", (*appeal)->text},
+                       {"state", (*appeal)->state},
+                       {"answer", (*appeal)->answer},
+                       {"answered_ms", (*appeal)->answered_ms}};
+    return Status::Ok();
   }
 
   // What cannot be read is said in the export, and does not end it.

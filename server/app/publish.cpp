@@ -63,6 +63,12 @@ Result<SceneRow> PublishFolder(Store& store, const std::filesystem::path& folder
   return StoreScene(store, *scene, *volume);
 }
 
+Result<scene::Scene> StoredScene(Store& store, const SceneRow& row) {
+  auto text = store.GetBlob(row.content);
+  if (!text.ok()) return text.status();
+  return scene::SceneFromJson(AsText(*text));
+}
+
 }  // namespace
 
 Result<SceneRow> PublishScene(Store& store, const std::string& source, int32_t voxel_nm) {
@@ -70,21 +76,42 @@ Result<SceneRow> PublishScene(Store& store, const std::string& source, int32_t v
   return PublishBuiltin(store, source.substr(kBuiltinPrefix.size()), voxel_nm);
 }
 
-Result<ExerciseRow> PublishClassOne(Store& store, const SceneRow& scene, const Uuid& cohort) {
-  auto text = store.GetBlob(scene.content);
-  if (!text.ok()) return text.status();
-  auto parsed = scene::SceneFromJson(AsText(*text));
-  if (!parsed.ok()) return parsed.status();
-  scene::Exercise exercise = scene::ClassOneExercise(*parsed, scene.content);
+Result<ExerciseRow> PublishDocument(Store& store, const scene::Exercise& exercise,
+                                    const Uuid& cohort) {
   auto content = store.PutBlob(AsBytes(scene::ToJson(exercise)));
   if (!content.ok()) return content.status();
   ExerciseRow row;
   row.name = exercise.name;
   row.title = exercise.title;
   row.content = *content;
-  row.scene = scene.content;
+  row.scene = exercise.scene;
   row.graded = exercise.graded;
   return store.PublishExercise(row, cohort, kCommandLine);
+}
+
+Result<std::vector<ExerciseRow>> PublishBuiltins(Store& store, const SceneRow& row,
+                                                 const std::string& name, const Uuid& cohort) {
+  auto scene = StoredScene(store, row);
+  if (!scene.ok()) return scene.status();
+  std::vector<ExerciseRow> out;
+  std::string known;
+  for (const scene::Exercise& exercise : scene::BuiltinExercises(*scene, row.content)) {
+    known += (known.empty() ? "" : ", ") + exercise.name;
+    if (!name.empty() && exercise.name != name && !exercise.name.starts_with(name + "-")) continue;
+    auto published = PublishDocument(store, exercise, cohort);
+    if (!published.ok()) return published.status();
+    out.push_back(*published);
+  }
+  if (!out.empty()) return out;
+  return Status(Code::kNotFound,
+                "scene \"" + row.name + "\" has no exercise \"" + name + "\", it has: " + known,
+                "name");
+}
+
+Result<ExerciseRow> PublishClassOne(Store& store, const SceneRow& row, const Uuid& cohort) {
+  auto scene = StoredScene(store, row);
+  if (!scene.ok()) return scene.status();
+  return PublishDocument(store, scene::ClassOneExercise(*scene, row.content), cohort);
 }
 
 Status PublishProfiles(Store& store) {

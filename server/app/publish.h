@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "common/base/result.h"
 #include "common/scene/types.h"
@@ -14,7 +15,16 @@ namespace enamel::server::app {
 // already is taken from there, not built again. `voxel_nm`: of built-in scenes.
 Result<SceneRow> PublishScene(Store& store, const std::string& source, int32_t voxel_nm);
 
-// The class I exercise on a stored scene; a new version when it differs from the newest.
+// A new version when it differs from the newest; assigned to `cohort` (zero: everybody) unless it
+// is.
+Result<ExerciseRow> PublishDocument(Store& store, const scene::Exercise& exercise,
+                                    const Uuid& cohort);
+
+// The exercises the project makes for a stored scene (common/scene/builtin.h): all, or those of
+// this name or kind ("class-2"). Errors also: kNotFound with the names there are.
+Result<std::vector<ExerciseRow>> PublishBuiltins(Store& store, const SceneRow& scene,
+                                                 const std::string& name, const Uuid& cohort);
+// Class I alone.
 Result<ExerciseRow> PublishClassOne(Store& store, const SceneRow& scene, const Uuid& cohort);
 
 // The three profiles of the program.

@@ -9,7 +9,7 @@ namespace {
 
 constexpr uint32_t kDefaultAudit = 100;
 constexpr uint32_t kMaxAudit = 1000;
-constexpr const char* kJobStates[] = {"failed", "running", "queued", "done"};
+constexpr const char* kJobStates[] = {"failed", "running", "queued", "done", "cancelled"};
 
 Result<json::object> CohortJson(Store& store, const Cohort& cohort) {
   Result<std::vector<Person>> people = store.CohortMembers(cohort.id);
@@ -86,13 +86,15 @@ Response ListJobs(const Call& call) {
                       {"kind", row.kind},
                       {"attempt_id", row.attempt.Text()},
                       {"state", row.state},
+                      {"cause", row.cause},
+                      {"progress", row.progress},
                       {"tries", row.tries},
                       {"error", row.error}});
     }
   }
   if (!known) {
     return ErrorResponse(
-        Status{Code::kInvalidInput, "expected queued, running, done or failed", "state"});
+        Status{Code::kInvalidInput, "expected queued, running, done, failed or cancelled", "state"});
   }
   return JsonResponse({{"jobs", std::move(jobs)}});
 }

@@ -6,6 +6,7 @@
 #include "server/http/handlers.h"
 #include "server/http/json_body.h"
 #include "server/http/query.h"
+#include "server/http/seen_attempt.h"
 #include "server/http/site.h"
 #include "server/training/access.h"
 
@@ -17,7 +18,24 @@ constexpr uint32_t kDefaultPage = 50;
 constexpr uint32_t kMaxPage = 200;
 constexpr size_t kMaxDentist = 200;
 
-Status NoSuchAttempt() { return {Code::kNotFound, "there is no such attempt", "id"}; }
+// The filters that are words.
+Status NarrowByWords(const Call& call, AttemptFilter& filter) {
+  const auto& query = call.request.query;
+  if (auto word = query.find("state"); word != query.end()) {
+    filter.state = AttemptStateFromName(word->second);
+    if (!filter.state) return {Code::kInvalidInput, "expected the name of a state", "state"};
+  }
+  if (auto word = query.find("flag"); word != query.end()) {
+    std::optional<AttemptFlag> flag = AttemptFlagFromName(word->second);
+    if (!flag) return {Code::kInvalidInput, "expected the name of a flag", "flag"};
+    filter.flags = *flag;
+  }
+  if (auto word = query.find("appeal"); word != query.end()) {
+    if (word->second != "open") return {Code::kInvalidInput, "expected open", "appeal"};
+    filter.open_appeal = true;
+  }
+  return {};
+}
 
 Result<AttemptFilter> FilterFor(const Call& call) {
   AttemptFilter filter;
@@ -27,6 +45,7 @@ Result<AttemptFilter> FilterFor(const Call& call) {
   } const ids[] = {{"person", filter.person},
                    {"cohort", filter.cohort},
                    {"exercise", filter.exercise},
+                   {"assignment", filter.assignment},
                    {"before", filter.before}};
   for (const auto& id : ids) {
     Result<std::optional<Uuid>> value = QueryId(call.request, id.name);
@@ -36,6 +55,7 @@ Result<AttemptFilter> FilterFor(const Call& call) {
   Result<uint32_t> limit = QueryLimit(call.request, kDefaultPage, kMaxPage);
   if (!limit.ok()) return limit.status();
   filter.limit = *limit;
+  ENAMEL_RETURN_IF_ERROR(NarrowByWords(call, filter));
 
   const Person& viewer = call.caller->person;
   if (viewer.role == Role::kStudent) {
@@ -47,35 +67,9 @@ Result<AttemptFilter> FilterFor(const Call& call) {
   return filter;
 }
 
-// An attempt the caller may see, with what access.h asks about it.
-struct Seen {
-  AttemptRow row;
-  bool shares_cohort = false;
-  bool graded = true;
-};
-
-Result<Seen> SeeAttempt(const Call& call) {
-  Result<AttemptRow> row = call.store.AttemptById(call.id);
-  if (!row.ok()) return row.status().code() == Code::kNotFound ? NoSuchAttempt() : row.status();
-  const Person& viewer = call.caller->person;
-  Result<bool> shares = call.store.ShareCohort(viewer.id, row->person);
-  if (!shares.ok()) return shares.status();
-  if (!CanSeeAttempt(viewer, *row, *shares)) return NoSuchAttempt();
-  Result<ExerciseRow> exercise = call.store.ExerciseById(row->exercise);
-  if (!exercise.ok()) return exercise.status();
-  return Seen{std::move(*row), *shares, exercise->graded};
-}
-
-Status RequireScored(const AttemptRow& row) {
-  if (row.state == AttemptState::kScored) return {};
-  return {Code::kConflict, std::string("expected a scored attempt, this one is ") +
-                               AttemptStateName(row.state) +
-                               (row.problem.empty() ? "; wait for the score" : ": " + row.problem)};
-}
-
 // What the scoring job left, for a caller who may see it now.
 Result<Store::AttemptResult> SeeResult(const Call& call) {
-  Result<Seen> seen = SeeAttempt(call);
+  Result<SeenAttempt> seen = SeeAttempt(call, call.id);
   if (!seen.ok()) return seen.status();
   if (!CanSeeScore(call.caller->person, seen->row, seen->graded, seen->shares_cohort)) {
     return Status{Code::kForbidden,
@@ -96,8 +90,6 @@ Response BlobResponse(const Call& call, Sha256 Store::AttemptResult::*member,
   response.body = AsText(*bytes);
   return response;
 }
-
-Actor ActorOf(const Call& call) { return {call.caller->person.id, "page"}; }
 
 class LiveEvents final : public EventSource {
  public:
@@ -132,7 +124,7 @@ Response ListAttempts(const Call& call) {
 }
 
 Response GetAttempt(const Call& call) {
-  Result<Seen> seen = SeeAttempt(call);
+  Result<SeenAttempt> seen = SeeAttempt(call, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
   AttemptView view(call.store, call.caller->person);
   Result<json::object> attempt = view.DetailJson(seen->row);
@@ -153,7 +145,7 @@ Response GetSeries(const Call& call) {
 }
 
 Response ReleaseAttempt(const Call& call) {
-  Result<Seen> seen = SeeAttempt(call);
+  Result<SeenAttempt> seen = SeeAttempt(call, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
   if (!CanReleaseAttempt(call.caller->person, seen->row, seen->shares_cohort)) {
     return ErrorResponse({Code::kForbidden, "expected an instructor of the student's cohort"});
@@ -169,24 +161,19 @@ Response ReleaseAttempt(const Call& call) {
 
 Response MakeReference(const Call& call) {
   if (!IsJson(call.request)) return NotJson();
-  Result<json::object> body = TextMembers(call.request, {{"dentist", kMaxDentist}});
-  if (!body.ok()) return ErrorResponse(body.status());
-  Result<Seen> seen = SeeAttempt(call);
+  BodyReader body(call.request);
+  std::string dentist = body.Text("dentist", 1, kMaxDentist);
+  bool consent = body.Flag("consent", true);
+  if (Status status = body.Finish(); !status.ok()) return ErrorResponse(status);
+  Result<SeenAttempt> seen = SeeAttempt(call, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
   if (!CanMarkReference(call.caller->person, seen->row, seen->shares_cohort)) {
     return ErrorResponse({Code::kForbidden, "expected an instructor of the person's cohort"});
   }
   if (Status scored = RequireScored(seen->row); !scored.ok()) return ErrorResponse(scored);
-  Result<ReferenceRow> row =
-      call.store.AddReference(call.id, std::string((*body)["dentist"].as_string()), ActorOf(call));
+  Result<ReferenceRow> row = call.store.AddReference(call.id, dentist, consent, ActorOf(call));
   if (!row.ok()) return ErrorResponse(row.status());
-  return JsonResponse({{"id", row->id.Text()},
-                       {"exercise_id", row->exercise.Text()},
-                       {"attempt_id", row->attempt.Text()},
-                       {"dentist", row->dentist},
-                       {"version", row->version},
-                       {"created_ms", row->created_ms}},
-                      201);
+  return JsonResponse(ReferenceJson(call.caller->person, *row), 201);
 }
 
 // Other sites' pages cannot read the stream, and are not to begin one either.
@@ -195,7 +182,7 @@ Response GetLive(const Call& call) {
   if (!call.live) return ErrorResponse({Code::kNotFound, "this server shows nothing live"});
   // Watched before its state is looked at: an end in between is not missed.
   auto watch = call.live->Watch(call.id);
-  Result<Seen> seen = SeeAttempt(call);
+  Result<SeenAttempt> seen = SeeAttempt(call, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
   AttemptState state = seen->row.state;
   if (state != AttemptState::kTicketed && state != AttemptState::kRecording) {

@@ -35,6 +35,7 @@ Result<const AttemptView::Exercise*> AttemptView::ExerciseOf(const AttemptRow& r
   if (!text.ok()) return text.status();
   if (Result<scene::Exercise> document = scene::ExerciseFromJson(*text); document.ok()) {
     exercise.rate_hz = document->rate_hz;
+    exercise.time_limit_s = document->time_limit_s;
   }
   return &exercises_.emplace(row.exercise, std::move(exercise)).first->second;
 }
@@ -83,11 +84,15 @@ Result<json::object> AttemptView::Json(const AttemptRow& row) {
   if (!visible.ok()) return visible.status();
   const std::optional<ReferenceRow>& reference = (*exercise)->reference;
 
-  json::value score, critical_fail;
+  json::value score, computed, critical_fail, assignment;
   if (row.score && *visible) {
-    score = *row.score;
+    score = row.overridden ? row.overridden->score : *row.score;
+    computed = *row.score;
     critical_fail = row.critical_fail;
   }
+  if (row.assignment) assignment = row.assignment->Text();
+  json::array flags;
+  for (const char* name : AttemptFlagNames(row.flags)) flags.emplace_back(name);
   return json::object{{"id", row.id.Text()},
                       {"person", PersonJson(row)},
                       {"exercise", {{"id", row.exercise.Text()}, {"title", row.exercise_title}}},
@@ -98,7 +103,12 @@ Result<json::object> AttemptView::Json(const AttemptRow& row) {
                       {"is_reference", reference && reference->attempt == row.id},
                       {"released", row.released},
                       {"score", score},
+                      {"computed_score", computed},
                       {"critical_fail", critical_fail},
+                      {"assignment_id", std::move(assignment)},
+                      {"exam", row.exam},
+                      {"due_ms", row.due_ms},
+                      {"flags", std::move(flags)},
                       {"progress", row.progress},
                       {"ticketed_ms", row.ticketed_ms},
                       {"sealed_ms", row.sealed_ms},
@@ -109,7 +119,7 @@ Result<json::object> AttemptView::Json(const AttemptRow& row) {
                       {"problem", row.problem}};
 }
 
-Result<json::value> AttemptView::ReferenceJson(const AttemptRow& row, const Exercise& exercise) {
+Result<json::value> AttemptView::ComparedWithJson(const AttemptRow& row, const Exercise& exercise) {
   Result<bool> visible = ScoreVisible(row, exercise.graded);
   if (!visible.ok()) return visible.status();
   if (!*visible || row.state != AttemptState::kScored) return json::value();
@@ -120,10 +130,80 @@ Result<json::value> AttemptView::ReferenceJson(const AttemptRow& row, const Exer
   Result<scoring::ScoreResult> score = scoring::ScoreFromJson(*text);
   if (!score.ok() || score->reference_attempt.empty()) return json::value();
   json::value dentist;
-  if (exercise.reference && exercise.reference->attempt.Text() == score->reference_attempt) {
+  if (exercise.reference && exercise.reference->attempt.Text() == score->reference_attempt &&
+      CanSeeDentist(viewer_, *exercise.reference)) {
     dentist = exercise.reference->dentist;
   }
   return json::value{{"attempt_id", score->reference_attempt}, {"dentist", std::move(dentist)}};
+}
+
+Result<json::value> AttemptView::OverrideJson(const AttemptRow& row, bool visible) {
+  if (!row.overridden || !visible) return json::value();
+  const ScoreOverride& override = *row.overridden;
+  std::string by = "command line";
+  if (!override.by.IsZero()) {
+    Result<Person> person = store_.PersonById(override.by);
+    if (!person.ok() && person.status().code() != Code::kNotFound) return person.status();
+    by = person.ok() ? person->display_name : "";
+  }
+  return json::value{{"score", override.score},
+                     {"reason", override.reason},
+                     {"by", by},
+                     {"at_ms", override.at_ms}};
+}
+
+Result<json::value> AttemptView::AppealJson(const AttemptRow& row) {
+  Result<std::optional<AppealRow>> appeal = store_.AppealOf(row.id);
+  if (!appeal.ok()) return appeal.status();
+  if (!*appeal) return json::value();
+  return json::value{{"filed_ms", (*appeal)->filed_ms},
+                     {"text", (*appeal)->text},
+                     {"state", (*appeal)->state},
+                     {"answer", (*appeal)->answer},
+                     {"answered_ms", (*appeal)->answered_ms}};
+}
+
+// What the viewer may do with it now, so that a page need not know the rules.
+Result<json::array> AttemptView::MayDo(const AttemptRow& row) {
+  Result<bool> shares = store_.ShareCohort(viewer_.id, row.person);
+  if (!shares.ok()) return shares.status();
+  Result<std::optional<AppealRow>> appeal = store_.AppealOf(row.id);
+  if (!appeal.ok()) return appeal.status();
+  bool reviews = CanReviewAttempt(viewer_, row, *shares);
+  bool scored = row.state == AttemptState::kScored;
+  bool sealed = row.sealed_ms != 0 && row.expired_ms == 0;
+  const struct {
+    const char* name;
+    bool may;
+  } actions[] = {
+      {"release", reviews && scored && !row.released},
+      {"unrelease", reviews && row.released},
+      {"override", reviews && row.score.has_value()},
+      {"annotate", reviews},
+      {"rescore", reviews && sealed && row.state != AttemptState::kScoring},
+      {"excuse", reviews && row.assignment && (row.flags & kExcused) == 0},
+      {"mark_reference", scored && sealed && CanMarkReference(viewer_, row, *shares)},
+      {"appeal", CanAppeal(viewer_, row) && !*appeal},
+      {"answer_appeal", reviews && *appeal && (*appeal)->state == "open"},
+  };
+  json::array out;
+  for (const auto& action : actions) {
+    if (action.may) out.emplace_back(action.name);
+  }
+  return out;
+}
+
+json::object ReferenceJson(const Person& viewer, const ReferenceRow& row) {
+  json::value dentist;
+  if (CanSeeDentist(viewer, row)) dentist = row.dentist;
+  return {{"id", row.id.Text()},
+          {"exercise_id", row.exercise.Text()},
+          {"attempt_id", row.attempt.Text()},
+          {"dentist", std::move(dentist)},
+          {"consent", row.consent},
+          {"version", row.version},
+          {"created_ms", row.created_ms},
+          {"withdrawn_ms", row.withdrawn_ms}};
 }
 
 Result<json::object> AttemptView::DetailJson(const AttemptRow& row) {
@@ -131,12 +211,24 @@ Result<json::object> AttemptView::DetailJson(const AttemptRow& row) {
   if (!out.ok()) return out;
   Result<const Exercise*> exercise = ExerciseOf(row);
   if (!exercise.ok()) return exercise.status();
-  Result<json::value> reference = ReferenceJson(row, **exercise);
+  Result<json::value> reference = ComparedWithJson(row, **exercise);
   if (!reference.ok()) return reference.status();
+  Result<bool> visible = ScoreVisible(row, (*exercise)->graded);
+  if (!visible.ok()) return visible.status();
+  Result<json::value> overridden = OverrideJson(row, *visible);
+  if (!overridden.ok()) return overridden.status();
+  Result<json::value> appeal = AppealJson(row);
+  if (!appeal.ok()) return appeal.status();
+  Result<json::array> may = MayDo(row);
+  if (!may.ok()) return may.status();
   double ticks = static_cast<double>(row.ticks + row.gap_ticks);
   double rate_hz = (*exercise)->rate_hz;
   out->emplace("duration_s", rate_hz > 0 ? ticks / rate_hz : 0.0);
   out->emplace("reference", std::move(*reference));
+  out->emplace("time_limit_s", (*exercise)->time_limit_s);
+  out->emplace("override", std::move(*overridden));
+  out->emplace("appeal", std::move(*appeal));
+  out->emplace("may", std::move(*may));
   return out;
 }
 

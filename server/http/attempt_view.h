@@ -26,13 +26,17 @@ class AttemptView {
   struct Exercise {
     bool graded = true;
     int32_t rate_hz = 0;  // 0: the document cannot be read
+    int32_t time_limit_s = 0;
     std::optional<ReferenceRow> reference;
   };
   Result<const Exercise*> ExerciseOf(const AttemptRow& row);
   Result<std::string> StationName(const Uuid& id);
   Result<std::pair<std::string, std::string>> ProfileNameAndTitle(const Sha256& content);
   Result<bool> ScoreVisible(const AttemptRow& row, bool graded);
-  Result<boost::json::value> ReferenceJson(const AttemptRow& row, const Exercise& exercise);
+  Result<boost::json::value> ComparedWithJson(const AttemptRow& row, const Exercise& exercise);
+  Result<boost::json::value> OverrideJson(const AttemptRow& row, bool visible);
+  Result<boost::json::value> AppealJson(const AttemptRow& row);
+  Result<boost::json::array> MayDo(const AttemptRow& row);
 
   Store& store_;
   const Person& viewer_;
@@ -41,5 +45,8 @@ class AttemptView {
   std::optional<std::map<Uuid, std::string>> stations_;
   std::map<Sha256, std::pair<std::string, std::string>> profiles_;
 };
+
+// Schema Reference: without the dentist's name for who may not see it.
+boost::json::object ReferenceJson(const Person& viewer, const ReferenceRow& row);
 
 }  // namespace enamel::server::http

@@ -1,10 +1,22 @@
 #include <algorithm>
 #include <map>
+#include <mutex>
+#include <optional>
 
 #include "common/scene/json.h"
+#include "common/scene/plan.h"
+#include "common/scene/volume_blob.h"
+#include "common/scoring/score.h"
+#include "common/surface/surface.h"
+#include "server/http/attempt_view.h"
 #include "server/http/error_response.h"
+#include "server/http/etag.h"
 #include "server/http/handlers.h"
 #include "server/http/json_body.h"
+#include "server/http/seen_attempt.h"
+#include "server/jobs/surface_blob.h"
+#include "server/training/access.h"
+#include "server/training/revision.h"
 
 namespace enamel::server::http {
 namespace json = boost::json;
@@ -35,6 +47,22 @@ Result<std::map<Uuid, int>> OwnAttempts(const Call& call) {
   return count;
 }
 
+json::object BurJson(const scene::BurSpec& bur) {
+  return {{"shape", cutting::BurShapeName(bur.shape)},
+          {"radius_um", bur.radius_um},
+          {"length_um", bur.length_um},
+          {"narrow_radius_um", bur.narrow_radius_um},
+          {"shank_radius_um", bur.shank_radius_um},
+          {"neck_um", bur.neck_um}};
+}
+
+json::value HandpieceJson(const scene::HandpieceSpec& handpiece) {
+  if (handpiece == scene::HandpieceSpec{}) return {};
+  return {{"stall_un_m", handpiece.stall_un_m},
+          {"tangential_permille", handpiece.tangential_permille},
+          {"lag_us", handpiece.lag_us}};
+}
+
 Result<json::object> SummaryJson(const Call& call, const ExerciseRow& row,
                                  const scene::Exercise& exercise, std::map<Uuid, int>& attempts) {
   Result<std::optional<ReferenceRow>> reference = call.store.ReferenceFor(row.id);
@@ -45,17 +73,19 @@ Result<json::object> SummaryJson(const Call& call, const ExerciseRow& row,
                       {"version", row.version},
                       {"graded", row.graded},
                       {"instructions", exercise.instructions},
-                      {"bur",
-                       {{"shape", cutting::BurShapeName(exercise.bur_shape)},
-                        {"radius_um", exercise.bur_radius_um},
-                        {"length_um", exercise.bur_length_um}}},
+                      {"state", ExerciseStateName(row.state)},
+                      {"revision", row.revision},
+                      {"published_ms", row.published_ms},
+                      {"time_limit_s", exercise.time_limit_s},
+                      {"bur", BurJson(exercise.bur())},
                       {"has_reference", reference->has_value()},
                       {"my_attempts", attempts[row.id]}};
 }
 
 json::object TargetJson(const scene::CavityTarget& target) {
   const auto& half = target.half_size_um;
-  return {{"half_size_um", json::array{half[0], half[1], half[2]}},
+  return {{"landmark", target.landmark},
+          {"half_size_um", json::array{half[0], half[1], half[2]}},
           {"depth_um", target.depth_um},
           {"leeway_side_um", target.leeway_side_um},
           {"leeway_bottom_um", target.leeway_bottom_um},
@@ -69,26 +99,163 @@ json::object RubricJson(const scene::Rubric& rubric) {
     for (const scene::RubricPoint& point : criterion.map) {
       map.push_back({{"value", point.value}, {"share", point.share}});
     }
+    json::value fails_above;
+    if (criterion.fails_above) fails_above = *criterion.fails_above;
     criteria.push_back({{"metric", criterion.metric},
                         {"title", criterion.title},
                         {"unit", criterion.unit},
                         {"points", criterion.points},
                         {"map", std::move(map)},
+                        {"fails_above", std::move(fails_above)},
                         {"comment", criterion.comment}});
   }
-  return {{"criteria", std::move(criteria)}};
+  return {{"name", rubric.name}, {"version", rubric.version}, {"criteria", std::move(criteria)}};
 }
 
-// Any version of an exercise of which the caller sees the newest.
+// Some device profile carries it on its scene; else why the last one does not.
+Status MustBeMakeable(Store& store, const scene::Exercise& exercise) {
+  Result<std::vector<SceneRow>> scenes = store.Scenes();
+  if (!scenes.ok()) return scenes.status();
+  if (std::ranges::find(*scenes, exercise.scene, &SceneRow::content) == scenes->end()) {
+    return {Code::kInvalidInput,
+            "expected the hash of a scene that this server has, found " + exercise.scene.Hex() +
+                "; put the scene first (enamel-server admin publish-exercise)",
+            "scene_sha256"};
+  }
+  Result<Bytes> text = store.GetBlob(exercise.scene);
+  if (!text.ok()) return text.status();
+  Result<scene::Scene> scene = scene::SceneFromJson(AsText(*text));
+  if (!scene.ok()) return {Code::kInternal, scene.status().message()};
+  Result<std::vector<ProfileRow>> profiles = store.Profiles();
+  if (!profiles.ok()) return profiles.status();
+  Status refusal{Code::kConflict, "this server has no device profile yet; add one first"};
+  for (const ProfileRow& row : *profiles) {
+    Result<Bytes> bytes = store.GetBlob(row.content);
+    if (!bytes.ok()) return bytes.status();
+    Result<scene::DeviceProfile> profile = scene::ProfileFromJson(AsText(*bytes));
+    if (!profile.ok()) continue;
+    Result<core::CoreParams> params = scene::CompilePlan(*scene, exercise, *profile);
+    if (params.ok()) return {};
+    refusal = {params.status().code(), "on device " + row.name + ": " + params.status().message(),
+               params.status().field()};
+  }
+  return refusal;
+}
+
+// Instructors and admins see all. Others: any version of an exercise of which they see the newest,
+// and what they have worked on.
 Result<ExerciseRow> VisibleExercise(const Call& call) {
+  Status none{Code::kNotFound, "there is no such exercise", "id"};
+  const Person& viewer = call.caller->person;
   Result<ExerciseRow> row = call.store.ExerciseById(call.id);
-  if (!row.ok()) return row;
+  if (!row.ok()) return row.status().code() == Code::kNotFound ? none : row.status();
+  if (CanEditExercises(viewer)) return row;
+  if (row->state == ExerciseState::kDraft) return none;
   Result<std::vector<ExerciseRow>> visible = VisibleExercises(call);
   if (!visible.ok()) return visible.status();
-  bool seen = std::any_of(visible->begin(), visible->end(),
-                          [&](const ExerciseRow& other) { return other.name == row->name; });
-  if (!seen) return Status{Code::kNotFound, "there is no such exercise", "id"};
+  if (std::ranges::find(*visible, row->name, &ExerciseRow::name) != visible->end()) return row;
+  AttemptFilter own;
+  own.person = viewer.id;
+  own.exercise = row->id;
+  own.limit = 1;
+  Result<std::vector<AttemptRow>> attempts = call.store.Attempts(own);
+  if (!attempts.ok()) return attempts.status();
+  if (!attempts->empty()) return row;
+  return none;
+}
+
+// What a list of exercises holds: the caller's own, or for who edits them, all in a state.
+Result<std::vector<ExerciseRow>> ListedExercises(const Call& call) {
+  auto wanted = call.request.query.find("state");
+  if (wanted == call.request.query.end()) return VisibleExercises(call);
+  std::optional<ExerciseState> state = ExerciseStateFromName(wanted->second);
+  if (!state) {
+    return Status{Code::kInvalidInput, "expected draft, published or retired", "state"};
+  }
+  if (!CanEditExercises(call.caller->person)) {
+    return Status{Code::kForbidden, "expected an instructor or admin; leave out state", "state"};
+  }
+  return call.store.ExercisesIn(*state);
+}
+
+// The exercise with all of its document, as one that may be edited.
+Result<json::object> WholeJson(const Call& call, const ExerciseRow& row) {
+  Result<std::map<Uuid, int>> attempts = OwnAttempts(call);
+  if (!attempts.ok()) return attempts.status();
+  Result<scene::Exercise> exercise = Document(call.store, row);
+  if (!exercise.ok()) return Status{Code::kInternal, exercise.status().message()};
+  Result<json::object> out = SummaryJson(call, row, *exercise, *attempts);
+  if (!out.ok()) return out;
+  out->emplace("law", haptics::FindLaw(exercise->law)->name);
+  out->emplace("rate_hz", exercise->rate_hz);
+  out->emplace("handpiece", HandpieceJson(exercise->handpiece));
+  out->emplace("scene_sha256", row.scene.Hex());
+  out->emplace("document_sha256", row.content.Hex());
+  out->emplace("target", TargetJson(exercise->target));
+  out->emplace("rubric", RubricJson(exercise->rubric));
+  return out;
+}
+
+Response WholeResponse(const Call& call, const ExerciseRow& row, int status = 200) {
+  Result<json::object> out = WholeJson(call, row);
+  if (!out.ok()) return ErrorResponse(out.status());
+  return WithETag(JsonResponse(*out, status), row.revision);
+}
+
+// The body as an exercise that this server can have attempts made of: document, scene, rubric, and
+// some device profile that carries it.
+Result<ExerciseRow> UploadedExercise(const Call& call) {
+  Result<scene::Exercise> exercise = scene::ExerciseFromJson(call.request.body);
+  if (!exercise.ok()) return exercise.status();
+  if (Status rubric = scoring::ValidateRubric(exercise->rubric); !rubric.ok()) {
+    return Status{rubric.code(), rubric.message(), "rubric." + rubric.field()};
+  }
+  ENAMEL_RETURN_IF_ERROR(MustBeMakeable(call.store, *exercise));
+  ExerciseRow row;
+  row.name = exercise->name;
+  row.title = exercise->title;
+  row.scene = exercise->scene;
+  row.graded = exercise->graded;
+  Result<Sha256> content = call.store.PutBlob(AsBytes(scene::ToJson(*exercise)));
+  if (!content.ok()) return content.status();
+  row.content = *content;
   return row;
+}
+
+// Who may edit it and what they have seen of it.
+Result<int32_t> SeenRevision(const Call& call) {
+  Result<ExerciseRow> row = VisibleExercise(call);
+  if (!row.ok()) return row.status();
+  return IfMatch(call.request);
+}
+
+// Why a change of an exercise did not happen.
+Response Refused(const Call& call, const Status& status) {
+  if (status.field() != kStale) return ErrorResponse(status);
+  Result<ExerciseRow> now = call.store.ExerciseById(call.id);
+  if (!now.ok()) return ErrorResponse(now.status());
+  Result<json::object> current = WholeJson(call, *now);
+  if (!current.ok()) return ErrorResponse(current.status());
+  return Stale(status, *current, now->revision);
+}
+
+// Made once per scene and kept; who comes while it is being made waits for it.
+Result<Sha256> InitialSurface(Store& store, const ExerciseRow& row) {
+  static std::mutex making;
+  std::lock_guard lock(making);
+  Result<std::vector<SceneRow>> scenes = store.Scenes();
+  if (!scenes.ok()) return scenes.status();
+  auto scene = std::ranges::find(*scenes, row.scene, &SceneRow::content);
+  if (scene == scenes->end()) return Status{Code::kNotFound, "the exercise's scene is not stored"};
+  if (!scene->surface.IsZero()) return scene->surface;
+  Result<Bytes> blob = store.GetBlob(scene->volume);
+  if (!blob.ok()) return blob.status();
+  Result<cutting::Volume> volume = scene::DecodeVolume(*blob);
+  if (!volume.ok()) return volume.status();
+  Result<Sha256> surface = store.PutBlob(EncodeSurface(surface::ExtractSurface(*volume)));
+  if (!surface.ok()) return surface;
+  ENAMEL_RETURN_IF_ERROR(store.PutSceneSurface(scene->volume, *surface));
+  return surface;
 }
 
 json::array NumbersJson(const scene::DeviceProfile& profile) {
@@ -123,7 +290,7 @@ json::array NumbersJson(const scene::DeviceProfile& profile) {
 }  // namespace
 
 Response ListExercises(const Call& call) {
-  Result<std::vector<ExerciseRow>> rows = VisibleExercises(call);
+  Result<std::vector<ExerciseRow>> rows = ListedExercises(call);
   if (!rows.ok()) return ErrorResponse(rows.status());
   Result<std::map<Uuid, int>> attempts = OwnAttempts(call);
   if (!attempts.ok()) return ErrorResponse(attempts.status());
@@ -141,15 +308,111 @@ Response ListExercises(const Call& call) {
 Response GetExercise(const Call& call) {
   Result<ExerciseRow> row = VisibleExercise(call);
   if (!row.ok()) return ErrorResponse(row.status());
-  Result<std::map<Uuid, int>> attempts = OwnAttempts(call);
-  if (!attempts.ok()) return ErrorResponse(attempts.status());
-  Result<scene::Exercise> exercise = Document(call.store, *row);
-  if (!exercise.ok()) return ErrorResponse(Status{Code::kInternal, exercise.status().message()});
-  Result<json::object> out = SummaryJson(call, *row, *exercise, *attempts);
-  if (!out.ok()) return ErrorResponse(out.status());
-  out->emplace("target", TargetJson(exercise->target));
-  out->emplace("rubric", RubricJson(exercise->rubric));
-  return JsonResponse(std::move(*out));
+  return WholeResponse(call, *row);
+}
+
+Response GetExerciseDocument(const Call& call) {
+  Result<ExerciseRow> row = VisibleExercise(call);
+  if (!row.ok()) return ErrorResponse(row.status());
+  Result<Bytes> bytes = call.store.GetBlob(row->content);
+  if (!bytes.ok()) return ErrorResponse(Status{Code::kInternal, bytes.status().message()});
+  Response response;
+  response.content_type = "application/json";
+  response.body = AsText(*bytes);
+  return WithETag(std::move(response), row->revision);
+}
+
+Response GetInitialSurface(const Call& call) {
+  Result<ExerciseRow> row = VisibleExercise(call);
+  if (!row.ok()) return ErrorResponse(row.status());
+  Result<Sha256> surface = InitialSurface(call.store, *row);
+  if (!surface.ok()) return ErrorResponse(Status{Code::kInternal, surface.status().message()});
+  Result<Bytes> bytes = call.store.GetBlob(*surface);
+  if (!bytes.ok()) return ErrorResponse(Status{Code::kInternal, bytes.status().message()});
+  Response response;
+  response.content_type = "application/octet-stream";
+  response.body = AsText(*bytes);
+  return response;
+}
+
+Response ListExerciseVersions(const Call& call) {
+  Result<ExerciseRow> row = VisibleExercise(call);
+  if (!row.ok()) return ErrorResponse(row.status());
+  Result<std::vector<ExerciseRow>> rows = call.store.ExerciseVersions(row->name);
+  if (!rows.ok()) return ErrorResponse(rows.status());
+  json::array versions;
+  for (const ExerciseRow& version : *rows) {
+    if (version.state == ExerciseState::kDraft && !CanEditExercises(call.caller->person)) continue;
+    versions.push_back({{"id", version.id.Text()},
+                        {"title", version.title},
+                        {"version", version.version},
+                        {"state", ExerciseStateName(version.state)},
+                        {"document_sha256", version.content.Hex()},
+                        {"published_ms", version.published_ms}});
+  }
+  return JsonResponse({{"versions", std::move(versions)}});
+}
+
+Response ListReferences(const Call& call) {
+  Result<ExerciseRow> row = VisibleExercise(call);
+  if (!row.ok()) return ErrorResponse(row.status());
+  Result<std::vector<ReferenceRow>> rows = call.store.References(row->id);
+  if (!rows.ok()) return ErrorResponse(rows.status());
+  json::array references;
+  for (const ReferenceRow& reference : *rows) {
+    references.push_back(ReferenceJson(call.caller->person, reference));
+  }
+  return JsonResponse({{"references", std::move(references)}});
+}
+
+Response PutDraft(const Call& call) {
+  if (!IsJson(call.request)) return NotJson();
+  Result<ExerciseRow> draft = UploadedExercise(call);
+  if (!draft.ok()) return ErrorResponse(draft.status());
+  Result<ExerciseRow> row = call.store.PutDraft(*draft, ActorOf(call));
+  if (!row.ok()) return ErrorResponse(row.status());
+  return WholeResponse(call, *row, 201);
+}
+
+Response ReplaceDraft(const Call& call) {
+  if (!IsJson(call.request)) return NotJson();
+  Result<int32_t> revision = SeenRevision(call);
+  if (!revision.ok()) return ErrorResponse(revision.status());
+  Result<ExerciseRow> draft = UploadedExercise(call);
+  if (!draft.ok()) return ErrorResponse(draft.status());
+  draft->id = call.id;
+  draft->revision = *revision;
+  Result<ExerciseRow> row = call.store.ReplaceDraft(*draft, ActorOf(call));
+  if (!row.ok()) return Refused(call, row.status());
+  return WholeResponse(call, *row);
+}
+
+Response DeleteDraft(const Call& call) {
+  Result<int32_t> revision = SeenRevision(call);
+  if (!revision.ok()) return ErrorResponse(revision.status());
+  Status done = call.store.DeleteDraft(call.id, *revision, ActorOf(call));
+  if (!done.ok()) return Refused(call, done);
+  Response response;
+  response.status = 204;
+  return response;
+}
+
+Response PublishDraft(const Call& call) {
+  Result<int32_t> revision = SeenRevision(call);
+  if (!revision.ok()) return ErrorResponse(revision.status());
+  Result<ExerciseRow> row = call.store.PublishDraft(call.id, *revision, ActorOf(call));
+  if (!row.ok()) return Refused(call, row.status());
+  return WholeResponse(call, *row);
+}
+
+Response RetireExercise(const Call& call) {
+  Result<ExerciseRow> row = VisibleExercise(call);
+  if (!row.ok()) return ErrorResponse(row.status());
+  Status done = call.store.RetireExercise(call.id, ActorOf(call));
+  if (!done.ok()) return ErrorResponse(done);
+  Response response;
+  response.status = 204;
+  return response;
 }
 
 Response ListProfiles(const Call& call) {

@@ -17,6 +17,24 @@ Response SignOut(const Call& call);
 
 Response ListExercises(const Call& call);
 Response GetExercise(const Call& call);
+Response GetExerciseDocument(const Call& call);
+Response GetInitialSurface(const Call& call);
+Response ListExerciseVersions(const Call& call);
+Response ListReferences(const Call& call);
+Response PutDraft(const Call& call);
+Response ReplaceDraft(const Call& call);
+Response DeleteDraft(const Call& call);
+Response PublishDraft(const Call& call);
+Response RetireExercise(const Call& call);
+Response WithdrawReference(const Call& call);
+
+Response ListAssignments(const Call& call);
+Response AddAssignment(const Call& call);
+Response GetAssignment(const Call& call);
+Response ReplaceAssignment(const Call& call);
+Response DeleteAssignment(const Call& call);
+Response ReleaseAssignment(const Call& call);
+
 Response ListProfiles(const Call& call);
 
 Response ListAttempts(const Call& call);
@@ -27,10 +45,23 @@ Response GetSeries(const Call& call);
 Response GetLive(const Call& call);
 Response ReleaseAttempt(const Call& call);
 Response MakeReference(const Call& call);
+Response WithdrawRelease(const Call& call);
+Response PutOverride(const Call& call);
+Response DeleteOverride(const Call& call);
+Response Rescore(const Call& call);
+Response Excuse(const Call& call);
+Response ListResults(const Call& call);
+Response ListAnnotations(const Call& call);
+Response AddAnnotation(const Call& call);
+Response ReplaceAnnotation(const Call& call);
+Response DeleteAnnotation(const Call& call);
+Response FileAppeal(const Call& call);
+Response AnswerAppeal(const Call& call);
 
 Response ListCohorts(const Call& call);
 Response ListStations(const Call& call);
 Response ListAudit(const Call& call);
 Response ListJobs(const Call& call);
+Response CancelJob(const Call& call);
 
 }  // namespace enamel::server::http

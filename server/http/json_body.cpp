@@ -7,6 +7,32 @@
 namespace enamel::server::http {
 namespace json = boost::json;
 
+namespace {
+
+Result<json::object> ParseObject(const Request& request) {
+  json::parse_options options;
+  options.max_depth = 4;
+  json::error_code error;
+  json::value value = json::parse(request.body, error, {}, options);
+  if (error || !value.is_object()) {
+    return Status{Code::kInvalidInput, "expected a JSON object as body", "body"};
+  }
+  return std::move(value.get_object());
+}
+
+bool IsReadable(std::string_view text) {
+  return std::ranges::none_of(
+      text, [](unsigned char c) { return (c < 0x20 && c != '\n' && c != '\t') || c == 0x7f; });
+}
+
+std::optional<Uuid> IdOf(const json::value& value) {
+  if (!value.is_string()) return std::nullopt;
+  Result<Uuid> id = Uuid::Parse(std::string_view(value.get_string()));
+  return id.ok() ? std::optional(*id) : std::nullopt;
+}
+
+}  // namespace
+
 Response JsonResponse(const json::object& object, int status) {
   Response response;
   response.status = status;
@@ -17,14 +43,9 @@ Response JsonResponse(const json::object& object, int status) {
 
 Result<json::object> TextMembers(const Request& request,
                                  std::initializer_list<TextMember> members) {
-  json::parse_options options;
-  options.max_depth = 4;
-  json::error_code error;
-  json::value value = json::parse(request.body, error, {}, options);
-  if (error || !value.is_object()) {
-    return Status{Code::kInvalidInput, "expected a JSON object as body", "body"};
-  }
-  json::object& object = value.get_object();
+  Result<json::object> parsed = ParseObject(request);
+  if (!parsed.ok()) return parsed;
+  json::object& object = *parsed;
   for (const TextMember& member : members) {
     const json::value* found = object.if_contains(member.name);
     if (!found || !found->is_string() || found->get_string().empty() ||
@@ -43,7 +64,138 @@ Result<json::object> TextMembers(const Request& request,
                     std::string(entry.key())};
     }
   }
-  return std::move(object);
+  return parsed;
+}
+
+BodyReader::BodyReader(const Request& request) {
+  Result<json::object> parsed = ParseObject(request);
+  if (parsed.ok()) {
+    object_ = std::move(*parsed);
+  } else {
+    status_ = parsed.status();
+  }
+}
+
+void BodyReader::Refuse(std::string_view name, const std::string& expected) {
+  if (!status_.ok()) return;
+  status_ = Status{Code::kInvalidInput, "expected " + std::string(name) + " as " + expected,
+                   std::string(name)};
+}
+
+const json::value* BodyReader::Find(std::string_view name) {
+  asked_.emplace_back(name);
+  return object_.if_contains(name);
+}
+
+const json::value* BodyReader::Need(std::string_view name, const std::string& expected) {
+  const json::value* found = Find(name);
+  if (!found) Refuse(name, expected);
+  return found;
+}
+
+std::string BodyReader::Text(std::string_view name, size_t at_least, size_t at_most) {
+  std::string expected = "text of " + std::to_string(at_least) + " to " + std::to_string(at_most) +
+                         " bytes without control characters";
+  const json::value* found = Need(name, expected);
+  if (!found) return {};
+  bool fits = found->is_string() && found->get_string().size() >= at_least &&
+              found->get_string().size() <= at_most && IsReadable(found->get_string());
+  if (fits) return std::string(found->get_string());
+  Refuse(name, expected);
+  return {};
+}
+
+int64_t BodyReader::Integer(std::string_view name, int64_t at_least, int64_t at_most) {
+  std::string expected =
+      "a whole number of " + std::to_string(at_least) + " to " + std::to_string(at_most);
+  const json::value* found = Need(name, expected);
+  if (!found) return at_least;
+  json::error_code error;
+  auto number = found->is_number() ? found->to_number<int64_t>(error) : 0;
+  if (found->is_number() && !error && number >= at_least && number <= at_most) return number;
+  Refuse(name, expected);
+  return at_least;
+}
+
+int64_t BodyReader::Integer(std::string_view name, int64_t at_least, int64_t at_most,
+                            int64_t otherwise) {
+  if (object_.if_contains(name)) return Integer(name, at_least, at_most);
+  return otherwise;
+}
+
+double BodyReader::Number(std::string_view name, double at_least, double at_most) {
+  std::string expected = "a number of " + json::serialize(json::value(at_least)) + " to " +
+                         json::serialize(json::value(at_most));
+  const json::value* found = Need(name, expected);
+  if (!found) return at_least;
+  double number = found->is_number() ? found->to_number<double>() : at_least - 1;
+  if (number >= at_least && number <= at_most) return number;
+  Refuse(name, expected);
+  return at_least;
+}
+
+bool BodyReader::Flag(std::string_view name, bool otherwise) {
+  const json::value* found = Find(name);
+  if (!found) return otherwise;
+  if (found->is_bool()) return found->get_bool();
+  Refuse(name, "true or false");
+  return otherwise;
+}
+
+std::optional<Uuid> BodyReader::MaybeId(std::string_view name) {
+  const json::value* found = Find(name);
+  if (!found || found->is_null()) return std::nullopt;
+  std::optional<Uuid> id = IdOf(*found);
+  if (!id) Refuse(name, "an id (UUID text) or null");
+  return id;
+}
+
+std::vector<Uuid> BodyReader::Ids(std::string_view name, size_t at_most) {
+  std::vector<Uuid> out;
+  const json::value* found = Find(name);
+  if (!found) return out;
+  std::string expected = "a list of at most " + std::to_string(at_most) + " different ids";
+  if (!found->is_array() || found->get_array().size() > at_most) {
+    Refuse(name, expected);
+    return out;
+  }
+  for (const json::value& entry : found->get_array()) {
+    std::optional<Uuid> id = IdOf(entry);
+    if (!id || std::ranges::find(out, *id) != out.end()) {
+      Refuse(name, expected);
+      return out;
+    }
+    out.push_back(*id);
+  }
+  return out;
+}
+
+std::optional<std::array<int32_t, 3>> BodyReader::MaybePoint(std::string_view name) {
+  constexpr int64_t kFarUm = 1'000'000;
+  const json::value* found = Find(name);
+  if (!found || found->is_null()) return std::nullopt;
+  std::array<int32_t, 3> out{};
+  bool fits = found->is_array() && found->get_array().size() == out.size();
+  for (size_t axis = 0; fits && axis < out.size(); ++axis) {
+    const json::value& entry = found->get_array()[axis];
+    json::error_code error;
+    auto number = entry.is_number() ? entry.to_number<int64_t>(error) : kFarUm + 1;
+    fits = !error && number >= -kFarUm && number <= kFarUm;
+    out[axis] = fits ? static_cast<int32_t>(number) : 0;
+  }
+  if (fits) return out;
+  Refuse(name, "three whole numbers of -1000000 to 1000000, or null");
+  return std::nullopt;
+}
+
+Status BodyReader::Finish() {
+  for (const auto& entry : object_) {
+    if (!status_.ok()) break;
+    if (std::ranges::find(asked_, entry.key()) != asked_.end()) continue;
+    status_ =
+        Status{Code::kInvalidInput, "expected no member of this name", std::string(entry.key())};
+  }
+  return status_;
 }
 
 bool IsJson(const Request& request) {

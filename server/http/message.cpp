@@ -12,6 +12,8 @@ const char* MethodName(Method method) {
       return "POST";
     case Method::kPatch:
       return "PATCH";
+    case Method::kPut:
+      return "PUT";
     case Method::kDelete:
       return "DELETE";
     case Method::kOther:

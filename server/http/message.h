@@ -13,7 +13,7 @@
 // makes one with braces.
 namespace enamel::server::http {
 
-enum class Method : uint8_t { kGet, kHead, kPost, kPatch, kDelete, kOther };
+enum class Method : uint8_t { kGet, kHead, kPost, kPut, kPatch, kDelete, kOther };
 const char* MethodName(Method method);
 
 // Thread safety: a value.

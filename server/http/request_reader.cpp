@@ -29,6 +29,8 @@ Method MethodOf(bhttp::verb verb) {
       return Method::kHead;
     case bhttp::verb::post:
       return Method::kPost;
+    case bhttp::verb::put:
+      return Method::kPut;
     case bhttp::verb::patch:
       return Method::kPatch;
     case bhttp::verb::delete_:

@@ -42,7 +42,7 @@ class ScoreJob {
     scoring::ProcessRecorder process(header_.params);
     SeriesRecorder series(header_.params, initial_.spec().voxel_m(), seal_.ticks);
     ENAMEL_RETURN_IF_ERROR(Replay(core, process, series));
-    return Finish(core.volume(), process, series);
+    return Finish(at_limit_ ? *at_limit_ : core.volume(), process, series);
   }
 
  private:
@@ -177,8 +177,13 @@ class ScoreJob {
     auto report = trace::Replay(
         core, header_, chunks_,
         [&](const trace::Tick& tick, const core::TickOutput& output) {
+          if (at_limit_) return;
           process.Add(tick, output);
           series.Add(tick, output);
+          time_ticks_ += 1 + tick.input.gap_ticks;
+          if (row_.exam && row_.limit_ticks > 0 && time_ticks_ >= row_.limit_ticks) {
+            at_limit_ = core.volume();
+          }
         },
         [&](double done) { return Tell(kReplayFrom + (kReplayTo - kReplayFrom) * done).ok(); });
     if (!report.ok()) return report.status();
@@ -262,6 +267,8 @@ class ScoreJob {
   std::optional<Uuid> reference_attempt_;          // none: against itself, as there is no reference
   std::shared_ptr<const ReferenceCut> reference_;  // null: against itself
   trace::ReplayReport report_;
+  uint64_t time_ticks_ = 0;                  // replayed, gaps included
+  std::optional<cutting::Volume> at_limit_;  // of an exam: the tooth when its time was up
 };
 
 bool WorthAnotherTry(const Status& status) {

@@ -22,6 +22,8 @@ using JobProgress = std::function<bool(double progress)>;
 //  4. the core re-run on the recorded inputs: every witness and every state hash must agree. A
 //  mismatch
 //     fails the attempt with the tick and chunk where it broke; nothing is scored;
+//  An exam with a time limit is judged by what was there when its time, gaps included, was up; what
+//  came after is replayed and checked all the same;
 //  5. metrics, rubric, and four blobs: score JSON (schemas/score.md), final volume, surface with
 //     deviation (surface_blob.h), series (series.h); then Store::FinishAttempt.
 // Running it again gives the same blobs but for replay_realtime_factor.

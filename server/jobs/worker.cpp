@@ -101,8 +101,8 @@ Status Worker::RunJob(const JobRow& job, const std::stop_token& stop) {
   auto progress = [&](double done) {
     if (done >= told + kProgressStep) {
       told = done;
-      // Progress is only shown; the job's own writes will meet the same trouble and report it.
-      (void)store_.SetProgress(job.attempt, done);
+      // Other trouble than having been cancelled is met and reported by the job's own writes.
+      if (store_.SetProgress(job.attempt, done).code() == Code::kUnavailable) return false;
     }
     return !stop.stop_requested();
   };

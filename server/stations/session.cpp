@@ -184,11 +184,54 @@ Result<std::vector<ExerciseRow>> Session::ExercisesOf(const Person& person) {
                                      : services_.store.ExercisesFor(person.id);
 }
 
+Result<std::string> Session::StationsText(const AssignmentRow& assignment) {
+  std::string out;
+  for (const Uuid& id : assignment.stations) {
+    auto station = services_.store.StationById(id);
+    if (!station.ok()) return station.status();
+    out += (out.empty() ? "" : ", ") + station->name;
+  }
+  return out;
+}
+
+// One whose scene is not there cannot be made: it is left out.
+Status Session::AddExercise(const ExerciseRow& row, const std::vector<SceneRow>& scenes,
+                            wire::Exercises& out) {
+  auto scene = std::ranges::find(scenes, row.scene, &SceneRow::content);
+  if (scene == scenes.end()) return Status::Ok();
+  wire::ExerciseRef& ref = *out.add_exercises();
+  ref.set_name(row.name);
+  ref.set_title(row.title);
+  ref.set_exercise(protocol::ToField(row.content.view()));
+  ref.set_scene(protocol::ToField(row.scene.view()));
+  ref.set_volume(protocol::ToField(scene->volume.view()));
+  return Status::Ok();
+}
+
+Status Session::AddAssigned(const AssignedRow& row, const std::vector<SceneRow>& scenes,
+                            wire::Exercises& out) {
+  const int before = out.exercises_size();
+  ENAMEL_RETURN_IF_ERROR(AddExercise(row.exercise, scenes, out));
+  if (out.exercises_size() == before) return Status::Ok();
+  wire::ExerciseRef& ref = *out.mutable_exercises(before);
+  const AssignmentRow& terms = row.assignment;
+  ref.set_assignment(protocol::ToField(terms.id.view()));
+  ref.set_opens_unix_ms(terms.opens_ms);
+  ref.set_due_unix_ms(terms.due_ms);
+  ref.set_late_allowed(terms.late_allowed);
+  ref.set_attempt_limit(terms.attempt_limit);
+  ref.set_attempts_left(terms.attempt_limit - std::min(row.attempts_used, terms.attempt_limit));
+  ref.set_exam(terms.exam);
+  auto stations = StationsText(terms);
+  if (!stations.ok()) return stations.status();
+  Status may = MayBegin(row, services_.clock(), station_->id, *stations);
+  if (!may.ok()) ref.set_refusal(may.message());
+  return Status::Ok();
+}
+
 Result<wire::Reply> Session::Do(const wire::ListExercises& request) {
   auto person = PersonOf(request.session());
   if (!person.ok()) return person.status();
-  auto exercises = ExercisesOf(*person);
-  if (!exercises.ok()) return exercises.status();
   auto scenes = services_.store.Scenes();
   if (!scenes.ok()) return scenes.status();
   auto profiles = services_.store.Profiles();
@@ -196,15 +239,18 @@ Result<wire::Reply> Session::Do(const wire::ListExercises& request) {
 
   wire::Reply reply;
   wire::Exercises& out = *reply.mutable_exercises();
-  for (const ExerciseRow& row : *exercises) {
-    auto scene = std::ranges::find(*scenes, row.scene, &SceneRow::content);
-    if (scene == scenes->end()) continue;
-    wire::ExerciseRef& ref = *out.add_exercises();
-    ref.set_name(row.name);
-    ref.set_title(row.title);
-    ref.set_exercise(protocol::ToField(row.content.view()));
-    ref.set_scene(protocol::ToField(row.scene.view()));
-    ref.set_volume(protocol::ToField(scene->volume.view()));
+  if (person->role == Role::kStudent) {
+    auto assigned = services_.store.AssignmentsFor(person->id);
+    if (!assigned.ok()) return assigned.status();
+    for (const AssignedRow& row : *assigned) {
+      ENAMEL_RETURN_IF_ERROR(AddAssigned(row, *scenes, out));
+    }
+  } else {
+    auto exercises = ExercisesOf(*person);
+    if (!exercises.ok()) return exercises.status();
+    for (const ExerciseRow& row : *exercises) {
+      ENAMEL_RETURN_IF_ERROR(AddExercise(row, *scenes, out));
+    }
   }
   for (const ProfileRow& row : *profiles) {
     wire::ProfileRef& ref = *out.add_profiles();

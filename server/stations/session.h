@@ -11,10 +11,10 @@
 #include "server/live/live_board.h"
 #include "server/stations/content.h"
 #include "server/storage/store.h"
+#include "server/training/ticket_rules.h"
 
 namespace enamel::server::stations {
 
-inline constexpr UnixMs kTicketValidMs = 12 * 60 * 60 * 1000;
 // How long after its ticket ran out a recording may still be opened here. The station checks that
 // it begins in time; it may have been cut off from the server since.
 inline constexpr UnixMs kLateUploadMs = 7ll * 24 * 60 * 60 * 1000;
@@ -87,6 +87,21 @@ class Session {
 
   Result<Person> PersonOf(const std::string& session_token);
   Result<std::vector<ExerciseRow>> ExercisesOf(const Person& person);
+  // Names of an exam's stations, for people.
+  Result<std::string> StationsText(const AssignmentRow& assignment);
+  Status AddExercise(const ExerciseRow& row, const std::vector<SceneRow>& scenes,
+                     wire::Exercises& out);
+  Status AddAssigned(const AssignedRow& row, const std::vector<SceneRow>& scenes,
+                     wire::Exercises& out);
+  // What a ticket of this person for this exercise counts for; none: reference cuts, and what
+  // instructors and admins try out. Errors: kForbidden (not assigned, or not now); field() says
+  // which rule.
+  Result<std::optional<AssignmentRow>> AssignmentFor(const Person& person,
+                                                     const ExerciseRow& exercise,
+                                                     const wire::RequestTicket& request);
+  Status GuessTerms(AttemptRow& row);
+  // Rate and time limit of the exercise's document.
+  Status SetTiming(AttemptRow& row);
   Status CheckHeader(const trace::Header& header);
   Status CheckParams(const trace::Header& header);
   // Errors: kNotFound unless the attempt was ticketed for this station.

@@ -30,6 +30,54 @@ Status Session::MustBeOurs(const Uuid& attempt) {
   return Status::Ok();
 }
 
+Status Session::SetTiming(AttemptRow& row) {
+  auto text = services_.store.GetBlob(row.exercise_content);
+  if (!text.ok()) return text.status();
+  auto document = scene::ExerciseFromJson(AsText(*text));
+  if (!document.ok()) return document.status();
+  row.rate_hz = document->rate_hz;
+  row.limit_ticks =
+      static_cast<uint64_t>(document->time_limit_s) * static_cast<uint64_t>(document->rate_hz);
+  return Status::Ok();
+}
+
+Result<std::optional<AssignmentRow>> Session::AssignmentFor(const Person& person,
+                                                            const ExerciseRow& exercise,
+                                                            const wire::RequestTicket& request) {
+  Status not_assigned(
+      Code::kForbidden,
+      "exercise \"" + exercise.name + "\" in this version is not assigned to " + person.login,
+      "exercise");
+  if (person.role != Role::kStudent) {
+    auto offered = ExercisesOf(person);
+    if (!offered.ok()) return offered.status();
+    auto found = std::ranges::find(*offered, exercise.content, &ExerciseRow::content);
+    if (found == offered->end()) return not_assigned;
+    return std::optional<AssignmentRow>();
+  }
+  std::optional<Uuid> wanted;
+  if (!request.assignment().empty()) {
+    auto id = protocol::ReadUuid(request.assignment(), "assignment");
+    if (!id.ok()) return id.status();
+    wanted = *id;
+  }
+  auto rows = services_.store.AssignmentsFor(person.id);
+  if (!rows.ok()) return rows.status();
+  UnixMs now_ms = services_.clock();
+  const AssignedRow* assigned =
+      PickAssignment(*rows, exercise.content, wanted, now_ms, station_->id);
+  if (!assigned) return not_assigned;
+  auto stations = StationsText(assigned->assignment);
+  if (!stations.ok()) return stations.status();
+  ENAMEL_RETURN_IF_ERROR(MayBegin(*assigned, now_ms, station_->id, *stations));
+  if (request.for_later() && assigned->assignment.exam) {
+    return Status(Code::kForbidden,
+                  "an exam begins while the server is there: its ticket cannot be taken in advance",
+                  "for_later");
+  }
+  return std::optional(assigned->assignment);
+}
+
 Result<wire::Reply> Session::Do(const wire::RequestTicket& request) {
   auto person = PersonOf(request.session());
   if (!person.ok()) return person.status();
@@ -49,14 +97,8 @@ Result<wire::Reply> Session::Do(const wire::RequestTicket& request) {
   }
   auto exercise = services_.store.ExerciseByContent(*content);
   if (!exercise.ok()) return exercise.status();
-  auto offered = ExercisesOf(*person);
-  if (!offered.ok()) return offered.status();
-  if (std::ranges::find(*offered, *content, &ExerciseRow::content) == offered->end()) {
-    return Status(
-        Code::kForbidden,
-        "exercise \"" + exercise->name + "\" in this version is not assigned to " + person->login,
-        "exercise");
-  }
+  auto assignment = AssignmentFor(*person, *exercise, request);
+  if (!assignment.ok()) return assignment.status();
   auto profiles = services_.store.Profiles();
   if (!profiles.ok()) return profiles.status();
   if (std::ranges::find(*profiles, *profile, &ProfileRow::content) == profiles->end()) {
@@ -72,7 +114,7 @@ Result<wire::Reply> Session::Do(const wire::RequestTicket& request) {
   ticket.exercise = *content;
   ticket.profile = *profile;
   ticket.issued_unix_ms = services_.clock();
-  ticket.expires_unix_ms = ticket.issued_unix_ms + kTicketValidMs;
+  ticket.expires_unix_ms = TicketEnd(*assignment, ticket.issued_unix_ms);
   trace::SignTicket(ticket, services_.ticket_key.secret_key);
   Bytes encoded = trace::EncodeTicket(ticket);
 
@@ -81,14 +123,22 @@ Result<wire::Reply> Session::Do(const wire::RequestTicket& request) {
   row.person = person->id;
   row.station = station_->id;
   row.exercise = exercise->id;
+  row.exercise_content = *content;
   row.profile_content = *profile;
   row.as_reference = request.as_reference();
   row.ticketed_ms = ticket.issued_unix_ms;
+  ENAMEL_RETURN_IF_ERROR(SetTiming(row));
+  SetTerms(*assignment, row);
   ENAMEL_RETURN_IF_ERROR(
       services_.store.CreateAttempt(row, encoded, Actor{person->id, "station " + station_->name}));
   ours_.insert(ticket.attempt);
   wire::Reply reply;
-  reply.mutable_ticket_issued()->set_ticket(protocol::ToField(encoded));
+  wire::TicketIssued& issued = *reply.mutable_ticket_issued();
+  issued.set_ticket(protocol::ToField(encoded));
+  issued.set_exam(row.exam);
+  issued.set_late((row.flags & kLate) != 0);
+  issued.set_due_unix_ms(row.due_ms);
+  if (row.assignment) issued.set_assignment(protocol::ToField(row.assignment->view()));
   return reply;
 }
 
@@ -141,6 +191,24 @@ Status Session::MayStillBegin(const trace::Ticket& ticket) const {
   return Status(Code::kConflict, "the ticket ran out too long ago; ask for a new one", "ticket");
 }
 
+// A ticket does not name its assignment: it is the one that would be picked again. Neither its
+// limit nor another exam is held against what has been made already.
+Status Session::GuessTerms(AttemptRow& row) {
+  auto person = services_.store.PersonById(row.person);
+  if (person.status().code() == Code::kNotFound) return Status::Ok();
+  if (!person.ok()) return person.status();
+  if (person->role != Role::kStudent) return Status::Ok();
+  auto rows = services_.store.AssignmentsFor(row.person);
+  if (!rows.ok()) return rows.status();
+  for (AssignedRow& assigned : *rows) assigned.attempts_used = 0;
+  const AssignedRow* assigned =
+      PickAssignment(*rows, row.exercise_content, std::nullopt, row.ticketed_ms, row.station);
+  if (!assigned) return Status::Ok();
+  SetTerms(assigned->assignment, row);
+  row.flags |= kReadmitted;
+  return Status::Ok();
+}
+
 Result<AttemptRow> Session::Readmit(const trace::Ticket& ticket) {
   ENAMEL_RETURN_IF_ERROR(MayStillBegin(ticket));
   auto exercise = services_.store.ExerciseByContent(ticket.exercise);
@@ -150,8 +218,11 @@ Result<AttemptRow> Session::Readmit(const trace::Ticket& ticket) {
   row.person = ticket.person;
   row.station = ticket.station;
   row.exercise = exercise->id;
+  row.exercise_content = ticket.exercise;
   row.profile_content = ticket.profile;
   row.ticketed_ms = ticket.issued_unix_ms;
+  ENAMEL_RETURN_IF_ERROR(SetTiming(row));
+  ENAMEL_RETURN_IF_ERROR(GuessTerms(row));
   ENAMEL_RETURN_IF_ERROR(services_.store.CreateAttempt(
       row, trace::EncodeTicket(ticket),
       Actor{ticket.person, "station " + station_->name + ", ticket from before a restore"}));
@@ -171,6 +242,11 @@ Result<wire::Reply> Session::Do(const wire::OpenAttempt& request) {
     ENAMEL_RETURN_IF_ERROR(CheckParams(*header));
   }
   ENAMEL_RETURN_IF_ERROR(services_.store.OpenAttempt(attempt, AsBytes(request.header())));
+  if (request.resumed() > 0) {
+    ENAMEL_RETURN_IF_ERROR(
+        services_.store.FlagAttempt(attempt, kResumed, "the station went on from its spool",
+                                    Actor{row->person, "station " + station_->name}));
+  }
   ours_.insert(attempt);
 
   wire::Reply reply;
@@ -275,6 +351,9 @@ Result<wire::Reply> Session::Do(const wire::AttemptStatus& request) {
   state.set_attempt(request.attempt());
   state.set_state(AttemptStateName(row->state));
   state.set_progress(row->progress);
+  state.set_exam(row->exam);
+  state.set_released(row->released);
+  for (const char* flag : AttemptFlagNames(row->flags)) state.add_flags(flag);
   if (row->state != AttemptState::kScored) return reply;
   auto exercise = services_.store.ExerciseById(row->exercise);
   if (!exercise.ok()) return exercise.status();

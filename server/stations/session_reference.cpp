@@ -46,7 +46,7 @@ Result<wire::Reply> Session::Do(const wire::MarkReference& request) {
                       AttemptStateName(row->state) + "; wait for the score",
                   "attempt");
   }
-  auto reference = services_.store.AddReference(*attempt, request.dentist(),
+  auto reference = services_.store.AddReference(*attempt, request.dentist(), request.consent(),
                                                 Actor{person->id, "station " + station_->name});
   if (!reference.ok()) return reference.status();
   wire::Reply reply;

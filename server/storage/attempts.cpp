@@ -11,7 +11,9 @@ constexpr char kAttemptSelect[] =
     "a.profile_content, "
     "a.state, a.as_reference, a.released, a.ticketed_ms, a.sealed_ms, a.chunks, a.ticks, "
     "a.gap_ticks, "
-    "a.trace_bytes, a.score, a.critical_fail, a.progress, a.problem, a.expired_ms FROM attempts a "
+    "a.trace_bytes, a.score, a.critical_fail, a.progress, a.problem, a.expired_ms, a.assignment, "
+    "a.exam, a.due_ms, a.rate_hz, a.limit_ticks, a.flags, a.last_chunk_ms, a.override_score, "
+    "a.override_reason, a.override_by, a.override_ms FROM attempts a "
     "JOIN people p ON p.tenant = a.tenant AND p.id = a.person "
     "JOIN exercises e ON e.tenant = a.tenant AND e.id = a.exercise WHERE a.tenant = ?1";
 
@@ -39,6 +41,14 @@ AttemptRow AttemptOf(const Query& q) {
   out.progress = q.Real(19);
   out.problem = q.Text(20);
   out.expired_ms = q.Int(21);
+  if (!q.IsNull(22)) out.assignment = q.Id(22);
+  out.exam = q.Int(23) != 0;
+  out.due_ms = q.Int(24);
+  out.rate_hz = static_cast<int32_t>(q.Int(25));
+  out.limit_ticks = static_cast<uint64_t>(q.Int(26));
+  out.flags = static_cast<uint32_t>(q.Int(27));
+  out.last_chunk_ms = q.Int(28);
+  if (!q.IsNull(29)) out.overridden = ScoreOverride{q.Real(29), q.Text(30), q.Id(31), q.Int(32)};
   return out;
 }
 
@@ -61,7 +71,9 @@ Status QueueUnreferenced(Db& db, const Uuid& exercise) {
     while (q.Next()) waiting.push_back(q.Id(0));
     ENAMEL_RETURN_IF_ERROR(q.status());
   }
-  for (const Uuid& attempt : waiting) ENAMEL_RETURN_IF_ERROR(QueueScoreJob(db, attempt));
+  for (const Uuid& attempt : waiting) {
+    ENAMEL_RETURN_IF_ERROR(QueueScoreJob(db, attempt, "reference"));
+  }
   return Status::Ok();
 }
 
@@ -75,10 +87,50 @@ Status InsertReference(Db& db, ReferenceRow& row) {
   }
   Query q(
       db,
-      "INSERT INTO reference_cuts (tenant, id, exercise, attempt, dentist, version, created_ms) "
-      "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)");
+      "INSERT INTO reference_cuts (tenant, id, exercise, attempt, dentist, version, created_ms, "
+      "consent) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)");
   q.Bind(row.id).Bind(row.exercise).Bind(row.attempt).Bind(row.dentist).Bind(int64_t{row.version});
-  return q.Bind(row.created_ms).Run();
+  return q.Bind(row.created_ms).Bind(int64_t{row.consent}).Run();
+}
+
+#define ENAMEL_REFERENCE_SELECT                                                             \
+  "SELECT id, exercise, attempt, dentist, version, created_ms, consent, withdrawn_ms FROM " \
+  "reference_cuts WHERE tenant = ?1"
+
+ReferenceRow ReferenceOf(const Query& q) {
+  return ReferenceRow{q.Id(0),  q.Id(1),       q.Id(2), q.Text(3), static_cast<int32_t>(q.Int(4)),
+                      q.Int(5), q.Int(6) != 0, q.Int(7)};
+}
+
+Result<ReferenceRow> FindReference(Db& db, const Uuid& id) {
+  Query q(db, ENAMEL_REFERENCE_SELECT " AND id = ?2");
+  if (q.Bind(id).Next()) return ReferenceOf(q);
+  if (!q.status().ok()) return q.status();
+  return Status(Code::kNotFound, "no reference " + id.Text());
+}
+
+// A run that was cancelled may still come to its end.
+Status MustNotBeCancelled(Db& db, const Uuid& attempt) {
+  Query q(db,
+          "SELECT state FROM jobs WHERE tenant = ?1 AND attempt = ?2 ORDER BY state = 'running' "
+          "DESC, id DESC LIMIT 1");
+  bool cancelled = q.Bind(attempt).Next() && q.Text(0) == "cancelled";
+  ENAMEL_RETURN_IF_ERROR(q.status());
+  if (cancelled) return Status(Code::kUnavailable, "this scoring run was cancelled");
+  return Status::Ok();
+}
+
+Status KeepResult(Db& db, const Uuid& attempt, const Store::AttemptResult& result) {
+  Query q(
+      db,
+      "INSERT INTO attempt_results (tenant, attempt, run, scored_ms, cause, score, "
+      "critical_fail, score_json, reference) SELECT ?1, ?2, 1 + (SELECT coalesce(max(run), 0) "
+      "FROM attempt_results WHERE tenant = ?1 AND attempt = ?2), ?3, coalesce((SELECT cause FROM "
+      "jobs WHERE tenant = ?1 AND attempt = ?2 AND state = 'running' LIMIT 1), 'seal'), ?4, ?5, "
+      "?6, iif(length(?7) = 16, ?7, NULL)");
+  q.Bind(attempt).Bind(NowMs()).Bind(result.score).Bind(int64_t{result.critical_fail});
+  q.Bind(result.score_json).Bind(result.reference ? result.reference->view() : ByteView());
+  return q.Run();
 }
 
 }  // namespace
@@ -94,16 +146,25 @@ Result<AttemptRow> FindAttempt(Db& db, const Uuid& id) {
 Status SqliteStore::CreateAttempt(const AttemptRow& row, ByteView ticket, const Actor& by) {
   ENAMEL_RETURN_IF_ERROR(MayRecord());
   return Write([&](Db& db) -> Status {
+    ENAMEL_RETURN_IF_ERROR(MayBeIssued(db, row));
     Query q(db,
             "INSERT INTO attempts (tenant, id, person, station, exercise, profile_content, state, "
-            "as_reference, ticketed_ms, ticket) VALUES (?1, ?2, ?3, ?4, ?5, ?6, 1, ?7, ?8, ?9)");
+            "as_reference, ticketed_ms, ticket, exam, due_ms, rate_hz, limit_ticks, flags, "
+            "assignment) VALUES (?1, ?2, ?3, ?4, ?5, ?6, 1, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, "
+            "iif(length(?15) = 16, ?15, NULL))");
     q.Bind(row.id).Bind(row.person).Bind(row.station).Bind(row.exercise).Bind(row.profile_content);
     q.Bind(static_cast<int64_t>(row.as_reference)).Bind(row.ticketed_ms).Bind(ticket);
+    q.Bind(int64_t{row.exam}).Bind(row.due_ms).Bind(int64_t{row.rate_hz});
+    q.Bind(static_cast<int64_t>(row.limit_ticks)).Bind(int64_t{row.flags});
+    q.Bind(row.assignment ? row.assignment->view() : ByteView());
     ENAMEL_RETURN_IF_ERROR(Explain(
         q.Run(),
         "attempt " + row.id.Text() + " exists, or its person, station or exercise does not"));
     return WriteAudit(db, by, "attempt.ticket", row.id.Text(), "{}",
-                      JsonOf({{"person", row.person.Text()}, {"exercise", row.exercise.Text()}}));
+                      JsonOf({{"person", row.person.Text()},
+                              {"exercise", row.exercise.Text()},
+                              {"assignment", row.assignment ? row.assignment->Text() : ""},
+                              {"exam", row.exam ? "yes" : "no"}}));
   });
 }
 
@@ -131,7 +192,18 @@ Result<std::vector<AttemptRow>> SqliteStore::Attempts(const AttemptFilter& filte
         "m.cohort = i.cohort WHERE i.tenant = a.tenant AND m.person = a.person AND i.person = ",
         ")");
   where(filter.exercise, "a.exercise = ", "");
+  where(filter.assignment, "a.assignment = ", "");
   where(filter.before, "a.id < ", "");
+  if (filter.state) sql += " AND a.state = " + std::to_string(static_cast<int>(*filter.state));
+  if (filter.flags != 0) {
+    std::string bits = std::to_string(filter.flags);
+    sql += " AND a.flags & " + bits + " = " + bits;
+  }
+  if (filter.open_appeal) {
+    sql +=
+        " AND EXISTS (SELECT 1 FROM appeals o WHERE o.tenant = a.tenant AND o.attempt = a.id AND "
+        "o.state = 'open')";
+  }
   sql += " ORDER BY a.id DESC LIMIT " + std::to_string(std::clamp<uint32_t>(filter.limit, 1, 200));
   return Read([&](Db& db) -> Result<std::vector<AttemptRow>> {
     Query q(db, sql.c_str());
@@ -145,6 +217,7 @@ Result<std::vector<AttemptRow>> SqliteStore::Attempts(const AttemptFilter& filte
 
 Status SqliteStore::FinishAttempt(const Uuid& attempt, const AttemptResult& result) {
   return Write([&](Db& db) -> Status {
+    ENAMEL_RETURN_IF_ERROR(MustNotBeCancelled(db, attempt));
     Query q(db,
             "UPDATE attempts SET state = 5, progress = 1, problem = '', score = ?3, critical_fail "
             "= ?4, "
@@ -159,6 +232,7 @@ Status SqliteStore::FinishAttempt(const Uuid& attempt, const AttemptResult& resu
       return Status(Code::kConflict,
                     "attempt " + attempt.Text() + " is not one that waits for a score");
     }
+    ENAMEL_RETURN_IF_ERROR(KeepResult(db, attempt, result));
     return WriteAudit(db, Actor{{}, "job"}, "attempt.score", attempt.Text(), "{}",
                       JsonOf({{"score_json", result.score_json.Hex()}}));
   });
@@ -200,30 +274,15 @@ Result<Store::AttemptResult> SqliteStore::ResultOf(const Uuid& attempt) {
 Status SqliteStore::SetProgress(const Uuid& attempt, double progress) {
   return Write([&](Db& db) -> Status {
     Query q(db, "UPDATE attempts SET progress = ?3 WHERE tenant = ?1 AND id = ?2 AND state = 4");
-    return q.Bind(attempt).Bind(std::clamp(progress, 0.0, 1.0)).Run();
-  });
-}
-
-Status SqliteStore::ReleaseAttempt(const Uuid& attempt, const Actor& by) {
-  return Write([&](Db& db) -> Status {
-    auto row = FindAttempt(db, attempt);
-    if (!row.ok()) return row.status();
-    if (row->state != AttemptState::kScored) {
-      return Status(Code::kConflict, "attempt " + attempt.Text() + " is " +
-                                         AttemptStateName(row->state) +
-                                         ", only a scored one can be released");
-    }
-    if (row->released) return Status::Ok();
-    Query q(db, "UPDATE attempts SET released = 1 WHERE tenant = ?1 AND id = ?2");
-    ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Run());
-    return WriteAudit(db, by, "attempt.release", attempt.Text(), JsonOf({{"released", "no"}}),
-                      JsonOf({{"released", "yes"}}));
+    ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(std::clamp(progress, 0.0, 1.0)).Run());
+    return db.Changes() > 0 ? Status::Ok() : MustNotBeCancelled(db, attempt);
   });
 }
 
 Result<ReferenceRow> SqliteStore::AddReference(const Uuid& attempt, const std::string& dentist,
-                                               const Actor& by) {
+                                               bool consent, const Actor& by) {
   ReferenceRow row;
+  row.consent = consent;
   row.id = Uuid::New();
   row.attempt = attempt;
   row.dentist = dentist;
@@ -254,16 +313,41 @@ Result<ReferenceRow> SqliteStore::AddReference(const Uuid& attempt, const std::s
 
 Result<std::optional<ReferenceRow>> SqliteStore::ReferenceFor(const Uuid& exercise) {
   return Read([&](Db& db) -> Result<std::optional<ReferenceRow>> {
-    Query q(db,
-            "SELECT id, exercise, attempt, dentist, version, created_ms FROM reference_cuts "
-            "WHERE tenant = ?1 AND exercise = ?2 ORDER BY version DESC LIMIT 1");
+    Query q(db, ENAMEL_REFERENCE_SELECT
+            " AND exercise = ?2 AND withdrawn_ms = 0 ORDER BY version DESC LIMIT 1");
     std::optional<ReferenceRow> out;
-    if (q.Bind(exercise).Next()) {
-      out = ReferenceRow{q.Id(0), q.Id(1), q.Id(2), q.Text(3), static_cast<int32_t>(q.Int(4)),
-                         q.Int(5)};
-    }
+    if (q.Bind(exercise).Next()) out = ReferenceOf(q);
     if (!q.status().ok()) return q.status();
     return out;
+  });
+}
+
+Result<ReferenceRow> SqliteStore::ReferenceById(const Uuid& id) {
+  return Read([&](Db& db) { return FindReference(db, id); });
+}
+
+Result<std::vector<ReferenceRow>> SqliteStore::References(const Uuid& exercise) {
+  return Read([&](Db& db) -> Result<std::vector<ReferenceRow>> {
+    Query q(db, ENAMEL_REFERENCE_SELECT " AND exercise = ?2 ORDER BY version DESC");
+    q.Bind(exercise);
+    std::vector<ReferenceRow> out;
+    while (q.Next()) out.push_back(ReferenceOf(q));
+    if (!q.status().ok()) return q.status();
+    return out;
+  });
+}
+
+Status SqliteStore::WithdrawReference(const Uuid& id, const Actor& by) {
+  return Write([&](Db& db) -> Status {
+    auto row = FindReference(db, id);
+    if (!row.ok()) return row.status();
+    if (row->withdrawn_ms != 0) return Status::Ok();
+    Query q(db, "UPDATE reference_cuts SET withdrawn_ms = ?3 WHERE tenant = ?1 AND id = ?2");
+    ENAMEL_RETURN_IF_ERROR(q.Bind(id).Bind(NowMs()).Run());
+    return WriteAudit(
+        db, by, "reference.withdraw", row->attempt.Text(),
+        JsonOf({{"exercise", row->exercise.Text()}, {"version", std::to_string(row->version)}}),
+        JsonOf({{"withdrawn", "yes"}}));
   });
 }
 

@@ -156,6 +156,11 @@ Query& Query::Bind(const std::string& value) {
   return *this;
 }
 
+Query& Query::BindNull() {
+  if (statement_) Check(sqlite3_bind_null(statement_, next_parameter_++));
+  return *this;
+}
+
 Query& Query::Bind(ByteView value) {
   static const uint8_t kNothing = 0;
   if (!statement_) return *this;

@@ -82,6 +82,7 @@ class Query {
   Query& Bind(const Bytes& value) { return Bind(ByteView(value)); }
   Query& Bind(const Uuid& value) { return Bind(value.view()); }
   Query& Bind(const Sha256& value) { return Bind(value.view()); }
+  Query& BindNull();
 
   // Steps to the next row; false at the end or on failure.
   bool Next();

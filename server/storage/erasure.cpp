@@ -49,10 +49,13 @@ Result<std::set<Sha256>> NamedBlobs(Db& db) {
     }
     return q.status();
   };
-  Query documents(db,
-                  "SELECT content FROM profiles WHERE tenant = ?1 UNION SELECT content FROM scenes "
-                  "WHERE tenant = ?1 UNION SELECT volume FROM scenes WHERE tenant = ?1 UNION "
-                  "SELECT content FROM exercises WHERE tenant = ?1");
+  Query documents(
+      db,
+      "SELECT content FROM profiles WHERE tenant = ?1 UNION SELECT content FROM scenes "
+      "WHERE tenant = ?1 UNION SELECT volume FROM scenes WHERE tenant = ?1 UNION "
+      "SELECT content FROM exercises WHERE tenant = ?1 UNION SELECT surface FROM scenes "
+      "WHERE tenant = ?1 UNION SELECT score_json FROM attempt_results WHERE tenant = "
+      "?1");
   ENAMEL_RETURN_IF_ERROR(add(documents, 1));
   Query attempts(db,
                  "SELECT profile_content, trace_blob, score_json, final_volume, surface, series "
@@ -72,9 +75,16 @@ Status DeleteAttempts(Db& db, const std::vector<Uuid>& attempts, std::set<Sha256
       }
     }
     ENAMEL_RETURN_IF_ERROR(named.status());
+    Query earlier(db, "SELECT score_json FROM attempt_results WHERE tenant = ?1 AND attempt = ?2");
+    for (earlier.Bind(attempt); earlier.Next();) blobs.insert(earlier.Hash(0));
+    ENAMEL_RETURN_IF_ERROR(earlier.status());
     for (const char* sql :
          {"UPDATE attempts SET reference = NULL WHERE tenant = ?1 AND reference = ?2",
+          "UPDATE attempt_results SET reference = NULL WHERE tenant = ?1 AND reference = ?2",
           "DELETE FROM reference_cuts WHERE tenant = ?1 AND attempt = ?2",
+          "DELETE FROM attempt_results WHERE tenant = ?1 AND attempt = ?2",
+          "DELETE FROM annotations WHERE tenant = ?1 AND attempt = ?2",
+          "DELETE FROM appeals WHERE tenant = ?1 AND attempt = ?2",
           "DELETE FROM jobs WHERE tenant = ?1 AND attempt = ?2",
           "DELETE FROM trace_chunks WHERE tenant = ?1 AND attempt = ?2",
           "DELETE FROM contradicting_chunks WHERE tenant = ?1 AND attempt = ?2",

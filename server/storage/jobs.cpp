@@ -16,6 +16,7 @@ JobRow JobOf(const Query& q) {
   out.state = q.Text(3);
   out.tries = static_cast<uint32_t>(q.Int(4));
   out.error = q.Text(5);
+  out.cause = q.Text(6);
   return out;
 }
 
@@ -45,7 +46,7 @@ Status GiveUp(Db& db, JobRow job, const std::string& error) {
 
 Result<std::optional<JobRow>> NextJob(Db& db, UnixMs now_ms) {
   Query q(db,
-          "SELECT id, kind, attempt, state, tries, error FROM jobs WHERE tenant = ?1 AND "
+          "SELECT id, kind, attempt, state, tries, error, cause FROM jobs WHERE tenant = ?1 AND "
           "(state = 'queued' OR (state = 'running' AND lease_until_ms < ?2)) ORDER BY id LIMIT 1");
   std::optional<JobRow> out;
   if (q.Bind(now_ms).Next()) out = JobOf(q);
@@ -80,7 +81,8 @@ Status TakeJob(Db& db, UnixMs now_ms, UnixMs lease_ms, std::optional<JobRow>& ta
 
 Result<JobRow> FindJob(Db& db, const Uuid& job) {
   Query q(db,
-          "SELECT id, kind, attempt, state, tries, error FROM jobs WHERE tenant = ?1 AND id = ?2");
+          "SELECT id, kind, attempt, state, tries, error, cause FROM jobs WHERE tenant = ?1 AND id "
+          "= ?2");
   if (q.Bind(job).Next()) return JobOf(q);
   if (!q.status().ok()) return q.status();
   return Status(Code::kNotFound, "no job " + job.Text());
@@ -112,11 +114,11 @@ Status EndLeases(Db& db) {
   return q.Run();
 }
 
-Status QueueScoreJob(Db& db, const Uuid& attempt) {
-  Query q(
-      db,
-      "INSERT INTO jobs (tenant, id, kind, attempt, state) VALUES (?1, ?2, 'score', ?3, 'queued')");
-  return q.Bind(Uuid::New()).Bind(attempt).Run();
+Status QueueScoreJob(Db& db, const Uuid& attempt, const std::string& cause) {
+  Query q(db,
+          "INSERT INTO jobs (tenant, id, kind, attempt, state, cause) VALUES (?1, ?2, 'score', ?3, "
+          "'queued', ?4)");
+  return q.Bind(Uuid::New()).Bind(attempt).Bind(cause).Run();
 }
 
 Result<std::optional<JobRow>> SqliteStore::LeaseJob(UnixMs now_ms, UnixMs lease_ms) {
@@ -133,6 +135,7 @@ Status SqliteStore::FinishJob(const Uuid& job, bool ok, const std::string& error
   return Write([&](Db& db) -> Status {
     auto row = FindJob(db, job);
     if (!row.ok()) return row.status();
+    if (row->state == "cancelled") return Status::Ok();
     if (!ok && row->tries >= kMaxTries) return GiveUp(db, *row, error);
     row->error = error;
     if (!ok) return Requeue(db, *row);
@@ -154,13 +157,36 @@ Status SqliteStore::ReturnJob(const Uuid& job) {
 Result<std::vector<JobRow>> SqliteStore::Jobs(const std::string& state) {
   return Read([&](Db& db) -> Result<std::vector<JobRow>> {
     Query q(db,
-            "SELECT id, kind, attempt, state, tries, error FROM jobs "
-            "WHERE tenant = ?1 AND (?2 = '' OR state = ?2) ORDER BY id DESC LIMIT 200");
+            "SELECT j.id, j.kind, j.attempt, j.state, j.tries, j.error, j.cause, iif(j.state = "
+            "'running', a.progress, j.state = 'done') FROM jobs j JOIN attempts a ON a.tenant = "
+            "j.tenant AND a.id = j.attempt WHERE j.tenant = ?1 AND (?2 = '' OR j.state = ?2) ORDER "
+            "BY j.id DESC LIMIT 200");
     q.Bind(state);
     std::vector<JobRow> out;
-    while (q.Next()) out.push_back(JobOf(q));
+    while (q.Next()) {
+      out.push_back(JobOf(q));
+      out.back().progress = q.Real(7);
+    }
     if (!q.status().ok()) return q.status();
     return out;
+  });
+}
+
+Status SqliteStore::CancelJob(const Uuid& job, const Actor& by) {
+  return Write([&](Db& db) -> Status {
+    auto row = FindJob(db, job);
+    if (!row.ok()) return row.status();
+    if (row->state != "queued" && row->state != "running") {
+      return Status(Code::kConflict,
+                    "job " + job.Text() + " is " + row->state + "; there is nothing to cancel");
+    }
+    Json before = JsonOf({{"state", row->state}});
+    row->state = "cancelled";
+    ENAMEL_RETURN_IF_ERROR(SetJob(db, *row, 0));
+    ENAMEL_RETURN_IF_ERROR(
+        SetAttemptState(db, row->attempt, AttemptState::kScoring, AttemptState::kSealed, ""));
+    return WriteAudit(db, by, "job.cancel", row->attempt.Text(), before,
+                      JsonOf({{"state", row->state}}));
   });
 }
 

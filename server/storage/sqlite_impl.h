@@ -21,8 +21,8 @@
 #include "server/storage/writer.h"
 
 // Private to server/storage: the class behind OpenSqliteStore, its sources split by subject
-// (people.cpp, stations.cpp, content.cpp, attempts.cpp, traces.cpp, jobs.cpp, erasure.cpp,
-// retention.cpp).
+// (people.cpp, stations.cpp, content.cpp, exercises.cpp, assignments.cpp, attempts.cpp,
+// teaching.cpp, traces.cpp, jobs.cpp, erasure.cpp, retention.cpp).
 namespace enamel::server::sqlite {
 
 // Read connections, opened as needed up to a number, then waited for.
@@ -98,12 +98,27 @@ class SqliteStore final : public Store {
   Result<std::vector<ProfileRow>> Profiles() override;
   Status PutScene(const SceneRow& row, const Actor& by) override;
   Result<std::vector<SceneRow>> Scenes() override;
+  Status PutSceneSurface(const Sha256& volume, const Sha256& surface) override;
   Result<ExerciseRow> PublishExercise(ExerciseRow row, const Uuid& cohort,
                                       const Actor& by) override;
   Result<ExerciseRow> ExerciseById(const Uuid& id) override;
   Result<ExerciseRow> ExerciseByContent(const Sha256& content) override;
   Result<std::vector<ExerciseRow>> ExercisesFor(const Uuid& person) override;
   Result<std::vector<ExerciseRow>> AllExercises() override;
+  Result<std::vector<ExerciseRow>> ExercisesIn(ExerciseState state) override;
+  Result<std::vector<ExerciseRow>> ExerciseVersions(const std::string& name) override;
+  Result<ExerciseRow> PutDraft(const ExerciseRow& row, const Actor& by) override;
+  Result<ExerciseRow> ReplaceDraft(const ExerciseRow& row, const Actor& by) override;
+  Status DeleteDraft(const Uuid& id, int32_t revision, const Actor& by) override;
+  Result<ExerciseRow> PublishDraft(const Uuid& id, int32_t revision, const Actor& by) override;
+  Status RetireExercise(const Uuid& id, const Actor& by) override;
+  Result<AssignmentRow> AddAssignment(const AssignmentRow& row, const Actor& by) override;
+  Result<AssignmentRow> ReplaceAssignment(const AssignmentRow& row, const Actor& by) override;
+  Status DeleteAssignment(const Uuid& id, int32_t revision, const Actor& by) override;
+  Result<AssignmentRow> AssignmentById(const Uuid& id) override;
+  Result<std::vector<AssignmentRow>> Assignments(const AssignmentFilter& filter) override;
+  Result<std::vector<AssignedRow>> AssignmentsFor(const Uuid& person) override;
+  Result<uint32_t> ReleaseAssignment(const Uuid& id, const Actor& by) override;
 
   Status CreateAttempt(const AttemptRow& row, ByteView ticket, const Actor& by) override;
   Status OpenAttempt(const Uuid& attempt, ByteView header) override;
@@ -118,15 +133,35 @@ class SqliteStore final : public Store {
   Status FailAttempt(const Uuid& attempt, const std::string& problem) override;
   Result<AttemptResult> ResultOf(const Uuid& attempt) override;
   Status SetProgress(const Uuid& attempt, double progress) override;
+  Result<std::vector<ResultRow>> ResultsOf(const Uuid& attempt) override;
   Status ReleaseAttempt(const Uuid& attempt, const Actor& by) override;
-  Result<ReferenceRow> AddReference(const Uuid& attempt, const std::string& dentist,
+  Status WithdrawRelease(const Uuid& attempt, const Actor& by) override;
+  Status OverrideScore(const Uuid& attempt, const std::optional<ScoreOverride>& score,
+                       const Actor& by) override;
+  Status FlagAttempt(const Uuid& attempt, uint32_t flags, const std::string& reason,
+                     const Actor& by) override;
+  Status Rescore(const Uuid& attempt, const std::string& cause, const Actor& by) override;
+  Result<AnnotationRow> AddAnnotation(const AnnotationRow& row, const Actor& by) override;
+  Result<AnnotationRow> ReplaceAnnotation(const AnnotationRow& row, const Actor& by) override;
+  Status DeleteAnnotation(const Uuid& id, int32_t revision, const Actor& by) override;
+  Result<AnnotationRow> AnnotationById(const Uuid& id) override;
+  Result<std::vector<AnnotationRow>> AnnotationsOf(const Uuid& attempt) override;
+  Status FileAppeal(const Uuid& attempt, const std::string& text, const Actor& by) override;
+  Status AnswerAppeal(const Uuid& attempt, bool regrade, const std::string& answer,
+                      const Actor& by) override;
+  Result<std::optional<AppealRow>> AppealOf(const Uuid& attempt) override;
+  Result<ReferenceRow> AddReference(const Uuid& attempt, const std::string& dentist, bool consent,
                                     const Actor& by) override;
+  Result<ReferenceRow> ReferenceById(const Uuid& id) override;
+  Result<std::vector<ReferenceRow>> References(const Uuid& exercise) override;
+  Status WithdrawReference(const Uuid& id, const Actor& by) override;
   Result<std::optional<ReferenceRow>> ReferenceFor(const Uuid& exercise) override;
 
   Result<std::optional<JobRow>> LeaseJob(UnixMs now_ms, UnixMs lease_ms) override;
   Status FinishJob(const Uuid& job, bool ok, const std::string& error) override;
   Status ReturnJob(const Uuid& job) override;
   Result<std::vector<JobRow>> Jobs(const std::string& state) override;
+  Status CancelJob(const Uuid& job, const Actor& by) override;
   Result<std::vector<AuditRow>> Audit(uint32_t limit) override;
   Result<std::vector<AuditRow>> AuditAbout(const Uuid& person) override;
   Status NoteAudit(const Actor& by, const std::string& action, const std::string& object,
@@ -200,7 +235,15 @@ Status WriteAudit(Db& db, const Actor& by, const char* action, const std::string
                   const Json& before, const Json& after);
 // kConflict from a UNIQUE constraint, in words.
 Status Explain(Status status, const std::string& conflict);
-Status QueueScoreJob(Db& db, const Uuid& attempt);
+Status QueueScoreJob(Db& db, const Uuid& attempt, const std::string& cause);
+// Of ten columns from `first`: id, name, version, title, content, scene, graded, published_ms,
+// state, revision.
+ExerciseRow ExerciseOf(const Query& q, int first);
+// kConflict with field "revision" unless they are the same.
+Status MustBeRevision(int32_t stored, int32_t expected);
+// kForbidden when the terms of the row's assignment leave no attempt to its person.
+Status MayBeIssued(Db& db, const AttemptRow& row);
+Status SetReleased(Db& db, const Uuid& attempt, bool released, const Actor& by);
 // Jobs that a worker of an earlier process held may be taken again at once.
 Status EndLeases(Db& db);
 Result<AttemptRow> FindAttempt(Db& db, const Uuid& id);

@@ -28,8 +28,17 @@ struct AttemptFilter {
   std::optional<Uuid> cohort{};                 // attempts of its students
   std::optional<Uuid> visible_to_instructor{};  // attempts in any cohort of this instructor
   std::optional<Uuid> exercise{};
+  std::optional<Uuid> assignment{};
+  std::optional<AttemptState> state{};
+  uint32_t flags = 0;            // with all of these bits of AttemptFlag
+  bool open_appeal = false;      // only those with an appeal that nobody has answered
   std::optional<Uuid> before{};  // page: ids lower than this (newest first)
   uint32_t limit = 50;           // at most 200
+};
+
+struct AssignmentFilter {
+  std::optional<Uuid> cohort{};
+  std::optional<Uuid> of_instructor{};  // of this person's cohorts, and those for everybody
 };
 
 struct SessionRow {
@@ -43,9 +52,11 @@ struct JobRow {
   Uuid id;
   std::string kind;  // "score"
   Uuid attempt;
-  std::string state;  // "queued" | "running" | "done" | "failed"
+  std::string state;  // "queued" | "running" | "done" | "failed" | "cancelled"
   uint32_t tries = 0;
   std::string error;
+  std::string cause = "seal";  // "seal" | "reference" | "rescore" | "appeal"
+  double progress = 0;         // 0..1 while running
 };
 
 struct AuditRow {
@@ -143,18 +154,52 @@ class Store {
   virtual Result<std::vector<ProfileRow>> Profiles() = 0;
   virtual Status PutScene(const SceneRow& row, const Actor& by) = 0;
   virtual Result<std::vector<SceneRow>> Scenes() = 0;
+  // The picture of a scene before it is cut, for all scenes with this volume.
+  virtual Status PutSceneSurface(const Sha256& volume, const Sha256& surface) = 0;
   // A new version of the exercise of this name when the content differs from the newest one;
-  // returns the row as stored. Assigned to `cohort` from then on; a zero cohort: open to everybody.
+  // returns the row as stored. Assigned to `cohort` from then on unless it is already; a zero
+  // cohort: open to everybody. A draft of that name stays.
   virtual Result<ExerciseRow> PublishExercise(ExerciseRow row, const Uuid& cohort,
                                               const Actor& by) = 0;
   virtual Result<ExerciseRow> ExerciseById(const Uuid& id) = 0;
   virtual Result<ExerciseRow> ExerciseByContent(const Sha256& content) = 0;
-  // Newest versions: of the person's cohorts, or all (admin).
+  // Newest published versions: assigned to the person's cohorts, or all (admin).
   virtual Result<std::vector<ExerciseRow>> ExercisesFor(const Uuid& person) = 0;
   virtual Result<std::vector<ExerciseRow>> AllExercises() = 0;
+  // The newest version in this state of each name.
+  virtual Result<std::vector<ExerciseRow>> ExercisesIn(ExerciseState state) = 0;
+  // All of a name, the draft first, then newest first.
+  virtual Result<std::vector<ExerciseRow>> ExerciseVersions(const std::string& name) = 0;
+  // Drafts: name, title, content, scene and graded of `row` count. A `revision` that is not the
+  // stored one: kConflict with field "revision", somebody else was first. Errors also: kConflict (a
+  // draft of that name is there; not a draft), kNotFound (exercise, scene).
+  virtual Result<ExerciseRow> PutDraft(const ExerciseRow& row, const Actor& by) = 0;
+  virtual Result<ExerciseRow> ReplaceDraft(const ExerciseRow& row, const Actor& by) = 0;
+  virtual Status DeleteDraft(const Uuid& id, int32_t revision, const Actor& by) = 0;
+  // The draft becomes the next version; kConflict when it says what the newest one says.
+  virtual Result<ExerciseRow> PublishDraft(const Uuid& id, int32_t revision, const Actor& by) = 0;
+  // No version of the name is offered any more, until one is published again.
+  virtual Status RetireExercise(const Uuid& id, const Actor& by) = 0;
+
+  // Assignments; `revision` as for drafts. Errors: kNotFound (cohort, station, assignment),
+  // kInvalidInput (no published exercise of that name).
+  virtual Result<AssignmentRow> AddAssignment(const AssignmentRow& row, const Actor& by) = 0;
+  virtual Result<AssignmentRow> ReplaceAssignment(const AssignmentRow& row, const Actor& by) = 0;
+  // Attempts made under it stay, with the terms they were begun under.
+  virtual Status DeleteAssignment(const Uuid& id, int32_t revision, const Actor& by) = 0;
+  virtual Result<AssignmentRow> AssignmentById(const Uuid& id) = 0;
+  // By due time, those without one last.
+  virtual Result<std::vector<AssignmentRow>> Assignments(const AssignmentFilter& filter) = 0;
+  // Of the person's cohorts and for everybody, with a published version; exams first.
+  virtual Result<std::vector<AssignedRow>> AssignmentsFor(const Uuid& person) = 0;
+  // Releases every scored attempt under it; how many were not before.
+  virtual Result<uint32_t> ReleaseAssignment(const Uuid& id, const Actor& by) = 0;
 
   // Attempts and their traces. `ticket` is what OpenAttempt's header must contain: one ticket, one
-  // attempt, one header.
+  // attempt, one header. With an assignment: kForbidden when its attempt limit is used up (field
+  // "attempt_limit"), or, as an exam, when the person has another exam attempt that is not sealed
+  // (field "exam"), unless kReadmitted is set; decided in the transaction, so that two stations
+  // cannot both have the last one.
   virtual Status CreateAttempt(const AttemptRow& row, ByteView ticket, const Actor& by) = 0;
   // First or repeated; kConflict when another header is stored. Whether the ticket inside the
   // header is genuine and in time is for the caller to have checked.
@@ -169,11 +214,15 @@ class Store {
   // Durable on return, kept under the person's key. Idempotent by (attempt, seq, hash). Same seq
   // with another hash: kConflict, the attempt is quarantined and both are kept. Out of order, or
   // not continuing the stored chain (first tick, previous hash): kInvalidInput naming what was
-  // expected. Concurrent callers share one fsync.
+  // expected. Concurrent callers share one fsync. Sets kFasterThanTime when the attempt then has
+  // more ticks and gaps than fit between its ticket and received_ms (2 s and 1 % more are granted,
+  // for clocks), kOverTime beyond its limit.
   virtual Status AppendChunk(const ChunkPut& chunk) = 0;
   // Refuses a seal that does not match the committed chunks (kConflict). Moves the trace from rows
-  // into one write-once blob (a trace file, schemas/trace_format.md) and queues a "score" job.
-  // Idempotent.
+  // into one write-once blob (a trace file, schemas/trace_format.md) and queues a "score" job; an
+  // exam made faster than time is quarantined instead, and Rescore is how an instructor accepts it.
+  // Sets kLate when the ticks cannot have been made between ticket and due time, else kLateUpload
+  // when the last chunk came after it. Idempotent.
   virtual Status SealAttempt(const trace::Seal& seal, UnixMs now_ms) = 0;
   virtual Result<AttemptRow> AttemptById(const Uuid& id) = 0;
   virtual Result<std::vector<AttemptRow>> Attempts(const AttemptFilter& filter) = 0;
@@ -191,14 +240,48 @@ class Store {
   virtual Status FinishAttempt(const Uuid& attempt, const AttemptResult& result) = 0;
   virtual Status FailAttempt(const Uuid& attempt, const std::string& problem) = 0;
   virtual Result<AttemptResult> ResultOf(const Uuid& attempt) = 0;
+  // Every run, newest first. Of earlier ones only the score and its reasons are kept.
+  virtual Result<std::vector<ResultRow>> ResultsOf(const Uuid& attempt) = 0;
+  // kUnavailable: the job was cancelled; stop.
   virtual Status SetProgress(const Uuid& attempt, double progress) = 0;
   virtual Status ReleaseAttempt(const Uuid& attempt, const Actor& by) = 0;
+  virtual Status WithdrawRelease(const Uuid& attempt, const Actor& by) = 0;
+  // None: the computed score counts again. Errors: kNotFound, kConflict (not scored).
+  virtual Status OverrideScore(const Uuid& attempt, const std::optional<ScoreOverride>& score,
+                               const Actor& by) = 0;
+  // Sets bits of AttemptFlag, with the reason in the audit trail; nothing changes when they are
+  // set.
+  virtual Status FlagAttempt(const Uuid& attempt, uint32_t flags, const std::string& reason,
+                             const Actor& by) = 0;
+  // Queues a scoring run with the exercise's newest reference. Errors: kConflict (not sealed, a run
+  // is queued, recording removed).
+  virtual Status Rescore(const Uuid& attempt, const std::string& cause, const Actor& by) = 0;
 
-  // A sealed and scored attempt becomes the exercise's reference (newest wins); attempts of that
-  // exercise which were sealed without a reference are queued for scoring, itself included (it then
-  // reads deviation 0).
+  virtual Result<AnnotationRow> AddAnnotation(const AnnotationRow& row, const Actor& by) = 0;
+  // Text, tick and point of `row` count; `revision` as for drafts.
+  virtual Result<AnnotationRow> ReplaceAnnotation(const AnnotationRow& row, const Actor& by) = 0;
+  virtual Status DeleteAnnotation(const Uuid& id, int32_t revision, const Actor& by) = 0;
+  virtual Result<AnnotationRow> AnnotationById(const Uuid& id) = 0;
+  // By tick.
+  virtual Result<std::vector<AnnotationRow>> AnnotationsOf(const Uuid& attempt) = 0;
+
+  // One per attempt (kConflict), of a released one.
+  virtual Status FileAppeal(const Uuid& attempt, const std::string& text, const Actor& by) = 0;
+  // With `regrade` as Rescore, in the same transaction. Errors: kNotFound, kConflict (answered).
+  virtual Status AnswerAppeal(const Uuid& attempt, bool regrade, const std::string& answer,
+                              const Actor& by) = 0;
+  virtual Result<std::optional<AppealRow>> AppealOf(const Uuid& attempt) = 0;
+
+  // A sealed and scored attempt becomes the exercise's reference (newest that is not withdrawn
+  // wins); attempts of that exercise which were sealed without a reference are queued for scoring,
+  // itself included (it then reads deviation 0). `consent`: students may see the name.
   virtual Result<ReferenceRow> AddReference(const Uuid& attempt, const std::string& dentist,
-                                            const Actor& by) = 0;
+                                            bool consent, const Actor& by) = 0;
+  virtual Result<ReferenceRow> ReferenceById(const Uuid& id) = 0;
+  // Newest first, withdrawn ones too.
+  virtual Result<std::vector<ReferenceRow>> References(const Uuid& exercise) = 0;
+  // Scores made with it stay until they are made again.
+  virtual Status WithdrawReference(const Uuid& id, const Actor& by) = 0;
   virtual Result<std::optional<ReferenceRow>> ReferenceFor(const Uuid& exercise) = 0;
 
   // Jobs as leases: a job whose lease ran out is taken again; after 3 tries it is "failed" and
@@ -210,6 +293,9 @@ class Store {
   // counted.
   virtual Status ReturnJob(const Uuid& job) = 0;
   virtual Result<std::vector<JobRow>> Jobs(const std::string& state) = 0;
+  // Queued or running; the attempt is "sealed" again. Its worker hears of it through SetProgress,
+  // at the latest in FinishAttempt. Errors: kNotFound, kConflict (over already).
+  virtual Status CancelJob(const Uuid& job, const Actor& by) = 0;
 
   // Newest first.
   virtual Result<std::vector<AuditRow>> Audit(uint32_t limit) = 0;

@@ -8,6 +8,9 @@ namespace enamel::server::sqlite {
 namespace {
 
 constexpr int kMaxEvidence = 16;
+// What a station's clock may be off, and the server's may have been set, before ticks are more than
+// time: 2 s and 1 %.
+constexpr int64_t kClockSlackMs = 2000, kClockPercent = 101;
 
 // The part of an attempt's row that ingest works on.
 struct Ingest {
@@ -19,13 +22,19 @@ struct Ingest {
   uint64_t ticks = 0;
   Sha256 trace_blob;
   bool expired = false;
+  uint64_t gap_ticks = 0;
+  UnixMs ticketed_ms = 0, due_ms = 0, last_chunk_ms = 0;
+  int64_t rate_hz = 0;
+  uint32_t flags = 0;
+  bool exam = false;
 };
 
 Result<Ingest> FindIngest(Db& db, const Uuid& attempt) {
   Query q(
       db,
       "SELECT state, header IS NOT NULL, head_hash, head_state_hash, chunks, ticks, trace_blob, "
-      "expired_ms FROM attempts WHERE tenant = ?1 AND id = ?2");
+      "expired_ms, gap_ticks, ticketed_ms, due_ms, last_chunk_ms, rate_hz, flags, exam FROM "
+      "attempts WHERE tenant = ?1 AND id = ?2");
   if (!q.Bind(attempt).Next()) {
     if (!q.status().ok()) return q.status();
     return Status(Code::kNotFound,
@@ -40,6 +49,13 @@ Result<Ingest> FindIngest(Db& db, const Uuid& attempt) {
   out.ticks = static_cast<uint64_t>(q.Int(5));
   out.trace_blob = q.Hash(6);
   out.expired = q.Int(7) != 0;
+  out.gap_ticks = static_cast<uint64_t>(q.Int(8));
+  out.ticketed_ms = q.Int(9);
+  out.due_ms = q.Int(10);
+  out.last_chunk_ms = q.Int(11);
+  out.rate_hz = q.Int(12);
+  out.flags = static_cast<uint32_t>(q.Int(13));
+  out.exam = q.Int(14) != 0;
   return out;
 }
 
@@ -116,11 +132,28 @@ Status InsertChunk(Db& db, const Store::ChunkPut& chunk, ByteView sealed) {
   }
   Query q(db,
           "UPDATE attempts SET head_hash = ?3, head_state_hash = ?4, chunks = chunks + 1, "
-          "ticks = ticks + ?5, gap_ticks = gap_ticks + ?6, trace_bytes = trace_bytes + ?7 "
+          "ticks = ticks + ?5, gap_ticks = gap_ticks + ?6, trace_bytes = trace_bytes + ?7, "
+          "last_chunk_ms = ?8, flags = flags | "
+          "iif(rate_hz > 0 AND (ticks + gap_ticks + ?5 + ?6) * 100000 > rate_hz * ?9 * (?8 - "
+          "ticketed_ms + ?10), 4, 0) | "
+          "iif(limit_ticks > 0 AND ticks + gap_ticks + ?5 + ?6 > limit_ticks, 8, 0) "
           "WHERE tenant = ?1 AND id = ?2");
   q.Bind(chunk.attempt).Bind(chunk.hash).Bind(std::bit_cast<int64_t>(chunk.head.state_hash));
   q.Bind(int64_t{chunk.head.count}).Bind(int64_t{chunk.head.gap_ticks});
-  return q.Bind(static_cast<int64_t>(chunk.bytes.size())).Run();
+  q.Bind(static_cast<int64_t>(chunk.bytes.size())).Bind(chunk.received_ms);
+  return q.Bind(kClockPercent).Bind(kClockSlackMs).Run();
+}
+
+// Whether the work was late is certain when its ticks cannot have been made between ticket and due
+// time; when only the upload was, it may have been made before.
+uint32_t LateFlags(const Ingest& ingest) {
+  if (ingest.due_ms == 0 || (ingest.flags & kLate) != 0) return 0;
+  UnixMs shortest_ms = ingest.rate_hz > 0 ? static_cast<UnixMs>(ingest.ticks + ingest.gap_ticks) *
+                                                1000 / ingest.rate_hz
+                                          : 0;
+  if (ingest.ticketed_ms + shortest_ms > ingest.due_ms) return kLate;
+  if (ingest.last_chunk_ms > ingest.due_ms) return kLateUpload;
+  return 0;
 }
 
 Status SealMatches(const Ingest& ingest, const trace::Seal& seal) {
@@ -279,15 +312,24 @@ Status SqliteStore::SealAttempt(const trace::Seal& seal, UnixMs now_ms) {
     fresh = true;
     {
       Query q(db,
-              "UPDATE attempts SET state = 3, sealed_ms = ?3, trace_blob = ?4 "
+              "UPDATE attempts SET state = 3, sealed_ms = ?3, trace_blob = ?4, flags = flags | ?5 "
               "WHERE tenant = ?1 AND id = ?2");
-      ENAMEL_RETURN_IF_ERROR(q.Bind(seal.attempt).Bind(now_ms).Bind(blob).Run());
+      q.Bind(seal.attempt).Bind(now_ms).Bind(blob);
+      ENAMEL_RETURN_IF_ERROR(q.Bind(int64_t{LateFlags(*ingest)}).Run());
     }
     {
       Query q(db, "DELETE FROM trace_chunks WHERE tenant = ?1 AND attempt = ?2");
       ENAMEL_RETURN_IF_ERROR(q.Bind(seal.attempt).Run());
     }
-    ENAMEL_RETURN_IF_ERROR(QueueScoreJob(db, seal.attempt));
+    if (ingest->exam && (ingest->flags & kFasterThanTime) != 0) {
+      ENAMEL_RETURN_IF_ERROR(
+          Quarantine(db, seal.attempt,
+                     "this exam has more ticks than time between its ticket and their arrival: it "
+                     "was not made "
+                     "in real time. An instructor may have it scored all the same"));
+    } else {
+      ENAMEL_RETURN_IF_ERROR(QueueScoreJob(db, seal.attempt, "seal"));
+    }
     return WriteAudit(db, Actor{{}, "station link"}, "attempt.seal", seal.attempt.Text(), "{}",
                       JsonOf({{"chunks", std::to_string(seal.chunks)}, {"trace", blob.Hex()}}));
   });

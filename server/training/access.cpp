@@ -22,11 +22,23 @@ bool CanSeeAttempt(const Person& viewer, const AttemptRow& attempt, bool shares_
 bool CanSeeScore(const Person& viewer, const AttemptRow& attempt, bool graded, bool shares_cohort) {
   if (Supervises(viewer, shares_cohort)) return true;
   if (!Owns(viewer, attempt)) return false;
-  return !graded || attempt.released || !Is(viewer, Role::kStudent);
+  return (!graded && !attempt.exam) || attempt.released || !Is(viewer, Role::kStudent);
 }
 
 bool CanReleaseAttempt(const Person& viewer, const AttemptRow&, bool shares_cohort) {
   return Supervises(viewer, shares_cohort);
+}
+
+bool CanReviewAttempt(const Person& viewer, const AttemptRow&, bool shares_cohort) {
+  return Supervises(viewer, shares_cohort);
+}
+
+bool CanEditAnnotation(const Person& viewer, const AnnotationRow& annotation, bool can_review) {
+  return can_review && !viewer.disabled && viewer.id == annotation.author;
+}
+
+bool CanAppeal(const Person& viewer, const AttemptRow& attempt) {
+  return Owns(viewer, attempt) && attempt.released && attempt.state == AttemptState::kScored;
 }
 
 bool CanMarkReference(const Person& viewer, const AttemptRow& attempt, bool shares_cohort) {
@@ -36,6 +48,21 @@ bool CanMarkReference(const Person& viewer, const AttemptRow& attempt, bool shar
 
 bool CanRecordReference(const Person& viewer) {
   return Is(viewer, Role::kInstructor) || Is(viewer, Role::kAdmin);
+}
+
+bool CanSeeDentist(const Person& viewer, const ReferenceRow& reference) {
+  return reference.consent || CanRecordReference(viewer);
+}
+
+bool CanEditExercises(const Person& viewer) { return CanRecordReference(viewer); }
+
+bool CanAssign(const Person& viewer, const Uuid& cohort, bool in_cohort) {
+  return Is(viewer, Role::kAdmin) ||
+         (Is(viewer, Role::kInstructor) && in_cohort && !cohort.IsZero());
+}
+
+bool CanSeeAssignment(const Person& viewer, const Uuid& cohort, bool in_cohort) {
+  return !viewer.disabled && (Is(viewer, Role::kAdmin) || in_cohort || cohort.IsZero());
 }
 
 bool CanListCohorts(const Person& viewer) { return CanRecordReference(viewer); }

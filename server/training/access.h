@@ -9,13 +9,28 @@
 namespace enamel::server {
 
 bool CanSeeAttempt(const Person& viewer, const AttemptRow& attempt, bool shares_cohort);
-// Score, surface, series: a student sees those of graded work only after release.
+// Score, surface, series, annotations: a student sees those of graded work and of exams only after
+// release.
 bool CanSeeScore(const Person& viewer, const AttemptRow& attempt, bool graded, bool shares_cohort);
 bool CanReleaseAttempt(const Person& viewer, const AttemptRow& attempt, bool shares_cohort);
-// Making an attempt the exercise's reference.
+// Overriding, annotating, flagging, scoring again, answering an appeal.
+bool CanReviewAttempt(const Person& viewer, const AttemptRow& attempt, bool shares_cohort);
+// Own remarks only; who wrote one and may no longer review cannot.
+bool CanEditAnnotation(const Person& viewer, const AnnotationRow& annotation, bool can_review);
+// The person whose work it is, once the score is released.
+bool CanAppeal(const Person& viewer, const AttemptRow& attempt);
+// Making an attempt the exercise's reference, and withdrawing it.
 bool CanMarkReference(const Person& viewer, const AttemptRow& attempt, bool shares_cohort);
 // Asking for a ticket whose attempt is meant as a reference cut.
 bool CanRecordReference(const Person& viewer);
+// The dentist's name at a reference: students see it with the dentist's consent.
+bool CanSeeDentist(const Person& viewer, const ReferenceRow& reference);
+// Drafts, retired versions, and changing any: instructors and admins, whatever their cohorts.
+bool CanEditExercises(const Person& viewer);
+// `in_cohort`: whether the viewer is in the assignment's cohort. For everybody (zero cohort):
+// admin.
+bool CanAssign(const Person& viewer, const Uuid& cohort, bool in_cohort);
+bool CanSeeAssignment(const Person& viewer, const Uuid& cohort, bool in_cohort);
 bool CanListCohorts(const Person& viewer);  // instructor: own; admin: all
 bool CanListStations(const Person& viewer);
 bool CanAdminister(const Person& viewer);  // people, cohorts, audit, jobs

@@ -7,6 +7,20 @@ namespace enamel::server {
 namespace {
 
 constexpr std::array kRoles = {Role::kStudent, Role::kInstructor, Role::kAdmin};
+constexpr std::array kExerciseStates = {ExerciseState::kDraft, ExerciseState::kPublished,
+                                        ExerciseState::kRetired};
+
+struct FlagName {
+  AttemptFlag flag;
+  const char* name;
+};
+constexpr FlagName kFlagNames[] = {{kLate, "late"},
+                                   {kLateUpload, "late_upload"},
+                                   {kFasterThanTime, "faster_than_time"},
+                                   {kOverTime, "over_time"},
+                                   {kResumed, "resumed"},
+                                   {kExcused, "excused"},
+                                   {kReadmitted, "readmitted"}};
 
 }  // namespace
 
@@ -29,6 +43,40 @@ std::optional<Role> RoleFromName(std::string_view name) {
   return std::nullopt;
 }
 
+const char* ExerciseStateName(ExerciseState state) {
+  switch (state) {
+    case ExerciseState::kDraft:
+      return "draft";
+    case ExerciseState::kPublished:
+      return "published";
+    case ExerciseState::kRetired:
+      return "retired";
+  }
+  return "retired";
+}
+
+std::optional<ExerciseState> ExerciseStateFromName(std::string_view name) {
+  for (ExerciseState state : kExerciseStates) {
+    if (name == ExerciseStateName(state)) return state;
+  }
+  return std::nullopt;
+}
+
+std::vector<const char*> AttemptFlagNames(uint32_t flags) {
+  std::vector<const char*> out;
+  for (const FlagName& known : kFlagNames) {
+    if (flags & known.flag) out.push_back(known.name);
+  }
+  return out;
+}
+
+std::optional<AttemptFlag> AttemptFlagFromName(std::string_view name) {
+  for (const FlagName& known : kFlagNames) {
+    if (name == known.name) return known.flag;
+  }
+  return std::nullopt;
+}
+
 const char* AttemptStateName(AttemptState state) {
   switch (state) {
     case AttemptState::kTicketed:
@@ -47,6 +95,15 @@ const char* AttemptStateName(AttemptState state) {
       return "quarantined";
   }
   return "failed";
+}
+
+std::optional<AttemptState> AttemptStateFromName(std::string_view name) {
+  for (int i = static_cast<int>(AttemptState::kTicketed);
+       i <= static_cast<int>(AttemptState::kQuarantined); ++i) {
+    auto state = static_cast<AttemptState>(i);
+    if (name == AttemptStateName(state)) return state;
+  }
+  return std::nullopt;
 }
 
 }  // namespace enamel::server

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -53,17 +54,50 @@ struct SceneRow {
   std::string title;
   Sha256 content;  // JSON blob
   Sha256 volume;
+  Sha256 surface{};  // ENSF blob of the volume before it is cut; zero: not made yet
 };
+
+// A draft can be replaced and is seen by instructors and admins only. A published version never
+// changes; the newest published one of a name is offered. Retired: no longer offered, kept for what
+// was done with it. Stable names: "draft", "published", "retired".
+enum class ExerciseState : uint8_t { kDraft = 1, kPublished = 2, kRetired = 3 };
+const char* ExerciseStateName(ExerciseState state);
+std::optional<ExerciseState> ExerciseStateFromName(std::string_view name);
 
 struct ExerciseRow {
   Uuid id;
   std::string name;
   std::string title;
-  int32_t version = 1;
-  Sha256 content;  // JSON blob of this version
+  int32_t version = 1;  // 0: draft
+  Sha256 content;       // JSON blob of this version
   Sha256 scene;
   bool graded = true;
-  UnixMs published_ms = 0;
+  UnixMs published_ms = 0;  // of a draft: when it was last put
+  ExerciseState state = ExerciseState::kPublished;
+  int32_t revision = 1;  // counts the changes of a draft and of the state
+};
+
+// An exercise for a cohort: when, how often, and whether as an exam.
+struct AssignmentRow {
+  Uuid id;
+  std::string exercise;        // name; the newest published version counts
+  Uuid cohort;                 // zero: everybody
+  std::string cohort_name;     // joined
+  UnixMs opens_ms = 0;         // 0: at once
+  UnixMs due_ms = 0;           // 0: never
+  uint32_t attempt_limit = 0;  // per person; 0: as many as wanted. Excused attempts do not count
+  bool exam = false;
+  bool late_allowed = false;   // attempts may begin after due_ms, and are flagged
+  std::vector<Uuid> stations;  // of an exam: where; none: anywhere
+  int32_t revision = 1;        // counts the changes
+  UnixMs created_ms = 0;
+};
+
+// An assignment as it stands for one person.
+struct AssignedRow {
+  AssignmentRow assignment;
+  ExerciseRow exercise;  // newest published version
+  uint32_t attempts_used = 0;
 };
 
 // Life of an attempt. Stable names: "ticketed", "recording", "sealed", "scoring", "scored",
@@ -78,6 +112,30 @@ enum class AttemptState : uint8_t {
   kQuarantined = 7
 };
 const char* AttemptStateName(AttemptState state);
+std::optional<AttemptState> AttemptStateFromName(std::string_view name);
+
+// What is to be known about an attempt before it is judged: bits of AttemptRow::flags. Stable names
+// as below, without the k.
+enum AttemptFlag : uint32_t {
+  kLate = 1,            // begun, or for certain still being made, after its due time
+  kLateUpload = 2,      // arrived after its due time; may have been made before
+  kFasterThanTime = 4,  // more ticks than time since the ticket: not made in real time (--lockstep)
+  kOverTime = 8,        // longer than the exercise's time limit; an exam counts up to there only
+  kResumed = 16,        // the station broke off and went on from what it had spooled
+  kExcused = 32,        // an instructor says: counts neither against the limit nor as running
+  kReadmitted = 64,     // its ticket was forgotten by a restore; its terms were worked out again
+};
+// {"late", "over_time"}.
+std::vector<const char*> AttemptFlagNames(uint32_t flags);
+std::optional<AttemptFlag> AttemptFlagFromName(std::string_view name);
+
+// What an instructor says the score is.
+struct ScoreOverride {
+  double score = 0;  // 0..100
+  std::string reason;
+  Uuid by;  // zero: the command line
+  UnixMs at_ms = 0;
+};
 
 struct AttemptRow {
   Uuid id;
@@ -96,21 +154,67 @@ struct AttemptRow {
   uint32_t chunks = 0;  // committed
   uint64_t ticks = 0;
   uint64_t gap_ticks = 0;
-  uint64_t trace_bytes = 0;  // header + committed chunks
-  std::optional<double> score;
+  uint64_t trace_bytes = 0;     // header + committed chunks
+  std::optional<double> score;  // computed
   bool critical_fail = false;
-  double progress = 0;    // 0..1 while scoring
+  std::optional<ScoreOverride> overridden;  // counts instead of `score`
+  double progress = 0;                      // 0..1 while scoring
   UnixMs expired_ms = 0;  // when a retention rule removed the recording; 0: it is there
   std::string problem;    // why failed or quarantined
+
+  // Terms it was begun under, as they were then.
+  std::optional<Uuid> assignment{};  // none: a reference cut, an instructor's try
+  bool exam = false;
+  UnixMs due_ms = 0;         // 0: none
+  int32_t rate_hz = 0;       // 0: time is not checked
+  uint64_t limit_ticks = 0;  // time limit; 0: none
+  uint32_t flags = 0;        // of AttemptFlag
+  UnixMs last_chunk_ms = 0;  // when the newest chunk arrived
+};
+
+// One scoring run. The newest is the attempt's score.
+struct ResultRow {
+  int32_t run = 1;
+  UnixMs scored_ms = 0;
+  std::string cause;  // "seal", "reference", "rescore", "appeal"
+  double score = 0;
+  bool critical_fail = false;
+  Sha256 score_json;
+  std::optional<Uuid> reference;  // the attempt it was compared with
+};
+
+struct AnnotationRow {
+  Uuid id;
+  Uuid attempt;
+  Uuid author;
+  std::string author_name;  // joined; empty: erased
+  uint64_t tick = 0;
+  std::optional<std::array<int32_t, 3>> point_um;  // scene frame
+  std::string text;
+  UnixMs created_ms = 0;
+  UnixMs edited_ms = 0;  // 0: never
+  int32_t revision = 1;
+};
+
+struct AppealRow {
+  Uuid attempt;
+  UnixMs filed_ms = 0;
+  std::string text;
+  std::string state = "open";  // "open", "regraded", "rejected"
+  std::string answer;
+  Uuid answered_by;
+  UnixMs answered_ms = 0;
 };
 
 struct ReferenceRow {
   Uuid id;
   Uuid exercise;
   Uuid attempt;
-  std::string dentist;  // as to be shown, with consent
+  std::string dentist;
   int32_t version = 1;
   UnixMs created_ms = 0;
+  bool consent = true;      // the name may be shown to students
+  UnixMs withdrawn_ms = 0;  // 0: counts
 };
 
 }  // namespace enamel::server

@@ -150,7 +150,7 @@ Status ScoreReference(const Bench& bench, const measure::Attempt& recorded) {
   if (!seal.ok()) return seal.status();
   ENAMEL_RETURN_IF_ERROR(bench.store.SealAttempt(*seal, 1));
   ENAMEL_RETURN_IF_ERROR(RunJobs(bench.store));
-  auto reference = bench.store.AddReference(seal->attempt, "a simulated dentist", kLoadgen);
+  auto reference = bench.store.AddReference(seal->attempt, "a simulated dentist", true, kLoadgen);
   return reference.ok() ? RunJobs(bench.store) : reference.status();
 }
 

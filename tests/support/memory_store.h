@@ -30,6 +30,7 @@ class MemoryStore final : public server::Store {
   std::vector<server::JobRow> jobs;
   std::vector<double> progress;  // everything SetProgress was told
   int failing_puts = 0;          // this many PutBlob answer kStorage
+  double cancel_at = 2;          // progress at which the newest job is cancelled; above 1: never
 
   Result<Sha256> PutBlob(ByteView data) override {
     std::lock_guard lock(mutex_);
@@ -79,6 +80,7 @@ class MemoryStore final : public server::Store {
   }
   Status FinishAttempt(const Uuid& id, const AttemptResult& result) override {
     std::lock_guard lock(mutex_);
+    if (Status status = MustNotBeCancelled(id); !status.ok()) return status;
     results[id] = result;
     attempts[id].state = server::AttemptState::kScored;
     attempts[id].score = result.score;
@@ -96,10 +98,14 @@ class MemoryStore final : public server::Store {
     std::lock_guard lock(mutex_);
     return Find(results, id, "result");
   }
-  Status SetProgress(const Uuid&, double done) override {
+  Status SetProgress(const Uuid& id, double done) override {
     std::lock_guard lock(mutex_);
     progress.push_back(done);
-    return Status::Ok();
+    if (done >= cancel_at) {
+      jobs.back().state = "cancelled";
+      attempts[id].state = server::AttemptState::kSealed;
+    }
+    return MustNotBeCancelled(id);
   }
   Result<std::optional<server::ReferenceRow>> ReferenceFor(const Uuid& exercise) override {
     std::lock_guard lock(mutex_);
@@ -122,7 +128,7 @@ class MemoryStore final : public server::Store {
   Status FinishJob(const Uuid& id, bool ok, const std::string& error) override {
     std::lock_guard lock(mutex_);
     for (server::JobRow& job : jobs) {
-      if (job.id != id) continue;
+      if (job.id != id || job.state == "cancelled") continue;
       job.state = ok ? "done" : job.tries >= 3 ? "failed" : "queued";
       job.error = error;
     }
@@ -137,6 +143,16 @@ class MemoryStore final : public server::Store {
     }
     return Status::Ok();
   }
+  Status CancelJob(const Uuid& id, const server::Actor&) override {
+    std::lock_guard lock(mutex_);
+    for (server::JobRow& job : jobs) {
+      if (job.id != id) continue;
+      job.state = "cancelled";
+      attempts[job.attempt].state = server::AttemptState::kSealed;
+      return Status::Ok();
+    }
+    return Status(Code::kNotFound, "no such job");
+  }
   Result<std::vector<server::JobRow>> Jobs(const std::string& state) override {
     std::lock_guard lock(mutex_);
     std::vector<server::JobRow> out;
@@ -147,7 +163,7 @@ class MemoryStore final : public server::Store {
 
   void Queue(const Uuid& attempt) {
     std::lock_guard lock(mutex_);
-    jobs.push_back({Uuid::New(), "score", attempt, "queued", 0, ""});
+    jobs.push_back({Uuid::New(), "score", attempt, "queued", 0, "", "seal", 0});
   }
   void SetQueueBroken(bool broken) {
     std::lock_guard lock(mutex_);
@@ -203,6 +219,39 @@ class MemoryStore final : public server::Store {
   Result<server::ExerciseRow> ExerciseByContent(const Sha256&) override { return No(); }
   Result<std::vector<server::ExerciseRow>> ExercisesFor(const Uuid&) override { return No(); }
   Result<std::vector<server::ExerciseRow>> AllExercises() override { return No(); }
+  Result<std::vector<server::ExerciseRow>> ExercisesIn(server::ExerciseState) override {
+    return No();
+  }
+  Result<std::vector<server::ExerciseRow>> ExerciseVersions(const std::string&) override {
+    return No();
+  }
+  Result<server::ExerciseRow> PutDraft(const server::ExerciseRow&, const server::Actor&) override {
+    return No();
+  }
+  Result<server::ExerciseRow> ReplaceDraft(const server::ExerciseRow&,
+                                           const server::Actor&) override {
+    return No();
+  }
+  Status DeleteDraft(const Uuid&, int32_t, const server::Actor&) override { return No(); }
+  Result<server::ExerciseRow> PublishDraft(const Uuid&, int32_t, const server::Actor&) override {
+    return No();
+  }
+  Status RetireExercise(const Uuid&, const server::Actor&) override { return No(); }
+  Result<server::AssignmentRow> AddAssignment(const server::AssignmentRow&,
+                                              const server::Actor&) override {
+    return No();
+  }
+  Result<server::AssignmentRow> ReplaceAssignment(const server::AssignmentRow&,
+                                                  const server::Actor&) override {
+    return No();
+  }
+  Status DeleteAssignment(const Uuid&, int32_t, const server::Actor&) override { return No(); }
+  Result<server::AssignmentRow> AssignmentById(const Uuid&) override { return No(); }
+  Result<std::vector<server::AssignmentRow>> Assignments(const server::AssignmentFilter&) override {
+    return No();
+  }
+  Result<std::vector<server::AssignedRow>> AssignmentsFor(const Uuid&) override { return No(); }
+  Result<uint32_t> ReleaseAssignment(const Uuid&, const server::Actor&) override { return No(); }
   Status CreateAttempt(const server::AttemptRow&, ByteView, const server::Actor&) override {
     return No();
   }
@@ -212,11 +261,41 @@ class MemoryStore final : public server::Store {
   Result<std::vector<server::AttemptRow>> Attempts(const server::AttemptFilter&) override {
     return No();
   }
+  Result<std::vector<server::ResultRow>> ResultsOf(const Uuid&) override { return No(); }
   Status ReleaseAttempt(const Uuid&, const server::Actor&) override { return No(); }
-  Result<server::ReferenceRow> AddReference(const Uuid&, const std::string&,
+  Status WithdrawRelease(const Uuid&, const server::Actor&) override { return No(); }
+  Status OverrideScore(const Uuid&, const std::optional<server::ScoreOverride>&,
+                       const server::Actor&) override {
+    return No();
+  }
+  Status FlagAttempt(const Uuid&, uint32_t, const std::string&, const server::Actor&) override {
+    return No();
+  }
+  Status Rescore(const Uuid&, const std::string&, const server::Actor&) override { return No(); }
+  Result<server::AnnotationRow> AddAnnotation(const server::AnnotationRow&,
+                                              const server::Actor&) override {
+    return No();
+  }
+  Result<server::AnnotationRow> ReplaceAnnotation(const server::AnnotationRow&,
+                                                  const server::Actor&) override {
+    return No();
+  }
+  Status DeleteAnnotation(const Uuid&, int32_t, const server::Actor&) override { return No(); }
+  Result<server::AnnotationRow> AnnotationById(const Uuid&) override { return No(); }
+  Result<std::vector<server::AnnotationRow>> AnnotationsOf(const Uuid&) override { return No(); }
+  Status FileAppeal(const Uuid&, const std::string&, const server::Actor&) override { return No(); }
+  Status AnswerAppeal(const Uuid&, bool, const std::string&, const server::Actor&) override {
+    return No();
+  }
+  Result<std::optional<server::AppealRow>> AppealOf(const Uuid&) override { return No(); }
+  Result<server::ReferenceRow> AddReference(const Uuid&, const std::string&, bool,
                                             const server::Actor&) override {
     return No();
   }
+  Result<server::ReferenceRow> ReferenceById(const Uuid&) override { return No(); }
+  Result<std::vector<server::ReferenceRow>> References(const Uuid&) override { return No(); }
+  Status WithdrawReference(const Uuid&, const server::Actor&) override { return No(); }
+  Status PutSceneSurface(const Sha256&, const Sha256&) override { return No(); }
   Result<std::vector<server::AuditRow>> Audit(uint32_t) override { return No(); }
   Result<std::vector<server::AuditRow>> AuditAbout(const Uuid&) override { return No(); }
   Status NoteAudit(const server::Actor&, const std::string&, const std::string&,
@@ -235,6 +314,15 @@ class MemoryStore final : public server::Store {
   server::StoreHealth Health() override { return {}; }
 
  private:
+  // Requires: mutex_ is held.
+  Status MustNotBeCancelled(const Uuid& attempt) const {
+    for (auto job = jobs.rbegin(); job != jobs.rend(); ++job) {
+      if (job->attempt != attempt) continue;
+      if (job->state != "cancelled") break;
+      return Status(Code::kUnavailable, "this scoring run was cancelled");
+    }
+    return Status::Ok();
+  }
   static Status No() { return Status(Code::kInternal, "MemoryStore does not do this"); }
   template <typename Map, typename Key>
   static Result<typename Map::mapped_type> Find(const Map& map, const Key& key, const char* what) {

@@ -11,6 +11,7 @@
 #include "server/app/publish.h"
 #include "server/app/report.h"
 #include "server/app/seed.h"
+#include "server/app/teaching.h"
 #include "server/auth/authenticator.h"
 #include "tests/server/storage/store_world.h"
 

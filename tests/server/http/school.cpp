@@ -121,7 +121,7 @@ void School::AddDocuments() {
   exercise = exercise_row_.id;
 }
 
-Uuid School::RecordingAttempt(const Uuid& person) {
+Uuid School::RecordingAttempt(const Uuid& person, const Change& change) {
   AttemptRow row;
   row.id = Uuid::New();
   row.person = person;
@@ -129,13 +129,14 @@ Uuid School::RecordingAttempt(const Uuid& person) {
   row.exercise = exercise;
   row.profile_content = profile_;
   row.ticketed_ms = now_ms;
+  if (change) change(row);
   Must(store->CreateAttempt(row, AsBytes("ticket"), kBy));
   Must(store->OpenAttempt(row.id, AsBytes("header")));
   return row.id;
 }
 
-Uuid School::ScoredAttempt(const Uuid& person) {
-  Uuid id = RecordingAttempt(person);
+Uuid School::ScoredAttempt(const Uuid& person, const Change& change) {
+  Uuid id = RecordingAttempt(person, change);
   Store::ChunkPut chunk;
   chunk.attempt = chunk.head.attempt = id;
   chunk.head.count = 1000;

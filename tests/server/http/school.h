@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -19,8 +20,10 @@ struct School {
 
   // A sealed and scored attempt of the person; its blobs are `{...}` score, "ENSF" surface, `{}`
   // series.
-  Uuid ScoredAttempt(const Uuid& person);
-  Uuid RecordingAttempt(const Uuid& person);
+  // `change` may give its row other terms.
+  using Change = std::function<void(AttemptRow&)>;
+  Uuid ScoredAttempt(const Uuid& person, const Change& change = {});
+  Uuid RecordingAttempt(const Uuid& person, const Change& change = {});
 
   TempFolder folder;
   std::unique_ptr<Store> store;

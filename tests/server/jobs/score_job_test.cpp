@@ -94,6 +94,37 @@ TEST_F(ScoreJobTest, TicksGapsAndLateTicksAreOnTheScore) {
   EXPECT_EQ(score.core_version, core::kCoreVersion);
 }
 
+// The same recording as an exam with a limit, and as what a station would have sealed had its
+// student stopped there.
+TEST_F(ScoreJobTest, AnExamCountsUpToItsTimeLimitAndPracticeToItsEnd) {
+  Uuid attempt = WithReference({.mesial_extra_mm = 0.3, .gap_ticks = 40});
+  const uint64_t all = store_.attempts[attempt].ticks + 40, limit = all / 2;
+  core::Core core(world_.params, world_.volume);
+  uint64_t time_ticks = 0;
+  for (const Bytes& bytes : store_.traces[attempt].chunks) {
+    auto chunk = trace::DecodeChunk(bytes);
+    ASSERT_TRUE(chunk.ok());
+    for (const trace::Tick& tick : chunk->ticks) {
+      if (time_ticks >= limit) continue;
+      core.Step(tick.input);
+      time_ticks += 1 + tick.input.gap_ticks;
+    }
+  }
+  auto scored_volume = [&](bool exam) {
+    store_.attempts[attempt].state = AttemptState::kSealed;
+    store_.attempts[attempt].exam = exam;
+    store_.attempts[attempt].limit_ticks = limit;
+    EXPECT_TRUE(RunScoreJob(store_, attempt).ok());
+    EXPECT_EQ(ScoreOf(attempt).ticks, all - 40) << "all of it is replayed and checked";
+    auto stored = scene::DecodeVolume(store_.blobs[store_.results[attempt].final_volume]);
+    EXPECT_TRUE(stored.ok());
+    return *stored;
+  };
+  cutting::Volume exam = scored_volume(true), practice = scored_volume(false);
+  EXPECT_TRUE(exam == core.volume());
+  EXPECT_FALSE(practice == core.volume());
+}
+
 TEST_F(ScoreJobTest, TheFinalVolumeIsTheOneTheStationHad) {
   Uuid attempt = WithReference({.mesial_extra_mm = 0.1});
   ASSERT_TRUE(RunScoreJob(store_, attempt).ok());

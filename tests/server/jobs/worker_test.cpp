@@ -73,6 +73,21 @@ TEST_F(WorkerTest, RunsEveryJobAndShowsProgress) {
   EXPECT_LE(store_.progress.size(), 2u * 21);
 }
 
+TEST_F(WorkerTest, CancelledJobEndsUnscoredAndIsNotTriedAgain) {
+  Uuid reference = world_.RecordReference(store_);
+  store_.cancel_at = 0.3;
+  store_.Queue(reference);
+  Worker worker(store_, Options());
+  worker.Start();
+  ASSERT_TRUE(reports_.WaitFor(1));
+  worker.Stop();
+  EXPECT_EQ(reports_.seen()[0].second.code(), Code::kUnavailable);
+  EXPECT_EQ(store_.Jobs("cancelled")->size(), 1u);
+  EXPECT_EQ(store_.attempts[reference].state, AttemptState::kSealed);
+  EXPECT_EQ(store_.results.count(reference), 0u);
+  EXPECT_LT(store_.progress.back(), 0.7) << "it stopped soon after";
+}
+
 TEST_F(WorkerTest, NotifyWakesAWorkerThatWouldSleepForAnHour) {
   Uuid reference = world_.RecordReference(store_);
   Worker worker(store_, Options(1h));

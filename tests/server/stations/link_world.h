@@ -32,7 +32,7 @@ struct LinkWorld {
     student = AddPerson(*store, "student", Role::kStudent, verifier);
     instructor = AddPerson(*store, "instructor", Role::kInstructor, verifier);
     AddPerson(*store, "outsider", Role::kStudent, verifier);
-    Uuid cohort = *store->CreateCohort("year 1", kSystem);
+    cohort = *store->CreateCohort("year 1", kSystem);
     EXPECT_TRUE(store->AddToCohort(cohort, student, kSystem).ok());
     EXPECT_TRUE(store->AddToCohort(cohort, instructor, kSystem).ok());
     EXPECT_TRUE(app::PublishProfiles(*store).ok());
@@ -60,7 +60,7 @@ struct LinkWorld {
         return now;
       }};
   std::string verifier;
-  Uuid student, instructor;
+  Uuid student, instructor, cohort;
   SceneRow scene;
   ExerciseRow exercise;
 };
@@ -123,9 +123,21 @@ class ScriptedStation {
     return Send(request);
   }
 
-  wire::Reply Open(const Bytes& header) {
+  wire::Reply RequestTicketFor(const Uuid& assignment, const Sha256& exercise,
+                               const Sha256& profile) {
+    wire::Request request;
+    wire::RequestTicket& body = *request.mutable_request_ticket();
+    body.set_session(session);
+    body.set_exercise(protocol::ToField(exercise.view()));
+    body.set_profile(protocol::ToField(profile.view()));
+    body.set_assignment(protocol::ToField(assignment.view()));
+    return Send(request);
+  }
+
+  wire::Reply Open(const Bytes& header, bool resumed = false) {
     wire::Request request;
     request.mutable_open_attempt()->set_header(protocol::ToField(header));
+    request.mutable_open_attempt()->set_resumed(resumed);
     return Send(request);
   }
 

@@ -145,7 +145,7 @@ TEST_P(StoreTest, ReferenceQueuesAttemptsThatWereScoredWithoutOne) {
   ASSERT_TRUE(store_->FinishAttempt(scored, {}).ok());
   EXPECT_FALSE(store_->LeaseJob(1, 1000)->has_value());
 
-  auto reference = store_->AddReference(scored, "Dr. Example", kSystem);
+  auto reference = store_->AddReference(scored, "Dr. Example", true, kSystem);
   ASSERT_TRUE(reference.ok()) << reference.status().message();
   EXPECT_EQ(store_->ReferenceFor(world.exercise.id)->value().attempt, scored);
   auto again = store_->LeaseJob(1, 1000);
@@ -169,7 +169,7 @@ TEST_P(StoreTest, ReferenceQueuesAttemptsThatFailedForWantOfOne) {
   ASSERT_TRUE(store_->FinishJob((*job)->id, true, "").ok());
 
   Uuid reference = world.ScoredAttempt();
-  ASSERT_TRUE(store_->AddReference(reference, "Dr. Example", kSystem).ok());
+  ASSERT_TRUE(store_->AddReference(reference, "Dr. Example", true, kSystem).ok());
   bool queued = false;
   for (auto next = store_->LeaseJob(1, 1000); next->has_value(); next = store_->LeaseJob(1, 1000)) {
     queued |= (*next)->attempt == waiting;

@@ -69,7 +69,7 @@ TEST_P(PersonalDataTest, WhoMadeAReferenceIsErasedOnlyWithIt) {
   ASSERT_TRUE(store_->OpenAttempt(cut, AsBytes("header")).ok());
   ASSERT_TRUE(store_->SealAttempt(World::SealOf(world_.Append(cut, 1)), 200).ok());
   ASSERT_TRUE(store_->FinishAttempt(cut, {}).ok());
-  ASSERT_TRUE(store_->AddReference(cut, "Dr. Example", kSystem).ok());
+  ASSERT_TRUE(store_->AddReference(cut, "Dr. Example", true, kSystem).ok());
   Uuid compared = world_.ScoredAttempt();
   Store::AttemptResult result;
   result.score_json = PutText(*store_, "score");

@@ -60,7 +60,7 @@ TEST_P(RetentionTest, RecordingGoesAfterItsDaysAndTheScoreStays) {
   EXPECT_EQ(store_->AttemptById(attempt)->score, 80);
   EXPECT_EQ(store_->AttemptById(attempt)->expired_ms, 30 * kDay + 201);
   EXPECT_TRUE(store_->GetBlob(store_->ResultOf(attempt)->score_json).ok());
-  EXPECT_EQ(store_->AddReference(attempt, "Dr. Example", kSystem).status().code(), Code::kConflict);
+  EXPECT_EQ(store_->AddReference(attempt, "Dr. Example", true, kSystem).status().code(), Code::kConflict);
   EXPECT_TRUE(Apply(40 * kDay).recordings.empty()) << "once";
 }
 
@@ -77,7 +77,7 @@ TEST_P(RetentionTest, WholeAttemptGoesAndOnlyItsOwnBlobs) {
 
 TEST_P(RetentionTest, ReferenceAndWhatAJobNeedsAreKept) {
   Uuid reference = Scored();
-  ASSERT_TRUE(store_->AddReference(reference, "Dr. Example", kSystem).ok());
+  ASSERT_TRUE(store_->AddReference(reference, "Dr. Example", true, kSystem).ok());
   Uuid queued = world_.OpenedAttempt();
   ASSERT_TRUE(store_->SealAttempt(World::SealOf(world_.Append(queued, 1)), 200).ok());
   Rule("attempts", 1);

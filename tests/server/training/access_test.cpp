@@ -29,6 +29,66 @@ TEST(AccessTest, StudentSeesOwnAttemptsOnlyEvenInASharedCohort) {
   EXPECT_FALSE(CanSeeAttempt(kOtherStudent, AttemptOfOwner(), true));
 }
 
+TEST(AccessTest, ExamIsHiddenUntilReleasedAlsoWhenTheExerciseIsPractice) {
+  AttemptRow exam = AttemptOfOwner();
+  EXPECT_TRUE(CanSeeScore(kOwner, exam, false, true));
+  exam.exam = true;
+  EXPECT_FALSE(CanSeeScore(kOwner, exam, false, true));
+  EXPECT_TRUE(CanSeeScore(kInstructor, exam, false, true));
+  exam.released = true;
+  EXPECT_TRUE(CanSeeScore(kOwner, exam, false, true));
+}
+
+TEST(AccessTest, ReviewIsForInstructorsOfTheCohortAndAdmins) {
+  EXPECT_TRUE(CanReviewAttempt(kInstructor, AttemptOfOwner(), true));
+  EXPECT_TRUE(CanReviewAttempt(kAdmin, AttemptOfOwner(), false));
+  EXPECT_FALSE(CanReviewAttempt(kInstructor, AttemptOfOwner(), false));
+  EXPECT_FALSE(CanReviewAttempt(kOwner, AttemptOfOwner(), true));
+  AnnotationRow remark;
+  remark.author = kInstructor.id;
+  EXPECT_TRUE(CanEditAnnotation(kInstructor, remark, true));
+  EXPECT_FALSE(CanEditAnnotation(kInstructor, remark, false)) << "no longer of the cohort";
+  EXPECT_FALSE(CanEditAnnotation(kAdmin, remark, true)) << "somebody else's words";
+}
+
+TEST(AccessTest, AppealIsForTheOwnerOfAReleasedScore) {
+  AttemptRow attempt = AttemptOfOwner(true);
+  EXPECT_FALSE(CanAppeal(kOwner, attempt)) << "not scored";
+  attempt.state = AttemptState::kScored;
+  EXPECT_TRUE(CanAppeal(kOwner, attempt));
+  EXPECT_FALSE(CanAppeal(kOtherStudent, attempt));
+  EXPECT_FALSE(CanAppeal(kInstructor, attempt));
+  attempt.released = false;
+  EXPECT_FALSE(CanAppeal(kOwner, attempt));
+}
+
+TEST(AccessTest, InstructorAssignsToOwnCohortsAndOnlyAnAdminToEverybody) {
+  Uuid cohort = kOwner.id, everybody;
+  EXPECT_TRUE(CanAssign(kInstructor, cohort, true));
+  EXPECT_FALSE(CanAssign(kInstructor, cohort, false));
+  EXPECT_FALSE(CanAssign(kInstructor, everybody, false));
+  EXPECT_TRUE(CanAssign(kAdmin, everybody, false));
+  EXPECT_FALSE(CanAssign(kOwner, cohort, true));
+  EXPECT_TRUE(CanSeeAssignment(kOwner, cohort, true));
+  EXPECT_TRUE(CanSeeAssignment(kOwner, everybody, false));
+  EXPECT_FALSE(CanSeeAssignment(kOwner, cohort, false));
+  Person disabled = kAdmin;
+  disabled.disabled = true;
+  EXPECT_FALSE(CanSeeAssignment(disabled, everybody, false));
+  EXPECT_FALSE(CanAssign(disabled, cohort, true));
+  EXPECT_FALSE(CanEditExercises(disabled));
+  EXPECT_FALSE(CanEditExercises(kOwner));
+  EXPECT_TRUE(CanEditExercises(kInstructor));
+}
+
+TEST(AccessTest, DentistIsNamedToStudentsWithConsentOnly) {
+  ReferenceRow reference;
+  EXPECT_TRUE(CanSeeDentist(kOwner, reference));
+  reference.consent = false;
+  EXPECT_FALSE(CanSeeDentist(kOwner, reference));
+  EXPECT_TRUE(CanSeeDentist(kInstructor, reference));
+}
+
 TEST(AccessTest, InstructorSeesAttemptsOfOwnCohortsOnly) {
   EXPECT_TRUE(CanSeeAttempt(kInstructor, AttemptOfOwner(), true));
   EXPECT_FALSE(CanSeeAttempt(kInstructor, AttemptOfOwner(), false));

@@ -1,0 +1,196 @@
+#include "server/app/teaching.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <iostream>
+
+#include "common/base/file.h"
+#include "common/scene/json.h"
+#include "server/app/admin.h"
+#include "server/app/data_folder.h"
+#include "server/app/publish.h"
+#include "server/training/ticket_rules.h"
+
+namespace enamel::server::app {
+namespace {
+
+constexpr size_t kMaxDocumentBytes = 1 << 20;
+
+void Show(const ExerciseRow& row) {
+  std::string version = row.version == 0 ? "draft" : "version " + std::to_string(row.version);
+  std::cout << fmt::format("{}  {:<10} {:<9} {:<8} {:<32} {}\n", row.id.Text(), version,
+                           ExerciseStateName(row.state), row.graded ? "graded" : "practice",
+                           row.name, row.title);
+}
+
+std::string WhenText(UnixMs time_ms, const char* otherwise) {
+  return time_ms == 0 ? otherwise : TimeText(time_ms);
+}
+
+void Show(const AssignmentRow& row) {
+  std::string limit =
+      row.attempt_limit == 0 ? "any number" : std::to_string(row.attempt_limit) + " at most";
+  std::string cohort = row.cohort.IsZero() ? "everybody" : row.cohort_name;
+  std::string stations =
+      row.stations.empty() ? "" : fmt::format(", at {} stations", row.stations.size());
+  std::cout << fmt::format("{}  {:<28} {:<20} opens {}, due {}{}, attempts: {}{}{}\n",
+                           row.id.Text(), row.exercise, cohort, WhenText(row.opens_ms, "at once"),
+                           WhenText(row.due_ms, "never"), row.late_allowed ? " (late allowed)" : "",
+                           limit, row.exam ? ", exam" : "", stations);
+}
+
+Result<Uuid> CohortOrEverybody(Store& store, const std::string& name) {
+  if (name.empty()) return Uuid{};
+  return CohortByName(store, name);
+}
+
+Result<std::vector<ExerciseRow>> Publish(Store& store, const NewExercise& exercise,
+                                         const Uuid& cohort) {
+  if (exercise.document.empty()) {
+    auto scene = PublishScene(store, exercise.scene, exercise.voxel_um * 1000);
+    if (!scene.ok()) return scene.status();
+    return PublishBuiltins(store, *scene, exercise.name, cohort);
+  }
+  auto text = ReadFile(exercise.document, kMaxDocumentBytes);
+  if (!text.ok()) return text.status();
+  auto document = scene::ExerciseFromJson(AsText(*text));
+  if (!document.ok()) {
+    return Status(
+        document.status().code(),
+        exercise.document + ": " + document.status().field() + ": " + document.status().message(),
+        document.status().field());
+  }
+  auto row = PublishDocument(store, *document, cohort);
+  if (!row.ok()) return row.status();
+  return std::vector<ExerciseRow>{*row};
+}
+
+Result<UnixMs> TimeOrNone(const std::string& text) {
+  if (text.empty()) return UnixMs{0};
+  return TimeFromText(text);
+}
+
+Result<std::vector<Uuid>> StationsByName(Store& store, const std::vector<std::string>& names) {
+  auto stations = store.Stations();
+  if (!stations.ok()) return stations.status();
+  std::vector<Uuid> out;
+  for (const std::string& name : names) {
+    auto found = std::ranges::find(*stations, name, &StationRow::name);
+    if (found == stations->end()) {
+      return Status(Code::kNotFound, "no station named \"" + name + "\"", "station");
+    }
+    out.push_back(found->id);
+  }
+  return out;
+}
+
+}  // namespace
+
+Status PublishExercise(const std::filesystem::path& data, const NewExercise& exercise) {
+  if (exercise.scene.empty() == exercise.document.empty()) {
+    return Status(Code::kInvalidInput,
+                  "publish-exercise needs a scene (--scene) or a document (--document), not both",
+                  "scene");
+  }
+  auto store = OpenForCommand(data);
+  if (!store.ok()) return store.status();
+  auto cohort = CohortOrEverybody(**store, exercise.cohort);
+  if (!cohort.ok()) return cohort.status();
+  ENAMEL_RETURN_IF_ERROR(PublishProfiles(**store));
+  auto rows = Publish(**store, exercise, *cohort);
+  if (!rows.ok()) return rows.status();
+  for (const ExerciseRow& row : *rows) {
+    std::cout << "exercise \"" << row.name << "\" version " << row.version << ", id "
+              << row.id.Text() << "\n";
+  }
+  return Status::Ok();
+}
+
+Status RetireExercise(const std::filesystem::path& data, const std::string& name) {
+  auto store = OpenForCommand(data);
+  if (!store.ok()) return store.status();
+  auto versions = (*store)->ExerciseVersions(name);
+  if (!versions.ok()) return versions.status();
+  if (versions->empty()) {
+    return Status(Code::kNotFound, "no exercise named \"" + name + "\"; list-exercises shows them",
+                  "name");
+  }
+  ENAMEL_RETURN_IF_ERROR((*store)->RetireExercise(versions->front().id, kCommandLine));
+  std::cout << name << " is no longer offered; what was done with it stays\n";
+  return Status::Ok();
+}
+
+Status ListExercises(const std::filesystem::path& data, const std::string& state) {
+  auto store = OpenForCommand(data);
+  if (!store.ok()) return store.status();
+  for (ExerciseState each :
+       {ExerciseState::kDraft, ExerciseState::kPublished, ExerciseState::kRetired}) {
+    if (!state.empty() && state != ExerciseStateName(each)) continue;
+    auto rows = (*store)->ExercisesIn(each);
+    if (!rows.ok()) return rows.status();
+    for (const ExerciseRow& row : *rows) Show(row);
+  }
+  return Status::Ok();
+}
+
+Status AssignExercise(const std::filesystem::path& data, const NewAssignment& assignment) {
+  auto store = OpenForCommand(data);
+  if (!store.ok()) return store.status();
+  auto cohort = CohortOrEverybody(**store, assignment.cohort);
+  if (!cohort.ok()) return cohort.status();
+  auto opens = TimeOrNone(assignment.opens);
+  if (!opens.ok()) return opens.status();
+  auto due = TimeOrNone(assignment.due);
+  if (!due.ok()) return due.status();
+  auto stations = StationsByName(**store, assignment.stations);
+  if (!stations.ok()) return stations.status();
+  AssignmentRow row;
+  row.exercise = assignment.exercise;
+  row.cohort = *cohort;
+  row.opens_ms = *opens;
+  row.due_ms = *due;
+  row.attempt_limit = assignment.attempt_limit;
+  row.exam = assignment.exam;
+  row.late_allowed = assignment.late_allowed;
+  row.stations = *stations;
+  ENAMEL_RETURN_IF_ERROR(CheckTerms(row));
+  auto added = (*store)->AddAssignment(row, kCommandLine);
+  if (!added.ok()) return added.status();
+  Show(*added);
+  return Status::Ok();
+}
+
+Status EndAssignment(const std::filesystem::path& data, const std::string& id) {
+  auto parsed = Uuid::Parse(id);
+  if (!parsed.ok()) return parsed.status();
+  auto store = OpenForCommand(data);
+  if (!store.ok()) return store.status();
+  auto row = (*store)->AssignmentById(*parsed);
+  if (!row.ok()) return row.status();
+  ENAMEL_RETURN_IF_ERROR((*store)->DeleteAssignment(row->id, row->revision, kCommandLine));
+  std::cout << row->exercise << " is no longer assigned so; attempts made under it stay\n";
+  return Status::Ok();
+}
+
+Status ListAssignments(const std::filesystem::path& data) {
+  auto store = OpenForCommand(data);
+  if (!store.ok()) return store.status();
+  auto rows = (*store)->Assignments({});
+  if (!rows.ok()) return rows.status();
+  for (const AssignmentRow& row : *rows) Show(row);
+  return Status::Ok();
+}
+
+Status ReleaseAssignment(const std::filesystem::path& data, const std::string& id) {
+  auto parsed = Uuid::Parse(id);
+  if (!parsed.ok()) return parsed.status();
+  auto store = OpenForCommand(data);
+  if (!store.ok()) return store.status();
+  auto released = (*store)->ReleaseAssignment(*parsed, kCommandLine);
+  if (!released.ok()) return released.status();
+  std::cout << *released << " scores are released to their students\n";
+  return Status::Ok();
+}
+
+}  // namespace enamel::server::app

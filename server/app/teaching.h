@@ -1,0 +1,37 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+
+// The `admin` commands about exercises and who is to do them. As those of admin.h.
+namespace enamel::server::app {
+
+struct NewExercise {
+  std::string scene;   // PublishScene's source
+  std::string cohort;  // name; empty: open to everybody
+  int32_t voxel_um = 50;
+  std::string name;      // of a built-in exercise, or its kind; empty: all the scene has
+  std::string document;  // file with an exercise document, instead of scene and name
+};
+Status PublishExercise(const std::filesystem::path& data, const NewExercise& exercise);
+Status RetireExercise(const std::filesystem::path& data, const std::string& name);
+// `state`: "draft", "published", "retired"; empty: all.
+Status ListExercises(const std::filesystem::path& data, const std::string& state);
+
+struct NewAssignment {
+  std::string exercise, cohort;  // names; no cohort: everybody
+  std::string opens, due;        // TimeFromText; empty: no such bound
+  uint32_t attempt_limit = 0;
+  bool exam = false, late_allowed = false;
+  std::vector<std::string> stations;  // names, of an exam
+};
+Status AssignExercise(const std::filesystem::path& data, const NewAssignment& assignment);
+Status EndAssignment(const std::filesystem::path& data, const std::string& id);
+Status ListAssignments(const std::filesystem::path& data);
+// Lets students see every scored attempt under it.
+Status ReleaseAssignment(const std::filesystem::path& data, const std::string& id);
+
+}  // namespace enamel::server::app

@@ -1,0 +1,249 @@
+#include <algorithm>
+#include <boost/json.hpp>
+#include <chrono>
+#include <map>
+
+#include "server/http/error_response.h"
+#include "server/http/etag.h"
+#include "server/http/handlers.h"
+#include "server/http/json_body.h"
+#include "server/http/query.h"
+#include "server/http/seen_attempt.h"
+#include "server/training/access.h"
+#include "server/training/revision.h"
+#include "server/training/ticket_rules.h"
+
+namespace enamel::server::http {
+namespace json = boost::json;
+namespace {
+
+constexpr int64_t kMaxTimeMs = 4'102'444'800'000;  // 2100
+constexpr int64_t kMaxAttempts = 1000;
+constexpr size_t kMaxStations = 1000;
+constexpr size_t kMaxName = 64;
+
+// Names for the ids in a list of assignments, looked up once.
+class AssignmentView {
+ public:
+  static Result<AssignmentView> Make(Store& store) {
+    AssignmentView out;
+    Result<std::vector<StationRow>> stations = store.Stations();
+    if (!stations.ok()) return stations.status();
+    for (const StationRow& row : *stations) out.stations_[row.id] = row.name;
+    Result<std::vector<ExerciseRow>> exercises = store.AllExercises();
+    if (!exercises.ok()) return exercises.status();
+    for (const ExerciseRow& row : *exercises) out.exercises_[row.name] = row;
+    return out;
+  }
+
+  json::object Json(const AssignmentRow& row) const {
+    json::array stations;
+    for (const Uuid& id : row.stations) {
+      stations.push_back({{"id", id.Text()}, {"name", StationName(id)}});
+    }
+    json::value cohort, exercise_id, title;
+    if (!row.cohort.IsZero()) {
+      cohort = {{"id", row.cohort.Text()}, {"name", row.cohort_name}};
+    }
+    if (auto found = exercises_.find(row.exercise); found != exercises_.end()) {
+      exercise_id = found->second.id.Text();
+      title = found->second.title;
+    }
+    return {{"id", row.id.Text()},
+            {"exercise",
+             {{"name", row.exercise}, {"id", std::move(exercise_id)}, {"title", std::move(title)}}},
+            {"cohort", std::move(cohort)},
+            {"opens_ms", row.opens_ms},
+            {"due_ms", row.due_ms},
+            {"attempt_limit", row.attempt_limit},
+            {"exam", row.exam},
+            {"late_allowed", row.late_allowed},
+            {"stations", std::move(stations)},
+            {"created_ms", row.created_ms},
+            {"revision", row.revision},
+            {"mine", nullptr}};
+  }
+
+  // With how it stands for the caller.
+  json::object Json(const AssignedRow& row, UnixMs now_ms) const {
+    json::object out = Json(row.assignment);
+    std::string names;
+    for (const Uuid& id : row.assignment.stations) {
+      names += (names.empty() ? "" : ", ") + StationName(id);
+    }
+    Status may = MayBegin(row, now_ms, std::nullopt, names);
+    json::value left;
+    if (row.assignment.attempt_limit != 0) {
+      left =
+          row.assignment.attempt_limit - std::min(row.attempts_used, row.assignment.attempt_limit);
+    }
+    out["mine"] = {{"attempts_used", row.attempts_used},
+                   {"attempts_left", std::move(left)},
+                   {"refusal", may.ok() ? "" : may.message()}};
+    return out;
+  }
+
+ private:
+  std::string StationName(const Uuid& id) const {
+    auto found = stations_.find(id);
+    return found == stations_.end() ? std::string() : found->second;
+  }
+
+  std::map<Uuid, std::string> stations_;
+  std::map<std::string, ExerciseRow> exercises_;  // newest published, by name
+};
+
+UnixMs Now() {
+  return std::chrono::duration_cast<std::chrono::milliseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+Result<bool> IsInCohort(const Call& call, const Uuid& cohort) {
+  Result<std::vector<Cohort>> own = call.store.CohortsOf(call.caller->person.id);
+  if (!own.ok()) return own.status();
+  return std::ranges::find(*own, cohort, &Cohort::id) != own->end();
+}
+
+Status MustBeAssignable(const Call& call, const Uuid& cohort) {
+  Result<bool> in_cohort = IsInCohort(call, cohort);
+  if (!in_cohort.ok()) return in_cohort.status();
+  if (CanAssign(call.caller->person, cohort, *in_cohort)) return {};
+  return {Code::kForbidden,
+          cohort.IsZero() ? "expected an admin, to assign to everybody; name a cohort"
+                          : "expected an instructor of this cohort, or an admin",
+          "cohort_id"};
+}
+
+Result<AssignmentRow> TermsIn(const Call& call) {
+  BodyReader body(call.request);
+  AssignmentRow row;
+  row.exercise = body.Text("exercise", 1, kMaxName);
+  row.cohort = body.MaybeId("cohort_id").value_or(Uuid{});
+  row.opens_ms = body.Integer("opens_ms", 0, kMaxTimeMs, 0);
+  row.due_ms = body.Integer("due_ms", 0, kMaxTimeMs, 0);
+  row.attempt_limit = static_cast<uint32_t>(body.Integer("attempt_limit", 0, kMaxAttempts, 0));
+  row.exam = body.Flag("exam", false);
+  row.late_allowed = body.Flag("late_allowed", false);
+  row.stations = body.Ids("station_ids", kMaxStations);
+  ENAMEL_RETURN_IF_ERROR(body.Finish());
+  ENAMEL_RETURN_IF_ERROR(CheckTerms(row));
+  return row;
+}
+
+// An assignment the caller may see.
+Result<AssignmentRow> SeeAssignment(const Call& call) {
+  Status none{Code::kNotFound, "there is no such assignment", "id"};
+  Result<AssignmentRow> row = call.store.AssignmentById(call.id);
+  if (!row.ok()) return row.status().code() == Code::kNotFound ? none : row.status();
+  Result<bool> in_cohort = IsInCohort(call, row->cohort);
+  if (!in_cohort.ok()) return in_cohort.status();
+  if (CanSeeAssignment(call.caller->person, row->cohort, *in_cohort)) return row;
+  return none;
+}
+
+Response Editable(const Call& call, const AssignmentRow& row, int status = 200) {
+  Result<AssignmentView> view = AssignmentView::Make(call.store);
+  if (!view.ok()) return ErrorResponse(view.status());
+  return WithETag(JsonResponse(view->Json(row), status), row.revision);
+}
+
+// An assignment that is the caller's to change, at the revision the caller has seen.
+Result<AssignmentRow> BeginEdit(const Call& call) {
+  Result<AssignmentRow> row = SeeAssignment(call);
+  if (!row.ok()) return row;
+  ENAMEL_RETURN_IF_ERROR(MustBeAssignable(call, row->cohort));
+  Result<int32_t> seen = IfMatch(call.request);
+  if (!seen.ok()) return seen.status();
+  row->revision = *seen;
+  return row;
+}
+
+// Why a change of an assignment did not happen.
+Response Refused(const Call& call, const Status& status) {
+  if (status.field() != kStale) return ErrorResponse(status);
+  Result<AssignmentRow> now = call.store.AssignmentById(call.id);
+  if (!now.ok()) return ErrorResponse(now.status());
+  Result<AssignmentView> view = AssignmentView::Make(call.store);
+  if (!view.ok()) return ErrorResponse(view.status());
+  return Stale(status, view->Json(*now), now->revision);
+}
+
+}  // namespace
+
+Response ListAssignments(const Call& call) {
+  const Person& viewer = call.caller->person;
+  Result<std::optional<Uuid>> cohort = QueryId(call.request, "cohort");
+  if (!cohort.ok()) return ErrorResponse(cohort.status());
+  Result<AssignmentView> view = AssignmentView::Make(call.store);
+  if (!view.ok()) return ErrorResponse(view.status());
+  json::array assignments;
+  if (viewer.role == Role::kStudent) {
+    Result<std::vector<AssignedRow>> rows = call.store.AssignmentsFor(viewer.id);
+    if (!rows.ok()) return ErrorResponse(rows.status());
+    for (const AssignedRow& row : *rows) {
+      if (*cohort && row.assignment.cohort != **cohort) continue;
+      assignments.push_back(view->Json(row, Now()));
+    }
+    return JsonResponse({{"assignments", std::move(assignments)}});
+  }
+  AssignmentFilter filter;
+  filter.cohort = *cohort;
+  if (viewer.role == Role::kInstructor) filter.of_instructor = viewer.id;
+  Result<std::vector<AssignmentRow>> rows = call.store.Assignments(filter);
+  if (!rows.ok()) return ErrorResponse(rows.status());
+  for (const AssignmentRow& row : *rows) assignments.push_back(view->Json(row));
+  return JsonResponse({{"assignments", std::move(assignments)}});
+}
+
+Response AddAssignment(const Call& call) {
+  if (!IsJson(call.request)) return NotJson();
+  Result<AssignmentRow> terms = TermsIn(call);
+  if (!terms.ok()) return ErrorResponse(terms.status());
+  if (Status may = MustBeAssignable(call, terms->cohort); !may.ok()) return ErrorResponse(may);
+  Result<AssignmentRow> row = call.store.AddAssignment(*terms, ActorOf(call));
+  if (!row.ok()) return ErrorResponse(row.status());
+  return Editable(call, *row, 201);
+}
+
+Response GetAssignment(const Call& call) {
+  Result<AssignmentRow> row = SeeAssignment(call);
+  if (!row.ok()) return ErrorResponse(row.status());
+  return Editable(call, *row);
+}
+
+Response ReplaceAssignment(const Call& call) {
+  if (!IsJson(call.request)) return NotJson();
+  Result<AssignmentRow> edited = BeginEdit(call);
+  if (!edited.ok()) return ErrorResponse(edited.status());
+  Result<AssignmentRow> terms = TermsIn(call);
+  if (!terms.ok()) return ErrorResponse(terms.status());
+  if (Status may = MustBeAssignable(call, terms->cohort); !may.ok()) return ErrorResponse(may);
+  terms->id = call.id;
+  terms->revision = edited->revision;
+  terms->created_ms = edited->created_ms;
+  Result<AssignmentRow> row = call.store.ReplaceAssignment(*terms, ActorOf(call));
+  if (!row.ok()) return Refused(call, row.status());
+  return Editable(call, *row);
+}
+
+Response DeleteAssignment(const Call& call) {
+  Result<AssignmentRow> edited = BeginEdit(call);
+  if (!edited.ok()) return ErrorResponse(edited.status());
+  Status done = call.store.DeleteAssignment(call.id, edited->revision, ActorOf(call));
+  if (!done.ok()) return Refused(call, done);
+  Response response;
+  response.status = 204;
+  return response;
+}
+
+Response ReleaseAssignment(const Call& call) {
+  Result<AssignmentRow> row = SeeAssignment(call);
+  if (!row.ok()) return ErrorResponse(row.status());
+  if (Status may = MustBeAssignable(call, row->cohort); !may.ok()) return ErrorResponse(may);
+  Result<uint32_t> released = call.store.ReleaseAssignment(call.id, ActorOf(call));
+  if (!released.ok()) return ErrorResponse(released.status());
+  return JsonResponse({{"released", *released}});
+}
+
+}  // namespace enamel::server::http

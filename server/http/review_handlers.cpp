@@ -1,0 +1,273 @@
+#include <boost/json.hpp>
+
+#include "server/http/attempt_view.h"
+#include "server/http/error_response.h"
+#include "server/http/etag.h"
+#include "server/http/handlers.h"
+#include "server/http/json_body.h"
+#include "server/http/seen_attempt.h"
+#include "server/training/access.h"
+#include "server/training/revision.h"
+
+// What instructors and students say about an attempt, and scoring it again.
+namespace enamel::server::http {
+namespace json = boost::json;
+namespace {
+
+constexpr size_t kMaxReason = 1000;
+constexpr size_t kMaxRemark = 4000;
+constexpr int64_t kMaxTick = int64_t{1} << 40;
+
+Response Done() {
+  Response response;
+  response.status = 204;
+  return response;
+}
+
+Response DoneOr(const Status& status) { return status.ok() ? Done() : ErrorResponse(status); }
+
+// The attempt as it is after a change.
+Response AttemptResponse(const Call& call, const Uuid& attempt) {
+  Result<AttemptRow> row = call.store.AttemptById(attempt);
+  if (!row.ok()) return ErrorResponse(row.status());
+  AttemptView view(call.store, call.caller->person);
+  Result<json::object> out = view.DetailJson(*row);
+  if (!out.ok()) return ErrorResponse(out.status());
+  return JsonResponse(*out);
+}
+
+json::object AnnotationJson(const Call& call, const AnnotationRow& row) {
+  json::value point;
+  if (row.point_um) {
+    point = json::array{(*row.point_um)[0], (*row.point_um)[1], (*row.point_um)[2]};
+  }
+  return {{"id", row.id.Text()},
+          {"attempt_id", row.attempt.Text()},
+          {"author", {{"id", row.author.Text()}, {"display_name", row.author_name}}},
+          {"tick", row.tick},
+          {"point_um", std::move(point)},
+          {"text", row.text},
+          {"created_ms", row.created_ms},
+          {"edited_ms", row.edited_ms},
+          {"mine", row.author == call.caller->person.id},
+          {"revision", row.revision}};
+}
+
+Result<AnnotationRow> RemarkIn(const Call& call) {
+  BodyReader body(call.request);
+  AnnotationRow row;
+  row.tick = static_cast<uint64_t>(body.Integer("tick", 0, kMaxTick));
+  row.point_um = body.MaybePoint("point_um");
+  row.text = body.Text("text", 1, kMaxRemark);
+  ENAMEL_RETURN_IF_ERROR(body.Finish());
+  return row;
+}
+
+// An annotation that the caller may change.
+Result<AnnotationRow> OwnAnnotation(const Call& call) {
+  Status none{Code::kNotFound, "there is no such annotation", "id"};
+  Result<AnnotationRow> row = call.store.AnnotationById(call.id);
+  if (!row.ok()) return row.status().code() == Code::kNotFound ? none : row.status();
+  Result<SeenAttempt> seen = SeeAttempt(call, row->attempt);
+  if (!seen.ok()) return seen.status().code() == Code::kNotFound ? none : seen.status();
+  const Person& viewer = call.caller->person;
+  bool reviews = CanReviewAttempt(viewer, seen->row, seen->shares_cohort);
+  if (CanEditAnnotation(viewer, *row, reviews)) return row;
+  return Status{Code::kForbidden, "expected its author; write another one"};
+}
+
+// Why a change of an annotation did not happen.
+Response Refused(const Call& call, const Status& status) {
+  if (status.field() != kStale) return ErrorResponse(status);
+  Result<AnnotationRow> now = call.store.AnnotationById(call.id);
+  if (!now.ok()) return ErrorResponse(now.status());
+  return Stale(status, AnnotationJson(call, *now), now->revision);
+}
+
+}  // namespace
+
+Response WithdrawRelease(const Call& call) {
+  Result<SeenAttempt> seen = ReviewAttempt(call, call.id);
+  if (!seen.ok()) return ErrorResponse(seen.status());
+  return DoneOr(call.store.WithdrawRelease(call.id, ActorOf(call)));
+}
+
+Response PutOverride(const Call& call) {
+  if (!IsJson(call.request)) return NotJson();
+  Result<SeenAttempt> seen = ReviewAttempt(call, call.id);
+  if (!seen.ok()) return ErrorResponse(seen.status());
+  BodyReader body(call.request);
+  ScoreOverride score;
+  score.score = body.Number("score", 0, 100);
+  score.reason = body.Text("reason", 1, kMaxReason);
+  if (Status status = body.Finish(); !status.ok()) return ErrorResponse(status);
+  Status done = call.store.OverrideScore(call.id, score, ActorOf(call));
+  return done.ok() ? AttemptResponse(call, call.id) : ErrorResponse(done);
+}
+
+Response DeleteOverride(const Call& call) {
+  Result<SeenAttempt> seen = ReviewAttempt(call, call.id);
+  if (!seen.ok()) return ErrorResponse(seen.status());
+  Status done = call.store.OverrideScore(call.id, std::nullopt, ActorOf(call));
+  return done.ok() ? AttemptResponse(call, call.id) : ErrorResponse(done);
+}
+
+Response Rescore(const Call& call) {
+  Result<SeenAttempt> seen = ReviewAttempt(call, call.id);
+  if (!seen.ok()) return ErrorResponse(seen.status());
+  Status done = call.store.Rescore(call.id, "rescore", ActorOf(call));
+  if (!done.ok()) return ErrorResponse(done);
+  Response response = AttemptResponse(call, call.id);
+  if (response.status == 200) response.status = 202;
+  return response;
+}
+
+Response Excuse(const Call& call) {
+  if (!IsJson(call.request)) return NotJson();
+  Result<SeenAttempt> seen = ReviewAttempt(call, call.id);
+  if (!seen.ok()) return ErrorResponse(seen.status());
+  BodyReader body(call.request);
+  std::string reason = body.Text("reason", 1, kMaxReason);
+  if (Status status = body.Finish(); !status.ok()) return ErrorResponse(status);
+  Status done = call.store.FlagAttempt(call.id, kExcused, reason, ActorOf(call));
+  return done.ok() ? AttemptResponse(call, call.id) : ErrorResponse(done);
+}
+
+Response ListResults(const Call& call) {
+  Result<SeenAttempt> seen = SeeAttempt(call, call.id);
+  if (!seen.ok()) return ErrorResponse(seen.status());
+  if (!CanSeeScore(call.caller->person, seen->row, seen->graded, seen->shares_cohort)) {
+    return ErrorResponse(
+        {Code::kForbidden,
+         "this work is graded: the results show after the instructor has released it"});
+  }
+  Result<std::vector<ResultRow>> rows = call.store.ResultsOf(call.id);
+  if (!rows.ok()) return ErrorResponse(rows.status());
+  json::array results;
+  for (const ResultRow& row : *rows) {
+    json::value reference;
+    if (row.reference) reference = row.reference->Text();
+    Result<Bytes> text = call.store.GetBlob(row.score_json);
+    if (!text.ok()) return ErrorResponse(Status{Code::kInternal, text.status().message()});
+    json::error_code error;
+    json::value score = json::parse(AsText(*text), error);
+    if (error) return ErrorResponse(Status{Code::kInternal, "stored score is no JSON"});
+    results.push_back({{"run", row.run},
+                       {"scored_ms", row.scored_ms},
+                       {"cause", row.cause},
+                       {"reference_attempt", std::move(reference)},
+                       {"score", std::move(score)}});
+  }
+  return JsonResponse({{"results", std::move(results)}});
+}
+
+Response ListAnnotations(const Call& call) {
+  Result<SeenAttempt> seen = SeeAttempt(call, call.id);
+  if (!seen.ok()) return ErrorResponse(seen.status());
+  if (!CanSeeScore(call.caller->person, seen->row, seen->graded, seen->shares_cohort)) {
+    return ErrorResponse(
+        {Code::kForbidden,
+         "this work is graded: remarks show after the instructor has released it"});
+  }
+  Result<std::vector<AnnotationRow>> rows = call.store.AnnotationsOf(call.id);
+  if (!rows.ok()) return ErrorResponse(rows.status());
+  json::array annotations;
+  for (const AnnotationRow& row : *rows) annotations.push_back(AnnotationJson(call, row));
+  return JsonResponse({{"annotations", std::move(annotations)}});
+}
+
+Response AddAnnotation(const Call& call) {
+  if (!IsJson(call.request)) return NotJson();
+  Result<SeenAttempt> seen = ReviewAttempt(call, call.id);
+  if (!seen.ok()) return ErrorResponse(seen.status());
+  Result<AnnotationRow> remark = RemarkIn(call);
+  if (!remark.ok()) return ErrorResponse(remark.status());
+  remark->attempt = call.id;
+  Result<AnnotationRow> row = call.store.AddAnnotation(*remark, ActorOf(call));
+  if (!row.ok()) return ErrorResponse(row.status());
+  return WithETag(JsonResponse(AnnotationJson(call, *row), 201), row->revision);
+}
+
+Response ReplaceAnnotation(const Call& call) {
+  if (!IsJson(call.request)) return NotJson();
+  Result<AnnotationRow> stored = OwnAnnotation(call);
+  if (!stored.ok()) return ErrorResponse(stored.status());
+  Result<int32_t> revision = IfMatch(call.request);
+  if (!revision.ok()) return ErrorResponse(revision.status());
+  Result<AnnotationRow> remark = RemarkIn(call);
+  if (!remark.ok()) return ErrorResponse(remark.status());
+  remark->id = call.id;
+  remark->revision = *revision;
+  Result<AnnotationRow> row = call.store.ReplaceAnnotation(*remark, ActorOf(call));
+  if (!row.ok()) return Refused(call, row.status());
+  return WithETag(JsonResponse(AnnotationJson(call, *row)), row->revision);
+}
+
+Response DeleteAnnotation(const Call& call) {
+  Result<AnnotationRow> stored = OwnAnnotation(call);
+  if (!stored.ok()) return ErrorResponse(stored.status());
+  Result<int32_t> revision = IfMatch(call.request);
+  if (!revision.ok()) return ErrorResponse(revision.status());
+  Status done = call.store.DeleteAnnotation(call.id, *revision, ActorOf(call));
+  return done.ok() ? Done() : Refused(call, done);
+}
+
+Response FileAppeal(const Call& call) {
+  if (!IsJson(call.request)) return NotJson();
+  Result<SeenAttempt> seen = SeeAttempt(call, call.id);
+  if (!seen.ok()) return ErrorResponse(seen.status());
+  if (seen->row.person != call.caller->person.id) {
+    return ErrorResponse({Code::kForbidden, "expected the person whose attempt it is"});
+  }
+  if (!CanAppeal(call.caller->person, seen->row)) {
+    return ErrorResponse(
+        {Code::kConflict, "expected a released score; there is nothing to appeal against yet"});
+  }
+  BodyReader body(call.request);
+  std::string text = body.Text("text", 1, kMaxRemark);
+  if (Status status = body.Finish(); !status.ok()) return ErrorResponse(status);
+  Status done = call.store.FileAppeal(call.id, text, ActorOf(call));
+  if (!done.ok()) return ErrorResponse(done);
+  Response response = AttemptResponse(call, call.id);
+  if (response.status == 200) response.status = 201;
+  return response;
+}
+
+Response AnswerAppeal(const Call& call) {
+  if (!IsJson(call.request)) return NotJson();
+  Result<SeenAttempt> seen = ReviewAttempt(call, call.id);
+  if (!seen.ok()) return ErrorResponse(seen.status());
+  BodyReader body(call.request);
+  std::string outcome = body.Text("outcome", 1, 16);
+  std::string answer = body.Text("answer", 1, kMaxRemark);
+  if (Status status = body.Finish(); !status.ok()) return ErrorResponse(status);
+  if (outcome != "regrade" && outcome != "reject") {
+    return ErrorResponse(
+        {Code::kInvalidInput, "expected regrade or reject, found \"" + outcome + "\"", "outcome"});
+  }
+  Status done = call.store.AnswerAppeal(call.id, outcome == "regrade", answer, ActorOf(call));
+  return done.ok() ? AttemptResponse(call, call.id) : ErrorResponse(done);
+}
+
+Response WithdrawReference(const Call& call) {
+  Status none{Code::kNotFound, "there is no such reference", "id"};
+  Result<ReferenceRow> row = call.store.ReferenceById(call.id);
+  if (!row.ok()) {
+    return ErrorResponse(row.status().code() == Code::kNotFound ? none : row.status());
+  }
+  Result<AttemptRow> attempt = call.store.AttemptById(row->attempt);
+  if (!attempt.ok()) return ErrorResponse(attempt.status());
+  const Person& viewer = call.caller->person;
+  Result<bool> shares = call.store.ShareCohort(viewer.id, attempt->person);
+  if (!shares.ok()) return ErrorResponse(shares.status());
+  if (!CanMarkReference(viewer, *attempt, *shares)) {
+    return ErrorResponse({Code::kForbidden, "expected an instructor of the dentist's cohort"});
+  }
+  return DoneOr(call.store.WithdrawReference(call.id, ActorOf(call)));
+}
+
+Response CancelJob(const Call& call) {
+  return DoneOr(call.store.CancelJob(call.id, ActorOf(call)));
+}
+
+}  // namespace enamel::server::http

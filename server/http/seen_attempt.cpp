@@ -1,0 +1,36 @@
+#include "server/http/seen_attempt.h"
+
+#include "server/training/access.h"
+
+namespace enamel::server::http {
+
+Result<SeenAttempt> SeeAttempt(const Call& call, const Uuid& attempt) {
+  Status none{Code::kNotFound, "there is no such attempt", "id"};
+  Result<AttemptRow> row = call.store.AttemptById(attempt);
+  if (!row.ok()) return row.status().code() == Code::kNotFound ? none : row.status();
+  const Person& viewer = call.caller->person;
+  Result<bool> shares = call.store.ShareCohort(viewer.id, row->person);
+  if (!shares.ok()) return shares.status();
+  if (!CanSeeAttempt(viewer, *row, *shares)) return none;
+  Result<ExerciseRow> exercise = call.store.ExerciseById(row->exercise);
+  if (!exercise.ok()) return exercise.status();
+  return SeenAttempt{std::move(*row), *shares, exercise->graded};
+}
+
+Result<SeenAttempt> ReviewAttempt(const Call& call, const Uuid& attempt) {
+  Result<SeenAttempt> seen = SeeAttempt(call, attempt);
+  if (!seen.ok()) return seen;
+  if (CanReviewAttempt(call.caller->person, seen->row, seen->shares_cohort)) return seen;
+  return Status{Code::kForbidden, "expected an instructor of the student's cohort"};
+}
+
+Status RequireScored(const AttemptRow& row) {
+  if (row.state == AttemptState::kScored) return {};
+  return {Code::kConflict, std::string("expected a scored attempt, this one is ") +
+                               AttemptStateName(row.state) +
+                               (row.problem.empty() ? "; wait for the score" : ": " + row.problem)};
+}
+
+Actor ActorOf(const Call& call) { return {call.caller->person.id, "page"}; }
+
+}  // namespace enamel::server::http

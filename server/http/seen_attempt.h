@@ -1,0 +1,23 @@
+#pragma once
+
+#include "common/base/result.h"
+#include "server/http/routes.h"
+
+namespace enamel::server::http {
+
+// An attempt the caller may see, with what access.h asks about it.
+struct SeenAttempt {
+  AttemptRow row;
+  bool shares_cohort = false;
+  bool graded = true;
+};
+// Errors: kNotFound, the same for what is not there and what the caller may not see.
+Result<SeenAttempt> SeeAttempt(const Call& call, const Uuid& attempt);
+// The same for who may also review it (CanReviewAttempt); kForbidden for others.
+Result<SeenAttempt> ReviewAttempt(const Call& call, const Uuid& attempt);
+
+// kConflict, with what it is instead.
+Status RequireScored(const AttemptRow& row);
+Actor ActorOf(const Call& call);
+
+}  // namespace enamel::server::http

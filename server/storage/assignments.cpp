@@ -1,0 +1,274 @@
+#include <algorithm>
+
+#include "server/storage/sqlite_impl.h"
+
+// Assignments: exercises for cohorts, with dates, limits and exams.
+namespace enamel::server::sqlite {
+namespace {
+
+#define ENAMEL_ASSIGNMENT_COLUMNS                                                 \
+  "a.id, a.exercise_name, a.cohort, coalesce(c.name, ''), a.opens_ms, a.due_ms, " \
+  "a.attempt_limit, a.exam, a.late_allowed, a.revision, a.created_ms"
+#define ENAMEL_ASSIGNMENTS \
+  "assignments a LEFT JOIN cohorts c ON c.tenant = a.tenant AND c.id = a.cohort"
+constexpr int kAssignmentColumns = 11;
+
+AssignmentRow AssignmentOf(const Query& q) {
+  AssignmentRow out;
+  out.id = q.Id(0);
+  out.exercise = q.Text(1);
+  out.cohort = q.Id(2);
+  out.cohort_name = q.Text(3);
+  out.opens_ms = q.Int(4);
+  out.due_ms = q.Int(5);
+  out.attempt_limit = static_cast<uint32_t>(q.Int(6));
+  out.exam = q.Int(7) != 0;
+  out.late_allowed = q.Int(8) != 0;
+  out.revision = static_cast<int32_t>(q.Int(9));
+  out.created_ms = q.Int(10);
+  return out;
+}
+
+Status AddStations(Db& db, AssignmentRow& row) {
+  Query q(db,
+          "SELECT station FROM assignment_stations WHERE tenant = ?1 AND assignment = ?2 ORDER BY "
+          "station");
+  q.Bind(row.id);
+  while (q.Next()) row.stations.push_back(q.Id(0));
+  return q.status();
+}
+
+Result<AssignmentRow> FindAssignment(Db& db, const Uuid& id) {
+  AssignmentRow out;
+  {
+    Query q(db, "SELECT " ENAMEL_ASSIGNMENT_COLUMNS " FROM " ENAMEL_ASSIGNMENTS
+                " WHERE a.tenant = ?1 AND a.id = ?2");
+    if (!q.Bind(id).Next()) {
+      if (!q.status().ok()) return q.status();
+      return Status(Code::kNotFound, "no assignment " + id.Text());
+    }
+    out = AssignmentOf(q);
+  }
+  ENAMEL_RETURN_IF_ERROR(AddStations(db, out));
+  return out;
+}
+
+Json TermsJson(const AssignmentRow& row) {
+  std::string stations;
+  for (const Uuid& station : row.stations)
+    stations += (stations.empty() ? "" : " ") + station.Text();
+  return JsonOf({{"exercise", row.exercise},
+                 {"cohort", row.cohort.Text()},
+                 {"opens_ms", std::to_string(row.opens_ms)},
+                 {"due_ms", std::to_string(row.due_ms)},
+                 {"attempt_limit", std::to_string(row.attempt_limit)},
+                 {"exam", row.exam ? "yes" : "no"},
+                 {"late_allowed", row.late_allowed ? "yes" : "no"},
+                 {"stations", stations}});
+}
+
+Result<bool> Exists(Query& q) {
+  bool found = q.Next();
+  if (!q.status().ok()) return q.status();
+  return found;
+}
+
+Status MustBeKnown(Db& db, const AssignmentRow& row) {
+  Query exercise(db, "SELECT 1 FROM exercises WHERE tenant = ?1 AND name = ?2 AND state = 2");
+  auto known = Exists(exercise.Bind(row.exercise));
+  if (!known.ok()) return known.status();
+  if (!*known) {
+    return Status(Code::kInvalidInput,
+                  "expected the name of a published exercise, found \"" + row.exercise + "\"",
+                  "exercise");
+  }
+  if (row.cohort.IsZero()) return Status::Ok();
+  Query cohort(db, "SELECT 1 FROM cohorts WHERE tenant = ?1 AND id = ?2");
+  known = Exists(cohort.Bind(row.cohort));
+  if (!known.ok()) return known.status();
+  if (*known) return Status::Ok();
+  return Status(Code::kNotFound, "no cohort " + row.cohort.Text(), "cohort");
+}
+
+Status PutStations(Db& db, const AssignmentRow& row) {
+  {
+    Query q(db, "DELETE FROM assignment_stations WHERE tenant = ?1 AND assignment = ?2");
+    ENAMEL_RETURN_IF_ERROR(q.Bind(row.id).Run());
+  }
+  for (const Uuid& station : row.stations) {
+    Query q(db,
+            "INSERT INTO assignment_stations (tenant, assignment, station) "
+            "SELECT ?1, ?2, id FROM stations WHERE tenant = ?1 AND id = ?3 ON CONFLICT DO NOTHING");
+    ENAMEL_RETURN_IF_ERROR(q.Bind(row.id).Bind(station).Run());
+    if (db.Changes() == 0 && std::ranges::count(row.stations, station) < 2) {
+      return Status(Code::kNotFound, "no station " + station.Text(), "stations");
+    }
+  }
+  return Status::Ok();
+}
+
+Status InsertAssignment(Db& db, const AssignmentRow& row) {
+  {
+    Query q(db,
+            "INSERT INTO assignments (tenant, id, exercise_name, cohort, opens_ms, due_ms, "
+            "attempt_limit, exam, late_allowed, revision, created_ms) "
+            "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11) "
+            "ON CONFLICT (tenant, id) DO UPDATE SET exercise_name = excluded.exercise_name, cohort "
+            "= excluded.cohort, opens_ms = excluded.opens_ms, due_ms = excluded.due_ms, "
+            "attempt_limit = excluded.attempt_limit, exam = excluded.exam, late_allowed = "
+            "excluded.late_allowed, revision = excluded.revision");
+    q.Bind(row.id).Bind(row.exercise).Bind(row.cohort).Bind(row.opens_ms).Bind(row.due_ms);
+    q.Bind(int64_t{row.attempt_limit}).Bind(int64_t{row.exam}).Bind(int64_t{row.late_allowed});
+    ENAMEL_RETURN_IF_ERROR(q.Bind(int64_t{row.revision}).Bind(row.created_ms).Run());
+  }
+  return PutStations(db, row);
+}
+
+Result<std::vector<AssignmentRow>> WithStations(Db& db, std::vector<AssignmentRow> rows) {
+  for (AssignmentRow& row : rows) ENAMEL_RETURN_IF_ERROR(AddStations(db, row));
+  return rows;
+}
+
+}  // namespace
+
+Result<AssignmentRow> SqliteStore::AddAssignment(const AssignmentRow& assignment, const Actor& by) {
+  AssignmentRow row = assignment;
+  row.id = Uuid::New();
+  row.revision = 1;
+  row.created_ms = NowMs();
+  Status status = Write([&](Db& db) -> Status {
+    ENAMEL_RETURN_IF_ERROR(MustBeKnown(db, row));
+    ENAMEL_RETURN_IF_ERROR(InsertAssignment(db, row));
+    return WriteAudit(db, by, "assignment.add", row.id.Text(), "{}", TermsJson(row));
+  });
+  if (!status.ok()) return status;
+  return AssignmentById(row.id);
+}
+
+Result<AssignmentRow> SqliteStore::ReplaceAssignment(const AssignmentRow& assignment,
+                                                     const Actor& by) {
+  Status status = Write([&](Db& db) -> Status {
+    auto stored = FindAssignment(db, assignment.id);
+    if (!stored.ok()) return stored.status();
+    ENAMEL_RETURN_IF_ERROR(MustBeRevision(stored->revision, assignment.revision));
+    ENAMEL_RETURN_IF_ERROR(MustBeKnown(db, assignment));
+    AssignmentRow row = assignment;
+    ++row.revision;
+    ENAMEL_RETURN_IF_ERROR(InsertAssignment(db, row));
+    return WriteAudit(db, by, "assignment.edit", row.id.Text(), TermsJson(*stored), TermsJson(row));
+  });
+  if (!status.ok()) return status;
+  return AssignmentById(assignment.id);
+}
+
+Status SqliteStore::DeleteAssignment(const Uuid& id, int32_t revision, const Actor& by) {
+  return Write([&](Db& db) -> Status {
+    auto stored = FindAssignment(db, id);
+    if (!stored.ok()) return stored.status();
+    ENAMEL_RETURN_IF_ERROR(MustBeRevision(stored->revision, revision));
+    Query q(db, "DELETE FROM assignments WHERE tenant = ?1 AND id = ?2");
+    ENAMEL_RETURN_IF_ERROR(q.Bind(id).Run());
+    return WriteAudit(db, by, "assignment.delete", id.Text(), TermsJson(*stored), "{}");
+  });
+}
+
+Result<AssignmentRow> SqliteStore::AssignmentById(const Uuid& id) {
+  return Read([&](Db& db) { return FindAssignment(db, id); });
+}
+
+Result<std::vector<AssignmentRow>> SqliteStore::Assignments(const AssignmentFilter& filter) {
+  return Read([&](Db& db) -> Result<std::vector<AssignmentRow>> {
+    std::vector<AssignmentRow> out;
+    {
+      // A zero id stands for no filter.
+      Query q(db, "SELECT " ENAMEL_ASSIGNMENT_COLUMNS " FROM " ENAMEL_ASSIGNMENTS
+                  " WHERE a.tenant = ?1 AND (?2 = zeroblob(16) OR a.cohort = ?2) AND (?3 = "
+                  "zeroblob(16) OR a.cohort = zeroblob(16) OR a.cohort IN (SELECT m.cohort FROM "
+                  "cohort_members m WHERE m.tenant = ?1 AND m.person = ?3)) "
+                  "ORDER BY a.due_ms = 0, a.due_ms, a.id");
+      q.Bind(filter.cohort.value_or(Uuid{})).Bind(filter.of_instructor.value_or(Uuid{}));
+      while (q.Next()) out.push_back(AssignmentOf(q));
+      if (!q.status().ok()) return q.status();
+    }
+    return WithStations(db, std::move(out));
+  });
+}
+
+Result<std::vector<AssignedRow>> SqliteStore::AssignmentsFor(const Uuid& person) {
+  return Read([&](Db& db) -> Result<std::vector<AssignedRow>> {
+    std::vector<AssignedRow> out;
+    {
+      Query q(db,
+              "SELECT " ENAMEL_ASSIGNMENT_COLUMNS
+              ", (SELECT count(*) FROM attempts t WHERE t.tenant = ?1 AND t.assignment = a.id "
+              "AND t.person = ?2 AND t.flags & 32 = 0), e.id, e.name, e.version, e.title, "
+              "e.content, e.scene, e.graded, e.published_ms, e.state, e.revision "
+              "FROM " ENAMEL_ASSIGNMENTS
+              " JOIN exercises e ON e.tenant = a.tenant AND e.name = a.exercise_name AND e.state "
+              "= 2 AND e.version = (SELECT max(version) FROM exercises n WHERE n.tenant = "
+              "e.tenant AND n.name = e.name AND n.state = 2) WHERE a.tenant = ?1 AND (a.cohort = "
+              "zeroblob(16) OR a.cohort IN (SELECT m.cohort FROM cohort_members m WHERE m.tenant "
+              "= ?1 AND m.person = ?2)) ORDER BY a.exam DESC, a.due_ms = 0, a.due_ms, "
+              "a.exercise_name, a.id");
+      q.Bind(person);
+      while (q.Next()) {
+        out.push_back(AssignedRow{AssignmentOf(q), ExerciseOf(q, kAssignmentColumns + 1),
+                                  static_cast<uint32_t>(q.Int(kAssignmentColumns))});
+      }
+      if (!q.status().ok()) return q.status();
+    }
+    for (AssignedRow& row : out) ENAMEL_RETURN_IF_ERROR(AddStations(db, row.assignment));
+    return out;
+  });
+}
+
+Result<uint32_t> SqliteStore::ReleaseAssignment(const Uuid& id, const Actor& by) {
+  uint32_t released = 0;
+  Status status = Write([&](Db& db) -> Status {
+    if (auto known = FindAssignment(db, id); !known.ok()) return known.status();
+    std::vector<Uuid> attempts;
+    {
+      Query q(db,
+              "SELECT id FROM attempts WHERE tenant = ?1 AND assignment = ?2 AND state = 5 AND "
+              "released = 0");
+      q.Bind(id);
+      while (q.Next()) attempts.push_back(q.Id(0));
+      ENAMEL_RETURN_IF_ERROR(q.status());
+    }
+    for (const Uuid& attempt : attempts) ENAMEL_RETURN_IF_ERROR(SetReleased(db, attempt, true, by));
+    released = static_cast<uint32_t>(attempts.size());
+    return Status::Ok();
+  });
+  if (!status.ok()) return status;
+  return released;
+}
+
+// A limit or another exam is looked at where the attempt is made: two stations at once cannot both
+// have the last one.
+Status MayBeIssued(Db& db, const AttemptRow& row) {
+  if (!row.assignment || (row.flags & kReadmitted) != 0) return Status::Ok();
+  Query q(
+      db,
+      "SELECT (SELECT attempt_limit FROM assignments WHERE tenant = ?1 AND id = ?2), (SELECT "
+      "count(*) FROM attempts WHERE tenant = ?1 AND assignment = ?2 AND person = ?3 AND flags & "
+      "32 = 0), (SELECT id FROM attempts WHERE tenant = ?1 AND person = ?3 AND exam = 1 AND "
+      "state IN (1, 2) AND flags & 32 = 0 LIMIT 1)");
+  q.Bind(*row.assignment).Bind(row.person).Next();
+  ENAMEL_RETURN_IF_ERROR(q.status());
+  int64_t limit = q.Int(0), used = q.Int(1);
+  if (limit > 0 && used >= limit) {
+    return Status(Code::kForbidden,
+                  "the attempt limit of " + std::to_string(limit) +
+                      " is used up; an instructor can excuse an attempt so that it does not count",
+                  "attempt_limit");
+  }
+  if (row.exam && !q.IsNull(2)) {
+    return Status(Code::kForbidden,
+                  "exam attempt " + q.Id(2).Text() +
+                      " is not finished; finish it, or ask an instructor to excuse it",
+                  "exam");
+  }
+  return Status::Ok();
+}
+
+}  // namespace enamel::server::sqlite

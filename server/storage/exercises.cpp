@@ -1,0 +1,311 @@
+#include "server/storage/sqlite_impl.h"
+#include "server/training/revision.h"
+
+// Exercises: drafts, published versions, retired ones.
+namespace enamel::server::sqlite {
+namespace {
+
+#define ENAMEL_EXERCISE_COLUMNS                                                               \
+  "e.id, e.name, e.version, e.title, e.content, e.scene, e.graded, e.published_ms, e.state, " \
+  "e.revision"
+
+constexpr char kSelect[] =
+    "SELECT " ENAMEL_EXERCISE_COLUMNS " FROM exercises e WHERE e.tenant = ?1";
+
+Result<std::vector<ExerciseRow>> ExercisesFrom(Query& q) {
+  std::vector<ExerciseRow> out;
+  while (q.Next()) out.push_back(ExerciseOf(q, 0));
+  if (!q.status().ok()) return q.status();
+  return out;
+}
+
+Result<std::optional<ExerciseRow>> MaybeExercise(Query& q) {
+  std::optional<ExerciseRow> out;
+  if (q.Next()) out = ExerciseOf(q, 0);
+  if (!q.status().ok()) return q.status();
+  return out;
+}
+
+Result<ExerciseRow> OneExercise(Query& q, const std::string& what) {
+  auto found = MaybeExercise(q);
+  if (!found.ok()) return found.status();
+  if (*found) return **found;
+  return Status(Code::kNotFound, "no exercise " + what);
+}
+
+Result<ExerciseRow> FindExercise(Db& db, const Uuid& id) {
+  static const std::string kSql = std::string(kSelect) + " AND e.id = ?2";
+  Query q(db, kSql.c_str());
+  return OneExercise(q.Bind(id), id.Text());
+}
+
+Result<ExerciseRow> FindDraft(Db& db, const Uuid& id, int32_t revision) {
+  auto row = FindExercise(db, id);
+  if (!row.ok()) return row;
+  if (row->state != ExerciseState::kDraft) {
+    return Status(Code::kConflict, "expected a draft, version " + std::to_string(row->version) +
+                                       " of \"" + row->name + "\" is " +
+                                       ExerciseStateName(row->state) +
+                                       " and never changes; put a new draft of that name");
+  }
+  ENAMEL_RETURN_IF_ERROR(MustBeRevision(row->revision, revision));
+  return row;
+}
+
+// The newest version of a name, whatever became of it; drafts are none.
+Result<std::optional<ExerciseRow>> NewestVersion(Db& db, const std::string& name) {
+  static const std::string kSql =
+      std::string(kSelect) + " AND e.name = ?2 AND e.version > 0 ORDER BY e.version DESC LIMIT 1";
+  Query q(db, kSql.c_str());
+  return MaybeExercise(q.Bind(name));
+}
+
+Json VersionJson(const ExerciseRow& row) {
+  return JsonOf({{"name", row.name},
+                 {"version", std::to_string(row.version)},
+                 {"content", row.content.Hex()},
+                 {"state", ExerciseStateName(row.state)}});
+}
+
+Status InsertExercise(Db& db, const ExerciseRow& row) {
+  Query q(db,
+          "INSERT INTO exercises (tenant, id, name, version, title, content, scene, graded, "
+          "published_ms, state) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)");
+  q.Bind(row.id).Bind(row.name).Bind(int64_t{row.version}).Bind(row.title).Bind(row.content);
+  q.Bind(row.scene).Bind(static_cast<int64_t>(row.graded)).Bind(row.published_ms);
+  return q.Bind(static_cast<int64_t>(row.state)).Run();
+}
+
+Status NoSuchScene(const ExerciseRow& row) {
+  return Status(Code::kNotFound,
+                "the exercise's scene " + row.scene.Hex() + " is not stored; put the scene first",
+                "scene_sha256");
+}
+
+Status SceneMustExist(Db& db, const ExerciseRow& row) {
+  Query q(db, "SELECT 1 FROM scenes WHERE tenant = ?1 AND content = ?2");
+  if (q.Bind(row.scene).Next()) return Status::Ok();
+  ENAMEL_RETURN_IF_ERROR(q.status());
+  return NoSuchScene(row);
+}
+
+Status SetState(Db& db, const Uuid& id, ExerciseState state) {
+  Query q(db,
+          "UPDATE exercises SET state = ?3, revision = revision + 1 WHERE tenant = ?1 AND id = ?2");
+  return q.Bind(id).Bind(static_cast<int64_t>(state)).Run();
+}
+
+// Publishing what was retired offers it again.
+Status OfferAgain(Db& db, ExerciseRow& row, const Actor& by) {
+  if (row.state == ExerciseState::kPublished) return Status::Ok();
+  ENAMEL_RETURN_IF_ERROR(SetState(db, row.id, ExerciseState::kPublished));
+  Json before = VersionJson(row);
+  row.state = ExerciseState::kPublished;
+  ++row.revision;
+  return WriteAudit(db, by, "exercise.publish", row.id.Text(), before, VersionJson(row));
+}
+
+Status AssignOnce(Db& db, const std::string& exercise, const Uuid& cohort) {
+  Query q(db,
+          "INSERT INTO assignments (tenant, id, exercise_name, cohort, created_ms) "
+          "SELECT ?1, ?2, ?3, ?4, ?5 WHERE NOT EXISTS (SELECT 1 FROM assignments a "
+          "WHERE a.tenant = ?1 AND a.exercise_name = ?3 AND a.cohort = ?4)");
+  return q.Bind(Uuid::New()).Bind(exercise).Bind(cohort).Bind(NowMs()).Run();
+}
+
+}  // namespace
+
+ExerciseRow ExerciseOf(const Query& q, int first) {
+  ExerciseRow out;
+  out.id = q.Id(first);
+  out.name = q.Text(first + 1);
+  out.version = static_cast<int32_t>(q.Int(first + 2));
+  out.title = q.Text(first + 3);
+  out.content = q.Hash(first + 4);
+  out.scene = q.Hash(first + 5);
+  out.graded = q.Int(first + 6) != 0;
+  out.published_ms = q.Int(first + 7);
+  out.state = static_cast<ExerciseState>(q.Int(first + 8));
+  out.revision = static_cast<int32_t>(q.Int(first + 9));
+  return out;
+}
+
+Status MustBeRevision(int32_t stored, int32_t expected) {
+  if (stored == expected) return Status::Ok();
+  return Status(Code::kConflict,
+                "somebody changed this meanwhile: expected revision " + std::to_string(expected) +
+                    ", it is at " + std::to_string(stored) + "; read it again, then change it",
+                std::string(kStale));
+}
+
+Result<ExerciseRow> SqliteStore::PublishExercise(ExerciseRow row, const Uuid& cohort,
+                                                 const Actor& by) {
+  Status status = Write([&](Db& db) -> Status {
+    auto newest = NewestVersion(db, row.name);
+    if (!newest.ok()) return newest.status();
+    ENAMEL_RETURN_IF_ERROR(AssignOnce(db, row.name, cohort));
+    if (*newest && (*newest)->content == row.content) {
+      row = **newest;
+      return OfferAgain(db, row, by);
+    }
+    ENAMEL_RETURN_IF_ERROR(SceneMustExist(db, row));
+    row.id = Uuid::New();
+    row.version = *newest ? (*newest)->version + 1 : 1;
+    row.published_ms = NowMs();
+    row.state = ExerciseState::kPublished;
+    ENAMEL_RETURN_IF_ERROR(InsertExercise(db, row));
+    return WriteAudit(db, by, "exercise.publish", row.id.Text(), "{}", VersionJson(row));
+  });
+  if (!status.ok()) return status;
+  return row;
+}
+
+Result<ExerciseRow> SqliteStore::PutDraft(const ExerciseRow& draft, const Actor& by) {
+  ExerciseRow row = draft;
+  row.id = Uuid::New();
+  row.version = 0;
+  row.published_ms = NowMs();
+  row.state = ExerciseState::kDraft;
+  row.revision = 1;
+  Status status = Write([&](Db& db) -> Status {
+    ENAMEL_RETURN_IF_ERROR(SceneMustExist(db, row));
+    ENAMEL_RETURN_IF_ERROR(Explain(InsertExercise(db, row),
+                                   "there is a draft of \"" + row.name + "\" already; replace it"));
+    return WriteAudit(db, by, "exercise.draft", row.id.Text(), "{}", VersionJson(row));
+  });
+  if (!status.ok()) return status;
+  return row;
+}
+
+Result<ExerciseRow> SqliteStore::ReplaceDraft(const ExerciseRow& draft, const Actor& by) {
+  ExerciseRow row;
+  Status status = Write([&](Db& db) -> Status {
+    auto found = FindDraft(db, draft.id, draft.revision);
+    if (!found.ok()) return found.status();
+    ENAMEL_RETURN_IF_ERROR(SceneMustExist(db, draft));
+    Json before = VersionJson(*found);
+    row = draft;
+    row.version = 0;
+    row.state = ExerciseState::kDraft;
+    row.published_ms = NowMs();
+    ++row.revision;
+    Query q(db,
+            "UPDATE exercises SET name = ?3, title = ?4, content = ?5, scene = ?6, graded = ?7, "
+            "published_ms = ?8, revision = ?9 WHERE tenant = ?1 AND id = ?2");
+    q.Bind(row.id).Bind(row.name).Bind(row.title).Bind(row.content).Bind(row.scene);
+    q.Bind(static_cast<int64_t>(row.graded)).Bind(row.published_ms).Bind(int64_t{row.revision});
+    ENAMEL_RETURN_IF_ERROR(
+        Explain(q.Run(), "there is another draft named \"" + row.name + "\"; replace that one"));
+    return WriteAudit(db, by, "exercise.draft", row.id.Text(), before, VersionJson(row));
+  });
+  if (!status.ok()) return status;
+  return row;
+}
+
+Status SqliteStore::DeleteDraft(const Uuid& id, int32_t revision, const Actor& by) {
+  return Write([&](Db& db) -> Status {
+    auto row = FindDraft(db, id, revision);
+    if (!row.ok()) return row.status();
+    Query q(db, "DELETE FROM exercises WHERE tenant = ?1 AND id = ?2");
+    ENAMEL_RETURN_IF_ERROR(q.Bind(id).Run());
+    return WriteAudit(db, by, "exercise.discard", id.Text(), VersionJson(*row), "{}");
+  });
+}
+
+Result<ExerciseRow> SqliteStore::PublishDraft(const Uuid& id, int32_t revision, const Actor& by) {
+  ExerciseRow row;
+  Status status = Write([&](Db& db) -> Status {
+    auto found = FindDraft(db, id, revision);
+    if (!found.ok()) return found.status();
+    row = *found;
+    auto newest = NewestVersion(db, row.name);
+    if (!newest.ok()) return newest.status();
+    if (*newest && (*newest)->content == row.content &&
+        (*newest)->state == ExerciseState::kPublished) {
+      return Status(Code::kConflict, "the draft says what version " +
+                                         std::to_string((*newest)->version) + " of \"" + row.name +
+                                         "\" says; change it first, or discard it");
+    }
+    row.version = *newest ? (*newest)->version + 1 : 1;
+    row.state = ExerciseState::kPublished;
+    row.published_ms = NowMs();
+    ++row.revision;
+    Query q(db,
+            "UPDATE exercises SET version = ?3, state = 2, published_ms = ?4, revision = ?5 "
+            "WHERE tenant = ?1 AND id = ?2");
+    q.Bind(id).Bind(int64_t{row.version}).Bind(row.published_ms).Bind(int64_t{row.revision});
+    ENAMEL_RETURN_IF_ERROR(q.Run());
+    return WriteAudit(db, by, "exercise.publish", id.Text(), VersionJson(*found), VersionJson(row));
+  });
+  if (!status.ok()) return status;
+  return row;
+}
+
+Status SqliteStore::RetireExercise(const Uuid& id, const Actor& by) {
+  return Write([&](Db& db) -> Status {
+    auto row = FindExercise(db, id);
+    if (!row.ok()) return row.status();
+    Query q(db,
+            "UPDATE exercises SET state = 3, revision = revision + 1 WHERE tenant = ?1 AND name = "
+            "?2 AND state = 2");
+    ENAMEL_RETURN_IF_ERROR(q.Bind(row->name).Run());
+    if (db.Changes() == 0) {
+      return Status(Code::kConflict, "no version of \"" + row->name + "\" is published");
+    }
+    return WriteAudit(db, by, "exercise.retire", id.Text(), VersionJson(*row),
+                      JsonOf({{"name", row->name}, {"state", "retired"}}));
+  });
+}
+
+Result<ExerciseRow> SqliteStore::ExerciseById(const Uuid& id) {
+  return Read([&](Db& db) { return FindExercise(db, id); });
+}
+
+Result<ExerciseRow> SqliteStore::ExerciseByContent(const Sha256& content) {
+  return Read([&](Db& db) -> Result<ExerciseRow> {
+    static const std::string kSql =
+        std::string(kSelect) +
+        " AND e.content = ?2 AND e.version > 0 ORDER BY e.version DESC LIMIT 1";
+    Query q(db, kSql.c_str());
+    return OneExercise(q.Bind(content), "with the content " + content.Hex());
+  });
+}
+
+Result<std::vector<ExerciseRow>> SqliteStore::ExercisesFor(const Uuid& person) {
+  return Read([&](Db& db) -> Result<std::vector<ExerciseRow>> {
+    Query q(db,
+            "SELECT " ENAMEL_EXERCISE_COLUMNS
+            " FROM exercises e WHERE e.tenant = ?1 AND e.state = 2 AND e.version = (SELECT "
+            "max(version) FROM exercises n WHERE n.tenant = e.tenant AND n.name = e.name AND "
+            "n.state = 2) AND EXISTS (SELECT 1 FROM assignments a WHERE a.tenant = e.tenant AND "
+            "a.exercise_name = e.name AND (a.cohort = zeroblob(16) OR a.cohort IN (SELECT m.cohort "
+            "FROM cohort_members m WHERE m.tenant = ?1 AND m.person = ?2))) ORDER BY e.name");
+    return ExercisesFrom(q.Bind(person));
+  });
+}
+
+Result<std::vector<ExerciseRow>> SqliteStore::AllExercises() {
+  return ExercisesIn(ExerciseState::kPublished);
+}
+
+Result<std::vector<ExerciseRow>> SqliteStore::ExercisesIn(ExerciseState state) {
+  return Read([&](Db& db) -> Result<std::vector<ExerciseRow>> {
+    static const std::string kSql =
+        std::string(kSelect) +
+        " AND e.state = ?2 AND e.version = (SELECT max(version) FROM exercises n WHERE n.tenant = "
+        "e.tenant AND n.name = e.name AND n.state = ?2) ORDER BY e.name";
+    Query q(db, kSql.c_str());
+    return ExercisesFrom(q.Bind(static_cast<int64_t>(state)));
+  });
+}
+
+Result<std::vector<ExerciseRow>> SqliteStore::ExerciseVersions(const std::string& name) {
+  return Read([&](Db& db) -> Result<std::vector<ExerciseRow>> {
+    static const std::string kSql =
+        std::string(kSelect) + " AND e.name = ?2 ORDER BY e.state = 1 DESC, e.version DESC";
+    Query q(db, kSql.c_str());
+    return ExercisesFrom(q.Bind(name));
+  });
+}
+
+}  // namespace enamel::server::sqlite

@@ -1,0 +1,119 @@
+#include "server/training/ticket_rules.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+
+namespace enamel::server {
+
+std::string TimeText(UnixMs time_ms) {
+  using namespace std::chrono;
+  sys_time<milliseconds> time{milliseconds(time_ms)};
+  auto day = floor<days>(time);
+  year_month_day date(day);
+  hh_mm_ss clock(floor<minutes>(time - day));
+  char text[64];
+  std::snprintf(text, sizeof text, "%04d-%02u-%02u %02d:%02d UTC", static_cast<int>(date.year()),
+                static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()),
+                static_cast<int>(clock.hours().count()), static_cast<int>(clock.minutes().count()));
+  return text;
+}
+
+Result<UnixMs> TimeFromText(const std::string& text) {
+  using namespace std::chrono;
+  int year = 0, used = 0;
+  unsigned month = 0, day = 0, hour = 0, minute = 0;
+  char between = 0;
+  int found = std::sscanf(text.c_str(), "%4d-%2u-%2u%c%2u:%2u%n", &year, &month, &day, &between,
+                          &hour, &minute, &used);
+  std::string rest = found == 6 ? text.substr(static_cast<size_t>(used)) : "?";
+  year_month_day date{std::chrono::year(year), std::chrono::month(month), std::chrono::day(day)};
+  bool fits = (between == ' ' || between == 'T') && date.ok() && year >= 2000 && year < 2100 &&
+              hour < 24 && minute < 60 && (rest.empty() || rest == "Z" || rest == " UTC");
+  if (!fits) {
+    return Status(Code::kInvalidInput,
+                  "expected a time like \"2026-11-20 09:05\" (UTC), found \"" + text + "\"");
+  }
+  milliseconds time = sys_days(date).time_since_epoch() + hours(hour) + minutes(minute);
+  return UnixMs{time.count()};
+}
+
+Status CheckTerms(const AssignmentRow& assignment) {
+  if (assignment.due_ms != 0 && assignment.due_ms <= assignment.opens_ms) {
+    return Status(
+        Code::kInvalidInput,
+        "expected the due time after the opening, or none; found " + TimeText(assignment.due_ms),
+        "due_ms");
+  }
+  if (!assignment.exam && !assignment.stations.empty()) {
+    return Status(Code::kInvalidInput,
+                  "expected stations of an exam only; make it an exam, or name no stations",
+                  "station_ids");
+  }
+  return Status::Ok();
+}
+
+bool IsLate(const AssignmentRow& assignment, UnixMs now_ms) {
+  return assignment.due_ms != 0 && now_ms > assignment.due_ms;
+}
+
+Status MayBegin(const AssignedRow& assigned, UnixMs now_ms, const std::optional<Uuid>& station,
+                const std::string& stations_text) {
+  const AssignmentRow& row = assigned.assignment;
+  std::string what = "\"" + assigned.exercise.title + "\"";
+  if (row.opens_ms != 0 && now_ms < row.opens_ms) {
+    return Status(Code::kForbidden,
+                  what + " opens " + TimeText(row.opens_ms) + ", it is " + TimeText(now_ms) +
+                      "; come back then",
+                  "opens");
+  }
+  if (IsLate(row, now_ms) && !row.late_allowed) {
+    return Status(Code::kForbidden,
+                  what + " was due " + TimeText(row.due_ms) + ", it is " + TimeText(now_ms) +
+                      "; ask an instructor for more time",
+                  "due");
+  }
+  if (row.attempt_limit != 0 && assigned.attempts_used >= row.attempt_limit) {
+    return Status(Code::kForbidden,
+                  what + " allows " + std::to_string(row.attempt_limit) + " attempts, " +
+                      std::to_string(assigned.attempts_used) +
+                      " are used; an instructor can excuse one so that it does not count",
+                  "attempt_limit");
+  }
+  bool elsewhere = station && !row.stations.empty() &&
+                   std::ranges::find(row.stations, *station) == row.stations.end();
+  if (row.exam && elsewhere) {
+    return Status(Code::kForbidden,
+                  "the exam " + what + " is taken at " + stations_text + "; go there", "stations");
+  }
+  return Status::Ok();
+}
+
+const AssignedRow* PickAssignment(const std::vector<AssignedRow>& rows, const Sha256& content,
+                                  const std::optional<Uuid>& wanted, UnixMs now_ms,
+                                  const std::optional<Uuid>& station) {
+  const AssignedRow* first = nullptr;
+  for (const AssignedRow& row : rows) {
+    if (row.exercise.content != content || (wanted && row.assignment.id != *wanted)) continue;
+    if (MayBegin(row, now_ms, station, {}).ok()) return &row;
+    if (!first) first = &row;
+  }
+  return first;
+}
+
+UnixMs TicketEnd(const std::optional<AssignmentRow>& assignment, UnixMs now_ms) {
+  if (!assignment) return now_ms + kTicketValidMs;
+  UnixMs end = now_ms + (assignment->exam ? kExamTicketValidMs : kTicketValidMs);
+  if (assignment->due_ms == 0 || assignment->late_allowed) return end;
+  return std::min(end, assignment->due_ms);
+}
+
+void SetTerms(const std::optional<AssignmentRow>& assignment, AttemptRow& row) {
+  if (!assignment) return;
+  row.assignment = assignment->id;
+  row.exam = assignment->exam;
+  row.due_ms = assignment->due_ms;
+  if (IsLate(*assignment, row.ticketed_ms)) row.flags |= kLate;
+}
+
+}  // namespace enamel::server

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "server/training/types.h"
+
+// When a person may begin an attempt: the rules of assignments, as pure functions. Reference cuts
+// and instructors' own tries are outside them. What two stations could both pass at once (attempt
+// limit, one exam at a time) is looked at again where the attempt is made (Store::CreateAttempt).
+namespace enamel::server {
+
+// How long after its ticket an attempt may begin, at most; the station checks it. An exam begins
+// while the server is there, so its ticket is for now.
+inline constexpr UnixMs kTicketValidMs = 12 * 60 * 60 * 1000;
+inline constexpr UnixMs kExamTicketValidMs = 10 * 60 * 1000;
+
+// "2026-11-20 09:05 UTC".
+std::string TimeText(UnixMs time_ms);
+// "2026-11-20 09:05" or "2026-11-20T09:05", with or without "Z" or " UTC" behind it: always UTC.
+// Errors: kInvalidInput.
+Result<UnixMs> TimeFromText(const std::string& text);
+
+// Terms that contradict themselves. Errors: kInvalidInput, field "due_ms" or "station_ids".
+Status CheckTerms(const AssignmentRow& assignment);
+
+bool IsLate(const AssignmentRow& assignment, UnixMs now_ms);
+
+// Errors: kForbidden with what is in the way, when it will not be, and what to do; field() is
+// "opens", "due", "attempt_limit" or "stations". `station`: where; none: anywhere. `stations_text`:
+// the named stations, for people.
+Status MayBegin(const AssignedRow& assigned, UnixMs now_ms, const std::optional<Uuid>& station,
+                const std::string& stations_text);
+
+// The assignment a ticket for this exercise version counts for: `wanted`, or the first that allows
+// an attempt now, or else the first; null: none is for this exercise. `rows` as
+// Store::AssignmentsFor sorts them, exams first, so that an exam is not dodged by saying nothing.
+const AssignedRow* PickAssignment(const std::vector<AssignedRow>& rows, const Sha256& content,
+                                  const std::optional<Uuid>& wanted, UnixMs now_ms,
+                                  const std::optional<Uuid>& station);
+
+// When a ticket issued now runs out: not after the due time unless late work is allowed. None: no
+// assignment.
+UnixMs TicketEnd(const std::optional<AssignmentRow>& assignment, UnixMs now_ms);
+
+// Writes the assignment's terms into an attempt that was ticketed at row.ticketed_ms.
+void SetTerms(const std::optional<AssignmentRow>& assignment, AttemptRow& row);
+
+}  // namespace enamel::server

@@ -1,0 +1,461 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+
+#include "common/scene/builtin.h"
+#include "common/scene/json.h"
+#include "common/scene/volume_blob.h"
+#include "common/scoring/score.h"
+#include "tests/server/http/running_server.h"
+
+// Exercises, assignments, releases, overrides, remarks, appeals and jobs, over the wire.
+namespace enamel::server::http {
+namespace {
+
+namespace json = boost::json;
+
+class TeachingTest : public testing::Test {
+ protected:
+  TeachingTest() {
+    for (const char* login : {"sam", "tom", "ada", "ben", "root"}) {
+      visitors_.emplace(login, Visitor(server_.port(), login));
+    }
+  }
+  Visitor& By(const std::string& login) { return visitors_.at(login); }
+  // With If-Match when `etag` is not empty.
+  RawResponse Send(const std::string& login, const std::string& method, const std::string& target,
+                   const json::value& body, const std::string& etag = "") {
+    Visitor& visitor = By(login);
+    std::string headers =
+        "X-Enamel-Csrf: " + visitor.csrf + "\r\nContent-Type: application/json\r\n";
+    if (!etag.empty()) headers += "If-Match: " + etag + "\r\n";
+    return visitor.Send(method, target, headers, body.is_null() ? "" : json::serialize(body));
+  }
+  RawResponse Post(const std::string& login, const std::string& target,
+                   const json::value& body = {}) {
+    return Send(login, "POST", target, body);
+  }
+  std::string Scored(const std::string& rest = "") const {
+    return "/api/v1/attempts/" + school_.sams_scored.Text() + rest;
+  }
+  json::object Terms(const Uuid& cohort) const {
+    return {{"exercise", "class-1-occlusal"}, {"cohort_id", cohort.Text()}};
+  }
+  json::value SamsAttempt(const std::string& login) { return Parsed(By(login).Get(Scored())); }
+  static bool May(const json::value& attempt, const char* what) {
+    const auto& may = attempt.at("may").as_array();
+    return std::ranges::find(may, json::value(what)) != may.end();
+  }
+
+  School school_;
+  RunningServer server_{school_};
+  std::map<std::string, Visitor> visitors_;
+};
+
+// A block with a device that carries its exercises, as the program makes them.
+class DraftTest : public TeachingTest {
+ protected:
+  DraftTest() {
+    scene::BuiltScene built = *scene::BuildBuiltinScene("block", 500'000);
+    Sha256 volume = *school_.store->PutBlob(scene::EncodeVolume(built.volume));
+    Sha256 content = *school_.store->PutBlob(AsBytes(scene::ToJson(built.scene)));
+    const Actor by{{}, "test"};
+    EXPECT_TRUE(
+        school_.store->PutScene({built.scene.name, built.scene.title, content, volume}, by).ok());
+    for (const scene::DeviceProfile& profile : scene::BuiltinProfiles()) {
+      Sha256 blob = *school_.store->PutBlob(AsBytes(scene::ToJson(profile)));
+      EXPECT_TRUE(school_.store->PutProfile({profile.name, profile.title, blob}, by).ok());
+    }
+    document_ = scene::ClassOneExercise(built.scene, content);
+  }
+  json::value Document() const { return json::parse(scene::ToJson(document_)); }
+
+  scene::Exercise document_;
+};
+
+TEST_F(DraftTest, DraftIsPutReplacedPublishedAndOfferedByAnAssignment) {
+  RawResponse put = Post("ben", "/api/v1/exercises", Document());
+  ASSERT_EQ(put.status, 201) << put.body;
+  json::value draft = Parsed(put);
+  EXPECT_EQ(draft.at("state"), "draft");
+  EXPECT_EQ(draft.at("version"), 0);
+  std::string path = "/api/v1/exercises/" + std::string(draft.at("id").as_string());
+  EXPECT_EQ(By("tom").Get(path).status, 404) << "students see no drafts";
+  EXPECT_EQ(By("ada").Get(path).status, 200) << "instructors see all";
+
+  document_.title = "Another title";
+  RawResponse without = Send("ben", "PUT", path, Document());
+  EXPECT_EQ(without.status, 428) << without.body;
+  RawResponse replaced = Send("ben", "PUT", path, Document(), put.headers["etag"]);
+  ASSERT_EQ(replaced.status, 200) << replaced.body;
+  RawResponse stale = Send("ada", "PUT", path, Document(), put.headers["etag"]);
+  EXPECT_EQ(stale.status, 412);
+  EXPECT_EQ(Parsed(stale).at("current").at("title"), "Another title");
+  EXPECT_EQ(stale.headers["etag"], replaced.headers["etag"]);
+
+  RawResponse published = Send("ben", "POST", path + "/publish", {}, replaced.headers["etag"]);
+  ASSERT_EQ(published.status, 200) << published.body;
+  EXPECT_EQ(Parsed(published).at("version"), 1);
+  EXPECT_EQ(By("tom").Get(path).status, 404) << "assigned to nobody yet";
+  json::object terms{{"exercise", document_.name}, {"cohort_id", school_.cohort_b.Text()}};
+  ASSERT_EQ(Post("ben", "/api/v1/assignments", terms).status, 201);
+  EXPECT_EQ(By("tom").Get(path).status, 200);
+  EXPECT_EQ(By("tom").Get(path + "/document").body, scene::ToJson(document_));
+  EXPECT_EQ(Send("ben", "DELETE", path, {}, published.headers["etag"]).status, 409);
+
+  EXPECT_EQ(Post("ben", path + "/retire").status, 204);
+  EXPECT_EQ(By("tom").Get(path).status, 404);
+  json::value versions = Parsed(By("ben").Get(path + "/versions"));
+  EXPECT_EQ(versions.at("versions").at(0).at("state"), "retired");
+}
+
+TEST_F(DraftTest, WholeDocumentIsShown) {
+  document_.bur_shape = cutting::BurShape::kPear;
+  document_.bur_narrow_radius_um = 300;
+  document_.bur_shank_radius_um = 800;
+  document_.bur_neck_um = 900;
+  document_.handpiece = {2000, 300, 50000};
+  document_.time_limit_s = 600;
+  Sha256 content = *school_.store->PutBlob(AsBytes(scene::ToJson(document_)));
+  ExerciseRow row;
+  row.name = document_.name;
+  row.title = document_.title;
+  row.content = content;
+  row.scene = document_.scene;
+  row = *school_.store->PublishExercise(row, school_.cohort_a, {{}, "test"});
+  json::value shown = Parsed(By("sam").Get("/api/v1/exercises/" + row.id.Text()));
+  EXPECT_EQ(shown.at("bur").at("shape"), "pear");
+  EXPECT_EQ(shown.at("bur").at("narrow_radius_um"), 300);
+  EXPECT_EQ(shown.at("bur").at("shank_radius_um"), 800);
+  EXPECT_EQ(shown.at("bur").at("neck_um"), 900);
+  EXPECT_EQ(shown.at("handpiece").at("stall_un_m"), 2000);
+  EXPECT_EQ(shown.at("time_limit_s"), 600);
+  EXPECT_EQ(shown.at("rate_hz"), document_.rate_hz);
+  EXPECT_EQ(shown.at("target").at("landmark"), document_.target.landmark.c_str());
+  EXPECT_EQ(shown.at("rubric").at("name"), document_.rubric.name.c_str());
+}
+
+TEST_F(DraftTest, DocumentsThatCannotBeDoneAreRefusedWithTheField) {
+  struct Bad {
+    std::function<void(scene::Exercise&)> spoil;
+    std::string field;
+  };
+  const Bad bads[] = {
+      {[](scene::Exercise& e) { e.scene = HashSha256(AsBytes("other")); }, "scene_sha256"},
+      {[](scene::Exercise& e) { e.rubric.criteria[0].metric = "charm"; },
+       "rubric.criteria[0].metric"},
+  };
+  for (const Bad& bad : bads) {
+    scene::Exercise spoilt = document_;
+    bad.spoil(spoilt);
+    RawResponse refused = Post("ada", "/api/v1/exercises", json::parse(scene::ToJson(spoilt)));
+    EXPECT_EQ(refused.status, 400) << refused.body;
+    EXPECT_EQ(std::string(Parsed(refused).at("error").at("field").as_string()), bad.field)
+        << refused.body;
+  }
+  json::value unknown = Document();
+  unknown.as_object()["colour"] = "blue";
+  EXPECT_EQ(Post("ada", "/api/v1/exercises", unknown).status, 400);
+  scene::Exercise fast = document_;
+  fast.rate_hz = 20000;
+  RawResponse refused = Post("ada", "/api/v1/exercises", json::parse(scene::ToJson(fast)));
+  EXPECT_EQ(refused.status, 400) << "no device goes that fast: " << refused.body;
+  EXPECT_EQ(Post("sam", "/api/v1/exercises", Document()).status, 403);
+  EXPECT_EQ(Send("ada", "POST", "/api/v1/exercises", "text").status, 400);
+}
+
+TEST_F(DraftTest, PictureBeforeTheCutIsMadeOnceAndTheSameForAll) {
+  json::value draft = Parsed(Post("ada", "/api/v1/exercises", Document()));
+  std::string path =
+      "/api/v1/exercises/" + std::string(draft.at("id").as_string()) + "/initial-surface";
+  RawResponse first = By("ada").Get(path);
+  ASSERT_EQ(first.status, 200) << first.body;
+  EXPECT_EQ(first.headers["content-type"], "application/octet-stream");
+  EXPECT_EQ(first.body.substr(0, 4), "ENSF");
+  EXPECT_EQ(static_cast<uint8_t>(first.body.at(6)) & 1, 0) << "no deviation";
+  EXPECT_EQ(By("root").Get(path).body, first.body);
+  EXPECT_EQ(By("sam").Get(path).status, 404);
+}
+
+TEST_F(TeachingTest, ExercisesAreListedByStateForWhoEditsThem) {
+  EXPECT_EQ(By("ada").Get("/api/v1/exercises?state=draft").status, 200);
+  EXPECT_EQ(
+      Parsed(By("ben").Get("/api/v1/exercises?state=published")).at("exercises").as_array().size(),
+      1u);
+  EXPECT_TRUE(Parsed(By("ben").Get("/api/v1/exercises")).at("exercises").as_array().empty());
+  EXPECT_EQ(By("sam").Get("/api/v1/exercises?state=draft").status, 403);
+  EXPECT_EQ(By("ada").Get("/api/v1/exercises?state=lost").status, 400);
+}
+
+TEST_F(TeachingTest, InstructorAssignsToOwnCohortsAndAdminToEverybody) {
+  EXPECT_EQ(Post("sam", "/api/v1/assignments", Terms(school_.cohort_a)).status, 403);
+  EXPECT_EQ(Post("ben", "/api/v1/assignments", Terms(school_.cohort_a)).status, 403);
+  json::object everybody{{"exercise", "class-1-occlusal"}};
+  EXPECT_EQ(Post("ada", "/api/v1/assignments", everybody).status, 403);
+  EXPECT_EQ(Post("root", "/api/v1/assignments", everybody).status, 201);
+  json::object exam = Terms(school_.cohort_a);
+  exam["exam"] = true;
+  exam["attempt_limit"] = 2;
+  exam["opens_ms"] = 4'000'000'000'000;
+  exam["station_ids"] = json::array{school_.station.Text()};
+  RawResponse made = Post("ada", "/api/v1/assignments", exam);
+  ASSERT_EQ(made.status, 201) << made.body;
+  EXPECT_EQ(Parsed(made).at("stations").at(0).at("name"), "bench-1");
+  EXPECT_EQ(Parsed(made).at("cohort").at("name"), "A");
+  std::string path = "/api/v1/assignments/" + std::string(Parsed(made).at("id").as_string());
+  EXPECT_EQ(By("tom").Get(path).status, 404);
+  EXPECT_EQ(By("ben").Get(path).status, 404);
+  EXPECT_EQ(By("sam").Get(path).status, 200);
+
+  json::value mine = Parsed(By("sam").Get("/api/v1/assignments"));
+  const json::value& first = mine.at("assignments").at(0);
+  EXPECT_EQ(first.at("exam"), true) << "exams first";
+  EXPECT_EQ(first.at("mine").at("attempts_left"), 2);
+  EXPECT_NE(std::string(first.at("mine").at("refusal").as_string()).find("opens 2096-10-02"),
+            std::string::npos)
+      << json::serialize(first);
+  EXPECT_EQ(Parsed(By("ada").Get("/api/v1/assignments")).at("assignments").as_array().size(), 3u);
+  EXPECT_EQ(Parsed(By("ben").Get("/api/v1/assignments")).at("assignments").as_array().size(), 1u);
+  EXPECT_EQ(Parsed(By("root").Get("/api/v1/assignments?cohort=" + school_.cohort_a.Text()))
+                .at("assignments")
+                .as_array()
+                .size(),
+            2u);
+}
+
+TEST_F(TeachingTest, TermsThatMakeNoSenseAreRefusedWithTheField) {
+  const std::pair<json::object, std::string> bads[] = {
+      {{{"opens_ms", 100}, {"due_ms", 50}}, "due_ms"},
+      {{{"attempt_limit", -1}}, "attempt_limit"},
+      {{{"attempt_limit", 1.5}}, "attempt_limit"},
+      {{{"exam", "yes"}}, "exam"},
+      {{{"station_ids", json::array{school_.station.Text()}}}, "station_ids"},
+      {{{"exam", true}, {"station_ids", json::array{"x"}}}, "station_ids"},
+      {{{"exam", true}, {"station_ids", json::array{Uuid::New().Text()}}}, "stations"},
+      {{{"exercise", "no such exercise"}}, "exercise"},
+      {{{"cohort_id", 7}}, "cohort_id"},
+      {{{"due", 7}}, "due"},
+  };
+  for (const auto& [change, field] : bads) {
+    json::object terms = Terms(school_.cohort_a);
+    for (const auto& member : change) terms[member.key()] = member.value();
+    RawResponse refused = Post("ada", "/api/v1/assignments", terms);
+    EXPECT_GE(refused.status, 400) << json::serialize(terms);
+    EXPECT_LT(refused.status, 500) << refused.body;
+    EXPECT_EQ(std::string(Parsed(refused).at("error").at("field").as_string()), field)
+        << refused.body;
+  }
+}
+
+TEST_F(TeachingTest, AssignmentIsEditedByWhoHasSeenItLast) {
+  RawResponse made = Post("ada", "/api/v1/assignments", Terms(school_.cohort_a));
+  std::string path = "/api/v1/assignments/" + std::string(Parsed(made).at("id").as_string());
+  json::object terms = Terms(school_.cohort_a);
+  terms["due_ms"] = 4'000'000'000'000;
+  EXPECT_EQ(Send("ada", "PUT", path, terms).status, 428);
+  RawResponse edited = Send("ada", "PUT", path, terms, made.headers["etag"]);
+  ASSERT_EQ(edited.status, 200) << edited.body;
+  EXPECT_EQ(Parsed(edited).at("due_ms"), 4'000'000'000'000);
+  RawResponse stale = Send("root", "DELETE", path, {}, made.headers["etag"]);
+  EXPECT_EQ(stale.status, 412);
+  EXPECT_EQ(Parsed(stale).at("current").at("due_ms"), 4'000'000'000'000);
+  EXPECT_EQ(Send("ben", "PUT", path, terms, edited.headers["etag"]).status, 404);
+  json::object elsewhere = Terms(school_.cohort_b);
+  EXPECT_EQ(Send("ada", "PUT", path, elsewhere, edited.headers["etag"]).status, 403);
+  EXPECT_EQ(Send("ada", "DELETE", path, {}, edited.headers["etag"]).status, 204);
+  EXPECT_EQ(By("ada").Get(path).status, 404);
+}
+
+TEST_F(TeachingTest, ReleaseIsTakenBackAndTheStudentSeesNothingAgain) {
+  ASSERT_EQ(By("ada").Post(Scored("/release")).status, 204);
+  EXPECT_FALSE(SamsAttempt("sam").at("score").is_null());
+  EXPECT_EQ(Send("sam", "DELETE", Scored("/release"), {}).status, 403);
+  EXPECT_EQ(Send("ben", "DELETE", Scored("/release"), {}).status, 404);
+  ASSERT_EQ(Send("ada", "DELETE", Scored("/release"), {}).status, 204);
+  EXPECT_TRUE(SamsAttempt("sam").at("score").is_null());
+  EXPECT_EQ(By("sam").Get(Scored("/results")).status, 403);
+  EXPECT_EQ(By("sam").Get(Scored("/annotations")).status, 403);
+}
+
+TEST_F(TeachingTest, OverrideCountsTheComputedScoreStaysAndBothAreShown) {
+  json::object better{{"score", 93}, {"reason", "the tooth was cracked"}};
+  EXPECT_EQ(Send("sam", "PUT", Scored("/override"), better).status, 403);
+  EXPECT_EQ(Send("ben", "PUT", Scored("/override"), better).status, 404);
+  EXPECT_EQ(Send("ada", "PUT", Scored("/override"), {{"score", 101}, {"reason", "x"}}).status, 400);
+  EXPECT_EQ(Send("ada", "PUT", Scored("/override"), {{"score", 93}}).status, 400);
+  RawResponse made = Send("ada", "PUT", Scored("/override"), better);
+  ASSERT_EQ(made.status, 200) << made.body;
+  EXPECT_TRUE(SamsAttempt("sam").at("override").is_null()) << "not released";
+  By("ada").Post(Scored("/release"));
+  json::value seen = SamsAttempt("sam");
+  EXPECT_EQ(seen.at("score").to_number<double>(), 93);
+  EXPECT_EQ(seen.at("computed_score").to_number<double>(), 87.5);
+  EXPECT_EQ(seen.at("override").at("reason"), "the tooth was cracked");
+  EXPECT_EQ(seen.at("override").at("by"), "Person ada");
+  ASSERT_EQ(Send("ada", "DELETE", Scored("/override"), {}).status, 200);
+  EXPECT_EQ(SamsAttempt("sam").at("score").to_number<double>(), 87.5);
+  json::value audit = Parsed(By("root").Get("/api/v1/audit?limit=1")).at("audit").at(0);
+  EXPECT_EQ(audit.at("action"), "attempt.override");
+  EXPECT_NE(std::string(audit.at("before").as_string()).find("cracked"), std::string::npos);
+}
+
+TEST_F(TeachingTest, RemarksAreSeenAfterTheReleaseAndChangedByTheirAuthor) {
+  json::object remark{{"tick", 500}, {"point_um", {100, -50, 900}}, {"text", "too steep here"}};
+  EXPECT_EQ(Post("sam", Scored("/annotations"), remark).status, 403);
+  RawResponse made = Post("ada", Scored("/annotations"), remark);
+  ASSERT_EQ(made.status, 201) << made.body;
+  EXPECT_EQ(By("sam").Get(Scored("/annotations")).status, 403);
+  By("ada").Post(Scored("/release"));
+  json::value seen = Parsed(By("sam").Get(Scored("/annotations"))).at("annotations").at(0);
+  EXPECT_EQ(seen.at("text"), "too steep here");
+  EXPECT_EQ(seen.at("point_um").at(1), -50);
+  EXPECT_EQ(seen.at("author").at("display_name"), "Person ada");
+  EXPECT_EQ(seen.at("mine"), false);
+  std::string path = "/api/v1/annotations/" + std::string(seen.at("id").as_string());
+  remark["text"] = "steep";
+  EXPECT_EQ(Send("root", "PUT", path, remark, made.headers["etag"]).status, 403)
+      << "not the author";
+  EXPECT_EQ(Send("ben", "PUT", path, remark, made.headers["etag"]).status, 404);
+  RawResponse edited = Send("ada", "PUT", path, remark, made.headers["etag"]);
+  ASSERT_EQ(edited.status, 200) << edited.body;
+  EXPECT_EQ(Send("ada", "PUT", path, remark, made.headers["etag"]).status, 412);
+  EXPECT_EQ(Send("ada", "DELETE", path, {}, edited.headers["etag"]).status, 204);
+  for (const json::object& bad :
+       {json::object{{"tick", -1}, {"text", "x"}}, json::object{{"tick", 1}, {"text", ""}},
+        json::object{{"tick", 1}, {"text", "bell \a"}}, json::object{{"text", "x"}},
+        json::object{{"tick", 1}, {"text", "x"}, {"point_um", {1, 2}}}}) {
+    EXPECT_EQ(Post("ada", Scored("/annotations"), bad).status, 400) << json::serialize(bad);
+  }
+}
+
+TEST_F(TeachingTest, AppealIsTheStudentsAndItsAnswerTheInstructors) {
+  json::object appeal{{"text", "the wall was given"}};
+  EXPECT_EQ(Post("sam", Scored("/appeal"), appeal).status, 409) << "not released";
+  By("ada").Post(Scored("/release"));
+  EXPECT_TRUE(May(SamsAttempt("sam"), "appeal"));
+  EXPECT_EQ(Post("ada", Scored("/appeal"), appeal).status, 403);
+  EXPECT_EQ(Post("tom", Scored("/appeal"), appeal).status, 404);
+  RawResponse filed = Post("sam", Scored("/appeal"), appeal);
+  ASSERT_EQ(filed.status, 201) << filed.body;
+  EXPECT_EQ(Post("sam", Scored("/appeal"), appeal).status, 409) << "once";
+  EXPECT_FALSE(May(SamsAttempt("sam"), "appeal"));
+  json::value open = Parsed(By("ada").Get("/api/v1/attempts?appeal=open"));
+  ASSERT_EQ(open.at("attempts").as_array().size(), 1u);
+  EXPECT_TRUE(May(SamsAttempt("ada"), "answer_appeal"));
+
+  json::object answer{{"outcome", "reject"}, {"answer", "it was measured twice"}};
+  EXPECT_EQ(Post("sam", Scored("/appeal/answer"), answer).status, 403);
+  EXPECT_EQ(Post("ada", Scored("/appeal/answer"), {{"outcome", "maybe"}, {"answer", "x"}}).status,
+            400);
+  ASSERT_EQ(Post("ada", Scored("/appeal/answer"), answer).status, 200);
+  EXPECT_EQ(Post("ada", Scored("/appeal/answer"), answer).status, 409) << "once";
+  EXPECT_EQ(SamsAttempt("sam").at("appeal").at("state"), "rejected");
+  EXPECT_EQ(SamsAttempt("sam").at("appeal").at("answer"), "it was measured twice");
+}
+
+TEST_F(TeachingTest, RegradeKeepsTheEarlierResultBesideTheNewOne) {
+  // The run that sealing queued is over.
+  while (auto job = *school_.store->LeaseJob(1, 1000)) {
+    ASSERT_TRUE(school_.store->FinishJob(job->id, true, "").ok());
+  }
+  Store::AttemptResult result;
+  scoring::ScoreResult score;
+  score.score = 87.5;
+  result.score = score.score;
+  result.score_json = *school_.store->PutBlob(AsBytes(scoring::ToJson(score)));
+  ASSERT_TRUE(school_.store->FinishAttempt(school_.sams_scored, result).ok());
+  By("ada").Post(Scored("/release"));
+  ASSERT_EQ(Post("sam", Scored("/appeal"), {{"text", "please"}}).status, 201);
+  json::object answer{{"outcome", "regrade"}, {"answer", "we look again"}};
+  ASSERT_EQ(Post("ada", Scored("/appeal/answer"), answer).status, 200);
+  json::value queued = Parsed(By("root").Get("/api/v1/jobs?state=queued")).at("jobs").at(0);
+  EXPECT_EQ(queued.at("cause"), "appeal");
+  EXPECT_EQ(queued.at("attempt_id"), school_.sams_scored.Text().c_str());
+  auto job = *school_.store->LeaseJob(1, 1000);
+  score.score = result.score = 90;
+  result.score_json = *school_.store->PutBlob(AsBytes(scoring::ToJson(score)));
+  ASSERT_TRUE(school_.store->FinishAttempt(school_.sams_scored, result).ok());
+  ASSERT_TRUE(school_.store->FinishJob(job->id, true, "").ok());
+  json::value results = Parsed(By("sam").Get(Scored("/results"))).at("results");
+  ASSERT_EQ(results.as_array().size(), 3u);
+  EXPECT_EQ(results.at(0).at("cause"), "appeal");
+  EXPECT_EQ(results.at(0).at("score").at("score").to_number<double>(), 90);
+  EXPECT_EQ(results.at(1).at("score").at("score").to_number<double>(), 87.5);
+}
+
+TEST_F(TeachingTest, JobIsCancelledByAnAdminAndQueuedAgainByAnInstructor) {
+  json::value jobs = Parsed(By("root").Get("/api/v1/jobs?state=queued")).at("jobs");
+  ASSERT_FALSE(jobs.as_array().empty());
+  std::string path, attempt;
+  for (const json::value& job : jobs.as_array()) {
+    if (job.at("attempt_id") != school_.sams_scored.Text().c_str()) continue;
+    path = "/api/v1/jobs/" + std::string(job.at("id").as_string()) + "/cancel";
+  }
+  EXPECT_EQ(Post("ada", path).status, 403);
+  EXPECT_EQ(Post("root", path).status, 204);
+  EXPECT_EQ(Post("root", path).status, 409);
+  EXPECT_EQ(Parsed(By("root").Get("/api/v1/jobs?state=cancelled")).at("jobs").as_array().size(),
+            1u);
+  EXPECT_EQ(Post("sam", Scored("/rescore")).status, 403);
+  RawResponse queued = Post("ada", Scored("/rescore"));
+  EXPECT_EQ(queued.status, 202) << queued.body;
+  EXPECT_EQ(Post("ada", Scored("/rescore")).status, 409);
+  EXPECT_EQ(Post("root", "/api/v1/jobs/" + Uuid::New().Text() + "/cancel").status, 404);
+}
+
+TEST_F(TeachingTest, ReferencesAreListedAndWithdrawnAndNamesShownWithConsentOnly) {
+  const std::string list = "/api/v1/exercises/" + school_.exercise.Text() + "/references";
+  ASSERT_EQ(Post("ada", Scored("/reference"), {{"dentist", "Dr. Vega"}}).status, 201);
+  RawResponse second =
+      Post("ada", Scored("/reference"), {{"dentist", "Dr. Lyra"}, {"consent", false}});
+  ASSERT_EQ(second.status, 201) << second.body;
+  json::value rows = Parsed(By("sam").Get(list)).at("references");
+  EXPECT_TRUE(rows.at(0).at("dentist").is_null());
+  EXPECT_EQ(rows.at(1).at("dentist"), "Dr. Vega");
+  EXPECT_EQ(Parsed(By("ada").Get(list)).at("references").at(0).at("dentist"), "Dr. Lyra");
+  std::string path =
+      "/api/v1/references/" + std::string(Parsed(second).at("id").as_string()) + "/withdraw";
+  EXPECT_EQ(Post("sam", path).status, 403);
+  EXPECT_EQ(Post("ben", path).status, 403);
+  EXPECT_EQ(Post("ada", path).status, 204);
+  EXPECT_NE(Parsed(By("ada").Get(list)).at("references").at(0).at("withdrawn_ms"), 0);
+  EXPECT_EQ(school_.store->ReferenceFor(school_.exercise)->value().dentist, "Dr. Vega");
+}
+
+TEST_F(TeachingTest, ExamAttemptShowsNothingBeforeItsRelease) {
+  AssignmentRow terms;
+  terms.exercise = "class-1-occlusal";
+  terms.cohort = school_.cohort_a;
+  terms.exam = true;
+  AssignmentRow exam = *school_.store->AddAssignment(terms, {{}, "test"});
+  Uuid attempt = school_.ScoredAttempt(school_.sam, [&](AttemptRow& row) {
+    row.assignment = exam.id;
+    row.exam = true;
+  });
+  std::string path = "/api/v1/attempts/" + attempt.Text();
+  json::value seen = Parsed(By("sam").Get(path));
+  EXPECT_EQ(seen.at("exam"), true);
+  EXPECT_TRUE(seen.at("score").is_null());
+  EXPECT_TRUE(seen.at("computed_score").is_null());
+  for (const char* part : {"/score", "/surface", "/series", "/results", "/annotations"}) {
+    EXPECT_EQ(By("sam").Get(path + part).status, 403) << part;
+  }
+  EXPECT_EQ(Post("sam", path + "/excuse", {{"reason", "x"}}).status, 403);
+  EXPECT_EQ(Post("ada", path + "/excuse", {{"reason", "power cut"}}).status, 200);
+  EXPECT_EQ(Parsed(By("ada").Get("/api/v1/attempts?flag=excused")).at("attempts").as_array().size(),
+            1u);
+  EXPECT_EQ(Parsed(By("ada").Get("/api/v1/attempts?assignment=" + exam.id.Text()))
+                .at("attempts")
+                .as_array()
+                .size(),
+            1u);
+  std::string release = "/api/v1/assignments/" + exam.id.Text() + "/release";
+  EXPECT_EQ(Post("sam", release).status, 403);
+  EXPECT_EQ(Post("ben", release).status, 404);
+  EXPECT_EQ(Parsed(Post("ada", release)).at("released"), 1);
+  EXPECT_EQ(By("sam").Get(path + "/score").status, 200);
+}
+
+}  // namespace
+}  // namespace enamel::server::http

@@ -1,0 +1,198 @@
+#include <gtest/gtest.h>
+
+#include "server/stations/session.h"
+#include "tests/server/stations/link_world.h"
+
+// Tickets under assignments: dates, limits, exams.
+namespace enamel::server::stations {
+namespace {
+
+using namespace testing;
+
+constexpr UnixMs kHour = 3'600'000;
+
+class AssignmentTest : public ::testing::Test {
+ protected:
+  AssignmentTest() {
+    EXPECT_TRUE(station_.Enrol().has_enrolled());
+    session_.End();
+    std::destroy_at(&session_);
+    std::construct_at(&session_, world_.services, "127.0.0.1");
+    EXPECT_TRUE(station_.Hello().has_welcome());
+    EXPECT_TRUE(station_.SignIn("student").has_signed_in());
+    open_ = world_.store->AssignmentsFor(world_.student)->front().assignment;
+  }
+
+  wire::Reply Carry(const wire::Request& request) {
+    if (auto who = session_.SignInWanted(request)) {
+      return *session_.FinishSignIn(request, world_.authenticator.SignInHere(*who)).reply;
+    }
+    return session_.Handle(request).reply.value_or(wire::Reply());
+  }
+  // The cohort's assignment with other terms.
+  void Change(const std::function<void(AssignmentRow&)>& change) {
+    change(open_);
+    auto row = world_.store->ReplaceAssignment(open_, kSystem);
+    ASSERT_TRUE(row.ok()) << row.status().message();
+    open_ = *row;
+  }
+  wire::Reply Ask() { return station_.RequestTicket(world_.exercise.content, profile_); }
+  AttemptRow RowOf(const wire::Reply& ticket) {
+    EXPECT_TRUE(ticket.has_ticket_issued()) << ticket.error().message();
+    return *world_.store->AttemptById(trace::DecodeTicket(TicketOf(ticket))->attempt);
+  }
+  wire::ExerciseRef Listed() {
+    wire::Request list;
+    list.mutable_list_exercises()->set_session(station_.session);
+    auto reply = station_.Send(list);
+    EXPECT_EQ(reply.exercises().exercises_size(), 1);
+    return reply.exercises().exercises(0);
+  }
+
+  LinkWorld world_;
+  Session session_{world_.services, "127.0.0.1"};
+  ScriptedStation station_{[this](const wire::Request& request) { return Carry(request); }};
+  Sha256 profile_ = world_.Profile("phantom_desktop");
+  AssignmentRow open_;
+};
+
+TEST_F(AssignmentTest, StationIsToldDatesLimitsAndWhatIsInTheWay) {
+  Change([&](AssignmentRow& row) {
+    row.opens_ms = world_.now + kHour;
+    row.due_ms = world_.now + 2 * kHour;
+    row.attempt_limit = 2;
+  });
+  wire::ExerciseRef ref = Listed();
+  EXPECT_EQ(ref.assignment(), protocol::ToField(open_.id.view()));
+  EXPECT_EQ(ref.opens_unix_ms(), open_.opens_ms);
+  EXPECT_EQ(ref.due_unix_ms(), open_.due_ms);
+  EXPECT_EQ(ref.attempts_left(), 2u);
+  EXPECT_NE(ref.refusal().find("opens"), std::string::npos) << ref.refusal();
+  EXPECT_EQ(Ask().error().code(), "forbidden");
+  EXPECT_EQ(Ask().error().message(), ref.refusal());
+  world_.now = open_.opens_ms;
+  EXPECT_EQ(Listed().refusal(), "");
+  AttemptRow row = RowOf(Ask());
+  EXPECT_EQ(row.assignment, open_.id);
+  EXPECT_EQ(row.due_ms, open_.due_ms);
+  EXPECT_EQ(Listed().attempts_left(), 1u);
+}
+
+TEST_F(AssignmentTest, AfterItIsDueTicketsAreRefusedOrFlaggedLate) {
+  Change([&](AssignmentRow& row) { row.due_ms = world_.now + kHour; });
+  EXPECT_EQ(trace::DecodeTicket(TicketOf(Ask()))->expires_unix_ms, open_.due_ms)
+      << "nothing begins after it is due";
+  world_.now = open_.due_ms + 1;
+  EXPECT_EQ(Ask().error().field(), "due");
+  Change([](AssignmentRow& row) { row.late_allowed = true; });
+  wire::Reply late = Ask();
+  EXPECT_TRUE(late.ticket_issued().late());
+  EXPECT_EQ(RowOf(late).flags, uint32_t{kLate});
+}
+
+TEST_F(AssignmentTest, LimitIsUsedUpUntilAnAttemptIsExcused) {
+  Change([](AssignmentRow& row) { row.attempt_limit = 1; });
+  AttemptRow first = RowOf(Ask());
+  wire::Reply refused = Ask();
+  EXPECT_EQ(refused.error().field(), "attempt_limit");
+  EXPECT_NE(refused.error().message().find("1 are used"), std::string::npos)
+      << refused.error().message();
+  ASSERT_TRUE(world_.store->FlagAttempt(first.id, kExcused, "power cut", kSystem).ok());
+  EXPECT_TRUE(Ask().has_ticket_issued());
+}
+
+TEST_F(AssignmentTest, ExamIsTakenAtItsStationOneAtATimeAndBegunNow) {
+  Uuid here = *Uuid::Parse(world_.store->Stations()->front().id.Text());
+  ASSERT_TRUE(world_.store->AddEnrolCode(HashSha256(AsBytes("c2")), UnixMs{1} << 60, kSystem).ok());
+  StationRow other;
+  other.name = "bench-2";
+  other.public_key.assign(32, 9);
+  Uuid elsewhere =
+      world_.store
+          ->EnrolStation(HashSha256(AsBytes("c2")), other, HashSha256(AsBytes("credential 2")), 1)
+          ->id;
+  Change([&](AssignmentRow& row) {
+    row.exam = true;
+    row.stations = {elsewhere};
+  });
+  EXPECT_EQ(Ask().error().field(), "stations");
+  EXPECT_NE(Ask().error().message().find("bench-2"), std::string::npos);
+  Change([&](AssignmentRow& row) { row.stations.push_back(here); });
+  wire::Reply issued = Ask();
+  EXPECT_TRUE(issued.ticket_issued().exam());
+  EXPECT_TRUE(RowOf(issued).exam);
+  EXPECT_EQ(trace::DecodeTicket(TicketOf(issued))->expires_unix_ms,
+            world_.now + kExamTicketValidMs);
+  wire::Reply second = Ask();
+  EXPECT_EQ(second.error().field(), "exam") << "one at a time";
+  wire::Request later;
+  later.mutable_request_ticket()->set_session(station_.session);
+  later.mutable_request_ticket()->set_exercise(protocol::ToField(world_.exercise.content.view()));
+  later.mutable_request_ticket()->set_profile(protocol::ToField(profile_.view()));
+  later.mutable_request_ticket()->set_for_later(true);
+  EXPECT_EQ(station_.Send(later).error().field(), "for_later");
+}
+
+TEST_F(AssignmentTest, ExamShowsNoScoreAtTheStationBeforeItsRelease) {
+  Change([](AssignmentRow& row) { row.exam = true; });
+  wire::Reply issued = Ask();
+  Recording recording(world_, TicketOf(issued), station_.keys, 1);
+  ASSERT_TRUE(station_.Open(recording.header, true).has_attempt_opened());
+  ASSERT_TRUE(station_.Put(recording.chunks[0]).has_chunk_ack());
+  ASSERT_TRUE(station_.Seal(recording.seal).has_sealed());
+  Store::AttemptResult result;
+  result.score_json = PutText(*world_.store, "{}");
+  ASSERT_TRUE(world_.store->FinishAttempt(recording.seal.attempt, result).ok());
+  wire::AttemptState state = station_.Status(recording.seal.attempt).attempt_state();
+  EXPECT_EQ(state.state(), "scored");
+  EXPECT_TRUE(state.exam());
+  EXPECT_EQ(state.result_json(), "");
+  ASSERT_EQ(state.flags_size(), 1);
+  EXPECT_EQ(state.flags(0), "resumed");
+  ASSERT_TRUE(world_.store->ReleaseAttempt(recording.seal.attempt, kSystem).ok());
+  state = station_.Status(recording.seal.attempt).attempt_state();
+  EXPECT_TRUE(state.released());
+  EXPECT_EQ(state.result_json(), "{}");
+}
+
+TEST_F(AssignmentTest, StationMayNameTheAssignmentItAsksFor) {
+  AssignmentRow exam = open_;
+  exam.exam = true;
+  exam = *world_.store->AddAssignment(exam, kSystem);
+  EXPECT_EQ(RowOf(Ask()).assignment, exam.id) << "saying nothing does not dodge an exam";
+  wire::Reply practice = station_.RequestTicketFor(open_.id, world_.exercise.content, profile_);
+  EXPECT_EQ(RowOf(practice).assignment, open_.id);
+  EXPECT_FALSE(RowOf(practice).exam);
+  wire::Reply unknown = station_.RequestTicketFor(Uuid::New(), world_.exercise.content, profile_);
+  EXPECT_EQ(unknown.error().code(), "forbidden");
+}
+
+TEST_F(AssignmentTest, InstructorsTryWhatTheyLike) {
+  Change([&](AssignmentRow& row) {
+    row.opens_ms = world_.now + kHour;
+    row.attempt_limit = 1;
+  });
+  ASSERT_TRUE(station_.SignIn("instructor").has_signed_in());
+  EXPECT_FALSE(RowOf(Ask()).assignment.has_value());
+  EXPECT_TRUE(Ask().has_ticket_issued());
+}
+
+TEST_F(AssignmentTest, ReadmittedRecordingIsJudgedByTheTermsThereAre) {
+  Change([&](AssignmentRow& row) {
+    row.exam = true;
+    row.attempt_limit = 1;
+  });
+  trace::Ticket ticket = *trace::DecodeTicket(TicketOf(Ask()));
+  ticket.attempt = Uuid::New();  // as after a restore from a backup made before it
+  trace::SignTicket(ticket, world_.services.ticket_key.secret_key);
+  Recording recording(world_, trace::EncodeTicket(ticket), station_.keys, 1);
+  wire::Reply opened = station_.Open(recording.header);
+  ASSERT_TRUE(opened.has_attempt_opened()) << opened.error().message();
+  AttemptRow row = *world_.store->AttemptById(ticket.attempt);
+  EXPECT_TRUE(row.exam) << "a restore does not turn an exam into practice";
+  EXPECT_EQ(row.assignment, open_.id);
+  EXPECT_EQ(row.flags, uint32_t{kReadmitted});
+}
+
+}  // namespace
+}  // namespace enamel::server::stations

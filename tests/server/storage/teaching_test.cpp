@@ -1,0 +1,498 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <thread>
+
+#include "server/training/revision.h"
+#include "tests/server/storage/backends.h"
+
+// What every backend of Store must do about teaching: drafts and versions, assignments and their
+// limits, time, results, overrides, annotations, appeals, references, cancelled jobs.
+namespace enamel::server {
+namespace {
+
+using namespace testing;
+
+class TeachingTest : public StoreSuite {
+ protected:
+  Uuid Cohort(const std::string& name, const Uuid& member) {
+    Uuid cohort = *store_->CreateCohort(name, kSystem);
+    EXPECT_TRUE(store_->AddToCohort(cohort, member, kSystem).ok());
+    return cohort;
+  }
+  AssignmentRow Assigned(const Uuid& cohort, uint32_t limit = 0, bool exam = false) {
+    AssignmentRow row;
+    row.exercise = "exercise";
+    row.cohort = cohort;
+    row.attempt_limit = limit;
+    row.exam = exam;
+    auto added = store_->AddAssignment(row, kSystem);
+    EXPECT_TRUE(added.ok()) << added.status().message();
+    return *added;
+  }
+  // Ticketed under the assignment; `change` may spoil the row.
+  Result<Uuid> Begin(World& world, const AssignmentRow& assignment,
+                     const std::function<void(AttemptRow&)>& change = {}) {
+    AttemptRow row;
+    row.id = Uuid::New();
+    row.person = world.student;
+    row.station = world.station;
+    row.exercise = world.exercise.id;
+    row.profile_content = world.profile;
+    row.ticketed_ms = 5;
+    row.assignment = assignment.id;
+    row.exam = assignment.exam;
+    row.due_ms = assignment.due_ms;
+    if (change) change(row);
+    Status status = store_->CreateAttempt(row, AsBytes("ticket"), kSystem);
+    if (!status.ok()) return status;
+    return row.id;
+  }
+  std::vector<std::string> Actions() {
+    std::vector<std::string> out;
+    auto rows = store_->Audit(1000);
+    for (const AuditRow& row : *rows) out.push_back(row.action);
+    return out;
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Backends, TeachingTest, ::testing::ValuesIn(Backends()), BackendName);
+
+TEST_P(TeachingTest, DraftIsSeenByNobodyUntilPublishedAndThenNeverChanges) {
+  World world(*store_);
+  auto draft = store_->PutDraft(world.Exercise("exercise", "draft"), kSystem);
+  ASSERT_TRUE(draft.ok()) << draft.status().message();
+  EXPECT_EQ(draft->version, 0);
+  EXPECT_EQ(store_->ExercisesFor(world.student)->front().content, world.exercise.content);
+  EXPECT_EQ(store_->ExerciseByContent(draft->content).status().code(), Code::kNotFound);
+  EXPECT_EQ(store_->PutDraft(world.Exercise("exercise", "other"), kSystem).status().code(),
+            Code::kConflict);
+
+  ExerciseRow better = world.Exercise("exercise", "better draft");
+  better.id = draft->id;
+  better.revision = draft->revision;
+  auto replaced = store_->ReplaceDraft(better, kSystem);
+  ASSERT_TRUE(replaced.ok()) << replaced.status().message();
+  EXPECT_EQ(store_->ReplaceDraft(better, kSystem).status().field(), kStale);
+  Reopen();
+
+  auto published = store_->PublishDraft(draft->id, replaced->revision, kSystem);
+  ASSERT_TRUE(published.ok()) << published.status().message();
+  EXPECT_EQ(published->version, 2);
+  EXPECT_EQ(published->content, better.content);
+  EXPECT_EQ(store_->ExercisesFor(world.student)->front().id, draft->id);
+  better.revision = published->revision;
+  Status refused = store_->ReplaceDraft(better, kSystem).status();
+  EXPECT_EQ(refused.code(), Code::kConflict);
+  EXPECT_NE(refused.field(), kStale);
+  EXPECT_EQ(store_->DeleteDraft(draft->id, published->revision, kSystem).code(), Code::kConflict);
+  ASSERT_EQ(store_->ExerciseVersions("exercise")->size(), 2u);
+  EXPECT_EQ(store_->ExerciseVersions("exercise")->back().content, world.exercise.content);
+}
+
+TEST_P(TeachingTest, DraftThatSaysNothingNewIsNotPublishedAndCanBeDiscarded) {
+  World world(*store_);
+  auto draft = store_->PutDraft(world.Exercise("exercise", "v1"), kSystem);
+  EXPECT_EQ(store_->PublishDraft(draft->id, 1, kSystem).status().code(), Code::kConflict);
+  EXPECT_EQ(store_->DeleteDraft(draft->id, 7, kSystem).field(), kStale);
+  ASSERT_TRUE(store_->DeleteDraft(draft->id, 1, kSystem).ok());
+  EXPECT_TRUE(store_->ExercisesIn(ExerciseState::kDraft)->empty());
+  ExerciseRow nowhere = world.Exercise("elsewhere", "e");
+  nowhere.scene = HashSha256(AsBytes("no such scene"));
+  EXPECT_EQ(store_->PutDraft(nowhere, kSystem).status().field(), "scene_sha256");
+}
+
+TEST_P(TeachingTest, RetiredExerciseIsOfferedToNobodyUntilItIsPublishedAgain) {
+  World world(*store_);
+  ASSERT_TRUE(store_->PublishExercise(world.Exercise("exercise", "v2"), Uuid{}, kSystem).ok());
+  ASSERT_TRUE(store_->RetireExercise(world.exercise.id, kSystem).ok());
+  EXPECT_TRUE(store_->ExercisesFor(world.student)->empty()) << "not the older version either";
+  EXPECT_TRUE(store_->AllExercises()->empty());
+  EXPECT_TRUE(store_->AssignmentsFor(world.student)->empty());
+  EXPECT_EQ(store_->ExercisesIn(ExerciseState::kRetired)->front().version, 2);
+  EXPECT_EQ(store_->RetireExercise(world.exercise.id, kSystem).code(), Code::kConflict);
+  ASSERT_TRUE(store_->PublishExercise(world.Exercise("exercise", "v2"), Uuid{}, kSystem).ok());
+  EXPECT_EQ(store_->AllExercises()->front().version, 2);
+}
+
+TEST_P(TeachingTest, AssignmentsAreThoseOfOwnCohortsAndOfEverybody) {
+  World world(*store_);
+  Uuid other = AddPerson(*store_, "other", Role::kStudent);
+  Uuid mine = Cohort("mine", world.student), theirs = Cohort("theirs", other);
+  AssignmentRow exam = Assigned(mine, 3, true);
+  Assigned(theirs);
+  auto rows = store_->AssignmentsFor(world.student);
+  ASSERT_EQ(rows->size(), 2u) << "own cohort's and everybody's";
+  EXPECT_EQ(rows->front().assignment.id, exam.id) << "exams first";
+  EXPECT_EQ(rows->front().assignment.cohort_name, "mine");
+  EXPECT_EQ(rows->front().exercise.id, world.exercise.id);
+  EXPECT_EQ(store_->Assignments({})->size(), 3u);
+  EXPECT_EQ(store_->Assignments({.cohort = theirs})->size(), 1u);
+  EXPECT_EQ(store_->Assignments({.of_instructor = other})->size(), 2u);
+}
+
+TEST_P(TeachingTest, AssignmentOfWhatDoesNotExistIsRefusedWithTheField) {
+  World world(*store_);
+  AssignmentRow row;
+  row.exercise = "no such";
+  EXPECT_EQ(store_->AddAssignment(row, kSystem).status().field(), "exercise");
+  row.exercise = "exercise";
+  row.cohort = Uuid::New();
+  EXPECT_EQ(store_->AddAssignment(row, kSystem).status().field(), "cohort");
+  row.cohort = {};
+  row.stations = {Uuid::New()};
+  EXPECT_EQ(store_->AddAssignment(row, kSystem).status().field(), "stations");
+  EXPECT_EQ(store_->Assignments({})->size(), 1u) << "nothing is left of what was refused";
+}
+
+TEST_P(TeachingTest, EditOfAnAssignmentSomebodyElseChangedIsRefused) {
+  World world(*store_);
+  AssignmentRow row = Assigned(Cohort("mine", world.student), 1, true);
+  row.stations = {world.station};
+  row.due_ms = 5000;
+  auto edited = store_->ReplaceAssignment(row, kSystem);
+  ASSERT_TRUE(edited.ok()) << edited.status().message();
+  EXPECT_EQ(edited->stations, row.stations);
+  EXPECT_EQ(edited->due_ms, 5000);
+  EXPECT_EQ(store_->ReplaceAssignment(row, kSystem).status().field(), kStale);
+  EXPECT_EQ(store_->DeleteAssignment(row.id, row.revision, kSystem).field(), kStale);
+  ASSERT_TRUE(store_->DeleteAssignment(row.id, edited->revision, kSystem).ok());
+  EXPECT_EQ(store_->AssignmentById(row.id).status().code(), Code::kNotFound);
+}
+
+TEST_P(TeachingTest, LimitHoldsAlsoForTicketsAtTheSameMoment) {
+  World world(*store_);
+  AssignmentRow row = Assigned(Cohort("mine", world.student), 3);
+  std::atomic<int> issued = 0, refused = 0;
+  std::vector<std::thread> stations;
+  for (int i = 0; i < 8; ++i) {
+    stations.emplace_back([&] {
+      auto attempt = Begin(world, row);
+      if (attempt.ok()) {
+        ++issued;
+      } else {
+        EXPECT_EQ(attempt.status().field(), "attempt_limit");
+        ++refused;
+      }
+    });
+  }
+  for (std::thread& station : stations) station.join();
+  EXPECT_EQ(issued, 3);
+  EXPECT_EQ(refused, 5);
+  auto rows = store_->AssignmentsFor(world.student);
+  auto mine = std::ranges::find_if(
+      *rows, [&](const AssignedRow& assigned) { return assigned.assignment.id == row.id; });
+  ASSERT_NE(mine, rows->end());
+  EXPECT_EQ(mine->attempts_used, 3u);
+
+  Uuid first = store_->Attempts({.assignment = row.id})->back().id;
+  ASSERT_TRUE(store_->FlagAttempt(first, kExcused, "power cut", kSystem).ok());
+  EXPECT_TRUE(Begin(world, row).ok()) << "an excused attempt does not count";
+}
+
+TEST_P(TeachingTest, SecondExamAttemptWaitsForTheFirstToEnd) {
+  World world(*store_);
+  AssignmentRow exam = Assigned(Cohort("mine", world.student), 0, true);
+  Uuid first = *Begin(world, exam);
+  EXPECT_EQ(Begin(world, exam).status().field(), "exam");
+  ASSERT_TRUE(store_->OpenAttempt(first, AsBytes("header")).ok());
+  EXPECT_EQ(Begin(world, exam).status().field(), "exam");
+  ASSERT_TRUE(store_->SealAttempt(World::SealOf(world.Append(first, 1)), 200).ok());
+  Uuid second = *Begin(world, exam);
+  EXPECT_FALSE(Begin(world, exam).ok());
+  ASSERT_TRUE(store_->FlagAttempt(second, kExcused, "station broke", kSystem).ok());
+  EXPECT_TRUE(Begin(world, exam).ok());
+  auto readmitted = [](AttemptRow& row) { row.flags = kReadmitted; };
+  EXPECT_TRUE(Begin(world, exam, readmitted).ok()) << "what was made already is not refused";
+}
+
+// 250 ticks a chunk at 100 Hz: 2.5 s each.
+TEST_P(TeachingTest, MoreTicksThanTimeAreFlaggedAndInAnExamQuarantined) {
+  World world(*store_);
+  AssignmentRow exam = Assigned(Cohort("mine", world.student), 0, true);
+  auto timed = [](AttemptRow& row) { row.rate_hz = 100; };
+  Uuid attempt = *Begin(world, exam, timed);
+  ASSERT_TRUE(store_->OpenAttempt(attempt, AsBytes("header")).ok());
+  // All received 95 ms after the ticket: one chunk is 2.5 s of work, more than 2.1 s.
+  auto chunks = world.Append(attempt, 1);
+  EXPECT_EQ(store_->AttemptById(attempt)->flags, uint32_t{kFasterThanTime});
+  ASSERT_TRUE(store_->SealAttempt(World::SealOf(chunks), 200).ok());
+  EXPECT_EQ(store_->AttemptById(attempt)->state, AttemptState::kQuarantined);
+  EXPECT_FALSE(store_->LeaseJob(1, 1000)->has_value()) << "nothing is scored";
+  EXPECT_EQ(store_->AttemptChunks(attempt)->size(), 1u) << "and nothing is lost";
+
+  ASSERT_TRUE(store_->Rescore(attempt, "rescore", kSystem).ok()) << "an instructor accepts it";
+  EXPECT_EQ(store_->LeaseJob(1, 1000)->value().attempt, attempt);
+
+  AssignmentRow practice = Assigned(Cohort("practice", world.student));
+  Uuid quick = *Begin(world, practice, timed);
+  ASSERT_TRUE(store_->OpenAttempt(quick, AsBytes("header")).ok());
+  ASSERT_TRUE(store_->SealAttempt(World::SealOf(world.Append(quick, 2)), 200).ok());
+  EXPECT_EQ(store_->AttemptById(quick)->flags, uint32_t{kFasterThanTime});
+  EXPECT_EQ(store_->AttemptById(quick)->state, AttemptState::kSealed);
+}
+
+TEST_P(TeachingTest, WorkInRealTimeIsNotFlagged) {
+  World world(*store_);
+  AssignmentRow practice = Assigned(Cohort("mine", world.student));
+  Uuid attempt = *Begin(world, practice, [](AttemptRow& row) { row.rate_hz = 100; });
+  ASSERT_TRUE(store_->OpenAttempt(attempt, AsBytes("header")).ok());
+  Sha256 previous = World::HeaderHash();
+  for (uint32_t seq = 0; seq < 20; ++seq) {
+    Store::ChunkPut chunk = world.Chunk(attempt, seq, previous);
+    chunk.received_ms = 5 + (seq + 1) * 2500;
+    previous = chunk.hash;
+    ASSERT_TRUE(store_->AppendChunk(chunk).ok());
+  }
+  EXPECT_EQ(store_->AttemptById(attempt)->flags, 0u);
+}
+
+TEST_P(TeachingTest, LongerThanTheTimeLimitIsFlagged) {
+  World world(*store_);
+  AssignmentRow practice = Assigned(Cohort("mine", world.student));
+  Uuid attempt = *Begin(world, practice, [](AttemptRow& row) { row.limit_ticks = 250; });
+  ASSERT_TRUE(store_->OpenAttempt(attempt, AsBytes("header")).ok());
+  Store::ChunkPut first = world.Chunk(attempt, 0, World::HeaderHash());
+  ASSERT_TRUE(store_->AppendChunk(first).ok());
+  EXPECT_EQ(store_->AttemptById(attempt)->flags, 0u) << "to the tick";
+  ASSERT_TRUE(store_->AppendChunk(world.Chunk(attempt, 1, first.hash)).ok());
+  EXPECT_EQ(store_->AttemptById(attempt)->flags, uint32_t{kOverTime});
+}
+
+// Ticket at 5 ms, one chunk of 2.5 s at 100 Hz.
+TEST_P(TeachingTest, LateWorkAndALateUploadAreToldApart) {
+  World world(*store_);
+  AssignmentRow practice = Assigned(Cohort("mine", world.student));
+  auto sealed = [&](UnixMs due_ms, UnixMs received_ms) {
+    Uuid attempt = *Begin(world, practice, [&](AttemptRow& row) {
+      row.rate_hz = 100;
+      row.due_ms = due_ms;
+    });
+    EXPECT_TRUE(store_->OpenAttempt(attempt, AsBytes("header")).ok());
+    Store::ChunkPut chunk = world.Chunk(attempt, 0, World::HeaderHash());
+    chunk.received_ms = received_ms;
+    EXPECT_TRUE(store_->AppendChunk(chunk).ok());
+    EXPECT_TRUE(store_->SealAttempt(World::SealOf({chunk}), received_ms + 1).ok());
+    return store_->AttemptById(attempt)->flags;
+  };
+  EXPECT_EQ(sealed(0, 1'000'000), 0u) << "never due";
+  EXPECT_EQ(sealed(3000, 2600), 0u);
+  EXPECT_EQ(sealed(3000, 1'000'000), uint32_t{kLateUpload}) << "may have been made in time";
+  EXPECT_EQ(sealed(2000, 1'000'000), uint32_t{kLate}) << "2.5 s of work cannot end 2 s after";
+}
+
+TEST_P(TeachingTest, ReleaseOfAnAssignmentReleasesWhatIsScoredAndCanBeTakenBack) {
+  World world(*store_);
+  AssignmentRow row = Assigned(Cohort("mine", world.student));
+  auto scored = [&] {
+    Uuid attempt = *Begin(world, row);
+    EXPECT_TRUE(store_->OpenAttempt(attempt, AsBytes("header")).ok());
+    EXPECT_TRUE(store_->SealAttempt(World::SealOf(world.Append(attempt, 1)), 200).ok());
+    Store::AttemptResult result;
+    result.score_json = PutText(*store_, "score");
+    EXPECT_TRUE(store_->FinishAttempt(attempt, result).ok());
+    return attempt;
+  };
+  Uuid a = scored(), b = scored(), open = *Begin(world, row), other = world.ScoredAttempt();
+  EXPECT_EQ(*store_->ReleaseAssignment(row.id, kSystem), 2u);
+  EXPECT_EQ(*store_->ReleaseAssignment(row.id, kSystem), 0u);
+  EXPECT_TRUE(store_->AttemptById(a)->released && store_->AttemptById(b)->released);
+  EXPECT_FALSE(store_->AttemptById(open)->released || store_->AttemptById(other)->released);
+  ASSERT_TRUE(store_->WithdrawRelease(a, kSystem).ok());
+  EXPECT_FALSE(store_->AttemptById(a)->released);
+  EXPECT_EQ(std::ranges::count(Actions(), "attempt.unrelease"), 1);
+  EXPECT_EQ(store_->ReleaseAssignment(Uuid::New(), kSystem).status().code(), Code::kNotFound);
+}
+
+TEST_P(TeachingTest, OverrideCountsAndTheComputedScoreIsKept) {
+  World world(*store_);
+  Uuid attempt = world.ScoredAttempt(62), unscored = world.OpenedAttempt();
+  ScoreOverride better{75, "the crown was cracked before", {}, 0};
+  Actor instructor{world.student, "page"};
+  ASSERT_TRUE(store_->OverrideScore(attempt, better, instructor).ok());
+  Reopen();
+  AttemptRow row = *store_->AttemptById(attempt);
+  EXPECT_EQ(row.score, 62);
+  EXPECT_EQ(row.overridden->score, 75);
+  EXPECT_EQ(row.overridden->reason, better.reason);
+  EXPECT_EQ(row.overridden->by, world.student);
+  ASSERT_TRUE(store_->OverrideScore(attempt, std::nullopt, instructor).ok());
+  EXPECT_FALSE(store_->AttemptById(attempt)->overridden.has_value());
+  auto audit = store_->Audit(1)->front();
+  EXPECT_EQ(audit.action, "attempt.override");
+  EXPECT_NE(audit.before_json.find("cracked"), std::string::npos) << "what it was stays on record";
+  EXPECT_EQ(store_->OverrideScore(unscored, better, kSystem).code(), Code::kConflict);
+}
+
+TEST_P(TeachingTest, ScoringAgainKeepsTheEarlierResult) {
+  World world(*store_);
+  Uuid attempt = world.OpenedAttempt();
+  ASSERT_TRUE(store_->SealAttempt(World::SealOf(world.Append(attempt, 1)), 200).ok());
+  auto run = [&](double score, const std::string& text) {
+    Uuid job = store_->LeaseJob(1, 1000)->value().id;
+    Store::AttemptResult result;
+    result.score = score;
+    result.score_json = PutText(*store_, text);
+    EXPECT_TRUE(store_->FinishAttempt(attempt, result).ok());
+    EXPECT_TRUE(store_->FinishJob(job, true, "").ok());
+  };
+  run(50, "first");
+  ASSERT_TRUE(store_->Rescore(attempt, "rescore", kSystem).ok());
+  EXPECT_EQ(store_->Rescore(attempt, "rescore", kSystem).code(), Code::kConflict) << "one waits";
+  run(70, "second");
+  auto results = store_->ResultsOf(attempt);
+  ASSERT_EQ(results->size(), 2u);
+  EXPECT_EQ(results->at(0).score, 70);
+  EXPECT_EQ(results->at(0).cause, "rescore");
+  EXPECT_EQ(results->at(1).score, 50);
+  EXPECT_EQ(results->at(1).cause, "seal");
+  EXPECT_EQ(AsText(*store_->GetBlob(results->at(1).score_json)), "first");
+  EXPECT_EQ(store_->AttemptById(attempt)->score, 70);
+  EXPECT_EQ(store_->Rescore(world.OpenedAttempt(), "rescore", kSystem).code(), Code::kConflict);
+}
+
+TEST_P(TeachingTest, AnnotationsStandByTickAndAreEditedByRevision) {
+  World world(*store_);
+  Uuid attempt = world.ScoredAttempt();
+  AnnotationRow remark;
+  remark.attempt = attempt;
+  remark.tick = 700;
+  remark.text = "too steep";
+  Actor author{world.student, "page"};
+  AnnotationRow late = *store_->AddAnnotation(remark, author);
+  remark.tick = 10;
+  remark.point_um = {{100, -200, 300}};
+  AnnotationRow early = *store_->AddAnnotation(remark, author);
+  Reopen();
+  auto rows = store_->AnnotationsOf(attempt);
+  ASSERT_EQ(rows->size(), 2u);
+  EXPECT_EQ(rows->front().id, early.id);
+  EXPECT_EQ(rows->front().point_um, remark.point_um);
+  EXPECT_FALSE(rows->back().point_um.has_value());
+  EXPECT_EQ(rows->front().author_name, "Name of student");
+  late.text = "steep, and well done";
+  AnnotationRow edited = *store_->ReplaceAnnotation(late, author);
+  EXPECT_EQ(edited.text, late.text);
+  EXPECT_GT(edited.edited_ms, 0);
+  EXPECT_EQ(store_->ReplaceAnnotation(late, author).status().field(), kStale);
+  ASSERT_TRUE(store_->DeleteAnnotation(late.id, edited.revision, author).ok());
+  EXPECT_EQ(store_->AnnotationsOf(attempt)->size(), 1u);
+  EXPECT_EQ(store_->AddAnnotation({.attempt = Uuid::New()}, author).status().code(),
+            Code::kNotFound);
+}
+
+TEST_P(TeachingTest, AppealIsFiledOnceAfterTheReleaseAndAnsweredOnce) {
+  World world(*store_);
+  Uuid attempt = world.ScoredAttempt();
+  // The run that sealing queued is over.
+  ASSERT_TRUE(store_->FinishJob(store_->LeaseJob(1, 1000)->value().id, true, "").ok());
+  ASSERT_TRUE(store_->FinishAttempt(attempt, {}).ok());
+  Actor student{world.student, "page"};
+  EXPECT_EQ(store_->FileAppeal(attempt, "please", student).code(), Code::kConflict);
+  ASSERT_TRUE(store_->ReleaseAttempt(attempt, kSystem).ok());
+  ASSERT_TRUE(store_->FileAppeal(attempt, "the mesial wall was given", student).ok());
+  EXPECT_EQ(store_->FileAppeal(attempt, "again", student).code(), Code::kConflict);
+  EXPECT_EQ(store_->Attempts({.open_appeal = true})->size(), 1u);
+  ASSERT_TRUE(store_->AnswerAppeal(attempt, true, "we look again", kSystem).ok());
+  EXPECT_EQ(store_->AnswerAppeal(attempt, false, "no", kSystem).code(), Code::kConflict);
+  AppealRow appeal = store_->AppealOf(attempt)->value();
+  EXPECT_EQ(appeal.state, "regraded");
+  EXPECT_EQ(appeal.answer, "we look again");
+  EXPECT_TRUE(store_->Attempts({.open_appeal = true})->empty());
+  auto job = store_->LeaseJob(1, 1000);
+  ASSERT_TRUE(job->has_value());
+  EXPECT_EQ((*job)->cause, "appeal");
+}
+
+TEST_P(TeachingTest, AppealThatCannotBeRegradedStaysOpen) {
+  World world(*store_);
+  Uuid attempt = world.ScoredAttempt();  // its first run is still in the queue
+  ASSERT_TRUE(store_->ReleaseAttempt(attempt, kSystem).ok());
+  ASSERT_TRUE(store_->FileAppeal(attempt, "please", kSystem).ok());
+  EXPECT_EQ(store_->AnswerAppeal(attempt, true, "yes", kSystem).code(), Code::kConflict);
+  EXPECT_EQ(store_->AppealOf(attempt)->value().state, "open") << "answer and run go together";
+  EXPECT_TRUE(store_->AnswerAppeal(attempt, false, "no", kSystem).ok());
+}
+
+TEST_P(TeachingTest, WithdrawnReferenceGivesWayToTheOneBefore) {
+  World world(*store_);
+  Uuid old_cut = world.ScoredAttempt(), new_cut = world.ScoredAttempt();
+  ASSERT_TRUE(store_->AddReference(old_cut, "Dr. One", true, kSystem).ok());
+  ReferenceRow newer = *store_->AddReference(new_cut, "Dr. Two", false, kSystem);
+  EXPECT_FALSE(newer.consent);
+  EXPECT_EQ(store_->ReferenceFor(world.exercise.id)->value().attempt, new_cut);
+  ASSERT_TRUE(store_->WithdrawReference(newer.id, kSystem).ok());
+  EXPECT_EQ(store_->ReferenceFor(world.exercise.id)->value().attempt, old_cut);
+  auto all = store_->References(world.exercise.id);
+  ASSERT_EQ(all->size(), 2u);
+  EXPECT_GT(all->front().withdrawn_ms, 0);
+  EXPECT_TRUE(all->back().consent);
+  EXPECT_EQ(store_->AddReference(new_cut, "Dr. Two", true, kSystem)->version, 3);
+}
+
+TEST_P(TeachingTest, CancelledJobLeavesTheAttemptSealedAndItsRunCannotFinish) {
+  World world(*store_);
+  Uuid attempt = world.OpenedAttempt();
+  ASSERT_TRUE(store_->SealAttempt(World::SealOf(world.Append(attempt, 1)), 200).ok());
+  Uuid job = store_->LeaseJob(1, 1000)->value().id;
+  ASSERT_TRUE(store_->SetProgress(attempt, 0.5).ok());
+  EXPECT_EQ(store_->Jobs("running")->front().progress, 0.5);
+  ASSERT_TRUE(store_->CancelJob(job, kSystem).ok());
+  EXPECT_EQ(store_->AttemptById(attempt)->state, AttemptState::kSealed);
+  EXPECT_EQ(store_->SetProgress(attempt, 0.6).code(), Code::kUnavailable);
+  EXPECT_EQ(store_->FinishAttempt(attempt, {}).code(), Code::kUnavailable);
+  ASSERT_TRUE(store_->FinishJob(job, false, "cancelled").ok());
+  EXPECT_EQ(store_->Jobs("cancelled")->size(), 1u);
+  EXPECT_FALSE(store_->LeaseJob(1, 1000)->has_value());
+  EXPECT_EQ(store_->CancelJob(job, kSystem).code(), Code::kConflict);
+  EXPECT_EQ(store_->CancelJob(Uuid::New(), kSystem).code(), Code::kNotFound);
+  ASSERT_TRUE(store_->Rescore(attempt, "rescore", kSystem).ok());
+  ASSERT_TRUE(store_->LeaseJob(1, 1000)->has_value());
+  EXPECT_TRUE(store_->SetProgress(attempt, 0.1).ok());
+  EXPECT_TRUE(store_->FinishAttempt(attempt, {}).ok());
+}
+
+TEST_P(TeachingTest, ErasingAPersonTakesRemarksAppealsAndEarlierResultsWithIt) {
+  World world(*store_);
+  Uuid attempt = world.ScoredAttempt();
+  Sha256 text = store_->ResultsOf(attempt)->front().score_json;
+  ASSERT_TRUE(store_->ReleaseAttempt(attempt, kSystem).ok());
+  ASSERT_TRUE(store_->FileAppeal(attempt, "please", Actor{world.student, "page"}).ok());
+  AnnotationRow remark{.attempt = attempt, .text = "well done"};
+  ASSERT_TRUE(store_->AddAnnotation(remark, kSystem).ok());
+  auto report = store_->ErasePerson(world.student, false, kSystem);
+  ASSERT_TRUE(report.ok()) << report.status().message();
+  EXPECT_TRUE(store_->AnnotationsOf(attempt)->empty());
+  EXPECT_FALSE(store_->AppealOf(attempt)->has_value());
+  EXPECT_TRUE(store_->ResultsOf(attempt)->empty());
+  EXPECT_FALSE(store_->HasBlob(text));
+}
+
+TEST_P(TeachingTest, PictureOfASceneIsKeptWithIt) {
+  World world(*store_);
+  EXPECT_TRUE(store_->Scenes()->front().surface.IsZero());
+  Sha256 surface = PutText(*store_, "ENSF");
+  ASSERT_TRUE(store_->PutSceneSurface(store_->Scenes()->front().volume, surface).ok());
+  Reopen();
+  EXPECT_EQ(store_->Scenes()->front().surface, surface);
+}
+
+TEST_P(TeachingTest, EveryChangeIsAudited) {
+  World world(*store_);
+  auto draft = store_->PutDraft(world.Exercise("exercise", "d"), kSystem);
+  ASSERT_TRUE(store_->PublishDraft(draft->id, 1, kSystem).ok());
+  AssignmentRow row = Assigned(Cohort("mine", world.student));
+  ASSERT_TRUE(store_->ReplaceAssignment(row, kSystem).ok());
+  Uuid attempt = *Begin(world, row);
+  ASSERT_TRUE(store_->FlagAttempt(attempt, kExcused, "ill", kSystem).ok());
+  ASSERT_TRUE(store_->DeleteAssignment(row.id, 2, kSystem).ok());
+  ASSERT_TRUE(store_->RetireExercise(draft->id, kSystem).ok());
+  std::vector<std::string> actions = Actions();
+  for (const char* action :
+       {"exercise.draft", "exercise.publish", "exercise.retire", "assignment.add",
+        "assignment.edit", "assignment.delete", "attempt.flag"}) {
+    EXPECT_NE(std::ranges::find(actions, action), actions.end()) << action;
+  }
+}
+
+}  // namespace
+}  // namespace enamel::server
