@@ -336,7 +336,11 @@ void AddExercises(CLI::App& admin, Options& o, Command& command) {
                       "Only this one, or this kind: class-1, class-2, crown, cross");
   publish->add_option("--document", o.exercise.document,
                       "Instead: file with an exercise (schemas/exercise.schema.json)");
-  publish->add_option("--cohort", o.exercise.cohort, "For whom; without: everybody");
+  auto* cohort = publish->add_option("--cohort", o.exercise.cohort, "For whom; without: everybody");
+  publish
+      ->add_flag("--unassigned", o.exercise.unassigned,
+                 "For nobody yet: assign-exercise says for whom and when")
+      ->excludes(cohort);
   publish->add_option("--voxel-um", o.exercise.voxel_um, "Voxel size of a built-in scene")
       ->check(CLI::Range(20, 500))
       ->capture_default_str();

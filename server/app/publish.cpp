@@ -63,6 +63,22 @@ Result<SceneRow> PublishFolder(Store& store, const std::filesystem::path& folder
   return StoreScene(store, *scene, *volume);
 }
 
+// As a draft that is published at once: drafts are assigned to nobody.
+Result<ExerciseRow> PublishUnassigned(Store& store, const ExerciseRow& row) {
+  auto versions = store.ExerciseVersions(row.name);
+  if (!versions.ok()) return versions.status();
+  for (const ExerciseRow& version : *versions) {
+    if (version.state == ExerciseState::kDraft) continue;
+    if (version.content == row.content && version.state == ExerciseState::kPublished) {
+      return version;
+    }
+    break;
+  }
+  auto draft = store.PutDraft(row, kCommandLine);
+  if (!draft.ok()) return draft;
+  return store.PublishDraft(draft->id, draft->revision, kCommandLine);
+}
+
 Result<scene::Scene> StoredScene(Store& store, const SceneRow& row) {
   auto text = store.GetBlob(row.content);
   if (!text.ok()) return text.status();
@@ -77,7 +93,7 @@ Result<SceneRow> PublishScene(Store& store, const std::string& source, int32_t v
 }
 
 Result<ExerciseRow> PublishDocument(Store& store, const scene::Exercise& exercise,
-                                    const Uuid& cohort) {
+                                    const std::optional<Uuid>& cohort) {
   auto content = store.PutBlob(AsBytes(scene::ToJson(exercise)));
   if (!content.ok()) return content.status();
   ExerciseRow row;
@@ -86,11 +102,13 @@ Result<ExerciseRow> PublishDocument(Store& store, const scene::Exercise& exercis
   row.content = *content;
   row.scene = exercise.scene;
   row.graded = exercise.graded;
-  return store.PublishExercise(row, cohort, kCommandLine);
+  if (cohort) return store.PublishExercise(row, *cohort, kCommandLine);
+  return PublishUnassigned(store, row);
 }
 
 Result<std::vector<ExerciseRow>> PublishBuiltins(Store& store, const SceneRow& row,
-                                                 const std::string& name, const Uuid& cohort) {
+                                                 const std::string& name,
+                                                 const std::optional<Uuid>& cohort) {
   auto scene = StoredScene(store, row);
   if (!scene.ok()) return scene.status();
   std::vector<ExerciseRow> out;

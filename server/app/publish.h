@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,15 +16,16 @@ namespace enamel::server::app {
 // already is taken from there, not built again. `voxel_nm`: of built-in scenes.
 Result<SceneRow> PublishScene(Store& store, const std::string& source, int32_t voxel_nm);
 
-// A new version when it differs from the newest; assigned to `cohort` (zero: everybody) unless it
-// is.
+// A new version when it differs from the newest; assigned to `cohort` unless it is (zero: to
+// everybody; none: to nobody).
 Result<ExerciseRow> PublishDocument(Store& store, const scene::Exercise& exercise,
-                                    const Uuid& cohort);
+                                    const std::optional<Uuid>& cohort);
 
 // The exercises the project makes for a stored scene (common/scene/builtin.h): all, or those of
 // this name or kind ("class-2"). Errors also: kNotFound with the names there are.
 Result<std::vector<ExerciseRow>> PublishBuiltins(Store& store, const SceneRow& scene,
-                                                 const std::string& name, const Uuid& cohort);
+                                                 const std::string& name,
+                                                 const std::optional<Uuid>& cohort);
 // Class I alone.
 Result<ExerciseRow> PublishClassOne(Store& store, const SceneRow& scene, const Uuid& cohort);
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <iostream>
+#include <optional>
 
 #include "common/base/file.h"
 #include "common/scene/json.h"
@@ -46,7 +47,7 @@ Result<Uuid> CohortOrEverybody(Store& store, const std::string& name) {
 }
 
 Result<std::vector<ExerciseRow>> Publish(Store& store, const NewExercise& exercise,
-                                         const Uuid& cohort) {
+                                         const std::optional<Uuid>& cohort) {
   if (exercise.document.empty()) {
     auto scene = PublishScene(store, exercise.scene, exercise.voxel_um * 1000);
     if (!scene.ok()) return scene.status();
@@ -98,7 +99,9 @@ Status PublishExercise(const std::filesystem::path& data, const NewExercise& exe
   auto cohort = CohortOrEverybody(**store, exercise.cohort);
   if (!cohort.ok()) return cohort.status();
   ENAMEL_RETURN_IF_ERROR(PublishProfiles(**store));
-  auto rows = Publish(**store, exercise, *cohort);
+  std::optional<Uuid> assigned_to;
+  if (!exercise.unassigned) assigned_to = *cohort;
+  auto rows = Publish(**store, exercise, assigned_to);
   if (!rows.ok()) return rows.status();
   for (const ExerciseRow& row : *rows) {
     std::cout << "exercise \"" << row.name << "\" version " << row.version << ", id "

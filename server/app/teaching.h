@@ -13,8 +13,9 @@ struct NewExercise {
   std::string scene;   // PublishScene's source
   std::string cohort;  // name; empty: open to everybody
   int32_t voxel_um = 50;
-  std::string name;      // of a built-in exercise, or its kind; empty: all the scene has
-  std::string document;  // file with an exercise document, instead of scene and name
+  std::string name;         // of a built-in exercise, or its kind; empty: all the scene has
+  bool unassigned = false;  // assigned to nobody, instead of to the cohort
+  std::string document;     // file with an exercise document, instead of scene and name
 };
 Status PublishExercise(const std::filesystem::path& data, const NewExercise& exercise);
 Status RetireExercise(const std::filesystem::path& data, const std::string& name);

@@ -100,6 +100,46 @@ TEST_F(CommandsTest, ReportSaysWhyThereIsNoScore) {
   EXPECT_NE(failed.message().find("tick 7"), std::string::npos);
 }
 
+TEST_F(CommandsTest, ExercisesArePublishedAssignedAndRetiredFromTheCommandLine) {
+  NewExercise exercise{"builtin:block", "", 500, "cross"};
+  exercise.unassigned = true;
+  ASSERT_TRUE(PublishExercise(Data(), exercise).ok());
+  ASSERT_TRUE(PublishExercise(Data(), exercise).ok()) << "again changes nothing";
+  ASSERT_TRUE(AddCohort(Data(), "Year 2").ok());
+  NewAssignment exam;
+  exam.exercise = "cross-block";
+  exam.cohort = "Year 2";
+  exam.due = "2026-12-01 12:00";
+  exam.attempt_limit = 2;
+  exam.exam = true;
+  EXPECT_EQ(ListExercises(Data(), "").code(), Code::kOk);
+  ASSERT_TRUE(AssignExercise(Data(), exam).ok());
+  exam.stations = {"no such bench"};
+  EXPECT_EQ(AssignExercise(Data(), exam).field(), "station");
+  exam.stations.clear();
+  exam.opens = exam.due;
+  EXPECT_EQ(AssignExercise(Data(), exam).field(), "due_ms");
+  Uuid id;
+  {
+    auto store = OpenForCommand(Data());
+    ASSERT_TRUE(store.ok());
+    auto versions = (*store)->ExerciseVersions("cross-block");
+    ASSERT_EQ(versions->size(), 1u);
+    EXPECT_EQ(versions->front().version, 1);
+    auto rows = (*store)->Assignments({});
+    ASSERT_EQ(rows->size(), 1u) << "unassigned until assigned";
+    EXPECT_EQ(rows->front().due_ms, 1'796'126'400'000);  // date -u -d "2026-12-01 12:00" +%s
+    EXPECT_TRUE(rows->front().exam);
+    id = rows->front().id;
+  }
+  EXPECT_TRUE(ReleaseAssignment(Data(), id.Text()).ok());
+  ASSERT_TRUE(EndAssignment(Data(), id.Text()).ok());
+  EXPECT_EQ(EndAssignment(Data(), id.Text()).code(), Code::kNotFound);
+  ASSERT_TRUE(RetireExercise(Data(), "cross-block").ok());
+  EXPECT_EQ(RetireExercise(Data(), "no such").code(), Code::kNotFound);
+  EXPECT_EQ(PublishExercise(Data(), {"builtin:block", "", 500, "bridge"}).field(), "name");
+}
+
 TEST_F(CommandsTest, IdentityIsMadeOnce) {
   OpenData();
   auto first = EnsureIdentity(Data());
