@@ -354,6 +354,7 @@ Result<wire::Reply> Session::Do(const wire::AttemptStatus& request) {
   state.set_exam(row->exam);
   state.set_released(row->released);
   for (const char* flag : AttemptFlagNames(row->flags)) state.add_flags(flag);
+  state.set_problem(row->problem);
   if (row->state != AttemptState::kScored) return reply;
   auto exercise = services_.store.ExerciseById(row->exercise);
   if (!exercise.ok()) return exercise.status();

@@ -13,6 +13,7 @@
 #include "common/base/file.h"
 #include "station/app/places.h"
 #include "station/app/simulate.h"
+#include "station/desk/tick_feed.h"
 #include "station/devices/operators.h"
 #include "station/render/window.h"
 #include "station/session/by_name.h"
@@ -59,38 +60,6 @@ Result<PreparedAttempt> Prepare(Workplace& workplace, const RunOptions& options)
   if (!person.ok()) return person.status();
   return PrepareByName(workplace, options.exercise, options.profile);
 }
-
-// Feeds the window from the tick.
-class WindowFeed final : public TickObserver {
- public:
-  WindowFeed(render::ToothView& window, double voxel_m, uint32_t rate_hz)
-      : window_(window), voxel_m_(voxel_m), tick_s_(1.0 / rate_hz) {}
-
-  void OnTick(const core::Core& core, const Snapshot& s) noexcept override {
-    render::FrameState frame;
-    frame.tick = s.counters.ticks;
-    frame.time_s = static_cast<double>(s.counters.ticks + s.counters.gap_ticks) * tick_s_;
-    frame.anchor = s.anchor;
-    frame.device = s.device;
-    frame.force_sent_n = s.force_sent_n;
-    frame.bur_on = (s.input_flags & core::kBurOn) != 0;
-    if (s.output_flags & haptics::kPeakBounded) frame.warnings |= render::kWarnForceBounded;
-    if (s.input_flags & core::kLateTick) frame.warnings |= render::kWarnLate;
-    if (s.input_flags & core::kFaulted) frame.warnings |= render::kWarnFault;
-    if (s.counters.gap_ticks > 0) frame.warnings |= render::kWarnGap;
-    if (s.removed[static_cast<size_t>(cutting::Tissue::kPulp)] > 0) {
-      frame.warnings |= render::kWarnPulpExposed;
-    }
-    frame.removed_mm3 = Removed_mm3(s.removed, voxel_m_);
-    window_.Publish(frame);
-    window_.PublishBricks(core.volume(), core.touched());
-  }
-
- private:
-  render::ToothView& window_;
-  const double voxel_m_;
-  const double tick_s_;
-};
 
 Result<std::unique_ptr<render::Window>> OpenWindow(const RunOptions& options,
                                                    const PreparedAttempt& job) {
@@ -169,7 +138,7 @@ Status WriteFacts(const RunOptions& options, const PreparedAttempt& job,
 // The window of an attempt, when it has one.
 struct Screen {
   std::unique_ptr<render::Window> window;
-  std::optional<WindowFeed> feed;
+  std::optional<desk::TickFeed> feed;
   TickObserver* observer() { return feed ? &*feed : nullptr; }
 };
 

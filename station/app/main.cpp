@@ -14,6 +14,7 @@
 #include "station/app/import_command.h"
 #include "station/app/replay.h"
 #include "station/app/spool_command.h"
+#include "station/desk/desk.h"
 #include "station/qualify/cli.h"
 
 namespace {
@@ -27,6 +28,8 @@ constexpr int kFailed = 1, kUsage = 2, kNotUploaded = 3;
 constexpr char kFooter[] = R"(A first attempt, with a server on the same machine:
   enamel-server admin enrol-code --data SERVER_DATA        # prints CODE@FINGERPRINT
   enamel-station enrol --server 127.0.0.1:8443 --code CODE@FINGERPRINT
+  enamel-station                                           # the window; sign in there
+or without a window, with a simulated hand:
   ENAMEL_PASSWORD=... enamel-station run --user LOGIN \
       --exercise NAME --profile phantom_desktop --operator student
 Without any server:
@@ -130,7 +133,7 @@ int Run(RunOptions& options, bool password_stdin) {
 int main(int argc, char** argv) {
   CLI::App app("enamel-station: cut virtual teeth; every tick is recorded and sent to the server.");
   app.footer(kFooter);
-  app.require_subcommand(1);
+  app.require_subcommand(0, 1);
   app.set_version_flag("--version", "enamel-station " ENAMEL_VERSION);
   int exit_code = 0;
   std::string data = DefaultData();
@@ -141,6 +144,35 @@ int main(int argc, char** argv) {
         ->capture_default_str();
     return command;
   };
+
+  desk::DeskOptions open;
+  std::string size;
+  auto* open_cmd = with_data(
+      app.add_subcommand("open", "The window a student sits at; also without any subcommand"));
+  open_cmd->add_option("--server", open.server, "HOST:PORT when it has moved since enrolment");
+  open_cmd->add_option("--window", size, "WIDTHxHEIGHT instead of the full screen, as 1280x720");
+  open_cmd->add_option("--quality", open.quality,
+                       "best, good, fair or low; else by how long pictures take");
+  open_cmd
+      ->add_option("--idle-minutes", open.idle_minutes,
+                   "Without key or mouse, outside an attempt, before it signs out")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  open_cmd->add_flag("!--no-sound", open.sound, "No sound of the handpiece");
+  open_cmd->add_flag("--simulated", open.simulated, "Offer simulated hands as devices too");
+  open_cmd->add_option("--script", open.script,
+                       "Play a person's part from this file (station/desk/script.h)");
+  auto open_desk = [&] {
+    open.data = data;
+    if (!size.empty()) {
+      open.full_screen = false;
+      if (std::sscanf(size.c_str(), "%dx%d", &open.width_px, &open.height_px) != 2) {
+        return Status(Code::kInvalidInput, "--window: expected WIDTHxHEIGHT, found " + size);
+      }
+    }
+    return desk::RunDesk(open);
+  };
+  open_cmd->callback([&] { exit_code = Finish(open_desk()); });
 
   EnrolOptions enrol;
   enrol.name = HostName();
@@ -311,6 +343,7 @@ int main(int argc, char** argv) {
 
   try {
     app.parse(argc, argv);
+    if (app.get_subcommands().empty()) exit_code = Finish(open_desk());
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kUsage;
   } catch (const std::exception& error) {

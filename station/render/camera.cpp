@@ -47,13 +47,20 @@ void Camera::Orbit(float dx, float dy) {
 
 void Camera::Pan(float dx, float dy) {
   glm::mat4 view = ViewFromScene();
-  glm::vec3 right(view[0][0], view[1][0], view[2][0]), up(view[0][1], view[1][1], view[2][1]);
-  focus_mm_ += (-dx * right + dy * up) * (2 * radius_mm_);
+  glm::vec3 up(view[0][1], view[1][1], view[2][1]);
+  focus_mm_ += (-dx * Right() + dy * up) * (2 * radius_mm_);
 }
 
 void Camera::Zoom(float notches) {
   radius_mm_ = std::clamp(radius_mm_ * std::pow(0.9f, notches), 0.3f, 60.0f);
 }
+
+glm::vec3 Camera::Right() const {
+  glm::mat4 view = ViewFromScene();
+  return {view[0][0], view[1][0], view[2][0]};
+}
+
+glm::vec3 Camera::TowardViewer() const { return Direction(yaw_, pitch_); }
 
 float Camera::distance_mm() const { return radius_mm_ / std::tan(kFieldOfView / 2); }
 

@@ -23,6 +23,9 @@ class Camera {
 
   glm::mat4 ViewFromScene() const;
   glm::mat4 ClipFromView(float aspect) const;
+  // Of the picture, in the scene frame, unit length.
+  glm::vec3 Right() const;
+  glm::vec3 TowardViewer() const;
   float radius_mm() const { return radius_mm_; }
   float near_mm() const { return distance_mm() * 0.05f; }
   float far_mm() const { return distance_mm() + 60; }

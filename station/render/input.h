@@ -4,14 +4,34 @@
 
 namespace enamel::station::render {
 
+// Keys, mouse buttons and modifiers by GLFW's numbers (letters and digits by ASCII), for those who
+// do not draw: screen.cpp checks that they are the same.
+enum Key : int {
+  kKeySpace = 32,
+  kKeyEscape = 256,
+  kKeyEnter = 257,
+  kKeyTab = 258,
+  kKeyBackspace = 259,
+  kKeyRight = 262,
+  kKeyLeft = 263,
+  kKeyDown = 264,
+  kKeyUp = 265,
+  kKeyF1 = 290,
+  kKeyPadEnter = 335,
+  kKeyLeftShift = 340,
+  kKeyRightShift = 344,
+};
+enum MouseButton : int { kMouseLeft = 0, kMouseRight = 1, kMouseMiddle = 2 };
+inline constexpr int kModShift = 1;
+
 // One thing a person did at the window. The only way in: from GLFW, or from a script that stands
 // for a person (Screen::Inject), so that both take the same way from here on.
 struct InputEvent {
   enum class Kind : uint8_t { kKey, kCharacter, kCursor, kButton, kWheel };
   Kind kind = Kind::kKey;
-  int code = 0;          // key (GLFW_KEY_*) or mouse button; character: Unicode
+  int code = 0;          // Key or MouseButton; character: Unicode
   bool pressed = false;  // key, button
-  int mods = 0;          // GLFW_MOD_*
+  int mods = 0;          // kModShift
   double x = 0, y = 0;   // cursor: window pixels from the upper left; wheel: notches
 
   static InputEvent Key(int key, bool pressed, int mods = 0) {

@@ -56,7 +56,7 @@ Shape Revolve(const Profile& p, uint8_t material) {
 
 }  // namespace
 
-Shape BurHeadShape(const cutting::Bur& bur) {
+Profile BurHeadOutline(const cutting::Bur& bur) {
   Profile p;
   auto add = [&](double r, double z) {
     p.emplace_back(static_cast<float>(std::max(0.0, r) * 1000), static_cast<float>(z * 1000));
@@ -76,21 +76,23 @@ Shape BurHeadShape(const cutting::Bur& bur) {
       add(piece.at[0] + piece.radius * std::cos(a), piece.at[1] + piece.radius * std::sin(a));
     }
   }
-  return Revolve(p, kBurHead);
+  return p;
 }
 
-Shape BurShankShape(const cutting::Bur& bur) {
+Profile BurShankOutline(const cutting::Bur& bur) {
   auto r = static_cast<float>(bur.radius_m * 1000), top = static_cast<float>(bur.height_m() * 1000);
   bool sphere = bur.shape == cutting::BurShape::kSphere;
   float neck = std::min(0.6f * r, 0.45f), start = sphere ? top - 0.15f * r : top;
-  return Revolve({{sphere ? neck : 0.9f * r, start},
-                  {neck, start + 0.5f},
-                  {neck, start + 2.5f},
-                  {0.8f, start + 4.0f},
-                  {0.8f, start + 16.0f},
-                  {0, start + 16.0f}},
-                 kBurShank);
+  return {{sphere ? neck : 0.9f * r, start},
+          {neck, start + 0.5f},
+          {neck, start + 2.5f},
+          {0.8f, start + 4.0f},
+          {0.8f, start + 16.0f},
+          {0, start + 16.0f}};
 }
+
+Shape BurHeadShape(const cutting::Bur& bur) { return Revolve(BurHeadOutline(bur), kBurHead); }
+Shape BurShankShape(const cutting::Bur& bur) { return Revolve(BurShankOutline(bur), kBurShank); }
 
 Shape ShaftShape() { return Revolve({{0, 0}, {1, 0}, {1, 1}}, kForceArrow); }
 Shape TipShape() { return Revolve({{0, 0}, {1, 0}, {0, 1}}, kForceArrow); }

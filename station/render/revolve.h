@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <glm/vec2.hpp>
 #include <vector>
 
 #include "common/cutting/bur.h"
@@ -17,8 +18,12 @@ struct Shape {
   std::vector<uint32_t> indices;
 };
 
-// The bur in its own frame: cutting head exactly as the core cuts, then neck and shank, which are
-// for the eye only.
+// Half outlines of a bur, (radius, z) in mm, from the distal end upward: the cutting head exactly
+// as the core cuts, then neck and shank, which are for the eye only.
+std::vector<glm::vec2> BurHeadOutline(const cutting::Bur& bur);
+std::vector<glm::vec2> BurShankOutline(const cutting::Bur& bur);
+
+// Bodies of these outlines, in the bur's own frame.
 Shape BurHeadShape(const cutting::Bur& bur);
 Shape BurShankShape(const cutting::Bur& bur);
 // Unit cylinder and unit cone along +z, radius 1.

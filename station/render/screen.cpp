@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <bitset>
+#include <cfloat>
 #include <chrono>
 #include <cmath>
 #include <deque>
@@ -27,6 +28,15 @@ using Clock = std::chrono::steady_clock;
 
 constexpr auto kFrameTime = std::chrono::milliseconds(16);
 constexpr int kButtons = 3;
+
+static_assert(kKeySpace == GLFW_KEY_SPACE && kKeyEscape == GLFW_KEY_ESCAPE &&
+              kKeyEnter == GLFW_KEY_ENTER && kKeyTab == GLFW_KEY_TAB &&
+              kKeyBackspace == GLFW_KEY_BACKSPACE && kKeyRight == GLFW_KEY_RIGHT &&
+              kKeyLeft == GLFW_KEY_LEFT && kKeyDown == GLFW_KEY_DOWN && kKeyUp == GLFW_KEY_UP &&
+              kKeyF1 == GLFW_KEY_F1 && kKeyPadEnter == GLFW_KEY_KP_ENTER &&
+              kKeyLeftShift == GLFW_KEY_LEFT_SHIFT && kKeyRightShift == GLFW_KEY_RIGHT_SHIFT);
+static_assert(kMouseLeft == GLFW_MOUSE_BUTTON_LEFT && kMouseRight == GLFW_MOUSE_BUTTON_RIGHT &&
+              kMouseMiddle == GLFW_MOUSE_BUTTON_MIDDLE && kModShift == GLFW_MOD_SHIFT);
 
 std::string LastGlfwError() {
   const char* text = nullptr;
@@ -141,7 +151,8 @@ class Screen::Impl {
     ImGui_ImplGlfw_NewFrame();
     // What the person did is what came through Take: one way in, also for a script.
     ImGuiIO& io = ImGui::GetIO();
-    io.MousePos = {static_cast<float>(cursor_x_), static_cast<float>(cursor_y_)};
+    io.MousePos = captured_ ? ImVec2{-FLT_MAX, -FLT_MAX}
+                            : ImVec2{static_cast<float>(cursor_x_), static_cast<float>(cursor_y_)};
     for (int i = 0; i < kButtons; ++i) {
       io.MouseDown[i] = held_[static_cast<size_t>(i)] || clicked_[static_cast<size_t>(i)];
     }
@@ -182,6 +193,16 @@ class Screen::Impl {
     return WritePng(path, rgb, width_, height_);
   }
 
+  // The cursor jumps when it is captured and let go: no motion of the person's.
+  void Capture(bool capture) {
+    if (capture == captured_) return;
+    captured_ = capture;
+    glfwSetInputMode(glfw_.get(), GLFW_CURSOR, capture ? GLFW_CURSOR_DISABLED : GLFW_CURSOR_NORMAL);
+    glfwGetCursorPos(glfw_.get(), &cursor_x_, &cursor_y_);
+    last_cursor_x_ = cursor_x_;
+    last_cursor_y_ = cursor_y_;
+  }
+
   GLFWwindow* window() const { return glfw_.get(); }
 
   std::vector<InputEvent> events_;
@@ -192,7 +213,7 @@ class Screen::Impl {
   int width_ = 0, height_ = 0;
   Fonts fonts_;
   std::string renderer_;
-  bool software_ = false;
+  bool software_ = false, captured_ = false;
   double drawing_s_ = 0;
 
  private:
@@ -283,6 +304,7 @@ void Screen::CancelClose() { glfwSetWindowShouldClose(impl_->window(), GLFW_FALS
 void Screen::Close() { glfwSetWindowShouldClose(impl_->window(), GLFW_TRUE); }
 std::span<const InputEvent> Screen::events() const { return impl_->events_; }
 void Screen::Inject(const InputEvent& event) { impl_->injected_.push_back(event); }
+void Screen::CaptureCursor(bool capture) { impl_->Capture(capture); }
 bool Screen::injecting() const { return !impl_->injected_.empty(); }
 double Screen::cursor_x() const { return impl_->cursor_x_; }
 double Screen::cursor_y() const { return impl_->cursor_y_; }

@@ -49,6 +49,9 @@ class Screen {
   // As if the person had done it; at most one per frame is taken.
   void Inject(const InputEvent& event);
   bool injecting() const;  // some are still waiting
+  // While captured the cursor is not shown and moves without end: what is done with the mouse is
+  // for something other than widgets.
+  void CaptureCursor(bool capture);
   // Cursor in window pixels, and whether a mouse button or a key is held.
   double cursor_x() const;
   double cursor_y() const;

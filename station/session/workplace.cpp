@@ -341,4 +341,10 @@ Result<AttemptProgress> Workplace::Progress(const Uuid& attempt) {
   return link_.AttemptStatus(*person(), attempt);
 }
 
+Status Workplace::MarkReference(const Uuid& attempt, const std::string& dentist, bool consent) {
+  std::lock_guard link(link_mutex_);
+  ENAMEL_RETURN_IF_ERROR(MustBeSignedIn());
+  return link_.MarkReference(*person(), attempt, dentist, consent);
+}
+
 }  // namespace enamel::station

@@ -88,6 +88,8 @@ class Workplace {
 
   // What the server has made of an attempt so far.
   Result<AttemptProgress> Progress(const Uuid& attempt);
+  // Makes a scored attempt the reference of its exercise: instructors, with the dentist's consent.
+  Status MarkReference(const Uuid& attempt, const std::string& dentist, bool consent);
 
   Spool& spool() { return *spool_; }
   Uploader& uploader() { return uploader_; }

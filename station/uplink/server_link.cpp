@@ -136,7 +136,9 @@ Result<Catalogue> ServerLink::ListExercises(const Person& person) {
     if (!exercise.ok()) return exercise.status();
     if (!scene.ok()) return scene.status();
     if (!volume.ok()) return volume.status();
-    out.exercises.push_back({e.name(), e.title(), *exercise, *scene, *volume});
+    out.exercises.push_back({e.name(), e.title(), *exercise, *scene, *volume, e.due_unix_ms(),
+                             e.late_allowed(), e.attempt_limit(), e.attempts_left(), e.exam(),
+                             e.refusal()});
   }
   for (const auto& p : reply->exercises().profiles()) {
     auto profile = protocol::ReadSha256(p.profile(), "profile");
@@ -211,7 +213,20 @@ Result<AttemptProgress> ServerLink::AttemptStatus(const Person& person, const Uu
   if (!reply.ok()) return reply.status();
   if (!reply->has_attempt_state()) return Unexpected("AttemptState");
   const wire::AttemptState& state = reply->attempt_state();
-  return AttemptProgress{state.state(), state.progress(), state.result_json()};
+  return AttemptProgress{state.state(), state.progress(), state.problem(), state.result_json()};
+}
+
+Status ServerLink::MarkReference(const Person& person, const Uuid& attempt,
+                                 const std::string& dentist, bool consent) {
+  wire::Request request;
+  auto* mark = request.mutable_mark_reference();
+  mark->set_session(person.session);
+  mark->set_attempt(protocol::ToField(attempt.view()));
+  mark->set_dentist(dentist);
+  mark->set_consent(consent);
+  auto reply = Call(request);
+  if (!reply.ok()) return reply.status();
+  return reply->has_reference_marked() ? Status::Ok() : Unexpected("ReferenceMarked");
 }
 
 Status ServerLink::Ping() {

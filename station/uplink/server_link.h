@@ -30,6 +30,12 @@ struct Catalogue {
   struct Exercise {
     std::string name, title;
     Sha256 exercise, scene, volume;
+    // Of its assignment (schemas/wire/station.proto, ExerciseRef); 0 where there is no bound.
+    int64_t due_unix_ms = 0;
+    bool late_allowed = false;
+    uint32_t attempt_limit = 0, attempts_left = 0;
+    bool exam = false;
+    std::string refusal;  // why an attempt cannot be begun here and now; empty: it can
   };
   struct Profile {
     std::string name, title;
@@ -52,6 +58,7 @@ struct Wanted {
 struct AttemptProgress {
   std::string state;        // "recording", "sealed", "scoring", "scored", "failed", "quarantined"
   double progress = 0;      // 0..1 while scoring
+  std::string problem;      // why it failed or is quarantined, in words
   std::string result_json;  // once scored and visible to the person (schemas/score.md); else empty
 };
 
@@ -88,6 +95,10 @@ class ServerLink {
 
   // Errors: kNotFound, also for somebody else's attempt.
   Result<AttemptProgress> AttemptStatus(const Person& person, const Uuid& attempt);
+  // A scored attempt becomes its exercise's reference, with the dentist's consent. Errors: kForbidden
+  // unless the person may, kConflict before it is scored.
+  Status MarkReference(const Person& person, const Uuid& attempt, const std::string& dentist,
+                       bool consent);
   // Keeps a connection alive that has nothing to say.
   Status Ping();
 

@@ -186,7 +186,9 @@ TEST_F(SessionTest, ContradictingChunkQuarantines) {
   station_.Put(recording.chunks[0]);
   Bytes other = recording.Chunk(0, HashSha256(recording.header), station_.keys, 5);
   EXPECT_EQ(station_.Put(other).error().code(), "conflict");
-  EXPECT_EQ(station_.Status(recording.seal.attempt).attempt_state().state(), "quarantined");
+  auto state = station_.Status(recording.seal.attempt).attempt_state();
+  EXPECT_EQ(state.state(), "quarantined");
+  EXPECT_FALSE(state.problem().empty());
 }
 
 TEST_F(SessionTest, ChunkSignedWithAnotherKeyIsRefused) {

@@ -1,0 +1,59 @@
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "station/desk/pages.h"
+#include "station/render/revolve.h"
+
+namespace enamel::station::desk {
+namespace {
+
+constexpr ImU32 kHead = IM_COL32(150, 170, 205, 255), kShank = IM_COL32(112, 122, 138, 255),
+                kScale = IM_COL32(235, 238, 242, 255);
+
+// A body of revolution of this half outline, lying on its side.
+void DrawOutline(const std::vector<glm::vec2>& outline, ImVec2 tip, float mm, ImU32 colour) {
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  for (size_t i = 0; i + 1 < outline.size(); ++i) {
+    glm::vec2 a = outline[i] * mm, b = outline[i + 1] * mm;
+    list->AddQuadFilled({tip.x + a.y, tip.y - a.x}, {tip.x + b.y, tip.y - b.x},
+                        {tip.x + b.y, tip.y + b.x}, {tip.x + a.y, tip.y + a.x}, colour);
+  }
+}
+
+}  // namespace
+
+std::string BurText(const cutting::Bur& bur) {
+  std::string name(cutting::BurShapeName(bur.shape));
+  std::replace(name.begin(), name.end(), '_', ' ');
+  name[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(name[0])));
+  char text[96];
+  std::snprintf(text, sizeof text, "%s, %.1f mm thick, %.1f mm long", name.c_str(),
+                2e3 * bur.radius_m, 1e3 * bur.height_m());
+  return text;
+}
+
+void DrawBur(const cutting::Bur& bur, float width_px, float height_px, float mm) {
+  ImVec2 at = ImGui::GetCursorScreenPos();
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  ImVec2 tip{at.x + 12, at.y + 0.42f * height_px};
+  list->PushClipRect(at, {at.x + width_px, at.y + height_px}, true);
+  DrawOutline(render::BurShankOutline(bur), tip, mm, kShank);
+  DrawOutline(render::BurHeadOutline(bur), tip, mm, kHead);
+  // A scale below it: 5 mm.
+  float y = at.y + 0.86f * height_px, tick = 0.05f * height_px, length = 5 * mm;
+  list->AddLine({tip.x, y}, {tip.x + length, y}, kScale, 2);
+  for (int i = 0; i <= 5; ++i) {
+    float x = tip.x + static_cast<float>(i) * mm;
+    list->AddLine({x, y - tick}, {x, y + tick}, kScale, 2);
+  }
+  list->AddText({tip.x + length + 12, y - 0.5f * ImGui::GetFontSize()}, kScale, "5 mm");
+  list->PopClipRect();
+  ImGui::Dummy({width_px, height_px});
+}
+
+}  // namespace enamel::station::desk

@@ -1,0 +1,198 @@
+#include "station/desk/desk.h"
+
+#include <algorithm>
+#include <csignal>
+#include <optional>
+#include <stdexcept>
+
+#include "station/desk/operator_panel.h"
+#include "station/desk/pages.h"
+#include "station/desk/script.h"
+#include "station/render/panel.h"
+#include "station/sound/speaker.h"
+
+namespace enamel::station::desk {
+namespace {
+
+using render::Quality;
+using Clock = Workflow::Clock;
+
+volatile std::sig_atomic_t interrupted = 0;
+void OnSignal(int) { interrupted = 1; }
+
+constexpr char kPointerHint[] =
+    "mouse: move   wheel: depth   left button, space: bur   Shift: slow   W A S D: tilt   1-4: view"
+    "   right drag: turn";
+
+uint32_t AttemptWarnings(RunningAttempt& run, double time_s, double limit_s) {
+  uint32_t warnings = 0;
+  if (!run.recording().problem.ok()) warnings |= render::kWarnDisk;
+  if (!run.upload().reachable) warnings |= render::kWarnOffline;
+  if (limit_s > 0 && time_s > limit_s) warnings |= render::kWarnTime;
+  return warnings;
+}
+
+class Desk {
+ public:
+  Desk(const DeskOptions& options, render::Screen& screen, Workplace& workplace, Script script)
+      : options_(options),
+        screen_(screen),
+        governor_(render::GovernorFor(screen)),
+        script_(std::move(script)),
+        ui_(screen),
+        flow_(workplace, DeviceOffers(options.simulated), 60 * options.idle_minutes),
+        pages_(ui_, flow_, workplace.credentials().name) {
+    if (options.sound) speaker_.emplace();
+  }
+
+  Status Run() {
+    while (Frame()) {
+    }
+    return script_.status();
+  }
+
+ private:
+  bool Frame() {
+    if (!screen_.Begin()) AskToClose();
+    auto now = Clock::now();
+    double dt_s = std::chrono::duration<double>(now - last_).count();
+    last_ = now;
+    flow_.Tick(now, !screen_.events().empty());
+    TakeKeys();
+    const render::Target* picture = Picture(dt_s);
+    Sound();
+    bool end = pages_.Draw();
+    if (panel_) {
+      DrawOperatorPanel(flow_, screen_, times_, quality(), governor_.budget_s());
+    }
+    screen_.End(picture);
+    Measure();
+    end |= script_.playing() && script_.Step(screen_, ui_, flow_);
+    return !end && !interrupted;
+  }
+
+  const Quality& quality() const {
+    const Quality* wanted = render::FindQuality(options_.quality);
+    return wanted != nullptr ? *wanted : render::kQualities[governor_.level()];
+  }
+
+  // The window's own close button: an attempt is not lost by it.
+  void AskToClose() {
+    screen_.CancelClose();
+    if (flow_.dialog() != Dialog::kNone) return;
+    flow_.Open(flow_.place() == Place::kRunning ? Dialog::kPaused : Dialog::kClose);
+  }
+
+  void TakeKeys() {
+    if (ui_.page().empty()) return;
+    for (const render::InputEvent& event : screen_.events()) {
+      bool f1 = event.kind == render::InputEvent::Kind::kKey && event.code == render::kKeyF1;
+      if (f1 && event.pressed) panel_ = !panel_;
+    }
+  }
+
+  // The tooth, while there is one to cut; null: none to show.
+  const render::Target* Picture(double dt_s) {
+    Stage* stage = flow_.stage();
+    bool running = flow_.place() == Place::kRunning && stage != nullptr;
+    bool dialog = flow_.dialog() != Dialog::kNone;
+    screen_.CaptureCursor(running && !dialog && stage->by_pointer());
+    if (!running) return nullptr;
+    stage->Point(screen_, dt_s, dialog);
+    if (!dialog) Steer(*stage);
+    stage->view().Draw(screen_.width(), screen_.height(), quality());
+    DrawStatus(*stage);
+    return &stage->view().result();
+  }
+
+  // With the mouse as the handpiece, the right button turns the picture and keys choose the view.
+  void Steer(Stage& stage) {
+    render::Camera& camera = stage.view().camera();
+    render::SteerCamera(screen_, camera, !stage.by_pointer());
+    if (!stage.by_pointer() || !screen_.button(render::kMouseRight)) return;
+    auto share = [&](double d) { return static_cast<float>(d / std::max(screen_.height(), 1)); };
+    camera.Orbit(share(screen_.cursor_x() - screen_.last_cursor_x()),
+                 share(screen_.cursor_y() - screen_.last_cursor_y()));
+    for (const render::InputEvent& event : screen_.events()) {
+      if (event.kind == render::InputEvent::Kind::kWheel) {
+        camera.Zoom(static_cast<float>(event.y));
+      }
+    }
+  }
+
+  void DrawStatus(Stage& stage) {
+    const PreparedAttempt& prepared = stage.prepared();
+    render::PanelContent content;
+    content.heading = prepared.exercise.title;
+    content.state = stage.view().state();
+    content.has_state = stage.view().has_state();
+    content.force_full_scale_n = static_cast<double>(prepared.profile.peak_force_mn.value) * 1e-3;
+    content.time_limit_s = prepared.exercise.time_limit_s;
+    content.mm_per_pixel = 0;
+    content.state.warnings |=
+        AttemptWarnings(*stage.run(), content.state.time_s, content.time_limit_s);
+    bool exam = flow_.exercises()[flow_.exercise_index()].exam;
+    bool shown = (!prepared.exercise.graded && !exam) || flow_.instructor();
+    if (shown) content.zones = stage.zones();
+    content.hint = stage.by_pointer() ? kPointerHint : render::kCameraHint;
+    render::DrawPanel(content, screen_.fonts(), screen_.width(), screen_.height());
+  }
+
+  void Sound() {
+    if (!speaker_) return;
+    Stage* stage = flow_.stage();
+    if (flow_.place() != Place::kRunning || stage == nullptr) return speaker_->Set(0, 0);
+    double full = static_cast<double>(stage->prepared().profile.peak_force_mn.value) * 1e-3;
+    double force = glm::length(stage->view().state().force_sent_n);
+    speaker_->Set(stage->held().speed_krpm(), force / std::max(full, 1e-3));
+  }
+
+  void Measure() {
+    times_.Add(screen_.drawing_s());
+    if (flow_.place() == Place::kRunning) governor_.Note(screen_.drawing_s());
+  }
+
+  const DeskOptions& options_;
+  render::Screen& screen_;
+  render::QualityGovernor governor_;
+  PictureTimes times_;
+  Script script_;
+  Ui ui_;
+  Workflow flow_;
+  Pages pages_;
+  std::optional<sound::Speaker> speaker_;
+  bool panel_ = false;
+  Clock::time_point last_ = Clock::now();
+};
+
+}  // namespace
+
+Status RunDesk(const DeskOptions& options) {
+  if (!options.quality.empty() && render::FindQuality(options.quality) == nullptr) {
+    return Status(Code::kInvalidInput,
+                  "no quality '" + options.quality + "': there are best, good, fair, low",
+                  "quality");
+  }
+  Script script;
+  if (!options.script.empty()) {
+    auto read = Script::Read(options.script);
+    if (!read.ok()) return read.status();
+    script = std::move(*read);
+  }
+  auto workplace = Workplace::Open({options.data, options.server});
+  if (!workplace.ok()) return workplace.status();
+  std::signal(SIGINT, OnSignal);
+  std::signal(SIGTERM, OnSignal);
+  try {
+    render::ScreenOptions window;
+    window.full_screen = options.full_screen;
+    window.width_px = options.width_px;
+    window.height_px = options.height_px;
+    render::Screen screen(window);
+    return Desk(options, screen, **workplace, std::move(script)).Run();
+  } catch (const std::exception& e) {
+    return render::NoDisplay(e.what());
+  }
+}
+
+}  // namespace enamel::station::desk

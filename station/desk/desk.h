@@ -1,0 +1,27 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "common/base/result.h"
+
+namespace enamel::station::desk {
+
+// What a student sits at: one window from sign-in to result, and again.
+struct DeskOptions {
+  std::filesystem::path data;
+  std::string server;  // HOST:PORT when it has moved since enrolment; else empty
+  bool full_screen = true;
+  int width_px = 1280, height_px = 720;  // when not on the full screen
+  std::string quality;     // "best", "good", "fair", "low"; empty: by how long pictures take
+  bool simulated = false;  // offer simulated hands too
+  bool sound = true;
+  double idle_minutes = 10;      // without a key or the mouse, outside an attempt, signs out
+  std::filesystem::path script;  // plays a person's part (script.h); empty: nobody's
+};
+
+// Until the person closes the window. Errors: kUnavailable without a display, the credentials' and
+// the spool's, a script's that did not find what it expected.
+Status RunDesk(const DeskOptions& options);
+
+}  // namespace enamel::station::desk

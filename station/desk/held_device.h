@@ -1,0 +1,47 @@
+#pragma once
+
+#include <atomic>
+
+#include "station/devices/device.h"
+
+namespace enamel::station::desk {
+
+// A device with the window's hand on its pedal: while the attempt is paused the pedal counts as
+// released, so the bur stands still and the force fades as it does then; poses go on, so that the
+// recording is whole. Thread safety: SetPaused and speed_krpm from any thread, the rest as Device.
+// Real-time as Device.
+class HeldDevice final : public Device {
+ public:
+  // `inner` outlives this.
+  explicit HeldDevice(Device& inner) : inner_(inner) {}
+
+  void SetPaused(bool paused) noexcept { paused_.store(paused, std::memory_order_relaxed); }
+  // What the handpiece turns at, unloaded; 0 while the pedal is up.
+  int speed_krpm() const noexcept { return speed_krpm_.load(std::memory_order_relaxed); }
+
+  std::string Name() const override { return inner_.Name(); }
+  ENAMEL_REALTIME DeviceSample ReadSample() noexcept override {
+    DeviceSample sample = inner_.ReadSample();
+    if (paused_.load(std::memory_order_relaxed)) {
+      sample.buttons &= static_cast<uint8_t>(~kPedal);
+      sample.bur_speed_krpm = 0;
+    }
+    bool turning = (sample.buttons & kPedal) != 0;
+    speed_krpm_.store(turning ? sample.bur_speed_krpm : 0, std::memory_order_relaxed);
+    return sample;
+  }
+  ENAMEL_REALTIME void SendForce(const dvec3& force_n) noexcept override {
+    inner_.SendForce(force_n);
+  }
+  ENAMEL_REALTIME void ShowBur(const dvec3& tip_m) noexcept override { inner_.ShowBur(tip_m); }
+  bool has_motors() const noexcept override { return inner_.has_motors(); }
+  double still_before_force_s() const noexcept override { return inner_.still_before_force_s(); }
+  DeviceCounters counters() const noexcept override { return inner_.counters(); }
+
+ private:
+  Device& inner_;
+  std::atomic<bool> paused_{false};
+  std::atomic<int> speed_krpm_{0};
+};
+
+}  // namespace enamel::station::desk

@@ -1,0 +1,125 @@
+#include "station/desk/operator_panel.h"
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace enamel::station::desk {
+namespace {
+
+double Us(double ns) { return ns * 1e-3; }
+
+void Head(const char* text) {
+  ImGui::Spacing();
+  ImGui::TextDisabled("%s", text);
+  ImGui::Separator();
+}
+
+void Lateness(const DurationHistogram& lateness, float px) {
+  ImGui::Text("late by   p50 %.0f   p99 %.0f   max %.0f us", Us(lateness.Quantile_ns(0.5)),
+              Us(lateness.Quantile_ns(0.99)), Us(static_cast<double>(lateness.max_ns())));
+  // One bar per doubling from 1 us to 16 ms, by share of ticks; square root, to see the few.
+  std::vector<float> bars;
+  for (int octave = 7; octave < 22; ++octave) {
+    uint64_t n = 0;
+    for (int i = 0; i < DurationHistogram::kSplit; ++i) {
+      n += lateness.InBucket(static_cast<size_t>(octave * DurationHistogram::kSplit + i));
+    }
+    double share =
+        static_cast<double>(n) / std::max<double>(1, static_cast<double>(lateness.count()));
+    bars.push_back(static_cast<float>(std::sqrt(share)));
+  }
+  ImGui::PlotHistogram("##late", bars.data(), static_cast<int>(bars.size()), 0, "1 us … 16 ms", 0,
+                       1, {580 * px, 46 * px});
+}
+
+void Loop(RunningAttempt& run, uint32_t rate_hz, float px) {
+  const Snapshot& s = run.snapshot();
+  auto n = [](uint64_t v) { return static_cast<unsigned long long>(v); };
+  Head("Loop");
+  ImGui::Text("%u Hz   ticks %llu   gap %llu", rate_hz, n(s.counters.ticks),
+              n(s.counters.gap_ticks));
+  ImGui::Text("late %llu   stale %llu   bounded %llu   faults %llu", n(s.counters.late_ticks),
+              n(s.counters.stale_ticks), n(s.counters.bounded_ticks), n(s.counters.faults));
+  ImGui::Text("tick      p50 %.1f   p99 %.1f us", Us(run.loop().durations().Quantile_ns(0.5)),
+              Us(run.loop().durations().Quantile_ns(0.99)));
+  Lateness(run.loop().lateness(), px);
+  if (s.fault != Fault::kNone) ImGui::TextWrapped("%s", FaultText(s.fault));
+}
+
+void DeviceFacts(const Device& device) {
+  DeviceCounters c = device.counters();
+  auto n = [](uint64_t v) { return static_cast<unsigned long long>(v); };
+  Head("Device");
+  ImGui::TextWrapped("%s", device.Name().c_str());
+  ImGui::Text("samples %llu   lost %llu   refused %llu", n(c.samples), n(c.lost), n(c.refused));
+  ImGui::Text("write errors %llu   unplugged %llu", n(c.write_errors), n(c.detached));
+}
+
+void Network(Workflow& flow) {
+  Head("Network");
+  const Credentials& credentials = flow.workplace().credentials();
+  ImGui::Text("%s:%u   %s", credentials.server.host.c_str(), unsigned{credentials.server.port},
+              flow.workplace().person() ? "signed in" : "nobody signed in");
+  if (flow.stage() == nullptr || flow.stage()->run() == nullptr) return;
+  Uploader::State up = flow.upload();
+  ImGui::Text("%s   %u of %u chunks committed%s", up.reachable ? "reachable" : "AWAY", up.committed,
+              flow.chunks(), up.sealed ? "   sealed" : "");
+  if (!up.problem.ok()) ImGui::TextWrapped("%s", up.problem.message().c_str());
+}
+
+void SpoolFacts(Workflow& flow) {
+  Head("Spool");
+  ImGui::TextWrapped("%s", flow.workplace().spool().file().c_str());
+  if (flow.stage() == nullptr || flow.stage()->run() == nullptr) return;
+  RunningAttempt::Recording r = flow.stage()->run()->recording();
+  ImGui::Text("%u chunks, %llu ticks durable", r.chunks, static_cast<unsigned long long>(r.ticks));
+  if (!r.problem.ok()) ImGui::TextWrapped("%s", r.problem.message().c_str());
+}
+
+}  // namespace
+
+double PictureTimes::Quantile_ms(double share) const {
+  std::vector<float> sorted(ms_.begin(), ms_.begin() + static_cast<long>(std::min(next_, kCount)));
+  if (sorted.empty()) return 0;
+  std::sort(sorted.begin(), sorted.end());
+  auto at = static_cast<size_t>(share * static_cast<double>(sorted.size() - 1));
+  return sorted[at];
+}
+
+void DrawOperatorPanel(Workflow& flow, const render::Screen& screen, const PictureTimes& times,
+                       const render::Quality& quality, double budget_s) {
+  float px = screen.fonts().scale;
+  ImGui::SetNextWindowPos({static_cast<float>(screen.width()) - 20 * px, 20 * px}, ImGuiCond_Always,
+                          {1, 0});
+  ImGui::SetNextWindowSize({620 * px, 0});
+  ImGui::PushFont(screen.fonts().near);
+  ImGui::SetNextWindowFocus();
+  ImGui::PushStyleColor(ImGuiCol_WindowBg, ImVec4{0.05f, 0.06f, 0.07f, 0.95f});
+  ImGui::Begin("operator", nullptr,
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoSavedSettings |
+                   ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_AlwaysAutoResize);
+  ImGui::Text("Operator panel   F1 closes it");
+  if (Stage* stage = flow.stage(); stage != nullptr) {
+    if (stage->run() != nullptr) Loop(*stage->run(), stage->prepared().header.params.rate_hz, px);
+    DeviceFacts(stage->device());
+  }
+  Network(flow);
+  SpoolFacts(flow);
+  Head("Pictures");
+  ImGui::Text("p50 %.1f   p95 %.1f ms   budget %.1f ms", times.Quantile_ms(0.5),
+              times.Quantile_ms(0.95), 1e3 * budget_s);
+  ImGui::PlotLines("##pictures", times.ms().data(), static_cast<int>(PictureTimes::kCount),
+                   static_cast<int>(times.first()), nullptr, 0, static_cast<float>(2e3 * budget_s),
+                   {580 * px, 46 * px});
+  ImGui::Text("quality %s   %d x %d", std::string(quality.name).c_str(), screen.width(),
+              screen.height());
+  ImGui::TextWrapped("%s", screen.renderer().c_str());
+  ImGui::End();
+  ImGui::PopStyleColor();
+  ImGui::PopFont();
+}
+
+}  // namespace enamel::station::desk

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <array>
+#include <string>
+
+#include "station/desk/workflow.h"
+#include "station/render/quality.h"
+#include "station/render/screen.h"
+
+namespace enamel::station::desk {
+
+// How long the last pictures took, for the panel and for nobody else.
+class PictureTimes {
+ public:
+  static constexpr size_t kCount = 180;
+  void Add(double seconds) { ms_[next_++ % kCount] = static_cast<float>(1e3 * seconds); }
+  const std::array<float, kCount>& ms() const { return ms_; }
+  size_t first() const { return next_ % kCount; }
+  double Quantile_ms(double share) const;
+
+ private:
+  std::array<float, kCount> ms_{};
+  size_t next_ = 0;
+};
+
+// F1: what an operator asks when something is wrong. Loop, device, network, spool, pictures.
+void DrawOperatorPanel(Workflow& flow, const render::Screen& screen, const PictureTimes& times,
+                       const render::Quality& quality, double budget_s);
+
+}  // namespace enamel::station::desk

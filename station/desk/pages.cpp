@@ -1,0 +1,391 @@
+#include "station/desk/pages.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+
+namespace enamel::station::desk {
+namespace {
+
+std::string Points(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f", value);
+  std::string out = text;
+  if (out.size() > 2 && out.ends_with(".0")) out.resize(out.size() - 2);
+  return out;
+}
+
+int64_t NowUnixMs() {
+  using namespace std::chrono;
+  return duration_cast<milliseconds>(system_clock::now().time_since_epoch()).count();
+}
+
+const Ui::Page kWide{0.06f, 0.06f, 0.88f, 0.90f, false};
+
+}  // namespace
+
+std::string AssignmentText(const Catalogue::Exercise& exercise, int64_t now_unix_ms) {
+  if (!exercise.refusal.empty()) return exercise.refusal;
+  std::string out;
+  auto add = [&](const std::string& words) { out += (out.empty() ? "" : ", ") + words; };
+  if (int64_t left_min = (exercise.due_unix_ms - now_unix_ms) / 60'000; exercise.due_unix_ms > 0) {
+    if (left_min < 0)
+      add("past due: counts as late");
+    else if (left_min >= 2 * 24 * 60)
+      add("due in " + std::to_string(left_min / (24 * 60)) + " days");
+    else if (left_min >= 2 * 60)
+      add("due in " + std::to_string(left_min / 60) + " hours");
+    else
+      add("due in " + std::to_string(left_min) + " minutes");
+  }
+  if (exercise.attempt_limit > 0) {
+    uint32_t left = exercise.attempts_left;
+    add(std::to_string(left) + (left == 1 ? " attempt left" : " attempts left"));
+  }
+  return out.empty() ? "as often as you like" : out;
+}
+
+std::string WorstWall(const scoring::ScoreResult& score) {
+  const scoring::CriterionResult* worst = nullptr;
+  for (const scoring::CriterionResult& c : score.criteria) {
+    bool wall = c.name.starts_with("wall_") || c.name == "floor_mm";
+    double lost = c.max_points - c.points;
+    if (!wall || lost <= 0) continue;
+    if (worst == nullptr || lost > worst->max_points - worst->points) worst = &c;
+  }
+  return worst != nullptr ? worst->reason : "";
+}
+
+void Pages::Busy() {
+  if (flow_.busy()) {
+    ui_.Note(flow_.errand() + " …");
+  } else {
+    ui_.Note(" ");
+  }
+}
+
+bool Pages::Draw() {
+  if (flow_.place() != before_) {
+    password_.clear();
+    dentist_.clear();
+    consent_ = false;
+    if (flow_.place() == Place::kSignIn) login_.clear();
+    before_ = flow_.place();
+  }
+  switch (flow_.place()) {
+    case Place::kSignIn:
+      SignIn();
+      break;
+    case Place::kExercises:
+      Exercises();
+      break;
+    case Place::kExercise:
+      Exercise();
+      break;
+    case Place::kReady:
+      Ready();
+      break;
+    case Place::kRunning:
+      Running();
+      break;
+    case Place::kHandIn:
+      HandIn();
+      break;
+    case Place::kResult:
+      Result();
+      break;
+  }
+  bool close = false;
+  switch (flow_.dialog()) {
+    case Dialog::kNone:
+      break;
+    case Dialog::kPaused:
+      Paused();
+      break;
+    case Dialog::kFinish:
+      AskFinish();
+      break;
+    case Dialog::kGiveUp:
+      AskGiveUp();
+      break;
+    case Dialog::kReference:
+      AskReference();
+      break;
+    case Dialog::kClose:
+      close = AskClose();
+      break;
+  }
+  ui_.EndFrame();
+  return close;
+}
+
+void Pages::SignIn() {
+  ui_.Begin("sign-in", {0.27f, 0.10f, 0.46f, 0.86f, false});
+  ui_.Title("Enamel");
+  ui_.Note("Station " + station_ + ". Sign in with the login your school gave you.");
+  ui_.Gap();
+  bool go = ui_.Field("Login", login_);
+  if (go && password_.empty()) {
+    ui_.Focus("Password");
+    go = false;
+  }
+  go |= ui_.Field("Password", password_, true);
+  ui_.Gap(12);
+  go |= ui_.Button(flow_.busy() ? "Signing in …" : "Sign in", Ui::Look::kMain, !flow_.busy());
+  ui_.Gap(8);
+  ui_.Problem(flow_.problem());
+  ui_.Note("Esc closes the station, F1 shows how it is.");
+  if (go) {
+    flow_.SignIn(login_, password_);
+    password_.clear();
+  }
+  if (ui_.escape()) flow_.Open(Dialog::kClose);
+  ui_.End();
+}
+
+void Pages::Exercises() {
+  ui_.Begin("exercises", kWide);
+  ui_.Title("Hello, " + flow_.person().display_name);
+  ui_.Note("Choose what to practise. Tab or the arrow keys move, Enter chooses.");
+  ui_.Problem(flow_.problem());
+  ui_.BeginList("exercises", 180);
+  const auto& all = flow_.exercises();
+  for (size_t i = 0; i < all.size(); ++i) {
+    std::string detail = AssignmentText(all[i], NowUnixMs());
+    if (ui_.Row(all[i].title, detail, all[i].exam ? "EXAM" : "")) flow_.ChooseExercise(i);
+  }
+  if (all.empty() && !flow_.busy()) {
+    ui_.Text("There is nothing for you here yet. An instructor assigns exercises to your cohort.");
+  }
+  ui_.EndList();
+  Busy();
+  if (ui_.Button("Look again", Ui::Look::kPlain, !flow_.busy())) flow_.Refresh();
+  ui_.SameLine();
+  if (ui_.Button("Sign out") || ui_.escape()) flow_.SignOut();
+  ui_.End();
+}
+
+void Pages::ExerciseFacts(const PreparedAttempt& prepared) {
+  const scene::Exercise& e = prepared.exercise;
+  ui_.Text(e.instructions.empty() ? "No instructions." : e.instructions);
+  ui_.Gap(8);
+  std::string facts = prepared.scene.title;
+  facts += e.graded ? ". Graded: the score is released by your instructor"
+                    : ". Practice: the score is shown at once";
+  if (e.time_limit_s > 0) facts += ". " + render::TimerText(e.time_limit_s) + " minutes";
+  ui_.Note(facts + ".");
+}
+
+void Pages::Exercise() {
+  ui_.Begin("exercise", kWide);
+  const auto& ref = flow_.exercises()[flow_.exercise_index()];
+  ui_.Title(ref.title);
+  if (ref.exam) ui_.Note("An exam: no score is shown before your instructor releases it.");
+  ui_.Problem(flow_.problem().empty() ? ref.refusal : flow_.problem());
+  const PreparedAttempt* prepared = flow_.preview();
+  ui_.BeginList("facts", flow_.instructor() ? 190 : 130);
+  if (prepared != nullptr) {
+    ExerciseFacts(*prepared);
+    ui_.Gap(10);
+    cutting::Bur bur = prepared->exercise.bur().metric();
+    ui_.Text("Bur: " + BurText(bur));
+    DrawBur(bur, 900 * ui_.px(), 170 * ui_.px(), 40 * ui_.px());
+  } else {
+    Busy();
+  }
+  ui_.Gap(10);
+  ui_.Text("Device");
+  for (size_t i = 0; i < flow_.offers().size(); ++i) {
+    const DeviceOffer& offer = flow_.offers()[i];
+    bool mine = i == flow_.offer_index();
+    if (ui_.Row(offer.title, offer.detail, mine ? "in use" : "", mine)) flow_.ChooseOffer(i);
+  }
+  ui_.EndList();
+  if (flow_.instructor()) {
+    ui_.Check("A reference cut: what students are compared with later", as_reference_);
+  }
+  if (ui_.Button("Start", Ui::Look::kMain,
+                 prepared != nullptr && !flow_.busy() && ref.refusal.empty())) {
+    flow_.Start(as_reference_ && flow_.instructor());
+  }
+  ui_.SameLine();
+  if (ui_.Button("Back") || ui_.escape()) flow_.Back();
+  ui_.End();
+}
+
+void Pages::Ready() {
+  ui_.Begin("ready", {0.2f, 0.3f, 0.6f, 0.5f, false});
+  ui_.Title("Hold still");
+  const StillnessCheck* check = flow_.stillness();
+  bool still = flow_.stage() != nullptr && flow_.stage()->simulated();
+  ui_.Bar(
+      check != nullptr && !check->wanted().empty() ? check->wanted() : "The device is looked at",
+      still || check == nullptr ? 1 : check->share());
+  ui_.Note("The bur and its force come on once the handpiece has rested in the air.");
+  Busy();
+  ui_.Problem(flow_.problem());
+  if (ui_.Button("Back") || ui_.escape()) flow_.Back();
+  ui_.End();
+}
+
+// Keys and mouse belong to the handpiece here; Esc and F are all that is left for the window.
+void Pages::Running() {
+  Ui::Page page{0.605f, 0.79f, 0.38f, 0.12f, true};
+  page.keys = false;
+  ui_.Begin("running", page);
+  if (flow_.stage()->by_pointer()) {
+    ui_.Large("Esc pause    F finish");
+  } else {
+    if (ui_.Button("Pause")) flow_.Open(Dialog::kPaused);
+    ui_.SameLine();
+    if (ui_.Button("Finish")) flow_.Open(Dialog::kFinish);
+  }
+  if (ui_.escape()) flow_.Open(Dialog::kPaused);
+  if (ui_.pressed('F')) flow_.Open(Dialog::kFinish);
+  ui_.End();
+}
+
+void Pages::Paused() {
+  ui_.BeginDialog("paused", "Paused");
+  ui_.Text("The bur is off. The clock and the recording go on.");
+  ui_.Gap(12);
+  if (ui_.Button("Go on", Ui::Look::kMain) || ui_.escape()) flow_.CloseDialog();
+  ui_.SameLine();
+  if (ui_.Button("Finish")) flow_.Open(Dialog::kFinish);
+  ui_.SameLine();
+  if (ui_.Button("Give up", Ui::Look::kDanger)) flow_.Open(Dialog::kGiveUp);
+  ui_.EndDialog();
+}
+
+void Pages::AskFinish() {
+  ui_.BeginDialog("finish", "Finish and hand in?");
+  ui_.Text("It is scored as it is now; afterwards nothing can be changed.");
+  ui_.Gap(12);
+  if (ui_.Button("Hand in", Ui::Look::kMain)) flow_.EndAttempt();
+  ui_.SameLine();
+  if (ui_.Button("Go on cutting") || ui_.escape()) flow_.CloseDialog();
+  ui_.EndDialog();
+}
+
+void Pages::AskGiveUp() {
+  ui_.BeginDialog("give-up", "Give up this attempt?");
+  ui_.Text("What was cut so far is kept and counts as an attempt. It cannot be taken back.");
+  ui_.Gap(12);
+  if (ui_.Button("Go on cutting", Ui::Look::kMain) || ui_.escape()) flow_.CloseDialog();
+  ui_.SameLine();
+  if (ui_.Button("Give up", Ui::Look::kDanger)) flow_.EndAttempt();
+  ui_.EndDialog();
+}
+
+void Pages::HandIn() {
+  ui_.Begin("hand-in", {0.15f, 0.2f, 0.7f, 0.7f, false});
+  ui_.Title("Handing in");
+  Uploader::State up = flow_.upload();
+  uint32_t chunks = flow_.chunks();
+  ui_.Bar(
+      std::to_string(up.committed) + " of " + std::to_string(chunks) + " parts are on the server",
+      chunks > 0 ? static_cast<double>(up.committed) / chunks : 0);
+  ui_.Problem(flow_.problem());
+  if (up.gave_up) {
+    ui_.Problem("The server does not take this recording: " + up.problem.message());
+  } else if (!up.reachable) {
+    ui_.Problem(
+        "The server is away. The recording is safe on this station and is sent when the "
+        "server is back; you need not wait.");
+  }
+  ui_.Gap(12);
+  bool may_leave = !flow_.busy();
+  if (ui_.Button("Do not wait", Ui::Look::kPlain, may_leave) || (may_leave && ui_.escape())) {
+    flow_.LeaveHandIn();
+  }
+  ui_.End();
+}
+
+void Pages::Score(const scoring::ScoreResult& score) {
+  char text[16];
+  std::snprintf(text, sizeof text, "%.0f", score.score);
+  ui_.Score(text, " of 100 points");
+  if (score.critical_fail) ui_.Problem("Failed: a critical criterion was not met.");
+  if (std::string worst = WorstWall(score); !worst.empty()) ui_.Text("Worst: " + worst);
+  ui_.BeginList("reasons", 140);
+  for (const scoring::CriterionResult& c : score.criteria) {
+    ui_.Line(c.title, Points(c.points) + " of " + Points(c.max_points),
+             c.max_points - c.points > 0.05 ? c.reason : "", c.points + 0.05 < c.max_points);
+  }
+  ui_.EndList();
+}
+
+void Pages::Result() {
+  ui_.Begin("result", kWide);
+  const Stage* stage = flow_.stage();
+  ui_.Title(stage != nullptr ? stage->prepared().exercise.title : "Result");
+  ui_.Problem(flow_.problem());
+  const auto& progress = flow_.progress();
+  if (flow_.score()) {
+    Score(*flow_.score());
+  } else if (flow_.held_back()) {
+    ui_.Gap();
+    ui_.Large("Handed in.");
+    ui_.Text(
+        "This exercise is graded: your instructor releases the score. You then find it on the "
+        "page.");
+  } else if (progress && (progress->state == "failed" || progress->state == "quarantined")) {
+    ui_.Gap();
+    ui_.Large("Handed in, no score yet");
+    ui_.Text("The server has the recording. It says: " + progress->problem + ".");
+    ui_.Note("Nothing is lost. Tell your instructor when it should have been scored.");
+  } else {
+    ui_.Gap();
+    ui_.Bar("The server cuts the tooth again from the recording and scores it",
+            progress ? progress->progress : 0);
+  }
+  ui_.Gap(8);
+  ResultChoices();
+  ui_.End();
+}
+
+void Pages::ResultChoices() {
+  if (ui_.Button("Another try", Ui::Look::kMain)) return flow_.AnotherTry();
+  ui_.SameLine();
+  if (ui_.Button("Exercises") || ui_.escape()) return flow_.ToExercises();
+  ui_.SameLine();
+  if (ui_.Button("Sign out")) return flow_.SignOut();
+  bool scored = flow_.progress() && flow_.progress()->state == "scored";
+  if (!flow_.instructor() || !scored) return;
+  ui_.SameLine();
+  if (ui_.Button(flow_.marked_as_reference() ? "Is the reference" : "Reference", Ui::Look::kPlain,
+                 !flow_.marked_as_reference())) {
+    dentist_ = flow_.person().display_name;
+    flow_.Open(Dialog::kReference);
+  }
+}
+
+void Pages::AskReference() {
+  ui_.BeginDialog("reference", "Make it the reference?");
+  ui_.Text("Attempts at this exercise are compared with this cut from now on.");
+  ui_.Field("Dentist, as students will read it", dentist_);
+  ui_.Check("The dentist agrees to being named and to the cut being used", consent_);
+  ui_.Problem(flow_.problem());
+  ui_.Gap(12);
+  if (ui_.Button("Make it the reference", Ui::Look::kMain,
+                 consent_ && !dentist_.empty() && !flow_.busy())) {
+    flow_.MarkReference(dentist_, consent_);
+  }
+  ui_.SameLine();
+  if (ui_.Button("Leave it") || ui_.escape()) flow_.CloseDialog();
+  ui_.EndDialog();
+}
+
+bool Pages::AskClose() {
+  ui_.BeginDialog("close", "Close the station?");
+  ui_.Text("Nothing is lost: what is recorded here is sent when the program runs again.");
+  ui_.Gap(12);
+  bool close = ui_.Button("Close", Ui::Look::kDanger);
+  ui_.SameLine();
+  if (ui_.Button("Stay", Ui::Look::kMain) || ui_.escape()) flow_.CloseDialog();
+  ui_.EndDialog();
+  return close;
+}
+
+}  // namespace enamel::station::desk

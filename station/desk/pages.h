@@ -1,0 +1,58 @@
+#pragma once
+
+#include <string>
+
+#include "station/desk/ui.h"
+#include "station/desk/workflow.h"
+
+namespace enamel::station::desk {
+
+// Draws the place where the person is, and carries what was chosen there to the workflow. What is
+// being written into fields lives here, and is forgotten on leaving.
+class Pages {
+ public:
+  Pages(Ui& ui, Workflow& flow, std::string station)
+      : ui_(ui), flow_(flow), station_(std::move(station)) {}
+
+  // One frame. True when the person wants to close the window.
+  bool Draw();
+
+ private:
+  void SignIn();
+  void Exercises();
+  void Exercise();
+  void ExerciseFacts(const PreparedAttempt& prepared);
+  void Ready();
+  void Running();
+  void HandIn();
+  void Result();
+  void Score(const scoring::ScoreResult& score);
+  void ResultChoices();
+  void Paused();
+  void AskFinish();
+  void AskGiveUp();
+  void AskReference();
+  bool AskClose();
+  void Busy();
+
+  Ui& ui_;
+  Workflow& flow_;
+  const std::string station_;
+  std::string login_, password_, dentist_;
+  bool consent_ = false, as_reference_ = false;
+  Place before_ = Place::kSignIn;
+};
+
+// The bur seen from the side, to scale, in the current ImGui window at the cursor.
+void DrawBur(const cutting::Bur& bur, float width_px, float height_px, float mm_to_px);
+// "Cylinder, 1.2 mm thick, 4.0 mm long".
+std::string BurText(const cutting::Bur& bur);
+
+// What there is to know of an exercise before it is chosen: "due in 2 days, 3 attempts left".
+std::string AssignmentText(const Catalogue::Exercise& exercise, int64_t now_unix_ms);
+
+// "Mesial wall: 0.30 mm too deep …": the criterion of a wall or the floor that lost most points,
+// or empty when none did.
+std::string WorstWall(const scoring::ScoreResult& score);
+
+}  // namespace enamel::station::desk

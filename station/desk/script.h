@@ -1,0 +1,64 @@
+#pragma once
+
+#include <deque>
+#include <filesystem>
+#include <string>
+
+#include "station/desk/ui.h"
+#include "station/desk/workflow.h"
+
+namespace enamel::station::desk {
+
+// A person's part, for trying the window where nobody sits: one step per line, `#` begins a remark.
+//
+//   page NAME          waits until this page or dialog is shown ("sign-in", "exercises",
+//   "exercise",
+//                      "running", "paused", "finish", "hand-in", "result", "reference", "close")
+//   see WORDS          waits until these words are on it
+//   click LABEL        the left button on the choice whose label begins so, once it is there
+//   type TEXT          writes it, letter by letter
+//   key NAME           Tab, Enter, Escape, Space, Up, Down, F1, or a letter; pressed and let go
+//   hold NAME / let NAME      a key, or Left / Right for a mouse button
+//   move DX DY N       the mouse by so many pixels in each of N frames
+//   wheel N            notches, one a frame
+//   frames N           waits
+//   removed MM3        waits until at least so much of the tooth is gone
+//   picture FILE       writes what is shown as PNG
+//   quit               ends the program
+//
+// Input goes in where the window system's does (Screen::Inject). Nothing depends on how fast the
+// computer is: steps wait for what they need, kPatience long at most.
+class Script {
+ public:
+  static constexpr std::chrono::seconds kPatience{60};
+
+  // Errors: kNotFound, kInvalidInput with the line.
+  static Result<Script> Read(const std::filesystem::path& file);
+  Script() = default;
+
+  // Once a frame, after it was drawn. True when the program is to end.
+  bool Step(render::Screen& screen, const Ui& ui, Workflow& flow);
+  // Why it gave up, or ok.
+  const Status& status() const { return status_; }
+  bool playing() const { return !steps_.empty(); }
+
+ private:
+  struct Line {
+    int number = 0;
+    std::string verb, rest;
+  };
+  // True when the step has been taken.
+  bool Take(const Line& line, render::Screen& screen, const Ui& ui, Workflow& flow);
+  bool Click(const std::string& label, render::Screen& screen, const Ui& ui);
+  bool Move(const std::string& rest, render::Screen& screen);
+  bool Type(const std::string& text, render::Screen& screen);
+  bool Waits(const Line& line, const Ui& ui);
+  void GiveUp(const Line& line, const std::string& why, const Ui& ui);
+
+  std::deque<Line> steps_;
+  Status status_;
+  int waited_ = 0;  // frames of the step in hand
+  std::chrono::steady_clock::time_point since_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace enamel::station::desk

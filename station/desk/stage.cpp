@@ -1,0 +1,107 @@
+#include "station/desk/stage.h"
+
+#include <stdexcept>
+
+#include "station/devices/operators.h"
+
+namespace enamel::station::desk {
+namespace {
+
+using render::InputEvent;
+using render::Screen;
+
+constexpr double kWheelInAir = 4;  // as fast, with the bur off
+
+render::ViewOptions ViewOf(const PreparedAttempt& prepared) {
+  render::ViewOptions view;
+  view.bur = prepared.exercise.bur().metric();
+  view.force_full_scale_n = static_cast<double>(prepared.profile.peak_force_mn.value) * 1e-3;
+  return view;
+}
+
+int Held(const Screen& screen, int more, int less) {
+  return (screen.key(more) ? 1 : 0) - (screen.key(less) ? 1 : 0);
+}
+
+}  // namespace
+
+std::vector<DeviceOffer> DeviceOffers(bool simulated) {
+  std::vector<DeviceOffer> offers{
+      {"Mouse and keyboard", "The force is shown, not felt.", "pointer", ""}};
+  if (!simulated) return offers;
+  for (const OperatorPreset& preset : OperatorPresets()) {
+    offers.push_back({"Simulated: " + std::string(preset.name), std::string(preset.summary),
+                      "phantom_desktop", std::string(preset.name)});
+  }
+  return offers;
+}
+
+Result<std::unique_ptr<Stage>> Stage::Create(PreparedAttempt prepared, const DeviceOffer& offer) {
+  std::unique_ptr<Stage> stage(new Stage(std::move(prepared)));
+  const PreparedAttempt& p = stage->prepared_;
+  const core::CoreParams& params = p.header.params;
+  Device* device = nullptr;
+  if (offer.operator_name.empty()) {
+    stage->pointer_ = std::make_unique<PointerDevice>(
+        static_cast<double>(p.profile.resolution_nm.value) * 1e-9, 1.0 / params.rate_hz);
+    device = stage->pointer_.get();
+  } else {
+    const OperatorPreset* preset = FindOperator(offer.operator_name);
+    ENAMEL_CHECK(preset != nullptr);
+    auto made = MakeSimulatedDevice(*preset, p.scene, p.exercise, p.profile, params, p.volume);
+    if (!made.ok()) return made.status();
+    stage->simulated_ = std::move(*made);
+    device = stage->simulated_.get();
+  }
+  stage->held_ = std::make_unique<HeldDevice>(*device);
+  stage->zones_ = std::make_unique<ZoneWatch>(p.scene, p.exercise.target, p.volume);
+  try {
+    stage->view_ = std::make_unique<render::ToothView>(
+        ViewOf(p), p.volume,
+        [zones = stage->zones_.get()](const cutting::Volume& now) { zones->Look(now); });
+  } catch (const std::exception& e) {
+    return Status(Code::kUnavailable, e.what(), "window");
+  }
+  stage->feed_ = std::make_unique<TickFeed>(*stage->view_, p.voxel_m(), params.rate_hz);
+  return stage;
+}
+
+Stage::~Stage() = default;
+
+Status Stage::Begin(Workplace& workplace) {
+  AttemptOptions options;
+  options.faults_when_late = held_->has_motors() && !simulated();
+  options.observer = feed_.get();
+  auto run = workplace.Begin(prepared_, *held_, options);
+  if (!run.ok()) return run.status();
+  run_ = std::move(*run);
+  return Status::Ok();
+}
+
+void Stage::Point(const Screen& screen, double dt_s, bool held) {
+  if (!pointer_) return;
+  if (held) {
+    mapping_.ReleaseKeys();
+  } else {
+    render::Camera& camera = view_->camera();
+    mapping_.SetView(dvec3(camera.Right()), dvec3(camera.TowardViewer()),
+                     2e-3 * camera.radius_mm() / screen.height());
+    mapping_.SetFine(screen.key(render::kKeyLeftShift) || screen.key(render::kKeyRightShift));
+    mapping_.SetTilt(Held(screen, 'D', 'A'), Held(screen, 'W', 'S'));
+    bool pedal = screen.button(render::kMouseLeft) || screen.key(render::kKeySpace);
+    mapping_.SetPedal(pedal);
+    bool steering = screen.button(render::kMouseRight);
+    if (!steering) {
+      mapping_.MoveBy(screen.cursor_x() - screen.last_cursor_x(),
+                      screen.cursor_y() - screen.last_cursor_y());
+      for (const InputEvent& event : screen.events()) {
+        if (event.kind != InputEvent::Kind::kWheel) continue;
+        mapping_.Wheel(event.y * (pedal ? 1 : kWheelInAir));
+      }
+    }
+    mapping_.Advance(dt_s);
+  }
+  pointer_->Publish(mapping_.pose());
+}
+
+}  // namespace enamel::station::desk

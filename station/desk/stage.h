@@ -1,0 +1,66 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "station/desk/held_device.h"
+#include "station/desk/tick_feed.h"
+#include "station/desk/zone_watch.h"
+#include "station/devices/pointer_device.h"
+#include "station/devices/simulated_device.h"
+#include "station/render/window.h"
+#include "station/session/workplace.h"
+
+namespace enamel::station::desk {
+
+// A device as it is offered to a person.
+struct DeviceOffer {
+  std::string title, detail;
+  std::string profile;        // of the catalogue
+  std::string operator_name;  // of a simulated hand; empty: mouse and keyboard
+};
+// What this station has. `simulated`: simulated hands too, for demonstrations.
+std::vector<DeviceOffer> DeviceOffers(bool simulated);
+
+// One attempt on the window's stage: its documents, the device, the picture, and from Begin on the
+// running attempt. Owner's thread only; the tick sees the device and the feed.
+class Stage {
+ public:
+  // Errors: a simulated hand's, a driver's that refuses the picture.
+  static Result<std::unique_ptr<Stage>> Create(PreparedAttempt prepared, const DeviceOffer& offer);
+  ~Stage();
+
+  const PreparedAttempt& prepared() const { return prepared_; }
+  PreparedAttempt& prepared() { return prepared_; }
+  Device& device() { return *held_; }
+  HeldDevice& held() { return *held_; }
+  render::ToothView& view() { return *view_; }
+  bool by_pointer() const { return pointer_ != nullptr; }
+  bool simulated() const { return simulated_ != nullptr; }
+  std::optional<render::ZoneShares> zones() const { return zones_->shares(); }
+
+  // The first tick.
+  Status Begin(Workplace& workplace);
+  // Null before Begin.
+  RunningAttempt* run() { return run_.get(); }
+
+  // What the person did with mouse and keys in this frame, as the device's pose; `held`: nothing
+  // was meant for it (a dialog is open).
+  void Point(const render::Screen& screen, double dt_s, bool held);
+
+ private:
+  explicit Stage(PreparedAttempt prepared) : prepared_(std::move(prepared)) {}
+
+  PreparedAttempt prepared_;
+  std::unique_ptr<SimulatedDevice> simulated_;
+  std::unique_ptr<PointerDevice> pointer_;
+  PointerMapping mapping_;
+  std::unique_ptr<HeldDevice> held_;
+  std::unique_ptr<ZoneWatch> zones_;
+  std::unique_ptr<render::ToothView> view_;
+  std::unique_ptr<TickFeed> feed_;
+  std::unique_ptr<RunningAttempt> run_;  // first to go
+};
+
+}  // namespace enamel::station::desk

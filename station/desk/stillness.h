@@ -1,0 +1,31 @@
+#pragma once
+
+#include <array>
+#include <string>
+
+#include "station/devices/device.h"
+
+namespace enamel::station::desk {
+
+// Looks at a device before the first tick: it is there, the pedal is up, and the handpiece rests.
+// Pure: samples come in, at any pace. Thread safety: none.
+class StillnessCheck {
+ public:
+  static constexpr double kWanted_s = 0.7, kAllowed_m = 0.5e-3;
+
+  explicit StillnessCheck(double resolution_m) : resolution_m_(resolution_m) {}
+
+  void Look(const DeviceSample& sample, double now_s);
+  bool passed() const { return share() >= 1; }
+  double share() const;  // of the time it has to be still, 0..1
+  // What the person is to do; empty when it only takes time.
+  const std::string& wanted() const { return wanted_; }
+
+ private:
+  const double resolution_m_;
+  std::array<int32_t, 3> at_{};
+  double since_s_ = -1, now_s_ = 0;
+  std::string wanted_;
+};
+
+}  // namespace enamel::station::desk

@@ -1,0 +1,37 @@
+#include "station/desk/tick_feed.h"
+
+namespace enamel::station::desk {
+namespace {
+
+uint32_t WarningsOf(const Snapshot& s) noexcept {
+  uint32_t warnings = 0;
+  if (s.output_flags & haptics::kPeakBounded) warnings |= render::kWarnForceBounded;
+  if (s.input_flags & core::kLateTick) warnings |= render::kWarnLate;
+  if (s.input_flags & core::kFaulted) warnings |= render::kWarnFault;
+  if (s.fault == Fault::kStalled || s.fault == Fault::kUnplugged) warnings |= render::kWarnDevice;
+  if (s.counters.gap_ticks > 0) warnings |= render::kWarnGap;
+  if (s.removed[static_cast<size_t>(cutting::Tissue::kPulp)] > 0) {
+    warnings |= render::kWarnPulpExposed;
+  }
+  return warnings;
+}
+
+}  // namespace
+
+void TickFeed::OnTick(const core::Core& core, const Snapshot& s) noexcept {
+  render::FrameState frame;
+  frame.tick = s.counters.ticks;
+  frame.time_s = static_cast<double>(s.counters.ticks + s.counters.gap_ticks) * tick_s_;
+  frame.anchor = s.anchor;
+  frame.device = s.device;
+  frame.force_sent_n = s.force_sent_n;
+  frame.bur_on = (s.input_flags & core::kBurOn) != 0;
+  frame.warnings = WarningsOf(s);
+  for (size_t t = 0; t < frame.removed_mm3.size(); ++t) {
+    frame.removed_mm3[t] = cutting::RemovedUnitsToM3(s.removed[t], voxel_m_) * 1e9;
+  }
+  view_.Publish(frame);
+  view_.PublishBricks(core.volume(), core.touched());
+}
+
+}  // namespace enamel::station::desk

@@ -1,0 +1,353 @@
+#include "station/desk/ui.h"
+
+#include <imgui.h>
+#include <imgui_internal.h>
+#include <imgui_stdlib.h>
+
+#include <algorithm>
+
+namespace enamel::station::desk {
+namespace {
+
+using render::InputEvent;
+
+constexpr ImU32 kFocus = IM_COL32(94, 176, 255, 255), kMain = IM_COL32(28, 112, 196, 255),
+                kPlainButton = IM_COL32(58, 66, 76, 255), kDanger = IM_COL32(170, 48, 42, 255),
+                kRow = IM_COL32(36, 41, 48, 255), kChosenRow = IM_COL32(30, 66, 104, 255);
+constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
+                                    ImGuiWindowFlags_NoSavedSettings |
+                                    ImGuiWindowFlags_NoBringToFrontOnFocus;
+
+ImU32 Lighter(ImU32 colour) {
+  ImVec4 c = ImGui::ColorConvertU32ToFloat4(colour);
+  return ImGui::ColorConvertFloat4ToU32({c.x + 0.07f, c.y + 0.07f, c.z + 0.07f, c.w});
+}
+
+void PushButtonColours(ImU32 colour) {
+  ImGui::PushStyleColor(ImGuiCol_Button, colour);
+  ImGui::PushStyleColor(ImGuiCol_ButtonHovered, Lighter(colour));
+  ImGui::PushStyleColor(ImGuiCol_ButtonActive, Lighter(Lighter(colour)));
+}
+
+}  // namespace
+
+void Ui::Say(const std::string& text) { words_ += text + "\n"; }
+
+void Ui::ReadKeys() {
+  step_ = 0;
+  choose_ = escape_ = false;
+  for (const InputEvent& event : screen_.events()) {
+    if (event.kind != InputEvent::Kind::kKey || !event.pressed) continue;
+    bool writing = focus_ < shown_.size() && shown_[focus_].field;
+    switch (event.code) {
+      case render::kKeyTab:
+        step_ += event.mods & render::kModShift ? -1 : 1;
+        break;
+      case render::kKeyDown:
+        ++step_;
+        break;
+      case render::kKeyUp:
+        --step_;
+        break;
+      case render::kKeyRight:
+        if (!writing) ++step_;
+        break;
+      case render::kKeyLeft:
+        if (!writing) --step_;
+        break;
+      case render::kKeyEnter:
+      case render::kKeyPadEnter:
+        choose_ = true;
+        break;
+      case render::kKeySpace:
+        choose_ |= !writing;
+        break;
+      case render::kKeyEscape:
+        escape_ = true;
+        break;
+      default:
+        break;
+    }
+  }
+}
+
+// The focus of a page that has just come up is at its first choice.
+void Ui::Enter(const std::string& name) {
+  moved_ = false;
+  if (name != page_) {
+    page_ = name;
+    focus_ = 0;
+    moved_ = true;
+    choose_ = false;  // the key that brought the page
+  } else if (count_before_ > 0 && step_ != 0) {
+    auto n = static_cast<int>(count_before_);
+    focus_ = static_cast<size_t>(((static_cast<int>(focus_) + step_) % n + n) % n);
+    moved_ = true;
+  }
+  count_ = 0;
+  choices_.clear();
+  words_.clear();
+}
+
+void Ui::Begin(const std::string& name, const Page& page) {
+  ReadKeys();
+  by_keys_ = page.keys;
+  dialog_before_ = dialog_;
+  dialog_ = false;
+  blocked_ = dialog_before_;
+  if (!blocked_) Enter(name);
+  auto w = static_cast<float>(screen_.width()), h = static_cast<float>(screen_.height());
+  ImGui::SetNextWindowPos({page.at_x * w, page.at_y * h});
+  if (page.see_through) {
+    ImGui::SetNextWindowSize({page.width * w, 0});
+  } else {
+    ImGui::SetNextWindowSize({page.width * w, page.height * h});
+  }
+  ImGui::PushStyleColor(ImGuiCol_WindowBg,
+                        page.see_through ? ImVec4{0.06f, 0.07f, 0.08f, 0.86f} : ImVec4{0, 0, 0, 0});
+  ImGui::Begin("page", nullptr, kFixed);
+  ImGui::PopStyleColor();
+  ImGui::BeginDisabled(blocked_);
+  ImGui::PushFont(fonts().text);
+}
+
+void Ui::End() {
+  ImGui::PopFont();
+  ImGui::EndDisabled();
+  ImGui::End();
+}
+
+bool Ui::pressed(int key) const {
+  if (blocked_) return false;
+  for (const InputEvent& event : screen_.events()) {
+    if (event.kind == InputEvent::Kind::kKey && event.pressed && event.code == key) return true;
+  }
+  return false;
+}
+
+void Ui::EndFrame() {
+  if (dialog_before_ && !dialog_) page_.clear();  // the page below begins anew in the next frame
+  shown_ = choices_;
+  shown_page_ = page_;
+  shown_words_ = words_;
+  count_before_ = count_;
+}
+
+void Ui::BeginDialog(const std::string& name, const std::string& title) {
+  bool first = !dialog_before_;
+  dialog_ = true;
+  blocked_ = false;
+  by_keys_ = true;
+  if (first) {
+    step_ = 0;
+    choose_ = escape_ = false;  // the key that brought it
+  }
+  Enter(name);
+  auto w = static_cast<float>(screen_.width()), h = static_cast<float>(screen_.height());
+  ImGui::GetBackgroundDrawList()->AddRectFilled({0, 0}, {w, h}, IM_COL32(0, 0, 0, 150));
+  ImGui::SetNextWindowPos({0.5f * w, 0.5f * h}, ImGuiCond_Always, {0.5f, 0.5f});
+  ImGui::SetNextWindowSize({0.72f * w, 0});
+  ImGui::SetNextWindowFocus();
+  ImGui::PushStyleColor(ImGuiCol_WindowBg, ImVec4{0.13f, 0.15f, 0.18f, 0.98f});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {44 * px(), 36 * px()});
+  ImGui::Begin("dialog", nullptr, kFixed & ~ImGuiWindowFlags_NoBringToFrontOnFocus);
+  ImGui::PopStyleVar();
+  ImGui::PopStyleColor();
+  ImGui::PushFont(fonts().text);
+  Title(title);
+  Gap(12);
+}
+
+void Ui::EndDialog() {
+  ImGui::PopFont();
+  ImGui::End();
+}
+
+Ui::Focused Ui::Next(const std::string& label) {
+  if (blocked_) return {};
+  if (!wanted_.empty() && wanted_ == label) {
+    wanted_.clear();
+    focus_ = count_;
+    moved_ = true;
+  }
+  Focused out;
+  out.has = count_++ == focus_ && by_keys_;
+  out.moved = out.has && moved_;
+  out.chosen = out.has && choose_;
+  if (out.moved) {
+    ImGui::SetScrollHereY(0.5f);
+    ImGui::ClearActiveID();  // a field that was being written in
+  }
+  return out;
+}
+
+void Ui::Listed(const std::string& label, bool field) {
+  if (blocked_) return;
+  ImVec2 lo = ImGui::GetItemRectMin(), hi = ImGui::GetItemRectMax();
+  choices_.push_back({label, {lo.x, lo.y, hi.x, hi.y}, field});
+  if (ImGui::IsItemClicked()) focus_ = count_ - 1;
+}
+
+void Ui::Ring() {
+  ImVec2 lo = ImGui::GetItemRectMin(), hi = ImGui::GetItemRectMax();
+  float out = 4 * px();
+  ImGui::GetWindowDrawList()->AddRect({lo.x - out, lo.y - out}, {hi.x + out, hi.y + out}, kFocus,
+                                      16 * px(), 0, 5 * px());
+}
+
+void Ui::Title(const std::string& text) { Large(text); }
+
+void Ui::Large(const std::string& text) {
+  Say(text);
+  ImGui::PushFont(fonts().far);
+  ImGui::PushTextWrapPos(0);
+  ImGui::TextUnformatted(text.c_str());
+  ImGui::PopTextWrapPos();
+  ImGui::PopFont();
+}
+
+void Ui::Text(const std::string& text) {
+  Say(text);
+  ImGui::PushTextWrapPos(0);
+  ImGui::TextUnformatted(text.c_str());
+  ImGui::PopTextWrapPos();
+}
+
+void Ui::Note(const std::string& text) {
+  ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
+  Text(text);
+  ImGui::PopStyleColor();
+}
+
+void Ui::Problem(const std::string& text) {
+  if (text.empty()) return;
+  ImGui::PushStyleColor(ImGuiCol_Text, ImVec4{1, 0.62f, 0.50f, 1});
+  Text(text);
+  ImGui::PopStyleColor();
+}
+
+void Ui::Gap(float height) { ImGui::Dummy({1, height * px()}); }
+void Ui::SameLine() { ImGui::SameLine(0, 28 * px()); }
+
+bool Ui::Button(const std::string& label, Look look, bool enabled) {
+  Say("[" + label + "]");
+  ImGui::PushFont(fonts().far);
+  PushButtonColours(look == Look::kMain ? kMain : look == Look::kDanger ? kDanger : kPlainButton);
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {30 * px(), 12 * px()});
+  ImGui::BeginDisabled(!enabled);
+  bool chosen = ImGui::Button(label.c_str());
+  ImGui::EndDisabled();
+  ImGui::PopStyleVar();
+  ImGui::PopStyleColor(3);
+  ImGui::PopFont();
+  if (!enabled) return false;
+  Focused focus = Next(label);
+  Listed(label, false);
+  if (focus.has) Ring();
+  return chosen || focus.chosen;
+}
+
+bool Ui::Row(const std::string& title, const std::string& detail, const std::string& right,
+             bool chosen_row) {
+  Say(title + " | " + detail + " | " + right);
+  float height = fonts().far->FontSize + fonts().text->FontSize + 30 * px();
+  float inset = 12 * px();
+  ImGui::SetCursorPosX(ImGui::GetCursorPosX() + inset);
+  float width = ImGui::GetContentRegionAvail().x - inset;
+  PushButtonColours(chosen_row ? kChosenRow : kRow);
+  bool chosen = ImGui::Button(("##" + title).c_str(), {width, height});
+  ImGui::PopStyleColor(3);
+  Focused focus = Next(title);
+  Listed(title, false);
+  if (focus.has) Ring();
+  ImVec2 lo = ImGui::GetItemRectMin(), hi = ImGui::GetItemRectMax();
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  ImU32 plain = ImGui::GetColorU32(ImGuiCol_Text),
+        quiet = ImGui::GetColorU32(ImGuiCol_TextDisabled);
+  const ImFont *far = fonts().far, *text = fonts().text;
+  ImVec2 side = text->CalcTextSizeA(text->FontSize, 1e6f, 0, right.c_str());
+  float x = lo.x + 26 * px(), end = hi.x - 26 * px() - side.x;
+  list->PushClipRect({lo.x, lo.y}, {right.empty() ? hi.x : end - 16 * px(), hi.y}, true);
+  list->AddText(far, far->FontSize, {x, lo.y + 8 * px()}, plain, title.c_str());
+  list->AddText(text, text->FontSize, {x, lo.y + 14 * px() + far->FontSize}, quiet, detail.c_str());
+  list->PopClipRect();
+  list->AddText(text, text->FontSize, {end, lo.y + 0.5f * (height - side.y)}, plain, right.c_str());
+  return chosen || focus.chosen;
+}
+
+bool Ui::Check(const std::string& label, bool& value) {
+  Say(std::string(value ? "[x] " : "[ ] ") + label);
+  bool changed = ImGui::Checkbox(label.c_str(), &value);
+  Focused focus = Next(label);
+  Listed(label, false);
+  if (focus.has) Ring();
+  if (focus.chosen) {
+    value = !value;
+    changed = true;
+  }
+  return changed;
+}
+
+bool Ui::Field(const std::string& label, std::string& text, bool secret) {
+  Say(label + ": " + (secret ? std::string(text.size(), '*') : text));
+  ImGui::TextUnformatted(label.c_str());
+  Focused focus = Next(label);
+  if (focus.moved) ImGui::SetKeyboardFocusHere();
+  ImGui::PushFont(fonts().far);
+  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - 8 * px());
+  bool entered =
+      ImGui::InputText(("##" + label).c_str(), &text,
+                       ImGuiInputTextFlags_EnterReturnsTrue |
+                           (secret ? ImGuiInputTextFlags_Password : ImGuiInputTextFlags_None));
+  ImGui::PopFont();
+  Listed(label, true);
+  if (focus.has) Ring();
+  return entered;
+}
+
+void Ui::Bar(const std::string& label, double share) {
+  Say(label);
+  if (!label.empty()) ImGui::TextUnformatted(label.c_str());
+  ImGui::PushStyleColor(ImGuiCol_PlotHistogram, kMain);
+  ImGui::ProgressBar(static_cast<float>(std::clamp(share, 0.0, 1.0)), {-1, 34 * px()}, "");
+  ImGui::PopStyleColor();
+}
+
+void Ui::Score(const std::string& number, const std::string& of) {
+  Say(number + of);
+  float top = ImGui::GetCursorPosY(), height = fonts().score->FontSize;
+  ImGui::PushFont(fonts().score);
+  ImGui::TextUnformatted(number.c_str());
+  ImGui::PopFont();
+  ImGui::SameLine();
+  ImGui::PushFont(fonts().far);
+  ImGui::SetCursorPosY(top + 0.62f * height);
+  ImGui::TextUnformatted(of.c_str());
+  ImGui::PopFont();
+  ImGui::SetCursorPosY(top + height);
+}
+
+void Ui::Line(const std::string& name, const std::string& value, const std::string& words,
+              bool lost) {
+  Say(name + " | " + value + " | " + words);
+  ImVec4 colour = lost ? ImVec4{1, 0.78f, 0.50f, 1} : ImGui::GetStyleColorVec4(ImGuiCol_Text);
+  ImGui::PushStyleColor(ImGuiCol_Text, colour);
+  ImGui::TextUnformatted(name.c_str());
+  ImGui::SameLine(ImGui::GetContentRegionMax().x - ImGui::CalcTextSize(value.c_str()).x -
+                  30 * px());
+  ImGui::TextUnformatted(value.c_str());
+  ImGui::PopStyleColor();
+  if (!words.empty()) {
+    ImGui::Indent(28 * px());
+    Note(words);
+    ImGui::Unindent(28 * px());
+  }
+}
+
+void Ui::BeginList(const char* name, float below) {
+  ImGui::BeginChild(name, {0, -below * px()}, false);
+  Gap(8);  // for the ring around the first
+}
+void Ui::EndList() { ImGui::EndChild(); }
+
+}  // namespace enamel::station::desk

@@ -1,0 +1,119 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "station/render/screen.h"
+
+// The few widgets a person at the chair sees, large, by keyboard or mouse, on Dear ImGui.
+namespace enamel::station::desk {
+
+struct Rect {
+  float x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+  bool Holds(float x, float y) const { return x >= x0 && x < x1 && y >= y0 && y < y1; }
+};
+
+// Something that can be chosen on the page shown: for the keyboard, for a script that stands for a
+// person, and for tests.
+struct Choice {
+  std::string label;
+  Rect at;  // window pixels
+  bool field = false;
+};
+
+// One page after another on one screen. In a frame:
+//
+//   ui.Begin("sign-in");  ui.Title(…); if (ui.Button("Sign in")) …; ui.End();
+//   if (…) { ui.BeginDialog(…); …; ui.EndDialog(); }
+//   ui.EndFrame();
+//
+// Everything that can be chosen takes part in one round of Tab (arrow keys too) and shows when it
+// has the focus; Enter or the space bar chooses it. The focus starts at a page's first choice.
+// Sizes are in pixels of a picture 1080 high and scaled. Not thread-safe.
+class Ui {
+ public:
+  enum class Look { kPlain, kMain, kDanger };
+
+  explicit Ui(render::Screen& screen) : screen_(screen) {}
+
+  // A page that fills the screen; `name` tells pages apart. `at_x`, `width`: its column, as shares
+  // of the screen's width. `see_through`: over a picture, as high as what is on it.
+  struct Page {
+    float at_x = 0.1f, at_y = 0.07f, width = 0.8f, height = 0.86f;  // shares of the screen
+    bool see_through = false;
+    bool keys = true;  // false: keys choose nothing here, they mean something else
+  };
+  void Begin(const std::string& name, const Page& page);
+  void Begin(const std::string& name) { Begin(name, Page()); }
+  void End();
+  // A page over the page, after its End; nothing of that one can be chosen meanwhile.
+  void BeginDialog(const std::string& name, const std::string& title);
+  void EndDialog();
+  void EndFrame();
+
+  void Title(const std::string& text);    // read from 2 m
+  void Large(const std::string& text);    // the same letters in a line of its own
+  void Text(const std::string& text);     // wrapped
+  void Note(const std::string& text);     // the same, quieter
+  void Problem(const std::string& text);  // something went wrong
+  void Gap(float px = 24);
+  void SameLine();
+  // True when chosen.
+  bool Button(const std::string& label, Look look = Look::kPlain, bool enabled = true);
+  // One line of a list: a title, words under it, words at the right. True when chosen.
+  bool Row(const std::string& title, const std::string& detail, const std::string& right,
+           bool chosen = false);
+  bool Check(const std::string& label, bool& value);
+  // One line of text. True when Enter was pressed in it.
+  bool Field(const std::string& label, std::string& text, bool secret = false);
+  void Bar(const std::string& label, double share);
+  // A number as large as the page has, and what it is of.
+  void Score(const std::string& number, const std::string& of);
+  // One line of a table: a name, a value at the right, words under it. `lost`: to be noticed.
+  void Line(const std::string& name, const std::string& value, const std::string& words, bool lost);
+
+  // A part of the page that scrolls, down to `below` pixels above the page's end.
+  void BeginList(const char* name, float below);
+  void EndList();
+
+  // Esc was pressed in this frame, for the page or dialog in use.
+  bool escape() const { return escape_ && !blocked_; }
+  // This key (render::Key; of letters: the capital) was pressed in this frame, likewise.
+  bool pressed(int key) const;
+  // Moves the focus to the choice with this label, from the next frame on.
+  void Focus(const std::string& label) { wanted_ = label; }
+  float px() const { return screen_.fonts().scale; }
+  const render::Fonts& fonts() const { return screen_.fonts(); }
+  // Of the last whole frame.
+  const std::vector<Choice>& choices() const { return shown_; }
+  const std::string& page() const { return shown_page_; }
+  // Words that were shown in the last whole frame, in order.
+  const std::string& words() const { return shown_words_; }
+
+ private:
+  struct Focused {
+    bool has = false;     // this choice has the focus
+    bool moved = false;   // and got it in this frame
+    bool chosen = false;  // by keyboard
+  };
+  // Counts a choice of the page in use.
+  Focused Next(const std::string& label);
+  void Listed(const std::string& label, bool field);
+  void Ring();
+  void ReadKeys();
+  void Enter(const std::string& name);
+  void Say(const std::string& text);
+
+  render::Screen& screen_;
+  std::string page_, shown_page_, wanted_, words_, shown_words_;
+  std::vector<Choice> choices_, shown_;
+  bool dialog_ = false, dialog_before_ = false;  // a dialog is shown: in this frame, in the last
+  bool blocked_ = false;                         // nothing can be chosen: it is under a dialog
+  size_t focus_ = 0, count_ = 0, count_before_ = 0;
+  int step_ = 0;  // of the focus, by keys
+  bool choose_ = false, escape_ = false, moved_ = false, by_keys_ = true;
+};
+
+}  // namespace enamel::station::desk

@@ -1,0 +1,40 @@
+#include "station/desk/zone_watch.h"
+
+#include <algorithm>
+
+namespace enamel::station::desk {
+
+ZoneWatch::ZoneWatch(const scene::Scene& scene, const scene::CavityTarget& target,
+                     const cutting::Volume& initial)
+    : initial_(initial) {
+  auto boxes = scoring::BoxesOf(scene, target);
+  if (!boxes.ok() || target.depth_um == 0) return;
+  boxes_ = *boxes;
+  shares_ = render::ZoneShares{};
+}
+
+void ZoneWatch::Look(const cutting::Volume& now) {
+  if (!boxes_) return;
+  auto measure = [&](const scoring::OpenBox& box) {
+    return scoring::MeasureBox(initial_, now, box);
+  };
+  scoring::BoxVolume target = measure(boxes_->target), leeway = measure(boxes_->leeway),
+                     container = measure(boxes_->container);
+  auto percent = [](double removed, double solid) {
+    return solid > 0 ? std::clamp(100 * removed / solid, 0.0, 100.0) : 0;
+  };
+  render::ZoneShares shares;
+  shares.target_percent = percent(target.removed_m3, target.solid_m3);
+  shares.leeway_percent =
+      percent(leeway.removed_m3 - target.removed_m3, leeway.solid_m3 - target.solid_m3);
+  shares.container_mm3 = std::max(0.0, container.removed_m3 - leeway.removed_m3) * 1e9;
+  std::lock_guard lock(mutex_);
+  shares_ = shares;
+}
+
+std::optional<render::ZoneShares> ZoneWatch::shares() const {
+  std::lock_guard lock(mutex_);
+  return shares_;
+}
+
+}  // namespace enamel::station::desk

@@ -1,0 +1,12 @@
+#include "station/sound/speaker.h"
+
+namespace enamel::station::sound {
+
+class Speaker::Impl {};
+
+Speaker::Speaker() = default;
+Speaker::~Speaker() = default;
+void Speaker::Set(double, double) {}
+bool Speaker::audible() const { return false; }
+
+}  // namespace enamel::station::sound

@@ -1,0 +1,154 @@
+#!/usr/bin/env bash
+# A student at the station's window, played by a script without a screen: wrong password, sign in, choose, cut with the
+# mouse, pause, finish, see the score, try again, sign out. ENAMEL_PICTURES=FOLDER keeps the pictures of every page.
+. "$(dirname "$0")/support.sh"
+command -v Xvfb >/dev/null || { echo "skipped: Xvfb is not installed"; exit 77; }
+pictures=${ENAMEL_PICTURES:-$work/pictures}
+mkdir -p "$pictures"
+station="$work/station"
+
+mkfifo "$work/display"
+Xvfb -displayfd 3 -screen 0 1920x1080x24 -nolisten tcp 3<>"$work/display" >/dev/null 2>&1 &
+pids+=($!)
+read -r -t 30 number <"$work/display" || fail "Xvfb did not start"
+export DISPLAY=":$number"
+
+"$bin/enamel-server" seed-demo --data "$work/server" --json "$work/seed" >/dev/null
+exercise=$(json_of "$work/seed" exercise)
+port=$(free_ports)
+start_server "$work/server" "$port"
+"$bin/enamel-station" enrol --data "$station" --server "127.0.0.1:$((port + 1))" --name "Chair 7" \
+  --code "$("$bin/enamel-server" admin enrol-code --data "$work/server")" >/dev/null
+ENAMEL_PASSWORD=enamel-demo-instructor "$bin/enamel-station" run --data "$station" --exercise "$exercise" --quiet \
+  --profile phantom_desktop --user instructor --operator dentist --lockstep --as-reference --json "$work/reference" >/dev/null
+reference=$(json_of "$work/reference" attempt_id)
+"$bin/enamel-server" report --data "$work/server" --attempt "$reference" --wait 120 >/dev/null
+"$bin/enamel-server" admin mark-reference --data "$work/server" --attempt "$reference" --dentist "Simulated dentist" >/dev/null
+
+# play NAME: a script on standard input, at a window of 1280 x 720.
+play() {
+  sed "s|PICTURES|$pictures|" >"$work/$1.txt"
+  timeout 300 "$bin/enamel-station" open --data "$station" --window "${2:-1280x720}" --no-sound --simulated --script "$work/$1.txt" ||
+    { tail -n 20 "$work/server.log"; fail "the script $1 did not get through"; }
+}
+attempts() { "$bin/enamel-station" spool list --data "$station" | grep -c ' chunks on the server' || true; }
+
+before=$(attempts)
+play student <<'EOF'
+page sign-in
+picture PICTURES/1-sign-in.png
+type student1
+key Tab
+type wrong
+key Enter
+see password
+picture PICTURES/2-wrong-password.png
+click Password
+type enamel-demo-student1
+key Enter
+page exercises
+frames 2
+picture PICTURES/3-exercises.png
+key Enter
+page exercise
+see Bur:
+frames 3
+picture PICTURES/4-exercise.png
+click Start
+page running
+frames 10
+# Down to the tooth, then across it with the bur turning.
+wheel 17
+frames 30
+picture PICTURES/5-running.png
+hold Space
+wheel 24
+frames 20
+move 2 0 30
+removed 0.3
+move 0 -2 20
+wheel 4
+move -2 0 30
+removed 0.8
+key F1
+frames 30
+picture PICTURES/6-cutting.png
+key F1
+let Space
+key Escape
+page paused
+frames 2
+picture PICTURES/7-paused.png
+key Escape
+page running
+key F
+page finish
+frames 2
+picture PICTURES/8-finish.png
+key Enter
+page result
+see Handed in
+frames 3
+picture PICTURES/9-result.png
+click Another try
+page exercise
+see Bur:
+key Escape
+page exercises
+key Escape
+page sign-in
+key Escape
+page close
+click Stay
+page sign-in
+quit
+EOF
+# An instructor sees the score at once, and may make the cut the reference.
+play instructor 1920x1080 <<'EOF'
+page sign-in
+type instructor
+key Tab
+type enamel-demo-instructor
+key Enter
+page exercises
+key Enter
+page exercise
+see Bur:
+frames 3
+picture PICTURES/10-instructor-exercise.png
+click Start
+page running
+wheel 17
+frames 20
+hold Left
+wheel 20
+frames 20
+move 3 0 30
+removed 0.4
+frames 20
+picture PICTURES/11-zones.png
+let Left
+key F
+page finish
+key Enter
+page result
+see of 100 points
+frames 3
+picture PICTURES/12-score.png
+click Reference
+page reference
+click The dentist agrees
+frames 2
+picture PICTURES/13-reference.png
+click Make it the reference
+page result
+see Is the reference
+quit
+EOF
+[ "$(attempts)" -eq $((before + 2)) ] || fail "expected two attempts more in the spool"
+"$bin/enamel-station" spool verify --data "$station" >"$work/verify" || { cat "$work/verify"; fail "the spool does not verify"; }
+for n in 1-sign-in 2-wrong-password 3-exercises 4-exercise 5-running 6-cutting 7-paused 8-finish 9-result 10-instructor-exercise \
+  11-zones 12-score 13-reference; do
+  [ -s "$pictures/$n.png" ] || fail "no picture of $n"
+done
+echo "ok: a student and an instructor at the window, from sign-in to score and reference"

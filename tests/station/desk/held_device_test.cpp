@@ -1,0 +1,46 @@
+#include "station/desk/held_device.h"
+
+#include <gtest/gtest.h>
+
+namespace enamel::station::desk {
+namespace {
+
+class Handpiece final : public Device {
+ public:
+  std::string Name() const override { return "scripted"; }
+  DeviceSample ReadSample() noexcept override {
+    DeviceSample sample;
+    sample.counts = {3, 4, 5};
+    sample.buttons = kPedal | kFinish;
+    sample.bur_speed_krpm = 200;
+    return sample;
+  }
+  void SendForce(const dvec3& force_n) noexcept override { sent_n = force_n; }
+  double still_before_force_s() const noexcept override { return 0.25; }
+  dvec3 sent_n{0};
+};
+
+TEST(HeldDeviceTest, PausedTheBurStandsStillAndEverythingElseGoesOn) {
+  Handpiece inner;
+  HeldDevice held(inner);
+  EXPECT_EQ(held.ReadSample().buttons, kPedal | kFinish);
+  EXPECT_EQ(held.speed_krpm(), 200);
+  held.SetPaused(true);
+  DeviceSample paused = held.ReadSample();
+  EXPECT_EQ(paused.buttons, kFinish);
+  EXPECT_EQ(paused.bur_speed_krpm, 0);
+  EXPECT_EQ(paused.counts[2], 5);
+  EXPECT_EQ(held.speed_krpm(), 0);
+  held.SendForce({1, 2, 3});
+  EXPECT_EQ(inner.sent_n.y, 2);
+  held.SetPaused(false);
+  EXPECT_EQ(held.ReadSample().buttons, kPedal | kFinish);
+}
+
+TEST(HeldDeviceTest, AsksForTheSameRestAsTheDeviceInside) {
+  Handpiece inner;
+  EXPECT_EQ(HeldDevice(inner).still_before_force_s(), 0.25);
+}
+
+}  // namespace
+}  // namespace enamel::station::desk

@@ -1,0 +1,60 @@
+#include <gtest/gtest.h>
+
+#include "station/desk/pages.h"
+
+namespace enamel::station::desk {
+namespace {
+
+scoring::CriterionResult Criterion(const char* name, double points, double most) {
+  scoring::CriterionResult c;
+  c.name = name;
+  c.points = points;
+  c.max_points = most;
+  c.reason = std::string(name) + " reason";
+  return c;
+}
+
+TEST(ResultTextTest, TheWorstWallIsTheOneThatLostMostPoints) {
+  scoring::ScoreResult score;
+  score.criteria = {Criterion("zone_target_removed_percent", 0, 40),
+                    Criterion("wall_mesial_mm", 5, 8), Criterion("wall_distal_mm", 1, 8),
+                    Criterion("floor_mm", 8, 8)};
+  EXPECT_EQ(WorstWall(score), "wall_distal_mm reason");
+}
+
+TEST(ResultTextTest, WithoutALossThereIsNoWorstWall) {
+  scoring::ScoreResult score;
+  score.criteria = {Criterion("wall_mesial_mm", 8, 8), Criterion("time_s", 0, 5)};
+  EXPECT_EQ(WorstWall(score), "");
+}
+
+TEST(ResultTextTest, AnAssignmentSaysWhenItIsDueAndHowManyAttemptsAreLeft) {
+  constexpr int64_t kMinute = 60'000, kNow = 1'000'000 * kMinute;
+  Catalogue::Exercise e;
+  EXPECT_EQ(AssignmentText(e, kNow), "as often as you like");
+  e.due_unix_ms = kNow + 3 * 24 * 60 * kMinute + kMinute;
+  EXPECT_EQ(AssignmentText(e, kNow), "due in 3 days");
+  e.due_unix_ms = kNow + 47 * 60 * kMinute;
+  e.attempt_limit = 5;
+  e.attempts_left = 1;
+  EXPECT_EQ(AssignmentText(e, kNow), "due in 47 hours, 1 attempt left");
+  e.due_unix_ms = kNow + 40 * kMinute;
+  e.attempts_left = 2;
+  EXPECT_EQ(AssignmentText(e, kNow), "due in 40 minutes, 2 attempts left");
+  e.due_unix_ms = kNow - 2 * kMinute;
+  e.attempt_limit = 0;
+  EXPECT_EQ(AssignmentText(e, kNow), "past due: counts as late");
+  e.refusal = "opens on Monday";
+  EXPECT_EQ(AssignmentText(e, kNow), "opens on Monday");
+}
+
+TEST(ResultTextTest, ABurIsToldInMillimetres) {
+  EXPECT_EQ(BurText({cutting::BurShape::kCylinder, 0.5e-3, 4e-3}),
+            "Cylinder, 1.0 mm thick, 4.0 mm long");
+  EXPECT_EQ(BurText({cutting::BurShape::kInvertedCone, 0.7e-3, 1.4e-3, 0.5e-3}),
+            "Inverted cone, 1.4 mm thick, 1.4 mm long");
+  EXPECT_EQ(BurText({cutting::BurShape::kSphere, 0.6e-3}), "Sphere, 1.2 mm thick, 1.2 mm long");
+}
+
+}  // namespace
+}  // namespace enamel::station::desk
