@@ -77,8 +77,10 @@ TEST_P(WireGoldenTest, DescriptionIsWrittenToTheSameFrame) {
 
 INSTANTIATE_TEST_SUITE_P(Messages, WireGoldenTest,
                          testing::Values("request_hello", "request_put_chunk", "request_seal",
-                                         "request_live_state", "reply_error", "reply_chunk_ack",
-                                         "reply_welcome"),
+                                         "request_live_state", "request_ticket",
+                                         "request_open_attempt", "reply_error", "reply_chunk_ack",
+                                         "reply_welcome", "reply_exercises", "reply_ticket_issued",
+                                         "reply_attempt_state"),
                          [](const auto& message) { return std::string(message.param); });
 
 }  // namespace
