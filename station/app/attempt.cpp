@@ -11,11 +11,14 @@
 #include <thread>
 
 #include "common/base/file.h"
+#include "station/app/loop_facts.h"
 #include "station/app/places.h"
 #include "station/app/simulate.h"
 #include "station/desk/tick_feed.h"
 #include "station/devices/operators.h"
+#include "station/loop/realtime.h"
 #include "station/render/window.h"
+#include "station/sdk/open_sdk_device.h"
 #include "station/session/by_name.h"
 
 namespace enamel::station {
@@ -108,31 +111,66 @@ class Progress {
 };
 
 Status WriteFacts(const RunOptions& options, const PreparedAttempt& job,
-                  const SpooledAttempt& spooled, const Snapshot& last,
-                  const AttemptResult& result) {
+                  const SpooledAttempt& spooled, const Snapshot& last, const AttemptResult& result,
+                  const boost::json::object& loop) {
   auto removed = Removed_mm3(last.removed, job.volume.spec().voxel_m());
   boost::json::object by_tissue;
   for (size_t t = 1; t < removed.size(); ++t) {
     if (removed[t] > 0) by_tissue[std::string(cutting::kTissueNames[t])] = removed[t];
   }
-  boost::json::object facts{{"attempt_id", result.attempt.Text()},
-                            {"exercise", job.exercise.name},
-                            {"profile", job.profile.name},
-                            {"operator", options.operator_name},
-                            {"ticks", spooled.ticks},
-                            {"gap_ticks", spooled.gap_ticks},
-                            {"resumed", spooled.resumed},
-                            {"late_ticks", last.counters.late_ticks},
-                            {"bounded_ticks", last.counters.bounded_ticks},
-                            {"faults", last.counters.faults},
-                            {"chunks", spooled.chunks},
-                            {"committed_chunks", spooled.committed},
-                            {"trace_bytes", spooled.bytes},
-                            {"removed_mm3", by_tissue},
-                            {"uploaded", result.uploaded},
-                            {"ended_early", result.ended_early},
-                            {"problem", result.not_uploaded_because}};
+  boost::json::object facts{
+      {"attempt_id", result.attempt.Text()},
+      {"exercise", job.exercise.name},
+      {"profile", job.profile.name},
+      {"operator", options.device.device.empty() ? options.operator_name : ""},
+      {"ticks", spooled.ticks},
+      {"gap_ticks", spooled.gap_ticks},
+      {"resumed", spooled.resumed},
+      {"late_ticks", last.counters.late_ticks},
+      {"bounded_ticks", last.counters.bounded_ticks},
+      {"faults", last.counters.faults},
+      {"loop", loop},
+      {"chunks", spooled.chunks},
+      {"committed_chunks", spooled.committed},
+      {"trace_bytes", spooled.bytes},
+      {"removed_mm3", by_tissue},
+      {"uploaded", result.uploaded},
+      {"ended_early", result.ended_early},
+      {"problem", result.not_uploaded_because}};
   return WriteFileDurably(options.json, AsBytes(boost::json::serialize(facts) + "\n"));
+}
+
+// What the attempt is made with, and the simulated device again if it is one.
+struct Tool {
+  std::unique_ptr<Device> device;
+  SimulatedDevice* simulated = nullptr;
+  // Only a simulated operator knows how far he is.
+  double progress() const { return simulated != nullptr ? simulated->progress() : 0; }
+};
+
+Result<Tool> OpenTool(const RunOptions& options, const PreparedAttempt& job) {
+  Tool out;
+  if (options.device.device.empty()) {
+    auto made = MakeSimulatedDevice(*FindOperator(options.operator_name), job.scene, job.exercise,
+                                    job.profile, job.header.params, job.volume, options.seed);
+    if (!made.ok()) return made.status();
+    out.simulated = made->get();
+    out.device = std::move(*made);
+    return out;
+  }
+  if (options.lockstep) {
+    return Status(Code::kInvalidInput,
+                  "--lockstep is for the simulated device: a real one's time is the clock's",
+                  "lockstep");
+  }
+  hid::DeviceChoice choice = options.device;
+  choice.thread_setup = [] { (void)RequestRealtime(); };
+  auto opened = sdk::IsSdkDevice(choice.device)
+                    ? sdk::OpenSdkDevice(choice.device, job.profile, choice.thread_setup)
+                    : hid::OpenDevice(choice, job.profile, 1.0 / job.header.params.rate_hz);
+  if (!opened.ok()) return opened.status();
+  out.device = std::move(*opened);
+  return out;
 }
 
 // The window of an attempt, when it has one.
@@ -156,11 +194,11 @@ Status OpenScreen(const RunOptions& options, const PreparedAttempt& job, Screen&
 class Watcher {
  public:
   Watcher(const RunOptions& options, RunningAttempt& attempt, const PreparedAttempt& job,
-          SimulatedDevice& device, Screen& screen)
+          const Tool& tool, Screen& screen)
       : options_(options),
         attempt_(attempt),
         job_(job),
-        device_(device),
+        tool_(tool),
         screen_(screen),
         progress_(options.quiet) {}
 
@@ -173,14 +211,15 @@ class Watcher {
     AttemptResult result;
     result.attempt = attempt_.attempt();
     result.ended_early = ended_early_;
-    result.done_ratio = device_.progress();
+    result.done_ratio = tool_.progress();
     AwaitUpload(result);
     progress_.End();
     ENAMEL_RETURN_IF_ERROR(picture);
     auto spooled = spool.Get(result.attempt);
     if (!spooled.ok()) return spooled.status();
     if (!options_.json.empty()) {
-      ENAMEL_RETURN_IF_ERROR(WriteFacts(options_, job_, *spooled, last_, result));
+      ENAMEL_RETURN_IF_ERROR(WriteFacts(options_, job_, *spooled, last_, result,
+                                        LoopFacts(attempt_.loop(), last_.counters, *tool_.device)));
     }
     return result;
   }
@@ -192,7 +231,7 @@ class Watcher {
       if (interrupted) EndEarly();
       if (steady_clock::now() >= next) {
         next = steady_clock::now() + kProgressEvery;
-        Show(attempt_.snapshot(), device_.progress());
+        Show(attempt_.snapshot(), tool_.progress());
       }
       return !attempt_.ticking();
     };
@@ -239,7 +278,7 @@ class Watcher {
   const RunOptions& options_;
   RunningAttempt& attempt_;
   const PreparedAttempt& job_;
-  SimulatedDevice& device_;
+  const Tool& tool_;
   Screen& screen_;
   Progress progress_;
   Snapshot last_;
@@ -267,9 +306,8 @@ Result<AttemptResult> RunAttempt(const RunOptions& options) {
   if (!workplace.ok()) return workplace.status();
   auto job = Prepare(**workplace, options);
   if (!job.ok()) return job.status();
-  auto device = MakeSimulatedDevice(*preset, job->scene, job->exercise, job->profile,
-                                    job->header.params, job->volume, options.seed);
-  if (!device.ok()) return device.status();
+  auto tool = OpenTool(options, *job);
+  if (!tool.ok()) return tool.status();
   Screen screen;
   ENAMEL_RETURN_IF_ERROR(OpenScreen(options, *job, screen));
   std::signal(SIGINT, OnSignal);
@@ -284,9 +322,11 @@ Result<AttemptResult> RunAttempt(const RunOptions& options) {
   }
   (*workplace)->SignOut();  // uploading needs no sign-in
   // A simulated device's time is the loop's own: being late harms nobody.
-  auto attempt = (*workplace)->Begin(*job, **device, {options.lockstep, false, screen.observer()});
+  auto attempt = (*workplace)
+                     ->Begin(*job, *tool->device,
+                             {options.lockstep, tool->simulated == nullptr, screen.observer()});
   if (!attempt.ok()) return attempt.status();
-  return Watcher(options, **attempt, *job, **device, screen).Run((*workplace)->spool());
+  return Watcher(options, **attempt, *job, *tool, screen).Run((*workplace)->spool());
 }
 
 }  // namespace enamel::station

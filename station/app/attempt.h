@@ -5,6 +5,7 @@
 
 #include "common/base/result.h"
 #include "common/base/uuid.h"
+#include "station/hid/open_device.h"
 #include "station/spool/spool.h"
 
 namespace enamel::station {
@@ -13,6 +14,7 @@ struct RunOptions {
   std::filesystem::path data;
   std::string server;  // HOST:PORT when it has moved since enrolment; else empty
   std::string exercise, profile, login, password;
+  hid::DeviceChoice device;  // empty: a simulated one, held by the operator
   std::string operator_name = "student";
   uint64_t seed = 0;  // of the operator's tremor; 0: the operator's own
   bool lockstep = false;

@@ -208,6 +208,14 @@ int main(int argc, char** argv) {
   run_cmd->add_option("--uplink-kbit", run.kbit_per_s, "Send no faster than this; 0: no bound");
   run_cmd->add_flag("--password-stdin", password_stdin,
                     "Read the password from standard input (else ENAMEL_PASSWORD)");
+  run_cmd->add_option("--device", run.device.device,
+                      "hid or spacemouse, with :VENDOR:PRODUCT where there are several; dhd, "
+                      "openhaptics ('devices' "
+                      "lists them); else a simulated one");
+  run_cmd->add_option("--pedal", run.device.pedal,
+                      "Foot pedal, as 05f3:00ff; others with ,id=N,byte=N,mask=HEX");
+  run_cmd->add_option("--axes", run.device.axes, "Which of a board's axes are the scene's x, y, z")
+      ->capture_default_str();
   run_cmd
       ->add_option("--operator", run.operator_name,
                    "Who holds the simulated device ('devices' lists them)")

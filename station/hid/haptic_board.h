@@ -11,7 +11,7 @@
 #include "common/scene/types.h"
 #include "station/devices/device.h"
 #include "station/hid/axis_map.h"
-#include "station/hid/force_keeper.h"
+#include "station/devices/force_keeper.h"
 #include "station/hid/haptic_report.h"
 #include "station/hid/hid_reader.h"
 

@@ -1,9 +1,9 @@
-#include "station/hid/force_keeper.h"
+#include "station/devices/force_keeper.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace enamel::station::hid {
+namespace enamel::station {
 
 void ForceKeeper::Take(const dvec3& force_n, uint64_t number, int64_t now_us) noexcept {
   if (number == number_) return;
@@ -30,4 +30,4 @@ int64_t ForceKeeper::WaitFor_us(int64_t now_us) const noexcept {
   return std::clamp<int64_t>(sent_us_ + repeat_us_ - now_us, 0, repeat_us_);
 }
 
-}  // namespace enamel::station::hid
+}  // namespace enamel::station

@@ -1,11 +1,11 @@
-#include "station/hid/force_keeper.h"
+#include "station/devices/force_keeper.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <vector>
 
-namespace enamel::station::hid {
+namespace enamel::station {
 namespace {
 
 constexpr int kWatchdog_ms = 20;
@@ -74,4 +74,4 @@ TEST(ForceKeeperTest, WhatIsNotFiniteIsZero) {
 }
 
 }  // namespace
-}  // namespace enamel::station::hid
+}  // namespace enamel::station

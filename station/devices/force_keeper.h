@@ -5,7 +5,7 @@
 
 #include "common/math/vec.h"
 
-namespace enamel::station::hid {
+namespace enamel::station {
 
 // Decides what a writer thread sends to a board, and when. Keeps the board's watchdog fed without
 // keeping an old force alive: a force the loop has not renewed for kHold_us falls linearly to 0 at
@@ -38,4 +38,4 @@ class ForceKeeper {
   bool unsent_ = false;
 };
 
-}  // namespace enamel::station::hid
+}  // namespace enamel::station

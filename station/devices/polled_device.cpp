@@ -1,0 +1,99 @@
+#include "station/devices/polled_device.h"
+
+#include <chrono>
+#include <cmath>
+
+#include "station/devices/force_keeper.h"
+
+namespace enamel::station {
+namespace {
+
+// Of the keeper's repeats; a maker's library has no watchdog to feed, but its motors hold on.
+constexpr int kRepeat_ms = 4;
+
+int64_t Now_us() {
+  using namespace std::chrono;
+  return duration_cast<microseconds>(steady_clock::now().time_since_epoch()).count();
+}
+
+}  // namespace
+
+PolledDevice::PolledDevice(std::unique_ptr<PolledBus> bus, double resolution_m,
+                           std::function<void()> thread_setup)
+    : bus_(std::move(bus)),
+      name_(bus_->Name()),
+      resolution_m_(resolution_m),
+      thread_setup_(std::move(thread_setup)),
+      thread_([this] { Run(); }) {
+  ENAMEL_CHECK(resolution_m > 0);
+}
+
+PolledDevice::~PolledDevice() {
+  stop_ = true;
+  thread_.join();
+}
+
+DeviceSample PolledDevice::ReadSample() noexcept {
+  const Message& newest = poses_.Read();
+  DeviceSample sample = newest.sample;
+  sample.fresh = newest.number != seen_ && newest.sample.attached;
+  sample.attached = newest.number == 0 || newest.sample.attached;
+  seen_ = newest.number;
+  return sample;
+}
+
+void PolledDevice::SendForce(const dvec3& force_n) noexcept { forces_.Write({force_n, ++sent_}); }
+
+DeviceCounters PolledDevice::counters() const noexcept {
+  DeviceCounters out;
+  out.samples = samples_;
+  out.writes = writes_;
+  out.detached = detached_;
+  return out;
+}
+
+void PolledDevice::Publish(const PolledBus::Pose& pose, bool attached) {
+  if (published_ == 0) centre_m_ = pose.tip_m;
+  Message m;
+  for (int i = 0; i < 3; ++i) {
+    m.sample.counts[static_cast<size_t>(i)] =
+        static_cast<int32_t>(std::lround((pose.tip_m[i] - centre_m_[i]) / resolution_m_));
+  }
+  m.sample.orientation = ToQuantised(pose.orientation);
+  m.sample.attached = attached;
+  if (attached && pose.pedal) {
+    m.sample.buttons = kPedal;
+    m.sample.bur_speed_krpm = kTurbineSpeed_krpm;
+  }
+  m.number = ++published_;
+  m.sample.sequence = static_cast<uint32_t>(m.number);
+  poses_.Write(m);
+}
+
+void PolledDevice::Run() {
+  if (thread_setup_) thread_setup_();
+  ForceKeeper keeper(kRepeat_ms);
+  PolledBus::Pose pose;
+  bool here = true;
+  while (!stop_ && here) {
+    here = bus_->Read(pose);
+    if (here) {
+      Publish(pose, true);
+      ++samples_;
+      Force newest = forces_.Read();
+      int64_t now = Now_us();
+      keeper.Take(newest.newtons, newest.number, now);
+      if (auto command = keeper.Next(now)) {
+        here = bus_->Send(command->force_n);
+        writes_ += here;
+      }
+    }
+  }
+  if (!here) {
+    Publish(pose, false);
+    ++detached_;
+  }
+  (void)bus_->Send(dvec3(0));
+}
+
+}  // namespace enamel::station

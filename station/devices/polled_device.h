@@ -1,0 +1,77 @@
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <thread>
+
+#include "common/base/triple_buffer.h"
+#include "station/devices/device.h"
+
+namespace enamel::station {
+
+// A device behind a maker's library whose calls may wait for a bus. Called on the adapter's thread
+// only, all of it.
+class PolledBus {
+ public:
+  struct Pose {
+    dvec3 tip_m{0};    // scene axes
+    Quat orientation;  // scene from tool
+    bool pedal = false;
+  };
+
+  virtual ~PolledBus() = default;
+  virtual std::string Name() const = 0;
+  // False: the device is gone. Both may wait, for a few milliseconds at most.
+  virtual bool Read(Pose& out) = 0;
+  virtual bool Send(const dvec3& force_n) = 0;  // scene axes
+};
+
+// Runs such a device on a thread of its own, read and driven as fast as its bus goes, and exchanges
+// the newest values with the tick. A force that the loop has not renewed falls to 0 (ForceKeeper).
+// Once gone it stays gone: unplugged, 0. Real-time: ReadSample and SendForce are safe. Destruction
+// sends 0.
+class PolledDevice final : public Device {
+ public:
+  // `resolution_m`: edge of a count, of the device profile. The first pose read is the centre.
+  // `thread_setup` is called when the thread begins; it may be empty.
+  PolledDevice(std::unique_ptr<PolledBus> bus, double resolution_m,
+               std::function<void()> thread_setup = {});
+  ~PolledDevice() override;
+
+  std::string Name() const override { return name_; }
+  ENAMEL_REALTIME DeviceSample ReadSample() noexcept override;
+  ENAMEL_REALTIME void SendForce(const dvec3& force_n) noexcept override;
+  double still_before_force_s() const noexcept override { return 0.1; }
+  DeviceCounters counters() const noexcept override;
+
+ private:
+  struct Message {
+    DeviceSample sample;
+    uint64_t number = 0;
+  };
+  struct Force {
+    dvec3 newtons{0};
+    uint64_t number = 0;
+  };
+
+  void Run();
+  void Publish(const PolledBus::Pose& pose, bool attached);
+
+  const std::unique_ptr<PolledBus> bus_;
+  const std::string name_;
+  const double resolution_m_;
+  const std::function<void()> thread_setup_;
+  TripleBuffer<Message> poses_;
+  TripleBuffer<Force> forces_;
+  std::atomic<bool> stop_{false};
+  std::atomic<uint64_t> samples_{0}, writes_{0}, detached_{0};
+  // Owned by the thread.
+  dvec3 centre_m_{0};
+  uint64_t published_ = 0;
+  // Owned by the tick.
+  uint64_t seen_ = 0, sent_ = 0;
+  std::thread thread_;  // last: it uses the rest
+};
+
+}  // namespace enamel::station
