@@ -367,23 +367,35 @@ TEST_F(HapticBoardTest, ProfileMustHaveTheBoardsCells) {
   EXPECT_NE(s.message().find("10000"), std::string::npos);
 }
 
-// The whole way: a board cutting the block, unplugged between reading and sending.
-TEST_F(HapticBoardTest, UnpluggedMidCutIsCommandedZeroWithinTwoTicksOfBeingSeen) {
+struct Block {
+  core::CoreParams params;
+  cutting::Volume volume;
+  int32_t above = 0;  // counts along z, 0.3 mm above it
+};
+
+Block MakeBlock() {
   auto built = scene::BuildBuiltinScene("block", 200'000);
-  ASSERT_TRUE(built.ok());
+  ENAMEL_CHECK(built.ok());
   auto params = scene::CompilePlan(built->scene, scene::ClassOneExercise(built->scene, {}),
                                    scene::BuiltinProfiles()[1]);
-  ASSERT_TRUE(params.ok());
+  ENAMEL_CHECK(params.ok());
   params->soft_start_ticks = 1;
   int64_t top_nm = built->scene.landmarks.at("occlusal_centre")[2] * int64_t{1000};
-  auto start = static_cast<int32_t>((top_nm + 300'000 - params->device_origin_nm[2]) /
+  auto above = static_cast<int32_t>((top_nm + 300'000 - params->device_origin_nm[2]) /
                                     params->resolution_nm[2]);
+  return {*params, std::move(built->volume), above};
+}
+
+// The whole way: a board cutting the block, unplugged between reading and sending.
+TEST_F(HapticBoardTest, UnpluggedMidCutIsCommandedZeroWithinTwoTicksOfBeingSeen) {
+  Block block = MakeBlock();
+  const int32_t start = block.above;
   bus_.Plug(Plugged());
   HapticBoardSettings settings;
   settings.centre_on_first_report = false;
   first_.counts = {0, 0, start, 0, 0, 0};
   ASSERT_TRUE(Open(settings).ok());
-  core::Core core(*params, built->volume);
+  core::Core core(block.params, block.volume);
   SampleRing ring(4);
   TickLoop loop(*board_, core, ring, {1000, false, true});
   uint32_t sequence = 100;
@@ -413,6 +425,42 @@ TEST_F(HapticBoardTest, UnpluggedMidCutIsCommandedZeroWithinTwoTicksOfBeingSeen)
   EXPECT_EQ(recorded.tick.witness.force_sent_100un, (std::array<int32_t, 3>{0, 0, 0}));
   EXPECT_TRUE(recorded.tick.input.flags & core::kFaulted);
   EXPECT_EQ(loop.fault(), Fault::kUnplugged);
+}
+
+TEST_F(HapticBoardTest, RecorderThatStallsCostsTheForceAndNeverTheBoard) {
+  Block block = MakeBlock();
+  bus_.Plug(Plugged());
+  ASSERT_TRUE(Open().ok());
+  core::Core core(block.params, block.volume);
+  SampleRing ring(4);  // and nobody empties it
+  TickLoop loop(*board_, core, ring, {1000, false, true});
+  size_t allocations = 0;
+  for (uint32_t tick = 1; tick <= 60; ++tick) {
+    uint64_t before = board_->counters().samples;
+    Send(At(100 + tick, 3000 + static_cast<int32_t>(tick)));
+    UntilCounted([&](const DeviceCounters& c) { return c.samples > before; });
+    enamel::testing_support::AllocationGuard guard;
+    loop.Tick();
+    allocations += guard.count();
+  }
+  EXPECT_EQ(allocations, 0u);
+  EXPECT_EQ(core.ticks(), 4u);
+  EXPECT_EQ(loop.fault(), Fault::kNone);
+  EXPECT_EQ(board_->counters().samples, 61u);
+  EXPECT_EQ(board_->counters().lost, 0u);
+  for (const Bytes& b : bus_.Written()) {
+    OutputReport out;
+    ASSERT_EQ(DecodeOutput(b, out), ReportError::kNone);
+    EXPECT_EQ(out.force_100un, (std::array<int32_t, 3>{0, 0, 0}));
+  }
+  Sample s;
+  while (ring.Pop(s)) {
+  }
+  Send(At(200, 3100));
+  UntilCounted([](const DeviceCounters& c) { return c.samples == 62; });
+  loop.Tick();
+  ASSERT_TRUE(ring.Pop(s));
+  EXPECT_EQ(s.tick.input.gap_ticks, 56u);
 }
 
 }  // namespace
