@@ -64,7 +64,7 @@ TEST_F(ProgramTest, HelpTeachesAFirstAttempt) {
 }
 
 TEST_F(ProgramTest, WrongCommandLineIsExitCodeTwo) {
-  EXPECT_EQ(RunProgram("").code, 2);
+  EXPECT_EQ(RunProgram("spool").code, 2);
   EXPECT_EQ(RunProgram("run").code, 2);
   EXPECT_EQ(RunProgram("no-such-thing").code, 2);
 }
