@@ -322,9 +322,10 @@ Result<AttemptResult> RunAttempt(const RunOptions& options) {
   }
   (*workplace)->SignOut();  // uploading needs no sign-in
   // A simulated device's time is the loop's own: being late harms nobody.
-  auto attempt = (*workplace)
-                     ->Begin(*job, *tool->device,
-                             {options.lockstep, tool->simulated == nullptr, screen.observer()});
+  auto attempt =
+      (*workplace)
+          ->Begin(*job, *tool->device,
+                  {options.lockstep, tool->simulated == nullptr, screen.observer(), options.cpu});
   if (!attempt.ok()) return attempt.status();
   return Watcher(options, **attempt, *job, *tool, screen).Run((*workplace)->spool());
 }

@@ -18,6 +18,7 @@ struct RunOptions {
   std::string operator_name = "student";
   uint64_t seed = 0;  // of the operator's tremor; 0: the operator's own
   bool lockstep = false;
+  int cpu = -1;  // bind the loop to this processor; -1: to none
   bool window = false;
   std::filesystem::path screenshot;
   std::filesystem::path json;

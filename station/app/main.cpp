@@ -212,6 +212,7 @@ int main(int argc, char** argv) {
                       "hid or spacemouse, with :VENDOR:PRODUCT where there are several; dhd, "
                       "openhaptics ('devices' "
                       "lists them); else a simulated one");
+  run_cmd->add_option("--cpu", run.cpu, "Bind the haptic loop to this processor");
   run_cmd->add_option("--pedal", run.device.pedal,
                       "Foot pedal, as 05f3:00ff; others with ,id=N,byte=N,mask=HEX");
   run_cmd->add_option("--axes", run.device.axes, "Which of a board's axes are the scene's x, y, z")

@@ -61,7 +61,8 @@ RunningAttempt::RunningAttempt(const trace::SecretKey& station_key, Spool& spool
       loop_(device, *core_, ring_, LoopOptions(prepared, options), this) {
   uploader_.Prefer(attempt_, live_);
   recorder_thread_ = std::thread([this] { Record(); });
-  loop_thread_ = std::thread([this, lockstep = options.lockstep] { RunLoop(lockstep); });
+  loop_thread_ = std::thread(
+      [this, lockstep = options.lockstep, cpu = options.cpu] { RunLoop(lockstep, cpu); });
 }
 
 RunningAttempt::~RunningAttempt() {
@@ -78,9 +79,9 @@ void RunningAttempt::OnTick(const core::Core& core, const Snapshot& snapshot) no
   if (observer_ != nullptr) observer_->OnTick(core, snapshot);
 }
 
-void RunningAttempt::RunLoop(bool lockstep) {
+void RunningAttempt::RunLoop(bool lockstep, int cpu) {
   if (!lockstep) {
-    RealtimeGrant grant = RequestRealtime();
+    RealtimeGrant grant = RequestRealtime({cpu});
     if (!grant.refused.empty()) spdlog::warn("{}", grant.refused);
   }
   loop_.Run();

@@ -18,6 +18,7 @@ struct AttemptOptions {
   // False for devices whose time does not pass while the loop is late (tick_loop.h).
   bool faults_when_late = true;
   TickObserver* observer = nullptr;  // outlives the attempt; may be null
+  int cpu = -1;                      // bind the loop to this processor; -1: to none
 };
 
 // An attempt between its first tick and its last acknowledgement: tick loop, recorder and uplink on
@@ -67,7 +68,7 @@ class RunningAttempt : private TickObserver {
 
  private:
   void OnTick(const core::Core& core, const Snapshot& snapshot) noexcept override;
-  void RunLoop(bool lockstep);
+  void RunLoop(bool lockstep, int cpu);
   void Record();
 
   std::optional<RecordingLock> lock_;  // until the recording is whole
