@@ -5,6 +5,8 @@
 #include <functional>
 #include <iostream>
 
+#include "common/program/log.h"
+#include "common/program/settings.h"
 #include "server/app/admin.h"
 #include "server/app/data_folder.h"
 #include "server/app/personal_data.h"
@@ -13,8 +15,6 @@
 #include "server/app/serve.h"
 #include "server/app/teaching.h"
 #include "server/app/upkeep.h"
-#include "server/ops/log.h"
-#include "server/ops/settings.h"
 
 // enamel-server: command line only. Exit codes: 0 done, 1 refused or failed, 2 wrong usage.
 namespace {
@@ -28,7 +28,7 @@ using Command = std::function<Status()>;
 struct Options {
   std::filesystem::path data, config, target;
   bool print_settings = false, with_references = false;
-  ops::LogOptions log;
+  program::LogOptions log;
   app::BackupCommand backup;
   app::RestoreCommand restore;
   app::VerifyCommand verify;
@@ -93,8 +93,8 @@ void AddOperations(CLI::App* cmd, Options& o) {
 
 // After the command line: the environment, the file, and what is needed from either.
 Status FinishServe(CLI::App& cmd, Options& o) {
-  ENAMEL_RETURN_IF_ERROR(ops::ReadEnvironment(cmd));
-  if (!o.config.empty()) ENAMEL_RETURN_IF_ERROR(ops::ReadSettingsFile(o.config, cmd));
+  ENAMEL_RETURN_IF_ERROR(program::ReadEnvironment(cmd));
+  if (!o.config.empty()) ENAMEL_RETURN_IF_ERROR(program::ReadSettingsFile(o.config, cmd));
   if (o.serve.data.empty()) {
     return Status(Code::kInvalidInput,
                   "serve needs a data folder: --data DIR, ENAMEL_DATA, or data = \"DIR\" in the "
@@ -107,7 +107,7 @@ Status FinishServe(CLI::App& cmd, Options& o) {
     return Status(Code::kInvalidInput,
                   "--http-self-signed makes the certificate that --http-cert gives; choose one");
   }
-  return ops::SetUpLog(o.log);
+  return program::SetUpLog(o.log);
 }
 
 void AddServe(CLI::App& root, Options& o, Command& command) {
@@ -130,7 +130,7 @@ void AddServe(CLI::App& root, Options& o, Command& command) {
     command = [&, cmd]() -> Status {
       ENAMEL_RETURN_IF_ERROR(FinishServe(*cmd, o));
       if (o.print_settings) {
-        std::cout << ops::SettingsText(*cmd);
+        std::cout << program::SettingsText(*cmd);
         return Status::Ok();
       }
       return app::Serve(o.serve);
@@ -396,7 +396,7 @@ void AddAssignments(CLI::App& admin, Options& o, Command& command) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (Status log = ops::SetUpLog({}); !log.ok() || sodium_init() < 0) {
+  if (Status log = program::SetUpLog({}); !log.ok() || sodium_init() < 0) {
     std::cerr << "enamel-server: libsodium cannot be initialised on this machine\n";
     return 1;
   }

@@ -3,9 +3,14 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
+#include <functional>
 #include <iostream>
+#include <set>
 #include <string>
 
+#include "common/program/log.h"
+#include "common/program/settings.h"
 #include "station/app/attempt.h"
 #include "station/app/commands.h"
 #include "station/app/device_commands.h"
@@ -42,6 +47,8 @@ After a crash or a power cut, go on where the recording ends, or end it there:
 For hours without the server, with a PIN of your own:
   ENAMEL_PASSWORD=... ENAMEL_PIN=... enamel-station reserve --user LOGIN --exercise NAME --profile NAME
   ENAMEL_PIN=... enamel-station run --reserved ID
+Settings: command line before environment (ENAMEL_STATION_ and the option's name, as
+ENAMEL_STATION_UPLINK_KBIT) before a file (--config FILE); schemas/station_settings.md.
 Exit codes: 0 done, 1 failed (the reason is on standard error), 2 wrong command line,
 3 recorded and safe on this station, but not on the server yet.)";
 
@@ -128,6 +135,50 @@ int Run(RunOptions& options, bool password_stdin) {
   return kNotUploaded;
 }
 
+// Settings of the machine, for all of its commands.
+constexpr char kSystemSettings[] = "/etc/enamel/station.toml";
+
+Status ApplySettings(CLI::App& app, CLI::App& command, program::LogOptions& log,
+                     const std::string& config) {
+  // They belong to the program, whose options are taken over after its command's.
+  for (const char* name : {"--config", "--log-format", "--log-level"}) {
+    if (CLI::Option* option = app.get_option(name); option->count() > 0) option->run_callback();
+  }
+  std::filesystem::path file = config.empty() ? Environment("ENAMEL_STATION_CONFIG") : config;
+  if (file.empty() && std::filesystem::exists(kSystemSettings)) file = kSystemSettings;
+  const std::set<std::string> known = program::SettingNames(app);
+  for (CLI::App* one : {&command, &app}) {
+    ENAMEL_RETURN_IF_ERROR(program::ReadEnvironment(*one, "ENAMEL_STATION_"));
+    if (file.empty()) continue;
+    ENAMEL_RETURN_IF_ERROR(program::ReadSettingsFile(file, *one, known));
+  }
+  return program::SetUpLog(log);
+}
+
+// Before a command runs: what its command line did not say is taken from the environment
+// (ENAMEL_STATION_…), then from the settings file; then the log is set up.
+void AddSettings(CLI::App& app, program::LogOptions& log, std::string& config) {
+  app.add_option("--config", config,
+                 "Settings file (TOML); also ENAMEL_STATION_CONFIG, else "
+                 "/etc/enamel/station.toml if it is there");
+  app.add_option("--log-format", log.format, "text, or json: one object a line")
+      ->check(CLI::IsMember({"text", "json"}))
+      ->capture_default_str();
+  app.add_option("--log-level", log.level, "trace, debug, info, warning or error")
+      ->capture_default_str();
+  std::function<void(CLI::App&)> prepare = [&](CLI::App& parent) {
+    for (CLI::App* command : parent.get_subcommands([](CLI::App*) { return true; })) {
+      command->fallthrough();
+      command->parse_complete_callback([&app, &log, &config, command] {
+        if (Status s = ApplySettings(app, *command, log, config); !s.ok())
+          throw CLI::ValidationError(s.message());
+      });
+      prepare(*command);
+    }
+  };
+  prepare(app);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -190,6 +241,8 @@ int main(int argc, char** argv) {
 
   RunOptions run;
   bool password_stdin = false;
+  int keep_days = 7;
+  uint64_t keep_mib = run.retention.bytes >> 20;
   auto* run_cmd = with_data(app.add_subcommand("run", "Make an attempt at an exercise"));
   run_cmd->add_option("--server", run.server, "HOST:PORT when it has moved since enrolment");
   auto* exercise = run_cmd->add_option("--exercise", run.exercise, "Name of the exercise");
@@ -206,6 +259,14 @@ int main(int argc, char** argv) {
       ->excludes(exercise)
       ->excludes(resume);
   run_cmd->add_option("--uplink-kbit", run.kbit_per_s, "Send no faster than this; 0: no bound");
+  run_cmd
+      ->add_option("--keep-days", keep_days, "Keep recordings this long after the server has them")
+      ->check(CLI::Range(7, 3650))
+      ->capture_default_str();
+  run_cmd
+      ->add_option("--keep-mib", keep_mib,
+                   "Beyond this the recordings it has had longest go earlier; 0: no bound")
+      ->capture_default_str();
   run_cmd->add_flag("--password-stdin", password_stdin,
                     "Read the password from standard input (else ENAMEL_PASSWORD)");
   run_cmd->add_option("--device", run.device.device,
@@ -231,6 +292,7 @@ int main(int argc, char** argv) {
   run_cmd->add_flag("--quiet", run.quiet, "No progress");
   run_cmd->callback([&] {
     run.data = data;
+    run.retention = {std::chrono::hours(24 * keep_days), keep_mib << 20};
     exit_code = Run(run, password_stdin);
   });
 
@@ -350,9 +412,15 @@ int main(int argc, char** argv) {
   qualify::RegisterQualify(app, &exit_code);
   RegisterDeviceCommands(app, DefaultData(), Finish, &exit_code);
 
+  program::LogOptions log{.name = "enamel-station"};
+  std::string config;
+  AddSettings(app, log, config);
   try {
     app.parse(argc, argv);
-    if (app.get_subcommands().empty()) exit_code = Finish(open_desk());
+    if (app.get_subcommands().empty()) {
+      Status set = ApplySettings(app, *open_cmd, log, config);
+      exit_code = Finish(set.ok() ? open_desk() : set);
+    }
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kUsage;
   } catch (const std::exception& error) {

@@ -143,7 +143,10 @@ Status Carrier::TakeAck() {
     if (*ack) {
       NoteWatched((*ack)->attempt, (*ack)->watched);
       if (!(*ack)->committed) continue;
-      --waiting_;
+      // Each mark is a write to disk that a chunk being spooled would wait for.
+      bool mark = --waiting_ == 0 || ++unmarked_ >= kWindow / 2;
+      if (!mark) return Status::Ok();
+      unmarked_ = 0;
       return spool_.MarkCommitted((*ack)->attempt, (*ack)->seq);
     }
     if (Clock::now() > deadline) {

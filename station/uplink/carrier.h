@@ -61,6 +61,7 @@ class Carrier {
   const Meanwhile meanwhile_;
   std::map<Uuid, uint32_t> next_;  // attempts opened on this connection, and their next chunk
   size_t waiting_ = 0;             // chunks without acknowledgement
+  size_t unmarked_ = 0;            // chunks that the spool does not know of yet to be committed
   std::optional<Uuid> watched_;
 };
 

@@ -36,6 +36,7 @@ const std::map<std::string, Names>& Allowed() {
         {"common/measure", {"common/scoring"}},
         {"common/protocol", {"common/base"}},
         {"common/net", {"common/protocol"}},
+        {"common/program", {"common/base"}},
         {"station/devices", {"common/core", "common/scene"}},
         {"station/hid", {"station/devices", "common/scene"}},
         {"station/sdk", {"station/devices", "common/scene"}},
@@ -49,7 +50,7 @@ const std::map<std::string, Names>& Allowed() {
          {"station/session", "station/sound", "station/render", "station/devices", "station/loop", "common/scoring", "common/scene"}},
         {"station/qualify", {"station/devices", "common/measure"}},
         {"station/app",
-         {"station/devices", "station/hid", "station/sdk", "station/loop", "station/render", "station/spool", "station/uplink", "station/session", "station/desk", "station/qualify",
+         {"station/devices", "station/hid", "station/sdk", "station/loop", "station/render", "station/spool", "station/uplink", "station/session", "station/desk", "station/qualify", "common/program",
           "common/import", "common/scene", "common/scoring"}},
         {"server/ops", {"common/base"}},
         {"server/training", {"common/base"}},
@@ -59,7 +60,7 @@ const std::map<std::string, Names>& Allowed() {
         {"server/stations", {"server/auth", "server/live", "server/ops", "server/storage", "common/net", "common/trace", "common/scene"}},
         {"server/jobs", {"server/storage", "common/scoring"}},
         {"server/http", {"server/auth", "server/live", "server/ops", "server/storage", "server/jobs", "common/scene", "common/net"}},
-        {"server/app", {"server/http", "server/ops", "server/stations", "server/jobs", "common/scoring", "common/import"}},
+        {"server/app", {"common/program", "server/http", "server/ops", "server/stations", "server/jobs", "common/scoring", "common/import"}},
     };
     bool grew = true;
     while (grew) {

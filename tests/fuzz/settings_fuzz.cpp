@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "common/base/check.h"
-#include "server/ops/settings.h"
+#include "common/program/settings.h"
 
 // Any bytes as a settings file: refused with file and line, or settings that read back the same
 // from the file they make.
@@ -24,7 +24,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   };
   Settings given;
   std::string_view text(reinterpret_cast<const char*>(data), size);
-  Status read = server::ops::ReadSettings(text, "fuzz.toml", given.app);
+  Status read = program::ReadSettings(text, "fuzz.toml", given.app);
   if (!read.ok()) {
     ENAMEL_CHECK(read.message().starts_with("fuzz.toml:"));
     return 0;
@@ -32,7 +32,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   ENAMEL_CHECK(given.threads >= 0 && given.threads <= 64);
   Settings again;
   Status reread =
-      server::ops::ReadSettings(server::ops::SettingsText(given.app), "again.toml", again.app);
+      program::ReadSettings(program::SettingsText(given.app), "again.toml", again.app);
   ENAMEL_CHECK(reread.ok());
   ENAMEL_CHECK(again.http == given.http && again.threads == given.threads);
   ENAMEL_CHECK(again.names == given.names && again.flag == given.flag);

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # A station that is killed in the middle of an attempt goes on where its recording ends, or ends it there; a server
-# restored from an older backup gets back what it lost; an attempt is made without the server on a ticket taken before.
+# restored from an older backup gets back what it lost; an attempt is made without the server on a ticket taken before; a
+# cable that is pulled again and again loses nothing.
 . "$(dirname "$0")/support.sh"
 data=$work/server station=$work/station
 port=$(free_ports)
@@ -112,6 +113,33 @@ station_cli upload --data "$station" >/dev/null
 [ "$(ticks_on_server "$attempt")" = "$(json_of "$work/cut.json" ticks)" ] || fail "the offline attempt is not whole at the server"
 server_cli report --data "$data" --attempt "$attempt" --wait 600 --json "$work/report.json" >/dev/null
 [ "$(json_of "$work/report.json" witness_ok)" = true ] || fail "the offline attempt does not replay"
+
+echo "== the cable is pulled again and again"
+export ENAMEL_PASSWORD=enamel-demo-student1
+cable_port=$(free_ports)
+node "$root/tests/integration/cable.mjs" "$cable_port" "$((port + 1))" "$work/cut" >"$work/cable.log" &
+cable=$!
+pids+=("$cable")
+for _ in $(seq 100); do grep -q ready "$work/cable.log" && break; sleep 0.1; done
+before=$(newest)
+"$bin/enamel-station" run --data "$station" --server "127.0.0.1:$cable_port" --profile phantom_desktop --lockstep --quiet \
+  --exercise "$exercise" --user student1 --operator student --json "$work/cut.json" >"$work/run.log" 2>&1 &
+runner=$!
+pids+=("$runner")
+for _ in $(seq 3000); do [ "$(newest)" = "$before" ] || break; done
+touch "$work/cut"
+rc=0
+wait "$runner" || rc=$?
+[ $rc -eq 0 ] || [ $rc -eq 3 ] || { cat "$work/run.log"; fail "the station ended with exit code $rc"; }
+rm "$work/cut"
+station_cli upload --data "$station" --server "127.0.0.1:$cable_port" >/dev/null
+attempt=$(json_of "$work/cut.json" attempt_id)
+[ "$(ticks_on_server "$attempt")" = "$(json_of "$work/cut.json" ticks)" ] || fail "a pulled cable cost ticks"
+server_cli report --data "$data" --attempt "$attempt" --wait 600 --json "$work/report.json" >/dev/null
+[ "$(json_of "$work/report.json" witness_ok)" = true ] || fail "what came over the broken cable does not replay"
+echo "ok: $(json_of "$work/cut.json" ticks) ticks over $(tail -n 1 "$work/cable.log")"
+kill "$cable"
+
 station_cli spool verify --data "$station" | tail -n 1
 stop_server
-echo "nothing lost: resumed, closed, restored and offline"
+echo "nothing lost: resumed, closed, restored, offline and over a broken cable"

@@ -17,6 +17,7 @@ void RegisterMemory(CLI::App& app, int* exit_code);
 void RegisterReplay(CLI::App& app, int* exit_code);
 void RegisterSurface(CLI::App& app, int* exit_code);
 void RegisterImport(CLI::App& app, int* exit_code);
+void RegisterRecord(CLI::App& app, int* exit_code);
 void RegisterError(CLI::App& app, int* exit_code);
 
 // One line on standard error, rewritten in place and wiped at the end; at most ten times a second,

@@ -24,6 +24,7 @@ int main(int argc, char** argv) {
   enamel::bench::RegisterReplay(app, &exit_code);
   enamel::bench::RegisterSurface(app, &exit_code);
   enamel::bench::RegisterImport(app, &exit_code);
+  enamel::bench::RegisterRecord(app, &exit_code);
   enamel::bench::RegisterError(app, &exit_code);
   try {
     app.parse(argc, argv);

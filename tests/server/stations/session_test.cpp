@@ -340,6 +340,59 @@ TEST_F(SessionTest, LatestLiveStateIsKeptUntilTheAttemptIsSealed) {
 
 // A restore brings back a time before some tickets; stations still hold what was recorded with
 // them.
+TEST_F(SessionTest, OnlyWhatIsNotThereAsAWholeIsWantedOfWhatIsOffered) {
+  Welcome();
+  Recording whole = Ticketed(2), begun = Ticketed(2);
+  for (const Recording* r : {&whole, &begun}) {
+    station_.Open(r->header);
+    station_.Put(r->chunks[0]);
+  }
+  station_.Put(whole.chunks[1]);
+  ASSERT_TRUE(station_.Seal(whole.seal).has_sealed());
+  const Uuid lost = Uuid::New();
+  wire::Request request;
+  wire::OfferAttempts& offer = *request.mutable_offer_attempts();
+  for (const Uuid& id : {whole.seal.attempt, begun.seal.attempt, lost}) {
+    offer.add_attempts()->set_attempt(protocol::ToField(id.view()));
+  }
+  auto wanted = station_.Send(request).attempts_wanted();
+  ASSERT_EQ(wanted.attempts_size(), 2);
+  EXPECT_EQ(wanted.attempts(0), protocol::ToField(begun.seal.attempt.view()));
+  EXPECT_EQ(wanted.attempts(1), protocol::ToField(lost.view()));
+  for (int i = 0; i < 1100; ++i) offer.add_attempts()->set_attempt(std::string(16, 'x'));
+  EXPECT_EQ(station_.Send(request).error().code(), "too_large");
+}
+
+// A ticket that a restore forgot was issued all the same; one that was used is none for later.
+TEST_F(SessionTest, TicketThatWasUsedIsRevokedAndOneThatIsUnknownIsNot) {
+  Welcome();
+  Recording unused = Ticketed(1), used = Ticketed(1);
+  station_.Open(used.header);
+  wire::Request request;
+  wire::OfferAttempts& offer = *request.mutable_offer_attempts();
+  for (const Uuid& id : {unused.seal.attempt, used.seal.attempt, Uuid::New()}) {
+    offer.add_tickets(protocol::ToField(id.view()));
+  }
+  auto wanted = station_.Send(request).attempts_wanted();
+  ASSERT_EQ(wanted.revoked_size(), 1);
+  EXPECT_EQ(wanted.revoked(0), protocol::ToField(used.seal.attempt.view()));
+  ASSERT_TRUE(world_.store->SetDisabled(world_.student, true, kSystem).ok());
+  EXPECT_EQ(station_.Send(request).attempts_wanted().revoked_size(), 2);
+}
+
+TEST_F(SessionTest, StationIsToldWithEachAcknowledgementWhetherSomebodyWatches) {
+  Welcome();
+  Recording recording = Ticketed(3);
+  EXPECT_FALSE(station_.Open(recording.header).attempt_opened().watched());
+  EXPECT_FALSE(station_.Put(recording.chunks[0]).chunk_ack().watched());
+  {
+    auto watch = world_.live.Watch(recording.seal.attempt);
+    EXPECT_TRUE(station_.Put(recording.chunks[1]).chunk_ack().watched());
+    EXPECT_TRUE(station_.Open(recording.header).attempt_opened().watched());
+  }
+  EXPECT_FALSE(station_.Put(recording.chunks[2]).chunk_ack().watched());
+}
+
 TEST_F(SessionTest, RecordingWhoseTicketARestoreForgotIsTaken) {
   Welcome();
   trace::Ticket ticket = Ticketed(1).header_fields.ticket;

@@ -1,4 +1,4 @@
-#include "server/ops/settings.h"
+#include "common/program/settings.h"
 
 #include <toml++/toml.h>
 
@@ -10,7 +10,7 @@
 
 #include "common/base/file.h"
 
-namespace enamel::server::ops {
+namespace enamel::program {
 namespace {
 
 constexpr size_t kMaxFileBytes = 1 << 20;
@@ -119,34 +119,36 @@ std::string ValueText(const CLI::Option& option) {
 
 }  // namespace
 
-std::string EnvironmentName(const std::string& option) {
-  std::string out = "ENAMEL_" + option;
+std::string EnvironmentName(const std::string& option, const std::string& prefix) {
+  std::string out = prefix + option;
   std::ranges::transform(out, out.begin(), [](unsigned char c) {
     return c == '-' ? '_' : static_cast<char>(std::toupper(c));
   });
   return out;
 }
 
-Status ReadEnvironment(CLI::App& command) {
+Status ReadEnvironment(CLI::App& command, const std::string& prefix) {
   for (CLI::Option* option : command.get_options()) {
     std::string name = NameOf(*option);
     if (!IsSetting(name) && name != "config") continue;
-    const char* value = std::getenv(EnvironmentName(name).c_str());
+    const char* value = std::getenv(EnvironmentName(name, prefix).c_str());
     if (value == nullptr) continue;
     if (Status applied = Apply(*option, {value}); !applied.ok()) {
-      return Status(Code::kInvalidInput, EnvironmentName(name) + ": " + applied.message());
+      return Status(Code::kInvalidInput, EnvironmentName(name, prefix) + ": " + applied.message());
     }
   }
   return Status::Ok();
 }
 
-Status ReadSettingsFile(const std::filesystem::path& file, CLI::App& command) {
+Status ReadSettingsFile(const std::filesystem::path& file, CLI::App& command,
+                        const std::set<std::string>& of_others) {
   auto bytes = ReadFile(file, kMaxFileBytes);
   if (!bytes.ok()) return bytes.status();
-  return ReadSettings(AsText(*bytes), file.string(), command);
+  return ReadSettings(AsText(*bytes), file.string(), command, of_others);
 }
 
-Status ReadSettings(std::string_view text, const std::string& file, CLI::App& command) {
+Status ReadSettings(std::string_view text, const std::string& file, CLI::App& command,
+                    const std::set<std::string>& of_others) {
   if (size_t stray = StrayCharacter(text); stray != std::string_view::npos) {
     auto line = 1 + std::ranges::count(text.substr(0, stray), '\n');
     return Status(Code::kInvalidInput, file + ":" + std::to_string(line) +
@@ -163,6 +165,7 @@ Status ReadSettings(std::string_view text, const std::string& file, CLI::App& co
     std::string name(key.str());
     std::ranges::replace(name, '_', '-');
     CLI::Option* option = IsSetting(name) ? command.get_option_no_throw("--" + name) : nullptr;
+    if (option == nullptr && of_others.contains(name)) continue;
     if (option == nullptr) {
       return Status(Code::kInvalidInput, Where(file, key.source()) + "expected one of " +
                                              Names(command) + "; found \"" +
@@ -178,6 +181,17 @@ Status ReadSettings(std::string_view text, const std::string& file, CLI::App& co
   return Status::Ok();
 }
 
+std::set<std::string> SettingNames(const CLI::App& app) {
+  std::set<std::string> out;
+  for (const CLI::Option* option : app.get_options()) {
+    if (std::string name = NameOf(*option); IsSetting(name)) out.insert(name);
+  }
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    out.merge(SettingNames(*command));
+  }
+  return out;
+}
+
 std::string SettingsText(const CLI::App& command) {
   std::string out;
   for (const CLI::Option* option : command.get_options()) {
@@ -191,4 +205,4 @@ std::string SettingsText(const CLI::App& command) {
   return out;
 }
 
-}  // namespace enamel::server::ops
+}  // namespace enamel::program

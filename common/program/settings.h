@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <set>
 #include <string>
 #include <string_view>
 
@@ -11,28 +12,33 @@ class App;
 }
 
 // Settings from three places, the nearer one wins: command line, environment, file.
-namespace enamel::server::ops {
+namespace enamel::program {
 
 // The environment variable of an option: "--job-threads" is ENAMEL_JOB_THREADS.
-std::string EnvironmentName(const std::string& option);
+std::string EnvironmentName(const std::string& option, const std::string& prefix = "ENAMEL_");
 
 // Gives the options of `command` that the command line did not give the values of their environment
 // variables. After the command line was parsed, so that a command only minds its own. Errors:
 // kInvalidInput with the variable's name.
-Status ReadEnvironment(CLI::App& command);
+Status ReadEnvironment(CLI::App& command, const std::string& prefix = "ENAMEL_");
 
 // Gives the options of `command` that neither command line nor environment gave the values of a
 // TOML file (https://toml.io, 1.0): its keys are the options' long names without dashes in front,
 // "job-threads" or "job_threads"; texts, integers, booleans, and lists of texts for options that
 // may be repeated. After the command line was parsed. Errors: kNotFound; kInvalidInput with line
 // and column, also for a key that is no option (it names those there are) and for a value that the
-// option refuses.
-Status ReadSettingsFile(const std::filesystem::path& file, CLI::App& command);
+// option refuses. A file may serve several commands: keys in `of_others` are passed over.
+Status ReadSettingsFile(const std::filesystem::path& file, CLI::App& command,
+                        const std::set<std::string>& of_others = {});
 
 // The same of a file's text; `file` is its name in messages.
-Status ReadSettings(std::string_view text, const std::string& file, CLI::App& command);
+Status ReadSettings(std::string_view text, const std::string& file, CLI::App& command,
+                    const std::set<std::string>& of_others = {});
+
+// The names of all options of `app` and its commands that may stand in a file.
+std::set<std::string> SettingNames(const CLI::App& app);
 
 // The options of `command` with their values as a TOML file that ReadSettingsFile takes.
 std::string SettingsText(const CLI::App& command);
 
-}  // namespace enamel::server::ops
+}  // namespace enamel::program

@@ -1,4 +1,4 @@
-#include "server/ops/log.h"
+#include "common/program/log.h"
 
 #include <spdlog/formatter.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
@@ -10,7 +10,7 @@
 #include <ctime>
 #include <memory>
 
-namespace enamel::server::ops {
+namespace enamel::program {
 namespace {
 
 std::string UtcText(spdlog::log_clock::time_point time) {
@@ -58,16 +58,16 @@ Status SetUpLog(const LogOptions& options) {
                   "expected the log format text or json, found \"" + options.format + "\"",
                   "log-format");
   }
-  spdlog::drop("enamel-server");
+  spdlog::drop(options.name);
   if (options.format == "json") {
-    auto logger = spdlog::stderr_logger_mt("enamel-server");
+    auto logger = spdlog::stderr_logger_mt(options.name);
     logger->set_formatter(std::make_unique<JsonLines>());
     spdlog::set_default_logger(logger);
   } else {
-    spdlog::set_default_logger(spdlog::stderr_color_mt("enamel-server"));
+    spdlog::set_default_logger(spdlog::stderr_color_mt(options.name));
   }
   spdlog::set_level(level);
   return Status::Ok();
 }
 
-}  // namespace enamel::server::ops
+}  // namespace enamel::program

@@ -1,4 +1,4 @@
-#include "server/ops/log.h"
+#include "common/program/log.h"
 
 #include <gtest/gtest.h>
 #include <spdlog/spdlog.h>
@@ -7,7 +7,7 @@
 #include <regex>
 #include <sstream>
 
-namespace enamel::server::ops {
+namespace enamel::program {
 namespace {
 
 class LogTest : public ::testing::Test {
@@ -42,4 +42,4 @@ TEST_F(LogTest, UnknownFormatAndLevelAreRefusedByName) {
 }
 
 }  // namespace
-}  // namespace enamel::server::ops
+}  // namespace enamel::program

@@ -1,4 +1,4 @@
-#include "server/ops/settings.h"
+#include "common/program/settings.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -11,7 +11,7 @@
 #include "common/base/uuid.h"
 
 // Command line before environment before file.
-namespace enamel::server::ops {
+namespace enamel::program {
 namespace {
 
 class SettingsTest : public ::testing::Test {
@@ -123,4 +123,4 @@ TEST_F(SettingsTest, PrintedSettingsReadBackTheSame) {
 }
 
 }  // namespace
-}  // namespace enamel::server::ops
+}  // namespace enamel::program

@@ -1,0 +1,128 @@
+#include "station/session/ticket_safe.h"
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace enamel::station {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char kPin[] = "804217", kOther[] = "804218";
+constexpr int64_t kHour_ms = 3'600'000;
+
+class TicketSafeTest : public testing::Test {
+ protected:
+  TicketSafeTest() {
+    std::string name = (fs::temp_directory_path() / "enamel_safe_XXXXXX").string();
+    folder_ = ::mkdtemp(name.data());
+    spool_ = std::move(*Spool::Open(folder_));
+    ticket_.attempt = Uuid::New();
+    ticket_.person = Uuid::New();
+    ticket_.expires_unix_ms = now_ms_ + 12 * kHour_ms;
+  }
+  ~TicketSafeTest() override {
+    spool_.reset();
+    fs::remove_all(folder_);
+  }
+
+  Status Put() {
+    LockedTicket names;
+    names.person = "Student One";
+    return Safe().Put(ticket_, names, kPin);
+  }
+  TicketSafe Safe() {
+    return TicketSafe(*spool_, [this] { return now_ms_; });
+  }
+  Code Open(const char* pin) { return Safe().Open(ticket_.attempt, pin).status().code(); }
+
+  fs::path folder_;
+  std::unique_ptr<Spool> spool_;
+  trace::Ticket ticket_;
+  int64_t now_ms_ = 1'700'000'000'000;
+};
+
+TEST_F(TicketSafeTest, RightPinGivesTheTicketBackAgainAndAgain) {
+  ASSERT_TRUE(Put().ok());
+  for (int i = 0; i < 3; ++i) {
+    auto opened = Safe().Open(ticket_.attempt, kPin);
+    ASSERT_TRUE(opened.ok()) << opened.status().message();
+    EXPECT_EQ(*opened, ticket_);
+  }
+}
+
+TEST_F(TicketSafeTest, WrongPinsWaitLongerEachTimeAndTheTenthDestroysTheTicket) {
+  ASSERT_TRUE(Put().ok());
+  int64_t expected_s = 30;
+  for (int wrong = 1; wrong <= TicketSafe::kMaxTries; ++wrong) {
+    ASSERT_EQ(Open(kOther), Code::kUnauthenticated) << wrong;
+    if (wrong == TicketSafe::kMaxTries) break;
+    if (wrong <= TicketSafe::kFreeTries) continue;
+    // Not even the right one is tried before.
+    now_ms_ += expected_s * 1000 - 1;
+    EXPECT_EQ(Open(kPin), Code::kUnavailable) << wrong;
+    now_ms_ += 1;
+    expected_s *= 2;
+  }
+  EXPECT_EQ(Open(kPin), Code::kNotFound);
+  EXPECT_TRUE(spool_->Tickets()->empty());
+}
+
+TEST_F(TicketSafeTest, RightPinBeginsTheCountAnew) {
+  ASSERT_TRUE(Put().ok());
+  for (int round = 0; round < 3; ++round) {
+    EXPECT_EQ(Open(kOther), Code::kUnauthenticated);
+    EXPECT_EQ(Open(kOther), Code::kUnauthenticated);
+    EXPECT_EQ(Open(kPin), Code::kOk);
+  }
+}
+
+TEST_F(TicketSafeTest, StartingTheProgramAgainWinsNoFurtherTry) {
+  ASSERT_TRUE(Put().ok());
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(Open(kOther), Code::kUnauthenticated);
+  spool_.reset();
+  spool_ = std::move(*Spool::Open(folder_));
+  EXPECT_EQ(Open(kPin), Code::kUnavailable);
+  EXPECT_EQ(spool_->Tickets()->front().wrong_pins, 3);
+}
+
+TEST_F(TicketSafeTest, ExpiredTicketIsForgotten) {
+  ASSERT_TRUE(Put().ok());
+  now_ms_ += 12 * kHour_ms - 1;
+  EXPECT_EQ(Safe().List()->size(), 1u);
+  now_ms_ += 1;
+  EXPECT_TRUE(Safe().List()->empty());
+  EXPECT_EQ(Open(kPin), Code::kNotFound);
+}
+
+// The ticket's own bytes and the PIN are nowhere on the disk.
+TEST_F(TicketSafeTest, NeitherTicketNorPinIsOnTheDisk) {
+  ticket_.signature.fill(0x5a);
+  ASSERT_TRUE(Put().ok());
+  const std::string needle(48, 0x5a);
+  spool_.reset();
+  for (const auto& entry : fs::directory_iterator(folder_)) {
+    std::ifstream in(entry.path(), std::ios::binary);
+    std::string bytes((std::istreambuf_iterator<char>(in)), {});
+    EXPECT_EQ(bytes.find(needle), std::string::npos) << entry.path();
+    EXPECT_EQ(bytes.find(kPin), std::string::npos) << entry.path();
+  }
+  spool_ = std::move(*Spool::Open(folder_));
+  EXPECT_EQ(Safe().Open(ticket_.attempt, kPin)->signature, ticket_.signature);
+}
+
+TEST_F(TicketSafeTest, PinsThatAreGuessedFirstAreRefused) {
+  for (const char* bad : {"", "12345", "1234567890123", "12345a", "000000", "123456", "987654",
+                          "12 456", "\xd9\xa1\xd9\xa2\xd9\xa3"}) {
+    EXPECT_EQ(TicketSafe::CheckPin(bad).code(), Code::kInvalidInput) << bad;
+  }
+  for (const char* good : {"804217", "121212", "112233445566"}) {
+    EXPECT_TRUE(TicketSafe::CheckPin(good).ok()) << good;
+  }
+}
+
+}  // namespace
+}  // namespace enamel::station
