@@ -8,7 +8,7 @@ mkdir -p "$pictures"
 station="$work/station"
 
 mkfifo "$work/display"
-Xvfb -displayfd 3 -screen 0 1920x1080x24 -nolisten tcp 3<>"$work/display" >/dev/null 2>&1 &
+Xvfb -displayfd 3 -screen 0 1920x1080x24 -noreset -nolisten tcp 3<>"$work/display" >/dev/null 2>&1 &
 pids+=($!)
 read -r -t 30 number <"$work/display" || fail "Xvfb did not start"
 export DISPLAY=":$number"
