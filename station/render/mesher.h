@@ -35,7 +35,8 @@ Bounds BoundsOf(std::span<const GpuVertex> vertices, std::span<const uint32_t> i
 // False when no triangle can be seen from `eye_mm`, all facing away. Never false by mistake.
 bool MayFace(const Bounds& bounds, const glm::vec3& eye_mm);
 
-// The surface of 4 x 4 x 4 bricks, replaced as a whole when one of them changes.
+// The surface of 4 x 4 x 4 bricks, replaced as a whole when one of them changes. Until then it is
+// drawn with fewer triangles (simplify.h).
 struct GroupMesh {
   size_t group = 0;
   std::vector<GpuVertex> vertices;

@@ -1,0 +1,103 @@
+#include "station/render/simplify.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+
+namespace enamel::station::render {
+namespace {
+
+constexpr int kSide = 40;
+constexpr float kStep_mm = 0.05f, kRadius_mm = 5;
+
+// A patch of a sphere as surface nets would give it, in two halves that repeat the seam between.
+GroupMesh Patch(uint8_t tissue_beyond = 1) {
+  GroupMesh mesh;
+  auto add = [&](int i, int j) {
+    float x = (static_cast<float>(i) - kSide / 2.0f) * kStep_mm,
+          y = (static_cast<float>(j) - kSide / 2.0f) * kStep_mm,
+          z = std::sqrt(kRadius_mm * kRadius_mm - x * x - y * y);
+    auto byte = [](float v) { return static_cast<int8_t>(std::lround(v / kRadius_mm * 127)); };
+    mesh.vertices.push_back(
+        {{x, y, z}, {byte(x), byte(y), byte(z)}, i < kSide - 2 ? uint8_t{1} : tissue_beyond});
+  };
+  for (int half = 0; half < 2; ++half) {
+    auto base = static_cast<uint32_t>(mesh.vertices.size());
+    int first = half * kSide / 2, count = kSide / 2;
+    for (int i = first; i <= first + count; ++i)
+      for (int j = 0; j <= kSide; ++j) add(i, j);
+    for (int i = 0; i < count; ++i)
+      for (int j = 0; j < kSide; ++j) {
+        auto a = base + static_cast<uint32_t>(i * (kSide + 1) + j), b = a + kSide + 1;
+        mesh.indices.insert(mesh.indices.end(), {a, b, b + 1, a, b + 1, a + 1});
+      }
+  }
+  return mesh;
+}
+
+glm::vec3 At(const GroupMesh& mesh, size_t index) {
+  const float* p = mesh.vertices[mesh.indices[index]].position_mm;
+  return {p[0], p[1], p[2]};
+}
+
+// Edges without an opposite one, by where they are.
+std::map<std::array<float, 6>, int> Border(const GroupMesh& mesh) {
+  std::map<std::array<float, 6>, int> edges;
+  for (size_t i = 0; i < mesh.indices.size(); i += 3) {
+    for (size_t k = 0; k < 3; ++k) {
+      glm::vec3 a = At(mesh, i + k), b = At(mesh, i + (k + 1) % 3);
+      if (edges.erase({b.x, b.y, b.z, a.x, a.y, a.z}) == 0) {
+        edges[{a.x, a.y, a.z, b.x, b.y, b.z}] = 1;
+      }
+    }
+  }
+  return edges;
+}
+
+TEST(SimplifyTest, ManyFewerTrianglesStayWithinTheErrorOfASphere) {
+  GroupMesh mesh = Patch();
+  size_t before = mesh.indices.size();
+  Simplify(mesh, 0.004f);
+  EXPECT_LT(mesh.indices.size(), before / 4);
+  for (size_t i = 0; i < mesh.indices.size(); i += 3) {
+    glm::vec3 middle = (At(mesh, i) + At(mesh, i + 1) + At(mesh, i + 2)) / 3.0f;
+    EXPECT_NEAR(glm::length(middle), kRadius_mm, 0.012f);
+  }
+}
+
+TEST(SimplifyTest, TheOuterBorderStaysAsItIsAndTheSeamInsideCloses) {
+  GroupMesh mesh = Patch();
+  auto before = Border(mesh);
+  Simplify(mesh, 0.004f);
+  EXPECT_EQ(Border(mesh), before);
+}
+
+TEST(SimplifyTest, WhatHasTwoTissuesIsLeftAlone) {
+  GroupMesh mesh = Patch(2);
+  auto indices = mesh.indices;
+  Simplify(mesh, 0.004f);
+  EXPECT_EQ(mesh.indices, indices);
+}
+
+TEST(SimplifyTest, WhatHasAnEdgeKeepsItsTriangles) {
+  GroupMesh mesh = Patch();
+  size_t before = mesh.indices.size();
+  for (GpuVertex& v : mesh.vertices) {
+    v.position_mm[2] = std::min(0.0f, v.position_mm[0]);  // a roof's edge along y
+    bool slope = v.position_mm[0] < -0.01f;
+    int8_t lean = slope ? -90 : 0, up = slope ? 90 : 127;
+    v.normal[0] = lean, v.normal[1] = 0, v.normal[2] = up;
+  }
+  Simplify(mesh, 0.004f);
+  EXPECT_EQ(mesh.indices.size(), before);
+}
+
+TEST(SimplifyTest, NothingStaysNothing) {
+  GroupMesh mesh;
+  Simplify(mesh, 0.004f);
+  EXPECT_TRUE(mesh.indices.empty());
+}
+
+}  // namespace
+}  // namespace enamel::station::render
