@@ -224,7 +224,7 @@ void Station::Take(const wire::Reply& reply, double now) {
     case wire::Reply::kPong:
       break;
     case wire::Reply::kError:
-      if (reply.error().code() == "unavailable") {
+      if (reply.error().code() == "unavailable" || reply.error().code() == "storage") {
         link_.Close();  // come back later
       } else {
         GiveUp(reply.error().code() + ": " + reply.error().message());
