@@ -157,6 +157,9 @@ Result<ErasureReport> SqliteStore::ErasePerson(const Uuid& person, bool with_ref
 }
 
 Status SqliteStore::Reconcile() {
+  if (sealed_rows_) {
+    ENAMEL_RETURN_IF_ERROR(Read([&](Db& db) { return sealed_rows_->Find(db); }));
+  }
   auto recorded = Read([](Db& db) { return ErasuresIn(db); });
   if (!recorded.ok()) return recorded.status();
   if (!recorded->empty()) ENAMEL_RETURN_IF_ERROR(keyring_.Bury(*recorded));

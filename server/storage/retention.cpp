@@ -82,6 +82,10 @@ Status Expire(Db& db, const std::vector<Uuid>& attempts, UnixMs now_ms, std::set
       }
     }
     ENAMEL_RETURN_IF_ERROR(named.status());
+    {
+      Query rows(db, "DELETE FROM trace_chunks WHERE tenant = ?1 AND attempt = ?2");
+      ENAMEL_RETURN_IF_ERROR(rows.Bind(attempt).Run());
+    }
     Query q(
         db,
         "UPDATE attempts SET expired_ms = ?3, trace_blob = NULL, final_volume = NULL, surface = "

@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <type_traits>
@@ -16,6 +17,7 @@
 #include "server/storage/db.h"
 #include "server/storage/folder_lock.h"
 #include "server/storage/keyring.h"
+#include "server/storage/sealed_rows.h"
 #include "server/storage/space_guard.h"
 #include "server/storage/sqlite_store.h"
 #include "server/storage/writer.h"
@@ -221,6 +223,7 @@ class SqliteStore final : public Store {
   Blobs blobs_;
   Keyring keyring_;
   SpaceGuard space_;
+  std::optional<SealedRows> sealed_rows_;  // the server's; others' rows go with the seal
   std::mutex people_mutex_;
   std::unordered_map<std::string, Uuid> person_of_;  // attempt to person; guarded by people_mutex_
   std::atomic<bool> damaged_{false};                 // a reader found the database damaged

@@ -56,7 +56,9 @@ SqliteStore::SqliteStore(const SqliteOptions& options, std::unique_ptr<Db> write
       readers_(options.folder / "enamel.db", options.readers, options.vfs),
       blobs_(options.folder / "blobs", DiskOf(options), options.fail_next),
       keyring_(options.folder / "keyring", DiskOf(options)),
-      space_(options.folder, DiskOf(options), options.min_free_bytes, options.free_space_check) {}
+      space_(options.folder, DiskOf(options), options.min_free_bytes, options.free_space_check) {
+  if (options.hold_lock) sealed_rows_.emplace(writer_);
+}
 
 Result<Sha256> SqliteStore::PutBlob(ByteView data) {
   ENAMEL_RETURN_IF_ERROR(MayRecord());

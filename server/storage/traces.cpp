@@ -83,8 +83,7 @@ Status Quarantine(Db& db, const Uuid& attempt, const std::string& problem) {
                     JsonOf({{"problem", problem}}));
 }
 
-// A chunk of a number that is committed already. Its row is gone once sealed: see
-// RepeatedAfterSeal.
+// A chunk of a number that is committed already, before the seal. After it: RepeatedAfterSeal.
 Status Repeated(Db& db, const Store::ChunkPut& chunk, ByteView sealed, bool& keep_anyway) {
   auto stored = StoredHash(db, chunk.attempt, chunk.head.seq);
   if (!stored.ok()) return stored.status();
@@ -245,7 +244,7 @@ Status SqliteStore::AppendChunk(const ChunkPut& chunk) {
     }
     if (chunk.head.seq < ingest->chunks) {
       sealed_before = !ingest->trace_blob.IsZero();
-      return Repeated(db, chunk, sealed, keep_anyway);
+      return sealed_before ? Status::Ok() : Repeated(db, chunk, sealed, keep_anyway);
     }
     if (ingest->state != AttemptState::kRecording) {
       return Status(Code::kConflict, "attempt " + chunk.attempt.Text() + " is " +
@@ -317,7 +316,7 @@ Status SqliteStore::SealAttempt(const trace::Seal& seal, UnixMs now_ms) {
       q.Bind(seal.attempt).Bind(now_ms).Bind(blob);
       ENAMEL_RETURN_IF_ERROR(q.Bind(int64_t{LateFlags(*ingest)}).Run());
     }
-    {
+    if (!sealed_rows_) {
       Query q(db, "DELETE FROM trace_chunks WHERE tenant = ?1 AND attempt = ?2");
       ENAMEL_RETURN_IF_ERROR(q.Bind(seal.attempt).Run());
     }
@@ -333,7 +332,10 @@ Status SqliteStore::SealAttempt(const trace::Seal& seal, UnixMs now_ms) {
     return WriteAudit(db, Actor{{}, "station link"}, "attempt.seal", seal.attempt.Text(), "{}",
                       JsonOf({{"chunks", std::to_string(seal.chunks)}, {"trace", blob.Hex()}}));
   });
-  if (status.ok() && fresh) ++sealed_;
+  if (status.ok() && fresh) {
+    ++sealed_;
+    if (sealed_rows_) sealed_rows_->Add(seal.attempt);
+  }
   return status;
 }
 

@@ -16,5 +16,5 @@ minutes=$(awk -v k="$kills" 'BEGIN { m = k * 0.05; print m < 0.15 ? 0.15 : m }')
 field() { grep -o "\"$1\":[^,}]*" "$work/load.json" | cut -d: -f2; }
 echo "$(field kills) kills: $(field ticks_committed) ticks committed," \
   "$(field ticks_lost) lost, $(field ticks_doubled) doubled;" \
-  "longest restart $(field restart_max_s) s; load average $(cut -d' ' -f1 /proc/loadavg)"
+  "longest restart $(printf %.2f "$(field restart_max_s)") s; load average $(cut -d' ' -f1 /proc/loadavg)"
 tail -n 1 "$work/verify"

@@ -117,23 +117,22 @@ class Run {
     if (!school.ok()) return school.status();
     school_ = *std::move(school);
     if (o_.marking) ENAMEL_RETURN_IF_ERROR(marking_.Prepare(data_, *o_.marking, say_));
-    net::Endpoint stations;
     if (o_.server) {
       auto identity = server::app::EnsureIdentity(data_);
       if (!identity.ok()) return identity.status();
-      stations = *o_.server;
+      stations_ = *o_.server;
       page_ = o_.page.value_or(net::Endpoint{});
       fingerprint_ = identity->fingerprint;
     } else {
       server_.emplace(o_.server_program, data_, data_ / "server.log",
                       std::vector<std::string>{"--job-threads", std::to_string(o_.job_threads)});
       ENAMEL_RETURN_IF_ERROR(server_->Start());
-      stations = server_->stations();
+      stations_ = server_->stations();
       page_ = server_->page();
       fingerprint_ = server_->fingerprint();
-      say_("server " + stations.Text() + " with data in " + data_.string());
+      say_("server " + stations_.Text() + " with data in " + data_.string());
     }
-    auto target = TargetOf(stations, fingerprint_);
+    auto target = TargetOf(stations_, fingerprint_);
     if (!target.ok()) return target.status();
     target_ = *std::move(target);
     return Status::Ok();
@@ -258,7 +257,7 @@ class Run {
     }
     std::optional<ApiReader> api;
     if (o_.api_reads_per_s > 0) api.emplace(page_, school_, o_.api_reads_per_s);
-    if (o_.marking) marking_.Begin();
+    if (o_.marking) marking_.Begin(stations_, fingerprint_);
     WatchOver(running);
     threads.clear();
     report_.wall_s = NowS() - start_s_;
@@ -422,7 +421,7 @@ class Run {
   std::filesystem::path data_;
   School school_;
   std::optional<ServerProcess> server_;
-  net::Endpoint page_;
+  net::Endpoint stations_, page_;
   Sha256 fingerprint_;
   LinkTarget target_;
   std::vector<std::unique_ptr<Engine>> engines_;

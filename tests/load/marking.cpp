@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/measure/attempt.h"
+#include "common/protocol/messages.h"
 #include "common/scoring/score.h"
 #include "server/app/data_folder.h"
 #include "server/app/publish.h"
@@ -17,6 +18,7 @@ namespace {
 using namespace server;
 
 constexpr UnixMs kNever = UnixMs{1} << 60;
+constexpr auto kAnswerWithin = std::chrono::seconds(60);
 constexpr auto kLook = std::chrono::milliseconds(200);
 constexpr double kReferenceWithin_s = 1800;
 // Too deep by so much more in each recording that is cut anew.
@@ -29,13 +31,14 @@ struct Bench {
   Store& store;
   trace::KeyPair ticket_key, station_key;
   Uuid person, station;
+  std::string credential;
   ExerciseRow exercise;
   Sha256 profile;
 };
 
 Result<Bench> SetUp(Store& store, const trace::KeyPair& ticket_key, int32_t voxel_nm) {
-  Bench out{store, ticket_key, trace::NewKeyPair(), {}, {}, {}, {}};
   const std::string tag = Uuid::New().Text();
+  Bench out{store, ticket_key, trace::NewKeyPair(), {}, {}, "credential " + tag, {}, {}};
   Person person;
   person.login = "load-marked-" + tag;
   person.display_name = person.login;
@@ -47,7 +50,7 @@ Result<Bench> SetUp(Store& store, const trace::KeyPair& ticket_key, int32_t voxe
   StationRow row;
   row.name = "load marked " + tag;
   row.public_key.assign(out.station_key.public_key.begin(), out.station_key.public_key.end());
-  auto station = store.EnrolStation(code, row, HashSha256(AsBytes("credential " + tag)), 0);
+  auto station = store.EnrolStation(code, row, HashSha256(AsBytes(out.credential)), 0);
   if (!station.ok()) return station.status();
   out.station = station->id;
   auto scene = app::PublishScene(store, "builtin:molar", voxel_nm);
@@ -100,9 +103,11 @@ Result<trace::Seal> Put(const Bench& bench, const measure::Attempt& recorded, bo
         SignChunk(ChunkHash(head_bytes, payload), bench.station_key.secret_key);
     Store::ChunkPut put;
     put.attempt = row.id;
-    put.bytes.assign(head_bytes.begin(), head_bytes.end());
-    put.bytes.insert(put.bytes.end(), payload.packed.begin(), payload.packed.end());
-    put.bytes.insert(put.bytes.end(), signature.begin(), signature.end());
+    ByteWriter bytes;
+    bytes.Raw(head_bytes);
+    bytes.Raw(payload.packed);
+    bytes.Raw(signature);
+    put.bytes = bytes.Take();
     auto whole = trace::DecodeChunkHead(put.bytes);
     if (!whole.ok()) return whole.status();
     ENAMEL_RETURN_IF_ERROR(chain.Accept(*whole));
@@ -167,6 +172,8 @@ Status Marking::Prepare(const std::filesystem::path& data, const Options& option
   if (!identity.ok()) return identity.status();
   auto bench = SetUp(**store, identity->ticket_key, options.voxel_nm);
   if (!bench.ok()) return bench.status();
+  station_ = bench->station;
+  credential_ = bench->credential;
   const size_t processors = std::max(1u, std::thread::hardware_concurrency());
   std::vector<measure::Attempt> recorded(
       std::clamp<size_t>(options.different, 1, options.attempts));
@@ -192,7 +199,40 @@ Status Marking::Prepare(const std::filesystem::path& data, const Options& option
   });
 }
 
-void Marking::Begin() {
+Status Marking::Seal(const Sealed& attempt) const {
+  net::FrameClient link;
+  ENAMEL_RETURN_IF_ERROR(link.Connect(server_, fingerprint_, kAnswerWithin));
+  auto ask = [&](const wire::Request& request) -> Result<wire::Reply> {
+    ENAMEL_RETURN_IF_ERROR(link.Send(protocol::Serialize(request)));
+    auto frame = link.Receive(kAnswerWithin);
+    if (!frame.ok()) return frame.status();
+    return protocol::ParseReply(*frame);
+  };
+  wire::Request hello;
+  hello.set_id(1);
+  hello.mutable_hello()->set_protocol_version(protocol::kProtocolVersion);
+  hello.mutable_hello()->set_station_id(protocol::ToField(station_.view()));
+  hello.mutable_hello()->set_credential(credential_);
+  hello.mutable_hello()->set_core_version(core::kCoreVersion);
+  auto welcome = ask(hello);
+  if (!welcome.ok()) return welcome.status();
+  wire::Request request;
+  request.set_id(2);
+  wire::SealAttempt& body = *request.mutable_seal_attempt();
+  body.set_attempt(protocol::ToField(attempt.attempt.view()));
+  body.set_chunks(attempt.seal.chunks);
+  body.set_ticks(attempt.seal.ticks);
+  body.set_last_chunk(protocol::ToField(attempt.seal.last_chunk.view()));
+  body.set_state_hash(attempt.seal.state_hash);
+  auto reply = ask(request);
+  if (!reply.ok()) return reply.status();
+  if (reply->has_sealed()) return Status::Ok();
+  return Status(Code::kUnavailable, "an attempt was not sealed: " + reply->error().message());
+}
+
+void Marking::Begin(const net::Endpoint& server, const Sha256& fingerprint) {
+  server_ = server;
+  fingerprint_ = fingerprint;
   thread_ = std::jthread([this](const std::stop_token& stop) { Run(stop); });
 }
 
@@ -202,7 +242,7 @@ void Marking::Run(const std::stop_token& stop) {
   const double from = NowS();
   if (outcome_.ok()) {
     outcome_ = InParallel(attempts_.size(), attempts_.size(),
-                          [&](size_t i) { return (*store)->SealAttempt(attempts_[i].seal, 1); });
+                          [&](size_t i) { return Seal(attempts_[i]); });
   }
   figures_.seal_s = NowS() - from;
   std::vector<double> replay;

@@ -9,6 +9,7 @@
 
 #include "common/base/result.h"
 #include "common/base/uuid.h"
+#include "common/net/frame_client.h"
 #include "common/trace/trace.h"
 
 namespace enamel::load {
@@ -40,8 +41,8 @@ class Marking {
   // reference, and puts the others into the store, whole but for their seal.
   Status Prepare(const std::filesystem::path& data, const Options& options,
                  const std::function<void(const std::string&)>& say);
-  // Seals them, each from a thread of its own, and waits for the scores.
-  void Begin();
+  // Seals them over the station link, each on a connection of its own, and waits for the scores.
+  void Begin(const net::Endpoint& server, const Sha256& fingerprint);
   bool done() const { return done_; }
   // Waits at most `seconds` for what Begin started. Errors: kUnavailable when not all were scored.
   Result<Figures> Finish(double seconds);
@@ -52,8 +53,13 @@ class Marking {
     trace::Seal seal;
   };
   void Run(const std::stop_token& stop);
+  Status Seal(const Sealed& attempt) const;
 
   std::filesystem::path data_;
+  net::Endpoint server_;
+  Sha256 fingerprint_;
+  Uuid station_;
+  std::string credential_;
   std::vector<Sealed> attempts_;
   Figures figures_;
   Status outcome_;

@@ -2,6 +2,7 @@
 #include <sqlite3.h>
 
 #include <algorithm>
+#include <thread>
 
 #include "common/base/file.h"
 #include "server/storage/sqlite_store.h"
@@ -111,6 +112,43 @@ TEST(SqliteOpenTest, DamagedDatabaseTakesNoRecordingsAndSaysSo) {
   EXPECT_FALSE(health.takes_recordings);
   EXPECT_NE(health.problem.find("restore a backup"), std::string::npos) << health.problem;
   EXPECT_EQ((*opened)->PutBlob(AsBytes("more")).status().code(), Code::kUnavailable);
+}
+
+int64_t RowsOf(const std::filesystem::path& folder, const std::string& table) {
+  sqlite3* handle = nullptr;
+  sqlite3_stmt* statement = nullptr;
+  EXPECT_EQ(sqlite3_open((folder / "enamel.db").c_str(), &handle), SQLITE_OK);
+  sqlite3_prepare_v2(handle, ("SELECT count(*) FROM " + table).c_str(), -1, &statement, nullptr);
+  int64_t rows = sqlite3_step(statement) == SQLITE_ROW ? sqlite3_column_int64(statement, 0) : -1;
+  sqlite3_finalize(statement);
+  sqlite3_close(handle);
+  return rows;
+}
+
+TEST(SqliteOpenTest, RowsOfASealedRecordingGoInTheBackgroundAndThoseOfAnOpenOneStay) {
+  TempFolder folder;
+  Uuid sealed, open;
+  std::vector<Store::ChunkPut> chunks;
+  for (int start = 0; start < 2; ++start) {
+    auto server = OpenSqliteStore({folder.path(), true});
+    ASSERT_TRUE(server.ok()) << server.status().message();
+    if (start == 0) {
+      World world(**server);
+      open = world.OpenedAttempt();
+      world.Append(open, 3);
+      sealed = world.OpenedAttempt();
+      chunks = world.Append(sealed, 300);
+      ASSERT_TRUE((*server)->SealAttempt(World::SealOf(chunks), 200).ok());
+      continue;  // stopped before all of them are gone, as a rule
+    }
+    for (int i = 0; i < 3000 && RowsOf(folder.path(), "trace_chunks") > 3; ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    EXPECT_EQ((*server)->AttemptChunks(sealed)->size(), 300u);
+    EXPECT_EQ((*server)->AttemptChunks(open)->size(), 3u);
+    EXPECT_TRUE((*server)->AppendChunk(chunks[7]).ok()) << "sent again after the seal";
+  }
+  EXPECT_EQ(RowsOf(folder.path(), "trace_chunks"), 3);
 }
 
 TEST(SqliteOpenTest, FolderThatIsAFileIsRefused) {

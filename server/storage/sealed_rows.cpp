@@ -1,0 +1,71 @@
+#include "server/storage/sealed_rows.h"
+
+#include <chrono>
+
+namespace enamel::server::sqlite {
+namespace {
+
+constexpr int64_t kPortion = 128;
+constexpr std::chrono::milliseconds kAfterFailure{1000};
+// Of the time that portions take, to others.
+constexpr int kShareOfOthers = 2;
+
+}  // namespace
+
+SealedRows::SealedRows(Writer& writer)
+    : writer_(writer), thread_([this](const std::stop_token& stop) { Run(stop); }) {}
+
+SealedRows::~SealedRows() = default;
+
+void SealedRows::Add(const Uuid& attempt) {
+  {
+    std::lock_guard lock(mutex_);
+    attempts_.push_back(attempt);
+  }
+  wake_.notify_one();
+}
+
+Status SealedRows::Find(Db& db) {
+  // From one attempt's rows to the next one's along the index, not row by row.
+  Query q(
+      db,
+      "WITH RECURSIVE found(attempt) AS (SELECT min(attempt) FROM trace_chunks WHERE tenant = "
+      "?1 UNION ALL SELECT (SELECT min(attempt) FROM trace_chunks WHERE tenant = ?1 AND attempt "
+      "> found.attempt) FROM found WHERE found.attempt IS NOT NULL) "
+      "SELECT id FROM found JOIN attempts ON tenant = ?1 AND id = found.attempt "
+      "WHERE trace_blob IS NOT NULL");
+  while (q.Next()) Add(q.Id(0));
+  return q.status();
+}
+
+void SealedRows::Run(const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  while (wake_.wait(lock, stop, [&] { return !attempts_.empty(); })) {
+    const Uuid attempt = attempts_.front();
+    lock.unlock();
+    const auto begin = std::chrono::steady_clock::now();
+    bool gone = false;
+    Status deleted = DeleteSome(attempt, gone);
+    const auto took = std::chrono::steady_clock::now() - begin;
+    lock.lock();
+    if (gone) attempts_.pop_front();
+    const auto pause = deleted.ok() ? kShareOfOthers * took : kAfterFailure;
+    wake_.wait_for(lock, stop, pause, [] { return false; });
+    if (stop.stop_requested()) return;
+  }
+}
+
+Status SealedRows::DeleteSome(const Uuid& attempt, bool& gone) {
+  return writer_.Run([&](Db& db, bool&) -> Status {
+    Query q(
+        db,
+        "DELETE FROM trace_chunks WHERE tenant = ?1 AND attempt = ?2 AND seq IN (SELECT seq "
+        "FROM trace_chunks WHERE tenant = ?1 AND attempt = ?2 ORDER BY seq LIMIT ?3) AND EXISTS "
+        "(SELECT 1 FROM attempts WHERE tenant = ?1 AND id = ?2 AND trace_blob IS NOT NULL)");
+    ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(kPortion).Run());
+    gone = db.Changes() < kPortion;
+    return Status::Ok();
+  });
+}
+
+}  // namespace enamel::server::sqlite
