@@ -1,6 +1,7 @@
 #include "server/live/live_board.h"
 
 #include <algorithm>
+#include <iterator>
 
 namespace enamel::server {
 namespace {
@@ -14,11 +15,12 @@ void AppendRow(const LiveSample& sample, std::string& out) {
   out += ',' + std::to_string(sample.flags) + ']';
 }
 
-std::string EventOf(std::span<const LiveSample> samples) {
-  std::string out = "{\"tick\":" + std::to_string(samples.back().tick) + ",\"rows\":[";
-  for (const LiveSample& sample : samples) {
-    if (&sample != samples.data()) out += ',';
-    AppendRow(sample, out);
+std::string EventOf(std::deque<LiveSample>::const_iterator from,
+                    std::deque<LiveSample>::const_iterator end) {
+  std::string out = "{\"tick\":" + std::to_string(std::prev(end)->tick) + ",\"rows\":[";
+  for (auto at = from; at != end; ++at) {
+    if (at != from) out += ',';
+    AppendRow(*at, out);
   }
   return out + "]}";
 }
@@ -28,16 +30,16 @@ std::string EventOf(std::span<const LiveSample> samples) {
 void LiveBoard::Put(std::span<const LiveSample> samples) {
   if (samples.empty()) return;
   const LiveSample& last = samples.back();
-  bool watched = Watched(last.attempt);
-  auto event = watched ? std::make_shared<const std::string>(EventOf(samples)) : nullptr;
   std::lock_guard lock(state_->mutex);
   auto [at, fresh] = state_->latest.try_emplace(last.attempt, last);
   if (!fresh && last.tick <= at->second.tick) return;
   at->second = last;
-  if (auto channel = state_->channels.find(last.attempt);
-      event && channel != state_->channels.end()) {
-    channel->second.event = std::move(event);
-    ++channel->second.version;
+  if (auto channel = state_->channels.find(last.attempt); channel != state_->channels.end()) {
+    auto& recent = channel->second.recent;
+    for (const LiveSample& sample : samples) {
+      if (recent.empty() || sample.tick > recent.back().tick) recent.push_back(sample);
+      if (recent.size() > kMaxRows) recent.pop_front();
+    }
   }
   if (state_->latest.size() <= kMaxAttempts) return;
   state_->latest.erase(std::min_element(
@@ -83,10 +85,20 @@ LiveWatch::~LiveWatch() {
 
 std::shared_ptr<const std::string> LiveWatch::Next() {
   std::lock_guard lock(state_->mutex);
-  const LiveBoard::Channel& channel = state_->channels.at(attempt_);
+  LiveBoard::Channel& channel = state_->channels.at(attempt_);
   ended_ = channel.ended;
-  if (channel.version == seen_) return nullptr;
-  seen_ = channel.version;
+  auto from = channel.recent.cbegin(), end = channel.recent.cend();
+  if (seen_) {
+    from = std::upper_bound(from, end, *seen_,
+                            [](uint64_t tick, const LiveSample& s) { return tick < s.tick; });
+  }
+  if (from == end) return nullptr;
+  seen_ = channel.recent.back().tick;
+  if (!channel.event || channel.first != from->tick || channel.last != *seen_) {
+    channel.event = std::make_shared<const std::string>(EventOf(from, end));
+    channel.first = from->tick;
+    channel.last = *seen_;
+  }
   return channel.event;
 }
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <atomic>
+#include <deque>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -27,17 +28,18 @@ struct LiveSample {
 
 class LiveWatch;
 
-// Attempts as they are being made: latest wins, nothing is queued, nothing is stored. What comes in
-// is made into an event once, and only while somebody watches; all watchers share its bytes and
-// fetch it when they can, so that a slow one misses some and slows nobody down.
+// Attempts as they are being made: latest wins, nothing is stored. Of a watched attempt the newest
+// kMaxRows moments are kept; a watcher fetches those it has not seen when it can, so that a slow
+// one misses some and slows nobody down. Watchers that have seen the same share an event's bytes.
 //
-// Bounded: the latest sample of at most 1024 attempts (the one longest silent goes first), one
-// event for each watched attempt, at most kMaxWatches watches. Thread safety: any thread; nothing
-// waits for a watcher.
+// Bounded: the latest sample of at most 1024 attempts (the one longest silent goes first), kMaxRows
+// and one event for each watched attempt, at most kMaxWatches watches. Thread safety: any thread;
+// nothing waits for a watcher.
 class LiveBoard {
  public:
   static constexpr size_t kMaxWatches = 512;
   static constexpr uint32_t kRowsPerSecond = 60;
+  static constexpr size_t kMaxRows = 60;
 
   // Moments of one attempt in order. Ignored when they do not end later than what is there already.
   void Put(std::span<const LiveSample> samples);
@@ -54,8 +56,10 @@ class LiveBoard {
   friend class LiveWatch;
   struct Channel {
     size_t watches = 0;
-    uint64_t version = 0;
     bool ended = false;
+    std::deque<LiveSample> recent;  // oldest first, at most kMaxRows
+    // The event made last: of the moments from `first` to `last`.
+    uint64_t first = 0, last = 0;
     std::shared_ptr<const std::string> event;
   };
   // Shared with the watches.
@@ -78,8 +82,9 @@ class LiveWatch {
   LiveWatch(const LiveWatch&) = delete;
   LiveWatch& operator=(const LiveWatch&) = delete;
 
-  // What came since the last call, the newest only: {"tick":…,"rows":[[tick, anchor x, y, z in um,
-  // force x, y, z in mN, flags],…]} (schemas/api/openapi.yaml, LiveEvent). Null: nothing new.
+  // What came since the last call, the newest kMaxRows only: {"tick":…,"rows":[[tick, anchor x, y,
+  // z in um, force x, y, z in mN, flags],…]} (schemas/api/openapi.yaml, LiveEvent). Null: nothing
+  // new.
   std::shared_ptr<const std::string> Next();
   // The attempt was sealed.
   bool ended() const { return ended_; }
@@ -87,7 +92,7 @@ class LiveWatch {
  private:
   const std::shared_ptr<LiveBoard::State> state_;
   const Uuid attempt_;
-  uint64_t seen_ = 0;
+  std::optional<uint64_t> seen_;  // newest tick
   bool ended_ = false;
 };
 

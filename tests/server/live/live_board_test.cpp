@@ -20,15 +20,38 @@ LiveSample Sample(const Uuid& attempt, uint64_t tick, UnixMs received_ms = 0) {
   return sample;
 }
 
-TEST(LiveBoardTest, WatcherGetsTheNewestOnceAndMissesWhatItDidNotFetch) {
+TEST(LiveBoardTest, WatcherGetsEachMomentOnce) {
   LiveBoard board;
   Uuid attempt = Uuid::New();
   auto watch = board.Watch(attempt);
   EXPECT_EQ(watch->Next(), nullptr);
   board.Put(Sample(attempt, 1));
   board.Put(Sample(attempt, 2));
-  EXPECT_EQ(*watch->Next(), "{\"tick\":2,\"rows\":[[2,1,-2,3,-4,5,-6,7]]}");
+  EXPECT_EQ(*watch->Next(),
+            "{\"tick\":2,\"rows\":[[1,1,-2,3,-4,5,-6,7],[2,1,-2,3,-4,5,-6,7]]}");
   EXPECT_EQ(watch->Next(), nullptr);
+  board.Put(Sample(attempt, 3));
+  EXPECT_EQ(*watch->Next(), "{\"tick\":3,\"rows\":[[3,1,-2,3,-4,5,-6,7]]}");
+}
+
+// Who fetches ten times a second sees all of a stream of sixty; who stays away for long misses the
+// older ones.
+TEST(LiveBoardTest, SlowWatcherMissesTheOldestOnly) {
+  LiveBoard board;
+  Uuid attempt = Uuid::New();
+  auto quick = board.Watch(attempt), slow = board.Watch(attempt);
+  size_t seen = 0;
+  for (uint64_t tick = 0; tick < 300; ++tick) {
+    board.Put(Sample(attempt, tick * 16));
+    if (tick % 6 != 5) continue;
+    seen += boost::json::parse(*quick->Next()).at("rows").as_array().size();
+  }
+  EXPECT_EQ(seen, 300u);
+  boost::json::value event = boost::json::parse(*slow->Next());
+  const auto& rows = event.at("rows").as_array();
+  ASSERT_EQ(rows.size(), LiveBoard::kMaxRows);
+  EXPECT_EQ(rows.front().at(0).as_int64(), (300 - 60) * 16);
+  EXPECT_EQ(rows.back().at(0).as_int64(), 299 * 16);
 }
 
 TEST(LiveBoardTest, EventIsTheDocumentedJson) {
