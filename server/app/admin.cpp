@@ -4,58 +4,44 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <cctype>
 #include <chrono>
 #include <iostream>
 
 #include "common/base/hex.h"
 #include "server/app/data_folder.h"
 #include "server/auth/password.h"
+#include "server/training/names.h"
 
 namespace enamel::server::app {
 namespace {
 
+// Its text is empty unless it was made up here, for one use.
 struct Password {
-  std::string text;
+  std::string text, verifier;
   bool made_up = false;
 };
 
-Result<Password> ReadOrMakePassword(bool from_stdin) {
+Result<Password> ReadOrMakePassword(bool from_stdin, const std::string& login) {
   if (!from_stdin) {
-    Bytes random(12);
-    randombytes_buf(random.data(), random.size());
-    return Password{ToHex(random), true};
+    auth::OneTimePassword made = auth::MakeOneTimePassword();
+    if (!made.verifier.empty()) return Password{made.text, made.verifier, true};
+    return Status(Code::kUnavailable, "no memory to hash a password; try again");
   }
-  Password password;
-  if (!std::getline(std::cin, password.text)) {
+  std::string text;
+  if (!std::getline(std::cin, text)) {
     return Status(Code::kInvalidInput,
                   "expected a password as one line on standard input, found nothing");
   }
-  return password;
-}
-
-Result<std::string> VerifierFor(const Password& password, const std::string& login) {
-  ENAMEL_RETURN_IF_ERROR(auth::CheckPasswordPolicy(password.text, login));
-  return auth::HashPassword(password.text);
+  ENAMEL_RETURN_IF_ERROR(auth::CheckPasswordPolicy(text, login));
+  auto verifier = auth::HashPassword(text);
+  if (!verifier.ok()) return verifier.status();
+  return Password{"", *verifier, false};
 }
 
 void ShowIfMadeUp(const Password& password) {
-  if (password.made_up) std::cout << "password (shown only now): " << password.text << "\n";
-}
-
-// Logins are stored in lower case: people type them either way.
-Result<std::string> Login(std::string text) {
-  bool fits = !text.empty() && text.size() <= 64 && std::ranges::all_of(text, [](unsigned char c) {
-    return std::isalnum(c) || c == '.' || c == '-' || c == '_' || c == '@';
-  });
-  if (!fits) {
-    return Status(Code::kInvalidInput,
-                  "a login has 1 to 64 letters, digits or any of . - _ @, found \"" + text + "\"",
-                  "login");
-  }
-  std::ranges::transform(text, text.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
+  if (!password.made_up) return;
+  std::cout << "password (shown only now, to be changed when signing in): " << password.text
+            << "\n";
 }
 
 void Show(const AttemptRow& row) {
@@ -80,22 +66,23 @@ Result<Uuid> CohortByName(Store& store, const std::string& name) {
 Status AddPerson(const std::filesystem::path& data, const NewPerson& person) {
   auto store = OpenForCommand(data);
   if (!store.ok()) return store.status();
-  auto login = Login(person.login);
+  auto login = CheckedLogin(person.login);
   if (!login.ok()) return login.status();
   auto role = RoleFromName(person.role);
   if (!role) {
     return Status(Code::kInvalidInput,
                   "a role is student, instructor or admin, found \"" + person.role + "\"", "role");
   }
-  auto password = ReadOrMakePassword(person.password_from_stdin);
+  auto name = CheckedName(person.display_name.empty() ? *login : person.display_name, "name");
+  if (!name.ok()) return name.status();
+  auto password = ReadOrMakePassword(person.password_from_stdin, *login);
   if (!password.ok()) return password.status();
-  auto verifier = VerifierFor(*password, *login);
-  if (!verifier.ok()) return verifier.status();
   Person row;
   row.login = *login;
-  row.display_name = person.display_name.empty() ? *login : person.display_name;
+  row.display_name = *name;
   row.role = *role;
-  auto id = (*store)->CreatePerson(row, *verifier, kCommandLine);
+  row.must_change_password = password->made_up;
+  auto id = (*store)->CreatePerson(row, password->verifier, kCommandLine);
   if (!id.ok()) return id.status();
   std::cout << "added " << *login << " (" << RoleName(*role) << "), id " << id->Text() << "\n";
   ShowIfMadeUp(*password);
@@ -107,11 +94,10 @@ Status SetPassword(const std::filesystem::path& data, const std::string& login, 
   if (!store.ok()) return store.status();
   auto person = (*store)->PersonByLogin(login);
   if (!person.ok()) return person.status();
-  auto password = ReadOrMakePassword(from_stdin);
+  auto password = ReadOrMakePassword(from_stdin, login);
   if (!password.ok()) return password.status();
-  auto verifier = VerifierFor(*password, login);
-  if (!verifier.ok()) return verifier.status();
-  ENAMEL_RETURN_IF_ERROR((*store)->SetPassword(person->id, *verifier, kCommandLine));
+  ENAMEL_RETURN_IF_ERROR(
+      (*store)->SetPassword(person->id, password->verifier, password->made_up, kCommandLine));
   std::cout << "new password for " << login << "; its sessions have ended\n";
   ShowIfMadeUp(*password);
   return Status::Ok();
@@ -130,9 +116,11 @@ Status SetDisabled(const std::filesystem::path& data, const std::string& login, 
 Status AddCohort(const std::filesystem::path& data, const std::string& name) {
   auto store = OpenForCommand(data);
   if (!store.ok()) return store.status();
-  auto id = (*store)->CreateCohort(name, kCommandLine);
+  auto checked = CheckedName(name, "name");
+  if (!checked.ok()) return checked.status();
+  auto id = (*store)->CreateCohort(*checked, kCommandLine);
   if (!id.ok()) return id.status();
-  std::cout << "added cohort \"" << name << "\", id " << id->Text() << "\n";
+  std::cout << "added cohort \"" << *checked << "\", id " << id->Text() << "\n";
   return Status::Ok();
 }
 
@@ -160,7 +148,8 @@ Status EnrolCode(const std::filesystem::path& data, int valid_minutes) {
   auto now = std::chrono::duration_cast<std::chrono::milliseconds>(
       std::chrono::system_clock::now().time_since_epoch());
   UnixMs expires = now.count() + UnixMs{valid_minutes} * 60'000;
-  ENAMEL_RETURN_IF_ERROR((*store)->AddEnrolCode(HashSha256(AsBytes(code)), expires, kCommandLine));
+  auto added = (*store)->AddEnrolCode(HashSha256(AsBytes(code)), expires, kCommandLine);
+  if (!added.ok()) return added.status();
   std::cout << code << "@" << identity->fingerprint.Hex() << "\n";
   return Status::Ok();
 }

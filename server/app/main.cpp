@@ -8,6 +8,8 @@
 #include "common/program/log.h"
 #include "common/program/settings.h"
 #include "server/app/admin.h"
+#include "server/app/admin_people.h"
+#include "server/app/admin_stations.h"
 #include "server/app/data_folder.h"
 #include "server/app/personal_data.h"
 #include "server/app/report.h"
@@ -38,6 +40,11 @@ struct Options {
   app::SeedOptions seed;
   app::ReportOptions report;
   app::NewPerson person;
+  app::RosterCommand roster;
+  app::PeopleList people;
+  std::string station, profile;
+  std::filesystem::path file;
+  bool check_only = false;
   app::NewExercise exercise;
   app::NewAssignment assignment;
   std::string exercise_name, exercise_state, assignment_id;
@@ -274,6 +281,98 @@ void AddPeople(CLI::App& admin, Options& o, Command& command) {
   member->callback([&] { command = [&] { return app::AddToCohort(o.data, o.cohort, o.login); }; });
 }
 
+void AddRoster(CLI::App& admin, Options& o, Command& command) {
+  auto* roster = admin.add_subcommand("import-roster", "People and cohorts from a CSV file");
+  roster->add_option("FILE", o.roster.file, "login,display_name,role,cohort (schemas/roster.md)")
+      ->required()
+      ->check(CLI::ExistingFile);
+  AddData(roster, o.roster.data);
+  roster->add_flag("--dry-run", o.roster.dry_run, "Tell what would happen; change nothing");
+  roster->add_option("--cohort", o.roster.cohort, "Cohort of rows that name none");
+  roster->add_option("--passwords", o.roster.passwords,
+                     "File to make (mode 0600) with the one-time passwords of who is new");
+  roster->add_flag("--ignore-unknown-columns", o.roster.ignore_unknown_columns,
+                   "Leave out columns of other names instead of refusing them");
+  roster->add_option("--json", o.roster.json, "Write the outcome to this file, without passwords");
+  roster->footer(
+      "All or nothing: with a problem in any row nothing is changed, and all problems are told.\n"
+      "Who is there keeps role and password, takes the name and joins the cohort; nobody is\n"
+      "removed. Importing the same file again changes nothing.\n\n"
+      "  enamel-server admin import-roster year3.csv --data /srv/enamel --dry-run\n"
+      "  enamel-server admin import-roster year3.csv --data /srv/enamel --passwords year3-new.csv");
+  roster->callback([&] { command = [&] { return app::ImportRoster(o.roster); }; });
+
+  auto* people = admin.add_subcommand("list-people", "People by login");
+  AddData(people, o.people.data);
+  people->add_option("--role", o.people.role, "Only students, instructors or admins");
+  people->add_option("--cohort", o.people.cohort, "Only of this cohort");
+  people->add_option("--text", o.people.text, "Only with this in login or name");
+  people->add_option("--limit", o.people.limit)
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  people->callback([&] { command = [&] { return app::ListPeople(o.people); }; });
+
+  auto* cohorts =
+      admin.add_subcommand("list-cohorts", "Cohorts by name, with how many are in them");
+  AddData(cohorts, o.data);
+  cohorts->callback([&] { command = [&] { return app::ListCohorts(o.data); }; });
+}
+
+void AddSessions(CLI::App& admin, Options& o, Command& command) {
+  auto* list = admin.add_subcommand("list-sessions", "Where a person is signed in");
+  AddData(list, o.data);
+  list->add_option("--login", o.login)->required();
+  list->callback([&] { command = [&] { return app::ListSessions(o.data, o.login); }; });
+
+  auto* end = admin.add_subcommand("end-sessions", "Sign a person out everywhere");
+  AddData(end, o.data);
+  end->add_option("--login", o.login)->required();
+  end->callback([&] { command = [&] { return app::EndSessions(o.data, o.login); }; });
+}
+
+void AddStations(CLI::App& admin, Options& o, Command& command) {
+  auto* list = admin.add_subcommand("list-stations", "Stations by name: admitted, seen, software");
+  AddData(list, o.data);
+  list->callback([&] { command = [&] { return app::ListStations(o.data); }; });
+
+  auto* revoke = admin.add_subcommand("revoke-station", "Admit a station no longer, for good");
+  AddData(revoke, o.data);
+  revoke->add_option("--station", o.station, "Its name, or the id list-stations shows")->required();
+  revoke->callback([&] { command = [&] { return app::RevokeStation(o.data, o.station); }; });
+}
+
+void AddProfiles(CLI::App& admin, Options& o, Command& command) {
+  auto* put = admin.add_subcommand("put-profile", "Check a device profile and store it");
+  put->add_option("FILE", o.file, "schemas/device_profile.schema.json")
+      ->required()
+      ->check(CLI::ExistingFile);
+  AddData(put, o.data);
+  put->add_flag("--check", o.check_only, "Only show the criteria with their figures");
+  put->callback([&] { command = [&] { return app::PutProfile(o.data, o.file, o.check_only); }; });
+
+  auto* report = admin.add_subcommand("add-report", "Attach a qualification report to a profile");
+  report->add_option("FILE", o.file, "What `enamel-station qualify --report` wrote")
+      ->required()
+      ->check(CLI::ExistingFile);
+  AddData(report, o.data);
+  report->add_option("--profile", o.profile, "Name of the profile")->required();
+  report->callback(
+      [&] { command = [&] { return app::AddProfileReport(o.data, o.profile, o.file); }; });
+
+  auto* add = admin.add_subcommand("add-calibration", "Keep what a device was measured to be");
+  add->add_option("FILE", o.file, "What `enamel-station calibrate` wrote")
+      ->required()
+      ->check(CLI::ExistingFile);
+  AddData(add, o.data);
+  add->callback([&] { command = [&] { return app::AddCalibration(o.data, o.file); }; });
+
+  auto* list =
+      admin.add_subcommand("list-calibrations", "Devices of a profile as they were measured");
+  AddData(list, o.data);
+  list->add_option("--profile", o.profile, "Name of the profile")->required();
+  list->callback([&] { command = [&] { return app::ListCalibrations(o.data, o.profile); }; });
+}
+
 void AddPersonalData(CLI::App& admin, Options& o, Command& command) {
   auto* copy = admin.add_subcommand("export-person", "Write all that is kept about a person");
   AddData(copy, o.data);
@@ -413,6 +512,10 @@ int main(int argc, char** argv) {
   auto* admin = root.add_subcommand("admin", "People, cohorts, stations, exercises, references");
   admin->require_subcommand(1);
   AddPeople(*admin, options, command);
+  AddRoster(*admin, options, command);
+  AddSessions(*admin, options, command);
+  AddStations(*admin, options, command);
+  AddProfiles(*admin, options, command);
   AddPersonalData(*admin, options, command);
   AddContent(*admin, options, command);
   AddExercises(*admin, options, command);

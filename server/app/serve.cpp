@@ -223,6 +223,7 @@ Status Serve(const ServeOptions& options) {
                               kSoftware, SystemNow};
   StorePool pool(kStationThreads);
   http_options->live = &live;
+  http_options->station_fingerprint = identity->fingerprint.Hex();
   http::HttpServer page(io, *http_options, store, authenticator);
   stations::StationServer link(io, *link_options, services, pool);
   Worker worker(store, JobOptions(options));

@@ -62,17 +62,32 @@ int64_t Authenticator::Elapsed() const {
       .count();
 }
 
-boost::asio::awaitable<Result<SignedIn>> Authenticator::SignIn(SignInRequest request) {
+bool Authenticator::Verify(const std::string& password, const std::string& verifier) const {
+  auto same = [&](const std::string& against) {
+    return options_.verify ? options_.verify(password, against) : VerifyPassword(password, against);
+  };
+  bool matches = same(verifier);
+  // The work of one argon2id at the usual cost, whatever this one cost.
+  if (!CostsAsMuch(verifier, options_.cost)) (void)same(decoy_verifier_);
+  return matches;
+}
+
+template <typename Work>
+auto Authenticator::Hashing(Work work) -> boost::asio::awaitable<decltype(work())> {
   if (waiting_.fetch_add(1) >= options_.max_waiting + options_.hash_threads) {
     --waiting_;
     co_return Status(Code::kUnavailable, "too many sign-ins at once; try again in a few seconds");
   }
   auto result = co_await hashing_.Run([&] {
-    auto here = SignInHere(request);
+    auto here = work();
     --waiting_;
     return here;
   });
   co_return result;
+}
+
+boost::asio::awaitable<Result<SignedIn>> Authenticator::SignIn(SignInRequest request) {
+  co_return co_await Hashing([this, &request] { return SignInHere(request); });
 }
 
 Result<SignedIn> Authenticator::SignInHere(const SignInRequest& request) {
@@ -91,44 +106,110 @@ Result<SignedIn> Authenticator::SignInHere(const SignInRequest& request) {
     verifier = *stored;
   }
   // The same work whether or not the person exists.
-  bool matches = VerifyPassword(request.password, verifier);
+  bool matches = Verify(request.password, verifier);
   if (!matches || !person.ok() || person->disabled) {
     throttle_.Failed(login, request.address, Elapsed());
     return Refused();
   }
   throttle_.Succeeded(login, request.address);
+  return BeginSession(*person, request.via);
+}
 
+Result<SignedIn> Authenticator::BeginSession(const Person& person, const std::string& via) {
   SignedIn out;
   out.token = NewToken();
-  out.identity = Identity{*person, TokenHash(out.token), CsrfFor(out.token)};
   UnixMs now = Now();
-  SessionRow row{out.identity.token_hash,    person->id, now, now,
-                 now + options_.absolute_ms, request.via};
+  SessionRow row{TokenHash(out.token),       person.id, now,         now,
+                 now + options_.absolute_ms, via,       Uuid::New(), now};
+  out.identity =
+      Identity{person, row.token_hash, CsrfFor(out.token), row.id, now + options_.confirmed_ms};
   ENAMEL_RETURN_IF_ERROR(store_.CreateSession(row));
   return out;
 }
 
-Result<Identity> Authenticator::Authenticate(ByteView token) {
-  if (token.size() != 32) return Ended();
-  Sha256 hash = TokenHash(token);
-  auto session = store_.FindSession(hash);
+Status Authenticator::CheckOwnPassword(const Person& person, const std::string& password,
+                                       const std::string& address) {
+  ENAMEL_RETURN_IF_ERROR(throttle_.Check(person.login, address, Elapsed()));
+  auto verifier = store_.PasswordVerifier(person.id);
+  if (!verifier.ok()) return verifier.status();
+  if (password.size() <= kMaxPasswordLength && Verify(password, *verifier)) {
+    throttle_.Succeeded(person.login, address);
+    return Status::Ok();
+  }
+  throttle_.Failed(person.login, address, Elapsed());
+  return Status(Code::kForbidden, "expected your password, found another", "password");
+}
+
+boost::asio::awaitable<Status> Authenticator::Confirm(Identity identity, std::string password,
+                                                      std::string address) {
+  co_return co_await Hashing([&]() -> Status {
+    ENAMEL_RETURN_IF_ERROR(CheckOwnPassword(identity.person, password, address));
+    return store_.ConfirmSession(identity.token_hash, Now());
+  });
+}
+
+Result<SignedIn> Authenticator::ChangePasswordHere(const Identity& identity,
+                                                   const PasswordChange& change) {
+  const Person& person = identity.person;
+  ENAMEL_RETURN_IF_ERROR(CheckOwnPassword(person, change.old_password, change.address));
+  if (change.new_password == change.old_password) {
+    return Status(Code::kInvalidInput, "expected another password than the old one",
+                  "new_password");
+  }
+  auto verifier = NewVerifier(change.new_password, person.login);
+  if (!verifier.ok()) {
+    const Status& why = verifier.status();
+    return Status(why.code(), why.message(), why.field().empty() ? "" : "new_password");
+  }
+  ENAMEL_RETURN_IF_ERROR(
+      store_.SetPassword(person.id, *verifier, false, Actor{person.id, change.via}));
+  auto changed = store_.PersonById(person.id);
+  if (!changed.ok()) return changed.status();
+  return BeginSession(*changed, change.via);
+}
+
+boost::asio::awaitable<Result<SignedIn>> Authenticator::ChangePassword(Identity identity,
+                                                                       PasswordChange change) {
+  co_return co_await Hashing([&] { return ChangePasswordHere(identity, change); });
+}
+
+Result<SessionRow> Authenticator::OpenSession(const Sha256& token_hash) {
+  auto session = store_.FindSession(token_hash);
   if (!session.ok()) {
     return session.status().code() == Code::kNotFound ? Ended() : session.status();
   }
   UnixMs now = Now();
   bool set_back = now < session->created_ms - kClockSlackMs;
   if (now >= session->expires_ms || set_back || now - session->last_used_ms > options_.idle_ms) {
-    ENAMEL_RETURN_IF_ERROR(store_.EndSession(hash));
+    ENAMEL_RETURN_IF_ERROR(store_.EndSession(token_hash));
     return Ended();
   }
+  return session;
+}
+
+Result<Identity> Authenticator::Authenticate(ByteView token) {
+  if (token.size() != 32) return Ended();
+  Sha256 hash = TokenHash(token);
+  auto session = OpenSession(hash);
+  if (!session.ok()) return session.status();
   auto person = store_.PersonById(session->person);
   if (!person.ok()) return person.status();
   if (person->disabled) return Ended();
   // Either way: with a clock set back, the idle time counts from now.
+  UnixMs now = Now();
   if (std::abs(now - session->last_used_ms) >= std::min(kTouchEveryMs, options_.idle_ms / 4)) {
     ENAMEL_RETURN_IF_ERROR(store_.TouchSession(hash, now));
   }
-  return Identity{*person, hash, CsrfFor(token)};
+  return Identity{*person, hash, CsrfFor(token), session->id,
+                  session->confirmed_ms + options_.confirmed_ms};
+}
+
+Result<Person> Authenticator::StillSignedIn(const Sha256& token_hash) {
+  auto session = OpenSession(token_hash);
+  if (!session.ok()) return session.status();
+  auto person = store_.PersonById(session->person);
+  if (person.ok() && person->disabled) return Ended();
+  return person;
 }
 
 Result<Identity> Authenticator::AuthenticateHex(std::string_view cookie) {

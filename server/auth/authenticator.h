@@ -25,6 +25,10 @@ struct AuthOptions {
   // Milliseconds of a clock that only goes forward, for slowing down. Empty: `clock` where that is
   // given, else the system's.
   std::function<int64_t()> elapsed;
+  // How long after the password was given the session may do what asks for it again.
+  UnixMs confirmed_ms = 5 * 60 * 1000;
+  // Compares a password with a verifier; empty: VerifyPassword. Tests count its calls.
+  std::function<bool(std::string_view, const std::string&)> verify;
 };
 
 // Who a request is from.
@@ -32,6 +36,8 @@ struct Identity {
   Person person;
   Sha256 token_hash;
   std::string csrf;  // expected X-Enamel-Csrf
+  Uuid session;
+  UnixMs confirmed_until_ms = 0;  // until then the password need not be given again
 };
 
 struct SignedIn {
@@ -48,6 +54,7 @@ struct SignInRequest {
 // Sign-in, sessions, sign-out. Thread safety: any thread.
 //
 // A wrong password, an unknown login and a disabled person give the same answer after the same work
+// (that of one argon2id at `cost`, whatever the stored verifier cost)
 // (kUnauthenticated). Too many failures: kUnavailable, field "throttled" (HTTP 429). Too many
 // sign-ins at once: kUnavailable.
 class Authenticator {
@@ -60,11 +67,29 @@ class Authenticator {
   // The same on this thread, outside the bound: for the command line and tests.
   Result<SignedIn> SignInHere(const SignInRequest& request);
 
+  // Gives the password of a session once more: it may then do for AuthOptions::confirmed_ms what
+  // asks for that. Throttled and hashed as sign-in is. Errors: kForbidden, field "password" (it is
+  // wrong); kUnavailable as of SignIn.
+  boost::asio::awaitable<Status> Confirm(Identity identity, std::string password,
+                                         std::string address);
+  // Another password of one's own. Ends all sessions of the person and begins a new one. Errors: as
+  // of Confirm about the old one; kInvalidInput, field "new_password" (policy, or the old one
+  // again).
+  struct PasswordChange {
+    std::string old_password, new_password;
+    std::string address, via;
+  };
+  boost::asio::awaitable<Result<SignedIn>> ChangePassword(Identity identity, PasswordChange change);
+  // Whether the password was given lately enough.
+  bool IsConfirmed(const Identity& identity) const { return Now() < identity.confirmed_until_ms; }
+
   // Who holds this token (32 bytes) now; renews the idle time. Blocks (store): call it through a
   // StorePool. Errors: kUnauthenticated.
   Result<Identity> Authenticate(ByteView token);
   // `cookie` is the token as 64 hex digits.
   Result<Identity> AuthenticateHex(std::string_view cookie);
+  // Who this session is of, as Authenticate, without renewing anything: for what goes on by itself.
+  Result<Person> StillSignedIn(const Sha256& token_hash);
   Status SignOut(const Sha256& token_hash);
 
   // Policy, then a verifier for Store::CreatePerson and SetPassword. Blocks.
@@ -73,6 +98,15 @@ class Authenticator {
  private:
   UnixMs Now() const;
   int64_t Elapsed() const;
+  bool Verify(const std::string& password, const std::string& verifier) const;
+  Status CheckOwnPassword(const Person& person, const std::string& password,
+                          const std::string& address);
+  Result<SignedIn> BeginSession(const Person& person, const std::string& via);
+  Result<SessionRow> OpenSession(const Sha256& token_hash);
+  Result<SignedIn> ChangePasswordHere(const Identity& identity, const PasswordChange& change);
+  // Runs on the hashing threads, bounded.
+  template <typename Work>
+  auto Hashing(Work work) -> boost::asio::awaitable<decltype(work())>;
 
   Store& store_;
   const AuthOptions options_;

@@ -52,6 +52,23 @@ Result<std::string> HashPassword(std::string_view password, const PasswordCost& 
   return std::string(out.data());
 }
 
+OneTimePassword MakeOneTimePassword() {
+  constexpr std::string_view kAlphabet = "23456789abcdefghjkmnpqrstuvwxyz";
+  constexpr size_t kLetters = 16, kGroup = 4;
+  OneTimePassword out;
+  for (size_t i = 0; i < kLetters; ++i) {
+    if (i > 0 && i % kGroup == 0) out.text += '-';
+    out.text += kAlphabet[randombytes_uniform(kAlphabet.size())];
+  }
+  PasswordCost cheap{crypto_pwhash_argon2id_OPSLIMIT_MIN, crypto_pwhash_argon2id_MEMLIMIT_MIN};
+  if (auto verifier = HashPassword(out.text, cheap); verifier.ok()) out.verifier = *verifier;
+  return out;
+}
+
+bool CostsAsMuch(const std::string& verifier, const PasswordCost& cost) {
+  return crypto_pwhash_str_needs_rehash(verifier.c_str(), cost.passes, cost.memory_bytes) == 0;
+}
+
 bool VerifyPassword(std::string_view password, const std::string& verifier) {
   return crypto_pwhash_str_verify(verifier.c_str(), password.data(), password.size()) == 0;
 }

@@ -23,6 +23,16 @@ inline constexpr size_t kMaxPasswordLength = 256;
 Status CheckPasswordPolicy(std::string_view password, std::string_view login);
 // A verifier string in libsodium's form. Errors: kUnavailable when the memory cannot be had.
 Result<std::string> HashPassword(std::string_view password, const PasswordCost& cost = {});
+// A password made up here, to be changed by whoever signs in with it first: 79 random bits as four
+// groups of four, without letters that look like others ("k7mq-2xhd-9rtp-w4nc"). Its verifier is
+// cheap: nobody guesses 79 bits, however fast a guess is. Empty verifier: no memory.
+struct OneTimePassword {
+  std::string text, verifier;
+};
+OneTimePassword MakeOneTimePassword();
+// False for verifiers made at another cost, one-time passwords' among them: who verifies one has to
+// do the work of `cost` besides, so that the time does not tell.
+bool CostsAsMuch(const std::string& verifier, const PasswordCost& cost);
 bool VerifyPassword(std::string_view password, const std::string& verifier);
 
 }  // namespace enamel::server::auth

@@ -1,6 +1,10 @@
+#include <algorithm>
+#include <charconv>
+
 #include "server/http/error_response.h"
 #include "server/http/handlers.h"
 #include "server/http/json_body.h"
+#include "server/http/paging.h"
 #include "server/http/query.h"
 
 namespace enamel::server::http {
@@ -9,55 +13,67 @@ namespace {
 
 constexpr uint32_t kDefaultAudit = 100;
 constexpr uint32_t kMaxAudit = 1000;
+constexpr uint32_t kDefaultJobs = 50;
+constexpr uint32_t kMaxJobs = 200;
+constexpr size_t kMaxFilterText = 200;
 constexpr const char* kJobStates[] = {"failed", "running", "queued", "done", "cancelled"};
 
-Result<json::object> CohortJson(Store& store, const Cohort& cohort) {
-  Result<std::vector<Person>> people = store.CohortMembers(cohort.id);
-  if (!people.ok()) return people.status();
-  json::array members;
-  for (const Person& person : *people) {
-    members.push_back({{"id", person.id.Text()},
-                       {"display_name", person.display_name},
-                       {"role", RoleName(person.role)}});
+// A cursor that is an id.
+Result<std::optional<Uuid>> IdOf(const Page& page) {
+  if (!page.after) return std::optional<Uuid>();
+  Result<Uuid> id = Uuid::Parse(*page.after);
+  if (!id.ok())
+    return Status{Code::kInvalidInput, "expected the `next` of the page before", "cursor"};
+  return std::optional<Uuid>(*id);
+}
+
+Result<std::string> QueryText(const Request& request, const char* name) {
+  auto found = request.query.find(name);
+  if (found == request.query.end()) return std::string();
+  if (found->second.size() <= kMaxFilterText) return found->second;
+  return Status{Code::kInvalidInput, "expected at most 200 bytes", name};
+}
+
+Result<UnixMs> QueryTime(const Request& request, const char* name) {
+  auto found = request.query.find(name);
+  if (found == request.query.end()) return UnixMs{0};
+  const std::string& text = found->second;
+  UnixMs time = 0;
+  auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), time);
+  if (error == std::errc() && end == text.data() + text.size() && time >= 0) return time;
+  return Status{Code::kInvalidInput, "expected milliseconds since the Unix epoch", name};
+}
+
+Result<AuditFilter> AuditFilterOf(const Request& request) {
+  AuditFilter out;
+  Result<Page> page = PageOf(request, kDefaultAudit, kMaxAudit);
+  if (!page.ok()) return page.status();
+  out.limit = page->limit;
+  Result<std::optional<Uuid>> before = IdOf(*page);
+  if (!before.ok()) return before.status();
+  out.before = *before;
+  Result<std::optional<Uuid>> actor = QueryId(request, "actor");
+  if (!actor.ok()) return actor.status();
+  out.actor = *actor;
+  for (auto [name, into] : {std::pair{"action", &out.action}, {"object", &out.object}}) {
+    Result<std::string> text = QueryText(request, name);
+    if (!text.ok()) return text.status();
+    *into = *text;
   }
-  return json::object{
-      {"id", cohort.id.Text()}, {"name", cohort.name}, {"members", std::move(members)}};
+  for (auto [name, into] : {std::pair{"from_ms", &out.from_ms}, {"until_ms", &out.until_ms}}) {
+    Result<UnixMs> time = QueryTime(request, name);
+    if (!time.ok()) return time.status();
+    *into = *time;
+  }
+  return out;
 }
 
 }  // namespace
 
-Response ListCohorts(const Call& call) {
-  const Person& person = call.caller->person;
-  Result<std::vector<Cohort>> rows =
-      person.role == Role::kAdmin ? call.store.Cohorts() : call.store.CohortsOf(person.id);
-  if (!rows.ok()) return ErrorResponse(rows.status());
-  json::array cohorts;
-  for (const Cohort& row : *rows) {
-    Result<json::object> cohort = CohortJson(call.store, row);
-    if (!cohort.ok()) return ErrorResponse(cohort.status());
-    cohorts.push_back(std::move(*cohort));
-  }
-  return JsonResponse({{"cohorts", std::move(cohorts)}});
-}
-
-Response ListStations(const Call& call) {
-  Result<std::vector<StationRow>> rows = call.store.Stations();
-  if (!rows.ok()) return ErrorResponse(rows.status());
-  json::array stations;
-  for (const StationRow& row : *rows) {
-    stations.push_back({{"id", row.id.Text()},
-                        {"name", row.name},
-                        {"revoked", row.revoked},
-                        {"enrolled_ms", row.enrolled_ms},
-                        {"last_seen_ms", row.last_seen_ms}});
-  }
-  return JsonResponse({{"stations", std::move(stations)}});
-}
-
 Response ListAudit(const Call& call) {
-  Result<uint32_t> limit = QueryLimit(call.request, kDefaultAudit, kMaxAudit);
-  if (!limit.ok()) return ErrorResponse(limit.status());
-  Result<std::vector<AuditRow>> rows = call.store.Audit(*limit);
+  Result<AuditFilter> filter = AuditFilterOf(call.request);
+  if (!filter.ok()) return ErrorResponse(filter.status());
+  Result<std::vector<AuditRow>> rows = call.store.FindAudit(*filter);
   if (!rows.ok()) return ErrorResponse(rows.status());
   json::array audit;
   for (const AuditRow& row : *rows) {
@@ -68,35 +84,43 @@ Response ListAudit(const Call& call) {
                      {"before", row.before_json},
                      {"after", row.after_json}});
   }
-  return JsonResponse({{"audit", std::move(audit)}});
+  json::value next;
+  if (rows->size() == filter->limit) next = NextAfter(rows->back().id.Text());
+  return JsonResponse({{"audit", std::move(audit)}, {"next", std::move(next)}});
 }
 
 Response ListJobs(const Call& call) {
-  auto wanted = call.request.query.find("state");
-  bool all = wanted == call.request.query.end();
-  bool known = all;
+  JobFilter filter;
+  Result<std::string> state = QueryText(call.request, "state");
+  if (!state.ok()) return ErrorResponse(state.status());
+  filter.state = *state;
+  if (!filter.state.empty() &&
+      std::ranges::find(kJobStates, filter.state) == std::end(kJobStates)) {
+    return ErrorResponse(Status{Code::kInvalidInput,
+                                "expected queued, running, done, failed or cancelled", "state"});
+  }
+  Result<Page> page = PageOf(call.request, kDefaultJobs, kMaxJobs);
+  if (!page.ok()) return ErrorResponse(page.status());
+  filter.limit = page->limit;
+  Result<std::optional<Uuid>> before = IdOf(*page);
+  if (!before.ok()) return ErrorResponse(before.status());
+  filter.before = *before;
+  Result<std::vector<JobRow>> rows = call.store.FindJobs(filter);
+  if (!rows.ok()) return ErrorResponse(rows.status());
   json::array jobs;
-  for (const char* state : kJobStates) {
-    if (!all && wanted->second != state) continue;
-    known = true;
-    Result<std::vector<JobRow>> rows = call.store.Jobs(state);
-    if (!rows.ok()) return ErrorResponse(rows.status());
-    for (const JobRow& row : *rows) {
-      jobs.push_back({{"id", row.id.Text()},
-                      {"kind", row.kind},
-                      {"attempt_id", row.attempt.Text()},
-                      {"state", row.state},
-                      {"cause", row.cause},
-                      {"progress", row.progress},
-                      {"tries", row.tries},
-                      {"error", row.error}});
-    }
+  for (const JobRow& row : *rows) {
+    jobs.push_back({{"id", row.id.Text()},
+                    {"kind", row.kind},
+                    {"attempt_id", row.attempt.Text()},
+                    {"state", row.state},
+                    {"cause", row.cause},
+                    {"progress", row.progress},
+                    {"tries", row.tries},
+                    {"error", row.error}});
   }
-  if (!known) {
-    return ErrorResponse(
-        Status{Code::kInvalidInput, "expected queued, running, done, failed or cancelled", "state"});
-  }
-  return JsonResponse({{"jobs", std::move(jobs)}});
+  json::value next;
+  if (rows->size() == filter.limit) next = NextAfter(rows->back().id.Text());
+  return JsonResponse({{"jobs", std::move(jobs)}, {"next", std::move(next)}});
 }
 
 }  // namespace enamel::server::http

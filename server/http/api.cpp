@@ -45,6 +45,15 @@ Status CheckCsrf(const Request& request, const auth::Identity& caller) {
           "x-enamel-csrf"};
 }
 
+// A password for one use is good for changing it (and for signing out), and for nothing else.
+Status CheckPasswordIsOwn(const Route& route, const Person& person) {
+  if (!person.must_change_password || route.pattern.starts_with("/api/v1/session")) return {};
+  return {Code::kForbidden,
+          "this password was for signing in once; choose your own first (POST "
+          "/api/v1/session/password)",
+          std::string(kChangePassword)};
+}
+
 bool IsName(std::string_view text) {
   return text.size() <= 64 && std::ranges::all_of(text, [](char c) {
            return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
@@ -105,43 +114,58 @@ boost::asio::awaitable<Response> Api::Handle(const Request& request) {
 boost::asio::awaitable<Response> Api::Answer(const Request& request) {
   RouteMatch match = FindRoute(request.method, request.path);
   if (!match.route) co_return NoSuchRoute(request, match);
-  Call call{request, store_, authenticator_, nullptr, {}, {}, &monitoring_, live_};
+  Call call{request,      store_, authenticator_,      nullptr, {}, {},
+            &monitoring_, live_,  station_fingerprint_};
   if (Status place = FillPlace(match, call); !place.ok()) co_return ErrorResponse(place);
   if (!IsSafe(request.method)) {
     if (Status same = CheckSameSite(request); !same.ok()) co_return ErrorResponse(same);
   }
   const Route& route = *match.route;
-  if (auto* handler = std::get_if<AsyncHandler>(&route.handler)) {
-    co_return co_await (*handler)(call);
-  }
+  auto* async = std::get_if<AsyncHandler>(&route.handler);
+  // Sign-in is bounded by its hashing.
+  if (async && route.need == Need::kNobody) co_return co_await (*async)(call);
   Ticket ticket(in_flight_, max_in_flight_);
   if (!ticket.granted()) {
     co_return ErrorResponse({Code::kUnavailable, "the server is busy; try again in a few seconds"});
   }
+  if (async) co_return co_await Asynchronous(call, route);
   co_return co_await pool_.Run([&] { return Blocking(call, route); });
+}
+
+boost::asio::awaitable<Response> Api::Asynchronous(Call& call, const Route& route) {
+  AsyncHandler handler = std::get<AsyncHandler>(route.handler);
+  Result<auth::Identity> caller = co_await pool_.Run([&] { return Identify(call.request, route); });
+  if (!caller.ok()) co_return ErrorResponse(caller.status());
+  call.caller = &*caller;
+  co_return co_await handler(call);
 }
 
 Response Api::Blocking(Call& call, const Route& route) {
   try {
-    return Authorised(call, route);
+    auto handler = std::get<BlockingHandler>(route.handler);
+    if (route.need == Need::kNobody) return handler(call);
+    Result<auth::Identity> caller = Identify(call.request, route);
+    if (!caller.ok()) return ErrorResponse(caller.status());
+    call.caller = &*caller;
+    return handler(call);
   } catch (const std::exception& error) {
     return ErrorResponse(Status{Code::kInternal, error.what(), call.request.path});
   }
 }
 
-Response Api::Authorised(Call& call, const Route& route) {
-  const Request& request = call.request;
-  auto handler = std::get<BlockingHandler>(route.handler);
-  if (route.need == Need::kNobody) return handler(call);
-
+Result<auth::Identity> Api::Identify(const Request& request, const Route& route) {
   std::optional<std::string> cookie = SessionCookie(request);
-  if (!cookie) return ErrorResponse({Code::kUnauthenticated, "expected a session; sign in first"});
+  if (!cookie) return Status{Code::kUnauthenticated, "expected a session; sign in first"};
   Result<auth::Identity> caller = authenticator_.AuthenticateHex(*cookie);
-  if (!caller.ok()) return ErrorResponse(caller.status());
-  if (Status role = CheckRole(route.need, caller->person); !role.ok()) return ErrorResponse(role);
-  if (Status csrf = CheckCsrf(request, *caller); !csrf.ok()) return ErrorResponse(csrf);
-  call.caller = &*caller;
-  return handler(call);
+  if (!caller.ok()) return caller;
+  ENAMEL_RETURN_IF_ERROR(CheckRole(route.need, caller->person));
+  ENAMEL_RETURN_IF_ERROR(CheckCsrf(request, *caller));
+  ENAMEL_RETURN_IF_ERROR(CheckPasswordIsOwn(route, caller->person));
+  return caller;
+}
+
+boost::asio::awaitable<bool> Api::StillAllowed(EventSource& events) {
+  co_return co_await pool_.Run([&] { return events.StillAllowed(); });
 }
 
 }  // namespace enamel::server::http

@@ -4,7 +4,9 @@
 #include <atomic>
 #include <boost/asio/awaitable.hpp>
 #include <cstddef>
+#include <string>
 #include <string_view>
+#include <utility>
 
 #include "server/auth/authenticator.h"
 #include "server/http/message.h"
@@ -25,6 +27,12 @@ class Api {
 
   // Attempts can be watched from now on. Before the first Handle.
   void Show(LiveBoard& live) { live_ = &live; }
+  // Stations can be enrolled from now on: what they know the server by. Before the first Handle.
+  void Enrol(std::string station_fingerprint) {
+    station_fingerprint_ = std::move(station_fingerprint);
+  }
+  // Whether whoever asked for the events may still see them; on the store's threads.
+  boost::asio::awaitable<bool> StillAllowed(EventSource& events);
 
   // True for paths that are never the page's.
   static bool Owns(std::string_view path);
@@ -38,14 +46,16 @@ class Api {
 
  private:
   boost::asio::awaitable<Response> Answer(const Request& request);
+  boost::asio::awaitable<Response> Asynchronous(Call& call, const Route& route);
   Response Blocking(Call& call, const Route& route);
-  Response Authorised(Call& call, const Route& route);
+  Result<auth::Identity> Identify(const Request& request, const Route& route);
 
   Store& store_;
   auth::Authenticator& authenticator_;
   const Monitoring monitoring_;
   const size_t max_in_flight_;
   LiveBoard* live_ = nullptr;
+  std::string station_fingerprint_;
   std::atomic<size_t> in_flight_{0};
   std::array<std::atomic<uint64_t>, 6> answers_{};
   ops::Histogram reads_;

@@ -7,6 +7,7 @@
 #include "server/http/etag.h"
 #include "server/http/handlers.h"
 #include "server/http/json_body.h"
+#include "server/http/paging.h"
 #include "server/http/query.h"
 #include "server/http/seen_attempt.h"
 #include "server/training/access.h"
@@ -21,6 +22,15 @@ constexpr int64_t kMaxTimeMs = 4'102'444'800'000;  // 2100
 constexpr int64_t kMaxAttempts = 1000;
 constexpr size_t kMaxStations = 1000;
 constexpr size_t kMaxName = 64;
+constexpr uint32_t kMaxPage = 200;
+
+// Exams first, then by due time, those without one last.
+std::string PlaceOf(const AssignmentRow& row) {
+  UnixMs due = row.due_ms == 0 ? kMaxTimeMs : row.due_ms;
+  std::string text = std::to_string(due);
+  return (row.exam ? "0" : "1") + std::string(13 - std::min<size_t>(13, text.size()), '0') + text +
+         row.id.Text();
+}
 
 // Names for the ids in a list of assignments, looked up once.
 class AssignmentView {
@@ -177,23 +187,28 @@ Response ListAssignments(const Call& call) {
   if (!cohort.ok()) return ErrorResponse(cohort.status());
   Result<AssignmentView> view = AssignmentView::Make(call.store);
   if (!view.ok()) return ErrorResponse(view.status());
+  Result<Page> page = PageOf(call.request, kMaxPage, kMaxPage);
+  if (!page.ok()) return ErrorResponse(page.status());
   json::array assignments;
   if (viewer.role == Role::kStudent) {
     Result<std::vector<AssignedRow>> rows = call.store.AssignmentsFor(viewer.id);
     if (!rows.ok()) return ErrorResponse(rows.status());
-    for (const AssignedRow& row : *rows) {
-      if (*cohort && row.assignment.cohort != **cohort) continue;
-      assignments.push_back(view->Json(row, Now()));
-    }
-    return JsonResponse({{"assignments", std::move(assignments)}});
+    std::erase_if(*rows, [&](const AssignedRow& row) {
+      return *cohort && row.assignment.cohort != **cohort;
+    });
+    json::value next =
+        CutPage(*rows, *page, [](const AssignedRow& row) { return PlaceOf(row.assignment); });
+    for (const AssignedRow& row : *rows) assignments.push_back(view->Json(row, Now()));
+    return JsonResponse({{"assignments", std::move(assignments)}, {"next", std::move(next)}});
   }
   AssignmentFilter filter;
   filter.cohort = *cohort;
   if (viewer.role == Role::kInstructor) filter.of_instructor = viewer.id;
   Result<std::vector<AssignmentRow>> rows = call.store.Assignments(filter);
   if (!rows.ok()) return ErrorResponse(rows.status());
+  json::value next = CutPage(*rows, *page, PlaceOf);
   for (const AssignmentRow& row : *rows) assignments.push_back(view->Json(row));
-  return JsonResponse({{"assignments", std::move(assignments)}});
+  return JsonResponse({{"assignments", std::move(assignments)}, {"next", std::move(next)}});
 }
 
 Response AddAssignment(const Call& call) {

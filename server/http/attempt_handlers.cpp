@@ -42,15 +42,14 @@ Result<AttemptFilter> FilterFor(const Call& call) {
   struct {
     const char* name;
     std::optional<Uuid>& into;
-  } const ids[] = {{"person", filter.person},
-                   {"cohort", filter.cohort},
-                   {"exercise", filter.exercise},
-                   {"assignment", filter.assignment},
-                   {"before", filter.before}};
+  } const ids[] = {
+      {"person", filter.person},     {"cohort", filter.cohort},
+      {"exercise", filter.exercise}, {"assignment", filter.assignment},
+      {"before", filter.before},     {"cursor", filter.before}};  // its `next` is an id
   for (const auto& id : ids) {
     Result<std::optional<Uuid>> value = QueryId(call.request, id.name);
     if (!value.ok()) return value.status();
-    id.into = *value;
+    if (*value) id.into = *value;
   }
   Result<uint32_t> limit = QueryLimit(call.request, kDefaultPage, kMaxPage);
   if (!limit.ok()) return limit.status();
@@ -93,7 +92,21 @@ Response BlobResponse(const Call& call, Sha256 Store::AttemptResult::*member,
 
 class LiveEvents final : public EventSource {
  public:
-  explicit LiveEvents(std::unique_ptr<LiveWatch> watch) : watch_(std::move(watch)) {}
+  LiveEvents(const Call& call, std::unique_ptr<LiveWatch> watch)
+      : store_(call.store),
+        authenticator_(call.authenticator),
+        token_hash_(call.caller->token_hash),
+        attempt_(call.id),
+        watch_(std::move(watch)) {}
+  // Signed in, not disabled, and the attempt still the viewer's to see.
+  bool StillAllowed() override {
+    Result<Person> viewer = authenticator_.StillSignedIn(token_hash_);
+    if (!viewer.ok() || viewer->role == Role::kStudent) return false;
+    Result<AttemptRow> row = store_.AttemptById(attempt_);
+    if (!row.ok()) return false;
+    Result<bool> shares = store_.ShareCohort(viewer->id, row->person);
+    return shares.ok() && CanSeeAttempt(*viewer, *row, *shares);
+  }
   Event Take() override {
     Event event{watch_->Next()};
     event.last = watch_->ended();
@@ -101,6 +114,10 @@ class LiveEvents final : public EventSource {
   }
 
  private:
+  Store& store_;
+  auth::Authenticator& authenticator_;
+  const Sha256 token_hash_;
+  const Uuid attempt_;
   const std::unique_ptr<LiveWatch> watch_;
 };
 
@@ -196,7 +213,7 @@ Response GetLive(const Call& call) {
   }
   Response response;
   response.content_type = "text/event-stream";
-  response.events = std::make_shared<LiveEvents>(std::move(watch));
+  response.events = std::make_shared<LiveEvents>(call, std::move(watch));
   return response;
 }
 

@@ -13,6 +13,7 @@
 #include "server/http/etag.h"
 #include "server/http/handlers.h"
 #include "server/http/json_body.h"
+#include "server/http/paging.h"
 #include "server/http/seen_attempt.h"
 #include "server/jobs/surface_blob.h"
 #include "server/training/access.h"
@@ -22,6 +23,7 @@ namespace enamel::server::http {
 namespace json = boost::json;
 namespace {
 
+constexpr uint32_t kMaxPage = 200;
 constexpr uint32_t kCountedAttempts = 200;
 
 Result<std::vector<ExerciseRow>> VisibleExercises(const Call& call) {
@@ -258,40 +260,14 @@ Result<Sha256> InitialSurface(Store& store, const ExerciseRow& row) {
   return surface;
 }
 
-json::array NumbersJson(const scene::DeviceProfile& profile) {
-  struct Number {
-    const char* name;
-    const char* unit;
-    const scene::Sourced& sourced;
-  };
-  const Number numbers[] = {
-      {"resolution", "nm", profile.resolution_nm},
-      {"max_stiffness", "mN/mm", profile.max_stiffness_mn_per_mm},
-      {"coupling", "mN/mm", profile.coupling_mn_per_mm},
-      {"damping", "mN s/m", profile.damping_mn_s_per_m},
-      {"friction", "mN", profile.friction_mn},
-      {"mass", "g", profile.mass_g},
-      {"peak_force", "mN", profile.peak_force_mn},
-      {"continuous_force", "mN", profile.continuous_force_mn},
-      {"rate", "Hz", profile.rate_hz},
-      {"bus_delay", "ticks", profile.bus_delay_ticks},
-      {"workspace_radius", "um", profile.workspace_radius_um},
-  };
-  json::array out;
-  for (const Number& number : numbers) {
-    out.push_back({{"name", number.name},
-                   {"value", number.sourced.value},
-                   {"unit", number.unit},
-                   {"source", number.sourced.source}});
-  }
-  return out;
-}
-
 }  // namespace
 
 Response ListExercises(const Call& call) {
+  Result<Page> page = PageOf(call.request, kMaxPage, kMaxPage);
+  if (!page.ok()) return ErrorResponse(page.status());
   Result<std::vector<ExerciseRow>> rows = ListedExercises(call);
   if (!rows.ok()) return ErrorResponse(rows.status());
+  json::value next = CutPage(*rows, *page, [](const ExerciseRow& row) { return row.name; });
   Result<std::map<Uuid, int>> attempts = OwnAttempts(call);
   if (!attempts.ok()) return ErrorResponse(attempts.status());
   json::array exercises;
@@ -302,7 +278,7 @@ Response ListExercises(const Call& call) {
     if (!summary.ok()) return ErrorResponse(summary.status());
     exercises.push_back(std::move(*summary));
   }
-  return JsonResponse({{"exercises", std::move(exercises)}});
+  return JsonResponse({{"exercises", std::move(exercises)}, {"next", std::move(next)}});
 }
 
 Response GetExercise(const Call& call) {
@@ -413,21 +389,6 @@ Response RetireExercise(const Call& call) {
   Response response;
   response.status = 204;
   return response;
-}
-
-Response ListProfiles(const Call& call) {
-  Result<std::vector<ProfileRow>> rows = call.store.Profiles();
-  if (!rows.ok()) return ErrorResponse(rows.status());
-  json::array profiles;
-  for (const ProfileRow& row : *rows) {
-    Result<Bytes> bytes = call.store.GetBlob(row.content);
-    if (!bytes.ok()) return ErrorResponse(Status{Code::kInternal, bytes.status().message()});
-    Result<scene::DeviceProfile> profile = scene::ProfileFromJson(AsText(*bytes));
-    if (!profile.ok()) return ErrorResponse(Status{Code::kInternal, profile.status().message()});
-    profiles.push_back(
-        {{"name", row.name}, {"title", row.title}, {"numbers", NumbersJson(*profile)}});
-  }
-  return JsonResponse({{"profiles", std::move(profiles)}});
 }
 
 }  // namespace enamel::server::http

@@ -12,8 +12,22 @@ Response GetHealth(const Call& call);
 Response GetMetrics(const Call& call);
 
 boost::asio::awaitable<Response> SignIn(Call call);
+boost::asio::awaitable<Response> ConfirmSession(Call call);
+boost::asio::awaitable<Response> ChangePassword(Call call);
 Response GetSession(const Call& call);
 Response SignOut(const Call& call);
+Response ListSessions(const Call& call);
+Response EndSession(const Call& call);
+
+Response ListPeople(const Call& call);
+Response AddPerson(const Call& call);
+Response GetPerson(const Call& call);
+Response EditPerson(const Call& call);
+Response ResetPassword(const Call& call);
+Response ErasePerson(const Call& call);
+Response ListSessionsOf(const Call& call);
+Response EndSessionsOf(const Call& call);
+Response ImportRoster(const Call& call);
 
 Response ListExercises(const Call& call);
 Response GetExercise(const Call& call);
@@ -36,6 +50,14 @@ Response DeleteAssignment(const Call& call);
 Response ReleaseAssignment(const Call& call);
 
 Response ListProfiles(const Call& call);
+Response PutProfile(const Call& call);
+Response GetProfile(const Call& call);
+Response ListProfileVersions(const Call& call);
+Response ListProfileReports(const Call& call);
+Response AddProfileReport(const Call& call);
+Response GetProfileReport(const Call& call);
+Response ListCalibrations(const Call& call);
+Response AddCalibration(const Call& call);
 
 Response ListAttempts(const Call& call);
 Response GetAttempt(const Call& call);
@@ -59,7 +81,19 @@ Response FileAppeal(const Call& call);
 Response AnswerAppeal(const Call& call);
 
 Response ListCohorts(const Call& call);
+Response AddCohort(const Call& call);
+Response GetCohort(const Call& call);
+Response EditCohort(const Call& call);
+Response ChangeMembers(const Call& call);
+
 Response ListStations(const Call& call);
+Response GetStation(const Call& call);
+Response EditStation(const Call& call);
+Response RevokeStation(const Call& call);
+Response ListEnrolCodes(const Call& call);
+Response AddEnrolCode(const Call& call);
+Response WithdrawEnrolCode(const Call& call);
+
 Response ListAudit(const Call& call);
 Response ListJobs(const Call& call);
 Response CancelJob(const Call& call);

@@ -95,6 +95,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
         acceptor(strand),
         stop_timer(strand) {
     if (options.live) api->Show(*options.live);
+    api->Enrol(options.station_fingerprint);
   }
 
   Status Prepare();
@@ -219,7 +220,7 @@ asio::awaitable<bool> WriteEventsHead(Stream& stream, Response& response,
 // The newest event whenever there is a new one, until either side has had enough.
 template <typename Stream>
 asio::awaitable<void> WriteEvents(Stream& stream, Response response, const HttpOptions& options,
-                                  Connection& connection) {
+                                  Connection& connection, Api& api) {
   using Clock = std::chrono::steady_clock;
   beast::tcp_stream& lowest = beast::get_lowest_layer(stream);
   beast::error_code ignored;
@@ -229,6 +230,7 @@ asio::awaitable<void> WriteEvents(Stream& stream, Response response, const HttpO
   asio::steady_timer pause(connection.strand);
   auto end = Clock::now() + options.deadlines.events;
   auto last_sent = Clock::now();
+  auto last_allowed = Clock::now();
   while (open && !connection.stopping && Clock::now() < end) {
     EventSource::Event event = response.events->Take();
     std::string text = TextOf(event, Clock::now() - last_sent > kEventSilence);
@@ -240,6 +242,10 @@ asio::awaitable<void> WriteEvents(Stream& stream, Response response, const HttpO
     }
     pause.expires_after(kEventPeriod);
     co_await pause.async_wait(kNoThrow);
+    if (Clock::now() - last_allowed < options.deadlines.allowed) continue;
+    bool allowed = co_await api.StillAllowed(*response.events);
+    if (!allowed) co_return;
+    last_allowed = Clock::now();
   }
 }
 
@@ -263,7 +269,7 @@ asio::awaitable<void> Drain(Stream& stream, beast::flat_buffer& buffer) {
 template <typename Stream, typename Answer>
 asio::awaitable<bool> ServeOne(Stream& stream, beast::flat_buffer& buffer, const std::string& peer,
                                const HttpOptions& options, ops::RefusalLog& refusals,
-                               Connection& connection, const Answer& answer) {
+                               Connection& connection, Api& api, const Answer& answer) {
   RequestReader reader;
   bool late = false;
   RequestReader::Step step =
@@ -283,7 +289,7 @@ asio::awaitable<bool> ServeOne(Stream& stream, beast::flat_buffer& buffer, const
   }
   bool head_only = reader.request().method == Method::kHead;
   if (response.events && !head_only) {
-    co_await WriteEvents(stream, std::move(response), options, connection);
+    co_await WriteEvents(stream, std::move(response), options, connection, api);
     co_return false;
   }
   bool written = co_await Write(stream, response, head_only, keep_alive, options);
@@ -344,7 +350,7 @@ asio::awaitable<void> HttpServer::State::ServeAll(Stream& stream, const std::str
   auto answer = [this](Request& request) { return Answer(request); };
   bool open = true;
   while (open && !connection.stopping) {
-    open = co_await ServeOne(stream, buffer, peer, options, refusals, connection, answer);
+    open = co_await ServeOne(stream, buffer, peer, options, refusals, connection, *api, answer);
   }
 }
 

@@ -32,7 +32,9 @@ struct HttpDeadlines {
   std::chrono::milliseconds write{60'000};
   std::chrono::milliseconds event{5'000};     // one event to a viewer: who is slower is dropped
   std::chrono::milliseconds events{300'000};  // a stream; its viewer comes back, and is asked again
-  std::chrono::milliseconds stop{5'000};      // what a request gets to finish in when stopping
+  std::chrono::milliseconds allowed{
+      2'000};                             // until it is asked again whether its viewer may see it
+  std::chrono::milliseconds stop{5'000};  // what a request gets to finish in when stopping
 };
 
 struct HttpOptions {
@@ -50,6 +52,9 @@ struct HttpOptions {
   size_t max_in_flight = 64;     // requests waiting for the store's threads
   size_t store_threads = 4;
   HttpDeadlines deadlines;
+  // Of the certificate that stations know this server by, in hexadecimal: what an enrolment code is
+  // given out with. Empty: none are given out.
+  std::string station_fingerprint;
   LiveBoard* live = nullptr;  // what /attempts/{id}/live shows; none: there is no such path
   // GET /metrics is for this machine, or with a token for whoever has it. No metrics: no such path.
   // The server adds its own figures to them.

@@ -37,6 +37,8 @@ class BodyReader {
  public:
   explicit BodyReader(const Request& request);
 
+  // Whether it is there at all; one that only may be is read when it is.
+  bool Has(std::string_view name) const { return object_.if_contains(name) != nullptr; }
   // UTF-8 bytes; control characters other than line feed and tab are refused.
   std::string Text(std::string_view name, size_t at_least, size_t at_most);
   int64_t Integer(std::string_view name, int64_t at_least, int64_t at_most);

@@ -41,6 +41,8 @@ class EventSource {
   };
   // Must not block.
   virtual Event Take() = 0;
+  // Whether whoever asked may still see them: asked every few seconds. May block.
+  virtual bool StillAllowed() { return true; }
 };
 
 struct Response {

@@ -12,6 +12,14 @@ Result<std::optional<Uuid>> QueryId(const Request& request, const char* name) {
   return std::optional<Uuid>(*id);
 }
 
+Result<std::optional<bool>> QueryFlag(const Request& request, const char* name) {
+  auto found = request.query.find(name);
+  if (found == request.query.end()) return std::optional<bool>();
+  if (found->second == "true") return std::optional<bool>(true);
+  if (found->second == "false") return std::optional<bool>(false);
+  return Status{Code::kInvalidInput, "expected true or false", name};
+}
+
 Result<uint32_t> QueryLimit(const Request& request, uint32_t otherwise, uint32_t at_most) {
   auto found = request.query.find("limit");
   if (found == request.query.end()) return otherwise;

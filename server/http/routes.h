@@ -44,6 +44,8 @@ struct Call {
   std::string_view name = {};              // of `{name}`: 1 to 64 of a-z 0-9 _ -
   const Monitoring* monitoring = nullptr;  // always set
   LiveBoard* live = nullptr;               // none: nothing can be watched
+  // Of the certificate that stations know the server by, in hexadecimal; empty: it takes none.
+  std::string_view station_fingerprint = {};
 };
 
 // Runs on the store's threads and may block.

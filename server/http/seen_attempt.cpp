@@ -31,6 +31,4 @@ Status RequireScored(const AttemptRow& row) {
                                (row.problem.empty() ? "; wait for the score" : ": " + row.problem)};
 }
 
-Actor ActorOf(const Call& call) { return {call.caller->person.id, "page"}; }
-
 }  // namespace enamel::server::http

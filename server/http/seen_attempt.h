@@ -1,6 +1,7 @@
 #pragma once
 
 #include "common/base/result.h"
+#include "server/http/caller.h"
 #include "server/http/routes.h"
 
 namespace enamel::server::http {
@@ -18,6 +19,5 @@ Result<SeenAttempt> ReviewAttempt(const Call& call, const Uuid& attempt);
 
 // kConflict, with what it is instead.
 Status RequireScored(const AttemptRow& row);
-Actor ActorOf(const Call& call);
 
 }  // namespace enamel::server::http

@@ -1,7 +1,9 @@
 #include "common/base/hex.h"
+#include "server/http/caller.h"
 #include "server/http/error_response.h"
 #include "server/http/handlers.h"
 #include "server/http/json_body.h"
+#include "server/http/person_view.h"
 #include "server/http/site.h"
 
 namespace enamel::server::http {
@@ -18,7 +20,22 @@ json::object SessionJson(const auth::Identity& identity) {
             {"login", person.login},
             {"display_name", person.display_name},
             {"role", RoleName(person.role)}}},
-          {"csrf", identity.csrf}};
+          {"csrf", identity.csrf},
+          {"must_change_password", person.must_change_password},
+          {"confirmed_until_ms", identity.confirmed_until_ms}};
+}
+
+Response SignedInResponse(const auth::SignedIn& signed_in, const Request& request) {
+  Response response = JsonResponse(SessionJson(signed_in.identity));
+  response.headers.emplace_back("Set-Cookie",
+                                SetSessionCookie(ToHex(signed_in.token), request.tls));
+  return response;
+}
+
+Response Done() {
+  Response response;
+  response.status = 204;
+  return response;
 }
 
 }  // namespace
@@ -35,10 +52,34 @@ boost::asio::awaitable<Response> SignIn(Call call) {
   request.via = "page";
   Result<auth::SignedIn> signed_in = co_await call.authenticator.SignIn(std::move(request));
   if (!signed_in.ok()) co_return ErrorResponse(signed_in.status());
-  Response response = JsonResponse(SessionJson(signed_in->identity));
-  response.headers.emplace_back("Set-Cookie",
-                                SetSessionCookie(ToHex(signed_in->token), call.request.tls));
-  co_return response;
+  co_return SignedInResponse(*signed_in, call.request);
+}
+
+boost::asio::awaitable<Response> ConfirmSession(Call call) {
+  if (!IsJson(call.request)) co_return NotJson();
+  Result<json::object> body = TextMembers(call.request, {{"password", kMaxPassword}});
+  if (!body.ok()) co_return ErrorResponse(body.status());
+  std::string password((*body)["password"].as_string());
+  Status confirmed =
+      co_await call.authenticator.Confirm(*call.caller, std::move(password), call.request.peer);
+  if (!confirmed.ok()) co_return ErrorResponse(confirmed);
+  co_return Done();
+}
+
+boost::asio::awaitable<Response> ChangePassword(Call call) {
+  if (!IsJson(call.request)) co_return NotJson();
+  Result<json::object> body =
+      TextMembers(call.request, {{"old_password", kMaxPassword}, {"new_password", kMaxPassword}});
+  if (!body.ok()) co_return ErrorResponse(body.status());
+  auth::Authenticator::PasswordChange change;
+  change.old_password = std::string((*body)["old_password"].as_string());
+  change.new_password = std::string((*body)["new_password"].as_string());
+  change.address = call.request.peer;
+  change.via = "page";
+  Result<auth::SignedIn> signed_in =
+      co_await call.authenticator.ChangePassword(*call.caller, std::move(change));
+  if (!signed_in.ok()) co_return ErrorResponse(signed_in.status());
+  co_return SignedInResponse(*signed_in, call.request);
 }
 
 Response GetSession(const Call& call) { return JsonResponse(SessionJson(*call.caller)); }
@@ -47,10 +88,24 @@ Response SignOut(const Call& call) {
   if (Status ended = call.authenticator.SignOut(call.caller->token_hash); !ended.ok()) {
     return ErrorResponse(ended);
   }
-  Response response;
-  response.status = 204;
+  Response response = Done();
   response.headers.emplace_back("Set-Cookie", SetSessionCookie("", call.request.tls));
   return response;
+}
+
+Response ListSessions(const Call& call) { return SessionsResponse(call, call.caller->person.id); }
+
+Response EndSession(const Call& call) {
+  Result<SessionRow> session = call.store.SessionById(call.id);
+  bool own = session.ok() && session->person == call.caller->person.id;
+  if (!session.ok() && session.status().code() != Code::kNotFound) {
+    return ErrorResponse(session.status());
+  }
+  if (!session.ok() || (!own && call.caller->person.role != Role::kAdmin)) {
+    return ErrorResponse({Code::kNotFound, "there is no such session", "id"});
+  }
+  Status ended = call.store.EndSessionById(call.id, ActorOf(call));
+  return ended.ok() ? Done() : ErrorResponse(ended);
 }
 
 }  // namespace enamel::server::http

@@ -9,6 +9,7 @@ namespace enamel::server::stations {
 namespace {
 
 constexpr size_t kMaxNameBytes = 64;
+constexpr size_t kMaxSoftwareBytes = 200;
 
 Status CheckProtocolVersion(uint32_t version) {
   if (version == protocol::kProtocolVersion) return Status::Ok();
@@ -52,8 +53,26 @@ Answer Session::Handle(const wire::Request& request) {
     *reply.mutable_error() = protocol::UnsupportedError();
     return AnswerOf(request, reply, false);
   }
+  if (station_ && !IsQuick(request)) {
+    if (Status admitted = StillAdmitted(); !admitted.ok()) {
+      return AnswerOf(request, admitted, true);
+    }
+  }
   auto result = Dispatch(request);
   return AnswerOf(request, result, request.has_enrol() || (request.has_hello() && !result.ok()));
+}
+
+Status Session::StillAdmitted() {
+  UnixMs now = services_.clock();
+  if (now >= admitted_ms_ && now - admitted_ms_ < kAdmittedEveryMs) return Status::Ok();
+  auto station = services_.store.StationById(station_->id);
+  if (!station.ok()) return station.status();
+  if (station->revoked) {
+    return Status(Code::kUnauthenticated,
+                  "this station is no longer admitted; enrol it with a new code");
+  }
+  admitted_ms_ = now;
+  return Status::Ok();
 }
 
 Result<wire::Reply> Session::Dispatch(const wire::Request& request) {
@@ -102,9 +121,11 @@ Result<wire::Reply> Session::Do(const wire::Hello& hello) {
         Code::kUnauthenticated,
         "this server does not know the station or no longer admits it; enrol it with a new code");
   }
-  ENAMEL_RETURN_IF_ERROR(services_.store.TouchStation(*id, services_.clock()));
+  ENAMEL_RETURN_IF_ERROR(services_.store.TouchStation(
+      *id, hello.software().substr(0, kMaxSoftwareBytes), hello.core_version(), services_.clock()));
   station_ = *station;
   station_core_version_ = hello.core_version();
+  admitted_ms_ = services_.clock();
 
   wire::Reply reply;
   wire::Welcome& welcome = *reply.mutable_welcome();
@@ -160,6 +181,7 @@ Answer Session::FinishSignIn(const wire::Request& request, const Result<auth::Si
   out.set_display_name(result->identity.person.display_name);
   out.set_role(RoleName(result->identity.person.role));
   out.set_session(protocol::ToField(result->token));
+  out.set_must_change_password(result->identity.person.must_change_password);
   return AnswerOf(request, reply, false);
 }
 
@@ -176,6 +198,12 @@ Result<Person> Session::PersonOf(const std::string& session_token) {
   }
   auto identity = services_.authenticator.Authenticate(AsBytes(session_token));
   if (!identity.ok()) return identity.status();
+  if (identity->person.must_change_password) {
+    return Status(Code::kForbidden,
+                  "your password was for signing in once: open the page, choose your own, and sign "
+                  "in here again",
+                  "password");
+  }
   return identity->person;
 }
 

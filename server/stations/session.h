@@ -19,6 +19,8 @@ namespace enamel::server::stations {
 // it begins in time; it may have been cut off from the server since.
 inline constexpr UnixMs kLateUploadMs = 7ll * 24 * 60 * 60 * 1000;
 inline constexpr size_t kBlobPartBytes = 1 << 20;
+// A station that is revoked learns of it this long after, at the latest.
+inline constexpr UnixMs kAdmittedEveryMs = 2000;
 inline constexpr size_t kMaxSignedIn = 8;  // people signed in on one connection
 
 // What all sessions share. Everything in it outlives them and may be used from any thread.
@@ -85,6 +87,8 @@ class Session {
   void Take(const wire::LiveState& live);
   void ShowLive(const trace::Chunk& chunk);
 
+  // Looked up every kAdmittedEveryMs. Errors: kUnauthenticated (revoked since Hello).
+  Status StillAdmitted();
   Result<Person> PersonOf(const std::string& session_token);
   Result<std::vector<ExerciseRow>> ExercisesOf(const Person& person);
   // Names of an exam's stations, for people.
@@ -122,6 +126,7 @@ class Session {
   const std::string peer_address_;
   std::optional<StationRow> station_;
   uint32_t station_core_version_ = 0;
+  UnixMs admitted_ms_ = 0;      // when it was known to be admitted last
   std::set<Sha256> signed_in_;  // token hashes
   std::set<Uuid> ours_;         // attempts known to be of this station
   // The blob being fetched part by part.

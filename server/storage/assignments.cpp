@@ -198,18 +198,20 @@ Result<std::vector<AssignedRow>> SqliteStore::AssignmentsFor(const Uuid& person)
   return Read([&](Db& db) -> Result<std::vector<AssignedRow>> {
     std::vector<AssignedRow> out;
     {
-      Query q(db,
-              "SELECT " ENAMEL_ASSIGNMENT_COLUMNS
-              ", (SELECT count(*) FROM attempts t WHERE t.tenant = ?1 AND t.assignment = a.id "
-              "AND t.person = ?2 AND t.flags & 32 = 0), e.id, e.name, e.version, e.title, "
-              "e.content, e.scene, e.graded, e.published_ms, e.state, e.revision "
-              "FROM " ENAMEL_ASSIGNMENTS
-              " JOIN exercises e ON e.tenant = a.tenant AND e.name = a.exercise_name AND e.state "
-              "= 2 AND e.version = (SELECT max(version) FROM exercises n WHERE n.tenant = "
-              "e.tenant AND n.name = e.name AND n.state = 2) WHERE a.tenant = ?1 AND (a.cohort = "
-              "zeroblob(16) OR a.cohort IN (SELECT m.cohort FROM cohort_members m WHERE m.tenant "
-              "= ?1 AND m.person = ?2)) ORDER BY a.exam DESC, a.due_ms = 0, a.due_ms, "
-              "a.exercise_name, a.id");
+      Query q(
+          db,
+          "SELECT " ENAMEL_ASSIGNMENT_COLUMNS
+          ", (SELECT count(*) FROM attempts t WHERE t.tenant = ?1 AND t.assignment = a.id "
+          "AND t.person = ?2 AND t.flags & 32 = 0), e.id, e.name, e.version, e.title, "
+          "e.content, e.scene, e.graded, e.published_ms, e.state, e.revision "
+          "FROM " ENAMEL_ASSIGNMENTS
+          " JOIN exercises e ON e.tenant = a.tenant AND e.name = a.exercise_name AND e.state "
+          "= 2 AND e.version = (SELECT max(version) FROM exercises n WHERE n.tenant = "
+          "e.tenant AND n.name = e.name AND n.state = 2) WHERE a.tenant = ?1 AND (a.cohort = "
+          "zeroblob(16) OR a.cohort IN (SELECT m.cohort FROM cohort_members m JOIN cohorts c ON "
+          "c.tenant = m.tenant AND c.id = m.cohort AND c.archived_ms = 0 WHERE m.tenant "
+          "= ?1 AND m.person = ?2)) ORDER BY a.exam DESC, a.due_ms = 0, a.due_ms, "
+          "a.exercise_name, a.id");
       q.Bind(person);
       while (q.Next()) {
         out.push_back(AssignedRow{AssignmentOf(q), ExerciseOf(q, kAssignmentColumns + 1),

@@ -1,37 +1,7 @@
 #include "server/storage/sqlite_impl.h"
 
-// Device profiles, scenes.
+// Scenes.
 namespace enamel::server::sqlite {
-Status SqliteStore::PutProfile(const ProfileRow& row, const Actor& by) {
-  return Write([&](Db& db) -> Status {
-    std::string before = "{}";
-    {
-      Query old(db, "SELECT content FROM profiles WHERE tenant = ?1 AND name = ?2");
-      if (old.Bind(row.name).Next()) {
-        if (old.Hash(0) == row.content) return Status::Ok();
-        before = JsonOf({{"content", old.Hash(0).Hex()}});
-      }
-      ENAMEL_RETURN_IF_ERROR(old.status());
-    }
-    Query q(db,
-            "INSERT INTO profiles (tenant, name, title, content) VALUES (?1, ?2, ?3, ?4) "
-            "ON CONFLICT (tenant, name) DO UPDATE SET title = excluded.title, content = "
-            "excluded.content");
-    ENAMEL_RETURN_IF_ERROR(q.Bind(row.name).Bind(row.title).Bind(row.content).Run());
-    return WriteAudit(db, by, "profile.put", row.name, before,
-                      JsonOf({{"content", row.content.Hex()}}));
-  });
-}
-
-Result<std::vector<ProfileRow>> SqliteStore::Profiles() {
-  return Read([&](Db& db) -> Result<std::vector<ProfileRow>> {
-    Query q(db, "SELECT name, title, content FROM profiles WHERE tenant = ?1 ORDER BY name");
-    std::vector<ProfileRow> out;
-    while (q.Next()) out.push_back(ProfileRow{q.Text(0), q.Text(1), q.Hash(2)});
-    if (!q.status().ok()) return q.status();
-    return out;
-  });
-}
 
 Status SqliteStore::PutScene(const SceneRow& row, const Actor& by) {
   if (!blobs_.Has(row.content) || !blobs_.Has(row.volume)) {

@@ -1,3 +1,4 @@
+#include "server/storage/migrate.h"
 #include "server/storage/sqlite_impl.h"
 
 // Erasing a person: the key first, then the rows, then the blobs.
@@ -37,6 +38,15 @@ Status WithOverwriting(Db& db, const std::function<Status()>& work) {
   return status.ok() ? off : status;
 }
 
+// What the audit trail tells about a person who is gone; who did it and when stays. The only change
+// of audit rows that the database admits (schemas/sql/0004_people.sql).
+Status RedactAudit(Db& db, const Uuid& person) {
+  Query q(db,
+          "UPDATE audit SET before_json = '{\"erased\":true}', after_json = '{\"erased\":true}' "
+          "WHERE tenant = ?1 AND object = ?2 AND action LIKE 'person.%'");
+  return q.Bind(person.Text()).Run();
+}
+
 }  // namespace
 
 Result<std::set<Sha256>> NamedBlobs(Db& db) {
@@ -49,13 +59,24 @@ Result<std::set<Sha256>> NamedBlobs(Db& db) {
     }
     return q.status();
   };
-  Query documents(
-      db,
+  // A backup that is verified may have an older schema.
+  auto schema = SchemaVersion(db);
+  if (!schema.ok()) return schema.status();
+  std::string sql =
       "SELECT content FROM profiles WHERE tenant = ?1 UNION SELECT content FROM scenes "
       "WHERE tenant = ?1 UNION SELECT volume FROM scenes WHERE tenant = ?1 UNION "
-      "SELECT content FROM exercises WHERE tenant = ?1 UNION SELECT surface FROM scenes "
-      "WHERE tenant = ?1 UNION SELECT score_json FROM attempt_results WHERE tenant = "
-      "?1");
+      "SELECT content FROM exercises WHERE tenant = ?1";
+  if (*schema >= 3) {
+    sql +=
+        " UNION SELECT surface FROM scenes WHERE tenant = ?1 UNION SELECT score_json FROM "
+        "attempt_results WHERE tenant = ?1";
+  }
+  if (*schema >= 4) {
+    sql +=
+        " UNION SELECT content FROM profile_versions WHERE tenant = ?1 UNION SELECT content FROM "
+        "profile_reports WHERE tenant = ?1";
+  }
+  Query documents(db, sql.c_str());
   ENAMEL_RETURN_IF_ERROR(add(documents, 1));
   Query attempts(db,
                  "SELECT profile_content, trace_blob, score_json, final_volume, surface, series "
@@ -109,6 +130,7 @@ Status DeletePerson(Db& db, const Uuid& person, const Tombstone& tombstone, cons
                           "DELETE FROM people WHERE tenant = ?1 AND id = ?2"}) {
     ENAMEL_RETURN_IF_ERROR(Query(db, sql).Bind(person).Run());
   }
+  ENAMEL_RETURN_IF_ERROR(RedactAudit(db, person));
   Query q(db,
           "INSERT INTO erasures (tenant, person_hash, erased_ms) VALUES (?1, ?2, ?3) "
           "ON CONFLICT DO NOTHING");

@@ -2,7 +2,7 @@
 
 #include "server/storage/sqlite_impl.h"
 
-// The queue of jobs as leases, and the audit trail.
+// The queue of jobs as leases.
 namespace enamel::server::sqlite {
 namespace {
 
@@ -94,19 +94,6 @@ Status Requeue(Db& db, JobRow job) {
   return SetAttemptState(db, job.attempt, AttemptState::kScoring, AttemptState::kSealed, job.error);
 }
 
-Result<std::vector<AuditRow>> AuditIn(
-    Query& q, const std::function<bool(const Query&)>& wanted = [](const Query&) { return true; }) {
-  std::vector<AuditRow> out;
-  while (q.Next()) {
-    if (!wanted(q)) continue;
-    Uuid actor = q.Id(1);
-    std::string who = actor.IsZero() ? q.Text(2) : actor.Text() + " (" + q.Text(2) + ")";
-    out.push_back(AuditRow{q.Int(0), who, q.Text(3), q.Text(4), q.Text(5), q.Text(6)});
-  }
-  if (!q.status().ok()) return q.status();
-  return out;
-}
-
 }  // namespace
 
 Status EndLeases(Db& db) {
@@ -154,14 +141,15 @@ Status SqliteStore::ReturnJob(const Uuid& job) {
   });
 }
 
-Result<std::vector<JobRow>> SqliteStore::Jobs(const std::string& state) {
+Result<std::vector<JobRow>> SqliteStore::FindJobs(const JobFilter& filter) {
   return Read([&](Db& db) -> Result<std::vector<JobRow>> {
     Query q(db,
             "SELECT j.id, j.kind, j.attempt, j.state, j.tries, j.error, j.cause, iif(j.state = "
             "'running', a.progress, j.state = 'done') FROM jobs j JOIN attempts a ON a.tenant = "
-            "j.tenant AND a.id = j.attempt WHERE j.tenant = ?1 AND (?2 = '' OR j.state = ?2) ORDER "
-            "BY j.id DESC LIMIT 200");
-    q.Bind(state);
+            "j.tenant AND a.id = j.attempt WHERE j.tenant = ?1 AND (?2 = '' OR j.state = ?2) AND "
+            "(?3 = zeroblob(16) OR j.id < ?3) ORDER BY j.id DESC LIMIT ?4");
+    q.Bind(filter.state).Bind(filter.before.value_or(Uuid{}));
+    q.Bind(int64_t{std::clamp<uint32_t>(filter.limit, 1, 200)});
     std::vector<JobRow> out;
     while (q.Next()) {
       out.push_back(JobOf(q));
@@ -170,6 +158,13 @@ Result<std::vector<JobRow>> SqliteStore::Jobs(const std::string& state) {
     if (!q.status().ok()) return q.status();
     return out;
   });
+}
+
+Result<std::vector<JobRow>> SqliteStore::Jobs(const std::string& state) {
+  JobFilter filter;
+  filter.state = state;
+  filter.limit = 200;
+  return FindJobs(filter);
 }
 
 Status SqliteStore::CancelJob(const Uuid& job, const Actor& by) {
@@ -188,38 +183,6 @@ Status SqliteStore::CancelJob(const Uuid& job, const Actor& by) {
     return WriteAudit(db, by, "job.cancel", row->attempt.Text(), before,
                       JsonOf({{"state", row->state}}));
   });
-}
-
-Result<std::vector<AuditRow>> SqliteStore::Audit(uint32_t limit) {
-  return Read([&](Db& db) -> Result<std::vector<AuditRow>> {
-    Query q(db,
-            "SELECT at_ms, actor, via, action, object, before_json, after_json FROM audit "
-            "WHERE tenant = ?1 ORDER BY id DESC LIMIT ?2");
-    return AuditIn(q.Bind(static_cast<int64_t>(std::clamp<uint32_t>(limit, 1, 1000))));
-  });
-}
-
-Result<std::vector<AuditRow>> SqliteStore::AuditAbout(const Uuid& person) {
-  return Read([&](Db& db) -> Result<std::vector<AuditRow>> {
-    std::set<std::string> objects{person.Text()};
-    {
-      Query q(db, "SELECT id FROM attempts WHERE tenant = ?1 AND person = ?2");
-      q.Bind(person);
-      while (q.Next()) objects.insert(q.Id(0).Text());
-      if (!q.status().ok()) return q.status();
-    }
-    Query q(db,
-            "SELECT at_ms, actor, via, action, object, before_json, after_json FROM audit "
-            "WHERE tenant = ?1 ORDER BY id");
-    return AuditIn(
-        q, [&](const Query& row) { return row.Id(1) == person || objects.contains(row.Text(4)); });
-  });
-}
-
-Status SqliteStore::NoteAudit(const Actor& by, const std::string& action, const std::string& object,
-                              const std::string& after_json) {
-  return Write(
-      [&](Db& db) { return WriteAudit(db, by, action.c_str(), object, "{}", after_json); });
 }
 
 }  // namespace enamel::server::sqlite

@@ -23,8 +23,9 @@
 #include "server/storage/writer.h"
 
 // Private to server/storage: the class behind OpenSqliteStore, its sources split by subject
-// (people.cpp, stations.cpp, content.cpp, exercises.cpp, assignments.cpp, attempts.cpp,
-// teaching.cpp, traces.cpp, jobs.cpp, erasure.cpp, retention.cpp).
+// (people.cpp, sessions.cpp, cohorts.cpp, roster.cpp, stations.cpp, profiles.cpp, content.cpp,
+// exercises.cpp, assignments.cpp, attempts.cpp, teaching.cpp, traces.cpp, jobs.cpp, audit.cpp,
+// erasure.cpp, retention.cpp).
 namespace enamel::server::sqlite {
 
 // Read connections, opened as needed up to a number, then waited for.
@@ -69,27 +70,48 @@ class SqliteStore final : public Store {
   Result<Person> PersonById(const Uuid& id) override;
   Result<Person> PersonByLogin(const std::string& login) override;
   Result<std::string> PasswordVerifier(const Uuid& person) override;
-  Status SetPassword(const Uuid& person, const std::string& verifier, const Actor& by) override;
+  Status SetPassword(const Uuid& person, const std::string& verifier, bool for_one_use,
+                     const Actor& by) override;
   Status SetDisabled(const Uuid& person, bool disabled, const Actor& by) override;
   Result<std::vector<Person>> People() override;
+  Result<std::vector<Person>> FindPeople(const PeopleFilter& filter) override;
+  Result<Person> EditPerson(const Uuid& id, const PersonEdit& edit, int32_t revision,
+                            const Actor& by) override;
+  Result<RosterPlan> ImportRoster(const std::vector<RosterRow>& rows, bool dry_run,
+                                  const Actor& by) override;
   Status CreateSession(const SessionRow& session) override;
   Result<SessionRow> FindSession(const Sha256& token_hash) override;
   Status TouchSession(const Sha256& token_hash, UnixMs now_ms) override;
   Status EndSession(const Sha256& token_hash) override;
-  Status EndSessionsOf(const Uuid& person) override;
+  Result<size_t> EndSessionsOf(const Uuid& person, const Actor& by) override;
+  Result<std::vector<SessionRow>> SessionsOf(const Uuid& person) override;
+  Result<SessionRow> SessionById(const Uuid& id) override;
+  Status EndSessionById(const Uuid& id, const Actor& by) override;
+  Status ConfirmSession(const Sha256& token_hash, UnixMs now_ms) override;
   Result<Uuid> CreateCohort(const std::string& name, const Actor& by) override;
+  Result<Cohort> CohortById(const Uuid& id) override;
+  Result<Cohort> EditCohort(const Uuid& id, const CohortEdit& edit, int32_t revision,
+                            const Actor& by) override;
+  Status ChangeMembers(const Uuid& cohort, const std::vector<Uuid>& add,
+                       const std::vector<Uuid>& remove, const Actor& by) override;
   Status AddToCohort(const Uuid& cohort, const Uuid& person, const Actor& by) override;
   Result<std::vector<Cohort>> CohortsOf(const Uuid& person) override;
   Result<std::vector<Cohort>> Cohorts() override;
   Result<std::vector<Person>> CohortMembers(const Uuid& cohort) override;
   Result<bool> ShareCohort(const Uuid& a, const Uuid& b) override;
 
-  Status AddEnrolCode(const Sha256& code_hash, UnixMs expires_ms, const Actor& by) override;
+  Result<Uuid> AddEnrolCode(const Sha256& code_hash, UnixMs expires_ms, const Actor& by) override;
+  Result<std::vector<EnrolCodeRow>> OpenEnrolCodes(UnixMs now_ms) override;
+  Status WithdrawEnrolCode(const Uuid& id, const Actor& by) override;
   Result<StationRow> EnrolStation(const Sha256& code_hash, StationRow station,
                                   const Sha256& credential_hash, UnixMs now_ms) override;
   Result<StationRow> StationByCredential(const Uuid& id, const Sha256& credential_hash) override;
   Result<StationRow> StationById(const Uuid& id) override;
-  Status TouchStation(const Uuid& id, UnixMs now_ms) override;
+  Status TouchStation(const Uuid& id, const std::string& software, uint32_t core_version,
+                      UnixMs now_ms) override;
+  Result<StationRow> RenameStation(const Uuid& id, const std::string& name, int32_t revision,
+                                   const Actor& by) override;
+  Status RevokeStation(const Uuid& id, const Actor& by) override;
   Result<std::vector<StationRow>> Stations() override;
 
   Result<Sha256> PutBlob(ByteView data) override;
@@ -98,6 +120,12 @@ class SqliteStore final : public Store {
   bool HasBlob(const Sha256& hash) override { return blobs_.Has(hash); }
   Status PutProfile(const ProfileRow& row, const Actor& by) override;
   Result<std::vector<ProfileRow>> Profiles() override;
+  Result<std::vector<ProfileRow>> ProfileVersions(const std::string& name) override;
+  Result<ProfileReportRow> AddProfileReport(const ProfileReportRow& row, const Actor& by) override;
+  Result<std::vector<ProfileReportRow>> ProfileReports(const std::string& profile) override;
+  Result<ProfileReportRow> ProfileReportById(const Uuid& id) override;
+  Result<CalibrationRow> AddCalibration(const CalibrationRow& row, const Actor& by) override;
+  Result<std::vector<CalibrationRow>> Calibrations(const std::string& profile) override;
   Status PutScene(const SceneRow& row, const Actor& by) override;
   Result<std::vector<SceneRow>> Scenes() override;
   Status PutSceneSurface(const Sha256& volume, const Sha256& surface) override;
@@ -164,7 +192,9 @@ class SqliteStore final : public Store {
   Status ReturnJob(const Uuid& job) override;
   Result<std::vector<JobRow>> Jobs(const std::string& state) override;
   Status CancelJob(const Uuid& job, const Actor& by) override;
+  Result<std::vector<JobRow>> FindJobs(const JobFilter& filter) override;
   Result<std::vector<AuditRow>> Audit(uint32_t limit) override;
+  Result<std::vector<AuditRow>> FindAudit(const AuditFilter& filter) override;
   Result<std::vector<AuditRow>> AuditAbout(const Uuid& person) override;
   Status NoteAudit(const Actor& by, const std::string& action, const std::string& object,
                    const std::string& after_json) override;

@@ -1,8 +1,12 @@
-#include "server/storage/sqlite_impl.h"
+#include "server/storage/people_rows.h"
 
 // Enrolment codes and stations.
 namespace enamel::server::sqlite {
 namespace {
+
+constexpr char kStationSelect[] =
+    "SELECT id, name, public_key, revoked, enrolled_ms, last_seen_ms, revoked_ms, software, "
+    "core_version, revision FROM stations WHERE tenant = ?1";
 
 StationRow StationOf(const Query& q) {
   StationRow out;
@@ -12,6 +16,10 @@ StationRow StationOf(const Query& q) {
   out.revoked = q.Int(3) != 0;
   out.enrolled_ms = q.Int(4);
   out.last_seen_ms = q.Int(5);
+  out.revoked_ms = q.Int(6);
+  out.software = q.Text(7);
+  out.core_version = static_cast<uint32_t>(q.Int(8));
+  out.revision = static_cast<int32_t>(q.Int(9));
   return out;
 }
 
@@ -21,14 +29,59 @@ Result<StationRow> OneStation(Query& q, const Uuid& id) {
   return Status(Code::kNotFound, "no station " + id.Text());
 }
 
+Result<StationRow> FindStation(Db& db, const Uuid& id) {
+  static const std::string kSql = std::string(kStationSelect) + " AND id = ?2";
+  Query q(db, kSql.c_str());
+  return OneStation(q.Bind(id), id);
+}
+
 }  // namespace
 
-Status SqliteStore::AddEnrolCode(const Sha256& code_hash, UnixMs expires_ms, const Actor& by) {
-  return Write([&](Db& db) -> Status {
-    Query q(db, "INSERT INTO enrol_codes (tenant, code_hash, expires_ms) VALUES (?1, ?2, ?3)");
-    ENAMEL_RETURN_IF_ERROR(q.Bind(code_hash).Bind(expires_ms).Run());
-    return WriteAudit(db, by, "station.code", "", "{}",
+Result<Uuid> SqliteStore::AddEnrolCode(const Sha256& code_hash, UnixMs expires_ms,
+                                       const Actor& by) {
+  Uuid id = Uuid::New();
+  Status status = Write([&](Db& db) -> Status {
+    Query q(db,
+            "INSERT INTO enrol_codes (tenant, code_hash, id, created_ms, expires_ms) VALUES (?1, "
+            "?2, ?3, ?4, ?5)");
+    ENAMEL_RETURN_IF_ERROR(q.Bind(code_hash).Bind(id).Bind(NowMs()).Bind(expires_ms).Run());
+    return WriteAudit(db, by, "station.code", id.Text(), "{}",
                       JsonOf({{"expires_ms", std::to_string(expires_ms)}}));
+  });
+  if (!status.ok()) return status;
+  return id;
+}
+
+Result<std::vector<EnrolCodeRow>> SqliteStore::OpenEnrolCodes(UnixMs now_ms) {
+  return Read([&](Db& db) -> Result<std::vector<EnrolCodeRow>> {
+    Query q(db,
+            "SELECT id, created_ms, expires_ms FROM enrol_codes WHERE tenant = ?1 AND used_ms IS "
+            "NULL AND withdrawn_ms IS NULL AND expires_ms >= ?2 ORDER BY expires_ms, id");
+    q.Bind(now_ms);
+    std::vector<EnrolCodeRow> out;
+    while (q.Next()) out.push_back({q.Id(0), q.Int(1), q.Int(2)});
+    if (!q.status().ok()) return q.status();
+    return out;
+  });
+}
+
+Status SqliteStore::WithdrawEnrolCode(const Uuid& id, const Actor& by) {
+  return Write([&](Db& db) -> Status {
+    {
+      Query q(db, "SELECT used_ms, withdrawn_ms FROM enrol_codes WHERE tenant = ?1 AND id = ?2");
+      if (!q.Bind(id).Next()) {
+        return q.status().ok() ? Status(Code::kNotFound, "no enrolment code " + id.Text())
+                               : q.status();
+      }
+      if (!q.IsNull(0)) {
+        return Status(Code::kConflict,
+                      "a station has enrolled with this code already; revoke the station instead");
+      }
+      if (!q.IsNull(1)) return Status::Ok();
+    }
+    Query q(db, "UPDATE enrol_codes SET withdrawn_ms = ?3 WHERE tenant = ?1 AND id = ?2");
+    ENAMEL_RETURN_IF_ERROR(q.Bind(id).Bind(NowMs()).Run());
+    return WriteAudit(db, by, "station.code_withdrawn", id.Text(), "{}", "{}");
   });
 }
 
@@ -39,7 +92,7 @@ Result<StationRow> SqliteStore::EnrolStation(const Sha256& code_hash, StationRow
   Status status = Write([&](Db& db) -> Status {
     Query use(db,
               "UPDATE enrol_codes SET used_ms = ?3 WHERE tenant = ?1 AND code_hash = ?2 AND "
-              "used_ms IS NULL AND expires_ms >= ?3");
+              "used_ms IS NULL AND withdrawn_ms IS NULL AND expires_ms >= ?3");
     ENAMEL_RETURN_IF_ERROR(use.Bind(code_hash).Bind(now_ms).Run());
     if (db.Changes() == 0) {
       return Status(Code::kUnauthenticated,
@@ -64,34 +117,63 @@ Result<StationRow> SqliteStore::EnrolStation(const Sha256& code_hash, StationRow
 
 Result<StationRow> SqliteStore::StationByCredential(const Uuid& id, const Sha256& credential_hash) {
   return Read([&](Db& db) -> Result<StationRow> {
-    Query q(db,
-            "SELECT id, name, public_key, revoked, enrolled_ms, last_seen_ms FROM stations "
-            "WHERE tenant = ?1 AND id = ?2 AND credential_hash = ?3");
+    static const std::string kSql =
+        std::string(kStationSelect) + " AND id = ?2 AND credential_hash = ?3";
+    Query q(db, kSql.c_str());
     return OneStation(q.Bind(id).Bind(credential_hash), id);
   });
 }
 
 Result<StationRow> SqliteStore::StationById(const Uuid& id) {
-  return Read([&](Db& db) -> Result<StationRow> {
+  return Read([&](Db& db) { return FindStation(db, id); });
+}
+
+Status SqliteStore::TouchStation(const Uuid& id, const std::string& software, uint32_t core_version,
+                                 UnixMs now_ms) {
+  return Write([&](Db& db) -> Status {
     Query q(db,
-            "SELECT id, name, public_key, revoked, enrolled_ms, last_seen_ms FROM stations "
-            "WHERE tenant = ?1 AND id = ?2");
-    return OneStation(q.Bind(id), id);
+            "UPDATE stations SET last_seen_ms = ?3, software = ?4, core_version = ?5 WHERE tenant "
+            "= ?1 AND id = ?2");
+    return q.Bind(id).Bind(now_ms).Bind(software).Bind(int64_t{core_version}).Run();
   });
 }
 
-Status SqliteStore::TouchStation(const Uuid& id, UnixMs now_ms) {
+Result<StationRow> SqliteStore::RenameStation(const Uuid& id, const std::string& name,
+                                              int32_t revision, const Actor& by) {
+  Result<StationRow> after = StationRow{};
+  Status status = Write([&](Db& db) -> Status {
+    after = FindStation(db, id);
+    if (!after.ok()) return after.status();
+    ENAMEL_RETURN_IF_ERROR(MustBeNewest(after->revision, revision));
+    if (after->name == name) return Status::Ok();
+    std::string before = std::exchange(after->name, name);
+    ++after->revision;
+    Query q(db, "UPDATE stations SET name = ?3, revision = ?4 WHERE tenant = ?1 AND id = ?2");
+    ENAMEL_RETURN_IF_ERROR(q.Bind(id).Bind(name).Bind(int64_t{after->revision}).Run());
+    return WriteAudit(db, by, "station.rename", id.Text(), JsonOf({{"name", before}}),
+                      JsonOf({{"name", name}}));
+  });
+  if (!status.ok()) return status;
+  return after;
+}
+
+Status SqliteStore::RevokeStation(const Uuid& id, const Actor& by) {
   return Write([&](Db& db) -> Status {
-    Query q(db, "UPDATE stations SET last_seen_ms = ?3 WHERE tenant = ?1 AND id = ?2");
-    return q.Bind(id).Bind(now_ms).Run();
+    auto station = FindStation(db, id);
+    if (!station.ok()) return station.status();
+    if (station->revoked) return Status::Ok();
+    Query q(db,
+            "UPDATE stations SET revoked = 1, revoked_ms = ?3, revision = revision + 1 WHERE "
+            "tenant = ?1 AND id = ?2");
+    ENAMEL_RETURN_IF_ERROR(q.Bind(id).Bind(NowMs()).Run());
+    return WriteAudit(db, by, "station.revoke", id.Text(), JsonOf({{"name", station->name}}), "{}");
   });
 }
 
 Result<std::vector<StationRow>> SqliteStore::Stations() {
   return Read([&](Db& db) -> Result<std::vector<StationRow>> {
-    Query q(db,
-            "SELECT id, name, public_key, revoked, enrolled_ms, last_seen_ms FROM stations "
-            "WHERE tenant = ?1 ORDER BY name, id");
+    static const std::string kSql = std::string(kStationSelect) + " ORDER BY name, id";
+    Query q(db, kSql.c_str());
     std::vector<StationRow> out;
     while (q.Next()) out.push_back(StationOf(q));
     if (!q.status().ok()) return q.status();

@@ -6,6 +6,8 @@
 
 #include "common/base/result.h"
 #include "common/trace/trace.h"
+#include "server/training/revision.h"
+#include "server/training/roster.h"
 #include "server/training/types.h"
 
 // The one interface to everything durable. SQLite behind it today (sqlite_store.h); a second
@@ -45,7 +47,9 @@ struct SessionRow {
   Sha256 token_hash;
   Uuid person;
   UnixMs created_ms = 0, last_used_ms = 0, expires_ms = 0;
-  std::string via;  // "page" | "station"
+  std::string via;          // "page" | "station"
+  Uuid id{};                // what it is called where the token must not be; zero: made up
+  UnixMs confirmed_ms = 0;  // when the password was given last; 0: when it was created
 };
 
 struct JobRow {
@@ -59,12 +63,29 @@ struct JobRow {
   double progress = 0;         // 0..1 while running
 };
 
+struct JobFilter {
+  std::string state{};           // empty: all
+  std::optional<Uuid> before{};  // page: ids lower than this (newest first)
+  uint32_t limit = 50;           // at most 200
+};
+
+struct AuditFilter {
+  std::optional<Uuid> actor{};
+  std::string action{};  // whole ("person.edit") or, with a dot at the end, a kind ("person.")
+  std::string object{};  // whole
+  UnixMs from_ms = 0;
+  UnixMs until_ms = 0;           // 0: now
+  std::optional<Uuid> before{};  // page: older than this row
+  uint32_t limit = 100;          // at most 1000
+};
+
 struct AuditRow {
   UnixMs at_ms = 0;
   std::string actor;
   std::string action;  // "attempt.seal", "person.create"
   std::string object;
   std::string before_json, after_json;
+  Uuid id{};
 };
 
 // What was removed with a person.
@@ -111,20 +132,49 @@ class Store {
   virtual Result<Person> PersonById(const Uuid& id) = 0;
   virtual Result<Person> PersonByLogin(const std::string& login) = 0;
   virtual Result<std::string> PasswordVerifier(const Uuid& person) = 0;
-  // Ends the sessions made with the old password.
-  virtual Status SetPassword(const Uuid& person, const std::string& verifier, const Actor& by) = 0;
-  // Disabling ends the person's sessions in the same transaction.
+  // Ends the person's sessions. `for_one_use`: it has to be changed before anything else is done.
+  virtual Status SetPassword(const Uuid& person, const std::string& verifier, bool for_one_use,
+                             const Actor& by) = 0;
+  // Disabling ends the person's sessions in the same transaction. Errors also: kConflict (the last
+  // admin who may sign in).
   virtual Status SetDisabled(const Uuid& person, bool disabled, const Actor& by) = 0;
   virtual Result<std::vector<Person>> People() = 0;
+  // By login.
+  virtual Result<std::vector<Person>> FindPeople(const PeopleFilter& filter) = 0;
+  // Another role and disabling end the person's sessions. Returns the person as it is then. Errors:
+  // kConflict with field kStale (`revision` is not the stored one), without one (the last admin who
+  // may sign in).
+  virtual Result<Person> EditPerson(const Uuid& id, const PersonEdit& edit, int32_t revision,
+                                    const Actor& by) = 0;
+  // Carries out what PlanRoster says, all or nothing, and returns it; with `dry_run`, or with
+  // problems in the plan, changes nothing.
+  virtual Result<RosterPlan> ImportRoster(const std::vector<RosterRow>& rows, bool dry_run,
+                                          const Actor& by) = 0;
 
   // Sessions: whether one still counts (idle, absolute end) is for server/auth to say.
   virtual Status CreateSession(const SessionRow& session) = 0;
   virtual Result<SessionRow> FindSession(const Sha256& token_hash) = 0;
   virtual Status TouchSession(const Sha256& token_hash, UnixMs now_ms) = 0;
   virtual Status EndSession(const Sha256& token_hash) = 0;
-  virtual Status EndSessionsOf(const Uuid& person) = 0;
+  // How many there were.
+  virtual Result<size_t> EndSessionsOf(const Uuid& person, const Actor& by) = 0;
+  // Newest first.
+  virtual Result<std::vector<SessionRow>> SessionsOf(const Uuid& person) = 0;
+  // Errors: kNotFound.
+  virtual Result<SessionRow> SessionById(const Uuid& id) = 0;
+  virtual Status EndSessionById(const Uuid& id, const Actor& by) = 0;
+  // The password was given once more.
+  virtual Status ConfirmSession(const Sha256& token_hash, UnixMs now_ms) = 0;
 
   virtual Result<Uuid> CreateCohort(const std::string& name, const Actor& by) = 0;
+  virtual Result<Cohort> CohortById(const Uuid& id) = 0;
+  // Errors: kConflict with field kStale, without one (the name is taken).
+  virtual Result<Cohort> EditCohort(const Uuid& id, const CohortEdit& edit, int32_t revision,
+                                    const Actor& by) = 0;
+  // All or nothing; who is in already, or is not, stays so. Errors: kNotFound with the id that is
+  // unknown.
+  virtual Status ChangeMembers(const Uuid& cohort, const std::vector<Uuid>& add,
+                               const std::vector<Uuid>& remove, const Actor& by) = 0;
   virtual Status AddToCohort(const Uuid& cohort, const Uuid& person, const Actor& by) = 0;
   virtual Result<std::vector<Cohort>> CohortsOf(
       const Uuid& person) = 0;  // as student or instructor
@@ -134,12 +184,24 @@ class Store {
   virtual Result<bool> ShareCohort(const Uuid& a, const Uuid& b) = 0;
 
   // Stations. A code works once and before it expires.
-  virtual Status AddEnrolCode(const Sha256& code_hash, UnixMs expires_ms, const Actor& by) = 0;
+  virtual Result<Uuid> AddEnrolCode(const Sha256& code_hash, UnixMs expires_ms,
+                                    const Actor& by) = 0;
+  // Those that can still be used, the one that expires first at the front.
+  virtual Result<std::vector<EnrolCodeRow>> OpenEnrolCodes(UnixMs now_ms) = 0;
+  // Errors: kNotFound, kConflict (used already).
+  virtual Status WithdrawEnrolCode(const Uuid& id, const Actor& by) = 0;
   virtual Result<StationRow> EnrolStation(const Sha256& code_hash, StationRow station,
                                           const Sha256& credential_hash, UnixMs now_ms) = 0;
   virtual Result<StationRow> StationByCredential(const Uuid& id, const Sha256& credential_hash) = 0;
   virtual Result<StationRow> StationById(const Uuid& id) = 0;
-  virtual Status TouchStation(const Uuid& id, UnixMs now_ms) = 0;
+  // It connected.
+  virtual Status TouchStation(const Uuid& id, const std::string& software, uint32_t core_version,
+                              UnixMs now_ms) = 0;
+  // Errors: kConflict with field kStale.
+  virtual Result<StationRow> RenameStation(const Uuid& id, const std::string& name,
+                                           int32_t revision, const Actor& by) = 0;
+  // For good: a station that is to come back enrols anew.
+  virtual Status RevokeStation(const Uuid& id, const Actor& by) = 0;
   virtual Result<std::vector<StationRow>> Stations() = 0;
 
   // Content-addressed blobs: documents, volumes, sealed results. Write-once, durable on return.
@@ -150,8 +212,22 @@ class Store {
   // GetBlob as long as the key exists. Errors also: kNotFound (attempt), kConflict (person erased).
   virtual Result<Sha256> PutAttemptBlob(const Uuid& attempt, ByteView data) = 0;
 
-  virtual Status PutProfile(const ProfileRow& row, const Actor& by) = 0;  // replaces by name
-  virtual Result<std::vector<ProfileRow>> Profiles() = 0;
+  // Name, title and content of `row` count: a new version of the profile of this name when the
+  // content differs from the newest one.
+  virtual Status PutProfile(const ProfileRow& row, const Actor& by) = 0;
+  virtual Result<std::vector<ProfileRow>> Profiles() = 0;  // newest versions, by name
+  // Newest first; empty when there is no such profile.
+  virtual Result<std::vector<ProfileRow>> ProfileVersions(const std::string& name) = 0;
+  // About the newest version. The same content again: the row that is there. Errors: kNotFound (the
+  // profile, the blob).
+  virtual Result<ProfileReportRow> AddProfileReport(const ProfileReportRow& row,
+                                                    const Actor& by) = 0;
+  virtual Result<std::vector<ProfileReportRow>> ProfileReports(const std::string& profile) = 0;
+  virtual Result<ProfileReportRow> ProfileReportById(const Uuid& id) = 0;
+  // The same document again: the row that is there. Errors: kNotFound (the profile).
+  virtual Result<CalibrationRow> AddCalibration(const CalibrationRow& row, const Actor& by) = 0;
+  // Newest measurement first.
+  virtual Result<std::vector<CalibrationRow>> Calibrations(const std::string& profile) = 0;
   virtual Status PutScene(const SceneRow& row, const Actor& by) = 0;
   virtual Result<std::vector<SceneRow>> Scenes() = 0;
   // The picture of a scene before it is cut, for all scenes with this volume.
@@ -293,12 +369,14 @@ class Store {
   // counted.
   virtual Status ReturnJob(const Uuid& job) = 0;
   virtual Result<std::vector<JobRow>> Jobs(const std::string& state) = 0;
+  virtual Result<std::vector<JobRow>> FindJobs(const JobFilter& filter) = 0;
   // Queued or running; the attempt is "sealed" again. Its worker hears of it through SetProgress,
   // at the latest in FinishAttempt. Errors: kNotFound, kConflict (over already).
   virtual Status CancelJob(const Uuid& job, const Actor& by) = 0;
 
   // Newest first.
   virtual Result<std::vector<AuditRow>> Audit(uint32_t limit) = 0;
+  virtual Result<std::vector<AuditRow>> FindAudit(const AuditFilter& filter) = 0;
   // What the person did and what was done to the person and the person's attempts, oldest first.
   virtual Result<std::vector<AuditRow>> AuditAbout(const Uuid& person) = 0;
   // Something that changed nothing here but is to be known: a backup, an export.

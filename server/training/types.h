@@ -27,11 +27,37 @@ struct Person {
   Role role = Role::kStudent;
   bool disabled = false;
   UnixMs created_ms = 0;
+  bool must_change_password = false;  // it was made up here and is good for changing it only
+  int32_t revision = 1;               // server/training/revision.h
+};
+
+// Which people; nothing set: all.
+struct PeopleFilter {
+  std::optional<Role> role{};
+  std::optional<Uuid> cohort{};
+  std::optional<bool> disabled{};
+  std::string text{};         // part of login or display name; case counts beyond ASCII only
+  std::string after_login{};  // page: logins beyond this (they are sorted by it)
+  uint32_t limit = 50;        // at most 1000
+};
+
+// What is set is changed.
+struct PersonEdit {
+  std::optional<std::string> display_name{};
+  std::optional<Role> role{};
+  std::optional<bool> disabled{};
 };
 
 struct Cohort {
   Uuid id;
   std::string name;
+  UnixMs archived_ms = 0;  // 0: in use. Archived: kept with its attempts, offered no exercises
+  int32_t revision = 1;
+};
+
+struct CohortEdit {
+  std::optional<std::string> name{};
+  std::optional<bool> archived{};
 };
 
 struct StationRow {
@@ -41,12 +67,46 @@ struct StationRow {
   bool revoked = false;
   UnixMs enrolled_ms = 0;
   UnixMs last_seen_ms = 0;
+  UnixMs revoked_ms = 0;
+  std::string software;       // as it said when it connected last; empty: never did
+  uint32_t core_version = 0;  // likewise
+  int32_t revision = 1;
+};
+
+// A one-time code for enrolling a station. The code itself is known to whoever made it only.
+struct EnrolCodeRow {
+  Uuid id;
+  UnixMs created_ms = 0;  // 0: before schema 4
+  UnixMs expires_ms = 0;
 };
 
 struct ProfileRow {
   std::string name;
   std::string title;
-  Sha256 content;  // JSON blob
+  Sha256 content;         // JSON blob
+  int32_t version = 1;    // counts the contents it had
+  UnixMs created_ms = 0;  // of this version; 0: before schema 4
+};
+
+// What `enamel-station qualify` wrote about one version of a profile.
+struct ProfileReportRow {
+  Uuid id;
+  std::string profile;
+  int32_t version = 1;
+  std::string media_type;  // "application/json", "text/html"
+  Sha256 content;          // blob
+  uint64_t bytes = 0;
+  UnixMs created_ms = 0;
+};
+
+// A device as it was measured once.
+struct CalibrationRow {
+  Uuid id;
+  std::string profile;
+  std::string device;
+  UnixMs measured_ms = 0;
+  UnixMs added_ms = 0;
+  std::string document;  // schemas/calibration.schema.json
 };
 
 struct SceneRow {

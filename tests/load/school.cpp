@@ -83,7 +83,8 @@ Status AddCodes(Store& store, School& school, size_t count) {
     for (Status& outcome : outcomes) {
       writers.emplace_back([&] {
         for (size_t i; outcome.ok() && (i = next++) < count;) {
-          outcome = store.AddEnrolCode(HashSha256(AsBytes(school.codes[i])), kNever, kLoadgen);
+          outcome =
+              store.AddEnrolCode(HashSha256(AsBytes(school.codes[i])), kNever, kLoadgen).status();
         }
       });
     }

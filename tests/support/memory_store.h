@@ -181,7 +181,60 @@ class MemoryStore final : public server::Store {
   Result<server::Person> PersonById(const Uuid&) override { return No(); }
   Result<server::Person> PersonByLogin(const std::string&) override { return No(); }
   Result<std::string> PasswordVerifier(const Uuid&) override { return No(); }
-  Status SetPassword(const Uuid&, const std::string&, const server::Actor&) override {
+  Status SetPassword(const Uuid&, const std::string&, bool, const server::Actor&) override {
+    return No();
+  }
+  Result<std::vector<server::Person>> FindPeople(const server::PeopleFilter&) override {
+    return No();
+  }
+  Result<server::Person> EditPerson(const Uuid&, const server::PersonEdit&, int32_t,
+                                    const server::Actor&) override {
+    return No();
+  }
+  Result<server::RosterPlan> ImportRoster(const std::vector<server::RosterRow>&, bool,
+                                          const server::Actor&) override {
+    return No();
+  }
+  Result<std::vector<server::SessionRow>> SessionsOf(const Uuid&) override { return No(); }
+  Result<server::SessionRow> SessionById(const Uuid&) override { return No(); }
+  Status EndSessionById(const Uuid&, const server::Actor&) override { return No(); }
+  Status ConfirmSession(const Sha256&, server::UnixMs) override { return No(); }
+  Result<server::Cohort> CohortById(const Uuid&) override { return No(); }
+  Result<server::Cohort> EditCohort(const Uuid&, const server::CohortEdit&, int32_t,
+                                    const server::Actor&) override {
+    return No();
+  }
+  Status ChangeMembers(const Uuid&, const std::vector<Uuid>&, const std::vector<Uuid>&,
+                       const server::Actor&) override {
+    return No();
+  }
+  Result<std::vector<server::EnrolCodeRow>> OpenEnrolCodes(server::UnixMs) override { return No(); }
+  Status WithdrawEnrolCode(const Uuid&, const server::Actor&) override { return No(); }
+  Result<server::StationRow> RenameStation(const Uuid&, const std::string&, int32_t,
+                                           const server::Actor&) override {
+    return No();
+  }
+  Status RevokeStation(const Uuid&, const server::Actor&) override { return No(); }
+  Result<std::vector<server::ProfileRow>> ProfileVersions(const std::string&) override {
+    return No();
+  }
+  Result<server::ProfileReportRow> AddProfileReport(const server::ProfileReportRow&,
+                                                    const server::Actor&) override {
+    return No();
+  }
+  Result<std::vector<server::ProfileReportRow>> ProfileReports(const std::string&) override {
+    return No();
+  }
+  Result<server::ProfileReportRow> ProfileReportById(const Uuid&) override { return No(); }
+  Result<server::CalibrationRow> AddCalibration(const server::CalibrationRow&,
+                                                const server::Actor&) override {
+    return No();
+  }
+  Result<std::vector<server::CalibrationRow>> Calibrations(const std::string&) override {
+    return No();
+  }
+  Result<std::vector<server::JobRow>> FindJobs(const server::JobFilter&) override { return No(); }
+  Result<std::vector<server::AuditRow>> FindAudit(const server::AuditFilter&) override {
     return No();
   }
   Status SetDisabled(const Uuid&, bool, const server::Actor&) override { return No(); }
@@ -190,14 +243,16 @@ class MemoryStore final : public server::Store {
   Result<server::SessionRow> FindSession(const Sha256&) override { return No(); }
   Status TouchSession(const Sha256&, server::UnixMs) override { return No(); }
   Status EndSession(const Sha256&) override { return No(); }
-  Status EndSessionsOf(const Uuid&) override { return No(); }
+  Result<size_t> EndSessionsOf(const Uuid&, const server::Actor&) override { return No(); }
   Result<Uuid> CreateCohort(const std::string&, const server::Actor&) override { return No(); }
   Status AddToCohort(const Uuid&, const Uuid&, const server::Actor&) override { return No(); }
   Result<std::vector<server::Cohort>> CohortsOf(const Uuid&) override { return No(); }
   Result<std::vector<server::Cohort>> Cohorts() override { return No(); }
   Result<std::vector<server::Person>> CohortMembers(const Uuid&) override { return No(); }
   Result<bool> ShareCohort(const Uuid&, const Uuid&) override { return No(); }
-  Status AddEnrolCode(const Sha256&, server::UnixMs, const server::Actor&) override { return No(); }
+  Result<Uuid> AddEnrolCode(const Sha256&, server::UnixMs, const server::Actor&) override {
+    return No();
+  }
   Result<server::StationRow> EnrolStation(const Sha256&, server::StationRow, const Sha256&,
                                           server::UnixMs) override {
     return No();
@@ -205,7 +260,9 @@ class MemoryStore final : public server::Store {
   Result<server::StationRow> StationByCredential(const Uuid&, const Sha256&) override {
     return No();
   }
-  Status TouchStation(const Uuid&, server::UnixMs) override { return No(); }
+  Status TouchStation(const Uuid&, const std::string&, uint32_t, server::UnixMs) override {
+    return No();
+  }
   Result<std::vector<server::StationRow>> Stations() override { return No(); }
   Status PutProfile(const server::ProfileRow&, const server::Actor&) override { return No(); }
   Result<std::vector<server::ProfileRow>> Profiles() override { return No(); }

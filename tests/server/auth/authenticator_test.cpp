@@ -5,6 +5,7 @@
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/io_context.hpp>
+#include <map>
 
 #include "common/base/hex.h"
 #include "server/auth/token.h"
@@ -49,6 +50,43 @@ TEST_F(AuthenticatorTest, RightPasswordOpensASessionThatIsRecognised) {
   ASSERT_TRUE(identity.ok());
   EXPECT_EQ(identity->person.id, person_);
   EXPECT_EQ(identity->csrf, signed_in->identity.csrf);
+}
+
+// Counts argon2id calls by what they cost: the time an answer takes is theirs.
+TEST_F(AuthenticatorTest, EverySignInDoesTheSameWorkWhoeverItIs) {
+  constexpr PasswordCost kUsual{2, 16384};
+  std::map<std::string, std::string> passwords = {{"nobody", "x"}, {"usual", kPassword}};
+  AddPerson(*store_, "usual", Role::kStudent, *HashPassword(kPassword, kUsual));
+  OneTimePassword once = MakeOneTimePassword();
+  AddPerson(*store_, "once", Role::kStudent, once.verifier);
+  passwords["once"] = once.text;
+  AddPerson(*store_, "off", Role::kStudent, *HashPassword(kPassword, kUsual));
+  ASSERT_TRUE(store_->SetDisabled(store_->PersonByLogin("off")->id, true, kSystem).ok());
+  passwords["off"] = kPassword;
+  int usual = 0;
+  AuthOptions options = Options();
+  options.cost = kUsual;
+  options.verify = [&](std::string_view password, const std::string& verifier) {
+    usual += CostsAsMuch(verifier, kUsual) ? 1 : 0;
+    return VerifyPassword(password, verifier);
+  };
+  Authenticator authenticator(*store_, options);
+  for (const auto& [login, right] : passwords) {
+    for (const std::string& password : {right, std::string("wrong password")}) {
+      usual = 0;
+      (void)authenticator.SignInHere(Request(login, password));
+      EXPECT_EQ(usual, 1) << login << " with " << password;
+    }
+  }
+}
+
+TEST_F(AuthenticatorTest, OneTimePasswordsWorkAndAreDifferent) {
+  OneTimePassword a = MakeOneTimePassword(), b = MakeOneTimePassword();
+  EXPECT_NE(a.text, b.text);
+  EXPECT_EQ(a.text.size(), 19u);
+  EXPECT_TRUE(VerifyPassword(a.text, a.verifier));
+  EXPECT_FALSE(VerifyPassword(b.text, a.verifier));
+  EXPECT_TRUE(CheckPasswordPolicy(a.text, "ada").ok());
 }
 
 TEST_F(AuthenticatorTest, WrongPasswordAndUnknownLoginGetTheSameAnswer) {

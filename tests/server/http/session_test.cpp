@@ -77,6 +77,9 @@ TEST_F(SessionTest, WithoutASessionOnlySignInAndHealthAnswer) {
     if (size_t place = target.find("{id}"); place != std::string::npos) {
       target.replace(place, 4, school_.sams_scored.Text());
     }
+    if (size_t place = target.find("{name}"); place != std::string::npos) {
+      target.replace(place, 6, "phantom_desktop");
+    }
     RawResponse response = nobody_.Send(MethodName(route.method), target, "");
     EXPECT_EQ(response.status, 401) << target;
     EXPECT_EQ(ErrorCode(response), "unauthenticated");

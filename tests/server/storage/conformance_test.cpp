@@ -42,7 +42,7 @@ TEST_P(StoreTest, NewPasswordEndsSessionsMadeWithTheOldOne) {
   Uuid id = AddPerson(*store_, "ada", Role::kStudent);
   Sha256 token = HashSha256(AsBytes("token"));
   ASSERT_TRUE(store_->CreateSession({token, id, 1, 1, 1000, "page"}).ok());
-  ASSERT_TRUE(store_->SetPassword(id, "new", kSystem).ok());
+  ASSERT_TRUE(store_->SetPassword(id, "new", false, kSystem).ok());
   EXPECT_FALSE(store_->FindSession(token).ok());
 }
 

@@ -153,7 +153,7 @@ TEST(SqliteFaultTest, EveryChangeOfPeopleIsDoneWithItsAuditOrNotAtAllWhicheverWr
                         auto cohort = store.CreateCohort("year 3", kSystem);
                         if (!cohort.ok()) return false;
                         return store.AddToCohort(*cohort, *ada, kSystem).ok() &&
-                               store.SetPassword(*ada, "other", kSystem).ok() &&
+                               store.SetPassword(*ada, "other", false, kSystem).ok() &&
                                store.SetDisabled(world.student, true, kSystem).ok();
                       },
                       [](Store& store, const World& world, bool done) {

@@ -1,0 +1,240 @@
+#include "server/app/admin_people.h"
+
+#include <fcntl.h>
+#include <spdlog/fmt/fmt.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <boost/json.hpp>
+#include <cerrno>
+#include <cstring>
+#include <iostream>
+
+#include "common/base/file.h"
+#include "server/app/admin.h"
+#include "server/app/data_folder.h"
+#include "server/app/utc_text.h"
+#include "server/roster/import.h"
+#include "server/training/names.h"
+
+namespace enamel::server::app {
+namespace {
+
+using Change = RosterStep::Change;
+
+constexpr uint32_t kPage = 1000;
+constexpr size_t kMaxShown = 200;
+
+// The file for the passwords, made before anything is changed: what cannot be written down must not
+// be made. Empty, mode 0600; removed again unless kept.
+class PasswordFile {
+ public:
+  static Result<PasswordFile> Make(const std::filesystem::path& path) {
+    int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+    if (file >= 0) {
+      ::close(file);
+      return PasswordFile(path);
+    }
+    return Status(Code::kStorage,
+                  "cannot make " + path.string() + " for the passwords: " + std::strerror(errno) +
+                      (errno == EEXIST ? "; name a file that is not there yet" : ""));
+  }
+  ~PasswordFile() {
+    std::error_code ignored;
+    if (!kept_ && !path_.empty()) std::filesystem::remove(path_, ignored);
+  }
+  PasswordFile(PasswordFile&& other) noexcept
+      : path_(std::exchange(other.path_, {})), kept_(other.kept_) {}
+  PasswordFile(const PasswordFile&) = delete;
+  PasswordFile& operator=(const PasswordFile&) = delete;
+
+  Status Keep(const std::string& text) {
+    kept_ = true;
+    return WriteFileDurably(path_, AsBytes(text), 0600);
+  }
+
+ private:
+  explicit PasswordFile(std::filesystem::path path) : path_(std::move(path)) {}
+  std::filesystem::path path_;
+  bool kept_ = false;
+};
+
+void ShowProblems(const std::vector<RosterProblem>& problems) {
+  for (size_t i = 0; i < std::min(problems.size(), kMaxShown); ++i) {
+    const RosterProblem& problem = problems[i];
+    std::cout << fmt::format("row {}{}{}: found {}; expected {}\n", problem.row,
+                             problem.column.empty() ? "" : ", ", problem.column, problem.found,
+                             problem.expected);
+  }
+  if (problems.size() > kMaxShown) {
+    std::cout << "… and " << problems.size() - kMaxShown << " more\n";
+  }
+}
+
+void ShowOutcome(const roster::ImportResult& result) {
+  const RosterPlan& plan = result.plan;
+  for (const std::string& column : result.ignored_columns) {
+    std::cout << "column \"" << column << "\" is not used\n";
+  }
+  for (const std::string& cohort : plan.new_cohorts) {
+    std::cout << "new cohort \"" << cohort << "\"\n";
+  }
+  for (const RosterStep& step : plan.steps) {
+    if (!step.note.empty()) {
+      std::cout << "row " << step.row.row << ": " << step.row.login << " " << step.note << "\n";
+    }
+  }
+  std::cout << fmt::format("{}: {} new, {} changed, {} as they were\n",
+                           result.done ? "imported" : "would be", plan.Count(Change::kCreate),
+                           plan.Count(Change::kUpdate), plan.Count(Change::kUnchanged));
+}
+
+Status WriteOutcome(const std::filesystem::path& file, const roster::ImportResult& result) {
+  if (file.empty()) return Status::Ok();
+  boost::json::object out = roster::ImportJson(result);
+  out.erase("passwords");
+  return WriteFileDurably(file, AsBytes(boost::json::serialize(out) + "\n"));
+}
+
+Status Refusal(const roster::ImportResult& result) {
+  return {Code::kInvalidInput, "the roster has " + std::to_string(result.plan.problems.size()) +
+                                   " problems, listed above; nothing was changed"};
+}
+
+// What is new gets its passwords into a file that was made before.
+Status Import(Store& store, std::string_view csv, const RosterCommand& command,
+              const roster::ImportOptions& options, size_t fresh) {
+  std::optional<PasswordFile> file;
+  if (fresh > 0) {
+    if (command.passwords.empty()) {
+      return {Code::kInvalidInput,
+              std::to_string(fresh) +
+                  " people are new: say with --passwords FILE.csv where their one-time passwords "
+                  "go; they are kept nowhere else"};
+    }
+    auto made = PasswordFile::Make(command.passwords);
+    if (!made.ok()) return made.status();
+    file.emplace(std::move(made).value());
+  }
+  auto result = roster::ImportRoster(store, csv, options, kCommandLine);
+  if (!result.ok()) return result.status();
+  if (!result->plan.problems.empty()) {
+    ShowProblems(result->plan.problems);
+    return Refusal(*result);
+  }
+  if (file && !result->passwords.empty()) {
+    ENAMEL_RETURN_IF_ERROR(file->Keep(roster::PasswordsCsv(result->passwords)));
+  }
+  ShowOutcome(*result);
+  if (file) {
+    std::cout << "one-time passwords of " << result->passwords.size() << " people in "
+              << command.passwords.string()
+              << " (shown only there; hand them out, then remove it)\n";
+  }
+  return WriteOutcome(command.json, *result);
+}
+
+}  // namespace
+
+Status ImportRoster(const RosterCommand& command) {
+  auto csv = ReadFile(command.file, roster::kMaxRosterBytes + 1);
+  if (!csv.ok()) return csv.status();
+  roster::ImportOptions options;
+  options.dry_run = true;
+  options.file.ignore_unknown_columns = command.ignore_unknown_columns;
+  if (!command.cohort.empty()) {
+    auto cohort = CheckedName(command.cohort, "cohort");
+    if (!cohort.ok()) return cohort.status();
+    options.file.cohort = *cohort;
+  }
+  auto store = OpenForCommand(command.data);
+  if (!store.ok()) return store.status();
+  auto tried = roster::ImportRoster(**store, AsText(*csv), options, kCommandLine);
+  if (!tried.ok()) return tried.status();
+  if (!tried->plan.problems.empty() || command.dry_run) {
+    ShowProblems(tried->plan.problems);
+    if (tried->plan.problems.empty()) ShowOutcome(*tried);
+    ENAMEL_RETURN_IF_ERROR(WriteOutcome(command.json, *tried));
+    return tried->plan.problems.empty() ? Status::Ok() : Refusal(*tried);
+  }
+  options.dry_run = false;
+  return Import(**store, AsText(*csv), command, options, tried->plan.Count(Change::kCreate));
+}
+
+Status ListPeople(const PeopleList& list) {
+  auto store = OpenForCommand(list.data);
+  if (!store.ok()) return store.status();
+  PeopleFilter filter;
+  if (!list.role.empty()) {
+    filter.role = RoleFromName(list.role);
+    if (!filter.role) {
+      return {Code::kInvalidInput,
+              "a role is student, instructor or admin, found \"" + list.role + "\"", "role"};
+    }
+  }
+  if (!list.cohort.empty()) {
+    auto cohort = CohortByName(**store, list.cohort);
+    if (!cohort.ok()) return cohort.status();
+    filter.cohort = *cohort;
+  }
+  filter.text = list.text;
+  for (uint32_t shown = 0; shown < list.limit;) {
+    filter.limit = std::min(list.limit - shown, kPage);
+    auto people = (*store)->FindPeople(filter);
+    if (!people.ok()) return people.status();
+    for (const Person& person : *people) {
+      std::cout << fmt::format("{:<24} {:<11} {}{}{}\n", person.login, RoleName(person.role),
+                               person.display_name, person.disabled ? "  (disabled)" : "",
+                               person.must_change_password ? "  (one-time password)" : "");
+    }
+    if (people->size() < filter.limit) break;
+    shown += filter.limit;
+    filter.after_login = people->back().login;
+  }
+  return Status::Ok();
+}
+
+Status ListCohorts(const std::filesystem::path& data) {
+  auto store = OpenForCommand(data);
+  if (!store.ok()) return store.status();
+  auto cohorts = (*store)->Cohorts();
+  if (!cohorts.ok()) return cohorts.status();
+  for (const Cohort& cohort : *cohorts) {
+    auto members = (*store)->CohortMembers(cohort.id);
+    if (!members.ok()) return members.status();
+    auto students = std::ranges::count(*members, Role::kStudent, &Person::role);
+    std::cout << fmt::format("{:<30} {} students, {} others{}\n", cohort.name, students,
+                             static_cast<int64_t>(members->size()) - students,
+                             cohort.archived_ms != 0 ? "  (archived)" : "");
+  }
+  return Status::Ok();
+}
+
+Status ListSessions(const std::filesystem::path& data, const std::string& login) {
+  auto store = OpenForCommand(data);
+  if (!store.ok()) return store.status();
+  auto person = (*store)->PersonByLogin(login);
+  if (!person.ok()) return person.status();
+  auto sessions = (*store)->SessionsOf(person->id);
+  if (!sessions.ok()) return sessions.status();
+  for (const SessionRow& session : *sessions) {
+    std::cout << fmt::format("{}  {:<7}  since {}, last used {} UTC\n", session.id.Text(),
+                             session.via, UtcText(session.created_ms),
+                             UtcText(session.last_used_ms));
+  }
+  if (sessions->empty()) std::cout << login << " has no sessions\n";
+  return Status::Ok();
+}
+
+Status EndSessions(const std::filesystem::path& data, const std::string& login) {
+  auto store = OpenForCommand(data);
+  if (!store.ok()) return store.status();
+  auto person = (*store)->PersonByLogin(login);
+  if (!person.ok()) return person.status();
+  auto ended = (*store)->EndSessionsOf(person->id, kCommandLine);
+  if (!ended.ok()) return ended.status();
+  std::cout << "ended " << *ended << " sessions of " << login << "\n";
+  return Status::Ok();
+}
+
+}  // namespace enamel::server::app

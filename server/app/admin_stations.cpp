@@ -1,0 +1,174 @@
+#include "server/app/admin_stations.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <iostream>
+
+#include "common/base/file.h"
+#include "common/scene/calibration.h"
+#include "common/scene/json.h"
+#include "common/scene/profile_criteria.h"
+#include "server/app/data_folder.h"
+#include "server/app/utc_text.h"
+
+namespace enamel::server::app {
+namespace {
+
+constexpr size_t kMaxDocument = 1 << 20;
+
+Result<StationRow> StationNamed(Store& store, const std::string& text) {
+  if (auto id = Uuid::Parse(text); id.ok()) return store.StationById(*id);
+  auto stations = store.Stations();
+  if (!stations.ok()) return stations.status();
+  std::erase_if(*stations, [&](const StationRow& row) { return row.revoked || row.name != text; });
+  if (stations->size() == 1) return stations->front();
+  return Status(Code::kNotFound,
+                stations->empty() ? "no admitted station is called \"" + text + "\""
+                                  : std::to_string(stations->size()) + " stations are called \"" +
+                                        text + "\"; give the id that admin list-stations shows");
+}
+
+Result<std::string> ReadText(const std::filesystem::path& file) {
+  auto bytes = ReadFile(file, kMaxDocument);
+  if (!bytes.ok()) return bytes.status();
+  return std::string(AsText(*bytes));
+}
+
+Status InFile(const std::filesystem::path& file, const Status& status) {
+  return {status.code(), file.string() + ": " + status.field() + ": " + status.message(),
+          status.field()};
+}
+
+void Show(const std::vector<scene::ProfileCriterion>& criteria) {
+  for (const scene::ProfileCriterion& criterion : criteria) {
+    std::cout << fmt::format("{:<4} {:<42} {:<26} {:.6g} against {:.6g} {}\n",
+                             criterion.met ? "ok" : "FAIL", criterion.title, criterion.formula,
+                             criterion.value, criterion.limit, criterion.unit);
+  }
+}
+
+std::string Figure(const std::optional<scene::Measured>& measured) {
+  if (!measured) return "-";
+  return fmt::format("{} ± {}", measured->value, measured->uncertainty);
+}
+
+}  // namespace
+
+Status ListStations(const std::filesystem::path& data) {
+  auto store = OpenForCommand(data);
+  if (!store.ok()) return store.status();
+  auto stations = (*store)->Stations();
+  if (!stations.ok()) return stations.status();
+  for (const StationRow& row : *stations) {
+    std::cout << fmt::format(
+        "{}  {:<24} {:<8} last seen {} UTC  {}{}\n", row.id.Text(), row.name,
+        row.revoked ? "revoked" : "admitted", UtcText(row.last_seen_ms),
+        row.software.empty() ? "-" : row.software,
+        row.core_version == 0 ? "" : fmt::format(", core {}", row.core_version));
+  }
+  return Status::Ok();
+}
+
+Status RevokeStation(const std::filesystem::path& data, const std::string& station) {
+  auto store = OpenForCommand(data);
+  if (!store.ok()) return store.status();
+  auto row = StationNamed(**store, station);
+  if (!row.ok()) return row.status();
+  ENAMEL_RETURN_IF_ERROR((*store)->RevokeStation(row->id, kCommandLine));
+  std::cout << row->name << " (" << row->id.Text()
+            << ") is no longer admitted; to use it again, enrol it with a new code\n";
+  return Status::Ok();
+}
+
+Status PutProfile(const std::filesystem::path& data, const std::filesystem::path& file,
+                  bool check_only) {
+  auto text = ReadText(file);
+  if (!text.ok()) return text.status();
+  auto profile = scene::ProfileFromJson(*text);
+  if (!profile.ok()) return InFile(file, profile.status());
+  auto criteria = scene::CheckProfile(*profile);
+  Show(criteria);
+  if (!scene::IsAcceptable(criteria)) {
+    return {Code::kInvalidInput, "device profile \"" + profile->name +
+                                     "\" does not meet every criterion above; nothing was stored"};
+  }
+  if (check_only) return Status::Ok();
+  auto store = OpenForCommand(data);
+  if (!store.ok()) return store.status();
+  auto content = (*store)->PutBlob(AsBytes(scene::ToJson(*profile)));
+  if (!content.ok()) return content.status();
+  ENAMEL_RETURN_IF_ERROR(
+      (*store)->PutProfile({profile->name, profile->title, *content}, kCommandLine));
+  auto versions = (*store)->ProfileVersions(profile->name);
+  if (!versions.ok()) return versions.status();
+  std::cout << "device profile \"" << profile->name << "\" version " << versions->front().version
+            << "\n";
+  return Status::Ok();
+}
+
+Status AddProfileReport(const std::filesystem::path& data, const std::string& profile,
+                        const std::filesystem::path& file) {
+  auto bytes = ReadFile(file, kMaxDocument);
+  if (!bytes.ok()) return bytes.status();
+  ProfileReportRow row;
+  row.profile = profile;
+  row.bytes = bytes->size();
+  std::string extension = file.extension().string();
+  row.media_type = extension == ".json" ? "application/json" : "text/html";
+  if (extension != ".json" && extension != ".html") {
+    return {Code::kInvalidInput,
+            "a report is a .html or .json file of `enamel-station qualify --report`, found " +
+                file.string()};
+  }
+  auto store = OpenForCommand(data);
+  if (!store.ok()) return store.status();
+  auto content = (*store)->PutBlob(*bytes);
+  if (!content.ok()) return content.status();
+  row.content = *content;
+  auto added = (*store)->AddProfileReport(row, kCommandLine);
+  if (!added.ok()) return added.status();
+  std::cout << "report " << added->id.Text() << " about \"" << profile << "\" version "
+            << added->version << "\n";
+  return Status::Ok();
+}
+
+Status AddCalibration(const std::filesystem::path& data, const std::filesystem::path& file) {
+  auto text = ReadText(file);
+  if (!text.ok()) return text.status();
+  auto calibration = scene::CalibrationFromJson(*text);
+  if (!calibration.ok()) return InFile(file, calibration.status());
+  auto store = OpenForCommand(data);
+  if (!store.ok()) return store.status();
+  CalibrationRow row;
+  row.profile = calibration->profile;
+  row.device = calibration->device;
+  row.measured_ms = calibration->measured_ms;
+  row.document = scene::ToJson(*calibration);
+  auto added = (*store)->AddCalibration(row, kCommandLine);
+  if (!added.ok()) return added.status();
+  std::cout << "calibration " << added->id.Text() << " of " << row.device << ", profile \""
+            << row.profile << "\"\n";
+  return Status::Ok();
+}
+
+Status ListCalibrations(const std::filesystem::path& data, const std::string& profile) {
+  auto store = OpenForCommand(data);
+  if (!store.ok()) return store.status();
+  auto rows = (*store)->Calibrations(profile);
+  if (!rows.ok()) return rows.status();
+  for (const CalibrationRow& row : *rows) {
+    auto calibration = scene::CalibrationFromJson(row.document);
+    if (!calibration.ok()) return calibration.status();
+    std::cout << fmt::format(
+        "{} UTC  {}  resolution {} nm, noise {} nm, friction {} mN, damping {} mN s/m, mass {} g, "
+        "delay {} ticks\n",
+        UtcText(row.measured_ms), row.device, Figure(calibration->resolution_nm),
+        Figure(calibration->noise_nm), Figure(calibration->friction_mn),
+        Figure(calibration->damping_mn_s_per_m), Figure(calibration->mass_g),
+        Figure(calibration->bus_delay_ticks));
+  }
+  if (rows->empty()) std::cout << "no device of profile \"" << profile << "\" was measured yet\n";
+  return Status::Ok();
+}
+
+}  // namespace enamel::server::app

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "common/base/result.h"
+
+// The `admin` commands about stations and device profiles. Each opens the data folder beside a
+// running server, or without one, prints its outcome to standard output and returns.
+namespace enamel::server::app {
+
+Status ListStations(const std::filesystem::path& data);
+// `station`: its id, or its name when only one admitted station has it. For good.
+Status RevokeStation(const std::filesystem::path& data, const std::string& station);
+
+// Prints every criterion with its figures (common/scene/profile_criteria.h); stores the profile as
+// the newest version of its name when all are met, unless it is only to be checked.
+Status PutProfile(const std::filesystem::path& data, const std::filesystem::path& file,
+                  bool check_only);
+// What `enamel-station qualify --report` wrote: JSON or HTML by the file's name, at most 1 MiB.
+Status AddProfileReport(const std::filesystem::path& data, const std::string& profile,
+                        const std::filesystem::path& file);
+// What `enamel-station calibrate` wrote (schemas/calibration.schema.json).
+Status AddCalibration(const std::filesystem::path& data, const std::filesystem::path& file);
+Status ListCalibrations(const std::filesystem::path& data, const std::string& profile);
+
+}  // namespace enamel::server::app

@@ -1,0 +1,15 @@
+#include "server/http/caller.h"
+
+#include "server/http/error_response.h"
+
+namespace enamel::server::http {
+
+Actor ActorOf(const Call& call) { return {call.caller->person.id, "page"}; }
+
+Status RequireConfirmed(const Call& call) {
+  if (call.authenticator.IsConfirmed(*call.caller)) return {};
+  return {Code::kForbidden, "expected your password once more; give it and try again",
+          std::string(kConfirmPassword)};
+}
+
+}  // namespace enamel::server::http

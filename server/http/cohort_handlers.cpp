@@ -1,0 +1,141 @@
+#include <boost/json.hpp>
+
+#include "server/http/caller.h"
+#include "server/http/error_response.h"
+#include "server/http/etag.h"
+#include "server/http/handlers.h"
+#include "server/http/json_body.h"
+#include "server/http/paging.h"
+#include "server/http/query.h"
+#include "server/training/names.h"
+
+namespace enamel::server::http {
+namespace json = boost::json;
+namespace {
+
+constexpr uint32_t kDefaultPage = 50;
+constexpr uint32_t kMaxPage = 200;
+constexpr size_t kMaxMembersAtOnce = 1000;
+
+json::object SummaryJson(const Cohort& cohort) {
+  return {{"id", cohort.id.Text()},
+          {"name", cohort.name},
+          {"archived_ms", cohort.archived_ms},
+          {"revision", cohort.revision}};
+}
+
+Result<json::object> CohortJson(Store& store, const Cohort& cohort) {
+  Result<std::vector<Person>> people = store.CohortMembers(cohort.id);
+  if (!people.ok()) return people.status();
+  json::array members;
+  for (const Person& person : *people) {
+    members.push_back({{"id", person.id.Text()},
+                       {"display_name", person.display_name},
+                       {"role", RoleName(person.role)}});
+  }
+  json::object out = SummaryJson(cohort);
+  out["members"] = std::move(members);
+  return out;
+}
+
+Response CohortResponse(const Call& call, const Cohort& cohort, int status = 200) {
+  Result<json::object> out = CohortJson(call.store, cohort);
+  if (!out.ok()) return ErrorResponse(out.status());
+  return WithETag(JsonResponse(*out, status), cohort.revision);
+}
+
+// Those the caller may see.
+Result<std::vector<Cohort>> VisibleCohorts(const Call& call) {
+  const Person& person = call.caller->person;
+  return person.role == Role::kAdmin ? call.store.Cohorts() : call.store.CohortsOf(person.id);
+}
+
+Result<Cohort> VisibleCohort(const Call& call) {
+  Result<std::vector<Cohort>> visible = VisibleCohorts(call);
+  if (!visible.ok()) return visible.status();
+  for (const Cohort& cohort : *visible) {
+    if (cohort.id == call.id) return cohort;
+  }
+  return Status{Code::kNotFound, "there is no such cohort", "id"};
+}
+
+Result<CohortEdit> EditOf(const Call& call) {
+  CohortEdit edit;
+  BodyReader body(call.request);
+  if (body.Has("name")) edit.name = body.Text("name", 1, kMaxNameBytes);
+  if (body.Has("archived")) edit.archived = body.Flag("archived", false);
+  ENAMEL_RETURN_IF_ERROR(body.Finish());
+  if (!edit.name) return edit;
+  Result<std::string> name = CheckedName(*edit.name, "name");
+  if (!name.ok()) return name.status();
+  edit.name = *name;
+  return edit;
+}
+
+}  // namespace
+
+Response ListCohorts(const Call& call) {
+  Result<Page> page = PageOf(call.request, kDefaultPage, kMaxPage);
+  if (!page.ok()) return ErrorResponse(page.status());
+  Result<std::optional<bool>> archived = QueryFlag(call.request, "archived");
+  if (!archived.ok()) return ErrorResponse(archived.status());
+  Result<std::vector<Cohort>> rows = VisibleCohorts(call);
+  if (!rows.ok()) return ErrorResponse(rows.status());
+  std::erase_if(*rows, [&](const Cohort& cohort) {
+    return (cohort.archived_ms != 0) != archived->value_or(false);
+  });
+  json::value next = CutPage(*rows, *page, [](const Cohort& cohort) { return cohort.name; });
+  json::array cohorts;
+  for (const Cohort& row : *rows) {
+    Result<json::object> cohort = CohortJson(call.store, row);
+    if (!cohort.ok()) return ErrorResponse(cohort.status());
+    cohorts.push_back(std::move(*cohort));
+  }
+  return JsonResponse({{"cohorts", std::move(cohorts)}, {"next", std::move(next)}});
+}
+
+Response GetCohort(const Call& call) {
+  Result<Cohort> cohort = VisibleCohort(call);
+  return cohort.ok() ? CohortResponse(call, *cohort) : ErrorResponse(cohort.status());
+}
+
+Response AddCohort(const Call& call) {
+  if (!IsJson(call.request)) return NotJson();
+  BodyReader body(call.request);
+  std::string wanted = body.Text("name", 1, kMaxNameBytes);
+  if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
+  Result<std::string> name = CheckedName(wanted, "name");
+  if (!name.ok()) return ErrorResponse(name.status());
+  Result<Uuid> id = call.store.CreateCohort(*name, ActorOf(call));
+  if (!id.ok()) return ErrorResponse(id.status());
+  Result<Cohort> cohort = call.store.CohortById(*id);
+  return cohort.ok() ? CohortResponse(call, *cohort, 201) : ErrorResponse(cohort.status());
+}
+
+Response EditCohort(const Call& call) {
+  if (!IsJson(call.request)) return NotJson();
+  Result<CohortEdit> edit = EditOf(call);
+  if (!edit.ok()) return ErrorResponse(edit.status());
+  Result<int32_t> seen = IfMatch(call.request);
+  if (!seen.ok()) return ErrorResponse(seen.status());
+  Result<Cohort> cohort = call.store.EditCohort(call.id, *edit, *seen, ActorOf(call));
+  if (cohort.ok()) return CohortResponse(call, *cohort);
+  if (cohort.status().field() != kStale) return ErrorResponse(cohort.status());
+  Result<Cohort> current = call.store.CohortById(call.id);
+  if (!current.ok()) return ErrorResponse(current.status());
+  return Stale(cohort.status(), SummaryJson(*current), current->revision);
+}
+
+Response ChangeMembers(const Call& call) {
+  if (!IsJson(call.request)) return NotJson();
+  BodyReader body(call.request);
+  std::vector<Uuid> add = body.Ids("add", kMaxMembersAtOnce);
+  std::vector<Uuid> remove = body.Ids("remove", kMaxMembersAtOnce);
+  if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
+  Status changed = call.store.ChangeMembers(call.id, add, remove, ActorOf(call));
+  if (!changed.ok()) return ErrorResponse(changed);
+  Result<Cohort> cohort = call.store.CohortById(call.id);
+  return cohort.ok() ? CohortResponse(call, *cohort) : ErrorResponse(cohort.status());
+}
+
+}  // namespace enamel::server::http

@@ -1,0 +1,282 @@
+#include <algorithm>
+#include <boost/json.hpp>
+
+#include "server/auth/password.h"
+#include "server/http/caller.h"
+#include "server/http/error_response.h"
+#include "server/http/etag.h"
+#include "server/http/handlers.h"
+#include "server/http/json_body.h"
+#include "server/http/paging.h"
+#include "server/http/person_view.h"
+#include "server/http/query.h"
+#include "server/roster/import.h"
+#include "server/training/names.h"
+
+namespace enamel::server::http {
+namespace json = boost::json;
+namespace {
+
+constexpr uint32_t kDefaultPage = 50;
+constexpr uint32_t kMaxPage = 200;
+constexpr size_t kMaxText = 200;
+
+Result<Role> RoleNamed(const std::string& text) {
+  if (std::optional<Role> role = RoleFromName(text)) return *role;
+  return Status{Code::kInvalidInput, "expected student, instructor or admin", "role"};
+}
+
+Result<PeopleFilter> FilterOf(const Call& call) {
+  PeopleFilter filter;
+  const auto& query = call.request.query;
+  if (auto role = query.find("role"); role != query.end()) {
+    Result<Role> named = RoleNamed(role->second);
+    if (!named.ok()) return named.status();
+    filter.role = *named;
+  }
+  Result<std::optional<Uuid>> cohort = QueryId(call.request, "cohort");
+  if (!cohort.ok()) return cohort.status();
+  filter.cohort = *cohort;
+  Result<std::optional<bool>> disabled = QueryFlag(call.request, "disabled");
+  if (!disabled.ok()) return disabled.status();
+  filter.disabled = *disabled;
+  if (auto text = query.find("text"); text != query.end()) {
+    if (text->second.size() > kMaxText) {
+      return Status{Code::kInvalidInput, "expected at most 200 bytes", "text"};
+    }
+    filter.text = text->second;
+  }
+  Result<Page> page = PageOf(call.request, kDefaultPage, kMaxPage);
+  if (!page.ok()) return page.status();
+  filter.after_login = page->after.value_or("");
+  filter.limit = page->limit + 1;  // whether there is one more
+  return filter;
+}
+
+Response PersonResponse(const Person& person, int status = 200) {
+  return WithETag(JsonResponse(PersonJson(person), status), person.revision);
+}
+
+// A person as JSON with the password that is shown this once.
+Response WithPassword(const Person& person, const std::string& password, int status) {
+  json::object out = PersonJson(person);
+  out["password"] = password;
+  return WithETag(JsonResponse(out, status), person.revision);
+}
+
+Result<auth::OneTimePassword> NewPassword() {
+  auth::OneTimePassword made = auth::MakeOneTimePassword();
+  if (!made.verifier.empty()) return made;
+  return Status{Code::kUnavailable, "no memory to hash a password; try again"};
+}
+
+Result<PersonEdit> EditOf(const Call& call) {
+  PersonEdit edit;
+  BodyReader body(call.request);
+  if (body.Has("display_name")) edit.display_name = body.Text("display_name", 1, kMaxNameBytes);
+  std::string role = body.Has("role") ? body.Text("role", 1, 16) : "";
+  if (body.Has("disabled")) edit.disabled = body.Flag("disabled", false);
+  ENAMEL_RETURN_IF_ERROR(body.Finish());
+  if (edit.display_name) {
+    Result<std::string> name = CheckedName(*edit.display_name, "display_name");
+    if (!name.ok()) return name.status();
+    edit.display_name = *name;
+  }
+  if (role.empty()) return edit;
+  Result<Role> named = RoleNamed(role);
+  if (!named.ok()) return named.status();
+  edit.role = *named;
+  return edit;
+}
+
+struct NewPerson {
+  Person person;
+  std::vector<Uuid> cohorts;
+};
+
+Result<NewPerson> NewPersonOf(const Call& call) {
+  NewPerson out;
+  BodyReader body(call.request);
+  std::string login = body.Text("login", 1, kMaxLoginBytes);
+  std::string name = body.Has("display_name") ? body.Text("display_name", 1, kMaxNameBytes) : login;
+  std::string role = body.Text("role", 1, 16);
+  out.cohorts = body.Ids("cohorts", 20);
+  ENAMEL_RETURN_IF_ERROR(body.Finish());
+  Result<std::string> checked_login = CheckedLogin(login);
+  if (!checked_login.ok()) return checked_login.status();
+  Result<std::string> checked_name = CheckedName(name, "display_name");
+  if (!checked_name.ok()) return checked_name.status();
+  Result<Role> named = RoleNamed(role);
+  if (!named.ok()) return named.status();
+  out.person.login = *checked_login;
+  out.person.display_name = *checked_name;
+  out.person.role = *named;
+  out.person.must_change_password = true;
+  return out;
+}
+
+Status MustExist(Store& store, const std::vector<Uuid>& cohorts) {
+  for (const Uuid& id : cohorts) {
+    Result<Cohort> cohort = store.CohortById(id);
+    if (!cohort.ok()) return {cohort.status().code(), cohort.status().message(), "cohorts"};
+  }
+  return {};
+}
+
+}  // namespace
+
+Response ListPeople(const Call& call) {
+  Result<PeopleFilter> filter = FilterOf(call);
+  if (!filter.ok()) return ErrorResponse(filter.status());
+  Result<std::vector<Person>> rows = call.store.FindPeople(*filter);
+  if (!rows.ok()) return ErrorResponse(rows.status());
+  json::value next;
+  if (rows->size() == filter->limit) {
+    rows->pop_back();
+    next = NextAfter(rows->back().login);
+  }
+  json::array people;
+  for (const Person& person : *rows) people.push_back(PersonJson(person));
+  return JsonResponse({{"people", std::move(people)}, {"next", std::move(next)}});
+}
+
+Response GetPerson(const Call& call) {
+  Result<Person> person = call.store.PersonById(call.id);
+  if (!person.ok()) return ErrorResponse(person.status());
+  Result<std::vector<Cohort>> cohorts = call.store.CohortsOf(call.id);
+  if (!cohorts.ok()) return ErrorResponse(cohorts.status());
+  json::object out = PersonJson(*person);
+  json::array in;
+  for (const Cohort& cohort : *cohorts) {
+    in.push_back({{"id", cohort.id.Text()}, {"name", cohort.name}});
+  }
+  out["cohorts"] = std::move(in);
+  return WithETag(JsonResponse(out), person->revision);
+}
+
+Response AddPerson(const Call& call) {
+  if (!IsJson(call.request)) return NotJson();
+  if (Status confirmed = RequireConfirmed(call); !confirmed.ok()) return ErrorResponse(confirmed);
+  Result<NewPerson> wanted = NewPersonOf(call);
+  if (!wanted.ok()) return ErrorResponse(wanted.status());
+  if (Status known = MustExist(call.store, wanted->cohorts); !known.ok())
+    return ErrorResponse(known);
+  Result<auth::OneTimePassword> password = NewPassword();
+  if (!password.ok()) return ErrorResponse(password.status());
+  Result<Uuid> id = call.store.CreatePerson(wanted->person, password->verifier, ActorOf(call));
+  if (!id.ok()) return ErrorResponse(id.status());
+  for (const Uuid& cohort : wanted->cohorts) {
+    if (Status added = call.store.AddToCohort(cohort, *id, ActorOf(call)); !added.ok()) {
+      return ErrorResponse(added);
+    }
+  }
+  Result<Person> person = call.store.PersonById(*id);
+  if (!person.ok()) return ErrorResponse(person.status());
+  return WithPassword(*person, password->text, 201);
+}
+
+Response EditPerson(const Call& call) {
+  if (!IsJson(call.request)) return NotJson();
+  Result<PersonEdit> edit = EditOf(call);
+  if (!edit.ok()) return ErrorResponse(edit.status());
+  Result<int32_t> seen = IfMatch(call.request);
+  if (!seen.ok()) return ErrorResponse(seen.status());
+  if (edit->role) {
+    if (Status confirmed = RequireConfirmed(call); !confirmed.ok()) return ErrorResponse(confirmed);
+  }
+  Result<Person> person = call.store.EditPerson(call.id, *edit, *seen, ActorOf(call));
+  if (person.ok()) return PersonResponse(*person);
+  if (person.status().field() != kStale) return ErrorResponse(person.status());
+  Result<Person> current = call.store.PersonById(call.id);
+  if (!current.ok()) return ErrorResponse(current.status());
+  return Stale(person.status(), PersonJson(*current), current->revision);
+}
+
+Response ResetPassword(const Call& call) {
+  if (Status confirmed = RequireConfirmed(call); !confirmed.ok()) return ErrorResponse(confirmed);
+  Result<Person> person = call.store.PersonById(call.id);
+  if (!person.ok()) return ErrorResponse(person.status());
+  Result<auth::OneTimePassword> password = NewPassword();
+  if (!password.ok()) return ErrorResponse(password.status());
+  Status set = call.store.SetPassword(call.id, password->verifier, true, ActorOf(call));
+  if (!set.ok()) return ErrorResponse(set);
+  person->must_change_password = true;
+  return WithPassword(*person, password->text, 200);
+}
+
+Response ErasePerson(const Call& call) {
+  if (!IsJson(call.request)) return NotJson();
+  BodyReader body(call.request);
+  std::string login = body.Text("login", 1, kMaxLoginBytes);
+  bool with_references = body.Flag("with_references", false);
+  if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
+  if (Status confirmed = RequireConfirmed(call); !confirmed.ok()) return ErrorResponse(confirmed);
+  Result<Person> person = call.store.PersonById(call.id);
+  if (!person.ok()) return ErrorResponse(person.status());
+  if (person->login != login) {
+    return ErrorResponse({Code::kInvalidInput,
+                          "expected the person's login, because this cannot be undone", "login"});
+  }
+  if (person->id == call.caller->person.id) {
+    return ErrorResponse({Code::kConflict, "expected another person: nobody erases oneself"});
+  }
+  Result<ErasureReport> erased = call.store.ErasePerson(call.id, with_references, ActorOf(call));
+  if (!erased.ok()) return ErrorResponse(erased.status());
+  return JsonResponse({{"attempts", erased->attempts},
+                       {"references", erased->references},
+                       {"blobs", erased->blobs}});
+}
+
+Response ListSessionsOf(const Call& call) {
+  Result<Person> person = call.store.PersonById(call.id);
+  if (!person.ok()) return ErrorResponse(person.status());
+  return SessionsResponse(call, call.id);
+}
+
+Response EndSessionsOf(const Call& call) {
+  Result<Person> person = call.store.PersonById(call.id);
+  if (!person.ok()) return ErrorResponse(person.status());
+  Result<size_t> ended = call.store.EndSessionsOf(call.id, ActorOf(call));
+  if (!ended.ok()) return ErrorResponse(ended.status());
+  return JsonResponse({{"ended", *ended}});
+}
+
+Response ImportRoster(const Call& call) {
+  std::string_view type = call.request.Header("content-type");
+  if (type.substr(0, type.find(';')) != "text/csv") {
+    return ErrorResponse(415, "unsupported_media_type", "expected Content-Type: text/csv",
+                         "content-type");
+  }
+  roster::ImportOptions options;
+  Result<std::optional<bool>> dry_run = QueryFlag(call.request, "dry_run");
+  if (!dry_run.ok()) return ErrorResponse(dry_run.status());
+  options.dry_run = dry_run->value_or(false);
+  const auto& query = call.request.query;
+  if (auto unknown = query.find("unknown_columns"); unknown != query.end()) {
+    options.file.ignore_unknown_columns = unknown->second == "ignore";
+    if (unknown->second != "ignore" && unknown->second != "refuse") {
+      return ErrorResponse({Code::kInvalidInput, "expected ignore or refuse", "unknown_columns"});
+    }
+  }
+  if (auto cohort = query.find("cohort"); cohort != query.end()) {
+    Result<std::string> name = CheckedName(cohort->second, "cohort");
+    if (!name.ok()) return ErrorResponse(name.status());
+    options.file.cohort = *name;
+  }
+  if (!options.dry_run) {
+    if (Status confirmed = RequireConfirmed(call); !confirmed.ok()) return ErrorResponse(confirmed);
+  }
+  Result<roster::ImportResult> result =
+      roster::ImportRoster(call.store, call.request.body, options, ActorOf(call));
+  if (!result.ok()) return ErrorResponse(result.status());
+  json::object out = roster::ImportJson(*result);
+  size_t problems = result->plan.problems.size();
+  if (problems == 0) return JsonResponse(out);
+  out["error"] = {{"code", "invalid_input"},
+                  {"message", "expected a roster without problems, found " +
+                                  std::to_string(problems) + "; nothing was changed"},
+                  {"field", "body"}};
+  return JsonResponse(out, 400);
+}
+
+}  // namespace enamel::server::http

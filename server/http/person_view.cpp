@@ -1,0 +1,41 @@
+#include "server/http/person_view.h"
+
+#include <boost/json.hpp>
+
+#include "server/http/error_response.h"
+#include "server/http/json_body.h"
+#include "server/http/paging.h"
+
+namespace enamel::server::http {
+namespace json = boost::json;
+
+json::object PersonJson(const Person& person) {
+  return {{"id", person.id.Text()},
+          {"login", person.login},
+          {"display_name", person.display_name},
+          {"role", RoleName(person.role)},
+          {"disabled", person.disabled},
+          {"must_change_password", person.must_change_password},
+          {"created_ms", person.created_ms},
+          {"revision", person.revision}};
+}
+
+Response SessionsResponse(const Call& call, const Uuid& person) {
+  Result<Page> page = PageOf(call.request, 50, 200);
+  if (!page.ok()) return ErrorResponse(page.status());
+  Result<std::vector<SessionRow>> rows = call.store.SessionsOf(person);
+  if (!rows.ok()) return ErrorResponse(rows.status());
+  json::value next = CutPage(*rows, *page, [](const SessionRow& row) { return row.id.Text(); });
+  json::array sessions;
+  for (const SessionRow& row : *rows) {
+    sessions.push_back({{"id", row.id.Text()},
+                        {"via", row.via},
+                        {"created_ms", row.created_ms},
+                        {"last_used_ms", row.last_used_ms},
+                        {"expires_ms", row.expires_ms},
+                        {"current", row.token_hash == call.caller->token_hash}});
+  }
+  return JsonResponse({{"sessions", std::move(sessions)}, {"next", std::move(next)}});
+}
+
+}  // namespace enamel::server::http

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <boost/json/object.hpp>
+
+#include "server/http/routes.h"
+
+// People and their sessions as admins see them (schemas PersonDetail and SessionEntry).
+namespace enamel::server::http {
+
+boost::json::object PersonJson(const Person& person);
+// The sessions of a person, a page of them, the caller's own marked.
+Response SessionsResponse(const Call& call, const Uuid& person);
+
+}  // namespace enamel::server::http

@@ -1,0 +1,299 @@
+#include <boost/json.hpp>
+
+#include "common/scene/calibration.h"
+#include "common/scene/json.h"
+#include "common/scene/profile_criteria.h"
+#include "server/http/caller.h"
+#include "server/http/error_response.h"
+#include "server/http/handlers.h"
+#include "server/http/json_body.h"
+#include "server/http/paging.h"
+#include "server/http/query.h"
+
+namespace enamel::server::http {
+namespace json = boost::json;
+namespace {
+
+constexpr uint32_t kDefaultPage = 50;
+constexpr uint32_t kMaxPage = 200;
+constexpr const char* kMediaTypes[] = {"application/json", "text/html"};
+
+json::array NumbersJson(const scene::DeviceProfile& profile) {
+  struct Number {
+    const char* name;
+    const char* unit;
+    const scene::Sourced& sourced;
+  };
+  const Number numbers[] = {
+      {"resolution", "nm", profile.resolution_nm},
+      {"max_stiffness", "mN/mm", profile.max_stiffness_mn_per_mm},
+      {"coupling", "mN/mm", profile.coupling_mn_per_mm},
+      {"damping", "mN s/m", profile.damping_mn_s_per_m},
+      {"friction", "mN", profile.friction_mn},
+      {"mass", "g", profile.mass_g},
+      {"peak_force", "mN", profile.peak_force_mn},
+      {"continuous_force", "mN", profile.continuous_force_mn},
+      {"rate", "Hz", profile.rate_hz},
+      {"bus_delay", "ticks", profile.bus_delay_ticks},
+      {"workspace_radius", "um", profile.workspace_radius_um},
+  };
+  json::array out;
+  for (const Number& number : numbers) {
+    out.push_back({{"name", number.name},
+                   {"value", number.sourced.value},
+                   {"unit", number.unit},
+                   {"source", number.sourced.source}});
+  }
+  return out;
+}
+
+json::array CriteriaJson(const std::vector<scene::ProfileCriterion>& criteria) {
+  json::array out;
+  for (const scene::ProfileCriterion& criterion : criteria) {
+    out.push_back({{"name", criterion.name},
+                   {"title", criterion.title},
+                   {"formula", criterion.formula},
+                   {"unit", criterion.unit},
+                   {"value", criterion.value},
+                   {"limit", criterion.limit},
+                   {"at_least", criterion.at_least},
+                   {"met", criterion.met}});
+  }
+  return out;
+}
+
+json::object VersionJson(const ProfileRow& row) {
+  return {{"version", row.version},
+          {"title", row.title},
+          {"content", row.content.Hex()},
+          {"created_ms", row.created_ms}};
+}
+
+json::object ReportJson(const ProfileReportRow& row) {
+  return {{"id", row.id.Text()},
+          {"version", row.version},
+          {"media_type", row.media_type},
+          {"bytes", row.bytes},
+          {"created_ms", row.created_ms}};
+}
+
+json::object CalibrationJson(const CalibrationRow& row) {
+  json::error_code error;
+  json::value document = json::parse(row.document, error);
+  return {{"id", row.id.Text()},
+          {"device", row.device},
+          {"measured_ms", row.measured_ms},
+          {"added_ms", row.added_ms},
+          {"document", error ? json::value() : document}};
+}
+
+Result<scene::DeviceProfile> Document(Store& store, const ProfileRow& row) {
+  Result<Bytes> bytes = store.GetBlob(row.content);
+  if (!bytes.ok()) return Status{Code::kInternal, bytes.status().message()};
+  Result<scene::DeviceProfile> profile = scene::ProfileFromJson(AsText(*bytes));
+  if (!profile.ok()) return Status{Code::kInternal, profile.status().message()};
+  return profile;
+}
+
+Result<json::object> ProfileJson(Store& store, const ProfileRow& row) {
+  Result<scene::DeviceProfile> profile = Document(store, row);
+  if (!profile.ok()) return profile.status();
+  return json::object{{"name", row.name},
+                      {"title", row.title},
+                      {"version", row.version},
+                      {"created_ms", row.created_ms},
+                      {"numbers", NumbersJson(*profile)}};
+}
+
+// Newest first. Errors: kNotFound.
+Result<std::vector<ProfileRow>> VersionsOf(const Call& call) {
+  Result<std::vector<ProfileRow>> rows = call.store.ProfileVersions(std::string(call.name));
+  if (!rows.ok() || !rows->empty()) return rows;
+  return Status{Code::kNotFound, "there is no such device profile", "name"};
+}
+
+// What the page acts upon: every condition with its figures, also when the profile is refused.
+Response Judgement(const std::vector<scene::ProfileCriterion>& criteria, json::object out,
+                   int status) {
+  out["acceptable"] = scene::IsAcceptable(criteria);
+  out["criteria"] = CriteriaJson(criteria);
+  if (scene::IsAcceptable(criteria)) return JsonResponse(out, status);
+  for (const scene::ProfileCriterion& criterion : criteria) {
+    if (criterion.met) continue;
+    out["error"] = {
+        {"code", "invalid_input"},
+        {"message", "expected " + criterion.formula + ", found " +
+                        json::serialize(json::value(criterion.value)) + " against " +
+                        json::serialize(json::value(criterion.limit)) + " " + criterion.unit +
+                        "; change " + criterion.member + ", or measure the device again"},
+        {"field", criterion.member}};
+    break;
+  }
+  return JsonResponse(out, 400);
+}
+
+// A page of rows that are ordered newest first: the place in that order is the cursor.
+template <typename Row, typename Json>
+Response ListOf(const Call& call, const char* name, const Result<std::vector<Row>>& rows,
+                const Json& json_of) {
+  if (!rows.ok()) return ErrorResponse(rows.status());
+  Result<Page> page = PageOf(call.request, kDefaultPage, kMaxPage);
+  if (!page.ok()) return ErrorResponse(page.status());
+  struct Placed {
+    std::string place;
+    const Row* row;
+  };
+  std::vector<Placed> placed;
+  for (const Row& row : *rows) {
+    // Counted from the oldest, so that new ones move nothing.
+    std::string place = std::to_string(1'000'000'000 - (rows->size() - placed.size()));
+    placed.push_back({place, &row});
+  }
+  json::value next = CutPage(placed, *page, [](const Placed& entry) { return entry.place; });
+  json::array out;
+  for (const Placed& entry : placed) out.push_back(json_of(*entry.row));
+  return JsonResponse({{name, std::move(out)}, {"next", std::move(next)}});
+}
+
+}  // namespace
+
+Response ListProfiles(const Call& call) {
+  Result<Page> page = PageOf(call.request, kDefaultPage, kMaxPage);
+  if (!page.ok()) return ErrorResponse(page.status());
+  Result<std::vector<ProfileRow>> rows = call.store.Profiles();
+  if (!rows.ok()) return ErrorResponse(rows.status());
+  json::value next = CutPage(*rows, *page, [](const ProfileRow& row) { return row.name; });
+  json::array profiles;
+  for (const ProfileRow& row : *rows) {
+    Result<json::object> profile = ProfileJson(call.store, row);
+    if (!profile.ok()) return ErrorResponse(profile.status());
+    profiles.push_back(std::move(*profile));
+  }
+  return JsonResponse({{"profiles", std::move(profiles)}, {"next", std::move(next)}});
+}
+
+Response GetProfile(const Call& call) {
+  Result<std::vector<ProfileRow>> rows = VersionsOf(call);
+  if (!rows.ok()) return ErrorResponse(rows.status());
+  Result<json::object> out = ProfileJson(call.store, rows->front());
+  if (!out.ok()) return ErrorResponse(out.status());
+  Result<scene::DeviceProfile> profile = Document(call.store, rows->front());
+  if (!profile.ok()) return ErrorResponse(profile.status());
+  out->emplace("document", json::parse(scene::ToJson(*profile)));
+  auto criteria = scene::CheckProfile(*profile);
+  out->emplace("acceptable", scene::IsAcceptable(criteria));
+  out->emplace("criteria", CriteriaJson(criteria));
+  return JsonResponse(*out);
+}
+
+Response PutProfile(const Call& call) {
+  if (!IsJson(call.request)) return NotJson();
+  Result<std::optional<bool>> dry_run = QueryFlag(call.request, "dry_run");
+  if (!dry_run.ok()) return ErrorResponse(dry_run.status());
+  Result<scene::DeviceProfile> profile = scene::ProfileFromJson(call.request.body);
+  if (!profile.ok()) {
+    bool theirs = profile.status().code() == Code::kVersion;
+    return ErrorResponse(
+        theirs ? Status{Code::kInvalidInput, profile.status().message(), profile.status().field()}
+               : profile.status());
+  }
+  auto criteria = scene::CheckProfile(*profile);
+  json::object out{{"name", profile->name}, {"stored", false}, {"version", nullptr}};
+  if (dry_run->value_or(false) || !scene::IsAcceptable(criteria)) {
+    return Judgement(criteria, std::move(out), 200);
+  }
+  Result<Sha256> content = call.store.PutBlob(AsBytes(scene::ToJson(*profile)));
+  if (!content.ok()) return ErrorResponse(content.status());
+  Status put = call.store.PutProfile({profile->name, profile->title, *content}, ActorOf(call));
+  if (!put.ok()) return ErrorResponse(put);
+  Result<std::vector<ProfileRow>> rows = call.store.ProfileVersions(profile->name);
+  if (!rows.ok()) return ErrorResponse(rows.status());
+  out["stored"] = true;
+  out["version"] = rows->front().version;
+  return Judgement(criteria, std::move(out), 201);
+}
+
+Response ListProfileVersions(const Call& call) {
+  return ListOf(call, "versions", VersionsOf(call), VersionJson);
+}
+
+Response ListProfileReports(const Call& call) {
+  if (auto there = VersionsOf(call); !there.ok()) return ErrorResponse(there.status());
+  return ListOf(call, "reports", call.store.ProfileReports(std::string(call.name)), ReportJson);
+}
+
+Response AddProfileReport(const Call& call) {
+  std::string_view given = call.request.Header("content-type");
+  given = given.substr(0, given.find(';'));
+  ProfileReportRow row;
+  row.profile = std::string(call.name);
+  for (const char* type : kMediaTypes) {
+    if (given == type) row.media_type = type;
+  }
+  if (row.media_type.empty()) {
+    return ErrorResponse(415, "unsupported_media_type",
+                         "expected Content-Type: application/json or text/html", "content-type");
+  }
+  json::error_code error;
+  if (row.media_type == kMediaTypes[0]) {
+    json::parse_options options;
+    options.max_depth = 32;
+    (void)json::parse(call.request.body, error, {}, options);
+  }
+  if (error || call.request.body.empty()) {
+    return ErrorResponse(
+        {Code::kInvalidInput, "expected what `enamel-station qualify` wrote as body", "body"});
+  }
+  if (auto there = VersionsOf(call); !there.ok()) return ErrorResponse(there.status());
+  Result<Sha256> content = call.store.PutBlob(AsBytes(call.request.body));
+  if (!content.ok()) return ErrorResponse(content.status());
+  row.content = *content;
+  row.bytes = call.request.body.size();
+  Result<ProfileReportRow> added = call.store.AddProfileReport(row, ActorOf(call));
+  return added.ok() ? JsonResponse(ReportJson(*added), 201) : ErrorResponse(added.status());
+}
+
+// Never shown inside the page: somebody's HTML under our own address could act as the page.
+Response GetProfileReport(const Call& call) {
+  Result<ProfileReportRow> row = call.store.ProfileReportById(call.id);
+  if (!row.ok()) return ErrorResponse(row.status());
+  Result<Bytes> bytes = call.store.GetBlob(row->content);
+  if (!bytes.ok()) return ErrorResponse(Status{Code::kInternal, bytes.status().message()});
+  Response response;
+  response.content_type = row->media_type;
+  response.body = AsText(*bytes);
+  std::string name = row->profile + "-" + std::to_string(row->version) +
+                     (row->media_type == kMediaTypes[0] ? ".json" : ".html");
+  response.headers.emplace_back("Content-Disposition", "attachment; filename=\"" + name + "\"");
+  return response;
+}
+
+Response ListCalibrations(const Call& call) {
+  if (auto there = VersionsOf(call); !there.ok()) return ErrorResponse(there.status());
+  return ListOf(call, "calibrations", call.store.Calibrations(std::string(call.name)),
+                CalibrationJson);
+}
+
+Response AddCalibration(const Call& call) {
+  if (!IsJson(call.request)) return NotJson();
+  Result<scene::Calibration> calibration = scene::CalibrationFromJson(call.request.body);
+  if (!calibration.ok()) {
+    const Status& why = calibration.status();
+    return ErrorResponse(Status{Code::kInvalidInput, why.message(), why.field()});
+  }
+  if (calibration->profile != call.name) {
+    return ErrorResponse({Code::kInvalidInput,
+                          "expected a calibration of \"" + std::string(call.name) +
+                              "\", found one of \"" + calibration->profile + "\"",
+                          "profile"});
+  }
+  CalibrationRow row;
+  row.profile = calibration->profile;
+  row.device = calibration->device;
+  row.measured_ms = calibration->measured_ms;
+  row.document = scene::ToJson(*calibration);
+  Result<CalibrationRow> added = call.store.AddCalibration(row, ActorOf(call));
+  return added.ok() ? JsonResponse(CalibrationJson(*added), 201) : ErrorResponse(added.status());
+}
+
+}  // namespace enamel::server::http

@@ -1,0 +1,147 @@
+#include <boost/json.hpp>
+#include <chrono>
+
+#include "common/base/hex.h"
+#include "server/auth/token.h"
+#include "server/http/caller.h"
+#include "server/http/error_response.h"
+#include "server/http/etag.h"
+#include "server/http/handlers.h"
+#include "server/http/json_body.h"
+#include "server/http/paging.h"
+#include "server/http/query.h"
+#include "server/training/names.h"
+
+namespace enamel::server::http {
+namespace json = boost::json;
+namespace {
+
+constexpr uint32_t kDefaultPage = 50;
+constexpr uint32_t kMaxPage = 200;
+constexpr size_t kMaxStationName = 64;  // as in schemas/wire/README.md
+constexpr int64_t kMaxMinutes = 7 * 24 * 60;
+constexpr size_t kCodeBytes = 16;
+
+UnixMs Now() {
+  return std::chrono::duration_cast<std::chrono::milliseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+json::object StationJson(const StationRow& row) {
+  return {{"id", row.id.Text()},
+          {"name", row.name},
+          {"revoked", row.revoked},
+          {"revoked_ms", row.revoked_ms},
+          {"enrolled_ms", row.enrolled_ms},
+          {"last_seen_ms", row.last_seen_ms},
+          {"software", row.software},
+          {"core_version", row.core_version},
+          {"revision", row.revision}};
+}
+
+Response StationResponse(const StationRow& row) {
+  return WithETag(JsonResponse(StationJson(row)), row.revision);
+}
+
+Status NoUnrevoking() {
+  return {Code::kConflict,
+          "a revoked station stays so, because its secret may be known to others; enrol it anew "
+          "with a code",
+          "revoked"};
+}
+
+}  // namespace
+
+Response ListStations(const Call& call) {
+  Result<Page> page = PageOf(call.request, kMaxPage, kMaxPage);
+  if (!page.ok()) return ErrorResponse(page.status());
+  Result<std::optional<bool>> revoked = QueryFlag(call.request, "revoked");
+  if (!revoked.ok()) return ErrorResponse(revoked.status());
+  Result<std::vector<StationRow>> rows = call.store.Stations();
+  if (!rows.ok()) return ErrorResponse(rows.status());
+  if (*revoked) {
+    std::erase_if(*rows, [&](const StationRow& row) { return row.revoked != **revoked; });
+  }
+  json::value next =
+      CutPage(*rows, *page, [](const StationRow& row) { return row.name + "\n" + row.id.Text(); });
+  json::array stations;
+  for (const StationRow& row : *rows) stations.push_back(StationJson(row));
+  return JsonResponse({{"stations", std::move(stations)}, {"next", std::move(next)}});
+}
+
+Response GetStation(const Call& call) {
+  Result<StationRow> row = call.store.StationById(call.id);
+  return row.ok() ? StationResponse(*row) : ErrorResponse(row.status());
+}
+
+Response EditStation(const Call& call) {
+  if (!IsJson(call.request)) return NotJson();
+  BodyReader body(call.request);
+  bool unrevoke = body.Has("revoked") && !body.Flag("revoked", true);
+  std::string wanted = body.Text("name", 1, kMaxStationName);
+  if (unrevoke) return ErrorResponse(NoUnrevoking());
+  if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
+  Result<std::string> name = CheckedName(wanted, "name");
+  if (!name.ok()) return ErrorResponse(name.status());
+  Result<int32_t> seen = IfMatch(call.request);
+  if (!seen.ok()) return ErrorResponse(seen.status());
+  Result<StationRow> row = call.store.RenameStation(call.id, *name, *seen, ActorOf(call));
+  if (row.ok()) return StationResponse(*row);
+  if (row.status().field() != kStale) return ErrorResponse(row.status());
+  Result<StationRow> current = call.store.StationById(call.id);
+  if (!current.ok()) return ErrorResponse(current.status());
+  return Stale(row.status(), StationJson(*current), current->revision);
+}
+
+Response RevokeStation(const Call& call) {
+  if (Status confirmed = RequireConfirmed(call); !confirmed.ok()) return ErrorResponse(confirmed);
+  Status revoked = call.store.RevokeStation(call.id, ActorOf(call));
+  if (!revoked.ok()) return ErrorResponse(revoked);
+  return GetStation(call);
+}
+
+Response ListEnrolCodes(const Call& call) {
+  Result<Page> page = PageOf(call.request, kDefaultPage, kMaxPage);
+  if (!page.ok()) return ErrorResponse(page.status());
+  Result<std::vector<EnrolCodeRow>> rows = call.store.OpenEnrolCodes(Now());
+  if (!rows.ok()) return ErrorResponse(rows.status());
+  json::value next = CutPage(*rows, *page, [](const EnrolCodeRow& row) { return row.id.Text(); });
+  json::array codes;
+  for (const EnrolCodeRow& row : *rows) {
+    codes.push_back(
+        {{"id", row.id.Text()}, {"created_ms", row.created_ms}, {"expires_ms", row.expires_ms}});
+  }
+  return JsonResponse({{"codes", std::move(codes)}, {"next", std::move(next)}});
+}
+
+Response AddEnrolCode(const Call& call) {
+  if (!IsJson(call.request)) return NotJson();
+  BodyReader body(call.request);
+  int64_t minutes = body.Integer("minutes", 1, kMaxMinutes, 60);
+  if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
+  if (Status confirmed = RequireConfirmed(call); !confirmed.ok()) return ErrorResponse(confirmed);
+  if (call.station_fingerprint.empty()) {
+    return ErrorResponse({Code::kNotFound, "this server takes no stations"});
+  }
+  Bytes random = auth::NewToken();
+  random.resize(kCodeBytes);
+  std::string code = ToHex(random);
+  UnixMs expires_ms = Now() + minutes * 60'000;
+  Result<Uuid> id = call.store.AddEnrolCode(HashSha256(AsBytes(code)), expires_ms, ActorOf(call));
+  if (!id.ok()) return ErrorResponse(id.status());
+  return JsonResponse({{"id", id->Text()},
+                       {"code", code + "@" + std::string(call.station_fingerprint)},
+                       {"expires_ms", expires_ms}},
+                      201);
+}
+
+Response WithdrawEnrolCode(const Call& call) {
+  Status withdrawn = call.store.WithdrawEnrolCode(call.id, ActorOf(call));
+  if (!withdrawn.ok()) return ErrorResponse(withdrawn);
+  Response response;
+  response.status = 204;
+  return response;
+}
+
+}  // namespace enamel::server::http

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+#include <string>
+#include <string_view>
+#include <vector>
+
+// Comma-separated values (RFC 4180), bounded. Pure functions, any thread.
+//
+// Not libcsv: in its strict mode it refuses a quote inside a bare cell (37.8"N), which spreadsheets
+// write and everybody reads; otherwise it also takes text after a closing quote and quotes that are
+// never closed, where somebody's name would swallow the rows behind it.
+namespace enamel::server::roster {
+
+struct CsvRow {
+  uint32_t row = 0;  // as a spreadsheet counts: 1 is the first, also when it is empty
+  std::vector<std::string> cells;
+};
+
+struct CsvLimits {
+  size_t rows = 5001;
+  size_t columns = 32;
+  size_t cell_bytes = 1000;
+};
+
+// What was read, up to the first thing that is no CSV; rows without any text are left out.
+struct CsvTable {
+  std::vector<CsvRow> rows;
+  // Nothing wrong: empty. Otherwise where (a row, as above), and what was found and expected.
+  uint32_t problem_row = 0;
+  std::string found, expected;
+};
+
+// Line ends LF, CR LF or CR; quoted cells may have them inside. A byte order mark is skipped.
+CsvTable ReadCsv(std::string_view text, const CsvLimits& limits = {});
+
+// One line with its end, CR LF. A cell that a spreadsheet would compute, because it begins with
+// = + - @, tab or CR, gets an apostrophe in front (OWASP, "CSV Injection").
+std::string CsvLine(std::initializer_list<std::string_view> cells);
+
+}  // namespace enamel::server::roster

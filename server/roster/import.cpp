@@ -1,0 +1,114 @@
+#include "server/roster/import.h"
+
+#include <algorithm>
+#include <boost/json.hpp>
+#include <map>
+
+#include "server/auth/password.h"
+#include "server/roster/csv.h"
+
+namespace enamel::server::roster {
+namespace json = boost::json;
+namespace {
+
+constexpr size_t kMaxListed = 200;
+
+// A password for everybody who might be new: who is, is known inside the transaction only.
+Result<std::map<std::string, std::string>> MakePasswords(std::vector<RosterRow>& rows) {
+  std::map<std::string, std::string> out;
+  for (RosterRow& row : rows) {
+    auth::OneTimePassword password = auth::MakeOneTimePassword();
+    if (password.verifier.empty()) {
+      return Status(Code::kUnavailable, "no memory for hashing passwords; try again later");
+    }
+    row.verifier = std::move(password.verifier);
+    out[row.login] = std::move(password.text);
+  }
+  return out;
+}
+
+std::vector<NewPassword> PasswordsOf(const RosterPlan& plan,
+                                     const std::map<std::string, std::string>& passwords) {
+  std::vector<NewPassword> out;
+  for (const RosterStep& step : plan.steps) {
+    if (step.change != RosterStep::Change::kCreate) continue;
+    const RosterRow& row = step.row;
+    out.push_back({row.login, row.display_name.empty() ? row.login : row.display_name, row.cohort,
+                   passwords.at(row.login)});
+  }
+  return out;
+}
+
+json::object StepJson(const RosterStep& step) {
+  return {{"row", step.row.row},
+          {"login", step.row.login},
+          {"change", RosterChangeName(step.change)},
+          {"renames", step.renames},
+          {"joins", step.joins},
+          {"note", step.note}};
+}
+
+}  // namespace
+
+Result<ImportResult> ImportRoster(Store& store, std::string_view csv, const ImportOptions& options,
+                                  const Actor& by) {
+  RosterFile file = ReadRoster(csv, options.file);
+  bool dry_run = options.dry_run || !file.problems.empty();
+  std::map<std::string, std::string> passwords;
+  if (!dry_run) {
+    auto made = MakePasswords(file.rows);
+    if (!made.ok()) return made.status();
+    passwords = std::move(made).value();
+  }
+  auto plan = store.ImportRoster(file.rows, dry_run, by);
+  if (!plan.ok()) return plan.status();
+  ImportResult out;
+  out.plan = std::move(plan).value();
+  out.done = !dry_run && out.plan.problems.empty();
+  out.ignored_columns = std::move(file.ignored_columns);
+  out.plan.problems.insert(out.plan.problems.end(), file.problems.begin(), file.problems.end());
+  std::ranges::stable_sort(out.plan.problems, {}, &RosterProblem::row);
+  if (out.done) out.passwords = PasswordsOf(out.plan, passwords);
+  return out;
+}
+
+json::object ImportJson(const ImportResult& result) {
+  const RosterPlan& plan = result.plan;
+  json::array problems, steps, passwords, columns, cohorts;
+  for (const RosterProblem& problem : plan.problems) {
+    if (problems.size() == kMaxListed) break;
+    problems.push_back({{"row", problem.row},
+                        {"column", problem.column},
+                        {"found", problem.found},
+                        {"expected", problem.expected}});
+  }
+  for (const RosterStep& step : plan.steps) steps.push_back(StepJson(step));
+  for (const NewPassword& made : result.passwords) {
+    passwords.push_back({{"login", made.login},
+                         {"display_name", made.display_name},
+                         {"cohort", made.cohort},
+                         {"password", made.password}});
+  }
+  for (const std::string& column : result.ignored_columns) columns.push_back(json::value(column));
+  for (const std::string& cohort : plan.new_cohorts) cohorts.push_back(json::value(cohort));
+  return {{"done", result.done},
+          {"created", plan.Count(RosterStep::Change::kCreate)},
+          {"updated", plan.Count(RosterStep::Change::kUpdate)},
+          {"unchanged", plan.Count(RosterStep::Change::kUnchanged)},
+          {"new_cohorts", std::move(cohorts)},
+          {"ignored_columns", std::move(columns)},
+          {"problem_count", plan.problems.size()},
+          {"problems", std::move(problems)},
+          {"people", std::move(steps)},
+          {"passwords", std::move(passwords)}};
+}
+
+std::string PasswordsCsv(const std::vector<NewPassword>& passwords) {
+  std::string out = CsvLine({"login", "display_name", "cohort", "password"});
+  for (const NewPassword& made : passwords) {
+    out += CsvLine({made.login, made.display_name, made.cohort, made.password});
+  }
+  return out;
+}
+
+}  // namespace enamel::server::roster

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <boost/json/object.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "server/roster/roster_file.h"
+#include "server/storage/store.h"
+
+namespace enamel::server::roster {
+
+struct ImportOptions {
+  RosterOptions file;
+  bool dry_run = false;
+};
+
+// A person's first password, shown once and kept nowhere.
+struct NewPassword {
+  std::string login, display_name, cohort, password;
+};
+
+struct ImportResult {
+  bool done = false;  // false: only tried, or there are problems
+  RosterPlan plan;    // `problems` has those of the file too, by row
+  std::vector<std::string> ignored_columns;
+  std::vector<NewPassword> passwords;  // of those created; none when only tried
+};
+
+// Reads the roster and brings the store in line with it, all or nothing. Blocks. Errors: those of
+// the store; what is wrong with the roster is in the result.
+Result<ImportResult> ImportRoster(Store& store, std::string_view csv, const ImportOptions& options,
+                                  const Actor& by);
+
+// schemas/roster.md, "The outcome". At most 200 problems are listed, all are counted.
+boost::json::object ImportJson(const ImportResult& result);
+// login, display_name, cohort, password.
+std::string PasswordsCsv(const std::vector<NewPassword>& passwords);
+
+}  // namespace enamel::server::roster

@@ -1,0 +1,200 @@
+#include "server/roster/roster_file.h"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+
+#include "server/roster/csv.h"
+#include "server/training/names.h"
+
+namespace enamel::server::roster {
+namespace {
+
+constexpr std::array<std::string_view, 4> kColumns = {"login", "display_name", "role", "cohort"};
+constexpr std::string_view kHeader =
+    "a first row with the names of the columns: login, "
+    "display_name, role, cohort";
+
+std::string Lower(std::string_view text) {
+  std::string out;
+  for (char c : text) out += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return out;
+}
+
+std::string Trimmed(std::string_view text) {
+  size_t first = text.find_first_not_of(" \t");
+  if (first == std::string_view::npos) return {};
+  return std::string(text.substr(first, text.find_last_not_of(" \t") - first + 1));
+}
+
+// "Display Name" and "display-name" are display_name.
+std::string ColumnName(std::string_view cell) {
+  std::string out = Lower(Trimmed(cell));
+  std::ranges::replace_if(
+      out, [](char c) { return c == ' ' || c == '-'; }, '_');
+  return out;
+}
+
+std::string Shown(std::string_view text) {
+  constexpr size_t kMost = 80;
+  std::string out;
+  for (char c : text.substr(0, kMost)) {
+    out += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? '?' : c;
+  }
+  // A character that was cut in two is no text.
+  while (text.size() > kMost && !out.empty() && static_cast<unsigned char>(out.back()) >= 0x80) {
+    out.pop_back();
+  }
+  return '"' + out + (text.size() > kMost ? "…\"" : "\"");
+}
+
+bool IsKnown(const std::string& column) {
+  return std::ranges::find(kColumns, column) != kColumns.end();
+}
+
+// The roster being read: columns first, then row by row.
+class Reader {
+ public:
+  Reader(const RosterOptions& options, RosterFile& out) : options_(options), out_(out) {}
+
+  bool ReadHeader(const CsvRow& header) {
+    if (MeansAnotherSeparator(header)) return false;
+    for (size_t i = 0; i < header.cells.size(); ++i) TakeColumn(header, i);
+    if (Place("login")) return out_.problems.empty();
+    Refuse(header.row, "login", "no such column", std::string(kHeader));
+    return false;
+  }
+
+  void ReadRow(const CsvRow& row) {
+    if (row.cells.size() != columns_.size()) {
+      return Refuse(row.row, "", std::to_string(row.cells.size()) + " cells",
+                    std::to_string(columns_.size()) +
+                        " as in the first row; is a comma inside a name without quotes around it?");
+    }
+    size_t before = out_.problems.size();
+    RosterRow person;
+    person.row = row.row;
+    person.login = Checked(row, "login", [](std::string_view text) { return CheckedLogin(text); });
+    if (std::string name = Cell(row, "display_name"); !name.empty()) {
+      person.display_name = CheckedNameOf(row, "display_name", name);
+    }
+    person.role = RoleOf(row);
+    std::string cohort = Cell(row, "cohort");
+    if (cohort.empty()) cohort = options_.cohort;
+    if (!cohort.empty()) person.cohort = CheckedNameOf(row, "cohort", cohort);
+    if (out_.problems.size() == before) out_.rows.push_back(std::move(person));
+  }
+
+ private:
+  void Refuse(uint32_t row, std::string column, std::string found, std::string expected) {
+    out_.problems.push_back({row, std::move(column), std::move(found), std::move(expected)});
+  }
+
+  bool MeansAnotherSeparator(const CsvRow& header) {
+    if (header.cells.size() != 1) return false;
+    for (const auto& [separator, name] :
+         {std::pair{';', "semicolons"}, {'\t', "tabs"}, {'|', "bars"}}) {
+      if (header.cells[0].find(separator) == std::string::npos) continue;
+      Refuse(header.row, "", std::string("cells separated by ") + name,
+             "cells separated by commas; in the spreadsheet, save as \"CSV UTF-8 (comma)\" or set "
+             "the list separator to a comma");
+      return true;
+    }
+    return false;
+  }
+
+  void TakeColumn(const CsvRow& header, size_t i) {
+    std::string name = ColumnName(header.cells[i]);
+    columns_.push_back(name);
+    if (std::count(columns_.begin(), columns_.end(), name) > 1 && IsKnown(name)) {
+      return Refuse(header.row, name, "the column twice", "each column once");
+    }
+    if (IsKnown(name)) return;
+    if (options_.ignore_unknown_columns) {
+      out_.ignored_columns.push_back(Trimmed(header.cells[i]));
+      return;
+    }
+    Refuse(header.row, Shown(header.cells[i]), "a column of this name",
+           "login, display_name, role, cohort; take the column out, or say that columns which are "
+           "not known are to be ignored");
+  }
+
+  std::optional<size_t> Place(std::string_view column) const {
+    auto found = std::ranges::find(columns_, column);
+    if (found == columns_.end()) return std::nullopt;
+    return static_cast<size_t>(found - columns_.begin());
+  }
+  // Without the spaces around it; empty when there is no such column.
+  std::string Cell(const CsvRow& row, std::string_view column) const {
+    std::optional<size_t> place = Place(column);
+    return place ? Trimmed(row.cells[*place]) : std::string();
+  }
+
+  template <typename Check>
+  std::string CheckedText(const CsvRow& row, const char* column, std::string_view text,
+                          const Check& check) {
+    Result<std::string> checked = check(text);
+    if (checked.ok()) return *checked;
+    // "expected E, found F": the two stand apart in the answer.
+    std::string message = checked.status().message();
+    constexpr std::string_view kExpected = "expected ", kFound = ", found ";
+    size_t found = message.rfind(kFound);
+    Refuse(row.row, column,
+           found == std::string::npos ? Shown(text) : message.substr(found + kFound.size()),
+           message.substr(kExpected.size(), found == std::string::npos ? std::string::npos
+                                                                       : found - kExpected.size()));
+    return {};
+  }
+  template <typename Check>
+  std::string Checked(const CsvRow& row, const char* column, const Check& check) {
+    return CheckedText(row, column, Cell(row, column), check);
+  }
+  std::string CheckedNameOf(const CsvRow& row, const char* column, std::string_view text) {
+    return CheckedText(row, column, text,
+                       [&](std::string_view name) { return CheckedName(name, column); });
+  }
+
+  Role RoleOf(const CsvRow& row) {
+    std::string text = Lower(Cell(row, "role"));
+    std::optional<Role> role = text.empty() ? Role::kStudent : RoleFromName(text);
+    if (role && *role != Role::kAdmin) return *role;
+    Refuse(row.row, "role", Shown(text),
+           role ? "student or instructor; admins are added one by one"
+                : "student or instructor, or nothing for a student");
+    return Role::kStudent;
+  }
+
+  const RosterOptions& options_;
+  RosterFile& out_;
+  std::vector<std::string> columns_;  // of the file, in its order
+};
+
+}  // namespace
+
+RosterFile ReadRoster(std::string_view text, const RosterOptions& options) {
+  RosterFile out;
+  if (text.size() > kMaxRosterBytes) {
+    out.problems.push_back(
+        {1, "", std::to_string(text.size()) + " bytes", "at most 1 MiB; split the file"});
+    return out;
+  }
+  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) {
+    out.problems.push_back({1, "", "text in UTF-16", "text in UTF-8; save as \"CSV UTF-8\""});
+    return out;
+  }
+  CsvTable table = ReadCsv(text, {kMaxRosterRows + 1, 32, 1000});
+  Reader reader(options, out);
+  if (table.rows.empty() && table.problem_row == 0) {
+    out.problems.push_back({1, "", "an empty file", std::string(kHeader)});
+    return out;
+  }
+  if (!table.rows.empty() && reader.ReadHeader(table.rows.front())) {
+    for (size_t i = 1; i < table.rows.size(); ++i) reader.ReadRow(table.rows[i]);
+  }
+  if (table.problem_row != 0) {
+    out.problems.push_back({table.problem_row, "", table.found, table.expected});
+  }
+  return out;
+}
+
+}  // namespace enamel::server::roster

@@ -1,0 +1,119 @@
+#include "server/storage/people_rows.h"
+
+// Sessions of people.
+namespace enamel::server::sqlite {
+namespace {
+
+constexpr char kSessionSelect[] =
+    "SELECT token_hash, person, created_ms, last_used_ms, expires_ms, via, id, confirmed_ms FROM "
+    "sessions WHERE tenant = ?1 AND ";
+
+SessionRow SessionOf(const Query& q) {
+  return {q.Hash(0), q.Id(1), q.Int(2), q.Int(3), q.Int(4), q.Text(5), q.Id(6), q.Int(7)};
+}
+
+Result<SessionRow> OneSession(Query& q) {
+  if (q.Next()) return SessionOf(q);
+  if (!q.status().ok()) return q.status();
+  return Status(Code::kNotFound, "no such session");
+}
+
+Result<SessionRow> FindSessionById(Db& db, const Uuid& id) {
+  static const std::string kSql = std::string(kSessionSelect) + "id = ?2";
+  Query q(db, kSql.c_str());
+  return OneSession(q.Bind(id));
+}
+
+}  // namespace
+
+Status SqliteStore::CreateSession(const SessionRow& session) {
+  return Write([&](Db& db) -> Status {
+    // The only sweep there is: every sign-in drops what ended.
+    ENAMEL_RETURN_IF_ERROR(Query(db, "DELETE FROM sessions WHERE tenant = ?1 AND expires_ms < ?2")
+                               .Bind(session.created_ms)
+                               .Run());
+    Query q(db,
+            "INSERT INTO sessions (tenant, token_hash, person, created_ms, last_used_ms, "
+            "expires_ms, via, id, confirmed_ms) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)");
+    q.Bind(session.token_hash).Bind(session.person).Bind(session.created_ms);
+    q.Bind(session.last_used_ms).Bind(session.expires_ms).Bind(session.via);
+    q.Bind(session.id.IsZero() ? Uuid::New() : session.id);
+    q.Bind(session.confirmed_ms != 0 ? session.confirmed_ms : session.created_ms);
+    ENAMEL_RETURN_IF_ERROR(q.Run());
+    return WriteAudit(db, Actor{session.person, session.via}, "session.begin",
+                      session.person.Text(), "{}", "{}");
+  });
+}
+
+Result<SessionRow> SqliteStore::FindSession(const Sha256& token_hash) {
+  return Read([&](Db& db) -> Result<SessionRow> {
+    static const std::string kSql = std::string(kSessionSelect) + "token_hash = ?2";
+    Query q(db, kSql.c_str());
+    return OneSession(q.Bind(token_hash));
+  });
+}
+
+Result<SessionRow> SqliteStore::SessionById(const Uuid& id) {
+  return Read([&](Db& db) { return FindSessionById(db, id); });
+}
+
+Result<std::vector<SessionRow>> SqliteStore::SessionsOf(const Uuid& person) {
+  return Read([&](Db& db) -> Result<std::vector<SessionRow>> {
+    static const std::string kSql =
+        std::string(kSessionSelect) + "person = ?2 ORDER BY created_ms DESC, id";
+    Query q(db, kSql.c_str());
+    q.Bind(person);
+    std::vector<SessionRow> out;
+    while (q.Next()) out.push_back(SessionOf(q));
+    if (!q.status().ok()) return q.status();
+    return out;
+  });
+}
+
+Status SqliteStore::TouchSession(const Sha256& token_hash, UnixMs now_ms) {
+  return Write([&](Db& db) -> Status {
+    Query q(db, "UPDATE sessions SET last_used_ms = ?3 WHERE tenant = ?1 AND token_hash = ?2");
+    return q.Bind(token_hash).Bind(now_ms).Run();
+  });
+}
+
+Status SqliteStore::ConfirmSession(const Sha256& token_hash, UnixMs now_ms) {
+  return Write([&](Db& db) -> Status {
+    Query q(db, "UPDATE sessions SET confirmed_ms = ?3 WHERE tenant = ?1 AND token_hash = ?2");
+    ENAMEL_RETURN_IF_ERROR(q.Bind(token_hash).Bind(now_ms).Run());
+    return MustHaveChanged(db, "such session");
+  });
+}
+
+Status SqliteStore::EndSession(const Sha256& token_hash) {
+  return Write([&](Db& db) -> Status {
+    return Query(db, "DELETE FROM sessions WHERE tenant = ?1 AND token_hash = ?2")
+        .Bind(token_hash)
+        .Run();
+  });
+}
+
+Status SqliteStore::EndSessionById(const Uuid& id, const Actor& by) {
+  return Write([&](Db& db) -> Status {
+    auto session = FindSessionById(db, id);
+    if (!session.ok()) return session.status();
+    ENAMEL_RETURN_IF_ERROR(
+        Query(db, "DELETE FROM sessions WHERE tenant = ?1 AND id = ?2").Bind(id).Run());
+    return WriteAudit(db, by, "session.end", session->person.Text(), "{}", "{}");
+  });
+}
+
+Result<size_t> SqliteStore::EndSessionsOf(const Uuid& person, const Actor& by) {
+  size_t ended = 0;
+  Status status = Write([&](Db& db) -> Status {
+    ENAMEL_RETURN_IF_ERROR(DeleteSessions(db, person));
+    ended = static_cast<size_t>(db.Changes());
+    if (ended == 0) return Status::Ok();
+    return WriteAudit(db, by, "session.end", person.Text(), "{}",
+                      JsonOf({{"sessions", std::to_string(ended)}}));
+  });
+  if (!status.ok()) return status;
+  return ended;
+}
+
+}  // namespace enamel::server::sqlite

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "common/base/result.h"
+
+// What people, cohorts and stations may be called. Pure functions, any thread.
+// Errors: kInvalidInput with what was expected and found.
+namespace enamel::server {
+
+inline constexpr size_t kMaxLoginBytes = 64;
+inline constexpr size_t kMaxNameBytes = 200;
+
+// A login in the form that is stored: lower case. 1 to 64 ASCII letters, digits or . - _ @, the
+// first a letter or digit. Field "login".
+Result<std::string> CheckedLogin(std::string_view text);
+
+// A name as people read it, without the spaces around it: valid UTF-8, 1 to 200 bytes, no control
+// characters, nothing that turns the direction of what follows, and not beginning with = + - @,
+// which a spreadsheet that opens our tables would take for a formula (OWASP, "CSV Injection").
+// `field`: as named in the error.
+Result<std::string> CheckedName(std::string_view text, std::string_view field);
+
+}  // namespace enamel::server

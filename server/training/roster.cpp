@@ -1,0 +1,84 @@
+#include "server/training/roster.h"
+
+#include <algorithm>
+
+namespace enamel::server {
+namespace {
+
+// Against the row, or empty.
+std::vector<RosterProblem> ProblemsOf(const RosterRow& row, const RosterFacts& facts,
+                                      const std::map<std::string, uint32_t>& first_rows) {
+  std::vector<RosterProblem> out;
+  if (uint32_t first = first_rows.at(row.login); first != row.row) {
+    out.push_back({row.row, "login",
+                   "\"" + row.login + "\", which row " + std::to_string(first) + " has already",
+                   "each person once"});
+  }
+  auto person = facts.people.find(row.login);
+  if (person != facts.people.end() && person->second.role != row.role) {
+    out.push_back({row.row, "role", RoleName(row.role),
+                   std::string(RoleName(person->second.role)) + ", which \"" + row.login +
+                       "\" is here; a roster changes no roles, edit the person instead"});
+  }
+  auto cohort = facts.cohorts.find(row.cohort);
+  if (cohort != facts.cohorts.end() && cohort->second.archived_ms != 0) {
+    out.push_back({row.row, "cohort", "\"" + row.cohort + "\", which is archived",
+                   "a cohort that is in use; open it again or name another"});
+  }
+  return out;
+}
+
+RosterStep StepFor(const RosterRow& row, const RosterFacts& facts) {
+  RosterStep step{row};
+  auto person = facts.people.find(row.login);
+  auto cohort = facts.cohorts.find(row.cohort);
+  if (person == facts.people.end()) {
+    step.change = RosterStep::Change::kCreate;
+    step.joins = !row.cohort.empty();
+    return step;
+  }
+  step.before = person->second;
+  step.renames = !row.display_name.empty() && row.display_name != person->second.display_name;
+  bool member = cohort != facts.cohorts.end() &&
+                facts.members.contains({cohort->second.id, person->second.id});
+  step.joins = !row.cohort.empty() && !member;
+  if (step.renames || step.joins) step.change = RosterStep::Change::kUpdate;
+  if (person->second.disabled) step.note = "is disabled and stays so";
+  return step;
+}
+
+}  // namespace
+
+size_t RosterPlan::Count(RosterStep::Change change) const {
+  return static_cast<size_t>(
+      std::ranges::count_if(steps, [&](const RosterStep& step) { return step.change == change; }));
+}
+
+RosterPlan PlanRoster(const std::vector<RosterRow>& rows, const RosterFacts& facts) {
+  RosterPlan plan;
+  std::map<std::string, uint32_t> first_rows;
+  for (const RosterRow& row : rows) first_rows.emplace(row.login, row.row);
+  std::set<std::string> made;
+  for (const RosterRow& row : rows) {
+    auto problems = ProblemsOf(row, facts, first_rows);
+    plan.problems.insert(plan.problems.end(), problems.begin(), problems.end());
+    plan.steps.push_back(StepFor(row, facts));
+    bool is_new = !row.cohort.empty() && !facts.cohorts.contains(row.cohort);
+    if (is_new && made.insert(row.cohort).second) plan.new_cohorts.push_back(row.cohort);
+  }
+  return plan;
+}
+
+const char* RosterChangeName(RosterStep::Change change) {
+  switch (change) {
+    case RosterStep::Change::kCreate:
+      return "create";
+    case RosterStep::Change::kUpdate:
+      return "update";
+    case RosterStep::Change::kUnchanged:
+      return "unchanged";
+  }
+  return "unchanged";
+}
+
+}  // namespace enamel::server

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "server/training/types.h"
+
+// Bringing the people of a school in line with a roster (schemas/roster.md): what would change, and
+// what stands against it. Pure; Store::ImportRoster makes the plan and carries it out in one
+// transaction.
+namespace enamel::server {
+
+// One line, checked by itself already.
+struct RosterRow {
+  uint32_t row = 0;  // as a spreadsheet counts, the header is row 1
+  std::string login;
+  std::string display_name;  // empty: not told; a new person is then called by the login
+  Role role = Role::kStudent;
+  std::string cohort;    // empty: none
+  std::string verifier;  // of the one-time password, should the person be new
+};
+
+// Something that keeps the whole roster from being imported.
+struct RosterProblem {
+  uint32_t row = 0;
+  std::string column;  // "login", "role", …; empty: the row as such
+  std::string found, expected;
+};
+
+// What there is: read in the transaction that will change it.
+struct RosterFacts {
+  std::map<std::string, Person> people;     // by login
+  std::map<std::string, Cohort> cohorts;    // by name
+  std::set<std::pair<Uuid, Uuid>> members;  // cohort, person
+};
+
+struct RosterStep {
+  enum class Change { kCreate, kUpdate, kUnchanged };
+  RosterRow row;
+  Change change = Change::kUnchanged;
+  std::optional<Person> before;  // none: a new person
+  bool renames = false, joins = false;
+  std::string note;  // worth knowing, and no obstacle
+};
+
+// Problems and steps in the order of the rows; with problems nothing may be carried out.
+struct RosterPlan {
+  std::vector<RosterStep> steps;
+  std::vector<std::string> new_cohorts;
+  std::vector<RosterProblem> problems;
+
+  size_t Count(RosterStep::Change change) const;
+};
+
+// Who is new is created. Who is there keeps role and password, takes the roster's name when it has
+// one and joins the roster's cohort beside those the person is in already. Nobody is removed.
+// Against it stand: another role, a cohort that is archived, a login that comes twice.
+RosterPlan PlanRoster(const std::vector<RosterRow>& rows, const RosterFacts& facts);
+
+const char* RosterChangeName(RosterStep::Change change);  // "create", "update", "unchanged"
+
+}  // namespace enamel::server

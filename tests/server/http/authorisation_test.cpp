@@ -1,0 +1,414 @@
+#include <gtest/gtest.h>
+
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/json.hpp>
+#include <filesystem>
+#include <map>
+#include <set>
+#include <sstream>
+
+#include "common/base/hex.h"
+#include "common/scene/builtin.h"
+#include "common/scene/json.h"
+#include "server/http/api.h"
+#include "server/http/routes.h"
+#include "tests/server/http/school.h"
+
+// Who gets what of every route: the whole matrix, in one table. A route without a line here fails
+// the test, and so does a line without a route.
+namespace enamel::server::http {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The columns:
+//   nobody   no session
+//   sam      student of cohort A; what the lines are about is sam's
+//   sue      another student of cohort A
+//   tom      student of cohort B
+//   ada      instructor of cohort A
+//   ben      instructor of cohort B
+//   root     admin, password given just now
+//   late     the same admin, ten minutes after giving the password
+//   off      was signed in, is disabled since
+//   fresh    student of cohort A with a password for one use
+constexpr const char* kColumns[] = {"nobody", "sam",  "sue",  "tom", "ada",
+                                    "ben",    "root", "late", "off", "fresh"};
+
+struct Line {
+  const char* route;     // as in the route table
+  const char* what;      // which {id} or {name} stands in the path: a name in Things
+  const char* body;      // "" none; "csv …" text/csv; else JSON, with NAMES in it filled in
+  const char* expected;  // statuses in the order of the columns
+};
+
+// clang-format off
+const Line kLines[] = {
+//   route                                      about             body                                   nobody sam sue tom ada ben root late off fresh
+    {"GET /healthz",                            "",               "",                                    "200 200 200 200 200 200 200 200 200 200"},
+    {"GET /metrics",                            "",               "",                                    "404 404 404 404 404 404 404 404 404 404"},
+    // One's own session.
+    {"POST /api/v1/session",                    "",               R"({"login":"x","password":"y"})",     "401 401 401 401 401 401 401 401 401 401"},
+    {"GET /api/v1/session",                     "",               "",                                    "401 200 200 200 200 200 200 200 401 200"},
+    {"DELETE /api/v1/session",                  "",               "",                                    "401 204 204 204 204 204 204 204 401 204"},
+    {"POST /api/v1/session/confirm",            "",               R"({"password":"PASSWORD"})",          "401 204 204 204 204 204 204 204 401 204"},
+    {"POST /api/v1/session/password",           "",               R"({"old_password":"PASSWORD","new_password":"quite another one"})",
+                                                                                                         "401 200 200 200 200 200 200 200 401 200"},
+    {"GET /api/v1/sessions",                    "",               "",                                    "401 200 200 200 200 200 200 200 401 200"},
+    {"DELETE /api/v1/sessions/{id}",            "sams session",   "",                                    "401 204 404 404 404 404 204 204 401 404"},
+    // People.
+    {"GET /api/v1/people",                      "",               "",                                    "401 403 403 403 403 403 200 200 401 403"},
+    {"POST /api/v1/people",                     "",               R"({"login":"new","role":"student"})", "401 403 403 403 403 403 201 403 401 403"},
+    {"GET /api/v1/people/{id}",                 "sam",            "",                                    "401 403 403 403 403 403 200 200 401 403"},
+    {"PATCH /api/v1/people/{id}",               "sam",            R"({"display_name":"Samuel"})",        "401 403 403 403 403 403 200 200 401 403"},
+    {"PATCH /api/v1/people/{id}",               "sam",            R"({"role":"instructor"})",            "401 403 403 403 403 403 200 403 401 403"},
+    {"POST /api/v1/people/{id}/password",       "sam",            "",                                    "401 403 403 403 403 403 200 403 401 403"},
+    {"POST /api/v1/people/{id}/erase",          "sam",            R"({"login":"sam"})",                  "401 403 403 403 403 403 409 403 401 403"},
+    {"POST /api/v1/people/{id}/erase",          "tom",            R"({"login":"tom"})",                  "401 403 403 403 403 403 200 403 401 403"},
+    {"GET /api/v1/people/{id}/sessions",        "sam",            "",                                    "401 403 403 403 403 403 200 200 401 403"},
+    {"DELETE /api/v1/people/{id}/sessions",     "sam",            "",                                    "401 403 403 403 403 403 200 200 401 403"},
+    {"POST /api/v1/roster",                     "",               "csv login\nnew\n",                    "401 403 403 403 403 403 200 403 401 403"},
+    // Cohorts.
+    {"GET /api/v1/cohorts",                     "",               "",                                    "401 403 403 403 200 200 200 200 401 403"},
+    {"POST /api/v1/cohorts",                    "",               R"({"name":"New"})",                   "401 403 403 403 403 403 201 201 401 403"},
+    {"GET /api/v1/cohorts/{id}",                "cohort A",       "",                                    "401 403 403 403 200 404 200 200 401 403"},
+    {"PATCH /api/v1/cohorts/{id}",              "cohort A",       R"({"archived":true})",                "401 403 403 403 403 403 200 200 401 403"},
+    {"POST /api/v1/cohorts/{id}/members",       "cohort B",       R"({"add":["SAM"]})",                  "401 403 403 403 403 403 200 200 401 403"},
+    // Stations.
+    {"GET /api/v1/stations",                    "",               "",                                    "401 403 403 403 200 200 200 200 401 403"},
+    {"GET /api/v1/stations/{id}",               "station",        "",                                    "401 403 403 403 200 200 200 200 401 403"},
+    {"PATCH /api/v1/stations/{id}",             "station",        R"({"name":"Bench 7"})",               "401 403 403 403 403 403 200 200 401 403"},
+    {"POST /api/v1/stations/{id}/revoke",       "station",        "",                                    "401 403 403 403 403 403 200 403 401 403"},
+    {"GET /api/v1/enrolment-codes",             "",               "",                                    "401 403 403 403 403 403 200 200 401 403"},
+    {"POST /api/v1/enrolment-codes",            "",               R"({"minutes":5})",                    "401 403 403 403 403 403 201 403 401 403"},
+    {"DELETE /api/v1/enrolment-codes/{id}",     "code",           "",                                    "401 403 403 403 403 403 204 204 401 403"},
+    // Device profiles.
+    {"GET /api/v1/profiles",                    "",               "",                                    "401 200 200 200 200 200 200 200 401 403"},
+    {"POST /api/v1/profiles",                   "",               "PROFILE",                             "401 403 403 403 403 403 201 201 401 403"},
+    {"GET /api/v1/profiles/{name}",             "profile",        "",                                    "401 200 200 200 200 200 200 200 401 403"},
+    {"GET /api/v1/profiles/{name}/versions",    "profile",        "",                                    "401 403 403 403 200 200 200 200 401 403"},
+    {"GET /api/v1/profiles/{name}/reports",     "profile",        "",                                    "401 403 403 403 200 200 200 200 401 403"},
+    {"POST /api/v1/profiles/{name}/reports",    "profile",        "{}",                                  "401 403 403 403 403 403 201 201 401 403"},
+    {"GET /api/v1/profile-reports/{id}",        "report",         "",                                    "401 403 403 403 200 200 200 200 401 403"},
+    {"GET /api/v1/profiles/{name}/calibrations", "profile",       "",                                    "401 403 403 403 200 200 200 200 401 403"},
+    {"POST /api/v1/profiles/{name}/calibrations", "profile",      "CALIBRATION",                         "401 403 403 403 403 403 201 201 401 403"},
+    // Exercises: of all cohorts for instructors, and for whoever has an attempt of it (tom has).
+    // 400: may, and sends nothing useful; 409: may, and it is no draft.
+    {"GET /api/v1/exercises",                      "",               "",                                    "401 200 200 200 200 200 200 200 401 403"},
+    {"POST /api/v1/exercises",                     "",               R"({})",                               "401 403 403 403 400 400 400 400 401 403"},
+    {"GET /api/v1/exercises/{id}",                 "exercise",       "",                                    "401 200 200 200 200 200 200 200 401 403"},
+    {"PUT /api/v1/exercises/{id}",                 "exercise",       R"({})",                               "401 403 403 403 400 400 400 400 401 403"},
+    {"DELETE /api/v1/exercises/{id}",              "exercise",       "",                                    "401 403 403 403 409 409 409 409 401 403"},
+    {"GET /api/v1/exercises/{id}/document",        "exercise",       "",                                    "401 200 200 200 200 200 200 200 401 403"},
+    {"GET /api/v1/exercises/{id}/initial-surface", "exercise",       "",                                    "401 200 200 200 200 200 200 200 401 403"},
+    {"GET /api/v1/exercises/{id}/versions",        "exercise",       "",                                    "401 200 200 200 200 200 200 200 401 403"},
+    {"GET /api/v1/exercises/{id}/references",      "exercise",       "",                                    "401 200 200 200 200 200 200 200 401 403"},
+    {"POST /api/v1/exercises/{id}/publish",        "exercise",       "",                                    "401 403 403 403 409 409 409 409 401 403"},
+    {"POST /api/v1/exercises/{id}/retire",         "exercise",       "",                                    "401 403 403 403 204 204 204 204 401 403"},
+    {"POST /api/v1/references/{id}/withdraw",      "reference",      "",                                    "401 403 403 403 204 403 204 204 401 403"},
+    // Assignments to cohort A.
+    {"GET /api/v1/assignments",                    "",               "",                                    "401 200 200 200 200 200 200 200 401 403"},
+    {"POST /api/v1/assignments",                   "",               R"({"exercise":"class-1-occlusal","cohort_id":"COHORT"})", "401 403 403 403 201 403 201 201 401 403"},
+    {"GET /api/v1/assignments/{id}",               "assignment",     "",                                    "401 200 200 404 200 404 200 200 401 403"},
+    {"PUT /api/v1/assignments/{id}",               "assignment",     R"({"exercise":"class-1-occlusal","cohort_id":"COHORT"})", "401 403 403 403 200 404 200 200 401 403"},
+    {"DELETE /api/v1/assignments/{id}",            "assignment",     "",                                    "401 403 403 403 204 404 204 204 401 403"},
+    {"POST /api/v1/assignments/{id}/release",      "assignment",     "",                                    "401 403 403 403 200 404 200 200 401 403"},
+    // Attempts: sam's, graded, scored, not released.
+    {"GET /api/v1/attempts",                    "",               "",                                    "401 200 200 200 200 200 200 200 401 403"},
+    {"GET /api/v1/attempts/{id}",               "attempt",        "",                                    "401 200 404 404 200 404 200 200 401 403"},
+    {"GET /api/v1/attempts/{id}/score",         "attempt",        "",                                    "401 403 404 404 200 404 200 200 401 403"},
+    {"GET /api/v1/attempts/{id}/surface",       "attempt",        "",                                    "401 403 404 404 200 404 200 200 401 403"},
+    {"GET /api/v1/attempts/{id}/series",        "attempt",        "",                                    "401 403 404 404 200 404 200 200 401 403"},
+    {"GET /api/v1/attempts/{id}/live",          "recording",      "",                                    "401 403 403 403 200 404 200 200 401 403"},
+    {"POST /api/v1/attempts/{id}/release",      "attempt",        "",                                    "401 403 403 403 204 404 204 204 401 403"},
+    {"POST /api/v1/attempts/{id}/reference",    "attempt",        R"({"dentist":"Dr. Vega"})",           "401 403 403 403 201 404 201 201 401 403"},
+    {"DELETE /api/v1/attempts/{id}/release",       "appealed",       "",                                    "401 403 403 403 204 404 204 204 401 403"},
+    {"PUT /api/v1/attempts/{id}/override",         "attempt",        R"({"score":50,"reason":"r"})",        "401 403 403 403 200 404 200 200 401 403"},
+    {"DELETE /api/v1/attempts/{id}/override",      "attempt",        "",                                    "401 403 403 403 200 404 200 200 401 403"},
+    {"POST /api/v1/attempts/{id}/rescore",         "attempt",        "",                                    "401 403 403 403 409 404 409 409 401 403"},
+    {"POST /api/v1/attempts/{id}/excuse",          "attempt",        R"({"reason":"r"})",                   "401 403 403 403 200 404 200 200 401 403"},
+    {"GET /api/v1/attempts/{id}/results",          "attempt",        "",                                    "401 403 404 404 200 404 200 200 401 403"},
+    {"GET /api/v1/attempts/{id}/annotations",      "attempt",        "",                                    "401 403 404 404 200 404 200 200 401 403"},
+    {"POST /api/v1/attempts/{id}/annotations",     "attempt",        R"({"tick":1,"text":"t"})",            "401 403 403 403 201 404 201 201 401 403"},
+    {"PUT /api/v1/annotations/{id}",               "annotation",     R"({"tick":1,"text":"u"})",            "401 403 403 403 200 404 403 403 401 403"},
+    {"DELETE /api/v1/annotations/{id}",            "annotation",     "",                                    "401 403 403 403 204 404 403 403 401 403"},
+    {"POST /api/v1/attempts/{id}/appeal",          "attempt",        R"({"text":"t"})",                     "401 409 404 404 403 404 403 403 401 403"},
+    {"POST /api/v1/attempts/{id}/appeal/answer",   "appealed",       R"({"outcome":"reject","answer":"a"})", "401 403 403 403 200 404 200 200 401 403"},
+    // Running it.
+    {"GET /api/v1/audit",                       "",               "",                                    "401 403 403 403 403 403 200 200 401 403"},
+    {"POST /api/v1/jobs/{id}/cancel",              "job",            "",                                    "401 403 403 403 403 403 204 204 401 403"},
+    {"GET /api/v1/jobs",                        "",               "",                                    "401 403 403 403 403 403 200 200 401 403"},
+};
+// clang-format on
+
+std::vector<int> Statuses(const char* text) {
+  std::istringstream in(text);
+  std::vector<int> out;
+  for (int status; in >> status;) out.push_back(status);
+  return out;
+}
+
+// Cookie and csrf of somebody signed in.
+struct Pass {
+  std::string cookie, csrf;
+};
+
+// A school on disk with everybody signed in, from which each case starts anew.
+class Template {
+ public:
+  Template() {
+    std::string verifier = *school.authenticator->NewVerifier(kPassword, "nobody");
+    Uuid off = Add("off", verifier), fresh = Add("fresh", verifier);
+    EXPECT_TRUE(school.store->AddToCohort(school.cohort_a, fresh, kBy).ok());
+    EXPECT_TRUE(school.store->SetPassword(fresh, verifier, true, kBy).ok());
+    // Signs in ten minutes before the others.
+    school.now_ms -= 10 * 60'000;
+    SignIn("late", "root");
+    school.now_ms += 10 * 60'000;
+    for (const char* login : {"sam", "sue", "tom", "ada", "ben", "root", "off", "fresh"}) {
+      SignIn(login, login);
+    }
+    // What signing out of a disabled account leaves in a browser.
+    EXPECT_TRUE(school.store->SetDisabled(off, true, kBy).ok());
+    AddThings();
+  }
+
+  School school;
+  std::map<std::string, Pass> passes;
+  std::map<std::string, std::string> things;  // by the name in a Line
+  std::map<std::string, std::string> bodies;  // NAMES in bodies
+  LiveBoard live;
+
+ private:
+  inline static const Actor kBy{{}, "test"};
+
+  Uuid Add(const std::string& login, const std::string& verifier) {
+    Person person;
+    person.login = login;
+    person.display_name = "Person " + login;
+    return *school.store->CreatePerson(person, verifier, kBy);
+  }
+  void SignIn(const std::string& column, const std::string& login) {
+    auto signed_in = school.authenticator->SignInHere({login, kPassword, "203.0.113.7", "page"});
+    ASSERT_TRUE(signed_in.ok()) << signed_in.status().message();
+    passes[column] = {"enamel_session=" + ToHex(signed_in->token), signed_in->identity.csrf};
+  }
+  void AddThings() {
+    Store& store = *school.store;
+    things["sam"] = school.sam.Text();
+    things["tom"] = school.tom.Text();
+    things["sams session"] = store.SessionsOf(school.sam)->front().id.Text();
+    things["cohort A"] = school.cohort_a.Text();
+    things["cohort B"] = school.cohort_b.Text();
+    things["station"] = school.station.Text();
+    things["code"] = store.AddEnrolCode(HashSha256(AsBytes("c")), UnixMs{1} << 60, kBy)->Text();
+    things["profile"] = "phantom_desktop";
+    ProfileReportRow report{{}, "phantom_desktop", 1, "text/html", *store.PutBlob(AsBytes("<p>")),
+                            3};
+    things["report"] = store.AddProfileReport(report, kBy)->id.Text();
+    things["exercise"] = school.exercise.Text();
+    things["attempt"] = school.sams_scored.Text();
+    things["recording"] = school.sams_recording.Text();
+    bodies["PASSWORD"] = kPassword;
+    bodies["SAM"] = school.sam.Text();
+    bodies["PROFILE"] = scene::ToJson(scene::BuiltinProfiles().front());
+    bodies["CALIBRATION"] =
+        R"({"format":1,"device":"d","profile":"phantom_desktop","station":"","software":"s",)"
+        R"("measured_ms":1,"rate_hz":1000,"method":"m",)"
+        R"("measured":{"noise_nm":{"value":1,"uncertainty":1,"samples":1}}})";
+    AddTeaching();
+  }
+  void AddTeaching() {
+    Store& store = *school.store;
+    Actor ada{school.ada, "page"}, sam{school.sam, "page"};
+    bodies["COHORT"] = school.cohort_a.Text();
+    things["assignment"] = store.Assignments({school.cohort_a, {}})->front().id.Text();
+    EXPECT_TRUE(
+        store.PutSceneSurface(*store.PutBlob(AsBytes("volume")), *store.PutBlob(AsBytes("ENSF")))
+            .ok());
+    AnnotationRow remark;
+    remark.attempt = school.sams_scored;
+    remark.author = school.ada;
+    remark.text = "here";
+    things["annotation"] = store.AddAnnotation(remark, ada)->id.Text();
+    // Another attempt of sam's: released, appealed against, and the exercise's reference.
+    Uuid appealed = school.ScoredAttempt(school.sam);
+    EXPECT_TRUE(store.ReleaseAttempt(appealed, ada).ok());
+    EXPECT_TRUE(store.FileAppeal(appealed, "please look again", sam).ok());
+    things["appealed"] = appealed.Text();
+    things["reference"] = store.AddReference(appealed, "Dr. Vega", true, ada)->id.Text();
+    things["job"] = store.Jobs("queued")->front().id.Text();
+  }
+};
+
+class AuthorisationTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() { made_ = std::make_unique<Template>(); }
+  static void TearDownTestSuite() { made_.reset(); }
+  static std::unique_ptr<Template> made_;
+};
+std::unique_ptr<Template> AuthorisationTest::made_;
+
+// The API on a store of its own, which starts as the template is.
+class Case {
+ public:
+  Case(Template& from, bool own_copy) : from_(from), store_(from.school.store.get()) {
+    if (own_copy) {
+      fs::copy(from.school.folder.path() / "data", folder_.path() / "data",
+               fs::copy_options::recursive);
+      copy_ = std::move(OpenSqliteStore({folder_.path() / "data", false, 2, {}})).value();
+      store_ = copy_.get();
+    }
+    auth::AuthOptions options;
+    options.cost = {1, 8192};
+    options.clock = [this] { return from_.school.now_ms; };
+    authenticator_ = std::make_unique<auth::Authenticator>(*store_, options);
+    api_ = std::make_unique<Api>(*store_, *authenticator_, Monitoring{}, 1, 4);
+    api_->Show(from.live);
+    api_->Enrol("fingerprint");
+  }
+
+  Response Handle(const Request& request) {
+    boost::asio::io_context io;
+    Response out;
+    boost::asio::co_spawn(
+        io, [&]() -> boost::asio::awaitable<void> { out = co_await api_->Handle(request); },
+        [](const std::exception_ptr& failed) { EXPECT_FALSE(failed); });
+    io.run();
+    return out;
+  }
+  Store& store() { return *store_; }
+
+ private:
+  Template& from_;
+  TempFolder folder_;
+  std::unique_ptr<Store> copy_;
+  Store* store_;
+  std::unique_ptr<auth::Authenticator> authenticator_;
+  std::unique_ptr<Api> api_;
+};
+
+std::string Filled(std::string text, const std::map<std::string, std::string>& names) {
+  for (const auto& [name, value] : names) {
+    for (size_t at; (at = text.find(name)) != std::string::npos;) {
+      text.replace(at, name.size(), value);
+    }
+  }
+  return text;
+}
+
+Request RequestOf(const Template& made, const Line& line) {
+  std::string route = line.route;
+  Request request;
+  request.peer = "203.0.113.7";
+  for (Method method :
+       {Method::kGet, Method::kPost, Method::kPut, Method::kPatch, Method::kDelete}) {
+    if (route.starts_with(std::string(MethodName(method)) + " ")) request.method = method;
+  }
+  request.path = route.substr(route.find(' ') + 1);
+  if (size_t place = request.path.find('{'); place != std::string::npos) {
+    auto thing = made.things.find(line.what);
+    EXPECT_NE(thing, made.things.end()) << route << " about " << line.what;
+    if (thing != made.things.end()) {
+      request.path.replace(place, request.path.find('}') - place + 1, thing->second);
+    }
+  }
+  std::string body = line.body;
+  bool csv = body.starts_with("csv ");
+  if (csv) body = body.substr(4);
+  request.body = Filled(body, made.bodies);
+  request.headers["host"] = "localhost";
+  request.headers["content-type"] = csv ? "text/csv" : "application/json";
+  request.headers["if-match"] = "\"1\"";
+  return request;
+}
+
+void GiveOf(Request& request, const Pass& pass) {
+  request.headers["cookie"] = pass.cookie;
+  request.headers["x-enamel-csrf"] = pass.csrf;
+}
+
+bool IsUnsafe(const Request& request) { return request.method != Method::kGet; }
+
+TEST_F(AuthorisationTest, EveryRouteStandsInTheTableAndNothingElse) {
+  std::set<std::string> table, routes;
+  for (const Line& line : kLines) table.insert(line.route);
+  for (const Route& route : Routes()) {
+    routes.insert(std::string(MethodName(route.method)) + " " + std::string(route.pattern));
+  }
+  for (const std::string& route : routes) {
+    EXPECT_TRUE(table.contains(route)) << route << " has no line: say who may do it";
+  }
+  for (const std::string& line : table)
+    EXPECT_TRUE(routes.contains(line)) << line << " is no route";
+}
+
+TEST_F(AuthorisationTest, EverybodyGetsWhatTheTableSays) {
+  Case shared(*made_, false);
+  for (const Line& line : kLines) {
+    std::vector<int> expected = Statuses(line.expected);
+    ASSERT_EQ(expected.size(), std::size(kColumns)) << line.route;
+    for (size_t i = 0; i < expected.size(); ++i) {
+      Request request = RequestOf(*made_, line);
+      if (auto pass = made_->passes.find(kColumns[i]); pass != made_->passes.end()) {
+        GiveOf(request, pass->second);
+      }
+      Response response =
+          IsUnsafe(request) ? Case(*made_, true).Handle(request) : shared.Handle(request);
+      EXPECT_EQ(response.status, expected[i])
+          << line.route << " about " << line.what << " by " << kColumns[i] << ": "
+          << response.body.substr(0, 300);
+    }
+  }
+}
+
+// With everything else right, by whoever may do most.
+TEST_F(AuthorisationTest, NoChangeIsMadeForAnotherSitesPageOrWithoutTheCsrfValue) {
+  const std::map<std::string, std::pair<std::string, std::string>> attacks = {
+      {"no csrf value", {"x-enamel-csrf", ""}},
+      {"another's csrf value", {"x-enamel-csrf", made_->passes.at("ada").csrf}},
+      {"another origin", {"origin", "http://evil.example"}},
+      {"an opaque origin", {"origin", "null"}},
+      {"another site", {"sec-fetch-site", "cross-site"}},
+      {"a sibling", {"sec-fetch-site", "same-site"}},
+  };
+  Case shared(*made_, false);
+  size_t before = shared.store().Audit(1000)->size();
+  for (const Line& line : kLines) {
+    Request request = RequestOf(*made_, line);
+    if (!IsUnsafe(request)) continue;
+    GiveOf(request, made_->passes.at("root"));
+    for (const auto& [what, header] : attacks) {
+      bool signs_in = std::string(line.route) == "POST /api/v1/session";
+      if (signs_in && header.first == "x-enamel-csrf") continue;  // there is none yet
+      Request attack = request;
+      attack.headers[header.first] = header.second;
+      Response response = shared.Handle(attack);
+      EXPECT_EQ(response.status, 403) << line.route << ", " << what;
+    }
+  }
+  EXPECT_EQ(shared.store().Audit(1000)->size(), before) << "nothing was done";
+}
+
+TEST_F(AuthorisationTest, WhatMayNotBeSeenLooksLikeWhatIsNotThere) {
+  Case shared(*made_, false);
+  for (const Line& line : kLines) {
+    std::vector<int> expected = Statuses(line.expected);
+    Request there = RequestOf(*made_, line);
+    if (IsUnsafe(there) || there.path.find(made_->school.sams_scored.Text()) == std::string::npos) {
+      continue;
+    }
+    for (size_t i = 0; i < expected.size(); ++i) {
+      if (expected[i] != 404) continue;
+      GiveOf(there, made_->passes.at(kColumns[i]));
+      Request missing = there;
+      missing.path = Filled(missing.path, {{made_->school.sams_scored.Text(), Uuid::New().Text()}});
+      EXPECT_EQ(shared.Handle(there).body, shared.Handle(missing).body)
+          << line.route << " by " << kColumns[i];
+    }
+  }
+}
+
+}  // namespace
+}  // namespace enamel::server::http

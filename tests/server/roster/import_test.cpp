@@ -1,0 +1,101 @@
+#include "server/roster/import.h"
+
+#include <gtest/gtest.h>
+
+#include <boost/json.hpp>
+
+#include "server/auth/password.h"
+#include "server/roster/csv.h"
+#include "tests/server/storage/store_world.h"
+
+namespace enamel::server::roster {
+namespace {
+
+using namespace server::testing;
+
+const std::string kRoster =
+    "login,display_name,role,cohort\n"
+    "ada,Ada,instructor,Year 3\n"
+    "bob,Bob,,Year 3\n";
+
+class ImportTest : public ::testing::Test {
+ protected:
+  ImportResult Import(const std::string& csv, bool dry_run = false) {
+    ImportOptions options;
+    options.dry_run = dry_run;
+    auto result = ImportRoster(*store_, csv, options, kSystem);
+    EXPECT_TRUE(result.ok()) << result.status().message();
+    return std::move(result).value();
+  }
+
+  TempFolder folder_;
+  std::unique_ptr<Store> store_ = OpenStore(folder_.path());
+};
+
+TEST_F(ImportTest, EverybodyNewGetsAPasswordThatWorksAndIsDifferent) {
+  ImportResult result = Import(kRoster);
+  EXPECT_TRUE(result.done);
+  ASSERT_EQ(result.passwords.size(), 2u);
+  EXPECT_NE(result.passwords[0].password, result.passwords[1].password);
+  for (const NewPassword& made : result.passwords) {
+    Uuid id = store_->PersonByLogin(made.login)->id;
+    EXPECT_TRUE(auth::VerifyPassword(made.password, *store_->PasswordVerifier(id)));
+    EXPECT_EQ(made.password.size(), 19u);
+  }
+  CsvTable table = ReadCsv(PasswordsCsv(result.passwords));
+  ASSERT_EQ(table.rows.size(), 3u);
+  EXPECT_EQ(table.rows[2].cells[0], "bob");
+  EXPECT_EQ(table.rows[2].cells[3], result.passwords[1].password);
+}
+
+TEST_F(ImportTest, DryRunTellsTheSameAndMakesNeitherPeopleNorPasswords) {
+  ImportResult result = Import(kRoster, true);
+  EXPECT_FALSE(result.done);
+  EXPECT_TRUE(result.passwords.empty());
+  EXPECT_EQ(result.plan.Count(RosterStep::Change::kCreate), 2u);
+  EXPECT_TRUE(store_->People()->empty());
+}
+
+TEST_F(ImportTest, ProblemsOfTheFileAndOfWhatIsThereComeTogetherByRow) {
+  ASSERT_TRUE(Import(kRoster).done);
+  ImportResult result = Import("login,role\nada,student\nzoe,dean\nbob,\nbob,\n");
+  EXPECT_FALSE(result.done);
+  ASSERT_EQ(result.plan.problems.size(), 3u);
+  EXPECT_EQ(result.plan.problems[0].row, 2u);
+  EXPECT_NE(result.plan.problems[0].expected.find("instructor"), std::string::npos);
+  EXPECT_EQ(result.plan.problems[1].row, 3u);
+  EXPECT_EQ(result.plan.problems[2].row, 5u);
+  EXPECT_EQ(result.plan.problems[2].column, "login");
+  EXPECT_EQ(store_->PersonByLogin("ada")->role, Role::kInstructor);
+}
+
+TEST_F(ImportTest, ArchivedCohortIsNotJoinedAndDisabledPeopleStaySo) {
+  ASSERT_TRUE(Import(kRoster).done);
+  Uuid bob = store_->PersonByLogin("bob")->id;
+  ASSERT_TRUE(store_->SetDisabled(bob, true, kSystem).ok());
+  ImportResult again = Import(kRoster);
+  EXPECT_TRUE(again.done);
+  EXPECT_NE(again.plan.steps[1].note.find("disabled"), std::string::npos);
+  EXPECT_TRUE(store_->PersonById(bob)->disabled);
+  Cohort cohort = store_->Cohorts()->front();
+  ASSERT_TRUE(store_->EditCohort(cohort.id, {.archived = true}, cohort.revision, kSystem).ok());
+  ImportResult refused = Import(kRoster);
+  EXPECT_EQ(refused.plan.problems.size(), 2u);
+  EXPECT_EQ(refused.plan.problems[0].column, "cohort");
+}
+
+TEST_F(ImportTest, OutcomeListsAtMostTwoHundredProblemsAndCountsAll) {
+  std::string csv = "login\n";
+  for (int i = 0; i < 300; ++i) csv += "not a login\n";
+  auto outcome = ImportJson(Import(csv));
+  EXPECT_EQ(outcome.at("problem_count"), 300);
+  EXPECT_EQ(outcome.at("problems").as_array().size(), 200u);
+  EXPECT_EQ(outcome.at("done"), false);
+  auto good = ImportJson(Import(kRoster));
+  EXPECT_EQ(good.at("created"), 2);
+  EXPECT_EQ(good.at("people").at(0).at("change"), "create");
+  EXPECT_EQ(good.at("new_cohorts").at(0), "Year 3");
+}
+
+}  // namespace
+}  // namespace enamel::server::roster

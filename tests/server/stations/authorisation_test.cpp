@@ -1,0 +1,239 @@
+#include <gtest/gtest.h>
+
+#include <map>
+#include <set>
+
+#include "server/stations/session.h"
+#include "tests/server/stations/link_world.h"
+
+// Who gets what over the station link: every message of the protocol has a line here.
+namespace enamel::server::stations {
+namespace {
+
+using namespace testing;
+
+// The columns:
+//   unknown  connected, has not said Hello
+//   nobody   admitted station, nobody signed in
+//   student  of the cohort; outsider: of none; instructor: of the cohort
+//   once     a student with a password for one use
+//   ended    a student who was disabled while signed in
+//   revoked  admitted station until a moment ago, student signed in
+// "ok", or the error's code.
+constexpr const char* kColumns[] = {"unknown",    "nobody", "student", "outsider",
+                                    "instructor", "once",   "ended",   "revoked"};
+
+struct Line {
+  const char* message;
+  std::map<std::string, std::string> expected;
+};
+
+std::map<std::string, std::string> In(std::initializer_list<const char*> codes) {
+  std::map<std::string, std::string> out;
+  size_t i = 0;
+  for (const char* code : codes) out[kColumns[i++]] = code;
+  return out;
+}
+
+constexpr char kNo[] = "unauthenticated";
+
+// clang-format off
+std::vector<Line> Lines() {
+  return {
+  //                            unknown nobody        student       outsider      instructor    once          ended         revoked
+    {"hello",          In({     "ok",   "invalid_input", "invalid_input", "invalid_input", "invalid_input", "invalid_input", "invalid_input", "invalid_input"})},
+    {"enrol",          In({     kNo,    "invalid_input", "invalid_input", "invalid_input", "invalid_input", "invalid_input", "invalid_input", "invalid_input"})},
+    {"sign_in",        In({     kNo,    "ok",         "ok",         "ok",         "ok",         "ok",         kNo,          "ok"})},
+    {"list_exercises", In({     kNo,    kNo,          "ok",         "ok",         "ok",         "forbidden",  kNo,          kNo})},
+    {"get_blob",       In({     kNo,    "ok",         "ok",         "ok",         "ok",         "ok",         "ok",         kNo})},
+    {"request_ticket", In({     kNo,    kNo,          "ok",         "forbidden",  "ok",         "forbidden",  kNo,          kNo})},
+    {"open_attempt",   In({     kNo,    "ok",         "ok",         "ok",         "ok",         "ok",         "ok",         kNo})},
+    {"put_chunk",      In({     kNo,    "ok",         "ok",         "ok",         "ok",         "ok",         "ok",         kNo})},
+    {"seal_attempt",   In({     kNo,    "ok",         "ok",         "ok",         "ok",         "ok",         "ok",         kNo})},
+    {"attempt_status", In({     kNo,    kNo,          "ok",         "not_found",  "ok",         "forbidden",  kNo,          kNo})},
+    {"mark_reference", In({     kNo,    kNo,          "forbidden",  "not_found",  "conflict",   "forbidden",  kNo,          kNo})},
+    {"offer_attempts", In({     kNo,    "ok",         "ok",         "ok",         "ok",         "ok",         "ok",         kNo})},
+    {"live_state",     In({     kNo,    "ok",         "ok",         "ok",         "ok",         "ok",         "ok",         "ok"})},
+    {"ping",           In({     kNo,    "ok",         "ok",         "ok",         "ok",         "ok",         "ok",         "ok"})},
+  };
+}
+// clang-format on
+
+class LinkAuthorisationTest : public ::testing::Test {
+ protected:
+  LinkAuthorisationTest() {
+    // An attempt of the student's that was ticketed at this station and waits to be sent.
+    EXPECT_TRUE(station_.Enrol().has_enrolled());
+    Reconnect();
+    EXPECT_TRUE(station_.Hello().has_welcome());
+    EXPECT_TRUE(station_.SignIn("student").has_signed_in());
+    auto reply = station_.RequestTicket(world_.exercise.content, profile_);
+    EXPECT_TRUE(reply.has_ticket_issued()) << reply.error().message();
+    recording_.emplace(world_, TicketOf(reply), station_.keys, 1);
+    AddPerson(*world_.store, "once", Role::kStudent, world_.verifier);
+    Uuid once = world_.store->PersonByLogin("once")->id;
+    EXPECT_TRUE(world_.store->AddToCohort(world_.cohort, once, kSystem).ok());
+    EXPECT_TRUE(world_.store->SetPassword(once, world_.verifier, true, kSystem).ok());
+  }
+
+  std::optional<wire::Reply> Carry(const wire::Request& request) {
+    if (auto who = session_.SignInWanted(request)) {
+      return session_.FinishSignIn(request, world_.authenticator.SignInHere(*who)).reply;
+    }
+    return session_.Handle(request).reply;
+  }
+  void Reconnect() {
+    session_.End();
+    std::destroy_at(&session_);
+    std::construct_at(&session_, world_.services, "127.0.0.1");
+  }
+  // Brings the connection into the state that the column names.
+  void Become(const std::string& column) {
+    Reconnect();
+    ASSERT_TRUE(world_.store->SetDisabled(world_.student, false, kSystem).ok());
+    if (column == "unknown") return;
+    ASSERT_TRUE(station_.Hello().has_welcome());
+    if (column == "nobody") return;
+    bool student = column == "ended" || column == "revoked";
+    ASSERT_TRUE(station_.SignIn(student ? "student" : column).has_signed_in()) << column;
+    if (column == "ended") {
+      ASSERT_TRUE(world_.store->SetDisabled(world_.student, true, kSystem).ok());
+    }
+    if (column == "revoked") {
+      ASSERT_TRUE(world_.store->RevokeStation(session_.station()->id, kSystem).ok());
+      world_.now += kAdmittedEveryMs;
+    }
+  }
+
+  wire::Request RequestOf(const std::string& message) {
+    wire::Request out;
+    if (message == "hello") {
+      out.mutable_hello()->set_protocol_version(1);
+      out.mutable_hello()->set_station_id(station_.id);
+      out.mutable_hello()->set_credential(station_.credential);
+    } else if (message == "enrol") {
+      out.mutable_enrol()->set_protocol_version(1);
+      out.mutable_enrol()->set_code("used");
+      out.mutable_enrol()->set_name("n");
+      out.mutable_enrol()->set_public_key(protocol::ToField(station_.keys.public_key));
+    } else if (message == "sign_in") {
+      out.mutable_sign_in()->set_login("student");
+      out.mutable_sign_in()->set_password(kPassword);
+    } else if (message == "list_exercises") {
+      out.mutable_list_exercises()->set_session(station_.session);
+    } else if (message == "get_blob") {
+      out.mutable_get_blob()->set_sha256(protocol::ToField(world_.exercise.content.view()));
+    } else if (message == "request_ticket") {
+      auto& ticket = *out.mutable_request_ticket();
+      ticket.set_session(station_.session);
+      ticket.set_exercise(protocol::ToField(world_.exercise.content.view()));
+      ticket.set_profile(protocol::ToField(profile_.view()));
+    } else if (message == "open_attempt") {
+      out.mutable_open_attempt()->set_header(protocol::ToField(recording_->header));
+    } else if (message == "put_chunk") {
+      (void)Carry(RequestOf("open_attempt"));
+      out.mutable_put_chunk()->set_chunk(protocol::ToField(recording_->chunks[0]));
+    } else if (message == "seal_attempt") {
+      (void)Carry(RequestOf("put_chunk"));
+      wire::SealAttempt& body = *out.mutable_seal_attempt();
+      body.set_attempt(protocol::ToField(recording_->seal.attempt.view()));
+      body.set_chunks(recording_->seal.chunks);
+      body.set_ticks(recording_->seal.ticks);
+      body.set_last_chunk(protocol::ToField(recording_->seal.last_chunk.view()));
+      body.set_state_hash(recording_->seal.state_hash);
+    } else if (message == "attempt_status") {
+      out.mutable_attempt_status()->set_session(station_.session);
+      out.mutable_attempt_status()->set_attempt(protocol::ToField(recording_->seal.attempt.view()));
+    } else if (message == "mark_reference") {
+      auto& mark = *out.mutable_mark_reference();
+      mark.set_session(station_.session);
+      mark.set_attempt(protocol::ToField(recording_->seal.attempt.view()));
+      mark.set_dentist("Dr. Vega");
+      mark.set_consent(true);
+    } else if (message == "offer_attempts") {
+      out.mutable_offer_attempts();
+    } else if (message == "live_state") {
+      out.mutable_live_state();
+    } else if (message == "ping") {
+      out.mutable_ping();
+    } else {
+      ADD_FAILURE() << "no request for " << message;
+    }
+    out.set_id(99);
+    return out;
+  }
+
+  LinkWorld world_;
+  Session session_{world_.services, "127.0.0.1"};
+  ScriptedStation station_{[this](const wire::Request& request) { return *Carry(request); }};
+  Sha256 profile_ = world_.Profile("phantom_desktop");
+  std::optional<Recording> recording_;
+};
+
+TEST(LinkMessagesTest, EveryMessageOfTheProtocolHasALine) {
+  std::set<std::string> lines, messages;
+  for (const Line& line : Lines()) lines.insert(line.message);
+  const auto* body = wire::Request::descriptor()->FindOneofByName("body");
+  for (int i = 0; i < body->field_count(); ++i) messages.insert(body->field(i)->name());
+  EXPECT_EQ(lines, messages);
+}
+
+// One fresh world for each cell: what one message changes does not colour the next.
+class LinkCellTest : public LinkAuthorisationTest,
+                     public ::testing::WithParamInterface<std::string> {};
+
+std::vector<std::string> Messages() {
+  std::vector<std::string> out;
+  for (const Line& line : Lines()) out.emplace_back(line.message);
+  return out;
+}
+
+INSTANTIATE_TEST_SUITE_P(Messages, LinkCellTest, ::testing::ValuesIn(Messages()),
+                         [](const auto& info) { return info.param; });
+
+TEST_P(LinkCellTest, GetsWhatTheTableSays) {
+  std::map<std::string, std::string> expected;
+  for (const Line& line : Lines()) {
+    if (line.message == GetParam()) expected = line.expected;
+  }
+  // Those after which the world is another come last.
+  for (const char* column : kColumns) {
+    ASSERT_NO_FATAL_FAILURE(Become(column));
+    auto reply = Carry(RequestOf(GetParam()));
+    std::string code = !reply || !reply->has_error() ? "ok" : reply->error().code();
+    EXPECT_EQ(code, expected.at(column))
+        << GetParam() << " by " << column << ": " << (reply ? reply->error().message() : "");
+  }
+}
+
+TEST_F(LinkAuthorisationTest, RevokedStationIsToldAndItsConnectionEnds) {
+  ASSERT_NO_FATAL_FAILURE(Become("student"));
+  ASSERT_TRUE(world_.store->RevokeStation(session_.station()->id, kSystem).ok());
+  EXPECT_FALSE(session_.Handle(RequestOf("get_blob")).close) << "not looked at yet";
+  world_.now += kAdmittedEveryMs;
+  Answer answer = session_.Handle(RequestOf("get_blob"));
+  EXPECT_TRUE(answer.close);
+  EXPECT_NE(answer.reply->error().message().find("no longer admitted"), std::string::npos);
+  Reconnect();
+  EXPECT_EQ(station_.Hello().error().code(), kNo);
+}
+
+TEST_F(LinkAuthorisationTest, PasswordForOneUseIsToldAtSignIn) {
+  ASSERT_NO_FATAL_FAILURE(Become("nobody"));
+  EXPECT_TRUE(station_.SignIn("once").signed_in().must_change_password());
+  EXPECT_FALSE(station_.SignIn("student").signed_in().must_change_password());
+}
+
+TEST_F(LinkAuthorisationTest, HelloLeavesWhatTheStationRuns) {
+  wire::Request hello = RequestOf("hello");
+  hello.mutable_hello()->set_software("enamel-station 0.1.0");
+  hello.mutable_hello()->set_core_version(7);
+  Reconnect();
+  ASSERT_TRUE(Carry(hello)->has_welcome());
+  StationRow row = *world_.store->StationById(session_.station()->id);
+  EXPECT_EQ(row.software, "enamel-station 0.1.0");
+  EXPECT_EQ(row.core_version, 7u);
+}
+
+}  // namespace
+}  // namespace enamel::server::stations

@@ -1,0 +1,61 @@
+#include <gtest/gtest.h>
+#include <sqlite3.h>
+
+#include "tests/server/storage/store_world.h"
+
+// The database itself refuses to change the audit trail, whoever asks.
+namespace enamel::server {
+namespace {
+
+using namespace testing;
+
+class AuditTrailTest : public ::testing::Test {
+ protected:
+  AuditTrailTest() : store_(OpenStore(folder_.path())) {
+    ada_ = AddPerson(*store_, "ada", Role::kStudent);
+    EXPECT_EQ(sqlite3_open((folder_.path() / "enamel.db").c_str(), &db_), SQLITE_OK);
+  }
+  ~AuditTrailTest() override { sqlite3_close(db_); }
+
+  // What SQLite says; empty when it did it.
+  std::string Run(const std::string& sql) {
+    char* error = nullptr;
+    sqlite3_exec(db_, sql.c_str(), nullptr, nullptr, &error);
+    std::string out = error == nullptr ? "" : error;
+    sqlite3_free(error);
+    return out;
+  }
+  const std::string redact_ =
+      "UPDATE audit SET before_json = '{\"erased\":true}', after_json = '{\"erased\":true}'";
+
+  TempFolder folder_;
+  std::unique_ptr<Store> store_;
+  sqlite3* db_ = nullptr;
+  Uuid ada_;
+};
+
+TEST_F(AuditTrailTest, RowsAreNeitherChangedNorDeleted) {
+  EXPECT_EQ(Run("DELETE FROM audit"), "audit rows are never deleted");
+  for (const char* change :
+       {"actor = zeroblob(16)", "at_ms = 0", "action = 'x'", "object = ''", "via = ''",
+        "before_json = '{}', after_json = '{\"role\":\"admin\"}'"}) {
+    EXPECT_EQ(Run(std::string("UPDATE audit SET ") + change), "audit rows are never changed")
+        << change;
+  }
+  EXPECT_EQ(store_->Audit(10)->size(), 1u);
+}
+
+TEST_F(AuditTrailTest, OnlyWhatIsToldOfAPersonWhoIsGoneIsOverwritten) {
+  EXPECT_EQ(Run(redact_), "audit rows are never changed") << "ada is there";
+  Uuid cohort = *store_->CreateCohort("year 1", kSystem);
+  EXPECT_EQ(Run(redact_ + " WHERE object = '" + cohort.Text() + "'"),
+            "audit rows are never changed")
+      << "no person";
+  ASSERT_TRUE(store_->ErasePerson(ada_, false, kSystem).ok());
+  EXPECT_EQ(Run(redact_ + " WHERE object = '" + ada_.Text() + "'"), "");
+  EXPECT_EQ(Run("UPDATE audit SET actor = randomblob(16) WHERE object = '" + ada_.Text() + "'"),
+            "audit rows are never changed");
+}
+
+}  // namespace
+}  // namespace enamel::server

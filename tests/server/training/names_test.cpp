@@ -1,0 +1,49 @@
+#include "server/training/names.h"
+
+#include <gtest/gtest.h>
+
+namespace enamel::server {
+namespace {
+
+TEST(NamesTest, LoginsAreKeptInLowerCaseWithoutSpacesAround) {
+  EXPECT_EQ(*CheckedLogin(" Ada.Meyer-2_x@Dental "), "ada.meyer-2_x@dental");
+  EXPECT_TRUE(CheckedLogin(std::string(64, 'a')).ok());
+}
+
+TEST(NamesTest, LoginsThatAreNoneAreRefusedWithWhatWasFound) {
+  for (const std::string text : {"", " ", "a b", "@ada", "-x", "ad\xc3\xa4", "a/b", "a'--"}) {
+    Result<std::string> login = CheckedLogin(text);
+    ASSERT_FALSE(login.ok()) << text;
+    EXPECT_EQ(login.status().field(), "login");
+    EXPECT_EQ(login.status().code(), Code::kInvalidInput);
+  }
+  EXPECT_NE(CheckedLogin(std::string(65, 'a')).status().message().find("65 bytes"),
+            std::string::npos);
+}
+
+TEST(NamesTest, NamesOfPeopleEverywhereAreNames) {
+  for (const char* name :
+       {"Zoë Müller", "李 小龍", "O'Brien", "Ng", "Дмитрий", "Łukasz (2)", "5th"}) {
+    Result<std::string> checked = CheckedName(name, "display_name");
+    ASSERT_TRUE(checked.ok()) << name << ": " << checked.status().message();
+    EXPECT_EQ(*checked, name);
+  }
+}
+
+TEST(NamesTest, FormulasControlsAndBrokenTextAreNoNames) {
+  for (const std::string name :
+       {"=1+1", "+49 30", "-2", "@SUM(A1)", " =x", "", "a\tb", "a\nb", "a\x7f", "\xc2\x85x",
+        "\xe2\x80\xae"
+        "abc",
+        "\xe2\x81\xa6x", "\xef\xbb\xbfx", "M\xfcller", "\xc0\xaf", "\xed\xa0\x80",
+        "\xf4\x90\x80\x80", "\xe2\x82", "\xf8\x88\x80\x80\x80"}) {
+    Result<std::string> checked = CheckedName(name, "display_name");
+    EXPECT_FALSE(checked.ok()) << testing::PrintToString(name);
+    EXPECT_EQ(checked.status().field(), "display_name");
+  }
+  EXPECT_FALSE(CheckedName(std::string(201, 'a'), "name").ok());
+  EXPECT_TRUE(CheckedName(std::string(200, 'a'), "name").ok());
+}
+
+}  // namespace
+}  // namespace enamel::server
