@@ -4,7 +4,7 @@ import { createRequire } from "node:module";
 
 const require = createRequire(new URL("../../web/package.json", import.meta.url));
 const kChromium = process.env.CHROMIUM ?? "/usr/bin/chromium";
-const kTimeoutMs = 30_000;
+const kTimeoutMs = 60_000;
 
 export function chromiumIsThere() {
   return existsSync(kChromium);

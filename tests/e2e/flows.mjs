@@ -2,8 +2,12 @@
 // `anywhere` also against a real one whose newest scored attempt, not itself the reference, deviates
 // from its reference by about 0.3 mm somewhere, as the demonstration's does.
 import assert from "node:assert/strict";
-import { accessibilityViolations, openPage } from "./browser.mjs";
+import { openPage } from "./browser.mjs";
 import { decodePng } from "./png.mjs";
+import { adminFlows } from "./admin_flows.mjs";
+import { screenFlow } from "./screens.mjs";
+import { accessible, signedIn, signIn } from "./session.mjs";
+import { teachingFlows } from "./teaching_flows.mjs";
 
 const kScored = "✓ Scored";
 
@@ -20,26 +24,12 @@ export const flows = [
   { name: "an instructor releases a graded score and the student then sees it", anywhere: false, run: release },
   { name: "an instructor marks an attempt as the reference", anywhere: false, run: markReference },
   { name: "gaps and a replay that disagrees are said plainly", anywhere: false, run: disturbedRecording },
+  ...["student", "instructor", "admin"].map((role) => ({
+    name: `every screen of the ${role} is accessible and fits wide and narrow`, anywhere: false, run: screenFlow(role) })),
+  ...adminFlows.map((flow) => ({ ...flow, anywhere: false })),
+  ...teachingFlows.map((flow) => ({ ...flow, anywhere: false })),
   { name: "more attempts than one page are loaded on request", anywhere: false, run: pagination },
 ];
-
-async function signIn(page, { login, password }) {
-  await page.getByLabel("Login").fill(login);
-  await page.getByLabel("Password").fill(password);
-  await page.getByRole("button", { name: "Sign in" }).click();
-}
-
-async function signedIn(world, role, path = "/", options = {}) {
-  const { page } = await world.open(options);
-  await page.goto(path);
-  await signIn(page, world.logins[role]);
-  await page.getByRole("button", { name: "Sign out" }).waitFor();
-  return page;
-}
-
-async function accessible(page, where) {
-  assert.deepEqual(await accessibilityViolations(page), [], `accessibility of ${where}`);
-}
 
 async function wrongPassword(world) {
   const { page } = await world.open();
@@ -51,7 +41,7 @@ async function wrongPassword(world) {
   assert.equal(await page.getByLabel("Login").inputValue(), world.logins.student.login);
   await accessible(page, "sign-in with an error");
   await signIn(page, world.logins.student);
-  await page.getByRole("heading", { level: 1, name: "Exercises" }).waitFor();
+  await page.getByRole("heading", { level: 1, name: "My work" }).waitFor();
 }
 
 async function expiredSession(world) {
@@ -70,7 +60,10 @@ async function expiredSession(world) {
 
 async function studentLooksAround(world) {
   const page = await signedIn(world, "student");
+  await page.getByRole("heading", { level: 1, name: "My work" }).waitFor();
+  await page.getByRole("link", { name: "Exercises", exact: true }).click();
   await page.getByRole("heading", { level: 1, name: "Exercises" }).waitFor();
+  await page.locator("main article").first().waitFor();
   await accessible(page, "exercises");
   await page.locator("main article a").first().click();
   await page.getByRole("heading", { level: 2, name: "What is asked" }).waitFor();
@@ -169,7 +162,7 @@ async function toothByKeyboard(world) {
   assert.ok(!(await canvas.screenshot()).equals(occlusal), "the tool appears at the tooth");
 
   await page.getByText("The same as a table").click();
-  assert.ok(await page.getByRole("region", { name: "Force and removal as a table" }).locator("tbody tr").count() > 10);
+  assert.ok(await page.getByRole("group", { name: "Force and removal as a table" }).locator("tbody tr").count() > 10);
   await page.getByText("Deviation in numbers").click();
   await page.getByText("Of the surface that was cut", { exact: false }).first().waitFor();
   assert.match(await page.getByRole("main").innerText(), /Of the surface that was cut, \d+ % lies within 0\.1 mm of the reference/);
@@ -219,7 +212,7 @@ async function release(world) {
 async function markReference(world) {
   const page = await signedIn(world, "instructor", "/attempts/00000000-0000-7000-8000-000000000106");
   await page.getByRole("button", { name: "Mark as reference…" }).click();
-  await page.getByLabel("Dentist, as to be shown with consent").fill("Dentist Two");
+  await page.getByLabel("Dentist who made this cut").fill("Dentist Two");
   await accessible(page, "naming the dentist");
   await page.getByRole("button", { name: "Mark as reference", exact: true }).click();
   await page.getByText("Reference of its exercise", { exact: false }).first().waitFor();
@@ -244,14 +237,14 @@ async function pagination(world) {
 }
 
 // Runs one flow in browsers of its own; the page must not have logged an error or broken its policy.
-export async function runFlow(flow, browser, { baseUrl, logins, foreignAttempt, picture }) {
+export async function runFlow(flow, browser, { baseUrl, logins, foreignAttempt, picture, mock }) {
   const opened = [];
   const open = async (options) => {
     opened.push(await openPage(browser, baseUrl, options));
     return opened.at(-1);
   };
   try {
-    await flow.run({ open, logins, foreignAttempt, picture });
+    await flow.run({ open, logins, foreignAttempt, picture, mock });
     assert.deepEqual(opened.flatMap(({ errors }) => errors), [], "errors in the browser's console");
   } catch (error) {
     await Promise.all(opened.map(({ page }, i) => page.screenshot({ path: picture(`failed_${i}`), fullPage: true }).catch(() => {})));

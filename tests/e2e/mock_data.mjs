@@ -1,26 +1,18 @@
 // What the mock server knows: invented people and attempts in the shapes of schemas/api/openapi.yaml.
 import { toolPosition } from "./mock_tooth.mjs";
 
-const id = (number) => `00000000-0000-7000-8000-${String(number).padStart(12, "0")}`;
-const kStartMs = Date.UTC(2026, 2, 9, 9, 0);
-const kMinuteMs = 60_000;
+export const id = (number) => `00000000-0000-7000-8000-${String(number).padStart(12, "0")}`;
+export const kStartMs = Date.UTC(2026, 2, 9, 9, 0);
+export const kMinuteMs = 60_000;
+export const kDayMs = 1440 * kMinuteMs;
 
 export const people = [
   { id: id(1), login: "student", password: "a long student phrase", display_name: "Student One", role: "student" },
   { id: id(2), login: "student2", password: "a long student phrase", display_name: "Student Two", role: "student" },
   { id: id(3), login: "instructor", password: "a long instructor phrase", display_name: "Instructor One", role: "instructor" },
   { id: id(4), login: "admin", password: "a long admin phrase", display_name: "Admin One", role: "admin" },
+  { id: id(5), login: "newcomer", password: "given by the office", display_name: "Newcomer One", role: "student" },
 ];
-const [studentOne, studentTwo, instructor] = people;
-
-export const cohorts = [
-  { id: id(10), name: "Preclinic, first term", members: [studentOne, studentTwo, instructor].map(member) },
-  { id: id(11), name: "Preclinic, second term", members: [instructor].map(member) },
-];
-
-function member({ id: personId, display_name, role }) {
-  return { id: personId, display_name, role };
-}
 
 const rubric = [
   ["deviation_rms_mm", "Shape against the reference", "mm", 25, [[0.05, 1], [0.3, 0]]],
@@ -31,49 +23,46 @@ const rubric = [
   ["duration_s", "Time", "s", 10, [[120, 1], [300, 0]]],
 ];
 
-export const exercises = [
-  exercise(20, "class-1-occlusal", "Occlusal cavity, class I", true,
-           "Cut a box cavity in the occlusal surface of the lower first molar.\nKeep the walls upright and the floor flat. Stay out of the marginal ridges.", 0),
-  exercise(21, "class-1-practice", "Occlusal cavity, practice", false, "The same cavity without a grade. The score shows as soon as you are done.", 1),
-];
+export function exerciseRows() {
+  return [
+    exercise(20, "class-1-occlusal", "Occlusal cavity, class I", true,
+             "Cut a box cavity in the occlusal surface of the lower first molar.\nKeep the walls upright and the floor flat. Stay out of the marginal ridges.", 1),
+    exercise(21, "class-1-practice", "Occlusal cavity, practice", false, "The same cavity without a grade. The score shows as soon as you are done.", 2),
+    exercise(22, "class-2-mesial", "Mesial box, class II", true, "Cut the box through the mesial ridge. The neighbour must stay untouched.", 1),
+    { ...exercise(23, "crown", "Crown preparation", true, "Reduce the crown evenly.", 0), state: "draft", has_reference: false },
+    { ...exercise(24, "cross", "Cross in a block", false, "Cut the cross.", 1), state: "retired" },
+  ];
+}
 
 function exercise(number, name, title, graded, instructions, version) {
   return {
-    id: id(number), name, title, version: version + 1, graded, instructions,
-    bur: { shape: "cylinder", radius_um: 500, length_um: 4000 }, has_reference: true, my_attempts: 0,
-    target: { half_size_um: [2100, 1350, 0], depth_um: 2000, leeway_side_um: 200, leeway_bottom_um: 200, container_um: 800 },
-    rubric: { criteria: rubric.map(([metric, criterion, unit, points, map]) => ({
-      metric, title: criterion, unit, points, comment: "", map: map.map(([value, share]) => ({ value, share })) })) },
+    id: id(number), name, title, version, state: "published", revision: 1, published_ms: kStartMs - 30 * kDayMs, graded, instructions, time_limit_s: graded ? 600 : 0,
+    bur: { shape: "cylinder", radius_um: 500, length_um: 4000, narrow_radius_um: 0, shank_radius_um: 800, neck_um: 2000 }, has_reference: true,
+    law: "maxwell", rate_hz: 1000, handpiece: graded ? { stall_un_m: 2500, tangential_permille: 300, lag_us: 40_000 } : null,
+    scene_sha256: "5c".repeat(32), document_sha256: "d0".repeat(32),
+    target: { landmark: "central_fossa", half_size_um: [2100, 1350, 0], depth_um: 2000, leeway_side_um: 200, leeway_bottom_um: 200, container_um: 800 },
+    rubric: { name: "class-1", version: 1, criteria: rubric.map(([metric, criterion, unit, points, map]) => ({
+      metric, title: criterion, unit, points, comment: "", fails_above: metric === "container_removed_mm3" ? 8 : null, map: map.map(([value, share]) => ({ value, share })) })) },
   };
 }
 
-function attempt(number, person, exerciseIndex, changes = {}) {
-  const { id: exerciseId, title } = exercises[exerciseIndex];
+const kTitles = [["20", "Occlusal cavity, class I"], ["21", "Occlusal cavity, practice"]];
+
+// With what only the detail has (`appeal`, `override`) already in it.
+export function attemptRow(number, person, exerciseIndex, changes = {}) {
+  const [exerciseNumber, title] = kTitles[exerciseIndex];
+  const score = changes.score === undefined ? 80 : changes.score;
   return {
-    id: id(number), person: { id: person.id, display_name: person.display_name }, exercise: { id: exerciseId, title },
+    id: id(number), person: { id: person.id, display_name: person.display_name }, exercise: { id: id(Number(exerciseNumber)), title },
     station: { id: id(30), name: "Station 1" }, profile: { name: "phantom_desktop", title: "Phantom Desktop" },
-    state: "scored", as_reference: false, is_reference: false, released: false, score: 80, critical_fail: false, progress: 1,
-    ticketed_ms: kStartMs + number * 7 * kMinuteMs, sealed_ms: kStartMs + number * 7 * kMinuteMs + kMinuteMs, ticks: 42_180, gap_ticks: 0,
-    chunks: 169, trace_bytes: 173_214, problem: "", ...changes,
+    state: "scored", as_reference: false, is_reference: false, released: false, score, computed_score: score, assignment_id: null, exam: false, due_ms: 0, flags: [],
+    critical_fail: false, progress: 1, ticketed_ms: kStartMs + number * 7 * kMinuteMs, sealed_ms: kStartMs + number * 7 * kMinuteMs + kMinuteMs, ticks: 42_180,
+    gap_ticks: 0, chunks: 169, trace_bytes: 173_214, problem: "", override: null, appeal: null, runs: 1, ...changes,
   };
 }
 
-// A fresh copy for every server: flows change them.
-export function makeAttempts() {
-  const unscored = { score: null, critical_fail: null, progress: 0 };
-  const older = Array.from({ length: 55 }, (_, i) => attempt(200 + i, studentTwo, 1, {
-    ticketed_ms: kStartMs - (i + 1) * 1440 * kMinuteMs, released: true, score: Math.round((90 - i * 0.8) * 10) / 10 }));
-  return [
-    attempt(107, studentTwo, 0, { state: "scoring", ...unscored, progress: 0.2 }),
-    attempt(106, studentOne, 0),
-    attempt(105, studentOne, 1, { released: true }),
-    attempt(104, studentTwo, 0, { gap_ticks: 412, critical_fail: true, score: 0 }),
-    attempt(103, studentTwo, 0, { state: "quarantined", ...unscored,
-      problem: "Chunk 12 was received twice with different content. Both are kept." }),
-    attempt(102, studentOne, 0, { state: "failed", ...unscored, problem: "The volume of the scene is missing: restore its blob, then score again." }),
-    attempt(101, instructor, 0, { as_reference: true, is_reference: true, score: 100 }),
-    ...older,
-  ];
+export function appealOf(text) {
+  return { filed_ms: kStartMs + 2 * kDayMs, text, state: "open", answer: "", answered_ms: 0 };
 }
 
 export const referenceDetail = { attempt_id: id(101), dentist: "Dentist One" };
@@ -85,7 +74,7 @@ export function scoreOf(row) {
     return { name, title, value, unit, points: perfect ? max : points, max_points: max, reason };
   };
   return {
-    score: row.critical_fail ? 0 : perfect ? 100 : row.score ?? 80, critical_fail: row.critical_fail === true,
+    score: row.critical_fail ? 0 : perfect ? 100 : row.computed_score ?? 80, critical_fail: row.critical_fail === true,
     criteria: [
       criterion(0, 0.098, 20.2, "The surface lies 0.098 mm (RMS) from the reference; full marks up to 0.05 mm, none from 0.3 mm."),
       criterion(1, 0.301, 4.9, "The mesial wall was cut 0.301 mm too far; full marks up to 0.1 mm, none from 0.4 mm."),
@@ -145,23 +134,3 @@ function seeded(seed) {
     return state / 2 ** 32;
   };
 }
-
-const number = (name, value, unit, source) => ({ name, value, unit, source });
-export const profiles = [
-  { name: "phantom_desktop", title: "Phantom Desktop", numbers: [
-    number("resolution", 23_000, "nm", "paper, table 1"), number("max_stiffness", 1860, "mN/mm", "paper, table 1"),
-    number("peak_force", 7900, "mN", "datasheet"), number("mass", 45, "g", "assumption")] },
-  { name: "omega_6", title: "Omega 6", numbers: [number("resolution", 10_000, "nm", "paper, table 1"), number("peak_force", 12_000, "mN", "datasheet")] },
-];
-export const stations = [
-  { id: id(30), name: "Station 1", revoked: false, enrolled_ms: kStartMs - 90 * 1440 * kMinuteMs, last_seen_ms: kStartMs + 900 * kMinuteMs },
-  { id: id(31), name: "Station 2", revoked: true, enrolled_ms: kStartMs - 80 * 1440 * kMinuteMs, last_seen_ms: 0 },
-];
-export const jobs = [
-  { id: id(40), kind: "score", attempt_id: id(102), state: "failed", tries: 3, error: "The volume of the scene is missing." },
-  { id: id(41), kind: "score", attempt_id: id(106), state: "done", tries: 1, error: "" },
-];
-export const audit = [
-  { at_ms: kStartMs, actor: "instructor", action: "attempt.release", object: id(105), before: '{"released":false}', after: '{"released":true}' },
-  { at_ms: kStartMs - kMinuteMs, actor: "station 1", action: "attempt.seal", object: id(106), before: "", after: '{"ticks":42180}' },
-];

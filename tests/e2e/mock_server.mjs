@@ -6,8 +6,11 @@ import { existsSync, readFileSync, statSync } from "node:fs";
 import { createServer } from "node:http";
 import { extname, join, normalize } from "node:path";
 import { fileURLToPath } from "node:url";
-import * as data from "./mock_data.mjs";
-import { toothSurface } from "./mock_tooth.mjs";
+import { peopleRoutes, sessionView } from "./mock_people.mjs";
+import { empty, forbidden, json, notFound, refusal } from "./mock_reply.mjs";
+import { teachingRoutes } from "./mock_teaching.mjs";
+import { makeWorld, newId } from "./mock_world.mjs";
+import { people } from "./mock_data.mjs";
 
 export const kPageHeaders = {
   "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; font-src 'self'; " +
@@ -22,15 +25,19 @@ export const kPageHeaders = {
 };
 const kTypes = { ".html": "text/html; charset=utf-8", ".js": "text/javascript; charset=utf-8", ".css": "text/css; charset=utf-8", ".svg": "image/svg+xml" };
 const kMaxBodyBytes = 1 << 20;
-const kScoringStep = 0.25;
+const kRanks = { person: 0, student: 0, instructor: 1, admin: 2 };
+
+// Every route of the mock, as the contract writes it.
+export const mockRoutes = { ...peopleRoutes, ...teachingRoutes };
 
 export async function startMockServer({ dist, port = 0 }) {
-  const world = { dist, attempts: data.makeAttempts(), sessions: new Map(), surfaces: new Map() };
+  const world = makeWorld(dist);
   const server = createServer((request, response) => {
-    answer(world, request).then((reply) => send(response, reply), (error) => send(response, refusal(500, "internal", String(error))));
+    answer(world, request).then((reply) => send(response, reply), (error) => send(response, refusal(500, "internal", String(error.stack))));
   });
   await new Promise((resolve, reject) => server.once("error", reject).listen(port, "127.0.0.1", resolve));
   return {
+    world,
     url: `http://127.0.0.1:${server.address().port}`,
     close: () => new Promise((resolve) => {
       server.closeAllConnections?.();
@@ -39,133 +46,58 @@ export async function startMockServer({ dist, port = 0 }) {
   };
 }
 
-function send(response, { status, body, headers = {} }) {
+function send(response, { status, body, headers = {}, stream }) {
   response.writeHead(status, { ...kPageHeaders, ...headers });
-  response.end(body);
+  if (stream === undefined) response.end(body);
+  else stream(response);
 }
-
-const json = (value, status = 200, headers = {}) =>
-  ({ status, body: JSON.stringify(value), headers: { "Content-Type": "application/json", "Cache-Control": "no-store", ...headers } });
-const refusal = (status, code, message) => json({ error: { code, message, field: "" } }, status);
-const notFound = () => refusal(404, "not_found", "There is no such thing.");
 
 async function answer(world, request) {
   const url = new URL(request.url, "http://mock");
   if (!url.pathname.startsWith("/api/")) return pageFile(world, request, url.pathname);
-  const path = url.pathname.replace(/^\/api\/v1/, "");
-  if (path === "/session" && request.method === "POST") return signIn(world, await readBody(request));
+  const path = url.pathname.slice("/api/v1".length);
+  const text = request.method === "GET" ? "" : await readBody(request);
+  if (path === "/session" && request.method === "POST") return signIn(world, parsed(text));
   const session = world.sessions.get(cookieOf(request));
-  if (session === undefined) return refusal(401, "unauthenticated", "Sign in first.");
+  if (session === undefined || session.person.disabled) return refusal(401, "unauthenticated", "Sign in first.");
   if (request.method !== "GET" && request.headers["x-enamel-csrf"] !== session.csrf) return refusal(403, "forbidden", "The csrf value is missing.");
+  if (path === "/session" && request.method === "GET") return json(sessionView(session));
   if (path === "/session" && request.method === "DELETE") {
     world.sessions.delete(cookieOf(request));
-    return { status: 204 };
+    return empty();
   }
-  const body = request.method === "POST" ? await readBody(request) : undefined;
-  return api(world, session.person, request.method, path, url.searchParams, body) ?? notFound();
+  return api(world, session, request, path, url.searchParams, text);
 }
 
-function signIn(world, body) {
-  const person = data.people.find((item) => item.login === body?.login && item.password === body?.password);
-  if (person === undefined) return refusal(401, "unauthenticated", "Login and password do not match.");
-  const token = randomBytes(32).toString("hex");
-  const session = { person, csrf: randomBytes(16).toString("hex") };
-  world.sessions.set(token, session);
-  return json(sessionBody(session), 200, { "Set-Cookie": `enamel_session=${token}; HttpOnly; SameSite=Strict; Path=/` });
+function api(world, session, request, path, query, text) {
+  const { person } = session;
+  if (person.must_change_password && path !== "/session/password") return refusal(403, "change_password", "Change your password first.");
+  const found = routeOf(request.method, path);
+  if (found === undefined) return notFound();
+  const [need, handler] = found.route;
+  if (kRanks[person.role] < kRanks[need]) return forbidden();
+  return handler({ world, session, person, request, query, text, id: found.id, body: text === "" ? {} : parsed(text) });
 }
 
-function sessionBody({ person: { id, login, display_name, role }, csrf }) {
-  return { person: { id, login, display_name, role }, csrf };
-}
-
-function api(world, person, method, path, query, body) {
-  const teacher = person.role !== "student";
-  const admin = person.role === "admin";
-  const [collection, id, part] = path.split("/").slice(1);
-  if (method === "GET" && id === undefined) {
-    switch (collection) {
-      case "session": return json(sessionBody([...world.sessions.values()].find((item) => item.person === person)));
-      case "exercises": return json({ exercises: data.exercises.map((exercise) => summaryFor(world, person, exercise)) });
-      case "cohorts": return teacher ? json({ cohorts: data.cohorts }) : refusal(403, "forbidden", "Students do not see cohorts.");
-      case "attempts": return json(attemptPage(world, person, query));
-      case "profiles": return json({ profiles: data.profiles });
-      case "stations": return teacher ? json({ stations: data.stations }) : refusal(403, "forbidden", "Not for students.");
-      case "audit": return admin ? json({ audit: data.audit }) : refusal(403, "forbidden", "Only for admins.");
-      case "jobs": return admin ? json({ jobs: data.jobs }) : refusal(403, "forbidden", "Only for admins.");
-      default: return undefined;
+// At most one part of a path is an id or a name.
+function routeOf(method, path) {
+  const parts = path.split("/").slice(1).map(decodeURIComponent);
+  for (let at = -1; at < parts.length; ++at) {
+    for (const hole of ["{id}", "{name}"]) {
+      const route = mockRoutes[`${method} /${parts.map((part, i) => i === at ? hole : part).join("/")}`];
+      if (route !== undefined) return { route, id: parts[at] };
     }
-  }
-  if (collection === "exercises" && method === "GET") {
-    const exercise = data.exercises.find((item) => item.id === id);
-    return exercise === undefined ? undefined : json({ ...exercise, ...summaryFor(world, person, exercise), target: exercise.target, rubric: exercise.rubric });
-  }
-  if (collection !== "attempts") return undefined;
-  const row = world.attempts.find((item) => item.id === id && (teacher || item.person.id === person.id));
-  return row === undefined ? undefined : attemptPart(world, person, row, method, part, body);
-}
-
-function attemptPart(world, person, row, method, part, body) {
-  const hidden = person.role === "student" && isHidden(row);
-  if (method === "POST") return changeAttempt(world, person, row, part, body);
-  if (part === undefined) {
-    advance(row);
-    return json({ ...visible(person, row), duration_s: row.ticks / 1000, reference: row.state === "scored" ? data.referenceDetail : null });
-  }
-  if (row.state !== "scored") return refusal(409, "conflict", "The attempt is not scored yet.");
-  switch (part) {
-    case "score": return hidden ? refusal(403, "forbidden", "The score is not released yet.") : json(data.scoreOf(row));
-    case "series": return json(data.seriesOf());
-    case "surface": return { status: 200, body: surfaceFor(world, !hidden), headers: { "Content-Type": "application/octet-stream", "Cache-Control": "no-store" } };
-    default: return undefined;
-  }
-}
-
-function changeAttempt(world, person, row, part, body) {
-  if (person.role === "student") return refusal(403, "forbidden", "Only an instructor may do that.");
-  if (part === "release") {
-    row.released = true;
-    return { status: 204 };
-  }
-  if (part === "reference" && typeof body?.dentist === "string" && body.dentist !== "") {
-    for (const other of world.attempts) other.is_reference = other === row;
-    return json({ id: row.id, exercise_id: row.exercise.id, attempt_id: row.id, dentist: body.dentist, version: 2, created_ms: row.sealed_ms }, 201);
   }
   return undefined;
 }
 
-// Each look at an attempt that is being scored finds it further on.
-function advance(row) {
-  if (row.state !== "scoring") return;
-  row.progress = Math.min(1, row.progress + kScoringStep);
-  if (row.progress === 1) Object.assign(row, { state: "scored", score: 80, critical_fail: false });
-}
-
-function isHidden(row) {
-  return !row.released && data.exercises.find((item) => item.id === row.exercise.id)?.graded === true;
-}
-
-function visible(person, row) {
-  return person.role === "student" && isHidden(row) ? { ...row, score: null, critical_fail: null } : row;
-}
-
-function summaryFor(world, person, { target: _target, rubric: _rubric, ...summary }) {
-  return { ...summary, my_attempts: world.attempts.filter((row) => row.exercise.id === summary.id && row.person.id === person.id).length };
-}
-
-function attemptPage(world, person, query) {
-  const members = data.cohorts.find((cohort) => cohort.id === query.get("cohort"))?.members.map((member) => member.id);
-  const mayShow = (row) => (person.role === "student" ? row.person.id === person.id : members === undefined || members.includes(row.person.id)) &&
-    (query.get("exercise") === null || row.exercise.id === query.get("exercise")) && (query.get("person") === null || row.person.id === query.get("person"));
-  const rows = world.attempts.filter(mayShow);
-  const first = query.get("before") === null ? 0 : rows.findIndex((row) => row.id === query.get("before")) + 1;
-  const page = rows.slice(first, first + Number(query.get("limit") ?? 50));
-  const last = first + page.length >= rows.length;
-  return { attempts: page.map((row) => visible(person, row)), next: last ? null : page.at(-1).id };
-}
-
-function surfaceFor(world, withDeviation) {
-  if (!world.surfaces.has(withDeviation)) world.surfaces.set(withDeviation, toothSurface({ withDeviation }));
-  return world.surfaces.get(withDeviation);
+function signIn(world, body) {
+  const person = world.people.find((item) => item.login === body?.login && item.password === body?.password && !item.disabled);
+  if (person === undefined) return refusal(401, "unauthenticated", "Login and password do not match.");
+  const token = randomBytes(32).toString("hex");
+  const session = { id: newId(world), person, csrf: randomBytes(16).toString("hex"), via: "page", created_ms: world.nowMs, confirmedMs: world.nowMs };
+  world.sessions.set(token, session);
+  return json(sessionView(session), 200, { "Set-Cookie": `enamel_session=${token}; HttpOnly; SameSite=Strict; Path=/` });
 }
 
 function cookieOf(request) {
@@ -176,8 +108,12 @@ async function readBody(request) {
   let text = "";
   for await (const chunk of request) {
     text += chunk;
-    if (text.length > kMaxBodyBytes) return undefined;
+    if (text.length > kMaxBodyBytes) return "";
   }
+  return text;
+}
+
+function parsed(text) {
   try {
     return JSON.parse(text);
   } catch {
@@ -204,5 +140,5 @@ if (process.argv[1] === fileURLToPath(import.meta.url)) {
   if (dist === undefined) throw new Error("expected the folder of the built page: node mock_server.mjs DIST [PORT]");
   const server = await startMockServer({ dist, port: Number(port ?? 0) });
   console.log(server.url);
-  for (const person of data.people) console.log(`${person.role}: ${person.login} / ${person.password}`);
+  for (const person of people) console.log(`${person.role}: ${person.login} / ${person.password}`);
 }

@@ -119,8 +119,10 @@ function surfaceNets(f) {
 }
 
 // ENSF version 1 (schemas/api/openapi.yaml, /attempts/{id}/surface).
-export function toothSurface({ withDeviation = true } = {}) {
-  const { positions, triangles } = surfaceNets(studentSolid);
+// `whole`: before anything is cut.
+export function toothSurface({ withDeviation = true, whole = false } = {}) {
+  const solid = whole ? crown : studentSolid;
+  const { positions, triangles } = surfaceNets(solid);
   const n = positions.length;
   const align4 = (bytes) => (bytes + 3) & ~3;
   const normalAt = align4(32 + 6 * n);
@@ -138,7 +140,7 @@ export function toothSurface({ withDeviation = true } = {}) {
   bytes.writeFloatLE(scale, 28);
   positions.forEach((p, i) => {
     p.forEach((value, axis) => bytes.writeUInt16LE(Math.round((value + kHalf[axis]) / scale), 32 + 6 * i + 2 * axis));
-    gradient(studentSolid, p).forEach((value, axis) => bytes.writeInt8(Math.round(127 * value), normalAt + 4 * i + axis));
+    gradient(solid, p).forEach((value, axis) => bytes.writeInt8(Math.round(127 * value), normalAt + 4 * i + axis));
     bytes.writeUInt8(tissueAt(p), tissueAtByte + i);
     if (withDeviation) bytes.writeFloatLE(deviationAt(p), deviationAtByte + 4 * i);
   });

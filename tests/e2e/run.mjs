@@ -8,9 +8,10 @@ import { mkdirSync } from "node:fs";
 import { join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { chromiumIsThere, launch } from "./browser.mjs";
+import { inventedRoutes } from "./contract.mjs";
 import { flows, runFlow } from "./flows.mjs";
 import { people } from "./mock_data.mjs";
-import { startMockServer } from "./mock_server.mjs";
+import { mockRoutes, startMockServer } from "./mock_server.mjs";
 
 const kSkipped = 77;
 const kMockForeignAttempt = "00000000-0000-7000-8000-000000000104";
@@ -56,13 +57,18 @@ if (!chromiumIsThere()) {
 }
 
 const real = process.env.BASE_URL;
+const invented = inventedRoutes(mockRoutes);
+if (real === undefined && invented.length > 0) {
+  console.log(`not ok - the mock server answers only what schemas/api/openapi.yaml has; it also has ${invented.join(", ")}`);
+  process.exit(1);
+}
 const dist = option("--dist") ?? fileURLToPath(new URL("../../web/dist", import.meta.url));
 const pictures = option("--pictures") ?? fileURLToPath(new URL("../../web/build/pictures", import.meta.url));
 mkdirSync(pictures, { recursive: true });
 const start = real === undefined
   ? async () => {
-      const { url, close } = await startMockServer({ dist });
-      return { baseUrl: url, logins: mockLogins(), foreignAttempt: kMockForeignAttempt, close };
+      const { url, close, world } = await startMockServer({ dist });
+      return { baseUrl: url, logins: mockLogins(), foreignAttempt: kMockForeignAttempt, mock: world, close };
     }
   : async () => ({ baseUrl: real, logins: loginsFromEnvironment(), foreignAttempt: process.env.FOREIGN_ATTEMPT ?? kMockForeignAttempt, close: async () => {} });
 const only = option("--only") ?? "";

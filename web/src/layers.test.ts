@@ -76,7 +76,7 @@ test("widgets know no requests and no application state", () => {
   for (const item of imports) {
     if (!item.from.startsWith("widgets/")) continue;
     const to = target(item) ?? "";
-    assert.ok(!["api/client", "api/use_request"].includes(to) || item.isType, `${item.from} imports ${to}`);
+    assert.ok(!["api/client", "api/http", "api/use_request", "api/use_pages", "api/use_change"].includes(to) || item.isType, `${item.from} imports ${to}`);
   }
 });
 

@@ -33,15 +33,15 @@ test("a wrong password is an error with the server's sentence and no lost sessio
 
 test("a request that finds no session any more reports it once", async () => {
   const { client, lost } = clientThatGets([refusal(401, "unauthenticated")]);
-  await client.exercises();
+  await client.teaching.exercises();
   assert.equal(lost(), 1);
 });
 
 test("what changes something repeats the session's csrf value; sign-in and reads do not", async () => {
   const { client, calls } = clientThatGets([session(), Response.json({ exercises: [] }), new Response(null, { status: 204 })]);
   await client.signIn("a", "b");
-  await client.exercises();
-  await client.release("x");
+  await client.teaching.exercises();
+  await client.teaching.release("x");
   assert.equal(header(calls[0], "X-Enamel-Csrf"), undefined);
   assert.equal(header(calls[1], "X-Enamel-Csrf"), undefined);
   assert.equal(header(calls[2], "X-Enamel-Csrf"), "token");
@@ -50,10 +50,10 @@ test("what changes something repeats the session's csrf value; sign-in and reads
 
 test("no answer, a body that is no JSON and a surface that is none are each an error, never a throw", async () => {
   const { client } = clientThatGets([new Error("refused"), new Response("<html>"), new Response("ENSF"), new Response("proxy says no", { status: 502 })]);
-  const unreachable = await client.exercises();
-  const html = await client.exercises();
+  const unreachable = await client.teaching.exercises();
+  const html = await client.teaching.exercises();
   const surface = await client.surface("x");
-  const proxy = await client.exercises();
+  const proxy = await client.teaching.exercises();
   assert.equal(!unreachable.ok && unreachable.error.code, "unreachable");
   assert.equal(!html.ok && html.error.code, "malformed");
   assert.match(surface.ok ? "" : surface.error.message, /at least 32 bytes, found 4/);
@@ -66,4 +66,51 @@ test("ids and filters are escaped into the address and empty filters left out", 
   await client.attempts({ cohort: "a b", exercise: undefined, limit: 5 });
   assert.equal(calls[0]?.path, "/api/v1/attempts/..%2Fsession");
   assert.equal(calls[1]?.path, "/api/v1/attempts?cohort=a+b&limit=5");
+});
+
+test("a change that needs the password again is sent once more after it was given, and only then", async () => {
+  const { client, calls } = clientThatGets([refusal(403, "confirm_password"), Response.json({ id: "p", password: "once" }),
+                                            refusal(403, "confirm_password"), refusal(403, "confirm_password"), refusal(403, "confirm_password")]);
+  let asked = 0;
+  client.onConfirmPassword(async () => { ++asked; return true; });
+  const reset = await client.people.resetPassword("p");
+  assert.equal(reset.ok && reset.value.password, "once");
+  assert.deepEqual(calls.map((call) => call.path), ["/api/v1/people/p/password", "/api/v1/people/p/password"]);
+  const still = await client.people.resetPassword("p");
+  assert.equal(!still.ok && still.error.code, "confirm_password");
+  assert.equal(asked, 2);
+  client.onConfirmPassword(async () => false);
+  const refused = await client.people.resetPassword("p");
+  assert.equal(!refused.ok && refused.error.code, "confirm_password");
+  assert.equal(calls.length, 5);
+});
+
+test("an edit repeats the tag it was read with, and a conflict carries what somebody else saved", async () => {
+  const stale = new Response(JSON.stringify({ error: { code: "precondition_failed", message: "m", field: "revision" }, current: { name: "theirs" } }),
+                             { status: 412, headers: { ETag: '"8"' } });
+  const { client, calls } = clientThatGets([stale]);
+  const result = await client.people.editCohort("c", { name: "mine" }, '"7"');
+  assert.equal(header(calls[0], "If-Match"), '"7"');
+  assert.equal(calls[0]?.init.method, "PATCH");
+  assert.deepEqual(!result.ok && result.error.current, { value: { name: "theirs" }, tag: '"8"' });
+});
+
+test("a list gives its rows and where it goes on, and one without rows is an error", async () => {
+  const { client, calls } = clientThatGets([Response.json({ people: [{ id: "a" }], next: "c2" }), Response.json({ people: [{ id: "b" }], next: null }),
+                                            Response.json({ persons: [] })]);
+  const first = await client.people.list({ text: "x", role: "" });
+  assert.ok(first.ok && first.value.next === "c2" && first.value.items.length === 1);
+  assert.equal(calls[0]?.path, "/api/v1/people?text=x");
+  assert.ok((await client.people.list({ cursor: "c2" })).ok);
+  const wrong = await client.people.list({});
+  assert.equal(!wrong.ok && wrong.error.code, "malformed");
+});
+
+test("a roster with problems is a report, not an error; any other refusal is one", async () => {
+  const { client } = clientThatGets([
+    new Response(JSON.stringify({ error: { code: "invalid_input", message: "m", field: "body" }, problems: [{ row: 2 }], problem_count: 1 }), { status: 400 }),
+    refusal(415, "unsupported_media_type")]);
+  const report = await client.people.importRoster("login\n", true, "");
+  assert.ok(report.ok && report.value.problem_count === 1);
+  assert.ok(!(await client.people.importRoster("x", true, "")).ok);
 });

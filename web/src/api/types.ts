@@ -6,24 +6,53 @@ type Schemas = components["schemas"];
 export type Person = Schemas["Person"];
 export type Role = Schemas["Role"];
 export type Session = Schemas["Session"];
+export type SessionEntry = Schemas["SessionEntry"];
+export type PersonDetail = Schemas["PersonDetail"];
+export type PersonWithCohorts = Schemas["PersonWithCohorts"];
+export type PersonWithPassword = Schemas["PersonWithPassword"];
+export type RosterOutcome = Schemas["RosterOutcome"];
+export type Cohort = Schemas["Cohort"];
+export type CohortMember = Cohort["members"][number];
+export type Station = Schemas["Station"];
+export type EnrolCode = Schemas["EnrolCode"];
+export type MadeEnrolCode = Schemas["MadeEnrolCode"];
+export type Profile = Schemas["Profile"];
+export type ProfileDetail = Schemas["ProfileDetail"];
+export type ProfileCriterion = Schemas["ProfileCriterion"];
+export type ProfileJudgement = Schemas["ProfileJudgement"];
+export type ProfileVersion = Schemas["ProfileVersion"];
+export type ProfileReport = Schemas["ProfileReport"];
 export type ExerciseSummary = Schemas["ExerciseSummary"];
 export type Exercise = Schemas["Exercise"];
+export type ExerciseState = Schemas["ExerciseState"];
+export type ExerciseVersion = Schemas["ExerciseVersion"];
 export type Bur = Schemas["Bur"];
-export type Cohort = Schemas["Cohort"];
+export type Reference = Schemas["Reference"];
+export type Assignment = Schemas["Assignment"];
+export type AssignmentTerms = Schemas["AssignmentTerms"];
 export type Attempt = Schemas["Attempt"];
 export type AttemptDetail = Schemas["AttemptDetail"];
+export type AttemptFlag = Schemas["AttemptFlag"];
+export type Annotation = Schemas["Annotation"];
+export type Remark = Schemas["Remark"];
+export type Appeal = Schemas["Appeal"];
+export type ScoringRun = Schemas["ResultRun"];
+export type Job = Schemas["Job"];
 export type AttemptState = Schemas["AttemptState"];
 export type Score = Schemas["Score"];
 export type Criterion = Score["criteria"][number];
 export type Metric = Score["metrics"][number];
 export type Series = Schemas["Series"];
-export type Profile = Schemas["Profile"];
-export type Station = Schemas["Station"];
 export type AuditEntry = Schemas["AuditEntry"];
-export type Job = Schemas["Job"];
+export type LiveEvent = Schemas["LiveEvent"];
 export type ErrorCode = Schemas["Error"]["error"]["code"];
 
-export interface AttemptPage {
-  readonly attempts: readonly Attempt[];
-  readonly next: string | null;
+
+// An entry's document is schemas/calibration.schema.json; this is what the page reads of it.
+export interface CalibrationDocument {
+  readonly station: string;
+  readonly software: string;
+  readonly method: string;
+  readonly measured: Readonly<Record<string, { readonly value: number; readonly uncertainty: number; readonly samples: number }>>;
 }
+export type Calibration = Omit<Schemas["CalibrationEntry"], "document"> & { readonly document: CalibrationDocument };

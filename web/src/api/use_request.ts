@@ -1,5 +1,5 @@
 import { useCallback, useEffect, useRef, useState } from "preact/hooks";
-import type { ApiError, ApiResult } from "./client";
+import type { ApiError, ApiResult } from "./http";
 
 export type Loaded<T> =
   | { readonly state: "loading" }

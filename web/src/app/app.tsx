@@ -1,14 +1,17 @@
 import { signal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
-import { useEffect } from "preact/hooks";
+import { useEffect, useState } from "preact/hooks";
 import { Client } from "../api/client";
+import { queryText } from "../api/http";
 import type { Person, Session } from "../api/types";
 import { unreachable } from "../base/assert";
-import { AuditPage, JobsPage, PeoplePage, ProfilesPage, StationsPage } from "../features/admin/admin_pages";
+import { AccountPage, ForcedPassword } from "../features/account/account_page";
+import { ConfirmPassword } from "../features/account/confirm_password";
+import { MyWorkPage } from "../features/assignments/my_work_page";
 import { AttemptPage } from "../features/attempt/attempt_page";
 import { AttemptsPage } from "../features/attempts/attempts_page";
 import { ExercisePage } from "../features/exercises/exercise_page";
-import { ExercisesPage } from "../features/exercises/exercises_page";
+import { ExercisesPage, StaffExercisesPage } from "../features/exercises/exercises_page";
 import { SignIn } from "../features/sign_in/sign_in";
 import { ErrorNotice, Loading, PageTitle } from "../widgets/basics";
 import { BrandMark } from "../widgets/brand";
@@ -20,7 +23,7 @@ type SessionState =
   | { readonly state: "unknown" }
   | { readonly state: "unreachable"; readonly message: string }
   | { readonly state: "out"; readonly notice?: string }
-  | { readonly state: "in"; readonly person: Person };
+  | { readonly state: "in"; readonly person: Person; readonly mustChange: boolean };
 
 const session = signal<SessionState>({ state: "unknown" });
 const client = new Client(() => {
@@ -28,15 +31,25 @@ const client = new Client(() => {
   session.value = { state: "out", notice: "Your session has ended. Sign in again to continue where you were." };
 });
 
+// The question for the password that is open, if any, and who waits for its answer.
+const confirming = signal<((confirmed: boolean) => void) | undefined>(undefined);
+client.onConfirmPassword(() => new Promise((resolve) => {
+  confirming.value?.(false);
+  confirming.value = (confirmed) => {
+    confirming.value = undefined;
+    resolve(confirmed);
+  };
+}));
+
 export async function restoreSession(): Promise<void> {
   const result = await client.currentSession();
-  if (result.ok) session.value = { state: "in", person: result.value.person };
+  if (result.ok) signedIn(result.value);
   else if (result.error.code === "unauthenticated") session.value = { state: "out" };
   else session.value = { state: "unreachable", message: result.error.message };
 }
 
-function signedIn({ person }: Session): void {
-  session.value = { state: "in", person };
+function signedIn({ person, must_change_password: mustChange }: Session): void {
+  session.value = { state: "in", person, mustChange };
 }
 
 async function signOut(): Promise<void> {
@@ -61,7 +74,9 @@ export function App() {
         </main>
       );
     case "out": return <SignIn client={client} notice={now.notice} onSignedIn={signedIn} />;
-    case "in": return <SignedIn person={now.person} />;
+    case "in":
+      if (now.mustChange) return <ForcedPassword client={client} person={now.person} onChanged={signedIn} onSignOut={() => void signOut()} />;
+      return <SignedIn person={now.person} />;
     default: return unreachable(now);
   }
 }
@@ -75,6 +90,7 @@ function SignedIn({ person }: { readonly person: Person }) {
       <a class="skip" href="#content">Skip to content</a>
       <Header person={person} path={url.pathname} />
       <main id="content" key={url.pathname}>{screen(route, person)}</main>
+      {confirming.value !== undefined && <ConfirmPassword client={client} onAnswer={confirming.value} />}
     </>
   );
 }
@@ -93,7 +109,7 @@ function Header({ person, path }: { readonly person: Person; readonly path: stri
         </ul>
       </nav>
       <div class="account">
-        <span class="account-name">{person.display_name}<span class="account-role">{person.role}</span></span>
+        <a class="account-name" href="/account" {...(path === "/account" ? { "aria-current": "page" as const } : {})}>{person.display_name}<span class="account-role">{person.role}</span></a>
         <button type="button" class="button small" onClick={() => void signOut()}>Sign out</button>
       </div>
     </header>
@@ -101,26 +117,37 @@ function Header({ person, path }: { readonly person: Person; readonly path: stri
 }
 
 function screen(route: Route, person: Person): ComponentChildren {
+  const teacher = person.role !== "student";
+  const narrow = (query: Readonly<Record<string, string>>) => navigate(location.value.pathname + queryText(query), "replace");
   switch (route.name) {
     case "home": return null;
-    case "exercises": return <ExercisesPage client={client} />;
-    case "exercise": return <ExercisePage client={client} id={route.id} personId={person.id} />;
-    case "attempts":
-      return <AttemptsPage client={client} mine={person.role === "student"} cohort={route.cohort}
-                           onCohort={(id) => navigate(`/attempts?cohort=${encodeURIComponent(id)}`, "replace")} />;
+    case "exercises": return teacher ? <StaffExercisesPage client={client} query={route.query} onQuery={narrow} onOpen={navigate} /> : <ExercisesPage client={client} />;
+    case "exercise": return <ExercisePage client={client} id={route.id} personId={person.id} teacher={teacher} onOpen={navigate} />;
+    case "attempts": return <AttemptsPage client={client} mine={!teacher} query={route.query} onQuery={narrow} />;
     case "attempt": return <AttemptPage client={client} person={person} id={route.id} />;
-    case "people": return <PeoplePage client={client} />;
-    case "stations": return <StationsPage client={client} />;
-    case "profiles": return <ProfilesPage client={client} />;
-    case "jobs": return <JobsPage client={client} />;
-    case "audit": return <AuditPage client={client} />;
-    case "unknown":
-      return (
-        <>
-          <PageTitle document="Not found">There is no such page</PageTitle>
-          <p>Check the address, or go to <a href={homePath(person.role)}>the start</a>.</p>
-        </>
-      );
-    default: return unreachable(route);
+    case "account": return <AccountPage client={client} person={person} />;
+    case "assignments": if (!teacher) return <MyWorkPage client={client} />; break;
+    default: break;
   }
+  return teacher ? <Staff route={route} person={person} onQuery={narrow} /> : <NotFound home={homePath(person.role)} />;
+}
+
+// What only teachers and admins see is loaded when one of them needs it.
+function Staff({ route, person, onQuery }: { readonly route: Route; readonly person: Person; readonly onQuery: (query: Readonly<Record<string, string>>) => void }) {
+  const [loaded, setLoaded] = useState<typeof import("./staff") | "failed">();
+  useEffect(() => { import("./staff").then(setLoaded, () => setLoaded("failed")); }, []);
+  if (loaded === undefined) return <Loading what="the page" />;
+  if (loaded === "failed") {
+    return <ErrorNotice title="This part of the page could not be loaded" message="Check that this computer is connected, then load the page again." onRetry={() => window.location.reload()} />;
+  }
+  return loaded.staffScreen({ client, route, person, onQuery, onOpen: navigate }) ?? <NotFound home={homePath(person.role)} />;
+}
+
+function NotFound({ home }: { readonly home: string }) {
+  return (
+    <>
+      <PageTitle document="Not found">There is no such page for you</PageTitle>
+      <p>Check the address, or go to <a href={home}>the start</a>.</p>
+    </>
+  );
 }

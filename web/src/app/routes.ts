@@ -2,28 +2,30 @@ import type { Role } from "../api/types";
 import { unreachable } from "../base/assert";
 
 // The addresses of the page. The server answers all of them with index.html.
+const kLists = ["exercises", "attempts", "assignments", "cohorts", "people", "stations", "profiles", "live", "jobs", "audit"] as const;
+// Where a part of the address after the list names one thing of it.
+const kThings = { exercises: "exercise", attempts: "attempt", assignments: "assignment", cohorts: "cohort", people: "person", profiles: "profile", live: "watch" } as const;
+const kSingles = ["roster", "account"] as const;
+
+type ListName = (typeof kLists)[number] | (typeof kSingles)[number];
+type ThingName = (typeof kThings)[keyof typeof kThings];
+
 export type Route =
   | { readonly name: "home" }
-  | { readonly name: "exercises" }
-  | { readonly name: "exercise"; readonly id: string }
-  | { readonly name: "attempts"; readonly cohort: string | undefined }
-  | { readonly name: "attempt"; readonly id: string }
-  | { readonly name: "people" | "stations" | "profiles" | "jobs" | "audit" }
-  | { readonly name: "unknown" };
-
-const kAdminRoutes = ["people", "stations", "profiles", "jobs", "audit"] as const;
+  | { readonly name: "unknown" }
+  // `query`: what a list is narrowed to.
+  | { [Name in ListName]: { readonly name: Name; readonly query: URLSearchParams } }[ListName]
+  | { [Name in ThingName]: { readonly name: Name; readonly id: string } }[ThingName];
 
 export function parseRoute(url: URL): Route {
   const [first, second, ...rest] = url.pathname.split("/").filter((part) => part !== "");
   if (first === undefined) return { name: "home" };
   if (rest.length > 0) return { name: "unknown" };
-  if (first === "exercises") return second === undefined ? { name: "exercises" } : { name: "exercise", id: decoded(second) };
-  if (first === "attempts") {
-    if (second !== undefined) return { name: "attempt", id: decoded(second) };
-    return { name: "attempts", cohort: url.searchParams.get("cohort") ?? undefined };
-  }
-  const admin = kAdminRoutes.find((name) => name === first);
-  return admin !== undefined && second === undefined ? { name: admin } : { name: "unknown" };
+  const name = [...kLists, ...kSingles].find((item) => item === first);
+  if (name === undefined) return { name: "unknown" };
+  if (second === undefined) return { name, query: url.searchParams };
+  const thing = name in kThings ? kThings[name as keyof typeof kThings] : undefined;
+  return thing === undefined ? { name: "unknown" } : { name: thing, id: decoded(second) };
 }
 
 function decoded(part: string): string {
@@ -36,7 +38,7 @@ function decoded(part: string): string {
 
 export function homePath(role: Role): string {
   switch (role) {
-    case "student": return "/exercises";
+    case "student": return "/assignments";
     case "instructor": return "/attempts";
     case "admin": return "/people";
     default: return unreachable(role);
@@ -48,15 +50,20 @@ export interface NavItem {
   readonly title: string;
 }
 
+const kAttempts = { path: "/attempts", title: "Attempts" };
+const kAssignments = { path: "/assignments", title: "Assignments" };
+const kExercises = { path: "/exercises", title: "Exercises" };
+const kCohorts = { path: "/cohorts", title: "Cohorts" };
+const kLive = { path: "/live", title: "Live" };
+const kStations = { path: "/stations", title: "Stations" };
+const kDevices = { path: "/profiles", title: "Devices" };
+
 export function navigation(role: Role): readonly NavItem[] {
-  const exercises = { path: "/exercises", title: "Exercises" };
-  const profiles = { path: "/profiles", title: "Devices" };
-  const stations = { path: "/stations", title: "Stations" };
   switch (role) {
-    case "student": return [exercises, { path: "/attempts", title: "My attempts" }];
-    case "instructor": return [{ path: "/attempts", title: "Attempts" }, exercises, stations, profiles];
+    case "student": return [{ path: "/assignments", title: "My work" }, kExercises, { path: "/attempts", title: "My attempts" }];
+    case "instructor": return [kAttempts, kAssignments, kExercises, kCohorts, kLive, kStations, kDevices];
     case "admin": return [
-      { path: "/people", title: "People" }, { path: "/attempts", title: "Attempts" }, exercises, stations, profiles,
+      { path: "/people", title: "People" }, kCohorts, kAttempts, kAssignments, kExercises, kLive, kStations, kDevices,
       { path: "/jobs", title: "Jobs" }, { path: "/audit", title: "Audit" },
     ];
     default: return unreachable(role);

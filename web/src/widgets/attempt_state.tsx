@@ -1,4 +1,4 @@
-import type { Attempt, AttemptState } from "../api/types";
+import type { Attempt, AttemptFlag, AttemptState } from "../api/types";
 import { unreachable } from "../base/assert";
 import { Badge, type Tone } from "./basics";
 
@@ -35,12 +35,29 @@ export function awaitsRelease(attempt: Attempt, graded: boolean): boolean {
   return attempt.state === "scored" && graded && !attempt.released && !attempt.as_reference;
 }
 
+// What is to be known about an attempt before it is judged.
+export const kFlagTexts: Readonly<Record<AttemptFlag, StateText>> = {
+  late: { title: "Late", tone: "warning" },
+  late_upload: { title: "Uploaded late", tone: "neutral" },
+  faster_than_time: { title: "Faster than time", tone: "bad" },
+  over_time: { title: "Over time", tone: "warning" },
+  resumed: { title: "Resumed", tone: "neutral" },
+  readmitted: { title: "Readmitted", tone: "neutral" },
+  excused: { title: "Excused", tone: "neutral" },
+};
+
+export function flagText(flag: AttemptFlag): StateText {
+  return kFlagTexts[flag] ?? { title: flag, tone: "neutral" };
+}
+
 // What somebody skimming a list must not miss.
 export function Flags({ attempt, graded }: { readonly attempt: Attempt; readonly graded: boolean }) {
   return (
     <span class="flags">
+      {attempt.exam && <Badge tone="neutral">Exam</Badge>}
       {attempt.critical_fail === true && <Badge tone="bad">Critical</Badge>}
       {attempt.gap_ticks > 0 && <Badge tone="warning">Gaps</Badge>}
+      {attempt.flags.map((flag) => <Badge key={flag} tone={flagText(flag).tone}>{flagText(flag).title}</Badge>)}
       {attempt.is_reference && <Badge tone="good">Reference</Badge>}
       {awaitsRelease(attempt, graded) && <Badge tone="neutral">Not released</Badge>}
     </span>

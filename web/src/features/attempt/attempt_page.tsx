@@ -1,18 +1,24 @@
-import { useEffect, useState } from "preact/hooks";
-import type { ApiError, Client } from "../../api/client";
-import type { AttemptDetail, Person } from "../../api/types";
+import { useEffect, useMemo, useState } from "preact/hooks";
+import type { Client } from "../../api/client";
+import type { ApiError } from "../../api/http";
+import type { Annotation, AttemptDetail, Person } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { unreachable } from "../../base/assert";
 import { formatDateTime } from "../../base/format";
 import { Flags, isUnderWay, StateBadge } from "../../widgets/attempt_state";
 import { Card, ErrorNotice, Loading, Notice, PageTitle, Progress } from "../../widgets/basics";
-import { MetricsPanel, RecordingPanel } from "./detail_panels";
+import type { PointMm } from "../../widgets/tooth/scene";
+import { AnnotationsPanel } from "./annotations_panel";
+import { AppealPanel } from "./appeal_panel";
+import { MetricsPanel, RecordingPanel, RunsPanel } from "./detail_panels";
 import { ForcePanel } from "./force_panel";
+import { type Mark, marksOf } from "./moments";
 import { ScorePanel } from "./score_panel";
 import { TeacherActions } from "./teacher_actions";
 import { ToothPanel } from "./tooth_panel";
 
 const kPollMs = 1500;
+const kNoRemarks: readonly Annotation[] = [];
 
 interface Props {
   readonly client: Client;
@@ -25,8 +31,8 @@ interface Props {
 export function AttemptPage({ client, person, id }: Props) {
   const { loaded, reload } = useRequest(id, (signal) => client.attempt(id, signal));
   const attempt = loaded.state === "ready" ? loaded.value : undefined;
-  const exercise = useRequest(attempt?.exercise.id, (signal) => client.exercise(attempt?.exercise.id ?? "", signal));
-  const graded = exercise.loaded.state !== "ready" || exercise.loaded.value.graded;
+  const exercise = useRequest(attempt?.exercise.id, (signal) => client.teaching.exercise(attempt?.exercise.id ?? "", signal));
+  const graded = exercise.loaded.state !== "ready" || exercise.loaded.value.value.graded || attempt?.exam === true;
   const polling = attempt !== undefined && isUnderWay(attempt.state);
   useEffect(() => {
     if (!polling) return undefined;
@@ -44,41 +50,61 @@ export function AttemptPage({ client, person, id }: Props) {
         <div>
           <PageTitle document={attempt.exercise.title}>{attempt.exercise.title}</PageTitle>
           <p class="byline">
-            {attempt.person.display_name}, {formatDateTime(attempt.ticketed_ms)} <StateBadge attempt={attempt} /> {teacher && <Flags attempt={attempt} graded={graded} />}
+            {attempt.person.display_name}, {formatDateTime(attempt.ticketed_ms)} <StateBadge attempt={attempt} /> <Flags attempt={attempt} graded={graded && teacher} />
           </p>
         </div>
-        {teacher && attempt.state === "scored" && <TeacherActions client={client} attempt={attempt} graded={graded} onChanged={reload} />}
+        {teacher ? <TeacherActions client={client} attempt={attempt} graded={graded} onChanged={reload} />
+                 : attempt.state === "scored" && <button type="button" class="button print-button" onClick={() => window.print()}>Print</button>}
       </div>
-      {attempt.state === "scored" ? <ScoredAttempt client={client} attempt={attempt} teacher={teacher} /> : <UnscoredAttempt attempt={attempt} />}
+      {attempt.state === "scored" ? <ScoredAttempt client={client} attempt={attempt} teacher={teacher} onChanged={reload} /> : <UnscoredAttempt attempt={attempt} />}
     </>
   );
 }
 
-function ScoredAttempt({ client, attempt, teacher }:
-                       { readonly client: Client; readonly attempt: AttemptDetail; readonly teacher: boolean }) {
+function ScoredAttempt({ client, attempt, teacher, onChanged }:
+                       { readonly client: Client; readonly attempt: AttemptDetail; readonly teacher: boolean; readonly onChanged: () => void }) {
   const { id } = attempt;
-  // Release changes what a student gets, not what a teacher gets.
-  const key = teacher ? id : `${id} ${attempt.released}`;
+  // Release changes what a student gets, not what a teacher gets; a new score changes it for both.
+  const key = `${id} ${teacher || attempt.released} ${attempt.computed_score} ${attempt.reference?.attempt_id}`;
   const score = useRequest(key, (signal) => client.score(id, signal));
   const surface = useRequest(key, (signal) => client.surface(id, signal));
-  const series = useRequest(id, (signal) => client.series(id, signal));
+  const series = useRequest(key, (signal) => client.series(id, signal));
+  const remarks = useRequest(key, (signal) => client.teaching.annotations(id, signal));
   const [cursor, setCursor] = useState<number>();   // undefined until first moved
+  const [chosen, setChosen] = useState<string>();   // id of a remark
+  const [point, setPoint] = useState<PointMm>();    // clicked on the tooth, for the next remark
+  const recorded = series.loaded.state === "ready" ? series.loaded.value : undefined;
+  const said = remarks.loaded.state === "ready" ? remarks.loaded.value.annotations : kNoRemarks;
+  const marks = useMemo(() => recorded === undefined ? [] : marksOf(recorded, said), [recorded, said]);
   const scored = score.loaded.state === "ready" ? score.loaded.value : undefined;
   const reference = attempt.reference === null ? undefined : attempt.reference.dentist ?? "an earlier reference";
+  const annotates = attempt.may.includes("annotate");
+  const choose = (mark: Mark) => {
+    setChosen(mark.annotation.id);
+    setCursor(mark.step);
+  };
   return (
     <>
       <div class="attempt-grid">
-        <div>
+        <div class="stack">
           {score.loaded.state === "loading" && <Card title="Score"><Loading what="the score" /></Card>}
           {score.loaded.state === "failed" && <ScoreError error={score.loaded.error} onRetry={score.reload} />}
-          {scored !== undefined && <ScorePanel score={scored} reference={reference} />}
+          {scored !== undefined && <ScorePanel score={scored} reference={reference} override={attempt.override} />}
+          <AppealPanel client={client} attempt={attempt} onChanged={onChanged} />
         </div>
-        <ToothPanel surface={surface.loaded} series={series.loaded.state === "ready" ? series.loaded.value : undefined}
-                    cursor={cursor} onRetry={surface.reload} />
+        <ToothPanel surface={surface.loaded} series={recorded} cursor={cursor} marks={marks} chosen={chosen} point={point} onMark={choose}
+                    onPoint={annotates ? setPoint : undefined} onRetry={surface.reload} />
       </div>
-      <ForcePanel series={series.loaded} cursor={cursor ?? 0} onCursor={setCursor} onRetry={series.reload} />
+      <ForcePanel series={series.loaded} cursor={cursor ?? 0} marks={marks} chosen={chosen} onMark={choose} onCursor={setCursor} onRetry={series.reload} />
+      {recorded !== undefined && remarks.loaded.state === "ready" && (annotates || marks.length > 0) && (
+        <AnnotationsPanel client={client} attemptId={id} teacher={annotates} series={recorded} marks={marks} chosen={chosen} cursor={cursor ?? 0}
+                          point={point} onPoint={setPoint} onChoose={choose} onChanged={remarks.reload} />
+      )}
       <div class="columns wide-right">
-        <RecordingPanel attempt={attempt} score={scored} />
+        <div class="stack">
+          <RecordingPanel attempt={attempt} score={scored} />
+          {scored !== undefined && <RunsPanel client={client} requestKey={key} attemptId={id} />}
+        </div>
         {scored !== undefined && <MetricsPanel metrics={scored.metrics} />}
       </div>
     </>

@@ -1,6 +1,9 @@
+import type { Client } from "../../api/client";
 import type { AttemptDetail, Metric, Score } from "../../api/types";
-import { formatBytes, formatDuration, formatNumber, formatQuantity, metricTitle, plural } from "../../base/format";
-import { Card, Notice } from "../../widgets/basics";
+import { useRequest } from "../../api/use_request";
+import { formatBytes, formatDateTime, formatDuration, formatNumber, formatQuantity, formatScore, metricTitle, plural } from "../../base/format";
+import { Badge, Card, Notice } from "../../widgets/basics";
+import { DataTable } from "../../widgets/table";
 import { recordingFacts } from "./summary";
 
 export function RecordingPanel({ attempt, score }: { readonly attempt: AttemptDetail; readonly score: Score | undefined }) {
@@ -31,6 +34,26 @@ export function MetricsPanel({ metrics }: { readonly metrics: readonly Metric[] 
           <div key={metric.name}><dt>{metricTitle(metric.name, metric.unit)}</dt><dd>{formatQuantity(metric.value, metric.unit)}</dd></div>
         ))}
       </dl>
+    </Card>
+  );
+}
+
+const kCauses: Readonly<Record<string, string>> = {
+  seal: "When the attempt was finished", reference: "A new reference came", rescore: "Asked for by an instructor", appeal: "After an appeal",
+};
+
+// Every time the attempt was scored; nothing to say as long as that was once.
+export function RunsPanel({ client, requestKey, attemptId }: { readonly client: Client; readonly requestKey: string; readonly attemptId: string }) {
+  const { loaded } = useRequest(requestKey, (signal) => client.teaching.results(attemptId, signal));
+  if (loaded.state !== "ready" || loaded.value.results.length < 2) return null;
+  return (
+    <Card title="Scored more than once">
+      <DataTable label="Scoring runs, newest first" items={loaded.value.results} dense columns={[
+        { title: "When", cell: (run) => formatDateTime(run.scored_ms) },
+        { title: "Why", cell: (run) => kCauses[run.cause] ?? run.cause },
+        { title: "Score", number: true, cell: (run) => <>{formatScore(run.score.score)} {run.score.critical_fail && <Badge tone="bad">Critical</Badge>}</> },
+      ]} />
+      <p class="hint">The newest counts.</p>
     </Card>
   );
 }

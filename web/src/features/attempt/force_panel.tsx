@@ -4,29 +4,33 @@ import type { Loaded } from "../../api/use_request";
 import { formatNumber, formatQuantity } from "../../base/format";
 import { Card, ErrorNotice, Loading, TableFrame } from "../../widgets/basics";
 import { type PlotLine, TimePlot } from "../../widgets/time_plot";
+import type { Mark } from "./moments";
 
 const kTableRows = 40;
 
 interface Props {
   readonly series: Loaded<Series>;
   readonly cursor: number;
+  readonly marks: readonly Mark[];
+  readonly chosen: string | undefined;          // id of a remark
+  readonly onMark: (mark: Mark) => void;
   readonly onCursor: (index: number) => void;
   readonly onRetry: () => void;
 }
 
-export function ForcePanel({ series, cursor, onCursor, onRetry }: Props) {
+export function ForcePanel({ series, onRetry, ...rest }: Props) {
   return (
     <Card title="Force and removal over time" className="force-card">
       {series.state === "loading" && <Loading what="the force record" />}
       {series.state === "failed" && <ErrorNotice title="The force record could not be loaded" message={series.error.message} onRetry={onRetry} />}
       {series.state === "ready" && (series.value.t_s.length === 0
         ? <p class="empty">The attempt has no recorded step.</p>
-        : <LoadedForce series={series.value} cursor={cursor} onCursor={onCursor} />)}
+        : <LoadedForce series={series.value} {...rest} />)}
     </Card>
   );
 }
 
-function LoadedForce({ series, cursor, onCursor }: Omit<Props, "series" | "onRetry"> & { readonly series: Series }) {
+function LoadedForce({ series, cursor, marks, chosen, onMark, onCursor }: Omit<Props, "series" | "onRetry"> & { readonly series: Series }) {
   const lines = useMemo(() => linesOf(series), [series]);
   const last = series.t_s.length - 1;
   const at = Math.min(cursor, last);
@@ -35,6 +39,17 @@ function LoadedForce({ series, cursor, onCursor }: Omit<Props, "series" | "onRet
       <Readout lines={lines} timeS={series.t_s[at] ?? 0} index={at} />
       <TimePlot timeS={series.t_s} lines={lines} leftTitle="Force (N)" rightTitle="Removed (mm³)" label={plotText(series)}
                 cursor={at} onCursor={onCursor} />
+      {marks.length > 0 && (
+        <div class="timeline" role="group" aria-label="Remarks along the time">
+          <span class="timeline-name">Remarks</span>
+          <div class="marks">
+            {marks.map((mark) => (
+              <button key={mark.annotation.id} type="button" class={mark.annotation.id === chosen ? "mark chosen" : "mark"} style={{ left: `${100 * mark.share}%` }}
+                      aria-pressed={mark.annotation.id === chosen} onClick={() => onMark(mark)}><span class="hidden">Remark </span>{mark.number}</button>
+            ))}
+          </div>
+        </div>
+      )}
       <div class="timeline">
         <label for="timeline">Time in the attempt</label>
         <input id="timeline" type="range" min={0} max={last} step={1} value={at}

@@ -1,18 +1,25 @@
-import type { Criterion, Score } from "../../api/types";
-import { formatNumber, formatQuantity } from "../../base/format";
-import { Badge, Bar, Card, type Tone } from "../../widgets/basics";
+import type { AttemptDetail, Criterion, Score } from "../../api/types";
+import { formatDateTime, formatNumber, formatQuantity } from "../../base/format";
+import { Badge, Bar, Card, Notice, type Tone } from "../../widgets/basics";
 import { byLostPoints, lostPoints, summarySentence } from "./summary";
 
 const kRingRadius = 52;
 const kRingLength = 2 * Math.PI * kRingRadius;
 
-export function ScorePanel({ score, reference }: { readonly score: Score; readonly reference: string | undefined }) {
+interface Props {
+  readonly score: Score;                        // as computed
+  readonly reference: string | undefined;
+  readonly override: AttemptDetail["override"];  // what an instructor says instead
+}
+
+export function ScorePanel({ score, reference, override }: Props) {
   return (
     <Card title="Score" className="score-card">
       <div class="score-head">
-        <ScoreRing score={score} />
+        <ScoreRing value={override?.score ?? score.score} critical={score.critical_fail && override === null} />
         <div>
-          <p class="summary">{summarySentence(score)}</p>
+          {override !== null && <OverrideText score={score} override={override} />}
+          <p class="summary">{override !== null && "Computed: "}{summarySentence(score)}</p>
           {score.critical_fail && <Badge tone="bad">Critical criterion failed</Badge>}
           <p class="hint">
             {reference === undefined ? "Scored without a reference cut" : `Compared with the cut of ${reference}`}, rubric version {score.rubric_version}
@@ -24,16 +31,25 @@ export function ScorePanel({ score, reference }: { readonly score: Score; readon
   );
 }
 
-function ScoreRing({ score }: { readonly score: Score }) {
-  const share = Math.min(Math.max(score.score / 100, 0), 1);
+function OverrideText({ score, override }: { readonly score: Score; readonly override: NonNullable<AttemptDetail["override"]> }) {
   return (
-    <div class={`score-ring ${toneOf(share, score.critical_fail)}`}>
+    <Notice tone="warning" title={`Set by ${override.by === "" ? "an instructor" : override.by}: ${formatNumber(override.score, 1)} instead of ${formatNumber(score.score, 1)}`}>
+      <p class="instructions">{override.reason}</p>
+      <p class="hint">{formatDateTime(override.at_ms)}</p>
+    </Notice>
+  );
+}
+
+function ScoreRing({ value, critical }: { readonly value: number; readonly critical: boolean }) {
+  const share = Math.min(Math.max(value / 100, 0), 1);
+  return (
+    <div class={`score-ring ${toneOf(share, critical)}`}>
       <svg viewBox="0 0 120 120" aria-hidden="true">
         <circle class="ring-track" cx="60" cy="60" r={kRingRadius} />
         <circle class="ring-value" cx="60" cy="60" r={kRingRadius} stroke-dasharray={`${share * kRingLength} ${kRingLength}`}
                 transform="rotate(-90 60 60)" />
       </svg>
-      <p class="score-number" data-testid="score">{formatNumber(score.score, 1)}<span class="score-of"> of 100</span></p>
+      <p class="score-number" data-testid="score">{formatNumber(value, 1)}<span class="score-of"> of 100</span></p>
     </div>
   );
 }

@@ -1,8 +1,13 @@
 import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
+import type { ApiResult } from "../../api/http";
 import type { AttemptDetail } from "../../api/types";
+import { useChange } from "../../api/use_change";
+import { formatNumber, formatScore } from "../../base/format";
 import { awaitsRelease } from "../../widgets/attempt_state";
-import { Badge, Notice } from "../../widgets/basics";
+import { Badge, ErrorNotice, Notice } from "../../widgets/basics";
+import { Confirm } from "../../widgets/dialog";
+import { CheckField, LongTextField, NumberField, TextField } from "../../widgets/form";
 
 interface Props {
   readonly client: Client;
@@ -11,63 +16,147 @@ interface Props {
   readonly onChanged: () => void;
 }
 
-type Outcome = { readonly tone: "good" | "bad"; readonly text: string };
+type Open = "excuse" | "reference" | "override" | "withdraw" | "dropOverride" | "rescore";
 
-// What an instructor can do with a scored attempt: release it, or make it the reference.
+// What an instructor can do with an attempt: release its score or take that back, set another score,
+// score it again, excuse it, make it the reference.
 export function TeacherActions({ client, attempt, graded, onChanged }: Props) {
-  const [naming, setNaming] = useState(false);
-  const [busy, setBusy] = useState(false);
-  const [outcome, setOutcome] = useState<Outcome>();
+  const [open, setOpen] = useState<Open>();
+  const [done, setDone] = useState<string>();
+  const change = useChange();
+  const { teaching } = client;
 
-  const act = async (ask: () => Promise<{ readonly ok: boolean; readonly error?: { readonly message: string } }>, done: string) => {
-    if (busy) return;
-    setBusy(true);
-    const result = await ask();
-    setBusy(false);
-    setOutcome(result.ok ? { tone: "good", text: done } : { tone: "bad", text: result.error?.message ?? "" });
-    if (!result.ok) return;
-    setNaming(false);
+  const finish = (text: string) => {
+    setOpen(undefined);
+    setDone(text);
     onChanged();
   };
+  const confirm = async (ask: Promise<ApiResult<unknown>>, text: string) => {
+    const result = await ask;
+    if (!result.ok) return result.error.message;
+    finish(text);
+    return undefined;
+  };
+  const act = async (ask: () => Promise<ApiResult<unknown>>, text: string) => {
+    const result = await change.run(ask);
+    if (result?.ok === true) finish(text);
+  };
+  const student = attempt.person.display_name;
+  const may = (action: AttemptDetail["may"][number]) => attempt.may.includes(action);
 
   return (
     <div class="actions">
       <div class="button-row">
         {attempt.released && <Badge tone="good">Score released</Badge>}
-        {awaitsRelease(attempt, graded) && (
-          <button type="button" class="button primary" disabled={busy}
-                  onClick={() => void act(() => client.release(attempt.id), `${attempt.person.display_name} can see the score now.`)}>
+        {may("release") && awaitsRelease(attempt, graded) && (
+          <button type="button" class="button primary" disabled={change.busy}
+                  onClick={() => void act(() => teaching.release(attempt.id), `${student} can see the score now.`)}>
             Release score
           </button>
         )}
-        {attempt.is_reference ? <Badge tone="good">Reference of its exercise</Badge> : (
-          <button type="button" class="button" aria-expanded={naming} onClick={() => setNaming(!naming)}>Mark as reference…</button>
+        {graded && may("unrelease") && <button type="button" class="button" onClick={() => setOpen("withdraw")}>Take release back…</button>}
+        {may("override") && <button type="button" class="button" aria-expanded={open === "override"} onClick={() => setOpen(open === "override" ? undefined : "override")}>
+          {attempt.override === null ? "Set another score…" : "Change the set score…"}
+        </button>}
+        {may("override") && attempt.override !== null && <button type="button" class="button" onClick={() => setOpen("dropOverride")}>Remove the set score…</button>}
+        {may("rescore") && <button type="button" class="button" onClick={() => setOpen("rescore")}>Score again…</button>}
+        {may("excuse") && <button type="button" class="button" aria-expanded={open === "excuse"} onClick={() => setOpen(open === "excuse" ? undefined : "excuse")}>Excuse…</button>}
+        {attempt.is_reference ? <Badge tone="good">Reference of its exercise</Badge> : may("mark_reference") && (
+          <button type="button" class="button" aria-expanded={open === "reference"} onClick={() => setOpen(open === "reference" ? undefined : "reference")}>Mark as reference…</button>
         )}
       </div>
-      {naming && (
-        <ReferenceForm busy={busy} onCancel={() => setNaming(false)}
-                       onName={(dentist) => void act(() => client.markReference(attempt.id, dentist), "The attempt is the reference of its exercise now. Earlier scores keep theirs.")} />
+      {open === "reference" && (
+        <ReferenceForm busy={change.busy} onCancel={() => setOpen(undefined)}
+                       onName={(dentist, consent) => void act(() => teaching.makeReference(attempt.id, dentist, consent),
+                                                              "The attempt is the reference of its exercise now. Earlier scores keep theirs.")} />
+      )}
+      {open === "override" && (
+        <OverrideForm attempt={attempt} busy={change.busy} onCancel={() => setOpen(undefined)}
+                      onScore={(score, reason) => void act(() => teaching.override(attempt.id, score, reason), `The score counts as ${formatScore(score)} now.`)} />
+      )}
+      {open === "excuse" && (
+        <ExcuseForm busy={change.busy} onCancel={() => setOpen(undefined)}
+                    onReason={(reason) => void act(() => teaching.excuse(attempt.id, reason), "The attempt does not count against the limit any more.")} />
+      )}
+      {open === "withdraw" && (
+        <Confirm title="Take the release back?" action="Take release back" onClose={() => setOpen(undefined)}
+                 onConfirm={() => confirm(teaching.withdrawRelease(attempt.id), `${student} does not see the score any more.`)}>
+          <p>{student} will not see score, deviation and remarks any more, and may have seen them already. You can release again at any time.</p>
+        </Confirm>
+      )}
+      {open === "dropOverride" && (
+        <Confirm title="Remove the set score?" action="Remove the set score" onClose={() => setOpen(undefined)}
+                 onConfirm={() => confirm(teaching.dropOverride(attempt.id), "The computed score counts again.")}>
+          <p>The computed score counts again. The audit keeps what was set and why.</p>
+        </Confirm>
+      )}
+      {open === "rescore" && (
+        <Confirm title="Score this attempt again?" action="Score again" tone="neutral" onClose={() => setOpen(undefined)}
+                 onConfirm={() => confirm(teaching.rescore(attempt.id), "The attempt waits to be scored again.")}>
+          <p>The recording is replayed and compared with the exercise's newest reference. The score it has now stays in its history.</p>
+        </Confirm>
       )}
       <div aria-live="polite">
-        {outcome !== undefined && <Notice tone={outcome.tone} title={outcome.tone === "good" ? "Done" : "Not done"}><p>{outcome.text}</p></Notice>}
+        {change.error !== undefined && <ErrorNotice title="Not done" message={change.error.message} />}
+        {done !== undefined && change.error === undefined && <Notice tone="good" title="Done"><p>{done}</p></Notice>}
       </div>
     </div>
   );
 }
 
 function ReferenceForm({ busy, onName, onCancel }:
-                       { readonly busy: boolean; readonly onName: (dentist: string) => void; readonly onCancel: () => void }) {
+                       { readonly busy: boolean; readonly onName: (dentist: string, consent: boolean) => void; readonly onCancel: () => void }) {
   const [dentist, setDentist] = useState("");
+  const [consent, setConsent] = useState(false);
   const submit = (event: Event) => {
     event.preventDefault();
-    if (dentist.trim() !== "") onName(dentist.trim());
+    if (dentist.trim() !== "") onName(dentist.trim(), consent);
   };
   return (
     <form class="inline-form" onSubmit={submit}>
-      <label for="dentist">Dentist, as to be shown with consent</label>
-      <input id="dentist" type="text" required maxLength={200} value={dentist} onInput={(event) => setDentist(event.currentTarget.value)} />
+      <TextField label="Dentist who made this cut" required maxLength={200} value={dentist} onValue={setDentist} />
+      <CheckField label="The dentist agrees that students see the name" value={consent} onValue={setConsent} />
       <div class="button-row">
         <button type="submit" class="button primary" disabled={busy}>Mark as reference</button>
+        <button type="button" class="button" onClick={onCancel}>Cancel</button>
+      </div>
+    </form>
+  );
+}
+
+function ExcuseForm({ busy, onReason, onCancel }: { readonly busy: boolean; readonly onReason: (reason: string) => void; readonly onCancel: () => void }) {
+  const [reason, setReason] = useState("");
+  const submit = (event: Event) => {
+    event.preventDefault();
+    if (reason.trim() !== "") onReason(reason.trim());
+  };
+  return (
+    <form class="inline-form" onSubmit={submit}>
+      <LongTextField label="Why this attempt does not count" hint="It then counts neither against the attempt limit nor as a running exam. This cannot be taken back."
+                     value={reason} onValue={setReason} required maxLength={1000} rows={3} />
+      <div class="button-row">
+        <button type="submit" class="button primary" disabled={busy}>Excuse the attempt</button>
+        <button type="button" class="button" onClick={onCancel}>Cancel</button>
+      </div>
+    </form>
+  );
+}
+
+function OverrideForm({ attempt, busy, onScore, onCancel }:
+    { readonly attempt: AttemptDetail; readonly busy: boolean; readonly onScore: (score: number, reason: string) => void; readonly onCancel: () => void }) {
+  const [score, setScore] = useState(attempt.override?.score ?? attempt.score ?? Number.NaN);
+  const [reason, setReason] = useState(attempt.override?.reason ?? "");
+  const submit = (event: Event) => {
+    event.preventDefault();
+    if (Number.isFinite(score) && reason.trim() !== "") onScore(score, reason.trim());
+  };
+  return (
+    <form class="inline-form" onSubmit={submit}>
+      <NumberField label="Score that counts, 0 to 100" value={score} onValue={setScore} min={0} max={100} step={0.1}
+                   {...(attempt.computed_score === null ? {} : { hint: `Computed: ${formatNumber(attempt.computed_score, 1)}. It stays visible beside yours.` })} />
+      <LongTextField label="Reason" hint="The student reads it." value={reason} onValue={setReason} required maxLength={1000} rows={3} />
+      <div class="button-row">
+        <button type="submit" class="button primary" disabled={busy}>Set this score</button>
         <button type="button" class="button" onClick={onCancel}>Cancel</button>
       </div>
     </form>

@@ -1,5 +1,5 @@
 import { useMemo, useState } from "preact/hooks";
-import type { ApiError } from "../../api/client";
+import type { ApiError } from "../../api/http";
 import type { Surface } from "../../api/surface";
 import type { Series } from "../../api/types";
 import type { Loaded } from "../../api/use_request";
@@ -8,8 +8,9 @@ import { Card, ErrorNotice, Loading, Segmented } from "../../widgets/basics";
 import { DeviationLegend, TissueLegend } from "../../widgets/tooth/legend";
 import type { ColorMode, PointMm } from "../../widgets/tooth/scene";
 import { tissuesPresent, tissueTitle } from "../../widgets/tooth/tissue";
-import { ToothView } from "../../widgets/tooth/tooth_view";
+import { type ToothPin, ToothView } from "../../widgets/tooth/tooth_view";
 import { type DeviationSummary, kToleranceMm, outlook, summariseDeviation } from "./deviation";
+import type { Mark } from "./moments";
 
 const kPathSeconds = 3;                         // of the tool's way drawn behind it
 
@@ -17,39 +18,57 @@ interface Props {
   readonly surface: Loaded<Surface>;
   readonly series: Series | undefined;
   readonly cursor: number | undefined;              // undefined: no tool is drawn
+  readonly marks: readonly Mark[];
+  readonly chosen: string | undefined;          // id of a remark
+  readonly point: PointMm | undefined;          // for the remark that is being written
+  readonly onMark: (mark: Mark) => void;
+  readonly onPoint: ((point: PointMm) => void) | undefined;
   readonly onRetry: () => void;
 }
 
-export function ToothPanel({ surface, series, cursor, onRetry }: Props) {
+export function ToothPanel({ surface, onRetry, ...rest }: Props) {
   return (
     <Card className="tooth-card" title="Tooth after the attempt">
       {surface.state === "loading" && <Loading what="the tooth" />}
       {surface.state === "failed" && <SurfaceError error={surface.error} onRetry={onRetry} />}
-      {surface.state === "ready" && <LoadedTooth surface={surface.value} series={series} cursor={cursor} />}
+      {surface.state === "ready" && <LoadedTooth surface={surface.value} {...rest} />}
     </Card>
   );
 }
 
-function LoadedTooth({ surface, series, cursor }: { readonly surface: Surface; readonly series: Series | undefined; readonly cursor: number | undefined }) {
+function LoadedTooth({ surface, series, cursor, marks, chosen, point, onMark, onPoint }: Omit<Props, "surface" | "onRetry"> & { readonly surface: Surface }) {
   const summary = useMemo(() => summariseDeviation(surface), [surface]);
   const angled = useMemo(() => outlook(surface, summary), [surface, summary]);
   const tissues = useMemo(() => tissuesPresent(surface.tissue), [surface]);
   const [wanted, setMode] = useState<ColorMode>("deviation");
   const mode: ColorMode = summary === undefined ? "tissue" : wanted;
   const path = useMemo(() => pathBefore(series, cursor), [series, cursor]);
+  const pins = useMemo(() => pinsOf(marks, chosen, point), [marks, chosen, point]);
   return (
     <>
       {summary !== undefined && (
         <Segmented legend="Colours show" name="tooth-mode" value={mode} onChange={setMode}
                    choices={[{ value: "deviation", title: "Deviation" }, { value: "tissue", title: "Tissues" }]} />
       )}
-      <ToothView surface={surface} mode={mode} label={pictureText(summary, tissues)} angled={angled} tool={path.at(-1)} path={path} />
+      <ToothView surface={surface} mode={mode} label={pictureText(summary, tissues)} angled={angled} tool={path.at(-1)} path={path} pins={pins} onPick={onPoint}
+                 onPin={(key) => { const mark = marks.find((item) => item.annotation.id === key); if (mark !== undefined) onMark(mark); }} />
       {mode === "deviation" ? <DeviationLegend /> : <TissueLegend tissues={tissues} />}
       {summary === undefined
         ? <p class="hint">No deviation to show: the attempt has no reference, or its score is not released yet.</p>
         : <DeviationTable summary={summary} />}
     </>
   );
+}
+
+const kNewPin = "new";
+
+function pinsOf(marks: readonly Mark[], chosen: string | undefined, point: PointMm | undefined): ToothPin[] {
+  const pins = marks.flatMap(({ annotation, number }): ToothPin[] => {
+    const [x, y, z] = annotation.point_um ?? [];
+    if (x === undefined || y === undefined || z === undefined) return [];
+    return [{ key: annotation.id, text: String(number), label: `Remark ${number}`, pointMm: [x / 1000, y / 1000, z / 1000], chosen: annotation.id === chosen }];
+  });
+  return point === undefined ? pins : [...pins, { key: kNewPin, text: "+", label: "Point of the new remark", pointMm: point, chosen: true }];
 }
 
 function DeviationTable({ summary }: { readonly summary: DeviationSummary }) {

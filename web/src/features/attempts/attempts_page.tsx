@@ -1,136 +1,126 @@
-import { useEffect, useState } from "preact/hooks";
-import type { ApiError, Client } from "../../api/client";
-import type { Attempt, Cohort } from "../../api/types";
+import { useEffect } from "preact/hooks";
+import type { AttemptQuery, Client } from "../../api/client";
+import type { Attempt, AttemptFlag, AttemptState, Cohort, ExerciseSummary } from "../../api/types";
+import { usePages } from "../../api/use_pages";
 import { useRequest } from "../../api/use_request";
 import { formatDateTime, formatScore, plural } from "../../base/format";
-import { Flags, isUnderWay, StateBadge } from "../../widgets/attempt_state";
-import { Empty, ErrorNotice, Loading, PageTitle, TableFrame } from "../../widgets/basics";
+import { flagText, Flags, isUnderWay, kFlagTexts, StateBadge, stateText } from "../../widgets/attempt_state";
+import { ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
+import { SelectField } from "../../widgets/form";
+import { PagedList } from "../../widgets/pages";
+import { type Column, DataTable } from "../../widgets/table";
 
 const kPageSize = 50;
 const kPollMs = 3000;
+const kStates: readonly AttemptState[] = ["ticketed", "recording", "sealed", "scoring", "scored", "failed", "quarantined"];
 
 interface Props {
   readonly client: Client;
   readonly mine: boolean;                       // a student's own list: no cohort, no names
-  readonly cohort: string | undefined;          // from the address
-  readonly onCohort: (id: string) => void;
+  readonly query: URLSearchParams;
+  readonly onQuery: (query: Readonly<Record<string, string>>) => void;
 }
 
-export function AttemptsPage({ client, mine, cohort, onCohort }: Props) {
+// What the list is narrowed to, as the address has it.
+type Filter = Readonly<Record<"cohort" | "exercise" | "state" | "special" | "assignment" | "person", string>>;
+
+export function AttemptsPage({ client, mine, query, onQuery }: Props) {
+  const filter: Filter = {
+    cohort: query.get("cohort") ?? "", exercise: query.get("exercise") ?? "", state: query.get("state") ?? "", special: query.get("special") ?? "",
+    assignment: query.get("assignment") ?? "", person: query.get("person") ?? "",
+  };
+  const exercises = useRequest("exercises", (signal) => client.teaching.exercises(undefined, signal));
+  const known = exercises.loaded.state === "ready" ? exercises.loaded.value.exercises : [];
   return (
     <>
       <PageTitle document="Attempts">{mine ? "My attempts" : "Attempts"}</PageTitle>
-      {mine ? <AttemptList client={client} cohort={undefined} named={false} />
-            : <CohortAttempts client={client} cohort={cohort} onCohort={onCohort} />}
+      {mine ? <AttemptList client={client} filter={filter} exercises={known} named={false} />
+            : <CohortAttempts client={client} filter={filter} exercises={known} onQuery={onQuery} />}
     </>
   );
 }
 
-function CohortAttempts({ client, cohort, onCohort }: Omit<Props, "mine">) {
-  const { loaded, reload } = useRequest("cohorts", (signal) => client.cohorts(signal));
+interface ListProps {
+  readonly client: Client;
+  readonly filter: Filter;
+  readonly exercises: readonly ExerciseSummary[];
+}
+
+function CohortAttempts({ client, filter, exercises, onQuery }: ListProps & { readonly onQuery: Props["onQuery"] }) {
+  const { loaded, reload } = useRequest("cohorts", (signal) => client.people.allCohorts(signal));
   if (loaded.state === "loading") return <Loading what="cohorts" />;
   if (loaded.state === "failed") return <ErrorNotice title="The cohorts could not be loaded" message={loaded.error.message} onRetry={reload} />;
-  const { cohorts } = loaded.value;
-  const chosen = cohorts.find((item) => item.id === cohort) ?? cohorts[0];
-  if (chosen === undefined) return <Empty>No cohort is assigned to you. An administrator adds instructors to cohorts.</Empty>;
   return (
     <>
-      <CohortPicker cohorts={cohorts} chosen={chosen} onCohort={onCohort} />
-      <AttemptList key={chosen.id} client={client} cohort={chosen.id} named={true} />
+      <Filters cohorts={loaded.value} exercises={exercises} filter={filter} onQuery={onQuery} />
+      {(filter.assignment !== "" || filter.person !== "") && (
+        <p class="hint">
+          Only attempts {filter.person === "" ? "" : "of one person "}{filter.assignment === "" ? "" : "under one assignment "}are shown.{" "}
+          <button type="button" class="button small" onClick={() => onQuery({ ...filter, assignment: "", person: "" })}>Show all</button>
+        </p>
+      )}
+      <AttemptList client={client} filter={filter} exercises={exercises} named={true} />
     </>
   );
 }
 
-function CohortPicker({ cohorts, chosen, onCohort }:
-                      { readonly cohorts: readonly Cohort[]; readonly chosen: Cohort; readonly onCohort: (id: string) => void }) {
-  const students = chosen.members.filter((member) => member.role === "student").length;
+function Filters({ cohorts, exercises, filter, onQuery }:
+    { readonly cohorts: readonly Cohort[]; readonly exercises: readonly ExerciseSummary[]; readonly filter: Filter; readonly onQuery: Props["onQuery"] }) {
+  const chosen = cohorts.find((cohort) => cohort.id === filter.cohort);
+  const students = chosen?.members.filter((member) => member.role === "student").length;
   return (
-    <div class="picker">
-      <label for="cohort">Cohort</label>
-      <select id="cohort" value={chosen.id} onChange={(event) => onCohort(event.currentTarget.value)}>
-        {cohorts.map((cohort) => <option key={cohort.id} value={cohort.id}>{cohort.name}</option>)}
-      </select>
-      <span class="hint">{plural(students, "student")}</span>
+    <div class="filters">
+      <SelectField label="Cohort" value={filter.cohort} onValue={(cohort) => onQuery({ ...filter, cohort })}
+                   options={[{ value: "", title: "All" }, ...cohorts.map((cohort) => ({ value: cohort.id, title: cohort.name }))]} />
+      <SelectField label="Exercise" value={filter.exercise} onValue={(exercise) => onQuery({ ...filter, exercise })}
+                   options={[{ value: "", title: "All" }, ...exercises.map((exercise) => ({ value: exercise.id, title: exercise.title }))]} />
+      <SelectField label="State" value={filter.state} onValue={(state) => onQuery({ ...filter, state })}
+                   options={[{ value: "", title: "Any" }, ...kStates.map((state) => ({ value: state as string, title: stateText(state).title }))]} />
+      <SelectField label="Only with" value={filter.special} onValue={(special) => onQuery({ ...filter, special })}
+                   options={[{ value: "", title: "–" }, { value: "appeal", title: "Unanswered appeal" },
+                             ...Object.keys(kFlagTexts).map((flag) => ({ value: flag, title: flagText(flag as AttemptFlag).title }))]} />
+      {students !== undefined && <span class="hint">{plural(students, "student")}</span>}
     </div>
   );
 }
 
-// Loads page by page. While only the first page is shown and something in it is under way, it is asked for again.
-function AttemptList({ client, cohort, named }:
-                     { readonly client: Client; readonly cohort: string | undefined; readonly named: boolean }) {
-  const first = useRequest(cohort ?? "own", (signal) => client.attempts({ cohort, limit: kPageSize }, signal));
-  const exercises = useRequest("exercises", (signal) => client.exercises(signal));
-  const practice = new Set(exercises.loaded.state === "ready"
-    ? exercises.loaded.value.exercises.filter((exercise) => !exercise.graded).map((exercise) => exercise.id) : []);
-  const [more, setMore] = useState<readonly Attempt[]>([]);
-  const [next, setNext] = useState<string | null | undefined>();  // undefined: as the first page says
-  const [error, setError] = useState<ApiError>();
+function queryOf({ cohort, exercise, state, special, assignment, person }: Filter): AttemptQuery {
+  return {
+    cohort, exercise, assignment, person,
+    ...(state === "" ? {} : { state: state as AttemptState }),
+    ...(special === "appeal" ? { appeal: "open" } : special === "" ? {} : { flag: special as AttemptFlag }),
+  };
+}
 
-  const page = first.loaded.state === "ready" ? first.loaded.value : undefined;
-  const polling = more.length === 0 && (page?.attempts.some((attempt) => isUnderWay(attempt.state)) ?? false);
+// While only the first page is shown and something in it is under way, it is asked for again.
+function AttemptList({ client, filter, exercises, named }: ListProps & { readonly named: boolean }) {
+  const pages = usePages(JSON.stringify(filter), (cursor, signal) => client.attempts({ ...queryOf(filter), cursor, limit: kPageSize }, signal));
+  const practice = new Set(exercises.filter((exercise) => !exercise.graded).map((exercise) => exercise.id));
+  const polling = pages.onlyFirst && pages.items.some((attempt) => isUnderWay(attempt.state));
+  const { reload } = pages;
   useEffect(() => {
     if (!polling) return undefined;
-    const timer = setInterval(() => { if (!document.hidden) first.reload(); }, kPollMs);
+    const timer = setInterval(() => { if (!document.hidden) reload(); }, kPollMs);
     return () => clearInterval(timer);
-  }, [polling, first.reload]);
-
-  if (first.loaded.state === "failed") {
-    return <ErrorNotice title="The attempts could not be loaded" message={first.loaded.error.message} onRetry={first.reload} />;
-  }
-  if (page === undefined) return <Loading what="attempts" />;
-  const attempts = [...page.attempts, ...more];
-  if (attempts.length === 0) return <Empty>No attempt yet. They appear here while they are recorded at a station.</Empty>;
-  const before = next === undefined ? page.next : next;
-  const loadMore = async () => {
-    if (before === null) return;
-    const result = await client.attempts({ cohort, limit: kPageSize, before });
-    setError(result.ok ? undefined : result.error);
-    if (!result.ok) return;
-    setMore([...more, ...result.value.attempts]);
-    setNext(result.value.next);
-  };
+  }, [polling, reload]);
+  const open = (attempt: Attempt, text: string) => <a href={`/attempts/${attempt.id}`}>{text}</a>;
+  const columns: readonly Column<Attempt>[] = [
+    ...(named ? [{ title: "Student", cell: (attempt: Attempt) => open(attempt, attempt.person.display_name) },
+                 { title: "Exercise", cell: (attempt: Attempt) => attempt.exercise.title }]
+              : [{ title: "Exercise", cell: (attempt: Attempt) => open(attempt, attempt.exercise.title) }]),
+    { title: "When", cell: (attempt) => formatDateTime(attempt.ticketed_ms) },
+    { title: "Score", number: true, cell: (attempt) => <ScoreCell attempt={attempt} /> },
+    { title: "State", cell: (attempt) => <StateBadge attempt={attempt} /> },
+    { title: "Flags", cell: (attempt) => <Flags attempt={attempt} graded={!practice.has(attempt.exercise.id) || attempt.exam} /> },
+  ];
   return (
-    <>
-      <AttemptTable attempts={attempts} practice={practice} named={named} />
-      {error !== undefined && <ErrorNotice title="More attempts could not be loaded" message={error.message} />}
-      {before !== null && <button type="button" class="button" onClick={() => void loadMore()}>Show more</button>}
-    </>
+    <PagedList pages={pages} what="attempts" empty="No attempt yet. They appear here while they are recorded at a station.">
+      {(attempts) => <div class="card flush"><DataTable label="Attempts" items={attempts} rowKey={(attempt) => attempt.id} columns={columns} /></div>}
+    </PagedList>
   );
 }
 
-function AttemptTable({ attempts, practice, named }:
-                      { readonly attempts: readonly Attempt[]; readonly practice: ReadonlySet<string>; readonly named: boolean }) {
-  return (
-    <div class="card flush">
-      <TableFrame label="Attempts">
-        <table class="attempts">
-          <thead>
-            <tr>
-              {named && <th scope="col">Student</th>}
-              <th scope="col">Exercise</th><th scope="col">When</th><th scope="col" class="number">Score</th>
-              <th scope="col">State</th><th scope="col">Flags</th>
-            </tr>
-          </thead>
-          <tbody>
-            {attempts.map((attempt) =>
-              <AttemptRow key={attempt.id} attempt={attempt} graded={!practice.has(attempt.exercise.id)} named={named} />)}
-          </tbody>
-        </table>
-      </TableFrame>
-    </div>
-  );
-}
-
-function AttemptRow({ attempt, graded, named }: { readonly attempt: Attempt; readonly graded: boolean; readonly named: boolean }) {
-  const open = (text: string) => <a href={`/attempts/${attempt.id}`}>{text}</a>;
-  return (
-    <tr>
-      {named && <th scope="row">{open(attempt.person.display_name)}</th>}
-      {named ? <td>{attempt.exercise.title}</td> : <th scope="row">{open(attempt.exercise.title)}</th>}
-      <td>{formatDateTime(attempt.ticketed_ms)}</td>
-      <td class="number score-cell">{formatScore(attempt.score)}</td>
-      <td><StateBadge attempt={attempt} /></td>
-      <td><Flags attempt={attempt} graded={graded} /></td>
-    </tr>
-  );
+function ScoreCell({ attempt }: { readonly attempt: Attempt }) {
+  const set = attempt.score !== null && attempt.computed_score !== null && attempt.score !== attempt.computed_score;
+  return <span class="score-cell">{formatScore(attempt.score)}{set && <span class="sub">computed {formatScore(attempt.computed_score)}</span>}</span>;
 }

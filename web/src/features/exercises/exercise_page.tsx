@@ -3,55 +3,75 @@ import type { Attempt, Exercise } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { formatDateTime, formatNumber, formatQuantity, formatScore, micrometresAsMm } from "../../base/format";
 import { Flags, StateBadge } from "../../widgets/attempt_state";
-import { Badge, Card, Empty, ErrorNotice, Loading, PageTitle, TableFrame } from "../../widgets/basics";
-import { burText } from "./exercises_page";
+import { Badge, Card, Empty, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
+import { DataTable } from "../../widgets/table";
+import { burText, fullMarksText, kStateTexts, noMarksText, shankText, timeLimitText, versionText } from "./exercise_text";
+import { ReferencesCard, VersionsCard } from "./history_cards";
+import { InitialTooth } from "./initial_tooth";
+import { StaffActions } from "./staff_actions";
 
 const kAttemptsShown = 50;
 
-export function ExercisePage({ client, id, personId }:
-                             { readonly client: Client; readonly id: string; readonly personId: string }) {
-  const exercise = useRequest(id, (signal) => client.exercise(id, signal));
-  const attempts = useRequest(`${id} ${personId}`, (signal) =>
-    client.attempts({ exercise: id, person: personId, limit: kAttemptsShown }, signal));
-  if (exercise.loaded.state === "loading") return <Loading what="the exercise" />;
-  if (exercise.loaded.state === "failed") {
+interface Props {
+  readonly client: Client;
+  readonly id: string;
+  readonly personId: string;
+  readonly teacher: boolean;
+  readonly onOpen: (path: string) => void;
+}
+
+export function ExercisePage({ client, id, personId, teacher, onOpen }: Props) {
+  const { loaded, reload } = useRequest(id, (signal) => client.teaching.exercise(id, signal));
+  if (loaded.state === "loading") return <Loading what="the exercise" />;
+  if (loaded.state === "failed") {
     return (
       <>
         <PageTitle document="Exercise">Exercise</PageTitle>
-        <ErrorNotice title="The exercise could not be loaded" message={exercise.loaded.error.message} onRetry={exercise.reload} />
+        <ErrorNotice title="The exercise could not be loaded" message={loaded.error.message} onRetry={reload} />
       </>
     );
   }
-  const value = exercise.loaded.value;
+  const exercise = loaded.value.value;
+  const state = kStateTexts[exercise.state];
   return (
     <>
       <nav class="trail" aria-label="Where you are"><a href="/exercises">Exercises</a></nav>
-      <div class="title-row">
-        <PageTitle document={value.title}>{value.title}</PageTitle>
-        <Badge tone="neutral">{value.graded ? "Graded: the score shows after release" : "Practice: the score shows at once"}</Badge>
+      <div class="attempt-head">
+        <div>
+          <div class="title-row">
+            <PageTitle document={exercise.title}>{exercise.title}</PageTitle>
+            {teacher && <Badge tone={state.tone}>{state.title}</Badge>}
+            <Badge tone="neutral">{exercise.graded ? "Graded: the score shows after release" : "Practice: the score shows at once"}</Badge>
+          </div>
+          {teacher && <p class="byline"><code>{exercise.name}</code>, {versionText(exercise)}</p>}
+        </div>
+        {teacher && <StaffActions client={client} exercise={exercise} tag={loaded.value.tag} onChanged={reload} onOpen={onOpen} />}
       </div>
-      <p class="lead instructions">{value.instructions}</p>
+      <p class="lead instructions">{exercise.instructions}</p>
       <div class="columns">
-        <Card title="What is asked"><Target exercise={value} /></Card>
-        <Card title="How it is scored"><Rubric exercise={value} /></Card>
+        <div class="stack">
+          <Card title="What is asked"><Target exercise={exercise} /></Card>
+          <Card title="How it is scored"><Rubric exercise={exercise} /></Card>
+        </div>
+        <InitialTooth client={client} exercise={exercise} />
       </div>
-      <Card title="My attempts">
-        {attempts.loaded.state === "loading" && <Loading what="attempts" />}
-        {attempts.loaded.state === "failed" &&
-          <ErrorNotice title="The attempts could not be loaded" message={attempts.loaded.error.message} onRetry={attempts.reload} />}
-        {attempts.loaded.state === "ready" && <OwnAttempts attempts={attempts.loaded.value.attempts} graded={value.graded} />}
-      </Card>
+      {teacher
+        ? <div class="columns"><ReferencesCard client={client} exercise={exercise} /><VersionsCard client={client} exercise={exercise} /></div>
+        : <OwnAttempts client={client} exercise={exercise} personId={personId} />}
     </>
   );
 }
 
 function Target({ exercise }: { readonly exercise: Exercise }) {
-  const { target } = exercise;
+  const { target, handpiece } = exercise;
   return (
     <dl class="facts stacked">
       <div><dt>Bur</dt><dd>{burText(exercise.bur)}</dd></div>
-      <div><dt>Length, mesial to distal</dt><dd>{micrometresAsMm(2 * target.half_size_um[0])}</dd></div>
-      <div><dt>Width, buccal to lingual</dt><dd>{micrometresAsMm(2 * target.half_size_um[1])}</dd></div>
+      <div><dt>Shank</dt><dd>{shankText(exercise.bur)}</dd></div>
+      <div><dt>Handpiece</dt><dd>{handpiece === null ? "Keeps its speed" : `Stalls at ${formatNumber(handpiece.stall_un_m / 1000, 2)} mN·m`}</dd></div>
+      <div><dt>Time limit</dt><dd>{timeLimitText(exercise.time_limit_s)}</dd></div>
+      <div><dt>Length, mesial to distal</dt><dd>{micrometresAsMm(2 * (target.half_size_um[0] ?? 0))}</dd></div>
+      <div><dt>Width, buccal to lingual</dt><dd>{micrometresAsMm(2 * (target.half_size_um[1] ?? 0))}</dd></div>
       <div><dt>Depth</dt><dd>{micrometresAsMm(target.depth_um)}</dd></div>
       <div><dt>May go beyond the walls</dt><dd>{micrometresAsMm(target.leeway_side_um)}</dd></div>
       <div><dt>May go below the floor</dt><dd>{micrometresAsMm(target.leeway_bottom_um)}</dd></div>
@@ -64,53 +84,33 @@ function Rubric({ exercise }: { readonly exercise: Exercise }) {
   const { criteria } = exercise.rubric;
   const total = criteria.reduce((sum, criterion) => sum + criterion.points, 0);
   return (
-    <TableFrame label="Rubric">
-      <table>
-        <thead><tr><th scope="col">Criterion</th><th scope="col">Full marks</th><th scope="col">No marks</th><th scope="col" class="number">Points</th></tr></thead>
-        <tbody>
-          {criteria.map((criterion) => {
-            const ends = markEnds(criterion.map);
-            return (
-              <tr key={criterion.metric}>
-                <th scope="row">{criterion.title}</th>
-                <td>{ends.full === undefined ? "–" : formatQuantity(ends.full, criterion.unit)}</td>
-                <td>{ends.none === undefined ? "–" : formatQuantity(ends.none, criterion.unit)}</td>
-                <td class="number">{formatNumber(criterion.points, 1)}</td>
-              </tr>
-            );
-          })}
-        </tbody>
-        <tfoot><tr><th scope="row" colSpan={3}>Total</th><td class="number">{formatNumber(total, 1)}</td></tr></tfoot>
-      </table>
-    </TableFrame>
+    <>
+      <DataTable label="Rubric" items={criteria} rowKey={(criterion) => criterion.metric} dense columns={[
+        { title: "Criterion", cell: (criterion) => (
+          <>{criterion.title}{criterion.fails_above !== null && <span class="sub">Above {formatQuantity(criterion.fails_above, criterion.unit)} the whole attempt is not passed</span>}</>) },
+        { title: "Full marks", cell: (criterion) => fullMarksText(criterion.map, criterion.unit) },
+        { title: "No marks", cell: (criterion) => noMarksText(criterion.map, criterion.unit) },
+        { title: "Points", number: true, cell: (criterion) => formatNumber(criterion.points, 1) },
+      ]} />
+      <p class="hint">{formatNumber(total, 1)} points in all.</p>
+    </>
   );
 }
 
-// The value nearest to the middle of the marks that still has all of them, and the first with none.
-function markEnds(map: ReadonlyArray<{ readonly value: number; readonly share: number }>) {
-  const full = map.filter((point) => point.share >= 1);
-  const none = map.filter((point) => point.share <= 0);
-  const falling = (map.at(0)?.share ?? 0) >= (map.at(-1)?.share ?? 0);
-  return falling ? { full: full.at(-1)?.value, none: none.at(0)?.value } : { full: full.at(0)?.value, none: none.at(-1)?.value };
-}
-
-function OwnAttempts({ attempts, graded }: { readonly attempts: readonly Attempt[]; readonly graded: boolean }) {
-  if (attempts.length === 0) return <Empty>No attempt yet. Sign in at a station and choose this exercise there.</Empty>;
+function OwnAttempts({ client, exercise, personId }: { readonly client: Client; readonly exercise: Exercise; readonly personId: string }) {
+  const { loaded, reload } = useRequest(exercise.id, (signal) => client.attempts({ exercise: exercise.id, person: personId, limit: kAttemptsShown }, signal));
   return (
-    <TableFrame label="My attempts at this exercise">
-      <table>
-        <thead><tr><th scope="col">When</th><th scope="col">State</th><th scope="col" class="number">Score</th><th scope="col">Flags</th></tr></thead>
-        <tbody>
-          {attempts.map((attempt) => (
-            <tr key={attempt.id}>
-              <th scope="row"><a href={`/attempts/${attempt.id}`}>{formatDateTime(attempt.ticketed_ms)}</a></th>
-              <td><StateBadge attempt={attempt} /></td>
-              <td class="number score-cell">{formatScore(attempt.score)}</td>
-              <td><Flags attempt={attempt} graded={graded} /></td>
-            </tr>
-          ))}
-        </tbody>
-      </table>
-    </TableFrame>
+    <Card title="My attempts">
+      {loaded.state === "loading" && <Loading what="attempts" />}
+      {loaded.state === "failed" && <ErrorNotice title="The attempts could not be loaded" message={loaded.error.message} onRetry={reload} />}
+      {loaded.state === "ready" && (loaded.value.items.length === 0 ? <Empty>No attempt yet. Sign in at a station and choose this exercise there.</Empty> : (
+        <DataTable label="My attempts at this exercise" items={loaded.value.items} rowKey={(attempt) => attempt.id} columns={[
+          { title: "When", cell: (attempt: Attempt) => <a href={`/attempts/${attempt.id}`}>{formatDateTime(attempt.ticketed_ms)}</a> },
+          { title: "State", cell: (attempt: Attempt) => <StateBadge attempt={attempt} /> },
+          { title: "Score", number: true, cell: (attempt: Attempt) => <span class="score-cell">{formatScore(attempt.score)}</span> },
+          { title: "Flags", cell: (attempt: Attempt) => <Flags attempt={attempt} graded={exercise.graded || attempt.exam} /> },
+        ]} />
+      ))}
+    </Card>
   );
 }

@@ -1,5 +1,6 @@
 import { useEffect, useRef, useState } from "preact/hooks";
-import type { ApiError, Client } from "../../api/client";
+import type { Client } from "../../api/client";
+import type { ApiError } from "../../api/http";
 import type { Session } from "../../api/types";
 import { Notice } from "../../widgets/basics";
 import { BrandMark } from "../../widgets/brand";

@@ -23,6 +23,7 @@ export interface AngledView {
 export interface SurfacePoint {
   readonly tissue: number;
   readonly deviationMm: number | undefined;   // NaN: untouched; undefined: nothing to compare with
+  readonly pointMm: PointMm;                  // where exactly
 }
 
 // From what is looked at towards the camera; scene frame. "angled" is given by who shows the tooth.
@@ -73,6 +74,7 @@ export class ToothScene {
     this.camera.up.set(0, 0, 1);
     this.controls = this.orbit();
     this.cleanup.add(() => this.frame.cancel());
+    this.cleanup.listen(window, "beforeprint", () => this.draw());  // paper gets what was drawn last
     this.view("angled");
   }
 
@@ -96,6 +98,11 @@ export class ToothScene {
     this.trail.geometry.dispose();
     this.trail.geometry = new BufferGeometry().setFromPoints(path.map((p) => new Vector3(...p)));
     this.trail.visible = path.length > 1;
+    this.frame.request();
+  }
+
+  // What lies over the picture has moved without it.
+  redraw(): void {
     this.frame.request();
   }
 
@@ -137,9 +144,10 @@ export class ToothScene {
     const pointer = new Vector2((2 * x) / this.canvas.clientWidth - 1, 1 - (2 * y) / this.canvas.clientHeight);
     const ray = new Raycaster();
     ray.setFromCamera(pointer, this.camera);
-    const vertex = ray.intersectObject(this.tooth, false)[0]?.face?.a;
-    if (vertex === undefined) return undefined;
-    return { tissue: this.surface.tissue[vertex] ?? 0, deviationMm: this.surface.deviationMm?.[vertex] };
+    const hit = ray.intersectObject(this.tooth, false)[0];
+    const vertex = hit?.face?.a;
+    if (hit === undefined || vertex === undefined) return undefined;
+    return { tissue: this.surface.tissue[vertex] ?? 0, deviationMm: this.surface.deviationMm?.[vertex], pointMm: hit.point.toArray() };
   }
 
   private draw(): void {

@@ -5,6 +5,15 @@ import { formatNumber } from "../../base/format";
 import type { AngledView, CameraPreset, ColorMode, PointMm, SurfacePoint, ToothScene } from "./scene";
 import { tissueTitle } from "./tissue";
 
+// A numbered mark at a point of the tooth.
+export interface ToothPin {
+  readonly key: string;
+  readonly text: string;                        // short: drawn in the mark
+  readonly label: string;
+  readonly pointMm: PointMm;
+  readonly chosen: boolean;
+}
+
 interface Props {
   readonly surface: Surface;
   readonly mode: ColorMode;
@@ -12,6 +21,9 @@ interface Props {
   readonly angled: AngledView;                  // what the view begins with
   readonly tool?: PointMm | undefined;
   readonly path?: readonly PointMm[];
+  readonly pins?: readonly ToothPin[];
+  readonly onPin?: (key: string) => void;
+  readonly onPick?: ((point: PointMm) => void) | undefined;  // a click on the tooth that does not turn it
 }
 
 const kPresets: ReadonlyArray<readonly [CameraPreset, string]> = [
@@ -24,10 +36,12 @@ const kKeyStepRad = Math.PI / 24;
 const kKeyZoom = 1.15;
 const kSameMm = 0.005;                          // shown as no deviation: rounds to zero
 const kLabelMarginPx = [38, 18] as const;       // half a label and a little air
+const kClickMovesPx = 4;                        // more is a turn of the tooth
+const kNoPins: readonly ToothPin[] = [];
 const kLabelMinShare = 0.12;                    // of the picture's height: shorter points at the viewer
 
 // A tooth to turn: by mouse, finger, arrow keys, + and −, and the preset buttons.
-export function ToothView({ surface, mode, label, angled, tool, path }: Props) {
+export function ToothView({ surface, mode, label, angled, tool, path, pins = kNoPins, onPin, onPick }: Props) {
   const frame = useRef<HTMLDivElement>(null);
   const scene = useRef<ToothScene | undefined>(undefined);
   const [problem, setProblem] = useState("");
@@ -54,15 +68,30 @@ export function ToothView({ surface, mode, label, angled, tool, path }: Props) {
 
   useEffect(() => scene.current?.setMode(mode), [mode, ready]);
   useEffect(() => scene.current?.setTool(tool, path ?? []), [tool, path, ready]);
+  useEffect(() => scene.current?.redraw(), [pins, ready]);
+  const pressed = useRef<readonly [number, number]>([0, 0]);
+  const pick = (event: MouseEvent) => {
+    const [x, y] = pressed.current;
+    if (onPick === undefined || Math.hypot(event.clientX - x, event.clientY - y) > kClickMovesPx) return;
+    if (!(event.target instanceof HTMLCanvasElement)) return;
+    const box = event.target.getBoundingClientRect();
+    const hit = scene.current?.pick(event.clientX - box.left, event.clientY - box.top);
+    if (hit !== undefined) onPick(hit.pointMm);
+  };
 
   return (
     <div class="tooth">
-      <div class="tooth-frame" ref={frame} tabIndex={0} role="application" aria-roledescription="3-D view" aria-label={label}
+      <div class={onPick === undefined ? "tooth-frame" : "tooth-frame picking"} ref={frame} tabIndex={0} role="application" aria-roledescription="3-D view" aria-label={label}
            aria-describedby="tooth-keys" aria-busy={!ready && problem === ""}
            onKeyDown={(event) => handleKey(event, scene.current)}
            onFocus={() => scene.current?.setZoomEnabled(true)} onBlur={() => scene.current?.setZoomEnabled(false)}
+           onPointerDown={(event) => { pressed.current = [event.clientX, event.clientY]; }} onClick={pick}
            onPointerMove={(event) => setUnder(pickAt(event, scene.current))} onPointerLeave={() => setUnder(undefined)}>
         {kDirections.map(([name]) => <span key={name} class="tooth-direction" aria-hidden="true">{name}</span>)}
+        {pins.map((pin) => (
+          <button key={pin.key} type="button" class={pin.chosen ? "tooth-pin chosen" : "tooth-pin"} aria-label={pin.label} aria-pressed={pin.chosen}
+                  data-point={pin.pointMm.join(" ")} onClick={() => onPin?.(pin.key)}>{pin.text}</button>
+        ))}
         {problem !== "" && <p class="tooth-problem">{problem}</p>}
         {under !== undefined && <p class="tooth-under" aria-hidden="true">{pointText(under)}</p>}
       </div>
@@ -84,7 +113,10 @@ function openScene(Scene: typeof ToothScene, element: HTMLElement, surface: Surf
   const canvas = document.createElement("canvas");
   canvas.setAttribute("aria-hidden", "true");
   const labels = [...element.querySelectorAll<HTMLElement>(".tooth-direction")];
-  const scene = new Scene(canvas, surface, angled, (project, centre, radius) => placeLabels(labels, element, project, centre, radius));
+  const scene = new Scene(canvas, surface, angled, (project, centre, radius) => {
+    placeLabels(labels, element, project, centre, radius);
+    placePins(element, project);
+  });
   element.prepend(canvas);
   cleanup.add(() => canvas.remove());
   cleanup.add(() => scene.dispose());
@@ -111,6 +143,14 @@ function placeLabels(labels: readonly HTMLElement[], frame: HTMLElement, project
     label.style.visibility = visible ? "visible" : "hidden";
     if (visible) label.style.transform = `translate(-50%, -50%) translate(${half[0] + dx * toEdge}px, ${half[1] + dy * toEdge}px)`;
   });
+}
+
+function placePins(frame: HTMLElement, project: (point: PointMm) => PointMm): void {
+  for (const pin of frame.querySelectorAll<HTMLElement>(".tooth-pin")) {
+    const [x = 0, y = 0, z = 0] = (pin.dataset["point"] ?? "").split(" ").map(Number);
+    const [left, top] = project([x, y, z]);
+    pin.style.transform = `translate(-50%, -50%) translate(${left.toFixed(1)}px, ${top.toFixed(1)}px)`;
+  }
 }
 
 function handleKey(event: KeyboardEvent, scene: ToothScene | undefined): void {

@@ -1,0 +1,246 @@
+// What an admin does, against the mock server.
+import assert from "node:assert/strict";
+import { accessible, chooseFile, downloaded, signedIn, signIn } from "./session.mjs";
+
+const id = (number) => `00000000-0000-7000-8000-${String(number).padStart(12, "0")}`;
+const kLongAgo = -600_000;
+
+export const adminFlows = [
+  { name: "a one-time password has to be changed before anything else", run: forcedPassword },
+  { name: "own sessions are listed and ended", run: ownSessions },
+  { name: "an admin finds, edits and disables a person, and a conflict shows both values", run: editPerson },
+  { name: "a password is reset after the admin's own was given again, and shown once", run: resetPassword },
+  { name: "a person is erased only when the login is repeated", run: erase },
+  { name: "a roster with problems changes nothing, a right one is imported after a look", run: importRoster },
+  { name: "a cohort gets and loses members, and its grades are saved without a formula in them", run: cohortAndGrades },
+  { name: "a station is enrolled by a code, renamed and revoked", run: stations },
+  { name: "a device profile is judged by its criteria, and a calibration is added", run: profiles },
+  { name: "a job is cancelled, and the audit is narrowed", run: jobsAndAudit },
+];
+
+async function forcedPassword(world) {
+  const { page } = await world.open();
+  await page.goto("/attempts");
+  await signIn(page, world.mock.people.find((person) => person.login === "newcomer"));
+  await page.getByRole("heading", { level: 1, name: "Choose a password of your own" }).waitFor();
+  await accessible(page, "the forced change of a password");
+  const fill = async (old, fresh, again) => {
+    await page.getByLabel("Password until now").fill(old);
+    await page.getByLabel("New password", { exact: true }).fill(fresh);
+    await page.getByLabel("New password again").fill(again);
+    await page.getByRole("button", { name: "Change password" }).click();
+  };
+  await fill("given by the office", "a new long phrase", "another long phrase");
+  await page.getByText("The two are not the same").waitFor();
+  await accessible(page, "a password that was not repeated alike");
+  await fill("not the one of before", "a new long phrase", "a new long phrase");
+  await page.getByRole("alert").waitFor();
+  await fill("given by the office", "a new long phrase", "a new long phrase");
+  await page.getByRole("heading", { level: 1, name: "My attempts" }).waitFor();
+}
+
+async function ownSessions(world) {
+  const page = await signedIn(world, "student", "/account");
+  await signedIn(world, "student");
+  await page.reload();
+  const table = page.getByRole("table", { name: "Your sessions" });
+  await table.getByRole("button", { name: "End…" }).first().click();
+  await accessible(page, "a question before something is ended");
+  await page.getByRole("button", { name: "End session" }).click();
+  await page.getByRole("dialog").waitFor({ state: "detached" });
+  await table.getByRole("row").nth(2).waitFor({ state: "detached" });
+  await page.getByText("This one").first().waitFor();
+}
+
+async function editPerson(world) {
+  const page = await signedIn(world, "admin", "/people");
+  await page.getByLabel("Name or login").fill("two");
+  await page.getByRole("button", { name: "Search" }).click();
+  await page.getByRole("link", { name: "Student Two" }).click();
+  const name = page.getByLabel("Name", { exact: true });
+  await name.fill("Student Two the Second");
+  await page.getByRole("button", { name: "Save" }).click();
+  await page.getByText("Saved.").waitFor();
+
+  // Somebody else changes the same person meanwhile.
+  const person = world.mock.people.find((item) => item.login === "student2");
+  Object.assign(person, { display_name: "Named by another admin", revision: person.revision + 1 });
+  await name.fill("Named by me");
+  await page.getByRole("button", { name: "Save" }).click();
+  await page.getByText("Somebody changed it meanwhile").waitFor();
+  const differs = await page.getByRole("table", { name: "What differs" }).innerText();
+  assert.match(differs, /Named by another admin/);
+  assert.match(differs, /Named by me/);
+  await accessible(page, "a conflict");
+  await page.screenshot({ path: world.picture("conflict"), fullPage: true });
+  await page.getByRole("button", { name: "Save mine over them" }).click();
+  await page.getByText("Saved.").waitFor();
+  assert.equal(person.display_name, "Named by me");
+
+  await page.getByRole("button", { name: "Disable…" }).click();
+  await page.getByRole("dialog").waitFor();
+  await page.keyboard.press("Escape");
+  await page.getByRole("dialog").waitFor({ state: "detached" });
+  assert.equal(person.disabled, false, "Escape leaves everything as it is");
+  await page.getByRole("button", { name: "Disable…" }).click();
+  await page.getByRole("button", { name: "Disable", exact: true }).click();
+  await page.locator(".badge", { hasText: "Disabled" }).waitFor();
+  assert.equal(person.disabled, true);
+}
+
+async function resetPassword(world) {
+  const page = await signedIn(world, "admin", `/people/${id(2)}`);
+  for (const session of world.mock.sessions.values()) session.confirmedMs = world.mock.nowMs + kLongAgo;
+  await page.getByRole("button", { name: "Reset the password…" }).click();
+  await page.getByRole("button", { name: "Reset the password", exact: true }).click();
+  await page.getByRole("heading", { name: "Your password, please" }).waitFor();
+  await accessible(page, "the question for the password");
+  await page.getByLabel("Your password", { exact: true }).fill("a wrong one");
+  await page.getByRole("button", { name: "Go on" }).click();
+  await page.getByText("This is not your password").waitFor();
+  await page.getByLabel("Your password", { exact: true }).fill(world.logins.admin.password);
+  await page.getByRole("button", { name: "Go on" }).click();
+  await page.getByText("amber kettle north").waitFor();
+  await accessible(page, "a new password");
+  await page.screenshot({ path: world.picture("one_time_password") });
+  await page.getByRole("button", { name: "I have noted it" }).click();
+  await page.getByRole("dialog").waitFor({ state: "detached" });
+  assert.equal(await page.getByText("amber kettle north").count(), 0);
+}
+
+async function erase(world) {
+  const page = await signedIn(world, "admin", `/people/${id(1002)}`);
+  await page.getByRole("button", { name: "Erase this person…" }).click();
+  await page.getByLabel(/^Type the login/).fill("somebody else");
+  await page.getByRole("button", { name: "Erase for ever" }).click();
+  await page.getByText("expected the person's login").waitFor();
+  await accessible(page, "the question before erasing");
+  await page.getByLabel(/^Type the login/).fill("student5");
+  await page.getByRole("button", { name: "Erase for ever" }).click();
+  await page.getByRole("heading", { level: 1, name: "People" }).waitFor();
+  assert.ok(world.mock.people.every((person) => person.login !== "student5"));
+}
+
+async function importRoster(world) {
+  const page = await signedIn(world, "admin", "/roster");
+  const before = world.mock.people.length;
+  await chooseFile(page, "Roster (CSV)", "first.csv", "login,display_name,role,cohort\nnew.one,New One,studnet,A\nnew.two,=HYPERLINK(1),student,A\n");
+  await page.getByText("2 problems: nothing was imported").waitFor();
+  const problems = await page.getByRole("table", { name: "Problems in the roster" }).innerText();
+  assert.match(problems, /2\s+role\s+studnet\s+student, instructor or admin/);
+  assert.match(problems, /3\s+display_name/);
+  assert.equal(await page.getByRole("button", { name: /^Import/ }).count(), 0);
+  await accessible(page, "a roster with problems");
+  await page.screenshot({ path: world.picture("roster_problems"), fullPage: true });
+  assert.equal(world.mock.people.length, before);
+
+  await chooseFile(page, "Roster (CSV)", "second.csv", "login,display_name,role,cohort\nnew.one,New One,student,A\nnew.two,-New Two,student,A\nstudent,Student One,student,A\n".replace("-New", "New"));
+  await page.getByText("2 new, 0 changed, 1 as they are").waitFor();
+  assert.equal(world.mock.people.length, before, "a look changes nothing");
+  await accessible(page, "a roster before its import");
+  await page.getByRole("button", { name: "Import 2 people" }).click();
+  await page.getByText("Passwords are shown only now").waitFor();
+  await accessible(page, "an imported roster");
+  const file = await downloaded(page, () => page.getByRole("button", { name: "Save 2 passwords as CSV" }).click());
+  assert.match(file.text, /new\.one,New One,A,copper lantern 1\r\n/);
+  assert.equal(world.mock.people.length, before + 2);
+}
+
+async function cohortAndGrades(world) {
+  const page = await signedIn(world, "admin", `/cohorts/${id(10)}`);
+  const cohort = world.mock.cohorts[0];
+  const stranger = world.mock.people.find((person) => person.login === "student100");
+  stranger.display_name = "=HYPERLINK(1) Hundred";
+  await page.getByLabel("Add somebody: name or login").fill("student100");
+  await page.getByRole("button", { name: "Find" }).click();
+  await page.getByRole("button", { name: "Add =HYPERLINK(1) Hundred" }).click();
+  await page.getByRole("link", { name: "=HYPERLINK(1) Hundred", exact: true }).waitFor();
+  assert.ok(cohort.members.includes(stranger.id));
+
+  const file = await downloaded(page, () => page.getByRole("button", { name: "Save grades as CSV" }).click());
+  assert.equal(file.name, "Preclinic_first_term_grades.csv");
+  const rows = file.text.replace(/^\uFEFF/, "").trim().split("\r\n");
+  assert.equal(rows.length, 1 + cohort.members.length - 1, "a row for each student");
+  assert.ok(rows.some((row) => row.includes("'=HYPERLINK(1) Hundred")), "a name that looks like a formula is none");
+  assert.ok(rows.every((row) => !/(^|,)"?=/.test(row)));
+
+  await page.getByRole("button", { name: "Remove… =HYPERLINK(1) Hundred" }).click();
+  await page.getByRole("button", { name: "Remove", exact: true }).click();
+  await page.getByRole("link", { name: "=HYPERLINK(1) Hundred", exact: true }).waitFor({ state: "detached" });
+  assert.ok(!cohort.members.includes(stranger.id));
+}
+
+async function stations(world) {
+  const page = await signedIn(world, "admin", "/stations");
+  await page.getByRole("button", { name: "Make a code" }).click();
+  const command = await page.locator(".copy-text").first().innerText();
+  assert.match(command, /^enamel-station enrol --server 127\.0\.0\.1:\d+ --code [0-9a-f]+@[0-9a-f]{64} --name /);
+  await accessible(page, "a new enrolment code");
+  await page.screenshot({ path: world.picture("enrol") });
+  await page.getByRole("button", { name: "Close" }).click();
+  await page.getByRole("button", { name: "Withdraw…" }).first().click();
+  await page.getByRole("button", { name: "Withdraw the code" }).click();
+  await page.getByRole("dialog").waitFor({ state: "detached" });
+
+  await page.getByRole("button", { name: "Rename… Station 4" }).click();
+  await page.getByLabel("Name", { exact: true }).fill("Station 1");
+  await page.getByRole("button", { name: "Rename", exact: true }).click();
+  await page.getByText("expected a name that no station has").waitFor();
+  await accessible(page, "a name that is taken");
+  await page.getByLabel("Name", { exact: true }).fill("Window seat");
+  await page.getByRole("button", { name: "Rename", exact: true }).click();
+  await page.getByRole("rowheader", { name: "Window seat" }).waitFor();
+
+  await page.getByRole("button", { name: "Revoke… Window seat" }).click();
+  await page.getByRole("button", { name: "Revoke the station" }).click();
+  await page.getByRole("row", { name: /Window seat/ }).getByText("Revoked").waitFor();
+}
+
+async function profiles(world) {
+  const page = await signedIn(world, "admin", "/profiles");
+  const label = "Profile document (JSON)";
+  const save = () => page.getByRole("button", { name: "Check and save" }).click();
+  await chooseFile(page, label, "empty.json", "{}");
+  await save();
+  await page.getByText("coupling_mn_per_mm.value: expected a whole number").waitFor();
+  await chooseFile(page, label, "wild.json", JSON.stringify({ name: "phantom_desktop", coupling_mn_per_mm: { value: 9000 } }));
+  await save();
+  await page.getByText("would not be stable").waitFor();
+  await page.getByRole("row", { name: /Coupling against damping/ }).getByText("Not met").waitFor();
+  await accessible(page, "a refused profile");
+  await page.screenshot({ path: world.picture("profile_refused"), fullPage: true });
+  await chooseFile(page, label, "tame.json", JSON.stringify({ name: "phantom_desktop", coupling_mn_per_mm: { value: 1000 } }));
+  await save();
+  await page.getByText("Saved as version 3 of phantom_desktop").waitFor();
+
+  await page.getByRole("link", { name: "Phantom Desktop" }).click();
+  await page.locator(".trend").first().waitFor();
+  await chooseFile(page, "Add a calibration (JSON)", "c.json", JSON.stringify({
+    profile: "phantom_desktop", device: "hid:0451:bef3 serial 7", station: "Station 1", software: "enamel-station 1.0.0", method: "Guided", measured_ms: Date.now(),
+    measured: { friction_mn: { value: 63, uncertainty: 3, samples: 900 } } }));
+  await page.getByRole("region", { name: "Calibrations" }).getByRole("button", { name: "Add", exact: true }).click();
+  await page.getByRole("heading", { name: "hid:0451:bef3 serial 7" }).waitFor();
+}
+
+async function jobsAndAudit(world) {
+  const page = await signedIn(world, "admin", "/jobs");
+  await page.getByRole("button", { name: "Cancel…" }).first().click();
+  await page.getByRole("button", { name: "Cancel the job" }).click();
+  await page.getByRole("dialog").waitFor({ state: "detached" });
+  assert.ok(world.mock.jobs.some((job) => job.state === "cancelled"));
+  await page.getByLabel("State").selectOption("failed");
+  await page.getByText("The volume of the scene is missing.").waitFor();
+  assert.equal(await page.locator("tbody tr").count(), 1);
+
+  await page.getByRole("link", { name: "Audit" }).click();
+  await page.getByLabel("Who (login)").fill("nobody");
+  await page.getByRole("button", { name: "Search" }).click();
+  await page.getByText("Nobody has this login.").waitFor();
+  await page.getByLabel("Who (login)").fill("admin");
+  await page.getByLabel("What").fill("person.");
+  await page.getByRole("button", { name: "Search" }).click();
+  await page.waitForURL(/action=person/);
+  await page.getByRole("row").filter({ hasText: "attempt.release" }).first().waitFor({ state: "detached" });
+  const file = await downloaded(page, () => page.getByRole("button", { name: "Save what is shown as CSV" }).click());
+  assert.ok(file.text.split("\r\n").slice(1, -1).every((row) => row.includes("person.edit")));
+}

@@ -1,0 +1,330 @@
+// Exercises, assignments and attempts of the mock server.
+import { referenceDetail, scoreOf, seriesOf } from "./mock_data.mjs";
+import { conflict, edit, empty, forbidden, invalid, json, notFound, page, refusal, tagged } from "./mock_reply.mjs";
+import { toothSurface } from "./mock_tooth.mjs";
+import { newId } from "./mock_world.mjs";
+
+const kScoringStep = 0.25;
+const kLiveEventMs = 120;
+const kRowsPerEvent = 8;
+
+const byId = (rows, id) => rows.find((row) => row.id === id);
+const teaches = (person) => person.role !== "student";
+
+// Exercises
+
+function summaryFor(world, person, exercise) {
+  const { target: _target, rubric: _rubric, law: _law, rate_hz: _rate, handpiece: _handpiece, scene_sha256: _scene, document_sha256: _document, ...summary } = exercise;
+  return { ...summary, my_attempts: world.attempts.filter((row) => row.exercise.id === exercise.id && row.person.id === person.id).length };
+}
+
+const wholeFor = (world, person, exercise) => ({ ...exercise, ...summaryFor(world, person, exercise) });
+
+function listExercises({ world, person, query }) {
+  const state = query.get("state");
+  if (state !== null && !teaches(person)) return forbidden();
+  const rows = world.exercises.filter((exercise) => exercise.state === (state ?? "published"));
+  return json({ exercises: rows.map((exercise) => summaryFor(world, person, exercise)) });
+}
+
+function checkedDocument(world, body) {
+  if (body?.format === undefined) return invalid("format", "expected 1 or 2, found nothing");
+  if (body.rubric?.criteria?.length > 0 !== true) return invalid("rubric.criteria", "expected 1 to 64 criteria, found none");
+  return { ...world.exercises[0], name: body.name, title: body.title, instructions: body.instructions ?? "", graded: body.graded === true };
+}
+
+function putDraft({ world, person, body }) {
+  const checked = checkedDocument(world, body);
+  if (checked.status !== undefined) return checked;
+  if (world.exercises.some((row) => row.name === body.name && row.state === "draft")) return conflict("There is a draft of that name already: replace it.");
+  const draft = { ...checked, id: newId(world), state: "draft", version: 0, revision: 1, has_reference: false, published_ms: world.nowMs };
+  world.exercises.push(draft);
+  return tagged(wholeFor(world, person, draft), 201);
+}
+
+function changeDraft({ world, person, request, id }, change) {
+  const exercise = byId(world.exercises, id);
+  if (exercise === undefined) return notFound();
+  return edit(request, exercise, (row) => wholeFor(world, person, row), change);
+}
+
+function replaceDraft(call) {
+  const checked = checkedDocument(call.world, call.body);
+  if (checked.status !== undefined) return checked;
+  const { name, title, instructions, graded } = checked;
+  return changeDraft(call, (row) => void Object.assign(row, { name, title, instructions, graded }));
+}
+
+function deleteDraft(call) {
+  const reply = changeDraft(call, () => undefined);
+  if (reply.status !== 200) return reply;
+  call.world.exercises = call.world.exercises.filter((row) => row.id !== call.id);
+  return empty();
+}
+
+function versionsOf({ world, id }) {
+  const { name } = byId(world.exercises, id);
+  return json({ versions: world.exercises.filter((row) => row.name === name).map(({ id: own, title, version, state, document_sha256, published_ms }) =>
+    ({ id: own, title, version, state, document_sha256, published_ms })) });
+}
+
+// Assignments
+
+function assignmentView(world, row, person) {
+  const exercise = world.exercises.find((item) => item.name === row.exercise && item.state === "published");
+  const name = (rows, id) => ({ id, name: byId(rows, id)?.name ?? "" });
+  const used = world.attempts.filter((attempt) => attempt.assignment_id === row.id && attempt.person.id === person.id && !attempt.flags.includes("excused")).length;
+  return {
+    ...row, exercise: { name: row.exercise, id: exercise?.id ?? null, title: exercise?.title ?? null }, cohort: row.cohort === null ? null : name(world.cohorts, row.cohort),
+    stations: row.stations.map((id) => name(world.stations, id)),
+    mine: teaches(person) ? null : {
+      attempts_used: used, attempts_left: row.attempt_limit === 0 ? null : Math.max(0, row.attempt_limit - used),
+      refusal: row.opens_ms > world.nowMs ? "This exam is not open yet." : "" },
+  };
+}
+
+function listAssignments({ world, person, query }) {
+  const cohorts = world.cohorts.filter((cohort) => person.role === "admin" || cohort.members.includes(person.id)).map((cohort) => cohort.id);
+  const rows = world.assignments.filter((row) => (row.cohort === null || cohorts.includes(row.cohort)) && (query.get("cohort") === null || row.cohort === query.get("cohort")));
+  return json({ assignments: rows.map((row) => assignmentView(world, row, person)) });
+}
+
+function termsOf(body) {
+  if (body.due_ms > 0 && body.due_ms <= body.opens_ms) return invalid("due_ms", "expected due_ms after opens_ms, or 0 for never");
+  const { exercise, cohort_id: cohort, station_ids: stations, opens_ms, due_ms, attempt_limit, exam, late_allowed } = body;
+  return { exercise, cohort, stations, opens_ms, due_ms, attempt_limit, exam, late_allowed };
+}
+
+function assign({ world, person, body }) {
+  const terms = termsOf(body);
+  if (terms.status !== undefined) return terms;
+  const row = { id: newId(world), ...terms, created_ms: world.nowMs, revision: 1 };
+  world.assignments.push(row);
+  return tagged(assignmentView(world, row, person), 201);
+}
+
+function changeAssignment({ world, person, request, id, body }) {
+  const terms = termsOf(body);
+  if (terms.status !== undefined) return terms;
+  return edit(request, byId(world.assignments, id), (row) => assignmentView(world, row, person), (row) => void Object.assign(row, terms));
+}
+
+function deleteAssignment({ world, request, id }) {
+  const reply = edit(request, byId(world.assignments, id), (row) => row, () => undefined);
+  if (reply.status !== 200) return reply;
+  world.assignments = world.assignments.filter((row) => row.id !== id);
+  return empty();
+}
+
+function releaseAssignment({ world, id }) {
+  const rows = world.attempts.filter((row) => row.assignment_id === id && row.state === "scored" && !row.released);
+  for (const row of rows) row.released = true;
+  return json({ released: rows.length });
+}
+
+// Attempts
+
+const isHidden = (world, row) => !row.released && (row.exam || byId(world.exercises, row.exercise.id)?.graded === true);
+
+function visible(world, person, { override: _override, appeal: _appeal, runs: _runs, ...row }) {
+  return person.role === "student" && isHidden(world, row) ? { ...row, score: null, computed_score: null, critical_fail: null } : row;
+}
+
+function detail(world, person, row) {
+  const hidden = person.role === "student" && isHidden(world, row);
+  return {
+    ...visible(world, person, row), duration_s: row.ticks / 1000, time_limit_s: 600, reference: row.state === "scored" && !hidden ? referenceDetail : null,
+    override: hidden ? null : row.override, appeal: row.appeal, may: actionsOf(person, row) };
+}
+
+function actionsOf(person, row) {
+  const scored = row.state === "scored";
+  const may = teaches(person)
+    ? { release: scored && !row.released, unrelease: row.released, override: row.score !== null, annotate: true, rescore: row.sealed_ms > 0 && row.state !== "scoring",
+        excuse: row.assignment_id !== null && !row.flags.includes("excused"), mark_reference: scored, answer_appeal: row.appeal?.state === "open" }
+    : { appeal: scored && row.released && row.appeal === null };
+  return Object.keys(may).filter((action) => may[action]);
+}
+
+function listAttempts({ world, person, query }) {
+  const members = query.get("cohort") === null ? undefined : byId(world.cohorts, query.get("cohort"))?.members ?? [];
+  const asked = (name, value) => query.get(name) === null || query.get(name) === value;
+  const rows = world.attempts.filter((row) => (teaches(person) || row.person.id === person.id) && (members === undefined || members.includes(row.person.id)) &&
+    asked("exercise", row.exercise.id) && asked("person", row.person.id) && asked("state", row.state) && asked("assignment", row.assignment_id) &&
+    (query.get("flag") === null || row.flags.includes(query.get("flag"))) && (query.get("appeal") === null || row.appeal?.state === "open"));
+  return page("attempts", rows.map((row) => visible(world, person, row)), query);
+}
+
+// Each look at an attempt that is being scored finds it further on.
+function advance(row) {
+  if (row.state !== "scoring") return;
+  row.progress = Math.min(1, row.progress + kScoringStep);
+  if (row.progress === 1) Object.assign(row, { state: "scored", score: row.override?.score ?? 80, computed_score: 80, critical_fail: false });
+}
+
+// `answer` gets the attempt when the caller may see it.
+const withAttempt = (answer, needsScore = false) => (call) => {
+  const row = byId(call.world.attempts, call.id);
+  if (row === undefined || (!teaches(call.person) && row.person.id !== call.person.id)) return notFound();
+  if (needsScore && row.state !== "scored") return conflict("The attempt is not scored yet.");
+  return answer(row, call);
+};
+
+const withScore = (answer) => withAttempt((row, call) => call.person.role === "student" && isHidden(call.world, row)
+  ? refusal(403, "forbidden", "The score is not released yet.") : answer(row, call), true);
+
+function toothReply(world, name, options) {
+  if (!world.surfaces.has(name)) world.surfaces.set(name, toothSurface(options));
+  return { status: 200, body: world.surfaces.get(name), headers: { "Content-Type": "application/octet-stream", "Cache-Control": "no-store" } };
+}
+
+function surface(row, { world, person }) {
+  const withDeviation = teaches(person) || !isHidden(world, row);
+  return toothReply(world, withDeviation ? "compared" : "cut", { withDeviation });
+}
+
+function override(row, { world, person, body }) {
+  if (!(body.score >= 0 && body.score <= 100)) return invalid("score", "expected a number of 0 to 100");
+  row.override = { score: body.score, reason: body.reason, by: person.display_name, at_ms: world.nowMs };
+  row.score = body.score;
+  return json(detail(world, person, row));
+}
+
+function dropOverride(row, { world, person }) {
+  Object.assign(row, { override: null, score: row.computed_score });
+  return json(detail(world, person, row));
+}
+
+function rescore(row, { world, person }) {
+  Object.assign(row, { state: "scoring", progress: 0, runs: row.runs + 1 });
+  return json(detail(world, person, row), 202);
+}
+
+function makeReference(row, { world, body }) {
+  for (const other of world.attempts) other.is_reference = other === row;
+  const reference = { id: newId(world), exercise_id: row.exercise.id, attempt_id: row.id, dentist: body.dentist, consent: body.consent, version: world.references.length + 1,
+                      created_ms: world.nowMs, withdrawn_ms: 0 };
+  world.references.unshift(reference);
+  return json(reference, 201);
+}
+
+function runs(row) {
+  return json({ results: Array.from({ length: row.runs }, (_, i) => ({
+    run: row.runs - i, scored_ms: row.sealed_ms + (row.runs - i) * 60_000, cause: i === row.runs - 1 ? "seal" : "appeal", reference_attempt: null, score: scoreOf(row) })) });
+}
+
+const remarkView = (person) => (row) => ({ ...row, mine: row.author.id === person.id });
+
+function annotate(row, { world, person, body }) {
+  const remark = { id: newId(world), attempt_id: row.id, author: { id: person.id, display_name: person.display_name }, tick: body.tick, point_um: body.point_um ?? null,
+                   text: body.text, created_ms: world.nowMs, edited_ms: 0, revision: 1 };
+  world.annotations.push(remark);
+  return tagged(remarkView(person)(remark), 201);
+}
+
+function editRemark({ world, person, request, id, body }) {
+  return edit(request, byId(world.annotations, id), remarkView(person), (row) => void Object.assign(row, { ...body, edited_ms: world.nowMs }));
+}
+
+function deleteRemark({ world, request, id }) {
+  const reply = edit(request, byId(world.annotations, id), (row) => row, () => undefined);
+  if (reply.status !== 200) return reply;
+  world.annotations = world.annotations.filter((row) => row.id !== id);
+  return empty();
+}
+
+function fileAppeal(row, { world, person, body }) {
+  if (!row.released || row.appeal !== null) return conflict("There is nothing to appeal against.");
+  row.appeal = { filed_ms: world.nowMs, text: body.text, state: "open", answer: "", answered_ms: 0 };
+  return json(detail(world, person, row), 201);
+}
+
+function answerAppeal(row, { world, person, body }) {
+  Object.assign(row.appeal, { state: body.outcome === "regrade" ? "regraded" : "rejected", answer: body.answer, answered_ms: world.nowMs });
+  if (body.outcome === "regrade") rescore(row, { world, person });
+  return json(detail(world, person, row));
+}
+
+// Server-sent events of a hand that circles in the tooth.
+function live(row, { world }) {
+  if (row.state !== "recording") return conflict("The attempt is not being made.");
+  let tick = Math.round(row.ticks) + (world.nowMs % 1000);
+  const rowAt = (at) => {
+    const phase = at / 900;
+    return [at, Math.round(1800 * Math.cos(phase)), Math.round(1100 * Math.sin(phase)), Math.round(-400 - 250 * Math.sin(phase / 3)),
+            Math.round(-300 * Math.cos(phase)), Math.round(-200 * Math.sin(phase)), Math.round(900 + 500 * Math.sin(phase * 1.7)), 16];
+  };
+  const event = () => {
+    const rows = Array.from({ length: kRowsPerEvent }, () => rowAt((tick += 15)));
+    return `event: ticks\ndata: ${JSON.stringify({ tick, rows })}\n\n`;
+  };
+  return { status: 200, headers: { "Content-Type": "text/event-stream", "Cache-Control": "no-store" }, stream: (response) => {
+    const timer = setInterval(() => {
+      if (row.state === "recording") return void response.write(event());
+      clearInterval(timer);
+      response.end("event: end\ndata: {}\n\n");
+    }, kLiveEventMs);
+    response.on("close", () => clearInterval(timer));
+  } };
+}
+
+const exercise = (answer) => (call) => {
+  const row = byId(call.world.exercises, call.id);
+  return row === undefined || (row.state === "draft" && !teaches(call.person)) ? notFound() : answer(row, call);
+};
+const changed = (change) => (row, call) => change(row, call) ?? empty();
+
+// "METHOD /path with {id}": [who may, answer].
+export const teachingRoutes = {
+  "GET /exercises": ["person", listExercises],
+  "POST /exercises": ["instructor", putDraft],
+  "GET /exercises/{id}": ["person", exercise((row, { world, person }) => tagged(wholeFor(world, person, row)))],
+  "PUT /exercises/{id}": ["instructor", replaceDraft],
+  "DELETE /exercises/{id}": ["instructor", deleteDraft],
+  "GET /exercises/{id}/document": ["person", exercise((row) => json(row))],
+  "GET /exercises/{id}/initial-surface": ["person", exercise((_row, { world }) => toothReply(world, "whole", { withDeviation: false, whole: true }))],
+  "GET /exercises/{id}/versions": ["person", versionsOf],
+  "GET /exercises/{id}/references": ["person", ({ world, id }) => json({ references: world.references.filter((row) => row.exercise_id === id) })],
+  "POST /exercises/{id}/publish": ["instructor", (call) => changeDraft(call, (row) => void Object.assign(row, { state: "published", version: 1, published_ms: call.world.nowMs }))],
+  "POST /exercises/{id}/retire": ["instructor", exercise(changed((row) => void Object.assign(row, { state: "retired", revision: row.revision + 1 })))],
+  "POST /references/{id}/withdraw": ["instructor", ({ world, id }) => {
+    byId(world.references, id).withdrawn_ms = world.nowMs;
+    return empty();
+  }],
+  "GET /assignments": ["person", listAssignments],
+  "POST /assignments": ["instructor", assign],
+  "GET /assignments/{id}": ["person", ({ world, person, id }) => {
+    const row = byId(world.assignments, id);
+    return row === undefined ? notFound() : tagged(assignmentView(world, row, person));
+  }],
+  "PUT /assignments/{id}": ["instructor", changeAssignment],
+  "DELETE /assignments/{id}": ["instructor", deleteAssignment],
+  "POST /assignments/{id}/release": ["instructor", releaseAssignment],
+  "GET /attempts": ["person", listAttempts],
+  "GET /attempts/{id}": ["person", withAttempt((row, { world, person }) => {
+    advance(row);
+    return json(detail(world, person, row));
+  })],
+  "GET /attempts/{id}/score": ["person", withScore((row) => json(scoreOf(row)))],
+  "GET /attempts/{id}/series": ["person", withAttempt(() => json(seriesOf()), true)],
+  "GET /attempts/{id}/surface": ["person", withAttempt(surface, true)],
+  "GET /attempts/{id}/live": ["instructor", withAttempt(live)],
+  "GET /attempts/{id}/results": ["person", withScore(runs)],
+  "GET /attempts/{id}/annotations": ["person", withScore((row, { world, person }) =>
+    json({ annotations: world.annotations.filter((remark) => remark.attempt_id === row.id).map(remarkView(person)) }))],
+  "POST /attempts/{id}/annotations": ["instructor", withAttempt(annotate)],
+  "PUT /annotations/{id}": ["instructor", editRemark],
+  "DELETE /annotations/{id}": ["instructor", deleteRemark],
+  "POST /attempts/{id}/release": ["instructor", withAttempt(changed((row) => { row.released = true; }))],
+  "DELETE /attempts/{id}/release": ["instructor", withAttempt(changed((row) => { row.released = false; }))],
+  "POST /attempts/{id}/reference": ["instructor", withAttempt(makeReference)],
+  "PUT /attempts/{id}/override": ["instructor", withAttempt(override)],
+  "DELETE /attempts/{id}/override": ["instructor", withAttempt(dropOverride)],
+  "POST /attempts/{id}/rescore": ["instructor", withAttempt(rescore)],
+  "POST /attempts/{id}/excuse": ["instructor", withAttempt((row, { world, person }) => {
+    row.flags.push("excused");
+    return json(detail(world, person, row));
+  })],
+  "POST /attempts/{id}/appeal": ["person", withAttempt(fileAppeal)],
+  "POST /attempts/{id}/appeal/answer": ["instructor", withAttempt(answerAppeal)],
+};

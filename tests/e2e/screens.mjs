@@ -1,0 +1,48 @@
+// Every screen of the page, as each role sees it, on a wide and on a narrow screen: no accessibility
+// finding, nothing wider than the screen, a picture of each to be looked at.
+import assert from "node:assert/strict";
+import { accessibilityViolations } from "./browser.mjs";
+import { signedIn } from "./session.mjs";
+
+const id = (number) => `00000000-0000-7000-8000-${String(number).padStart(12, "0")}`;
+const kWidths = [1280, 400];
+
+// name, address, what is there once it is loaded
+const kScreens = {
+  student: [
+    ["my_work", "/assignments", "main article"], ["exercises", "/exercises", "main article"], ["exercise", `/exercises/${id(20)}`, ".tooth-frame[aria-busy=false]"],
+    ["my_attempts", "/attempts", "main table"], ["attempt_released", `/attempts/${id(120)}`, ".annotations"], ["attempt_hidden", `/attempts/${id(106)}`, ".plot canvas"],
+    ["account", "/account", "main table"],
+  ],
+  instructor: [
+    ["attempts", "/attempts", "main table"], ["assignments", "/assignments", "main table"], ["assignment", `/assignments/${id(502)}`, ".check-list"],
+    ["exercises_staff", "/exercises", "main table"], ["exercise_staff", `/exercises/${id(20)}`, ".tooth-frame[aria-busy=false]"],
+    ["attempt_staff", `/attempts/${id(105)}`, ".annotations"], ["attempt_appeal", `/attempts/${id(121)}`, ".appeal-card form"],
+    ["cohort", `/cohorts/${id(10)}`, ".grades"], ["live", "/live", ".live-card .badge.good"], ["watch", `/live/${id(110)}`, ".columns .live-anchor"],
+    ["stations_seen", "/stations", "main table"], ["profile_seen", "/profiles/phantom_desktop", ".trend"],
+  ],
+  admin: [
+    ["people", "/people", "main table"], ["person", `/people/${id(2)}`, "main form"], ["roster", "/roster", "main form, main input"], ["cohorts", "/cohorts", "main table"],
+    ["cohort_admin", `/cohorts/${id(10)}`, ".grades"], ["stations", "/stations", "table[aria-label=Stations]"], ["profiles", "/profiles", "main table"],
+    ["profile", "/profiles/phantom_desktop", ".trend"], ["jobs", "/jobs", "main table"], ["audit", "/audit", "main table"], ["not_found", "/nothing", "main a"],
+  ],
+};
+
+export function screenFlow(role) {
+  return async (world) => {
+    const findings = [];
+    for (const width of kWidths) {
+      const page = await signedIn(world, role, "/account", { width, height: width > 500 ? 900 : 800 });
+      for (const [name, address, there] of kScreens[role]) {
+        await page.goto(address);
+        await page.locator(there).first().waitFor();
+        await page.locator(".loading").first().waitFor({ state: "detached" });
+        await page.screenshot({ path: world.picture(`${role}_${name}_${width}`), fullPage: true });
+        const overflow = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
+        if (overflow > 0) findings.push(`${name} at ${width}: ${overflow} px wider than the screen`);
+        findings.push(...(await accessibilityViolations(page)).map((finding) => `${name} at ${width}: ${finding}`));
+      }
+    }
+    assert.deepEqual(findings, []);
+  };
+}

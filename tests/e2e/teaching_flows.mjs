@@ -1,0 +1,209 @@
+// What instructors and students do with exercises, assignments and attempts, against the mock server.
+import assert from "node:assert/strict";
+import { accessible, chooseFile, signedIn } from "./session.mjs";
+
+const id = (number) => `00000000-0000-7000-8000-${String(number).padStart(12, "0")}`;
+
+export const teachingFlows = [
+  { name: "an exercise document is refused with the field, then becomes a draft and is published and retired", run: exerciseLife },
+  { name: "an exercise is assigned, its terms edited against somebody else's, its scores released, and deleted", run: assignmentLife },
+  { name: "a teacher remarks at a point of the tooth and at the tool, and the student reads it there", run: remarks },
+  { name: "a set score shows beside the computed one, and can be removed", run: override },
+  { name: "a student appeals once, and the answer grades again", run: appeal },
+  { name: "attempts are narrowed by exercise, state, flag and appeal", run: narrow },
+  { name: "stations in use are seen live, and one is watched until it ends", run: live },
+  { name: "a reference is withdrawn", run: withdrawReference },
+  { name: "a student's result prints as a document", run: print },
+];
+
+const kDocument = { format: 2, name: "class-1-new", title: "A new cavity", instructions: "Cut it.", graded: true };
+
+async function exerciseLife(world) {
+  const page = await signedIn(world, "instructor", "/exercises");
+  await page.getByRole("button", { name: "Add a draft…" }).click();
+  await accessible(page, "adding a draft");
+  await chooseFile(page, "Exercise document (JSON)", "new.json", JSON.stringify(kDocument));
+  await page.getByRole("button", { name: "Add", exact: true }).click();
+  await page.getByText("The document is not right").waitFor();
+  assert.match(await page.getByRole("alert").innerText(), /rubric\.criteria: expected 1 to 64 criteria/);
+  await accessible(page, "a refused document");
+  await chooseFile(page, "Exercise document (JSON)", "new.json", JSON.stringify({ ...kDocument, rubric: { criteria: [{}] } }));
+  await page.getByRole("button", { name: "Add", exact: true }).click();
+  await page.getByRole("heading", { level: 1, name: "A new cavity" }).waitFor();
+  await page.getByRole("button", { name: "Publish…" }).click();
+  await page.getByRole("button", { name: "Publish", exact: true }).click();
+  await page.getByText("Published. It can be assigned now.").waitFor();
+  await page.getByRole("button", { name: "Retire…" }).click();
+  await page.getByRole("button", { name: "Retire", exact: true }).click();
+  await page.locator(".badge", { hasText: "Retired" }).first().waitFor();
+  await page.getByRole("navigation", { name: "Where you are" }).getByRole("link").click();
+  await page.getByLabel("Retired").check();
+  await page.getByRole("link", { name: "A new cavity" }).waitFor();
+}
+
+async function assignmentLife(world) {
+  const page = await signedIn(world, "instructor", "/assignments");
+  await page.getByRole("button", { name: "Assign an exercise…" }).click();
+  const dialog = page.getByRole("dialog");
+  await dialog.getByLabel("Exercise").selectOption({ label: "Mesial box, class II" });
+  await dialog.getByLabel("Cohort").selectOption({ label: "Preclinic, second term" });
+  await dialog.getByLabel("Opens").fill("2027-03-10T09:00");
+  await dialog.getByLabel("Due").fill("2027-03-09T09:00");
+  await dialog.getByText("Expected a time after the opening.").waitFor();
+  await dialog.getByRole("checkbox", { name: "Exam" }).check();
+  await dialog.getByRole("checkbox", { name: "Station 3" }).check();
+  await accessible(page, "a new assignment");
+  await page.screenshot({ path: world.picture("assign") });
+  await dialog.getByRole("button", { name: "Assign", exact: true }).click();
+  await dialog.getByText("expected due_ms after opens_ms").waitFor();
+  await dialog.getByLabel("Due").fill("2027-03-12T09:00");
+  await dialog.getByRole("button", { name: "Assign", exact: true }).click();
+  await page.getByRole("heading", { level: 1, name: "Mesial box, class II" }).waitFor();
+  const made = world.mock.assignments.at(-1);
+  assert.equal(made.exam, true);
+  assert.equal(made.stations.length, 1);
+
+  Object.assign(made, { attempt_limit: 7, revision: made.revision + 1 });
+  await page.getByLabel("Attempts for each student").fill("2");
+  await page.getByRole("button", { name: "Save" }).click();
+  await page.getByText("Somebody changed it meanwhile").waitFor();
+  assert.match(await page.getByRole("table", { name: "What differs" }).innerText(), /Attempts\s+7 attempts\s+2 attempts/);
+  await page.getByRole("button", { name: "Take the newer values" }).click();
+  assert.equal(await page.getByLabel("Attempts for each student").inputValue(), "7");
+  await page.getByRole("button", { name: "Delete the assignment…" }).click();
+  await page.getByRole("button", { name: "Delete", exact: true }).click();
+  await page.getByRole("heading", { level: 1, name: "Assignments" }).waitFor();
+  assert.ok(!world.mock.assignments.includes(made) || world.mock.assignments.every((row) => row.id !== made.id));
+
+  await page.getByRole("link", { name: "Occlusal cavity, class I" }).click();
+  await page.getByRole("button", { name: "Release all scores…" }).click();
+  await page.getByRole("button", { name: "Release all", exact: true }).click();
+  await page.getByText(/\d+ scores released/).waitFor();
+  assert.ok(world.mock.attempts.filter((row) => row.assignment_id === id(500) && row.state === "scored").every((row) => row.released));
+}
+
+async function remarks(world) {
+  const path = `/attempts/${id(105)}`;
+  const page = await signedIn(world, "instructor", path);
+  await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
+  await page.locator(".annotations").waitFor();
+  const box = await page.locator(".tooth-frame").boundingBox();
+  await page.mouse.click(box.x + box.width * 0.3, box.y + box.height * 0.7);
+  await page.getByText("At the point", { exact: false }).waitFor();
+  await page.getByRole("button", { name: "Point of the new remark" }).waitFor();
+  await page.getByLabel("Time in the attempt").fill("500");
+  await page.getByLabel("New remark at 12 s").fill("Look at this place.");
+  await accessible(page, "a remark being written");
+  await page.getByRole("button", { name: "Add remark" }).click();
+  await page.getByText("Look at this place.").waitFor();
+  const made = world.mock.annotations.at(-1);
+  assert.equal(made.tick, 12_000);
+  assert.ok(made.point_um.every((um) => Number.isInteger(um) && Math.abs(um) < 8000), `a point on the tooth, found ${made.point_um}`);
+
+  await page.getByRole("button", { name: "Point at the tool" }).click();
+  await page.getByLabel(/New remark/).fill("And where the tool is.");
+  await page.getByRole("button", { name: "Add remark" }).click();
+  await page.getByText("And where the tool is.").waitFor();
+  await page.getByRole("button", { name: "Edit remark 2" }).click();
+  await page.getByLabel("Remark", { exact: true }).fill("Look at this very place.");
+  await page.getByRole("button", { name: "Save" }).click();
+  await page.getByText("Look at this very place.").waitFor();
+  await page.screenshot({ path: world.picture("remarks"), fullPage: true });
+  await page.getByRole("button", { name: "Delete… remark 3" }).click();
+  await page.getByRole("button", { name: "Delete remark", exact: true }).click();
+  await page.getByText("And where the tool is.").waitFor({ state: "detached" });
+
+  const student = await signedIn(world, "student", path);
+  await student.getByText("Look at this very place.").waitFor();
+  assert.equal(await student.getByRole("button", { name: "Add remark" }).count(), 0);
+  await student.getByRole("group", { name: "Remarks along the time" }).getByRole("button", { name: "Remark 2" }).click();
+  assert.equal(await student.getByLabel("Time in the attempt").inputValue(), "500");
+}
+
+async function override(world) {
+  const page = await signedIn(world, "instructor", `/attempts/${id(120)}`);
+  await page.getByRole("button", { name: "Set another score…" }).click();
+  await page.getByLabel("Score that counts, 0 to 100").fill("88.5");
+  await page.getByLabel("Reason").fill("The lesion reached the mesial wall.");
+  await accessible(page, "setting a score");
+  await page.getByRole("button", { name: "Set this score" }).click();
+  await page.getByText("Set by Instructor One: 88.5 instead of 71.4").waitFor();
+  await page.getByTestId("score").filter({ hasText: "88.5" }).waitFor();
+  await accessible(page, "a set score");
+  await page.screenshot({ path: world.picture("override"), fullPage: true });
+  const student = await signedIn(world, "student", `/attempts/${id(120)}`);
+  await student.getByText("The lesion reached the mesial wall.").waitFor();
+  await page.getByRole("button", { name: "Remove the set score…" }).click();
+  await page.getByRole("button", { name: "Remove the set score", exact: true }).click();
+  await page.getByText("The computed score counts again.").first().waitFor();
+  await page.getByTestId("score").filter({ hasText: "71.4" }).waitFor();
+}
+
+async function appeal(world) {
+  const path = `/attempts/${id(120)}`;
+  const student = await signedIn(world, "student", path);
+  await student.getByRole("button", { name: "Appeal against the score…" }).click();
+  await student.getByLabel("What should be looked at again, and why").fill("The bur was worn.");
+  await accessible(student, "an appeal being written");
+  await student.getByRole("button", { name: "Send the appeal" }).click();
+  await student.getByText("Not answered yet").waitFor();
+  assert.equal(await student.getByRole("button", { name: "Appeal against the score…" }).count(), 0);
+
+  const page = await signedIn(world, "instructor", "/attempts");
+  await page.getByLabel("Only with").selectOption({ label: "Unanswered appeal" });
+  await page.getByRole("row", { name: /Student One/ }).getByRole("link").first().click();
+  await page.getByLabel("Your answer").fill("We replay it.");
+  await page.getByRole("button", { name: "Answer and grade again" }).click();
+  await page.getByRole("progressbar", { name: "Replaying and scoring" }).waitFor();
+  await page.getByText("Graded again").waitFor();
+  await page.getByRole("region", { name: "Scored more than once" }).waitFor();
+  await accessible(page, "an answered appeal");
+}
+
+async function narrow(world) {
+  const page = await signedIn(world, "instructor", "/attempts");
+  const rows = page.locator("tbody tr");
+  await rows.first().waitFor();
+  await page.getByLabel("State").selectOption({ label: "Quarantined" });
+  await page.waitForURL(/state=quarantined/);
+  await page.waitForFunction(() => document.querySelectorAll("tbody tr").length === 1);
+  await page.getByLabel("State").selectOption({ label: "Any" });
+  await page.getByLabel("Only with").selectOption({ label: "Late" });
+  await page.waitForFunction(() => [...document.querySelectorAll("tbody tr")].every((row) => row.textContent.includes("Late")) && document.querySelector("tbody tr") !== null);
+  await page.getByLabel("Only with").selectOption({ label: "–" });
+  await page.getByLabel("Cohort").selectOption({ label: "Preclinic, second term" });
+  await page.getByText("0 students").waitFor();
+}
+
+async function live(world) {
+  const page = await signedIn(world, "instructor", "/live");
+  await page.locator(".live-card .badge.good").nth(2).waitFor();
+  assert.equal(await page.locator(".live-card").count(), 4);
+  await page.waitForFunction(() => [...document.querySelectorAll(".live-force b")].every((force) => / N$/.test(force.textContent)), undefined, { timeout: 20_000 });
+  await page.screenshot({ path: world.picture("live"), fullPage: true });
+  await page.getByRole("link", { name: "Station 1" }).click();
+  await page.getByText("Largest in 20 s").waitFor();
+  assert.match(await page.getByRole("img", { name: /^Force over the last/ }).getAttribute("aria-label"), /largest [\d.]+ N/);
+  await accessible(page, "a watched attempt");
+  Object.assign(world.mock.attempts[0], { state: "sealed", sealed_ms: Date.now() });
+  await page.getByText("This attempt is finished").waitFor();
+}
+
+async function withdrawReference(world) {
+  const page = await signedIn(world, "instructor", `/exercises/${id(20)}`);
+  await page.getByRole("button", { name: "Withdraw… version 1" }).click();
+  await page.getByRole("button", { name: "Withdraw", exact: true }).click();
+  await page.locator(".badge", { hasText: "Withdrawn" }).waitFor();
+  assert.ok(world.mock.references[0].withdrawn_ms > 0);
+}
+
+async function print(world) {
+  const page = await signedIn(world, "student", `/attempts/${id(120)}`, { width: 800, height: 1100 });
+  await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
+  await page.locator(".annotations").waitFor();
+  await page.emulateMedia({ media: "print" });
+  for (const hidden of [".header", ".tooth-tools", ".print-button", ".timeline"]) assert.equal(await page.locator(hidden).first().isVisible(), false, hidden);
+  assert.ok(await page.getByTestId("score").isVisible());
+  assert.ok(await page.getByText("Too deep at this point.").isVisible());
+  await page.screenshot({ path: world.picture("printed"), fullPage: true });
+}

@@ -1,0 +1,167 @@
+import { fail, ok, type Result } from "../base/result";
+import type { ErrorCode } from "./types";
+
+// Why a request gave nothing. `unreachable`: no answer at all; `malformed`: an answer this page does
+// not understand; otherwise the server's own code and sentence.
+export interface ApiError {
+  readonly code: ErrorCode | "unreachable" | "malformed" | "cancelled";
+  readonly status: number;
+  readonly message: string;
+  readonly field: string;                       // what of the request is at fault; empty when nothing is named
+  readonly current?: Tagged<unknown>;           // with 412: the thing as somebody else saved it meanwhile
+  readonly answer?: Readonly<Record<string, unknown>>;  // all that the server said
+}
+
+export type ApiResult<T> = Result<T, ApiError>;
+
+// Something that can be edited, with the tag (HTTP ETag) that an edit of it has to repeat.
+export interface Tagged<T> {
+  readonly value: T;
+  readonly tag: string;
+}
+
+// Part of a list.
+export interface Page<T> {
+  readonly items: readonly T[];
+  readonly next: string | null;                 // cursor of the page after this one
+}
+
+export interface RequestOptions {
+  readonly body?: unknown;                      // sent as JSON; with `type` as it is
+  readonly type?: string | undefined;
+  readonly tag?: string | undefined;            // If-Match
+  readonly signal?: AbortSignal | undefined;
+  readonly signingIn?: boolean;                 // a missing session is an answer here, not a loss
+}
+
+export type Method = "GET" | "POST" | "PUT" | "PATCH" | "DELETE";
+export type Fetch = (path: string, init: RequestInit) => Promise<Response>;
+export type Query = Readonly<Record<string, string | number | boolean | undefined>>;
+
+// How requests of the HTTP API (schemas/api/openapi.yaml) travel. Never throws: every outcome is a
+// Result. `sessionLost` is called when a request that needs a session is told there is none.
+export class Http {
+  csrf = "";                                    // the session's; empty while signed out
+  // Asks the person for the password again, where the server wants that for a change; true when it
+  // was given, and the change is then sent once more.
+  confirmPassword: () => Promise<boolean> = async () => false;
+
+  constructor(private readonly sessionLost: () => void,
+              private readonly send: Fetch = (path, init) => fetch(path, init)) {}
+
+  async json<T>(method: Method, path: string, options: RequestOptions = {}): Promise<ApiResult<T>> {
+    const tagged = await this.tagged<T>(method, path, options);
+    return tagged.ok ? ok(tagged.value.value) : tagged;
+  }
+
+  async tagged<T>(method: Method, path: string, options: RequestOptions = {}): Promise<ApiResult<Tagged<T>>> {
+    const response = await this.request(method, path, options);
+    if (!response.ok) return response;
+    const value = await received(async () => (await response.value.json()) as T);
+    if (!value.ok) return value;
+    if (typeof value.value !== "object" || value.value === null) return fail(malformed("JSON that is no object"));
+    return ok({ value: value.value, tag: response.value.headers.get("ETag") ?? "" });
+  }
+
+  // `name`: the member of the answer that holds the list.
+  async page<T>(path: string, name: string, query: Query, signal?: AbortSignal): Promise<ApiResult<Page<T>>> {
+    const result = await this.json<Readonly<Record<string, unknown>>>("GET", path + queryText(query), { signal });
+    if (!result.ok) return result;
+    const { [name]: items, next } = result.value;
+    if (!Array.isArray(items)) return fail(malformed(`a list without ${name}`));
+    return ok({ items: items as T[], next: typeof next === "string" ? next : null });
+  }
+
+  async bytes(path: string, signal?: AbortSignal): Promise<ApiResult<ArrayBuffer>> {
+    const response = await this.request("GET", path, { signal });
+    return response.ok ? received(() => response.value.arrayBuffer()) : response;
+  }
+
+  async empty(method: Method, path: string, options: RequestOptions = {}): Promise<ApiResult<undefined>> {
+    const response = await this.request(method, path, options);
+    return response.ok ? ok(undefined) : response;
+  }
+
+  private async request(method: Method, path: string, options: RequestOptions, confirmed = false): Promise<ApiResult<Response>> {
+    try {
+      const response = await this.send(`/api/v1${path}`, this.init(method, options));
+      if (response.ok) return ok(response);
+      if (response.status === 401 && options.signingIn !== true) this.sessionLost();
+      const error = await refusal(response);
+      if (error.code !== "confirm_password" || confirmed || !(await this.confirmPassword())) return fail(error);
+      return await this.request(method, path, options, true);
+    } catch {
+      return fail(unreachable(options.signal));
+    }
+  }
+
+  private init(method: Method, { body, type, tag, signal }: RequestOptions): RequestInit {
+    const headers: Record<string, string> = {};
+    if (body !== undefined) headers["Content-Type"] = type ?? "application/json";
+    if (method !== "GET" && this.csrf !== "") headers["X-Enamel-Csrf"] = this.csrf;
+    if (tag !== undefined) headers["If-Match"] = tag;
+    const init: RequestInit = { method, headers, credentials: "same-origin", cache: "no-store" };
+    if (body !== undefined) init.body = type === undefined ? JSON.stringify(body) : (body as BodyInit);
+    if (signal !== undefined) init.signal = signal;
+    return init;
+  }
+}
+
+// The server's sentence with the place it is about, said once.
+export function placedMessage({ field, message }: ApiError): string {
+  return field === "" || message.startsWith(field) ? message : `${field}: ${message}`;
+}
+
+// "?a=1&b=2" of what is given; empty when nothing is.
+export function queryText(query: Query): string {
+  const search = new URLSearchParams();
+  for (const [name, value] of Object.entries(query)) {
+    if (value !== undefined && value !== "") search.set(name, String(value));
+  }
+  const text = search.toString();
+  return text === "" ? "" : `?${text}`;
+}
+
+// The ETag of a thing that came in a list, from its revision.
+export function tagOf(revision: number): string {
+  return `"${revision}"`;
+}
+
+export function segment(text: string): string {
+  return encodeURIComponent(text);
+}
+
+export function understood<T>(result: Result<T, string>): ApiResult<T> {
+  return result.ok ? result : fail(malformed(result.error));
+}
+
+function unreachable(signal: AbortSignal | undefined): ApiError {
+  if (signal?.aborted === true) return { code: "cancelled", status: 0, message: "The request was cancelled.", field: "" };
+  return { code: "unreachable", status: 0, field: "",
+           message: "The server does not answer. Check that it runs and that this computer is connected, then try again." };
+}
+
+function malformed(found: string): ApiError {
+  return { code: "malformed", status: 0, field: "",
+           message: `The server's answer was not understood: ${found}. Load the page again; if it stays, tell the administrator.` };
+}
+
+async function received<T>(read: () => Promise<T>): Promise<ApiResult<T>> {
+  try {
+    return ok(await read());
+  } catch {
+    return fail(malformed("the body was cut off or is no JSON"));
+  }
+}
+
+async function refusal(response: Response): Promise<ApiError> {
+  const kFallback = `The server refused the request with status ${response.status}.`;
+  try {
+    const answer = (await response.json()) as { error?: { code?: ErrorCode; message?: string; field?: string }; current?: unknown };
+    const { error, current } = answer;
+    return { code: error?.code ?? "internal", status: response.status, message: error?.message ?? kFallback, field: error?.field ?? "", answer,
+             ...(current === undefined ? {} : { current: { value: current, tag: response.headers.get("ETag") ?? "" } }) };
+  } catch {
+    return { code: "internal", status: response.status, message: kFallback, field: "" };
+  }
+}

@@ -1,0 +1,92 @@
+import { ok } from "../base/result";
+import { type ApiResult, type Http, queryText, segment } from "./http";
+import { readAll } from "./read_all";
+import type { Cohort, PersonDetail, PersonWithCohorts, PersonWithPassword, Role, RosterOutcome, Session, SessionEntry } from "./types";
+
+export interface PeopleQuery {
+  readonly text?: string | undefined;
+  readonly role?: string | undefined;
+  readonly cohort?: string | undefined;
+  readonly cursor?: string | undefined;
+  readonly limit?: number | undefined;
+}
+
+const kMostRows = 200;                          // that the server gives in a page
+
+// People, their sessions and cohorts.
+export class PeopleApi {
+  constructor(private readonly http: Http) {}
+
+  list(query: PeopleQuery, signal?: AbortSignal) {
+    return this.http.page<PersonDetail>("/people", "people", { ...query }, signal);
+  }
+  get(id: string, signal?: AbortSignal) {
+    return this.http.tagged<PersonWithCohorts>("GET", personPath(id), { signal });
+  }
+  create(person: { readonly login: string; readonly display_name: string; readonly role: Role }) {
+    return this.http.json<PersonWithPassword>("POST", "/people", { body: person });
+  }
+  edit(id: string, change: Partial<Pick<PersonDetail, "display_name" | "role" | "disabled">>, tag: string) {
+    return this.http.tagged<PersonDetail>("PATCH", personPath(id), { body: change, tag });
+  }
+  resetPassword(id: string) {
+    return this.http.json<PersonWithPassword>("POST", `${personPath(id)}/password`);
+  }
+  sessions(id: string, signal?: AbortSignal) {
+    return this.http.page<SessionEntry>(`${personPath(id)}/sessions`, "sessions", { limit: kMostRows }, signal);
+  }
+  // Cannot be undone; the login is repeated for that.
+  erase(id: string, login: string, withReferences: boolean) {
+    return this.http.json<{ attempts: number }>("POST", `${personPath(id)}/erase`, { body: { login, with_references: withReferences } });
+  }
+  endSessions(id: string) {
+    return this.http.json<{ ended: number }>("DELETE", `${personPath(id)}/sessions`);
+  }
+  ownSessions(signal?: AbortSignal) {
+    return this.http.page<SessionEntry>("/sessions", "sessions", { limit: kMostRows }, signal);
+  }
+  // One's own, or as an admin anybody's.
+  endSession(session: string) {
+    return this.http.empty("DELETE", `/sessions/${segment(session)}`);
+  }
+  changePassword(old: string, fresh: string) {
+    return this.http.json<Session>("POST", "/session/password", { body: { old_password: old, new_password: fresh } });
+  }
+  // With `trial` nothing is changed: the answer says what would be. A roster with problems is refused
+  // as a whole; the report then says what they are.
+  async importRoster(text: string, trial: boolean, cohort: string): Promise<ApiResult<RosterOutcome>> {
+    const result = await this.http.json<RosterOutcome>("POST", `/roster${queryText({ dry_run: trial, cohort })}`, { body: text, type: "text/csv" });
+    if (!result.ok && Array.isArray(result.error.answer?.["problems"])) return ok(result.error.answer as unknown as RosterOutcome);
+    return result;
+  }
+
+  cohorts(query: { readonly archived?: boolean; readonly cursor?: string | undefined; readonly limit?: number }, signal?: AbortSignal) {
+    return this.http.page<Cohort>("/cohorts", "cohorts", { ...query }, signal);
+  }
+  allCohorts(signal?: AbortSignal) {
+    return readAll((cursor) => this.cohorts({ cursor, limit: kMostRows }, signal));
+  }
+  cohort(id: string, signal?: AbortSignal) {
+    return this.http.tagged<Cohort>("GET", cohortPath(id), { signal });
+  }
+  addCohort(name: string) {
+    return this.http.json<Cohort>("POST", "/cohorts", { body: { name } });
+  }
+  editCohort(id: string, change: { readonly name?: string; readonly archived?: boolean }, tag: string) {
+    return this.http.tagged<Cohort>("PATCH", cohortPath(id), { body: change, tag });
+  }
+  addMember(id: string, person: string) {
+    return this.http.json<Cohort>("POST", `${cohortPath(id)}/members`, { body: { add: [person] } });
+  }
+  removeMember(id: string, person: string) {
+    return this.http.json<Cohort>("POST", `${cohortPath(id)}/members`, { body: { remove: [person] } });
+  }
+}
+
+function personPath(id: string): string {
+  return `/people/${segment(id)}`;
+}
+
+function cohortPath(id: string): string {
+  return `/cohorts/${segment(id)}`;
+}

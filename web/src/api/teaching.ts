@@ -1,0 +1,129 @@
+import { type ApiResult, type Http, queryText, segment, tagOf, understood } from "./http";
+import { readAll } from "./read_all";
+import { decodeSurface, type Surface } from "./surface";
+import type {
+  Annotation, Assignment, AssignmentTerms, AttemptDetail, Exercise, ExerciseState, ExerciseSummary, ExerciseVersion, Reference, Remark, ScoringRun,
+} from "./types";
+
+// Exercises, assignments, and what is said about attempts.
+export class TeachingApi {
+  constructor(private readonly http: Http) {}
+
+  // The caller's own, or (for who edits exercises) the newest of each name in a state.
+  exercises(state?: ExerciseState, signal?: AbortSignal) {
+    return this.http.json<{ exercises: readonly ExerciseSummary[] }>("GET", `/exercises${queryText({ state })}`, { signal });
+  }
+  exercise(id: string, signal?: AbortSignal) {
+    return this.http.tagged<Exercise>("GET", exercisePath(id), { signal });
+  }
+  versions(id: string, signal?: AbortSignal) {
+    return this.http.json<{ versions: readonly ExerciseVersion[] }>("GET", `${exercisePath(id)}/versions`, { signal });
+  }
+  references(id: string, signal?: AbortSignal) {
+    return this.http.json<{ references: readonly Reference[] }>("GET", `${exercisePath(id)}/references`, { signal });
+  }
+  withdrawReference(id: string) {
+    return this.http.empty("POST", `/references/${segment(id)}/withdraw`);
+  }
+  documentAddress(id: string): string {
+    return `/api/v1${exercisePath(id)}/document`;
+  }
+  async initialSurface(id: string, signal?: AbortSignal): Promise<ApiResult<Surface>> {
+    const bytes = await this.http.bytes(`${exercisePath(id)}/initial-surface`, signal);
+    return bytes.ok ? understood(decodeSurface(bytes.value)) : bytes;
+  }
+  // `text`: an exercise document (schemas/exercise.schema.json), sent as it is.
+  putDraft(text: string) {
+    return this.http.json<Exercise>("POST", "/exercises", { body: text, type: "application/json" });
+  }
+  replaceDraft(id: string, text: string, tag: string) {
+    return this.http.json<Exercise>("PUT", exercisePath(id), { body: text, type: "application/json", tag });
+  }
+  deleteDraft(id: string, tag: string) {
+    return this.http.empty("DELETE", exercisePath(id), { tag });
+  }
+  publish(id: string, tag: string) {
+    return this.http.json<Exercise>("POST", `${exercisePath(id)}/publish`, { tag });
+  }
+  retire(id: string) {
+    return this.http.empty("POST", `${exercisePath(id)}/retire`);
+  }
+
+  // In the order in which they are due.
+  assignments(query: { readonly cohort?: string | undefined }, signal?: AbortSignal) {
+    return readAll((cursor) => this.http.page<Assignment>("/assignments", "assignments", { ...query, cursor }, signal));
+  }
+  assignment(id: string, signal?: AbortSignal) {
+    return this.http.tagged<Assignment>("GET", assignmentPath(id), { signal });
+  }
+  assign(terms: AssignmentTerms) {
+    return this.http.json<Assignment>("POST", "/assignments", { body: terms });
+  }
+  editAssignment(id: string, terms: AssignmentTerms, tag: string) {
+    return this.http.tagged<Assignment>("PUT", assignmentPath(id), { body: terms, tag });
+  }
+  deleteAssignment(id: string, tag: string) {
+    return this.http.empty("DELETE", assignmentPath(id), { tag });
+  }
+  // How many scores were not released before.
+  releaseAssignment(id: string) {
+    return this.http.json<{ released: number }>("POST", `${assignmentPath(id)}/release`);
+  }
+
+  release(attempt: string) {
+    return this.http.empty("POST", `${attemptPath(attempt)}/release`);
+  }
+  withdrawRelease(attempt: string) {
+    return this.http.empty("DELETE", `${attemptPath(attempt)}/release`);
+  }
+  override(attempt: string, score: number, reason: string) {
+    return this.http.json<AttemptDetail>("PUT", `${attemptPath(attempt)}/override`, { body: { score, reason } });
+  }
+  dropOverride(attempt: string) {
+    return this.http.json<AttemptDetail>("DELETE", `${attemptPath(attempt)}/override`);
+  }
+  rescore(attempt: string) {
+    return this.http.json<AttemptDetail>("POST", `${attemptPath(attempt)}/rescore`);
+  }
+  excuse(attempt: string, reason: string) {
+    return this.http.json<AttemptDetail>("POST", `${attemptPath(attempt)}/excuse`, { body: { reason } });
+  }
+  makeReference(attempt: string, dentist: string, consent: boolean) {
+    return this.http.json<Reference>("POST", `${attemptPath(attempt)}/reference`, { body: { dentist, consent } });
+  }
+  results(attempt: string, signal?: AbortSignal) {
+    return this.http.json<{ results: readonly ScoringRun[] }>("GET", `${attemptPath(attempt)}/results`, { signal });
+  }
+
+  annotations(attempt: string, signal?: AbortSignal) {
+    return this.http.json<{ annotations: readonly Annotation[] }>("GET", `${attemptPath(attempt)}/annotations`, { signal });
+  }
+  annotate(attempt: string, remark: Remark) {
+    return this.http.json<Annotation>("POST", `${attemptPath(attempt)}/annotations`, { body: remark });
+  }
+  editAnnotation({ id, revision }: Annotation, remark: Remark) {
+    return this.http.json<Annotation>("PUT", `/annotations/${segment(id)}`, { body: remark, tag: tagOf(revision) });
+  }
+  deleteAnnotation({ id, revision }: Annotation) {
+    return this.http.empty("DELETE", `/annotations/${segment(id)}`, { tag: tagOf(revision) });
+  }
+
+  fileAppeal(attempt: string, text: string) {
+    return this.http.json<AttemptDetail>("POST", `${attemptPath(attempt)}/appeal`, { body: { text } });
+  }
+  answerAppeal(attempt: string, outcome: "regrade" | "reject", answer: string) {
+    return this.http.json<AttemptDetail>("POST", `${attemptPath(attempt)}/appeal/answer`, { body: { outcome, answer } });
+  }
+}
+
+function exercisePath(id: string): string {
+  return `/exercises/${segment(id)}`;
+}
+
+function assignmentPath(id: string): string {
+  return `/assignments/${segment(id)}`;
+}
+
+function attemptPath(id: string): string {
+  return `/attempts/${segment(id)}`;
+}

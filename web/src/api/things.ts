@@ -1,0 +1,104 @@
+import { ok } from "../base/result";
+import { type ApiResult, type Http, segment } from "./http";
+import { readAll } from "./read_all";
+import type { AuditEntry, Calibration, EnrolCode, Job, MadeEnrolCode, Profile, ProfileDetail, ProfileJudgement, ProfileReport, ProfileVersion, Station } from "./types";
+
+const kMostRows = 200;                          // that the server gives in a page
+
+interface PageQuery {
+  readonly cursor?: string | undefined;
+  readonly limit?: number;
+}
+
+// Stations and how they are enrolled.
+export class StationsApi {
+  constructor(private readonly http: Http) {}
+
+  list(query: PageQuery, signal?: AbortSignal) {
+    return this.http.page<Station>("/stations", "stations", { ...query }, signal);
+  }
+  all(signal?: AbortSignal) {
+    return readAll((cursor) => this.list({ cursor, limit: kMostRows }, signal));
+  }
+  rename(id: string, name: string, tag: string) {
+    return this.http.tagged<Station>("PATCH", `/stations/${segment(id)}`, { body: { name }, tag });
+  }
+  revoke(id: string) {
+    return this.http.json<Station>("POST", `/stations/${segment(id)}/revoke`);
+  }
+  codes(signal?: AbortSignal) {
+    return this.http.page<EnrolCode>("/enrolment-codes", "codes", { limit: kMostRows }, signal);
+  }
+  makeCode(minutes: number) {
+    return this.http.json<MadeEnrolCode>("POST", "/enrolment-codes", { body: { minutes } });
+  }
+  withdrawCode(id: string) {
+    return this.http.empty("DELETE", `/enrolment-codes/${segment(id)}`);
+  }
+}
+
+// Device profiles, their reports and calibrations.
+export class ProfilesApi {
+  constructor(private readonly http: Http) {}
+
+  list(query: PageQuery, signal?: AbortSignal) {
+    return this.http.page<Profile>("/profiles", "profiles", { ...query }, signal);
+  }
+  get(name: string, signal?: AbortSignal) {
+    return this.http.json<ProfileDetail>("GET", profilePath(name), { signal });
+  }
+  // `text`: a device profile (schemas/device_profile.schema.json), sent as it is.
+  // One that its criteria refuse is not saved; the judgement then says why.
+  async upload(text: string): Promise<ApiResult<ProfileJudgement>> {
+    const result = await this.http.json<ProfileJudgement>("POST", "/profiles", { body: text, type: "application/json" });
+    if (!result.ok && Array.isArray(result.error.answer?.["criteria"])) return ok(result.error.answer as unknown as ProfileJudgement);
+    return result;
+  }
+  versions(name: string, signal?: AbortSignal) {
+    return readAll((cursor) => this.http.page<ProfileVersion>(`${profilePath(name)}/versions`, "versions", { cursor }, signal));
+  }
+  reports(name: string, signal?: AbortSignal) {
+    return readAll((cursor) => this.http.page<ProfileReport>(`${profilePath(name)}/reports`, "reports", { cursor }, signal));
+  }
+  addReport(name: string, text: string, type: "application/json" | "text/html") {
+    return this.http.json<ProfileReport>("POST", `${profilePath(name)}/reports`, { body: text, type });
+  }
+  reportAddress(id: string): string {
+    return `/api/v1/profile-reports/${segment(id)}`;
+  }
+  // Newest first.
+  calibrations(name: string, signal?: AbortSignal) {
+    return readAll((cursor) => this.http.page<Calibration>(`${profilePath(name)}/calibrations`, "calibrations", { cursor }, signal));
+  }
+  // `text`: a calibration (schemas/calibration.schema.json), sent as it is.
+  addCalibration(name: string, text: string) {
+    return this.http.json<Calibration>("POST", `${profilePath(name)}/calibrations`, { body: text, type: "application/json" });
+  }
+}
+
+export interface AuditQuery extends PageQuery {
+  readonly actor?: string;
+  readonly action?: string;
+  readonly object?: string;
+  readonly from_ms?: number | undefined;
+  readonly until_ms?: number | undefined;
+}
+
+// The server's own work, and who changed what.
+export class OperationsApi {
+  constructor(private readonly http: Http) {}
+
+  jobs(query: PageQuery & { readonly state?: string }, signal?: AbortSignal) {
+    return this.http.page<Job>("/jobs", "jobs", { ...query }, signal);
+  }
+  cancelJob(id: string) {
+    return this.http.empty("POST", `/jobs/${segment(id)}/cancel`);
+  }
+  audit(query: AuditQuery, signal?: AbortSignal) {
+    return this.http.page<AuditEntry>("/audit", "audit", { ...query }, signal);
+  }
+}
+
+function profilePath(name: string): string {
+  return `/profiles/${segment(name)}`;
+}

@@ -1,0 +1,53 @@
+import { useState } from "preact/hooks";
+import type { Client } from "../../api/client";
+import type { Session } from "../../api/types";
+import { useChange } from "../../api/use_change";
+import { ErrorNotice } from "../../widgets/basics";
+import { TextField } from "../../widgets/form";
+
+export const kMinPassword = 8;
+const kMaxPassword = 1024;
+
+// One's own password. The old one is asked for, so that an unattended screen is not enough.
+export function PasswordForm({ client, login, onChanged }:
+    { readonly client: Client; readonly login: string; readonly onChanged: (session: Session) => void }) {
+  const [old, setOld] = useState("");
+  const [fresh, setFresh] = useState("");
+  const [again, setAgain] = useState("");
+  const [checked, setChecked] = useState(false);
+  const change = useChange();
+  const problem = problemOf(old, fresh, again);
+  const submit = async (event: Event) => {
+    event.preventDefault();
+    setChecked(true);
+    if (problem !== undefined) return;
+    const result = await change.run(() => client.people.changePassword(old, fresh));
+    if (result?.ok !== true) return;
+    setOld("");
+    setFresh("");
+    setAgain("");
+    setChecked(false);
+    onChanged(result.value);
+  };
+  const shown = checked ? problem : undefined;
+  return (
+    <form class="form narrow" onSubmit={(event) => void submit(event)}>
+      <input class="hidden" type="text" name="username" autocomplete="username" value={login} readOnly tabIndex={-1} aria-hidden="true" />
+      <TextField label="Password until now" secret autocomplete="current-password" required maxLength={kMaxPassword} value={old} onValue={setOld} />
+      <TextField label="New password" secret autocomplete="new-password" required maxLength={kMaxPassword} value={fresh} onValue={setFresh}
+                 hint={`At least ${kMinPassword} characters. Several unrelated words are easy to remember and hard to guess.`}
+                 problem={shown?.field === "new" ? shown.text : undefined} />
+      <TextField label="New password again" secret autocomplete="new-password" required maxLength={kMaxPassword} value={again} onValue={setAgain}
+                 problem={shown?.field === "again" ? shown.text : undefined} />
+      {change.error !== undefined && <ErrorNotice title="Not changed" message={change.error.message} />}
+      <div><button type="submit" class="button primary" disabled={change.busy}>Change password</button></div>
+    </form>
+  );
+}
+
+export function problemOf(old: string, fresh: string, again: string): { readonly field: "new" | "again"; readonly text: string } | undefined {
+  const length = [...fresh].length;
+  if (length < kMinPassword) return { field: "new", text: `Expected at least ${kMinPassword} characters, found ${length}.` };
+  if (fresh === old) return { field: "new", text: "This is the password until now. Choose another." };
+  return fresh === again ? undefined : { field: "again", text: "The two are not the same. Type the new password again." };
+}

@@ -1,0 +1,71 @@
+import { useState } from "preact/hooks";
+import type { Client } from "../../api/client";
+import type { Assignment } from "../../api/types";
+import { useChange } from "../../api/use_change";
+import { useRequest } from "../../api/use_request";
+import { ErrorNotice, Loading } from "../../widgets/basics";
+import { Dialog } from "../../widgets/dialog";
+import { SelectField } from "../../widgets/form";
+import { type Terms, TermsFields } from "./terms_fields";
+
+interface Props {
+  readonly client: Client;
+  readonly cohort: string;                      // chosen to begin with; empty: none
+  readonly onClose: () => void;
+  readonly onMade: (made: Assignment) => void;
+}
+
+const kTerms: Terms = { opens_ms: 0, due_ms: 0, attempt_limit: 0, exam: false, late_allowed: false, station_ids: [] };
+
+// A new assignment: an exercise for a cohort, with its terms.
+export function AssignmentEditor({ client, cohort, onClose, onMade }: Props) {
+  const exercises = useRequest("exercises", (signal) => client.teaching.exercises(undefined, signal));
+  const cohorts = useRequest("cohorts", (signal) => client.people.allCohorts(signal));
+  const stations = useRequest("stations", (signal) => client.stations.all(signal));
+  const failed = [exercises.loaded, cohorts.loaded, stations.loaded].find((loaded) => loaded.state === "failed");
+  return (
+    <Dialog title="Assign an exercise" onClose={onClose} wide>
+      {failed?.state === "failed" && <ErrorNotice title="What can be assigned could not be loaded" message={failed.error.message} />}
+      {exercises.loaded.state === "ready" && cohorts.loaded.state === "ready" && stations.loaded.state === "ready"
+        ? <Fields client={client} cohort={cohort} onClose={onClose} onMade={onMade}
+                  exercises={exercises.loaded.value.exercises.map(({ name, title }) => ({ value: name, title }))}
+                  cohorts={cohorts.loaded.value.map(({ id, name }) => ({ value: id, title: name }))}
+                  stations={stations.loaded.value.filter((station) => !station.revoked)} />
+        : failed === undefined && <Loading what="exercises and cohorts" />}
+    </Dialog>
+  );
+}
+
+interface FieldsProps extends Props {
+  readonly exercises: ReadonlyArray<{ readonly value: string; readonly title: string }>;
+  readonly cohorts: ReadonlyArray<{ readonly value: string; readonly title: string }>;
+  readonly stations: ReadonlyArray<{ readonly id: string; readonly name: string }>;
+}
+
+function Fields({ client, cohort, onClose, onMade, exercises, cohorts, stations }: FieldsProps) {
+  const [exercise, setExercise] = useState(exercises[0]?.value ?? "");
+  const [into, setInto] = useState(cohort !== "" ? cohort : cohorts[0]?.value ?? "");
+  const [terms, setTerms] = useState(kTerms);
+  const change = useChange();
+  const submit = async (event: Event) => {
+    event.preventDefault();
+    const result = await change.run(() => client.teaching.assign({ exercise, cohort_id: into, ...terms, station_ids: terms.exam ? terms.station_ids : [] }));
+    if (result?.ok === true) onMade(result.value);
+  };
+  const problemOf = (field: string) => change.error?.field === field ? change.error.message : undefined;
+  return (
+    <form class="form" onSubmit={(event) => void submit(event)}>
+      <div class="form-grid">
+        <SelectField label="Exercise" value={exercise} onValue={setExercise} options={exercises} problem={problemOf("exercise")} />
+        <SelectField label="Cohort" value={into} onValue={setInto} options={cohorts} problem={problemOf("cohort_id")} />
+      </div>
+      <TermsFields terms={terms} onTerms={(part) => setTerms((now) => ({ ...now, ...part }))} stations={stations} problemOf={problemOf} />
+      {change.error !== undefined && !["exercise", "cohort_id", "due_ms", "opens_ms", "attempt_limit"].includes(change.error.field) &&
+        <ErrorNotice title="Not assigned" message={change.error.message} />}
+      <div class="button-row end">
+        <button type="button" class="button" onClick={onClose}>Cancel</button>
+        <button type="submit" class="button primary" disabled={change.busy || exercise === "" || into === ""}>Assign</button>
+      </div>
+    </form>
+  );
+}

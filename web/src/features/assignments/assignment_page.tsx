@@ -1,0 +1,123 @@
+import { useState } from "preact/hooks";
+import type { Client } from "../../api/client";
+import type { Tagged } from "../../api/http";
+import type { Assignment } from "../../api/types";
+import { useEdit } from "../../api/use_edit";
+import { useRequest } from "../../api/use_request";
+import { formatDateTime, plural } from "../../base/format";
+import { Badge, Card, ErrorNotice, Loading, Notice, PageTitle } from "../../widgets/basics";
+import { Confirm } from "../../widgets/dialog";
+import { EditNotices } from "../../widgets/edit_notices";
+import { exerciseTitle, limitText } from "./assignment_text";
+import { PhaseBadge } from "./my_work_page";
+import { type Terms, TermsFields } from "./terms_fields";
+
+interface Props {
+  readonly client: Client;
+  readonly id: string;
+  readonly onGone: () => void;
+}
+
+export function AssignmentPage({ client, id, onGone }: Props) {
+  const { loaded, reload } = useRequest(id, (signal) => client.teaching.assignment(id, signal));
+  const [newer, setNewer] = useState<Tagged<Assignment>>();
+  if (loaded.state === "loading") return <Loading what="the assignment" />;
+  if (loaded.state === "failed") {
+    return <><PageTitle document="Assignment">Assignment</PageTitle><ErrorNotice title="The assignment could not be loaded" message={loaded.error.message} onRetry={reload} /></>;
+  }
+  const { value: assignment, tag } = newer ?? loaded.value;
+  return (
+    <>
+      <nav class="trail" aria-label="Where you are"><a href="/assignments">Assignments</a></nav>
+      <div class="title-row">
+        <PageTitle document={exerciseTitle(assignment)}>{exerciseTitle(assignment)}</PageTitle>
+        {assignment.exam && <Badge tone="warning">Exam</Badge>}
+        <PhaseBadge assignment={assignment} now={Date.now()} />
+      </div>
+      <p class="byline">
+        {assignment.cohort === null ? "Everybody" : <a href={`/cohorts/${assignment.cohort.id}`}>{assignment.cohort.name}</a>}{" · "}
+        {assignment.exercise.id !== null && <><a href={`/exercises/${assignment.exercise.id}`}>The exercise</a>{" · "}</>}<a href={`/attempts?assignment=${assignment.id}`}>Attempts under it</a>
+      </p>
+      <div class="columns">
+        <Card title="Terms"><EditTerms client={client} read={loaded.value} onRead={setNewer} /></Card>
+        <Card title="Scores"><Scores client={client} assignment={assignment} tag={tag} onGone={onGone} /></Card>
+      </div>
+    </>
+  );
+}
+
+type Draft = Assignment;
+
+const kCompared = [
+  { title: "Opens", text: (item: Draft) => item.opens_ms === 0 ? "at once" : formatDateTime(item.opens_ms) },
+  { title: "Due", text: (item: Draft) => item.due_ms === 0 ? "never" : formatDateTime(item.due_ms) },
+  { title: "Attempts", text: limitText },
+  { title: "Late attempts", text: (item: Draft) => item.late_allowed ? "accepted" : "refused" },
+  { title: "Exam", text: (item: Draft) => item.exam ? "yes" : "no" },
+  { title: "Stations", text: (item: Draft) => item.stations.map((station) => station.name).join(", ") },
+];
+
+function EditTerms({ client, read, onRead }:
+    { readonly client: Client; readonly read: Tagged<Assignment>; readonly onRead: (read: Tagged<Assignment>) => void }) {
+  const stations = useRequest("stations", (signal) => client.stations.all(signal));
+  const known = stations.loaded.state === "ready" ? stations.loaded.value : [];
+  const edit = useEdit(read, (draft, tag) => client.teaching.editAssignment(draft.id, { exercise: draft.exercise.name, cohort_id: draft.cohort?.id ?? null, ...termsOf(draft) }, tag), onRead);
+  const submit = (event: Event) => {
+    event.preventDefault();
+    void edit.save();
+  };
+  const set = ({ station_ids: ids, ...part }: Partial<Terms>) =>
+    edit.set(ids === undefined ? part : { ...part, stations: ids.map((id) => ({ id, name: known.find((station) => station.id === id)?.name ?? id })) });
+  return (
+    <form class="form" onSubmit={submit}>
+      <TermsFields terms={termsOf(edit.draft)} onTerms={set} problemOf={edit.problemOf}
+                   stations={known.filter((station) => !station.revoked || edit.draft.stations.some((item) => item.id === station.id))} />
+      <EditNotices edit={edit} compared={kCompared} fields={["opens_ms", "due_ms", "attempt_limit"]} />
+      <div><button type="submit" class="button primary" disabled={edit.busy || !edit.changed}>Save</button></div>
+    </form>
+  );
+}
+
+function termsOf({ opens_ms, due_ms, attempt_limit, exam, late_allowed, stations }: Assignment): Terms {
+  return { opens_ms, due_ms, attempt_limit, exam, late_allowed, station_ids: exam ? stations.map((station) => station.id) : [] };
+}
+
+function Scores({ client, assignment, tag, onGone }: { readonly client: Client; readonly assignment: Assignment; readonly tag: string; readonly onGone: () => void }) {
+  const [open, setOpen] = useState<"release" | "delete">();
+  const [released, setReleased] = useState<number>();
+  const close = () => setOpen(undefined);
+  return (
+    <>
+      <div class="button-row">
+        <button type="button" class="button primary" onClick={() => setOpen("release")}>Release all scores…</button>
+        <button type="button" class="button" onClick={() => setOpen("delete")}>Delete the assignment…</button>
+      </div>
+      <div aria-live="polite">
+        {released !== undefined && <Notice tone="good"><p>{released === 0 ? "There was nothing left to release." : `${plural(released, "score")} released.`}</p></Notice>}
+      </div>
+      <p class="hint">Releasing shows each student score, deviation and remarks of all scored attempts under this assignment. Practice shows at once anyway.</p>
+      {open === "release" && (
+        <Confirm title="Release all scores?" action="Release all" tone="neutral" onClose={close}
+                 onConfirm={async () => {
+                   const result = await client.teaching.releaseAssignment(assignment.id);
+                   if (!result.ok) return result.error.message;
+                   setReleased(result.value.released);
+                   return undefined;
+                 }}>
+          <p>All scored attempts under this assignment become visible to their students. A release can be taken back one by one, but may have been seen by then.</p>
+        </Confirm>
+      )}
+      {open === "delete" && (
+        <Confirm title="Delete this assignment?" action="Delete" onClose={close}
+                 onConfirm={async () => {
+                   const result = await client.teaching.deleteAssignment(assignment.id, tag);
+                   if (!result.ok) return result.error.message;
+                   onGone();
+                   return undefined;
+                 }}>
+          <p>The exercise is not offered to the cohort any more. Attempts made under it stay, with the terms they were begun under. It cannot be brought back, only assigned anew.</p>
+        </Confirm>
+      )}
+    </>
+  );
+}

@@ -1,0 +1,22 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { dueText, leftText, phaseOf } from "./assignment_text";
+
+const day = 86_400_000;
+const terms = (opens: number, due: number, late = false) => ({ opens_ms: opens, due_ms: due, late_allowed: late });
+
+test("an assignment is before, open, late or closed", () => {
+  assert.equal(phaseOf(terms(10 * day, 20 * day), 5 * day), "before");
+  assert.equal(phaseOf(terms(10 * day, 20 * day), 15 * day), "open");
+  assert.equal(phaseOf(terms(10 * day, 20 * day), 21 * day), "closed");
+  assert.equal(phaseOf(terms(10 * day, 20 * day, true), 21 * day), "late");
+  assert.equal(phaseOf(terms(0, 0), 15 * day), "open");
+});
+
+test("due dates and what is left are said in words", () => {
+  assert.match(dueText({ due_ms: 20 * day }, 17 * day), /in 3 days/);
+  assert.equal(dueText({ due_ms: 0 }, day), "No due date");
+  assert.equal(leftText({ attempts_left: 0 }), "None left");
+  assert.equal(leftText({ attempts_left: 1 }), "1 attempt left");
+  assert.equal(leftText({ attempts_left: null }), "As many as you want");
+});

@@ -1,0 +1,30 @@
+import type { Assignment } from "../../api/types";
+import { formatDateTime, plural } from "../../base/format";
+import { relativeTime } from "../../base/local_time";
+
+export type Phase = "before" | "open" | "late" | "closed";
+
+// Where an assignment stands in time.
+export function phaseOf({ opens_ms: opens, due_ms: due, late_allowed: late }: Pick<Assignment, "opens_ms" | "due_ms" | "late_allowed">, nowMs: number): Phase {
+  if (nowMs < opens) return "before";
+  if (due === 0 || nowMs <= due) return "open";
+  return late ? "late" : "closed";
+}
+
+export function dueText({ due_ms: due }: Pick<Assignment, "due_ms">, nowMs: number): string {
+  return due === 0 ? "No due date" : `${formatDateTime(due)} (${relativeTime(due, nowMs)})`;
+}
+
+export function limitText({ attempt_limit: limit }: Pick<Assignment, "attempt_limit">): string {
+  return limit === 0 ? "As many as wanted" : plural(limit, "attempt");
+}
+
+export function exerciseTitle({ exercise }: Pick<Assignment, "exercise">): string {
+  return exercise.title ?? `${exercise.name} (retired)`;
+}
+
+// What a student still may do.
+export function leftText({ attempts_left: left }: { readonly attempts_left: number | null }): string {
+  if (left === null) return "As many as you want";
+  return left === 0 ? "None left" : `${plural(left, "attempt")} left`;
+}

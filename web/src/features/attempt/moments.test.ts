@@ -1,0 +1,20 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import type { Annotation, Series } from "../../api/types";
+import { marksOf, secondsOfTick, stepOfTick, tickOfStep } from "./moments";
+
+const series = { rate_hz: 1000, step_ticks: 24, t_s: Array.from({ length: 101 }, (_, i) => i * 0.024) } as unknown as Series;
+const remark = (tick: number, createdMs: number) => ({ id: `${tick}`, tick, created_ms: createdMs }) as unknown as Annotation;
+
+test("a step's tick lies in that step, and ticks beyond the end in the last one", () => {
+  for (const step of [0, 1, 57, 100]) assert.equal(stepOfTick(series, tickOfStep(series, step)), step);
+  assert.equal(stepOfTick(series, 1e9), 100);
+  assert.equal(secondsOfTick(series, 1500), 1.5);
+});
+
+test("remarks are numbered in order of time and lie along the timeline", () => {
+  const marks = marksOf(series, [remark(2400, 1), remark(0, 2), remark(1200, 9), remark(1200, 3)]);
+  assert.deepEqual(marks.map((mark) => mark.number), [1, 2, 3, 4]);
+  assert.deepEqual(marks.map((mark) => mark.share), [0, 0.5, 0.5, 1]);
+  assert.equal(marks[1]?.annotation.created_ms, 3);
+});

@@ -1,0 +1,32 @@
+import type { Annotation, Series } from "../../api/types";
+
+// Moments of an attempt: ticks of the recording, steps of its series, seconds.
+
+// The step of the series in which `tick` lies; the last one for what is beyond.
+export function stepOfTick(series: Series, tick: number): number {
+  return Math.max(0, Math.min(Math.floor(tick / series.step_ticks), series.t_s.length - 1));
+}
+
+export function tickOfStep(series: Series, step: number): number {
+  return step * series.step_ticks;
+}
+
+export function secondsOfTick(series: Series, tick: number): number {
+  return tick / series.rate_hz;
+}
+
+export interface Mark {
+  readonly annotation: Annotation;
+  readonly number: number;                      // as written beside it, from 1 in order of time
+  readonly step: number;
+  readonly share: number;                       // 0..1 along the timeline
+}
+
+// Remarks in order of their time.
+export function marksOf(series: Series, annotations: readonly Annotation[]): Mark[] {
+  const last = Math.max(1, series.t_s.length - 1);
+  return [...annotations].sort((a, b) => a.tick - b.tick || a.created_ms - b.created_ms).map((annotation, i) => {
+    const step = stepOfTick(series, annotation.tick);
+    return { annotation, number: i + 1, step, share: step / last };
+  });
+}

@@ -1,0 +1,44 @@
+import { useState } from "preact/hooks";
+import { type ApiResult, placedMessage } from "../../api/http";
+import type { Exercise } from "../../api/types";
+import { useChange } from "../../api/use_change";
+import { formatNumber } from "../../base/format";
+import { ErrorNotice } from "../../widgets/basics";
+import { FileField } from "../../widgets/form";
+
+const kMaxBytes = 1 << 20;
+
+interface Props {
+  readonly action: string;
+  readonly send: (text: string) => Promise<ApiResult<Exercise>>;
+  readonly onDone: (exercise: Exercise) => void;
+  readonly onCancel: () => void;
+}
+
+// An exercise document from a file. The server checks it whole; what is wrong is shown with the place
+// in the document.
+export function DocumentForm({ action, send, onDone, onCancel }: Props) {
+  const [file, setFile] = useState<File>();
+  const change = useChange();
+  const tooLarge = file !== undefined && file.size > kMaxBytes;
+  const submit = async (event: Event) => {
+    event.preventDefault();
+    if (file === undefined || tooLarge) return;
+    const text = await file.text();
+    const result = await change.run(() => send(text));
+    if (result?.ok === true) onDone(result.value);
+  };
+  return (
+    <form class="form" onSubmit={(event) => void submit(event)}>
+      <FileField label="Exercise document (JSON)" accept=".json,application/json" onFile={(chosen) => { setFile(chosen); change.clear(); }}
+                 hint="As described in schemas/exercise.schema.json; the rubric is part of it. Save one of an existing exercise to begin with."
+                 problem={tooLarge ? `The file has ${formatNumber(file.size, 0)} bytes, at most ${formatNumber(kMaxBytes, 0)} are taken.` : undefined} />
+      {change.error !== undefined &&
+        <ErrorNotice title={change.error.code === "invalid_input" ? "The document is not right" : "Not saved"} message={placedMessage(change.error)} />}
+      <div class="button-row end">
+        <button type="button" class="button" onClick={onCancel}>Cancel</button>
+        <button type="submit" class="button primary" disabled={change.busy || file === undefined || tooLarge}>{action}</button>
+      </div>
+    </form>
+  );
+}

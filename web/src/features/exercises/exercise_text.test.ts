@@ -1,0 +1,32 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { burText, fullMarksText, noMarksText, shankText, timeLimitText, versionText } from "./exercise_text";
+
+const bur = { shape: "cylinder", radius_um: 500, length_um: 4000, narrow_radius_um: 0, shank_radius_um: 0, neck_um: 0 } as const;
+const spaced = (text: string) => text.replaceAll("\u00a0", " ");
+
+test("a bur is named by its shape and what one measures of it", () => {
+  assert.equal(spaced(burText(bur)), "Cylinder, 1 mm across, 4 mm long");
+  assert.equal(spaced(burText({ ...bur, shape: "sphere", length_um: 0 })), "Round, 1 mm across");
+  assert.equal(spaced(burText({ ...bur, shape: "cone", narrow_radius_um: 300 })), "Cone, 1 mm across, 0.6 mm at the tip, 4 mm long");
+  assert.equal(spaced(burText({ ...bur, shape: "pear", narrow_radius_um: 300 })), "Pear, 1 mm across, 0.6 mm at the shank, 4 mm long");
+});
+
+test("what is not there is said to be none", () => {
+  assert.equal(shankText(bur), "None");
+  assert.equal(spaced(shankText({ ...bur, shank_radius_um: 800, neck_um: 2000 })), "1.6 mm across, neck 2 mm");
+  assert.equal(timeLimitText(0), "None");
+  assert.equal(timeLimitText(600), "10 min 00 s");
+  assert.equal(versionText({ version: 0 }), "draft");
+});
+
+test("where marks begin and end is said for rising, falling and two-sided criteria", () => {
+  const map = (...points: ReadonlyArray<readonly [number, number]>) => points.map(([value, share]) => ({ value, share }));
+  const both = (points: ReturnType<typeof map>) => [fullMarksText(points, "mm"), noMarksText(points, "mm")].map(spaced);
+  assert.deepEqual(both(map([0.05, 1], [0.3, 0])), ["0.05 mm", "0.3 mm"]);
+  assert.deepEqual(both(map([0, 1], [0.05, 1], [0.3, 0], [1, 0])), ["0.05 mm", "0.3 mm"]);
+  assert.deepEqual(both(map([80, 0], [98, 1])), ["98 mm", "80 mm"]);
+  assert.deepEqual(both(map([-0.3, 0], [-0.05, 1], [0.05, 1], [0.3, 0])), ["±0.05 mm", "beyond ±0.3 mm"]);
+  assert.deepEqual(both(map([-0.2, 0], [0, 1], [0.4, 0])), ["±0 mm", "beyond −0.2 mm to 0.4 mm"]);
+  assert.deepEqual(both([]), ["–", "–"]);
+});

@@ -1,0 +1,67 @@
+import type { Bur, ExerciseState } from "../../api/types";
+import { formatDuration, formatQuantity, micrometresAsMm } from "../../base/format";
+import type { Tone } from "../../widgets/basics";
+
+const kShapes: Readonly<Record<Bur["shape"], string>> = {
+  sphere: "Round", cylinder: "Cylinder", cone: "Cone", inverted_cone: "Inverted cone", pear: "Pear", flame: "Flame", wheel: "Wheel",
+};
+
+export function burText(bur: Bur): string {
+  const narrow = bur.narrow_radius_um > 0 ? `, ${micrometresAsMm(2 * bur.narrow_radius_um)} at the ${bur.shape === "cone" ? "tip" : "shank"}` : "";
+  const length = bur.shape === "sphere" ? "" : `, ${micrometresAsMm(bur.length_um)} long`;
+  return `${kShapes[bur.shape]}, ${micrometresAsMm(2 * bur.radius_um)} across${narrow}${length}`;
+}
+
+export function shankText({ shank_radius_um: shank, neck_um: neck }: Bur): string {
+  if (shank === 0) return "None";
+  return `${micrometresAsMm(2 * shank)} across${neck > 0 ? `, neck ${micrometresAsMm(neck)}` : ""}`;
+}
+
+export function timeLimitText(seconds: number): string {
+  return seconds === 0 ? "None" : formatDuration(seconds);
+}
+
+export const kStateTexts: Readonly<Record<ExerciseState, { readonly title: string; readonly tone: Tone }>> = {
+  draft: { title: "Draft", tone: "warning" }, published: { title: "Published", tone: "good" }, retired: { title: "Retired", tone: "neutral" },
+};
+
+export function versionText({ version }: { readonly version: number }): string {
+  return version === 0 ? "draft" : `version ${version}`;
+}
+
+type MarkMap = ReadonlyArray<{ readonly value: number; readonly share: number }>;
+
+// From where on a criterion gives all of its points: one end, or for one that may err to both sides, both.
+export function fullMarksText(map: MarkMap, unit: string): string {
+  const full = map.filter((point) => point.share >= 1).map((point) => point.value);
+  const [low, high] = [full.at(0), full.at(-1)];
+  if (low === undefined || high === undefined) return "–";
+  if (isTwoSided(map)) return rangeText(low, high, unit);
+  return formatQuantity(falls(map) ? high : low, unit);
+}
+
+// From where on it gives none.
+export function noMarksText(map: MarkMap, unit: string): string {
+  const none = map.filter((point) => point.share <= 0).map((point) => point.value);
+  const [low, high] = [none.at(0), none.at(-1)];
+  if (low === undefined || high === undefined) return "–";
+  if (isTwoSided(map)) return `beyond ${rangeText(none.filter((value) => value < middle(map)).at(-1) ?? low, none.find((value) => value > middle(map)) ?? high, unit)}`;
+  return formatQuantity(falls(map) ? low : high, unit);
+}
+
+function falls(map: MarkMap): boolean {
+  return (map.at(0)?.share ?? 0) >= (map.at(-1)?.share ?? 0);
+}
+
+function isTwoSided(map: MarkMap): boolean {
+  const most = Math.max(...map.map((point) => point.share));
+  return (map.at(0)?.share ?? 0) < most && (map.at(-1)?.share ?? 0) < most;
+}
+
+function middle(map: MarkMap): number {
+  return map.reduce((best, point) => (point.share > best.share ? point : best), map[0] ?? { value: 0, share: 0 }).value;
+}
+
+function rangeText(low: number, high: number, unit: string): string {
+  return low === -high ? `±${formatQuantity(high, unit)}` : `${formatQuantity(low, unit)} to ${formatQuantity(high, unit)}`;
+}

@@ -1,0 +1,56 @@
+import { forceSize, type LiveRow } from "../../api/live";
+
+// What the page remembers of an attempt that it watches: the last seconds, bounded.
+export interface Track {
+  readonly rows: readonly LiveRow[];
+  readonly state: "waiting" | "live" | "ended" | "disturbed";
+  readonly problem: string;
+  readonly heardMs: number;                     // when rows came last; 0: none yet
+}
+
+export const kTrackSeconds = 20;
+export const kDefaultRateHz = 1000;             // of exercises; only sets how long ago is drawn where
+const kMaxRows = 2000;                          // 20 s at 60 rows a second, and room for faster stations
+
+export const emptyTrack: Track = { rows: [], state: "waiting", problem: "", heardMs: 0 };
+
+// Rows come in order; a station that begins anew (ticks go back) begins a new track.
+export function withRows(track: Track, rows: readonly LiveRow[], rateHz: number, nowMs: number): Track {
+  const last = rows.at(-1);
+  if (last === undefined) return track;
+  const kept = (track.rows.at(-1)?.tick ?? -1) < (rows[0]?.tick ?? 0) ? track.rows : [];
+  const oldest = last.tick - kTrackSeconds * rateHz;
+  return { rows: [...kept, ...rows].filter((row) => row.tick >= oldest).slice(-kMaxRows), state: "live", problem: "", heardMs: nowMs };
+}
+
+export interface Extent {
+  readonly low: readonly [number, number, number];
+  readonly high: readonly [number, number, number];
+}
+
+export function extentOf(rows: readonly LiveRow[]): Extent | undefined {
+  const first = rows[0];
+  if (first === undefined) return undefined;
+  const low: [number, number, number] = [...first.anchorMm];
+  const high: [number, number, number] = [...first.anchorMm];
+  for (const { anchorMm } of rows) {
+    for (let axis = 0; axis < 3; ++axis) {
+      low[axis] = Math.min(low[axis]!, anchorMm[axis]!);
+      high[axis] = Math.max(high[axis]!, anchorMm[axis]!);
+    }
+  }
+  return { low, high };
+}
+
+export function largestForce(rows: readonly LiveRow[]): number {
+  return rows.reduce((largest, row) => Math.max(largest, forceSize(row)), 0);
+}
+
+const kFlagTexts: ReadonlyArray<readonly [number, string]> = [
+  [1, "Force guarded"], [2, "Peak limited"], [256, "Anchor set anew"], [512, "Reserve used up"], [1024, "Force suspended"], [2048, "Fault: step too long"],
+];
+
+// What of a tick's witness flags (schemas/trace_format.md, column 19) a teacher wants to know.
+export function flagTexts(flags: number): string[] {
+  return kFlagTexts.filter(([bit]) => (flags & bit) !== 0).map(([, text]) => text);
+}

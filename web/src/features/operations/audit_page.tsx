@@ -1,0 +1,95 @@
+import { useState } from "preact/hooks";
+import type { Client } from "../../api/client";
+import type { AuditEntry } from "../../api/types";
+import { usePages } from "../../api/use_pages";
+import { csvText } from "../../base/csv";
+import { downloadText } from "../../base/download";
+import { formatDateTime } from "../../base/format";
+import { Card, PageTitle } from "../../widgets/basics";
+import { TextField, TimeField } from "../../widgets/form";
+import { PagedList } from "../../widgets/pages";
+import { type Column, DataTable } from "../../widgets/table";
+
+const kPageSize = 100;
+
+interface Props {
+  readonly client: Client;
+  readonly query: URLSearchParams;
+  readonly onQuery: (query: Readonly<Record<string, string>>) => void;
+}
+
+interface Filter {
+  readonly actor: string;                       // id of a person
+  readonly login: string;                       // of that person
+  readonly action: string;
+  readonly object: string;
+  readonly from_ms: number;
+  readonly until_ms: number;
+}
+
+// Who changed what, newest first.
+export function AuditPage({ client, query, onQuery }: Props) {
+  const filter: Filter = {
+    actor: query.get("actor") ?? "", login: query.get("login") ?? "", action: query.get("action") ?? "", object: query.get("object") ?? "",
+    from_ms: Number(query.get("from_ms") ?? 0), until_ms: Number(query.get("until_ms") ?? 0),
+  };
+  const pages = usePages(JSON.stringify(filter), (cursor, signal) =>
+    client.operations.audit({ actor: filter.actor, action: filter.action, object: filter.object, from_ms: filter.from_ms || undefined, until_ms: filter.until_ms || undefined, cursor, limit: kPageSize }, signal));
+  return (
+    <>
+      <div class="toolbar">
+        <PageTitle document="Audit">Audit</PageTitle>
+        <button type="button" class="button" disabled={pages.items.length === 0} onClick={() => save(pages.items)}>Save what is shown as CSV</button>
+      </div>
+      <Filters key={JSON.stringify(filter)} client={client} filter={filter} onQuery={onQuery} />
+      <PagedList pages={pages} what="audit entries" empty="Nothing was changed that matches.">
+        {(entries) => <Card className="flush"><DataTable label="Audit, newest first" items={entries} columns={kColumns} /></Card>}
+      </PagedList>
+    </>
+  );
+}
+
+const kColumns: readonly Column<AuditEntry>[] = [
+  { title: "When", cell: (entry) => <span class="nowrap">{formatDateTime(entry.at_ms)}</span> },
+  { title: "Who", cell: (entry) => entry.actor },
+  { title: "What", cell: (entry) => <code>{entry.action}</code> },
+  { title: "On", cell: (entry) => <code class="json">{entry.object}</code> },
+  { title: "Before", cell: (entry) => <code class="json">{entry.before === "" ? "–" : entry.before}</code> },
+  { title: "After", cell: (entry) => <code class="json">{entry.after === "" ? "–" : entry.after}</code> },
+];
+
+function Filters({ client, filter, onQuery }: { readonly client: Client; readonly filter: Filter; readonly onQuery: Props["onQuery"] }) {
+  const [draft, setDraft] = useState(filter);
+  const [problem, setProblem] = useState<string>();
+  const set = (part: Partial<Filter>) => setDraft((now) => ({ ...now, ...part }));
+  const submit = async (event: Event) => {
+    event.preventDefault();
+    const login = draft.login.trim();
+    const actor = login === "" ? "" : login === filter.login ? filter.actor : await idOf(client, login);
+    setProblem(actor === undefined ? "Nobody has this login." : undefined);
+    if (actor === undefined) return;
+    onQuery({ actor, login, action: draft.action.trim(), object: draft.object.trim(),
+              from_ms: draft.from_ms > 0 ? String(draft.from_ms) : "", until_ms: draft.until_ms > 0 ? String(draft.until_ms) : "" });
+  };
+  return (
+    <form class="filters" role="search" onSubmit={(event) => void submit(event)}>
+      <TextField label="Who (login)" value={draft.login} onValue={(login) => set({ login })} maxLength={64} problem={problem} />
+      <TextField label="What" value={draft.action} onValue={(action) => set({ action })} maxLength={100} hint="person. finds all of a kind" />
+      <TextField label="On (id)" value={draft.object} onValue={(object) => set({ object })} maxLength={100} />
+      <TimeField label="From" value={draft.from_ms} onValue={(fromMs) => set({ from_ms: fromMs })} />
+      <TimeField label="Until" value={draft.until_ms} onValue={(untilMs) => set({ until_ms: untilMs })} />
+      <button type="submit" class="button">Search</button>
+      <button type="button" class="button quiet" onClick={() => onQuery({})}>Clear</button>
+    </form>
+  );
+}
+
+async function idOf(client: Client, login: string): Promise<string | undefined> {
+  const found = await client.people.list({ text: login });
+  return found.ok ? found.value.items.find((person) => person.login === login)?.id : undefined;
+}
+
+function save(entries: readonly AuditEntry[]): void {
+  downloadText("audit.csv", "text/csv", csvText(["time_utc", "who", "what", "on", "before", "after"],
+    entries.map((entry) => [new Date(entry.at_ms).toISOString(), entry.actor, entry.action, entry.object, entry.before, entry.after])));
+}

@@ -1,0 +1,109 @@
+import { useState } from "preact/hooks";
+import type { Client } from "../../api/client";
+import type { PersonDetail, Role } from "../../api/types";
+import { useChange } from "../../api/use_change";
+import { usePages } from "../../api/use_pages";
+import { useRequest } from "../../api/use_request";
+import { Badge, Card, ErrorNotice, PageTitle } from "../../widgets/basics";
+import { Dialog } from "../../widgets/dialog";
+import { type Option, SelectField, TextField } from "../../widgets/form";
+import { PagedList } from "../../widgets/pages";
+import { DataTable } from "../../widgets/table";
+import { OneTimePassword } from "./one_time_password";
+
+const kPageSize = 50;
+export const kRoles: readonly Option<Role>[] = [
+  { value: "student", title: "Student" }, { value: "instructor", title: "Instructor" }, { value: "admin", title: "Admin" },
+];
+
+interface Props {
+  readonly client: Client;
+  readonly query: URLSearchParams;
+  readonly onQuery: (query: Readonly<Record<string, string>>) => void;
+}
+
+export function PeoplePage({ client, query, onQuery }: Props) {
+  const filter = { text: query.get("text") ?? "", role: query.get("role") ?? "", cohort: query.get("cohort") ?? "" };
+  const pages = usePages(JSON.stringify(filter), (cursor, signal) => client.people.list({ ...filter, cursor, limit: kPageSize }, signal));
+  const [adding, setAdding] = useState(false);
+  return (
+    <>
+      <div class="toolbar">
+        <PageTitle document="People">People</PageTitle>
+        <div class="button-row">
+          <a class="button" href="/roster">Import a roster…</a>
+          <button type="button" class="button primary" onClick={() => setAdding(true)}>Add a person…</button>
+        </div>
+      </div>
+      <Filters client={client} filter={filter} onQuery={onQuery} />
+      <PagedList pages={pages} what="people" empty="Nobody matches. Clear the search, or add somebody.">
+        {(people) => <Card className="flush"><DataTable label="People" items={people} rowKey={(person) => person.id} columns={kColumns} /></Card>}
+      </PagedList>
+      {adding && <AddPerson client={client} onClose={() => setAdding(false)} onAdded={pages.reload} />}
+    </>
+  );
+}
+
+const kColumns = [
+  { title: "Name", cell: (person: PersonDetail) => <a href={`/people/${person.id}`}>{person.display_name}</a> },
+  { title: "Login", cell: (person: PersonDetail) => <code>{person.login}</code> },
+  { title: "Role", cell: (person: PersonDetail) => kRoles.find((role) => role.value === person.role)?.title ?? person.role },
+  { title: "State", cell: (person: PersonDetail) => <PersonState person={person} /> },
+];
+
+export function PersonState({ person }: { readonly person: PersonDetail }) {
+  if (person.disabled) return <Badge tone="bad">Disabled</Badge>;
+  return person.must_change_password ? <Badge tone="warning">One-time password</Badge> : <Badge tone="good">Active</Badge>;
+}
+
+function Filters({ client, filter, onQuery }: Omit<Props, "query"> & { readonly filter: { readonly text: string; readonly role: string; readonly cohort: string } }) {
+  const cohorts = useRequest("cohorts", (signal) => client.people.allCohorts(signal));
+  const [text, setText] = useState(filter.text);
+  const names = cohorts.loaded.state === "ready" ? cohorts.loaded.value : [];
+  const submit = (event: Event) => {
+    event.preventDefault();
+    onQuery({ ...filter, text: text.trim() });
+  };
+  return (
+    <form class="filters" role="search" onSubmit={submit}>
+      <TextField label="Name or login" value={text} onValue={setText} maxLength={100} />
+      <SelectField label="Role" value={filter.role} onValue={(role) => onQuery({ ...filter, role })} options={[{ value: "", title: "Any" }, ...kRoles]} />
+      <SelectField label="Cohort" value={filter.cohort} onValue={(cohort) => onQuery({ ...filter, cohort })}
+                   options={[{ value: "", title: "Any" }, ...names.map((cohort) => ({ value: cohort.id, title: cohort.name }))]} />
+      <button type="submit" class="button">Search</button>
+    </form>
+  );
+}
+
+function AddPerson({ client, onClose, onAdded }: { readonly client: Client; readonly onClose: () => void; readonly onAdded: () => void }) {
+  const [login, setLogin] = useState("");
+  const [name, setName] = useState("");
+  const [role, setRole] = useState<Role>("student");
+  const [made, setMade] = useState<{ readonly login: string; readonly password: string }>();
+  const change = useChange();
+  const submit = async (event: Event) => {
+    event.preventDefault();
+    const result = await change.run(() => client.people.create({ login: login.trim(), display_name: name.trim(), role }));
+    if (result?.ok !== true) return;
+    setMade({ login: result.value.login, password: result.value.password });
+    onAdded();
+  };
+  const problem = (field: string) => change.error?.field === field ? change.error.message : undefined;
+  if (made !== undefined) {
+    return <Dialog title="Added" onClose={onClose}><OneTimePassword login={made.login} password={made.password} onClose={onClose} /></Dialog>;
+  }
+  return (
+    <Dialog title="Add a person" onClose={onClose}>
+      <form class="form" onSubmit={(event) => void submit(event)}>
+        <TextField label="Name" value={name} onValue={setName} required maxLength={200} problem={problem("display_name")} />
+        <TextField label="Login" value={login} onValue={setLogin} required maxLength={64} problem={problem("login")} hint="What the person types to sign in. It cannot be changed later." />
+        <SelectField label="Role" value={role} onValue={setRole} options={kRoles} problem={problem("role")} />
+        {change.error !== undefined && !["login", "display_name", "role"].includes(change.error.field) && <ErrorNotice title="Not added" message={change.error.message} />}
+        <div class="button-row end">
+          <button type="button" class="button" onClick={onClose}>Cancel</button>
+          <button type="submit" class="button primary" disabled={change.busy}>Add</button>
+        </div>
+      </form>
+    </Dialog>
+  );
+}
