@@ -241,6 +241,7 @@ async function jobsAndAudit(world) {
   await page.getByRole("button", { name: "Search" }).click();
   await page.waitForURL(/action=person/);
   await page.getByRole("row").filter({ hasText: "attempt.release" }).first().waitFor({ state: "detached" });
+  await page.getByRole("link", { name: "Admin One" }).nth(1).waitFor();
   const file = await downloaded(page, () => page.getByRole("button", { name: "Save what is shown as CSV" }).click());
   assert.ok(file.text.split("\r\n").slice(1, -1).every((row) => row.includes("person.edit")));
 }

@@ -154,6 +154,6 @@ function makeAudit(admin, instructor) {
                    ["attempt.seal", undefined, "", '{"ticks":42180}'], ["assignment.add", instructor, "", '{"exercise":"class-1-occlusal","attempt_limit":3}']];
   return Array.from({ length: 130 }, (_, i) => {
     const [action, actor, before, after] = actions[i % actions.length];
-    return { at_ms: kStartMs - i * 7 * kMinuteMs, actor: actor?.login ?? "station 1", actor_id: actor?.id, action, object: id(100 + (i % 8)), before, after };
+    return { at_ms: kStartMs - i * 7 * kMinuteMs, actor: actor === undefined ? "station 1" : `${actor.id} (page)`, actor_id: actor?.id, action, object: id(100 + (i % 8)), before, after };
   });
 }

@@ -1,10 +1,12 @@
 import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
 import type { AuditEntry } from "../../api/types";
+import { useRequest } from "../../api/use_request";
 import { usePages } from "../../api/use_pages";
 import { csvText } from "../../base/csv";
 import { downloadText } from "../../base/download";
 import { formatDateTime } from "../../base/format";
+import { ok } from "../../base/result";
 import { Card, PageTitle } from "../../widgets/basics";
 import { TextField, TimeField } from "../../widgets/form";
 import { PagedList } from "../../widgets/pages";
@@ -43,15 +45,35 @@ export function AuditPage({ client, query, onQuery }: Props) {
       </div>
       <Filters key={JSON.stringify(filter)} client={client} filter={filter} onQuery={onQuery} />
       <PagedList pages={pages} what="audit entries" empty="Nothing was changed that matches.">
-        {(entries) => <Card className="flush"><DataTable label="Audit, newest first" items={entries} columns={kColumns} /></Card>}
+        {(entries) => <Card className="flush"><Entries client={client} entries={entries} /></Card>}
       </PagedList>
     </>
   );
 }
 
+// People are told by their id in the trail, because names change: those who are there get their name.
+function Entries({ client, entries }: { readonly client: Client; readonly entries: readonly AuditEntry[] }) {
+  const ids = [...new Set(entries.flatMap((entry) => personId(entry.actor) ?? []))].sort();
+  const names = useRequest(ids.join(" "), async (signal) => {
+    const found = await Promise.all(ids.map((id) => client.people.get(id, signal)));
+    return ok(new Map(found.flatMap((person) => person.ok ? [[person.value.value.id, person.value.value.display_name] as const] : [])));
+  });
+  const known = names.loaded.state === "ready" ? names.loaded.value : undefined;
+  const who = ({ actor }: AuditEntry) => {
+    const id = personId(actor);
+    const name = id === undefined ? undefined : known?.get(id);
+    return id === undefined || name === undefined ? <span class="json">{actor}</span> : <><a href={`/people/${id}`}>{name}</a>{actor.slice(id.length)}</>;
+  };
+  return <DataTable label="Audit, newest first" items={entries} columns={[kWhen, { title: "Who", cell: who }, ...kColumns]} />;
+}
+
+// "UUID (page)"
+function personId(actor: string): string | undefined {
+  return /^[0-9a-f]{8}(?:-[0-9a-f]{4}){3}-[0-9a-f]{12}(?= |$)/.exec(actor)?.[0];
+}
+
+const kWhen: Column<AuditEntry> = { title: "When", cell: (entry) => <span class="nowrap">{formatDateTime(entry.at_ms)}</span> };
 const kColumns: readonly Column<AuditEntry>[] = [
-  { title: "When", cell: (entry) => <span class="nowrap">{formatDateTime(entry.at_ms)}</span> },
-  { title: "Who", cell: (entry) => entry.actor },
   { title: "What", cell: (entry) => <code>{entry.action}</code> },
   { title: "On", cell: (entry) => <code class="json">{entry.object}</code> },
   { title: "Before", cell: (entry) => <code class="json">{entry.before === "" ? "–" : entry.before}</code> },
