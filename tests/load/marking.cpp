@@ -46,7 +46,7 @@ Result<Bench> SetUp(Store& store, const trace::KeyPair& ticket_key, int32_t voxe
   if (!id.ok()) return id.status();
   out.person = *id;
   const Sha256 code = HashSha256(AsBytes("code " + tag));
-  ENAMEL_RETURN_IF_ERROR(store.AddEnrolCode(code, kNever, kLoadgen));
+  ENAMEL_RETURN_IF_ERROR(store.AddEnrolCode(code, kNever, kLoadgen).status());
   StationRow row;
   row.name = "load marked " + tag;
   row.public_key.assign(out.station_key.public_key.begin(), out.station_key.public_key.end());
