@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # A station that is killed in the middle of an attempt goes on where its recording ends, or ends it there; a server
 # restored from an older backup gets back what it lost; an attempt is made without the server on a ticket taken before; a
-# cable that is pulled again and again loses nothing.
+# cable that is pulled again and again loses nothing; who watches sees the attempt move.
 . "$(dirname "$0")/support.sh"
 data=$work/server station=$work/station
 port=$(free_ports)
@@ -139,6 +139,19 @@ server_cli report --data "$data" --attempt "$attempt" --wait 600 --json "$work/r
 [ "$(json_of "$work/report.json" witness_ok)" = true ] || fail "what came over the broken cable does not replay"
 echo "ok: $(json_of "$work/cut.json" ticks) ticks over $(tail -n 1 "$work/cable.log")"
 kill "$cable"
+
+echo "== watched while it is made"
+"$bin/enamel-station" run --data "$station" --profile phantom_desktop --quiet --exercise "$exercise" --user student1 \
+  --operator student >"$work/run.log" 2>&1 &
+runner=$!
+pids+=("$runner")
+node "$root/tests/integration/watch.mjs" "$port" instructor enamel-demo-instructor 6 | tee "$work/watch.json"
+kill -TERM "$runner"
+wait "$runner" || { cat "$work/run.log"; fail "the watched attempt"; }
+node -e '
+  const w = JSON.parse(require("fs").readFileSync(process.argv[1], "utf8"));
+  if (!(w.rows_per_second >= 30)) { console.error(`a viewer saw ${w.rows_per_second} moments a second, expected at least 30`); process.exit(1); }
+' "$work/watch.json" || fail "the live view"
 
 station_cli spool verify --data "$station" | tail -n 1
 stop_server
