@@ -84,7 +84,10 @@ PictureState ToothView::PictureNow(float aspect) {
 
 void ToothView::Draw(int width, int height, const Quality& quality) {
   for (const GroupMesh& mesh : mesher_.TakeReady()) picture_.Replace(mesh);
-  has_state_ |= latest_.Read(state_);
+  if (const auto& newest = latest_.Read()) {
+    state_ = *newest;
+    has_state_ = true;
+  }
   picture_.Draw(PictureNow(static_cast<float>(width) / static_cast<float>(height)), width, height,
                 quality);
 }

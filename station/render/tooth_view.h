@@ -1,15 +1,16 @@
 #pragma once
 
 #include <chrono>
+#include <optional>
 #include <span>
 
 #include "common/base/check.h"
+#include "common/base/triple_buffer.h"
 #include "common/cutting/bur.h"
 #include "common/cutting/volume.h"
 #include "station/render/brick_feed.h"
 #include "station/render/camera.h"
 #include "station/render/frame_state.h"
-#include "station/render/latest.h"
 #include "station/render/mesher.h"
 #include "station/render/picture.h"
 #include "station/render/quality.h"
@@ -74,7 +75,7 @@ class ToothView {
   FrameState state_;
   bool has_state_ = false;
   float spin_ = 0;
-  Latest<FrameState> latest_;
+  TripleBuffer<std::optional<FrameState>> latest_;  // none before the first Publish
   BrickFeed feed_;
   Mesher mesher_;
   Picture picture_;

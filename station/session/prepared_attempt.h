@@ -13,6 +13,7 @@ namespace enamel::station {
 // and compiled. Its ticket is empty until Workplace::TakeTicket; one that is resumed has its own.
 struct PreparedAttempt {
   Sha256 exercise_hash, profile_hash;  // content addresses of the documents
+  Uuid assignment;                     // that the ticket is asked for; zero: none
   scene::Scene scene;
   scene::Exercise exercise;
   scene::DeviceProfile profile;

@@ -132,6 +132,14 @@ Result<Person> Workplace::SignIn(const std::string& login, const std::string& pa
   }
   auto person = link_.SignIn(login, password);
   if (!person.ok()) return person.status();
+  if (person->must_change_password) {
+    link_.Close();
+    return Status(
+        Code::kForbidden,
+        "this password was for signing in once. Open the page of " + credentials_.server.host +
+            " on any computer, sign in there and choose your own; then sign in here again",
+        "password");
+  }
   std::lock_guard lock(mutex_);
   person_ = *person;
   return *person;
@@ -169,15 +177,18 @@ Result<PreparedAttempt> Workplace::Prepare(const Catalogue::Exercise& exercise,
   std::lock_guard link(link_mutex_);
   ENAMEL_RETURN_IF_ERROR(MustBeSignedIn());
   BlobCache cache(data_ / "blobs");
-  return Assemble(exercise.exercise, profile.profile,
-                  [&](const Sha256& name) { return link_.FetchBlob(name, cache); });
+  auto prepared = Assemble(exercise.exercise, profile.profile,
+                           [&](const Sha256& name) { return link_.FetchBlob(name, cache); });
+  if (prepared.ok()) prepared->assignment = exercise.assignment;
+  return prepared;
 }
 
 Status Workplace::TakeTicket(PreparedAttempt& prepared, bool as_reference) {
   std::lock_guard link(link_mutex_);
   ENAMEL_RETURN_IF_ERROR(MustBeSignedIn());
-  auto ticket = link_.RequestTicket(credentials_, *person(), prepared.exercise_hash,
-                                    prepared.profile_hash, as_reference);
+  auto ticket = link_.RequestTicket(
+      credentials_, *person(),
+      {prepared.exercise_hash, prepared.profile_hash, prepared.assignment, as_reference, false});
   if (!ticket.ok()) return ticket.status();
   prepared.header.ticket = *ticket;
   return Status::Ok();
@@ -202,8 +213,9 @@ Status Workplace::Reserve(const PreparedAttempt& prepared, const std::string& pi
   ENAMEL_RETURN_IF_ERROR(TicketSafe::CheckPin(pin));
   std::lock_guard link(link_mutex_);
   ENAMEL_RETURN_IF_ERROR(MustBeSignedIn());
-  auto ticket = link_.RequestTicket(credentials_, *person(), prepared.exercise_hash,
-                                    prepared.profile_hash, false, true);
+  auto ticket = link_.RequestTicket(
+      credentials_, *person(),
+      {prepared.exercise_hash, prepared.profile_hash, prepared.assignment, false, true});
   if (!ticket.ok()) return ticket.status();
   LockedTicket names;
   names.person = person()->display_name;

@@ -45,7 +45,8 @@ class Workplace {
   Workplace& operator=(const Workplace&) = delete;
 
   // Connects if need be. Errors also: kVersion when this server's core is another: recordings can
-  // be uploaded, attempts not begun.
+  // be uploaded, attempts not begun; kForbidden with where to change a password that was for one
+  // use.
   Result<Person> SignIn(const std::string& login, const std::string& password);
   // Ends the connection and with it the sign-in.
   void SignOut();

@@ -119,7 +119,7 @@ Result<Person> ServerLink::SignIn(const std::string& login, const std::string& p
   const wire::SignedIn& in = reply->signed_in();
   auto id = protocol::ReadUuid(in.person_id(), "person_id");
   if (!id.ok()) return id.status();
-  return Person{*id, in.display_name(), in.role(), in.session()};
+  return Person{*id, in.display_name(), in.role(), in.session(), in.must_change_password()};
 }
 
 Result<Catalogue> ServerLink::ListExercises(const Person& person) {
@@ -136,9 +136,15 @@ Result<Catalogue> ServerLink::ListExercises(const Person& person) {
     if (!exercise.ok()) return exercise.status();
     if (!scene.ok()) return scene.status();
     if (!volume.ok()) return volume.status();
-    out.exercises.push_back({e.name(), e.title(), *exercise, *scene, *volume, e.due_unix_ms(),
-                             e.late_allowed(), e.attempt_limit(), e.attempts_left(), e.exam(),
-                             e.refusal()});
+    Uuid assignment;
+    if (!e.assignment().empty()) {
+      auto id = protocol::ReadUuid(e.assignment(), "assignment");
+      if (!id.ok()) return id.status();
+      assignment = *id;
+    }
+    out.exercises.push_back({e.name(), e.title(), *exercise, *scene, *volume, assignment,
+                             e.due_unix_ms(), e.late_allowed(), e.attempt_limit(),
+                             e.attempts_left(), e.exam(), e.refusal()});
   }
   for (const auto& p : reply->exercises().profiles()) {
     auto profile = protocol::ReadSha256(p.profile(), "profile");
@@ -180,23 +186,24 @@ Result<Bytes> ServerLink::FetchBlob(const Sha256& name, const BlobCache& cache) 
 }
 
 Result<trace::Ticket> ServerLink::RequestTicket(const Credentials& credentials,
-                                                const Person& person, const Sha256& exercise,
-                                                const Sha256& profile, bool as_reference,
-                                                bool for_later) {
+                                                const Person& person, const TicketWish& wish) {
   wire::Request request;
   auto* ask = request.mutable_request_ticket();
   ask->set_session(person.session);
-  ask->set_exercise(protocol::ToField(exercise.view()));
-  ask->set_profile(protocol::ToField(profile.view()));
-  ask->set_as_reference(as_reference);
-  ask->set_for_later(for_later);
+  ask->set_exercise(protocol::ToField(wish.exercise.view()));
+  ask->set_profile(protocol::ToField(wish.profile.view()));
+  ask->set_as_reference(wish.as_reference);
+  ask->set_for_later(wish.for_later);
+  if (!wish.assignment.IsZero()) {
+    ask->set_assignment(protocol::ToField(wish.assignment.view()));
+  }
   auto reply = Call(request);
   if (!reply.ok()) return reply.status();
   if (!reply->has_ticket_issued()) return Unexpected("TicketIssued");
   auto ticket = trace::DecodeTicket(AsBytes(reply->ticket_issued().ticket()));
   if (!ticket.ok()) return ticket.status();
   bool ours = ticket->station == credentials.station && ticket->person == person.id &&
-              ticket->exercise == exercise && ticket->profile == profile;
+              ticket->exercise == wish.exercise && ticket->profile == wish.profile;
   if (!ours || !trace::VerifyTicket(*ticket, credentials.ticket_key)) {
     return Status(Code::kConflict,
                   "the server issued a ticket for something else, or one it did not "

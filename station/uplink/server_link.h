@@ -24,13 +24,17 @@ struct Person {
   std::string display_name;
   std::string role;
   std::string session;  // opaque
+  // The password was for one use: the server lets the person do nothing here before another was
+  // chosen on the page.
+  bool must_change_password = false;
 };
 
 struct Catalogue {
   struct Exercise {
     std::string name, title;
     Sha256 exercise, scene, volume;
-    // Of its assignment (schemas/wire/station.proto, ExerciseRef); 0 where there is no bound.
+    Uuid assignment;  // zero: none
+    // Of the assignment (schemas/wire/station.proto, ExerciseRef); 0 where there is no bound.
     int64_t due_unix_ms = 0;
     bool late_allowed = false;
     uint32_t attempt_limit = 0, attempts_left = 0;
@@ -43,6 +47,14 @@ struct Catalogue {
   };
   std::vector<Exercise> exercises;
   std::vector<Profile> profiles;
+};
+
+// What a ticket is asked for.
+struct TicketWish {
+  Sha256 exercise, profile;
+  Uuid assignment;            // as the catalogue has it
+  bool as_reference = false;  // instructors only
+  bool for_later = false;     // to be used with or without the server
 };
 
 struct HeldAttempt {
@@ -90,13 +102,12 @@ class ServerLink {
   Result<Bytes> FetchBlob(const Sha256& name, const BlobCache& cache);
   // Signature, station, exercise and profile are checked.
   Result<trace::Ticket> RequestTicket(const Credentials& credentials, const Person& person,
-                                      const Sha256& exercise, const Sha256& profile,
-                                      bool as_reference, bool for_later = false);
+                                      const TicketWish& wish);
 
   // Errors: kNotFound, also for somebody else's attempt.
   Result<AttemptProgress> AttemptStatus(const Person& person, const Uuid& attempt);
-  // A scored attempt becomes its exercise's reference, with the dentist's consent. Errors: kForbidden
-  // unless the person may, kConflict before it is scored.
+  // A scored attempt becomes its exercise's reference, with the dentist's consent. Errors:
+  // kForbidden unless the person may, kConflict before it is scored.
   Status MarkReference(const Person& person, const Uuid& attempt, const std::string& dentist,
                        bool consent);
   // Keeps a connection alive that has nothing to say.

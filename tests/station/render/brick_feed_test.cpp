@@ -6,7 +6,6 @@
 #include <thread>
 
 #include "common/cutting/cutter.h"
-#include "station/render/latest.h"
 #include "station/render/mesher.h"
 
 namespace enamel::station::render {
@@ -27,42 +26,6 @@ Volume SolidBlock(const ivec3& bricks) {
 void Paint(Volume& volume, int brick, int16_t value) {
   ASSERT_TRUE(volume.Materialise(brick));
   volume.MutablePhi(brick).phi.fill(value);
-}
-
-TEST(LatestTest, ReaderSeesOnlyTheNewestAndOnce) {
-  Latest<int> mailbox;
-  int value = 0;
-  EXPECT_FALSE(mailbox.Read(value));
-  mailbox.Write(1);
-  mailbox.Write(2);
-  EXPECT_TRUE(mailbox.Read(value));
-  EXPECT_EQ(value, 2);
-  EXPECT_FALSE(mailbox.Read(value));
-}
-
-TEST(LatestTest, NeverShowsHalfAValueNorAnOlderOne) {
-  struct Wide {
-    uint64_t words[64];
-  };
-  Latest<Wide> mailbox;
-  constexpr uint64_t kLast = 20'000;
-  std::thread writer([&] {
-    for (uint64_t i = 1; i <= kLast; ++i) {
-      Wide w;
-      std::fill(std::begin(w.words), std::end(w.words), i);
-      mailbox.Write(w);
-    }
-  });
-  uint64_t seen = 0;
-  while (seen < kLast) {
-    Wide w;
-    if (!mailbox.Read(w)) continue;
-    ASSERT_TRUE(std::all_of(std::begin(w.words), std::end(w.words),
-                            [&](uint64_t v) { return v == w.words[0]; }));
-    ASSERT_GT(w.words[0], seen);
-    seen = w.words[0];
-  }
-  writer.join();
 }
 
 TEST(BrickFeedTest, SendsABrickOnceAsItIsWhenItsTurnComes) {
