@@ -72,7 +72,7 @@ Result<std::unique_ptr<render::Window>> OpenWindow(const RunOptions& options,
   w.view.bur = job.exercise.bur().metric();
   w.view.force_full_scale_n = static_cast<double>(job.profile.peak_force_mn.value) * 1e-3;
   w.time_limit_s = job.exercise.time_limit_s;
-  return render::Window::Create(w, job.volume);
+  return render::Window::Create(w, job.core ? job.core->volume() : job.volume);
 }
 
 double Sum(const std::array<double, cutting::kTissueCount>& v) {

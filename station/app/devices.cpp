@@ -1,7 +1,5 @@
 #include "station/app/devices.h"
 
-#include <unistd.h>
-
 #include <boost/json.hpp>
 #include <cstdio>
 
@@ -14,8 +12,6 @@ namespace {
 
 using hid::HidInfo;
 using hid::HidKind;
-
-bool MayUse(const HidInfo& info) { return ::access(info.path.c_str(), R_OK | W_OK) == 0; }
 
 // "profile phantom_desktop, 3 axes, 0.010 mm, 7.9 N", or why it is not known.
 std::string BoardText(const HidInfo& info, boost::json::object& out) {
@@ -39,13 +35,11 @@ boost::json::object Show(const HidInfo& info) {
                           {"taken_for", hid::HidKindText(kind)},
                           {"product", info.name},
                           {"path", info.path},
-                          {"usable", MayUse(info)}};
+                          {"usable", hid::WhyNotUsable(info).empty()}};
   std::printf("%-28s %-22s %s\n", hid::DeviceNameOf(info).c_str(), hid::HidKindText(kind),
               info.name.c_str());
-  if (!MayUse(info)) {
-    std::printf("    %s may not be used by you: install station/ops/60-enamel.rules%s\n",
-                info.path.c_str(),
-                kind == HidKind::kHapticBoard ? " with a line for this board" : "");
+  if (std::string refused = hid::WhyNotUsable(info); !refused.empty()) {
+    std::printf("    %s\n", refused.c_str());
   } else if (kind == HidKind::kHapticBoard) {
     std::printf("    %s\n", BoardText(info, out).c_str());
   }

@@ -211,6 +211,12 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   open_cmd->add_flag("!--no-sound", open.sound, "No sound of the handpiece");
   open_cmd->add_flag("--simulated", open.simulated, "Offer simulated hands as devices too");
+  open_cmd->add_option("--pedal", open.device.pedal,
+                       "Foot pedal of attached devices when it is none that is known, as "
+                       "1a86:e026,id=1,byte=3,mask=ff");
+  open_cmd
+      ->add_option("--axes", open.device.axes, "Which of a board's axes are the scene's x, y, z")
+      ->capture_default_str();
   open_cmd->add_option("--script", open.script,
                        "Play a person's part from this file (station/desk/script.h)");
   auto open_desk = [&] {

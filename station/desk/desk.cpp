@@ -40,7 +40,7 @@ class Desk {
         governor_(render::GovernorFor(screen)),
         script_(std::move(script)),
         ui_(screen),
-        flow_(workplace, DeviceOffers(options.simulated), 60 * options.idle_minutes),
+        flow_(workplace, {options.simulated, options.device, 60 * options.idle_minutes}),
         pages_(ui_, flow_, workplace.credentials().name) {
     if (options.sound) speaker_.emplace();
   }
@@ -131,8 +131,10 @@ class Desk {
     content.mm_per_pixel = 0;
     content.state.warnings |=
         AttemptWarnings(*stage.run(), content.state.time_s, content.time_limit_s);
-    bool exam = flow_.exercises()[flow_.exercise_index()].exam;
-    bool shown = (!prepared.exercise.graded && !exam) || flow_.instructor();
+    if (Fault fault = stage.run()->snapshot().fault; fault != Fault::kNone) {
+      content.fault = std::string("Force is off: ") + FaultText(fault);
+    }
+    bool shown = (!prepared.exercise.graded && !flow_.chosen().exam) || flow_.instructor();
     if (shown) content.zones = stage.zones();
     content.hint = stage.by_pointer() ? kPointerHint : render::kCameraHint;
     render::DrawPanel(content, screen_.fonts(), screen_.width(), screen_.height());

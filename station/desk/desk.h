@@ -4,6 +4,7 @@
 #include <string>
 
 #include "common/base/result.h"
+#include "station/hid/open_device.h"
 
 namespace enamel::station::desk {
 
@@ -13,8 +14,9 @@ struct DeskOptions {
   std::string server;  // HOST:PORT when it has moved since enrolment; else empty
   bool full_screen = true;
   int width_px = 1280, height_px = 720;  // when not on the full screen
-  std::string quality;     // "best", "good", "fair", "low"; empty: by how long pictures take
-  bool simulated = false;  // offer simulated hands too
+  std::string quality;       // "best", "good", "fair", "low"; empty: by how long pictures take
+  bool simulated = false;    // offer simulated hands too
+  hid::DeviceChoice device;  // pedal, axes and watchdog of attached devices
   bool sound = true;
   double idle_minutes = 10;      // without a key or the mouse, outside an attempt, signs out
   std::filesystem::path script;  // plays a person's part (script.h); empty: nobody's

@@ -21,6 +21,14 @@ int64_t NowUnixMs() {
   return duration_cast<milliseconds>(system_clock::now().time_since_epoch()).count();
 }
 
+// "3 days", "5 hours", "1 minute".
+std::string SpanText(int64_t span_ms) {
+  int64_t minutes = std::max<int64_t>(span_ms, 0) / 60'000;
+  if (minutes >= 2 * 24 * 60) return std::to_string(minutes / (24 * 60)) + " days";
+  if (minutes >= 2 * 60) return std::to_string(minutes / 60) + " hours";
+  return std::to_string(minutes) + (minutes == 1 ? " minute" : " minutes");
+}
+
 const Ui::Page kWide{0.06f, 0.06f, 0.88f, 0.90f, false};
 
 }  // namespace
@@ -32,18 +40,24 @@ std::string AssignmentText(const Catalogue::Exercise& exercise, int64_t now_unix
   if (int64_t left_min = (exercise.due_unix_ms - now_unix_ms) / 60'000; exercise.due_unix_ms > 0) {
     if (left_min < 0)
       add("past due: counts as late");
-    else if (left_min >= 2 * 24 * 60)
-      add("due in " + std::to_string(left_min / (24 * 60)) + " days");
-    else if (left_min >= 2 * 60)
-      add("due in " + std::to_string(left_min / 60) + " hours");
     else
-      add("due in " + std::to_string(left_min) + " minutes");
+      add("due in " + SpanText(exercise.due_unix_ms - now_unix_ms));
   }
   if (exercise.attempt_limit > 0) {
     uint32_t left = exercise.attempts_left;
     add(std::to_string(left) + (left == 1 ? " attempt left" : " attempts left"));
   }
   return out.empty() ? "as often as you like" : out;
+}
+
+std::string CutOffText(const SpooledAttempt& attempt, int64_t now_unix_ms) {
+  return std::to_string(attempt.chunks) + " parts recorded on " + attempt.profile + ", begun " +
+         SpanText(now_unix_ms - attempt.created_unix_ms) + " ago";
+}
+
+std::string ReservedText(const ReservedAttempt& reserved, int64_t now_unix_ms) {
+  return reserved.ticket.person + ", on " + reserved.ticket.profile + ", " +
+         SpanText(reserved.ticket.expires_unix_ms - now_unix_ms) + " left";
 }
 
 std::string WorstWall(const scoring::ScoreResult& score) {
@@ -73,9 +87,17 @@ bool Pages::Draw() {
     if (flow_.place() == Place::kSignIn) login_.clear();
     before_ = flow_.place();
   }
+  if (flow_.dialog() != dialog_before_) {
+    pin_.clear();
+    pin_again_.clear();
+    dialog_before_ = flow_.dialog();
+  }
   switch (flow_.place()) {
     case Place::kSignIn:
       SignIn();
+      break;
+    case Place::kReserved:
+      Reserved();
       break;
     case Place::kExercises:
       Exercises();
@@ -112,6 +134,15 @@ bool Pages::Draw() {
     case Dialog::kReference:
       AskReference();
       break;
+    case Dialog::kReserve:
+      AskReserve();
+      break;
+    case Dialog::kPin:
+      AskPin();
+      break;
+    case Dialog::kCutOff:
+      AskCutOff();
+      break;
     case Dialog::kClose:
       close = AskClose();
       break;
@@ -135,11 +166,15 @@ void Pages::SignIn() {
   go |= ui_.Button(flow_.busy() ? "Signing in …" : "Sign in", Ui::Look::kMain, !flow_.busy());
   ui_.Gap(8);
   ui_.Problem(flow_.problem());
+  if (!flow_.notice().empty()) ui_.Text(flow_.notice());
+  bool offline = !flow_.reserved().empty() &&
+                 ui_.Button("Without the server", Ui::Look::kPlain, !flow_.busy());
   ui_.Note("Esc closes the station, F1 shows how it is.");
   if (go) {
     flow_.SignIn(login_, password_);
     password_.clear();
   }
+  if (offline) flow_.ToReserved();
   if (ui_.escape()) flow_.Open(Dialog::kClose);
   ui_.End();
 }
@@ -150,6 +185,12 @@ void Pages::Exercises() {
   ui_.Note("Choose what to practise. Tab or the arrow keys move, Enter chooses.");
   ui_.Problem(flow_.problem());
   ui_.BeginList("exercises", 180);
+  for (size_t i = 0; i < flow_.cut_off().size(); ++i) {
+    const SpooledAttempt& attempt = flow_.cut_off()[i];
+    if (ui_.Row("Cut off: " + flow_.TitleOf(attempt), CutOffText(attempt, NowUnixMs()), "GO ON")) {
+      flow_.OpenCutOff(i);
+    }
+  }
   const auto& all = flow_.exercises();
   for (size_t i = 0; i < all.size(); ++i) {
     std::string detail = AssignmentText(all[i], NowUnixMs());
@@ -179,10 +220,11 @@ void Pages::ExerciseFacts(const PreparedAttempt& prepared) {
 
 void Pages::Exercise() {
   ui_.Begin("exercise", kWide);
-  const auto& ref = flow_.exercises()[flow_.exercise_index()];
+  const Catalogue::Exercise& ref = flow_.chosen();
   ui_.Title(ref.title);
   if (ref.exam) ui_.Note("An exam: no score is shown before your instructor releases it.");
   ui_.Problem(flow_.problem().empty() ? ref.refusal : flow_.problem());
+  if (!flow_.notice().empty()) ui_.Text(flow_.notice());
   const PreparedAttempt* prepared = flow_.preview();
   ui_.BeginList("facts", flow_.instructor() ? 190 : 130);
   if (prepared != nullptr) {
@@ -195,23 +237,125 @@ void Pages::Exercise() {
     Busy();
   }
   ui_.Gap(10);
-  ui_.Text("Device");
-  for (size_t i = 0; i < flow_.offers().size(); ++i) {
-    const DeviceOffer& offer = flow_.offers()[i];
-    bool mine = i == flow_.offer_index();
-    if (ui_.Row(offer.title, offer.detail, mine ? "in use" : "", mine)) flow_.ChooseOffer(i);
-  }
+  Devices();
   ui_.EndList();
   if (flow_.instructor()) {
     ui_.Check("A reference cut: what students are compared with later", as_reference_);
   }
-  if (ui_.Button("Start", Ui::Look::kMain,
-                 prepared != nullptr && !flow_.busy() && ref.refusal.empty())) {
+  ExerciseChoices(prepared != nullptr);
+  ui_.End();
+}
+
+void Pages::Devices() {
+  ui_.Text("Device");
+  for (size_t i = 0; i < flow_.offers().size(); ++i) {
+    const DeviceOffer& offer = flow_.offers()[i];
+    if (!flow_.Fits(offer)) continue;
+    bool mine = i == flow_.offer_index();
+    bool usable = offer.problem.empty();
+    if (ui_.Row(offer.title, usable ? offer.detail : offer.problem,
+                mine ? "in use" : (usable ? "" : "not usable"), mine)) {
+      flow_.ChooseOffer(i);
+    }
+  }
+}
+
+void Pages::ExerciseChoices(bool prepared) {
+  bool has_device = flow_.offer_index() < flow_.offers().size();
+  bool ready = prepared && has_device && !flow_.busy() && flow_.chosen().refusal.empty();
+  bool resumed = flow_.way() == Way::kResumed;
+  if (ui_.Button(resumed ? "Go on cutting" : "Start", Ui::Look::kMain, ready)) {
     flow_.Start(as_reference_ && flow_.instructor());
   }
   ui_.SameLine();
+  if (flow_.way() == Way::kTicket && !flow_.chosen().exam) {
+    if (ui_.Button("Keep for later", Ui::Look::kPlain, ready)) flow_.Open(Dialog::kReserve);
+    ui_.SameLine();
+  }
+  if (ui_.Button("Find devices", Ui::Look::kPlain, !flow_.busy())) flow_.LookForDevices();
+  ui_.SameLine();
+  if (ui_.Button("Back") || ui_.escape()) flow_.Back();
+}
+
+void Pages::Reserved() {
+  ui_.Begin("reserved", kWide);
+  ui_.Title("Without the server");
+  ui_.Note("Attempts that were kept for later here. Yours opens with your PIN.");
+  ui_.Problem(flow_.problem());
+  ui_.BeginList("reserved", 110);
+  const auto& all = flow_.reserved();
+  for (size_t i = 0; i < all.size(); ++i) {
+    if (ui_.Row(all[i].ticket.title, ReservedText(all[i], NowUnixMs()),
+                all[i].cut_off ? "GO ON" : "")) {
+      flow_.AskPin(i);
+    }
+  }
+  if (all.empty()) ui_.Text("Nothing is kept here any more.");
+  ui_.EndList();
   if (ui_.Button("Back") || ui_.escape()) flow_.Back();
   ui_.End();
+}
+
+void Pages::AskPin() {
+  const ReservedAttempt& reserved = flow_.reserved_chosen();
+  ui_.BeginDialog("pin", reserved.ticket.title);
+  ui_.Text(reserved.ticket.person + ", write the PIN you chose when you kept it.");
+  bool go = ui_.Field("PIN", pin_, true);
+  ui_.Problem(flow_.problem());
+  Busy();
+  go |= ui_.Button(reserved.cut_off ? "Go on" : "Open", Ui::Look::kMain, !flow_.busy());
+  if (go && !pin_.empty()) {
+    flow_.OpenReserved(pin_);
+    pin_.clear();
+    ui_.Focus("PIN");
+  }
+  ui_.SameLine();
+  if (ui_.Button("Leave it", Ui::Look::kPlain, !flow_.busy()) || (ui_.escape() && !flow_.busy())) {
+    flow_.CloseDialog();
+  }
+  ui_.EndDialog();
+}
+
+void Pages::AskReserve() {
+  ui_.BeginDialog("reserve", "Keep it for later?");
+  ui_.Text(
+      "It counts as an attempt and can be made here within 12 hours, with or without the server. "
+      "Choose a PIN of 6 to 12 digits.");
+  bool go = ui_.Field("PIN", pin_, true);
+  if (go) ui_.Focus("The same PIN again");
+  go = ui_.Field("The same PIN again", pin_again_, true);
+  bool same = pin_ == pin_again_;
+  bool typed = pin_again_.size() >= pin_.size() && !pin_.empty();
+  ui_.Problem(typed && !same ? "These are two different PINs." : flow_.problem());
+  Busy();
+  go |= ui_.Button("Keep", Ui::Look::kMain, typed && same && !flow_.busy());
+  if (go && typed && same) {
+    flow_.Reserve(pin_);
+    pin_.clear();
+    pin_again_.clear();
+    ui_.Focus("PIN");
+  }
+  ui_.SameLine();
+  if (ui_.Button("Leave it", Ui::Look::kPlain, !flow_.busy()) || (ui_.escape() && !flow_.busy())) {
+    flow_.CloseDialog();
+  }
+  ui_.EndDialog();
+}
+
+void Pages::AskCutOff() {
+  const SpooledAttempt& attempt = flow_.cut_off_chosen();
+  ui_.BeginDialog("cut-off", "Cut off: " + flow_.TitleOf(attempt));
+  ui_.Text(CutOffText(attempt, NowUnixMs()) +
+           ". It can go on where the recording ends, or be handed in as it is.");
+  ui_.Problem(flow_.problem());
+  Busy();
+  bool free = !flow_.busy();
+  if (ui_.Button("Go on", Ui::Look::kMain, free)) flow_.GoOnWithCutOff();
+  ui_.SameLine();
+  if (ui_.Button("Hand in", Ui::Look::kDanger, free)) flow_.EndCutOff();
+  ui_.SameLine();
+  if (ui_.Button("Later", Ui::Look::kPlain, free) || (free && ui_.escape())) flow_.CloseDialog();
+  ui_.EndDialog();
 }
 
 void Pages::Ready() {

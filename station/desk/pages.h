@@ -32,15 +32,22 @@ class Pages {
   void AskFinish();
   void AskGiveUp();
   void AskReference();
+  void AskCutOff();
+  void AskReserve();
+  void AskPin();
+  void Reserved();
+  void Devices();
+  void ExerciseChoices(bool prepared);
   bool AskClose();
   void Busy();
 
   Ui& ui_;
   Workflow& flow_;
   const std::string station_;
-  std::string login_, password_, dentist_;
+  std::string login_, password_, dentist_, pin_, pin_again_;
   bool consent_ = false, as_reference_ = false;
   Place before_ = Place::kSignIn;
+  Dialog dialog_before_ = Dialog::kNone;
 };
 
 // The bur seen from the side, to scale, in the current ImGui window at the cursor.
@@ -50,6 +57,11 @@ std::string BurText(const cutting::Bur& bur);
 
 // What there is to know of an exercise before it is chosen: "due in 2 days, 3 attempts left".
 std::string AssignmentText(const Catalogue::Exercise& exercise, int64_t now_unix_ms);
+
+// Of one that was cut off: "12 parts recorded on omega3, begun 3 hours ago".
+std::string CutOffText(const SpooledAttempt& attempt, int64_t now_unix_ms);
+// "Ada on omega3, 11 hours left": of a ticket taken before.
+std::string ReservedText(const ReservedAttempt& reserved, int64_t now_unix_ms);
 
 // "Mesial wall: 0.30 mm too deep …": the criterion of a wall or the floor that lost most points,
 // or empty when none did.

@@ -13,7 +13,8 @@ namespace enamel::station::desk {
 //
 //   page NAME          waits until this page or dialog is shown ("sign-in", "exercises",
 //   "exercise",
-//                      "running", "paused", "finish", "hand-in", "result", "reference", "close")
+//                      "running", "paused", "finish", "hand-in", "result", "reference", "close",
+//                      "reserve", "reserved", "pin", "cut-off")
 //   see WORDS          waits until these words are on it
 //   click LABEL        the left button on the choice whose label begins so, once it is there
 //   type TEXT          writes it, letter by letter

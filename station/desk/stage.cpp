@@ -25,23 +25,16 @@ int Held(const Screen& screen, int more, int less) {
 
 }  // namespace
 
-std::vector<DeviceOffer> DeviceOffers(bool simulated) {
-  std::vector<DeviceOffer> offers{
-      {"Mouse and keyboard", "The force is shown, not felt.", "pointer", ""}};
-  if (!simulated) return offers;
-  for (const OperatorPreset& preset : OperatorPresets()) {
-    offers.push_back({"Simulated: " + std::string(preset.name), std::string(preset.summary),
-                      "phantom_desktop", std::string(preset.name)});
-  }
-  return offers;
-}
-
-Result<std::unique_ptr<Stage>> Stage::Create(PreparedAttempt prepared, const DeviceOffer& offer) {
+Result<std::unique_ptr<Stage>> Stage::Create(PreparedAttempt prepared, const DeviceOffer& offer,
+                                             std::unique_ptr<Device> attached) {
   std::unique_ptr<Stage> stage(new Stage(std::move(prepared)));
   const PreparedAttempt& p = stage->prepared_;
   const core::CoreParams& params = p.header.params;
   Device* device = nullptr;
-  if (offer.operator_name.empty()) {
+  if (attached != nullptr) {
+    stage->attached_ = std::move(attached);
+    device = stage->attached_.get();
+  } else if (offer.operator_name.empty()) {
     stage->pointer_ = std::make_unique<PointerDevice>(
         static_cast<double>(p.profile.resolution_nm.value) * 1e-9, 1.0 / params.rate_hz);
     device = stage->pointer_.get();
@@ -57,7 +50,7 @@ Result<std::unique_ptr<Stage>> Stage::Create(PreparedAttempt prepared, const Dev
   stage->zones_ = std::make_unique<ZoneWatch>(p.scene, p.exercise.target, p.volume);
   try {
     stage->view_ = std::make_unique<render::ToothView>(
-        ViewOf(p), p.volume,
+        ViewOf(p), p.core ? p.core->volume() : p.volume,
         [zones = stage->zones_.get()](const cutting::Volume& now) { zones->Look(now); });
   } catch (const std::exception& e) {
     return Status(Code::kUnavailable, e.what(), "window");

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "station/desk/device_offers.h"
 #include "station/desk/held_device.h"
 #include "station/desk/tick_feed.h"
 #include "station/desk/zone_watch.h"
@@ -14,21 +15,14 @@
 
 namespace enamel::station::desk {
 
-// A device as it is offered to a person.
-struct DeviceOffer {
-  std::string title, detail;
-  std::string profile;        // of the catalogue
-  std::string operator_name;  // of a simulated hand; empty: mouse and keyboard
-};
-// What this station has. `simulated`: simulated hands too, for demonstrations.
-std::vector<DeviceOffer> DeviceOffers(bool simulated);
-
 // One attempt on the window's stage: its documents, the device, the picture, and from Begin on the
 // running attempt. Owner's thread only; the tick sees the device and the feed.
 class Stage {
  public:
-  // Errors: a simulated hand's, a driver's that refuses the picture.
-  static Result<std::unique_ptr<Stage>> Create(PreparedAttempt prepared, const DeviceOffer& offer);
+  // `attached` is the offer's HID device, opened; null: it has none. Errors: a simulated hand's, a
+  // driver's that refuses the picture.
+  static Result<std::unique_ptr<Stage>> Create(PreparedAttempt prepared, const DeviceOffer& offer,
+                                               std::unique_ptr<Device> attached);
   ~Stage();
 
   const PreparedAttempt& prepared() const { return prepared_; }
@@ -53,6 +47,7 @@ class Stage {
   explicit Stage(PreparedAttempt prepared) : prepared_(std::move(prepared)) {}
 
   PreparedAttempt prepared_;
+  std::unique_ptr<Device> attached_;
   std::unique_ptr<SimulatedDevice> simulated_;
   std::unique_ptr<PointerDevice> pointer_;
   PointerMapping mapping_;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "station/loop/realtime.h"
+
 namespace enamel::station::desk {
 namespace {
 
@@ -13,13 +15,16 @@ double Seconds(Workflow::Clock::duration d) { return std::chrono::duration<doubl
 
 }  // namespace
 
-Workflow::Workflow(Workplace& workplace, std::vector<DeviceOffer> offers, double idle_s)
-    : workplace_(workplace), offers_(std::move(offers)), idle_s_(idle_s) {}
+Workflow::Workflow(Workplace& workplace, WorkflowOptions options)
+    : workplace_(workplace), options_(std::move(options)) {
+  LookForReserved();
+}
 
 void Workflow::Go(Place place) {
   place_ = place;
   dialog_ = Dialog::kNone;
   problem_.clear();
+  notice_.clear();
 }
 
 void Workflow::Fail(const Status& status) { problem_ = status.message(); }
@@ -43,9 +48,9 @@ void Workflow::Tick(Clock::time_point now, bool active) {
     default:
       break;
   }
-  bool may_idle =
-      place_ == Place::kExercises || place_ == Place::kExercise || place_ == Place::kResult;
-  if (may_idle && !busy() && Seconds(now - active_at_) > idle_s_) {
+  bool may_idle = place_ == Place::kExercises || place_ == Place::kExercise ||
+                  place_ == Place::kResult || place_ == Place::kReserved;
+  if (may_idle && !busy() && Seconds(now - active_at_) > options_.idle_s) {
     SignOut("You were signed out because nothing happened for a while.");
   }
 }
@@ -61,11 +66,11 @@ void Workflow::SignIn(const std::string& login, const std::string& password) {
     auto person = workplace_.SignIn(login, password);
     if (!person.ok()) return [this, s = person.status()] { Fail(s); };
     auto catalogue = workplace_.Exercises();
-    return [this, p = *person, c = std::move(catalogue)] {
+    auto cut_off = workplace_.UnfinishedOf(person->id);
+    return [this, p = *person, c = std::move(catalogue), u = std::move(cut_off)] {
       person_ = p;
-      if (!c.ok()) return Fail(c.status());
-      catalogue_ = *c;
       Go(Place::kExercises);
+      TakeExercises(c, u);
     };
   });
 }
@@ -77,20 +82,35 @@ void Workflow::SignOut(const std::string& why) {
   workplace_.SignOut();
   person_ = {};
   catalogue_ = {};
+  cut_off_.clear();
+  offline_ = false;
   Go(Place::kSignIn);
-  problem_ = why;
+  LookForReserved();
+  notice_ = why;
 }
 
 void Workflow::Refresh() {
   if (busy()) return;
   problem_.clear();
-  errand_.Start("Asking for the exercises", [this]() -> Errand::After {
+  errand_.Start("Asking for the exercises", [this, id = person_.id]() -> Errand::After {
     auto catalogue = workplace_.Exercises();
-    return [this, c = std::move(catalogue)] {
-      if (!c.ok()) return Fail(c.status());
-      catalogue_ = *c;
-    };
+    auto cut_off = workplace_.UnfinishedOf(id);
+    return [this, c = std::move(catalogue), u = std::move(cut_off)] { TakeExercises(c, u); };
   });
+}
+
+void Workflow::TakeExercises(Result<Catalogue> catalogue,
+                             Result<std::vector<SpooledAttempt>> cut_off) {
+  if (cut_off.ok()) cut_off_ = std::move(*cut_off);
+  if (!cut_off.ok()) Fail(cut_off.status());
+  if (!catalogue.ok()) return Fail(catalogue.status());
+  catalogue_ = std::move(*catalogue);
+}
+
+std::string Workflow::TitleOf(const SpooledAttempt& attempt) const {
+  auto found =
+      std::ranges::find(catalogue_.exercises, attempt.exercise, &Catalogue::Exercise::name);
+  return found == catalogue_.exercises.end() ? attempt.exercise : found->title;
 }
 
 const Catalogue::Profile* Workflow::ProfileFor(const DeviceOffer& offer) const {
@@ -100,15 +120,49 @@ const Catalogue::Profile* Workflow::ProfileFor(const DeviceOffer& offer) const {
 
 void Workflow::ChooseExercise(size_t index) {
   if (busy() || index >= catalogue_.exercises.size()) return;
-  exercise_ = index;
+  chosen_ = catalogue_.exercises[index];
+  way_ = Way::kTicket;
   preview_.reset();
   Go(Place::kExercise);
-  Fetch();
+  LookForDevices();
+}
+
+void Workflow::LookForDevices() {
+  if (busy()) return;
+  errand_.Start("Looking for devices", [this]() -> Errand::After {
+    auto offers = DeviceOffers(options_.simulated, options_.device);
+    return [this, offers = std::move(offers)] { TakeOffers(offers); };
+  });
+}
+
+bool Workflow::Fits(const DeviceOffer& offer) const {
+  return way_ == Way::kTicket || !preview_ || offer.profile == preview_->profile.name;
+}
+
+// The one chosen before stays chosen while it is there.
+void Workflow::TakeOffers(std::vector<DeviceOffer> offers) {
+  std::string before = offer_ < offers_.size() ? offers_[offer_].title : std::string();
+  offers_ = std::move(offers);
+  auto same = [&](const DeviceOffer& o) {
+    return o.title == before && o.problem.empty() && Fits(o);
+  };
+  auto kept = std::ranges::find_if(offers_, same);
+  std::string profile = way_ == Way::kTicket || !preview_ ? "" : preview_->profile.name;
+  offer_ = kept != offers_.end() ? static_cast<size_t>(kept - offers_.begin())
+                                 : FirstUsable(offers_, profile);
+  if (way_ == Way::kTicket) return Fetch();
+  if (offer_ == offers_.size()) {
+    problem_ = "This attempt is made with device profile '" + profile +
+               "', and no such device is here: plug it in and look again.";
+  }
 }
 
 void Workflow::ChooseOffer(size_t index) {
   if (busy() || index >= offers_.size() || index == offer_) return;
+  problem_ = offers_[index].problem;
+  if (!problem_.empty()) return;
   offer_ = index;
+  if (way_ != Way::kTicket) return;
   preview_.reset();
   Fetch();
 }
@@ -121,62 +175,73 @@ void Workflow::Fetch() {
     return;
   }
   problem_.clear();
-  errand_.Start("Fetching the tooth",
-                [this, e = catalogue_.exercises[exercise_], p = *profile]() -> Errand::After {
-                  auto prepared = workplace_.Prepare(e, p);
-                  if (!prepared.ok()) return [this, s = prepared.status()] { Fail(s); };
-                  auto shared = std::make_shared<PreparedAttempt>(std::move(*prepared));
-                  return [this, shared] {
-                    preview_ = std::make_unique<PreparedAttempt>(std::move(*shared));
+  errand_.Start("Fetching the tooth", [this, e = chosen_, p = *profile]() -> Errand::After {
+    auto prepared = workplace_.Prepare(e, p);
+    if (!prepared.ok()) return [this, s = prepared.status()] { Fail(s); };
+    auto shared = std::make_shared<PreparedAttempt>(std::move(*prepared));
+    return [this, shared] { preview_ = std::make_unique<PreparedAttempt>(std::move(*shared)); };
+  });
+}
+
+void Workflow::Start(bool as_reference) {
+  if (busy() || !preview_ || offer_ >= offers_.size()) return;
+  problem_.clear();
+  as_reference_ = as_reference;
+  if (offers_[offer_].device.empty()) return ToStage(nullptr);
+  hid::DeviceChoice choice = options_.device;
+  choice.device = offers_[offer_].device;
+  choice.pedal = offers_[offer_].pedal;
+  choice.thread_setup = [] { (void)RequestRealtime(); };
+  errand_.Start("Opening the device",
+                [this, choice, profile = preview_->profile,
+                 tick_s = 1.0 / preview_->header.params.rate_hz]() -> Errand::After {
+                  auto opened = std::make_shared<Result<std::unique_ptr<Device>>>(
+                      hid::OpenDevice(choice, profile, tick_s));
+                  return [this, opened] {
+                    if (!opened->ok()) return Fail(opened->status());
+                    ToStage(std::move(**opened));
                   };
                 });
 }
 
-void Workflow::Start(bool as_reference) {
-  if (busy() || !preview_) return;
-  auto stage = Stage::Create(std::move(*preview_), offers_[offer_]);
+void Workflow::ToStage(std::unique_ptr<Device> attached) {
+  auto stage = Stage::Create(std::move(*preview_), offers_[offer_], std::move(attached));
   preview_.reset();
-  if (!stage.ok()) return Fail(stage.status());
+  if (!stage.ok()) return LeaveStageFor(stage.status());
   stage_ = std::move(*stage);
-  ticketed_ = joined_ = marked_ = held_back_ = false;
+  ticketed_ = way_ != Way::kTicket;
+  joined_ = marked_ = held_back_ = false;
   progress_.reset();
   score_.reset();
   stillness_.emplace(static_cast<double>(stage_->prepared().profile.resolution_nm.value) * 1e-9);
   started_ = Clock::now();
   Go(Place::kReady);
-  TakeTicket(as_reference);
 }
 
-void Workflow::TakeTicket(bool as_reference) {
-  errand_.Start("Asking for the ticket", [this, as_reference]() -> Errand::After {
-    Status taken = workplace_.TakeTicket(stage_->prepared(), as_reference);
+void Workflow::TakeTicket() {
+  errand_.Start("Asking for the ticket", [this]() -> Errand::After {
+    Status taken = workplace_.TakeTicket(stage_->prepared(), as_reference_);
     return [this, taken] {
-      if (taken.ok()) {
-        ticketed_ = true;
-        return;
-      }
-      LeaveStage();
-      Go(Place::kExercise);
-      Fetch();
-      Fail(taken);
+      ticketed_ = taken.ok();
+      if (!ticketed_) LeaveStageFor(taken);
     };
   });
 }
 
-// A simulated hand's time passes when it is looked at: it is not.
+// The ticket is taken last: the server waits for the attempt from then on. A simulated hand's time
+// passes when it is looked at: it is not.
 void Workflow::CheckDevice(Clock::time_point now) {
-  if (!stage_) return;
+  if (!stage_ || busy()) return;
   if (!stage_->simulated() && !stillness_->passed()) {
     stillness_->Look(stage_->device().ReadSample(), Seconds(now - started_));
     if (!stillness_->passed()) return;
   }
-  if (!ticketed_ || busy()) return;
-  if (Status begun = stage_->Begin(workplace_); !begun.ok()) {
-    LeaveStage();
-    Go(Place::kExercise);
-    Fetch();
-    return Fail(begun);
-  }
+  if (ticketed_) return Begin();
+  TakeTicket();
+}
+
+void Workflow::Begin() {
+  if (Status begun = stage_->Begin(workplace_); !begun.ok()) return LeaveStageFor(begun);
   Go(Place::kRunning);
 }
 
@@ -208,11 +273,14 @@ uint32_t Workflow::chunks() const {
 }
 
 void Workflow::WatchUpload() {
-  if (joined_ && upload().sealed) Go(Place::kResult);
+  if (!joined_ || !upload().sealed) return;
+  if (offline_) return SignOut("Handed in. Sign in to see what it is worth.");
+  Go(Place::kResult);
 }
 
 void Workflow::LeaveHandIn() {
   if (!joined_) return;
+  if (offline_) return SignOut("The recording is safe here and is sent when the server is back.");
   ToExercises();
 }
 
@@ -262,11 +330,121 @@ void Workflow::LeaveStage() {
   stillness_.reset();
 }
 
-void Workflow::AnotherTry() {
+// Back to where it was chosen.
+void Workflow::LeaveStageFor(const Status& problem) {
   LeaveStage();
-  Go(Place::kExercise);
   preview_.reset();
-  Fetch();
+  if (way_ == Way::kTicket) {
+    Go(Place::kExercise);
+    Fetch();
+  } else {
+    Go(offline_ ? Place::kReserved : Place::kExercises);
+  }
+  Fail(problem);
+}
+
+void Workflow::AnotherTry() {
+  const Catalogue::Exercise before = chosen_;
+  LeaveStage();
+  auto same = [&](const Catalogue::Exercise& e) {
+    return e.exercise == before.exercise &&
+           (way_ != Way::kTicket || e.assignment == before.assignment);
+  };
+  auto found = std::ranges::find_if(catalogue_.exercises, same);
+  if (found == catalogue_.exercises.end()) return ToExercises();
+  ChooseExercise(static_cast<size_t>(found - catalogue_.exercises.begin()));
+}
+
+void Workflow::OpenCutOff(size_t index) {
+  if (busy() || index >= cut_off_.size()) return;
+  cut_off_index_ = index;
+  Open(Dialog::kCutOff);
+}
+
+// What was reserved or cut off is as good as chosen.
+void Workflow::TakeOn(std::shared_ptr<Result<PreparedAttempt>> prepared, Way way) {
+  if (!prepared->ok()) return Fail(prepared->status());
+  way_ = way;
+  preview_ = std::make_unique<PreparedAttempt>(std::move(**prepared));
+  chosen_ = {};
+  chosen_.name = preview_->exercise.name;
+  chosen_.title = preview_->exercise.title;
+  chosen_.exercise = preview_->exercise_hash;
+  chosen_.exam = std::ranges::any_of(catalogue_.exercises, [&](const Catalogue::Exercise& e) {
+    return e.exam && e.exercise == chosen_.exercise;
+  });
+  Go(Place::kExercise);
+  LookForDevices();
+}
+
+void Workflow::GoOnWithCutOff() {
+  if (busy()) return;
+  problem_.clear();
+  errand_.Start(
+      "Cutting again what was recorded", [this, id = cut_off_chosen().id]() -> Errand::After {
+        auto prepared = std::make_shared<Result<PreparedAttempt>>(workplace_.PrepareResume(id));
+        return [this, prepared] { TakeOn(prepared, Way::kResumed); };
+      });
+}
+
+void Workflow::EndCutOff() {
+  if (busy()) return;
+  problem_.clear();
+  errand_.Start("Handing it in", [this, id = cut_off_chosen().id]() -> Errand::After {
+    Status closed = workplace_.Close(id).status();
+    return [this, closed] {
+      if (!closed.ok()) return Fail(closed);
+      ToExercises();
+    };
+  });
+}
+
+void Workflow::Reserve(const std::string& pin) {
+  if (busy() || !preview_) return;
+  problem_.clear();
+  errand_.Start("Keeping it for later", [this, pin]() -> Errand::After {
+    Status kept = workplace_.Reserve(*preview_, pin);
+    return [this, kept] {
+      if (!kept.ok()) return Fail(kept);
+      CloseDialog();
+      notice_ = "Kept for 12 hours: sign out and choose 'Without the server' when it is away.";
+    };
+  });
+}
+
+void Workflow::LookForReserved() {
+  auto reserved = workplace_.Reserved();
+  if (!reserved.ok()) Fail(reserved.status());
+  reserved_ = reserved.ok() ? std::move(*reserved) : std::vector<ReservedAttempt>();
+}
+
+void Workflow::ToReserved() {
+  if (busy()) return;
+  Go(Place::kReserved);
+  LookForReserved();
+}
+
+void Workflow::AskPin(size_t index) {
+  if (busy() || index >= reserved_.size()) return;
+  reserved_index_ = index;
+  Open(Dialog::kPin);
+}
+
+void Workflow::OpenReserved(const std::string& pin) {
+  if (busy()) return;
+  problem_.clear();
+  errand_.Start("Opening the ticket", [this, pin, r = reserved_chosen()]() -> Errand::After {
+    const Uuid& id = r.ticket.attempt;
+    auto prepared = std::make_shared<Result<PreparedAttempt>>(
+        r.cut_off ? workplace_.PrepareResume(id, pin) : workplace_.PrepareReserved(id, pin));
+    return [this, prepared, r] {
+      if (prepared->ok()) {
+        offline_ = true;
+        person_ = {(*prepared)->header.ticket.person, r.ticket.person, "student", {}, false};
+      }
+      TakeOn(prepared, r.cut_off ? Way::kResumed : Way::kReserved);
+    };
+  });
 }
 
 void Workflow::ToExercises() {
@@ -297,11 +475,16 @@ void Workflow::Back() {
     case Place::kExercise:
       if (busy()) errand_.Forget();
       preview_.reset();
+      if (offline_) return SignOut();
       return Go(Place::kExercises);
+    case Place::kReserved:
+      return SignOut();
     case Place::kReady:
-      if (ticketed_ || busy()) return;  // it begins by itself
+      if (busy()) return;  // it begins by itself
+      if (way_ != Way::kTicket) return offline_ ? ToReserved() : ToExercises();
       LeaveStage();
-      return Go(Place::kExercise);
+      Go(Place::kExercise);
+      return LookForDevices();
     case Place::kRunning:
       return Open(Dialog::kPaused);
     case Place::kResult:

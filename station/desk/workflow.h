@@ -13,8 +13,18 @@
 
 namespace enamel::station::desk {
 
-enum class Place { kSignIn, kExercises, kExercise, kReady, kRunning, kHandIn, kResult };
-enum class Dialog { kNone, kPaused, kFinish, kGiveUp, kReference, kClose };
+enum class Place { kSignIn, kReserved, kExercises, kExercise, kReady, kRunning, kHandIn, kResult };
+enum class Dialog { kNone, kPaused, kFinish, kGiveUp, kReference, kClose, kReserve, kPin, kCutOff };
+
+// How an attempt comes to its ticket: asked for when the device rests; taken before and locked with
+// a PIN; or it was begun, cut off, and goes on.
+enum class Way { kTicket, kReserved, kResumed };
+
+struct WorkflowOptions {
+  bool simulated = false;    // offer simulated hands too
+  hid::DeviceChoice device;  // pedal, axes, watchdog of attached devices; its `device` says nothing
+  double idle_s = 600;
+};
 
 // Where a person is on the way from sign-in to result, and the steps from there. The pages draw
 // what is here and call the steps; steps that wait for the server run as an errand, and what went
@@ -25,7 +35,7 @@ class Workflow {
   using Clock = std::chrono::steady_clock;
 
   // `workplace` outlives this.
-  Workflow(Workplace& workplace, std::vector<DeviceOffer> offers, double idle_s);
+  Workflow(Workplace& workplace, WorkflowOptions options);
 
   // Once a frame: outcomes of errands, ends of attempts. `active`: the person did something.
   void Tick(Clock::time_point now, bool active);
@@ -34,14 +44,28 @@ class Workflow {
   Place place() const { return place_; }
   Dialog dialog() const { return dialog_; }
   const std::string& problem() const { return problem_; }
+  const std::string& notice() const { return notice_; }  // something went well
   bool busy() const { return errand_.busy(); }
   const std::string& errand() const { return errand_.what(); }
   const Person& person() const { return person_; }
   bool instructor() const { return person_.role != "student"; }
   const std::vector<Catalogue::Exercise>& exercises() const { return catalogue_.exercises; }
-  size_t exercise_index() const { return exercise_; }
+  // The one chosen. Of an attempt that was reserved or cut off: what is known of it.
+  const Catalogue::Exercise& chosen() const { return chosen_; }
+  Way way() const { return way_; }
+  // On a ticket taken before, and nobody is signed in.
+  bool offline() const { return offline_; }
+  // Attempts of this person that were cut off, and the one that the dialog is about.
+  const std::vector<SpooledAttempt>& cut_off() const { return cut_off_; }
+  const SpooledAttempt& cut_off_chosen() const { return cut_off_[cut_off_index_]; }
+  std::string TitleOf(const SpooledAttempt& attempt) const;
+  // Tickets taken before, of all people here.
+  const std::vector<ReservedAttempt>& reserved() const { return reserved_; }
+  const ReservedAttempt& reserved_chosen() const { return reserved_[reserved_index_]; }
   const std::vector<DeviceOffer>& offers() const { return offers_; }
   size_t offer_index() const { return offer_; }
+  // An attempt that has its ticket can be made with the ticket's device profile only.
+  bool Fits(const DeviceOffer& offer) const;
   // The exercise chosen, once fetched; from kReady on the stage has it.
   const PreparedAttempt* preview() const { return stage_ ? &stage_->prepared() : preview_.get(); }
   Stage* stage() { return stage_.get(); }
@@ -60,8 +84,16 @@ class Workflow {
   void SignOut(const std::string& why = {});
   void Refresh();  // the exercises
   void ChooseExercise(size_t index);
+  void LookForDevices();
   void ChooseOffer(size_t index);
   void Start(bool as_reference);
+  void OpenCutOff(size_t index);
+  void GoOnWithCutOff();
+  void EndCutOff();  // hands it in as far as it goes
+  void Reserve(const std::string& pin);
+  void ToReserved();
+  void AskPin(size_t index);
+  void OpenReserved(const std::string& pin);
   void Open(Dialog dialog);
   void CloseDialog() { Open(Dialog::kNone); }
   void EndAttempt();   // finished, or given up: sealed as it is
@@ -70,14 +102,18 @@ class Workflow {
   void ToExercises();
   void MarkReference(const std::string& dentist, bool consent);
   void Back();  // one place back, where there is one
-  void SetProblem(std::string problem) { problem_ = std::move(problem); }
 
  private:
   void Go(Place place);
   const Catalogue::Profile* ProfileFor(const DeviceOffer& offer) const;
   void Fetch();
-  void ToStage(PreparedAttempt prepared, bool as_reference);
-  void TakeTicket(bool as_reference);
+  void TakeOffers(std::vector<DeviceOffer> offers);
+  void TakeExercises(Result<Catalogue> catalogue, Result<std::vector<SpooledAttempt>> cut_off);
+  void TakeOn(std::shared_ptr<Result<PreparedAttempt>> prepared, Way way);
+  void ToStage(std::unique_ptr<Device> attached);
+  void TakeTicket();
+  void Begin();
+  void LookForReserved();
   void CheckDevice(Clock::time_point now);
   void WatchRun();
   void WatchUpload();
@@ -85,16 +121,22 @@ class Workflow {
   void Take(const AttemptProgress& progress);
   void Fail(const Status& status);
   void LeaveStage();
+  void LeaveStageFor(const Status& problem);
 
   Workplace& workplace_;
-  const std::vector<DeviceOffer> offers_;
-  const double idle_s_;
+  const WorkflowOptions options_;
+  std::vector<DeviceOffer> offers_;
   Place place_ = Place::kSignIn;
   Dialog dialog_ = Dialog::kNone;
-  std::string problem_;
+  std::string problem_, notice_;
   Person person_;
   Catalogue catalogue_;
-  size_t exercise_ = 0, offer_ = 0;
+  Catalogue::Exercise chosen_;
+  Way way_ = Way::kTicket;
+  bool offline_ = false, as_reference_ = false;
+  std::vector<SpooledAttempt> cut_off_;
+  std::vector<ReservedAttempt> reserved_;
+  size_t offer_ = 0, cut_off_index_ = 0, reserved_index_ = 0;
   std::unique_ptr<PreparedAttempt> preview_;
   std::unique_ptr<Stage> stage_;
   std::optional<StillnessCheck> stillness_;

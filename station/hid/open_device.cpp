@@ -1,5 +1,7 @@
 #include "station/hid/open_device.h"
 
+#include <unistd.h>
+
 #include "station/hid/axis_map.h"
 #include "station/hid/foot_pedal.h"
 #include "station/hid/haptic_board.h"
@@ -91,6 +93,13 @@ std::string DeviceNameOf(const HidInfo& info) {
       return ids;
   }
   return ids;
+}
+
+std::string WhyNotUsable(const HidInfo& info) {
+  if (::access(info.path.c_str(), R_OK | W_OK) == 0) return {};
+  bool known = Recognise(info) == HidKind::kSpaceMouse || Recognise(info) == HidKind::kFootPedal;
+  return info.path + " may not be used by you: an admin installs station/ops/60-enamel.rules" +
+         (known ? "" : " with a line for it") + ", then plug it in again";
 }
 
 Result<std::unique_ptr<Device>> OpenDevice(const DeviceChoice& choice,

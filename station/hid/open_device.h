@@ -22,6 +22,9 @@ const char* HidKindText(HidKind kind);  // "haptic board", …
 // How a person names it: "hid:1209:0001:SERIAL", "spacemouse:256f:c62e", "05f3:00ff" for a pedal.
 std::string DeviceNameOf(const HidInfo& info);
 
+// Why this program may not open it, and what to do about it; empty when it may. Nothing is opened.
+std::string WhyNotUsable(const HidInfo& info);
+
 struct DeviceChoice {
   // "hid" or "spacemouse", the first that is there; or either with ":VENDOR:PRODUCT[:SERIAL]".
   std::string device;

@@ -121,8 +121,10 @@ struct Panel {
   }
 };
 
-void DrawWarnings(uint32_t warnings, const Fonts& fonts, float width, float px) {
-  std::string text = WarningText(warnings);
+void DrawWarnings(const PanelContent& content, const Fonts& fonts, float width, float px) {
+  bool told = !content.fault.empty();
+  std::string text = WarningText(content.state.warnings & ~(told ? kWarnFault | kWarnDevice : 0u));
+  if (told) text = content.fault + (text.empty() ? "" : "\n") + text;
   if (text.empty()) return;
   ImGui::PushFont(fonts.far);
   float left = (kPanelWidth_px + 4 * kMargin_px) * px;
@@ -182,7 +184,7 @@ void DrawPanel(const PanelContent& content, const Fonts& fonts, int width, int h
   ImGui::Begin("panel", nullptr, kOverlay);
   panel.All();
   ImGui::End();
-  DrawWarnings(content.state.warnings, fonts, w, fonts.scale);
+  DrawWarnings(content, fonts, w, fonts.scale);
   DrawScaleBar(content.mm_per_pixel, fonts, w, h, fonts.scale);
   ImGui::GetForegroundDrawList()->AddText(fonts.near, fonts.near->FontSize,
                                           {margin, h - margin - fonts.near->FontSize},

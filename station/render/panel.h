@@ -24,6 +24,9 @@ struct PanelContent {
   double mm_per_pixel = 0;          // at the focus, for the scale bar; picture pixels; 0: no bar
   std::optional<ZoneShares> zones;  // none: not to be shown (an exam), or not known
   std::string hint;                 // what keys and mouse do, in one line
+  // Why the force is off and what to do, in one sentence: in place of kWarnFault and kWarnDevice,
+  // which say less.
+  std::string fault;
 };
 
 // Text and bars over the picture: timer, force, removed volume, zones, warnings, keys. Into the

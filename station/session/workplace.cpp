@@ -225,14 +225,17 @@ Status Workplace::Reserve(const PreparedAttempt& prepared, const std::string& pi
   return safe_.Put(*ticket, names, pin);
 }
 
-Result<std::vector<LockedTicket>> Workplace::Reserved() {
+Result<std::vector<ReservedAttempt>> Workplace::Reserved() {
   auto tickets = safe_.List();
   if (!tickets.ok()) return tickets.status();
-  std::vector<LockedTicket> out;
+  std::vector<ReservedAttempt> out;
   for (LockedTicket& t : *tickets) {
     auto begun = spool_->Get(t.attempt);
-    if (begun.ok() && begun->seal) ENAMEL_RETURN_IF_ERROR(safe_.Remove(t.attempt));
-    if (!begun.ok()) out.push_back(std::move(t));
+    if (begun.ok() && begun->seal) {
+      ENAMEL_RETURN_IF_ERROR(safe_.Remove(t.attempt));
+    } else {
+      out.push_back({std::move(t), begun.ok()});
+    }
   }
   return out;
 }
@@ -265,6 +268,18 @@ Result<std::vector<SpooledAttempt>> Workplace::Unfinished() {
     std::erase_if(*all, [](const SpooledAttempt& a) { return a.seal || !a.refused.empty(); });
   }
   return all;
+}
+
+Result<std::vector<SpooledAttempt>> Workplace::UnfinishedOf(const Uuid& person) {
+  auto all = Unfinished();
+  if (!all.ok()) return all;
+  std::vector<SpooledAttempt> out;
+  for (SpooledAttempt& a : *all) {
+    auto header = HeaderOf(a.id);
+    if (!header.ok()) return header.status();
+    if (header->ticket.person == person) out.push_back(std::move(a));
+  }
+  return out;
 }
 
 Result<trace::Header> Workplace::HeaderOf(const Uuid& attempt) {

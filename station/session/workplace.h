@@ -17,6 +17,12 @@
 
 namespace enamel::station {
 
+// A ticket for later, and whether its attempt was begun and cut off.
+struct ReservedAttempt {
+  LockedTicket ticket;
+  bool cut_off = false;
+};
+
 struct WorkplaceOptions {
   std::filesystem::path data;
   std::string server;  // HOST:PORT when it has moved since enrolment; else empty
@@ -69,13 +75,16 @@ class Workplace {
   // the server. Its documents are in the cache once it was prepared. Errors also: the PIN's
   // (TicketSafe::CheckPin); kForbidden for an exam.
   Status Reserve(const PreparedAttempt& prepared, const std::string& pin);
-  // Tickets for later that were not begun.
-  Result<std::vector<LockedTicket>> Reserved();
+  // Tickets for later whose attempt was not begun, or was cut off: PrepareReserved takes the one,
+  // PrepareResume with the PIN the other. Needs no server.
+  Result<std::vector<ReservedAttempt>> Reserved();
   // Needs no server. Errors: TicketSafe::Open's; kConflict when it was begun (resume it then).
   Result<PreparedAttempt> PrepareReserved(const Uuid& attempt, const std::string& pin);
 
   // Attempts that were cut off and have no end. Those being made are among them.
   Result<std::vector<SpooledAttempt>> Unfinished();
+  // Those of one person.
+  Result<std::vector<SpooledAttempt>> UnfinishedOf(const Uuid& person);
   // Replays what was recorded of one: the same tooth and the same core to the bit, which is
   // checked. The person signed in must be the attempt's; or the PIN is that of its reserved ticket.
   // Errors: kForbidden (somebody else's), kConflict (ended; or it does not replay to what was

@@ -47,7 +47,7 @@ const std::map<std::string, Names>& Allowed() {
         {"station/session", {"station/uplink", "station/devices", "station/loop", "common/scene"}},
         {"station/sound", {"common/base"}},
         {"station/desk",
-         {"station/session", "station/sound", "station/render", "station/devices", "station/loop", "common/scoring", "common/scene"}},
+         {"station/session", "station/sound", "station/render", "station/hid", "station/devices", "station/loop", "common/scoring", "common/scene"}},
         {"station/qualify", {"station/devices", "common/measure"}},
         {"station/app",
          {"station/devices", "station/hid", "station/sdk", "station/loop", "station/render", "station/spool", "station/uplink", "station/session", "station/desk", "station/qualify", "common/program",

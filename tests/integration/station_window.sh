@@ -1,6 +1,8 @@
 #!/usr/bin/env bash
 # A student at the station's window, played by a script without a screen: wrong password, sign in, choose, cut with the
-# mouse, pause, finish, see the score, try again, sign out. ENAMEL_PICTURES=FOLDER keeps the pictures of every page.
+# mouse, pause, finish, see the score, try again, sign out; a password that was for one use; an attempt that was cut off
+# goes on, another is handed in as it is; one is kept for later and made without the server. ENAMEL_PICTURES=FOLDER keeps
+# the pictures of every page.
 . "$(dirname "$0")/support.sh"
 command -v Xvfb >/dev/null || { echo "skipped: Xvfb is not installed"; exit 77; }
 pictures=${ENAMEL_PICTURES:-$work/pictures}
@@ -147,8 +149,147 @@ quit
 EOF
 [ "$(attempts)" -eq $((before + 2)) ] || fail "expected two attempts more in the spool"
 "$bin/enamel-station" spool verify --data "$station" >"$work/verify" || { cat "$work/verify"; fail "the spool does not verify"; }
+once=$("$bin/enamel-server" admin add-person --data "$work/server" --login once --role student | sed -n 's/^password.*: //p')
+[ -n "$once" ] || fail "no password for one use was printed"
+play once <<EOF
+page sign-in
+type once
+key Tab
+type $once
+key Enter
+see for signing in once
+frames 2
+picture PICTURES/14-once.png
+quit
+EOF
+
+# cut_off: an attempt of student1 whose program is killed in the middle.
+cut_off() {
+  local before chunks
+  before=$(attempts)
+  ENAMEL_PASSWORD=enamel-demo-student1 "$bin/enamel-station" run --data "$station" --profile phantom_desktop --lockstep --quiet \
+    --exercise "$exercise" --user student1 --operator student >"$work/cut.log" 2>&1 &
+  local runner=$!
+  pids+=("$runner")
+  for _ in $(seq 3000); do
+    kill -0 "$runner" 2>/dev/null || { cat "$work/cut.log"; fail "the attempt was over before it could be cut off"; }
+    read -r chunks _ < <(chunks_of "$station")
+    [ "$(attempts)" -eq "$before" ] || [ "$chunks" -lt 20 ] || break
+  done
+  kill -KILL "$runner"
+  wait "$runner" 2>/dev/null || true
+}
+cut_off
+cut_off
+play cut-off <<'EOF'
+page sign-in
+type student1
+key Tab
+type enamel-demo-student1
+key Enter
+page exercises
+see Cut off:
+frames 2
+picture PICTURES/15-cut-off.png
+key Enter
+page cut-off
+frames 2
+picture PICTURES/16-go-on.png
+click Go on
+page exercise
+see Simulated: student
+frames 3
+picture PICTURES/17-resumed.png
+click Go on cutting
+page running
+frames 20
+picture PICTURES/18-resumed-running.png
+key F
+page finish
+key Enter
+page result
+see Handed in
+click Exercises
+page exercises
+see Cut off:
+key Enter
+page cut-off
+click Hand in
+page exercises
+frames 20
+click Class I
+page exercise
+see Bur:
+click Keep for later
+page reserve
+type 123456
+key Enter
+type 123456
+key Enter
+see guessed first
+frames 2
+picture PICTURES/19-reserve.png
+click Leave it
+page exercise
+click Keep for later
+page reserve
+type 804217
+key Enter
+type 804217
+key Enter
+page exercise
+see Kept for 12 hours
+frames 2
+picture PICTURES/20-kept.png
+click Back
+page exercises
+click Sign out
+page sign-in
+see Without the server
+quit
+EOF
+stop_server
+play offline <<'EOF'
+page sign-in
+click Without the server
+page reserved
+frames 2
+picture PICTURES/21-reserved.png
+key Enter
+page pin
+type 804218
+key Enter
+see wrong PIN
+type 804217
+key Enter
+page exercise
+see Bur:
+frames 2
+picture PICTURES/22-offline-exercise.png
+click Start
+page running
+frames 20
+key F
+page finish
+key Enter
+page hand-in
+see The server is away
+click Do not wait
+page sign-in
+see safe here
+frames 2
+picture PICTURES/23-safe.png
+quit
+EOF
+start_server "$work/server" "$port"
+"$bin/enamel-station" upload --data "$station" >/dev/null
+"$bin/enamel-station" upload --data "$station" | grep -q "nothing to upload" || fail "the attempt made without the server is not on it"
+"$bin/enamel-station" spool list --data "$station" >"$work/list"
+! grep -q unfinished "$work/list" || { cat "$work/list"; fail "an attempt that was cut off is still open"; }
+"$bin/enamel-station" spool verify --data "$station" >"$work/verify" || { cat "$work/verify"; fail "the spool does not verify"; }
 for n in 1-sign-in 2-wrong-password 3-exercises 4-exercise 5-running 6-cutting 7-paused 8-finish 9-result 10-instructor-exercise \
-  11-zones 12-score 13-reference; do
+  11-zones 12-score 13-reference 14-once 15-cut-off 16-go-on 17-resumed 18-resumed-running 19-reserve 20-kept 21-reserved \
+  22-offline-exercise 23-safe; do
   [ -s "$pictures/$n.png" ] || fail "no picture of $n"
 done
-echo "ok: a student and an instructor at the window, from sign-in to score and reference"
+echo "ok: a student and an instructor at the window, from sign-in to score and reference, after a crash and without the server"

@@ -48,6 +48,22 @@ TEST(ResultTextTest, AnAssignmentSaysWhenItIsDueAndHowManyAttemptsAreLeft) {
   EXPECT_EQ(AssignmentText(e, kNow), "opens on Monday");
 }
 
+TEST(ResultTextTest, WhatWasCutOffOrReservedSaysHowLongAgoAndHowLongStill) {
+  constexpr int64_t kMinute = 60'000, kNow = 1'000'000 * kMinute;
+  SpooledAttempt cut;
+  cut.profile = "omega3";
+  cut.chunks = 12;
+  cut.created_unix_ms = kNow - 3 * 60 * kMinute;
+  EXPECT_EQ(CutOffText(cut, kNow), "12 parts recorded on omega3, begun 3 hours ago");
+  cut.created_unix_ms = kNow + kMinute;  // the clock was set back
+  EXPECT_EQ(CutOffText(cut, kNow), "12 parts recorded on omega3, begun 0 minutes ago");
+  ReservedAttempt reserved;
+  reserved.ticket.person = "Ada";
+  reserved.ticket.profile = "pointer";
+  reserved.ticket.expires_unix_ms = kNow + kMinute;
+  EXPECT_EQ(ReservedText(reserved, kNow), "Ada, on pointer, 1 minute left");
+}
+
 TEST(ResultTextTest, ABurIsToldInMillimetres) {
   EXPECT_EQ(BurText({cutting::BurShape::kCylinder, 0.5e-3, 4e-3}),
             "Cylinder, 1.0 mm thick, 4.0 mm long");

@@ -1,0 +1,104 @@
+#include "station/desk/device_offers.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "station/devices/operators.h"
+
+namespace enamel::station::desk {
+namespace {
+
+using hid::HidInfo;
+using hid::HidKind;
+
+struct Pedal {
+  std::string choice;  // empty: none can be used
+  std::string words;
+};
+
+Pedal FindPedal(const std::vector<HidInfo>& attached, const hid::DeviceChoice& choice) {
+  if (!choice.pedal.empty()) return {choice.pedal, "pedal " + choice.pedal};
+  for (const HidInfo& info : attached) {
+    if (hid::Recognise(info) != HidKind::kFootPedal) continue;
+    if (std::string refused = hid::WhyNotUsable(info); !refused.empty()) {
+      return {"", "without the foot pedal: " + refused};
+    }
+    return {hid::DeviceNameOf(info), "with the foot pedal"};
+  }
+  return {"", "pedal: its own button"};
+}
+
+std::string BoardText(const hid::FeatureReport& board) {
+  char text[80];
+  std::snprintf(text, sizeof text, "Felt up to %.1f N, cells of %.3f mm",
+                board.peak_force_mn[0] * 1e-3, board.resolution_nm[0] * 1e-6);
+  return text;
+}
+
+void AskBoard(const HidInfo& info, DeviceOffer& offer) {
+  auto board = hid::AskBoard(info);
+  if (!board.ok()) {
+    offer.problem = board.status().message();
+    return;
+  }
+  if (!board->name.empty()) offer.title = board->name;
+  offer.profile = board->profile;
+  offer.detail = BoardText(*board);
+  if (board->profile.empty()) {
+    offer.problem =
+        "it names no profile: 'enamel-station calibrate' measures it and proposes one, which an "
+        "admin adds at the server";
+  }
+}
+
+DeviceOffer AttachedOffer(const HidInfo& info, const Pedal& pedal) {
+  bool board = hid::Recognise(info) == HidKind::kHapticBoard;
+  DeviceOffer offer;
+  offer.title = info.name.empty() ? hid::HidKindText(hid::Recognise(info)) : info.name;
+  offer.device = hid::DeviceNameOf(info);
+  offer.pedal = pedal.choice;
+  offer.problem = hid::WhyNotUsable(info);
+  if (!board) {
+    offer.profile = "pointer";
+    offer.detail = "The force is shown, not felt";
+  } else if (offer.problem.empty()) {
+    AskBoard(info, offer);
+  }
+  if (offer.problem.empty()) offer.detail += "; " + pedal.words + ".";
+  return offer;
+}
+
+}  // namespace
+
+std::vector<DeviceOffer> DeviceOffers(bool simulated, const hid::DeviceChoice& choice) {
+  const std::vector<HidInfo> attached = hid::ListHid();
+  const Pedal pedal = FindPedal(attached, choice);
+  std::vector<DeviceOffer> offers;
+  for (HidKind kind : {HidKind::kHapticBoard, HidKind::kSpaceMouse}) {
+    for (const HidInfo& info : attached) {
+      if (hid::Recognise(info) == kind) offers.push_back(AttachedOffer(info, pedal));
+    }
+  }
+  offers.push_back(
+      {"Mouse and keyboard", "The force is shown, not felt.", "pointer", {}, {}, {}, {}});
+  if (!simulated) return offers;
+  for (const OperatorPreset& preset : OperatorPresets()) {
+    offers.push_back({"Simulated: " + std::string(preset.name),
+                      std::string(preset.summary),
+                      "phantom_desktop",
+                      std::string(preset.name),
+                      {},
+                      {},
+                      {}});
+  }
+  return offers;
+}
+
+size_t FirstUsable(const std::vector<DeviceOffer>& offers, const std::string& profile) {
+  auto fits = [&](const DeviceOffer& o) {
+    return o.problem.empty() && (profile.empty() || o.profile == profile);
+  };
+  return static_cast<size_t>(std::ranges::find_if(offers, fits) - offers.begin());
+}
+
+}  // namespace enamel::station::desk

@@ -1,0 +1,122 @@
+#include "station/desk/device_offers.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include "station/hid/haptic_report.h"
+#include "tests/station/hid/hid_double.h"
+
+namespace enamel::station::desk {
+namespace {
+
+using testing_support::HidBus;
+using testing_support::ScriptedHid;
+
+// Devices are files here: who may read and write the file may use the device.
+class DeviceOffersTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string pattern = std::filesystem::temp_directory_path() / "enamel-offers-XXXXXX";
+    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
+    folder_ = pattern;
+    HidBus::Get().Reset();
+  }
+  void TearDown() override {
+    HidBus::Get().Reset();
+    std::filesystem::remove_all(folder_);
+  }
+  ScriptedHid Device(const char* node, uint16_t vendor, uint16_t product, bool permitted = true) {
+    ScriptedHid d;
+    d.path = folder_ / node;
+    d.vendor = vendor;
+    d.product = product;
+    if (permitted) std::ofstream(d.path) << "";
+    return d;
+  }
+  ScriptedHid Board(const std::string& profile, bool permitted = true) {
+    ScriptedHid d = Device("board", 0x1209, 0x0001, permitted);
+    d.usage_page = hid::kBoardUsagePage;
+    d.usage = hid::kBoardUsage;
+    hid::FeatureReport f;
+    f.resolution_nm.fill(10'000);
+    f.peak_force_mn.fill(7'900);
+    f.rate_hz = 1000;
+    f.max_watchdog_ms = 100;
+    f.name = "Bench arm";
+    f.profile = profile;
+    auto bytes = hid::EncodeFeature(f);
+    d.feature.assign(bytes.begin(), bytes.end());
+    return d;
+  }
+  std::filesystem::path folder_;
+};
+
+TEST_F(DeviceOffersTest, WithNothingAttachedThereIsMouseAndKeyboard) {
+  auto offers = DeviceOffers(false, {});
+  ASSERT_EQ(offers.size(), 1u);
+  EXPECT_EQ(offers[0].profile, "pointer");
+  EXPECT_EQ(offers[0].device, "");
+  EXPECT_GT(DeviceOffers(true, {}).size(), 1u);
+}
+
+TEST_F(DeviceOffersTest, ABoardIsOfferedFirstWithItsProfileAndThePedalThatIsThere) {
+  HidBus::Get().Plug(Device("pedal", 0x05f3, 0x00ff));
+  HidBus::Get().Plug(Board("phantom_desktop"));
+  auto offers = DeviceOffers(false, {});
+  ASSERT_EQ(offers.size(), 2u);
+  EXPECT_EQ(offers[0].title, "Bench arm");
+  EXPECT_EQ(offers[0].device, "hid:1209:0001");
+  EXPECT_EQ(offers[0].pedal, "05f3:00ff");
+  EXPECT_EQ(offers[0].profile, "phantom_desktop");
+  EXPECT_EQ(offers[0].problem, "");
+  EXPECT_NE(offers[0].detail.find("7.9 N"), std::string::npos) << offers[0].detail;
+  EXPECT_EQ(FirstUsable(offers, ""), 0u);
+  EXPECT_EQ(FirstUsable(offers, "pointer"), 1u);
+  EXPECT_EQ(FirstUsable(offers, "omega3"), offers.size());
+}
+
+TEST_F(DeviceOffersTest, WhatMayNotBeOpenedIsShownWithWhatToDoAndNotChosen) {
+  HidBus::Get().Plug(Board("phantom_desktop", false));
+  auto offers = DeviceOffers(false, {});
+  ASSERT_EQ(offers.size(), 2u);
+  EXPECT_NE(offers[0].problem.find("60-enamel.rules with a line for it"), std::string::npos)
+      << offers[0].problem;
+  EXPECT_EQ(FirstUsable(offers, ""), 1u);
+}
+
+TEST_F(DeviceOffersTest, APedalThatMayNotBeOpenedIsSaidAndLeftOut) {
+  HidBus::Get().Plug(Device("pedal", 0x05f3, 0x00ff, false));
+  HidBus::Get().Plug(Board("phantom_desktop"));
+  auto offers = DeviceOffers(false, {});
+  EXPECT_EQ(offers[0].pedal, "");
+  EXPECT_EQ(offers[0].problem, "");
+  EXPECT_NE(offers[0].detail.find("without the foot pedal"), std::string::npos) << offers[0].detail;
+}
+
+TEST_F(DeviceOffersTest, ABoardWithoutAProfileSaysHowToGetOne) {
+  HidBus::Get().Plug(Board(""));
+  auto offers = DeviceOffers(false, {});
+  EXPECT_NE(offers[0].problem.find("calibrate"), std::string::npos) << offers[0].problem;
+}
+
+TEST_F(DeviceOffersTest, ASpaceMouseIsOfferedWithoutForceAndTheNamedPedal) {
+  ScriptedHid mouse = Device("mouse", 0x256f, 0xc62e);
+  mouse.usage_page = 1;
+  mouse.usage = 8;
+  mouse.name = L"SpaceMouse";
+  HidBus::Get().Plug(mouse);
+  hid::DeviceChoice choice;
+  choice.pedal = "1a86:e026,id=1,byte=3,mask=ff";
+  auto offers = DeviceOffers(false, choice);
+  ASSERT_EQ(offers.size(), 2u);
+  EXPECT_EQ(offers[0].title, "SpaceMouse");
+  EXPECT_EQ(offers[0].device, "spacemouse:256f:c62e");
+  EXPECT_EQ(offers[0].pedal, choice.pedal);
+  EXPECT_EQ(offers[0].profile, "pointer");
+}
+
+}  // namespace
+}  // namespace enamel::station::desk
