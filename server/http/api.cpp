@@ -47,7 +47,9 @@ Status CheckCsrf(const Request& request, const auth::Identity& caller) {
 
 // A password for one use is good for changing it (and for signing out), and for nothing else.
 Status CheckPasswordIsOwn(const Route& route, const Person& person) {
-  if (!person.must_change_password || route.pattern.starts_with("/api/v1/session")) return {};
+  bool own_session = route.pattern == "/api/v1/session" ||  // and not /api/v1/sessions
+                     route.pattern.starts_with("/api/v1/session/");
+  if (!person.must_change_password || own_session) return {};
   return {Code::kForbidden,
           "this password was for signing in once; choose your own first (POST "
           "/api/v1/session/password)",

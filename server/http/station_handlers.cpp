@@ -51,6 +51,12 @@ Status NoUnrevoking() {
           "revoked"};
 }
 
+Status RevokingIsApart() {
+  return {Code::kInvalidInput,
+          "expected no member revoked, found true; POST /api/v1/stations/{id}/revoke revokes",
+          "revoked"};
+}
+
 }  // namespace
 
 Response ListStations(const Call& call) {
@@ -82,6 +88,7 @@ Response EditStation(const Call& call) {
   std::string wanted = body.Text("name", 1, kMaxStationName);
   if (unrevoke) return ErrorResponse(NoUnrevoking());
   if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
+  if (body.Has("revoked")) return ErrorResponse(RevokingIsApart());
   Result<std::string> name = CheckedName(wanted, "name");
   if (!name.ok()) return ErrorResponse(name.status());
   Result<int32_t> seen = IfMatch(call.request);

@@ -254,6 +254,10 @@ TEST_F(PeopleTest, StationIsRenamedAndRevokedAndStaysSo) {
   RawResponse renamed = Patch(target, R"({"name":"Bench 7"})", read.headers["etag"]);
   ASSERT_EQ(renamed.status, 200) << renamed.body;
   EXPECT_EQ(Patch(target, R"({"name":"Bench 8"})", read.headers["etag"]).status, 412);
+  RawResponse both = Patch(target, R"({"name":"Bench 9","revoked":true})", renamed.headers["etag"]);
+  EXPECT_EQ(both.status, 400) << "not renamed and left admitted";
+  EXPECT_NE(both.body.find("/revoke"), std::string::npos) << both.body;
+  EXPECT_EQ(Parsed(root_.Get(target)).at("name"), "Bench 7");
   ASSERT_EQ(Send(root_, "POST", target + "/revoke").status, 200);
   json::value revoked = Parsed(root_.Get(target));
   EXPECT_EQ(revoked.at("revoked"), true);
