@@ -240,6 +240,7 @@ Status SqliteStore::FinishAttempt(const Uuid& attempt, const AttemptResult& resu
 
 Status SqliteStore::FailAttempt(const Uuid& attempt, const std::string& problem) {
   return Write([&](Db& db) -> Status {
+    ENAMEL_RETURN_IF_ERROR(MustNotBeCancelled(db, attempt));
     Query q(db, "UPDATE attempts SET state = 6, problem = ?3 WHERE tenant = ?1 AND id = ?2");
     ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(problem).Run());
     ENAMEL_RETURN_IF_ERROR(MustExist(db, attempt));

@@ -2,7 +2,7 @@
 
 #include "server/storage/sqlite_impl.h"
 
-// The audit trail: read and added to, never changed (schemas/sql/0004_people.sql).
+// The audit trail: read and added to, never changed (schemas/sql/0005_erased_words.sql).
 namespace enamel::server::sqlite {
 namespace {
 

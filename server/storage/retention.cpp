@@ -19,12 +19,13 @@ struct Rule {
   int32_t min_days;
   const char* condition;  // ?2: before when
 };
+// State 3 without a job is what a cancelled run left.
 constexpr Rule kRules[] = {
     {"unfinished", kMinUnfinishedDays, "a.state IN (1, 2) AND a.ticketed_ms < ?2"},
     {"recordings", 1,
-     "a.state IN (5, 6) AND a.expired_ms = 0 AND a.sealed_ms > 0 AND a.sealed_ms < ?2"},
+     "a.state IN (3, 5, 6) AND a.expired_ms = 0 AND a.sealed_ms > 0 AND a.sealed_ms < ?2"},
     {"attempts", 1,
-     "(a.state IN (5, 6) AND a.sealed_ms > 0 AND a.sealed_ms < ?2) OR (a.state = 7 AND "
+     "(a.state IN (3, 5, 6) AND a.sealed_ms > 0 AND a.sealed_ms < ?2) OR (a.state = 7 AND "
      "a.ticketed_ms < ?2)"},
 };
 // Never touched: references, and what a job may be reading.
@@ -82,9 +83,10 @@ Status Expire(Db& db, const std::vector<Uuid>& attempts, UnixMs now_ms, std::set
       }
     }
     ENAMEL_RETURN_IF_ERROR(named.status());
-    {
-      Query rows(db, "DELETE FROM trace_chunks WHERE tenant = ?1 AND attempt = ?2");
-      ENAMEL_RETURN_IF_ERROR(rows.Bind(attempt).Run());
+    for (const char* sql :
+         {"DELETE FROM trace_chunks WHERE tenant = ?1 AND attempt = ?2",
+          "DELETE FROM contradicting_chunks WHERE tenant = ?1 AND attempt = ?2"}) {
+      ENAMEL_RETURN_IF_ERROR(Query(db, sql).Bind(attempt).Run());
     }
     Query q(
         db,

@@ -48,7 +48,7 @@ void SealedRows::Run(const std::stop_token& stop) {
     Status deleted = DeleteSome(attempt, gone);
     const auto took = std::chrono::steady_clock::now() - begin;
     lock.lock();
-    if (gone) attempts_.pop_front();
+    if (deleted.ok() && gone) attempts_.pop_front();
     const auto pause = deleted.ok() ? kShareOfOthers * took : kAfterFailure;
     wake_.wait_for(lock, stop, pause, [] { return false; });
     if (stop.stop_requested()) return;

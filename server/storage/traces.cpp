@@ -288,7 +288,8 @@ Status SqliteStore::SealAttempt(const trace::Seal& seal, UnixMs now_ms) {
   auto check = [&](Db& db) -> Result<Ingest> {
     auto ingest = FindIngest(db, seal.attempt);
     if (!ingest.ok()) return ingest;
-    if (ingest->state == AttemptState::kTicketed || ingest->state == AttemptState::kQuarantined) {
+    bool quarantined = ingest->state == AttemptState::kQuarantined && ingest->trace_blob.IsZero();
+    if (ingest->state == AttemptState::kTicketed || quarantined) {
       return Status(Code::kConflict, "attempt " + seal.attempt.Text() + " is " +
                                          AttemptStateName(ingest->state) + " and cannot be sealed");
     }

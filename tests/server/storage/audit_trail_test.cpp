@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 
+#include <algorithm>
+
 #include "tests/server/storage/store_world.h"
 
 // The database itself refuses to change the audit trail, whoever asks.
@@ -55,6 +57,29 @@ TEST_F(AuditTrailTest, OnlyWhatIsToldOfAPersonWhoIsGoneIsOverwritten) {
   EXPECT_EQ(Run(redact_ + " WHERE object = '" + ada_.Text() + "'"), "");
   EXPECT_EQ(Run("UPDATE audit SET actor = randomblob(16) WHERE object = '" + ada_.Text() + "'"),
             "audit rows are never changed");
+}
+
+TEST_F(AuditTrailTest,
+       WhatIsToldOfAttemptsIsOverwrittenOnceTheirPersonIsGoneAlsoAfterARetentionRule) {
+  World world(*store_);
+  AttemptRow attempt = world.NewAttempt();
+  ASSERT_TRUE(store_->FlagAttempt(attempt.id, kExcused, "was ill", kSystem).ok());
+  const std::string about = redact_ + " WHERE object = '" + attempt.id.Text() + "'";
+  EXPECT_EQ(Run(about + " AND action = 'attempt.flag'"), "audit rows are never changed")
+      << "the student is there";
+  ASSERT_TRUE(store_->SetRetention({"unfinished", 14}, kSystem).ok());
+  ASSERT_TRUE(store_->ApplyRetention(UnixMs{1} << 42, false, kSystem).ok());
+  ASSERT_EQ(store_->AttemptById(attempt.id).status().code(), Code::kNotFound);
+  EXPECT_EQ(Run(about + " AND action = 'attempt.flag'"), "audit rows are never changed")
+      << "the attempt is gone, the student is there";
+  ASSERT_TRUE(store_->ErasePerson(world.student, false, kSystem).ok());
+  auto rows = *store_->Audit(1000);
+  EXPECT_TRUE(std::ranges::none_of(rows, [](const AuditRow& row) {
+    return row.after_json.find("was ill") != std::string::npos;
+  }));
+  EXPECT_EQ(Run(about + " AND action = 'attempt.flag'"), "");
+  EXPECT_EQ(Run(about + " AND action = 'attempt.ticket'"), "audit rows are never changed")
+      << "whose it was";
 }
 
 }  // namespace

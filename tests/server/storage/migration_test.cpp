@@ -119,5 +119,20 @@ TEST_F(MigrationTest, PersonOfSchema1IsErasedWithRecordingsThatHaveNoKey) {
   EXPECT_EQ(other->blobs, 1u) << "now it is nobody's";
 }
 
+TEST_F(MigrationTest, PersonOfSchema4IsErasedWithTheWordsInTheAuditTrail) {
+  ASSERT_NO_FATAL_FAILURE(Load(Data(), 4));
+  store_ = OpenStore(Data());
+  auto told = [&](const std::string& words) {
+    auto rows = *store_->Audit(100);
+    return std::ranges::any_of(
+        rows, [&](const AuditRow& row) { return row.after_json.find(words) != std::string::npos; });
+  };
+  EXPECT_TRUE(told("please look again"));
+  auto report = store_->ErasePerson(Id(1), true, kSystem);
+  ASSERT_TRUE(report.ok()) << report.status().message();
+  EXPECT_FALSE(told("please look again"));
+  EXPECT_TRUE(told("year 3")) << "what tells nothing of a person stays";
+}
+
 }  // namespace
 }  // namespace enamel::server

@@ -1,4 +1,9 @@
+#include <sqlite3.h>
+
+#include <cstdlib>
+
 #include "tests/server/storage/backends.h"
+#include "tests/server/storage/store_world.h"
 
 // Rules that say how long things are kept; the same for every backend.
 namespace enamel::server {
@@ -60,7 +65,8 @@ TEST_P(RetentionTest, RecordingGoesAfterItsDaysAndTheScoreStays) {
   EXPECT_EQ(store_->AttemptById(attempt)->score, 80);
   EXPECT_EQ(store_->AttemptById(attempt)->expired_ms, 30 * kDay + 201);
   EXPECT_TRUE(store_->GetBlob(store_->ResultOf(attempt)->score_json).ok());
-  EXPECT_EQ(store_->AddReference(attempt, "Dr. Example", true, kSystem).status().code(), Code::kConflict);
+  EXPECT_EQ(store_->AddReference(attempt, "Dr. Example", true, kSystem).status().code(),
+            Code::kConflict);
   EXPECT_TRUE(Apply(40 * kDay).recordings.empty()) << "once";
 }
 
@@ -86,6 +92,46 @@ TEST_P(RetentionTest, ReferenceAndWhatAJobNeedsAreKept) {
   EXPECT_TRUE(report.attempts.empty());
   EXPECT_TRUE(report.recordings.empty());
   EXPECT_TRUE(store_->AttemptChunks(reference).ok());
+}
+
+TEST_P(RetentionTest, WhatWasNeverScoredBecauseItsJobWasCancelledGoesToo) {
+  Uuid attempt = world_.OpenedAttempt();
+  ASSERT_TRUE(store_->SealAttempt(World::SealOf(world_.Append(attempt, 1)), 200).ok());
+  Rule("recordings", 30);
+  EXPECT_TRUE(Apply(40 * kDay).recordings.empty()) << "its job waits";
+  ASSERT_TRUE(store_->CancelJob(store_->Jobs("queued")->front().id, kSystem).ok());
+  EXPECT_EQ(Apply(40 * kDay).recordings, std::vector{attempt});
+  EXPECT_EQ(store_->AttemptChunks(attempt).status().code(), Code::kNotFound);
+  EXPECT_EQ(store_->Rescore(attempt, "rescore", kSystem).code(), Code::kConflict);
+  Rule("attempts", 60);
+  EXPECT_EQ(Apply(61 * kDay).attempts, std::vector{attempt});
+}
+
+TEST(RetentionOfEvidenceTest, ChunksThatContradictedASealedRecordingGoWithIt) {
+  TempFolder folder;
+  auto store = OpenStore(folder.path());
+  World world(*store);
+  Uuid attempt = world.ScoredAttempt();
+  auto job = store->LeaseJob(1, 1000);
+  ASSERT_TRUE(store->FinishJob((*job)->id, true, "").ok());
+  ASSERT_TRUE(store->FinishAttempt(attempt, *store->ResultOf(attempt)).ok());
+  EXPECT_FALSE(store->AppendChunk(world.Chunk(attempt, 0, World::HeaderHash(), 9)).ok());
+  sqlite3* db = nullptr;
+  ASSERT_EQ(sqlite3_open((folder.path() / "enamel.db").c_str(), &db), SQLITE_OK);
+  auto kept = [&] {
+    int count = -1;
+    auto take = [](void* out, int, char** text, char**) {
+      *static_cast<int*>(out) = std::atoi(text[0]);
+      return 0;
+    };
+    sqlite3_exec(db, "SELECT count(*) FROM contradicting_chunks", take, &count, nullptr);
+    return count;
+  };
+  EXPECT_EQ(kept(), 1);
+  ASSERT_TRUE(store->SetRetention({"recordings", 30}, kSystem).ok());
+  EXPECT_EQ(store->ApplyRetention(40 * kDay, false, kSystem)->recordings, std::vector{attempt});
+  EXPECT_EQ(kept(), 0);
+  sqlite3_close(db);
 }
 
 TEST_P(RetentionTest, UnfinishedGoesButNotWhatIsQuarantined) {

@@ -219,6 +219,9 @@ TEST_P(TeachingTest, MoreTicksThanTimeAreFlaggedAndInAnExamQuarantined) {
   EXPECT_EQ(store_->AttemptById(attempt)->state, AttemptState::kQuarantined);
   EXPECT_FALSE(store_->LeaseJob(1, 1000)->has_value()) << "nothing is scored";
   EXPECT_EQ(store_->AttemptChunks(attempt)->size(), 1u) << "and nothing is lost";
+  EXPECT_TRUE(store_->SealAttempt(World::SealOf(chunks), 300).ok())
+      << "sent again, because the answer was lost";
+  EXPECT_EQ(store_->AttemptById(attempt)->state, AttemptState::kQuarantined);
 
   ASSERT_TRUE(store_->Rescore(attempt, "rescore", kSystem).ok()) << "an instructor accepts it";
   EXPECT_EQ(store_->LeaseJob(1, 1000)->value().attempt, attempt);
@@ -440,6 +443,8 @@ TEST_P(TeachingTest, CancelledJobLeavesTheAttemptSealedAndItsRunCannotFinish) {
   EXPECT_EQ(store_->AttemptById(attempt)->state, AttemptState::kSealed);
   EXPECT_EQ(store_->SetProgress(attempt, 0.6).code(), Code::kUnavailable);
   EXPECT_EQ(store_->FinishAttempt(attempt, {}).code(), Code::kUnavailable);
+  EXPECT_EQ(store_->FailAttempt(attempt, "too late").code(), Code::kUnavailable);
+  EXPECT_EQ(store_->AttemptById(attempt)->state, AttemptState::kSealed);
   ASSERT_TRUE(store_->FinishJob(job, false, "cancelled").ok());
   EXPECT_EQ(store_->Jobs("cancelled")->size(), 1u);
   EXPECT_FALSE(store_->LeaseJob(1, 1000)->has_value());
@@ -465,6 +470,39 @@ TEST_P(TeachingTest, ErasingAPersonTakesRemarksAppealsAndEarlierResultsWithIt) {
   EXPECT_FALSE(store_->AppealOf(attempt)->has_value());
   EXPECT_TRUE(store_->ResultsOf(attempt)->empty());
   EXPECT_FALSE(store_->HasBlob(text));
+}
+
+TEST_P(TeachingTest, ErasingAPersonTakesTheWordsOutOfTheAuditTrailAndLeavesOthersTheirs) {
+  World world(*store_);
+  Uuid other = AddPerson(*store_, "other", Role::kStudent);
+  Uuid theirs = world.NewAttemptOf(other).id, attempt = world.ScoredAttempt();
+  ASSERT_TRUE(store_->ReleaseAttempt(attempt, kSystem).ok());
+  ASSERT_TRUE(store_->FileAppeal(attempt, "secret words", Actor{world.student, "page"}).ok());
+  ASSERT_TRUE(store_->AnswerAppeal(attempt, false, "secret words", kSystem).ok());
+  ASSERT_TRUE(
+      store_->OverrideScore(attempt, ScoreOverride{50, "secret words", {}, 0}, kSystem).ok());
+  ASSERT_TRUE(store_->FlagAttempt(attempt, kExcused, "secret words", kSystem).ok());
+  AnnotationRow remark;
+  remark.attempt = attempt;
+  remark.text = "secret words";
+  remark = *store_->AddAnnotation(remark, kSystem);
+  ASSERT_TRUE(store_->DeleteAnnotation(remark.id, remark.revision, kSystem).ok());
+  ASSERT_TRUE(store_->FlagAttempt(theirs, kExcused, "was ill", kSystem).ok());
+  auto told = [&](const std::string& words) {
+    auto rows = *store_->Audit(1000);
+    return std::ranges::count_if(rows, [&](const AuditRow& row) {
+      return (row.before_json + row.after_json).find(words) != std::string::npos;
+    });
+  };
+  auto rows_before = store_->Audit(1000)->size();
+  ASSERT_EQ(told("secret words"), 6);
+  auto report = store_->ErasePerson(world.student, false, kSystem);
+  ASSERT_TRUE(report.ok()) << report.status().message();
+  EXPECT_EQ(told("secret words"), 0);
+  EXPECT_EQ(told("was ill"), 1) << "of somebody who is there";
+  EXPECT_EQ(store_->Audit(1000)->size(), rows_before + 1) << "rows stay";
+  auto actions = Actions();
+  EXPECT_NE(std::ranges::find(actions, "appeal.file"), actions.end());
 }
 
 TEST_P(TeachingTest, PictureOfASceneIsKeptWithIt) {
