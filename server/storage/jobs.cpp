@@ -79,6 +79,16 @@ Status TakeJob(Db& db, UnixMs now_ms, UnixMs lease_ms, std::optional<JobRow>& ta
   }
 }
 
+// An earlier run's score counts again.
+Status LeaveAsBeforeTheRun(Db& db, const Uuid& attempt) {
+  Query q(db,
+          "UPDATE attempts SET state = iif(score IS NULL, ?3, ?4), problem = '', progress = iif("
+          "score IS NULL, 0, 1) WHERE tenant = ?1 AND id = ?2 AND state = ?5");
+  q.Bind(attempt).Bind(static_cast<int64_t>(AttemptState::kSealed));
+  q.Bind(static_cast<int64_t>(AttemptState::kScored));
+  return q.Bind(static_cast<int64_t>(AttemptState::kScoring)).Run();
+}
+
 Result<JobRow> FindJob(Db& db, const Uuid& job) {
   Query q(db,
           "SELECT id, kind, attempt, state, tries, error, cause FROM jobs WHERE tenant = ?1 AND id "
@@ -178,8 +188,7 @@ Status SqliteStore::CancelJob(const Uuid& job, const Actor& by) {
     Json before = JsonOf({{"state", row->state}});
     row->state = "cancelled";
     ENAMEL_RETURN_IF_ERROR(SetJob(db, *row, 0));
-    ENAMEL_RETURN_IF_ERROR(
-        SetAttemptState(db, row->attempt, AttemptState::kScoring, AttemptState::kSealed, ""));
+    ENAMEL_RETURN_IF_ERROR(LeaveAsBeforeTheRun(db, row->attempt));
     return WriteAudit(db, by, "job.cancel", row->attempt.Text(), before,
                       JsonOf({{"state", row->state}}));
   });

@@ -90,6 +90,7 @@ class MemoryStore final : public server::Store {
   Status FailAttempt(const Uuid& id, const std::string& problem) override {
     std::lock_guard lock(mutex_);
     if (attempts.count(id) == 0) return Status(Code::kNotFound, "no attempt");
+    if (Status status = MustNotBeCancelled(id); !status.ok()) return status;
     attempts[id].state = server::AttemptState::kFailed;
     attempts[id].problem = problem;
     return Status::Ok();
@@ -103,7 +104,7 @@ class MemoryStore final : public server::Store {
     progress.push_back(done);
     if (done >= cancel_at) {
       jobs.back().state = "cancelled";
-      attempts[id].state = server::AttemptState::kSealed;
+      attempts[id].state = BeforeTheRun(id);
     }
     return MustNotBeCancelled(id);
   }
@@ -148,7 +149,7 @@ class MemoryStore final : public server::Store {
     for (server::JobRow& job : jobs) {
       if (job.id != id) continue;
       job.state = "cancelled";
-      attempts[job.attempt].state = server::AttemptState::kSealed;
+      attempts[job.attempt].state = BeforeTheRun(job.attempt);
       return Status::Ok();
     }
     return Status(Code::kNotFound, "no such job");
@@ -371,6 +372,11 @@ class MemoryStore final : public server::Store {
   server::StoreHealth Health() override { return {}; }
 
  private:
+  // Requires: mutex_ is held.
+  server::AttemptState BeforeTheRun(const Uuid& attempt) const {
+    return results.count(attempt) > 0 ? server::AttemptState::kScored
+                                      : server::AttemptState::kSealed;
+  }
   // Requires: mutex_ is held.
   Status MustNotBeCancelled(const Uuid& attempt) const {
     for (auto job = jobs.rbegin(); job != jobs.rend(); ++job) {

@@ -456,6 +456,24 @@ TEST_P(TeachingTest, CancelledJobLeavesTheAttemptSealedAndItsRunCannotFinish) {
   EXPECT_TRUE(store_->FinishAttempt(attempt, {}).ok());
 }
 
+TEST_P(TeachingTest, CancellingAnotherRunLeavesTheScoreThatWasThere) {
+  World world(*store_);
+  Uuid attempt = world.ScoredAttempt(71);
+  ASSERT_TRUE(store_->FinishJob(store_->LeaseJob(1, 1000)->value().id, true, "").ok());
+  ASSERT_TRUE(store_->FinishAttempt(attempt, *store_->ResultOf(attempt)).ok());
+  ASSERT_TRUE(store_->ReleaseAttempt(attempt, kSystem).ok());
+  ASSERT_TRUE(store_->Rescore(attempt, "rescore", kSystem).ok());
+  Uuid job = store_->LeaseJob(1, 1000)->value().id;
+  ASSERT_EQ(store_->AttemptById(attempt)->state, AttemptState::kScoring);
+  ASSERT_TRUE(store_->CancelJob(job, kSystem).ok());
+  AttemptRow row = *store_->AttemptById(attempt);
+  EXPECT_EQ(row.state, AttemptState::kScored);
+  EXPECT_EQ(row.score, 71);
+  EXPECT_EQ(row.progress, 1);
+  EXPECT_TRUE(row.released);
+  EXPECT_TRUE(store_->Rescore(attempt, "rescore", kSystem).ok()) << "and may be scored again";
+}
+
 TEST_P(TeachingTest, ErasingAPersonTakesRemarksAppealsAndEarlierResultsWithIt) {
   World world(*store_);
   Uuid attempt = world.ScoredAttempt();
