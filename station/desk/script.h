@@ -11,10 +11,9 @@ namespace enamel::station::desk {
 
 // A person's part, for trying the window where nobody sits: one step per line, `#` begins a remark.
 //
-//   page NAME          waits until this page or dialog is shown ("sign-in", "exercises",
-//   "exercise",
-//                      "running", "paused", "finish", "hand-in", "result", "reference", "close",
-//                      "reserve", "reserved", "pin", "cut-off")
+//   page NAME          waits until this page or dialog is shown ("sign-in", "reserved",
+//                      "exercises", "exercise", "ready", "running", "hand-in", "result"; "paused",
+//                      "finish", "give-up", "reference", "reserve", "pin", "cut-off", "close")
 //   see WORDS          waits until these words are on it
 //   click LABEL        the left button on the choice whose label begins so, once it is there
 //   type TEXT          writes it, letter by letter

@@ -337,8 +337,10 @@ void Workflow::LeaveStageFor(const Status& problem) {
   if (way_ == Way::kTicket) {
     Go(Place::kExercise);
     Fetch();
+  } else if (offline_) {
+    ToReserved();
   } else {
-    Go(offline_ ? Place::kReserved : Place::kExercises);
+    Go(Place::kExercises);
   }
   Fail(problem);
 }
@@ -481,8 +483,8 @@ void Workflow::Back() {
       return SignOut();
     case Place::kReady:
       if (busy()) return;  // it begins by itself
-      if (way_ != Way::kTicket) return offline_ ? ToReserved() : ToExercises();
       LeaveStage();
+      if (way_ != Way::kTicket) return offline_ ? ToReserved() : ToExercises();
       Go(Place::kExercise);
       return LookForDevices();
     case Place::kRunning:

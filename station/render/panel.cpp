@@ -122,9 +122,7 @@ struct Panel {
 };
 
 void DrawWarnings(const PanelContent& content, const Fonts& fonts, float width, float px) {
-  bool told = !content.fault.empty();
-  std::string text = WarningText(content.state.warnings & ~(told ? kWarnFault | kWarnDevice : 0u));
-  if (told) text = content.fault + (text.empty() ? "" : "\n") + text;
+  std::string text = WarningText(content);
   if (text.empty()) return;
   ImGui::PushFont(fonts.far);
   float left = (kPanelWidth_px + 4 * kMargin_px) * px;
@@ -174,6 +172,12 @@ std::string WarningText(uint32_t warnings) {
     out += kWarningTexts[i];
   }
   return out;
+}
+
+std::string WarningText(const PanelContent& content) {
+  if (content.fault.empty()) return WarningText(content.state.warnings);
+  std::string rest = WarningText(content.state.warnings & ~(kWarnFault | kWarnDevice));
+  return content.fault + (rest.empty() ? "" : "\n" + rest);
 }
 
 void DrawPanel(const PanelContent& content, const Fonts& fonts, int width, int height) {

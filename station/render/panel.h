@@ -37,5 +37,7 @@ void DrawPanel(const PanelContent& content, const Fonts& fonts, int width, int h
 std::string TimerText(double seconds);
 // Each warning as a sentence for the person at the chair, one line each; empty for none.
 std::string WarningText(uint32_t warnings);
+// The same for what is on the panel: the fault in its own words first.
+std::string WarningText(const PanelContent& content);
 
 }  // namespace enamel::station::render

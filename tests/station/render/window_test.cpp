@@ -313,5 +313,15 @@ TEST(PanelTextTest, EveryWarningHasASentence) {
             "Force is uneven: computer too busy\nPulp exposed");
 }
 
+TEST(PanelTextTest, AFaultInWordsStandsInPlaceOfTheWarningsThatSayLess) {
+  PanelContent content;
+  content.state.warnings = kWarnFault | kWarnDevice | kWarnPulpExposed;
+  EXPECT_EQ(WarningText(content), WarningText(kWarnFault | kWarnDevice | kWarnPulpExposed));
+  content.fault = "Force is off: plug the device in";
+  EXPECT_EQ(WarningText(content), "Force is off: plug the device in\nPulp exposed");
+  content.state.warnings = kWarnFault;
+  EXPECT_EQ(WarningText(content), "Force is off: plug the device in");
+}
+
 }  // namespace
 }  // namespace enamel::station::render

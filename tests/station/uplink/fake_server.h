@@ -87,10 +87,18 @@ class FakeServer {
   int offered() const { return offered_; }       // attempts
   uint32_t resumed() const { return resumed_; }  // as the last OpenAttempt said
 
+  // Who signs in has a password for one use.
+  bool must_change_password = false;
+  // What it lists, one exercise for each; zero: without one.
+  std::vector<Uuid> assignments;
+  // The last request for a ticket; all are refused. Read it when the answer is there.
+  const wire::RequestTicket& asked_for() const { return asked_for_; }
+
   // Answers OpenAttempt with this.
   std::optional<Status> refuse;
 
  private:
+  wire::RequestTicket asked_for_;
   using Stream = asio::ssl::stream<asio::ip::tcp::socket>;
   void Break() {
     std::lock_guard lock(mutex_);
@@ -165,6 +173,22 @@ class FakeServer {
       ++live_;
       last_live_tick_ = request.live_state().tick();
       return;
+    } else if (request.has_sign_in()) {
+      wire::SignedIn& in = *reply.mutable_signed_in();
+      in.set_person_id(protocol::ToField(Uuid::New().view()));
+      in.set_must_change_password(must_change_password);
+    } else if (request.has_list_exercises()) {
+      for (const Uuid& assignment : assignments) {
+        wire::ExerciseRef& ref = *reply.mutable_exercises()->add_exercises();
+        for (auto* hash : {ref.mutable_exercise(), ref.mutable_scene(), ref.mutable_volume()}) {
+          *hash = protocol::ToField(Sha256{}.view());
+        }
+        if (!assignment.IsZero()) ref.set_assignment(protocol::ToField(assignment.view()));
+      }
+      reply.mutable_exercises();
+    } else if (request.has_request_ticket()) {
+      asked_for_ = request.request_ticket();
+      *reply.mutable_error() = protocol::ToError(Status(Code::kForbidden, "no tickets here"));
     } else if (request.has_ping()) {
       reply.mutable_pong();
     } else if (request.has_put_chunk()) {

@@ -1,0 +1,59 @@
+#include "station/uplink/server_link.h"
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include "tests/station/uplink/fake_server.h"
+
+namespace enamel::station {
+namespace {
+
+namespace fs = std::filesystem;
+
+class ServerLinkTest : public testing::Test {
+ protected:
+  ServerLinkTest() {
+    std::string name = (fs::temp_directory_path() / "enamel_link_XXXXXX").string();
+    folder_ = ::mkdtemp(name.data());
+  }
+  ~ServerLinkTest() override { fs::remove_all(folder_); }
+
+  fs::path folder_;
+};
+
+TEST_F(ServerLinkTest, SigningInTellsThatThePasswordWasForOneUse) {
+  for (bool must : {false, true}) {
+    FakeServer server(folder_);
+    server.must_change_password = must;
+    ServerLink link;
+    ASSERT_TRUE(link.Connect(server.NewStation()).ok());
+    auto person = link.SignIn("ada", "secret");
+    ASSERT_TRUE(person.ok()) << person.status().message();
+    EXPECT_EQ(person->must_change_password, must);
+  }
+}
+
+TEST_F(ServerLinkTest, ATicketIsAskedForTheAssignmentThatWasListed) {
+  FakeServer server(folder_);
+  server.assignments = {Uuid::New(), Uuid{}};
+  Credentials credentials = server.NewStation();
+  ServerLink link;
+  ASSERT_TRUE(link.Connect(credentials).ok());
+  auto catalogue = link.ListExercises({});
+  ASSERT_TRUE(catalogue.ok()) << catalogue.status().message();
+  ASSERT_EQ(catalogue->exercises.size(), 2u);
+  for (size_t i = 0; i < 2; ++i) {
+    const Catalogue::Exercise& e = catalogue->exercises[i];
+    EXPECT_EQ(e.assignment, server.assignments[i]);
+    TicketWish wish{e.exercise, HashSha256(AsBytes("profile")), e.assignment, i == 1, i == 0};
+    EXPECT_EQ(link.RequestTicket(credentials, {}, wish).status().code(), Code::kForbidden);
+    const wire::RequestTicket& asked = server.asked_for();
+    EXPECT_EQ(asked.assignment(), i == 0 ? protocol::ToField(e.assignment.view()) : "");
+    EXPECT_EQ(asked.profile(), protocol::ToField(wish.profile.view()));
+    EXPECT_EQ(asked.as_reference(), i == 1);
+    EXPECT_EQ(asked.for_later(), i == 0);
+  }
+}
+
+}  // namespace
+}  // namespace enamel::station
