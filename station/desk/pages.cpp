@@ -239,7 +239,7 @@ void Pages::Exercise() {
   ui_.Gap(10);
   Devices();
   ui_.EndList();
-  if (flow_.instructor()) {
+  if (flow_.instructor() && flow_.way() == Way::kTicket) {
     ui_.Check("A reference cut: what students are compared with later", as_reference_);
   }
   ExerciseChoices(prepared != nullptr);

@@ -163,12 +163,12 @@ picture PICTURES/14-once.png
 quit
 EOF
 
-# cut_off: an attempt of student1 whose program is killed in the middle.
+# cut_off OPTIONS: an attempt of student1 whose program is killed in the middle.
 cut_off() {
   local before chunks
   before=$(attempts)
-  ENAMEL_PASSWORD=enamel-demo-student1 "$bin/enamel-station" run --data "$station" --profile phantom_desktop --lockstep --quiet \
-    --exercise "$exercise" --user student1 --operator student >"$work/cut.log" 2>&1 &
+  ENAMEL_PASSWORD=enamel-demo-student1 ENAMEL_PIN=804217 "$bin/enamel-station" run --data "$station" --lockstep --quiet \
+    --operator student "$@" >"$work/cut.log" 2>&1 &
   local runner=$!
   pids+=("$runner")
   for _ in $(seq 3000); do
@@ -179,8 +179,9 @@ cut_off() {
   kill -KILL "$runner"
   wait "$runner" 2>/dev/null || true
 }
-cut_off
-cut_off
+chosen=(--user student1 --exercise "$exercise" --profile phantom_desktop)
+cut_off "${chosen[@]}"
+cut_off "${chosen[@]}"
 play cut-off <<'EOF'
 page sign-in
 type student1
@@ -248,6 +249,7 @@ page sign-in
 see Without the server
 quit
 EOF
+ENAMEL_PASSWORD=enamel-demo-student1 ENAMEL_PIN=804217 "$bin/enamel-station" reserve --data "$station" "${chosen[@]}" >/dev/null
 stop_server
 play offline <<'EOF'
 page sign-in
@@ -279,6 +281,31 @@ page sign-in
 see safe here
 frames 2
 picture PICTURES/23-safe.png
+quit
+EOF
+cut_off --reserved "$("$bin/enamel-station" reserve --data "$station" | grep -v begun | cut -d' ' -f1)"
+play offline-cut-off <<'EOF'
+page sign-in
+click Without the server
+page reserved
+see GO ON
+key Enter
+page pin
+type 804217
+key Enter
+page exercise
+see Simulated: student
+click Go on cutting
+page running
+frames 20
+key F
+page finish
+key Enter
+page hand-in
+see The server is away
+click Do not wait
+page sign-in
+see safe here
 quit
 EOF
 start_server "$work/server" "$port"
