@@ -82,7 +82,7 @@ if grep -q "ended early" "$work/run.log"; then
   echo "ok: Ctrl-C in an attempt: $(grep -m1 'ended early' "$work/run.log" | cut -c1-120)"
 fi
 "$bin/enamel-station" spool list --data "$work/data/station" >"$work/spool"
-! grep -v ' uploaded ' "$work/spool" || fail "Ctrl-C left a recording on the station while the server was there"
+grep -q "; 0 with something the server does not have" "$work/spool" || fail "Ctrl-C left a recording on the station while the server was there"
 
 start_run
 wait_for_line "==> score"
@@ -97,7 +97,7 @@ kill -KILL "$server_pid"
 rc=0
 wait "$runner" || rc=$?
 [ $rc -ne 0 ] || fail "./run ended with exit code 0 without its server"
-left=$("$bin/enamel-station" spool list --data "$work/data/station" | grep -v ' uploaded ') || true
+left=$("$bin/enamel-station" spool list --data "$work/data/station" | grep '; [1-9][0-9]* with something the server does not have') || true
 
 start_run
 wait_for_line 'Running until Ctrl-C'
@@ -105,7 +105,7 @@ if [ -n "$left" ]; then
   grep -q "sent what an earlier run recorded" "$work/run.log" || { cat "$work/run.log"; fail "./run did not send the recording that was left"; }
   echo "ok: ./run sends what an earlier one could not"
 fi
-! "$bin/enamel-station" spool list --data "$work/data/station" | grep -v ' uploaded ' || fail "a recording is still only on the station"
+"$bin/enamel-station" spool list --data "$work/data/station" | grep -q '; 0 with something the server does not have' || fail "a recording is still only on the station"
 if [ -x /usr/bin/chromium ]; then
   BASE_URL="http://127.0.0.1:$port" STUDENT_LOGIN=student1 STUDENT_PASSWORD=enamel-demo-student1 \
     INSTRUCTOR_LOGIN=instructor INSTRUCTOR_PASSWORD=enamel-demo-instructor ADMIN_LOGIN=admin \
