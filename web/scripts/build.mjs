@@ -1,7 +1,7 @@
 // Builds the page: dist/index.html, dist/assets/* with hashed names, .gz and .br beside each.
 //   node scripts/build.mjs [--out DIR]
 import { createHash } from "node:crypto";
-import { existsSync, mkdirSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
+import { existsSync, mkdirSync, readFileSync, readdirSync, renameSync, rmSync, writeFileSync } from "node:fs";
 import { basename, join, relative, resolve } from "node:path";
 import { fileURLToPath } from "node:url";
 import { brotliCompressSync, constants, gzipSync } from "node:zlib";
@@ -26,16 +26,19 @@ function filesUnder(folder) {
   });
 }
 
-// The folder is emptied first: never one that holds something other than a build of the page.
-function emptyFolder(folder) {
-  if (existsSync(folder)) {
-    const entries = readdirSync(folder);
-    if (entries.length > 0 && !entries.includes("index.html")) {
-      throw new Error(`expected an empty folder or an earlier build at ${folder}, found other files: name another with --out`);
-    }
-    rmSync(folder, { recursive: true });
+// Never replaces a folder that holds something other than a build of the page.
+function mayBeReplaced(folder) {
+  if (!existsSync(folder)) return;
+  const entries = readdirSync(folder);
+  if (entries.length > 0 && !entries.includes("index.html")) {
+    throw new Error(`expected an empty folder or an earlier build at ${folder}, found other files: name another with --out`);
   }
-  mkdirSync(folder, { recursive: true });
+}
+
+// The new page takes the place of the old one when it is whole: a server that starts meanwhile finds one or the other.
+function replace(folder, built) {
+  rmSync(folder, { recursive: true, force: true });
+  renameSync(built, folder);
 }
 
 async function bundle(out) {
@@ -102,10 +105,14 @@ function report(out) {
 }
 
 await generate();
-const out = outputFolder(process.argv.slice(2));
-emptyFolder(out);
+const folder = outputFolder(process.argv.slice(2));
+mayBeReplaced(folder);
+const out = `${folder}.new`;
+rmSync(out, { recursive: true, force: true });
+mkdirSync(join(out, "assets"), { recursive: true });
 const entries = await bundle(out);
 const icon = copyHashed("favicon", ".svg", out);
 writeFileSync(join(out, "index.html"), indexHtml(entries["src/app/main.tsx"], entries["src/app/style.css"], icon));
 for (const path of filesUnder(out)) compress(path);
 report(out);
+replace(folder, out);
