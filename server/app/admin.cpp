@@ -10,6 +10,7 @@
 #include "common/base/hex.h"
 #include "server/app/data_folder.h"
 #include "server/auth/password.h"
+#include "server/training/access.h"
 #include "server/training/names.h"
 
 namespace enamel::server::app {
@@ -155,12 +156,15 @@ Status EnrolCode(const std::filesystem::path& data, int valid_minutes) {
 }
 
 Status MarkReference(const std::filesystem::path& data, const std::string& attempt,
-                     const std::string& dentist) {
+                     const std::string& dentist, bool consent) {
   auto id = Uuid::Parse(attempt);
   if (!id.ok()) return id.status();
+  if (Status agreed = CheckConsent(consent); !agreed.ok()) {
+    return Status(agreed.code(), agreed.message() + " with --consent", agreed.field());
+  }
   auto store = OpenForCommand(data);
   if (!store.ok()) return store.status();
-  auto row = (*store)->AddReference(*id, dentist, true, kCommandLine);
+  auto row = (*store)->AddReference(*id, dentist, consent, kCommandLine);
   if (!row.ok()) return row.status();
   std::cout << "reference version " << row->version << " of the exercise: attempt " << attempt
             << " by " << dentist << "\n";

@@ -29,7 +29,7 @@ Status AddToCohort(const std::filesystem::path& data, const std::string& cohort,
 Status EnrolCode(const std::filesystem::path& data, int valid_minutes);
 
 Status MarkReference(const std::filesystem::path& data, const std::string& attempt,
-                     const std::string& dentist);
+                     const std::string& dentist, bool consent);
 Status ReleaseScore(const std::filesystem::path& data, const std::string& attempt);
 Status ListAttempts(const std::filesystem::path& data, uint32_t limit);
 

@@ -49,6 +49,7 @@ struct Options {
   app::NewAssignment assignment;
   std::string exercise_name, exercise_state, assignment_id;
   std::string login, cohort, attempt, dentist;
+  bool consent = false;
   bool password_from_stdin = false;
   int valid_minutes = 60;
   uint32_t limit = 50;
@@ -404,9 +405,12 @@ void AddContent(CLI::App& admin, Options& o, Command& command) {
       admin.add_subcommand("mark-reference", "Make a scored attempt its exercise's reference");
   AddData(mark, o.data);
   mark->add_option("--attempt", o.attempt)->required();
-  mark->add_option("--dentist", o.dentist, "Name to be shown, with consent")->required();
-  mark->callback(
-      [&] { command = [&] { return app::MarkReference(o.data, o.attempt, o.dentist); }; });
+  mark->add_option("--dentist", o.dentist, "Name to be shown to students")->required();
+  mark->add_flag("--consent", o.consent,
+                 "The dentist agrees to being named and to the cut being used; needed");
+  mark->callback([&] {
+    command = [&] { return app::MarkReference(o.data, o.attempt, o.dentist, o.consent); };
+  });
 
   auto* release = admin.add_subcommand("release", "Let the student see a graded score");
   AddData(release, o.data);

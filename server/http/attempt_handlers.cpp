@@ -180,8 +180,9 @@ Response MakeReference(const Call& call) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   std::string dentist = body.Text("dentist", 1, kMaxDentist);
-  bool consent = body.Flag("consent", true);
+  bool consent = body.Flag("consent");
   if (Status status = body.Finish(); !status.ok()) return ErrorResponse(status);
+  if (Status agreed = CheckConsent(consent); !agreed.ok()) return ErrorResponse(agreed);
   Result<SeenAttempt> seen = SeeAttempt(call, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
   if (!CanMarkReference(call.caller->person, seen->row, seen->shares_cohort)) {

@@ -30,6 +30,7 @@ Result<json::object> CohortJson(Store& store, const Cohort& cohort) {
   json::array members;
   for (const Person& person : *people) {
     members.push_back({{"id", person.id.Text()},
+                       {"login", person.login},
                        {"display_name", person.display_name},
                        {"role", RoleName(person.role)}});
   }

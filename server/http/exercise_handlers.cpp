@@ -2,6 +2,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
 
 #include "common/scene/json.h"
 #include "common/scene/plan.h"
@@ -241,23 +242,70 @@ Response Refused(const Call& call, const Status& status) {
   return Stale(status, *current, now->revision);
 }
 
-// Made once per scene and kept; who comes while it is being made waits for it.
-Result<Sha256> InitialSurface(Store& store, const ExerciseRow& row) {
-  static std::mutex making;
-  std::lock_guard lock(making);
+// The volumes whose surface is being made now, over all threads.
+class Making {
+ public:
+  explicit Making(const Sha256& volume) : volume_(volume) {
+    std::lock_guard lock(Mutex());
+    first_ = Volumes().insert(volume_).second;
+  }
+  ~Making() {
+    if (!first_) return;
+    std::lock_guard lock(Mutex());
+    Volumes().erase(volume_);
+  }
+  Making(const Making&) = delete;
+  Making& operator=(const Making&) = delete;
+  bool first() const { return first_; }
+
+ private:
+  static std::mutex& Mutex() {
+    static std::mutex mutex;
+    return mutex;
+  }
+  static std::set<Sha256>& Volumes() {
+    static std::set<Sha256> volumes;
+    return volumes;
+  }
+  Sha256 volume_;
+  bool first_ = false;
+};
+
+Result<SceneRow> SceneOf(Store& store, const ExerciseRow& row) {
   Result<std::vector<SceneRow>> scenes = store.Scenes();
   if (!scenes.ok()) return scenes.status();
   auto scene = std::ranges::find(*scenes, row.scene, &SceneRow::content);
-  if (scene == scenes->end()) return Status{Code::kNotFound, "the exercise's scene is not stored"};
-  if (!scene->surface.IsZero()) return scene->surface;
-  Result<Bytes> blob = store.GetBlob(scene->volume);
+  if (scene != scenes->end()) return *scene;
+  return Status{Code::kInternal, "the exercise's scene is not stored"};
+}
+
+Result<Sha256> MakeSurface(Store& store, const Sha256& volume_hash) {
+  Result<Bytes> blob = store.GetBlob(volume_hash);
   if (!blob.ok()) return blob.status();
   Result<cutting::Volume> volume = scene::DecodeVolume(*blob);
   if (!volume.ok()) return volume.status();
   Result<Sha256> surface = store.PutBlob(EncodeSurface(surface::ExtractSurface(*volume)));
   if (!surface.ok()) return surface;
-  ENAMEL_RETURN_IF_ERROR(store.PutSceneSurface(scene->volume, *surface));
+  ENAMEL_RETURN_IF_ERROR(store.PutSceneSurface(volume_hash, *surface));
   return surface;
+}
+
+// Made once per scene and kept. Who comes while it is being made is told to come again and does not
+// hold a thread that others' requests wait for.
+Result<Sha256> InitialSurface(Store& store, const ExerciseRow& row) {
+  Result<SceneRow> scene = SceneOf(store, row);
+  if (!scene.ok()) return scene.status();
+  if (!scene->surface.IsZero()) return scene->surface;
+  Making making(scene->volume);
+  if (!making.first()) {
+    return Status{Code::kUnavailable, "the picture of the tooth is being made; try again"};
+  }
+  scene = SceneOf(store, row);  // somebody may have come to the end of it meanwhile
+  if (!scene.ok()) return scene.status();
+  if (!scene->surface.IsZero()) return scene->surface;
+  Result<Sha256> made = MakeSurface(store, scene->volume);
+  if (made.ok() || made.status().code() == Code::kStorage) return made;
+  return Status{Code::kInternal, made.status().message()};
 }
 
 }  // namespace
@@ -302,7 +350,7 @@ Response GetInitialSurface(const Call& call) {
   Result<ExerciseRow> row = VisibleExercise(call);
   if (!row.ok()) return ErrorResponse(row.status());
   Result<Sha256> surface = InitialSurface(call.store, *row);
-  if (!surface.ok()) return ErrorResponse(Status{Code::kInternal, surface.status().message()});
+  if (!surface.ok()) return ErrorResponse(surface.status());
   Result<Bytes> bytes = call.store.GetBlob(*surface);
   if (!bytes.ok()) return ErrorResponse(Status{Code::kInternal, bytes.status().message()});
   Response response;

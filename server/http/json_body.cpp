@@ -134,6 +134,11 @@ double BodyReader::Number(std::string_view name, double at_least, double at_most
   return at_least;
 }
 
+bool BodyReader::Flag(std::string_view name) {
+  (void)Need(name, "true or false");
+  return Flag(name, false);
+}
+
 bool BodyReader::Flag(std::string_view name, bool otherwise) {
   const json::value* found = Find(name);
   if (!found) return otherwise;

@@ -45,6 +45,7 @@ class BodyReader {
   // `otherwise` when the member is absent.
   int64_t Integer(std::string_view name, int64_t at_least, int64_t at_most, int64_t otherwise);
   double Number(std::string_view name, double at_least, double at_most);
+  bool Flag(std::string_view name);
   bool Flag(std::string_view name, bool otherwise);
   std::optional<Uuid> MaybeId(std::string_view name);            // none: null or absent
   std::vector<Uuid> Ids(std::string_view name, size_t at_most);  // none: absent

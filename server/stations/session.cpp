@@ -3,12 +3,13 @@
 #include <algorithm>
 
 #include "server/auth/token.h"
+#include "server/training/names.h"
 
 // Identity: hello, enrolment, sign-in; and what a station may fetch.
 namespace enamel::server::stations {
 namespace {
 
-constexpr size_t kMaxNameBytes = 64;
+constexpr size_t kMaxStationNameBytes = 64;
 constexpr size_t kMaxSoftwareBytes = 200;
 
 Status CheckProtocolVersion(uint32_t version) {
@@ -141,12 +142,15 @@ Result<wire::Reply> Session::Do(const wire::Enrol& enrol) {
   ENAMEL_RETURN_IF_ERROR(CheckProtocolVersion(enrol.protocol_version()));
   auto key = protocol::ReadKey(enrol.public_key(), "public_key");
   if (!key.ok()) return key.status();
-  if (enrol.name().empty() || enrol.name().size() > kMaxNameBytes) {
+  if (enrol.name().empty() || enrol.name().size() > kMaxStationNameBytes) {
     return Status(Code::kInvalidInput,
-                  "a station's name has 1 to " + std::to_string(kMaxNameBytes) + " bytes", "name");
+                  "a station's name has 1 to " + std::to_string(kMaxStationNameBytes) + " bytes",
+                  "name");
   }
+  auto name = CheckedName(enrol.name(), "name");
+  if (!name.ok()) return name.status();
   StationRow row;
-  row.name = enrol.name();
+  row.name = *name;
   row.public_key.assign(key->begin(), key->end());
   Bytes credential = auth::NewToken();
   auto station = services_.store.EnrolStation(HashSha256(AsBytes(enrol.code())), row,

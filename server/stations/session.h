@@ -103,7 +103,7 @@ class Session {
   Result<std::optional<AssignmentRow>> AssignmentFor(const Person& person,
                                                      const ExerciseRow& exercise,
                                                      const wire::RequestTicket& request);
-  Status GuessTerms(AttemptRow& row);
+  Status GuessTerms(const trace::Ticket& ticket, AttemptRow& row);
   // Rate and time limit of the exercise's document.
   Status SetTiming(AttemptRow& row);
   Status CheckHeader(const trace::Header& header);

@@ -191,21 +191,24 @@ Status Session::MayStillBegin(const trace::Ticket& ticket) const {
   return Status(Code::kConflict, "the ticket ran out too long ago; ask for a new one", "ticket");
 }
 
-// A ticket does not name its assignment: it is the one that would be picked again. Neither its
-// limit nor another exam is held against what has been made already.
-Status Session::GuessTerms(AttemptRow& row) {
+// A ticket does not name its assignment: it is the one that would be picked again of those under
+// which it would run out when it does. Neither its limit nor another exam is held against what has
+// been made already. With none the attempt counts as graded (CanSeeScore).
+Status Session::GuessTerms(const trace::Ticket& ticket, AttemptRow& row) {
   auto person = services_.store.PersonById(row.person);
   if (person.status().code() == Code::kNotFound) return Status::Ok();
   if (!person.ok()) return person.status();
   if (person->role != Role::kStudent) return Status::Ok();
+  row.flags |= kReadmitted;
   auto rows = services_.store.AssignmentsFor(row.person);
   if (!rows.ok()) return rows.status();
+  std::erase_if(*rows, [&](const AssignedRow& assigned) {
+    return TicketEnd(assigned.assignment, ticket.issued_unix_ms) != ticket.expires_unix_ms;
+  });
   for (AssignedRow& assigned : *rows) assigned.attempts_used = 0;
   const AssignedRow* assigned =
       PickAssignment(*rows, row.exercise_content, std::nullopt, row.ticketed_ms, row.station);
-  if (!assigned) return Status::Ok();
-  SetTerms(assigned->assignment, row);
-  row.flags |= kReadmitted;
+  if (assigned) SetTerms(assigned->assignment, row);
   return Status::Ok();
 }
 
@@ -222,7 +225,7 @@ Result<AttemptRow> Session::Readmit(const trace::Ticket& ticket) {
   row.profile_content = ticket.profile;
   row.ticketed_ms = ticket.issued_unix_ms;
   ENAMEL_RETURN_IF_ERROR(SetTiming(row));
-  ENAMEL_RETURN_IF_ERROR(GuessTerms(row));
+  ENAMEL_RETURN_IF_ERROR(GuessTerms(ticket, row));
   ENAMEL_RETURN_IF_ERROR(services_.store.CreateAttempt(
       row, trace::EncodeTicket(ticket),
       Actor{ticket.person, "station " + station_->name + ", ticket from before a restore"}));

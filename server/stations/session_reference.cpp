@@ -14,11 +14,7 @@ Status CheckWords(const wire::MarkReference& request) {
                       " bytes, found " + std::to_string(request.dentist().size()),
                   "dentist");
   }
-  if (request.consent()) return Status::Ok();
-  return Status(Code::kConflict,
-                "the dentist has not agreed: a reference shows a name and a cut to students; ask, "
-                "and confirm it",
-                "consent");
+  return CheckConsent(request.consent());
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "server/storage/sqlite_impl.h"
+#include "server/training/ticket_rules.h"
 
 // Assignments: exercises for cohorts, with dates, limits and exams.
 namespace enamel::server::sqlite {
@@ -87,7 +88,7 @@ Status MustBeKnown(Db& db, const AssignmentRow& row) {
   known = Exists(cohort.Bind(row.cohort));
   if (!known.ok()) return known.status();
   if (*known) return Status::Ok();
-  return Status(Code::kNotFound, "no cohort " + row.cohort.Text(), "cohort");
+  return Status(Code::kNotFound, "no cohort " + row.cohort.Text(), "cohort_id");
 }
 
 Status PutStations(Db& db, const AssignmentRow& row) {
@@ -101,7 +102,7 @@ Status PutStations(Db& db, const AssignmentRow& row) {
             "SELECT ?1, ?2, id FROM stations WHERE tenant = ?1 AND id = ?3 ON CONFLICT DO NOTHING");
     ENAMEL_RETURN_IF_ERROR(q.Bind(row.id).Bind(station).Run());
     if (db.Changes() == 0 && std::ranges::count(row.stations, station) < 2) {
-      return Status(Code::kNotFound, "no station " + station.Text(), "stations");
+      return Status(Code::kNotFound, "no station " + station.Text(), "station_ids");
     }
   }
   return Status::Ok();
@@ -246,7 +247,7 @@ Result<uint32_t> SqliteStore::ReleaseAssignment(const Uuid& id, const Actor& by)
 }
 
 // A limit or another exam is looked at where the attempt is made: two stations at once cannot both
-// have the last one.
+// have the last one. A ticket that ran out with nothing begun is no exam under way.
 Status MayBeIssued(Db& db, const AttemptRow& row) {
   if (!row.assignment || (row.flags & kReadmitted) != 0) return Status::Ok();
   Query q(
@@ -254,8 +255,8 @@ Status MayBeIssued(Db& db, const AttemptRow& row) {
       "SELECT (SELECT attempt_limit FROM assignments WHERE tenant = ?1 AND id = ?2), (SELECT "
       "count(*) FROM attempts WHERE tenant = ?1 AND assignment = ?2 AND person = ?3 AND flags & "
       "32 = 0), (SELECT id FROM attempts WHERE tenant = ?1 AND person = ?3 AND exam = 1 AND "
-      "state IN (1, 2) AND flags & 32 = 0 LIMIT 1)");
-  q.Bind(*row.assignment).Bind(row.person).Next();
+      "(state = 2 OR (state = 1 AND ticketed_ms >= ?4)) AND flags & 32 = 0 LIMIT 1)");
+  q.Bind(*row.assignment).Bind(row.person).Bind(row.ticketed_ms - kExamTicketValidMs).Next();
   ENAMEL_RETURN_IF_ERROR(q.status());
   int64_t limit = q.Int(0), used = q.Int(1);
   if (limit > 0 && used >= limit) {

@@ -120,6 +120,21 @@ Status MustNotBeCancelled(Db& db, const Uuid& attempt) {
   return Status::Ok();
 }
 
+// A released score that turns out otherwise is not yet one that an instructor has seen: of graded
+// work and exams it is released anew.
+Status WithdrawReleaseOfAnotherScore(Db& db, const Uuid& attempt,
+                                     const Store::AttemptResult& result) {
+  Query q(db,
+          "SELECT 1 FROM attempts a JOIN exercises e ON e.tenant = a.tenant AND e.id = a.exercise "
+          "WHERE a.tenant = ?1 AND a.id = ?2 AND a.released = 1 AND (a.exam = 1 OR e.graded = 1 OR "
+          "(a.flags & 64 != 0 AND a.assignment IS NULL)) AND (a.score IS NOT ?3 OR "
+          "a.critical_fail IS NOT ?4 OR a.score_json IS NOT ?5)");
+  q.Bind(attempt).Bind(result.score).Bind(int64_t{result.critical_fail}).Bind(result.score_json);
+  bool another = q.Next();
+  ENAMEL_RETURN_IF_ERROR(q.status());
+  return another ? SetReleased(db, attempt, false, Actor{{}, "job"}) : Status::Ok();
+}
+
 Status KeepResult(Db& db, const Uuid& attempt, const Store::AttemptResult& result) {
   Query q(
       db,
@@ -218,6 +233,7 @@ Result<std::vector<AttemptRow>> SqliteStore::Attempts(const AttemptFilter& filte
 Status SqliteStore::FinishAttempt(const Uuid& attempt, const AttemptResult& result) {
   return Write([&](Db& db) -> Status {
     ENAMEL_RETURN_IF_ERROR(MustNotBeCancelled(db, attempt));
+    ENAMEL_RETURN_IF_ERROR(WithdrawReleaseOfAnotherScore(db, attempt, result));
     Query q(db,
             "UPDATE attempts SET state = 5, progress = 1, problem = '', score = ?3, critical_fail "
             "= ?4, "
@@ -241,7 +257,9 @@ Status SqliteStore::FinishAttempt(const Uuid& attempt, const AttemptResult& resu
 Status SqliteStore::FailAttempt(const Uuid& attempt, const std::string& problem) {
   return Write([&](Db& db) -> Status {
     ENAMEL_RETURN_IF_ERROR(MustNotBeCancelled(db, attempt));
-    Query q(db, "UPDATE attempts SET state = 6, problem = ?3 WHERE tenant = ?1 AND id = ?2");
+    Query q(db,
+            "UPDATE attempts SET state = iif(score IS NULL, 6, 5), problem = ?3, progress = "
+            "score IS NOT NULL WHERE tenant = ?1 AND id = ?2");
     ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(problem).Run());
     ENAMEL_RETURN_IF_ERROR(MustExist(db, attempt));
     return WriteAudit(db, Actor{{}, "job"}, "attempt.fail", attempt.Text(), "{}",

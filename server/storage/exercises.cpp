@@ -1,5 +1,6 @@
 #include "server/storage/sqlite_impl.h"
 #include "server/training/revision.h"
+#include "server/training/ticket_rules.h"
 
 // Exercises: drafts, published versions, retired ones.
 namespace enamel::server::sqlite {
@@ -105,6 +106,25 @@ Status OfferAgain(Db& db, ExerciseRow& row, const Actor& by) {
   return WriteAudit(db, by, "exercise.publish", row.id.Text(), before, VersionJson(row));
 }
 
+// What an exam is about stays as it is while the exam is open, and while somebody takes it.
+Status NoExamMustBeOpen(Db& db, const std::string& name) {
+  Query q(db,
+          "SELECT a.id, coalesce(c.name, ''), a.due_ms FROM assignments a LEFT JOIN cohorts c ON "
+          "c.tenant = a.tenant AND c.id = a.cohort WHERE a.tenant = ?1 AND a.exercise_name = ?2 "
+          "AND a.exam = 1 AND ((a.opens_ms <= ?3 AND (a.due_ms = 0 OR a.due_ms >= ?3)) OR EXISTS "
+          "(SELECT 1 FROM attempts t WHERE t.tenant = a.tenant AND t.assignment = a.id AND t.exam "
+          "= 1 AND (t.state = 2 OR (t.state = 1 AND t.ticketed_ms >= ?4)) AND t.flags & 32 = 0)) "
+          "LIMIT 1");
+  UnixMs now_ms = NowMs();
+  if (!q.Bind(name).Bind(now_ms).Bind(now_ms - kExamTicketValidMs).Next()) return q.status();
+  std::string cohort = q.Text(1).empty() ? "everybody" : "\"" + q.Text(1) + "\"";
+  std::string due = q.Int(2) == 0 ? ", without a due time" : ", due " + TimeText(q.Int(2));
+  return Status(Code::kConflict,
+                "\"" + name + "\" is the exam of assignment " + q.Id(0).Text() + " for " + cohort +
+                    due + ", which is open or being taken; wait for its end, or end the assignment",
+                "assignment");
+}
+
 Status AssignOnce(Db& db, const std::string& exercise, const Uuid& cohort) {
   Query q(db,
           "INSERT INTO assignments (tenant, id, exercise_name, cohort, created_ms) "
@@ -148,6 +168,7 @@ Result<ExerciseRow> SqliteStore::PublishExercise(ExerciseRow row, const Uuid& co
       row = **newest;
       return OfferAgain(db, row, by);
     }
+    ENAMEL_RETURN_IF_ERROR(NoExamMustBeOpen(db, row.name));
     ENAMEL_RETURN_IF_ERROR(SceneMustExist(db, row));
     row.id = Uuid::New();
     row.version = *newest ? (*newest)->version + 1 : 1;
@@ -226,6 +247,7 @@ Result<ExerciseRow> SqliteStore::PublishDraft(const Uuid& id, int32_t revision, 
                                          std::to_string((*newest)->version) + " of \"" + row.name +
                                          "\" says; change it first, or discard it");
     }
+    ENAMEL_RETURN_IF_ERROR(NoExamMustBeOpen(db, row.name));
     row.version = *newest ? (*newest)->version + 1 : 1;
     row.state = ExerciseState::kPublished;
     row.published_ms = NowMs();
@@ -245,6 +267,7 @@ Status SqliteStore::RetireExercise(const Uuid& id, const Actor& by) {
   return Write([&](Db& db) -> Status {
     auto row = FindExercise(db, id);
     if (!row.ok()) return row.status();
+    ENAMEL_RETURN_IF_ERROR(NoExamMustBeOpen(db, row->name));
     Query q(db,
             "UPDATE exercises SET state = 3, revision = revision + 1 WHERE tenant = ?1 AND name = "
             "?2 AND state = 2");

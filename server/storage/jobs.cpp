@@ -20,13 +20,15 @@ JobRow JobOf(const Query& q) {
   return out;
 }
 
-Status SetAttemptState(Db& db, const Uuid& attempt, AttemptState from, AttemptState to,
-                       const std::string& problem) {
+Status BeginRun(Db& db, const Uuid& attempt) {
   Query q(db,
-          "UPDATE attempts SET state = ?4, problem = ?5, progress = 0 "
-          "WHERE tenant = ?1 AND id = ?2 AND state = ?3");
-  q.Bind(attempt).Bind(static_cast<int64_t>(from)).Bind(static_cast<int64_t>(to));
-  return q.Bind(problem).Run();
+          "UPDATE attempts SET state = ?3, problem = '', progress = 0 WHERE tenant = ?1 AND id = "
+          "?2 AND state IN (?4, ?5, ?6)");
+  q.Bind(attempt).Bind(static_cast<int64_t>(AttemptState::kScoring));
+  for (AttemptState from : {AttemptState::kSealed, AttemptState::kScored, AttemptState::kFailed}) {
+    q.Bind(static_cast<int64_t>(from));
+  }
+  return q.Run();
 }
 
 Status SetJob(Db& db, const JobRow& job, UnixMs lease_until_ms) {
@@ -37,11 +39,21 @@ Status SetJob(Db& db, const JobRow& job, UnixMs lease_until_ms) {
   return q.Bind(job.error).Run();
 }
 
+// A run that did not come to its end: an earlier one's score counts again.
+Status EndRun(Db& db, const Uuid& attempt, AttemptState without_score, const std::string& problem) {
+  Query q(db,
+          "UPDATE attempts SET state = iif(score IS NULL, ?3, ?4), problem = ?5, progress = score "
+          "IS NOT NULL WHERE tenant = ?1 AND id = ?2 AND state = ?6");
+  q.Bind(attempt).Bind(static_cast<int64_t>(without_score));
+  q.Bind(static_cast<int64_t>(AttemptState::kScored)).Bind(problem);
+  return q.Bind(static_cast<int64_t>(AttemptState::kScoring)).Run();
+}
+
 Status GiveUp(Db& db, JobRow job, const std::string& error) {
   job.state = "failed";
   job.error = error;
   ENAMEL_RETURN_IF_ERROR(SetJob(db, job, 0));
-  return SetAttemptState(db, job.attempt, AttemptState::kScoring, AttemptState::kFailed, error);
+  return EndRun(db, job.attempt, AttemptState::kFailed, error);
 }
 
 Result<std::optional<JobRow>> NextJob(Db& db, UnixMs now_ms) {
@@ -70,23 +82,10 @@ Status TakeJob(Db& db, UnixMs now_ms, UnixMs lease_ms, std::optional<JobRow>& ta
     ++job.tries;
     job.state = "running";
     ENAMEL_RETURN_IF_ERROR(SetJob(db, job, now_ms + lease_ms));
-    for (AttemptState from :
-         {AttemptState::kSealed, AttemptState::kScored, AttemptState::kFailed}) {
-      ENAMEL_RETURN_IF_ERROR(SetAttemptState(db, job.attempt, from, AttemptState::kScoring, ""));
-    }
+    ENAMEL_RETURN_IF_ERROR(BeginRun(db, job.attempt));
     taken = job;
     return Status::Ok();
   }
-}
-
-// An earlier run's score counts again.
-Status LeaveAsBeforeTheRun(Db& db, const Uuid& attempt) {
-  Query q(db,
-          "UPDATE attempts SET state = iif(score IS NULL, ?3, ?4), problem = '', progress = iif("
-          "score IS NULL, 0, 1) WHERE tenant = ?1 AND id = ?2 AND state = ?5");
-  q.Bind(attempt).Bind(static_cast<int64_t>(AttemptState::kSealed));
-  q.Bind(static_cast<int64_t>(AttemptState::kScored));
-  return q.Bind(static_cast<int64_t>(AttemptState::kScoring)).Run();
 }
 
 Result<JobRow> FindJob(Db& db, const Uuid& job) {
@@ -101,7 +100,7 @@ Result<JobRow> FindJob(Db& db, const Uuid& job) {
 Status Requeue(Db& db, JobRow job) {
   job.state = "queued";
   ENAMEL_RETURN_IF_ERROR(SetJob(db, job, 0));
-  return SetAttemptState(db, job.attempt, AttemptState::kScoring, AttemptState::kSealed, job.error);
+  return EndRun(db, job.attempt, AttemptState::kSealed, job.error);
 }
 
 }  // namespace
@@ -188,7 +187,7 @@ Status SqliteStore::CancelJob(const Uuid& job, const Actor& by) {
     Json before = JsonOf({{"state", row->state}});
     row->state = "cancelled";
     ENAMEL_RETURN_IF_ERROR(SetJob(db, *row, 0));
-    ENAMEL_RETURN_IF_ERROR(LeaveAsBeforeTheRun(db, row->attempt));
+    ENAMEL_RETURN_IF_ERROR(EndRun(db, row->attempt, AttemptState::kSealed, ""));
     return WriteAudit(db, by, "job.cancel", row->attempt.Text(), before,
                       JsonOf({{"state", row->state}}));
   });

@@ -13,6 +13,9 @@ constexpr std::chrono::hours kUnnamedFor{24};
 constexpr int64_t kDayMs = 24ll * 60 * 60 * 1000;
 constexpr int32_t kMaxDays = 36'500;
 constexpr int32_t kMinUnfinishedDays = 14;
+// A station may offer what it recorded for a week: what was removed before that would be taken in
+// again as if a restore had forgotten it.
+constexpr int32_t kMinAttemptsDays = 8;
 
 struct Rule {
   const char* what;
@@ -24,7 +27,7 @@ constexpr Rule kRules[] = {
     {"unfinished", kMinUnfinishedDays, "a.state IN (1, 2) AND a.ticketed_ms < ?2"},
     {"recordings", 1,
      "a.state IN (3, 5, 6) AND a.expired_ms = 0 AND a.sealed_ms > 0 AND a.sealed_ms < ?2"},
-    {"attempts", 1,
+    {"attempts", kMinAttemptsDays,
      "(a.state IN (3, 5, 6) AND a.sealed_ms > 0 AND a.sealed_ms < ?2) OR (a.state = 7 AND "
      "a.ticketed_ms < ?2)"},
 };
@@ -61,7 +64,7 @@ Status FindDue(Db& db, UnixMs now_ms, RetentionReport& report) {
     std::string sql = std::string("SELECT a.id FROM attempts a WHERE a.tenant = ?1 AND (") +
                       rule->condition + ")" + kNotInUse;
     Query q(db, sql.c_str());
-    q.Bind(now_ms - int64_t{row.days} * kDayMs);
+    q.Bind(now_ms - int64_t{std::max(row.days, rule->min_days)} * kDayMs);
     while (q.Next()) ListOf(report, row.what).push_back(q.Id(0));
     ENAMEL_RETURN_IF_ERROR(q.status());
   }

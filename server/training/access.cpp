@@ -15,6 +15,11 @@ bool Owns(const Person& viewer, const AttemptRow& attempt) {
 
 }  // namespace
 
+bool IsReleasedFirst(const AttemptRow& attempt, bool graded) {
+  bool unknown_terms = (attempt.flags & kReadmitted) != 0 && !attempt.assignment;
+  return graded || attempt.exam || unknown_terms;
+}
+
 bool CanSeeAttempt(const Person& viewer, const AttemptRow& attempt, bool shares_cohort) {
   return Owns(viewer, attempt) || Supervises(viewer, shares_cohort);
 }
@@ -22,7 +27,7 @@ bool CanSeeAttempt(const Person& viewer, const AttemptRow& attempt, bool shares_
 bool CanSeeScore(const Person& viewer, const AttemptRow& attempt, bool graded, bool shares_cohort) {
   if (Supervises(viewer, shares_cohort)) return true;
   if (!Owns(viewer, attempt)) return false;
-  return (!graded && !attempt.exam) || attempt.released || !Is(viewer, Role::kStudent);
+  return !IsReleasedFirst(attempt, graded) || attempt.released || !Is(viewer, Role::kStudent);
 }
 
 bool CanReleaseAttempt(const Person& viewer, const AttemptRow&, bool shares_cohort) {
@@ -52,6 +57,14 @@ bool CanRecordReference(const Person& viewer) {
 
 bool CanSeeDentist(const Person& viewer, const ReferenceRow& reference) {
   return reference.consent || CanRecordReference(viewer);
+}
+
+Status CheckConsent(bool consent) {
+  if (consent) return Status::Ok();
+  return Status(Code::kConflict,
+                "the dentist has not agreed: a reference shows a name and a cut to students; ask, "
+                "and confirm it",
+                "consent");
 }
 
 bool CanEditExercises(const Person& viewer) { return CanRecordReference(viewer); }

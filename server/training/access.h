@@ -1,5 +1,6 @@
 #pragma once
 
+#include "common/base/result.h"
 #include "server/training/types.h"
 
 // Who may do what: the one place that decides. Pure functions; callers fetch the facts first.
@@ -9,8 +10,10 @@
 namespace enamel::server {
 
 bool CanSeeAttempt(const Person& viewer, const AttemptRow& attempt, bool shares_cohort);
-// Score, surface, series, annotations: a student sees those of graded work and of exams only after
-// release.
+// Whether its score is for the student only after release: graded work, exams, and what was made
+// under terms that a restore forgot. `graded`: its exercise is.
+bool IsReleasedFirst(const AttemptRow& attempt, bool graded);
+// Score, surface, series, annotations: a student sees them at once, or after release.
 bool CanSeeScore(const Person& viewer, const AttemptRow& attempt, bool graded, bool shares_cohort);
 bool CanReleaseAttempt(const Person& viewer, const AttemptRow& attempt, bool shares_cohort);
 // Overriding, annotating, flagging, scoring again, answering an appeal.
@@ -23,6 +26,9 @@ bool CanAppeal(const Person& viewer, const AttemptRow& attempt);
 bool CanMarkReference(const Person& viewer, const AttemptRow& attempt, bool shares_cohort);
 // Asking for a ticket whose attempt is meant as a reference cut.
 bool CanRecordReference(const Person& viewer);
+// A cut becomes a reference only when its dentist agrees to being named and to the cut being used.
+// Errors: kConflict, field "consent".
+Status CheckConsent(bool consent);
 // The dentist's name at a reference: students see it with the dentist's consent.
 bool CanSeeDentist(const Person& viewer, const ReferenceRow& reference);
 // Drafts, retired versions, and changing any: instructors and admins, whatever their cohorts.

@@ -214,7 +214,10 @@ async function markReference(world) {
   await page.getByRole("button", { name: "Mark as reference…" }).click();
   await page.getByLabel("Dentist who made this cut").fill("Dentist Two");
   await accessible(page, "naming the dentist");
-  await page.getByRole("button", { name: "Mark as reference", exact: true }).click();
+  const mark = page.getByRole("button", { name: "Mark as reference", exact: true });
+  assert.equal(await mark.isDisabled(), true, "not without the dentist's consent");
+  await page.getByLabel("The dentist agrees").check();
+  await mark.click();
   await page.getByText("Reference of its exercise", { exact: false }).first().waitFor();
 }
 

@@ -26,7 +26,7 @@ ENAMEL_PASSWORD=enamel-demo-instructor "$enamel_station" run --data "$station" -
   --quiet --exercise "$exercise" --user instructor --operator dentist --as-reference --json "$work/cut.json" >/dev/null
 reference=$(json_of "$work/cut.json" attempt_id)
 "$enamel_server" report --data "$data" --attempt "$reference" --wait 600 >/dev/null
-"$enamel_server" admin mark-reference --data "$data" --attempt "$reference" --dentist "Simulated dentist"
+"$enamel_server" admin mark-reference --data "$data" --attempt "$reference" --dentist "Simulated dentist" --consent
 
 start_attempt() {
   rm -f "$work/cut.json"

@@ -17,7 +17,7 @@ ENAMEL_PASSWORD=enamel-demo-instructor station_cli run --data "$station" --profi
   --exercise "$exercise" --user instructor --operator dentist --as-reference --json "$work/cut.json" >/dev/null
 reference=$(json_of "$work/cut.json" attempt_id)
 server_cli report --data "$data" --attempt "$reference" --wait 600 >/dev/null
-server_cli admin mark-reference --data "$data" --attempt "$reference" --dentist "Simulated dentist" >/dev/null
+server_cli admin mark-reference --data "$data" --attempt "$reference" --dentist "Simulated dentist" --consent >/dev/null
 
 # spool_of ATTEMPT MEMBER
 spool_of() {

@@ -25,7 +25,7 @@ ENAMEL_PASSWORD=enamel-demo-instructor "$bin/enamel-station" run --data "$statio
   --profile phantom_desktop --user instructor --operator dentist --lockstep --as-reference --json "$work/reference" >/dev/null
 reference=$(json_of "$work/reference" attempt_id)
 "$bin/enamel-server" report --data "$work/server" --attempt "$reference" --wait 120 >/dev/null
-"$bin/enamel-server" admin mark-reference --data "$work/server" --attempt "$reference" --dentist "Simulated dentist" >/dev/null
+"$bin/enamel-server" admin mark-reference --data "$work/server" --attempt "$reference" --dentist "Simulated dentist" --consent >/dev/null
 
 # play NAME: a script on standard input, at a window of 1280 x 720.
 play() {

@@ -91,7 +91,8 @@ class MemoryStore final : public server::Store {
     std::lock_guard lock(mutex_);
     if (attempts.count(id) == 0) return Status(Code::kNotFound, "no attempt");
     if (Status status = MustNotBeCancelled(id); !status.ok()) return status;
-    attempts[id].state = server::AttemptState::kFailed;
+    bool scored = BeforeTheRun(id) == server::AttemptState::kScored;
+    attempts[id].state = scored ? server::AttemptState::kScored : server::AttemptState::kFailed;
     attempts[id].problem = problem;
     return Status::Ok();
   }

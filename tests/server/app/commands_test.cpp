@@ -76,8 +76,11 @@ TEST_F(CommandsTest, RefusalsSayWhatIsAllowed) {
   EXPECT_EQ(AddPerson(Data(), {"a b", "", "student"}).field(), "login");
   EXPECT_EQ(AddToCohort(Data(), "none", "ada").code(), Code::kNotFound);
   EXPECT_EQ(PublishExercise(Data(), {"builtin:no-such-tooth", ""}).field(), "name");
-  EXPECT_EQ(MarkReference(Data(), "not an id", "x").code(), Code::kInvalidInput);
-  EXPECT_EQ(MarkReference(Data(), Uuid::New().Text(), "x").code(), Code::kNotFound);
+  EXPECT_EQ(MarkReference(Data(), "not an id", "x", true).code(), Code::kInvalidInput);
+  EXPECT_EQ(MarkReference(Data(), Uuid::New().Text(), "x", true).code(), Code::kNotFound);
+  Status without = MarkReference(Data(), Uuid::New().Text(), "x", false);
+  EXPECT_EQ(without.field(), "consent");
+  EXPECT_NE(without.message().find("--consent"), std::string::npos) << without.message();
   ReportOptions report;
   report.data = Data();
   report.attempt = Uuid::New().Text();

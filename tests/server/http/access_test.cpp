@@ -87,7 +87,7 @@ TEST_F(AccessTest, EveryRoleGetsItsOwnAndNothingElse) {
       {"mark as reference",
        "POST",
        scored + "/reference",
-       R"({"dentist":"Dr. Vega"})",
+       R"({"dentist":"Dr. Vega","consent":true})",
        {{"sam", 403}, {"sue", 403}, {"tom", 403}, {"ada", 201}, {"ben", 404}, {"root", 201}}},
       {"release",
        "POST",
@@ -173,7 +173,8 @@ TEST_F(AccessTest, AttemptCarriesTheNamesOfWhatItPointsTo) {
 }
 
 TEST_F(AccessTest, ReferenceShowsAtTheExerciseAndTheAttempt) {
-  RawResponse made = By("ada").Post(Scored("/reference"), R"({"dentist":"Dr. Vega"})");
+  RawResponse made =
+      By("ada").Post(Scored("/reference"), R"({"dentist":"Dr. Vega","consent":true})");
   ASSERT_EQ(made.status, 201) << made.body;
   EXPECT_EQ(Parsed(made).at("dentist"), "Dr. Vega");
   EXPECT_EQ(Parsed(By("ada").Get(Scored())).at("is_reference"), true);
@@ -184,7 +185,18 @@ TEST_F(AccessTest, ReferenceShowsAtTheExerciseAndTheAttempt) {
   EXPECT_EQ(exercise.at("bur").at("shape"), "cylinder");
   EXPECT_EQ(exercise.at("target").at("depth_um"), 2000);
   EXPECT_EQ(exercise.at("rubric").at("criteria").at(0).at("metric"), "wall_mesial_mm");
-  EXPECT_EQ(By("ada").Post(Scored("/reference"), R"({"dentist":""})").status, 400);
+  EXPECT_EQ(By("ada").Post(Scored("/reference"), R"({"dentist":"","consent":true})").status, 400);
+}
+
+TEST_F(AccessTest, ReferenceIsRefusedUnlessTheDentistIsSaidToAgree) {
+  RawResponse unsaid = By("ada").Post(Scored("/reference"), R"({"dentist":"Dr. Vega"})");
+  EXPECT_EQ(unsaid.status, 400) << unsaid.body;
+  EXPECT_EQ(Parsed(unsaid).at("error").at("field"), "consent");
+  RawResponse refused =
+      By("ada").Post(Scored("/reference"), R"({"dentist":"Dr. Vega","consent":false})");
+  EXPECT_EQ(refused.status, 409) << refused.body;
+  EXPECT_EQ(Parsed(refused).at("error").at("field"), "consent");
+  EXPECT_EQ(Parsed(By("ada").Get(Scored())).at("is_reference"), false);
 }
 
 TEST_F(AccessTest, SurfaceIsServedAsItWasStored) {

@@ -230,6 +230,7 @@ TEST_F(PeopleTest, CohortIsMadeRenamedFilledAndArchived) {
                             R"({"add":[")" + school_.sam.Text() + R"("],"remove":[]})");
   ASSERT_EQ(filled.status, 200) << filled.body;
   EXPECT_EQ(Parsed(filled).at("members").at(0).at("display_name"), "Person sam");
+  EXPECT_EQ(Parsed(filled).at("members").at(0).at("login"), "sam");
   EXPECT_EQ(Send(root_, "POST", target + "/members", R"({"add":[")" + Uuid::New().Text() + R"("]})")
                 .status,
             404);

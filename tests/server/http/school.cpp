@@ -68,7 +68,8 @@ School::School() {
   now_ms = std::chrono::duration_cast<std::chrono::milliseconds>(
                std::chrono::system_clock::now().time_since_epoch())
                .count();
-  store = Must(OpenSqliteStore({folder.path() / "data", false, 2, {}}));
+  store = Must(OpenSqliteStore(
+      {folder.path() / "data", false, 2, [this] { return before_write && before_write(); }}));
   auth::AuthOptions options;
   options.cost = {1, 8192};
   options.clock = [this] { return now_ms; };

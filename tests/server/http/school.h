@@ -25,6 +25,8 @@ struct School {
   Uuid ScoredAttempt(const Uuid& person, const Change& change = {});
   Uuid RecordingAttempt(const Uuid& person, const Change& change = {});
 
+  // Asked before the store keeps something; true: it fails. Set while no request is under way.
+  std::function<bool()> before_write;
   TempFolder folder;
   std::unique_ptr<Store> store;
   UnixMs now_ms = 0;

@@ -1,7 +1,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
+#include <future>
 #include <map>
+#include <thread>
 
 #include "common/scene/builtin.h"
 #include "common/scene/json.h"
@@ -178,6 +181,31 @@ TEST_F(DraftTest, PictureBeforeTheCutIsMadeOnceAndTheSameForAll) {
   EXPECT_EQ(By("sam").Get(path).status, 404);
 }
 
+TEST_F(DraftTest, PictureThatIsBeingMadeHoldsNobodyElseUp) {
+  json::value draft = Parsed(Post("ada", "/api/v1/exercises", Document()));
+  std::string path =
+      "/api/v1/exercises/" + std::string(draft.at("id").as_string()) + "/initial-surface";
+  std::promise<void> under_way, go_on;
+  std::atomic<bool> first_write{true};
+  school_.before_write = [&, may_go_on = go_on.get_future().share()] {
+    if (first_write.exchange(false)) {
+      under_way.set_value();
+      may_go_on.wait();
+    }
+    return false;
+  };
+  RawResponse made;
+  std::thread maker([&] { made = By("ada").Get(path); });
+  EXPECT_EQ(under_way.get_future().wait_for(std::chrono::seconds(60)), std::future_status::ready);
+  RawResponse meanwhile = By("root").Get(path);
+  go_on.set_value();
+  maker.join();
+  EXPECT_EQ(meanwhile.status, 503) << meanwhile.body;
+  EXPECT_NE(meanwhile.headers["retry-after"], "");
+  EXPECT_EQ(made.status, 200) << made.body;
+  EXPECT_EQ(By("root").Get(path).body, made.body);
+}
+
 TEST_F(TeachingTest, ExercisesAreListedByStateForWhoEditsThem) {
   EXPECT_EQ(By("ada").Get("/api/v1/exercises?state=draft").status, 200);
   EXPECT_EQ(
@@ -232,7 +260,7 @@ TEST_F(TeachingTest, TermsThatMakeNoSenseAreRefusedWithTheField) {
       {{{"exam", "yes"}}, "exam"},
       {{{"station_ids", json::array{school_.station.Text()}}}, "station_ids"},
       {{{"exam", true}, {"station_ids", json::array{"x"}}}, "station_ids"},
-      {{{"exam", true}, {"station_ids", json::array{Uuid::New().Text()}}}, "stations"},
+      {{{"exam", true}, {"station_ids", json::array{Uuid::New().Text()}}}, "station_ids"},
       {{{"exercise", "no such exercise"}}, "exercise"},
       {{{"cohort_id", 7}}, "cohort_id"},
       {{{"due", 7}}, "due"},
@@ -377,6 +405,9 @@ TEST_F(TeachingTest, RegradeKeepsTheEarlierResultBesideTheNewOne) {
   result.score_json = *school_.store->PutBlob(AsBytes(scoring::ToJson(score)));
   ASSERT_TRUE(school_.store->FinishAttempt(school_.sams_scored, result).ok());
   ASSERT_TRUE(school_.store->FinishJob(job->id, true, "").ok());
+  EXPECT_EQ(SamsAttempt("ada").at("released"), false) << "another score is released anew";
+  EXPECT_EQ(By("sam").Get(Scored("/results")).status, 403);
+  ASSERT_EQ(By("ada").Post(Scored("/release")).status, 204);
   json::value results = Parsed(By("sam").Get(Scored("/results"))).at("results");
   ASSERT_EQ(results.as_array().size(), 3u);
   EXPECT_EQ(results.at(0).at("cause"), "appeal");
@@ -406,16 +437,17 @@ TEST_F(TeachingTest, JobIsCancelledByAnAdminAndQueuedAgainByAnInstructor) {
 
 TEST_F(TeachingTest, ReferencesAreListedAndWithdrawnAndNamesShownWithConsentOnly) {
   const std::string list = "/api/v1/exercises/" + school_.exercise.Text() + "/references";
-  ASSERT_EQ(Post("ada", Scored("/reference"), {{"dentist", "Dr. Vega"}}).status, 201);
-  RawResponse second =
-      Post("ada", Scored("/reference"), {{"dentist", "Dr. Lyra"}, {"consent", false}});
-  ASSERT_EQ(second.status, 201) << second.body;
+  ASSERT_EQ(Post("ada", Scored("/reference"), {{"dentist", "Dr. Vega"}, {"consent", true}}).status,
+            201);
+  // Kept from a time when a reference could be without it.
+  auto second = school_.store->AddReference(school_.sams_scored, "Dr. Lyra", false,
+                                            Actor{school_.ada, "page"});
+  ASSERT_TRUE(second.ok()) << second.status().message();
   json::value rows = Parsed(By("sam").Get(list)).at("references");
   EXPECT_TRUE(rows.at(0).at("dentist").is_null());
   EXPECT_EQ(rows.at(1).at("dentist"), "Dr. Vega");
   EXPECT_EQ(Parsed(By("ada").Get(list)).at("references").at(0).at("dentist"), "Dr. Lyra");
-  std::string path =
-      "/api/v1/references/" + std::string(Parsed(second).at("id").as_string()) + "/withdraw";
+  std::string path = "/api/v1/references/" + second->id.Text() + "/withdraw";
   EXPECT_EQ(Post("sam", path).status, 403);
   EXPECT_EQ(Post("ben", path).status, 403);
   EXPECT_EQ(Post("ada", path).status, 204);

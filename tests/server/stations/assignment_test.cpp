@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "server/stations/session.h"
+#include "server/training/access.h"
 #include "tests/server/stations/link_world.h"
 
 // Tickets under assignments: dates, limits, exams.
@@ -192,6 +193,25 @@ TEST_F(AssignmentTest, ReadmittedRecordingIsJudgedByTheTermsThereAre) {
   EXPECT_TRUE(row.exam) << "a restore does not turn an exam into practice";
   EXPECT_EQ(row.assignment, open_.id);
   EXPECT_EQ(row.flags, uint32_t{kReadmitted});
+}
+
+TEST_F(AssignmentTest, ReadmittedRecordingWhoseTermsAreLostIsShownOnceItIsReleased) {
+  Change([&](AssignmentRow& row) { row.exam = true; });
+  trace::Ticket ticket = *trace::DecodeTicket(TicketOf(Ask()));
+  Change([&](AssignmentRow& row) { row.exam = false; });  // what the backup has: practice
+  ticket.attempt = Uuid::New();
+  trace::SignTicket(ticket, world_.services.ticket_key.secret_key);
+  Recording recording(world_, trace::EncodeTicket(ticket), station_.keys, 1);
+  wire::Reply opened = station_.Open(recording.header);
+  ASSERT_TRUE(opened.has_attempt_opened()) << opened.error().message();
+  AttemptRow row = *world_.store->AttemptById(ticket.attempt);
+  EXPECT_FALSE(row.assignment.has_value()) << "an exam's ticket is for ten minutes";
+  EXPECT_EQ(row.flags, uint32_t{kReadmitted});
+  EXPECT_FALSE(row.released);
+  Person student = *world_.store->PersonById(world_.student);
+  EXPECT_FALSE(CanSeeScore(student, row, /*graded=*/false, /*shares_cohort=*/false));
+  row.released = true;
+  EXPECT_TRUE(CanSeeScore(student, row, false, false));
 }
 
 }  // namespace

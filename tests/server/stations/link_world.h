@@ -78,12 +78,12 @@ class ScriptedStation {
     return reply;
   }
 
-  wire::Reply Enrol(const std::string& code = "code") {
+  wire::Reply Enrol(const std::string& code = "code", const std::string& name = "scripted") {
     wire::Request request;
     wire::Enrol& enrol = *request.mutable_enrol();
     enrol.set_protocol_version(1);
     enrol.set_code(code);
-    enrol.set_name("scripted");
+    enrol.set_name(name);
     enrol.set_public_key(protocol::ToField(keys.public_key));
     wire::Reply reply = Send(request);
     if (reply.has_enrolled()) {

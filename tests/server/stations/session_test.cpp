@@ -63,6 +63,17 @@ TEST_F(SessionTest, EnrolmentCodeIsUsedUpByOneStation) {
   EXPECT_EQ(station_.Enrol().error().code(), "unauthenticated");
 }
 
+TEST_F(SessionTest, NameThatTurnsTextOrASpreadsheetAroundEnrolsNoStation) {
+  for (const char* name : {"=HYPERLINK(1)", "bench\n1", "bench \u202e1", "\xff", ""}) {
+    wire::Reply refused = station_.Enrol("code", name);
+    EXPECT_EQ(refused.error().code(), "invalid_input") << name;
+    EXPECT_EQ(refused.error().field(), "name") << name;
+    Reconnect();
+  }
+  EXPECT_TRUE(station_.Enrol("code", " bench 1 ").has_enrolled()) << "the code is not used up";
+  EXPECT_EQ(world_.store->Stations()->front().name, "bench 1");
+}
+
 TEST_F(SessionTest, WrongCredentialAndOtherVersionAreRefused) {
   ASSERT_TRUE(station_.Enrol().has_enrolled());
   Reconnect();

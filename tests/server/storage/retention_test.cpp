@@ -72,9 +72,9 @@ TEST_P(RetentionTest, RecordingGoesAfterItsDaysAndTheScoreStays) {
 
 TEST_P(RetentionTest, WholeAttemptGoesAndOnlyItsOwnBlobs) {
   Uuid attempt = Scored();
-  Rule("attempts", 1);
+  Rule("attempts", 8);
   Rule("recordings", 1);
-  RetentionReport report = Apply(3 * kDay);
+  RetentionReport report = Apply(9 * kDay);
   EXPECT_EQ(report.attempts, std::vector{attempt});
   EXPECT_TRUE(report.recordings.empty()) << "counted once";
   EXPECT_EQ(store_->AttemptById(attempt).status().code(), Code::kNotFound);
@@ -86,7 +86,7 @@ TEST_P(RetentionTest, ReferenceAndWhatAJobNeedsAreKept) {
   ASSERT_TRUE(store_->AddReference(reference, "Dr. Example", true, kSystem).ok());
   Uuid queued = world_.OpenedAttempt();
   ASSERT_TRUE(store_->SealAttempt(World::SealOf(world_.Append(queued, 1)), 200).ok());
-  Rule("attempts", 1);
+  Rule("attempts", 8);
   Rule("recordings", 1);
   RetentionReport report = Apply(1000 * kDay);
   EXPECT_TRUE(report.attempts.empty());
@@ -142,7 +142,7 @@ TEST_P(RetentionTest, UnfinishedGoesButNotWhatIsQuarantined) {
   EXPECT_TRUE(Apply(14 * kDay).unfinished.empty()) << "ticketed at 5 ms";
   EXPECT_EQ(Apply(14 * kDay + 6).unfinished, std::vector{unfinished});
   EXPECT_EQ(store_->AttemptById(contradicted)->state, AttemptState::kQuarantined);
-  Rule("attempts", 1);
+  Rule("attempts", 8);
   EXPECT_EQ(Apply(14 * kDay + 6).attempts, std::vector{contradicted});
 }
 
@@ -150,6 +150,8 @@ TEST_P(RetentionTest, RulesAreCheckedKeptAndAudited) {
   EXPECT_EQ(store_->SetRetention({"everything", 3}, kSystem).code(), Code::kInvalidInput);
   EXPECT_EQ(store_->SetRetention({"unfinished", 13}, kSystem).code(), Code::kInvalidInput)
       << "stations may still upload";
+  EXPECT_EQ(store_->SetRetention({"attempts", 7}, kSystem).code(), Code::kInvalidInput)
+      << "a station would bring it back";
   EXPECT_EQ(store_->SetRetention({"attempts", -1}, kSystem).code(), Code::kInvalidInput);
   Rule("attempts", 365);
   Rule("recordings", 30);

@@ -1,9 +1,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <thread>
 
 #include "server/training/revision.h"
+#include "server/training/ticket_rules.h"
 #include "tests/server/storage/backends.h"
 
 // What every backend of Store must do about teaching: drafts and versions, assignments and their
@@ -47,6 +49,15 @@ class TeachingTest : public StoreSuite {
     Status status = store_->CreateAttempt(row, AsBytes("ticket"), kSystem);
     if (!status.ok()) return status;
     return row.id;
+  }
+  // Scored, released, and another run of it queued.
+  Uuid Rescored(World& world, double score) {
+    Uuid attempt = world.ScoredAttempt(score);
+    EXPECT_TRUE(store_->FinishJob(store_->LeaseJob(1, 1000)->value().id, true, "").ok());
+    EXPECT_TRUE(store_->FinishAttempt(attempt, *store_->ResultOf(attempt)).ok());
+    EXPECT_TRUE(store_->ReleaseAttempt(attempt, kSystem).ok());
+    EXPECT_TRUE(store_->Rescore(attempt, "rescore", kSystem).ok());
+    return attempt;
   }
   std::vector<std::string> Actions() {
     std::vector<std::string> out;
@@ -137,7 +148,7 @@ TEST_P(TeachingTest, AssignmentOfWhatDoesNotExistIsRefusedWithTheField) {
   EXPECT_EQ(store_->AddAssignment(row, kSystem).status().field(), "exercise");
   row.exercise = "exercise";
   row.cohort = Uuid::New();
-  EXPECT_EQ(store_->AddAssignment(row, kSystem).status().field(), "cohort");
+  EXPECT_EQ(store_->AddAssignment(row, kSystem).status().field(), "cohort_id");
   row.cohort = {};
   row.stations = {Uuid::New()};
   EXPECT_EQ(store_->AddAssignment(row, kSystem).status().field(), "stations");
@@ -458,11 +469,7 @@ TEST_P(TeachingTest, CancelledJobLeavesTheAttemptSealedAndItsRunCannotFinish) {
 
 TEST_P(TeachingTest, CancellingAnotherRunLeavesTheScoreThatWasThere) {
   World world(*store_);
-  Uuid attempt = world.ScoredAttempt(71);
-  ASSERT_TRUE(store_->FinishJob(store_->LeaseJob(1, 1000)->value().id, true, "").ok());
-  ASSERT_TRUE(store_->FinishAttempt(attempt, *store_->ResultOf(attempt)).ok());
-  ASSERT_TRUE(store_->ReleaseAttempt(attempt, kSystem).ok());
-  ASSERT_TRUE(store_->Rescore(attempt, "rescore", kSystem).ok());
+  Uuid attempt = Rescored(world, 71);
   Uuid job = store_->LeaseJob(1, 1000)->value().id;
   ASSERT_EQ(store_->AttemptById(attempt)->state, AttemptState::kScoring);
   ASSERT_TRUE(store_->CancelJob(job, kSystem).ok());
@@ -472,6 +479,57 @@ TEST_P(TeachingTest, CancellingAnotherRunLeavesTheScoreThatWasThere) {
   EXPECT_EQ(row.progress, 1);
   EXPECT_TRUE(row.released);
   EXPECT_TRUE(store_->Rescore(attempt, "rescore", kSystem).ok()) << "and may be scored again";
+}
+
+TEST_P(TeachingTest, RunThatFailsLeavesTheScoreThatWasThereAndSaysWhy) {
+  World world(*store_);
+  Uuid attempt = Rescored(world, 71);
+  for (int tries = 1; tries <= 3; ++tries) {
+    auto job = store_->LeaseJob(1, 1000);
+    ASSERT_TRUE(job->has_value());
+    ASSERT_TRUE(store_->FinishJob((*job)->id, false, "disk full").ok());
+    AttemptRow row = *store_->AttemptById(attempt);
+    EXPECT_EQ(row.state, AttemptState::kScored) << "after try " << tries;
+    EXPECT_EQ(row.score, 71);
+    EXPECT_EQ(row.progress, 1);
+    EXPECT_TRUE(row.released);
+    EXPECT_EQ(row.problem, "disk full");
+  }
+  EXPECT_FALSE(store_->LeaseJob(1, 1000)->has_value());
+  ASSERT_TRUE(store_->Rescore(attempt, "rescore", kSystem).ok());
+  Uuid job = store_->LeaseJob(1, 1000)->value().id;
+  EXPECT_EQ(store_->AttemptById(attempt)->problem, "");
+  ASSERT_TRUE(store_->FailAttempt(attempt, "the scene is gone").ok());
+  ASSERT_TRUE(store_->FinishJob(job, true, "").ok());
+  EXPECT_EQ(store_->AttemptById(attempt)->state, AttemptState::kScored);
+  EXPECT_EQ(store_->AttemptById(attempt)->problem, "the scene is gone");
+  EXPECT_EQ(store_->ResultOf(attempt)->score, 71);
+}
+
+TEST_P(TeachingTest, ReleasedScoreThatTurnsOutOtherwiseIsReleasedAnew) {
+  World world(*store_);
+  Uuid attempt = Rescored(world, 71);
+  Store::AttemptResult result = *store_->ResultOf(attempt);
+  ASSERT_TRUE(store_->FinishAttempt(attempt, result).ok());
+  EXPECT_TRUE(store_->AttemptById(attempt)->released) << "the same score as before";
+  result.score = 72;
+  ASSERT_TRUE(store_->FinishAttempt(attempt, result).ok());
+  EXPECT_FALSE(store_->AttemptById(attempt)->released);
+  EXPECT_EQ(Actions()[1], "attempt.unrelease");
+  ASSERT_TRUE(store_->ReleaseAttempt(attempt, kSystem).ok());
+  EXPECT_TRUE(store_->AttemptById(attempt)->released);
+}
+
+TEST_P(TeachingTest, ReleaseOfPracticeIsNotWithdrawnUnlessItIsAnExam) {
+  World world(*store_);
+  ExerciseRow practice = world.Exercise("practice", "p1");
+  practice.graded = false;
+  world.exercise = *store_->PublishExercise(practice, Uuid{}, kSystem);
+  Uuid attempt = Rescored(world, 71);
+  Store::AttemptResult result = *store_->ResultOf(attempt);
+  result.score = 72;
+  ASSERT_TRUE(store_->FinishAttempt(attempt, result).ok());
+  EXPECT_TRUE(store_->AttemptById(attempt)->released);
 }
 
 TEST_P(TeachingTest, ErasingAPersonTakesRemarksAppealsAndEarlierResultsWithIt) {
@@ -530,6 +588,63 @@ TEST_P(TeachingTest, PictureOfASceneIsKeptWithIt) {
   ASSERT_TRUE(store_->PutSceneSurface(store_->Scenes()->front().volume, surface).ok());
   Reopen();
   EXPECT_EQ(store_->Scenes()->front().surface, surface);
+}
+
+UnixMs Now() {
+  using namespace std::chrono;
+  return duration_cast<milliseconds>(system_clock::now().time_since_epoch()).count();
+}
+
+TEST_P(TeachingTest, ExerciseOfAnOpenExamKeepsItsVersionUntilTheExamIsOver) {
+  World world(*store_);
+  AssignmentRow exam = Assigned(Cohort("year 1", world.student), 0, true);
+  ExerciseRow draft = *store_->PutDraft(world.Exercise("exercise", "d"), kSystem);
+  auto refusals = [&] {
+    return std::vector<Status>{
+        store_->PublishDraft(draft.id, draft.revision, kSystem).status(),
+        store_->RetireExercise(world.exercise.id, kSystem),
+        store_->PublishExercise(world.Exercise("exercise", "another"), Uuid{}, kSystem).status()};
+  };
+  for (const Status& status : refusals()) {
+    EXPECT_EQ(status.code(), Code::kConflict);
+    EXPECT_EQ(status.field(), "assignment");
+    EXPECT_NE(status.message().find(exam.id.Text()), std::string::npos) << status.message();
+    EXPECT_NE(status.message().find("year 1"), std::string::npos) << status.message();
+  }
+  Uuid taken = *Begin(world, exam, [](AttemptRow& row) { row.ticketed_ms = Now(); });
+  ASSERT_TRUE(store_->OpenAttempt(taken, AsBytes("header")).ok());
+  exam.due_ms = Now() - 1000;
+  exam = *store_->ReplaceAssignment(exam, kSystem);
+  for (const Status& status : refusals()) EXPECT_EQ(status.code(), Code::kConflict) << "running";
+  ASSERT_TRUE(store_->FlagAttempt(taken, kExcused, "ill", kSystem).ok());
+  EXPECT_TRUE(store_->PublishDraft(draft.id, draft.revision, kSystem).ok());
+  EXPECT_TRUE(store_->RetireExercise(draft.id, kSystem).ok());
+}
+
+TEST_P(TeachingTest, PracticeFollowsTheNewestVersionAlsoWhileItIsAssigned) {
+  World world(*store_);
+  Assigned(Cohort("year 1", world.student));
+  AssignmentRow later;
+  later.exercise = "exercise";
+  later.opens_ms = Now() + 3'600'000;
+  later.exam = true;
+  ASSERT_TRUE(store_->AddAssignment(later, kSystem).ok());
+  ExerciseRow draft = *store_->PutDraft(world.Exercise("exercise", "d"), kSystem);
+  EXPECT_TRUE(store_->PublishDraft(draft.id, draft.revision, kSystem).ok())
+      << "an exam to come uses what is newest then";
+}
+
+TEST_P(TeachingTest, ExamTicketThatRanOutUnopenedIsNoExamUnderWay) {
+  World world(*store_);
+  AssignmentRow exam = Assigned(Cohort("year 1", world.student), 0, true);
+  ASSERT_TRUE(Begin(world, exam).ok());
+  auto at = [](UnixMs time_ms) { return [=](AttemptRow& row) { row.ticketed_ms = time_ms; }; };
+  EXPECT_EQ(Begin(world, exam, at(5 + kExamTicketValidMs)).status().field(), "exam");
+  auto next = Begin(world, exam, at(6 + kExamTicketValidMs));
+  ASSERT_TRUE(next.ok()) << next.status().message();
+  ASSERT_TRUE(store_->OpenAttempt(*next, AsBytes("header")).ok());
+  EXPECT_EQ(Begin(world, exam, at(7 + 10 * kExamTicketValidMs)).status().field(), "exam")
+      << "begun in time and not finished";
 }
 
 TEST_P(TeachingTest, EveryChangeIsAudited) {

@@ -86,7 +86,7 @@ function AnswerAppeal({ client, attempt, onChanged }: Props) {
         <button type="button" class="button primary" disabled={change.busy || text.trim() === ""} onClick={() => void answer("regrade")}>Answer and grade again</button>
         <button type="button" class="button" disabled={change.busy || text.trim() === ""} onClick={() => void answer("reject")}>Reject the appeal</button>
       </div>
-      <p class="hint">Grading again replays the recording against the newest reference; both results stay visible. To set a score yourself, use “Set another score” above.</p>
+      <p class="hint">Grading again replays the recording against the newest reference; both results stay visible. If the score changes, the student sees it once you release it again. To set a score yourself, use “Set another score” above.</p>
     </form>
   );
 }

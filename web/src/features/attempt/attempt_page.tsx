@@ -89,6 +89,7 @@ function ScoredAttempt({ client, attempt, teacher, onChanged }:
         <div class="stack">
           {score.loaded.state === "loading" && <Card title="Score"><Loading what="the score" /></Card>}
           {score.loaded.state === "failed" && <ScoreError error={score.loaded.error} onRetry={score.reload} />}
+          {scored !== undefined && attempt.problem !== "" && <Notice tone="warning" title="Scoring it again did not work; this is the score from before"><p>{attempt.problem}</p></Notice>}
           {scored !== undefined && <ScorePanel score={scored} reference={reference} override={attempt.override} />}
           <AppealPanel client={client} attempt={attempt} onChanged={onChanged} />
         </div>

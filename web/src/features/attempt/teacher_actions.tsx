@@ -110,14 +110,14 @@ function ReferenceForm({ busy, onName, onCancel }:
   const [consent, setConsent] = useState(false);
   const submit = (event: Event) => {
     event.preventDefault();
-    if (dentist.trim() !== "") onName(dentist.trim(), consent);
+    if (dentist.trim() !== "" && consent) onName(dentist.trim(), consent);
   };
   return (
     <form class="inline-form" onSubmit={submit}>
       <TextField label="Dentist who made this cut" required maxLength={200} value={dentist} onValue={setDentist} />
-      <CheckField label="The dentist agrees that students see the name" value={consent} onValue={setConsent} />
+      <CheckField label="The dentist agrees to being named and to the cut being used" value={consent} onValue={setConsent} />
       <div class="button-row">
-        <button type="submit" class="button primary" disabled={busy}>Mark as reference</button>
+        <button type="submit" class="button primary" disabled={busy || !consent}>Mark as reference</button>
         <button type="button" class="button" onClick={onCancel}>Cancel</button>
       </div>
     </form>

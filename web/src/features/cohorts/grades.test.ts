@@ -3,7 +3,7 @@ import { test } from "node:test";
 import type { Assignment, Attempt, CohortMember } from "../../api/types";
 import { attemptsTable, gradeRows, gradesTable } from "./grades";
 
-const member = (id: string, role = "student") => ({ id, display_name: `Name ${id}`, role }) as unknown as CohortMember;
+const member = (id: string, role = "student") => ({ id, login: `login.${id}`, display_name: `Name ${id}`, role }) as unknown as CohortMember;
 const assignment = (id: string) => ({ id, exercise: { title: `Exercise ${id}` } }) as unknown as Assignment;
 const attempt = (person: string, under: string, score: number | null, flags: string[] = []) => ({
   id: `${person}-${under}-${score}`, person: { id: person, display_name: `Name ${person}` }, exercise: { title: "E", version: 2 }, station: { name: "S" },
@@ -24,8 +24,8 @@ test("the best attempt under an assignment counts; excused and unscored ones do 
 test("the exported grades have a row for each student and a column for each assignment, empty where nothing is scored", () => {
   const assignments = [assignment("x"), assignment("y")];
   const table = gradesTable(gradeRows([member("a")], assignments, [attempt("a", "x", 85)]), assignments);
-  assert.deepEqual(table.header, ["person", "display_name", "Exercise x", "Exercise y", "assignments_done"]);
-  assert.deepEqual(table.rows, [["a", "Name a", 85, null, 1]]);
+  assert.deepEqual(table.header, ["person", "login", "display_name", "Exercise x", "Exercise y", "assignments_done"]);
+  assert.deepEqual(table.rows, [["a", "login.a", "Name a", 85, null, 1]]);
 });
 
 test("the exported attempts have as many cells as the header names", () => {

@@ -42,9 +42,9 @@ export interface CsvTable {
 
 export function gradesTable(rows: readonly GradeRow[], assignments: readonly Assignment[]): CsvTable {
   return {
-    header: ["person", "display_name", ...assignments.map((assignment) => assignment.exercise.title ?? assignment.exercise.name), "assignments_done"],
+    header: ["person", "login", "display_name", ...assignments.map((assignment) => assignment.exercise.title ?? assignment.exercise.name), "assignments_done"],
     rows: rows.map(({ member, grades }) => [
-      member.id, member.display_name, ...grades.map((grade) => rounded(grade.best?.score ?? null)), grades.filter((grade) => grade.best !== undefined).length,
+      member.id, member.login, member.display_name, ...grades.map((grade) => rounded(grade.best?.score ?? null)), grades.filter((grade) => grade.best !== undefined).length,
     ]),
   };
 }
