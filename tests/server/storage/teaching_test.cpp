@@ -151,7 +151,7 @@ TEST_P(TeachingTest, AssignmentOfWhatDoesNotExistIsRefusedWithTheField) {
   EXPECT_EQ(store_->AddAssignment(row, kSystem).status().field(), "cohort_id");
   row.cohort = {};
   row.stations = {Uuid::New()};
-  EXPECT_EQ(store_->AddAssignment(row, kSystem).status().field(), "stations");
+  EXPECT_EQ(store_->AddAssignment(row, kSystem).status().field(), "station_ids");
   EXPECT_EQ(store_->Assignments({})->size(), 1u) << "nothing is left of what was refused";
 }
 
