@@ -345,14 +345,16 @@ void Pages::AskReserve() {
 void Pages::AskCutOff() {
   const SpooledAttempt& attempt = flow_.cut_off_chosen();
   ui_.BeginDialog("cut-off", "Cut off: " + flow_.TitleOf(attempt));
+  bool recorded = attempt.chunks > 0;
   ui_.Text(CutOffText(attempt, NowUnixMs()) +
-           ". It can go on where the recording ends, or be handed in as it is.");
+           (recorded ? ". It can go on where the recording ends, or be handed in as it is."
+                     : ". Nothing was recorded yet: it can only go on."));
   ui_.Problem(flow_.problem());
   Busy();
   bool free = !flow_.busy();
   if (ui_.Button("Go on", Ui::Look::kMain, free)) flow_.GoOnWithCutOff();
   ui_.SameLine();
-  if (ui_.Button("Hand in", Ui::Look::kDanger, free)) flow_.EndCutOff();
+  if (ui_.Button("Hand in", Ui::Look::kDanger, free && recorded)) flow_.EndCutOff();
   ui_.SameLine();
   if (ui_.Button("Later", Ui::Look::kPlain, free) || (free && ui_.escape())) flow_.CloseDialog();
   ui_.EndDialog();

@@ -173,8 +173,9 @@ cut_off() {
   pids+=("$runner")
   for _ in $(seq 3000); do
     kill -0 "$runner" 2>/dev/null || { cat "$work/cut.log"; fail "the attempt was over before it could be cut off"; }
+    [ "$(attempts)" -gt "$before" ] || continue  # until then the newest is an earlier one
     read -r chunks _ < <(chunks_of "$station")
-    [ "$(attempts)" -eq "$before" ] || [ "$chunks" -lt 20 ] || break
+    [ "$chunks" -lt 20 ] || break
   done
   kill -KILL "$runner"
   wait "$runner" 2>/dev/null || true
