@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/measure/cutting_ticks.h"
 #include "common/scene/json.h"
 #include "common/scene/plan.h"
 #include "common/scene/volume_blob.h"
@@ -177,22 +178,19 @@ Result<Attempt> RecordAttempt(const AttemptOptions& options,
   core::Core core(*params, built->volume);
   Hand hand(exercise, built->scene, options);
   Recorder recorder(out.header);
-  uint64_t cutting = 0, cut_until = 0;
-  const uint64_t window = params->rate_hz / 20;
+  CuttingTicks cutting(static_cast<uint32_t>(params->rate_hz));
   for (uint64_t i = 0; i < options.ticks; ++i) {
     if (progress && i % 5000 == 0) {
       progress(static_cast<double>(i) / static_cast<double>(options.ticks));
     }
     core::TickInput input = hand.Next(*params);
     core::TickOutput tick = core.Step(input);
-    bool removed =
-        std::any_of(tick.removed.begin(), tick.removed.end(), [](int64_t r) { return r != 0; });
-    if (removed) cut_until = i + window;
-    cutting += i < cut_until;
+    cutting.Add(
+        std::any_of(tick.removed.begin(), tick.removed.end(), [](int64_t r) { return r != 0; }));
     recorder.Put(input, tick.witness, core.state_hash(), out);
   }
   recorder.Flush(out);
-  out.cutting_share = static_cast<double>(cutting) / static_cast<double>(options.ticks);
+  out.cutting_share = static_cast<double>(cutting.cutting()) / static_cast<double>(options.ticks);
   out.built = std::move(*built);
   out.exercise = std::move(exercise);
   return out;

@@ -20,9 +20,7 @@ struct Attempt {
   trace::Header header;
   std::vector<Bytes> chunks;  // of 500 ticks
   trace::Seal seal;
-  // Of the ticks: those less than 50 ms after something was removed. (The core renews a cut when it
-  // would leave a mark, so that most ticks of a stroke remove nothing themselves.)
-  double cutting_share = 0;
+  double cutting_share = 0;  // of the ticks (cutting_ticks.h)
 };
 
 struct AttemptOptions {

@@ -361,8 +361,8 @@ class Store {
   virtual Result<std::optional<ReferenceRow>> ReferenceFor(const Uuid& exercise) = 0;
 
   // Jobs as leases: a job whose lease ran out is taken again; after 3 tries it is "failed" and
-  // shown. Taking a "score" job turns its attempt to "scoring"; its last failure turns it to
-  // "failed".
+  // shown. Taking a "score" job turns its attempt to "scoring"; its last failure to "failed", or
+  // back to "scored" with `problem` set where an earlier run left a score.
   virtual Result<std::optional<JobRow>> LeaseJob(UnixMs now_ms, UnixMs lease_ms) = 0;
   virtual Status FinishJob(const Uuid& job, bool ok, const std::string& error) = 0;
   // Stopped before its end through no fault of its own (shutdown): queued again, the try not
@@ -370,8 +370,8 @@ class Store {
   virtual Status ReturnJob(const Uuid& job) = 0;
   virtual Result<std::vector<JobRow>> Jobs(const std::string& state) = 0;
   virtual Result<std::vector<JobRow>> FindJobs(const JobFilter& filter) = 0;
-  // Queued or running; the attempt is "sealed" again. Its worker hears of it through SetProgress,
-  // at the latest in FinishAttempt. Errors: kNotFound, kConflict (over already).
+  // Queued or running; the attempt is "sealed" again, or "scored" if an earlier run left a score.
+  // Its worker hears of it in SetProgress or FinishAttempt. Errors: kNotFound, kConflict (over).
   virtual Status CancelJob(const Uuid& job, const Actor& by) = 0;
 
   // Newest first.

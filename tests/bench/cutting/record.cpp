@@ -9,6 +9,7 @@
 #include <fstream>
 #include <random>
 
+#include "common/measure/cutting_ticks.h"
 #include "common/scene/builtin.h"
 #include "common/scene/json.h"
 #include "common/scene/plan.h"
@@ -45,7 +46,7 @@ double Resident_mb() {
 }
 
 // The simulated device, its encoder read with noise; and after its operator has finished a hand
-// that waits in the air, trembling, until the attempt has cut for a third of its time.
+// that waits in the air, trembling, while the attempt has cut for more than a third of its time.
 class NoisyDevice final : public Device {
  public:
   NoisyDevice(Device& inner, double sigma_counts, uint32_t seed)
@@ -81,16 +82,16 @@ class NoisyDevice final : public Device {
   DeviceSample held_;
 };
 
-// Counts the ticks that cut.
 class CutCounter final : public TickObserver {
  public:
   void OnTick(const core::Core&, const Snapshot& snapshot) noexcept override {
-    if (snapshot.removed != before_) ++cutting;
+    ticks_.Add(snapshot.removed != before_);
     before_ = snapshot.removed;
   }
-  uint64_t cutting = 0;
+  uint64_t cutting() const { return ticks_.cutting(); }
 
  private:
+  measure::CuttingTicks ticks_{static_cast<uint32_t>(kRate_hz)};
   cutting::RemovedUnits before_{};
 };
 
@@ -148,7 +149,7 @@ Status Attempt(const World& w, const Options& options, Spool& spool, uint64_t mo
   Recorder recorder(spool, ring, header.ticket.attempt, HashSha256(trace::EncodeHeader(header)),
                     trace::NewKeyPair().secret_key);
   uint64_t ticks = 0;
-  while (ticks < most && (!noisy.waiting() || cuts.cutting * 3 > ticks)) {
+  while (ticks < most && (!noisy.waiting() || cuts.cutting() * 3 > ticks)) {
     loop.Tick();
     if (++ticks % Recorder::kTicksPerChunk != 0) continue;
     auto moved = recorder.Pump();
@@ -160,7 +161,7 @@ Status Attempt(const World& w, const Options& options, Spool& spool, uint64_t mo
   if (!stored.ok()) return stored.status();
   totals.ticks += stored->ticks;
   totals.bytes += stored->bytes;
-  totals.cutting += cuts.cutting;
+  totals.cutting += cuts.cutting();
   ++totals.attempts;
   return Status::Ok();
 }
@@ -231,7 +232,8 @@ int Run(Options& options) {
       method, sizeof method,
       "attempts of operator '%s' on %s at the built-in molar, %d um voxels, one after the "
       "other as fast as the machine can; encoder counts with Gaussian noise of %.2f counts; after "
-      "each attempt the hand waits in the air until a third of the ticks have cut. Chunks as a "
+      "each attempt the hand waits in the air while more than a third of the ticks have cut. "
+      "Chunks as a "
       "station makes and stores them",
       options.operator_name.c_str(), options.profile.c_str(), options.voxel_um,
       options.noise_counts);
