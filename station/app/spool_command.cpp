@@ -115,7 +115,13 @@ Status ListSpool(const SpoolCommand& options) {
   for (const SpooledAttempt& a : *attempts) bytes += a.bytes;
   if (options.json) {
     json::array all;
-    for (const SpooledAttempt& a : *attempts) all.push_back(FactsOf(a));
+    for (const SpooledAttempt& a : *attempts) {
+      auto last_ms = (*spool)->LastSpooledUnixMs(a.id);
+      if (!last_ms.ok()) return last_ms.status();
+      json::object facts = FactsOf(a);
+      if (*last_ms) facts["last_spooled_unix_ms"] = **last_ms;
+      all.push_back(std::move(facts));
+    }
     PrintJson({{"spool", (*spool)->file().string()}, {"bytes", bytes}, {"attempts", all}});
     return Status::Ok();
   }
