@@ -347,7 +347,8 @@ void Pages::AskCutOff() {
   ui_.BeginDialog("cut-off", "Cut off: " + flow_.TitleOf(attempt));
   bool recorded = attempt.chunks > 0;
   ui_.Text(CutOffText(attempt, NowUnixMs()) +
-           (recorded ? ". It can go on where the recording ends, or be handed in as it is."
+           (recorded ? ". All but its last moment is kept: go on where that ends, or hand it in as "
+                       "it is."
                      : ". Nothing was recorded yet: it can only go on."));
   ui_.Problem(flow_.problem());
   Busy();

@@ -9,7 +9,6 @@ uint32_t WarningsOf(const Snapshot& s) noexcept {
   if (s.input_flags & core::kLateTick) warnings |= render::kWarnLate;
   if (s.input_flags & core::kFaulted) warnings |= render::kWarnFault;
   if (s.fault == Fault::kStalled || s.fault == Fault::kUnplugged) warnings |= render::kWarnDevice;
-  if (s.counters.gap_ticks > 0) warnings |= render::kWarnGap;
   if (s.removed[static_cast<size_t>(cutting::Tissue::kPulp)] > 0) {
     warnings |= render::kWarnPulpExposed;
   }
@@ -17,6 +16,22 @@ uint32_t WarningsOf(const Snapshot& s) noexcept {
 }
 
 }  // namespace
+
+uint32_t GapWatch::Look(const Snapshot& s) noexcept {
+  const uint64_t gaps = s.counters.gap_ticks, ticks = s.counters.ticks;
+  if (!started_ || gaps != gap_ticks_) {
+    resumed_ = !started_ && gaps > 0;
+    started_ = true;
+    gap_ticks_ = gaps;
+    since_ = ticks;
+  }
+  if (gaps == 0) return 0;
+  bool recent = ticks - since_ < shown_ticks_;
+  if (!resumed_) return recent ? render::kWarnGap : 0;
+  if (recent || (s.output_flags & core::kSuspended) != 0) return render::kWarnResumed;
+  resumed_ = false;
+  return 0;
+}
 
 void TickFeed::OnTick(const core::Core& core, const Snapshot& s) noexcept {
   render::FrameState frame;
@@ -26,7 +41,7 @@ void TickFeed::OnTick(const core::Core& core, const Snapshot& s) noexcept {
   frame.device = s.device;
   frame.force_sent_n = s.force_sent_n;
   frame.bur_on = (s.input_flags & core::kBurOn) != 0;
-  frame.warnings = WarningsOf(s);
+  frame.warnings = WarningsOf(s) | gaps_.Look(s);
   for (size_t t = 0; t < frame.removed_mm3.size(); ++t) {
     frame.removed_mm3[t] = cutting::RemovedUnitsToM3(s.removed[t], voxel_m_) * 1e9;
   }

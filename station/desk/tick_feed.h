@@ -5,12 +5,29 @@
 
 namespace enamel::station::desk {
 
+// Which of an attempt's gaps are worth a word on the screen now. One that comes up while cutting
+// is, for kShown_s; the one with which an attempt is taken up again after it was cut off is told
+// calmly, until the force is on, and at least as long. Pure; real-time.
+class GapWatch {
+ public:
+  static constexpr double kShown_s = 8;
+
+  explicit GapWatch(uint32_t rate_hz) : shown_ticks_(static_cast<uint64_t>(kShown_s * rate_hz)) {}
+  // Of each tick in turn: kWarnGap, kWarnResumed or 0.
+  ENAMEL_REALTIME uint32_t Look(const Snapshot& snapshot) noexcept;
+
+ private:
+  const uint64_t shown_ticks_;
+  bool started_ = false, resumed_ = false;
+  uint64_t gap_ticks_ = 0, since_ = 0;  // stepped ticks at the last gap
+};
+
 // Shows each tick in a tooth's view. Real-time. Thread safety: as TickObserver. The view outlives
 // it.
 class TickFeed final : public TickObserver {
  public:
   TickFeed(render::ToothView& view, double voxel_m, uint32_t rate_hz)
-      : view_(view), voxel_m_(voxel_m), tick_s_(1.0 / rate_hz) {}
+      : view_(view), voxel_m_(voxel_m), tick_s_(1.0 / rate_hz), gaps_(rate_hz) {}
 
   ENAMEL_REALTIME void OnTick(const core::Core& core, const Snapshot& snapshot) noexcept override;
 
@@ -18,6 +35,7 @@ class TickFeed final : public TickObserver {
   render::ToothView& view_;
   const double voxel_m_;
   const double tick_s_;
+  GapWatch gaps_;
 };
 
 }  // namespace enamel::station::desk

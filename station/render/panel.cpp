@@ -23,13 +23,15 @@ constexpr std::array<const char*, kWarningCount> kWarningTexts = {
     "Press less",
     "Force is uneven: computer too busy",
     "Force is off. Release the pedal, press it again",
-    "Part of the recording is missing",
+    "Recording was held up: force was off. What you cut is kept",
     "No server: recording goes on here",
     "Pulp exposed",
     "Disk trouble: call the instructor",
     "Device silent: call the instructor",
     "Time is up",
+    "Going on: all you cut is there. Hold the bur in the air for its force",
 };
+const ImVec4 kAlarm{0.60f, 0.13f, 0.10f, 0.94f}, kCalm{0.16f, 0.30f, 0.42f, 0.94f};
 
 struct Panel {
   const PanelContent& c;
@@ -128,7 +130,8 @@ void DrawWarnings(const PanelContent& content, const Fonts& fonts, float width, 
   float left = (kPanelWidth_px + 4 * kMargin_px) * px;
   ImGui::SetNextWindowPos({0.5f * (left + width), kMargin_px * px}, ImGuiCond_Always, {0.5f, 0});
   ImGui::SetNextWindowSizeConstraints({0, 0}, {width - left - kMargin_px * px, 1e6f});
-  ImGui::PushStyleColor(ImGuiCol_WindowBg, ImVec4{0.60f, 0.13f, 0.10f, 0.94f});
+  bool calm = content.fault.empty() && content.state.warnings == kWarnResumed;
+  ImGui::PushStyleColor(ImGuiCol_WindowBg, calm ? kCalm : kAlarm);
   ImGui::Begin("warnings", nullptr, kOverlay);
   ImGui::PushTextWrapPos(width - left - 3 * kMargin_px * px);
   ImGui::TextUnformatted(text.c_str());

@@ -1,0 +1,54 @@
+#include <gtest/gtest.h>
+
+#include "station/desk/tick_feed.h"
+
+namespace enamel::station::desk {
+namespace {
+
+constexpr uint32_t kRate = 1000;
+constexpr auto kShown = static_cast<uint64_t>(GapWatch::kShown_s * kRate);
+
+Snapshot At(uint64_t ticks, uint64_t gaps, bool suspended = false) {
+  Snapshot s;
+  s.counters.ticks = ticks;
+  s.counters.gap_ticks = gaps;
+  if (suspended) s.output_flags = core::kSuspended;
+  return s;
+}
+
+TEST(GapWatchTest, AWholeAttemptHasNothingToSay) {
+  GapWatch watch(kRate);
+  for (uint64_t t = 1; t < 5000; ++t) EXPECT_EQ(watch.Look(At(t, 0, t < 100)), 0u);
+}
+
+TEST(GapWatchTest, AGapIsToldForAWhileAndNotForTheRestOfTheAttempt) {
+  GapWatch watch(kRate);
+  for (uint64_t t = 1; t <= 100; ++t) watch.Look(At(t, 0));
+  for (uint64_t t = 101; t < 101 + kShown; ++t) {
+    ASSERT_EQ(watch.Look(At(t, 7)), render::kWarnGap) << t;
+  }
+  EXPECT_EQ(watch.Look(At(101 + kShown, 7)), 0u);
+  EXPECT_EQ(watch.Look(At(102 + kShown, 9)), render::kWarnGap);
+}
+
+TEST(GapWatchTest, ResumedIsToldCalmlyUntilTheForceIsOn) {
+  GapWatch watch(kRate);
+  uint64_t t = 60'001;
+  for (; t <= 60'000 + 3 * kShown; ++t) {
+    ASSERT_EQ(watch.Look(At(t, 90'000, true)), render::kWarnResumed) << t;
+  }
+  EXPECT_EQ(watch.Look(At(++t, 90'000)), 0u);
+  // It is said once: suspended again, the attempt is not resumed again.
+  EXPECT_EQ(watch.Look(At(++t, 90'000, true)), 0u);
+  EXPECT_EQ(watch.Look(At(++t, 90'004)), render::kWarnGap);
+}
+
+TEST(GapWatchTest, ResumedIsToldAWhileAlsoWhenTheForceIsOnAtOnce) {
+  GapWatch watch(kRate);
+  EXPECT_EQ(watch.Look(At(501, 3)), render::kWarnResumed);
+  EXPECT_EQ(watch.Look(At(500 + kShown, 3)), render::kWarnResumed);
+  EXPECT_EQ(watch.Look(At(501 + kShown, 3)), 0u);
+}
+
+}  // namespace
+}  // namespace enamel::station::desk
