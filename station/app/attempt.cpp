@@ -165,9 +165,7 @@ Result<Tool> OpenTool(const RunOptions& options, const PreparedAttempt& job) {
   }
   hid::DeviceChoice choice = options.device;
   choice.thread_setup = [] { (void)RequestRealtime(); };
-  auto opened = sdk::IsSdkDevice(choice.device)
-                    ? sdk::OpenSdkDevice(choice.device, job.profile, choice.thread_setup)
-                    : hid::OpenDevice(choice, job.profile, 1.0 / job.header.params.rate_hz);
+  auto opened = sdk::OpenChosenDevice(choice, job.profile, 1.0 / job.header.params.rate_hz);
   if (!opened.ok()) return opened.status();
   out.device = std::move(*opened);
   return out;
@@ -285,6 +283,28 @@ class Watcher {
   bool ended_early_ = false;
 };
 
+// "12.3 s", "8 min".
+std::string SpanText(double seconds) {
+  char text[32];
+  if (seconds < 120)
+    std::snprintf(text, sizeof text, "%.1f s", seconds);
+  else
+    std::snprintf(text, sizeof text, "%.0f min", seconds / 60);
+  return text;
+}
+
+void SayResumed(const RunOptions& options, const PreparedAttempt& job) {
+  if (options.quiet) return;
+  const double rate = job.header.params.rate_hz;
+  std::fprintf(stderr,
+               "going on with '%s': the %s recorded before it was cut off are kept and were cut "
+               "again, tick by tick; the %s since then count as a gap. Force comes on once the bur "
+               "has been in free air\n",
+               job.exercise.title.c_str(),
+               SpanText(static_cast<double>(job.place.next_tick) / rate).c_str(),
+               SpanText(job.gap_ticks / rate).c_str());
+}
+
 }  // namespace
 
 Result<AttemptResult> RunAttempt(const RunOptions& options) {
@@ -316,9 +336,7 @@ Result<AttemptResult> RunAttempt(const RunOptions& options) {
     ENAMEL_RETURN_IF_ERROR((*workplace)->TakeTicket(*job, options.as_reference));
   }
   if (job->core) {
-    std::fprintf(stderr,
-                 "resuming after %llu ticks; %u ticks passed since and are declared a gap\n",
-                 static_cast<unsigned long long>(job->place.next_tick), job->gap_ticks);
+    SayResumed(options, *job);
   }
   (*workplace)->SignOut();  // uploading needs no sign-in
   // A simulated device's time is the loop's own: being late harms nobody.

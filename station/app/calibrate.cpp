@@ -86,7 +86,8 @@ Result<Subject> OpenAttached(const CalibrateCommand& options) {
     return Status(Code::kInvalidInput,
                   "expected hid, hid:VENDOR:PRODUCT or simulated:PROFILE, found '" +
                       options.device +
-                      "': only what has motors can be calibrated ('enamel-station devices')",
+                      "': only what has motors can be calibrated, and what is behind a maker's "
+                      "library not yet ('enamel-station devices')",
                   "device");
   }
   if (colon != std::string::npos) {

@@ -71,9 +71,17 @@ void AddLoopTest(CLI::App& app, const Finish& finish, int* exit_code) {
   auto options = std::make_shared<LoopTestCommand>();
   auto* command = app.add_subcommand(
       "loop-test", "What a tick of the haptic loop costs and how punctual it is on this computer");
-  command->add_option("--seconds", options->seconds, "Of taking turns")->capture_default_str();
-  command->add_option("--rate", options->rate_hz, "Hz")->capture_default_str();
-  command->add_option("--cpu", options->cpu, "Bind both to this processor");
+  command
+      ->add_option(
+          "--seconds", options->seconds,
+          "Of taking turns, 5 s each: at least two turns of a bare sleep and two of the loop")
+      ->check(CLI::Range(20, 86'400))
+      ->capture_default_str();
+  command->add_option("--rate", options->rate_hz, "Hz")
+      ->check(CLI::Range(100, 20'000))
+      ->capture_default_str();
+  command->add_option("--cpu", options->cpu, "Bind both to this processor, 0 the first")
+      ->check(CLI::NonNegativeNumber);
   command->add_option("--json", options->json, "Write the figures to this file");
   command->callback([=] { *exit_code = finish(TestLoop(*options)); });
 }

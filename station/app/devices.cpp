@@ -1,11 +1,13 @@
 #include "station/app/devices.h"
 
+#include <algorithm>
 #include <boost/json.hpp>
 #include <cstdio>
 
 #include "station/app/places.h"
 #include "station/devices/operators.h"
 #include "station/hid/open_device.h"
+#include "station/sdk/open_sdk_device.h"
 
 namespace enamel::station {
 namespace {
@@ -46,6 +48,29 @@ boost::json::object Show(const HidInfo& info) {
   return out;
 }
 
+void ShowSdk(boost::json::array& listed) {
+  const auto built_in = sdk::BuiltIn();
+  std::printf("\nMakers' libraries:\n");
+  if (built_in.empty()) {
+    std::printf("    this program was built without any (station/sdk/README.md)\n");
+  }
+  const auto found = sdk::ListSdkDevices();
+  for (const std::string& choice : built_in) {
+    auto device = std::ranges::find(found, choice, &sdk::SdkDevice::choice);
+    if (device == found.end()) {
+      std::printf("%-28s finds no device\n", choice.c_str());
+      continue;
+    }
+    std::printf("%-28s %s: profile %s\n", choice.c_str(), device->name.c_str(),
+                device->profile.c_str());
+    listed.push_back(boost::json::object{{"name", choice},
+                                         {"taken_for", "maker's library"},
+                                         {"product", device->name},
+                                         {"profile", device->profile},
+                                         {"usable", true}});
+  }
+}
+
 void ShowBuiltIn() {
   std::printf("\nAlways there:\n");
   std::printf("%-28s %s\n", "pointer",
@@ -78,6 +103,7 @@ Status ListDevices(const DevicesCommand& options) {
         "be named with --pedal VENDOR:PRODUCT)\n",
         unknown);
   }
+  ShowSdk(listed);
   ShowBuiltIn();
   return WriteJsonFile(options.json, {{"attached", listed}});
 }

@@ -87,7 +87,11 @@ Status CheckRun(const RunOptions& options) {
     return Status(Code::kInvalidInput, "a reserved ticket needs its PIN: set ENAMEL_PIN");
   }
   if (SignsInByPin(options)) return Status::Ok();
-  if (options.login.empty()) return Status(Code::kInvalidInput, "--user is required");
+  if (options.login.empty())
+    return Status(
+        Code::kInvalidInput,
+        "--user LOGIN is required: who makes the attempt. 'enamel-station --help' shows a "
+        "whole one");
   bool begins = options.resume.empty() && options.reserved.empty();
   if (begins && (options.exercise.empty() || options.profile.empty())) {
     return Status(Code::kInvalidInput,

@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "station/devices/operators.h"
+#include "station/sdk/open_sdk_device.h"
 
 namespace enamel::station::desk {
 namespace {
@@ -68,17 +69,32 @@ DeviceOffer AttachedOffer(const HidInfo& info, const Pedal& pedal) {
   return offer;
 }
 
+DeviceOffer SdkOffer(const sdk::SdkDevice& found, const Pedal& pedal) {
+  DeviceOffer offer;
+  offer.title = found.name;
+  offer.device = found.choice;
+  offer.profile = found.profile;
+  offer.pedal = pedal.choice;
+  offer.detail = "Felt; by its maker's library (" + found.choice + "); " + pedal.words + ".";
+  return offer;
+}
+
 }  // namespace
 
 std::vector<DeviceOffer> DeviceOffers(bool simulated, const hid::DeviceChoice& choice) {
   const std::vector<HidInfo> attached = hid::ListHid();
   const Pedal pedal = FindPedal(attached, choice);
   std::vector<DeviceOffer> offers;
-  for (HidKind kind : {HidKind::kHapticBoard, HidKind::kSpaceMouse}) {
+  auto add = [&](HidKind kind) {
     for (const HidInfo& info : attached) {
       if (hid::Recognise(info) == kind) offers.push_back(AttachedOffer(info, pedal));
     }
+  };
+  add(HidKind::kHapticBoard);
+  for (const sdk::SdkDevice& found : sdk::ListSdkDevices()) {
+    offers.push_back(SdkOffer(found, pedal));
   }
+  add(HidKind::kSpaceMouse);
   offers.push_back(
       {"Mouse and keyboard", "The force is shown, not felt.", "pointer", {}, {}, {}, {}});
   if (!simulated) return offers;

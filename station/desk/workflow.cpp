@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "station/loop/realtime.h"
+#include "station/sdk/open_sdk_device.h"
 
 namespace enamel::station::desk {
 namespace {
@@ -196,7 +197,7 @@ void Workflow::Start(bool as_reference) {
                 [this, choice, profile = preview_->profile,
                  tick_s = 1.0 / preview_->header.params.rate_hz]() -> Errand::After {
                   auto opened = std::make_shared<Result<std::unique_ptr<Device>>>(
-                      hid::OpenDevice(choice, profile, tick_s));
+                      sdk::OpenChosenDevice(choice, profile, tick_s));
                   return [this, opened] {
                     if (!opened->ok()) return Fail(opened->status());
                     ToStage(std::move(**opened));

@@ -14,7 +14,7 @@ void ForceKeeper::Take(const dvec3& force_n, uint64_t number, int64_t now_us) no
 }
 
 std::optional<ForceKeeper::Command> ForceKeeper::Next(int64_t now_us) noexcept {
-  if (!unsent_ && now_us - sent_us_ < repeat_us_) return std::nullopt;
+  if (!unsent_ && now_us < Due_us()) return std::nullopt;
   unsent_ = false;
   sent_us_ = now_us;
   int64_t age = now_us - taken_us_;
@@ -27,7 +27,14 @@ std::optional<ForceKeeper::Command> ForceKeeper::Next(int64_t now_us) noexcept {
 
 int64_t ForceKeeper::WaitFor_us(int64_t now_us) const noexcept {
   if (unsent_) return 0;
-  return std::clamp<int64_t>(sent_us_ + repeat_us_ - now_us, 0, repeat_us_);
+  return std::clamp<int64_t>(Due_us() - now_us, 0, repeat_us_);
+}
+
+int64_t ForceKeeper::Due_us() const noexcept {
+  const int64_t gone_us = taken_us_ + kGone_us;
+  bool held = number_ != 0 && sent_us_ < gone_us;
+  return held ? std::min(sent_us_ + std::min(repeat_us_, kHold_us), gone_us)
+              : sent_us_ + repeat_us_;
 }
 
 }  // namespace enamel::station

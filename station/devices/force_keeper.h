@@ -9,7 +9,9 @@ namespace enamel::station {
 
 // Decides what a writer thread sends to a board, and when. Keeps the board's watchdog fed without
 // keeping an old force alive: a force the loop has not renewed for kHold_us falls linearly to 0 at
-// kGone_us after its time, and from then on the repeats say 0. Time is a parameter: no clock.
+// kGone_us after its time, and from then on the repeats say 0. While it falls they come every
+// kHold_us at least, however long the watchdog, and one comes at kGone_us: what the board holds is
+// 0 then. Time is a parameter: no clock.
 // Thread safety: none. Real-time: safe.
 class ForceKeeper {
  public:
@@ -31,6 +33,8 @@ class ForceKeeper {
   int64_t WaitFor_us(int64_t now_us) const noexcept;
 
  private:
+  int64_t Due_us() const noexcept;  // of the next repeat
+
   const int64_t repeat_us_;
   dvec3 force_n_{0};
   uint64_t number_ = 0;

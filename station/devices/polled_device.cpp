@@ -1,5 +1,6 @@
 #include "station/devices/polled_device.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
@@ -10,6 +11,7 @@ namespace {
 
 // Of the keeper's repeats; a maker's library has no watchdog to feed, but its motors hold on.
 constexpr int kRepeat_ms = 4;
+constexpr double kMostCounts = 2147483647.0;
 
 int64_t Now_us() {
   using namespace std::chrono;
@@ -47,6 +49,7 @@ void PolledDevice::SendForce(const dvec3& force_n) noexcept { forces_.Write({for
 DeviceCounters PolledDevice::counters() const noexcept {
   DeviceCounters out;
   out.samples = samples_;
+  out.refused = refused_;
   out.writes = writes_;
   out.detached = detached_;
   return out;
@@ -56,8 +59,9 @@ void PolledDevice::Publish(const PolledBus::Pose& pose, bool attached) {
   if (published_ == 0) centre_m_ = pose.tip_m;
   Message m;
   for (int i = 0; i < 3; ++i) {
+    double counts = (pose.tip_m[i] - centre_m_[i]) / resolution_m_;
     m.sample.counts[static_cast<size_t>(i)] =
-        static_cast<int32_t>(std::lround((pose.tip_m[i] - centre_m_[i]) / resolution_m_));
+        static_cast<int32_t>(std::lround(std::clamp(counts, -kMostCounts, kMostCounts)));
   }
   m.sample.orientation = ToQuantised(pose.orientation);
   m.sample.attached = attached;
@@ -76,10 +80,16 @@ void PolledDevice::Run() {
   PolledBus::Pose pose;
   bool here = true;
   while (!stop_ && here) {
-    here = bus_->Read(pose);
+    PolledBus::Pose read;
+    here = bus_->Read(read);
     if (here) {
-      Publish(pose, true);
-      ++samples_;
+      if (std::isfinite(Dot(read.tip_m, read.tip_m))) {
+        pose = read;
+        Publish(pose, true);
+        ++samples_;
+      } else {
+        ++refused_;
+      }
       Force newest = forces_.Read();
       int64_t now = Now_us();
       keeper.Take(newest.newtons, newest.number, now);

@@ -29,6 +29,7 @@ class PolledBus {
 
 // Runs such a device on a thread of its own, read and driven as fast as its bus goes, and exchanges
 // the newest values with the tick. A force that the loop has not renewed falls to 0 (ForceKeeper).
+// A pose that is not finite is left out and counted as refused.
 // Once gone it stays gone: unplugged, 0. Real-time: ReadSample and SendForce are safe. Destruction
 // sends 0.
 class PolledDevice final : public Device {
@@ -65,7 +66,7 @@ class PolledDevice final : public Device {
   TripleBuffer<Message> poses_;
   TripleBuffer<Force> forces_;
   std::atomic<bool> stop_{false};
-  std::atomic<uint64_t> samples_{0}, writes_{0}, detached_{0};
+  std::atomic<uint64_t> samples_{0}, refused_{0}, writes_{0}, detached_{0};
   // Owned by the thread.
   dvec3 centre_m_{0};
   uint64_t published_ = 0;

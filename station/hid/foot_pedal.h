@@ -43,7 +43,7 @@ class FootPedal final : public ButtonSource, private ReportSink {
  private:
   FootPedal(const PedalSettings& settings, std::string name);
   void OnReport(ByteView report) override;
-  void OnAttached(const std::string&) override {}
+  bool OnAttached(const HidInfo&) override { return true; }
   void OnDetached() override { buttons_ = 0; }
 
   const PedalSettings settings_;

@@ -18,6 +18,14 @@ int64_t Now_us() noexcept {
   return t.tv_sec * int64_t{1'000'000} + t.tv_nsec / 1000;
 }
 
+// Within a tenth of unit length; what is not comes from no sensor.
+bool IsTurn(const std::array<int16_t, 4>& q) noexcept {
+  constexpr double kUnit = 32767.0;
+  double square = 0;
+  for (int16_t v : q) square += static_cast<double>(v) * v;
+  return square > 0.81 * kUnit * kUnit && square < 1.21 * kUnit * kUnit;
+}
+
 int32_t Saturated(int64_t v) noexcept {
   return static_cast<int32_t>(std::clamp<int64_t>(v, INT32_MIN, INT32_MAX));
 }
@@ -77,6 +85,7 @@ HapticBoard::HapticBoard(const HapticBoardSettings& settings, const HidInfo& inf
                          FeatureReport feature)
     : settings_(settings),
       feature_(std::move(feature)),
+      serial_(info.serial),
       name_(feature_.name.empty() ? info.name : feature_.name),
       watchdog_ms_(std::clamp(settings.watchdog_ms, 1, int{feature_.max_watchdog_ms})) {
   ENAMEL_CHECK(sem_init(&force_posted_, 0, 0) == 0);
@@ -98,6 +107,8 @@ DeviceSample HapticBoard::ReadSample() noexcept {
   DeviceSample sample = newest.sample;
   sample.fresh = sample.fresh && newest.number != seen_;
   seen_ = newest.number;
+  if (newest.breaks != seen_breaks_) sample.attached = sample.fresh = false;
+  seen_breaks_ = newest.breaks;
   return sample;
 }
 
@@ -110,23 +121,25 @@ DeviceCounters HapticBoard::counters() const noexcept {
   return {samples_, lost_, duplicated_, refused_, writes_, write_errors_, detached_};
 }
 
-void HapticBoard::OnAttached(const std::string& path) {
+bool HapticBoard::OnAttached(const HidInfo& info) {
   if (settings_.thread_setup && published_ == 0) settings_.thread_setup();
-  auto port = HidPort::Open(path);
-  if (!port.ok()) return;
+  if (info.serial != serial_) return false;
+  auto port = HidPort::Open(info.path);
+  if (!port.ok()) return false;
   auto feature = AskFeature(**port);
-  // Something else behind the same ids.
-  if (!feature.ok() || feature->resolution_nm != feature_.resolution_nm) return;
+  if (!feature.ok() || *feature != feature_) return false;
   order_.Forget();
   {
     std::lock_guard lock(port_mutex_);
     new_port_ = std::move(*port);
   }
   attached_ = true;
+  return true;
 }
 
 void HapticBoard::OnDetached() {
   attached_ = false;
+  ++breaks_;
   ++detached_;
   sample_.buttons = 0;
   sample_.bur_speed_krpm = 0;
@@ -135,7 +148,7 @@ void HapticBoard::OnDetached() {
 
 void HapticBoard::OnReport(ByteView bytes) {
   InputReport report;
-  if (!attached_ || DecodeInput(bytes, report) != ReportError::kNone) {
+  if (DecodeInput(bytes, report) != ReportError::kNone) {
     ++refused_;
     return;
   }
@@ -144,8 +157,10 @@ void HapticBoard::OnReport(ByteView bytes) {
     case ReportOrder::Verdict::kLate:
       ++duplicated_;
       return;
-    case ReportOrder::Verdict::kNew:
     case ReportOrder::Verdict::kRestarted:
+      ++breaks_;
+      break;
+    case ReportOrder::Verdict::kNew:
       break;
   }
   lost_ = order_.lost();
@@ -160,7 +175,7 @@ void HapticBoard::TakeReport(const InputReport& report) {
   if (!centred_ && settings_.centre_on_first_report) centre_ = scene;
   centred_ = true;
   for (size_t i = 0; i < 3; ++i) sample_.counts[i] = Saturated(int64_t{scene[i]} - centre_[i]);
-  if (report.status & kOrientationValid) {
+  if ((report.status & kOrientationValid) && IsTurn(report.orientation)) {
     sample_.orientation = ToQuantised(settings_.axes.ToScene(FromQuantised(report.orientation)));
   }
   sample_.buttons = 0;
@@ -170,6 +185,7 @@ void HapticBoard::TakeReport(const InputReport& report) {
   uint16_t speed = report.bur_speed_krpm != 0 ? report.bur_speed_krpm : kTurbineSpeed_krpm;
   sample_.bur_speed_krpm = down ? speed : uint16_t{0};
   sample_.attached = (report.status & kNotFit) == 0;
+  breaks_ += !sample_.attached;
   sample_.sequence = report.sequence;
   sample_.device_time_us += report.time_us - last_time_us_;  // modulo 2^32: it wraps
   last_time_us_ = report.time_us;
@@ -178,7 +194,7 @@ void HapticBoard::TakeReport(const InputReport& report) {
 void HapticBoard::PublishPose(bool fresh) {
   sample_.fresh = fresh;
   if (!attached_) sample_.attached = false;
-  poses_.Write({sample_, ++published_});
+  poses_.Write({sample_, ++published_, breaks_});
 }
 
 void HapticBoard::TakePort(std::unique_ptr<HidPort>& port) {

@@ -10,8 +10,8 @@
 #include "common/base/triple_buffer.h"
 #include "common/scene/types.h"
 #include "station/devices/device.h"
-#include "station/hid/axis_map.h"
 #include "station/devices/force_keeper.h"
+#include "station/hid/axis_map.h"
 #include "station/hid/haptic_report.h"
 #include "station/hid/hid_reader.h"
 
@@ -51,7 +51,11 @@ class ReportOrder {
 // Each thread has a handle of its own, so a write that blocks holds up neither reading nor the
 // tick; what it then writes is the newest force. An unplugged board is looked for until it is back;
 // the loop's fault stays latched until the operator acts. One that comes back as another device
-// (other resolution) is not taken.
+// (another serial number, or its feature report says anything else) is not taken; it is asked again
+// every HidReader::kRetry, since a board that has just been plugged in may not answer yet.
+//
+// What ends the trust in its poses (unplugged, not fit, restarted: the encoders may have lost their
+// zero) is told to the tick once at least, as `attached` false, however soon it is over.
 //
 // Thread safety: ReadSample and SendForce by the tick's thread, counters by any. Real-time: those
 // are safe (SendForce posts a semaphore at most once per write). Destruction sends force 0, motors
@@ -75,6 +79,7 @@ class HapticBoard final : public Device, private ReportSink {
   struct Pose {
     DeviceSample sample;
     uint64_t number = 0;
+    uint64_t breaks = 0;  // so often the trust in the poses has ended
   };
   struct Force {
     dvec3 newtons{0};  // scene axes
@@ -83,7 +88,7 @@ class HapticBoard final : public Device, private ReportSink {
 
   HapticBoard(const HapticBoardSettings& settings, const HidInfo& info, FeatureReport feature);
   void OnReport(ByteView bytes) override;
-  void OnAttached(const std::string& path) override;
+  bool OnAttached(const HidInfo& info) override;
   void OnDetached() override;
   void PublishPose(bool fresh);
   void TakeReport(const InputReport& report);
@@ -95,7 +100,7 @@ class HapticBoard final : public Device, private ReportSink {
 
   const HapticBoardSettings settings_;
   const FeatureReport feature_;
-  const std::string name_;
+  const std::string serial_, name_;
   const int watchdog_ms_;
   TripleBuffer<Pose> poses_;
   TripleBuffer<Force> forces_;
@@ -105,14 +110,14 @@ class HapticBoard final : public Device, private ReportSink {
 
   // Owned by the reader's thread.
   DeviceSample sample_;
-  uint64_t published_ = 0;
+  uint64_t published_ = 0, breaks_ = 0;
   ReportOrder order_;
   bool centred_ = false;
   std::array<int32_t, 3> centre_{};
   uint32_t last_time_us_ = 0;
 
   // Owned by the tick.
-  uint64_t seen_ = 0, sent_ = 0;
+  uint64_t seen_ = 0, seen_breaks_ = 0, sent_ = 0;
 
   std::atomic<bool> force_waits_{false};
   sem_t force_posted_;

@@ -18,11 +18,13 @@ Result<HidInfo> FindHid(const HidMatch& match) {
     there += (there.empty() ? "" : ", ") + HidMatch{info.vendor, info.product, {}, 0, 0}.Text() +
              (info.name.empty() ? "" : " (" + info.name + ")");
   }
-  return Status(Code::kNotFound,
-                (match.vendor == 0 ? "no such device is attached; there "
-                                   : "device " + match.Text() + " is not attached; there ") +
-                    (there.empty() ? "is no HID device at all" : "are " + there),
-                "device");
+  return Status(
+      Code::kNotFound,
+      (match.vendor == 0 ? "no such device is attached: plug it in. There "
+                         : "device " + match.Text() + " is not attached: plug it in. There ") +
+          (there.empty() ? "is no HID device at all" : "are " + there) +
+          " ('enamel-station devices' shows what each is taken for)",
+      "device");
 }
 
 HidReader::HidReader(HidMatch match, ReportSink& sink)
@@ -38,7 +40,7 @@ std::unique_ptr<HidPort> HidReader::Find() {
   if (!info.ok()) return nullptr;
   auto port = HidPort::Open(info->path);
   if (!port.ok()) return nullptr;
-  sink_.OnAttached(info->path);
+  if (!sink_.OnAttached(*info)) return nullptr;
   return std::move(*port);
 }
 

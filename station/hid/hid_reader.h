@@ -15,8 +15,10 @@ class ReportSink {
  public:
   virtual ~ReportSink() = default;
   virtual void OnReport(ByteView report) = 0;
-  // Opened, also again after it was unplugged. `path` until OnDetached.
-  virtual void OnAttached(const std::string& path) = 0;
+  // Opened, also again after it was unplugged. False: this is not the one that is meant, or it does
+  // not answer yet; it is closed, no report of it is handed on, and it is tried again after kRetry.
+  virtual bool OnAttached(const HidInfo& info) = 0;
+  // The one that OnAttached took is gone.
   virtual void OnDetached() = 0;
 };
 

@@ -115,13 +115,19 @@ Result<std::unique_ptr<Device>> OpenDevice(const DeviceChoice& choice,
                        "'. 'enamel-station devices' lists what is "
                        "attached",
                    "device");
-  if (!device.ok() || choice.pedal.empty()) return device;
-  auto settings = ParsePedal(choice.pedal);
+  if (!device.ok()) return device;
+  return WithPedal(std::move(*device), choice.pedal);
+}
+
+Result<std::unique_ptr<Device>> WithPedal(std::unique_ptr<Device> device,
+                                          const std::string& pedal) {
+  if (pedal.empty()) return device;
+  auto settings = ParsePedal(pedal);
   if (!settings.ok()) return settings.status();
-  auto pedal = FootPedal::Open(*settings);
-  if (!pedal.ok()) return pedal.status();
+  auto opened = FootPedal::Open(*settings);
+  if (!opened.ok()) return opened.status();
   return std::unique_ptr<Device>(
-      std::make_unique<PedalledDevice>(std::move(*device), std::move(*pedal)));
+      std::make_unique<PedalledDevice>(std::move(device), std::move(*opened)));
 }
 
 Result<FeatureReport> AskBoard(const HidInfo& info) {

@@ -40,6 +40,10 @@ struct DeviceChoice {
 Result<std::unique_ptr<Device>> OpenDevice(const DeviceChoice& choice,
                                            const scene::DeviceProfile& profile, double tick_s);
 
+// The device with a foot pedal, as ParsePedal reads it; as it is when `pedal` is empty.
+// Errors: kInvalidInput, kNotFound, kUnavailable.
+Result<std::unique_ptr<Device>> WithPedal(std::unique_ptr<Device> device, const std::string& pedal);
+
 // Asks a haptic board what it is. Errors: kUnavailable, kVersion, kInvalidInput.
 Result<FeatureReport> AskBoard(const HidInfo& info);
 

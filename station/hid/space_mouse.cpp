@@ -90,9 +90,10 @@ void SpaceMouse::OnReport(ByteView report) {
   }
 }
 
-void SpaceMouse::OnAttached(const std::string&) {
+bool SpaceMouse::OnAttached(const HidInfo&) {
   state_ = {};
   Publish(true);
+  return true;
 }
 
 void SpaceMouse::OnDetached() {

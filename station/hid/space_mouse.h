@@ -73,7 +73,7 @@ class SpaceMouse final : public Device, private ReportSink {
   SpaceMouse(const SpaceMouseSettings& settings, std::string name, double resolution_m,
              double tick_s);
   void OnReport(ByteView report) override;
-  void OnAttached(const std::string& path) override;
+  bool OnAttached(const HidInfo& info) override;
   void OnDetached() override;
   void Publish(bool attached);
 

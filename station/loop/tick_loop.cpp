@@ -110,8 +110,10 @@ bool TickLoop::Tick(double late_s) noexcept {
 core::TickInput TickLoop::InputOf(const DeviceSample& sample) noexcept {
   bool pedal = (sample.buttons & kPedal) != 0;
   if (fault_ != Fault::kNone) {
-    if (!pedal) pedal_released_ = true;
-    if (pedal && pedal_released_ && DeviceAlive(sample)) {
+    // A pedal that went away with its device was not released by that, nor before.
+    const bool alive = DeviceAlive(sample);
+    pedal_released_ = alive && (pedal_released_ || !pedal);
+    if (pedal && pedal_released_ && alive) {
       fault_ = Fault::kNone;
       soft_restart_ = true;
     }

@@ -86,9 +86,9 @@ struct TickLoopOptions {
   bool faults_when_late = true;
   // b of the device, for the leak's bound. 0 bounds it for any device.
   double damping_n_s_per_m = 0;
-  // An attempt that goes on after a crash: ticks stepped before, and those that passed since and were
-  // not. The first tick declares that gap and keeps force and cutting off until the bur is in free
-  // air.
+  // An attempt that goes on after a crash: ticks stepped before, and those that passed since and
+  // were not. The first tick declares that gap and keeps force and cutting off until the bur is in
+  // free air.
   uint64_t ticks_before = 0;
   uint32_t first_gap_ticks = 0;
 };
@@ -100,8 +100,9 @@ struct TickLoopOptions {
 // 5 ms, and at once one that is unplugged. A fault sends 0 in the tick it is latched in: a force
 // that falls can hand out no energy, so there is nothing to gain from fading it, and the bound is 0
 // sooner than the 20 ms allowed. It ends when the operator releases the pedal and presses it again,
-// with the device there and alive. The last FaultRecord::kTicks ticks of the first kMaxRecords
-// faults are kept.
+// both with the device there and alive: a pedal that is silent because it was unplugged with its
+// board is not a pedal that was released. The last FaultRecord::kTicks ticks of the first
+// kMaxRecords faults are kept.
 //
 // Force comes on softly: never before the device has been still for as long as it asks
 // (Device::still_before_force_s; still is within 0.5 mm on each axis), and then in free air only

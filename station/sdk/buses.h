@@ -1,14 +1,19 @@
 #pragma once
 
 #include <memory>
+#include <optional>
+#include <string>
 
 #include "common/base/result.h"
 #include "station/devices/polled_device.h"
 
-// One function per SDK, defined where it was found.
+// Two functions per SDK, defined where it was found. Open switches the motors on; Find only asks
+// for the name of what is attached.
 namespace enamel::station::sdk {
 
 Result<std::unique_ptr<PolledBus>> OpenForceDimension();
+std::optional<std::string> FindForceDimension();
 Result<std::unique_ptr<PolledBus>> OpenOpenHaptics();
+std::optional<std::string> FindOpenHaptics();
 
 }  // namespace enamel::station::sdk

@@ -8,9 +8,14 @@ namespace {
 // Its frame is x toward the user, y to the right, z up.
 dvec3 ToScene(double x, double y, double z) { return {y, -x, z}; }
 
+std::string NameOf(char id) {
+  const char* name = dhdGetSystemName(id);
+  return name == nullptr ? "Force Dimension device" : name;
+}
+
 class ForceDimension final : public PolledBus {
  public:
-  explicit ForceDimension(char id) : id_(id), name_(dhdGetSystemName(id)) {}
+  explicit ForceDimension(char id) : id_(id), name_(NameOf(id)) {}
   ~ForceDimension() override {
     dhdEnableForce(DHD_OFF, id_);
     dhdClose(id_);
@@ -46,6 +51,14 @@ Result<std::unique_ptr<PolledBus>> OpenForceDimension() {
   }
   dhdEnableForce(DHD_ON, static_cast<char>(id));
   return std::unique_ptr<PolledBus>(std::make_unique<ForceDimension>(static_cast<char>(id)));
+}
+
+std::optional<std::string> FindForceDimension() {
+  int id = dhdOpen();
+  if (id < 0) return std::nullopt;
+  std::string name = NameOf(static_cast<char>(id));
+  dhdClose(static_cast<char>(id));
+  return name;
 }
 
 }  // namespace enamel::station::sdk

@@ -10,9 +10,14 @@ dvec3 ToScene(const HDdouble* v) { return {v[0], -v[2], v[1]}; }
 
 bool Failed() { return HD_DEVICE_ERROR(hdGetError()); }
 
+std::string ModelName() {
+  const char* name = hdGetString(HD_DEVICE_MODEL_TYPE);
+  return name == nullptr ? "OpenHaptics device" : name;
+}
+
 class OpenHaptics final : public PolledBus {
  public:
-  explicit OpenHaptics(HHD device) : device_(device), name_(hdGetString(HD_DEVICE_MODEL_TYPE)) {}
+  explicit OpenHaptics(HHD device) : device_(device), name_(ModelName()) {}
   ~OpenHaptics() override { hdDisableDevice(device_); }
   std::string Name() const override { return name_; }
 
@@ -54,6 +59,14 @@ Result<std::unique_ptr<PolledBus>> OpenOpenHaptics() {
   hdEnable(HD_FORCE_OUTPUT);
   hdStartScheduler();
   return std::unique_ptr<PolledBus>(std::make_unique<OpenHaptics>(device));
+}
+
+std::optional<std::string> FindOpenHaptics() {
+  HHD device = hdInitDevice(HD_DEFAULT_DEVICE);
+  if (Failed() || device == HD_INVALID_HANDLE) return std::nullopt;
+  std::string name = ModelName();
+  hdDisableDevice(device);
+  return name;
 }
 
 }  // namespace enamel::station::sdk

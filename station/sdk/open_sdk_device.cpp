@@ -1,51 +1,106 @@
 #include "station/sdk/open_sdk_device.h"
 
+#include <array>
+#include <cctype>
+#include <optional>
+
 #include "station/sdk/buses.h"
 
 namespace enamel::station::sdk {
 namespace {
 
-constexpr std::string_view kDhd = "dhd", kOpenHaptics = "openhaptics";
+using OpenBus = Result<std::unique_ptr<PolledBus>> (*)();
+using FindName = std::optional<std::string> (*)();
 
-[[maybe_unused]] Status NotBuilt(std::string_view choice, const char* what) {
-  return Status(Code::kUnavailable,
-                "this program was built without " + std::string(what) + ", which '" +
-                    std::string(choice) +
-                    "' needs: install the maker's SDK and build again (station/sdk/README.md)",
-                "device");
+// A maker's library; its functions are null where this program was built without it.
+struct Library {
+  std::string_view choice, what;
+  OpenBus open;
+  FindName find;
+};
+
+constexpr std::array<Library, 2> kLibraries = {{
+#ifdef ENAMEL_WITH_DHD
+    {"dhd", "Force Dimension's SDK", OpenForceDimension, FindForceDimension},
+#else
+    {"dhd", "Force Dimension's SDK", nullptr, nullptr},
+#endif
+#ifdef ENAMEL_WITH_OPENHAPTICS
+    {"openhaptics", "OpenHaptics", OpenOpenHaptics, FindOpenHaptics},
+#else
+    {"openhaptics", "OpenHaptics", nullptr, nullptr},
+#endif
+}};
+
+const Library* Find(std::string_view choice) {
+  for (const Library& library : kLibraries) {
+    if (library.choice == choice) return &library;
+  }
+  return nullptr;
 }
 
-Result<std::unique_ptr<PolledBus>> OpenBus(std::string_view choice) {
-  if (choice == kDhd) {
-#ifdef ENAMEL_WITH_DHD
-    return OpenForceDimension();
-#else
-    return NotBuilt(choice, "Force Dimension's SDK");
-#endif
+Result<std::unique_ptr<Device>> Open(const Library& library, const hid::DeviceChoice& choice,
+                                     const scene::DeviceProfile& profile) {
+  if (library.open == nullptr) {
+    return Status(Code::kUnavailable,
+                  "this program was built without " + std::string(library.what) + ", which '" +
+                      std::string(library.choice) +
+                      "' needs: install the maker's SDK and build again (station/sdk/README.md)",
+                  "device");
   }
-  if (choice == kOpenHaptics) {
-#ifdef ENAMEL_WITH_OPENHAPTICS
-    return OpenOpenHaptics();
-#else
-    return NotBuilt(choice, "OpenHaptics");
-#endif
-  }
-  return Status(Code::kInvalidInput,
-                "expected dhd or openhaptics, found '" + std::string(choice) + "'", "device");
+  auto bus = library.open();
+  if (!bus.ok()) return bus.status();
+  double resolution_m = static_cast<double>(profile.resolution_nm.value) * 1e-9;
+  return std::unique_ptr<Device>(
+      std::make_unique<PolledDevice>(std::move(*bus), resolution_m, choice.thread_setup));
 }
 
 }  // namespace
 
-bool IsSdkDevice(std::string_view choice) { return choice == kDhd || choice == kOpenHaptics; }
+std::vector<SdkDevice> ListSdkDevices() {
+  std::vector<SdkDevice> out;
+  for (const Library& library : kLibraries) {
+    if (library.find == nullptr) continue;
+    if (auto name = library.find()) {
+      out.push_back({std::string(library.choice), *name, ProfileNameOf(*name)});
+    }
+  }
+  return out;
+}
 
-Result<std::unique_ptr<Device>> OpenSdkDevice(std::string_view choice,
-                                              const scene::DeviceProfile& profile,
-                                              std::function<void()> thread_setup) {
-  auto bus = OpenBus(choice);
-  if (!bus.ok()) return bus.status();
-  double resolution_m = static_cast<double>(profile.resolution_nm.value) * 1e-9;
-  return std::unique_ptr<Device>(
-      std::make_unique<PolledDevice>(std::move(*bus), resolution_m, std::move(thread_setup)));
+std::vector<std::string> BuiltIn() {
+  std::vector<std::string> out;
+  for (const Library& library : kLibraries) {
+    if (library.open != nullptr) out.emplace_back(library.choice);
+  }
+  return out;
+}
+
+std::string ProfileNameOf(std::string_view model) {
+  std::string out;
+  bool word_ended = false;
+  for (unsigned char c : model) {
+    if (std::isalnum(c) != 0 && c < 0x80) {
+      if (word_ended && !out.empty()) out += '_';
+      word_ended = false;
+      out += static_cast<char>(std::tolower(c));
+    } else if (c == ' ' || c == '_' || c == '-') {
+      word_ended = true;
+    }
+  }
+  return out;
+}
+
+bool IsSdkDevice(std::string_view choice) { return Find(choice) != nullptr; }
+
+Result<std::unique_ptr<Device>> OpenChosenDevice(const hid::DeviceChoice& choice,
+                                                 const scene::DeviceProfile& profile,
+                                                 double tick_s) {
+  const Library* library = Find(choice.device);
+  if (library == nullptr) return hid::OpenDevice(choice, profile, tick_s);
+  auto device = Open(*library, choice, profile);
+  if (!device.ok()) return device;
+  return hid::WithPedal(std::move(*device), choice.pedal);
 }
 
 }  // namespace enamel::station::sdk

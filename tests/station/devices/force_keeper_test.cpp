@@ -55,6 +55,30 @@ TEST(ForceKeeperTest, NeverKeepsAnOldForceAlive) {
   EXPECT_EQ(keeper.Next(200'000)->force_n.z, 1);
 }
 
+TEST(ForceKeeperTest,
+     ForceIsGoneAtTwentyMillisecondsHoweverLongTheWatchdogIsAndHoweverLateItWakes) {
+  for (int watchdog_ms : {1, 4, 20, 27, 100, 1000}) {
+    for (int64_t wakes_late_us : {0, 70, 900}) {
+      ForceKeeper keeper(watchdog_ms);
+      keeper.Take(dvec3(0, 0, 2), 1, 0);
+      int64_t t = 0;
+      double held = 0;
+      while (t <= ForceKeeper::kGone_us + wakes_late_us) {
+        if (auto c = keeper.Next(t)) held = c->force_n.z;
+        int64_t wait = keeper.WaitFor_us(t);
+        if (t < ForceKeeper::kGone_us) {
+          EXPECT_LE(wait, ForceKeeper::kHold_us) << t;
+        }
+        t += std::max<int64_t>(wait, 1) + wakes_late_us;
+        if (t > 2 * (ForceKeeper::kHold_us + wakes_late_us)) {
+          EXPECT_LT(held, 2) << "not falling at " << t << ", watchdog " << watchdog_ms;
+        }
+      }
+      EXPECT_EQ(held, 0) << "watchdog " << watchdog_ms << ", late " << wakes_late_us;
+    }
+  }
+}
+
 TEST(ForceKeeperTest, MotorsAreOffBeforeTheFirstForce) {
   ForceKeeper keeper(kWatchdog_ms);
   keeper.Take(dvec3(5, 5, 5), 0, 4'000);

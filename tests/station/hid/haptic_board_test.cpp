@@ -321,11 +321,73 @@ TEST_F(HapticBoardTest, AnotherBoardBehindTheSameIdsIsNotTaken) {
   bus_.Unplug(kPath);
   Until([](const DeviceSample& d) { return !d.attached; });
   ASSERT_TRUE(bus_.Await([](HidBus& b) { return b.handle_count() == 0; }));
-  bus_.Plug(Plugged(Feature(20'000)));
-  ASSERT_TRUE(bus_.Await([](HidBus& b) { return b.handle_count() == 1; }));
+  // Other cells; another serial number; another peak.
+  FeatureReport weaker = Feature();
+  weaker.peak_force_mn[2] = 3'300;
+  ScriptedHid numbered = Plugged();
+  numbered.serial = L"B2";
+  for (const ScriptedHid& other : {Plugged(Feature(20'000)), Plugged(weaker), numbered}) {
+    int opened = bus_.Opened();
+    bus_.Plug(other);
+    // It is looked at, and again.
+    ASSERT_TRUE(bus_.Await([&](HidBus& b) { return b.opened() >= opened + 2; }));
+    Send(At(101, 3001));
+    EXPECT_FALSE(board_->ReadSample().attached);
+    bus_.Unplug(kPath);
+    ASSERT_TRUE(bus_.Await([](HidBus& b) { return b.handle_count() == 0; }));
+  }
+  EXPECT_EQ(board_->counters().samples, 1u);
+  bus_.Plug(Plugged());
+  ASSERT_TRUE(bus_.Await([](HidBus& b) { return b.handle_count() == 2; }));
   Send(At(101, 3001));
-  UntilCounted([](const DeviceCounters& c) { return c.refused == 1; });
-  EXPECT_FALSE(board_->ReadSample().attached);
+  Until([](const DeviceSample& d) { return d.attached; });
+}
+
+TEST_F(HapticBoardTest, BoardThatDoesNotAnswerYetWhenItIsBackIsAskedAgain) {
+  bus_.Plug(Plugged());
+  ASSERT_TRUE(Open().ok());
+  bus_.Unplug(kPath);
+  Until([](const DeviceSample& d) { return !d.attached; });
+  ScriptedHid booting = Plugged();
+  booting.feature.clear();
+  int opened = bus_.Opened();
+  bus_.Plug(booting);
+  ASSERT_TRUE(bus_.Await([&](HidBus& b) { return b.opened() >= opened + 2; }));
+  bus_.Plug(Plugged());
+  ASSERT_TRUE(bus_.Await([](HidBus& b) { return b.handle_count() == 2; }));
+  Send(At(7, 3004));
+  EXPECT_EQ(Until([](const DeviceSample& d) { return d.attached; }).counts[2], 4);
+}
+
+TEST_F(HapticBoardTest, NotFitForOneReportBetweenTwoTicksIsSeenByTheTick) {
+  bus_.Plug(Plugged());
+  ASSERT_TRUE(Open().ok());
+  board_->ReadSample();
+  InputReport hot = At(101, 3001);
+  hot.status = kNotFit;
+  Send(hot);
+  Send(At(102, 3001));
+  UntilCounted([](const DeviceCounters& c) { return c.samples == 3; });
+  DeviceSample seen = board_->ReadSample();
+  EXPECT_EQ(seen.sequence, 102u);
+  EXPECT_FALSE(seen.attached);
+  EXPECT_FALSE(seen.fresh);
+  EXPECT_TRUE(board_->ReadSample().attached);
+}
+
+TEST_F(HapticBoardTest, OrientationThatIsNoTurnLeavesTheToolAsItIs) {
+  bus_.Plug(Plugged());
+  ASSERT_TRUE(Open().ok());
+  InputReport turned = At(101, 3001);
+  turned.status = kOrientationValid;
+  turned.orientation = {0, 0, 23170, 23170};
+  Send(turned);
+  InputReport none = At(102, 3001);
+  none.status = kOrientationValid;
+  none.orientation = {0, 0, 0, 0};
+  Send(none);
+  DeviceSample s = Until([](const DeviceSample& d) { return d.sequence == 102; });
+  EXPECT_EQ(s.orientation, (QuantisedOrientation{0, 0, 23170, 23170}));
 }
 
 TEST_F(HapticBoardTest, WhatCannotBeOpenedSaysWhy) {

@@ -4,6 +4,7 @@
 
 #include <boost/json.hpp>
 #include <fstream>
+#include <map>
 #include <sstream>
 
 namespace enamel::station::hid {
@@ -147,6 +148,60 @@ TEST(HapticReportTest, NamesLongerThanTheirFieldAreCut) {
   ASSERT_EQ(DecodeFeature(EncodeFeature(f), out), ReportError::kNone);
   EXPECT_EQ(out.name, std::string(32, 'n'));
   EXPECT_EQ(out.profile, f.profile);
+}
+
+// Short items of HID 1.11, section 6.2.2: a prefix of size, type and tag, then the value.
+TEST(HapticReportTest, GoldenDescriptorDeclaresTheReportsAsLongAsTheyAre) {
+  const std::string d = Golden("descriptor.bin");
+  std::map<std::pair<int, uint32_t>, size_t> bits;  // by main item and report id
+  uint32_t page = 0, usage = 0, id = 0, size = 0, count = 0, first_page = 0, first_usage = 0;
+  int depth = 0;
+  for (size_t at = 0; at < d.size();) {
+    auto prefix = static_cast<uint8_t>(d[at++]);
+    size_t bytes = (prefix & 3) == 3 ? 4 : prefix & 3;
+    uint32_t value = 0;
+    for (size_t i = 0; i < bytes; ++i) {
+      value |= static_cast<uint32_t>(static_cast<uint8_t>(d.at(at++))) << (8 * i);
+    }
+    switch (int item = prefix & 0xFC; item) {
+      case 0x04:
+        page = value;
+        break;
+      case 0x08:
+        usage = value;
+        break;
+      case 0x84:
+        id = value;
+        break;
+      case 0x74:
+        size = value;
+        break;
+      case 0x94:
+        count = value;
+        break;
+      case 0xA0:
+        if (depth++ == 0) first_page = page, first_usage = usage;
+        break;
+      case 0xC0:
+        --depth;
+        break;
+      case 0x80:
+      case 0x90:
+      case 0xB0:
+        bits[{item, id}] += size_t{size} * count;
+        break;
+      default:
+        break;
+    }
+  }
+  EXPECT_EQ(depth, 0);
+  EXPECT_EQ(first_page, kBoardUsagePage);
+  EXPECT_EQ(first_usage, kBoardUsage);
+  const std::map<std::pair<int, uint32_t>, size_t> expected = {
+      {{0x80, kInputId}, 8 * (kInputBytes - 1)},
+      {{0x90, kOutputId}, 8 * (kOutputBytes - 1)},
+      {{0xB0, kFeatureId}, 8 * (kFeatureBytes - 1)}};
+  EXPECT_EQ(bits, expected);
 }
 
 }  // namespace

@@ -18,6 +18,7 @@ void HidBus::Reset() {
   devices_.clear();
   written_.clear();
   held_ = false;
+  opened_ = 0;
   for (Handle* h : handles_) h->gone = true;
   changed_.notify_all();
 }
@@ -64,6 +65,11 @@ int HidBus::OpenHandles() {
   return static_cast<int>(handles_.size());
 }
 
+int HidBus::Opened() {
+  std::lock_guard lock(mutex_);
+  return opened_;
+}
+
 std::vector<ScriptedHid> HidBus::Devices() {
   std::lock_guard lock(mutex_);
   std::vector<ScriptedHid> out;
@@ -76,6 +82,7 @@ HidBus::Handle* HidBus::Open(const std::string& path) {
   auto it = devices_.find(path);
   if (it == devices_.end() || !it->second.may_open) return nullptr;
   handles_.push_back(new Handle{path, false, {}});
+  ++opened_;
   changed_.notify_all();
   return handles_.back();
 }

@@ -40,6 +40,8 @@ class HidBus {
   int WritesWaiting();
   std::vector<Bytes> Written();
   int OpenHandles();
+  // Handles that were ever opened since Reset.
+  int Opened();
   // Until `what` holds of this bus, or ten seconds have passed: false then.
   template <typename What>
   bool Await(What what) {
@@ -51,6 +53,7 @@ class HidBus {
   const std::vector<Bytes>& written() const { return written_; }
   int waiting() const { return waiting_; }
   int handle_count() const { return static_cast<int>(handles_.size()); }
+  int opened() const { return opened_; }
 
   struct Handle {
     std::string path;
@@ -72,7 +75,7 @@ class HidBus {
   std::vector<Handle*> handles_;
   std::vector<Bytes> written_;
   bool held_ = false;
-  int waiting_ = 0;
+  int waiting_ = 0, opened_ = 0;
 };
 
 }  // namespace enamel::station::testing_support

@@ -240,6 +240,29 @@ TEST_F(TickLoopTest, UnpluggedMidCutCommandsZeroInTheTickThatSeesIt) {
   EXPECT_EQ(loop.snapshot().fault, Fault::kNone);
 }
 
+TEST_F(TickLoopTest, APedalThatWentAwayWithItsDeviceWasNotReleased) {
+  core::Core core(params_, volume_);
+  SampleRing ring(4000);
+  TickLoop loop(device_, core, ring, {1000, false, true});
+  device_.step = 0;
+  auto tick = [&](bool attached, bool pedal) {
+    device_.sample.attached = device_.sample.fresh = attached;
+    device_.sample.buttons = pedal ? kPedal : 0;
+    loop.Tick();
+  };
+  // Released before, unplugged, back with the foot on it: the press was not seen.
+  tick(true, true);
+  loop.Tick(0.006);
+  tick(true, false);
+  ASSERT_EQ(loop.fault(), Fault::kLateOnce);
+  for (int i = 0; i < 3; ++i) tick(false, false);
+  for (int i = 0; i < 3; ++i) tick(true, true);
+  EXPECT_NE(loop.fault(), Fault::kNone);
+  tick(true, false);
+  tick(true, true);
+  EXPECT_EQ(loop.fault(), Fault::kNone);
+}
+
 TEST_F(TickLoopTest, StalledDeviceHasZeroForceTwentyMillisecondsAfterItsLastSample) {
   for (uint32_t rate : {500u, 1000u, 4000u, 8000u}) {
     core::CoreParams params = params_;

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <array>
+#include <mutex>
+#include <string>
+
+namespace enamel::station::testing_support {
+
+// Two makers' libraries without a device behind them, linked in place of the real ones: what each
+// would read, and what it was told. In its own frame and units. Thread safety: all of it.
+class FakeSdk {
+ public:
+  struct State {
+    bool there = false;  // attached
+    std::string name;
+    std::array<double, 3> position{}, force{};
+    bool button = false;
+    bool motors = false;
+    int open = 0;  // handles
+    unsigned reads = 0, writes = 0;
+  };
+
+  static FakeSdk& ForceDimension();
+  static FakeSdk& OpenHaptics();
+
+  void Reset() { Set({}); }
+  void Set(const State& state) {
+    std::lock_guard lock(mutex_);
+    state_ = state;
+  }
+  State Get() {
+    std::lock_guard lock(mutex_);
+    return state_;
+  }
+  // Changes it in one go.
+  template <typename Change>
+  auto With(Change change) {
+    std::lock_guard lock(mutex_);
+    return change(state_);
+  }
+
+ private:
+  std::mutex mutex_;
+  State state_;
+};
+
+}  // namespace enamel::station::testing_support

@@ -1,0 +1,196 @@
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+#include <thread>
+
+#include "common/scene/builtin.h"
+#include "station/desk/device_offers.h"
+#include "station/sdk/open_sdk_device.h"
+#include "tests/station/hid/hid_double.h"
+#include "tests/station/sdk/fake_sdk.h"
+
+namespace enamel::station::sdk {
+namespace {
+
+using testing_support::FakeSdk;
+using testing_support::HidBus;
+using testing_support::ScriptedHid;
+
+class SdkDeviceTest : public testing::Test {
+ protected:
+  SdkDeviceTest() { Reset(); }
+  ~SdkDeviceTest() override {
+    device_.reset();
+    Reset();
+  }
+  static void Reset() {
+    HidBus::Get().Reset();
+    FakeSdk::ForceDimension().Reset();
+    FakeSdk::OpenHaptics().Reset();
+  }
+  static void Attach(FakeSdk& sdk, const char* name) {
+    sdk.With([&](FakeSdk::State& s) {
+      s.there = true;
+      s.name = name;
+    });
+  }
+  void Open(const char* choice, const char* pedal = "") {
+    hid::DeviceChoice chosen;
+    chosen.device = choice;
+    chosen.pedal = pedal;
+    auto device = OpenChosenDevice(chosen, scene::BuiltinProfiles()[0], 1e-3);
+    ASSERT_TRUE(device.ok()) << device.status().message();
+    device_ = std::move(*device);
+    Until([](const DeviceSample& s) { return s.fresh; });
+  }
+  // The first sample that is as wanted, or the last one after ten seconds.
+  DeviceSample Until(const std::function<bool(const DeviceSample&)>& wanted) {
+    DeviceSample s = device_->ReadSample();
+    for (int i = 0; i < 10'000 && !wanted(s); ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      s = device_->ReadSample();
+    }
+    EXPECT_TRUE(wanted(s));
+    return s;
+  }
+  // Sends `force` as the loop does, until the library has heard of it.
+  std::array<double, 3> Heard(FakeSdk& sdk, const dvec3& force) {
+    for (int i = 0; i < 10'000; ++i) {
+      device_->SendForce(force);
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      std::array<double, 3> heard = sdk.Get().force;
+      if (heard != std::array<double, 3>{}) return heard;
+    }
+    return {};
+  }
+
+  std::unique_ptr<Device> device_;
+};
+
+TEST_F(SdkDeviceTest, ModelNamesBecomeProfileNames) {
+  EXPECT_EQ(ProfileNameOf("omega.3"), "omega3");
+  EXPECT_EQ(ProfileNameOf("PHANTOM Desktop"), "phantom_desktop");
+  EXPECT_EQ(ProfileNameOf(" Touch - X  "), "touch_x");
+  EXPECT_EQ(ProfileNameOf("\xc3\xa9?!"), "");
+  // The profiles that are built in are found by what their makers' libraries say.
+  auto profiles = scene::BuiltinProfiles();
+  EXPECT_EQ(profiles[0].name, ProfileNameOf("omega.3"));
+  EXPECT_EQ(profiles[1].name, ProfileNameOf("Phantom Desktop"));
+}
+
+TEST_F(SdkDeviceTest, WhatALibraryFindsIsListedAndClosedAgain) {
+  EXPECT_EQ(BuiltIn(), (std::vector<std::string>{"dhd", "openhaptics"}));
+  EXPECT_TRUE(ListSdkDevices().empty());
+  Attach(FakeSdk::ForceDimension(), "omega.3");
+  auto found = ListSdkDevices();
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].choice, "dhd");
+  EXPECT_EQ(found[0].name, "omega.3");
+  EXPECT_EQ(found[0].profile, "omega3");
+  EXPECT_EQ(FakeSdk::ForceDimension().Get().open, 0);
+  EXPECT_FALSE(FakeSdk::ForceDimension().Get().motors);
+}
+
+TEST_F(SdkDeviceTest, TheWindowOffersThemBetweenBoardsAndMice) {
+  Attach(FakeSdk::ForceDimension(), "omega.3");
+  Attach(FakeSdk::OpenHaptics(), "PHANTOM Desktop");
+  auto offers = desk::DeviceOffers(false, {});
+  ASSERT_EQ(offers.size(), 3u);
+  EXPECT_EQ(offers[0].title, "omega.3");
+  EXPECT_EQ(offers[0].device, "dhd");
+  EXPECT_EQ(offers[0].profile, "omega3");
+  EXPECT_EQ(offers[0].problem, "");
+  EXPECT_EQ(offers[1].device, "openhaptics");
+  EXPECT_EQ(offers[1].profile, "phantom_desktop");
+  EXPECT_EQ(desk::FirstUsable(offers, ""), 0u);
+  EXPECT_EQ(offers[2].profile, "pointer");
+}
+
+TEST_F(SdkDeviceTest, ForceDimensionsAxesAreTurnedToTheSceneAndBack) {
+  FakeSdk& sdk = FakeSdk::ForceDimension();
+  Attach(sdk, "omega.3");
+  Open("dhd");
+  EXPECT_EQ(device_->Name(), "omega.3");
+  const double cell = static_cast<double>(scene::BuiltinProfiles()[0].resolution_nm.value) * 1e-9;
+  // Toward the user 100 cells, right 200, up 300.
+  sdk.With([&](FakeSdk::State& s) { s.position = {100 * cell, 200 * cell, 300 * cell}; });
+  DeviceSample at = Until([](const DeviceSample& s) { return s.counts[2] == 300; });
+  EXPECT_EQ(at.counts, (std::array<int32_t, 3>{200, -100, 300}));
+  // Right 1 N, away 2, up 3 of the scene: toward the user -2, right 1, up 3.
+  EXPECT_EQ(Heard(sdk, dvec3(1, 2, 3)), (std::array<double, 3>{-2, 1, 3}));
+}
+
+TEST_F(SdkDeviceTest, OpenHapticsMillimetresAndAxesAreTurnedToTheSceneAndBack) {
+  FakeSdk& sdk = FakeSdk::OpenHaptics();
+  Attach(sdk, "PHANTOM Desktop");
+  Open("openhaptics");
+  const double cell_mm =
+      static_cast<double>(scene::BuiltinProfiles()[0].resolution_nm.value) * 1e-6;
+  // Right 100 cells, up 200, toward the user 300.
+  sdk.With([&](FakeSdk::State& s) {
+    s.position = {100 * cell_mm, 200 * cell_mm, 300 * cell_mm};
+    s.button = true;
+  });
+  DeviceSample at = Until([](const DeviceSample& s) { return s.counts[2] == 200; });
+  EXPECT_EQ(at.counts, (std::array<int32_t, 3>{100, -300, 200}));
+  EXPECT_EQ(at.buttons, kPedal);
+  EXPECT_EQ(Heard(sdk, dvec3(1, 2, 3)), (std::array<double, 3>{1, 3, -2}));
+}
+
+TEST_F(SdkDeviceTest, UnpluggedIsSeenAndTheMotorsAreSwitchedOffAtTheEnd) {
+  FakeSdk& sdk = FakeSdk::ForceDimension();
+  Attach(sdk, "omega.3");
+  Open("dhd");
+  EXPECT_TRUE(sdk.Get().motors);
+  sdk.With([](FakeSdk::State& s) { s.there = false; });
+  EXPECT_FALSE(Until([](const DeviceSample& s) { return !s.attached; }).fresh);
+  device_.reset();
+  EXPECT_FALSE(sdk.Get().motors);
+  EXPECT_EQ(sdk.Get().open, 0);
+  EXPECT_EQ(sdk.Get().force, (std::array<double, 3>{}));
+}
+
+TEST_F(SdkDeviceTest, APoseThatIsNoNumberIsSilenceAndNotAPlace) {
+  FakeSdk& sdk = FakeSdk::ForceDimension();
+  Attach(sdk, "omega.3");
+  Open("dhd");
+  sdk.With([](FakeSdk::State& s) { s.position[1] = std::numeric_limits<double>::quiet_NaN(); });
+  for (int i = 0; i < 10'000 && device_->counters().refused < 10; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  EXPECT_GE(device_->counters().refused, 10u);
+  (void)device_->ReadSample();
+  DeviceSample s = device_->ReadSample();
+  EXPECT_FALSE(s.fresh);
+  EXPECT_EQ(s.counts, (std::array<int32_t, 3>{}));
+}
+
+TEST_F(SdkDeviceTest, AFootPedalGoesWithAMakersDevice) {
+  ScriptedHid vec;
+  vec.path = "/dev/hidraw7";
+  vec.vendor = 0x05f3;
+  vec.product = 0x00ff;
+  HidBus::Get().Plug(vec);
+  Attach(FakeSdk::ForceDimension(), "omega.3");
+  Open("dhd", "05f3:00ff");
+  ASSERT_TRUE(HidBus::Get().Await([](HidBus& b) { return b.handle_count() == 1; }));
+  const uint8_t down[] = {0x01, 0x00};
+  HidBus::Get().Send(vec.path, down);
+  EXPECT_EQ(Until([](const DeviceSample& s) { return s.buttons == kPedal; }).bur_speed_krpm,
+            kTurbineSpeed_krpm);
+}
+
+TEST_F(SdkDeviceTest, WithoutADeviceTheLibraryIsQuotedWithWhatToDo) {
+  hid::DeviceChoice choice;
+  choice.device = "dhd";
+  Status refused = OpenChosenDevice(choice, scene::BuiltinProfiles()[0], 1e-3).status();
+  EXPECT_EQ(refused.code(), Code::kUnavailable);
+  EXPECT_NE(refused.message().find("no device found"), std::string::npos) << refused.message();
+  choice.device = "dhdx";
+  EXPECT_EQ(OpenChosenDevice(choice, scene::BuiltinProfiles()[0], 1e-3).status().code(),
+            Code::kInvalidInput);
+}
+
+}  // namespace
+}  // namespace enamel::station::sdk
