@@ -26,7 +26,7 @@ uint32_t GapWatch::Look(const Snapshot& s) noexcept {
     since_ = ticks;
   }
   if (gaps == 0) return 0;
-  bool recent = ticks - since_ < shown_ticks_;
+  bool recent = static_cast<double>(ticks - since_) < (resumed_ ? kCalm_s : kShown_s) * rate_hz_;
   if (!resumed_) return recent ? render::kWarnGap : 0;
   if (recent || (s.output_flags & core::kSuspended) != 0) return render::kWarnResumed;
   resumed_ = false;

@@ -7,17 +7,17 @@ namespace enamel::station::desk {
 
 // Which of an attempt's gaps are worth a word on the screen now. One that comes up while cutting
 // is, for kShown_s; the one with which an attempt is taken up again after it was cut off is told
-// calmly, until the force is on, and at least as long. Pure; real-time.
+// calmly, until the force is on, and for kCalm_s at least. Pure; real-time.
 class GapWatch {
  public:
-  static constexpr double kShown_s = 8;
+  static constexpr double kShown_s = 8, kCalm_s = 4;
 
-  explicit GapWatch(uint32_t rate_hz) : shown_ticks_(static_cast<uint64_t>(kShown_s * rate_hz)) {}
+  explicit GapWatch(uint32_t rate_hz) : rate_hz_(rate_hz) {}
   // Of each tick in turn: kWarnGap, kWarnResumed or 0.
   ENAMEL_REALTIME uint32_t Look(const Snapshot& snapshot) noexcept;
 
  private:
-  const uint64_t shown_ticks_;
+  const double rate_hz_;
   bool started_ = false, resumed_ = false;
   uint64_t gap_ticks_ = 0, since_ = 0;  // stepped ticks at the last gap
 };

@@ -29,7 +29,7 @@ constexpr std::array<const char*, kWarningCount> kWarningTexts = {
     "Disk trouble: call the instructor",
     "Device silent: call the instructor",
     "Time is up",
-    "Going on: all you cut is there. Hold the bur in the air for its force",
+    "Going on: what you cut is kept. Begin in the air",
 };
 const ImVec4 kAlarm{0.60f, 0.13f, 0.10f, 0.94f}, kCalm{0.16f, 0.30f, 0.42f, 0.94f};
 

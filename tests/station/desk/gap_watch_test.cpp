@@ -6,7 +6,8 @@ namespace enamel::station::desk {
 namespace {
 
 constexpr uint32_t kRate = 1000;
-constexpr auto kShown = static_cast<uint64_t>(GapWatch::kShown_s * kRate);
+constexpr auto kShown = static_cast<uint64_t>(GapWatch::kShown_s * kRate),
+               kCalm = static_cast<uint64_t>(GapWatch::kCalm_s * kRate);
 
 Snapshot At(uint64_t ticks, uint64_t gaps, bool suspended = false) {
   Snapshot s;
@@ -46,8 +47,8 @@ TEST(GapWatchTest, ResumedIsToldCalmlyUntilTheForceIsOn) {
 TEST(GapWatchTest, ResumedIsToldAWhileAlsoWhenTheForceIsOnAtOnce) {
   GapWatch watch(kRate);
   EXPECT_EQ(watch.Look(At(501, 3)), render::kWarnResumed);
-  EXPECT_EQ(watch.Look(At(500 + kShown, 3)), render::kWarnResumed);
-  EXPECT_EQ(watch.Look(At(501 + kShown, 3)), 0u);
+  EXPECT_EQ(watch.Look(At(500 + kCalm, 3)), render::kWarnResumed);
+  EXPECT_EQ(watch.Look(At(501 + kCalm, 3)), 0u);
 }
 
 }  // namespace
