@@ -8,6 +8,8 @@
 #include <filesystem>
 #include <fstream>
 #include <random>
+#include <string>
+#include <vector>
 
 #include "common/measure/cutting_ticks.h"
 #include "common/scene/builtin.h"
@@ -249,6 +251,13 @@ int Run(Options& options) {
   return rows.Write(options.json);
 }
 
+template <typename Named>
+std::vector<std::string> NamesOf(const Named& all) {
+  std::vector<std::string> out;
+  for (const auto& one : all) out.emplace_back(one.name);
+  return out;
+}
+
 }  // namespace
 
 void RegisterRecord(CLI::App& app, int* exit_code) {
@@ -261,9 +270,15 @@ void RegisterRecord(CLI::App& app, int* exit_code) {
   record->add_option("--noise", options->noise_counts, "Of the encoder, in counts (one sigma)")
       ->check(CLI::Range(0.0, 10.0))
       ->capture_default_str();
-  record->add_option("--voxel-um", options->voxel_um, "Voxel")->capture_default_str();
-  record->add_option("--profile", options->profile, "Device profile")->capture_default_str();
-  record->add_option("--operator", options->operator_name, "Who holds it")->capture_default_str();
+  record->add_option("--voxel-um", options->voxel_um, "Voxel")
+      ->check(CLI::Range(5, 500))
+      ->capture_default_str();
+  record->add_option("--profile", options->profile, "Device profile")
+      ->check(CLI::IsMember(NamesOf(scene::BuiltinProfiles())))
+      ->capture_default_str();
+  record->add_option("--operator", options->operator_name, "Who holds it")
+      ->check(CLI::IsMember(NamesOf(OperatorPresets())))
+      ->capture_default_str();
   record->add_option(
       "--folder", options->folder,
       "Where the spool is made, and removed; the system's folder for temporary files");

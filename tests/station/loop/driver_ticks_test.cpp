@@ -13,7 +13,9 @@
 #include "station/hid/haptic_board.h"
 #include "station/hid/space_mouse.h"
 #include "station/loop/tick_loop.h"
+#include "station/render/brick_feed.h"
 #include "station/sdk/open_sdk_device.h"
+#include "station/uplink/live_mailbox.h"
 #include "tests/station/hid/hid_double.h"
 #include "tests/station/sdk/fake_sdk.h"
 #include "tests/support/tick_guard.h"
@@ -22,10 +24,10 @@
 namespace enamel::station {
 namespace {
 
+using enamel::testing_support::TickGuard;
 using testing_support::FakeSdk;
 using testing_support::HidBus;
 using testing_support::ScriptedHid;
-using enamel::testing_support::TickGuard;
 
 constexpr const char* kBoardPath = "/dev/hidraw4";
 constexpr const char* kMousePath = "/dev/hidraw2";
@@ -285,6 +287,47 @@ INSTANTIATE_TEST_SUITE_P(Drivers, DriverTicksTest,
                          testing::Values("board", "mouse", "pointer", "simulated", "dhd",
                                          "openhaptics"),
                          [](const auto& param) { return param.param; });
+
+// What the window and the uplink take from a tick, as TickFeed and RunningAttempt do, while neither
+// looks: a window that is being opened, drags or hangs; a network that is gone.
+class NobodyLooks final : public TickObserver {
+ public:
+  explicit NobodyLooks(const cutting::Volume& volume) : bricks_(volume.spec().brick_count(), 4) {}
+  void OnTick(const core::Core& core, const Snapshot& snapshot) noexcept override {
+    live_.Write({snapshot.counters.ticks, {}, {}, snapshot.output_flags});
+    bricks_.Mark(core.touched());
+    bricks_.Send(core.volume(), 8);
+  }
+  size_t waiting() const { return bricks_.dirty_count(); }
+
+ private:
+  LiveMailbox live_;
+  render::BrickFeed bricks_;
+};
+
+TEST(ObservedTicksTest, AWindowThatHangsAndANetworkThatIsGoneHoldUpNoTick) {
+  World world = MakeWorld();
+  Rig rig = Simulated(world);
+  core::Core core(world.params, world.built.volume), alone(world.params, world.built.volume);
+  NobodyLooks observer(world.built.volume);
+  SampleRing ring(16);
+  TickLoop loop(*rig.device, core, ring, {1000, false, true}, &observer);
+  size_t allocations = 0, blocking = 0;
+  Sample s;
+  for (int i = 0; i < 12'000; ++i) {
+    {
+      TickGuard guard;
+      loop.Tick();
+      allocations += guard.allocations();
+      blocking += guard.blocking();
+    }
+    ASSERT_TRUE(ring.Pop(s));
+    ASSERT_EQ(alone.Step(s.tick.input).witness, s.tick.witness);
+  }
+  EXPECT_EQ(allocations, 0u);
+  EXPECT_EQ(blocking, 0u);
+  EXPECT_GT(observer.waiting(), 4u);  // it did cut, and nobody fetched it
+}
 
 TEST(TickGuardTest, SeesALockAWaitAndAWrite) {
   if (!TickGuard::kSeesBlocking) GTEST_SKIP() << "skipped: a sanitizer stands in its place";
