@@ -16,7 +16,8 @@ struct FrameBenchOptions {
 };
 
 // Draws the built-in molar with panel, as an attempt does, and prints how long frames take here: at
-// rest (the bur moves in the air), while cutting, and while the camera turns. Each frame is drawn
+// rest (the bur moves in the air), while cutting, and while the camera turns, lighter as it does in
+// an attempt and in full. Each frame is drawn
 // to its end (glFinish) and not held back for the display. Errors: kUnavailable without a display
 // or OpenGL 3.3; kInvalidInput for an unknown quality.
 Status BenchFrames(const FrameBenchOptions& options);

@@ -134,8 +134,10 @@ class Desk {
     if (Fault fault = stage.run()->snapshot().fault; fault != Fault::kNone) {
       content.fault = std::string("Force is off: ") + FaultText(fault);
     }
-    bool shown = (!prepared.exercise.graded && !flow_.chosen().exam) || flow_.instructor();
-    if (shown) content.zones = stage.zones();
+    if (MayShowProgress(prepared.exercise.graded, flow_.chosen().exam, flow_.instructor())) {
+      content.zones = stage.zones();
+      content.reach = stage.reach();
+    }
     content.hint = stage.by_pointer() ? kPointerHint : render::kCameraHint;
     render::DrawPanel(content, screen_.fonts(), screen_.width(), screen_.height());
   }

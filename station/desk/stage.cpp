@@ -48,10 +48,14 @@ Result<std::unique_ptr<Stage>> Stage::Create(PreparedAttempt prepared, const Dev
   }
   stage->held_ = std::make_unique<HeldDevice>(*device);
   stage->zones_ = std::make_unique<ZoneWatch>(p.scene, p.exercise.target, p.volume);
+  stage->reach_ = std::make_unique<ReachWatch>(p.scene, p.exercise.target, p.volume);
   try {
     stage->view_ = std::make_unique<render::ToothView>(
         ViewOf(p), p.core ? p.core->volume() : p.volume,
-        [zones = stage->zones_.get()](const cutting::Volume& now) { zones->Look(now); });
+        [zones = stage->zones_.get(), reach = stage->reach_.get()](const cutting::Volume& now) {
+          zones->Look(now);
+          reach->Look(now);
+        });
   } catch (const std::exception& e) {
     return Status(Code::kUnavailable, e.what(), "window");
   }

@@ -6,6 +6,7 @@
 
 #include "station/desk/device_offers.h"
 #include "station/desk/held_device.h"
+#include "station/desk/reach_watch.h"
 #include "station/desk/tick_feed.h"
 #include "station/desk/zone_watch.h"
 #include "station/devices/pointer_device.h"
@@ -33,6 +34,7 @@ class Stage {
   bool by_pointer() const { return pointer_ != nullptr; }
   bool simulated() const { return simulated_ != nullptr; }
   std::optional<render::ZoneShares> zones() const { return zones_->shares(); }
+  render::Reach reach() const { return reach_->reach(); }
 
   // The first tick.
   Status Begin(Workplace& workplace);
@@ -53,6 +55,7 @@ class Stage {
   PointerMapping mapping_;
   std::unique_ptr<HeldDevice> held_;
   std::unique_ptr<ZoneWatch> zones_;
+  std::unique_ptr<ReachWatch> reach_;
   std::unique_ptr<render::ToothView> view_;
   std::unique_ptr<TickFeed> feed_;
   std::unique_ptr<RunningAttempt> run_;  // first to go

@@ -20,6 +20,12 @@ enum class Dialog { kNone, kPaused, kFinish, kGiveUp, kReference, kClose, kReser
 // a PIN; or it was begun, cut off, and goes on.
 enum class Way { kTicket, kReserved, kResumed };
 
+// Whether what the score will measure is shown while it is cut: in practice, and to who teaches; in
+// an exam to nobody.
+inline bool MayShowProgress(bool graded, bool exam, bool instructor) {
+  return !exam && (!graded || instructor);
+}
+
 struct WorkflowOptions {
   bool simulated = false;    // offer simulated hands too
   hid::DeviceChoice device;  // pedal, axes, watchdog of attached devices; its `device` says nothing

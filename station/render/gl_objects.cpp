@@ -10,9 +10,9 @@
 namespace enamel::station::render {
 namespace {
 
-GLuint Compile(GLenum kind, const char* source) {
+GLuint Compile(GLenum kind, std::initializer_list<const char*> source) {
   GLuint shader = glCreateShader(kind);
-  glShaderSource(shader, 1, &source, nullptr);
+  glShaderSource(shader, static_cast<GLsizei>(source.size()), source.begin(), nullptr);
   glCompileShader(shader);
   GLint ok = 0;
   glGetShaderiv(shader, GL_COMPILE_STATUS, &ok);
@@ -41,8 +41,9 @@ GLuint MakeTexture(GLenum format, int width, int height, GLenum filter) {
 
 }  // namespace
 
-Program::Program(const char* vertex_source, const char* fragment_source) {
-  GLuint vertex = Compile(GL_VERTEX_SHADER, vertex_source);
+Program::Program(const char* vertex_source,
+                 std::initializer_list<const char*> fragment_source) {
+  GLuint vertex = Compile(GL_VERTEX_SHADER, {vertex_source});
   GLuint fragment = Compile(GL_FRAGMENT_SHADER, fragment_source);
   name_ = glCreateProgram();
   glAttachShader(name_, vertex);
@@ -97,7 +98,8 @@ TriangleBuffer::TriangleBuffer(TriangleBuffer&& other) noexcept
     : array_(std::exchange(other.array_, 0)),
       vertices_(std::exchange(other.vertices_, 0)),
       indices_(std::exchange(other.indices_, 0)),
-      count_(std::exchange(other.count_, 0)) {}
+      count_(std::exchange(other.count_, 0)),
+      coarse_count_(std::exchange(other.coarse_count_, 0)) {}
 
 TriangleBuffer::~TriangleBuffer() {
   glDeleteVertexArrays(1, &array_);
@@ -105,22 +107,30 @@ TriangleBuffer::~TriangleBuffer() {
   glDeleteBuffers(1, &indices_);
 }
 
-void TriangleBuffer::Upload(std::span<const GpuVertex> vertices,
-                            std::span<const uint32_t> indices) {
+void TriangleBuffer::Upload(std::span<const GpuVertex> vertices, std::span<const uint32_t> indices,
+                            std::span<const uint32_t> coarse) {
   glBindVertexArray(array_);
   glBindBuffer(GL_ARRAY_BUFFER, vertices_);
   glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size_bytes()), vertices.data(),
                GL_DYNAMIC_DRAW);
-  glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(indices.size_bytes()),
-               indices.data(), GL_DYNAMIC_DRAW);
+  auto size = static_cast<GLsizeiptr>(indices.size_bytes()),
+       coarse_size = static_cast<GLsizeiptr>(coarse.size_bytes());
+  glBufferData(GL_ELEMENT_ARRAY_BUFFER, size + coarse_size, nullptr, GL_DYNAMIC_DRAW);
+  glBufferSubData(GL_ELEMENT_ARRAY_BUFFER, 0, size, indices.data());
+  glBufferSubData(GL_ELEMENT_ARRAY_BUFFER, size, coarse_size, coarse.data());
   glBindVertexArray(0);
   count_ = static_cast<GLsizei>(indices.size());
+  coarse_count_ = static_cast<GLsizei>(coarse.size());
 }
 
-void TriangleBuffer::Draw() const {
-  if (count_ == 0) return;
+size_t TriangleBuffer::Draw(bool coarse) const {
+  bool coarser = coarse && coarse_count_ > 0;
+  GLsizei count = coarser ? coarse_count_ : count_;
+  if (count == 0) return 0;
+  size_t first = coarser ? static_cast<size_t>(count_) * sizeof(uint32_t) : 0;
   glBindVertexArray(array_);
-  glDrawElements(GL_TRIANGLES, count_, GL_UNSIGNED_INT, nullptr);
+  glDrawElements(GL_TRIANGLES, count, GL_UNSIGNED_INT, reinterpret_cast<const void*>(first));
+  return static_cast<size_t>(count) / 3;
 }
 
 Target::Target(int width, int height, std::initializer_list<GLenum> colour_formats, bool depth,

@@ -17,7 +17,8 @@ namespace enamel::station::render {
 // Throws std::runtime_error with the driver's log when the driver refuses the source.
 class Program {
  public:
-  Program(const char* vertex_source, const char* fragment_source);
+  // The fragment shader's source may come in pieces.
+  Program(const char* vertex_source, std::initializer_list<const char*> fragment_source);
   ~Program() { glDeleteProgram(name_); }
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;
@@ -36,7 +37,8 @@ class Program {
   GLuint name_ = 0;
 };
 
-// Indexed triangles of GpuVertex: attributes 0 position, 1 normal, 2 tissue or material.
+// Indexed triangles of GpuVertex: attributes 0 position, 1 normal, 2 tissue or material. Optionally
+// coarser triangles of the same vertices.
 class TriangleBuffer {
  public:
   TriangleBuffer();
@@ -45,13 +47,15 @@ class TriangleBuffer {
   TriangleBuffer(const TriangleBuffer&) = delete;
   TriangleBuffer& operator=(const TriangleBuffer&) = delete;
 
-  void Upload(std::span<const GpuVertex> vertices, std::span<const uint32_t> indices);
-  void Draw() const;
+  void Upload(std::span<const GpuVertex> vertices, std::span<const uint32_t> indices,
+              std::span<const uint32_t> coarse = {});
+  // `coarse`: the coarser ones where there are any. How many triangles.
+  size_t Draw(bool coarse = false) const;
   size_t triangle_count() const { return static_cast<size_t>(count_) / 3; }
 
  private:
   GLuint array_ = 0, vertices_ = 0, indices_ = 0;
-  GLsizei count_ = 0;
+  GLsizei count_ = 0, coarse_count_ = 0;
 };
 
 // A framebuffer with colour textures and, optionally, a depth texture.

@@ -12,6 +12,8 @@ namespace {
 constexpr int kGroupSide = 4;
 // What was not cut yet may be off by this in the picture: a third of a pixel, seen near.
 constexpr float kUncutError_mm = 0.004f;
+// While the picture moves: a pixel, seen as an attempt begins.
+constexpr float kMovingError_mm = 0.02f;
 // The tick thread cannot wake the mesher without a system call, so the mesher looks.
 constexpr auto kPollInterval = std::chrono::milliseconds(4);
 
@@ -117,7 +119,7 @@ void Mesher::Run() {
   while (!stop_) {
     LetWatch();
     if (!ApplyUpdates()) {
-      std::this_thread::sleep_for(kPollInterval);
+      if (!CoarsenOne()) std::this_thread::sleep_for(kPollInterval);
       continue;
     }
     RemeshChanged();
@@ -141,6 +143,7 @@ void Mesher::MeshInitial() {
   for (size_t g = 0; g < group_count() && !stop_; ++g) {
     bricks_.Renew(replica_, bricks_of_group_[g]);
     GroupMesh mesh = Assemble(g);
+    Coarsen(mesh, kMovingError_mm);
     Simplify(mesh, kUncutError_mm);
     if (!mesh.indices.empty()) Deliver(std::move(mesh));
   }
@@ -170,6 +173,23 @@ void Mesher::RemeshChanged() {
   std::sort(groups.begin(), groups.end());
   groups.erase(std::unique(groups.begin(), groups.end()), groups.end());
   for (size_t g : groups) Deliver(Assemble(g));
+  without_coarse_.insert(without_coarse_.end(), groups.begin(), groups.end());
+  std::sort(without_coarse_.begin(), without_coarse_.end());
+  without_coarse_.erase(std::unique(without_coarse_.begin(), without_coarse_.end()),
+                        without_coarse_.end());
+  changed_at_ = std::chrono::steady_clock::now();
+}
+
+bool Mesher::CoarsenOne() {
+  if (without_coarse_.empty() || std::chrono::steady_clock::now() - changed_at_ < kRest) {
+    return false;
+  }
+  GroupMesh mesh = Assemble(without_coarse_.back());
+  without_coarse_.pop_back();
+  Coarsen(mesh, kMovingError_mm);
+  mesh.same_surface = true;
+  Deliver(std::move(mesh));
+  return true;
 }
 
 GroupMesh Mesher::Assemble(size_t group) const {
@@ -195,6 +215,7 @@ void Mesher::Deliver(GroupMesh mesh) {
   std::lock_guard lock(mutex_);
   for (GroupMesh& waiting : ready_) {
     if (waiting.group == mesh.group) {
+      mesh.same_surface &= waiting.same_surface;
       waiting = std::move(mesh);
       return;
     }

@@ -41,7 +41,9 @@ struct GroupMesh {
   size_t group = 0;
   std::vector<GpuVertex> vertices;
   std::vector<uint32_t> indices;
+  std::vector<uint32_t> coarse;  // for a picture that moves; empty: not made yet
   Bounds bounds;
+  bool same_surface = false;  // as the one before it: only `coarse` is new
 };
 
 // Sees the replica on the mesher's thread after it has changed, at most every kWatchInterval: for
@@ -52,9 +54,12 @@ inline constexpr std::chrono::milliseconds kWatchInterval{500};
 // Keeps a replica of the volume up to date from a BrickFeed, on a thread of its own, and meshes
 // what changed (surface::BrickMeshes). Bricks that a cut spreads over arrive
 // within a few milliseconds of each other, so a picture may show a step between them for one frame.
+// What was cut gets its coarse triangles once nothing has changed for kRest.
 // Thread safety: TakeReady, WaitIdle from any thread. Not real-time.
 class Mesher {
  public:
+  static constexpr std::chrono::milliseconds kRest{250};
+
   // Copies `initial`. `feed` must outlive the mesher, which is its consumer.
   Mesher(const cutting::Volume& initial, BrickFeed& feed, VolumeWatch watch = {});
   ~Mesher();
@@ -72,6 +77,7 @@ class Mesher {
   void MeshInitial();
   bool ApplyUpdates();  // false when there were none
   void RemeshChanged();
+  bool CoarsenOne();  // false when there is nothing to do
   void LetWatch();
   GroupMesh Assemble(size_t group) const;
   void Deliver(GroupMesh mesh);
@@ -87,7 +93,8 @@ class Mesher {
   std::vector<std::vector<int32_t>> bricks_of_group_;
   std::vector<int32_t> changed_;
   size_t applied_ = 0, watched_ = 0;
-  std::chrono::steady_clock::time_point watched_at_{};
+  std::chrono::steady_clock::time_point watched_at_{}, changed_at_{};
+  std::vector<size_t> without_coarse_;  // groups, each once
   // Guarded by mutex_.
   std::mutex mutex_;
   std::condition_variable idle_;

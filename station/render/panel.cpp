@@ -11,13 +11,15 @@
 namespace enamel::station::render {
 namespace {
 
-constexpr float kMargin_px = 28, kPanelWidth_px = 430, kBar_px = 16;  // at the reference height
+constexpr float kMargin_px = 28, kPanelWidth_px = 470, kBar_px = 20;  // at the reference height
 constexpr ImGuiWindowFlags kOverlay =
     ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoInputs |
     ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoFocusOnAppearing;
 
-const ImVec4 kGood{0.22f, 0.74f, 0.62f, 1}, kCareful{0.93f, 0.68f, 0.24f, 1},
-    kBad{0.92f, 0.34f, 0.30f, 1};
+ImVec4 ColourFor(Bearing bearing) {
+  auto [r, g, b] = ColourOf(bearing);
+  return {r, g, b, 1};
+}
 
 constexpr std::array<const char*, kWarningCount> kWarningTexts = {
     "Press less",
@@ -46,19 +48,28 @@ struct Panel {
     ImGui::TextUnformatted(value);
   }
 
-  void Bar(const char* name, const char* value, double share, const ImVec4& colour) const {
+  // `mark`: where on the bar it gets serious; 0: nowhere.
+  void Bar(const char* name, const char* value, double share, Bearing bearing,
+           double mark = 0) const {
+    ImGui::PushFont(fonts.far);
     Value(name, value);
-    ImGui::PushStyleColor(ImGuiCol_PlotHistogram, colour);
+    ImGui::PopFont();
+    ImGui::PushStyleColor(ImGuiCol_PlotHistogram, ColourFor(bearing));
     ImGui::ProgressBar(static_cast<float>(std::clamp(share, 0.0, 1.0)), {width(), kBar_px * px},
                        "");
     ImGui::PopStyleColor();
+    if (mark <= 0) return;
+    ImVec2 lo = ImGui::GetItemRectMin(), hi = ImGui::GetItemRectMax();
+    float x = lo.x + static_cast<float>(mark) * (hi.x - lo.x);
+    ImGui::GetWindowDrawList()->AddLine({x, lo.y - 5 * px}, {x, hi.y + 5 * px},
+                                        IM_COL32(255, 255, 255, 255), 3 * px);
   }
 
   void Time() const {
     std::string text = TimerText(c.state.time_s);
     bool over = c.time_limit_s > 0 && c.state.time_s > c.time_limit_s;
     ImGui::PushFont(fonts.far);
-    ImGui::TextColored(over ? kBad : ImVec4{1, 1, 1, 1}, "%s", text.c_str());
+    ImGui::TextColored(over ? ColourFor(Bearing::kBad) : ImVec4{1, 1, 1, 1}, "%s", text.c_str());
     ImGui::PopFont();
     if (c.time_limit_s > 0) {
       ImGui::TextDisabled("of %s minutes", TimerText(c.time_limit_s).c_str());
@@ -70,21 +81,45 @@ struct Panel {
     double share = force / std::max(c.force_full_scale_n, 1e-3);
     char text[32];
     std::snprintf(text, sizeof text, "%.2f N", force);
-    Bar("Force", text, share, share < 0.6 ? kGood : share < 0.9 ? kCareful : kBad);
+    Bar("Force", text, share,
+        share < 0.6   ? Bearing::kGood
+        : share < 0.9 ? Bearing::kCareful
+                      : Bearing::kBad);
   }
 
   void Zones() const {
     if (!c.zones) return;
     char text[32];
     std::snprintf(text, sizeof text, "%.0f %%", c.zones->target_percent);
-    Bar("Target", text, c.zones->target_percent / 100, kGood);
-    std::snprintf(text, sizeof text, "%.0f %%", c.zones->leeway_percent);
-    Bar("Leeway", text, c.zones->leeway_percent / 100, kCareful);
-    std::snprintf(text, sizeof text, "%.2f mm\xc2\xb3", c.zones->container_mm3);
-    bool none = c.zones->container_mm3 < 0.005;
-    ImGui::PushStyleColor(ImGuiCol_Text, none ? ImGui::GetStyleColorVec4(ImGuiCol_Text) : kBad);
-    Value("Beyond", none ? "nothing" : text);
-    ImGui::PopStyleColor();
+    Bar("Target", text, c.zones->target_percent / 100, Bearing::kGood);
+  }
+
+  // What is left of the leeway where it is least, and which share of it all is gone.
+  void Leeway() const {
+    if (!c.reach.leeway) return;
+    const Reach::Leeway& leeway = *c.reach.leeway;
+    char text[48];
+    std::snprintf(text, sizeof text, "%.2f mm", std::fabs(leeway.left_mm));
+    bool beyond = leeway.left_mm < 0;
+    Bar(beyond ? "Over" : "Limit", text,
+        beyond || leeway.whole_mm <= 0 ? 1 : leeway.left_mm / leeway.whole_mm, BearingOf(leeway));
+    std::string where(leeway.where);
+    if (c.zones && c.zones->container_mm3 >= 0.005) {
+      std::snprintf(text, sizeof text, "%.2f mm\xc2\xb3 too much", c.zones->container_mm3);
+    } else {
+      std::snprintf(text, sizeof text, "leeway used %.0f %%",
+                    c.zones ? c.zones->leeway_percent : 0);
+    }
+    Value(where.c_str(), c.zones ? text : "");
+  }
+
+  void Pulp() const {
+    if (!c.reach.pulp_mm) return;
+    double left = *c.reach.pulp_mm;
+    char text[32];
+    bool far = left >= kPulpFar_mm;
+    std::snprintf(text, sizeof text, far ? "> %.0f mm" : "%.2f mm", left);
+    Bar("Pulp", text, left / kPulpFar_mm, BearingOfPulp(left), kPulpThin_mm / kPulpFar_mm);
   }
 
   void Removed() const {
@@ -114,6 +149,8 @@ struct Panel {
       ImGui::Spacing();
       Force();
       Zones();
+      Leeway();
+      Pulp();
       ImGui::Spacing();
       Removed();
     } else {
@@ -156,6 +193,29 @@ void DrawScaleBar(double mm_per_pixel, const Fonts& fonts, float width, float he
 }
 
 }  // namespace
+
+// Sky blue, yellow, vermilion of the palette of Okabe and Ito (2008).
+std::array<float, 3> ColourOf(Bearing bearing) {
+  switch (bearing) {
+    case Bearing::kGood:
+      return {0.34f, 0.71f, 0.91f};
+    case Bearing::kCareful:
+      return {0.94f, 0.89f, 0.26f};
+    case Bearing::kBad:
+      return {0.84f, 0.37f, 0.00f};
+  }
+  return {1, 1, 1};
+}
+
+Bearing BearingOf(const Reach::Leeway& leeway) {
+  if (leeway.left_mm < 0) return Bearing::kBad;
+  return leeway.left_mm < 0.5 * leeway.whole_mm ? Bearing::kCareful : Bearing::kGood;
+}
+
+Bearing BearingOfPulp(double left_mm) {
+  if (left_mm < kPulpThin_mm) return Bearing::kBad;
+  return left_mm < 2 * kPulpThin_mm ? Bearing::kCareful : Bearing::kGood;
+}
 
 std::string TimerText(double seconds) {
   auto s = static_cast<long>(std::max(seconds, 0.0));

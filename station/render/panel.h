@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "station/render/fonts.h"
 #include "station/render/frame_state.h"
@@ -15,6 +17,28 @@ struct ZoneShares {
   double container_mm3 = 0;  // beyond the leeway
 };
 
+// How near the cut has come to what must stay.
+struct Reach {
+  struct Leeway {
+    double left_mm = 0;  // until its end; below zero: beyond it
+    double whole_mm = 0;
+    std::string_view where;  // the nearest end: "mesial wall"; empty while all of it is left
+  };
+  std::optional<Leeway> leeway;
+  std::optional<double> pulp_mm;  // what is left over the pulp where it is thinnest
+};
+// Thicker is shown as more than this: what a dentist leaves under a filling without a thought.
+inline constexpr double kPulpFar_mm = 2;
+// Thinner is too thin (design of the score: critical).
+inline constexpr double kPulpThin_mm = 0.5;
+
+// What a bar says by its colour; apart in brightness too, for every kind of eye.
+enum class Bearing { kGood, kCareful, kBad };
+// sRGB, 0..1.
+std::array<float, 3> ColourOf(Bearing bearing);
+Bearing BearingOf(const Reach::Leeway& leeway);
+Bearing BearingOfPulp(double left_mm);
+
 struct PanelContent {
   std::string heading;
   FrameState state;
@@ -23,14 +47,15 @@ struct PanelContent {
   double time_limit_s = 0;
   double mm_per_pixel = 0;          // at the focus, for the scale bar; picture pixels; 0: no bar
   std::optional<ZoneShares> zones;  // none: not to be shown (an exam), or not known
+  Reach reach;                      // likewise
   std::string hint;                 // what keys and mouse do, in one line
   // Why the force is off and what to do, in one sentence: in place of kWarnFault and kWarnDevice,
   // which say less.
   std::string fault;
 };
 
-// Text and bars over the picture: timer, force, removed volume, zones, warnings, keys. Into the
-// current ImGui frame of a picture of this size.
+// Text and bars over the picture: timer, force, zones, limits, removed volume, warnings, keys. Bars
+// are read from two metres. Into the current ImGui frame of a picture of this size.
 void DrawPanel(const PanelContent& content, const Fonts& fonts, int width, int height);
 
 // "3:07"; hours only when there are any. Negative counts as 0.

@@ -15,6 +15,8 @@ namespace {
 constexpr int kKernelSize = 20;  // the shader's array; a lower quality uses the first of them
 // Reach of ambient occlusion: about half a cavity's width.
 constexpr float kOcclusionRadius_mm = 1.6f;
+// And of its blur, over pixels at half size.
+constexpr int kBlurReach_px = 8;
 
 glm::vec3 Linear(int r, int g, int b) {
   return glm::pow(glm::vec3(r, g, b) / 255.0f, glm::vec3(2.2f));
@@ -93,6 +95,10 @@ bool SeenFromAbove(const PictureState& state) {
   return axis.z > 0.85f;
 }
 
+glm::vec3 UpInView(const PictureState& state) {
+  return glm::vec3(state.view_from_scene * glm::vec4(0, 0, 1, 0));
+}
+
 // A frame whose +z is along `direction`.
 glm::mat4 Along(const glm::vec3& from, const glm::vec3& direction) {
   glm::vec3 z = glm::normalize(direction);
@@ -105,11 +111,13 @@ glm::mat4 Along(const glm::vec3& from, const glm::vec3& direction) {
 }  // namespace
 
 Picture::Picture(const cutting::Bur& bur, size_t group_count)
-    : solid_(kSolidVertex, kSolidFragment),
-      occlusion_(kFullScreenVertex, kOcclusionFragment),
-      blur_(kFullScreenVertex, kBlurFragment),
-      compose_(kFullScreenVertex, kComposeFragment),
-      shadow_(kFullScreenVertex, kShadowFragment),
+    : kept_(kToothVertex, {kToothFragment}),
+      solid_(kSolidVertex, {kLit, kSolidFragment}),
+      occlusion_(kFullScreenVertex, {kOcclusionFragment}),
+      blur_(kFullScreenVertex, {kBlurFragment}),
+      compose_(kFullScreenVertex, {kLit, kComposeFragment}),
+      background_(kFullScreenVertex, {kBackgroundFragment}),
+      shadow_(kFullScreenVertex, {kShadowFragment}),
       groups_(group_count),
       bur_height_mm_(static_cast<float>(bur.height_m() * 1000)),
       bur_radius_mm_(static_cast<float>(bur.radius_m * 1000)) {
@@ -118,9 +126,11 @@ Picture::Picture(const cutting::Bur& bur, size_t group_count)
   Fill(shaft_, ShaftShape());
   Fill(tip_, TipShape());
   glGenVertexArrays(1, &empty_array_);
-  solid_.Use();
-  solid_.Set("colours", std::span<const glm::vec3>(Colours()));
-  solid_.Set("gloss", std::span<const float>(Gloss()));
+  for (const Program* program : {&kept_, &solid_}) {
+    program->Use();
+    program->Set("colours", std::span<const glm::vec3>(Colours()));
+    program->Set("gloss", std::span<const float>(Gloss()));
+  }
   solid_.Set("ghost_colour", Linear(90, 150, 255));
   occlusion_.Use();
   occlusion_.Set("kernel", std::span<const glm::vec3>(OcclusionKernel()));
@@ -129,11 +139,11 @@ Picture::Picture(const cutting::Bur& bur, size_t group_count)
   occlusion_.Set("normals", 1);
   blur_.Use();
   blur_.Set("occlusion", 0);
-  blur_.Set("depth", 1);
   compose_.Use();
-  compose_.Set("solid", 0);
-  compose_.Set("occlusion", 1);
-  compose_.Set("depth", 2);
+  compose_.Set("albedo", 0);
+  compose_.Set("normals", 1);
+  compose_.Set("occlusion", 2);
+  compose_.Set("depth", 3);
   shadow_.Use();
   shadow_.Set("depth", 0);
   shadow_.Set("to_light", kKeyLight);
@@ -141,15 +151,20 @@ Picture::Picture(const cutting::Bur& bur, size_t group_count)
 
 void Picture::Replace(const GroupMesh& mesh) {
   auto& group = groups_[mesh.group];
-  if (group)
-    changed_.push_back(group->bounds);
-  else
-    group = std::make_unique<Group>();
+  if (group && !mesh.same_surface) changed_.push_back(group->bounds);
+  if (!group) group = std::make_unique<Group>();
   work_.triangles -= group->triangles.triangle_count();
-  group->triangles.Upload(mesh.vertices, mesh.indices);
+  group->triangles.Upload(mesh.vertices, mesh.indices, mesh.coarse);
   work_.triangles += group->triangles.triangle_count();
   group->bounds = mesh.bounds;
-  changed_.push_back(group->bounds);
+  if (!mesh.same_surface) changed_.push_back(group->bounds);
+}
+
+Quality Picture::QualityNow(const PictureState& state, const Quality& wanted) {
+  bool moved = last_view_ && *last_view_ != state.view_from_scene;
+  last_view_ = state.view_from_scene;
+  still_ = moved ? 0 : std::min(still_ + 1, kStillPictures);
+  return wanted.lighter_turning && still_ < kStillPictures ? WhileTurning(wanted) : wanted;
 }
 
 bool Picture::MayBeSeen(const Bounds& bounds, const PictureState& state) const {
@@ -177,12 +192,24 @@ void Picture::Resize(int width, int height, const Quality& quality) {
     return std::make_unique<Target>(tw, th, colours, depth, filter);
   };
   solids_ = target(w, h, {GL_RGBA8, GL_RGBA8}, true, GL_LINEAR);
-  occluded_ = target((w + 1) / 2, (h + 1) / 2, {GL_R8}, false, GL_NEAREST);
-  blurred_ = target((w + 1) / 2, (h + 1) / 2, {GL_R8}, false, GL_NEAREST);
+  occluded_ = target((w + 1) / 2, (h + 1) / 2, {GL_RG32F}, false, GL_NEAREST);
+  blurred_ = target((w + 1) / 2, (h + 1) / 2, {GL_RG32F}, false, GL_NEAREST);
   composed_ = target(w, h, {GL_RGBA8}, false, GL_NEAREST);
   frame_ = target(w, h, {GL_RGBA8}, true, GL_LINEAR);
   result_ = target(width, height, {GL_RGBA8}, false, GL_NEAREST);
+  empty_ = target(w, h, {GL_RGBA8}, false, GL_NEAREST);
+  DrawBackground();
   drawn_view_ = drawn_clip_ = glm::mat4(0);
+}
+
+void Picture::DrawBackground() {
+  empty_->Bind();
+  glDisable(GL_SCISSOR_TEST);
+  glDisable(GL_DEPTH_TEST);
+  glDisable(GL_BLEND);
+  background_.Use();
+  glBindVertexArray(empty_array_);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
 Picture::Stale Picture::StalePart(const PictureState& state, const Quality& quality) {
@@ -190,6 +217,7 @@ Picture::Stale Picture::StalePart(const PictureState& state, const Quality& qual
   work_.whole = drawn_view_ != state.view_from_scene || drawn_clip_ != state.clip_from_view ||
                 !(drawn_quality_ == quality);
   work_.triangles_drawn = 0;
+  work_.coarse = quality.coarse;
   Stale stale;
   if (work_.whole) {
     stale.solids = stale.around = PixelRect::Whole(w, h);
@@ -203,9 +231,9 @@ Picture::Stale Picture::StalePart(const PictureState& state, const Quality& qual
       stale.around = stale.around.Around(ball(b.radius_mm + reach));
     }
     // Pixels of the half-size occlusion, and its blur, reach over the edge.
-    constexpr int kEdge = 1, kBlur = 8;
+    constexpr int kEdge = 1;
     stale.solids = stale.solids.Grown(kEdge, w, h);
-    stale.around = stale.around.Grown(kBlur, w, h);
+    stale.around = stale.around.Grown(kBlurReach_px, w, h);
   }
   changed_.clear();
   drawn_view_ = state.view_from_scene;
@@ -214,12 +242,13 @@ Picture::Stale Picture::StalePart(const PictureState& state, const Quality& qual
   return stale;
 }
 
-void Picture::Draw(const PictureState& state, int width, int height, const Quality& quality) {
+void Picture::Draw(const PictureState& state, int width, int height, const Quality& wanted) {
+  Quality quality = QualityNow(state, wanted);
   Resize(width, height, quality);
   Stale stale = StalePart(state, quality);
   if (!stale.solids.empty()) {
     DrawTooth(state, stale.solids);
-    if (quality.occlusion_samples > 0) DrawOcclusion(state, quality, stale.around);
+    if (quality.occlusion_samples > 0) DrawOcclusion(state, quality, stale.around.Within(tooth_));
     Compose(state, quality, stale.around);
     glDisable(GL_SCISSOR_TEST);
   }
@@ -239,27 +268,46 @@ void Picture::UseSolid(const PictureState& state) {
   solid_.Use();
   solid_.Set("clip_from_view", state.clip_from_view);
   solid_.Set("view_from_model", state.view_from_scene);
-  solid_.Set("up_in_view", glm::vec3(state.view_from_scene * glm::vec4(0, 0, 1, 0)));
+  solid_.Set("up_in_view", UpInView(state));
   solid_.Set("spin", state.bur_spin);
   solid_.Set("flute_height_mm", bur_height_mm_);
   solid_.Set("opacity", 1.0f);
   solid_.Set("ghostly", 0.0f);
 }
 
+void Picture::UseTooth(const PictureState& state) {
+  glDisable(GL_BLEND);
+  glEnable(GL_DEPTH_TEST);
+  glEnable(GL_CULL_FACE);
+  kept_.Use();
+  kept_.Set("clip_from_view", state.clip_from_view);
+  kept_.Set("view_from_model", state.view_from_scene);
+}
+
+// Front to back: what is hidden then costs no light.
 void Picture::DrawTooth(const PictureState& state, const PixelRect& part) {
   solids_->Bind();
   Scissor(part);
   glClearColor(0, 0, 0, 0);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-  UseSolid(state);
+  UseTooth(state);
   int w = solids_->width(), h = solids_->height();
+  std::vector<std::pair<float, const Group*>> seen;
+  tooth_ = {};
   for (const auto& group : groups_) {
     if (!group || !MayBeSeen(group->bounds, state)) continue;
     PixelRect here = AroundBall(state.view_from_scene, state.clip_from_view, w, h,
                                 group->bounds.middle_mm, group->bounds.radius_mm);
+    tooth_ = tooth_.Around(here);
     if (!here.Meets(part)) continue;
-    group->triangles.Draw();
-    work_.triangles_drawn += group->triangles.triangle_count();
+    glm::vec4 middle = state.view_from_scene * glm::vec4(group->bounds.middle_mm, 1);
+    seen.emplace_back(-middle.z, group.get());
+  }
+  // The rim around it is where the occlusion's pixels and their blur reach over the edge.
+  tooth_ = tooth_.Grown(kBlurReach_px, w, h);
+  std::sort(seen.begin(), seen.end());
+  for (const auto& [depth, group] : seen) {
+    work_.triangles_drawn += group->triangles.Draw(work_.coarse);
   }
 }
 
@@ -277,21 +325,23 @@ void Picture::DrawOcclusion(const PictureState& state, const Quality& quality,
   glDrawArrays(GL_TRIANGLES, 0, 3);
   blurred_->Bind();
   occluded_->BindColour(0, 0);
-  solids_->BindDepth(1);
   blur_.Use();
-  blur_.Set("clip_from_view", state.clip_from_view);
   glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
 void Picture::Compose(const PictureState& state, const Quality& quality, const PixelRect& part) {
-  composed_->Bind();
   Scissor(part);
+  empty_->CopyColourTo(*composed_);
+  composed_->Bind();
+  Scissor(part.Within(tooth_));
   glDisable(GL_DEPTH_TEST);
   solids_->BindColour(0, 0);
-  blurred_->BindColour(1, 0);
-  solids_->BindDepth(2);
+  solids_->BindColour(1, 1);
+  blurred_->BindColour(2, 0);
+  solids_->BindDepth(3);
   compose_.Use();
   compose_.Set("clip_from_view", state.clip_from_view);
+  compose_.Set("up_in_view", UpInView(state));
   compose_.Set("occluded", quality.occlusion_samples > 0 ? 1 : 0);
   glBindVertexArray(empty_array_);
   glDrawArrays(GL_TRIANGLES, 0, 3);

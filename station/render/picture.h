@@ -27,6 +27,7 @@ struct PictureWork {
   size_t triangles = 0;        // of the tooth, all of it
   size_t triangles_drawn = 0;  // of the tooth, this time
   bool whole = false;          // the tooth was drawn anew everywhere
+  bool coarse = false;         // and is of coarse triangles, because the camera moves
 };
 
 // The solid part of the picture, by OpenGL 3.3. The tooth is kept as a layer: colour, depth and
@@ -34,15 +35,19 @@ struct PictureWork {
 // Over a copy of that layer each frame draws what always moves: the bur's shadow, the bur, the
 // ghost of the hand, the force. *Why:* while somebody cuts, the camera rests and the cut changes a
 // thousandth of the surface; all of it each time is what a computer without graphics card cannot.
+// While the camera moves the layer may be a lighter one (Quality::lighter_turning); it is drawn
+// anew in full once the camera has rested for kStillPictures.
 // Draws into a buffer of its own, which the panel is then drawn over. Needs the context current.
 // Not thread-safe.
 class Picture {
  public:
+  static constexpr int kStillPictures = 4;
+
   // Throws std::runtime_error when the driver refuses something.
   Picture(const cutting::Bur& bur, size_t group_count);
 
   void Replace(const GroupMesh& mesh);
-  void Draw(const PictureState& state, int width, int height, const Quality& quality);
+  void Draw(const PictureState& state, int width, int height, const Quality& wanted);
   // Valid after Draw.
   const Target& result() const { return *result_; }
   const PictureWork& work() const { return work_; }
@@ -53,6 +58,8 @@ class Picture {
     Bounds bounds;
   };
 
+  // What is drawn now, the camera having moved or not.
+  Quality QualityNow(const PictureState& state, const Quality& wanted);
   bool MayBeSeen(const Bounds& bounds, const PictureState& state) const;
   void Resize(int width, int height, const Quality& quality);
   // What of the layer is to be drawn anew, and what around it that light reaches differently then.
@@ -61,6 +68,8 @@ class Picture {
   };
   Stale StalePart(const PictureState& state, const Quality& quality);
   void UseSolid(const PictureState& state);
+  void UseTooth(const PictureState& state);
+  void DrawBackground();
   void DrawTooth(const PictureState& state, const PixelRect& part);
   void DrawOcclusion(const PictureState& state, const Quality& quality, const PixelRect& part);
   void Compose(const PictureState& state, const Quality& quality, const PixelRect& part);
@@ -70,7 +79,7 @@ class Picture {
   void DrawBur(const PictureState& state, const glm::mat4& scene_from_bur, int parts);
   void DrawArrow(const PictureState& state);
 
-  Program solid_, occlusion_, blur_, compose_, shadow_;
+  Program kept_, solid_, occlusion_, blur_, compose_, background_, shadow_;
   std::vector<std::unique_ptr<Group>> groups_;
   TriangleBuffer bur_head_, bur_shank_, shaft_, tip_;
   float bur_height_mm_, bur_radius_mm_;
@@ -78,9 +87,12 @@ class Picture {
   PictureWork work_;
   // The tooth's layer: as drawn, its occlusion, both composed over the background; and what it is
   // of.
-  std::unique_ptr<Target> solids_, occluded_, blurred_, composed_;
+  std::unique_ptr<Target> solids_, occluded_, blurred_, composed_, empty_;
+  PixelRect tooth_;  // where any of it is
   glm::mat4 drawn_view_{0}, drawn_clip_{0};
   Quality drawn_quality_;
+  std::optional<glm::mat4> last_view_;
+  int still_ = kStillPictures;   // pictures since the camera moved
   std::vector<Bounds> changed_;  // since then: what was there, and what is
   // The frame, at the layer's size and at the window's.
   std::unique_ptr<Target> frame_, result_;

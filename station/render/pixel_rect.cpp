@@ -30,6 +30,11 @@ PixelRect PixelRect::Around(const PixelRect& o) const {
   return {std::min(x0, o.x0), std::min(y0, o.y0), std::max(x1, o.x1), std::max(y1, o.y1)};
 }
 
+PixelRect PixelRect::Within(const PixelRect& o) const {
+  PixelRect out{std::max(x0, o.x0), std::max(y0, o.y0), std::min(x1, o.x1), std::min(y1, o.y1)};
+  return out.empty() ? PixelRect{} : out;
+}
+
 PixelRect PixelRect::Grown(int margin, int width, int height) const {
   if (empty()) return {};
   return {std::max(x0 - margin, 0), std::max(y0 - margin, 0), std::min(x1 + margin, width),

@@ -12,6 +12,8 @@ struct PixelRect {
   static PixelRect Whole(int width, int height) { return {0, 0, width, height}; }
   bool empty() const { return x1 <= x0 || y1 <= y0; }
   bool Meets(const PixelRect& o) const { return x0 < o.x1 && o.x0 < x1 && y0 < o.y1 && o.y0 < y1; }
+  // What both hold.
+  PixelRect Within(const PixelRect& o) const;
   // Smallest one around both; an empty one adds nothing.
   PixelRect Around(const PixelRect& o) const;
   // With `margin` pixels on every side, inside a picture of this size.

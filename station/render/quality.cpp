@@ -18,6 +18,14 @@ const Quality* FindQuality(std::string_view name) {
   return nullptr;
 }
 
+Quality WhileTurning(const Quality& quality) {
+  constexpr int kSamples = 8;
+  Quality out = quality;
+  out.occlusion_samples = std::min(quality.occlusion_samples, kSamples);
+  out.coarse = true;
+  return out;
+}
+
 QualityGovernor::QualityGovernor(size_t first_level, double budget_s)
     : budget_s_(budget_s), level_(std::min(first_level, kQualities.size() - 1)) {}
 

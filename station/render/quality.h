@@ -9,21 +9,25 @@
 namespace enamel::station::render {
 
 struct Quality {
-  std::string_view name;      // as in settings
-  float scale = 1;            // solid pixels per picture pixel along each side
-  int occlusion_samples = 0;  // per pixel of ambient occlusion; 0: none
-  bool shadow = true;         // of the bur on the tooth
+  std::string_view name;         // as in settings
+  float scale = 1;               // solid pixels per picture pixel along each side
+  int occlusion_samples = 0;     // per pixel of ambient occlusion; 0: none
+  bool shadow = true;            // of the bur on the tooth
+  bool lighter_turning = false;  // while the camera moves, WhileTurning of this
+  bool coarse = false;           // the tooth's coarse triangles
 
   bool operator==(const Quality&) const = default;
 };
 
 // Best first.
 inline constexpr std::array<Quality, 4> kQualities = {{
-    {"best", 2.0f, 20, true},
-    {"good", 1.0f, 20, true},
-    {"fair", 1.0f, 8, true},
-    {"low", 0.5f, 0, false},
+    {"best", 2.0f, 20, true, false},
+    {"good", 1.0f, 20, true, true},
+    {"fair", 1.0f, 8, true, true},
+    {"low", 0.5f, 0, false, true},
 }};
+// What is left out while everything in the picture moves and nobody looks closely.
+Quality WhileTurning(const Quality& quality);
 // nullptr when the name is unknown.
 const Quality* FindQuality(std::string_view name);
 

@@ -25,8 +25,26 @@ void main() {
 )";
 
 // Key light over the left shoulder, fill from the right, sky and bounce; all fixed to the camera,
-// so that a cavity reads the same from every side. Material 8 is the bur's head: flutes by angle.
-const char* const kSolidFragment = R"(#version 330 core
+// so that a cavity reads the same from every side. `base` is linear, what
+// comes out is what a display takes.
+const char* const kLit = R"(#version 330 core
+vec3 Lit(vec3 base, float shine, vec3 n, vec3 to_eye, vec3 up_in_view) {
+  vec3 key = normalize(vec3(-0.55, 0.75, 0.55)), fill = normalize(vec3(0.8, 0.1, 0.45));
+  float d = max((dot(n, key) + 0.15) / 1.15, 0.0);
+  float f = max(dot(n, fill), 0.0);
+  float sky = 0.5 + 0.5 * dot(n, up_in_view);
+  vec3 light = vec3(0.86, 0.83, 0.78) * d + vec3(0.16, 0.18, 0.22) * f +
+               mix(vec3(0.15, 0.12, 0.11), vec3(0.30, 0.31, 0.33), sky);
+  float s = max(dot(n, normalize(key + to_eye)), 0.0), s2 = s * s, s4 = s2 * s2, s8 = s4 * s4;
+  float s48 = s8 * s8 * s8 * s8 * s8 * s8;
+  float side = 1.0 - max(dot(n, to_eye), 0.0), rim = side * side * side;
+  vec3 c = base * light + shine * (0.55 * s48 + 0.10 * rim) * vec3(1.0, 0.98, 0.95);
+  return pow(clamp(c, 0.0, 1.0), vec3(1.0 / 2.2));
+}
+)";
+
+// Material 8 is the bur's head: flutes by angle.
+const char* const kSolidFragment = R"(
 in vec3 local, view_position, view_normal, albedo;
 in float shine;
 flat in uint kind;
@@ -37,7 +55,6 @@ layout(location = 0) out vec4 colour;
 layout(location = 1) out vec4 normal_out;
 void main() {
   vec3 n = normalize(view_normal);
-  vec3 to_eye = normalize(-view_position);
   vec3 base = albedo;
   if (kind == 8u) {
     float turn = atan(local.y, local.x) + spin + 1.4 * local.z / max(flute_height_mm, 0.2);
@@ -45,17 +62,37 @@ void main() {
     base *= 0.55 + 0.6 * smoothstep(0.25, 0.85, blade);
   }
   base = mix(base, ghost_colour, ghostly);
-  vec3 key = normalize(vec3(-0.55, 0.75, 0.55)), fill = normalize(vec3(0.8, 0.1, 0.45));
-  float d = max((dot(n, key) + 0.15) / 1.15, 0.0);
-  float f = max(dot(n, fill), 0.0);
-  float sky = 0.5 + 0.5 * dot(n, up_in_view);
-  vec3 light = vec3(0.86, 0.83, 0.78) * d + vec3(0.16, 0.18, 0.22) * f +
-               mix(vec3(0.15, 0.12, 0.11), vec3(0.30, 0.31, 0.33), sky);
-  float s = pow(max(dot(n, normalize(key + to_eye)), 0.0), 48.0);
-  float rim = pow(1.0 - max(dot(n, to_eye), 0.0), 3.0);
-  vec3 c = base * light + shine * (0.55 * s + 0.10 * rim) * vec3(1.0, 0.98, 0.95);
-  colour = vec4(pow(clamp(c, 0.0, 1.0), vec3(1.0 / 2.2)), opacity);
+  colour = vec4(Lit(base, shine, n, normalize(-view_position), up_in_view), opacity);
   normal_out = vec4(n * 0.5 + 0.5, 1.0);
+}
+)";
+
+// The tooth is most of the triangles, many smaller than the block of pixels a processor shades at
+// once. So each costs as little as can be: what light needs to know is kept, and light is computed
+// when composing, once for each pixel that is seen.
+const char* const kToothVertex = R"(#version 330 core
+layout(location = 0) in vec3 position_mm;
+layout(location = 1) in vec3 normal;
+layout(location = 2) in uint material;
+uniform mat4 view_from_model, clip_from_view;
+uniform vec3 colours[16];
+uniform float gloss[16];
+out vec3 view_normal;
+out vec4 root_albedo_and_shine;
+void main() {
+  view_normal = mat3(view_from_model) * normal;
+  root_albedo_and_shine = vec4(sqrt(colours[material]), gloss[material]);
+  gl_Position = clip_from_view * (view_from_model * vec4(position_mm, 1.0));
+}
+)";
+const char* const kToothFragment = R"(#version 330 core
+in vec3 view_normal;
+in vec4 root_albedo_and_shine;
+layout(location = 0) out vec4 albedo;
+layout(location = 1) out vec4 normal_out;
+void main() {
+  albedo = root_albedo_and_shine;
+  normal_out = vec4(view_normal * 0.5 + 0.5, 1.0);
 }
 )";
 
@@ -69,6 +106,7 @@ void main() {
 
 // Ambient occlusion in screen space: the share of points in the half ball over a pixel that lie
 // behind what is drawn. Directions turn from pixel to pixel in a 4 x 4 tile; composing averages it.
+// Beside it goes the pixel's depth in view, mm.
 const char* const kOcclusionFragment = R"(#version 330 core
 in vec2 uv;
 uniform sampler2D depth, normals;
@@ -77,91 +115,109 @@ uniform float radius_mm;
 uniform vec3 kernel[20];
 uniform int samples;
 layout(location = 0) out vec4 occlusion;
-vec3 ViewAt(vec2 at) {
-  float ndc = texture(depth, at).r * 2.0 - 1.0;
-  float z = -clip_from_view[3][2] / (ndc + clip_from_view[2][2]);
-  return vec3((at * 2.0 - 1.0) * -z / vec2(clip_from_view[0][0], clip_from_view[1][1]), z);
+float ZAt(ivec2 at) {
+  return -clip_from_view[3][2] / (texelFetch(depth, at, 0).r * 2.0 - 1.0 + clip_from_view[2][2]);
 }
 void main() {
-  if (texture(depth, uv).r >= 1.0) {
-    occlusion = vec4(1.0);
+  ivec2 size = textureSize(depth, 0), here = ivec2(uv * vec2(size));
+  if (texelFetch(depth, here, 0).r >= 1.0) {
+    occlusion = vec4(1.0, -1e4, 0.0, 0.0);
     return;
   }
-  vec3 p = ViewAt(uv), n = normalize(texture(normals, uv).xyz * 2.0 - 1.0);
+  vec2 slope = vec2(clip_from_view[0][0], clip_from_view[1][1]);
+  float z = ZAt(here);
+  vec3 p = vec3((uv * 2.0 - 1.0) * -z / slope, z);
+  vec3 n = normalize(texelFetch(normals, here, 0).xyz * 2.0 - 1.0);
   ivec2 tile = ivec2(gl_FragCoord.xy) & 3;
   float angle = 6.2831853 * float((tile.x * 4 + tile.y) * 7 % 16) / 16.0;
   vec3 turned = vec3(cos(angle), sin(angle), 0.0);
   vec3 t = normalize(turned - n * dot(turned, n) + vec3(0.0, 0.0, 1e-4));
-  mat3 frame = mat3(t, cross(n, t), n);
+  mat3 frame = mat3(t, cross(n, t), n) * radius_mm;
+  vec3 from = p + n * (0.02 * radius_mm);
+  vec2 half_size = 0.5 * vec2(size);
   float hidden = 0.0;
   for (int i = 0; i < samples; ++i) {
-    vec3 q = p + n * (0.02 * radius_mm) + frame * kernel[i] * radius_mm;
-    vec4 c = clip_from_view * vec4(q, 1.0);
-    float seen = ViewAt(c.xy / c.w * 0.5 + 0.5).z;
+    vec3 q = from + frame * kernel[i];
+    ivec2 at = ivec2((q.xy * slope / -q.z + 1.0) * half_size);
+    float seen = ZAt(clamp(at, ivec2(0), size - 1));
     float near = smoothstep(0.0, 1.0, radius_mm / max(abs(p.z - seen), 1e-4));
     hidden += seen > q.z + 0.015 * radius_mm ? near : 0.0;
   }
-  occlusion = vec4(1.0 - hidden / float(samples));
+  occlusion = vec4(1.0 - hidden / float(samples), z, 0.0, 0.0);
 }
 )";
 
 // Averages the 4 x 4 tile, not across edges in depth.
 const char* const kBlurFragment = R"(#version 330 core
-uniform sampler2D occlusion, depth;
-uniform mat4 clip_from_view;
+uniform sampler2D occlusion;
 layout(location = 0) out vec4 smooth_occlusion;
-float ZAt(vec2 at) {
-  return -clip_from_view[3][2] / (texture(depth, at).r * 2.0 - 1.0 + clip_from_view[2][2]);
-}
 void main() {
-  vec2 size = vec2(textureSize(occlusion, 0));
-  float z = ZAt(gl_FragCoord.xy / size), sum = 0.0, weights = 0.0;
+  ivec2 here = ivec2(gl_FragCoord.xy), last = textureSize(occlusion, 0) - 1;
+  float z = texelFetch(occlusion, here, 0).g, sum = 0.0, weights = 0.0;
+  if (z < -9e3) {
+    smooth_occlusion = vec4(1.0, z, 0.0, 0.0);
+    return;
+  }
   for (int y = -2; y < 2; ++y) {
     for (int x = -2; x < 2; ++x) {
-      vec2 at = (gl_FragCoord.xy + vec2(x, y)) / size;
-      float w = 1.0 / (0.05 + abs(ZAt(at) - z));
-      sum += w * texture(occlusion, at).r;
+      vec2 there = texelFetch(occlusion, clamp(here + ivec2(x, y), ivec2(0), last), 0).rg;
+      float w = 1.0 / (0.05 + abs(there.g - z));
+      sum += w * there.r;
       weights += w;
     }
   }
-  smooth_occlusion = vec4(sum / weights);
+  smooth_occlusion = vec4(sum / weights, z, 0.0, 0.0);
 }
 )";
 
-const char* const kComposeFragment = R"(#version 330 core
+const char* const kComposeFragment = R"(
 in vec2 uv;
-uniform sampler2D solid, occlusion, depth;
+uniform sampler2D albedo, normals, occlusion, depth;
 uniform mat4 clip_from_view;
+uniform vec3 up_in_view;
 uniform int occluded;
 layout(location = 0) out vec4 colour;
-float ZAt(vec2 at) {
-  return -clip_from_view[3][2] / (texture(depth, at).r * 2.0 - 1.0 + clip_from_view[2][2]);
-}
-void main() {
-  vec4 c = texture(solid, uv);
-  if (c.a == 0.0 || occluded == 0) {
-    float open_sky = occluded == 0 ? 0.94 : 1.0;
-    float from_middle = length(uv - vec2(0.5, 0.55));
-    vec3 sky = mix(vec3(0.235, 0.25, 0.275), vec3(0.085, 0.09, 0.10), smoothstep(0.05, 0.85, from_middle));
-    colour = vec4(mix(sky, c.rgb * open_sky, c.a), 1.0);
-    return;
-  }
-  // Bilinear between the four occlusion pixels around, as far as they are at the same depth.
-  vec2 size = vec2(textureSize(occlusion, 0)), at = uv * size - 0.5, f = fract(at);
-  float z = ZAt(uv), sum = 0.0, weights = 0.0;
+// Bilinear between the four occlusion pixels around, as far as they are at the same depth.
+float Open(float z) {
+  ivec2 size = textureSize(occlusion, 0);
+  vec2 at = uv * vec2(size) - 0.5, f = fract(at);
+  float sum = 0.0, weights = 0.0;
   for (int i = 0; i < 4; ++i) {
-    vec2 step = vec2(i & 1, i >> 1), corner = (floor(at) + step + 0.5) / size;
-    vec2 share = mix(1.0 - f, f, step);
-    float w = (share.x * share.y + 1e-3) / (0.05 + abs(ZAt(corner) - z));
-    sum += w * texture(occlusion, corner).r;
+    ivec2 step = ivec2(i & 1, i >> 1);
+    vec2 there = texelFetch(occlusion, clamp(ivec2(floor(at)) + step, ivec2(0), size - 1), 0).rg;
+    vec2 share = mix(1.0 - f, f, vec2(step));
+    float w = (share.x * share.y + 1e-3) / (0.05 + abs(there.g - z));
+    sum += w * there.r;
     weights += w;
   }
-  float open = mix(1.0, sum / weights, c.a);
+  return sum / weights;
+}
+void main() {
+  ivec2 here = ivec2(gl_FragCoord.xy);
+  float d = texelFetch(depth, here, 0).r;
+  if (d >= 1.0) discard;
+  vec4 kept = texelFetch(albedo, here, 0);
+  vec3 n = normalize(texelFetch(normals, here, 0).xyz * 2.0 - 1.0);
+  vec2 slope = vec2(clip_from_view[0][0], clip_from_view[1][1]);
+  vec3 to_eye = normalize(vec3((1.0 - uv * 2.0) / slope, 1.0));
+  vec3 lit = Lit(kept.rgb * kept.rgb, kept.a, n, to_eye, up_in_view);
+  if (occluded == 0) {
+    colour = vec4(0.94 * lit, 1.0);
+    return;
+  }
+  float z = -clip_from_view[3][2] / (d * 2.0 - 1.0 + clip_from_view[2][2]);
   // Occluded light is warm: it has bounced off tooth.
-  vec3 shade = mix(vec3(0.20, 0.13, 0.10), vec3(1.0), smoothstep(0.05, 0.95, open));
-  float vignette = length(uv - vec2(0.5, 0.55));
-  vec3 behind = mix(vec3(0.235, 0.25, 0.275), vec3(0.085, 0.09, 0.10), smoothstep(0.05, 0.85, vignette));
-  colour = vec4(mix(behind, c.rgb / max(c.a, 1e-3) * shade, c.a), 1.0);
+  colour = vec4(lit * mix(vec3(0.20, 0.13, 0.10), vec3(1.0), smoothstep(0.05, 0.95, Open(z))), 1.0);
+}
+)";
+
+const char* const kBackgroundFragment = R"(#version 330 core
+in vec2 uv;
+layout(location = 0) out vec4 colour;
+void main() {
+  float from_middle = length(uv - vec2(0.5, 0.55));
+  colour = vec4(mix(vec3(0.235, 0.25, 0.275), vec3(0.085, 0.09, 0.10),
+                    smoothstep(0.05, 0.85, from_middle)), 1.0);
 }
 )";
 

@@ -3,15 +3,22 @@
 #include <meshoptimizer.h>
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <glm/geometric.hpp>
+#include <utility>
 
 namespace enamel::station::render {
 namespace {
 
-bool HasOneTissue(const GroupMesh& mesh) {
-  return std::all_of(mesh.vertices.begin(), mesh.vertices.end(),
-                     [&](const GpuVertex& v) { return v.tissue == mesh.vertices.front().tissue; });
-}
+// What light asks for, as cosines.
+struct Shading {
+  float least_crease;  // between two corners' normals: less is an edge or a groove
+  float least_lean;    // of a corner's normal from a large triangle's
+  float most_wrong;    // share of the surface where it may lean more
+};
+constexpr Shading kAtRest{0.985f, 0.9f, 0.0f};   // 10 and 26 degrees
+constexpr Shading kMoving{0.94f, 0.77f, 0.05f};  // 20 and 40 degrees
 
 // Bricks of a group repeat the vertices on the faces between them.
 void Weld(GroupMesh& mesh) {
@@ -22,8 +29,9 @@ void Weld(GroupMesh& mesh) {
   std::vector<GpuVertex> vertices(unique);
   meshopt_remapVertexBuffer(vertices.data(), mesh.vertices.data(), mesh.vertices.size(),
                             sizeof(GpuVertex), remap.data());
-  meshopt_remapIndexBuffer(mesh.indices.data(), mesh.indices.data(), mesh.indices.size(),
-                           remap.data());
+  for (std::vector<uint32_t>* indices : {&mesh.indices, &mesh.coarse}) {
+    meshopt_remapIndexBuffer(indices->data(), indices->data(), indices->size(), remap.data());
+  }
   mesh.vertices = std::move(vertices);
 }
 
@@ -31,10 +39,16 @@ glm::vec3 PositionOf(const GpuVertex& v) {
   return {v.position_mm[0], v.position_mm[1], v.position_mm[2]};
 }
 
-// Light would run wrongly over a triangle that is large and whose corners' normals lean away from
-// it: beside an edge or in a groove.
-bool ShadesAlike(const std::vector<GpuVertex>& vertices, const std::vector<uint32_t>& indices) {
-  constexpr float kLarge_mm = 0.2f, kLeastCosine = 0.9f;  // 26 degrees
+glm::vec3 NormalOf(const GpuVertex& v) {
+  return glm::normalize(glm::vec3(v.normal[0], v.normal[1], v.normal[2]));
+}
+
+// The share of a surface over which light would run wrongly: triangles that are large and whose
+// corners' normals lean away from them.
+float ShadedWrongly(const std::vector<GpuVertex>& vertices, const std::vector<uint32_t>& indices,
+                    float least_lean) {
+  constexpr float kLarge_mm = 0.2f;
+  float wrong = 0, all = 0;
   for (size_t i = 0; i + 2 < indices.size(); i += 3) {
     const GpuVertex* v[] = {&vertices[indices[i]], &vertices[indices[i + 1]],
                             &vertices[indices[i + 2]]};
@@ -42,41 +56,99 @@ bool ShadesAlike(const std::vector<GpuVertex>& vertices, const std::vector<uint3
     float longest = std::max({glm::length(b - a), glm::length(c - b), glm::length(a - c)});
     glm::vec3 normal = glm::cross(b - a, c - a);
     float length = glm::length(normal);
-    if (longest < kLarge_mm || length == 0) continue;
-    for (const GpuVertex* corner : v) {
-      glm::vec3 own(corner->normal[0], corner->normal[1], corner->normal[2]);
-      if (glm::dot(own, normal) < kLeastCosine * 127 * length) return false;
-    }
+    all += length;
+    if (longest < kLarge_mm) continue;
+    bool leans = std::any_of(std::begin(v), std::end(v), [&](const GpuVertex* corner) {
+      return glm::dot(NormalOf(*corner), normal) < least_lean * length;
+    });
+    if (leans) wrong += length;
   }
-  return true;
+  return all > 0 ? wrong / all : 0;
+}
+
+// Triangles of one tissue and no edge, by tissue; and all others.
+struct Parts {
+  std::array<std::vector<uint32_t>, cutting::kTissueCount> smooth;
+  std::vector<uint32_t> others;
+};
+
+Parts Split(const std::vector<GpuVertex>& vertices, const std::vector<uint32_t>& indices,
+            float least_crease) {
+  Parts parts;
+  for (size_t i = 0; i + 2 < indices.size(); i += 3) {
+    const GpuVertex &a = vertices[indices[i]], &b = vertices[indices[i + 1]],
+                    &c = vertices[indices[i + 2]];
+    glm::vec3 n[] = {NormalOf(a), NormalOf(b), NormalOf(c)};
+    float least = std::min({glm::dot(n[0], n[1]), glm::dot(n[1], n[2]), glm::dot(n[2], n[0])});
+    bool smooth = a.tissue == b.tissue && b.tissue == c.tissue && least >= least_crease;
+    auto& part = smooth ? parts.smooth[a.tissue] : parts.others;
+    part.insert(part.end(), indices.begin() + static_cast<ptrdiff_t>(i),
+                indices.begin() + static_cast<ptrdiff_t>(i) + 3);
+  }
+  return parts;
+}
+
+// Fewer triangles of the same vertices.
+std::vector<uint32_t> Fewer(const std::vector<GpuVertex>& vertices,
+                            const std::vector<uint32_t>& indices, float error_mm,
+                            const Shading& shading) {
+  const float* positions = vertices[0].position_mm;
+  float scale = meshopt_simplifyScale(positions, vertices.size(), sizeof(GpuVertex));
+  if (scale <= 0) return indices;
+  Parts parts = Split(vertices, indices, shading.least_crease);
+  std::vector<uint32_t> out = std::move(parts.others), fewer;
+  for (const std::vector<uint32_t>& part : parts.smooth) {
+    if (part.empty()) continue;
+    const std::vector<uint32_t>* taken = &part;
+    // Less where light asks for it.
+    for (float share : {1.0f, 0.25f, 0.06f}) {
+      fewer.resize(part.size());
+      fewer.resize(meshopt_simplify(fewer.data(), part.data(), part.size(), positions,
+                                    vertices.size(), sizeof(GpuVertex), 0, share * error_mm / scale,
+                                    meshopt_SimplifyLockBorder, nullptr));
+      if (ShadedWrongly(vertices, fewer, shading.least_lean) > shading.most_wrong) continue;
+      taken = &fewer;
+      break;
+    }
+    out.insert(out.end(), taken->begin(), taken->end());
+  }
+  return out;
+}
+
+// Only the vertices that are used, in the order they are.
+void DropUnused(GroupMesh& mesh) {
+  std::vector<uint32_t> all = mesh.indices;
+  all.insert(all.end(), mesh.coarse.begin(), mesh.coarse.end());
+  std::vector<GpuVertex> vertices(mesh.vertices.size());
+  vertices.resize(meshopt_optimizeVertexFetch(vertices.data(), all.data(), all.size(),
+                                              mesh.vertices.data(), mesh.vertices.size(),
+                                              sizeof(GpuVertex)));
+  auto middle = all.begin() + static_cast<ptrdiff_t>(mesh.indices.size());
+  mesh.indices.assign(all.begin(), middle);
+  mesh.coarse.assign(middle, all.end());
+  mesh.vertices = std::move(vertices);
+}
+
+void OrderForCache(std::vector<uint32_t>& indices, size_t vertex_count) {
+  meshopt_optimizeVertexCache(indices.data(), indices.data(), indices.size(), vertex_count);
 }
 
 }  // namespace
 
 void Simplify(GroupMesh& mesh, float error_mm) {
-  if (mesh.indices.empty() || !HasOneTissue(mesh)) return;
+  if (mesh.indices.empty()) return;
   Weld(mesh);
-  const float* positions = mesh.vertices[0].position_mm;
-  float scale = meshopt_simplifyScale(positions, mesh.vertices.size(), sizeof(GpuVertex));
-  if (scale <= 0) return;
-  std::vector<uint32_t> fewer;
-  // Less where light asks for it.
-  for (float share : {1.0f, 0.25f, 0.06f}) {
-    fewer.resize(mesh.indices.size());
-    fewer.resize(meshopt_simplify(fewer.data(), mesh.indices.data(), mesh.indices.size(), positions,
-                                  mesh.vertices.size(), sizeof(GpuVertex), 0,
-                                  share * error_mm / scale, meshopt_SimplifyLockBorder, nullptr));
-    if (ShadesAlike(mesh.vertices, fewer)) break;
-    fewer.clear();
-  }
-  if (fewer.empty()) return;
-  std::vector<GpuVertex> vertices(mesh.vertices.size());
-  vertices.resize(meshopt_optimizeVertexFetch(vertices.data(), fewer.data(), fewer.size(),
-                                              mesh.vertices.data(), mesh.vertices.size(),
-                                              sizeof(GpuVertex)));
-  mesh.vertices = std::move(vertices);
-  mesh.indices = std::move(fewer);
+  mesh.indices = Fewer(mesh.vertices, mesh.indices, error_mm, kAtRest);
+  OrderForCache(mesh.indices, mesh.vertices.size());
+  DropUnused(mesh);
   mesh.bounds = BoundsOf(mesh.vertices, mesh.indices);
+}
+
+void Coarsen(GroupMesh& mesh, float error_mm) {
+  if (mesh.indices.empty()) return;
+  Weld(mesh);
+  mesh.coarse = Fewer(mesh.vertices, mesh.indices, error_mm, kMoving);
+  OrderForCache(mesh.coarse, mesh.vertices.size());
 }
 
 }  // namespace enamel::station::render

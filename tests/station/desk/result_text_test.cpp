@@ -72,5 +72,14 @@ TEST(ResultTextTest, ABurIsToldInMillimetres) {
   EXPECT_EQ(BurText({cutting::BurShape::kSphere, 0.6e-3}), "Sphere, 1.2 mm thick, 1.2 mm long");
 }
 
+TEST(ProgressTest, IsShownInPracticeAndToInstructorsButNeverInAnExam) {
+  for (bool graded : {false, true}) {
+    for (bool instructor : {false, true}) {
+      EXPECT_FALSE(MayShowProgress(graded, true, instructor));
+      EXPECT_EQ(MayShowProgress(graded, false, instructor), !graded || instructor);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace enamel::station::desk

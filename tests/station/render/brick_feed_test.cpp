@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numeric>
+#include <set>
 #include <thread>
 
 #include "common/cutting/cutter.h"
@@ -67,36 +69,82 @@ TEST(BrickFeedTest, FullRingLosesNothing) {
   EXPECT_TRUE(std::is_sorted(order.begin(), order.end()));
 }
 
-size_t TrianglesReady(Mesher& mesher, std::vector<size_t>& per_group) {
-  per_group.resize(mesher.group_count());
-  for (const GroupMesh& m : mesher.TakeReady()) per_group[m.group] = m.indices.size() / 3;
-  size_t sum = 0;
-  for (size_t n : per_group) sum += n;
-  return sum;
+// Triangles of the exact surface in each group of 4 x 4 x 4 bricks.
+std::vector<size_t> ExactPerGroup(const Volume& volume) {
+  ivec3 bricks = volume.spec().bricks, groups = (bricks + 3) / 4;
+  std::vector<size_t> out(static_cast<size_t>(groups.x * groups.y * groups.z));
+  for (int b = 0; b < volume.spec().brick_count(); ++b) {
+    ivec3 g = ivec3(b % bricks.x, b / bricks.x % bricks.y, b / (bricks.x * bricks.y)) / 4;
+    out[static_cast<size_t>((g.z * groups.y + g.y) * groups.x + g.x)] +=
+        surface::ExtractBrick(volume, b).triangles.size();
+  }
+  return out;
 }
 
-TEST(MesherTest, FollowsTheCutAcrossThreads) {
-  Volume volume = SolidBlock({6, 6, 6});
-  BrickFeed feed(volume.spec().brick_count(), 8);
-  Mesher mesher(volume, feed);
-  ASSERT_TRUE(mesher.WaitIdle(std::chrono::seconds(30)));
-  std::vector<size_t> per_group;
-  EXPECT_EQ(TrianglesReady(mesher, per_group), surface::ExtractSurface(volume).triangles.size());
+class MesherFollowsTest : public testing::Test {
+ protected:
+  void SetUp() override { ASSERT_TRUE(mesher_.WaitIdle(std::chrono::seconds(30))); }
+  // A slot along x, sent as the tick sends it.
+  void Cut() {
+    cutting::Cutter cutter(volume_, {cutting::BurShape::kSphere, 0.5e-3, 0});
+    cutting::RemovedUnits removed{};
+    cutting::Pose pose;
+    for (int i = 0; i < 40; ++i) {
+      pose.tip_m = dvec3(0.2e-3 + 0.05e-3 * i, 1.2e-3, 2.0e-3);
+      ASSERT_TRUE(cutter.Cut(pose, removed));
+      feed_.Mark(cutter.touched());
+      feed_.Send(volume_, 4);
+    }
+    while (feed_.dirty_count() > 0) {
+      if (feed_.Send(volume_, 4) == 0) std::this_thread::yield();
+    }
+    ASSERT_TRUE(mesher_.WaitIdle(std::chrono::seconds(30)));
+  }
 
-  cutting::Cutter cutter(volume, {cutting::BurShape::kSphere, 0.5e-3, 0});
-  cutting::RemovedUnits removed{};
-  cutting::Pose pose;
-  for (int i = 0; i < 40; ++i) {
-    pose.tip_m = dvec3(0.2e-3 + 0.05e-3 * i, 1.2e-3, 2.0e-3);
-    ASSERT_TRUE(cutter.Cut(pose, removed));
-    feed.Mark(cutter.touched());
-    feed.Send(volume, 4);
+  Volume volume_ = SolidBlock({6, 6, 6});
+  BrickFeed feed_{volume_.spec().brick_count(), 8};
+  Mesher mesher_{volume_, feed_};
+};
+
+TEST_F(MesherFollowsTest, WhatWasCutIsExactAcrossThreadsAndTheRestHasFewerTriangles) {
+  std::vector<size_t> exact = ExactPerGroup(volume_), got(mesher_.group_count());
+  for (const GroupMesh& m : mesher_.TakeReady()) {
+    got[m.group] = m.indices.size() / 3;
+    EXPECT_LT(m.coarse.size(), m.indices.size() + 1);
+    EXPECT_FALSE(m.coarse.empty());
   }
-  while (feed.dirty_count() > 0) {
-    if (feed.Send(volume, 4) == 0) std::this_thread::yield();
+  for (size_t g = 0; g < got.size(); ++g) EXPECT_EQ(got[g] > 0, exact[g] > 0);
+  EXPECT_LT(std::accumulate(got.begin(), got.end(), size_t{0}),
+            std::accumulate(exact.begin(), exact.end(), size_t{0}) / 2);
+
+  Cut();
+  std::vector<size_t> now = ExactPerGroup(volume_);
+  std::vector<bool> renewed(got.size());
+  for (const GroupMesh& m : mesher_.TakeReady()) {
+    renewed[m.group] = true;
+    EXPECT_EQ(m.indices.size() / 3, now[m.group]) << m.group;
   }
-  ASSERT_TRUE(mesher.WaitIdle(std::chrono::seconds(30)));
-  EXPECT_EQ(TrianglesReady(mesher, per_group), surface::ExtractSurface(volume).triangles.size());
+  for (size_t g = 0; g < got.size(); ++g) EXPECT_TRUE(renewed[g] || now[g] == exact[g]) << g;
+}
+
+TEST_F(MesherFollowsTest, WhatWasCutGetsCoarseTrianglesOnceItRestsAndStaysExact) {
+  (void)mesher_.TakeReady();
+  Cut();
+  std::vector<size_t> now = ExactPerGroup(volume_);
+  std::set<size_t> cut, coarse;
+  auto until = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  while ((cut.empty() || coarse != cut) && std::chrono::steady_clock::now() < until) {
+    for (const GroupMesh& m : mesher_.TakeReady()) {
+      EXPECT_EQ(m.indices.size() / 3, now[m.group]);
+      cut.insert(m.group);
+      if (m.coarse.empty()) continue;
+      coarse.insert(m.group);
+      EXPECT_LT(m.coarse.size(), m.indices.size());
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  EXPECT_FALSE(cut.empty());
+  EXPECT_EQ(coarse, cut);
 }
 
 TEST(MesherTest, LeavesOutOnlyTrianglesThatFaceAway) {

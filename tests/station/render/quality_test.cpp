@@ -50,6 +50,16 @@ TEST(QualityTest, NamesAreFoundAndOthersAreNot) {
   EXPECT_EQ(FindQuality("finest"), nullptr);
 }
 
+TEST(QualityTest, TurningIsNeverMoreWorkThanRest) {
+  for (const Quality& q : kQualities) {
+    Quality turning = WhileTurning(q);
+    EXPECT_LE(turning.occlusion_samples, q.occlusion_samples);
+    EXPECT_LE(turning.scale, q.scale);
+    EXPECT_TRUE(turning.coarse);
+    EXPECT_FALSE(turning == q);
+  }
+}
+
 TEST(PixelRectTest, ABallsRectangleHoldsEveryPointOfIt) {
   constexpr int kWidth = 1280, kHeight = 720;
   std::mt19937 random(7);
@@ -84,6 +94,8 @@ TEST(PixelRectTest, NothingAddsNothingAndNothingGrowsOutOfThePicture) {
   EXPECT_EQ(some.Around({}), some);
   EXPECT_TRUE(PixelRect{}.Grown(5, 100, 100).empty());
   EXPECT_EQ(some.Grown(15, 40, 100), (PixelRect{0, 5, 40, 55}));
+  EXPECT_EQ(some.Within({20, 0, 50, 30}), (PixelRect{20, 20, 30, 30}));
+  EXPECT_TRUE(some.Within({30, 20, 50, 40}).empty());
   EXPECT_FALSE(some.Meets({30, 20, 50, 40}));
   EXPECT_TRUE(some.Meets({29, 39, 50, 60}));
 }

@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
+#include <tuple>
 
 namespace enamel::station::render {
 namespace {
@@ -73,24 +75,86 @@ TEST(SimplifyTest, TheOuterBorderStaysAsItIsAndTheSeamInsideCloses) {
   EXPECT_EQ(Border(mesh), before);
 }
 
-TEST(SimplifyTest, WhatHasTwoTissuesIsLeftAlone) {
-  GroupMesh mesh = Patch(2);
-  auto indices = mesh.indices;
-  Simplify(mesh, 0.004f);
-  EXPECT_EQ(mesh.indices, indices);
+// Triangles by the tissues of their corners, and by where they are.
+std::map<std::array<float, 9>, bool> TrianglesBetweenTissues(const GroupMesh& mesh) {
+  std::map<std::array<float, 9>, bool> out;
+  for (size_t i = 0; i < mesh.indices.size(); i += 3) {
+    auto tissue = [&](size_t k) { return mesh.vertices[mesh.indices[i + k]].tissue; };
+    if (tissue(0) == tissue(1) && tissue(1) == tissue(2)) continue;
+    std::array<glm::vec3, 3> p{At(mesh, i), At(mesh, i + 1), At(mesh, i + 2)};
+    // Corners in a fixed order: which one is first says nothing.
+    auto first = std::min_element(p.begin(), p.end(), [](const glm::vec3& a, const glm::vec3& b) {
+      return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
+    });
+    std::rotate(p.begin(), first, p.end());
+    out[{p[0].x, p[0].y, p[0].z, p[1].x, p[1].y, p[1].z, p[2].x, p[2].y, p[2].z}] = true;
+  }
+  return out;
 }
 
-TEST(SimplifyTest, WhatHasAnEdgeKeepsItsTriangles) {
+TEST(SimplifyTest, TrianglesBetweenTwoTissuesStayAndThoseOfOneGetFewer) {
+  GroupMesh mesh = Patch(2);
+  auto between = TrianglesBetweenTissues(mesh);
+  size_t before = mesh.indices.size();
+  ASSERT_FALSE(between.empty());
+  Simplify(mesh, 0.004f);
+  EXPECT_EQ(TrianglesBetweenTissues(mesh), between);
+  EXPECT_LT(mesh.indices.size(), before / 3);
+}
+
+// The patch closes: no edge inside it is without its opposite.
+TEST(SimplifyTest, NoHoleOpensBetweenTissues) {
+  GroupMesh mesh = Patch(2);
+  auto before = Border(mesh);
+  Simplify(mesh, 0.004f);
+  EXPECT_EQ(Border(mesh), before);
+}
+
+TEST(SimplifyTest, CoarseTrianglesAreFewerStillAndMeetTheSameBorder) {
+  GroupMesh mesh = Patch(2);
+  Coarsen(mesh, 0.02f);
+  Simplify(mesh, 0.004f);
+  auto border = Border(mesh);
+  EXPECT_LT(mesh.coarse.size(), mesh.indices.size());
+  GroupMesh coarse = mesh;
+  coarse.indices = mesh.coarse;
+  EXPECT_EQ(Border(coarse), border);
+  for (size_t i = 0; i < coarse.indices.size(); i += 3) {
+    glm::vec3 middle = (At(coarse, i) + At(coarse, i + 1) + At(coarse, i + 2)) / 3.0f;
+    EXPECT_NEAR(glm::length(middle), kRadius_mm, 0.05f);
+  }
+}
+
+TEST(SimplifyTest, CoarseTrianglesLeaveTheSurfaceAsItIs) {
   GroupMesh mesh = Patch();
   size_t before = mesh.indices.size();
+  Coarsen(mesh, 0.02f);
+  EXPECT_EQ(mesh.indices.size(), before);
+  EXPECT_LT(mesh.coarse.size(), before / 8);
+}
+
+TEST(SimplifyTest, AnEdgeKeepsItsTriangles) {
+  GroupMesh mesh = Patch();
   for (GpuVertex& v : mesh.vertices) {
     v.position_mm[2] = std::min(0.0f, v.position_mm[0]);  // a roof's edge along y
     bool slope = v.position_mm[0] < -0.01f;
     int8_t lean = slope ? -90 : 0, up = slope ? 90 : 127;
     v.normal[0] = lean, v.normal[1] = 0, v.normal[2] = up;
   }
+  auto edges = [](const GroupMesh& m) {
+    size_t count = 0;
+    for (size_t i = 0; i < m.indices.size(); i += 3) {
+      int8_t lean[] = {m.vertices[m.indices[i]].normal[0], m.vertices[m.indices[i + 1]].normal[0],
+                       m.vertices[m.indices[i + 2]].normal[0]};
+      count += lean[0] != lean[1] || lean[1] != lean[2];
+    }
+    return count;
+  };
+  size_t before = edges(mesh), all = mesh.indices.size();
+  ASSERT_GT(before, size_t{kSide});
   Simplify(mesh, 0.004f);
-  EXPECT_EQ(mesh.indices.size(), before);
+  EXPECT_EQ(edges(mesh), before);
+  EXPECT_LT(mesh.indices.size(), all / 3);  // the roof's two planes
 }
 
 TEST(SimplifyTest, NothingStaysNothing) {

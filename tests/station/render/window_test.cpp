@@ -22,9 +22,9 @@ using cutting::kBrickVoxels;
 using cutting::Tissue;
 using cutting::Volume;
 
-// A slab of 8 x 8 x 3.2 mm at 0.1 mm: 0.8 mm of enamel over dentin, pulp at the bottom. Its top is
-// at z = 0.
-Volume Slab() {
+// At 0.1 mm: 0.8 mm of enamel over dentin, pulp at the bottom.
+template <typename Distance_mm>
+Volume Shaped(Distance_mm&& distance_mm) {
   cutting::GridSpec spec{100'000, {12, 12, 6}, {-4'800'000, -4'800'000, -4'000'000}};
   Volume volume(spec);
   for (int b = 0; b < spec.brick_count(); ++b) {
@@ -34,10 +34,8 @@ Volume Slab() {
     for (size_t i = 0; i < kBrickVoxels; ++i) {
       auto n = static_cast<int>(i);
       dvec3 p = spec.origin_m() * 1e3 + 0.1 * dvec3(first + ivec3(n & 7, n >> 3 & 7, n >> 6));
-      dvec3 q = glm::abs(p - dvec3(0, 0, -1.6)) - dvec3(4, 4, 1.6);
-      double d_mm = std::max({q.x, q.y, q.z});
-      phi[i] =
-          static_cast<int16_t>(std::clamp(d_mm / 0.1 * cutting::kPhiPerVoxel, -32767.0, 32767.0));
+      phi[i] = static_cast<int16_t>(
+          std::clamp(distance_mm(p) / 0.1 * cutting::kPhiPerVoxel, -32767.0, 32767.0));
       labels[i] = static_cast<uint8_t>(p.z > -0.8   ? Tissue::kEnamel
                                        : p.z > -2.6 ? Tissue::kDentin
                                                     : Tissue::kPulp);
@@ -46,6 +44,19 @@ Volume Slab() {
   }
   volume.Reserve();
   return volume;
+}
+
+// 8 x 8 x 3.2 mm, its top at z = 0.
+Volume Slab() {
+  return Shaped([](const dvec3& p) {
+    dvec3 q = glm::abs(p - dvec3(0, 0, -1.6)) - dvec3(4, 4, 1.6);
+    return std::max({q.x, q.y, q.z});
+  });
+}
+
+// Of the same tissues, 4.4 mm thick.
+Volume Ball() {
+  return Shaped([](const dvec3& p) { return glm::length(p - dvec3(0, 0, -1.6)) - 2.2; });
 }
 
 struct Image {
@@ -205,6 +216,108 @@ TEST_F(WindowTest, DrawnPieceByPieceIsDrawnAsAWhole) {
   EXPECT_EQ(differ, 0);
 }
 
+// As an attempt draws where there is no graphics card, without the panel.
+class TurningTest : public WindowTest {
+ protected:
+  Image Draw(Screen& screen, ToothView& view, const Quality& quality, int pictures = 1) {
+    for (int i = 0; i < pictures; ++i) {
+      screen.Begin();
+      view.Draw(screen.width(), screen.height(), quality);
+      screen.End(&view.result());
+    }
+    EXPECT_TRUE(screen.WriteScreenshot(File("turning.png")).ok());
+    return ReadPng(File("turning.png"));
+  }
+  // Pixels that are tooth in `shown`, of those inside the tooth's outline in `outline`.
+  static int InsideTooth(const Image& outline, const Image& shown) {
+    auto is_tooth = [](const Image& image, int x, int y) {
+      const uint8_t* p = &image.rgb[(static_cast<size_t>(y) * image.width + x) * 3];
+      return p[0] > p[2];  // it is warm, and what is behind it is not
+    };
+    int count = 0;
+    for (int y = 2; y < outline.height - 2; ++y) {
+      for (int x = 2; x < outline.width - 2; ++x) {
+        bool inside = true;
+        for (int i = 0; i < 25 && inside; ++i) {
+          inside = is_tooth(outline, x + i % 5 - 2, y + i / 5 - 2);
+        }
+        count += inside && is_tooth(shown, x, y);
+      }
+    }
+    return count;
+  }
+  static ScreenOptions Plain() {
+    ScreenOptions options;
+    options.width_px = 900;
+    options.height_px = 640;
+    options.paced = false;
+    return options;
+  }
+};
+
+TEST_F(TurningTest, WhileTheCameraTurnsFewerTrianglesShowTheSameToothAndAtRestAllOfThem) {
+  const Quality& quality = *FindQuality("good");
+  Screen screen(Plain());
+  ToothView view(Options().view, Ball());
+  ASSERT_TRUE(view.WaitIdle(std::chrono::seconds(30)));
+  Draw(screen, view, quality);
+  EXPECT_FALSE(view.work().coarse);
+  size_t all = view.work().triangles_drawn;
+
+  view.camera().Orbit(0.02f, 0);
+  Image turning = Draw(screen, view, quality);
+  EXPECT_TRUE(view.work().coarse);
+  EXPECT_LT(view.work().triangles_drawn, all * 3 / 4);
+  Image rest = Draw(screen, view, quality, Picture::kStillPictures);
+  EXPECT_FALSE(view.work().coarse);
+  ASSERT_EQ(turning.rgb.size(), rest.rgb.size());
+  int differ = 0;
+  for (size_t i = 0; i < rest.rgb.size(); i += 3) {
+    differ += std::abs(turning.rgb[i] - rest.rgb[i]) > 24;
+  }
+  EXPECT_LT(differ, rest.width * rest.height / 200);
+  EXPECT_GT(InsideTooth(rest, rest), rest.width * rest.height / 20);
+  EXPECT_EQ(InsideTooth(rest, turning), InsideTooth(rest, rest));
+
+  // Nothing of having turned is left in the picture.
+  view.camera().Orbit(-0.02f, 0);
+  Draw(screen, view, quality);
+  view.camera().Orbit(0.02f, 0);
+  EXPECT_EQ(Draw(screen, view, quality, 1 + Picture::kStillPictures).rgb, rest.rgb);
+}
+
+TEST_F(TurningTest, WhatIsCutWhileTheCameraTurnsIsWholeOnceItRests) {
+  const Quality& quality = *FindQuality("good");
+  Screen screen(Plain());
+  Volume volume = Slab();
+  ToothView view(Options().view, volume);
+  ASSERT_TRUE(view.WaitIdle(std::chrono::seconds(30)));
+  Draw(screen, view, quality);
+  cutting::Cutter cutter(volume, kBur);
+  cutting::RemovedUnits removed{};
+  cutting::Pose pose;
+  for (int i = 0; i <= 40; ++i) {
+    pose.tip_m = {-1e-3 + 0.05e-3 * i, 0, -1e-3};
+    cutter.Cut(pose, removed);
+    view.PublishBricks(volume, cutter.touched());
+    view.camera().Orbit(0.002f, 0);
+    if (i % 8 == 0) Draw(screen, view, quality);
+  }
+  view.FlushBricks(volume);
+  Image after = Draw(screen, view, quality, 1 + Picture::kStillPictures);
+  // The same tooth, never seen before.
+  ToothView anew(Options().view, volume);
+  anew.camera() = view.camera();
+  ASSERT_TRUE(anew.WaitIdle(std::chrono::seconds(30)));
+  Image fresh = Draw(screen, anew, quality);
+  int differ = 0;
+  for (size_t i = 0; i < fresh.rgb.size(); ++i) {
+    differ += std::abs(after.rgb[i] - fresh.rgb[i]) > 24;
+  }
+  // Uncut again, the anew one has fewer triangles where it was cut.
+  EXPECT_LT(differ, fresh.width * fresh.height / 200);
+}
+
 TEST_F(WindowTest, TheBurThrowsAShadowOnTheToothBelow) {
   Volume volume = Slab();
   auto created = Window::Create(Options(), volume);
@@ -311,6 +424,36 @@ TEST(PanelTextTest, EveryWarningHasASentence) {
     EXPECT_NE(WarningText(bit), "");
   EXPECT_EQ(WarningText(kWarnLate | kWarnPulpExposed),
             "Force is uneven: computer too busy\nPulp exposed");
+}
+
+// Relative luminance (WCAG 2.1) of an sRGB colour.
+double Luminance(const std::array<float, 3>& srgb) {
+  auto linear = [](double c) {
+    return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
+  };
+  return 0.2126 * linear(srgb[0]) + 0.7152 * linear(srgb[1]) + 0.0722 * linear(srgb[2]);
+}
+double Contrast(double a, double b) { return (std::max(a, b) + 0.05) / (std::min(a, b) + 0.05); }
+
+TEST(PanelTextTest, BarsCanBeToldApartByBrightnessAlone) {
+  constexpr Bearing kAll[] = {Bearing::kGood, Bearing::kCareful, Bearing::kBad};
+  double ground = Luminance({15 / 255.0f, 17 / 255.0f, 20 / 255.0f});
+  for (Bearing a : kAll) {
+    EXPECT_GE(Contrast(Luminance(ColourOf(a)), ground), 3);
+    for (Bearing b : kAll) {
+      if (a == b) continue;
+      EXPECT_GE(Contrast(Luminance(ColourOf(a)), Luminance(ColourOf(b))), 1.5);
+    }
+  }
+}
+
+TEST(PanelTextTest, BarsTurnBeforeItIsTooLate) {
+  EXPECT_EQ(BearingOf({0.25, 0.25, ""}), Bearing::kGood);
+  EXPECT_EQ(BearingOf({0.1, 0.25, "floor"}), Bearing::kCareful);
+  EXPECT_EQ(BearingOf({-0.01, 0.25, "floor"}), Bearing::kBad);
+  EXPECT_EQ(BearingOfPulp(1.5), Bearing::kGood);
+  EXPECT_EQ(BearingOfPulp(0.8), Bearing::kCareful);
+  EXPECT_EQ(BearingOfPulp(0.4), Bearing::kBad);
 }
 
 TEST(PanelTextTest, AFaultInWordsStandsInPlaceOfTheWarningsThatSayLess) {
