@@ -89,6 +89,13 @@ double PictureTimes::Quantile_ms(double share) const {
   return sorted[at];
 }
 
+double PictureTimes::ShareWithin(double seconds) const {
+  auto end = ms_.begin() + static_cast<long>(std::min(next_, kCount));
+  auto within = std::count_if(ms_.begin(), end, [&](float ms) { return ms <= 1e3 * seconds; });
+  return static_cast<double>(within) /
+         static_cast<double>(std::max<size_t>(1, std::min(next_, kCount)));
+}
+
 void DrawOperatorPanel(Workflow& flow, const render::Screen& screen, const PictureTimes& times,
                        const render::Quality& quality, double budget_s) {
   float px = screen.fonts().scale;
@@ -109,8 +116,9 @@ void DrawOperatorPanel(Workflow& flow, const render::Screen& screen, const Pictu
   Network(flow);
   SpoolFacts(flow);
   Head("Pictures");
-  ImGui::Text("p50 %.1f   p95 %.1f ms   budget %.1f ms", times.Quantile_ms(0.5),
+  ImGui::Text("p50 %.1f   p95 %.1f ms   budget here %.1f ms", times.Quantile_ms(0.5),
               times.Quantile_ms(0.95), 1e3 * budget_s);
+  ImGui::Text("fit for 60 a second (16.7 ms): %.0f %%", 100 * times.ShareWithin(1.0 / 60));
   ImGui::PlotLines("##pictures", times.ms().data(), static_cast<int>(PictureTimes::kCount),
                    static_cast<int>(times.first()), nullptr, 0, static_cast<float>(2e3 * budget_s),
                    {580 * px, 46 * px});

@@ -17,6 +17,8 @@ class PictureTimes {
   const std::array<float, kCount>& ms() const { return ms_; }
   size_t first() const { return next_ % kCount; }
   double Quantile_ms(double share) const;
+  // How many of them took no longer, 0..1.
+  double ShareWithin(double seconds) const;
 
  private:
   std::array<float, kCount> ms_{};

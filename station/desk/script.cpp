@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <numeric>
 #include <sstream>
@@ -14,9 +15,9 @@ namespace {
 using render::InputEvent;
 using render::Screen;
 
-constexpr std::array<std::string_view, 13> kVerbs = {
-    "page", "see",   "click",  "type",    "key",     "hold", "let",
-    "move", "wheel", "frames", "removed", "picture", "quit"};
+constexpr std::array<std::string_view, 14> kVerbs = {
+    "page", "see",   "click",  "type",    "key",   "hold",    "let",
+    "move", "wheel", "frames", "removed", "until", "picture", "quit"};
 
 int KeyOf(const std::string& name) {
   constexpr std::array<std::pair<std::string_view, int>, 9> kNamed = {{
@@ -122,6 +123,7 @@ bool Script::Take(const Line& line, Screen& screen, const Ui& ui, Workflow& flow
   }
   if (line.verb == "frames") return waited_ >= std::atoi(line.rest.c_str());
   if (line.verb == "removed") return Removed_mm3(flow) >= std::atof(line.rest.c_str());
+  if (line.verb == "until") return std::filesystem::exists(line.rest);
   if (Status written = screen.WriteScreenshot(line.rest); !written.ok()) status_ = written;
   return true;
 }

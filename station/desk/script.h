@@ -23,6 +23,7 @@ namespace enamel::station::desk {
 //   wheel N            notches, one a frame
 //   frames N           waits
 //   removed MM3        waits until at least so much of the tooth is gone
+//   until FILE         waits until this file is there: for what happens outside the window
 //   picture FILE       writes what is shown as PNG
 //   quit               ends the program
 //

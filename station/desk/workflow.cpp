@@ -28,7 +28,15 @@ void Workflow::Go(Place place) {
   notice_.clear();
 }
 
-void Workflow::Fail(const Status& status) { problem_ = status.message(); }
+// A sign-in lasts as long as its connection: who was signed in is then asked again.
+void Workflow::Fail(const Status& status) {
+  bool signed_in = !offline_ && (place_ == Place::kExercises || place_ == Place::kExercise ||
+                                 place_ == Place::kReady || place_ == Place::kResult);
+  if (signed_in && status.code() == Code::kUnauthenticated && !workplace_.person()) {
+    return SignOut("The connection to the server was lost. Sign in again; no recording is lost.");
+  }
+  problem_ = status.message();
+}
 
 void Workflow::Tick(Clock::time_point now, bool active) {
   if (active) active_at_ = now;

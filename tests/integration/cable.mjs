@@ -1,31 +1,30 @@
-// cable.mjs LISTEN_PORT SERVER_PORT CUT_FILE: carries connections to a server on loopback; while CUT_FILE is there it cuts
-// all of them at random moments, 50 to 600 ms apart, some in the middle of what was being carried. Prints each ten cuts.
+// cable.mjs LISTEN_PORT SERVER_PORT CUT_FILE: carries connections to a server on loopback; while CUT_FILE is there each of
+// them breaks once it has carried a random 6 to 24 kB, both ways counted, in the middle of what was being carried. So how
+// often it breaks depends on what is carried and not on how fast the computer is. Prints the number of cuts after each.
 import { existsSync } from "node:fs";
 import net from "node:net";
 
 const [listen, server, cutFile] = [Number(process.argv[2]), Number(process.argv[3]), process.argv[4]];
-const open = new Set();
 let cuts = 0;
 
 net.createServer((station) => {
   const far = net.connect(server, "127.0.0.1");
+  let left = 6_000 + Math.random() * 18_000;
+  const cut = () => {
+    if (station.destroyed && far.destroyed) return;
+    station.destroy();
+    far.destroy();
+    console.log(`${++cuts} cuts`);
+  };
   for (const [from, to] of [[station, far], [far, station]]) {
-    open.add(from);
     from.on("data", (bytes) => {
-      // The cable breaks in the middle of a packet: half of it arrives.
-      if (existsSync(cutFile) && Math.random() < 0.02) to.write(bytes.subarray(0, bytes.length >> 1), () => { station.destroy(); far.destroy(); });
-      else to.write(bytes);
+      if (left <= 0) return;
+      const before = left;
+      if (existsSync(cutFile)) left -= bytes.length;
+      if (left > 0) to.write(bytes);
+      else to.write(bytes.subarray(0, before), cut);
     });
     from.on("error", () => {});
-    from.on("close", () => { open.delete(from); to.destroy(); });
+    from.on("close", () => to.destroy());
   }
 }).listen(listen, "127.0.0.1", () => console.log("ready"));
-
-const next = () => setTimeout(() => {
-  if (existsSync(cutFile) && open.size > 0) {
-    for (const socket of open) socket.destroy();
-    if (++cuts % 10 === 0) console.log(`${cuts} cuts`);
-  }
-  next();
-}, 50 + Math.random() * 550);
-next();

@@ -131,13 +131,18 @@ touch "$work/cut"
 rc=0
 wait "$runner" || rc=$?
 [ $rc -eq 0 ] || [ $rc -eq 3 ] || { cat "$work/run.log"; fail "the station ended with exit code $rc"; }
+# What is left goes over the same bad cable, then over a whole one.
+timeout 120 "$bin/enamel-station" upload --data "$station" --server "127.0.0.1:$cable_port" >/dev/null 2>&1 || true
 rm "$work/cut"
 station_cli upload --data "$station" --server "127.0.0.1:$cable_port" >/dev/null
+cuts=$(tail -n 1 "$work/cable.log" | cut -d' ' -f1)
+[ "$cuts" -ge 10 ] 2>/dev/null || fail "expected the cable to be cut at least 10 times, it was: $(tail -n 1 "$work/cable.log")"
 attempt=$(json_of "$work/cut.json" attempt_id)
 [ "$(ticks_on_server "$attempt")" = "$(json_of "$work/cut.json" ticks)" ] || fail "a pulled cable cost ticks"
 server_cli report --data "$data" --attempt "$attempt" --wait 600 --json "$work/report.json" >/dev/null
 [ "$(json_of "$work/report.json" witness_ok)" = true ] || fail "what came over the broken cable does not replay"
-echo "ok: $(json_of "$work/cut.json" ticks) ticks over $(tail -n 1 "$work/cable.log")"
+[ "$(spool_of "$attempt" committed_chunks)" = "$(spool_of "$attempt" chunks)" ] || fail "parts of it are still on the station only"
+echo "ok: $(json_of "$work/cut.json" ticks) ticks over $cuts cuts"
 kill "$cable"
 
 echo "== watched while it is made"

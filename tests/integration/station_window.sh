@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # A student at the station's window, played by a script without a screen: wrong password, sign in, choose, cut with the
 # mouse, pause, finish, see the score, try again, sign out; a password that was for one use; an attempt that was cut off
-# goes on, another is handed in as it is; one is kept for later and made without the server. ENAMEL_PICTURES=FOLDER keeps
-# the pictures of every page.
+# goes on, another is handed in as it is; one is kept for later and made without the server; one is given up; the server
+# goes away at sign-in and in the middle; nothing happens for too long. ENAMEL_PICTURES=FOLDER keeps the pictures of every
+# page.
 . "$(dirname "$0")/support.sh"
 command -v Xvfb >/dev/null || { echo "skipped: Xvfb is not installed"; exit 77; }
 pictures=${ENAMEL_PICTURES:-$work/pictures}
@@ -27,11 +28,20 @@ reference=$(json_of "$work/reference" attempt_id)
 "$bin/enamel-server" report --data "$work/server" --attempt "$reference" --wait 120 >/dev/null
 "$bin/enamel-server" admin mark-reference --data "$work/server" --attempt "$reference" --dentist "Simulated dentist" --consent >/dev/null
 
-# play NAME: a script on standard input, at a window of 1280 x 720.
+# play NAME [SIZE [options]]: a script on standard input, at a window of 1280 x 720 or that size. PICTURES and WORK stand for
+# the folders.
 play() {
-  sed "s|PICTURES|$pictures|" >"$work/$1.txt"
-  timeout 300 "$bin/enamel-station" open --data "$station" --window "${2:-1280x720}" --no-sound --simulated --script "$work/$1.txt" ||
+  sed "s|PICTURES|$pictures|; s|WORK|$work|" >"$work/$1.txt"
+  timeout 300 "$bin/enamel-station" open --data "$station" --window "${2:-1280x720}" --no-sound --simulated --script "$work/$1.txt" "${@:3}" ||
     { tail -n 20 "$work/server.log"; fail "the script $1 did not get through"; }
+}
+# Waits until a script has come to where it writes this picture.
+await_picture() {
+  for _ in $(seq 600); do
+    [ ! -s "$pictures/$1.png" ] || return 0
+    sleep 0.1
+  done
+  fail "no picture of $1 within a minute"
 }
 attempts() { "$bin/enamel-station" spool list --data "$station" | grep -c ' chunks on the server' || true; }
 
@@ -130,6 +140,12 @@ removed 0.4
 frames 20
 picture PICTURES/11-zones.png
 let Left
+hold Right
+move 24 6 12
+picture PICTURES/11-turning.png
+let Right
+frames 10
+picture PICTURES/11-turned.png
 key F
 page finish
 key Enter
@@ -162,6 +178,108 @@ frames 2
 picture PICTURES/14-once.png
 quit
 EOF
+
+# Nothing happens for three seconds: signed out.
+play idle 1280x720 --idle-minutes 0.05 <<'EOF'
+page sign-in
+type student1
+key Tab
+type enamel-demo-student1
+key Enter
+page exercises
+page sign-in
+see signed out because
+frames 2
+picture PICTURES/24-idle.png
+quit
+EOF
+play give-up <<'EOF'
+page sign-in
+type student1
+key Tab
+type enamel-demo-student1
+key Enter
+page exercises
+click Class I
+page exercise
+see Bur:
+click Start
+page running
+frames 10
+key Escape
+page paused
+click Give up
+page give-up
+frames 2
+picture PICTURES/25-give-up.png
+click Give up
+page result
+see Handed in
+quit
+EOF
+# The server goes away in the middle of an attempt, and comes back while it is handed in.
+play away <<'EOF' &
+page sign-in
+type student1
+key Tab
+type enamel-demo-student1
+key Enter
+page exercises
+click Class I
+page exercise
+see Bur:
+click Start
+page running
+wheel 17
+hold Space
+wheel 20
+frames 20
+picture PICTURES/26-before-away.png
+until WORK/away
+frames 40
+picture PICTURES/27-away.png
+let Space
+key F
+page finish
+key Enter
+page hand-in
+see The server is away
+frames 2
+picture PICTURES/28-hand-in-away.png
+until WORK/back
+page sign-in
+see Sign in again
+frames 2
+picture PICTURES/29-back.png
+type student1
+key Tab
+type enamel-demo-student1
+key Enter
+page exercises
+quit
+EOF
+player=$!
+pids+=("$player")
+await_picture 26-before-away
+stop_server
+touch "$work/away"
+await_picture 28-hand-in-away
+start_server "$work/server" "$port"
+touch "$work/back"
+wait "$player" || fail "the attempt during which the server went away"
+stop_server
+play no-server <<'EOF'
+page sign-in
+type student1
+key Tab
+type enamel-demo-student1
+key Enter
+see recordings made earlier are safe
+frames 2
+picture PICTURES/30-no-server.png
+quit
+EOF
+start_server "$work/server" "$port"
 
 # cut_off OPTIONS: an attempt of student1 whose program is killed in the middle.
 cut_off() {
@@ -317,7 +435,7 @@ start_server "$work/server" "$port"
 "$bin/enamel-station" spool verify --data "$station" >"$work/verify" || { cat "$work/verify"; fail "the spool does not verify"; }
 for n in 1-sign-in 2-wrong-password 3-exercises 4-exercise 5-running 6-cutting 7-paused 8-finish 9-result 10-instructor-exercise \
   11-zones 12-score 13-reference 14-once 15-cut-off 16-go-on 17-resumed 18-resumed-running 19-reserve 20-kept 21-reserved \
-  22-offline-exercise 23-safe; do
+  22-offline-exercise 23-safe 11-turning 11-turned 24-idle 25-give-up 26-before-away 27-away 28-hand-in-away 29-back 30-no-server; do
   [ -s "$pictures/$n.png" ] || fail "no picture of $n"
 done
 echo "ok: a student and an instructor at the window, from sign-in to score and reference, after a crash and without the server"
