@@ -12,8 +12,8 @@ namespace {
 constexpr int kGroupSide = 4;
 // What was not cut yet may be off by this in the picture: a third of a pixel, seen near.
 constexpr float kUncutError_mm = 0.004f;
-// While the picture moves: a pixel, seen as an attempt begins.
-constexpr float kMovingError_mm = 0.02f;
+// While the picture moves: half a pixel, seen as an attempt begins.
+constexpr float kMovingError_mm = 0.012f;
 // The tick thread cannot wake the mesher without a system call, so the mesher looks.
 constexpr auto kPollInterval = std::chrono::milliseconds(4);
 

@@ -11,7 +11,7 @@
 namespace enamel::station::render {
 namespace {
 
-constexpr float kMargin_px = 28, kPanelWidth_px = 470, kBar_px = 20;  // at the reference height
+constexpr float kMargin_px = 28, kPanelWidth_px = 505, kBar_px = 20;  // at the reference height
 constexpr ImGuiWindowFlags kOverlay =
     ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoInputs |
     ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoFocusOnAppearing;
@@ -103,7 +103,7 @@ struct Panel {
     bool beyond = leeway.left_mm < 0;
     Bar(beyond ? "Over" : "Limit", text,
         beyond || leeway.whole_mm <= 0 ? 1 : leeway.left_mm / leeway.whole_mm, BearingOf(leeway));
-    std::string where(leeway.where);
+    std::string where(leeway.where.empty() ? "until the limit" : leeway.where);
     if (c.zones && c.zones->container_mm3 >= 0.005) {
       std::snprintf(text, sizeof text, "%.2f mm\xc2\xb3 too much", c.zones->container_mm3);
     } else {
