@@ -290,14 +290,17 @@ Status CalibrateDevice(const CalibrateCommand& options) {
   auto subject =
       options.device.starts_with(kSimulated) ? OpenSimulated(options) : OpenAttached(options);
   if (!subject.ok()) return subject.status();
+  // A name that the document would be refused for is told before anything moves.
+  scene::DeviceProfile named = subject->profile;
+  named.name = options.name.empty() ? subject->profile.name + "-measured" : options.name;
+  if (auto valid = scene::ProfileFromJson(scene::ToJson(named)); !valid.ok()) return valid.status();
   ENAMEL_RETURN_IF_ERROR(AwaitGoAhead(options, *subject));
   auto axes = Measure(*subject, options);
   if (!axes.ok()) return axes.status();
   AxisFigures worst = WorstOf(*axes);
   Print(worst, *axes, subject->profile);
 
-  std::string name = options.name.empty() ? subject->profile.name + "-measured" : options.name;
-  auto proposed = ProposeProfile(worst, options.rate_hz, subject->profile, name,
+  auto proposed = ProposeProfile(worst, options.rate_hz, subject->profile, named.name,
                                  "measured " + Today() + " on " + subject->address);
   if (!options.calibration.empty()) {
     scene::Calibration document = CalibrationOf(worst, options.rate_hz);

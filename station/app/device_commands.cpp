@@ -81,7 +81,7 @@ void AddLoopTest(CLI::App& app, const Finish& finish, int* exit_code) {
       ->check(CLI::Range(100, 20'000))
       ->capture_default_str();
   command->add_option("--cpu", options->cpu, "Bind both to this processor, 0 the first")
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::Range(0, 1023));
   command->add_option("--json", options->json, "Write the figures to this file");
   command->callback([=] { *exit_code = finish(TestLoop(*options)); });
 }

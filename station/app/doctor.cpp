@@ -17,6 +17,7 @@
 #include "station/loop/duration_histogram.h"
 #include "station/loop/realtime.h"
 #include "station/render/screen.h"
+#include "station/sdk/open_sdk_device.h"
 #include "station/spool/spool.h"
 #include "station/uplink/server_link.h"
 
@@ -164,6 +165,9 @@ Finding Devices() {
     std::string name = hid::DeviceNameOf(info) + " (" + info.name + ")";
     there += (there.empty() ? "" : ", ") + name;
     if (::access(info.path.c_str(), R_OK | W_OK) != 0) refused += " " + info.path;
+  }
+  for (const sdk::SdkDevice& found : sdk::ListSdkDevices()) {
+    there += (there.empty() ? "" : ", ") + found.choice + " (" + found.name + ")";
   }
   if (!refused.empty()) {
     return {"devices", Verdict::kFail, there + "; may not be used by you:" + refused,

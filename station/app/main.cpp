@@ -187,7 +187,8 @@ void AddSettings(CLI::App& app, program::LogOptions& log, std::string& config) {
 
 int main(int argc, char** argv) {
   CLI::App app("enamel-station: cut virtual teeth; every tick is recorded and sent to the server.");
-  app.footer(kFooter);
+  app.footer(
+      "'enamel-station --help' shows a first attempt, and what exit codes mean.");  // of commands
   app.require_subcommand(0, 1);
   app.set_version_flag("--version", "enamel-station " ENAMEL_VERSION);
   int exit_code = 0;
@@ -254,6 +255,13 @@ int main(int argc, char** argv) {
   int keep_days = 7;
   uint64_t keep_mib = run.retention.bytes >> 20;
   auto* run_cmd = with_data(app.add_subcommand("run", "Make an attempt at an exercise"));
+  run_cmd->footer(
+      "With a simulated hand; with a board and a foot pedal; going on after a crash:\n"
+      "  ENAMEL_PASSWORD=... enamel-station run --user LOGIN --exercise NAME --profile omega3\n"
+      "  ENAMEL_PASSWORD=... enamel-station run --user LOGIN --exercise NAME --profile NAME \\\n"
+      "      --device hid --pedal 05f3:00ff --window\n"
+      "  ENAMEL_PASSWORD=... enamel-station run --user LOGIN --resume last\n"
+      "'devices' lists what is attached, 'profiles' and the server's page what there is.");
   run_cmd->add_option("--server", run.server, "HOST:PORT when it has moved since enrolment");
   auto* exercise = run_cmd->add_option("--exercise", run.exercise, "Name of the exercise");
   run_cmd->add_option("--profile", run.profile, "Name of the device profile");
@@ -283,7 +291,8 @@ int main(int argc, char** argv) {
                       "hid or spacemouse, with :VENDOR:PRODUCT where there are several; dhd, "
                       "openhaptics ('devices' "
                       "lists them); else a simulated one");
-  run_cmd->add_option("--cpu", run.cpu, "Bind the haptic loop to this processor");
+  run_cmd->add_option("--cpu", run.cpu, "Bind the haptic loop to this processor, 0 the first")
+      ->check(CLI::Range(0, 1023));
   run_cmd->add_option("--pedal", run.device.pedal,
                       "Foot pedal, as 05f3:00ff; others with ,id=N,byte=N,mask=HEX");
   run_cmd->add_option("--axes", run.device.axes, "Which of a board's axes are the scene's x, y, z")
@@ -422,6 +431,7 @@ int main(int argc, char** argv) {
   qualify::RegisterQualify(app, &exit_code);
   RegisterDeviceCommands(app, DefaultData(), Finish, &exit_code);
 
+  app.footer(kFooter);
   program::LogOptions log{.name = "enamel-station"};
   std::string config;
   AddSettings(app, log, config);

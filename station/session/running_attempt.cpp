@@ -61,8 +61,7 @@ RunningAttempt::RunningAttempt(const trace::SecretKey& station_key, Spool& spool
       loop_(device, *core_, ring_, LoopOptions(prepared, options), this) {
   uploader_.Prefer(attempt_, live_);
   recorder_thread_ = std::thread([this] { Record(); });
-  loop_thread_ = std::thread(
-      [this, lockstep = options.lockstep, cpu = options.cpu] { RunLoop(lockstep, cpu); });
+  loop_thread_ = std::thread([this, options] { RunLoop(options); });
 }
 
 RunningAttempt::~RunningAttempt() {
@@ -79,10 +78,12 @@ void RunningAttempt::OnTick(const core::Core& core, const Snapshot& snapshot) no
   if (observer_ != nullptr) observer_->OnTick(core, snapshot);
 }
 
-void RunningAttempt::RunLoop(bool lockstep, int cpu) {
-  if (!lockstep) {
-    RealtimeGrant grant = RequestRealtime({cpu});
-    if (!grant.refused.empty()) spdlog::warn("{}", grant.refused);
+void RunningAttempt::RunLoop(const AttemptOptions& options) {
+  if (!options.lockstep) {
+    RealtimeGrant grant = RequestRealtime({options.cpu});
+    // Being late harms nobody without motors, and nothing that is simulated.
+    auto level = options.faults_when_late ? spdlog::level::warn : spdlog::level::info;
+    if (!grant.refused.empty()) spdlog::log(level, "{}", grant.refused);
   }
   loop_.Run();
 }

@@ -68,7 +68,7 @@ class RunningAttempt : private TickObserver {
 
  private:
   void OnTick(const core::Core& core, const Snapshot& snapshot) noexcept override;
-  void RunLoop(bool lockstep, int cpu);
+  void RunLoop(const AttemptOptions& options);
   void Record();
 
   std::optional<RecordingLock> lock_;  // until the recording is whole
