@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kSchemaVersion = 2;
-constexpr int kBusy_ms = 10'000;
+constexpr int kBusy_ms = 10'000, kWalRetry_ms = 10;
 
 int64_t UnixMs(std::chrono::system_clock::time_point t) {
   return std::chrono::duration_cast<std::chrono::milliseconds>(t.time_since_epoch()).count();
@@ -59,6 +59,10 @@ struct Spool::Db {
     return sqlite3_exec(handle, sql, nullptr, nullptr, nullptr) == SQLITE_OK ? Status::Ok()
                                                                              : Fail(doing);
   }
+  Status UseWal();
+  Result<int64_t> Version();
+  // Creates the tables, or migrates them; nothing when another process has done it meanwhile.
+  Status BringUpToDate();
 };
 
 namespace {
@@ -182,6 +186,37 @@ Status VerifyRecording(const SpooledAttempt& attempt, const trace::TraceFile& fi
 
 }  // namespace
 
+// Two processes that switch a new file to WAL at once: SQLite tells one that it is locked without
+// waiting the busy timeout.
+Status Spool::Db::UseWal() {
+  for (int waited_ms = 0;; waited_ms += kWalRetry_ms) {
+    Status done = Exec("PRAGMA journal_mode = WAL", "opening");
+    bool busy = !done.ok() && sqlite3_errcode(handle) == SQLITE_BUSY;
+    if (!busy || waited_ms >= kBusy_ms) return done;
+    sqlite3_sleep(kWalRetry_ms);
+  }
+}
+
+Result<int64_t> Spool::Db::Version() {
+  Statement s(handle, "PRAGMA user_version");
+  if (s.Step() != SQLITE_ROW) return Fail("reading its version");
+  return s.IntAt(0);
+}
+
+Status Spool::Db::BringUpToDate() {
+  ENAMEL_RETURN_IF_ERROR(Exec("BEGIN IMMEDIATE", "beginning to create its tables"));
+  auto version = Version();
+  Status done = version.status();
+  if (version.ok() && *version < kSchemaVersion) {
+    std::string sql = std::string(*version == 0 ? kSpoolSchema : kSpoolFrom1) +
+                      "PRAGMA user_version = " + std::to_string(kSchemaVersion);
+    done = Exec(sql.c_str(), *version == 0 ? "creating its tables" : "bringing it to version 2");
+  }
+  if (done.ok()) return Exec("COMMIT", "creating its tables");
+  (void)Exec("ROLLBACK", "going back");
+  return done;
+}
+
 Spool::Spool(std::unique_ptr<Db> db) : db_(std::move(db)) {}
 Spool::~Spool() = default;
 const fs::path& Spool::file() const { return db_->file; }
@@ -203,27 +238,18 @@ Result<std::unique_ptr<Spool>> Spool::Open(const fs::path& folder) {
   sqlite3_busy_timeout(db->handle, kBusy_ms);
   // Recordings identify people: nobody but the owner reads them.
   fs::permissions(db->file, fs::perms::owner_read | fs::perms::owner_write, error);
-  ENAMEL_RETURN_IF_ERROR(db->Exec(
-      "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON", "opening"));
-  int64_t version = 0;
-  {
-    Statement s(db->handle, "PRAGMA user_version");
-    if (s.Step() != SQLITE_ROW) return db->Fail("reading its version");
-    version = s.IntAt(0);
-  }
-  if (version > kSchemaVersion) {
+  ENAMEL_RETURN_IF_ERROR(db->UseWal());
+  ENAMEL_RETURN_IF_ERROR(
+      db->Exec("PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON", "opening"));
+  auto version = db->Version();
+  if (!version.ok()) return version.status();
+  if (*version > kSchemaVersion) {
     return Status(Code::kVersion, "spool " + db->file.string() + " is of version " +
-                                      std::to_string(version) + ", this program knows " +
+                                      std::to_string(*version) + ", this program knows " +
                                       std::to_string(kSchemaVersion) +
                                       ": use the newer enamel-station that made it");
   }
-  if (version < kSchemaVersion) {
-    std::string sql = std::string("BEGIN IMMEDIATE;") +
-                      (version == 0 ? kSpoolSchema : kSpoolFrom1) +
-                      "PRAGMA user_version = " + std::to_string(kSchemaVersion) + "; COMMIT";
-    ENAMEL_RETURN_IF_ERROR(
-        db->Exec(sql.c_str(), version == 0 ? "creating its tables" : "bringing it to version 2"));
-  }
+  if (*version < kSchemaVersion) ENAMEL_RETURN_IF_ERROR(db->BringUpToDate());
   if (sqlite3_db_readonly(db->handle, "main") == 1) {
     return Status(Code::kStorage,
                   "spool " + db->file.string() + " is not writable: " + WhatToDo(SQLITE_READONLY));

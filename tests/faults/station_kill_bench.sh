@@ -42,12 +42,12 @@ look() {
 # Station INDEX is killed COUNT times. A line per kill: attempt, kind, ticks reported, ms of the last durable tick and of
 # the kill (0: nothing was being recorded), whether it was resumed.
 torture() {
-  local i=$1 count=$2 station=$work/station$1 kind=clock span=3500 how run=() before="" facts id seen cuts=0 reported rc last ms runner=""
+  local i=$1 count=$2 station=$work/station$1 kind=clock span=3500 how run=() before="" facts id seen cuts=0 reported rc last ms kill runner=""
   RANDOM=$((seed + i))
   trap '[ -z "$runner" ] || kill -KILL "$runner" 2>/dev/null || true' EXIT
   trap 'exit 1' TERM
   [ $((i % 3)) -ne 0 ] || kind=lockstep span=2500 run=(--lockstep)
-  for _ in $(seq "$count"); do
+  for kill in $(seq "$count"); do
     how=(--exercise "$exercise" --profile phantom_desktop)
     [ -z "$before" ] || how=(--resume "$before")
     "$enamel_station" run --data "$station" --quiet --user student1 --operator student "${run[@]}" "${how[@]}" >"$work/run$i" 2>&1 &
@@ -56,6 +56,13 @@ torture() {
     facts=$(look "$station")
     seen=$(text_of "$facts" attempt_id)
     reported=$(number_of "$facts" ticks)
+    # The last one falls into a recording, however slow the machine.
+    for _ in $(seq 600); do
+      [ "$kill" -eq "$count" ] && [ "$reported" -eq 0 ] && kill -0 "$runner" 2>/dev/null || break
+      sleep 0.2
+      facts=$(look "$station")
+      seen=$(text_of "$facts" attempt_id) reported=$(number_of "$facts" ticks)
+    done
     pause_ms "$(random_ms 200)"
     kill -KILL "$runner" 2>/dev/null || true
     ms=${EPOCHREALTIME/[.,]/} rc=0  # no $(...) here: it would tell of the kill

@@ -289,6 +289,33 @@ TEST_F(SpoolTest, MigratedSpoolHasTheColumnsOfANewOne) {
   EXPECT_EQ(columns(folder_ / "old" / "spool.sqlite"), columns(folder_ / "spool.sqlite"));
 }
 
+TEST_F(SpoolTest, SeveralProcessesMayOpenASpoolThatIsNotThereYetAtOnce) {
+  constexpr int kRounds = 20, kProcesses = 6;
+  for (int round = 0; round < kRounds; ++round) {
+    const fs::path folder = folder_ / std::to_string(round);
+    int gate[2];
+    ASSERT_EQ(::pipe(gate), 0);
+    std::vector<pid_t> children;
+    for (int i = 0; i < kProcesses; ++i) {
+      children.push_back(::fork());
+      if (children.back() != 0) continue;
+      ::close(gate[1]);
+      char go = 0;
+      (void)!::read(gate[0], &go, 1);  // until all are there and the gate is closed
+      auto spool = Spool::Open(folder);
+      if (!spool.ok()) std::fprintf(stderr, "%s\n", spool.status().message().c_str());
+      ::_exit(spool.ok() && (*spool)->List().ok() ? 0 : 1);
+    }
+    ::close(gate[0]);
+    ::close(gate[1]);
+    for (pid_t child : children) {
+      int state = 0;
+      ASSERT_EQ(::waitpid(child, &state, 0), child);
+      EXPECT_EQ(state, 0) << round;
+    }
+  }
+}
+
 TEST_F(SpoolTest, OneProcessRecordsAtATime) {
   auto spool = Open();
   {
