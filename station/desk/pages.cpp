@@ -25,6 +25,7 @@ int64_t NowUnixMs() {
 std::string SpanText(int64_t span_ms) {
   int64_t minutes = std::max<int64_t>(span_ms, 0) / 60'000;
   if (minutes >= 2 * 24 * 60) return std::to_string(minutes / (24 * 60)) + " days";
+  if (minutes == 0) return "less than a minute";
   if (minutes >= 2 * 60) return std::to_string(minutes / 60) + " hours";
   return std::to_string(minutes) + (minutes == 1 ? " minute" : " minutes");
 }
@@ -370,7 +371,11 @@ void Pages::Ready() {
       check != nullptr && !check->wanted().empty() ? check->wanted() : "The device is looked at",
       still || check == nullptr ? 1 : check->share());
   ui_.Note("The bur and its force come on once the handpiece has rested in the air.");
-  Busy();
+  if (flow_.busy() || flow_.tooth_drawn()) {
+    Busy();
+  } else {
+    ui_.Note("Drawing the tooth …");
+  }
   ui_.Problem(flow_.problem());
   if (ui_.Button("Back") || ui_.escape()) flow_.Back();
   ui_.End();

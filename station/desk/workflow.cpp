@@ -245,6 +245,7 @@ void Workflow::CheckDevice(Clock::time_point now) {
     stillness_->Look(stage_->device().ReadSample(), Seconds(now - started_));
     if (!stillness_->passed()) return;
   }
+  if (!tooth_drawn()) return;  // nobody is to cut what cannot be seen yet
   if (ticketed_) return Begin();
   TakeTicket();
 }

@@ -76,6 +76,8 @@ class Workflow {
   const PreparedAttempt* preview() const { return stage_ ? &stage_->prepared() : preview_.get(); }
   Stage* stage() { return stage_.get(); }
   const StillnessCheck* stillness() const { return stillness_ ? &*stillness_ : nullptr; }
+  // The whole tooth is in the picture.
+  bool tooth_drawn() { return stage_ && stage_->view().WaitIdle(std::chrono::milliseconds(0)); }
   Uploader::State upload() const;
   uint32_t chunks() const;
   const std::optional<AttemptProgress>& progress() const { return progress_; }

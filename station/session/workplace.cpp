@@ -119,10 +119,13 @@ Result<Person> Workplace::SignIn(const std::string& login, const std::string& pa
   if (!link_.connected()) {
     if (Status s = link_.Connect(credentials_); !s.ok()) {
       if (s.code() != Code::kUnavailable) return s;
-      return Status(s.code(), s.message() +
-                                  ". An attempt needs the server to begin; recordings made "
-                                  "earlier are safe in " +
-                                  data_.string() + " ('enamel-station upload' sends them)");
+      return Status(s.code(),
+                    "the server is away: an attempt needs it to begin. Recordings made earlier "
+                    "are safe in " +
+                        data_.string() +
+                        " ('enamel-station upload' sends them). In the network's "
+                        "words: " +
+                        s.message());
     }
   }
   if (!link_.may_begin_attempts()) {

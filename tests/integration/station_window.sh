@@ -274,7 +274,7 @@ type student1
 key Tab
 type enamel-demo-student1
 key Enter
-see recordings made earlier are safe
+see the server is away
 frames 2
 picture PICTURES/30-no-server.png
 quit

@@ -56,7 +56,7 @@ TEST(ResultTextTest, WhatWasCutOffOrReservedSaysHowLongAgoAndHowLongStill) {
   cut.created_unix_ms = kNow - 3 * 60 * kMinute;
   EXPECT_EQ(CutOffText(cut, kNow), "12 parts recorded on omega3, begun 3 hours ago");
   cut.created_unix_ms = kNow + kMinute;  // the clock was set back
-  EXPECT_EQ(CutOffText(cut, kNow), "12 parts recorded on omega3, begun 0 minutes ago");
+  EXPECT_EQ(CutOffText(cut, kNow), "12 parts recorded on omega3, begun less than a minute ago");
   ReservedAttempt reserved;
   reserved.ticket.person = "Ada";
   reserved.ticket.profile = "pointer";
