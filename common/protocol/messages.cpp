@@ -77,6 +77,17 @@ wire::Error UnsupportedError() {
   return error;
 }
 
+bool IsPageUrl(std::string_view text) {
+  constexpr size_t kMostBytes = 200;
+  for (std::string_view scheme : {"https://", "http://"}) {
+    if (text.starts_with(scheme) && text.size() > scheme.size()) {
+      return text.size() <= kMostBytes &&
+             std::ranges::all_of(text, [](char c) { return c > ' ' && c < '\x7f'; });
+    }
+  }
+  return false;
+}
+
 Result<Uuid> ReadUuid(const std::string& bytes, const char* field) {
   ENAMEL_RETURN_IF_ERROR(CheckSize(bytes, 16, field));
   return Uuid::FromBytes(AsBytes(bytes));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "common/base/bytes.h"
 #include "common/base/result.h"
@@ -27,6 +28,10 @@ wire::Error ToError(const Status& status);
 Status ToStatus(const wire::Error& error);
 // Answer to a request whose body this program does not know.
 wire::Error UnsupportedError();
+
+// What a station shows people as the address of the page: `https://` or `http://` and what follows,
+// at most 200 printable ASCII characters without spaces.
+bool IsPageUrl(std::string_view text);
 
 // Fixed-size byte fields. Errors: kInvalidInput naming `field`, expected and found size.
 Result<Uuid> ReadUuid(const std::string& bytes, const char* field);

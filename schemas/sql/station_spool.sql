@@ -42,7 +42,8 @@ CREATE TABLE chunks (
 
 -- Tickets taken in advance, each locked with its person's PIN: `locked` is the ticket
 -- (schemas/trace_format.md) under a key made from PIN and salt (station/session/ticket_safe.h). Gone
--- when used and uploaded, expired, revoked, or after too many wrong PINs.
+-- when used and uploaded or revoked. One that is handed back, has expired unused or had too many wrong
+-- PINs has an empty `locked` until the server has been told (schemas/wire/README.md, "Returned tickets").
 CREATE TABLE tickets (
   attempt         BLOB PRIMARY KEY CHECK (length(attempt) = 16),
   person          TEXT NOT NULL,            -- name to show in the list

@@ -83,7 +83,7 @@ Status AddPerson(const std::filesystem::path& data, const NewPerson& person) {
   row.display_name = *name;
   row.role = *role;
   row.must_change_password = password->made_up;
-  auto id = (*store)->CreatePerson(row, password->verifier, kCommandLine);
+  auto id = (*store)->CreatePerson(row, password->verifier, {}, kCommandLine);
   if (!id.ok()) return id.status();
   std::cout << "added " << *login << " (" << RoleName(*role) << "), id " << id->Text() << "\n";
   ShowIfMadeUp(*password);

@@ -79,6 +79,9 @@ void AddAddresses(CLI::App* cmd, app::ServeOptions& serve) {
                   "Numeric address of the proxy that speaks TLS to the browsers and sets\n"
                   "X-Forwarded-For and X-Forwarded-Proto; nobody else is answered (repeatable)");
   cmd->add_option("--host-name", serve.host_names, "Name the page is reached under (repeatable)");
+  cmd->add_option("--page-url", serve.page_url,
+                  "Where people open the page: stations say it to whom they send there. Without:\n"
+                  "made of the first --host-name");
 }
 
 void AddOperations(CLI::App* cmd, Options& o) {

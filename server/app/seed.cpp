@@ -45,7 +45,7 @@ Result<Uuid> EnsurePerson(Store& store, const DemoPerson& demo) {
   person.login = demo.login;
   person.display_name = demo.display_name;
   person.role = demo.role;
-  return store.CreatePerson(person, *verifier, kCommandLine);
+  return store.CreatePerson(person, *verifier, {}, kCommandLine);
 }
 
 Result<Uuid> EnsureCohort(Store& store) {

@@ -16,6 +16,7 @@
 
 #include "common/base/file.h"
 #include "common/net/frame_client.h"
+#include "common/protocol/messages.h"
 #include "server/app/caretaker.h"
 #include "server/app/data_folder.h"
 #include "server/http/http_server.h"
@@ -135,6 +136,16 @@ Result<stations::StationServerOptions> LinkOptionsOf(const ServeOptions& options
   return out;
 }
 
+// Behind a proxy the page is at the proxy's usual port.
+std::string PageUrlOf(const ServeOptions& options, const http::HttpOptions& http, uint16_t port) {
+  if (!options.page_url.empty() || options.host_names.empty()) return options.page_url;
+  constexpr uint16_t kHttps = 443, kHttp = 80;
+  bool proxied = !http.trusted_proxies.empty(), https = proxied || http.tls;
+  std::string url = (https ? "https://" : "http://") + options.host_names.front();
+  if (!proxied && port != (https ? kHttps : kHttp)) url += ":" + std::to_string(port);
+  return protocol::IsPageUrl(url) ? url : std::string();
+}
+
 WorkerOptions JobOptions(const ServeOptions& options) {
   WorkerOptions out;
   out.threads = options.job_threads;
@@ -210,6 +221,13 @@ Status Serve(const ServeOptions& options) {
   if (!http_options.ok()) return http_options.status();
   auto link_options = LinkOptionsOf(options, *identity);
   if (!link_options.ok()) return link_options.status();
+  if (!options.page_url.empty() && !protocol::IsPageUrl(options.page_url)) {
+    return Status(Code::kInvalidInput,
+                  "--page-url expects https:// or http:// and what follows, at most 200 characters "
+                  "of ASCII without spaces, found \"" +
+                      options.page_url + "\"",
+                  "page-url");
+  }
   ops::Metrics metrics;
   metrics.Add(ops::AddProcess);
   metrics.Add([&store](ops::MetricsText& text) { AddStoreFigures(store, text); });
@@ -230,6 +248,7 @@ Status Serve(const ServeOptions& options) {
 
   auto page_port = page.Start();
   if (!page_port.ok()) return page_port.status();
+  services.page_url = PageUrlOf(options, *http_options, *page_port);
   auto link_port = link.Start();
   if (!link_port.ok()) return link_port.status();
   worker.Start();

@@ -17,6 +17,9 @@ struct ServeOptions {
   bool http_self_signed = false;          // page.crt, page.key in the data folder, made when absent
   std::vector<std::string> http_proxies;  // numeric addresses; no one else is answered
   std::vector<std::string> host_names;    // the page may be asked for under; needed beyond loopback
+  // Where people open the page, which stations tell them (protocol::IsPageUrl). Empty: made of the
+  // first of host_names; without one it is not told.
+  std::string page_url;
   int io_threads = 2;
   int job_threads = 1;
   int min_free_mib = 256;                    // recordings are refused when the disk has less

@@ -3,6 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <chrono>
 #include <iostream>
 #include <optional>
 
@@ -39,6 +40,12 @@ void Show(const AssignmentRow& row) {
                            row.id.Text(), row.exercise, cohort, WhenText(row.opens_ms, "at once"),
                            WhenText(row.due_ms, "never"), row.late_allowed ? " (late allowed)" : "",
                            limit, row.exam ? ", exam" : "", stations);
+}
+
+UnixMs UnixNowMs() {
+  return std::chrono::duration_cast<std::chrono::milliseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
 }
 
 Result<Uuid> CohortOrEverybody(Store& store, const std::string& name) {
@@ -171,8 +178,20 @@ Status EndAssignment(const std::filesystem::path& data, const std::string& id) {
   if (!store.ok()) return store.status();
   auto row = (*store)->AssignmentById(*parsed);
   if (!row.ok()) return row.status();
-  ENAMEL_RETURN_IF_ERROR((*store)->DeleteAssignment(row->id, row->revision, kCommandLine));
-  std::cout << row->exercise << " is no longer assigned so; attempts made under it stay\n";
+  Status deleted = (*store)->DeleteAssignment(row->id, row->revision, kCommandLine);
+  if (deleted.ok()) {
+    std::cout << row->exercise << " is no longer assigned so\n";
+    return deleted;
+  }
+  if (deleted.field() != "attempts") return deleted;
+  row->due_ms = UnixNowMs();
+  row->late_allowed = false;
+  if (row->opens_ms >= row->due_ms) row->opens_ms = 0;
+  auto ended = (*store)->ReplaceAssignment(*row, kCommandLine);
+  if (!ended.ok()) return ended.status();
+  std::cout << row->exercise
+            << " is due now, so that nothing begins under it any more; it stays for the attempts "
+               "that were made, which release --assignment releases\n";
   return Status::Ok();
 }
 

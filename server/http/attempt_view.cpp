@@ -181,7 +181,7 @@ Result<json::array> AttemptView::MayDo(const AttemptRow& row) {
       {"override", reviews && row.score.has_value()},
       {"annotate", reviews},
       {"rescore", reviews && sealed && row.state != AttemptState::kScoring},
-      {"excuse", reviews && row.assignment && (row.flags & kExcused) == 0},
+      {"excuse", reviews && row.assignment && (row.flags & (kExcused | kReturned)) == 0},
       {"mark_reference", scored && sealed && CanMarkReference(viewer_, row, *shares)},
       {"appeal", CanAppeal(viewer_, row) && !*appeal},
       {"answer_appeal", reviews && *appeal && (*appeal)->state == "open"},

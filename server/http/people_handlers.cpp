@@ -115,14 +115,6 @@ Result<NewPerson> NewPersonOf(const Call& call) {
   return out;
 }
 
-Status MustExist(Store& store, const std::vector<Uuid>& cohorts) {
-  for (const Uuid& id : cohorts) {
-    Result<Cohort> cohort = store.CohortById(id);
-    if (!cohort.ok()) return {cohort.status().code(), cohort.status().message(), "cohorts"};
-  }
-  return {};
-}
-
 }  // namespace
 
 Response ListPeople(const Call& call) {
@@ -159,17 +151,11 @@ Response AddPerson(const Call& call) {
   if (Status confirmed = RequireConfirmed(call); !confirmed.ok()) return ErrorResponse(confirmed);
   Result<NewPerson> wanted = NewPersonOf(call);
   if (!wanted.ok()) return ErrorResponse(wanted.status());
-  if (Status known = MustExist(call.store, wanted->cohorts); !known.ok())
-    return ErrorResponse(known);
   Result<auth::OneTimePassword> password = NewPassword();
   if (!password.ok()) return ErrorResponse(password.status());
-  Result<Uuid> id = call.store.CreatePerson(wanted->person, password->verifier, ActorOf(call));
+  Result<Uuid> id =
+      call.store.CreatePerson(wanted->person, password->verifier, wanted->cohorts, ActorOf(call));
   if (!id.ok()) return ErrorResponse(id.status());
-  for (const Uuid& cohort : wanted->cohorts) {
-    if (Status added = call.store.AddToCohort(cohort, *id, ActorOf(call)); !added.ok()) {
-      return ErrorResponse(added);
-    }
-  }
   Result<Person> person = call.store.PersonById(*id);
   if (!person.ok()) return ErrorResponse(person.status());
   return WithPassword(*person, password->text, 201);

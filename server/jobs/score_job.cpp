@@ -29,8 +29,9 @@ Status Stopped() {
 
 class ScoreJob {
  public:
-  ScoreJob(Store& store, const Uuid& attempt, const JobProgress& progress, ReferenceCache& cache)
-      : store_(store), attempt_(attempt), progress_(progress), cache_(cache) {}
+  ScoreJob(Store& store, const Uuid& attempt, const Uuid& job, const JobProgress& progress,
+           ReferenceCache& cache)
+      : store_(store), attempt_(attempt), job_(job), progress_(progress), cache_(cache) {}
 
   Status Run() {
     ENAMEL_RETURN_IF_ERROR(LoadTrace());
@@ -229,7 +230,7 @@ class ScoreJob {
     ENAMEL_RETURN_IF_ERROR(Put(scene::EncodeVolume(final_volume), result.final_volume));
     ENAMEL_RETURN_IF_ERROR(Put(EncodeSurface(mesh, deviation), result.surface));
     ENAMEL_RETURN_IF_ERROR(Put(AsBytes(series_json), result.series));
-    return store_.FinishAttempt(attempt_, result);
+    return store_.FinishAttempt(attempt_, result, job_);
   }
 
   void FillStation(const scoring::ProcessRecorder& process, scoring::ScoreResult& score) const {
@@ -252,7 +253,7 @@ class ScoreJob {
   }
 
   Store& store_;
-  const Uuid attempt_;
+  const Uuid attempt_, job_;
   const JobProgress& progress_;
   ReferenceCache& cache_;
 
@@ -278,11 +279,11 @@ bool WorthAnotherTry(const Status& status) {
 }  // namespace
 
 Status RunScoreJob(Store& store, const Uuid& attempt, const JobProgress& progress,
-                   ReferenceCache* cache) {
+                   ReferenceCache* cache, const Uuid& job) {
   ReferenceCache own;
-  Status status = ScoreJob(store, attempt, progress, cache ? *cache : own).Run();
+  Status status = ScoreJob(store, attempt, job, progress, cache ? *cache : own).Run();
   if (status.ok() || WorthAnotherTry(status)) return status;
-  return store.FailAttempt(attempt, status.message());
+  return store.FailAttempt(attempt, status.message(), job);
 }
 
 }  // namespace enamel::server

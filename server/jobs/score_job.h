@@ -28,10 +28,12 @@ using JobProgress = std::function<bool(double progress)>;
 //     deviation (surface_blob.h), series (series.h); then Store::FinishAttempt.
 // Running it again gives the same blobs but for replay_realtime_factor.
 //
-// Returns Ok when the attempt has its verdict: scored, or failed with its problem stored. Errors,
-// after which the job should be tried again: kStorage, kUnavailable (also when `progress` stopped
-// it); kNotFound when there is no such attempt. Thread safety: any thread. Blocks for seconds.
+// `job`: the run this is, by which it is stopped when it is cancelled and its cause is kept; zero:
+// none. Returns Ok when the attempt has its verdict: scored, or failed with its problem stored.
+// Errors, after which the job should be tried again: kStorage, kUnavailable (also when `progress`
+// stopped it); kNotFound when there is no such attempt. Thread safety: any thread. Blocks for
+// seconds.
 Status RunScoreJob(Store& store, const Uuid& attempt, const JobProgress& progress = {},
-                   ReferenceCache* cache = nullptr);
+                   ReferenceCache* cache = nullptr, const Uuid& job = {});
 
 }  // namespace enamel::server

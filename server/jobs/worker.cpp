@@ -102,12 +102,12 @@ Status Worker::RunJob(const JobRow& job, const std::stop_token& stop) {
     if (done >= told + kProgressStep) {
       told = done;
       // Other trouble than having been cancelled is met and reported by the job's own writes.
-      if (store_.SetProgress(job.attempt, done).code() == Code::kUnavailable) return false;
+      if (store_.SetProgress(job.id, done).code() == Code::kUnavailable) return false;
     }
     return !stop.stop_requested();
   };
   try {
-    return RunScoreJob(store_, job.attempt, progress, &references_);
+    return RunScoreJob(store_, job.attempt, progress, &references_, job.id);
   } catch (const std::exception& e) {  // thread's entry: out of memory
     return Status(Code::kInternal, std::string("scoring ended with an exception: ") + e.what());
   }

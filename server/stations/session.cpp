@@ -100,6 +100,8 @@ Result<wire::Reply> Session::Dispatch(const wire::Request& request) {
       return Do(request.mark_reference());
     case wire::Request::kOfferAttempts:
       return Do(request.offer_attempts());
+    case wire::Request::kReturnTicket:
+      return Do(request.return_ticket());
     case wire::Request::kPing: {
       wire::Reply reply;
       reply.mutable_pong()->set_nonce(request.ping().nonce());
@@ -122,8 +124,9 @@ Result<wire::Reply> Session::Do(const wire::Hello& hello) {
         Code::kUnauthenticated,
         "this server does not know the station or no longer admits it; enrol it with a new code");
   }
-  ENAMEL_RETURN_IF_ERROR(services_.store.TouchStation(
-      *id, hello.software().substr(0, kMaxSoftwareBytes), hello.core_version(), services_.clock()));
+  ENAMEL_RETURN_IF_ERROR(
+      services_.store.TouchStation(*id, ShortenedText(hello.software(), kMaxSoftwareBytes),
+                                   hello.core_version(), services_.clock()));
   station_ = *station;
   station_core_version_ = hello.core_version();
   admitted_ms_ = services_.clock();
@@ -135,6 +138,7 @@ Result<wire::Reply> Session::Do(const wire::Hello& hello) {
   welcome.set_core_version(core::kCoreVersion);
   welcome.set_server_unix_ms(services_.clock());
   welcome.set_ticket_key(protocol::ToField(services_.ticket_key.public_key));
+  welcome.set_page_url(services_.page_url);
   return reply;
 }
 
@@ -204,8 +208,9 @@ Result<Person> Session::PersonOf(const std::string& session_token) {
   if (!identity.ok()) return identity.status();
   if (identity->person.must_change_password) {
     return Status(Code::kForbidden,
-                  "your password was for signing in once: open the page, choose your own, and sign "
-                  "in here again",
+                  "your password was for signing in once: open the page" +
+                      (services_.page_url.empty() ? "" : ", " + services_.page_url) +
+                      ", choose your own, and sign in here again",
                   "password");
   }
   return identity->person;

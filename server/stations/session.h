@@ -32,6 +32,7 @@ struct Services {
   trace::KeyPair ticket_key;
   std::string software;  // "enamel-server 0.1.0"
   std::function<UnixMs()> clock;
+  std::string page_url{};  // where people open the page (protocol::IsPageUrl); empty: not told
 };
 
 // What to send back and whether the connection ends after it. No reply: to LiveState.
@@ -84,6 +85,7 @@ class Session {
   Result<wire::Reply> Do(const wire::AttemptStatus& request);
   Result<wire::Reply> Do(const wire::MarkReference& request);
   Result<wire::Reply> Do(const wire::OfferAttempts& request);
+  Result<wire::Reply> Do(const wire::ReturnTicket& request);
   void Take(const wire::LiveState& live);
   void ShowLive(const trace::Chunk& chunk);
 

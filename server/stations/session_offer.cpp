@@ -1,6 +1,6 @@
 #include "server/stations/session.h"
 
-// What a station still has that this server may have lost.
+// What a station still has that this server may have lost, and what it gives back.
 namespace enamel::server::stations {
 namespace {
 
@@ -47,11 +47,23 @@ Result<bool> Session::Revoked(const Uuid& attempt) {
   // Issued before a restore: its signature says that it was.
   if (row.status().code() == Code::kNotFound) return false;
   if (!row.ok()) return row.status();
-  if (row->station != station_->id || row->state != AttemptState::kTicketed) return true;
+  bool open = row->state == AttemptState::kTicketed && (row->flags & kReturned) == 0;
+  if (row->station != station_->id || !open) return true;
   auto person = services_.store.PersonById(row->person);
   if (person.status().code() == Code::kNotFound) return true;
   if (!person.ok()) return person.status();
   return person->disabled;
+}
+
+Result<wire::Reply> Session::Do(const wire::ReturnTicket& request) {
+  auto attempt = protocol::ReadUuid(request.attempt(), "attempt");
+  if (!attempt.ok()) return attempt.status();
+  ENAMEL_RETURN_IF_ERROR(MustBeOurs(*attempt));
+  ENAMEL_RETURN_IF_ERROR(
+      services_.store.ReturnTicket(*attempt, Actor{{}, "station " + station_->name}));
+  wire::Reply reply;
+  reply.mutable_ticket_returned()->set_attempt(request.attempt());
+  return reply;
 }
 
 }  // namespace enamel::server::stations

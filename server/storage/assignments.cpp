@@ -3,7 +3,8 @@
 #include "server/storage/sqlite_impl.h"
 #include "server/training/ticket_rules.h"
 
-// Assignments: exercises for cohorts, with dates, limits and exams.
+// Assignments: exercises for cohorts, with dates, limits and exams. In SQL, `flags & 160` is
+// kExcused | kReturned: what does not count.
 namespace enamel::server::sqlite {
 namespace {
 
@@ -108,6 +109,20 @@ Status PutStations(Db& db, const AssignmentRow& row) {
   return Status::Ok();
 }
 
+Status NoAttemptMustDependOn(Db& db, const Uuid& assignment) {
+  Query q(
+      db,
+      "SELECT count(*) FROM attempts WHERE tenant = ?1 AND assignment = ?2 AND flags & 128 = 0");
+  int64_t attempts = q.Bind(assignment).Next() ? q.Int(0) : 0;
+  ENAMEL_RETURN_IF_ERROR(q.status());
+  if (attempts == 0) return Status::Ok();
+  return Status(Code::kConflict,
+                std::to_string(attempts) + (attempts == 1 ? " attempt was" : " attempts were") +
+                    " made under this assignment, and their scores are released through it; to "
+                    "end it, let it be due now",
+                "attempts");
+}
+
 Status InsertAssignment(Db& db, const AssignmentRow& row) {
   {
     Query q(db,
@@ -167,6 +182,7 @@ Status SqliteStore::DeleteAssignment(const Uuid& id, int32_t revision, const Act
     auto stored = FindAssignment(db, id);
     if (!stored.ok()) return stored.status();
     ENAMEL_RETURN_IF_ERROR(MustBeRevision(stored->revision, revision));
+    ENAMEL_RETURN_IF_ERROR(NoAttemptMustDependOn(db, id));
     Query q(db, "DELETE FROM assignments WHERE tenant = ?1 AND id = ?2");
     ENAMEL_RETURN_IF_ERROR(q.Bind(id).Run());
     return WriteAudit(db, by, "assignment.delete", id.Text(), TermsJson(*stored), "{}");
@@ -203,7 +219,7 @@ Result<std::vector<AssignedRow>> SqliteStore::AssignmentsFor(const Uuid& person)
           db,
           "SELECT " ENAMEL_ASSIGNMENT_COLUMNS
           ", (SELECT count(*) FROM attempts t WHERE t.tenant = ?1 AND t.assignment = a.id "
-          "AND t.person = ?2 AND t.flags & 32 = 0), e.id, e.name, e.version, e.title, "
+          "AND t.person = ?2 AND t.flags & 160 = 0), e.id, e.name, e.version, e.title, "
           "e.content, e.scene, e.graded, e.published_ms, e.state, e.revision "
           "FROM " ENAMEL_ASSIGNMENTS
           " JOIN exercises e ON e.tenant = a.tenant AND e.name = a.exercise_name AND e.state "
@@ -254,8 +270,8 @@ Status MayBeIssued(Db& db, const AttemptRow& row) {
       db,
       "SELECT (SELECT attempt_limit FROM assignments WHERE tenant = ?1 AND id = ?2), (SELECT "
       "count(*) FROM attempts WHERE tenant = ?1 AND assignment = ?2 AND person = ?3 AND flags & "
-      "32 = 0), (SELECT id FROM attempts WHERE tenant = ?1 AND person = ?3 AND exam = 1 AND "
-      "(state = 2 OR (state = 1 AND ticketed_ms >= ?4)) AND flags & 32 = 0 LIMIT 1)");
+      "160 = 0), (SELECT id FROM attempts WHERE tenant = ?1 AND person = ?3 AND exam = 1 AND "
+      "(state = 2 OR (state = 1 AND ticketed_ms >= ?4)) AND flags & 160 = 0 LIMIT 1)");
   q.Bind(*row.assignment).Bind(row.person).Bind(row.ticketed_ms - kExamTicketValidMs).Next();
   ENAMEL_RETURN_IF_ERROR(q.status());
   int64_t limit = q.Int(0), used = q.Int(1);

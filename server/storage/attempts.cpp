@@ -109,15 +109,16 @@ Result<ReferenceRow> FindReference(Db& db, const Uuid& id) {
   return Status(Code::kNotFound, "no reference " + id.Text());
 }
 
-// A run that was cancelled may still come to its end.
-Status MustNotBeCancelled(Db& db, const Uuid& attempt) {
-  Query q(db,
-          "SELECT state FROM jobs WHERE tenant = ?1 AND attempt = ?2 ORDER BY state = 'running' "
-          "DESC, id DESC LIMIT 1");
-  bool cancelled = q.Bind(attempt).Next() && q.Text(0) == "cancelled";
+// A run that was cancelled may still come to its end, also after another one was queued.
+Status MustBeRunning(Db& db, const Uuid& job) {
+  if (job.IsZero()) return Status::Ok();
+  Query q(db, "SELECT state FROM jobs WHERE tenant = ?1 AND id = ?2");
+  std::string state = q.Bind(job).Next() ? q.Text(0) : "gone";
   ENAMEL_RETURN_IF_ERROR(q.status());
-  if (cancelled) return Status(Code::kUnavailable, "this scoring run was cancelled");
-  return Status::Ok();
+  if (state == "running") return Status::Ok();
+  return Status(Code::kUnavailable, state == "cancelled"
+                                        ? "this scoring run was cancelled"
+                                        : "this scoring run is over: its job is " + state);
 }
 
 // A released score that turns out otherwise is not yet one that an instructor has seen: of graded
@@ -135,17 +136,17 @@ Status WithdrawReleaseOfAnotherScore(Db& db, const Uuid& attempt,
   return another ? SetReleased(db, attempt, false, Actor{{}, "job"}) : Status::Ok();
 }
 
-Status KeepResult(Db& db, const Uuid& attempt, const Store::AttemptResult& result) {
+Status KeepResult(Db& db, const Uuid& attempt, const Store::AttemptResult& result,
+                  const Uuid& job) {
   Query q(
       db,
       "INSERT INTO attempt_results (tenant, attempt, run, scored_ms, cause, score, "
       "critical_fail, score_json, reference) SELECT ?1, ?2, 1 + (SELECT coalesce(max(run), 0) "
       "FROM attempt_results WHERE tenant = ?1 AND attempt = ?2), ?3, coalesce((SELECT cause FROM "
-      "jobs WHERE tenant = ?1 AND attempt = ?2 AND state = 'running' LIMIT 1), 'seal'), ?4, ?5, "
-      "?6, iif(length(?7) = 16, ?7, NULL)");
+      "jobs WHERE tenant = ?1 AND id = ?8), 'seal'), ?4, ?5, ?6, iif(length(?7) = 16, ?7, NULL)");
   q.Bind(attempt).Bind(NowMs()).Bind(result.score).Bind(int64_t{result.critical_fail});
   q.Bind(result.score_json).Bind(result.reference ? result.reference->view() : ByteView());
-  return q.Run();
+  return q.Bind(job).Run();
 }
 
 }  // namespace
@@ -180,6 +181,26 @@ Status SqliteStore::CreateAttempt(const AttemptRow& row, ByteView ticket, const 
                               {"exercise", row.exercise.Text()},
                               {"assignment", row.assignment ? row.assignment->Text() : ""},
                               {"exam", row.exam ? "yes" : "no"}}));
+  });
+}
+
+Status SqliteStore::ReturnTicket(const Uuid& attempt, const Actor& by) {
+  return Write([&](Db& db) -> Status {
+    auto row = FindAttempt(db, attempt);
+    if (!row.ok()) return row.status();
+    if ((row->flags & kReturned) != 0) return Status::Ok();
+    if (row->state != AttemptState::kTicketed) {
+      return Status(Code::kConflict,
+                    "attempt " + attempt.Text() +
+                        " was begun, so its ticket is used up; an instructor can excuse the "
+                        "attempt so that it does not count",
+                    "attempt");
+    }
+    Query q(db, "UPDATE attempts SET flags = flags | ?3 WHERE tenant = ?1 AND id = ?2");
+    ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(int64_t{kReturned}).Run());
+    return WriteAudit(db, by, "attempt.return", attempt.Text(),
+                      JsonOf({{"state", AttemptStateName(row->state)}}),
+                      JsonOf({{"returned", "yes"}}));
   });
 }
 
@@ -230,9 +251,10 @@ Result<std::vector<AttemptRow>> SqliteStore::Attempts(const AttemptFilter& filte
   });
 }
 
-Status SqliteStore::FinishAttempt(const Uuid& attempt, const AttemptResult& result) {
+Status SqliteStore::FinishAttempt(const Uuid& attempt, const AttemptResult& result,
+                                  const Uuid& job) {
   return Write([&](Db& db) -> Status {
-    ENAMEL_RETURN_IF_ERROR(MustNotBeCancelled(db, attempt));
+    ENAMEL_RETURN_IF_ERROR(MustBeRunning(db, job));
     ENAMEL_RETURN_IF_ERROR(WithdrawReleaseOfAnotherScore(db, attempt, result));
     Query q(db,
             "UPDATE attempts SET state = 5, progress = 1, problem = '', score = ?3, critical_fail "
@@ -248,15 +270,15 @@ Status SqliteStore::FinishAttempt(const Uuid& attempt, const AttemptResult& resu
       return Status(Code::kConflict,
                     "attempt " + attempt.Text() + " is not one that waits for a score");
     }
-    ENAMEL_RETURN_IF_ERROR(KeepResult(db, attempt, result));
+    ENAMEL_RETURN_IF_ERROR(KeepResult(db, attempt, result, job));
     return WriteAudit(db, Actor{{}, "job"}, "attempt.score", attempt.Text(), "{}",
                       JsonOf({{"score_json", result.score_json.Hex()}}));
   });
 }
 
-Status SqliteStore::FailAttempt(const Uuid& attempt, const std::string& problem) {
+Status SqliteStore::FailAttempt(const Uuid& attempt, const std::string& problem, const Uuid& job) {
   return Write([&](Db& db) -> Status {
-    ENAMEL_RETURN_IF_ERROR(MustNotBeCancelled(db, attempt));
+    ENAMEL_RETURN_IF_ERROR(MustBeRunning(db, job));
     Query q(db,
             "UPDATE attempts SET state = iif(score IS NULL, 6, 5), problem = ?3, progress = "
             "score IS NOT NULL WHERE tenant = ?1 AND id = ?2");
@@ -290,11 +312,13 @@ Result<Store::AttemptResult> SqliteStore::ResultOf(const Uuid& attempt) {
   });
 }
 
-Status SqliteStore::SetProgress(const Uuid& attempt, double progress) {
+Status SqliteStore::SetProgress(const Uuid& job, double progress) {
   return Write([&](Db& db) -> Status {
-    Query q(db, "UPDATE attempts SET progress = ?3 WHERE tenant = ?1 AND id = ?2 AND state = 4");
-    ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(std::clamp(progress, 0.0, 1.0)).Run());
-    return db.Changes() > 0 ? Status::Ok() : MustNotBeCancelled(db, attempt);
+    ENAMEL_RETURN_IF_ERROR(MustBeRunning(db, job));
+    Query q(db,
+            "UPDATE attempts SET progress = ?3 WHERE tenant = ?1 AND state = 4 AND id = (SELECT "
+            "attempt FROM jobs WHERE tenant = ?1 AND id = ?2)");
+    return q.Bind(job).Bind(std::clamp(progress, 0.0, 1.0)).Run();
   });
 }
 

@@ -106,14 +106,15 @@ Status OfferAgain(Db& db, ExerciseRow& row, const Actor& by) {
   return WriteAudit(db, by, "exercise.publish", row.id.Text(), before, VersionJson(row));
 }
 
-// What an exam is about stays as it is while the exam is open, and while somebody takes it.
+// What an exam is about stays as it is while the exam is open, and while somebody takes it (160:
+// kExcused | kReturned).
 Status NoExamMustBeOpen(Db& db, const std::string& name) {
   Query q(db,
           "SELECT a.id, coalesce(c.name, ''), a.due_ms FROM assignments a LEFT JOIN cohorts c ON "
           "c.tenant = a.tenant AND c.id = a.cohort WHERE a.tenant = ?1 AND a.exercise_name = ?2 "
           "AND a.exam = 1 AND ((a.opens_ms <= ?3 AND (a.due_ms = 0 OR a.due_ms >= ?3)) OR EXISTS "
           "(SELECT 1 FROM attempts t WHERE t.tenant = a.tenant AND t.assignment = a.id AND t.exam "
-          "= 1 AND (t.state = 2 OR (t.state = 1 AND t.ticketed_ms >= ?4)) AND t.flags & 32 = 0)) "
+          "= 1 AND (t.state = 2 OR (t.state = 1 AND t.ticketed_ms >= ?4)) AND t.flags & 160 = 0)) "
           "LIMIT 1");
   UnixMs now_ms = NowMs();
   if (!q.Bind(name).Bind(now_ms).Bind(now_ms - kExamTicketValidMs).Next()) return q.status();
@@ -302,7 +303,8 @@ Result<std::vector<ExerciseRow>> SqliteStore::ExercisesFor(const Uuid& person) {
             "max(version) FROM exercises n WHERE n.tenant = e.tenant AND n.name = e.name AND "
             "n.state = 2) AND EXISTS (SELECT 1 FROM assignments a WHERE a.tenant = e.tenant AND "
             "a.exercise_name = e.name AND (a.cohort = zeroblob(16) OR a.cohort IN (SELECT m.cohort "
-            "FROM cohort_members m WHERE m.tenant = ?1 AND m.person = ?2))) ORDER BY e.name");
+            "FROM cohort_members m JOIN cohorts c ON c.tenant = m.tenant AND c.id = m.cohort AND "
+            "c.archived_ms = 0 WHERE m.tenant = ?1 AND m.person = ?2))) ORDER BY e.name");
     return ExercisesFrom(q.Bind(person));
   });
 }

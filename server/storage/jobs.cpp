@@ -131,7 +131,7 @@ Status SqliteStore::FinishJob(const Uuid& job, bool ok, const std::string& error
   return Write([&](Db& db) -> Status {
     auto row = FindJob(db, job);
     if (!row.ok()) return row.status();
-    if (row->state == "cancelled") return Status::Ok();
+    if (row->state != "running") return Status::Ok();
     if (!ok && row->tries >= kMaxTries) return GiveUp(db, *row, error);
     row->error = error;
     if (!ok) return Requeue(db, *row);

@@ -121,11 +121,18 @@ Status RenamePerson(Db& db, const Person& before, const std::string& display_nam
 }
 
 Result<Uuid> SqliteStore::CreatePerson(const Person& person, const std::string& password_verifier,
-                                       const Actor& by) {
+                                       const std::vector<Uuid>& cohorts, const Actor& by) {
   Person row = person;
   if (row.id.IsZero()) row.id = Uuid::New();
-  Status status =
-      Write([&](Db& db) -> Status { return InsertPerson(db, row, password_verifier, by); });
+  Status status = Write([&](Db& db) -> Status {
+    ENAMEL_RETURN_IF_ERROR(InsertPerson(db, row, password_verifier, by));
+    for (const Uuid& cohort : cohorts) {
+      Status in = InsertMember(db, cohort, row.id, by);
+      if (in.code() == Code::kNotFound) return {in.code(), "no cohort " + cohort.Text(), "cohorts"};
+      ENAMEL_RETURN_IF_ERROR(in);
+    }
+    return Status::Ok();
+  });
   if (!status.ok()) return status;
   return row.id;
 }

@@ -66,7 +66,7 @@ class SqliteStore final : public Store {
   SqliteStore(const SqliteOptions& options, std::unique_ptr<Db> writer, FolderLock lock);
 
   Result<Uuid> CreatePerson(const Person& person, const std::string& password_verifier,
-                            const Actor& by) override;
+                            const std::vector<Uuid>& cohorts, const Actor& by) override;
   Result<Person> PersonById(const Uuid& id) override;
   Result<Person> PersonByLogin(const std::string& login) override;
   Result<std::string> PasswordVerifier(const Uuid& person) override;
@@ -151,6 +151,7 @@ class SqliteStore final : public Store {
   Result<uint32_t> ReleaseAssignment(const Uuid& id, const Actor& by) override;
 
   Status CreateAttempt(const AttemptRow& row, ByteView ticket, const Actor& by) override;
+  Status ReturnTicket(const Uuid& attempt, const Actor& by) override;
   Status OpenAttempt(const Uuid& attempt, ByteView header) override;
   Status AppendChunk(const ChunkPut& chunk) override;
   Status SealAttempt(const trace::Seal& seal, UnixMs now_ms) override;
@@ -159,10 +160,10 @@ class SqliteStore final : public Store {
   Result<Bytes> AttemptHeader(const Uuid& attempt) override;
   Result<std::vector<Bytes>> AttemptChunks(const Uuid& attempt) override;
   Result<trace::Seal> AttemptSeal(const Uuid& attempt) override;
-  Status FinishAttempt(const Uuid& attempt, const AttemptResult& result) override;
-  Status FailAttempt(const Uuid& attempt, const std::string& problem) override;
+  Status FinishAttempt(const Uuid& attempt, const AttemptResult& result, const Uuid& job) override;
+  Status FailAttempt(const Uuid& attempt, const std::string& problem, const Uuid& job) override;
   Result<AttemptResult> ResultOf(const Uuid& attempt) override;
-  Status SetProgress(const Uuid& attempt, double progress) override;
+  Status SetProgress(const Uuid& job, double progress) override;
   Result<std::vector<ResultRow>> ResultsOf(const Uuid& attempt) override;
   Status ReleaseAttempt(const Uuid& attempt, const Actor& by) override;
   Status WithdrawRelease(const Uuid& attempt, const Actor& by) override;

@@ -127,8 +127,10 @@ class Store {
   virtual ~Store() = default;
 
   // People. Passwords are verifier strings made by server/auth; never shown by any reader.
+  // Together with the memberships or not at all. Errors: kConflict (the login is taken), kNotFound
+  // with field "cohorts".
   virtual Result<Uuid> CreatePerson(const Person& person, const std::string& password_verifier,
-                                    const Actor& by) = 0;
+                                    const std::vector<Uuid>& cohorts, const Actor& by) = 0;
   virtual Result<Person> PersonById(const Uuid& id) = 0;
   virtual Result<Person> PersonByLogin(const std::string& login) = 0;
   virtual Result<std::string> PasswordVerifier(const Uuid& person) = 0;
@@ -239,7 +241,7 @@ class Store {
                                               const Actor& by) = 0;
   virtual Result<ExerciseRow> ExerciseById(const Uuid& id) = 0;
   virtual Result<ExerciseRow> ExerciseByContent(const Sha256& content) = 0;
-  // Newest published versions: assigned to the person's cohorts, or all (admin).
+  // Newest published versions assigned to everybody or to a cohort of the person's that is in use.
   virtual Result<std::vector<ExerciseRow>> ExercisesFor(const Uuid& person) = 0;
   virtual Result<std::vector<ExerciseRow>> AllExercises() = 0;
   // The newest version in this state of each name.
@@ -261,7 +263,8 @@ class Store {
   // kInvalidInput (no published exercise of that name).
   virtual Result<AssignmentRow> AddAssignment(const AssignmentRow& row, const Actor& by) = 0;
   virtual Result<AssignmentRow> ReplaceAssignment(const AssignmentRow& row, const Actor& by) = 0;
-  // Attempts made under it stay, with the terms they were begun under.
+  // Errors also: kConflict with field "attempts" (some were made under it, which are released
+  // through it; to end it, let it be due).
   virtual Status DeleteAssignment(const Uuid& id, int32_t revision, const Actor& by) = 0;
   virtual Result<AssignmentRow> AssignmentById(const Uuid& id) = 0;
   // By due time, those without one last.
@@ -277,8 +280,11 @@ class Store {
   // (field "exam"), unless kReadmitted is set; decided in the transaction, so that two stations
   // cannot both have the last one.
   virtual Status CreateAttempt(const AttemptRow& row, ByteView ticket, const Actor& by) = 0;
-  // First or repeated; kConflict when another header is stored. Whether the ticket inside the
-  // header is genuine and in time is for the caller to have checked.
+  // The attempt's ticket was handed back unused: sets kReturned, and the attempt can no longer be
+  // opened. Again: nothing changes. Errors: kNotFound, kConflict (it was opened).
+  virtual Status ReturnTicket(const Uuid& attempt, const Actor& by) = 0;
+  // First or repeated; kConflict when another header is stored, or the ticket was returned. Whether
+  // the ticket inside the header is genuine and in time is for the caller to have checked.
   virtual Status OpenAttempt(const Uuid& attempt, ByteView header) = 0;
   struct ChunkPut {
     Uuid attempt;
@@ -313,13 +319,16 @@ class Store {
     Sha256 score_json, final_volume, surface, series;
     std::optional<Uuid> reference;  // none when the exercise has no reference yet
   };
-  virtual Status FinishAttempt(const Uuid& attempt, const AttemptResult& result) = 0;
-  virtual Status FailAttempt(const Uuid& attempt, const std::string& problem) = 0;
+  // `job`: the run that made it, whose cause is kept with it; zero: none did, the cause is "seal".
+  // Errors also: kUnavailable (that run was cancelled, or is over).
+  virtual Status FinishAttempt(const Uuid& attempt, const AttemptResult& result,
+                               const Uuid& job) = 0;
+  virtual Status FailAttempt(const Uuid& attempt, const std::string& problem, const Uuid& job) = 0;
   virtual Result<AttemptResult> ResultOf(const Uuid& attempt) = 0;
   // Every run, newest first. Of earlier ones only the score and its reasons are kept.
   virtual Result<std::vector<ResultRow>> ResultsOf(const Uuid& attempt) = 0;
-  // kUnavailable: the job was cancelled; stop.
-  virtual Status SetProgress(const Uuid& attempt, double progress) = 0;
+  // Of a run's attempt. kUnavailable: it was cancelled, or is over; stop.
+  virtual Status SetProgress(const Uuid& job, double progress) = 0;
   virtual Status ReleaseAttempt(const Uuid& attempt, const Actor& by) = 0;
   virtual Status WithdrawRelease(const Uuid& attempt, const Actor& by) = 0;
   // None: the computed score counts again. Errors: kNotFound, kConflict (not scored).
@@ -364,6 +373,7 @@ class Store {
   // shown. Taking a "score" job turns its attempt to "scoring"; its last failure to "failed", or
   // back to "scored" with `problem` set where an earlier run left a score.
   virtual Result<std::optional<JobRow>> LeaseJob(UnixMs now_ms, UnixMs lease_ms) = 0;
+  // Of one that is not running (cancelled, or finished by who took it over): nothing changes.
   virtual Status FinishJob(const Uuid& job, bool ok, const std::string& error) = 0;
   // Stopped before its end through no fault of its own (shutdown): queued again, the try not
   // counted.

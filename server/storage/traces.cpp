@@ -206,6 +206,13 @@ Status SqliteStore::OpenAttempt(const Uuid& attempt, ByteView header) {
       return Status(Code::kConflict, "the ticket of attempt " + attempt.Text() +
                                          " was used for another recording; ask for a new ticket");
     }
+    if ((ingest->flags & kReturned) != 0) {
+      return Status(
+          Code::kConflict,
+          "the ticket of attempt " + attempt.Text() +
+              " was handed back, so nothing can be recorded with it; ask for a new ticket",
+          "ticket");
+    }
     Query q(db,
             "UPDATE attempts SET header = ?3, head_hash = ?4, state = 2, trace_bytes = ?5 "
             "WHERE tenant = ?1 AND id = ?2");

@@ -20,7 +20,8 @@ constexpr FlagName kFlagNames[] = {{kLate, "late"},
                                    {kOverTime, "over_time"},
                                    {kResumed, "resumed"},
                                    {kExcused, "excused"},
-                                   {kReadmitted, "readmitted"}};
+                                   {kReadmitted, "readmitted"},
+                                   {kReturned, "returned"}};
 
 }  // namespace
 

@@ -184,6 +184,7 @@ enum AttemptFlag : uint32_t {
   kResumed = 16,        // the station broke off and went on from what it had spooled
   kExcused = 32,        // an instructor says: counts neither against the limit nor as running
   kReadmitted = 64,     // its ticket was forgotten by a restore; its terms were worked out again
+  kReturned = 128,      // its ticket was handed back unused: it counts for nothing
 };
 // {"late", "over_time"}.
 std::vector<const char*> AttemptFlagNames(uint32_t flags);

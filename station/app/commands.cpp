@@ -93,6 +93,32 @@ Status ListReserved(const fs::path& data) {
   return Status::Ok();
 }
 
+Status GiveBackReserved(const GiveBackCommand& options) {
+  auto id = Uuid::Parse(options.attempt);
+  if (!id.ok()) return id.status();
+  if (options.pin.empty() && options.login.empty()) {
+    return Status(Code::kInvalidInput,
+                  "to give a ticket back, set its PIN in ENAMEL_PIN; if it is forgotten, name its "
+                  "person with --user, password in ENAMEL_PASSWORD",
+                  "pin");
+  }
+  auto workplace = Workplace::Open({.data = options.data, .server = options.server});
+  if (!workplace.ok()) return workplace.status();
+  if (options.pin.empty()) {
+    auto person = (*workplace)->SignIn(options.login, options.password);
+    if (!person.ok()) return person.status();
+  }
+  auto given =
+      options.pin.empty() ? (*workplace)->GiveBack(*id) : (*workplace)->GiveBack(*id, options.pin);
+  if (!given.ok()) return given.status();
+  std::printf("%s is given back: %s\n", options.attempt.c_str(),
+              *given == HandedBack::kAtServer
+                  ? "it no longer counts"
+                  : "it opens nothing here any more; the server could not be reached, and is told "
+                    "when this station next reaches it");
+  return Status::Ok();
+}
+
 Status SimulateAttempt(const SimulateCommand& options) {
   ENAMEL_RETURN_IF_ERROR(CheckOutputFile(options.json, "--json"));
   auto built = LoadScene(options.scene, options.voxel_um);

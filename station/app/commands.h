@@ -22,6 +22,12 @@ struct ReserveCommand {
 };
 Status ReserveAttempt(const ReserveCommand& options);
 Status ListReserved(const std::filesystem::path& data);
+// Hands one back that is not wanted any more: with its PIN, or with its person's password.
+struct GiveBackCommand {
+  std::filesystem::path data;
+  std::string server, attempt, login, password, pin;
+};
+Status GiveBackReserved(const GiveBackCommand& options);
 
 struct SimulateCommand {
   std::string scene = "builtin:molar";  // or a folder written by import

@@ -47,6 +47,7 @@ After a crash or a power cut, go on where the recording ends, or end it there:
 For hours without the server, with a PIN of your own:
   ENAMEL_PASSWORD=... ENAMEL_PIN=... enamel-station reserve --user LOGIN --exercise NAME --profile NAME
   ENAMEL_PIN=... enamel-station run --reserved ID
+  ENAMEL_PIN=... enamel-station reserve --give-back ID
 Settings: command line before environment (ENAMEL_STATION_ and the option's name, as
 ENAMEL_STATION_UPLINK_KBIT) before a file (--config FILE); schemas/station_settings.md.
 Exit codes: 0 done, 1 failed (the reason is on standard error), 2 wrong command line,
@@ -327,6 +328,10 @@ int main(int argc, char** argv) {
   reserve_cmd->add_option("--exercise", reserve.exercise, "Name of the exercise");
   reserve_cmd->add_option("--profile", reserve.profile, "Name of the device profile");
   reserve_cmd->add_option("--user", reserve.login, "Login of the person at this station");
+  std::string give_back;
+  reserve_cmd->add_option("--give-back", give_back,
+                          "ID of a reserved attempt that is not wanted any more: it then does not "
+                          "count.\nPIN in ENAMEL_PIN; forgotten: --user and ENAMEL_PASSWORD");
   reserve_cmd->footer(
       "Password in ENAMEL_PASSWORD, PIN (6 to 12 digits) in ENAMEL_PIN. Without --exercise it "
       "lists "
@@ -339,6 +344,11 @@ int main(int argc, char** argv) {
     reserve.data = data;
     reserve.password = Environment("ENAMEL_PASSWORD");
     reserve.pin = Environment("ENAMEL_PIN");
+    if (!give_back.empty()) {
+      exit_code = Finish(GiveBackReserved(
+          {data, reserve.server, give_back, reserve.login, reserve.password, reserve.pin}));
+      return;
+    }
     exit_code = Finish(reserve.exercise.empty() ? ListReserved(data) : ReserveAttempt(reserve));
   });
 

@@ -336,6 +336,7 @@ void Workflow::LeaveStage() {
       errand_.Poll();
     }
   }
+  workplace_.HandBackUnused();
   stage_.reset();
   stillness_.reset();
 }

@@ -87,11 +87,29 @@ Status TicketSafe::Put(const trace::Ticket& ticket, LockedTicket names, const st
 Result<std::vector<LockedTicket>> TicketSafe::List() {
   auto all = spool_.Tickets();
   if (!all.ok()) return all.status();
+  std::erase_if(*all, [](const LockedTicket& t) { return t.handed_back(); });
   for (const LockedTicket& t : *all) {
-    if (t.expires_unix_ms <= clock_()) ENAMEL_RETURN_IF_ERROR(spool_.RemoveTicket(t.attempt));
+    if (t.expires_unix_ms > clock_()) continue;
+    bool begun = spool_.Get(t.attempt).ok();
+    ENAMEL_RETURN_IF_ERROR(begun ? spool_.RemoveTicket(t.attempt)
+                                 : spool_.HandBackTicket(t.attempt));
   }
   std::erase_if(*all, [&](const LockedTicket& t) { return t.expires_unix_ms <= clock_(); });
   return all;
+}
+
+Status TicketSafe::HandBack(const Uuid& attempt) {
+  auto all = List();
+  if (!all.ok()) return all.status();
+  if (std::ranges::find(*all, attempt, &LockedTicket::attempt) == all->end()) {
+    return NoTicket(attempt);
+  }
+  if (spool_.Get(attempt).ok()) {
+    return Status(Code::kConflict, "attempt " + attempt.Text() +
+                                       " was begun, so its ticket is used up: go on with the "
+                                       "attempt, or end it as far as it goes");
+  }
+  return spool_.HandBackTicket(attempt);
 }
 
 Result<trace::Ticket> TicketSafe::Open(const Uuid& attempt, const std::string& pin) {
@@ -123,7 +141,8 @@ Result<trace::Ticket> TicketSafe::Open(const Uuid& attempt, const std::string& p
     return Status(Code::kUnauthenticated,
                   "wrong PIN; " + std::to_string(kMaxTries - tries) + " more tries", "pin");
   }
-  ENAMEL_RETURN_IF_ERROR(spool_.RemoveTicket(attempt));
+  bool begun = spool_.Get(attempt).ok();
+  ENAMEL_RETURN_IF_ERROR(begun ? spool_.RemoveTicket(attempt) : spool_.HandBackTicket(attempt));
   return Status(Code::kUnauthenticated,
                 "wrong PIN for the tenth time: the ticket is destroyed; get another one from the "
                 "server",

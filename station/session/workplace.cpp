@@ -3,11 +3,13 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "common/scene/json.h"
 #include "common/scene/plan.h"
 #include "common/scene/volume_blob.h"
 #include "common/trace/replay_run.h"
+#include "station/uplink/carrier.h"
 
 namespace enamel::station {
 namespace {
@@ -97,6 +99,7 @@ Workplace::~Workplace() {
   }
   link_.Cancel();
   keep_alive_.join();
+  HandBackUnused();
 }
 
 void Workplace::KeepAlive() {
@@ -136,12 +139,14 @@ Result<Person> Workplace::SignIn(const std::string& login, const std::string& pa
   auto person = link_.SignIn(login, password);
   if (!person.ok()) return person.status();
   if (person->must_change_password) {
+    std::string page =
+        link_.page_url().empty() ? "the page of " + credentials_.server.host : link_.page_url();
     link_.Close();
-    return Status(
-        Code::kForbidden,
-        "this password was for signing in once. Open the page of " + credentials_.server.host +
-            " on any computer, sign in there and choose your own; then sign in here again",
-        "password");
+    return Status(Code::kForbidden,
+                  "this password was for signing in once. Open " + page +
+                      " on any computer, sign in there and choose your own; then sign in here "
+                      "again",
+                  "password");
   }
   std::lock_guard lock(mutex_);
   person_ = *person;
@@ -187,14 +192,36 @@ Result<PreparedAttempt> Workplace::Prepare(const Catalogue::Exercise& exercise,
 }
 
 Status Workplace::TakeTicket(PreparedAttempt& prepared, bool as_reference) {
+  HandBackUnused();
   std::lock_guard link(link_mutex_);
   ENAMEL_RETURN_IF_ERROR(MustBeSignedIn());
+  ENAMEL_RETURN_IF_ERROR(TellReturned());
   auto ticket = link_.RequestTicket(
       credentials_, *person(),
       {prepared.exercise_hash, prepared.profile_hash, prepared.assignment, as_reference, false});
   if (!ticket.ok()) return ticket.status();
   prepared.header.ticket = *ticket;
+  std::lock_guard lock(mutex_);
+  unused_ = ticket->attempt;
   return Status::Ok();
+}
+
+Status Workplace::TellReturned() {
+  Bandwidth no_bound(0);
+  return Carrier(link_, *spool_, no_bound).ReturnTickets();
+}
+
+void Workplace::HandBackUnused() {
+  std::lock_guard lock(mutex_);
+  const Uuid unused = std::exchange(unused_, {});
+  if (unused.IsZero() || spool_->Get(unused).ok()) return;
+  LockedTicket row;  // one that opens nothing
+  row.attempt = unused;
+  if (Status kept = spool_->PutTicket(row); !kept.ok()) {
+    spdlog::warn("the ticket of attempt {}, which was not begun, cannot be handed back: {}",
+                 unused.Text(), kept.message());
+  }
+  uploader_.Wake();
 }
 
 Result<std::unique_ptr<RunningAttempt>> Workplace::Begin(PreparedAttempt& prepared, Device& device,
@@ -207,6 +234,10 @@ Result<std::unique_ptr<RunningAttempt>> Workplace::Begin(PreparedAttempt& prepar
   } else {
     ENAMEL_RETURN_IF_ERROR(
         spool_->BeginAttempt(prepared.header, prepared.exercise.name, prepared.profile.name));
+  }
+  {
+    std::lock_guard lock(mutex_);
+    if (unused_ == prepared.attempt()) unused_ = {};
   }
   return std::make_unique<RunningAttempt>(credentials_.secret_key, *spool_, uploader_, prepared,
                                           device, options, std::move(*lock));
@@ -241,6 +272,31 @@ Result<std::vector<ReservedAttempt>> Workplace::Reserved() {
     }
   }
   return out;
+}
+
+Result<HandedBack> Workplace::HandBackNow(const Uuid& attempt) {
+  ENAMEL_RETURN_IF_ERROR(safe_.HandBack(attempt));
+  std::lock_guard link(link_mutex_);
+  const bool connected = link_.connected();
+  Status told = connected ? Status::Ok() : link_.Connect(credentials_);
+  if (told.ok()) told = TellReturned();
+  if (!connected) link_.Close();
+  if (told.ok()) return HandedBack::kAtServer;
+  uploader_.Wake();
+  return HandedBack::kLater;
+}
+
+Result<HandedBack> Workplace::GiveBack(const Uuid& attempt, const std::string& pin) {
+  auto ticket = safe_.Open(attempt, pin);
+  if (!ticket.ok()) return ticket.status();
+  return HandBackNow(attempt);
+}
+
+// The server tells only those about an attempt who may see it.
+Result<HandedBack> Workplace::GiveBack(const Uuid& attempt) {
+  auto progress = Progress(attempt);
+  if (!progress.ok()) return progress.status();
+  return HandBackNow(attempt);
 }
 
 Result<PreparedAttempt> Workplace::PrepareReserved(const Uuid& attempt, const std::string& pin) {

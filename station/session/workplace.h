@@ -23,6 +23,12 @@ struct ReservedAttempt {
   bool cut_off = false;
 };
 
+// What became of a ticket that was handed back: it opens nothing here any more either way.
+enum class HandedBack {
+  kAtServer,  // it no longer counts
+  kLater,     // the server could not be asked: the uploader tells it as soon as it can
+};
+
 struct WorkplaceOptions {
   std::filesystem::path data;
   std::string server;  // HOST:PORT when it has moved since enrolment; else empty
@@ -52,7 +58,7 @@ class Workplace {
 
   // Connects if need be. Errors also: kVersion when this server's core is another: recordings can
   // be uploaded, attempts not begun; kForbidden with where to change a password that was for one
-  // use.
+  // use (the page's address, where the server says it).
   Result<Person> SignIn(const std::string& login, const std::string& password);
   // Ends the connection and with it the sign-in.
   void SignOut();
@@ -64,12 +70,17 @@ class Workplace {
   Result<PreparedAttempt> Prepare(const Catalogue::Exercise& exercise,
                                   const Catalogue::Profile& profile);
   // From here on the server waits for this attempt: have everything else in place before.
-  // `as_reference`: instructors only.
+  // `as_reference`: instructors only. A ticket taken before and not begun with is handed back
+  // first.
   Status TakeTicket(PreparedAttempt& prepared, bool as_reference);
   // Begins to tick. `device` outlives the attempt. Requires: a ticket. Errors: the spool's;
   // kConflict while another process records here.
   Result<std::unique_ptr<RunningAttempt>> Begin(PreparedAttempt& prepared, Device& device,
                                                 const AttemptOptions& options);
+  // The ticket of TakeTicket, where Begin did not follow, will not be used: the uploader returns
+  // it, so that it does not count. For who turns back in between; does not wait for the server.
+  // Without such a ticket: nothing.
+  void HandBackUnused();
 
   // Takes a ticket now and locks it with a PIN, to make the attempt within 12 hours with or without
   // the server. Its documents are in the cache once it was prepared. Errors also: the PIN's
@@ -78,6 +89,13 @@ class Workplace {
   // Tickets for later whose attempt was not begun, or was cut off: PrepareReserved takes the one,
   // PrepareResume with the PIN the other. Needs no server.
   Result<std::vector<ReservedAttempt>> Reserved();
+  // A person who will not use a ticket for later gives it back, so that it does not count: with its
+  // PIN, or, the PIN forgotten, signed in as its person (or who may see that person's attempts).
+  // Tries to tell the server at once; without it the uploader does later. For a button beside the
+  // list of Reserved that are not cut off. Errors: TicketSafe::Open's (PIN), kConflict when it was
+  // begun, kNotFound; without a PIN also those of Progress.
+  Result<HandedBack> GiveBack(const Uuid& attempt, const std::string& pin);
+  Result<HandedBack> GiveBack(const Uuid& attempt);
   // Needs no server. Errors: TicketSafe::Open's; kConflict when it was begun (resume it then).
   Result<PreparedAttempt> PrepareReserved(const Uuid& attempt, const std::string& pin);
 
@@ -108,6 +126,9 @@ class Workplace {
  private:
   Workplace(const WorkplaceOptions& options, Credentials credentials, std::unique_ptr<Spool> spool);
   Status MustBeSignedIn();
+  // Requires: link_mutex_ is held.
+  Status TellReturned();
+  Result<HandedBack> HandBackNow(const Uuid& attempt);
   Result<trace::Header> HeaderOf(const Uuid& attempt);
   Result<PreparedAttempt> FromCache(const trace::Ticket& ticket);
   Result<PreparedAttempt> Replayed(const trace::Header& header, const KeepGoing& keep_going);
@@ -123,6 +144,7 @@ class Workplace {
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::optional<Person> person_;  // guarded by mutex_
+  Uuid unused_;                   // taken by TakeTicket and not begun with; guarded by mutex_
   bool stop_ = false;             // guarded by mutex_
   std::thread keep_alive_;
 };

@@ -527,6 +527,14 @@ Result<std::vector<LockedTicket>> Spool::Tickets() {
   return out;
 }
 
+Status Spool::HandBackTicket(const Uuid& attempt) {
+  std::lock_guard lock(mutex_);
+  Statement s(db_->handle,
+              "UPDATE tickets SET locked = x'', salt = zeroblob(16) WHERE attempt = ?");
+  return s.Blob(attempt.view()).Step() == SQLITE_DONE ? Status::Ok()
+                                                      : db_->Fail("handing back a ticket");
+}
+
 Status Spool::NoteWrongPin(const Uuid& attempt, int wrong_pins, int64_t wait_unix_ms) {
   std::lock_guard lock(mutex_);
   Statement s(db_->handle, "UPDATE tickets SET wrong_pins = ?, wait_unix_ms = ? WHERE attempt = ?");

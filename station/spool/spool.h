@@ -47,9 +47,11 @@ struct LockedTicket {
   std::string person, exercise, title, profile;  // for people
   int64_t expires_unix_ms = 0;
   std::array<uint8_t, 16> salt{};
-  Bytes locked;
+  Bytes locked;  // empty: it opens nothing any more, and the server is yet to be told
   int wrong_pins = 0;
   int64_t wait_unix_ms = 0;  // no PIN is tried before
+
+  bool handed_back() const { return locked.empty(); }
 };
 
 // How long recordings stay here that the server has.
@@ -136,7 +138,11 @@ class Spool {
   Result<trace::TraceFile> Export(const Uuid& attempt);
 
   Status PutTicket(const LockedTicket& ticket);
+  // Those that were handed back too.
   Result<std::vector<LockedTicket>> Tickets();
+  // Takes the ticket itself away, for good, and keeps what it was for until RemoveTicket. None:
+  // nothing changes.
+  Status HandBackTicket(const Uuid& attempt);
   // Durable before the PIN is tried, so that pulling the plug wins no further try.
   Status NoteWrongPin(const Uuid& attempt, int wrong_pins, int64_t wait_unix_ms);
   Status RemoveTicket(const Uuid& attempt);

@@ -60,9 +60,23 @@ Result<std::vector<Uuid>> Carrier::UnusedTickets() {
   std::vector<Uuid> out;
   for (const LockedTicket& t : *tickets) {
     // One that was begun is in the spool: its recording is evidence, and its PIN may resume it.
-    if (!spool_.Get(t.attempt).ok() && out.size() < kOfferAtOnce) out.push_back(t.attempt);
+    bool unused = !t.handed_back() && !spool_.Get(t.attempt).ok();
+    if (unused && out.size() < kOfferAtOnce) out.push_back(t.attempt);
   }
   return out;
+}
+
+Status Carrier::ReturnTickets() {
+  auto tickets = spool_.Tickets();
+  if (!tickets.ok()) return tickets.status();
+  for (const LockedTicket& t : *tickets) {
+    if (!t.handed_back()) continue;
+    ENAMEL_RETURN_IF_ERROR(Meanwhiles());
+    Status told = spool_.Get(t.attempt).ok() ? Status::Ok() : link_.ReturnTicket(t.attempt);
+    if (IsTransient(told)) return told;
+    ENAMEL_RETURN_IF_ERROR(spool_.RemoveTicket(t.attempt));
+  }
+  return Status::Ok();
 }
 
 Status Carrier::Bring(const Uuid& attempt, const std::function<bool()>& yield) {

@@ -32,6 +32,10 @@ class Carrier {
   // forgotten. Returns how many attempts. A server that does not know the question has all of them.
   Result<size_t> Offer();
 
+  // Tells the server of the tickets that were handed back, and forgets those that it answers about,
+  // whatever it says. One whose attempt was begun is forgotten without asking. Errors: the link's.
+  Status ReturnTickets();
+
   // Sends what the spool has of an attempt now, from where the server says, waits until it is
   // committed there, and seals it when the spool has its seal. `yield`, asked between chunks,
   // returning true ends it earlier, with everything sent acknowledged. A refusal that trying again

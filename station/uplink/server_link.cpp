@@ -106,6 +106,8 @@ Status ServerLink::Connect(const Credentials& credentials) {
   if (!reply->has_welcome()) return Unexpected("Welcome");
   server_ahead_ms_ = reply->welcome().server_unix_ms() - (asked_ms + UnixNow_ms()) / 2;
   may_begin_ = reply->welcome().core_version() == core::kCoreVersion;
+  const std::string& page_url = reply->welcome().page_url();
+  page_url_ = protocol::IsPageUrl(page_url) ? page_url : "";
   return Status::Ok();
 }
 
@@ -268,6 +270,14 @@ Result<Wanted> ServerLink::OfferAttempts(const std::vector<HeldAttempt>& attempt
     out.revoked.push_back(*id);
   }
   return out;
+}
+
+Status ServerLink::ReturnTicket(const Uuid& attempt) {
+  wire::Request request;
+  request.mutable_return_ticket()->set_attempt(protocol::ToField(attempt.view()));
+  auto reply = Call(request);
+  if (!reply.ok()) return reply.status();
+  return reply->has_ticket_returned() ? Status::Ok() : Unexpected("TicketReturned");
 }
 
 Result<ServerLink::Opened> ServerLink::OpenAttempt(ByteView header, uint32_t resumed) {

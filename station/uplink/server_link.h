@@ -93,6 +93,9 @@ class ServerLink {
   bool connected() const { return client_.connected(); }
   // False when the server's core is of another version: uploads only.
   bool may_begin_attempts() const { return may_begin_; }
+  // Where people open the page, as the server said when it was connected to; empty: it did not, or
+  // not so that it can be shown (protocol::IsPageUrl).
+  const std::string& page_url() const { return page_url_; }
   // How far the server's clock is ahead of this machine's, ms, to half the time the hello took.
   int64_t server_ahead_ms() const { return server_ahead_ms_; }
 
@@ -118,6 +121,11 @@ class ServerLink {
   // question.
   Result<Wanted> OfferAttempts(const std::vector<HeldAttempt>& attempts,
                                const std::vector<Uuid>& tickets);
+
+  // The ticket of this attempt was not used and will not be. Errors: kNotFound (this station has
+  // none such there), kConflict (the attempt was opened), kVersion when the server does not know
+  // the request; asking again changes none of them.
+  Status ReturnTicket(const Uuid& attempt);
 
   struct Opened {
     uint32_t next_seq = 0;  // first chunk the server does not have
@@ -149,6 +157,7 @@ class ServerLink {
   net::FrameClient client_;
   uint32_t last_id_ = 0;
   bool may_begin_ = false;
+  std::string page_url_;
   int64_t server_ahead_ms_ = 0;
 };
 

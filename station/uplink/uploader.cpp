@@ -122,6 +122,7 @@ Status Uploader::RunConnection() {
   auto offered = carrier.Offer();
   if (!offered.ok()) return offered.status();
   while (true) {
+    ENAMEL_RETURN_IF_ERROR(carrier.ReturnTickets());
     ENAMEL_RETURN_IF_ERROR(BringWaiting(carrier));
     ENAMEL_RETURN_IF_ERROR(AwaitWork(carrier));
   }

@@ -25,7 +25,8 @@ struct UploaderOptions {
 
 // Brings the spool to the server on a thread of its own while recording goes on, over breaks of the
 // connection: first the attempt being made, then what is left of earlier ones. On every connection
-// it first asks which attempts the server lost (Carrier::Offer) and sends those again.
+// it first asks which attempts the server lost (Carrier::Offer) and sends those again. Tickets that
+// were handed back are returned to the server (Carrier::ReturnTickets).
 //
 // Waits between tries as Backoff says. A refusal that trying again cannot change stops the upload
 // of that attempt only; one of the station as a whole (not known any more, another certificate,

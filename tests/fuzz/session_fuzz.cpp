@@ -25,6 +25,8 @@ struct Target {
     station = enrolling;
     ENAMEL_CHECK(station.Hello().has_welcome());
     ENAMEL_CHECK(station.SignIn("student").has_signed_in());
+    auto first = station.RequestTicket(world.exercise.content, world.Profile("omega3"));
+    unused = trace::DecodeTicket(world_of::TicketOf(first))->attempt;
     auto reply = station.RequestTicket(world.exercise.content, world.Profile("omega3"));
     world_of::Recording recording(world, world_of::TicketOf(reply), station.keys, 1);
     attempt = recording.seal.attempt;
@@ -63,6 +65,7 @@ struct Target {
   std::optional<Session> session{std::in_place, world.services, "127.0.0.1"};
   world_of::ScriptedStation station{[this](const wire::Request& r) { return Carry(r); }};
   Uuid attempt;
+  Uuid unused;  // of a ticket that nothing is begun with
 };
 
 void Send(Target& target, wire::Request request) {
@@ -75,11 +78,17 @@ void Send(Target& target, wire::Request request) {
   if (request.has_live_state() && request.id() % 2 == 1) {
     request.mutable_live_state()->set_attempt(protocol::ToField(target.attempt.view()));
   }
+  if (request.has_return_ticket() && request.id() % 2 == 1) {
+    const Uuid& of = request.id() % 4 == 1 ? target.attempt : target.unused;
+    request.mutable_return_ticket()->set_attempt(protocol::ToField(of.view()));
+  }
   Answer answer = target.session->Handle(request);
   ENAMEL_CHECK(answer.reply.has_value() != request.has_live_state());
   if (!answer.reply) return;
   ENAMEL_CHECK(answer.reply->reply_to() == request.id());
   ENAMEL_CHECK(!answer.reply->has_sealed());
+  ENAMEL_CHECK(!answer.reply->has_ticket_returned() || answer.reply->ticket_returned().attempt() ==
+                                                           protocol::ToField(target.unused.view()));
 }
 
 }  // namespace

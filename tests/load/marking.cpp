@@ -42,7 +42,7 @@ Result<Bench> SetUp(Store& store, const trace::KeyPair& ticket_key, int32_t voxe
   Person person;
   person.login = "load-marked-" + tag;
   person.display_name = person.login;
-  auto id = store.CreatePerson(person, "no password", kLoadgen);
+  auto id = store.CreatePerson(person, "no password", {}, kLoadgen);
   if (!id.ok()) return id.status();
   out.person = *id;
   const Sha256 code = HashSha256(AsBytes("code " + tag));

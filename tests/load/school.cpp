@@ -33,7 +33,7 @@ Status AddPerson(Store& store, const std::string& login, Role role, const std::s
   person.login = login;
   person.display_name = login;
   person.role = role;
-  auto id = store.CreatePerson(person, *verifier, kLoadgen);
+  auto id = store.CreatePerson(person, *verifier, {}, kLoadgen);
   if (!id.ok()) return id.status();
   return store.AddToCohort(cohort, *id, kLoadgen);
 }

@@ -30,7 +30,7 @@ class MemoryStore final : public server::Store {
   std::vector<server::JobRow> jobs;
   std::vector<double> progress;  // everything SetProgress was told
   int failing_puts = 0;          // this many PutBlob answer kStorage
-  double cancel_at = 2;          // progress at which the newest job is cancelled; above 1: never
+  double cancel_at = 2;          // progress at which a run is cancelled; above 1: never
 
   Result<Sha256> PutBlob(ByteView data) override {
     std::lock_guard lock(mutex_);
@@ -78,19 +78,31 @@ class MemoryStore final : public server::Store {
     if (!found.ok()) return found.status();
     return found->seal;
   }
-  Status FinishAttempt(const Uuid& id, const AttemptResult& result) override {
+  Status ReturnTicket(const Uuid& id, const server::Actor&) override {
     std::lock_guard lock(mutex_);
-    if (Status status = MustNotBeCancelled(id); !status.ok()) return status;
+    auto found = attempts.find(id);
+    if (found == attempts.end()) return Status(Code::kNotFound, "no such attempt");
+    server::AttemptRow& row = found->second;
+    bool returned = (row.flags & server::kReturned) != 0;
+    if (!returned && row.state != server::AttemptState::kTicketed) {
+      return Status(Code::kConflict, "it was begun", "attempt");
+    }
+    row.flags |= server::kReturned;
+    return Status::Ok();
+  }
+  Status FinishAttempt(const Uuid& id, const AttemptResult& result, const Uuid& job) override {
+    std::lock_guard lock(mutex_);
+    if (Status status = MustBeRunning(job); !status.ok()) return status;
     results[id] = result;
     attempts[id].state = server::AttemptState::kScored;
     attempts[id].score = result.score;
     attempts[id].problem.clear();
     return Status::Ok();
   }
-  Status FailAttempt(const Uuid& id, const std::string& problem) override {
+  Status FailAttempt(const Uuid& id, const std::string& problem, const Uuid& job) override {
     std::lock_guard lock(mutex_);
     if (attempts.count(id) == 0) return Status(Code::kNotFound, "no attempt");
-    if (Status status = MustNotBeCancelled(id); !status.ok()) return status;
+    if (Status status = MustBeRunning(job); !status.ok()) return status;
     bool scored = BeforeTheRun(id) == server::AttemptState::kScored;
     attempts[id].state = scored ? server::AttemptState::kScored : server::AttemptState::kFailed;
     attempts[id].problem = problem;
@@ -103,11 +115,12 @@ class MemoryStore final : public server::Store {
   Status SetProgress(const Uuid& id, double done) override {
     std::lock_guard lock(mutex_);
     progress.push_back(done);
-    if (done >= cancel_at) {
-      jobs.back().state = "cancelled";
-      attempts[id].state = BeforeTheRun(id);
+    for (server::JobRow& job : jobs) {
+      if (job.id != id || done < cancel_at) continue;
+      job.state = "cancelled";
+      attempts[job.attempt].state = BeforeTheRun(job.attempt);
     }
-    return MustNotBeCancelled(id);
+    return MustBeRunning(id);
   }
   Result<std::optional<server::ReferenceRow>> ReferenceFor(const Uuid& exercise) override {
     std::lock_guard lock(mutex_);
@@ -130,7 +143,7 @@ class MemoryStore final : public server::Store {
   Status FinishJob(const Uuid& id, bool ok, const std::string& error) override {
     std::lock_guard lock(mutex_);
     for (server::JobRow& job : jobs) {
-      if (job.id != id || job.state == "cancelled") continue;
+      if (job.id != id || job.state != "running") continue;
       job.state = ok ? "done" : job.tries >= 3 ? "failed" : "queued";
       job.error = error;
     }
@@ -176,7 +189,7 @@ class MemoryStore final : public server::Store {
   int leases = 0;
 
   // Not used by jobs.
-  Result<Uuid> CreatePerson(const server::Person&, const std::string&,
+  Result<Uuid> CreatePerson(const server::Person&, const std::string&, const std::vector<Uuid>&,
                             const server::Actor&) override {
     return No();
   }
@@ -379,13 +392,10 @@ class MemoryStore final : public server::Store {
                                       : server::AttemptState::kSealed;
   }
   // Requires: mutex_ is held.
-  Status MustNotBeCancelled(const Uuid& attempt) const {
-    for (auto job = jobs.rbegin(); job != jobs.rend(); ++job) {
-      if (job->attempt != attempt) continue;
-      if (job->state != "cancelled") break;
-      return Status(Code::kUnavailable, "this scoring run was cancelled");
-    }
-    return Status::Ok();
+  Status MustBeRunning(const Uuid& id) const {
+    auto job = std::ranges::find(jobs, id, &server::JobRow::id);
+    if (id.IsZero() || (job != jobs.end() && job->state == "running")) return Status::Ok();
+    return Status(Code::kUnavailable, "this scoring run was cancelled, or is over");
   }
   static Status No() { return Status(Code::kInternal, "MemoryStore does not do this"); }
   template <typename Map, typename Key>

@@ -97,7 +97,7 @@ TEST_F(CommandsTest, ReportSaysWhyThereIsNoScore) {
   Status waiting = Report(report);
   EXPECT_EQ(waiting.code(), Code::kUnavailable);
   EXPECT_NE(waiting.message().find("recording"), std::string::npos) << waiting.message();
-  ASSERT_TRUE(store->FailAttempt(open, "witness differs at tick 7").ok());
+  ASSERT_TRUE(store->FailAttempt(open, "witness differs at tick 7", {}).ok());
   Status failed = Report(report);
   EXPECT_EQ(failed.code(), Code::kConflict);
   EXPECT_NE(failed.message().find("tick 7"), std::string::npos);

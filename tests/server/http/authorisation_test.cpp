@@ -187,7 +187,7 @@ class Template {
     Person person;
     person.login = login;
     person.display_name = "Person " + login;
-    return *school.store->CreatePerson(person, verifier, kBy);
+    return *school.store->CreatePerson(person, verifier, {}, kBy);
   }
   void SignIn(const std::string& column, const std::string& login) {
     auto signed_in = school.authenticator->SignInHere({login, kPassword, "203.0.113.7", "page"});

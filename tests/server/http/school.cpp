@@ -96,7 +96,7 @@ Uuid School::AddPerson(const std::string& login, Role role) {
   person.login = login;
   person.display_name = "Person " + login;
   person.role = role;
-  return Must(store->CreatePerson(person, verifier_, kBy));
+  return Must(store->CreatePerson(person, verifier_, {}, kBy));
 }
 
 void School::AddDocuments() {
@@ -159,7 +159,7 @@ Uuid School::ScoredAttempt(const Uuid& person, const Change& change) {
   result.final_volume = Must(store->PutBlob(AsBytes("volume")));
   result.surface = Must(store->PutBlob(AsBytes("ENSF")));
   result.series = Must(store->PutBlob(AsBytes("{}")));
-  Must(store->FinishAttempt(id, result));
+  Must(store->FinishAttempt(id, result, {}));
   return id;
 }
 

@@ -392,7 +392,7 @@ TEST_F(TeachingTest, RegradeKeepsTheEarlierResultBesideTheNewOne) {
   score.score = 87.5;
   result.score = score.score;
   result.score_json = *school_.store->PutBlob(AsBytes(scoring::ToJson(score)));
-  ASSERT_TRUE(school_.store->FinishAttempt(school_.sams_scored, result).ok());
+  ASSERT_TRUE(school_.store->FinishAttempt(school_.sams_scored, result, {}).ok());
   By("ada").Post(Scored("/release"));
   ASSERT_EQ(Post("sam", Scored("/appeal"), {{"text", "please"}}).status, 201);
   json::object answer{{"outcome", "regrade"}, {"answer", "we look again"}};
@@ -403,7 +403,7 @@ TEST_F(TeachingTest, RegradeKeepsTheEarlierResultBesideTheNewOne) {
   auto job = *school_.store->LeaseJob(1, 1000);
   score.score = result.score = 90;
   result.score_json = *school_.store->PutBlob(AsBytes(scoring::ToJson(score)));
-  ASSERT_TRUE(school_.store->FinishAttempt(school_.sams_scored, result).ok());
+  ASSERT_TRUE(school_.store->FinishAttempt(school_.sams_scored, result, job->id).ok());
   ASSERT_TRUE(school_.store->FinishJob(job->id, true, "").ok());
   EXPECT_EQ(SamsAttempt("ada").at("released"), false) << "another score is released anew";
   EXPECT_EQ(By("sam").Get(Scored("/results")).status, 403);

@@ -102,6 +102,59 @@ TEST_F(AssignmentTest, LimitIsUsedUpUntilAnAttemptIsExcused) {
   EXPECT_TRUE(Ask().has_ticket_issued());
 }
 
+TEST_F(AssignmentTest, TicketHandedBackUnusedLeavesTheLimitAsItWas) {
+  Change([](AssignmentRow& row) { row.attempt_limit = 1; });
+  Bytes ticket = TicketOf(Ask());
+  Uuid attempt = trace::DecodeTicket(ticket)->attempt;
+  EXPECT_EQ(Ask().error().field(), "attempt_limit");
+  for (int again = 0; again < 2; ++again) {
+    wire::Reply reply = station_.ReturnTicket(attempt);
+    ASSERT_TRUE(reply.has_ticket_returned()) << reply.error().message();
+    EXPECT_EQ(reply.ticket_returned().attempt(), protocol::ToField(attempt.view()));
+  }
+  EXPECT_EQ(Listed().attempts_left(), 1u);
+  Recording recording(world_, ticket, station_.keys, 1);
+  wire::Reply opened = station_.Open(recording.header);
+  EXPECT_EQ(opened.error().code(), "conflict") << "a returned ticket is void";
+  EXPECT_EQ(opened.error().field(), "ticket");
+  EXPECT_EQ(station_.Put(recording.chunks[0]).error().code(), "not_found");
+  EXPECT_EQ(station_.OfferTickets({attempt}).attempts_wanted().revoked_size(), 1);
+  EXPECT_TRUE(Ask().has_ticket_issued());
+  EXPECT_EQ(Ask().error().field(), "attempt_limit");
+}
+
+TEST_F(AssignmentTest, TicketThatWasBegunWithIsNotTakenBack) {
+  Change([](AssignmentRow& row) { row.attempt_limit = 1; });
+  Recording recording(world_, TicketOf(Ask()), station_.keys, 1);
+  const Uuid& attempt = recording.seal.attempt;
+  auto refused = [&] { return station_.ReturnTicket(attempt).error().code(); };
+  ASSERT_TRUE(station_.Open(recording.header).has_attempt_opened());
+  EXPECT_EQ(refused(), "conflict") << "opened, no tick yet";
+  ASSERT_TRUE(station_.Put(recording.chunks[0]).has_chunk_ack());
+  EXPECT_EQ(refused(), "conflict");
+  ASSERT_TRUE(station_.Seal(recording.seal).has_sealed());
+  EXPECT_EQ(refused(), "conflict");
+  EXPECT_EQ(Listed().attempts_left(), 0u);
+}
+
+TEST_F(AssignmentTest, StationHandsBackItsOwnTicketsOnly) {
+  EXPECT_EQ(station_.ReturnTicket(Uuid::New()).error().code(), "not_found");
+  wire::Request odd;
+  odd.mutable_return_ticket()->set_attempt("short");
+  EXPECT_EQ(station_.Send(odd).error().code(), "invalid_input");
+  Uuid attempt = trace::DecodeTicket(TicketOf(Ask()))->attempt;
+  ASSERT_TRUE(world_.store->AddEnrolCode(HashSha256(AsBytes("c2")), UnixMs{1} << 60, kSystem).ok());
+  std::optional<Session> session(std::in_place, world_.services, "127.0.0.1");
+  ScriptedStation other([&](const wire::Request& request) {
+    return session->Handle(request).reply.value_or(wire::Reply());
+  });
+  ASSERT_TRUE(other.Enrol("c2", "bench-2").has_enrolled());
+  session.emplace(world_.services, "127.0.0.1");
+  ASSERT_TRUE(other.Hello().has_welcome());
+  EXPECT_EQ(other.ReturnTicket(attempt).error().code(), "not_found");
+  EXPECT_EQ(world_.store->AttemptById(attempt)->flags, 0u);
+}
+
 TEST_F(AssignmentTest, ExamIsTakenAtItsStationOneAtATimeAndBegunNow) {
   Uuid here = *Uuid::Parse(world_.store->Stations()->front().id.Text());
   ASSERT_TRUE(world_.store->AddEnrolCode(HashSha256(AsBytes("c2")), UnixMs{1} << 60, kSystem).ok());
@@ -143,7 +196,7 @@ TEST_F(AssignmentTest, ExamShowsNoScoreAtTheStationBeforeItsRelease) {
   ASSERT_TRUE(station_.Seal(recording.seal).has_sealed());
   Store::AttemptResult result;
   result.score_json = PutText(*world_.store, "{}");
-  ASSERT_TRUE(world_.store->FinishAttempt(recording.seal.attempt, result).ok());
+  ASSERT_TRUE(world_.store->FinishAttempt(recording.seal.attempt, result, {}).ok());
   wire::AttemptState state = station_.Status(recording.seal.attempt).attempt_state();
   EXPECT_EQ(state.state(), "scored");
   EXPECT_TRUE(state.exam());
@@ -193,6 +246,55 @@ TEST_F(AssignmentTest, ReadmittedRecordingIsJudgedByTheTermsThereAre) {
   EXPECT_TRUE(row.exam) << "a restore does not turn an exam into practice";
   EXPECT_EQ(row.assignment, open_.id);
   EXPECT_EQ(row.flags, uint32_t{kReadmitted});
+}
+
+// The station has the exam as a whole; the server was restored from a backup made before it.
+TEST_F(AssignmentTest, ExamSentAgainAfterARestoreIsStillThatExam) {
+  Change([&](AssignmentRow& row) {
+    row.exam = true;
+    row.attempt_limit = 1;
+    row.due_ms = world_.now + kHour;
+    row.late_allowed = true;
+  });
+  world_.now = open_.due_ms + 1;  // it was begun late
+  trace::Ticket ticket = *trace::DecodeTicket(TicketOf(Ask()));
+  ASSERT_TRUE(station_.ReturnTicket(ticket.attempt).has_ticket_returned());
+  ticket.attempt = Uuid::New();
+  trace::SignTicket(ticket, world_.services.ticket_key.secret_key);
+  Recording recording(world_, trace::EncodeTicket(ticket), station_.keys, 1);
+  wire::Request offer;
+  offer.mutable_offer_attempts()->add_attempts()->set_attempt(
+      protocol::ToField(ticket.attempt.view()));
+  ASSERT_EQ(station_.Send(offer).attempts_wanted().attempts_size(), 1);
+  world_.now += 24 * kHour;
+
+  trace::Ticket forged = ticket;  // another person's name on it
+  forged.person = world_.instructor;
+  Recording forgery(world_, trace::EncodeTicket(forged), station_.keys, 1);
+  EXPECT_EQ(station_.Open(forgery.header).error().code(), "forbidden");
+  forged = ticket;
+  forged.station = Uuid::New();
+  trace::SignTicket(forged, world_.services.ticket_key.secret_key);
+  Recording elsewhere(world_, trace::EncodeTicket(forged), station_.keys, 1);
+  EXPECT_EQ(station_.Open(elsewhere.header).error().code(), "forbidden");
+
+  ASSERT_TRUE(station_.Open(recording.header).has_attempt_opened());
+  EXPECT_EQ(Ask().error().field(), "attempt_limit") << "it is the one attempt";
+  ASSERT_TRUE(station_.Put(recording.chunks[0]).has_chunk_ack());
+  ASSERT_TRUE(station_.Seal(recording.seal).has_sealed());
+  AttemptRow row = *world_.store->AttemptById(ticket.attempt);
+  EXPECT_EQ(row.person, world_.student);
+  EXPECT_TRUE(row.exam);
+  EXPECT_EQ(row.due_ms, open_.due_ms);
+  EXPECT_EQ(row.flags & (kLate | kReadmitted), uint32_t{kLate | kReadmitted});
+  Recording second(world_, trace::EncodeTicket(ticket), station_.keys, 2);
+  second.header_fields.station_software = "again";
+  EXPECT_EQ(station_.Open(trace::EncodeHeader(second.header_fields)).error().code(), "conflict")
+      << "one ticket, one recording";
+  Person student = *world_.store->PersonById(world_.student);
+  EXPECT_FALSE(CanSeeScore(student, row, false, false)) << "no score before its release";
+  station_.Send(offer);
+  EXPECT_EQ(station_.Send(offer).attempts_wanted().attempts_size(), 0);
 }
 
 TEST_F(AssignmentTest, ReadmittedRecordingWhoseTermsAreLostIsShownOnceItIsReleased) {

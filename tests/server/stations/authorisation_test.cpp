@@ -53,6 +53,7 @@ std::vector<Line> Lines() {
     {"attempt_status", In({     kNo,    kNo,          "ok",         "not_found",  "ok",         "forbidden",  kNo,          kNo})},
     {"mark_reference", In({     kNo,    kNo,          "forbidden",  "not_found",  "conflict",   "forbidden",  kNo,          kNo})},
     {"offer_attempts", In({     kNo,    "ok",         "ok",         "ok",         "ok",         "ok",         "ok",         kNo})},
+    {"return_ticket",  In({     kNo,    "ok",         "ok",         "ok",         "ok",         "ok",         "ok",         kNo})},
     {"live_state",     In({     kNo,    "ok",         "ok",         "ok",         "ok",         "ok",         "ok",         "ok"})},
     {"ping",           In({     kNo,    "ok",         "ok",         "ok",         "ok",         "ok",         "ok",         "ok"})},
   };
@@ -152,6 +153,8 @@ class LinkAuthorisationTest : public ::testing::Test {
       mark.set_consent(true);
     } else if (message == "offer_attempts") {
       out.mutable_offer_attempts();
+    } else if (message == "return_ticket") {
+      out.mutable_return_ticket()->set_attempt(protocol::ToField(recording_->seal.attempt.view()));
     } else if (message == "live_state") {
       out.mutable_live_state();
     } else if (message == "ping") {
@@ -222,6 +225,27 @@ TEST_F(LinkAuthorisationTest, PasswordForOneUseIsToldAtSignIn) {
   ASSERT_NO_FATAL_FAILURE(Become("nobody"));
   EXPECT_TRUE(station_.SignIn("once").signed_in().must_change_password());
   EXPECT_FALSE(station_.SignIn("student").signed_in().must_change_password());
+}
+
+TEST_F(LinkAuthorisationTest, StationIsToldWhereThePageIs) {
+  EXPECT_EQ(station_.Hello().welcome().page_url(), "");
+  world_.services.page_url = "https://enamel.example.edu";
+  ASSERT_NO_FATAL_FAILURE(Become("nobody"));
+  Reconnect();
+  EXPECT_EQ(station_.Hello().welcome().page_url(), "https://enamel.example.edu");
+  ASSERT_TRUE(station_.SignIn("once").has_signed_in());
+  wire::Reply refused = *Carry(RequestOf("list_exercises"));
+  EXPECT_EQ(refused.error().code(), "forbidden");
+  EXPECT_NE(refused.error().message().find("https://enamel.example.edu"), std::string::npos)
+      << refused.error().message();
+}
+
+TEST_F(LinkAuthorisationTest, WhatAStationRunsIsCutBetweenCharacters) {
+  wire::Request hello = RequestOf("hello");
+  hello.mutable_hello()->set_software(std::string(199, 'x') + "\u00e9\u00e9");
+  Reconnect();
+  ASSERT_TRUE(Carry(hello)->has_welcome());
+  EXPECT_EQ(world_.store->StationById(session_.station()->id)->software, std::string(199, 'x'));
 }
 
 TEST_F(LinkAuthorisationTest, HelloLeavesWhatTheStationRuns) {

@@ -134,6 +134,20 @@ class ScriptedStation {
     return Send(request);
   }
 
+  wire::Reply ReturnTicket(const Uuid& attempt) {
+    wire::Request request;
+    request.mutable_return_ticket()->set_attempt(protocol::ToField(attempt.view()));
+    return Send(request);
+  }
+
+  wire::Reply OfferTickets(const std::vector<Uuid>& attempts) {
+    wire::Request request;
+    for (const Uuid& attempt : attempts) {
+      request.mutable_offer_attempts()->add_tickets(protocol::ToField(attempt.view()));
+    }
+    return Send(request);
+  }
+
   wire::Reply Open(const Bytes& header, bool resumed = false) {
     wire::Request request;
     request.mutable_open_attempt()->set_header(protocol::ToField(header));

@@ -286,7 +286,7 @@ TEST_F(SessionTest, SomebodyElsesAttemptIsNotFoundAndGradedScoreIsHeldBack) {
   station_.Seal(recording.seal);
   Store::AttemptResult result;
   result.score_json = PutText(*world_.store, "{\"score\":80}");
-  ASSERT_TRUE(world_.store->FinishAttempt(recording.seal.attempt, result).ok());
+  ASSERT_TRUE(world_.store->FinishAttempt(recording.seal.attempt, result, {}).ok());
   auto mine = station_.Status(recording.seal.attempt).attempt_state();
   EXPECT_EQ(mine.state(), "scored");
   EXPECT_EQ(mine.result_json().empty(), world_.exercise.graded);
@@ -312,7 +312,7 @@ TEST_F(SessionTest, OnlyAnInstructorWithConsentMarksAScoredAttemptAsReference) {
       << "not scored yet";
   Store::AttemptResult result;
   result.score_json = PutText(*world_.store, "{}");
-  ASSERT_TRUE(world_.store->FinishAttempt(attempt, result).ok());
+  ASSERT_TRUE(world_.store->FinishAttempt(attempt, result, {}).ok());
   auto without = station_.MarkReference(attempt, "Dr A", false);
   EXPECT_EQ(without.error().field(), "consent");
   EXPECT_EQ(station_.MarkReference(attempt, "", true).error().field(), "dentist");

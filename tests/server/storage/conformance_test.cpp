@@ -24,7 +24,7 @@ TEST_P(StoreTest, SecondPersonWithTheSameLoginIsAConflict) {
   AddPerson(*store_, "ada", Role::kStudent);
   Person again;
   again.login = "ada";
-  auto refused = store_->CreatePerson(again, "x", kSystem);
+  auto refused = store_->CreatePerson(again, "x", {}, kSystem);
   EXPECT_EQ(refused.status().code(), Code::kConflict);
   EXPECT_NE(refused.status().message().find("ada"), std::string::npos);
 }
@@ -36,6 +36,21 @@ TEST_P(StoreTest, DisablingAPersonEndsItsSessions) {
   ASSERT_TRUE(store_->FindSession(token).ok());
   ASSERT_TRUE(store_->SetDisabled(id, true, kSystem).ok());
   EXPECT_EQ(store_->FindSession(token).status().code(), Code::kNotFound);
+}
+
+TEST_P(StoreTest, PersonIsAddedWithTheCohortsOrNotAtAll) {
+  Uuid cohort = *store_->CreateCohort("year 1", kSystem);
+  Person ada;
+  ada.login = "ada";
+  ada.display_name = "Ada";
+  auto refused = store_->CreatePerson(ada, "x", {cohort, Uuid::New()}, kSystem);
+  EXPECT_EQ(refused.status().code(), Code::kNotFound);
+  EXPECT_EQ(refused.status().field(), "cohorts");
+  EXPECT_EQ(store_->PersonByLogin("ada").status().code(), Code::kNotFound);
+  EXPECT_TRUE(store_->CohortMembers(cohort)->empty());
+  auto id = store_->CreatePerson(ada, "x", {cohort, cohort}, kSystem);
+  ASSERT_TRUE(id.ok()) << id.status().message();
+  EXPECT_EQ(store_->CohortsOf(*id)->size(), 1u);
 }
 
 TEST_P(StoreTest, NewPasswordEndsSessionsMadeWithTheOldOne) {
@@ -142,7 +157,7 @@ TEST_P(StoreTest, ReferenceQueuesAttemptsThatWereScoredWithoutOne) {
   auto job = store_->LeaseJob(1, 1000);
   ASSERT_TRUE(job.ok() && job->has_value());
   ASSERT_TRUE(store_->FinishJob((*job)->id, true, "").ok());
-  ASSERT_TRUE(store_->FinishAttempt(scored, {}).ok());
+  ASSERT_TRUE(store_->FinishAttempt(scored, {}, {}).ok());
   EXPECT_FALSE(store_->LeaseJob(1, 1000)->has_value());
 
   auto reference = store_->AddReference(scored, "Dr. Example", true, kSystem);
@@ -154,7 +169,7 @@ TEST_P(StoreTest, ReferenceQueuesAttemptsThatWereScoredWithoutOne) {
 
   Store::AttemptResult result;
   result.reference = scored;
-  ASSERT_TRUE(store_->FinishAttempt(scored, result).ok());
+  ASSERT_TRUE(store_->FinishAttempt(scored, result, {}).ok());
   EXPECT_EQ(store_->ResultOf(scored).status().code(), Code::kOk);
   EXPECT_EQ(store_->ResultOf(scored)->reference, scored);
 }
@@ -165,7 +180,7 @@ TEST_P(StoreTest, ReferenceQueuesAttemptsThatFailedForWantOfOne) {
   ASSERT_TRUE(store_->SealAttempt(World::SealOf(world.Append(waiting, 1)), 200).ok());
   auto job = store_->LeaseJob(1, 1000);
   ASSERT_TRUE(job.ok() && job->has_value());
-  ASSERT_TRUE(store_->FailAttempt(waiting, "no reference yet").ok());
+  ASSERT_TRUE(store_->FailAttempt(waiting, "no reference yet", {}).ok());
   ASSERT_TRUE(store_->FinishJob((*job)->id, true, "").ok());
 
   Uuid reference = world.ScoredAttempt();

@@ -68,13 +68,13 @@ TEST_P(PersonalDataTest, WhoMadeAReferenceIsErasedOnlyWithIt) {
   Uuid cut = world_.NewAttemptOf(dentist).id;
   ASSERT_TRUE(store_->OpenAttempt(cut, AsBytes("header")).ok());
   ASSERT_TRUE(store_->SealAttempt(World::SealOf(world_.Append(cut, 1)), 200).ok());
-  ASSERT_TRUE(store_->FinishAttempt(cut, {}).ok());
+  ASSERT_TRUE(store_->FinishAttempt(cut, {}, {}).ok());
   ASSERT_TRUE(store_->AddReference(cut, "Dr. Example", true, kSystem).ok());
   Uuid compared = world_.ScoredAttempt();
   Store::AttemptResult result;
   result.score_json = PutText(*store_, "score");
   result.reference = cut;
-  ASSERT_TRUE(store_->FinishAttempt(compared, result).ok());
+  ASSERT_TRUE(store_->FinishAttempt(compared, result, {}).ok());
 
   auto refused = store_->ErasePerson(dentist, false, kSystem);
   EXPECT_EQ(refused.status().code(), Code::kConflict);

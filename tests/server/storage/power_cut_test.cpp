@@ -116,7 +116,7 @@ class Day {
     result.score_json = *store_->PutAttemptBlob(attempt, AsBytes("{\"score\": 80}"));
     now_.blobs.insert(result.score_json);
     Acknowledge();
-    EXPECT_TRUE(store_->FinishAttempt(attempt, result).ok());
+    EXPECT_TRUE(store_->FinishAttempt(attempt, result, {}).ok());
     now_.scored.insert(attempt);
     Acknowledge();
   }

@@ -61,7 +61,7 @@ void RecordedSchool::Score(const Uuid& attempt) {
   result.final_volume = put("volume");
   result.surface = put("surface");
   result.series = put("series");
-  EXPECT_TRUE(store->FinishAttempt(attempt, result).ok());
+  EXPECT_TRUE(store->FinishAttempt(attempt, result, {}).ok());
   EXPECT_TRUE(store->FinishJob((*job)->id, true, "").ok());
 }
 

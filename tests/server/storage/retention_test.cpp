@@ -20,10 +20,10 @@ class RetentionTest : public StoreSuite {
     Uuid attempt = world_.ScoredAttempt();
     Store::AttemptResult result = *store_->ResultOf(attempt);
     result.surface = *store_->PutAttemptBlob(attempt, AsBytes("surface"));
-    EXPECT_TRUE(store_->FinishAttempt(attempt, result).ok());
+    EXPECT_TRUE(store_->FinishAttempt(attempt, result, {}).ok());
     auto job = store_->LeaseJob(1, 1000);
     EXPECT_TRUE(job.ok() && job->has_value());
-    EXPECT_TRUE(store_->FinishAttempt(attempt, result).ok());
+    EXPECT_TRUE(store_->FinishAttempt(attempt, result, {}).ok());
     EXPECT_TRUE(store_->FinishJob((*job)->id, true, "").ok());
     return attempt;
   }
@@ -114,7 +114,7 @@ TEST(RetentionOfEvidenceTest, ChunksThatContradictedASealedRecordingGoWithIt) {
   Uuid attempt = world.ScoredAttempt();
   auto job = store->LeaseJob(1, 1000);
   ASSERT_TRUE(store->FinishJob((*job)->id, true, "").ok());
-  ASSERT_TRUE(store->FinishAttempt(attempt, *store->ResultOf(attempt)).ok());
+  ASSERT_TRUE(store->FinishAttempt(attempt, *store->ResultOf(attempt), {}).ok());
   EXPECT_FALSE(store->AppendChunk(world.Chunk(attempt, 0, World::HeaderHash(), 9)).ok());
   sqlite3* db = nullptr;
   ASSERT_EQ(sqlite3_open((folder.path() / "enamel.db").c_str(), &db), SQLITE_OK);

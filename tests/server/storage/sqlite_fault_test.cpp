@@ -142,13 +142,37 @@ TEST(SqliteFaultTest, ARetentionRuleIsAppliedWhollyOrNotAtAllWhicheverWriteFails
       });
 }
 
+TEST(SqliteFaultTest, APersonIsAddedWithAllMembershipsOrNotAtAllWhicheverWriteFails) {
+  std::vector<Uuid> cohorts;
+  WhicheverWriteFails(
+      [&](World& world) {
+        cohorts = {*world.store.CreateCohort("a", kSystem),
+                   *world.store.CreateCohort("b", kSystem)};
+      },
+      [&](Store& store, const World&) {
+        Person person;
+        person.login = "ada";
+        person.display_name = "Ada";
+        return store.CreatePerson(person, "verifier", cohorts, kSystem).ok();
+      },
+      [&](Store& store, const World&, bool done) {
+        auto ada = store.PersonByLogin("ada");
+        EXPECT_EQ(ada.ok(), done);
+        size_t in = 0;
+        for (const Uuid& cohort : cohorts) in += store.CohortMembers(cohort)->size();
+        EXPECT_EQ(in, ada.ok() ? 2u : 0u);
+        EXPECT_EQ(AuditRows(store, "person.create"), ada.ok() ? 2u : 1u);
+        EXPECT_EQ(AuditRows(store, "cohort.add"), in);
+      });
+}
+
 TEST(SqliteFaultTest, EveryChangeOfPeopleIsDoneWithItsAuditOrNotAtAllWhicheverWriteFails) {
   WhicheverWriteFails([](World&) {},
                       [](Store& store, const World& world) {
                         Person person;
                         person.login = "ada";
                         person.display_name = "Ada";
-                        auto ada = store.CreatePerson(person, "verifier", kSystem);
+                        auto ada = store.CreatePerson(person, "verifier", {}, kSystem);
                         if (!ada.ok()) return false;
                         auto cohort = store.CreateCohort("year 3", kSystem);
                         if (!cohort.ok()) return false;

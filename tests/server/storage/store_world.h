@@ -46,7 +46,7 @@ inline Uuid AddPerson(Store& store, const std::string& login, Role role,
   person.login = login;
   person.display_name = "Name of " + login;
   person.role = role;
-  auto id = store.CreatePerson(person, verifier, kSystem);
+  auto id = store.CreatePerson(person, verifier, {}, kSystem);
   EXPECT_TRUE(id.ok()) << id.status().message();
   return *id;
 }
@@ -146,7 +146,7 @@ struct World {
     Store::AttemptResult result;
     result.score = score;
     result.score_json = PutText(store, "score");
-    EXPECT_TRUE(store.FinishAttempt(attempt, result).ok());
+    EXPECT_TRUE(store.FinishAttempt(attempt, result, {}).ok());
     return attempt;
   }
 

@@ -54,7 +54,7 @@ class TeachingTest : public StoreSuite {
   Uuid Rescored(World& world, double score) {
     Uuid attempt = world.ScoredAttempt(score);
     EXPECT_TRUE(store_->FinishJob(store_->LeaseJob(1, 1000)->value().id, true, "").ok());
-    EXPECT_TRUE(store_->FinishAttempt(attempt, *store_->ResultOf(attempt)).ok());
+    EXPECT_TRUE(store_->FinishAttempt(attempt, *store_->ResultOf(attempt), {}).ok());
     EXPECT_TRUE(store_->ReleaseAttempt(attempt, kSystem).ok());
     EXPECT_TRUE(store_->Rescore(attempt, "rescore", kSystem).ok());
     return attempt;
@@ -303,7 +303,7 @@ TEST_P(TeachingTest, ReleaseOfAnAssignmentReleasesWhatIsScoredAndCanBeTakenBack)
     EXPECT_TRUE(store_->SealAttempt(World::SealOf(world.Append(attempt, 1)), 200).ok());
     Store::AttemptResult result;
     result.score_json = PutText(*store_, "score");
-    EXPECT_TRUE(store_->FinishAttempt(attempt, result).ok());
+    EXPECT_TRUE(store_->FinishAttempt(attempt, result, {}).ok());
     return attempt;
   };
   Uuid a = scored(), b = scored(), open = *Begin(world, row), other = world.ScoredAttempt();
@@ -346,7 +346,7 @@ TEST_P(TeachingTest, ScoringAgainKeepsTheEarlierResult) {
     Store::AttemptResult result;
     result.score = score;
     result.score_json = PutText(*store_, text);
-    EXPECT_TRUE(store_->FinishAttempt(attempt, result).ok());
+    EXPECT_TRUE(store_->FinishAttempt(attempt, result, job).ok());
     EXPECT_TRUE(store_->FinishJob(job, true, "").ok());
   };
   run(50, "first");
@@ -399,7 +399,7 @@ TEST_P(TeachingTest, AppealIsFiledOnceAfterTheReleaseAndAnsweredOnce) {
   Uuid attempt = world.ScoredAttempt();
   // The run that sealing queued is over.
   ASSERT_TRUE(store_->FinishJob(store_->LeaseJob(1, 1000)->value().id, true, "").ok());
-  ASSERT_TRUE(store_->FinishAttempt(attempt, {}).ok());
+  ASSERT_TRUE(store_->FinishAttempt(attempt, {}, {}).ok());
   Actor student{world.student, "page"};
   EXPECT_EQ(store_->FileAppeal(attempt, "please", student).code(), Code::kConflict);
   ASSERT_TRUE(store_->ReleaseAttempt(attempt, kSystem).ok());
@@ -448,13 +448,13 @@ TEST_P(TeachingTest, CancelledJobLeavesTheAttemptSealedAndItsRunCannotFinish) {
   Uuid attempt = world.OpenedAttempt();
   ASSERT_TRUE(store_->SealAttempt(World::SealOf(world.Append(attempt, 1)), 200).ok());
   Uuid job = store_->LeaseJob(1, 1000)->value().id;
-  ASSERT_TRUE(store_->SetProgress(attempt, 0.5).ok());
+  ASSERT_TRUE(store_->SetProgress(job, 0.5).ok());
   EXPECT_EQ(store_->Jobs("running")->front().progress, 0.5);
   ASSERT_TRUE(store_->CancelJob(job, kSystem).ok());
   EXPECT_EQ(store_->AttemptById(attempt)->state, AttemptState::kSealed);
-  EXPECT_EQ(store_->SetProgress(attempt, 0.6).code(), Code::kUnavailable);
-  EXPECT_EQ(store_->FinishAttempt(attempt, {}).code(), Code::kUnavailable);
-  EXPECT_EQ(store_->FailAttempt(attempt, "too late").code(), Code::kUnavailable);
+  EXPECT_EQ(store_->SetProgress(job, 0.6).code(), Code::kUnavailable);
+  EXPECT_EQ(store_->FinishAttempt(attempt, {}, job).code(), Code::kUnavailable);
+  EXPECT_EQ(store_->FailAttempt(attempt, "too late", job).code(), Code::kUnavailable);
   EXPECT_EQ(store_->AttemptById(attempt)->state, AttemptState::kSealed);
   ASSERT_TRUE(store_->FinishJob(job, false, "cancelled").ok());
   EXPECT_EQ(store_->Jobs("cancelled")->size(), 1u);
@@ -462,9 +462,32 @@ TEST_P(TeachingTest, CancelledJobLeavesTheAttemptSealedAndItsRunCannotFinish) {
   EXPECT_EQ(store_->CancelJob(job, kSystem).code(), Code::kConflict);
   EXPECT_EQ(store_->CancelJob(Uuid::New(), kSystem).code(), Code::kNotFound);
   ASSERT_TRUE(store_->Rescore(attempt, "rescore", kSystem).ok());
-  ASSERT_TRUE(store_->LeaseJob(1, 1000)->has_value());
-  EXPECT_TRUE(store_->SetProgress(attempt, 0.1).ok());
-  EXPECT_TRUE(store_->FinishAttempt(attempt, {}).ok());
+  Uuid next = store_->LeaseJob(1, 1000)->value().id;
+  EXPECT_EQ(store_->SetProgress(job, 0.9).code(), Code::kUnavailable) << "the old run goes on";
+  Store::AttemptResult result;
+  result.score = 12;
+  EXPECT_EQ(store_->FinishAttempt(attempt, result, job).code(), Code::kUnavailable);
+  EXPECT_TRUE(store_->SetProgress(next, 0.1).ok());
+  EXPECT_EQ(store_->Jobs("running")->front().progress, 0.1);
+  result.score = 71;
+  EXPECT_TRUE(store_->FinishAttempt(attempt, result, next).ok());
+  ASSERT_EQ(store_->ResultsOf(attempt)->size(), 1u);
+  EXPECT_EQ(store_->ResultsOf(attempt)->front().cause, "rescore");
+  EXPECT_EQ(store_->AttemptById(attempt)->score, 71);
+}
+
+TEST_P(TeachingTest, RunWhoseLeaseWasTakenOverDoesNotQueueItsJobAgain) {
+  World world(*store_);
+  Uuid attempt = world.OpenedAttempt();
+  ASSERT_TRUE(store_->SealAttempt(World::SealOf(world.Append(attempt, 1)), 200).ok());
+  Uuid job = store_->LeaseJob(1, 1000)->value().id;
+  ASSERT_EQ(store_->LeaseJob(5000, 1000)->value().id, job) << "taken over";
+  ASSERT_TRUE(store_->FinishAttempt(attempt, {}, job).ok());
+  ASSERT_TRUE(store_->FinishJob(job, true, "").ok());
+  EXPECT_EQ(store_->FinishAttempt(attempt, {}, job).code(), Code::kUnavailable) << "the slow one";
+  ASSERT_TRUE(store_->FinishJob(job, false, "this scoring run is over").ok());
+  EXPECT_TRUE(store_->Jobs("queued")->empty());
+  EXPECT_EQ(store_->AttemptById(attempt)->state, AttemptState::kScored);
 }
 
 TEST_P(TeachingTest, CancellingAnotherRunLeavesTheScoreThatWasThere) {
@@ -499,7 +522,7 @@ TEST_P(TeachingTest, RunThatFailsLeavesTheScoreThatWasThereAndSaysWhy) {
   ASSERT_TRUE(store_->Rescore(attempt, "rescore", kSystem).ok());
   Uuid job = store_->LeaseJob(1, 1000)->value().id;
   EXPECT_EQ(store_->AttemptById(attempt)->problem, "");
-  ASSERT_TRUE(store_->FailAttempt(attempt, "the scene is gone").ok());
+  ASSERT_TRUE(store_->FailAttempt(attempt, "the scene is gone", {}).ok());
   ASSERT_TRUE(store_->FinishJob(job, true, "").ok());
   EXPECT_EQ(store_->AttemptById(attempt)->state, AttemptState::kScored);
   EXPECT_EQ(store_->AttemptById(attempt)->problem, "the scene is gone");
@@ -510,10 +533,10 @@ TEST_P(TeachingTest, ReleasedScoreThatTurnsOutOtherwiseIsReleasedAnew) {
   World world(*store_);
   Uuid attempt = Rescored(world, 71);
   Store::AttemptResult result = *store_->ResultOf(attempt);
-  ASSERT_TRUE(store_->FinishAttempt(attempt, result).ok());
+  ASSERT_TRUE(store_->FinishAttempt(attempt, result, {}).ok());
   EXPECT_TRUE(store_->AttemptById(attempt)->released) << "the same score as before";
   result.score = 72;
-  ASSERT_TRUE(store_->FinishAttempt(attempt, result).ok());
+  ASSERT_TRUE(store_->FinishAttempt(attempt, result, {}).ok());
   EXPECT_FALSE(store_->AttemptById(attempt)->released);
   EXPECT_EQ(Actions()[1], "attempt.unrelease");
   ASSERT_TRUE(store_->ReleaseAttempt(attempt, kSystem).ok());
@@ -528,7 +551,7 @@ TEST_P(TeachingTest, ReleaseOfPracticeIsNotWithdrawnUnlessItIsAnExam) {
   Uuid attempt = Rescored(world, 71);
   Store::AttemptResult result = *store_->ResultOf(attempt);
   result.score = 72;
-  ASSERT_TRUE(store_->FinishAttempt(attempt, result).ok());
+  ASSERT_TRUE(store_->FinishAttempt(attempt, result, {}).ok());
   EXPECT_TRUE(store_->AttemptById(attempt)->released);
 }
 
@@ -647,6 +670,79 @@ TEST_P(TeachingTest, ExamTicketThatRanOutUnopenedIsNoExamUnderWay) {
       << "begun in time and not finished";
 }
 
+TEST_P(TeachingTest, TicketHandedBackUnusedCountsForNothingAndOpensNothing) {
+  World world(*store_);
+  AssignmentRow exam = Assigned(Cohort("year 1", world.student), 1, true);
+  Uuid returned = *Begin(world, exam);
+  EXPECT_EQ(Begin(world, exam).status().field(), "attempt_limit");
+  EXPECT_EQ(store_->ReturnTicket(Uuid::New(), kSystem).code(), Code::kNotFound);
+  auto rows_before = store_->Audit(1000)->size();
+  for (int again = 0; again < 2; ++again) {
+    ASSERT_TRUE(store_->ReturnTicket(returned, Actor{{}, "station bench-1"}).ok());
+    EXPECT_EQ(store_->Audit(1000)->size(), rows_before + 1) << "told once";
+    EXPECT_EQ(store_->AttemptById(returned)->flags, uint32_t{kReturned});
+    EXPECT_EQ(store_->AssignmentsFor(world.student)->front().attempts_used, 0u);
+  }
+  AuditRow row = store_->Audit(1)->front();
+  EXPECT_EQ(row.action, "attempt.return");
+  EXPECT_EQ(row.object, returned.Text());
+  EXPECT_EQ(row.actor, "station bench-1");
+  EXPECT_EQ(store_->OpenAttempt(returned, AsBytes("header")).code(), Code::kConflict);
+  EXPECT_EQ(store_->AttemptById(returned)->state, AttemptState::kTicketed);
+  EXPECT_TRUE(Begin(world, exam).ok()) << "neither the limit nor another exam is in the way";
+}
+
+TEST_P(TeachingTest, TicketThatWasOpenedIsNotTakenBack) {
+  World world(*store_);
+  AssignmentRow once = Assigned(Cohort("year 1", world.student), 1);
+  Uuid attempt = *Begin(world, once);
+  ASSERT_TRUE(store_->OpenAttempt(attempt, AsBytes("header")).ok());
+  auto refused = [&] {
+    Status status = store_->ReturnTicket(attempt, kSystem);
+    EXPECT_NE(status.message().find("excuse"), std::string::npos) << status.message();
+    return status.code();
+  };
+  EXPECT_EQ(refused(), Code::kConflict) << "without a tick";
+  auto chunks = world.Append(attempt, 1);
+  EXPECT_EQ(refused(), Code::kConflict) << "with one";
+  ASSERT_TRUE(store_->SealAttempt(World::SealOf(chunks), 200).ok());
+  EXPECT_EQ(refused(), Code::kConflict) << "sealed";
+  EXPECT_EQ(store_->AttemptById(attempt)->flags, 0u);
+  EXPECT_EQ(Begin(world, once).status().field(), "attempt_limit");
+}
+
+TEST_P(TeachingTest, AssignmentWithAttemptsStaysSoThatTheyCanBeReleasedTogether) {
+  World world(*store_);
+  AssignmentRow row = Assigned(Cohort("year 1", world.student));
+  Uuid unused = *Begin(world, row), attempt = *Begin(world, row);
+  ASSERT_TRUE(store_->ReturnTicket(unused, kSystem).ok());
+  ASSERT_TRUE(store_->OpenAttempt(attempt, AsBytes("header")).ok());
+  Status refused = store_->DeleteAssignment(row.id, row.revision, kSystem);
+  EXPECT_EQ(refused.code(), Code::kConflict);
+  EXPECT_EQ(refused.field(), "attempts");
+  EXPECT_NE(refused.message().find("1 attempt was"), std::string::npos) << refused.message();
+  ASSERT_TRUE(store_->SealAttempt(World::SealOf(world.Append(attempt, 1)), 200).ok());
+  ASSERT_TRUE(store_->FinishAttempt(attempt, {}, {}).ok());
+  EXPECT_EQ(*store_->ReleaseAssignment(row.id, kSystem), 1u);
+}
+
+TEST_P(TeachingTest, ArchivedCohortIsOfferedNothing) {
+  World world(*store_);
+  Uuid teacher = AddPerson(*store_, "teacher", Role::kInstructor);
+  std::vector<AssignmentRow> everybodys = *store_->Assignments({});
+  for (const AssignmentRow& row : everybodys) {
+    ASSERT_TRUE(store_->DeleteAssignment(row.id, row.revision, kSystem).ok());
+  }
+  Uuid cohort = Cohort("year 1", teacher);
+  Assigned(cohort);
+  EXPECT_EQ(store_->ExercisesFor(teacher)->size(), 1u);
+  CohortEdit archive;
+  archive.archived = true;
+  ASSERT_TRUE(store_->EditCohort(cohort, archive, 1, kSystem).ok());
+  EXPECT_TRUE(store_->ExercisesFor(teacher)->empty());
+  EXPECT_TRUE(store_->AssignmentsFor(teacher)->empty());
+}
+
 TEST_P(TeachingTest, EveryChangeIsAudited) {
   World world(*store_);
   auto draft = store_->PutDraft(world.Exercise("exercise", "d"), kSystem);
@@ -655,12 +751,13 @@ TEST_P(TeachingTest, EveryChangeIsAudited) {
   ASSERT_TRUE(store_->ReplaceAssignment(row, kSystem).ok());
   Uuid attempt = *Begin(world, row);
   ASSERT_TRUE(store_->FlagAttempt(attempt, kExcused, "ill", kSystem).ok());
+  ASSERT_TRUE(store_->ReturnTicket(attempt, kSystem).ok());
   ASSERT_TRUE(store_->DeleteAssignment(row.id, 2, kSystem).ok());
   ASSERT_TRUE(store_->RetireExercise(draft->id, kSystem).ok());
   std::vector<std::string> actions = Actions();
   for (const char* action :
        {"exercise.draft", "exercise.publish", "exercise.retire", "assignment.add",
-        "assignment.edit", "assignment.delete", "attempt.flag"}) {
+        "assignment.edit", "assignment.delete", "attempt.flag", "attempt.return"}) {
     EXPECT_NE(std::ranges::find(actions, action), actions.end()) << action;
   }
 }

@@ -127,7 +127,7 @@ TEST(TicketRulesTest, TermsThatContradictThemselvesAreRefused) {
 }
 
 TEST(TicketRulesTest, FlagNamesAreReadBack) {
-  for (uint32_t bit = 1; bit <= kReadmitted; bit <<= 1) {
+  for (uint32_t bit = 1; bit <= kReturned; bit <<= 1) {
     ASSERT_EQ(AttemptFlagNames(bit).size(), 1u) << bit;
     EXPECT_EQ(AttemptFlagFromName(AttemptFlagNames(bit).front()), static_cast<AttemptFlag>(bit));
   }

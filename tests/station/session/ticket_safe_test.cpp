@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
@@ -37,6 +38,15 @@ class TicketSafeTest : public testing::Test {
   TicketSafe Safe() {
     return TicketSafe(*spool_, [this] { return now_ms_; });
   }
+  trace::Header Header() const {
+    trace::Header header;
+    header.ticket = ticket_;
+    return header;
+  }
+  size_t HandedBack() const {
+    auto tickets = *spool_->Tickets();
+    return static_cast<size_t>(std::ranges::count_if(tickets, &LockedTicket::handed_back));
+  }
   Code Open(const char* pin) { return Safe().Open(ticket_.attempt, pin).status().code(); }
 
   fs::path folder_;
@@ -68,7 +78,7 @@ TEST_F(TicketSafeTest, WrongPinsWaitLongerEachTimeAndTheTenthDestroysTheTicket) 
     expected_s *= 2;
   }
   EXPECT_EQ(Open(kPin), Code::kNotFound);
-  EXPECT_TRUE(spool_->Tickets()->empty());
+  EXPECT_EQ(HandedBack(), 1u) << "the server is told that it was not used";
 }
 
 TEST_F(TicketSafeTest, RightPinBeginsTheCountAnew) {
@@ -89,13 +99,39 @@ TEST_F(TicketSafeTest, StartingTheProgramAgainWinsNoFurtherTry) {
   EXPECT_EQ(spool_->Tickets()->front().wrong_pins, 3);
 }
 
-TEST_F(TicketSafeTest, ExpiredTicketIsForgotten) {
+TEST_F(TicketSafeTest, ExpiredTicketIsHandedBackUnlessItWasBegun) {
+  for (bool begun : {false, true}) {
+    ticket_.attempt = Uuid::New();
+    ticket_.expires_unix_ms = now_ms_ + 12 * kHour_ms;
+    ASSERT_TRUE(Put().ok());
+    if (begun) ASSERT_TRUE(spool_->BeginAttempt(Header(), "e", "p").ok());
+    now_ms_ += 12 * kHour_ms - 1;
+    EXPECT_EQ(Safe().List()->size(), 1u);
+    now_ms_ += 1;
+    EXPECT_TRUE(Safe().List()->empty());
+    EXPECT_EQ(Open(kPin), Code::kNotFound);
+    EXPECT_EQ(HandedBack(), begun ? 0u : 1u);
+    ASSERT_TRUE(spool_->RemoveTicket(ticket_.attempt).ok());
+  }
+}
+
+TEST_F(TicketSafeTest, WhatIsHandedBackOpensNothingAnyMore) {
   ASSERT_TRUE(Put().ok());
-  now_ms_ += 12 * kHour_ms - 1;
-  EXPECT_EQ(Safe().List()->size(), 1u);
-  now_ms_ += 1;
+  ASSERT_TRUE(Safe().HandBack(ticket_.attempt).ok());
   EXPECT_TRUE(Safe().List()->empty());
   EXPECT_EQ(Open(kPin), Code::kNotFound);
+  EXPECT_EQ(Safe().HandBack(ticket_.attempt).code(), Code::kNotFound);
+  spool_.reset();
+  spool_ = std::move(*Spool::Open(folder_));
+  EXPECT_EQ(HandedBack(), 1u) << "until the server has been told";
+  EXPECT_TRUE(spool_->Tickets()->front().locked.empty());
+}
+
+TEST_F(TicketSafeTest, TicketThatWasBegunWithIsNotHandedBack) {
+  ASSERT_TRUE(Put().ok());
+  ASSERT_TRUE(spool_->BeginAttempt(Header(), "e", "p").ok());
+  EXPECT_EQ(Safe().HandBack(ticket_.attempt).code(), Code::kConflict);
+  EXPECT_EQ(Open(kPin), Code::kOk) << "its PIN may resume it";
 }
 
 // The ticket's own bytes and the PIN are nowhere on the disk.

@@ -12,6 +12,7 @@
 #include <optional>
 #include <set>
 #include <thread>
+#include <vector>
 
 #include "common/base/file.h"
 #include "common/net/certificate.h"
@@ -25,7 +26,7 @@ namespace enamel::station {
 namespace asio = boost::asio;
 
 // The server's half of the station link, over real TLS on loopback, with a store in memory and
-// faults on demand. One connection at a time.
+// faults on demand. A thread for each connection.
 class FakeServer {
  public:
   explicit FakeServer(const std::filesystem::path& folder, uint16_t port = 0)
@@ -43,12 +44,13 @@ class FakeServer {
   }
   ~FakeServer() {
     stopping_ = true;
-    Break();
     asio::io_context io;
     asio::ip::tcp::socket wake(io);
     boost::system::error_code ignored;
     wake.connect(acceptor_.local_endpoint(), ignored);
     thread_.join();
+    Break();
+    for (std::thread& connection : threads_) connection.join();
   }
 
   net::Endpoint endpoint() const { return {"127.0.0.1", acceptor_.local_endpoint().port()}; }
@@ -94,15 +96,24 @@ class FakeServer {
   // The last request for a ticket; all are refused. Read it when the answer is there.
   const wire::RequestTicket& asked_for() const { return asked_for_; }
 
-  // Answers OpenAttempt with this.
-  std::optional<Status> refuse;
+  // Answers OpenAttempt, and ReturnTicket, with this. The latter also while it runs, between two
+  // requests.
+  std::optional<Status> refuse, refuse_returns;
+  // Attempts whose tickets were returned, each time.
+  std::vector<Uuid> returned() const {
+    std::lock_guard lock(mutex_);
+    return returned_;
+  }
+  std::string page_url;
+  // Attempts that whoever signs in may see. Not while it answers.
+  std::set<Uuid> seen;
 
  private:
   wire::RequestTicket asked_for_;
   using Stream = asio::ssl::stream<asio::ip::tcp::socket>;
   void Break() {
     std::lock_guard lock(mutex_);
-    if (connection_ >= 0) ::shutdown(connection_, SHUT_RDWR);
+    for (int connection : open_) ::shutdown(connection, SHUT_RDWR);
   }
 
   void Run() {
@@ -110,21 +121,25 @@ class FakeServer {
       asio::ip::tcp::socket socket = acceptor_.accept();
       if (stopping_) return;
       ++connections_;
-      Stream stream(std::move(socket), *context_);
-      SetConnection(stream.next_layer().native_handle());
-      try {
-        stream.handshake(Stream::server);
-        while (!stopping_) Answer(stream, *protocol::ParseRequest(ReadMessage(stream)));
-      } catch (const boost::system::system_error&) {
-        // The station went away, or a fault was asked for.
-      }
-      SetConnection(-1);
+      std::lock_guard lock(mutex_);
+      open_.insert(socket.native_handle());
+      threads_.emplace_back([this, s = std::move(socket)]() mutable { Serve(std::move(s)); });
     }
   }
 
-  void SetConnection(int fd) {
+  void Serve(asio::ip::tcp::socket socket) {
+    const int fd = socket.native_handle();
+    Stream stream(std::move(socket), *context_);
+    try {
+      stream.handshake(Stream::server);
+      while (!stopping_) Answer(stream, *protocol::ParseRequest(ReadMessage(stream)));
+    } catch (const boost::system::system_error&) {
+      // The station went away, or a fault was asked for.
+    }
     std::lock_guard lock(mutex_);
-    connection_ = fd;
+    open_.erase(fd);
+    boost::system::error_code ignored;
+    stream.next_layer().close(ignored);
   }
 
   static Bytes ReadMessage(Stream& stream) {
@@ -142,6 +157,7 @@ class FakeServer {
     reply.set_reply_to(request.id());
     if (request.has_hello()) {
       reply.mutable_welcome()->set_core_version(request.hello().core_version());
+      reply.mutable_welcome()->set_page_url(page_url);
     } else if (request.has_open_attempt()) {
       if (refuse) {
         *reply.mutable_error() = protocol::ToError(*refuse);
@@ -168,6 +184,20 @@ class FakeServer {
       }
       for (const auto& ticket : request.offer_attempts().tickets()) {
         if (revoke_tickets) wanted.add_revoked(ticket);
+      }
+    } else if (request.has_attempt_status()) {
+      if (seen.contains(*protocol::ReadUuid(request.attempt_status().attempt(), "attempt"))) {
+        reply.mutable_attempt_state()->set_state("ticketed");
+      } else {
+        *reply.mutable_error() = protocol::ToError(Status(Code::kNotFound, "no such attempt"));
+      }
+    } else if (request.has_return_ticket()) {
+      std::lock_guard lock(mutex_);
+      returned_.push_back(*protocol::ReadUuid(request.return_ticket().attempt(), "attempt"));
+      if (refuse_returns) {
+        *reply.mutable_error() = protocol::ToError(*refuse_returns);
+      } else {
+        *reply.mutable_ticket_returned() = {};
       }
     } else if (request.has_live_state()) {
       ++live_;
@@ -227,15 +257,17 @@ class FakeServer {
   std::shared_ptr<asio::ssl::context> context_;
   asio::io_context io_;
   asio::ip::tcp::acceptor acceptor_{io_};
+  std::vector<std::thread> threads_;  // one each; of thread_
   std::thread thread_;
   std::atomic<bool> stopping_{false}, sealed_{false};
   std::atomic<int> connections_{0}, doubled_{0}, live_{0}, offered_{0};
   std::atomic<uint64_t> last_live_tick_{0};
   std::atomic<uint32_t> resumed_{0};
-  int received_ = 0;
+  std::atomic<int> received_{0};
   mutable std::mutex mutex_;
-  int connection_ = -1;                               // guarded by mutex_
+  std::set<int> open_;                                // guarded by mutex_
   Uuid first_;                                        // guarded by mutex_
+  std::vector<Uuid> returned_;                        // guarded by mutex_
   std::map<Uuid, std::map<uint32_t, Bytes>> chunks_;  // guarded by mutex_
 };
 

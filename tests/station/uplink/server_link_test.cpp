@@ -33,6 +33,27 @@ TEST_F(ServerLinkTest, SigningInTellsThatThePasswordWasForOneUse) {
   }
 }
 
+TEST_F(ServerLinkTest, PageIsShownWhereTheServerSaysItAndTheTextIsAnAddress) {
+  const std::string fits = "https://" + std::string(192, 'x');
+  for (const std::string& url : {std::string("https://enamel.example.edu"),
+                                 std::string("http://10.0.0.5:8080/page"), fits}) {
+    FakeServer server(folder_);
+    server.page_url = url;
+    ServerLink link;
+    ASSERT_TRUE(link.Connect(server.NewStation()).ok());
+    EXPECT_EQ(link.page_url(), url);
+  }
+  for (const std::string& other :
+       {std::string(), std::string("https://"), std::string("ftp://x"), std::string("http://a b"),
+        std::string("https://x\n"), std::string("https://\u00fc.example"), fits + "x"}) {
+    FakeServer server(folder_);
+    server.page_url = other;
+    ServerLink link;
+    ASSERT_TRUE(link.Connect(server.NewStation()).ok());
+    EXPECT_EQ(link.page_url(), "") << other;
+  }
+}
+
 TEST_F(ServerLinkTest, ATicketIsAskedForTheAssignmentThatWasListed) {
   FakeServer server(folder_);
   server.assignments = {Uuid::New(), Uuid{}};

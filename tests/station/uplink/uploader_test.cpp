@@ -228,6 +228,58 @@ TEST_F(UploaderTest, RevokedTicketIsForgottenAndAnotherKept) {
   EXPECT_EQ(left[0].attempt, id());
 }
 
+TEST_F(UploaderTest, HandedBackTicketIsReturnedAndForgottenWhateverTheServerSays) {
+  const Status answers[] = {Status::Ok(),
+                            {Code::kNotFound, "no such"},
+                            {Code::kConflict, "opened"},
+                            protocol::ToStatus(protocol::UnsupportedError())};
+  for (const Status& answer : answers) {
+    LockedTicket ticket;
+    ticket.attempt = Uuid::New();
+    ticket.locked = Bytes(10);
+    ASSERT_TRUE(spool_->PutTicket(ticket).ok());
+    ASSERT_TRUE(spool_->HandBackTicket(ticket.attempt).ok());
+    FakeServer server(folder_);
+    if (!answer.ok()) server.refuse_returns = answer;
+    ServerLink link;
+    ASSERT_TRUE(link.Connect(server.NewStation()).ok());
+    Bandwidth no_bound(0);
+    Carrier carrier(link, *spool_, no_bound);
+    ASSERT_TRUE(carrier.Offer().ok());
+    EXPECT_EQ(spool_->Tickets()->size(), 1u) << "it is no longer asked about";
+    ASSERT_TRUE(carrier.ReturnTickets().ok());
+    EXPECT_EQ(server.returned(), std::vector<Uuid>{ticket.attempt});
+    EXPECT_TRUE(spool_->Tickets()->empty()) << CodeName(answer.code());
+    ASSERT_TRUE(carrier.ReturnTickets().ok());
+    EXPECT_EQ(server.returned().size(), 1u);
+  }
+}
+
+TEST_F(UploaderTest, HandedBackTicketWaitsForTheServerAndNeverCostsAnAttempt) {
+  LockedTicket ticket;
+  ticket.attempt = Uuid::New();
+  ASSERT_TRUE(spool_->PutTicket(ticket).ok());
+  LockedTicket begun;
+  begun.attempt = id();  // its recording is in the spool
+  ASSERT_TRUE(spool_->PutTicket(begun).ok());
+  FakeServer server(folder_);
+  {
+    ServerLink link;
+    ASSERT_TRUE(link.Connect(server.NewStation()).ok());
+    link.Close();
+    Bandwidth no_bound(0);
+    EXPECT_EQ(Carrier(link, *spool_, no_bound).ReturnTickets().code(), Code::kUnavailable);
+    EXPECT_FALSE(spool_->Tickets()->empty());
+  }
+  Uploader uploader(server.NewStation(), *spool_);
+  while (!spool_->Tickets()->empty()) std::this_thread::yield();
+  EXPECT_EQ(server.returned(), std::vector<Uuid>{ticket.attempt});
+  ASSERT_TRUE(spool_->PutTicket(ticket).ok());
+  uploader.Wake();
+  while (!spool_->Tickets()->empty()) std::this_thread::yield();
+  EXPECT_EQ(server.returned().size(), 2u) << "on the connection it has";
+}
+
 // Two attempts wait; a third is being made: its chunks do not wait for theirs.
 TEST_F(UploaderTest, AttemptBeingMadeGoesFirst) {
   Record(200);

@@ -44,6 +44,7 @@ export const kFlagTexts: Readonly<Record<AttemptFlag, StateText>> = {
   resumed: { title: "Resumed", tone: "neutral" },
   readmitted: { title: "Readmitted", tone: "neutral" },
   excused: { title: "Excused", tone: "neutral" },
+  returned: { title: "Ticket handed back", tone: "neutral" },
 };
 
 export function flagText(flag: AttemptFlag): StateText {

@@ -30,7 +30,7 @@ export function gradeRows(members: readonly CohortMember[], assignments: readonl
 }
 
 function gradeOf(attempts: readonly Attempt[]): Grade {
-  const counting = attempts.filter((attempt) => !attempt.flags.includes("excused"));
+  const counting = attempts.filter((attempt) => !attempt.flags.includes("excused") && !attempt.flags.includes("returned"));
   const best = counting.filter((attempt) => attempt.score !== null).sort((a, b) => (b.score ?? 0) - (a.score ?? 0))[0];
   return { attempts: counting.length, best };
 }

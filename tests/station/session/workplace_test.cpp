@@ -1,0 +1,94 @@
+#include "station/session/workplace.h"
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include "tests/station/uplink/fake_server.h"
+
+namespace enamel::station {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char kPin[] = "804217";
+
+class WorkplaceTest : public testing::Test {
+ protected:
+  WorkplaceTest() {
+    std::string name = (fs::temp_directory_path() / "enamel_place_XXXXXX").string();
+    folder_ = ::mkdtemp(name.data());
+    server_.emplace(folder_);
+    EXPECT_TRUE(SaveCredentials(folder_ / "data", server_->NewStation()).ok());
+    workplace_ = std::move(*Workplace::Open({.data = folder_ / "data"}));
+  }
+  ~WorkplaceTest() override {
+    workplace_.reset();
+    fs::remove_all(folder_);
+  }
+
+  Uuid Reserved() {
+    trace::Ticket ticket;
+    ticket.attempt = Uuid::New();
+    ticket.expires_unix_ms = int64_t{1} << 60;
+    EXPECT_TRUE(TicketSafe(workplace_->spool()).Put(ticket, {}, kPin).ok());
+    return ticket.attempt;
+  }
+
+  fs::path folder_;
+  std::optional<FakeServer> server_;
+  std::unique_ptr<Workplace> workplace_;
+};
+
+TEST_F(WorkplaceTest, TicketIsGivenBackWithItsPin) {
+  Uuid attempt = Reserved();
+  EXPECT_EQ(workplace_->GiveBack(attempt, "804218").status().code(), Code::kUnauthenticated);
+  EXPECT_EQ(workplace_->Reserved()->size(), 1u);
+  auto given = workplace_->GiveBack(attempt, kPin);
+  ASSERT_TRUE(given.ok()) << given.status().message();
+  EXPECT_EQ(*given, HandedBack::kAtServer);
+  EXPECT_TRUE(std::ranges::count(server_->returned(), attempt) > 0);
+  EXPECT_TRUE(workplace_->Reserved()->empty());
+  EXPECT_EQ(workplace_->GiveBack(attempt, kPin).status().code(), Code::kNotFound);
+}
+
+TEST_F(WorkplaceTest, WithoutTheServerItIsGivenBackHereAndReturnedLater) {
+  Uuid attempt = Reserved();
+  uint16_t port = server_->endpoint().port;
+  server_.reset();
+  auto given = workplace_->GiveBack(attempt, kPin);
+  ASSERT_TRUE(given.ok()) << given.status().message();
+  EXPECT_EQ(*given, HandedBack::kLater);
+  EXPECT_TRUE(workplace_->Reserved()->empty());
+  EXPECT_EQ(workplace_->PrepareReserved(attempt, kPin).status().code(), Code::kNotFound);
+  server_.emplace(folder_, port);
+  workplace_->uploader().Retry();
+  while (!workplace_->spool().Tickets()->empty()) std::this_thread::yield();
+  EXPECT_EQ(server_->returned().front(), attempt);
+}
+
+TEST_F(WorkplaceTest, ForgottenPinNeedsASignInAndTheServersWord) {
+  Uuid attempt = Reserved();
+  EXPECT_EQ(workplace_->GiveBack(attempt).status().code(), Code::kUnauthenticated);
+  ASSERT_TRUE(workplace_->SignIn("ada", "secret").ok());
+  EXPECT_FALSE(workplace_->GiveBack(attempt).ok()) << "somebody else's, says the server";
+  EXPECT_EQ(workplace_->Reserved()->size(), 1u);
+  server_->seen.insert(attempt);
+  auto given = workplace_->GiveBack(attempt);
+  ASSERT_TRUE(given.ok()) << given.status().message();
+  EXPECT_EQ(*given, HandedBack::kAtServer);
+  EXPECT_TRUE(workplace_->person().has_value()) << "and is still signed in";
+}
+
+TEST_F(WorkplaceTest, WhoHasToChooseAPasswordIsToldWhere) {
+  workplace_.reset();
+  server_->must_change_password = true;
+  server_->page_url = "https://enamel.example.edu";
+  workplace_ = std::move(*Workplace::Open({.data = folder_ / "data"}));
+  Status refused = workplace_->SignIn("ada", "secret").status();
+  EXPECT_EQ(refused.code(), Code::kForbidden);
+  EXPECT_NE(refused.message().find("Open https://enamel.example.edu on"), std::string::npos)
+      << refused.message();
+}
+
+}  // namespace
+}  // namespace enamel::station
