@@ -87,6 +87,7 @@ class Exporter {
       if (!rows.ok()) return rows.status();
       for (const AttemptRow& row : *rows) {
         json::object facts = Facts(row);
+        ENAMEL_RETURN_IF_ERROR(AddOverride(row, facts));
         ENAMEL_RETURN_IF_ERROR(AddWords(row, facts));
         ENAMEL_RETURN_IF_ERROR(AddFiles(row, facts));
         attempts.push_back(std::move(facts));
@@ -118,12 +119,60 @@ class Exporter {
     json::array flags;
     for (const char* flag : AttemptFlagNames(row.flags)) flags.emplace_back(flag);
     out["flags"] = std::move(flags);
-    if (row.overridden) {
-      out["override"] = {{"score", row.overridden->score},
-                         {"reason", row.overridden->reason},
-                         {"at_ms", row.overridden->at_ms}};
-    }
     return out;
+  }
+
+  // Who said something, as the page names them.
+  Result<std::string> NameOf(const Uuid& author) {
+    if (author.IsZero()) return std::string("command line");
+    auto person = store_.PersonById(author);
+    if (person.ok()) return person->display_name;
+    if (person.status().code() == Code::kNotFound) return std::string();
+    return person.status();
+  }
+
+  Status AddOverride(const AttemptRow& row, json::object& facts) {
+    if (!row.overridden) return Status::Ok();
+    auto by = NameOf(row.overridden->by);
+    if (!by.ok()) return by.status();
+    facts["override"] = {{"score", row.overridden->score},
+                         {"reason", row.overridden->reason},
+                         {"by", *by},
+                         {"at_ms", row.overridden->at_ms}};
+    return Status::Ok();
+  }
+
+  // Every run, newest first; earlier ones' reasons as files.
+  Status AddResults(const AttemptRow& row, json::object& facts, json::array& files,
+                    json::array& problems) {
+    auto results = store_.ResultsOf(row.id);
+    if (!results.ok()) return results.status();
+    json::array out;
+    for (const ResultRow& result : *results) {
+      out.push_back({{"run", result.run},
+                     {"scored_ms", result.scored_ms},
+                     {"cause", result.cause},
+                     {"score", result.score},
+                     {"critical_fail", result.critical_fail}});
+      if (&result == &results->front()) continue;  // score.json
+      std::string name = "score_" + std::to_string(result.run) + ".json";
+      ENAMEL_RETURN_IF_ERROR(
+          AddFile(row, name, store_.GetBlob(result.score_json), files, problems));
+    }
+    facts["results"] = std::move(out);
+    return Status::Ok();
+  }
+
+  // What cannot be read is said in the export, and does not end it.
+  Status AddFile(const AttemptRow& row, const std::string& name, const Result<Bytes>& content,
+                 json::array& files, json::array& problems) {
+    if (!content.ok()) {
+      problems.emplace_back(name + ": " + content.status().message());
+      return Status::Ok();
+    }
+    fs::path path = fs::path("attempts") / row.id.Text() / name;
+    files.emplace_back(path.generic_string());
+    return Write(path, *content);
   }
 
   // What was said about it.
@@ -132,8 +181,12 @@ class Exporter {
     if (!remarks.ok()) return remarks.status();
     json::array annotations;
     for (const AnnotationRow& remark : *remarks) {
-      annotations.push_back(
-          {{"tick", remark.tick}, {"text", remark.text}, {"created_ms", remark.created_ms}});
+      auto by = NameOf(remark.author);
+      if (!by.ok()) return by.status();
+      annotations.push_back({{"tick", remark.tick},
+                             {"text", remark.text},
+                             {"by", *by},
+                             {"created_ms", remark.created_ms}});
     }
     facts["annotations"] = std::move(annotations);
     auto appeal = store_.AppealOf(row.id);
@@ -144,21 +197,18 @@ class Exporter {
                        {"state", (*appeal)->state},
                        {"answer", (*appeal)->answer},
                        {"answered_ms", (*appeal)->answered_ms}};
+    if ((*appeal)->answered_ms == 0) return Status::Ok();
+    auto by = NameOf((*appeal)->answered_by);
+    if (!by.ok()) return by.status();
+    facts["appeal"].as_object()["answered_by"] = *by;
     return Status::Ok();
   }
 
-  // What cannot be read is said in the export, and does not end it.
   Status AddFiles(const AttemptRow& row, json::object& facts) {
     json::array files, problems;
-    fs::path folder = fs::path("attempts") / row.id.Text();
-    ENAMEL_RETURN_IF_ERROR(MakeFolder(target_ / folder));
-    auto add = [&](const char* name, const Result<Bytes>& content) -> Status {
-      if (!content.ok()) {
-        problems.emplace_back(std::string(name) + ": " + content.status().message());
-        return Status::Ok();
-      }
-      files.emplace_back((folder / name).generic_string());
-      return Write(folder / name, *content);
+    ENAMEL_RETURN_IF_ERROR(MakeFolder(target_ / "attempts" / row.id.Text()));
+    auto add = [&](const char* name, const Result<Bytes>& content) {
+      return AddFile(row, name, content, files, problems);
     };
     bool has_recording = row.state != AttemptState::kTicketed && row.expired_ms == 0;
     if (has_recording) ENAMEL_RETURN_IF_ERROR(add("recording.entrace", TraceOf(row)));
@@ -171,6 +221,7 @@ class Exporter {
         if (!hash.IsZero()) ENAMEL_RETURN_IF_ERROR(add(name, store_.GetBlob(hash)));
       }
     }
+    ENAMEL_RETURN_IF_ERROR(AddResults(row, facts, files, problems));
     facts["files"] = std::move(files);
     if (!problems.empty()) facts["problems"] = std::move(problems);
     return Status::Ok();

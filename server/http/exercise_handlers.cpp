@@ -362,11 +362,19 @@ Response GetInitialSurface(const Call& call) {
 Response ListExerciseVersions(const Call& call) {
   Result<ExerciseRow> row = VisibleExercise(call);
   if (!row.ok()) return ErrorResponse(row.status());
+  Result<Page> page = PageOf(call.request, kMaxPage, kMaxPage);
+  if (!page.ok()) return ErrorResponse(page.status());
   Result<std::vector<ExerciseRow>> rows = call.store.ExerciseVersions(row->name);
   if (!rows.ok()) return ErrorResponse(rows.status());
+  if (!CanEditExercises(call.caller->person)) {
+    std::erase_if(*rows, [](const ExerciseRow& row) { return row.state == ExerciseState::kDraft; });
+  }
+  json::value next = CutPage(*rows, *page, [](const ExerciseRow& version) {
+    return (version.state == ExerciseState::kDraft ? "0" : "1") +
+           FallingKey(static_cast<uint64_t>(version.version));
+  });
   json::array versions;
   for (const ExerciseRow& version : *rows) {
-    if (version.state == ExerciseState::kDraft && !CanEditExercises(call.caller->person)) continue;
     versions.push_back({{"id", version.id.Text()},
                         {"title", version.title},
                         {"version", version.version},
@@ -374,19 +382,24 @@ Response ListExerciseVersions(const Call& call) {
                         {"document_sha256", version.content.Hex()},
                         {"published_ms", version.published_ms}});
   }
-  return JsonResponse({{"versions", std::move(versions)}});
+  return JsonResponse({{"versions", std::move(versions)}, {"next", std::move(next)}});
 }
 
 Response ListReferences(const Call& call) {
   Result<ExerciseRow> row = VisibleExercise(call);
   if (!row.ok()) return ErrorResponse(row.status());
+  Result<Page> page = PageOf(call.request, kMaxPage, kMaxPage);
+  if (!page.ok()) return ErrorResponse(page.status());
   Result<std::vector<ReferenceRow>> rows = call.store.References(row->id);
   if (!rows.ok()) return ErrorResponse(rows.status());
+  json::value next = CutPage(*rows, *page, [](const ReferenceRow& reference) {
+    return FallingKey(static_cast<uint64_t>(reference.version));
+  });
   json::array references;
   for (const ReferenceRow& reference : *rows) {
     references.push_back(ReferenceJson(call.caller->person, reference));
   }
-  return JsonResponse({{"references", std::move(references)}});
+  return JsonResponse({{"references", std::move(references)}, {"next", std::move(next)}});
 }
 
 Response PutDraft(const Call& call) {

@@ -31,4 +31,12 @@ boost::json::value NextAfter(const std::string& key) {
   return boost::json::value(ToHex(AsBytes(key)));
 }
 
+std::string RisingKey(uint64_t number) {
+  constexpr size_t kDigits = 20;
+  std::string text = std::to_string(number);
+  return std::string(kDigits - text.size(), '0') + text;
+}
+
+std::string FallingKey(uint64_t number) { return RisingKey(UINT64_MAX - number); }
+
 }  // namespace enamel::server::http

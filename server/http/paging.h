@@ -25,6 +25,10 @@ Result<Page> PageOf(const Request& request, uint32_t otherwise, uint32_t at_most
 // `next` of an answer: null on the last page.
 boost::json::value NextAfter(const std::string& key);
 
+// Keys that sort as numbers do, and newest (largest) first.
+std::string RisingKey(uint64_t number);
+std::string FallingKey(uint64_t number);
+
 // Cuts a page out of a whole list. `key`: of a row, unique. Sorts by it. Returns `next`.
 template <typename Row, typename Key>
 boost::json::value CutPage(std::vector<Row>& rows, const Page& page, const Key& key) {

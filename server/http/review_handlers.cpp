@@ -5,6 +5,7 @@
 #include "server/http/etag.h"
 #include "server/http/handlers.h"
 #include "server/http/json_body.h"
+#include "server/http/paging.h"
 #include "server/http/seen_attempt.h"
 #include "server/training/access.h"
 #include "server/training/revision.h"
@@ -13,6 +14,8 @@
 namespace enamel::server::http {
 namespace json = boost::json;
 namespace {
+
+constexpr uint32_t kMaxPage = 200;
 
 constexpr size_t kMaxReason = 1000;
 constexpr size_t kMaxRemark = 4000;
@@ -141,8 +144,13 @@ Response ListResults(const Call& call) {
         {Code::kForbidden,
          "this work is graded: the results show after the instructor has released it"});
   }
+  Result<Page> page = PageOf(call.request, kMaxPage, kMaxPage);
+  if (!page.ok()) return ErrorResponse(page.status());
   Result<std::vector<ResultRow>> rows = call.store.ResultsOf(call.id);
   if (!rows.ok()) return ErrorResponse(rows.status());
+  json::value next = CutPage(*rows, *page, [](const ResultRow& row) {
+    return FallingKey(static_cast<uint64_t>(row.run));
+  });
   json::array results;
   for (const ResultRow& row : *rows) {
     json::value reference;
@@ -158,7 +166,7 @@ Response ListResults(const Call& call) {
                        {"reference_attempt", std::move(reference)},
                        {"score", std::move(score)}});
   }
-  return JsonResponse({{"results", std::move(results)}});
+  return JsonResponse({{"results", std::move(results)}, {"next", std::move(next)}});
 }
 
 Response ListAnnotations(const Call& call) {
@@ -169,11 +177,15 @@ Response ListAnnotations(const Call& call) {
         {Code::kForbidden,
          "this work is graded: remarks show after the instructor has released it"});
   }
+  Result<Page> page = PageOf(call.request, kMaxPage, kMaxPage);
+  if (!page.ok()) return ErrorResponse(page.status());
   Result<std::vector<AnnotationRow>> rows = call.store.AnnotationsOf(call.id);
   if (!rows.ok()) return ErrorResponse(rows.status());
+  json::value next = CutPage(
+      *rows, *page, [](const AnnotationRow& row) { return RisingKey(row.tick) + row.id.Text(); });
   json::array annotations;
   for (const AnnotationRow& row : *rows) annotations.push_back(AnnotationJson(call, row));
-  return JsonResponse({{"annotations", std::move(annotations)}});
+  return JsonResponse({{"annotations", std::move(annotations)}, {"next", std::move(next)}});
 }
 
 Response AddAnnotation(const Call& call) {

@@ -1,3 +1,5 @@
+#include <utility>
+
 #include "server/storage/migrate.h"
 #include "server/storage/sqlite_impl.h"
 
@@ -166,6 +168,7 @@ Result<ErasureReport> SqliteStore::ErasePerson(const Uuid& person, bool with_ref
   auto alone = TakeUpkeepLock(folder_, FolderLock::Mode::kExclusive);
   if (!alone.ok()) return alone.status();
   Tombstone tombstone{TombstoneOf(person), NowMs()};
+  ENAMEL_RETURN_IF_ERROR(MarkForRewrite());
   ENAMEL_RETURN_IF_ERROR(keyring_.Destroy(person, tombstone.erased_ms));
   ErasureReport report;
   std::set<Sha256> blobs;
@@ -177,8 +180,12 @@ Result<ErasureReport> SqliteStore::ErasePerson(const Uuid& person, bool with_ref
   auto removed = RemoveUnnamed(blobs);
   if (!removed.ok()) return removed.status();
   report.blobs = *removed;
-  ENAMEL_RETURN_IF_ERROR(TruncateLog());
-  return report;
+  Status rewritten = LeaveNothingFreed();
+  if (rewritten.ok()) return report;
+  return Status(rewritten.code(),
+                "the person is erased, but copies of what was deleted may be left in unused parts "
+                "of the database until it is written anew, which the next start does: " +
+                    rewritten.message());
 }
 
 Status SqliteStore::Reconcile() {
@@ -191,6 +198,8 @@ Status SqliteStore::Reconcile() {
   auto gone = keyring_.Gone();
   if (!gone.ok()) return gone.status();
   if (gone->empty()) return Status::Ok();
+  std::error_code error;
+  bool rewrite = std::filesystem::exists(folder_ / kRewriteMark, error);
   std::map<Sha256, Tombstone> tombstones;
   for (const Tombstone& tombstone : *gone) tombstones[tombstone.person] = tombstone;
   auto people = Read([](Db& db) { return PeopleIn(db); });
@@ -199,6 +208,7 @@ Status SqliteStore::Reconcile() {
   for (const Uuid& person : *people) {
     auto tombstone = tombstones.find(TombstoneOf(person));
     if (tombstone == tombstones.end()) continue;
+    if (!std::exchange(rewrite, true)) ENAMEL_RETURN_IF_ERROR(MarkForRewrite());
     ENAMEL_RETURN_IF_ERROR(Write([&](Db& db) -> Status {
       ErasureReport report;
       return WithOverwriting(db, [&] {
@@ -207,8 +217,10 @@ Status SqliteStore::Reconcile() {
       });
     }));
   }
-  if (blobs.empty()) return Status::Ok();
-  return RemoveUnnamed(blobs).status();
+  if (!blobs.empty()) ENAMEL_RETURN_IF_ERROR(RemoveUnnamed(blobs).status());
+  // A full disk keeps no server from starting: the mark stays for the next time.
+  if (rewrite) (void)LeaveNothingFreed();
+  return Status::Ok();
 }
 
 }  // namespace enamel::server::sqlite

@@ -28,6 +28,9 @@
 // erasure.cpp, retention.cpp).
 namespace enamel::server::sqlite {
 
+// In the data folder while an erasure may have left copies in the database.
+inline constexpr char kRewriteMark[] = "REWRITE";
+
 // Read connections, opened as needed up to a number, then waited for.
 // Thread safety: any thread.
 class Readers {
@@ -238,8 +241,11 @@ class SqliteStore final : public Store {
   Result<size_t> RemoveUnnamed(const std::set<Sha256>& blobs);
   // Removes blobs that no row names and that are older than `age`.
   Result<size_t> SweepUnnamed(std::chrono::seconds age);
-  // Empties the log: what was overwritten in the database is not kept there either.
-  Status TruncateLog();
+  // Writes the database anew without what was freed in it, and empties the log: SQLite overwrites
+  // what is deleted, but not the copies that moving rows about has left in free pages and gaps.
+  // What a crash cuts off is done at the next start (kRewriteMark). Blocks writers meanwhile.
+  Status LeaveNothingFreed();
+  Status MarkForRewrite();
 
   Status RepeatedAfterSeal(const ChunkPut& chunk);
   Status MoveTraceToBlob(const trace::Seal& seal, Sha256& blob);

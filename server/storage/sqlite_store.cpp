@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "common/base/file.h"
 #include "server/storage/migrate.h"
 #include "server/storage/sqlite_impl.h"
 
@@ -137,10 +138,18 @@ StoreHealth SqliteStore::Health() {
   return out;
 }
 
-Status SqliteStore::TruncateLog() {
+Status SqliteStore::MarkForRewrite() { return WriteFileDurably(folder_ / kRewriteMark, {}); }
+
+Status SqliteStore::LeaveNothingFreed() {
   auto db = Db::Open(folder_ / "enamel.db", Db::Mode::kReadWrite, vfs_);
   if (!db.ok()) return db.status();
-  return (*db)->Exec("PRAGMA wal_checkpoint(TRUNCATE)");
+  ENAMEL_RETURN_IF_ERROR((*db)->Exec("VACUUM"));
+  ENAMEL_RETURN_IF_ERROR((*db)->Exec("PRAGMA wal_checkpoint(TRUNCATE)"));
+  std::error_code error;
+  std::filesystem::remove(folder_ / kRewriteMark, error);
+  if (!error) return Status::Ok();
+  return Status(Code::kStorage,
+                "cannot remove " + (folder_ / kRewriteMark).string() + ": " + error.message());
 }
 
 Result<size_t> SqliteStore::SweepUnnamed(std::chrono::seconds age) {

@@ -87,6 +87,18 @@ TEST_F(UpkeepTest, ExportHasWhatIsKeptAndTheRecordingReads) {
   Uuid cohort = *school_.store->CreateCohort("year 1", kSystem);
   ASSERT_TRUE(school_.store->AddToCohort(cohort, school_.world.student, kSystem).ok());
   Status status;
+  Uuid teacher = AddPerson(*school_.store, "teacher", Role::kInstructor);
+  const Actor by{teacher, "page"};
+  Store::AttemptResult again = *school_.store->ResultOf(scored);
+  again.score = 71;
+  ASSERT_TRUE(school_.store->FinishAttempt(scored, again, {}).ok());
+  ASSERT_TRUE(
+      school_.store->OverrideScore(scored, ScoreOverride{75, "a point more", {}, 0}, by).ok());
+  AnnotationRow remark;
+  remark.attempt = scored;
+  remark.author = teacher;
+  remark.text = "well done";
+  ASSERT_TRUE(school_.store->AddAnnotation(remark, by).ok());
   Said([&] { return ExportPerson(Path("data"), "student", Path("copy")); }, status);
   ASSERT_TRUE(status.ok()) << status.message();
   auto root = Json("copy/export.json");
@@ -98,6 +110,16 @@ TEST_F(UpkeepTest, ExportHasWhatIsKeptAndTheRecordingReads) {
     for (const json::value& file : attempt.at("files").as_array())
       EXPECT_TRUE(fs::exists(Path("copy") / std::string(file.as_string())));
   }
+  const json::value* told = nullptr;
+  for (const json::value& attempt : root.at("attempts").as_array()) {
+    if (attempt.at("id").as_string() == scored.Text()) told = &attempt;
+  }
+  ASSERT_NE(told, nullptr);
+  EXPECT_EQ(told->at("override").at("by").as_string(), "Name of teacher");
+  EXPECT_EQ(told->at("annotations").at(0).at("by").as_string(), "Name of teacher");
+  ASSERT_EQ(told->at("results").as_array().size(), 2u);
+  EXPECT_EQ(told->at("results").at(0).at("score").to_number<double>(), 71);
+  EXPECT_TRUE(fs::exists(Path("copy") / "attempts" / scored.Text() / "score_1.json"));
   auto trace = ReadFile(Path("copy") / "attempts" / scored.Text() / "recording.entrace");
   ASSERT_TRUE(trace.ok()) << trace.status().message();
   auto file = trace::DecodeTraceFile(*trace);

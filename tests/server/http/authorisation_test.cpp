@@ -149,6 +149,18 @@ std::vector<int> Statuses(const char* text) {
   return out;
 }
 
+// What a session with a password for one use reaches, of the whole table.
+TEST(OneTimePasswordTest, ReachesItsOwnSessionAndNothingElse) {
+  std::set<std::string> reached;
+  for (const Line& line : kLines) {
+    if (Statuses(line.expected).back() != 403) reached.insert(line.route);
+  }
+  EXPECT_EQ(reached, (std::set<std::string>{
+                         "GET /healthz", "GET /metrics", "POST /api/v1/session",
+                         "GET /api/v1/session", "DELETE /api/v1/session",
+                         "POST /api/v1/session/confirm", "POST /api/v1/session/password"}));
+}
+
 // Cookie and csrf of somebody signed in.
 struct Pass {
   std::string cookie, csrf;

@@ -1,0 +1,140 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+
+#include "server/storage/backup.h"
+#include "tests/server/storage/store_world.h"
+
+// After an erasure neither the database's files nor a backup hold a word of or about the person,
+// not even where rows were moved about before.
+namespace enamel::server {
+namespace {
+
+using namespace testing;
+namespace fs = std::filesystem;
+
+// Files below the folder that contain the text.
+std::vector<std::string> FilesWith(const fs::path& folder, const std::string& text) {
+  std::vector<std::string> out;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (!entry.is_regular_file()) continue;
+    std::ifstream in(entry.path(), std::ios::binary);
+    std::string bytes((std::istreambuf_iterator<char>(in)), {});
+    if (bytes.find(text) != std::string::npos) out.push_back(entry.path().filename());
+  }
+  return out;
+}
+
+class ErasedWordsTest : public ::testing::Test {
+ protected:
+  ErasedWordsTest() {
+    teacher_ = AddPerson(*store_, "teacher", Role::kInstructor);
+    Person person;
+    person.login = "quixote";
+    person.display_name = "Dulcinea Quixote";
+    gone_ = *store_->CreatePerson(person, "verifier", {}, kSystem);
+    PersonEdit rename;
+    rename.display_name = "Aldonza Lorenzo";
+    EXPECT_TRUE(store_->EditPerson(gone_, rename, 1, kSystem).ok());
+    RosterRow row;
+    row.row = 2;
+    row.login = "quixote";
+    row.display_name = "Alonso Quijano";
+    row.cohort = "year 3";
+    EXPECT_TRUE(store_->ImportRoster({row}, false, kSystem).ok());
+  }
+
+  Uuid Scored(const Uuid& person) {
+    Uuid attempt = world_.NewAttemptOf(person).id;
+    EXPECT_TRUE(store_->OpenAttempt(attempt, AsBytes("header")).ok());
+    EXPECT_TRUE(store_->SealAttempt(World::SealOf(world_.Append(attempt, 1)), 200).ok());
+    Store::AttemptResult result;
+    result.score = 80;
+    result.score_json = *store_->PutAttemptBlob(attempt, AsBytes("score of Mancha"));
+    EXPECT_TRUE(store_->FinishAttempt(attempt, result, {}).ok());
+    EXPECT_TRUE(store_->ReleaseAttempt(attempt, kSystem).ok());
+    return attempt;
+  }
+
+  // Long ones fill pages of their own, which are freed when the row goes.
+  AnnotationRow Remark(const Uuid& attempt, const std::string& text, size_t bytes) {
+    AnnotationRow row;
+    row.attempt = attempt;
+    row.author = teacher_;
+    row.text = text;
+    while (row.text.size() < bytes) row.text += " " + text;
+    return *store_->AddAnnotation(row, Actor{teacher_, "page"});
+  }
+
+  // Everything that people may say about an attempt, some of it taken back again.
+  void SayAll(const Uuid& attempt, const Uuid& person, const std::string& words) {
+    const Actor by{teacher_, "page"};
+    for (size_t bytes : {0, 300, 3000, 9000}) {
+      AnnotationRow remark = Remark(attempt, words, bytes);
+      AnnotationRow edited = remark;
+      edited.text = "edited " + words;
+      edited = *store_->ReplaceAnnotation(edited, by);
+      if (bytes > 200) EXPECT_TRUE(store_->DeleteAnnotation(edited.id, edited.revision, by).ok());
+    }
+    EXPECT_TRUE(store_->OverrideScore(attempt, ScoreOverride{50, words, {}, 0}, by).ok());
+    EXPECT_TRUE(
+        store_->OverrideScore(attempt, ScoreOverride{60, "later " + words, {}, 0}, by).ok());
+    EXPECT_TRUE(store_->FlagAttempt(attempt, kExcused, words, by).ok());
+    EXPECT_TRUE(store_->FileAppeal(attempt, words, Actor{person, "page"}).ok());
+    EXPECT_TRUE(store_->AnswerAppeal(attempt, false, words, by).ok());
+  }
+
+  TempFolder folder_;
+  std::unique_ptr<Store> store_ = OpenStore(folder_.path() / "data");
+  World world_{*store_};
+  Uuid teacher_, gone_;
+};
+
+TEST_F(ErasedWordsTest, AreNeitherInTheDatabaseNorInABackup) {
+  std::vector<Uuid> others;
+  for (int i = 0; i < 40; ++i) {
+    others.push_back(AddPerson(*store_, "other" + std::to_string(i), Role::kStudent));
+  }
+  // Rows of many people between each other, so that pages split and fill up again.
+  for (size_t i = 0; i < others.size(); ++i) {
+    SayAll(Scored(others[i]), others[i], "Rocinante" + std::to_string(i));
+    if (i % 8 == 0) SayAll(Scored(gone_), gone_, "Sancho Panza");
+  }
+  EXPECT_FALSE(FilesWith(folder_.path(), "Sancho Panza").empty());
+  auto report = store_->ErasePerson(gone_, true, kSystem);
+  ASSERT_TRUE(report.ok()) << report.status().message();
+  EXPECT_EQ(report->attempts, 5u);
+  BackupOptions backup;
+  backup.data = folder_.path() / "data";
+  backup.target = folder_.path() / "backup";
+  ASSERT_TRUE(BackUp(backup).ok());
+  for (const char* words : {"Sancho Panza", "quixote", "Quixote", "Aldonza", "Quijano"}) {
+    EXPECT_EQ(FilesWith(folder_.path(), words), std::vector<std::string>{}) << words;
+  }
+  EXPECT_FALSE(fs::exists(folder_.path() / "data" / "REWRITE"));
+  auto trail = *store_->Audit(1000);
+  auto tells = [&](const std::string& text) {
+    return std::ranges::any_of(
+        trail, [&](const AuditRow& row) { return row.after_json.find(text) != std::string::npos; });
+  };
+  EXPECT_TRUE(tells("Rocinante39")) << "of others it is still told";
+  EXPECT_TRUE(tells("{\"erased\":true}"));
+}
+
+TEST_F(ErasedWordsTest, WhatACrashLeftInTheDatabaseIsGoneAfterTheNextStart) {
+  SayAll(Scored(gone_), gone_, "Sancho Panza");
+  ASSERT_TRUE(store_->ErasePerson(gone_, true, kSystem).ok());
+  // As if the power had failed between deleting and writing anew.
+  std::ofstream(folder_.path() / "data" / "REWRITE").close();
+  store_.reset();
+  SqliteOptions server;
+  server.folder = folder_.path() / "data";
+  server.hold_lock = true;
+  ASSERT_TRUE(OpenSqliteStore(server).ok());
+  EXPECT_FALSE(fs::exists(folder_.path() / "data" / "REWRITE"));
+}
+
+}  // namespace
+}  // namespace enamel::server
