@@ -10,11 +10,13 @@ namespace {
 using render::InputEvent;
 using render::Screen;
 
+constexpr float kAside = 0.16f;    // clear of the panel
 constexpr double kWheelInAir = 4;  // as fast, with the bur off
 
 render::ViewOptions ViewOf(const PreparedAttempt& prepared) {
   render::ViewOptions view;
   view.bur = prepared.exercise.bur().metric();
+  view.aside = kAside;
   view.force_full_scale_n = static_cast<double>(prepared.profile.peak_force_mn.value) * 1e-3;
   return view;
 }

@@ -16,8 +16,12 @@ glm::vec3 Direction(float yaw, float pitch) {
 
 }  // namespace
 
-Camera::Camera(const glm::vec3& focus_mm, float radius_mm)
-    : home_mm_(focus_mm), focus_mm_(focus_mm), home_radius_mm_(radius_mm), radius_mm_(radius_mm) {
+Camera::Camera(const glm::vec3& focus_mm, float radius_mm, float aside)
+    : home_mm_(focus_mm),
+      focus_mm_(focus_mm),
+      home_radius_mm_(radius_mm),
+      radius_mm_(radius_mm),
+      aside_(aside) {
   SetView(View::kOblique);
 }
 
@@ -65,8 +69,9 @@ glm::vec3 Camera::TowardViewer() const { return Direction(yaw_, pitch_); }
 float Camera::distance_mm() const { return radius_mm_ / std::tan(kFieldOfView / 2); }
 
 glm::mat4 Camera::ViewFromScene() const {
-  return glm::lookAt(focus_mm_ + distance_mm() * Direction(yaw_, pitch_), focus_mm_,
-                     glm::vec3(0, 0, 1));
+  glm::mat4 straight = glm::lookAt(focus_mm_ + distance_mm() * Direction(yaw_, pitch_), focus_mm_,
+                                   glm::vec3(0, 0, 1));
+  return glm::translate(glm::mat4(1), glm::vec3(2 * radius_mm_ * aside_, 0, 0)) * straight;
 }
 
 glm::mat4 Camera::ClipFromView(float aspect) const {

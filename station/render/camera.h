@@ -10,8 +10,9 @@ namespace enamel::station::render {
 // Orbits a focus; millimetres, scene frame (+z occlusal, +x mesial, +y buccal). Not thread-safe.
 class Camera {
  public:
-  // `radius_mm`: half of what fits into the picture's height.
-  Camera(const glm::vec3& focus_mm, float radius_mm);
+  // `radius_mm`: half of what fits into the picture's height. `aside`: how far right of the
+  // picture's middle the focus is seen, in picture heights.
+  Camera(const glm::vec3& focus_mm, float radius_mm, float aside = 0);
 
   void SetView(View view);
   // Turns by a drag of the mouse, as fractions of the window's height.
@@ -35,6 +36,7 @@ class Camera {
 
   glm::vec3 home_mm_, focus_mm_;
   float home_radius_mm_, radius_mm_;
+  float aside_;
   float yaw_ = 0, pitch_ = 0;  // rad; where the camera is, seen from the focus
 };
 

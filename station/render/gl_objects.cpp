@@ -41,8 +41,7 @@ GLuint MakeTexture(GLenum format, int width, int height, GLenum filter) {
 
 }  // namespace
 
-Program::Program(const char* vertex_source,
-                 std::initializer_list<const char*> fragment_source) {
+Program::Program(const char* vertex_source, std::initializer_list<const char*> fragment_source) {
   GLuint vertex = Compile(GL_VERTEX_SHADER, {vertex_source});
   GLuint fragment = Compile(GL_FRAGMENT_SHADER, fragment_source);
   name_ = glCreateProgram();

@@ -192,6 +192,19 @@ void DrawScaleBar(double mm_per_pixel, const Fonts& fonts, float width, float he
                 {(left.x + right.x - text.x) / 2, left.y - 10 * px - text.y}, white, "1 mm");
 }
 
+// On a ground of its own: roots reach down to it, and a neighbour's crown.
+void DrawHint(const std::string& hint, const Fonts& fonts, float height, float px) {
+  if (hint.empty()) return;
+  float size = fonts.near->FontSize;
+  ImVec2 text = fonts.near->CalcTextSizeA(size, 1e6f, 0, hint.c_str());
+  ImVec2 at{kMargin_px * px, height - kMargin_px * px - size};
+  ImDrawList* list = ImGui::GetForegroundDrawList();
+  list->AddRectFilled({at.x - 12 * px, at.y - 6 * px},
+                      {at.x + text.x + 12 * px, at.y + size + 6 * px}, IM_COL32(15, 17, 20, 200),
+                      8 * px);
+  list->AddText(fonts.near, size, at, IM_COL32(214, 220, 228, 255), hint.c_str());
+}
+
 }  // namespace
 
 // Sky blue, yellow, vermilion of the palette of Okabe and Ito (2008).
@@ -253,9 +266,7 @@ void DrawPanel(const PanelContent& content, const Fonts& fonts, int width, int h
   ImGui::End();
   DrawWarnings(content, fonts, w, fonts.scale);
   DrawScaleBar(content.mm_per_pixel, fonts, w, h, fonts.scale);
-  ImGui::GetForegroundDrawList()->AddText(fonts.near, fonts.near->FontSize,
-                                          {margin, h - margin - fonts.near->FontSize},
-                                          IM_COL32(190, 196, 205, 230), content.hint.c_str());
+  DrawHint(content.hint, fonts, h, fonts.scale);
 }
 
 }  // namespace enamel::station::render

@@ -254,7 +254,7 @@ void Picture::Draw(const PictureState& state, int width, int height, const Quali
   }
   CopyTooth();
   if (state.scene_from_bur) {
-    if (quality.shadow) DrawShadow(state);
+    DrawShadow(state);
     DrawBurs(state);
   }
   DrawArrow(state);

@@ -12,7 +12,6 @@ struct Quality {
   std::string_view name;         // as in settings
   float scale = 1;               // solid pixels per picture pixel along each side
   int occlusion_samples = 0;     // per pixel of ambient occlusion; 0: none
-  bool shadow = true;            // of the bur on the tooth
   bool lighter_turning = false;  // while the camera moves, WhileTurning of this
   bool coarse = false;           // the tooth's coarse triangles
 
@@ -21,10 +20,10 @@ struct Quality {
 
 // Best first.
 inline constexpr std::array<Quality, 4> kQualities = {{
-    {"best", 2.0f, 20, true, false},
-    {"good", 1.0f, 20, true, true},
-    {"fair", 1.0f, 8, true, true},
-    {"low", 0.5f, 0, false, true},
+    {"best", 2.0f, 20, false},
+    {"good", 1.0f, 20, true},
+    {"fair", 1.0f, 8, true},
+    {"low", 0.5f, 0, true},
 }};
 // What is left out while everything in the picture moves and nobody looks closely.
 Quality WhileTurning(const Quality& quality);

@@ -17,7 +17,7 @@ struct Shading {
   float least_lean;    // of a corner's normal from a large triangle's
   float most_wrong;    // share of the surface where it may lean more
 };
-constexpr Shading kAtRest{0.985f, 0.9f, 0.0f};   // 10 and 26 degrees
+constexpr Shading kAtRest{0.985f, 0.9f, 0.0f};    // 10 and 26 degrees
 constexpr Shading kMoving{0.978f, 0.9f, 0.004f};  // 12 and 26 degrees
 
 // Bricks of a group repeat the vertices on the faces between them.

@@ -41,7 +41,8 @@ ToothView::ToothView(const ViewOptions& options, const cutting::Volume& initial,
     : options_(options),
       camera_(glm::vec3(options.focus_m * 1000.0),
               options.view_radius_m > 0 ? static_cast<float>(options.view_radius_m * 1000)
-                                        : RadiusOf(initial)),
+                                        : RadiusOf(initial),
+              options.aside),
       feed_(initial.spec().brick_count(), kRingBricks),
       mesher_(initial, feed_, std::move(watch)),
       picture_(options.bur, mesher_.group_count()) {

@@ -16,6 +16,8 @@ struct ViewOptions {
   dvec3 focus_m{0};
   // Radius (m) of what should fill the view; 0: from the volume's surface.
   double view_radius_m = 0;
+  // How far right of the picture's middle it is shown, in picture heights: a panel is on the left.
+  float aside = 0;
 };
 
 }  // namespace enamel::station::render

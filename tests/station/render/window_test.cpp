@@ -411,6 +411,20 @@ TEST_F(WindowTest, SaysWhatToDoWithoutADisplay) {
   EXPECT_NE(created.status().message().find("--window"), std::string::npos);
 }
 
+// Whichever way it is turned and however near: so much of a picture's height right of its middle.
+TEST(CameraTest, WhatIsTurnedStaysAsideOfThePanel) {
+  glm::vec3 focus(1, -2, 3);
+  constexpr float kAspect = 16.0f / 9;
+  Camera camera(focus, 7, 0.16f);
+  for (int i = 0; i < 20; ++i) {
+    glm::vec4 at = camera.ClipFromView(kAspect) * camera.ViewFromScene() * glm::vec4(focus, 1);
+    EXPECT_NEAR(0.5f * kAspect * at.x / at.w, 0.16f, 1e-4f);
+    EXPECT_NEAR(at.y / at.w, 0, 1e-4f);
+    camera.Orbit(0.07f, 0.01f);
+    camera.Zoom(i % 3 == 0 ? 2.0f : -1.0f);
+  }
+}
+
 TEST(PanelTextTest, TimerReadsAsMinutesAndSeconds) {
   EXPECT_EQ(TimerText(0), "0:00");
   EXPECT_EQ(TimerText(187.9), "3:07");
