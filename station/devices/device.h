@@ -27,7 +27,8 @@ struct DeviceSample {
   uint16_t bur_speed_krpm = 0;
   bool fresh = true;     // false: nothing new since the last tick (stall)
   bool attached = true;  // false: unplugged, or never there; the pose is the last one known
-  // The device's own numbering of its samples and its clock at this one; 0 where it has none.
+  // The device's own numbering of its samples, and its clock at this one, which never goes back:
+  // it stands still while the device is away or restarts. 0 where it has none.
   uint32_t sequence = 0;
   uint64_t device_time_us = 0;
 };

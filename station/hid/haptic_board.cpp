@@ -139,6 +139,7 @@ bool HapticBoard::OnAttached(const HidInfo& info) {
 
 void HapticBoard::OnDetached() {
   attached_ = false;
+  new_clock_ = true;
   ++breaks_;
   ++detached_;
   sample_.buttons = 0;
@@ -159,6 +160,7 @@ void HapticBoard::OnReport(ByteView bytes) {
       return;
     case ReportOrder::Verdict::kRestarted:
       ++breaks_;
+      new_clock_ = true;
       break;
     case ReportOrder::Verdict::kNew:
       break;
@@ -187,6 +189,8 @@ void HapticBoard::TakeReport(const InputReport& report) {
   sample_.attached = (report.status & kNotFit) == 0;
   breaks_ += !sample_.attached;
   sample_.sequence = report.sequence;
+  if (new_clock_) last_time_us_ = report.time_us;
+  new_clock_ = false;
   sample_.device_time_us += report.time_us - last_time_us_;  // modulo 2^32: it wraps
   last_time_us_ = report.time_us;
 }

@@ -115,6 +115,7 @@ class HapticBoard final : public Device, private ReportSink {
   bool centred_ = false;
   std::array<int32_t, 3> centre_{};
   uint32_t last_time_us_ = 0;
+  bool new_clock_ = false;  // the next report's time has nothing to do with the last one's
 
   // Owned by the tick.
   uint64_t seen_ = 0, seen_breaks_ = 0, sent_ = 0;

@@ -375,6 +375,29 @@ TEST_F(HapticBoardTest, NotFitForOneReportBetweenTwoTicksIsSeenByTheTick) {
   EXPECT_TRUE(board_->ReadSample().attached);
 }
 
+TEST_F(HapticBoardTest, ItsClockWrapsAndNeverGoesBackWhenItRestarts) {
+  bus_.Plug(Plugged());
+  ASSERT_TRUE(Open().ok());
+  const uint64_t begin = board_->ReadSample().device_time_us;
+  uint32_t sequence = 100;
+  uint64_t passed = 0;
+  auto at = [&](uint32_t time_us) {
+    InputReport r = At(++sequence, 3000);
+    r.time_us = time_us;
+    Send(r);
+    return Until([&](const DeviceSample& d) { return d.sequence == sequence; }).device_time_us -
+           begin;
+  };
+  // Half an hour at a step, several times around.
+  for (int i = 1; i <= 8; ++i) {
+    passed += 1'800'000'000;
+    EXPECT_EQ(at(static_cast<uint32_t>(first_.time_us + passed)), passed);
+  }
+  sequence = 4'000'000'000;  // back by more than a thousand: restarted, its clock at 5 s
+  EXPECT_EQ(at(5'000'000), passed);
+  EXPECT_EQ(at(5'001'000), passed + 1000);
+}
+
 TEST_F(HapticBoardTest, OrientationThatIsNoTurnLeavesTheToolAsItIs) {
   bus_.Plug(Plugged());
   ASSERT_TRUE(Open().ok());
