@@ -8,7 +8,8 @@
 namespace enamel::station::hid {
 namespace {
 
-constexpr uint32_t kLateReports = 1000;  // so far back is late, farther is a restart
+constexpr uint16_t kSilentRate_hz = 200;  // one in 5 ms (tick_loop.h)
+constexpr uint32_t kLateReports = 1000;   // so far back is late, farther is a restart
 constexpr std::chrono::milliseconds kFirstReport{1000}, kStep{1};
 constexpr int64_t kSecond_ns = 1'000'000'000;
 
@@ -258,6 +259,14 @@ bool HapticBoard::Send(HidPort& port, const ForceKeeper::Command& command, uint3
 }
 
 Status CheckBoard(const FeatureReport& board, const scene::DeviceProfile& profile) {
+  if (board.rate_hz <= kSilentRate_hz) {
+    return Status(Code::kConflict,
+                  board.name + " tells its pose " + std::to_string(board.rate_hz) +
+                      " times a second: 5 ms without one are taken for silence, so more than " +
+                      std::to_string(kSilentRate_hz) +
+                      " are needed, and as many as the loop's rate for a good feel",
+                  "rate_hz");
+  }
   for (size_t i = 0; i < 3; ++i) {
     if (board.resolution_nm[i] == static_cast<uint64_t>(profile.resolution_nm.value)) continue;
     return Status(Code::kConflict,

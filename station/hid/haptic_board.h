@@ -132,7 +132,8 @@ class HapticBoard final : public Device, private ReportSink {
 Result<FeatureReport> AskFeature(HidPort& port);
 
 // Whether the board is what the profile says: its cells must have the profile's edge on every axis,
-// since that is what the core computes with. Errors: kConflict with both figures.
+// since that is what the core computes with; and it must tell its pose more often than silence is
+// declared. Errors: kConflict with both figures.
 Status CheckBoard(const FeatureReport& board, const scene::DeviceProfile& profile);
 
 }  // namespace enamel::station::hid

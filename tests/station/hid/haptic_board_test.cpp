@@ -452,6 +452,16 @@ TEST_F(HapticBoardTest, ProfileMustHaveTheBoardsCells) {
   EXPECT_NE(s.message().find("10000"), std::string::npos);
 }
 
+TEST_F(HapticBoardTest, ABoardSlowerThanSilenceIsRefusedForAnAttempt) {
+  FeatureReport slow = Feature(10'000);
+  slow.rate_hz = 201;
+  EXPECT_TRUE(CheckBoard(slow, scene::BuiltinProfiles()[1]).ok());
+  slow.rate_hz = 200;
+  Status s = CheckBoard(slow, scene::BuiltinProfiles()[1]);
+  EXPECT_EQ(s.code(), Code::kConflict);
+  EXPECT_NE(s.message().find("200 times a second"), std::string::npos) << s.message();
+}
+
 struct Block {
   core::CoreParams params;
   cutting::Volume volume;
