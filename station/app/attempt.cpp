@@ -103,10 +103,20 @@ class Progress {
     if (shown_ && terminal_) std::fputc('\n', stderr);
     shown_ = false;
   }
+  // A line of its own, also when quiet: why there is no force, and what to do.
+  void Tell(Fault fault) {
+    if (fault == told_) return;
+    told_ = fault;
+    End();
+    std::fprintf(stderr, "%s%s\n",
+                 fault == Fault::kNone ? "force comes on again in free air" : "force is off: ",
+                 FaultText(fault));
+  }
 
  private:
   const bool quiet_, terminal_;
   bool shown_ = false;
+  Fault told_ = Fault::kNone;
   steady_clock::time_point last_{};
 };
 
@@ -241,6 +251,7 @@ class Watcher {
   }
 
   void Show(const Snapshot& snapshot, double done) {
+    progress_.Tell(snapshot.fault);
     progress_.Show(snapshot, job_.voxel_m(), done, attempt_.recording().chunks, attempt_.upload());
   }
 

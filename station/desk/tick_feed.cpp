@@ -27,7 +27,7 @@ uint32_t GapWatch::Look(const Snapshot& s) noexcept {
   }
   if (gaps == 0) return 0;
   bool recent = static_cast<double>(ticks - since_) < (resumed_ ? kCalm_s : kShown_s) * rate_hz_;
-  if (!resumed_) return recent ? render::kWarnGap : 0;
+  if (!resumed_) return recent ? uint32_t{render::kWarnGap} : 0;
   if (recent || (s.output_flags & core::kSuspended) != 0) return render::kWarnResumed;
   resumed_ = false;
   return 0;
