@@ -47,9 +47,11 @@ void ShowIfMadeUp(const Password& password) {
 
 void Show(const AttemptRow& row) {
   std::string score = row.score ? fmt::format("{:.1f}", *row.score) : "-";
-  std::cout << fmt::format("{}  {:<11} {:>6}  {:>7} ticks  {:<20} {}{}\n", row.id.Text(),
+  std::string flags;
+  for (const char* flag : AttemptFlagNames(row.flags)) flags += std::string("  ") + flag;
+  std::cout << fmt::format("{}  {:<11} {:>6}  {:>7} ticks  {:<20} {}{}{}\n", row.id.Text(),
                            AttemptStateName(row.state), score, row.ticks, row.person_name,
-                           row.exercise_title,
+                           row.exercise_title, flags,
                            row.problem.empty() ? "" : "  (" + row.problem + ")");
 }
 

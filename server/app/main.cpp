@@ -489,7 +489,9 @@ void AddAssignments(CLI::App& admin, Options& o, Command& command) {
       "      --opens \"2026-12-01 08:00\" --due \"2026-12-01 12:00\" --attempts 1 --exam");
   assign->callback([&] { command = [&] { return app::AssignExercise(o.data, o.assignment); }; });
 
-  auto* end = admin.add_subcommand("end-assignment", "Take an assignment away; its attempts stay");
+  auto* end = admin.add_subcommand(
+      "end-assignment",
+      "Take an assignment away; one with attempts is due now instead, and stays for their release");
   AddData(end, o.data);
   end->add_option("--assignment", o.assignment_id)->required();
   end->callback([&] { command = [&] { return app::EndAssignment(o.data, o.assignment_id); }; });

@@ -207,7 +207,7 @@ Status UploadSpool(const SpoolCommand& options) {
   Status status = link.Connect(*credentials);
   if (status.ok()) {
     auto wanted = carrier.Offer();
-    status = wanted.status();
+    status = wanted.ok() ? carrier.ReturnTickets() : wanted.status();
     if (wanted.ok() && *wanted > 0 && !options.json) {
       std::printf("the server has lost %zu attempts that it once had: they are sent again\n",
                   *wanted);

@@ -44,9 +44,10 @@ int64_t WaitAfter_ms(int wrong_pins) {
 }
 
 Status NoTicket(const Uuid& attempt) {
-  return Status(Code::kNotFound, "no ticket for later " + attempt.Text() +
-                                     " is here: it was used, has expired (after 12 hours), was "
-                                     "revoked, or its PIN was wrong too often");
+  return Status(Code::kNotFound,
+                "no ticket for later " + attempt.Text() +
+                    " is here: it was used or given back, has expired (after 12 hours), was "
+                    "revoked, or its PIN was wrong too often");
 }
 
 }  // namespace

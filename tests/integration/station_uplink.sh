@@ -101,6 +101,25 @@ expect_failure "a PIN that is guessed first" "guessed first" \
 export ENAMEL_PIN=804217
 station_cli reserve --data "$station" --user student1 --exercise "$exercise" --profile phantom_desktop | tee "$work/reserve.log"
 attempt=$(tail -n 1 "$work/reserve.log" | cut -d' ' -f1)
+
+echo "== tickets that are not wanted any more do not count"
+# given_back ID: how many times the server says so.
+given_back() { server_cli admin list-attempts --data "$data" | grep "^$1 " | grep -c returned || true; }
+reserve_another() {
+  station_cli reserve --data "$station" --user student1 --exercise "$exercise" --profile phantom_desktop | grep -v "^$attempt" | tail -n 1 | cut -d' ' -f1
+}
+other=$(reserve_another)
+expect_failure "a wrong PIN" "wrong PIN" env ENAMEL_PIN=804218 "$bin/enamel-station" reserve --data "$station" --give-back "$other"
+[ "$(given_back "$other")" = 0 ] || fail "a wrong PIN has given a ticket back"
+station_cli reserve --data "$station" --give-back "$other" | grep -q "no longer counts" || fail "it was not given back at once"
+[ "$(given_back "$other")" = 1 ] || fail "the server does not know that a ticket was given back"
+expect_failure "using it all the same" "given back" "$bin/enamel-station" run --data "$station" --lockstep --reserved "$other"
+other=$(reserve_another)
+stop_server
+station_cli reserve --data "$station" --give-back "$other" | grep -q "could not be reached" || fail "who told the server?"
+start_server "$data" "$port"
+station_cli upload --data "$station" >/dev/null
+[ "$(given_back "$other")" = 1 ] || fail "the server was not told later"
 stop_server
 unset ENAMEL_PASSWORD
 expect_failure "a wrong PIN" "wrong PIN; 9 more" env ENAMEL_PIN=804218 "$bin/enamel-station" run --data "$station" --lockstep --reserved "$attempt"
