@@ -283,6 +283,7 @@ void Pages::Reserved() {
   ui_.Title("Without the server");
   ui_.Note("Attempts that were kept for later here. Yours opens with your PIN.");
   ui_.Problem(flow_.problem());
+  if (!flow_.notice().empty()) ui_.Text(flow_.notice());
   ui_.BeginList("reserved", 110);
   const auto& all = flow_.reserved();
   for (size_t i = 0; i < all.size(); ++i) {
@@ -300,7 +301,8 @@ void Pages::Reserved() {
 void Pages::AskPin() {
   const ReservedAttempt& reserved = flow_.reserved_chosen();
   ui_.BeginDialog("pin", reserved.ticket.title);
-  ui_.Text(reserved.ticket.person + ", write the PIN you chose when you kept it.");
+  ui_.Text(reserved.ticket.person + ", write the PIN you chose when you kept it." +
+           (reserved.cut_off ? "" : " Given back it does not count, and is gone from here."));
   bool go = ui_.Field("PIN", pin_, true);
   ui_.Problem(flow_.problem());
   Busy();
@@ -311,6 +313,14 @@ void Pages::AskPin() {
     ui_.Focus("PIN");
   }
   ui_.SameLine();
+  if (!reserved.cut_off) {
+    if (ui_.Button("Give back", Ui::Look::kDanger, !pin_.empty() && !flow_.busy())) {
+      flow_.GiveBack(pin_);
+      pin_.clear();
+      ui_.Focus("PIN");
+    }
+    ui_.SameLine();
+  }
   if (ui_.Button("Leave it", Ui::Look::kPlain, !flow_.busy()) || (ui_.escape() && !flow_.busy())) {
     flow_.CloseDialog();
   }
@@ -320,8 +330,8 @@ void Pages::AskPin() {
 void Pages::AskReserve() {
   ui_.BeginDialog("reserve", "Keep it for later?");
   ui_.Text(
-      "It counts as an attempt and can be made here within 12 hours, with or without the server. "
-      "Choose a PIN of 6 to 12 digits.");
+      "It can be made here within 12 hours, with or without the server, and counts as an attempt "
+      "unless you give it back. Choose a PIN of 6 to 12 digits.");
   bool go = ui_.Field("PIN", pin_, true);
   if (go) ui_.Focus("The same PIN again");
   go = ui_.Field("The same PIN again", pin_again_, true);

@@ -460,6 +460,24 @@ void Workflow::OpenReserved(const std::string& pin) {
   });
 }
 
+void Workflow::GiveBack(const std::string& pin) {
+  if (busy()) return;
+  problem_.clear();
+  errand_.Start(
+      "Giving it back", [this, pin, id = reserved_chosen().ticket.attempt]() -> Errand::After {
+        auto given = workplace_.GiveBack(id, pin);
+        return [this, given] {
+          LookForReserved();
+          if (!given.ok()) return Fail(given.status());
+          CloseDialog();
+          notice_ = *given == HandedBack::kAtServer
+                        ? "Given back: it does not count as an attempt."
+                        : "Given back: it will not count once the server has been told, which this "
+                          "station does as soon as it reaches it.";
+        };
+      });
+}
+
 void Workflow::ToExercises() {
   LeaveStage();
   preview_.reset();

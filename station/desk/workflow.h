@@ -102,6 +102,7 @@ class Workflow {
   void ToReserved();
   void AskPin(size_t index);
   void OpenReserved(const std::string& pin);
+  void GiveBack(const std::string& pin);  // the ticket that the dialog is about, for good
   void Open(Dialog dialog);
   void CloseDialog() { Open(Dialog::kNone); }
   void EndAttempt();   // finished, or given up: sealed as it is

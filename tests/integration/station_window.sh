@@ -2,12 +2,13 @@
 # A student at the station's window, played by a script without a screen: wrong password, sign in, choose, cut with the
 # mouse, pause, finish, see the score, try again, sign out; a password that was for one use; an attempt that was cut off
 # goes on, another is handed in as it is; one is kept for later and made without the server; one is given up; the server
-# goes away at sign-in and in the middle; nothing happens for too long. ENAMEL_PICTURES=FOLDER keeps the pictures of every
+# goes away at sign-in and in the middle; a ticket is given back; nothing happens for too long. ENAMEL_PICTURES=FOLDER keeps the pictures of every
 # page.
 . "$(dirname "$0")/support.sh"
 command -v Xvfb >/dev/null || { echo "skipped: Xvfb is not installed"; exit 77; }
 pictures=${ENAMEL_PICTURES:-$work/pictures}
 mkdir -p "$pictures"
+rm -f "$pictures"/[0-9]*.png  # of an earlier run: the test waits for some
 station="$work/station"
 
 mkfifo "$work/display"
@@ -19,7 +20,7 @@ export DISPLAY=":$number"
 "$bin/enamel-server" seed-demo --data "$work/server" --json "$work/seed" >/dev/null
 exercise=$(json_of "$work/seed" exercise)
 port=$(free_ports)
-start_server "$work/server" "$port"
+start_server "$work/server" "$port" --page-url https://school.example/enamel
 "$bin/enamel-station" enrol --data "$station" --server "127.0.0.1:$((port + 1))" --name "Chair 7" \
   --code "$("$bin/enamel-server" admin enrol-code --data "$work/server")" >/dev/null
 ENAMEL_PASSWORD=enamel-demo-instructor "$bin/enamel-station" run --data "$station" --exercise "$exercise" --quiet \
@@ -173,7 +174,7 @@ type once
 key Tab
 type $once
 key Enter
-see for signing in once
+see for signing in once. Open https://school.example/enamel
 frames 2
 picture PICTURES/14-once.png
 quit
@@ -368,7 +369,29 @@ page sign-in
 see Without the server
 quit
 EOF
-ENAMEL_PASSWORD=enamel-demo-student1 ENAMEL_PIN=804217 "$bin/enamel-station" reserve --data "$station" "${chosen[@]}" >/dev/null
+# Kept, and given back: it does not count any more.
+play give-back <<'EOF'
+page sign-in
+click Without the server
+page reserved
+key Enter
+page pin
+type 804217
+frames 2
+picture PICTURES/31-give-back.png
+click Give back
+page reserved
+see Given back
+see Nothing is kept here
+frames 2
+picture PICTURES/32-given-back.png
+quit
+EOF
+"$bin/enamel-server" admin list-attempts --data "$work/server" >"$work/attempts"
+grep -qw returned "$work/attempts" || { cat "$work/attempts"; fail "the server does not know that a ticket was given back"; }
+for _ in 1 2; do
+  ENAMEL_PASSWORD=enamel-demo-student1 ENAMEL_PIN=804217 "$bin/enamel-station" reserve --data "$station" "${chosen[@]}" >/dev/null
+done
 stop_server
 play offline <<'EOF'
 page sign-in
@@ -435,7 +458,8 @@ start_server "$work/server" "$port"
 "$bin/enamel-station" spool verify --data "$station" >"$work/verify" || { cat "$work/verify"; fail "the spool does not verify"; }
 for n in 1-sign-in 2-wrong-password 3-exercises 4-exercise 5-running 6-cutting 7-paused 8-finish 9-result 10-instructor-exercise \
   11-zones 12-score 13-reference 14-once 15-cut-off 16-go-on 17-resumed 18-resumed-running 19-reserve 20-kept 21-reserved \
-  22-offline-exercise 23-safe 11-turning 11-turned 24-idle 25-give-up 26-before-away 27-away 28-hand-in-away 29-back 30-no-server; do
+  22-offline-exercise 23-safe 11-turning 11-turned 24-idle 25-give-up 26-before-away 27-away 28-hand-in-away 29-back 30-no-server \
+  31-give-back 32-given-back; do
   [ -s "$pictures/$n.png" ] || fail "no picture of $n"
 done
 echo "ok: a student and an instructor at the window, from sign-in to score and reference, after a crash and without the server"
