@@ -1,11 +1,15 @@
 #include "server/auth/authenticator.h"
 
 #include <algorithm>
+#include <boost/asio/redirect_error.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/use_awaitable.hpp>
 #include <cctype>
 #include <chrono>
 #include <cstdlib>
 
 #include "common/base/hex.h"
+#include "server/auth/address_block.h"
 #include "server/auth/token.h"
 
 namespace enamel::server::auth {
@@ -72,27 +76,68 @@ bool Authenticator::Verify(const std::string& password, const std::string& verif
   return matches;
 }
 
+bool Authenticator::TakePlace(const std::string& block) {
+  const size_t all = options_.max_waiting + options_.hash_threads;
+  std::lock_guard lock(waiting_mutex_);
+  size_t& here = waiting_from_[block];
+  if (waiting_ < all && here < (all + 1) / 2) {
+    ++waiting_;
+    ++here;
+    return true;
+  }
+  if (here == 0) waiting_from_.erase(block);
+  return false;
+}
+
+void Authenticator::LeavePlace(const std::string& block) {
+  std::lock_guard lock(waiting_mutex_);
+  --waiting_;
+  if (--waiting_from_[block] == 0) waiting_from_.erase(block);
+}
+
 template <typename Work>
-auto Authenticator::Hashing(Work work) -> boost::asio::awaitable<decltype(work())> {
-  if (waiting_.fetch_add(1) >= options_.max_waiting + options_.hash_threads) {
-    --waiting_;
+auto Authenticator::Hashing(std::string address, Work work)
+    -> boost::asio::awaitable<decltype(work())> {
+  const std::string block = AddressBlock(address);
+  if (!TakePlace(block)) {
     co_return Status(Code::kUnavailable, "too many sign-ins at once; try again in a few seconds");
   }
   auto result = co_await hashing_.Run([&] {
     auto here = work();
-    --waiting_;
+    LeavePlace(block);
     return here;
   });
   co_return result;
 }
 
+boost::asio::awaitable<Status> Authenticator::Admitted(std::string login, std::string address) {
+  Result<int64_t> hold = throttle_.Admit(login, address, Elapsed());
+  if (!hold.ok()) co_return hold.status();
+  if (*hold > 0) {
+    boost::asio::steady_timer turn(co_await boost::asio::this_coro::executor,
+                                   std::chrono::milliseconds(*hold));
+    boost::system::error_code ignored;
+    co_await turn.async_wait(boost::asio::redirect_error(boost::asio::use_awaitable, ignored));
+  }
+  co_return Status::Ok();
+}
+
 boost::asio::awaitable<Result<SignedIn>> Authenticator::SignIn(SignInRequest request) {
-  co_return co_await Hashing([this, &request] { return SignInHere(request); });
+  const std::string login = LowerLogin(request.login);
+  Status admitted = co_await Admitted(login, request.address);
+  if (!admitted.ok()) co_return admitted;
+  co_return co_await Hashing(request.address, [&] { return SignInAdmitted(login, request); });
 }
 
 Result<SignedIn> Authenticator::SignInHere(const SignInRequest& request) {
-  std::string login = LowerLogin(request.login);
-  ENAMEL_RETURN_IF_ERROR(throttle_.Check(login, request.address, Elapsed()));
+  const std::string login = LowerLogin(request.login);
+  Result<int64_t> hold = throttle_.Admit(login, request.address, Elapsed());
+  if (!hold.ok()) return hold.status();
+  return SignInAdmitted(login, request);
+}
+
+Result<SignedIn> Authenticator::SignInAdmitted(const std::string& login,
+                                               const SignInRequest& request) {
   if (request.password.size() > kMaxPasswordLength || login.size() > 256) {
     throttle_.Failed(login, request.address, Elapsed());
     return Refused();
@@ -111,7 +156,7 @@ Result<SignedIn> Authenticator::SignInHere(const SignInRequest& request) {
     throttle_.Failed(login, request.address, Elapsed());
     return Refused();
   }
-  throttle_.Succeeded(login, request.address);
+  throttle_.Succeeded(login, request.address, Elapsed());
   return BeginSession(*person, request.via);
 }
 
@@ -129,11 +174,10 @@ Result<SignedIn> Authenticator::BeginSession(const Person& person, const std::st
 
 Status Authenticator::CheckOwnPassword(const Person& person, const std::string& password,
                                        const std::string& address) {
-  ENAMEL_RETURN_IF_ERROR(throttle_.Check(person.login, address, Elapsed()));
   auto verifier = store_.PasswordVerifier(person.id);
   if (!verifier.ok()) return verifier.status();
   if (password.size() <= kMaxPasswordLength && Verify(password, *verifier)) {
-    throttle_.Succeeded(person.login, address);
+    throttle_.Succeeded(person.login, address, Elapsed());
     return Status::Ok();
   }
   throttle_.Failed(person.login, address, Elapsed());
@@ -142,7 +186,9 @@ Status Authenticator::CheckOwnPassword(const Person& person, const std::string& 
 
 boost::asio::awaitable<Status> Authenticator::Confirm(Identity identity, std::string password,
                                                       std::string address) {
-  co_return co_await Hashing([&]() -> Status {
+  Status admitted = co_await Admitted(identity.person.login, address);
+  if (!admitted.ok()) co_return admitted;
+  co_return co_await Hashing(address, [&]() -> Status {
     ENAMEL_RETURN_IF_ERROR(CheckOwnPassword(identity.person, password, address));
     return store_.ConfirmSession(identity.token_hash, Now());
   });
@@ -170,7 +216,9 @@ Result<SignedIn> Authenticator::ChangePasswordHere(const Identity& identity,
 
 boost::asio::awaitable<Result<SignedIn>> Authenticator::ChangePassword(Identity identity,
                                                                        PasswordChange change) {
-  co_return co_await Hashing([&] { return ChangePasswordHere(identity, change); });
+  Status admitted = co_await Admitted(identity.person.login, change.address);
+  if (!admitted.ok()) co_return admitted;
+  co_return co_await Hashing(change.address, [&] { return ChangePasswordHere(identity, change); });
 }
 
 Result<SessionRow> Authenticator::OpenSession(const Sha256& token_hash) {
@@ -189,19 +237,23 @@ Result<SessionRow> Authenticator::OpenSession(const Sha256& token_hash) {
 
 Result<Identity> Authenticator::Authenticate(ByteView token) {
   if (token.size() != 32) return Ended();
-  Sha256 hash = TokenHash(token);
-  auto session = OpenSession(hash);
+  auto session = OpenSession(TokenHash(token));
   if (!session.ok()) return session.status();
-  auto person = store_.PersonById(session->person);
+  return IdentityOf(token, *session);
+}
+
+Result<Identity> Authenticator::IdentityOf(ByteView token, const SessionRow& session) {
+  auto person = store_.PersonById(session.person);
   if (!person.ok()) return person.status();
   if (person->disabled) return Ended();
   // Either way: with a clock set back, the idle time counts from now.
   UnixMs now = Now();
-  if (std::abs(now - session->last_used_ms) >= std::min(kTouchEveryMs, options_.idle_ms / 4)) {
+  Sha256 hash = TokenHash(token);
+  if (std::abs(now - session.last_used_ms) >= std::min(kTouchEveryMs, options_.idle_ms / 4)) {
     ENAMEL_RETURN_IF_ERROR(store_.TouchSession(hash, now));
   }
-  return Identity{*person, hash, CsrfFor(token), session->id,
-                  session->confirmed_ms + options_.confirmed_ms};
+  return Identity{*person, hash, CsrfFor(token), session.id,
+                  session.confirmed_ms + options_.confirmed_ms};
 }
 
 Result<Person> Authenticator::StillSignedIn(const Sha256& token_hash) {
@@ -216,7 +268,10 @@ Result<Identity> Authenticator::AuthenticateHex(std::string_view cookie) {
   if (cookie.size() != 64) return Ended();
   auto token = FromHex(cookie);
   if (!token.ok()) return Ended();
-  return Authenticate(*token);
+  auto session = OpenSession(TokenHash(*token));
+  if (!session.ok()) return session.status();
+  if (session->via != kViaPage) return Ended();
+  return IdentityOf(*token, *session);
 }
 
 Status Authenticator::SignOut(const Sha256& token_hash) { return store_.EndSession(token_hash); }

@@ -1,9 +1,10 @@
 #pragma once
 
-#include <atomic>
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/thread_pool.hpp>
 #include <functional>
+#include <map>
+#include <mutex>
 #include <string>
 #include <string_view>
 
@@ -19,8 +20,9 @@ struct AuthOptions {
   UnixMs idle_ms = 30 * 60 * 1000;
   UnixMs absolute_ms = 12 * 60 * 60 * 1000;
   PasswordCost cost;
-  size_t hash_threads = 2;        // 64 MiB each while hashing
-  size_t max_waiting = 16;        // sign-ins beyond these are refused with kUnavailable
+  size_t hash_threads = 2;  // 64 MiB each while hashing
+  // Sign-ins beyond these are refused with kUnavailable; half of them may come from one address.
+  size_t max_waiting = 16;
   std::function<UnixMs()> clock;  // empty: the system's, which may be set back and forth
   // Milliseconds of a clock that only goes forward, for slowing down. Empty: `clock` where that is
   // given, else the system's.
@@ -45,10 +47,14 @@ struct SignedIn {
   Identity identity;
 };
 
+// How a session was begun (SessionRow::via).
+inline constexpr char kViaPage[] = "page";
+inline constexpr char kViaStation[] = "station";
+
 struct SignInRequest {
   std::string login, password;
   std::string address;  // peer, for throttling
-  std::string via;      // "page" | "station"
+  std::string via;      // kViaPage or kViaStation
 };
 
 // Sign-in, sessions, sign-out. Thread safety: any thread.
@@ -62,9 +68,10 @@ class Authenticator {
   explicit Authenticator(Store& store, AuthOptions options = {});
   ~Authenticator();
 
-  // Runs on the hashing threads; continues on the caller's executor.
+  // Runs on the hashing threads, after what Throttle holds it for; continues on the caller's
+  // executor.
   boost::asio::awaitable<Result<SignedIn>> SignIn(SignInRequest request);
-  // The same on this thread, outside the bound: for the command line and tests.
+  // The same on this thread, outside the bound and not held: for the command line and tests.
   Result<SignedIn> SignInHere(const SignInRequest& request);
 
   // Gives the password of a session once more: it may then do for AuthOptions::confirmed_ms what
@@ -86,7 +93,8 @@ class Authenticator {
   // Who holds this token (32 bytes) now; renews the idle time. Blocks (store): call it through a
   // StorePool. Errors: kUnauthenticated.
   Result<Identity> Authenticate(ByteView token);
-  // `cookie` is the token as 64 hex digits.
+  // `cookie` is the token as 64 hex digits, of a session of the page: those of the station link are
+  // good on their connection and nowhere else.
   Result<Identity> AuthenticateHex(std::string_view cookie);
   // Who this session is of, as Authenticate, without renewing anything: for what goes on by itself.
   Result<Person> StillSignedIn(const Sha256& token_hash);
@@ -99,20 +107,28 @@ class Authenticator {
   UnixMs Now() const;
   int64_t Elapsed() const;
   bool Verify(const std::string& password, const std::string& verifier) const;
+  Result<SignedIn> SignInAdmitted(const std::string& login, const SignInRequest& request);
   Status CheckOwnPassword(const Person& person, const std::string& password,
                           const std::string& address);
   Result<SignedIn> BeginSession(const Person& person, const std::string& via);
   Result<SessionRow> OpenSession(const Sha256& token_hash);
+  Result<Identity> IdentityOf(ByteView token, const SessionRow& session);
   Result<SignedIn> ChangePasswordHere(const Identity& identity, const PasswordChange& change);
+  // Whether this try may go on, once it may.
+  boost::asio::awaitable<Status> Admitted(std::string login, std::string address);
   // Runs on the hashing threads, bounded.
   template <typename Work>
-  auto Hashing(Work work) -> boost::asio::awaitable<decltype(work())>;
+  auto Hashing(std::string address, Work work) -> boost::asio::awaitable<decltype(work())>;
+  bool TakePlace(const std::string& block);
+  void LeavePlace(const std::string& block);
 
   Store& store_;
   const AuthOptions options_;
   const std::string decoy_verifier_;  // verified against when there is no such login
   Throttle throttle_;
-  std::atomic<size_t> waiting_{0};
+  std::mutex waiting_mutex_;
+  size_t waiting_ = 0;                          // guarded by waiting_mutex_
+  std::map<std::string, size_t> waiting_from_;  // by address block; guarded by waiting_mutex_
   StorePool hashing_;
 };
 

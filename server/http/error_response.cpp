@@ -4,12 +4,15 @@
 
 #include <boost/json.hpp>
 
+#include "common/base/utf8.h"
+#include "server/auth/throttle.h"
 #include "server/training/revision.h"
 
 namespace enamel::server::http {
 namespace {
 
-constexpr const char* kRetryAfterSeconds = "5";
+// Where the refusal knows no time of its own.
+constexpr int64_t kRetryAfterSeconds = 5;
 
 // Refusals that are finer than a Code, told by their field.
 struct Finer {
@@ -59,25 +62,32 @@ int HttpStatus(const Status& status) {
   return 500;
 }
 
-}  // namespace
-
-Response ErrorResponse(int status, std::string_view code, std::string_view message,
-                       std::string_view field) {
+Response MadeResponse(int status, std::string_view code, std::string_view message,
+                      std::string_view field, int64_t retry_after_s) {
   Response response;
   response.status = status;
   response.content_type = "application/json";
-  response.body = boost::json::serialize(
-      boost::json::object{{"error", {{"code", code}, {"message", message}, {"field", field}}}});
+  response.body = boost::json::serialize(boost::json::object{
+      {"error", {{"code", AsUtf8(code)}, {"message", AsUtf8(message)}, {"field", AsUtf8(field)}}}});
   if (status == 503 || status == 429) {
-    response.headers.emplace_back("Retry-After", kRetryAfterSeconds);
+    response.headers.emplace_back("Retry-After", std::to_string(retry_after_s));
   }
   return response;
 }
 
+}  // namespace
+
+Response ErrorResponse(int status, std::string_view code, std::string_view message,
+                       std::string_view field) {
+  return MadeResponse(status, code, message, field, kRetryAfterSeconds);
+}
+
 Response ErrorResponse(const Status& status) {
   if (const Finer* finer = FinerOf(status)) {
-    return ErrorResponse(finer->http_status, finer->name, status.message(),
-                         finer->shows_field ? finer->field : std::string_view{});
+    const int64_t wait_s = auth::RetryAfterSeconds(status);
+    return MadeResponse(finer->http_status, finer->name, status.message(),
+                        finer->shows_field ? finer->field : std::string_view{},
+                        wait_s > 0 ? wait_s : kRetryAfterSeconds);
   }
   int http_status = HttpStatus(status);
   if (http_status == 500) {

@@ -49,7 +49,7 @@ boost::asio::awaitable<Response> SignIn(Call call) {
   request.login = std::string((*body)["login"].as_string());
   request.password = std::string((*body)["password"].as_string());
   request.address = call.request.peer;
-  request.via = "page";
+  request.via = auth::kViaPage;
   Result<auth::SignedIn> signed_in = co_await call.authenticator.SignIn(std::move(request));
   if (!signed_in.ok()) co_return ErrorResponse(signed_in.status());
   co_return SignedInResponse(*signed_in, call.request);
@@ -75,7 +75,7 @@ boost::asio::awaitable<Response> ChangePassword(Call call) {
   change.old_password = std::string((*body)["old_password"].as_string());
   change.new_password = std::string((*body)["new_password"].as_string());
   change.address = call.request.peer;
-  change.via = "page";
+  change.via = auth::kViaPage;
   Result<auth::SignedIn> signed_in =
       co_await call.authenticator.ChangePassword(*call.caller, std::move(change));
   if (!signed_in.ok()) co_return ErrorResponse(signed_in.status());

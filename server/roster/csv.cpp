@@ -65,7 +65,8 @@ class Reader {
 
   void EndCell() {
     if (current_.cells.size() == limits_.columns) {
-      return Fail("more", "at most " + std::to_string(limits_.columns) + " cells");
+      return Fail("a cell number " + std::to_string(limits_.columns + 1),
+                  "at most " + std::to_string(limits_.columns) + " cells");
     }
     has_text_ |= !cell_.empty();
     current_.cells.push_back(std::exchange(cell_, {}));
@@ -76,7 +77,8 @@ class Reader {
     EndCell();
     if (failed()) return;
     if (has_text_ && table_.rows.size() == limits_.rows) {
-      return Fail("more", "at most " + std::to_string(limits_.rows) + " rows; split the file");
+      return Fail("a row number " + std::to_string(limits_.rows + 1) + " with text",
+                  "at most " + std::to_string(limits_.rows) + " rows; split the file");
     }
     uint32_t next = current_.row + 1;
     if (has_text_) table_.rows.push_back(std::move(current_));

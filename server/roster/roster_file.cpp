@@ -4,6 +4,7 @@
 #include <array>
 #include <optional>
 
+#include "common/base/utf8.h"
 #include "server/roster/csv.h"
 #include "server/training/names.h"
 
@@ -46,6 +47,23 @@ std::string Shown(std::string_view text) {
     out.pop_back();
   }
   return '"' + out + (text.size() > kMost ? "…\"" : "\"");
+}
+
+// Its size when there is none.
+size_t FirstBadByte(std::string_view text) {
+  std::string_view rest = text;
+  while (!rest.empty() && NextCodePoint(rest)) continue;
+  return text.size() - rest.size();
+}
+
+// The row a byte is in, lines ending in LF, CR LF or CR.
+uint32_t RowOf(std::string_view text, size_t at) {
+  uint32_t row = 1;
+  for (size_t i = 0; i < at; ++i) {
+    bool crlf = text[i] == '\r' && i + 1 < text.size() && text[i + 1] == '\n';
+    if ((text[i] == '\n' || text[i] == '\r') && !crlf) ++row;
+  }
+  return row;
 }
 
 bool IsKnown(const std::string& column) {
@@ -180,6 +198,11 @@ RosterFile ReadRoster(std::string_view text, const RosterOptions& options) {
   }
   if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) {
     out.problems.push_back({1, "", "text in UTF-16", "text in UTF-8; save as \"CSV UTF-8\""});
+    return out;
+  }
+  if (size_t bad = FirstBadByte(text); bad != text.size()) {
+    out.problems.push_back({RowOf(text, bad), "", "bytes that are no text in UTF-8",
+                            "text in UTF-8; in the spreadsheet, save as \"CSV UTF-8\""});
     return out;
   }
   CsvTable table = ReadCsv(text, {kMaxRosterRows + 1, 32, 1000});

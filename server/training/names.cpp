@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <optional>
 
+#include "common/base/utf8.h"
+
 namespace enamel::server {
 namespace {
 
@@ -15,29 +17,26 @@ bool IsLoginCharacter(char c) {
   return IsAlphanumeric(c) || std::string_view(".-_@").find(c) != std::string_view::npos;
 }
 
-// The next code point (RFC 3629), taken off `text`; none when it is not valid.
-std::optional<uint32_t> NextCodePoint(std::string_view& text) {
-  auto byte = [&](size_t i) { return static_cast<uint8_t>(text[i]); };
-  uint8_t first = byte(0);
-  size_t size = first < 0x80 ? 1 : first < 0xc2 ? 0 : first < 0xe0 ? 2 : first < 0xf0 ? 3 : 4;
-  if (size == 0 || first > 0xf4 || text.size() < size) return std::nullopt;
-  uint32_t code = size == 1 ? first : first & (0x7fu >> size);
-  for (size_t i = 1; i < size; ++i) {
-    if ((byte(i) & 0xc0) != 0x80) return std::nullopt;
-    code = code << 6 | (byte(i) & 0x3fu);
-  }
-  constexpr uint32_t kSmallest[] = {0, 0, 0x80, 0x800, 0x10000};
-  bool surrogate = code >= 0xd800 && code <= 0xdfff;
-  if (code < kSmallest[size] || code > 0x10ffff || surrogate) return std::nullopt;
-  text.remove_prefix(size);
-  return code;
-}
-
 bool IsControl(uint32_t c) { return c < 0x20 || (c >= 0x7f && c < 0xa0); }
 // Line and paragraph separators; what overrides, embeds or isolates a direction; byte order mark.
 bool IsInvisibleTrick(uint32_t c) {
   return c == 0x2028 || c == 0x2029 || (c >= 0x202a && c <= 0x202e) ||
          (c >= 0x2066 && c <= 0x2069) || c == 0xfeff;
+}
+
+// Spaces, and what leaves no mark by itself: fillers, joiners, variation selectors, tags (Unicode
+// 15, White_Space and Default_Ignorable_Code_Point), the blank braille pattern.
+bool LeavesNoMark(uint32_t c) {
+  struct Range {
+    uint32_t first, last;
+  };
+  constexpr Range kBlank[] = {
+      {0x20, 0x20},       {0xa0, 0xa0},      {0xad, 0xad},     {0x34f, 0x34f},   {0x61c, 0x61c},
+      {0x115f, 0x1160},   {0x1680, 0x1680},  {0x17b4, 0x17b5}, {0x180b, 0x180f}, {0x2000, 0x200f},
+      {0x202f, 0x202f},   {0x205f, 0x2065},  {0x206a, 0x206f}, {0x2800, 0x2800}, {0x3000, 0x3000},
+      {0x3164, 0x3164},   {0xfe00, 0xfe0f},  {0xffa0, 0xffa0}, {0xfff0, 0xfff8}, {0x1bca0, 0x1bca3},
+      {0x1d173, 0x1d17a}, {0xe0000, 0xe0fff}};
+  return std::ranges::any_of(kBlank, [&](Range r) { return c >= r.first && c <= r.last; });
 }
 
 std::string_view Trim(std::string_view text) {
@@ -60,9 +59,9 @@ Result<std::string> CheckedLogin(std::string_view text) {
               std::ranges::all_of(login, IsLoginCharacter);
   if (!fits) {
     bool long_one = login.size() > kMaxLoginBytes;
-    return Refused("login",
-                   "1 to 64 letters a-z, digits or any of . - _ @, the first a letter or digit",
-                   long_one ? std::to_string(login.size()) + " bytes" : "\"" + login + "\"");
+    return Refused(
+        "login", "1 to 64 letters a-z, digits or any of . - _ @, the first a letter or digit",
+        long_one ? std::to_string(login.size()) + " bytes" : "\"" + AsUtf8(login) + "\"");
   }
   std::ranges::transform(login, login.begin(), [](char c) {
     return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
@@ -78,8 +77,9 @@ Result<std::string> CheckedName(std::string_view text, std::string_view field) {
   if (std::string_view("=+-@").find(name.front()) != std::string_view::npos) {
     return Refused(field,
                    "a name that does not begin with = + - or @ (a spreadsheet would compute it)",
-                   "\"" + std::string(name) + "\"");
+                   "\"" + AsUtf8(name) + "\"");
   }
+  bool marks = false;
   for (std::string_view rest = name; !rest.empty();) {
     std::optional<uint32_t> code = NextCodePoint(rest);
     if (!code) return Refused(field, "text in UTF-8", "bytes that are not; save the file as UTF-8");
@@ -87,7 +87,10 @@ Result<std::string> CheckedName(std::string_view text, std::string_view field) {
       return Refused(field, "a name without control characters and line breaks",
                      "character number " + std::to_string(*code));
     }
+    marks |= !LeavesNoMark(*code);
   }
+  if (!marks)
+    return Refused(field, "a name that can be seen", "only characters that leave no mark");
   return std::string(name);
 }
 
@@ -95,6 +98,16 @@ std::string ShortenedText(std::string_view text, size_t most) {
   if (text.size() <= most) return std::string(text);
   while (most > 0 && (static_cast<uint8_t>(text[most]) & 0xc0) == 0x80) --most;
   return std::string(text.substr(0, most));
+}
+
+std::string NameKey(std::string_view name) {
+  std::string out;
+  for (char c : Trim(name)) {
+    bool space = c == ' ';
+    if (space && out.ends_with(' ')) continue;
+    out += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  }
+  return out;
 }
 
 }  // namespace enamel::server

@@ -17,13 +17,16 @@ inline constexpr size_t kMaxNameBytes = 200;
 Result<std::string> CheckedLogin(std::string_view text);
 
 // A name as people read it, without the spaces around it: valid UTF-8, 1 to 200 bytes, no control
-// characters, nothing that turns the direction of what follows, and not beginning with = + - @,
-// which a spreadsheet that opens our tables would take for a formula (OWASP, "CSV Injection").
-// `field`: as named in the error.
+// characters, nothing that turns the direction of what follows, something that can be seen, and not
+// beginning with = + - @, which a spreadsheet that opens our tables would take for a formula
+// (OWASP, "CSV Injection"). `field`: as named in the error.
 Result<std::string> CheckedName(std::string_view text, std::string_view field);
 
 // The first bytes of `text`, at most `most`, ending where a character ends: what a program says of
 // itself and nobody is asked to correct.
 std::string ShortenedText(std::string_view text, size_t most);
+
+// Equal for names that people take for one: case (of ASCII) and the number of spaces do not count.
+std::string NameKey(std::string_view name);
 
 }  // namespace enamel::server

@@ -2,12 +2,39 @@
 
 #include <algorithm>
 
+#include "server/training/names.h"
+
 namespace enamel::server {
 namespace {
 
+// How a cohort is written: where it was read first, or that it is there already.
+struct Spelling {
+  std::string name, where;
+};
+using Spellings = std::map<std::string, Spelling>;  // by NameKey
+
+Spellings SpellingsOf(const std::vector<RosterRow>& rows, const RosterFacts& facts) {
+  Spellings out;
+  for (const auto& [name, cohort] : facts.cohorts) {
+    out.try_emplace(NameKey(name), Spelling{name, "which is there"});
+  }
+  for (const RosterRow& row : rows) {
+    out.try_emplace(NameKey(row.cohort),
+                    Spelling{row.cohort, "as in row " + std::to_string(row.row)});
+  }
+  return out;
+}
+
+// New beside one that people take for the same.
+bool IsMisspelt(const RosterRow& row, const RosterFacts& facts, const Spellings& spellings) {
+  return !row.cohort.empty() && !facts.cohorts.contains(row.cohort) &&
+         spellings.at(NameKey(row.cohort)).name != row.cohort;
+}
+
 // Against the row, or empty.
 std::vector<RosterProblem> ProblemsOf(const RosterRow& row, const RosterFacts& facts,
-                                      const std::map<std::string, uint32_t>& first_rows) {
+                                      const std::map<std::string, uint32_t>& first_rows,
+                                      const Spellings& spellings) {
   std::vector<RosterProblem> out;
   if (uint32_t first = first_rows.at(row.login); first != row.row) {
     out.push_back({row.row, "login",
@@ -24,6 +51,12 @@ std::vector<RosterProblem> ProblemsOf(const RosterRow& row, const RosterFacts& f
   if (cohort != facts.cohorts.end() && cohort->second.archived_ms != 0) {
     out.push_back({row.row, "cohort", "\"" + row.cohort + "\", which is archived",
                    "a cohort that is in use; open it again or name another"});
+  }
+  if (IsMisspelt(row, facts, spellings)) {
+    const Spelling& before = spellings.at(NameKey(row.cohort));
+    out.push_back({row.row, "cohort", "\"" + row.cohort + "\"",
+                   "\"" + before.name + "\", " + before.where +
+                       ", or a name that differs by more than case and spaces"});
   }
   return out;
 }
@@ -58,9 +91,10 @@ RosterPlan PlanRoster(const std::vector<RosterRow>& rows, const RosterFacts& fac
   RosterPlan plan;
   std::map<std::string, uint32_t> first_rows;
   for (const RosterRow& row : rows) first_rows.emplace(row.login, row.row);
+  const Spellings spellings = SpellingsOf(rows, facts);
   std::set<std::string> made;
   for (const RosterRow& row : rows) {
-    auto problems = ProblemsOf(row, facts, first_rows);
+    auto problems = ProblemsOf(row, facts, first_rows, spellings);
     plan.problems.insert(plan.problems.end(), problems.begin(), problems.end());
     plan.steps.push_back(StepFor(row, facts));
     bool is_new = !row.cohort.empty() && !facts.cohorts.contains(row.cohort);

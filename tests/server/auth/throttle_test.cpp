@@ -2,10 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <iostream>
+
+#include "server/auth/address_block.h"
+
 namespace enamel::server::auth {
 namespace {
 
 constexpr char kHere[] = "203.0.113.7";
+constexpr char kNextSeat[] = "203.0.113.8";
 constexpr char kElsewhere[] = "198.51.100.9";
 
 void Fail(Throttle& throttle, const std::string& login, const std::string& address, int times,
@@ -16,46 +21,218 @@ void Fail(Throttle& throttle, const std::string& login, const std::string& addre
 TEST(ThrottleTest, FirstFailuresCostNothing) {
   Throttle throttle;
   Fail(throttle, "ada", kHere, 5, 1000);
-  EXPECT_TRUE(throttle.Check("ada", kHere, 1000).ok());
+  EXPECT_TRUE(throttle.Admit("ada", kHere, 1000).ok());
 }
 
 TEST(ThrottleTest, DelayDoublesUpToAMinuteAndThenEndsByItself) {
   Throttle throttle;
   Fail(throttle, "ada", kHere, 6, 1000);
-  EXPECT_EQ(throttle.Check("ada", kHere, 1400).field(), "throttled");
-  EXPECT_TRUE(throttle.Check("ada", kHere, 1500).ok());
+  EXPECT_EQ(throttle.Admit("ada", kHere, 1400).status().field(), "throttled");
+  EXPECT_TRUE(throttle.Admit("ada", kHere, 1500).ok());
   Fail(throttle, "ada", kHere, 14, 2000);
-  EXPECT_FALSE(throttle.Check("ada", kHere, 2000 + 59'999).ok());
-  EXPECT_TRUE(throttle.Check("ada", kHere, 2000 + 60'000).ok());
+  EXPECT_FALSE(throttle.Admit("ada", kHere, 2000 + 59'999).ok());
+  EXPECT_TRUE(throttle.Admit("ada", kHere, 2000 + 60'000).ok());
 }
 
-TEST(ThrottleTest, StrangerDelaysTheOwnerElsewhereByFourSecondsAtMost) {
+TEST(ThrottleTest, RefusalTellsTheSecondsToWait) {
+  Throttle throttle;
+  Fail(throttle, "ada", kHere, 11, 1000);
+  Status refused = throttle.Admit("ada", kHere, 1000 + 4'500).status();
+  EXPECT_EQ(refused.message(), "too many failed sign-ins; try again in 12 s");
+  EXPECT_EQ(RetryAfterSeconds(refused), 12);
+  EXPECT_EQ(RetryAfterSeconds(Status(Code::kUnavailable, "the disk is full")), 0);
+}
+
+TEST(ThrottleTest, StrangerDelaysTheOwnersSecondTryElsewhereByFourSecondsAtMost) {
   Throttle throttle;
   Fail(throttle, "ada", kHere, 1000, 1000);
-  EXPECT_TRUE(throttle.Check("ada", kElsewhere, 1000 + 4'000).ok());
-  EXPECT_FALSE(throttle.Check("ada", kHere, 1000 + 4'000).ok());
+  EXPECT_TRUE(throttle.Admit("ada", kElsewhere, 1000).ok()) << "a place's first try";
+  throttle.Failed("ada", kElsewhere, 1000);
+  EXPECT_FALSE(throttle.Admit("ada", kElsewhere, 1000).ok());
+  EXPECT_TRUE(throttle.Admit("ada", kElsewhere, 1000 + 4'000).ok());
+  EXPECT_FALSE(throttle.Admit("ada", kHere, 1000 + 4'000).ok());
 }
 
-TEST(ThrottleTest, GuessingManyLoginsFromOneBlockIsSlowed) {
+TEST(ThrottleTest, StrangerDoesNotDelayTheOwnerWhereTheOwnerSignedInBefore) {
+  Throttle throttle;
+  throttle.Succeeded("ada", kHere, 1000);
+  Fail(throttle, "ada", kElsewhere, 1000, 2000);
+  Fail(throttle, "ada", kHere, 1, 2000);
+  EXPECT_TRUE(throttle.Admit("ada", kHere, 2000).ok());
+}
+
+TEST(ThrottleTest, FirstTriesOfManyPlacesAreNotFreeForEver) {
+  Throttle throttle;
+  Fail(throttle, "ada", kHere, 1000, 1000);
+  int free = 0;
+  for (int i = 0; i < 250; ++i) {
+    const std::string place = "198.51.100." + std::to_string(i);
+    if (!throttle.Admit("ada", place, 1000).ok()) continue;
+    ++free;
+    throttle.Failed("ada", place, 1000);
+  }
+  EXPECT_EQ(free, 100);
+}
+
+TEST(ThrottleTest, GuessingManyLoginsFromOnePlaceIsSlowedAndTheNextSeatIsNot) {
   Throttle throttle;
   for (int i = 0; i < 40; ++i) throttle.Failed("login" + std::to_string(i), kHere, 1000);
-  EXPECT_FALSE(throttle.Check("another", "203.0.113.99", 1000).ok());
-  EXPECT_TRUE(throttle.Check("another", kElsewhere, 1000).ok());
+  EXPECT_FALSE(throttle.Admit("login1", kHere, 1000).ok());
+  int64_t held = 0;
+  for (int i = 0; i < 9; ++i) {
+    auto hold = throttle.Admit("another" + std::to_string(i), kHere, 1000);
+    ASSERT_TRUE(hold.ok()) << i;
+    EXPECT_EQ(*hold, held) << i;
+    held += 250;
+  }
+  EXPECT_FALSE(throttle.Admit("one too many", kHere, 1000).ok());
+  EXPECT_EQ(*throttle.Admit("login1", kNextSeat, 1000), 0);
 }
 
 TEST(ThrottleTest, SuccessAndSilenceAreForgiven) {
   Throttle throttle;
   Fail(throttle, "ada", kHere, 10, 1000);
-  throttle.Succeeded("ada", kHere);
-  EXPECT_TRUE(throttle.Check("ada", kHere, 1000).ok());
+  throttle.Succeeded("ada", kHere, 1000);
+  EXPECT_TRUE(throttle.Admit("ada", kHere, 1000).ok());
   Fail(throttle, "bob", kHere, 10, 1000);
   Fail(throttle, "bob", kHere, 1, 1000 + 16 * 60 * 1000);
-  EXPECT_TRUE(throttle.Check("bob", kHere, 1000 + 16 * 60 * 1000).ok());
+  EXPECT_TRUE(throttle.Admit("bob", kHere, 1000 + 16 * 60 * 1000).ok());
+}
+
+TEST(ThrottleTest, AnAccountOfOnesOwnMakesNoGuessesFree) {
+  Throttle throttle;
+  int admitted = 0;
+  for (int i = 0; i < 400; ++i) {
+    throttle.Succeeded("mallory", kHere, 1000);
+    const std::string victim = "login" + std::to_string(i % 100);
+    if (!throttle.Admit(victim, kHere, 1000).ok()) continue;
+    ++admitted;
+    throttle.Failed(victim, kHere, 1000);
+  }
+  EXPECT_LE(admitted, 45);
+}
+
+// 144 students, every third mistypes once, two seconds apart.
+void SignInAClass(bool behind_one_address) {
+  Throttle throttle;
+  UnixMs now = 1000;
+  int failures = 0, refused = 0, held = 0;
+  auto admit = [&](const std::string& login, const std::string& address) {
+    auto hold = throttle.Admit(login, address, now);
+    refused += hold.ok() ? 0 : 1;
+    held += hold.ok() && *hold > 0 ? 1 : 0;
+  };
+  for (int i = 0; i < 144; ++i, now += 2000) {
+    const std::string login = "student" + std::to_string(i);
+    const std::string address = behind_one_address ? kHere : "203.0.113." + std::to_string(1 + i);
+    if (i % 3 == 0) {
+      admit(login, address);
+      throttle.Failed(login, address, now);
+      ++failures;
+    }
+    admit(login, address);
+    throttle.Succeeded(login, address, now);
+  }
+  std::cout << "class of 144 " << (behind_one_address ? "behind one address" : "in one /24") << ": "
+            << failures << " mistyped, " << refused << " tries refused, " << held << " held\n";
+  EXPECT_EQ(refused, 0);
+}
+
+TEST(ThrottleTest, ClassWhereAThirdMistypesOnceWaitsForNothing) {
+  SignInAClass(false);
+  SignInAClass(true);
+}
+
+// Everybody mistypes before anybody gets in: the worst order there is.
+TEST(ThrottleTest, ClassThatMistypesAllAtOnceBehindOneAddressGetsInWithinSeconds) {
+  Throttle throttle;
+  UnixMs now = 1000;
+  int tries = 0;
+  for (int i = 0; i < 48; ++i) throttle.Failed("student" + std::to_string(i), kHere, now);
+  for (int i = 0; i < 144; ++i) {
+    for (const std::string login = "student" + std::to_string(i);; now += 100) {
+      ++tries;
+      auto hold = throttle.Admit(login, kHere, now);
+      if (!hold.ok()) continue;
+      now += *hold;
+      throttle.Succeeded(login, kHere, now);
+      break;
+    }
+  }
+  std::cout << "48 mistyped at once, then 144 sign in one after the other: "
+            << (now - 1000) / 1000.0 << " s of waiting for all together\n";
+  EXPECT_LE(now - 1000, 60'000);
+}
+
+struct Siege {
+  int guesses = 0, owner_tries = 0, owner_in = 0;
+};
+
+// Fifteen minutes: somebody guesses as fast as allowed at `victim_of`, the owner signs in once a
+// minute with the right password and, refused, tries again as the refusal says.
+Siege Besiege(const std::string& attacker_at, const std::string& owner_at, bool owner_known,
+              bool at_the_owners_login) {
+  Throttle throttle;
+  Siege out;
+  if (owner_known) throttle.Succeeded("owner", owner_at, 0);
+  UnixMs free_at = 0;
+  for (UnixMs now = 1000; now < 15 * 60 * 1000; now += 100) {
+    const std::string login =
+        at_the_owners_login ? "owner" : "nobody" + std::to_string(out.guesses);
+    if (now >= free_at) {
+      auto hold = throttle.Admit(login, attacker_at, now);
+      if (hold.ok()) {
+        ++out.guesses;
+        free_at = now + *hold;
+        throttle.Failed(login, attacker_at, free_at);
+      }
+    }
+    if (now % 60'000 != 0) continue;
+    ++out.owner_tries;
+    if (throttle.Admit("owner", owner_at, now).ok()) {
+      ++out.owner_in;
+      throttle.Succeeded("owner", owner_at, now);
+    }
+  }
+  return out;
+}
+
+void Show(const char* what, const Siege& siege) {
+  std::cout << what << ": " << siege.guesses << " guesses in 15 min, owner in " << siege.owner_in
+            << " of " << siege.owner_tries << " times at the first try\n";
+}
+
+TEST(ThrottleTest, AttackerDoesNotKeepTheOwnerOut) {
+  Siege neighbour = Besiege(kNextSeat, kHere, false, false);
+  Show("attacker at the next seat, any login", neighbour);
+  EXPECT_EQ(neighbour.owner_in, neighbour.owner_tries);
+  Siege targeted = Besiege(kNextSeat, kHere, false, true);
+  Show("attacker at the next seat, the owner's login", targeted);
+  EXPECT_EQ(targeted.owner_in, targeted.owner_tries);
+  Siege same = Besiege(kHere, kHere, false, false);
+  Show("attacker behind the same address, any login", same);
+  EXPECT_EQ(same.owner_in, same.owner_tries);
+  Siege known = Besiege(kElsewhere, kHere, true, true);
+  Show("attacker anywhere, the owner's login, owner where known", known);
+  EXPECT_EQ(known.owner_in, known.owner_tries);
+}
+
+TEST(ThrottleTest, GuesserOfOneLoginGetsFewTries) {
+  Throttle throttle;
+  int guesses = 0;
+  for (UnixMs now = 1000; now < 15 * 60 * 1000; now += 100) {
+    if (!throttle.Admit("ada", kHere, now).ok()) continue;
+    ++guesses;
+    throttle.Failed("ada", kHere, now);
+  }
+  std::cout << "one login guessed at from one address: " << guesses << " tries in 15 min\n";
+  EXPECT_LE(guesses, 30);
 }
 
 TEST(ThrottleTest, AddressesAreTakenByBlock) {
-  EXPECT_EQ(AddressBlock("203.0.113.7"), "203.0.113.0/24");
+  EXPECT_EQ(AddressBlock("203.0.113.7"), "203.0.113.7");
   EXPECT_EQ(AddressBlock("2001:db8:1:2:3::4"), "2001:db8:1:2::/64");
+  EXPECT_EQ(AddressBlock("::ffff:203.0.113.7"), "203.0.113.7");
   EXPECT_EQ(AddressBlock("unknown"), "unknown");
 }
 

@@ -69,6 +69,20 @@ TEST_F(ImportTest, ProblemsOfTheFileAndOfWhatIsThereComeTogetherByRow) {
   EXPECT_EQ(store_->PersonByLogin("ada")->role, Role::kInstructor);
 }
 
+TEST_F(ImportTest, CohortsThatPeopleTakeForOneAreToldAndNotMade) {
+  ASSERT_TRUE(Import(kRoster).done);
+  ImportResult result = Import("login,cohort\na,year 3\nb,Year  3\nc,Year 3\nd,Year 4\ne,YEAR 4\n");
+  EXPECT_FALSE(result.done);
+  ASSERT_EQ(result.plan.problems.size(), 3u);
+  EXPECT_EQ(result.plan.problems[0].row, 2u);
+  EXPECT_EQ(result.plan.problems[0].found, "\"year 3\"");
+  EXPECT_NE(result.plan.problems[0].expected.find("\"Year 3\", which is there"), std::string::npos);
+  EXPECT_EQ(result.plan.problems[1].row, 3u);
+  EXPECT_EQ(result.plan.problems[2].row, 6u);
+  EXPECT_NE(result.plan.problems[2].expected.find("as in row 5"), std::string::npos);
+  EXPECT_EQ(store_->Cohorts()->size(), 1u);
+}
+
 TEST_F(ImportTest, ArchivedCohortIsNotJoinedAndDisabledPeopleStaySo) {
   ASSERT_TRUE(Import(kRoster).done);
   Uuid bob = store_->PersonByLogin("bob")->id;

@@ -77,8 +77,8 @@ TEST(RosterFileTest, OtherSeparatorsAndEncodingsAreNamedWithTheWayOut) {
                          "list separator"));
   EXPECT_TRUE(OneProblem("login\tdisplay_name\n", "1 : cells separated by tabs"));
   EXPECT_TRUE(OneProblem("\xff\xfel\0o\0", "1 : text in UTF-16", "CSV UTF-8"));
-  EXPECT_TRUE(OneProblem("login,display_name\na,M\xfcller\n", "2 display_name: bytes that are not",
-                         "UTF-8"));
+  EXPECT_TRUE(
+      OneProblem("login,display_name\na,M\xfcller\n", "2 : bytes that are no text", "UTF-8"));
 }
 
 TEST(RosterFileTest, MissingTwofoldAndUnknownColumnsAreRefused) {
@@ -96,10 +96,18 @@ TEST(RosterFileTest, BoundsHold) {
   EXPECT_TRUE(OneProblem(std::string(kMaxRosterBytes + 1, 'a'), "1 : 1048577 bytes"));
   std::string many = "login\n";
   for (size_t i = 0; i <= kMaxRosterRows; ++i) many += "s" + std::to_string(i) + "\n";
-  EXPECT_TRUE(OneProblem(many, "5002 : more", "5001 rows"));
+  EXPECT_TRUE(OneProblem(many, "5002 : a row number 5002 with text", "5001 rows"));
   EXPECT_TRUE(OneProblem("login,display_name\na,\"b\n", "2 : a quote that is never closed"));
   EXPECT_TRUE(OneProblem("login,display_name\na,\xe2\x80\xae evil\n",
                          "2 display_name: character number 8238"));
+}
+
+TEST(RosterFileTest, Latin1IsToldWithItsRowAndHowToSaveIt) {
+  for (const std::string text : {"login,role\nok,student\njos\xe9,student\n",
+                                 "login,role\r\nok,student\r\nx,\xe9tudiant\r\n"}) {
+    EXPECT_TRUE(OneProblem(text, "3 : bytes that are no text in UTF-8", "CSV UTF-8"));
+  }
+  EXPECT_TRUE(OneProblem("login,r\xf4le\njose,student\n", "1 : bytes that are no text"));
 }
 
 }  // namespace

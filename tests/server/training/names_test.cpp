@@ -31,18 +31,45 @@ TEST(NamesTest, NamesOfPeopleEverywhereAreNames) {
 }
 
 TEST(NamesTest, FormulasControlsAndBrokenTextAreNoNames) {
-  for (const std::string name :
-       {"=1+1", "+49 30", "-2", "@SUM(A1)", " =x", "", "a\tb", "a\nb", "a\x7f", "\xc2\x85x",
-        "\xe2\x80\xae"
-        "abc",
-        "\xe2\x81\xa6x", "\xef\xbb\xbfx", "M\xfcller", "\xc0\xaf", "\xed\xa0\x80",
-        "\xf4\x90\x80\x80", "\xe2\x82", "\xf8\x88\x80\x80\x80"}) {
+  for (const std::string name : {"=1+1",
+                                 "+49 30",
+                                 "-2",
+                                 "@SUM(A1)",
+                                 " =x",
+                                 "",
+                                 "a\tb",
+                                 "a\nb",
+                                 "a\x7f",
+                                 "\xc2\x85x",
+                                 "\xe2\x80\xae"
+                                 "abc",
+                                 "\xe2\x81\xa6x",
+                                 "\xef\xbb\xbfx",
+                                 "M\xfcller",
+                                 "\xc0\xaf",
+                                 "\xed\xa0\x80",
+                                 "\xf4\x90\x80\x80",
+                                 "\u200b",
+                                 " \u00a0\u200b ",
+                                 "\u3164",
+                                 "\xe2\x82",
+                                 "\xf8\x88\x80\x80\x80"}) {
     Result<std::string> checked = CheckedName(name, "display_name");
     EXPECT_FALSE(checked.ok()) << testing::PrintToString(name);
     EXPECT_EQ(checked.status().field(), "display_name");
   }
   EXPECT_FALSE(CheckedName(std::string(201, 'a'), "name").ok());
   EXPECT_TRUE(CheckedName(std::string(200, 'a'), "name").ok());
+}
+
+TEST(NamesTest, JoinersInsideANameStay) {
+  EXPECT_TRUE(CheckedName("\u0646\u06cc\u200c\u06a9", "display_name").ok());
+}
+
+TEST(NamesTest, KeysOfNamesThatPeopleTakeForOneAreEqual) {
+  EXPECT_EQ(NameKey("Year 3"), NameKey(" year  3 "));
+  EXPECT_NE(NameKey("Year 3"), NameKey("Year 31"));
+  EXPECT_NE(NameKey("Year 3"), NameKey("Year3"));
 }
 
 }  // namespace

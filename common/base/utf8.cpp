@@ -1,0 +1,74 @@
+#include "common/base/utf8.h"
+
+#include <array>
+
+namespace enamel {
+namespace {
+
+constexpr std::string_view kReplacement = "\xef\xbf\xbd";  // U+FFFD
+
+bool IsControl(uint32_t c) { return c < 0x20 || (c >= 0x7f && c < 0xa0); }
+
+std::string Escaped(uint32_t c) {
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  return {'\\', 'x', kDigits[c >> 4 & 15], kDigits[c & 15]};
+}
+
+}  // namespace
+
+std::optional<uint32_t> NextCodePoint(std::string_view& text) {
+  auto byte = [&](size_t i) { return static_cast<uint8_t>(text[i]); };
+  uint8_t first = byte(0);
+  size_t size = first < 0x80 ? 1 : first < 0xc2 ? 0 : first < 0xe0 ? 2 : first < 0xf0 ? 3 : 4;
+  if (size == 0 || first > 0xf4 || text.size() < size) return std::nullopt;
+  uint32_t code = size == 1 ? first : first & (0x7fu >> size);
+  for (size_t i = 1; i < size; ++i) {
+    if ((byte(i) & 0xc0) != 0x80) return std::nullopt;
+    code = code << 6 | (byte(i) & 0x3fu);
+  }
+  constexpr std::array<uint32_t, 5> kSmallest = {0, 0, 0x80, 0x800, 0x10000};
+  bool surrogate = code >= 0xd800 && code <= 0xdfff;
+  if (code < kSmallest[size] || code > 0x10ffff || surrogate) return std::nullopt;
+  text.remove_prefix(size);
+  return code;
+}
+
+bool IsUtf8(std::string_view text) {
+  while (!text.empty()) {
+    if (!NextCodePoint(text)) return false;
+  }
+  return true;
+}
+
+std::string AsUtf8(std::string_view text) {
+  std::string out;
+  while (!text.empty()) {
+    std::string_view rest = text;
+    if (NextCodePoint(rest)) {
+      out += text.substr(0, text.size() - rest.size());
+    } else {
+      out += kReplacement;
+      rest.remove_prefix(1);
+    }
+    text = rest;
+  }
+  return out;
+}
+
+std::string Printable(std::string_view text) {
+  const std::string valid = AsUtf8(text);
+  std::string out;
+  for (std::string_view at = valid; !at.empty();) {
+    std::string_view rest = at;
+    uint32_t code = *NextCodePoint(rest);
+    if (IsControl(code)) {
+      out += Escaped(code);
+    } else {
+      out += at.substr(0, at.size() - rest.size());
+    }
+    at = rest;
+  }
+  return out;
+}
+
+}  // namespace enamel

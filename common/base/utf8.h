@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+// UTF-8 (RFC 3629) of texts that others wrote. Pure functions, any thread.
+namespace enamel {
+
+// The next code point, taken off `text`, which is not empty; none, and nothing taken, when it does
+// not begin with one (overlong forms and surrogates are none).
+std::optional<uint32_t> NextCodePoint(std::string_view& text);
+
+bool IsUtf8(std::string_view text);
+
+// `text` with U+FFFD for each byte that belongs to no code point: safe inside JSON.
+std::string AsUtf8(std::string_view text);
+
+// What a terminal shows and does not obey: AsUtf8, and control characters (C0 with line ends and
+// tab, DEL, C1) as "\x1b".
+std::string Printable(std::string_view text);
+
+}  // namespace enamel

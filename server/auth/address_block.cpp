@@ -1,0 +1,27 @@
+#include "server/auth/address_block.h"
+
+#include <arpa/inet.h>
+
+#include <algorithm>
+#include <array>
+
+namespace enamel::server::auth {
+namespace {
+
+std::string Text(int family, const void* address) {
+  std::array<char, INET6_ADDRSTRLEN> text{};
+  inet_ntop(family, address, text.data(), text.size());
+  return text.data();
+}
+
+}  // namespace
+
+std::string AddressBlock(const std::string& address) {
+  in6_addr v6{};
+  if (inet_pton(AF_INET6, address.c_str(), &v6) != 1) return address.substr(0, 64);
+  if (IN6_IS_ADDR_V4MAPPED(&v6)) return Text(AF_INET, std::begin(v6.s6_addr) + 12);
+  std::fill(std::begin(v6.s6_addr) + 8, std::end(v6.s6_addr), uint8_t{0});
+  return Text(AF_INET6, &v6) + "/64";
+}
+
+}  // namespace enamel::server::auth
