@@ -266,7 +266,8 @@ TickOutput Core::Step(const TickInput& input) noexcept {
   if (!bur_on_) FinishCut();
 
   bool stop = !started_ || faulted || (input.flags & kSoftRestart) != 0;
-  bool lost = input.gap_ticks > 0 && !stop && (suspended_ || !ResumeAfterGap(tip));
+  bool unfelt = input.gap_ticks > 0 && (input.flags & kHeldGap) == 0;
+  bool lost = unfelt && !stop && (suspended_ || !ResumeAfterGap(tip));
   if (stop || lost) {
     Suspend(tip, device);
     started_ = true;
@@ -274,7 +275,7 @@ TickOutput Core::Step(const TickInput& input) noexcept {
   } else if (suspended_) {
     AwaitFreeAir(tip, device);
     out.flags |= kSuspended;
-  } else if (input.gap_ticks == 0) {
+  } else if (!unfelt) {
     TissueMaterial material(*this);
     handpiece_.Step(bur_on_ ? resisting_n_ : 0);
     FollowOrientation(device, material);

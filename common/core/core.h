@@ -26,6 +26,9 @@ enum InputFlags : uint8_t {
   kLateTick = 1 << 1,     // this tick ran late (recorded; the maths does not read the clock)
   kFaulted = 1 << 2,      // force is held at zero until the operator acts; nothing is cut
   kSoftRestart = 1 << 3,  // switch force and cutting off until the bur has been in free air again
+  // The gap's ticks passed while the loop was late: the device held the force of the tick before,
+  // for less than haptics.md section 4 lets it. Time passed, and nothing else is to be made up for.
+  kHeldGap = 1 << 4,
 };
 
 // One tick's input: the truth of a recording. Everything else is computed.
@@ -76,7 +79,8 @@ struct TickOutput {
 // it is: putting the anchor there would cut a hole of the bur's size at no force, and leaving it
 // behind would hand out energy that nobody put in. So the anchor stays at the tip, without force or
 // cut, until the bur has touched nothing for soft_start_ticks (kSuspended). After a shorter gap the
-// cut goes on from where it was (Coupling::Resume).
+// cut goes on from where it was (Coupling::Resume). A gap over which the force was held (kHeldGap)
+// is a late tick's: the tick after it is stepped like any other, and the gap is only time.
 //
 // Order in a tick: read p; engagement at the anchor; law moves the anchor (through contact, in
 // steps of at most half a voxel) and cuts along it; bounds; hash. A step through open air stops at

@@ -11,11 +11,11 @@
 #include <thread>
 
 #include "common/base/file.h"
-#include "station/app/loop_facts.h"
 #include "station/app/places.h"
 #include "station/app/simulate.h"
 #include "station/desk/tick_feed.h"
 #include "station/devices/operators.h"
+#include "station/loop/loop_facts.h"
 #include "station/loop/realtime.h"
 #include "station/render/window.h"
 #include "station/sdk/open_sdk_device.h"
@@ -104,19 +104,23 @@ class Progress {
     shown_ = false;
   }
   // A line of its own, also when quiet: why there is no force, and what to do.
-  void Tell(Fault fault) {
-    if (fault == told_) return;
-    told_ = fault;
+  void Tell(const Snapshot& s) {
+    const std::string why =
+        s.fault != Fault::kNone ? FaultText(s.fault)
+        : s.put_down
+            ? "the handpiece lies in its holder: take it up to go on; Ctrl-C ends the attempt"
+            : "";
+    if (why == told_) return;
+    told_ = why;
     End();
     std::fprintf(stderr, "%s%s\n",
-                 fault == Fault::kNone ? "force comes on again in free air" : "force is off: ",
-                 FaultText(fault));
+                 why.empty() ? "force comes on again in free air" : "force is off: ", why.c_str());
   }
 
  private:
   const bool quiet_, terminal_;
   bool shown_ = false;
-  Fault told_ = Fault::kNone;
+  std::string told_;
   steady_clock::time_point last_{};
 };
 
@@ -251,7 +255,7 @@ class Watcher {
   }
 
   void Show(const Snapshot& snapshot, double done) {
-    progress_.Tell(snapshot.fault);
+    progress_.Tell(snapshot);
     progress_.Show(snapshot, job_.voxel_m(), done, attempt_.recording().chunks, attempt_.upload());
   }
 

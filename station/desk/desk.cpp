@@ -131,8 +131,11 @@ class Desk {
     content.mm_per_pixel = 0;
     content.state.warnings |=
         AttemptWarnings(*stage.run(), content.state.time_s, content.time_limit_s);
-    if (Fault fault = stage.run()->snapshot().fault; fault != Fault::kNone) {
-      content.fault = std::string("Force is off: ") + FaultText(fault);
+    const Snapshot& newest = stage.run()->snapshot();
+    if (newest.fault != Fault::kNone) {
+      content.fault = std::string("Force is off: ") + FaultText(newest.fault);
+    } else if (newest.put_down) {
+      content.fault = "Force is off: the handpiece lies in its holder";
     }
     if (MayShowProgress(prepared.exercise.graded, flow_.chosen().exam, flow_.instructor())) {
       content.zones = stage.zones();

@@ -14,6 +14,7 @@ void StillnessCheck::Look(const DeviceSample& sample, double now_s) {
     since_s_ = now_s;
   };
   if (!sample.attached) return begin_anew("The device is not there: plug it in");
+  if (sample.buttons & kPutDown) return begin_anew("Take up the handpiece");
   if (sample.buttons & kPedal) return begin_anew("Take the foot off the pedal");
   double moved = 0;
   for (size_t i = 0; i < 3; ++i) {

@@ -8,7 +8,10 @@ uint32_t WarningsOf(const Snapshot& s) noexcept {
   if (s.output_flags & haptics::kPeakBounded) warnings |= render::kWarnForceBounded;
   if (s.input_flags & core::kLateTick) warnings |= render::kWarnLate;
   if (s.input_flags & core::kFaulted) warnings |= render::kWarnFault;
-  if (s.fault == Fault::kStalled || s.fault == Fault::kUnplugged) warnings |= render::kWarnDevice;
+  if (s.fault == Fault::kStalled || s.fault == Fault::kUnplugged ||
+      s.fault == Fault::kSwitchedOff) {
+    warnings |= render::kWarnDevice;
+  }
   if (s.removed[static_cast<size_t>(cutting::Tissue::kPulp)] > 0) {
     warnings |= render::kWarnPulpExposed;
   }
@@ -36,7 +39,7 @@ uint32_t GapWatch::Look(const Snapshot& s) noexcept {
 void TickFeed::OnTick(const core::Core& core, const Snapshot& s) noexcept {
   render::FrameState frame;
   frame.tick = s.counters.ticks;
-  frame.time_s = static_cast<double>(s.counters.ticks + s.counters.gap_ticks) * tick_s_;
+  frame.time_s = static_cast<double>(s.counters.passed_ticks()) * tick_s_;
   frame.anchor = s.anchor;
   frame.device = s.device;
   frame.force_sent_n = s.force_sent_n;

@@ -252,10 +252,15 @@ void Workflow::CheckDevice(Clock::time_point now) {
 
 void Workflow::Begin() {
   if (Status begun = stage_->Begin(workplace_); !begun.ok()) return LeaveStageFor(begun);
+  put_downs_ = 0;
   Go(Place::kRunning);
 }
 
+// Putting the handpiece down pauses; whether that was the end is asked, not guessed.
 void Workflow::WatchRun() {
+  const uint64_t put_downs = stage_->run()->snapshot().counters.put_downs;
+  if (put_downs != put_downs_ && dialog_ == Dialog::kNone) Open(Dialog::kPaused);
+  put_downs_ = put_downs;
   stage_->held().SetPaused(dialog_ != Dialog::kNone);
   if (stage_->run()->ticking()) return;
   if (!busy() && !joined_) EndAttempt();

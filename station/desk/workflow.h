@@ -149,6 +149,7 @@ class Workflow {
   std::unique_ptr<PreparedAttempt> preview_;
   std::unique_ptr<Stage> stage_;
   std::optional<StillnessCheck> stillness_;
+  uint64_t put_downs_ = 0;  // of the handpiece, that were answered
   bool ticketed_ = false, joined_ = false, marked_ = false, held_back_ = false;
   std::optional<AttemptProgress> progress_;
   std::optional<scoring::ScoreResult> score_;

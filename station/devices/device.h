@@ -12,8 +12,9 @@ namespace enamel::station {
 
 // Buttons and pedals as bits of DeviceSample::buttons.
 enum DeviceButtons : uint8_t {
-  kPedal = 1 << 0,   // pressed: the bur turns
-  kFinish = 1 << 1,  // the operator has put the handpiece down: end of the attempt
+  kPedal = 1 << 0,    // pressed: the bur turns
+  kFinish = 1 << 1,   // the hand has nothing left to do: end of the attempt (simulated ones only)
+  kPutDown = 1 << 2,  // the handpiece lies in its holder: no force and no bur meanwhile
 };
 
 // Free speed of the handpiece of a device that cannot tell: a dental turbine's.
@@ -27,6 +28,8 @@ struct DeviceSample {
   uint16_t bur_speed_krpm = 0;
   bool fresh = true;     // false: nothing new since the last tick (stall)
   bool attached = true;  // false: unplugged, or never there; the pose is the last one known
+  // False: the device has switched off by itself the force it was sent (its watchdog, its motors).
+  bool driven = true;
   // The device's own numbering of its samples, and its clock at this one, which never goes back:
   // it stands still while the device is away or restarts. 0 where it has none.
   uint32_t sequence = 0;

@@ -48,7 +48,6 @@ class PointerMapping {
   void Wheel(double notches);
   void SetFine(bool held) { fine_ = held; }
   void SetPedal(bool down) { SetButton(kPedal, down); }
-  void SetFinish(bool finished) { SetButton(kFinish, finished); }
   // Which tilt keys are held, -1, 0 or 1 each: the shank leans right on the screen, and away.
   void SetTilt(int right, int away);
   // Time passes for held keys. At most 0.1 s is taken: the window may have hung.

@@ -8,10 +8,11 @@
 namespace enamel::station::hid {
 namespace {
 
-constexpr uint16_t kSilentRate_hz = 200;  // one in 5 ms (tick_loop.h)
-constexpr uint32_t kLateReports = 1000;   // so far back is late, farther is a restart
+constexpr uint32_t kLateReports = 1000;  // so far back is late, farther is a restart
 constexpr std::chrono::milliseconds kFirstReport{1000}, kStep{1};
 constexpr int64_t kSecond_ns = 1'000'000'000;
+// A board that was told to drive its motors has said so in its reports after this.
+constexpr int64_t kTakesEffect_us = 20'000;
 
 int64_t Now_us() noexcept {
   timespec t{};
@@ -110,6 +111,8 @@ DeviceSample HapticBoard::ReadSample() noexcept {
   seen_ = newest.number;
   if (newest.breaks != seen_breaks_) sample.attached = sample.fresh = false;
   seen_breaks_ = newest.breaks;
+  if (newest.switch_offs != seen_switch_offs_) sample.driven = false;
+  seen_switch_offs_ = newest.switch_offs;
   return sample;
 }
 
@@ -183,12 +186,14 @@ void HapticBoard::TakeReport(const InputReport& report) {
   }
   sample_.buttons = 0;
   if (report.buttons & 1) sample_.buttons |= kPedal;
-  if (report.buttons & 2) sample_.buttons |= kFinish;
+  if (report.buttons & 2) sample_.buttons |= kPutDown;
   bool down = (sample_.buttons & kPedal) != 0;
   uint16_t speed = report.bur_speed_krpm != 0 ? report.bur_speed_krpm : kTurbineSpeed_krpm;
   sample_.bur_speed_krpm = down ? speed : uint16_t{0};
   sample_.attached = (report.status & kNotFit) == 0;
   breaks_ += !sample_.attached;
+  sample_.driven = !SwitchedOff(report.status);
+  switch_offs_ += !sample_.driven;
   sample_.sequence = report.sequence;
   if (new_clock_) last_time_us_ = report.time_us;
   new_clock_ = false;
@@ -196,10 +201,26 @@ void HapticBoard::TakeReport(const InputReport& report) {
   last_time_us_ = report.time_us;
 }
 
+// Not before its motors were asked for: it begins with them off, and its watchdog may not have been
+// fed for long. And not in reports that were on the way then.
+bool HapticBoard::SwitchedOff(uint8_t status) {
+  const int64_t first_us = first_driven_us_;
+  if (first_us == 0) return false;
+  const uint32_t turns = turns_;
+  if (turns != seen_turns_) said_on_ = false;
+  seen_turns_ = turns;
+  const bool on = (status & kMotorsOn) != 0, tripped = (status & kWatchdogTripped) != 0;
+  const bool must_be_fed = said_fed_ || Now_us() - first_us > kTakesEffect_us;
+  const bool off = (said_on_ && !on) || (must_be_fed && tripped);
+  said_on_ = turns % 2 == 1 && (said_on_ || on);
+  said_fed_ = said_fed_ || !tripped;
+  return off;
+}
+
 void HapticBoard::PublishPose(bool fresh) {
   sample_.fresh = fresh;
   if (!attached_) sample_.attached = false;
-  poses_.Write({sample_, ++published_, breaks_});
+  poses_.Write({sample_, ++published_, breaks_, switch_offs_});
 }
 
 void HapticBoard::TakePort(std::unique_ptr<HidPort>& port) {
@@ -253,30 +274,50 @@ bool HapticBoard::Send(HidPort& port, const ForceKeeper::Command& command, uint3
         static_cast<int32_t>(std::lround(std::clamp(force[i] * 1e4, -peak, peak)));
   }
   auto bytes = EncodeOutput(report);
+  if (command.motors_on != (turns_ % 2 == 1)) ++turns_;
+  if (command.motors_on && first_driven_us_ == 0) first_driven_us_ = Now_us();
   bool written = port.Write(bytes);
   ++(written ? writes_ : write_errors_);
   return written;
 }
 
-Status CheckBoard(const FeatureReport& board, const scene::DeviceProfile& profile) {
-  if (board.rate_hz <= kSilentRate_hz) {
-    return Status(Code::kConflict,
-                  board.name + " tells its pose " + std::to_string(board.rate_hz) +
-                      " times a second: 5 ms without one are taken for silence, so more than " +
-                      std::to_string(kSilentRate_hz) +
-                      " are needed, and as many as the loop's rate for a good feel",
-                  "rate_hz");
-  }
+namespace {
+
+Status NotAsNeeded(const std::string& found, const std::string& expected, const std::string& todo,
+                   const char* field) {
+  return Status(Code::kConflict, found + ", " + expected + ": " + todo, field);
+}
+
+}  // namespace
+
+Status CheckBoard(const FeatureReport& board, const scene::DeviceProfile& profile,
+                  uint32_t rate_hz) {
+  const std::string own = board.profile.empty() ? "" : " ('" + board.profile + "')";
+  const std::string says = "device profile '" + profile.name + "' says ";
   for (size_t i = 0; i < 3; ++i) {
-    if (board.resolution_nm[i] == static_cast<uint64_t>(profile.resolution_nm.value)) continue;
-    return Status(Code::kConflict,
-                  board.name + " has cells of " + std::to_string(board.resolution_nm[i]) +
-                      " nm on axis " + std::to_string(i + 1) + ", device profile '" + profile.name +
-                      "' says " + std::to_string(profile.resolution_nm.value) +
-                      ": choose its own profile" +
-                      (board.profile.empty() ? "" : " ('" + board.profile + "')") +
-                      ", or let 'enamel-station calibrate' propose one",
-                  "resolution_nm");
+    const std::string axis = " on axis " + std::to_string(i + 1);
+    if (board.resolution_nm[i] != static_cast<uint64_t>(profile.resolution_nm.value)) {
+      return NotAsNeeded(
+          board.name + " has cells of " + std::to_string(board.resolution_nm[i]) + " nm" + axis,
+          says + std::to_string(profile.resolution_nm.value),
+          "choose its own profile" + own + ", or let 'enamel-station calibrate' propose one",
+          "resolution_nm");
+    }
+    if (static_cast<int64_t>(board.peak_force_mn[i]) < profile.peak_force_mn.value) {
+      return NotAsNeeded(
+          board.name + " reaches " + std::to_string(board.peak_force_mn[i]) + " mN" + axis,
+          says + std::to_string(profile.peak_force_mn.value),
+          "choose its own profile" + own + ", or let 'enamel-station calibrate' propose one",
+          "peak_force_mn");
+    }
+  }
+  if (board.rate_hz < rate_hz) {
+    return NotAsNeeded(
+        board.name + " says where it is " + std::to_string(board.rate_hz) + " times a second",
+        "the exercise needs it " + std::to_string(rate_hz) + " times",
+        "choose an exercise with a rate of at most " + std::to_string(board.rate_hz) +
+            " Hz (500 Hz is the lowest there is), or set the board to a higher rate if it has one",
+        "rate_hz");
   }
   return Status::Ok();
 }

@@ -55,7 +55,8 @@ class ReportOrder {
 // every HidReader::kRetry, since a board that has just been plugged in may not answer yet.
 //
 // What ends the trust in its poses (unplugged, not fit, restarted: the encoders may have lost their
-// zero) is told to the tick once at least, as `attached` false, however soon it is over.
+// zero) is told to the tick once at least, as `attached` false, however soon it is over; so is, as
+// `driven` false, that it has switched the motors off or that its watchdog has.
 //
 // Thread safety: ReadSample and SendForce by the tick's thread, counters by any. Real-time: those
 // are safe (SendForce posts a semaphore at most once per write). Destruction sends force 0, motors
@@ -79,7 +80,8 @@ class HapticBoard final : public Device, private ReportSink {
   struct Pose {
     DeviceSample sample;
     uint64_t number = 0;
-    uint64_t breaks = 0;  // so often the trust in the poses has ended
+    uint64_t breaks = 0;       // so often the trust in the poses has ended
+    uint64_t switch_offs = 0;  // in so many reports it had switched its force off by itself
   };
   struct Force {
     dvec3 newtons{0};  // scene axes
@@ -92,6 +94,7 @@ class HapticBoard final : public Device, private ReportSink {
   void OnDetached() override;
   void PublishPose(bool fresh);
   void TakeReport(const InputReport& report);
+  bool SwitchedOff(uint8_t status);
 
   void Write();
   bool Send(HidPort& port, const ForceKeeper::Command& command, uint32_t sequence);
@@ -105,12 +108,17 @@ class HapticBoard final : public Device, private ReportSink {
   TripleBuffer<Pose> poses_;
   TripleBuffer<Force> forces_;
   std::atomic<bool> stop_{false}, attached_{false};
+  std::atomic<int64_t> first_driven_us_{0};  // 0: its motors were never asked for
+  std::atomic<uint32_t> turns_{0};  // of asking for its motors, and no more: odd while it is asked
   std::atomic<uint64_t> samples_{0}, lost_{0}, duplicated_{0}, refused_{0}, writes_{0},
       write_errors_{0}, detached_{0};
 
   // Owned by the reader's thread.
   DeviceSample sample_;
-  uint64_t published_ = 0, breaks_ = 0;
+  uint64_t published_ = 0, breaks_ = 0, switch_offs_ = 0;
+  uint32_t seen_turns_ = 0;
+  bool said_on_ = false;   // since the last turn: its motors are on
+  bool said_fed_ = false;  // since they were first asked for: its watchdog is content
   ReportOrder order_;
   bool centred_ = false;
   std::array<int32_t, 3> centre_{};
@@ -118,7 +126,7 @@ class HapticBoard final : public Device, private ReportSink {
   bool new_clock_ = false;  // the next report's time has nothing to do with the last one's
 
   // Owned by the tick.
-  uint64_t seen_ = 0, seen_breaks_ = 0, sent_ = 0;
+  uint64_t seen_ = 0, seen_breaks_ = 0, seen_switch_offs_ = 0, sent_ = 0;
 
   std::atomic<bool> force_waits_{false};
   sem_t force_posted_;
@@ -131,9 +139,12 @@ class HapticBoard final : public Device, private ReportSink {
 // Asks an open board what it is. Errors: kUnavailable, kVersion, kInvalidInput.
 Result<FeatureReport> AskFeature(HidPort& port);
 
-// Whether the board is what the profile says: its cells must have the profile's edge on every axis,
-// since that is what the core computes with; and it must tell its pose more often than silence is
-// declared. Errors: kConflict with both figures.
-Status CheckBoard(const FeatureReport& board, const scene::DeviceProfile& profile);
+// Whether the board can carry an attempt with this profile at this rate of ticks: its cells must
+// have the profile's edge on every axis, since that is what the core computes with; it must say
+// where it is in every tick, since a pose that is older is delay, for which Kc is too stiff; and
+// its motors must reach the peak force that the profile promises. Errors: kConflict with both
+// figures.
+Status CheckBoard(const FeatureReport& board, const scene::DeviceProfile& profile,
+                  uint32_t rate_hz);
 
 }  // namespace enamel::station::hid

@@ -2,6 +2,8 @@
 
 #include <unistd.h>
 
+#include <cmath>
+
 #include "station/hid/axis_map.h"
 #include "station/hid/foot_pedal.h"
 #include "station/hid/haptic_board.h"
@@ -24,7 +26,7 @@ bool Names(std::string_view choice, std::string_view kind) {
 }
 
 Result<std::unique_ptr<Device>> OpenBoard(const DeviceChoice& choice,
-                                          const scene::DeviceProfile& profile) {
+                                          const scene::DeviceProfile& profile, double tick_s) {
   HapticBoardSettings settings;
   auto match = MatchAfter(choice.device, kBoardName);
   if (!match.ok()) return match.status();
@@ -36,7 +38,8 @@ Result<std::unique_ptr<Device>> OpenBoard(const DeviceChoice& choice,
   settings.thread_setup = choice.thread_setup;
   auto board = HapticBoard::Open(settings);
   if (!board.ok()) return board.status();
-  ENAMEL_RETURN_IF_ERROR(CheckBoard((*board)->feature(), profile));
+  ENAMEL_RETURN_IF_ERROR(
+      CheckBoard((*board)->feature(), profile, static_cast<uint32_t>(std::lround(1 / tick_s))));
   return std::unique_ptr<Device>(std::move(*board));
 }
 
@@ -105,7 +108,7 @@ std::string WhyNotUsable(const HidInfo& info) {
 Result<std::unique_ptr<Device>> OpenDevice(const DeviceChoice& choice,
                                            const scene::DeviceProfile& profile, double tick_s) {
   Result<std::unique_ptr<Device>> device =
-      Names(choice.device, kBoardName) ? OpenBoard(choice, profile)
+      Names(choice.device, kBoardName) ? OpenBoard(choice, profile, tick_s)
       : Names(choice.device, kMouseName)
           ? OpenMouse(choice, profile, tick_s)
           : Status(Code::kInvalidInput,

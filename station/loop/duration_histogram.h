@@ -34,7 +34,9 @@ class DurationHistogram {
   uint64_t max_ns() const noexcept { return max_ns_.load(std::memory_order_relaxed); }
   double mean_ns() const noexcept {
     uint64_t n = count();
-    return n == 0 ? 0 : static_cast<double>(sum_ns_.load(std::memory_order_relaxed)) / static_cast<double>(n);
+    return n == 0 ? 0
+                  : static_cast<double>(sum_ns_.load(std::memory_order_relaxed)) /
+                        static_cast<double>(n);
   }
   // The middle of the bucket that holds the given share of all values; 0 when there are none.
   double Quantile_ns(double share) const noexcept {

@@ -25,6 +25,11 @@ void SleepUntil(int64_t due_ns) noexcept {
   }
 }
 
+// What does not fit is held at the most there is.
+uint32_t Longer(uint32_t gap, uint64_t by) noexcept {
+  return by < UINT32_MAX - gap ? gap + static_cast<uint32_t>(by) : UINT32_MAX;
+}
+
 }  // namespace
 
 const char* FaultText(Fault fault) noexcept {
@@ -43,6 +48,9 @@ const char* FaultText(Fault fault) noexcept {
       return "the cut has used up the memory set aside for this tooth: finish the attempt";
     case Fault::kUnplugged:
       return "the device is not connected: plug it in, release the pedal and press it again";
+    case Fault::kSwitchedOff:
+      return "the device has switched its force off by itself: check its power and its switch, "
+             "release the pedal and press it again";
   }
   return "";
 }
@@ -56,12 +64,13 @@ TickLoop::TickLoop(Device& device, core::Core& core, SampleRing& ring,
   await_still_ = still_ticks_needed_ > 0;
   counters_.ticks = options_.ticks_before;
   counters_.gap_ticks = gap_ = options_.first_gap_ticks;
+  gap_held_ = gap_ == 0;
   soft_restart_ = gap_ > 0;
 }
 
 void TickLoop::Run() noexcept {
-  const int64_t period_ns = kSecond_ns / options_.rate_hz;
-  int64_t due_ns = Now_ns();
+  const int64_t start_ns = Now_ns();
+  int64_t due_ticks = 0;  // since the start
   while (!stop_.load(std::memory_order_relaxed)) {
     if (options_.lockstep) {
       if (ring_.Full()) {
@@ -71,15 +80,14 @@ void TickLoop::Run() noexcept {
       if (Tick()) break;
       continue;
     }
-    due_ns += period_ns;
+    due_ticks += 1 + static_cast<int64_t>(skipped_);  // the hand has moved on
+    const int64_t due_ns = start_ns + due_ticks * kSecond_ns / options_.rate_hz;
     SleepUntil(due_ns);
     int64_t begin_ns = Now_ns(), late_ns = begin_ns - due_ns;
     lateness_.Add(late_ns);
     bool finished = Tick(static_cast<double>(late_ns) * 1e-9);
     durations_.Add(Now_ns() - begin_ns);
     if (finished) break;
-    // Periods that passed meanwhile are not made up for: the hand has moved on.
-    if (late_ns > period_ns) due_ns += late_ns / period_ns * period_ns;
   }
   device_.SendForce(dvec3(0));
   finished_.store(true, std::memory_order_release);
@@ -87,11 +95,13 @@ void TickLoop::Run() noexcept {
 
 bool TickLoop::Tick(double late_s) noexcept {
   DeviceSample sample = device_.ReadSample();
-  WatchTime(sample, late_s);
+  WatchTime(sample, late_s > 0 ? late_s : 0);
+  WatchHolder(sample);
   WatchStillness(sample);
   if (ring_.Full()) {
     // What cannot be recorded is not stepped: no force, no cut, a declared gap.
-    ++gap_;
+    gap_ = Longer(gap_, 1);
+    gap_held_ = false;
     ++counters_.gap_ticks;
     device_.SendForce(dvec3(0));
     return (sample.buttons & kFinish) != 0;
@@ -108,7 +118,7 @@ bool TickLoop::Tick(double late_s) noexcept {
 }
 
 core::TickInput TickLoop::InputOf(const DeviceSample& sample) noexcept {
-  bool pedal = (sample.buttons & kPedal) != 0;
+  bool pedal = (sample.buttons & kPedal) != 0 && !put_down_;
   if (fault_ != Fault::kNone) {
     // A pedal that went away with its device was not released by that, nor before.
     const bool alive = DeviceAlive(sample);
@@ -123,33 +133,38 @@ core::TickInput TickLoop::InputOf(const DeviceSample& sample) noexcept {
   input.orientation = sample.orientation;
   input.bur_speed_krpm = sample.bur_speed_krpm;
   input.gap_ticks = gap_;
+  if (gap_ > 0 && gap_held_) input.flags |= core::kHeldGap;
   gap_ = 0;
+  gap_held_ = true;
   if (pedal) input.flags |= core::kBurOn;
-  if (late_) input.flags |= core::kLateTick;
+  if (skipped_ > 0) input.flags |= core::kLateTick;
   if (fault_ != Fault::kNone) input.flags |= core::kFaulted;
-  if (soft_restart_ || await_still_) input.flags |= core::kSoftRestart;
+  if (soft_restart_ || await_still_ || put_down_) input.flags |= core::kSoftRestart;
   soft_restart_ = false;
   return input;
 }
 
 void TickLoop::WatchTime(const DeviceSample& sample, double late_s) noexcept {
   const double tick_s = 1.0 / options_.rate_hz;
-  late_ = late_s >= tick_s;
-  double skipped = late_ ? static_cast<double>(static_cast<int64_t>(late_s / tick_s)) : 0;
-  now_s_ += tick_s * (1 + skipped);
-  if (late_) {
-    ++counters_.late_ticks;
-    counters_.skipped_ticks += static_cast<uint64_t>(skipped);
-  }
+  skipped_ = static_cast<uint64_t>((late_s + kRounding_s) * options_.rate_hz);
+  const double skipped_s = static_cast<double>(skipped_) * tick_s;
+  const double since_last_s = tick_s + late_s - rest_s_;
+  rest_s_ = late_s - skipped_s;
+  now_s_ += tick_s + skipped_s;
+  gap_ = Longer(gap_, skipped_);
+  counters_.skipped_ticks += skipped_;
+  counters_.late_ticks += skipped_ > 0;
   if (sample.fresh) {
-    AddLeak(sample, tick_s + silent_s_ + (late_ ? late_s : 0));
+    AddLeak(sample, silent_s_ + since_last_s);
     silent_s_ = 0;
   } else {
-    silent_s_ += tick_s + late_s;
+    silent_s_ += since_last_s;
     ++counters_.stale_ticks;
   }
   if (!sample.attached) {
     Latch(Fault::kUnplugged);
+  } else if (!sample.driven) {
+    Latch(Fault::kSwitchedOff);
   } else if (!DeviceAlive(sample)) {
     Latch(Fault::kStalled);
   }
@@ -157,7 +172,7 @@ void TickLoop::WatchTime(const DeviceSample& sample, double late_s) noexcept {
 }
 
 void TickLoop::WatchLateness(double late_s) noexcept {
-  if (late_) {
+  if (skipped_ > 0) {
     double& oldest = late_at_s_[late_count_ % late_at_s_.size()];
     if (late_count_ >= late_at_s_.size() && now_s_ - oldest < kLateWindow_s) {
       Latch(Fault::kLateOften);
@@ -186,7 +201,21 @@ void TickLoop::AddLeak(const DeviceSample& sample, double hold_s) noexcept {
 }
 
 bool TickLoop::DeviceAlive(const DeviceSample& sample) const noexcept {
-  return sample.attached && silent_s_ < kFaultAfter_s - kRounding_s;
+  return sample.attached && sample.driven && silent_s_ < kFaultAfter_s - kRounding_s;
+}
+
+// What lies in its holder when the loop begins was not put down.
+void TickLoop::WatchHolder(const DeviceSample& sample) noexcept {
+  const bool down = (sample.buttons & kPutDown) != 0;
+  if (down && holder_known_ && !put_down_) ++counters_.put_downs;
+  if (down) AwaitStillness();
+  put_down_ = down;
+  holder_known_ = true;
+}
+
+void TickLoop::AwaitStillness() noexcept {
+  still_ticks_ = 0;
+  await_still_ = still_ticks_needed_ > 0;
 }
 
 void TickLoop::WatchStillness(const DeviceSample& sample) noexcept {
@@ -210,8 +239,7 @@ void TickLoop::Latch(Fault fault) noexcept {
   fault_ = fault;
   pedal_released_ = false;
   late_count_ = 0;
-  still_ticks_ = 0;
-  await_still_ = still_ticks_needed_ > 0;
+  AwaitStillness();
   record_due_ = record_count_ < kMaxRecords;
   ++counters_.faults;
 }
@@ -219,7 +247,8 @@ void TickLoop::Latch(Fault fault) noexcept {
 void TickLoop::Remember(const DeviceSample& sample, const core::TickInput& input,
                         const dvec3& sent_n, double late_s) noexcept {
   constexpr size_t kTicks = FaultRecord::kTicks;
-  history_[history_count_++ % kTicks] = {input, sent_n, late_s, sample.fresh, sample.attached};
+  history_[history_count_++ % kTicks] = {input,        sent_n,          late_s,
+                                         sample.fresh, sample.attached, sample.driven};
   if (!record_due_) return;
   record_due_ = false;
   FaultRecord& record = records_[record_count_++];
@@ -243,6 +272,7 @@ void TickLoop::Publish(const core::TickInput& input, const core::TickOutput& out
   snapshot.input_flags = input.flags;
   snapshot.output_flags = out.flags;
   snapshot.fault = fault_;
+  snapshot.put_down = put_down_;
   snapshots_.Write(snapshot);
   if (observer_ != nullptr) observer_->OnTick(core_, snapshot);
 }

@@ -23,19 +23,31 @@ using SampleRing = SpscRing<Sample>;
 
 // Counters of a loop, as of one tick.
 struct LoopCounters {
-  uint64_t ticks = 0;      // stepped and recorded
-  uint64_t gap_ticks = 0;  // not stepped, because they could not be recorded
-  uint64_t late_ticks = 0;
+  uint64_t ticks = 0;          // stepped and recorded
+  uint64_t gap_ticks = 0;      // not stepped, because they could not be recorded
+  uint64_t skipped_ticks = 0;  // not stepped, because they passed while a tick was late
+  uint64_t late_ticks = 0;     // began a whole period late, or more
   uint64_t faults = 0;
   uint64_t bounded_ticks = 0;  // the force was limited to the device's
   uint64_t stale_ticks = 0;    // stepped without anything new from the device
-  uint64_t skipped_ticks = 0;  // whole periods that passed while a tick was late
+  uint64_t put_downs = 0;      // times the handpiece was put into its holder
   // Energy that late and stale ticks can have handed out, at most, J (tick_loop.h, "Leak").
   double leak_j = 0;
+
+  // Of the attempt: what passed, stepped or declared as a gap.
+  uint64_t passed_ticks() const noexcept { return ticks + gap_ticks + skipped_ticks; }
 };
 
 // Why a fault was latched: force zero, no cutting, until the operator acts.
-enum class Fault : uint8_t { kNone = 0, kStalled, kLateOnce, kLateOften, kReserve, kUnplugged };
+enum class Fault : uint8_t {
+  kNone = 0,
+  kStalled,
+  kLateOnce,
+  kLateOften,
+  kReserve,
+  kUnplugged,
+  kSwitchedOff
+};
 // One sentence for the operator: what happened, and what to do.
 const char* FaultText(Fault fault) noexcept;
 
@@ -49,6 +61,7 @@ struct Snapshot {
   uint8_t input_flags = 0;          // core::InputFlags
   uint16_t output_flags = 0;
   Fault fault = Fault::kNone;
+  bool put_down = false;  // the handpiece lies in its holder
 };
 
 // One tick as it is kept for a fault's record.
@@ -56,7 +69,7 @@ struct FaultTick {
   core::TickInput input;
   dvec3 force_sent_n{0};
   double late_s = 0;
-  bool fresh = true, attached = true;
+  bool fresh = true, attached = true, driven = true;
 };
 
 // A fault and the ticks that led to it, the one it was latched in last.
@@ -97,19 +110,27 @@ struct TickLoopOptions {
 //
 // Late ticks (haptics.md section 4): a tick late by a whole period is flagged; by 5 ms, or more
 // than 20 late ones within any second, latches a fault, as does a device that says nothing new for
-// 5 ms, and at once one that is unplugged. A fault sends 0 in the tick it is latched in: a force
-// that falls can hand out no energy, so there is nothing to gain from fading it, and the bound is 0
-// sooner than the 20 ms allowed. It ends when the operator releases the pedal and presses it again,
-// both with the device there and alive: a pedal that is silent because it was unplugged with its
-// board is not a pedal that was released. The last FaultRecord::kTicks ticks of the first
-// kMaxRecords faults are kept.
+// 5 ms, and at once one that is unplugged or has switched its force off by itself. A fault sends 0
+// in the tick it is latched in: a force that falls can hand out no energy, so there is nothing to
+// gain from fading it, and the bound is 0 sooner than the 20 ms allowed. It ends when the operator
+// releases the pedal and presses it again, both with the device there and alive: a pedal that is
+// silent because it was unplugged with its board is not a pedal that was released. The last
+// FaultRecord::kTicks ticks of the first kMaxRecords faults are kept.
+//
+// Time that passed is in the recording: whole periods that pass while a tick is late are declared
+// as a gap before it. The force was held over them (core::kHeldGap), for less than 5 ms or the
+// fault above takes it away, so nothing is felt of the declaring. Ticks that could not be recorded
+// are a gap without force. Ticks and gaps together are the attempt's time, by the clock.
+//
+// A handpiece that is put into its holder (kPutDown) has no force and its bur stands, as long as it
+// lies there; taken up again the force comes on as at the start. It ends nothing.
 //
 // Force comes on softly: never before the device has been still for as long as it asks
 // (Device::still_before_force_s; still is within 0.5 mm on each axis), and then in free air only
 // (core.h), where it is 0 and grows with the way into the tooth.
 //
-// Leak: while a force is held for T_hold instead of a tick, and the tip moves by dx meanwhile, the
-// operator can be handed at most max(0, Kc/2 - b/T_hold) |dx|^2. The sum is in the counters.
+// Leak: while a force is held for T_hold, longer than a tick, and the tip moves by dx meanwhile,
+// the operator can be handed at most max(0, Kc/2 - b/T_hold) |dx|^2. The sum is in the counters.
 //
 // Thread safety: Run and Tick on one thread; RequestStop, snapshot() (one reader), lateness() and
 // durations() from others. Real-time: Tick is safe; Run sleeps between ticks and does nothing else.
@@ -119,14 +140,16 @@ class TickLoop {
   TickLoop(Device& device, core::Core& core, SampleRing& ring, const TickLoopOptions& options,
            TickObserver* observer = nullptr);
 
-  // Until the device reports kFinish or RequestStop. On return the device holds zero force.
+  // Until the device reports kFinish (a simulated hand's) or RequestStop. On return the device
+  // holds zero force.
   void Run() noexcept;
   void RequestStop() noexcept { stop_.store(true, std::memory_order_relaxed); }
   // Run has returned; all samples are in the ring.
   bool finished() const noexcept { return finished_.load(std::memory_order_acquire); }
 
-  // One tick, `late_s` after it was due. True when the operator has finished. The whole chain from
-  // the device's counts to its motors is in this function.
+  // One tick, `late_s` (not below 0) after it was due. The next one is due a tick after this one
+  // was, and after the whole periods that this one is late by. True when the operator has finished.
+  // The whole chain from the device's counts to its motors is in this function.
   ENAMEL_REALTIME bool Tick(double late_s = 0) noexcept;
 
   // Newest tick, for one reader thread.
@@ -145,7 +168,9 @@ class TickLoop {
   core::TickInput InputOf(const DeviceSample& sample) noexcept;
   void WatchTime(const DeviceSample& sample, double late_s) noexcept;
   void WatchLateness(double late_s) noexcept;
+  void WatchHolder(const DeviceSample& sample) noexcept;
   void WatchStillness(const DeviceSample& sample) noexcept;
+  void AwaitStillness() noexcept;
   void AddLeak(const DeviceSample& sample, double hold_s) noexcept;
   bool DeviceAlive(const DeviceSample& sample) const noexcept;
   void Latch(Fault fault) noexcept;
@@ -164,13 +189,16 @@ class TickLoop {
 
   // Owned by the tick's thread.
   LoopCounters counters_;
-  uint32_t gap_ = 0;  // ticks not stepped since the last sample
-  bool late_ = false;
+  uint32_t gap_ = 0;      // ticks not stepped since the last sample
+  bool gap_held_ = true;  // all of them passed while a tick was late
+  uint64_t skipped_ = 0;  // whole periods this tick is late by
+  double rest_s_ = 0;     // what the last tick was late by beyond whole periods
+  bool put_down_ = false, holder_known_ = false;
   Fault fault_ = Fault::kNone;
   bool pedal_released_ = false;  // since the fault
   bool soft_restart_ = false;
   double now_s_ = 0;     // of the attempt, by the ticks that were due
-  double silent_s_ = 0;  // since the device said something new
+  double silent_s_ = 0;  // since the device was seen to say something new, by the clock
   std::array<double, kLateTicksPerSecond> late_at_s_{};  // ring of the last late ticks' times
   uint64_t late_count_ = 0;                              // since the last fault
   uint64_t still_ticks_needed_ = 0, still_ticks_ = 0;

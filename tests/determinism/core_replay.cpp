@@ -120,6 +120,7 @@ int Record(uint64_t seed, const char* trace_path, const char* volume_path) {
     tick.input.orientation = ToQuantised(tilt);
     tick.input.flags = i % 4000 > 2300 && i % 4000 < 2500 ? 0 : core::kBurOn;
     if (random() % 1000 == 0) tick.input.gap_ticks = 1 + static_cast<uint32_t>(random() % 40);
+    if (tick.input.gap_ticks % 2 == 1) tick.input.flags |= core::kLateTick | core::kHeldGap;
     tick.witness = core.Step(tick.input).witness;
     ticks.push_back(tick);
     if (ticks.size() == 400 || i == 11'399) {

@@ -128,6 +128,27 @@ TEST(CoreTest, ShortGapGoesOnWithTheCutWithoutAForceInTheTickAfterIt) {
   EXPECT_NEAR(glm::length(after.force_sent_n), glm::length(before.force_sent_n), 0.3);
 }
 
+// What a late tick skips is time and nothing else: the same forces, anchors and cut as without.
+TEST(CoreTest, HeldGapIsOnlyTime) {
+  Core whole(Params(), test::Block(50'000, 3e-3, 3e-3));
+  Core late(Params(), test::Block(50'000, 3e-3, 3e-3));
+  double most_n = 0;
+  for (int tick = 0; tick < 2500; ++tick) {
+    TickInput in = Stroke(tick);
+    TickWitness expected = whole.Step(in).witness;
+    if (tick % 9 == 8) {
+      in.gap_ticks = 1 + static_cast<uint32_t>(tick % 4);
+      in.flags |= kLateTick | kHeldGap;
+    }
+    TickOutput out = late.Step(in);
+    ASSERT_EQ(out.witness, expected) << tick;
+    most_n = std::max(most_n, glm::length(out.force_sent_n));
+  }
+  EXPECT_GT(most_n, 0.2);
+  EXPECT_EQ(late.removed(), whole.removed());
+  EXPECT_NE(late.state_hash(), whole.state_hash());  // the time is part of what is agreed on
+}
+
 // While nothing was known of the hand it went 1 mm deeper. The bur must not follow at no force.
 TEST(CoreTest, LongGapInTheToothCutsNothingUntilTheBurHasBeenInFreeAir) {
   Core core(Params(), test::Block(50'000, 3e-3, 3e-3));

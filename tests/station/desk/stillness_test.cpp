@@ -49,6 +49,16 @@ TEST(StillnessTest, APedalThatIsDownOrADeviceThatIsNotThereNeverPasses) {
   EXPECT_NE(gone.wanted().find("plug"), std::string::npos);
 }
 
+TEST(StillnessTest, AHandpieceInItsHolderIsToBeTakenUpFirst) {
+  StillnessCheck check(kResolution_m);
+  for (double t = 0; t < 5; t += 0.1) check.Look(At(0, kPutDown), t);
+  EXPECT_FALSE(check.passed());
+  EXPECT_NE(check.wanted().find("Take up"), std::string::npos);
+  check.Look(At(0), 5.2);
+  check.Look(At(0), 5.8);
+  EXPECT_TRUE(check.passed());
+}
+
 TEST(StillnessTest, NothingSeenIsNotStill) { EXPECT_FALSE(StillnessCheck(1e-5).passed()); }
 
 }  // namespace

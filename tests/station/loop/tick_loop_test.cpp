@@ -2,11 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <boost/json.hpp>
 #include <deque>
+#include <limits>
+#include <random>
 #include <thread>
 
 #include "common/scene/builtin.h"
 #include "common/scene/plan.h"
+#include "station/loop/loop_facts.h"
 #include "tests/support/allocation_guard.h"
 
 namespace enamel::station {
@@ -146,7 +150,7 @@ TEST_F(TickLoopTest, TickFiveMillisecondsLateFaultsUntilThePedalIsPressedAgain) 
     return s.tick.input.flags;
   };
   EXPECT_EQ(flags(0), core::kBurOn);
-  EXPECT_EQ(flags(0.0012), core::kBurOn | core::kLateTick);
+  EXPECT_EQ(flags(0.0012), core::kBurOn | core::kLateTick | core::kHeldGap);
   EXPECT_TRUE(flags(0.006) & core::kFaulted);
   EXPECT_EQ(device_.last_force, dvec3(0));
   EXPECT_TRUE(flags(0) & core::kFaulted);  // the pedal is still down
@@ -376,6 +380,285 @@ TEST_F(TickLoopTest, NoForceUntilTheDeviceWasStillAndThenOnlyFromZero) {
     last = device_.last_force.z;
   }
   EXPECT_GT(last, 0.1);
+}
+
+// --- the handpiece in its holder ---
+
+TEST_F(TickLoopTest, AHandpieceThatLiesInItsHolderWhenItBeginsEndsNothingAndHasNoForce) {
+  core::Core core(params_, volume_);
+  SampleRing ring(4000);
+  TickLoop loop(device_, core, ring, {1000, false, true});
+  device_.sample.buttons = kPedal | kPutDown;
+  for (int i = 0; i < 300; ++i) {
+    ASSERT_FALSE(loop.Tick());
+    ASSERT_EQ(device_.last_force, dvec3(0));
+  }
+  EXPECT_EQ(core.removed()[static_cast<size_t>(cutting::Tissue::kGypsum)], 0);
+  EXPECT_EQ(loop.snapshot().counters.put_downs, 0u);  // it was there already
+  EXPECT_TRUE(loop.snapshot().put_down);
+}
+
+TEST_F(TickLoopTest, PutDownInTheMiddleForceAndBurGoOffAndComeBackSoftlyWhenItIsTakenUp) {
+  core::Core core(params_, volume_);
+  SampleRing ring(4000);
+  device_.still_s = 0.1;
+  device_.step = 0;
+  TickLoop loop(device_, core, ring, {1000, false, true});
+  for (int i = 0; i < 120; ++i) loop.Tick();
+  device_.reads = 0;
+  device_.step = 1;
+  for (int i = 0; i < 200 && device_.last_force.z < 0.2; ++i) loop.Tick();
+  ASSERT_GE(device_.last_force.z, 0.2);
+  Sample s;
+  for (int time = 1; time <= 2; ++time) {
+    while (ring.Pop(s)) {
+    }
+    device_.sample.buttons = kPedal | kPutDown;
+    auto removed = core.removed();
+    for (int i = 0; i < 50; ++i) {
+      ASSERT_FALSE(loop.Tick());
+      ASSERT_EQ(device_.last_force, dvec3(0));
+      ASSERT_TRUE(ring.Pop(s));
+      ASSERT_EQ(s.tick.input.flags & core::kBurOn, 0);
+    }
+    // What the bur had passed and not yet cut is cut, within a voxel; nothing after.
+    EXPECT_LE(core.removed()[static_cast<size_t>(cutting::Tissue::kGypsum)] -
+                  removed[static_cast<size_t>(cutting::Tissue::kGypsum)],
+              65536 * 200);
+    EXPECT_EQ(loop.snapshot().counters.put_downs, static_cast<uint64_t>(time));
+    // Taken up above the block: still for as long as the device asks, then the bur turns.
+    device_.sample.buttons = kPedal;
+    device_.reads = 0;
+    device_.step = 0;
+    int suspended = 0;
+    for (; suspended < 1000; ++suspended) {
+      loop.Tick();
+      ASSERT_TRUE(ring.Pop(s));
+      if ((s.tick.input.flags & core::kSoftRestart) == 0) break;
+    }
+    EXPECT_NEAR(suspended, 100, 2);
+    EXPECT_TRUE(s.tick.input.flags & core::kBurOn);
+    EXPECT_EQ(loop.fault(), Fault::kNone);
+    device_.step = 1;
+    for (int i = 0; i < 200 && device_.last_force.z < 0.2; ++i) loop.Tick();
+    ASSERT_GE(device_.last_force.z, 0.2);
+  }
+}
+
+TEST_F(TickLoopTest, ADeviceThatSwitchedItsForceOffHasNoneUntilThePedalIsPressedAgain) {
+  core::Core core(params_, volume_);
+  SampleRing ring(4000);
+  device_.still_s = 0.05;
+  device_.step = 0;
+  TickLoop loop(device_, core, ring, {1000, false, true});
+  for (int i = 0; i < 60; ++i) loop.Tick();
+  device_.reads = 0;
+  device_.step = 1;
+  for (int i = 0; i < 200 && device_.last_force.z < 0.2; ++i) loop.Tick();
+  ASSERT_GE(device_.last_force.z, 0.2);
+  device_.start_z -= static_cast<int32_t>(device_.reads);
+  device_.step = 0;
+  device_.sample.driven = false;
+  loop.Tick();
+  EXPECT_EQ(loop.fault(), Fault::kSwitchedOff);
+  EXPECT_EQ(device_.last_force, dvec3(0));
+  // It drives again: the pedal has been down all the while.
+  device_.sample.driven = true;
+  for (int i = 0; i < 100; ++i) {
+    loop.Tick();
+    ASSERT_EQ(device_.last_force, dvec3(0));
+  }
+  EXPECT_EQ(loop.fault(), Fault::kSwitchedOff);
+  device_.sample.buttons = 0;
+  loop.Tick();
+  device_.sample.buttons = kPedal;
+  loop.Tick();
+  EXPECT_EQ(loop.fault(), Fault::kNone);
+  EXPECT_EQ(device_.last_force, dvec3(0));  // in the tooth: not before it was in free air
+}
+
+// --- time ---
+
+TEST_F(TickLoopTest, PeriodsThatPassWhileATickIsLateAreDeclaredExactly) {
+  core::Core core(params_, volume_);
+  SampleRing ring(4000);
+  TickLoop loop(device_, core, ring, {1000, false, false});
+  device_.step = 0;
+  Sample s;
+  uint64_t passed = 0;
+  std::mt19937 random(7);
+  for (int i = 0; i < 1000; ++i) {
+    const uint32_t skipped = random() % 10 == 0 ? random() % 6000 : 0;
+    loop.Tick(1e-3 * skipped + 1e-6 * (random() % 1000));
+    ASSERT_TRUE(ring.Pop(s));
+    ASSERT_EQ(s.tick.input.gap_ticks, skipped) << i;
+    ASSERT_EQ((s.tick.input.flags & core::kLateTick) != 0, skipped > 0);
+    ASSERT_EQ((s.tick.input.flags & core::kHeldGap) != 0, skipped > 0);
+    passed += 1 + skipped;
+    ASSERT_EQ(loop.snapshot().counters.passed_ticks(), passed);
+  }
+  EXPECT_EQ(loop.snapshot().counters.gap_ticks, 0u);
+}
+
+// The same motion, once in time and once with periods skipped now and then: the force in the tick
+// after is what it would have been, within what the missed ticks' way is worth; nothing is
+// suspended.
+TEST_F(TickLoopTest, APeriodThatIsSkippedIsNotFelt) {
+  auto forces = [&](bool late) {
+    ScriptedDevice device;
+    device.start_z = device_.start_z;
+    device.step = 1;
+    device.sample.buttons = kPedal;
+    core::Core core(params_, volume_);
+    SampleRing ring(4000);
+    TickLoop loop(device, core, ring, {1000, false, true});
+    std::vector<double> out;
+    for (int i = 0; i < 200; ++i) {
+      if (late && i > 60 && i % 60 < 3) {
+        ++device.reads;
+        loop.Tick(0.0011);
+        ++i;
+      } else {
+        loop.Tick();
+      }
+      out.resize(static_cast<size_t>(i) + 1, device.last_force.z);
+      EXPECT_EQ(loop.snapshot().output_flags & core::kSuspended, i < 2 ? core::kSuspended : 0) << i;
+    }
+    EXPECT_EQ(loop.fault(), Fault::kNone);
+    return out;
+  };
+  std::vector<double> whole = forces(false), late = forces(true);
+  const double per_count = params_.kc_mn_per_mm * params_.resolution_nm[2] * 1e-9;
+  ASSERT_GT(whole.back(), 0.3);
+  for (size_t i = 0; i < std::min(whole.size(), late.size()); ++i) {
+    EXPECT_NEAR(whole[i], late[i], 4 * per_count) << i;
+  }
+}
+
+TEST_F(TickLoopTest, GapsOfBothKindsAreDeclaredTogetherAsOneWithoutForce) {
+  core::Core core(params_, volume_);
+  SampleRing ring(60);
+  TickLoop loop(device_, core, ring, {1000, false, true});
+  for (int i = 0; i < 60; ++i) loop.Tick();
+  loop.Tick(0.0021);
+  for (int i = 0; i < 4; ++i) loop.Tick();
+  Sample s;
+  while (ring.Pop(s)) {
+  }
+  loop.Tick(0.0012);
+  ASSERT_TRUE(ring.Pop(s));
+  EXPECT_EQ(s.tick.input.gap_ticks, 8u);
+  EXPECT_EQ(s.tick.input.flags & core::kHeldGap, 0);
+  EXPECT_EQ(loop.snapshot().counters.gap_ticks, 5u);
+  EXPECT_EQ(loop.snapshot().counters.skipped_ticks, 3u);
+  EXPECT_EQ(loop.snapshot().counters.passed_ticks(), 69u);
+}
+
+TEST_F(TickLoopTest, WhatIsRecordedWithSkippedPeriodsReplaysToTheSameState) {
+  core::Core core(params_, volume_), again(params_, volume_);
+  SampleRing ring(4);
+  TickLoop loop(device_, core, ring, {1000, false, false});
+  std::mt19937 random(3);
+  for (int i = 0; i < 2000; ++i) {
+    if (i % 400 == 399) device_.reads = 0;
+    loop.Tick(random() % 5 == 0 ? 1e-6 * (random() % 9000) : 0);
+    Sample s;
+    ASSERT_TRUE(ring.Pop(s));
+    ASSERT_EQ(again.Step(s.tick.input).witness, s.tick.witness);
+    ASSERT_EQ(again.state_hash(), s.state_hash);
+  }
+  EXPECT_GT(core.removed()[static_cast<size_t>(cutting::Tissue::kGypsum)], 0);
+}
+
+// Ticks begin when they like; the oracle knows by the clock when each did, and when each report was
+// seen. The loop knows lateness only.
+TEST_F(TickLoopTest, SilenceIsWhatPassedByTheClockHoweverLateTheTicksAre) {
+  int faults = 0, alive = 0;
+  for (uint32_t seed = 1; seed <= 200; ++seed) {
+    std::mt19937 random(seed);
+    const uint32_t rate = seed % 3 == 0 ? 500 : seed % 3 == 1 ? 1000 : 4000;
+    const int64_t period_us = 1'000'000 / rate;
+    core::CoreParams params = params_;
+    params.rate_hz = rate;
+    core::Core core(params, volume_);
+    SampleRing ring(4);
+    ScriptedDevice device;
+    TickLoop loop(device, core, ring, {rate, false, false});
+    const bool steady = seed % 2 == 0;
+    int64_t due_us = 0, last_report_us = 0, next_report_us = 0;
+    for (int i = 0; i < 300; ++i) {
+      due_us += period_us;
+      const int64_t late_us = steady ? period_us * 9 / 10
+                              : random() % 8 == 0
+                                  ? random() % (3 * static_cast<uint32_t>(period_us))
+                                  : random() % 50;
+      const int64_t now_us = due_us + late_us;
+      device.sample.fresh = now_us >= next_report_us;
+      if (device.sample.fresh) {
+        last_report_us = now_us;
+        next_report_us = now_us + 1000 + random() % (i < 150 ? 3000 : 9000);
+      }
+      loop.Tick(static_cast<double>(late_us) * 1e-6);
+      Sample s;
+      ring.Pop(s);
+      const bool silent = now_us - last_report_us >= 5000;
+      ASSERT_EQ(loop.fault() == Fault::kStalled, silent) << "seed " << seed << ", tick " << i;
+      if (silent) {
+        ++faults;
+        break;
+      }
+      ++alive;
+      due_us += late_us / period_us * period_us;
+    }
+  }
+  EXPECT_GT(faults, 20);
+  EXPECT_GT(alive, 10'000);
+}
+
+TEST_F(TickLoopTest, SteadyLatenessIsNoSilence) {
+  core::Core core(params_, volume_);
+  SampleRing ring(400);
+  TickLoop loop(device_, core, ring, {1000, false, true});
+  device_.step = 0;
+  for (int i = 0; i < 300; ++i) {
+    device_.sample.fresh = i % 4 == 0;
+    loop.Tick(0.0009);
+    ASSERT_EQ(loop.fault(), Fault::kNone) << i;
+  }
+}
+
+TEST_F(TickLoopTest, FactsHaveEachFaultWithItsTicksAndTheTimeThatPassed) {
+  core::Core core(params_, volume_);
+  SampleRing ring(4000);
+  TickLoop loop(device_, core, ring, {1000, false, true});
+  for (int i = 0; i < 100; ++i) loop.Tick();
+  loop.Tick(0.0073);
+  LoopCounters counters = loop.snapshot().counters;
+  auto facts = LoopFacts(loop, counters, device_);
+  EXPECT_EQ(facts.at("ticks"), counters.ticks);
+  EXPECT_EQ(facts.at("skipped_ticks"), 7u);
+  ASSERT_EQ(facts.at("faults").as_array().size(), 1u);
+  const auto& fault = facts.at("faults").as_array()[0].as_object();
+  EXPECT_EQ(fault.at("why"), FaultText(Fault::kLateOnce));
+  ASSERT_EQ(fault.at("ticks").as_array().size(), FaultRecord::kTicks);
+  const auto& last = fault.at("ticks").as_array().back().as_object();
+  EXPECT_NEAR(last.at("late_us").as_double(), 7300, 1e-6);
+  EXPECT_EQ(last.at("gap_ticks"), 7u);
+  // As large as it gets.
+  for (int fault_count = 0; fault_count < 20; ++fault_count) {
+    device_.sample.counts = {INT32_MIN, INT32_MIN, 0};
+    device_.sample.buttons = 0;
+    for (int i = 0; i < 70; ++i) loop.Tick();
+    device_.sample.buttons = kPedal;
+    loop.Tick();
+    loop.Tick(0.0061234567);
+    Sample s;
+    while (ring.Pop(s)) {
+    }
+  }
+  facts = LoopFacts(loop, loop.snapshot().counters, device_);
+  EXPECT_EQ(facts.at("faults").as_array().size(), TickLoop::kMaxRecords);
+  EXPECT_LT(boost::json::serialize(facts).size(), 100'000u);
 }
 
 TEST(DurationHistogramTest, BucketsCoverAllDurationsWithoutGapsOrOverlaps) {

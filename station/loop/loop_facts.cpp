@@ -1,4 +1,4 @@
-#include "station/app/loop_facts.h"
+#include "station/loop/loop_facts.h"
 
 #include <boost/json.hpp>
 
@@ -7,7 +7,30 @@ namespace {
 
 namespace json = boost::json;
 
-json::object Durations(const DurationHistogram& h) {
+json::object Tick(const FaultTick& t) {
+  return {{"counts", {t.input.counts[0], t.input.counts[1], t.input.counts[2]}},
+          {"flags", t.input.flags},
+          {"gap_ticks", t.input.gap_ticks},
+          {"force_n", {t.force_sent_n.x, t.force_sent_n.y, t.force_sent_n.z}},
+          {"late_us", t.late_s * 1e6},
+          {"fresh", t.fresh},
+          {"attached", t.attached},
+          {"driven", t.driven}};
+}
+
+json::array Faults(const TickLoop& loop) {
+  json::array out;
+  for (const FaultRecord& record : loop.fault_records()) {
+    json::array ticks;
+    for (size_t i = 0; i < record.count; ++i) ticks.push_back(Tick(record.ticks[i]));
+    out.push_back({{"why", FaultText(record.fault)}, {"tick", record.tick}, {"ticks", ticks}});
+  }
+  return out;
+}
+
+}  // namespace
+
+json::object DurationFacts(const DurationHistogram& h) {
   json::object doublings;
   for (size_t octave = 0; octave < DurationHistogram::kOctaves; ++octave) {
     uint64_t count = 0;
@@ -26,35 +49,17 @@ json::object Durations(const DurationHistogram& h) {
           {"ns", doublings}};
 }
 
-json::object Tick(const FaultTick& t) {
-  return {{"counts", {t.input.counts[0], t.input.counts[1], t.input.counts[2]}},
-          {"flags", t.input.flags},
-          {"force_n", {t.force_sent_n.x, t.force_sent_n.y, t.force_sent_n.z}},
-          {"late_us", t.late_s * 1e6},
-          {"fresh", t.fresh},
-          {"attached", t.attached}};
-}
-
-json::array Faults(const TickLoop& loop) {
-  json::array out;
-  for (const FaultRecord& record : loop.fault_records()) {
-    json::array ticks;
-    for (size_t i = 0; i < record.count; ++i) ticks.push_back(Tick(record.ticks[i]));
-    out.push_back({{"why", FaultText(record.fault)}, {"tick", record.tick}, {"ticks", ticks}});
-  }
-  return out;
-}
-
-}  // namespace
-
 json::object LoopFacts(const TickLoop& loop, const LoopCounters& counters, const Device& device) {
   DeviceCounters bus = device.counters();
-  return {{"late_ticks", counters.late_ticks},
+  return {{"ticks", counters.ticks},
+          {"gap_ticks", counters.gap_ticks},
+          {"late_ticks", counters.late_ticks},
           {"skipped_ticks", counters.skipped_ticks},
           {"stale_ticks", counters.stale_ticks},
+          {"put_downs", counters.put_downs},
           {"leak_j", counters.leak_j},
-          {"lateness", Durations(loop.lateness())},
-          {"tick", Durations(loop.durations())},
+          {"lateness", DurationFacts(loop.lateness())},
+          {"tick", DurationFacts(loop.durations())},
           {"faults", Faults(loop)},
           {"device",
            {{"name", device.Name()},
