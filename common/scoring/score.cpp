@@ -282,8 +282,7 @@ std::string ToJson(const ScoreResult& result) {
                    {"late_ticks", result.late_ticks},
                    {"bounded_ticks", result.bounded_ticks},
                    {"witness_ok", result.witness_ok},
-                   {"witness_note", result.witness_note},
-                   {"replay_realtime_factor", Rounded(result.replay_realtime_factor)}};
+                   {"witness_note", result.witness_note}};
   return json::serialize(out);
 }
 
@@ -334,7 +333,6 @@ Result<ScoreResult> ScoreFromJson(std::string_view text) {
   reader.ReadInteger("bounded_ticks", out.bounded_ticks);
   reader.Read("witness_ok", out.witness_ok);
   reader.Read("witness_note", out.witness_note);
-  reader.Read("replay_realtime_factor", out.replay_realtime_factor);
   if (!status.ok()) return status;
   return out;
 }

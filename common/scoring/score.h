@@ -36,8 +36,7 @@ struct ScoreResult {
   // From the replay: the station's part in the attempt.
   uint64_t ticks = 0, gap_ticks = 0, late_ticks = 0, bounded_ticks = 0;
   bool witness_ok = false;
-  std::string witness_note;           // where it broke, when it did
-  double replay_realtime_factor = 0;  // not part of the comparison of two scores
+  std::string witness_note;  // where it broke, when it did
 
   bool operator==(const ScoreResult&) const = default;
 };

@@ -78,9 +78,14 @@ Status AddPerson(const std::filesystem::path& data, const NewPerson& person) {
   }
   auto name = CheckedName(person.display_name.empty() ? *login : person.display_name, "name");
   if (!name.ok()) return name.status();
+  Person row;
+  if (!person.id.empty()) {
+    auto id = Uuid::Parse(person.id);
+    if (!id.ok()) return id.status();
+    row.id = *id;
+  }
   auto password = ReadOrMakePassword(person.password_from_stdin, *login);
   if (!password.ok()) return password.status();
-  Person row;
   row.login = *login;
   row.display_name = *name;
   row.role = *role;

@@ -15,6 +15,7 @@ Result<Uuid> CohortByName(Store& store, const std::string& name);
 
 struct NewPerson {
   std::string login, display_name, role;
+  std::string id;                    // of a person that a restore has forgotten; empty: a new one
   bool password_from_stdin = false;  // otherwise one is made up and printed, once
 };
 Status AddPerson(const std::filesystem::path& data, const NewPerson& person);

@@ -3,6 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <iostream>
+#include <set>
 
 #include "common/base/file.h"
 #include "common/scene/calibration.h"
@@ -66,6 +67,36 @@ Status ListStations(const std::filesystem::path& data) {
         row.software.empty() ? "-" : row.software,
         row.core_version == 0 ? "" : fmt::format(", core {}", row.core_version));
   }
+  return Status::Ok();
+}
+
+Status ListAwaited(const std::filesystem::path& data) {
+  auto store = OpenForCommand(data);
+  if (!store.ok()) return store.status();
+  AuditFilter filter;
+  filter.action = "attempt.awaits";
+  filter.limit = 1000;
+  auto rows = (*store)->FindAudit(filter);
+  if (!rows.ok()) return rows.status();
+  std::set<std::string> seen;  // newest first: the last word about each attempt counts
+  size_t waiting = 0;
+  for (const AuditRow& row : *rows) {
+    auto attempt = Uuid::Parse(row.object);
+    if (!attempt.ok() || !seen.insert(row.object).second) continue;
+    auto known = (*store)->AttemptById(*attempt);
+    if (known.ok()) continue;
+    if (known.status().code() != Code::kNotFound) return known.status();
+    ++waiting;
+    std::cout << fmt::format("{}  at {}  since {} UTC  awaits {}\n", row.object, row.actor,
+                             UtcText(row.at_ms), row.after_json);
+  }
+  if (waiting == 0) {
+    std::cout << "nothing waits\n";
+    return Status::Ok();
+  }
+  std::cout << "person: admin add-person --id ID; exercise: publish the same document; profile: "
+               "admin put-profile with the same document. Stations offer the recordings again by "
+               "themselves\n";
   return Status::Ok();
 }
 

@@ -10,6 +10,9 @@
 namespace enamel::server::app {
 
 Status ListStations(const std::filesystem::path& data);
+// Recordings that stations still hold for a person, an exercise or a profile that is newer than the
+// backup this folder was restored from, and what to do about each.
+Status ListAwaited(const std::filesystem::path& data);
 // `station`: its id, or its name when only one admitted station has it. For good.
 Status RevokeStation(const std::filesystem::path& data, const std::string& station);
 

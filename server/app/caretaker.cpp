@@ -38,6 +38,8 @@ void Caretaker::Run(const std::stop_token& stop) {
 
 void Caretaker::LookAtHealth() {
   StoreHealth health = store_.Health();
+  // A write that failed may have been the only one: nobody else may be writing.
+  if (!health.takes_recordings && store_.TryWrite().ok()) health = store_.Health();
   if (health.takes_recordings == took_recordings_) return;
   took_recordings_ = health.takes_recordings;
   if (took_recordings_) {

@@ -250,6 +250,8 @@ void AddPeople(CLI::App& admin, Options& o, Command& command) {
   add->add_option("--login", o.person.login)->required();
   add->add_option("--name", o.person.display_name, "Name as shown");
   add->add_option("--role", o.person.role, "student, instructor or admin")->required();
+  add->add_option("--id", o.person.id,
+                  "Of a person that a restore has forgotten: what list-awaited shows");
   add->add_flag("--password-stdin", o.person.password_from_stdin,
                 "Read the password; else one is made up");
   add->callback([&] { command = [&] { return app::AddPerson(o.data, o.person); }; });
@@ -338,6 +340,11 @@ void AddStations(CLI::App& admin, Options& o, Command& command) {
   auto* list = admin.add_subcommand("list-stations", "Stations by name: admitted, seen, software");
   AddData(list, o.data);
   list->callback([&] { command = [&] { return app::ListStations(o.data); }; });
+
+  auto* awaited = admin.add_subcommand(
+      "list-awaited", "Recordings that wait at stations for what a restore has forgotten");
+  AddData(awaited, o.data);
+  awaited->callback([&] { command = [&] { return app::ListAwaited(o.data); }; });
 
   auto* revoke = admin.add_subcommand("revoke-station", "Admit a station no longer, for good");
   AddData(revoke, o.data);

@@ -70,7 +70,8 @@ std::optional<double> Metric(const ScoreResult& score, std::string_view name) {
   return std::nullopt;
 }
 
-json::object Facts(const AttemptRow& row, const ScoreResult& score, const std::string& page_url) {
+json::object Facts(const AttemptRow& row, const ScoreResult& score,
+                   const Store::AttemptResult& result, const std::string& page_url) {
   json::array criteria, metrics;
   for (const auto& c : score.criteria) {
     criteria.push_back(json::object{{"name", c.name},
@@ -97,7 +98,7 @@ json::object Facts(const AttemptRow& row, const ScoreResult& score, const std::s
   out["gaps"] = score.gap_ticks;
   out["witness_ok"] = score.witness_ok;
   out["trace_bytes"] = row.trace_bytes;
-  out["realtime_factor"] = score.replay_realtime_factor;
+  out["realtime_factor"] = result.replay_realtime_factor;
   out["page_url"] = page_url;
   return out;
 }
@@ -106,7 +107,8 @@ void Line(const std::string& name, const std::string& value) {
   std::cout << fmt::format("  {:<34} {}\n", name, value);
 }
 
-void PrintTable(const AttemptRow& row, const ScoreResult& score, const ReportOptions& options) {
+void PrintTable(const AttemptRow& row, const ScoreResult& score, const Store::AttemptResult& result,
+                const ReportOptions& options) {
   std::cout << fmt::format("\n{}, {}: {:.1f} of 100 points{}\n", row.exercise_title,
                            row.person_name, score.score,
                            score.critical_fail ? " (critical fault)" : "");
@@ -130,7 +132,7 @@ void PrintTable(const AttemptRow& row, const ScoreResult& score, const ReportOpt
                                     : fmt::format("{} ticks, declared as gaps", score.gap_ticks));
   Line("late ticks, force bounded", fmt::format("{}, {}", score.late_ticks, score.bounded_ticks));
   Line("replay agrees tick by tick", score.witness_ok ? "yes" : "no: " + score.witness_note);
-  Line("replayed at", fmt::format("{:.1f} x real time", score.replay_realtime_factor));
+  Line("replayed at", fmt::format("{:.1f} x real time", result.replay_realtime_factor));
   Line("attempt", row.id.Text());
   Line("reference",
        score.reference_attempt.empty() ? "none: compared with itself" : score.reference_attempt);
@@ -156,9 +158,9 @@ Status Report(const ReportOptions& options) {
   if (!text.ok()) return text.status();
   auto score = scoring::ScoreFromJson(AsText(*text));
   if (!score.ok()) return score.status();
-  PrintTable(*row, *score, options);
+  PrintTable(*row, *score, *result, options);
   if (options.json.empty()) return Status::Ok();
-  std::string facts = json::serialize(Facts(*row, *score, options.page_url)) + "\n";
+  std::string facts = json::serialize(Facts(*row, *score, *result, options.page_url)) + "\n";
   return WriteFileDurably(options.json, AsBytes(facts));
 }
 

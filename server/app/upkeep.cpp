@@ -242,6 +242,12 @@ Status Retention(const RetentionCommand& command) {
                            report->unfinished.size(), report->recordings.size(),
                            report->attempts.size());
   std::cout << (command.apply ? fmt::format(", {} blobs\n", report->blobs) : std::string("\n"));
+  if (report->held > 0) {
+    std::cout << fmt::format(
+        "{} more are due and kept: an appeal waits for its answer, or graded work to be released "
+        "or excused\n",
+        report->held);
+  }
   return Status::Ok();
 }
 

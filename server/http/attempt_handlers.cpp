@@ -3,12 +3,14 @@
 #include "common/scene/json.h"
 #include "server/http/attempt_view.h"
 #include "server/http/error_response.h"
+#include "server/http/etag.h"
 #include "server/http/handlers.h"
 #include "server/http/json_body.h"
 #include "server/http/query.h"
 #include "server/http/seen_attempt.h"
 #include "server/http/site.h"
 #include "server/training/access.h"
+#include "server/training/ticket_rules.h"
 
 namespace enamel::server::http {
 namespace json = boost::json;
@@ -66,8 +68,9 @@ Result<AttemptFilter> FilterFor(const Call& call) {
   return filter;
 }
 
-// What the scoring job left, for a caller who may see it now.
-Result<Store::AttemptResult> SeeResult(const Call& call) {
+// What the scoring job left, for a caller who may see it now. Once a retention rule has removed the
+// recording, of what was made from it only the score is there.
+Result<Store::AttemptResult> SeeResult(const Call& call, bool needs_recording) {
   Result<SeenAttempt> seen = SeeAttempt(call, call.id);
   if (!seen.ok()) return seen.status();
   if (!CanSeeScore(call.caller->person, seen->row, seen->graded, seen->shares_cohort)) {
@@ -75,12 +78,18 @@ Result<Store::AttemptResult> SeeResult(const Call& call) {
                   "this work is graded: the result shows after the instructor has released it"};
   }
   ENAMEL_RETURN_IF_ERROR(RequireScored(seen->row));
+  if (needs_recording && seen->row.expired_ms != 0) {
+    return Status{Code::kConflict, "the recording was removed on " +
+                                       TimeText(seen->row.expired_ms) +
+                                       " by a retention rule; the score stays"};
+  }
   return call.store.ResultOf(call.id);
 }
 
 Response BlobResponse(const Call& call, Sha256 Store::AttemptResult::*member,
                       std::string content_type) {
-  Result<Store::AttemptResult> result = SeeResult(call);
+  Result<Store::AttemptResult> result =
+      SeeResult(call, member != &Store::AttemptResult::score_json);
   if (!result.ok()) return ErrorResponse(result.status());
   Result<Bytes> bytes = call.store.GetBlob((*result).*member);
   if (!bytes.ok()) return ErrorResponse(Status{Code::kInternal, bytes.status().message()});
@@ -146,7 +155,7 @@ Response GetAttempt(const Call& call) {
   AttemptView view(call.store, call.caller->person);
   Result<json::object> attempt = view.DetailJson(seen->row);
   if (!attempt.ok()) return ErrorResponse(attempt.status());
-  return JsonResponse(std::move(*attempt));
+  return WithETag(JsonResponse(std::move(*attempt)), seen->row.revision);
 }
 
 Response GetScore(const Call& call) {
@@ -168,9 +177,10 @@ Response ReleaseAttempt(const Call& call) {
     return ErrorResponse({Code::kForbidden, "expected an instructor of the student's cohort"});
   }
   if (Status scored = RequireScored(seen->row); !scored.ok()) return ErrorResponse(scored);
-  if (Status done = call.store.ReleaseAttempt(call.id, ActorOf(call)); !done.ok()) {
-    return ErrorResponse(done);
-  }
+  Result<int32_t> revision = IfMatch(call.request);
+  if (!revision.ok()) return ErrorResponse(revision.status());
+  Status done = call.store.ReleaseAttempt(call.id, ActorOf(call), *revision);
+  if (!done.ok()) return JudgedMeanwhile(call, done);
   Response response;
   response.status = 204;
   return response;

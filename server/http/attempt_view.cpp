@@ -4,7 +4,11 @@
 
 #include "common/scene/json.h"
 #include "common/scoring/score.h"
+#include "server/http/caller.h"
+#include "server/http/error_response.h"
+#include "server/http/etag.h"
 #include "server/training/access.h"
+#include "server/training/revision.h"
 
 namespace enamel::server::http {
 namespace json = boost::json;
@@ -116,7 +120,9 @@ Result<json::object> AttemptView::Json(const AttemptRow& row) {
                       {"gap_ticks", row.gap_ticks},
                       {"chunks", row.chunks},
                       {"trace_bytes", row.trace_bytes},
-                      {"problem", row.problem}};
+                      {"problem", row.problem},
+                      {"recording_removed_ms", row.expired_ms},
+                      {"revision", row.revision}};
 }
 
 Result<json::value> AttemptView::ComparedWithJson(const AttemptRow& row, const Exercise& exercise) {
@@ -163,6 +169,22 @@ Result<json::value> AttemptView::AppealJson(const AttemptRow& row) {
                      {"answered_ms", (*appeal)->answered_ms}};
 }
 
+// Of contradicting chunks, for who decides about them.
+Result<json::array> AttemptView::ContradictionsJson(const AttemptRow& row) {
+  json::array out;
+  if ((row.flags & kContradicted) == 0) return out;
+  Result<bool> shares = store_.ShareCohort(viewer_.id, row.person);
+  if (!shares.ok()) return shares.status();
+  if (!CanReviewAttempt(viewer_, row, *shares)) return out;
+  Result<std::vector<ContradictionRow>> rows = store_.ContradictionsOf(row.id);
+  if (!rows.ok()) return rows.status();
+  for (const ContradictionRow& chunk : *rows) {
+    out.push_back(
+        {{"seq", chunk.seq}, {"sha256", chunk.hash.Hex()}, {"received_ms", chunk.received_ms}});
+  }
+  return out;
+}
+
 // What the viewer may do with it now, so that a page need not know the rules.
 Result<json::array> AttemptView::MayDo(const AttemptRow& row) {
   Result<bool> shares = store_.ShareCohort(viewer_.id, row.person);
@@ -172,6 +194,7 @@ Result<json::array> AttemptView::MayDo(const AttemptRow& row) {
   bool reviews = CanReviewAttempt(viewer_, row, *shares);
   bool scored = row.state == AttemptState::kScored;
   bool sealed = row.sealed_ms != 0 && row.expired_ms == 0;
+  bool acceptable = row.state == AttemptState::kQuarantined && row.sealed_ms == 0 && row.chunks > 0;
   const struct {
     const char* name;
     bool may;
@@ -180,7 +203,7 @@ Result<json::array> AttemptView::MayDo(const AttemptRow& row) {
       {"unrelease", reviews && row.released},
       {"override", reviews && row.score.has_value()},
       {"annotate", reviews},
-      {"rescore", reviews && sealed && row.state != AttemptState::kScoring},
+      {"rescore", reviews && (sealed || acceptable) && row.state != AttemptState::kScoring},
       {"excuse", reviews && row.assignment && (row.flags & (kExcused | kReturned)) == 0},
       {"mark_reference", scored && sealed && CanMarkReference(viewer_, row, *shares)},
       {"appeal", CanAppeal(viewer_, row) && !*appeal},
@@ -219,6 +242,8 @@ Result<json::object> AttemptView::DetailJson(const AttemptRow& row) {
   if (!overridden.ok()) return overridden.status();
   Result<json::value> appeal = AppealJson(row);
   if (!appeal.ok()) return appeal.status();
+  Result<json::array> contradictions = ContradictionsJson(row);
+  if (!contradictions.ok()) return contradictions.status();
   Result<json::array> may = MayDo(row);
   if (!may.ok()) return may.status();
   double ticks = static_cast<double>(row.ticks + row.gap_ticks);
@@ -228,8 +253,19 @@ Result<json::object> AttemptView::DetailJson(const AttemptRow& row) {
   out->emplace("time_limit_s", (*exercise)->time_limit_s);
   out->emplace("override", std::move(*overridden));
   out->emplace("appeal", std::move(*appeal));
+  out->emplace("contradictions", std::move(*contradictions));
   out->emplace("may", std::move(*may));
   return out;
+}
+
+Response JudgedMeanwhile(const Call& call, const Status& status) {
+  if (status.field() != kStale) return ErrorResponse(status);
+  Result<AttemptRow> now = call.store.AttemptById(call.id);
+  if (!now.ok()) return ErrorResponse(now.status());
+  AttemptView view(call.store, call.caller->person);
+  Result<json::object> out = view.DetailJson(*now);
+  if (!out.ok()) return ErrorResponse(out.status());
+  return Stale(status, std::move(*out), now->revision);
 }
 
 }  // namespace enamel::server::http

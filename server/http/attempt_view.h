@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/base/result.h"
+#include "server/http/routes.h"
 #include "server/storage/store.h"
 
 namespace enamel::server::http {
@@ -36,6 +37,7 @@ class AttemptView {
   Result<boost::json::value> ComparedWithJson(const AttemptRow& row, const Exercise& exercise);
   Result<boost::json::value> OverrideJson(const AttemptRow& row, bool visible);
   Result<boost::json::value> AppealJson(const AttemptRow& row);
+  Result<boost::json::array> ContradictionsJson(const AttemptRow& row);
   Result<boost::json::array> MayDo(const AttemptRow& row);
 
   Store& store_;
@@ -45,6 +47,10 @@ class AttemptView {
   std::optional<std::map<Uuid, std::string>> stations_;
   std::map<Sha256, std::pair<std::string, std::string>> profiles_;
 };
+
+// Why a judgement (release, override, excuse) did not happen: when somebody else judged since then,
+// 412 with the attempt as it is now.
+Response JudgedMeanwhile(const Call& call, const Status& status);
 
 // Schema Reference: without the dentist's name for who may not see it.
 boost::json::object ReferenceJson(const Person& viewer, const ReferenceRow& row);

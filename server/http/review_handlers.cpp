@@ -36,7 +36,11 @@ Response AttemptResponse(const Call& call, const Uuid& attempt) {
   AttemptView view(call.store, call.caller->person);
   Result<json::object> out = view.DetailJson(*row);
   if (!out.ok()) return ErrorResponse(out.status());
-  return JsonResponse(*out);
+  return WithETag(JsonResponse(*out), row->revision);
+}
+
+Response JudgedOr(const Call& call, const Status& status) {
+  return status.ok() ? AttemptResponse(call, call.id) : JudgedMeanwhile(call, status);
 }
 
 json::object AnnotationJson(const Call& call, const AnnotationRow& row) {
@@ -92,7 +96,10 @@ Response Refused(const Call& call, const Status& status) {
 Response WithdrawRelease(const Call& call) {
   Result<SeenAttempt> seen = ReviewAttempt(call, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
-  return DoneOr(call.store.WithdrawRelease(call.id, ActorOf(call)));
+  Result<int32_t> revision = IfMatch(call.request);
+  if (!revision.ok()) return ErrorResponse(revision.status());
+  Status done = call.store.WithdrawRelease(call.id, ActorOf(call), *revision);
+  return done.ok() ? Done() : JudgedMeanwhile(call, done);
 }
 
 Response PutOverride(const Call& call) {
@@ -104,15 +111,17 @@ Response PutOverride(const Call& call) {
   score.score = body.Number("score", 0, 100);
   score.reason = body.Text("reason", 1, kMaxReason);
   if (Status status = body.Finish(); !status.ok()) return ErrorResponse(status);
-  Status done = call.store.OverrideScore(call.id, score, ActorOf(call));
-  return done.ok() ? AttemptResponse(call, call.id) : ErrorResponse(done);
+  Result<int32_t> revision = IfMatch(call.request);
+  if (!revision.ok()) return ErrorResponse(revision.status());
+  return JudgedOr(call, call.store.OverrideScore(call.id, score, ActorOf(call), *revision));
 }
 
 Response DeleteOverride(const Call& call) {
   Result<SeenAttempt> seen = ReviewAttempt(call, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
-  Status done = call.store.OverrideScore(call.id, std::nullopt, ActorOf(call));
-  return done.ok() ? AttemptResponse(call, call.id) : ErrorResponse(done);
+  Result<int32_t> revision = IfMatch(call.request);
+  if (!revision.ok()) return ErrorResponse(revision.status());
+  return JudgedOr(call, call.store.OverrideScore(call.id, std::nullopt, ActorOf(call), *revision));
 }
 
 Response Rescore(const Call& call) {
@@ -132,8 +141,10 @@ Response Excuse(const Call& call) {
   BodyReader body(call.request);
   std::string reason = body.Text("reason", 1, kMaxReason);
   if (Status status = body.Finish(); !status.ok()) return ErrorResponse(status);
-  Status done = call.store.FlagAttempt(call.id, kExcused, reason, ActorOf(call));
-  return done.ok() ? AttemptResponse(call, call.id) : ErrorResponse(done);
+  Result<int32_t> revision = IfMatch(call.request);
+  if (!revision.ok()) return ErrorResponse(revision.status());
+  return JudgedOr(call,
+                  call.store.FlagAttempt(call.id, kExcused, reason, ActorOf(call), *revision));
 }
 
 Response ListResults(const Call& call) {
@@ -164,6 +175,7 @@ Response ListResults(const Call& call) {
                        {"scored_ms", row.scored_ms},
                        {"cause", row.cause},
                        {"reference_attempt", std::move(reference)},
+                       {"replay_realtime_factor", row.replay_realtime_factor},
                        {"score", std::move(score)}});
   }
   return JsonResponse({{"results", std::move(results)}, {"next", std::move(next)}});

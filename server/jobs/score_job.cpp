@@ -225,6 +225,7 @@ class ScoreJob {
     result.score = score->score;
     result.critical_fail = score->critical_fail;
     result.reference = reference_attempt_;
+    result.replay_realtime_factor = ReplayRealtimeFactor();
     std::string score_json = scoring::ToJson(*score), series_json = series.ToJson();
     ENAMEL_RETURN_IF_ERROR(Put(AsBytes(score_json), result.score_json));
     ENAMEL_RETURN_IF_ERROR(Put(scene::EncodeVolume(final_volume), result.final_volume));
@@ -241,8 +242,11 @@ class ScoreJob {
     score.late_ticks = process.late_ticks();
     score.bounded_ticks = process.bounded_ticks();
     score.witness_ok = report_.witness_ok;
+  }
+
+  double ReplayRealtimeFactor() const {
     double recorded_s = static_cast<double>(report_.ticks) / header_.params.rate_hz;
-    score.replay_realtime_factor = report_.seconds > 0 ? recorded_s / report_.seconds : 0;
+    return report_.seconds > 0 ? recorded_s / report_.seconds : 0;
   }
 
   Status Put(ByteView bytes, Sha256& hash) {

@@ -26,7 +26,7 @@ using JobProgress = std::function<bool(double progress)>;
 //  came after is replayed and checked all the same;
 //  5. metrics, rubric, and four blobs: score JSON (schemas/score.md), final volume, surface with
 //     deviation (surface_blob.h), series (series.h); then Store::FinishAttempt.
-// Running it again gives the same blobs but for replay_realtime_factor.
+// Running it again gives the same blobs.
 //
 // `job`: the run this is, by which it is stopped when it is cancelled and its cause is kept; zero:
 // none. Returns Ok when the attempt has its verdict: scored, or failed with its problem stored.

@@ -156,6 +156,11 @@ Result<wire::Reply> Session::Do(const wire::Enrol& enrol) {
   StationRow row;
   row.name = *name;
   row.public_key.assign(key->begin(), key->end());
+  if (!enrol.station_id().empty()) {
+    auto id = protocol::ReadUuid(enrol.station_id(), "station_id");
+    if (!id.ok()) return id.status();
+    row.id = *id;
+  }
   Bytes credential = auth::NewToken();
   auto station = services_.store.EnrolStation(HashSha256(AsBytes(enrol.code())), row,
                                               auth::TokenHash(credential), services_.clock());

@@ -118,9 +118,14 @@ class Session {
   Result<bool> Revoked(const Uuid& attempt);
   // Errors: kConflict when the ticket ran out longer than kLateUploadMs ago.
   Status MayStillBegin(const trace::Ticket& ticket) const;
+  // What the recording of a ticket was told to wait for last, as in the audit trail; empty: never.
+  Result<std::string> ToldToAwait(const Uuid& attempt);
+  // Tells it to wait: kUnavailable with field protocol::kAwaited. Audited when it is news.
+  Status Await(const trace::Ticket& ticket, const std::string& what, const std::string& which);
   // The attempt of a ticket that was issued here and is not known any more: the server was restored
   // from a backup made before it. Whether it was to be a reference is not in a ticket. Errors also:
-  // kConflict (person erased, ticket too old).
+  // kConflict (person erased, ticket too old and never told to wait), kUnavailable with field
+  // protocol::kAwaited (person, exercise or profile is newer than the backup).
   Result<AttemptRow> Readmit(const trace::Ticket& ticket);
   Status NotSigned(ByteView chunk);
 

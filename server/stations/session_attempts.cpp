@@ -212,10 +212,44 @@ Status Session::GuessTerms(const trace::Ticket& ticket, AttemptRow& row) {
   return Status::Ok();
 }
 
+Result<std::string> Session::ToldToAwait(const Uuid& attempt) {
+  AuditFilter told;
+  told.action = "attempt.awaits";
+  told.object = attempt.Text();
+  told.limit = 1;
+  auto rows = services_.store.FindAudit(told);
+  if (!rows.ok()) return rows.status();
+  return rows->empty() ? std::string() : rows->front().after_json;
+}
+
+Status Session::Await(const trace::Ticket& ticket, const std::string& what,
+                      const std::string& which) {
+  auto before = ToldToAwait(ticket.attempt);
+  if (!before.ok()) return before.status();
+  std::string named = "{\"" + what + "\":\"" + which + "\"}";
+  if (*before != named) {
+    ENAMEL_RETURN_IF_ERROR(services_.store.NoteAudit(
+        Actor{{}, "station " + station_->name}, "attempt.awaits", ticket.attempt.Text(), named));
+  }
+  return Status(Code::kUnavailable,
+                "the recording waits here: " + what + " " + which +
+                    " is not at the server, which was restored from a backup; an admin has to "
+                    "bring it back",
+                protocol::kAwaited);
+}
+
 Result<AttemptRow> Session::Readmit(const trace::Ticket& ticket) {
-  ENAMEL_RETURN_IF_ERROR(MayStillBegin(ticket));
+  auto told = ToldToAwait(ticket.attempt);
+  if (!told.ok()) return told.status();
+  if (told->empty()) ENAMEL_RETURN_IF_ERROR(MayStillBegin(ticket));
   auto exercise = services_.store.ExerciseByContent(ticket.exercise);
+  if (exercise.status().code() == Code::kNotFound) {
+    return Await(ticket, "exercise", ticket.exercise.Hex());
+  }
   if (!exercise.ok()) return exercise.status();
+  if (!services_.store.HasBlob(ticket.profile)) {
+    return Await(ticket, "profile", ticket.profile.Hex());
+  }
   AttemptRow row;
   row.id = ticket.attempt;
   row.person = ticket.person;
@@ -226,9 +260,13 @@ Result<AttemptRow> Session::Readmit(const trace::Ticket& ticket) {
   row.ticketed_ms = ticket.issued_unix_ms;
   ENAMEL_RETURN_IF_ERROR(SetTiming(row));
   ENAMEL_RETURN_IF_ERROR(GuessTerms(ticket, row));
-  ENAMEL_RETURN_IF_ERROR(services_.store.CreateAttempt(
+  Status made = services_.store.CreateAttempt(
       row, trace::EncodeTicket(ticket),
-      Actor{ticket.person, "station " + station_->name + ", ticket from before a restore"}));
+      Actor{ticket.person, "station " + station_->name + ", ticket from before a restore"});
+  if (made.code() == Code::kNotFound && made.field() == "person") {
+    return Await(ticket, "person", ticket.person.Text());
+  }
+  if (!made.ok()) return made;
   return services_.store.AttemptById(ticket.attempt);
 }
 
@@ -238,10 +276,11 @@ Result<wire::Reply> Session::Do(const wire::OpenAttempt& request) {
   ENAMEL_RETURN_IF_ERROR(CheckHeader(*header));
   const Uuid& attempt = header->ticket.attempt;
   auto row = services_.store.AttemptById(attempt);
-  if (row.status().code() == Code::kNotFound) row = Readmit(header->ticket);
+  const bool forgotten = row.status().code() == Code::kNotFound;
+  if (forgotten) row = Readmit(header->ticket);
   if (!row.ok()) return row.status();
   if (row->state == AttemptState::kTicketed) {
-    ENAMEL_RETURN_IF_ERROR(MayStillBegin(header->ticket));
+    if (!forgotten) ENAMEL_RETURN_IF_ERROR(MayStillBegin(header->ticket));
     ENAMEL_RETURN_IF_ERROR(CheckParams(*header));
   }
   ENAMEL_RETURN_IF_ERROR(services_.store.OpenAttempt(attempt, AsBytes(request.header())));

@@ -13,7 +13,7 @@ constexpr char kAttemptSelect[] =
     "a.gap_ticks, "
     "a.trace_bytes, a.score, a.critical_fail, a.progress, a.problem, a.expired_ms, a.assignment, "
     "a.exam, a.due_ms, a.rate_hz, a.limit_ticks, a.flags, a.last_chunk_ms, a.override_score, "
-    "a.override_reason, a.override_by, a.override_ms FROM attempts a "
+    "a.override_reason, a.override_by, a.override_ms, a.revision FROM attempts a "
     "JOIN people p ON p.tenant = a.tenant AND p.id = a.person "
     "JOIN exercises e ON e.tenant = a.tenant AND e.id = a.exercise WHERE a.tenant = ?1";
 
@@ -49,6 +49,7 @@ AttemptRow AttemptOf(const Query& q) {
   out.flags = static_cast<uint32_t>(q.Int(27));
   out.last_chunk_ms = q.Int(28);
   if (!q.IsNull(29)) out.overridden = ScoreOverride{q.Real(29), q.Text(30), q.Id(31), q.Int(32)};
+  out.revision = static_cast<int32_t>(q.Int(33));
   return out;
 }
 
@@ -57,16 +58,14 @@ Status MustExist(Db& db, const Uuid& attempt) {
   return Status(Code::kNotFound, "no attempt " + attempt.Text());
 }
 
+// Those too whose run is under way: it may have looked for a reference before this one was there.
 Status QueueUnreferenced(Db& db, const Uuid& exercise) {
   std::vector<Uuid> waiting;
   {
     Query q(db,
             "SELECT a.id FROM attempts a WHERE a.tenant = ?1 AND a.exercise = ?2 AND a.state IN "
-            "(3, 5, 6) "
-            "AND "
-            "a.reference IS NULL AND a.expired_ms = 0 AND NOT EXISTS (SELECT 1 FROM jobs j WHERE "
-            "j.tenant = a.tenant AND "
-            "j.attempt = a.id AND j.state = 'queued')");
+            "(3, 4, 5, 6) AND a.reference IS NULL AND a.expired_ms = 0 AND NOT EXISTS (SELECT 1 "
+            "FROM jobs j WHERE j.tenant = a.tenant AND j.attempt = a.id AND j.state = 'queued')");
     q.Bind(exercise);
     while (q.Next()) waiting.push_back(q.Id(0));
     ENAMEL_RETURN_IF_ERROR(q.status());
@@ -141,12 +140,51 @@ Status KeepResult(Db& db, const Uuid& attempt, const Store::AttemptResult& resul
   Query q(
       db,
       "INSERT INTO attempt_results (tenant, attempt, run, scored_ms, cause, score, "
-      "critical_fail, score_json, reference) SELECT ?1, ?2, 1 + (SELECT coalesce(max(run), 0) "
+      "critical_fail, score_json, reference, replay_realtime_factor) SELECT ?1, ?2, 1 + (SELECT "
+      "coalesce(max(run), 0) "
       "FROM attempt_results WHERE tenant = ?1 AND attempt = ?2), ?3, coalesce((SELECT cause FROM "
-      "jobs WHERE tenant = ?1 AND id = ?8), 'seal'), ?4, ?5, ?6, iif(length(?7) = 16, ?7, NULL)");
+      "jobs WHERE tenant = ?1 AND id = ?8), 'seal'), ?4, ?5, ?6, iif(length(?7) = 16, ?7, NULL), "
+      "?9");
   q.Bind(attempt).Bind(NowMs()).Bind(result.score).Bind(int64_t{result.critical_fail});
   q.Bind(result.score_json).Bind(result.reference ? result.reference->view() : ByteView());
-  return q.Bind(job).Run();
+  return q.Bind(job).Bind(result.replay_realtime_factor).Run();
+}
+
+Result<bool> Is(Db& db, const char* sql, const Uuid& id) {
+  Query q(db, sql);
+  bool there = q.Bind(id).Next();
+  if (!q.status().ok()) return q.status();
+  return there;
+}
+
+// Names what is not here: after a restore it may come back.
+Status MustBeHere(Db& db, const AttemptRow& row) {
+  const struct {
+    const char* what;
+    const char* sql;
+    const Uuid& id;
+  } things[] = {
+      {"person", "SELECT 1 FROM people WHERE tenant = ?1 AND id = ?2", row.person},
+      {"station", "SELECT 1 FROM stations WHERE tenant = ?1 AND id = ?2", row.station},
+      {"exercise", "SELECT 1 FROM exercises WHERE tenant = ?1 AND id = ?2", row.exercise},
+  };
+  for (const auto& thing : things) {
+    auto there = Is(db, thing.sql, thing.id);
+    if (!there.ok()) return there.status();
+    if (*there) continue;
+    std::string what = thing.what;
+    return Status(Code::kNotFound, "there is no " + what + " " + thing.id.Text() + " here", what);
+  }
+  return Status::Ok();
+}
+
+// Another score than the one that was there.
+Status RaiseRevisionForAnother(Db& db, const Uuid& attempt, const Store::AttemptResult& result) {
+  Query q(db,
+          "UPDATE attempts SET revision = revision + 1 WHERE tenant = ?1 AND id = ?2 AND "
+          "(score IS NOT ?3 OR critical_fail IS NOT ?4 OR score_json IS NOT ?5)");
+  q.Bind(attempt).Bind(result.score).Bind(int64_t{result.critical_fail}).Bind(result.score_json);
+  return q.Run();
 }
 
 }  // namespace
@@ -161,7 +199,8 @@ Result<AttemptRow> FindAttempt(Db& db, const Uuid& id) {
 
 Status SqliteStore::CreateAttempt(const AttemptRow& row, ByteView ticket, const Actor& by) {
   ENAMEL_RETURN_IF_ERROR(MayRecord());
-  return Write([&](Db& db) -> Status {
+  Status status = Write([&](Db& db) -> Status {
+    ENAMEL_RETURN_IF_ERROR(MustBeHere(db, row));
     ENAMEL_RETURN_IF_ERROR(MayBeIssued(db, row));
     Query q(db,
             "INSERT INTO attempts (tenant, id, person, station, exercise, profile_content, state, "
@@ -173,15 +212,17 @@ Status SqliteStore::CreateAttempt(const AttemptRow& row, ByteView ticket, const 
     q.Bind(int64_t{row.exam}).Bind(row.due_ms).Bind(int64_t{row.rate_hz});
     q.Bind(static_cast<int64_t>(row.limit_ticks)).Bind(int64_t{row.flags});
     q.Bind(row.assignment ? row.assignment->view() : ByteView());
-    ENAMEL_RETURN_IF_ERROR(Explain(
-        q.Run(),
-        "attempt " + row.id.Text() + " exists, or its person, station or exercise does not"));
+    ENAMEL_RETURN_IF_ERROR(Explain(q.Run(), "attempt " + row.id.Text() + " exists"));
     return WriteAudit(db, by, "attempt.ticket", row.id.Text(), "{}",
                       JsonOf({{"person", row.person.Text()},
                               {"exercise", row.exercise.Text()},
                               {"assignment", row.assignment ? row.assignment->Text() : ""},
                               {"exam", row.exam ? "yes" : "no"}}));
   });
+  bool nobody = status.code() == Code::kNotFound && status.field() == "person";
+  if (!nobody || !keyring_.IsGone(row.person)) return status;
+  return Status(Code::kConflict, "this person was erased; nothing of theirs is taken any more",
+                "person");
 }
 
 Status SqliteStore::ReturnTicket(const Uuid& attempt, const Actor& by) {
@@ -211,17 +252,22 @@ Result<AttemptRow> SqliteStore::AttemptById(const Uuid& id) {
 Result<std::vector<AttemptRow>> SqliteStore::Attempts(const AttemptFilter& filter) {
   std::string sql = kAttemptSelect;
   std::vector<Uuid> ids;
+  std::vector<int64_t> numbers;
+  auto next = [&] { return "?" + std::to_string(ids.size() + numbers.size() + 1); };
   auto where = [&](const std::optional<Uuid>& id, const std::string& before,
                    const std::string& after) {
     if (!id) return;
     ids.push_back(*id);
-    sql += " AND " + before + "?" + std::to_string(ids.size() + 1) + after;
+    sql += " AND " + before + next() + after;
+  };
+  auto number = [&](int64_t value) {
+    numbers.push_back(value);
+    return next();
   };
   where(filter.person, "a.person = ", "");
   where(filter.cohort,
         "EXISTS (SELECT 1 FROM cohort_members m WHERE m.tenant = a.tenant AND m.person = a.person "
-        "AND "
-        "m.cohort = ",
+        "AND m.cohort = ",
         ")");
   where(filter.visible_to_instructor,
         "EXISTS (SELECT 1 FROM cohort_members i JOIN cohort_members m ON m.tenant = i.tenant AND "
@@ -230,9 +276,9 @@ Result<std::vector<AttemptRow>> SqliteStore::Attempts(const AttemptFilter& filte
   where(filter.exercise, "a.exercise = ", "");
   where(filter.assignment, "a.assignment = ", "");
   where(filter.before, "a.id < ", "");
-  if (filter.state) sql += " AND a.state = " + std::to_string(static_cast<int>(*filter.state));
+  if (filter.state) sql += " AND a.state = " + number(static_cast<int64_t>(*filter.state));
   if (filter.flags != 0) {
-    std::string bits = std::to_string(filter.flags);
+    std::string bits = number(filter.flags);
     sql += " AND a.flags & " + bits + " = " + bits;
   }
   if (filter.open_appeal) {
@@ -240,10 +286,11 @@ Result<std::vector<AttemptRow>> SqliteStore::Attempts(const AttemptFilter& filte
         " AND EXISTS (SELECT 1 FROM appeals o WHERE o.tenant = a.tenant AND o.attempt = a.id AND "
         "o.state = 'open')";
   }
-  sql += " ORDER BY a.id DESC LIMIT " + std::to_string(std::clamp<uint32_t>(filter.limit, 1, 200));
+  sql += " ORDER BY a.id DESC LIMIT " + number(std::clamp<uint32_t>(filter.limit, 1, 200));
   return Read([&](Db& db) -> Result<std::vector<AttemptRow>> {
     Query q(db, sql.c_str());
     for (const Uuid& id : ids) q.Bind(id);
+    for (int64_t value : numbers) q.Bind(value);
     std::vector<AttemptRow> out;
     while (q.Next()) out.push_back(AttemptOf(q));
     if (!q.status().ok()) return q.status();
@@ -256,6 +303,7 @@ Status SqliteStore::FinishAttempt(const Uuid& attempt, const AttemptResult& resu
   return Write([&](Db& db) -> Status {
     ENAMEL_RETURN_IF_ERROR(MustBeRunning(db, job));
     ENAMEL_RETURN_IF_ERROR(WithdrawReleaseOfAnotherScore(db, attempt, result));
+    ENAMEL_RETURN_IF_ERROR(RaiseRevisionForAnother(db, attempt, result));
     Query q(db,
             "UPDATE attempts SET state = 5, progress = 1, problem = '', score = ?3, critical_fail "
             "= ?4, "
@@ -292,8 +340,10 @@ Status SqliteStore::FailAttempt(const Uuid& attempt, const std::string& problem,
 Result<Store::AttemptResult> SqliteStore::ResultOf(const Uuid& attempt) {
   return Read([&](Db& db) -> Result<AttemptResult> {
     Query q(db,
-            "SELECT score, critical_fail, score_json, final_volume, surface, series, reference "
-            "FROM attempts WHERE tenant = ?1 AND id = ?2");
+            "SELECT score, critical_fail, score_json, final_volume, surface, series, reference, "
+            "(SELECT replay_realtime_factor FROM attempt_results r WHERE r.tenant = a.tenant AND "
+            "r.attempt = a.id ORDER BY run DESC LIMIT 1) "
+            "FROM attempts a WHERE tenant = ?1 AND id = ?2");
     if (!q.Bind(attempt).Next()) {
       if (!q.status().ok()) return q.status();
       return Status(Code::kNotFound, "no attempt " + attempt.Text());
@@ -308,6 +358,7 @@ Result<Store::AttemptResult> SqliteStore::ResultOf(const Uuid& attempt) {
     out.surface = q.Hash(4);
     out.series = q.Hash(5);
     if (!q.IsNull(6)) out.reference = q.Id(6);
+    out.replay_realtime_factor = q.Real(7);
     return out;
   });
 }

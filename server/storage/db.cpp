@@ -1,5 +1,7 @@
 #include "server/storage/db.h"
 
+#include <spdlog/spdlog.h>
+
 #include <chrono>
 
 namespace enamel::server::sqlite {
@@ -30,6 +32,38 @@ Status ErrorOf(sqlite3* handle, const std::string& path) {
     default:
       return Status(Code::kStorage, what);
   }
+}
+
+// The same for whoever asked: no path, no words of SQLite's.
+Status WithoutDetail(int code) {
+  switch (code & 0xff) {
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+      return Status(Code::kUnavailable,
+                    "the database is busy with another process's write; try again");
+    case SQLITE_FULL:
+      return Status(Code::kStorage, "the database's disk is full; free some disk space");
+    case SQLITE_READONLY:
+    case SQLITE_CANTOPEN:
+    case SQLITE_PERM:
+      return Status(Code::kStorage,
+                    "the database may not be written; make the data folder and its files writable "
+                    "for the server's user");
+    case SQLITE_CORRUPT:
+    case SQLITE_NOTADB:
+      return Status(Code::kStorage, "the database is damaged, restore a backup");
+    case SQLITE_CONSTRAINT:
+      return Status(Code::kConflict,
+                    "this does not go with what is stored: something is there already, or what it "
+                    "names is not there; read it again, then try again");
+    default:
+      return Status(Code::kStorage, "the database failed; the log says why");
+  }
+}
+
+// A name that is taken is everyday life.
+bool IsRoutine(int code) {
+  return code == SQLITE_CONSTRAINT_UNIQUE || code == SQLITE_CONSTRAINT_PRIMARYKEY;
 }
 
 }  // namespace
@@ -66,7 +100,7 @@ Result<std::unique_ptr<Db>> Db::Open(const std::filesystem::path& path, Mode mod
 }
 
 Db::~Db() {
-  for (auto& [sql, statement] : statements_) sqlite3_finalize(statement);
+  for (auto& [sql, kept] : statements_) sqlite3_finalize(kept.statement);
   sqlite3_close_v2(handle_);
 }
 
@@ -110,29 +144,55 @@ Status Db::CopyTo(const std::filesystem::path& target, const CopyProgress& progr
 Status Db::Error() const {
   const int code = sqlite3_errcode(handle_) & 0xff;
   damaged_ = damaged_ || code == SQLITE_CORRUPT || code == SQLITE_NOTADB;
-  return ErrorOf(handle_, path_);
+  const int detail = sqlite3_extended_errcode(handle_);
+  if (!IsRoutine(detail)) {
+    spdlog::warn("database: {} (SQLite {})", ErrorOf(handle_, path_).message(), detail);
+  }
+  return WithoutDetail(detail);
 }
 
-sqlite3_stmt* Db::Take(const char* sql, Status& status) {
-  auto [at, fresh] = statements_.try_emplace(sql, nullptr);
-  if (at->second == nullptr && sqlite3_prepare_v3(handle_, sql, -1, SQLITE_PREPARE_PERSISTENT,
-                                                  &at->second, nullptr) != SQLITE_OK) {
-    status = Error();
-    statements_.erase(at);
-    return nullptr;
+void Db::DropOldest() {
+  auto oldest = statements_.end();
+  for (auto at = statements_.begin(); at != statements_.end(); ++at) {
+    if (at->second.users > 0) continue;
+    if (oldest == statements_.end() || at->second.last_use < oldest->second.last_use) oldest = at;
   }
-  ENAMEL_CHECK(!sqlite3_stmt_busy(at->second));
-  return at->second;
+  if (oldest == statements_.end()) return;
+  sqlite3_finalize(oldest->second.statement);
+  statements_.erase(oldest);
+}
+
+Db::Kept* Db::Take(const char* sql, Status& status) {
+  auto at = statements_.find(sql);
+  if (at == statements_.end()) {
+    if (statements_.size() >= kMaxStatements) DropOldest();
+    Kept fresh;
+    if (sqlite3_prepare_v3(handle_, sql, -1, SQLITE_PREPARE_PERSISTENT, &fresh.statement,
+                           nullptr) != SQLITE_OK) {
+      status = Error();
+      return nullptr;
+    }
+    at = statements_.emplace(sql, fresh).first;
+  }
+  Kept& kept = at->second;
+  ENAMEL_CHECK(!sqlite3_stmt_busy(kept.statement));
+  ++kept.users;
+  kept.last_use = ++uses_;
+  return &kept;
 }
 
 Query::Query(Db& db, const char* sql) : Query(db, sql, kNoTenant) { Bind(kTenant); }
 
-Query::Query(Db& db, const char* sql, NoTenant) : db_(db) { statement_ = db.Take(sql, status_); }
+Query::Query(Db& db, const char* sql, NoTenant) : db_(db) {
+  kept_ = db.Take(sql, status_);
+  if (kept_ != nullptr) statement_ = kept_->statement;
+}
 
 Query::~Query() {
   if (statement_ == nullptr) return;
   sqlite3_reset(statement_);
   sqlite3_clear_bindings(statement_);
+  --kept_->users;
 }
 
 void Query::Check(int rc) {

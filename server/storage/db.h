@@ -17,9 +17,11 @@
 // A thin, checked layer over SQLite's C interface. Only server/storage includes it.
 namespace enamel::server::sqlite {
 
-// One connection. Thread safety: one thread at a time. Statements are prepared once and kept.
+// One connection. Thread safety: one thread at a time. Statements are prepared once and kept, up to
+// kMaxStatements; beyond that the one that was not used for longest goes.
 class Db {
  public:
+  static constexpr size_t kMaxStatements = 256;
   enum class Mode { kReadWrite, kReadOnly };
   // WAL, synchronous=FULL, foreign keys on, waits up to 10 s for another process's write.
   // `vfs`: SQLite's name of the file layer to use; empty: its own.
@@ -41,24 +43,33 @@ class Db {
   // it). `done`: pages copied and in all. The copy is one file, synced.
   using CopyProgress = std::function<void(int done, int all)>;
   Status CopyTo(const std::filesystem::path& target, const CopyProgress& progress);
-  // The last failure as a Status; says what to do where that is known.
+  // The last failure as a Status for whoever asked; says what to do where that is known. Path and
+  // SQLite's words go to the log.
   Status Error() const;
   // SQLite has found the file itself damaged since it was opened.
   bool damaged() const { return damaged_; }
   const std::string& path() const { return path_; }
+  size_t kept_statements() const { return statements_.size(); }
 
  private:
   friend class Query;
+  struct Kept {
+    sqlite3_stmt* statement = nullptr;
+    int users = 0;
+    uint64_t last_use = 0;
+  };
   Db(sqlite3* handle, std::string path, std::function<bool()> fail_next)
       : handle_(handle), path_(std::move(path)), fail_next_(std::move(fail_next)) {}
-  sqlite3_stmt* Take(const char* sql, Status& status);
+  Kept* Take(const char* sql, Status& status);
+  void DropOldest();
   bool InjectedFailure() const { return fail_next_ && fail_next_(); }
 
   sqlite3* handle_;
   std::string path_;
   std::function<bool()> fail_next_;
   mutable bool damaged_ = false;
-  std::unordered_map<std::string, sqlite3_stmt*> statements_;
+  std::unordered_map<std::string, Kept> statements_;
+  uint64_t uses_ = 0;
 };
 
 // One use of a prepared statement. ?1 is always the tenant; Bind fills ?2, ?3, … in order.
@@ -103,6 +114,7 @@ class Query {
   void Check(int rc);
 
   Db& db_;
+  Db::Kept* kept_ = nullptr;
   sqlite3_stmt* statement_ = nullptr;
   int next_parameter_ = 1;
   Status status_;

@@ -167,6 +167,11 @@ Result<ErasureReport> SqliteStore::ErasePerson(const Uuid& person, bool with_ref
   }
   auto alone = TakeUpkeepLock(folder_, FolderLock::Mode::kExclusive);
   if (!alone.ok()) return alone.status();
+  ENAMEL_RETURN_IF_ERROR(Read([&](Db& db) -> Result<bool> {
+                           Status others = MustNotBeTheOnlyAdmin(db, *found);
+                           if (!others.ok()) return others;
+                           return true;
+                         }).status());
   Tombstone tombstone{TombstoneOf(person), NowMs()};
   ENAMEL_RETURN_IF_ERROR(MarkForRewrite());
   ENAMEL_RETURN_IF_ERROR(keyring_.Destroy(person, tombstone.erased_ms));

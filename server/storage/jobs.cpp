@@ -56,10 +56,13 @@ Status GiveUp(Db& db, JobRow job, const std::string& error) {
   return EndRun(db, job.attempt, AttemptState::kFailed, error);
 }
 
+// One run of an attempt at a time: two would end in any order.
 Result<std::optional<JobRow>> NextJob(Db& db, UnixMs now_ms) {
   Query q(db,
-          "SELECT id, kind, attempt, state, tries, error, cause FROM jobs WHERE tenant = ?1 AND "
-          "(state = 'queued' OR (state = 'running' AND lease_until_ms < ?2)) ORDER BY id LIMIT 1");
+          "SELECT id, kind, attempt, state, tries, error, cause FROM jobs j WHERE tenant = ?1 AND "
+          "((state = 'queued' AND NOT EXISTS (SELECT 1 FROM jobs r WHERE r.tenant = j.tenant AND "
+          "r.attempt = j.attempt AND r.state = 'running')) OR (state = 'running' AND "
+          "lease_until_ms < ?2)) ORDER BY id LIMIT 1");
   std::optional<JobRow> out;
   if (q.Bind(now_ms).Next()) out = JobOf(q);
   if (!q.status().ok()) return q.status();

@@ -19,20 +19,10 @@ Result<Person> OnePerson(Query& q, const std::string& what) {
   return Status(Code::kNotFound, "no person " + what);
 }
 
-// Somebody has to be able to let others in.
+bool Admits(const Person& person) { return person.role == Role::kAdmin && !person.disabled; }
+
 Status KeepAnAdmin(Db& db, const Person& before, const Person& after) {
-  auto admits = [](const Person& person) {
-    return person.role == Role::kAdmin && !person.disabled;
-  };
-  if (!admits(before) || admits(after)) return Status::Ok();
-  Query q(
-      db,
-      "SELECT 1 FROM people WHERE tenant = ?1 AND role = 3 AND disabled = 0 AND id <> ?2 LIMIT 1");
-  if (q.Bind(before.id).Next()) return Status::Ok();
-  if (!q.status().ok()) return q.status();
-  return Status(Code::kConflict, "\"" + before.login +
-                                     "\" is the only admin who may sign in; make somebody else an "
-                                     "admin first");
+  return Admits(after) ? Status::Ok() : MustNotBeTheOnlyAdmin(db, before);
 }
 
 // What of a person is edited, for the audit trail: a name only where it changes.
@@ -99,6 +89,19 @@ Status DeleteSessions(Db& db, const Uuid& person) {
   return Query(db, "DELETE FROM sessions WHERE tenant = ?1 AND person = ?2").Bind(person).Run();
 }
 
+// Somebody has to be able to let others in.
+Status MustNotBeTheOnlyAdmin(Db& db, const Person& person) {
+  if (!Admits(person)) return Status::Ok();
+  Query q(
+      db,
+      "SELECT 1 FROM people WHERE tenant = ?1 AND role = 3 AND disabled = 0 AND id <> ?2 LIMIT 1");
+  if (q.Bind(person.id).Next()) return Status::Ok();
+  if (!q.status().ok()) return q.status();
+  return Status(Code::kConflict, "\"" + person.login +
+                                     "\" is the only admin who may sign in; make somebody else an "
+                                     "admin first");
+}
+
 Status InsertPerson(Db& db, const Person& person, const std::string& verifier, const Actor& by) {
   Query q(db,
           "INSERT INTO people (tenant, id, login, display_name, role, disabled, created_ms, "
@@ -124,6 +127,9 @@ Result<Uuid> SqliteStore::CreatePerson(const Person& person, const std::string& 
                                        const std::vector<Uuid>& cohorts, const Actor& by) {
   Person row = person;
   if (row.id.IsZero()) row.id = Uuid::New();
+  if (keyring_.IsGone(row.id)) {
+    return Status(Code::kConflict, "person " + row.id.Text() + " was erased and stays so", "id");
+  }
   Status status = Write([&](Db& db) -> Status {
     ENAMEL_RETURN_IF_ERROR(InsertPerson(db, row, password_verifier, by));
     for (const Uuid& cohort : cohorts) {

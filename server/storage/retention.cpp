@@ -32,10 +32,19 @@ constexpr Rule kRules[] = {
      "a.ticketed_ms < ?2)"},
 };
 // Never touched: references, and what a job may be reading.
-constexpr char kNotInUse[] =
-    " AND NOT EXISTS (SELECT 1 FROM reference_cuts r WHERE r.tenant = a.tenant AND r.attempt = "
-    "a.id) AND NOT EXISTS (SELECT 1 FROM jobs j WHERE j.tenant = a.tenant AND j.attempt = a.id "
-    "AND j.state IN ('queued', 'running')) ORDER BY a.id";
+#define ENAMEL_NOT_IN_USE                                                                          \
+  " AND NOT EXISTS (SELECT 1 FROM reference_cuts r WHERE r.tenant = a.tenant AND r.attempt = "     \
+  "a.id) AND NOT EXISTS (SELECT 1 FROM jobs j WHERE j.tenant = a.tenant AND j.attempt = a.id AND " \
+  "j.state IN ('queued', 'running'))"
+
+// What somebody still has to decide about: an appeal without an answer, and a student's graded work
+// that is neither released nor excused (IsReleasedFirst in server/training/access.h).
+#define ENAMEL_HELD                                                                                \
+  "(EXISTS (SELECT 1 FROM appeals o WHERE o.tenant = a.tenant AND o.attempt = a.id AND o.state = " \
+  "'open') OR (a.state IN (3, 5, 6) AND a.released = 0 AND a.as_reference = 0 AND a.flags & 32 = " \
+  "0 AND (a.exam = 1 OR (a.flags & 64 <> 0 AND a.assignment IS NULL) OR EXISTS (SELECT 1 FROM "    \
+  "exercises e WHERE e.tenant = a.tenant AND e.id = a.exercise AND e.graded = 1)) AND EXISTS "     \
+  "(SELECT 1 FROM people p WHERE p.tenant = a.tenant AND p.id = a.person AND p.role = 1)))"
 
 const Rule* FindRule(const std::string& what) {
   auto found = std::ranges::find(kRules, what, &Rule::what);
@@ -58,16 +67,25 @@ std::vector<Uuid>& ListOf(RetentionReport& report, const std::string& what) {
 Status FindDue(Db& db, UnixMs now_ms, RetentionReport& report) {
   auto rules = RulesIn(db);
   if (!rules.ok()) return rules.status();
+  std::set<Uuid> held;
   for (const RetentionRule& row : *rules) {
     const Rule* rule = FindRule(row.what);
     ENAMEL_CHECK(rule != nullptr);
-    std::string sql = std::string("SELECT a.id FROM attempts a WHERE a.tenant = ?1 AND (") +
-                      rule->condition + ")" + kNotInUse;
+    std::string sql =
+        std::string("SELECT a.id, " ENAMEL_HELD " FROM attempts a WHERE a.tenant = ?1 AND (") +
+        rule->condition + ")" ENAMEL_NOT_IN_USE " ORDER BY a.id";
     Query q(db, sql.c_str());
     q.Bind(now_ms - int64_t{std::max(row.days, rule->min_days)} * kDayMs);
-    while (q.Next()) ListOf(report, row.what).push_back(q.Id(0));
+    while (q.Next()) {
+      if (q.Int(1) != 0) {
+        held.insert(q.Id(0));
+      } else {
+        ListOf(report, row.what).push_back(q.Id(0));
+      }
+    }
     ENAMEL_RETURN_IF_ERROR(q.status());
   }
+  report.held = held.size();
   // What goes as a whole needs no step before.
   std::erase_if(report.recordings,
                 [&](const Uuid& id) { return std::ranges::binary_search(report.attempts, id); });

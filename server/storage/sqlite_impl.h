@@ -168,12 +168,15 @@ class SqliteStore final : public Store {
   Result<AttemptResult> ResultOf(const Uuid& attempt) override;
   Status SetProgress(const Uuid& job, double progress) override;
   Result<std::vector<ResultRow>> ResultsOf(const Uuid& attempt) override;
-  Status ReleaseAttempt(const Uuid& attempt, const Actor& by) override;
-  Status WithdrawRelease(const Uuid& attempt, const Actor& by) override;
+  Status ReleaseAttempt(const Uuid& attempt, const Actor& by,
+                        std::optional<int32_t> revision) override;
+  Status WithdrawRelease(const Uuid& attempt, const Actor& by,
+                         std::optional<int32_t> revision) override;
   Status OverrideScore(const Uuid& attempt, const std::optional<ScoreOverride>& score,
-                       const Actor& by) override;
+                       const Actor& by, std::optional<int32_t> revision) override;
   Status FlagAttempt(const Uuid& attempt, uint32_t flags, const std::string& reason,
-                     const Actor& by) override;
+                     const Actor& by, std::optional<int32_t> revision) override;
+  Result<std::vector<ContradictionRow>> ContradictionsOf(const Uuid& attempt) override;
   Status Rescore(const Uuid& attempt, const std::string& cause, const Actor& by) override;
   Result<AnnotationRow> AddAnnotation(const AnnotationRow& row, const Actor& by) override;
   Result<AnnotationRow> ReplaceAnnotation(const AnnotationRow& row, const Actor& by) override;
@@ -208,6 +211,7 @@ class SqliteStore final : public Store {
   Status SetRetention(const RetentionRule& rule, const Actor& by) override;
   Result<RetentionReport> ApplyRetention(UnixMs now_ms, bool dry_run, const Actor& by) override;
   StoreHealth Health() override;
+  Status TryWrite() override;
 
   // What is erased here, in the key ring or in the database, is erased in both: after a restore of
   // either, and after a crash in between.
@@ -249,6 +253,8 @@ class SqliteStore final : public Store {
 
   Status RepeatedAfterSeal(const ChunkPut& chunk);
   Status MoveTraceToBlob(const trace::Seal& seal, Sha256& blob);
+  // Seals a quarantined attempt that was not, with what is committed.
+  Status AcceptCommitted(const Uuid& attempt, const Actor& by);
 
   static constexpr size_t kMaxRemembered = 50'000;
 
@@ -284,6 +290,12 @@ Status MustBeRevision(int32_t stored, int32_t expected);
 // kForbidden when the terms of the row's assignment leave no attempt to its person.
 Status MayBeIssued(Db& db, const AttemptRow& row);
 Status SetReleased(Db& db, const Uuid& attempt, bool released, const Actor& by);
+// Sets bits of AttemptFlag that are not set, with an audit row.
+Status SetFlags(Db& db, const Uuid& attempt, uint32_t flags, const std::string& reason,
+                const Actor& by);
+Status RaiseRevision(Db& db, const Uuid& attempt);
+// kConflict when the person is the only admin who may sign in.
+Status MustNotBeTheOnlyAdmin(Db& db, const Person& person);
 // Jobs that a worker of an earlier process held may be taken again at once.
 Status EndLeases(Db& db);
 Result<AttemptRow> FindAttempt(Db& db, const Uuid& id);

@@ -1,5 +1,6 @@
 #include "server/storage/sqlite_store.h"
 
+#include <spdlog/spdlog.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -27,12 +28,14 @@ Result<std::unique_ptr<Db>> Readers::Take() {
     ++open_;
   }
   auto db = Db::Open(path_, Db::Mode::kReadOnly, vfs_);
-  if (!db.ok()) {
+  if (db.ok()) return db;
+  {
     std::lock_guard lock(mutex_);
     --open_;
     returned_.notify_one();
   }
-  return db;
+  spdlog::warn("database: {}", db.status().message());
+  return Status(db.status().code(), "the database cannot be read; the log says why");
 }
 
 void Readers::Return(std::unique_ptr<Db> db) {
@@ -136,6 +139,16 @@ StoreHealth SqliteStore::Health() {
   }
   out.takes_recordings = out.problem.empty();
   return out;
+}
+
+Status SqliteStore::TryWrite() {
+  if (writer_.last_failure().ok() || writer_.damaged()) return Status::Ok();
+  return Write([](Db& db) -> Status {
+    Query q(db,
+            "INSERT INTO write_probe (tenant, at_ms) VALUES (?1, ?2) ON CONFLICT (tenant) DO "
+            "UPDATE SET at_ms = ?2");
+    return q.Bind(NowMs()).Run();
+  });
 }
 
 Status SqliteStore::MarkForRewrite() { return WriteFileDurably(folder_ / kRewriteMark, {}); }

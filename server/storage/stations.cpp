@@ -35,6 +35,32 @@ Result<StationRow> FindStation(Db& db, const Uuid& id) {
   return OneStation(q.Bind(id), id);
 }
 
+// A station comes back under its old id: with the key it had, or where nothing is known of it.
+Status MayComeBack(Db& db, const StationRow& station) {
+  auto stored = FindStation(db, station.id);
+  if (stored.status().code() == Code::kNotFound) return Status::Ok();
+  if (!stored.ok()) return stored.status();
+  if (stored->public_key != station.public_key) {
+    return Status(Code::kConflict,
+                  "station " + station.id.Text() + " has another key; enrol as a new station",
+                  "station_id");
+  }
+  if (!stored->revoked) return Status::Ok();
+  return Status(Code::kConflict,
+                "station " + station.id.Text() + " was revoked for good; enrol as a new station",
+                "station_id");
+}
+
+Status PutStation(Db& db, const StationRow& station, const Sha256& credential_hash) {
+  Query q(db,
+          "INSERT INTO stations (tenant, id, name, public_key, credential_hash, enrolled_ms, "
+          "last_seen_ms) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?6) ON CONFLICT (tenant, id) DO UPDATE "
+          "SET name = ?3, credential_hash = ?5, enrolled_ms = ?6, last_seen_ms = ?6, revision = "
+          "revision + 1");
+  q.Bind(station.id).Bind(station.name).Bind(Bytes(station.public_key)).Bind(credential_hash);
+  return q.Bind(station.enrolled_ms).Run();
+}
+
 }  // namespace
 
 Result<Uuid> SqliteStore::AddEnrolCode(const Sha256& code_hash, UnixMs expires_ms,
@@ -87,7 +113,8 @@ Status SqliteStore::WithdrawEnrolCode(const Uuid& id, const Actor& by) {
 
 Result<StationRow> SqliteStore::EnrolStation(const Sha256& code_hash, StationRow station,
                                              const Sha256& credential_hash, UnixMs now_ms) {
-  if (station.id.IsZero()) station.id = Uuid::New();
+  const bool again = !station.id.IsZero();
+  if (!again) station.id = Uuid::New();
   station.enrolled_ms = station.last_seen_ms = now_ms;
   Status status = Write([&](Db& db) -> Status {
     Query use(db,
@@ -98,18 +125,11 @@ Result<StationRow> SqliteStore::EnrolStation(const Sha256& code_hash, StationRow
       return Status(Code::kUnauthenticated,
                     "the enrolment code is unknown, used or expired; ask an admin for a new one");
     }
-    Query q(db,
-            "INSERT INTO stations (tenant, id, name, public_key, credential_hash, enrolled_ms, "
-            "last_seen_ms) "
-            "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?6)");
-    q.Bind(station.id)
-        .Bind(station.name)
-        .Bind(Bytes(station.public_key))
-        .Bind(credential_hash)
-        .Bind(now_ms);
-    ENAMEL_RETURN_IF_ERROR(q.Run());
-    return WriteAudit(db, Actor{{}, "station " + station.name}, "station.enrol", station.id.Text(),
-                      "{}", JsonOf({{"name", station.name}}));
+    if (again) ENAMEL_RETURN_IF_ERROR(MayComeBack(db, station));
+    ENAMEL_RETURN_IF_ERROR(PutStation(db, station, credential_hash));
+    return WriteAudit(db, Actor{{}, "station " + station.name},
+                      again ? "station.enrol_again" : "station.enrol", station.id.Text(), "{}",
+                      JsonOf({{"name", station.name}}));
   });
   if (!status.ok()) return status;
   return station;

@@ -99,8 +99,9 @@ struct ErasureReport {
 //                 may still upload (schemas/wire/README.md)
 //   "recordings"  since sealing: trace, final volume, surface and force series go, the score stays
 //   "attempts"    since sealing (quarantined ones: since their ticket): all of it
-// Reference cuts and attempts with a job in the queue are never touched; quarantined ones, being
-// evidence, only by "attempts".
+// Reference cuts, attempts with a job in the queue, with an appeal that waits for its answer, and
+// students' graded work that is neither released nor excused are never touched; quarantined ones,
+// being evidence, only by "attempts".
 struct RetentionRule {
   std::string what;
   int32_t days = 0;
@@ -110,6 +111,7 @@ struct RetentionRule {
 struct RetentionReport {
   std::vector<Uuid> unfinished, recordings, attempts;
   size_t blobs = 0;  // removed with them
+  size_t held = 0;   // due as well, but kept for an appeal's answer or for their release
 };
 
 // How the store does. Counters are since it was opened.
@@ -192,6 +194,8 @@ class Store {
   virtual Result<std::vector<EnrolCodeRow>> OpenEnrolCodes(UnixMs now_ms) = 0;
   // Errors: kNotFound, kConflict (used already).
   virtual Status WithdrawEnrolCode(const Uuid& id, const Actor& by) = 0;
+  // With an id: the station as it was enrolled before, under its old id, also where a restore has
+  // forgotten it. Errors also: kConflict (that id has another key, or was revoked).
   virtual Result<StationRow> EnrolStation(const Sha256& code_hash, StationRow station,
                                           const Sha256& credential_hash, UnixMs now_ms) = 0;
   virtual Result<StationRow> StationByCredential(const Uuid& id, const Sha256& credential_hash) = 0;
@@ -278,7 +282,8 @@ class Store {
   // attempt, one header. With an assignment: kForbidden when its attempt limit is used up (field
   // "attempt_limit"), or, as an exam, when the person has another exam attempt that is not sealed
   // (field "exam"), unless kReadmitted is set; decided in the transaction, so that two stations
-  // cannot both have the last one.
+  // cannot both have the last one. Errors also: kNotFound with field "person", "station" or
+  // "exercise" (which is not here), kConflict with field "person" (erased).
   virtual Status CreateAttempt(const AttemptRow& row, ByteView ticket, const Actor& by) = 0;
   // The attempt's ticket was handed back unused: sets kReturned, and the attempt can no longer be
   // opened. Again: nothing changes. Errors: kNotFound, kConflict (it was opened).
@@ -317,7 +322,8 @@ class Store {
     double score = 0;
     bool critical_fail = false;
     Sha256 score_json, final_volume, surface, series;
-    std::optional<Uuid> reference;  // none when the exercise has no reference yet
+    std::optional<Uuid> reference;      // none when the exercise has no reference yet
+    double replay_realtime_factor = 0;  // recorded time / replay time: of the machine, not the work
   };
   // `job`: the run that made it, whose cause is kept with it; zero: none did, the cause is "seal".
   // Errors also: kUnavailable (that run was cancelled, or is over).
@@ -329,17 +335,25 @@ class Store {
   virtual Result<std::vector<ResultRow>> ResultsOf(const Uuid& attempt) = 0;
   // Of a run's attempt. kUnavailable: it was cancelled, or is over; stop.
   virtual Status SetProgress(const Uuid& job, double progress) = 0;
-  virtual Status ReleaseAttempt(const Uuid& attempt, const Actor& by) = 0;
-  virtual Status WithdrawRelease(const Uuid& attempt, const Actor& by) = 0;
+  // Judging: each of these, and another score, raises AttemptRow::revision when it changes
+  // something. `revision`: the one that was seen; none: whatever it is. Errors also: kConflict with
+  // field kStale.
+  virtual Status ReleaseAttempt(const Uuid& attempt, const Actor& by,
+                                std::optional<int32_t> revision = {}) = 0;
+  virtual Status WithdrawRelease(const Uuid& attempt, const Actor& by,
+                                 std::optional<int32_t> revision = {}) = 0;
   // None: the computed score counts again. Errors: kNotFound, kConflict (not scored).
   virtual Status OverrideScore(const Uuid& attempt, const std::optional<ScoreOverride>& score,
-                               const Actor& by) = 0;
+                               const Actor& by, std::optional<int32_t> revision = {}) = 0;
   // Sets bits of AttemptFlag, with the reason in the audit trail; nothing changes when they are
   // set.
   virtual Status FlagAttempt(const Uuid& attempt, uint32_t flags, const std::string& reason,
-                             const Actor& by) = 0;
-  // Queues a scoring run with the exercise's newest reference. Errors: kConflict (not sealed, a run
-  // is queued, recording removed).
+                             const Actor& by, std::optional<int32_t> revision = {}) = 0;
+  // The chunks that contradict committed ones, as far as they were kept; by number.
+  virtual Result<std::vector<ContradictionRow>> ContradictionsOf(const Uuid& attempt) = 0;
+  // Queues a scoring run with the exercise's newest reference. Of a quarantined attempt this
+  // accepts what is committed: one that was not sealed is sealed with that. Errors: kConflict (not
+  // sealed, a run is queued, recording removed).
   virtual Status Rescore(const Uuid& attempt, const std::string& cause, const Actor& by) = 0;
 
   virtual Result<AnnotationRow> AddAnnotation(const AnnotationRow& row, const Actor& by) = 0;
@@ -397,7 +411,8 @@ class Store {
   // audit trail keeps the id, which nothing leads to any more, and a tombstone stays, so that the
   // person is erased again after a restore. Scores of others that were compared with a reference
   // cut of this person stay. Idempotent after a failure. Errors: kNotFound; kConflict (the person's
-  // attempts are references and `with_references` is not set); kUnavailable (a backup is running).
+  // attempts are references and `with_references` is not set; the only admin who may sign in);
+  // kUnavailable (a backup is running).
   virtual Result<ErasureReport> ErasePerson(const Uuid& person, bool with_references,
                                             const Actor& by) = 0;
 
@@ -410,6 +425,9 @@ class Store {
 
   // Never fails: trouble is what it tells.
   virtual StoreHealth Health() = 0;
+  // After a write that failed: writes something small, so that Health knows whether writing works
+  // again. Else nothing.
+  virtual Status TryWrite() = 0;
 };
 
 }  // namespace enamel::server

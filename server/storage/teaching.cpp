@@ -57,6 +57,15 @@ Json OverrideJson(const std::optional<ScoreOverride>& score) {
   return JsonOf({{"score", std::to_string(score->score)}, {"reason", score->reason}});
 }
 
+// The attempt as the caller has seen it.
+Result<AttemptRow> FindSeen(Db& db, const Uuid& attempt, std::optional<int32_t> revision) {
+  auto row = FindAttempt(db, attempt);
+  if (row.ok() && revision) {
+    if (Status same = MustBeRevision(row->revision, *revision); !same.ok()) return same;
+  }
+  return row;
+}
+
 // Queues a run; the attempt must have its whole recording.
 Status QueueAgain(Db& db, const Uuid& attempt, const std::string& cause) {
   auto row = FindAttempt(db, attempt);
@@ -87,7 +96,28 @@ Status QueueAgain(Db& db, const Uuid& attempt, const std::string& cause) {
 
 }  // namespace
 
+Status RaiseRevision(Db& db, const Uuid& attempt) {
+  Query q(db, "UPDATE attempts SET revision = revision + 1 WHERE tenant = ?1 AND id = ?2");
+  return q.Bind(attempt).Run();
+}
+
+Status SetFlags(Db& db, const Uuid& attempt, uint32_t flags, const std::string& reason,
+                const Actor& by) {
+  auto row = FindAttempt(db, attempt);
+  if (!row.ok()) return row.status();
+  if ((row->flags & flags) == flags) return Status::Ok();
+  Query q(db, "UPDATE attempts SET flags = flags | ?3 WHERE tenant = ?1 AND id = ?2");
+  ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(int64_t{flags}).Run());
+  ENAMEL_RETURN_IF_ERROR(RaiseRevision(db, attempt));
+  std::string names;
+  for (const char* name : AttemptFlagNames(flags))
+    names += (names.empty() ? "" : " ") + std::string(name);
+  return WriteAudit(db, by, "attempt.flag", attempt.Text(), "{}",
+                    JsonOf({{"flags", names}, {"reason", reason}}));
+}
+
 Status SetReleased(Db& db, const Uuid& attempt, bool released, const Actor& by) {
+  ENAMEL_RETURN_IF_ERROR(RaiseRevision(db, attempt));
   Query q(db, "UPDATE attempts SET released = ?3 WHERE tenant = ?1 AND id = ?2");
   ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(int64_t{released}).Run());
   return WriteAudit(db, by, released ? "attempt.release" : "attempt.unrelease", attempt.Text(),
@@ -95,9 +125,10 @@ Status SetReleased(Db& db, const Uuid& attempt, bool released, const Actor& by) 
                     JsonOf({{"released", released ? "yes" : "no"}}));
 }
 
-Status SqliteStore::ReleaseAttempt(const Uuid& attempt, const Actor& by) {
+Status SqliteStore::ReleaseAttempt(const Uuid& attempt, const Actor& by,
+                                   std::optional<int32_t> revision) {
   return Write([&](Db& db) -> Status {
-    auto row = FindAttempt(db, attempt);
+    auto row = FindSeen(db, attempt, revision);
     if (!row.ok()) return row.status();
     if (row->state != AttemptState::kScored) {
       return Status(Code::kConflict, "attempt " + attempt.Text() + " is " +
@@ -108,18 +139,19 @@ Status SqliteStore::ReleaseAttempt(const Uuid& attempt, const Actor& by) {
   });
 }
 
-Status SqliteStore::WithdrawRelease(const Uuid& attempt, const Actor& by) {
+Status SqliteStore::WithdrawRelease(const Uuid& attempt, const Actor& by,
+                                    std::optional<int32_t> revision) {
   return Write([&](Db& db) -> Status {
-    auto row = FindAttempt(db, attempt);
+    auto row = FindSeen(db, attempt, revision);
     if (!row.ok()) return row.status();
     return row->released ? SetReleased(db, attempt, false, by) : Status::Ok();
   });
 }
 
 Status SqliteStore::OverrideScore(const Uuid& attempt, const std::optional<ScoreOverride>& score,
-                                  const Actor& by) {
+                                  const Actor& by, std::optional<int32_t> revision) {
   return Write([&](Db& db) -> Status {
-    auto row = FindAttempt(db, attempt);
+    auto row = FindSeen(db, attempt, revision);
     if (!row.ok()) return row.status();
     if (score && !row->score) {
       return Status(Code::kConflict, "attempt " + attempt.Text() + " is " +
@@ -139,28 +171,23 @@ Status SqliteStore::OverrideScore(const Uuid& attempt, const std::optional<Score
       }
       ENAMEL_RETURN_IF_ERROR(q.Run());
     }
+    ENAMEL_RETURN_IF_ERROR(RaiseRevision(db, attempt));
     return WriteAudit(db, by, "attempt.override", attempt.Text(), OverrideJson(row->overridden),
                       OverrideJson(score));
   });
 }
 
 Status SqliteStore::FlagAttempt(const Uuid& attempt, uint32_t flags, const std::string& reason,
-                                const Actor& by) {
+                                const Actor& by, std::optional<int32_t> revision) {
   return Write([&](Db& db) -> Status {
-    auto row = FindAttempt(db, attempt);
+    auto row = FindSeen(db, attempt, revision);
     if (!row.ok()) return row.status();
-    if ((row->flags & flags) == flags) return Status::Ok();
-    Query q(db, "UPDATE attempts SET flags = flags | ?3 WHERE tenant = ?1 AND id = ?2");
-    ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(int64_t{flags}).Run());
-    std::string names;
-    for (const char* name : AttemptFlagNames(flags))
-      names += (names.empty() ? "" : " ") + std::string(name);
-    return WriteAudit(db, by, "attempt.flag", attempt.Text(), "{}",
-                      JsonOf({{"flags", names}, {"reason", reason}}));
+    return SetFlags(db, attempt, flags, reason, by);
   });
 }
 
 Status SqliteStore::Rescore(const Uuid& attempt, const std::string& cause, const Actor& by) {
+  ENAMEL_RETURN_IF_ERROR(AcceptCommitted(attempt, by));
   return Write([&](Db& db) -> Status {
     auto row = FindAttempt(db, attempt);
     if (!row.ok()) return row.status();
@@ -174,8 +201,9 @@ Status SqliteStore::Rescore(const Uuid& attempt, const std::string& cause, const
 Result<std::vector<ResultRow>> SqliteStore::ResultsOf(const Uuid& attempt) {
   return Read([&](Db& db) -> Result<std::vector<ResultRow>> {
     Query q(db,
-            "SELECT run, scored_ms, cause, score, critical_fail, score_json, reference FROM "
-            "attempt_results WHERE tenant = ?1 AND attempt = ?2 ORDER BY run DESC");
+            "SELECT run, scored_ms, cause, score, critical_fail, score_json, reference, "
+            "replay_realtime_factor FROM attempt_results WHERE tenant = ?1 AND attempt = ?2 ORDER "
+            "BY run DESC");
     q.Bind(attempt);
     std::vector<ResultRow> out;
     while (q.Next()) {
@@ -187,6 +215,7 @@ Result<std::vector<ResultRow>> SqliteStore::ResultsOf(const Uuid& attempt) {
       row.critical_fail = q.Int(4) != 0;
       row.score_json = q.Hash(5);
       if (!q.IsNull(6)) row.reference = q.Id(6);
+      row.replay_realtime_factor = q.Real(7);
       out.push_back(std::move(row));
     }
     if (!q.status().ok()) return q.status();

@@ -84,7 +84,8 @@ Status Quarantine(Db& db, const Uuid& attempt, const std::string& problem) {
 }
 
 // A chunk of a number that is committed already, before the seal. After it: RepeatedAfterSeal.
-Status Repeated(Db& db, const Store::ChunkPut& chunk, ByteView sealed, bool& keep_anyway) {
+Status Repeated(Db& db, const Ingest& ingest, const Store::ChunkPut& chunk, ByteView sealed,
+                bool& keep_anyway) {
   auto stored = StoredHash(db, chunk.attempt, chunk.head.seq);
   if (!stored.ok()) return stored.status();
   if (!*stored || **stored == chunk.hash) return Status::Ok();
@@ -92,7 +93,12 @@ Status Repeated(Db& db, const Store::ChunkPut& chunk, ByteView sealed, bool& kee
                         " came twice with different content: " + (*stored)->Hex() +
                         " is committed, " + chunk.hash.Hex() + " was refused";
   ENAMEL_RETURN_IF_ERROR(KeepEvidence(db, chunk, sealed));
-  ENAMEL_RETURN_IF_ERROR(Quarantine(db, chunk.attempt, problem));
+  // Told once, however often it comes.
+  if (ingest.state != AttemptState::kQuarantined) {
+    ENAMEL_RETURN_IF_ERROR(Quarantine(db, chunk.attempt, problem));
+  }
+  Query q(db, "UPDATE attempts SET flags = flags | ?3 WHERE tenant = ?1 AND id = ?2");
+  ENAMEL_RETURN_IF_ERROR(q.Bind(chunk.attempt).Bind(int64_t{kContradicted}).Run());
   keep_anyway = true;
   return Status(Code::kConflict, problem + "; the attempt is quarantined, ask the instructor",
                 "seq");
@@ -168,6 +174,20 @@ Status SealMatches(const Ingest& ingest, const trace::Seal& seal) {
                                      "; send what is missing, then seal again");
 }
 
+Status MarkSealed(Db& db, const Uuid& attempt, const Ingest& ingest, const Sha256& blob,
+                  UnixMs now_ms, bool keep_rows) {
+  {
+    Query q(db,
+            "UPDATE attempts SET state = 3, sealed_ms = ?3, trace_blob = ?4, flags = flags | ?5 "
+            "WHERE tenant = ?1 AND id = ?2");
+    q.Bind(attempt).Bind(now_ms).Bind(blob);
+    ENAMEL_RETURN_IF_ERROR(q.Bind(int64_t{LateFlags(ingest)}).Run());
+  }
+  if (keep_rows) return Status::Ok();
+  Query q(db, "DELETE FROM trace_chunks WHERE tenant = ?1 AND attempt = ?2");
+  return q.Bind(attempt).Run();
+}
+
 Result<std::vector<Bytes>> ChunkRows(Db& db, const Uuid& attempt) {
   Query q(db, "SELECT bytes FROM trace_chunks WHERE tenant = ?1 AND attempt = ?2 ORDER BY seq");
   q.Bind(attempt);
@@ -232,7 +252,10 @@ Status SqliteStore::RepeatedAfterSeal(const ChunkPut& chunk) {
   auto key = KeyOf(chunk.attempt);
   if (!key.ok()) return key.status();
   Bytes sealed = SealPersonal(key->person, key->key, chunk.attempt, chunk.bytes);
-  ENAMEL_RETURN_IF_ERROR(Write([&](Db& db) { return KeepEvidence(db, chunk, sealed); }));
+  ENAMEL_RETURN_IF_ERROR(Write([&](Db& db) -> Status {
+    ENAMEL_RETURN_IF_ERROR(KeepEvidence(db, chunk, sealed));
+    return SetFlags(db, chunk.attempt, kContradicted, problem, Actor{{}, "station link"});
+  }));
   return Status(Code::kConflict, problem, "hash");
 }
 
@@ -251,7 +274,7 @@ Status SqliteStore::AppendChunk(const ChunkPut& chunk) {
     }
     if (chunk.head.seq < ingest->chunks) {
       sealed_before = !ingest->trace_blob.IsZero();
-      return sealed_before ? Status::Ok() : Repeated(db, chunk, sealed, keep_anyway);
+      return sealed_before ? Status::Ok() : Repeated(db, *ingest, chunk, sealed, keep_anyway);
     }
     if (ingest->state != AttemptState::kRecording) {
       return Status(Code::kConflict, "attempt " + chunk.attempt.Text() + " is " +
@@ -317,17 +340,8 @@ Status SqliteStore::SealAttempt(const trace::Seal& seal, UnixMs now_ms) {
     if (!ingest.ok()) return ingest.status();
     if (ingest->state != AttemptState::kRecording) return Status::Ok();
     fresh = true;
-    {
-      Query q(db,
-              "UPDATE attempts SET state = 3, sealed_ms = ?3, trace_blob = ?4, flags = flags | ?5 "
-              "WHERE tenant = ?1 AND id = ?2");
-      q.Bind(seal.attempt).Bind(now_ms).Bind(blob);
-      ENAMEL_RETURN_IF_ERROR(q.Bind(int64_t{LateFlags(*ingest)}).Run());
-    }
-    if (!sealed_rows_) {
-      Query q(db, "DELETE FROM trace_chunks WHERE tenant = ?1 AND attempt = ?2");
-      ENAMEL_RETURN_IF_ERROR(q.Bind(seal.attempt).Run());
-    }
+    ENAMEL_RETURN_IF_ERROR(
+        MarkSealed(db, seal.attempt, *ingest, blob, now_ms, sealed_rows_.has_value()));
     if (ingest->exam && (ingest->flags & kFasterThanTime) != 0) {
       ENAMEL_RETURN_IF_ERROR(
           Quarantine(db, seal.attempt,
@@ -345,6 +359,46 @@ Status SqliteStore::SealAttempt(const trace::Seal& seal, UnixMs now_ms) {
     if (sealed_rows_) sealed_rows_->Add(seal.attempt);
   }
   return status;
+}
+
+Status SqliteStore::AcceptCommitted(const Uuid& attempt, const Actor& by) {
+  auto unsealed = [](const Ingest& ingest) {
+    return ingest.state == AttemptState::kQuarantined && ingest.trace_blob.IsZero() &&
+           !ingest.expired && ingest.chunks > 0;
+  };
+  auto before = Read([&](Db& db) { return FindIngest(db, attempt); });
+  if (!before.ok()) return before.status();
+  if (!unsealed(*before)) return Status::Ok();
+  ENAMEL_RETURN_IF_ERROR(MayRecord());
+  Sha256 blob;
+  ENAMEL_RETURN_IF_ERROR(MoveTraceToBlob(
+      {attempt, before->chunks, before->ticks, before->head, before->head_state_hash}, blob));
+  bool fresh = false;
+  Status status = Write([&](Db& db) -> Status {
+    auto ingest = FindIngest(db, attempt);
+    if (!ingest.ok()) return ingest.status();
+    if (!unsealed(*ingest)) return Status::Ok();
+    fresh = true;
+    ENAMEL_RETURN_IF_ERROR(
+        MarkSealed(db, attempt, *ingest, blob, NowMs(), sealed_rows_.has_value()));
+    return WriteAudit(db, by, "attempt.accept", attempt.Text(), "{}",
+                      JsonOf({{"chunks", std::to_string(ingest->chunks)}, {"trace", blob.Hex()}}));
+  });
+  if (status.ok() && fresh && sealed_rows_) sealed_rows_->Add(attempt);
+  return status;
+}
+
+Result<std::vector<ContradictionRow>> SqliteStore::ContradictionsOf(const Uuid& attempt) {
+  return Read([&](Db& db) -> Result<std::vector<ContradictionRow>> {
+    Query q(db,
+            "SELECT seq, hash, received_ms FROM contradicting_chunks WHERE tenant = ?1 AND "
+            "attempt = ?2 ORDER BY seq, received_ms, hash");
+    q.Bind(attempt);
+    std::vector<ContradictionRow> out;
+    while (q.Next()) out.push_back({static_cast<uint32_t>(q.Int(0)), q.Hash(1), q.Int(2)});
+    if (!q.status().ok()) return q.status();
+    return out;
+  });
 }
 
 Result<Bytes> SqliteStore::AttemptHeader(const Uuid& attempt) {

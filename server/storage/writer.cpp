@@ -55,7 +55,8 @@ void Writer::Commit(const std::vector<Pending*>& batch) {
   Status failure = Transact(batch);
   std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
   std::lock_guard lock(mutex_);
-  last_failure_ = failure;
+  // Busy is not broken: nothing was tried.
+  if (failure.code() != Code::kUnavailable) last_failure_ = failure;
   damaged_ = db_->damaged();
   for (const Pending* pending : batch) {
     if (pending->status.code() == Code::kStorage) last_failure_ = pending->status;

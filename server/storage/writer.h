@@ -36,7 +36,8 @@ class Writer {
   Counters counters() const;
   // The database was found damaged; stays so.
   bool damaged() const;
-  // Why the last transaction could not be written; Ok after one that could.
+  // Why the last transaction could not be written; Ok after one that could. One that found the
+  // database busy tells nothing.
   Status last_failure() const;
 
  private:

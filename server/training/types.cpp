@@ -21,7 +21,8 @@ constexpr FlagName kFlagNames[] = {{kLate, "late"},
                                    {kResumed, "resumed"},
                                    {kExcused, "excused"},
                                    {kReadmitted, "readmitted"},
-                                   {kReturned, "returned"}};
+                                   {kReturned, "returned"},
+                                   {kContradicted, "contradicted"}};
 
 }  // namespace
 

@@ -183,6 +183,7 @@ enum AttemptFlag : uint32_t {
   kOverTime = 8,        // longer than the exercise's time limit; an exam counts up to there only
   kResumed = 16,        // the station broke off and went on from what it had spooled
   kExcused = 32,        // an instructor says: counts neither against the limit nor as running
+  kContradicted = 256,  // a chunk came twice with different content
   kReadmitted = 64,     // its ticket was forgotten by a restore; its terms were worked out again
   kReturned = 128,      // its ticket was handed back unused: it counts for nothing
 };
@@ -231,6 +232,14 @@ struct AttemptRow {
   uint64_t limit_ticks = 0;  // time limit; 0: none
   uint32_t flags = 0;        // of AttemptFlag
   UnixMs last_chunk_ms = 0;  // when the newest chunk arrived
+  int32_t revision = 1;      // of the judgement: score, override, release, excuse (revision.h)
+};
+
+// A chunk that contradicts the one of its number that is committed.
+struct ContradictionRow {
+  uint32_t seq = 0;
+  Sha256 hash;
+  UnixMs received_ms = 0;
 };
 
 // One scoring run. The newest is the attempt's score.
@@ -241,7 +250,8 @@ struct ResultRow {
   double score = 0;
   bool critical_fail = false;
   Sha256 score_json;
-  std::optional<Uuid> reference;  // the attempt it was compared with
+  std::optional<Uuid> reference;      // the attempt it was compared with
+  double replay_realtime_factor = 0;  // recorded time / replay time; 0: not known
 };
 
 struct AnnotationRow {

@@ -43,16 +43,23 @@ Status EnrolStation(const EnrolOptions& options) {
   if (!server.ok()) return server.status();
   auto code = ParseEnrolCode(options.code);
   if (!code.ok()) return code.status();
-  if (fs::exists(options.data / "station.json")) {
+  std::optional<Credentials> before;
+  if (options.again) {
+    auto loaded = LoadCredentials(options.data);
+    if (!loaded.ok()) return loaded.status();
+    before = *loaded;
+  } else if (fs::exists(options.data / "station.json")) {
     return Status(Code::kConflict,
                   (options.data / "station.json").string() +
                       " exists: this station is enrolled already. Its recordings "
-                      "are signed with that key: upload them before you move it away");
+                      "are signed with that key: upload them before you move it away; with --again "
+                      "it is enrolled anew as the station it is, at a server that was restored and "
+                      "has forgotten it");
   }
   // Before the code is used up.
   ENAMEL_RETURN_IF_ERROR(MakePrivateFolder(options.data));
   ENAMEL_RETURN_IF_ERROR(CheckOutputFile(options.data / "station.json", "--data"));
-  auto credentials = ServerLink::Enrol(*server, *code, options.name);
+  auto credentials = ServerLink::Enrol(*server, *code, options.name, before);
   if (!credentials.ok()) return credentials.status();
   ENAMEL_RETURN_IF_ERROR(SaveCredentials(options.data, *credentials));
   std::printf("enrolled as station %s (%s) at %s\n", credentials->name.c_str(),

@@ -11,7 +11,9 @@ namespace enamel::station {
 
 struct EnrolOptions {
   std::filesystem::path data;
-  std::string server, code, name;
+  std::string server, code;
+  std::string name;    // empty: as before
+  bool again = false;  // under the old id and key, at a server that was restored and forgot it
 };
 Status EnrolStation(const EnrolOptions& options);
 

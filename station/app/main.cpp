@@ -246,8 +246,13 @@ int main(int argc, char** argv) {
       ->add_option("--code", enrol.code, "CODE@FINGERPRINT from 'enamel-server admin enrol-code'")
       ->required();
   enrol_cmd->add_option("--name", enrol.name, "What to call this station")->capture_default_str();
+  enrol_cmd->add_flag(
+      "--again", enrol.again,
+      "As the station it is: the server was restored and does not know it, and what "
+      "is recorded here stays good");
   enrol_cmd->callback([&] {
     enrol.data = data;
+    if (enrol.again && enrol_cmd->count("--name") == 0) enrol.name.clear();
     exit_code = Finish(EnrolStation(enrol));
   });
 

@@ -85,7 +85,7 @@ Status SendWaiting(Carrier& carrier, Spool& spool, bool as_json, json::array& se
   Status worst;
   for (const SpooledAttempt& attempt : *waiting) {
     Status status = carrier.Bring(attempt.id);
-    if (!status.ok() && IsTransient(status)) return status;
+    if (!status.ok() && IsTransient(status) && !IsAwaited(status)) return status;
     auto after = spool.Get(attempt.id);
     if (!after.ok()) return after.status();
     sent.push_back(FactsOf(*after));

@@ -4,6 +4,8 @@
 #include <thread>
 #include <utility>
 
+#include "common/protocol/messages.h"
+
 namespace enamel::station {
 namespace {
 
@@ -19,6 +21,10 @@ bool Waits(const SpooledAttempt& a) {
 bool IsTransient(const Status& status) {
   return status.code() == Code::kUnavailable || status.code() == Code::kStorage ||
          status.code() == Code::kInternal;
+}
+
+bool IsAwaited(const Status& status) {
+  return status.code() == Code::kUnavailable && status.field() == protocol::kAwaited;
 }
 
 Result<std::vector<SpooledAttempt>> WaitingAttempts(Spool& spool) {

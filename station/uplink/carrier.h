@@ -12,6 +12,9 @@ namespace enamel::station {
 
 // Whether trying again later may help.
 bool IsTransient(const Status& status);
+// Only this recording has to wait, for what an admin has to bring back to the server; it is offered
+// again, however long that takes, and others go on.
+bool IsAwaited(const Status& status);
 
 // What one connection carries from the spool to the server. At most kWindow chunks are on their way
 // without acknowledgement, and no more is in memory. Thread safety: none.

@@ -57,15 +57,19 @@ Result<wire::Reply> ServerLink::Call(wire::Request& request) {
 }
 
 Result<Credentials> ServerLink::Enrol(const net::Endpoint& server, const EnrolCode& code,
-                                      const std::string& name) {
+                                      const std::string& name,
+                                      const std::optional<Credentials>& before) {
   ServerLink link;
   ENAMEL_RETURN_IF_ERROR(link.client_.Connect(server, code.fingerprint, kTimeout));
-  trace::KeyPair keys = trace::NewKeyPair();
+  trace::KeyPair keys =
+      before ? trace::KeyPair{before->public_key(), before->secret_key} : trace::NewKeyPair();
   wire::Request request;
   auto* enrol = request.mutable_enrol();
   enrol->set_protocol_version(protocol::kProtocolVersion);
   enrol->set_code(code.code);
-  enrol->set_name(name);
+  const std::string& called = before && name.empty() ? before->name : name;
+  enrol->set_name(called);
+  if (before) enrol->set_station_id(protocol::ToField(before->station.view()));
   enrol->set_public_key(protocol::ToField(keys.public_key));
   enrol->set_software(SoftwareName());
   auto reply = link.Call(request);
@@ -82,7 +86,7 @@ Result<Credentials> ServerLink::Enrol(const net::Endpoint& server, const EnrolCo
   out.fingerprint = code.fingerprint;
   out.station = *station;
   out.credential = *credential;
-  out.name = name;
+  out.name = called;
   out.ticket_key = *ticket_key;
   out.secret_key = keys.secret_key;
   return out;

@@ -83,9 +83,11 @@ class ServerLink {
  public:
   static constexpr std::chrono::seconds kTimeout{20};
 
-  // Connects and enrols with a fresh key pair. The credentials are not yet saved.
+  // Connects and enrols with a fresh key pair, or, with `before`, as the station that it was, under
+  // its old id and key (name empty: its old one). The credentials are not yet saved.
   static Result<Credentials> Enrol(const net::Endpoint& server, const EnrolCode& code,
-                                   const std::string& name);
+                                   const std::string& name,
+                                   const std::optional<Credentials>& before = {});
 
   // Connects and says hello. Errors: kUnauthenticated (another certificate, or the station is not
   // known any more), kUnavailable.

@@ -129,6 +129,7 @@ Status Uploader::RunConnection() {
 }
 
 Status Uploader::BringWaiting(Carrier& carrier) {
+  awaited_due_.reset();
   std::set<Uuid> brought;
   while (auto attempt = NextWaiting(brought)) {
     bool preferred = false, yielded = false;
@@ -140,7 +141,11 @@ Status Uploader::BringWaiting(Carrier& carrier) {
     Status status =
         carrier.Bring(*attempt, [&] { return yielded = !preferred && PreferredWaits(); });
     Note(*attempt, status);
-    if (!status.ok() && IsTransient(status)) return status;
+    if (IsAwaited(status)) {
+      awaited_due_ = Clock::now() + kAwaitedEvery;
+    } else if (!status.ok() && IsTransient(status)) {
+      return status;
+    }
     if (!yielded) brought.insert(*attempt);
     if (!link_.connected()) return Status(Code::kUnavailable, "the connection was lost");
     ping_due_ = Clock::now() + kPingEvery;
@@ -225,6 +230,7 @@ Status Uploader::AwaitWork(Carrier& carrier) {
     bool watched = preferred_ && live_ && carrier.watched(*preferred_);
     auto until = watched ? std::min<Clock::time_point>(ping_due_, now + kLiveEvery / 4) : ping_due_;
     if (changed_.wait_until(lock, until, [&] { return wake_ || stop_; })) return Status::Ok();
+    if (awaited_due_ && Clock::now() >= *awaited_due_) return Status::Ok();
   }
 }
 

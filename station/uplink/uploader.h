@@ -40,6 +40,8 @@ class Uploader {
  public:
   static constexpr std::chrono::microseconds kLiveEvery{16'667};
   static constexpr std::chrono::seconds kPingEvery{20};
+  // What has to wait for an admin (IsAwaited) is offered again this often, at the next ping.
+  static constexpr std::chrono::minutes kAwaitedEvery{5};
 
   // Of one attempt.
   struct State {
@@ -93,6 +95,7 @@ class Uploader {
   ServerLink link_;                                                // of the thread, but for Cancel
   Backoff backoff_;                                                // of the thread
   std::chrono::steady_clock::time_point live_due_{}, ping_due_{};  // of the thread
+  std::optional<std::chrono::steady_clock::time_point> awaited_due_;  // of the thread
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;

@@ -57,7 +57,7 @@ export function attemptRow(number, person, exerciseIndex, changes = {}) {
     station: { id: id(30), name: "Station 1" }, profile: { name: "phantom_desktop", title: "Phantom Desktop" },
     state: "scored", as_reference: false, is_reference: false, released: false, score, computed_score: score, assignment_id: null, exam: false, due_ms: 0, flags: [],
     critical_fail: false, progress: 1, ticketed_ms: kStartMs + number * 7 * kMinuteMs, sealed_ms: kStartMs + number * 7 * kMinuteMs + kMinuteMs, ticks: 42_180,
-    gap_ticks: 0, chunks: 169, trace_bytes: 173_214, problem: "", override: null, appeal: null, runs: 1, ...changes,
+    gap_ticks: 0, chunks: 169, trace_bytes: 173_214, problem: "", recording_removed_ms: 0, revision: 1, override: null, appeal: null, runs: 1, ...changes,
   };
 }
 
@@ -92,7 +92,7 @@ export function scoreOf(row) {
     ].map(([name, value, unit]) => ({ name, value, unit })),
     reference_attempt: referenceDetail.attempt_id, rubric_version: 1, core_version: 1, ticks: row.ticks, gap_ticks: row.gap_ticks,
     late_ticks: row.gap_ticks > 0 ? 7 : 0, bounded_ticks: 0, witness_ok: row.gap_ticks === 0,
-    witness_note: row.gap_ticks === 0 ? "" : "the state after chunk 12 differs", replay_realtime_factor: 31.4,
+    witness_note: row.gap_ticks === 0 ? "" : "the state after chunk 12 differs",
   };
 }
 

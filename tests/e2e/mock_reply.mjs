@@ -17,15 +17,20 @@ export function page(name, rows, query, otherwise = 50) {
   return json({ [name]: rows.slice(first, first + limit), next });
 }
 
-// Carries out `change` when the caller has seen the row as it is now.
-export function edit(request, row, view, change) {
+// The refusal when the caller has not seen the row as it is now.
+export function unseen(request, row, view) {
   const seen = request.headers["if-match"];
   if (seen === undefined) return refusal(428, "precondition_required", "Send If-Match with the ETag you have read.", "if-match");
   if (seen !== `"${row.revision}"`) {
     return json({ error: { code: "precondition_failed", message: "Somebody changed it meanwhile; read it again.", field: "revision" }, current: view(row) }, 412,
                 { ETag: `"${row.revision}"` });
   }
-  const refused = change(row);
+  return undefined;
+}
+
+// Carries out `change` when the caller has seen the row as it is now.
+export function edit(request, row, view, change) {
+  const refused = unseen(request, row, view) ?? change(row);
   if (refused !== undefined) return refused;
   row.revision += 1;
   return tagged(view(row));

@@ -1,6 +1,6 @@
 // Exercises, assignments and attempts of the mock server.
 import { referenceDetail, scoreOf, seriesOf } from "./mock_data.mjs";
-import { conflict, edit, empty, forbidden, invalid, json, notFound, page, refusal, tagged } from "./mock_reply.mjs";
+import { conflict, edit, empty, forbidden, invalid, json, notFound, page, refusal, tagged, unseen } from "./mock_reply.mjs";
 import { toothSurface } from "./mock_tooth.mjs";
 import { newId } from "./mock_world.mjs";
 
@@ -134,7 +134,8 @@ function detail(world, person, row) {
   const hidden = person.role === "student" && isHidden(world, row);
   return {
     ...visible(world, person, row), duration_s: row.ticks / 1000, time_limit_s: 600, reference: row.state === "scored" && !hidden ? referenceDetail : null,
-    override: hidden ? null : row.override, appeal: row.appeal, may: actionsOf(person, row) };
+    override: hidden ? null : row.override, appeal: row.appeal, contradictions: [],
+    may: actionsOf(person, row) };
 }
 
 function actionsOf(person, row) {
@@ -167,6 +168,14 @@ const withAttempt = (answer, needsScore = false) => (call) => {
   const row = byId(call.world.attempts, call.id);
   if (row === undefined || (!teaches(call.person) && row.person.id !== call.person.id)) return notFound();
   if (needsScore && row.state !== "scored") return conflict("The attempt is not scored yet.");
+  return answer(row, call);
+};
+
+// What is said about an attempt is said by who has seen it as it is now.
+const judged = (answer) => (row, call) => {
+  const refused = unseen(call.request, row, (now) => detail(call.world, call.person, now));
+  if (refused !== undefined) return refused;
+  row.revision += 1;
   return answer(row, call);
 };
 
@@ -210,7 +219,8 @@ function makeReference(row, { world, body }) {
 
 function runs(row) {
   return json({ results: Array.from({ length: row.runs }, (_, i) => ({
-    run: row.runs - i, scored_ms: row.sealed_ms + (row.runs - i) * 60_000, cause: i === row.runs - 1 ? "seal" : "appeal", reference_attempt: null, score: scoreOf(row) })) });
+    run: row.runs - i, scored_ms: row.sealed_ms + (row.runs - i) * 60_000, cause: i === row.runs - 1 ? "seal" : "appeal", reference_attempt: null, replay_realtime_factor: 31.4,
+    score: scoreOf(row) })) });
 }
 
 const remarkView = (person) => (row) => ({ ...row, mine: row.author.id === person.id });
@@ -315,16 +325,16 @@ export const teachingRoutes = {
   "POST /attempts/{id}/annotations": ["instructor", withAttempt(annotate)],
   "PUT /annotations/{id}": ["instructor", editRemark],
   "DELETE /annotations/{id}": ["instructor", deleteRemark],
-  "POST /attempts/{id}/release": ["instructor", withAttempt(changed((row) => { row.released = true; }))],
-  "DELETE /attempts/{id}/release": ["instructor", withAttempt(changed((row) => { row.released = false; }))],
+  "POST /attempts/{id}/release": ["instructor", withAttempt(judged(changed((row) => { row.released = true; })))],
+  "DELETE /attempts/{id}/release": ["instructor", withAttempt(judged(changed((row) => { row.released = false; })))],
   "POST /attempts/{id}/reference": ["instructor", withAttempt(makeReference)],
-  "PUT /attempts/{id}/override": ["instructor", withAttempt(override)],
-  "DELETE /attempts/{id}/override": ["instructor", withAttempt(dropOverride)],
+  "PUT /attempts/{id}/override": ["instructor", withAttempt(judged(override))],
+  "DELETE /attempts/{id}/override": ["instructor", withAttempt(judged(dropOverride))],
   "POST /attempts/{id}/rescore": ["instructor", withAttempt(rescore)],
-  "POST /attempts/{id}/excuse": ["instructor", withAttempt((row, { world, person }) => {
+  "POST /attempts/{id}/excuse": ["instructor", withAttempt(judged((row, { world, person }) => {
     row.flags.push("excused");
     return json(detail(world, person, row));
-  })],
+  }))],
   "POST /attempts/{id}/appeal": ["person", withAttempt(fileAppeal)],
   "POST /attempts/{id}/appeal/answer": ["instructor", withAttempt(answerAppeal)],
 };

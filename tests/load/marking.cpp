@@ -4,7 +4,6 @@
 
 #include "common/measure/attempt.h"
 #include "common/protocol/messages.h"
-#include "common/scoring/score.h"
 #include "server/app/data_folder.h"
 #include "server/app/publish.h"
 #include "server/jobs/worker.h"
@@ -259,10 +258,7 @@ void Marking::Run(const std::stop_token& stop) {
     ++i;
     auto result = (*store)->ResultOf(row->id);
     if (!result.ok()) continue;
-    auto json = (*store)->GetBlob(result->score_json);
-    if (!json.ok()) continue;
-    auto score = scoring::ScoreFromJson(AsText(*json));
-    if (score.ok()) replay.push_back(score->replay_realtime_factor);
+    replay.push_back(result->replay_realtime_factor);
   }
   figures_.marked_s = NowS() - from;
   figures_.replay_realtime = Median(replay);

@@ -334,13 +334,21 @@ class MemoryStore final : public server::Store {
     return No();
   }
   Result<std::vector<server::ResultRow>> ResultsOf(const Uuid&) override { return No(); }
-  Status ReleaseAttempt(const Uuid&, const server::Actor&) override { return No(); }
-  Status WithdrawRelease(const Uuid&, const server::Actor&) override { return No(); }
-  Status OverrideScore(const Uuid&, const std::optional<server::ScoreOverride>&,
-                       const server::Actor&) override {
+  Status ReleaseAttempt(const Uuid&, const server::Actor&, std::optional<int32_t>) override {
     return No();
   }
-  Status FlagAttempt(const Uuid&, uint32_t, const std::string&, const server::Actor&) override {
+  Status WithdrawRelease(const Uuid&, const server::Actor&, std::optional<int32_t>) override {
+    return No();
+  }
+  Status OverrideScore(const Uuid&, const std::optional<server::ScoreOverride>&,
+                       const server::Actor&, std::optional<int32_t>) override {
+    return No();
+  }
+  Status FlagAttempt(const Uuid&, uint32_t, const std::string&, const server::Actor&,
+                     std::optional<int32_t>) override {
+    return No();
+  }
+  Result<std::vector<server::ContradictionRow>> ContradictionsOf(const Uuid&) override {
     return No();
   }
   Status Rescore(const Uuid&, const std::string&, const server::Actor&) override { return No(); }
@@ -384,6 +392,7 @@ class MemoryStore final : public server::Store {
     return No();
   }
   server::StoreHealth Health() override { return {}; }
+  Status TryWrite() override { return Status::Ok(); }
 
  private:
   // Requires: mutex_ is held.

@@ -76,11 +76,11 @@ TEST_P(WireGoldenTest, DescriptionIsWrittenToTheSameFrame) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Messages, WireGoldenTest,
-                         testing::Values("request_hello", "request_put_chunk", "request_seal",
-                                         "request_live_state", "request_ticket",
-                                         "request_open_attempt", "request_return_ticket",
-                                         "reply_error", "reply_chunk_ack", "reply_welcome",
-                                         "reply_welcome_page", "reply_exercises",
+                         testing::Values("request_hello", "request_enrol_again",
+                                         "request_put_chunk", "request_seal", "request_live_state",
+                                         "request_ticket", "request_open_attempt",
+                                         "request_return_ticket", "reply_error", "reply_chunk_ack",
+                                         "reply_welcome", "reply_welcome_page", "reply_exercises",
                                          "reply_ticket_issued", "reply_ticket_returned",
                                          "reply_attempt_state"),
                          [](const auto& message) { return std::string(message.param); });

@@ -130,7 +130,6 @@ ScoreResult Filled() {
   r.late_ticks = 8;
   r.bounded_ticks = 9;
   r.witness_note = "tick 12: \"force_sent\"\n";
-  r.replay_realtime_factor = 81.5;
   return r;
 }
 

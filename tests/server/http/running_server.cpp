@@ -51,6 +51,16 @@ RawResponse Visitor::Post(const std::string& target, const std::string& json) {
               json);
 }
 
+RawResponse Visitor::Judge(const std::string& method, const std::string& attempt,
+                           const std::string& rest, const std::string& json) {
+  RawResponse seen = Get(attempt);
+  std::string etag = seen.status == 200 ? seen.headers["etag"] : "\"1\"";
+  return Send(
+      method, attempt + rest,
+      "X-Enamel-Csrf: " + csrf + "\r\nIf-Match: " + etag + "\r\nContent-Type: application/json\r\n",
+      json);
+}
+
 boost::json::value Parsed(const RawResponse& response) {
   boost::json::error_code error;
   boost::json::value value = boost::json::parse(response.body, error);

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "server/http/etag.h"
 #include "server/http/routes.h"
 #include "tests/server/http/running_server.h"
 
@@ -118,7 +119,11 @@ TEST_F(SessionTest, ChangesNeedTheCsrfValueOfThisSession) {
   EXPECT_EQ(ada.Send("POST", target, "X-Enamel-Csrf: " + ada.csrf + "\r\nOrigin: null\r\n").status,
             403);
   EXPECT_FALSE(school_.store->AttemptById(school_.sams_scored)->released);
-  EXPECT_EQ(ada.Send("POST", target, "X-Enamel-Csrf: " + ada.csrf + "\r\n").status, 204);
+  const std::string seen = ETagOf(school_.store->AttemptById(school_.sams_scored)->revision);
+  EXPECT_EQ(
+      ada.Send("POST", target, "X-Enamel-Csrf: " + ada.csrf + "\r\nIf-Match: " + seen + "\r\n")
+          .status,
+      204);
   EXPECT_TRUE(school_.store->AttemptById(school_.sams_scored)->released);
 }
 

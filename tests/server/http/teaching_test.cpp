@@ -10,6 +10,7 @@
 #include "common/scene/json.h"
 #include "common/scene/volume_blob.h"
 #include "common/scoring/score.h"
+#include "server/training/ticket_rules.h"
 #include "tests/server/http/running_server.h"
 
 // Exercises, assignments, releases, overrides, remarks, appeals and jobs, over the wire.
@@ -296,11 +297,11 @@ TEST_F(TeachingTest, AssignmentIsEditedByWhoHasSeenItLast) {
 }
 
 TEST_F(TeachingTest, ReleaseIsTakenBackAndTheStudentSeesNothingAgain) {
-  ASSERT_EQ(By("ada").Post(Scored("/release")).status, 204);
+  ASSERT_EQ(By("ada").Judge("POST", Scored(), "/release").status, 204);
   EXPECT_FALSE(SamsAttempt("sam").at("score").is_null());
-  EXPECT_EQ(Send("sam", "DELETE", Scored("/release"), {}).status, 403);
-  EXPECT_EQ(Send("ben", "DELETE", Scored("/release"), {}).status, 404);
-  ASSERT_EQ(Send("ada", "DELETE", Scored("/release"), {}).status, 204);
+  EXPECT_EQ(By("sam").Judge("DELETE", Scored(), "/release").status, 403);
+  EXPECT_EQ(By("ben").Judge("DELETE", Scored(), "/release").status, 404);
+  ASSERT_EQ(By("ada").Judge("DELETE", Scored(), "/release").status, 204);
   EXPECT_TRUE(SamsAttempt("sam").at("score").is_null());
   EXPECT_EQ(By("sam").Get(Scored("/results")).status, 403);
   EXPECT_EQ(By("sam").Get(Scored("/annotations")).status, 403);
@@ -308,24 +309,64 @@ TEST_F(TeachingTest, ReleaseIsTakenBackAndTheStudentSeesNothingAgain) {
 
 TEST_F(TeachingTest, OverrideCountsTheComputedScoreStaysAndBothAreShown) {
   json::object better{{"score", 93}, {"reason", "the tooth was cracked"}};
-  EXPECT_EQ(Send("sam", "PUT", Scored("/override"), better).status, 403);
-  EXPECT_EQ(Send("ben", "PUT", Scored("/override"), better).status, 404);
+  EXPECT_EQ(By("sam").Judge("PUT", Scored(), "/override", json::serialize(better)).status, 403);
+  EXPECT_EQ(By("ben").Judge("PUT", Scored(), "/override", json::serialize(better)).status, 404);
   EXPECT_EQ(Send("ada", "PUT", Scored("/override"), {{"score", 101}, {"reason", "x"}}).status, 400);
   EXPECT_EQ(Send("ada", "PUT", Scored("/override"), {{"score", 93}}).status, 400);
-  RawResponse made = Send("ada", "PUT", Scored("/override"), better);
+  RawResponse made = By("ada").Judge("PUT", Scored(), "/override", json::serialize(better));
   ASSERT_EQ(made.status, 200) << made.body;
   EXPECT_TRUE(SamsAttempt("sam").at("override").is_null()) << "not released";
-  By("ada").Post(Scored("/release"));
+  By("ada").Judge("POST", Scored(), "/release");
   json::value seen = SamsAttempt("sam");
   EXPECT_EQ(seen.at("score").to_number<double>(), 93);
   EXPECT_EQ(seen.at("computed_score").to_number<double>(), 87.5);
   EXPECT_EQ(seen.at("override").at("reason"), "the tooth was cracked");
   EXPECT_EQ(seen.at("override").at("by"), "Person ada");
-  ASSERT_EQ(Send("ada", "DELETE", Scored("/override"), {}).status, 200);
+  ASSERT_EQ(By("ada").Judge("DELETE", Scored(), "/override").status, 200);
   EXPECT_EQ(SamsAttempt("sam").at("score").to_number<double>(), 87.5);
   json::value audit = Parsed(By("root").Get("/api/v1/audit?limit=1")).at("audit").at(0);
   EXPECT_EQ(audit.at("action"), "attempt.override");
   EXPECT_NE(std::string(audit.at("before").as_string()).find("cracked"), std::string::npos);
+}
+
+TEST_F(TeachingTest, WhoJudgesWithoutHavingSeenTheLastJudgementIsToldIt) {
+  const std::string seen = By("ada").Get(Scored()).headers["etag"];
+  json::object mine{{"score", 90}, {"reason", "careful work"}};
+  json::object theirs{{"score", 40}, {"reason", "did not see the first"}};
+  EXPECT_EQ(Send("ada", "PUT", Scored("/override"), mine).status, 428);
+  EXPECT_EQ(Send("ada", "POST", Scored("/release"), {}).status, 428);
+  RawResponse first = Send("ada", "PUT", Scored("/override"), mine, seen);
+  ASSERT_EQ(first.status, 200) << first.body;
+  EXPECT_NE(first.headers["etag"], seen);
+  RawResponse second = Send("root", "PUT", Scored("/override"), theirs, seen);
+  ASSERT_EQ(second.status, 412) << second.body;
+  EXPECT_EQ(Parsed(second).at("current").at("override").at("reason"), "careful work");
+  EXPECT_EQ(second.headers["etag"], first.headers["etag"]);
+  EXPECT_EQ(Send("root", "DELETE", Scored("/override"), {}, seen).status, 412);
+  EXPECT_EQ(Send("root", "POST", Scored("/release"), {}, seen).status, 412);
+  EXPECT_EQ(Send("root", "POST", Scored("/excuse"), {{"reason", "ill"}}, seen).status, 412);
+  EXPECT_EQ(Send("root", "PUT", Scored("/override"), theirs, second.headers["etag"]).status, 200);
+}
+
+TEST_F(TeachingTest, OfARecordingThatWasRemovedTheScoreStaysAndTheRestSaysWhenItWent) {
+  ASSERT_EQ(By("ada").Judge("POST", Scored(), "/release").status, 204);
+  while (auto job = *school_.store->LeaseJob(1, 1000)) {
+    ASSERT_TRUE(school_.store->FinishJob(job->id, true, "").ok());
+    Store::AttemptResult result = *school_.store->ResultOf(school_.sams_scored);
+    (void)school_.store->FinishAttempt(job->attempt, result, {});
+  }
+  const UnixMs when = school_.now_ms + UnixMs{40} * 24 * 60 * 60 * 1000;
+  ASSERT_TRUE(school_.store->SetRetention({"recordings", 1}, Actor{}).ok());
+  auto report = school_.store->ApplyRetention(when, false, Actor{});
+  ASSERT_TRUE(report.ok()) << report.status().message();
+  ASSERT_EQ(SamsAttempt("sam").at("recording_removed_ms").to_number<int64_t>(), when);
+  EXPECT_EQ(By("sam").Get(Scored("/score")).status, 200);
+  for (const char* part : {"/surface", "/series"}) {
+    RawResponse gone = By("sam").Get(Scored(part));
+    EXPECT_EQ(gone.status, 409) << gone.body;
+    EXPECT_NE(gone.body.find(TimeText(when)), std::string::npos) << gone.body;
+    EXPECT_NE(gone.body.find("retention rule"), std::string::npos) << gone.body;
+  }
 }
 
 TEST_F(TeachingTest, RemarksAreSeenAfterTheReleaseAndChangedByTheirAuthor) {
@@ -334,7 +375,7 @@ TEST_F(TeachingTest, RemarksAreSeenAfterTheReleaseAndChangedByTheirAuthor) {
   RawResponse made = Post("ada", Scored("/annotations"), remark);
   ASSERT_EQ(made.status, 201) << made.body;
   EXPECT_EQ(By("sam").Get(Scored("/annotations")).status, 403);
-  By("ada").Post(Scored("/release"));
+  By("ada").Judge("POST", Scored(), "/release");
   json::value seen = Parsed(By("sam").Get(Scored("/annotations"))).at("annotations").at(0);
   EXPECT_EQ(seen.at("text"), "too steep here");
   EXPECT_EQ(seen.at("point_um").at(1), -50);
@@ -360,7 +401,7 @@ TEST_F(TeachingTest, RemarksAreSeenAfterTheReleaseAndChangedByTheirAuthor) {
 TEST_F(TeachingTest, AppealIsTheStudentsAndItsAnswerTheInstructors) {
   json::object appeal{{"text", "the wall was given"}};
   EXPECT_EQ(Post("sam", Scored("/appeal"), appeal).status, 409) << "not released";
-  By("ada").Post(Scored("/release"));
+  By("ada").Judge("POST", Scored(), "/release");
   EXPECT_TRUE(May(SamsAttempt("sam"), "appeal"));
   EXPECT_EQ(Post("ada", Scored("/appeal"), appeal).status, 403);
   EXPECT_EQ(Post("tom", Scored("/appeal"), appeal).status, 404);
@@ -393,7 +434,7 @@ TEST_F(TeachingTest, RegradeKeepsTheEarlierResultBesideTheNewOne) {
   result.score = score.score;
   result.score_json = *school_.store->PutBlob(AsBytes(scoring::ToJson(score)));
   ASSERT_TRUE(school_.store->FinishAttempt(school_.sams_scored, result, {}).ok());
-  By("ada").Post(Scored("/release"));
+  By("ada").Judge("POST", Scored(), "/release");
   ASSERT_EQ(Post("sam", Scored("/appeal"), {{"text", "please"}}).status, 201);
   json::object answer{{"outcome", "regrade"}, {"answer", "we look again"}};
   ASSERT_EQ(Post("ada", Scored("/appeal/answer"), answer).status, 200);
@@ -407,7 +448,7 @@ TEST_F(TeachingTest, RegradeKeepsTheEarlierResultBesideTheNewOne) {
   ASSERT_TRUE(school_.store->FinishJob(job->id, true, "").ok());
   EXPECT_EQ(SamsAttempt("ada").at("released"), false) << "another score is released anew";
   EXPECT_EQ(By("sam").Get(Scored("/results")).status, 403);
-  ASSERT_EQ(By("ada").Post(Scored("/release")).status, 204);
+  ASSERT_EQ(By("ada").Judge("POST", Scored(), "/release").status, 204);
   json::value results = Parsed(By("sam").Get(Scored("/results"))).at("results");
   ASSERT_EQ(results.as_array().size(), 3u);
   EXPECT_EQ(results.at(0).at("cause"), "appeal");
@@ -473,8 +514,8 @@ TEST_F(TeachingTest, ExamAttemptShowsNothingBeforeItsRelease) {
   for (const char* part : {"/score", "/surface", "/series", "/results", "/annotations"}) {
     EXPECT_EQ(By("sam").Get(path + part).status, 403) << part;
   }
-  EXPECT_EQ(Post("sam", path + "/excuse", {{"reason", "x"}}).status, 403);
-  EXPECT_EQ(Post("ada", path + "/excuse", {{"reason", "power cut"}}).status, 200);
+  EXPECT_EQ(By("sam").Judge("POST", path, "/excuse", R"({"reason":"x"})").status, 403);
+  EXPECT_EQ(By("ada").Judge("POST", path, "/excuse", R"({"reason":"power cut"})").status, 200);
   EXPECT_EQ(Parsed(By("ada").Get("/api/v1/attempts?flag=excused")).at("attempts").as_array().size(),
             1u);
   EXPECT_EQ(Parsed(By("ada").Get("/api/v1/attempts?assignment=" + exam.id.Text()))

@@ -90,7 +90,7 @@ TEST_F(ScoreJobTest, TicksGapsAndLateTicksAreOnTheScore) {
   EXPECT_EQ(score.ticks, store_.attempts[attempt].ticks);
   EXPECT_EQ(score.gap_ticks, 40u);
   EXPECT_EQ(score.late_ticks, (score.ticks + 99) / 100);
-  EXPECT_GT(score.replay_realtime_factor, 0);
+  EXPECT_GT(store_.results[attempt].replay_realtime_factor, 0);
   EXPECT_EQ(score.core_version, core::kCoreVersion);
 }
 
@@ -143,16 +143,13 @@ TEST_F(ScoreJobTest, ScoringAgainGivesTheSameBlobs) {
   Uuid attempt = WithReference({.mesial_extra_mm = 0.2});
   ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
   auto first = store_.results[attempt];
-  auto first_score = ScoreOf(attempt);
   ReferenceCache cache;
   ASSERT_TRUE(RunScoreJob(store_, attempt, {}, &cache).ok());
   auto again = store_.results[attempt];
   EXPECT_EQ(first.final_volume, again.final_volume);
   EXPECT_EQ(first.surface, again.surface);
   EXPECT_EQ(first.series, again.series);
-  auto again_score = ScoreOf(attempt);
-  first_score.replay_realtime_factor = again_score.replay_realtime_factor = 1;
-  EXPECT_EQ(scoring::ToJson(first_score), scoring::ToJson(again_score));
+  EXPECT_EQ(first.score_json, again.score_json) << "to the bit, whatever the clock said meanwhile";
 }
 
 TEST_F(ScoreJobTest, TheCacheReadsAReferenceOnce) {

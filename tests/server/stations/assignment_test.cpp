@@ -30,6 +30,13 @@ class AssignmentTest : public ::testing::Test {
     }
     return session_.Handle(request).reply.value_or(wire::Reply());
   }
+  // A connection of its own.
+  ScriptedStation::Ask Asking() {
+    auto session = std::make_shared<Session>(world_.services, "127.0.0.1");
+    return [session](const wire::Request& request) {
+      return session->Handle(request).reply.value_or(wire::Reply());
+    };
+  }
   // The cohort's assignment with other terms.
   void Change(const std::function<void(AssignmentRow&)>& change) {
     change(open_);
@@ -295,6 +302,93 @@ TEST_F(AssignmentTest, ExamSentAgainAfterARestoreIsStillThatExam) {
   EXPECT_FALSE(CanSeeScore(student, row, false, false)) << "no score before its release";
   station_.Send(offer);
   EXPECT_EQ(station_.Send(offer).attempts_wanted().attempts_size(), 0);
+}
+
+// The person is newer than the backup the server was restored from.
+TEST_F(AssignmentTest, RecordingOfAPersonThatARestoreForgotWaitsUntilTheAdminBringsThemBack) {
+  trace::Ticket ticket = *trace::DecodeTicket(TicketOf(Ask()));
+  ticket.attempt = Uuid::New();
+  ticket.person = Uuid::New();
+  trace::SignTicket(ticket, world_.services.ticket_key.secret_key);
+  Recording recording(world_, trace::EncodeTicket(ticket), station_.keys, 1);
+  auto told = [&] {
+    AuditFilter filter;
+    filter.action = "attempt.awaits";
+    filter.object = ticket.attempt.Text();
+    return *world_.store->FindAudit(filter);
+  };
+  for (int tries = 0; tries < 3; ++tries) {
+    wire::Error error = station_.Open(recording.header).error();
+    EXPECT_EQ(error.code(), "unavailable") << "nothing a station gives up for";
+    EXPECT_EQ(error.field(), protocol::kAwaited);
+    EXPECT_NE(error.message().find(ticket.person.Text()), std::string::npos) << error.message();
+  }
+  ASSERT_EQ(told().size(), 1u) << "told once";
+  EXPECT_NE(told()[0].after_json.find(ticket.person.Text()), std::string::npos);
+  world_.now += 60 * 24 * kHour;  // however long it takes
+  Person back;
+  back.id = ticket.person;
+  back.login = "late";
+  back.display_name = "Late";
+  ASSERT_TRUE(world_.store->CreatePerson(back, "none", {world_.cohort}, kSystem).ok());
+  wire::Reply opened = station_.Open(recording.header);
+  ASSERT_TRUE(opened.has_attempt_opened()) << opened.error().message();
+  ASSERT_TRUE(station_.Put(recording.chunks[0]).has_chunk_ack());
+  ASSERT_TRUE(station_.Seal(recording.seal).has_sealed());
+  EXPECT_EQ(world_.store->AttemptById(ticket.attempt)->person, ticket.person);
+}
+
+TEST_F(AssignmentTest, RecordingOfAPersonWhoWasErasedIsRefusedForGood) {
+  trace::Ticket ticket = *trace::DecodeTicket(TicketOf(Ask()));
+  ticket.attempt = Uuid::New();
+  ticket.person = AddPerson(*world_.store, "erased", Role::kStudent);
+  ASSERT_TRUE(world_.store->ErasePerson(ticket.person, false, kSystem).ok());
+  trace::SignTicket(ticket, world_.services.ticket_key.secret_key);
+  Recording recording(world_, trace::EncodeTicket(ticket), station_.keys, 1);
+  EXPECT_EQ(station_.Open(recording.header).error().code(), "conflict");
+}
+
+TEST_F(AssignmentTest, RecordingOfAnExerciseThatARestoreForgotWaitsForIt) {
+  trace::Ticket ticket = *trace::DecodeTicket(TicketOf(Ask()));
+  Recording recording(world_, trace::EncodeTicket(ticket), station_.keys, 1);
+  ticket.attempt = Uuid::New();
+  ticket.exercise = HashSha256(AsBytes("published after the backup"));
+  trace::SignTicket(ticket, world_.services.ticket_key.secret_key);
+  recording.header_fields.ticket = ticket;
+  wire::Error error = station_.Open(trace::EncodeHeader(recording.header_fields)).error();
+  EXPECT_EQ(error.code(), "unavailable");
+  EXPECT_EQ(error.field(), protocol::kAwaited);
+  EXPECT_NE(error.message().find("exercise"), std::string::npos);
+}
+
+// The station is newer than the backup: it comes back as itself, and what it holds is taken.
+TEST_F(AssignmentTest, StationThatARestoreForgotComesBackWithWhatItHolds) {
+  ScriptedStation forgotten(Asking());
+  trace::Ticket ticket = *trace::DecodeTicket(TicketOf(Ask()));
+  ticket.attempt = Uuid::New();
+  ticket.station = Uuid::New();
+  trace::SignTicket(ticket, world_.services.ticket_key.secret_key);
+  forgotten.id = protocol::ToField(ticket.station.view());
+  forgotten.credential = std::string(32, 'c');
+  EXPECT_EQ(forgotten.Hello().error().code(), "unauthenticated");
+  ASSERT_TRUE(
+      world_.store->AddEnrolCode(HashSha256(AsBytes("new code")), UnixMs{1} << 60, kSystem).ok());
+  ScriptedStation again(Asking());
+  again.keys = forgotten.keys;
+  wire::Reply enrolled = again.Enrol("new code", "bench 2", ticket.station);
+  ASSERT_TRUE(enrolled.has_enrolled()) << enrolled.error().message();
+  EXPECT_EQ(enrolled.enrolled().station_id(), protocol::ToField(ticket.station.view()));
+  ScriptedStation back(Asking());
+  back.keys = again.keys;
+  back.id = again.id;
+  back.credential = again.credential;
+  ASSERT_TRUE(back.Hello().has_welcome());
+  Recording recording(world_, trace::EncodeTicket(ticket), back.keys, 1);
+  wire::Reply opened = back.Open(recording.header);
+  ASSERT_TRUE(opened.has_attempt_opened()) << opened.error().message();
+  ASSERT_TRUE(back.Put(recording.chunks[0]).has_chunk_ack());
+  ASSERT_TRUE(back.Seal(recording.seal).has_sealed());
+  EXPECT_EQ(world_.store->AttemptById(ticket.attempt)->station, ticket.station);
 }
 
 TEST_F(AssignmentTest, ReadmittedRecordingWhoseTermsAreLostIsShownOnceItIsReleased) {

@@ -78,13 +78,15 @@ class ScriptedStation {
     return reply;
   }
 
-  wire::Reply Enrol(const std::string& code = "code", const std::string& name = "scripted") {
+  wire::Reply Enrol(const std::string& code = "code", const std::string& name = "scripted",
+                    const std::optional<Uuid>& as = {}) {
     wire::Request request;
     wire::Enrol& enrol = *request.mutable_enrol();
     enrol.set_protocol_version(1);
     enrol.set_code(code);
     enrol.set_name(name);
     enrol.set_public_key(protocol::ToField(keys.public_key));
+    if (as) enrol.set_station_id(protocol::ToField(as->view()));
     wire::Reply reply = Send(request);
     if (reply.has_enrolled()) {
       id = reply.enrolled().station_id();

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <thread>
 
 #include "tests/server/storage/backends.h"
@@ -95,6 +96,98 @@ TEST_P(IngestTest, SealedAttemptTakesRepeatsButNothingNew) {
             Code::kConflict);
   EXPECT_EQ(store_->AppendChunk(world_.Chunk(attempt, 2, chunks[1].hash)).code(), Code::kConflict);
   EXPECT_EQ(store_->AttemptById(attempt)->state, AttemptState::kSealed);
+}
+
+TEST_P(IngestTest, ContradictionIsToldOnceAndShownHoweverOftenItComes) {
+  Uuid attempt = world_.OpenedAttempt();
+  auto chunks = world_.Append(attempt, 1);
+  for (int salt = 1; salt <= 40; ++salt) {
+    EXPECT_FALSE(store_->AppendChunk(world_.Chunk(attempt, 0, World::HeaderHash(), salt)).ok());
+  }
+  AuditFilter about;
+  about.object = attempt.Text();
+  about.action = "attempt.quarantine";
+  EXPECT_EQ(store_->FindAudit(about)->size(), 1u);
+  EXPECT_EQ(store_->AttemptById(attempt)->flags & kContradicted, kContradicted);
+  auto evidence = *store_->ContradictionsOf(attempt);
+  ASSERT_FALSE(evidence.empty());
+  EXPECT_LE(evidence.size(), 16u);
+  EXPECT_EQ(evidence[0].seq, 0u);
+  EXPECT_NE(evidence[0].hash, chunks[0].hash);
+  EXPECT_EQ(evidence[0].received_ms, 100);
+}
+
+TEST_P(IngestTest, ContradictionAfterTheSealIsFlaggedOnceAndChangesNothing) {
+  Uuid attempt = world_.OpenedAttempt();
+  auto chunks = world_.Append(attempt, 2);
+  ASSERT_TRUE(store_->SealAttempt(World::SealOf(chunks), 200).ok());
+  for (int salt = 1; salt <= 3; ++salt) {
+    EXPECT_FALSE(store_->AppendChunk(world_.Chunk(attempt, 1, chunks[0].hash, salt)).ok());
+  }
+  AttemptRow row = *store_->AttemptById(attempt);
+  EXPECT_EQ(row.state, AttemptState::kSealed);
+  EXPECT_EQ(row.flags & kContradicted, kContradicted);
+  AuditFilter about;
+  about.object = attempt.Text();
+  about.action = "attempt.flag";
+  EXPECT_EQ(store_->FindAudit(about)->size(), 1u);
+  EXPECT_EQ(store_->ContradictionsOf(attempt)->size(), 3u);
+  EXPECT_EQ(store_->AttemptChunks(attempt)->at(1), chunks[1].bytes);
+}
+
+TEST_P(IngestTest, WhatIsCommittedOfAContradictedAttemptCanBeAccepted) {
+  Uuid attempt = world_.OpenedAttempt();
+  auto chunks = world_.Append(attempt, 2);
+  EXPECT_FALSE(store_->AppendChunk(world_.Chunk(attempt, 0, World::HeaderHash(), 9)).ok());
+  ASSERT_EQ(store_->AttemptById(attempt)->state, AttemptState::kQuarantined);
+  Status accepted = store_->Rescore(attempt, "rescore", kSystem);
+  ASSERT_TRUE(accepted.ok()) << accepted.message();
+  AttemptRow row = *store_->AttemptById(attempt);
+  EXPECT_EQ(row.state, AttemptState::kSealed);
+  EXPECT_GT(row.sealed_ms, 0);
+  EXPECT_EQ(row.flags & kContradicted, kContradicted) << "it stays known";
+  EXPECT_EQ(store_->AttemptSeal(attempt)->last_chunk, chunks[1].hash);
+  EXPECT_EQ(store_->AttemptChunks(attempt)->size(), 2u);
+  EXPECT_EQ(store_->Jobs("queued")->size(), 1u);
+  AuditFilter about;
+  about.object = attempt.Text();
+  about.action = "attempt.accept";
+  EXPECT_EQ(store_->FindAudit(about)->size(), 1u);
+  Reopen();
+  EXPECT_EQ(store_->AttemptChunks(attempt)->at(1), chunks[1].bytes);
+  EXPECT_TRUE(store_->SealAttempt(World::SealOf(chunks), 300).ok()) << "the station's own seal";
+}
+
+TEST_P(IngestTest, NothingCommittedIsNothingToAccept) {
+  Uuid attempt = world_.OpenedAttempt();
+  EXPECT_EQ(store_->Rescore(attempt, "rescore", kSystem).code(), Code::kConflict);
+  EXPECT_EQ(store_->AttemptById(attempt)->state, AttemptState::kRecording);
+}
+
+TEST_P(IngestTest, TicketOfSomethingThatIsNotHereNamesIt) {
+  auto refused = [&](const std::function<void(AttemptRow&)>& spoil) {
+    AttemptRow row;
+    row.id = Uuid::New();
+    row.person = world_.student;
+    row.station = world_.station;
+    row.exercise = world_.exercise.id;
+    row.profile_content = world_.profile;
+    spoil(row);
+    return store_->CreateAttempt(row, AsBytes("ticket"), kSystem);
+  };
+  Status person = refused([](AttemptRow& row) { row.person = Uuid::New(); });
+  EXPECT_EQ(person.code(), Code::kNotFound);
+  EXPECT_EQ(person.field(), "person");
+  EXPECT_EQ(refused([](AttemptRow& row) { row.station = Uuid::New(); }).field(), "station");
+  EXPECT_EQ(refused([](AttemptRow& row) { row.exercise = Uuid::New(); }).field(), "exercise");
+  Uuid erased = AddPerson(*store_, "erased", Role::kStudent);
+  ASSERT_TRUE(store_->ErasePerson(erased, false, kSystem).ok());
+  Status gone = refused([&](AttemptRow& row) { row.person = erased; });
+  EXPECT_EQ(gone.code(), Code::kConflict) << "for good";
+  Person again;
+  again.id = erased;
+  again.login = "erased";
+  EXPECT_EQ(store_->CreatePerson(again, "none", {}, kSystem).status().code(), Code::kConflict);
 }
 
 TEST_P(IngestTest, ConcurrentAttemptsAllCommit) {

@@ -376,5 +376,44 @@ TEST_P(PeopleStoreTest, JobsAreFoundByStateAndInPages) {
   EXPECT_EQ(second[0].state, "running") << "the oldest was taken first";
 }
 
+TEST_P(PeopleStoreTest, TheOnlyAdminIsNotErased) {
+  Uuid admin = AddPerson(*store_, "admin", Role::kAdmin);
+  Status refused = store_->ErasePerson(admin, false, kSystem).status();
+  EXPECT_EQ(refused.code(), Code::kConflict);
+  EXPECT_TRUE(store_->PersonById(admin).ok());
+  Uuid other = AddPerson(*store_, "other", Role::kAdmin);
+  EXPECT_TRUE(store_->ErasePerson(admin, false, kSystem).ok());
+  ASSERT_TRUE(store_->PersonById(other).ok());
+  EXPECT_EQ(store_->ErasePerson(other, false, kSystem).status().code(), Code::kConflict);
+}
+
+TEST_P(PeopleStoreTest, StationComesBackUnderItsOldIdWithItsKeyAndANewCode) {
+  Sha256 codes[4];
+  for (int i = 0; i < 4; ++i) {
+    codes[i] = HashSha256(AsBytes("code " + std::to_string(i)));
+    ASSERT_TRUE(store_->AddEnrolCode(codes[i], 1000, kSystem).ok());
+  }
+  StationRow row;
+  row.id = Uuid::New();  // of before a restore: nothing is known of it
+  row.name = "bench";
+  row.public_key.assign(32, 7);
+  Sha256 first = HashSha256(AsBytes("first")), second = HashSha256(AsBytes("second"));
+  auto back = store_->EnrolStation(codes[0], row, first, 10);
+  ASSERT_TRUE(back.ok()) << back.status().message();
+  EXPECT_EQ(back->id, row.id);
+  ASSERT_TRUE(store_->EnrolStation(codes[1], row, second, 20).ok()) << "known: the same key";
+  EXPECT_FALSE(store_->StationByCredential(row.id, first).ok());
+  EXPECT_TRUE(store_->StationByCredential(row.id, second).ok());
+  EXPECT_EQ(store_->EnrolStation(codes[1], row, first, 25).status().code(), Code::kUnauthenticated)
+      << "a code works once";
+  StationRow forged = row;
+  forged.public_key.assign(32, 8);
+  EXPECT_EQ(store_->EnrolStation(codes[2], forged, first, 30).status().code(), Code::kConflict);
+  ASSERT_TRUE(store_->RevokeStation(row.id, kSystem).ok());
+  EXPECT_EQ(store_->EnrolStation(codes[3], row, first, 40).status().code(), Code::kConflict)
+      << "revoked for good";
+  EXPECT_EQ(store_->OpenEnrolCodes(50)->size(), 2u) << "what was refused uses up no code";
+}
+
 }  // namespace
 }  // namespace enamel::server

@@ -1,6 +1,7 @@
 #include <sqlite3.h>
 
 #include <cstdlib>
+#include <utility>
 
 #include "tests/server/storage/backends.h"
 #include "tests/server/storage/store_world.h"
@@ -27,6 +28,11 @@ class RetentionTest : public StoreSuite {
     EXPECT_TRUE(store_->FinishJob((*job)->id, true, "").ok());
     return attempt;
   }
+  Uuid Released() {
+    Uuid attempt = Scored();
+    EXPECT_TRUE(store_->ReleaseAttempt(attempt, kSystem).ok());
+    return attempt;
+  }
   RetentionReport Apply(UnixMs now, bool dry_run = false) {
     auto report = store_->ApplyRetention(now, dry_run, kSystem);
     EXPECT_TRUE(report.ok()) << report.status().message();
@@ -42,14 +48,14 @@ class RetentionTest : public StoreSuite {
 INSTANTIATE_TEST_SUITE_P(Backends, RetentionTest, ::testing::ValuesIn(Backends()), BackendName);
 
 TEST_P(RetentionTest, WithoutARuleEverythingIsKept) {
-  Uuid attempt = Scored();
+  Uuid attempt = Released();
   RetentionReport report = Apply(100'000 * kDay);
   EXPECT_TRUE(report.attempts.empty() && report.recordings.empty() && report.unfinished.empty());
   EXPECT_TRUE(store_->AttemptChunks(attempt).ok());
 }
 
 TEST_P(RetentionTest, RecordingGoesAfterItsDaysAndTheScoreStays) {
-  Uuid attempt = Scored();
+  Uuid attempt = Released();
   Sha256 surface = store_->ResultOf(attempt)->surface;
   Rule("recordings", 30);
   EXPECT_TRUE(Apply(30 * kDay).recordings.empty()) << "sealed at 200 ms: not yet";
@@ -71,7 +77,7 @@ TEST_P(RetentionTest, RecordingGoesAfterItsDaysAndTheScoreStays) {
 }
 
 TEST_P(RetentionTest, WholeAttemptGoesAndOnlyItsOwnBlobs) {
-  Uuid attempt = Scored();
+  Uuid attempt = Released();
   Rule("attempts", 8);
   Rule("recordings", 1);
   RetentionReport report = Apply(9 * kDay);
@@ -94,7 +100,51 @@ TEST_P(RetentionTest, ReferenceAndWhatAJobNeedsAreKept) {
   EXPECT_TRUE(store_->AttemptChunks(reference).ok());
 }
 
+TEST_P(RetentionTest, GradedWorkIsKeptUntilItIsReleasedOrExcused) {
+  Uuid released = Scored(), excused = Scored(), waiting = Scored();
+  Rule("recordings", 30);
+  RetentionReport due = Apply(40 * kDay, true);
+  EXPECT_TRUE(due.recordings.empty());
+  EXPECT_EQ(due.held, 3u);
+  ASSERT_TRUE(store_->ReleaseAttempt(released, kSystem).ok());
+  ASSERT_TRUE(store_->FlagAttempt(excused, kExcused, "was ill", kSystem).ok());
+  RetentionReport report = Apply(40 * kDay);
+  EXPECT_EQ(report.recordings, (std::vector{released, excused}));
+  EXPECT_EQ(report.held, 1u);
+  EXPECT_TRUE(store_->AttemptChunks(waiting).ok());
+  Rule("attempts", 60);
+  EXPECT_EQ(Apply(61 * kDay).attempts, (std::vector{released, excused}));
+  EXPECT_TRUE(store_->AttemptChunks(waiting).ok());
+}
+
+TEST_P(RetentionTest, WhatAnAppealIsAboutIsKeptUntilItsAnswer) {
+  Uuid attempt = Released();
+  ASSERT_TRUE(store_->FileAppeal(attempt, "please look again", kSystem).ok());
+  Rule("recordings", 1);
+  Rule("attempts", 8);
+  EXPECT_TRUE(Apply(100 * kDay).attempts.empty());
+  EXPECT_TRUE(store_->AttemptChunks(attempt).ok());
+  ASSERT_TRUE(store_->AnswerAppeal(attempt, false, "it stays", kSystem).ok());
+  EXPECT_EQ(Apply(100 * kDay).attempts, std::vector{attempt});
+}
+
+TEST_P(RetentionTest, PracticeAndWhatTeachersTryGoWithoutARelease) {
+  ExerciseRow practice = world_.Exercise("practice", "p1");
+  practice.graded = false;
+  ExerciseRow graded =
+      std::exchange(world_.exercise, *store_->PublishExercise(practice, Uuid{}, kSystem));
+  Uuid practised = Scored();
+  world_.exercise = graded;
+  world_.student = AddPerson(*store_, "ada", Role::kInstructor);
+  Uuid tried = Scored();
+  Rule("recordings", 1);
+  EXPECT_EQ(Apply(2 * kDay).recordings, (std::vector{practised, tried}));
+}
+
 TEST_P(RetentionTest, WhatWasNeverScoredBecauseItsJobWasCancelledGoesToo) {
+  ExerciseRow practice = world_.Exercise("practice", "p1");
+  practice.graded = false;
+  world_.exercise = *store_->PublishExercise(practice, Uuid{}, kSystem);
   Uuid attempt = world_.OpenedAttempt();
   ASSERT_TRUE(store_->SealAttempt(World::SealOf(world_.Append(attempt, 1)), 200).ok());
   Rule("recordings", 30);
@@ -115,6 +165,7 @@ TEST(RetentionOfEvidenceTest, ChunksThatContradictedASealedRecordingGoWithIt) {
   auto job = store->LeaseJob(1, 1000);
   ASSERT_TRUE(store->FinishJob((*job)->id, true, "").ok());
   ASSERT_TRUE(store->FinishAttempt(attempt, *store->ResultOf(attempt), {}).ok());
+  ASSERT_TRUE(store->ReleaseAttempt(attempt, kSystem).ok());
   EXPECT_FALSE(store->AppendChunk(world.Chunk(attempt, 0, World::HeaderHash(), 9)).ok());
   sqlite3* db = nullptr;
   ASSERT_EQ(sqlite3_open((folder.path() / "enamel.db").c_str(), &db), SQLITE_OK);

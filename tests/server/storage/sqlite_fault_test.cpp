@@ -196,5 +196,24 @@ TEST(SqliteFaultTest, EveryChangeOfPeopleIsDoneWithItsAuditOrNotAtAllWhicheverWr
                       });
 }
 
+TEST(SqliteFaultTest, FailureThatHasPassedIsForgottenWithoutAnybodyWriting) {
+  TempFolder folder;
+  Faults faults;
+  auto store = OpenStore(folder.path(), [&] { return faults(); });
+  World world(*store);
+  faults.until_failure = 0;
+  ASSERT_FALSE(store->CreateCohort("first", kSystem).ok());
+  EXPECT_FALSE(store->Health().takes_recordings);
+  faults.until_failure = 0;
+  EXPECT_FALSE(store->TryWrite().ok()) << "it fails still";
+  EXPECT_FALSE(store->Health().takes_recordings);
+  faults.until_failure = -1;
+  EXPECT_TRUE(store->TryWrite().ok());
+  EXPECT_TRUE(store->Health().takes_recordings);
+  const uint64_t writes = store->Health().writes;
+  EXPECT_TRUE(store->TryWrite().ok());
+  EXPECT_EQ(store->Health().writes, writes) << "nothing failed: nothing to try";
+}
+
 }  // namespace
 }  // namespace enamel::server

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <thread>
+#include <utility>
 
 #include "server/training/revision.h"
 #include "server/training/ticket_rules.h"
@@ -541,6 +542,80 @@ TEST_P(TeachingTest, ReleasedScoreThatTurnsOutOtherwiseIsReleasedAnew) {
   EXPECT_EQ(Actions()[1], "attempt.unrelease");
   ASSERT_TRUE(store_->ReleaseAttempt(attempt, kSystem).ok());
   EXPECT_TRUE(store_->AttemptById(attempt)->released);
+}
+
+TEST_P(TeachingTest, WhoJudgesAfterSomebodyElseIsToldInsteadOfOverwriting) {
+  World world(*store_);
+  Uuid attempt = world.ScoredAttempt();
+  const int32_t seen = store_->AttemptById(attempt)->revision;
+  ASSERT_TRUE(
+      store_->OverrideScore(attempt, ScoreOverride{90, "careful", {}, 0}, kSystem, seen).ok());
+  auto stale = [](const Status& status) {
+    return status.code() == Code::kConflict && status.field() == kStale;
+  };
+  EXPECT_TRUE(
+      stale(store_->OverrideScore(attempt, ScoreOverride{40, "hasty", {}, 0}, kSystem, seen)));
+  EXPECT_TRUE(stale(store_->OverrideScore(attempt, std::nullopt, kSystem, seen)));
+  EXPECT_TRUE(stale(store_->ReleaseAttempt(attempt, kSystem, seen)));
+  EXPECT_TRUE(stale(store_->WithdrawRelease(attempt, kSystem, seen)));
+  EXPECT_TRUE(stale(store_->FlagAttempt(attempt, kExcused, "ill", kSystem, seen)));
+  EXPECT_EQ(store_->AttemptById(attempt)->overridden->score, 90);
+  int32_t now = store_->AttemptById(attempt)->revision;
+  auto moves_on = [&](const Status& status) {
+    int32_t before = std::exchange(now, store_->AttemptById(attempt)->revision);
+    return status.ok() && now > before;
+  };
+  EXPECT_TRUE(moves_on(store_->ReleaseAttempt(attempt, kSystem, now)));
+  EXPECT_TRUE(moves_on(store_->WithdrawRelease(attempt, kSystem, now)));
+  EXPECT_TRUE(moves_on(store_->FlagAttempt(attempt, kExcused, "ill", kSystem, now)));
+  Store::AttemptResult result = *store_->ResultOf(attempt);
+  EXPECT_FALSE(moves_on(store_->FinishAttempt(attempt, result, {}))) << "the same score";
+  result.score = 12;
+  EXPECT_TRUE(moves_on(store_->FinishAttempt(attempt, result, {}))) << "another score";
+}
+
+TEST_P(TeachingTest, HowFastARunReplayedStandsBesideItsScore) {
+  World world(*store_);
+  Uuid attempt = Rescored(world, 71);
+  Store::AttemptResult result = *store_->ResultOf(attempt);
+  result.replay_realtime_factor = 31.5;
+  ASSERT_TRUE(store_->FinishAttempt(attempt, result, {}).ok());
+  EXPECT_TRUE(store_->AttemptById(attempt)->released) << "no other score";
+  EXPECT_EQ(store_->ResultOf(attempt)->replay_realtime_factor, 31.5);
+  EXPECT_EQ(store_->ResultsOf(attempt)->front().replay_realtime_factor, 31.5);
+}
+
+// The reference comes between a run's look for one and its end.
+TEST_P(TeachingTest, ReferenceThatComesWhileARunLooksForOneHasItRunAgain) {
+  World world(*store_);
+  Uuid reference = world.ScoredAttempt();
+  while (auto job = *store_->LeaseJob(1, 1000)) {
+    ASSERT_TRUE(store_->FinishAttempt(reference, *store_->ResultOf(reference), job->id).ok());
+    ASSERT_TRUE(store_->FinishJob(job->id, true, "").ok());
+  }
+  Uuid attempt = world.OpenedAttempt();
+  ASSERT_TRUE(store_->SealAttempt(World::SealOf(world.Append(attempt, 1)), 200).ok());
+  JobRow run = **store_->LeaseJob(1, 1000);
+  ASSERT_EQ(run.attempt, attempt);
+  ASSERT_FALSE(store_->ReferenceFor(world.exercise.id)->has_value());
+  ASSERT_TRUE(store_->AddReference(reference, "Dr. Example", true, kSystem).ok());
+  auto queued = [&] {
+    auto jobs = *store_->Jobs("queued");
+    return std::ranges::count(jobs, attempt, &JobRow::attempt);
+  };
+  EXPECT_EQ(queued(), 1);
+  for (auto other = *store_->LeaseJob(2, 1000); other; other = *store_->LeaseJob(2, 1000)) {
+    EXPECT_NE(other->attempt, attempt) << "one run of an attempt at a time";
+    ASSERT_TRUE(store_->FinishJob(other->id, true, "").ok());
+  }
+  ASSERT_TRUE(store_->FailAttempt(attempt, "no reference yet", run.id).ok());
+  ASSERT_TRUE(store_->FinishJob(run.id, true, "").ok());
+  auto again = *store_->LeaseJob(3, 1000);
+  ASSERT_TRUE(again.has_value());
+  EXPECT_EQ(again->attempt, attempt);
+  Store::AttemptResult result = *store_->ResultOf(reference);
+  ASSERT_TRUE(store_->FinishAttempt(attempt, result, again->id).ok());
+  EXPECT_EQ(store_->AttemptById(attempt)->state, AttemptState::kScored);
 }
 
 TEST_P(TeachingTest, ReleaseOfPracticeIsNotWithdrawnUnlessItIsAnExam) {

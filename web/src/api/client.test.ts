@@ -41,7 +41,7 @@ test("what changes something repeats the session's csrf value; sign-in and reads
   const { client, calls } = clientThatGets([session(), Response.json({ exercises: [] }), new Response(null, { status: 204 })]);
   await client.signIn("a", "b");
   await client.teaching.exercises();
-  await client.teaching.release("x");
+  await client.teaching.release({ id: "x", revision: 1 });
   assert.equal(header(calls[0], "X-Enamel-Csrf"), undefined);
   assert.equal(header(calls[1], "X-Enamel-Csrf"), undefined);
   assert.equal(header(calls[2], "X-Enamel-Csrf"), "token");

@@ -5,6 +5,8 @@ import type {
   Annotation, Assignment, AssignmentTerms, AttemptDetail, Exercise, ExerciseState, ExerciseSummary, ExerciseVersion, Reference, Remark, ScoringRun,
 } from "./types";
 
+type Seen = Pick<AttemptDetail, "id" | "revision">;
+
 // Exercises, assignments, and what is said about attempts.
 export class TeachingApi {
   constructor(private readonly http: Http) {}
@@ -70,23 +72,24 @@ export class TeachingApi {
     return this.http.json<{ released: number }>("POST", `${assignmentPath(id)}/release`);
   }
 
-  release(attempt: string) {
-    return this.http.empty("POST", `${attemptPath(attempt)}/release`);
+  // What is said about an attempt is said about it as it was seen (its revision).
+  release({ id, revision }: Seen) {
+    return this.http.empty("POST", `${attemptPath(id)}/release`, { tag: tagOf(revision) });
   }
-  withdrawRelease(attempt: string) {
-    return this.http.empty("DELETE", `${attemptPath(attempt)}/release`);
+  withdrawRelease({ id, revision }: Seen) {
+    return this.http.empty("DELETE", `${attemptPath(id)}/release`, { tag: tagOf(revision) });
   }
-  override(attempt: string, score: number, reason: string) {
-    return this.http.json<AttemptDetail>("PUT", `${attemptPath(attempt)}/override`, { body: { score, reason } });
+  override({ id, revision }: Seen, score: number, reason: string) {
+    return this.http.json<AttemptDetail>("PUT", `${attemptPath(id)}/override`, { body: { score, reason }, tag: tagOf(revision) });
   }
-  dropOverride(attempt: string) {
-    return this.http.json<AttemptDetail>("DELETE", `${attemptPath(attempt)}/override`);
+  dropOverride({ id, revision }: Seen) {
+    return this.http.json<AttemptDetail>("DELETE", `${attemptPath(id)}/override`, { tag: tagOf(revision) });
   }
   rescore(attempt: string) {
     return this.http.json<AttemptDetail>("POST", `${attemptPath(attempt)}/rescore`);
   }
-  excuse(attempt: string, reason: string) {
-    return this.http.json<AttemptDetail>("POST", `${attemptPath(attempt)}/excuse`, { body: { reason } });
+  excuse({ id, revision }: Seen, reason: string) {
+    return this.http.json<AttemptDetail>("POST", `${attemptPath(id)}/excuse`, { body: { reason }, tag: tagOf(revision) });
   }
   makeReference(attempt: string, dentist: string, consent: boolean) {
     return this.http.json<Reference>("POST", `${attemptPath(attempt)}/reference`, { body: { dentist, consent } });

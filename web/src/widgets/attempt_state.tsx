@@ -45,6 +45,7 @@ export const kFlagTexts: Readonly<Record<AttemptFlag, StateText>> = {
   readmitted: { title: "Readmitted", tone: "neutral" },
   excused: { title: "Excused", tone: "neutral" },
   returned: { title: "Ticket handed back", tone: "neutral" },
+  contradicted: { title: "Contradicting parts", tone: "bad" },
 };
 
 export function flagText(flag: AttemptFlag): StateText {

@@ -67,8 +67,9 @@ function ScoredAttempt({ client, attempt, teacher, onChanged }:
   // Release changes what a student gets, not what a teacher gets; a new score changes it for both.
   const key = `${id} ${teacher || attempt.released} ${attempt.computed_score} ${attempt.reference?.attempt_id}`;
   const score = useRequest(key, (signal) => client.score(id, signal));
-  const surface = useRequest(key, (signal) => client.surface(id, signal));
-  const series = useRequest(key, (signal) => client.series(id, signal));
+  const removed = attempt.recording_removed_ms > 0;
+  const surface = useRequest(removed ? undefined : key, (signal) => client.surface(id, signal));
+  const series = useRequest(removed ? undefined : key, (signal) => client.series(id, signal));
   const remarks = useRequest(key, (signal) => client.teaching.annotations(id, signal));
   const [cursor, setCursor] = useState<number>();   // undefined until first moved
   const [chosen, setChosen] = useState<string>();   // id of a remark
@@ -93,10 +94,10 @@ function ScoredAttempt({ client, attempt, teacher, onChanged }:
           {scored !== undefined && <ScorePanel score={scored} reference={reference} override={attempt.override} />}
           <AppealPanel client={client} attempt={attempt} onChanged={onChanged} />
         </div>
-        <ToothPanel surface={surface.loaded} series={recorded} cursor={cursor} marks={marks} chosen={chosen} point={point} onMark={choose}
-                    onPoint={annotates ? setPoint : undefined} onRetry={surface.reload} />
+        {removed ? <RemovedRecording removedMs={attempt.recording_removed_ms} /> : <ToothPanel surface={surface.loaded} series={recorded} cursor={cursor} marks={marks} chosen={chosen} point={point} onMark={choose}
+                    onPoint={annotates ? setPoint : undefined} onRetry={surface.reload} />}
       </div>
-      <ForcePanel series={series.loaded} cursor={cursor ?? 0} marks={marks} chosen={chosen} onMark={choose} onCursor={setCursor} onRetry={series.reload} />
+      {!removed && <ForcePanel series={series.loaded} cursor={cursor ?? 0} marks={marks} chosen={chosen} onMark={choose} onCursor={setCursor} onRetry={series.reload} />}
       {recorded !== undefined && remarks.loaded.state === "ready" && (annotates || marks.length > 0) && (
         <AnnotationsPanel client={client} attemptId={id} teacher={annotates} series={recorded} marks={marks} chosen={chosen} cursor={cursor ?? 0}
                           point={point} onPoint={setPoint} onChoose={choose} onChanged={remarks.reload} />
@@ -104,6 +105,7 @@ function ScoredAttempt({ client, attempt, teacher, onChanged }:
       <div class="columns wide-right">
         <div class="stack">
           <RecordingPanel attempt={attempt} score={scored} />
+          <Contradictions chunks={attempt.contradictions} />
           {scored !== undefined && <RunsPanel client={client} requestKey={key} attemptId={id} />}
         </div>
         {scored !== undefined && <MetricsPanel metrics={scored.metrics} />}
@@ -112,10 +114,32 @@ function ScoredAttempt({ client, attempt, teacher, onChanged }:
   );
 }
 
+function RemovedRecording({ removedMs }: { readonly removedMs: number }) {
+  return (
+    <Card title="Tooth after the attempt">
+      <Notice tone="neutral" title={`The recording was removed on ${formatDateTime(removedMs)}`}>
+        <p>A retention rule of this server says how long recordings are kept. Tooth, forces and path cannot be shown any more, nor can the attempt be scored again; the score stays.</p>
+      </Notice>
+    </Card>
+  );
+}
+
+// Only who decides about the attempt is told.
+function Contradictions({ chunks }: { readonly chunks: AttemptDetail["contradictions"] }) {
+  if (chunks.length === 0) return null;
+  return (
+    <Card title="Contradicting parts">
+      <p>These parts of the recording came again with another content. The first of each is part of the recording, the others are kept as evidence.</p>
+      <ul>{chunks.map((chunk) => <li key={chunk.sha256}>Chunk {chunk.seq}, {formatDateTime(chunk.received_ms)}: <code>{chunk.sha256.slice(0, 16)}…</code></li>)}</ul>
+    </Card>
+  );
+}
+
 function UnscoredAttempt({ attempt }: { readonly attempt: AttemptDetail }) {
   return (
     <>
       <Card title="Score">{unscoredText(attempt)}</Card>
+      <Contradictions chunks={attempt.contradictions} />
       <RecordingPanel attempt={attempt} score={undefined} />
     </>
   );

@@ -20,7 +20,7 @@ export function RecordingPanel({ attempt, score }: { readonly attempt: AttemptDe
         <div><dt>Chunks, size</dt><dd>{formatNumber(attempt.chunks, 0)}, {formatBytes(attempt.trace_bytes)}</dd></div>
         <div><dt>Station</dt><dd>{attempt.station.name}</dd></div>
         <div><dt>Device</dt><dd>{attempt.profile.title}</dd></div>
-        {score !== undefined && <div><dt>Replay</dt><dd>{formatNumber(score.replay_realtime_factor, 1)} times real time, core version {score.core_version}</dd></div>}
+        {score !== undefined && <div><dt>Replay</dt><dd>core version {score.core_version}</dd></div>}
       </dl>
     </Card>
   );

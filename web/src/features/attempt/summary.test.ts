@@ -9,7 +9,7 @@ const criterion = (title: string, points: number, max = 10): Criterion =>
 const score = (changes: Partial<Score> = {}): Score => ({
   score: 83.4, critical_fail: false, criteria: [criterion("Floor", 10), criterion("Mesial wall", 4), criterion("Time", 8)],
   metrics: [], reference_attempt: "", rubric_version: 1, core_version: 1, ticks: 1000, gap_ticks: 0, late_ticks: 0,
-  bounded_ticks: 0, witness_ok: true, witness_note: "", replay_realtime_factor: 30, ...changes,
+  bounded_ticks: 0, witness_ok: true, witness_note: "", ...changes,
 });
 
 const attempt = (changes: Partial<AttemptDetail> = {}) => ({ ticks: 1000, gap_ticks: 0, ...changes }) as AttemptDetail;

@@ -50,7 +50,7 @@ export function TeacherActions({ client, attempt, graded, onChanged }: Props) {
         {attempt.released && <Badge tone="good">Score released</Badge>}
         {may("release") && awaitsRelease(attempt, graded) && (
           <button type="button" class="button primary" disabled={change.busy}
-                  onClick={() => void act(() => teaching.release(attempt.id), `${student} can see the score now.`)}>
+                  onClick={() => void act(() => teaching.release(attempt), `${student} can see the score now.`)}>
             Release score
           </button>
         )}
@@ -72,21 +72,21 @@ export function TeacherActions({ client, attempt, graded, onChanged }: Props) {
       )}
       {open === "override" && (
         <OverrideForm attempt={attempt} busy={change.busy} onCancel={() => setOpen(undefined)}
-                      onScore={(score, reason) => void act(() => teaching.override(attempt.id, score, reason), `The score counts as ${formatScore(score)} now.`)} />
+                      onScore={(score, reason) => void act(() => teaching.override(attempt, score, reason), `The score counts as ${formatScore(score)} now.`)} />
       )}
       {open === "excuse" && (
         <ExcuseForm busy={change.busy} onCancel={() => setOpen(undefined)}
-                    onReason={(reason) => void act(() => teaching.excuse(attempt.id, reason), "The attempt does not count against the limit any more.")} />
+                    onReason={(reason) => void act(() => teaching.excuse(attempt, reason), "The attempt does not count against the limit any more.")} />
       )}
       {open === "withdraw" && (
         <Confirm title="Take the release back?" action="Take release back" onClose={() => setOpen(undefined)}
-                 onConfirm={() => confirm(teaching.withdrawRelease(attempt.id), `${student} does not see the score any more.`)}>
+                 onConfirm={() => confirm(teaching.withdrawRelease(attempt), `${student} does not see the score any more.`)}>
           <p>{student} will not see score, deviation and remarks any more, and may have seen them already. You can release again at any time.</p>
         </Confirm>
       )}
       {open === "dropOverride" && (
         <Confirm title="Remove the set score?" action="Remove the set score" onClose={() => setOpen(undefined)}
-                 onConfirm={() => confirm(teaching.dropOverride(attempt.id), "The computed score counts again.")}>
+                 onConfirm={() => confirm(teaching.dropOverride(attempt), "The computed score counts again.")}>
           <p>The computed score counts again. The audit keeps what was set and why.</p>
         </Confirm>
       )}

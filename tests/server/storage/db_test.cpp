@@ -1,0 +1,80 @@
+#include "server/storage/db.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/server/storage/store_world.h"
+
+// The layer over SQLite: how much it keeps, and what it tells of failures.
+namespace enamel::server::sqlite {
+namespace {
+
+using namespace enamel::server::testing;
+
+class DbTest : public ::testing::Test {
+ protected:
+  std::unique_ptr<Db> Open() {
+    auto db = Db::Open(folder_.path() / "enamel.db", Db::Mode::kReadWrite);
+    EXPECT_TRUE(db.ok()) << db.status().message();
+    return std::move(db).value();
+  }
+  TempFolder folder_;
+};
+
+TEST_F(DbTest, StatementsAreKeptUpToANumberAndThoseInUseAlways) {
+  auto db = Open();
+  ASSERT_TRUE(db->Exec("CREATE TABLE t (n INTEGER); INSERT INTO t VALUES (1), (2), (3)").ok());
+  Query rows(*db, "SELECT n FROM t ORDER BY n", Query::kNoTenant);
+  ASSERT_TRUE(rows.Next());
+  for (size_t i = 0; i < 4 * Db::kMaxStatements; ++i) {
+    std::string sql = "SELECT " + std::to_string(i);
+    Query q(*db, sql.c_str(), Query::kNoTenant);
+    ASSERT_TRUE(q.Next());
+    EXPECT_EQ(q.Int(0), static_cast<int64_t>(i));
+    EXPECT_LE(db->kept_statements(), Db::kMaxStatements);
+  }
+  EXPECT_TRUE(rows.Next());
+  EXPECT_EQ(rows.Int(0), 2) << "not taken away under its user";
+}
+
+// Everybody may ask for a list; what is asked for must not stay in memory.
+TEST_F(DbTest, ListsAskedForInThousandsOfWaysTakeNoMoreMemory) {
+  auto store = OpenStore(folder_.path());
+  World world(*store);
+  auto ask = [&](uint32_t salt) {
+    AttemptFilter filter;
+    filter.person = world.student;
+    filter.limit = 1 + salt % 200;
+    filter.flags = 1 + salt % 511;
+    filter.state = static_cast<AttemptState>(1 + salt % 7);
+    if (salt % 2 == 0) filter.before = Uuid::New();
+    EXPECT_TRUE(store->Attempts(filter).ok());
+  };
+  for (uint32_t salt = 0; salt < 200; ++salt) ask(salt);
+  const int64_t before = sqlite3_memory_used();
+  for (uint32_t salt = 200; salt < 4000; ++salt) ask(salt);
+  EXPECT_LT(sqlite3_memory_used() - before, 1 << 20);
+}
+
+TEST_F(DbTest, FailuresTellWhatToDoButNoPathAndNoneOfSqlitesWords) {
+  auto db = Open(), other = Open();
+  ASSERT_TRUE(db->Exec("CREATE TABLE a (id INTEGER PRIMARY KEY);"
+                       "CREATE TABLE b (a INTEGER NOT NULL REFERENCES a (id))")
+                  .ok());
+  Status missing = db->Exec("INSERT INTO b VALUES (7)");
+  EXPECT_EQ(missing.code(), Code::kConflict);
+  ASSERT_TRUE(db->Exec("BEGIN; SELECT count(*) FROM a").ok());
+  ASSERT_TRUE(other->Exec("INSERT INTO a VALUES (1)").ok());
+  Status busy = db->Exec("INSERT INTO a VALUES (2)");  // what it has read is no longer so
+  EXPECT_EQ(busy.code(), Code::kUnavailable);
+  Status wrong = other->Exec("SELECT nothing FROM nowhere");
+  EXPECT_EQ(wrong.code(), Code::kStorage);
+  for (const Status& status : {missing, busy, wrong}) {
+    EXPECT_FALSE(status.message().empty());
+    for (const char* inner : {"enamel.db", "/tmp", "constraint", "locked", "SQL", "nowhere"}) {
+      EXPECT_EQ(status.message().find(inner), std::string::npos) << status.message();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace enamel::server::sqlite
