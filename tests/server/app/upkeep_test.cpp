@@ -146,11 +146,16 @@ TEST_F(UpkeepTest, ErasingWantsTheLoginTwice) {
 }
 
 TEST_F(UpkeepTest, RetentionTellsBeforeItDoes) {
-  school_.Score(school_.Record(1));
+  Uuid scored = school_.Record(1);
+  school_.Score(scored);
   Status status;
   std::string said = Said([&] { return Retention({Path("data"), "", 0, false}); }, status);
   EXPECT_NE(said.find("kept for good"), std::string::npos);
   said = Said([&] { return Retention({Path("data"), "recordings", 30, false}); }, status);
+  EXPECT_NE(said.find("0 recordings"), std::string::npos) << said;
+  EXPECT_NE(said.find("1 more are due and kept"), std::string::npos) << "not released: " << said;
+  ASSERT_TRUE(school_.store->ReleaseAttempt(scored, Actor{}).ok());
+  said = Said([&] { return Retention({Path("data"), "", 0, false}); }, status);
   EXPECT_NE(said.find("would be removed now: 0 unfinished attempts, 1 recordings"),
             std::string::npos)
       << said;
