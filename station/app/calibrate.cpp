@@ -10,7 +10,6 @@
 #include <iostream>
 
 #include "common/base/file.h"
-#include "common/haptics/criteria.h"
 #include "common/scene/builtin.h"
 #include "common/scene/json.h"
 #include "station/app/places.h"
@@ -239,8 +238,7 @@ Result<scene::DeviceProfile> ProposeProfile(const AxisFigures& worst, int rate_h
                                             const std::string& name, const std::string& source) {
   auto low = [](const Estimate& e) { return std::max(0.0, e.value - e.uncertainty); };
   double b = low(worst.damping_n_s_per_m), c = low(worst.friction_n);
-  double passive =
-      haptics::CouplingStiffness(b, 1.0 / rate_hz, static_cast<int>(worst.delay_ticks.value));
+  double passive = PassiveStiffness(b, 1.0 / rate_hz, worst.delay_ticks);
   double kc = kMargin * std::min(passive, 2 * c / worst.resolution_m.value);
   if (!(kc >= 1)) {
     return Status(
@@ -260,7 +258,8 @@ Result<scene::DeviceProfile> ProposeProfile(const AxisFigures& worst, int rate_h
   p.mass_g = {std::max<int64_t>(1, Rounded(worst.mass_kg.value * 1e3)), source};
   p.bus_delay_ticks = {Rounded(worst.delay_ticks.value), source};
   p.max_stiffness_mn_per_mm = {std::max<int64_t>(1, Rounded(passive)),
-                               "2 b f/(2 d + 1) of the measured b and d"};
+                               "2 b f/(2 d + 1) of the measured b and d, d with its fraction and "
+                               "at the upper end of its interval"};
   p.coupling_mn_per_mm = {static_cast<int64_t>(kc),
                           "nine tenths of the smaller of 2 b f/(2 d + 1) and 2 c/delta, measured"};
   p.rate_hz = {rate_hz, source};

@@ -5,6 +5,8 @@
 #include <complex>
 #include <numbers>
 
+#include "common/haptics/criteria.h"
+
 namespace enamel::station {
 namespace {
 
@@ -18,6 +20,7 @@ constexpr double kHoldStiffness_n_per_m = 150, kHoldDamping_n_s_per_m = 3;
 constexpr double kVelocityOver_s = 0.008;
 constexpr double kSignOver_s = 0.010;
 constexpr double kSilence_s = 0.05;
+constexpr double kDelayStep_ticks = 0.05;
 constexpr double kTwo95 = 1.96;
 constexpr double kCellsMoved = 4;  // by a push, before its way says anything
 
@@ -75,6 +78,11 @@ double PushedWay(double t_s, double g) {
 
 const std::array<Calibrator::Swing, 4> Calibrator::kSwings = {
     {{0.5, 1.0, 3}, {1, 1.0, 4}, {2, 1.0, 6}, {4, 0.6, 8}}};
+
+double PassiveStiffness(double damping_n_s_per_m, double tick_s, const Estimate& delay) noexcept {
+  double d = std::max({0.0, std::round(delay.value), delay.value + delay.uncertainty});
+  return haptics::CouplingStiffness(damping_n_s_per_m, tick_s, 0) / (2 * d + 1);
+}
 
 Calibrator::Calibrator(const CalibratorSetup& setup) : setup_(setup) {
   ENAMEL_CHECK(setup.tick_s > 0 && setup.max_force_n > 0 && setup.reach_m > 0);
@@ -281,7 +289,7 @@ double Calibrator::Delay(size_t axis, double cell_m, double g, Estimate& out) co
     if (ticks < 4 || way * setup_.count_m[axis] < kCellsMoved * cell_m) continue;
     double best = 0, least = PushResidual(axis, begin, ticks, 0, g);
     const double latest = static_cast<double>(ticks) - 3;
-    for (double t0 = 0.05; t0 < latest; t0 += 0.05) {
+    for (double t0 = kDelayStep_ticks; t0 < latest; t0 += kDelayStep_ticks) {
       double left = PushResidual(axis, begin, ticks, t0, g);
       if (left < least) {
         least = left;
@@ -296,7 +304,7 @@ double Calibrator::Delay(size_t axis, double cell_m, double g, Estimate& out) co
   auto n = static_cast<double>(out.samples);
   double mean = sum / n;
   double variance = n > 1 ? std::max(0.0, squares / n - mean * mean) * n / (n - 1) : 0.25;
-  out.value = std::round(mean);
+  out.value = mean;
   out.uncertainty = kTwo95 * std::sqrt(variance / n);
   return out.value;
 }

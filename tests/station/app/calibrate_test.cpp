@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "common/scene/builtin.h"
 #include "common/scene/json.h"
 #include "common/scene/plan.h"
@@ -33,7 +35,7 @@ TEST(CalibrateTest, ProposedProfileIsStableByTheMeasuredNumbersAndCarriesTheExer
   auto built = scene::BuildBuiltinScene("block", 200'000);
   ASSERT_TRUE(built.ok());
   scene::Exercise exercise = scene::ClassOneExercise(built->scene, {});
-  for (double delay : {0.0, 2.0}) {
+  for (double delay : {0.0, 1.4, 2.0}) {
     auto p = ProposeProfile(Axis(20, 0.05, 2, delay), 1000, scene::BuiltinProfiles()[0], "mine",
                             "measured here");
     ASSERT_TRUE(p.ok()) << p.status().message();

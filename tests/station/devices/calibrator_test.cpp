@@ -58,12 +58,12 @@ void ExpectAgrees(const Truth& truth, const std::array<AxisFigures, 3>& axes) {
                 0.1 * truth.damping_n_s_per_m + 0.05)
         << truth.name;
     EXPECT_NEAR(a.mass_kg.value, truth.mass_kg, 0.05 * truth.mass_kg + 0.002) << truth.name;
-    EXPECT_EQ(a.delay_ticks.value, truth.delay_ticks) << truth.name;
+    EXPECT_NEAR(a.delay_ticks.value, truth.delay_ticks, 0.35) << truth.name;
   }
 }
 
-// Stated bounds: cell 2 %, noise 10 % and a third of a cell, friction 5 % and 3 mN, damping 10 % and
-// 0.05 N s/m, mass 5 % and 2 g, delay exact.
+// Stated bounds: cell 2 %, noise 10 % and a third of a cell, friction 5 % and 3 mN, damping 10 %
+// and 0.05 N s/m, mass 5 % and 2 g, delay 0.35 ticks.
 TEST(CalibratorTest, FindsWhatASimulatedDeviceIs) {
   const Truth cases[] = {
       {"omega", 9e-6, 0, 0.09, 6, 0.25, 0},
@@ -124,6 +124,56 @@ TEST(CalibratorTest, AgreesWithAnIndependentSimulation) {
   auto axes = calibrator.Figures();
   ASSERT_TRUE(axes.ok()) << axes.status().message();
   ExpectAgrees({"plant", 15e-6, 0, 0.06, 2.2, 0.12, 2}, *axes);
+}
+
+// A mass with damping, one axis like another, whose forces arrive after any part of a tick.
+class LateDevice {
+ public:
+  LateDevice(double mass_kg, double b, double cell_m, double delay_ticks)
+      : mass_kg_(mass_kg), b_(b), cell_m_(cell_m), delay_(delay_ticks) {}
+  void Send(const dvec3& force_n) { sent_.push_back(force_n); }
+  DeviceSample Read() {
+    constexpr int kSteps = 200;
+    const double dt = 1e-3 / kSteps;
+    for (int i = 0; i < kSteps && !sent_.empty(); ++i) {
+      double at = static_cast<double>(sent_.size() - 1) + (i + 0.5) / kSteps - delay_;
+      dvec3 force = at < 0 ? dvec3(0) : sent_[static_cast<size_t>(at)];
+      v_ += (force - v_ * b_) * (dt / mass_kg_);
+      x_ += v_ * dt;
+    }
+    DeviceSample s;
+    for (int i = 0; i < 3; ++i) {
+      s.counts[static_cast<size_t>(i)] = static_cast<int32_t>(std::lround(x_[i] / cell_m_));
+    }
+    return s;
+  }
+
+ private:
+  const double mass_kg_, b_, cell_m_, delay_;
+  std::vector<dvec3> sent_;
+  dvec3 x_{0}, v_{0};
+};
+
+// Nine tenths of it never exceed the limit for the true delay, Kc <= 2 b / (T (2 d + 1))
+// (haptics/coupling.h), whatever part of a tick that is; nor is it given away.
+TEST(CalibratorTest, APartOfATickOfDelayIsNotLeftOutOfTheLimitOfKc) {
+  constexpr double kT = 1e-3, kDamping = 1.5;
+  for (double d : {0.0, 0.2, 0.4, 0.5, 0.9, 1.0, 1.1, 1.4, 1.5, 2.6, 3.3}) {
+    LateDevice device(0.08, kDamping, 10e-6, d);
+    CalibratorSetup setup;
+    setup.count_m.fill(10e-6);
+    Calibrator calibrator(setup);
+    while (!calibrator.done()) device.Send(calibrator.Step(device.Read()));
+    auto axes = calibrator.Figures();
+    ASSERT_TRUE(axes.ok()) << d << ": " << axes.status().message();
+    const double limit = 2 * kDamping / (kT * (2 * d + 1));
+    for (const AxisFigures& a : *axes) {
+      EXPECT_NEAR(a.delay_ticks.value, d, 0.1) << d;
+      const double kc = 0.9 * PassiveStiffness(kDamping, kT, a.delay_ticks);
+      EXPECT_LE(kc, limit) << d;
+      EXPECT_GE(kc, 0.55 * limit) << d;
+    }
+  }
 }
 
 TEST(CalibratorTest, IntervalsHoldTheTruthMostOfTheTime) {
