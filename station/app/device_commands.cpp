@@ -83,6 +83,21 @@ void AddLoopTest(CLI::App& app, const Finish& finish, int* exit_code) {
   command->add_option("--cpu", options->cpu, "Bind both to this processor, 0 the first")
       ->check(CLI::Range(0, 1023));
   command->add_option("--json", options->json, "Write the figures to this file");
+  command->footer(
+      "What is good, at 1000 Hz for a device with motors:\n"
+      "  own cost      below 5000 ns a tick, so that a tick has its time for the tooth\n"
+      "  p99           below 200 us late\n"
+      "  a period or more late: none in a quiet turn. 21 such ticks within a second, or one late "
+      "by\n"
+      "                5 ms, take the force away until the pedal is pressed again\n"
+      "  loop against bare sleep: within 10 us, or within what bare differs from bare. When both "
+      "are\n"
+      "                bad it is the computer: close other programs, let the station have "
+      "real-time\n"
+      "                priority ('enamel-station doctor' says how), bind it with --cpu. When only "
+      "the\n"
+      "                loop is bad, report it with --json.\n"
+      "A mouse is not put at risk by late ticks; they are recorded all the same.");
   command->callback([=] { *exit_code = finish(TestLoop(*options)); });
 }
 

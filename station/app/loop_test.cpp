@@ -3,6 +3,7 @@
 #include <time.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <boost/json.hpp>
 #include <chrono>
@@ -16,6 +17,7 @@
 #include "common/scene/plan.h"
 #include "station/app/places.h"
 #include "station/devices/pointer_device.h"
+#include "station/loop/loop_facts.h"
 #include "station/loop/realtime.h"
 #include "station/loop/tick_loop.h"
 
@@ -102,14 +104,39 @@ Cost MeasureCost(const Bench& bench) {
   return out;
 }
 
+// Lateness in the steps a person reads, us: the last is without end.
+constexpr std::array<double, 9> kSteps_us{20, 50, 100, 200, 500, 1000, 2000, 5000, 1e12};
+using Steps = std::array<uint64_t, kSteps_us.size()>;
+
 struct Turn {
   double p50_us = 0, p99_us = 0, max_us = 0;
-  uint64_t ticks = 0;
+  uint64_t ticks = 0, late = 0;  // late: by a whole period or more
+  Steps steps{};
+  boost::json::object histogram;
 };
 
-Turn TurnOf(const DurationHistogram& h) {
-  return {h.Quantile_ns(0.5) * 1e-3, h.Quantile_ns(0.99) * 1e-3,
-          static_cast<double>(h.max_ns()) * 1e-3, h.count()};
+// What straddles an edge counts below it: a bucket is a 32nd of itself wide.
+Turn TurnOf(const DurationHistogram& h, int rate_hz) {
+  Turn out{h.Quantile_ns(0.5) * 1e-3,
+           h.Quantile_ns(0.99) * 1e-3,
+           static_cast<double>(h.max_ns()) * 1e-3,
+           h.count(),
+           0,
+           {},
+           DurationFacts(h)};
+  const uint64_t period_ns = static_cast<uint64_t>(kSecond_ns / rate_hz);
+  for (size_t i = 0; i < DurationHistogram::kBuckets; ++i) {
+    const uint64_t floor_ns = DurationHistogram::Floor_ns(i), count = h.InBucket(i);
+    if (floor_ns >= period_ns) out.late += count;
+    size_t step = 0;
+    while (static_cast<double>(floor_ns) >= kSteps_us[step] * 1e3) ++step;
+    out.steps[step] += count;
+  }
+  return out;
+}
+
+double LateShare(const Turn& t) {
+  return t.ticks == 0 ? 0 : static_cast<double>(t.late) / static_cast<double>(t.ticks);
 }
 
 // Empties the ring every 2 ms, as the recorder does, also while nothing comes.
@@ -150,7 +177,7 @@ Turn BareTurn(int rate_hz, const RealtimeRequest& realtime, RealtimeGrant& grant
       if (late_ns > period) due += late_ns / period * period;
     }
   }).join();
-  return TurnOf(late);
+  return TurnOf(late, rate_hz);
 }
 
 struct LoopTurn {
@@ -175,7 +202,8 @@ LoopTurn WholeTurn(const Bench& bench, SampleRing& ring, const RealtimeRequest& 
   loop->RequestStop();
   ticks.join();
   const LoopCounters& counters = loop->snapshot().counters;
-  return {TurnOf(loop->lateness()), loop->durations().mean_ns() * 1e-3,
+  return {TurnOf(loop->lateness(), static_cast<int>(bench.params.rate_hz)),
+          loop->durations().mean_ns() * 1e-3,
           static_cast<double>(loop->durations().max_ns()) * 1e-3, counters.late_ticks,
           counters.gap_ticks};
 }
@@ -187,9 +215,36 @@ double Median(std::vector<double> v) {
 }
 
 void PrintTurn(const char* kind, const Turn& t) {
-  std::printf("  %-5s %8llu ticks   p50 %7.1f   p99 %7.1f   max %8.1f us late\n", kind,
-              static_cast<unsigned long long>(t.ticks), t.p50_us, t.p99_us, t.max_us);
+  std::printf(
+      "  %-5s %8llu ticks   p50 %7.1f   p99 %7.1f   max %8.1f us late   a period or more %.3f %%\n",
+      kind, static_cast<unsigned long long>(t.ticks), t.p50_us, t.p99_us, t.max_us,
+      100 * LateShare(t));
   std::fflush(stdout);
+}
+
+void PrintSteps(const char* kind, const Turn& all) {
+  std::printf("  %-5s", kind);
+  for (size_t i = 0; i < kSteps_us.size(); ++i) {
+    double share =
+        static_cast<double>(all.steps[i]) / static_cast<double>(std::max<uint64_t>(1, all.ticks));
+    std::printf(" %9.4f", 100 * share);
+  }
+  std::printf("\n");
+}
+
+// Shares of all turns' ticks by how late they were, in per cent.
+void PrintHistogram(const Turn& bare, const Turn& loop) {
+  std::printf("  share of ticks, %%, late by less than, us:\n       ");
+  for (size_t i = 0; i + 1 < kSteps_us.size(); ++i) std::printf(" %9.0f", kSteps_us[i]);
+  std::printf(" %9s\n", "more");
+  PrintSteps("bare", bare);
+  PrintSteps("loop", loop);
+}
+
+void AddTo(Turn& all, const Turn& turn) {
+  all.ticks += turn.ticks;
+  all.late += turn.late;
+  for (size_t i = 0; i < all.steps.size(); ++i) all.steps[i] += turn.steps[i];
 }
 
 boost::json::object Json(const char* kind, const Turn& t) {
@@ -197,7 +252,10 @@ boost::json::object Json(const char* kind, const Turn& t) {
           {"p50_us", t.p50_us},
           {"p99_us", t.p99_us},
           {"max_us", t.max_us},
-          {"ticks", t.ticks}};
+          {"ticks", t.ticks},
+          {"late_ticks", t.late},
+          {"late_share", LateShare(t)},
+          {"lateness", t.histogram}};
 }
 
 }  // namespace
@@ -234,6 +292,7 @@ Status TestLoop(const LoopTestCommand& options) {
   RealtimeGrant grant;
   RealtimeRequest realtime{options.cpu};
   std::vector<double> bare_p99, loop_p99, tick_mean;
+  Turn all_bare, all_loop;
   boost::json::array all;
   for (int i = 0; i < turns; ++i) {
     Turn bare = BareTurn(options.rate_hz, realtime, grant);
@@ -241,6 +300,8 @@ Status TestLoop(const LoopTestCommand& options) {
     PrintTurn("bare", bare);
     LoopTurn loop = WholeTurn(*bench, ring, realtime);
     PrintTurn("loop", loop.lateness);
+    AddTo(all_bare, bare);
+    AddTo(all_loop, loop.lateness);
     bare_p99.push_back(bare.p99_us);
     loop_p99.push_back(loop.lateness.p99_us);
     tick_mean.push_back(loop.tick_mean_us);
@@ -256,6 +317,9 @@ Status TestLoop(const LoopTestCommand& options) {
       "%.1f us: %s\n  a tick with everything in it takes %.2f us in the mean\n",
       Median(bare_p99), Median(loop_p99), difference, spread,
       within ? "within 10 us or the spread" : "NOT within 10 us or the spread", Median(tick_mean));
+  PrintHistogram(all_bare, all_loop);
+  std::printf("  late by a whole period or more: bare %.4f %%, loop %.4f %% of the ticks\n",
+              100 * LateShare(all_bare), 100 * LateShare(all_loop));
   return WriteJsonFile(options.json, {{"rate_hz", options.rate_hz},
                                       {"own_ns", cost.own_ns()},
                                       {"loop_ns", cost.loop_ns},
@@ -265,6 +329,8 @@ Status TestLoop(const LoopTestCommand& options) {
                                       {"difference_us", difference},
                                       {"bare_spread_us", spread},
                                       {"within", within},
+                                      {"bare_late_share", LateShare(all_bare)},
+                                      {"loop_late_share", LateShare(all_loop)},
                                       {"refused", grant.refused},
                                       {"turns", all}});
 }

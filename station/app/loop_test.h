@@ -20,7 +20,8 @@ struct LoopTestCommand {
 //   alone on the same inputs, in alternating batches; the difference of their means.
 //   Lateness: a bare absolute sleep at the rate and the whole loop take turns every 5 s, on threads
 //   made alike, with the recorder's draining at work during both. What is compared is the moment
-//   they wake against the moment they meant to.
+//   they wake against the moment they meant to: quantiles, the share late by a whole period or more
+//   (each a tick the hand did not have), and the shares by steps of lateness.
 //
 // Errors: kInvalidInput for less than two turns of each, or a rate outside 100 Hz to 20 kHz.
 Status TestLoop(const LoopTestCommand& options);
