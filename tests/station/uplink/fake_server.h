@@ -99,6 +99,8 @@ class FakeServer {
   // Answers OpenAttempt, and ReturnTicket, with this. The latter also while it runs, between two
   // requests.
   std::optional<Status> refuse, refuse_returns;
+  // The attempt with this header has to wait for something that a restore has taken from it.
+  std::optional<Bytes> awaits;
   // Attempts whose tickets were returned, each time.
   std::vector<Uuid> returned() const {
     std::lock_guard lock(mutex_);
@@ -161,6 +163,9 @@ class FakeServer {
     } else if (request.has_open_attempt()) {
       if (refuse) {
         *reply.mutable_error() = protocol::ToError(*refuse);
+      } else if (awaits && request.open_attempt().header() == protocol::ToField(*awaits)) {
+        *reply.mutable_error() = protocol::ToError(
+            Status(Code::kUnavailable, "person 7 is not here", protocol::kAwaited));
       } else {
         std::lock_guard lock(mutex_);
         auto header = trace::DecodeHeader(AsBytes(request.open_attempt().header()));

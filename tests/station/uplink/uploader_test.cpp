@@ -128,6 +128,41 @@ TEST_F(UploaderTest, RefusalForGoodIsNotedAndTheRecordingKept) {
   EXPECT_EQ(spool_->Get(id())->chunks, 2u);
 }
 
+TEST_F(UploaderTest, RecordingThatHasToWaitIsKeptAndOthersGoOn) {
+  Record(2);
+  ASSERT_TRUE(recorder_->Finish().ok());
+  trace::Header other = header_;
+  other.ticket.attempt = Uuid::New();
+  ASSERT_TRUE(spool_->BeginAttempt(other, "e", "p").ok());
+  Recorder recorder(*spool_, ring_, other.ticket.attempt, HashSha256(trace::EncodeHeader(other)),
+                    keys_.secret_key);
+  for (size_t i = 0; i < Recorder::kTicksPerChunk; ++i) ring_.Push(Sample{});
+  ASSERT_TRUE(recorder.Pump().ok());
+  ASSERT_TRUE(recorder.Finish().ok());
+  FakeServer server(folder_);
+  server.awaits = trace::EncodeHeader(header_);  // the one that is brought first
+  Credentials credentials = server.NewStation();
+  {
+    Uploader uploader(credentials, *spool_);
+    uploader.WaitUntilDone(other.ticket.attempt, kSoon);
+    EXPECT_TRUE(uploader.state(other.ticket.attempt).sealed);
+    EXPECT_FALSE(uploader.state(id()).gave_up);
+    EXPECT_NE(uploader.state(id()).problem.message().find("person 7"), std::string::npos);
+  }
+  EXPECT_EQ(server.connections(), 1) << "not a broken connection each time";
+  EXPECT_EQ(spool_->Get(id())->refused, "");
+  Retention nothing_kept;
+  nothing_kept.age = {};
+  nothing_kept.bytes = 1;
+  ASSERT_TRUE(
+      spool_->Prune(nothing_kept, std::chrono::system_clock::now() + std::chrono::years(1)).ok());
+  EXPECT_TRUE(spool_->Get(id()).ok()) << "kept, however long";
+  server.awaits.reset();
+  Uploader again(credentials, *spool_);
+  again.WaitUntilDone(id(), kSoon);
+  EXPECT_TRUE(again.state(id()).sealed);
+}
+
 TEST_F(UploaderTest, UploadsWhileRecordingGoesOn) {
   FakeServer server(folder_);
   Uploader uploader(server.NewStation(), *spool_);
