@@ -7,6 +7,8 @@
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/use_awaitable.hpp>
 
+#include "server/auth/address_block.h"
+
 namespace enamel::server::stations {
 
 namespace asio = boost::asio;
@@ -38,6 +40,7 @@ Connection::Connection(asio::ip::tcp::socket socket, SSL_CTX* tls, const LinkDea
       watch_(stream_.socket().get_executor()),
       reader_(protocol::kMaxFrameBytesBeforeHello),
       peer_(PeerAddress(stream_.socket())),
+      block_(auth::AddressBlock(peer_)),
       session_(services, peer_) {}
 
 void Connection::Run(std::function<void()> on_end) {
@@ -56,10 +59,20 @@ void Connection::Run(std::function<void()> on_end) {
 
 void Connection::BeginStop() {
   asio::post(stream_.socket().get_executor(), [self = shared_from_this()] {
-    self->stopping_ = true;
-    error_code ignored;
-    if (self->waiting_for_frame_) self->stream_.socket().cancel(ignored);
+    self->End(Status(Code::kUnavailable, "the server is shutting down; come back later"));
   });
+}
+
+void Connection::EndIfRevoked(std::shared_ptr<const std::set<Uuid>> revoked) {
+  asio::post(stream_.socket().get_executor(), [self = shared_from_this(), revoked] {
+    if (self->station_ && revoked->contains(*self->station_)) self->End(RevokedStation());
+  });
+}
+
+void Connection::End(Status why) {
+  if (!ending_) ending_ = std::move(why);
+  error_code ignored;
+  if (waiting_for_frame_) stream_.socket().cancel(ignored);
 }
 
 void Connection::Close() {
@@ -114,8 +127,8 @@ asio::awaitable<void> Connection::Serve() {
 asio::awaitable<void> Connection::ServeRequests() {
   for (;;) {
     auto frame = co_await ReadFrame();
-    if (stopping_) {
-      co_await Refuse(Status(Code::kUnavailable, "the server is shutting down; come back later"));
+    if (ending_) {
+      co_await Refuse(*ending_);
       co_return;
     }
     if (!frame.ok()) {
@@ -129,7 +142,11 @@ asio::awaitable<void> Connection::ServeRequests() {
     }
     introduced_ = true;
     Answer answer = co_await Carry(*request);
-    if (session_.welcomed()) reader_.set_limit(protocol::kMaxFrameBytes);
+    if (session_.welcomed() && !station_) {
+      station_ = session_.station()->id;
+      welcomed_ = true;
+      reader_.set_limit(protocol::kMaxFrameBytes);
+    }
     if (!answer.reply) continue;
     if (answer.reply->has_error()) NoteRefusal(*answer.reply->mutable_error());
     bool written = co_await Write(std::move(*answer.reply));
@@ -139,7 +156,7 @@ asio::awaitable<void> Connection::ServeRequests() {
 
 asio::awaitable<Answer> Connection::Carry(const wire::Request& request) {
   Allow(deadlines_.work);
-  if (Session::IsQuick(request)) {
+  if (session_.IsQuick(request)) {
     // A turn for the other connections: quick requests could come without an end.
     co_await asio::post(stream_.socket().get_executor(), asio::use_awaitable);
     co_return session_.Handle(request);
@@ -164,7 +181,7 @@ asio::awaitable<Result<Bytes>> Connection::ReadFrame() {
       continue;
     }
     waiting_for_frame_ = reader_.at_boundary();
-    if (waiting_for_frame_ && stopping_) co_return Status(Code::kUnavailable, "stopping");
+    if (waiting_for_frame_ && ending_) co_return *ending_;
     if (!waiting_for_frame_ && !begun && introduced_) {
       begun = true;
       Allow(deadlines_.frame);
@@ -210,7 +227,7 @@ void Connection::NoteRefusal(wire::Error& error) {
 asio::awaitable<void> Connection::Refuse(Status status) {
   wire::Reply reply;
   *reply.mutable_error() = protocol::ToError(status);
-  if (!stopping_) NoteRefusal(*reply.mutable_error());
+  if (status.code() != Code::kUnavailable) NoteRefusal(*reply.mutable_error());
   co_await Write(std::move(reply));
 }
 

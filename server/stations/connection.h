@@ -1,10 +1,13 @@
 #pragma once
 
+#include <atomic>
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/strand.hpp>
 #include <memory>
+#include <optional>
+#include <set>
 
 #include "common/protocol/frame.h"
 #include "server/ops/refusal_log.h"
@@ -28,8 +31,13 @@ class Connection : public std::enable_shared_from_this<Connection> {
   void Run(std::function<void()> on_end);
   // Finish the request in progress, say why, close. Any thread.
   void BeginStop();
+  // The same for a station that is one of these. Any thread.
+  void EndIfRevoked(std::shared_ptr<const std::set<Uuid>> revoked);
   // Close now. Any thread.
   void Close();
+  // Any thread: has said Hello with success; whom it counts for (auth::AddressBlock).
+  bool welcomed() const { return welcomed_; }
+  const std::string& block() const { return block_; }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -45,6 +53,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   // Says it in the log, and takes out of it what is for the log alone.
   void NoteRefusal(wire::Error& error);
   void Allow(std::chrono::milliseconds time);
+  void End(Status why);
   void CloseSocket();
 
   const LinkDeadlines& deadlines_;
@@ -54,11 +63,13 @@ class Connection : public std::enable_shared_from_this<Connection> {
   Clock::time_point deadline_;
   boost::asio::steady_timer watch_;  // wakes Watch, never later than the deadline
   protocol::FrameReader reader_;
-  const std::string peer_;
+  const std::string peer_, block_;
+  std::atomic<bool> welcomed_{false};
   Session session_;
   bool introduced_ = false;         // a first message was read
   bool waiting_for_frame_ = false;  // for a frame's first byte
-  bool stopping_ = false;
+  std::optional<Status> ending_;    // why no further request is read
+  std::optional<Uuid> station_;     // since Welcome
   bool ended_ = false;
 };
 

@@ -36,14 +36,15 @@ Answer AnswerOf(const wire::Request& request, const Result<wire::Reply>& result,
 
 }  // namespace
 
+Status RevokedStation() {
+  return Status(Code::kUnauthenticated,
+                "this station is no longer admitted; enrol it with a new code");
+}
+
 Answer Session::Handle(const wire::Request& request) {
   bool introduces = request.has_hello() || request.has_enrol();
   if (!station_ && !introduces) {
     return AnswerOf(request, Status(Code::kUnauthenticated, "send Hello or Enrol first"), true);
-  }
-  if (request.has_live_state()) {
-    Take(request.live_state());
-    return {};
   }
   if (introduces && station_) {
     return AnswerOf(request, Status(Code::kInvalidInput, "this connection has said hello already"),
@@ -54,24 +55,30 @@ Answer Session::Handle(const wire::Request& request) {
     *reply.mutable_error() = protocol::UnsupportedError();
     return AnswerOf(request, reply, false);
   }
-  if (station_ && !IsQuick(request)) {
+  if (station_) {
     if (Status admitted = StillAdmitted(); !admitted.ok()) {
       return AnswerOf(request, admitted, true);
     }
+  }
+  if (request.has_live_state()) {
+    Take(request.live_state());
+    return {};
   }
   auto result = Dispatch(request);
   return AnswerOf(request, result, request.has_enrol() || (request.has_hello() && !result.ok()));
 }
 
+bool Session::KnownAdmitted() const {
+  UnixMs now = services_.clock();
+  return !station_ || (now >= admitted_ms_ && now - admitted_ms_ < kAdmittedEveryMs);
+}
+
 Status Session::StillAdmitted() {
   UnixMs now = services_.clock();
-  if (now >= admitted_ms_ && now - admitted_ms_ < kAdmittedEveryMs) return Status::Ok();
+  if (KnownAdmitted()) return Status::Ok();
   auto station = services_.store.StationById(station_->id);
   if (!station.ok()) return station.status();
-  if (station->revoked) {
-    return Status(Code::kUnauthenticated,
-                  "this station is no longer admitted; enrol it with a new code");
-  }
+  if (station->revoked) return RevokedStation();
   admitted_ms_ = now;
   return Status::Ok();
 }
@@ -116,6 +123,12 @@ Result<wire::Reply> Session::Do(const wire::Hello& hello) {
   ENAMEL_RETURN_IF_ERROR(CheckProtocolVersion(hello.protocol_version()));
   auto id = protocol::ReadUuid(hello.station_id(), "station_id");
   if (!id.ok()) return id.status();
+  std::string software = ShortenedText(hello.software(), kMaxSoftwareBytes);
+  if (!software.empty()) {
+    auto checked = CheckedName(software, "software");
+    if (!checked.ok()) return checked.status();
+    software = *checked;
+  }
   auto station =
       services_.store.StationByCredential(*id, auth::TokenHash(AsBytes(hello.credential())));
   if (!station.ok() && station.status().code() != Code::kNotFound) return station.status();
@@ -125,8 +138,7 @@ Result<wire::Reply> Session::Do(const wire::Hello& hello) {
         "this server does not know the station or no longer admits it; enrol it with a new code");
   }
   ENAMEL_RETURN_IF_ERROR(
-      services_.store.TouchStation(*id, ShortenedText(hello.software(), kMaxSoftwareBytes),
-                                   hello.core_version(), services_.clock()));
+      services_.store.TouchStation(*id, software, hello.core_version(), services_.clock()));
   station_ = *station;
   station_core_version_ = hello.core_version();
   admitted_ms_ = services_.clock();
@@ -177,10 +189,15 @@ Result<wire::Reply> Session::Do(const wire::Enrol& enrol) {
 std::optional<auth::SignInRequest> Session::SignInWanted(const wire::Request& request) const {
   if (!station_ || !request.has_sign_in()) return std::nullopt;
   return auth::SignInRequest{request.sign_in().login(), request.sign_in().password(), peer_address_,
-                             "station"};
+                             auth::kViaStation};
 }
 
 Answer Session::FinishSignIn(const wire::Request& request, const Result<auth::SignedIn>& result) {
+  Status admitted = StillAdmitted();
+  if (!admitted.ok() && result.ok()) {
+    (void)services_.authenticator.SignOut(result->identity.token_hash);
+  }
+  if (!admitted.ok()) return AnswerOf(request, admitted, true);
   if (!result.ok()) return AnswerOf(request, result.status(), false);
   if (signed_in_.size() >= kMaxSignedIn) {
     (void)services_.authenticator.SignOut(result->identity.token_hash);

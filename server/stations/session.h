@@ -19,7 +19,8 @@ namespace enamel::server::stations {
 // it begins in time; it may have been cut off from the server since.
 inline constexpr UnixMs kLateUploadMs = 7ll * 24 * 60 * 60 * 1000;
 inline constexpr size_t kBlobPartBytes = 1 << 20;
-// A station that is revoked learns of it this long after, at the latest.
+// A station that is revoked learns of it this long after, at the latest, and its connection ends:
+// with its next request (here), or without one (StationServer).
 inline constexpr UnixMs kAdmittedEveryMs = 2000;
 inline constexpr size_t kMaxSignedIn = 8;  // people signed in on one connection
 
@@ -34,6 +35,9 @@ struct Services {
   std::function<UnixMs()> clock;
   std::string page_url{};  // where people open the page (protocol::IsPageUrl); empty: not told
 };
+
+// kUnauthenticated: what a station hears whose connection ends because it was revoked.
+Status RevokedStation();
 
 // What to send back and whether the connection ends after it. No reply: to LiveState.
 struct Answer {
@@ -59,8 +63,8 @@ class Session {
   const std::optional<StationRow>& station() const { return station_; }
 
   // Handle answers it without touching the store: no thread of its own is needed.
-  static bool IsQuick(const wire::Request& request) {
-    return request.has_live_state() || request.has_ping();
+  bool IsQuick(const wire::Request& request) const {
+    return (request.has_live_state() || request.has_ping()) && KnownAdmitted();
   }
   // Everything but sign-in, which waits for the hashing threads:
   //   if (auto who = session.SignInWanted(request)) answer = session.FinishSignIn(request, co_await
@@ -89,7 +93,9 @@ class Session {
   void Take(const wire::LiveState& live);
   void ShowLive(const trace::Chunk& chunk);
 
-  // Looked up every kAdmittedEveryMs. Errors: kUnauthenticated (revoked since Hello).
+  // Not yet to be looked up again, or not welcomed.
+  bool KnownAdmitted() const;
+  // Looked up every kAdmittedEveryMs. Errors: RevokedStation.
   Status StillAdmitted();
   Result<Person> PersonOf(const std::string& session_token);
   Result<std::vector<ExerciseRow>> ExercisesOf(const Person& person);

@@ -8,9 +8,10 @@
 #include <boost/asio/ssl/context.hpp>
 #include <csignal>
 #include <map>
-#include <mutex>
+#include <set>
 
 #include "common/net/tls.h"
+#include "server/ops/full_house.h"
 #include "server/stations/connection.h"
 
 namespace enamel::server::stations {
@@ -20,6 +21,8 @@ using asio::ip::tcp;
 using boost::system::error_code;
 
 namespace {
+
+constexpr size_t kMaxLeaving = 64;
 
 // Idle connections keep no record buffers; stations pin a certificate and never resume a session.
 void SaveMemory(SSL_CTX* tls) {
@@ -52,9 +55,13 @@ struct StationServer::State : std::enable_shared_from_this<State> {
         pool(p),
         strand(asio::make_strand(io)),
         acceptor(strand),
-        grace(strand) {}
+        grace(strand),
+        next_look(strand) {}
 
   asio::awaitable<void> Accept();
+  asio::awaitable<void> WatchRevoked();
+  void EndRevoked(std::set<Uuid> now);
+  bool HasRoom();  // or makes some
   void Admit(tcp::socket socket);
   void Forget(uint64_t id);
   void StopOnStrand();
@@ -69,7 +76,11 @@ struct StationServer::State : std::enable_shared_from_this<State> {
   asio::strand<asio::io_context::executor_type> strand;
   tcp::acceptor acceptor;
   asio::steady_timer grace;
+  asio::steady_timer next_look;  // of WatchRevoked
+  std::shared_ptr<const std::set<Uuid>> revoked = std::make_shared<std::set<Uuid>>();
+  int tell_revoked = 0;  // further looks after which the connections are told
   std::map<uint64_t, std::weak_ptr<Connection>> connections;
+  std::set<uint64_t> leaving;  // those that make room and are not gone yet
   uint64_t next_id = 0;
   bool stopping = false;
 };
@@ -91,8 +102,57 @@ asio::awaitable<void> StationServer::State::Accept() {
   }
 }
 
+// A station that asks for nothing would never learn that it was revoked.
+asio::awaitable<void> StationServer::State::WatchRevoked() {
+  while (!stopping) {
+    next_look.expires_after(std::chrono::milliseconds(kAdmittedEveryMs / 2));
+    error_code ignored;
+    co_await next_look.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
+    if (stopping || connections.empty()) continue;
+    auto stations = co_await pool.Run([this] { return services.store.Stations(); });
+    if (!stations.ok()) continue;
+    std::set<Uuid> now;
+    for (const StationRow& row : *stations) {
+      if (row.revoked) now.insert(row.id);
+    }
+    EndRevoked(std::move(now));
+  }
+}
+
+// Twice: a connection may just be saying Hello.
+void StationServer::State::EndRevoked(std::set<Uuid> now) {
+  if (now != *revoked) {
+    revoked = std::make_shared<const std::set<Uuid>>(std::move(now));
+    tell_revoked = 2;
+  }
+  if (tell_revoked == 0) return;
+  --tell_revoked;
+  for (auto& [id, weak] : connections) {
+    if (auto connection = weak.lock()) connection->EndIfRevoked(revoked);
+  }
+}
+
+// Full: of those who have not said who they are, one goes.
+bool StationServer::State::HasRoom() {
+  if (connections.size() - leaving.size() < options.max_connections) return true;
+  if (leaving.size() >= kMaxLeaving) return false;
+  std::vector<std::pair<uint64_t, std::shared_ptr<Connection>>> all;
+  std::vector<ops::Guest> guests;
+  for (auto& [id, weak] : connections) {
+    auto connection = weak.lock();
+    if (!connection || connection->welcomed() || leaving.contains(id)) continue;
+    guests.push_back({connection->block(), true});
+    all.emplace_back(id, std::move(connection));
+  }
+  std::optional<size_t> goes = ops::WhoMakesRoom(guests);
+  if (!goes) return false;
+  leaving.insert(all[*goes].first);
+  all[*goes].second->Close();
+  return true;
+}
+
 void StationServer::State::Admit(tcp::socket socket) {
-  if (connections.size() >= options.max_connections) {
+  if (!HasRoom()) {
     error_code error;
     auto peer = socket.remote_endpoint(error);
     refusals.Note({"a peer at " + (error ? std::string("?") : peer.address().to_string()), "full",
@@ -112,6 +172,7 @@ void StationServer::State::Admit(tcp::socket socket) {
 
 void StationServer::State::Forget(uint64_t id) {
   connections.erase(id);
+  leaving.erase(id);
   if (stopping && connections.empty()) grace.cancel();
 }
 
@@ -120,6 +181,7 @@ void StationServer::State::StopOnStrand() {
   stopping = true;
   error_code ignored;
   acceptor.close(ignored);
+  next_look.cancel();
   if (connections.empty()) return;
   for (auto& [id, weak] : connections) {
     if (auto connection = weak.lock()) connection->BeginStop();
@@ -166,6 +228,9 @@ Result<uint16_t> StationServer::Start() {
   }
   asio::co_spawn(s.strand, s.Accept(), [state = state_](std::exception_ptr failure) {
     if (failure) spdlog::error("station link: accepting ended by an exception");
+  });
+  asio::co_spawn(s.strand, s.WatchRevoked(), [state = state_](std::exception_ptr failure) {
+    if (failure) spdlog::error("station link: looking for revoked stations ended by an exception");
   });
   return s.acceptor.local_endpoint().port();
 }

@@ -26,7 +26,9 @@ struct StationServerOptions {
   std::string address = "127.0.0.1";               // numeric
   uint16_t port = 8443;                            // 0: any free one
   std::filesystem::path certificate, private_key;  // PEM
-  size_t max_connections = 16'384;                 // one more is closed at once
+  // For one more, one that has not said Hello yet is closed: the first of the address that has the
+  // most of them. When there is none, the one more is closed.
+  size_t max_connections = 16'384;
   LinkDeadlines deadlines;
 };
 

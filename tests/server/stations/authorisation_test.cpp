@@ -43,7 +43,7 @@ std::vector<Line> Lines() {
   //                            unknown nobody        student       outsider      instructor    once          ended         revoked
     {"hello",          In({     "ok",   "invalid_input", "invalid_input", "invalid_input", "invalid_input", "invalid_input", "invalid_input", "invalid_input"})},
     {"enrol",          In({     kNo,    "invalid_input", "invalid_input", "invalid_input", "invalid_input", "invalid_input", "invalid_input", "invalid_input"})},
-    {"sign_in",        In({     kNo,    "ok",         "ok",         "ok",         "ok",         "ok",         kNo,          "ok"})},
+    {"sign_in",        In({     kNo,    "ok",         "ok",         "ok",         "ok",         "ok",         kNo,          kNo})},
     {"list_exercises", In({     kNo,    kNo,          "ok",         "ok",         "ok",         "forbidden",  kNo,          kNo})},
     {"get_blob",       In({     kNo,    "ok",         "ok",         "ok",         "ok",         "ok",         "ok",         kNo})},
     {"request_ticket", In({     kNo,    kNo,          "ok",         "forbidden",  "ok",         "forbidden",  kNo,          kNo})},
@@ -54,8 +54,8 @@ std::vector<Line> Lines() {
     {"mark_reference", In({     kNo,    kNo,          "forbidden",  "not_found",  "conflict",   "forbidden",  kNo,          kNo})},
     {"offer_attempts", In({     kNo,    "ok",         "ok",         "ok",         "ok",         "ok",         "ok",         kNo})},
     {"return_ticket",  In({     kNo,    "ok",         "ok",         "ok",         "ok",         "ok",         "ok",         kNo})},
-    {"live_state",     In({     kNo,    "ok",         "ok",         "ok",         "ok",         "ok",         "ok",         "ok"})},
-    {"ping",           In({     kNo,    "ok",         "ok",         "ok",         "ok",         "ok",         "ok",         "ok"})},
+    {"live_state",     In({     kNo,    "ok",         "ok",         "ok",         "ok",         "ok",         "ok",         kNo})},
+    {"ping",           In({     kNo,    "ok",         "ok",         "ok",         "ok",         "ok",         "ok",         kNo})},
   };
 }
 // clang-format on
@@ -221,6 +221,17 @@ TEST_F(LinkAuthorisationTest, RevokedStationIsToldAndItsConnectionEnds) {
   EXPECT_EQ(station_.Hello().error().code(), kNo);
 }
 
+TEST_F(LinkAuthorisationTest, RevokedStationSignsNobodyIn) {
+  ASSERT_NO_FATAL_FAILURE(Become("revoked"));
+  wire::Request request = RequestOf("sign_in");
+  auto signed_in = world_.authenticator.SignInHere(*session_.SignInWanted(request));
+  ASSERT_TRUE(signed_in.ok());
+  Answer answer = session_.FinishSignIn(request, signed_in);
+  EXPECT_TRUE(answer.close);
+  EXPECT_FALSE(answer.reply->has_signed_in());
+  EXPECT_FALSE(world_.authenticator.Authenticate(signed_in->token).ok());
+}
+
 TEST_F(LinkAuthorisationTest, PasswordForOneUseIsToldAtSignIn) {
   ASSERT_NO_FATAL_FAILURE(Become("nobody"));
   EXPECT_TRUE(station_.SignIn("once").signed_in().must_change_password());
@@ -246,6 +257,15 @@ TEST_F(LinkAuthorisationTest, WhatAStationRunsIsCutBetweenCharacters) {
   Reconnect();
   ASSERT_TRUE(Carry(hello)->has_welcome());
   EXPECT_EQ(world_.store->StationById(session_.station()->id)->software, std::string(199, 'x'));
+}
+
+TEST_F(LinkAuthorisationTest, SoftwareThatIsNoNameIsRefused) {
+  for (const char* software : {"x\x1b[2J", "a\nb", "\u202egnp"}) {
+    wire::Request hello = RequestOf("hello");
+    hello.mutable_hello()->set_software(software);
+    Reconnect();
+    EXPECT_EQ(Carry(hello)->error().field(), "software");
+  }
 }
 
 TEST_F(LinkAuthorisationTest, HelloLeavesWhatTheStationRuns) {

@@ -8,6 +8,7 @@
 #include <boost/asio/ssl/context.hpp>
 #include <boost/asio/ssl/stream.hpp>
 #include <boost/asio/write.hpp>
+#include <list>
 #include <thread>
 
 #include "common/net/certificate.h"
@@ -26,7 +27,7 @@ class StationServerTest : public ::testing::Test {
  protected:
   ~StationServerTest() override { StopAndJoin(); }
 
-  void Start(LinkDeadlines deadlines = {}) {
+  void Start(LinkDeadlines deadlines = {}, size_t max_connections = 100) {
     auto identity = app::EnsureIdentity(world_.folder.path());
     ASSERT_TRUE(identity.ok()) << identity.status().message();
     fingerprint_ = identity->fingerprint;
@@ -35,6 +36,7 @@ class StationServerTest : public ::testing::Test {
     options.certificate = identity->certificate;
     options.private_key = identity->private_key;
     options.deadlines = deadlines;
+    options.max_connections = max_connections;
     server_.emplace(io_, options, world_.services, pool_);
     auto port = server_->Start();
     ASSERT_TRUE(port.ok()) << port.status().message();
@@ -203,6 +205,43 @@ class RawPeer {
   boost::asio::ssl::context tls_{boost::asio::ssl::context::tls_client};
   boost::asio::ssl::stream<boost::asio::ip::tcp::socket> socket_{io_, tls_};
 };
+
+TEST_F(StationServerTest, PeersThatNeverSayWhoTheyAreDoNotTakeTheLinkFromStations) {
+  Start({}, 3);
+  Connect(client_);
+  ASSERT_TRUE(station_.Enrol().has_enrolled());
+  std::list<boost::asio::ip::tcp::socket> silent;
+  auto hold = [&] {
+    auto& socket = silent.emplace_back(io_);
+    socket.connect({boost::asio::ip::make_address("127.0.0.1"), at_.port});
+  };
+  for (int i = 0; i < 6; ++i) hold();
+  Connect(client_);
+  ASSERT_TRUE(station_.Hello().has_welcome());
+  for (int i = 0; i < 6; ++i) hold();
+  EXPECT_TRUE(station_.SignIn("student").has_signed_in()) << "a station that is in stays";
+}
+
+TEST_F(StationServerTest, StationThatIsRevokedWhileItSaysNothingIsToldAndItsConnectionEnds) {
+  Start();
+  Connect(client_);
+  ASSERT_TRUE(station_.Enrol().has_enrolled());
+  Connect(client_);
+  ASSERT_TRUE(station_.Hello().has_welcome());
+  net::FrameClient other;
+  ScriptedStation neighbour{[&](const wire::Request& request) { return Exchange(other, request); }};
+  Connect(other);
+  ASSERT_TRUE(
+      world_.store->AddEnrolCode(HashSha256(AsBytes("second")), UnixMs{1} << 60, kSystem).ok());
+  ASSERT_TRUE(neighbour.Enrol("second").has_enrolled());
+  Connect(other);
+  ASSERT_TRUE(neighbour.Hello().has_welcome());
+  auto id = protocol::ReadUuid(station_.id, "id");
+  ASSERT_TRUE(world_.store->RevokeStation(*id, kSystem).ok());
+  EXPECT_NE(Receive(client_).error().message().find("no longer admitted"), std::string::npos);
+  EXPECT_TRUE(Ends(client_));
+  EXPECT_TRUE(neighbour.SignIn("student").has_signed_in());
+}
 
 TEST_F(StationServerTest, FrameThatDripsIsEndedAtItsDeadlineAndOthersGoOn) {
   LinkDeadlines deadlines;
