@@ -416,11 +416,13 @@ TEST_F(SessionTest, RecordingWhoseTicketARestoreForgotIsTaken) {
   EXPECT_EQ(world_.store->AttemptById(ticket.attempt)->person, world_.student);
 
   ticket.attempt = Uuid::New();
-  ticket.person = Uuid::New();  // erased, say
+  ticket.person = AddPerson(*world_.store, "erased", Role::kStudent);
+  ASSERT_TRUE(world_.store->ErasePerson(ticket.person, false, kSystem).ok());
   trace::SignTicket(ticket, world_.services.ticket_key.secret_key);
   Recording nobodys(world_, trace::EncodeTicket(ticket), station_.keys, 1);
   EXPECT_EQ(station_.Open(nobodys.header).error().code(), "conflict");
 
+  ticket.attempt = Uuid::New();
   ticket.person = world_.student;
   ticket.expires_unix_ms = world_.now - kLateUploadMs - 1;
   trace::SignTicket(ticket, world_.services.ticket_key.secret_key);
