@@ -22,12 +22,17 @@ Result<int32_t> IfMatch(const Request& request) {
                   "expected the ETag of what is to be changed in the header If-Match; get it first",
                   "if-match"};
   }
-  if (text.size() < 3 || text.front() != '"' || text.back() != '"') return int32_t{0};
-  text = text.substr(1, text.size() - 2);
   int32_t revision = 0;
-  auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), revision);
-  bool whole = error == std::errc() && end == text.data() + text.size() && text.front() != '0';
-  return whole && revision > 0 ? revision : 0;
+  bool quoted = text.size() >= 3 && text.front() == '"' && text.back() == '"';
+  std::string_view digits = quoted ? text.substr(1, text.size() - 2) : std::string_view();
+  auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), revision);
+  bool whole = error == std::errc() && end == digits.data() + digits.size();
+  if (quoted && whole && revision > 0 && digits.front() != '0') return revision;
+  return Status{
+      Code::kInvalidInput,
+      "expected one ETag in If-Match as it was given, such as \"7\" with its quotes, found " +
+          std::string(text.substr(0, 80)),
+      "if-match"};
 }
 
 Response Stale(const Status& status, json::object current, int32_t current_revision) {

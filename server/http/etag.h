@@ -21,7 +21,7 @@ std::string ETagOf(int32_t revision);
 Response WithETag(Response response, int32_t revision);
 
 // The revision the caller has seen. Errors: kInvalidInput with field "if-match" (HTTP 428) when the
-// header is missing. What is no ETag of ours is the revision 0, which nothing has.
+// header is missing, or is no ETag of ours.
 Result<int32_t> IfMatch(const Request& request);
 
 // 412 "precondition_failed", with the thing as it is now in "current" and its ETag.

@@ -209,7 +209,12 @@ Response WholeResponse(const Call& call, const ExerciseRow& row, int status = 20
 // some device profile that carries it.
 Result<ExerciseRow> UploadedExercise(const Call& call) {
   Result<scene::Exercise> exercise = scene::ExerciseFromJson(call.request.body);
-  if (!exercise.ok()) return exercise.status();
+  if (!exercise.ok()) {
+    // A newer format is the sender's mistake, not this server's.
+    const Status& why = exercise.status();
+    bool newer = why.code() == Code::kVersion;
+    return Status{newer ? Code::kInvalidInput : why.code(), why.message(), why.field()};
+  }
   if (Status rubric = scoring::ValidateRubric(exercise->rubric); !rubric.ok()) {
     return Status{rubric.code(), rubric.message(), "rubric." + rubric.field()};
   }

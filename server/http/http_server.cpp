@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <atomic>
 #include <boost/asio/as_tuple.hpp>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
@@ -22,12 +23,14 @@
 #include <mutex>
 #include <string_view>
 
+#include "server/auth/address_block.h"
 #include "server/http/api.h"
 #include "server/http/error_response.h"
 #include "server/http/message.h"
 #include "server/http/request_reader.h"
 #include "server/http/site.h"
 #include "server/http/static_files.h"
+#include "server/ops/full_house.h"
 #include "server/ops/refusal_log.h"
 
 namespace enamel::server::http {
@@ -45,6 +48,7 @@ constexpr size_t kReadBytes = 4096;
 constexpr size_t kMaxDrainBytes = 4 * kMaxBodyBytes;
 constexpr std::chrono::milliseconds kDrain{1000};
 constexpr std::chrono::milliseconds kAcceptPause{100};
+constexpr size_t kMaxLeaving = 64;  // connections that make room and are not closed yet
 // How often a viewer is shown what is new (all viewers at the same moments), and how long nothing
 // may be sent. The system keeps little for a viewer who does not read.
 constexpr std::chrono::milliseconds kEventPeriod{100};
@@ -79,6 +83,10 @@ struct Connection {
   std::function<void()> close;  // empty once the stream is gone
   bool idle = true;             // between requests
   bool stopping = false;
+  // For making room, from any thread: waits for what the peer sends; sends what the peer reads.
+  std::atomic<bool> receiving{true}, sending{false};
+  bool leaving = false;  // was told to make room; guarded by State::mutex
+  std::string block;     // auth::AddressBlock of the peer; constant
 
   void Close() {
     if (close) close();
@@ -102,6 +110,8 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
   void AddFigures();
   Status Listen(const asio::ip::address& address);
   asio::awaitable<void> Accept();
+  std::shared_ptr<Connection> WhoMayGo(std::atomic<bool> Connection::*state);
+  bool HasRoom();  // or makes some; with mutex held
   void Spawn(tcp::socket socket);
   void Forget(std::list<std::shared_ptr<Connection>>::iterator place);
   asio::awaitable<void> StopAll();
@@ -131,7 +141,8 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
   bool stopping = false;
 
   std::mutex mutex;
-  std::list<std::shared_ptr<Connection>> connections;  // guarded by mutex
+  std::list<std::shared_ptr<Connection>> connections;  // guarded by mutex; first come first
+  size_t leaving = 0;                                  // of those; guarded by mutex
 };
 
 namespace {
@@ -145,6 +156,7 @@ asio::awaitable<RequestReader::Step> ReadRequest(Stream& stream, beast::flat_buf
                                                  Connection& connection, bool& late) {
   using Step = RequestReader::Step;
   connection.idle = buffer.size() == 0;
+  connection.receiving = true;
   beast::get_lowest_layer(stream).expires_after(connection.idle ? deadlines.idle : deadlines.head);
   for (;;) {
     bool in_head = reader.in_head();
@@ -282,6 +294,7 @@ asio::awaitable<bool> ServeOne(Stream& stream, beast::flat_buffer& buffer, const
   RequestReader::Step step =
       co_await ReadRequest(stream, buffer, reader, options.deadlines, connection, late);
   if (late) Note(refusals, peer, "408 a request did not arrive within its time");
+  connection.receiving = false;
   if (step == RequestReader::Step::kMore) co_return false;
   Response response;
   bool keep_alive = false;
@@ -299,8 +312,10 @@ asio::awaitable<bool> ServeOne(Stream& stream, beast::flat_buffer& buffer, const
     co_await WriteEvents(stream, std::move(response), options, connection, api);
     co_return false;
   }
+  connection.sending = true;
   bool written = co_await Write(stream, response, head_only, keep_alive, options);
   if (written && !keep_alive) co_await Drain(stream, buffer);
+  connection.sending = false;
   if (!written) co_return false;
   co_return keep_alive;
 }
@@ -347,7 +362,10 @@ asio::awaitable<Response> HttpServer::State::Answer(Request& request) {
   }
   if (Api::Owns(request.path)) co_return co_await api->Handle(request);
   if (files) co_return files->Serve(request);
-  co_return ErrorResponse(Status{Code::kNotFound, "this server was started without the page"});
+  co_return ErrorResponse(Status{Code::kNotFound,
+                                 "this server was started without the page; start it with --web "
+                                 "and the folder of the built page, "
+                                 "such as --web web/dist"});
 }
 
 template <typename Stream>
@@ -377,22 +395,52 @@ asio::awaitable<void> HttpServer::State::ServeTls(TlsStream stream, std::string 
   connection->close = nullptr;
 }
 
+// First of those who have asked for nothing yet, or nothing more; then of those who do not take
+// their answer. With mutex held.
+std::shared_ptr<Connection> HttpServer::State::WhoMayGo(std::atomic<bool> Connection::*state) {
+  std::vector<std::shared_ptr<Connection>> all;
+  std::vector<ops::Guest> guests;
+  for (const auto& connection : connections) {
+    if (connection->leaving) continue;
+    all.push_back(connection);
+    guests.push_back({connection->block, (*connection.*state).load()});
+  }
+  std::optional<size_t> found = ops::WhoMakesRoom(guests);
+  return found ? all[*found] : nullptr;
+}
+
+bool HttpServer::State::HasRoom() {
+  if (connections.size() - leaving < options.max_connections) return true;
+  if (leaving >= kMaxLeaving) return false;
+  std::shared_ptr<Connection> goes = WhoMayGo(&Connection::receiving);
+  if (!goes) goes = WhoMayGo(&Connection::sending);
+  if (!goes) return false;
+  goes->leaving = true;
+  ++leaving;
+  asio::post(goes->strand, [goes] {
+    goes->stopping = true;
+    goes->Close();
+  });
+  return true;
+}
+
 void HttpServer::State::Spawn(tcp::socket socket) {
   auto connection = std::make_shared<Connection>();
   connection->strand = socket.get_executor();
+  std::string peer = PeerAddress(socket);
+  connection->block = auth::AddressBlock(peer);
   std::list<std::shared_ptr<Connection>>::iterator place;
   {
     std::lock_guard lock(mutex);
-    if (connections.size() >= options.max_connections) {
+    if (!HasRoom()) {
       beast::error_code ignored;
       socket.non_blocking(true, ignored);
       socket.write_some(asio::buffer(kTooManyConnections), ignored);
-      Note(refusals, PeerAddress(socket), "503 as many connections are open as there may be");
+      Note(refusals, peer, "503 as many connections are open as there may be");
       return;
     }
     place = connections.insert(connections.end(), connection);
   }
-  std::string peer = PeerAddress(socket);
   auto strand_of = connection->strand;
   beast::tcp_stream plain(std::move(socket));
   auto serve = tls ? ServeTls(TlsStream(std::move(plain), *tls), std::move(peer), connection)
@@ -507,6 +555,7 @@ void HttpServer::State::ForEachConnection(const std::function<void(Connection&)>
 
 void HttpServer::State::Forget(std::list<std::shared_ptr<Connection>>::iterator place) {
   std::lock_guard lock(mutex);
+  if ((*place)->leaving) --leaving;
   connections.erase(place);
   if (connections.empty()) {
     asio::post(strand, [self = shared_from_this()] { self->stop_timer.cancel(); });

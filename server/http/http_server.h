@@ -48,8 +48,11 @@ struct HttpOptions {
   // Names the page may be asked for under, lower case, without port. Empty: 127.0.0.1, localhost
   // and [::1]; required when `address` is not loopback, and behind a proxy.
   std::vector<std::string> host_names;
-  size_t max_connections = 256;  // one more is closed at once with 503
-  size_t max_in_flight = 64;     // requests waiting for the store's threads
+  // For one more, the one of those that wait for a request, or do not take an answer, is closed
+  // that came first from the address that has the most of them; when there is none, the one more is
+  // closed with 503. Viewers of live streams are not closed for it.
+  size_t max_connections = 1024;
+  size_t max_in_flight = 64;  // requests waiting for the store's threads
   size_t store_threads = 4;
   HttpDeadlines deadlines;
   // Of the certificate that stations know this server by, in hexadecimal: what an enrolment code is

@@ -25,6 +25,18 @@ bool IsReadable(std::string_view text) {
       text, [](unsigned char c) { return (c < 0x20 && c != '\n' && c != '\t') || c == 0x7f; });
 }
 
+// What was found where something else was expected, cut short.
+std::string Shown(const json::value* found) {
+  constexpr size_t kMost = 80;
+  if (!found) return "none";
+  if (found->is_string() && found->get_string().size() > kMost) {
+    return "text of " + std::to_string(found->get_string().size()) + " bytes";
+  }
+  if (found->is_array()) return "a list of " + std::to_string(found->get_array().size());
+  if (found->is_object()) return "an object";
+  return json::serialize(*found);
+}
+
 std::optional<Uuid> IdOf(const json::value& value) {
   if (!value.is_string()) return std::nullopt;
   Result<Uuid> id = Uuid::Parse(std::string_view(value.get_string()));
@@ -78,7 +90,9 @@ BodyReader::BodyReader(const Request& request) {
 
 void BodyReader::Refuse(std::string_view name, const std::string& expected) {
   if (!status_.ok()) return;
-  status_ = Status{Code::kInvalidInput, "expected " + std::string(name) + " as " + expected,
+  status_ = Status{Code::kInvalidInput,
+                   "expected " + std::string(name) + " as " + expected + ", found " +
+                       Shown(object_.if_contains(name)),
                    std::string(name)};
 }
 

@@ -23,7 +23,8 @@ constexpr size_t kMaxText = 200;
 
 Result<Role> RoleNamed(const std::string& text) {
   if (std::optional<Role> role = RoleFromName(text)) return *role;
-  return Status{Code::kInvalidInput, "expected student, instructor or admin", "role"};
+  return Status{Code::kInvalidInput,
+                "expected student, instructor or admin, found \"" + text + "\"", "role"};
 }
 
 Result<PeopleFilter> FilterOf(const Call& call) {

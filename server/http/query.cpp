@@ -17,7 +17,8 @@ Result<std::optional<bool>> QueryFlag(const Request& request, const char* name) 
   if (found == request.query.end()) return std::optional<bool>();
   if (found->second == "true") return std::optional<bool>(true);
   if (found->second == "false") return std::optional<bool>(false);
-  return Status{Code::kInvalidInput, "expected true or false", name};
+  return Status{Code::kInvalidInput, "expected true or false, found \"" + found->second + "\"",
+                name};
 }
 
 Result<uint32_t> QueryLimit(const Request& request, uint32_t otherwise, uint32_t at_most) {
@@ -27,7 +28,9 @@ Result<uint32_t> QueryLimit(const Request& request, uint32_t otherwise, uint32_t
   uint32_t limit = 0;
   auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), limit);
   if (error != std::errc() || end != text.data() + text.size() || limit < 1 || limit > at_most) {
-    return Status{Code::kInvalidInput, "expected a number from 1 to " + std::to_string(at_most),
+    return Status{Code::kInvalidInput,
+                  "expected a number from 1 to " + std::to_string(at_most) + ", found \"" +
+                      text.substr(0, 80) + "\"",
                   "limit"};
   }
   return limit;

@@ -5,6 +5,7 @@
 #include <boost/json.hpp>
 #include <map>
 
+#include "server/auth/throttle.h"
 #include "server/http/error_response.h"
 #include "server/http/paging.h"
 #include "server/training/revision.h"
@@ -26,10 +27,12 @@ TEST(ETagTest, WhatWasGivenComesBackAsTheRevision) {
   }
 }
 
-TEST(ETagTest, WhatIsNoETagOfOursMatchesNothing) {
+TEST(ETagTest, WhatIsNoETagOfOursIsRefusedWithWhatWasFound) {
   for (const char* text : {"*", "7", "\"\"", "\"x\"", "\"07\"", "\"-1\"", "W/\"7\"",
                            "\"2147483648\"", "\"7\", \"8\"", "\"0\""}) {
-    EXPECT_EQ(*IfMatch(With(text)), 0) << text;
+    Status refused = IfMatch(With(text)).status();
+    EXPECT_EQ(ErrorResponse(refused).status, 428) << text;
+    EXPECT_NE(refused.message().find(std::string("found ") + text), std::string::npos) << text;
   }
 }
 
@@ -43,6 +46,20 @@ TEST(ETagTest, EditWithoutOneIsRefusedAs428AndAStaleOneAs412WithWhatIsThereNow) 
   EXPECT_EQ(boost::json::parse(stale.body).at("current").at("name"), "now");
   EXPECT_EQ(stale.headers.back().second, "\"8\"");
   EXPECT_EQ(ErrorResponse(changed).status, 412);
+}
+
+TEST(ErrorResponseTest, WhatThePeerWroteInOtherBytesComesBackAsJson) {
+  Response response = ErrorResponse(421, "misdirected", "found \xff\xfe", "h\xf6st");
+  auto error = boost::json::parse(response.body).at("error");
+  EXPECT_EQ(error.at("message").as_string(), "found \ufffd\ufffd");
+  EXPECT_EQ(error.at("field").as_string(), "h\ufffdst");
+}
+
+TEST(ErrorResponseTest, ThrottledSignInIsToldItsOwnTime) {
+  Response response = ErrorResponse(auth::Throttled(11'500));
+  EXPECT_EQ(response.status, 429);
+  EXPECT_EQ(response.headers.back().second, "12");
+  EXPECT_EQ(ErrorResponse(Status{Code::kUnavailable, "busy"}).headers.back().second, "5");
 }
 
 std::vector<std::string> Walk(std::vector<std::string> rows, uint32_t limit) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <list>
+
 #include "server/http/request_reader.h"
 #include "tests/server/http/running_server.h"
 
@@ -217,19 +219,32 @@ TEST_F(HttpServerTest, ASlowDripDoesNotExtendTheDeadline) {
   EXPECT_TRUE(body.ClosedByServer());
 }
 
-TEST_F(HttpServerTest, MoreConnectionsThanAllowedAreTurnedAway) {
-  options_.max_connections = 2;
+TEST_F(HttpServerTest, HalfSentHeadsDoNotTakeThePageFromOthers) {
+  options_.max_connections = 4;
   RunningServer server(school_, options_);
-  RawClient first(server.port()), second(server.port());
-  for (RawClient* client : {&first, &second}) {
-    client->Send(kHealth);
-    EXPECT_EQ(client->Read()->status, 200);
+  std::list<RawClient> stuck;
+  for (int i = 0; i < 4; ++i) {
+    stuck.emplace_back(server.port());
+    stuck.back().Send("GET /healthz HTTP/1.1\r\n");
   }
-  RawClient third(server.port());
-  EXPECT_EQ(third.Read()->status, 503);
-  EXPECT_TRUE(third.ClosedByServer());
-  first.Send(kHealth);
-  EXPECT_EQ(first.Read()->status, 200);
+  for (int i = 0; i < 20; ++i) {
+    RawClient client(server.port());
+    client.Send(kHealth);
+    auto answer = client.Read();
+    ASSERT_TRUE(answer) << i;
+    EXPECT_EQ(answer->status, 200) << i;
+    stuck.emplace_back(server.port());
+    stuck.back().Send("GET /healthz HTTP/1.1\r\n");
+  }
+  EXPECT_TRUE(stuck.front().ClosedByServer());
+}
+
+TEST_F(HttpServerTest, ConnectionForWhichNobodyCanMakeRoomIsTurnedAway) {
+  options_.max_connections = 0;
+  RunningServer server(school_, options_);
+  RawClient client(server.port());
+  EXPECT_EQ(client.Read()->status, 503);
+  EXPECT_TRUE(client.ClosedByServer());
 }
 
 TEST_F(HttpServerTest, StopClosesIdleConnectionsAndRunsOutOfWork) {
