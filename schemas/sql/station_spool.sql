@@ -1,6 +1,6 @@
--- The station's spool, version 2 (PRAGMA user_version = 2). Recordings are durable here before they
+-- The station's spool, version 3 (PRAGMA user_version = 3). Recordings are durable here before they
 -- are sent, and stay until the server has had them for a week. WAL, synchronous = FULL. A spool of
--- version 1 is brought here by station_spool_from_1.sql; a newer one is refused.
+-- version 1 is brought here by station_spool_from_1.sql and _from_2.sql; a newer one is refused.
 
 -- One attempt. `header` is the recording's header as sent (schemas/trace_format.md). The seal's
 -- columns are NULL until the attempt ended; `sealed_at_server` is set when the server confirmed it.
@@ -24,7 +24,11 @@ CREATE TABLE attempts (
   bytes             INTEGER NOT NULL DEFAULT 0,
   committed         INTEGER NOT NULL DEFAULT 0,  -- the server has the chunks below this one durably
   committed_unix_ms INTEGER NOT NULL DEFAULT 0,  -- when it last said so
-  resumed           INTEGER NOT NULL DEFAULT 0   -- how often it was taken up again after a crash
+  resumed           INTEGER NOT NULL DEFAULT 0,  -- how often it was taken up again after a crash
+  -- When its newest chunk became durable (without one: when it was begun), by a time that no clock
+  -- that is set changes: which start of the machine, and how long after it. NULL: by version 2.
+  boot_id           TEXT,
+  boot_ms           INTEGER
 ) WITHOUT ROWID;
 
 -- One chunk of an attempt, as sent; seq counts from 0 without holes. Idempotent by (attempt, seq,

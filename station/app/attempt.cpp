@@ -2,7 +2,6 @@
 
 #include <unistd.h>
 
-#include <atomic>
 #include <boost/json.hpp>
 #include <chrono>
 #include <csignal>
@@ -28,10 +27,11 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
 constexpr milliseconds kProgressEvery{200};
-constexpr milliseconds kUploadPatience{8'000};  // with the server gone, at the end
+constexpr milliseconds kUploadPatience{8'000};     // with the server gone, at the end
+constexpr std::chrono::seconds kDiskPatience{60};  // with a disk that takes nothing
 
-volatile std::sig_atomic_t interrupted = 0;
-void OnSignal(int) { interrupted = 1; }
+volatile std::sig_atomic_t interrupted = 0;  // how often
+void OnSignal(int) { interrupted = interrupted + 1; }
 
 // The attempt that was cut off and is meant.
 Result<Uuid> Unfinished(Workplace& workplace, const std::string& text) {
@@ -229,6 +229,7 @@ class Watcher {
     ENAMEL_RETURN_IF_ERROR(picture);
     auto spooled = spool.Get(result.attempt);
     if (!spooled.ok()) return spooled.status();
+    result.refused = spooled->refused;
     if (!options_.json.empty()) {
       ENAMEL_RETURN_IF_ERROR(WriteFacts(options_, job_, *spooled, last_, result,
                                         LoopFacts(attempt_.loop(), last_.counters, *tool_.device)));
@@ -241,17 +242,31 @@ class Watcher {
     auto next = steady_clock::now();
     auto over = [&] {
       if (interrupted) EndEarly();
+      WatchDisk();
       if (steady_clock::now() >= next) {
         next = steady_clock::now() + kProgressEvery;
         Show(attempt_.snapshot(), tool_.progress());
       }
-      return !attempt_.ticking();
+      return attempt_.recorded();
     };
     if (screen_.window) {
       screen_.window->Run(over);
       EndEarly();  // unless it has ended: the operator closed the window
     }
     while (!over()) std::this_thread::sleep_for(milliseconds(20));
+  }
+
+  // What cannot be stored is waited for, not for ever: nobody may be there to make room.
+  void WatchDisk() {
+    auto now = steady_clock::now();
+    if (attempt_.recording().problem.ok()) {
+      disk_fails_since_.reset();
+      return;
+    }
+    if (!disk_fails_since_) disk_fails_since_ = now;
+    if (!interrupted && now - *disk_fails_since_ < kDiskPatience) return;
+    EndEarly();
+    attempt_.GiveUp();
   }
 
   void Show(const Snapshot& snapshot, double done) {
@@ -273,19 +288,27 @@ class Watcher {
     return Status::Ok();
   }
 
+  // Until it is there, refused, the server is away for some time, or a further interrupt.
   void AwaitUpload(AttemptResult& result) {
-    std::atomic<bool> done{false};
-    std::thread shower([&] {
-      while (!done) {
-        Show(last_, 1);
-        std::this_thread::sleep_for(milliseconds(50));
-      }
-    });
-    Uploader::State state = attempt_.AwaitUpload(kUploadPatience);
-    done = true;
-    shower.join();
+    const auto interrupted_before = interrupted;
+    auto reachable_at = steady_clock::now();
+    Uploader::State state = attempt_.upload();
+    auto waits = [&] {
+      auto now = steady_clock::now();
+      if (state.reachable) reachable_at = now;
+      return !state.sealed && !state.gave_up && interrupted == interrupted_before &&
+             now - reachable_at < kUploadPatience;
+    };
+    for (; waits(); state = attempt_.upload()) {
+      Show(last_, 1);
+      std::this_thread::sleep_for(milliseconds(20));
+    }
+    Show(last_, 1);
     result.uploaded = state.sealed;
-    if (!state.sealed) result.not_uploaded_because = state.problem.message();
+    if (state.sealed) return;
+    result.not_uploaded_because = interrupted == interrupted_before
+                                      ? state.problem.message()
+                                      : "interrupted while it was being sent";
   }
 
   const RunOptions& options_;
@@ -296,6 +319,7 @@ class Watcher {
   Progress progress_;
   Snapshot last_;
   bool ended_early_ = false;
+  std::optional<steady_clock::time_point> disk_fails_since_;
 };
 
 // "12.3 s", "8 min".
@@ -334,10 +358,7 @@ Result<AttemptResult> RunAttempt(const RunOptions& options) {
   }
   ENAMEL_RETURN_IF_ERROR(CheckOutputFile(options.json, "--json"));
   ENAMEL_RETURN_IF_ERROR(CheckOutputFile(options.screenshot, "--screenshot"));
-  auto workplace = Workplace::Open({.data = options.data,
-                                    .server = options.server,
-                                    .retention = options.retention,
-                                    .uploader = {options.kbit_per_s * 1000 / 8}});
+  auto workplace = Workplace::Open(options.workplace);
   if (!workplace.ok()) return workplace.status();
   auto job = Prepare(**workplace, options);
   if (!job.ok()) return job.status();

@@ -6,13 +6,12 @@
 #include "common/base/result.h"
 #include "common/base/uuid.h"
 #include "station/hid/open_device.h"
-#include "station/spool/spool.h"
+#include "station/session/workplace.h"
 
 namespace enamel::station {
 
 struct RunOptions {
-  std::filesystem::path data;
-  std::string server;  // HOST:PORT when it has moved since enrolment; else empty
+  WorkplaceOptions workplace;
   std::string exercise, profile, login, password;
   hid::DeviceChoice device;  // empty: a simulated one, held by the operator
   std::string operator_name = "student";
@@ -26,9 +25,7 @@ struct RunOptions {
   std::string resume;    // an attempt that was cut off, or "last"; else empty
   std::string reserved;  // an attempt whose ticket was taken before; else empty
   std::string pin;       // of the reserved ticket
-  Retention retention;
-  uint64_t kbit_per_s = 0;  // of the upload at most; 0: no bound
-  bool quiet = false;       // no progress line
+  bool quiet = false;    // no progress line
 };
 
 // How an attempt ended when nothing was lost.
@@ -36,6 +33,7 @@ struct AttemptResult {
   Uuid attempt;
   bool uploaded = false;  // sealed and durable on the server
   std::string not_uploaded_because;
+  std::string refused;  // not empty: the server will not have it, for this reason
   // Interrupted, or its window was closed: the recording is sealed and scored as far as it goes.
   bool ended_early = false;
   double done_ratio = 0;  // of what the operator meant to do
@@ -43,7 +41,8 @@ struct AttemptResult {
 
 // One attempt from sign-in to the last acknowledgement: fetches what it needs, runs the tick loop,
 // the recorder and the uplink on threads of their own, shows progress, ends with the seal. An
-// interrupt (SIGINT, SIGTERM) ends the attempt properly: what was done is sealed and sent.
+// interrupt (SIGINT, SIGTERM) ends the attempt properly: what was done is sealed and sent; another
+// one ends the sending.
 //
 // Errors: everything before the first tick (not enrolled, server not reachable, wrong password,
 // unknown exercise, profile or operator, no display, nowhere to write the facts: the server then

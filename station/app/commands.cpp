@@ -69,7 +69,7 @@ Status EnrolStation(const EnrolOptions& options) {
 
 Status ReserveAttempt(const ReserveCommand& options) {
   ENAMEL_RETURN_IF_ERROR(TicketSafe::CheckPin(options.pin));
-  auto workplace = Workplace::Open({.data = options.data, .server = options.server});
+  auto workplace = Workplace::Open(options.workplace);
   if (!workplace.ok()) return workplace.status();
   auto person = (*workplace)->SignIn(options.login, options.password);
   if (!person.ok()) return person.status();
@@ -78,7 +78,7 @@ Status ReserveAttempt(const ReserveCommand& options) {
   ENAMEL_RETURN_IF_ERROR((*workplace)->Reserve(*prepared, options.pin));
   std::printf("reserved for %s, for the next 12 hours at this station:\n",
               person->display_name.c_str());
-  return ListReserved(options.data);
+  return ListReserved(options.workplace.data);
 }
 
 Status ListReserved(const fs::path& data) {
@@ -109,7 +109,7 @@ Status GiveBackReserved(const GiveBackCommand& options) {
                   "person with --user, password in ENAMEL_PASSWORD",
                   "pin");
   }
-  auto workplace = Workplace::Open({.data = options.data, .server = options.server});
+  auto workplace = Workplace::Open(options.workplace);
   if (!workplace.ok()) return workplace.status();
   if (options.pin.empty()) {
     auto person = (*workplace)->SignIn(options.login, options.password);

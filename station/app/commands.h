@@ -4,6 +4,7 @@
 #include <string>
 
 #include "common/base/result.h"
+#include "station/session/workplace.h"
 
 // What the subcommands of enamel-station do, apart from running an attempt (attempt.h). They print
 // to standard output and return the first thing that went wrong.
@@ -19,15 +20,15 @@ Status EnrolStation(const EnrolOptions& options);
 
 // Takes a ticket now, to make the attempt later with or without the server, and prints how.
 struct ReserveCommand {
-  std::filesystem::path data;
-  std::string server, exercise, profile, login, password, pin;
+  WorkplaceOptions workplace;
+  std::string exercise, profile, login, password, pin;
 };
 Status ReserveAttempt(const ReserveCommand& options);
 Status ListReserved(const std::filesystem::path& data);
 // Hands one back that is not wanted any more: with its PIN, or with its person's password.
 struct GiveBackCommand {
-  std::filesystem::path data;
-  std::string server, attempt, login, password, pin;
+  WorkplaceOptions workplace;
+  std::string attempt, login, password, pin;
 };
 Status GiveBackReserved(const GiveBackCommand& options);
 

@@ -53,8 +53,8 @@ Finding Clock(int64_t ahead_ms) {
   int64_t off = ahead_ms < 0 ? -ahead_ms : ahead_ms;
   if (off <= kClockOff_ms) return {"clock", Verdict::kOk, found, ""};
   return {"clock", off <= kClockWrong_ms ? Verdict::kWarn : Verdict::kFail, found,
-          "let the system keep time (systemd-timesyncd or chrony) on both: tickets have an hour of "
-          "validity that is compared"};
+          "let the system keep time (systemd-timesyncd or chrony) on both: tickets are good for "
+          "12 hours, an exam's for 10 minutes, and that is compared"};
 }
 
 void Server(const Result<Credentials>& credentials, std::vector<Finding>& out) {
@@ -116,14 +116,22 @@ Finding SpoolState(const fs::path& data) {
   if (!fs::exists(data / "spool.sqlite", error)) {
     return {"spool", Verdict::kOk, "empty: nothing was recorded here yet", ""};
   }
-  auto spool = Spool::Open(data);
+  auto spool = Spool::OpenToRead(data);
   if (!spool.ok()) return {"spool", Verdict::kFail, spool.status().message(), ""};
   auto attempts = (*spool)->List();
   if (!attempts.ok()) return {"spool", Verdict::kFail, attempts.status().message(), ""};
-  size_t waiting = 0;
-  for (const SpooledAttempt& a : *attempts) waiting += !a.complete() && a.refused.empty();
+  size_t waiting = 0, refused = 0;
+  for (const SpooledAttempt& a : *attempts) {
+    waiting += !a.complete() && a.refused.empty();
+    refused += !a.refused.empty();
+  }
   std::string found = std::to_string(attempts->size()) + " attempts, " + std::to_string(waiting) +
-                      " not yet on the server";
+                      " not yet on the server, " + std::to_string(refused) + " refused by it";
+  if (refused > 0) {
+    return {"spool", Verdict::kWarn, found,
+            "'enamel-station spool list' says why; when the cause is gone: 'enamel-station spool "
+            "upload --again ID'"};
+  }
   if (waiting == 0) return {"spool", Verdict::kOk, found, ""};
   return {"spool", Verdict::kWarn, found, "enamel-station upload"};
 }

@@ -19,6 +19,7 @@
 #include "station/app/import_command.h"
 #include "station/app/replay.h"
 #include "station/app/spool_command.h"
+#include "station/app/workplace_settings.h"
 #include "station/desk/desk.h"
 #include "station/qualify/cli.h"
 
@@ -134,7 +135,14 @@ int Run(RunOptions& options, bool password_stdin) {
                  100 * result->done_ratio);
   }
   if (result->uploaded) return 0;
-  std::cerr << "enamel-station: recorded and safe in " << options.data.string()
+  if (!result->refused.empty()) {
+    return Finish(Status(Code::kForbidden,
+                         "the server refuses this recording: " + result->refused +
+                             ". It is kept in " + options.workplace.data.string() +
+                             "; when the cause is gone, 'enamel-station spool upload --again " +
+                             result->attempt.Text() + "' sends it"));
+  }
+  std::cerr << "enamel-station: recorded and safe in " << options.workplace.data.string()
             << ", but not on the server yet (" << result->not_uploaded_because
             << "). Run 'enamel-station upload' later: nothing is lost\n";
   return kNotUploaded;
@@ -202,11 +210,21 @@ int main(int argc, char** argv) {
     return command;
   };
 
+  WorkplaceSettings place;
+  place.data = data;
+  auto with_cpu = [](CLI::App* command, int& cpu) {
+    command->add_option("--cpu", cpu, "Bind the haptic loop to this processor, 0 the first")
+        ->check(CLI::Range(0, 1023));
+  };
+
   desk::DeskOptions open;
   std::string size;
-  auto* open_cmd = with_data(
-      app.add_subcommand("open", "The window a student sits at; also without any subcommand"));
-  open_cmd->add_option("--server", open.server, "HOST:PORT when it has moved since enrolment");
+  auto* open_cmd =
+      app.add_subcommand("open", "The window a student sits at; also without any subcommand");
+  AddWorkplaceSettings(*open_cmd, place);
+  open_cmd->add_option("--profile", open.profile,
+                       "Device profile of this station's device: offered first");
+  with_cpu(open_cmd, open.cpu);
   open_cmd->add_option("--window", size, "WIDTHxHEIGHT instead of the full screen, as 1280x720");
   open_cmd->add_option("--quality", open.quality,
                        "best, good, fair or low; else by how long pictures take");
@@ -226,7 +244,7 @@ int main(int argc, char** argv) {
   open_cmd->add_option("--script", open.script,
                        "Play a person's part from this file (station/desk/script.h)");
   auto open_desk = [&] {
-    open.data = data;
+    open.workplace = place.Options();
     if (!size.empty()) {
       open.full_screen = false;
       if (std::sscanf(size.c_str(), "%dx%d", &open.width_px, &open.height_px) != 2) {
@@ -258,9 +276,8 @@ int main(int argc, char** argv) {
 
   RunOptions run;
   bool password_stdin = false;
-  int keep_days = 7;
-  uint64_t keep_mib = run.retention.bytes >> 20;
-  auto* run_cmd = with_data(app.add_subcommand("run", "Make an attempt at an exercise"));
+  auto* run_cmd = app.add_subcommand("run", "Make an attempt at an exercise");
+  AddWorkplaceSettings(*run_cmd, place);
   run_cmd->footer(
       "With a simulated hand; with a board and a foot pedal; going on after a crash:\n"
       "  ENAMEL_PASSWORD=... enamel-station run --user LOGIN --exercise NAME --profile omega3\n"
@@ -268,7 +285,6 @@ int main(int argc, char** argv) {
       "      --device hid --pedal 05f3:00ff --window\n"
       "  ENAMEL_PASSWORD=... enamel-station run --user LOGIN --resume last\n"
       "'devices' lists what is attached, 'profiles' and the server's page what there is.");
-  run_cmd->add_option("--server", run.server, "HOST:PORT when it has moved since enrolment");
   auto* exercise = run_cmd->add_option("--exercise", run.exercise, "Name of the exercise");
   run_cmd->add_option("--profile", run.profile, "Name of the device profile");
   run_cmd->add_option("--user", run.login, "Login of the person at this station");
@@ -282,23 +298,13 @@ int main(int argc, char** argv) {
                    "Use a ticket taken with 'reserve'; PIN in ENAMEL_PIN")
       ->excludes(exercise)
       ->excludes(resume);
-  run_cmd->add_option("--uplink-kbit", run.kbit_per_s, "Send no faster than this; 0: no bound");
-  run_cmd
-      ->add_option("--keep-days", keep_days, "Keep recordings this long after the server has them")
-      ->check(CLI::Range(7, 3650))
-      ->capture_default_str();
-  run_cmd
-      ->add_option("--keep-mib", keep_mib,
-                   "Beyond this the recordings it has had longest go earlier; 0: no bound")
-      ->capture_default_str();
   run_cmd->add_flag("--password-stdin", password_stdin,
                     "Read the password from standard input (else ENAMEL_PASSWORD)");
   run_cmd->add_option("--device", run.device.device,
                       "hid or spacemouse, with :VENDOR:PRODUCT where there are several; dhd, "
                       "openhaptics ('devices' "
                       "lists them); else a simulated one");
-  run_cmd->add_option("--cpu", run.cpu, "Bind the haptic loop to this processor, 0 the first")
-      ->check(CLI::Range(0, 1023));
+  with_cpu(run_cmd, run.cpu);
   run_cmd->add_option("--pedal", run.device.pedal,
                       "Foot pedal, as 05f3:00ff; others with ,id=N,byte=N,mask=HEX");
   run_cmd->add_option("--axes", run.device.axes, "Which of a board's axes are the scene's x, y, z")
@@ -316,20 +322,17 @@ int main(int argc, char** argv) {
   run_cmd->add_flag("--as-reference", run.as_reference, "Meant as a reference cut (instructors)");
   run_cmd->add_flag("--quiet", run.quiet, "No progress");
   run_cmd->callback([&] {
-    run.data = data;
-    run.retention = {std::chrono::hours(24 * keep_days), keep_mib << 20};
+    run.workplace = place.Options();
     exit_code = Run(run, password_stdin);
   });
 
   SpoolCommand spool;
-  spool.data = data;
-  AddSpoolCommands(app, spool, [&](const Status& status) { exit_code = Finish(status); });
+  AddSpoolCommands(app, spool, place, [&](const Status& status) { exit_code = Finish(status); });
 
   ReserveCommand reserve;
-  auto* reserve_cmd = with_data(app.add_subcommand(
-      "reserve", "Take a ticket now for an attempt within 12 hours, with or without the server"));
-  reserve_cmd->add_option("--server", reserve.server,
-                          "HOST:PORT when it has moved since enrolment");
+  auto* reserve_cmd = app.add_subcommand(
+      "reserve", "Take a ticket now for an attempt within 12 hours, with or without the server");
+  AddWorkplaceSettings(*reserve_cmd, place);
   reserve_cmd->add_option("--exercise", reserve.exercise, "Name of the exercise");
   reserve_cmd->add_option("--profile", reserve.profile, "Name of the device profile");
   reserve_cmd->add_option("--user", reserve.login, "Login of the person at this station");
@@ -346,15 +349,16 @@ int main(int argc, char** argv) {
       "six "
       "digits. Exams cannot be reserved.");
   reserve_cmd->callback([&] {
-    reserve.data = data;
+    reserve.workplace = place.Options();
     reserve.password = Environment("ENAMEL_PASSWORD");
     reserve.pin = Environment("ENAMEL_PIN");
     if (!give_back.empty()) {
       exit_code = Finish(GiveBackReserved(
-          {data, reserve.server, give_back, reserve.login, reserve.password, reserve.pin}));
+          {reserve.workplace, give_back, reserve.login, reserve.password, reserve.pin}));
       return;
     }
-    exit_code = Finish(reserve.exercise.empty() ? ListReserved(data) : ReserveAttempt(reserve));
+    exit_code =
+        Finish(reserve.exercise.empty() ? ListReserved(place.data) : ReserveAttempt(reserve));
   });
 
   ReplayOptions replay;

@@ -1,15 +1,18 @@
 #include "station/app/spool_command.h"
 
+#include <spdlog/spdlog.h>
+
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <boost/json.hpp>
 #include <cstdio>
 #include <ctime>
 
 #include "common/base/file.h"
 #include "station/app/places.h"
+#include "station/spool/salvage.h"
 #include "station/spool/spool.h"
 #include "station/uplink/carrier.h"
-#include "station/uplink/private_folder.h"
 
 namespace enamel::station {
 namespace {
@@ -44,9 +47,34 @@ json::object FactsOf(const SpooledAttempt& a) {
 
 void PrintJson(const json::object& object) { std::printf("%s\n", json::serialize(object).c_str()); }
 
+// To read. Of a station that has recorded nothing yet: null.
 Result<std::unique_ptr<Spool>> OpenSpool(const fs::path& data) {
-  ENAMEL_RETURN_IF_ERROR(MakePrivateFolder(data));
-  return Spool::Open(data);
+  auto spool = Spool::OpenToRead(data);
+  std::error_code error;
+  bool enrolled = fs::exists(data / "station.json", error);
+  if (spool.status().code() == Code::kNotFound && enrolled) return std::unique_ptr<Spool>();
+  return spool;
+}
+
+Result<std::vector<SpooledAttempt>> ListOf(const std::unique_ptr<Spool>& spool) {
+  return spool ? spool->List() : std::vector<SpooledAttempt>();
+}
+
+// Of all that the server refuses, in one sentence; ok when it refuses nothing.
+Status Refusals(const std::vector<SpooledAttempt>& attempts) {
+  const SpooledAttempt* first = nullptr;
+  size_t count = 0;
+  for (const SpooledAttempt& a : attempts) {
+    if (a.refused.empty()) continue;
+    if (count++ == 0) first = &a;
+  }
+  if (count == 0) return Status::Ok();
+  std::string others = count == 1 ? "" : " (and " + std::to_string(count - 1) + " more)";
+  return Status(Code::kForbidden,
+                "the server refuses attempt " + first->id.Text() + others + ": " + first->refused +
+                    ". It is kept here; when the cause is gone, 'enamel-station spool upload "
+                    "--again " +
+                    first->id.Text() + "' sends it");
 }
 
 // The one that is meant; of "last" the newest that `fits`.
@@ -107,9 +135,10 @@ Status SendWaiting(Carrier& carrier, Spool& spool, bool as_json, json::array& se
 }  // namespace
 
 Status ListSpool(const SpoolCommand& options) {
-  auto spool = OpenSpool(options.data);
+  auto spool = OpenSpool(options.workplace.data);
   if (!spool.ok()) return spool.status();
-  auto attempts = (*spool)->List();
+  const fs::path file = options.workplace.data / "spool.sqlite";
+  auto attempts = ListOf(*spool);
   if (!attempts.ok()) return attempts.status();
   uint64_t bytes = 0;
   for (const SpooledAttempt& a : *attempts) bytes += a.bytes;
@@ -122,32 +151,36 @@ Status ListSpool(const SpoolCommand& options) {
       if (*last_ms) facts["last_spooled_unix_ms"] = **last_ms;
       all.push_back(std::move(facts));
     }
-    PrintJson({{"spool", (*spool)->file().string()}, {"bytes", bytes}, {"attempts", all}});
+    PrintJson({{"spool", file.string()}, {"bytes", bytes}, {"attempts", all}});
     return Status::Ok();
   }
   if (attempts->empty()) {
-    std::printf("the spool %s is empty\n", (*spool)->file().c_str());
+    std::printf("the spool %s is empty\n", file.c_str());
     return Status::Ok();
   }
   auto waiting = WaitingAttempts(**spool);
   if (!waiting.ok()) return waiting.status();
-  std::printf("%s: %zu attempts, %.1f MB; %zu with something the server does not have\n",
-              (*spool)->file().c_str(), attempts->size(), static_cast<double>(bytes) / 1e6,
-              waiting->size());
+  auto refused =
+      std::ranges::count_if(*attempts, [](const SpooledAttempt& a) { return !a.refused.empty(); });
+  std::printf("%s: %zu attempts, %.1f MB; %zu with something the server does not have%s\n",
+              file.c_str(), attempts->size(), static_cast<double>(bytes) / 1e6, waiting->size(),
+              refused == 0 ? "" : (", " + std::to_string(refused) + " that it refuses").c_str());
   for (const SpooledAttempt& a : *attempts) PrintLine(a);
   return Status::Ok();
 }
 
 Status VerifySpool(const SpoolCommand& options) {
-  auto spool = OpenSpool(options.data);
+  auto spool = OpenSpool(options.workplace.data);
   if (!spool.ok()) return spool.status();
   std::optional<trace::PublicKey> key;
-  if (auto credentials = LoadCredentials(options.data); credentials.ok()) {
+  if (auto credentials = LoadCredentials(options.workplace.data); credentials.ok()) {
     key = credentials->public_key();
   }
-  auto verdicts = (*spool)->Verify(key);
+  Status pages;
+  auto verdicts = *spool ? (*spool)->Verify(key, &pages)
+                         : Result<std::vector<SpoolVerdict>>(std::vector<SpoolVerdict>());
   if (!verdicts.ok()) return verdicts.status();
-  Status worst;
+  Status worst = pages;
   json::array all;
   for (const SpoolVerdict& v : *verdicts) {
     json::object facts = FactsOf(v.attempt);
@@ -173,7 +206,7 @@ Status VerifySpool(const SpoolCommand& options) {
 
 Status ExportFromSpool(const SpoolCommand& options) {
   ENAMEL_RETURN_IF_ERROR(CheckOutputFile(options.out, "--out"));
-  auto spool = Spool::Open(options.data);
+  auto spool = Spool::OpenToRead(options.workplace.data);
   if (!spool.ok()) return spool.status();
   auto id = AttemptMeant(**spool, options.attempt, [](const auto&) { return true; });
   if (!id.ok()) return id.status();
@@ -195,14 +228,21 @@ Status ExportFromSpool(const SpoolCommand& options) {
 }
 
 Status UploadSpool(const SpoolCommand& options) {
-  auto credentials = LoadCredentialsFor(options.data, options.server);
+  auto credentials = LoadCredentialsFor(options.workplace.data, options.workplace.server);
   if (!credentials.ok()) return credentials.status();
-  auto spool = Spool::Open(options.data);
+  auto spool = Spool::Open(options.workplace.data);
   if (!spool.ok()) return spool.status();
+  if (!options.again.empty()) {
+    auto id = Uuid::Parse(options.again);
+    if (!id.ok()) return id.status();
+    auto there = (*spool)->Get(*id);
+    if (!there.ok()) return there.status();
+    ENAMEL_RETURN_IF_ERROR((*spool)->ClearRefusal(*id));
+  }
   auto waiting = WaitingAttempts(**spool);
   if (!waiting.ok()) return waiting.status();
   ServerLink link;
-  Bandwidth bandwidth(options.kbit_per_s * 1000 / 8);
+  Bandwidth bandwidth(options.workplace.uploader.bytes_per_s);
   Carrier carrier(link, **spool, bandwidth);
   Status status = link.Connect(*credentials);
   if (status.ok()) {
@@ -217,13 +257,50 @@ Status UploadSpool(const SpoolCommand& options) {
   }
   json::array sent;
   if (status.ok() && link.connected()) status = SendWaiting(carrier, **spool, options.json, sent);
+  if (status.ok() || !IsTransient(status)) {
+    auto all = (*spool)->List();
+    if (!all.ok()) return all.status();
+    if (Status refused = Refusals(*all); !refused.ok()) status = refused;
+  }
+  auto pruned = (*spool)->Prune(options.workplace.retention);
+  if (!pruned.ok()) return pruned.status();
+  if (std::string text = PrunedText(*pruned, options.workplace.retention); !text.empty()) {
+    spdlog::warn("{}", text);
+  }
   if (options.json) PrintJson({{"attempts", sent}, {"problem", status.message()}});
   if (!options.json && status.ok() && sent.empty()) std::printf("nothing to upload\n");
   return status;
 }
 
+Status SalvageIntoFolder(const SpoolCommand& options) {
+  auto saved = SalvageSpool(options.workplace.data, options.out);
+  if (!saved.ok()) return saved.status();
+  json::array all;
+  size_t hit = 0;
+  for (const SalvagedAttempt& a : saved->attempts) {
+    hit += a.problem.ok() ? 0 : 1;
+    all.push_back({{"attempt_id", a.id.Text()},
+                   {"chunks", a.chunks},
+                   {"expected_chunks", a.expected},
+                   {"sealed", a.sealed},
+                   {"problem", a.problem.message()}});
+    if (options.json) continue;
+    std::printf("%s  %u of %u chunks saved%s%s\n", a.id.Text().c_str(), a.chunks, a.expected,
+                a.problem.ok() ? "" : ": ", a.problem.message().c_str());
+  }
+  if (options.json) {
+    PrintJson({{"attempts", all}, {"hit", hit}, {"tickets", saved->tickets}});
+    return Status::Ok();
+  }
+  std::printf(
+      "%zu attempts whole, %zu hit, %zu tickets for later. The new spool is %s: move the damaged "
+      "one away (keep it) with what is beside it (-wal, -shm), and this one into its place\n",
+      saved->attempts.size() - hit, hit, saved->tickets, (options.out / "spool.sqlite").c_str());
+  return Status::Ok();
+}
+
 Status CloseInSpool(const SpoolCommand& options) {
-  auto spool = Spool::Open(options.data);
+  auto spool = Spool::Open(options.workplace.data);
   if (!spool.ok()) return spool.status();
   auto lock = (*spool)->LockForRecording();
   if (!lock.ok()) return lock.status();
@@ -242,31 +319,36 @@ Status CloseInSpool(const SpoolCommand& options) {
   return Status::Ok();
 }
 
-void AddSpoolCommands(CLI::App& app, SpoolCommand& options,
+void AddSpoolCommands(CLI::App& app, SpoolCommand& options, WorkplaceSettings& settings,
                       const std::function<void(const Status&)>& finish) {
   auto add = [&](CLI::App& to, const char* name, const char* about,
                  Status (*command)(const SpoolCommand&)) {
     CLI::App* added = to.add_subcommand(name, about);
-    added
-        ->add_option("--data", options.data,
-                     "Folder for credentials, spool and cache (also ENAMEL_STATION_DATA)")
-        ->capture_default_str();
+    if (command == UploadSpool) {
+      AddWorkplaceSettings(*added, settings);
+      added->add_option("--again", options.again,
+                        "Id of a recording that the server refused: it is tried once more");
+    } else {
+      AddDataOption(*added, settings);
+    }
     added->add_flag("--json", options.json, "The facts as one JSON object");
-    added->callback([&options, finish, command] { finish(command(options)); });
+    added->callback([&options, &settings, finish, command] {
+      options.workplace = settings.Options();
+      finish(command(options));
+    });
     return added;
   };
-  auto with_uplink = [&](CLI::App* upload) {
-    upload->add_option("--server", options.server, "HOST:PORT when it has moved since enrolment");
-    upload->add_option("--uplink-kbit", options.kbit_per_s,
-                       "Send no faster than this; 0: no bound");
-  };
   constexpr char kUpload[] = "Send what is recorded here and not, or no longer, on the server";
-  with_uplink(add(app, "upload", kUpload, UploadSpool));
+  add(app, "upload", kUpload, UploadSpool);
   CLI::App* spool = app.add_subcommand("spool", "Recordings on this station");
   spool->require_subcommand(1);
   add(*spool, "list", "What is there, how large, and what of it is on the server", ListSpool);
   add(*spool, "verify", "Check pages, chains, signatures and seals", VerifySpool);
-  with_uplink(add(*spool, "upload", kUpload, UploadSpool));
+  add(*spool, "upload", kUpload, UploadSpool);
+  add(*spool, "salvage", "Save what can be read of a damaged spool into a new one",
+      SalvageIntoFolder)
+      ->add_option("--out", options.out, "Folder for the new one, that has none yet")
+      ->required();
   auto with_attempt = [&](CLI::App* command) {
     command->add_option("attempt", options.attempt, "Its id, as 'spool list' prints it, or 'last'")
         ->required();

@@ -5,36 +5,40 @@
 #include <string>
 
 #include "common/base/result.h"
+#include "station/app/workplace_settings.h"
 
 namespace CLI {
 class App;
 }
 
-// Recordings on this station: 'enamel-station spool list|verify|export|upload|close' and 'upload'.
+// Recordings on this station: 'enamel-station spool list|verify|export|upload|close|salvage'
+// and 'upload'.
 namespace enamel::station {
 
 struct SpoolCommand {
-  std::filesystem::path data;
-  std::string server;   // HOST:PORT when it has moved since enrolment; else empty
+  WorkplaceOptions workplace;
   std::string attempt;  // id, or "last"
   std::filesystem::path out;
-  bool json = false;        // one JSON object on standard output instead of lines
-  uint64_t kbit_per_s = 0;  // of the upload at most; 0: no bound
+  std::string again;  // of the upload: a refused attempt's id that is tried once more
+  bool json = false;  // one JSON object on standard output instead of lines
 };
 
 Status ListSpool(const SpoolCommand& options);
-// Errors: the worst of what was found.
+// Changes nothing. Errors: the worst of what was found.
 Status VerifySpool(const SpoolCommand& options);
 Status ExportFromSpool(const SpoolCommand& options);
 // Sends what the server does not have, also what it lost since (it is asked). Errors: kUnavailable
-// when it is not reachable and something waits; the worst refusal when it will not have some of it.
+// when it is not reachable and something waits; kForbidden while it refuses some of what is here.
+// Then forgets what the server has had for long, as the settings say.
 Status UploadSpool(const SpoolCommand& options);
+// Saves what can be read of a damaged spool into a new one in the folder `out`.
+Status SalvageIntoFolder(const SpoolCommand& options);
 // Seals an attempt that was cut off as far as it goes, so that it is uploaded and scored.
 Status CloseInSpool(const SpoolCommand& options);
 
-// Adds them to `app`. `options`, whose data folder is the default, lives as long as the parser;
-// `finish` gets each command's outcome.
-void AddSpoolCommands(CLI::App& app, SpoolCommand& options,
+// Adds them to `app`. `options` and `settings` live as long as the parser; `finish` gets each
+// command's outcome.
+void AddSpoolCommands(CLI::App& app, SpoolCommand& options, WorkplaceSettings& settings,
                       const std::function<void(const Status&)>& finish);
 
 }  // namespace enamel::station

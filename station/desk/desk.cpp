@@ -40,7 +40,8 @@ class Desk {
         governor_(render::GovernorFor(screen)),
         script_(std::move(script)),
         ui_(screen),
-        flow_(workplace, {options.simulated, options.device, 60 * options.idle_minutes}),
+        flow_(workplace, {options.simulated, options.device, 60 * options.idle_minutes,
+                          options.profile, options.cpu}),
         pages_(ui_, flow_, workplace.credentials().name) {
     if (options.sound) speaker_.emplace();
   }
@@ -186,7 +187,7 @@ Status RunDesk(const DeskOptions& options) {
     if (!read.ok()) return read.status();
     script = std::move(*read);
   }
-  auto workplace = Workplace::Open({options.data, options.server});
+  auto workplace = Workplace::Open(options.workplace);
   if (!workplace.ok()) return workplace.status();
   std::signal(SIGINT, OnSignal);
   std::signal(SIGTERM, OnSignal);

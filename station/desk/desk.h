@@ -5,13 +5,15 @@
 
 #include "common/base/result.h"
 #include "station/hid/open_device.h"
+#include "station/session/workplace.h"
 
 namespace enamel::station::desk {
 
 // What a student sits at: one window from sign-in to result, and again.
 struct DeskOptions {
-  std::filesystem::path data;
-  std::string server;  // HOST:PORT when it has moved since enrolment; else empty
+  WorkplaceOptions workplace;
+  std::string profile;  // of this station's device: it is offered first; empty: any
+  int cpu = -1;         // bind the haptic loop to this processor; -1: to none
   bool full_screen = true;
   int width_px = 1280, height_px = 720;  // when not on the full screen
   std::string quality;       // "best", "good", "fair", "low"; empty: by how long pictures take

@@ -445,11 +445,18 @@ void Pages::HandIn() {
   ui_.Title("Handing in");
   Uploader::State up = flow_.upload();
   uint32_t chunks = flow_.chunks();
+  const Status problem = flow_.recording_problem();
+  const bool partly = !problem.ok() || (!flow_.busy() && !flow_.recorded());
   ui_.Bar(
-      std::to_string(up.committed) + " of " + std::to_string(chunks) + " parts are on the server",
+      std::to_string(up.committed) + " of " + std::to_string(chunks) + " parts " +
+          (partly ? "stored here are on the server; its end is not stored" : "are on the server"),
       chunks > 0 ? static_cast<double>(up.committed) / chunks : 0);
   ui_.Problem(flow_.problem());
-  if (up.gave_up) {
+  if (!problem.ok() && flow_.busy()) {
+    ui_.Problem("The end of this recording cannot be stored: " + problem.message() +
+                ". It is kept in memory and tried again until then.");
+    if (ui_.Button("Give up its end", Ui::Look::kDanger)) flow_.GiveUpRecording();
+  } else if (up.gave_up) {
     ui_.Problem("The server does not take this recording: " + up.problem.message());
   } else if (!up.reachable) {
     ui_.Problem(

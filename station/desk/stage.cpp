@@ -67,8 +67,9 @@ Result<std::unique_ptr<Stage>> Stage::Create(PreparedAttempt prepared, const Dev
 
 Stage::~Stage() = default;
 
-Status Stage::Begin(Workplace& workplace) {
+Status Stage::Begin(Workplace& workplace, int cpu) {
   AttemptOptions options;
+  options.cpu = cpu;
   options.faults_when_late = held_->has_motors() && !simulated();
   options.observer = feed_.get();
   auto run = workplace.Begin(prepared_, *held_, options);

@@ -36,8 +36,8 @@ class Stage {
   std::optional<render::ZoneShares> zones() const { return zones_->shares(); }
   render::Reach reach() const { return reach_->reach(); }
 
-  // The first tick.
-  Status Begin(Workplace& workplace);
+  // The first tick. The loop is bound to processor `cpu`; -1: to none.
+  Status Begin(Workplace& workplace, int cpu);
   // Null before Begin.
   RunningAttempt* run() { return run_.get(); }
 

@@ -157,8 +157,10 @@ void Workflow::TakeOffers(std::vector<DeviceOffer> offers) {
   };
   auto kept = std::ranges::find_if(offers_, same);
   std::string profile = way_ == Way::kTicket || !preview_ ? "" : preview_->profile.name;
-  offer_ = kept != offers_.end() ? static_cast<size_t>(kept - offers_.begin())
-                                 : FirstUsable(offers_, profile);
+  offer_ = kept != offers_.end()
+               ? static_cast<size_t>(kept - offers_.begin())
+               : FirstUsable(offers_, profile.empty() ? options_.profile : profile);
+  if (offer_ == offers_.size() && profile.empty()) offer_ = FirstUsable(offers_, "");
   if (way_ == Way::kTicket) return Fetch();
   if (offer_ == offers_.size()) {
     problem_ = "This attempt is made with device profile '" + profile +
@@ -219,7 +221,7 @@ void Workflow::ToStage(std::unique_ptr<Device> attached) {
   if (!stage.ok()) return LeaveStageFor(stage.status());
   stage_ = std::move(*stage);
   ticketed_ = way_ != Way::kTicket;
-  joined_ = marked_ = held_back_ = false;
+  joined_ = recorded_ = marked_ = held_back_ = false;
   progress_.reset();
   score_.reset();
   stillness_.emplace(static_cast<double>(stage_->prepared().profile.resolution_nm.value) * 1e-9);
@@ -251,7 +253,8 @@ void Workflow::CheckDevice(Clock::time_point now) {
 }
 
 void Workflow::Begin() {
-  if (Status begun = stage_->Begin(workplace_); !begun.ok()) return LeaveStageFor(begun);
+  if (Status begun = stage_->Begin(workplace_, options_.cpu); !begun.ok())
+    return LeaveStageFor(begun);
   put_downs_ = 0;
   Go(Place::kRunning);
 }
@@ -274,6 +277,7 @@ void Workflow::EndAttempt() {
     auto seal = stage_->run()->Join();
     return [this, s = seal.status()] {
       joined_ = true;
+      recorded_ = s.ok();
       if (!s.ok()) Fail(s);
     };
   });
@@ -285,6 +289,14 @@ Uploader::State Workflow::upload() const {
 
 uint32_t Workflow::chunks() const {
   return stage_ && stage_->run() ? stage_->run()->recording().chunks : 0;
+}
+
+Status Workflow::recording_problem() const {
+  return stage_ && stage_->run() ? stage_->run()->recording().problem : Status::Ok();
+}
+
+void Workflow::GiveUpRecording() {
+  if (stage_ && stage_->run()) stage_->run()->GiveUp();
 }
 
 void Workflow::WatchUpload() {

@@ -30,6 +30,8 @@ struct WorkflowOptions {
   bool simulated = false;    // offer simulated hands too
   hid::DeviceChoice device;  // pedal, axes, watchdog of attached devices; its `device` says nothing
   double idle_s = 600;
+  std::string profile = {};  // of this station's device: chosen at first where it is there
+  int cpu = -1;              // bind the haptic loop to this processor; -1: to none
 };
 
 // Where a person is on the way from sign-in to result, and the steps from there. The pages draw
@@ -80,6 +82,9 @@ class Workflow {
   bool tooth_drawn() { return stage_ && stage_->view().WaitIdle(std::chrono::milliseconds(0)); }
   Uploader::State upload() const;
   uint32_t chunks() const;
+  // Why the recording cannot be stored just now, or ok; and whether all of it is.
+  Status recording_problem() const;
+  bool recorded() const { return recorded_; }
   const std::optional<AttemptProgress>& progress() const { return progress_; }
   const std::optional<scoring::ScoreResult>& score() const { return score_; }
   // The score is there but not for this person yet.
@@ -105,8 +110,9 @@ class Workflow {
   void GiveBack(const std::string& pin);  // the ticket that the dialog is about, for good
   void Open(Dialog dialog);
   void CloseDialog() { Open(Dialog::kNone); }
-  void EndAttempt();   // finished, or given up: sealed as it is
-  void LeaveHandIn();  // the upload goes on by itself
+  void EndAttempt();       // finished, or given up: sealed as it is
+  void LeaveHandIn();      // the upload goes on by itself
+  void GiveUpRecording();  // does not wait any longer for a disk that takes nothing
   void AnotherTry();
   void ToExercises();
   void MarkReference(const std::string& dentist, bool consent);
@@ -150,7 +156,7 @@ class Workflow {
   std::unique_ptr<Stage> stage_;
   std::optional<StillnessCheck> stillness_;
   uint64_t put_downs_ = 0;  // of the handpiece, that were answered
-  bool ticketed_ = false, joined_ = false, marked_ = false, held_back_ = false;
+  bool ticketed_ = false, joined_ = false, recorded_ = false, marked_ = false, held_back_ = false;
   std::optional<AttemptProgress> progress_;
   std::optional<scoring::ScoreResult> score_;
   Clock::time_point started_ = Clock::now(), active_at_ = started_, next_look_{};

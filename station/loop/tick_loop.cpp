@@ -73,7 +73,7 @@ void TickLoop::Run() noexcept {
   int64_t due_ticks = 0;  // since the start
   while (!stop_.load(std::memory_order_relaxed)) {
     if (options_.lockstep) {
-      if (ring_.Full()) {
+      if (CannotRecord()) {
         SleepUntil(Now_ns() + kBackPressure_ns);
         continue;
       }
@@ -98,7 +98,7 @@ bool TickLoop::Tick(double late_s) noexcept {
   WatchTime(sample, late_s > 0 ? late_s : 0);
   WatchHolder(sample);
   WatchStillness(sample);
-  if (ring_.Full()) {
+  if (CannotRecord()) {
     // What cannot be recorded is not stepped: no force, no cut, a declared gap.
     gap_ = Longer(gap_, 1);
     gap_held_ = false;

@@ -132,8 +132,9 @@ struct TickLoopOptions {
 // Leak: while a force is held for T_hold, longer than a tick, and the tip moves by dx meanwhile,
 // the operator can be handed at most max(0, Kc/2 - b/T_hold) |dx|^2. The sum is in the counters.
 //
-// Thread safety: Run and Tick on one thread; RequestStop, snapshot() (one reader), lateness() and
-// durations() from others. Real-time: Tick is safe; Run sleeps between ticks and does nothing else.
+// Thread safety: Run and Tick on one thread; RequestStop, Hold, snapshot() (one reader), lateness()
+// and durations() from others. Real-time: Tick is safe; Run sleeps between ticks and does nothing
+// else.
 class TickLoop {
  public:
   // All must outlive the loop; `observer` may be null.
@@ -144,6 +145,9 @@ class TickLoop {
   // holds zero force.
   void Run() noexcept;
   void RequestStop() noexcept { stop_.store(true, std::memory_order_relaxed); }
+  // From the next tick on until Hold(false) none is stepped, as with a full ring: what was recorded
+  // last cannot be stored. No force, no cut, a declared gap.
+  void Hold(bool held) noexcept { held_.store(held, std::memory_order_relaxed); }
   // Run has returned; all samples are in the ring.
   bool finished() const noexcept { return finished_.load(std::memory_order_acquire); }
 
@@ -165,6 +169,9 @@ class TickLoop {
   static constexpr int kLateTicksPerSecond = 20;
 
  private:
+  bool CannotRecord() const noexcept {
+    return held_.load(std::memory_order_relaxed) || ring_.Full();
+  }
   core::TickInput InputOf(const DeviceSample& sample) noexcept;
   void WatchTime(const DeviceSample& sample, double late_s) noexcept;
   void WatchLateness(double late_s) noexcept;
@@ -184,7 +191,7 @@ class TickLoop {
   const TickLoopOptions options_;
   TickObserver* const observer_;
   TripleBuffer<Snapshot> snapshots_;
-  std::atomic<bool> stop_{false};
+  std::atomic<bool> stop_{false}, held_{false};
   std::atomic<bool> finished_{false};
 
   // Owned by the tick's thread.

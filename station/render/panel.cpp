@@ -28,7 +28,7 @@ constexpr std::array<const char*, kWarningCount> kWarningTexts = {
     "Recording was held up: force was off. What you cut is kept",
     "No server: recording goes on here",
     "Pulp exposed",
-    "Disk trouble: call the instructor",
+    "Disk trouble, force is off: call the instructor",
     "Device silent: call the instructor",
     "Time is up",
     "Going on: what you cut is kept. Begin in the air",

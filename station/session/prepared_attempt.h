@@ -1,11 +1,13 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "common/core/core.h"
 #include "common/cutting/volume.h"
 #include "common/scene/types.h"
 #include "common/trace/trace.h"
+#include "station/spool/spool.h"
 
 namespace enamel::station {
 
@@ -22,8 +24,11 @@ struct PreparedAttempt {
   // Of an attempt that goes on after a crash: the core where the spool's chunks end, with the tooth
   // as it was then; otherwise null.
   std::unique_ptr<core::Core> core;
-  trace::ChainState place;  // where their chain stands
-  uint32_t gap_ticks = 0;   // that passed since and were not recorded
+  trace::ChainState place;     // where their chain stands
+  uint32_t gap_ticks = 0;      // that passed since and were not recorded; as of Begin
+  bool clock_stepped = false;  // this computer's clock was changed since: at least so many
+  // Held from before its ticket was asked for until it begins (Workplace::MakeReady).
+  std::optional<RecordingLock> lock;
 
   const Uuid& attempt() const { return header.ticket.attempt; }
   double voxel_m() const { return volume.spec().voxel_m(); }

@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <cstdio>
 
 #include "station/loop/realtime.h"
 
@@ -14,7 +15,6 @@ using std::chrono::milliseconds;
 constexpr size_t kRingTicks = 4000;  // 4 s at 1 kHz before a slow disk makes a gap
 constexpr milliseconds kRecorderIdle{2};
 constexpr milliseconds kSpoolRetry{200};
-constexpr int kSpoolRetries = 25;
 constexpr uint32_t kLivePerSecond = 60;
 constexpr double kUmPerM = 1e6, kMnPerN = 1e3;
 
@@ -53,11 +53,13 @@ RunningAttempt::RunningAttempt(const trace::SecretKey& station_key, Spool& spool
       attempt_(prepared.attempt()),
       uploader_(uploader),
       observer_(options.observer),
-      live_every_(std::max(1u, prepared.header.params.rate_hz / kLivePerSecond)),
+      rate_hz_(prepared.header.params.rate_hz),
+      live_every_(std::max(1u, rate_hz_ / kLivePerSecond)),
       core_(prepared.core ? std::move(prepared.core)
                           : std::make_unique<core::Core>(prepared.header.params, prepared.volume)),
       ring_(kRingTicks),
-      recorder_(spool, ring_, attempt_, PlaceOf(prepared), station_key),
+      recorder_(spool, ring_, attempt_, PlaceOf(prepared), station_key,
+                Recorder::TicksPerChunk(rate_hz_)),
       loop_(device, *core_, ring_, LoopOptions(prepared, options), this) {
   uploader_.Prefer(attempt_, live_);
   recorder_thread_ = std::thread([this] { Record(); });
@@ -66,6 +68,7 @@ RunningAttempt::RunningAttempt(const trace::SecretKey& station_key, Spool& spool
 
 RunningAttempt::~RunningAttempt() {
   End();
+  GiveUp();
   (void)Join();
 }
 
@@ -89,38 +92,74 @@ void RunningAttempt::RunLoop(const AttemptOptions& options) {
 }
 
 void RunningAttempt::Record() {
-  int failures = 0;
-  while (!recorded_) {
-    bool ended = loop_.finished();  // asked before Pump: nothing comes after it
-    uint32_t before = recorder_.chunks();
-    auto moved = recorder_.Pump();
-    {
-      std::lock_guard lock(mutex_);
-      problem_ = moved.status();
-    }
-    if (!moved.ok()) {
-      if (++failures == 1) spdlog::error("{}", moved.status().message());
-      if (failures == kSpoolRetries) {
-        loop_.RequestStop();
-        recorded_ = moved.status();
-      }
-      std::this_thread::sleep_for(kSpoolRetry);
-      continue;
-    }
-    failures = 0;
-    if (recorder_.chunks() != before) uploader_.Wake();
-    if (*moved) continue;
-    if (ended)
-      recorded_ = recorder_.Finish();
-    else
-      std::this_thread::sleep_for(kRecorderIdle);
+  while (!(recorded_ = RecordOnce())) {
   }
+  done_ = true;
   uploader_.Wake();
+}
+
+// One turn of the recorder; its outcome when that was the last.
+std::optional<Result<trace::Seal>> RunningAttempt::RecordOnce() {
+  // Asked before Pump: nothing comes after the end, and there is a try after it was given up.
+  const bool ended = loop_.finished(), last_try = ended && give_up_;
+  const uint32_t before = recorder_.chunks();
+  auto moved = recorder_.Pump();
+  std::optional<Result<trace::Seal>> seal;
+  if (moved.ok() && !*moved && ended) seal = recorder_.Finish();
+  if (recorder_.chunks() != before) uploader_.Wake();
+  const Status status = seal ? seal->status() : moved.status();
+  const bool try_again = status.code() == Code::kStorage;
+  Note(status);
+  if (!status.ok() && !try_again) {
+    loop_.RequestStop();
+    return status;
+  }
+  if (try_again && last_try) return Lost(status);
+  if (seal && status.ok()) return seal;
+  if (try_again)
+    std::this_thread::sleep_for(kSpoolRetry);
+  else if (!*moved)
+    std::this_thread::sleep_for(kRecorderIdle);
+  return std::nullopt;
+}
+
+// What cannot be recorded is not felt.
+void RunningAttempt::Note(const Status& problem) {
+  loop_.Hold(!problem.ok());
+  std::lock_guard lock(mutex_);
+  if (problem_.ok() && !problem.ok()) {
+    spdlog::error(
+        "{}. Until then there is no force and no cut; the last {:.2f} s are kept in memory and "
+        "tried again",
+        problem.message(), static_cast<double>(recorder_.waiting_ticks()) / rate_hz_);
+  } else if (!problem_.ok() && problem.ok()) {
+    spdlog::info("attempt {} is recorded again: nothing of it was lost", attempt_.Text());
+  }
+  problem_ = problem;
+}
+
+Status RunningAttempt::Lost(const Status& why) const {
+  auto span_s = [&](uint64_t ticks) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.2f s", static_cast<double>(ticks) / rate_hz_);
+    return std::string(text);
+  };
+  const std::string id = attempt_.Text();
+  if (recorder_.chunks() == 0) {
+    return Status(why.code(), why.message() + ". Of attempt " + id + " nothing could be stored");
+  }
+  return Status(why.code(),
+                why.message() + ". Of attempt " + id + " the first " + span_s(recorder_.ticks()) +
+                    " are safe in the spool, the last " + span_s(recorder_.waiting_ticks()) +
+                    " could not be stored and are lost. It has no end yet: 'enamel-station run "
+                    "--resume " +
+                    id + "' goes on with it, 'enamel-station spool close " + id +
+                    "' ends it as far as it goes");
 }
 
 RunningAttempt::Recording RunningAttempt::recording() const {
   std::lock_guard lock(mutex_);
-  return {recorder_.chunks(), recorder_.ticks(), problem_};
+  return {recorder_.chunks(), recorder_.ticks(), recorder_.waiting_ticks(), problem_};
 }
 
 Result<trace::Seal> RunningAttempt::Join() {

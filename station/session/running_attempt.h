@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -26,16 +27,19 @@ struct AttemptOptions {
 //
 //   device -> loop (core) -> ring -> recorder -> spool -> uplink
 //
-// A spool that cannot take a chunk is tried again for some seconds, while the ring fills and then
-// ticks are not stepped (a declared gap); if it still cannot, the attempt ends, and what is on disk
-// stays there. Thread safety: one owner's thread, but End, ticking and the states from any.
+// A spool that cannot take a chunk (disk full, not writable, broken) ends force and cut with the
+// next tick: nothing is felt that is not recorded. What was felt before is kept in memory and tried
+// again several times a second, the seal after it, until it is stored or GiveUp; once it is, ticks
+// are stepped again after a declared gap.
+// Thread safety: one owner's thread, but End, GiveUp, ticking and the states from any.
 // Real-time: never; only the loop inside is.
 class RunningAttempt : private TickObserver {
  public:
   struct Recording {
-    uint32_t chunks = 0;  // durable in the spool
-    uint64_t ticks = 0;
-    Status problem;  // why the spool takes nothing just now, or ok
+    uint32_t chunks = 0;         // durable in the spool
+    uint64_t ticks = 0;          // durable in the spool
+    uint64_t waiting_ticks = 0;  // that are in memory
+    Status problem;              // why the spool takes nothing just now, or ok
   };
 
   // Starts ticking. Takes the core of one that is resumed. The spool must know the attempt; all
@@ -43,7 +47,7 @@ class RunningAttempt : private TickObserver {
   RunningAttempt(const trace::SecretKey& station_key, Spool& spool, Uploader& uploader,
                  PreparedAttempt& prepared, Device& device, const AttemptOptions& options,
                  RecordingLock lock);
-  ~RunningAttempt() override;  // ends and seals it if need be
+  ~RunningAttempt() override;  // ends and seals it if need be; GiveUp
   RunningAttempt(const RunningAttempt&) = delete;
   RunningAttempt& operator=(const RunningAttempt&) = delete;
 
@@ -51,14 +55,19 @@ class RunningAttempt : private TickObserver {
   // Ends it early; without this it ends when the device says kFinish.
   void End() { loop_.RequestStop(); }
   bool ticking() const { return !loop_.finished(); }
+  // A spool that takes nothing is tried once more after the end, then no longer waited for: what is
+  // in memory is lost.
+  void GiveUp() { give_up_ = true; }
+  // It is whole on disk, or given up: Join does not wait any more.
+  bool recorded() const { return done_; }
   TickLoop& loop() { return loop_; }
   // Newest tick, for one reader thread.
   const Snapshot& snapshot() { return loop_.snapshot(); }
   Recording recording() const;
   Uploader::State upload() const { return uploader_.state(attempt_); }
 
-  // Waits for the loop's end and the seal. Errors: the recording is not complete on disk. May be
-  // called again.
+  // Waits for the loop's end and the seal. Errors: the recording is not complete on disk (says what
+  // of it is, and what to do). May be called again.
   Result<trace::Seal> Join();
   // The tooth as it is now. Requires: Join has returned.
   const core::Core& core() const { return *core_; }
@@ -70,17 +79,22 @@ class RunningAttempt : private TickObserver {
   void OnTick(const core::Core& core, const Snapshot& snapshot) noexcept override;
   void RunLoop(const AttemptOptions& options);
   void Record();
+  std::optional<Result<trace::Seal>> RecordOnce();
+  void Note(const Status& problem);
+  Status Lost(const Status& why) const;
 
   std::optional<RecordingLock> lock_;  // until the recording is whole
   const Uuid attempt_;
   Uploader& uploader_;
   TickObserver* const observer_;
+  const uint32_t rate_hz_;
   const uint64_t live_every_;  // ticks
   const std::shared_ptr<LiveMailbox> live_ = std::make_shared<LiveMailbox>();
   std::unique_ptr<core::Core> core_;
   SampleRing ring_;
   Recorder recorder_;
   TickLoop loop_;
+  std::atomic<bool> give_up_{false}, done_{false};
   mutable std::mutex mutex_;
   Status problem_;                               // guarded by mutex_
   std::optional<Result<trace::Seal>> recorded_;  // the recorder's, then Join's

@@ -37,12 +37,6 @@ bool Steps(const std::string& pin, int step) {
                             [step](char a, char b) { return b - a != step; }) == pin.end();
 }
 
-int64_t WaitAfter_ms(int wrong_pins) {
-  if (wrong_pins <= TicketSafe::kFreeTries) return 0;
-  return std::chrono::milliseconds(TicketSafe::kFirstWait).count()
-         << (wrong_pins - TicketSafe::kFreeTries - 1);
-}
-
 Status NoTicket(const Uuid& attempt) {
   return Status(Code::kNotFound,
                 "no ticket for later " + attempt.Text() +
@@ -123,8 +117,11 @@ Result<trace::Ticket> TicketSafe::Open(const Uuid& attempt, const std::string& p
                                           std::to_string((wait_ms + 999) / 1000) +
                                           " s before the next try");
   }
-  const int tries = t->wrong_pins + 1;
-  ENAMEL_RETURN_IF_ERROR(spool_.NoteWrongPin(attempt, tries, clock_() + WaitAfter_ms(tries)));
+  auto counted = spool_.CountPinTry(attempt, clock_(), kFreeTries, kMaxTries,
+                                    std::chrono::milliseconds(kFirstWait).count());
+  if (!counted.ok()) return counted.status();
+  if (!*counted) return Status(Code::kUnavailable, "another try of this PIN is going on: wait");
+  const int tries = **counted;
   auto key = KeyOf(pin, t->salt);
   if (!key.ok()) return key.status();
   const size_t overhead = crypto_secretbox_NONCEBYTES + crypto_secretbox_MACBYTES;
@@ -135,7 +132,7 @@ Result<trace::Ticket> TicketSafe::Open(const Uuid& attempt, const std::string& p
                                     t->locked.data(), key->data()) == 0;
   sodium_memzero(key->data(), key->size());
   if (right) {
-    ENAMEL_RETURN_IF_ERROR(spool_.NoteWrongPin(attempt, 0, 0));
+    ENAMEL_RETURN_IF_ERROR(spool_.ForgetPinTries(attempt));
     return trace::DecodeTicket(open);
   }
   if (tries < kMaxTries) {

@@ -57,9 +57,25 @@ int64_t NowUnixMs() {
       .count();
 }
 
-// Ticks that passed since `since_unix_ms`; at least one, so that the gap shows.
-uint32_t GapTicks(int64_t since_unix_ms, uint32_t rate_hz) {
-  double ticks = static_cast<double>(NowUnixMs() - since_unix_ms) * 1e-3 * rate_hz;
+UploaderOptions UploaderOf(const WorkplaceOptions& options) {
+  UploaderOptions out = options.uploader;
+  out.retention = options.retention;
+  return out;
+}
+
+// What an attempt takes on disk until it ends: 3.7 bytes a tick were measured of simulated hands,
+// and the write-ahead log.
+uint64_t RoomFor(const PreparedAttempt& prepared) {
+  constexpr double kBytesPerTick = 4, kUsual_s = 1800, kLog_bytes = 4 << 20;
+  const double time_s =
+      prepared.exercise.time_limit_s > 0 ? prepared.exercise.time_limit_s : kUsual_s;
+  return static_cast<uint64_t>(kLog_bytes +
+                               kBytesPerTick * time_s * prepared.header.params.rate_hz);
+}
+
+// At least one, so that the gap shows.
+uint32_t GapTicks(const Silence& silence, uint32_t rate_hz) {
+  double ticks = static_cast<double>(silence.ms) * 1e-3 * rate_hz;
   return static_cast<uint32_t>(std::clamp(ticks, 1.0, 4294967295.0));
 }
 
@@ -70,14 +86,6 @@ Result<std::unique_ptr<Workplace>> Workplace::Open(const WorkplaceOptions& optio
   if (!credentials.ok()) return credentials.status();
   auto spool = Spool::Open(options.data);
   if (!spool.ok()) return spool.status();
-  auto pruned = (*spool)->Prune(options.retention);
-  if (!pruned.ok()) return pruned.status();
-  if (pruned->early > 0) {
-    spdlog::warn(
-        "{} recordings that the server has were forgotten here before their time, as the spool may "
-        "take {} MB only: a server restored from an older backup cannot get them back from here",
-        pruned->early, options.retention.bytes / 1'000'000);
-  }
   return std::unique_ptr<Workplace>(
       new Workplace(options, std::move(*credentials), std::move(*spool)));
 }
@@ -88,7 +96,7 @@ Workplace::Workplace(const WorkplaceOptions& options, Credentials credentials,
       credentials_(std::move(credentials)),
       spool_(std::move(spool)),
       safe_(*spool_),
-      uploader_(credentials_, *spool_, options.uploader),
+      uploader_(credentials_, *spool_, UploaderOf(options)),
       keep_alive_([this] { KeepAlive(); }) {}
 
 Workplace::~Workplace() {
@@ -117,27 +125,36 @@ void Workplace::KeepAlive() {
   }
 }
 
+Status Workplace::ConnectForPeople() {
+  if (Status s = link_.Connect(credentials_); !s.ok()) {
+    if (s.code() != Code::kUnavailable) return s;
+    return Status(
+        s.code(),
+        "the server is away: an attempt needs it to begin. Recordings made earlier are "
+        "safe in " +
+            data_.string() +
+            " ('enamel-station upload' sends them). In the network's words: " + s.message());
+  }
+  if (link_.may_begin_attempts()) return Status::Ok();
+  link_.Close();
+  return Status(Code::kVersion,
+                "the server runs another version of the core: this station can "
+                "upload recordings, not begin attempts; update it");
+}
+
 Result<Person> Workplace::SignIn(const std::string& login, const std::string& password) {
   std::lock_guard link(link_mutex_);
-  if (!link_.connected()) {
-    if (Status s = link_.Connect(credentials_); !s.ok()) {
-      if (s.code() != Code::kUnavailable) return s;
-      return Status(s.code(),
-                    "the server is away: an attempt needs it to begin. Recordings made earlier "
-                    "are safe in " +
-                        data_.string() +
-                        " ('enamel-station upload' sends them). In the network's "
-                        "words: " +
-                        s.message());
-    }
-  }
-  if (!link_.may_begin_attempts()) {
-    return Status(Code::kVersion,
-                  "the server runs another version of the core: this station can "
-                  "upload recordings, not begin attempts; update it");
-  }
+  const bool kept = link_.connected();
+  if (!kept) ENAMEL_RETURN_IF_ERROR(ConnectForPeople());
   auto person = link_.SignIn(login, password);
+  if (!person.ok() && kept && person.status().code() == Code::kUnavailable) {
+    // The server lets go of a connection that nobody signed in on.
+    link_.Close();
+    ENAMEL_RETURN_IF_ERROR(ConnectForPeople());
+    person = link_.SignIn(login, password);
+  }
   if (!person.ok()) return person.status();
+  uploader_.Retry();
   if (person->must_change_password) {
     std::string page =
         link_.page_url().empty() ? "the page of " + credentials_.server.host : link_.page_url();
@@ -191,8 +208,24 @@ Result<PreparedAttempt> Workplace::Prepare(const Catalogue::Exercise& exercise,
   return prepared;
 }
 
+Status Workplace::MakeReady(PreparedAttempt& prepared) {
+  if (prepared.lock) return Status::Ok();
+  auto lock = spool_->LockForRecording();
+  if (!lock.ok()) return lock.status();
+  ENAMEL_RETURN_IF_ERROR(spool_->ProveWritable(RoomFor(prepared)));
+  prepared.lock.emplace(std::move(*lock));
+  return Status::Ok();
+}
+
 Status Workplace::TakeTicket(PreparedAttempt& prepared, bool as_reference) {
   HandBackUnused();
+  ENAMEL_RETURN_IF_ERROR(MakeReady(prepared));
+  Status taken = AskForTicket(prepared, as_reference);
+  if (!taken.ok()) prepared.lock.reset();
+  return taken;
+}
+
+Status Workplace::AskForTicket(PreparedAttempt& prepared, bool as_reference) {
   std::lock_guard link(link_mutex_);
   ENAMEL_RETURN_IF_ERROR(MustBeSignedIn());
   ENAMEL_RETURN_IF_ERROR(TellReturned());
@@ -227,9 +260,18 @@ void Workplace::HandBackUnused() {
 Result<std::unique_ptr<RunningAttempt>> Workplace::Begin(PreparedAttempt& prepared, Device& device,
                                                          const AttemptOptions& options) {
   ENAMEL_CHECK(!prepared.attempt().IsZero());
-  auto lock = spool_->LockForRecording();
-  if (!lock.ok()) return lock.status();
+  ENAMEL_RETURN_IF_ERROR(MakeReady(prepared));
+  // Given up here if it cannot begin after all.
+  std::optional<RecordingLock> recording = std::exchange(prepared.lock, std::nullopt);
   if (prepared.core) {
+    // Until now, not until it was chosen.
+    ENAMEL_RETURN_IF_ERROR(MeasureGap(prepared));
+    if (prepared.clock_stepped) {
+      spdlog::warn(
+          "this computer's clock was changed since attempt {} was cut off: its gap of {:.1f} s is "
+          "the least that passed",
+          prepared.attempt().Text(), prepared.gap_ticks / double(prepared.header.params.rate_hz));
+    }
     ENAMEL_RETURN_IF_ERROR(spool_->MarkResumed(prepared.attempt()));
   } else {
     ENAMEL_RETURN_IF_ERROR(
@@ -240,7 +282,7 @@ Result<std::unique_ptr<RunningAttempt>> Workplace::Begin(PreparedAttempt& prepar
     if (unused_ == prepared.attempt()) unused_ = {};
   }
   return std::make_unique<RunningAttempt>(credentials_.secret_key, *spool_, uploader_, prepared,
-                                          device, options, std::move(*lock));
+                                          device, options, std::move(*recording));
 }
 
 Status Workplace::Reserve(const PreparedAttempt& prepared, const std::string& pin) {
@@ -299,12 +341,31 @@ Result<HandedBack> Workplace::GiveBack(const Uuid& attempt) {
   return HandBackNow(attempt);
 }
 
+// What the server will look at when the recording comes: better now than after the attempt.
+Status Workplace::CheckTicket(const trace::Ticket& ticket) const {
+  const std::string name = "the ticket of attempt " + ticket.attempt.Text();
+  if (ticket.station != credentials_.station) {
+    return Status(Code::kForbidden, name + " is for station " + ticket.station.Text() +
+                                        ", this one is " + credentials_.station.Text() +
+                                        ": make the attempt there, or take another ticket");
+  }
+  if (!trace::VerifyTicket(ticket, credentials_.ticket_key)) {
+    return Status(Code::kForbidden,
+                  name +
+                      " was not signed by this station's server, or was changed since: take "
+                      "another one");
+  }
+  if (ticket.expires_unix_ms > NowUnixMs()) return Status::Ok();
+  return Status(Code::kForbidden, name + " has expired: take another one (they last 12 hours)");
+}
+
 Result<PreparedAttempt> Workplace::PrepareReserved(const Uuid& attempt, const std::string& pin) {
   if (spool_->Get(attempt).ok()) {
     return Status(Code::kConflict, "attempt " + attempt.Text() + " was begun already: resume it");
   }
   auto ticket = safe_.Open(attempt, pin);
   if (!ticket.ok()) return ticket.status();
+  ENAMEL_RETURN_IF_ERROR(CheckTicket(*ticket));
   auto prepared = FromCache(*ticket);
   if (prepared.ok()) prepared->header.ticket = *ticket;
   return prepared;
@@ -407,10 +468,16 @@ Result<PreparedAttempt> Workplace::Replayed(const trace::Header& header,
                       "): it cannot go on; 'enamel-station spool close' ends it as far as it goes");
   }
   prepared->place = run.chain();
-  auto last_ms = spool_->LastSpooledUnixMs(attempt);
-  if (!last_ms.ok()) return last_ms.status();
-  prepared->gap_ticks = GapTicks(last_ms->value_or(stored->created_unix_ms), header.params.rate_hz);
+  ENAMEL_RETURN_IF_ERROR(MeasureGap(*prepared));
   return prepared;
+}
+
+Status Workplace::MeasureGap(PreparedAttempt& prepared) {
+  auto silence = spool_->SilenceOf(prepared.attempt());
+  if (!silence.ok()) return silence.status();
+  prepared.gap_ticks = GapTicks(*silence, prepared.header.params.rate_hz);
+  prepared.clock_stepped = silence->clock_stepped;
+  return Status::Ok();
 }
 
 Result<trace::Seal> Workplace::Close(const Uuid& attempt) {

@@ -31,9 +31,9 @@ enum class HandedBack {
 
 struct WorkplaceOptions {
   std::filesystem::path data;
-  std::string server;  // HOST:PORT when it has moved since enrolment; else empty
-  Retention retention;
-  UploaderOptions uploader;
+  std::string server = {};  // HOST:PORT when it has moved since enrolment; else empty
+  Retention retention = {};
+  UploaderOptions uploader = {};  // its `retention` is the one above
 };
 
 // A person's way through an attempt, step by step, for the command line and the window:
@@ -69,12 +69,16 @@ class Workplace {
   // Fetches what of it is not in the cache yet.
   Result<PreparedAttempt> Prepare(const Catalogue::Exercise& exercise,
                                   const Catalogue::Profile& profile);
+  // Before a ticket is spent: the spool is this attempt's alone, takes a durable test write and has
+  // room for it. TakeTicket and Begin do it where it was not done. Errors: kConflict while another
+  // process records here; kStorage with how much room is needed.
+  Status MakeReady(PreparedAttempt& prepared);
   // From here on the server waits for this attempt: have everything else in place before.
   // `as_reference`: instructors only. A ticket taken before and not begun with is handed back
   // first.
   Status TakeTicket(PreparedAttempt& prepared, bool as_reference);
-  // Begins to tick. `device` outlives the attempt. Requires: a ticket. Errors: the spool's;
-  // kConflict while another process records here.
+  // Begins to tick. `device` outlives the attempt. Requires: a ticket. Errors: MakeReady's, the
+  // spool's.
   Result<std::unique_ptr<RunningAttempt>> Begin(PreparedAttempt& prepared, Device& device,
                                                 const AttemptOptions& options);
   // The ticket of TakeTicket, where Begin did not follow, will not be used: the uploader returns
@@ -96,7 +100,9 @@ class Workplace {
   // begun, kNotFound; without a PIN also those of Progress.
   Result<HandedBack> GiveBack(const Uuid& attempt, const std::string& pin);
   Result<HandedBack> GiveBack(const Uuid& attempt);
-  // Needs no server. Errors: TicketSafe::Open's; kConflict when it was begun (resume it then).
+  // Needs no server. Errors: TicketSafe::Open's; kConflict when it was begun (resume it then);
+  // kForbidden when the server would not take its recording: another station's, not signed by it,
+  // expired.
   Result<PreparedAttempt> PrepareReserved(const Uuid& attempt, const std::string& pin);
 
   // Attempts that were cut off and have no end. Those being made are among them.
@@ -126,9 +132,13 @@ class Workplace {
  private:
   Workplace(const WorkplaceOptions& options, Credentials credentials, std::unique_ptr<Spool> spool);
   Status MustBeSignedIn();
+  Status ConnectForPeople();
+  Status CheckTicket(const trace::Ticket& ticket) const;
+  Status MeasureGap(PreparedAttempt& prepared);
   // Requires: link_mutex_ is held.
   Status TellReturned();
   Result<HandedBack> HandBackNow(const Uuid& attempt);
+  Status AskForTicket(PreparedAttempt& prepared, bool as_reference);
   Result<trace::Header> HeaderOf(const Uuid& attempt);
   Result<PreparedAttempt> FromCache(const trace::Ticket& ticket);
   Result<PreparedAttempt> Replayed(const trace::Header& header, const KeepGoing& keep_going);

@@ -7,28 +7,31 @@ Recorder::Recorder(Spool& spool, SampleRing& ring, const Uuid& attempt, const Sh
     : Recorder(spool, ring, attempt, trace::ChainState{header_hash, 0, 0, 0}, station_key) {}
 
 Recorder::Recorder(Spool& spool, SampleRing& ring, const Uuid& attempt,
-                   const trace::ChainState& place, const trace::SecretKey& station_key)
+                   const trace::ChainState& place, const trace::SecretKey& station_key,
+                   size_t ticks_per_chunk)
     : spool_(spool),
       ring_(ring),
       attempt_(attempt),
       key_(station_key),
+      ticks_per_chunk_(ticks_per_chunk),
       state_hash_(place.state_hash),
       first_tick_(place.next_tick),
       previous_(place.head),
       chunks_(place.next_seq),
       ticks_(place.next_tick) {
-  open_.reserve(kTicksPerChunk);
+  open_.reserve(ticks_per_chunk_);
 }
 
 Result<bool> Recorder::Pump() {
   bool moved = false;
   Sample sample;
-  while (open_.size() < kTicksPerChunk && ring_.Pop(sample)) {
+  while (open_.size() < ticks_per_chunk_ && ring_.Pop(sample)) {
     open_.push_back(sample.tick);
     state_hash_ = sample.state_hash;
     moved = true;
   }
-  if (open_.size() == kTicksPerChunk) ENAMEL_RETURN_IF_ERROR(Spill());
+  held_.store(open_.size(), std::memory_order_release);
+  if (open_.size() == ticks_per_chunk_) ENAMEL_RETURN_IF_ERROR(Spill());
   return moved;
 }
 
@@ -64,6 +67,7 @@ Status Recorder::Spill() {
   ticks_.store(first_tick_, std::memory_order_release);
   chunks_.fetch_add(1, std::memory_order_release);
   open_.clear();
+  held_.store(0, std::memory_order_release);
   unspooled_.clear();
   return Status::Ok();
 }

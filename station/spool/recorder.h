@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <functional>
 
@@ -14,15 +15,18 @@ namespace enamel::station {
 // Real-time: never; this is the other end of the ring.
 class Recorder {
  public:
-  // Half a second at 1 kHz: what a crash can lose.
-  static constexpr size_t kTicksPerChunk = 500;
+  // Half a second: what a crash can lose, at any rate.
+  static constexpr size_t TicksPerChunk(uint32_t rate_hz) {
+    return std::clamp<size_t>(rate_hz / 2, 1, trace::kMaxTicksPerChunk);
+  }
+  static constexpr size_t kTicksPerChunk = 500;  // at 1 kHz
 
   // All must outlive the recorder. Requires: the spool has the attempt.
   Recorder(Spool& spool, SampleRing& ring, const Uuid& attempt, const Sha256& header_hash,
            const trace::SecretKey& station_key);
   // Goes on after the chunks that are in the spool already; `place` is where their chain stands.
   Recorder(Spool& spool, SampleRing& ring, const Uuid& attempt, const trace::ChainState& place,
-           const trace::SecretKey& station_key);
+           const trace::SecretKey& station_key, size_t ticks_per_chunk = kTicksPerChunk);
 
   // Moves what is in the ring; spools each chunk that is full. True when something was moved.
   // Errors: the spool's; nothing is lost by calling again once the cause is gone.
@@ -33,6 +37,8 @@ class Recorder {
 
   uint32_t chunks() const { return chunks_.load(std::memory_order_acquire); }
   uint64_t ticks() const { return ticks_.load(std::memory_order_acquire); }
+  // Taken in, or in the ring, and not in the spool yet; from any thread, as of about now.
+  uint64_t waiting_ticks() const { return held_.load(std::memory_order_acquire) + ring_.size(); }
 
  private:
   Status Spill();
@@ -41,6 +47,7 @@ class Recorder {
   SampleRing& ring_;
   const Uuid attempt_;
   const trace::SecretKey key_;
+  const size_t ticks_per_chunk_;
   std::vector<trace::Tick> open_;  // ticks of the chunk being filled
   Bytes unspooled_;                // an encoded chunk the spool did not take yet
   uint64_t state_hash_ = 0;
@@ -48,6 +55,7 @@ class Recorder {
   Sha256 previous_;
   std::atomic<uint32_t> chunks_{0};
   std::atomic<uint64_t> ticks_{0};
+  std::atomic<size_t> held_{0};  // open_'s
 };
 
 }  // namespace enamel::station

@@ -2,21 +2,28 @@
 
 #include <fcntl.h>
 #include <sqlite3.h>
+#include <stdlib.h>
 #include <sys/file.h>
+#include <sys/statvfs.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
+#include <fstream>
 
 #include "spool_schema.h"
+#include "station/spool/statement.h"
 
 namespace enamel::station {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kSchemaVersion = 2;
+constexpr int kSchemaVersion = 3;
+constexpr char kFileName[] = "spool.sqlite";
 constexpr int kBusy_ms = 10'000, kWalRetry_ms = 10;
 
 int64_t UnixMs(std::chrono::system_clock::time_point t) {
@@ -26,15 +33,15 @@ int64_t UnixMs(std::chrono::system_clock::time_point t) {
 std::string WhatToDo(int code) {
   switch (code & 0xff) {
     case SQLITE_FULL:
-      return "the disk is full: free space there and start again";
+      return "the disk is full: free space there";
     case SQLITE_READONLY:
     case SQLITE_PERM:
     case SQLITE_CANTOPEN:
       return "make the folder writable for this user, or choose another with --data";
     case SQLITE_CORRUPT:
     case SQLITE_NOTADB:
-      return "the file is damaged: keep a copy, run 'enamel-station spool verify', and move it "
-             "away";
+      return "the file is damaged: 'enamel-station spool verify' says which recordings are hit, "
+             "'enamel-station spool salvage --out FOLDER' saves what can be read of it";
     case SQLITE_BUSY:
       return "another enamel-station is using it: wait until that one has ended";
     default:
@@ -47,8 +54,13 @@ std::string WhatToDo(int code) {
 struct Spool::Db {
   fs::path file;
   sqlite3* handle = nullptr;
+  fs::path copy;  // folder that it is read in; empty: where it lies
 
-  ~Db() { sqlite3_close(handle); }
+  ~Db() {
+    sqlite3_close(handle);
+    std::error_code error;
+    if (!copy.empty()) fs::remove_all(copy, error);
+  }
 
   Status Fail(const char* doing) const {
     int code = sqlite3_extended_errcode(handle);
@@ -61,53 +73,16 @@ struct Spool::Db {
   }
   Status UseWal();
   Result<int64_t> Version();
+  Status CheckVersion(int64_t version) const;
+  Status CheckNotLost() const;
+  Status Create();
+  Status OpenToRead(const std::string& uri, int flags);
+  Status OpenCopy();
   // Creates the tables, or migrates them; nothing when another process has done it meanwhile.
   Status BringUpToDate();
 };
 
 namespace {
-
-// One prepared statement; steps through its rows.
-class Statement {
- public:
-  Statement(sqlite3* db, const char* sql) { sqlite3_prepare_v2(db, sql, -1, &statement_, nullptr); }
-  ~Statement() { sqlite3_finalize(statement_); }
-  Statement(const Statement&) = delete;
-  Statement& operator=(const Statement&) = delete;
-
-  Statement& Blob(ByteView v) {
-    // Never null: an empty blob is not NULL.
-    sqlite3_bind_blob(statement_, ++bound_,
-                      v.empty() ? "" : reinterpret_cast<const char*>(v.data()),
-                      static_cast<int>(v.size()), SQLITE_TRANSIENT);
-    return *this;
-  }
-  Statement& Int(int64_t v) {
-    sqlite3_bind_int64(statement_, ++bound_, v);
-    return *this;
-  }
-  Statement& Text(const std::string& v) {
-    sqlite3_bind_text(statement_, ++bound_, v.c_str(), -1, SQLITE_TRANSIENT);
-    return *this;
-  }
-  // SQLITE_ROW, SQLITE_DONE or an error; an error too when the statement did not compile.
-  int Step() { return statement_ == nullptr ? SQLITE_ERROR : sqlite3_step(statement_); }
-
-  bool IsNull(int column) { return sqlite3_column_type(statement_, column) == SQLITE_NULL; }
-  int64_t IntAt(int column) { return sqlite3_column_int64(statement_, column); }
-  std::string TextAt(int column) {
-    auto* text = reinterpret_cast<const char*>(sqlite3_column_text(statement_, column));
-    return text == nullptr ? "" : text;
-  }
-  Bytes BlobAt(int column) {
-    auto* data = static_cast<const uint8_t*>(sqlite3_column_blob(statement_, column));
-    return data == nullptr ? Bytes{} : Bytes(data, data + sqlite3_column_bytes(statement_, column));
-  }
-
- private:
-  sqlite3_stmt* statement_ = nullptr;
-  int bound_ = 0;
-};
 
 // All of a transaction or nothing: what is not committed is rolled back.
 class Transaction {
@@ -166,22 +141,62 @@ Status NoAttempt(const Uuid& attempt) {
                                      ": 'enamel-station spool list' shows those it has");
 }
 
-// Chain, signatures and seal of a recording.
-Status VerifyRecording(const SpooledAttempt& attempt, const trace::TraceFile& file,
+Status Differs(const char* what, uint64_t counted, uint64_t found) {
+  return Status(Code::kConflict, std::string(what) + ": the spool counts " +
+                                     std::to_string(counted) + ", there are " +
+                                     std::to_string(found));
+}
+
+// Chain, signatures and seal of a recording, and what the spool counts of it.
+Status VerifyRecording(const SpooledAttempt& attempt, ByteView header,
+                       const std::vector<SpooledChunk>& chunks,
                        const std::optional<trace::PublicKey>& key) {
-  auto header = trace::DecodeHeader(file.header);
-  if (!header.ok()) return header.status();
-  trace::ChainVerifier chain(attempt.id, HashSha256(file.header));
-  for (const Bytes& bytes : file.chunks) {
-    auto chunk = trace::DecodeChunk(bytes);
-    if (!chunk.ok()) return chunk.status();
+  auto decoded = trace::DecodeHeader(header);
+  if (!decoded.ok()) return decoded.status();
+  if (decoded->ticket.attempt != attempt.id) {
+    return Status(Code::kConflict,
+                  "its header is that of attempt " + decoded->ticket.attempt.Text());
+  }
+  trace::ChainVerifier chain(attempt.id, HashSha256(header));
+  uint64_t ticks = 0, gap_ticks = 0, bytes = 0;
+  for (const SpooledChunk& spooled : chunks) {
+    auto chunk = trace::DecodeChunk(spooled.bytes);
+    if (!chunk.ok()) {
+      return Status(chunk.status().code(),
+                    "chunk " + std::to_string(spooled.seq) + ": " + chunk.status().message());
+    }
     ENAMEL_RETURN_IF_ERROR(chain.Accept(*chunk));
-    if (key && !trace::VerifyChunk(bytes, *key)) {
-      return Status(Code::kConflict, "chunk " + std::to_string(chunk->head.seq) +
+    if (key && !trace::VerifyChunk(spooled.bytes, *key)) {
+      return Status(Code::kConflict, "chunk " + std::to_string(spooled.seq) +
                                          " does not carry this station's signature");
     }
+    ticks += chunk->head.count;
+    gap_ticks += chunk->head.gap_ticks;
+    bytes += spooled.bytes.size();
   }
-  return file.seal ? chain.AcceptSeal(*file.seal) : Status::Ok();
+  if (chunks.size() != attempt.chunks) return Differs("chunks", attempt.chunks, chunks.size());
+  if (ticks != attempt.ticks) return Differs("ticks", attempt.ticks, ticks);
+  if (gap_ticks != attempt.gap_ticks) return Differs("gap ticks", attempt.gap_ticks, gap_ticks);
+  if (bytes != attempt.bytes) return Differs("bytes", attempt.bytes, bytes);
+  if (attempt.committed > attempt.chunks) {
+    return Differs("chunks the server has", attempt.committed, attempt.chunks);
+  }
+  return attempt.seal ? chain.AcceptSeal(*attempt.seal) : Status::Ok();
+}
+
+// Which start of the machine this is, and the time since, with sleep: no clock that is set changes
+// it. proc(5), random/boot_id.
+struct SinceBoot {
+  std::string boot;
+  int64_t ms = 0;
+};
+SinceBoot BootNow() {
+  SinceBoot out;
+  std::ifstream("/proc/sys/kernel/random/boot_id") >> out.boot;
+  timespec t{};
+  clock_gettime(CLOCK_BOOTTIME, &t);
+  out.ms = t.tv_sec * int64_t{1000} + t.tv_nsec / 1'000'000;
+  return out;
 }
 
 }  // namespace
@@ -208,9 +223,11 @@ Status Spool::Db::BringUpToDate() {
   auto version = Version();
   Status done = version.status();
   if (version.ok() && *version < kSchemaVersion) {
-    std::string sql = std::string(*version == 0 ? kSpoolSchema : kSpoolFrom1) +
-                      "PRAGMA user_version = " + std::to_string(kSchemaVersion);
-    done = Exec(sql.c_str(), *version == 0 ? "creating its tables" : "bringing it to version 2");
+    std::string sql = *version == 0 ? kSpoolSchema : "";
+    if (*version == 1) sql += kSpoolFrom1;
+    if (*version == 1 || *version == 2) sql += kSpoolFrom2;
+    sql += "PRAGMA user_version = " + std::to_string(kSchemaVersion);
+    done = Exec(sql.c_str(), *version == 0 ? "creating its tables" : "bringing it to version 3");
   }
   if (done.ok()) return Exec("COMMIT", "creating its tables");
   (void)Exec("ROLLBACK", "going back");
@@ -221,6 +238,62 @@ Spool::Spool(std::unique_ptr<Db> db) : db_(std::move(db)) {}
 Spool::~Spool() = default;
 const fs::path& Spool::file() const { return db_->file; }
 
+// Where the file is to be: what must not be taken for a new spool. Empty, or gone with its log left
+// behind: SQLite would begin anew and throw the log away.
+Status Spool::Db::CheckNotLost() const {
+  std::error_code error;
+  const bool there = fs::exists(file, error);
+  const fs::path log = file.string() + "-wal";
+  const bool log_holds = fs::exists(log, error) && fs::file_size(log, error) > 0;
+  if (there ? fs::file_size(file, error) > 0 : !log_holds) return Status::Ok();
+  return Status(Code::kStorage,
+                "spool " + file.string() + (there ? " is empty (0 bytes)" : " is gone") +
+                    (log_holds ? ", its log " + log.string() + " is there" : "") +
+                    ": recordings were kept in it. Put a copy of it back, or move what is left of "
+                    "it away to begin with an empty spool");
+}
+
+// The whole file at once, so that an empty one is never a new one. Nothing when another process was
+// first.
+Status Spool::Db::Create() {
+  const fs::path made = file.string() + ".new-" + std::to_string(::getpid());
+  {
+    Db fresh;
+    fresh.file = made;
+    if (sqlite3_open_v2(made.c_str(), &fresh.handle, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE,
+                        nullptr) != SQLITE_OK) {
+      return fresh.Fail("creating");
+    }
+    std::error_code error;
+    fs::permissions(made, fs::perms::owner_read | fs::perms::owner_write, error);
+    Status done = fresh.UseWal();
+    if (done.ok()) done = fresh.BringUpToDate();
+    if (!done.ok()) {
+      sqlite3_close(std::exchange(fresh.handle, nullptr));
+      for (const char* end : {"", "-wal", "-shm"}) fs::remove(made.string() + end, error);
+      return done;
+    }
+  }
+  // Some file systems have no links.
+  bool linked = ::link(made.c_str(), file.c_str()) == 0 || errno == EEXIST;
+  std::error_code error;
+  if (linked)
+    fs::remove(made, error);
+  else
+    fs::rename(made, file, error);
+  return !error ? Status::Ok()
+                : Status(Code::kStorage, "cannot create " + file.string() + " (" + error.message() +
+                                             "): " + WhatToDo(SQLITE_CANTOPEN));
+}
+
+Status Spool::Db::CheckVersion(int64_t version) const {
+  if (version <= kSchemaVersion) return Status::Ok();
+  return Status(Code::kVersion, "spool " + file.string() + " is of version " +
+                                    std::to_string(version) + ", this program knows " +
+                                    std::to_string(kSchemaVersion) +
+                                    ": use the newer enamel-station that made it");
+}
+
 Result<std::unique_ptr<Spool>> Spool::Open(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
@@ -229,9 +302,10 @@ Result<std::unique_ptr<Spool>> Spool::Open(const fs::path& folder) {
                                       error.message() + "): choose another with --data");
   }
   auto db = std::make_unique<Db>();
-  db->file = folder / "spool.sqlite";
-  if (sqlite3_open_v2(db->file.c_str(), &db->handle,
-                      SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_FULLMUTEX,
+  db->file = folder / kFileName;
+  ENAMEL_RETURN_IF_ERROR(db->CheckNotLost());
+  if (!fs::exists(db->file, error)) ENAMEL_RETURN_IF_ERROR(db->Create());
+  if (sqlite3_open_v2(db->file.c_str(), &db->handle, SQLITE_OPEN_READWRITE | SQLITE_OPEN_FULLMUTEX,
                       nullptr) != SQLITE_OK) {
     return db->Fail("opening");
   }
@@ -243,16 +317,70 @@ Result<std::unique_ptr<Spool>> Spool::Open(const fs::path& folder) {
       db->Exec("PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON", "opening"));
   auto version = db->Version();
   if (!version.ok()) return version.status();
-  if (*version > kSchemaVersion) {
-    return Status(Code::kVersion, "spool " + db->file.string() + " is of version " +
-                                      std::to_string(*version) + ", this program knows " +
-                                      std::to_string(kSchemaVersion) +
-                                      ": use the newer enamel-station that made it");
-  }
+  ENAMEL_RETURN_IF_ERROR(db->CheckVersion(*version));
   if (*version < kSchemaVersion) ENAMEL_RETURN_IF_ERROR(db->BringUpToDate());
   if (sqlite3_db_readonly(db->handle, "main") == 1) {
     return Status(Code::kStorage,
                   "spool " + db->file.string() + " is not writable: " + WhatToDo(SQLITE_READONLY));
+  }
+  return std::unique_ptr<Spool>(new Spool(std::move(db)));
+}
+
+// Also a file that is cut short, or whose schema has errors, is opened for what can be read of it.
+Status Spool::Db::OpenToRead(const std::string& uri, int flags) {
+  sqlite3_close(std::exchange(handle, nullptr));
+  if (sqlite3_open_v2(uri.c_str(), &handle, flags | SQLITE_OPEN_URI | SQLITE_OPEN_FULLMUTEX,
+                      nullptr) != SQLITE_OK) {
+    return Fail("opening");
+  }
+  sqlite3_busy_timeout(handle, kBusy_ms);
+  return Exec("PRAGMA writable_schema = ON; SELECT count(*) FROM sqlite_schema", "opening");
+}
+
+// What cannot be read where it lies (its log needs a writable folder, or it is of an older version)
+// is read in a copy.
+Status Spool::Db::OpenCopy() {
+  std::string name = (fs::temp_directory_path() / "enamel_spool_XXXXXX").string();
+  if (::mkdtemp(name.data()) == nullptr) {
+    return Status(Code::kStorage, "cannot make a folder in " + fs::temp_directory_path().string() +
+                                      " to read " + file.string() + " in a copy (" +
+                                      std::strerror(errno) + ")");
+  }
+  copy = name;
+  std::error_code error;
+  fs::copy_file(file, copy / kFileName, error);
+  const std::string log = file.string() + "-wal";
+  if (!error && fs::exists(log)) {
+    fs::copy_file(log, (copy / kFileName).string() + "-wal", error);
+  }
+  if (error) {
+    return Status(Code::kStorage, "cannot copy " + file.string() + " to " + copy.string() + " (" +
+                                      error.message() + ")");
+  }
+  return OpenToRead((copy / kFileName).string(), SQLITE_OPEN_READWRITE);
+}
+
+Result<std::unique_ptr<Spool>> Spool::OpenToRead(const fs::path& folder) {
+  auto db = std::make_unique<Db>();
+  db->file = folder / kFileName;
+  ENAMEL_RETURN_IF_ERROR(db->CheckNotLost());
+  std::error_code error;
+  if (!fs::exists(db->file, error)) {
+    return Status(Code::kNotFound, "there is no spool in " + folder.string() +
+                                       ": nothing was recorded there, or another folder is meant "
+                                       "(--data)");
+  }
+  const std::string path = db->file.string();
+  Status opened = db->OpenToRead(path, SQLITE_OPEN_READONLY);
+  const int code = db->handle == nullptr ? SQLITE_CANTOPEN : sqlite3_errcode(db->handle);
+  if (!opened.ok() && (code == SQLITE_CANTOPEN || code == SQLITE_READONLY)) opened = db->OpenCopy();
+  ENAMEL_RETURN_IF_ERROR(opened);
+  auto version = db->Version();
+  if (!version.ok()) return version.status();
+  ENAMEL_RETURN_IF_ERROR(db->CheckVersion(*version));
+  if (*version < kSchemaVersion) {
+    if (db->copy.empty()) ENAMEL_RETURN_IF_ERROR(db->OpenCopy());
+    ENAMEL_RETURN_IF_ERROR(db->BringUpToDate());
   }
   return std::unique_ptr<Spool>(new Spool(std::move(db)));
 }
@@ -274,14 +402,17 @@ Status Spool::BeginAttempt(const trace::Header& header, const std::string& exerc
     if (rc != SQLITE_DONE) return db_->Fail("reading an attempt");
   }
   Statement s(db_->handle,
-              "INSERT INTO attempts (id, header, header_sha256, exercise, profile, created_unix_ms)"
-              " VALUES (?, ?, ?, ?, ?, ?)");
+              "INSERT INTO attempts (id, header, header_sha256, exercise, profile, created_unix_ms,"
+              " boot_id, boot_ms) VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
+  const SinceBoot now = BootNow();
   s.Blob(id)
       .Blob(bytes)
       .Blob(hash.view())
       .Text(exercise)
       .Text(profile)
-      .Int(UnixMs(std::chrono::system_clock::now()));
+      .Int(UnixMs(std::chrono::system_clock::now()))
+      .Text(now.boot)
+      .Int(now.ms);
   return s.Step() == SQLITE_DONE ? Status::Ok() : db_->Fail("storing an attempt");
 }
 
@@ -324,10 +455,13 @@ Status Spool::PutChunk(const Uuid& attempt, ByteView chunk) {
     Statement s(
         db_->handle,
         "UPDATE attempts SET chunks = chunks + 1, ticks = ticks + ?, gap_ticks = gap_ticks + ?,"
-        " bytes = bytes + ? WHERE id = ?");
+        " bytes = bytes + ?, boot_id = ?, boot_ms = ? WHERE id = ?");
+    const SinceBoot now = BootNow();
     s.Int(head->head.count)
         .Int(head->head.gap_ticks)
         .Int(static_cast<int64_t>(chunk.size()))
+        .Text(now.boot)
+        .Int(now.ms)
         .Blob(attempt.view());
     if (s.Step() != SQLITE_DONE) return db_->Fail("counting a chunk");
   }
@@ -425,6 +559,13 @@ Status Spool::MarkRefused(const Uuid& attempt, const std::string& why) {
   Statement s(db_->handle, "UPDATE attempts SET refused = ? WHERE id = ?");
   return s.Text(why).Blob(attempt.view()).Step() == SQLITE_DONE ? Status::Ok()
                                                                 : db_->Fail("marking an attempt");
+}
+
+Status Spool::ClearRefusal(const Uuid& attempt) {
+  std::lock_guard lock(mutex_);
+  Statement s(db_->handle, "UPDATE attempts SET refused = NULL WHERE id = ?");
+  return s.Blob(attempt.view()).Step() == SQLITE_DONE ? Status::Ok()
+                                                      : db_->Fail("marking an attempt");
 }
 
 Result<std::vector<SpooledAttempt>> Spool::List() {
@@ -535,11 +676,28 @@ Status Spool::HandBackTicket(const Uuid& attempt) {
                                                       : db_->Fail("handing back a ticket");
 }
 
-Status Spool::NoteWrongPin(const Uuid& attempt, int wrong_pins, int64_t wait_unix_ms) {
+Result<std::optional<int>> Spool::CountPinTry(const Uuid& attempt, int64_t now_unix_ms,
+                                              int free_tries, int most, int64_t first_wait_ms) {
   std::lock_guard lock(mutex_);
-  Statement s(db_->handle, "UPDATE tickets SET wrong_pins = ?, wait_unix_ms = ? WHERE attempt = ?");
-  s.Int(wrong_pins).Int(wait_unix_ms).Blob(attempt.view());
-  return s.Step() == SQLITE_DONE ? Status::Ok() : db_->Fail("counting a wrong PIN");
+  Statement s(db_->handle,
+              "UPDATE tickets SET wrong_pins = wrong_pins + 1, wait_unix_ms = CASE"
+              " WHEN wrong_pins < ?1 THEN 0 ELSE ?2 + (?3 << (wrong_pins - ?1)) END"
+              " WHERE wait_unix_ms <= ?2 AND wrong_pins < ?4 AND attempt = ?5"
+              " RETURNING wrong_pins");
+  s.Int(free_tries).Int(now_unix_ms).Int(first_wait_ms).Int(most).Blob(attempt.view());
+  int rc = s.Step();
+  if (rc == SQLITE_DONE) return std::optional<int>();
+  if (rc != SQLITE_ROW) return db_->Fail("counting a try of a PIN");
+  int tries = static_cast<int>(s.IntAt(0));
+  return s.Step() == SQLITE_DONE ? Result<std::optional<int>>(tries)
+                                 : db_->Fail("counting a try of a PIN");
+}
+
+Status Spool::ForgetPinTries(const Uuid& attempt) {
+  std::lock_guard lock(mutex_);
+  Statement s(db_->handle, "UPDATE tickets SET wrong_pins = 0, wait_unix_ms = 0 WHERE attempt = ?");
+  return s.Blob(attempt.view()).Step() == SQLITE_DONE ? Status::Ok()
+                                                      : db_->Fail("forgetting tries of a PIN");
 }
 
 Status Spool::RemoveTicket(const Uuid& attempt) {
@@ -549,23 +707,76 @@ Status Spool::RemoveTicket(const Uuid& attempt) {
                                                       : db_->Fail("removing a ticket");
 }
 
-Result<std::vector<SpoolVerdict>> Spool::Verify(const std::optional<trace::PublicKey>& key) {
+Status Spool::VerifyPages() {
+  std::lock_guard lock(mutex_);
   {
-    std::lock_guard lock(mutex_);
-    Statement s(db_->handle, "PRAGMA integrity_check");
+    Statement s(db_->handle, "PRAGMA integrity_check(1)");
     if (s.Step() != SQLITE_ROW) return db_->Fail("checking its pages");
     if (std::string found = s.TextAt(0); found != "ok") {
       return Status(Code::kStorage,
                     "spool " + db_->file.string() + ": " + found + "; " + WhatToDo(SQLITE_CORRUPT));
     }
   }
+  Statement s(db_->handle,
+              "SELECT count(*) FROM chunks WHERE attempt NOT IN (SELECT id FROM attempts)");
+  if (s.Step() != SQLITE_ROW) return db_->Fail("checking its chunks");
+  if (s.IntAt(0) == 0) return Status::Ok();
+  return Status(Code::kStorage, "spool " + db_->file.string() + ": " + std::to_string(s.IntAt(0)) +
+                                    " chunks are of attempts that are not there");
+}
+
+Status Spool::VerifyAttempt(const SpooledAttempt& attempt,
+                            const std::optional<trace::PublicKey>& key) {
+  auto header = HeaderOf(attempt.id);
+  if (!header.ok()) return header.status();
+  {
+    std::lock_guard lock(mutex_);
+    Statement s(db_->handle, "SELECT header_sha256 FROM attempts WHERE id = ?");
+    if (s.Blob(attempt.id.view()).Step() != SQLITE_ROW) return db_->Fail("reading a header's hash");
+    const Sha256 hash = HashSha256(*header);
+    if (s.BlobAt(0) != Bytes(hash.bytes.begin(), hash.bytes.end())) {
+      return Status(Code::kConflict, "its header is not the one whose hash is kept beside it");
+    }
+  }
+  auto chunks = ChunksFrom(attempt.id, 0, SIZE_MAX >> 1);
+  if (!chunks.ok()) return chunks.status();
+  return VerifyRecording(attempt, *header, *chunks, key);
+}
+
+Result<std::vector<SpoolVerdict>> Spool::Verify(const std::optional<trace::PublicKey>& key,
+                                                Status* pages) {
+  Status found = VerifyPages();
+  if (pages != nullptr)
+    *pages = found;
+  else
+    ENAMEL_RETURN_IF_ERROR(found);
   auto attempts = List();
   if (!attempts.ok()) return attempts.status();
   std::vector<SpoolVerdict> out;
   for (SpooledAttempt& attempt : *attempts) {
-    auto file = Export(attempt.id);
-    Status status = file.ok() ? VerifyRecording(attempt, *file, key) : file.status();
+    Status status = VerifyAttempt(attempt, key);
     out.push_back({std::move(attempt), std::move(status)});
+  }
+  return out;
+}
+
+Result<Silence> Spool::SilenceOf(const Uuid& attempt) {
+  std::lock_guard lock(mutex_);
+  Statement s(db_->handle,
+              "SELECT coalesce((SELECT spooled_unix_ms FROM chunks WHERE attempt = ?1"
+              " ORDER BY seq DESC LIMIT 1), created_unix_ms), boot_id, boot_ms"
+              " FROM attempts WHERE id = ?1");
+  int rc = s.Blob(attempt.view()).Step();
+  if (rc == SQLITE_DONE) return NoAttempt(attempt);
+  if (rc != SQLITE_ROW) return db_->Fail("reading when an attempt was recorded last");
+  constexpr int64_t kStepped_ms = 1000;
+  const SinceBoot now = BootNow();
+  const int64_t by_clock_ms = UnixMs(std::chrono::system_clock::now()) - s.IntAt(0);
+  Silence out{std::max<int64_t>(by_clock_ms, 0), by_clock_ms < -kStepped_ms};
+  if (!s.IsNull(1) && s.TextAt(1) == now.boot) {
+    const int64_t by_boot_ms = now.ms - s.IntAt(2);
+    out.clock_stepped |= by_boot_ms - by_clock_ms > kStepped_ms;
+    out.ms = std::max(out.ms, by_boot_ms);
   }
   return out;
 }
@@ -578,6 +789,15 @@ Result<std::optional<int64_t>> Spool::LastSpooledUnixMs(const Uuid& attempt) {
   if (rc != SQLITE_ROW && rc != SQLITE_DONE) return db_->Fail("reading a chunk's time");
   if (rc == SQLITE_DONE || s.IsNull(0)) return std::optional<int64_t>();
   return std::optional<int64_t>(s.IntAt(0));
+}
+
+std::string PrunedText(const Pruned& pruned, const Retention& retention) {
+  if (pruned.early == 0) return {};
+  return std::to_string(pruned.early) +
+         " recordings that the server has were forgotten here before their time, as the spool may "
+         "take " +
+         std::to_string(retention.bytes / 1'000'000) +
+         " MB only: a server restored from an older backup cannot get them back from here";
 }
 
 Result<Pruned> Spool::Prune(const Retention& retention, std::chrono::system_clock::time_point now) {
@@ -614,6 +834,29 @@ Result<Pruned> Spool::Prune(const Retention& retention, std::chrono::system_cloc
 
 RecordingLock::~RecordingLock() {
   if (file_ >= 0) ::close(file_);
+}
+
+Status Spool::ProveWritable(uint64_t room_bytes) {
+  const fs::path folder = db_->file.parent_path();
+  struct statvfs space {};
+  uint64_t free_bytes = 0;
+  if (::statvfs(folder.c_str(), &space) == 0) {
+    free_bytes = static_cast<uint64_t>(space.f_bavail) * space.f_frsize;
+  }
+  if (free_bytes < room_bytes) {
+    auto mb = [](uint64_t bytes) {
+      char text[32];
+      std::snprintf(text, sizeof text, "%.1f MB", static_cast<double>(bytes) * 1e-6);
+      return std::string(text);
+    };
+    return Status(Code::kStorage, "the disk of " + folder.string() + " has " + mb(free_bytes) +
+                                      " free, and a recording needs " + mb(room_bytes) +
+                                      ": free space there, then begin again");
+  }
+  std::lock_guard lock(mutex_);
+  // Writes its first page although the value is the same.
+  const std::string sql = "PRAGMA user_version = " + std::to_string(kSchemaVersion);
+  return db_->Exec(sql.c_str(), "a test write");
 }
 
 Result<RecordingLock> Spool::LockForRecording() {

@@ -66,11 +66,26 @@ struct Pruned {
   int early = 0;     // of these, before their time, because of `bytes`
 };
 
+// What is to be said of a pruning; empty: nothing.
+std::string PrunedText(const Pruned& pruned, const Retention& retention);
+
+// How long nothing has been recorded of an attempt.
+struct Silence {
+  int64_t ms = 0;
+  // The machine's clock was set back by more than a second meanwhile: `ms` is by the time since it
+  // was started, where it still runs, else it is too short.
+  bool clock_stepped = false;
+};
+
 // Held while a recording is made or closed: one process at a time does that in a folder. The
 // system lets go of it when the process ends, however it ends.
 class RecordingLock {
  public:
   RecordingLock(RecordingLock&& other) noexcept : file_(std::exchange(other.file_, -1)) {}
+  RecordingLock& operator=(RecordingLock&& other) noexcept {
+    std::swap(file_, other.file_);
+    return *this;
+  }
   ~RecordingLock();
 
  private:
@@ -96,13 +111,22 @@ struct SpoolVerdict {
 class Spool {
  public:
   // Opens `folder`/spool.sqlite, creating both as needed.
+  // Errors also: kStorage when the file is there and empty: it was not made so, and what was in it
+  // is lost.
   static Result<std::unique_ptr<Spool>> Open(const std::filesystem::path& folder);
+  // Changes nothing, neither here nor on disk, and needs no right to write: to list, verify and
+  // export, also beside a process that records. Of a damaged one what can be read is read. Errors:
+  // kNotFound when there is none.
+  static Result<std::unique_ptr<Spool>> OpenToRead(const std::filesystem::path& folder);
   ~Spool();
   Spool(const Spool&) = delete;
   Spool& operator=(const Spool&) = delete;
 
   // Errors: kConflict while another process holds it.
   Result<RecordingLock> LockForRecording();
+  // Before something is begun that will be recorded: a test write that has become durable, and at
+  // least `room_bytes` free. Errors: kStorage (says how much there is and how much is needed).
+  Status ProveWritable(uint64_t room_bytes);
 
   // The attempt's id is in the header. Idempotent for the same header.
   Status BeginAttempt(const trace::Header& header, const std::string& exercise,
@@ -128,7 +152,10 @@ class Spool {
   Status MarkWanted(const Uuid& attempt);
   // Uploading it again is no use; it stays here for export.
   Status MarkRefused(const Uuid& attempt, const std::string& why);
+  // It is tried again: the cause of the refusal has gone away.
+  Status ClearRefusal(const Uuid& attempt);
 
+  // In the order they were begun.
   Result<std::vector<SpooledAttempt>> List();
   Result<SpooledAttempt> Get(const Uuid& attempt);
   Result<Bytes> HeaderOf(const Uuid& attempt);
@@ -143,14 +170,26 @@ class Spool {
   // Takes the ticket itself away, for good, and keeps what it was for until RemoveTicket. None:
   // nothing changes.
   Status HandBackTicket(const Uuid& attempt);
-  // Durable before the PIN is tried, so that pulling the plug wins no further try.
-  Status NoteWrongPin(const Uuid& attempt, int wrong_pins, int64_t wait_unix_ms);
+  // Counts a try of the ticket's PIN and sets the wait before the next: `first_wait_ms`, doubled
+  // each time, from the try after `free_tries` on. In one step and durable before the PIN is tried:
+  // neither a pulled plug nor tries at the same moment win a further one. Returns how many there
+  // were with this one; nothing when it has to wait, was tried `most` times, or is not there.
+  Result<std::optional<int>> CountPinTry(const Uuid& attempt, int64_t now_unix_ms, int free_tries,
+                                         int most, int64_t first_wait_ms);
+  // The PIN was right.
+  Status ForgetPinTries(const Uuid& attempt);
   Status RemoveTicket(const Uuid& attempt);
 
-  // Database pages, chain, signatures (when `station_key` is given) and seal of every attempt.
-  Result<std::vector<SpoolVerdict>> Verify(const std::optional<trace::PublicKey>& station_key);
+  // Chunks 0 to the last counted, chain, signatures (when `station_key` is given), seal, and what
+  // is counted beside them, of every attempt. `pages` gets what is wrong with the file as such;
+  // without it that is an error.
+  Result<std::vector<SpoolVerdict>> Verify(const std::optional<trace::PublicKey>& station_key,
+                                           Status* pages = nullptr);
   // When the last chunk became durable here; nothing when there is none, or it is of version 1.
   Result<std::optional<int64_t>> LastSpooledUnixMs(const Uuid& attempt);
+  // Since then, or since it was begun. By the clock, or by the time since the machine was started,
+  // whichever says more: a clock that was set back makes it no shorter while the machine runs.
+  Result<Silence> SilenceOf(const Uuid& attempt);
   // Forgets attempts that the server has, as `retention` says; never one it does not have.
   Result<Pruned> Prune(const Retention& retention, std::chrono::system_clock::time_point now =
                                                        std::chrono::system_clock::now());
@@ -160,6 +199,8 @@ class Spool {
  private:
   struct Db;
   explicit Spool(std::unique_ptr<Db> db);
+  Status VerifyPages();
+  Status VerifyAttempt(const SpooledAttempt& attempt, const std::optional<trace::PublicKey>& key);
   std::mutex mutex_;
   std::unique_ptr<Db> db_;
 };

@@ -6,22 +6,28 @@
 namespace enamel::station {
 
 // How long to wait before connecting again (schemas/wire/README.md, "Coming back"): 0.5 s, doubled
-// up to 30 s, each shortened by a random part of up to a half, so that forty stations of a room do
-// not come back at once after a switch was restarted. Thread safety: none.
+// up to 30 s (after a refusal of the station as a whole 1 min, up to 15 min), each shortened by a
+// random part of up to a half, so that forty stations of a room do not come back at once after a
+// switch was restarted. Thread safety: none.
 class Backoff {
  public:
   using Duration = std::chrono::milliseconds;
   static constexpr Duration kFirst{500}, kLongest{30'000};
 
+  static constexpr Duration kRefusedFirst{60'000}, kRefusedLongest{900'000};
+
   explicit Backoff(uint32_t seed = std::random_device{}()) : random_(seed) {}
+  Backoff(Duration first, Duration longest, uint32_t seed = std::random_device{}())
+      : first_(first), longest_(longest), random_(seed) {}
   // After one more failure.
   Duration Next();
   // The server was reached.
-  void Reset() { next_ = kFirst; }
+  void Reset() { next_ = first_; }
 
  private:
+  const Duration first_ = kFirst, longest_ = kLongest;
   std::minstd_rand random_;
-  Duration next_ = kFirst;
+  Duration next_ = first_;
 };
 
 }  // namespace enamel::station

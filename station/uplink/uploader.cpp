@@ -1,5 +1,7 @@
 #include "station/uplink/uploader.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -17,6 +19,9 @@ Uploader::Uploader(Credentials credentials, Spool& spool, const UploaderOptions&
     : credentials_(std::move(credentials)),
       spool_(spool),
       bandwidth_(options.bytes_per_s),
+      refused_backoff_(options.refused_first, Backoff::kRefusedLongest),
+      retention_(options.retention),
+      prune_every_(options.prune_every),
       thread_([this] { Run(); }) {}
 
 Uploader::~Uploader() { Stop(); }
@@ -25,7 +30,7 @@ void Uploader::Prefer(const Uuid& attempt, std::shared_ptr<LiveMailbox> live) {
   std::lock_guard lock(mutex_);
   preferred_ = attempt;
   live_ = std::move(live);
-  reopen_ = wake_ = true;
+  reopen_ = wake_ = retry_ = true;
   changed_.notify_all();
 }
 
@@ -86,36 +91,60 @@ bool Uploader::stopping() const {
 }
 
 void Uploader::Run() {
+  PruneWhenDue();
   std::unique_lock lock(mutex_);
   while (!stop_) {
     lock.unlock();
+    PruneWhenDue();
     Status status = RunConnection();
     link_.Close();
+    Say(status);
     lock.lock();
     about_link_.reachable = false;
     about_link_.problem = status;
     about_link_.refused = !IsTransient(status);
     retry_ = false;
     changed_.notify_all();
-    auto woken = [&] { return stop_ || retry_; };
-    if (about_link_.refused)
-      changed_.wait(lock, woken);
-    else
-      changed_.wait_for(lock, backoff_.Next(), woken);
-    about_link_.refused = false;
+    Backoff& backoff = about_link_.refused ? refused_backoff_ : backoff_;
+    changed_.wait_for(lock, backoff.Next(), [&] { return stop_ || retry_; });
+    if (retry_) about_link_.refused = false;
   }
+}
+
+// Once for each change.
+void Uploader::Say(const Status& status) {
+  if (stopping() || said_ == status.message()) return;
+  said_ = status.message();
+  if (status.ok())
+    spdlog::info("the server {} is reached", credentials_.server.Text());
+  else if (IsTransient(status))
+    spdlog::warn("the server is away, recordings are kept here: {}", said_);
+  else
+    spdlog::error("the server does not take this station, recordings are kept here: {}", said_);
+}
+
+void Uploader::PruneWhenDue() {
+  auto now = Clock::now();
+  if (!retention_ || now < prune_due_) return;
+  prune_due_ = now + prune_every_;
+  auto pruned = spool_.Prune(*retention_);
+  if (!pruned.ok()) return spdlog::error("{}", pruned.status().message());
+  if (std::string text = PrunedText(*pruned, *retention_); !text.empty()) spdlog::warn("{}", text);
 }
 
 // Until the connection breaks or Stop; never ok.
 Status Uploader::RunConnection() {
   ENAMEL_RETURN_IF_ERROR(link_.Connect(credentials_));
   backoff_.Reset();
+  refused_backoff_.Reset();
+  Say(Status::Ok());
   Carrier* self = nullptr;
   Carrier carrier(link_, spool_, bandwidth_, [&] { return Meanwhile(*self); });
   self = &carrier;
   {
     std::lock_guard lock(mutex_);
     about_link_.reachable = true;
+    about_link_.refused = false;
     about_link_.problem = Status::Ok();
     changed_.notify_all();
   }
@@ -221,6 +250,7 @@ void Uploader::SendLive(const Carrier& carrier) {
 Status Uploader::AwaitWork(Carrier& carrier) {
   while (true) {
     ENAMEL_RETURN_IF_ERROR(Meanwhile(carrier));
+    PruneWhenDue();
     auto now = Clock::now();
     if (now >= ping_due_) {
       ENAMEL_RETURN_IF_ERROR(link_.Ping());

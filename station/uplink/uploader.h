@@ -21,6 +21,11 @@ namespace enamel::station {
 
 struct UploaderOptions {
   uint64_t bytes_per_s = 0;  // no more than this in the long run (bandwidth.h); 0: no bound
+  // What the server has had for long is forgotten here, at the start and this often; nothing:
+  // never.
+  std::optional<Retention> retention = {};
+  std::chrono::steady_clock::duration prune_every = std::chrono::hours(24);
+  Backoff::Duration refused_first = Backoff::kRefusedFirst;  // wait after the station was refused
 };
 
 // Brings the spool to the server on a thread of its own while recording goes on, over breaks of the
@@ -30,7 +35,8 @@ struct UploaderOptions {
 //
 // Waits between tries as Backoff says. A refusal that trying again cannot change stops the upload
 // of that attempt only; one of the station as a whole (not known any more, another certificate,
-// another protocol version) stops all until Retry. Recording goes on either way.
+// another protocol version) stops all for some minutes, or until Retry: it may have been another
+// server for a moment only. Recording goes on either way.
 //
 // Live: while the server says that somebody watches the attempt being made, its newest moment is
 // sent 60 times a second: latest wins, and none when bandwidth or acknowledgements are short, so
@@ -54,7 +60,7 @@ class Uploader {
   // Of the connection.
   struct Link {
     bool reachable = true;  // as of the last try
-    bool refused = false;   // not tried again by itself: somebody has to act, then Retry
+    bool refused = false;   // by the server as a whole: tried again in minutes, or by Retry
     Status problem;
     uint64_t live_sent = 0, live_dropped = 0;
   };
@@ -80,6 +86,8 @@ class Uploader {
  private:
   void Run();
   Status RunConnection();
+  void Say(const Status& status);
+  void PruneWhenDue();
   Status BringWaiting(Carrier& carrier);
   std::optional<Uuid> NextWaiting(std::set<Uuid>& brought);
   void Note(const Uuid& attempt, const Status& status);
@@ -91,9 +99,13 @@ class Uploader {
 
   const Credentials credentials_;
   Spool& spool_;
-  Bandwidth bandwidth_;                                            // of the thread
-  ServerLink link_;                                                // of the thread, but for Cancel
-  Backoff backoff_;                                                // of the thread
+  Bandwidth bandwidth_;                // of the thread
+  ServerLink link_;                    // of the thread, but for Cancel
+  Backoff backoff_, refused_backoff_;  // of the thread
+  const std::optional<Retention> retention_;
+  const std::chrono::steady_clock::duration prune_every_;
+  std::chrono::steady_clock::time_point prune_due_{};              // of the thread
+  std::string said_;                                               // of the thread
   std::chrono::steady_clock::time_point live_due_{}, ping_due_{};  // of the thread
   std::optional<std::chrono::steady_clock::time_point> awaited_due_;  // of the thread
 

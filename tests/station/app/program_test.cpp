@@ -1,11 +1,14 @@
 #include <gtest/gtest.h>
+#include <sqlite3.h>
 #include <stdlib.h>
 #include <sys/wait.h>
 
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <string>
 
+#include "station/spool/spool.h"
 #include "station/uplink/credentials.h"
 
 // enamel-station as people run it: exit codes and what is said.
@@ -16,7 +19,7 @@ namespace fs = std::filesystem;
 
 struct Outcome {
   int code = -1;
-  std::string text;   // both streams
+  std::string text;  // both streams
 };
 
 Outcome RunProgram(const std::string& arguments) {
@@ -37,6 +40,8 @@ class ProgramTest : public testing::Test {
     std::string name = (fs::temp_directory_path() / "enamel_program_XXXXXX").string();
     folder_ = ::mkdtemp(name.data());
     ::setenv("ENAMEL_PASSWORD", "secret", 1);
+    ::setenv("ENAMEL_PIN", "804217", 1);
+    ::unsetenv("DISPLAY");  // nothing here is to be shown
   }
   ~ProgramTest() override { fs::remove_all(folder_); }
 
@@ -48,6 +53,32 @@ class ProgramTest : public testing::Test {
     c.secret_key = trace::NewKeyPair().secret_key;
     ASSERT_TRUE(SaveCredentials(folder_ / "data", c).ok());
   }
+
+  // An attempt that the server has had whole for so long.
+  Uuid KeptForDays(int days) {
+    trace::Header header;
+    header.ticket.attempt = Uuid::New();
+    auto spool = Spool::Open(folder_ / "data");
+    EXPECT_TRUE(spool.ok()) << spool.status().message();
+    EXPECT_TRUE((*spool)->BeginAttempt(header, "e", "p").ok());
+    trace::ChunkHead head;
+    head.attempt = header.ticket.attempt;
+    head.previous = HashSha256(trace::EncodeHeader(header));
+    Bytes chunk =
+        trace::EncodeChunk(head, std::vector<trace::Tick>(3), trace::NewKeyPair().secret_key);
+    EXPECT_TRUE((*spool)->PutChunk(head.attempt, chunk).ok());
+    EXPECT_TRUE((*spool)->CloseAttempt(head.attempt).ok());
+    EXPECT_TRUE((*spool)->MarkCommitted(head.attempt, 0).ok());
+    EXPECT_TRUE((*spool)->MarkSealedAtServer(head.attempt).ok());
+    sqlite3* db = nullptr;
+    EXPECT_EQ(sqlite3_open((folder_ / "data" / "spool.sqlite").c_str(), &db), SQLITE_OK);
+    const std::string sql = "UPDATE attempts SET committed_unix_ms = committed_unix_ms - " +
+                            std::to_string(days * int64_t{86'400'000});
+    EXPECT_EQ(sqlite3_exec(db, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK);
+    sqlite3_close(db);
+    return head.attempt;
+  }
+  bool SpoolHas(const Uuid& attempt) { return (*Spool::Open(folder_ / "data"))->Get(attempt).ok(); }
 
   fs::path folder_;
 };
@@ -110,17 +141,69 @@ TEST_F(ProgramTest, EnrolledStationIsNotEnrolledOverItsKey) {
 }
 
 TEST_F(ProgramTest, EmptySpoolIsListedVerifiedAndHasNothingToUpload) {
+  Enrol(1);
   EXPECT_EQ(RunProgram("spool list" + data()).code, 0);
   EXPECT_EQ(RunProgram("spool verify" + data()).code, 0);
-  Enrol(1);
   Outcome out = RunProgram("upload" + data());
   EXPECT_EQ(out.code, 0);
   EXPECT_NE(out.text.find("nothing to upload"), std::string::npos) << out.text;
 }
 
 TEST_F(ProgramTest, DataFolderIsForItsOwnerOnly) {
-  EXPECT_EQ(RunProgram("spool list" + data() + "/below/").code, 0);
+  RunProgram("enrol --server 127.0.0.1:1 --code c@" + std::string(64, 'a') + data() + "/below/");
   EXPECT_EQ(fs::status(folder_ / "data" / "below").permissions(), fs::perms::owner_all);
+}
+
+TEST_F(ProgramTest, MistypedFolderIsNotAnEmptySpool) {
+  for (const char* command : {"spool list", "spool verify", "spool export last --out x"}) {
+    Outcome out = RunProgram(command + data());
+    EXPECT_EQ(out.code, 1) << command;
+    EXPECT_NE(out.text.find("there is no spool in"), std::string::npos) << out.text;
+    EXPECT_FALSE(fs::exists(folder_ / "data")) << command;
+  }
+}
+
+TEST_F(ProgramTest, SettingsOfAWorkplaceAreRefusedOutOfRange) {
+  for (const char* option : {"--uplink-kbit -1", "--keep-days 6", "--keep-mib -1"}) {
+    for (const char* command : {"open ", "run ", "reserve ", "upload ", "spool upload "}) {
+      EXPECT_EQ(RunProgram(command + std::string(option) + data()).code, 2) << command << option;
+    }
+  }
+}
+
+// The server has had an attempt for eight days: by default that is forgotten.
+TEST_F(ProgramTest, SettingsFileReachesEveryCommandThatOpensTheWorkplace) {
+  Enrol(1);
+  const std::string settings = (folder_ / "station.toml").string();
+  for (const char* command :
+       {"open --window 640x480", kRun, "reserve --exercise e --profile p --user u", "upload"}) {
+    for (int days : {30, 7}) {
+      std::ofstream(settings) << "keep-days = " << days << "\n";
+      Uuid id = KeptForDays(8);
+      Outcome out = RunProgram(command + data() + " --config " + settings);
+      EXPECT_EQ(SpoolHas(id), days == 30) << command << ", " << days << " days: " << out.text;
+    }
+  }
+}
+
+TEST_F(ProgramTest, RefusedRecordingIsCountedAndToldAndFailsTheUpload) {
+  Enrol(1);
+  Uuid id = KeptForDays(0);
+  {
+    auto spool = Spool::Open(folder_ / "data");
+    ASSERT_TRUE((*spool)->MarkRefused(id, "its person is not known").ok());
+  }
+  Outcome list = RunProgram("spool list" + data());
+  EXPECT_NE(list.text.find("1 that it refuses"), std::string::npos) << list.text;
+  EXPECT_NE(list.text.find("its person is not known"), std::string::npos) << list.text;
+  Outcome doctor = RunProgram("doctor --no-graphics" + data());
+  EXPECT_NE(doctor.text.find("1 refused by it"), std::string::npos) << doctor.text;
+  Outcome upload = RunProgram("upload" + data());
+  EXPECT_EQ(upload.code, 1);
+  EXPECT_NE(upload.text.find("its person is not known"), std::string::npos) << upload.text;
+  EXPECT_NE(upload.text.find("--again " + id.Text()), std::string::npos) << upload.text;
+  RunProgram("spool upload --again " + id.Text() + data());
+  EXPECT_TRUE((*Spool::Open(folder_ / "data"))->Get(id)->refused.empty());
 }
 
 TEST_F(ProgramTest, PlaceThatCannotBeWrittenIsRefusedBeforeTheWork) {

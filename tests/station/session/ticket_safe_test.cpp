@@ -4,8 +4,10 @@
 #include <stdlib.h>
 
 #include <algorithm>
+#include <atomic>
 #include <filesystem>
 #include <fstream>
+#include <thread>
 
 namespace enamel::station {
 namespace {
@@ -79,6 +81,27 @@ TEST_F(TicketSafeTest, WrongPinsWaitLongerEachTimeAndTheTenthDestroysTheTicket) 
   }
   EXPECT_EQ(Open(kPin), Code::kNotFound);
   EXPECT_EQ(HandedBack(), 1u) << "the server is told that it was not used";
+}
+
+// Each thread has a connection of its own, as a process would have.
+TEST_F(TicketSafeTest, TriesAtTheSameMomentWinNoFurtherOne) {
+  ASSERT_TRUE(Put().ok());
+  constexpr int kThreads = 6;
+  std::atomic<int> tried{0};
+  std::vector<std::thread> threads;
+  for (int i = 0; i < kThreads; ++i) {
+    threads.emplace_back([&] {
+      auto spool = Spool::Open(folder_);
+      if (!spool.ok()) return;
+      TicketSafe safe(**spool, [this] { return now_ms_; });
+      auto opened = safe.Open(ticket_.attempt, kOther);
+      tried += opened.status().code() == Code::kUnauthenticated ? 1 : 0;
+    });
+  }
+  for (std::thread& t : threads) t.join();
+  EXPECT_EQ(tried, TicketSafe::kFreeTries + 1);
+  EXPECT_EQ((*spool_->Tickets())[0].wrong_pins, TicketSafe::kFreeTries + 1);
+  EXPECT_EQ(Open(kPin), Code::kUnavailable);
 }
 
 TEST_F(TicketSafeTest, RightPinBeginsTheCountAnew) {

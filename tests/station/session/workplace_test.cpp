@@ -1,6 +1,7 @@
 #include "station/session/workplace.h"
 
 #include <gtest/gtest.h>
+#include <sqlite3.h>
 #include <stdlib.h>
 
 #include "tests/station/uplink/fake_server.h"
@@ -18,12 +19,27 @@ class WorkplaceTest : public testing::Test {
     std::string name = (fs::temp_directory_path() / "enamel_place_XXXXXX").string();
     folder_ = ::mkdtemp(name.data());
     server_.emplace(folder_);
-    EXPECT_TRUE(SaveCredentials(folder_ / "data", server_->NewStation()).ok());
+    Credentials credentials = server_->NewStation();
+    credentials.ticket_key = ticket_keys_.public_key;
+    EXPECT_TRUE(SaveCredentials(folder_ / "data", credentials).ok());
     workplace_ = std::move(*Workplace::Open({.data = folder_ / "data"}));
   }
   ~WorkplaceTest() override {
     workplace_.reset();
     fs::remove_all(folder_);
+  }
+
+  // As the server would issue it.
+  trace::Ticket Ticket() {
+    trace::Ticket ticket;
+    ticket.attempt = Uuid::New();
+    ticket.station = workplace_->credentials().station;
+    ticket.expires_unix_ms = int64_t{1} << 60;
+    return ticket;
+  }
+  Status Prepare(const trace::Ticket& ticket) {
+    EXPECT_TRUE(TicketSafe(workplace_->spool()).Put(ticket, {}, kPin).ok());
+    return workplace_->PrepareReserved(ticket.attempt, kPin).status();
   }
 
   Uuid Reserved() {
@@ -35,6 +51,7 @@ class WorkplaceTest : public testing::Test {
   }
 
   fs::path folder_;
+  trace::KeyPair ticket_keys_ = trace::NewKeyPair();
   std::optional<FakeServer> server_;
   std::unique_ptr<Workplace> workplace_;
 };
@@ -88,6 +105,45 @@ TEST_F(WorkplaceTest, WhoHasToChooseAPasswordIsToldWhere) {
   EXPECT_EQ(refused.code(), Code::kForbidden);
   EXPECT_NE(refused.message().find("Open https://enamel.example.edu on"), std::string::npos)
       << refused.message();
+}
+
+TEST_F(WorkplaceTest, ReservedTicketIsCheckedBeforeAnAttemptBeginsOnIt) {
+  trace::Ticket right = Ticket();
+  trace::SignTicket(right, ticket_keys_.secret_key);
+  EXPECT_EQ(Prepare(right).code(), Code::kNotFound) << "its documents are not in the cache";
+
+  trace::Ticket unsigned_one = Ticket();
+  EXPECT_EQ(Prepare(unsigned_one).code(), Code::kForbidden);
+
+  trace::Ticket elsewhere = Ticket();
+  elsewhere.station = Uuid::New();
+  trace::SignTicket(elsewhere, ticket_keys_.secret_key);
+  EXPECT_EQ(Prepare(elsewhere).code(), Code::kForbidden);
+
+  // The row beside it may say what it likes.
+  trace::Ticket expired = Ticket();
+  expired.expires_unix_ms = 1;
+  trace::SignTicket(expired, ticket_keys_.secret_key);
+  ASSERT_TRUE(
+      TicketSafe(workplace_->spool(), [] { return int64_t{0}; }).Put(expired, {}, kPin).ok());
+  sqlite3* db = nullptr;
+  ASSERT_EQ(sqlite3_open((folder_ / "data" / "spool.sqlite").c_str(), &db), SQLITE_OK);
+  EXPECT_EQ(
+      sqlite3_exec(db, "UPDATE tickets SET expires_unix_ms = 1 << 60", nullptr, nullptr, nullptr),
+      SQLITE_OK);
+  sqlite3_close(db);
+  Status refused = workplace_->PrepareReserved(expired.attempt, kPin).status();
+  EXPECT_EQ(refused.code(), Code::kForbidden);
+  EXPECT_NE(refused.message().find("expired"), std::string::npos) << refused.message();
+}
+
+TEST_F(WorkplaceTest, ConnectionThatTheServerLetGoOfIsMadeAnewBySigningIn) {
+  ASSERT_TRUE(workplace_->SignIn("ada", "secret").ok());
+  uint16_t port = server_->endpoint().port;
+  server_.reset();
+  server_.emplace(folder_, port);
+  auto person = workplace_->SignIn("ada", "secret");
+  EXPECT_TRUE(person.ok()) << person.status().message();
 }
 
 }  // namespace

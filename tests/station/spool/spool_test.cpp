@@ -10,8 +10,10 @@
 #include <unistd.h>
 
 #include <fstream>
+#include <functional>
 
 #include "station/spool/recorder.h"
+#include "station/spool/salvage.h"
 
 namespace enamel::station {
 namespace {
@@ -64,10 +66,27 @@ class SpoolTest : public testing::Test {
     }
   }
 
-  // The tables a program of version 1 made.
-  static std::string VersionOne() {
-    std::ifstream in(fs::path(ENAMEL_SOURCE_DIR) / "schemas/golden/sql/station_spool_1.sql");
+  // The tables that a program of that version made.
+  static std::string TablesOf(int version) {
+    std::ifstream in(fs::path(ENAMEL_SOURCE_DIR) / "schemas/golden/sql" /
+                     ("station_spool_" + std::to_string(version) + ".sql"));
     return std::string((std::istreambuf_iterator<char>(in)), {});
+  }
+  static std::string VersionOne() { return TablesOf(1); }
+
+  // Done to the file behind the program's back.
+  void Tamper(const std::string& sql) {
+    sqlite3* db = nullptr;
+    ASSERT_EQ(sqlite3_open((folder_ / "spool.sqlite").c_str(), &db), SQLITE_OK);
+    char* error = nullptr;
+    EXPECT_EQ(sqlite3_exec(db, sql.c_str(), nullptr, nullptr, &error), SQLITE_OK) << error;
+    sqlite3_close(db);
+  }
+  // A spool with one sealed attempt of 1100 ticks.
+  void MakeOne() {
+    auto spool = Open();
+    ASSERT_TRUE(spool->BeginAttempt(header_, "e", "p").ok());
+    Record(*spool, 1100, true);
   }
 
   fs::path folder_;
@@ -116,6 +135,200 @@ TEST_F(SpoolTest, VerifyFindsAChunkThatWasChanged) {
             SQLITE_OK);
   sqlite3_close(db);
   EXPECT_EQ((*Open()->Verify(keys_.public_key))[0].status.code(), Code::kConflict);
+}
+
+// Each of these was called whole once.
+TEST_F(SpoolTest, VerifyComparesWhatIsThereWithWhatIsCounted) {
+  for (const char* sql :
+       {"DELETE FROM chunks WHERE seq = 2; UPDATE attempts SET seal_chunks = NULL",
+        "DELETE FROM chunks; UPDATE attempts SET seal_chunks = NULL",
+        "UPDATE attempts SET ticks = 5", "UPDATE attempts SET gap_ticks = 77",
+        "UPDATE attempts SET committed = chunks + 1", "UPDATE attempts SET bytes = 1",
+        "UPDATE attempts SET chunks = 4", "UPDATE attempts SET header_sha256 = zeroblob(32)"}) {
+    MakeOne();
+    ASSERT_TRUE((*Open()->Verify(keys_.public_key))[0].status.ok());
+    Tamper(sql);
+    EXPECT_EQ((*Open()->Verify(keys_.public_key))[0].status.code(), Code::kConflict) << sql;
+    for (const char* end : {"", "-wal", "-shm"}) {
+      fs::remove((folder_ / "spool.sqlite").string() + end);
+    }
+  }
+}
+
+TEST_F(SpoolTest, EmptyFileIsNotANewSpool) {
+  MakeOne();
+  for (const char* end : {"-wal", "-shm"}) fs::remove((folder_ / "spool.sqlite").string() + end);
+  fs::resize_file(folder_ / "spool.sqlite", 0);
+  auto opened = Spool::Open(folder_);
+  ASSERT_EQ(opened.status().code(), Code::kStorage);
+  EXPECT_NE(opened.status().message().find("0 bytes"), std::string::npos);
+  EXPECT_EQ(Spool::OpenToRead(folder_).status().code(), Code::kStorage);
+  EXPECT_EQ(fs::file_size(folder_ / "spool.sqlite"), 0u);
+}
+
+// SQLite would throw the log away, and with it what was recorded last.
+TEST_F(SpoolTest, LogWithoutItsFileIsNotThrownAway) {
+  auto spool = Open();
+  ASSERT_TRUE(spool->BeginAttempt(header_, "e", "p").ok());
+  fs::copy_file(folder_ / "spool.sqlite-wal", folder_ / "saved");
+  spool.reset();
+  fs::remove(folder_ / "spool.sqlite");
+  fs::rename(folder_ / "saved", folder_ / "spool.sqlite-wal");
+  EXPECT_EQ(Spool::Open(folder_).status().code(), Code::kStorage);
+  EXPECT_GT(fs::file_size(folder_ / "spool.sqlite-wal"), 0u);
+}
+
+TEST_F(SpoolTest, ReadingCreatesNothing) {
+  auto opened = Spool::OpenToRead(folder_ / "mistyped");
+  ASSERT_EQ(opened.status().code(), Code::kNotFound);
+  EXPECT_NE(opened.status().message().find("--data"), std::string::npos);
+  EXPECT_FALSE(fs::exists(folder_ / "mistyped"));
+}
+
+TEST_F(SpoolTest, ReadingSeesWhatARecordingProcessHasWrittenAndMayNotWrite) {
+  auto spool = Open();
+  ASSERT_TRUE(spool->BeginAttempt(header_, "e", "p").ok());
+  Record(*spool, 1100, false);
+  auto reader = Spool::OpenToRead(folder_);
+  ASSERT_TRUE(reader.ok()) << reader.status().message();
+  EXPECT_EQ((*reader)->Get(id())->chunks, 2u);
+  EXPECT_TRUE((*(*reader)->Verify(keys_.public_key))[0].status.ok());
+  EXPECT_EQ((*reader)->MarkRefused(id(), "no").code(), Code::kStorage);
+  Record(*spool, 1600, false);
+  EXPECT_EQ((*reader)->Get(id())->chunks, 3u);
+}
+
+// As in a folder that may not be written: there can be no shared memory beside the file.
+TEST_F(SpoolTest, WithoutTheRightToWriteBesideItItIsReadInACopyWithItsLog) {
+  {
+    auto spool = Open();
+    ASSERT_TRUE(spool->BeginAttempt(header_, "e", "p").ok());
+    Record(*spool, 1100, true);
+    fs::create_directories(folder_ / "ro");
+    for (const char* end : {"", "-wal"}) {
+      fs::copy_file((folder_ / "spool.sqlite").string() + end,
+                    (folder_ / "ro" / "spool.sqlite").string() + end);
+    }
+  }
+  fs::create_directories(folder_ / "ro" / "spool.sqlite-shm");
+  auto reader = Spool::OpenToRead(folder_ / "ro");
+  ASSERT_TRUE(reader.ok()) << reader.status().message();
+  EXPECT_EQ((*reader)->Export(id())->chunks.size(), 3u);
+  EXPECT_TRUE((*(*reader)->Verify(keys_.public_key))[0].status.ok());
+}
+
+TEST_F(SpoolTest, OlderSpoolIsReadWithoutBeingChanged) {
+  fs::create_directories(folder_ / "old");
+  sqlite3* db = nullptr;
+  ASSERT_EQ(sqlite3_open((folder_ / "old" / "spool.sqlite").c_str(), &db), SQLITE_OK);
+  const std::string sql = TablesOf(2) + "PRAGMA user_version = 2";
+  ASSERT_EQ(sqlite3_exec(db, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK);
+  sqlite3_close(db);
+  auto reader = Spool::OpenToRead(folder_ / "old");
+  ASSERT_TRUE(reader.ok()) << reader.status().message();
+  EXPECT_TRUE((*reader)->List()->empty());
+  ASSERT_EQ(sqlite3_open((folder_ / "old" / "spool.sqlite").c_str(), &db), SQLITE_OK);
+  int version = 0;
+  sqlite3_exec(
+      db, "PRAGMA user_version",
+      [](void* to, int, char** values, char**) {
+        *static_cast<int*>(to) = std::atoi(values[0]);
+        return 0;
+      },
+      &version, nullptr);
+  sqlite3_close(db);
+  EXPECT_EQ(version, 2);
+}
+
+// Half of the file is gone: the attempt that is hit is named, and the other is whole.
+TEST_F(SpoolTest, VerifyOfADamagedSpoolNamesTheAttemptsThatAreHit) {
+  MakeOne();
+  trace::Header first = header_;
+  header_.ticket.attempt = Uuid::New();
+  {
+    auto spool = Open();
+    ASSERT_TRUE(spool->BeginAttempt(header_, "e", "p").ok());
+    Record(*spool, 50'000, true);
+  }
+  Tamper("PRAGMA wal_checkpoint(TRUNCATE)");
+  fs::resize_file(folder_ / "spool.sqlite", fs::file_size(folder_ / "spool.sqlite") - 9'000);
+  auto reader = Spool::OpenToRead(folder_);
+  ASSERT_TRUE(reader.ok()) << reader.status().message();
+  Status pages;
+  auto verdicts = (*reader)->Verify(keys_.public_key, &pages);
+  ASSERT_TRUE(verdicts.ok()) << verdicts.status().message();
+  EXPECT_EQ(pages.code(), Code::kStorage);
+  ASSERT_EQ(verdicts->size(), 2u);
+  for (const SpoolVerdict& v : *verdicts) {
+    EXPECT_EQ(v.status.ok(), v.attempt.id == first.ticket.attempt) << v.status.message();
+  }
+}
+
+// Whatever is destroyed: what is saved is whole as far as it goes, and of each attempt it is said
+// how far.
+TEST_F(SpoolTest, SalvageSavesWhatCanBeReadAndSaysWhatCouldNot) {
+  MakeOne();
+  const Uuid small = id();
+  header_.ticket.attempt = Uuid::New();
+  {
+    auto spool = Open();
+    ASSERT_TRUE(spool->BeginAttempt(header_, "e", "p").ok());
+    Record(*spool, 50'000, true);
+  }
+  Tamper("PRAGMA wal_checkpoint(TRUNCATE)");
+  const fs::path file = folder_ / "spool.sqlite", kept = folder_ / "kept";
+  fs::copy_file(file, kept);
+  auto overwrite = [&](uint64_t from, size_t bytes) {
+    std::fstream out(file, std::ios::binary | std::ios::in | std::ios::out);
+    out.seekp(static_cast<std::streamoff>(from));
+    const std::string noise(bytes, '\x5a');
+    out.write(noise.data(), static_cast<std::streamsize>(bytes));
+  };
+  const uint64_t size = fs::file_size(kept);
+  int round = 0;
+  for (const std::function<void()>& damage : std::vector<std::function<void()>>{
+           [&] { fs::resize_file(file, size - 9'000); }, [&] { fs::resize_file(file, size / 2); },
+           [&] { overwrite(20, 40); }, [&] { overwrite(0, 4096); },
+           [&] { overwrite(size / 2, 300); }}) {
+    fs::copy_file(kept, file, fs::copy_options::overwrite_existing);
+    for (const char* end : {"-wal", "-shm"}) fs::remove(file.string() + end);
+    damage();
+    const fs::path to = folder_ / ("saved" + std::to_string(round++));
+    auto saved = SalvageSpool(folder_, to);
+    ASSERT_TRUE(saved.ok()) << round << ": " << saved.status().message();
+    ASSERT_EQ(saved->attempts.size(), 2u) << round;
+    auto verdicts = (*Spool::Open(to))->Verify(keys_.public_key);
+    ASSERT_TRUE(verdicts.ok());
+    for (const SpoolVerdict& v : *verdicts) EXPECT_TRUE(v.status.ok()) << v.status.message();
+    for (const SalvagedAttempt& a : saved->attempts) {
+      const bool whole = a.id == small || round == 3 || round == 4;
+      EXPECT_EQ(a.problem.ok(), whole) << round << ": " << a.problem.message();
+      EXPECT_EQ(a.sealed, whole) << round;
+      EXPECT_EQ(a.chunks == a.expected, whole) << round;
+      EXPECT_GT(a.chunks, a.id == small ? 2u : 5u) << round;
+    }
+    EXPECT_EQ(SalvageSpool(folder_, to).status().code(), Code::kConflict);
+  }
+}
+
+// The clock was set an hour back since the last chunk, which was 5 s ago.
+TEST_F(SpoolTest, ClockThatWasSetBackMakesASilenceNoShorter) {
+  MakeOne();
+  auto before = Open()->SilenceOf(id());
+  ASSERT_TRUE(before.ok());
+  EXPECT_FALSE(before->clock_stepped);
+  Tamper(
+      "UPDATE chunks SET spooled_unix_ms = spooled_unix_ms + 3600000;"
+      "UPDATE attempts SET boot_ms = boot_ms - 5000");
+  auto silence = Open()->SilenceOf(id());
+  ASSERT_TRUE(silence.ok());
+  EXPECT_GE(silence->ms, 5'000 + before->ms);
+  EXPECT_LT(silence->ms, 1'800'000);
+  EXPECT_TRUE(silence->clock_stepped);
+  // After a restart of the machine only the clock is left.
+  Tamper("UPDATE attempts SET boot_id = 'another'");
+  EXPECT_EQ(Open()->SilenceOf(id())->ms, 0);
+  EXPECT_TRUE(Open()->SilenceOf(id())->clock_stepped);
 }
 
 TEST_F(SpoolTest, WritingTheSameTwiceIsNoError) {
@@ -226,7 +439,7 @@ TEST_F(SpoolTest, FullQuotaForgetsWhatTheServerHasHadLongestAndNothingElse) {
   EXPECT_EQ(spool->Get(ids[0])->chunks, 2u);
 }
 
-TEST_F(SpoolTest, SpoolOfVersionOneBecomesOneOfVersionTwoWithAllItHad) {
+TEST_F(SpoolTest, SpoolOfVersionOneBecomesOneOfVersionThreeWithAllItHad) {
   {
     auto spool = Open();
     ASSERT_TRUE(spool->BeginAttempt(header_, "e", "p").ok());
@@ -287,6 +500,13 @@ TEST_F(SpoolTest, MigratedSpoolHasTheColumnsOfANewOne) {
   ASSERT_TRUE(Spool::Open(folder_ / "old").ok());
   Open();
   EXPECT_EQ(columns(folder_ / "old" / "spool.sqlite"), columns(folder_ / "spool.sqlite"));
+  fs::create_directories(folder_ / "two");
+  ASSERT_EQ(sqlite3_open((folder_ / "two" / "spool.sqlite").c_str(), &db), SQLITE_OK);
+  const std::string two = TablesOf(2) + "PRAGMA user_version = 2";
+  ASSERT_EQ(sqlite3_exec(db, two.c_str(), nullptr, nullptr, nullptr), SQLITE_OK);
+  sqlite3_close(db);
+  ASSERT_TRUE(Spool::Open(folder_ / "two").ok());
+  EXPECT_EQ(columns(folder_ / "two" / "spool.sqlite"), columns(folder_ / "spool.sqlite"));
 }
 
 TEST_F(SpoolTest, SeveralProcessesMayOpenASpoolThatIsNotThereYetAtOnce) {

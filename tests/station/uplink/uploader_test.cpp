@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include <chrono>
+#include <functional>
 #include <thread>
 
 #include "station/spool/recorder.h"
@@ -206,6 +207,102 @@ TEST_F(UploaderTest, ServerWithAnotherCertificateIsGivenUp) {
   EXPECT_TRUE(uploader.state(id()).gave_up);
   EXPECT_EQ(uploader.state(id()).problem.code(), Code::kUnauthenticated);
   EXPECT_EQ(server.chunks().size(), 0u);
+}
+
+// For a moment another server answers at the address; its own comes back.
+class WrongServerTest : public UploaderTest {
+ protected:
+  WrongServerTest() {
+    Record(3);
+    EXPECT_TRUE(recorder_->Finish().ok());
+    fs::create_directories(folder_ / "wrong");
+    own_.emplace(folder_);
+    credentials_ = own_->NewStation();
+    own_.reset();
+    wrong_.emplace(folder_ / "wrong", credentials_.server.port);
+  }
+  void ComeBack() {
+    wrong_.reset();
+    own_.emplace(folder_, credentials_.server.port);
+  }
+  static bool Await(const std::function<bool()>& so) {
+    for (int i = 0; i < 60'000 && !so(); ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return so();
+  }
+  std::optional<FakeServer> own_, wrong_;
+  Credentials credentials_;
+};
+
+TEST_F(WrongServerTest, UploadsGoOnByThemselvesSomeTimeAfter) {
+  UploaderOptions options;
+  options.refused_first = std::chrono::milliseconds(20);
+  Uploader uploader(credentials_, *spool_, options);
+  ASSERT_TRUE(Await([&] { return uploader.link().refused; }));
+  ComeBack();
+  EXPECT_TRUE(Await([&] { return uploader.state(id()).sealed; }));
+  EXPECT_FALSE(uploader.link().refused);
+}
+
+TEST_F(WrongServerTest, UploadsGoOnAtOnceWhenAnAttemptBeginsOrSomebodySignsIn) {
+  for (bool begins : {true, false}) {
+    if (!begins) {
+      own_.reset();
+      wrong_.emplace(folder_ / "wrong", credentials_.server.port);
+    }
+    Uploader uploader(credentials_, *spool_);  // waits a minute
+    ASSERT_TRUE(Await([&] { return uploader.link().refused; }));
+    ComeBack();
+    if (begins)
+      uploader.Prefer(id(), nullptr);
+    else
+      uploader.Retry();
+    EXPECT_TRUE(Await([&] { return uploader.link().reachable; }));
+  }
+}
+
+TEST_F(UploaderTest, WhatTheServerHasHadForLongIsForgottenWhileTheProgramRuns) {
+  Record(2);
+  FakeServer server(folder_);
+  UploaderOptions options;
+  options.retention = Retention{std::chrono::hours(0), 0};
+  options.prune_every = std::chrono::milliseconds(5);
+  Uploader uploader(server.NewStation(), *spool_, options);
+  for (int i = 0; i < 60'000 && spool_->Get(id())->committed < 2; ++i) {
+    uploader.Wake();
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  uploader.Wake();
+  // It has an end that the server does not have yet.
+  ASSERT_TRUE(spool_->Get(id()).ok());
+  ASSERT_TRUE(recorder_->Finish().ok());
+  for (int i = 0; i < 60'000 && spool_->Get(id()).ok(); ++i) {
+    uploader.Wake();
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  EXPECT_EQ(spool_->Get(id()).status().code(), Code::kNotFound);
+  EXPECT_TRUE(server.sealed());
+}
+
+TEST_F(UploaderTest, RefusedRecordingIsSentWhenItIsTriedOnceMore) {
+  Record(2);
+  ASSERT_TRUE(recorder_->Finish().ok());
+  FakeServer server(folder_);
+  Credentials credentials = server.NewStation();
+  server.refuse = Status(Code::kForbidden, "the ticket is not of this server");
+  ServerLink link;
+  ASSERT_TRUE(link.Connect(credentials).ok());
+  EXPECT_FALSE(UploadAttempt(link, *spool_, id()).ok());
+  EXPECT_TRUE(WaitingAttempts(*spool_)->empty());
+  server.refuse.reset();
+  ASSERT_TRUE(spool_->ClearRefusal(id()).ok());
+  EXPECT_EQ(WaitingAttempts(*spool_)->size(), 1u);
+  ServerLink again;
+  link.Close();
+  ASSERT_TRUE(again.Connect(credentials).ok());
+  ASSERT_TRUE(UploadAttempt(again, *spool_, id()).ok());
+  ExpectWholeAt(server);
 }
 
 // The server was restored from a backup made before the attempt: nobody tells the station.

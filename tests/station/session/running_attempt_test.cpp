@@ -1,0 +1,238 @@
+#include "station/session/running_attempt.h"
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <filesystem>
+#include <functional>
+
+#include "common/scene/builtin.h"
+#include "common/scene/plan.h"
+#include "station/session/workplace.h"
+#include "tests/station/session/faulty_disk.h"
+
+namespace enamel::station {
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::milliseconds;
+
+// Goes down into the block with the pedal down, slowly, and stays there.
+class Plunging final : public Device {
+ public:
+  Plunging(int32_t from, int32_t to) : z_(from), to_(to) {}
+  std::string Name() const override { return "plunging"; }
+  bool has_motors() const noexcept override { return true; }
+  DeviceSample ReadSample() noexcept override {
+    DeviceSample s;
+    if (z_ > to_) --z_;
+    s.counts[2] = z_;
+    s.buttons = kPedal;
+    s.bur_speed_krpm = kTurbineSpeed_krpm;
+    ++reads;
+    return s;
+  }
+  void SendForce(const dvec3& force_n) noexcept override {
+    bool zero = force_n == dvec3(0);
+    zeros_in_a_row = zero ? zeros_in_a_row + 1 : 0;
+    if (!zero) ++pushed;
+  }
+
+  std::atomic<uint64_t> reads{0}, zeros_in_a_row{0}, pushed{0};
+
+ private:
+  int32_t z_;
+  const int32_t to_;
+};
+
+class RunningAttemptTest : public testing::Test {
+ protected:
+  RunningAttemptTest() {
+    std::string name = (fs::temp_directory_path() / "enamel_attempt_XXXXXX").string();
+    folder_ = ::mkdtemp(name.data());
+    auto built = scene::BuildBuiltinScene("block", 200'000);
+    EXPECT_TRUE(built.ok());
+    auto params = scene::CompilePlan(built->scene, scene::ClassOneExercise(built->scene, {}),
+                                     scene::BuiltinProfiles()[1]);
+    EXPECT_TRUE(params.ok()) << params.status().message();
+    prepared_.header.ticket.attempt = Uuid::New();
+    prepared_.header.params = *params;
+    prepared_.header.params.soft_start_ticks = 1;
+    prepared_.header.station_software = "test";
+    int64_t top_nm = built->scene.landmarks.at("occlusal_centre")[2] * int64_t{1000};
+    above_ = static_cast<int32_t>((top_nm + 300'000 - params->device_origin_nm[2]) /
+                                  params->resolution_nm[2]);
+    prepared_.volume = std::move(built->volume);
+    volume_ = prepared_.volume;
+    Credentials nowhere;
+    nowhere.server = {"127.0.0.1", 1};
+    nowhere.station = Uuid::New();
+    nowhere.secret_key = trace::NewKeyPair().secret_key;
+    key_ = nowhere.secret_key;
+    EXPECT_TRUE(SaveCredentials(folder_, nowhere).ok());
+    auto opened = Workplace::Open({.data = folder_});
+    EXPECT_TRUE(opened.ok()) << opened.status().message();
+    workplace_ = std::move(*opened);
+  }
+  ~RunningAttemptTest() override {
+    workplace_.reset();
+    fs::remove_all(folder_);
+  }
+
+  Spool& spool() { return workplace_->spool(); }
+  Uuid id() const { return prepared_.attempt(); }
+  std::unique_ptr<RunningAttempt> Begin(Device& device) {
+    AttemptOptions options;
+    options.faults_when_late = false;
+    auto begun = workplace_->Begin(prepared_, device, options);
+    EXPECT_TRUE(begun.ok()) << begun.status().message();
+    return std::move(*begun);
+  }
+  // Until it is so; never waited for in full when all is well.
+  static bool Await(const std::function<bool()>& so) {
+    for (int i = 0; i < 60'000 && !so(); ++i) std::this_thread::sleep_for(milliseconds(1));
+    return so();
+  }
+  // The same core does what is on disk.
+  void ExpectReplays(const core::Core& core) {
+    core::Core again(prepared_.header.params, volume_);
+    auto file = spool().Export(id());
+    ASSERT_TRUE(file.ok());
+    for (const Bytes& bytes : file->chunks) {
+      auto chunk = trace::DecodeChunk(bytes);
+      ASSERT_TRUE(chunk.ok());
+      for (const trace::Tick& t : chunk->ticks) ASSERT_EQ(again.Step(t.input).witness, t.witness);
+    }
+    EXPECT_EQ(again.state_hash(), core.state_hash());
+  }
+
+  FaultyDisk disk_;
+  fs::path folder_;
+  PreparedAttempt prepared_;
+  cutting::Volume volume_;
+  trace::SecretKey key_{};
+  int32_t above_ = 0;
+  std::unique_ptr<Workplace> workplace_;
+};
+
+// Whichever way a disk fails: no further tick is stepped than were stepped when the first write
+// failed and a turn of the recorder later, and all that was felt before is kept and stored.
+class FailingDiskTest : public RunningAttemptTest, public testing::WithParamInterface<int> {};
+
+TEST_P(FailingDiskTest, ForceEndsAtOnceAndWhatWasFeltIsStoredWhenThereIsRoomAgain) {
+  Plunging device(above_, above_ - 60);
+  auto attempt = Begin(device);
+  ASSERT_TRUE(Await([&] { return attempt->recording().chunks >= 1 && device.pushed > 0; }));
+  FaultyDisk::fail = GetParam();
+  ASSERT_TRUE(Await([&] { return !attempt->recording().problem.ok(); }));
+  // Held from the next tick on, far before the ring is full.
+  const uint64_t read = device.reads;
+  ASSERT_TRUE(Await([&] { return device.reads > read + 50; }));
+  const uint64_t stepped = attempt->snapshot().counters.ticks;
+  const uint64_t zeros = device.zeros_in_a_row;
+  ASSERT_TRUE(Await([&] { return device.reads > read + 300; }));
+  EXPECT_EQ(attempt->snapshot().counters.ticks, stepped);
+  EXPECT_GE(device.zeros_in_a_row, zeros + 200);
+  RunningAttempt::Recording held = attempt->recording();
+  EXPECT_EQ(held.problem.code(), Code::kStorage);
+  EXPECT_EQ(held.ticks + held.waiting_ticks, stepped);
+
+  FaultyDisk::fail = SQLITE_OK;
+  ASSERT_TRUE(Await([&] { return attempt->recording().problem.ok(); }));
+  ASSERT_TRUE(Await([&] { return attempt->snapshot().counters.ticks > stepped; }));
+  attempt->End();
+  auto seal = attempt->Join();
+  ASSERT_TRUE(seal.ok()) << seal.status().message();
+  EXPECT_GT(seal->ticks, stepped);
+  EXPECT_EQ(spool().Get(id())->ticks, seal->ticks);
+  EXPECT_GE(spool().Get(id())->gap_ticks, 250u);
+  ExpectReplays(attempt->core());
+}
+
+TEST_P(FailingDiskTest, TheSealWaitsForRoomAsLongAsTheProcessLives) {
+  Plunging device(above_, above_ - 60);
+  auto attempt = Begin(device);
+  ASSERT_TRUE(Await([&] { return attempt->recording().chunks >= 1; }));
+  FaultyDisk::fail = GetParam();
+  attempt->End();
+  ASSERT_TRUE(Await([&] { return !attempt->ticking() && !attempt->recording().problem.ok(); }));
+  const int refused = FaultyDisk::refused;
+  ASSERT_TRUE(Await([&] { return FaultyDisk::refused >= refused + 5; }));
+  EXPECT_FALSE(attempt->recorded());
+  FaultyDisk::fail = SQLITE_OK;
+  auto seal = attempt->Join();
+  ASSERT_TRUE(seal.ok()) << seal.status().message();
+  EXPECT_EQ(seal->ticks, attempt->snapshot().counters.ticks);
+  EXPECT_TRUE(spool().Get(id())->seal.has_value());
+  ExpectReplays(attempt->core());
+}
+
+TEST_P(FailingDiskTest, GivenUpItSaysWhatIsSafeAndWhatIsLost) {
+  Plunging device(above_, above_ - 60);
+  auto attempt = Begin(device);
+  ASSERT_TRUE(Await([&] { return attempt->recording().chunks >= 2; }));
+  FaultyDisk::fail = GetParam();
+  ASSERT_TRUE(Await([&] { return !attempt->recording().problem.ok(); }));
+  attempt->End();
+  attempt->GiveUp();
+  auto seal = attempt->Join();
+  ASSERT_FALSE(seal.ok());
+  const std::string said = seal.status().message();
+  const uint32_t chunks = attempt->recording().chunks;
+  char safe[32];
+  std::snprintf(safe, sizeof safe, "first %.2f s are safe",
+                static_cast<double>(chunks * Recorder::kTicksPerChunk) / 1000);
+  EXPECT_NE(said.find(safe), std::string::npos) << said;
+  EXPECT_NE(said.find("are lost"), std::string::npos) << said;
+  EXPECT_NE(said.find("spool close " + id().Text()), std::string::npos) << said;
+  FaultyDisk::fail = SQLITE_OK;
+  EXPECT_EQ(spool().Get(id())->chunks, chunks);
+  EXPECT_FALSE(spool().Get(id())->seal.has_value());
+}
+
+INSTANTIATE_TEST_SUITE_P(Each, FailingDiskTest,
+                         testing::Values(SQLITE_FULL, SQLITE_READONLY, SQLITE_IOERR_WRITE));
+
+TEST_F(RunningAttemptTest, ADiskThatTakesNothingIsFoundBeforeAnAttemptBegins) {
+  FaultyDisk::fail = SQLITE_FULL;
+  const Status ready = workplace_->MakeReady(prepared_);
+  EXPECT_EQ(ready.code(), Code::kStorage);
+  EXPECT_NE(ready.message().find("the disk is full"), std::string::npos) << ready.message();
+  FaultyDisk::fail = SQLITE_OK;
+  EXPECT_TRUE(workplace_->MakeReady(prepared_).ok());
+  EXPECT_TRUE(spool().List()->empty());
+}
+
+TEST_F(RunningAttemptTest, TooLittleRoomIsSaidWithHowMuchIsNeeded) {
+  auto space = fs::space(folder_);
+  const Status little = spool().ProveWritable(space.available + (uint64_t{1} << 40));
+  EXPECT_EQ(little.code(), Code::kStorage);
+  EXPECT_NE(little.message().find("MB free, and a recording needs "), std::string::npos)
+      << little.message();
+  EXPECT_TRUE(spool().ProveWritable(1).ok());
+}
+
+// Nobody is signed in: that the recording lock is missed first shows that it is asked for before
+// the server is.
+TEST_F(RunningAttemptTest, NoTicketIsAskedForWhileAnotherProcessRecordsHere) {
+  auto other = Spool::Open(folder_);
+  ASSERT_TRUE(other.ok());
+  {
+    auto lock = (*other)->LockForRecording();
+    ASSERT_TRUE(lock.ok());
+    EXPECT_EQ(workplace_->TakeTicket(prepared_, false).code(), Code::kConflict);
+  }
+  EXPECT_EQ(workplace_->TakeTicket(prepared_, false).code(), Code::kUnauthenticated);
+  // Refused by the server: the next one may record.
+  EXPECT_TRUE((*other)->LockForRecording().ok());
+}
+
+TEST_F(RunningAttemptTest, OnceItIsReadyNobodyElseCanTakeItsPlace) {
+  ASSERT_TRUE(workplace_->MakeReady(prepared_).ok());
+  auto other = Spool::Open(folder_);
+  ASSERT_TRUE(other.ok());
+  EXPECT_EQ((*other)->LockForRecording().status().code(), Code::kConflict);
+}
+
+}  // namespace
+}  // namespace enamel::station
