@@ -8,6 +8,7 @@
 #include <iostream>
 
 #include "common/base/hex.h"
+#include "common/base/utf8.h"
 #include "server/app/data_folder.h"
 #include "server/auth/password.h"
 #include "server/training/access.h"
@@ -51,8 +52,8 @@ void Show(const AttemptRow& row) {
   for (const char* flag : AttemptFlagNames(row.flags)) flags += std::string("  ") + flag;
   std::cout << fmt::format("{}  {:<11} {:>6}  {:>7} ticks  {:<20} {}{}{}\n", row.id.Text(),
                            AttemptStateName(row.state), score, row.ticks, row.person_name,
-                           row.exercise_title, flags,
-                           row.problem.empty() ? "" : "  (" + row.problem + ")");
+                           Printable(row.exercise_title), flags,
+                           row.problem.empty() ? "" : "  (" + Printable(row.problem) + ")");
 }
 
 }  // namespace
@@ -64,6 +65,12 @@ Result<Uuid> CohortByName(Store& store, const std::string& name) {
   if (found != cohorts->end()) return found->id;
   return Status(Code::kNotFound, "no cohort named \"" + name + "\"; make it with admin add-cohort",
                 "cohort");
+}
+
+Result<Person> PersonNamed(Store& store, const std::string& login) {
+  auto checked = CheckedLogin(login);
+  if (!checked.ok()) return checked.status();
+  return store.PersonByLogin(*checked);
 }
 
 Status AddPerson(const std::filesystem::path& data, const NewPerson& person) {
@@ -100,7 +107,7 @@ Status AddPerson(const std::filesystem::path& data, const NewPerson& person) {
 Status SetPassword(const std::filesystem::path& data, const std::string& login, bool from_stdin) {
   auto store = OpenForCommand(data);
   if (!store.ok()) return store.status();
-  auto person = (*store)->PersonByLogin(login);
+  auto person = PersonNamed(**store, login);
   if (!person.ok()) return person.status();
   auto password = ReadOrMakePassword(from_stdin, login);
   if (!password.ok()) return password.status();
@@ -114,7 +121,7 @@ Status SetPassword(const std::filesystem::path& data, const std::string& login, 
 Status SetDisabled(const std::filesystem::path& data, const std::string& login, bool disabled) {
   auto store = OpenForCommand(data);
   if (!store.ok()) return store.status();
-  auto person = (*store)->PersonByLogin(login);
+  auto person = PersonNamed(**store, login);
   if (!person.ok()) return person.status();
   ENAMEL_RETURN_IF_ERROR((*store)->SetDisabled(person->id, disabled, kCommandLine));
   std::cout << login << (disabled ? " may no longer sign in\n" : " may sign in again\n");
@@ -138,7 +145,7 @@ Status AddToCohort(const std::filesystem::path& data, const std::string& cohort,
   if (!store.ok()) return store.status();
   auto id = CohortByName(**store, cohort);
   if (!id.ok()) return id.status();
-  auto person = (*store)->PersonByLogin(login);
+  auto person = PersonNamed(**store, login);
   if (!person.ok()) return person.status();
   ENAMEL_RETURN_IF_ERROR((*store)->AddToCohort(*id, person->id, kCommandLine));
   std::cout << login << " is in \"" << cohort << "\"\n";

@@ -13,6 +13,9 @@ namespace enamel::server::app {
 // Errors: kNotFound, with what to do.
 Result<Uuid> CohortByName(Store& store, const std::string& name);
 
+// A login is written in any case. Errors: kNotFound.
+Result<Person> PersonNamed(Store& store, const std::string& login);
+
 struct NewPerson {
   std::string login, display_name, role;
   std::string id;                    // of a person that a restore has forgotten; empty: a new one

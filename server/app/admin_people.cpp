@@ -213,7 +213,7 @@ Status ListCohorts(const std::filesystem::path& data) {
 Status ListSessions(const std::filesystem::path& data, const std::string& login) {
   auto store = OpenForCommand(data);
   if (!store.ok()) return store.status();
-  auto person = (*store)->PersonByLogin(login);
+  auto person = PersonNamed(**store, login);
   if (!person.ok()) return person.status();
   auto sessions = (*store)->SessionsOf(person->id);
   if (!sessions.ok()) return sessions.status();
@@ -229,7 +229,7 @@ Status ListSessions(const std::filesystem::path& data, const std::string& login)
 Status EndSessions(const std::filesystem::path& data, const std::string& login) {
   auto store = OpenForCommand(data);
   if (!store.ok()) return store.status();
-  auto person = (*store)->PersonByLogin(login);
+  auto person = PersonNamed(**store, login);
   if (!person.ok()) return person.status();
   auto ended = (*store)->EndSessionsOf(person->id, kCommandLine);
   if (!ended.ok()) return ended.status();

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "common/base/file.h"
+#include "common/base/utf8.h"
 #include "common/scene/calibration.h"
 #include "common/scene/json.h"
 #include "common/scene/profile_criteria.h"
@@ -16,18 +17,6 @@ namespace enamel::server::app {
 namespace {
 
 constexpr size_t kMaxDocument = 1 << 20;
-
-Result<StationRow> StationNamed(Store& store, const std::string& text) {
-  if (auto id = Uuid::Parse(text); id.ok()) return store.StationById(*id);
-  auto stations = store.Stations();
-  if (!stations.ok()) return stations.status();
-  std::erase_if(*stations, [&](const StationRow& row) { return row.revoked || row.name != text; });
-  if (stations->size() == 1) return stations->front();
-  return Status(Code::kNotFound,
-                stations->empty() ? "no admitted station is called \"" + text + "\""
-                                  : std::to_string(stations->size()) + " stations are called \"" +
-                                        text + "\"; give the id that admin list-stations shows");
-}
 
 Result<std::string> ReadText(const std::filesystem::path& file) {
   auto bytes = ReadFile(file, kMaxDocument);
@@ -55,6 +44,23 @@ std::string Figure(const std::optional<scene::Measured>& measured) {
 
 }  // namespace
 
+Result<StationRow> StationNamed(Store& store, const std::string& text) {
+  if (auto id = Uuid::Parse(text); id.ok()) {
+    auto station = store.StationById(*id);
+    if (!station.ok() || !station->revoked) return station;
+    return Status(Code::kNotFound, "station " + text + " is no longer admitted", "station");
+  }
+  auto stations = store.Stations();
+  if (!stations.ok()) return stations.status();
+  std::erase_if(*stations, [&](const StationRow& row) { return row.revoked || row.name != text; });
+  if (stations->size() == 1) return stations->front();
+  return Status(Code::kNotFound,
+                stations->empty() ? "no admitted station is called \"" + text + "\""
+                                  : std::to_string(stations->size()) + " stations are called \"" +
+                                        text + "\"; give the id that admin list-stations shows",
+                "station");
+}
+
 Status ListStations(const std::filesystem::path& data) {
   auto store = OpenForCommand(data);
   if (!store.ok()) return store.status();
@@ -62,9 +68,9 @@ Status ListStations(const std::filesystem::path& data) {
   if (!stations.ok()) return stations.status();
   for (const StationRow& row : *stations) {
     std::cout << fmt::format(
-        "{}  {:<24} {:<8} last seen {} UTC  {}{}\n", row.id.Text(), row.name,
+        "{}  {:<24} {:<8} last seen {} UTC  {}{}\n", row.id.Text(), Printable(row.name),
         row.revoked ? "revoked" : "admitted", UtcText(row.last_seen_ms),
-        row.software.empty() ? "-" : row.software,
+        row.software.empty() ? "-" : Printable(row.software),
         row.core_version == 0 ? "" : fmt::format(", core {}", row.core_version));
   }
   return Status::Ok();

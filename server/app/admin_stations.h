@@ -4,10 +4,15 @@
 #include <string>
 
 #include "common/base/result.h"
+#include "server/storage/store.h"
 
 // The `admin` commands about stations and device profiles. Each opens the data folder beside a
 // running server, or without one, prints its outcome to standard output and returns.
 namespace enamel::server::app {
+
+// The admitted station of this id or name. Errors: kNotFound (none, or several of that name, with
+// what to do).
+Result<StationRow> StationNamed(Store& store, const std::string& text);
 
 Status ListStations(const std::filesystem::path& data);
 // Recordings that stations still hold for a person, an exercise or a profile that is newer than the

@@ -199,7 +199,8 @@ void AddRetention(CLI::App& root, Options& o, Command& command) {
   AddData(cmd, o.retention.data);
   cmd->add_option("--set", o.retention.what, "unfinished, recordings or attempts")
       ->check(CLI::IsMember({"unfinished", "recordings", "attempts"}));
-  cmd->add_option("--days", o.retention.days, "Days for --set; 0 takes the rule away");
+  cmd->add_option("--days", o.retention.days, "Days for --set; 0 takes the rule away")
+      ->check(CLI::Range(0, 36'500));
   cmd->add_flag("--apply", o.retention.apply, "Now; a running server does it every hour");
   cmd->footer(
       "Shows the rules and what they would remove now.\n"

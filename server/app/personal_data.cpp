@@ -6,6 +6,7 @@
 #include <iostream>
 
 #include "common/base/file.h"
+#include "server/app/admin.h"
 #include "server/app/data_folder.h"
 
 namespace enamel::server::app {
@@ -255,7 +256,7 @@ Status ExportPerson(const fs::path& data, const std::string& login, const fs::pa
   }
   auto store = OpenForCommand(data);
   if (!store.ok()) return store.status();
-  auto person = (*store)->PersonByLogin(login);
+  auto person = PersonNamed(**store, login);
   if (!person.ok()) return person.status();
   Exporter exporter(**store, target);
   ENAMEL_RETURN_IF_ERROR(exporter.Run(*person));
@@ -276,7 +277,7 @@ Status ErasePerson(const fs::path& data, const std::string& login, const std::st
   }
   auto store = OpenForCommand(data);
   if (!store.ok()) return store.status();
-  auto person = (*store)->PersonByLogin(login);
+  auto person = PersonNamed(**store, login);
   if (!person.ok()) return person.status();
   auto report = (*store)->ErasePerson(person->id, with_references, kCommandLine);
   if (!report.ok()) return report.status();

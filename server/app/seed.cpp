@@ -83,6 +83,20 @@ json::object Facts(const ExerciseRow& exercise, bool has_reference) {
 
 }  // namespace
 
+Result<std::vector<std::string>> LoginsWithDemoPassword(Store& store) {
+  std::vector<std::string> out;
+  for (const DemoPerson& demo : kPeople) {
+    auto person = store.PersonByLogin(demo.login);
+    if (!person.ok() && person.status().code() == Code::kNotFound) continue;
+    if (!person.ok()) return person.status();
+    auto verifier = store.PasswordVerifier(person->id);
+    if (!verifier.ok()) return verifier.status();
+    bool open = !person->disabled && auth::VerifyPassword(DemoPassword(demo.login), *verifier);
+    if (open) out.emplace_back(demo.login);
+  }
+  return out;
+}
+
 Status SeedDemo(const SeedOptions& options) {
   auto opened = OpenForCommand(options.data);
   if (!opened.ok()) return opened.status();

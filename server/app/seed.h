@@ -2,8 +2,10 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "common/base/result.h"
+#include "server/storage/store.h"
 
 namespace enamel::server::app {
 
@@ -19,5 +21,8 @@ struct SeedOptions {
 // the cohort. Idempotent: what is there stays (also changed passwords). Only for servers on
 // loopback.
 Status SeedDemo(const SeedOptions& options);
+
+// Those of them that may sign in with their public password. Blocks: one argon2id each.
+Result<std::vector<std::string>> LoginsWithDemoPassword(Store& store);
 
 }  // namespace enamel::server::app

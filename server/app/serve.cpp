@@ -2,7 +2,9 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/address.hpp>
 #include <boost/asio/signal_set.hpp>
 #include <chrono>
 #include <condition_variable>
@@ -19,6 +21,7 @@
 #include "common/protocol/messages.h"
 #include "server/app/caretaker.h"
 #include "server/app/data_folder.h"
+#include "server/app/seed.h"
 #include "server/http/http_server.h"
 #include "server/jobs/worker.h"
 #include "server/ops/metrics.h"
@@ -57,6 +60,42 @@ Result<net::Endpoint> ListenAddress(const std::string& text, const char* option)
                 std::string(option) + " expects address:port, found \"" + text + "\"");
 }
 
+// Host names have no case.
+std::vector<std::string> LowerCase(std::vector<std::string> names) {
+  for (std::string& name : names) {
+    std::ranges::transform(name, name.begin(), [](char c) {
+      return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    });
+  }
+  return names;
+}
+
+bool IsLoopback(const std::string& address) {
+  boost::system::error_code error;
+  auto parsed = asio::ip::make_address(address, error);
+  return !error && parsed.is_loopback();
+}
+
+// The demo accounts' passwords are printed in our documents.
+Status RefuseDemoBeyondLoopback(Store& store, const http::HttpOptions& page,
+                                const stations::StationServerOptions& link) {
+  bool reached_from_afar =
+      !IsLoopback(page.address) || !page.trusted_proxies.empty() || !IsLoopback(link.address);
+  if (!reached_from_afar) return Status::Ok();
+  auto logins = LoginsWithDemoPassword(store);
+  if (!logins.ok()) return logins.status();
+  if (logins->empty()) return Status::Ok();
+  std::string all;
+  for (const std::string& login : *logins) all += (all.empty() ? "" : ", ") + login;
+  return Status(
+      Code::kInvalidInput,
+      "expected accounts with passwords of their own before others can reach this server, "
+      "found the demo's public ones for " +
+          all +
+          "; give each another (admin set-password --login L) or disable it (admin "
+          "disable --login L), or listen on 127.0.0.1 alone");
+}
+
 Result<http::HttpOptions> HttpOptionsOf(const ServeOptions& options) {
   auto endpoint = ListenAddress(options.http, "--http");
   if (!endpoint.ok()) return endpoint.status();
@@ -64,7 +103,7 @@ Result<http::HttpOptions> HttpOptionsOf(const ServeOptions& options) {
   out.address = endpoint->host;
   out.port = endpoint->port;
   out.web_root = options.web;
-  out.host_names = options.host_names;
+  out.host_names = LowerCase(options.host_names);
   out.trusted_proxies = options.http_proxies;
   if (options.http_self_signed) {
     auto made = EnsurePageCertificate(options.data, options.host_names);
@@ -221,6 +260,7 @@ Status Serve(const ServeOptions& options) {
   if (!http_options.ok()) return http_options.status();
   auto link_options = LinkOptionsOf(options, *identity);
   if (!link_options.ok()) return link_options.status();
+  ENAMEL_RETURN_IF_ERROR(RefuseDemoBeyondLoopback(store, *http_options, *link_options));
   if (!options.page_url.empty() && !protocol::IsPageUrl(options.page_url)) {
     return Status(Code::kInvalidInput,
                   "--page-url expects https:// or http:// and what follows, at most 200 characters "

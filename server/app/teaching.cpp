@@ -10,6 +10,7 @@
 #include "common/base/file.h"
 #include "common/scene/json.h"
 #include "server/app/admin.h"
+#include "server/app/admin_stations.h"
 #include "server/app/data_folder.h"
 #include "server/app/publish.h"
 #include "server/training/ticket_rules.h"
@@ -80,15 +81,11 @@ Result<UnixMs> TimeOrNone(const std::string& text) {
 }
 
 Result<std::vector<Uuid>> StationsByName(Store& store, const std::vector<std::string>& names) {
-  auto stations = store.Stations();
-  if (!stations.ok()) return stations.status();
   std::vector<Uuid> out;
   for (const std::string& name : names) {
-    auto found = std::ranges::find(*stations, name, &StationRow::name);
-    if (found == stations->end()) {
-      return Status(Code::kNotFound, "no station named \"" + name + "\"", "station");
-    }
-    out.push_back(found->id);
+    auto station = StationNamed(store, name);
+    if (!station.ok()) return station.status();
+    out.push_back(station->id);
   }
   return out;
 }

@@ -221,10 +221,17 @@ Status VerifyFolder(const VerifyCommand& command) {
 }
 
 Status Retention(const RetentionCommand& command) {
+  if (command.what.empty() == command.days.has_value()) {
+    return Status(
+        Code::kInvalidInput,
+        "--set and --days go together, such as --set recordings --days 730; --days 0 takes "
+        "the rule away",
+        "days");
+  }
   auto store = OpenForCommand(command.data);
   if (!store.ok()) return store.status();
   if (!command.what.empty()) {
-    ENAMEL_RETURN_IF_ERROR((*store)->SetRetention({command.what, command.days}, kCommandLine));
+    ENAMEL_RETURN_IF_ERROR((*store)->SetRetention({command.what, *command.days}, kCommandLine));
   }
   auto rules = (*store)->RetentionRules();
   if (!rules.ok()) return rules.status();

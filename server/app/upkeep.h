@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,8 +36,8 @@ Status VerifyFolder(const VerifyCommand& command);
 // No `what`: shows the rules and what they apply to now.
 struct RetentionCommand {
   std::filesystem::path data;
-  std::string what;  // sets the rule for this …
-  int days = 0;      // … to so many days, 0 takes it away
+  std::string what;         // sets the rule for this …
+  std::optional<int> days;  // … to so many days, 0 takes it away; both or neither
   bool apply = false;
 };
 Status Retention(const RetentionCommand& command);

@@ -100,10 +100,13 @@ Status PutStations(Db& db, const AssignmentRow& row) {
   for (const Uuid& station : row.stations) {
     Query q(db,
             "INSERT INTO assignment_stations (tenant, assignment, station) "
-            "SELECT ?1, ?2, id FROM stations WHERE tenant = ?1 AND id = ?3 ON CONFLICT DO NOTHING");
+            "SELECT ?1, ?2, id FROM stations WHERE tenant = ?1 AND id = ?3 AND revoked = 0 "
+            "ON CONFLICT DO NOTHING");
     ENAMEL_RETURN_IF_ERROR(q.Bind(row.id).Bind(station).Run());
     if (db.Changes() == 0 && std::ranges::count(row.stations, station) < 2) {
-      return Status(Code::kNotFound, "no station " + station.Text(), "station_ids");
+      return Status(Code::kNotFound,
+                    "no admitted station " + station.Text() + "; revoked ones take no exams",
+                    "station_ids");
     }
   }
   return Status::Ok();

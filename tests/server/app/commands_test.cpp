@@ -7,11 +7,14 @@
 #include "common/scene/json.h"
 #include "common/scene/volume_blob.h"
 #include "server/app/admin.h"
+#include "server/app/admin_stations.h"
 #include "server/app/data_folder.h"
 #include "server/app/publish.h"
 #include "server/app/report.h"
 #include "server/app/seed.h"
+#include "server/app/serve.h"
 #include "server/app/teaching.h"
+#include "server/app/upkeep.h"
 #include "server/auth/authenticator.h"
 #include "tests/server/storage/store_world.h"
 
@@ -141,6 +144,52 @@ TEST_F(CommandsTest, ExercisesArePublishedAssignedAndRetiredFromTheCommandLine) 
   ASSERT_TRUE(RetireExercise(Data(), "cross-block").ok());
   EXPECT_EQ(RetireExercise(Data(), "no such").code(), Code::kNotFound);
   EXPECT_EQ(PublishExercise(Data(), {"builtin:block", "", 500, "bridge"}).field(), "name");
+}
+
+TEST_F(CommandsTest, DemoPasswordsAreNotServedBeyondLoopback) {
+  {
+    auto store = OpenData();
+    AddPerson(*store, "student1", Role::kStudent, *auth::HashPassword("enamel-demo-student1"));
+    AddPerson(*store, "admin", Role::kAdmin, *auth::HashPassword("a drill and a spoon"));
+    EXPECT_EQ(*LoginsWithDemoPassword(*store), std::vector<std::string>{"student1"});
+  }
+  ServeOptions options;
+  options.data = Data();
+  options.http = "127.0.0.1:0";
+  options.stations = "0.0.0.0:0";
+  Status refused = Serve(options);
+  EXPECT_EQ(refused.code(), Code::kInvalidInput);
+  EXPECT_NE(refused.message().find("public ones for student1; "), std::string::npos)
+      << refused.message();
+  ASSERT_TRUE(SetDisabled(Data(), "Student1", true).ok()) << "a login in any case";
+  EXPECT_TRUE(LoginsWithDemoPassword(*OpenData())->empty());
+}
+
+TEST_F(CommandsTest, StationOfAnExamIsOneThatIsAdmitted) {
+  auto store = OpenData();
+  std::vector<Uuid> ids;
+  for (const char* code : {"one", "two"}) {
+    ASSERT_TRUE(store->AddEnrolCode(HashSha256(AsBytes(code)), 1000, kSystem).ok());
+    StationRow row;
+    row.name = "Lab 7";
+    row.public_key = Bytes(32, static_cast<uint8_t>(code[0]));
+    auto station = store->EnrolStation(HashSha256(AsBytes(code)), row,
+                                       HashSha256(AsBytes(row.name + code)), 1);
+    ASSERT_TRUE(station.ok()) << station.status().message();
+    ids.push_back(station->id);
+  }
+  EXPECT_NE(StationNamed(*store, "Lab 7").status().message().find("2 stations"), std::string::npos);
+  ASSERT_TRUE(store->RevokeStation(ids[0], kSystem).ok());
+  EXPECT_EQ(StationNamed(*store, "Lab 7")->id, ids[1]);
+  EXPECT_EQ(StationNamed(*store, ids[0].Text()).status().field(), "station");
+}
+
+TEST_F(CommandsTest, RetentionWithoutDaysTakesNoRuleAway) {
+  { auto store = OpenData(); }
+  ASSERT_TRUE(Retention({Data(), "recordings", 730, false}).ok());
+  Status refused = Retention({Data(), "recordings", std::nullopt, false});
+  EXPECT_EQ(refused.field(), "days");
+  EXPECT_EQ(OpenData()->RetentionRules()->size(), 1u);
 }
 
 TEST_F(CommandsTest, IdentityIsMadeOnce) {

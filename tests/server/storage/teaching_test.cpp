@@ -153,6 +153,9 @@ TEST_P(TeachingTest, AssignmentOfWhatDoesNotExistIsRefusedWithTheField) {
   row.cohort = {};
   row.stations = {Uuid::New()};
   EXPECT_EQ(store_->AddAssignment(row, kSystem).status().field(), "station_ids");
+  ASSERT_TRUE(store_->RevokeStation(world.station, kSystem).ok());
+  row.stations = {world.station};
+  EXPECT_EQ(store_->AddAssignment(row, kSystem).status().field(), "station_ids") << "revoked";
   EXPECT_EQ(store_->Assignments({})->size(), 1u) << "nothing is left of what was refused";
 }
 
