@@ -14,11 +14,11 @@
 #include "station/app/simulate.h"
 #include "station/desk/tick_feed.h"
 #include "station/devices/operators.h"
-#include "station/loop/loop_facts.h"
 #include "station/loop/realtime.h"
 #include "station/render/window.h"
 #include "station/sdk/open_sdk_device.h"
 #include "station/session/by_name.h"
+#include "station/session/loop_facts.h"
 
 namespace enamel::station {
 namespace {

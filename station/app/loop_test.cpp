@@ -17,9 +17,9 @@
 #include "common/scene/plan.h"
 #include "station/app/places.h"
 #include "station/devices/pointer_device.h"
-#include "station/loop/loop_facts.h"
 #include "station/loop/realtime.h"
 #include "station/loop/tick_loop.h"
+#include "station/session/loop_facts.h"
 
 namespace enamel::station {
 namespace {

@@ -149,8 +149,10 @@ TEST_F(CommandsTest, ExercisesArePublishedAssignedAndRetiredFromTheCommandLine) 
 TEST_F(CommandsTest, DemoPasswordsAreNotServedBeyondLoopback) {
   {
     auto store = OpenData();
-    AddPerson(*store, "student1", Role::kStudent, *auth::HashPassword("enamel-demo-student1"));
-    AddPerson(*store, "admin", Role::kAdmin, *auth::HashPassword("a drill and a spoon"));
+    server::testing::AddPerson(*store, "student1", Role::kStudent,
+                               *auth::HashPassword("enamel-demo-student1"));
+    server::testing::AddPerson(*store, "admin", Role::kAdmin,
+                               *auth::HashPassword("a drill and a spoon"));
     EXPECT_EQ(*LoginsWithDemoPassword(*store), std::vector<std::string>{"student1"});
   }
   ServeOptions options;

@@ -149,17 +149,17 @@ TEST_F(UpkeepTest, RetentionTellsBeforeItDoes) {
   Uuid scored = school_.Record(1);
   school_.Score(scored);
   Status status;
-  std::string said = Said([&] { return Retention({Path("data"), "", 0, false}); }, status);
+  std::string said = Said([&] { return Retention({Path("data"), "", {}, false}); }, status);
   EXPECT_NE(said.find("kept for good"), std::string::npos);
   said = Said([&] { return Retention({Path("data"), "recordings", 30, false}); }, status);
   EXPECT_NE(said.find("0 recordings"), std::string::npos) << said;
   EXPECT_NE(said.find("1 more are due and kept"), std::string::npos) << "not released: " << said;
   ASSERT_TRUE(school_.store->ReleaseAttempt(scored, Actor{}).ok());
-  said = Said([&] { return Retention({Path("data"), "", 0, false}); }, status);
+  said = Said([&] { return Retention({Path("data"), "", {}, false}); }, status);
   EXPECT_NE(said.find("would be removed now: 0 unfinished attempts, 1 recordings"),
             std::string::npos)
       << said;
-  said = Said([&] { return Retention({Path("data"), "", 0, true}); }, status);
+  said = Said([&] { return Retention({Path("data"), "", {}, true}); }, status);
   EXPECT_NE(said.find("removed: 0 unfinished attempts, 1 recordings"), std::string::npos) << said;
   EXPECT_EQ(Retention({Path("data"), "recordings", -4, false}).field(), "days");
 }

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <boost/json.hpp>
 #include <deque>
 #include <limits>
 #include <random>
@@ -10,7 +9,6 @@
 
 #include "common/scene/builtin.h"
 #include "common/scene/plan.h"
-#include "station/loop/loop_facts.h"
 #include "tests/support/allocation_guard.h"
 
 namespace enamel::station {
@@ -625,40 +623,6 @@ TEST_F(TickLoopTest, SteadyLatenessIsNoSilence) {
     loop.Tick(0.0009);
     ASSERT_EQ(loop.fault(), Fault::kNone) << i;
   }
-}
-
-TEST_F(TickLoopTest, FactsHaveEachFaultWithItsTicksAndTheTimeThatPassed) {
-  core::Core core(params_, volume_);
-  SampleRing ring(4000);
-  TickLoop loop(device_, core, ring, {1000, false, true});
-  for (int i = 0; i < 100; ++i) loop.Tick();
-  loop.Tick(0.0073);
-  LoopCounters counters = loop.snapshot().counters;
-  auto facts = LoopFacts(loop, counters, device_);
-  EXPECT_EQ(facts.at("ticks"), counters.ticks);
-  EXPECT_EQ(facts.at("skipped_ticks"), 7u);
-  ASSERT_EQ(facts.at("faults").as_array().size(), 1u);
-  const auto& fault = facts.at("faults").as_array()[0].as_object();
-  EXPECT_EQ(fault.at("why"), FaultText(Fault::kLateOnce));
-  ASSERT_EQ(fault.at("ticks").as_array().size(), FaultRecord::kTicks);
-  const auto& last = fault.at("ticks").as_array().back().as_object();
-  EXPECT_NEAR(last.at("late_us").as_double(), 7300, 1e-6);
-  EXPECT_EQ(last.at("gap_ticks"), 7u);
-  // As large as it gets.
-  for (int fault_count = 0; fault_count < 20; ++fault_count) {
-    device_.sample.counts = {INT32_MIN, INT32_MIN, 0};
-    device_.sample.buttons = 0;
-    for (int i = 0; i < 70; ++i) loop.Tick();
-    device_.sample.buttons = kPedal;
-    loop.Tick();
-    loop.Tick(0.0061234567);
-    Sample s;
-    while (ring.Pop(s)) {
-    }
-  }
-  facts = LoopFacts(loop, loop.snapshot().counters, device_);
-  EXPECT_EQ(facts.at("faults").as_array().size(), TickLoop::kMaxRecords);
-  EXPECT_LT(boost::json::serialize(facts).size(), 100'000u);
 }
 
 TEST(DurationHistogramTest, BucketsCoverAllDurationsWithoutGapsOrOverlaps) {

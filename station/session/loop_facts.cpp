@@ -1,4 +1,4 @@
-#include "station/loop/loop_facts.h"
+#include "station/session/loop_facts.h"
 
 #include <boost/json.hpp>
 

@@ -1,0 +1,76 @@
+#include "station/session/loop_facts.h"
+
+#include <gtest/gtest.h>
+
+#include <boost/json.hpp>
+
+#include "common/scene/builtin.h"
+#include "common/scene/plan.h"
+
+namespace enamel::station {
+namespace {
+
+class HeldDevice final : public Device {
+ public:
+  std::string Name() const override { return "held"; }
+  DeviceSample ReadSample() noexcept override { return sample; }
+  void SendForce(const dvec3&) noexcept override {}
+
+  DeviceSample sample;
+};
+
+class LoopFactsTest : public testing::Test {
+ protected:
+  LoopFactsTest() {
+    auto built = scene::BuildBuiltinScene("block", 500'000);
+    EXPECT_TRUE(built.ok());
+    auto params = scene::CompilePlan(built->scene, scene::ClassOneExercise(built->scene, {}),
+                                     scene::BuiltinProfiles()[1]);
+    EXPECT_TRUE(params.ok()) << params.status().message();
+    params_ = *params;
+    params_.soft_start_ticks = 1;
+    volume_ = std::move(built->volume);
+    device_.sample.buttons = kPedal;
+  }
+
+  core::CoreParams params_;
+  cutting::Volume volume_;
+  HeldDevice device_;
+};
+
+TEST_F(LoopFactsTest, HaveEachFaultWithItsTicksAndTheTimeThatPassed) {
+  core::Core core(params_, volume_);
+  SampleRing ring(4000);
+  TickLoop loop(device_, core, ring, {1000, false, true});
+  for (int i = 0; i < 100; ++i) loop.Tick();
+  loop.Tick(0.0073);
+  LoopCounters counters = loop.snapshot().counters;
+  auto facts = LoopFacts(loop, counters, device_);
+  EXPECT_EQ(facts.at("ticks"), counters.ticks);
+  EXPECT_EQ(facts.at("skipped_ticks"), 7u);
+  ASSERT_EQ(facts.at("faults").as_array().size(), 1u);
+  const auto& fault = facts.at("faults").as_array()[0].as_object();
+  EXPECT_EQ(fault.at("why"), FaultText(Fault::kLateOnce));
+  ASSERT_EQ(fault.at("ticks").as_array().size(), FaultRecord::kTicks);
+  const auto& last = fault.at("ticks").as_array().back().as_object();
+  EXPECT_NEAR(last.at("late_us").as_double(), 7300, 1e-6);
+  EXPECT_EQ(last.at("gap_ticks"), 7u);
+  // As large as it gets.
+  for (int fault_count = 0; fault_count < 20; ++fault_count) {
+    device_.sample.counts = {INT32_MIN, INT32_MIN, 0};
+    device_.sample.buttons = 0;
+    for (int i = 0; i < 70; ++i) loop.Tick();
+    device_.sample.buttons = kPedal;
+    loop.Tick();
+    loop.Tick(0.0061234567);
+    Sample s;
+    while (ring.Pop(s)) {
+    }
+  }
+  facts = LoopFacts(loop, loop.snapshot().counters, device_);
+  EXPECT_EQ(facts.at("faults").as_array().size(), TickLoop::kMaxRecords);
+  EXPECT_LT(boost::json::serialize(facts).size(), 100'000u);
+}
+
+}  // namespace
+}  // namespace enamel::station
