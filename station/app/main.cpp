@@ -245,12 +245,7 @@ int main(int argc, char** argv) {
                        "Play a person's part from this file (station/desk/script.h)");
   auto open_desk = [&] {
     open.workplace = place.Options();
-    if (!size.empty()) {
-      open.full_screen = false;
-      if (std::sscanf(size.c_str(), "%dx%d", &open.width_px, &open.height_px) != 2) {
-        return Status(Code::kInvalidInput, "--window: expected WIDTHxHEIGHT, found " + size);
-      }
-    }
+    if (open_cmd->count("--window") > 0) ENAMEL_RETURN_IF_ERROR(desk::SetWindowSize(size, open));
     return desk::RunDesk(open);
   };
   open_cmd->callback([&] { exit_code = Finish(open_desk()); });

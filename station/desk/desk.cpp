@@ -1,9 +1,11 @@
 #include "station/desk/desk.h"
 
 #include <algorithm>
+#include <charconv>
 #include <csignal>
 #include <optional>
 #include <stdexcept>
+#include <string_view>
 
 #include "station/desk/operator_panel.h"
 #include "station/desk/pages.h"
@@ -42,7 +44,8 @@ class Desk {
         ui_(screen),
         flow_(workplace, {options.simulated, options.device, 60 * options.idle_minutes,
                           options.profile, options.cpu}),
-        pages_(ui_, flow_, workplace.credentials().name) {
+        pages_(ui_, flow_, workplace.credentials().name),
+        station_(workplace) {
     if (options.sound) speaker_.emplace();
   }
 
@@ -64,7 +67,7 @@ class Desk {
     Sound();
     bool end = pages_.Draw();
     if (panel_) {
-      DrawOperatorPanel(flow_, screen_, times_, quality(), governor_.budget_s());
+      DrawOperatorPanel(flow_, station_, screen_, times_, quality(), governor_.budget_s());
     }
     screen_.End(picture);
     Measure();
@@ -168,12 +171,39 @@ class Desk {
   Ui ui_;
   Workflow flow_;
   Pages pages_;
+  StationWatch station_;
   std::optional<sound::Speaker> speaker_;
   bool panel_ = false;
   Clock::time_point last_ = Clock::now();
 };
 
+// Of one side of the window; neither more nor fewer digits than make a size.
+bool ReadSide(std::string_view text, int at_least, int& out) {
+  const char* end = text.data() + text.size();
+  auto [stopped, error] = std::from_chars(text.data(), end, out);
+  return error == std::errc() && stopped == end && out >= at_least && out <= 16384;
+}
+
 }  // namespace
+
+Status SetWindowSize(const std::string& text, DeskOptions& options) {
+  constexpr int kLeastWidth = 320, kLeastHeight = 200;
+  const std::string_view all = text;
+  const size_t by = all.find('x');
+  int width = 0, height = 0;
+  if (by == all.npos || !ReadSide(all.substr(0, by), kLeastWidth, width) ||
+      !ReadSide(all.substr(by + 1), kLeastHeight, height)) {
+    return Status(Code::kInvalidInput,
+                  "--window: expected WIDTHxHEIGHT in pixels, from 320x200 to 16384x16384, as "
+                  "1280x720; found '" +
+                      text + "'",
+                  "window");
+  }
+  options.full_screen = false;
+  options.width_px = width;
+  options.height_px = height;
+  return Status::Ok();
+}
 
 Status RunDesk(const DeskOptions& options) {
   if (!options.quality.empty() && render::FindQuality(options.quality) == nullptr) {

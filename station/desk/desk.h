@@ -24,6 +24,9 @@ struct DeskOptions {
   std::filesystem::path script;  // plays a person's part (script.h); empty: nobody's
 };
 
+// "1280x720": instead of the full screen. Errors: kInvalidInput.
+Status SetWindowSize(const std::string& text, DeskOptions& options);
+
 // Until the person closes the window. Errors: kUnavailable without a display, the credentials' and
 // the spool's, a script's that did not find what it expected.
 Status RunDesk(const DeskOptions& options);

@@ -9,6 +9,8 @@
 namespace enamel::station::desk {
 namespace {
 
+constexpr float kColumn = 570;  // pixels of a picture 1080 high
+
 double Us(double ns) { return ns * 1e-3; }
 
 void Head(const char* text) {
@@ -32,7 +34,7 @@ void Lateness(const DurationHistogram& lateness, float px) {
     bars.push_back(static_cast<float>(std::sqrt(share)));
   }
   ImGui::PlotHistogram("##late", bars.data(), static_cast<int>(bars.size()), 0, "1 us … 16 ms", 0,
-                       1, {580 * px, 46 * px});
+                       1, {kColumn * px, 46 * px});
 }
 
 void Loop(RunningAttempt& run, uint32_t rate_hz, float px) {
@@ -58,25 +60,46 @@ void DeviceFacts(const Device& device) {
   ImGui::Text("write errors %llu   unplugged %llu", n(c.write_errors), n(c.detached));
 }
 
-void Network(Workflow& flow) {
-  Head("Network");
+void Station(Workflow& flow, StationWatch& station) {
+  Head("Station");
   const Credentials& credentials = flow.workplace().credentials();
   ImGui::Text("%s:%u   %s", credentials.server.host.c_str(), unsigned{credentials.server.port},
               flow.workplace().person() ? "signed in" : "nobody signed in");
-  if (flow.stage() == nullptr || flow.stage()->run() == nullptr) return;
-  Uploader::State up = flow.upload();
-  ImGui::Text("%s   %u of %u chunks committed%s", up.reachable ? "reachable" : "AWAY", up.committed,
-              flow.chunks(), up.sealed ? "   sealed" : "");
-  if (!up.problem.ok()) ImGui::TextWrapped("%s", up.problem.message().c_str());
+  if (const auto& facts = station.Look(Workflow::Clock::now())) {
+    for (const std::string& line : Lines(*facts)) ImGui::TextWrapped("%s", line.c_str());
+  }
+  ImGui::TextWrapped("%s", flow.workplace().spool().file().c_str());
 }
 
-void SpoolFacts(Workflow& flow) {
-  Head("Spool");
-  ImGui::TextWrapped("%s", flow.workplace().spool().file().c_str());
-  if (flow.stage() == nullptr || flow.stage()->run() == nullptr) return;
+void Recording(Workflow& flow) {
+  Head("Recording");
   RunningAttempt::Recording r = flow.stage()->run()->recording();
+  Uploader::State up = flow.upload();
   ImGui::Text("%u chunks, %llu ticks durable", r.chunks, static_cast<unsigned long long>(r.ticks));
+  ImGui::Text("%u chunks on the server%s", up.committed, up.sealed ? "   sealed" : "");
   if (!r.problem.ok()) ImGui::TextWrapped("%s", r.problem.message().c_str());
+  if (up.gave_up) ImGui::TextWrapped("%s", up.problem.message().c_str());
+}
+
+void Attempt(Workflow& flow, float px) {
+  Stage& stage = *flow.stage();
+  if (stage.run() != nullptr) Loop(*stage.run(), stage.prepared().header.params.rate_hz, px);
+  DeviceFacts(stage.device());
+  if (stage.run() != nullptr) Recording(flow);
+}
+
+void Pictures(const render::Screen& screen, const PictureTimes& times,
+              const render::Quality& quality, double budget_s) {
+  Head("Pictures");
+  ImGui::Text("p50 %.1f   p95 %.1f ms   budget here %.1f ms", times.Quantile_ms(0.5),
+              times.Quantile_ms(0.95), 1e3 * budget_s);
+  ImGui::Text("fit for 60 a second (16.7 ms): %.0f %%", 100 * times.ShareWithin(1.0 / 60));
+  ImGui::PlotLines("##pictures", times.ms().data(), static_cast<int>(PictureTimes::kCount),
+                   static_cast<int>(times.first()), nullptr, 0, static_cast<float>(2e3 * budget_s),
+                   {kColumn * screen.fonts().scale, 46 * screen.fonts().scale});
+  ImGui::Text("quality %s   %d x %d", std::string(quality.name).c_str(), screen.width(),
+              screen.height());
+  ImGui::TextWrapped("%s", screen.renderer().c_str());
 }
 
 }  // namespace
@@ -96,12 +119,13 @@ double PictureTimes::ShareWithin(double seconds) const {
          static_cast<double>(std::max<size_t>(1, std::min(next_, kCount)));
 }
 
-void DrawOperatorPanel(Workflow& flow, const render::Screen& screen, const PictureTimes& times,
-                       const render::Quality& quality, double budget_s) {
-  float px = screen.fonts().scale;
+void DrawOperatorPanel(Workflow& flow, StationWatch& station, const render::Screen& screen,
+                       const PictureTimes& times, const render::Quality& quality, double budget_s) {
+  const float px = screen.fonts().scale;
+  const int columns = flow.stage() != nullptr ? 2 : 1;
   ImGui::SetNextWindowPos({static_cast<float>(screen.width()) - 20 * px, 20 * px}, ImGuiCond_Always,
                           {1, 0});
-  ImGui::SetNextWindowSize({620 * px, 0});
+  ImGui::SetNextWindowSize({(static_cast<float>(columns) * (kColumn + 24) + 48) * px, 0});
   ImGui::PushFont(screen.fonts().near);
   ImGui::SetNextWindowFocus();
   ImGui::PushStyleColor(ImGuiCol_WindowBg, ImVec4{0.05f, 0.06f, 0.07f, 0.95f});
@@ -109,22 +133,16 @@ void DrawOperatorPanel(Workflow& flow, const render::Screen& screen, const Pictu
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoSavedSettings |
                    ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_AlwaysAutoResize);
   ImGui::Text("Operator panel   F1 closes it");
-  if (Stage* stage = flow.stage(); stage != nullptr) {
-    if (stage->run() != nullptr) Loop(*stage->run(), stage->prepared().header.params.rate_hz, px);
-    DeviceFacts(stage->device());
+  if (ImGui::BeginTable("columns", columns)) {
+    if (columns == 2) {
+      ImGui::TableNextColumn();
+      Attempt(flow, px);
+    }
+    ImGui::TableNextColumn();
+    Station(flow, station);
+    Pictures(screen, times, quality, budget_s);
+    ImGui::EndTable();
   }
-  Network(flow);
-  SpoolFacts(flow);
-  Head("Pictures");
-  ImGui::Text("p50 %.1f   p95 %.1f ms   budget here %.1f ms", times.Quantile_ms(0.5),
-              times.Quantile_ms(0.95), 1e3 * budget_s);
-  ImGui::Text("fit for 60 a second (16.7 ms): %.0f %%", 100 * times.ShareWithin(1.0 / 60));
-  ImGui::PlotLines("##pictures", times.ms().data(), static_cast<int>(PictureTimes::kCount),
-                   static_cast<int>(times.first()), nullptr, 0, static_cast<float>(2e3 * budget_s),
-                   {580 * px, 46 * px});
-  ImGui::Text("quality %s   %d x %d", std::string(quality.name).c_str(), screen.width(),
-              screen.height());
-  ImGui::TextWrapped("%s", screen.renderer().c_str());
   ImGui::End();
   ImGui::PopStyleColor();
   ImGui::PopFont();

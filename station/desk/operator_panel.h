@@ -3,6 +3,7 @@
 #include <array>
 #include <string>
 
+#include "station/desk/station_facts.h"
 #include "station/desk/workflow.h"
 #include "station/render/quality.h"
 #include "station/render/screen.h"
@@ -25,8 +26,10 @@ class PictureTimes {
   size_t next_ = 0;
 };
 
-// F1: what an operator asks when something is wrong. Loop, device, network, spool, pictures.
-void DrawOperatorPanel(Workflow& flow, const render::Screen& screen, const PictureTimes& times,
-                       const render::Quality& quality, double budget_s);
+// F1: what an operator asks when something is wrong. Station and pictures; once there is a device
+// also that, loop and recording, in a second column, so that all of it is on a screen of 1280 x
+// 720.
+void DrawOperatorPanel(Workflow& flow, StationWatch& station, const render::Screen& screen,
+                       const PictureTimes& times, const render::Quality& quality, double budget_s);
 
 }  // namespace enamel::station::desk

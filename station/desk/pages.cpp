@@ -56,6 +56,11 @@ std::string CutOffText(const SpooledAttempt& attempt, int64_t now_unix_ms) {
          SpanText(now_unix_ms - attempt.created_unix_ms) + " ago";
 }
 
+std::string HandedInText(const SpooledAttempt& attempt, int64_t now_unix_ms) {
+  return std::string(attempt.complete() ? "Handed in" : "Not all of it is on the server yet") +
+         ", made " + SpanText(now_unix_ms - attempt.created_unix_ms) + " ago on " + attempt.profile;
+}
+
 std::string ReservedText(const ReservedAttempt& reserved, int64_t now_unix_ms) {
   return reserved.ticket.person + ", on " + reserved.ticket.profile + ", " +
          SpanText(reserved.ticket.expires_unix_ms - now_unix_ms) + " left";
@@ -196,6 +201,12 @@ void Pages::Exercises() {
   for (size_t i = 0; i < all.size(); ++i) {
     std::string detail = AssignmentText(all[i], NowUnixMs());
     if (ui_.Row(all[i].title, detail, all[i].exam ? "EXAM" : "")) flow_.ChooseExercise(i);
+  }
+  for (size_t i = 0; i < flow_.handed_in().size(); ++i) {
+    const SpooledAttempt& attempt = flow_.handed_in()[i];
+    if (ui_.Row("Result: " + flow_.TitleOf(attempt), HandedInText(attempt, NowUnixMs()), "LOOK")) {
+      flow_.OpenHandedIn(i);
+    }
   }
   if (all.empty() && !flow_.busy()) {
     ui_.Text("There is nothing for you here yet. An instructor assigns exercises to your cohort.");
@@ -409,7 +420,7 @@ void Pages::Running() {
 }
 
 void Pages::Paused() {
-  ui_.BeginDialog("paused", "Paused");
+  ui_.BeginDialog("paused", "Paused", Ui::Space::kIsThePedal);
   ui_.Text("The bur is off. The clock and the recording go on.");
   ui_.Gap(12);
   if (ui_.Button("Go on", Ui::Look::kMain) || ui_.escape()) flow_.CloseDialog();
@@ -421,17 +432,17 @@ void Pages::Paused() {
 }
 
 void Pages::AskFinish() {
-  ui_.BeginDialog("finish", "Finish and hand in?");
+  ui_.BeginDialog("finish", "Finish and hand in?", Ui::Space::kIsThePedal);
   ui_.Text("It is scored as it is now; afterwards nothing can be changed.");
   ui_.Gap(12);
-  if (ui_.Button("Hand in", Ui::Look::kMain)) flow_.EndAttempt();
-  ui_.SameLine();
   if (ui_.Button("Go on cutting") || ui_.escape()) flow_.CloseDialog();
+  ui_.SameLine();
+  if (ui_.Button("Hand in", Ui::Look::kMain)) flow_.EndAttempt();
   ui_.EndDialog();
 }
 
 void Pages::AskGiveUp() {
-  ui_.BeginDialog("give-up", "Give up this attempt?");
+  ui_.BeginDialog("give-up", "Give up this attempt?", Ui::Space::kIsThePedal);
   ui_.Text("What was cut so far is kept and counts as an attempt. It cannot be taken back.");
   ui_.Gap(12);
   if (ui_.Button("Go on cutting", Ui::Look::kMain) || ui_.escape()) flow_.CloseDialog();
@@ -468,6 +479,10 @@ void Pages::HandIn() {
   if (ui_.Button("Do not wait", Ui::Look::kPlain, may_leave) || (may_leave && ui_.escape())) {
     flow_.LeaveHandIn();
   }
+  if (!up.reachable) {
+    ui_.SameLine();
+    if (ui_.Button("Try again now")) flow_.TryAgainNow();
+  }
   ui_.End();
 }
 
@@ -487,8 +502,7 @@ void Pages::Score(const scoring::ScoreResult& score) {
 
 void Pages::Result() {
   ui_.Begin("result", kWide);
-  const Stage* stage = flow_.stage();
-  ui_.Title(stage != nullptr ? stage->prepared().exercise.title : "Result");
+  ui_.Title(flow_.result_title());
   ui_.Problem(flow_.problem());
   const auto& progress = flow_.progress();
   if (flow_.score()) {
@@ -504,6 +518,10 @@ void Pages::Result() {
     ui_.Large("Handed in, no score yet");
     ui_.Text("The server has the recording. It says: " + progress->problem + ".");
     ui_.Note("Nothing is lost. Tell your instructor when it should have been scored.");
+  } else if (progress && (progress->state == "ticketed" || progress->state == "recording")) {
+    ui_.Gap();
+    ui_.Large("On its way to the server");
+    ui_.Text("The recording is safe on this station and is sent; the score follows by itself.");
   } else {
     ui_.Gap();
     ui_.Bar("The server cuts the tooth again from the recording and scores it",

@@ -60,6 +60,8 @@ std::string AssignmentText(const Catalogue::Exercise& exercise, int64_t now_unix
 
 // Of one that was cut off: "12 parts recorded on omega3, begun 3 hours ago".
 std::string CutOffText(const SpooledAttempt& attempt, int64_t now_unix_ms);
+// Of one that was handed in: "Handed in, made 5 minutes ago on pointer".
+std::string HandedInText(const SpooledAttempt& attempt, int64_t now_unix_ms);
 // "Ada on omega3, 11 hours left": of a ticket taken before.
 std::string ReservedText(const ReservedAttempt& reserved, int64_t now_unix_ms);
 

@@ -128,9 +128,12 @@ bool Script::Take(const Line& line, Screen& screen, const Ui& ui, Workflow& flow
   return true;
 }
 
-bool Script::Click(const std::string& label, Screen& screen, const Ui& ui) {
+bool Script::Click(const std::string& rest, Screen& screen, const Ui& ui) {
+  auto mark = rest.rfind(" #");
+  int nth = mark == std::string::npos ? 1 : std::atoi(rest.c_str() + mark + 2);
+  const std::string label = nth > 0 ? rest.substr(0, mark) : rest;
   for (const Choice& choice : ui.choices()) {
-    if (!choice.label.starts_with(label)) continue;
+    if (!choice.label.starts_with(label) || --nth > 0) continue;
     screen.Inject(InputEvent::Cursor(0.5 * (choice.at.x0 + choice.at.x1),
                                      0.5 * (choice.at.y0 + choice.at.y1)));
     Hold(screen, "Left", true);

@@ -15,7 +15,8 @@ namespace enamel::station::desk {
 //                      "exercises", "exercise", "ready", "running", "hand-in", "result"; "paused",
 //                      "finish", "give-up", "reference", "reserve", "pin", "cut-off", "close")
 //   see WORDS          waits until these words are on it
-//   click LABEL        the left button on the choice whose label begins so, once it is there
+//   click LABEL        the left button on the choice whose label begins so, once it is there;
+//                      LABEL #2: on the second of them
 //   type TEXT          writes it, letter by letter
 //   key NAME           Tab, Enter, Escape, Space, Up, Down, F1, or a letter; pressed and let go
 //   hold NAME / let NAME      a key, or Left / Right for a mouse button
@@ -50,7 +51,7 @@ class Script {
   };
   // True when the step has been taken.
   bool Take(const Line& line, render::Screen& screen, const Ui& ui, Workflow& flow);
-  bool Click(const std::string& label, render::Screen& screen, const Ui& ui);
+  bool Click(const std::string& rest, render::Screen& screen, const Ui& ui);
   bool Move(const std::string& rest, render::Screen& screen);
   bool Type(const std::string& text, render::Screen& screen);
   bool Waits(const Line& line, const Ui& ui);

@@ -38,7 +38,7 @@ void Ui::ReadKeys() {
   choose_ = escape_ = false;
   for (const InputEvent& event : screen_.events()) {
     if (event.kind != InputEvent::Kind::kKey || !event.pressed) continue;
-    bool writing = focus_ < shown_.size() && shown_[focus_].field;
+    bool once = !event.repeat, writing = focus_ < shown_.size() && shown_[focus_].field;
     switch (event.code) {
       case render::kKeyTab:
         step_ += event.mods & render::kModShift ? -1 : 1;
@@ -57,13 +57,13 @@ void Ui::ReadKeys() {
         break;
       case render::kKeyEnter:
       case render::kKeyPadEnter:
-        choose_ = true;
+        choose_ |= once;
         break;
       case render::kKeySpace:
-        choose_ |= !writing;
+        choose_ |= once && !writing && spaced_;
         break;
       case render::kKeyEscape:
-        escape_ = true;
+        escape_ |= once;
         break;
       default:
         break;
@@ -120,12 +120,14 @@ void Ui::End() {
 bool Ui::pressed(int key) const {
   if (blocked_) return false;
   for (const InputEvent& event : screen_.events()) {
-    if (event.kind == InputEvent::Kind::kKey && event.pressed && event.code == key) return true;
+    if (event.kind != InputEvent::Kind::kKey || event.repeat) continue;
+    if (event.pressed && event.code == key) return true;
   }
   return false;
 }
 
 void Ui::EndFrame() {
+  if (!dialog_) spaced_ = true;
   if (dialog_before_ && !dialog_) page_.clear();  // the page below begins anew in the next frame
   shown_ = choices_;
   shown_page_ = page_;
@@ -133,9 +135,10 @@ void Ui::EndFrame() {
   count_before_ = count_;
 }
 
-void Ui::BeginDialog(const std::string& name, const std::string& title) {
+void Ui::BeginDialog(const std::string& name, const std::string& title, Space space) {
   bool first = !dialog_before_;
   dialog_ = true;
+  spaced_ = space == Space::kChooses;
   blocked_ = false;
   by_keys_ = true;
   if (first) {
@@ -255,7 +258,10 @@ bool Ui::Row(const std::string& title, const std::string& detail, const std::str
   ImGui::SetCursorPosX(ImGui::GetCursorPosX() + inset);
   float width = ImGui::GetContentRegionAvail().x - inset;
   PushButtonColours(chosen_row ? kChosenRow : kRow);
+  // Of rows with the same title each is its own.
+  ImGui::PushID(static_cast<int>(std::ranges::count(choices_, title, &Choice::label)));
   bool chosen = ImGui::Button(("##" + title).c_str(), {width, height});
+  ImGui::PopID();
   ImGui::PopStyleColor(3);
   Focused focus = Next(title);
   Listed(title, false);

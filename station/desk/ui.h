@@ -30,11 +30,15 @@ struct Choice {
 //   ui.EndFrame();
 //
 // Everything that can be chosen takes part in one round of Tab (arrow keys too) and shows when it
-// has the focus; Enter or the space bar chooses it. The focus starts at a page's first choice.
+// has the focus; Enter or the space bar chooses it, once for each time it goes down. The focus
+// starts at a page's first choice.
 // Sizes are in pixels of a picture 1080 high and scaled. Not thread-safe.
 class Ui {
  public:
   enum class Look { kPlain, kMain, kDanger };
+  // In dialogs over a running attempt the space bar is the bur's pedal: a foot that comes down on
+  // it must not choose.
+  enum class Space { kChooses, kIsThePedal };
 
   explicit Ui(render::Screen& screen) : screen_(screen) {}
 
@@ -49,7 +53,8 @@ class Ui {
   void Begin(const std::string& name) { Begin(name, Page()); }
   void End();
   // A page over the page, after its End; nothing of that one can be chosen meanwhile.
-  void BeginDialog(const std::string& name, const std::string& title);
+  void BeginDialog(const std::string& name, const std::string& title,
+                   Space space = Space::kChooses);
   void EndDialog();
   void EndFrame();
 
@@ -62,7 +67,8 @@ class Ui {
   void SameLine();
   // True when chosen.
   bool Button(const std::string& label, Look look = Look::kPlain, bool enabled = true);
-  // One line of a list: a title, words under it, words at the right. True when chosen.
+  // One line of a list: a title, words under it, words at the right. True when chosen. Rows may
+  // have the same title.
   bool Row(const std::string& title, const std::string& detail, const std::string& right,
            bool chosen = false);
   bool Check(const std::string& label, bool& value);
@@ -114,6 +120,7 @@ class Ui {
   size_t focus_ = 0, count_ = 0, count_before_ = 0;
   int step_ = 0;  // of the focus, by keys
   bool choose_ = false, escape_ = false, moved_ = false, by_keys_ = true;
+  bool spaced_ = true;  // the space bar chooses
 };
 
 }  // namespace enamel::station::desk

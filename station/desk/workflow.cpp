@@ -1,6 +1,7 @@
 #include "station/desk/workflow.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "station/loop/realtime.h"
 #include "station/sdk/open_sdk_device.h"
@@ -10,6 +11,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
+constexpr size_t kResultsListed = 5;
 constexpr milliseconds kLookEvery{400};  // at what the server makes of an attempt
 
 double Seconds(Workflow::Clock::duration d) { return std::chrono::duration<double>(d).count(); }
@@ -21,9 +23,12 @@ Workflow::Workflow(Workplace& workplace, WorkflowOptions options)
   LookForReserved();
 }
 
+Workflow::~Workflow() { workplace_.SignOut(); }
+
 void Workflow::Go(Place place) {
   place_ = place;
   dialog_ = Dialog::kNone;
+  once_free_ = {};
   problem_.clear();
   notice_.clear();
 }
@@ -33,7 +38,12 @@ void Workflow::Fail(const Status& status) {
   bool signed_in = !offline_ && (place_ == Place::kExercises || place_ == Place::kExercise ||
                                  place_ == Place::kReady || place_ == Place::kResult);
   if (signed_in && status.code() == Code::kUnauthenticated && !workplace_.person()) {
-    return SignOut("The connection to the server was lost. Sign in again; no recording is lost.");
+    const Shown shown = place_ == Place::kResult ? result_ : Shown{};
+    SignOut(shown.attempt.IsZero()
+                ? "The connection to the server was lost. Sign in again; no recording is lost."
+                : "The connection to the server was lost. Sign in again to see the result.");
+    come_back_to_ = shown;
+    return;
   }
   problem_ = status.message();
 }
@@ -41,6 +51,7 @@ void Workflow::Fail(const Status& status) {
 void Workflow::Tick(Clock::time_point now, bool active) {
   if (active) active_at_ = now;
   errand_.Poll();
+  FreeAgain();
   switch (place_) {
     case Place::kReady:
       CheckDevice(now);
@@ -75,23 +86,29 @@ void Workflow::SignIn(const std::string& login, const std::string& password) {
     auto person = workplace_.SignIn(login, password);
     if (!person.ok()) return [this, s = person.status()] { Fail(s); };
     auto catalogue = workplace_.Exercises();
-    auto cut_off = workplace_.UnfinishedOf(person->id);
-    return [this, p = *person, c = std::move(catalogue), u = std::move(cut_off)] {
+    return [this, p = *person, c = std::move(catalogue), k = KeptOf(person->id)] {
       person_ = p;
       Go(Place::kExercises);
-      TakeExercises(c, u);
+      TakeExercises(c, k);
+      const Shown shown = std::exchange(come_back_to_, {});
+      if (!shown.attempt.IsZero() && shown.person == p.id) ShowResult(shown);
     };
   });
 }
 
+Workflow::Kept Workflow::KeptOf(const Uuid& person) {
+  return {workplace_.UnfinishedOf(person), workplace_.HandedInOf(person, kResultsListed)};
+}
+
 void Workflow::SignOut(const std::string& why) {
-  if (busy()) errand_.Forget();
+  workplace_.SignOut();
   LeaveStage();
   preview_.reset();
-  workplace_.SignOut();
   person_ = {};
   catalogue_ = {};
   cut_off_.clear();
+  handed_in_.clear();
+  result_ = come_back_to_ = {};
   offline_ = false;
   Go(Place::kSignIn);
   LookForReserved();
@@ -103,15 +120,15 @@ void Workflow::Refresh() {
   problem_.clear();
   errand_.Start("Asking for the exercises", [this, id = person_.id]() -> Errand::After {
     auto catalogue = workplace_.Exercises();
-    auto cut_off = workplace_.UnfinishedOf(id);
-    return [this, c = std::move(catalogue), u = std::move(cut_off)] { TakeExercises(c, u); };
+    return [this, c = std::move(catalogue), k = KeptOf(id)] { TakeExercises(c, k); };
   });
 }
 
-void Workflow::TakeExercises(Result<Catalogue> catalogue,
-                             Result<std::vector<SpooledAttempt>> cut_off) {
-  if (cut_off.ok()) cut_off_ = std::move(*cut_off);
-  if (!cut_off.ok()) Fail(cut_off.status());
+void Workflow::TakeExercises(Result<Catalogue> catalogue, Kept kept) {
+  if (kept.cut_off.ok()) cut_off_ = std::move(*kept.cut_off);
+  if (!kept.cut_off.ok()) Fail(kept.cut_off.status());
+  if (kept.handed_in.ok()) handed_in_ = std::move(*kept.handed_in);
+  if (!kept.handed_in.ok()) Fail(kept.handed_in.status());
   if (!catalogue.ok()) return Fail(catalogue.status());
   catalogue_ = std::move(*catalogue);
 }
@@ -230,13 +247,14 @@ void Workflow::ToStage(std::unique_ptr<Device> attached) {
 }
 
 void Workflow::TakeTicket() {
-  errand_.Start("Asking for the ticket", [this]() -> Errand::After {
-    Status taken = workplace_.TakeTicket(stage_->prepared(), as_reference_);
-    return [this, taken] {
-      ticketed_ = taken.ok();
-      if (!ticketed_) LeaveStageFor(taken);
-    };
-  });
+  errand_.Start("Asking for the ticket",
+                [this, stage = stage_.get(), reference = as_reference_]() -> Errand::After {
+                  Status taken = workplace_.TakeTicket(stage->prepared(), reference);
+                  return [this, taken] {
+                    ticketed_ = taken.ok();
+                    if (!ticketed_) LeaveStageFor(taken);
+                  };
+                });
 }
 
 // The ticket is taken last: the server waits for the attempt from then on. A simulated hand's time
@@ -273,8 +291,8 @@ void Workflow::EndAttempt() {
   if (busy() || joined_ || !stage_ || stage_->run() == nullptr) return;
   Go(Place::kHandIn);
   stage_->run()->End();
-  errand_.Start("Closing the recording", [this]() -> Errand::After {
-    auto seal = stage_->run()->Join();
+  errand_.Start("Closing the recording", [this, run = stage_->run()]() -> Errand::After {
+    auto seal = run->Join();
     return [this, s = seal.status()] {
       joined_ = true;
       recorded_ = s.ok();
@@ -302,8 +320,30 @@ void Workflow::GiveUpRecording() {
 void Workflow::WatchUpload() {
   if (!joined_ || !upload().sealed) return;
   if (offline_) return SignOut("Handed in. Sign in to see what it is worth.");
+  ShowResult({person_.id, stage_->prepared().attempt(), stage_->prepared().exercise.title});
+}
+
+void Workflow::ShowResult(Shown shown) {
+  result_ = std::move(shown);
+  marked_ = held_back_ = false;
+  progress_.reset();
+  score_.reset();
+  next_look_ = {};
   Go(Place::kResult);
 }
+
+// What was chosen for it is chosen again by "Another try".
+void Workflow::OpenHandedIn(size_t index) {
+  if (busy() || index >= handed_in_.size()) return;
+  const SpooledAttempt& attempt = handed_in_[index];
+  auto found =
+      std::ranges::find(catalogue_.exercises, attempt.exercise, &Catalogue::Exercise::name);
+  chosen_ = found == catalogue_.exercises.end() ? Catalogue::Exercise{} : *found;
+  way_ = Way::kTicket;
+  ShowResult({person_.id, attempt.id, TitleOf(attempt)});
+}
+
+void Workflow::TryAgainNow() { workplace_.uploader().Retry(); }
 
 void Workflow::LeaveHandIn() {
   if (!joined_) return;
@@ -324,9 +364,9 @@ void Workflow::Take(const AttemptProgress& progress) {
 void Workflow::WatchScore(Clock::time_point now) {
   bool over = progress_ && (progress_->state == "scored" || progress_->state == "failed" ||
                             progress_->state == "quarantined");
-  if (over || busy() || now < next_look_ || !stage_) return;
+  if (over || busy() || now < next_look_) return;
   next_look_ = now + kLookEvery;
-  errand_.Start("Scoring", [this, attempt = stage_->prepared().attempt()]() -> Errand::After {
+  errand_.Start("Scoring", [this, attempt = result_.attempt]() -> Errand::After {
     auto progress = workplace_.Progress(attempt);
     return [this, p = std::move(progress)] {
       if (p.ok()) {
@@ -345,17 +385,30 @@ void Workflow::Open(Dialog dialog) {
 }
 
 void Workflow::LeaveStage() {
-  if (busy()) {
-    // It may use the stage: its outcome is not wanted, its end is waited for.
-    errand_.Forget();
-    while (errand_.busy()) {
-      std::this_thread::sleep_for(milliseconds(2));
-      errand_.Poll();
-    }
-  }
-  workplace_.HandBackUnused();
-  stage_.reset();
   stillness_.reset();
+  if (busy()) {
+    errand_.Forget();
+    if (stage_) left_ = std::move(stage_);
+    return;
+  }
+  stage_.reset();
+  workplace_.HandBackUnused();
+}
+
+// The outcome of the errand under way, if any, is not wanted; then the step.
+void Workflow::WhenFree(std::function<void()> step) {
+  if (!busy()) return step();
+  errand_.Forget();
+  once_free_ = std::move(step);
+}
+
+void Workflow::FreeAgain() {
+  if (busy()) return;
+  if (left_) {
+    left_.reset();
+    workplace_.HandBackUnused();
+  }
+  if (once_free_) std::exchange(once_free_, {})();
 }
 
 // Back to where it was chosen.
@@ -382,7 +435,8 @@ void Workflow::AnotherTry() {
   };
   auto found = std::ranges::find_if(catalogue_.exercises, same);
   if (found == catalogue_.exercises.end()) return ToExercises();
-  ChooseExercise(static_cast<size_t>(found - catalogue_.exercises.begin()));
+  const auto index = static_cast<size_t>(found - catalogue_.exercises.begin());
+  WhenFree([this, index] { ChooseExercise(index); });
 }
 
 void Workflow::OpenCutOff(size_t index) {
@@ -449,7 +503,6 @@ void Workflow::LookForReserved() {
 }
 
 void Workflow::ToReserved() {
-  if (busy()) return;
   Go(Place::kReserved);
   LookForReserved();
 }
@@ -499,22 +552,21 @@ void Workflow::ToExercises() {
   LeaveStage();
   preview_.reset();
   Go(Place::kExercises);
-  Refresh();
+  WhenFree([this] { Refresh(); });
 }
 
 void Workflow::MarkReference(const std::string& dentist, bool consent) {
-  if (busy() || !stage_) return;
+  if (busy() || place_ != Place::kResult) return;
   problem_.clear();
-  errand_.Start(
-      "Marking the reference",
-      [this, dentist, consent, attempt = stage_->prepared().attempt()]() -> Errand::After {
-        Status marked = workplace_.MarkReference(attempt, dentist, consent);
-        return [this, marked] {
-          if (!marked.ok()) return Fail(marked);
-          marked_ = true;
-          CloseDialog();
-        };
-      });
+  errand_.Start("Marking the reference",
+                [this, dentist, consent, attempt = result_.attempt]() -> Errand::After {
+                  Status marked = workplace_.MarkReference(attempt, dentist, consent);
+                  return [this, marked] {
+                    if (!marked.ok()) return Fail(marked);
+                    marked_ = true;
+                    CloseDialog();
+                  };
+                });
 }
 
 void Workflow::Back() {
@@ -528,11 +580,10 @@ void Workflow::Back() {
     case Place::kReserved:
       return SignOut();
     case Place::kReady:
-      if (busy()) return;  // it begins by itself
       LeaveStage();
       if (way_ != Way::kTicket) return offline_ ? ToReserved() : ToExercises();
       Go(Place::kExercise);
-      return LookForDevices();
+      return WhenFree([this] { LookForDevices(); });
     case Place::kRunning:
       return Open(Dialog::kPaused);
     case Place::kResult:

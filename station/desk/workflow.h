@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -37,13 +38,17 @@ struct WorkflowOptions {
 // Where a person is on the way from sign-in to result, and the steps from there. The pages draw
 // what is here and call the steps; steps that wait for the server run as an errand, and what went
 // wrong is in `problem`, in words. Needs the OpenGL context current where a stage is made or left
-// (Tick and the steps). Thread safety: the window's thread.
+// (Tick and the steps). No step waits for the server: what an errand still needs of a place that
+// was left is kept until it ends. Thread safety: the window's thread.
 class Workflow {
  public:
   using Clock = std::chrono::steady_clock;
 
   // `workplace` outlives this.
   Workflow(Workplace& workplace, WorkflowOptions options);
+  ~Workflow();  // signs out, so that no errand waits for the server
+  Workflow(const Workflow&) = delete;
+  Workflow& operator=(const Workflow&) = delete;
 
   // Once a frame: outcomes of errands, ends of attempts. `active`: the person did something.
   void Tick(Clock::time_point now, bool active);
@@ -63,6 +68,8 @@ class Workflow {
   Way way() const { return way_; }
   // On a ticket taken before, and nobody is signed in.
   bool offline() const { return offline_; }
+  // Of this person, newest first: handed in here, to see what they are worth.
+  const std::vector<SpooledAttempt>& handed_in() const { return handed_in_; }
   // Attempts of this person that were cut off, and the one that the dialog is about.
   const std::vector<SpooledAttempt>& cut_off() const { return cut_off_; }
   const SpooledAttempt& cut_off_chosen() const { return cut_off_[cut_off_index_]; }
@@ -85,6 +92,8 @@ class Workflow {
   // Why the recording cannot be stored just now, or ok; and whether all of it is.
   Status recording_problem() const;
   bool recorded() const { return recorded_; }
+  // Whose result kResult shows.
+  const std::string& result_title() const { return result_.title; }
   const std::optional<AttemptProgress>& progress() const { return progress_; }
   const std::optional<scoring::ScoreResult>& score() const { return score_; }
   // The score is there but not for this person yet.
@@ -100,6 +109,7 @@ class Workflow {
   void LookForDevices();
   void ChooseOffer(size_t index);
   void Start(bool as_reference);
+  void OpenHandedIn(size_t index);  // its result
   void OpenCutOff(size_t index);
   void GoOnWithCutOff();
   void EndCutOff();  // hands it in as far as it goes
@@ -113,17 +123,32 @@ class Workflow {
   void EndAttempt();       // finished, or given up: sealed as it is
   void LeaveHandIn();      // the upload goes on by itself
   void GiveUpRecording();  // does not wait any longer for a disk that takes nothing
+  // Asks the server at once, where the station waits before it tries again.
+  void TryAgainNow();
   void AnotherTry();
   void ToExercises();
   void MarkReference(const std::string& dentist, bool consent);
   void Back();  // one place back, where there is one
 
  private:
+  // What a person has at this station.
+  struct Kept {
+    Result<std::vector<SpooledAttempt>> cut_off, handed_in;
+  };
+  // Whose result is shown, or is to be once its person has signed in again.
+  struct Shown {
+    Uuid person, attempt;  // zero: none
+    std::string title;
+  };
   void Go(Place place);
+  void WhenFree(std::function<void()> step);
+  void FreeAgain();
+  Kept KeptOf(const Uuid& person);
+  void ShowResult(Shown shown);
   const Catalogue::Profile* ProfileFor(const DeviceOffer& offer) const;
   void Fetch();
   void TakeOffers(std::vector<DeviceOffer> offers);
-  void TakeExercises(Result<Catalogue> catalogue, Result<std::vector<SpooledAttempt>> cut_off);
+  void TakeExercises(Result<Catalogue> catalogue, Kept kept);
   void TakeOn(std::shared_ptr<Result<PreparedAttempt>> prepared, Way way);
   void ToStage(std::unique_ptr<Device> attached);
   void TakeTicket();
@@ -149,11 +174,14 @@ class Workflow {
   Catalogue::Exercise chosen_;
   Way way_ = Way::kTicket;
   bool offline_ = false, as_reference_ = false;
-  std::vector<SpooledAttempt> cut_off_;
+  std::vector<SpooledAttempt> cut_off_, handed_in_;
   std::vector<ReservedAttempt> reserved_;
   size_t offer_ = 0, cut_off_index_ = 0, reserved_index_ = 0;
   std::unique_ptr<PreparedAttempt> preview_;
   std::unique_ptr<Stage> stage_;
+  std::unique_ptr<Stage> left_;  // was left while an errand may use it
+  std::function<void()> once_free_;
+  Shown result_, come_back_to_;
   std::optional<StillnessCheck> stillness_;
   uint64_t put_downs_ = 0;  // of the handpiece, that were answered
   bool ticketed_ = false, joined_ = false, recorded_ = false, marked_ = false, held_back_ = false;

@@ -32,17 +32,20 @@ struct InputEvent {
   int code = 0;          // Key or MouseButton; character: Unicode
   bool pressed = false;  // key, button
   int mods = 0;          // kModShift
+  bool repeat = false;   // key: pressed, because it is still held; the keyboard says it again
   double x = 0, y = 0;   // cursor: window pixels from the upper left; wheel: notches
 
-  static InputEvent Key(int key, bool pressed, int mods = 0) {
-    return {Kind::kKey, key, pressed, mods, 0, 0};
+  static InputEvent Key(int key, bool pressed, int mods = 0, bool repeat = false) {
+    return {Kind::kKey, key, pressed, mods, repeat, 0, 0};
   }
-  static InputEvent Character(int unicode) { return {Kind::kCharacter, unicode, true, 0, 0, 0}; }
-  static InputEvent Cursor(double x, double y) { return {Kind::kCursor, 0, false, 0, x, y}; }
+  static InputEvent Character(int unicode) {
+    return {Kind::kCharacter, unicode, true, 0, false, 0, 0};
+  }
+  static InputEvent Cursor(double x, double y) { return {Kind::kCursor, 0, false, 0, false, x, y}; }
   static InputEvent Button(int button, bool pressed) {
-    return {Kind::kButton, button, pressed, 0, 0, 0};
+    return {Kind::kButton, button, pressed, 0, false, 0, 0};
   }
-  static InputEvent Wheel(double notches) { return {Kind::kWheel, 0, false, 0, 0, notches}; }
+  static InputEvent Wheel(double notches) { return {Kind::kWheel, 0, false, 0, false, 0, notches}; }
 };
 
 }  // namespace enamel::station::render

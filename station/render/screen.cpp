@@ -225,8 +225,7 @@ class Screen::Impl {
     GLFWwindow* window = glfw_.get();
     glfwSetWindowUserPointer(window, this);
     glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int mods) {
-      InputEvent event = InputEvent::Key(key, action != GLFW_RELEASE, mods);
-      Of(w).Take(event);
+      Of(w).Take(InputEvent::Key(key, action != GLFW_RELEASE, mods, action == GLFW_REPEAT));
     });
     glfwSetCharCallback(window, [](GLFWwindow* w, unsigned c) {
       Of(w).Take(InputEvent::Character(static_cast<int>(c)));

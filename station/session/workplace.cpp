@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <ranges>
 #include <utility>
 
 #include "common/scene/json.h"
@@ -103,9 +104,9 @@ Workplace::~Workplace() {
   {
     std::lock_guard lock(mutex_);
     stop_ = true;
+    link_->Cancel();
     changed_.notify_all();
   }
-  link_.Cancel();
   keep_alive_.join();
   HandBackUnused();
 }
@@ -116,17 +117,17 @@ void Workplace::KeepAlive() {
     if (!person_) continue;
     lock.unlock();
     {
-      std::lock_guard link(link_mutex_);
-      if (link_.connected() && !link_.Ping().ok()) link_.Close();
-      bool lost = !link_.connected();
+      auto link = UseLink();
+      if (link->connected() && !link->Ping().ok()) link->Close();
+      bool lost = !link->connected();
       lock.lock();
-      if (lost) person_.reset();
+      if (lost && link.link == link_) person_.reset();
     }
   }
 }
 
-Status Workplace::ConnectForPeople() {
-  if (Status s = link_.Connect(credentials_); !s.ok()) {
+Status Workplace::ConnectForPeople(ServerLink& link) {
+  if (Status s = link.Connect(credentials_); !s.ok()) {
     if (s.code() != Code::kUnavailable) return s;
     return Status(
         s.code(),
@@ -135,30 +136,30 @@ Status Workplace::ConnectForPeople() {
             data_.string() +
             " ('enamel-station upload' sends them). In the network's words: " + s.message());
   }
-  if (link_.may_begin_attempts()) return Status::Ok();
-  link_.Close();
+  if (link.may_begin_attempts()) return Status::Ok();
+  link.Close();
   return Status(Code::kVersion,
                 "the server runs another version of the core: this station can "
                 "upload recordings, not begin attempts; update it");
 }
 
 Result<Person> Workplace::SignIn(const std::string& login, const std::string& password) {
-  std::lock_guard link(link_mutex_);
-  const bool kept = link_.connected();
-  if (!kept) ENAMEL_RETURN_IF_ERROR(ConnectForPeople());
-  auto person = link_.SignIn(login, password);
+  auto link = UseLink();
+  const bool kept = link->connected();
+  if (!kept) ENAMEL_RETURN_IF_ERROR(ConnectForPeople(*link));
+  auto person = link->SignIn(login, password);
   if (!person.ok() && kept && person.status().code() == Code::kUnavailable) {
     // The server lets go of a connection that nobody signed in on.
-    link_.Close();
-    ENAMEL_RETURN_IF_ERROR(ConnectForPeople());
-    person = link_.SignIn(login, password);
+    link->Close();
+    ENAMEL_RETURN_IF_ERROR(ConnectForPeople(*link));
+    person = link->SignIn(login, password);
   }
   if (!person.ok()) return person.status();
   uploader_.Retry();
   if (person->must_change_password) {
     std::string page =
-        link_.page_url().empty() ? "the page of " + credentials_.server.host : link_.page_url();
-    link_.Close();
+        link->page_url().empty() ? "the page of " + credentials_.server.host : link->page_url();
+    link->Close();
     return Status(Code::kForbidden,
                   "this password was for signing in once. Open " + page +
                       " on any computer, sign in there and choose your own; then sign in here "
@@ -166,15 +167,24 @@ Result<Person> Workplace::SignIn(const std::string& login, const std::string& pa
                   "password");
   }
   std::lock_guard lock(mutex_);
+  if (link.link != link_) return Status(Code::kUnavailable, "signed out meanwhile", "cancelled");
   person_ = *person;
   return *person;
 }
 
+// A step that waits for the server holds the connection: it is told to end, and takes it along.
 void Workplace::SignOut() {
-  std::lock_guard link(link_mutex_);
-  link_.Close();
+  std::shared_ptr<ServerLink> left;  // closed where nothing is locked any more
   std::lock_guard lock(mutex_);
+  left = std::exchange(link_, std::make_shared<ServerLink>());
+  left->Cancel();
   person_.reset();
+}
+
+Workplace::LinkInUse Workplace::UseLink() {
+  std::unique_lock alone(link_mutex_);
+  std::lock_guard lock(mutex_);
+  return {std::move(alone), link_};
 }
 
 std::optional<Person> Workplace::person() const {
@@ -182,28 +192,30 @@ std::optional<Person> Workplace::person() const {
   return person_;
 }
 
-// Requires: link_mutex_ is held.
-Status Workplace::MustBeSignedIn() {
+Result<Person> Workplace::SignedIn(const ServerLink& link) {
   std::lock_guard lock(mutex_);
-  if (!link_.connected()) person_.reset();
-  if (person_) return Status::Ok();
+  const bool current = link_.get() == &link;
+  if (current && !link.connected()) person_.reset();
+  if (current && person_) return *person_;
   return Status(Code::kUnauthenticated,
                 "nobody is signed in here, or the connection was lost since: sign in again");
 }
 
 Result<Catalogue> Workplace::Exercises() {
-  std::lock_guard link(link_mutex_);
-  ENAMEL_RETURN_IF_ERROR(MustBeSignedIn());
-  return link_.ListExercises(*person());
+  auto link = UseLink();
+  auto who = SignedIn(*link);
+  if (!who.ok()) return who.status();
+  return link->ListExercises(*who);
 }
 
 Result<PreparedAttempt> Workplace::Prepare(const Catalogue::Exercise& exercise,
                                            const Catalogue::Profile& profile) {
-  std::lock_guard link(link_mutex_);
-  ENAMEL_RETURN_IF_ERROR(MustBeSignedIn());
+  auto link = UseLink();
+  auto who = SignedIn(*link);
+  if (!who.ok()) return who.status();
   BlobCache cache(data_ / "blobs");
   auto prepared = Assemble(exercise.exercise, profile.profile,
-                           [&](const Sha256& name) { return link_.FetchBlob(name, cache); });
+                           [&](const Sha256& name) { return link->FetchBlob(name, cache); });
   if (prepared.ok()) prepared->assignment = exercise.assignment;
   return prepared;
 }
@@ -226,11 +238,12 @@ Status Workplace::TakeTicket(PreparedAttempt& prepared, bool as_reference) {
 }
 
 Status Workplace::AskForTicket(PreparedAttempt& prepared, bool as_reference) {
-  std::lock_guard link(link_mutex_);
-  ENAMEL_RETURN_IF_ERROR(MustBeSignedIn());
-  ENAMEL_RETURN_IF_ERROR(TellReturned());
-  auto ticket = link_.RequestTicket(
-      credentials_, *person(),
+  auto link = UseLink();
+  auto who = SignedIn(*link);
+  if (!who.ok()) return who.status();
+  ENAMEL_RETURN_IF_ERROR(TellReturned(*link));
+  auto ticket = link->RequestTicket(
+      credentials_, *who,
       {prepared.exercise_hash, prepared.profile_hash, prepared.assignment, as_reference, false});
   if (!ticket.ok()) return ticket.status();
   prepared.header.ticket = *ticket;
@@ -239,9 +252,9 @@ Status Workplace::AskForTicket(PreparedAttempt& prepared, bool as_reference) {
   return Status::Ok();
 }
 
-Status Workplace::TellReturned() {
+Status Workplace::TellReturned(ServerLink& link) {
   Bandwidth no_bound(0);
-  return Carrier(link_, *spool_, no_bound).ReturnTickets();
+  return Carrier(link, *spool_, no_bound).ReturnTickets();
 }
 
 void Workplace::HandBackUnused() {
@@ -287,14 +300,15 @@ Result<std::unique_ptr<RunningAttempt>> Workplace::Begin(PreparedAttempt& prepar
 
 Status Workplace::Reserve(const PreparedAttempt& prepared, const std::string& pin) {
   ENAMEL_RETURN_IF_ERROR(TicketSafe::CheckPin(pin));
-  std::lock_guard link(link_mutex_);
-  ENAMEL_RETURN_IF_ERROR(MustBeSignedIn());
-  auto ticket = link_.RequestTicket(
-      credentials_, *person(),
+  auto link = UseLink();
+  auto who = SignedIn(*link);
+  if (!who.ok()) return who.status();
+  auto ticket = link->RequestTicket(
+      credentials_, *who,
       {prepared.exercise_hash, prepared.profile_hash, prepared.assignment, false, true});
   if (!ticket.ok()) return ticket.status();
   LockedTicket names;
-  names.person = person()->display_name;
+  names.person = who->display_name;
   names.exercise = prepared.exercise.name;
   names.title = prepared.exercise.title;
   names.profile = prepared.profile.name;
@@ -318,11 +332,11 @@ Result<std::vector<ReservedAttempt>> Workplace::Reserved() {
 
 Result<HandedBack> Workplace::HandBackNow(const Uuid& attempt) {
   ENAMEL_RETURN_IF_ERROR(safe_.HandBack(attempt));
-  std::lock_guard link(link_mutex_);
-  const bool connected = link_.connected();
-  Status told = connected ? Status::Ok() : link_.Connect(credentials_);
-  if (told.ok()) told = TellReturned();
-  if (!connected) link_.Close();
+  auto link = UseLink();
+  const bool connected = link->connected();
+  Status told = connected ? Status::Ok() : link->Connect(credentials_);
+  if (told.ok()) told = TellReturned(*link);
+  if (!connected) link->Close();
   if (told.ok()) return HandedBack::kAtServer;
   uploader_.Wake();
   return HandedBack::kLater;
@@ -402,6 +416,20 @@ Result<std::vector<SpooledAttempt>> Workplace::UnfinishedOf(const Uuid& person) 
   return out;
 }
 
+Result<std::vector<SpooledAttempt>> Workplace::HandedInOf(const Uuid& person, size_t most) {
+  auto all = spool_->List();
+  if (!all.ok()) return all;
+  std::vector<SpooledAttempt> out;
+  for (SpooledAttempt& a : *all | std::views::reverse) {
+    if (out.size() == most) break;
+    if (!a.seal || !a.refused.empty()) continue;
+    auto header = HeaderOf(a.id);
+    if (!header.ok()) return header.status();
+    if (header->ticket.person == person) out.push_back(std::move(a));
+  }
+  return out;
+}
+
 Result<trace::Header> Workplace::HeaderOf(const Uuid& attempt) {
   auto bytes = spool_->HeaderOf(attempt);
   if (!bytes.ok()) return bytes.status();
@@ -411,11 +439,9 @@ Result<trace::Header> Workplace::HeaderOf(const Uuid& attempt) {
 Result<PreparedAttempt> Workplace::PrepareResume(const Uuid& attempt, const KeepGoing& keep_going) {
   auto header = HeaderOf(attempt);
   if (!header.ok()) return header.status();
-  {
-    std::lock_guard link(link_mutex_);
-    ENAMEL_RETURN_IF_ERROR(MustBeSignedIn());
-  }
-  if (person()->id != header->ticket.person) {
+  auto who = SignedIn(*UseLink());
+  if (!who.ok()) return who.status();
+  if (who->id != header->ticket.person) {
     return Status(Code::kForbidden, "attempt " + attempt.Text() +
                                         " is somebody else's: only who began it can go on with it");
   }
@@ -489,15 +515,17 @@ Result<trace::Seal> Workplace::Close(const Uuid& attempt) {
 }
 
 Result<AttemptProgress> Workplace::Progress(const Uuid& attempt) {
-  std::lock_guard link(link_mutex_);
-  ENAMEL_RETURN_IF_ERROR(MustBeSignedIn());
-  return link_.AttemptStatus(*person(), attempt);
+  auto link = UseLink();
+  auto who = SignedIn(*link);
+  if (!who.ok()) return who.status();
+  return link->AttemptStatus(*who, attempt);
 }
 
 Status Workplace::MarkReference(const Uuid& attempt, const std::string& dentist, bool consent) {
-  std::lock_guard link(link_mutex_);
-  ENAMEL_RETURN_IF_ERROR(MustBeSignedIn());
-  return link_.MarkReference(*person(), attempt, dentist, consent);
+  auto link = UseLink();
+  auto who = SignedIn(*link);
+  if (!who.ok()) return who.status();
+  return link->MarkReference(*who, attempt, dentist, consent);
 }
 
 }  // namespace enamel::station

@@ -60,7 +60,8 @@ class Workplace {
   // be uploaded, attempts not begun; kForbidden with where to change a password that was for one
   // use (the page's address, where the server says it).
   Result<Person> SignIn(const std::string& login, const std::string& password);
-  // Ends the connection and with it the sign-in.
+  // Ends the connection and with it the sign-in, at once: a step that waits for the server ends
+  // with kUnavailable (field "cancelled").
   void SignOut();
   // Who is signed in; nobody once the connection is lost.
   std::optional<Person> person() const;
@@ -109,6 +110,9 @@ class Workplace {
   Result<std::vector<SpooledAttempt>> Unfinished();
   // Those of one person.
   Result<std::vector<SpooledAttempt>> UnfinishedOf(const Uuid& person);
+  // What one person handed in here and the spool still has, newest first; not what the server
+  // refused.
+  Result<std::vector<SpooledAttempt>> HandedInOf(const Uuid& person, size_t most);
   // Replays what was recorded of one: the same tooth and the same core to the bit, which is
   // checked. The person signed in must be the attempt's; or the PIN is that of its reserved ticket.
   // Errors: kForbidden (somebody else's), kConflict (ended; or it does not replay to what was
@@ -131,12 +135,20 @@ class Workplace {
 
  private:
   Workplace(const WorkplaceOptions& options, Credentials credentials, std::unique_ptr<Spool> spool);
-  Status MustBeSignedIn();
-  Status ConnectForPeople();
+  Status ConnectForPeople(ServerLink& link);
   Status CheckTicket(const trace::Ticket& ticket) const;
   Status MeasureGap(PreparedAttempt& prepared);
-  // Requires: link_mutex_ is held.
-  Status TellReturned();
+  // The connection, for as long as this lives, alone.
+  struct LinkInUse {
+    std::unique_lock<std::mutex> alone;
+    std::shared_ptr<ServerLink> link;
+    ServerLink& operator*() const { return *link; }
+    ServerLink* operator->() const { return link.get(); }
+  };
+  LinkInUse UseLink();
+  // Who it is on this connection. Errors: kUnauthenticated.
+  Result<Person> SignedIn(const ServerLink& link);
+  Status TellReturned(ServerLink& link);
   Result<HandedBack> HandBackNow(const Uuid& attempt);
   Status AskForTicket(PreparedAttempt& prepared, bool as_reference);
   Result<trace::Header> HeaderOf(const Uuid& attempt);
@@ -150,8 +162,9 @@ class Workplace {
   TicketSafe safe_;
   Uploader uploader_;
   mutable std::mutex link_mutex_;  // held while a request is under way
-  ServerLink link_;                // guarded by link_mutex_
   mutable std::mutex mutex_;
+  // The pointer guarded by mutex_; what it points to, but for Cancel, by link_mutex_.
+  std::shared_ptr<ServerLink> link_ = std::make_shared<ServerLink>();
   std::condition_variable changed_;
   std::optional<Person> person_;  // guarded by mutex_
   Uuid unused_;                   // taken by TakeTicket and not begun with; guarded by mutex_

@@ -98,7 +98,15 @@ key F
 page finish
 frames 2
 picture PICTURES/8-finish.png
+# The pedal chooses nothing here, and going on comes first.
+key Space
+frames 5
+page finish
 key Enter
+page running
+key F
+page finish
+click Hand in
 page result
 see Handed in
 frames 3
@@ -149,7 +157,7 @@ frames 10
 picture PICTURES/11-turned.png
 key F
 page finish
-key Enter
+click Hand in
 page result
 see of 100 points
 frames 3
@@ -242,21 +250,33 @@ picture PICTURES/27-away.png
 let Space
 key F
 page finish
-key Enter
+click Hand in
 page hand-in
 see The server is away
+see [Try again now]
 frames 2
 picture PICTURES/28-hand-in-away.png
 until WORK/back
 page sign-in
-see Sign in again
+see Sign in again to see the result
 frames 2
 picture PICTURES/29-back.png
 type student1
 key Tab
 type enamel-demo-student1
 key Enter
+page result
+see Handed in
+click Exercises
 page exercises
+see Result: Class I
+frames 2
+picture PICTURES/33-results.png
+click Result: Class I #2
+page result
+see Handed in
+click Sign out
+page sign-in
 quit
 EOF
 player=$!
@@ -278,6 +298,9 @@ key Enter
 see the server is away
 frames 2
 picture PICTURES/30-no-server.png
+key F1
+frames 60
+picture PICTURES/34-panel.png
 quit
 EOF
 start_server "$work/server" "$port"
@@ -327,7 +350,7 @@ frames 20
 picture PICTURES/18-resumed-running.png
 key F
 page finish
-key Enter
+click Hand in
 page result
 see Handed in
 click Exercises
@@ -415,7 +438,7 @@ page running
 frames 20
 key F
 page finish
-key Enter
+click Hand in
 page hand-in
 see The server is away
 click Do not wait
@@ -442,7 +465,7 @@ page running
 frames 20
 key F
 page finish
-key Enter
+click Hand in
 page hand-in
 see The server is away
 click Do not wait
@@ -459,7 +482,7 @@ start_server "$work/server" "$port"
 for n in 1-sign-in 2-wrong-password 3-exercises 4-exercise 5-running 6-cutting 7-paused 8-finish 9-result 10-instructor-exercise \
   11-zones 12-score 13-reference 14-once 15-cut-off 16-go-on 17-resumed 18-resumed-running 19-reserve 20-kept 21-reserved \
   22-offline-exercise 23-safe 11-turning 11-turned 24-idle 25-give-up 26-before-away 27-away 28-hand-in-away 29-back 30-no-server \
-  31-give-back 32-given-back; do
+  31-give-back 32-given-back 33-results 34-panel; do
   [ -s "$pictures/$n.png" ] || fail "no picture of $n"
 done
 echo "ok: a student and an instructor at the window, from sign-in to score and reference, after a crash and without the server"

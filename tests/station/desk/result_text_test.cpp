@@ -57,6 +57,11 @@ TEST(ResultTextTest, WhatWasCutOffOrReservedSaysHowLongAgoAndHowLongStill) {
   EXPECT_EQ(CutOffText(cut, kNow), "12 parts recorded on omega3, begun 3 hours ago");
   cut.created_unix_ms = kNow + kMinute;  // the clock was set back
   EXPECT_EQ(CutOffText(cut, kNow), "12 parts recorded on omega3, begun less than a minute ago");
+  EXPECT_EQ(HandedInText(cut, kNow),
+            "Not all of it is on the server yet, made less than a minute ago on omega3");
+  cut.seal.emplace();
+  cut.sealed_at_server = true;
+  EXPECT_EQ(HandedInText(cut, kNow), "Handed in, made less than a minute ago on omega3");
   ReservedAttempt reserved;
   reserved.ticket.person = "Ada";
   reserved.ticket.profile = "pointer";

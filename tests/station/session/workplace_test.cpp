@@ -146,5 +146,50 @@ TEST_F(WorkplaceTest, ConnectionThatTheServerLetGoOfIsMadeAnewBySigningIn) {
   EXPECT_TRUE(person.ok()) << person.status().message();
 }
 
+TEST_F(WorkplaceTest, SigningOutEndsAStepThatWaitsForAServerThatHangs) {
+  ASSERT_TRUE(workplace_->SignIn("ada", "secret").ok());
+  server_->silent = true;
+  Status ended;
+  std::thread asking([&] { ended = workplace_->Exercises().status(); });
+  while (server_->unanswered == 0) std::this_thread::yield();
+  workplace_->SignOut();
+  asking.join();
+  EXPECT_EQ(ended.field(), "cancelled") << "it waited to the end: " << ended.message();
+  EXPECT_FALSE(workplace_->person().has_value());
+  server_->silent = false;
+  EXPECT_TRUE(workplace_->SignIn("ada", "secret").ok()) << "on a connection of its own";
+  EXPECT_TRUE(workplace_->Exercises().ok());
+}
+
+TEST_F(WorkplaceTest, ASignInThatWasLeftDoesNotTakePlaceAfterAll) {
+  server_->silent = true;
+  Status ended;
+  std::thread asking([&] { ended = workplace_->SignIn("ada", "secret").status(); });
+  while (server_->unanswered == 0) std::this_thread::yield();
+  workplace_->SignOut();
+  asking.join();
+  EXPECT_FALSE(ended.ok());
+  EXPECT_FALSE(workplace_->person().has_value());
+}
+
+TEST_F(WorkplaceTest, WhatAPersonHandedInIsFoundNewestFirst) {
+  ASSERT_TRUE(workplace_->SignIn("ada", "secret").ok());
+  std::vector<Uuid> hers;
+  for (int i = 0; i < 4; ++i) {
+    trace::Header header = HeaderOf(i == 1 ? Uuid::New() : server_->person);
+    ASSERT_TRUE(workplace_->spool().BeginAttempt(header, "class-1", "pointer").ok());
+    trace::Seal seal;
+    seal.attempt = header.ticket.attempt;
+    if (i < 3) ASSERT_TRUE(workplace_->spool().PutSeal(seal).ok());
+    if (i == 0 || i == 2) hers.push_back(header.ticket.attempt);
+  }
+  auto found = workplace_->HandedInOf(server_->person, 5);
+  ASSERT_TRUE(found.ok());
+  ASSERT_EQ(found->size(), 2u) << "neither somebody else's nor what has no end";
+  EXPECT_EQ((*found)[0].id, hers[1]);
+  EXPECT_EQ((*found)[1].id, hers[0]);
+  EXPECT_EQ(workplace_->HandedInOf(server_->person, 1)->size(), 1u);
+}
+
 }  // namespace
 }  // namespace enamel::station

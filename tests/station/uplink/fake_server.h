@@ -25,6 +25,19 @@ namespace enamel::station {
 
 namespace asio = boost::asio;
 
+// A header that can be decoded, of an attempt of this person.
+inline trace::Header HeaderOf(const Uuid& person) {
+  trace::Header header;
+  header.ticket.attempt = Uuid::New();
+  header.ticket.person = person;
+  header.params.rate_hz = 1000;
+  header.params.kc_mn_per_mm = 2500;
+  header.params.resolution_nm = {10'000, 10'000, 10'000};
+  header.params.peak_force_mn = 7900;
+  header.params.bur_radius_nm = 500'000;
+  return header;
+}
+
 // The server's half of the station link, over real TLS on loopback, with a store in memory and
 // faults on demand. A thread for each connection.
 class FakeServer {
@@ -89,6 +102,12 @@ class FakeServer {
   int offered() const { return offered_; }       // attempts
   uint32_t resumed() const { return resumed_; }  // as the last OpenAttempt said
 
+  // Takes what people ask for and answers none of it, as a server that hangs.
+  std::atomic<bool> silent{false};
+  std::atomic<int> unanswered{0};
+
+  // Who signs in, whatever the login.
+  Uuid person = Uuid::New();
   // Who signs in has a password for one use.
   bool must_change_password = false;
   // What it lists, one exercise for each; zero: without one.
@@ -134,7 +153,15 @@ class FakeServer {
     Stream stream(std::move(socket), *context_);
     try {
       stream.handshake(Stream::server);
-      while (!stopping_) Answer(stream, *protocol::ParseRequest(ReadMessage(stream)));
+      while (!stopping_) {
+        auto request = protocol::ParseRequest(ReadMessage(stream));
+        if (silent && (request->has_sign_in() || request->has_list_exercises() ||
+                       request->has_attempt_status())) {
+          ++unanswered;
+          continue;
+        }
+        Answer(stream, *request);
+      }
     } catch (const boost::system::system_error&) {
       // The station went away, or a fault was asked for.
     }
@@ -210,7 +237,7 @@ class FakeServer {
       return;
     } else if (request.has_sign_in()) {
       wire::SignedIn& in = *reply.mutable_signed_in();
-      in.set_person_id(protocol::ToField(Uuid::New().view()));
+      in.set_person_id(protocol::ToField(person.view()));
       in.set_must_change_password(must_change_password);
     } else if (request.has_list_exercises()) {
       for (const Uuid& assignment : assignments) {

@@ -1,0 +1,82 @@
+#include "station/desk/station_facts.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+
+namespace enamel::station::desk {
+namespace {
+
+constexpr std::chrono::seconds kLookEvery{2};
+constexpr uint64_t kLittleRoom_bytes = 200'000'000;
+
+std::string Counted(size_t n, const std::string& one, const std::string& many) {
+  return std::to_string(n) + " " + (n == 1 ? one : many);
+}
+
+std::string SizeText(uint64_t bytes) {
+  const bool large = bytes >= 1'000'000'000;
+  char text[32];
+  std::snprintf(text, sizeof text, large ? "%.1f GB" : "%.0f MB",
+                static_cast<double>(bytes) / (large ? 1e9 : 1e6));
+  return text;
+}
+
+}  // namespace
+
+StationFacts LookAtStation(Workplace& workplace) {
+  StationFacts out;
+  out.link = workplace.uploader().link();
+  auto all = workplace.spool().List();
+  auto waiting = WaitingAttempts(workplace.spool());
+  auto tickets = workplace.Reserved();
+  for (const Status& status : {all.status(), waiting.status(), tickets.status()}) {
+    if (out.problem.ok()) out.problem = status;
+  }
+  if (waiting.ok()) out.waiting = waiting->size();
+  if (all.ok()) {
+    out.refused = static_cast<size_t>(
+        std::ranges::count_if(*all, [](const SpooledAttempt& a) { return !a.refused.empty(); }));
+  }
+  if (tickets.ok()) out.kept_tickets = tickets->size();
+  std::error_code error;
+  auto space = std::filesystem::space(workplace.spool().file().parent_path(), error);
+  if (!error) out.free_bytes = space.available;
+  return out;
+}
+
+std::vector<std::string> Lines(const StationFacts& facts) {
+  std::vector<std::string> out;
+  out.push_back(facts.link.reachable ? "the server is reachable" : "the server is AWAY");
+  if (facts.link.refused) out.push_back("REFUSED: somebody has to act");
+  if (!facts.link.problem.ok()) out.push_back(facts.link.problem.message());
+  out.push_back(facts.waiting == 0 ? "no recording waits for the server"
+                                   : Counted(facts.waiting, "recording waits", "recordings wait") +
+                                         " for the server");
+  if (facts.refused > 0) {
+    out.push_back(Counted(facts.refused, "recording", "recordings") +
+                  " REFUSED by it: 'enamel-station spool list' says why");
+  }
+  if (facts.kept_tickets > 0) {
+    out.push_back(Counted(facts.kept_tickets, "ticket", "tickets") + " kept for later");
+  }
+  if (facts.free_bytes) {
+    out.push_back(SizeText(*facts.free_bytes) + " free" +
+                  (*facts.free_bytes < kLittleRoom_bytes ? ": TOO LITTLE, make room" : ""));
+  }
+  if (!facts.problem.ok()) out.push_back(facts.problem.message());
+  return out;
+}
+
+const std::optional<StationFacts>& StationWatch::Look(std::chrono::steady_clock::time_point now) {
+  errand_.Poll();
+  if (!errand_.busy() && now >= next_) {
+    next_ = now + kLookEvery;
+    errand_.Start("Looking at the station", [this]() -> Errand::After {
+      return [this, facts = LookAtStation(workplace_)] { facts_ = facts; };
+    });
+  }
+  return facts_;
+}
+
+}  // namespace enamel::station::desk

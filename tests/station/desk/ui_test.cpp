@@ -1,0 +1,135 @@
+#include "station/desk/ui.h"
+
+#include <gtest/gtest.h>
+
+#include <optional>
+
+#include "tests/station/render/virtual_display.h"
+
+namespace enamel::station::desk {
+namespace {
+
+using render::InputEvent;
+
+class UiTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!display_.ok()) GTEST_SKIP() << "skipped: no Xvfb";
+    screen_.emplace(render::ScreenOptions{.width_px = 640, .height_px = 360, .visible = false});
+    ui_.emplace(*screen_);
+  }
+
+  // Frames until all that was injected has been taken, and two more.
+  template <typename Page>
+  void Play(Page&& page) {
+    int more = 2;
+    while (more > 0) {
+      if (!screen_->injecting()) --more;
+      (void)screen_->Begin();
+      page();
+      ui_->EndFrame();
+      screen_->End(nullptr);
+    }
+  }
+  void Press(int key) { screen_->Inject(InputEvent::Key(key, true)); }
+  void Repeat(int key) { screen_->Inject(InputEvent::Key(key, true, 0, true)); }
+  void Release(int key) { screen_->Inject(InputEvent::Key(key, false)); }
+  void ClickChoice(size_t index) {
+    const Rect at = ui_->choices().at(index).at;
+    screen_->Inject(InputEvent::Cursor(0.5 * (at.x0 + at.x1), 0.5 * (at.y0 + at.y1)));
+    screen_->Inject(InputEvent::Button(render::kMouseLeft, true));
+    screen_->Inject(InputEvent::Button(render::kMouseLeft, false));
+  }
+
+  render::VirtualDisplay display_;
+  std::optional<render::Screen> screen_;
+  std::optional<Ui> ui_;
+};
+
+TEST_F(UiTest, TheMouseChoosesAnyOfSeveralRowsWithTheSameTitle) {
+  std::vector<int> chosen(3);
+  auto page = [&] {
+    ui_->Begin("list");
+    for (int& row : chosen) row += ui_->Row("Class I", "of somebody", "") ? 1 : 0;
+    ui_->End();
+  };
+  Play(page);
+  ASSERT_EQ(ui_->choices().size(), 3u);
+  for (size_t i = 0; i < 3; ++i) {
+    ClickChoice(i);
+    Play(page);
+  }
+  EXPECT_EQ(chosen, (std::vector<int>{1, 1, 1}));
+}
+
+TEST_F(UiTest, AKeyThatIsHeldChoosesOnce) {
+  int chosen = 0, left = 0, finish = 0;
+  auto page = [&] {
+    ui_->Begin("page");
+    chosen += ui_->Button("Hand in") ? 1 : 0;
+    left += ui_->escape() ? 1 : 0;
+    finish += ui_->pressed('F') ? 1 : 0;
+    ui_->End();
+  };
+  Play(page);
+  for (int key :
+       {int{render::kKeyEnter}, int{render::kKeySpace}, int{render::kKeyEscape}, int{'F'}}) {
+    Press(key);
+    for (int i = 0; i < 5; ++i) Repeat(key);
+    Release(key);
+  }
+  Play(page);
+  EXPECT_EQ(chosen, 2) << "Enter once and the space bar once";
+  EXPECT_EQ(left, 1);
+  EXPECT_EQ(finish, 1);
+}
+
+TEST_F(UiTest, AKeyThatIsHeldGoesOnMovingTheFocus) {
+  std::vector<int> chosen(4);
+  auto page = [&] {
+    ui_->Begin("page");
+    for (size_t i = 0; i < chosen.size(); ++i) {
+      chosen[i] += ui_->Button("Choice " + std::to_string(i)) ? 1 : 0;
+    }
+    ui_->End();
+  };
+  Play(page);
+  Press(render::kKeyDown);
+  Repeat(render::kKeyDown);
+  Repeat(render::kKeyDown);
+  Release(render::kKeyDown);
+  Press(render::kKeyEnter);
+  Play(page);
+  EXPECT_EQ(chosen, (std::vector<int>{0, 0, 0, 1}));
+}
+
+TEST_F(UiTest, ThePedalChoosesNothingInADialogOverAnAttempt) {
+  int chosen = 0;
+  Ui::Space space = Ui::Space::kIsThePedal;
+  auto page = [&] {
+    ui_->Begin("running");
+    ui_->End();
+    ui_->BeginDialog("finish", "Finish?", space);
+    chosen += ui_->Button("Hand in") ? 1 : 0;
+    ui_->EndDialog();
+  };
+  auto space_bar = [&] {
+    Press(render::kKeySpace);
+    Release(render::kKeySpace);
+    Play(page);
+  };
+  Play(page);
+  space_bar();
+  EXPECT_EQ(chosen, 0);
+  Press(render::kKeyEnter);
+  Release(render::kKeyEnter);
+  Play(page);
+  EXPECT_EQ(chosen, 1);
+  space = Ui::Space::kChooses;
+  Play(page);
+  space_bar();
+  EXPECT_EQ(chosen, 2) << "in other dialogs it chooses";
+}
+
+}  // namespace
+}  // namespace enamel::station::desk

@@ -1,0 +1,269 @@
+#include "station/desk/workflow.h"
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include "tests/station/uplink/fake_server.h"
+
+namespace enamel::station::desk {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = Workflow::Clock;
+
+constexpr char kPin[] = "804217";
+
+// A workplace of its own against a server on loopback; frames are calls of Tick.
+class WorkflowTest : public testing::Test {
+ protected:
+  WorkflowTest() {
+    std::string name = (fs::temp_directory_path() / "enamel_flow_XXXXXX").string();
+    folder_ = ::mkdtemp(name.data());
+    server_.emplace(folder_);
+    EXPECT_TRUE(SaveCredentials(folder_ / "data", server_->NewStation()).ok());
+    WorkplaceOptions options;
+    options.data = folder_ / "data";
+    workplace_ = std::move(*Workplace::Open(options));
+    flow_.emplace(*workplace_, WorkflowOptions{});
+  }
+  ~WorkflowTest() override {
+    flow_.reset();
+    workplace_.reset();
+    fs::remove_all(folder_);
+  }
+
+  template <typename Until>
+  void TickUntil(Until&& until) {
+    while (!until()) {
+      flow_->Tick(Clock::now(), true);
+      std::this_thread::yield();
+    }
+  }
+  void Settle() {
+    TickUntil([&] { return !flow_->busy(); });
+  }
+  void SignIn() {
+    flow_->SignIn("ada", "secret");
+    Settle();
+    ASSERT_EQ(flow_->place(), Place::kExercises) << flow_->problem();
+  }
+  void ServerComesBackAsAnother() {
+    uint16_t port = server_->endpoint().port;
+    const Uuid person = server_->person;
+    server_.reset();
+    server_.emplace(folder_, port);
+    server_->person = person;
+  }
+
+  // An attempt of this person: with its end, or cut off.
+  Uuid Recorded(const Uuid& person, bool ended) {
+    trace::Header header = HeaderOf(person);
+    EXPECT_TRUE(workplace_->spool().BeginAttempt(header, "class-1", "pointer").ok());
+    trace::Seal seal;
+    seal.attempt = header.ticket.attempt;
+    if (ended) EXPECT_TRUE(workplace_->spool().PutSeal(seal).ok());
+    return header.ticket.attempt;
+  }
+  Uuid Kept() {
+    trace::Ticket ticket;
+    ticket.attempt = Uuid::New();
+    ticket.expires_unix_ms = int64_t{1} << 60;
+    EXPECT_TRUE(TicketSafe(workplace_->spool()).Put(ticket, {}, kPin).ok());
+    return ticket.attempt;
+  }
+
+  fs::path folder_;
+  std::optional<FakeServer> server_;
+  std::unique_ptr<Workplace> workplace_;
+  std::optional<Workflow> flow_;
+};
+
+TEST_F(WorkflowTest, WhatWasNotWrittenIsAskedForWithoutTheServer) {
+  flow_->SignIn("", "secret");
+  EXPECT_FALSE(flow_->busy());
+  EXPECT_EQ(flow_->problem(), "Write your login first.");
+  flow_->SignIn("ada", "");
+  EXPECT_EQ(flow_->problem(), "Write your password too.");
+  EXPECT_EQ(flow_->place(), Place::kSignIn);
+}
+
+TEST_F(WorkflowTest, WhoSignsInSeesOwnAttemptsOnly) {
+  const Uuid cut_off = Recorded(server_->person, false), ended = Recorded(server_->person, true);
+  Recorded(Uuid::New(), false);
+  Recorded(Uuid::New(), true);
+  SignIn();
+  ASSERT_EQ(flow_->cut_off().size(), 1u);
+  EXPECT_EQ(flow_->cut_off()[0].id, cut_off);
+  ASSERT_EQ(flow_->handed_in().size(), 1u);
+  EXPECT_EQ(flow_->handed_in()[0].id, ended);
+  flow_->SignOut();
+  EXPECT_EQ(flow_->place(), Place::kSignIn);
+  EXPECT_TRUE(flow_->cut_off().empty());
+  EXPECT_TRUE(flow_->handed_in().empty());
+}
+
+TEST_F(WorkflowTest, WithoutTheServerThePersonIsToldAndMayTryAgain) {
+  uint16_t port = server_->endpoint().port;
+  const Uuid person = server_->person;
+  server_.reset();
+  flow_->SignIn("ada", "secret");
+  Settle();
+  EXPECT_EQ(flow_->place(), Place::kSignIn);
+  EXPECT_NE(flow_->problem().find("the server is away"), std::string::npos) << flow_->problem();
+  server_.emplace(folder_, port);
+  server_->person = person;
+  SignIn();
+}
+
+TEST_F(WorkflowTest, SigningOutDoesNotWaitForAServerThatHangs) {
+  SignIn();
+  server_->silent = true;
+  flow_->Refresh();
+  while (server_->unanswered == 0) std::this_thread::yield();
+  flow_->SignOut();
+  EXPECT_EQ(flow_->place(), Place::kSignIn);
+  EXPECT_TRUE(flow_->busy()) << "it waited for the errand";
+  Settle();
+  EXPECT_TRUE(flow_->problem().empty()) << "nobody asked for: " << flow_->problem();
+  server_->silent = false;
+  SignIn();
+}
+
+TEST_F(WorkflowTest, ClosingDoesNotWaitForAServerThatHangs) {
+  SignIn();
+  server_->silent = true;
+  flow_->Refresh();
+  while (server_->unanswered == 0) std::this_thread::yield();
+  auto before = Clock::now();
+  flow_.reset();
+  EXPECT_LT(Clock::now() - before, ServerLink::kTimeout / 2);
+}
+
+TEST_F(WorkflowTest, AResultThatIsShownIsLeftWithoutWaitingForAServerThatHangs) {
+  Recorded(server_->person, true);
+  SignIn();
+  server_->silent = true;
+  flow_->OpenHandedIn(0);
+  ASSERT_EQ(flow_->place(), Place::kResult);
+  TickUntil([&] { return server_->unanswered > 0; });
+  flow_->ToExercises();
+  EXPECT_EQ(flow_->place(), Place::kExercises);
+  EXPECT_TRUE(flow_->busy()) << "it waited for the errand";
+}
+
+TEST_F(WorkflowTest, AResultIsSeenAfterTheConnectionWasLost) {
+  const Uuid attempt = Recorded(server_->person, true);
+  server_->seen.insert(attempt);
+  SignIn();
+  flow_->OpenHandedIn(0);
+  ASSERT_EQ(flow_->place(), Place::kResult);
+  TickUntil([&] { return flow_->progress().has_value(); });
+  ServerComesBackAsAnother();
+  server_->seen.insert(attempt);
+  TickUntil([&] { return flow_->place() == Place::kSignIn; });
+  EXPECT_NE(flow_->notice().find("Sign in again to see the result"), std::string::npos)
+      << flow_->notice();
+  flow_->SignIn("ada", "secret");
+  Settle();
+  EXPECT_EQ(flow_->place(), Place::kResult) << flow_->problem();
+  TickUntil([&] { return flow_->progress().has_value(); });
+  EXPECT_EQ(flow_->progress()->state, "ticketed");
+  flow_->ToExercises();
+  Settle();
+  EXPECT_EQ(flow_->handed_in().size(), 1u) << "and it stays in the list";
+}
+
+TEST_F(WorkflowTest, SomebodyElseDoesNotComeToTheResultOfWhoLostTheConnection) {
+  const Uuid attempt = Recorded(server_->person, true);
+  server_->seen.insert(attempt);
+  SignIn();
+  flow_->OpenHandedIn(0);
+  TickUntil([&] { return flow_->progress().has_value(); });
+  ServerComesBackAsAnother();
+  server_->person = Uuid::New();
+  TickUntil([&] { return flow_->place() == Place::kSignIn; });
+  SignIn();
+  EXPECT_TRUE(flow_->handed_in().empty());
+  flow_->SignOut();
+  server_->person = Uuid::New();
+  SignIn();
+}
+
+TEST_F(WorkflowTest, AttemptThatWasCutOffIsHandedInOrLeft) {
+  Recorded(server_->person, false);
+  SignIn();
+  flow_->OpenCutOff(0);
+  EXPECT_EQ(flow_->dialog(), Dialog::kCutOff);
+  flow_->Back();
+  EXPECT_EQ(flow_->dialog(), Dialog::kNone);
+  EXPECT_EQ(flow_->place(), Place::kExercises);
+  flow_->OpenCutOff(0);
+  flow_->EndCutOff();
+  Settle();
+  EXPECT_EQ(flow_->dialog(), Dialog::kCutOff) << "nothing was recorded: it can only go on";
+  EXPECT_FALSE(flow_->problem().empty());
+  flow_->CloseDialog();
+  EXPECT_EQ(flow_->cut_off().size(), 1u) << "and is still there";
+}
+
+TEST_F(WorkflowTest, TicketKeptForLaterIsGivenBackWithItsPinAlone) {
+  Kept();
+  flow_->SignOut();  // looks again
+  ASSERT_EQ(flow_->reserved().size(), 1u);
+  flow_->ToReserved();
+  EXPECT_EQ(flow_->place(), Place::kReserved);
+  flow_->AskPin(0);
+  EXPECT_EQ(flow_->dialog(), Dialog::kPin);
+  flow_->GiveBack("804218");
+  Settle();
+  EXPECT_EQ(flow_->dialog(), Dialog::kPin);
+  EXPECT_FALSE(flow_->problem().empty()) << "a wrong PIN is told";
+  flow_->GiveBack(kPin);
+  Settle();
+  EXPECT_EQ(flow_->dialog(), Dialog::kNone) << flow_->problem();
+  EXPECT_TRUE(flow_->reserved().empty());
+  EXPECT_NE(flow_->notice().find("does not count"), std::string::npos) << flow_->notice();
+  flow_->Back();
+  EXPECT_EQ(flow_->place(), Place::kSignIn);
+}
+
+TEST_F(WorkflowTest, WhoHasToChooseAPasswordIsToldWhereOnTheSignInPage) {
+  server_->must_change_password = true;
+  server_->page_url = "https://enamel.example.edu";
+  flow_->SignIn("ada", "once");
+  Settle();
+  EXPECT_EQ(flow_->place(), Place::kSignIn);
+  EXPECT_NE(flow_->problem().find("Open https://enamel.example.edu"), std::string::npos);
+}
+
+TEST_F(WorkflowTest, NobodyStaysSignedInWhereNothingHappens) {
+  SignIn();
+  auto now = Clock::now();
+  flow_->Tick(now, true);
+  flow_->Tick(now + std::chrono::seconds(599), false);
+  EXPECT_EQ(flow_->place(), Place::kExercises);
+  flow_->Tick(now + std::chrono::seconds(601), false);
+  EXPECT_EQ(flow_->place(), Place::kSignIn);
+  EXPECT_FALSE(flow_->notice().empty());
+  EXPECT_FALSE(workplace_->person().has_value());
+}
+
+TEST_F(WorkflowTest, EveryPlaceWithoutAnAttemptHasAWayBack) {
+  Recorded(server_->person, true);
+  server_->assignments = {Uuid::New()};
+  SignIn();
+  flow_->OpenHandedIn(0);
+  flow_->Back();
+  EXPECT_EQ(flow_->place(), Place::kExercises);
+  Settle();
+  flow_->ChooseExercise(0);
+  ASSERT_EQ(flow_->place(), Place::kExercise);
+  flow_->Back();
+  EXPECT_EQ(flow_->place(), Place::kExercises);
+  flow_->Back();
+  EXPECT_EQ(flow_->place(), Place::kSignIn);
+  Settle();
+}
+
+}  // namespace
+}  // namespace enamel::station::desk
