@@ -28,6 +28,7 @@ using std::chrono::steady_clock;
 
 constexpr milliseconds kProgressEvery{200};
 constexpr milliseconds kUploadPatience{8'000};     // with the server gone, at the end
+constexpr milliseconds kSameInterrupt{2'000};      // Ctrl-C pressed more than once means it once
 constexpr std::chrono::seconds kDiskPatience{60};  // with a disk that takes nothing
 
 volatile std::sig_atomic_t interrupted = 0;  // how often
@@ -290,12 +291,14 @@ class Watcher {
 
   // Until it is there, refused, the server is away for some time, or a further interrupt.
   void AwaitUpload(AttemptResult& result) {
-    const auto interrupted_before = interrupted;
-    auto reachable_at = steady_clock::now();
+    auto interrupted_before = interrupted;
+    const auto since = steady_clock::now();
+    auto reachable_at = since;
     Uploader::State state = attempt_.upload();
     auto waits = [&] {
       auto now = steady_clock::now();
       if (state.reachable) reachable_at = now;
+      if (now - since < kSameInterrupt) interrupted_before = interrupted;
       return !state.sealed && !state.gave_up && interrupted == interrupted_before &&
              now - reachable_at < kUploadPatience;
     };

@@ -42,7 +42,7 @@ struct AttemptResult {
 // One attempt from sign-in to the last acknowledgement: fetches what it needs, runs the tick loop,
 // the recorder and the uplink on threads of their own, shows progress, ends with the seal. An
 // interrupt (SIGINT, SIGTERM) ends the attempt properly: what was done is sealed and sent; another
-// one ends the sending.
+// one, two seconds later or more, ends the sending.
 //
 // Errors: everything before the first tick (not enrolled, server not reachable, wrong password,
 // unknown exercise, profile or operator, no display, nowhere to write the facts: the server then
