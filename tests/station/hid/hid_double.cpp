@@ -103,7 +103,7 @@ int HidBus::Read(Handle* handle, unsigned char* out, size_t size, int timeout_ms
   Bytes report = std::move(handle->reports.front());
   handle->reports.pop_front();
   size_t n = std::min(size, report.size());
-  std::memcpy(out, report.data(), n);
+  std::copy_n(report.begin(), n, out);  // which may be of 0 bytes
   changed_.notify_all();
   return static_cast<int>(n);
 }
@@ -125,7 +125,7 @@ int HidBus::Feature(Handle* handle, unsigned char* data, size_t size) {
   auto it = devices_.find(handle->path);
   if (handle->gone || it == devices_.end() || it->second.feature.empty()) return -1;
   size_t n = std::min(size, it->second.feature.size());
-  std::memcpy(data, it->second.feature.data(), n);
+  std::copy_n(it->second.feature.begin(), n, data);
   return static_cast<int>(n);
 }
 
