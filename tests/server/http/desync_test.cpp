@@ -179,7 +179,7 @@ TEST_F(DesyncTest, NoSecondRequestGetsThroughInTheBodyOfTheFirst) {
       {"size ends with LF", kChunked + "0\n\r\n"},
       {"size ends with CR", kChunked + "0\r\r\n\r\n"},
       {"extension with a line end", kChunked + "1;a=\"\n\"\r\nx\r\n0\r\n\r\n"},
-      {"extension with NUL", kChunked + std::string("1;a=\0\r\nx\r\n0\r\n\r\n", 17)},
+      {"extension with NUL", kChunked + std::string("1;a=\0\r\nx\r\n0\r\n\r\n", 15)},
       {"extension without name", kChunked + "1;\r\nx\r\n0\r\n\r\n"},
       {"chunk longer than it says", kChunked + "1\r\nxy\r\n0\r\n\r\n"},
       {"chunk ends with LF", kChunked + "1\r\nx\n0\r\n\r\n"},
