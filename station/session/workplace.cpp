@@ -258,8 +258,10 @@ Status Workplace::TellReturned(ServerLink& link) {
 }
 
 void Workplace::HandBackUnused() {
-  std::lock_guard lock(mutex_);
-  const Uuid unused = std::exchange(unused_, {});
+  const Uuid unused = [this] {
+    std::lock_guard lock(mutex_);  // not while the disk is asked: the window reads under it
+    return std::exchange(unused_, {});
+  }();
   if (unused.IsZero() || spool_->Get(unused).ok()) return;
   LockedTicket row;  // one that opens nothing
   row.attempt = unused;
