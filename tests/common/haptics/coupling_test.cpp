@@ -184,7 +184,10 @@ TEST_P(PassivityTest, OperatorNeverExtractsEnergy) {
   }
 }
 INSTANTIATE_TEST_SUITE_P(AnchoredLaws, PassivityTest,
-                         testing::Values(LawKind::kMaxwell, LawKind::kGatedMaxwell));
+                         testing::Values(LawKind::kMaxwell, LawKind::kGatedMaxwell),
+                         [](const auto& i) {
+                           return i.param == LawKind::kMaxwell ? "Maxwell" : "GatedMaxwell";
+                         });
 
 // The same with everything the chain may do besides: still-bur walls, a bound that rises and falls,
 // gaps resumed or not.

@@ -31,6 +31,7 @@
 #include "common/scene/json.h"
 #include "common/scene/plan.h"
 #include "shapes.h"
+#include "tests/support/test_name.h"
 
 namespace enamel::import {
 namespace {
@@ -671,7 +672,9 @@ TEST_P(OddMeshTest, HasItsVolumeOrIsRefusedWithTheReason) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Files, OddMeshTest, testing::ValuesIn(kOutcomes));
+INSTANTIATE_TEST_SUITE_P(Files, OddMeshTest, testing::ValuesIn(kOutcomes), [](const auto& i) {
+  return test::TestName(std::string(i.param.file) + " as " + i.param.unit);
+});
 
 TEST(OddMeshFolderTest, EveryFileHasAnExpectedOutcome) {
   auto files = FilesIn(kShared / "meshes_odd/models");

@@ -10,6 +10,7 @@
 #include "common/base/file.h"
 #include "common/scene/builtin.h"
 #include "common/scene/calibration.h"
+#include "tests/support/test_name.h"
 
 namespace enamel::scene {
 namespace {
@@ -205,6 +206,10 @@ struct BadValue {
   const char* field;
 };
 
+std::string NameOf(const testing::TestParamInfo<BadValue>& info) {
+  return test::TestName(std::string(info.param.field) + " " + info.param.to);
+}
+
 class BadSceneTest : public testing::TestWithParam<BadValue> {};
 
 TEST_P(BadSceneTest, IsRefusedWithItsPath) {
@@ -233,7 +238,8 @@ INSTANTIATE_TEST_SUITE_P(
                     BadValue{"\"depth_um\": 1500", "\"depth_um\": 0",
                              "/preparations/0/parts/0/depth_um"},
                     BadValue{"\"name\": \"cross\"", "\"name\": \"circle\"", "/preparations/1/name"},
-                    BadValue{"\"format\": 2", "\"format\": 1", "/burs"}));
+                    BadValue{"\"format\": 2", "\"format\": 1", "/burs"}),
+    NameOf);
 
 class BadExerciseTest : public testing::TestWithParam<BadValue> {};
 
@@ -256,7 +262,8 @@ INSTANTIATE_TEST_SUITE_P(
                     BadValue{"[60, 0]", "[99, 0]", "/rubric/criteria/0/map"},
                     BadValue{"[60, 0]", "[60, 1.5]", "/rubric/criteria/0/map"},
                     BadValue{"\"points\": 18", "\"points\": -1", "/rubric/criteria/0/points"},
-                    BadValue{"\"class-1-", "\"Class 1 ", "/name"}));
+                    BadValue{"\"class-1-", "\"Class 1 ", "/name"}),
+    NameOf);
 
 }  // namespace
 }  // namespace enamel::scene

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <cctype>
+#include <string>
+#include <string_view>
+
+namespace enamel::test {
+
+// `text` as the last part of a test's name: what is no letter or digit becomes '_'.
+inline std::string TestName(std::string_view text) {
+  std::string name(text);
+  for (char& c : name) {
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
+  }
+  return name;
+}
+
+}  // namespace enamel::test
