@@ -42,7 +42,7 @@ int CheckPin(X509_STORE_CTX* store, void* arg) {
 }
 
 Status Cancelled() {
-  return Status(Code::kUnavailable, "the station link is shutting down", "cancelled");
+  return Status(Code::kUnavailable, "the station link is shutting down", kCancelled);
 }
 
 Status NotConnected() { return Status(Code::kUnavailable, "not connected to a server"); }

@@ -12,6 +12,9 @@
 
 namespace enamel::net {
 
+// Field of the errors of what was ended by Cancel.
+inline constexpr char kCancelled[] = "cancelled";
+
 struct Endpoint {
   std::string host;  // name or numeric address, IPv6 without brackets
   uint16_t port = 0;

@@ -7,8 +7,11 @@
 
 #include <boost/json.hpp>
 #include <chrono>
+#include <cstdlib>
 #include <ctime>
+#include <iostream>
 #include <memory>
+#include <string_view>
 
 namespace enamel::program {
 namespace {
@@ -43,6 +46,21 @@ class JsonLines final : public spdlog::formatter {
   }
 };
 
+std::string program_name = "enamel";  // set before other threads
+bool in_json = false;
+
+void Say(spdlog::level::level_enum level, const std::string& message) {
+  if (!in_json) {
+    std::cerr << program_name << ": " << message << '\n';
+    return;
+  }
+  auto logger = spdlog::default_logger();
+  const auto wanted = logger->level();
+  logger->set_level(level);
+  logger->log(level, message);
+  logger->set_level(wanted);
+}
+
 }  // namespace
 
 Status SetUpLog(const LogOptions& options) {
@@ -67,7 +85,25 @@ Status SetUpLog(const LogOptions& options) {
     spdlog::set_default_logger(spdlog::stderr_color_mt(options.name));
   }
   spdlog::set_level(level);
+  program_name = options.name;
+  in_json = options.format == "json";
   return Status::Ok();
 }
+
+bool AsksForJson(int argc, const char* const* argv, const std::string& prefix) {
+  constexpr std::string_view kOption = "--log-format";
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view word = argv[i];
+    if (word == kOption) return i + 1 < argc && std::string_view(argv[i + 1]) == "json";
+    if (word.starts_with(kOption) && word[kOption.size()] == '=') {
+      return word.substr(kOption.size() + 1) == "json";
+    }
+  }
+  const char* set = std::getenv((prefix + "LOG_FORMAT").c_str());
+  return set != nullptr && std::string_view(set) == "json";
+}
+
+void SayError(const std::string& message) { Say(spdlog::level::err, message); }
+void SayWarning(const std::string& message) { Say(spdlog::level::warn, message); }
 
 }  // namespace enamel::program

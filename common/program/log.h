@@ -18,4 +18,13 @@ struct LogOptions {
 // escaped, so that nothing a client sends can begin a line of its own. Errors: kInvalidInput.
 Status SetUpLog(const LogOptions& options);
 
+// Whether a command line, or where it says nothing the environment (`prefix` and LOG_FORMAT), asks
+// for JSON: asked before it is parsed, so that what is wrong with it is said in JSON too.
+bool AsksForJson(int argc, const char* const* argv, const std::string& prefix);
+
+// What a program has to say to who runs it, on standard error: "NAME: message", and where the log
+// is JSON a line of it, at level "error" or "warning", whatever level was asked for.
+void SayError(const std::string& message);
+void SayWarning(const std::string& message);
+
 }  // namespace enamel::program

@@ -31,12 +31,11 @@ std::string Where(const std::string& file, const toml::source_region& region) {
          std::to_string(region.begin.column) + ": ";
 }
 
-std::string Names(CLI::App& command) {
+// All that may stand in the file, whichever command reads it.
+std::string Names(const CLI::App& command, std::set<std::string> names) {
+  names.merge(SettingNames(command));
   std::string out;
-  for (const CLI::Option* option : command.get_options()) {
-    std::string name = NameOf(*option);
-    if (IsSetting(name)) out += (out.empty() ? "" : ", ") + name;
-  }
+  for (const std::string& name : names) out += (out.empty() ? "" : ", ") + name;
   return out;
 }
 
@@ -168,7 +167,7 @@ Status ReadSettings(std::string_view text, const std::string& file, CLI::App& co
     if (option == nullptr && of_others.contains(name)) continue;
     if (option == nullptr) {
       return Status(Code::kInvalidInput, Where(file, key.source()) + "expected one of " +
-                                             Names(command) + "; found \"" +
+                                             Names(command, of_others) + "; found \"" +
                                              std::string(key.str()) + "\"");
     }
     auto texts = TextsOf(node);

@@ -18,7 +18,6 @@
 #include "station/render/window.h"
 #include "station/sdk/open_sdk_device.h"
 #include "station/session/by_name.h"
-#include "station/session/loop_facts.h"
 
 namespace enamel::station {
 namespace {
@@ -85,7 +84,8 @@ double Sum(const std::array<double, cutting::kTissueCount>& v) {
 // One line that is rewritten on a terminal, a line every few seconds elsewhere.
 class Progress {
  public:
-  explicit Progress(bool quiet) : quiet_(quiet), terminal_(::isatty(STDERR_FILENO) != 0) {}
+  Progress(bool quiet, bool log_only)
+      : quiet_(quiet || log_only), log_only_(log_only), terminal_(::isatty(STDERR_FILENO) != 0) {}
 
   void Show(const Snapshot& s, double voxel_m, double done, uint32_t chunks,
             const Uploader::State& up) {
@@ -111,7 +111,7 @@ class Progress {
         : s.put_down
             ? "the handpiece lies in its holder: take it up to go on; Ctrl-C ends the attempt"
             : "";
-    if (why == told_) return;
+    if (why == told_ || log_only_) return;
     told_ = why;
     End();
     std::fprintf(stderr, "%s%s\n",
@@ -119,7 +119,7 @@ class Progress {
   }
 
  private:
-  const bool quiet_, terminal_;
+  const bool quiet_, log_only_, terminal_;
   bool shown_ = false;
   std::string told_;
   steady_clock::time_point last_{};
@@ -213,7 +213,7 @@ class Watcher {
         job_(job),
         tool_(tool),
         screen_(screen),
-        progress_(options.quiet) {}
+        progress_(options.quiet, options.log_only) {}
 
   Result<AttemptResult> Run(Spool& spool) {
     Watch();
@@ -232,8 +232,7 @@ class Watcher {
     if (!spooled.ok()) return spooled.status();
     result.refused = spooled->refused;
     if (!options_.json.empty()) {
-      ENAMEL_RETURN_IF_ERROR(WriteFacts(options_, job_, *spooled, last_, result,
-                                        LoopFacts(attempt_.loop(), last_.counters, *tool_.device)));
+      ENAMEL_RETURN_IF_ERROR(WriteFacts(options_, job_, *spooled, last_, result, attempt_.facts()));
     }
     return result;
   }
@@ -336,7 +335,7 @@ std::string SpanText(double seconds) {
 }
 
 void SayResumed(const RunOptions& options, const PreparedAttempt& job) {
-  if (options.quiet) return;
+  if (options.quiet || options.log_only) return;
   const double rate = job.header.params.rate_hz;
   std::fprintf(stderr,
                "going on with '%s': the %s recorded before it was cut off are kept and were cut "

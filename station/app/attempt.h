@@ -26,6 +26,8 @@ struct RunOptions {
   std::string reserved;  // an attempt whose ticket was taken before; else empty
   std::string pin;       // of the reserved ticket
   bool quiet = false;    // no progress line
+  // Nothing on standard error but the log, which is for machines: neither progress nor advice.
+  bool log_only = false;
 };
 
 // How an attempt ended when nothing was lost.

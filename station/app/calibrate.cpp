@@ -10,6 +10,7 @@
 #include <iostream>
 
 #include "common/base/file.h"
+#include "common/base/unix_time.h"
 #include "common/scene/builtin.h"
 #include "common/scene/json.h"
 #include "station/app/places.h"
@@ -308,9 +309,7 @@ Status CalibrateDevice(const CalibrateCommand& options) {
     if (auto station = LoadCredentials(options.data); station.ok())
       document.station = station->name;
     document.software = SoftwareName();
-    document.measured_ms = std::chrono::duration_cast<std::chrono::milliseconds>(
-                               std::chrono::system_clock::now().time_since_epoch())
-                               .count();
+    document.measured_ms = UnixMs();
     ENAMEL_RETURN_IF_ERROR(WriteFileDurably(options.calibration, AsBytes(scene::ToJson(document))));
     std::printf("measurement: %s\n", options.calibration.c_str());
   }

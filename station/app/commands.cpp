@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "common/base/file.h"
+#include "common/base/unix_time.h"
 #include "common/import/scene_folder.h"
 #include "common/scene/builtin.h"
 #include "common/scene/json.h"
@@ -88,10 +89,7 @@ Status ListReserved(const fs::path& data) {
   if (!tickets.ok()) return tickets.status();
   if (tickets->empty()) std::printf("nothing is reserved here\n");
   for (const LockedTicket& t : *tickets) {
-    auto left_min = (t.expires_unix_ms - std::chrono::duration_cast<std::chrono::milliseconds>(
-                                             std::chrono::system_clock::now().time_since_epoch())
-                                             .count()) /
-                    60'000;
+    const int64_t left_min = (t.expires_unix_ms - UnixMs()) / 60'000;
     std::printf("%s  %s: %s on %s, %lld h %02lld min left%s\n", t.attempt.Text().c_str(),
                 t.person.c_str(), t.title.c_str(), t.profile.c_str(),
                 static_cast<long long>(left_min / 60), static_cast<long long>(left_min % 60),

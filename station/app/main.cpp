@@ -1,6 +1,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -28,6 +29,7 @@ namespace {
 using namespace enamel;
 using namespace enamel::station;
 
+constexpr char kName[] = "enamel-station", kPrefix[] = "ENAMEL_STATION_";
 // Exit codes; 2 is for a command line that cannot be understood.
 constexpr int kFailed = 1, kUsage = 2, kNotUploaded = 3;
 
@@ -69,7 +71,7 @@ std::string HostName() {
 int Finish(const Status& status) {
   if (status.ok()) return 0;
   std::fflush(stdout);
-  std::cerr << "enamel-station: " << status.message() << '\n';
+  program::SayError(status.message());
   return kFailed;
 }
 
@@ -129,10 +131,10 @@ int Run(RunOptions& options, bool password_stdin) {
   std::printf("attempt %s\n", result->attempt.Text().c_str());
   std::fflush(stdout);
   if (result->ended_early) {
-    std::fprintf(stderr,
-                 "enamel-station: this attempt was ended early, at %.0f %% of it. What was done is "
-                 "sealed and will be scored as it is: what was not cut counts as missing\n",
-                 100 * result->done_ratio);
+    program::SayWarning("this attempt was ended early, at " +
+                        std::to_string(std::lround(100 * result->done_ratio)) +
+                        " % of it. What was done is sealed and will be scored as it is: what was "
+                        "not cut counts as missing");
   }
   if (result->uploaded) return 0;
   if (!result->refused.empty()) {
@@ -142,9 +144,9 @@ int Run(RunOptions& options, bool password_stdin) {
                              "; when the cause is gone, 'enamel-station spool upload --again " +
                              result->attempt.Text() + "' sends it"));
   }
-  std::cerr << "enamel-station: recorded and safe in " << options.workplace.data.string()
-            << ", but not on the server yet (" << result->not_uploaded_because
-            << "). Run 'enamel-station upload' later: nothing is lost\n";
+  program::SayWarning("recorded and safe in " + options.workplace.data.string() +
+                      ", but not on the server yet (" + result->not_uploaded_because +
+                      "). Run 'enamel-station upload' later: nothing is lost");
   return kNotUploaded;
 }
 
@@ -161,7 +163,7 @@ Status ApplySettings(CLI::App& app, CLI::App& command, program::LogOptions& log,
   if (file.empty() && std::filesystem::exists(kSystemSettings)) file = kSystemSettings;
   const std::set<std::string> known = program::SettingNames(app);
   for (CLI::App* one : {&command, &app}) {
-    ENAMEL_RETURN_IF_ERROR(program::ReadEnvironment(*one, "ENAMEL_STATION_"));
+    ENAMEL_RETURN_IF_ERROR(program::ReadEnvironment(*one, kPrefix));
     if (file.empty()) continue;
     ENAMEL_RETURN_IF_ERROR(program::ReadSettingsFile(file, *one, known));
   }
@@ -201,6 +203,10 @@ int main(int argc, char** argv) {
   app.require_subcommand(0, 1);
   app.set_version_flag("--version", "enamel-station " ENAMEL_VERSION);
   int exit_code = 0;
+  program::LogOptions log{.name = kName};
+  std::string config;
+  const bool json = program::AsksForJson(argc, argv, kPrefix);
+  (void)program::SetUpLog({.format = json ? "json" : "text", .name = kName});
   std::string data = DefaultData();
   auto with_data = [&](CLI::App* command) {
     command
@@ -318,6 +324,7 @@ int main(int argc, char** argv) {
   run_cmd->add_flag("--quiet", run.quiet, "No progress");
   run_cmd->callback([&] {
     run.workplace = place.Options();
+    run.log_only = log.format == "json";
     exit_code = Run(run, password_stdin);
   });
 
@@ -446,8 +453,6 @@ int main(int argc, char** argv) {
   RegisterDeviceCommands(app, DefaultData(), Finish, &exit_code);
 
   app.footer(kFooter);
-  program::LogOptions log{.name = "enamel-station"};
-  std::string config;
   AddSettings(app, log, config);
   try {
     app.parse(argc, argv);
@@ -456,9 +461,12 @@ int main(int argc, char** argv) {
       exit_code = Finish(set.ok() ? open_desk() : set);
     }
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : kUsage;
+    const bool wrong = error.get_exit_code() != 0;
+    if (!wrong || !json) return app.exit(error) == 0 ? 0 : kUsage;
+    program::SayError(error.what());
+    return kUsage;
   } catch (const std::exception& error) {
-    std::cerr << "enamel-station: " << error.what() << '\n';
+    program::SayError(error.what());
     return kFailed;
   }
   return exit_code;

@@ -7,6 +7,8 @@
 #include <boost/json.hpp>
 #include <cstdio>
 #include <ctime>
+#include <initializer_list>
+#include <string_view>
 
 #include "common/base/file.h"
 #include "station/app/places.h"
@@ -29,9 +31,46 @@ const char* StateOf(const SpooledAttempt& a) {
   return a.seal ? "waiting" : "unfinished";
 }
 
+// Why not all of it is on the server, and since when; `tried_unix_ms` 0: not known, or never.
+struct Waiting {
+  std::string why;  // empty: it does not wait
+  int64_t since_unix_ms = 0, tried_unix_ms = 0;
+};
+
+Waiting WaitingOf(const SpooledAttempt& a) {
+  if (!a.refused.empty()) return {"the server refuses it: " + a.refused, a.refused_unix_ms, 0};
+  if (a.waits() && !a.waits_because.empty()) {
+    return {a.waits_because, a.waits_since_unix_ms, a.tried_unix_ms};
+  }
+  if (!a.seal) {
+    return {"no end of it is recorded (it broke off, or goes on): 'enamel-station run --resume " +
+                a.id.Text() + "' goes on with it, 'enamel-station spool close " + a.id.Text() +
+                "' ends it as far as it goes",
+            0, 0};
+  }
+  if (a.waits()) {
+    return {
+        "nothing has tried to send it yet: the window does while it is open, and "
+        "'enamel-station upload'",
+        0, 0};
+  }
+  return {};
+}
+
+json::value WaitingFacts(const Waiting& waiting) {
+  if (waiting.why.empty()) return nullptr;
+  auto time = [](int64_t unix_ms) {
+    return unix_ms == 0 ? json::value(nullptr) : json::value(unix_ms);
+  };
+  return json::object{{"why", waiting.why},
+                      {"since_unix_ms", time(waiting.since_unix_ms)},
+                      {"tried_unix_ms", time(waiting.tried_unix_ms)}};
+}
+
 json::object FactsOf(const SpooledAttempt& a) {
   return {{"attempt_id", a.id.Text()},
           {"state", StateOf(a)},
+          {"waits", WaitingFacts(WaitingOf(a))},
           {"exercise", a.exercise},
           {"profile", a.profile},
           {"created_unix_ms", a.created_unix_ms},
@@ -99,12 +138,58 @@ std::string LocalTime(int64_t unix_ms) {
   return text;
 }
 
+// "; since 2026-11-20 10:02, last tried 2026-11-20 10:40: the server is away"; empty: it does not
+// wait.
+std::string WaitingText(const Waiting& waiting) {
+  if (waiting.why.empty()) return {};
+  std::string when;
+  if (waiting.since_unix_ms > 0) when = "since " + LocalTime(waiting.since_unix_ms);
+  if (waiting.tried_unix_ms > 0) when += ", last tried " + LocalTime(waiting.tried_unix_ms);
+  return "; " + when + (when.empty() ? "" : ": ") + waiting.why;
+}
+
 void PrintLine(const SpooledAttempt& a) {
-  std::printf("%s  %-10s  %s on %s  %llu ticks  %u of %u chunks on the server  %.1f kB  %s%s%s%s\n",
+  std::printf("%s  %-10s  %s on %s  %llu ticks  %u of %u chunks on the server  %.1f kB  %s%s%s\n",
               a.id.Text().c_str(), StateOf(a), a.exercise.c_str(), a.profile.c_str(),
               static_cast<unsigned_ll>(a.ticks), a.committed, a.chunks,
               static_cast<double>(a.bytes) / 1000, LocalTime(a.created_unix_ms).c_str(),
-              a.resumed > 0 ? "  resumed" : "", a.refused.empty() ? "" : ": ", a.refused.c_str());
+              a.resumed > 0 ? "  resumed" : "", WaitingText(WaitingOf(a)).c_str());
+}
+
+// What a version that is newer, or older, does not have reads as 0.
+double NumberIn(const json::object& facts, std::initializer_list<std::string_view> path) {
+  const json::object* at = &facts;
+  const json::value* value = nullptr;
+  for (std::string_view name : path) {
+    value = at == nullptr ? nullptr : at->if_contains(name);
+    at = value == nullptr ? nullptr : value->if_object();
+  }
+  if (value == nullptr) return 0;
+  boost::system::error_code error;
+  const double number = value->to_number<double>(error);
+  return error ? 0 : number;
+}
+
+void PrintLoop(const KeptLoopFacts& run, const json::object& facts) {
+  std::printf("run %u, ended %s: %.0f ticks, %.0f late, %.0f in gaps, %.0f faults\n", run.run,
+              LocalTime(run.ended_unix_ms).c_str(), NumberIn(facts, {"ticks"}),
+              NumberIn(facts, {"late_ticks"}),
+              NumberIn(facts, {"gap_ticks"}) + NumberIn(facts, {"skipped_ticks"}),
+              NumberIn(facts, {"fault_count"}));
+  for (const char* what : {"lateness", "tick"}) {
+    std::printf("  %-8s  p50 %.1f  p99 %.1f  max %.1f us\n", what,
+                NumberIn(facts, {what, "p50_us"}), NumberIn(facts, {what, "p99_us"}),
+                NumberIn(facts, {what, "max_us"}));
+  }
+  const json::value* faults = facts.if_contains("faults");
+  if (faults == nullptr || !faults->is_array()) return;
+  for (const json::value& fault : faults->get_array()) {
+    const json::object* record = fault.if_object();
+    const json::value* why = record == nullptr ? nullptr : record->if_contains("why");
+    if (why == nullptr || !why->is_string()) continue;
+    std::printf("  fault at tick %.0f: %s\n", NumberIn(*record, {"tick"}),
+                why->get_string().c_str());
+  }
 }
 
 Status SendWaiting(Carrier& carrier, Spool& spool, bool as_json, json::array& sent) {
@@ -113,7 +198,10 @@ Status SendWaiting(Carrier& carrier, Spool& spool, bool as_json, json::array& se
   Status worst;
   for (const SpooledAttempt& attempt : *waiting) {
     Status status = carrier.Bring(attempt.id);
-    if (!status.ok() && IsTransient(status) && !IsAwaited(status)) return status;
+    if (!status.ok() && IsTransient(status) && !IsAwaited(status)) {
+      ENAMEL_RETURN_IF_ERROR(spool.MarkAllTried(status.message()));
+      return status;
+    }
     auto after = spool.Get(attempt.id);
     if (!after.ok()) return after.status();
     sent.push_back(FactsOf(*after));
@@ -122,11 +210,8 @@ Status SendWaiting(Carrier& carrier, Spool& spool, bool as_json, json::array& se
     std::printf("%s  %s  %u of %u chunks  %s\n", attempt.id.Text().c_str(), StateOf(*after),
                 after->committed, after->chunks, status.message().c_str());
     if (status.ok() && !after->seal) {
-      std::printf(
-          "  no end of it is recorded (it broke off, or goes on): it is kept here and on the "
-          "server, and not scored. 'enamel-station run --resume %s' goes on with it, "
-          "'enamel-station spool close %s' ends it as far as it goes\n",
-          attempt.id.Text().c_str(), attempt.id.Text().c_str());
+      std::printf("  it is kept here and on the server, and not scored: %s\n",
+                  WaitingOf(*after).why.c_str());
     }
   }
   return worst;
@@ -166,6 +251,37 @@ Status ListSpool(const SpoolCommand& options) {
               file.c_str(), attempts->size(), static_cast<double>(bytes) / 1e6, waiting->size(),
               refused == 0 ? "" : (", " + std::to_string(refused) + " that it refuses").c_str());
   for (const SpooledAttempt& a : *attempts) PrintLine(a);
+  return Status::Ok();
+}
+
+Status ShowLoops(const SpoolCommand& options) {
+  auto spool = Spool::OpenToRead(options.workplace.data);
+  if (!spool.ok()) return spool.status();
+  auto id = AttemptMeant(**spool, options.attempt, [](const auto&) { return true; });
+  if (!id.ok()) return id.status();
+  if (auto there = (*spool)->Get(*id); !there.ok()) return there.status();
+  auto kept = (*spool)->LoopFactsOf(*id);
+  if (!kept.ok()) return kept.status();
+  json::array runs;
+  for (const KeptLoopFacts& run : *kept) {
+    boost::system::error_code error;
+    json::value facts = json::parse(run.json, error);
+    if (error || !facts.is_object()) {
+      return Status(Code::kStorage, "how run " + std::to_string(run.run) + " of attempt " +
+                                        id->Text() +
+                                        " went is not kept as JSON: the spool is damaged, "
+                                        "'enamel-station spool verify' says how far");
+    }
+    if (!options.json) PrintLoop(run, facts.as_object());
+    runs.push_back(
+        {{"run", run.run}, {"ended_unix_ms", run.ended_unix_ms}, {"facts", std::move(facts)}});
+  }
+  if (options.json) {
+    PrintJson({{"attempt_id", id->Text()}, {"runs", runs}});
+  } else if (runs.empty()) {
+    std::printf("%s: no loop of it ran to its end (it goes on, or broke off)\n",
+                id->Text().c_str());
+  }
   return Status::Ok();
 }
 
@@ -255,6 +371,7 @@ Status UploadSpool(const SpoolCommand& options) {
   } else if (waiting->empty() && IsTransient(status)) {
     status = Status::Ok();  // nothing to send, and nobody to ask whether something got lost
   }
+  if (!status.ok()) ENAMEL_RETURN_IF_ERROR((*spool)->MarkAllTried(status.message()));
   json::array sent;
   if (status.ok() && link.connected()) status = SendWaiting(carrier, **spool, options.json, sent);
   if (status.ok() || !IsTransient(status)) {
@@ -342,7 +459,8 @@ void AddSpoolCommands(CLI::App& app, SpoolCommand& options, WorkplaceSettings& s
   add(app, "upload", kUpload, UploadSpool);
   CLI::App* spool = app.add_subcommand("spool", "Recordings on this station");
   spool->require_subcommand(1);
-  add(*spool, "list", "What is there, how large, and what of it is on the server", ListSpool);
+  add(*spool, "list", "What is there, how large, what of it is on the server, and why not all",
+      ListSpool);
   add(*spool, "verify", "Check pages, chains, signatures and seals", VerifySpool);
   add(*spool, "upload", kUpload, UploadSpool);
   add(*spool, "salvage", "Save what can be read of a damaged spool into a new one",
@@ -357,6 +475,8 @@ void AddSpoolCommands(CLI::App& app, SpoolCommand& options, WorkplaceSettings& s
   with_attempt(add(*spool, "export", "Write one recording to a file", ExportFromSpool))
       ->add_option("--out", options.out, "File to write")
       ->required();
+  with_attempt(add(*spool, "loops",
+                   "How punctual the haptic loop of an attempt was, and its faults", ShowLoops));
   with_attempt(add(*spool, "close",
                    "End an attempt that was cut off, as far as it goes, so that it is scored",
                    CloseInSpool));

@@ -11,7 +11,7 @@ namespace CLI {
 class App;
 }
 
-// Recordings on this station: 'enamel-station spool list|verify|export|upload|close|salvage'
+// Recordings on this station: 'enamel-station spool list|loops|verify|export|upload|close|salvage'
 // and 'upload'.
 namespace enamel::station {
 
@@ -23,7 +23,10 @@ struct SpoolCommand {
   bool json = false;  // one JSON object on standard output instead of lines
 };
 
+// Says of what waits why, since when, and when it was tried last.
 Status ListSpool(const SpoolCommand& options);
+// How the loop of an attempt went (schemas/loop_facts.md), for each time it was run to its end.
+Status ShowLoops(const SpoolCommand& options);
 // Changes nothing. Errors: the worst of what was found.
 Status VerifySpool(const SpoolCommand& options);
 Status ExportFromSpool(const SpoolCommand& options);

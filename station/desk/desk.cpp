@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "station/desk/opening.h"
 #include "station/desk/operator_panel.h"
 #include "station/desk/pages.h"
 #include "station/desk/script.h"
@@ -34,13 +35,71 @@ uint32_t AttemptWarnings(RunningAttempt& run, double time_s, double limit_s) {
   return warnings;
 }
 
+const Quality& QualityOf(const DeskOptions& options, const render::QualityGovernor& governor) {
+  const Quality* wanted = render::FindQuality(options.quality);
+  return wanted != nullptr ? *wanted : render::kQualities[governor.level()];
+}
+
+// F1 opens and closes the operator's panel.
+void TakePanelKey(const render::Screen& screen, const Ui& ui, bool& panel) {
+  if (ui.page().empty()) return;
+  for (const render::InputEvent& event : screen.events()) {
+    bool f1 = event.kind == render::InputEvent::Kind::kKey && event.code == render::kKeyF1;
+    if (f1 && event.pressed) panel = !panel;
+  }
+}
+
+// The window while there is no workplace to work at.
+class TroubleDesk {
+ public:
+  TroubleDesk(const DeskOptions& options, render::Screen& screen, Opening& opening, Script& script)
+      : options_(options),
+        screen_(screen),
+        opening_(opening),
+        script_(script),
+        governor_(render::GovernorFor(screen)),
+        ui_(screen) {}
+
+  // Until it was opened, or the person has closed the window. Errors: the script's.
+  Status Run() {
+    while (opening_.workplace() == nullptr && Frame()) {
+    }
+    return script_.status();
+  }
+
+ private:
+  bool Frame() {
+    bool end = !screen_.Begin();
+    opening_.Tick();
+    TakePanelKey(screen_, ui_, panel_);
+    end |= DrawTrouble(ui_, opening_);
+    if (panel_) {
+      DrawOperatorPanel(opening_.Lines(), screen_, times_, QualityOf(options_, governor_),
+                        governor_.budget_s());
+    }
+    screen_.End(nullptr);
+    times_.Add(screen_.drawing_s());
+    end |= script_.playing() && script_.Step(screen_, ui_, nullptr);
+    return !end && !interrupted;
+  }
+
+  const DeskOptions& options_;
+  render::Screen& screen_;
+  Opening& opening_;
+  Script& script_;
+  render::QualityGovernor governor_;
+  PictureTimes times_;
+  Ui ui_;
+  bool panel_ = false;
+};
+
 class Desk {
  public:
-  Desk(const DeskOptions& options, render::Screen& screen, Workplace& workplace, Script script)
+  Desk(const DeskOptions& options, render::Screen& screen, Workplace& workplace, Script& script)
       : options_(options),
         screen_(screen),
         governor_(render::GovernorFor(screen)),
-        script_(std::move(script)),
+        script_(script),
         ui_(screen),
         flow_(workplace, {options.simulated, options.device, 60 * options.idle_minutes,
                           options.profile, options.cpu}),
@@ -62,7 +121,7 @@ class Desk {
     double dt_s = std::chrono::duration<double>(now - last_).count();
     last_ = now;
     flow_.Tick(now, !screen_.events().empty());
-    TakeKeys();
+    TakePanelKey(screen_, ui_, panel_);
     const render::Target* picture = Picture(dt_s);
     Sound();
     bool end = pages_.Draw();
@@ -71,28 +130,17 @@ class Desk {
     }
     screen_.End(picture);
     Measure();
-    end |= script_.playing() && script_.Step(screen_, ui_, flow_);
+    end |= script_.playing() && script_.Step(screen_, ui_, &flow_);
     return !end && !interrupted;
   }
 
-  const Quality& quality() const {
-    const Quality* wanted = render::FindQuality(options_.quality);
-    return wanted != nullptr ? *wanted : render::kQualities[governor_.level()];
-  }
+  const Quality& quality() const { return QualityOf(options_, governor_); }
 
   // The window's own close button: an attempt is not lost by it.
   void AskToClose() {
     screen_.CancelClose();
     if (flow_.dialog() != Dialog::kNone) return;
     flow_.Open(flow_.place() == Place::kRunning ? Dialog::kPaused : Dialog::kClose);
-  }
-
-  void TakeKeys() {
-    if (ui_.page().empty()) return;
-    for (const render::InputEvent& event : screen_.events()) {
-      bool f1 = event.kind == render::InputEvent::Kind::kKey && event.code == render::kKeyF1;
-      if (f1 && event.pressed) panel_ = !panel_;
-    }
   }
 
   // The tooth, while there is one to cut; null: none to show.
@@ -167,7 +215,7 @@ class Desk {
   render::Screen& screen_;
   render::QualityGovernor governor_;
   PictureTimes times_;
-  Script script_;
+  Script& script_;
   Ui ui_;
   Workflow flow_;
   Pages pages_;
@@ -217,8 +265,7 @@ Status RunDesk(const DeskOptions& options) {
     if (!read.ok()) return read.status();
     script = std::move(*read);
   }
-  auto workplace = Workplace::Open(options.workplace);
-  if (!workplace.ok()) return workplace.status();
+  Opening opening(options.workplace);
   std::signal(SIGINT, OnSignal);
   std::signal(SIGTERM, OnSignal);
   try {
@@ -227,9 +274,13 @@ Status RunDesk(const DeskOptions& options) {
     window.width_px = options.width_px;
     window.height_px = options.height_px;
     render::Screen screen(window);
-    return Desk(options, screen, **workplace, std::move(script)).Run();
+    if (opening.workplace() == nullptr) {
+      ENAMEL_RETURN_IF_ERROR(TroubleDesk(options, screen, opening, script).Run());
+    }
+    if (opening.workplace() == nullptr) return opening.problem();
+    return Desk(options, screen, *opening.workplace(), script).Run();
   } catch (const std::exception& e) {
-    return render::NoDisplay(e.what());
+    return opening.problem().ok() ? render::NoDisplay(e.what()) : opening.problem();
   }
 }
 

@@ -27,8 +27,9 @@ struct DeskOptions {
 // "1280x720": instead of the full screen. Errors: kInvalidInput.
 Status SetWindowSize(const std::string& text, DeskOptions& options);
 
-// Until the person closes the window. Errors: kUnavailable without a display, the credentials' and
-// the spool's, a script's that did not find what it expected.
+// Until the person closes the window. Where the workplace cannot be opened the window says why, and
+// tries again when asked. Errors: kUnavailable without a display; the credentials' and the spool's,
+// where it was closed with them; a script's that did not find what it expected.
 Status RunDesk(const DeskOptions& options);
 
 }  // namespace enamel::station::desk

@@ -119,10 +119,12 @@ double PictureTimes::ShareWithin(double seconds) const {
          static_cast<double>(std::max<size_t>(1, std::min(next_, kCount)));
 }
 
-void DrawOperatorPanel(Workflow& flow, StationWatch& station, const render::Screen& screen,
-                       const PictureTimes& times, const render::Quality& quality, double budget_s) {
+namespace {
+
+// The panel's place and letters; `draw` puts its columns.
+template <typename Draw>
+void Frame(const render::Screen& screen, int columns, Draw&& draw) {
   const float px = screen.fonts().scale;
-  const int columns = flow.stage() != nullptr ? 2 : 1;
   ImGui::SetNextWindowPos({static_cast<float>(screen.width()) - 20 * px, 20 * px}, ImGuiCond_Always,
                           {1, 0});
   ImGui::SetNextWindowSize({(static_cast<float>(columns) * (kColumn + 24) + 48) * px, 0});
@@ -134,18 +136,38 @@ void DrawOperatorPanel(Workflow& flow, StationWatch& station, const render::Scre
                    ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_AlwaysAutoResize);
   ImGui::Text("Operator panel   F1 closes it");
   if (ImGui::BeginTable("columns", columns)) {
-    if (columns == 2) {
-      ImGui::TableNextColumn();
-      Attempt(flow, px);
-    }
-    ImGui::TableNextColumn();
-    Station(flow, station);
-    Pictures(screen, times, quality, budget_s);
+    draw();
     ImGui::EndTable();
   }
   ImGui::End();
   ImGui::PopStyleColor();
   ImGui::PopFont();
+}
+
+}  // namespace
+
+void DrawOperatorPanel(Workflow& flow, StationWatch& station, const render::Screen& screen,
+                       const PictureTimes& times, const render::Quality& quality, double budget_s) {
+  const int columns = flow.stage() != nullptr ? 2 : 1;
+  Frame(screen, columns, [&] {
+    if (columns == 2) {
+      ImGui::TableNextColumn();
+      Attempt(flow, screen.fonts().scale);
+    }
+    ImGui::TableNextColumn();
+    Station(flow, station);
+    Pictures(screen, times, quality, budget_s);
+  });
+}
+
+void DrawOperatorPanel(const std::vector<std::string>& lines, const render::Screen& screen,
+                       const PictureTimes& times, const render::Quality& quality, double budget_s) {
+  Frame(screen, 1, [&] {
+    ImGui::TableNextColumn();
+    Head("Station");
+    for (const std::string& line : lines) ImGui::TextWrapped("%s", line.c_str());
+    Pictures(screen, times, quality, budget_s);
+  });
 }
 
 }  // namespace enamel::station::desk

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <string>
+#include <vector>
 
 #include "station/desk/station_facts.h"
 #include "station/desk/workflow.h"
@@ -30,6 +31,9 @@ class PictureTimes {
 // also that, loop and recording, in a second column, so that all of it is on a screen of 1280 x
 // 720.
 void DrawOperatorPanel(Workflow& flow, StationWatch& station, const render::Screen& screen,
+                       const PictureTimes& times, const render::Quality& quality, double budget_s);
+// The same where there is no workplace to ask: these lines in the place of what it would say.
+void DrawOperatorPanel(const std::vector<std::string>& lines, const render::Screen& screen,
                        const PictureTimes& times, const render::Quality& quality, double budget_s);
 
 }  // namespace enamel::station::desk

@@ -1,9 +1,10 @@
 #include "station/desk/pages.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
+
+#include "common/base/unix_time.h"
 
 namespace enamel::station::desk {
 namespace {
@@ -14,11 +15,6 @@ std::string Points(double value) {
   std::string out = text;
   if (out.size() > 2 && out.ends_with(".0")) out.resize(out.size() - 2);
   return out;
-}
-
-int64_t NowUnixMs() {
-  using namespace std::chrono;
-  return duration_cast<milliseconds>(system_clock::now().time_since_epoch()).count();
 }
 
 // "3 days", "5 hours", "1 minute".
@@ -193,18 +189,18 @@ void Pages::Exercises() {
   ui_.BeginList("exercises", 180);
   for (size_t i = 0; i < flow_.cut_off().size(); ++i) {
     const SpooledAttempt& attempt = flow_.cut_off()[i];
-    if (ui_.Row("Cut off: " + flow_.TitleOf(attempt), CutOffText(attempt, NowUnixMs()), "GO ON")) {
+    if (ui_.Row("Cut off: " + flow_.TitleOf(attempt), CutOffText(attempt, UnixMs()), "GO ON")) {
       flow_.OpenCutOff(i);
     }
   }
   const auto& all = flow_.exercises();
   for (size_t i = 0; i < all.size(); ++i) {
-    std::string detail = AssignmentText(all[i], NowUnixMs());
+    std::string detail = AssignmentText(all[i], UnixMs());
     if (ui_.Row(all[i].title, detail, all[i].exam ? "EXAM" : "")) flow_.ChooseExercise(i);
   }
   for (size_t i = 0; i < flow_.handed_in().size(); ++i) {
     const SpooledAttempt& attempt = flow_.handed_in()[i];
-    if (ui_.Row("Result: " + flow_.TitleOf(attempt), HandedInText(attempt, NowUnixMs()), "LOOK")) {
+    if (ui_.Row("Result: " + flow_.TitleOf(attempt), HandedInText(attempt, UnixMs()), "LOOK")) {
       flow_.OpenHandedIn(i);
     }
   }
@@ -298,7 +294,7 @@ void Pages::Reserved() {
   ui_.BeginList("reserved", 110);
   const auto& all = flow_.reserved();
   for (size_t i = 0; i < all.size(); ++i) {
-    if (ui_.Row(all[i].ticket.title, ReservedText(all[i], NowUnixMs()),
+    if (ui_.Row(all[i].ticket.title, ReservedText(all[i], UnixMs()),
                 all[i].cut_off ? "GO ON" : "")) {
       flow_.AskPin(i);
     }
@@ -368,7 +364,7 @@ void Pages::AskCutOff() {
   const SpooledAttempt& attempt = flow_.cut_off_chosen();
   ui_.BeginDialog("cut-off", "Cut off: " + flow_.TitleOf(attempt));
   bool recorded = attempt.chunks > 0;
-  ui_.Text(CutOffText(attempt, NowUnixMs()) +
+  ui_.Text(CutOffText(attempt, UnixMs()) +
            (recorded ? ". All but its last moment is kept: go on where that ends, or hand it in as "
                        "it is."
                      : ". Nothing was recorded yet: it can only go on."));
@@ -420,7 +416,11 @@ void Pages::Running() {
 }
 
 void Pages::Paused() {
-  ui_.BeginDialog("paused", "Paused", Ui::Space::kIsThePedal);
+  RunningAttempt* run = flow_.stage() != nullptr ? flow_.stage()->run() : nullptr;
+  const bool put_down = run != nullptr && run->snapshot().put_down;
+  ui_.BeginDialog("paused", put_down ? "Paused: handpiece put down" : "Paused",
+                  Ui::Space::kIsThePedal);
+  if (put_down) ui_.Text("It lies in its holder: take it up to go on cutting, or finish.");
   ui_.Text("The bur is off. The clock and the recording go on.");
   ui_.Gap(12);
   if (ui_.Button("Go on", Ui::Look::kMain) || ui_.escape()) flow_.CloseDialog();
@@ -562,6 +562,27 @@ void Pages::AskReference() {
   ui_.SameLine();
   if (ui_.Button("Leave it") || ui_.escape()) flow_.CloseDialog();
   ui_.EndDialog();
+}
+
+bool DrawTrouble(Ui& ui, Opening& opening) {
+  const Trouble trouble = opening.trouble();
+  ui.Begin("trouble", kWide);
+  ui.Title("This station cannot be used just now");
+  ui.Gap(8);
+  ui.Problem(trouble.what);
+  ui.Text(trouble.safe);
+  ui.Text(trouble.todo);
+  ui.BeginList("operators", 150);
+  ui.Note("For whoever looks after it:");
+  ui.Note(trouble.operators);
+  ui.EndList();
+  ui.Note(opening.busy() ? "Looking again …" : "F1 shows how the station is.");
+  if (ui.Button("Try again", Ui::Look::kMain, !opening.busy())) opening.TryAgain();
+  ui.SameLine();
+  const bool close = ui.Button("Close");
+  ui.End();
+  ui.EndFrame();
+  return close;
 }
 
 bool Pages::AskClose() {

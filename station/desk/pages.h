@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "station/desk/opening.h"
 #include "station/desk/ui.h"
 #include "station/desk/workflow.h"
 
@@ -49,6 +50,10 @@ class Pages {
   Place before_ = Place::kSignIn;
   Dialog dialog_before_ = Dialog::kNone;
 };
+
+// In place of all pages, while the workplace cannot be opened: what is wrong, what is safe, what to
+// do ("trouble"). One frame. True when the person wants to close the window.
+bool DrawTrouble(Ui& ui, Opening& opening);
 
 // The bur seen from the side, to scale, in the current ImGui window at the cursor.
 void DrawBur(const cutting::Bur& bur, float width_px, float height_px, float mm_to_px);

@@ -43,9 +43,9 @@ void Hold(Screen& screen, const std::string& name, bool down) {
   screen.Inject(InputEvent::Key(KeyOf(name), down));
 }
 
-double Removed_mm3(Workflow& flow) {
-  if (flow.stage() == nullptr) return 0;
-  const auto& removed = flow.stage()->view().state().removed_mm3;
+double Removed_mm3(Workflow* flow) {
+  if (flow == nullptr || flow->stage() == nullptr) return 0;
+  const auto& removed = flow->stage()->view().state().removed_mm3;
   return std::accumulate(removed.begin(), removed.end(), 0.0);
 }
 
@@ -72,7 +72,7 @@ Result<Script> Script::Read(const std::filesystem::path& file) {
   return script;
 }
 
-bool Script::Step(Screen& screen, const Ui& ui, Workflow& flow) {
+bool Script::Step(Screen& screen, const Ui& ui, Workflow* flow) {
   if (steps_.empty() || screen.injecting()) return false;
   Line line = steps_.front();
   if (line.verb == "quit") return true;
@@ -100,7 +100,7 @@ bool Script::Waits(const Line& line, const Ui& ui) {
   return ui.words().find(line.rest) == std::string::npos;
 }
 
-bool Script::Take(const Line& line, Screen& screen, const Ui& ui, Workflow& flow) {
+bool Script::Take(const Line& line, Screen& screen, const Ui& ui, Workflow* flow) {
   if (line.verb == "page" || line.verb == "see") return !Waits(line, ui);
   if (line.verb == "click") return Click(line.rest, screen, ui);
   if (line.verb == "type") return Type(line.rest, screen);

@@ -13,7 +13,8 @@ namespace enamel::station::desk {
 //
 //   page NAME          waits until this page or dialog is shown ("sign-in", "reserved",
 //                      "exercises", "exercise", "ready", "running", "hand-in", "result"; "paused",
-//                      "finish", "give-up", "reference", "reserve", "pin", "cut-off", "close")
+//                      "finish", "give-up", "reference", "reserve", "pin", "cut-off", "close";
+//                      "trouble" where the station cannot be used)
 //   see WORDS          waits until these words are on it
 //   click LABEL        the left button on the choice whose label begins so, once it is there;
 //                      LABEL #2: on the second of them
@@ -39,7 +40,8 @@ class Script {
   Script() = default;
 
   // Once a frame, after it was drawn. True when the program is to end.
-  bool Step(render::Screen& screen, const Ui& ui, Workflow& flow);
+  // `flow` is null where there is none yet.
+  bool Step(render::Screen& screen, const Ui& ui, Workflow* flow);
   // Why it gave up, or ok.
   const Status& status() const { return status_; }
   bool playing() const { return !steps_.empty(); }
@@ -50,7 +52,7 @@ class Script {
     std::string verb, rest;
   };
   // True when the step has been taken.
-  bool Take(const Line& line, render::Screen& screen, const Ui& ui, Workflow& flow);
+  bool Take(const Line& line, render::Screen& screen, const Ui& ui, Workflow* flow);
   bool Click(const std::string& rest, render::Screen& screen, const Ui& ui);
   bool Move(const std::string& rest, render::Screen& screen);
   bool Type(const std::string& text, render::Screen& screen);

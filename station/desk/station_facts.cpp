@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <filesystem>
 
 namespace enamel::station::desk {
 namespace {
@@ -39,10 +38,20 @@ StationFacts LookAtStation(Workplace& workplace) {
         std::ranges::count_if(*all, [](const SpooledAttempt& a) { return !a.refused.empty(); }));
   }
   if (tickets.ok()) out.kept_tickets = tickets->size();
-  std::error_code error;
-  auto space = std::filesystem::space(workplace.spool().file().parent_path(), error);
-  if (!error) out.free_bytes = space.available;
+  out.free_bytes = FreeBytes(workplace.spool().file().parent_path());
   return out;
+}
+
+std::optional<uint64_t> FreeBytes(const std::filesystem::path& folder) {
+  std::error_code error;
+  auto space = std::filesystem::space(folder, error);
+  return error ? std::nullopt : std::optional<uint64_t>(space.available);
+}
+
+std::string RoomText(const std::optional<uint64_t>& free_bytes) {
+  if (!free_bytes) return {};
+  return SizeText(*free_bytes) + " free" +
+         (*free_bytes < kLittleRoom_bytes ? ": TOO LITTLE, make room" : "");
 }
 
 std::vector<std::string> Lines(const StationFacts& facts) {
@@ -60,10 +69,7 @@ std::vector<std::string> Lines(const StationFacts& facts) {
   if (facts.kept_tickets > 0) {
     out.push_back(Counted(facts.kept_tickets, "ticket", "tickets") + " kept for later");
   }
-  if (facts.free_bytes) {
-    out.push_back(SizeText(*facts.free_bytes) + " free" +
-                  (*facts.free_bytes < kLittleRoom_bytes ? ": TOO LITTLE, make room" : ""));
-  }
+  if (std::string room = RoomText(facts.free_bytes); !room.empty()) out.push_back(room);
   if (!facts.problem.ok()) out.push_back(facts.problem.message());
   return out;
 }

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,6 +26,10 @@ StationFacts LookAtStation(Workplace& workplace);
 
 // One line for each: "the server is reachable", "2 recordings wait for the server", "41.2 GB free".
 std::vector<std::string> Lines(const StationFacts& facts);
+
+// "41.2 GB free" where this is; empty: it cannot be asked.
+std::string RoomText(const std::optional<uint64_t>& free_bytes);
+std::optional<uint64_t> FreeBytes(const std::filesystem::path& folder);
 
 // The facts, at most two seconds old while somebody asks. Thread safety: the window's thread.
 class StationWatch {

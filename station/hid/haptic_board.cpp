@@ -32,6 +32,22 @@ int32_t Saturated(int64_t v) noexcept {
   return static_cast<int32_t>(std::clamp<int64_t>(v, INT32_MIN, INT32_MAX));
 }
 
+// In 0.1 mN. Beyond the peak on any axis all of it is less, by the same share: clipped axis by axis
+// it would push elsewhere than the tooth does.
+std::array<int32_t, 3> WithinPeak(const dvec3& force_n, const FeatureReport& board) {
+  const dvec3 force = force_n * 1e4;
+  double share = 1;
+  for (int i = 0; i < 3; ++i) {
+    const double peak = board.peak_force_mn[static_cast<size_t>(i)] * 10.0;
+    if (std::abs(force[i]) > peak) share = std::min(share, peak / std::abs(force[i]));
+  }
+  std::array<int32_t, 3> out{};
+  for (int i = 0; i < 3; ++i) {
+    out[static_cast<size_t>(i)] = static_cast<int32_t>(std::lround(force[i] * share));
+  }
+  return out;
+}
+
 }  // namespace
 
 Result<FeatureReport> AskFeature(HidPort& port) {
@@ -266,13 +282,7 @@ bool HapticBoard::Send(HidPort& port, const ForceKeeper::Command& command, uint3
   report.motors_on = command.motors_on;
   report.sequence = sequence;
   report.watchdog_ms = static_cast<uint16_t>(watchdog_ms_);
-  dvec3 force = settings_.axes.ToBoard(command.force_n);
-  for (int i = 0; i < 3; ++i) {
-    auto n = static_cast<size_t>(i);
-    double peak = feature_.peak_force_mn[n] * 10.0;
-    report.force_100un[n] =
-        static_cast<int32_t>(std::lround(std::clamp(force[i] * 1e4, -peak, peak)));
-  }
+  report.force_100un = WithinPeak(settings_.axes.ToBoard(command.force_n), feature_);
   auto bytes = EncodeOutput(report);
   if (command.motors_on != (turns_ % 2 == 1)) ++turns_;
   if (command.motors_on && first_driven_us_ == 0) first_driven_us_ = Now_us();

@@ -159,6 +159,9 @@ class TickLoop {
   // Newest tick, for one reader thread.
   const Snapshot& snapshot() noexcept { return snapshots_.Read(); }
   Fault fault() const noexcept { return fault_; }
+  // All that was counted, also over ticks that were not stepped: on the tick's thread, or after
+  // finished().
+  const LoopCounters& counters() const noexcept { return counters_; }
   // Oldest first. On the tick's thread, or after finished().
   std::span<const FaultRecord> fault_records() const noexcept { return {records_, record_count_}; }
   // How late Run's ticks began, and how long they took. Lockstep fills neither.

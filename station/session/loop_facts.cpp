@@ -49,17 +49,21 @@ json::object DurationFacts(const DurationHistogram& h) {
           {"ns", doublings}};
 }
 
-json::object LoopFacts(const TickLoop& loop, const LoopCounters& counters, const Device& device) {
-  DeviceCounters bus = device.counters();
-  return {{"ticks", counters.ticks},
+json::object LoopFacts(const TickLoop& loop, const Device& device) {
+  const LoopCounters& counters = loop.counters();
+  const DeviceCounters bus = device.counters();
+  return {{"version", 1},
+          {"ticks", counters.ticks},
           {"gap_ticks", counters.gap_ticks},
           {"late_ticks", counters.late_ticks},
           {"skipped_ticks", counters.skipped_ticks},
           {"stale_ticks", counters.stale_ticks},
+          {"bounded_ticks", counters.bounded_ticks},
           {"put_downs", counters.put_downs},
           {"leak_j", counters.leak_j},
           {"lateness", DurationFacts(loop.lateness())},
           {"tick", DurationFacts(loop.durations())},
+          {"fault_count", counters.faults},
           {"faults", Faults(loop)},
           {"device",
            {{"name", device.Name()},

@@ -1,11 +1,15 @@
 #include "station/session/running_attempt.h"
 
+#include <spdlog/fmt/fmt.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <boost/json.hpp>
 #include <cstdio>
 
+#include "common/base/unix_time.h"
 #include "station/loop/realtime.h"
+#include "station/session/loop_facts.h"
 
 namespace enamel::station {
 namespace {
@@ -51,6 +55,8 @@ RunningAttempt::RunningAttempt(const trace::SecretKey& station_key, Spool& spool
                                const AttemptOptions& options, RecordingLock lock)
     : lock_(std::move(lock)),
       attempt_(prepared.attempt()),
+      spool_(spool),
+      device_(device),
       uploader_(uploader),
       observer_(options.observer),
       rate_hz_(prepared.header.params.rate_hz),
@@ -78,6 +84,7 @@ void RunningAttempt::OnTick(const core::Core& core, const Snapshot& snapshot) no
     live_->Write({snapshot.counters.ticks, Rounded(snapshot.anchor.tip_m - origin_m, kUmPerM),
                   Rounded(snapshot.force_sent_n, kMnPerN), snapshot.output_flags});
   }
+  fault_.store(snapshot.fault, std::memory_order_relaxed);
   if (observer_ != nullptr) observer_->OnTick(core, snapshot);
 }
 
@@ -92,8 +99,11 @@ void RunningAttempt::RunLoop(const AttemptOptions& options) {
 }
 
 void RunningAttempt::Record() {
-  while (!(recorded_ = RecordOnce())) {
-  }
+  while (!(recorded_ = RecordOnce())) LogFaults();
+  while (!loop_.finished()) std::this_thread::sleep_for(kRecorderIdle);
+  LogFaults();
+  KeepFacts();
+  LogEnd(recorded_->status());
   done_ = true;
   uploader_.Wake();
 }
@@ -121,6 +131,46 @@ std::optional<Result<trace::Seal>> RunningAttempt::RecordOnce() {
   else if (!*moved)
     std::this_thread::sleep_for(kRecorderIdle);
   return std::nullopt;
+}
+
+// Not worth an attempt: where the disk takes the recording and not these, they are lost.
+void RunningAttempt::KeepFacts() {
+  auto stored = spool_.Get(attempt_);
+  Status kept = stored.ok() ? spool_.PutLoopFacts(attempt_, {stored->resumed, UnixMs(),
+                                                             boost::json::serialize(facts())})
+                            : stored.status();
+  if (!kept.ok()) {
+    spdlog::warn("how the loop of attempt {} went is not kept: {}", attempt_.Text(),
+                 kept.message());
+  }
+}
+
+void RunningAttempt::LogFaults() {
+  const Fault now = fault_.load(std::memory_order_relaxed);
+  if (now == logged_) return;
+  if (now != Fault::kNone) {
+    spdlog::warn("attempt {}: the force is off: {}", attempt_.Text(), FaultText(now));
+  } else {
+    spdlog::info("attempt {}: the force comes on again, in free air", attempt_.Text());
+  }
+  logged_ = now;
+}
+
+void RunningAttempt::LogEnd(const Status& status) const {
+  const LoopCounters& counters = loop_.counters();
+  const DurationHistogram& late = loop_.lateness();
+  const std::string how = fmt::format(
+      "{} ticks, {} late, {} in gaps, {} faults; late by {:.0f} us (99 %), {:.0f} us at most; {} "
+      "chunks stored here",
+      counters.ticks, counters.late_ticks, counters.gap_ticks + counters.skipped_ticks,
+      counters.faults, late.Quantile_ns(0.99) * 1e-3, static_cast<double>(late.max_ns()) * 1e-3,
+      recorder_.chunks());
+  if (status.ok()) {
+    spdlog::info("attempt {} has ended: {}", attempt_.Text(), how);
+  } else {
+    spdlog::error("attempt {} has ended and is not whole: {}: {}", attempt_.Text(), how,
+                  status.message());
+  }
 }
 
 // What cannot be recorded is not felt.
@@ -168,6 +218,8 @@ Result<trace::Seal> RunningAttempt::Join() {
   lock_.reset();
   return *recorded_;
 }
+
+boost::json::object RunningAttempt::facts() const { return LoopFacts(loop_, device_); }
 
 Uploader::State RunningAttempt::AwaitUpload(milliseconds patience) {
   uploader_.Wake();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <boost/json/fwd.hpp>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -30,7 +31,8 @@ struct AttemptOptions {
 // A spool that cannot take a chunk (disk full, not writable, broken) ends force and cut with the
 // next tick: nothing is felt that is not recorded. What was felt before is kept in memory and tried
 // again several times a second, the seal after it, until it is stored or GiveUp; once it is, ticks
-// are stepped again after a declared gap.
+// are stepped again after a declared gap. How the loop went is kept beside the recording when it
+// ends (Spool::LoopFactsOf). Its end, and each fault as it comes and goes, are logged.
 // Thread safety: one owner's thread, but End, GiveUp, ticking and the states from any.
 // Real-time: never; only the loop inside is.
 class RunningAttempt : private TickObserver {
@@ -69,6 +71,8 @@ class RunningAttempt : private TickObserver {
   // Waits for the loop's end and the seal. Errors: the recording is not complete on disk (says what
   // of it is, and what to do). May be called again.
   Result<trace::Seal> Join();
+  // How the loop went (loop_facts.h). Requires: Join has returned.
+  boost::json::object facts() const;
   // The tooth as it is now. Requires: Join has returned.
   const core::Core& core() const { return *core_; }
   // After Join: until everything is durable on the server, it refuses for good, or has not been
@@ -82,9 +86,14 @@ class RunningAttempt : private TickObserver {
   std::optional<Result<trace::Seal>> RecordOnce();
   void Note(const Status& problem);
   Status Lost(const Status& why) const;
+  void KeepFacts();
+  void LogFaults();
+  void LogEnd(const Status& status) const;
 
   std::optional<RecordingLock> lock_;  // until the recording is whole
   const Uuid attempt_;
+  Spool& spool_;
+  Device& device_;
   Uploader& uploader_;
   TickObserver* const observer_;
   const uint32_t rate_hz_;
@@ -95,6 +104,8 @@ class RunningAttempt : private TickObserver {
   Recorder recorder_;
   TickLoop loop_;
   std::atomic<bool> give_up_{false}, done_{false};
+  std::atomic<Fault> fault_{Fault::kNone};  // as of the newest tick
+  Fault logged_ = Fault::kNone;             // of the recorder's thread
   mutable std::mutex mutex_;
   Status problem_;                               // guarded by mutex_
   std::optional<Result<trace::Seal>> recorded_;  // the recorder's, then Join's

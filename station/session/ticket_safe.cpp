@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "common/base/unix_time.h"
+
 namespace enamel::station {
 namespace {
 
@@ -14,12 +16,6 @@ constexpr size_t kMemoryBytes = size_t{64} << 20;
 static_assert(crypto_pwhash_SALTBYTES == sizeof(LockedTicket::salt));
 
 using Key = std::array<uint8_t, crypto_secretbox_KEYBYTES>;
-
-int64_t SystemUnixMs() {
-  return std::chrono::duration_cast<std::chrono::milliseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 Result<Key> KeyOf(const std::string& pin, const std::array<uint8_t, 16>& salt) {
   ENAMEL_CHECK(sodium_init() >= 0);
@@ -47,7 +43,7 @@ Status NoTicket(const Uuid& attempt) {
 }  // namespace
 
 TicketSafe::TicketSafe(Spool& spool, Clock clock)
-    : spool_(spool), clock_(clock ? std::move(clock) : SystemUnixMs) {}
+    : spool_(spool), clock_(clock ? std::move(clock) : [] { return UnixMs(); }) {}
 
 Status TicketSafe::CheckPin(const std::string& pin) {
   bool digits = std::ranges::all_of(pin, [](char c) { return c >= '0' && c <= '9'; });

@@ -1,11 +1,13 @@
 #include "station/session/workplace.h"
 
+#include <spdlog/fmt/fmt.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <ranges>
 #include <utility>
 
+#include "common/base/unix_time.h"
 #include "common/scene/json.h"
 #include "common/scene/plan.h"
 #include "common/scene/volume_blob.h"
@@ -17,6 +19,8 @@ namespace {
 
 constexpr std::chrono::seconds kPingEvery{20};
 constexpr size_t kChunksAtOnce = 64;
+constexpr char kSignedOut[] = "has signed out",
+               kLost[] = "is signed out: the connection to the server was lost";
 
 using Fetch = std::function<Result<Bytes>(const Sha256&)>;
 
@@ -50,12 +54,6 @@ Result<PreparedAttempt> Assemble(const Sha256& exercise, const Sha256& profile,
   if (!params.ok()) return params.status();
   out.header = {{}, out.exercise.scene, out.scene.volume, *params, SoftwareName()};
   return out;
-}
-
-int64_t NowUnixMs() {
-  return std::chrono::duration_cast<std::chrono::milliseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
 }
 
 UploaderOptions UploaderOf(const WorkplaceOptions& options) {
@@ -105,6 +103,7 @@ Workplace::~Workplace() {
     std::lock_guard lock(mutex_);
     stop_ = true;
     link_->Cancel();
+    ForgetPerson(kSignedOut);
     changed_.notify_all();
   }
   keep_alive_.join();
@@ -121,7 +120,7 @@ void Workplace::KeepAlive() {
       if (link->connected() && !link->Ping().ok()) link->Close();
       bool lost = !link->connected();
       lock.lock();
-      if (lost && link.link == link_) person_.reset();
+      if (lost && link.link == link_) ForgetPerson(kLost);
     }
   }
 }
@@ -143,7 +142,18 @@ Status Workplace::ConnectForPeople(ServerLink& link) {
                 "upload recordings, not begin attempts; update it");
 }
 
+// Of one that fails not what was typed is logged: it may be a password in the wrong field.
 Result<Person> Workplace::SignIn(const std::string& login, const std::string& password) {
+  auto person = SignInAtServer(login, password);
+  if (person.ok()) {
+    spdlog::info("person {} ({}) has signed in", person->id.Text(), person->role);
+  } else if (!IsStopped(person.status())) {
+    spdlog::warn("a sign-in failed: {}", person.status().message());
+  }
+  return person;
+}
+
+Result<Person> Workplace::SignInAtServer(const std::string& login, const std::string& password) {
   auto link = UseLink();
   const bool kept = link->connected();
   if (!kept) ENAMEL_RETURN_IF_ERROR(ConnectForPeople(*link));
@@ -167,9 +177,15 @@ Result<Person> Workplace::SignIn(const std::string& login, const std::string& pa
                   "password");
   }
   std::lock_guard lock(mutex_);
-  if (link.link != link_) return Status(Code::kUnavailable, "signed out meanwhile", "cancelled");
+  if (link.link != link_)
+    return Status(Code::kUnavailable, "signed out meanwhile", net::kCancelled);
   person_ = *person;
   return *person;
+}
+
+void Workplace::ForgetPerson(const char* how) {
+  if (person_) spdlog::info("person {} {}", person_->id.Text(), how);
+  person_.reset();
 }
 
 // A step that waits for the server holds the connection: it is told to end, and takes it along.
@@ -178,7 +194,7 @@ void Workplace::SignOut() {
   std::lock_guard lock(mutex_);
   left = std::exchange(link_, std::make_shared<ServerLink>());
   left->Cancel();
-  person_.reset();
+  ForgetPerson(kSignedOut);
 }
 
 Workplace::LinkInUse Workplace::UseLink() {
@@ -195,7 +211,7 @@ std::optional<Person> Workplace::person() const {
 Result<Person> Workplace::SignedIn(const ServerLink& link) {
   std::lock_guard lock(mutex_);
   const bool current = link_.get() == &link;
-  if (current && !link.connected()) person_.reset();
+  if (current && !link.connected()) ForgetPerson(kLost);
   if (current && person_) return *person_;
   return Status(Code::kUnauthenticated,
                 "nobody is signed in here, or the connection was lost since: sign in again");
@@ -296,6 +312,13 @@ Result<std::unique_ptr<RunningAttempt>> Workplace::Begin(PreparedAttempt& prepar
     std::lock_guard lock(mutex_);
     if (unused_ == prepared.attempt()) unused_ = {};
   }
+  spdlog::info("attempt {} {}: exercise '{}', person {}, {} at {} Hz, profile '{}'",
+               prepared.attempt().Text(),
+               prepared.core ? fmt::format("goes on after {} ticks and a gap of {}",
+                                           prepared.place.next_tick, prepared.gap_ticks)
+                             : "begins",
+               prepared.exercise.name, prepared.header.ticket.person.Text(), device.Name(),
+               prepared.header.params.rate_hz, prepared.profile.name);
   return std::make_unique<RunningAttempt>(credentials_.secret_key, *spool_, uploader_, prepared,
                                           device, options, std::move(*recording));
 }
@@ -371,7 +394,7 @@ Status Workplace::CheckTicket(const trace::Ticket& ticket) const {
                       " was not signed by this station's server, or was changed since: take "
                       "another one");
   }
-  if (ticket.expires_unix_ms > NowUnixMs()) return Status::Ok();
+  if (ticket.expires_unix_ms > UnixMs()) return Status::Ok();
   return Status(Code::kForbidden, name + " has expired: take another one (they last 12 hours)");
 }
 

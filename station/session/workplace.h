@@ -46,6 +46,8 @@ struct WorkplaceOptions {
 // Every step but Begin and SignOut may wait for the server for up to ServerLink::kTimeout: the
 // window calls them from a thread of its own. Thread safety: any thread; steps wait for each other.
 //
+// Sign-ins and -outs, and attempts, are logged, people by their id; never what was typed.
+//
 // Errors of the steps: the server's refusals in its words, kUnavailable when it cannot be reached
 // (what to do is in the message), kUnauthenticated when nobody is signed in.
 class Workplace {
@@ -135,6 +137,7 @@ class Workplace {
 
  private:
   Workplace(const WorkplaceOptions& options, Credentials credentials, std::unique_ptr<Spool> spool);
+  Result<Person> SignInAtServer(const std::string& login, const std::string& password);
   Status ConnectForPeople(ServerLink& link);
   Status CheckTicket(const trace::Ticket& ticket) const;
   Status MeasureGap(PreparedAttempt& prepared);
@@ -146,6 +149,7 @@ class Workplace {
     ServerLink* operator->() const { return link.get(); }
   };
   LinkInUse UseLink();
+  void ForgetPerson(const char* how);  // requires: mutex_ is held
   // Who it is on this connection. Errors: kUnauthenticated.
   Result<Person> SignedIn(const ServerLink& link);
   Status TellReturned(ServerLink& link);

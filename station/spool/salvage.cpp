@@ -212,6 +212,15 @@ size_t SaveTickets(sqlite3* db, Spool& to) {
   return saved;
 }
 
+// How the loops went, of attempts that are saved.
+void SaveLoopFacts(sqlite3* db, const Uuid& id, Spool& to) {
+  Statement s(db, "SELECT run, ended_unix_ms, facts FROM loop_facts WHERE attempt = ?");
+  s.Blob(id.view());
+  while (s.Step() == SQLITE_ROW) {
+    (void)to.PutLoopFacts(id, {static_cast<uint32_t>(s.IntAt(0)), s.IntAt(1), s.TextAt(2)});
+  }
+}
+
 }  // namespace
 
 Result<Salvaged> SalvageSpool(const fs::path& from, const fs::path& to) {
@@ -244,6 +253,7 @@ Result<Salvaged> SalvageSpool(const fs::path& from, const fs::path& to) {
   for (const Uuid& id : ids) {
     auto attempt = SaveAttempt(damaged.db, places, id, **saved);
     if (!attempt.ok()) return attempt.status();
+    SaveLoopFacts(damaged.db, id, **saved);
     out.attempts.push_back(std::move(*attempt));
   }
   out.tickets = SaveTickets(damaged.db, **saved);

@@ -14,6 +14,7 @@
 #include <cstring>
 #include <fstream>
 
+#include "common/base/unix_time.h"
 #include "spool_schema.h"
 #include "station/spool/statement.h"
 
@@ -22,13 +23,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kSchemaVersion = 3;
+constexpr int kSchemaVersion = 4;
 constexpr char kFileName[] = "spool.sqlite";
 constexpr int kBusy_ms = 10'000, kWalRetry_ms = 10;
-
-int64_t UnixMs(std::chrono::system_clock::time_point t) {
-  return std::chrono::duration_cast<std::chrono::milliseconds>(t.time_since_epoch()).count();
-}
 
 std::string WhatToDo(int code) {
   switch (code & 0xff) {
@@ -64,8 +61,11 @@ struct Spool::Db {
 
   Status Fail(const char* doing) const {
     int code = sqlite3_extended_errcode(handle);
-    return Status(Code::kStorage, "spool " + file.string() + ": " + doing + " failed (" +
-                                      sqlite3_errmsg(handle) + "); " + WhatToDo(code));
+    bool damaged = (code & 0xff) == SQLITE_CORRUPT || (code & 0xff) == SQLITE_NOTADB;
+    return Status(Code::kStorage,
+                  "spool " + file.string() + ": " + doing + " failed (" + sqlite3_errmsg(handle) +
+                      "); " + WhatToDo(code),
+                  damaged ? kDamagedSpool : "");
   }
   Status Exec(const char* sql, const char* doing) {
     return sqlite3_exec(handle, sql, nullptr, nullptr, nullptr) == SQLITE_OK ? Status::Ok()
@@ -111,7 +111,7 @@ class Transaction {
 constexpr char kSelectAttempts[] =
     "SELECT id, exercise, profile, created_unix_ms, seal_chunks, seal_ticks, seal_last_sha256,"
     " seal_state_hash, sealed_at_server, refused, chunks, committed, ticks, gap_ticks, bytes, "
-    "resumed"
+    "resumed, refused_unix_ms, waits_because, waits_since_unix_ms, tried_unix_ms"
     " FROM attempts WHERE ?1 IS NULL OR id = ?1 ORDER BY created_unix_ms, id";
 
 SpooledAttempt ReadAttempt(Statement& row) {
@@ -133,6 +133,10 @@ SpooledAttempt ReadAttempt(Statement& row) {
   out.gap_ticks = static_cast<uint64_t>(row.IntAt(13));
   out.bytes = static_cast<uint64_t>(row.IntAt(14));
   out.resumed = static_cast<uint32_t>(row.IntAt(15));
+  out.refused_unix_ms = row.IntAt(16);
+  out.waits_because = row.TextAt(17);
+  out.waits_since_unix_ms = row.IntAt(18);
+  out.tried_unix_ms = row.IntAt(19);
   return out;
 }
 
@@ -226,8 +230,9 @@ Status Spool::Db::BringUpToDate() {
     std::string sql = *version == 0 ? kSpoolSchema : "";
     if (*version == 1) sql += kSpoolFrom1;
     if (*version == 1 || *version == 2) sql += kSpoolFrom2;
+    if (*version >= 1 && *version <= 3) sql += kSpoolFrom3;
     sql += "PRAGMA user_version = " + std::to_string(kSchemaVersion);
-    done = Exec(sql.c_str(), *version == 0 ? "creating its tables" : "bringing it to version 3");
+    done = Exec(sql.c_str(), *version == 0 ? "creating its tables" : "bringing it to version 4");
   }
   if (done.ok()) return Exec("COMMIT", "creating its tables");
   (void)Exec("ROLLBACK", "going back");
@@ -250,7 +255,8 @@ Status Spool::Db::CheckNotLost() const {
                 "spool " + file.string() + (there ? " is empty (0 bytes)" : " is gone") +
                     (log_holds ? ", its log " + log.string() + " is there" : "") +
                     ": recordings were kept in it. Put a copy of it back, or move what is left of "
-                    "it away to begin with an empty spool");
+                    "it away to begin with an empty spool",
+                kDamagedSpool);
 }
 
 // The whole file at once, so that an empty one is never a new one. Nothing when another process was
@@ -410,7 +416,7 @@ Status Spool::BeginAttempt(const trace::Header& header, const std::string& exerc
       .Blob(hash.view())
       .Text(exercise)
       .Text(profile)
-      .Int(UnixMs(std::chrono::system_clock::now()))
+      .Int(UnixMs())
       .Text(now.boot)
       .Int(now.ms);
   return s.Step() == SQLITE_DONE ? Status::Ok() : db_->Fail("storing an attempt");
@@ -448,7 +454,7 @@ Status Spool::PutChunk(const Uuid& attempt, ByteView chunk) {
         .Blob(chunk)
         .Int(head->head.count)
         .Int(head->head.gap_ticks)
-        .Int(UnixMs(std::chrono::system_clock::now()));
+        .Int(UnixMs());
     if (s.Step() != SQLITE_DONE) return db_->Fail("storing a chunk");
   }
   {
@@ -526,7 +532,7 @@ Status Spool::SetCommittedBelow(const Uuid& attempt, uint32_t next_seq) {
   Statement s(db_->handle,
               "UPDATE attempts SET committed = min(?1, chunks), committed_unix_ms = ?2"
               " WHERE id = ?3 AND committed != min(?1, chunks)");
-  s.Int(next_seq).Int(UnixMs(std::chrono::system_clock::now())).Blob(attempt.view());
+  s.Int(next_seq).Int(UnixMs()).Blob(attempt.view());
   return s.Step() == SQLITE_DONE ? Status::Ok() : db_->Fail("marking chunks");
 }
 
@@ -535,7 +541,7 @@ Status Spool::MarkCommitted(const Uuid& attempt, uint32_t seq) {
   Statement s(db_->handle,
               "UPDATE attempts SET committed = ?1, committed_unix_ms = ?2"
               " WHERE id = ?3 AND committed < ?1");
-  s.Int(int64_t{seq} + 1).Int(UnixMs(std::chrono::system_clock::now())).Blob(attempt.view());
+  s.Int(int64_t{seq} + 1).Int(UnixMs()).Blob(attempt.view());
   return s.Step() == SQLITE_DONE ? Status::Ok() : db_->Fail("marking a chunk");
 }
 
@@ -550,20 +556,53 @@ Status Spool::MarkSealedAtServer(const Uuid& attempt) {
   std::lock_guard lock(mutex_);
   Statement s(db_->handle,
               "UPDATE attempts SET sealed_at_server = 1, committed_unix_ms = ? WHERE id = ?");
-  s.Int(UnixMs(std::chrono::system_clock::now()));
+  s.Int(UnixMs());
   return s.Blob(attempt.view()).Step() == SQLITE_DONE ? Status::Ok() : db_->Fail("marking a seal");
+}
+
+// What went well changes nothing where there is nothing to forget.
+Status Spool::MarkTried(const Uuid& attempt, const std::string& problem) {
+  if (!problem.empty()) return MarkTriedWhere("id = ?3", attempt, problem);
+  std::lock_guard lock(mutex_);
+  Statement s(db_->handle,
+              "UPDATE attempts SET waits_because = NULL, waits_since_unix_ms = NULL,"
+              " tried_unix_ms = NULL WHERE id = ? AND waits_because IS NOT NULL");
+  return s.Blob(attempt.view()).Step() == SQLITE_DONE ? Status::Ok()
+                                                      : db_->Fail("marking an attempt");
+}
+
+Status Spool::MarkAllTried(const std::string& problem) {
+  return MarkTriedWhere(
+      "refused IS NULL AND (committed < chunks OR (seal_chunks IS NOT NULL AND NOT "
+      "sealed_at_server)) AND ?3 IS NOT NULL",
+      {}, problem);
+}
+
+Status Spool::MarkTriedWhere(const char* where, const Uuid& attempt, const std::string& problem) {
+  std::lock_guard lock(mutex_);
+  const std::string sql =
+      "UPDATE attempts SET waits_because = ?1, tried_unix_ms = ?2,"
+      " waits_since_unix_ms = coalesce(waits_since_unix_ms, ?2) WHERE " +
+      std::string(where);
+  Statement s(db_->handle, sql.c_str());
+  s.Text(problem).Int(UnixMs()).Blob(attempt.view());
+  return s.Step() == SQLITE_DONE ? Status::Ok() : db_->Fail("marking what waits");
 }
 
 Status Spool::MarkRefused(const Uuid& attempt, const std::string& why) {
   std::lock_guard lock(mutex_);
-  Statement s(db_->handle, "UPDATE attempts SET refused = ? WHERE id = ?");
-  return s.Text(why).Blob(attempt.view()).Step() == SQLITE_DONE ? Status::Ok()
-                                                                : db_->Fail("marking an attempt");
+  Statement s(db_->handle,
+              "UPDATE attempts SET refused = ?, refused_unix_ms = ?, waits_because = NULL,"
+              " waits_since_unix_ms = NULL, tried_unix_ms = NULL WHERE id = ?");
+  return s.Text(why).Int(UnixMs()).Blob(attempt.view()).Step() == SQLITE_DONE
+             ? Status::Ok()
+             : db_->Fail("marking an attempt");
 }
 
 Status Spool::ClearRefusal(const Uuid& attempt) {
   std::lock_guard lock(mutex_);
-  Statement s(db_->handle, "UPDATE attempts SET refused = NULL WHERE id = ?");
+  Statement s(db_->handle,
+              "UPDATE attempts SET refused = NULL, refused_unix_ms = NULL WHERE id = ?");
   return s.Blob(attempt.view()).Step() == SQLITE_DONE ? Status::Ok()
                                                       : db_->Fail("marking an attempt");
 }
@@ -623,6 +662,30 @@ Result<trace::TraceFile> Spool::Export(const Uuid& attempt) {
   for (SpooledChunk& chunk : *chunks) file.chunks.push_back(std::move(chunk.bytes));
   file.seal = stored->seal;
   return file;
+}
+
+Status Spool::PutLoopFacts(const Uuid& attempt, const KeptLoopFacts& facts) {
+  std::lock_guard lock(mutex_);
+  Statement s(db_->handle,
+              "INSERT OR REPLACE INTO loop_facts (attempt, run, ended_unix_ms, facts)"
+              " SELECT id, ?2, ?3, ?4 FROM attempts WHERE id = ?1");
+  s.Blob(attempt.view()).Int(facts.run).Int(facts.ended_unix_ms).Text(facts.json);
+  if (s.Step() != SQLITE_DONE) return db_->Fail("storing how the loop went");
+  return sqlite3_changes(db_->handle) == 1 ? Status::Ok() : NoAttempt(attempt);
+}
+
+Result<std::vector<KeptLoopFacts>> Spool::LoopFactsOf(const Uuid& attempt) {
+  std::lock_guard lock(mutex_);
+  Statement s(db_->handle,
+              "SELECT run, ended_unix_ms, facts FROM loop_facts WHERE attempt = ? ORDER BY run");
+  s.Blob(attempt.view());
+  std::vector<KeptLoopFacts> out;
+  int rc = 0;
+  while ((rc = s.Step()) == SQLITE_ROW) {
+    out.push_back({static_cast<uint32_t>(s.IntAt(0)), s.IntAt(1), s.TextAt(2)});
+  }
+  if (rc != SQLITE_DONE) return db_->Fail("reading how loops went");
+  return out;
 }
 
 Status Spool::PutTicket(const LockedTicket& ticket) {
@@ -771,7 +834,7 @@ Result<Silence> Spool::SilenceOf(const Uuid& attempt) {
   if (rc != SQLITE_ROW) return db_->Fail("reading when an attempt was recorded last");
   constexpr int64_t kStepped_ms = 1000;
   const SinceBoot now = BootNow();
-  const int64_t by_clock_ms = UnixMs(std::chrono::system_clock::now()) - s.IntAt(0);
+  const int64_t by_clock_ms = UnixMs() - s.IntAt(0);
   Silence out{std::max<int64_t>(by_clock_ms, 0), by_clock_ms < -kStepped_ms};
   if (!s.IsNull(1) && s.TextAt(1) == now.boot) {
     const int64_t by_boot_ms = now.ms - s.IntAt(2);

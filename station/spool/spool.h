@@ -19,6 +19,9 @@
 
 namespace enamel::station {
 
+// Field of the errors of a spool whose file is damaged, empty or gone.
+inline constexpr char kDamagedSpool[] = "damaged";
+
 // What the spool knows of one attempt.
 struct SpooledAttempt {
   Uuid id;
@@ -30,10 +33,26 @@ struct SpooledAttempt {
   uint64_t bytes = 0;
   std::optional<trace::Seal> seal;
   bool sealed_at_server = false;
-  std::string refused;   // not empty: the server will not have it
+  std::string refused;          // not empty: the server will not have it
+  int64_t refused_unix_ms = 0;  // 0: not known
+  // Why the last try to send it failed, where another may not; empty: it went well, or there was
+  // none. Since the first of the tries in a row that failed.
+  std::string waits_because;
+  int64_t waits_since_unix_ms = 0, tried_unix_ms = 0;
   uint32_t resumed = 0;  // how often it was taken up again after a crash
 
   bool complete() const { return seal.has_value() && sealed_at_server; }
+  // It is to be sent: not refused, and the server does not have all of what is here.
+  bool waits() const {
+    return refused.empty() && (committed < chunks || (seal && !sealed_at_server));
+  }
+};
+
+// How the loop went that recorded an attempt, for each time it was run to its end.
+struct KeptLoopFacts {
+  uint32_t run = 0;  // 0: as it was begun; n: after it was resumed n times
+  int64_t ended_unix_ms = 0;
+  std::string json;  // schemas/loop_facts.md
 };
 
 struct SpooledChunk {
@@ -106,8 +125,9 @@ struct SpoolVerdict {
 // Every Put returns only when the data would survive a power cut (WAL, synchronous = FULL).
 // Thread safety: any thread; calls wait for each other. Real-time: never. One process records at a
 // time (LockForRecording); others may read, and mark what the server has.
-// Errors: kStorage (disk full, not writable, damaged: message says which and what to do), kVersion
-// (made by a newer program), kConflict (contradicts what is stored), kNotFound.
+// Errors: kStorage (disk full, not writable, damaged: message says which and what to do; field
+// kDamagedSpool), kVersion (made by a newer program), kConflict (contradicts what is stored),
+// kNotFound.
 class Spool {
  public:
   // Opens `folder`/spool.sqlite, creating both as needed.
@@ -150,6 +170,10 @@ class Spool {
   Status MarkSealedAtServer(const Uuid& attempt);
   // The server does not have it any more, as a whole: it waits to be sent again.
   Status MarkWanted(const Uuid& attempt);
+  // A try to send it failed for this reason, and another may not; empty: it went well.
+  Status MarkTried(const Uuid& attempt, const std::string& problem);
+  // The same of all that wait: the server could not be reached, or not be used.
+  Status MarkAllTried(const std::string& problem);
   // Uploading it again is no use; it stays here for export.
   Status MarkRefused(const Uuid& attempt, const std::string& why);
   // It is tried again: the cause of the refusal has gone away.
@@ -163,6 +187,11 @@ class Spool {
   Result<std::vector<SpooledChunk>> ChunksFrom(const Uuid& attempt, uint32_t seq, size_t limit);
   // The whole recording as one file's content (trace::EncodeTraceFile).
   Result<trace::TraceFile> Export(const Uuid& attempt);
+
+  // Those of the same run before are replaced. Errors also: kNotFound.
+  Status PutLoopFacts(const Uuid& attempt, const KeptLoopFacts& facts);
+  // In the order of the runs.
+  Result<std::vector<KeptLoopFacts>> LoopFactsOf(const Uuid& attempt);
 
   Status PutTicket(const LockedTicket& ticket);
   // Those that were handed back too.
@@ -199,6 +228,7 @@ class Spool {
  private:
   struct Db;
   explicit Spool(std::unique_ptr<Db> db);
+  Status MarkTriedWhere(const char* where, const Uuid& attempt, const std::string& problem);
   Status VerifyPages();
   Status VerifyAttempt(const SpooledAttempt& attempt, const std::optional<trace::PublicKey>& key);
   std::mutex mutex_;

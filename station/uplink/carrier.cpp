@@ -12,15 +12,15 @@ namespace {
 constexpr size_t kOfferAtOnce = 512;
 using Clock = std::chrono::steady_clock;
 
-bool Waits(const SpooledAttempt& a) {
-  return a.refused.empty() && (a.committed < a.chunks || (a.seal && !a.sealed_at_server));
-}
-
 }  // namespace
 
 bool IsTransient(const Status& status) {
   return status.code() == Code::kUnavailable || status.code() == Code::kStorage ||
          status.code() == Code::kInternal;
+}
+
+bool IsStopped(const Status& status) {
+  return status.code() == Code::kUnavailable && status.field() == net::kCancelled;
 }
 
 bool IsAwaited(const Status& status) {
@@ -29,7 +29,7 @@ bool IsAwaited(const Status& status) {
 
 Result<std::vector<SpooledAttempt>> WaitingAttempts(Spool& spool) {
   auto all = spool.List();
-  if (all.ok()) std::erase_if(*all, [](const SpooledAttempt& a) { return !Waits(a); });
+  if (all.ok()) std::erase_if(*all, [](const SpooledAttempt& a) { return !a.waits(); });
   return all;
 }
 
@@ -87,7 +87,10 @@ Status Carrier::ReturnTickets() {
 
 Status Carrier::Bring(const Uuid& attempt, const std::function<bool()>& yield) {
   Status status = BringOnce(attempt, yield);
-  if (status.ok() || IsTransient(status)) return status;
+  if (status.ok() || (IsTransient(status) && !IsStopped(status))) {
+    if (Status noted = spool_.MarkTried(attempt, status.message()); status.ok()) return noted;
+  }
+  if (IsTransient(status)) return status;
   next_.erase(attempt);
   if (status.code() == Code::kConflict && status.field() == "seq") {
     // The server stands elsewhere than it said: ask again on a new connection.

@@ -12,6 +12,8 @@ namespace enamel::station {
 
 // Whether trying again later may help.
 bool IsTransient(const Status& status);
+// It was ended from this side: nothing is known of the server by that.
+bool IsStopped(const Status& status);
 // Only this recording has to wait, for what an admin has to bring back to the server; it is offered
 // again, however long that takes, and others go on.
 bool IsAwaited(const Status& status);
@@ -40,9 +42,10 @@ class Carrier {
   Status ReturnTickets();
 
   // Sends what the spool has of an attempt now, from where the server says, waits until it is
-  // committed there, and seals it when the spool has its seal. `yield`, asked between chunks,
-  // returning true ends it earlier, with everything sent acknowledged. A refusal that trying again
-  // cannot change is noted in the spool. Errors: the link's.
+  // committed there, and seals it when the spool has its seal. How it went is noted in the spool.
+  // `yield`, asked between chunks, returning true ends it earlier, with everything sent
+  // acknowledged. A refusal that trying again cannot change is noted in the spool. Errors: the
+  // link's.
   Status Bring(const Uuid& attempt, const std::function<bool()>& yield = {});
 
   // The next Bring opens the attempt anew: it was resumed.

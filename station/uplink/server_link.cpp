@@ -1,7 +1,6 @@
 #include "station/uplink/server_link.h"
 
-#include <chrono>
-
+#include "common/base/unix_time.h"
 #include "common/core/params.h"
 
 namespace enamel::station {
@@ -14,11 +13,6 @@ constexpr uint64_t kMaxBlob = uint64_t{2} << 30;
 Status Unexpected(const char* wanted) {
   return Status(Code::kVersion, std::string("the server answered with another message than ") +
                                     wanted + ": it speaks another version of the protocol");
-}
-
-int64_t UnixNow_ms() {
-  using namespace std::chrono;
-  return duration_cast<milliseconds>(system_clock::now().time_since_epoch()).count();
 }
 
 }  // namespace
@@ -101,14 +95,14 @@ Status ServerLink::Connect(const Credentials& credentials) {
   hello->set_credential(protocol::ToField(credentials.credential));
   hello->set_core_version(core::kCoreVersion);
   hello->set_software(SoftwareName());
-  int64_t asked_ms = UnixNow_ms();
+  int64_t asked_ms = UnixMs();
   auto reply = Call(request);
   if (!reply.ok()) {
     client_.Close();
     return reply.status();
   }
   if (!reply->has_welcome()) return Unexpected("Welcome");
-  server_ahead_ms_ = reply->welcome().server_unix_ms() - (asked_ms + UnixNow_ms()) / 2;
+  server_ahead_ms_ = reply->welcome().server_unix_ms() - (asked_ms + UnixMs()) / 2;
   may_begin_ = reply->welcome().core_version() == core::kCoreVersion;
   const std::string& page_url = reply->welcome().page_url();
   page_url_ = protocol::IsPageUrl(page_url) ? page_url : "";

@@ -99,6 +99,7 @@ void Uploader::Run() {
     Status status = RunConnection();
     link_.Close();
     Say(status);
+    if (!IsStopped(status)) (void)spool_.MarkAllTried(status.message());
     lock.lock();
     about_link_.reachable = false;
     about_link_.problem = status;
@@ -209,17 +210,28 @@ void Uploader::Note(const Uuid& attempt, const Status& status) {
   auto stored = spool_.Get(attempt);
   std::lock_guard lock(mutex_);
   State& state = states_[attempt];
+  const State before = state;
   if (stored.ok()) {
     state.committed = stored->committed;
     state.sealed = stored->complete();
   }
   state.problem = status;
   state.gave_up = !status.ok() && !IsTransient(status);
+  const bool news = before.problem.message() != status.message();
+  if (state.sealed && !before.sealed) {
+    spdlog::info("attempt {} is on the server, all {} chunks of it", attempt.Text(),
+                 state.committed);
+  } else if (state.gave_up && news) {
+    spdlog::error("the server refuses attempt {}, it is kept here: {}", attempt.Text(),
+                  status.message());
+  } else if (IsAwaited(status) && news) {
+    spdlog::warn("attempt {} has to wait: {}", attempt.Text(), status.message());
+  }
   changed_.notify_all();
 }
 
 Status Uploader::Meanwhile(const Carrier& carrier) {
-  if (stopping()) return Status(Code::kUnavailable, "the upload was stopped");
+  if (stopping()) return Status(Code::kUnavailable, "the upload was stopped", net::kCancelled);
   SendLive(carrier);
   return Status::Ok();
 }

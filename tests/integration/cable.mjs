@@ -1,10 +1,12 @@
-// cable.mjs LISTEN_PORT SERVER_PORT CUT_FILE: carries connections to a server on loopback; while CUT_FILE is there each of
+// cable.mjs LISTEN_PORT SERVER_PORT CUT_FILE [HOLD_FILE]: carries connections to a server on loopback; while CUT_FILE is there each of
 // them breaks once it has carried a random 6 to 24 kB, both ways counted, in the middle of what was being carried. So how
 // often it breaks depends on what is carried and not on how fast the computer is. Prints the number of cuts after each.
+// While HOLD_FILE is there nothing that the server says comes through: to the station it is silent, and has not hung up.
 import { existsSync } from "node:fs";
 import net from "node:net";
 
-const [listen, server, cutFile] = [Number(process.argv[2]), Number(process.argv[3]), process.argv[4]];
+const [listen, server] = [Number(process.argv[2]), Number(process.argv[3])];
+const [cutFile, holdFile] = process.argv.slice(4);
 let cuts = 0;
 
 net.createServer((station) => {
@@ -18,7 +20,7 @@ net.createServer((station) => {
   };
   for (const [from, to] of [[station, far], [far, station]]) {
     from.on("data", (bytes) => {
-      if (left <= 0) return;
+      if (left <= 0 || (from === far && holdFile && existsSync(holdFile))) return;
       const before = left;
       if (existsSync(cutFile)) left -= bytes.length;
       if (left > 0) to.write(bytes);

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # A station that is killed in the middle of an attempt goes on where its recording ends, or ends it there; a server
 # restored from an older backup gets back what it lost; an attempt is made without the server on a ticket taken before; a
-# cable that is pulled again and again loses nothing; who watches sees the attempt move.
+# cable that is pulled again and again loses nothing; nor does an interrupt while the rest is sent; who watches sees the
+# attempt move.
 . "$(dirname "$0")/support.sh"
 data=$work/server station=$work/station
 port=$(free_ports)
@@ -172,6 +173,45 @@ server_cli report --data "$data" --attempt "$attempt" --wait 600 --json "$work/r
 echo "ok: $(json_of "$work/cut.json" ticks) ticks over $cuts cuts"
 kill "$cable"
 
+echo "== interrupted while the rest is sent to a server that answers nothing any more"
+cable_port=$(free_ports)
+node "$root/tests/integration/cable.mjs" "$cable_port" "$((port + 1))" "$work/never" "$work/hold" >"$work/cable.log" &
+cable=$!
+pids+=("$cable")
+for _ in $(seq 100); do grep -q ready "$work/cable.log" && break; sleep 0.1; done
+for signal in INT TERM; do
+  rm -f "$work/hold"
+  before=$(newest)
+  "$bin/enamel-station" run --data "$station" --server "127.0.0.1:$cable_port" --profile phantom_desktop --lockstep --quiet \
+    --exercise "$exercise" --user student1 --operator student --json "$work/cut.json" >"$work/run.log" 2>&1 &
+  runner=$!
+  pids+=("$runner")
+  for _ in $(seq 3000); do [ "$(newest)" = "$before" ] || break; done
+  touch "$work/hold"
+  attempt=$(newest)
+  [ "$attempt" != "$before" ] || { cat "$work/run.log"; fail "no attempt was begun"; }
+  for _ in $(seq 600); do [ "$(spool_of "$attempt" state)" = unfinished ] || break; sleep 0.1; done
+  [ "$(spool_of "$attempt" state)" = waiting ] || fail "recorded with a silent server it is $(spool_of "$attempt" state)"
+  # An interrupt within 2 s of the end is one of the attempt. The station would wait 28 s for this server.
+  sleep 2.5
+  kill -0 "$runner" || { cat "$work/run.log"; fail "it did not wait for the server"; }
+  interrupted_ms=$(date +%s%3N) rc=0
+  kill "-$signal" "$runner"
+  wait "$runner" || rc=$?
+  took_ms=$(($(date +%s%3N) - interrupted_ms))
+  [ $rc -eq 3 ] || { cat "$work/run.log"; fail "interrupted by $signal it ended with exit code $rc"; }
+  [ "$took_ms" -le 10000 ] || fail "it went on for $took_ms ms after $signal"
+  grep -q "not on the server yet (interrupted while it was being sent).*nothing is lost" "$work/run.log" ||
+    { cat "$work/run.log"; fail "it does not say that it was interrupted"; }
+  station_cli spool verify --data "$station" >"$work/verify" || { cat "$work/verify"; fail "the spool does not verify"; }
+  [ "$(spool_of "$attempt" ticks)" = "$(json_of "$work/cut.json" ticks)" ] || fail "the spool has other ticks than were made"
+  station_cli upload --data "$station" >/dev/null
+  [ "$(ticks_on_server "$attempt")" = "$(json_of "$work/cut.json" ticks)" ] || fail "what was interrupted by $signal is not whole at the server"
+  [ "$(spool_of "$attempt" state)" = uploaded ] || fail "it is $(spool_of "$attempt" state) after the upload"
+  echo "ok: $signal ended the sending after $took_ms ms; all $(json_of "$work/cut.json" ticks) ticks came with the next upload"
+done
+kill "$cable"
+
 echo "== watched while it is made"
 "$bin/enamel-station" run --data "$station" --profile phantom_desktop --quiet --exercise "$exercise" --user student1 \
   --operator student >"$work/run.log" 2>&1 &
@@ -187,4 +227,4 @@ node -e '
 
 station_cli spool verify --data "$station" | tail -n 1
 stop_server
-echo "nothing lost: resumed, closed, restored, offline and over a broken cable"
+echo "nothing lost: resumed, closed, restored, offline, interrupted and over a broken cable"

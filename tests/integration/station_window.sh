@@ -2,7 +2,7 @@
 # A student at the station's window, played by a script without a screen: wrong password, sign in, choose, cut with the
 # mouse, pause, finish, see the score, try again, sign out; a password that was for one use; an attempt that was cut off
 # goes on, another is handed in as it is; one is kept for later and made without the server; one is given up; the server
-# goes away at sign-in and in the middle; a ticket is given back; nothing happens for too long. ENAMEL_PICTURES=FOLDER keeps the pictures of every
+# goes away at sign-in and in the middle; a ticket is given back; nothing happens for too long; the spool is damaged. ENAMEL_PICTURES=FOLDER keeps the pictures of every
 # page.
 . "$(dirname "$0")/support.sh"
 command -v Xvfb >/dev/null || { echo "skipped: Xvfb is not installed"; exit 77; }
@@ -479,10 +479,43 @@ start_server "$work/server" "$port"
 "$bin/enamel-station" spool list --data "$station" >"$work/list"
 ! grep -q unfinished "$work/list" || { cat "$work/list"; fail "an attempt that was cut off is still open"; }
 "$bin/enamel-station" spool verify --data "$station" >"$work/verify" || { cat "$work/verify"; fail "the spool does not verify"; }
+# A damaged spool: the window says so, and opens once somebody has saved what is in it.
+cp -r "$station" "$work/broken"
+rm -f "$work"/broken/spool.sqlite-*
+printf 'Z%.0s' $(seq 100) | dd of="$work/broken/spool.sqlite" conv=notrunc status=none
+station="$work/broken" play trouble <<'EOF' &
+page trouble
+see is damaged
+frames 2
+picture PICTURES/35-trouble.png
+key F1
+frames 30
+picture PICTURES/36-trouble-panel.png
+key F1
+click Try again
+page trouble
+see is damaged
+frames 2
+picture PICTURES/37-trouble-still.png
+until WORK/mended
+click Try again
+page sign-in
+frames 2
+quit
+EOF
+player=$!
+pids+=("$player")
+await_picture 37-trouble-still
+"$bin/enamel-station" spool salvage --data "$work/broken" --out "$work/broken/saved" >/dev/null
+mv "$work/broken/spool.sqlite" "$work/broken/damaged.sqlite"
+rm -f "$work"/broken/spool.sqlite-*
+mv "$work/broken/saved/spool.sqlite" "$work/broken/spool.sqlite"
+touch "$work/mended"
+wait "$player" || fail "the window over a damaged spool"
 for n in 1-sign-in 2-wrong-password 3-exercises 4-exercise 5-running 6-cutting 7-paused 8-finish 9-result 10-instructor-exercise \
   11-zones 12-score 13-reference 14-once 15-cut-off 16-go-on 17-resumed 18-resumed-running 19-reserve 20-kept 21-reserved \
   22-offline-exercise 23-safe 11-turning 11-turned 24-idle 25-give-up 26-before-away 27-away 28-hand-in-away 29-back 30-no-server \
-  31-give-back 32-given-back 33-results 34-panel; do
+  31-give-back 32-given-back 33-results 34-panel 35-trouble 36-trouble-panel; do
   [ -s "$pictures/$n.png" ] || fail "no picture of $n"
 done
 echo "ok: a student and an instructor at the window, from sign-in to score and reference, after a crash and without the server"

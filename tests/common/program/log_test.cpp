@@ -4,8 +4,10 @@
 #include <spdlog/spdlog.h>
 
 #include <boost/json.hpp>
+#include <cstdlib>
 #include <regex>
 #include <sstream>
+#include <vector>
 
 namespace enamel::program {
 namespace {
@@ -34,6 +36,41 @@ TEST_F(LogTest, EveryMessageIsOneJsonObjectOnOneLine) {
   EXPECT_EQ(objects[1].at("level").as_string(), "error");
   EXPECT_TRUE(std::regex_match(std::string(objects[0].at("time").as_string()),
                                std::regex(R"(\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}Z)")));
+}
+
+TEST_F(LogTest, WhatAProgramSaysLastIsALineOfItsLogWhateverItsLevel) {
+  ::testing::internal::CaptureStderr();
+  ASSERT_TRUE(SetUpLog({"json", "error", "prog"}).ok());
+  SayError("it \"broke\"");
+  SayWarning("nothing is lost");
+  spdlog::warn("not this one");
+  ASSERT_TRUE(SetUpLog({"text", "error", "prog"}).ok());
+  SayError("plain");
+  std::istringstream lines(::testing::internal::GetCapturedStderr());
+  std::string first, second, third, more;
+  std::getline(lines, first);
+  std::getline(lines, second);
+  std::getline(lines, third);
+  EXPECT_FALSE(std::getline(lines, more)) << more;
+  EXPECT_EQ(boost::json::parse(first).at("message").as_string(), "it \"broke\"");
+  EXPECT_EQ(boost::json::parse(first).at("level").as_string(), "error");
+  EXPECT_EQ(boost::json::parse(second).at("level").as_string(), "warning");
+  EXPECT_EQ(third, "prog: plain");
+}
+
+TEST_F(LogTest, JsonIsAskedForByTheCommandLineOrElseTheEnvironment) {
+  auto asks = [](std::vector<const char*> words) {
+    words.insert(words.begin(), "prog");
+    return AsksForJson(static_cast<int>(words.size()), words.data(), "ENAMEL_TEST_");
+  };
+  EXPECT_FALSE(asks({}));
+  EXPECT_TRUE(asks({"run", "--log-format", "json"}));
+  EXPECT_TRUE(asks({"--log-format=json", "run"}));
+  EXPECT_FALSE(asks({"run", "--log-format"}));
+  ::setenv("ENAMEL_TEST_LOG_FORMAT", "json", 1);
+  EXPECT_TRUE(asks({"run"}));
+  EXPECT_FALSE(asks({"run", "--log-format", "text"}));
+  ::unsetenv("ENAMEL_TEST_LOG_FORMAT");
 }
 
 TEST_F(LogTest, UnknownFormatAndLevelAreRefusedByName) {

@@ -84,6 +84,22 @@ TEST_F(SettingsTest, UnknownKeyIsRefusedWithItsPlaceAndTheKnownOnes) {
   EXPECT_FALSE(Read("config = 'x'\n").ok()) << "a file does not name another file";
 }
 
+TEST_F(SettingsTest, UnknownKeyIsAnsweredAlikeWhicheverCommandReadsTheFile) {
+  CLI::App program;
+  std::string place;
+  program.add_subcommand("run")->add_option("--keep-days", place);
+  CLI::App* group = program.add_subcommand("spool");
+  group->add_subcommand("list")->add_option("--data", place);
+  const std::set<std::string> all = SettingNames(program);
+  std::set<std::string> answers;
+  for (CLI::App* command : {program.get_subcommand("run"), group, group->get_subcommand("list")}) {
+    answers.insert(ReadSettings("keep-dayz = 3\n", "station.toml", *command, all).message());
+  }
+  ASSERT_EQ(answers.size(), 1u);
+  EXPECT_EQ(*answers.begin(),
+            "station.toml:1:1: expected one of data, keep-days; found \"keep-dayz\"");
+}
+
 TEST_F(SettingsTest, ValueThatTheOptionRefusesIsRefused) {
   for (const char* toml : {"threads = 9\n", "threads = 'many'\n", "threads = 1.5\n",
                            "threads = [1, 2]\n", "[data]\nx = 1\n", "data = 1979-05-27\n"}) {

@@ -3,9 +3,11 @@
 #include <stdlib.h>
 #include <sys/wait.h>
 
+#include <boost/json.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <string>
 
 #include "station/spool/spool.h"
@@ -19,11 +21,14 @@ namespace fs = std::filesystem;
 
 struct Outcome {
   int code = -1;
-  std::string text;  // both streams
+  std::string text;  // of the streams asked for
 };
 
-Outcome RunProgram(const std::string& arguments) {
-  std::string line = std::string(ENAMEL_STATION_PROGRAM) + " " + arguments + " 2>&1 </dev/null";
+constexpr char kBoth[] = " 2>&1", kErrors[] = " 2>&1 >/dev/null";
+
+Outcome RunProgram(const std::string& arguments, const char* streams = kBoth) {
+  std::string line =
+      std::string(ENAMEL_STATION_PROGRAM) + " " + arguments + streams + " </dev/null";
   Outcome out;
   FILE* pipe = ::popen(line.c_str(), "r");
   if (pipe == nullptr) return out;
@@ -183,6 +188,114 @@ TEST_F(ProgramTest, SettingsFileReachesEveryCommandThatOpensTheWorkplace) {
       Outcome out = RunProgram(command + data() + " --config " + settings);
       EXPECT_EQ(SpoolHas(id), days == 30) << command << ", " << days << " days: " << out.text;
     }
+  }
+}
+
+TEST_F(ProgramTest, ListSaysWhyARecordingWaitsAndSinceWhen) {
+  Enrol(1);
+  const Uuid id = KeptForDays(0);
+  {
+    auto spool = Spool::Open(folder_ / "data");
+    ASSERT_TRUE((*spool)->MarkWanted(id).ok());
+  }
+  Outcome never = RunProgram("spool list" + data());
+  EXPECT_NE(never.text.find("nothing has tried to send it yet"), std::string::npos) << never.text;
+  EXPECT_EQ(RunProgram("upload" + data()).code, 1);
+  Outcome list = RunProgram("spool list" + data());
+  const std::string why = "127.0.0.1:1";
+  const auto since = list.text.find("; since 20"), tried = list.text.find(", last tried 20");
+  EXPECT_LT(since, tried) << list.text;
+  EXPECT_LT(tried, list.text.find(why)) << list.text;
+  ASSERT_NE(list.text.find(why), std::string::npos) << list.text;
+  Outcome json = RunProgram("spool list --json" + data());
+  const auto attempt = boost::json::parse(json.text).at("attempts").at(0);
+  EXPECT_NE(attempt.at("waits").at("why").as_string().find(why), std::string::npos) << json.text;
+  EXPECT_GT(attempt.at("waits").at("since_unix_ms").as_int64(), 0);
+  EXPECT_GE(attempt.at("waits").at("tried_unix_ms").as_int64(),
+            attempt.at("waits").at("since_unix_ms").as_int64());
+  {
+    auto spool = Spool::Open(folder_ / "data");
+    ASSERT_TRUE((*spool)->MarkRefused(id, "its person is not known").ok());
+  }
+  list = RunProgram("spool list" + data());
+  EXPECT_NE(list.text.find(": the server refuses it: its person is not known"), std::string::npos)
+      << list.text;
+  {
+    auto spool = Spool::Open(folder_ / "data");
+    ASSERT_TRUE((*spool)->ClearRefusal(id).ok());
+    ASSERT_TRUE((*spool)->MarkSealedAtServer(id).ok());
+  }
+  json = RunProgram("spool list --json" + data());
+  EXPECT_TRUE(boost::json::parse(json.text).at("attempts").at(0).at("waits").is_null());
+}
+
+TEST_F(ProgramTest, LoopsOfAnAttemptAreShownAsKept) {
+  Enrol(1);
+  const Uuid id = KeptForDays(0);
+  Outcome none = RunProgram("spool loops last" + data());
+  EXPECT_EQ(none.code, 0);
+  EXPECT_NE(none.text.find("no loop of it ran to its end"), std::string::npos) << none.text;
+  std::ifstream in(std::string(ENAMEL_SOURCE_DIR) + "/schemas/golden/loop_facts.json");
+  const std::string golden((std::istreambuf_iterator<char>(in)), {});
+  {
+    auto spool = Spool::Open(folder_ / "data");
+    ASSERT_TRUE((*spool)->PutLoopFacts(id, {0, 1'700'000'000'000, golden}).ok());
+    ASSERT_TRUE((*spool)->PutLoopFacts(id, {1, 1'700'000'100'000, "{\"version\": 9}"}).ok());
+  }
+  Outcome text = RunProgram("spool loops " + id.Text() + data());
+  EXPECT_EQ(text.code, 0);
+  for (const char* words :
+       {"run 0, ended 2023-11-", "120345 ticks, 1 late, 7 in gaps, 1 faults", "p99 71.0  max 7300",
+        "fault at tick 90211: the force was held too long", "run 1, ended "}) {
+    EXPECT_NE(text.text.find(words), std::string::npos) << words << ": " << text.text;
+  }
+  Outcome json = RunProgram("spool loops last --json" + data());
+  EXPECT_EQ(boost::json::parse(json.text).at("runs").at(0).at("facts"), boost::json::parse(golden));
+}
+
+TEST_F(ProgramTest, WhereTheLogIsJsonSoIsAllOfStandardError) {
+  Enrol(1);
+  const std::string settings = (folder_ / "station.toml").string();
+  std::ofstream(settings) << "keep-dayz = 3\n";
+  struct Case {
+    std::string arguments, says;
+    int code;
+  };
+  for (const Case& c :
+       {Case{kRun + data(), "127.0.0.1:1", 1}, Case{"run --no-such-option", "--no-such-option", 2},
+        Case{"run --user u", "--exercise and --profile", 2},
+        Case{"spool list --config " + settings + data(), "keep-dayz", 2},
+        Case{"spool export last --out " + (folder_ / "x").string() + data(),
+             "there is no such attempt", 1}}) {
+    Outcome out = RunProgram("--log-format json " + c.arguments, kErrors);
+    EXPECT_EQ(out.code, c.code) << c.arguments << ": " << out.text;
+    std::istringstream lines(out.text);
+    std::string line, last;
+    while (std::getline(lines, line)) {
+      boost::system::error_code error;
+      EXPECT_TRUE(boost::json::parse(line, error).is_object() && !error) << line;
+      last = line;
+    }
+    ASSERT_FALSE(last.empty()) << c.arguments;
+    EXPECT_EQ(boost::json::parse(last).at("level").as_string(), "error");
+    EXPECT_NE(boost::json::parse(last).at("message").as_string().find(c.says), std::string::npos)
+        << last;
+  }
+}
+
+TEST_F(ProgramTest, UnknownSettingIsAnsweredAlikeByEveryCommand) {
+  Enrol(1);
+  const std::string settings = (folder_ / "station.toml").string();
+  std::ofstream(settings) << "keep-dayz = 3\n";
+  std::string first;
+  for (const char* command : {kRun, "spool list", "upload", "doctor", "open", ""}) {
+    Outcome out = RunProgram(command + std::string(" --config ") + settings);
+    const auto at = out.text.find(settings + ":1:1: expected one of ");
+    ASSERT_NE(at, std::string::npos) << command << ": " << out.text;
+    const std::string said = out.text.substr(at, out.text.find('\n', at) - at);
+    if (first.empty()) first = said;
+    EXPECT_EQ(said, first) << command;
+    EXPECT_NE(said.find("keep-days"), std::string::npos) << said;
   }
 }
 

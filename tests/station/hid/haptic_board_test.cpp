@@ -230,7 +230,9 @@ TEST_F(HapticBoardTest, BoardThatIsNotFitIsAsUnplugged) {
   EXPECT_TRUE(Until([](const DeviceSample& d) { return d.sequence == 102; }).attached);
 }
 
-TEST_F(HapticBoardTest, WritesTheForceInItsOwnAxesWithinItsPeak) {
+// Scene x is board -y, scene y board x: (0.5, 2.5, -1.23456) N is (2.5, -0.5, -1.23456) N
+// there, 2.5 times the peak of 1 N on its first axis: 1/2.5 of all of it.
+TEST_F(HapticBoardTest, WritesTheForceInItsOwnAxesAndItsDirectionWithinItsPeak) {
   FeatureReport feature = Feature();
   feature.peak_force_mn = {1'000, 7'900, 7'900};
   bus_.Plug(Plugged(feature));
@@ -248,7 +250,7 @@ TEST_F(HapticBoardTest, WritesTheForceInItsOwnAxesWithinItsPeak) {
     });
   }));
   EXPECT_TRUE(out.motors_on);
-  EXPECT_EQ(out.force_100un, (std::array<int32_t, 3>{10'000, -5'000, -12'346}));
+  EXPECT_EQ(out.force_100un, (std::array<int32_t, 3>{10'000, -2'000, -4'938}));
   EXPECT_EQ(out.watchdog_ms, 100);
 }
 

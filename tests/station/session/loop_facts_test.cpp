@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <boost/json.hpp>
+#include <fstream>
+#include <set>
+#include <string>
 
 #include "common/scene/builtin.h"
 #include "common/scene/plan.h"
@@ -45,7 +48,7 @@ TEST_F(LoopFactsTest, HaveEachFaultWithItsTicksAndTheTimeThatPassed) {
   for (int i = 0; i < 100; ++i) loop.Tick();
   loop.Tick(0.0073);
   LoopCounters counters = loop.snapshot().counters;
-  auto facts = LoopFacts(loop, counters, device_);
+  auto facts = LoopFacts(loop, device_);
   EXPECT_EQ(facts.at("ticks"), counters.ticks);
   EXPECT_EQ(facts.at("skipped_ticks"), 7u);
   ASSERT_EQ(facts.at("faults").as_array().size(), 1u);
@@ -67,9 +70,40 @@ TEST_F(LoopFactsTest, HaveEachFaultWithItsTicksAndTheTimeThatPassed) {
     while (ring.Pop(s)) {
     }
   }
-  facts = LoopFacts(loop, loop.snapshot().counters, device_);
+  facts = LoopFacts(loop, device_);
+  EXPECT_EQ(facts.at("fault_count"), 21u) << "also those of which no ticks are kept";
   EXPECT_EQ(facts.at("faults").as_array().size(), TickLoop::kMaxRecords);
   EXPECT_LT(boost::json::serialize(facts).size(), 100'000u);
+}
+
+// Each name that is in a document, with those it lies in: "lateness.ns", "faults.ticks.late_us".
+void NamesIn(const boost::json::value& value, const std::string& in, std::set<std::string>& out) {
+  if (const auto* object = value.if_object()) {
+    for (const auto& member : *object) {
+      const std::string name = in + std::string(member.key());
+      if (in.ends_with("ns.")) continue;  // which doublings there are differs
+      out.insert(name);
+      NamesIn(member.value(), name + ".", out);
+    }
+  } else if (const auto* array = value.if_array()) {
+    for (const auto& element : *array) NamesIn(element, in, out);
+  }
+}
+
+TEST_F(LoopFactsTest, HaveTheMembersOfTheirGoldenFileAndNoOthers) {
+  std::ifstream in(std::string(ENAMEL_SOURCE_DIR) + "/schemas/golden/loop_facts.json");
+  const std::string text((std::istreambuf_iterator<char>(in)), {});
+  const auto golden = boost::json::parse(text);
+  core::Core core(params_, volume_);
+  SampleRing ring(4000);
+  TickLoop loop(device_, core, ring, {1000, false, true});
+  loop.Tick(0.0073);
+  const auto facts = LoopFacts(loop, device_);
+  std::set<std::string> expected, found;
+  NamesIn(golden, "", expected);
+  NamesIn(facts, "", found);
+  EXPECT_EQ(found, expected);
+  EXPECT_EQ(facts.at("version"), golden.at("version"));
 }
 
 }  // namespace

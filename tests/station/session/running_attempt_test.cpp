@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
+#include <boost/json.hpp>
 #include <filesystem>
 #include <functional>
 
@@ -10,6 +11,7 @@
 #include "common/scene/plan.h"
 #include "station/session/workplace.h"
 #include "tests/station/session/faulty_disk.h"
+#include "tests/station/session/log_lines.h"
 
 namespace enamel::station {
 namespace {
@@ -27,8 +29,9 @@ class Plunging final : public Device {
     DeviceSample s;
     if (z_ > to_) --z_;
     s.counts[2] = z_;
-    s.buttons = kPedal;
-    s.bur_speed_krpm = kTurbineSpeed_krpm;
+    s.buttons = pedal ? kPedal : 0;
+    s.bur_speed_krpm = pedal ? kTurbineSpeed_krpm : uint16_t{0};
+    s.attached = attached;
     ++reads;
     return s;
   }
@@ -39,6 +42,7 @@ class Plunging final : public Device {
   }
 
   std::atomic<uint64_t> reads{0}, zeros_in_a_row{0}, pushed{0};
+  std::atomic<bool> attached{true}, pedal{true};
 
  private:
   int32_t z_;
@@ -192,6 +196,44 @@ TEST_P(FailingDiskTest, GivenUpItSaysWhatIsSafeAndWhatIsLost) {
 
 INSTANTIATE_TEST_SUITE_P(Each, FailingDiskTest,
                          testing::Values(SQLITE_FULL, SQLITE_READONLY, SQLITE_IOERR_WRITE));
+
+// Unplugged for a while in the middle, the pedal released and pressed after it.
+TEST_F(RunningAttemptTest, HowTheLoopWentIsKeptWithTheAttemptAndItsFaultsAreLogged) {
+  LogLines log;
+  Plunging device(above_, above_);
+  auto attempt = Begin(device);
+  ASSERT_TRUE(Await([&] { return device.reads > 50; }));
+  device.attached = false;
+  ASSERT_TRUE(Await([&] { return log.Has("the force is off: the device is not connected"); }));
+  device.attached = true;
+  device.pedal = false;
+  const uint64_t read = device.reads;
+  ASSERT_TRUE(Await([&] { return device.reads > read + 5; }));
+  device.pedal = true;
+  ASSERT_TRUE(Await([&] { return log.Has("the force comes on again"); }));
+  attempt->End();
+  ASSERT_TRUE(attempt->Join().ok());
+  auto kept = spool().LoopFactsOf(id());
+  ASSERT_TRUE(kept.ok());
+  ASSERT_EQ(kept->size(), 1u);
+  EXPECT_EQ((*kept)[0].run, 0u);
+  EXPECT_GT((*kept)[0].ended_unix_ms, 0);
+  EXPECT_EQ((*kept)[0].json, boost::json::serialize(attempt->facts()));
+  const auto facts = boost::json::parse((*kept)[0].json).as_object();
+  const LoopCounters& counters = attempt->loop().counters();
+  EXPECT_EQ(facts.at("ticks"), counters.ticks);
+  EXPECT_EQ(facts.at("lateness").at("count"), counters.ticks + counters.gap_ticks);
+  EXPECT_FALSE(facts.at("lateness").at("ns").as_object().empty());
+  ASSERT_EQ(facts.at("faults").as_array().size(), 1u);
+  EXPECT_EQ(facts.at("faults").at(0).at("why"), FaultText(Fault::kUnplugged));
+  for (const std::string& line :
+       {"info: attempt " + id().Text() + " begins: exercise ", "warning: attempt " + id().Text(),
+        "info: attempt " + id().Text() + " has ended: " + std::to_string(counters.ticks) +
+            " ticks, " + std::to_string(counters.late_ticks) + " late"}) {
+    EXPECT_TRUE(log.Has(line)) << line << " in\n" << log.text();
+  }
+  EXPECT_TRUE(log.Has(" 1 faults")) << log.text();
+}
 
 TEST_F(RunningAttemptTest, ADiskThatTakesNothingIsFoundBeforeAnAttemptBegins) {
   FaultyDisk::fail = SQLITE_FULL;

@@ -4,6 +4,7 @@
 #include <sqlite3.h>
 #include <stdlib.h>
 
+#include "tests/station/session/log_lines.h"
 #include "tests/station/uplink/fake_server.h"
 
 namespace enamel::station {
@@ -144,6 +145,30 @@ TEST_F(WorkplaceTest, ConnectionThatTheServerLetGoOfIsMadeAnewBySigningIn) {
   server_.emplace(folder_, port);
   auto person = workplace_->SignIn("ada", "secret");
   EXPECT_TRUE(person.ok()) << person.status().message();
+}
+
+TEST_F(WorkplaceTest, SignInsAndOutsAreLoggedByIdAndWithoutWhatWasTyped) {
+  LogLines log;
+  const std::string id = server_->person.Text();
+  ASSERT_TRUE(workplace_->SignIn("ada-login", "ada-password").ok());
+  workplace_->SignOut();
+  workplace_->SignOut();  // nobody is
+  ASSERT_TRUE(workplace_->SignIn("ada-login", "ada-password").ok());
+  server_.reset();
+  EXPECT_FALSE(workplace_->Exercises().ok()) << "finds that the connection is lost";
+  EXPECT_EQ(workplace_->Exercises().status().code(), Code::kUnauthenticated);
+  EXPECT_FALSE(workplace_->SignIn("ada-login", "ada-password").ok());
+  const std::string said = log.text();
+  auto count = [&](const std::string& words) {
+    size_t n = 0;
+    for (size_t at = 0; (at = said.find(words, at)) != std::string::npos; ++at) ++n;
+    return n;
+  };
+  EXPECT_EQ(count("person " + id + " (student) has signed in"), 2u) << said;
+  EXPECT_EQ(count("person " + id + " has signed out"), 1u) << said;
+  EXPECT_EQ(count("person " + id + " is signed out: the connection"), 1u) << said;
+  EXPECT_EQ(count("warning: a sign-in failed: "), 1u) << said;
+  EXPECT_EQ(count("ada-"), 0u) << said;
 }
 
 TEST_F(WorkplaceTest, SigningOutEndsAStepThatWaitsForAServerThatHangs) {

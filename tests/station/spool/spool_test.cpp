@@ -273,7 +273,7 @@ TEST_F(SpoolTest, SalvageSavesWhatCanBeReadAndSaysWhatCouldNot) {
   {
     auto spool = Open();
     ASSERT_TRUE(spool->BeginAttempt(header_, "e", "p").ok());
-    Record(*spool, 50'000, true);
+    Record(*spool, 100'000, true);
   }
   Tamper("PRAGMA wal_checkpoint(TRUNCATE)");
   const fs::path file = folder_ / "spool.sqlite", kept = folder_ / "kept";
@@ -439,7 +439,60 @@ TEST_F(SpoolTest, FullQuotaForgetsWhatTheServerHasHadLongestAndNothingElse) {
   EXPECT_EQ(spool->Get(ids[0])->chunks, 2u);
 }
 
-TEST_F(SpoolTest, SpoolOfVersionOneBecomesOneOfVersionThreeWithAllItHad) {
+TEST_F(SpoolTest, WhyItWaitsIsKeptFromTheFirstTryThatFailedToOneThatDidNot) {
+  MakeOne();
+  const Uuid first = id();
+  header_.ticket.attempt = Uuid::New();
+  auto spool = Open();
+  ASSERT_TRUE(spool->BeginAttempt(header_, "e", "p").ok());
+  Record(*spool, 600, true);
+  ASSERT_TRUE(spool->MarkCommitted(id(), 1).ok());
+  ASSERT_TRUE(spool->MarkSealedAtServer(id()).ok());
+  ASSERT_TRUE(spool->MarkAllTried("the server is away").ok());
+  auto waits = spool->Get(first);
+  EXPECT_EQ(waits->waits_because, "the server is away");
+  EXPECT_GT(waits->waits_since_unix_ms, 0);
+  EXPECT_EQ(waits->tried_unix_ms, waits->waits_since_unix_ms);
+  EXPECT_TRUE(spool->Get(id())->waits_because.empty()) << "the server has all of it";
+  Tamper("UPDATE attempts SET waits_since_unix_ms = 1000 WHERE waits_because IS NOT NULL");
+  ASSERT_TRUE(spool->MarkTried(first, "its storage is full").ok());
+  auto again = spool->Get(first);
+  EXPECT_EQ(again->waits_because, "its storage is full");
+  EXPECT_EQ(again->waits_since_unix_ms, 1000);
+  EXPECT_GE(again->tried_unix_ms, waits->tried_unix_ms);
+  ASSERT_TRUE(spool->MarkTried(first, "").ok());
+  EXPECT_TRUE(spool->Get(first)->waits_because.empty());
+  EXPECT_EQ(spool->Get(first)->waits_since_unix_ms, 0);
+  ASSERT_TRUE(spool->MarkTried(first, "away again").ok());
+  ASSERT_TRUE(spool->MarkRefused(first, "its person is not known").ok());
+  EXPECT_GT(spool->Get(first)->refused_unix_ms, 0);
+  EXPECT_TRUE(spool->Get(first)->waits_because.empty());
+  ASSERT_TRUE(spool->ClearRefusal(first).ok());
+  EXPECT_EQ(spool->Get(first)->refused_unix_ms, 0);
+}
+
+TEST_F(SpoolTest, HowLoopsWentIsKeptRunByRunAndGoesWithItsAttempt) {
+  MakeOne();
+  auto spool = Open();
+  ASSERT_TRUE(spool->PutLoopFacts(id(), {1, 2000, "{\"b\":1}"}).ok());
+  ASSERT_TRUE(spool->PutLoopFacts(id(), {0, 1000, "{}"}).ok());
+  ASSERT_TRUE(spool->PutLoopFacts(id(), {0, 1001, "{\"a\":1}"}).ok());
+  EXPECT_EQ(spool->PutLoopFacts(Uuid::New(), {0, 1, "{}"}).code(), Code::kNotFound);
+  auto kept = spool->LoopFactsOf(id());
+  ASSERT_TRUE(kept.ok());
+  ASSERT_EQ(kept->size(), 2u);
+  EXPECT_EQ((*kept)[0].json, "{\"a\":1}");
+  EXPECT_EQ((*kept)[0].ended_unix_ms, 1001);
+  EXPECT_EQ((*kept)[1].run, 1u);
+  ASSERT_TRUE(SalvageSpool(folder_, folder_ / "saved").ok());
+  EXPECT_EQ((*Spool::Open(folder_ / "saved"))->LoopFactsOf(id())->size(), 2u);
+  ASSERT_TRUE(spool->MarkCommitted(id(), 2).ok());
+  ASSERT_TRUE(spool->MarkSealedAtServer(id()).ok());
+  ASSERT_EQ(spool->Prune({std::chrono::hours(0), 1})->attempts, 1);
+  EXPECT_TRUE(spool->LoopFactsOf(id())->empty());
+}
+
+TEST_F(SpoolTest, SpoolOfVersionOneBecomesOneOfThisVersionWithAllItHad) {
   {
     auto spool = Open();
     ASSERT_TRUE(spool->BeginAttempt(header_, "e", "p").ok());
@@ -455,7 +508,8 @@ TEST_F(SpoolTest, SpoolOfVersionOneBecomesOneOfVersionThreeWithAllItHad) {
       "a2;"
       "INSERT INTO chunks SELECT attempt, seq, sha256, bytes, ticks, gap_ticks,"
       " CASE WHEN seq < 3 THEN 1000 + seq END FROM c2;"
-      "DROP TABLE c2; DROP TABLE a2; DROP TABLE tickets; PRAGMA user_version = 1";
+      "DROP TABLE c2; DROP TABLE a2; DROP TABLE tickets; DROP TABLE loop_facts; "
+      "PRAGMA user_version = 1";
   char* error = nullptr;
   ASSERT_EQ(sqlite3_exec(db, back.c_str(), nullptr, nullptr, &error), SQLITE_OK) << error;
   sqlite3_close(db);
@@ -476,7 +530,7 @@ TEST_F(SpoolTest, MigratedSpoolHasTheColumnsOfANewOne) {
     sqlite3* db = nullptr;
     EXPECT_EQ(sqlite3_open(file.c_str(), &db), SQLITE_OK);
     std::string out;
-    for (const char* table : {"attempts", "chunks", "tickets"}) {
+    for (const char* table : {"attempts", "chunks", "tickets", "loop_facts"}) {
       std::string sql = std::string("PRAGMA table_info(") + table + ")";
       sqlite3_exec(
           db, sql.c_str(),
@@ -491,22 +545,18 @@ TEST_F(SpoolTest, MigratedSpoolHasTheColumnsOfANewOne) {
     sqlite3_close(db);
     return out;
   };
-  fs::create_directories(folder_ / "old");
-  sqlite3* db = nullptr;
-  ASSERT_EQ(sqlite3_open((folder_ / "old" / "spool.sqlite").c_str(), &db), SQLITE_OK);
-  const std::string sql = VersionOne() + "PRAGMA user_version = 1";
-  ASSERT_EQ(sqlite3_exec(db, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK);
-  sqlite3_close(db);
-  ASSERT_TRUE(Spool::Open(folder_ / "old").ok());
   Open();
-  EXPECT_EQ(columns(folder_ / "old" / "spool.sqlite"), columns(folder_ / "spool.sqlite"));
-  fs::create_directories(folder_ / "two");
-  ASSERT_EQ(sqlite3_open((folder_ / "two" / "spool.sqlite").c_str(), &db), SQLITE_OK);
-  const std::string two = TablesOf(2) + "PRAGMA user_version = 2";
-  ASSERT_EQ(sqlite3_exec(db, two.c_str(), nullptr, nullptr, nullptr), SQLITE_OK);
-  sqlite3_close(db);
-  ASSERT_TRUE(Spool::Open(folder_ / "two").ok());
-  EXPECT_EQ(columns(folder_ / "two" / "spool.sqlite"), columns(folder_ / "spool.sqlite"));
+  for (int version : {1, 2, 3}) {
+    const fs::path old = folder_ / std::to_string(version);
+    fs::create_directories(old);
+    sqlite3* db = nullptr;
+    ASSERT_EQ(sqlite3_open((old / "spool.sqlite").c_str(), &db), SQLITE_OK);
+    const std::string sql = TablesOf(version) + "PRAGMA user_version = " + std::to_string(version);
+    ASSERT_EQ(sqlite3_exec(db, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK);
+    sqlite3_close(db);
+    ASSERT_TRUE(Spool::Open(old).ok());
+    EXPECT_EQ(columns(old / "spool.sqlite"), columns(folder_ / "spool.sqlite")) << version;
+  }
 }
 
 TEST_F(SpoolTest, SeveralProcessesMayOpenASpoolThatIsNotThereYetAtOnce) {

@@ -238,6 +238,7 @@ class FakeServer {
     } else if (request.has_sign_in()) {
       wire::SignedIn& in = *reply.mutable_signed_in();
       in.set_person_id(protocol::ToField(person.view()));
+      in.set_role("student");
       in.set_must_change_password(must_change_password);
     } else if (request.has_list_exercises()) {
       for (const Uuid& assignment : assignments) {

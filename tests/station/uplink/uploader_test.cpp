@@ -149,6 +149,7 @@ TEST_F(UploaderTest, RecordingThatHasToWaitIsKeptAndOthersGoOn) {
     EXPECT_TRUE(uploader.state(other.ticket.attempt).sealed);
     EXPECT_FALSE(uploader.state(id()).gave_up);
     EXPECT_NE(uploader.state(id()).problem.message().find("person 7"), std::string::npos);
+    EXPECT_NE(spool_->Get(id())->waits_because.find("person 7"), std::string::npos);
   }
   EXPECT_EQ(server.connections(), 1) << "not a broken connection each time";
   EXPECT_EQ(spool_->Get(id())->refused, "");
@@ -162,6 +163,49 @@ TEST_F(UploaderTest, RecordingThatHasToWaitIsKeptAndOthersGoOn) {
   Uploader again(credentials, *spool_);
   again.WaitUntilDone(id(), kSoon);
   EXPECT_TRUE(again.state(id()).sealed);
+}
+
+TEST_F(UploaderTest, WhyARecordingWaitsIsInTheSpoolUntilItIsSent) {
+  Record(3);
+  ASSERT_TRUE(recorder_->Finish().ok());
+  uint16_t port = 0;
+  Credentials credentials;
+  {
+    FakeServer server(folder_);
+    port = server.endpoint().port;
+    credentials = server.NewStation();
+  }
+  auto waits = [&](Uploader& uploader, const std::string& words) {
+    for (int i = 0; i < 10'000; ++i) {
+      if (spool_->Get(id())->waits_because.find(words) != std::string::npos) return true;
+      uploader.Retry();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return false;
+  };
+  int64_t since = 0;
+  {
+    Uploader uploader(credentials, *spool_);
+    ASSERT_TRUE(waits(uploader, std::to_string(port))) << "nobody listens there";
+    since = spool_->Get(id())->waits_since_unix_ms;
+    EXPECT_GT(since, 0);
+  }
+  {
+    FakeServer server(folder_, port);
+    server.refuse = Status(Code::kStorage, "its disk is full");
+    Uploader uploader(credentials, *spool_);
+    ASSERT_TRUE(waits(uploader, "its disk is full"));
+    EXPECT_EQ(spool_->Get(id())->waits_since_unix_ms, since) << "it has waited since then";
+    EXPECT_GE(spool_->Get(id())->tried_unix_ms, since);
+  }
+  EXPECT_NE(spool_->Get(id())->waits_because.find("its disk is full"), std::string::npos)
+      << "that it was stopped here says nothing of the server";
+  FakeServer server(folder_, port);
+  Uploader uploader(credentials, *spool_);
+  uploader.WaitUntilDone(id(), kSoon);
+  ASSERT_TRUE(uploader.state(id()).sealed);
+  EXPECT_EQ(spool_->Get(id())->waits_because, "");
+  EXPECT_EQ(spool_->Get(id())->waits_since_unix_ms, 0);
 }
 
 TEST_F(UploaderTest, UploadsWhileRecordingGoesOn) {

@@ -1,0 +1,213 @@
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <atomic>
+#include <boost/json.hpp>
+#include <fstream>
+#include <optional>
+#include <thread>
+
+#include "station/desk/pages.h"
+#include "station/desk/workflow.h"
+#include "station/hid/haptic_report.h"
+#include "tests/station/hid/hid_double.h"
+#include "tests/station/render/virtual_display.h"
+#include "tests/station/session/kept_attempt.h"
+#include "tests/station/uplink/fake_server.h"
+
+namespace enamel::station::desk {
+namespace {
+
+namespace fs = std::filesystem;
+using testing_support::HidBus;
+using testing_support::ScriptedHid;
+using Clock = Workflow::Clock;
+
+constexpr char kPin[] = "804217";
+
+// A haptic board of this profile that says where it is a thousand times a second, or about so.
+class PlayedBoard {
+ public:
+  PlayedBoard(const fs::path& node, const std::string& profile_name) : path_(node.string()) {
+    std::ofstream(node) << "";  // who may read and write the file may use the device
+    ScriptedHid d;
+    d.path = path_;
+    d.vendor = 0x1209;
+    d.product = 0x0001;
+    d.usage_page = hid::kBoardUsagePage;
+    d.usage = hid::kBoardUsage;
+    hid::FeatureReport f;
+    for (const scene::DeviceProfile& p : scene::BuiltinProfiles()) {
+      if (p.name != profile_name) continue;
+      f.resolution_nm.fill(static_cast<uint32_t>(p.resolution_nm.value));
+      f.peak_force_mn.fill(static_cast<uint32_t>(p.peak_force_mn.value));
+    }
+    f.rate_hz = 1000;
+    f.max_watchdog_ms = 100;
+    f.name = "Bench arm";
+    f.profile = profile_name;
+    auto bytes = hid::EncodeFeature(f);
+    d.feature.assign(bytes.begin(), bytes.end());
+    HidBus::Get().Plug(d);
+    player_ = std::thread([this] { Play(); });
+  }
+  ~PlayedBoard() {
+    stop_ = true;
+    player_.join();
+  }
+
+  std::atomic<uint8_t> buttons{0};  // bit 0 the pedal, bit 1 in its holder
+
+ private:
+  void Play() {
+    hid::InputReport report;
+    while (!stop_) {
+      ++report.sequence;
+      report.time_us += 1000;
+      report.buttons = buttons;
+      HidBus::Get().Send(path_, hid::EncodeInput(report));
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  }
+
+  const std::string path_;
+  std::atomic<bool> stop_{false};
+  std::thread player_;
+};
+
+// Attempts in the window, on tickets kept for later: pages are drawn as a person sees them.
+class DeskAttemptTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!display_.ok()) GTEST_SKIP() << "skipped: Xvfb is not installed";
+    HidBus::Get().Reset();
+    std::string name = (fs::temp_directory_path() / "enamel_attempt_XXXXXX").string();
+    folder_ = ::mkdtemp(name.data());
+    server_.emplace(folder_);
+    const trace::KeyPair keys = trace::NewKeyPair();
+    ticket_key_ = keys.secret_key;
+    Credentials credentials = server_->NewStation();
+    credentials.ticket_key = keys.public_key;
+    ASSERT_TRUE(SaveCredentials(folder_ / "data", credentials).ok());
+    workplace_ = std::move(*Workplace::Open({.data = folder_ / "data"}));
+    screen_.emplace(render::ScreenOptions{.width_px = 1920, .height_px = 1080, .visible = false});
+  }
+  void TearDown() override {
+    pages_.reset();
+    flow_.reset();
+    ui_.reset();
+    screen_.reset();
+    board_.reset();
+    workplace_.reset();
+    HidBus::Get().Reset();
+    if (!folder_.empty()) fs::remove_all(folder_);
+  }
+
+  void Frame() {
+    (void)screen_->Begin();
+    flow_->Tick(Clock::now(), true);
+    Stage* stage = flow_->place() == Place::kRunning ? flow_->stage() : nullptr;
+    if (stage != nullptr) {
+      stage->Point(*screen_, 0.01, true);
+      stage->view().Draw(screen_->width(), screen_->height(), render::kQualities[0]);
+    }
+    (void)pages_->Draw();
+    screen_->End(stage != nullptr ? &stage->view().result() : nullptr);
+  }
+  // Never waited for in full when all is well.
+  template <typename Until>
+  [[nodiscard]] bool Reached(Until&& until) {
+    const auto patience = Clock::now() + std::chrono::seconds(100);
+    while (!until() && Clock::now() < patience) Frame();
+    return until();
+  }
+  // As far as the first tick.
+  void Begin(const std::string& profile) {
+    id_ = KeepAttempt(folder_ / "data", workplace_->spool(), workplace_->credentials(), ticket_key_,
+                      server_->person, profile, kPin);
+    ui_.emplace(*screen_);
+    flow_.emplace(*workplace_, WorkflowOptions{});
+    pages_.emplace(*ui_, *flow_, "Chair 7");
+    flow_->ToReserved();
+    ASSERT_EQ(flow_->reserved().size(), 1u);
+    flow_->AskPin(0);
+    flow_->OpenReserved(kPin);
+    ASSERT_TRUE(Reached([&] { return flow_->place() == Place::kExercise && !flow_->busy(); }))
+        << flow_->problem();
+    ASSERT_LT(flow_->offer_index(), flow_->offers().size()) << flow_->problem();
+    ASSERT_EQ(flow_->offers()[flow_->offer_index()].profile, profile);
+    flow_->Start(false);
+    ASSERT_TRUE(Reached([&] { return flow_->place() == Place::kRunning; })) << flow_->problem();
+  }
+  const Snapshot& Newest() { return flow_->stage()->run()->snapshot(); }
+  // For who wants to look.
+  void Picture(const std::string& name) {
+    const char* folder = ::getenv("ENAMEL_PICTURES");
+    if (folder == nullptr) return;
+    EXPECT_TRUE(screen_->WriteScreenshot((fs::path(folder) / (name + ".png")).string()).ok());
+  }
+
+  render::VirtualDisplay display_;
+  fs::path folder_;
+  std::optional<FakeServer> server_;
+  trace::SecretKey ticket_key_{};
+  std::unique_ptr<Workplace> workplace_;
+  std::optional<render::Screen> screen_;
+  std::optional<Ui> ui_;
+  std::optional<PlayedBoard> board_;
+  std::optional<Workflow> flow_;
+  std::optional<Pages> pages_;
+  Uuid id_;
+};
+
+TEST_F(DeskAttemptTest, HowItsLoopWentIsKeptAsThatOfOneFromTheCommandLineIs) {
+  Begin("pointer");
+  ASSERT_TRUE(Reached([&] { return Newest().counters.ticks >= 300; }));
+  flow_->EndAttempt();
+  ASSERT_TRUE(Reached([&] { return flow_->place() == Place::kSignIn; })) << flow_->problem();
+  EXPECT_NE(flow_->notice().find("Handed in"), std::string::npos) << flow_->notice();
+  EXPECT_TRUE(server_->sealed());
+  auto stored = workplace_->spool().Get(id_);
+  ASSERT_TRUE(stored.ok());
+  auto kept = workplace_->spool().LoopFactsOf(id_);
+  ASSERT_TRUE(kept.ok());
+  ASSERT_EQ(kept->size(), 1u);
+  const auto facts = boost::json::parse((*kept)[0].json);
+  EXPECT_EQ(facts.at("version"), 1);
+  EXPECT_EQ(facts.at("ticks"), stored->ticks);
+  EXPECT_GE(facts.at("lateness").at("count").to_number<uint64_t>(), stored->ticks);
+  EXPECT_FALSE(facts.at("lateness").at("ns").as_object().empty());
+  EXPECT_TRUE(facts.at("faults").is_array());
+  EXPECT_EQ(facts.at("device").at("name"), "mouse and keyboard");
+}
+
+TEST_F(DeskAttemptTest, PuttingTheHandpieceDownPausesAndSaysHowToGoOn) {
+  board_.emplace(folder_ / "board", "phantom_desktop");
+  Begin("phantom_desktop");
+  ASSERT_TRUE(Reached([&] { return Newest().counters.ticks >= 50; }));
+  board_->buttons = 2;
+  ASSERT_TRUE(Reached([&] { return flow_->dialog() == Dialog::kPaused; }));
+  ASSERT_TRUE(Reached([&] { return ui_->words().find("holder") != std::string::npos; }))
+      << ui_->words();
+  for (int i = 0; i < 3; ++i) Frame();
+  Picture("put-down");
+  // Paused once each time it is put down, not as long as it lies there.
+  flow_->CloseDialog();
+  const uint64_t ticks = Newest().counters.ticks;
+  ASSERT_TRUE(Reached([&] { return Newest().counters.ticks >= ticks + 100; }));
+  EXPECT_EQ(flow_->dialog(), Dialog::kNone);
+  EXPECT_TRUE(Newest().put_down);
+  board_->buttons = 0;
+  ASSERT_TRUE(Reached([&] { return !Newest().put_down; }));
+  flow_->Open(Dialog::kPaused);
+  for (int i = 0; i < 3; ++i) Frame();
+  EXPECT_EQ(ui_->words().find("holder"), std::string::npos) << ui_->words();
+  flow_->EndAttempt();
+  ASSERT_TRUE(Reached([&] { return flow_->place() == Place::kSignIn; })) << flow_->problem();
+  auto kept = workplace_->spool().LoopFactsOf(id_);
+  ASSERT_EQ(kept->size(), 1u);
+  EXPECT_EQ(boost::json::parse((*kept)[0].json).at("put_downs"), 1);
+}
+
+}  // namespace
+}  // namespace enamel::station::desk

@@ -1,0 +1,115 @@
+#include "station/desk/opening.h"
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <filesystem>
+#include <fstream>
+#include <optional>
+
+#include "station/desk/workflow.h"
+#include "station/spool/salvage.h"
+#include "tests/station/uplink/fake_server.h"
+
+namespace enamel::station::desk {
+namespace {
+
+namespace fs = std::filesystem;
+
+class OpeningTest : public testing::Test {
+ protected:
+  OpeningTest() {
+    std::string name = (fs::temp_directory_path() / "enamel_opening_XXXXXX").string();
+    folder_ = ::mkdtemp(name.data());
+    server_.emplace(folder_);
+  }
+  ~OpeningTest() override { fs::remove_all(folder_); }
+
+  fs::path data() const { return folder_ / "data"; }
+  fs::path file() const { return data() / "spool.sqlite"; }
+  void Enrol() { ASSERT_TRUE(SaveCredentials(data(), server_->NewStation()).ok()); }
+  // A spool with an attempt of somebody, whose file is then destroyed in part.
+  void Damage() {
+    const trace::Header header = HeaderOf(server_->person);
+    {
+      auto spool = Spool::Open(data());
+      ASSERT_TRUE((*spool)->BeginAttempt(header, "class-1", "pointer").ok());
+    }
+    for (const char* end : {"-wal", "-shm"}) fs::remove(file().string() + end);
+    std::fstream out(file(), std::ios::binary | std::ios::in | std::ios::out);
+    out << std::string(100, '\x5a');
+  }
+  static void Settle(Opening& opening) {
+    while (opening.busy()) {
+      opening.Tick();
+      std::this_thread::yield();
+    }
+  }
+
+  fs::path folder_;
+  std::optional<FakeServer> server_;
+};
+
+TEST_F(OpeningTest, WhatIsWholeIsOpenAtOnce) {
+  Enrol();
+  Opening opening({.data = data()});
+  EXPECT_TRUE(opening.problem().ok()) << opening.problem().message();
+  EXPECT_NE(opening.workplace(), nullptr);
+}
+
+TEST_F(OpeningTest, ADamagedSpoolIsExplainedAndOpensOnceItWasSalvaged) {
+  Enrol();
+  Damage();
+  Opening opening({.data = data()});
+  ASSERT_EQ(opening.workplace(), nullptr);
+  const Trouble trouble = opening.trouble();
+  EXPECT_NE(trouble.what.find("is damaged"), std::string::npos) << trouble.what;
+  EXPECT_NE(trouble.safe.find("the server has is safe"), std::string::npos) << trouble.safe;
+  EXPECT_NE(trouble.todo.find("another station"), std::string::npos) << trouble.todo;
+  EXPECT_NE(trouble.operators.find("spool salvage --out"), std::string::npos);
+  EXPECT_NE(trouble.operators.find(data().string()), std::string::npos);
+  EXPECT_GE(opening.Lines().size(), 2u);
+  opening.TryAgain();
+  Settle(opening);
+  EXPECT_EQ(opening.workplace(), nullptr) << "nobody has mended it yet";
+  EXPECT_EQ(opening.problem().field(), kDamagedSpool);
+
+  ASSERT_TRUE(SalvageSpool(data(), folder_ / "saved").ok());
+  fs::rename(file(), folder_ / "damaged.sqlite");
+  for (const char* end : {"-wal", "-shm"}) fs::remove(file().string() + end);
+  fs::rename(folder_ / "saved" / "spool.sqlite", file());
+  opening.TryAgain();
+  Settle(opening);
+  ASSERT_NE(opening.workplace(), nullptr) << opening.problem().message();
+  EXPECT_TRUE(opening.problem().ok());
+  Workflow flow(*opening.workplace(), {});
+  flow.SignIn("ada", "secret");
+  while (flow.busy()) flow.Tick(Workflow::Clock::now(), true);
+  EXPECT_EQ(flow.place(), Place::kExercises) << flow.problem();
+}
+
+TEST_F(OpeningTest, EveryTroubleSaysWhatIsWrongWhatIsSafeAndWhatToDo) {
+  for (const Status& problem :
+       {Status(Code::kNotFound, "not enrolled"), Status(Code::kStorage, "full"),
+        Status(Code::kStorage, "broken", kDamagedSpool), Status(Code::kVersion, "newer"),
+        Status(Code::kForbidden, "others may read it")}) {
+    const Trouble trouble = TroubleOf(problem, data());
+    EXPECT_FALSE(trouble.what.empty());
+    EXPECT_FALSE(trouble.safe.empty());
+    EXPECT_FALSE(trouble.todo.empty());
+    EXPECT_EQ(trouble.operators.find(problem.message()), 0u) << "in the program's own words";
+    EXPECT_EQ(trouble.what.find("spool"), std::string::npos) << "students know no spool";
+  }
+}
+
+TEST_F(OpeningTest, AStationThatIsEnrolledMeanwhileOpens) {
+  Opening opening({.data = data()});
+  EXPECT_NE(opening.trouble().what.find("does not belong"), std::string::npos);
+  Enrol();
+  opening.TryAgain();
+  Settle(opening);
+  EXPECT_NE(opening.workplace(), nullptr) << opening.problem().message();
+}
+
+}  // namespace
+}  // namespace enamel::station::desk

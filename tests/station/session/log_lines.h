@@ -1,0 +1,48 @@
+#pragma once
+
+#include <spdlog/sinks/base_sink.h>
+#include <spdlog/spdlog.h>
+
+#include <memory>
+#include <mutex>
+#include <string>
+
+namespace enamel::station {
+
+// What is logged while this lives, one message a line with its level before it: "info: …". In place
+// of where it went before. Thread safety: all.
+class LogLines {
+ public:
+  LogLines() : before_(spdlog::default_logger()) {
+    spdlog::set_default_logger(std::make_shared<spdlog::logger>("test", sink_));
+  }
+  ~LogLines() { spdlog::set_default_logger(before_); }
+  LogLines(const LogLines&) = delete;
+  LogLines& operator=(const LogLines&) = delete;
+
+  std::string text() const { return sink_->text(); }
+  bool Has(const std::string& words) const { return text().find(words) != std::string::npos; }
+
+ private:
+  class Sink final : public spdlog::sinks::base_sink<std::mutex> {
+   public:
+    std::string text() {
+      std::lock_guard lock(mutex_);
+      return text_;
+    }
+
+   private:
+    void sink_it_(const spdlog::details::log_msg& message) override {
+      const auto level = spdlog::level::to_string_view(message.level);
+      text_.append(level.data(), level.size()).append(": ");
+      text_.append(message.payload.data(), message.payload.size()).append("\n");
+    }
+    void flush_() override {}
+    std::string text_;
+  };
+
+  const std::shared_ptr<spdlog::logger> before_;
+  const std::shared_ptr<Sink> sink_ = std::make_shared<Sink>();
+};
+
+}  // namespace enamel::station
