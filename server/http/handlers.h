@@ -8,7 +8,7 @@
 // role and CSRF, and decide themselves whose data the caller may see.
 namespace enamel::server::http {
 
-Response GetHealth(const Call& call);
+boost::asio::awaitable<Response> GetHealth(Call call);
 Response GetMetrics(const Call& call);
 
 boost::asio::awaitable<Response> SignIn(Call call);

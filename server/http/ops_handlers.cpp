@@ -21,10 +21,14 @@ bool MaySeeMetrics(const Call& call) {
 
 }  // namespace
 
-Response GetHealth(const Call& call) {
+// Away from the store's threads: it has to answer when they all wait for the database.
+boost::asio::awaitable<Response> GetHealth(Call call) {
   StoreHealth health = call.store.Health();
-  if (health.takes_recordings) return JsonResponse({{"status", "ok"}, {"problem", ""}});
-  return JsonResponse({{"status", "no_recordings"}, {"problem", health.problem}}, 503);
+  bool well = health.takes_recordings;
+  co_return JsonResponse({{"status", well ? "ok" : "no_recordings"},
+                          {"problem", health.problem},
+                          {"waiting", health.waiting}},
+                         well ? 200 : 503);
 }
 
 Response GetMetrics(const Call& call) {

@@ -109,13 +109,8 @@ asio::awaitable<void> StationServer::State::WatchRevoked() {
     error_code ignored;
     co_await next_look.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
     if (stopping || connections.empty()) continue;
-    auto stations = co_await pool.Run([this] { return services.store.Stations(); });
-    if (!stations.ok()) continue;
-    std::set<Uuid> now;
-    for (const StationRow& row : *stations) {
-      if (row.revoked) now.insert(row.id);
-    }
-    EndRevoked(std::move(now));
+    auto now = co_await pool.Run([this] { return services.store.RevokedStations(); });
+    if (now.ok()) EndRevoked({now->begin(), now->end()});
   }
 }
 

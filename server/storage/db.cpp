@@ -110,6 +110,14 @@ Status Db::Exec(const char* sql) {
   return Error();
 }
 
+Status Db::EmptyLog() {
+  Query q(*this, "PRAGMA wal_checkpoint(TRUNCATE)", Query::kNoTenant);
+  bool busy = q.Next() && q.Int(0) != 0;
+  if (!q.status().ok() || !busy) return q.status();
+  return Status(Code::kUnavailable,
+                "the database's log can be emptied when nobody reads what is in it");
+}
+
 void Db::Rollback() {
   if (sqlite3_get_autocommit(handle_) == 0)
     sqlite3_exec(handle_, "ROLLBACK", nullptr, nullptr, nullptr);

@@ -2,6 +2,7 @@
 
 #include <sqlite3.h>
 
+#include <chrono>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -36,6 +37,12 @@ class Db {
   Status Exec(const char* sql);
   // Rows changed by the last statement.
   int64_t Changes() const { return sqlite3_changes64(handle_); }
+  // How long from now on to wait for another process's write.
+  void SetBusyWait(std::chrono::milliseconds wait) {
+    sqlite3_busy_timeout(handle_, static_cast<int>(wait.count()));
+  }
+  // Empties the log into the database. Errors also: kUnavailable (readers need what is in it).
+  Status EmptyLog();
   // Ends the open transaction, if SQLite has not done so itself.
   void Rollback();
   // Copies the whole database as it is at this moment into the new file `target`, while others go

@@ -185,6 +185,10 @@ Result<RetentionReport> SqliteStore::ApplyRetention(UnixMs now_ms, bool dry_run,
   if (dry_run) return report;
   auto alone = TakeUpkeepLock(folder_, FolderLock::Mode::kExclusive);
   if (!alone.ok()) return alone.status();
+  std::error_code error;
+  if (std::filesystem::exists(folder_ / kRewriteMark, error)) {
+    ENAMEL_RETURN_IF_ERROR(LeaveNothingFreed());
+  }
   std::set<Sha256> blobs;
   bool anything =
       !report.unfinished.empty() || !report.recordings.empty() || !report.attempts.empty();

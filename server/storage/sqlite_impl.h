@@ -116,6 +116,7 @@ class SqliteStore final : public Store {
                                    const Actor& by) override;
   Status RevokeStation(const Uuid& id, const Actor& by) override;
   Result<std::vector<StationRow>> Stations() override;
+  Result<std::vector<Uuid>> RevokedStations() override;
 
   Result<Sha256> PutBlob(ByteView data) override;
   Result<Sha256> PutAttemptBlob(const Uuid& attempt, ByteView data) override;
@@ -247,7 +248,9 @@ class SqliteStore final : public Store {
   Result<size_t> SweepUnnamed(std::chrono::seconds age);
   // Writes the database anew without what was freed in it, and empties the log: SQLite overwrites
   // what is deleted, but not the copies that moving rows about has left in free pages and gaps.
-  // What a crash cuts off is done at the next start (kRewriteMark). Blocks writers meanwhile.
+  // What is left to do, after a crash or because somebody reads what is in the log, is done at the
+  // next start or by ApplyRetention (kRewriteMark). Writers wait meanwhile: this store's in the
+  // writer's queue, other processes' because they see the mark.
   Status LeaveNothingFreed();
   Status MarkForRewrite();
 
@@ -259,7 +262,6 @@ class SqliteStore final : public Store {
   static constexpr size_t kMaxRemembered = 50'000;
 
   const std::filesystem::path folder_;
-  const std::string vfs_;
   const FolderLock lock_;
   Writer writer_;
   Readers readers_;
@@ -270,6 +272,7 @@ class SqliteStore final : public Store {
   std::mutex people_mutex_;
   std::unordered_map<std::string, Uuid> person_of_;  // attempt to person; guarded by people_mutex_
   std::atomic<bool> damaged_{false};                 // a reader found the database damaged
+  std::atomic<bool> rewriting_{false};               // LeaveNothingFreed is at it
   std::atomic<uint64_t> chunks_{0}, chunk_bytes_{0}, sealed_{0};
 };
 

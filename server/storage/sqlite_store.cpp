@@ -50,13 +50,17 @@ Disk& DiskOf(const SqliteOptions& options) {
   return options.disk != nullptr ? *options.disk : SystemDisk();
 }
 
+bool IsThere(const std::filesystem::path& file) {
+  std::error_code error;
+  return std::filesystem::exists(file, error);
+}
+
 }  // namespace
 
 SqliteStore::SqliteStore(const SqliteOptions& options, std::unique_ptr<Db> writer, FolderLock lock)
     : folder_(options.folder),
-      vfs_(options.vfs),
       lock_(std::move(lock)),
-      writer_(std::move(writer)),
+      writer_(std::move(writer), [mark = folder_ / kRewriteMark] { return IsThere(mark); }),
       readers_(options.folder / "enamel.db", options.readers, options.vfs),
       blobs_(options.folder / "blobs", DiskOf(options), options.fail_next),
       keyring_(options.folder / "keyring", DiskOf(options)),
@@ -138,6 +142,11 @@ StoreHealth SqliteStore::Health() {
         "Recordings wait at the stations, the next write that succeeds ends this";
   }
   out.takes_recordings = out.problem.empty();
+  if (rewriting_ || writer_.waits()) {
+    out.waiting =
+        "a person was erased and the database is being written anew; changes and recordings wait "
+        "until that is done";
+  }
   return out;
 }
 
@@ -154,10 +163,24 @@ Status SqliteStore::TryWrite() {
 Status SqliteStore::MarkForRewrite() { return WriteFileDurably(folder_ / kRewriteMark, {}); }
 
 Status SqliteStore::LeaveNothingFreed() {
-  auto db = Db::Open(folder_ / "enamel.db", Db::Mode::kReadWrite, vfs_);
-  if (!db.ok()) return db.status();
-  ENAMEL_RETURN_IF_ERROR((*db)->Exec("VACUUM"));
-  ENAMEL_RETURN_IF_ERROR((*db)->Exec("PRAGMA wal_checkpoint(TRUNCATE)"));
+  spdlog::info("the database is being written anew after an erasure; changes wait until it is");
+  const auto begin = std::chrono::steady_clock::now();
+  rewriting_ = true;
+  Status emptied;
+  Status rewritten = writer_.RunAlone([&](Db& db) -> Status {
+    ENAMEL_RETURN_IF_ERROR(db.Exec("VACUUM"));
+    emptied = db.EmptyLog();
+    return emptied.code() == Code::kUnavailable ? Status::Ok() : emptied;
+  });
+  rewriting_ = false;
+  ENAMEL_RETURN_IF_ERROR(rewritten);
+  if (!emptied.ok()) {
+    spdlog::warn("{}: copies of what was erased stay in it until then, within the hour",
+                 emptied.message());
+    return Status::Ok();
+  }
+  std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+  spdlog::info("the database is written anew, which took {:.1f} s", took.count());
   std::error_code error;
   std::filesystem::remove(folder_ / kRewriteMark, error);
   if (!error) return Status::Ok();
@@ -289,6 +312,7 @@ Result<std::unique_ptr<Store>> OpenSqliteStore(const SqliteOptions& options) {
   auto db =
       Db::Open(options.folder / "enamel.db", Db::Mode::kReadWrite, options.vfs, options.fail_next);
   if (!db.ok()) return db.status();
+  (*db)->SetBusyWait(options.busy_wait);
   auto version = SchemaVersion(**db);
   if (!version.ok()) return version.status();
   if (*version < LatestSchemaVersion()) {

@@ -29,6 +29,9 @@ struct SqliteOptions {
   // (null: the machine's). For tests.
   std::string vfs{};
   Disk* disk = nullptr;
+  // How long a write waits for another process's before it is refused. Where that process writes
+  // the database anew after an erasure, it waits until that is done.
+  std::chrono::milliseconds busy_wait{10'000};
 };
 
 // The embedded store: DIR/enamel.db (SQLite, WAL, synchronous=FULL), DIR/blobs/xx/<sha256> and

@@ -201,4 +201,14 @@ Result<std::vector<StationRow>> SqliteStore::Stations() {
   });
 }
 
+Result<std::vector<Uuid>> SqliteStore::RevokedStations() {
+  return Read([&](Db& db) -> Result<std::vector<Uuid>> {
+    Query q(db, "SELECT id FROM stations WHERE tenant = ?1 AND revoked = 1");
+    std::vector<Uuid> out;
+    while (q.Next()) out.push_back(q.Id(0));
+    if (!q.status().ok()) return q.status();
+    return out;
+  });
+}
+
 }  // namespace enamel::server::sqlite

@@ -118,6 +118,7 @@ struct RetentionReport {
 struct StoreHealth {
   bool takes_recordings = true;
   std::string problem;  // why not, and what to do; names no path
+  std::string waiting;  // why changes take longer than usual at the moment; empty: they do not
   uint64_t free_bytes = 0, min_free_bytes = 0, database_bytes = 0, log_bytes = 0;
   uint64_t commits = 0, writes = 0, failed_commits = 0;
   double commit_s = 0;  // time spent in commits
@@ -209,6 +210,8 @@ class Store {
   // For good: a station that is to come back enrols anew.
   virtual Status RevokeStation(const Uuid& id, const Actor& by) = 0;
   virtual Result<std::vector<StationRow>> Stations() = 0;
+  // Ids of those that were revoked; cheap, however many stations there are.
+  virtual Result<std::vector<Uuid>> RevokedStations() = 0;
 
   // Content-addressed blobs: documents, volumes, sealed results. Write-once, durable on return.
   virtual Result<Sha256> PutBlob(ByteView data) = 0;

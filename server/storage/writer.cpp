@@ -5,7 +5,8 @@
 
 namespace enamel::server::sqlite {
 
-Writer::Writer(std::unique_ptr<Db> db) : db_(std::move(db)), thread_([this] { Loop(); }) {}
+Writer::Writer(std::unique_ptr<Db> db, std::function<bool()> wait_on)
+    : db_(std::move(db)), wait_on_(std::move(wait_on)), thread_([this] { Loop(); }) {}
 
 Writer::~Writer() {
   {
@@ -18,6 +19,15 @@ Writer::~Writer() {
 
 Status Writer::Run(const Work& work) {
   Pending mine{&work};
+  return Queue(mine);
+}
+
+Status Writer::RunAlone(const std::function<Status(Db& db)>& work) {
+  Pending mine{nullptr, &work};
+  return Queue(mine);
+}
+
+Status Writer::Queue(Pending& mine) {
   std::unique_lock lock(mutex_);
   queue_.push_back(&mine);
   if (queue_.size() == 1) wake_.notify_one();
@@ -34,20 +44,40 @@ void Writer::Loop() {
     lock.unlock();
     std::this_thread::sleep_until(next_commit_);
     lock.lock();
-    std::vector<Pending*> batch;
-    while (!queue_.empty() && batch.size() < kMaxBatch) {
-      batch.push_back(queue_.front());
-      queue_.pop_front();
-    }
+    std::vector<Pending*> batch = TakeBatch();
     lock.unlock();
     if (batch.size() >= kBusyBatch) next_commit_ = std::chrono::steady_clock::now() + kPace;
-    Commit(batch);
+    if (batch.front()->alone != nullptr) {
+      DoAlone(*batch.front());
+    } else {
+      Commit(batch);
+    }
     lock.lock();
     for (Pending* pending : batch) {
       pending->done = true;
       pending->turn.notify_one();
     }
   }
+}
+
+// What is to run alone makes a batch of its own.
+std::vector<Writer::Pending*> Writer::TakeBatch() {
+  std::vector<Pending*> batch;
+  while (!queue_.empty() && batch.size() < kMaxBatch) {
+    bool alone = queue_.front()->alone != nullptr;
+    if (alone && !batch.empty()) break;
+    batch.push_back(queue_.front());
+    queue_.pop_front();
+    if (alone) break;
+  }
+  return batch;
+}
+
+void Writer::DoAlone(Pending& pending) {
+  pending.status = (*pending.alone)(*db_);
+  db_->Rollback();
+  std::lock_guard lock(mutex_);
+  damaged_ = db_->damaged();
 }
 
 void Writer::Commit(const std::vector<Pending*>& batch) {
@@ -66,8 +96,23 @@ void Writer::Commit(const std::vector<Pending*>& batch) {
   counters_.commit_s += took.count();
 }
 
+// Asks before and after: what is waited for may end just when the wait does.
+Status Writer::Begin() {
+  const auto until = std::chrono::steady_clock::now() + kMostWait;
+  Status begun;
+  for (bool again = true; again;) {
+    bool expected = wait_on_ && wait_on_();
+    begun = db_->Exec("BEGIN IMMEDIATE");
+    again = begun.code() == Code::kUnavailable && (expected || (wait_on_ && wait_on_()));
+    std::lock_guard lock(mutex_);
+    again = again && !stopping_ && std::chrono::steady_clock::now() < until;
+    waits_ = again;
+  }
+  return begun;
+}
+
 Status Writer::Transact(const std::vector<Pending*>& batch) {
-  Status failure = db_->Exec("BEGIN IMMEDIATE");
+  Status failure = Begin();
   for (size_t i = 0; failure.ok() && i < batch.size(); ++i) {
     failure = RunOne(*batch[i]->work, batch[i]->status);
   }
@@ -91,6 +136,11 @@ Status Writer::last_failure() const {
 bool Writer::damaged() const {
   std::lock_guard lock(mutex_);
   return damaged_;
+}
+
+bool Writer::waits() const {
+  std::lock_guard lock(mutex_);
+  return waits_;
 }
 
 Status Writer::RunOne(const Work& work, Status& outcome) {

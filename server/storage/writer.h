@@ -20,13 +20,19 @@ namespace enamel::server::sqlite {
 // safety: any thread. Destruction waits for what is queued.
 class Writer {
  public:
-  explicit Writer(std::unique_ptr<Db> db);
+  // `wait_on`: asked when another process has kept the database busy for as long as the connection
+  // waits: true: wait on, up to kMostWait; else, or without it, what is queued is refused
+  // (kUnavailable).
+  explicit Writer(std::unique_ptr<Db> db, std::function<bool()> wait_on = {});
   ~Writer();
 
   // What the work did is kept when it returns Ok, or sets `keep_anyway` (a refusal that leaves
   // evidence). Durable when Run returns.
   using Work = std::function<Status(Db& db, bool& keep_anyway)>;
   Status Run(const Work& work);
+  // Runs `work` on the thread and outside any transaction, for what SQLite refuses inside one
+  // (VACUUM); what is queued after it waits.
+  Status RunAlone(const std::function<Status(Db& db)>& work);
 
   // Since the start.
   struct Counters {
@@ -39,6 +45,8 @@ class Writer {
   // Why the last transaction could not be written; Ok after one that could. One that found the
   // database busy tells nothing.
   Status last_failure() const;
+  // A transaction waits longer than usual for another process (`wait_on`).
+  bool waits() const;
 
  private:
   static constexpr size_t kMaxBatch = 256;
@@ -46,19 +54,26 @@ class Writer {
   // come together. Who writes alone never waits.
   static constexpr size_t kBusyBatch = 4;
   static constexpr std::chrono::milliseconds kPace{10};
+  static constexpr std::chrono::minutes kMostWait{15};
   struct Pending {
     const Work* work;
+    const std::function<Status(Db& db)>* alone = nullptr;  // instead of `work`
     Status status{};
     bool done = false;
     std::condition_variable turn{};  // done
   };
-  // All of it on the thread.
+  Status Queue(Pending& mine);  // returns when it is done
+  // The rest of it on the thread.
   void Loop();
+  std::vector<Pending*> TakeBatch();  // requires: mutex_ is held
   void Commit(const std::vector<Pending*>& batch);
+  void DoAlone(Pending& pending);
+  Status Begin();  // a transaction
   Status Transact(const std::vector<Pending*>& batch);
   Status RunOne(const Work& work, Status& outcome);
 
-  std::unique_ptr<Db> db_;                               // the thread's
+  std::unique_ptr<Db> db_;  // the thread's
+  const std::function<bool()> wait_on_;
   std::chrono::steady_clock::time_point next_commit_{};  // the thread's
   mutable std::mutex mutex_;
   std::condition_variable wake_;  // something is queued, or stopping_
@@ -66,6 +81,7 @@ class Writer {
   bool stopping_ = false;         // guarded by mutex_
   Status last_failure_;           // guarded by mutex_
   bool damaged_ = false;          // guarded by mutex_
+  bool waits_ = false;            // guarded by mutex_
   Counters counters_;             // guarded by mutex_
   std::thread thread_;            // last: uses the rest
 };

@@ -279,6 +279,7 @@ class MemoryStore final : public server::Store {
     return No();
   }
   Result<std::vector<server::StationRow>> Stations() override { return No(); }
+  Result<std::vector<Uuid>> RevokedStations() override { return No(); }
   Status PutProfile(const server::ProfileRow&, const server::Actor&) override { return No(); }
   Result<std::vector<server::ProfileRow>> Profiles() override { return No(); }
   Status PutScene(const server::SceneRow&, const server::Actor&) override { return No(); }

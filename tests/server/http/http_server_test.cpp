@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <future>
 #include <list>
+#include <vector>
 
 #include "server/http/request_reader.h"
 #include "tests/server/http/running_server.h"
@@ -40,7 +43,7 @@ TEST_F(HttpServerTest, KeepsTheConnectionForPipelinedRequests) {
     auto response = client.Read();
     ASSERT_TRUE(response);
     EXPECT_EQ(response->status, 200);
-    EXPECT_EQ(response->body, R"({"status":"ok","problem":""})");
+    EXPECT_EQ(response->body, R"({"status":"ok","problem":"","waiting":""})");
   }
 }
 
@@ -217,6 +220,36 @@ TEST_F(HttpServerTest, ASlowDripDoesNotExtendTheDeadline) {
   RawClient body(server.port());
   body.Send("POST /api/v1/session HTTP/1.1\r\nHost: localhost\r\nContent-Length: 10\r\n\r\n12");
   EXPECT_TRUE(body.ClosedByServer());
+}
+
+TEST_F(HttpServerTest, HealthIsToldWhileAllOthersWaitForTheDatabase) {
+  constexpr auto kEnough = std::chrono::seconds(60);
+  RunningServer server(school_, options_);
+  Visitor root(server.port(), "root");
+  std::promise<void> held, go_on;
+  std::atomic<bool> first{true};
+  school_.before_write = [&, may_go_on = go_on.get_future().share()] {
+    if (first.exchange(false)) held.set_value();
+    may_go_on.wait();
+    return false;
+  };
+  std::vector<std::future<int>> changes;
+  for (char name : std::string("abcdefgh")) {
+    changes.push_back(std::async(std::launch::async, [&, name] {
+      std::string body = std::string(R"({"name":")") + name + R"("})";
+      return Visitor(root).Post("/api/v1/cohorts", body).status;
+    }));
+  }
+  EXPECT_EQ(held.get_future().wait_for(kEnough), std::future_status::ready);
+  auto health = std::async(std::launch::async, [&] {
+    int well = 0;
+    for (int i = 0; i < 20; ++i) well += Visitor(server.port()).Get("/healthz").status == 200;
+    return well;
+  });
+  EXPECT_EQ(health.wait_for(kEnough), std::future_status::ready);
+  go_on.set_value();
+  EXPECT_EQ(health.get(), 20);
+  for (auto& change : changes) EXPECT_EQ(change.get(), 201);
 }
 
 TEST_F(HttpServerTest, HalfSentHeadsDoNotTakeThePageFromOthers) {

@@ -231,8 +231,10 @@ TEST_P(PeopleStoreTest, StationIsRenamedAndRevokedForGood) {
   ASSERT_TRUE(renamed.ok()) << renamed.status().message();
   EXPECT_EQ(store_->RenameStation(world.station, "Bench 8", 1, kSystem).status().field(), kStale);
   ASSERT_TRUE(store_->TouchStation(world.station, "enamel-station 0.1.0", 3, 77).ok());
+  EXPECT_EQ(*store_->RevokedStations(), std::vector<Uuid>{});
   ASSERT_TRUE(store_->RevokeStation(world.station, kSystem).ok());
   ASSERT_TRUE(store_->RevokeStation(world.station, kSystem).ok()) << "again changes nothing";
+  EXPECT_EQ(*store_->RevokedStations(), std::vector<Uuid>{world.station});
   Reopen();
   StationRow row = *store_->StationById(world.station);
   EXPECT_EQ(row.name, "Bench 7");

@@ -47,6 +47,7 @@ struct SimulatedVfs {
   }
   static int Write(sqlite3_file* file, const void* from, int n, sqlite3_int64 at) {
     File& f = Of(file);
+    if (f.path != nullptr && f.disk->before_write_) f.disk->before_write_(*f.path);
     sqlite3_int64 size = 0;
     f.real()->pMethods->xFileSize(f.real(), &size);
     if (!f.disk->Take(std::max<int64_t>(at + n - size, 0))) return SQLITE_FULL;

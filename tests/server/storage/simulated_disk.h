@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -47,6 +48,12 @@ class SimulatedDisk final : public Disk {
   // From now on files' syncs are acknowledged and not done, as bad drives do.
   void SetLying() { lying_ = true; }
 
+  // Asked before SQLite writes to a file (its path below the folder), on the thread that writes,
+  // which may be kept waiting. Set while no store is open.
+  void SetBeforeWrite(std::function<void(const std::string& path)> ask) {
+    before_write_ = std::move(ask);
+  }
+
   // Bytes that can still be written; none: plenty.
   void SetFree(std::optional<uint64_t> bytes);
 
@@ -80,6 +87,7 @@ class SimulatedDisk final : public Disk {
   const std::filesystem::path folder_;
   std::string name_;
   std::atomic<bool> lying_{false};
+  std::function<void(const std::string&)> before_write_;
   std::unique_ptr<sqlite3_vfs> vfs_;
   mutable std::mutex mutex_;
   std::vector<Operation> log_;    // guarded by mutex_
