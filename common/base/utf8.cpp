@@ -7,11 +7,11 @@ namespace {
 
 constexpr std::string_view kReplacement = "\xef\xbf\xbd";  // U+FFFD
 
-bool IsControl(uint32_t c) { return c < 0x20 || (c >= 0x7f && c < 0xa0); }
-
 std::string Escaped(uint32_t c) {
   constexpr std::string_view kDigits = "0123456789abcdef";
-  return {'\\', 'x', kDigits[c >> 4 & 15], kDigits[c & 15]};
+  std::string out = c < 0x100 ? "\\x" : "\\u";
+  for (int shift = c < 0x100 ? 4 : 12; shift >= 0; shift -= 4) out += kDigits[c >> shift & 15];
+  return out;
 }
 
 }  // namespace
@@ -55,13 +55,20 @@ std::string AsUtf8(std::string_view text) {
   return out;
 }
 
+bool IsControl(uint32_t code) { return code < 0x20 || (code >= 0x7f && code < 0xa0); }
+
+bool IsInvisibleTrick(uint32_t code) {
+  return code == 0x2028 || code == 0x2029 || (code >= 0x202a && code <= 0x202e) ||
+         (code >= 0x2066 && code <= 0x2069) || code == 0xfeff;
+}
+
 std::string Printable(std::string_view text) {
   const std::string valid = AsUtf8(text);
   std::string out;
   for (std::string_view at = valid; !at.empty();) {
     std::string_view rest = at;
     uint32_t code = *NextCodePoint(rest);
-    if (IsControl(code)) {
+    if (IsControl(code) || IsInvisibleTrick(code)) {
       out += Escaped(code);
     } else {
       out += at.substr(0, at.size() - rest.size());

@@ -17,8 +17,15 @@ bool IsUtf8(std::string_view text);
 // `text` with U+FFFD for each byte that belongs to no code point: safe inside JSON.
 std::string AsUtf8(std::string_view text);
 
-// What a terminal shows and does not obey: AsUtf8, and control characters (C0 with line ends and
-// tab, DEL, C1) as "\x1b".
+// C0 with line ends and tab, DEL, C1.
+bool IsControl(uint32_t code);
+
+// Unseen, and changes how what follows is laid out: line and paragraph separators; what overrides,
+// embeds or isolates a direction; byte order mark.
+bool IsInvisibleTrick(uint32_t code);
+
+// What a terminal shows and does not obey: AsUtf8, and control characters as "\x1b", invisible
+// tricks as "\u202e".
 std::string Printable(std::string_view text);
 
 }  // namespace enamel

@@ -8,8 +8,8 @@
 #include <iostream>
 
 #include "common/base/hex.h"
-#include "common/base/utf8.h"
 #include "server/app/data_folder.h"
+#include "server/app/say.h"
 #include "server/auth/password.h"
 #include "server/training/access.h"
 #include "server/training/names.h"
@@ -42,18 +42,16 @@ Result<Password> ReadOrMakePassword(bool from_stdin, const std::string& login) {
 
 void ShowIfMadeUp(const Password& password) {
   if (!password.made_up) return;
-  std::cout << "password (shown only now, to be changed when signing in): " << password.text
-            << "\n";
+  Say("password (shown only now, to be changed when signing in): {}\n", password.text);
 }
 
 void Show(const AttemptRow& row) {
   std::string score = row.score ? fmt::format("{:.1f}", *row.score) : "-";
   std::string flags;
   for (const char* flag : AttemptFlagNames(row.flags)) flags += std::string("  ") + flag;
-  std::cout << fmt::format("{}  {:<11} {:>6}  {:>7} ticks  {:<20} {}{}{}\n", row.id.Text(),
-                           AttemptStateName(row.state), score, row.ticks, row.person_name,
-                           Printable(row.exercise_title), flags,
-                           row.problem.empty() ? "" : "  (" + Printable(row.problem) + ")");
+  Say("{}  {:<11} {:>6}  {:>7} ticks  {:<20} {}{}{}\n", row.id.Text(), AttemptStateName(row.state),
+      score, row.ticks, row.person_name, row.exercise_title, flags,
+      row.problem.empty() ? "" : "  (" + row.problem + ")");
 }
 
 }  // namespace
@@ -99,7 +97,7 @@ Status AddPerson(const std::filesystem::path& data, const NewPerson& person) {
   row.must_change_password = password->made_up;
   auto id = (*store)->CreatePerson(row, password->verifier, {}, kCommandLine);
   if (!id.ok()) return id.status();
-  std::cout << "added " << *login << " (" << RoleName(*role) << "), id " << id->Text() << "\n";
+  Say("added {} ({}), id {}\n", *login, RoleName(*role), id->Text());
   ShowIfMadeUp(*password);
   return Status::Ok();
 }
@@ -113,7 +111,7 @@ Status SetPassword(const std::filesystem::path& data, const std::string& login, 
   if (!password.ok()) return password.status();
   ENAMEL_RETURN_IF_ERROR(
       (*store)->SetPassword(person->id, password->verifier, password->made_up, kCommandLine));
-  std::cout << "new password for " << login << "; its sessions have ended\n";
+  Say("new password for {}; its sessions have ended\n", login);
   ShowIfMadeUp(*password);
   return Status::Ok();
 }
@@ -124,7 +122,7 @@ Status SetDisabled(const std::filesystem::path& data, const std::string& login, 
   auto person = PersonNamed(**store, login);
   if (!person.ok()) return person.status();
   ENAMEL_RETURN_IF_ERROR((*store)->SetDisabled(person->id, disabled, kCommandLine));
-  std::cout << login << (disabled ? " may no longer sign in\n" : " may sign in again\n");
+  Say("{} {}\n", login, disabled ? "may no longer sign in" : "may sign in again");
   return Status::Ok();
 }
 
@@ -135,7 +133,7 @@ Status AddCohort(const std::filesystem::path& data, const std::string& name) {
   if (!checked.ok()) return checked.status();
   auto id = (*store)->CreateCohort(*checked, kCommandLine);
   if (!id.ok()) return id.status();
-  std::cout << "added cohort \"" << *checked << "\", id " << id->Text() << "\n";
+  Say("added cohort \"{}\", id {}\n", *checked, id->Text());
   return Status::Ok();
 }
 
@@ -148,7 +146,7 @@ Status AddToCohort(const std::filesystem::path& data, const std::string& cohort,
   auto person = PersonNamed(**store, login);
   if (!person.ok()) return person.status();
   ENAMEL_RETURN_IF_ERROR((*store)->AddToCohort(*id, person->id, kCommandLine));
-  std::cout << login << " is in \"" << cohort << "\"\n";
+  Say("{} is in \"{}\"\n", login, cohort);
   return Status::Ok();
 }
 
@@ -165,7 +163,7 @@ Status EnrolCode(const std::filesystem::path& data, int valid_minutes) {
   UnixMs expires = now.count() + UnixMs{valid_minutes} * 60'000;
   auto added = (*store)->AddEnrolCode(HashSha256(AsBytes(code)), expires, kCommandLine);
   if (!added.ok()) return added.status();
-  std::cout << code << "@" << identity->fingerprint.Hex() << "\n";
+  Say("{}@{}\n", code, identity->fingerprint.Hex());
   return Status::Ok();
 }
 
@@ -180,8 +178,7 @@ Status MarkReference(const std::filesystem::path& data, const std::string& attem
   if (!store.ok()) return store.status();
   auto row = (*store)->AddReference(*id, dentist, consent, kCommandLine);
   if (!row.ok()) return row.status();
-  std::cout << "reference version " << row->version << " of the exercise: attempt " << attempt
-            << " by " << dentist << "\n";
+  Say("reference version {} of the exercise: attempt {} by {}\n", row->version, attempt, dentist);
   return Status::Ok();
 }
 
@@ -191,7 +188,7 @@ Status ReleaseScore(const std::filesystem::path& data, const std::string& attemp
   auto store = OpenForCommand(data);
   if (!store.ok()) return store.status();
   ENAMEL_RETURN_IF_ERROR((*store)->ReleaseAttempt(*id, kCommandLine));
-  std::cout << "the score of attempt " << attempt << " is released to its student\n";
+  Say("the score of attempt {} is released to its student\n", attempt);
   return Status::Ok();
 }
 

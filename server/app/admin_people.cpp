@@ -1,18 +1,17 @@
 #include "server/app/admin_people.h"
 
 #include <fcntl.h>
-#include <spdlog/fmt/fmt.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <boost/json.hpp>
 #include <cerrno>
 #include <cstring>
-#include <iostream>
 
 #include "common/base/file.h"
 #include "server/app/admin.h"
 #include "server/app/data_folder.h"
+#include "server/app/say.h"
 #include "server/app/utc_text.h"
 #include "server/roster/import.h"
 #include "server/training/names.h"
@@ -62,31 +61,29 @@ class PasswordFile {
 void ShowProblems(const std::vector<RosterProblem>& problems) {
   for (size_t i = 0; i < std::min(problems.size(), kMaxShown); ++i) {
     const RosterProblem& problem = problems[i];
-    std::cout << fmt::format("row {}{}{}: found {}; expected {}\n", problem.row,
-                             problem.column.empty() ? "" : ", ", problem.column, problem.found,
-                             problem.expected);
+    Say("row {}{}{}: found {}; expected {}\n", problem.row, problem.column.empty() ? "" : ", ",
+        problem.column, problem.found, problem.expected);
   }
   if (problems.size() > kMaxShown) {
-    std::cout << "… and " << problems.size() - kMaxShown << " more\n";
+    Say("… and {} more\n", problems.size() - kMaxShown);
   }
 }
 
 void ShowOutcome(const roster::ImportResult& result) {
   const RosterPlan& plan = result.plan;
   for (const std::string& column : result.ignored_columns) {
-    std::cout << "column \"" << column << "\" is not used\n";
+    Say("column \"{}\" is not used\n", column);
   }
   for (const std::string& cohort : plan.new_cohorts) {
-    std::cout << "new cohort \"" << cohort << "\"\n";
+    Say("new cohort \"{}\"\n", cohort);
   }
   for (const RosterStep& step : plan.steps) {
     if (!step.note.empty()) {
-      std::cout << "row " << step.row.row << ": " << step.row.login << " " << step.note << "\n";
+      Say("row {}: {} {}\n", step.row.row, step.row.login, step.note);
     }
   }
-  std::cout << fmt::format("{}: {} new, {} changed, {} as they were\n",
-                           result.done ? "imported" : "would be", plan.Count(Change::kCreate),
-                           plan.Count(Change::kUpdate), plan.Count(Change::kUnchanged));
+  Say("{}: {} new, {} changed, {} as they were\n", result.done ? "imported" : "would be",
+      plan.Count(Change::kCreate), plan.Count(Change::kUpdate), plan.Count(Change::kUnchanged));
 }
 
 Status WriteOutcome(const std::filesystem::path& file, const roster::ImportResult& result) {
@@ -127,9 +124,8 @@ Status Import(Store& store, std::string_view csv, const RosterCommand& command,
   }
   ShowOutcome(*result);
   if (file) {
-    std::cout << "one-time passwords of " << result->passwords.size() << " people in "
-              << command.passwords.string()
-              << " (shown only there; hand them out, then remove it)\n";
+    Say("one-time passwords of {} people in {} (shown only there; hand them out, then remove it)\n",
+        result->passwords.size(), command.passwords.string());
   }
   return WriteOutcome(command.json, *result);
 }
@@ -183,9 +179,9 @@ Status ListPeople(const PeopleList& list) {
     auto people = (*store)->FindPeople(filter);
     if (!people.ok()) return people.status();
     for (const Person& person : *people) {
-      std::cout << fmt::format("{:<24} {:<11} {}{}{}\n", person.login, RoleName(person.role),
-                               person.display_name, person.disabled ? "  (disabled)" : "",
-                               person.must_change_password ? "  (one-time password)" : "");
+      Say("{:<24} {:<11} {}{}{}\n", person.login, RoleName(person.role), person.display_name,
+          person.disabled ? "  (disabled)" : "",
+          person.must_change_password ? "  (one-time password)" : "");
     }
     if (people->size() < filter.limit) break;
     shown += filter.limit;
@@ -203,9 +199,9 @@ Status ListCohorts(const std::filesystem::path& data) {
     auto members = (*store)->CohortMembers(cohort.id);
     if (!members.ok()) return members.status();
     auto students = std::ranges::count(*members, Role::kStudent, &Person::role);
-    std::cout << fmt::format("{:<30} {} students, {} others{}\n", cohort.name, students,
-                             static_cast<int64_t>(members->size()) - students,
-                             cohort.archived_ms != 0 ? "  (archived)" : "");
+    Say("{:<30} {} students, {} others{}\n", cohort.name, students,
+        static_cast<int64_t>(members->size()) - students,
+        cohort.archived_ms != 0 ? "  (archived)" : "");
   }
   return Status::Ok();
 }
@@ -218,11 +214,10 @@ Status ListSessions(const std::filesystem::path& data, const std::string& login)
   auto sessions = (*store)->SessionsOf(person->id);
   if (!sessions.ok()) return sessions.status();
   for (const SessionRow& session : *sessions) {
-    std::cout << fmt::format("{}  {:<7}  since {}, last used {} UTC\n", session.id.Text(),
-                             session.via, UtcText(session.created_ms),
-                             UtcText(session.last_used_ms));
+    Say("{}  {:<7}  since {}, last used {} UTC\n", session.id.Text(), session.via,
+        UtcText(session.created_ms), UtcText(session.last_used_ms));
   }
-  if (sessions->empty()) std::cout << login << " has no sessions\n";
+  if (sessions->empty()) Say("{} has no sessions\n", login);
   return Status::Ok();
 }
 
@@ -233,7 +228,7 @@ Status EndSessions(const std::filesystem::path& data, const std::string& login) 
   if (!person.ok()) return person.status();
   auto ended = (*store)->EndSessionsOf(person->id, kCommandLine);
   if (!ended.ok()) return ended.status();
-  std::cout << "ended " << *ended << " sessions of " << login << "\n";
+  Say("ended {} sessions of {}\n", *ended, login);
   return Status::Ok();
 }
 

@@ -1,16 +1,13 @@
 #include "server/app/admin_stations.h"
 
-#include <spdlog/fmt/fmt.h>
-
-#include <iostream>
 #include <set>
 
 #include "common/base/file.h"
-#include "common/base/utf8.h"
 #include "common/scene/calibration.h"
 #include "common/scene/json.h"
 #include "common/scene/profile_criteria.h"
 #include "server/app/data_folder.h"
+#include "server/app/say.h"
 #include "server/app/utc_text.h"
 
 namespace enamel::server::app {
@@ -31,9 +28,8 @@ Status InFile(const std::filesystem::path& file, const Status& status) {
 
 void Show(const std::vector<scene::ProfileCriterion>& criteria) {
   for (const scene::ProfileCriterion& criterion : criteria) {
-    std::cout << fmt::format("{:<4} {:<42} {:<26} {:.6g} against {:.6g} {}\n",
-                             criterion.met ? "ok" : "FAIL", criterion.title, criterion.formula,
-                             criterion.value, criterion.limit, criterion.unit);
+    Say("{:<4} {:<42} {:<26} {:.6g} against {:.6g} {}\n", criterion.met ? "ok" : "FAIL",
+        criterion.title, criterion.formula, criterion.value, criterion.limit, criterion.unit);
   }
 }
 
@@ -67,10 +63,9 @@ Status ListStations(const std::filesystem::path& data) {
   auto stations = (*store)->Stations();
   if (!stations.ok()) return stations.status();
   for (const StationRow& row : *stations) {
-    std::cout << fmt::format(
-        "{}  {:<24} {:<8} last seen {} UTC  {}{}\n", row.id.Text(), Printable(row.name),
+    Say("{}  {:<24} {:<8} last seen {} UTC  {}{}\n", row.id.Text(), row.name,
         row.revoked ? "revoked" : "admitted", UtcText(row.last_seen_ms),
-        row.software.empty() ? "-" : Printable(row.software),
+        row.software.empty() ? "-" : row.software,
         row.core_version == 0 ? "" : fmt::format(", core {}", row.core_version));
   }
   return Status::Ok();
@@ -93,16 +88,15 @@ Status ListAwaited(const std::filesystem::path& data) {
     if (known.ok()) continue;
     if (known.status().code() != Code::kNotFound) return known.status();
     ++waiting;
-    std::cout << fmt::format("{}  at {}  since {} UTC  awaits {}\n", row.object, row.actor,
-                             UtcText(row.at_ms), row.after_json);
+    Say("{}  at {}  since {} UTC  awaits {}\n", row.object, row.actor, UtcText(row.at_ms),
+        row.after_json);
   }
   if (waiting == 0) {
-    std::cout << "nothing waits\n";
+    Say("nothing waits\n");
     return Status::Ok();
   }
-  std::cout << "person: admin add-person --id ID; exercise: publish the same document; profile: "
-               "admin put-profile with the same document. Stations offer the recordings again by "
-               "themselves\n";
+  Say("person: admin add-person --id ID; exercise: publish the same document; profile: admin "
+      "put-profile with the same document. Stations offer the recordings again by themselves\n");
   return Status::Ok();
 }
 
@@ -112,8 +106,8 @@ Status RevokeStation(const std::filesystem::path& data, const std::string& stati
   auto row = StationNamed(**store, station);
   if (!row.ok()) return row.status();
   ENAMEL_RETURN_IF_ERROR((*store)->RevokeStation(row->id, kCommandLine));
-  std::cout << row->name << " (" << row->id.Text()
-            << ") is no longer admitted; to use it again, enrol it with a new code\n";
+  Say("{} ({}) is no longer admitted; to use it again, enrol it with a new code\n", row->name,
+      row->id.Text());
   return Status::Ok();
 }
 
@@ -138,8 +132,7 @@ Status PutProfile(const std::filesystem::path& data, const std::filesystem::path
       (*store)->PutProfile({profile->name, profile->title, *content}, kCommandLine));
   auto versions = (*store)->ProfileVersions(profile->name);
   if (!versions.ok()) return versions.status();
-  std::cout << "device profile \"" << profile->name << "\" version " << versions->front().version
-            << "\n";
+  Say("device profile \"{}\" version {}\n", profile->name, versions->front().version);
   return Status::Ok();
 }
 
@@ -164,8 +157,7 @@ Status AddProfileReport(const std::filesystem::path& data, const std::string& pr
   row.content = *content;
   auto added = (*store)->AddProfileReport(row, kCommandLine);
   if (!added.ok()) return added.status();
-  std::cout << "report " << added->id.Text() << " about \"" << profile << "\" version "
-            << added->version << "\n";
+  Say("report {} about \"{}\" version {}\n", added->id.Text(), profile, added->version);
   return Status::Ok();
 }
 
@@ -183,8 +175,7 @@ Status AddCalibration(const std::filesystem::path& data, const std::filesystem::
   row.document = scene::ToJson(*calibration);
   auto added = (*store)->AddCalibration(row, kCommandLine);
   if (!added.ok()) return added.status();
-  std::cout << "calibration " << added->id.Text() << " of " << row.device << ", profile \""
-            << row.profile << "\"\n";
+  Say("calibration {} of {}, profile \"{}\"\n", added->id.Text(), row.device, row.profile);
   return Status::Ok();
 }
 
@@ -196,15 +187,14 @@ Status ListCalibrations(const std::filesystem::path& data, const std::string& pr
   for (const CalibrationRow& row : *rows) {
     auto calibration = scene::CalibrationFromJson(row.document);
     if (!calibration.ok()) return calibration.status();
-    std::cout << fmt::format(
-        "{} UTC  {}  resolution {} nm, noise {} nm, friction {} mN, damping {} mN s/m, mass {} g, "
+    Say("{} UTC  {}  resolution {} nm, noise {} nm, friction {} mN, damping {} mN s/m, mass {} g, "
         "delay {} ticks\n",
         UtcText(row.measured_ms), row.device, Figure(calibration->resolution_nm),
         Figure(calibration->noise_nm), Figure(calibration->friction_mn),
         Figure(calibration->damping_mn_s_per_m), Figure(calibration->mass_g),
         Figure(calibration->bus_delay_ticks));
   }
-  if (rows->empty()) std::cout << "no device of profile \"" << profile << "\" was measured yet\n";
+  if (rows->empty()) Say("no device of profile \"{}\" was measured yet\n", profile);
   return Status::Ok();
 }
 

@@ -5,6 +5,7 @@
 #include <functional>
 #include <iostream>
 
+#include "common/base/utf8.h"
 #include "common/program/log.h"
 #include "common/program/settings.h"
 #include "server/app/admin.h"
@@ -550,6 +551,6 @@ int main(int argc, char** argv) {
   }
   Status status = command();
   if (status.ok()) return 0;
-  std::cerr << "enamel-server: " << status.message() << "\n";
+  std::cerr << "enamel-server: " << Printable(status.message()) << "\n";
   return 1;
 }

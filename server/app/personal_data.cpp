@@ -1,13 +1,11 @@
 #include "server/app/personal_data.h"
 
-#include <spdlog/fmt/fmt.h>
-
 #include <boost/json.hpp>
-#include <iostream>
 
 #include "common/base/file.h"
 #include "server/app/admin.h"
 #include "server/app/data_folder.h"
+#include "server/app/say.h"
 
 namespace enamel::server::app {
 namespace {
@@ -262,8 +260,8 @@ Status ExportPerson(const fs::path& data, const std::string& login, const fs::pa
   ENAMEL_RETURN_IF_ERROR(exporter.Run(*person));
   ENAMEL_RETURN_IF_ERROR(
       (*store)->NoteAudit(kCommandLine, "person.export", person->id.Text(), "{}"));
-  std::cout << fmt::format("{}: {} attempts, {} bytes in {}\n", login, exporter.attempts(),
-                           exporter.bytes(), target.string());
+  Say("{}: {} attempts, {} bytes in {}\n", login, exporter.attempts(), exporter.bytes(),
+      target.string());
   return Status::Ok();
 }
 
@@ -281,8 +279,7 @@ Status ErasePerson(const fs::path& data, const std::string& login, const std::st
   if (!person.ok()) return person.status();
   auto report = (*store)->ErasePerson(person->id, with_references, kCommandLine);
   if (!report.ok()) return report.status();
-  std::cout << fmt::format(
-      "{} is erased: key destroyed, {} attempts and {} blobs removed, {} reference cuts among "
+  Say("{} is erased: key destroyed, {} attempts and {} blobs removed, {} reference cuts among "
       "them\n"
       "backups made before still hold name and login, and the key where it is kept inside: delete "
       "those backups in their time; a restore of one erases again when the newest key ring is "

@@ -1,6 +1,5 @@
 #include "server/app/report.h"
 
-#include <spdlog/fmt/fmt.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -14,6 +13,7 @@
 #include "common/base/file.h"
 #include "common/scoring/score.h"
 #include "server/app/data_folder.h"
+#include "server/app/say.h"
 
 namespace enamel::server::app {
 namespace {
@@ -103,26 +103,23 @@ json::object Facts(const AttemptRow& row, const ScoreResult& score,
   return out;
 }
 
-void Line(const std::string& name, const std::string& value) {
-  std::cout << fmt::format("  {:<34} {}\n", name, value);
-}
+void Line(const std::string& name, const std::string& value) { Say("  {:<34} {}\n", name, value); }
 
 void PrintTable(const AttemptRow& row, const ScoreResult& score, const Store::AttemptResult& result,
                 const ReportOptions& options) {
-  std::cout << fmt::format("\n{}, {}: {:.1f} of 100 points{}\n", row.exercise_title,
-                           row.person_name, score.score,
-                           score.critical_fail ? " (critical fault)" : "");
+  Say("\n{}, {}: {:.1f} of 100 points{}\n", row.exercise_title, row.person_name, score.score,
+      score.critical_fail ? " (critical fault)" : "");
   for (const auto& c : score.criteria) {
-    std::cout << fmt::format("  {:<34} {:>9.3f} {:<5} {:>5.1f} of {:<4.0f} {}\n", c.title, c.value,
-                             c.unit, c.points, c.max_points, c.reason);
+    Say("  {:<34} {:>9.3f} {:<5} {:>5.1f} of {:<4.0f} {}\n", c.title, c.value, c.unit, c.points,
+        c.max_points, c.reason);
   }
-  std::cout << "Measured\n";
+  Say("Measured\n");
   for (const auto& m : score.metrics) {
     const auto* info = scoring::FindMetric(m.name);
     Line(info != nullptr ? std::string(info->title) : m.name,
          fmt::format("{:>9.3f} {}", m.value, m.unit));
   }
-  std::cout << "Trace\n";
+  Say("Trace\n");
   Line("ticks, chunks", fmt::format("{}, {}", score.ticks, row.chunks));
   Line("size",
        fmt::format("{:.1f} kB ({:.1f} bytes a tick)", static_cast<double>(row.trace_bytes) / 1e3,

@@ -13,6 +13,7 @@
 #include "server/app/admin_stations.h"
 #include "server/app/data_folder.h"
 #include "server/app/publish.h"
+#include "server/app/say.h"
 #include "server/training/ticket_rules.h"
 
 namespace enamel::server::app {
@@ -22,9 +23,8 @@ constexpr size_t kMaxDocumentBytes = 1 << 20;
 
 void Show(const ExerciseRow& row) {
   std::string version = row.version == 0 ? "draft" : "version " + std::to_string(row.version);
-  std::cout << fmt::format("{}  {:<10} {:<9} {:<8} {:<32} {}\n", row.id.Text(), version,
-                           ExerciseStateName(row.state), row.graded ? "graded" : "practice",
-                           row.name, row.title);
+  Say("{}  {:<10} {:<9} {:<8} {:<32} {}\n", row.id.Text(), version, ExerciseStateName(row.state),
+      row.graded ? "graded" : "practice", row.name, row.title);
 }
 
 std::string WhenText(UnixMs time_ms, const char* otherwise) {
@@ -37,10 +37,9 @@ void Show(const AssignmentRow& row) {
   std::string cohort = row.cohort.IsZero() ? "everybody" : row.cohort_name;
   std::string stations =
       row.stations.empty() ? "" : fmt::format(", at {} stations", row.stations.size());
-  std::cout << fmt::format("{}  {:<28} {:<20} opens {}, due {}{}, attempts: {}{}{}\n",
-                           row.id.Text(), row.exercise, cohort, WhenText(row.opens_ms, "at once"),
-                           WhenText(row.due_ms, "never"), row.late_allowed ? " (late allowed)" : "",
-                           limit, row.exam ? ", exam" : "", stations);
+  Say("{}  {:<28} {:<20} opens {}, due {}{}, attempts: {}{}{}\n", row.id.Text(), row.exercise,
+      cohort, WhenText(row.opens_ms, "at once"), WhenText(row.due_ms, "never"),
+      row.late_allowed ? " (late allowed)" : "", limit, row.exam ? ", exam" : "", stations);
 }
 
 UnixMs UnixNowMs() {
@@ -108,8 +107,7 @@ Status PublishExercise(const std::filesystem::path& data, const NewExercise& exe
   auto rows = Publish(**store, exercise, assigned_to);
   if (!rows.ok()) return rows.status();
   for (const ExerciseRow& row : *rows) {
-    std::cout << "exercise \"" << row.name << "\" version " << row.version << ", id "
-              << row.id.Text() << "\n";
+    Say("exercise \"{}\" version {}, id {}\n", row.name, row.version, row.id.Text());
   }
   return Status::Ok();
 }
@@ -124,7 +122,7 @@ Status RetireExercise(const std::filesystem::path& data, const std::string& name
                   "name");
   }
   ENAMEL_RETURN_IF_ERROR((*store)->RetireExercise(versions->front().id, kCommandLine));
-  std::cout << name << " is no longer offered; what was done with it stays\n";
+  Say("{} is no longer offered; what was done with it stays\n", name);
   return Status::Ok();
 }
 
@@ -177,7 +175,7 @@ Status EndAssignment(const std::filesystem::path& data, const std::string& id) {
   if (!row.ok()) return row.status();
   Status deleted = (*store)->DeleteAssignment(row->id, row->revision, kCommandLine);
   if (deleted.ok()) {
-    std::cout << row->exercise << " is no longer assigned so\n";
+    Say("{} is no longer assigned so\n", row->exercise);
     return deleted;
   }
   if (deleted.field() != "attempts") return deleted;
@@ -186,9 +184,10 @@ Status EndAssignment(const std::filesystem::path& data, const std::string& id) {
   if (row->opens_ms >= row->due_ms) row->opens_ms = 0;
   auto ended = (*store)->ReplaceAssignment(*row, kCommandLine);
   if (!ended.ok()) return ended.status();
-  std::cout << row->exercise
-            << " is due now, so that nothing begins under it any more; it stays for the attempts "
-               "that were made, which release --assignment releases\n";
+  Say("{} is due now, so that nothing begins under it any more; it stays for the attempts that "
+      "were "
+      "made, which release --assignment releases\n",
+      row->exercise);
   return Status::Ok();
 }
 
@@ -208,7 +207,7 @@ Status ReleaseAssignment(const std::filesystem::path& data, const std::string& i
   if (!store.ok()) return store.status();
   auto released = (*store)->ReleaseAssignment(*parsed, kCommandLine);
   if (!released.ok()) return released.status();
-  std::cout << *released << " scores are released to their students\n";
+  Say("{} scores are released to their students\n", *released);
   return Status::Ok();
 }
 

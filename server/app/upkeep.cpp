@@ -1,6 +1,5 @@
 #include "server/app/upkeep.h"
 
-#include <spdlog/fmt/fmt.h>
 #include <unistd.h>
 
 #include <boost/json.hpp>
@@ -10,6 +9,7 @@
 
 #include "common/base/file.h"
 #include "server/app/data_folder.h"
+#include "server/app/say.h"
 #include "server/storage/backup.h"
 
 namespace enamel::server::app {
@@ -87,33 +87,29 @@ json::object JsonOf(const VerifyReport& report) {
 }
 
 void Print(const VerifyReport& report) {
-  std::cout << fmt::format(
-      "looked at: {} blobs ({}), {} people, {} attempts ({} sealed), {} chunks with {} ticks, {} "
+  Say("looked at: {} blobs ({}), {} people, {} attempts ({} sealed), {} chunks with {} ticks, {} "
       "keys\n",
       report.blobs, Mib(report.blob_bytes), report.people, report.attempts, report.sealed,
       report.chunks, report.ticks, report.keys);
   if (report.unnamed_blobs > 0) {
-    std::cout << fmt::format(
-        "{} blobs ({}) are named by nothing: a crash or a repeated scoring left them; retention "
+    Say("{} blobs ({}) are named by nothing: a crash or a repeated scoring left them; retention "
         "--apply removes those older than a day\n",
         report.unnamed_blobs, Mib(report.unnamed_bytes));
   }
-  for (const std::string& note : report.notes) std::cout << "note: " << note << "\n";
+  for (const std::string& note : report.notes) Say("note: {}\n", note);
   for (size_t i = 0; i < report.findings.size() && i < kShownFindings; ++i) {
     const Finding& finding = report.findings[i];
-    std::cout << fmt::format("{} {}\n  expected: {}\n  found:    {}\n  do:       {}\n",
-                             finding.kind, finding.object, finding.expected, finding.found,
-                             finding.remedy);
+    Say("{} {}\n  expected: {}\n  found:    {}\n  do:       {}\n", finding.kind, finding.object,
+        finding.expected, finding.found, finding.remedy);
   }
   if (report.findings.size() > kShownFindings) {
-    std::cout << fmt::format("and {} more (--json FILE has them all)\n",
-                             report.findings.size() - kShownFindings);
+    Say("and {} more (--json FILE has them all)\n", report.findings.size() - kShownFindings);
   }
 }
 
 Status Verdict(const VerifyReport& report) {
   if (report.findings.empty()) {
-    std::cout << "everything agrees\n";
+    Say("everything agrees\n");
     return Status::Ok();
   }
   return Status(Code::kStorage,
@@ -141,22 +137,21 @@ Status Backup(const BackupCommand& command) {
       store->NoteAudit(kCommandLine, "store.backup", "",
                        json::serialize(json::object{{"files", report->files},
                                                     {"missing", report->missing.size()}})));
-  std::cout << fmt::format(
-      "backup as of {}: {} files, {} ({} linked), {} people, {} attempts, {} ticks\n",
+  Say("backup as of {}: {} files, {} ({} linked), {} people, {} attempts, {} ticks\n",
       UtcText(report->created_ms), report->files, Mib(report->bytes), report->linked,
       report->people, report->attempts, report->ticks);
   if (command.keyring.empty()) {
-    std::cout << "the keys are inside; with --keyring FOLDER they are kept apart, so that an "
-                 "erasure reaches old backups too\n";
+    Say("the keys are inside; with --keyring FOLDER they are kept apart, so that an erasure "
+        "reaches "
+        "old backups too\n");
   } else {
-    std::cout << "the keys are in " << command.keyring.string()
-              << ": without them no recording of this backup can be read\n";
+    Say("the keys are in {}: without them no recording of this backup can be read\n",
+        command.keyring.string());
   }
   json::array missing;
   for (const Sha256& hash : report->missing) missing.emplace_back(hash.Hex());
   size_t lost = missing.size();
-  for (const Sha256& hash : report->missing)
-    std::cout << "missing or damaged: blob " << hash.Hex() << "\n";
+  for (const Sha256& hash : report->missing) Say("missing or damaged: blob {}\n", hash.Hex());
   ENAMEL_RETURN_IF_ERROR(WriteJson(command.json, {{"created_ms", report->created_ms},
                                                   {"files", report->files},
                                                   {"bytes", report->bytes},
@@ -184,19 +179,20 @@ Status RestoreBackup(const RestoreCommand& command) {
     return Restore(options);
   }();
   if (!report.ok()) return report.status();
-  std::cout << fmt::format("restored the backup of {}: {} files, {}\n", UtcText(report->created_ms),
-                           report->files, Mib(report->bytes));
-  std::cout << fmt::format("{} people erased since were erased again; all sessions have ended\n",
-                           report->erased_again);
-  std::cout << "what changed after the backup is gone: disable people and revoke stations again "
-               "where that was done since; stations send again what they still hold\n";
+  Say("restored the backup of {}: {} files, {}\n", UtcText(report->created_ms), report->files,
+      Mib(report->bytes));
+  Say("{} people erased since were erased again; all sessions have ended\n", report->erased_again);
+  Say("what changed after the backup is gone: disable people and revoke stations again where that "
+      "was "
+      "done since; stations send again what they still hold\n");
   if (command.keyrings.empty()) {
-    std::cout << "erasures made after the backup are not known here; name the newest key ring with "
-                 "--keyring to apply them\n";
+    Say("erasures made after the backup are not known here; name the newest key ring with "
+        "--keyring "
+        "to apply them\n");
   }
   json::array left_out;
   for (const std::string& file : report->left_out) {
-    std::cout << "left out: " << file << "\n";
+    Say("left out: {}\n", file);
     left_out.emplace_back(file);
   }
   Print(report->verified);
@@ -235,23 +231,21 @@ Status Retention(const RetentionCommand& command) {
   }
   auto rules = (*store)->RetentionRules();
   if (!rules.ok()) return rules.status();
-  if (rules->empty()) std::cout << "no rules: everything is kept for good\n";
+  if (rules->empty()) Say("no rules: everything is kept for good\n");
   for (const RetentionRule& rule : *rules) {
-    std::cout << fmt::format("{:<10} kept for {} days\n", rule.what, rule.days);
+    Say("{:<10} kept for {} days\n", rule.what, rule.days);
   }
   auto now = std::chrono::duration_cast<std::chrono::milliseconds>(
                  std::chrono::system_clock::now().time_since_epoch())
                  .count();
   auto report = (*store)->ApplyRetention(now, !command.apply, kCommandLine);
   if (!report.ok()) return report.status();
-  std::cout << fmt::format("{}: {} unfinished attempts, {} recordings, {} whole attempts",
-                           command.apply ? "removed" : "would be removed now",
-                           report->unfinished.size(), report->recordings.size(),
-                           report->attempts.size());
-  std::cout << (command.apply ? fmt::format(", {} blobs\n", report->blobs) : std::string("\n"));
+  Say("{}: {} unfinished attempts, {} recordings, {} whole attempts{}\n",
+      command.apply ? "removed" : "would be removed now", report->unfinished.size(),
+      report->recordings.size(), report->attempts.size(),
+      command.apply ? fmt::format(", {} blobs", report->blobs) : "");
   if (report->held > 0) {
-    std::cout << fmt::format(
-        "{} more are due and kept: an appeal waits for its answer, or graded work to be released "
+    Say("{} more are due and kept: an appeal waits for its answer, or graded work to be released "
         "or excused\n",
         report->held);
   }

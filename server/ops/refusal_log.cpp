@@ -4,18 +4,12 @@
 
 #include <algorithm>
 
+#include "common/base/utf8.h"
+
 namespace enamel::server::ops {
 namespace {
 
 constexpr size_t kMaxLineBytes = 500;
-
-// Names and reasons hold what a peer wrote; a line of the log stays one line.
-std::string Printable(std::string text) {
-  if (text.size() > kMaxLineBytes) text.resize(kMaxLineBytes);
-  std::ranges::replace_if(
-      text, [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
-  return text;
-}
 
 }  // namespace
 
@@ -40,7 +34,9 @@ void RefusalLog::Note(const Refusal& refusal) {
     seen = {now, 0};
     if (seen_.size() > kMaxPeers) ForgetOne();
   }
-  say_(Printable(std::move(line)));
+  // Names and reasons hold what a peer wrote; a line of the log stays one line.
+  if (line.size() > kMaxLineBytes) line.resize(kMaxLineBytes);
+  say_(Printable(line));
 }
 
 void RefusalLog::ForgetOne() {

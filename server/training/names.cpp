@@ -17,13 +17,6 @@ bool IsLoginCharacter(char c) {
   return IsAlphanumeric(c) || std::string_view(".-_@").find(c) != std::string_view::npos;
 }
 
-bool IsControl(uint32_t c) { return c < 0x20 || (c >= 0x7f && c < 0xa0); }
-// Line and paragraph separators; what overrides, embeds or isolates a direction; byte order mark.
-bool IsInvisibleTrick(uint32_t c) {
-  return c == 0x2028 || c == 0x2029 || (c >= 0x202a && c <= 0x202e) ||
-         (c >= 0x2066 && c <= 0x2069) || c == 0xfeff;
-}
-
 // Spaces, and what leaves no mark by itself: fillers, joiners, variation selectors, tags (Unicode
 // 15, White_Space and Default_Ignorable_Code_Point), the blank braille pattern.
 bool LeavesNoMark(uint32_t c) {

@@ -1,12 +1,15 @@
 #include <gtest/gtest.h>
 
 #include <boost/json/parse.hpp>
+#include <functional>
 
 #include "common/base/file.h"
+#include "common/base/utf8.h"
 #include "common/scene/builtin.h"
 #include "common/scene/json.h"
 #include "common/scene/volume_blob.h"
 #include "server/app/admin.h"
+#include "server/app/admin_people.h"
 #include "server/app/admin_stations.h"
 #include "server/app/data_folder.h"
 #include "server/app/publish.h"
@@ -184,6 +187,70 @@ TEST_F(CommandsTest, StationOfAnExamIsOneThatIsAdmitted) {
   ASSERT_TRUE(store->RevokeStation(ids[0], kSystem).ok());
   EXPECT_EQ(StationNamed(*store, "Lab 7")->id, ids[1]);
   EXPECT_EQ(StationNamed(*store, ids[0].Text()).status().field(), "station");
+}
+
+// Names are checked when they are given (training/names.h); documents, what stations say of
+// themselves and older databases may hold any.
+TEST_F(CommandsTest, TerminalObeysNoTextOfAnyList) {
+  const std::string evil = "x\x1b]0;owned\a\u202ey\u009b2J";
+  const std::string golden = ENAMEL_SOURCE_DIR "/schemas/golden/scene_calibration.json";
+  {
+    auto store = OpenData();
+    World world(*store);
+    Uuid cohort = *store->CreateCohort(evil, kSystem);
+    Person person;
+    person.login = "evil";
+    person.display_name = evil;
+    person.id = *store->CreatePerson(person, "none", {cohort}, kSystem);
+    ASSERT_TRUE(store->CreateSession({HashSha256({}), person.id, 1, 1, 2, evil}).ok());
+    ASSERT_TRUE(store->RenameStation(world.station, evil, 1, kSystem).ok());
+    ASSERT_TRUE(store->TouchStation(world.station, evil, 1, 1).ok());
+    ExerciseRow exercise = world.Exercise(evil, "another content");
+    exercise.title = evil;
+    auto published = store->PublishExercise(exercise, cohort, kSystem);
+    ASSERT_TRUE(published.ok()) << published.status().message();
+    world.exercise = *published;
+    AttemptRow attempt = world.NewAttemptOf(person.id);
+    ASSERT_TRUE(store->FailAttempt(attempt.id, evil, {}).ok());
+    ASSERT_TRUE(store->NoteAudit({{}, evil}, "attempt.awaits", Uuid::New().Text(), evil).ok());
+    ASSERT_TRUE(store->PutProfile({"device", "Device", world.profile}, kSystem).ok());
+    CalibrationRow calibration;
+    calibration.profile = "device";
+    calibration.device = evil;
+    calibration.document = AsText(*ReadFile(golden));
+    ASSERT_TRUE(store->AddCalibration(calibration, kSystem).ok());
+    ASSERT_TRUE(
+        WriteFileDurably(folder_.path() / "roster.csv",
+                         AsBytes("login,display_name,role," + evil + "\nann,Ann,student,\n"))
+            .ok());
+  }
+  RosterCommand roster{Data(), folder_.path() / "roster.csv", true, true, "", "", ""};
+  const std::pair<const char*, std::function<Status()>> lists[] = {
+      {"people",
+       [&] {
+         return ListPeople({Data(), "", "", ""});
+       }},
+      {"cohorts", [&] { return ListCohorts(Data()); }},
+      {"sessions", [&] { return ListSessions(Data(), "evil"); }},
+      {"stations", [&] { return ListStations(Data()); }},
+      {"awaited", [&] { return ListAwaited(Data()); }},
+      {"calibrations", [&] { return ListCalibrations(Data(), "device"); }},
+      {"exercises", [&] { return ListExercises(Data(), ""); }},
+      {"assignments", [&] { return ListAssignments(Data()); }},
+      {"attempts", [&] { return ListAttempts(Data(), 50); }},
+      {"roster", [&] { return ImportRoster(roster); }},
+  };
+  for (const auto& [name, list] : lists) {
+    SCOPED_TRACE(name);
+    ::testing::internal::CaptureStdout();
+    Status status = list();
+    std::string text = ::testing::internal::GetCapturedStdout();
+    EXPECT_TRUE(status.ok()) << status.message();
+    for (const char* obeyed : {"\x1b", "\a", "\u202e", "\u009b"}) {
+      EXPECT_EQ(text.find(obeyed), std::string::npos) << Printable(text);
+    }
+    EXPECT_NE(text.find("x1b]0;owned"), std::string::npos) << Printable(text);
+  }
 }
 
 TEST_F(CommandsTest, RetentionWithoutDaysTakesNoRuleAway) {

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <spdlog/fmt/fmt.h>
+
+#include <iostream>
+#include <string>
+#include <string_view>
+#include <type_traits>
+
+#include "common/base/utf8.h"
+
+// What commands tell on standard output.
+namespace enamel::server::app {
+
+template <typename T>
+using Shown = std::conditional_t<std::is_convertible_v<const T&, std::string_view>, std::string,
+                                 std::remove_cvref_t<T>>;
+
+template <typename T>
+Shown<T> ShownAs(const T& value) {
+  if constexpr (std::is_convertible_v<const T&, std::string_view>) {
+    return Printable(value);
+  } else {
+    return value;
+  }
+}
+
+// As fmt::format says it. Every text among `values` may be somebody else's (a name, a document, a
+// reason): the terminal shows its control characters and does not obey them; line ends and tabs
+// belong into `format`.
+template <typename... Values>
+void Say(fmt::format_string<Shown<Values>...> format, const Values&... values) {
+  std::cout << fmt::format(format, ShownAs(values)...);
+}
+
+}  // namespace enamel::server::app
