@@ -38,7 +38,7 @@ test("a request that finds no session any more reports it once", async () => {
 });
 
 test("what changes something repeats the session's csrf value; sign-in and reads do not", async () => {
-  const { client, calls } = clientThatGets([session(), Response.json({ exercises: [] }), new Response(null, { status: 204 })]);
+  const { client, calls } = clientThatGets([session(), Response.json({ exercises: [], next: null }), new Response(null, { status: 204 })]);
   await client.signIn("a", "b");
   await client.teaching.exercises();
   await client.teaching.release({ id: "x", revision: 1 });
@@ -104,6 +104,39 @@ test("a list gives its rows and where it goes on, and one without rows is an err
   assert.ok((await client.people.list({ cursor: "c2" })).ok);
   const wrong = await client.people.list({});
   assert.equal(!wrong.ok && wrong.error.code, "malformed");
+});
+
+test("what a screen shows as a whole is read to its last page", async () => {
+  const lists: ReadonlyArray<readonly [string, (client: Client) => Promise<{ readonly ok: boolean; readonly value?: readonly unknown[] }>]> = [
+    ["exercises", (client) => client.teaching.exercises("draft")],
+    ["versions", (client) => client.teaching.versions("x")],
+    ["references", (client) => client.teaching.references("x")],
+    ["assignments", (client) => client.teaching.assignments({ cohort: "c" })],
+    ["results", (client) => client.teaching.results("x")],
+    ["annotations", (client) => client.teaching.annotations("x")],
+    ["sessions", (client) => client.people.sessions("x")],
+    ["sessions", (client) => client.people.ownSessions()],
+    ["cohorts", (client) => client.people.allCohorts()],
+    ["stations", (client) => client.stations.all()],
+    ["codes", (client) => client.stations.codes()],
+    ["versions", (client) => client.profiles.versions("x")],
+    ["reports", (client) => client.profiles.reports("x")],
+    ["calibrations", (client) => client.profiles.calibrations("x")],
+  ];
+  for (const [name, ask] of lists) {
+    const rows = (first: number, count: number) => Array.from({ length: count }, (_, i) => ({ id: first + i }));
+    const { client, calls } = clientThatGets([Response.json({ [name]: rows(0, 200), next: "c2" }), Response.json({ [name]: rows(200, 200), next: "c3" }),
+                                              Response.json({ [name]: rows(400, 1), next: null })]);
+    const result = await ask(client);
+    assert.equal(result.value?.length, 401, name);
+    assert.deepEqual(calls.map((call) => new URL(call.path, "http://localhost").searchParams.get("cursor")), [null, "c2", "c3"], name);
+  }
+});
+
+test("a list of which a page is refused is an error, not a part of it", async () => {
+  const { client } = clientThatGets([Response.json({ versions: [{ id: "a" }], next: "c2" }), refusal(503, "unavailable")]);
+  const result = await client.teaching.versions("x");
+  assert.equal(!result.ok && result.error.code, "unavailable");
 });
 
 test("a roster with problems is a report, not an error; any other refusal is one", async () => {

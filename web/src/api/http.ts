@@ -1,4 +1,5 @@
 import { fail, ok, type Result } from "../base/result";
+import { readAll } from "./read_all";
 import type { ErrorCode } from "./types";
 
 // Why a request gave nothing. `unreachable`: no answer at all; `malformed`: an answer this page does
@@ -38,6 +39,8 @@ export type Method = "GET" | "POST" | "PUT" | "PATCH" | "DELETE";
 export type Fetch = (path: string, init: RequestInit) => Promise<Response>;
 export type Query = Readonly<Record<string, string | number | boolean | undefined>>;
 
+const kMostRows = 200;                          // that the server gives in a page
+
 // How requests of the HTTP API (schemas/api/openapi.yaml) travel. Never throws: every outcome is a
 // Result. `sessionLost` is called when a request that needs a session is told there is none.
 export class Http {
@@ -70,6 +73,11 @@ export class Http {
     const { [name]: items, next } = result.value;
     if (!Array.isArray(items)) return fail(malformed(`a list without ${name}`));
     return ok({ items: items as T[], next: typeof next === "string" ? next : null });
+  }
+
+  // All of a list, page after page.
+  all<T>(path: string, name: string, query: Query, signal?: AbortSignal): Promise<ApiResult<readonly T[]>> {
+    return readAll((cursor) => this.page<T>(path, name, { ...query, limit: kMostRows, cursor }, signal));
   }
 
   async bytes(path: string, signal?: AbortSignal): Promise<ApiResult<ArrayBuffer>> {

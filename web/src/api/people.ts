@@ -1,6 +1,5 @@
 import { ok } from "../base/result";
 import { type ApiResult, type Http, queryText, segment } from "./http";
-import { readAll } from "./read_all";
 import type { Cohort, PersonDetail, PersonWithCohorts, PersonWithPassword, Role, RosterOutcome, Session, SessionEntry } from "./types";
 
 export interface PeopleQuery {
@@ -10,8 +9,6 @@ export interface PeopleQuery {
   readonly cursor?: string | undefined;
   readonly limit?: number | undefined;
 }
-
-const kMostRows = 200;                          // that the server gives in a page
 
 // People, their sessions and cohorts.
 export class PeopleApi {
@@ -33,7 +30,7 @@ export class PeopleApi {
     return this.http.json<PersonWithPassword>("POST", `${personPath(id)}/password`);
   }
   sessions(id: string, signal?: AbortSignal) {
-    return this.http.page<SessionEntry>(`${personPath(id)}/sessions`, "sessions", { limit: kMostRows }, signal);
+    return this.http.all<SessionEntry>(`${personPath(id)}/sessions`, "sessions", {}, signal);
   }
   // Cannot be undone; the login is repeated for that.
   erase(id: string, login: string, withReferences: boolean) {
@@ -43,7 +40,7 @@ export class PeopleApi {
     return this.http.json<{ ended: number }>("DELETE", `${personPath(id)}/sessions`);
   }
   ownSessions(signal?: AbortSignal) {
-    return this.http.page<SessionEntry>("/sessions", "sessions", { limit: kMostRows }, signal);
+    return this.http.all<SessionEntry>("/sessions", "sessions", {}, signal);
   }
   // One's own, or as an admin anybody's.
   endSession(session: string) {
@@ -64,7 +61,7 @@ export class PeopleApi {
     return this.http.page<Cohort>("/cohorts", "cohorts", { ...query }, signal);
   }
   allCohorts(signal?: AbortSignal) {
-    return readAll((cursor) => this.cohorts({ cursor, limit: kMostRows }, signal));
+    return this.http.all<Cohort>("/cohorts", "cohorts", {}, signal);
   }
   cohort(id: string, signal?: AbortSignal) {
     return this.http.tagged<Cohort>("GET", cohortPath(id), { signal });

@@ -1,5 +1,4 @@
-import { type ApiResult, type Http, queryText, segment, tagOf, understood } from "./http";
-import { readAll } from "./read_all";
+import { type ApiResult, type Http, segment, tagOf, understood } from "./http";
 import { decodeSurface, type Surface } from "./surface";
 import type {
   Annotation, Assignment, AssignmentTerms, AttemptDetail, Exercise, ExerciseState, ExerciseSummary, ExerciseVersion, Reference, Remark, ScoringRun,
@@ -13,16 +12,16 @@ export class TeachingApi {
 
   // The caller's own, or (for who edits exercises) the newest of each name in a state.
   exercises(state?: ExerciseState, signal?: AbortSignal) {
-    return this.http.json<{ exercises: readonly ExerciseSummary[] }>("GET", `/exercises${queryText({ state })}`, { signal });
+    return this.http.all<ExerciseSummary>("/exercises", "exercises", { state }, signal);
   }
   exercise(id: string, signal?: AbortSignal) {
     return this.http.tagged<Exercise>("GET", exercisePath(id), { signal });
   }
   versions(id: string, signal?: AbortSignal) {
-    return this.http.json<{ versions: readonly ExerciseVersion[] }>("GET", `${exercisePath(id)}/versions`, { signal });
+    return this.http.all<ExerciseVersion>(`${exercisePath(id)}/versions`, "versions", {}, signal);
   }
   references(id: string, signal?: AbortSignal) {
-    return this.http.json<{ references: readonly Reference[] }>("GET", `${exercisePath(id)}/references`, { signal });
+    return this.http.all<Reference>(`${exercisePath(id)}/references`, "references", {}, signal);
   }
   withdrawReference(id: string) {
     return this.http.empty("POST", `/references/${segment(id)}/withdraw`);
@@ -53,7 +52,7 @@ export class TeachingApi {
 
   // In the order in which they are due.
   assignments(query: { readonly cohort?: string | undefined }, signal?: AbortSignal) {
-    return readAll((cursor) => this.http.page<Assignment>("/assignments", "assignments", { ...query, cursor }, signal));
+    return this.http.all<Assignment>("/assignments", "assignments", { ...query }, signal);
   }
   assignment(id: string, signal?: AbortSignal) {
     return this.http.tagged<Assignment>("GET", assignmentPath(id), { signal });
@@ -95,11 +94,11 @@ export class TeachingApi {
     return this.http.json<Reference>("POST", `${attemptPath(attempt)}/reference`, { body: { dentist, consent } });
   }
   results(attempt: string, signal?: AbortSignal) {
-    return this.http.json<{ results: readonly ScoringRun[] }>("GET", `${attemptPath(attempt)}/results`, { signal });
+    return this.http.all<ScoringRun>(`${attemptPath(attempt)}/results`, "results", {}, signal);
   }
 
   annotations(attempt: string, signal?: AbortSignal) {
-    return this.http.json<{ annotations: readonly Annotation[] }>("GET", `${attemptPath(attempt)}/annotations`, { signal });
+    return this.http.all<Annotation>(`${attemptPath(attempt)}/annotations`, "annotations", {}, signal);
   }
   annotate(attempt: string, remark: Remark) {
     return this.http.json<Annotation>("POST", `${attemptPath(attempt)}/annotations`, { body: remark });

@@ -1,9 +1,6 @@
 import { ok } from "../base/result";
 import { type ApiResult, type Http, segment } from "./http";
-import { readAll } from "./read_all";
 import type { AuditEntry, Calibration, EnrolCode, Job, MadeEnrolCode, Profile, ProfileDetail, ProfileJudgement, ProfileReport, ProfileVersion, Station } from "./types";
-
-const kMostRows = 200;                          // that the server gives in a page
 
 interface PageQuery {
   readonly cursor?: string | undefined;
@@ -18,7 +15,7 @@ export class StationsApi {
     return this.http.page<Station>("/stations", "stations", { ...query }, signal);
   }
   all(signal?: AbortSignal) {
-    return readAll((cursor) => this.list({ cursor, limit: kMostRows }, signal));
+    return this.http.all<Station>("/stations", "stations", {}, signal);
   }
   rename(id: string, name: string, tag: string) {
     return this.http.tagged<Station>("PATCH", `/stations/${segment(id)}`, { body: { name }, tag });
@@ -27,7 +24,7 @@ export class StationsApi {
     return this.http.json<Station>("POST", `/stations/${segment(id)}/revoke`);
   }
   codes(signal?: AbortSignal) {
-    return this.http.page<EnrolCode>("/enrolment-codes", "codes", { limit: kMostRows }, signal);
+    return this.http.all<EnrolCode>("/enrolment-codes", "codes", {}, signal);
   }
   makeCode(minutes: number) {
     return this.http.json<MadeEnrolCode>("POST", "/enrolment-codes", { body: { minutes } });
@@ -55,10 +52,10 @@ export class ProfilesApi {
     return result;
   }
   versions(name: string, signal?: AbortSignal) {
-    return readAll((cursor) => this.http.page<ProfileVersion>(`${profilePath(name)}/versions`, "versions", { cursor }, signal));
+    return this.http.all<ProfileVersion>(`${profilePath(name)}/versions`, "versions", {}, signal);
   }
   reports(name: string, signal?: AbortSignal) {
-    return readAll((cursor) => this.http.page<ProfileReport>(`${profilePath(name)}/reports`, "reports", { cursor }, signal));
+    return this.http.all<ProfileReport>(`${profilePath(name)}/reports`, "reports", {}, signal);
   }
   addReport(name: string, text: string, type: "application/json" | "text/html") {
     return this.http.json<ProfileReport>("POST", `${profilePath(name)}/reports`, { body: text, type });
@@ -68,7 +65,7 @@ export class ProfilesApi {
   }
   // Newest first.
   calibrations(name: string, signal?: AbortSignal) {
-    return readAll((cursor) => this.http.page<Calibration>(`${profilePath(name)}/calibrations`, "calibrations", { cursor }, signal));
+    return this.http.all<Calibration>(`${profilePath(name)}/calibrations`, "calibrations", {}, signal);
   }
   // `text`: a calibration (schemas/calibration.schema.json), sent as it is.
   addCalibration(name: string, text: string) {

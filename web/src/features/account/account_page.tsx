@@ -35,7 +35,7 @@ function OwnSessions({ client }: { readonly client: Client }) {
       {loaded.state === "loading" && <Loading what="your sessions" />}
       {loaded.state === "failed" && <ErrorNotice title="Your sessions could not be loaded" message={loaded.error.message} onRetry={reload} />}
       {loaded.state === "ready" && (
-        <SessionsTable sessions={loaded.value.items} label="Your sessions"
+        <SessionsTable sessions={loaded.value} label="Your sessions"
                        onEnd={async (id) => {
                          const result = await client.people.endSession(id);
                          if (!result.ok) return result.error.message;

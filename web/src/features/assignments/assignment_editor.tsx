@@ -28,7 +28,7 @@ export function AssignmentEditor({ client, cohort, onClose, onMade }: Props) {
       {failed?.state === "failed" && <ErrorNotice title="What can be assigned could not be loaded" message={failed.error.message} />}
       {exercises.loaded.state === "ready" && cohorts.loaded.state === "ready" && stations.loaded.state === "ready"
         ? <Fields client={client} cohort={cohort} onClose={onClose} onMade={onMade}
-                  exercises={exercises.loaded.value.exercises.map(({ name, title }) => ({ value: name, title }))}
+                  exercises={exercises.loaded.value.map(({ name, title }) => ({ value: name, title }))}
                   cohorts={cohorts.loaded.value.map(({ id, name }) => ({ value: id, title: name }))}
                   stations={stations.loaded.value.filter((station) => !station.revoked)} />
         : failed === undefined && <Loading what="exercises and cohorts" />}

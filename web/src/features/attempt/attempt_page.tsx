@@ -75,7 +75,7 @@ function ScoredAttempt({ client, attempt, teacher, onChanged }:
   const [chosen, setChosen] = useState<string>();   // id of a remark
   const [point, setPoint] = useState<PointMm>();    // clicked on the tooth, for the next remark
   const recorded = series.loaded.state === "ready" ? series.loaded.value : undefined;
-  const said = remarks.loaded.state === "ready" ? remarks.loaded.value.annotations : kNoRemarks;
+  const said = remarks.loaded.state === "ready" ? remarks.loaded.value : kNoRemarks;
   const marks = useMemo(() => recorded === undefined ? [] : marksOf(recorded, said), [recorded, said]);
   const scored = score.loaded.state === "ready" ? score.loaded.value : undefined;
   const reference = attempt.reference === null ? undefined : attempt.reference.dentist ?? "an earlier reference";

@@ -45,10 +45,10 @@ const kCauses: Readonly<Record<string, string>> = {
 // Every time the attempt was scored; nothing to say as long as that was once.
 export function RunsPanel({ client, requestKey, attemptId }: { readonly client: Client; readonly requestKey: string; readonly attemptId: string }) {
   const { loaded } = useRequest(requestKey, (signal) => client.teaching.results(attemptId, signal));
-  if (loaded.state !== "ready" || loaded.value.results.length < 2) return null;
+  if (loaded.state !== "ready" || loaded.value.length < 2) return null;
   return (
     <Card title="Scored more than once">
-      <DataTable label="Scoring runs, newest first" items={loaded.value.results} dense columns={[
+      <DataTable label="Scoring runs, newest first" items={loaded.value} dense columns={[
         { title: "When", cell: (run) => formatDateTime(run.scored_ms) },
         { title: "Why", cell: (run) => kCauses[run.cause] ?? run.cause },
         { title: "Score", number: true, cell: (run) => <>{formatScore(run.score.score)} {run.score.critical_fail && <Badge tone="bad">Critical</Badge>}</> },

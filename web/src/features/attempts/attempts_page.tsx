@@ -30,7 +30,7 @@ export function AttemptsPage({ client, mine, query, onQuery }: Props) {
     assignment: query.get("assignment") ?? "", person: query.get("person") ?? "",
   };
   const exercises = useRequest("exercises", (signal) => client.teaching.exercises(undefined, signal));
-  const known = exercises.loaded.state === "ready" ? exercises.loaded.value.exercises : [];
+  const known = exercises.loaded.state === "ready" ? exercises.loaded.value : [];
   return (
     <>
       <PageTitle document="Attempts">{mine ? "My attempts" : "Attempts"}</PageTitle>

@@ -16,11 +16,11 @@ export function ExercisesPage({ client }: { readonly client: Client }) {
       <PageTitle document="Exercises">Exercises</PageTitle>
       {loaded.state === "loading" && <Loading what="exercises" />}
       {loaded.state === "failed" && <ErrorNotice title="The exercises could not be loaded" message={loaded.error.message} onRetry={reload} />}
-      {loaded.state === "ready" && loaded.value.exercises.length === 0 &&
+      {loaded.state === "ready" && loaded.value.length === 0 &&
         <Empty>No exercise is assigned to you yet. Your instructor adds them to your cohort.</Empty>}
       {loaded.state === "ready" && (
         <ul class="card-list">
-          {loaded.value.exercises.map((exercise) => <li key={exercise.id}><ExerciseCard exercise={exercise} /></li>)}
+          {loaded.value.map((exercise) => <li key={exercise.id}><ExerciseCard exercise={exercise} /></li>)}
         </ul>
       )}
     </>
@@ -72,9 +72,9 @@ export function StaffExercisesPage({ client, query, onQuery, onOpen }: StaffProp
                  choices={[{ value: "published", title: "Published" }, { value: "draft", title: "Drafts" }, { value: "retired", title: "Retired" }]} />
       {loaded.state === "loading" && <Loading what="exercises" />}
       {loaded.state === "failed" && <ErrorNotice title="The exercises could not be loaded" message={loaded.error.message} onRetry={reload} />}
-      {loaded.state === "ready" && (loaded.value.exercises.length === 0 ? <Empty>{kEmpty[state]}</Empty> : (
+      {loaded.state === "ready" && (loaded.value.length === 0 ? <Empty>{kEmpty[state]}</Empty> : (
         <Card className="flush">
-          <DataTable label="Exercises" items={loaded.value.exercises} rowKey={(exercise) => exercise.id} columns={[
+          <DataTable label="Exercises" items={loaded.value} rowKey={(exercise) => exercise.id} columns={[
             { title: "Exercise", cell: (exercise) => <a href={`/exercises/${exercise.id}`}>{exercise.title}</a> },
             { title: "Name", cell: (exercise) => <><code>{exercise.name}</code>, {versionText(exercise)}</> },
             { title: "Kind", cell: (exercise) => exercise.graded ? "Graded" : "Practice" },

@@ -21,7 +21,7 @@ export function VersionsCard({ client, exercise }: Props) {
       {loaded.state === "loading" && <Loading what="the versions" />}
       {loaded.state === "failed" && <ErrorNotice title="The versions could not be loaded" message={loaded.error.message} onRetry={reload} />}
       {loaded.state === "ready" && (
-        <DataTable label="Versions" items={loaded.value.versions} rowKey={(version) => version.id} dense columns={[
+        <DataTable label="Versions" items={loaded.value} rowKey={(version) => version.id} dense columns={[
           { title: "Version", cell: (version) => version.id === exercise.id ? <b>{versionText(version)}, shown here</b> : <a href={`/exercises/${version.id}`}>{versionText(version)}</a> },
           { title: "State", cell: (version) => <Badge tone={kStateTexts[version.state].tone}>{kStateTexts[version.state].title}</Badge> },
           { title: "Since", cell: (version) => formatDateTime(version.published_ms) },
@@ -36,7 +36,7 @@ export function VersionsCard({ client, exercise }: Props) {
 export function ReferencesCard({ client, exercise }: Props) {
   const { loaded, reload } = useRequest(exercise.id, (signal) => client.teaching.references(exercise.id, signal));
   const [leaving, setLeaving] = useState<Reference>();
-  const references = loaded.state === "ready" ? loaded.value.references : [];
+  const references = loaded.state === "ready" ? loaded.value : [];
   const counting = references.find((reference) => reference.withdrawn_ms === 0);
   return (
     <Card title="Reference cuts">

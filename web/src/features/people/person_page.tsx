@@ -124,7 +124,7 @@ function Access({ client, read, self, onChanged }:
 
 function PersonSessions({ client, person }: { readonly client: Client; readonly person: PersonDetail }) {
   const { loaded, reload } = useRequest(person.id, (signal) => client.people.sessions(person.id, signal));
-  const sessions = loaded.state === "ready" ? loaded.value.items : [];
+  const sessions = loaded.state === "ready" ? loaded.value : [];
   const [endingAll, setEndingAll] = useState(false);
   return (
     <Card title="Signed in" {...(sessions.length === 0 ? {} : { aside: <button type="button" class="button small" onClick={() => setEndingAll(true)}>End all…</button> })}>

@@ -105,8 +105,8 @@ function EnrolmentCodes({ client }: { readonly client: Client }) {
       {change.error !== undefined && <ErrorNotice title="No code was made" message={change.error.message} />}
       {loaded.state === "loading" && <Loading what="open codes" />}
       {loaded.state === "failed" && <ErrorNotice title="The open codes could not be loaded" message={loaded.error.message} onRetry={reload} />}
-      {loaded.state === "ready" && (loaded.value.items.length === 0 ? <Empty>No code is open.</Empty> : (
-        <DataTable label="Open codes" items={loaded.value.items} rowKey={(code) => code.id} dense columns={[
+      {loaded.state === "ready" && (loaded.value.length === 0 ? <Empty>No code is open.</Empty> : (
+        <DataTable label="Open codes" items={loaded.value} rowKey={(code) => code.id} dense columns={[
           { title: "Open since", cell: (code) => formatDateTime(code.created_ms) },
           { title: "Good until", cell: (code) => formatDateTime(code.expires_ms) },
           { title: "Withdraw", hideTitle: true, cell: (code) => (
