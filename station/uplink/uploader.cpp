@@ -36,7 +36,7 @@ void Uploader::Prefer(const Uuid& attempt, std::shared_ptr<LiveMailbox> live) {
 
 void Uploader::Wake() {
   std::lock_guard lock(mutex_);
-  wake_ = true;
+  wake_ = look_for_tickets_ = true;
   changed_.notify_all();
 }
 
@@ -152,6 +152,10 @@ Status Uploader::RunConnection() {
   auto offered = carrier.Offer();
   if (!offered.ok()) return offered.status();
   while (true) {
+    {
+      std::lock_guard lock(mutex_);
+      look_for_tickets_ = false;
+    }
     ENAMEL_RETURN_IF_ERROR(carrier.ReturnTickets());
     ENAMEL_RETURN_IF_ERROR(BringWaiting(carrier));
     ENAMEL_RETURN_IF_ERROR(AwaitWork(carrier));
@@ -271,7 +275,8 @@ Status Uploader::AwaitWork(Carrier& carrier) {
     std::unique_lock lock(mutex_);
     bool watched = preferred_ && live_ && carrier.watched(*preferred_);
     auto until = watched ? std::min<Clock::time_point>(ping_due_, now + kLiveEvery / 4) : ping_due_;
-    if (changed_.wait_until(lock, until, [&] { return wake_ || stop_; })) return Status::Ok();
+    if (changed_.wait_until(lock, until, [&] { return wake_ || look_for_tickets_ || stop_; }))
+      return Status::Ok();
     if (awaited_due_ && Clock::now() >= *awaited_due_) return Status::Ok();
   }
 }

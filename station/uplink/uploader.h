@@ -104,9 +104,9 @@ class Uploader {
   Backoff backoff_, refused_backoff_;  // of the thread
   const std::optional<Retention> retention_;
   const std::chrono::steady_clock::duration prune_every_;
-  std::chrono::steady_clock::time_point prune_due_{};              // of the thread
-  std::string said_;                                               // of the thread
-  std::chrono::steady_clock::time_point live_due_{}, ping_due_{};  // of the thread
+  std::chrono::steady_clock::time_point prune_due_{};                 // of the thread
+  std::string said_;                                                  // of the thread
+  std::chrono::steady_clock::time_point live_due_{}, ping_due_{};     // of the thread
   std::optional<std::chrono::steady_clock::time_point> awaited_due_;  // of the thread
 
   mutable std::mutex mutex_;
@@ -116,6 +116,9 @@ class Uploader {
   std::optional<Uuid> preferred_;
   std::shared_ptr<LiveMailbox> live_;
   bool reopen_ = false, wake_ = true, retry_ = false, stop_ = false;
+  // Apart from wake_: the walk through the attempts takes that one, and a ticket handed back
+  // meanwhile is looked for after it.
+  bool look_for_tickets_ = true;
   std::thread thread_;
 };
 
