@@ -183,8 +183,9 @@ Status RestoreBackup(const RestoreCommand& command) {
       Mib(report->bytes));
   Say("{} people erased since were erased again; all sessions have ended\n", report->erased_again);
   Say("what changed after the backup is gone: disable people and revoke stations again where that "
-      "was "
-      "done since; stations send again what they still hold\n");
+      "was done since; stations send again what they still hold. Of what is newer than the backup, "
+      "admin list-awaited says what recordings wait for, and a station comes back with "
+      "enamel-station enrol --again\n");
   if (command.keyrings.empty()) {
     Say("erasures made after the backup are not known here; name the newest key ring with "
         "--keyring "

@@ -133,9 +133,10 @@ Result<wire::Reply> Session::Do(const wire::Hello& hello) {
       services_.store.StationByCredential(*id, auth::TokenHash(AsBytes(hello.credential())));
   if (!station.ok() && station.status().code() != Code::kNotFound) return station.status();
   if (!station.ok() || station->revoked) {
-    return Status(
-        Code::kUnauthenticated,
-        "this server does not know the station or no longer admits it; enrol it with a new code");
+    return Status(Code::kUnauthenticated,
+                  "this server does not know the station or no longer admits it; enrol it with a "
+                  "new code (a server that was restored from an older backup: with enrol --again, "
+                  "so that what is recorded here stays good)");
   }
   ENAMEL_RETURN_IF_ERROR(
       services_.store.TouchStation(*id, software, hello.core_version(), services_.clock()));

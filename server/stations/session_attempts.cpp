@@ -193,11 +193,14 @@ Status Session::MayStillBegin(const trace::Ticket& ticket) const {
 
 // A ticket does not name its assignment: it is the one that would be picked again of those under
 // which it would run out when it does. Neither its limit nor another exam is held against what has
-// been made already. With none the attempt counts as graded (CanSeeScore).
+// been made already. With none the attempt counts as graded (CanSeeScore). Nor does a
+// ticket say what was meant as a reference cut: what may be one is scored without a reference too,
+// as it has to be before it becomes one.
 Status Session::GuessTerms(const trace::Ticket& ticket, AttemptRow& row) {
   auto person = services_.store.PersonById(row.person);
   if (person.status().code() == Code::kNotFound) return Status::Ok();
   if (!person.ok()) return person.status();
+  row.as_reference = CanRecordReference(*person);
   if (person->role != Role::kStudent) return Status::Ok();
   row.flags |= kReadmitted;
   auto rows = services_.store.AssignmentsFor(row.person);

@@ -338,6 +338,20 @@ TEST_F(AssignmentTest, RecordingOfAPersonThatARestoreForgotWaitsUntilTheAdminBri
   EXPECT_EQ(world_.store->AttemptById(ticket.attempt)->person, ticket.person);
 }
 
+// A ticket does not say that it was for a reference cut, which is scored before there is any.
+TEST_F(AssignmentTest, ReadmittedCutOfATeacherCanBecomeTheReference) {
+  for (Role role : {Role::kInstructor, Role::kStudent}) {
+    trace::Ticket ticket = *trace::DecodeTicket(TicketOf(Ask()));
+    ticket.attempt = Uuid::New();
+    ticket.person = AddPerson(*world_.store, std::string("back-") + RoleName(role), role);
+    trace::SignTicket(ticket, world_.services.ticket_key.secret_key);
+    Recording recording(world_, trace::EncodeTicket(ticket), station_.keys, 1);
+    wire::Reply opened = station_.Open(recording.header);
+    ASSERT_TRUE(opened.has_attempt_opened()) << opened.error().message();
+    EXPECT_EQ(world_.store->AttemptById(ticket.attempt)->as_reference, role == Role::kInstructor);
+  }
+}
+
 TEST_F(AssignmentTest, RecordingOfAPersonWhoWasErasedIsRefusedForGood) {
   trace::Ticket ticket = *trace::DecodeTicket(TicketOf(Ask()));
   ticket.attempt = Uuid::New();
