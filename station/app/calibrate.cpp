@@ -317,9 +317,13 @@ Status CalibrateDevice(const CalibrateCommand& options) {
   std::printf("proposed: Kc = %.3f N/mm, K = %.3f N/mm at %d Hz\n",
               static_cast<double>(proposed->coupling_mn_per_mm.value) * 1e-3,
               static_cast<double>(proposed->max_stiffness_mn_per_mm.value) * 1e-3, options.rate_hz);
-  if (options.out.empty()) return Status::Ok();
+  if (options.out.empty()) {
+    std::printf("nothing was written: '--out FILE' writes this as a device profile\n");
+    return Status::Ok();
+  }
   ENAMEL_RETURN_IF_ERROR(WriteFileDurably(options.out, AsBytes(scene::ToJson(*proposed))));
-  std::printf("profile: %s\n", options.out.c_str());
+  std::printf("profile: %s. 'enamel-server admin put-profile' adds it at the server\n",
+              options.out.c_str());
   return Status::Ok();
 }
 

@@ -121,12 +121,15 @@ Finding SpoolState(const fs::path& data) {
   auto attempts = (*spool)->List();
   if (!attempts.ok()) return {"spool", Verdict::kFail, attempts.status().message(), ""};
   size_t waiting = 0, refused = 0;
+  std::string because;
   for (const SpooledAttempt& a : *attempts) {
     waiting += !a.complete() && a.refused.empty();
     refused += !a.refused.empty();
+    if (because.empty() && a.waits()) because = a.waits_because;
   }
   std::string found = std::to_string(attempts->size()) + " attempts, " + std::to_string(waiting) +
                       " not yet on the server, " + std::to_string(refused) + " refused by it";
+  if (!because.empty()) found += " (the last try: " + because + ")";
   if (refused > 0) {
     return {"spool", Verdict::kWarn, found,
             "'enamel-station spool list' says why; when the cause is gone: 'enamel-station spool "

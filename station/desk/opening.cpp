@@ -23,7 +23,7 @@ Trouble TroubleOf(const Status& problem, const std::filesystem::path& data) {
             "Every recording that the server has is safe there. Of those that only this station "
             "has, most can usually be saved.",
             kElsewhere,
-            problem.message() + ".\nWhat can be saved goes into a new file: " +
+            problem.message() + ".\nThis saves what can be read of it into a new file:\n" +
                 WithData("spool salvage --out " + (data / "saved").string(), data) +
                 "\nPut it in the place of the damaged one, as that command says, keep the damaged "
                 "one, then try again here."};

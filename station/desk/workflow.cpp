@@ -133,10 +133,15 @@ void Workflow::TakeExercises(Result<Catalogue> catalogue, Kept kept) {
   catalogue_ = std::move(*catalogue);
 }
 
-std::string Workflow::TitleOf(const SpooledAttempt& attempt) const {
+const Catalogue::Exercise* Workflow::ExerciseOf(const SpooledAttempt& attempt) const {
   auto found =
       std::ranges::find(catalogue_.exercises, attempt.exercise, &Catalogue::Exercise::name);
-  return found == catalogue_.exercises.end() ? attempt.exercise : found->title;
+  return found == catalogue_.exercises.end() ? nullptr : &*found;
+}
+
+std::string Workflow::TitleOf(const SpooledAttempt& attempt) const {
+  const Catalogue::Exercise* exercise = ExerciseOf(attempt);
+  return exercise == nullptr ? attempt.exercise : exercise->title;
 }
 
 const Catalogue::Profile* Workflow::ProfileFor(const DeviceOffer& offer) const {
@@ -336,9 +341,8 @@ void Workflow::ShowResult(Shown shown) {
 void Workflow::OpenHandedIn(size_t index) {
   if (busy() || index >= handed_in_.size()) return;
   const SpooledAttempt& attempt = handed_in_[index];
-  auto found =
-      std::ranges::find(catalogue_.exercises, attempt.exercise, &Catalogue::Exercise::name);
-  chosen_ = found == catalogue_.exercises.end() ? Catalogue::Exercise{} : *found;
+  const Catalogue::Exercise* exercise = ExerciseOf(attempt);
+  chosen_ = exercise == nullptr ? Catalogue::Exercise{} : *exercise;
   way_ = Way::kTicket;
   ShowResult({person_.id, attempt.id, TitleOf(attempt)});
 }

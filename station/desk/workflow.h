@@ -145,6 +145,7 @@ class Workflow {
   void FreeAgain();
   Kept KeptOf(const Uuid& person);
   void ShowResult(Shown shown);
+  const Catalogue::Exercise* ExerciseOf(const SpooledAttempt& attempt) const;  // null: not listed
   const Catalogue::Profile* ProfileFor(const DeviceOffer& offer) const;
   void Fetch();
   void TakeOffers(std::vector<DeviceOffer> offers);

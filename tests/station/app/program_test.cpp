@@ -201,6 +201,10 @@ TEST_F(ProgramTest, ListSaysWhyARecordingWaitsAndSinceWhen) {
   Outcome never = RunProgram("spool list" + data());
   EXPECT_NE(never.text.find("nothing has tried to send it yet"), std::string::npos) << never.text;
   EXPECT_EQ(RunProgram("upload" + data()).code, 1);
+  Outcome doctor = RunProgram("doctor --no-graphics" + data());
+  EXPECT_NE(doctor.text.find("1 not yet on the server, 0 refused by it (the last try: "),
+            std::string::npos)
+      << doctor.text;
   Outcome list = RunProgram("spool list" + data());
   const std::string why = "127.0.0.1:1";
   const auto since = list.text.find("; since 20"), tried = list.text.find(", last tried 20");
