@@ -81,7 +81,8 @@ double Sum(const std::array<double, cutting::kTissueCount>& v) {
   return out;
 }
 
-// One line that is rewritten on a terminal, a line every few seconds elsewhere.
+// One line that is rewritten on a terminal, a line every few seconds elsewhere. The cursor stays at
+// its beginning: a line of the log is longer and takes its place.
 class Progress {
  public:
   Progress(bool quiet, bool log_only)
@@ -93,11 +94,11 @@ class Progress {
     auto now = steady_clock::now();
     if (!terminal_ && now - last_ < std::chrono::seconds(2)) return;
     last_ = now;
-    std::fprintf(stderr, "%s%3.0f %%  %llu ticks  removed %.2f mm3  uploaded %u of %u chunks%s%s",
-                 terminal_ ? "\r\033[K" : "", 100 * done,
-                 static_cast<unsigned long long>(s.counters.ticks),
-                 Sum(Removed_mm3(s.removed, voxel_m)), up.committed, chunks,
-                 up.reachable ? "" : "  (server not reachable: kept here)", terminal_ ? "" : "\n");
+    std::fprintf(
+        stderr, "%s%3.0f %%  %llu ticks  removed %.2f mm3  uploaded %u of %u chunks%s%s",
+        terminal_ ? "\r\033[K" : "", 100 * done, static_cast<unsigned long long>(s.counters.ticks),
+        Sum(Removed_mm3(s.removed, voxel_m)), up.committed, chunks,
+        up.reachable ? "" : "  (server not reachable: kept here)", terminal_ ? "\r" : "\n");
     shown_ = true;
   }
   void End() {

@@ -222,10 +222,13 @@ void Ui::Note(const std::string& text) {
   ImGui::PopStyleColor();
 }
 
+// Messages begin small, as in a line of a log; on a page they are sentences.
 void Ui::Problem(const std::string& text) {
   if (text.empty()) return;
+  std::string sentence = text;
+  if (sentence[0] >= 'a' && sentence[0] <= 'z') sentence[0] = static_cast<char>(sentence[0] - 32);
   ImGui::PushStyleColor(ImGuiCol_Text, ImVec4{1, 0.62f, 0.50f, 1});
-  Text(text);
+  Text(sentence);
   ImGui::PopStyleColor();
 }
 

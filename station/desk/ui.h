@@ -62,7 +62,7 @@ class Ui {
   void Large(const std::string& text);    // the same letters in a line of its own
   void Text(const std::string& text);     // wrapped
   void Note(const std::string& text);     // the same, quieter
-  void Problem(const std::string& text);  // something went wrong
+  void Problem(const std::string& text);  // something went wrong; begins with a capital
   void Gap(float px = 24);
   void SameLine();
   // True when chosen.

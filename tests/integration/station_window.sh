@@ -295,7 +295,7 @@ type student1
 key Tab
 type enamel-demo-student1
 key Enter
-see the server is away
+see The server is away
 frames 2
 picture PICTURES/30-no-server.png
 key F1
@@ -426,7 +426,7 @@ key Enter
 page pin
 type 804218
 key Enter
-see wrong PIN
+see Wrong PIN
 type 804217
 key Enter
 page exercise

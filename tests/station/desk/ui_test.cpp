@@ -46,6 +46,17 @@ class UiTest : public testing::Test {
   std::optional<Ui> ui_;
 };
 
+TEST_F(UiTest, AProblemIsASentenceOnThePage) {
+  Play([&] {
+    ui_->Begin("page");
+    ui_->Problem("login or password is wrong");
+    ui_->Problem("6 digits");
+    ui_->Problem("");
+    ui_->End();
+  });
+  EXPECT_EQ(ui_->words(), "Login or password is wrong\n6 digits\n");
+}
+
 TEST_F(UiTest, TheMouseChoosesAnyOfSeveralRowsWithTheSameTitle) {
   std::vector<int> chosen(3);
   auto page = [&] {
