@@ -6,7 +6,11 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdlib>
+#include <numeric>
 #include <sstream>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "common/base/file.h"
 
@@ -14,6 +18,7 @@ namespace enamel::program {
 namespace {
 
 constexpr size_t kMaxFileBytes = 1 << 20;
+constexpr size_t kMaxKeyBytes = 64;  // of a key that is compared with the known ones
 // Where to read settings from, and what is only for the command line.
 constexpr std::string_view kNotInFile[] = {"help", "help-all", "config", "print-settings"};
 
@@ -32,11 +37,36 @@ std::string Where(const std::string& file, const toml::source_region& region) {
 }
 
 // All that may stand in the file, whichever command reads it.
-std::string Names(const CLI::App& command, std::set<std::string> names) {
-  names.merge(SettingNames(command));
+// Letters to put in, take out or change that make one of the other (Levenshtein).
+size_t Edits(std::string_view from, std::string_view to) {
+  std::vector<size_t> row(to.size() + 1);
+  std::iota(row.begin(), row.end(), size_t{0});
+  for (size_t i = 0; i < from.size(); ++i) {
+    size_t before = std::exchange(row[0], i + 1);
+    for (size_t j = 0; j < to.size(); ++j) {
+      size_t change = before + (from[i] == to[j] ? 0 : 1);
+      before = row[j + 1];
+      row[j + 1] = std::min({change, before + 1, row[j] + 1});
+    }
+  }
+  return row.back();
+}
+
+// The settings there are; of many, those that `found` may have meant.
+std::string Names(const CLI::App& command, std::set<std::string> of_others,
+                  std::string_view found) {
+  constexpr size_t kMany = 12, kNearest = 5;
+  of_others.merge(SettingNames(command));
+  std::vector<std::string> names(of_others.begin(), of_others.end());
+  const size_t all = names.size();
+  if (all > kMany) {
+    found = found.substr(0, kMaxKeyBytes);
+    std::ranges::stable_sort(names, {}, [&](const auto& name) { return Edits(found, name); });
+    names.resize(kNearest);
+  }
   std::string out;
   for (const std::string& name : names) out += (out.empty() ? "" : ", ") + name;
-  return out;
+  return all > kMany ? out + " (the nearest of " + std::to_string(all) + " settings)" : out;
 }
 
 Result<std::vector<std::string>> TextsOf(const toml::node& node) {
@@ -167,7 +197,7 @@ Status ReadSettings(std::string_view text, const std::string& file, CLI::App& co
     if (option == nullptr && of_others.contains(name)) continue;
     if (option == nullptr) {
       return Status(Code::kInvalidInput, Where(file, key.source()) + "expected one of " +
-                                             Names(command, of_others) + "; found \"" +
+                                             Names(command, of_others, name) + "; found \"" +
                                              std::string(key.str()) + "\"");
     }
     auto texts = TextsOf(node);

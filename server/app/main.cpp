@@ -513,8 +513,10 @@ void AddAssignments(CLI::App& admin, Options& o, Command& command) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (Status log = program::SetUpLog({}); !log.ok() || sodium_init() < 0) {
-    std::cerr << "enamel-server: libsodium cannot be initialised on this machine\n";
+  const bool json = program::AsksForJson(argc, argv, "ENAMEL_");
+  (void)program::SetUpLog({.format = json ? "json" : "text"});
+  if (sodium_init() < 0) {
+    program::SayError("libsodium cannot be initialised on this machine");
     return 1;
   }
   Options options;
@@ -547,10 +549,13 @@ int main(int argc, char** argv) {
   try {
     root.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return root.exit(error) == 0 ? 0 : 2;
+    const bool wrong = error.get_exit_code() != 0;
+    if (!wrong || !json) return root.exit(error) == 0 ? 0 : 2;
+    program::SayError(error.what());
+    return 2;
   }
   Status status = command();
   if (status.ok()) return 0;
-  std::cerr << "enamel-server: " << Printable(status.message()) << "\n";
+  program::SayError(std::string(Printable(status.message())));
   return 1;
 }

@@ -35,6 +35,8 @@ fi
 expect_failure "facts into a folder that is not there" "name a place that this user may write" \
   "$enamel_station" simulate --json "$work/none/facts.json"
 expect_failure "attempt that does not exist" "no attempt 01234567" "$enamel_server" report --data "$data" --attempt 01234567-89ab-7cde-8f01-23456789abcd
+expect_failure "a failure where logs are JSON" '"level":"error","message":"expected an id like' env ENAMEL_LOG_FORMAT=json "$enamel_server" report --data "$data" --attempt banana
+expect_failure "wrong usage where logs are JSON" '"level":"error","message":"' "$enamel_server" serve --log-format json --banana
 expect_failure "attempt id that is none" "expected an id like" "$enamel_server" report --data "$data" --attempt banana
 
 expect_failure "enrolment code that is none" "expected CODE@FINGERPRINT" "$enamel_station" enrol --data "$station" --server "127.0.0.1:$((port + 1))" --code nonsense

@@ -7,6 +7,8 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <string>
+#include <vector>
 
 #include "common/base/uuid.h"
 
@@ -98,6 +100,18 @@ TEST_F(SettingsTest, UnknownKeyIsAnsweredAlikeWhicheverCommandReadsTheFile) {
   ASSERT_EQ(answers.size(), 1u);
   EXPECT_EQ(*answers.begin(),
             "station.toml:1:1: expected one of data, keep-days; found \"keep-dayz\"");
+}
+
+TEST_F(SettingsTest, OfManySettingsThoseLikeTheUnknownOneAreNamed) {
+  CLI::App program;
+  std::vector<std::string> values(40);
+  for (size_t i = 1; i < values.size(); ++i) {
+    program.add_option("--" + std::string(i, 'x'), values[i]);
+  }
+  program.add_option("--keep-days", values[0]);
+  EXPECT_EQ(ReadSettings("kepe_days = 3\n", "station.toml", program).message(),
+            "station.toml:1:1: expected one of keep-days, x, xx, xxx, xxxx (the nearest of 40 "
+            "settings); found \"kepe_days\"");
 }
 
 TEST_F(SettingsTest, ValueThatTheOptionRefusesIsRefused) {
