@@ -82,7 +82,7 @@ bool Script::Step(Screen& screen, const Ui& ui, Workflow* flow) {
     waited_ = 0;
     since_ = std::chrono::steady_clock::now();
   } else if (std::chrono::steady_clock::now() - since_ > kPatience) {
-    GiveUp(line, "waited a minute in vain", ui);
+    GiveUp(line, "waited " + std::to_string(kPatience.count()) + " s in vain", ui);
   }
   return !status_.ok();
 }

@@ -33,7 +33,7 @@ namespace enamel::station::desk {
 // computer is: steps wait for what they need, kPatience long at most.
 class Script {
  public:
-  static constexpr std::chrono::seconds kPatience{60};
+  static constexpr std::chrono::seconds kPatience{240};
 
   // Errors: kNotFound, kInvalidInput with the line.
   static Result<Script> Read(const std::filesystem::path& file);

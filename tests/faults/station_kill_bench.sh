@@ -32,6 +32,8 @@ text_of() { [[ $1 =~ \"$2\":\"([^\"]+) ]] && echo "${BASH_REMATCH[1]}" || true; 
 look() {
   local all
   all=$("$enamel_station" spool list --json --data "$1")
+  # Why a recording waits is an object of its own.
+  while [[ $all =~ \"waits\":\{[^{}]*\},? ]]; do all=${all/"${BASH_REMATCH[0]}"/}; done
   if [ -n "${2:-}" ]; then
     [[ $all =~ \{[^{}]*\"$2\"[^{}]*\} ]] && echo "${BASH_REMATCH[0]}" || true
   else
