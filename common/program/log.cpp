@@ -13,6 +13,8 @@
 #include <memory>
 #include <string_view>
 
+#include "common/base/utf8.h"
+
 namespace enamel::program {
 namespace {
 
@@ -34,10 +36,9 @@ class JsonLines final : public spdlog::formatter {
  public:
   void format(const spdlog::details::log_msg& message, spdlog::memory_buf_t& out) override {
     auto level = spdlog::level::to_string_view(message.level);
-    boost::json::object line{
-        {"time", UtcText(message.time)},
-        {"level", boost::json::string_view(level.data(), level.size())},
-        {"message", boost::json::string_view(message.payload.data(), message.payload.size())}};
+    boost::json::object line{{"time", UtcText(message.time)},
+                             {"level", boost::json::string_view(level.data(), level.size())},
+                             {"message", AsUtf8({message.payload.data(), message.payload.size()})}};
     std::string text = boost::json::serialize(line) + "\n";
     out.append(text.data(), text.data() + text.size());
   }
@@ -89,6 +90,8 @@ Status SetUpLog(const LogOptions& options) {
   in_json = options.format == "json";
   return Status::Ok();
 }
+
+bool LogIsJson() { return in_json; }
 
 bool AsksForJson(int argc, const char* const* argv, const std::string& prefix) {
   constexpr std::string_view kOption = "--log-format";

@@ -15,8 +15,12 @@ struct LogOptions {
 
 // Sets spdlog's default logger; at start, before other threads. JSON lines are for collectors
 // (systemd's journal, a log shipper): time is UTC with milliseconds (RFC 3339), the message is
-// escaped, so that nothing a client sends can begin a line of its own. Errors: kInvalidInput.
+// escaped, so that nothing a client sends can begin a line of its own, and what is not UTF-8 in it
+// is replaced (AsUtf8). Errors: kInvalidInput.
 Status SetUpLog(const LogOptions& options);
+
+// As set up: standard error is for lines of JSON, and progress and advice are left out.
+bool LogIsJson();
 
 // Whether a command line, or where it says nothing the environment (`prefix` and LOG_FORMAT), asks
 // for JSON: asked before it is parsed, so that what is wrong with it is said in JSON too.

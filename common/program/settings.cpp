@@ -36,7 +36,6 @@ std::string Where(const std::string& file, const toml::source_region& region) {
          std::to_string(region.begin.column) + ": ";
 }
 
-// All that may stand in the file, whichever command reads it.
 // Letters to put in, take out or change that make one of the other (Levenshtein).
 size_t Edits(std::string_view from, std::string_view to) {
   std::vector<size_t> row(to.size() + 1);

@@ -11,6 +11,7 @@
 
 #include "common/base/file.h"
 #include "common/base/unix_time.h"
+#include "common/program/log.h"
 #include "common/scene/builtin.h"
 #include "common/scene/json.h"
 #include "station/app/places.h"
@@ -128,7 +129,7 @@ int64_t Now_ns() {
 
 void ShowProgress(const Calibrator& calibrator, std::string& last) {
   std::string doing = calibrator.Doing();
-  if (doing == last) return;
+  if (doing == last || program::LogIsJson()) return;
   last = doing;
   std::fprintf(stderr, "%3.0f %%  %s\n", 100 * calibrator.progress(), doing.c_str());
 }
@@ -142,7 +143,7 @@ Result<std::array<AxisFigures, 3>> Measure(Subject& subject, const CalibrateComm
   Calibrator calibrator(setup);
   if (subject.real) {
     RealtimeGrant grant = RequestRealtime();
-    if (!grant.refused.empty()) std::fprintf(stderr, "note: %s\n", grant.refused.c_str());
+    if (!grant.refused.empty()) program::SayWarning(grant.refused);
   }
   std::string shown;
   int64_t due_ns = Now_ns();

@@ -13,6 +13,7 @@
 #include "common/base/file.h"
 #include "common/cutting/cutter.h"
 #include "common/import/scene_folder.h"
+#include "common/program/log.h"
 #include "common/scene/builtin.h"
 #include "common/scene/json.h"
 #include "common/scene/parts.h"
@@ -35,11 +36,12 @@ constexpr std::string_view kBuiltin = "builtin:";
 
 // One line on a terminal that the next one replaces; lines elsewhere.
 void Progress(const std::string& what) {
+  if (program::LogIsJson()) return;
   bool terminal = ::isatty(STDERR_FILENO) != 0;
   std::fprintf(stderr, terminal ? "\r\033[Kmeasuring: %s" : "measuring: %s\n", what.c_str());
 }
 void EndProgress() {
-  if (::isatty(STDERR_FILENO) != 0) std::fprintf(stderr, "\r\033[K");
+  if (::isatty(STDERR_FILENO) != 0 && !program::LogIsJson()) std::fprintf(stderr, "\r\033[K");
 }
 
 // What is explained.

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "common/import/scene_folder.h"
+#include "common/program/log.h"
 #include "station/app/places.h"
 
 namespace enamel::station {
@@ -36,7 +37,8 @@ Status ImportMesh(const ImportCommand& options) {
   import_options.up = options.up;
   import_options.voxel_nm = options.voxel_um * 1000;
   import_options.bridge_mm = options.bridge_um * 1e-3;
-  if (isatty(STDERR_FILENO) != 0) {
+  const bool shows = ::isatty(STDERR_FILENO) != 0 && !program::LogIsJson();
+  if (shows) {
     import_options.phase = [](std::string_view phase) {
       std::fprintf(stderr, "\r\033[K%.*s", static_cast<int>(phase.size()), phase.data());
     };
@@ -46,7 +48,7 @@ Status ImportMesh(const ImportCommand& options) {
   }
   const import::ImportSources sources{options.file, {options.enamel, options.dentin, options.pulp}};
   auto imported = import::ImportTooth(sources, import_options);
-  if (isatty(STDERR_FILENO) != 0) std::fprintf(stderr, "\r\033[K");
+  if (shows) std::fprintf(stderr, "\r\033[K");
   if (!imported.ok()) return imported.status();
   ENAMEL_RETURN_IF_ERROR(import::WriteSceneFolder(options.out, *imported));
   for (const std::string& line : imported->report) std::printf("%s\n", line.c_str());

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "common/base/file.h"
+#include "common/program/log.h"
 #include "common/scene/volume_blob.h"
 #include "common/surface/ply.h"
 #include "common/trace/moment.h"
@@ -92,11 +93,13 @@ class KeyframeFile {
   size_t before_ = 0;
 };
 
+bool ProgressIsSeen() { return ::isatty(STDERR_FILENO) != 0 && !program::LogIsJson(); }
+
 // One line on standard error, where somebody can see it.
 bool ShowProgress(double ratio) {
   static int shown = -1;
   auto percent = static_cast<int>(100 * ratio);
-  if (percent != shown && ::isatty(STDERR_FILENO)) {
+  if (percent != shown && ProgressIsSeen()) {
     std::fprintf(stderr, "\rreplaying %3d %%", percent);
   }
   shown = percent;
@@ -195,7 +198,7 @@ Status ReplayTrace(const ReplayOptions& options) {
   how.start_from_keyframe = options.to_tick != UINT64_MAX && options.keyframes;
   auto moment = trace::ReplayToMoment(make_core, recording->header, recording->file.chunks, how,
                                       keyframes.frames(), ShowProgress);
-  if (::isatty(STDERR_FILENO)) std::fprintf(stderr, "\r%20s\r", "");
+  if (ProgressIsSeen()) std::fprintf(stderr, "\r%20s\r", "");
   if (!moment.ok()) return moment.status();
   keyframes.Keep(!moment->discarded.empty());
 

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
+#include "common/program/log.h"
 #include "station/qualify/fit_damping.h"
 #include "station/qualify/qualify.h"
 
@@ -11,8 +12,7 @@ namespace enamel::station::qualify {
 void RegisterQualify(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<QualifyOptions>();
   options->out = stdout;
-  options->progress = stderr;
-  options->errors = stderr;
+  options->errors = [](const std::string& why) { program::SayError("qualify: " + why); };
   CLI::App* qualify = app.add_subcommand("qualify",
                                          "Measure force laws on a device profile: error against "
                                          "run time, stability, a search for energy");
@@ -38,7 +38,10 @@ void RegisterQualify(CLI::App& app, int* exit_code) {
   qualify->add_option("--threads", options->threads, "threads to use")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
-  qualify->callback([options, exit_code] { *exit_code = RunQualify(*options); });
+  qualify->callback([options, exit_code] {
+    if (!program::LogIsJson()) options->progress = stderr;
+    *exit_code = RunQualify(*options);
+  });
 
   auto fitting = std::make_shared<FitDampingOptions>();
   CLI::App* fit = app.add_subcommand(

@@ -12,6 +12,7 @@
 
 #include "common/base/file.h"
 #include "common/math/vec.h"
+#include "common/program/log.h"
 #include "common/scene/json_text.h"
 #include "station/qualify/csv.h"
 #include "station/qualify/svg.h"
@@ -407,7 +408,7 @@ std::string MaterialText(const DampingReport& r, const std::string& source) {
 
 int RunFitDamping(const FitDampingOptions& options) {
   auto Fail = [](const std::string& why) {
-    std::fprintf(stderr, "fit-damping: %s\n", why.c_str());
+    program::SayError("fit-damping: " + why);
     return 1;
   };
   Result<Bytes> text = ReadFile(options.csv_path, kLargestFile);

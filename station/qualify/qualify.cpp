@@ -116,8 +116,7 @@ void Print(std::FILE* out, const Findings& f) {
 
 int RunQualify(const QualifyOptions& options) {
   auto Fail = [&](const Status& status) {
-    if (options.errors != nullptr)
-      std::fprintf(options.errors, "qualify: %s\n", status.message().c_str());
+    if (options.errors) options.errors(status.message());
     return 1;
   };
   if (Status status = CheckSuites(options.suites); !status.ok()) return Fail(status);

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <cstdio>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -13,17 +14,17 @@ namespace enamel::station::qualify {
 struct QualifyOptions {
   std::string profile = "phantom_desktop";  // of QualifyProfiles, a file, or "all"
   std::vector<std::string> suites = {
-      "all"};                   // paper | laws | estimators | extreme | adversary | random | cutting | all
-  bool quick = false;           // under a minute on two cores; still B = 6.5 at 1 kHz
+      "all"};          // paper | laws | estimators | extreme | adversary | random | cutting | all
+  bool quick = false;  // under a minute on two cores; still B = 6.5 at 1 kHz
   std::string json_path;        // rows are written here when not empty
   std::string report_dir;       // report.html and its plots are written here when not empty
   int cases = 600;              // random
   int64_t adversary_ticks = 0;  // 0: 1e9, or 2e6 with quick
   uint64_t seed = 1;
   int threads = 2;
-  std::FILE* out = nullptr;       // tables; nullptr: nothing printed
-  std::FILE* progress = nullptr;  // one line, rewritten
-  std::FILE* errors = nullptr;    // why nothing was done
+  std::FILE* out = nullptr;                        // tables; nullptr: nothing printed
+  std::FILE* progress = nullptr;                   // one line, rewritten
+  std::function<void(const std::string&)> errors;  // told why nothing was done; may be empty
 };
 
 // Runs the suites asked for. Returns a program's exit code: 0 done and no proved case violated, 1

@@ -48,7 +48,7 @@ const std::map<std::string, Names>& Allowed() {
         {"station/sound", {"common/base"}},
         {"station/desk",
          {"station/session", "station/sound", "station/render", "station/sdk", "station/hid", "station/devices", "station/loop", "common/scoring", "common/scene"}},
-        {"station/qualify", {"station/devices", "common/measure"}},
+        {"station/qualify", {"station/devices", "common/measure", "common/program"}},
         {"station/app",
          {"station/devices", "station/hid", "station/sdk", "station/loop", "station/render", "station/spool", "station/uplink", "station/session", "station/desk", "station/qualify", "common/program",
           "common/import", "common/scene", "common/scoring"}},

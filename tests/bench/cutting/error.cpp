@@ -12,7 +12,9 @@ void RegisterError(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<station::qualify::QualifyOptions>();
   options->suites = {"cutting"};
   options->out = stdout;
-  options->errors = stderr;
+  options->errors = [](const std::string& why) {
+    std::fprintf(stderr, "enamel-bench: %s\n", why.c_str());
+  };
   CLI::App* error = app.add_subcommand(
       "error",
       "Error against run time of cutting, as `enamel-station qualify --suite cutting` measures it");

@@ -58,6 +58,20 @@ TEST_F(LogTest, WhatAProgramSaysLastIsALineOfItsLogWhateverItsLevel) {
   EXPECT_EQ(third, "prog: plain");
 }
 
+TEST_F(LogTest, WhatIsNotUtf8IsReplacedInALineOfJson) {
+  ::testing::internal::CaptureStderr();
+  ASSERT_TRUE(SetUpLog({"json", "info", "prog"}).ok());
+  EXPECT_TRUE(LogIsJson());
+  SayError("no option --\xff or \xc3(");
+  const std::string said = ::testing::internal::GetCapturedStderr();
+  boost::system::error_code error;
+  const auto line = boost::json::parse(said, error);
+  ASSERT_FALSE(error) << said;
+  EXPECT_EQ(line.at("message").as_string(), "no option --\xef\xbf\xbd or \xef\xbf\xbd(");
+  ASSERT_TRUE(SetUpLog({"text", "info", "prog"}).ok());
+  EXPECT_FALSE(LogIsJson());
+}
+
 TEST_F(LogTest, JsonIsAskedForByTheCommandLineOrElseTheEnvironment) {
   auto asks = [](std::vector<const char*> words) {
     words.insert(words.begin(), "prog");
