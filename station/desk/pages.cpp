@@ -468,7 +468,9 @@ void Pages::HandIn() {
                 ". It is kept in memory and tried again until then.");
     if (ui_.Button("Give up its end", Ui::Look::kDanger)) flow_.GiveUpRecording();
   } else if (up.gave_up) {
-    ui_.Problem("The server does not take this recording: " + up.problem.message());
+    ui_.Problem((IsDamaged(up.problem) ? "Not all of this recording can be read from this station: "
+                                       : "The server does not take this recording: ") +
+                up.problem.message());
   } else if (!up.reachable) {
     ui_.Problem(
         "The server is away. The recording is safe on this station and is sent when the "

@@ -127,7 +127,7 @@ void Workplace::KeepAlive() {
 
 Status Workplace::ConnectForPeople(ServerLink& link) {
   if (Status s = link.Connect(credentials_); !s.ok()) {
-    if (s.code() != Code::kUnavailable) return s;
+    if (s.code() != Code::kUnavailable || IsStopped(s)) return s;
     return Status(
         s.code(),
         "the server is away: an attempt needs it to begin. Recordings made earlier are "

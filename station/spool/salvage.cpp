@@ -257,7 +257,16 @@ Result<Salvaged> SalvageSpool(const fs::path& from, const fs::path& to) {
     out.attempts.push_back(std::move(*attempt));
   }
   out.tickets = SaveTickets(damaged.db, **saved);
-  return out;
+  if (!out.attempts.empty() || out.tickets > 0) return out;
+  // An empty spool must not take the place of one that something was in.
+  saved->reset();
+  for (const char* end : {"", "-wal", "-shm"}) fs::remove((to / kFileName).string() + end, error);
+  return Status(
+      Code::kStorage,
+      "nothing is left to save in " + (from / kFileName).string() + " (" +
+          std::to_string(fs::file_size(from / kFileName, error)) +
+          " bytes): put a copy of it back; where nothing was recorded yet, or there is no "
+          "copy, move it away (keep it) to begin with an empty spool");
 }
 
 }  // namespace enamel::station

@@ -25,7 +25,7 @@ struct Salvaged {
 // chain goes (trace::ChainVerifier). A file that is cut short is read as far as it goes; one whose
 // first page is destroyed gets that of a new spool, as all have the same. `from` is not changed: it
 // is worked on in a copy. Errors: kNotFound, kConflict when `to` has a spool, kStorage when nothing
-// can be read.
+// is saved: then none is made.
 Result<Salvaged> SalvageSpool(const std::filesystem::path& from, const std::filesystem::path& to);
 
 }  // namespace enamel::station

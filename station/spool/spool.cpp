@@ -256,7 +256,7 @@ Status Spool::Db::CheckNotLost() const {
                     (log_holds ? ", its log " + log.string() + " is there" : "") +
                     ": recordings were kept in it. Put a copy of it back, or move what is left of "
                     "it away to begin with an empty spool",
-                kDamagedSpool);
+                kLostSpool);
 }
 
 // The whole file at once, so that an empty one is never a new one. Nothing when another process was

@@ -19,8 +19,10 @@
 
 namespace enamel::station {
 
-// Field of the errors of a spool whose file is damaged, empty or gone.
+// Field of the errors of a spool whose file is damaged: what can be read of it can be salvaged.
 inline constexpr char kDamagedSpool[] = "damaged";
+// Of one whose file is empty or gone: nothing is left in it to salvage, a copy has to be put back.
+inline constexpr char kLostSpool[] = "lost";
 
 // What the spool knows of one attempt.
 struct SpooledAttempt {
@@ -131,8 +133,8 @@ struct SpoolVerdict {
 class Spool {
  public:
   // Opens `folder`/spool.sqlite, creating both as needed.
-  // Errors also: kStorage when the file is there and empty: it was not made so, and what was in it
-  // is lost.
+  // Errors also: kStorage with field kLostSpool when the file is there and empty, or gone and its
+  // log is there: it was not made so, and what was in it is lost.
   static Result<std::unique_ptr<Spool>> Open(const std::filesystem::path& folder);
   // Changes nothing, neither here nor on disk, and needs no right to write: to list, verify and
   // export, also beside a process that records. Of a damaged one what can be read is read. Errors:

@@ -27,6 +27,10 @@ bool IsAwaited(const Status& status) {
   return status.code() == Code::kUnavailable && status.field() == protocol::kAwaited;
 }
 
+bool IsDamaged(const Status& status) {
+  return status.code() == Code::kStorage && status.field() == kDamagedSpool;
+}
+
 Result<std::vector<SpooledAttempt>> WaitingAttempts(Spool& spool) {
   auto all = spool.List();
   if (all.ok()) std::erase_if(*all, [](const SpooledAttempt& a) { return !a.waits(); });
@@ -113,6 +117,10 @@ Status Carrier::BringOnce(const Uuid& attempt, const std::function<bool()>& yiel
     next_[attempt] = opened->next_seq;
   }
   Status sent = SendChunks(attempt, yield);
+  // What was read before the damage is the server's to keep, and the link the others' to use.
+  if (IsDamaged(sent)) {
+    if (Status taken = TakeAllAcks(); !taken.ok()) sent = taken;
+  }
   // What was refused is one of these: the others' answers are still to come, and mean nothing now.
   if (!sent.ok() && waiting_ > 0) link_.Close();
   ENAMEL_RETURN_IF_ERROR(sent);
@@ -144,8 +152,18 @@ Status Carrier::SendChunks(const Uuid& attempt, const std::function<bool()>& yie
       next = chunk.seq + 1;
     }
   }
-  while (waiting_ > 0) ENAMEL_RETURN_IF_ERROR(TakeAck());
-  return Status::Ok();
+  return TakeAllAcks();
+}
+
+// All, also where the spool cannot mark some of them.
+Status Carrier::TakeAllAcks() {
+  Status worst;
+  while (waiting_ > 0) {
+    Status taken = TakeAck();
+    if (!taken.ok() && !IsDamaged(taken)) return taken;
+    if (!taken.ok()) worst = taken;
+  }
+  return worst;
 }
 
 Status Carrier::AwaitBandwidth(size_t bytes) {

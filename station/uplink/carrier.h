@@ -17,6 +17,12 @@ bool IsStopped(const Status& status);
 // Only this recording has to wait, for what an admin has to bring back to the server; it is offered
 // again, however long that takes, and others go on.
 bool IsAwaited(const Status& status);
+// Only this recording has to wait, as not all of it can be read from the station's disk.
+bool IsDamaged(const Status& status);
+// Only this recording has to wait: the connection carries the others.
+inline bool IsOfOneRecording(const Status& status) {
+  return IsAwaited(status) || IsDamaged(status);
+}
 
 // What one connection carries from the spool to the server. At most kWindow chunks are on their way
 // without acknowledgement, and no more is in memory. Thread safety: none.
@@ -28,7 +34,8 @@ class Carrier {
   static constexpr std::chrono::milliseconds kSlice{10};
   using Meanwhile = std::function<Status()>;
 
-  // All must outlive it. `link` is connected; after a transient error this is of no more use.
+  // All must outlive it. `link` is connected; after a transient error that is not
+  // IsOfOneRecording this is of no more use.
   Carrier(ServerLink& link, Spool& spool, Bandwidth& bandwidth, Meanwhile meanwhile = {})
       : link_(link), spool_(spool), bandwidth_(bandwidth), meanwhile_(std::move(meanwhile)) {}
 
@@ -45,7 +52,7 @@ class Carrier {
   // committed there, and seals it when the spool has its seal. How it went is noted in the spool.
   // `yield`, asked between chunks, returning true ends it earlier, with everything sent
   // acknowledged. A refusal that trying again cannot change is noted in the spool. Errors: the
-  // link's.
+  // link's, the spool's.
   Status Bring(const Uuid& attempt, const std::function<bool()>& yield = {});
 
   // The next Bring opens the attempt anew: it was resumed.
@@ -60,6 +67,7 @@ class Carrier {
   Result<std::vector<Uuid>> UnusedTickets();
   Status BringOnce(const Uuid& attempt, const std::function<bool()>& yield);
   Status SendChunks(const Uuid& attempt, const std::function<bool()>& yield);
+  Status TakeAllAcks();
   Status AwaitBandwidth(size_t bytes);
   Status TakeAck();
   Status Meanwhiles() { return meanwhile_ ? meanwhile_() : Status::Ok(); }

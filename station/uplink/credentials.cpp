@@ -23,7 +23,8 @@ std::filesystem::path FileIn(const std::filesystem::path& folder) {
 
 Status Damaged(const std::filesystem::path& file, const std::string& what) {
   return Status(Code::kInvalidInput,
-                file.string() + ": " + what + ": restore the file or enrol this station again");
+                file.string() + ": " + what + ": restore the file or enrol this station again",
+                kEnrolment);
 }
 
 template <size_t N>
@@ -67,12 +68,14 @@ Result<Credentials> LoadCredentials(const std::filesystem::path& folder) {
                       "'enamel-station enrol --server HOST:PORT --code CODE', or name the right "
                       "folder with --data");
   }
-  if (!bytes.ok()) return bytes.status();
+  if (!bytes.ok()) return Status(bytes.status().code(), bytes.status().message(), kEnrolment);
   struct stat info {};
   if (::stat(file.c_str(), &info) == 0 && (info.st_mode & 077) != 0) {
-    return Status(Code::kForbidden, file.string() +
-                                        " can be read by others, and it holds this "
-                                        "station's key: 'chmod 600' it");
+    return Status(Code::kForbidden,
+                  file.string() +
+                      " can be read by others, and it holds this "
+                      "station's key: 'chmod 600' it",
+                  kEnrolment);
   }
   json::error_code error;
   json::value root = json::parse(AsText(*bytes), error);
@@ -84,8 +87,10 @@ Result<Credentials> LoadCredentials(const std::filesystem::path& folder) {
   };
   if (const json::value* v = object.if_contains("format");
       v == nullptr || !v->is_int64() || v->get_int64() != kFormat) {
-    return Status(Code::kVersion, file.string() + ": expected format " + std::to_string(kFormat) +
-                                      ": it is of another version of enamel-station");
+    return Status(Code::kVersion,
+                  file.string() + ": expected format " + std::to_string(kFormat) +
+                      ": it is of another version of enamel-station",
+                  kEnrolment);
   }
   Credentials c;
   auto server = net::ParseEndpoint(text("server"));
@@ -106,11 +111,14 @@ Result<Credentials> LoadCredentials(const std::filesystem::path& folder) {
   return c;
 }
 
-Result<Credentials> LoadCredentialsFor(const std::filesystem::path& folder, std::string_view server) {
+Result<Credentials> LoadCredentialsFor(const std::filesystem::path& folder,
+                                       std::string_view server) {
   auto credentials = LoadCredentials(folder);
   if (!credentials.ok() || server.empty()) return credentials;
   auto endpoint = net::ParseEndpoint(server);
-  if (!endpoint.ok()) return endpoint.status();
+  if (!endpoint.ok()) {
+    return Status(endpoint.status().code(), endpoint.status().message(), kServerOption);
+  }
   credentials->server = *endpoint;
   return credentials;
 }

@@ -27,13 +27,17 @@ struct Credentials {
 };
 
 // `folder`/station.json, readable by its owner only: the students' account must not be this one.
-// Errors of Load: kNotFound (not enrolled: message says how), kInvalidInput, kForbidden when others
-// may read the file.
+// Errors of Load: kNotFound (not enrolled: message says how); with field kEnrolment kInvalidInput,
+// kVersion, kForbidden when others may read the file, or those of reading it.
+inline constexpr char kEnrolment[] = "enrolment";
 Status SaveCredentials(const std::filesystem::path& folder, const Credentials& credentials);
 Result<Credentials> LoadCredentials(const std::filesystem::path& folder);
-// The same station when the server has moved to another address (HOST:PORT; empty: as enrolled). Its
-// identity stays pinned: another server at that address is refused.
-Result<Credentials> LoadCredentialsFor(const std::filesystem::path& folder, std::string_view server);
+// The same station when the server has moved to another address (HOST:PORT; empty: as enrolled).
+// Its identity stays pinned: another server at that address is refused. Errors also: kInvalidInput
+// with field kServerOption when that is no address.
+inline constexpr char kServerOption[] = "server";
+Result<Credentials> LoadCredentialsFor(const std::filesystem::path& folder,
+                                       std::string_view server);
 
 // A one-time code as `enamel-server admin enrol-code` prints it: CODE@FINGERPRINT, the fingerprint
 // as 64 hexadecimal digits, with or without colons. Errors: kInvalidInput.

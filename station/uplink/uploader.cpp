@@ -99,7 +99,8 @@ void Uploader::Run() {
     Status status = RunConnection();
     link_.Close();
     Say(status);
-    if (!IsStopped(status)) (void)spool_.MarkAllTried(status.message());
+    // A spool that cannot be read says nothing of the server, and is not to be written to.
+    if (!IsStopped(status) && !IsDamaged(status)) (void)spool_.MarkAllTried(status.message());
     lock.lock();
     about_link_.reachable = false;
     about_link_.problem = status;
@@ -118,6 +119,8 @@ void Uploader::Say(const Status& status) {
   said_ = status.message();
   if (status.ok())
     spdlog::info("the server {} is reached", credentials_.server.Text());
+  else if (IsDamaged(status))
+    spdlog::error("the recordings that wait here cannot be sent: {}", said_);
   else if (IsTransient(status))
     spdlog::warn("the server is away, recordings are kept here: {}", said_);
   else
@@ -136,7 +139,6 @@ void Uploader::PruneWhenDue() {
 // Until the connection breaks or Stop; never ok.
 Status Uploader::RunConnection() {
   ENAMEL_RETURN_IF_ERROR(link_.Connect(credentials_));
-  backoff_.Reset();
   refused_backoff_.Reset();
   Say(Status::Ok());
   Carrier* self = nullptr;
@@ -151,6 +153,7 @@ Status Uploader::RunConnection() {
   }
   auto offered = carrier.Offer();
   if (!offered.ok()) return offered.status();
+  backoff_.Reset();
   while (true) {
     {
       std::lock_guard lock(mutex_);
@@ -175,7 +178,7 @@ Status Uploader::BringWaiting(Carrier& carrier) {
     Status status =
         carrier.Bring(*attempt, [&] { return yielded = !preferred && PreferredWaits(); });
     Note(*attempt, status);
-    if (IsAwaited(status)) {
+    if (IsOfOneRecording(status)) {
       awaited_due_ = Clock::now() + kAwaitedEvery;
     } else if (!status.ok() && IsTransient(status)) {
       return status;
@@ -220,11 +223,14 @@ void Uploader::Note(const Uuid& attempt, const Status& status) {
     state.sealed = stored->complete();
   }
   state.problem = status;
-  state.gave_up = !status.ok() && !IsTransient(status);
+  state.gave_up = !status.ok() && (!IsTransient(status) || IsDamaged(status));
   const bool news = before.problem.message() != status.message();
   if (state.sealed && !before.sealed) {
     spdlog::info("attempt {} is on the server, all {} chunks of it", attempt.Text(),
                  state.committed);
+  } else if (IsDamaged(status) && news) {
+    spdlog::error("attempt {} cannot be sent whole, others go on: {}", attempt.Text(),
+                  status.message());
   } else if (state.gave_up && news) {
     spdlog::error("the server refuses attempt {}, it is kept here: {}", attempt.Text(),
                   status.message());

@@ -46,7 +46,8 @@ class Uploader {
  public:
   static constexpr std::chrono::microseconds kLiveEvery{16'667};
   static constexpr std::chrono::seconds kPingEvery{20};
-  // What has to wait for an admin (IsAwaited) is offered again this often, at the next ping.
+  // What has to wait for an admin, or to be salvaged (IsOfOneRecording), is offered again this
+  // often, at the next ping.
   static constexpr std::chrono::minutes kAwaitedEvery{5};
 
   // Of one attempt.
@@ -54,7 +55,8 @@ class Uploader {
     uint32_t committed = 0;  // chunks the server has durably
     bool sealed = false;     // everything is there
     bool reachable = true;   // the server, as of the last try
-    Status problem;          // last failure; refused for good when `gave_up`
+    Status problem;          // last failure
+    // Waiting for it is no use: refused for good, or not all of it can be read here (IsDamaged).
     bool gave_up = false;
   };
   // Of the connection.

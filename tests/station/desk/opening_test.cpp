@@ -92,7 +92,10 @@ TEST_F(OpeningTest, EveryTroubleSaysWhatIsWrongWhatIsSafeAndWhatToDo) {
   for (const Status& problem :
        {Status(Code::kNotFound, "not enrolled"), Status(Code::kStorage, "full"),
         Status(Code::kStorage, "broken", kDamagedSpool), Status(Code::kVersion, "newer"),
-        Status(Code::kForbidden, "others may read it")}) {
+        Status(Code::kForbidden, "others may read it", kEnrolment),
+        Status(Code::kVersion, "of another version", kEnrolment),
+        Status(Code::kInvalidInput, "no port", kServerOption),
+        Status(Code::kStorage, "0 bytes", kLostSpool), Status(Code::kStorage, "no room")}) {
     const Trouble trouble = TroubleOf(problem, data());
     EXPECT_FALSE(trouble.what.empty());
     EXPECT_FALSE(trouble.safe.empty());
@@ -100,6 +103,49 @@ TEST_F(OpeningTest, EveryTroubleSaysWhatIsWrongWhatIsSafeAndWhatToDo) {
     EXPECT_EQ(trouble.operators.find(problem.message()), 0u) << "in the program's own words";
     EXPECT_EQ(trouble.what.find("spool"), std::string::npos) << "students know no spool";
   }
+}
+
+TEST_F(OpeningTest, AnEmptySpoolIsNotOfferedToBeSalvaged) {
+  Enrol();
+  { ASSERT_TRUE(Spool::Open(data()).ok()); }
+  for (const char* end : {"-wal", "-shm"}) fs::remove(file().string() + end);
+  fs::resize_file(file(), 0);
+  const Trouble trouble = Opening({.data = data()}).trouble();
+  EXPECT_NE(trouble.what.find("empty or gone"), std::string::npos) << trouble.what;
+  EXPECT_EQ(trouble.safe.find("can usually be saved"), std::string::npos) << trouble.safe;
+  EXPECT_EQ(trouble.operators.find("salvage"), std::string::npos) << trouble.operators;
+  EXPECT_NE(trouble.operators.find("Put its copy back as " + file().string()), std::string::npos)
+      << trouble.operators;
+}
+
+TEST_F(OpeningTest, WithoutItsEnrolmentItsRecordingsAreNotSaidToBeNone) {
+  Enrol();
+  { ASSERT_TRUE(Spool::Open(data()).ok()); }
+  fs::rename(data() / "station.json", folder_ / "kept.json");
+  Opening opening({.data = data()});
+  const Trouble trouble = opening.trouble();
+  EXPECT_EQ(trouble.safe.find("Nothing was recorded"), std::string::npos) << trouble.safe;
+  EXPECT_NE(trouble.safe.find("still here"), std::string::npos) << trouble.safe;
+  EXPECT_NE(trouble.operators.find("station.json: put a copy of that file back"), std::string::npos)
+      << trouble.operators;
+  EXPECT_NE(trouble.operators.find("spool export"), std::string::npos) << trouble.operators;
+  fs::rename(folder_ / "kept.json", data() / "station.json");
+  opening.TryAgain();
+  Settle(opening);
+  EXPECT_NE(opening.workplace(), nullptr) << opening.problem().message();
+}
+
+TEST_F(OpeningTest, WhatIsWrongWithTheEnrolmentIsNotSaidOfTheRecordings) {
+  Enrol();
+  EXPECT_NE(Opening({.data = data(), .server = "no port"}).trouble().what.find("address"),
+            std::string::npos);
+  const fs::path enrolment = data() / "station.json";
+  fs::permissions(enrolment, fs::perms(0644));
+  EXPECT_NE(Opening({.data = data()}).trouble().what.find("know its server by"), std::string::npos);
+  std::ofstream(enrolment) << "{\"format\": 99}";
+  fs::permissions(enrolment, fs::perms(0600));
+  EXPECT_NE(Opening({.data = data()}).trouble().what.find("enrolled by another version"),
+            std::string::npos);
 }
 
 TEST_F(OpeningTest, AStationThatIsEnrolledMeanwhileOpens) {

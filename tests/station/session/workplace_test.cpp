@@ -197,6 +197,26 @@ TEST_F(WorkplaceTest, ASignInThatWasLeftDoesNotTakePlaceAfterAll) {
   EXPECT_FALSE(workplace_->person().has_value());
 }
 
+// A server that takes the connection and never says anything on it.
+TEST_F(WorkplaceTest, ASignInThatIsLeftWhileConnectingIsNotLoggedAsFailed) {
+  asio::io_context io;
+  asio::ip::tcp::acceptor mute(io, {asio::ip::address_v4::loopback(), 0});
+  workplace_.reset();
+  workplace_ = std::move(
+      *Workplace::Open({.data = folder_ / "data",
+                        .server = "127.0.0.1:" + std::to_string(mute.local_endpoint().port())}));
+  LogLines log;
+  Status ended;
+  const auto uploads = mute.accept();  // the upload's
+  std::thread asking([&] { ended = workplace_->SignIn("ada", "secret").status(); });
+  const auto asked = mute.accept();
+  workplace_->SignOut();
+  asking.join();
+  EXPECT_TRUE(IsStopped(ended)) << ended.message();
+  EXPECT_EQ(log.text().find("a sign-in failed"), std::string::npos) << log.text();
+  workplace_.reset();
+}
+
 TEST_F(WorkplaceTest, WhatAPersonHandedInIsFoundNewestFirst) {
   ASSERT_TRUE(workplace_->SignIn("ada", "secret").ok());
   std::vector<Uuid> hers;

@@ -162,6 +162,7 @@ TEST_F(SpoolTest, EmptyFileIsNotANewSpool) {
   auto opened = Spool::Open(folder_);
   ASSERT_EQ(opened.status().code(), Code::kStorage);
   EXPECT_NE(opened.status().message().find("0 bytes"), std::string::npos);
+  EXPECT_EQ(opened.status().field(), kLostSpool) << "nothing in it can be salvaged";
   EXPECT_EQ(Spool::OpenToRead(folder_).status().code(), Code::kStorage);
   EXPECT_EQ(fs::file_size(folder_ / "spool.sqlite"), 0u);
 }
@@ -312,6 +313,23 @@ TEST_F(SpoolTest, SalvageSavesWhatCanBeReadAndSaysWhatCouldNot) {
 }
 
 // The clock was set an hour back since the last chunk, which was 5 s ago.
+// It would be put in the place of the one that recordings were in.
+TEST_F(SpoolTest, SalvageOfWhatHasNothingLeftMakesNoSpool) {
+  const fs::path file = folder_ / "spool.sqlite", to = folder_ / "saved";
+  for (const std::string& content : {std::string(), std::string(40'960, '\x5a')}) {
+    std::ofstream(file, std::ios::binary) << content;
+    Status refused = SalvageSpool(folder_, to).status();
+    EXPECT_EQ(refused.code(), Code::kStorage);
+    EXPECT_NE(refused.message().find("(" + std::to_string(content.size()) + " bytes)"),
+              std::string::npos)
+        << refused.message();
+    EXPECT_NE(refused.message().find("put a copy of it back"), std::string::npos);
+    EXPECT_FALSE(fs::exists(to / "spool.sqlite"));
+    EXPECT_FALSE(fs::exists(to / "spool.sqlite-wal"));
+    EXPECT_EQ(fs::file_size(file), content.size());
+  }
+}
+
 TEST_F(SpoolTest, ClockThatWasSetBackMakesASilenceNoShorter) {
   MakeOne();
   auto before = Open()->SilenceOf(id());

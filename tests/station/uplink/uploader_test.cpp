@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
+#include <algorithm>
 #include <chrono>
+#include <fstream>
 #include <functional>
 #include <thread>
 
@@ -47,6 +49,17 @@ class UploaderTest : public testing::Test {
   Status UploadAttempt(ServerLink& link, Spool& spool, const Uuid& attempt) {
     Bandwidth no_bound(0);
     return Carrier(link, spool, no_bound).Bring(attempt);
+  }
+  // The page of the spool, which is closed, that these bytes lie in is destroyed.
+  void OverwritePageWith(const Bytes& bytes) {
+    constexpr size_t kPageBytes = 4096;
+    const fs::path file = folder_ / "spool" / "spool.sqlite";
+    const Bytes all = *ReadFile(file);
+    const auto at = std::search(all.begin(), all.end(), bytes.begin(), bytes.end());
+    ASSERT_NE(at, all.end());
+    std::fstream out(file, std::ios::binary | std::ios::in | std::ios::out);
+    out.seekp((at - all.begin()) / kPageBytes * kPageBytes);
+    out << std::string(kPageBytes, '\x5a');
   }
   void ExpectWholeAt(const FakeServer& server) {
     auto spooled = *spool_->ChunksFrom(id(), 0, 1000);
@@ -163,6 +176,48 @@ TEST_F(UploaderTest, RecordingThatHasToWaitIsKeptAndOthersGoOn) {
   Uploader again(credentials, *spool_);
   again.WaitUntilDone(id(), kSoon);
   EXPECT_TRUE(again.state(id()).sealed);
+}
+
+// A page in the middle of the older of two recordings is overwritten.
+TEST_F(UploaderTest, RecordingThatCannotBeReadWholeWaitsAloneAndOthersGoOn) {
+  constexpr uint32_t kChunks = 300, kHit = 200;
+  Record(kChunks);
+  ASSERT_TRUE(recorder_->Finish().ok());
+  std::this_thread::sleep_for(std::chrono::milliseconds(2));  // begun later, by the clock
+  trace::Header other = header_;
+  other.ticket.attempt = Uuid::New();
+  ASSERT_TRUE(spool_->BeginAttempt(other, "e", "p").ok());
+  {
+    Recorder recorder(*spool_, ring_, other.ticket.attempt, HashSha256(trace::EncodeHeader(other)),
+                      keys_.secret_key);
+    for (size_t i = 0; i < Recorder::kTicksPerChunk; ++i) ring_.Push(Sample{});
+    ASSERT_TRUE(recorder.Finish().ok());
+  }
+  const Bytes hit = (*spool_->ChunksFrom(id(), kHit, 1)).at(0).bytes;
+  recorder_.reset();
+  spool_.reset();
+  OverwritePageWith(hit);
+  spool_ = std::move(*Spool::Open(folder_ / "spool"));
+  ASSERT_EQ(spool_->ChunksFrom(id(), kHit, 1).status().field(), kDamagedSpool);
+
+  FakeServer server(folder_);
+  Credentials credentials = server.NewStation();
+  {
+    Uploader uploader(credentials, *spool_);
+    uploader.WaitUntilDone(other.ticket.attempt, kSoon);
+    EXPECT_TRUE(uploader.state(other.ticket.attempt).sealed);
+    uploader.WaitUntilDone(id(), kSoon);
+    EXPECT_TRUE(uploader.state(id()).gave_up) << "nobody need wait for it";
+    EXPECT_TRUE(IsDamaged(uploader.state(id()).problem)) << uploader.state(id()).problem.message();
+    EXPECT_TRUE(uploader.link().reachable) << "the server is there";
+  }
+  EXPECT_EQ(server.connections(), 1) << "the connection carries the others";
+  const SpooledAttempt left = *spool_->Get(id());
+  EXPECT_NE(left.waits_because.find("spool salvage"), std::string::npos) << left.waits_because;
+  EXPECT_EQ(left.refused, "") << "once it is salvaged it is sent";
+  EXPECT_GT(left.committed, 0u) << "what can be read before the damage is there";
+  EXPECT_EQ(left.committed, server.chunks().size());
+  EXPECT_EQ(spool_->Get(other.ticket.attempt)->waits_because, "");
 }
 
 TEST_F(UploaderTest, WhyARecordingWaitsIsInTheSpoolUntilItIsSent) {
