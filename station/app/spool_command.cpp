@@ -12,6 +12,7 @@
 
 #include "common/base/file.h"
 #include "station/app/places.h"
+#include "station/session/loop_facts.h"
 #include "station/spool/salvage.h"
 #include "station/spool/spool.h"
 #include "station/uplink/carrier.h"
@@ -156,7 +157,7 @@ void PrintLine(const SpooledAttempt& a) {
               a.resumed > 0 ? "  resumed" : "", WaitingText(WaitingOf(a)).c_str());
 }
 
-// What a version that is newer, or older, does not have reads as 0.
+// What is missing reads as 0.
 double NumberIn(const json::object& facts, std::initializer_list<std::string_view> path) {
   const json::object* at = &facts;
   const json::value* value = nullptr;
@@ -171,6 +172,11 @@ double NumberIn(const json::object& facts, std::initializer_list<std::string_vie
 }
 
 void PrintLoop(const KeptLoopFacts& run, const json::object& facts) {
+  if (NumberIn(facts, {"version"}) != kLoopFactsVersion) {
+    std::printf("run %u, ended %s, in a version that this program does not know: %s\n", run.run,
+                LocalTime(run.ended_unix_ms).c_str(), json::serialize(facts).c_str());
+    return;
+  }
   std::printf("run %u, ended %s: %.0f ticks, %.0f late, %.0f in gaps, %.0f faults\n", run.run,
               LocalTime(run.ended_unix_ms).c_str(), NumberIn(facts, {"ticks"}),
               NumberIn(facts, {"late_ticks"}),
@@ -198,14 +204,22 @@ Status SendWaiting(Carrier& carrier, Spool& spool, bool as_json, json::array& se
   Status worst;
   for (const SpooledAttempt& attempt : *waiting) {
     Status status = carrier.Bring(attempt.id);
-    if (!status.ok() && IsTransient(status) && !IsAwaited(status)) {
-      ENAMEL_RETURN_IF_ERROR(spool.MarkAllTried(status.message()));
+    if (!status.ok() && IsTransient(status) && !IsOfOneRecording(status)) {
+      (void)spool.MarkAllTried(status.message());  // the link's error is the one to tell
       return status;
     }
     auto after = spool.Get(attempt.id);
     if (!after.ok()) return after.status();
     sent.push_back(FactsOf(*after));
-    if (!status.ok()) worst = status;
+    if (IsDamaged(status)) {
+      worst = Status(
+          status.code(),
+          "attempt " + attempt.id.Text() +
+              " cannot be sent whole, as not all of it can be read here: " + status.message(),
+          status.field());
+    } else if (!status.ok() && !IsDamaged(worst)) {
+      worst = status;
+    }
     if (as_json) continue;
     std::printf("%s  %s  %u of %u chunks  %s\n", attempt.id.Text().c_str(), StateOf(*after),
                 after->committed, after->chunks, status.message().c_str());
@@ -371,7 +385,7 @@ Status UploadSpool(const SpoolCommand& options) {
   } else if (waiting->empty() && IsTransient(status)) {
     status = Status::Ok();  // nothing to send, and nobody to ask whether something got lost
   }
-  if (!status.ok()) ENAMEL_RETURN_IF_ERROR((*spool)->MarkAllTried(status.message()));
+  if (!status.ok() && !IsDamaged(status)) (void)(*spool)->MarkAllTried(status.message());
   json::array sent;
   if (status.ok() && link.connected()) status = SendWaiting(carrier, **spool, options.json, sent);
   if (status.ok() || !IsTransient(status)) {

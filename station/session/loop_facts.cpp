@@ -18,17 +18,17 @@ json::object Tick(const FaultTick& t) {
           {"driven", t.driven}};
 }
 
-json::array Faults(const TickLoop& loop) {
+}  // namespace
+
+json::array FaultFacts(std::span<const FaultRecord> records) {
   json::array out;
-  for (const FaultRecord& record : loop.fault_records()) {
+  for (const FaultRecord& record : records) {
     json::array ticks;
     for (size_t i = 0; i < record.count; ++i) ticks.push_back(Tick(record.ticks[i]));
     out.push_back({{"why", FaultText(record.fault)}, {"tick", record.tick}, {"ticks", ticks}});
   }
   return out;
 }
-
-}  // namespace
 
 json::object DurationFacts(const DurationHistogram& h) {
   json::object doublings;
@@ -52,7 +52,7 @@ json::object DurationFacts(const DurationHistogram& h) {
 json::object LoopFacts(const TickLoop& loop, const Device& device) {
   const LoopCounters& counters = loop.counters();
   const DeviceCounters bus = device.counters();
-  return {{"version", 1},
+  return {{"version", kLoopFactsVersion},
           {"ticks", counters.ticks},
           {"gap_ticks", counters.gap_ticks},
           {"late_ticks", counters.late_ticks},
@@ -64,7 +64,7 @@ json::object LoopFacts(const TickLoop& loop, const Device& device) {
           {"lateness", DurationFacts(loop.lateness())},
           {"tick", DurationFacts(loop.durations())},
           {"fault_count", counters.faults},
-          {"faults", Faults(loop)},
+          {"faults", FaultFacts(loop.fault_records())},
           {"device",
            {{"name", device.Name()},
             {"samples", bus.samples},

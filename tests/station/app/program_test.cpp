@@ -2,16 +2,21 @@
 #include <sqlite3.h>
 #include <stdlib.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <boost/json.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <vector>
 
+#include "common/base/file.h"
 #include "station/spool/spool.h"
 #include "station/uplink/credentials.h"
+#include "tests/station/uplink/fake_server.h"
 
 // enamel-station as people run it: exit codes and what is said.
 namespace enamel::station {
@@ -250,9 +255,10 @@ TEST_F(ProgramTest, LoopsOfAnAttemptAreShownAsKept) {
   EXPECT_EQ(text.code, 0);
   for (const char* words :
        {"run 0, ended 2023-11-", "120345 ticks, 1 late, 7 in gaps, 1 faults", "p99 71.0  max 7300",
-        "fault at tick 90211: the force was held too long", "run 1, ended "}) {
+        "fault at tick 90211: the force was held too long", "run 1, ended ", "{\"version\":9}"}) {
     EXPECT_NE(text.text.find(words), std::string::npos) << words << ": " << text.text;
   }
+  EXPECT_EQ(text.text.find(" 0 ticks"), std::string::npos) << "nothing is made up: " << text.text;
   Outcome json = RunProgram("spool loops last --json" + data());
   EXPECT_EQ(boost::json::parse(json.text).at("runs").at(0).at("facts"), boost::json::parse(golden));
 }
@@ -270,7 +276,11 @@ TEST_F(ProgramTest, WhereTheLogIsJsonSoIsAllOfStandardError) {
         Case{"run --user u", "--exercise and --profile", 2},
         Case{"spool list --config " + settings + data(), "keep-dayz", 2},
         Case{"spool export last --out " + (folder_ / "x").string() + data(),
-             "there is no such attempt", 1}}) {
+             "there is no such attempt", 1},
+        Case{"qualify --suite nonsense", "nonsense", 1},
+        Case{"fit-damping " + (folder_ / "none.csv").string(), "none.csv", 1},
+        Case{"run '--\xff'", "--\xef\xbf\xbd", 2},
+        Case{"calibrate --device spacemouse", "only what has motors", 1}}) {
     Outcome out = RunProgram("--log-format json " + c.arguments, kErrors);
     EXPECT_EQ(out.code, c.code) << c.arguments << ": " << out.text;
     std::istringstream lines(out.text);
@@ -284,6 +294,18 @@ TEST_F(ProgramTest, WhereTheLogIsJsonSoIsAllOfStandardError) {
     EXPECT_EQ(boost::json::parse(last).at("level").as_string(), "error");
     EXPECT_NE(boost::json::parse(last).at("message").as_string().find(c.says), std::string::npos)
         << last;
+  }
+}
+
+TEST_F(ProgramTest, WhereTheLogIsJsonNoProgressIsShown) {
+  const std::string facts = (folder_ / "facts.json").string();
+  for (const std::string& arguments :
+       {std::string("calibrate --device simulated:bhhd3"),
+        "explain builtin:block --voxel-um 200 --budget-us 100000 --json " + facts}) {
+    Outcome out = RunProgram("--log-format json " + arguments, kErrors);
+    EXPECT_EQ(out.code, 0) << arguments << ": " << out.text;
+    EXPECT_EQ(out.text, "") << arguments;
+    EXPECT_NE(RunProgram(arguments, kErrors).text, "") << "it has progress to show";
   }
 }
 
@@ -321,6 +343,53 @@ TEST_F(ProgramTest, RefusedRecordingIsCountedAndToldAndFailsTheUpload) {
   EXPECT_NE(upload.text.find("--again " + id.Text()), std::string::npos) << upload.text;
   RunProgram("spool upload --again " + id.Text() + data());
   EXPECT_TRUE((*Spool::Open(folder_ / "data"))->Get(id)->refused.empty());
+}
+
+// A page in the middle of the older of two recordings is overwritten.
+TEST_F(ProgramTest, UploadSendsWhatCanBeReadAndFailsNamingWhatCannot) {
+  FakeServer server(folder_);
+  ASSERT_TRUE(SaveCredentials(folder_ / "data", server.NewStation()).ok());
+  const auto keys = trace::NewKeyPair();
+  std::vector<Uuid> ids;
+  Bytes hit;
+  for (uint32_t chunks : {300U, 3U}) {
+    const trace::Header header = HeaderOf(server.person);
+    ids.push_back(header.ticket.attempt);
+    auto spool = Spool::Open(folder_ / "data");
+    ASSERT_TRUE((*spool)->BeginAttempt(header, "e", "p").ok());
+    trace::ChunkHead head;
+    head.attempt = header.ticket.attempt;
+    head.previous = HashSha256(trace::EncodeHeader(header));
+    for (head.seq = 0; head.seq < chunks; ++head.seq) {
+      const Bytes chunk = trace::EncodeChunk(head, std::vector<trace::Tick>(3), keys.secret_key);
+      ASSERT_TRUE((*spool)->PutChunk(head.attempt, chunk).ok());
+      head.previous = HashSha256(chunk);
+      head.first_tick += 3;
+      if (head.seq == 200) hit = chunk;
+    }
+    ASSERT_TRUE((*spool)->CloseAttempt(head.attempt).ok());
+    ::usleep(2000);  // the next is begun later, by the clock
+  }
+  const fs::path file = folder_ / "data" / "spool.sqlite";
+  {
+    const Bytes all = *ReadFile(file);
+    const auto at = std::search(all.begin(), all.end(), hit.begin(), hit.end());
+    ASSERT_NE(at, all.end());
+    std::fstream out(file, std::ios::binary | std::ios::in | std::ios::out);
+    out.seekp((at - all.begin()) / 4096 * 4096);
+    out << std::string(4096, '\x5a');
+  }
+  const Outcome upload = RunProgram("upload" + data());
+  EXPECT_EQ(upload.code, 1) << upload.text;
+  for (const std::string& words :
+       {"attempt " + ids[0].Text() + " cannot be sent whole", std::string("spool salvage"),
+        ids[1].Text() + "  uploaded  3 of 3 chunks"}) {
+    EXPECT_NE(upload.text.find(words), std::string::npos) << words << ": " << upload.text;
+  }
+  const Outcome list = RunProgram("spool list --json" + data());
+  const auto attempts = boost::json::parse(list.text).at("attempts");
+  EXPECT_NE(attempts.at(0).at("waits").at("why").as_string().find("damaged"), std::string::npos);
+  EXPECT_TRUE(attempts.at(1).at("waits").is_null()) << list.text;
 }
 
 TEST_F(ProgramTest, PlaceThatCannotBeWrittenIsRefusedBeforeTheWork) {
