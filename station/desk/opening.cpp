@@ -55,7 +55,8 @@ Trouble TroubleOf(const Status& problem, const std::filesystem::path& data) {
   if (problem.code() == Code::kNotFound && std::filesystem::exists(SpoolFile(data), error)) {
     return {"This station does not know its server any more.",
             "The recordings made here are still here, and nothing changes them.", kElsewhere,
-            problem.message() + ".\nThere are recordings in " + SpoolFile(data).string() +
+            problem.message() + ".\nBefore it is enrolled anew: there are recordings in " +
+                SpoolFile(data).string() +
                 ", signed with the key that was in station.json: put a copy of that file back "
                 "beside it, then try again here. Where there is no copy, this writes each of them "
                 "to a file:\n" +

@@ -119,12 +119,12 @@ bool TickLoop::Tick(double late_s) noexcept {
 
 core::TickInput TickLoop::InputOf(const DeviceSample& sample) noexcept {
   bool pedal = (sample.buttons & kPedal) != 0 && !put_down_;
-  if (fault_ != Fault::kNone) {
+  if (fault() != Fault::kNone) {
     // A pedal that went away with its device was not released by that, nor before.
     const bool alive = DeviceAlive(sample);
     pedal_released_ = alive && (pedal_released_ || !pedal);
     if (pedal && pedal_released_ && alive) {
-      fault_ = Fault::kNone;
+      fault_.store(Fault::kNone, std::memory_order_relaxed);
       soft_restart_ = true;
     }
   }
@@ -138,7 +138,7 @@ core::TickInput TickLoop::InputOf(const DeviceSample& sample) noexcept {
   gap_held_ = true;
   if (pedal) input.flags |= core::kBurOn;
   if (skipped_ > 0) input.flags |= core::kLateTick;
-  if (fault_ != Fault::kNone) input.flags |= core::kFaulted;
+  if (fault() != Fault::kNone) input.flags |= core::kFaulted;
   if (soft_restart_ || await_still_ || put_down_) input.flags |= core::kSoftRestart;
   soft_restart_ = false;
   return input;
@@ -235,8 +235,8 @@ void TickLoop::WatchStillness(const DeviceSample& sample) noexcept {
 }
 
 void TickLoop::Latch(Fault fault) noexcept {
-  if (fault_ != Fault::kNone) return;
-  fault_ = fault;
+  if (fault_.load(std::memory_order_relaxed) != Fault::kNone) return;
+  fault_.store(fault, std::memory_order_relaxed);
   pedal_released_ = false;
   late_count_ = 0;
   AwaitStillness();
@@ -252,7 +252,7 @@ void TickLoop::Remember(const DeviceSample& sample, const core::TickInput& input
   if (!record_due_) return;
   record_due_ = false;
   FaultRecord& record = records_[record_count_++];
-  record.fault = fault_;
+  record.fault = fault();
   record.tick = counters_.ticks;
   record.count = history_count_ < kTicks ? static_cast<size_t>(history_count_) : kTicks;
   for (size_t i = 0; i < record.count; ++i) {
@@ -271,7 +271,7 @@ void TickLoop::Publish(const core::TickInput& input, const core::TickOutput& out
   snapshot.removed = core_.removed();
   snapshot.input_flags = input.flags;
   snapshot.output_flags = out.flags;
-  snapshot.fault = fault_;
+  snapshot.fault = fault();
   snapshot.put_down = put_down_;
   snapshots_.Write(snapshot);
   if (observer_ != nullptr) observer_->OnTick(core_, snapshot);

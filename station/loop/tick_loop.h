@@ -132,9 +132,9 @@ struct TickLoopOptions {
 // Leak: while a force is held for T_hold, longer than a tick, and the tip moves by dx meanwhile,
 // the operator can be handed at most max(0, Kc/2 - b/T_hold) |dx|^2. The sum is in the counters.
 //
-// Thread safety: Run and Tick on one thread; RequestStop, Hold, snapshot() (one reader), lateness()
-// and durations() from others. Real-time: Tick is safe; Run sleeps between ticks and does nothing
-// else.
+// Thread safety: Run and Tick on one thread; RequestStop, Hold, fault(), snapshot() (one reader),
+// lateness() and durations() from others. Real-time: Tick is safe; Run sleeps between ticks and
+// does nothing else.
 class TickLoop {
  public:
   // All must outlive the loop; `observer` may be null.
@@ -158,7 +158,8 @@ class TickLoop {
 
   // Newest tick, for one reader thread.
   const Snapshot& snapshot() noexcept { return snapshots_.Read(); }
-  Fault fault() const noexcept { return fault_; }
+  // Now, also between ticks that are not stepped. By any thread.
+  Fault fault() const noexcept { return fault_.load(std::memory_order_relaxed); }
   // All that was counted, also over ticks that were not stepped: on the tick's thread, or after
   // finished().
   const LoopCounters& counters() const noexcept { return counters_; }
@@ -204,8 +205,8 @@ class TickLoop {
   uint64_t skipped_ = 0;  // whole periods this tick is late by
   double rest_s_ = 0;     // what the last tick was late by beyond whole periods
   bool put_down_ = false, holder_known_ = false;
-  Fault fault_ = Fault::kNone;
-  bool pedal_released_ = false;  // since the fault
+  std::atomic<Fault> fault_{Fault::kNone};  // written by the tick
+  bool pedal_released_ = false;             // since the fault
   bool soft_restart_ = false;
   double now_s_ = 0;     // of the attempt, by the ticks that were due
   double silent_s_ = 0;  // since the device was seen to say something new, by the clock

@@ -84,7 +84,6 @@ void RunningAttempt::OnTick(const core::Core& core, const Snapshot& snapshot) no
     live_->Write({snapshot.counters.ticks, Rounded(snapshot.anchor.tip_m - origin_m, kUmPerM),
                   Rounded(snapshot.force_sent_n, kMnPerN), snapshot.output_flags});
   }
-  fault_.store(snapshot.fault, std::memory_order_relaxed);
   if (observer_ != nullptr) observer_->OnTick(core, snapshot);
 }
 
@@ -146,7 +145,7 @@ void RunningAttempt::KeepFacts() {
 }
 
 void RunningAttempt::LogFaults() {
-  const Fault now = fault_.load(std::memory_order_relaxed);
+  const Fault now = loop_.fault();
   if (now == logged_) return;
   if (now != Fault::kNone) {
     spdlog::warn("attempt {}: the force is off: {}", attempt_.Text(), FaultText(now));

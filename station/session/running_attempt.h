@@ -104,8 +104,7 @@ class RunningAttempt : private TickObserver {
   Recorder recorder_;
   TickLoop loop_;
   std::atomic<bool> give_up_{false}, done_{false};
-  std::atomic<Fault> fault_{Fault::kNone};  // as of the newest tick
-  Fault logged_ = Fault::kNone;             // of the recorder's thread
+  Fault logged_ = Fault::kNone;  // of the recorder's thread
   mutable std::mutex mutex_;
   Status problem_;                               // guarded by mutex_
   std::optional<Result<trace::Seal>> recorded_;  // the recorder's, then Join's

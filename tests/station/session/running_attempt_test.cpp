@@ -197,6 +197,23 @@ TEST_P(FailingDiskTest, GivenUpItSaysWhatIsSafeAndWhatIsLost) {
 INSTANTIATE_TEST_SUITE_P(Each, FailingDiskTest,
                          testing::Values(SQLITE_FULL, SQLITE_READONLY, SQLITE_IOERR_WRITE));
 
+// While the disk takes nothing no tick is stepped, and the attempt may end so.
+TEST_F(RunningAttemptTest, AFaultWhileTheDiskHoldsTheLoopIsLoggedThen) {
+  LogLines log;
+  Plunging device(above_, above_);
+  auto attempt = Begin(device);
+  ASSERT_TRUE(Await([&] { return attempt->recording().chunks >= 1; }));
+  FaultyDisk::fail = SQLITE_FULL;
+  ASSERT_TRUE(Await([&] { return !attempt->recording().problem.ok(); }));
+  EXPECT_EQ(attempt->loop().fault(), Fault::kNone);
+  device.attached = false;
+  EXPECT_TRUE(Await([&] { return log.Has("the force is off: the device is not connected"); }));
+  EXPECT_FALSE(attempt->recording().problem.ok()) << "the disk still takes nothing";
+  FaultyDisk::fail = SQLITE_OK;
+  attempt->End();
+  EXPECT_TRUE(attempt->Join().ok());
+}
+
 // Unplugged for a while in the middle, the pedal released and pressed after it.
 TEST_F(RunningAttemptTest, HowTheLoopWentIsKeptWithTheAttemptAndItsFaultsAreLogged) {
   LogLines log;
