@@ -25,6 +25,8 @@ void Caretaker::Run(const std::stop_token& stop) {
   std::mutex mutex;
   std::unique_lock lock(mutex);
   std::condition_variable_any never;
+  // What fails is in the log and tried again with the rules.
+  (void)store_.FinishErasures();
   auto retention = std::chrono::steady_clock::now() + intervals_.first_retention;
   while (!stop.stop_requested()) {
     LookAtHealth();

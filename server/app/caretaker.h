@@ -9,8 +9,8 @@
 namespace enamel::server::app {
 
 // Looks after the store while the server runs: says in the log when it stops taking recordings and
-// when it takes them again, and applies the retention rules now and then. A thread of its own until
-// destroyed.
+// when it takes them again, finishes erasures that were left, and applies the retention rules now
+// and then. A thread of its own until destroyed.
 class Caretaker {
  public:
   struct Intervals {

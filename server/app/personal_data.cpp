@@ -285,6 +285,10 @@ Status ErasePerson(const fs::path& data, const std::string& login, const std::st
       "those backups in their time; a restore of one erases again when the newest key ring is "
       "named\n",
       login, report->attempts, report->blobs, report->references);
+  if (!report->finished) {
+    Say("copies of what was erased may stay in unused parts of the database for now; the running "
+        "server writes it anew within the hour, one that does not run after its next start\n");
+  }
   return Status::Ok();
 }
 

@@ -296,6 +296,7 @@ Status Serve(const ServeOptions& options) {
 
   std::promise<void> stop_asked;
   signals.OnFirst([&] {
+    store.StopWaiting();
     link.Stop();
     page.Stop();
     stop_asked.set_value();

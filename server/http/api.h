@@ -19,7 +19,7 @@ namespace enamel::server::http {
 // From request to answer, without a socket: route, same-site check, session, role, CSRF, handler,
 // in this order. Thread safety: Handle from any strand; the work itself runs on the store's
 // threads, so no I/O thread ever blocks. At most `max_in_flight` requests wait for those threads;
-// more get 503.
+// more get 503. Health has a thread of its own: it answers while those wait.
 class Api {
  public:
   Api(Store& store, auth::Authenticator& authenticator, Monitoring monitoring, size_t threads,
@@ -60,6 +60,7 @@ class Api {
   std::array<std::atomic<uint64_t>, 6> answers_{};
   ops::Histogram reads_;
   StorePool pool_;
+  StorePool apart_{1};
 };
 
 }  // namespace enamel::server::http

@@ -23,7 +23,7 @@ bool MaySeeMetrics(const Call& call) {
 
 // Away from the store's threads: it has to answer when they all wait for the database.
 boost::asio::awaitable<Response> GetHealth(Call call) {
-  StoreHealth health = call.store.Health();
+  StoreHealth health = co_await call.apart->Run([&call] { return call.store.Health(); });
   bool well = health.takes_recordings;
   co_return JsonResponse({{"status", well ? "ok" : "no_recordings"},
                           {"problem", health.problem},

@@ -14,6 +14,7 @@
 #include "server/live/live_board.h"
 #include "server/ops/metrics.h"
 #include "server/storage/store.h"
+#include "server/storage/store_pool.h"
 
 // The API's table of routes and what a handler gets. schemas/api/openapi.yaml is the contract; a
 // test compares the two both ways.
@@ -46,6 +47,8 @@ struct Call {
   LiveBoard* live = nullptr;               // none: nothing can be watched
   // Of the certificate that stations know the server by, in hexadecimal; empty: it takes none.
   std::string_view station_fingerprint = {};
+  StorePool* apart =
+      nullptr;  // always set: for what asks a disk and must not wait for the database
 };
 
 // Runs on the store's threads and may block.

@@ -3,12 +3,16 @@
 #include <spdlog/spdlog.h>
 
 #include <chrono>
+#include <thread>
 
 namespace enamel::server::sqlite {
 namespace {
 
 constexpr int64_t kTenant = 1;
-constexpr int kBusyMs = 10'000;
+// Between two looks whether another process still keeps the database.
+constexpr std::chrono::milliseconds kFirstLook{1}, kNextLook{20};
+// Steps of SQLite's machine between two questions whether to go on.
+constexpr int kStepsAtOnce = 10'000;
 
 Status ErrorOf(sqlite3* handle, const std::string& path) {
   int code = sqlite3_extended_errcode(handle);
@@ -17,6 +21,8 @@ Status ErrorOf(sqlite3* handle, const std::string& path) {
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
       return Status(Code::kUnavailable, what + "; another process is writing, try again");
+    case SQLITE_INTERRUPT:
+      return Status(Code::kUnavailable, what + "; the program is ending");
     case SQLITE_FULL:
       return Status(Code::kStorage, what + "; free some disk space");
     case SQLITE_READONLY:
@@ -41,6 +47,8 @@ Status WithoutDetail(int code) {
     case SQLITE_LOCKED:
       return Status(Code::kUnavailable,
                     "the database is busy with another process's write; try again");
+    case SQLITE_INTERRUPT:
+      return Status(Code::kUnavailable, "the server is stopping; try again when it runs again");
     case SQLITE_FULL:
       return Status(Code::kStorage, "the database's disk is full; free some disk space");
     case SQLITE_READONLY:
@@ -82,7 +90,9 @@ Result<std::unique_ptr<Db>> Db::Open(const std::filesystem::path& path, Mode mod
   }
   std::unique_ptr<Db> db(new Db(handle, path.string(), {}));
   sqlite3_extended_result_codes(handle, 1);
-  sqlite3_busy_timeout(handle, kBusyMs);
+  sqlite3_busy_handler(
+      handle, [](void* db, int count) { return static_cast<Db*>(db)->WaitOn(count == 0) ? 1 : 0; },
+      db.get());
   const char* setup =
       mode == Mode::kReadOnly
           ? "PRAGMA query_only = 1"
@@ -106,16 +116,63 @@ Db::~Db() {
 
 Status Db::Exec(const char* sql) {
   if (InjectedFailure()) return Status(Code::kStorage, "injected failure");
-  if (sqlite3_exec(handle_, sql, nullptr, nullptr, nullptr) == SQLITE_OK) return Status::Ok();
-  return Error();
+  int rc = sqlite3_exec(handle_, sql, nullptr, nullptr, nullptr);
+  waits_ = false;
+  return rc == SQLITE_OK ? Status::Ok() : Error();
 }
 
+void Db::SetBusyWait(std::chrono::milliseconds wait, std::function<bool()> worth_it) {
+  busy_wait_ = wait;
+  worth_it_ = std::move(worth_it);
+}
+
+bool Db::WaitOn(bool first) {
+  const auto now = std::chrono::steady_clock::now();
+  if (first) busy_since_ = counted_since_ = now;
+  waits_ = worth_it_ && now - busy_since_ < kMostWait && worth_it_();
+  if (waits_) counted_since_ = now;
+  if (stopped_ || now - counted_since_ >= busy_wait_) return false;
+  std::this_thread::sleep_for(first ? kFirstLook : kNextLook);
+  return true;
+}
+
+void Db::StopWaiting() {
+  stopped_ = true;
+  if (interruptible_) sqlite3_interrupt(handle_);
+}
+
+// The question between steps makes sure of an end that was asked for just before the beginning.
+Status Db::Rewrite() {
+  sqlite3_progress_handler(
+      handle_, kStepsAtOnce, [](void* db) { return static_cast<Db*>(db)->stopped_ ? 1 : 0; }, this);
+  interruptible_ = true;
+  Status status = Exec("VACUUM");
+  interruptible_ = false;
+  sqlite3_progress_handler(handle_, 0, nullptr, nullptr);
+  return status;
+}
+
+// SQLite waits for readers, and not for another connection that empties the log.
 Status Db::EmptyLog() {
-  Query q(*this, "PRAGMA wal_checkpoint(TRUNCATE)", Query::kNoTenant);
-  bool busy = q.Next() && q.Int(0) != 0;
-  if (!q.status().ok() || !busy) return q.status();
+  const auto until = std::chrono::steady_clock::now() + busy_wait_;
+  Status status;
+  bool busy = true;
+  interruptible_ = true;
+  while (status.ok() && busy && !stopped_) {
+    {
+      Query q(*this, "PRAGMA wal_checkpoint(TRUNCATE)", Query::kNoTenant);
+      busy = q.Next() && q.Int(0) != 0;
+      status = q.status();
+    }
+    if (std::chrono::steady_clock::now() >= until) break;
+    if (busy) std::this_thread::sleep_for(kNextLook);
+  }
+  interruptible_ = false;
+  if (!status.ok() || !busy) return status;
   return Status(Code::kUnavailable,
-                "the database's log can be emptied when nobody reads what is in it");
+                stopped_ ? "the server is stopping before the database's log is empty"
+                         : "another program reads what is in the database's log, or is about to "
+                           "empty it");
 }
 
 void Db::Rollback() {

@@ -2,6 +2,7 @@
 
 #include <sqlite3.h>
 
+#include <atomic>
 #include <chrono>
 #include <filesystem>
 #include <functional>
@@ -23,6 +24,7 @@ namespace enamel::server::sqlite {
 class Db {
  public:
   static constexpr size_t kMaxStatements = 256;
+  static constexpr std::chrono::minutes kMostWait{15};
   enum class Mode { kReadWrite, kReadOnly };
   // WAL, synchronous=FULL, foreign keys on, waits up to 10 s for another process's write.
   // `vfs`: SQLite's name of the file layer to use; empty: its own.
@@ -37,11 +39,21 @@ class Db {
   Status Exec(const char* sql);
   // Rows changed by the last statement.
   int64_t Changes() const { return sqlite3_changes64(handle_); }
-  // How long from now on to wait for another process's write.
-  void SetBusyWait(std::chrono::milliseconds wait) {
-    sqlite3_busy_timeout(handle_, static_cast<int>(wait.count()));
-  }
-  // Empties the log into the database. Errors also: kUnavailable (readers need what is in it).
+  // How long from now on a statement waits for another process's write. `worth_it` is asked while
+  // it waits, on the connection's thread: as long as it says true, up to kMostWait, the time does
+  // not count.
+  void SetBusyWait(std::chrono::milliseconds wait, std::function<bool()> worth_it = {});
+  // Waits for what `worth_it` says is worth it. Any thread.
+  bool waits() const { return waits_; }
+  // From now on no other process is waited for, and what Rewrite and EmptyLog are at ends with
+  // kUnavailable: at once, but for Rewrite's last step, which copies the new database into the log.
+  // Any thread.
+  void StopWaiting();
+  // Writes the whole database anew (VACUUM). What it wrote when it fails may stay in the log until
+  // that is emptied.
+  Status Rewrite();
+  // Empties the log into the database; waits for who reads what is in it, and for who empties it
+  // already. Errors also: kUnavailable (they took longer).
   Status EmptyLog();
   // Ends the open transaction, if SQLite has not done so itself.
   void Rollback();
@@ -69,12 +81,18 @@ class Db {
       : handle_(handle), path_(std::move(path)), fail_next_(std::move(fail_next)) {}
   Kept* Take(const char* sql, Status& status);
   void DropOldest();
+  bool WaitOn(bool first);  // SQLite's question whether to try again
   bool InjectedFailure() const { return fail_next_ && fail_next_(); }
 
   sqlite3* handle_;
   std::string path_;
   std::function<bool()> fail_next_;
   mutable bool damaged_ = false;
+  std::chrono::milliseconds busy_wait_{10'000};
+  std::function<bool()> worth_it_;
+  std::chrono::steady_clock::time_point busy_since_{}, counted_since_{};
+  std::atomic<bool> waits_{false}, stopped_{false};
+  std::atomic<bool> interruptible_{false};  // Rewrite or EmptyLog is at it
   std::unordered_map<std::string, Kept> statements_;
   uint64_t uses_ = 0;
 };

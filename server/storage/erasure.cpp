@@ -165,7 +165,7 @@ Result<ErasureReport> SqliteStore::ErasePerson(const Uuid& person, bool with_ref
                       references->front().Text() +
                       "; make another attempt the reference first, or erase with the references");
   }
-  auto alone = TakeUpkeepLock(folder_, FolderLock::Mode::kExclusive);
+  auto alone = TakeUpkeep();
   if (!alone.ok()) return alone.status();
   ENAMEL_RETURN_IF_ERROR(Read([&](Db& db) -> Result<bool> {
                            Status others = MustNotBeTheOnlyAdmin(db, *found);
@@ -185,12 +185,8 @@ Result<ErasureReport> SqliteStore::ErasePerson(const Uuid& person, bool with_ref
   auto removed = RemoveUnnamed(blobs);
   if (!removed.ok()) return removed.status();
   report.blobs = *removed;
-  Status rewritten = LeaveNothingFreed();
-  if (rewritten.ok()) return report;
-  return Status(rewritten.code(),
-                "the person is erased, but copies of what was deleted may be left in unused parts "
-                "of the database until it is written anew, which the next start does: " +
-                    rewritten.message());
+  report.finished = LeaveNothingFreed().ok();
+  return report;
 }
 
 Status SqliteStore::Reconcile() {
@@ -203,8 +199,6 @@ Status SqliteStore::Reconcile() {
   auto gone = keyring_.Gone();
   if (!gone.ok()) return gone.status();
   if (gone->empty()) return Status::Ok();
-  std::error_code error;
-  bool rewrite = std::filesystem::exists(folder_ / kRewriteMark, error);
   std::map<Sha256, Tombstone> tombstones;
   for (const Tombstone& tombstone : *gone) tombstones[tombstone.person] = tombstone;
   auto people = Read([](Db& db) { return PeopleIn(db); });
@@ -213,7 +207,7 @@ Status SqliteStore::Reconcile() {
   for (const Uuid& person : *people) {
     auto tombstone = tombstones.find(TombstoneOf(person));
     if (tombstone == tombstones.end()) continue;
-    if (!std::exchange(rewrite, true)) ENAMEL_RETURN_IF_ERROR(MarkForRewrite());
+    ENAMEL_RETURN_IF_ERROR(MarkForRewrite());
     ENAMEL_RETURN_IF_ERROR(Write([&](Db& db) -> Status {
       ErasureReport report;
       return WithOverwriting(db, [&] {
@@ -221,11 +215,10 @@ Status SqliteStore::Reconcile() {
                             blobs);
       });
     }));
+    // An erasure beside this start may have removed the first mark meanwhile.
+    ENAMEL_RETURN_IF_ERROR(MarkForRewrite());
   }
-  if (!blobs.empty()) ENAMEL_RETURN_IF_ERROR(RemoveUnnamed(blobs).status());
-  // A full disk keeps no server from starting: the mark stays for the next time.
-  if (rewrite) (void)LeaveNothingFreed();
-  return Status::Ok();
+  return blobs.empty() ? Status::Ok() : RemoveUnnamed(blobs).status();
 }
 
 }  // namespace enamel::server::sqlite

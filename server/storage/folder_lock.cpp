@@ -36,4 +36,8 @@ Result<FolderLock> TakeUpkeepLock(const std::filesystem::path& folder, FolderLoc
           : "a backup of " + folder.string() + " is being made; try again when it is done");
 }
 
+bool IsUpkeepAlone(const std::filesystem::path& folder) {
+  return TakeUpkeepLock(folder, FolderLock::Mode::kShared).status().code() == Code::kUnavailable;
+}
+
 }  // namespace enamel::server::sqlite

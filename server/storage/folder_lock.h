@@ -31,7 +31,9 @@ class FolderLock {
   int fd_ = -1;
 };
 
-// Backups share it; what removes blobs needs it alone.
+// Backups share it; what removes blobs or rewrites the database needs it alone.
 Result<FolderLock> TakeUpkeepLock(const std::filesystem::path& folder, FolderLock::Mode mode);
+// Somebody has it alone.
+bool IsUpkeepAlone(const std::filesystem::path& folder);
 
 }  // namespace enamel::server::sqlite

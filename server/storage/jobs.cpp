@@ -120,7 +120,16 @@ Status QueueScoreJob(Db& db, const Uuid& attempt, const std::string& cause) {
   return q.Bind(Uuid::New()).Bind(attempt).Bind(cause).Run();
 }
 
+Status SqliteStore::EndEarlierLeases() {
+  std::lock_guard lock(leases_mutex_);
+  if (!earlier_leases_) return Status::Ok();
+  ENAMEL_RETURN_IF_ERROR(Write([](Db& db) { return EndLeases(db); }));
+  earlier_leases_ = false;
+  return Status::Ok();
+}
+
 Result<std::optional<JobRow>> SqliteStore::LeaseJob(UnixMs now_ms, UnixMs lease_ms) {
+  ENAMEL_RETURN_IF_ERROR(EndEarlierLeases());
   // Most calls find nothing: look on a reader first and leave the writer alone.
   auto any = Read([&](Db& db) { return NextJob(db, now_ms); });
   if (!any.ok() || !*any) return any;

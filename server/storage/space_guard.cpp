@@ -14,6 +14,14 @@ uint64_t SpaceGuard::FreeBytes() {
   return free_;
 }
 
+Status SpaceGuard::RoomFor(uint64_t bytes) {
+  auto free = disk_.FreeBytes(folder_);
+  if (!free.ok() || *free >= bytes + min_free_) return Status::Ok();
+  return Status(Code::kStorage, "expected " + std::to_string(((bytes + min_free_) >> 20) + 1) +
+                                    " MiB free on the data folder's disk, found " +
+                                    std::to_string(*free >> 20) + " MiB; make room");
+}
+
 Status SpaceGuard::Check() {
   if (min_free_ == 0) return Status::Ok();
   uint64_t free = FreeBytes();

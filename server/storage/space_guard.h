@@ -21,6 +21,8 @@ class SpaceGuard {
   // Ok when there is room, or when the disk does not tell. Errors: kUnavailable, so that a station
   // keeps what it has and comes back.
   Status Check();
+  // Whether there is room for `bytes` now and min_free_bytes() stay. Errors: kStorage.
+  Status RoomFor(uint64_t bytes);
   // As of the last look, at most `interval` ago.
   uint64_t FreeBytes();
   uint64_t min_free_bytes() const { return min_free_; }

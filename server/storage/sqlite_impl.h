@@ -213,9 +213,11 @@ class SqliteStore final : public Store {
   Result<RetentionReport> ApplyRetention(UnixMs now_ms, bool dry_run, const Actor& by) override;
   StoreHealth Health() override;
   Status TryWrite() override;
+  Status FinishErasures() override;
+  void StopWaiting() override { writer_.StopWaiting(); }
 
   // What is erased here, in the key ring or in the database, is erased in both: after a restore of
-  // either, and after a crash in between.
+  // either, and after a crash in between. Leaves the rest to FinishErasures.
   Status Reconcile();
 
  private:
@@ -246,13 +248,36 @@ class SqliteStore final : public Store {
   Result<size_t> RemoveUnnamed(const std::set<Sha256>& blobs);
   // Removes blobs that no row names and that are older than `age`.
   Result<size_t> SweepUnnamed(std::chrono::seconds age);
-  // Writes the database anew without what was freed in it, and empties the log: SQLite overwrites
-  // what is deleted, but not the copies that moving rows about has left in free pages and gaps.
-  // What is left to do, after a crash or because somebody reads what is in the log, is done at the
-  // next start or by ApplyRetention (kRewriteMark). Writers wait meanwhile: this store's in the
-  // writer's queue, other processes' because they see the mark.
+  // The UPKEEP lock, alone; `upkeep_` says meanwhile that it is this store that has it.
+  class Upkeep {
+   public:
+    Upkeep(FolderLock lock, std::atomic<int>& count) : lock_(std::move(lock)), count_(&count) {
+      ++count;
+    }
+    ~Upkeep() {
+      if (count_ != nullptr) --*count_;
+    }
+    Upkeep(Upkeep&& other) noexcept
+        : lock_(std::move(other.lock_)), count_(std::exchange(other.count_, nullptr)) {}
+    Upkeep& operator=(Upkeep&&) = delete;
+
+   private:
+    FolderLock lock_;
+    std::atomic<int>* count_;
+  };
+  Result<Upkeep> TakeUpkeep();
+  // Another process finishes an erasure.
+  bool OthersErase() const;
+  // Where the mark is (kRewriteMark), writes the database anew without what was freed in it,
+  // empties the log and removes the mark: SQLite overwrites what is deleted, but not the copies
+  // that moving rows about has left in free pages and gaps. Writers wait meanwhile: this store's in
+  // the writer's queue, other processes' because of OthersErase. What fails is in the log; the mark
+  // stays then. Requires: Upkeep is held.
   Status LeaveNothingFreed();
+  Status RoomToRewrite(Db& db);
   Status MarkForRewrite();
+  // Before this server's first lease: those of an earlier one are over.
+  Status EndEarlierLeases();
 
   Status RepeatedAfterSeal(const ChunkPut& chunk);
   Status MoveTraceToBlob(const trace::Seal& seal, Sha256& blob);
@@ -263,12 +288,15 @@ class SqliteStore final : public Store {
 
   const std::filesystem::path folder_;
   const FolderLock lock_;
+  std::atomic<int> upkeep_{0};  // Upkeep is held so often
   Writer writer_;
   Readers readers_;
   Blobs blobs_;
   Keyring keyring_;
   SpaceGuard space_;
   std::optional<SealedRows> sealed_rows_;  // the server's; others' rows go with the seal
+  std::mutex leases_mutex_;
+  bool earlier_leases_;  // there may be some; guarded by leases_mutex_
   std::mutex people_mutex_;
   std::unordered_map<std::string, Uuid> person_of_;  // attempt to person; guarded by people_mutex_
   std::atomic<bool> damaged_{false};                 // a reader found the database damaged

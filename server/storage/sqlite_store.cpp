@@ -55,16 +55,24 @@ bool IsThere(const std::filesystem::path& file) {
   return std::filesystem::exists(file, error);
 }
 
+std::unique_ptr<Db> Patient(std::unique_ptr<Db> db, std::chrono::milliseconds busy_wait,
+                            std::function<bool()> worth_it) {
+  db->SetBusyWait(busy_wait, std::move(worth_it));
+  return db;
+}
+
 }  // namespace
 
 SqliteStore::SqliteStore(const SqliteOptions& options, std::unique_ptr<Db> writer, FolderLock lock)
     : folder_(options.folder),
       lock_(std::move(lock)),
-      writer_(std::move(writer), [mark = folder_ / kRewriteMark] { return IsThere(mark); }),
+      writer_(Patient(std::move(writer), options.busy_wait, [this] { return OthersErase(); })),
       readers_(options.folder / "enamel.db", options.readers, options.vfs),
       blobs_(options.folder / "blobs", DiskOf(options), options.fail_next),
       keyring_(options.folder / "keyring", DiskOf(options)),
-      space_(options.folder, DiskOf(options), options.min_free_bytes, options.free_space_check) {
+      space_(options.folder, DiskOf(options), options.min_free_bytes, options.free_space_check),
+      // Who holds the folder's lock is the only worker there is.
+      earlier_leases_(options.hold_lock) {
   if (options.hold_lock) sealed_rows_.emplace(writer_);
 }
 
@@ -162,30 +170,60 @@ Status SqliteStore::TryWrite() {
 
 Status SqliteStore::MarkForRewrite() { return WriteFileDurably(folder_ / kRewriteMark, {}); }
 
+Result<SqliteStore::Upkeep> SqliteStore::TakeUpkeep() {
+  auto lock = TakeUpkeepLock(folder_, FolderLock::Mode::kExclusive);
+  if (!lock.ok()) return lock.status();
+  return Upkeep(std::move(lock).value(), upkeep_);
+}
+
+bool SqliteStore::OthersErase() const {
+  return upkeep_ == 0 && IsThere(folder_ / kRewriteMark) && IsUpkeepAlone(folder_);
+}
+
+// In the log, and in SQLite's temporary file, which may be on the same disk, with a fiftieth for
+// the log's frames.
+Status SqliteStore::RoomToRewrite(Db& db) {
+  Query pages(db, "SELECT page_count * page_size FROM pragma_page_count, pragma_page_size",
+              Query::kNoTenant);
+  uint64_t bytes = pages.Next() ? static_cast<uint64_t>(pages.Int(0)) : 0;
+  ENAMEL_RETURN_IF_ERROR(pages.status());
+  return space_.RoomFor(2 * bytes + bytes / 50);
+}
+
 Status SqliteStore::LeaveNothingFreed() {
+  if (!IsThere(folder_ / kRewriteMark)) return Status::Ok();
   spdlog::info("the database is being written anew after an erasure; changes wait until it is");
   const auto begin = std::chrono::steady_clock::now();
   rewriting_ = true;
-  Status emptied;
-  Status rewritten = writer_.RunAlone([&](Db& db) -> Status {
-    ENAMEL_RETURN_IF_ERROR(db.Exec("VACUUM"));
-    emptied = db.EmptyLog();
-    return emptied.code() == Code::kUnavailable ? Status::Ok() : emptied;
+  Status status = writer_.RunAlone([&](Db& db) -> Status {
+    ENAMEL_RETURN_IF_ERROR(RoomToRewrite(db));
+    Status rewritten = db.Rewrite();
+    Status emptied = db.EmptyLog();
+    return rewritten.ok() ? emptied : rewritten;
   });
   rewriting_ = false;
-  ENAMEL_RETURN_IF_ERROR(rewritten);
-  if (!emptied.ok()) {
-    spdlog::warn("{}: copies of what was erased stay in it until then, within the hour",
-                 emptied.message());
-    return Status::Ok();
-  }
-  std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
-  spdlog::info("the database is written anew, which took {:.1f} s", took.count());
   std::error_code error;
-  std::filesystem::remove(folder_ / kRewriteMark, error);
-  if (!error) return Status::Ok();
-  return Status(Code::kStorage,
-                "cannot remove " + (folder_ / kRewriteMark).string() + ": " + error.message());
+  if (status.ok() && !std::filesystem::remove(folder_ / kRewriteMark, error) && error) {
+    status = Status(Code::kStorage,
+                    "cannot remove " + (folder_ / kRewriteMark).string() + ": " + error.message());
+  }
+  if (status.ok()) {
+    std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+    spdlog::info("the database is written anew, which took {:.1f} s", took.count());
+  } else {
+    spdlog::warn(
+        "the database could not be written anew after an erasure: {}. Copies of what was erased "
+        "may stay in unused parts of it until the server does that, tried again every hour and "
+        "after its next start",
+        status.message());
+  }
+  return status;
+}
+
+Status SqliteStore::FinishErasures() {
+  if (!IsThere(folder_ / kRewriteMark)) return Status::Ok();
+  auto alone = TakeUpkeep();
+  return alone.ok() ? LeaveNothingFreed() : alone.status();
 }
 
 Result<size_t> SqliteStore::SweepUnnamed(std::chrono::seconds age) {
@@ -320,8 +358,6 @@ Result<std::unique_ptr<Store>> OpenSqliteStore(const SqliteOptions& options) {
     ENAMEL_RETURN_IF_ERROR(Migrate(**db));
   }
   if (!options.hold_lock) lock.reset();
-  // Who holds the folder's lock is the only worker there is: leases of a killed one are over.
-  if (lock) ENAMEL_RETURN_IF_ERROR(EndLeases(**db));
   FolderLock kept = lock ? std::move(*lock) : FolderLock();
   auto store = std::make_unique<SqliteStore>(options, std::move(db).value(), std::move(kept));
   if (options.hold_lock) ENAMEL_RETURN_IF_ERROR(store->Reconcile());

@@ -29,8 +29,8 @@ struct SqliteOptions {
   // (null: the machine's). For tests.
   std::string vfs{};
   Disk* disk = nullptr;
-  // How long a write waits for another process's before it is refused. Where that process writes
-  // the database anew after an erasure, it waits until that is done.
+  // How long a write waits for another process's before it is refused. The time in which that
+  // process finishes an erasure does not count.
   std::chrono::milliseconds busy_wait{10'000};
 };
 

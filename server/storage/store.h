@@ -91,6 +91,8 @@ struct AuditRow {
 // What was removed with a person.
 struct ErasureReport {
   size_t attempts = 0, references = 0, blobs = 0;
+  // False: copies of what was erased may be in unused parts of the database until FinishErasures.
+  bool finished = true;
 };
 
 // How long things are kept; no rule: for good.
@@ -425,6 +427,13 @@ class Store {
   // Removes what the rules say; with `dry_run` only tells. Errors: kUnavailable (a backup is
   // running).
   virtual Result<RetentionReport> ApplyRetention(UnixMs now_ms, bool dry_run, const Actor& by) = 0;
+  // Ends what an erasure had to leave (ErasureReport::finished), or a crash; ApplyRetention does it
+  // too. Writes wait meanwhile. Nothing to do: nothing. Errors: kUnavailable (a backup is running,
+  // or another erasure; somebody reads), kStorage (no room); it is left for the next call.
+  virtual Status FinishErasures() = 0;
+  // The program is about to end: from now on no other process is waited for, and FinishErasures,
+  // also as the end of ErasePerson, leaves the rest to the next start. Any thread.
+  virtual void StopWaiting() = 0;
 
   // Never fails: trouble is what it tells.
   virtual StoreHealth Health() = 0;

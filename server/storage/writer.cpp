@@ -5,8 +5,7 @@
 
 namespace enamel::server::sqlite {
 
-Writer::Writer(std::unique_ptr<Db> db, std::function<bool()> wait_on)
-    : db_(std::move(db)), wait_on_(std::move(wait_on)), thread_([this] { Loop(); }) {}
+Writer::Writer(std::unique_ptr<Db> db) : db_(std::move(db)), thread_([this] { Loop(); }) {}
 
 Writer::~Writer() {
   {
@@ -96,23 +95,8 @@ void Writer::Commit(const std::vector<Pending*>& batch) {
   counters_.commit_s += took.count();
 }
 
-// Asks before and after: what is waited for may end just when the wait does.
-Status Writer::Begin() {
-  const auto until = std::chrono::steady_clock::now() + kMostWait;
-  Status begun;
-  for (bool again = true; again;) {
-    bool expected = wait_on_ && wait_on_();
-    begun = db_->Exec("BEGIN IMMEDIATE");
-    again = begun.code() == Code::kUnavailable && (expected || (wait_on_ && wait_on_()));
-    std::lock_guard lock(mutex_);
-    again = again && !stopping_ && std::chrono::steady_clock::now() < until;
-    waits_ = again;
-  }
-  return begun;
-}
-
 Status Writer::Transact(const std::vector<Pending*>& batch) {
-  Status failure = Begin();
+  Status failure = db_->Exec("BEGIN IMMEDIATE");
   for (size_t i = 0; failure.ok() && i < batch.size(); ++i) {
     failure = RunOne(*batch[i]->work, batch[i]->status);
   }
@@ -136,11 +120,6 @@ Status Writer::last_failure() const {
 bool Writer::damaged() const {
   std::lock_guard lock(mutex_);
   return damaged_;
-}
-
-bool Writer::waits() const {
-  std::lock_guard lock(mutex_);
-  return waits_;
 }
 
 Status Writer::RunOne(const Work& work, Status& outcome) {

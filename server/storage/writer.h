@@ -20,10 +20,7 @@ namespace enamel::server::sqlite {
 // safety: any thread. Destruction waits for what is queued.
 class Writer {
  public:
-  // `wait_on`: asked when another process has kept the database busy for as long as the connection
-  // waits: true: wait on, up to kMostWait; else, or without it, what is queued is refused
-  // (kUnavailable).
-  explicit Writer(std::unique_ptr<Db> db, std::function<bool()> wait_on = {});
+  explicit Writer(std::unique_ptr<Db> db);
   ~Writer();
 
   // What the work did is kept when it returns Ok, or sets `keep_anyway` (a refusal that leaves
@@ -45,8 +42,9 @@ class Writer {
   // Why the last transaction could not be written; Ok after one that could. One that found the
   // database busy tells nothing.
   Status last_failure() const;
-  // A transaction waits longer than usual for another process (`wait_on`).
-  bool waits() const;
+  // As the connection's (db.h).
+  bool waits() const { return db_->waits(); }
+  void StopWaiting() { db_->StopWaiting(); }
 
  private:
   static constexpr size_t kMaxBatch = 256;
@@ -54,7 +52,6 @@ class Writer {
   // come together. Who writes alone never waits.
   static constexpr size_t kBusyBatch = 4;
   static constexpr std::chrono::milliseconds kPace{10};
-  static constexpr std::chrono::minutes kMostWait{15};
   struct Pending {
     const Work* work;
     const std::function<Status(Db& db)>* alone = nullptr;  // instead of `work`
@@ -68,12 +65,10 @@ class Writer {
   std::vector<Pending*> TakeBatch();  // requires: mutex_ is held
   void Commit(const std::vector<Pending*>& batch);
   void DoAlone(Pending& pending);
-  Status Begin();  // a transaction
   Status Transact(const std::vector<Pending*>& batch);
   Status RunOne(const Work& work, Status& outcome);
 
-  std::unique_ptr<Db> db_;  // the thread's
-  const std::function<bool()> wait_on_;
+  std::unique_ptr<Db> db_;                               // the thread's
   std::chrono::steady_clock::time_point next_commit_{};  // the thread's
   mutable std::mutex mutex_;
   std::condition_variable wake_;  // something is queued, or stopping_
@@ -81,7 +76,6 @@ class Writer {
   bool stopping_ = false;         // guarded by mutex_
   Status last_failure_;           // guarded by mutex_
   bool damaged_ = false;          // guarded by mutex_
-  bool waits_ = false;            // guarded by mutex_
   Counters counters_;             // guarded by mutex_
   std::thread thread_;            // last: uses the rest
 };

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <string>
@@ -28,9 +29,10 @@ class MemoryStore final : public server::Store {
   std::map<Uuid, server::StationRow> stations;
   std::map<Uuid, server::ReferenceRow> references;  // by exercise
   std::vector<server::JobRow> jobs;
-  std::vector<double> progress;  // everything SetProgress was told
-  int failing_puts = 0;          // this many PutBlob answer kStorage
-  double cancel_at = 2;          // progress at which a run is cancelled; above 1: never
+  std::vector<double> progress;         // everything SetProgress was told
+  int failing_puts = 0;                 // this many PutBlob answer kStorage
+  double cancel_at = 2;                 // progress at which a run is cancelled; above 1: never
+  std::function<void()> before_health;  // a disk that hangs; set while nobody asks
 
   Result<Sha256> PutBlob(ByteView data) override {
     std::lock_guard lock(mutex_);
@@ -392,7 +394,12 @@ class MemoryStore final : public server::Store {
                                                  const server::Actor&) override {
     return No();
   }
-  server::StoreHealth Health() override { return {}; }
+  Status FinishErasures() override { return Status::Ok(); }
+  void StopWaiting() override {}
+  server::StoreHealth Health() override {
+    if (before_health) before_health();
+    return {};
+  }
   Status TryWrite() override { return Status::Ok(); }
 
  private:

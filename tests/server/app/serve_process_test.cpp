@@ -5,8 +5,10 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <fstream>
 
 #include "common/base/file.h"
+#include "server/storage/folder_lock.h"
 #include "server/storage/sqlite_store.h"
 #include "tests/server/storage/store_world.h"
 
@@ -97,6 +99,27 @@ TEST_F(ServeProcessTest, SeveralSignalsAtOnceEndItCleanlyToo) {
   std::string said = server.ReadAll();
   EXPECT_NE(said.find("stopped"), std::string::npos) << said;
   EXPECT_EQ(server.ExitCode(), 0);
+}
+
+// As while `admin erase-person` writes a large database anew beside it.
+TEST_F(ServeProcessTest, BeginsAndEndsWhileAnotherProcessErasesAndKeepsTheDatabase) {
+  OpenStore(Data());
+  std::ofstream(Data() + "/REWRITE").close();
+  auto upkeep = sqlite::TakeUpkeepLock(Data(), sqlite::FolderLock::Mode::kExclusive);
+  ASSERT_TRUE(upkeep.ok()) << upkeep.status().message();
+  sqlite3* other = nullptr;
+  ASSERT_EQ(sqlite3_open((Data() + "/enamel.db").c_str(), &other), SQLITE_OK);
+  ASSERT_EQ(sqlite3_exec(other, "BEGIN IMMEDIATE", nullptr, nullptr, nullptr), SQLITE_OK);
+  {
+    Program server(Serve(Data()));
+    std::string said = server.ReadUntil("fingerprint");
+    EXPECT_NE(said.find("ready: page"), std::string::npos) << said;
+    server.Signal(SIGTERM);
+    said = server.ReadAll();
+    EXPECT_NE(said.find("stopped"), std::string::npos) << said;
+    EXPECT_EQ(server.ExitCode(), 0);
+  }
+  sqlite3_close(other);
 }
 
 TEST_F(ServeProcessTest, SecondServerOnTheFolderIsRefused) {

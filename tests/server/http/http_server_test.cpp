@@ -9,6 +9,7 @@
 
 #include "server/http/request_reader.h"
 #include "tests/server/http/running_server.h"
+#include "tests/support/memory_store.h"
 
 namespace enamel::server::http {
 namespace {
@@ -220,6 +221,29 @@ TEST_F(HttpServerTest, ASlowDripDoesNotExtendTheDeadline) {
   RawClient body(server.port());
   body.Send("POST /api/v1/session HTTP/1.1\r\nHost: localhost\r\nContent-Length: 10\r\n\r\n12");
   EXPECT_TRUE(body.ClosedByServer());
+}
+
+TEST_F(HttpServerTest, DiskThatHangsHoldsUpWhoAsksForHealthAndNobodyElse) {
+  std::promise<void> asked, release;
+  auto store = std::make_unique<enamel::test::MemoryStore>();
+  store->before_health = [&] {
+    asked.set_value();
+    release.get_future().wait();
+  };
+  school_.authenticator.reset();
+  school_.store = std::move(store);
+  school_.authenticator = std::make_unique<auth::Authenticator>(*school_.store);
+  RunningServer server(school_, options_);
+  RawClient patient(server.port()), other(server.port());
+  patient.Send(kHealth);
+  bool hangs = asked.get_future().wait_for(std::chrono::seconds(60)) == std::future_status::ready;
+  other.Send("GET / HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  auto page = other.Read();
+  release.set_value();
+  EXPECT_TRUE(hangs);
+  ASSERT_TRUE(page.has_value());
+  EXPECT_EQ(page->status, 200);
+  EXPECT_EQ(patient.Read()->status, 200);
 }
 
 TEST_F(HttpServerTest, HealthIsToldWhileAllOthersWaitForTheDatabase) {

@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <future>
+
+#include "tests/server/storage/simulated_disk.h"
 #include "tests/server/storage/store_world.h"
 
 // The layer over SQLite: how much it keeps, and what it tells of failures.
@@ -74,6 +78,46 @@ TEST_F(DbTest, FailuresTellWhatToDoButNoPathAndNoneOfSqlitesWords) {
       EXPECT_EQ(status.message().find(inner), std::string::npos) << status.message();
     }
   }
+}
+
+// SQLite itself never waits for whoever empties the log already.
+TEST_F(DbTest, EmptyingTheLogWaitsForAnotherConnectionThatDoesItJustNow) {
+  std::atomic<bool> armed{false};
+  std::promise<void> held, release;
+  SimulatedDisk disk(folder_.path());
+  disk.SetBeforeWrite([&](const std::string& path) {
+    if (path != "enamel.db" || !armed.exchange(false)) return;
+    held.set_value();
+    (void)release.get_future().wait_for(std::chrono::minutes(2));
+  });
+  auto other = Db::Open(folder_.path() / "enamel.db", Db::Mode::kReadWrite, disk.vfs());
+  ASSERT_TRUE(other.ok()) << other.status().message();
+  ASSERT_TRUE((*other)->Exec("CREATE TABLE t (n INTEGER); INSERT INTO t VALUES (1)").ok());
+  auto db = Open();
+  armed = true;
+  auto first = std::async([&] { return (*other)->EmptyLog(); });
+  ASSERT_EQ(held.get_future().wait_for(std::chrono::minutes(2)), std::future_status::ready);
+  db->SetBusyWait(std::chrono::milliseconds(20));
+  EXPECT_EQ(db->EmptyLog().code(), Code::kUnavailable) << "not for ever";
+  db->SetBusyWait(std::chrono::minutes(2));
+  auto second = std::async([&] { return db->EmptyLog(); });
+  EXPECT_EQ(second.wait_for(std::chrono::milliseconds(100)), std::future_status::timeout);
+  release.set_value();
+  EXPECT_TRUE(first.get().ok());
+  Status emptied = second.get();
+  EXPECT_TRUE(emptied.ok()) << emptied.message();
+}
+
+TEST_F(DbTest, StoppingEndsARewriteAndLetsOrdinaryWritesThrough) {
+  auto db = Open();
+  ASSERT_TRUE(db->Exec("CREATE TABLE t (n INTEGER); WITH RECURSIVE c(n) AS (SELECT 1 UNION ALL "
+                       "SELECT n + 1 FROM c WHERE n < 100000) INSERT INTO t SELECT n FROM c")
+                  .ok());
+  EXPECT_TRUE(db->Rewrite().ok());
+  db->StopWaiting();
+  EXPECT_EQ(db->Rewrite().code(), Code::kUnavailable);
+  EXPECT_EQ(db->EmptyLog().code(), Code::kUnavailable);
+  EXPECT_TRUE(db->Exec("UPDATE t SET n = n + 1").ok());
 }
 
 }  // namespace

@@ -2,9 +2,12 @@
 #include <sqlite3.h>
 
 #include <atomic>
+#include <fstream>
+#include <functional>
 #include <future>
 #include <thread>
 
+#include "server/storage/folder_lock.h"
 #include "tests/server/storage/simulated_disk.h"
 #include "tests/server/storage/store_world.h"
 
@@ -38,8 +41,8 @@ class Other {
 class RewriteTest : public ::testing::Test {
  protected:
   RewriteTest() {
-    disk_.SetBeforeWrite([this](const std::string& path) { Hold(path); });
-    server_ = Open(true, 10s);
+    disk_.SetBeforeWrite([this](const std::string& path) { LookAt(path); });
+    server_ = Open(true, kBusyWait);
     beside_ = Open(false, kBusyWait);
     gone_ = AddPerson(*server_, "gone", Role::kStudent);
   }
@@ -63,11 +66,28 @@ class RewriteTest : public ::testing::Test {
 
   // The log's first write after the person is deleted for good is the new database's, under the
   // lock for writing.
-  void Hold(const std::string& path) {
-    if (!holds_ || !path.ends_with("-wal") || beside_->PersonById(gone_).ok()) return;
-    holds_ = false;
+  void LookAt(const std::string& path) {
+    if (!armed_ || !path.ends_with("-wal") || beside_->PersonById(gone_).ok()) return;
+    armed_ = false;
+    in_the_middle_();
+  }
+  void InTheMiddle(std::function<void()> what) {
+    in_the_middle_ = std::move(what);
+    armed_ = true;
+  }
+  void Hold() {
     held_.set_value();
     (void)released_.wait_for(kEnough);
+  }
+  Result<ErasureReport> Erase() { return server_->ErasePerson(gone_, false, kSystem); }
+  // What a crash leaves, or an erasure that could not be finished.
+  void LeaveMark() const { std::ofstream(Mark()).close(); }
+  static bool IsWaitedFor(Store& store) {
+    auto until = std::chrono::steady_clock::now() + kEnough;
+    while (store.Health().waiting.empty() && std::chrono::steady_clock::now() < until) {
+      std::this_thread::sleep_for(1ms);
+    }
+    return !store.Health().waiting.empty();
   }
 
   static Status Add(Store& store, const std::string& login) {
@@ -81,22 +101,20 @@ class RewriteTest : public ::testing::Test {
   SimulatedDisk disk_{folder_.path()};
   std::unique_ptr<Store> server_, beside_;
   Uuid gone_;
-  std::atomic<bool> holds_{false};
+  std::atomic<bool> armed_{false};
+  std::function<void()> in_the_middle_;
   std::promise<void> held_, release_;
   std::future<void> released_ = release_.get_future();
 };
 
 TEST_F(RewriteTest, NobodyIsRefusedHoweverLongItTakes) {
-  holds_ = true;
-  auto erasure = std::async([&] { return server_->ErasePerson(gone_, false, kSystem); });
+  InTheMiddle([this] { Hold(); });
+  auto erasure = std::async([&] { return Erase(); });
   ASSERT_EQ(held_.get_future().wait_for(kEnough), std::future_status::ready);
   auto here = std::async([&] { return Add(*server_, "here"); });
   auto beside = std::async([&] { return Add(*beside_, "beside"); });
-  auto until = std::chrono::steady_clock::now() + kEnough;
-  while (beside_->Health().waiting.empty() && std::chrono::steady_clock::now() < until) {
-    std::this_thread::sleep_for(1ms);
-  }
-  EXPECT_FALSE(beside_->Health().waiting.empty()) << "it has waited for longer than it does else";
+  EXPECT_TRUE(IsWaitedFor(*beside_));
+  std::this_thread::sleep_for(2 * kBusyWait);
   StoreHealth health = server_->Health();
   EXPECT_NE(health.waiting.find("erased"), std::string::npos) << health.waiting;
   EXPECT_TRUE(health.takes_recordings);
@@ -107,7 +125,8 @@ TEST_F(RewriteTest, NobodyIsRefusedHoweverLongItTakes) {
   EXPECT_TRUE(in_here.ok()) << in_here.message();
   EXPECT_TRUE(next_to_it.ok()) << next_to_it.message();
   auto report = erasure.get();
-  EXPECT_TRUE(report.ok()) << report.status().message();
+  ASSERT_TRUE(report.ok()) << report.status().message();
+  EXPECT_TRUE(report->finished);
   EXPECT_TRUE(server_->PersonByLogin("beside").ok());
   EXPECT_EQ(server_->Health().waiting + beside_->Health().waiting, "");
   EXPECT_FALSE(std::filesystem::exists(Mark()));
@@ -116,17 +135,111 @@ TEST_F(RewriteTest, NobodyIsRefusedHoweverLongItTakes) {
 TEST_F(RewriteTest, OtherProgramsThatKeepTheDatabaseAreWaitedForNoLongerThanUsual) {
   Other writer(Data(), "BEGIN IMMEDIATE");
   EXPECT_EQ(Add(*beside_, "late").code(), Code::kUnavailable);
+  LeaveMark();
+  EXPECT_EQ(Add(*beside_, "later").code(), Code::kUnavailable) << "a mark alone is no erasure";
   EXPECT_EQ(beside_->Health().waiting, "");
+}
+
+TEST_F(RewriteTest, StartWaitsNeitherForAnotherProgramNorForWhatIsLeftToRewrite) {
+  server_.reset();
+  LeaveMark();
+  {
+    Other writer(Data(), "BEGIN IMMEDIATE");
+    server_ = Open(true, kBusyWait);
+    EXPECT_TRUE(server_->PersonById(gone_).ok());
+    EXPECT_EQ(server_->LeaseJob(1, 1).status().code(), Code::kUnavailable);
+  }
+  EXPECT_TRUE(server_->LeaseJob(1, 1).ok());
+  EXPECT_TRUE(std::filesystem::exists(Mark()));
+  Status finished = server_->FinishErasures();
+  EXPECT_TRUE(finished.ok()) << finished.message();
+  EXPECT_FALSE(std::filesystem::exists(Mark()));
+}
+
+TEST_F(RewriteTest, OnceStoppingNobodyWaitsForAnErasureBeside) {
+  Other writer(Data(), "BEGIN IMMEDIATE");
+  LeaveMark();
+  auto erases = sqlite::TakeUpkeepLock(Data(), sqlite::FolderLock::Mode::kExclusive);
+  ASSERT_TRUE(erases.ok()) << erases.status().message();
+  auto waits = std::async([&] { return Add(*server_, "here"); });
+  ASSERT_TRUE(IsWaitedFor(*server_));
+  auto touch = std::async([&] { return server_->TouchSession({}, 1); });
+  EXPECT_EQ(touch.wait_for(kEnough), std::future_status::ready) << "who reads is not kept waiting";
+  server_->StopWaiting();
+  ASSERT_EQ(waits.wait_for(kEnough), std::future_status::ready);
+  EXPECT_EQ(waits.get().code(), Code::kUnavailable);
+  EXPECT_EQ(server_->FinishErasures().code(), Code::kUnavailable);
+}
+
+TEST_F(RewriteTest, StopInTheMiddleLeavesTheRestToTheNextStart) {
+  InTheMiddle([this] { server_->StopWaiting(); });
+  auto report = Erase();
+  ASSERT_TRUE(report.ok()) << report.status().message();
+  EXPECT_FALSE(report->finished);
+  EXPECT_EQ(server_->PersonById(gone_).status().code(), Code::kNotFound);
+  EXPECT_TRUE(std::filesystem::exists(Mark()));
+  server_.reset();
+  server_ = Open(true, kBusyWait);
+  EXPECT_TRUE(server_->FinishErasures().ok());
+  EXPECT_FALSE(std::filesystem::exists(Mark()));
+}
+
+TEST_F(RewriteTest, IsLeftForLaterWhereThereIsNoRoomForTwoMoreDatabases) {
+  const uint64_t size = std::filesystem::file_size(Data() / "enamel.db") +
+                        std::filesystem::file_size(Data() / "enamel.db-wal");
+  disk_.SetFree(size);
+  auto report = Erase();
+  ASSERT_TRUE(report.ok()) << report.status().message();
+  EXPECT_FALSE(report->finished);
+  EXPECT_EQ(server_->PersonById(gone_).status().code(), Code::kNotFound);
+  EXPECT_TRUE(std::filesystem::exists(Mark()));
+  EXPECT_EQ(server_->FinishErasures().code(), Code::kStorage);
+  EXPECT_TRUE(server_->Health().takes_recordings) << server_->Health().problem;
+  disk_.SetFree(3 * size);
+  Status finished = server_->FinishErasures();
+  EXPECT_TRUE(finished.ok()) << finished.message();
+  EXPECT_FALSE(std::filesystem::exists(Mark()));
+}
+
+TEST_F(RewriteTest, DiskThatFillsUpAllTheSameHasItsRoomBack) {
+  // The last one that closes it empties the log: what is in it from now on is the rewrite's.
+  beside_.reset();
+  server_.reset();
+  server_ = Open(true, kBusyWait);
+  beside_ = Open(false, kBusyWait);
+  InTheMiddle([this] { disk_.SetFree(64 << 10); });
+  auto report = Erase();
+  ASSERT_TRUE(report.ok()) << report.status().message();
+  EXPECT_FALSE(report->finished);
+  EXPECT_TRUE(std::filesystem::exists(Mark()));
+  EXPECT_EQ(std::filesystem::file_size(Data() / "enamel.db-wal"), 0u);
+  EXPECT_TRUE(Add(*server_, "next").ok());
+  EXPECT_TRUE(server_->Health().takes_recordings) << server_->Health().problem;
+  EXPECT_TRUE(server_->PersonByLogin("next").ok());
+}
+
+// They are what makes room.
+TEST_F(RewriteTest, RulesOfRetentionApplyAlsoWhereThereIsNoRoomForIt) {
+  World world(*server_);
+  Uuid attempt = world.OpenedAttempt();
+  ASSERT_TRUE(server_->SetRetention({"unfinished", 14}, kSystem).ok());
+  LeaveMark();
+  disk_.SetFree(200'000);
+  constexpr UnixMs kMuchLater = 1'000ll * 24 * 60 * 60 * 1000;
+  auto applied = server_->ApplyRetention(kMuchLater, false, kSystem);
+  ASSERT_TRUE(applied.ok()) << applied.status().message();
+  EXPECT_EQ(applied->unfinished.size(), 1u);
+  EXPECT_FALSE(server_->AttemptById(attempt).ok());
+  EXPECT_TRUE(std::filesystem::exists(Mark()));
 }
 
 // Of a program that reads for long, as verify does, the pages that it reads stay in the log.
 TEST_F(RewriteTest, IsFinishedWithTheRulesOfRetentionWhenAReaderKeepsTheOldPages) {
-  server_.reset();
-  server_ = Open(true, kBusyWait);
   {
     Other reader(Data(), "BEGIN; SELECT count(*) FROM people");
-    auto report = server_->ErasePerson(gone_, false, kSystem);
-    EXPECT_TRUE(report.ok()) << report.status().message();
+    auto report = Erase();
+    ASSERT_TRUE(report.ok()) << report.status().message();
+    EXPECT_FALSE(report->finished);
     EXPECT_EQ(server_->PersonById(gone_).status().code(), Code::kNotFound);
     EXPECT_TRUE(std::filesystem::exists(Mark()));
     EXPECT_TRUE(Add(*server_, "next").ok());
