@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # A backup is older than the lost data folder: a person, a station and an exercise came after it, and recordings of
 # each. As server/README.md tells: restore, see what is awaited, bring it back, and everything is sealed and scored.
-# Then a person is erased beside the running server, and nothing of that person is in a backup made after.
+# Then a person is erased beside the running server: the login is in no file of a backup made after, key and attempts
+# are gone.
 . "$(dirname "$0")/support.sh"
 port=$(free_ports)
 data=$work/data
@@ -9,6 +10,8 @@ link=127.0.0.1:$((port + 1))
 admin() { "$bin/enamel-server" admin "$@" --data "$data"; }
 step() { printf '\n==> %s\n' "$*"; }
 password='a long enough password'
+latecomer=late-$RANDOM-$RANDOM  # a login that occurs nowhere else
+named() { grep -rqaF -- "$latecomer" "$1"; }  # in a file below the folder
 add() { printf '%s\n' "$password" | admin add-person --password-stdin "$@"; }
 enrol() { "$bin/enamel-station" enrol --data "$work/$1" --server "$link" --code "$(admin enrol-code)" "${@:2}"; }
 publish() { admin publish-exercise --scene builtin:molar --name class-1 --voxel-um "$1"; }
@@ -44,9 +47,9 @@ reference first_cut
 "$bin/enamel-server" backup "$work/backup" --data "$data"
 
 step "after it: one more of each, with a recording"
-add --login late --role student
+add --login "$latecomer" --role student
 enrol station2 --name "Bench 2"
-attempt late_person station1 late student
+attempt late_person station1 "$latecomer" student
 attempt late_station station2 early student
 publish 250
 reference second_cut
@@ -67,7 +70,7 @@ admin list-awaited | tee "$work/awaited"
 person=$(sed -n 's/.*"person":"\([^"]*\)".*/\1/p' "$work/awaited")
 
 step "brought back, as the list says"
-add --login late --role student --id "$person"
+add --login "$latecomer" --role student --id "$person"
 publish 250
 enrol station2 --again
 upload station1
@@ -81,12 +84,15 @@ admin list-awaited | grep -q "nothing waits" || fail "something is still awaited
 
 step "a person is erased beside the server; a backup made then is restored, and verified"
 [ -e "$data/keyring/$person.key" ] || fail "keys are no longer kept where this looks"
-admin erase-person --login late --confirm late
+named "$data" || fail "the name is not kept where this looks"
+admin erase-person --login "$latecomer" --confirm "$latecomer"
 "$bin/enamel-server" backup "$work/after" --data "$data"
+for folder in "$data" "$work/after"; do ! named "$folder" || fail "the erased person's login is in $folder"; done
 stop_server
 "$bin/enamel-server" restore "$work/after" --data "$work/again"
 "$bin/enamel-server" verify --data "$work/again"
 data=$work/again
 [ "$(admin list-attempts | grep -c ' scored ')" = 4 ] || { admin list-attempts; fail "not the attempts of who stays"; }
+! named "$data" || fail "the erased person's login is in what was restored"
 [ ! -e "$data/keyring/$person.key" ] || fail "the key of the erased person is there"
 echo "ok: restored, awaited, brought back, erased"

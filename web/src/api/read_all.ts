@@ -3,7 +3,8 @@ import type { ApiResult, Page } from "./http";
 
 const kMostPages = 200;
 
-// Every page of a list, one after the other; ends early with an error of any of them.
+// The pages of a list, one after the other, up to kMostPages of them (40 000 rows of 200): what comes after is left out.
+// Ends early with an error of any of them.
 export async function readAll<T>(ask: (cursor: string | undefined) => Promise<ApiResult<Page<T>>>): Promise<ApiResult<readonly T[]>> {
   const items: T[] = [];
   let cursor: string | undefined;
