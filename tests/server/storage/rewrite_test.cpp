@@ -50,11 +50,14 @@ class RewriteTest : public ::testing::Test {
   std::filesystem::path Data() const { return folder_.path() / "data"; }
   std::filesystem::path Mark() const { return Data() / "REWRITE"; }
 
-  std::unique_ptr<Store> Open(bool as_server, std::chrono::milliseconds busy_wait) {
+  std::unique_ptr<Store> Open(bool as_server, std::chrono::milliseconds busy_wait,
+                              uint64_t min_free_bytes = 0) {
     SqliteOptions options;
     options.folder = Data();
     options.hold_lock = as_server;
     options.busy_wait = busy_wait;
+    options.min_free_bytes = min_free_bytes;
+    options.free_space_check = 0ms;
     if (as_server) {
       options.vfs = disk_.vfs();
       options.disk = &disk_;
@@ -185,9 +188,12 @@ TEST_F(RewriteTest, StopInTheMiddleLeavesTheRestToTheNextStart) {
 }
 
 TEST_F(RewriteTest, IsLeftForLaterWhereThereIsNoRoomForTwoMoreDatabases) {
+  constexpr uint64_t kKeptFree = 16 << 20;
+  server_.reset();
+  server_ = Open(true, kBusyWait, kKeptFree);
   const uint64_t size = std::filesystem::file_size(Data() / "enamel.db") +
                         std::filesystem::file_size(Data() / "enamel.db-wal");
-  disk_.SetFree(size);
+  disk_.SetFree(kKeptFree + size);
   auto report = Erase();
   ASSERT_TRUE(report.ok()) << report.status().message();
   EXPECT_FALSE(report->finished);
@@ -195,7 +201,7 @@ TEST_F(RewriteTest, IsLeftForLaterWhereThereIsNoRoomForTwoMoreDatabases) {
   EXPECT_TRUE(std::filesystem::exists(Mark()));
   EXPECT_EQ(server_->FinishErasures().code(), Code::kStorage);
   EXPECT_TRUE(server_->Health().takes_recordings) << server_->Health().problem;
-  disk_.SetFree(3 * size);
+  disk_.SetFree(kKeptFree + 3 * size);
   Status finished = server_->FinishErasures();
   EXPECT_TRUE(finished.ok()) << finished.message();
   EXPECT_FALSE(std::filesystem::exists(Mark()));
