@@ -229,7 +229,7 @@ TEST_F(WorkflowTest, TicketKeptForLaterIsGivenBackWithItsPinAlone) {
 
 TEST_F(WorkflowTest, WhoHasToChooseAPasswordIsToldWhereOnTheSignInPage) {
   server_->must_change_password = true;
-  server_->page_url = "https://enamel.example.edu";
+  server_->SetPageUrl("https://enamel.example.edu");
   flow_->SignIn("ada", "once");
   Settle();
   EXPECT_EQ(flow_->place(), Place::kSignIn);

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <spdlog/sinks/base_sink.h>
+#include <spdlog/sinks/dist_sink.h>
+#include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <memory>
@@ -9,14 +11,21 @@
 
 namespace enamel::station {
 
-// What is logged while this lives, one message a line with its level before it: "info: …". In place
-// of where it went before. Thread safety: all.
+// Where this test program logs to, from before its threads begin: a logger is not to be replaced
+// while another thread writes to it.
+inline const std::shared_ptr<spdlog::sinks::dist_sink_mt> kLog = [] {
+  auto all = std::make_shared<spdlog::sinks::dist_sink_mt>();
+  all->add_sink(std::make_shared<spdlog::sinks::stderr_sink_mt>());
+  spdlog::set_default_logger(std::make_shared<spdlog::logger>("test", all));
+  return all;
+}();
+
+// What is logged while this lives, one message a line with its level before it: "info: …". Thread
+// safety: all.
 class LogLines {
  public:
-  LogLines() : before_(spdlog::default_logger()) {
-    spdlog::set_default_logger(std::make_shared<spdlog::logger>("test", sink_));
-  }
-  ~LogLines() { spdlog::set_default_logger(before_); }
+  LogLines() { kLog->add_sink(sink_); }
+  ~LogLines() { kLog->remove_sink(sink_); }
   LogLines(const LogLines&) = delete;
   LogLines& operator=(const LogLines&) = delete;
 
@@ -41,7 +50,6 @@ class LogLines {
     std::string text_;
   };
 
-  const std::shared_ptr<spdlog::logger> before_;
   const std::shared_ptr<Sink> sink_ = std::make_shared<Sink>();
 };
 

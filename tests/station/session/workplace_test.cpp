@@ -100,7 +100,7 @@ TEST_F(WorkplaceTest, ForgottenPinNeedsASignInAndTheServersWord) {
 TEST_F(WorkplaceTest, WhoHasToChooseAPasswordIsToldWhere) {
   workplace_.reset();
   server_->must_change_password = true;
-  server_->page_url = "https://enamel.example.edu";
+  server_->SetPageUrl("https://enamel.example.edu");
   workplace_ = std::move(*Workplace::Open({.data = folder_ / "data"}));
   Status refused = workplace_->SignIn("ada", "secret").status();
   EXPECT_EQ(refused.code(), Code::kForbidden);

@@ -125,7 +125,10 @@ class FakeServer {
     std::lock_guard lock(mutex_);
     return returned_;
   }
-  std::string page_url;
+  void SetPageUrl(std::string url) {
+    std::lock_guard lock(mutex_);
+    page_url_ = std::move(url);
+  }
   // Attempts that whoever signs in may see. Not while it answers.
   std::set<Uuid> seen;
 
@@ -186,7 +189,10 @@ class FakeServer {
     reply.set_reply_to(request.id());
     if (request.has_hello()) {
       reply.mutable_welcome()->set_core_version(request.hello().core_version());
-      reply.mutable_welcome()->set_page_url(page_url);
+      {
+        std::lock_guard lock(mutex_);
+        reply.mutable_welcome()->set_page_url(page_url_);
+      }
     } else if (request.has_open_attempt()) {
       if (refuse) {
         *reply.mutable_error() = protocol::ToError(*refuse);
@@ -300,6 +306,7 @@ class FakeServer {
   mutable std::mutex mutex_;
   std::set<int> open_;                                // guarded by mutex_
   Uuid first_;                                        // guarded by mutex_
+  std::string page_url_;                              // guarded by mutex_
   std::vector<Uuid> returned_;                        // guarded by mutex_
   std::map<Uuid, std::map<uint32_t, Bytes>> chunks_;  // guarded by mutex_
 };

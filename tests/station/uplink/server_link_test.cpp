@@ -38,7 +38,7 @@ TEST_F(ServerLinkTest, PageIsShownWhereTheServerSaysItAndTheTextIsAnAddress) {
   for (const std::string& url : {std::string("https://enamel.example.edu"),
                                  std::string("http://10.0.0.5:8080/page"), fits}) {
     FakeServer server(folder_);
-    server.page_url = url;
+    server.SetPageUrl(url);
     ServerLink link;
     ASSERT_TRUE(link.Connect(server.NewStation()).ok());
     EXPECT_EQ(link.page_url(), url);
@@ -47,7 +47,7 @@ TEST_F(ServerLinkTest, PageIsShownWhereTheServerSaysItAndTheTextIsAnAddress) {
        {std::string(), std::string("https://"), std::string("ftp://x"), std::string("http://a b"),
         std::string("https://x\n"), std::string("https://\u00fc.example"), fits + "x"}) {
     FakeServer server(folder_);
-    server.page_url = other;
+    server.SetPageUrl(other);
     ServerLink link;
     ASSERT_TRUE(link.Connect(server.NewStation()).ok());
     EXPECT_EQ(link.page_url(), "") << other;
