@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/check.h"
+
 namespace enamel::station::qualify {
 
 uint64_t Random::Next() {
@@ -43,11 +45,33 @@ Plant::Plant(const PlantSpec& spec, Hand& hand, const dvec3& start_m)
       hand_(hand),
       hand_mass_(hand.mass_kg()),
       random_(spec.seed),
+      noise_random_(spec.seed ^ 0x6e6f697365ull),
       tip_(start_m),
       motor_(start_m),
-      pipe_(static_cast<size_t>(spec.delay_ticks) + 1, dvec3(0)) {}
+      pipe_(static_cast<size_t>(spec.delay_ticks) + 1, dvec3(0)) {
+  const Lattice& lattice = spec_.lattice;
+  const double volume = std::fabs(glm::determinant(lattice.joints));
+  ENAMEL_CHECK(volume > 1e-6 && lattice.driver_cell_m >= 0 && lattice.noise_counts >= 0);
+  // Cartesian cells are read without going through a matrix: bit for bit what they always were.
+  joint_cells_ = lattice.joints != glm::dmat3(1);
+  if (joint_cells_) from_joints_ = glm::inverse(lattice.joints);
+  DrawNoise();
+}
 
-dvec3 Plant::Read() const { return CellMiddle(motor_, spec_.resolution_m); }
+void Plant::DrawNoise() {
+  const int n = spec_.lattice.noise_counts;
+  if (n == 0) return;
+  for (int i = 0; i < 3; ++i) noise_counts_[i] = noise_random_.Below(2 * n + 1) - n;
+}
+
+dvec3 Plant::Read() const {
+  const double delta = spec_.resolution_m, driver = spec_.lattice.driver_cell_m;
+  dvec3 x = joint_cells_ ? spec_.lattice.joints * motor_ : motor_;
+  x = CellMiddle(x, delta);
+  if (spec_.lattice.noise_counts > 0) x += noise_counts_ * delta;
+  if (joint_cells_) x = from_joints_ * x;
+  return driver > 0 ? glm::floor(x / driver + 0.5) * driver : x;
+}
 
 bool Plant::TickLost() { return spec_.drop_ratio > 0 && random_.Uniform() < spec_.drop_ratio; }
 
@@ -72,6 +96,7 @@ void Plant::Advance() {
       RigidSubstep(grip, dt);
   }
   time_s_ += last_tick_s_;
+  DrawNoise();
 }
 
 // (m + dt (b + d) + dt^2 k) v' = m v + dt (F + k (q - x) + d q'), then the friction impulse.

@@ -10,19 +10,36 @@
 //
 // Tip: point mass with viscous damping b and Coulomb friction c per axis, optionally split by one
 // structural mode (motor mass, spring, tip mass; the encoder sits on the motor side). Encoder:
-// cells of edge delta, read as cell middles. Motors: hold their force between ticks, saturate,
-// answer after whole ticks of delay; ticks can be late (jitter) or lost (the force is held on).
+// cells of edge delta on the lattice below, read as cell middles. Motors: hold their force between
+// ticks, saturate, answer after whole ticks of delay; ticks can be late (jitter) or lost (the force
+// is held on).
 //
 // Integration: sub-stepped, linearly implicit in b, the hand's stiffness and the hand's damping,
 // with friction as the impulse that can at most stop an axis. First order in the step;
 // IntegrationError in trial.h reports it against a finer step.
 namespace enamel::station::qualify {
 
+// Where the encoder's cells lie. As it stands: cells of edge delta along x, y and z, no noise.
+// Joint counts: row i of `joints` is the direction whose way encoder i counts, q = joints * tip, in
+// cells of edge delta. A rotation keeps the cells cubes; unit rows that are not square to each
+// other shear them. What is read is the joint cell's middle, taken back to x, y and z. Validity: an
+// invertible matrix (checked by Plant); one matrix over a whole trial, as a real arm's is over a
+// few millimetres.
+struct Lattice {
+  glm::dmat3 joints{1};
+  // A driver that rounds the position again, to the nearest multiple of this per axis; 0: not.
+  double driver_cell_m = 0;
+  // Each joint's count is off by a whole number uniform in -n..n, drawn anew each tick, apart from
+  // the seed's other numbers: a trial with noise has the jitter and the lost ticks of one without.
+  int noise_counts = 0;
+};
+
 struct PlantSpec {
   double mass_kg = 0.1;          // of the device at its tip
   double damping_n_s_per_m = 0;  // b
   double friction_n = 0;         // c, per axis
   double resolution_m = 10e-6;   // delta
+  Lattice lattice;               // of the encoder's cells
   double tick_s = 1e-3;          // T
   double peak_force_n = 1e9;     // motors saturate per axis here
   int delay_ticks = 0;           // from reading to force, whole ticks
@@ -79,7 +96,8 @@ class Plant {
   // `hand` is borrowed and outlives the plant.
   Plant(const PlantSpec& spec, Hand& hand, const dvec3& start_m);
 
-  // Middle of the encoder cell the motor side is in.
+  // What the driver says: the middle of the encoder cell the motor side is in, noise and the
+  // driver's own rounding included. The same however often it is asked within a tick.
   dvec3 Read() const;
   // Whether this tick is lost: the controller is not run and the last force is held.
   bool TickLost();
@@ -97,13 +115,17 @@ class Plant {
 
  private:
   void Advance();
+  void DrawNoise();
   void RigidSubstep(const Grip& grip, double dt);
   void FlexibleSubstep(const Grip& grip, double dt);
 
   PlantSpec spec_;
   Hand& hand_;
   double hand_mass_;
-  Random random_;
+  Random random_, noise_random_;
+  glm::dmat3 from_joints_{1};
+  bool joint_cells_ = false;
+  dvec3 noise_counts_{0};
   dvec3 tip_, tip_speed_{0}, motor_, motor_speed_{0}, sent_{0};
   std::vector<dvec3> pipe_;
   size_t pipe_at_ = 0;

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "station/qualify/hands.h"
@@ -67,6 +69,78 @@ TEST(PlantTest, MotorsSaturateAndCellsHaveMiddles) {
   EXPECT_NEAR(plant.Read().y, -5e-6, 1e-15);
   plant.Step(dvec3(100, -100, 1));
   EXPECT_EQ(plant.sent_n(), dvec3(3, -3, 1));
+}
+
+// A rotated lattice of edge delta keeps its cells cubes: what is read is never further from the tip
+// than half a cell's diagonal, along each joint never more than half a cell, and both are nearly
+// reached. Rounded again by the driver: half a driver cell more per axis, on its multiples.
+TEST(PlantTest, JointCellsReadTheirMiddleBackInCartesianCoordinates) {
+  const double delta = 10e-6, driver = 25e-6;
+  Random random(7);
+  double furthest = 0, furthest_joint = 0, furthest_rounded = 0;
+  for (int i = 0; i < 3000; ++i) {
+    PlantSpec s = Bare(1);
+    s.resolution_m = delta;
+    const dvec3 a = random.Direction(), b = glm::normalize(glm::cross(a, random.Direction()));
+    s.lattice.joints = glm::transpose(glm::dmat3(a, b, glm::cross(a, b)));
+    ForceHand hand(dvec3(1, 0, 0), 0, 0, 0);
+    const dvec3 tip(1e-3 * random.Signed(), 1e-3 * random.Signed(), 1e-3 * random.Signed());
+    const dvec3 off = Plant(s, hand, tip).Read() - tip;
+    furthest = std::max(furthest, glm::length(off));
+    for (const dvec3& joint : {a, b, glm::cross(a, b)})
+      furthest_joint = std::max(furthest_joint, std::fabs(glm::dot(joint, off)));
+    s.lattice.driver_cell_m = driver;
+    const dvec3 rounded = Plant(s, hand, tip).Read();
+    for (int k = 0; k < 3; ++k) {
+      furthest_rounded = std::max(furthest_rounded, std::fabs(rounded[k] - (tip + off)[k]));
+      EXPECT_NEAR(std::remainder(rounded[k], driver), 0, 1e-12);
+    }
+  }
+  EXPECT_LE(furthest, std::sqrt(0.75) * delta * (1 + 1e-9));
+  EXPECT_GE(furthest, 0.9 * std::sqrt(0.75) * delta);
+  EXPECT_NEAR(furthest_joint, delta / 2, 0.01 * delta);
+  EXPECT_LE(furthest_rounded, driver / 2 * (1 + 1e-9));
+  EXPECT_GE(furthest_rounded, 0.48 * driver);
+}
+
+// Two joints at 60 degrees: unit rows, the cell a rhombus. A tip one joint cell further along the
+// first joint's dual direction is read exactly that much further.
+TEST(PlantTest, ShearedJointCellsKeepTheirEdgeAlongEachJoint) {
+  PlantSpec s = Bare(1);
+  s.resolution_m = 10e-6;
+  const dvec3 first(1, 0, 0), second(0.5, std::sqrt(0.75), 0), third(0, 0, 1);
+  s.lattice.joints = glm::transpose(glm::dmat3(first, second, third));
+  ForceHand hand(dvec3(1, 0, 0), 0, 0, 0);
+  // (1, -1/sqrt 3, 0): first joint turns by one cell, the others stand.
+  const dvec3 step = 10e-6 * dvec3(1, -1 / std::sqrt(3.0), 0), from(3e-6, 4e-6, 5e-6);
+  const dvec3 moved = Plant(s, hand, from + step).Read() - Plant(s, hand, from).Read();
+  EXPECT_NEAR(glm::length(moved - step), 0, 1e-15);
+}
+
+TEST(PlantTest, NoiseIsWholeCountsWithinItsRangeAndTheSameWithinATick) {
+  PlantSpec s = Bare(1);
+  s.resolution_m = 10e-6;
+  s.jitter_ratio = 0.3;
+  ForceHand hand(dvec3(1, 0, 0), 0, 0, 0);
+  Plant quiet(s, hand, dvec3(12e-6, -1e-6, 1e-6));
+  s.lattice.noise_counts = 2;
+  Plant noisy(s, hand, dvec3(12e-6, -1e-6, 1e-6));
+  std::array<int, 5> seen{};
+  for (int k = 0; k < 5000; ++k) {
+    const dvec3 read = noisy.Read();
+    ASSERT_EQ(read, noisy.Read());
+    for (int i = 0; i < 3; ++i) {
+      const double counts = (read[i] - quiet.Read()[i]) / s.resolution_m;
+      ASSERT_NEAR(counts, std::round(counts), 1e-9);
+      ASSERT_LE(std::fabs(counts), 2.001);
+      ++seen[static_cast<size_t>(std::lround(counts) + 2)];
+    }
+    noisy.StepHeld();
+    quiet.StepHeld();
+    ASSERT_EQ(noisy.last_tick_s(), quiet.last_tick_s());  // noise leaves the jitter alone
+  }
+  // 15000 draws over 5 values: 3000 each, sd 49; five of them.
+  for (int n : seen) EXPECT_NEAR(n, 3000, 245);
 }
 
 // The free mode of two masses: omega as asked. The tip oscillates against the motor after a step of
