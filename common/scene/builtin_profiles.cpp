@@ -9,8 +9,10 @@ constexpr const char* kDampingSource =
 constexpr const char* kMassSource = "assumption: effective mass at the tip, not measured";
 constexpr const char* kFrictionSource = "assumption: Coulomb friction at the tip, not measured";
 constexpr const char* kDelaySource = "assumption: force is out before the next tick";
-constexpr const char* kContinuousSource =
-    "paper, table 3 (maximum continuous force with the limiter)";
+// Table 3 of the paper prints 3.7, 0.8 and 1.1 N as "maximum continuous output force". That is what
+// its limiter gave in one experiment, not what the motors bear for long: it is no source for these.
+constexpr const char* kSheetSource =
+    "published by the manufacturer; not measured, not checked against this unit";
 
 DeviceProfile Omega3() {
   DeviceProfile p;
@@ -23,7 +25,7 @@ DeviceProfile Omega3() {
   p.friction_mn = {90, kFrictionSource};
   p.mass_g = {250, kMassSource};
   p.peak_force_mn = {12'000, "CHAI3D's device list (omega.3, 12 N)"};
-  p.continuous_force_mn = {3'700, kContinuousSource};
+  p.continuous_force_mn = {12'000, kSheetSource};
   p.rate_hz = {1'000, "paper, device table"};
   p.bus_delay_ticks = {0, kDelaySource};
   p.workspace_radius_um = {75'000, "CHAI3D's device list (omega.3, 75 mm)"};
@@ -41,7 +43,7 @@ DeviceProfile PhantomDesktop() {
   p.friction_mn = {25, kFrictionSource};
   p.mass_g = {45, kMassSource};
   p.peak_force_mn = {7'900, "CHAI3D's device list (Phantom Desktop, 7.9 N)"};
-  p.continuous_force_mn = {800, kContinuousSource};
+  p.continuous_force_mn = {1'750, kSheetSource};
   p.rate_hz = {1'000, "paper, device table"};
   p.bus_delay_ticks = {0, kDelaySource};
   p.workspace_radius_um = {100'000, "CHAI3D's device list (Phantom Desktop, 100 mm)"};
@@ -60,7 +62,8 @@ DeviceProfile Bhhd3() {
   p.mass_g = {150, kMassSource};
   p.peak_force_mn = {8'000,
                      "assumption: no published figure; between the other two devices' scale"};
-  p.continuous_force_mn = {1'100, kContinuousSource};
+  p.continuous_force_mn = {
+      1'750, "assumption: not known, no published figure; the least of the other two devices'"};
   p.rate_hz = {1'000, "paper, device table"};
   p.bus_delay_ticks = {0, kDelaySource};
   p.workspace_radius_um = {75'000, "assumption: no published figure"};

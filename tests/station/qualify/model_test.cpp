@@ -54,7 +54,15 @@ TEST(DeviceModelTest, SaysWhatItCannotRenderAndForHowLongThePeakLasts) {
   EXPECT_EQ(CannotRender(*omega, 6500, 2e-3).size(), 1u);
 }
 
-// 2.795 N against 0.8 N continuous: (F/Fc)^2 (1 - exp(-t/tau)) = 1 at t = 0.0855 tau.
+// Table 3 of the paper prints what the limiter gave in one experiment, not what motors bear for long.
+TEST(DeviceModelTest, NoContinuousForceIsTheLimitersForceOfThePapersTable3) {
+  for (const auto& profile : QualifyProfiles()) {
+    EXPECT_EQ(profile.continuous_force_mn.source.find("paper"), std::string::npos) << profile.name;
+    EXPECT_LE(profile.continuous_force_mn.value, profile.peak_force_mn.value) << profile.name;
+  }
+}
+
+// 2.795 N against 1.75 N continuous: (F/Fc)^2 (1 - exp(-t/tau)) = 1 at t = 0.4975 tau.
 TEST(DeviceModelTest, SaysInSecondsHowLongThePeakLastsWhereTheTimeConstantIsKnown) {
   auto profile = QualifyProfiles()[1];
   profile.thermal_time_constant_ms = {60'000, "measured: warmed until its cut-out"};
@@ -62,7 +70,7 @@ TEST(DeviceModelTest, SaysInSecondsHowLongThePeakLastsWhereTheTimeConstantIsKnow
   ASSERT_TRUE(phantom.ok());
   auto limits = CannotRender(*phantom, 6500, 0.43e-3);
   ASSERT_EQ(limits.size(), 1u);
-  EXPECT_NE(limits[0].find("5.1 s"), std::string::npos) << limits[0];
+  EXPECT_NE(limits[0].find("29.9 s"), std::string::npos) << limits[0];
 }
 
 }  // namespace
