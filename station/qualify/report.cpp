@@ -278,7 +278,8 @@ std::vector<Named> AllPlots(const Findings& f) {
           {"B V", {{0, t.target_n}, {end, t.target_n}}, "#17242b", false, false, true});
       break;
     }
-    out.push_back({"laws", "trace-" + std::to_string(i + 1), SvgOf(p)});
+    const char* section = order[i].rfind("Figure ", 0) == 0 ? "paper" : "laws";
+    out.push_back({section, "trace-" + std::to_string(i + 1), SvgOf(p)});
   }
   for (const DeviceModel& m : f.models) {
     if (!laws) break;
@@ -328,7 +329,8 @@ constexpr Section kSections[] = {
     {"adversary", "Adversary",
      "A search for energy: it chooses the motion, the material and the walls tick by tick."},
     {"cutting", "Cutting: error against run time",
-     "What a voxel size costs and what it is worth: burs against the bodies they sweep, and the score "
+     "What a voxel size costs and what it is worth: burs against the bodies they sweep, and the "
+     "score "
      "of one hand at every voxel size."},
     {"estimators", "Velocity estimators", ""},
     {"paper", "The paper's tables beside ours",
