@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/measure/cutting_error.h"
@@ -19,6 +20,9 @@ struct Row {
   double rate_hz = 1000, b_n_s_per_mm = 0, speed_mm_s = 0, kc_n_per_mm = 0;
   double tau_s = 0, kc_delta_half_n = 0, ns_per_tick = 0;
   Measurement m;
+  // What a suite measures besides, by name: written beside the other members in JSON and read by
+  // front.h. "error_over_oracle": human-motion error over the memoryless oracle's; "pull_n".
+  std::vector<std::pair<std::string, double>> extra;
   Verdict verdict = Verdict::kStable;
   bool pareto = false, is_default = false;
 };
@@ -87,7 +91,7 @@ struct Findings {
   std::vector<RandomSummary> random;
   std::vector<CuttingRow> cutting;
   std::vector<measure::ScoreFigures> scores;  // coarse to fine
-  double integration_error_m = 0;  // the simulator's own, worst of the trials asked
+  double integration_error_m = 0;             // the simulator's own, worst of the trials asked
   double seconds = 0;
   uint64_t seed = 1;
   bool quick = false;

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <map>
 
+#include "station/qualify/front.h"
 #include "station/qualify/suite_cutting.h"
 #include "station/qualify/svg.h"
 
@@ -27,54 +28,49 @@ size_t Width(const std::string& s) {
       std::count_if(s.begin(), s.end(), [](char c) { return (c & 0xc0) != 0x80; }));
 }
 
-constexpr double kLabelled_n = 1;  // points worse than this have no name in the plot
+constexpr double kLabelled = 3;  // points worse than this have no name in the plot
+constexpr double kDrawn = 100;   // larger figures, and what is never reached, are drawn here
 
-// Error of a law at B = 6.5: the worst hand against the cost of a tick.
-Plot ParetoPlot(const Findings& f, const DeviceModel& m) {
+bool Measured(const std::vector<LawPoint>& points, size_t metric) {
+  return std::any_of(points.begin(), points.end(),
+                     [&](const LawPoint& p) { return std::isfinite(p.figures[metric]); });
+}
+
+// One figure of every law at B = 6.5, the worst hand, against the cost of a tick.
+Plot ParetoPlot(const std::vector<LawPoint>& points, size_t metric, const DeviceModel& m) {
+  const Metric& what = FrontMetrics()[metric];
   Plot p;
-  p.title =
-      "Error against run time on " + m.title + ": B = 6.5 N s/mm, 0.43 mm/s, worst of four hands";
+  p.title = std::string("Against run time on ") + m.title + ": " + what.label +
+            ", B = 6.5 N s/mm, worst hand";
   p.x_label = "ns per tick: law + estimator + output chain";
-  p.y_label = "steady error, N";
+  p.y_label = what.label;
   p.log_x = p.log_y = true;
   p.width = 1020;
   p.height = 460;
-  struct Point {
-    double error = 0, ns = 0;
-    bool front = false, is_default = false, cycles = false;
-  };
-  std::map<std::string, Point> points;
-  for (const Row& r : f.rows) {
-    if (r.suite != "laws" || r.profile != m.name || std::fabs(r.b_n_s_per_mm - 6.5) > 1e-9)
-      continue;
-    std::string name = r.law + (r.estimator == "own" ? "" : " / " + r.estimator) +
-                       (r.rate_hz == 1000 ? "" : ", " + F(r.rate_hz * 1e-3, "%.1f") + " kHz");
-    Point& q = points[name];
-    q.error = std::max({q.error, r.m.error_max_n, 1e-3});
-    q.ns = r.ns_per_tick;
-    q.front |= r.pareto;
-    q.is_default |= r.is_default && r.rate_hz == 1000;
-    q.cycles |= r.m.cycle || r.m.unstable;
-  }
   Series others{"holds in every hand", {}, "#9fb0b8", true},
       lost{"cycles or unstable in a hand", {}, "#c8493f", true, true},
-      front{"Pareto front", {}, "#1f6f8b", true};
+      front{"front of this figure", {}, "#1f6f8b", true},
+      all{"undominated over all figures", {}, "#2e8b68", true, true};
   Series star{"default: gated Maxwell, 1 kHz", {}, "#e08e0b", true};
   std::vector<Series> names;
-  for (const auto& [name, q] : points) {
-    std::pair<double, double> at{q.ns, std::min(q.error, 100.0)};
+  for (const LawPoint& q : points) {
+    double value = q.figures[metric];
+    if (std::isnan(value)) continue;
+    std::pair<double, double> at{q.ns_per_tick, std::clamp(value, what.floor, kDrawn)};
     if (q.is_default)
       star.points.push_back(at);
-    else if (q.cycles)
+    else if (q.lost)
       lost.points.push_back(at);
-    else if (q.front)
+    else if (q.on_front[metric])
       front.points.push_back(at);
+    else if (q.undominated)
+      all.points.push_back(at);
     else
       others.points.push_back(at);
-    if (q.front && !q.is_default && q.error < kLabelled_n)
-      names.push_back({name, {at}, "#1f6f8b", true, true, false, true});
+    if (q.on_front[metric] && !q.is_default && value < kLabelled)
+      names.push_back({q.name, {at}, "#1f6f8b", true, true, false, true});
   }
-  p.series = {others, lost, front};
+  p.series = {others, lost, all, front};
   for (Series& s : names) p.series.push_back(std::move(s));
   p.series.push_back(star);
   return p;
@@ -246,6 +242,8 @@ struct Named {
   std::string section, file, svg;
 };
 
+bool OfThePaper(const std::string& title) { return title.rfind("Figure ", 0) == 0; }
+
 std::vector<Named> AllPlots(const Findings& f) {
   std::vector<Named> out;
   bool laws =
@@ -263,8 +261,10 @@ std::vector<Named> AllPlots(const Findings& f) {
       p.height = 360;
     }
     Series s{t.label, {}, kInk[p.series.size() % std::size(kInk)]};
+    // Laws that swing to and fro would fill the frame; the paper's figures are drawn whole.
+    double most = OfThePaper(t.title) ? 1e9 : t.target_n;
     for (const Sample& q : t.samples)
-      s.points.push_back({q.t_s, std::clamp(q.force_n, -2.0 * t.target_n, 4.0 * t.target_n)});
+      s.points.push_back({q.t_s, std::clamp(q.force_n, -2 * most, 4 * most)});
     p.series.push_back(std::move(s));
   }
   for (size_t i = 0; i < order.size(); ++i) {
@@ -278,12 +278,17 @@ std::vector<Named> AllPlots(const Findings& f) {
           {"B V", {{0, t.target_n}, {end, t.target_n}}, "#17242b", false, false, true});
       break;
     }
-    const char* section = order[i].rfind("Figure ", 0) == 0 ? "paper" : "laws";
+    const char* section = OfThePaper(order[i]) ? "paper" : "laws";
     out.push_back({section, "trace-" + std::to_string(i + 1), SvgOf(p)});
   }
   for (const DeviceModel& m : f.models) {
     if (!laws) break;
-    out.push_back({"laws", "pareto-" + m.name, SvgOf(ParetoPlot(f, m))});
+    std::vector<LawPoint> points = LawPointsOf(f.rows, m.name);
+    for (size_t k = 0; k < FrontMetrics().size(); ++k) {
+      if (!Measured(points, k)) continue;
+      out.push_back({"laws", std::string("pareto-") + FrontMetrics()[k].id + "-" + m.name,
+                     SvgOf(ParetoPlot(points, k, m))});
+    }
     if (!f.quick) out.push_back({"laws", "rate-" + m.name, SvgOf(RatePlot(f, m))});
   }
   for (size_t i = 0; i < f.maps.size(); ++i)
@@ -298,6 +303,7 @@ std::vector<Named> AllPlots(const Findings& f) {
 const char* SectionOf(const Table& t) {
   auto Starts = [&](const char* with) { return t.title.rfind(with, 0) == 0; };
   if (Starts("Figures of")) return "figures";
+  if (Starts("Fronts")) return "laws";
   if (Starts("Table") || Starts("Device profiles")) return "paper";
   if (Starts("Velocity est")) return "estimators";
   if (Starts("Adversary")) return "adversary";
@@ -317,8 +323,10 @@ constexpr Section kSections[] = {
      "moves through tissue, held back while the force is still below B v."},
     {"laws", "Error against run time",
      "Every law with every estimator it can use, in four hands. An error is against the analytic B "
-     "v, for force and impedance hands against B V of the cutting front. Filled blue points are on "
-     "the front: nothing is both cheaper and more accurate."},
+     "v, for force and impedance hands against B V of the cutting front. A law is chosen for more "
+     "than "
+     "its steady error: each figure has its own front (filled blue: nothing is both cheaper and "
+     "better in it); what is undominated over all figures together is ringed green."},
     {"random", "Random cases, one parameter set",
      "Device, B, speed, direction, friction, hand and its mass are drawn. Speeds are drawn "
      "uniformly, then "

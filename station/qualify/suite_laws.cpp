@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <map>
 
+#include "station/qualify/front.h"
 #include "station/qualify/suites.h"
 
 namespace enamel::station::qualify {
@@ -79,32 +80,17 @@ std::string CostKey(const Row& r) {
   return r.law + "/" + r.estimator + "/" + std::to_string(r.rate_hz);
 }
 
-constexpr double kLost_n = 1e9;  // a hand in which it cycles or is unstable: never on the front
-
-// Of the rows at B = 6.5: the worst error of the hands against nanoseconds; no other is better in
-// both.
-void MarkPareto(std::vector<Row>& rows, size_t from) {
-  std::map<std::string, double> worst, cost;
-  auto Key = [](const Row& r) { return r.profile + "/" + CostKey(r); };
-  for (size_t i = from; i < rows.size(); ++i) {
-    const Row& r = rows[i];
-    if (std::fabs(r.b_n_s_per_mm - 6.5) > 1e-9) continue;
-    double error =
-        r.m.unstable || r.m.cycle ? kLost_n : std::max(r.m.error_max_n, r.m.anchor_error_n);
-    worst[Key(r)] = std::max(worst[Key(r)], error);
-    cost[Key(r)] = r.ns_per_tick;
-  }
-  for (size_t i = from; i < rows.size(); ++i) {
-    Row& r = rows[i];
-    auto mine = worst.find(Key(r));
-    if (mine == worst.end()) continue;
-    r.pareto =
-        mine->second < kLost_n && std::none_of(worst.begin(), worst.end(), [&](const auto& other) {
-          if (other.first.compare(0, r.profile.size() + 1, r.profile + "/") != 0 ||
-              other.first == mine->first)
-            return false;
-          return other.second <= mine->second && cost[other.first] < cost[mine->first];
-        });
+// A row's `pareto`: its law is undominated in time and every metric of front.h.
+void MarkPareto(const std::vector<DeviceModel>& models, std::vector<Row>& rows, size_t from) {
+  for (const DeviceModel& m : models) {
+    std::map<std::string, bool> undominated;
+    for (const LawPoint& p : LawPointsOf(rows, m.name)) undominated[p.name] = p.undominated;
+    for (size_t i = from; i < rows.size(); ++i) {
+      Row& r = rows[i];
+      if (r.profile != m.name || std::fabs(r.b_n_s_per_mm - 6.5) > 1e-9) continue;
+      auto found = undominated.find(LawPointName(r));
+      r.pareto = found != undominated.end() && found->second;
+    }
   }
 }
 
@@ -204,6 +190,47 @@ void AddGoalTable(SuiteContext& c) {
   c.findings.tables.push_back(std::move(t));
 }
 
+// What each law gives for its time, and which are undominated once every figure counts.
+void AddFrontTable(const DeviceModel& m, Findings& findings) {
+  const std::vector<Metric>& metrics = FrontMetrics();
+  std::vector<LawPoint> points = LawPointsOf(findings.rows, m.name);
+  Table t;
+  t.title = "Fronts: what a law gives for its time on " + m.title + ", B = 6.5 N s/mm, worst hand";
+  t.head = {"law", "ns / tick"};
+  auto Any = [&](size_t k) {
+    return std::any_of(points.begin(), points.end(),
+                       [&](const LawPoint& p) { return std::isfinite(p.figures[k]); });
+  };
+  for (size_t k = 0; k < metrics.size(); ++k) {
+    if (Any(k)) t.head.push_back(metrics[k].label);
+  }
+  t.head.push_back("on the front of");
+  t.head.push_back("undominated over all");
+  t.note =
+      "Every law that is undominated, and the default. Laws that cycle or are unstable in a hand "
+      "are left out; 'never': not reached in a hand.";
+  for (const LawPoint& p : points) {
+    if (!p.undominated && !p.is_default) continue;
+    auto F = [](double v, const char* format) {
+      char text[40];
+      std::snprintf(text, sizeof text, format, v);
+      return std::isfinite(v) ? std::string(text) : std::string("never");
+    };
+    std::vector<std::string> row = {p.name + (p.is_default ? " (default)" : ""),
+                                    F(p.ns_per_tick, "%.0f")};
+    std::string fronts;
+    for (size_t k = 0; k < metrics.size(); ++k) {
+      if (!Any(k)) continue;
+      row.push_back(F(p.figures[k], "%.3f"));
+      if (p.on_front[k]) fronts += std::string(fronts.empty() ? "" : ", ") + metrics[k].id;
+    }
+    row.push_back(fronts.empty() ? "-" : fronts);
+    row.push_back(p.undominated ? "yes" : p.lost ? "no: cycles in a hand" : "no");
+    t.rows.push_back(std::move(row));
+  }
+  findings.tables.push_back(std::move(t));
+}
+
 }  // namespace
 
 void RunLawsSuite(SuiteContext& c) {
@@ -231,8 +258,9 @@ void RunLawsSuite(SuiteContext& c) {
   }
   size_t from = c.findings.rows.size();
   c.findings.rows.insert(c.findings.rows.end(), rows.begin(), rows.end());
-  MarkPareto(c.findings.rows, from);
+  MarkPareto(c.findings.models, c.findings.rows, from);
   for (const DeviceModel& m : c.findings.models) {
+    AddFrontTable(m, c.findings);
     AddTraces(m, c.findings);
     TrialSpec s = SpecOf(m, LawKind::kGatedMaxwell, kEnamel, kSpeed);
     s.hand = HandKind::kImpedance;

@@ -122,7 +122,7 @@ void Fit(const Plot& p, Axis* x, Axis* y) {
       x0 = std::min(x0, px), x1 = std::max(x1, px), y0 = std::min(y0, py), y1 = std::max(y1, py);
     }
   }
-  if (x0 > x1) x0 = 0, x1 = 1, y0 = 0, y1 = 1;
+  if (x0 > x1) x0 = p.log_x ? 1 : 0, x1 = 10, y0 = p.log_y ? 1 : 0, y1 = 10;  // no points
   if (x0 == x1) x1 = x0 + 1;
   if (y0 == y1) y1 = y0 + 1;
   auto Pad = [](bool log, double* lo, double* hi) {

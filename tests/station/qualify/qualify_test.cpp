@@ -170,6 +170,15 @@ TEST(SvgTest, EscapesTextAndDrawsMapsWithTheirCurves) {
   EXPECT_NE(svg.find("stable with these grips"), std::string::npos);
 }
 
+TEST(SvgTest, DrawsALogarithmicFrameWithoutPoints) {
+  Plot p;
+  p.title = "nothing measured";
+  p.log_x = p.log_y = true;
+  std::string svg = SvgOf(p);
+  EXPECT_NE(svg.find("nothing measured"), std::string::npos);
+  EXPECT_LT(svg.size(), 10'000u);
+}
+
 TEST(TextTableTest, AlignsColumns) {
   Table t{"title", "", {"a", "bb"}, {{"long cell", "x"}, {"s", "y"}}};
   EXPECT_EQ(TextOf(t), "title\na          bb\nlong cell  x\ns          y\n\n");
