@@ -92,7 +92,7 @@ Table MeasuredTable(SuiteContext& c) {
       "Abbott-Okamura at every b, so K and B are both proportional to b until friction is the "
       "limit, and B = K T/2 holds whatever b is: eq. 16 says nothing about a device beyond its K. "
       "A spring's limit at rest is the passive one (2b/T) and more in a hand; a damper's at rest "
-      "is about 2m/T, a hundred times its passive one.";
+      "is about 2m/T, forty to a thousand times its passive one here.";
   struct Case {
     const DeviceModel* model;
     double b;
@@ -336,7 +336,7 @@ Table ProportionTable(SuiteContext& c, const std::vector<Both>& devices) {
       "Simulated "
       "readings raise B until the device vibrates, as the paper did, and take the largest force "
       "before; 'never' is a reading that did not vibrate up to B = 6.5. No reading gives the three "
-      "printed forces; nearest in proportion are the ones that are no more than Kc itself.";
+      "printed forces, and none is nearer in proportion than Kc alone.";
   auto Quantity = [&](const std::string& what, auto of, const char* format) {
     std::vector<double> v;
     for (const auto& [m, p] : devices) v.push_back(of(*m, *p));

@@ -78,6 +78,18 @@ TEST(StabilityTest, AtRestASpringIsLimitedByDampingAndADamperByMass) {
   EXPECT_NEAR(LinearStableDamper(0.1, 0.01, kTick_s), 2 * 0.1 / kTick_s, 0.02);
 }
 
+// A mass under a damper that acts late by L: B L / m = pi / 2. Sample, hold and difference are one
+// tick of L. What it would take for the paper's device of 0.25 kg to shake at its printed 5.1 N
+// s/m.
+TEST(StabilityTest, ADamperShakesAMassAtThePrintedDampingOnlyWhenItActsSeventySevenTicksLate) {
+  constexpr double kPi = 3.14159265358979;
+  PlantSpec device = Device(0.25, 0.01, 0, 1e-12, 16);
+  device.delay_ticks = 76;
+  double damper = LargestStable(device, Rendered::kDamper, {});
+  EXPECT_NEAR(damper, kPi / 2 * 0.25 / 0.077, 0.03 * damper);
+  EXPECT_NEAR(damper, 5.1, 0.1);
+}
+
 TEST(StabilityTest, AHandMakesASpringBearable) {
   PlantSpec device = Device(0.045, 1, 0.025, 10e-6, 64);
   Hold hand{0.05, 500, 4};
