@@ -123,9 +123,4 @@ double ResumedStretch(const GuardParams& params, double wanted, double kept, Tan
   return room / (std::sqrt(radius * radius + room) + radius);
 }
 
-double PassiveStiffness(double b, double tick, int delay) noexcept {
-  double ticks = delay > 0 ? 1 + delay : 1;
-  return 2 * b / (ticks * ticks * tick);
-}
-
 }  // namespace enamel::haptics

@@ -13,8 +13,8 @@
 // d whole ticks from reading to force.
 //
 // Claim: V + E never rises in a guarded step, wherever in its cell the tip is, so with
-// Kc <= PassiveStiffness(b, T, d) and c >= TipCell::Friction the sum of R.dx + (b/T) |dx|^2 +
-// sum c_i |dx_i| never falls under -(V_0 + E_0), whatever the hand, the tissue and the law do.
+// Kc <= 2 b / ((d + 1)^2 T) and c >= TipCell::Friction the sum of R.dx + (b/T) |dx|^2 + sum c_i
+// |dx_i| never falls under -(V_0 + E_0), whatever the hand, the tissue and the law do.
 //
 // All functions: world frame, SI units, any thread (no state but the Tank given), real-time safe,
 // only + - * / sqrt. What is not finite moves nothing and leaves the tank alone.
@@ -26,8 +26,8 @@ namespace enamel::haptics {
 struct TipCell {
   dvec3 half_m{0};    // half cell per axis (the driver's rounding); n counts of noise add n delta
   double ball_m = 0;  // radius of a ball that holds any joint lattice's cell; 0: Cartesian device
-  dmat3 joint_half_m{
-      0.0};  // columns J_j dq_j/2: half cell edges of joint encoders at this pose; zero: unused
+  // Columns J_j dq_j/2: half edges of the cell of joint encoders at this pose. Zero: unused.
+  dmat3 joint_half_m{0.0};
   double Support(const dvec3& w) const noexcept {
     double s = half_m.x * std::fabs(w.x) + half_m.y * std::fabs(w.y) + half_m.z * std::fabs(w.z);
     if (ball_m > 0) s += ball_m * std::sqrt(Dot(w, w));
@@ -81,7 +81,7 @@ double GuardedStep(const GuardParams& params, const dvec3& e_m, const dvec3& w_m
 
 // Share k in [0, 1] of the stiffness with which the spring may be felt, so that the sent force k Kc
 // e stays within bound_n: for what is left of a bound after the rest point has given way as far as
-// the guard lets it (a bound under 2 Kc Radius()). A share falls freely and rises as far as the
+// the guard lets it (a bound under Kc Radius()). A share falls freely and rises as far as the
 // tank pays; at 0 with an empty tank it stays there until a reset. share_before: last tick's, 1
 // after a reset. The proof covers it without delay; with delay a fall gives back at most Kc |e| per
 // metre of the next d ticks.
@@ -95,8 +95,5 @@ double StiffnessShare(const GuardParams& params, const dvec3& e_m, double bound_
 // What is beyond, the tank pays. With delay: only once the forces under way have ended.
 double ResumedStretch(const GuardParams& params, double wanted_m, double kept_j,
                       Tank& tank) noexcept;
-
-// Largest stiffness the proof covers, N/m: 2 b / ((d + 1)^2 T).
-double PassiveStiffness(double b_n_s_per_m, double tick_s, int delay_ticks) noexcept;
 
 }  // namespace enamel::haptics

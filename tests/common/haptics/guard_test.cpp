@@ -251,13 +251,13 @@ struct Bench {
   double balance = 0, floor = 0, lowest = 0;
   double share = 1;
 
-  // Kc = 1 needs b/T as PassiveStiffness says.
+  // b/T and c are the least that Kc = 1 may have.
   static Bench With(const TipCell& cell, int delay, double energy) {
     Bench b;
     b.delay = delay;
     b.params = {.kc_n_per_m = 1, .cell = cell, .delay_ticks = delay};
     b.tank = {.energy_j = energy, .cap_j = 20, .inflow_share = 0.3};
-    b.b_over_t = 1 / PassiveStiffness(1, 1, delay);
+    b.b_over_t = 0.5 * (delay + 1) * (delay + 1);
     b.friction = cell.Friction(1);
     return b;
   }
