@@ -106,21 +106,12 @@ double StiffnessShare(const GuardParams& params, const dvec3& e, double bound, d
   return before + energy / whole;
 }
 
-double ResumedStretch(const GuardParams& params, double wanted, double kept, Tank& tank) noexcept {
-  double kc = params.kc_n_per_m;
-  if (!(wanted > 0) || !(kc > 0) || !std::isfinite(wanted)) return 0;
-  double radius = params.cell.Radius(), energy = NotNegative(tank.energy_j);
-  kept = NotNegative(kept);
-  double cost = 0.5 * kc * wanted * (wanted + 2 * radius);
-  if (cost <= kept + energy) {
-    tank.energy_j = energy - NotNegative(cost - kept);
-    return wanted;
-  }
-  tank.energy_j = 0;
-  // k (k + 2 radius) = 2 (kept + E) / Kc
-  double room = 2 * (kept + energy) / kc;
-  if (!(room > 0)) return 0;
-  return room / (std::sqrt(radius * radius + room) + radius);
+double ResumedShare(const GuardParams& params, const dvec3& e, double kept, Tank& tank) noexcept {
+  double energy = NotNegative(tank.energy_j);
+  tank.energy_j = energy + NotNegative(kept);
+  double share = GuardedStep(params, dvec3(0), -e, 0, tank);
+  if (tank.energy_j > energy) tank.energy_j = energy;
+  return share;
 }
 
 }  // namespace enamel::haptics

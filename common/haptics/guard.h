@@ -88,12 +88,14 @@ double GuardedStep(const GuardParams& params, const dvec3& e_m, const dvec3& w_m
 double StiffnessShare(const GuardParams& params, const dvec3& e_m, double bound_n,
                       double share_before, Tank& tank) noexcept;
 
-// After ticks in which no force was sent: longest stretch |p - r|, m, at most wanted_m, with which
-// the spring may go on, so that it costs no more than a reset (which starts a new count with V_0 <=
-// Kc/2 Radius()^2). kept_j: what surely was in the spring when the force stopped, 0 when the tip
-// moved under it unseen, as it does between the last reading and the stop: it may have taken all.
-// What is beyond, the tank pays. With delay: only once the forces under way have ended.
-double ResumedStretch(const GuardParams& params, double wanted_m, double kept_j,
-                      Tank& tank) noexcept;
+// After ticks in which no force was sent: share s in [0, 1] of the stretch with which the spring
+// may go on, rest point at p - s e, so that it costs no more than a reset (which starts a new count
+// with V_0 <= Kc/2 Radius()^2). It is a reset and a guarded step back that the tank pays. kept_j
+// pays first: what surely was in the spring when the force stopped, 0 when the tip moved under it
+// unseen, as it does between the last reading and the stop: it may have taken all. With delay: only
+// once the forces under way have ended, after BeginTick and in the same tick as the steps that
+// follow.
+double ResumedShare(const GuardParams& params, const dvec3& e_m, double kept_j,
+                    Tank& tank) noexcept;
 
 }  // namespace enamel::haptics

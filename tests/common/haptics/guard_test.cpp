@@ -412,22 +412,27 @@ TEST(GuardTest, ABoundThatRisesFromNothingGivesNothingAway) {
 
 TEST(GuardTest, ASpringGoesOnAfterAGapWithNoMoreThanAResetWouldCost) {
   Dice dice(7);
+  int shortened = 0;
   for (int i = 0; i < 10000; ++i) {
     GuardParams params{.kc_n_per_m = 4, .cell = AnyCell(dice)};
     double energy = dice.Below(2) * 5 * dice.Uniform(), kept = dice.Below(2) * 5 * dice.Uniform();
-    double wanted = 3 * dice.Uniform(), radius = params.cell.Radius();
+    dvec3 e = dice.Vector() * 2.0;
     Tank tank{.energy_j = energy, .cap_j = 10};
-    double k = ResumedStretch(params, wanted, kept, tank);
-    EXPECT_LE(k, wanted);
-    // The worst tip in the cell, less what a reset would leave in the spring.
-    double stored = 2 * (k + radius) * (k + radius) - 2 * radius * radius;
-    EXPECT_LE(stored + tank.energy_j, energy + kept + 1e-12);
-    if (k < wanted) {
-      EXPECT_NEAR(stored, energy + kept, 1e-9);
+    double s = ResumedShare(params, e, kept, tank);
+    // More than what a reset would leave in the spring: for the worst tip in the cell.
+    auto Stored = [&](double share) {
+      return 2 * share * share * Dot(e, e) + 4 * share * params.cell.Support(e);
+    };
+    EXPECT_LE(tank.energy_j, energy);
+    EXPECT_LE(Stored(s) + tank.energy_j, energy + kept + 1e-12);
+    if (s < 1) {
+      EXPECT_NEAR(Stored(s), energy + kept, 1e-9);
+      ++shortened;
     }
   }
+  EXPECT_GT(shortened, 1000);
   Tank empty;
-  EXPECT_EQ(ResumedStretch({.kc_n_per_m = 4}, 1e-3, 0, empty), 0);
+  EXPECT_EQ(ResumedShare({.kc_n_per_m = 4}, dvec3(1e-3), 0, empty), 0);
 }
 
 // The known attack on an older clause, Kc = 2 b / (T (2 d + 1)) with half the debit: the tip
