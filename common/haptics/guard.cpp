@@ -57,12 +57,12 @@ double GuardedStep(const GuardParams& params, const dvec3& e, const dvec3& w, do
   double q = Dot(e, w) - params.cell.Support(w);
   double beta = 0.5;
   if (params.delay_ticks > 0) {
-    // Forces under way do not know of the move. What they may give back is paid for by another half
-    // of |total move of the tick|^2: this step's part of it.
-    q -= Dot(tank.moved_m, w);
-    beta = 1;
+    // Forces under way do not know of the move. What they may give back is paid for by another
+    // weight / 2 of |total move of the tick|^2: this step's part of it.
+    q -= params.delay_weight * Dot(tank.moved_m, w);
+    beta = 0.5 + 0.5 * params.delay_weight;
   }
-  if (!(kc > 0) || !std::isfinite(q)) return 0;
+  if (!(kc > 0) || !std::isfinite(q) || !(beta >= 0.5)) return 0;
   double energy = NotNegative(tank.energy_j);
   double budget = energy / kc;
   double s = 1;

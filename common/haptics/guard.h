@@ -69,6 +69,11 @@ struct GuardParams {
   double kc_n_per_m = 0;  // of the spring as it is felt: Kc times StiffnessShare
   TipCell cell{};
   int delay_ticks = 0;  // upper end of what was measured; a delay that varies below it is covered
+  // With delay: how much of a move's square, beside V's own half, is kept for the forces under way,
+  // as halves (above 0). 1 lets the rest point reach the tip in one step and needs Kc <= 2 b / ((d
+  // + 1)^2 T); more shortens steps to 2/(1 + weight) and needs only Kc <= 2 b / ((1 + 2 d +
+  // d^2/weight) T).
+  double delay_weight = 1;
 };
 
 // Largest s in [0, 1] such that moving the rest point by s w cannot raise V + E (with delay: nor
@@ -76,8 +81,8 @@ struct GuardParams {
 // by s w. work_j: the operator's measured work R.dx since the last tick, the same for every step of
 // a tick; together they let in at most its share. It bounds the inflow only, so an error in it is
 // harmless: what flows in never exceeds the drop of V that is certain.
-double GuardedStep(const GuardParams& params, const dvec3& e_m, const dvec3& w_m, double work_j,
-                   Tank& tank) noexcept;
+ENAMEL_REALTIME double GuardedStep(const GuardParams& params, const dvec3& e_m, const dvec3& w_m,
+                                   double work_j, Tank& tank) noexcept;
 
 // Share k in [0, 1] of the stiffness with which the spring may be felt, so that the sent force k Kc
 // e stays within bound_n: for what is left of a bound after the rest point has given way as far as
@@ -85,8 +90,8 @@ double GuardedStep(const GuardParams& params, const dvec3& e_m, const dvec3& w_m
 // tank pays; at 0 with an empty tank it stays there until a reset. share_before: last tick's, 1
 // after a reset. The proof covers it without delay; with delay a fall gives back at most Kc |e| per
 // metre of the next d ticks.
-double StiffnessShare(const GuardParams& params, const dvec3& e_m, double bound_n,
-                      double share_before, Tank& tank) noexcept;
+ENAMEL_REALTIME double StiffnessShare(const GuardParams& params, const dvec3& e_m, double bound_n,
+                                      double share_before, Tank& tank) noexcept;
 
 // After ticks in which no force was sent: share s in [0, 1] of the stretch with which the spring
 // may go on, rest point at p - s e, so that it costs no more than a reset (which starts a new count
@@ -95,7 +100,7 @@ double StiffnessShare(const GuardParams& params, const dvec3& e_m, double bound_
 // unseen, as it does between the last reading and the stop: it may have taken all. With delay: only
 // once the forces under way have ended, after BeginTick and in the same tick as the steps that
 // follow.
-double ResumedShare(const GuardParams& params, const dvec3& e_m, double kept_j,
-                    Tank& tank) noexcept;
+ENAMEL_REALTIME double ResumedShare(const GuardParams& params, const dvec3& e_m, double kept_j,
+                                    Tank& tank) noexcept;
 
 }  // namespace enamel::haptics
