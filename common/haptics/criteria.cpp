@@ -36,7 +36,10 @@ double GilStiffness(double b, double virtual_b, double tick, int delay) noexcept
   return NotNegative((b + virtual_b) / (tick * (0.5 + delay)));
 }
 
-double CouplingStiffness(double b, double tick, int delay) noexcept { return 2 * b / (tick * (2 * delay + 1)); }
+double CouplingStiffness(double b, double tick, int delay) noexcept {
+  const double held = delay + 1.0;  // ticks from a reading to the end of its force
+  return 2 * b / (held * held * tick);
+}
 double CouplingFriction(double kc, double delta) noexcept { return kc * delta / 2; }
 
 double LateTickLeak(double kc, double b, double hold, double moved) noexcept {

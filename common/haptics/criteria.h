@@ -37,7 +37,10 @@ double AbbottOkamuraStiffness(double b_n_s_per_m, double tick_s, double friction
 // K < (b + B) / (T / 2 + d T), valid for K T^2 / m << 1.
 double GilStiffness(double b_n_s_per_m, double virtual_b_n_s_per_m, double tick_s, int delay_ticks) noexcept;
 
-// Passive limit of the coupling of coupling.h with d ticks of delay: Kc <= 2 b / (T (2 d + 1)).
+// Passive limit of the coupling of coupling.h with d ticks of delay: Kc <= 2 b / ((d + 1)^2 T), with
+// friction as below; for d >= 1 only where the guard debits twice, s^2 w^2 in place of s^2 w^2 / 2.
+// Derivation: README.md beside this, "With delay". Kc <= 2 b / (T (2 d + 1)), the linear limit of
+// Gil et al., is not enough for d >= 1: a tip that dithers across a cell's edge is pumped.
 double CouplingStiffness(double b_n_s_per_m, double tick_s, int delay_ticks) noexcept;
 // Coulomb friction the coupling's theorem asks for, per axis: Kc delta / 2.
 double CouplingFriction(double kc_n_per_m, double resolution_m) noexcept;

@@ -28,14 +28,15 @@ Status CheckRate(const Exercise& exercise, const DeviceProfile& profile) {
                 "rate_hz");
 }
 
-// Kc <= 2 b f / (2 d + 1), in integers: mN/mm = N/m, b in mN s/m.
+// Kc <= 2 b f / (d + 1)^2, in integers: mN/mm = N/m, b in mN s/m.
 Status CheckDamping(const Exercise& exercise, const DeviceProfile& profile) {
+  const int64_t held = profile.bus_delay_ticks.value + 1;
   int64_t allowed = 2 * profile.damping_mn_s_per_m.value * exercise.rate_hz /
-                    (1000 * (2 * profile.bus_delay_ticks.value + 1));
+                    (1000 * held * held);
   if (profile.coupling_mn_per_mm.value <= allowed) return Status::Ok();
   return Refuse("device profile '" + profile.name +
                     "': coupling stiffness Kc = " + Newtons(profile.coupling_mn_per_mm.value) +
-                    " N/mm is above the passive limit 2 b f/(2 d + 1) = " + Newtons(allowed) +
+                    " N/mm is above the passive limit 2 b f/(d + 1)^2 = " + Newtons(allowed) +
                     " N/mm at " + std::to_string(exercise.rate_hz) + " Hz and " +
                     std::to_string(profile.bus_delay_ticks.value) +
                     " ticks of delay: set at most " + std::to_string(allowed) + " mN/mm",

@@ -15,7 +15,7 @@ namespace enamel::scene {
 // stiffness at half its height, felt or not: a device that cannot push back must not cut by turning.
 // An exercise whose scene hash is not zero is compiled with that scene only (kConflict).
 // Errors: kInvalidInput when the profile cannot carry the exercise (rate, Kc above the passive limit
-// 2 b f/(2 d + 1) or above 2 c/delta, a missing landmark or tissue, a bur that is not among those the
+// 2 b f/(d + 1)^2 or above 2 c/delta, a missing landmark or tissue, a bur that is not among those the
 // scene offers), with what would be allowed.
 Result<core::CoreParams> CompilePlan(const Scene& scene, const Exercise& exercise,
                                      const DeviceProfile& profile);

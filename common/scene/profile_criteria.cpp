@@ -37,7 +37,7 @@ std::vector<ProfileCriterion> CheckProfile(const DeviceProfile& profile) {
   Si si(profile);
   double passive = haptics::CouplingStiffness(si.b, si.tick, si.delay);
   return {
-      Judged({"coupling_damping", "Passive limit of the coupling", "Kc <= 2 b/(T (2 d + 1))", "N/m",
+      Judged({"coupling_damping", "Passive limit of the coupling", "Kc <= 2 b/(T (d + 1)^2)", "N/m",
               "coupling_mn_per_mm", si.kc, passive}),
       Judged({"coupling_friction", "Friction that pays for the encoder's cell", "c >= Kc delta/2",
               "N", "friction_mn", si.c, haptics::CouplingFriction(si.kc, si.delta), true}),

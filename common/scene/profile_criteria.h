@@ -24,7 +24,7 @@ struct ProfileCriterion {
 };
 
 // In a fixed order:
-//   coupling_damping    Kc <= 2 b/(T (2 d + 1)), the coupling's passive limit
+//   coupling_damping    Kc <= 2 b/(T (d + 1)^2), the coupling's passive limit
 //   coupling_friction   c >= Kc delta/2, what the coupling's theorem asks of the friction
 //   coupling_stiffness  Kc <= K, the largest stiffness the device shows stably
 //   continuous_force    continuous force <= peak force

@@ -260,10 +260,10 @@ Result<scene::DeviceProfile> ProposeProfile(const AxisFigures& worst, int rate_h
   p.mass_g = {std::max<int64_t>(1, Rounded(worst.mass_kg.value * 1e3)), source};
   p.bus_delay_ticks = {Rounded(worst.delay_ticks.value), source};
   p.max_stiffness_mn_per_mm = {std::max<int64_t>(1, Rounded(passive)),
-                               "2 b f/(2 d + 1) of the measured b and d, d with its fraction and "
+                               "2 b f/(d + 1)^2 of the measured b and d, d with its fraction and "
                                "at the upper end of its interval"};
   p.coupling_mn_per_mm = {static_cast<int64_t>(kc),
-                          "nine tenths of the smaller of 2 b f/(2 d + 1) and 2 c/delta, measured"};
+                          "nine tenths of the smaller of 2 b f/(d + 1)^2 and 2 c/delta, measured"};
   p.rate_hz = {rate_hz, source};
   return p;
 }

@@ -33,7 +33,7 @@ Status CalibrateDevice(const CalibrateCommand& options);
 // The worst of three axes, each quantity for itself.
 AxisFigures WorstOf(const std::array<AxisFigures, 3>& axes);
 
-// A profile with the measured numbers, and the rest of `base`: K = 2 b f/(2 d + 1), and Kc nine
+// A profile with the measured numbers, and the rest of `base`: K = 2 b f/(d + 1)^2, and Kc nine
 // tenths of what haptics/criteria.h allows at the lower ends of the intervals of b and c. Errors:
 // kInvalidInput when that is less than 1 mN/mm.
 Result<scene::DeviceProfile> ProposeProfile(const AxisFigures& worst, int rate_hz,

@@ -81,7 +81,7 @@ const std::array<Calibrator::Swing, 4> Calibrator::kSwings = {
 
 double PassiveStiffness(double damping_n_s_per_m, double tick_s, const Estimate& delay) noexcept {
   double d = std::max({0.0, std::round(delay.value), delay.value + delay.uncertainty});
-  return haptics::CouplingStiffness(damping_n_s_per_m, tick_s, 0) / (2 * d + 1);
+  return haptics::CouplingStiffness(damping_n_s_per_m, tick_s, 0) / ((d + 1) * (d + 1));
 }
 
 Calibrator::Calibrator(const CalibratorSetup& setup) : setup_(setup) {

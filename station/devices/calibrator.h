@@ -51,10 +51,10 @@ struct AxisFigures {
   Estimate resolution_m, noise_m, friction_n, damping_n_s_per_m, mass_kg, delay_ticks;
 };
 
-// Passive limit of Kc with this delay, fraction and all: 2 b / (T (2 d + 1)), as
+// Passive limit of Kc with this delay, fraction and all: 2 b / ((d + 1)^2 T), as
 // haptics::CouplingStiffness for whole ticks. d is the upper end of the measured interval, and
-// never less than the whole ticks it is rounded to: half a tick left out would be Kc up to twice
-// too stiff.
+// never less than the whole ticks it is rounded to: half a tick left out would be Kc more than
+// twice too stiff.
 double PassiveStiffness(double damping_n_s_per_m, double tick_s, const Estimate& delay) noexcept;
 
 // Step once per tick with what the device said; send what it returns. No clock, no thread: with a

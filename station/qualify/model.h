@@ -27,7 +27,7 @@ struct DeviceModel {
   std::vector<std::pair<std::string, std::string>> provenance;  // number -> where it is from
 
   double tick_s() const { return 1 / rate_hz; }
-  // Kc at which the theorem of coupling.h stops holding at this rate: min(2 b / (T (2 d + 1)), 2 c
+  // Kc at which the theorem of coupling.h stops holding at this rate: min(2 b / (T (d + 1)^2), 2 c
   // / delta).
   double PassiveKc(double rate_hz) const;
 };

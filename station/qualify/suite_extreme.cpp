@@ -112,9 +112,9 @@ void AddRateDelay(SuiteContext& c, const DeviceModel& m) {
                          });
   map.x_label = "loop rate, Hz";
   map.y_label = "1 + ticks of delay";
-  VerdictMap::Curve limit{"theorem: Kc = 2b/(T (2d + 1))", {}};
+  VerdictMap::Curve limit{"theorem: Kc = 2b/(T (d + 1)^2)", {}};
   for (double rate : Steps(100, 20000, 40)) {
-    double d = (2 * m.damping_n_s_per_m * rate / m.kc_n_per_m - 1) / 2;
+    double d = std::sqrt(2 * m.damping_n_s_per_m * rate / m.kc_n_per_m) - 1;
     if (d >= 0 && d <= 5) limit.points.push_back({rate, 1 + d});
   }
   map.curves.push_back(limit);

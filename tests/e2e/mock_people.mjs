@@ -162,7 +162,7 @@ function putProfile({ world, body }) {
   const criteria = criteriaOf(coupling);
   const acceptable = criteria.every((item) => item.met);
   const judgement = { name: body.name, stored: acceptable, version: acceptable ? 3 : null, acceptable, criteria };
-  if (!acceptable) return json({ ...judgement, error: { code: "invalid_input", message: "expected Kc <= 2 b / (T (2 d + 1))", field: "coupling_mn_per_mm" } }, 400);
+  if (!acceptable) return json({ ...judgement, error: { code: "invalid_input", message: "expected Kc <= 2 b / (T (d + 1)^2)", field: "coupling_mn_per_mm" } }, 400);
   const profile = world.profiles.find((item) => item.name === body.name);
   if (profile !== undefined) Object.assign(profile, { version: 3, criteria });
   return json(judgement, 201);

@@ -57,10 +57,10 @@ TEST_F(PlanTest, StiffnessAtThePassiveLimitIsAllowedAndAboveItRefusedWithTheLimi
 }
 
 TEST_F(PlanTest, BusDelayLowersThePassiveLimit) {
-  profile.bus_delay_ticks.value = 1;  // 3500 / 3
+  profile.bus_delay_ticks.value = 1;  // 3500 / 4
   Status refused = CompilePlan(scene, exercise, profile).status();
-  EXPECT_NE(refused.message().find("at most 1166 mN/mm"), std::string::npos) << refused.message();
-  profile.coupling_mn_per_mm.value = 1'166;
+  EXPECT_NE(refused.message().find("at most 875 mN/mm"), std::string::npos) << refused.message();
+  profile.coupling_mn_per_mm.value = 875;
   EXPECT_TRUE(CompilePlan(scene, exercise, profile).ok());
 }
 

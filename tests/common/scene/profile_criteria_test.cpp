@@ -39,7 +39,7 @@ TEST(ProfileCriteriaTest, FiguresOfThePhantomDesktopAreThoseWorkedByHand) {
   EXPECT_NEAR(Named(criteria, "coupling_friction").limit, 0.0125, 1e-12);
   phantom.bus_delay_ticks.value = 1;
   criteria = CheckProfile(phantom);
-  EXPECT_NEAR(Named(criteria, "coupling_damping").limit, 3500.0 / 3, 1e-6);
+  EXPECT_NEAR(Named(criteria, "coupling_damping").limit, 3500.0 / 4, 1e-6);
   EXPECT_FALSE(Named(criteria, "coupling_damping").met);
   EXPECT_FALSE(IsAcceptable(criteria));
 }
@@ -57,7 +57,7 @@ TEST(ProfileCriteriaTest, AgreesWithIntegerArithmeticAlsoOnTheEdge) {
     profile.bus_delay_ticks.value = pick(0, 3);
     profile.resolution_nm.value = pick(1, 50) * 1000;
     profile.friction_mn.value = pick(0, 100);
-    int64_t d = 2 * profile.bus_delay_ticks.value + 1;
+    int64_t d = (profile.bus_delay_ticks.value + 1) * (profile.bus_delay_ticks.value + 1);
     int64_t edge = 2 * profile.damping_mn_s_per_m.value * profile.rate_hz.value / (1000 * d);
     profile.coupling_mn_per_mm.value =
         std::max<int64_t>(1, i % 2 ? edge + pick(-1, 1) : pick(1, 5000));

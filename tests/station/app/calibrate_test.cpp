@@ -30,7 +30,7 @@ TEST(CalibrateTest, WorstAxisIsTakenForEachQuantity) {
   EXPECT_DOUBLE_EQ(worst.delay_ticks.value, 2);
 }
 
-// The lower ends: b = 1.8, c = 0.045; the upper of d, a tenth more: K = 2 b f/(2 d + 1), 2 b f =
+// The lower ends: b = 1.8, c = 0.045; the upper of d, a tenth more: K = 2 b f/(d + 1)^2, 2 b f =
 // 3600.
 TEST(CalibrateTest, ProposedProfileIsStableByTheMeasuredNumbersAndCarriesTheExercise) {
   auto built = scene::BuildBuiltinScene("block", 200'000);
@@ -41,10 +41,10 @@ TEST(CalibrateTest, ProposedProfileIsStableByTheMeasuredNumbersAndCarriesTheExer
                             "measured here");
     ASSERT_TRUE(p.ok()) << p.status().message();
     EXPECT_NEAR(static_cast<double>(p->max_stiffness_mn_per_mm.value),
-                3600 / (2 * (delay + 0.1) + 1), 1);
+                3600 / std::pow(delay + 1.1, 2), 1);
     double friction_limit = 2 * 0.045 / 20e-6;
     double kc = static_cast<double>(p->coupling_mn_per_mm.value);
-    EXPECT_NEAR(kc, 0.9 * std::min(3600 / (2 * (delay + 0.1) + 1), friction_limit), 1);
+    EXPECT_NEAR(kc, 0.9 * std::min(3600 / std::pow(delay + 1.1, 2), friction_limit), 1);
     EXPECT_TRUE(scene::CompilePlan(built->scene, exercise, *p).ok());
     auto back = scene::ProfileFromJson(scene::ToJson(*p));
     ASSERT_TRUE(back.ok()) << back.status().message();

@@ -154,7 +154,7 @@ class LateDevice {
   dvec3 x_{0}, v_{0};
 };
 
-// Nine tenths of it never exceed the limit for the true delay, Kc <= 2 b / (T (2 d + 1))
+// Nine tenths of it never exceed the limit for the true delay, Kc <= 2 b / ((d + 1)^2 T)
 // (haptics/coupling.h), whatever part of a tick that is; nor is it given away.
 TEST(CalibratorTest, APartOfATickOfDelayIsNotLeftOutOfTheLimitOfKc) {
   constexpr double kT = 1e-3, kDamping = 1.5;
@@ -166,7 +166,7 @@ TEST(CalibratorTest, APartOfATickOfDelayIsNotLeftOutOfTheLimitOfKc) {
     while (!calibrator.done()) device.Send(calibrator.Step(device.Read()));
     auto axes = calibrator.Figures();
     ASSERT_TRUE(axes.ok()) << d << ": " << axes.status().message();
-    const double limit = 2 * kDamping / (kT * (2 * d + 1));
+    const double limit = 2 * kDamping / (kT * (d + 1) * (d + 1));
     for (const AxisFigures& a : *axes) {
       EXPECT_NEAR(a.delay_ticks.value, d, 0.1) << d;
       const double kc = 0.9 * PassiveStiffness(kDamping, kT, a.delay_ticks);

@@ -31,7 +31,7 @@ TEST(DeviceModelTest, RefusesWhatCannotBeRunNamingTheField) {
   EXPECT_EQ(Refused([](P& p) { p.peak_force_mn.value = 0; }), "peak_force_mn");
 }
 
-// b = 1.75 N s/m: 2b/T = 3500 N/m at 1 kHz, and a third of it with one tick of delay.
+// b = 1.75 N s/m: 2b/T = 3500 N/m at 1 kHz, and a quarter of it with one tick of delay.
 TEST(DeviceModelTest, RefusesTooStiffACouplingWithTheNumberThatWouldDo) {
   auto profile = QualifyProfiles()[1];
   profile.friction_mn.value = 100;
@@ -42,7 +42,7 @@ TEST(DeviceModelTest, RefusesTooStiffACouplingWithTheNumberThatWouldDo) {
   profile.bus_delay_ticks.value = 1;
   model = ModelOf(profile);
   ASSERT_FALSE(model.ok());
-  EXPECT_NE(model.status().message().find("1166"), std::string::npos) << model.status().message();
+  EXPECT_NE(model.status().message().find("875"), std::string::npos) << model.status().message();
 }
 
 TEST(DeviceModelTest, SaysWhatItCannotRenderAndForHowLongThePeakLasts) {
