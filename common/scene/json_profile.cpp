@@ -11,8 +11,10 @@ namespace {
 
 namespace json = boost::json;
 
-// Format 2 adds what may be unknown; a document without any of it is written as format 1.
-constexpr int64_t kFormat = 1, kFormatOptional = 2;
+// Format 2 adds what may be unknown, format 3 whether the delay was measured; a document without
+// any of it is written as format 1.
+constexpr int64_t kFormat = 1, kFormatOptional = 2, kFormatMeasured = 3;
+constexpr std::string_view kDelay = "bus_delay_ticks", kMeasured = "measured";
 
 struct Number {
   const char* name;
@@ -41,11 +43,15 @@ constexpr std::array<Number, 3> kOptional = {{
     {"thermal_time_constant_ms", &DeviceProfile::thermal_time_constant_ms, 1, 86'400'000},
 }};
 
-Sourced ReadSourced(ObjectReader& in, const Number& n) {
+Sourced ReadSourced(ObjectReader& in, const Number& n, bool* measured = nullptr) {
   ObjectReader item = in.Object(n.name);
   Sourced s;
   s.value = item.Int("value", n.lo, n.hi);
   s.source = item.Text("source", 1, 500);
+  if (measured != nullptr && item.Has(kMeasured)) {
+    *measured = item.Bool(kMeasured);
+    if (!*measured) item.Refuse(kMeasured, "true, or nothing", "false");
+  }
   item.Finish();
   return s;
 }
@@ -55,12 +61,16 @@ Sourced ReadSourced(ObjectReader& in, const Number& n) {
 std::string ToJson(const DeviceProfile& profile) {
   auto Known = [&](const Number& n) { return !(profile.*n.member).source.empty(); };
   bool optional = std::any_of(kOptional.begin(), kOptional.end(), Known);
-  json::object out{{"format", optional ? kFormatOptional : kFormat},
+  json::object out{{"format", profile.delay_measured ? kFormatMeasured
+                              : optional             ? kFormatOptional
+                                                     : kFormat},
                    {"name", profile.name},
                    {"title", profile.title}};
   for (const Number& n : kNumbers) {
     const Sourced& s = profile.*n.member;
-    out[n.name] = json::object{{"value", s.value}, {"source", s.source}};
+    json::object item{{"value", s.value}, {"source", s.source}};
+    if (profile.delay_measured && n.name == kDelay) item[kMeasured] = true;
+    out[n.name] = std::move(item);
   }
   for (const Number& n : kOptional) {
     const Sourced& s = profile.*n.member;
@@ -75,10 +85,13 @@ Result<DeviceProfile> ProfileFromJson(std::string_view text) {
   Status status;
   ObjectReader in(*document, "", status);
   DeviceProfile profile;
-  int64_t format = in.Format(kFormat, kFormatOptional);
+  int64_t format = in.Format(kFormat, kFormatMeasured);
   profile.name = in.Name("name");
   profile.title = in.Text("title", 1, 200);
-  for (const Number& n : kNumbers) profile.*n.member = ReadSourced(in, n);
+  for (const Number& n : kNumbers) {
+    bool can_say = format >= kFormatMeasured && n.name == kDelay;
+    profile.*n.member = ReadSourced(in, n, can_say ? &profile.delay_measured : nullptr);
+  }
   for (const Number& n : kOptional) {
     if (format >= kFormatOptional && in.Has(n.name)) profile.*n.member = ReadSourced(in, n);
   }

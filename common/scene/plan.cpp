@@ -4,6 +4,7 @@
 #include <array>
 #include <string>
 
+#include "common/scene/delay.h"
 #include "common/scene/json.h"
 
 namespace enamel::scene {
@@ -28,11 +29,9 @@ Status CheckRate(const Exercise& exercise, const DeviceProfile& profile) {
                 "rate_hz");
 }
 
-// Kc <= 2 b f / (d + 1)^2, in integers: mN/mm = N/m, b in mN s/m.
 Status CheckDamping(const Exercise& exercise, const DeviceProfile& profile) {
-  const int64_t held = profile.bus_delay_ticks.value + 1;
-  int64_t allowed = 2 * profile.damping_mn_s_per_m.value * exercise.rate_hz /
-                    (1000 * held * held);
+  const int64_t allowed =
+      PassiveCoupling_mn_per_mm(profile, exercise.rate_hz, profile.bus_delay_ticks.value);
   if (profile.coupling_mn_per_mm.value <= allowed) return Status::Ok();
   return Refuse("device profile '" + profile.name +
                     "': coupling stiffness Kc = " + Newtons(profile.coupling_mn_per_mm.value) +

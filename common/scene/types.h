@@ -108,6 +108,7 @@ struct DeviceProfile {
   Sourced continuous_force_mn;
   Sourced rate_hz;
   Sourced bus_delay_ticks;
+  bool delay_measured = false;           // bus_delay_ticks was, on a unit; false: delay.h assumes a tick
   Sourced workspace_radius_um;
   // May be unknown: then the source is empty.
   Sourced axes{3, ""};                   // that are driven: 3, or 6 with torque

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <string>
 
+#include "common/scene/delay.h"
 #include "common/scene/json.h"
-#include "common/scene/plan.h"
 #include "common/scene/volume_blob.h"
 #include "common/scoring/score.h"
 #include "common/trace/replay.h"
@@ -128,14 +128,14 @@ class ScoreJob {
     if (scene_.volume != header_.volume) {
       return Differs("initial volume", scene_.volume.Hex(), header_.volume.Hex());
     }
-    auto params = scene::CompilePlan(scene_, exercise_, *profile);
-    if (!params.ok()) return params.status();
-    if (!(*params == header_.params)) {
+    Status params = scene::CheckParams(scene_, exercise_, *profile, header_.params);
+    if (params.code() == Code::kConflict && params.field() == "params") {
       return Status(Code::kConflict,
                     "the recording was made with other core parameters than exercise \"" +
                         exercise_.name + "\" and profile \"" + profile->name +
                         "\" give: it cannot be graded");
     }
+    if (!params.ok()) return params;
     return LoadVolume();
   }
 

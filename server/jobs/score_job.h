@@ -14,7 +14,8 @@ using JobProgress = std::function<bool(double progress)>;
 
 // Scores one sealed attempt from what is stored, and nothing else:
 //  1. header, chunks and seal: signatures, chain and counts must agree;
-//  2. scene, exercise and profile: CompilePlan of them must give the header's parameters;
+//  2. scene, exercise and profile: they must give the header's parameters (CheckParams in
+//     scene/delay.h);
 //  3. the reference of the exercise (Store::ReferenceFor). An exercise without one scores only
 //  attempts
 //     that were recorded as a reference, against themselves; another waits: it fails with "no

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "common/scene/delay.h"
 #include "common/scene/json.h"
-#include "common/scene/plan.h"
 #include "server/stations/session.h"
 #include "server/training/access.h"
 
@@ -164,14 +164,11 @@ Status Session::CheckParams(const trace::Header& header) {
   if (header.volume != scene->volume) {
     return Status(Code::kConflict, "the header names another volume than the scene", "volume");
   }
-  auto params = scene::CompilePlan(*scene, *exercise, *profile);
-  if (!params.ok()) return params.status();
-  if (!(*params == header.params)) {
-    return Status(Code::kConflict,
-                  "the header's core parameters are not those of the exercise and device profile",
-                  "params");
-  }
-  return Status::Ok();
+  Status params = scene::CheckParams(*scene, *exercise, *profile, header.params);
+  if (params.code() != Code::kConflict || params.field() != "params") return params;
+  return Status(Code::kConflict,
+                "the header's core parameters are not those of the exercise and device profile",
+                "params");
 }
 
 Status Session::CheckHeader(const trace::Header& header) {

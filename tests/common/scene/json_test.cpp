@@ -120,10 +120,30 @@ TEST(SceneJsonTest, ProfilesCarryWhatIsKnownBeyondTheNecessaryInFormatTwo) {
   EXPECT_EQ(profile.status().field(), "/axes");
 }
 
+TEST(SceneJsonTest, ProfilesSayInFormatThreeThatTheirDelayWasMeasuredAndOldOnesDoNot) {
+  std::string text = ReadText("golden/scene_profile_measured.json");
+  Result<DeviceProfile> profile = ProfileFromJson(text);
+  ASSERT_TRUE(profile.ok()) << profile.status().message();
+  EXPECT_TRUE(profile->delay_measured);
+  EXPECT_EQ(ToJson(*profile), text);
+  profile->delay_measured = false;
+  Result<DeviceProfile> unsaid = ProfileFromJson(ToJson(*profile));
+  ASSERT_TRUE(unsaid.ok()) << unsaid.status().message();
+  EXPECT_FALSE(unsaid->delay_measured);
+  EXPECT_NE(ToJson(*profile).find("\"format\": 2"), std::string::npos);
+
+  profile = ProfileFromJson(Replaced(text, "\"format\": 3", "\"format\": 2"));
+  ASSERT_FALSE(profile.ok()) << "format 2 has no such member";
+  EXPECT_EQ(profile.status().field(), "/bus_delay_ticks/measured");
+  profile = ProfileFromJson(Replaced(text, "\"measured\": true", "\"measured\": false"));
+  ASSERT_FALSE(profile.ok()) << "what was not measured is not said";
+  EXPECT_EQ(profile.status().field(), "/bus_delay_ticks/measured");
+}
+
 TEST(SceneJsonTest, SchemasNameExactlyTheMembersOfTheDocuments) {
   auto exercise = NamesOf(ReadText("golden/scene_exercise_crown.json"));
   EXPECT_EQ(exercise, SchemaNames("exercise.schema.json"));
-  EXPECT_EQ(NamesOf(ReadText("golden/scene_profile_optional.json")),
+  EXPECT_EQ(NamesOf(ReadText("golden/scene_profile_measured.json")),
             SchemaNames("device_profile.schema.json"));
   EXPECT_EQ(NamesOf(ReadText("golden/scene_calibration.json")),
             SchemaNames("calibration.schema.json"));

@@ -1,0 +1,66 @@
+#include "common/scene/delay.h"
+
+#include <algorithm>
+#include <string>
+
+#include "common/scene/plan.h"
+
+namespace enamel::scene {
+
+DelayUsed DelayOfAttached(const DeviceProfile& profile, const Calibration* calibration,
+                          int64_t rate_hz) {
+  auto converted = [&](int64_t ticks, int64_t from_hz) {
+    return std::min((ticks * rate_hz + from_hz - 1) / from_hz, kMostDelay_ticks);
+  };
+  if (calibration != nullptr && calibration->bus_delay_ticks) {
+    return {converted(calibration->bus_delay_ticks->value, calibration->rate_hz),
+            DelayUsed::From::kCalibration};
+  }
+  const int64_t said = converted(profile.bus_delay_ticks.value, profile.rate_hz.value);
+  if (profile.delay_measured) return {said, DelayUsed::From::kProfile};
+  return {std::max(said, kAssumedDelay_ticks), DelayUsed::From::kAssumed};
+}
+
+int64_t PassiveCoupling_mn_per_mm(const DeviceProfile& profile, int64_t rate_hz,
+                                  int64_t delay_ticks) {
+  // In integers: mN/mm = N/m, b in mN s/m.
+  const int64_t held = delay_ticks + 1;
+  return 2 * profile.damping_mn_s_per_m.value * rate_hz / (1000 * held * held);
+}
+
+Result<DeviceProfile> WithDelay(const DeviceProfile& profile, int64_t rate_hz,
+                                int64_t delay_ticks) {
+  const int64_t passive = PassiveCoupling_mn_per_mm(profile, rate_hz, delay_ticks);
+  if (passive < 1) {
+    return Status(
+        Code::kInvalidInput,
+        "device profile '" + profile.name + "': with " + std::to_string(delay_ticks) +
+            " ticks of delay and damping b = " + std::to_string(profile.damping_mn_s_per_m.value) +
+            " mN s/m no coupling is passive at " + std::to_string(rate_hz) +
+            " Hz: measure both with 'enamel-station calibrate'",
+        "bus_delay_ticks");
+  }
+  DeviceProfile out = profile;
+  out.bus_delay_ticks.value = delay_ticks;
+  out.coupling_mn_per_mm.value = std::min(profile.coupling_mn_per_mm.value, passive);
+  return out;
+}
+
+Status CheckParams(const Scene& scene, const Exercise& exercise, const DeviceProfile& profile,
+                   const core::CoreParams& params) {
+  auto plain = CompilePlan(scene, exercise, profile);
+  if (!plain.ok()) return plain.status();
+  if (*plain == params) return Status::Ok();
+  for (int64_t d = 0; d <= kMostDelay_ticks; ++d) {
+    auto delayed = WithDelay(profile, exercise.rate_hz, d);
+    if (!delayed.ok()) break;  // more delay leaves less still
+    auto planned = CompilePlan(scene, exercise, *delayed);
+    if (planned.ok() && *planned == params) return Status::Ok();
+  }
+  return Status(Code::kConflict,
+                "the core parameters are not those that exercise '" + exercise.name +
+                    "' and device profile '" + profile.name + "' give, with whatever delay",
+                "params");
+}
+
+}  // namespace enamel::scene

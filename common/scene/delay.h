@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+
+#include "common/base/result.h"
+#include "common/core/params.h"
+#include "common/scene/calibration.h"
+#include "common/scene/types.h"
+
+// How many ticks of delay an attempt is computed with, and what its coupling may be then: a bus, a
+// thread hop and an amplifier lie between a force and its effect, and a coupling that is passive
+// without delay pumps with a tick of it (common/haptics/README.md, "With delay").
+// Thread safety: functions, any thread. Real-time: not safe.
+namespace enamel::scene {
+
+// A device whose delay nobody measured is taken to have this many ticks.
+inline constexpr int64_t kAssumedDelay_ticks = 1;
+// More than any profile may say makes no coupling worth having.
+inline constexpr int64_t kMostDelay_ticks = 100;
+
+struct DelayUsed {
+  enum class From {
+    kProfile,      // the profile's, measured on a unit
+    kCalibration,  // measured on this unit, by `enamel-station calibrate`
+    kAssumed,      // nobody measured it: the profile's number, at least kAssumedDelay_ticks
+  };
+  int64_t ticks = 0;
+  From from = From::kAssumed;
+
+  bool operator==(const DelayUsed&) const = default;
+};
+
+// The delay of a device that is attached, at `rate_hz`. A calibration of it, if there is one that
+// measured the delay, comes first, then a profile that says it was measured. A delay measured at
+// another rate is converted as a time, rounded up.
+DelayUsed DelayOfAttached(const DeviceProfile& profile, const Calibration* calibration,
+                          int64_t rate_hz);
+
+// Largest Kc with this delay: 2 b f/(d + 1)^2, mN/mm, rounded down. Requires: rate_hz > 0,
+// delay_ticks in 0..kMostDelay_ticks.
+int64_t PassiveCoupling_mn_per_mm(const DeviceProfile& profile, int64_t rate_hz,
+                                  int64_t delay_ticks);
+
+// The profile with this delay, and with Kc lowered to what is passive then; never raised. Its other
+// numbers stay. Errors: kInvalidInput when less than 1 mN/mm is left, with what to do.
+Result<DeviceProfile> WithDelay(const DeviceProfile& profile, int64_t rate_hz, int64_t delay_ticks);
+
+// Whether these are the parameters that CompilePlan gives for the profile as it stands (a simulated
+// device, a mouse), or for WithDelay of it at some delay (an attached device): for whoever checks a
+// recording. Errors: CompilePlan's for the profile as it stands; kConflict (field "params").
+Status CheckParams(const Scene& scene, const Exercise& exercise, const DeviceProfile& profile,
+                   const core::CoreParams& params);
+
+}  // namespace enamel::scene

@@ -1,0 +1,92 @@
+#include "common/scene/delay.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "common/scene/builtin.h"
+#include "common/scene/plan.h"
+
+namespace enamel::scene {
+namespace {
+
+using From = DelayUsed::From;
+
+DeviceProfile Phantom() { return BuiltinProfiles()[1]; }
+
+Calibration Measured(int64_t ticks, int64_t rate_hz = 1000) {
+  Calibration c;
+  c.rate_hz = rate_hz;
+  c.bus_delay_ticks = scene::Measured{ticks, 0, 8};
+  return c;
+}
+
+TEST(DelayTest, AnAttachedDeviceThatNobodyMeasuredHasATick) {
+  DeviceProfile profile = Phantom();
+  EXPECT_EQ(DelayOfAttached(profile, nullptr, 1000), (DelayUsed{1, From::kAssumed}));
+  profile.bus_delay_ticks.value = 3;  // said, not measured: no less than that
+  EXPECT_EQ(DelayOfAttached(profile, nullptr, 1000), (DelayUsed{3, From::kAssumed}));
+  // A calibration that did not measure it says nothing of it.
+  Calibration other;
+  other.mass_g = scene::Measured{45, 1, 8};
+  EXPECT_EQ(DelayOfAttached(Phantom(), &other, 1000), (DelayUsed{1, From::kAssumed}));
+}
+
+TEST(DelayTest, WhatWasMeasuredLiftsTheTickAndTheUnitsOwnMeasurementComesFirst) {
+  DeviceProfile profile = Phantom();
+  profile.delay_measured = true;
+  EXPECT_EQ(DelayOfAttached(profile, nullptr, 1000), (DelayUsed{0, From::kProfile}));
+  const Calibration two = Measured(2), none = Measured(0);
+  EXPECT_EQ(DelayOfAttached(profile, &two, 1000), (DelayUsed{2, From::kCalibration}));
+  EXPECT_EQ(DelayOfAttached(Phantom(), &none, 1000), (DelayUsed{0, From::kCalibration}));
+}
+
+TEST(DelayTest, ADelayIsATimeAndIsRoundedUpAtAnotherRate) {
+  const Calibration slow = Measured(1, 1000), fast = Measured(3, 4000);
+  EXPECT_EQ(DelayOfAttached(Phantom(), &slow, 4000).ticks, 4);
+  EXPECT_EQ(DelayOfAttached(Phantom(), &fast, 1000).ticks, 1);
+  EXPECT_EQ(DelayOfAttached(Phantom(), &slow, 500).ticks, 1);
+}
+
+// b = 1.75 N s/m: 2 b f = 3500 mN/mm, over 1, 4, 9, 16.
+TEST(DelayTest, TheCouplingIsLoweredToWhatIsPassiveAndNeverRaised) {
+  const int64_t passive[] = {3500, 875, 388, 218};
+  for (int64_t d = 0; d < 4; ++d) {
+    EXPECT_EQ(PassiveCoupling_mn_per_mm(Phantom(), 1000, d), passive[d]);
+    auto delayed = WithDelay(Phantom(), 1000, d);
+    ASSERT_TRUE(delayed.ok());
+    EXPECT_EQ(delayed->coupling_mn_per_mm.value, std::min<int64_t>(2500, passive[d]));
+    EXPECT_EQ(delayed->bus_delay_ticks.value, d);
+  }
+  DeviceProfile undamped = Phantom();
+  undamped.damping_mn_s_per_m.value = 1;
+  auto none = WithDelay(undamped, 1000, 1);
+  ASSERT_FALSE(none.ok());
+  EXPECT_NE(none.status().message().find("enamel-station calibrate"), std::string::npos);
+}
+
+TEST(DelayTest, ParametersOfAnyDelayAreTheExercisesAndStifferOnesAreNot) {
+  auto built = BuildBuiltinScene("block", 200'000);
+  ASSERT_TRUE(built.ok());
+  const Exercise exercise = ClassOneExercise(built->scene, {});
+  for (int64_t d : {0, 1, 2, 7}) {
+    auto profile = WithDelay(Phantom(), exercise.rate_hz, d);
+    ASSERT_TRUE(profile.ok());
+    auto params = CompilePlan(built->scene, exercise, *profile);
+    ASSERT_TRUE(params.ok()) << params.status().message();
+    EXPECT_TRUE(CheckParams(built->scene, exercise, Phantom(), *params).ok()) << d;
+    for (int32_t off : {-1, 1}) {
+      core::CoreParams other = *params;
+      other.kc_mn_per_mm += off;
+      Status refused = CheckParams(built->scene, exercise, Phantom(), other);
+      EXPECT_EQ(refused.code(), Code::kConflict) << d << " " << off;
+      EXPECT_EQ(refused.field(), "params");
+    }
+    core::CoreParams other = *params;
+    other.peak_force_mn += 1;
+    EXPECT_FALSE(CheckParams(built->scene, exercise, Phantom(), other).ok());
+  }
+}
+
+}  // namespace
+}  // namespace enamel::scene
