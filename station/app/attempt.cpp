@@ -18,6 +18,7 @@
 #include "station/render/window.h"
 #include "station/sdk/open_sdk_device.h"
 #include "station/session/by_name.h"
+#include "station/session/device_delay.h"
 
 namespace enamel::station {
 namespace {
@@ -126,6 +127,19 @@ class Progress {
   steady_clock::time_point last_{};
 };
 
+// How many ticks the attempt was computed with, and by what: "profile", "calibration", "assumed",
+// or "construction" of a device that is not attached.
+boost::json::object DelayFacts(const PreparedAttempt& job) {
+  if (!job.delay) {
+    return {{"ticks", job.profile.bus_delay_ticks.value}, {"from", "construction"}};
+  }
+  using From = scene::DelayUsed::From;
+  const char* from = job.delay->from == From::kProfile       ? "profile"
+                     : job.delay->from == From::kCalibration ? "calibration"
+                                                             : "assumed";
+  return {{"ticks", job.delay->ticks}, {"from", from}};
+}
+
 Status WriteFacts(const RunOptions& options, const PreparedAttempt& job,
                   const SpooledAttempt& spooled, const Snapshot& last, const AttemptResult& result,
                   const boost::json::object& loop) {
@@ -138,6 +152,8 @@ Status WriteFacts(const RunOptions& options, const PreparedAttempt& job,
       {"attempt_id", result.attempt.Text()},
       {"exercise", job.exercise.name},
       {"profile", job.profile.name},
+      {"kc_mn_per_mm", job.header.params.kc_mn_per_mm},
+      {"delay", DelayFacts(job)},
       {"operator", options.device.device.empty() ? options.operator_name : ""},
       {"ticks", spooled.ticks},
       {"gap_ticks", spooled.gap_ticks},
@@ -164,7 +180,7 @@ struct Tool {
   double progress() const { return simulated != nullptr ? simulated->progress() : 0; }
 };
 
-Result<Tool> OpenTool(const RunOptions& options, const PreparedAttempt& job) {
+Result<Tool> OpenTool(const RunOptions& options, PreparedAttempt& job) {
   Tool out;
   if (options.device.device.empty()) {
     auto made = MakeSimulatedDevice(*FindOperator(options.operator_name), job.scene, job.exercise,
@@ -184,6 +200,7 @@ Result<Tool> OpenTool(const RunOptions& options, const PreparedAttempt& job) {
   auto opened = sdk::OpenChosenDevice(choice, job.profile, 1.0 / job.header.params.rate_hz);
   if (!opened.ok()) return opened.status();
   out.device = std::move(*opened);
+  ENAMEL_RETURN_IF_ERROR(UseDelayOf(job, *out.device, options.workplace.data));
   return out;
 }
 

@@ -11,6 +11,7 @@
 
 #include "common/base/file.h"
 #include "common/base/unix_time.h"
+#include "common/haptics/criteria.h"
 #include "common/program/log.h"
 #include "common/scene/builtin.h"
 #include "common/scene/json.h"
@@ -19,6 +20,7 @@
 #include "station/hid/haptic_board.h"
 #include "station/hid/open_device.h"
 #include "station/loop/realtime.h"
+#include "station/session/device_delay.h"
 #include "station/uplink/credentials.h"
 #include "station/uplink/server_link.h"
 
@@ -206,6 +208,25 @@ void Print(const AxisFigures& worst, const std::array<AxisFigures, 3>& axes,
   line("bus delay", "ticks", 1, &AxisFigures::delay_ticks, profile.bus_delay_ticks.value, 1);
 }
 
+// Where attempts on this unit find its delay (device_delay.h).
+Status KeepForAttempts(const CalibrateCommand& options, const scene::Calibration& document,
+                       const Subject& subject) {
+  const std::string unit = subject.device->Unit();
+  if (unit.empty()) {
+    std::printf(
+        "it has no serial number: attempts on it go by its profile, so that another of its model "
+        "is not taken for it\n");
+    return Status::Ok();
+  }
+  std::error_code error;
+  std::filesystem::create_directories(CalibrationsFolder(options.data), error);
+  const auto file = CalibrationFile(options.data, unit);
+  ENAMEL_RETURN_IF_ERROR(WriteFileDurably(file, AsBytes(scene::ToJson(document))));
+  std::printf("attempts on this unit are computed with %lld ticks of delay from now on: %s\n",
+              static_cast<long long>(document.bus_delay_ticks->value), file.c_str());
+  return Status::Ok();
+}
+
 std::string Today() {
   std::time_t now = std::time(nullptr);
   char text[16] = {};
@@ -241,7 +262,12 @@ Result<scene::DeviceProfile> ProposeProfile(const AxisFigures& worst, int rate_h
   auto low = [](const Estimate& e) { return std::max(0.0, e.value - e.uncertainty); };
   double b = low(worst.damping_n_s_per_m), c = low(worst.friction_n);
   double passive = PassiveStiffness(b, 1.0 / rate_hz, worst.delay_ticks);
-  double kc = kMargin * std::min(passive, 2 * c / worst.resolution_m.value);
+  // The core knows whole ticks only: its clause holds for those too.
+  const int64_t ticks = WholeTicks(worst.delay_ticks);
+  double kc =
+      kMargin *
+      std::min({passive, haptics::CouplingStiffness(b, 1.0 / rate_hz, static_cast<int>(ticks)),
+                2 * c / worst.resolution_m.value});
   if (!(kc >= 1)) {
     return Status(
         Code::kInvalidInput,
@@ -258,7 +284,7 @@ Result<scene::DeviceProfile> ProposeProfile(const AxisFigures& worst, int rate_h
   p.damping_mn_s_per_m = {Rounded(b * 1e3), source + ", lower end of its interval"};
   p.friction_mn = {Rounded(c * 1e3), source + ", lower end of its interval"};
   p.mass_g = {std::max<int64_t>(1, Rounded(worst.mass_kg.value * 1e3)), source};
-  p.bus_delay_ticks = {Rounded(worst.delay_ticks.value), source};
+  p.bus_delay_ticks = {ticks, source + ", rounded up"};
   p.max_stiffness_mn_per_mm = {std::max<int64_t>(1, Rounded(passive)),
                                "2 b f/(d + 1)^2 of the measured b and d, d with its fraction and "
                                "at the upper end of its interval"};
@@ -281,7 +307,9 @@ scene::Calibration CalibrationOf(const AxisFigures& worst, int rate_hz) {
   out.friction_mn = Document(worst.friction_n, 1e-3);
   out.damping_mn_s_per_m = Document(worst.damping_n_s_per_m, 1e-3);
   out.mass_g = Document(worst.mass_kg, 1e-3);
-  out.bus_delay_ticks = Document(worst.delay_ticks, 1);
+  out.bus_delay_ticks = scene::Measured{WholeTicks(worst.delay_ticks),
+                                        Rounded(std::ceil(worst.delay_ticks.uncertainty)),
+                                        std::max<int64_t>(1, worst.delay_ticks.samples)};
   return out;
 }
 
@@ -303,18 +331,19 @@ Status CalibrateDevice(const CalibrateCommand& options) {
 
   auto proposed = ProposeProfile(worst, options.rate_hz, subject->profile, named.name,
                                  "measured " + Today() + " on " + subject->address);
+  scene::Calibration document = CalibrationOf(worst, options.rate_hz);
+  document.device = subject->address;
+  document.profile = subject->profile.name;
+  if (auto station = LoadCredentials(options.data); station.ok()) document.station = station->name;
+  document.software = SoftwareName();
+  document.measured_ms = UnixMs();
   if (!options.calibration.empty()) {
-    scene::Calibration document = CalibrationOf(worst, options.rate_hz);
-    document.device = subject->address;
-    document.profile = subject->profile.name;
-    if (auto station = LoadCredentials(options.data); station.ok())
-      document.station = station->name;
-    document.software = SoftwareName();
-    document.measured_ms = UnixMs();
     ENAMEL_RETURN_IF_ERROR(WriteFileDurably(options.calibration, AsBytes(scene::ToJson(document))));
     std::printf("measurement: %s\n", options.calibration.c_str());
   }
+  if (subject->real) ENAMEL_RETURN_IF_ERROR(KeepForAttempts(options, document, *subject));
   if (!proposed.ok()) return proposed.status();
+  proposed->delay_measured = subject->real;  // a simulated device is no unit
   std::printf("proposed: Kc = %.3f N/mm, K = %.3f N/mm at %d Hz\n",
               static_cast<double>(proposed->coupling_mn_per_mm.value) * 1e-3,
               static_cast<double>(proposed->max_stiffness_mn_per_mm.value) * 1e-3, options.rate_hz);

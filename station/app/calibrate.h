@@ -26,8 +26,10 @@ struct CalibrateCommand {
 
 // Measures a haptic board or a simulated device (calibrator.h), prints the figures beside the
 // profile's, and writes a profile made of them (schemas/device_profile.schema.json) and the
-// measurement (schemas/calibration.schema.json). Errors: the device's, kUnavailable when it cannot
-// be measured, kInvalidInput when no coupling would be stable on it, kStorage.
+// measurement (schemas/calibration.schema.json). The measurement of a unit with a serial number is
+// also kept under `data`, where attempts on it find its delay (device_delay.h). Errors: the
+// device's, kUnavailable when it cannot be measured, kInvalidInput when no coupling would be stable
+// on it, kStorage.
 Status CalibrateDevice(const CalibrateCommand& options);
 
 // The worst of three axes, each quantity for itself.

@@ -12,12 +12,16 @@ namespace {
 
 using Finish = std::function<int(const Status&)>;
 
-void AddDevices(CLI::App& app, const Finish& finish, int* exit_code) {
+void AddDevices(CLI::App& app, const std::string& default_data, const Finish& finish,
+                int* exit_code) {
   auto options = std::make_shared<DevicesCommand>();
+  options->data = default_data;
   auto* command = app.add_subcommand(
       "devices", "What is attached, what it is taken for, and the devices that are always there");
   command->add_flag("--all", options->all, "Also HID devices that are nothing known here");
   command->add_option("--json", options->json, "Write the list to this file");
+  command->add_option("--data", options->data, "The station's folder, for what was measured here")
+      ->capture_default_str();
   command->callback([=] { *exit_code = finish(ListDevices(*options)); });
 }
 
@@ -49,7 +53,8 @@ void AddCalibrate(CLI::App& app, const std::string& default_data, const Finish& 
   command->add_option("--name", options->name, "Name of the proposed profile");
   command->add_option("--out", options->out, "Write the proposed profile to this file");
   command->add_option("--calibration", options->calibration, "Write the measurement to this file");
-  command->add_option("--data", options->data, "The station's folder, for its name");
+  command->add_option("--data", options->data,
+                      "The station's folder, for its name and for what attempts find of it");
   command->add_flag("--yes", options->yes, "It may move at once: nobody is near it");
   command->callback([=] { *exit_code = finish(CalibrateDevice(*options)); });
 }
@@ -105,7 +110,7 @@ void AddLoopTest(CLI::App& app, const Finish& finish, int* exit_code) {
 
 void RegisterDeviceCommands(CLI::App& app, const std::string& default_data, Finish finish,
                             int* exit_code) {
-  AddDevices(app, finish, exit_code);
+  AddDevices(app, default_data, finish, exit_code);
   AddCalibrate(app, default_data, finish, exit_code);
   AddDoctor(app, default_data, finish, exit_code);
   AddLoopTest(app, finish, exit_code);

@@ -6,8 +6,10 @@
 
 #include "station/app/places.h"
 #include "station/devices/operators.h"
+#include "station/hid/haptic_board.h"
 #include "station/hid/open_device.h"
 #include "station/sdk/open_sdk_device.h"
+#include "station/session/device_delay.h"
 
 namespace enamel::station {
 namespace {
@@ -31,7 +33,7 @@ std::string BoardText(const HidInfo& info, boost::json::object& out) {
   return text;
 }
 
-boost::json::object Show(const HidInfo& info) {
+boost::json::object Show(const HidInfo& info, const std::filesystem::path& data) {
   HidKind kind = hid::Recognise(info);
   boost::json::object out{{"name", hid::DeviceNameOf(info)},
                           {"taken_for", hid::HidKindText(kind)},
@@ -44,6 +46,10 @@ boost::json::object Show(const HidInfo& info) {
     std::printf("    %s\n", refused.c_str());
   } else if (kind == HidKind::kHapticBoard) {
     std::printf("    %s\n", BoardText(info, out).c_str());
+    const auto delay = DelayKnownHere(data, hid::UnitOf(info));
+    out["delay_ticks"] = delay.ticks;
+    out["delay_measured"] = delay.from != scene::DelayUsed::From::kAssumed;
+    std::printf("    %s\n", DelayText(delay, hid::DeviceNameOf(info)).c_str());
   }
   return out;
 }
@@ -63,10 +69,14 @@ void ShowSdk(boost::json::array& listed) {
     }
     std::printf("%-28s %s: profile %s\n", choice.c_str(), device->name.c_str(),
                 device->profile.c_str());
+    const auto delay = DelayKnownHere({}, {});
+    std::printf("    %s\n", DelayText(delay, device->name).c_str());
     listed.push_back(boost::json::object{{"name", choice},
                                          {"taken_for", "maker's library"},
                                          {"product", device->name},
                                          {"profile", device->profile},
+                                         {"delay_ticks", delay.ticks},
+                                         {"delay_measured", false},
                                          {"usable", true}});
   }
 }
@@ -94,7 +104,7 @@ Status ListDevices(const DevicesCommand& options) {
       ++unknown;
       continue;
     }
-    listed.push_back(Show(info));
+    listed.push_back(Show(info, options.data));
   }
   if (listed.empty()) std::printf("    no haptic board, 6-DoF mouse or foot pedal\n");
   if (unknown > 0) {

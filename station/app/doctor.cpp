@@ -13,11 +13,13 @@
 
 #include "common/base/file.h"
 #include "station/app/places.h"
+#include "station/hid/haptic_board.h"
 #include "station/hid/open_device.h"
 #include "station/loop/duration_histogram.h"
 #include "station/loop/realtime.h"
 #include "station/render/screen.h"
 #include "station/sdk/open_sdk_device.h"
+#include "station/session/device_delay.h"
 #include "station/spool/spool.h"
 #include "station/uplink/server_link.h"
 
@@ -190,6 +192,21 @@ Finding Devices() {
   return {"devices", Verdict::kOk, there, ""};
 }
 
+// Of each device with motors that may be opened: what attempts on it are computed with.
+void Delays(const fs::path& data, std::vector<Finding>& out) {
+  auto add = [&](const std::string& device, const std::string& unit) {
+    const scene::DelayUsed delay = DelayKnownHere(data, unit);
+    const bool assumed = delay.from == scene::DelayUsed::From::kAssumed;
+    out.push_back({"delay", assumed ? Verdict::kWarn : Verdict::kOk, DelayText(delay, device),
+                   assumed ? "or give it a profile that says its delay was measured" : ""});
+  };
+  for (const hid::HidInfo& info : hid::ListHid()) {
+    if (hid::Recognise(info) == hid::HidKind::kHapticBoard)
+      add(hid::DeviceNameOf(info), hid::UnitOf(info));
+  }
+  for (const sdk::SdkDevice& found : sdk::ListSdkDevices()) add(found.name, {});
+}
+
 Finding Graphics() {
   try {
     render::ScreenOptions options;
@@ -228,6 +245,7 @@ std::vector<Finding> Examine(const DoctorCommand& options) {
   out.push_back(SpoolState(options.data));
   Realtime(out);
   out.push_back(Devices());
+  Delays(options.data, out);
   if (options.graphics) out.push_back(Graphics());
   return out;
 }

@@ -27,8 +27,9 @@ struct Finding {
 };
 
 // Looks at all an attempt needs: enrolment, server with its certificate and clock, disk, spool,
-// real-time rights, timer, devices, graphics. Changes nothing but a file it writes and removes
-// again. Slow things are bounded: a server that does not answer, by ServerLink::kTimeout.
+// real-time rights, timer, devices and their delay, graphics. Changes nothing but a file it writes
+// and removes again. Slow things are bounded: a server that does not answer, by
+// ServerLink::kTimeout.
 std::vector<Finding> Examine(const DoctorCommand& options);
 
 // Examine, one line each. Errors: kUnavailable when something failed (warnings are no error).

@@ -20,6 +20,7 @@ class HeldDevice final : public Device {
   int speed_krpm() const noexcept { return speed_krpm_.load(std::memory_order_relaxed); }
 
   std::string Name() const override { return inner_.Name(); }
+  std::string Unit() const override { return inner_.Unit(); }
   ENAMEL_REALTIME DeviceSample ReadSample() noexcept override {
     DeviceSample sample = inner_.ReadSample();
     if (paused_.load(std::memory_order_relaxed)) {

@@ -5,6 +5,7 @@
 
 #include "station/loop/realtime.h"
 #include "station/sdk/open_sdk_device.h"
+#include "station/session/device_delay.h"
 
 namespace enamel::station::desk {
 namespace {
@@ -238,6 +239,13 @@ void Workflow::Start(bool as_reference) {
 }
 
 void Workflow::ToStage(std::unique_ptr<Device> attached) {
+  std::string assumed;
+  if (attached != nullptr) {
+    if (Status used = UseDelayOf(*preview_, *attached, workplace_.data()); !used.ok())
+      return Fail(used);
+    if (preview_->delay && preview_->delay->from == scene::DelayUsed::From::kAssumed)
+      assumed = DelayText(*preview_->delay, attached->Name()) + ".";
+  }
   auto stage = Stage::Create(std::move(*preview_), offers_[offer_], std::move(attached));
   preview_.reset();
   if (!stage.ok()) return LeaveStageFor(stage.status());
@@ -249,6 +257,7 @@ void Workflow::ToStage(std::unique_ptr<Device> attached) {
   stillness_.emplace(static_cast<double>(stage_->prepared().profile.resolution_nm.value) * 1e-9);
   started_ = Clock::now();
   Go(Place::kReady);
+  notice_ = assumed;
 }
 
 void Workflow::TakeTicket() {

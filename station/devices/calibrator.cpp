@@ -22,6 +22,7 @@ constexpr double kSignOver_s = 0.010;
 constexpr double kSilence_s = 0.05;
 constexpr double kDelayStep_ticks = 0.05;
 constexpr double kTwo95 = 1.96;
+constexpr double kNotRoundedUp_ticks = 0.1 + 1e-9;
 constexpr double kCellsMoved = 4;  // by a push, before its way says anything
 
 double Clamped(double v, double limit) noexcept { return std::clamp(v, -limit, limit); }
@@ -82,6 +83,11 @@ const std::array<Calibrator::Swing, 4> Calibrator::kSwings = {
 double PassiveStiffness(double damping_n_s_per_m, double tick_s, const Estimate& delay) noexcept {
   double d = std::max({0.0, std::round(delay.value), delay.value + delay.uncertainty});
   return haptics::CouplingStiffness(damping_n_s_per_m, tick_s, 0) / ((d + 1) * (d + 1));
+}
+
+int64_t WholeTicks(const Estimate& delay) noexcept {
+  const double upper = delay.value + std::max(0.0, delay.uncertainty);
+  return std::max<int64_t>(0, static_cast<int64_t>(std::ceil(upper - kNotRoundedUp_ticks)));
 }
 
 Calibrator::Calibrator(const CalibratorSetup& setup) : setup_(setup) {

@@ -57,6 +57,10 @@ struct AxisFigures {
 // twice too stiff.
 double PassiveStiffness(double damping_n_s_per_m, double tick_s, const Estimate& delay) noexcept;
 
+// The whole ticks that hold the delay with its interval: what a profile and the guard are told. Up
+// to a tenth of a tick, which the measurement itself may be off by, is not rounded up.
+int64_t WholeTicks(const Estimate& delay) noexcept;
+
 // Step once per tick with what the device said; send what it returns. No clock, no thread: with a
 // simulated device it runs as fast as the machine. Thread safety: none. Real-time: Step allocates
 // nothing after construction.

@@ -55,6 +55,9 @@ class Device {
   virtual ~Device() = default;
 
   virtual std::string Name() const = 0;
+  // Which unit it is, so that what was measured on it is found again: "hid:1209:0001:SERIAL". Empty
+  // where it cannot be told from another of its model, and for what is not attached.
+  virtual std::string Unit() const { return {}; }
   ENAMEL_REALTIME virtual DeviceSample ReadSample() noexcept = 0;
   // Force on the operator, N, scene frame; held until the next call. Zero before the first.
   ENAMEL_REALTIME virtual void SendForce(const dvec3& force_n) noexcept = 0;

@@ -99,12 +99,18 @@ Result<std::unique_ptr<HapticBoard>> HapticBoard::Open(const HapticBoardSettings
                 "device");
 }
 
+std::string UnitOf(const HidInfo& info) {
+  if (info.serial.empty()) return {};
+  return "hid:" + HidMatch{info.vendor, info.product, info.serial, 0, 0}.Text();
+}
+
 HapticBoard::HapticBoard(const HapticBoardSettings& settings, const HidInfo& info,
                          FeatureReport feature)
     : settings_(settings),
       feature_(std::move(feature)),
       serial_(info.serial),
       name_(feature_.name.empty() ? info.name : feature_.name),
+      unit_(UnitOf(info)),
       watchdog_ms_(std::clamp(settings.watchdog_ms, 1, int{feature_.max_watchdog_ms})) {
   ENAMEL_CHECK(sem_init(&force_posted_, 0, 0) == 0);
   HidMatch again{info.vendor, info.product, info.serial, kBoardUsagePage, kBoardUsage};

@@ -43,6 +43,9 @@ class ReportOrder {
   uint64_t lost_ = 0;
 };
 
+// Device::Unit() of a board, without opening it: empty where it has no serial number.
+std::string UnitOf(const HidInfo& info);
+
 // A haptic board that speaks schemas/hid_haptic_report.md.
 //
 //   reader thread:  hid_read ─▶ checked, ordered ─▶ latest sample ─▶ ReadSample     (tick)
@@ -71,6 +74,7 @@ class HapticBoard final : public Device, private ReportSink {
   const FeatureReport& feature() const noexcept { return feature_; }
 
   std::string Name() const override { return name_; }
+  std::string Unit() const override { return unit_; }
   ENAMEL_REALTIME DeviceSample ReadSample() noexcept override;
   ENAMEL_REALTIME void SendForce(const dvec3& force_n) noexcept override;
   double still_before_force_s() const noexcept override { return 0.1; }
@@ -103,7 +107,7 @@ class HapticBoard final : public Device, private ReportSink {
 
   const HapticBoardSettings settings_;
   const FeatureReport feature_;
-  const std::string serial_, name_;
+  const std::string serial_, name_, unit_;
   const int watchdog_ms_;
   TripleBuffer<Pose> poses_;
   TripleBuffer<Force> forces_;

@@ -5,6 +5,7 @@
 
 #include "common/core/core.h"
 #include "common/cutting/volume.h"
+#include "common/scene/delay.h"
 #include "common/scene/types.h"
 #include "common/trace/trace.h"
 #include "station/spool/spool.h"
@@ -27,6 +28,9 @@ struct PreparedAttempt {
   trace::ChainState place;     // where their chain stands
   uint32_t gap_ticks = 0;      // that passed since and were not recorded; as of Begin
   bool clock_stepped = false;  // this computer's clock was changed since: at least so many
+  // What an attached device's delay was taken to be (UseDelayOf); none: it is the profile's, by
+  // construction.
+  std::optional<scene::DelayUsed> delay;
   // Held from before its ticket was asked for until it begins (Workplace::MakeReady).
   std::optional<RecordingLock> lock;
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/base/unix_time.h"
+#include "common/scene/delay.h"
 #include "common/scene/json.h"
 #include "common/scene/plan.h"
 #include "common/scene/volume_blob.h"
@@ -493,12 +494,16 @@ Result<PreparedAttempt> Workplace::Replayed(const trace::Header& header,
   }
   auto prepared = FromCache(header.ticket);
   if (!prepared.ok()) return prepared.status();
-  if (!(prepared->header.params == header.params)) {
+  // Those of another delay than the profile's are this version's too.
+  Status params =
+      scene::CheckParams(prepared->scene, prepared->exercise, prepared->profile, header.params);
+  if (params.code() == Code::kConflict && params.field() == "params") {
     return Status(Code::kVersion,
                   "attempt " + attempt.Text() +
                       " was begun by another version of this program and cannot go on in this one; "
                       "'enamel-station spool close' ends it as far as it goes");
   }
+  if (!params.ok()) return params;
   prepared->header = header;
   prepared->core = std::make_unique<core::Core>(header.params, prepared->volume);
   trace::ReplayRun run(*prepared->core, prepared->header);

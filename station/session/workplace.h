@@ -58,6 +58,7 @@ class Workplace {
   Workplace(const Workplace&) = delete;
   Workplace& operator=(const Workplace&) = delete;
 
+  const std::filesystem::path& data() const { return data_; }  // the station's folder
   // Connects if need be. Errors also: kVersion when this server's core is another: recordings can
   // be uploaded, attempts not begun; kForbidden with where to change a password that was for one
   // use (the page's address, where the server says it).

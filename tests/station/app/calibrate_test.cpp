@@ -44,7 +44,13 @@ TEST(CalibrateTest, ProposedProfileIsStableByTheMeasuredNumbersAndCarriesTheExer
                 3600 / std::pow(delay + 1.1, 2), 1);
     double friction_limit = 2 * 0.045 / 20e-6;
     double kc = static_cast<double>(p->coupling_mn_per_mm.value);
-    EXPECT_NEAR(kc, 0.9 * std::min(3600 / std::pow(delay + 1.1, 2), friction_limit), 1);
+    // The core knows whole ticks: 0.1, 1.5 and 2.1 are taken for 0, 2 and 2 (a tenth is the
+    // measurement's own).
+    const double held = delay == 0 ? 1 : 3;
+    EXPECT_NEAR(
+        kc, 0.9 * std::min({3600 / std::pow(delay + 1.1, 2), 3600 / (held * held), friction_limit}),
+        1);
+    EXPECT_EQ(p->bus_delay_ticks.value, delay == 0 ? 0 : 2);
     EXPECT_TRUE(scene::CompilePlan(built->scene, exercise, *p).ok());
     auto back = scene::ProfileFromJson(scene::ToJson(*p));
     ASSERT_TRUE(back.ok()) << back.status().message();

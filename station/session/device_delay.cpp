@@ -1,0 +1,106 @@
+#include "station/session/device_delay.h"
+
+#include <spdlog/spdlog.h>
+
+#include <cctype>
+
+#include "common/base/file.h"
+#include "common/scene/plan.h"
+
+namespace enamel::station {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr size_t kMaxCalibration = 1 << 16;
+
+const char* FromText(scene::DelayUsed::From from) {
+  switch (from) {
+    case scene::DelayUsed::From::kProfile:
+      return "its profile's, measured on a unit";
+    case scene::DelayUsed::From::kCalibration:
+      return "measured on this unit";
+    case scene::DelayUsed::From::kAssumed:
+      return "assumed";
+  }
+  return "";
+}
+
+}  // namespace
+
+fs::path CalibrationsFolder(const fs::path& data) { return data / "calibrations"; }
+
+fs::path CalibrationFile(const fs::path& data, const std::string& unit) {
+  std::string name;
+  for (char c : unit) name += std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
+  // Names that differ in other letters only are told apart by the hash.
+  return CalibrationsFolder(data) /
+         (name.substr(0, 60) + "-" + HashSha256(AsBytes(unit)).Hex().substr(0, 8) + ".json");
+}
+
+std::optional<scene::Calibration> FindCalibration(const fs::path& data, const std::string& unit) {
+  if (unit.empty()) return std::nullopt;
+  const fs::path file = CalibrationFile(data, unit);
+  std::error_code error;
+  if (!fs::exists(file, error)) return std::nullopt;
+  auto text = ReadFile(file, kMaxCalibration);
+  auto read = text.ok() ? scene::CalibrationFromJson(AsText(*text))
+                        : Result<scene::Calibration>(text.status());
+  if (read.ok()) return std::move(*read);
+  spdlog::warn("{}: not a calibration that can be read, so {} counts as not measured: {}",
+               file.string(), unit, read.status().message());
+  return std::nullopt;
+}
+
+scene::DelayUsed DelayKnownHere(const fs::path& data, const std::string& unit) {
+  const auto calibration = FindCalibration(data, unit);
+  scene::DeviceProfile silent;
+  silent.rate_hz.value = 1000;
+  return scene::DelayOfAttached(silent, calibration ? &*calibration : nullptr, 1000);
+}
+
+std::string DelayText(const scene::DelayUsed& used, const std::string& device) {
+  const std::string ticks =
+      std::to_string(used.ticks) + (used.ticks == 1 ? " tick" : " ticks") + " of delay";
+  if (used.from != scene::DelayUsed::From::kAssumed) {
+    return device + ": " + ticks + ", " + FromText(used.from);
+  }
+  return device + ": its delay was never measured, so it is computed with " + ticks +
+         " and its coupling is at most 2 b f/" +
+         std::to_string((used.ticks + 1) * (used.ticks + 1)) +
+         "; 'enamel-station calibrate' measures it";
+}
+
+Status UseDelayOf(PreparedAttempt& prepared, const Device& device, const fs::path& data) {
+  if (!device.has_motors()) return Status::Ok();
+  const std::string name = device.Name();
+  const auto calibration = FindCalibration(data, device.Unit());
+  const int64_t rate_hz = prepared.header.params.rate_hz;
+  const auto used =
+      scene::DelayOfAttached(prepared.profile, calibration ? &*calibration : nullptr, rate_hz);
+  auto profile = scene::WithDelay(prepared.profile, rate_hz, used.ticks);
+  if (!profile.ok()) return profile.status();
+  const int64_t was = prepared.header.params.kc_mn_per_mm, is = profile->coupling_mn_per_mm.value;
+  if (prepared.core) {
+    if (was > is) {
+      return Status(Code::kConflict,
+                    DelayText(used, name) + ": Kc is at most " + std::to_string(is) +
+                        " mN/mm on it, and this attempt was begun with " + std::to_string(was) +
+                        ": go on with the device it was begun on, or close it",
+                    "coupling_mn_per_mm");
+    }
+    prepared.delay = used;
+    return Status::Ok();
+  }
+  auto params = scene::CompilePlan(prepared.scene, prepared.exercise, *profile);
+  if (!params.ok()) return params.status();
+  prepared.header.params = *params;
+  prepared.delay = used;
+  const bool assumed = used.from == scene::DelayUsed::From::kAssumed;
+  spdlog::log(assumed ? spdlog::level::warn : spdlog::level::info, "{}: Kc {} mN/mm{}",
+              DelayText(used, name), is,
+              is < was ? " instead of the profile's " + std::to_string(was) : "");
+  return Status::Ok();
+}
+
+}  // namespace enamel::station

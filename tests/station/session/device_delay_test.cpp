@@ -1,0 +1,132 @@
+#include "station/session/device_delay.h"
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "common/base/file.h"
+#include "common/scene/builtin.h"
+#include "common/scene/plan.h"
+#include "tests/station/session/log_lines.h"
+
+namespace enamel::station {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Attached final : public Device {
+ public:
+  explicit Attached(bool motors, std::string unit = "hid:1209:0001:SN7")
+      : motors_(motors), unit_(std::move(unit)) {}
+  std::string Name() const override { return "arm"; }
+  std::string Unit() const override { return unit_; }
+  bool has_motors() const noexcept override { return motors_; }
+  DeviceSample ReadSample() noexcept override { return {}; }
+  void SendForce(const dvec3&) noexcept override {}
+
+ private:
+  const bool motors_;
+  const std::string unit_;
+};
+
+class DeviceDelayTest : public testing::Test {
+ protected:
+  DeviceDelayTest() {
+    std::string name = (fs::temp_directory_path() / "enamel_delay_XXXXXX").string();
+    folder_ = ::mkdtemp(name.data());
+    auto built = scene::BuildBuiltinScene("block", 200'000);
+    EXPECT_TRUE(built.ok());
+    prepared_.scene = built->scene;
+    prepared_.exercise = scene::ClassOneExercise(built->scene, {});
+    prepared_.profile = scene::BuiltinProfiles()[1];
+    prepared_.volume = std::move(built->volume);
+    prepared_.header.params =
+        *scene::CompilePlan(prepared_.scene, prepared_.exercise, prepared_.profile);
+  }
+  ~DeviceDelayTest() override { fs::remove_all(folder_); }
+
+  void Keep(const std::string& unit, int64_t ticks) {
+    scene::Calibration c;
+    c.device = unit;
+    c.profile = "phantom_desktop";
+    c.software = "test";
+    c.method = "test";
+    c.bus_delay_ticks = scene::Measured{ticks, 0, 8};
+    fs::create_directories(CalibrationsFolder(folder_));
+    ASSERT_TRUE(WriteFileDurably(CalibrationFile(folder_, unit), AsBytes(scene::ToJson(c))).ok());
+  }
+  int32_t Kc() const { return prepared_.header.params.kc_mn_per_mm; }
+
+  fs::path folder_;
+  PreparedAttempt prepared_;
+};
+
+// b = 1.75 N s/m, 1 kHz: 2 b f/4 = 875 mN/mm.
+TEST_F(DeviceDelayTest, AnUnmeasuredDeviceIsComputedWithATickAndItIsSaid) {
+  LogLines log;
+  ASSERT_TRUE(UseDelayOf(prepared_, Attached(true), folder_).ok());
+  EXPECT_EQ(Kc(), 875);
+  ASSERT_TRUE(prepared_.delay.has_value());
+  EXPECT_EQ(*prepared_.delay, (scene::DelayUsed{1, scene::DelayUsed::From::kAssumed}));
+  EXPECT_TRUE(log.Has("warning: arm: its delay was never measured")) << log.text();
+  EXPECT_TRUE(log.Has("enamel-station calibrate")) << log.text();
+  EXPECT_TRUE(log.Has("Kc 875 mN/mm instead of the profile's 2500")) << log.text();
+  // What a server is given passes its check.
+  EXPECT_TRUE(scene::CheckParams(prepared_.scene, prepared_.exercise, prepared_.profile,
+                                 prepared_.header.params)
+                  .ok());
+}
+
+TEST_F(DeviceDelayTest, WhatHasNoMotorsKeepsItsProfile) {
+  ASSERT_TRUE(UseDelayOf(prepared_, Attached(false), folder_).ok());
+  EXPECT_EQ(Kc(), 2500);
+  EXPECT_FALSE(prepared_.delay.has_value());
+}
+
+TEST_F(DeviceDelayTest, AMeasurementOfThisUnitLiftsItAndOneOfAnotherDoesNot) {
+  Keep("hid:1209:0001:SN8", 0);
+  ASSERT_TRUE(UseDelayOf(prepared_, Attached(true), folder_).ok());
+  EXPECT_EQ(Kc(), 875);
+  Keep("hid:1209:0001:SN7", 0);
+  LogLines log;
+  ASSERT_TRUE(UseDelayOf(prepared_, Attached(true), folder_).ok());
+  EXPECT_EQ(Kc(), 2500);
+  EXPECT_FALSE(log.Has("warning")) << log.text();
+  // A unit that cannot be told from another is taken for none that was measured.
+  ASSERT_TRUE(UseDelayOf(prepared_, Attached(true, ""), folder_).ok());
+  EXPECT_EQ(Kc(), 875);
+  Keep("hid:1209:0001:SN7", 2);
+  ASSERT_TRUE(UseDelayOf(prepared_, Attached(true), folder_).ok());
+  EXPECT_EQ(Kc(), 388);
+}
+
+TEST_F(DeviceDelayTest, AProfileThatSaysItWasMeasuredIsBelieved) {
+  prepared_.profile.delay_measured = true;
+  ASSERT_TRUE(UseDelayOf(prepared_, Attached(true), folder_).ok());
+  EXPECT_EQ(Kc(), 2500);
+}
+
+TEST_F(DeviceDelayTest, ABrokenMeasurementCountsAsNoneAndIsSaid) {
+  fs::create_directories(CalibrationsFolder(folder_));
+  std::ofstream(CalibrationFile(folder_, "hid:1209:0001:SN7")) << "{\"format\": 1";
+  LogLines log;
+  ASSERT_TRUE(UseDelayOf(prepared_, Attached(true), folder_).ok());
+  EXPECT_EQ(Kc(), 875);
+  EXPECT_TRUE(log.Has("counts as not measured")) << log.text();
+}
+
+TEST_F(DeviceDelayTest, AResumedAttemptKeepsItsParametersOrIsRefusedWhereTheyAreTooStiff) {
+  prepared_.core = std::make_unique<core::Core>(prepared_.header.params, prepared_.volume);
+  Status refused = UseDelayOf(prepared_, Attached(true), folder_);
+  EXPECT_EQ(refused.code(), Code::kConflict);
+  EXPECT_NE(refused.message().find("875"), std::string::npos) << refused.message();
+  EXPECT_EQ(Kc(), 2500);
+  prepared_.header.params.kc_mn_per_mm = 800;
+  EXPECT_TRUE(UseDelayOf(prepared_, Attached(true), folder_).ok());
+  EXPECT_EQ(Kc(), 800);
+}
+
+}  // namespace
+}  // namespace enamel::station
