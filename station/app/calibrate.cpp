@@ -298,10 +298,12 @@ scene::Calibration CalibrationOf(const AxisFigures& worst, int rate_hz) {
   scene::Calibration out;
   out.rate_hz = rate_hz;
   out.method =
-      "Rest 2 s: noise. Eight pushes per axis: delay. Swings of 0.5, 1, 2 and 4 Hz per axis by its "
+      "Rest 2 s: noise. Eight pushes per axis: delay, with a structural mode where there is one. "
+      "Swings of 0.5, 1, 2 and 4 Hz per axis by its "
       "own motors, nobody holding it: mass, damping and friction from the fundamentals of "
       "position, "
-      "force and direction. Cell: steps between neighbouring counts. station/devices/calibrator.h";
+      "force and direction. Cell: steps between neighbouring counts, or moves of one joint's "
+      "count. station/devices/calibrator.h";
   out.resolution_nm = Document(worst.resolution_m, 1e-9);
   out.noise_nm = Document(worst.noise_m, 1e-9);
   out.friction_mn = Document(worst.friction_n, 1e-3);

@@ -393,6 +393,7 @@ void Pages::Ready() {
   } else {
     ui_.Note("Drawing the tooth …");
   }
+  if (!flow_.notice().empty()) ui_.Text(flow_.notice());
   ui_.Problem(flow_.problem());
   if (ui_.Button("Back") || ui_.escape()) flow_.Back();
   ui_.End();

@@ -16,7 +16,9 @@
 // less the cell's own delta^2/12 (Sheppard).
 //
 // Pushes (per axis): a force is switched on, and to the way that follows that of a mass with
-// damping is fitted, by the moment t0 at which it began: the bus delay.
+// damping is fitted, by the moment t0 at which it began: the bus delay. Where a rigid mass does not
+// explain the way, one with a structural mode: its motor's side runs ahead at first, which a rigid
+// fit takes for up to 1.5 ticks less of delay. The interval is from leaving out a push at a time.
 //
 // Swings (per axis): sinusoidal targets at four speeds, held by a weak spring and damper. In the
 // periodic motion that follows, the fundamentals obey exactly
@@ -26,11 +28,16 @@
 // X, F and S the complex amplitudes of position, force (as it arrives: half a tick and the bus
 // delay after it was sent) and sign of velocity; while it sticks, friction takes the force up, and
 // neither counts. Two real equations per period; m, b and c by least
-// squares over all of them, intervals from the residuals. What is constant (gravity) has no
-// fundamental.
+// squares over all of them. Intervals: from the residuals, from leaving out a speed at a time, and
+// what the model may be off by (1 %; friction 4 %; mass by the damping times 0.4 ms of phase). What
+// is constant (gravity, friction that is stronger one way) has no fundamental.
 //
 // Cell: the steps between neighbouring values of all counts ever seen. A device that reports finer
-// than it measures shows steps of more than one count.
+// than it measures shows steps of more than one count. An arm that counts joints moves along x, y
+// and z at once, by amounts that vary with its pose, in steps as small as one likes: there it is
+// the length of a move of one joint's count (alone in time, or by the block of places that noise
+// shows at rest), less what a driver's own rounding adds; one figure for all axes. Along an axis a
+// position may then be off by up to sqrt(3)/2 of it.
 namespace enamel::station {
 
 struct CalibratorSetup {
@@ -52,13 +59,14 @@ struct AxisFigures {
 };
 
 // Passive limit of Kc with this delay, fraction and all: 2 b / ((d + 1)^2 T), as
-// haptics::CouplingStiffness for whole ticks. d is the upper end of the measured interval, and
-// never less than the whole ticks it is rounded to: half a tick left out would be Kc more than
-// twice too stiff.
+// haptics::CouplingStiffness for whole ticks. d is the upper end of the measured interval:
+// half a tick left out would be Kc more than twice too stiff. A profile, which knows whole ticks,
+// takes WholeTicks and the smaller limit of the two.
 double PassiveStiffness(double damping_n_s_per_m, double tick_s, const Estimate& delay) noexcept;
 
 // The whole ticks that hold the delay with its interval: what a profile and the guard are told. Up
-// to a tenth of a tick, which the measurement itself may be off by, is not rounded up.
+// to a quarter of a tick, which the interval alone may reach, is not rounded up: PassiveStiffness
+// pays for it.
 int64_t WholeTicks(const Estimate& delay) noexcept;
 
 // Step once per tick with what the device said; send what it returns. No clock, no thread: with a
@@ -85,7 +93,11 @@ class Calibrator {
     double hz, amplitude_m;
     int periods;
   };
-  static const std::array<Swing, 4> kSwings;
+  struct Push {
+    size_t begin, ticks;
+  };
+  static constexpr size_t kSwingCount = 4;
+  static const std::array<Swing, kSwingCount> kSwings;
   static constexpr int kPulses = 8;
 
   void Fail(const char* why) noexcept;
@@ -99,8 +111,13 @@ class Calibrator {
   int64_t TicksOf(const Swing& swing) const noexcept;
   int64_t SettleTicks() const noexcept;
 
-  double Delay(size_t axis, double cell_m, double g, Estimate& out) const;
-  double PushResidual(size_t axis, size_t begin, size_t ticks, double t0_ticks, double g) const;
+  double Delay(size_t axis, double cell_m, double noise_m, double g, Estimate& out) const;
+  double PushResidual(size_t axis, const Push& push, double t0_ticks, double g, double w) const;
+  double Beginning(size_t axis, const std::vector<Push>& pushes, size_t without, double g,
+                   double variance_m2, double& w) const;
+  Estimate StepOf(size_t axis) const;
+  Estimate JointCell() const;
+  Estimate RestingCell(double rounded_m) const;
   Estimate Cell(size_t axis) const;
   Estimate Noise(size_t axis, double cell_m) const;
   double Range(size_t axis, size_t i, int64_t ticks, double& way_m) const;

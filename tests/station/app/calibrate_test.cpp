@@ -44,8 +44,8 @@ TEST(CalibrateTest, ProposedProfileIsStableByTheMeasuredNumbersAndCarriesTheExer
                 3600 / std::pow(delay + 1.1, 2), 1);
     double friction_limit = 2 * 0.045 / 20e-6;
     double kc = static_cast<double>(p->coupling_mn_per_mm.value);
-    // The core knows whole ticks: 0.1, 1.5 and 2.1 are taken for 0, 2 and 2 (a tenth is the
-    // measurement's own).
+    // The core knows whole ticks: 0.1, 1.5 and 2.1 are taken for 0, 2 and 2 (a quarter may be the
+    // interval's own).
     const double held = delay == 0 ? 1 : 3;
     EXPECT_NEAR(
         kc, 0.9 * std::min({3600 / std::pow(delay + 1.1, 2), 3600 / (held * held), friction_limit}),
