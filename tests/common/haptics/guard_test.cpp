@@ -482,5 +482,31 @@ TEST(GuardTest, TheOldDelayClauseIsPumpedByADitherAndTheNewOneIsNot) {
   }
 }
 
+// Nor does the new debit save the older clause. Found by value iteration in one dimension, without
+// cells and from a spring of stretch 1: how far the tip moves in each tick, and the share of the
+// stretch that the rest point is asked to take.
+TEST(GuardTest, WithTheOlderDelayClauseASwingOutAndBackReturnsMoreThanItStored) {
+  constexpr std::array<std::array<double, 2>, 20> kSwing = {
+      {{5.6569, 0}, {26.926, 0},  {136.95, 0},  {299.12, 0},     {388.73, 0},
+       {406.06, 0}, {351.5, 0},   {223.65, 0},  {17.14, 0},      {-263.98, 0},
+       {-618.9, 1}, {-1046.4, 0}, {-587.05, 0}, {-213.39, 0},    {76.433, 0},
+       {278.86, 0}, {393.55, 0},  {420.43, 0},  {366.43, 0.375}, {225.58, 0}}};
+  auto Play = [&](double b_over_t) {
+    Bench bench = Bench::With(TipCell{}, 1, 0);
+    bench.b_over_t = b_over_t;
+    bench.Start(dvec3(0), dvec3(-1, 0, 0));
+    bench.p = dvec3(0);
+    bench.under_way = {dvec3(1, 0, 0), dvec3(1, 0, 0)};
+    for (auto [dx, share] : kSwing) {
+      bench.Tick(
+          dvec3(dx, 0, 0), [](const dvec3& x) { return x; },
+          [&](Bench& b, double work) { b.Move((b.p - b.rest) * share, work); });
+    }
+    return bench.balance / 0.5;  // in units of V_0
+  };
+  EXPECT_LT(Play(1.5), -20000);  // b/T at Kc = 2 b / (3 T)
+  EXPECT_GT(Play(2), -1);        // and at Kc = 2 b / (4 T)
+}
+
 }  // namespace
 }  // namespace enamel::haptics
