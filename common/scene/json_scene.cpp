@@ -10,8 +10,10 @@ namespace {
 
 namespace json = boost::json;
 
-// A document is written in the lowest format that can say it: 1 has no burs and no preparations.
-constexpr int64_t kPlainFormat = 1, kFormat = 2;
+// A document is written in the lowest format that can say it: 1 has no burs and no preparations, 2
+// no Coulomb part and no threshold.
+constexpr int64_t kPlainFormat = 1, kBursFormat = 2, kFormat = 3;
+constexpr int32_t kMaxForce_mn = 100'000;
 constexpr int32_t kMaxExtentUm = 100'000;
 constexpr size_t kMaxBurs = 64, kMaxPreparations = 64, kMaxParts = 64;
 
@@ -24,7 +26,7 @@ cutting::Tissue ReadTissueName(ObjectReader& in) {
   return cutting::Tissue::kEnamel;
 }
 
-void ReadTissues(ObjectReader& in, Scene& scene) {
+void ReadTissues(ObjectReader& in, Scene& scene, int64_t format) {
   std::set<cutting::Tissue> seen;
   for (ObjectReader& item : in.Objects("tissues", 1, cutting::kTissueCount - 1)) {
     TissueSpec spec;
@@ -34,6 +36,15 @@ void ReadTissues(ObjectReader& in, Scene& scene) {
     if (item.Has("axial_damping_mn_s_per_mm")) {
       spec.axial_damping_mn_s_per_mm =
           static_cast<int32_t>(item.Int("axial_damping_mn_s_per_mm", 1, 1'000'000'000));
+    }
+    if (format >= kFormat && item.Has("coulomb_mn"))
+      spec.coulomb_mn = static_cast<int32_t>(item.Int("coulomb_mn", 1, kMaxForce_mn));
+    if (format >= kFormat && item.Has("threshold_mn")) {
+      spec.threshold_mn = static_cast<int32_t>(item.Int("threshold_mn", 1, kMaxForce_mn));
+      if (spec.threshold_mn < spec.coulomb_mn) {
+        item.Refuse("threshold_mn", "at least coulomb_mn, " + std::to_string(spec.coulomb_mn),
+                    std::to_string(spec.threshold_mn));
+      }
     }
     spec.provenance = item.Text("provenance", 1, 500);
     if (!seen.insert(spec.tissue).second) {
@@ -137,7 +148,7 @@ json::array PreparationsJson(const std::vector<Preparation>& preparations) {
 
 std::string ToJson(const Scene& scene) {
   json::array tissues;
-  bool axial = false;
+  bool axial = false, cut = false;
   for (const TissueSpec& t : scene.tissues) {
     json::object tissue{{"tissue", cutting::TissueName(t.tissue)},
                         {"damping_mn_s_per_mm", t.damping_mn_s_per_mm}};
@@ -145,13 +156,18 @@ std::string ToJson(const Scene& scene) {
       tissue["axial_damping_mn_s_per_mm"] = t.axial_damping_mn_s_per_mm;
       axial = true;
     }
+    if (t.coulomb_mn != 0) tissue["coulomb_mn"] = t.coulomb_mn;
+    if (t.threshold_mn != 0) tissue["threshold_mn"] = t.threshold_mn;
+    cut = cut || t.coulomb_mn != 0 || t.threshold_mn != 0;
     tissue["provenance"] = t.provenance;
     tissues.push_back(std::move(tissue));
   }
   json::object landmarks;
   for (const auto& [name, p] : scene.landmarks) landmarks[name] = json::array{p[0], p[1], p[2]};
-  bool plain = scene.burs.empty() && scene.preparations.empty() && !axial;
-  json::object out{{"format", plain ? kPlainFormat : kFormat},
+  bool plain = scene.burs.empty() && scene.preparations.empty() && !axial && !cut;
+  int64_t format = cut ? kFormat : kBursFormat;
+  if (plain) format = kPlainFormat;
+  json::object out{{"format", format},
                    {"name", scene.name},
                    {"title", scene.title},
                    {"volume_sha256", scene.volume.Hex()},
@@ -172,14 +188,14 @@ Result<Scene> SceneFromJson(std::string_view text) {
   Status status;
   ObjectReader in(*document, "", status);
   Scene scene;
-  bool plain = in.Format(kPlainFormat, kFormat) == kPlainFormat;
+  int64_t format = in.Format(kPlainFormat, kFormat);
   scene.name = in.Name("name");
   scene.title = in.Text("title", 1, 200);
   scene.volume = in.Hash("volume_sha256");
   scene.voxel_nm = static_cast<int32_t>(in.Int("voxel_nm", 5'000, 1'000'000));
-  ReadTissues(in, scene);
+  ReadTissues(in, scene, format);
   ReadLandmarks(in, scene);
-  if (!plain) {
+  if (format != kPlainFormat) {
     ReadBurs(in, scene);
     ReadPreparations(in, scene);
   }

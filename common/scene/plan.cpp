@@ -80,6 +80,13 @@ Status CheckScene(const Scene& scene, const Exercise& exercise) {
                         " mN s/mm",
                     "tissues");
     }
+    if (t.coulomb_mn < 0 || (t.threshold_mn != 0 && t.threshold_mn < t.coulomb_mn)) {
+      return Refuse(
+          "scene '" + scene.name + "': tissue " + std::string(cutting::TissueName(t.tissue)) +
+              " needs a threshold of at least its Coulomb part of " + std::to_string(t.coulomb_mn) +
+              " mN (0: the same), found " + std::to_string(t.threshold_mn) + " mN",
+          "tissues");
+    }
   }
   return Status::Ok();
 }

@@ -28,6 +28,8 @@ struct TissueSpec {
   int32_t damping_mn_s_per_mm = 0;       // B across the bur's axis; 1 N s/mm = 1000 mN s/mm
   std::string provenance;                // where the numbers are from
   int32_t axial_damping_mn_s_per_mm = 0; // B along the bur's axis; 0: the same
+  int32_t coulomb_mn = 0;                // part of the cutting force that speed does not change
+  int32_t threshold_mn = 0;              // nothing is cut below; 0: Coulomb's part, else at least it
 };
 
 // A bur as documents name it. What a shape does not use is 0 (cutting/bur.h).

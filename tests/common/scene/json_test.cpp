@@ -10,6 +10,7 @@
 #include "common/base/file.h"
 #include "common/scene/builtin.h"
 #include "common/scene/calibration.h"
+#include "common/scene/material.h"
 #include "tests/support/test_name.h"
 
 namespace enamel::scene {
@@ -140,6 +141,70 @@ TEST(SceneJsonTest, ProfilesSayInFormatThreeThatTheirDelayWasMeasuredAndOldOnesD
   EXPECT_EQ(profile.status().field(), "/bus_delay_ticks/measured");
 }
 
+TEST(SceneJsonTest, TissuesCarryCoulombsPartAndAThresholdInFormatThree) {
+  std::string text = ReadText("golden/scene_threshold.json");
+  Result<Scene> scene = SceneFromJson(text);
+  ASSERT_TRUE(scene.ok()) << scene.status().message();
+  EXPECT_EQ(scene->tissues[0].coulomb_mn, 300);
+  EXPECT_EQ(scene->tissues[0].threshold_mn, 500);
+  EXPECT_EQ(ToJson(*scene), text);
+  // Without them the text, and so the scene's name, is what it was.
+  scene->tissues[0].coulomb_mn = scene->tissues[0].threshold_mn = 0;
+  EXPECT_EQ(ToJson(*scene), ReadText("golden/scene_block.json"));
+  scene = SceneFromJson(Replaced(text, "\"format\": 3", "\"format\": 2"));
+  ASSERT_FALSE(scene.ok()) << "format 2 has no such members";
+  EXPECT_EQ(scene.status().field(), "/tissues/0/coulomb_mn");
+  scene = SceneFromJson(Replaced(text, "\"threshold_mn\": 500", "\"threshold_mn\": 299"));
+  ASSERT_FALSE(scene.ok()) << "a threshold below Coulomb's part";
+  EXPECT_EQ(scene.status().field(), "/tissues/0/threshold_mn");
+}
+
+TEST(MaterialTest, ProfilesReadAndGiveAScenesTissuesWhatWasMeasured) {
+  Result<Material> material = MaterialFromJson(ReadText("golden/material_cut.json"));
+  ASSERT_TRUE(material.ok()) << material.status().message();
+  ASSERT_EQ(material->tissues.size(), 2u);
+  Result<Scene> molar = SceneFromJson(ReadText("golden/scene_molar.json"));
+  ASSERT_TRUE(molar.ok());
+  size_t count = molar->tissues.size();
+  ASSERT_TRUE(ApplyMaterial(*material, &*molar).ok());
+  ASSERT_EQ(molar->tissues.size(), count);
+  for (const TissueSpec& t : molar->tissues) {
+    if (t.tissue != cutting::Tissue::kEnamel) continue;
+    EXPECT_EQ(t.damping_mn_s_per_mm, 6500);
+    EXPECT_EQ(t.axial_damping_mn_s_per_mm, 9000);
+    EXPECT_EQ(t.coulomb_mn, 500);
+    EXPECT_EQ(t.threshold_mn, 900);
+  }
+  Result<Scene> again = SceneFromJson(ToJson(*molar));
+  ASSERT_TRUE(again.ok()) << again.status().message();
+  EXPECT_EQ(ToJson(*again), ToJson(*molar));
+
+  Result<Scene> block = SceneFromJson(ReadText("golden/scene_block.json"));
+  std::string before = ToJson(*block);
+  Status status = ApplyMaterial(*material, &*block);
+  EXPECT_EQ(status.field(), "enamel") << "gypsum alone";
+  EXPECT_EQ(ToJson(*block), before);
+}
+
+TEST(MaterialTest, OlderProfilesReadAndWhatIsWrongIsRefusedWithItsPath) {
+  Result<Material> plain = MaterialFromJson(ReadText("golden/material.json"));
+  ASSERT_TRUE(plain.ok()) << plain.status().message();
+  EXPECT_EQ(plain->tissues[0].spec.coulomb_mn, 0);
+  std::string text = ReadText("golden/material_cut.json");
+  auto FieldOf = [&](const char* from, const char* to) {
+    Result<Material> m = MaterialFromJson(Replaced(text, from, to));
+    return m.ok() ? std::string("accepted") : m.status().field();
+  };
+  EXPECT_EQ(FieldOf("\"format\": 2", "\"format\": 1"), "/tissues/0/axial_damping_mn_s_per_mm");
+  EXPECT_EQ(FieldOf("\"format\": 2", "\"format\": 3"), "/format");
+  EXPECT_EQ(FieldOf("\"threshold_mn\": 900", "\"threshold_mn\": 400"), "/tissues/0/threshold_mn");
+  EXPECT_EQ(FieldOf("\"coulomb_low_mn\": 470,", ""), "/tissues/0/coulomb_low_mn");
+}
+
+TEST(SceneJsonTest, MaterialSchemaNamesExactlyTheMembersOfTheDocuments) {
+  EXPECT_EQ(NamesOf(ReadText("golden/material_cut.json")), SchemaNames("material.schema.json"));
+}
+
 TEST(SceneJsonTest, SchemasNameExactlyTheMembersOfTheDocuments) {
   auto exercise = NamesOf(ReadText("golden/scene_exercise_crown.json"));
   EXPECT_EQ(exercise, SchemaNames("exercise.schema.json"));
@@ -147,7 +212,7 @@ TEST(SceneJsonTest, SchemasNameExactlyTheMembersOfTheDocuments) {
             SchemaNames("device_profile.schema.json"));
   EXPECT_EQ(NamesOf(ReadText("golden/scene_calibration.json")),
             SchemaNames("calibration.schema.json"));
-  auto scene = NamesOf(ReadText("golden/scene_block.json"));
+  auto scene = NamesOf(ReadText("golden/scene_threshold.json"));
   std::erase_if(scene, [](const std::string& n) { return n.starts_with("/landmarks_um/"); });
   EXPECT_EQ(scene, SchemaNames("scene.schema.json"));
 }
@@ -204,7 +269,7 @@ TEST(SceneJsonTest, ColonsAndQuotesInTextAreNoMembers) {
 
 TEST(SceneJsonTest, NewerFormatIsAVersionError) {
   std::string text =
-      Replaced(ReadText("golden/scene_molar.json"), "\"format\": 1,", "\"format\": 3, \"new\": 1,");
+      Replaced(ReadText("golden/scene_molar.json"), "\"format\": 1,", "\"format\": 4, \"new\": 1,");
   EXPECT_EQ(SceneFromJson(text).status().code(), Code::kVersion);
 }
 
