@@ -46,15 +46,31 @@ void RegisterQualify(CLI::App& app, int* exit_code) {
   auto fitting = std::make_shared<FitDampingOptions>();
   CLI::App* fit = app.add_subcommand(
       "fit-damping",
-      "Fit the damping coefficient B per tissue from a CSV of time, position and force");
+      "Fit a tissue's damping B (a matrix, or along and across the bur), Coulomb part and cutting "
+      "threshold from a CSV of time, position and force");
   fit->add_option(
          "csv", fitting->csv_path,
-         "columns time_s, position_mm (or x_mm, y_mm, z_mm), force_n (or fx_n, fy_n, fz_n)\n"
-         "and optionally tissue; 40 Hz is enough")
+         "columns time_s, position_mm (or x_mm, y_mm, z_mm), force_n (or fx_n, fy_n, fz_n),\n"
+         "optionally axis_x, axis_y, axis_z and tissue; 1 kHz is best, 40 Hz does for B alone")
       ->required();
+  fit->add_option("--bur-axis", fitting->bur_axis,
+                  "the bur's axis x,y,z in the frame of the positions: B along and across it");
   fit->add_option("--plot", fitting->svg_path, "write an SVG of force against speed");
   fit->add_option("--material", fitting->material_path,
                   "store the fit as a material profile (JSON) for scenes");
+  fit->footer(
+      "F = B V + Fc V/|V| while cutting; nothing is cut below the threshold. Example, a recording "
+      "of\n"
+      "a minute at 1 kHz:\n"
+      "  time_s,x_mm,y_mm,z_mm,fx_n,fy_n,fz_n,tissue\n"
+      "  0.000,1.2330,0.4410,-0.8820,0.31,-0.02,-1.18,enamel\n"
+      "  0.001,1.2330,0.4410,-0.8910,0.33,-0.02,-1.20,enamel\n"
+      "  enamel-station fit-damping cut.csv --plot cut.svg --material cut.json\n"
+      "What the recording must hold: speeds that differ by a factor of two or more (B apart from "
+      "Fc),\n"
+      "at least three directions that are not in a plane (the matrix; one B otherwise), slow "
+      "presses\n"
+      "that stick, and stops (the threshold). What it lacks is said as a warning.");
   fit->callback([fitting, exit_code] { *exit_code = RunFitDamping(*fitting); });
 }
 

@@ -22,10 +22,6 @@ namespace {
 
 constexpr size_t kLargestFile = size_t{1} << 28;
 
-constexpr double kBlock_s = 0.05;
-constexpr double kContact_n = 0.02;
-constexpr size_t kLeastBlocks = 8;
-
 Status Refuse(const std::string& what, const std::string& field = {}) {
   return {Code::kInvalidInput, what, field};
 }
@@ -38,7 +34,7 @@ std::string F(double v, const char* format = "%.3f") {
 
 struct Sample3 {
   double t_s = 0;
-  dvec3 x_mm{0}, f_n{0};
+  dvec3 x_mm{0}, f_n{0}, axis{0};
   std::string tissue;
 };
 
@@ -92,7 +88,7 @@ class Header {
 };
 
 struct Layout {
-  Columns time, position, force, tissue;
+  Columns time, position, force, axis, tissue;
 };
 
 Result<Layout> LayoutOf(const CsvRow& head) {
@@ -104,6 +100,7 @@ Result<Layout> LayoutOf(const CsvRow& head) {
              {{"_mm", 1}, {"_m", 1e3}, {"_um", 1e-3}, {"", 0}});
   l.force = h.Find({{"fx", "fy", "fz"}, {"force_x", "force_y", "force_z"}, {"force"}, {"f"}},
                    {{"_n", 1}, {"_mn", 1e-3}, {"", 1}});
+  l.axis = h.Find({{"axis_x", "axis_y", "axis_z"}, {"bur_x", "bur_y", "bur_z"}}, {{"", 1}});
   l.tissue = h.Find({{"tissue"}, {"material"}}, {{"", 1}});
   std::string found;
   for (const std::string& name : head) found += (found.empty() ? "" : ", ") + name;
@@ -130,6 +127,8 @@ Result<std::vector<Sample3>> SamplesOf(const std::vector<CsvRow>& rows, const La
       ok = ok && ParseNumber(Cell(rows[i], l.position.at[k]), &s.x_mm[static_cast<int>(k)]);
     for (size_t k = 0; k < l.force.at.size(); ++k)
       ok = ok && ParseNumber(Cell(rows[i], l.force.at[k]), &s.f_n[static_cast<int>(k)]);
+    for (size_t k = 0; k < l.axis.at.size(); ++k)
+      ok = ok && ParseNumber(Cell(rows[i], l.axis.at[k]), &s.axis[static_cast<int>(k)]);
     if (!ok) {
       ++*skipped;
       continue;
@@ -179,136 +178,49 @@ Status SettleUnits(std::vector<Sample3>* samples, double to_mm, DampingReport* r
   return Status::Ok();
 }
 
-struct Block {
-  double t_s;
-  dvec3 x_mm, f_n;
-};
-
-// Averages over blocks of whole samples; a gap or another tissue starts a new run.
-std::vector<std::vector<Block>> BlocksOf(const std::vector<Sample3>& samples,
-                                         const std::string& tissue, double dt) {
-  size_t per = std::max<size_t>(2, static_cast<size_t>(std::lround(kBlock_s / dt)));
-  std::vector<std::vector<Block>> runs;
-  std::vector<const Sample3*> open;
-  const Sample3* last = nullptr;
-  for (const Sample3& s : samples) {
-    bool mine = tissue.empty() || s.tissue == tissue;
-    bool joins = mine && last != nullptr && s.t_s - last->t_s < 3 * dt;
-    if (!joins) {
-      open.clear();
-      if (mine) runs.emplace_back();
-    }
-    last = mine ? &s : nullptr;
-    if (!mine) continue;
-    open.push_back(&s);
-    if (open.size() < per) continue;
-    Block b{0, dvec3(0), dvec3(0)};
-    for (const Sample3* q : open) {
-      b.t_s += q->t_s / static_cast<double>(per);
-      b.x_mm += q->x_mm / static_cast<double>(per);
-      b.f_n += q->f_n / static_cast<double>(per);
-    }
-    runs.back().push_back(b);
-    open.clear();
-  }
-  return runs;
-}
-
-// Two-sided 97.5 % point of Student's t (Hill 1970's expansion about the normal; below 1 % off from
-// 3 degrees of freedom).
-double Student975(double n) {
-  constexpr double z = 1.959964;
-  double z3 = z * z * z, z5 = z3 * z * z, z7 = z5 * z * z;
-  return z + (z3 + z) / (4 * n) + (5 * z5 + 16 * z3 + 3 * z) / (96 * n * n) +
-         (3 * z7 + 19 * z5 + 17 * z3 - 15 * z) / (384 * n * n * n);
-}
-
-void Regress(DampingFit* fit) {
-  const auto& p = fit->points;
-  double n = static_cast<double>(p.size()), sv = 0, sf = 0, svv = 0, svf = 0, low = 1e300, high = 0;
-  for (auto [v, f] : p) {
-    sv += v, sf += f, svv += v * v, svf += v * f;
-    low = std::min(low, v), high = std::max(high, v);
-  }
-  bool offset = high > 2 * low;
-  double var = offset ? svv - sv * sv / n : svv;
-  fit->b_n_s_per_mm = (offset ? svf - sv * sf / n : svf) / var;
-  fit->offset_n = offset ? (sf - fit->b_n_s_per_mm * sv) / n : 0;
-  double rss = 0, lag = 0, before = 0;
-  for (size_t i = 0; i < p.size(); ++i) {
-    double r = p[i].second - fit->b_n_s_per_mm * p[i].first - fit->offset_n;
-    rss += r * r;
-    if (i > 0) lag += r * before;
-    before = r;
-  }
-  double freedom = n - (offset ? 2 : 1);
-  fit->residual_rms_n = std::sqrt(rss / freedom);
-  double rho = rss > 0 ? std::clamp(lag / rss, 0.0, 0.95) : 0;
-  double independent = std::max(2.0, freedom * (1 - rho) / (1 + rho));
-  double error = std::sqrt(rss / freedom / var * freedom / independent);
-  double half = Student975(independent) * error;
-  fit->b_low = fit->b_n_s_per_mm - half;
-  fit->b_high = fit->b_n_s_per_mm + half;
-}
-
-DampingFit FitTissue(const std::vector<Sample3>& samples, const std::string& tissue, double dt) {
+// Samples of one tissue; where another was cut in between, a new run.
+DampingFit FitTissue(const std::vector<Sample3>& samples, const std::string& tissue, double dt,
+                     const Layout& layout) {
   DampingFit fit;
   fit.tissue = tissue.empty() ? "all" : tissue;
-  for (const Sample3& s : samples) fit.samples += tissue.empty() || s.tissue == tissue;
-  struct Pair {
-    double v, f;
-  };
-  std::vector<Pair> pairs;
-  for (const auto& run : BlocksOf(samples, tissue, dt)) {
-    for (size_t i = 1; i < run.size(); ++i) {
-      dvec3 v = (run[i].x_mm - run[i - 1].x_mm) / (run[i].t_s - run[i - 1].t_s),
-            f = (run[i].f_n + run[i - 1].f_n) * 0.5;
-      double speed = glm::length(v);
-      // A single force column is a magnitude along the cut; three are projected on the motion.
-      double along = f.y == 0 && f.z == 0 ? std::fabs(f.x)
-                     : speed > 0          ? std::fabs(Dot(f, v)) / speed
-                                          : glm::length(f);
-      pairs.push_back({speed, along});
-      fit.speed_max_mm_s = std::max(fit.speed_max_mm_s, speed);
-      fit.force_max_n = std::max(fit.force_max_n, along);
-    }
+  std::vector<CutSample> mine;
+  int run = 0;
+  bool before = false, both_signs = false;
+  double lowest = 0, highest = 0;
+  for (const Sample3& s : samples) {
+    bool take = tissue.empty() || s.tissue == tissue;
+    if (take && !before) ++run;
+    before = take;
+    if (!take) continue;
+    mine.push_back({s.t_s, s.x_mm, s.f_n, s.axis, run});
+    lowest = std::min(lowest, s.f_n.x), highest = std::max(highest, s.f_n.x);
   }
-  if (fit.speed_max_mm_s < 1e-3) {
-    fit.refused = "no motion: the fastest block moves at " + F(fit.speed_max_mm_s, "%.2g") +
-                  " mm/s; record while cutting";
-    return fit;
+  both_signs = lowest < -0.2 * highest && highest > -0.2 * lowest;
+  int positions = static_cast<int>(layout.position.at.size());
+  bool vector = layout.force.at.size() == 3 ? positions == 3 : positions == 1 && both_signs;
+  if (!vector) {
+    for (CutSample& s : mine) s.f_n = dvec3(glm::length(s.f_n), 0, 0);
   }
-  if (fit.speed_max_mm_s > 1000) {
-    fit.refused = "a speed of " + F(fit.speed_max_mm_s, "%.4g") +
-                  " mm/s: expected below 1 m/s; check the units of position and time";
-    return fit;
-  }
-  if (fit.force_max_n < kContact_n) {
-    fit.refused = "no contact: the largest force is " + F(fit.force_max_n, "%.3g") +
-                  " N; expected above " + F(kContact_n, "%.2f") + " N";
-    return fit;
-  }
-  double touch = std::max(kContact_n, 0.05 * fit.force_max_n), move = 0.05 * fit.speed_max_mm_s;
-  for (const Pair& p : pairs) {
-    if (p.f >= touch && p.v >= move) fit.points.push_back({p.v, p.f});
-  }
-  fit.used = fit.points.size();
-  if (fit.used < kLeastBlocks) {
-    fit.refused =
-        "only " + std::to_string(fit.used) + " blocks of " + F(std::max(kBlock_s, 2 * dt), "%.2f") +
-        " s are in contact and moving; at least " + std::to_string(kLeastBlocks) + " are needed";
-    return fit;
-  }
-  Regress(&fit);
-  if (fit.b_high <= 0)
-    fit.refused = "force falls with speed (B = " + F(fit.b_n_s_per_mm) +
-                  " N s/mm): position and force do not belong together, or not in this unit";
+  fit.cut = FitCut(mine, dt, !vector, positions);
+  const CutFit& c = fit.cut;
+  fit.samples = c.samples;
+  fit.used = c.windows.used;
+  fit.b_n_s_per_mm = c.b.value, fit.b_low = c.b.low, fit.b_high = c.b.high;
+  fit.offset_n = c.offset_n;
+  fit.residual_rms_n = c.residual_rms_n;
+  fit.speed_max_mm_s = c.speed_max_mm_s, fit.force_max_n = c.force_max_n;
+  fit.points = c.points;
+  fit.refused = c.refused;
   return fit;
+}
+
+std::string Between(const Estimate& e, const char* unit, const char* format = "%.3f") {
+  return F(e.value, format) + unit + ", 95 % " + F(e.low, format) + " to " + F(e.high, format);
 }
 
 }  // namespace
 
-Result<DampingReport> FitDamping(std::string_view csv) {
+Result<DampingReport> FitDamping(std::string_view csv, const dvec3& bur_axis) {
   Result<std::vector<CsvRow>> rows = ParseCsv(csv);
   if (!rows.ok()) return rows.status();
   if (rows->empty())
@@ -322,6 +234,9 @@ Result<DampingReport> FitDamping(std::string_view csv) {
   if (skipped > 0)
     report.notes.push_back(std::to_string(skipped) + " rows without numbers were left out");
   ENAMEL_RETURN_IF_ERROR(SettleUnits(&*samples, layout->position.to_unit, &report));
+  if (!layout->axis) {
+    for (Sample3& s : *samples) s.axis = bur_axis;
+  }
   std::vector<double> steps;
   for (size_t i = 1; i < samples->size(); ++i)
     steps.push_back((*samples)[i].t_s - (*samples)[i - 1].t_s);
@@ -342,7 +257,8 @@ Result<DampingReport> FitDamping(std::string_view csv) {
   }
   if (tissues.empty()) tissues.push_back("");
   if (tissues.size() > 64) return Refuse("more than 64 tissues in the tissue column", "tissue");
-  for (const std::string& tissue : tissues) report.fits.push_back(FitTissue(*samples, tissue, dt));
+  for (const std::string& tissue : tissues)
+    report.fits.push_back(FitTissue(*samples, tissue, dt, *layout));
   return report;
 }
 
@@ -355,9 +271,39 @@ std::string DampingText(const DampingReport& r) {
       s += "not fitted: " + f.refused + "\n";
       continue;
     }
-    s += "B = " + F(f.b_n_s_per_mm) + " N s/mm, 95 % " + F(f.b_low) + " to " + F(f.b_high) +
-         ", offset " + F(f.offset_n) + " N, residual " + F(f.residual_rms_n) + " N rms, " +
-         std::to_string(f.used) + " blocks of " + std::to_string(f.samples) + " samples\n";
+    const CutFit& c = f.cut;
+    s += "\n";
+    if (c.model == CutModel::kMatrix) {
+      constexpr const char* kEntry[] = {"xx", "yy", "zz", "xy", "xz", "yz"};
+      for (int j = 0; j < 6; ++j)
+        s += std::string("  B ") + kEntry[j] + "       " + Between(c.matrix[j], " N s/mm") + "\n";
+      s += "  eigenvalues " + F(c.principal[0]) + ", " + F(c.principal[1]) + ", " +
+           F(c.principal[2]) + " N s/mm, mean " + Between(c.b, " N s/mm") + "\n";
+    } else if (c.model == CutModel::kAxialLateral) {
+      s += "  B across the bur " + Between(c.b, " N s/mm") + "\n";
+      s += "  B along the bur  " + Between(c.axial, " N s/mm") + "\n";
+    } else {
+      s += "  B          " + Between(c.b, " N s/mm") + "\n";
+    }
+    if (c.with_coulomb) {
+      s += "  Coulomb    " + Between(c.coulomb_n, " N") + "\n";
+      s += c.threshold_seen ? "  threshold  " + Between(c.threshold_n, " N") + "\n"
+                            : "  threshold  not seen; below " + F(c.threshold_n.high) + " N\n";
+    }
+    if (c.compliance_mm_per_n.value > 0)
+      s += "  tip bends  " + Between(c.compliance_mm_per_n, " mm/N", "%.5f") + "\n";
+    s += "  residual   " + F(c.residual_rms_n) + " N rms; windows of " + F(c.window_s) +
+         " s: " + std::to_string(c.windows.used) +
+         " used; left out: " + std::to_string(c.windows.gap) + " with rows missing, " +
+         std::to_string(c.windows.air) + " in air, " + std::to_string(c.windows.slow) +
+         " stuck or slow, " + std::to_string(c.windows.turning) + " turning, " +
+         std::to_string(c.windows.outlier) + " outliers; " + std::to_string(c.samples) +
+         " samples, " + std::to_string(c.spikes) + " of them spikes and dropped\n";
+    s += "  bias       noise of speed " + F(c.speed_noise_mm_s) + " mm/s would take " +
+         F(100 * c.attenuation, "%.2f") + " % of B (put back); turning hides at most " +
+         F(100 * c.turn_bias, "%.2f") + " % of Coulomb's part; condition number " +
+         F(c.condition, "%.0f") + "\n";
+    for (const std::string& w : c.warnings) s += "  warning: " + w + "\n";
   }
   return s;
 }
@@ -387,9 +333,11 @@ std::string MaterialText(const DampingReport& r, const std::string& source) {
   namespace json = boost::json;
   auto Milli = [](double v) { return std::llround(v * 1e3); };
   json::array tissues;
+  bool more = false;  // than format 1 can say
   for (const DampingFit& f : r.fits) {
     if (!f.refused.empty()) continue;
-    tissues.push_back(json::object{
+    const CutFit& c = f.cut;
+    json::object tissue{
         {"tissue", f.tissue},
         {"damping_mn_s_per_mm", Milli(f.b_n_s_per_mm)},
         {"provenance", "fitted from " + source + ": " + std::to_string(f.used) + " blocks, 95 % " +
@@ -398,9 +346,31 @@ std::string MaterialText(const DampingReport& r, const std::string& source) {
         {"damping_high_mn_s_per_mm", Milli(f.b_high)},
         {"offset_mn", Milli(f.offset_n)},
         {"residual_rms_mn", Milli(f.residual_rms_n)},
-        {"blocks", f.used}});
+        {"blocks", f.used}};
+    auto Put = [&](const std::string& name, const Estimate& e, const std::string& unit) {
+      tissue[name + unit] = Milli(e.value);
+      tissue[name + "_low" + unit] = Milli(e.low);
+      tissue[name + "_high" + unit] = Milli(e.high);
+      more = true;
+    };
+    if (c.model == CutModel::kAxialLateral) Put("axial_damping", c.axial, "_mn_s_per_mm");
+    if (c.model == CutModel::kMatrix) {
+      json::array value, low, high;
+      for (const Estimate& e : c.matrix) {
+        value.push_back(Milli(e.value));
+        low.push_back(Milli(e.low));
+        high.push_back(Milli(e.high));
+      }
+      tissue["damping_matrix_mn_s_per_mm"] = std::move(value);
+      tissue["damping_matrix_low_mn_s_per_mm"] = std::move(low);
+      tissue["damping_matrix_high_mn_s_per_mm"] = std::move(high);
+      more = true;
+    }
+    if (c.with_coulomb) Put("coulomb", c.coulomb_n, "_mn");
+    if (c.with_coulomb && c.threshold_seen) Put("threshold", c.threshold_n, "_mn");
+    tissues.push_back(std::move(tissue));
   }
-  return scene::CanonicalText(json::object{{"format", 1},
+  return scene::CanonicalText(json::object{{"format", more ? 2 : 1},
                                            {"source", source},
                                            {"rate_mhz", Milli(r.rate_hz)},
                                            {"tissues", std::move(tissues)}});
@@ -411,10 +381,20 @@ int RunFitDamping(const FitDampingOptions& options) {
     program::SayError("fit-damping: " + why);
     return 1;
   };
+  dvec3 axis(0);
+  if (!options.bur_axis.empty()) {
+    std::string rest = options.bur_axis + ",";
+    int k = 0;
+    for (size_t at = 0, end; (end = rest.find(',', at)) != std::string::npos; at = end + 1, ++k) {
+      if (k > 2 || !ParseNumber(rest.substr(at, end - at), &axis[std::min(k, 2)])) k = 9;
+    }
+    if (k != 3 || !(glm::length(axis) > 0))
+      return Fail("--bur-axis: expected three numbers x,y,z, not all 0; found " + options.bur_axis);
+  }
   Result<Bytes> text = ReadFile(options.csv_path, kLargestFile);
   if (!text.ok()) return Fail(text.status().message());
   Result<DampingReport> report =
-      FitDamping({reinterpret_cast<const char*>(text->data()), text->size()});
+      FitDamping({reinterpret_cast<const char*>(text->data()), text->size()}, axis);
   if (!report.ok()) return Fail(report.status().message());
   std::fputs(DampingText(*report).c_str(), stdout);
   auto Write = [&](const std::string& path, const std::string& content) {

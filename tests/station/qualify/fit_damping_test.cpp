@@ -62,13 +62,13 @@ TEST(FitDampingTest, IntervalCoversTheTruthAsOftenAsItSays) {
 
 TEST(FitDampingTest, StoresAMaterialProfileOfWhatWasFittedAndNothingOfWhatWasNot) {
   std::string base = testing::TempDir() + "enamel-material-" + std::to_string(getpid());
-  FitDampingOptions options{base + ".csv", "", base + ".json"};
+  FitDampingOptions options{base + ".csv", "", base + ".json", ""};
   std::ofstream(options.csv_path) << Cut(6.5, 100, 20, 0.05, 3);
   EXPECT_EQ(RunFitDamping(options), 0);
   std::stringstream text;
   text << std::ifstream(options.material_path).rdbuf();
   auto document = boost::json::parse(text.str()).as_object();
-  EXPECT_EQ(document.at("format"), 1);
+  EXPECT_EQ(document.at("format"), 2) << "Coulomb's part is format 2";
   auto tissue = document.at("tissues").at(0).as_object();
   EXPECT_NEAR(tissue.at("damping_mn_s_per_mm").to_number<double>(), 6500, 130);
   EXPECT_LT(tissue.at("damping_low_mn_s_per_mm").to_number<double>(), 6500);
@@ -98,6 +98,44 @@ TEST(FitDampingTest, MaterialProfileIsTheGoldenDocument) {
   std::stringstream golden;
   golden << std::ifstream(ENAMEL_SOURCE_DIR "/schemas/golden/material.json").rdbuf();
   EXPECT_EQ(MaterialText(report, "molar_cut.csv"), golden.str());
+}
+
+TEST(FitDampingTest, MaterialProfileOfAMatrixCoulombAndThresholdIsTheGoldenDocument) {
+  DampingReport report;
+  report.rate_hz = 1000;
+  DampingFit enamel;
+  enamel.tissue = "enamel";
+  enamel.used = 210;
+  enamel.b_n_s_per_mm = 6.5, enamel.b_low = 6.4, enamel.b_high = 6.6;
+  enamel.offset_n = 0.5;
+  enamel.residual_rms_n = 0.09;
+  enamel.cut.model = CutModel::kAxialLateral;
+  enamel.cut.axial = {9, 8.8, 9.2};
+  enamel.cut.with_coulomb = enamel.cut.threshold_seen = true;
+  enamel.cut.coulomb_n = {0.5, 0.47, 0.53};
+  enamel.cut.threshold_n = {0.9, 0.86, 0.94};
+  DampingFit dentin;
+  dentin.tissue = "dentin";
+  dentin.used = 180;
+  dentin.b_n_s_per_mm = 5.2, dentin.b_low = 5.1, dentin.b_high = 5.3;
+  dentin.residual_rms_n = 0.06;
+  dentin.cut.model = CutModel::kMatrix;
+  dentin.cut.matrix = {Estimate{5, 4.9, 5.1}, {5.2, 5.1, 5.3},    {5.4, 5.3, 5.5},
+                       {0.1, 0, 0.2},         {-0.2, -0.3, -0.1}, {0, -0.1, 0.1}};
+  report.fits = {enamel, dentin};
+  std::stringstream golden;
+  golden << std::ifstream(ENAMEL_SOURCE_DIR "/schemas/golden/material_cut.json").rdbuf();
+  EXPECT_EQ(MaterialText(report, "molar_cut.csv"), golden.str());
+}
+
+TEST(FitDampingTest, RefusesAnAxisThatIsNone) {
+  for (const char* axis : {"0,0,0", "1,2", "1,2,3,4", "a,b,c"}) {
+    FitDampingOptions options{"never-read.csv", "", "", axis};
+    testing::internal::CaptureStderr();
+    EXPECT_EQ(RunFitDamping(options), 1);
+    EXPECT_NE(testing::internal::GetCapturedStderr().find("three numbers"), std::string::npos)
+        << axis;
+  }
 }
 
 TEST(FitDampingTest, FitsEachTissueApart) {
@@ -180,7 +218,7 @@ TEST(FitDampingTest, RefusesWithTheReasonWhatCannotBeFitted) {
       {"no motion", Rows([&](int i) { return S(i / 40.0) + ",1,2"; }), "no motion"},
       {"no contact", Rows([&](int i) { return S(i / 40.0) + "," + S(i * 0.01) + ",0.001"; }),
        "no contact"},
-      {"too short", Cut(6.5, 40, 0.3, 0, 1), "blocks"},
+      {"too short", Cut(6.5, 40, 0.6, 0, 1), "windows"},
       {"falls with speed", Rows([&](int i) {
          return S(i / 40.0) + "," + S(i * 0.01 + 0.05 * std::sin(i * 0.1)) + "," +
                 S(3 - 2 * std::cos(i * 0.1));
