@@ -5,7 +5,13 @@
 namespace enamel::core {
 namespace {
 
-constexpr uint16_t kParamsVersion = 2;
+constexpr uint16_t kParamsVersion = 3;
+constexpr int32_t kMaxForce_mn = 100'000;
+
+// Formats 1 and 2 are of core versions 1 and 2; what is newer than this program had the newest.
+uint16_t FormatOf(uint32_t core_version) noexcept {
+  return core_version == 1 ? 1 : core_version < 3 ? 2 : kParamsVersion;
+}
 
 Status OutOfRange(const char* field, const std::string& expected, int64_t found) {
   return Status(Code::kInvalidInput,
@@ -44,6 +50,18 @@ Status CheckBur(const CoreParams& p) {
   return Status::Ok();
 }
 
+Status CheckVersion3(const CoreParams& p) {
+  const bool known = p.core_version >= 3;
+  auto check = [&](const char* field, int64_t value, int64_t most) {
+    return CheckRange(field, value, 0, known ? most : 0);
+  };
+  ENAMEL_RETURN_IF_ERROR(check("bus_delay_ticks", p.bus_delay_ticks, 16));
+  ENAMEL_RETURN_IF_ERROR(check("peak_torque_un_m", p.peak_torque_un_m, 100'000'000));
+  for (int32_t f : p.coulomb_mn) ENAMEL_RETURN_IF_ERROR(check("coulomb_mn", f, kMaxForce_mn));
+  for (int32_t f : p.threshold_mn) ENAMEL_RETURN_IF_ERROR(check("threshold_mn", f, kMaxForce_mn));
+  return Status::Ok();
+}
+
 Status CheckValues(const CoreParams& p) {
   ENAMEL_RETURN_IF_ERROR(CheckRange("rate_hz", p.rate_hz, 100, 20000));
   if (haptics::FindLaw(p.law) == nullptr) {
@@ -55,7 +73,7 @@ Status CheckValues(const CoreParams& p) {
   for (int64_t o : p.device_origin_nm) {
     ENAMEL_RETURN_IF_ERROR(CheckRange("device_origin_nm", o, -1'000'000'000, 1'000'000'000));
   }
-  ENAMEL_RETURN_IF_ERROR(CheckRange("peak_force_mn", p.peak_force_mn, 1, 100'000));
+  ENAMEL_RETURN_IF_ERROR(CheckRange("peak_force_mn", p.peak_force_mn, 1, kMaxForce_mn));
   ENAMEL_RETURN_IF_ERROR(CheckRange("soft_start_ticks", p.soft_start_ticks, 0, 1'000'000));
   ENAMEL_RETURN_IF_ERROR(CheckBur(p));
   for (int32_t b : p.damping_mn_s_per_mm) {
@@ -69,7 +87,8 @@ Status CheckValues(const CoreParams& p) {
   ENAMEL_RETURN_IF_ERROR(CheckRange("handpiece_stall_un_m", p.handpiece_stall_un_m, 0, 1'000'000));
   ENAMEL_RETURN_IF_ERROR(
       CheckRange("handpiece_tangential_permille", p.handpiece_tangential_permille, 0, 10'000));
-  return CheckRange("handpiece_lag_us", p.handpiece_lag_us, 0, 10'000'000);
+  ENAMEL_RETURN_IF_ERROR(CheckRange("handpiece_lag_us", p.handpiece_lag_us, 0, 10'000'000));
+  return CheckVersion3(p);
 }
 
 }  // namespace
@@ -86,21 +105,24 @@ cutting::Bur BurOf(const CoreParams& p) noexcept {
 }
 
 Status ValidateParams(const CoreParams& p) {
-  if (p.core_version != kCoreVersion) {
+  if (p.core_version < kOldestCoreVersion || p.core_version > kCoreVersion) {
     return Status(Code::kVersion,
-                  "this program runs core version " + std::to_string(kCoreVersion) +
-                      ", the attempt was made with version " + std::to_string(p.core_version) +
+                  "this program runs core versions " + std::to_string(kOldestCoreVersion) +
+                      " to " + std::to_string(kCoreVersion) + ", the attempt was made with version " + std::to_string(p.core_version) +
                       ": it can be listed, and re-run by a program of that version",
                   "core_version");
   }
   return CheckValues(p);
 }
 
-size_t ParamsBytes(uint32_t core_version) noexcept { return core_version == 1 ? 106 : 162; }
+size_t ParamsBytes(uint32_t core_version) noexcept {
+  constexpr size_t kBytes[kParamsVersion] = {106, 162, 234};
+  return kBytes[FormatOf(core_version) - 1];
+}
 
 void WriteParams(const CoreParams& p, ByteWriter& out) {
-  const bool first_format = p.core_version == 1;
-  out.U16(first_format ? 1 : kParamsVersion);
+  const uint16_t format = FormatOf(p.core_version);
+  out.U16(format);
   out.U32(p.core_version);
   out.U32(p.rate_hz);
   out.U8(static_cast<uint8_t>(p.law));
@@ -116,7 +138,7 @@ void WriteParams(const CoreParams& p, ByteWriter& out) {
   out.U8(cutting::kTissueCount);
   for (int32_t b : p.damping_mn_s_per_mm) out.I32(b);
   out.I32(p.rotational_kc_un_m_per_rad);
-  if (first_format) return;
+  if (format < 2) return;
   out.I32(p.bur_narrow_radius_nm);
   out.I32(p.shank_radius_nm);
   out.I32(p.neck_nm);
@@ -124,23 +146,27 @@ void WriteParams(const CoreParams& p, ByteWriter& out) {
   out.I32(p.handpiece_stall_un_m);
   out.I32(p.handpiece_tangential_permille);
   out.I32(p.handpiece_lag_us);
+  if (format < 3) return;
+  out.U32(p.bus_delay_ticks);
+  out.I32(p.peak_torque_un_m);
+  for (int32_t f : p.coulomb_mn) out.I32(f);
+  for (int32_t f : p.threshold_mn) out.I32(f);
 }
 
 Result<CoreParams> ReadParams(ByteReader& in) {
   CoreParams p;
   uint16_t version = in.U16();
-  if (in.ok() && version != 1 && version != kParamsVersion) {
+  if (in.ok() && (version < 1 || version > kParamsVersion)) {
     return Status(Code::kVersion, "core parameters are of format " + std::to_string(version) +
-                                      ", this program reads formats 1 and " +
+                                      ", this program reads formats 1 to " +
                                       std::to_string(kParamsVersion));
   }
   p.core_version = in.U32();
-  if (in.ok() && (version == 1) != (p.core_version == 1)) {
+  if (in.ok() && version != FormatOf(p.core_version)) {
     return Status(Code::kInvalidInput,
-                  "core parameters: expected format 1 for core version 1 and " +
-                      std::to_string(kParamsVersion) + " for later ones, found format " +
-                      std::to_string(version) + " for core version " +
-                      std::to_string(p.core_version));
+                  "core parameters: expected format " + std::to_string(FormatOf(p.core_version)) +
+                      " for core version " + std::to_string(p.core_version) + ", found format " +
+                      std::to_string(version));
   }
   p.rate_hz = in.U32();
   p.law = static_cast<haptics::LawKind>(in.U8());
@@ -161,7 +187,7 @@ Result<CoreParams> ReadParams(ByteReader& in) {
   }
   for (int32_t& b : p.damping_mn_s_per_mm) b = in.I32();
   p.rotational_kc_un_m_per_rad = in.I32();
-  if (version != 1) {
+  if (version >= 2) {
     p.bur_narrow_radius_nm = in.I32();
     p.shank_radius_nm = in.I32();
     p.neck_nm = in.I32();
@@ -169,6 +195,12 @@ Result<CoreParams> ReadParams(ByteReader& in) {
     p.handpiece_stall_un_m = in.I32();
     p.handpiece_tangential_permille = in.I32();
     p.handpiece_lag_us = in.I32();
+  }
+  if (version >= 3) {
+    p.bus_delay_ticks = in.U32();
+    p.peak_torque_un_m = in.I32();
+    for (int32_t& f : p.coulomb_mn) f = in.I32();
+    for (int32_t& f : p.threshold_mn) f = in.I32();
   }
   if (!in.ok()) return Status(Code::kInvalidInput, "core parameters end early");
   ENAMEL_RETURN_IF_ERROR(CheckValues(p));

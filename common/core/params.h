@@ -11,12 +11,15 @@
 
 namespace enamel::core {
 
-// Any change that moves a golden hash bumps this. A station with another core version is refused
-// for new attempts; sealed attempts are re-run by a worker of the version in their header.
+// Any change that moves a golden hash bumps this. New attempts are made with it: a station with
+// another core version is refused for them. Recordings from kOldestCoreVersion on are re-run to the
+// bit by the same program, which then does as that version did.
 //
 // Version 2: bur shapes, shank, axial B, handpiece; a cut visits only bricks that can change, and
 // only poses that leave a mark (cutting/sweep.h); engagement by evenly spread points.
-inline constexpr uint32_t kCoreVersion = 2;
+// Version 3: only what travel brings into solid resists (cutting/engagement.h); bus delay, peak
+// torque, Coulomb part and threshold of the cutting force.
+inline constexpr uint32_t kCoreVersion = 3, kOldestCoreVersion = 2;
 
 // Everything the core's result depends on besides the initial volume and the recorded inputs.
 // Integers with units, never decimal text, so that both sides start from the same bits. Written
@@ -52,22 +55,29 @@ struct CoreParams {
   int32_t handpiece_tangential_permille =
       0;  // tangential force at the bur's radius per resisting force
   int32_t handpiece_lag_us = 0;
+  // From core version 3 on; all at 0 before.
+  uint32_t bus_delay_ticks = 0;  // between reading a position and the force that answers it
+  int32_t peak_torque_un_m = 0;  // bound on the torque's magnitude; 0: no torque is sent
+  // Per tissue, for the engagement that damping_mn_s_per_mm is of: the part of the cutting force
+  // that does not depend on speed, and the force below which the bur does not cut at all.
+  std::array<int32_t, cutting::kTissueCount> coulomb_mn{}, threshold_mn{};
 
   bool operator==(const CoreParams&) const = default;
 };
 
 cutting::Bur BurOf(const CoreParams& params) noexcept;
 
-// Refuses what the core cannot run with, naming the field: kVersion for another core's recording,
-// kInvalidInput for a value out of range. Also the passivity premise on kc is the profile's
+// Refuses what the core cannot run with, naming the field: kVersion for a recording of a core that
+// this program does not run, kInvalidInput for a value out of range. Also the passivity premise on kc is the profile's
 // business (haptics), not checked here.
 Status ValidateParams(const CoreParams& params);
 
-// Canonical little-endian form, versioned (first u16); see schemas/trace_format.md. Core version 1
-// had format 1, which has no fields for what came later: they must be at their defaults.
+// Canonical little-endian form, versioned (first u16); see schemas/trace_format.md. Core versions 1
+// and 2 had formats 1 and 2, which have no fields for what came later: they must be at their
+// defaults.
 void WriteParams(const CoreParams& params, ByteWriter& out);
 size_t ParamsBytes(uint32_t core_version) noexcept;
-// Reads both formats and any core version, so that an old recording can be listed; whoever runs a
+// Reads every format and any core version, so that an old recording can be listed; whoever runs a
 // core calls ValidateParams. Errors: kInvalidInput (cut short, or a value out of range), kVersion
 // (format).
 Result<CoreParams> ReadParams(ByteReader& in);

@@ -39,6 +39,9 @@ struct Contact {
   // How far the bur may travel in a straight line before it can touch anything else, m. Zero when
   // not known; lets a step through open air be taken at once.
   double clearance_m = 0;
+  // For the engaged surface, N: the part of the cutting force that does not depend on speed, and the
+  // force below which the bur does not cut at all. 0: none.
+  double coulomb_n = 0, threshold_n = 0;
 };
 
 // The world the coupling moves in. Implemented by the core (volume and bur), by the qualification

@@ -25,6 +25,7 @@ uint64_t Build() {
   hash.U64(sizeof(core::Core));
   hash.U64(sizeof(void*));
   hash.U64(std::endian::native == std::endian::little);
+  hash.U64(core::kCoreVersion);
   return hash.value();
 }
 
@@ -69,13 +70,15 @@ Result<Keyframes> Keyframes::Decode(ByteView bytes, const Sha256& header_hash) {
   Sha256 header = ReadHash(in);
   if (!in.ok()) return EndsEarly(kWhat, bytes.size());
   if (reserved != 0) return Unusable("expected 0 in the reserved field");
-  if (core_version != core::kCoreVersion || build != Build()) {
+  if (core_version < core::kOldestCoreVersion || core_version > core::kCoreVersion ||
+      build != Build()) {
     return Status(Code::kVersion, "keyframes: made by another core or build of the program");
   }
   if (header != header_hash) {
     return Status(Code::kConflict, "keyframes: made for another recording");
   }
   Keyframes out(header_hash);
+  out.core_version_ = core_version;
   while (!in.AtEnd()) {
     auto record = ReadRecord(kWhat, kMaxKeyframeBytes, in);
     if (!record.ok()) return record.status();
@@ -129,7 +132,7 @@ Bytes Keyframes::Encode() const {
   ByteWriter out;
   WriteMagic(kKeyframesMagic, out);
   out.U16(0);
-  out.U32(core::kCoreVersion);
+  out.U32(core_version_);
   out.U64(Build());
   out.Raw(header_hash_.view());
   for (const Frame& frame : frames_) {
@@ -145,6 +148,8 @@ void Keyframes::Add(core::Core& core, const KeyframePlace& place,
   ENAMEL_CHECK(frames_.empty() || place.chunks > frames_.back().place.chunks);
   // More than a reader takes: the replay goes on without.
   if (frames_.size() == kMaxKeyframes || changed.size() > kMaxBricks) return;
+  ENAMEL_CHECK(frames_.empty() || core_version_ == core.params().core_version);
+  core_version_ = core.params().core_version;
   Frame frame;
   frame.place = place;
   frame.bricks = static_cast<uint32_t>(changed.size());
@@ -165,6 +170,10 @@ void Keyframes::Add(core::Core& core, const KeyframePlace& place,
 
 Status Keyframes::Restore(size_t i, core::Core& core) const {
   ENAMEL_CHECK(i < frames_.size() && core.ticks() == 0);
+  if (core_version_ != core.params().core_version) {
+    return Unusable("they are of core version " + std::to_string(core_version_) +
+                    ", the recording of version " + std::to_string(core.params().core_version));
+  }
   for (size_t k = 0; k <= i; ++k) {
     auto samples = Unpack(frames_[k].samples, frames_[k].bricks * kBrickBytes);
     if (!samples.ok()) return samples.status();

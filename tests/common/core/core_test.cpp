@@ -416,17 +416,50 @@ TEST(CoreParamsTest, ComeBackFromTheirCanonicalBytes) {
   EXPECT_EQ(*back, Params());
 }
 
-TEST(CoreParamsTest, FormatOfTheFirstCoreIsReadWithDefaultsForWhatCameLater) {
-  CoreParams p = Params();
-  p.core_version = 1;
+TEST(CoreParamsTest, FormatsOfEarlierCoresAreReadWithDefaultsForWhatCameLater) {
+  for (uint32_t version : {1u, 2u}) {
+    CoreParams p = Params();
+    p.core_version = version;
+    ByteWriter out;
+    WriteParams(p, out);
+    EXPECT_EQ(out.size(), ParamsBytes(version));
+    ByteReader in(out.bytes());
+    auto back = ReadParams(in);
+    ASSERT_TRUE(back.ok()) << back.status().message();
+    EXPECT_EQ(*back, p);
+    EXPECT_EQ(ValidateParams(*back).code(), version == 1 ? Code::kVersion : Code::kOk);
+  }
+}
+
+TEST(CoreParamsTest, FieldsOfTheThirdCoreComeBackAndAreRefusedOutOfRangeOrInAnEarlierOne) {
+  auto with = [](auto set) {
+    CoreParams p = Params();
+    set(p);
+    return p;
+  };
+  CoreParams full = with([](CoreParams& p) {
+    p.bus_delay_ticks = 16;
+    p.peak_torque_un_m = 250'000;
+    p.coulomb_mn = {0, 300, 200, 100, 90, 80, 70, 60};
+    p.threshold_mn = {0, 30, 20, 10, 9, 8, 7, 6};
+  });
   ByteWriter out;
-  WriteParams(p, out);
-  EXPECT_EQ(out.size(), ParamsBytes(1));
+  WriteParams(full, out);
+  EXPECT_EQ(out.size(), ParamsBytes(kCoreVersion));
   ByteReader in(out.bytes());
   auto back = ReadParams(in);
   ASSERT_TRUE(back.ok()) << back.status().message();
-  EXPECT_EQ(*back, p);
-  EXPECT_EQ(ValidateParams(*back).code(), Code::kVersion);
+  EXPECT_EQ(*back, full);
+  EXPECT_TRUE(ValidateParams(full).ok());
+  full.core_version = 2;
+  EXPECT_EQ(ValidateParams(full).field(), "bus_delay_ticks");
+  EXPECT_EQ(ValidateParams(with([](CoreParams& p) { p.bus_delay_ticks = 17; })).field(),
+            "bus_delay_ticks");
+  EXPECT_EQ(ValidateParams(with([](CoreParams& p) { p.peak_torque_un_m = -1; })).field(),
+            "peak_torque_un_m");
+  EXPECT_EQ(ValidateParams(with([](CoreParams& p) { p.coulomb_mn[7] = -1; })).field(), "coulomb_mn");
+  EXPECT_EQ(ValidateParams(with([](CoreParams& p) { p.threshold_mn[3] = 100'001; })).field(),
+            "threshold_mn");
 }
 
 TEST(CoreParamsTest, ImpossibleBurIsRefusedWithItsMeasures) {

@@ -45,7 +45,11 @@ json::object Describe(const core::CoreParams& p) {
           {"axial_damping_mn_s_per_mm", Numbers(p.axial_damping_mn_s_per_mm)},
           {"handpiece_stall_un_m", Number(p.handpiece_stall_un_m)},
           {"handpiece_tangential_permille", Number(p.handpiece_tangential_permille)},
-          {"handpiece_lag_us", Number(p.handpiece_lag_us)}};
+          {"handpiece_lag_us", Number(p.handpiece_lag_us)},
+          {"bus_delay_ticks", Number(p.bus_delay_ticks)},
+          {"peak_torque_un_m", Number(p.peak_torque_un_m)},
+          {"coulomb_mn", Numbers(p.coulomb_mn)},
+          {"threshold_mn", Numbers(p.threshold_mn)}};
 }
 
 json::object Describe(const ChunkHead& head) {

@@ -78,11 +78,14 @@ TEST(GoldenTest, RecordingReadsAsDescribedAndEachChunkIsSigned) {
   }
 }
 
-TEST(GoldenTest, RecordingReplaysToTheBit) {
-  auto file = DecodeTraceFile(Golden("recording.bin"));
-  ASSERT_TRUE(file.ok());
+// `core_version` as an argument, so that a failure names it.
+void ReplaysToTheBit(const std::string& name, uint32_t core_version) {
+  auto file = DecodeTraceFile(Golden(name));
+  ASSERT_TRUE(file.ok()) << file.status().message();
   auto header = DecodeHeader(file->header);
-  ASSERT_TRUE(header.ok());
+  ASSERT_TRUE(header.ok()) << header.status().message();
+  ASSERT_EQ(header->params.core_version, core_version);
+  ASSERT_TRUE(core::ValidateParams(header->params).ok());
   core::Core core(header->params, sample::MakeBlock());
   auto report = Replay(core, *header, file->chunks);
   ASSERT_TRUE(report.ok()) << report.status().message();
@@ -91,6 +94,22 @@ TEST(GoldenTest, RecordingReplaysToTheBit) {
                                   << header->params.core_version << " did";
   EXPECT_EQ(report->state_hash, file->seal->state_hash);
   EXPECT_EQ(report->ticks, file->seal->ticks);
+}
+
+TEST(GoldenTest, RecordingReplaysToTheBit) {
+  ReplaysToTheBit("recording.bin", core::kCoreVersion);
+}
+
+TEST(GoldenTest, RecordingOfTheSecondCoreStillReplaysToTheBit) {
+  ReplaysToTheBit("recording_core2.bin", 2);
+}
+
+TEST(GoldenTest, HeaderOfTheSecondCoreIsStillReadAndWrittenToTheSameBytes) {
+  Bytes bytes = Golden("header_core2.bin");
+  auto header = DecodeHeader(bytes);
+  ASSERT_TRUE(header.ok()) << header.status().message();
+  EXPECT_EQ(header->params.core_version, 2u);
+  EXPECT_EQ(EncodeHeader(*header), bytes);
 }
 
 }  // namespace
