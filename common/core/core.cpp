@@ -29,8 +29,14 @@ cutting::TissueDamping DampingOf(const CoreParams& p) {
     out.lateral[t] = p.damping_mn_s_per_mm[t];
     int32_t axial = p.axial_damping_mn_s_per_mm[t];
     out.axial[t] = axial > 0 ? axial : p.damping_mn_s_per_mm[t];
+    out.coulomb_n[t] = p.coulomb_mn[t] * 1e-3;
+    out.threshold_n[t] = p.threshold_mn[t] * 1e-3;
   }
   return out;
+}
+
+cutting::EngagementRule RuleOf(const CoreParams& p) {
+  return p.core_version == 2 ? cutting::EngagementRule::kBand : cutting::EngagementRule::kAhead;
 }
 
 haptics::CouplingParams CouplingOf(const CoreParams& p, double voxel_m) {
@@ -81,6 +87,8 @@ class Core::TissueMaterial final : public haptics::Material {
     if (core_.bur_on_) {
       contact.damping_n_s_per_m =
           engagement.damping_n_s_per_m * (1 / core_.handpiece_.speed_ratio());
+      contact.coulomb_n = engagement.coulomb_n;
+      contact.threshold_n = engagement.threshold_n;
       contact.wall_normal = engagement.shank_normal;
     } else {
       contact.wall_normal = engagement.mean_normal;
@@ -121,7 +129,7 @@ Core::Core(const CoreParams& params, cutting::Volume initial)
       cutter_((volume_.Reserve(), volume_), BurOf(params)),
       reach_m_(ReachOf(params)),
       sweep_(volume_.spec().voxel_m(), reach_m_),
-      engagement_(BurOf(params), volume_.spec().voxel_m(), DampingOf(params)),
+      engagement_(BurOf(params), volume_.spec().voxel_m(), DampingOf(params), RuleOf(params)),
       coupling_(CouplingOf(params, volume_.spec().voxel_m())),
       handpiece_(params) {
   ENAMEL_CHECK(ValidateParams(params).ok());
@@ -206,9 +214,9 @@ dvec3 Core::RotationalStretch(const dvec3& e, double dt_s) noexcept {
   ReadContact(pose);
   if (!engagement_.AnyContact()) return dvec3(0);
   // A still bur, or a shank at a wall, does not turn.
-  Sym3 b = bur_on_ && !engagement_.ShankContact()
-               ? engagement_.ReadRotational() * (1 / handpiece_.speed_ratio())
-               : Sym3::Isotropic(kWallRotational_n_m_s);
+  const cutting::RotationalEngagement turning = engagement_.ReadRotational(e);
+  Sym3 b = bur_on_ && !turning.shank ? turning.damping_n_m_s * (1 / handpiece_.speed_ratio())
+                                     : Sym3::Isotropic(kWallRotational_n_m_s);
   return b * SolveShifted(b, params_.rotational_kc_un_m_per_rad * 1e-6 * dt_s, e);
 }
 

@@ -85,7 +85,7 @@ TEST(EngagementTest, ShankAtAWallHasANormalAndNoDamping) {
   bur.neck_m = 0.5e-3;
   EngagementReader reader(bur, 50e-6, Enamel());
   reader.Sample(block, {dvec3(2e-3 + 0.79e-3, 0, -4e-3), Quat{}});
-  EXPECT_TRUE(reader.ShankContact());
+  EXPECT_TRUE(reader.AnyContact());
   Engagement e = reader.Read(dvec3(-1, 0, 0));
   EXPECT_TRUE(e.damping_n_s_per_m.IsZero());
   EXPECT_NEAR(e.shank_normal.x, -1, 0.05);
