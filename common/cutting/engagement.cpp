@@ -12,10 +12,55 @@ dvec3 Unit(const dvec3& v) noexcept {
 
 constexpr double kReach = 0.5;  // voxels
 // Voxels inside solid at which a point counts for any travel into it.
-constexpr double kInside = 0.1;
+constexpr double kInside = 0.03;
+// Cosines between a point's own normal and the way into the solid.
+constexpr double kOwnFrom = 0.75, kFieldBelow = 0.5;
+// Voxels of travel that have to bring a point outside solid into it.
+constexpr double kLookAhead = 0.5;
+// Voxels behind the surface where there must be solid.
+constexpr double kThin = 0.25;
 // A distance field's slope is 1. Below this share of it there is no direction: where two walls are
 // equally near, or deeper in solid than the field is kept.
 constexpr double kSlope = 0.5;
+
+// The rate from which a point at that distance counts.
+double Grazing(double distance) noexcept {
+  if (distance >= 0) return EngagementReader::kGrazing + distance / kLookAhead;
+  double outside = 1 + distance / kInside;
+  return outside > 0 ? EngagementReader::kGrazing * outside : 0;
+}
+
+// Differences over a voxel along each axis: trilinear interpolation of a curved wall errs by bumps
+// of one voxel's period, which are the same at both ends.
+dvec3 IntoSolid(const Volume& volume, const dvec3& at, const dvec3& normal) noexcept {
+  dvec3 down;
+  for (int i = 0; i < 3; ++i) {
+    dvec3 half(0);
+    half[i] = 0.5;
+    down[i] = volume.DistanceAtSample(at - half) - volume.DistanceAtSample(at + half);
+  }
+  double slope = std::sqrt(Dot(down, down));
+  return slope < kSlope ? normal : down / slope;
+}
+
+// The direction a point presses in.
+dvec3 Press(const dvec3& normal, const dvec3& into) noexcept {
+  double own = (Dot(normal, into) - kFieldBelow) / (kOwnFrom - kFieldBelow);
+  if (own >= 1) return normal;
+  if (!(own > 0)) return into;
+  return Unit(into + (normal - into) * own);
+}
+
+// Whether there is solid where the field says it begins: 1, 0, or a share where it is thinner than
+// kThin. The largest of two distances (cutter.h) is no distance where a face of the bur lay near
+// the tooth's surface: a film of small values is left there, without any solid in it.
+double SolidShare(const Volume& volume, const dvec3& at, double distance,
+                  const dvec3& into) noexcept {
+  if (distance <= -kThin) return 1;
+  double beyond = volume.DistanceAtSample(at + into * ((distance > 0 ? distance : 0) + kThin));
+  double share = -2 / kThin * beyond;
+  return share < 0 ? 0 : share > 1 ? 1 : share;
+}
 
 }  // namespace
 
@@ -50,12 +95,17 @@ void EngagementReader::Sample(const Volume& volume, const Pose& pose) noexcept {
     if (distance >= kReach) continue;
     Active a;
     a.normal = m[0] * p.normal.x + m[1] * p.normal.y + m[2] * p.normal.z;
-    a.into = rule_ == EngagementRule::kAhead ? IntoSolid(volume, at, a.normal) : a.normal;
-    a.arm = arm * voxel_m_;
+    a.into = a.press = a.normal;
     a.area_m2 = p.area_m2 * (distance <= 0 ? 1 : 1 - distance / kReach);
+    if (rule_ == EngagementRule::kAhead) {
+      a.into = IntoSolid(volume, at, a.normal);
+      a.area_m2 *= SolidShare(volume, at, distance, a.into);
+      if (!(a.area_m2 > 0)) continue;
+      a.press = Press(a.normal, a.into);
+    }
+    a.arm = arm * voxel_m_;
     a.beta = a.coulomb = a.threshold = 0;
-    double outside = 1 + distance / kInside;
-    a.grazing = outside >= 1 ? kGrazing : outside <= 0 ? 0 : kGrazing * outside;
+    a.grazing = Grazing(distance);
     a.shank = p.shank;
     if (!p.shank) {
       auto t = static_cast<size_t>(volume.TissueAtSample(at + a.normal * kReach));
@@ -68,25 +118,12 @@ void EngagementReader::Sample(const Volume& volume, const Pose& pose) noexcept {
   }
 }
 
-// Differences over a voxel along each axis: trilinear interpolation of a curved wall errs by bumps
-// of one voxel's period, which are the same at both ends.
-dvec3 EngagementReader::IntoSolid(const Volume& volume, const dvec3& at,
-                                  const dvec3& normal) const noexcept {
-  dvec3 down;
-  for (int i = 0; i < 3; ++i) {
-    dvec3 half(0);
-    half[i] = 0.5;
-    down[i] = volume.DistanceAtSample(at - half) - volume.DistanceAtSample(at + half);
-  }
-  double slope = std::sqrt(Dot(down, down));
-  return slope < kSlope ? normal : down / slope;
-}
-
 double EngagementReader::WeightAhead(const Active& a, const dvec3& direction) noexcept {
   double own = Dot(a.normal, direction), field = Dot(a.into, direction);
   double rate = own < field ? own : field;
   if (!(rate > a.grazing)) return 0;
-  return rate >= kAheadOf ? 1 : (rate - a.grazing) / (kAheadOf - a.grazing);
+  double weight = (rate - a.grazing) / kRamp;
+  return weight < 1 ? weight : 1;
 }
 
 Engagement EngagementReader::Read(const dvec3& travel) const noexcept {
@@ -99,14 +136,14 @@ Engagement EngagementReader::Read(const dvec3& travel) const noexcept {
     double area = a.area_m2 * WeightAhead(a, direction);
     if (!(area > 0)) continue;
     if (a.shank) {
-      shank += a.into * area;
+      shank += a.press * area;
       continue;
     }
-    double along = Dot(a.into, direction), square = along * along * area;
-    out.damping_n_s_per_m += Sym3::Outer(a.into, a.beta * area);
+    double along = Dot(a.press, direction), square = along * along * area;
+    out.damping_n_s_per_m += Sym3::Outer(a.press, a.beta * area);
     out.coulomb_n += a.coulomb * square;
     out.threshold_n += a.threshold * square;
-    cutting += a.into * area;
+    cutting += a.press * area;
     out.area_m2 += area;
   }
   out.mean_normal = Unit(cutting + shank);
@@ -143,7 +180,7 @@ RotationalEngagement EngagementReader::ReadRotational(const dvec3& turn) const n
       if (!(area > 0)) continue;
     }
     out.shank = out.shank || a.shank;
-    out.damping_n_m_s += Sym3::Outer(glm::cross(a.arm, a.into), a.beta * area);
+    out.damping_n_m_s += Sym3::Outer(glm::cross(a.arm, a.press), a.beta * area);
   }
   return out;
 }

@@ -37,24 +37,32 @@ struct TissueDamping {
 // Which surface points count. kBand: core version 2, kept to replay its recordings. kAhead: since.
 enum class EngagementRule { kBand, kAhead };
 
-// Reads engagement: M = integral of m m^T dA over the part of the bur's surface that lies within
+// Reads engagement: M = integral of u u^T dA over the part of the bur's surface that lies within
 // half a voxel of solid and that travel brings into solid; B = sum beta_tissue M. The weight of a
 // surface point falls linearly from 1 at the surface to 0 half a voxel away, so B has no steps; and
-// no two points lie at one height (SampleSurface), so that B grows evenly where a bur enters a wall.
+// no two points lie at one height (SampleSurface), so that B grows evenly where a bur enters a
+// wall.
 //
-// kAhead. m is the direction into the solid: minus the gradient of the distance field, by
-// differences over one voxel (which the interpolation's own error, of that period, does not reach).
-// Travel d (unit) brings a point with normal n into solid at the rate s = min(n . d, m . d): the
-// bur's own normal is the wrong judge at a wall that it runs along, where an arc of it lies in the
-// half-voxel band and faces the way back, and the field alone at a wall behind it. The weight rises
-// from 0 at s = kGrazing to 1 at s = kAheadOf, so that B has no steps here either. Withdrawal along
-// the way in therefore meets nothing, whatever the bur, its depth or the grid; and m m^T, unlike
-// n n^T, couples no motion along a wall to a press against it. In steady cutting the front is the
-// bur's own print, m = n, and travel, which is the coupling's stretch, stands along B v: what the
-// dead zone takes is less than kAheadOf^3 / 3 of the front's integral. A point that is already a
-// tenth of a voxel inside solid counts from s = 0 on: grazing travel creeps no deeper than that.
+// kAhead: resistance comes only from tissue ahead. Let n be a point's outward normal, m the way
+// into the solid there (minus the gradient of the distance field, by differences over one voxel:
+// the interpolation's own error has that period and drops out), phi its distance to the solid in
+// voxels.
+//  * Travel d (unit) brings the point into solid at the rate s = min(n . d, m . d). The bur's own
+//    normal alone is the wrong judge at a wall that the bur runs along: an arc of it lies in the
+//    half-voxel band, and half of that faces the way back. The field alone is, at a wall behind it.
+//  * The point counts from s = kGrazing + 2 max(phi, 0) on (half a voxel of travel brings it in)
+//  and
+//    fully at kRamp more. Three hundredths of a voxel inside solid it counts from s = 0 on: grazing
+//    travel creeps no deeper than that.
+//  * There must be solid where the field says it begins, a quarter of a voxel behind the surface:
+//    max(phi_tooth, -phi_bur) leaves a film of small distances where a face of the bur lay near the
+//    tooth's surface, as under a bur sunk to its top.
+//  * u = n where n and m agree (cosine above 0.75), m where they do not (below 0.5), such as at the
+//    rim of a face that runs along a wall: no press against a wall then resists the way along it.
+// In steady cutting the front is the bur's own print, m = n, and travel, which is the coupling's
+// stretch, stands along B v, so that the dead zone costs little.
 //
-// kBand. m is n, and a point counts when n . travel > 0: the band then resists withdrawal.
+// kBand: u = n, and a point counts when n . travel > 0. Its band resists withdrawal.
 //
 // beta (N s / m^3) is chosen so that a cylinder of radius 0.6 mm and length 4 mm that moves
 // sideways with its front half engaged meets the tissue's lateral B: its integral of (n.d)^2 over
@@ -64,7 +72,7 @@ enum class EngagementRule { kBand, kAhead };
 // travel.
 //
 // The Coulomb part and the threshold are read as B along travel is, sum over tissues of
-// value / kReferenceArea_m2 times the integral of (m . d)^2 dA: the tissue's own at the reference.
+// value / kReferenceArea_m2 times the integral of (u . d)^2 dA: the tissue's own at the reference.
 //
 // The shank does not cut: its points in contact only have a normal, the wall's.
 //
@@ -75,18 +83,18 @@ class EngagementReader {
  public:
   static constexpr double kReferenceArea_m2 = 0.6e-3 * 4e-3 * 1.57079632679489661923;
   static constexpr size_t kMaxPoints = 256, kMaxShankPoints = 160;
-  static constexpr double kGrazing = 0.06, kAheadOf = 0.18;  // of the travel; sines
+  static constexpr double kGrazing = 0.06, kRamp = 0.12;  // rates
 
   EngagementReader(const Bur& bur, double voxel_m, const TissueDamping& damping,
                    EngagementRule rule = EngagementRule::kAhead);
 
   // Finds the surface points in contact at `pose`. Work: at most kMaxPoints + kMaxShankPoints
-  // trilinear reads; kAhead: and as many gradients.
+  // trilinear reads; kAhead: and seven more for each that is near solid.
   ENAMEL_REALTIME void Sample(const Volume& volume, const Pose& pose) noexcept;
   // For travel along `travel` (any length), from the last Sample.
   ENAMEL_REALTIME Engagement Read(const dvec3& travel) const noexcept;
-  // Rotational damping of the sampled contact about the bur's tip, N m s: sum beta (r x m)(r x
-  // m)^T, for a turn about `turn` (any length; kBand: whatever the turn).
+  // Rotational damping of the sampled contact about the bur's tip, N m s: sum beta (r x u)(r x
+  // u)^T, for a turn about `turn` (any length; kBand: whatever the turn).
   ENAMEL_REALTIME RotationalEngagement ReadRotational(const dvec3& turn) const noexcept;
   bool AnyContact() const noexcept { return active_count_ != 0; }
   // Saves or restores the last Sample. Not real-time.
@@ -104,6 +112,7 @@ class EngagementReader {
   struct Active {
     dvec3 normal;    // scene frame
     dvec3 into;      // m, scene frame
+    dvec3 press;     // u, scene frame
     dvec3 arm;       // from the tip, scene frame, m
     double area_m2;  // weighted
     double beta;
@@ -112,7 +121,6 @@ class EngagementReader {
     bool shank;
   };
 
-  dvec3 IntoSolid(const Volume& volume, const dvec3& sample, const dvec3& normal) const noexcept;
   static double WeightAhead(const Active& a, const dvec3& direction) noexcept;
   Engagement ReadBand(const dvec3& travel) const noexcept;
 
