@@ -22,25 +22,15 @@ constexpr double kThin = 0.25;
 // A distance field's slope is 1. Below this share of it there is no direction: where two walls are
 // equally near, or deeper in solid than the field is kept.
 constexpr double kSlope = 0.5;
+// From here on it is a wall. Half a voxel from a film's middle the field falls and rises again, so
+// that the change over a voxel stays below this where the film could count.
+constexpr double kPlainWall = 0.97;
 
 // The rate from which a point at that distance counts.
 double Grazing(double distance) noexcept {
   if (distance >= 0) return EngagementReader::kGrazing + distance / kLookAhead;
   double outside = 1 + distance / kInside;
   return outside > 0 ? EngagementReader::kGrazing * outside : 0;
-}
-
-// Differences over a voxel along each axis: trilinear interpolation of a curved wall errs by bumps
-// of one voxel's period, which are the same at both ends.
-dvec3 IntoSolid(const Volume& volume, const dvec3& at, const dvec3& normal) noexcept {
-  dvec3 down;
-  for (int i = 0; i < 3; ++i) {
-    dvec3 half(0);
-    half[i] = 0.5;
-    down[i] = volume.DistanceAtSample(at - half) - volume.DistanceAtSample(at + half);
-  }
-  double slope = std::sqrt(Dot(down, down));
-  return slope < kSlope ? normal : down / slope;
 }
 
 // The direction a point presses in.
@@ -98,8 +88,10 @@ void EngagementReader::Sample(const Volume& volume, const Pose& pose) noexcept {
     a.into = a.press = a.normal;
     a.area_m2 = p.area_m2 * (distance <= 0 ? 1 : 1 - distance / kReach);
     if (rule_ == EngagementRule::kAhead) {
-      a.into = IntoSolid(volume, at, a.normal);
-      a.area_m2 *= SolidShare(volume, at, distance, a.into);
+      dvec3 out = volume.SlopeAtSample(at);
+      double slope = std::sqrt(Dot(out, out));
+      if (slope >= kSlope) a.into = out * (-1 / slope);
+      if (slope < kPlainWall) a.area_m2 *= SolidShare(volume, at, distance, a.into);
       if (!(a.area_m2 > 0)) continue;
       a.press = Press(a.normal, a.into);
     }
@@ -119,8 +111,9 @@ void EngagementReader::Sample(const Volume& volume, const Pose& pose) noexcept {
 }
 
 double EngagementReader::WeightAhead(const Active& a, const dvec3& direction) noexcept {
-  double own = Dot(a.normal, direction), field = Dot(a.into, direction);
-  double rate = own < field ? own : field;
+  double own = Dot(a.normal, direction);
+  if (!(own > a.grazing)) return 0;
+  double field = Dot(a.into, direction), rate = own < field ? own : field;
   if (!(rate > a.grazing)) return 0;
   double weight = (rate - a.grazing) / kRamp;
   return weight < 1 ? weight : 1;

@@ -176,6 +176,51 @@ double Volume::DistanceAtSample(const dvec3& g) const noexcept {
   return (z0 * (1 - fz) + z1 * fz) * (1.0 / kPhiPerVoxel);
 }
 
+dvec3 Volume::SlopeAtSample(const dvec3& g) const noexcept {
+  ivec3 n = spec_.voxels();
+  if (!(g.x > 2 && g.y > 2 && g.z > 2 && g.x < n.x - 2 && g.y < n.y - 2 && g.z < n.z - 2))
+    return dvec3(0);
+  // Of three samples along each axis: weights of the value at g, and of the difference.
+  double value[3][3], change[3][3];
+  int brick[3][3], in[3][3];
+  const int stride[3] = {1, spec_.bricks.x, spec_.bricks.x * spec_.bricks.y};
+  for (int a = 0; a < 3; ++a) {
+    int first = static_cast<int>(g[a] - 0.5);
+    double u = g[a] - 0.5 - first;
+    bool low = u < 0.5;
+    value[a][0] = low ? 0.5 - u : 0;
+    value[a][1] = low ? 0.5 + u : 1.5 - u;
+    value[a][2] = low ? 0 : u - 0.5;
+    change[a][0] = u - 1;
+    change[a][1] = 1 - 2 * u;
+    change[a][2] = u;
+    for (int k = 0; k < 3; ++k) {
+      brick[a][k] = ((first + k) >> kShift) * stride[a];
+      in[a][k] = ((first + k) & (kBrickSide - 1)) << (kShift * a);
+    }
+  }
+  dvec3 out(0);
+  for (int z = 0; z < 3; ++z) {
+    double v_z = 0, x_z = 0, y_z = 0;
+    for (int y = 0; y < 3; ++y) {
+      double v = 0, d = 0;
+      int row = brick[2][z] + brick[1][y], at = in[2][z] + in[1][y];
+      for (int x = 0; x < 3; ++x) {
+        double c = SampleIn(row + brick[0][x], at + in[0][x]);
+        v += value[0][x] * c;
+        d += change[0][x] * c;
+      }
+      v_z += value[1][y] * v;
+      x_z += value[1][y] * d;
+      y_z += change[1][y] * v;
+    }
+    out.x += value[2][z] * x_z;
+    out.y += value[2][z] * y_z;
+    out.z += change[2][z] * v_z;
+  }
+  return out * (1.0 / kPhiPerVoxel);
+}
+
 bool Volume::MayBeNearer(const dvec3& g, double distance) const noexcept {
   ivec3 n = spec_.voxels();
   if (!(g.x > -0.5 && g.y > -0.5 && g.z > -0.5 && g.x < n.x - 1 && g.y < n.y - 1 && g.z < n.z - 1))

@@ -148,6 +148,10 @@ class Volume {
   Tissue TissueAtPoint(const dvec3& point_m) const noexcept;
   // The same by sample coordinates, (point - origin) / voxel; the distance in voxels.
   double DistanceAtSample(const dvec3& sample) const noexcept;
+  // Its change over one voxel along each axis, half a voxel to either side. Trilinear interpolation
+  // of a curved wall errs by bumps of one voxel's period, which are the same at both ends. 0 less
+  // than two voxels from the grid's edge.
+  dvec3 SlopeAtSample(const dvec3& sample) const noexcept;
   Tissue TissueAtSample(const dvec3& sample) const noexcept;
   // False only where the distance is at least `distance` voxels, from the nearest sample alone: a
   // point is within half a diagonal of it and a distance changes by no more than the way. Quick.
