@@ -107,8 +107,9 @@ cutting::Bur BurOf(const CoreParams& p) noexcept {
 Status ValidateParams(const CoreParams& p) {
   if (p.core_version < kOldestCoreVersion || p.core_version > kCoreVersion) {
     return Status(Code::kVersion,
-                  "this program runs core versions " + std::to_string(kOldestCoreVersion) +
-                      " to " + std::to_string(kCoreVersion) + ", the attempt was made with version " + std::to_string(p.core_version) +
+                  "this program runs core versions " + std::to_string(kOldestCoreVersion) + " to " +
+                      std::to_string(kCoreVersion) + ", the attempt was made with version " +
+                      std::to_string(p.core_version) +
                       ": it can be listed, and re-run by a program of that version",
                   "core_version");
   }
@@ -163,10 +164,10 @@ Result<CoreParams> ReadParams(ByteReader& in) {
   }
   p.core_version = in.U32();
   if (in.ok() && version != FormatOf(p.core_version)) {
-    return Status(Code::kInvalidInput,
-                  "core parameters: expected format " + std::to_string(FormatOf(p.core_version)) +
-                      " for core version " + std::to_string(p.core_version) + ", found format " +
-                      std::to_string(version));
+    return Status(Code::kInvalidInput, "core parameters: expected format " +
+                                           std::to_string(FormatOf(p.core_version)) +
+                                           " for core version " + std::to_string(p.core_version) +
+                                           ", found format " + std::to_string(version));
   }
   p.rate_hz = in.U32();
   p.law = static_cast<haptics::LawKind>(in.U8());

@@ -68,8 +68,8 @@ struct CoreParams {
 cutting::Bur BurOf(const CoreParams& params) noexcept;
 
 // Refuses what the core cannot run with, naming the field: kVersion for a recording of a core that
-// this program does not run, kInvalidInput for a value out of range. Also the passivity premise on kc is the profile's
-// business (haptics), not checked here.
+// this program does not run, kInvalidInput for a value out of range. Also the passivity premise on
+// kc is the profile's business (haptics), not checked here.
 Status ValidateParams(const CoreParams& params);
 
 // Canonical little-endian form, versioned (first u16); see schemas/trace_format.md. Core versions 1

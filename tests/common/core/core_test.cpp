@@ -457,7 +457,8 @@ TEST(CoreParamsTest, FieldsOfTheThirdCoreComeBackAndAreRefusedOutOfRangeOrInAnEa
             "bus_delay_ticks");
   EXPECT_EQ(ValidateParams(with([](CoreParams& p) { p.peak_torque_un_m = -1; })).field(),
             "peak_torque_un_m");
-  EXPECT_EQ(ValidateParams(with([](CoreParams& p) { p.coulomb_mn[7] = -1; })).field(), "coulomb_mn");
+  EXPECT_EQ(ValidateParams(with([](CoreParams& p) { p.coulomb_mn[7] = -1; })).field(),
+            "coulomb_mn");
   EXPECT_EQ(ValidateParams(with([](CoreParams& p) { p.threshold_mn[3] = 100'001; })).field(),
             "threshold_mn");
 }

@@ -96,9 +96,7 @@ void ReplaysToTheBit(const std::string& name, uint32_t core_version) {
   EXPECT_EQ(report->ticks, file->seal->ticks);
 }
 
-TEST(GoldenTest, RecordingReplaysToTheBit) {
-  ReplaysToTheBit("recording.bin", core::kCoreVersion);
-}
+TEST(GoldenTest, RecordingReplaysToTheBit) { ReplaysToTheBit("recording.bin", core::kCoreVersion); }
 
 TEST(GoldenTest, RecordingOfTheSecondCoreStillReplaysToTheBit) {
   ReplaysToTheBit("recording_core2.bin", 2);

@@ -180,6 +180,31 @@ TEST(KeyframesTest, AnotherCoresAreRefused) {
   }
 }
 
+// A program runs two cores: a recording of the earlier one has keyframes too, and they are not put
+// into a core of the other.
+TEST(KeyframesTest, OfAnEarlierCoreAreReadAndFitItsOwnRecordingOnly) {
+  core::CoreParams params = sample::MakeHeader().params;
+  params.core_version = core::kOldestCoreVersion;
+  core::Core earlier(params, sample::MakeBlock());
+  std::vector<core::TickInput> inputs = sample::CutInputs(400);
+  for (const core::TickInput& in : inputs) earlier.Step(in);
+  const Sha256 hash = HashSha256(AsBytes("its header"));
+  Keyframes keyframes(hash);
+  KeyframePlace place;
+  place.ticks = earlier.ticks();
+  place.chunks = 1;
+  place.state_hash = earlier.state_hash();
+  keyframes.Add(earlier, place, {});
+  auto read = Keyframes::Decode(keyframes.Encode(), hash);
+  ASSERT_TRUE(read.ok()) << read.status().message();
+  core::Core again(params, sample::MakeBlock());
+  EXPECT_TRUE(read->Restore(0, again).ok());
+  EXPECT_EQ(again.state_hash(), earlier.state_hash());
+  params.core_version = core::kCoreVersion;
+  core::Core newer(params, sample::MakeBlock());
+  EXPECT_EQ(read->Restore(0, newer).code(), Code::kInvalidInput);
+}
+
 TEST(KeyframesTest, CutShortAnywhereGivesThoseBeforeOrARefusal) {
   sample::Recording r = sample::Record(sample::CutInputs(900), 300);
   Keyframes whole = KeyframesOf(r);
