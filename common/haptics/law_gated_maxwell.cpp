@@ -1,8 +1,8 @@
-#include <array>
 #include <cmath>
-#include <cstdint>
 
+#include "common/haptics/count_estimator.h"
 #include "common/haptics/coupling.h"
+#include "common/haptics/gated_mobility.h"
 
 namespace enamel::haptics {
 namespace {
@@ -10,180 +10,22 @@ namespace {
 // Tuning of the gated Maxwell coupling: one set for every device, material and hand, found with
 // `enamel-station qualify --suite random`. Dimensionless unless the name says otherwise.
 struct Tuning {
-  double gate_power_slope = 5;   // s: how fast the gate opens above r = 1
   double cap_moving = 2.5;       // largest gate while counts arrive
   double cap_silent = 15;        // largest gate once the tip is silent
   double force_smooth_s = 0.06;  // of the force the gate looks at: tremor must not be rectified
   double cross_threshold = 0.5;  // beta: cross force, relative to B v, that opens the gate
   double window_share = 0.3;     // look back this share of B/Kc ...
   double window_min_s = 0.23, window_max_s = 0.6;  // ... within these
-  int window_intervals = 5;                        // and at least this many counts
-  double spacing_s = 0.01;  // counts closer than this are one event, so 64 always span the window
   double smooth_s = 0.06;   // of the mean speed: a swinging hand must not open and close the gate
   double start_counts = 1;  // cells an axis is taken to have moved while others made more counts
-  double silence_counts =
-      1.4;  // kappa: cells' worth of time without a count that is not yet silence
-  double silence_gaps = 1.03;  // nor is this many times the longest of the last gaps between counts
-  double silence_share = 0.12;  // plus this share of B/Kc, which is how patient the release may be,
+  double silence_share = 0.12;  // share of B/Kc that the release is patient for,
   double silence_min_s = 0.02;  // and at least this
   double rest_below = 1e-3;     // fade at which the estimator starts afresh
   double anchor_share = 0.15;   // mu
   double anchor_lowpass_s = 0.004;
   double deviator_gain = 0.7;  // turns e toward B v when B is anisotropic
-  double still_gate = 0.1;     // gate across while the cross stretch is within the encoder's cell
-  double still_cells = 1.05;   // "within": this many half cells ...
-  double still_ramp = 0.5;     // ... and fully outside this many later
-  double slow_axis_cells = 1;  // an axis whose target force is below this many Kc delta is slow
-  double slow_axis_reach = 1.02;  // its cross stretch beyond this many half cells is let go at once
 };
 constexpr Tuning kTuning;
-
-double Clamped(double v, double lo, double hi) noexcept { return v < lo ? lo : v > hi ? hi : v; }
-double Lower(double a, double b) noexcept { return a < b ? a : b; }
-
-// Time, encoder edge and anchor at which one axis made a count.
-struct CountEvent {
-  double time_s, edge_m, anchor_m;
-};
-
-// Tip velocity of one axis from its count events. An event is the crossing of an edge other than
-// the one crossed last, so that dithering on one edge is silence. Fixed memory: 64 events.
-class AxisEstimator {
- public:
-  void Reset(double tip_m) noexcept {
-    tip_ = tip_m;
-    size_ = 0;
-    has_edge_ = false;
-    restart_s_ = -1;
-  }
-
-  // Whether the axis made a count.
-  bool Update(double time_s, double tip_m, double anchor_m, double delta_m) noexcept {
-    if (tip_m == tip_) return false;
-    // Tips are cell middles: the edge just crossed is half a cell behind the new middle.
-    double edge = tip_m > tip_ ? tip_m - 0.5 * delta_m : tip_m + 0.5 * delta_m;
-    sign_ = tip_m > tip_ ? 1 : -1;
-    tip_ = tip_m;
-    if (has_edge_ && std::fabs(edge - last().edge_m) < 0.25 * delta_m) return false;
-    if (size_ == 0) restart_s_ = time_s;
-    stale_ = true;
-    if (size_ > 2 && time_s - At(1).time_s < kTuning.spacing_s) {
-      events_[static_cast<size_t>((head_ - 1 + kEvents) % kEvents)] = {time_s, edge, anchor_m};
-    } else {
-      Push({time_s, edge, anchor_m});
-    }
-    return true;
-  }
-
-  // Mean speed over the window that ends at the newest event, before any silence. Requires: two
-  // events.
-  double Mean(double window_s) noexcept {
-    Refresh(window_s);
-    return mean_m_per_s_;
-  }
-  // The anchor's mean speed over the same window.
-  double AnchorMean(double window_s) noexcept {
-    Refresh(window_s);
-    return anchor_mean_m_per_s_;
-  }
-  // After one count only bounds are known: it came at most kappa cells of travel ago, and since the
-  // motion began at start_s the axis has moved about `cells`.
-  double FirstGuess(double time_s, double start_s, double cells, double delta_m,
-                    double tick_s) const noexcept {
-    double recent = kTuning.silence_counts * delta_m / (SinceLast(time_s) + tick_s);
-    double started = cells * delta_m / (time_s - start_s + tick_s);
-    return sign_ * Lower(recent, started);
-  }
-
-  // The tip rests: what was counted before says nothing about the next motion.
-  void Rest() noexcept { size_ = 0; }
-
-  double SinceLast(double time_s) const noexcept {
-    return size_ == 0 ? 1e9 : time_s - last().time_s;
-  }
-  int size() const noexcept { return size_; }
-  double restart_s() const noexcept { return restart_s_; }
-
- private:
-  static constexpr int kEvents = 64;
-
-  void Refresh(double window_s) noexcept {
-    if (!stale_ && window_s == window_s_) return;
-    stale_ = false;
-    window_s_ = window_s;
-    // The shortest look back that satisfies both bounds, found from the last one: O(1) per count.
-    const CountEvent& newest = At(0);
-    auto Enough = [&](int back) {
-      return newest.time_s - At(back).time_s >= window_s && back >= kTuning.window_intervals;
-    };
-    back_ = back_ < 1 ? 1 : back_ > size_ - 1 ? size_ - 1 : back_;
-    while (back_ > 1 && Enough(back_ - 1)) --back_;
-    while (back_ + 1 < size_ && !Enough(back_)) ++back_;
-    const CountEvent& oldest = At(back_);
-    double span = newest.time_s - oldest.time_s;
-    mean_m_per_s_ = span > 0 ? (newest.edge_m - oldest.edge_m) / span : 0;
-    anchor_mean_m_per_s_ = span > 0 ? (newest.anchor_m - oldest.anchor_m) / span : 0;
-  }
-  const CountEvent& At(int back) const noexcept {
-    return events_[static_cast<size_t>((head_ - 1 - back + 2 * kEvents) % kEvents)];
-  }
-  const CountEvent& last() const noexcept { return At(0); }
-  void Push(const CountEvent& e) noexcept {
-    events_[static_cast<size_t>(head_)] = e;
-    head_ = (head_ + 1) % kEvents;
-    if (size_ < kEvents) ++size_;
-    has_edge_ = true;
-  }
-
-  std::array<CountEvent, kEvents> events_{};
-  int head_ = 0, size_ = 0, back_ = 1;
-  double tip_ = 0, restart_s_ = -1, sign_ = 0;
-  double mean_m_per_s_ = 0, anchor_mean_m_per_s_ = 0, window_s_ = -1;
-  bool has_edge_ = false, stale_ = true;
-};
-
-// The last gaps between counts of whichever axis: on an oblique way the tip counts more often than
-// its fastest axis, and so betrays a stop sooner.
-class GapRecord {
- public:
-  void Clear() noexcept {
-    size_ = 0;
-    last_s_ = -1;
-  }
-  void Count(double time_s) noexcept {
-    if (last_s_ >= 0) {
-      gaps_[static_cast<size_t>(at_)] = time_s - last_s_;
-      at_ = (at_ + 1) % kGaps;
-      if (size_ < kGaps) ++size_;
-      longest_s_ = 0;
-      for (double gap : gaps_) longest_s_ = gap > longest_s_ ? gap : longest_s_;
-    }
-    last_s_ = time_s;
-  }
-  // A time without a count that is not yet silence, at most `quiet_s`.
-  double Quiet(double quiet_s) const noexcept {
-    return size_ < kGaps ? quiet_s : Lower(quiet_s, kTuning.silence_gaps * longest_s_);
-  }
-
- private:
-  static constexpr int kGaps = 8;
-  std::array<double, kGaps> gaps_{};
-  int at_ = 0, size_ = 0;
-  double last_s_ = -1, longest_s_ = 0;
-};
-
-// r^4 below 1 holds the anchor back while the force is below what the speed calls for; above 1 the
-// gate opens linearly up to `cap`.
-double GateAlong(double r, double cap) noexcept {
-  if (r < 1) return (r * r) * (r * r);
-  double g = 1 + kTuning.gate_power_slope * (r - 1);
-  return g < cap ? g : cap;
-}
-double GateAcross(double r, double cap) noexcept {
-  if (r <= 1) return 1;
-  double g = 1 + kTuning.gate_power_slope * (r - 1);
-  return g < cap ? g : cap;
-}
 
 // Gated Maxwell coupling. The plain coupling needs B/Kc to build its force up because the anchor
 // already runs at R/B while R is still too small. Here the anchor is slowed while R is below B v
@@ -221,9 +63,7 @@ class GatedMaxwell final : public ForceLaw {
     if (!(trace > 0)) return dvec3(0);
     double mean_b = trace / 3;
     if (estimate_) Estimate(mean_b / params_.kc_n_per_m);
-    // B is often singular (a flat face resists one direction only): the free directions get a
-    // mobility a million times the mean, which is as good as free in one tick.
-    dvec3 bv = b * v_ + v_ * (1e-6 * mean_b);
+      dvec3 bv = b * v_ + v_ * (kFreeDamping * mean_b);
     double power = Dot(v_, bv);
     bool moving = power > 1e-24 * mean_b;
     dvec3 force = e_m * params_.kc_n_per_m;
@@ -232,16 +72,22 @@ class GatedMaxwell final : public ForceLaw {
     double gate_along = cap, gate_across = cap;
     if (along > 0) {
       double r = along / power;
-      double across2 = Dot(force, SolveShifted(b, 1e-6 * mean_b, force)) / power - r * r;
+      double across2 = Dot(force, SolveShifted(b, kFreeDamping * mean_b, force)) / power - r * r;
       double r_across = across2 > 0 ? std::sqrt(across2) / kTuning.cross_threshold : 0;
       gate_along = GateAlong(SlowRatio(force, power), cap);
       gate_across =
-          r_across > 1 ? GateAcross(r_across, cap) : StillGate(e_m - bv * (r / params_.kc_n_per_m));
+          r_across > 1 ? GateAcross(r_across, cap) : StillGate(e_m - bv * (r / params_.kc_n_per_m),
+                                                         params_.resolution_m);
     }
-    dvec3 e = Apply(b, mean_b, moving ? power : 0, gate_along, gate_across, s, e_m);
-    if (moving) TurnToward(bv, mean_b, dt_s, e);
-    if (along > 0) DropSlowAxes(bv, power, e);
-    return SpendBeforeGuard(e_m, e);
+    dvec3 e = RelaxedStretch(b, mean_b, v_, moving ? power : 0, gate_along, gate_across, s, e_m);
+    if (moving) {
+      double k = kTuning.deviator_gain * params_.kc_n_per_m * dt_s / mean_b;
+      TurnToward(bv, k / (1 + k), e);
+    }
+    if (along > 0) {
+      DropSlowAxes(bv, bv * (Dot(v_, e) / power), params_.kc_n_per_m, params_.resolution_m, e);
+    }
+    return SpendBeforeGuard(e_m, e, params_.resolution_m);
   }
 
   void VisitState(StateArchive& archive) override {
@@ -276,7 +122,7 @@ class GatedMaxwell final : public ForceLaw {
     v_ = dvec3(0);
     for (int i = 0; i < 3; ++i) {
       double delta = params_.resolution_m[i], since = axes_[i].SinceLast(time_s_);
-      since_any = Lower(since_any, since);
+      since_any = LowerOf(since_any, since);
       if (axes_[i].size() == 0) continue;
       double correction = 0, mean = AxisSpeed(i, window, &correction), speed = std::fabs(mean);
       if (speed > fastest) {
@@ -297,7 +143,7 @@ class GatedMaxwell final : public ForceLaw {
     if (axis.size() == 1) return smooth_[i] = FirstGuess(i);
     double mean = axis.Mean(window_s);
     *correction = kTuning.anchor_share * (anchor_speed_[i] - axis.AnchorMean(window_s));
-    if (axis.size() <= kTuning.window_intervals) return smooth_[i] = mean;
+    if (axis.size() <= kWindowIntervals) return smooth_[i] = mean;
     double k = params_.tick_s / (kTuning.smooth_s + params_.tick_s);
     return smooth_[i] += (mean - smooth_[i]) * k;
   }
@@ -306,7 +152,7 @@ class GatedMaxwell final : public ForceLaw {
     double start = 1e9;
     bool others_know = false;
     for (const AxisEstimator& axis : axes_) {
-      if (axis.size() > 0) start = Lower(start, axis.restart_s());
+      if (axis.size() > 0) start = LowerOf(start, axis.restart_s());
       others_know |= axis.size() > 1;
     }
     return axes_[i].FirstGuess(time_s_, start, others_know ? kTuning.start_counts : 2,
@@ -330,86 +176,13 @@ class GatedMaxwell final : public ForceLaw {
   }
 
   static double Quiet(double delta_m, double speed_m_per_s) noexcept {
-    return kTuning.silence_counts * delta_m / (speed_m_per_s + 1e-12);
+    return kSilenceCounts * delta_m / (speed_m_per_s + 1e-12);
   }
   static double Fade(double quiet_s, double since_s) noexcept {
     double f = quiet_s / (since_s + 1e-9);
     if (!(f < 1)) return 1;
     double cube = f * f * f;
     return cube * cube;
-  }
-
-  // (I + s M)^-1 e with M = g_across A + (g_along - g_across) v v^T / (v^T B v).
-  dvec3 Apply(const Sym3& b, double mean_b, double power, double along, double across, double s,
-              const dvec3& e) const noexcept {
-    // Without the rank-one part: (I + s g A)^-1 = B (B + s g I)^-1 (B regularised).
-    double shift = s * across;
-    auto base = [&](const dvec3& x) {
-      dvec3 y = SolveShifted(b, shift + 1e-6 * mean_b, x);
-      return b * y + y * (1e-6 * mean_b);
-    };
-    dvec3 e0 = base(e);
-    if (power == 0) return e0;
-    // Sherman-Morrison for the rank-one part; base is symmetric.
-    double c = s * (along - across) / power;
-    dvec3 v0 = base(v_);
-    return e0 - v0 * (c * Dot(v_, e0) / (1 + c * Dot(v_, v0)));
-  }
-
-  // A cross stretch inside the encoder's own cell is most likely not there: left nearly alone, the
-  // counts of a slow axis swing it half a cell to both sides of nothing.
-  double StillGate(const dvec3& across_m) const noexcept {
-    double cells = 0;
-    for (int i = 0; i < 3; ++i) {
-      double q = 2 * std::fabs(across_m[i]) / params_.resolution_m[i];
-      cells = q > cells ? q : cells;
-    }
-    double share = (cells - kTuning.still_cells) / kTuning.still_ramp;
-    share = share < 0 ? 0 : share > 1 ? 1 : share;
-    return kTuning.still_gate + (1 - kTuning.still_gate) * share;
-  }
-
-  // An axis the hand hardly moves along makes a count now and then, which would show as a whole Kc
-  // delta: what is more than half a cell off is let go at once.
-  void DropSlowAxes(const dvec3& bv, double power, dvec3& e) const noexcept {
-    dvec3 across = e - bv * (Dot(v_, e) / power);
-    for (int i = 0; i < 3; ++i) {
-      double half = 0.5 * params_.resolution_m[i];
-      if (std::fabs(bv[i]) > kTuning.slow_axis_cells * 2 * half * params_.kc_n_per_m) continue;
-      double excess = std::fabs(across[i]) - kTuning.slow_axis_reach * half;
-      if (!(excess > 0) || excess > half || !(across[i] * e[i] > 0)) continue;
-      double take = Lower(excess, std::fabs(e[i]));
-      e[i] -= e[i] > 0 ? take : -take;
-    }
-  }
-
-  // Where the guard would shorten a step along e (it stalls once |e|^2 < delta/2 sum |e_i|), each
-  // axis may still come to within half a cell of the tip: w_i <= |e_i| - delta_i/2 passes the guard
-  // whole, since e.w - sum delta_i |w_i| / 2 >= w.w. Takes whichever step frees more energy.
-  dvec3 SpendBeforeGuard(const dvec3& e, const dvec3& relaxed) const noexcept {
-    dvec3 w = e - relaxed;
-    double factor = GuardFactor(e, w, params_.resolution_m);
-    if (factor >= 1) return relaxed;
-    dvec3 apart(0);
-    for (int i = 0; i < 3; ++i) {
-      double reach = std::fabs(e[i]) - 0.5 * params_.resolution_m[i];
-      double want = e[i] > 0 ? w[i] : -w[i];
-      if (!(reach > 0) || !(want > 0)) continue;
-      double take = want < reach ? want : reach;
-      apart[i] = e[i] > 0 ? take : -take;
-    }
-    return Dot(apart, e) > factor * Dot(w, e) ? e - apart : relaxed;
-  }
-
-  // With anisotropic B the direction of e settles only at B/Kc; turning it toward B v keeps its
-  // length from growing, so the step still shortens the spring.
-  void TurnToward(const dvec3& bv, double mean_b, double dt_s, dvec3& e) const noexcept {
-    double length = std::sqrt(Dot(e, e)), norm = std::sqrt(Dot(bv, bv));
-    if (!(length > 0) || !(norm > 0)) return;
-    dvec3 u = bv / norm;
-    if (!(Dot(u, e) > 0)) return;
-    double k = kTuning.deviator_gain * params_.kc_n_per_m * dt_s / mean_b;
-    e += (u * length - e) * (k / (1 + k));
   }
 
   LawParams params_;
