@@ -46,7 +46,8 @@ haptics::CouplingParams CouplingOf(const CoreParams& p, double voxel_m) {
   c.law.resolution_m = dvec3(p.resolution_nm[0], p.resolution_nm[1], p.resolution_nm[2]) * 1e-9;
   c.law.tick_s = 1.0 / p.rate_hz;
   c.law.pass_through_at_rest = p.pass_through_at_rest;
-  c.peak_force_n = p.peak_force_mn * 1e-3;
+  c.peak_force_n = c.law.peak_force_n = p.peak_force_mn * 1e-3;
+  c.delay_ticks = static_cast<int>(p.bus_delay_ticks);
   c.max_step_m = 0.5 * voxel_m;
   return c;
 }

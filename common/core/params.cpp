@@ -67,6 +67,9 @@ Status CheckValues(const CoreParams& p) {
   if (haptics::FindLaw(p.law) == nullptr) {
     return OutOfRange("law", "a known force law", static_cast<int>(p.law));
   }
+  if (p.law == haptics::LawKind::kTankMaxwell && p.core_version < 3) {
+    return OutOfRange("law", "a law that core version 2 had", static_cast<int>(p.law));
+  }
   ENAMEL_RETURN_IF_ERROR(CheckRange("kc_mn_per_mm", p.kc_mn_per_mm, 1, 1'000'000));
   for (int32_t r : p.resolution_nm)
     ENAMEL_RETURN_IF_ERROR(CheckRange("resolution_nm", r, 1, 1'000'000));

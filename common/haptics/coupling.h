@@ -5,6 +5,7 @@
 
 #include "common/base/check.h"
 #include "common/haptics/force_law.h"
+#include "common/haptics/guard.h"
 
 // The tick's force chain: finite check -> law -> guard -> magnitude bound -> finite check.
 //
@@ -27,6 +28,22 @@
 // The premise is structural: with an anchored law the anchor moves in MoveAnchor only, after the guard,
 // and in Reset, where it meets the tip and V becomes 0. The tip laws (eq. 1, eq. 17) have no anchor and
 // no such proof: they are there to be compared with.
+//
+// Slipping laws (tank-maxwell) have two points instead of the one anchor: the rest point r of the
+// spring, which makes the force, and the bur a, which is drawn and cuts. r may be moved away from the
+// tip, on the energy tank's credit (guard.h; the proof is in README.md); the bur may not, it would
+// leave the cut. What each does:
+//  * Where tissue resists, r relaxes toward the tip as the law says and the bur goes as far as r went,
+//    toward the tip and not past it. Then the law aims: r alone moves, so that the force is what the
+//    hand's speed calls for.
+//  * Where nothing is ahead the bur is at the tip in the same tick. The force that is still stored runs
+//    out: r comes up to the tip by the tip's own way and at most 0.7 cells a tick, so the force
+//    falls by no more than Kc (v T + sqrt(3) delta) in a tick, and none of it is against the way out.
+//  * Aiming asks for the damping along the hand's motion, not along the stretch: on the way out of a
+//    cut nothing is ahead, and r stays where it is.
+//  * Coulomb's part Fc and threshold Fth of a tissue: r and the bur feel only what the force is beyond
+//    Fc, and nothing moves below Fth, so R = max(Fth, Fc + B v) in a steady cut.
+//  * Saturation and walls move r, never the bur.
 namespace enamel::haptics {
 
 // What the bur touches, read at the anchor's pose.
@@ -71,6 +88,9 @@ struct CouplingParams {
   double peak_force_n = 0;      // magnitude never exceeded, N
   double max_step_m = 25e-6;    // longest anchor move before contact is read again (half a voxel)
   int max_substeps = 96;        // bound on work per tick
+  int delay_ticks = 0;          // whole ticks from reading to force, as the guard is to count with
+  // Where the true tip can be around the measured one; of no size: the law's resolution per axis.
+  TipCell cell{};
 };
 
 struct CouplingOutput {
@@ -79,6 +99,7 @@ struct CouplingOutput {
   dvec3 anchor_m{0};
   uint16_t flags = 0;           // CouplingFlags
   uint16_t substeps = 0;
+  double tank_j = 0;            // energy in the tank after the tick, J (slipping laws)
 };
 
 // Thread safety: none, one loop owns it. Real-time: Tick and Reset are safe (no allocation).
@@ -91,9 +112,10 @@ class Coupling {
   void Reset(const dvec3& tip_m) noexcept;
   // After ticks that were not stepped: the hand moved while no force was sent, so the spring must not
   // be longer than it was, or the hand would get back energy it never put in. The anchor follows by
-  // what the spring has grown, if that is at most max_step (a cut of the same length); the law's history
-  // is cleared. False, and nothing done, when it has grown by more or a fault is latched: Reset is all
-  // that is left.
+  // what the way to the tip has grown, if that is at most max_step (a cut of the same length); the law's
+  // history is cleared. A slipping law's rest point goes to the tip but for what the tank pays
+  // (ResumedShare). False, and nothing done, when it has grown by more or a fault is latched: Reset is
+  // all that is left.
   [[nodiscard]] bool Resume(const dvec3& tip_m, Material& material) noexcept;
   // One tick. `bound_ratio` in [0, 1] scales the peak bound (fault fade). What is not finite, in or
   // out, gives no force, and none until Reset: a fault latches until somebody acts.
@@ -106,6 +128,25 @@ class Coupling {
   const CouplingParams& params() const noexcept { return params_; }
 
  private:
+  // The slipping laws' tick and its parts.
+  void TickSlipping(const dvec3& tip_m, double bound_n, Material& material, CouplingOutput& out) noexcept;
+  Contact RelaxRest(const dvec3& tip_m, const dvec3& tip_moved, bool ahead_is_free, Material& material,
+                    CouplingOutput& out) noexcept;
+  double RunOutReach() const noexcept;
+  dvec3 NoFasterThan(const dvec3& front, const dvec3& tip_moved, const dvec3& w) const noexcept;
+  struct Ahead {
+    bool elsewhere = false;    // the hand moves another way than the stretch points
+    bool way_out = false;      // and next to nothing resists there
+    dvec3 speed_m_per_s{0};
+    Contact contact;
+  };
+  Ahead ReadAhead(const dvec3& tip_m, const dvec3& tip_moved, Material& material) noexcept;
+  void LetGoAlong(const dvec3& tip_m, const Ahead& ahead, CouplingOutput& out) noexcept;
+  void AimRest(const dvec3& tip_m, const Contact& contact, CouplingOutput& out) noexcept;
+  dvec3 RunOut(const dvec3& w, const dvec3& e_m, const dvec3& tip_moved) const noexcept;
+  dvec3 FrontStep(const dvec3& tip_m, const Contact& contact, const dvec3& rest_step, double dt_s) const noexcept;
+  // The only place where a slipping law's rest point moves. `w` is scaled by the guard; returns what was taken.
+  dvec3 MoveRest(const dvec3& tip_m, const dvec3& w, CouplingOutput& out) noexcept;
   void RelaxAnchor(const dvec3& tip_m, Material& material, CouplingOutput& out) noexcept;
   void BoundMagnitude(const dvec3& tip_m, double bound_n, bool wall, Material& material, CouplingOutput& out) noexcept;
   // The only place where the anchor moves. `w` is scaled by the guard; returns what was taken.
@@ -113,9 +154,15 @@ class Coupling {
 
   CouplingParams params_;
   std::unique_ptr<ForceLaw> law_;
-  dvec3 anchor_{0};
+  dvec3 anchor_{0};             // the bur
+  dvec3 rest_{0};               // where a slipping law's spring is at rest
+  dvec3 tip_{0};                // of the last tick
+  double resisted_ = 0;         // trace of B along the stretch in the last tick
+  Tank tank_;
+  GuardParams guard_;
+  double share_ = 1;            // of the stiffness that is felt (StiffnessShare)
   double stretch_ = 0;          // |tip - anchor| after the last tick
-  double clipped_at_n_ = 0;     // bound of the last tick if the output was clipped at a wall, else 0
+  double clipped_at_n_ = -1;    // bound of the last tick if the output was clipped at a wall, else -1
   bool wall_ = false;
   bool latched_ = false;
 };

@@ -12,6 +12,8 @@ constexpr std::array kLaws = {
     LawEntry{LawKind::kGatedMaxwell, "gated-maxwell",
              "Maxwell whose anchor waits while the force is below what the hand's speed calls for",
              &MakeGatedMaxwell},
+    LawEntry{LawKind::kTankMaxwell, "tank-maxwell",
+             "gated Maxwell that may lengthen its spring on credit of an energy tank", &MakeTankMaxwell},
     LawEntry{LawKind::kPaperDamping, "eq1",
              "Liu et al. 2008 eq. 1: R = B V from one tick's difference", &MakePaperDamping},
     LawEntry{LawKind::kPaperLimited, "eq17",

@@ -19,12 +19,16 @@ enum class LawKind : uint8_t {
   kMaxwell = 1,          // spring Kc to an anchor that moves through tissue as F/B
   kPaperDamping = 2,     // eq. 1: R = B V, V = (p_i - p_{i-1}) f, nothing else
   kPaperLimited = 3,     // eq. 1 with the limiter of eq. 17 exactly as printed
-  kGatedMaxwell = 4,     // Maxwell whose anchor waits while the force is too small for the speed (default)
+  kGatedMaxwell = 4,     // Maxwell whose anchor waits while the force is too small for the speed
   kPaperSymmetric = 5,   // eq. 1 with eq. 12's slope bound on rises and falls, per axis, adaptive window
   kVirtualCoupling = 6,  // Adams-Hannaford: spring and damper to a tool that moves through tissue
   kPassivityControlled = 7,  // eq. 1 with a passivity observer and controller (Hannaford-Ryu)
   kEnergyBounded = 8,    // eq. 1 under the energy bound (Kim-Ryu)
+  kTankMaxwell = 9,      // gated Maxwell that may also lengthen its spring, paid for by an energy tank (default)
 };
+
+// What new exercises, suites and benchmarks use unless they say otherwise.
+inline constexpr LawKind kDefaultLaw = LawKind::kTankMaxwell;
 
 // What every law of one device is built from. SI units.
 struct LawParams {
@@ -38,6 +42,7 @@ struct LawParams {
   // Velocity for the laws that need one (eq1, eq17, eq17-symmetric, eq1-popc, eq1-bounded). The anchored
   // laws do not look at it. The core leaves it to the law; the qualification suite tries them all.
   EstimatorParams estimator{};
+  double peak_force_n = 0;     // of the device: bounds what a slipping law aims at. 0: no bound
 };
 
 // One force law. A law is of one of two families:
@@ -57,6 +62,12 @@ class ForceLaw {
   // be P e with 0 <= P <= I (the anchor moves toward the tip, never past it and never away); the
   // guard in coupling.h then makes the step passive under quantisation.
   virtual dvec3 Relax(const dvec3& e_m, const Sym3& b, double dt_s) noexcept { (void)b; (void)dt_s; return e_m; }
+  // Slipping laws: anchored laws whose spring's rest point may leave the bur (coupling.h).
+  virtual bool slips() const noexcept { return false; }
+  // Slipping laws, after Relax: the hand's speed as estimated in this tick, m/s; and the stretch that is
+  // wanted from stretch e_m where b is the damping met along that speed. Not bound by P: the tank pays.
+  virtual dvec3 speed_m_per_s() const noexcept { return dvec3(0); }
+  virtual dvec3 Aim(const dvec3& e_m, const Sym3& b) noexcept { (void)b; return e_m; }
   // Tip laws: resisting force R (N, against motion) in material b.
   virtual dvec3 TipForce(const Sym3& b) noexcept { (void)b; return dvec3(0); }
   // Saves or restores all that the next tick depends on but the parameters.
@@ -78,6 +89,7 @@ const LawEntry* FindLaw(LawKind kind);
 // Factories, one per law file.
 std::unique_ptr<ForceLaw> MakeMaxwell(const LawParams& params);
 std::unique_ptr<ForceLaw> MakeGatedMaxwell(const LawParams& params);
+std::unique_ptr<ForceLaw> MakeTankMaxwell(const LawParams& params);
 std::unique_ptr<ForceLaw> MakePaperDamping(const LawParams& params);
 std::unique_ptr<ForceLaw> MakePaperLimited(const LawParams& params);
 std::unique_ptr<ForceLaw> MakePaperSymmetric(const LawParams& params);

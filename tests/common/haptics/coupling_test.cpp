@@ -184,9 +184,12 @@ TEST_P(PassivityTest, OperatorNeverExtractsEnergy) {
   }
 }
 INSTANTIATE_TEST_SUITE_P(AnchoredLaws, PassivityTest,
-                         testing::Values(LawKind::kMaxwell, LawKind::kGatedMaxwell),
+                         testing::Values(LawKind::kMaxwell, LawKind::kGatedMaxwell,
+                                         LawKind::kTankMaxwell),
                          [](const auto& i) {
-                           return i.param == LawKind::kMaxwell ? "Maxwell" : "GatedMaxwell";
+                           return i.param == LawKind::kMaxwell        ? "Maxwell"
+                                  : i.param == LawKind::kGatedMaxwell ? "GatedMaxwell"
+                                                                      : "TankMaxwell";
                          });
 
 // The same with everything the chain may do besides: still-bur walls, a bound that rises and falls,

@@ -16,7 +16,7 @@ LawParams Omega() {
 }
 
 TEST(LawRegistryTest, EveryLawIsFoundByNameAndKindAndMakesAnInstance) {
-  EXPECT_EQ(ForceLaws().size(), 8u);
+  EXPECT_EQ(ForceLaws().size(), 9u);
   for (const LawEntry& law : ForceLaws()) {
     EXPECT_EQ(FindLaw(law.name), &law);
     EXPECT_EQ(FindLaw(law.kind), &law);
