@@ -61,7 +61,7 @@ int32_t Nanometres(double m) { return static_cast<int32_t>(std::lround(m * 1e9))
 core::CoreParams MakeParams(const CutCase& c) {
   core::CoreParams p;
   p.rate_hz = c.rate_hz;
-  p.law = haptics::LawKind::kGatedMaxwell;
+  p.law = haptics::kDefaultLaw;
   // A stiff spring in soft material: the bur stays within a few micrometres of the hand.
   p.kc_mn_per_mm = 1'000'000;
   p.damping_mn_s_per_mm.fill(500);

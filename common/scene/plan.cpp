@@ -141,9 +141,13 @@ core::CoreParams Compile(const Scene& scene, const Exercise& exercise,
   double arm_m = 0.5e-9 * (p.bur_shape == cutting::BurShape::kSphere ? 2.0 * p.bur_radius_nm : p.bur_length_nm);
   p.rotational_kc_un_m_per_rad = static_cast<int32_t>(p.kc_mn_per_mm * arm_m * arm_m * 1e6 + 0.5);
   for (const TissueSpec& t : scene.tissues) {
-    p.damping_mn_s_per_mm[static_cast<size_t>(t.tissue)] = t.damping_mn_s_per_mm;
-    p.axial_damping_mn_s_per_mm[static_cast<size_t>(t.tissue)] = t.axial_damping_mn_s_per_mm;
+    auto i = static_cast<size_t>(t.tissue);
+    p.damping_mn_s_per_mm[i] = t.damping_mn_s_per_mm;
+    p.axial_damping_mn_s_per_mm[i] = t.axial_damping_mn_s_per_mm;
+    p.coulomb_mn[i] = t.coulomb_mn;
+    p.threshold_mn[i] = t.threshold_mn;
   }
+  p.bus_delay_ticks = static_cast<uint32_t>(profile.bus_delay_ticks.value);
   return p;
 }
 

@@ -159,7 +159,7 @@ struct Exercise {
   int32_t bur_shank_radius_um = 0;
   int32_t bur_neck_um = 0;
   HandpieceSpec handpiece;
-  haptics::LawKind law = haptics::LawKind::kGatedMaxwell;
+  haptics::LawKind law = haptics::kDefaultLaw;
   int32_t rate_hz = 1000;
   int32_t time_limit_s = 0;              // 0: none
   bool graded = true;                    // score shown after release; practice shows at once

@@ -89,6 +89,13 @@ Status UseDelayOf(PreparedAttempt& prepared, const Device& device, const fs::pat
                         ": go on with the device it was begun on, or close it",
                     "coupling_mn_per_mm");
     }
+    const uint32_t begun = prepared.header.params.bus_delay_ticks;
+    if (begun < static_cast<uint32_t>(used.ticks)) {
+      return Status(Code::kConflict,
+                    DelayText(used, name) + ", and this attempt was begun with a guard for " +
+                        std::to_string(begun) + ": go on with the device it was begun on, or close it",
+                    "bus_delay_ticks");
+    }
     prepared.delay = used;
     return Status::Ok();
   }
