@@ -29,23 +29,33 @@ class CouplingSubject final : public Subject {
   }
   dvec3 Tick(const dvec3& tip, double bound_ratio, const Contact& contact, const dvec3&) override {
     material_.contact = contact;
-    return -coupling_.Tick(tip, bound_ratio, material_).force_sent_n;
+    haptics::CouplingOutput out = coupling_.Tick(tip, bound_ratio, material_);
+    tank_j_ = out.tank_j;
+    return -out.force_sent_n;
   }
+  double tank_j() const override { return tank_j_; }
 
  private:
   static haptics::CouplingParams Params(const DeviceModel& m, const GameRules& rules, LawKind law) {
     haptics::CouplingParams p;
     p.law.kind = law;
     p.law.kc_n_per_m = ClauseStiffness(m, rules);
-    // A box around the cell, whatever its shape.
-    haptics::TipCell cell = rules.Cell(m.resolution_m);
-    p.law.resolution_m = (cell.half_m + cell.ball_m) * 2.0;
     p.law.tick_s = m.tick_s();
-    p.peak_force_n = m.peak_force_n;
+    p.peak_force_n = p.law.peak_force_n = m.peak_force_n;
+    haptics::TipCell cell = rules.Cell(m.resolution_m);
+    if (law == LawKind::kTankMaxwell) {
+      p.law.resolution_m = dvec3(m.resolution_m);
+      p.cell = cell;
+      p.delay_ticks = rules.clause_ticks();
+    } else {
+      // The older guard knows boxes only: one around the cell, whatever its shape.
+      p.law.resolution_m = (cell.half_m + cell.ball_m) * 2.0;
+    }
     return p;
   }
   haptics::Coupling coupling_;
   RestlessMaterial material_;
+  double tank_j_ = 0;
 };
 
 class GuardedSpring final : public Subject {
@@ -419,7 +429,7 @@ double ClauseStiffness(const DeviceModel& m, const GameRules& rules) {
 
 bool Covered(std::optional<LawKind> law, const GameRules& rules) {
   if (rules.undeclared_ticks > 0) return false;
-  if (!law) return true;
+  if (!law || *law == LawKind::kTankMaxwell) return true;
   // The laws that clip at a wall and know no delay.
   return ProvedLaw(*law) && rules.clause_ticks() == 0 && !rules.bounds && !rules.gaps;
 }

@@ -22,13 +22,17 @@ void RegisterQualify(CLI::App& app, int* exit_code) {
       ->capture_default_str();
   qualify
       ->add_option("--suite", options->suites,
-                   "paper, laws, estimators, extreme, adversary, random, cutting or all")
+                   "paper, hand, laws, estimators, extreme, adversary, random, cutting or all")
       ->delimiter(',')
       ->capture_default_str();
   qualify->add_flag("--quick", options->quick, "under a minute on two cores");
   qualify->add_option("--json", options->json_path, "write every row to this file");
   qualify->add_option("--report", options->report_dir,
                       "write report.html, its plots and qualification.json into this folder");
+  qualify
+      ->add_option("--recordings", options->recordings,
+                   "hand: folder of CSV files (t_s,px_m,py_m,pz_m at 1 kHz) of people's motions")
+      ->capture_default_str();
   qualify->add_option("--cases", options->cases, "random: how many")->capture_default_str();
   qualify
       ->add_option("--ticks", options->adversary_ticks,

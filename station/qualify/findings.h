@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/measure/cutting_error.h"
+#include "station/qualify/hand_trial.h"
 #include "station/qualify/model.h"
 
 // What the suites find, as data: the tables, the JSON and the report are made from it.
@@ -76,6 +77,19 @@ struct RandomSummary {
       releases;  // velocity-hand figures of every case, over their bounds
 };
 
+// One motion of one hand on one device. Rows with a track compare R with B v tick by tick; the
+// others are withdrawals with the product's core.
+struct HandRow {
+  std::string device, motion, hand, lattice, law;
+  double b_n_s_per_mm = 0, rate_hz = 1000, kc_n_per_mm = 0;
+  int delay_ticks = 0;
+  bool has_track = false;
+  HandFigures f;
+  // Withdrawals: the opposing part, beyond Kc delta where that is larger than 0.15 N, else the part
+  // itself; its largest rise in a tick; what a step of the force has beyond Kc (v T + sqrt(3) delta).
+  double opposing_n = 0, pull_n = 0, rise_n = 0, step_n = 0;
+};
+
 // One bur at one voxel size and speed.
 struct CuttingRow {
   measure::CuttingFigures figures;
@@ -91,6 +105,7 @@ struct Findings {
   std::vector<Attack> attacks;
   std::vector<RandomSummary> random;
   std::vector<CuttingRow> cutting;
+  std::vector<HandRow> hands;
   std::vector<measure::ScoreFigures> scores;  // coarse to fine
   double integration_error_m = 0;             // the simulator's own, worst of the trials asked
   double seconds = 0;

@@ -50,12 +50,45 @@ json::object RowJson(const Row& r) {
   return out;
 }
 
+json::object HandJson(const HandRow& r) {
+  const HandFigures& f = r.f;
+  auto Of = [&](double v) { return r.has_track ? Number(v) : json::value(nullptr); };
+  auto Out = [&](double v) { return r.has_track ? json::value(nullptr) : Number(v); };
+  bool turns = r.motion == "reversal";
+  return {{"suite", "hand"},
+          {"device", r.device},
+          {"law", r.law},
+          {"b_n_s_per_mm", Number(r.b_n_s_per_mm)},
+          {"rate_hz", Number(r.rate_hz)},
+          {"kc_n_per_mm", Number(r.kc_n_per_mm)},
+          {"delay_ticks", r.delay_ticks},
+          {"motion", r.motion},
+          {"hand", r.hand},
+          {"lattice", r.lattice},
+          {"error_rms", Of(f.ideal_rms_n > 0 ? f.error_rms_n / f.ideal_rms_n : 0)},
+          {"oracle_rms", Of(f.ideal_rms_n > 0 ? f.oracle_rms_n / f.ideal_rms_n : 0)},
+          {"error_over_oracle", Of(f.oracle_rms_n > 0 ? f.error_rms_n / f.oracle_rms_n : INFINITY)},
+          {"ideal_rms_n", Of(f.ideal_rms_n)},
+          {"lag_s", Of(f.lag_s)},
+          {"help_after_reversal_s", turns ? Of(f.help_s) : json::value(nullptr)},
+          {"overshoot", Of(f.overshoot)},
+          {"excess_n", Of(f.excess_n)},
+          {"direction_error_deg", Of(f.direction_deg)},
+          {"bur_to_tip_m", Of(f.trail_m)},
+          {"energy_min_j", Of(f.energy_min_j)},
+          {"opposing_n", Out(r.opposing_n)},
+          {"rise_n", Out(r.rise_n)},
+          {"pull_n", Out(r.pull_n)},
+          {"step_n", r.has_track ? Number(f.step_n) : Number(r.step_n)}};
+}
+
 }  // namespace
 
 std::string JsonOf(const Findings& f) {
   json::array rows, attacks, random;
   for (const Row& r : f.rows) rows.push_back(RowJson(r));
   AppendCuttingRows(f, rows);
+  for (const HandRow& r : f.hands) rows.push_back(HandJson(r));
   for (const Attack& a : f.attacks) {
     attacks.push_back(json::object{{"law", a.law},
                                    {"game", a.kind},

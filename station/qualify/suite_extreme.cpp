@@ -108,7 +108,7 @@ void AddRateDelay(SuiteContext& c, const DeviceModel& m) {
                            DeviceModel at = m;
                            at.rate_hz = rate;
                            at.delay_ticks = static_cast<int>(delay) - 1;
-                           return SpecOf(at, LawKind::kGatedMaxwell, 6500, kSpeed);
+                           return SpecOf(at, haptics::kDefaultLaw, 6500, kSpeed);
                          });
   map.x_label = "loop rate, Hz";
   map.y_label = "1 + ticks of delay";
@@ -129,7 +129,7 @@ void AddResolutionMass(SuiteContext& c, const DeviceModel& m) {
               DeviceModel other = m;
               other.resolution_m = delta_um * 1e-6;
               other.mass_kg = mass_g * 1e-3;
-              return SpecOf(other, LawKind::kGatedMaxwell, 6500, kSpeed);
+              return SpecOf(other, haptics::kDefaultLaw, 6500, kSpeed);
             });
   map.x_label = "delta, um";
   map.y_label = "mass, g";
@@ -162,7 +162,7 @@ std::string N(double v) {
 std::vector<std::string> Event(const DeviceModel& m, const char* name, const char* expected,
                                int ticks, const std::function<dvec3(int, StepMaterial&)>& tip) {
   haptics::CouplingParams p;
-  p.law = SpecOf(m, LawKind::kGatedMaxwell, 6500, kSpeed).law;
+  p.law = SpecOf(m, haptics::kDefaultLaw, 6500, kSpeed).law;
   p.peak_force_n = m.peak_force_n;
   haptics::Coupling coupling(p);
   StepMaterial material;
@@ -243,7 +243,7 @@ void AddTiming(SuiteContext& c, const DeviceModel& m, Table* t) {
         Case{"1 % of ticks lost", 0, 0.01, 0}, Case{"10 % of ticks lost", 0, 0.1, 0},
         Case{"30 % of ticks lost", 0, 0.3, 0}, Case{"structural mode at 300 Hz", 0, 0, 300},
         Case{"structural mode at 80 Hz", 0, 0, 80}}) {
-    TrialSpec s = SpecOf(m, LawKind::kGatedMaxwell, 6500, kSpeed);
+    TrialSpec s = SpecOf(m, haptics::kDefaultLaw, 6500, kSpeed);
     s.plant.jitter_ratio = k.jitter;
     s.plant.drop_ratio = k.drop;
     s.plant.mode_hz = k.mode_hz;
@@ -278,7 +278,7 @@ void RunExtremeSuite(SuiteContext& c) {
        "verdict"},
       {}};
   for (const DeviceModel& m : c.findings.models) {
-    AddZWidth(c, m, LawKind::kGatedMaxwell);
+    AddZWidth(c, m, haptics::kDefaultLaw);
     AddZWidth(c, m, LawKind::kPaperLimited);
     AddRateDelay(c, m);
     AddResolutionMass(c, m);

@@ -30,7 +30,7 @@ Grid GridFor(bool quick) {
 }
 
 bool UsesEstimator(LawKind law) {
-  return law != LawKind::kMaxwell && law != LawKind::kGatedMaxwell &&
+  return law != LawKind::kMaxwell && law != LawKind::kGatedMaxwell && law != LawKind::kTankMaxwell &&
          law != LawKind::kVirtualCoupling;
 }
 
@@ -101,7 +101,8 @@ void AddTraces(const DeviceModel& model, Findings& findings) {
     const char* label;
   };
   for (Shown shown :
-       {Shown{LawKind::kGatedMaxwell, EstimatorKind::kLawsOwn, "gated Maxwell (default)"},
+       {Shown{LawKind::kTankMaxwell, EstimatorKind::kLawsOwn, "tank Maxwell (default)"},
+        Shown{LawKind::kGatedMaxwell, EstimatorKind::kLawsOwn, "gated Maxwell"},
         Shown{LawKind::kMaxwell, EstimatorKind::kLawsOwn, "Maxwell"},
         Shown{LawKind::kPaperSymmetric, EstimatorKind::kFoawBestFit, "eq. 12 both slopes"},
         Shown{LawKind::kPaperLimited, EstimatorKind::kBackwardDifference, "eq. 17 as printed"}}) {
@@ -141,7 +142,7 @@ void AddGoalTable(SuiteContext& c) {
           for (double damping : {0.0, 2.0}) {
             bool velocity = grip.kind == HandKind::kVelocity, force = grip.kind == HandKind::kForce;
             if ((velocity && mass > 0.02) || (!force && damping > 0)) continue;
-            TrialSpec s = SpecOf(m, LawKind::kGatedMaxwell, kEnamel, kSpeed);
+            TrialSpec s = SpecOf(m, haptics::kDefaultLaw, kEnamel, kSpeed);
             s.direction = way;
             s.hand = grip.kind;
             s.hand_mass_kg = mass;
@@ -262,7 +263,7 @@ void RunLawsSuite(SuiteContext& c) {
   for (const DeviceModel& m : c.findings.models) {
     AddFrontTable(m, c.findings);
     AddTraces(m, c.findings);
-    TrialSpec s = SpecOf(m, LawKind::kGatedMaxwell, kEnamel, kSpeed);
+    TrialSpec s = SpecOf(m, haptics::kDefaultLaw, kEnamel, kSpeed);
     s.hand = HandKind::kImpedance;
     c.findings.integration_error_m = std::max(c.findings.integration_error_m, IntegrationError(s));
   }

@@ -208,7 +208,7 @@ constexpr Candidate kCandidates[] = {
     {LawKind::kPaperLimited, EstimatorKind::kWindow, false, "eq. 17, windowed velocity"},
     {LawKind::kPaperSymmetric, EstimatorKind::kFoawBestFit, false, "both slopes, adaptive window"},
     {LawKind::kMaxwell, EstimatorKind::kLawsOwn, false, "Maxwell"},
-    {LawKind::kGatedMaxwell, EstimatorKind::kLawsOwn, false, "gated Maxwell (default)"},
+    {haptics::kDefaultLaw, EstimatorKind::kLawsOwn, false, "tank Maxwell (default)"},
 };
 
 Table SustainedTable(SuiteContext& c) {
@@ -419,7 +419,7 @@ void AddFigures(const DeviceModel& m, Findings& findings) {
     const char* label;
   };
   const Shown shown[] = {
-      {LawKind::kGatedMaxwell, EstimatorKind::kLawsOwn, false, "gated Maxwell (default)"},
+      {haptics::kDefaultLaw, EstimatorKind::kLawsOwn, false, "tank Maxwell (default)"},
       {LawKind::kPaperLimited, EstimatorKind::kLawsOwn, false, "eq. 17, held at dp = 0"},
       {LawKind::kPaperLimited, EstimatorKind::kLawsOwn, true, "eq. 17, passed at dp = 0"},
       {LawKind::kPaperSymmetric, EstimatorKind::kFoawBestFit, false, "eq. 12 on both slopes"}};

@@ -34,7 +34,7 @@ TrialSpec RandomCase(const DeviceModel& at_1khz, uint64_t seed, Draw draw) {
     v = draw == Draw::kSlow ? r.LogBetween(0.05e-3, 1e-3) : r.Between(0.05e-3, 1e-3);
     direction = r.Direction();
   } while (glm::length(b * direction) * v > 0.9 * m.peak_force_n);
-  TrialSpec s = SpecOf(m, haptics::LawKind::kGatedMaxwell, b.Trace() / 3, v);
+  TrialSpec s = SpecOf(m, haptics::kDefaultLaw, b.Trace() / 3, v);
   s.b_n_s_per_m = b;
   s.direction = direction;
   s.plant.friction_n = r.Uniform() * m.kc_n_per_m * m.resolution_m;

@@ -138,6 +138,7 @@ class TrialRun {
     CouplingParams p;
     p.law = spec.law;
     p.peak_force_n = spec.peak_force_n;
+    p.delay_ticks = spec.plant.delay_ticks;
     return p;
   }
   double Tau() const { return spec_.b_n_s_per_m.Trace() / 3 / spec_.law.kc_n_per_m; }

@@ -1,43 +1,21 @@
-#include <gtest/gtest.h>
+#include "station/qualify/withdrawal.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <string>
 #include <vector>
 
-#include "common/core/core.h"
-#include "tests/support/analytic_volume.h"
+#include "common/scene/builder.h"
 
-// A bur pulled back along the way it came has nothing ahead of it, so nothing may hold it.
-namespace enamel::core {
+namespace enamel::station::qualify {
 namespace {
 
+using core::Core;
+using core::CoreParams;
 using cutting::Bur;
 using cutting::BurShape;
 
-// The first of the built-in devices, Omega 3DOF.
-constexpr double kKc_n_per_m = 10'000, kCell_m = 9e-6, kTick_s = 1e-3;
-constexpr double kOpposing_n = 0.15, kRise_n = 0.1;  // or Kc delta where that is more
+constexpr double kTick_s = 1e-3;
 constexpr double kFeed_m_per_s = 1e-3;
-
-struct NamedBur {
-  const char* name;
-  Bur bur;
-};
-// The built-in burs, the long ones shortened.
-std::vector<NamedBur> Burs() {
-  return {{"fissure", {BurShape::kCylinder, 0.6e-3, 2e-3}},
-          {"flame", {BurShape::kFlame, 0.6e-3, 2e-3, 0.3e-3}},
-          {"inverted", {BurShape::kInvertedCone, 0.6e-3, 1.2e-3, 0.4e-3}},
-          {"pear", {BurShape::kPear, 0.6e-3, 2e-3, 0.35e-3}},
-          {"round", {BurShape::kSphere, 0.8e-3, 0}},
-          {"taper", {BurShape::kCone, 0.8e-3, 2e-3, 0.5e-3}},
-          {"wheel", {BurShape::kWheel, 1.5e-3, 1.0e-3}}};
-}
-
-enum class Cut { kSideMill, kPlunge, kSunkToTop, kPocket };
-constexpr const char* kCutNames[] = {"side-mill", "plunge", "sunk to its top", "pocket"};
 
 // The bur's frame and its way, turned off the grid together.
 struct Frame {
@@ -75,24 +53,14 @@ std::vector<dvec3> WayIn(Cut cut, const Bur& bur, const Frame& f) {
   return {};
 }
 
-struct Trial {
-  Bur bur;
-  Cut cut;
-  double speed_m_per_s;
-  bool turned;
-  haptics::LawKind law = haptics::LawKind::kMaxwell;
-  double hand_n_per_m = 0;  // 0: the hand prescribes the velocity
-  uint32_t core_version = kCoreVersion;
-};
-
-CoreParams ParamsOf(const Trial& s) {
+CoreParams ParamsOf(const Withdrawal& s) {
   auto nm = [](double m) { return static_cast<int32_t>(std::lround(m * 1e9)); };
   CoreParams p;
   p.core_version = s.core_version;
   p.law = s.law;
-  p.kc_mn_per_mm = nm(kKc_n_per_m * 1e-9);
-  p.resolution_nm = {nm(kCell_m), nm(kCell_m), nm(kCell_m)};
-  p.peak_force_mn = 12'000;
+  p.kc_mn_per_mm = static_cast<int32_t>(std::lround(s.kc_n_per_m));
+  p.resolution_nm = {nm(s.cell_m), nm(s.cell_m), nm(s.cell_m)};
+  p.peak_force_mn = static_cast<int32_t>(std::lround(s.peak_force_n * 1e3));
   p.soft_start_ticks = 0;
   p.bur_shape = s.bur.shape;
   p.bur_radius_nm = nm(s.bur.radius_m);
@@ -101,14 +69,6 @@ CoreParams ParamsOf(const Trial& s) {
   p.damping_mn_s_per_mm[1] = 6500;
   return p;
 }
-
-struct Figures {
-  double opposing_n = 0;  // largest part of the force against the way back
-  double rise_n = 0;      // its largest rise in a tick
-  double other_n = 0;     // what a force step has beyond Kc (v T + sqrt(3) delta)
-  double deepest_n = 0;   // largest force on the way in
-  bool out = false;       // the anchor has gone back with the tip
-};
 
 // The anchor's way in, from its end, by length.
 class WayBack {
@@ -134,15 +94,15 @@ class WayBack {
   size_t seg_ = 0;
 };
 
-class Hand {
+class WithdrawalRun {
  public:
-  Hand(const Trial& s, const cutting::Volume& block)
+  WithdrawalRun(const Withdrawal& s, const cutting::Volume& block)
       : trial_(s), frame_(s.turned ? 0.4 : 0, s.turned ? 0.3 : 0), core_(ParamsOf(s), block) {
-    input_.flags = kBurOn;
+    input_.flags = core::kBurOn;
     input_.orientation = frame_.orientation;
   }
 
-  Figures Run() {
+  WithdrawalFigures Run() {
     std::vector<dvec3> way = WayIn(trial_.cut, trial_.bur, frame_);
     StepTo(way[0]);
     for (size_t leg = 0; leg + 1 < way.size(); ++leg) {
@@ -166,7 +126,7 @@ class Hand {
  private:
   void StepTo(const dvec3& tip) {
     for (int i = 0; i < 3; ++i) {
-      input_.counts[static_cast<size_t>(i)] = static_cast<int32_t>(std::lround(tip[i] / kCell_m));
+      input_.counts[static_cast<size_t>(i)] = static_cast<int32_t>(std::lround(tip[i] / trial_.cell_m));
     }
     out_ = core_.Step(input_);
     tip_ = tip;
@@ -203,102 +163,58 @@ class Hand {
       figures_.opposing_n = std::max(figures_.opposing_n, opposing);
       figures_.rise_n = std::max(figures_.rise_n, opposing - before);
       before = opposing;
-      double allowed = kKc_n_per_m * (glm::length(tip_ - was) + std::sqrt(3.0) * kCell_m);
+      double allowed =
+          trial_.kc_n_per_m * (glm::length(tip_ - was) + std::sqrt(3.0) * trial_.cell_m);
       figures_.other_n = std::max(figures_.other_n, glm::length(step) - allowed);
     }
     figures_.out = glm::length(out_.anchor.tip_m - tip_) < 0.1e-3;
   }
 
-  Trial trial_;
+  Withdrawal trial_;
   Frame frame_;
   Core core_;
-  TickInput input_;
-  TickOutput out_;
+  core::TickInput input_;
+  core::TickOutput out_;
   dvec3 tip_{0};
   std::vector<dvec3> anchors_;  // of the last leg
-  Figures figures_;
+  WithdrawalFigures figures_;
 };
 
-const cutting::Volume& Block() {
-  static const cutting::Volume block = test::Block(50'000, 1.5e-3, 2.6e-3);
-  return block;
-}
-
-constexpr double kSpeeds_m_per_s[] = {0.01, 0.03, 0.05};
-constexpr Cut kCuts[] = {Cut::kSideMill, Cut::kPlunge, Cut::kSunkToTop, Cut::kPocket};
-
-template <typename See>
-void ForEachWithdrawal(const See& see) {
-  for (const NamedBur& b : Burs()) {
-    for (Cut cut : kCuts) {
-      for (bool turned : {false, true}) {
-        for (double speed : kSpeeds_m_per_s) {
-          see(Trial{b.bur, cut, speed, turned},
-              std::string(b.name) + ", " + kCutNames[static_cast<int>(cut)] +
-                  (turned ? ", turned, " : ", ") + std::to_string(static_cast<int>(speed * 1e3)) +
-                  " mm/s");
-        }
-      }
-    }
-  }
-}
-
-// A law's own memory is another matter; only printed.
-void ReportGatedMaxwell() {
-  double opposing = 0, rise = 0;
-  for (const NamedBur& b : Burs()) {
-    for (Cut cut : kCuts) {
-      Figures f = Hand({b.bur, cut, 0.03, true, haptics::LawKind::kGatedMaxwell}, Block()).Run();
-      opposing = std::max(opposing, f.opposing_n);
-      rise = std::max(rise, f.rise_n);
-    }
-  }
-  std::printf("gated-maxwell: opposing at most %.3f N, rising at most %.3f N a tick\n", opposing,
-              rise);
-}
-
-TEST(WithdrawalTest, NothingHoldsABurThatGoesBackTheWayItCame) {
-  const double cell_n = kKc_n_per_m * kCell_m;
-  double opposing = 0, rise = 0;
-  ForEachWithdrawal([&](const Trial& s, const std::string& what) {
-    Figures f = Hand(s, Block()).Run();
-    EXPECT_GT(f.deepest_n, 0.2) << what << ": it did not cut on the way in";
-    EXPECT_LE(f.opposing_n, std::max(kOpposing_n, cell_n)) << what;
-    EXPECT_LE(f.rise_n, std::max(kRise_n, cell_n)) << what;
-    EXPECT_LE(f.other_n, 0) << what;
-    EXPECT_TRUE(f.out) << what;
-    opposing = std::max(opposing, f.opposing_n);
-    rise = std::max(rise, f.rise_n);
-  });
-  ReportGatedMaxwell();
-  std::printf("maxwell: opposing at most %.3f N, rising at most %.3f N a tick\n", opposing, rise);
-}
-
-// The band of half a voxel that core version 2 counts, so that the claim above is known to be able
-// to fail.
-TEST(WithdrawalTest, CoreVersion2IsHeld) {
-  Trial s{Burs()[0].bur, Cut::kSideMill, 0.05, false};
-  s.core_version = 2;
-  EXPECT_GT(Hand(s, Block()).Run().opposing_n, 1);
-}
-
-// A soft hand does not keep to the way: what the spring still holds across it presses the bur, for
-// a tick or two, into the floor it has passed.
-constexpr double kSoftHand_n = 0.2;
-
-TEST(WithdrawalTest, AHandOfOneNewtonAMillimetreIsNotHeldEither) {
-  double opposing = 0;
-  for (const NamedBur& b : Burs()) {
-    for (Cut cut : kCuts) {
-      Trial s{b.bur, cut, 0.03, true};
-      s.hand_n_per_m = 1000;
-      Figures f = Hand(s, Block()).Run();
-      EXPECT_LE(f.opposing_n, kSoftHand_n) << b.name << ", " << kCutNames[static_cast<int>(cut)];
-      opposing = std::max(opposing, f.opposing_n);
-    }
-  }
-  std::printf("hand of 1 N/mm: opposing at most %.3f N\n", opposing);
-}
-
 }  // namespace
-}  // namespace enamel::core
+
+const std::vector<NamedBur>& WithdrawalBurs() {
+  static const std::vector<NamedBur> burs = {
+      {"fissure", {BurShape::kCylinder, 0.6e-3, 2e-3}},
+      {"flame", {BurShape::kFlame, 0.6e-3, 2e-3, 0.3e-3}},
+      {"inverted", {BurShape::kInvertedCone, 0.6e-3, 1.2e-3, 0.4e-3}},
+      {"pear", {BurShape::kPear, 0.6e-3, 2e-3, 0.35e-3}},
+      {"round", {BurShape::kSphere, 0.8e-3, 0}},
+      {"taper", {BurShape::kCone, 0.8e-3, 2e-3, 0.5e-3}},
+      {"wheel", {BurShape::kWheel, 1.5e-3, 1.0e-3}}};
+  return burs;
+}
+
+const char* CutName(Cut cut) {
+  constexpr const char* kNames[] = {"side-mill", "plunge", "sunk", "pocket"};
+  return kNames[static_cast<int>(cut)];
+}
+
+cutting::Volume WithdrawalBlock() {
+  constexpr double kHalf_m = 1.5e-3, kDepth_m = 2.6e-3;
+  auto field = [](const dvec3& p) {
+    dvec3 q(glm::abs(p.x) - kHalf_m, glm::abs(p.y) - kHalf_m,
+            glm::abs(p.z + kDepth_m / 2) - kDepth_m / 2);
+    dvec3 out = glm::max(q, dvec3(0));
+    double inside = std::min(std::max({q.x, q.y, q.z}), 0.0);
+    return scene::FieldSample{glm::length(out) + inside, cutting::Tissue::kEnamel, 1.0};
+  };
+  return scene::BuildVolume(
+      scene::GridAround({-kHalf_m, -kHalf_m, -kDepth_m}, {kHalf_m, kHalf_m, 0}, 50'000),
+      scene::Field(field));
+}
+
+WithdrawalFigures RunWithdrawal(const Withdrawal& withdrawal, const cutting::Volume& block) {
+  return WithdrawalRun(withdrawal, block).Run();
+}
+
+}  // namespace enamel::station::qualify
