@@ -264,11 +264,11 @@ dvec3 Coupling::RunOut(const dvec3& w, const dvec3& e, const dvec3& tip_moved) c
 
 // The bur's step for a step of the rest point in time dt. B splits space into the directions that tissue
 // resists and those that are free: in the free ones the bur goes to the tip. While it cuts it also closes
-// up to the tip, within a third of a second: where rest point and bur have come apart, the cut ends up
+// up to the tip, within a tenth of a second or so: where rest point and bur have come apart, the cut ends up
 // where the hand is.
 dvec3 Coupling::FrontStep(const dvec3& tip_m, const Contact& contact, const dvec3& rest_step,
                           double dt_s) const noexcept {
-  constexpr double kCloseUp_s = 1.0 / 3, kFree = 1e-9;
+  constexpr double kCloseUp_s = 0.07, kFree = 1e-9;
   const Sym3& b = contact.damping_n_s_per_m;
   dvec3 e = tip_m - anchor_;
   double trace = b.Trace();

@@ -124,7 +124,11 @@ class Coupling {
   // Saves or restores all that the next Tick depends on but the parameters. Not real-time.
   void VisitState(StateArchive& archive);
 
+  // The bur.
   const dvec3& anchor_m() const noexcept { return anchor_; }
+  // Where the spring is at rest, and what is in the tank: V + E of the proof.
+  const dvec3& rest_m() const noexcept { return law_->slips() ? rest_ : anchor_; }
+  double tank_j() const noexcept { return tank_.energy_j; }
   const CouplingParams& params() const noexcept { return params_; }
 
  private:

@@ -53,10 +53,10 @@ struct PlainGame {
     material.contact.clearance_m = 1;
     Rebase();
   }
-  // The floor counts from here: V_0 is what the spring holds now.
+  // The floor counts from here: V_0 is what the spring holds now, E_0 what the tank does.
   void Rebase() {
-    dvec3 stretch = x - coupling.anchor_m();
-    floor = -0.5 * model.kc_n_per_m * Dot(stretch, stretch);
+    dvec3 stretch = x - coupling.rest_m();
+    floor = -0.5 * model.kc_n_per_m * Dot(stretch, stretch) - coupling.tank_j();
     ledger = Ledger{};
   }
   // Moves the tip while the last force is held, then one tick. Returns the balance above the floor.

@@ -124,6 +124,10 @@ TEST_F(DeviceDelayTest, AResumedAttemptKeepsItsParametersOrIsRefusedWhereTheyAre
   EXPECT_NE(refused.message().find("875"), std::string::npos) << refused.message();
   EXPECT_EQ(Kc(), 2500);
   prepared_.header.params.kc_mn_per_mm = 800;
+  refused = UseDelayOf(prepared_, Attached(true), folder_);
+  EXPECT_EQ(refused.code(), Code::kConflict);
+  EXPECT_EQ(refused.field(), "bus_delay_ticks");
+  prepared_.header.params.bus_delay_ticks = 1;
   EXPECT_TRUE(UseDelayOf(prepared_, Attached(true), folder_).ok());
   EXPECT_EQ(Kc(), 800);
 }
