@@ -91,7 +91,7 @@ TEST(QualifyTest, WritesRowsAndASelfContainedPage) {
   EXPECT_EQ(RunQualify(o), 0);
   auto json = boost::json::parse(ReadAll(o.json_path)).as_object();
   const auto& rows = json.at("rows").as_array();
-  ASSERT_EQ(rows.size(), 24u);  // four draws of six
+  ASSERT_EQ(rows.size(), 96u);  // four draws of six, each in four hands
   for (const char* name : {"profile",
                            "law",
                            "estimator",
