@@ -381,7 +381,8 @@ Coupling::Ahead Coupling::ReadAhead(const dvec3& tip_m, const dvec3& tip_moved,
   if (Dot(speed, speed) > 0 && !SameWay(e, speed, 0.9)) {
     out.elsewhere = true;
     out.speed_m_per_s = speed;
-    out.contact = material.ContactAt(anchor_, speed);
+    // As far as the hand goes in a tick: how far a contact looks ahead is its cost.
+    out.contact = material.ContactAt(anchor_, speed * params_.law.tick_s);
     out.way_out = Free(speed, out.contact);
   }
   if (out.way_out || !(Dot(tip_moved, e) < 0)) return out;
