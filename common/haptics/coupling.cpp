@@ -340,10 +340,7 @@ Contact Coupling::RelaxRest(const dvec3& tip_m, const dvec3& tip_moved, bool ahe
     }
     dvec3 front = FrontStep(tip_m, at_front, w, left_s);
     const bool stopped = StopAt(contact.wall_normal, w);
-    if (StopAt(at_front.wall_normal, front) || stopped) {
-      wall_ = true;
-      out.flags |= kWallContact;
-    }
+    if (StopAt(at_front.wall_normal, front) || stopped) out.flags |= kWallContact;
     if (resisted && !ahead_is_free) w = NoFasterThan(front, tip_moved, w);
     double length = std::sqrt(Dot(front, front));
     double limit =
