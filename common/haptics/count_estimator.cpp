@@ -13,6 +13,17 @@ constexpr double kSwing_s = 0.12;
 
 }  // namespace
 
+double FirstGuess(const AxisEstimator (&axes)[3], int axis, double time_s, double delta_m,
+                  double tick_s) noexcept {
+  double start = 1e9;
+  bool others_know = false;
+  for (const AxisEstimator& a : axes) {
+    if (a.size() > 0) start = LowerOf(start, a.restart_s());
+    others_know |= a.size() > 1;
+  }
+  return axes[axis].FirstGuess(time_s, start, others_know ? 1 : 2, delta_m, tick_s);
+}
+
 void TurningAxis::Update(double time_s, double tip_m, double delta_m) noexcept {
   if (tip_m == tip_) return;
   int direction = tip_m > tip_ ? 1 : -1;

@@ -159,6 +159,23 @@ class GapRecord {
   double last_s_ = -1, longest_s_ = 0;
 };
 
+// Speed of an axis after its first count (AxisEstimator::FirstGuess), m/s: the motion began when the
+// first of the three counted, and while others made more counts this one has moved by one cell.
+double FirstGuess(const AxisEstimator (&axes)[3], int axis, double time_s, double delta_m,
+                  double tick_s) noexcept;
+// Time without a count that is not yet silence at this speed, s.
+inline double QuietTime(double delta_m, double speed_m_per_s) noexcept {
+  return kSilenceCounts * delta_m / (speed_m_per_s + 1e-12);
+}
+// What is left of a speed after `since_s` without a count: 1 up to quiet_s, then falling with the sixth
+// power of the time.
+inline double SilenceFade(double quiet_s, double since_s) noexcept {
+  double f = quiet_s / (since_s + 1e-9);
+  if (!(f < 1)) return 1;
+  double cube = f * f * f;
+  return cube * cube;
+}
+
 // Speed of one axis for a hand that turns back and forth: the longest history that a straight line
 // through the newest count explains within a part of a cell. Crossing the last edge back again may
 // be a tip dithering on it; only the next edge confirms that the hand has turned, and the time of

@@ -17,7 +17,6 @@ struct Tuning {
   double window_share = 0.3;     // look back this share of B/Kc ...
   double window_min_s = 0.23, window_max_s = 0.6;  // ... within these
   double smooth_s = 0.06;   // of the mean speed: a swinging hand must not open and close the gate
-  double start_counts = 1;  // cells an axis is taken to have moved while others made more counts
   double silence_share = 0.12;  // share of B/Kc that the release is patient for,
   double silence_min_s = 0.02;  // and at least this
   double rest_below = 1e-3;     // fade at which the estimator starts afresh
@@ -129,10 +128,10 @@ class GatedMaxwell final : public ForceLaw {
         fastest = speed;
         fastest_delta = delta;
       }
-      v_[i] = (mean + correction) * Fade(Quiet(delta, speed) + patience, since);
+      v_[i] = (mean + correction) * SilenceFade(QuietTime(delta, speed) + patience, since);
     }
     // The tip is silent when even its fastest axis should have made a count by now.
-    double fade = Fade(gaps_.Quiet(Quiet(fastest_delta, fastest)) + patience, since_any);
+    double fade = SilenceFade(gaps_.Quiet(QuietTime(fastest_delta, fastest)) + patience, since_any);
     v_ *= fade;
     silent_ = fade < 1;
     if (fade < kTuning.rest_below) Rest();
@@ -140,23 +139,14 @@ class GatedMaxwell final : public ForceLaw {
 
   double AxisSpeed(int i, double window_s, double* correction) noexcept {
     AxisEstimator& axis = axes_[i];
-    if (axis.size() == 1) return smooth_[i] = FirstGuess(i);
+    if (axis.size() == 1) {
+      return smooth_[i] = FirstGuess(axes_, i, time_s_, params_.resolution_m[i], params_.tick_s);
+    }
     double mean = axis.Mean(window_s);
     *correction = kTuning.anchor_share * (anchor_speed_[i] - axis.AnchorMean(window_s));
     if (axis.size() <= kWindowIntervals) return smooth_[i] = mean;
     double k = params_.tick_s / (kTuning.smooth_s + params_.tick_s);
     return smooth_[i] += (mean - smooth_[i]) * k;
-  }
-
-  double FirstGuess(int i) const noexcept {
-    double start = 1e9;
-    bool others_know = false;
-    for (const AxisEstimator& axis : axes_) {
-      if (axis.size() > 0) start = LowerOf(start, axis.restart_s());
-      others_know |= axis.size() > 1;
-    }
-    return axes_[i].FirstGuess(time_s_, start, others_know ? kTuning.start_counts : 2,
-                               params_.resolution_m[i], params_.tick_s);
   }
 
   // r from the smoothed force.
@@ -173,16 +163,6 @@ class GatedMaxwell final : public ForceLaw {
   void Rest() noexcept {
     for (AxisEstimator& axis : axes_) axis.Rest();
     gaps_.Clear();
-  }
-
-  static double Quiet(double delta_m, double speed_m_per_s) noexcept {
-    return kSilenceCounts * delta_m / (speed_m_per_s + 1e-12);
-  }
-  static double Fade(double quiet_s, double since_s) noexcept {
-    double f = quiet_s / (since_s + 1e-9);
-    if (!(f < 1)) return 1;
-    double cube = f * f * f;
-    return cube * cube;
   }
 
   LawParams params_;

@@ -58,7 +58,7 @@ class TankMaxwell final : public ForceLaw {
     }
     gaps_.Clear();
     hand_.Reset();
-    tip_ = tip_moved_ = tip_m;
+    tip_ = tip_m;
     tip_moved_ = dvec3(0);
     time_s_ = 0;
     anchor_known_ = observe_ = estimate_ = smooth_force_ = silent_ = false;
@@ -167,7 +167,9 @@ class TankMaxwell final : public ForceLaw {
     double tau2 = tau * tau, gated = tau2 / (tau2 + kTuning.gate_tau_s * kTuning.gate_tau_s);
     double opening = gated;
     // Tremor would hold a half-open gate off its mean force; it is let through as the gated law does.
-    if (!silent_ && !hand_.swinging()) opening *= kTuning.soft_opening + (1 - kTuning.soft_opening) * hand_.trust();
+    if (!silent_ && !hand_.swinging()) {
+      opening *= kTuning.soft_opening + (1 - kTuning.soft_opening) * hand_.trust();
+    }
     gate.along = 1 + (gate.along < 1 ? gated : opening) * (gate.along - 1);
     if (gate.across > 1) gate.across = 1 + opening * (gate.across - 1);
     return gate;
@@ -209,10 +211,10 @@ class TankMaxwell final : public ForceLaw {
         fastest = speed;
         fastest_delta = delta;
       }
-      slow_[i] = (mean + correction) * Fade(Quiet(delta, speed) + patience, since);
+      slow_[i] = (mean + correction) * SilenceFade(QuietTime(delta, speed) + patience, since);
     }
     // The tip is silent when even its fastest axis should have made a count by now.
-    fade_ = Fade(gaps_.Quiet(Quiet(fastest_delta, fastest)) + patience, since_any);
+    fade_ = SilenceFade(gaps_.Quiet(QuietTime(fastest_delta, fastest)) + patience, since_any);
     slow_ *= fade_;
     EstimateFast();
     HandStiffness::Tick tick{tip_moved_, slow_, counted_, false};
@@ -244,23 +246,14 @@ class TankMaxwell final : public ForceLaw {
 
   double AxisSpeed(int i, double window_s, double smooth_s, double* correction) noexcept {
     AxisEstimator& axis = axes_[i];
-    if (axis.size() == 1) return smooth_[i] = FirstGuess(i);
+    if (axis.size() == 1) {
+      return smooth_[i] = FirstGuess(axes_, i, time_s_, params_.resolution_m[i], params_.tick_s);
+    }
     double mean = axis.Mean(window_s);
     *correction = kTuning.anchor_share * (anchor_speed_[i] - axis.AnchorMean(window_s));
     if (axis.size() <= kWindowIntervals) return smooth_[i] = mean;
     double k = params_.tick_s / (smooth_s + params_.tick_s);
     return smooth_[i] += (mean - smooth_[i]) * k;
-  }
-
-  double FirstGuess(int i) const noexcept {
-    double start = 1e9;
-    bool others_know = false;
-    for (const AxisEstimator& axis : axes_) {
-      if (axis.size() > 0) start = LowerOf(start, axis.restart_s());
-      others_know |= axis.size() > 1;
-    }
-    return axes_[i].FirstGuess(time_s_, start, others_know ? 1 : 2,
-                               params_.resolution_m[i], params_.tick_s);
   }
 
   // r from the smoothed force.
@@ -277,16 +270,6 @@ class TankMaxwell final : public ForceLaw {
   void Rest() noexcept {
     for (AxisEstimator& axis : axes_) axis.Rest();
     gaps_.Clear();
-  }
-
-  static double Quiet(double delta_m, double speed_m_per_s) noexcept {
-    return kSilenceCounts * delta_m / (speed_m_per_s + 1e-12);
-  }
-  static double Fade(double quiet_s, double since_s) noexcept {
-    double f = quiet_s / (since_s + 1e-9);
-    if (!(f < 1)) return 1;
-    double cube = f * f * f;
-    return cube * cube;
   }
 
   LawParams params_;
