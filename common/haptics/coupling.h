@@ -38,7 +38,8 @@
 //    hand's speed calls for.
 //  * Where nothing is ahead the bur is at the tip in the same tick. The force that is still stored runs
 //    out: r comes up to the tip by the tip's own way and at most 0.7 cells a tick, so the force
-//    falls by no more than Kc (v T + sqrt(3) delta) in a tick, and none of it is against the way out.
+//    falls by about Kc (v T + sqrt(3) delta) in a tick, and next to none of it is against the way out
+//    (figures, and where it is more: README.md, "What falls short").
 //  * Aiming asks for the damping along the hand's motion, not along the stretch: on the way out of a
 //    cut nothing is ahead, and r stays where it is.
 //  * Coulomb's part Fc and threshold Fth of a tissue: r and the bur feel only what the force is beyond

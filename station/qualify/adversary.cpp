@@ -4,20 +4,13 @@
 #include <cmath>
 
 #include "station/qualify/suites.h"
+#include "station/qualify/uniform_material.h"
 
 namespace enamel::station::qualify {
 namespace {
 
 using haptics::Contact;
 using haptics::LawKind;
-
-// B of any rank and size, changing as told.
-class RestlessMaterial final : public haptics::Material {
- public:
-  Contact ContactAt(const dvec3&, const dvec3&) noexcept override { return contact; }
-  void AnchorMoved(const dvec3&, const dvec3&) noexcept override {}
-  Contact contact;
-};
 
 class CouplingSubject final : public Subject {
  public:
@@ -54,7 +47,7 @@ class CouplingSubject final : public Subject {
     return p;
   }
   haptics::Coupling coupling_;
-  RestlessMaterial material_;
+  UniformMaterial material_;
   double tank_j_ = 0;
 };
 

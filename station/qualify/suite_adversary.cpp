@@ -6,19 +6,12 @@
 
 #include "station/qualify/adversary.h"
 #include "station/qualify/suites.h"
+#include "station/qualify/uniform_material.h"
 
 namespace enamel::station::qualify {
 namespace {
 
 using haptics::LawKind;
-
-// B of any rank and size, changing as told.
-class RestlessMaterial final : public haptics::Material {
- public:
-  haptics::Contact ContactAt(const dvec3&, const dvec3&) noexcept override { return contact; }
-  void AnchorMoved(const dvec3&, const dvec3&) noexcept override {}
-  haptics::Contact contact;
-};
 
 // The theorem's balance above its floor -V_0, and what was taken out of the law alone.
 struct Ledger {
@@ -73,7 +66,7 @@ struct PlainGame {
 
   const DeviceModel& model;
   haptics::Coupling coupling;
-  RestlessMaterial material;
+  UniformMaterial material;
   double b_over_t, friction = 0, floor = 0, bound_ratio = 1;
   dvec3 x{0}, force{0};
   Ledger ledger;
