@@ -5,12 +5,14 @@
 namespace enamel::core {
 namespace {
 
-constexpr uint16_t kParamsVersion = 3;
+constexpr uint16_t kParamsVersion = 4;
+constexpr int32_t kMaxCue_mn = 2'000;
 constexpr int32_t kMaxForce_mn = 100'000;
 
-// Formats 1 and 2 are of core versions 1 and 2; what is newer than this program had the newest.
+// A format per core version; 0 is read like 2, and what is newer than this program like the newest.
 uint16_t FormatOf(uint32_t core_version) noexcept {
-  return core_version == 1 ? 1 : core_version < 3 ? 2 : kParamsVersion;
+  if (core_version == 0) return 2;
+  return core_version < kParamsVersion ? static_cast<uint16_t>(core_version) : kParamsVersion;
 }
 
 Status OutOfRange(const char* field, const std::string& expected, int64_t found) {
@@ -56,10 +58,26 @@ Status CheckVersion3(const CoreParams& p) {
     return CheckRange(field, value, 0, known ? most : 0);
   };
   ENAMEL_RETURN_IF_ERROR(check("bus_delay_ticks", p.bus_delay_ticks, 16));
-  ENAMEL_RETURN_IF_ERROR(check("peak_torque_un_m", p.peak_torque_un_m, 100'000'000));
   for (int32_t f : p.coulomb_mn) ENAMEL_RETURN_IF_ERROR(check("coulomb_mn", f, kMaxForce_mn));
   for (int32_t f : p.threshold_mn) ENAMEL_RETURN_IF_ERROR(check("threshold_mn", f, kMaxForce_mn));
   return Status::Ok();
+}
+
+Status CheckVersion4(const CoreParams& p) {
+  const bool known = p.core_version >= 4;
+  auto check = [&](const char* field, int64_t value, int64_t most) {
+    return CheckRange(field, value, 0, known ? most : 0);
+  };
+  // Version 3 had the field, and sent no torque.
+  ENAMEL_RETURN_IF_ERROR(
+      CheckRange("peak_torque_un_m", p.peak_torque_un_m, 0, p.core_version >= 3 ? 100'000'000 : 0));
+  const bool torque = known && p.peak_torque_un_m > 0;
+  ENAMEL_RETURN_IF_ERROR(
+      CheckRange("rotation_cell_urad", p.rotation_cell_urad, torque ? 1 : 0, known ? 100'000 : 0));
+  ENAMEL_RETURN_IF_ERROR(check("contact_cue_mn", p.contact_cue_mn, kMaxCue_mn));
+  ENAMEL_RETURN_IF_ERROR(check("chatter_cue_mn", p.chatter_cue_mn, kMaxCue_mn));
+  ENAMEL_RETURN_IF_ERROR(check("cue_energy_nj", p.cue_energy_nj, 1'000'000));
+  return check("cue_power_nw", p.cue_power_nw, 10'000'000);
 }
 
 Status CheckValues(const CoreParams& p) {
@@ -91,7 +109,8 @@ Status CheckValues(const CoreParams& p) {
   ENAMEL_RETURN_IF_ERROR(
       CheckRange("handpiece_tangential_permille", p.handpiece_tangential_permille, 0, 10'000));
   ENAMEL_RETURN_IF_ERROR(CheckRange("handpiece_lag_us", p.handpiece_lag_us, 0, 10'000'000));
-  return CheckVersion3(p);
+  ENAMEL_RETURN_IF_ERROR(CheckVersion3(p));
+  return CheckVersion4(p);
 }
 
 }  // namespace
@@ -120,7 +139,7 @@ Status ValidateParams(const CoreParams& p) {
 }
 
 size_t ParamsBytes(uint32_t core_version) noexcept {
-  constexpr size_t kBytes[kParamsVersion] = {106, 162, 234};
+  constexpr size_t kBytes[kParamsVersion] = {106, 162, 234, 254};
   return kBytes[FormatOf(core_version) - 1];
 }
 
@@ -155,6 +174,12 @@ void WriteParams(const CoreParams& p, ByteWriter& out) {
   out.I32(p.peak_torque_un_m);
   for (int32_t f : p.coulomb_mn) out.I32(f);
   for (int32_t f : p.threshold_mn) out.I32(f);
+  if (format < 4) return;
+  out.I32(p.rotation_cell_urad);
+  out.I32(p.contact_cue_mn);
+  out.I32(p.chatter_cue_mn);
+  out.I32(p.cue_energy_nj);
+  out.I32(p.cue_power_nw);
 }
 
 Result<CoreParams> ReadParams(ByteReader& in) {
@@ -205,6 +230,13 @@ Result<CoreParams> ReadParams(ByteReader& in) {
     p.peak_torque_un_m = in.I32();
     for (int32_t& f : p.coulomb_mn) f = in.I32();
     for (int32_t& f : p.threshold_mn) f = in.I32();
+  }
+  if (version >= 4) {
+    p.rotation_cell_urad = in.I32();
+    p.contact_cue_mn = in.I32();
+    p.chatter_cue_mn = in.I32();
+    p.cue_energy_nj = in.I32();
+    p.cue_power_nw = in.I32();
   }
   if (!in.ok()) return Status(Code::kInvalidInput, "core parameters end early");
   ENAMEL_RETURN_IF_ERROR(CheckValues(p));

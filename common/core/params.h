@@ -19,7 +19,9 @@ namespace enamel::core {
 // only poses that leave a mark (cutting/sweep.h); engagement by evenly spread points.
 // Version 3: only what travel brings into solid resists (cutting/engagement.h); bus delay, peak
 // torque, Coulomb part and threshold of the cutting force.
-inline constexpr uint32_t kCoreVersion = 3, kOldestCoreVersion = 2;
+// Version 4: torque on six-axis devices; touch cues. A version-3 recording has neither and is
+// otherwise the same.
+inline constexpr uint32_t kCoreVersion = 4, kOldestCoreVersion = 2;
 
 // Everything the core's result depends on besides the initial volume and the recorded inputs.
 // Integers with units, never decimal text, so that both sides start from the same bits. Written
@@ -57,10 +59,17 @@ struct CoreParams {
   int32_t handpiece_lag_us = 0;
   // From core version 3 on; all at 0 before.
   uint32_t bus_delay_ticks = 0;  // between reading a position and the force that answers it
-  int32_t peak_torque_un_m = 0;  // bound on the torque's magnitude; 0: no torque is sent
+  int32_t peak_torque_un_m = 0;  // bound on the torque's magnitude; 0: no torque is sent. Version 4
   // Per tissue, for the engagement that damping_mn_s_per_mm is of: the part of the cutting force
   // that does not depend on speed, and the force below which the bur does not cut at all.
   std::array<int32_t, cutting::kTissueCount> coulomb_mn{}, threshold_mn{};
+  // From core version 4 on; all at 0 before.
+  // Largest angle between the true and the measured orientation, urad: what the torque's guard
+  // counts with. Above 0 where a torque is sent.
+  int32_t rotation_cell_urad = 0;
+  // Touch cues: the largest force of the knock on contact and of the bur's chatter, and the energy
+  // they may give the hand: at once, and refilled with time. 0: none.
+  int32_t contact_cue_mn = 0, chatter_cue_mn = 0, cue_energy_nj = 0, cue_power_nw = 0;
 
   bool operator==(const CoreParams&) const = default;
 };

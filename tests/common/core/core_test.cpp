@@ -417,7 +417,7 @@ TEST(CoreParamsTest, ComeBackFromTheirCanonicalBytes) {
 }
 
 TEST(CoreParamsTest, FormatsOfEarlierCoresAreReadWithDefaultsForWhatCameLater) {
-  for (uint32_t version : {1u, 2u}) {
+  for (uint32_t version : {1u, 2u, 3u}) {
     CoreParams p = Params();
     p.core_version = version;
     ByteWriter out;
@@ -439,7 +439,6 @@ TEST(CoreParamsTest, FieldsOfTheThirdCoreComeBackAndAreRefusedOutOfRangeOrInAnEa
   };
   CoreParams full = with([](CoreParams& p) {
     p.bus_delay_ticks = 16;
-    p.peak_torque_un_m = 250'000;
     p.coulomb_mn = {0, 300, 200, 100, 90, 80, 70, 60};
     p.threshold_mn = {0, 30, 20, 10, 9, 8, 7, 6};
   });
@@ -455,12 +454,42 @@ TEST(CoreParamsTest, FieldsOfTheThirdCoreComeBackAndAreRefusedOutOfRangeOrInAnEa
   EXPECT_EQ(ValidateParams(full).field(), "bus_delay_ticks");
   EXPECT_EQ(ValidateParams(with([](CoreParams& p) { p.bus_delay_ticks = 17; })).field(),
             "bus_delay_ticks");
-  EXPECT_EQ(ValidateParams(with([](CoreParams& p) { p.peak_torque_un_m = -1; })).field(),
-            "peak_torque_un_m");
   EXPECT_EQ(ValidateParams(with([](CoreParams& p) { p.coulomb_mn[7] = -1; })).field(),
             "coulomb_mn");
   EXPECT_EQ(ValidateParams(with([](CoreParams& p) { p.threshold_mn[3] = 100'001; })).field(),
             "threshold_mn");
+}
+
+TEST(CoreParamsTest, FieldsOfTheFourthCoreComeBackAndAreRefusedOutOfRangeOrInAnEarlierOne) {
+  CoreParams full = Params();
+  full.peak_torque_un_m = 250'000;
+  full.rotation_cell_urad = 400;
+  full.contact_cue_mn = 300;
+  full.chatter_cue_mn = 200;
+  full.cue_energy_nj = 50'000;
+  full.cue_power_nw = 100'000;
+  ByteWriter out;
+  WriteParams(full, out);
+  EXPECT_EQ(out.size(), ParamsBytes(kCoreVersion));
+  ByteReader in(out.bytes());
+  auto back = ReadParams(in);
+  ASSERT_TRUE(back.ok()) << back.status().message();
+  EXPECT_EQ(*back, full);
+  EXPECT_TRUE(ValidateParams(full).ok());
+  auto refused = [&](auto set) {
+    CoreParams p = full;
+    set(p);
+    return ValidateParams(p).field();
+  };
+  EXPECT_EQ(refused([](CoreParams& p) { p.core_version = 2; }), "peak_torque_un_m");
+  EXPECT_EQ(refused([](CoreParams& p) { p.core_version = 3; }), "rotation_cell_urad");
+  EXPECT_EQ(refused([](CoreParams& p) { p.peak_torque_un_m = -1; }), "peak_torque_un_m");
+  // A torque needs to know how well the orientation is known.
+  EXPECT_EQ(refused([](CoreParams& p) { p.rotation_cell_urad = 0; }), "rotation_cell_urad");
+  EXPECT_EQ(refused([](CoreParams& p) { p.contact_cue_mn = 2001; }), "contact_cue_mn");
+  EXPECT_EQ(refused([](CoreParams& p) { p.chatter_cue_mn = -1; }), "chatter_cue_mn");
+  EXPECT_EQ(refused([](CoreParams& p) { p.cue_energy_nj = 1'000'001; }), "cue_energy_nj");
+  EXPECT_EQ(refused([](CoreParams& p) { p.cue_power_nw = -1; }), "cue_power_nw");
 }
 
 TEST(CoreParamsTest, ImpossibleBurIsRefusedWithItsMeasures) {

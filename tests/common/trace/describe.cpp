@@ -49,7 +49,12 @@ json::object Describe(const core::CoreParams& p) {
           {"bus_delay_ticks", Number(p.bus_delay_ticks)},
           {"peak_torque_un_m", Number(p.peak_torque_un_m)},
           {"coulomb_mn", Numbers(p.coulomb_mn)},
-          {"threshold_mn", Numbers(p.threshold_mn)}};
+          {"threshold_mn", Numbers(p.threshold_mn)},
+          {"rotation_cell_urad", Number(p.rotation_cell_urad)},
+          {"contact_cue_mn", Number(p.contact_cue_mn)},
+          {"chatter_cue_mn", Number(p.chatter_cue_mn)},
+          {"cue_energy_nj", Number(p.cue_energy_nj)},
+          {"cue_power_nw", Number(p.cue_power_nw)}};
 }
 
 json::object Describe(const ChunkHead& head) {

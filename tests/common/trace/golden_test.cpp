@@ -98,16 +98,19 @@ void ReplaysToTheBit(const std::string& name, uint32_t core_version) {
 
 TEST(GoldenTest, RecordingReplaysToTheBit) { ReplaysToTheBit("recording.bin", core::kCoreVersion); }
 
-TEST(GoldenTest, RecordingOfTheSecondCoreStillReplaysToTheBit) {
+TEST(GoldenTest, RecordingsOfEarlierCoresStillReplayToTheBit) {
   ReplaysToTheBit("recording_core2.bin", 2);
+  ReplaysToTheBit("recording_core3.bin", 3);
 }
 
-TEST(GoldenTest, HeaderOfTheSecondCoreIsStillReadAndWrittenToTheSameBytes) {
-  Bytes bytes = Golden("header_core2.bin");
-  auto header = DecodeHeader(bytes);
-  ASSERT_TRUE(header.ok()) << header.status().message();
-  EXPECT_EQ(header->params.core_version, 2u);
-  EXPECT_EQ(EncodeHeader(*header), bytes);
+TEST(GoldenTest, HeadersOfEarlierCoresAreStillReadAndWrittenToTheSameBytes) {
+  for (uint32_t version : {2u, 3u}) {
+    Bytes bytes = Golden("header_core" + std::to_string(version) + ".bin");
+    auto header = DecodeHeader(bytes);
+    ASSERT_TRUE(header.ok()) << header.status().message();
+    EXPECT_EQ(header->params.core_version, version);
+    EXPECT_EQ(EncodeHeader(*header), bytes);
+  }
 }
 
 }  // namespace
