@@ -138,6 +138,34 @@ Status ValidateParams(const CoreParams& p) {
   return CheckValues(p);
 }
 
+CoreParams AsOfVersion(CoreParams p, uint32_t version) noexcept {
+  const CoreParams defaults;
+  p.core_version = version;
+  if (version < 4) {
+    p.peak_torque_un_m = defaults.peak_torque_un_m;
+    p.rotation_cell_urad = defaults.rotation_cell_urad;
+    p.contact_cue_mn = defaults.contact_cue_mn;
+    p.chatter_cue_mn = defaults.chatter_cue_mn;
+    p.cue_energy_nj = defaults.cue_energy_nj;
+    p.cue_power_nw = defaults.cue_power_nw;
+  }
+  if (version < 3) {
+    p.bus_delay_ticks = defaults.bus_delay_ticks;
+    p.coulomb_mn = defaults.coulomb_mn;
+    p.threshold_mn = defaults.threshold_mn;
+  }
+  if (version < 2) {
+    p.bur_narrow_radius_nm = defaults.bur_narrow_radius_nm;
+    p.shank_radius_nm = defaults.shank_radius_nm;
+    p.neck_nm = defaults.neck_nm;
+    p.axial_damping_mn_s_per_mm = defaults.axial_damping_mn_s_per_mm;
+    p.handpiece_stall_un_m = defaults.handpiece_stall_un_m;
+    p.handpiece_tangential_permille = defaults.handpiece_tangential_permille;
+    p.handpiece_lag_us = defaults.handpiece_lag_us;
+  }
+  return p;
+}
+
 size_t ParamsBytes(uint32_t core_version) noexcept {
   constexpr size_t kBytes[kParamsVersion] = {106, 162, 234, 254};
   return kBytes[FormatOf(core_version) - 1];

@@ -81,6 +81,10 @@ cutting::Bur BurOf(const CoreParams& params) noexcept;
 // kc is the profile's business (haptics), not checked here.
 Status ValidateParams(const CoreParams& params);
 
+// The same parameters as a core of `version` had them: what came later at its default. An old
+// recording is compared with today's plan in this form.
+CoreParams AsOfVersion(CoreParams params, uint32_t version) noexcept;
+
 // Canonical little-endian form, versioned (first u16); see schemas/trace_format.md. Core versions 1
 // and 2 had formats 1 and 2, which have no fields for what came later: they must be at their
 // defaults.

@@ -492,6 +492,38 @@ TEST(CoreParamsTest, FieldsOfTheFourthCoreComeBackAndAreRefusedOutOfRangeOrInAnE
   EXPECT_EQ(refused([](CoreParams& p) { p.cue_power_nw = -1; }), "cue_power_nw");
 }
 
+TEST(CoreParamsTest, AnEarlierVersionsFormHoldsWhatItsBytesHold) {
+  CoreParams full = Params();
+  full.bur_shape = cutting::BurShape::kCylinder;
+  full.bur_length_nm = 4'000'000;
+  full.shank_radius_nm = 800'000;
+  full.neck_nm = 1'000'000;
+  full.axial_damping_mn_s_per_mm[1] = 9000;
+  full.handpiece_stall_un_m = 1500;
+  full.handpiece_tangential_permille = 500;
+  full.handpiece_lag_us = 20'000;
+  full.bus_delay_ticks = 2;
+  full.coulomb_mn[1] = 300;
+  full.threshold_mn[1] = 400;
+  full.peak_torque_un_m = 250'000;
+  full.rotation_cell_urad = 400;
+  full.contact_cue_mn = 300;
+  full.chatter_cue_mn = 200;
+  full.cue_energy_nj = 50'000;
+  full.cue_power_nw = 100'000;
+  for (uint32_t version : {1u, 2u, 3u, 4u}) {
+    CoreParams then = AsOfVersion(full, version);
+    EXPECT_EQ(then.core_version, version);
+    EXPECT_EQ(then == full, version == kCoreVersion);
+    ByteWriter out;
+    WriteParams(then, out);
+    ByteReader in(out.bytes());
+    auto back = ReadParams(in);
+    ASSERT_TRUE(back.ok()) << version << ": " << back.status().message();
+    EXPECT_EQ(*back, then);
+  }
+}
+
 TEST(CoreParamsTest, ImpossibleBurIsRefusedWithItsMeasures) {
   CoreParams p = test::ParamsFor({cutting::BurShape::kPear, 0.5e-3, 0.8e-3, 0.3e-3});
   Status status = ValidateParams(p);

@@ -117,12 +117,12 @@ Uuid World::Record(MemoryStore& store, const PathOptions& options, bool as_refer
   header.ticket.profile = row.profile_content;
   header.scene = exercise.scene;
   header.volume = HashSha256(volume_blob_);
-  header.params = params;
+  header.params = core::AsOfVersion(params, options.core_version);
   header.station_software = "test 1";
 
   MemoryStore::Trace recording;
   recording.header = trace::EncodeHeader(header);
-  core::Core core(params, volume);
+  core::Core core(header.params, volume);
   Sha256 previous = HashSha256(recording.header);
   std::vector<trace::Tick> ticks;
   uint64_t first = 0;

@@ -94,6 +94,25 @@ TEST_F(ScoreJobTest, TicksGapsAndLateTicksAreOnTheScore) {
   EXPECT_EQ(score.core_version, core::kCoreVersion);
 }
 
+// A school keeps its recordings when it moves to a newer program.
+TEST_F(ScoreJobTest, RecordingsOfEarlierCoreVersionsAreScoredAsThoseVersionsCut) {
+  for (uint32_t version : {2u, 3u}) {
+    World world = world_;
+    if (version == 2) {  // which had no other default law
+      world.exercise.law = haptics::LawKind::kGatedMaxwell;
+      world.params.law = world.exercise.law;
+    }
+    world.AddTo(store_);
+    Uuid attempt = world.Record(store_, {.core_version = version}, true);
+    world.SetReference(store_, attempt);
+    ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
+    auto score = ScoreOf(attempt);
+    EXPECT_EQ(score.core_version, version);
+    EXPECT_TRUE(score.witness_ok);
+    EXPECT_GT(score.score, 90);
+  }
+}
+
 // The same recording as an exam with a limit, and as what a station would have sealed had its
 // student stopped there.
 TEST_F(ScoreJobTest, AnExamCountsUpToItsTimeLimitAndPracticeToItsEnd) {
