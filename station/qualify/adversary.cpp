@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/haptics/uniform_material.h"
 #include "station/qualify/suites.h"
-#include "station/qualify/uniform_material.h"
 
 namespace enamel::station::qualify {
 namespace {
@@ -47,7 +47,7 @@ class CouplingSubject final : public Subject {
     return p;
   }
   haptics::Coupling coupling_;
-  UniformMaterial material_;
+  haptics::UniformMaterial material_;
   double tank_j_ = 0;
 };
 

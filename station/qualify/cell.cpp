@@ -5,8 +5,8 @@
 #include <thread>
 
 #include "common/haptics/criteria.h"
+#include "common/haptics/uniform_material.h"
 #include "station/qualify/suites.h"
-#include "station/qualify/uniform_material.h"
 
 namespace enamel::station::qualify {
 namespace {
@@ -98,7 +98,7 @@ double NanosecondsPerTick(const TrialSpec& spec) {
   p.law = spec.law;
   p.peak_force_n = spec.peak_force_n;
   haptics::Coupling coupling(p);
-  UniformMaterial material(spec.b_n_s_per_m);
+  haptics::UniformMaterial material(spec.b_n_s_per_m);
   dvec3 direction = glm::normalize(dvec3(1, 2, 3));
   coupling.Reset(dvec3(0));
   constexpr int kTicks = 4000, kRepeats = 5;

@@ -5,7 +5,8 @@
 #include <memory>
 #include <vector>
 
-#include "station/qualify/uniform_material.h"
+#include "common/fidelity/tracks.h"
+#include "common/haptics/uniform_material.h"
 
 namespace enamel::station::qualify {
 namespace {
@@ -73,12 +74,6 @@ struct Means {
   int angles = 0;
 };
 
-// The longest vector along `wanted` that the oracle may have after `before`.
-dvec3 OracleStep(const dvec3& before, const dvec3& wanted, double rise, double peak) {
-  double most = std::min(glm::length(before) + rise, peak), length = glm::length(wanted);
-  return length > most ? wanted * (most / length) : wanted;
-}
-
 }  // namespace
 
 HandFigures RunHand(const DeviceModel& m, const HandTrial& trial, const HandMotion& motion) {
@@ -99,7 +94,7 @@ HandFigures RunHand(const DeviceModel& m, const HandTrial& trial, const HandMoti
                                        trial.lattice.noise_counts);
   }
   haptics::Coupling coupling(params);
-  UniformMaterial material(Sym3::Isotropic(trial.b_n_s_per_m));
+  haptics::UniformMaterial material(Sym3::Isotropic(trial.b_n_s_per_m));
   coupling.Reset(plant.Read());
 
   // The last ticks are left out: there the way ends, and with it its speed.
@@ -118,7 +113,7 @@ HandFigures RunHand(const DeviceModel& m, const HandTrial& trial, const HandMoti
                 ? reader.SpeedAt(plant.time_s())
                 : speed + (plant.speed_m_per_s() - speed) * (tick_s / (kTipSmooth_s + tick_s));
     dvec3 ideal = speed * trial.b_n_s_per_m;
-    oracle = OracleStep(oracle, ideal, kc * glm::length(speed) * tick_s, m.peak_force_n);
+    oracle = fidelity::OracleStep(oracle, ideal, kc * glm::length(speed) * tick_s, m.peak_force_n);
     energy += Dot(-plant.sent_n(), dx) + m.damping_n_s_per_m / tick_s * Dot(dx, dx) +
               m.friction_n * (std::fabs(dx.x) + std::fabs(dx.y) + std::fabs(dx.z));
     out.energy_min_j = std::min(out.energy_min_j, energy);

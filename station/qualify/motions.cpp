@@ -6,20 +6,18 @@
 #include <filesystem>
 
 #include "common/base/file.h"
+#include "common/fidelity/tracks.h"
 
 namespace enamel::station::qualify {
 namespace {
+
+using fidelity::MinimumJerk;
 
 constexpr size_t kMostFiles = 64, kLargestFile = 4 << 20;
 
 const dvec3 kOblique = glm::normalize(dvec3(1, 2, 3));
 
 size_t Steps(double duration_s) { return static_cast<size_t>(duration_s / kWayStep_s + 0.5); }
-
-double MinimumJerk(double u) {
-  u = std::clamp(u, 0.0, 1.0);
-  return u * u * u * (10 + u * (-15 + 6 * u));
-}
 
 dvec3 Across(const dvec3& direction) {
   dvec3 other = std::fabs(direction.x) < 0.7 ? dvec3(1, 0, 0) : dvec3(0, 1, 0);

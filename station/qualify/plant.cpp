@@ -35,11 +35,6 @@ dvec3 Random::Direction() {
   }
 }
 
-dvec3 CellMiddle(const dvec3& x, double delta) {
-  return (dvec3(std::floor(x.x / delta), std::floor(x.y / delta), std::floor(x.z / delta)) + 0.5) *
-         delta;
-}
-
 Plant::Plant(const PlantSpec& spec, Hand& hand, const dvec3& start_m)
     : spec_(spec),
       hand_(hand),

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/fidelity/tracks.h"
 #include "common/math/vec.h"
 
 // A haptic device and the hand on it, simulated: what the force laws are judged with. SI units.
@@ -132,7 +133,6 @@ class Plant {
   double time_s_ = 0, last_tick_s_ = 0;
 };
 
-// Middle of the cell of edge `delta_m` that holds x.
-dvec3 CellMiddle(const dvec3& x_m, double delta_m);
+using fidelity::CellMiddle;
 
 }  // namespace enamel::station::qualify

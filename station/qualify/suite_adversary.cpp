@@ -4,9 +4,9 @@
 #include <cstdio>
 #include <optional>
 
+#include "common/haptics/uniform_material.h"
 #include "station/qualify/adversary.h"
 #include "station/qualify/suites.h"
-#include "station/qualify/uniform_material.h"
 
 namespace enamel::station::qualify {
 namespace {
@@ -66,7 +66,7 @@ struct PlainGame {
 
   const DeviceModel& model;
   haptics::Coupling coupling;
-  UniformMaterial material;
+  haptics::UniformMaterial material;
   double b_over_t, friction = 0, floor = 0, bound_ratio = 1;
   dvec3 x{0}, force{0};
   Ledger ledger;
