@@ -22,7 +22,7 @@ void RegisterQualify(CLI::App& app, int* exit_code) {
       ->capture_default_str();
   qualify
       ->add_option("--suite", options->suites,
-                   "paper, hand, laws, estimators, extreme, adversary, random, cutting or all")
+                   "paper, hand, map, laws, estimators, extreme, adversary, random, cutting or all")
       ->delimiter(',')
       ->capture_default_str();
   qualify->add_flag("--quick", options->quick, "under a minute on two cores");

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/fidelity/feel.h"
 #include "common/measure/cutting_error.h"
 #include "station/qualify/hand_trial.h"
 #include "station/qualify/model.h"
@@ -90,6 +91,15 @@ struct HandRow {
   double opposing_n = 0, pull_n = 0, rise_n = 0, step_n = 0;
 };
 
+// One cell of the map of what a hand can feel.
+struct FeelRow {
+  std::string device, tissue;
+  double b_n_s_per_mm = 0, kc_n_per_mm = 0;
+  int delay_ticks = 0;
+  bool attached = false;  // delay and Kc as an attached unit has them, else as the profile says
+  fidelity::Cell cell;
+};
+
 // One bur at one voxel size and speed.
 struct CuttingRow {
   measure::CuttingFigures figures;
@@ -106,6 +116,7 @@ struct Findings {
   std::vector<RandomSummary> random;
   std::vector<CuttingRow> cutting;
   std::vector<HandRow> hands;
+  std::vector<FeelRow> feel;
   std::vector<measure::ScoreFigures> scores;  // coarse to fine
   double integration_error_m = 0;             // the simulator's own, worst of the trials asked
   double seconds = 0;

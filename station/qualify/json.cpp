@@ -82,6 +82,33 @@ json::object HandJson(const HandRow& r) {
           {"step_n", r.has_track ? Number(f.step_n) : Number(r.step_n)}};
 }
 
+json::object FeelJson(const FeelRow& r) {
+  const fidelity::Cell& c = r.cell;
+  bool strokes = c.motion == fidelity::Motion::kStrokes;
+  auto Lag = [&](const fidelity::Figures& f) { return strokes ? Number(f.lag_s) : json::value(nullptr); };
+  auto Rise = [&](const fidelity::Figures& f) { return strokes ? json::value(nullptr) : Time(f.rise_s); };
+  return {{"suite", "map"},
+          {"device", r.device},
+          {"attached", r.attached},
+          {"kc_n_per_mm", Number(r.kc_n_per_mm)},
+          {"delay_ticks", r.delay_ticks},
+          {"tissue", r.tissue},
+          {"b_n_s_per_mm", Number(r.b_n_s_per_mm)},
+          {"speed_mm_per_s", Number(c.speed_m_per_s * 1e3)},
+          {"motion", fidelity::MotionName(c.motion)},
+          {"right_rms_n", Number(c.rms_n)},
+          {"right_largest_n", Number(c.largest_n)},
+          {"error", Number(c.law.error)},
+          {"gain", Number(c.law.gain)},
+          {"lag_s", Lag(c.law)},
+          {"rise_s", Rise(c.law)},
+          {"oracle_error", Number(c.oracle.error)},
+          {"oracle_gain", Number(c.oracle.gain)},
+          {"oracle_lag_s", Lag(c.oracle)},
+          {"oracle_rise_s", Rise(c.oracle)},
+          {"verdict", fidelity::VerdictName(c.verdict)}};
+}
+
 }  // namespace
 
 std::string JsonOf(const Findings& f) {
@@ -89,6 +116,7 @@ std::string JsonOf(const Findings& f) {
   for (const Row& r : f.rows) rows.push_back(RowJson(r));
   AppendCuttingRows(f, rows);
   for (const HandRow& r : f.hands) rows.push_back(HandJson(r));
+  for (const FeelRow& r : f.feel) rows.push_back(FeelJson(r));
   for (const Attack& a : f.attacks) {
     attacks.push_back(json::object{{"law", a.law},
                                    {"game", a.kind},

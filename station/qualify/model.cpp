@@ -90,6 +90,7 @@ Result<DeviceModel> ModelOf(const DeviceProfile& p) {
     return Refuse("peak_force_mn", "expected a peak force above 0 mN");
   if (p.bus_delay_ticks.value < 0) return Refuse("bus_delay_ticks", "expected 0 ticks or more");
   DeviceModel m;
+  m.profile = p;
   m.name = p.name;
   m.title = p.title;
   m.resolution_m = static_cast<double>(p.resolution_nm.value) * 1e-9;

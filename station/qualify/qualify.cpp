@@ -17,7 +17,7 @@ struct Suite {
   const char* name;
   void (*run)(SuiteContext&);
 };
-constexpr Suite kSuites[] = {{"paper", &RunPaperSuite},           {"hand", &RunHandSuite}, {"laws", &RunLawsSuite},
+constexpr Suite kSuites[] = {{"paper", &RunPaperSuite},           {"hand", &RunHandSuite}, {"map", &RunMapSuite}, {"laws", &RunLawsSuite},
                              {"estimators", &RunEstimatorsSuite}, {"extreme", &RunExtremeSuite},
                              {"adversary", &RunAdversarySuite},   {"random", &RunRandomSuite},
                              {"cutting", &RunCuttingSuite}};
@@ -68,7 +68,7 @@ Status CheckSuites(const std::vector<std::string>& names) {
     if (!known)
       return {Code::kInvalidInput,
               "unknown suite '" + name +
-                  "': expected paper, hand, laws, estimators, extreme, adversary, random, cutting or all",
+                  "': expected paper, hand, map, laws, estimators, extreme, adversary, random, cutting or all",
               "suite"};
   }
   return Status::Ok();
@@ -109,7 +109,8 @@ void Print(std::FILE* out, const Findings& f) {
     std::fprintf(out, "%s: %zu passive, %zu stable with these grips, %zu bounded, %zu unstable\n",
                  m.title.c_str(), counts[0], counts[1], counts[2], counts[3]);
   }
-  std::fprintf(out, "%zu rows in %.1f s\n", f.rows.size() + f.cutting.size() + f.hands.size(), f.seconds);
+  std::fprintf(out, "%zu rows in %.1f s\n", f.rows.size() + f.cutting.size() + f.hands.size() + f.feel.size(),
+               f.seconds);
 }
 
 }  // namespace

@@ -24,6 +24,7 @@ void RunExtremeSuite(SuiteContext& context);
 void RunAdversarySuite(SuiteContext& context);
 void RunRandomSuite(SuiteContext& context);
 void RunHandSuite(SuiteContext& context);
+void RunMapSuite(SuiteContext& context);
 void RunCuttingSuite(SuiteContext& context);
 
 // Calls job(i) for i < n on `threads` threads, lowest first. `job` must not throw.
