@@ -117,7 +117,7 @@ boost::asio::awaitable<Response> Api::Answer(const Request& request) {
   RouteMatch match = FindRoute(request.method, request.path);
   if (!match.route) co_return NoSuchRoute(request, match);
   Call call{request,      store_, authenticator_,       nullptr, {}, {},
-            &monitoring_, live_,  station_fingerprint_, &apart_};
+            &monitoring_, live_,  station_fingerprint_, &apart_, &feel_};
   if (Status place = FillPlace(match, call); !place.ok()) co_return ErrorResponse(place);
   if (!IsSafe(request.method)) {
     if (Status same = CheckSameSite(request); !same.ok()) co_return ErrorResponse(same);

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "server/auth/authenticator.h"
+#include "server/http/feel_maps.h"
 #include "server/http/message.h"
 #include "server/http/routes.h"
 #include "server/storage/store.h"
@@ -61,6 +62,7 @@ class Api {
   ops::Histogram reads_;
   StorePool pool_;
   StorePool apart_{1};
+  FeelMaps feel_;
 };
 
 }  // namespace enamel::server::http

@@ -52,6 +52,7 @@ Response ReleaseAssignment(const Call& call);
 Response ListProfiles(const Call& call);
 Response PutProfile(const Call& call);
 Response GetProfile(const Call& call);
+boost::asio::awaitable<Response> GetProfileFeel(Call call);
 Response ListProfileVersions(const Call& call);
 Response ListProfileReports(const Call& call);
 Response AddProfileReport(const Call& call);

@@ -75,6 +75,7 @@ const std::array kRoutes = {
     Route{Method::kGet, "/api/v1/profiles/{name}", Need::kPerson, &GetProfile},
     Route{Method::kGet, "/api/v1/profiles/{name}/versions", Need::kInstructor,
           &ListProfileVersions},
+    Route{Method::kGet, "/api/v1/profiles/{name}/feel", Need::kPerson, &GetProfileFeel},
     Route{Method::kGet, "/api/v1/profiles/{name}/reports", Need::kInstructor, &ListProfileReports},
     Route{Method::kPost, "/api/v1/profiles/{name}/reports", Need::kAdmin, &AddProfileReport},
     Route{Method::kGet, "/api/v1/profile-reports/{id}", Need::kInstructor, &GetProfileReport},

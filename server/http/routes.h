@@ -20,6 +20,8 @@
 // test compares the two both ways.
 namespace enamel::server::http {
 
+class FeelMaps;
+
 // Who may call a route at all. Whose data the answer holds is decided by server/training/access.h.
 enum class Need : uint8_t {
   kNobody,      // no session asked for
@@ -49,6 +51,7 @@ struct Call {
   std::string_view station_fingerprint = {};
   StorePool* apart =
       nullptr;  // always set: for what asks a disk and must not wait for the database
+  FeelMaps* feel = nullptr;  // always set
 };
 
 // Runs on the store's threads and may block.

@@ -61,7 +61,7 @@ const std::map<std::string, Names>& Allowed() {
         {"server/live", {"server/training", "common/protocol"}},
         {"server/stations", {"server/auth", "server/live", "server/ops", "server/storage", "common/net", "common/trace", "common/scene"}},
         {"server/jobs", {"server/storage", "common/scoring"}},
-        {"server/http", {"server/auth", "server/roster", "server/live", "server/ops", "server/storage", "server/jobs", "common/scene", "common/net"}},
+        {"server/http", {"server/auth", "server/roster", "server/live", "server/ops", "server/storage", "server/jobs", "common/fidelity", "common/scene", "common/net"}},
         {"server/app", {"common/program", "server/http", "server/ops", "server/stations", "server/jobs", "common/scoring", "common/import"}},
     };
     bool grew = true;
