@@ -15,6 +15,7 @@ export const adminFlows = [
   { name: "a cohort gets and loses members, and its grades are saved without a formula in them", run: cohortAndGrades },
   { name: "a station is enrolled by a code, renamed and revoked", run: stations },
   { name: "a device profile is judged by its criteria, and a calibration is added", run: profiles },
+  { name: "what a hand can feel fits narrow and wide screens, dark and light", run: feltNarrowAndDark },
   { name: "a job is cancelled, and the audit is narrowed", run: jobsAndAudit },
 ];
 
@@ -215,11 +216,35 @@ async function profiles(world) {
 
   await page.getByRole("link", { name: "Phantom Desktop" }).click();
   await page.locator(".trend").first().waitFor();
+  await whatAHandCanFeel(page);
   await chooseFile(page, "Add a calibration (JSON)", "c.json", JSON.stringify({
     profile: "phantom_desktop", device: "hid:0451:bef3 serial 7", station: "Station 1", software: "enamel-station 1.0.0", method: "Guided", measured_ms: Date.now(),
     measured: { friction_mn: { value: 63, uncertainty: 3, samples: 900 } } }));
   await page.getByRole("region", { name: "Calibrations" }).getByRole("button", { name: "Add", exact: true }).click();
   await page.getByRole("heading", { name: "hid:0451:bef3 serial 7" }).waitFor();
+}
+
+async function whatAHandCanFeel(page) {
+  const card = page.getByRole("region", { name: "What a hand can feel" });
+  const enamel = card.getByRole("table", { name: /strokes to and fro/ }).getByRole("row", { name: /Enamel, neighbour/ });
+  await enamel.getByText("Device too weak").first().waitFor();
+  await card.getByLabel("One steady cut").check();
+  await card.getByRole("table", { name: /a steady cut/ }).getByRole("row", { name: /Dentin/ }).getByText("Right, but late").first().waitFor();
+  await card.getByText("A hand can tell the two apart in").waitFor();
+  await card.getByRole("table", { name: "Where Phantom Desktop and Omega 6 feel different" }).getByRole("row", { name: /Dentin/ }).first().waitFor();
+  await card.getByText("How this is computed").click();
+  await card.getByText("Rank, Shi, Mueller and Hirche 2010").waitFor();
+  await accessible(page, "what a hand can feel");
+}
+
+async function feltNarrowAndDark(world) {
+  for (const [colorScheme, width] of [["dark", 390], ["light", 390], ["dark", 1280], ["light", 1280]]) {
+    const page = await signedIn(world, "admin", "/profiles/phantom_desktop", { width, height: 844, colorScheme });
+    await page.getByText("A hand can tell the two apart in").waitFor();
+    await page.getByRole("region", { name: "What a hand can feel" }).screenshot({ path: world.picture(`feel_${colorScheme}_${width}`) });
+    assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= document.documentElement.clientWidth), `wider than ${width} px`);
+    await accessible(page, `what a hand can feel, ${colorScheme}, ${width} px`);
+  }
 }
 
 async function jobsAndAudit(world) {

@@ -1,4 +1,5 @@
 // People, sessions, cohorts, stations, profiles, jobs and audit of the mock server.
+import { feelOf } from "./mock_feel.mjs";
 import { conflict, edit, empty, invalid, json, notFound, page, refusal, tagged } from "./mock_reply.mjs";
 import { criteriaOf, newId } from "./mock_world.mjs";
 
@@ -238,6 +239,7 @@ export const peopleRoutes = {
   "GET /profiles": ["person", ({ world, query }) => page("profiles", world.profiles.map(profileView), query)],
   "POST /profiles": ["admin", putProfile],
   "GET /profiles/{name}": ["person", (call) => orMissing(profileOf(call), ({ versions: _versions, reports: _reports, ...profile }) => json({ ...profile, acceptable: true }))],
+  "GET /profiles/{name}/feel": ["person", (call) => orMissing(profileOf(call), (profile) => json(feelOf(profile)))],
   "GET /profiles/{name}/versions": ["instructor", (call) => page("versions", profileOf(call).versions, call.query)],
   "GET /profiles/{name}/reports": ["instructor", (call) => page("reports", profileOf(call).reports, call.query)],
   "POST /profiles/{name}/reports": ["admin", (call) => {

@@ -1,6 +1,6 @@
 import { ok } from "../base/result";
 import { type ApiResult, type Http, segment } from "./http";
-import type { AuditEntry, Calibration, EnrolCode, Job, MadeEnrolCode, Profile, ProfileDetail, ProfileJudgement, ProfileReport, ProfileVersion, Station } from "./types";
+import type { AuditEntry, Calibration, EnrolCode, Job, MadeEnrolCode, Profile, ProfileDetail, ProfileFeel, ProfileJudgement, ProfileReport, ProfileVersion, Station } from "./types";
 
 interface PageQuery {
   readonly cursor?: string | undefined;
@@ -43,6 +43,13 @@ export class ProfilesApi {
   }
   get(name: string, signal?: AbortSignal) {
     return this.http.json<ProfileDetail>("GET", profilePath(name), { signal });
+  }
+  all(signal?: AbortSignal) {
+    return this.http.all<Profile>("/profiles", "profiles", {}, signal);
+  }
+  // What a hand can feel on the device. The first answer for a device takes up to a second.
+  feel(name: string, signal?: AbortSignal) {
+    return this.http.json<ProfileFeel>("GET", `${profilePath(name)}/feel`, { signal });
   }
   // `text`: a device profile (schemas/device_profile.schema.json), sent as it is.
   // One that its criteria refuse is not saved; the judgement then says why.

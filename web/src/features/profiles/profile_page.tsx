@@ -11,6 +11,7 @@ import { DataTable } from "../../widgets/table";
 import { Trend } from "../../widgets/trend";
 import { calibrationSeries, type CalibrationSeries } from "./calibration_series";
 import { CriteriaPanel } from "./criteria_panel";
+import { FeelCard } from "./feel_card";
 
 export function ProfilePage({ client, name, admin }: { readonly client: Client; readonly name: string; readonly admin: boolean }) {
   const { loaded, reload } = useRequest(name, (signal) => client.profiles.get(name, signal));
@@ -30,6 +31,7 @@ function LoadedProfile({ client, profile, admin }: { readonly client: Client; re
     <>
       <p class="byline"><code>{profile.name}</code>, version {profile.version}</p>
       <Card title="Stability criteria"><CriteriaPanel criteria={profile.criteria} /></Card>
+      <FeelCard client={client} profile={profile} />
       <Card title="Numbers"><Numbers profile={profile} /></Card>
       <Calibrations client={client} profile={profile} admin={admin} />
       <div class="columns">

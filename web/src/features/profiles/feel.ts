@@ -1,0 +1,133 @@
+import type { FeelCell, FeelTissue, ProfileFeel } from "../../api/types";
+import { formatNumber } from "../../base/format";
+
+// The map of what a hand can feel (GET /profiles/{name}/feel), as the page words and compares it.
+export type Verdict = FeelCell["verdict"];
+export type Motion = FeelCell["motion"];
+
+interface VerdictText {
+  readonly title: string;
+  readonly tone: "good" | "warning" | "bad" | "neutral";
+  readonly meaning: string;
+}
+
+export const kVerdicts: Readonly<Record<Verdict, VerdictText>> = {
+  felt: { title: "As it is", tone: "good", meaning: "The force is right and in time: a hand cannot tell it from the real tissue's." },
+  late: { title: "Right, but late", tone: "warning", meaning: "The force becomes right, but the hand notices how long that takes." },
+  nearly: { title: "Nearly right", tone: "warning", meaning: "The hand may notice the force, and still takes it for the same tissue." },
+  law_falls_short: { title: "Law falls short", tone: "bad", meaning: "The device's stiffness would do; the force law, with what the encoder tells it, does not get there." },
+  device_cannot: { title: "Device too soft", tone: "bad", meaning: "The device's stiffness is too small: no force law without stored energy could do it. Ours stores some, and is not close enough either." },
+  beyond_force: { title: "Device too weak", tone: "neutral", meaning: "The motors cannot give this force, or not for long." },
+};
+
+export const kMotions: readonly { readonly value: Motion; readonly title: string }[] = [
+  { value: "strokes", title: "Strokes to and fro" },
+  { value: "steady", title: "One steady cut" },
+];
+
+export function tissueName(tissue: FeelTissue): string {
+  const text = tissue.names.join(", ");
+  return text.charAt(0).toUpperCase() + text.slice(1);
+}
+
+export function dampingText(tissue: FeelTissue): string {
+  const parts = [`B ${formatNumber(tissue.damping_mn_s_per_mm / 1000, 2)} N·s/mm`];
+  if (tissue.coulomb_mn > 0) parts.push(`${formatNumber(tissue.coulomb_mn / 1000, 2)} N at any speed`);
+  if (tissue.threshold_mn > 0) parts.push(`cuts from ${formatNumber(tissue.threshold_mn / 1000, 2)} N`);
+  return parts.join(", ");
+}
+
+export function speedsOf(feel: ProfileFeel): number[] {
+  return [...new Set(feel.cells.map((cell) => cell.speed_mm_per_s))].sort((a, b) => a - b);
+}
+
+export function cellAt(feel: ProfileFeel, tissue: number, speed: number, motion: Motion): FeelCell | undefined {
+  return feel.cells.find((cell) => cell.tissue === tissue && cell.speed_mm_per_s === speed && cell.motion === motion);
+}
+
+// "31 % off, 78 ms late"; of a force beyond the motors, how much it would be.
+export function figuresText(cell: FeelCell): string {
+  if (cell.verdict === "beyond_force") {
+    const [mean, most] = [formatNumber(cell.force_rms_n, 1), formatNumber(cell.force_largest_n, 1)];
+    return mean === most ? `needs ${mean} N` : `needs ${mean} N, up to ${most} N`;
+  }
+  const off = `${percent(cell.law.error)} off`;
+  if (cell.motion === "strokes") return `${off}, ${timeText(cell.law.lag_s)} late`;
+  return cell.law.rise_s === null ? `${off}, never within 7 %` : `${off}, after ${timeText(cell.law.rise_s)}`;
+}
+
+// What the reference track does there, which has the same stiffness and knows the speed.
+export function referenceText(cell: FeelCell): string {
+  const { error, lag_s: lag, rise_s: rise } = cell.oracle;
+  if (cell.motion === "strokes") return `reference ${percent(error)}, ${timeText(lag)}`;
+  return `reference ${rise === null ? "never" : timeText(rise)}`;
+}
+
+export interface Difference {
+  readonly tissue: FeelTissue;
+  readonly motion: Motion;
+  readonly speed: number;
+  readonly mine: FeelCell;
+  readonly other: FeelCell;
+}
+
+// Where two devices differ by more than a hand can tell: strokes by the viscosity that is felt (19 %), a
+// steady cut by its force (7 %), either as a share of the larger; or where only one has the force at all.
+// Tissues are matched by what they feel like. What neither can give is not a difference.
+export function differences(mine: ProfileFeel, other: ProfileFeel): Difference[] {
+  return mine.cells.flatMap((cell) => {
+    const tissue = mine.tissues[cell.tissue];
+    const match = tissue === undefined ? -1 : other.tissues.findIndex((item) => feelsLike(item, tissue));
+    const counterpart = match < 0 ? undefined : cellAt(other, match, cell.speed_mm_per_s, cell.motion);
+    if (tissue === undefined || counterpart === undefined || !differs(mine, cell, counterpart)) return [];
+    return [{ tissue, motion: cell.motion, speed: cell.speed_mm_per_s, mine: cell, other: counterpart }];
+  });
+}
+
+// How many cells the two maps have in common.
+export function comparable(mine: ProfileFeel, other: ProfileFeel): number {
+  return mine.cells.filter((cell) => {
+    const tissue = mine.tissues[cell.tissue];
+    return tissue !== undefined && other.tissues.some((item) => feelsLike(item, tissue));
+  }).length;
+}
+
+export function thresholdOf(feel: ProfileFeel, name: "force" | "viscosity" | "delay"): number {
+  return feel.thresholds.find((threshold) => threshold.name === name)?.value ?? Number.NaN;
+}
+
+// What is felt of a tissue, as a share of what is right.
+export function feltText(cell: FeelCell): string {
+  return cell.verdict === "beyond_force" ? "too weak" : percent(cell.law.gain);
+}
+
+// "7 % at 0.1; too weak at 0.2, 0.43, 1": speeds with the same text together, in order.
+export function bySpeed(items: readonly { readonly speed: number; readonly text: string }[]): string {
+  const groups: { text: string; speeds: string[] }[] = [];
+  for (const { speed, text } of items) {
+    const last = groups.at(-1);
+    if (last?.text === text) last.speeds.push(formatNumber(speed, 2));
+    else groups.push({ text, speeds: [formatNumber(speed, 2)] });
+  }
+  return groups.map((group) => `${group.text} at ${group.speeds.join(", ")}`).join("; ");
+}
+
+export function percent(share: number): string {
+  return `${formatNumber(100 * share, 0)} %`;
+}
+
+function differs(feel: ProfileFeel, a: FeelCell, b: FeelCell): boolean {
+  const [weakA, weakB] = [a.verdict === "beyond_force", b.verdict === "beyond_force"];
+  if (weakA || weakB) return weakA !== weakB;
+  const most = Math.max(a.law.gain, b.law.gain);
+  return most > 0 && Math.abs(a.law.gain - b.law.gain) > thresholdOf(feel, a.motion === "strokes" ? "viscosity" : "force") * most;
+}
+
+function feelsLike(a: FeelTissue, b: FeelTissue): boolean {
+  return a.damping_mn_s_per_mm === b.damping_mn_s_per_mm && a.coulomb_mn === b.coulomb_mn && a.threshold_mn === b.threshold_mn;
+}
+
+function timeText(seconds: number | null): string {
+  if (seconds === null) return "–";
+  return seconds < 1 ? `${formatNumber(1000 * seconds, 0)} ms` : `${formatNumber(seconds, 1)} s`;
+}
