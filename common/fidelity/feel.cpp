@@ -23,7 +23,7 @@ constexpr Threshold kThresholds[] = {
 constexpr std::string_view kVerdictNames[kVerdictCount] = {
     "felt", "late", "nearly", "law_falls_short", "device_cannot", "beyond_force"};
 constexpr std::string_view kVerdictWords[kVerdictCount] = {
-    "as it is", "late", "nearly", "law falls short", "too soft", "too weak"};
+    "as it is", "late", "nearly", "law falls short", "device cannot", "too weak"};
 
 // A steady cut: long enough for a plain Maxwell spring to come within a tenth, 2.3 times the oracle's rise.
 constexpr double kLeastCut_s = 2, kMostCut_s = 12, kRises = 3;

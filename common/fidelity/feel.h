@@ -108,8 +108,8 @@ enum class Verdict : uint8_t {
   kNearly = 2,       // within 19 %: a hand takes it for the same tissue, and may notice the force
   kLawShort = 3,     // beyond that, though the oracle is within 7 % and 15 ms: Kc would do, the law with
                      // what the encoder tells it does not
-  kDeviceCannot = 4, // beyond that, and the oracle is not within 7 % and 15 ms: Kc is too small, no law
-                     // without stored energy could
+  kDeviceCannot = 4, // beyond that, and the oracle is not within 7 % and 15 ms: no law without stored energy
+                     // could, most often since Kc is too small
   kBeyondForce = 5,  // the motors cannot give it: RMS above continuous, or largest above peak
 };
 inline constexpr int kVerdictCount = 6;

@@ -37,8 +37,8 @@ FeelRow RowOf(const Job& job) {
   FeelRow row;
   row.device = job.device.name;
   row.tissue = job.tissue->name;
-  row.b_n_s_per_mm = job.tissue->b_n_s_per_m * 1e-3;
-  row.kc_n_per_mm = job.device.kc_n_per_m * 1e-3;
+  row.b_n_s_per_mm = job.tissue->b_n_s_per_m / 1000;
+  row.kc_n_per_mm = job.device.kc_n_per_m / 1000;
   row.delay_ticks = job.device.delay_ticks;
   row.attached = job.attached;
   row.cell = fidelity::Simulate(job.device, *job.tissue, job.speed, job.motion);
@@ -71,7 +71,7 @@ void AddTable(SuiteContext& c, const std::vector<fidelity::Tissue>& tissues, Mot
                : "RMS error over B V; lag (the oracle's error: of force that rises by at most Kc |v|; a law with an energy "
                  "tank may beat it).";
   t.note +=
-      " As it is: within 7 % and 15 ms. Late: within 7 %. Nearly: within 19 %. Too soft: worse, and the oracle is not "
+      " As it is: within 7 % and 15 ms. Late: within 7 %. Nearly: within 19 %. Device cannot: worse, and the oracle is not "
       "within 7 % and 15 ms either. Law falls short: worse, though the oracle is. Too weak: RMS above the continuous "
       "force, or largest above the peak. All speeds: --json.";
   t.head = {"device", "Kc N/mm", "delay ticks"};
