@@ -16,7 +16,7 @@ export const kVerdicts: Readonly<Record<Verdict, VerdictText>> = {
   late: { title: "Right, but late", tone: "warning", meaning: "The force becomes right, but the hand notices how long that takes." },
   nearly: { title: "Nearly right", tone: "warning", meaning: "The hand may notice the force, and still takes it for the same tissue." },
   law_falls_short: { title: "Law falls short", tone: "bad", meaning: "The device's stiffness would do; the force law, with what the encoder tells it, does not get there." },
-  device_cannot: { title: "Device cannot", tone: "bad", meaning: "No force law without stored energy could be close enough and in time on this device: it is too soft. Ours stores some, and is not close enough either." },
+  device_cannot: { title: "Device cannot", tone: "bad", meaning: "No force law without stored energy could be close enough and in time on this device. Ours stores some, and is not close enough either." },
   beyond_force: { title: "Device too weak", tone: "neutral", meaning: "The motors cannot give this force, or not for long." },
 };
 
