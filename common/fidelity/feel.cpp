@@ -13,7 +13,8 @@ namespace {
 
 constexpr Threshold kThresholds[] = {
     {"force", kForceShare, "share",
-     "Jones 1989, Perception 18:681; Pang, Tan and Durlach 1991, Perception & Psychophysics 49:531"},
+     "Jones 1989, Perception 18:681; Pang, Tan and Durlach 1991, Perception & Psychophysics "
+     "49:531"},
     {"viscosity", kViscosityShare, "share",
      "Jones, Hunter and Lafontaine 1997, Perception 26:1571"},
     {"delay", kDelay_s, "s",
@@ -25,7 +26,8 @@ constexpr std::string_view kVerdictNames[kVerdictCount] = {
 constexpr std::string_view kVerdictWords[kVerdictCount] = {
     "as it is", "late", "nearly", "law falls short", "device cannot", "too weak"};
 
-// A steady cut: long enough for a plain Maxwell spring to come within a tenth, 2.3 times the oracle's rise.
+// A steady cut: long enough for a plain Maxwell spring to come within a tenth, 2.3 times the
+// oracle's rise.
 constexpr double kLeastCut_s = 2, kMostCut_s = 12, kRises = 3;
 // Judged is the end of it, and never less than a twentieth.
 constexpr double kJudgedShare = 0.4, kLeastJudgedShare = 0.05;
@@ -121,7 +123,9 @@ Figures OfSteady(const Device& d, const std::vector<double>& right, const Track&
     if (std::fabs(t.along_n[k] - right[k]) <= kForceShare * right[k]) risen = k;
   }
   if (risen < n) f.rise_s = static_cast<double>(risen) * d.tick_s;
-  auto before = [&](double share) { return n - static_cast<size_t>(share * static_cast<double>(n)); };
+  auto before = [&](double share) {
+    return n - static_cast<size_t>(share * static_cast<double>(n));
+  };
   size_t from = before(kJudgedShare);
   if (risen < n) from = std::clamp(risen, from, before(kLeastJudgedShare));
   double error = 0, along = 0, wanted = 0;
@@ -135,16 +139,17 @@ Figures OfSteady(const Device& d, const std::vector<double>& right, const Track&
   return f;
 }
 
-// The shift at which what is right, shifted, correlates best with the force. Both are taken over whole
-// to-and-fro strokes, whose energy does not change with the shift: a window that shrank with it would move
-// the peak by more than the threshold.
+// The shift at which what is right, shifted, correlates best with the force. Both are taken over
+// whole to-and-fro strokes, whose energy does not change with the shift: a window that shrank with
+// it would move the peak by more than the threshold.
 double LagOf(const Device& d, const std::vector<double>& right, const Track& t) {
   auto ticks_of = [&](double s) { return static_cast<size_t>(s / d.tick_s + 0.5); };
   size_t step = std::max<size_t>(1, ticks_of(kSample_s)), from = ticks_of(kStrokesJudgedFrom_s);
   auto samples = static_cast<size_t>(kLongestLag_s / (static_cast<double>(step) * d.tick_s));
   auto Correlation = [&](size_t shift) {
     double sum = 0;
-    for (size_t k = from; k < right.size(); k += step) sum += t.along_n[k] * right[k - shift * step];
+    for (size_t k = from; k < right.size(); k += step)
+      sum += t.along_n[k] * right[k - shift * step];
     return sum;
   };
   size_t best = 0;
@@ -183,10 +188,10 @@ double CutLength_s(const Device& d, const Tissue& tissue, double speed) {
 }
 
 Result<Device> DeviceOf(const scene::DeviceProfile& p) {
-  for (const auto& [field, number] : {std::pair{"resolution_nm", &p.resolution_nm},
-                                      std::pair{"coupling_mn_per_mm", &p.coupling_mn_per_mm},
-                                      std::pair{"rate_hz", &p.rate_hz},
-                                      std::pair{"peak_force_mn", &p.peak_force_mn}}) {
+  for (const auto& [field, number] :
+       {std::pair{"resolution_nm", &p.resolution_nm},
+        std::pair{"coupling_mn_per_mm", &p.coupling_mn_per_mm}, std::pair{"rate_hz", &p.rate_hz},
+        std::pair{"peak_force_mn", &p.peak_force_mn}}) {
     if (number->value > 0) continue;
     return Status(Code::kInvalidInput,
                   "device profile '" + p.name + "': expected " + field + " above 0, found " +
@@ -258,8 +263,8 @@ Verdict VerdictOf(const Device& device, const Cell& cell) {
 Cell Simulate(const Device& device, const Tissue& tissue, double speed, Motion motion) {
   bool steady = motion == Motion::kSteady;
   double duration = steady ? CutLength_s(device, tissue, speed) : kStrokes_s;
-  Run run = RunOf(device, tissue, {motion, speed},
-                  static_cast<size_t>(duration / device.tick_s + 0.5));
+  Run run =
+      RunOf(device, tissue, {motion, speed}, static_cast<size_t>(duration / device.tick_s + 0.5));
   Cell cell;
   cell.speed_m_per_s = speed;
   cell.motion = motion;

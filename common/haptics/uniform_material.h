@@ -4,8 +4,9 @@
 
 namespace enamel::haptics {
 
-// The same contact everywhere and in every direction of travel; nothing is worn away. What a law is tried
-// in when the geometry of a cut is not the question. Whoever owns it may change the contact between ticks.
+// The same contact everywhere and in every direction of travel; nothing is worn away. What a law is
+// tried in when the geometry of a cut is not the question. Whoever owns it may change the contact
+// between ticks.
 class UniformMaterial final : public Material {
  public:
   UniformMaterial() = default;

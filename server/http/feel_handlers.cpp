@@ -30,9 +30,9 @@ struct TissueRow {
 };
 
 struct Tissues {
-  std::vector<TissueRow> rows;    // hard to soft
-  bool from_scenes = false;       // else those of the built-in scenes
-  size_t left_out = 0;            // beyond kMostTissues
+  std::vector<TissueRow> rows;  // hard to soft
+  bool from_scenes = false;     // else those of the built-in scenes
+  size_t left_out = 0;          // beyond kMostTissues
 };
 
 Result<scene::Scene> SceneOf(Store& store, const SceneRow& row) {
@@ -49,8 +49,7 @@ Result<Tissues> TissuesHere(Store& store) {
   std::map<Feel, TissueRow, std::greater<>> found;
   auto Add = [&](const scene::TissueSpec& spec, const std::string& scene) {
     if (spec.tissue == cutting::Tissue::kAir || spec.damping_mn_s_per_mm <= 0) return;
-    TissueRow& row =
-        found[{spec.damping_mn_s_per_mm, spec.coulomb_mn, spec.threshold_mn}];
+    TissueRow& row = found[{spec.damping_mn_s_per_mm, spec.coulomb_mn, spec.threshold_mn}];
     row.spec = spec;
     row.names.emplace(cutting::TissueName(spec.tissue));
     if (!scene.empty()) row.scenes.insert(scene);
@@ -64,9 +63,9 @@ Result<Tissues> TissuesHere(Store& store) {
   out.from_scenes = !found.empty();
   if (!out.from_scenes) {
     using cutting::Tissue;
-    for (const scene::TissueSpec& spec : scene::DefaultTissues(
-             {Tissue::kEnamel, Tissue::kFilling, Tissue::kDentin, Tissue::kGypsum, Tissue::kCaries,
-              Tissue::kPulp, Tissue::kNeighbour}))
+    for (const scene::TissueSpec& spec :
+         scene::DefaultTissues({Tissue::kEnamel, Tissue::kFilling, Tissue::kDentin, Tissue::kGypsum,
+                                Tissue::kCaries, Tissue::kPulp, Tissue::kNeighbour}))
       Add(spec, "");
   }
   for (auto& [feel, row] : found) {

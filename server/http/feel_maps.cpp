@@ -6,7 +6,8 @@
 namespace enamel::server::http {
 namespace {
 
-// All that a map depends on, and nothing else: a profile saved again under another title needs no new one.
+// All that a map depends on, and nothing else: a profile saved again under another title needs no
+// new one.
 std::string KeyOf(const fidelity::Device& d, const std::vector<fidelity::Tissue>& tissues) {
   char text[200];
   std::snprintf(text, sizeof text, "%a %a %a %d %a %a", d.resolution_m, d.kc_n_per_m, d.tick_s,

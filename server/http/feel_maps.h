@@ -9,9 +9,9 @@
 #include "common/fidelity/feel.h"
 #include "server/storage/store_pool.h"
 
-// Maps of what a hand can feel (common/fidelity/feel.h), computed once per device and tissues. One takes up to
-// a second of a processor, so they are computed on a thread of their own, one after the other: neither a
-// connection nor the store's threads wait for them.
+// Maps of what a hand can feel (common/fidelity/feel.h), computed once per device and tissues. One
+// takes up to a second of a processor, so they are computed on a thread of their own, one after the
+// other: neither a connection nor the store's threads wait for them.
 namespace enamel::server::http {
 
 class FeelMaps {
@@ -37,7 +37,7 @@ class FeelMaps {
   };
   std::deque<Entry> kept_;  // oldest first
   size_t computed_ = 0;
-  StorePool thread_{1};     // last: what it runs uses the others
+  StorePool thread_{1};  // last: what it runs uses the others
 };
 
 }  // namespace enamel::server::http

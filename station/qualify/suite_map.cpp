@@ -6,7 +6,8 @@
 #include "common/scene/builtin.h"
 #include "station/qualify/suites.h"
 
-// Where a hand feels F = B V, per device and tissue, and where no law could make it (common/fidelity).
+// Where a hand feels F = B V, per device and tissue, and where no law could make it
+// (common/fidelity).
 namespace enamel::station::qualify {
 namespace {
 
@@ -61,18 +62,24 @@ std::string Text(const fidelity::Cell& cell) {
   return std::string(fidelity::VerdictWords(cell.verdict)) + figures;
 }
 
-void AddTable(SuiteContext& c, const std::vector<fidelity::Tissue>& tissues, Motion motion, bool attached) {
+void AddTable(SuiteContext& c, const std::vector<fidelity::Tissue>& tissues, Motion motion,
+              bool attached) {
   Table t;
   t.title = std::string("What a hand can feel: ") +
-            (motion == Motion::kSteady ? "a steady cut at 0.43 mm/s" : "strokes to and fro of 1 s, mean 0.43 mm/s") +
-            (attached ? ", delay and Kc as an attached unit has them" : ", delay and Kc as the profile says");
-  t.note = motion == Motion::kSteady
-               ? "Mean error over B V after the rise; time until within 7 % (the oracle's: from rest no passive law is faster)."
-               : "RMS error over B V; lag (the oracle's error: of force that rises by at most Kc |v|; a law with an energy "
-                 "tank may beat it).";
+            (motion == Motion::kSteady ? "a steady cut at 0.43 mm/s"
+                                       : "strokes to and fro of 1 s, mean 0.43 mm/s") +
+            (attached ? ", delay and Kc as an attached unit has them"
+                      : ", delay and Kc as the profile says");
+  t.note = motion == Motion::kSteady ? "Mean error over B V after the rise; time until within 7 % "
+                                       "(the oracle's: from rest no passive law is faster)."
+                                     : "RMS error over B V; lag (the oracle's error: of force that "
+                                       "rises by at most Kc |v|; a law with an energy "
+                                       "tank may beat it).";
   t.note +=
-      " As it is: within 7 % and 15 ms. Late: within 7 %. Nearly: within 19 %. Device cannot: worse, and the oracle is not "
-      "within 7 % and 15 ms either. Law falls short: worse, though the oracle is. Too weak: RMS above the continuous "
+      " As it is: within 7 % and 15 ms. Late: within 7 %. Nearly: within 19 %. Device cannot: "
+      "worse, and the oracle is not "
+      "within 7 % and 15 ms either. Law falls short: worse, though the oracle is. Too weak: RMS "
+      "above the continuous "
       "force, or largest above the peak. All speeds: --json.";
   t.head = {"device", "Kc N/mm", "delay ticks"};
   for (const fidelity::Tissue& tissue : tissues) {
@@ -114,7 +121,8 @@ void RunMapSuite(SuiteContext& c) {
       for (const fidelity::Tissue& tissue : tissues) {
         for (double speed : fidelity::kSpeeds_m_per_s) {
           for (Motion motion : fidelity::kMotions)
-            jobs.push_back({is_attached ? attached->device : *plain, is_attached, &tissue, speed, motion});
+            jobs.push_back(
+                {is_attached ? attached->device : *plain, is_attached, &tissue, speed, motion});
         }
       }
     }

@@ -39,7 +39,8 @@ TEST(TracksTest, AMinimumJerkStrokeGoesItsWayAndItsRateIsTheDerivative) {
 TEST(TracksTest, TheOracleFallsAtOnceAndRisesByNoMoreThanItsSlope) {
   EXPECT_EQ(OracleStep({5, 0, 0}, {0, 1, 0}, 0.1, 10), dvec3(0, 1, 0));
   EXPECT_NEAR(glm::length(OracleStep({1, 0, 0}, {0, 3, 4}, 0.5, 10)), 1.5, 1e-12);
-  EXPECT_NEAR(glm::length(OracleStep({1, 0, 0}, {0, 3, 4}, 50, 2)), 2, 1e-12) << "not above the peak";
+  EXPECT_NEAR(glm::length(OracleStep({1, 0, 0}, {0, 3, 4}, 50, 2)), 2, 1e-12)
+      << "not above the peak";
 }
 
 TEST(TracksTest, ACellHoldsItsMiddleAndWhatIsWithinHalfACell) {
@@ -55,8 +56,8 @@ TEST(FeelTest, AStiffAndFineDeviceIsFeltAsItIs) {
     for (double b : {300.0, 8700.0}) {
       Cell cell = Simulate(Stiff(), {"any", b}, 1e-3, motion);
       EXPECT_EQ(cell.verdict, Verdict::kFelt)
-          << MotionName(motion) << " b " << b << ": error " << cell.law.error << " lag " << cell.law.lag_s
-          << " rise " << cell.law.rise_s;
+          << MotionName(motion) << " b " << b << ": error " << cell.law.error << " lag "
+          << cell.law.lag_s << " rise " << cell.law.rise_s;
     }
   }
 }
@@ -101,7 +102,8 @@ TEST(FeelTest, TheOraclesRiseIsItsClosedForm) {
 }
 
 TEST(FeelTest, DelayIsFelt) {
-  // Force that comes n ticks late lags by n ticks, and RMS of f(t) - f(t - L) is what the lag costs.
+  // Force that comes n ticks late lags by n ticks, and RMS of f(t) - f(t - L) is what the lag
+  // costs.
   Device late = Stiff();
   late.delay_ticks = 20;
   Cell cell = Simulate(late, {"caries", 1000}, kCut, Motion::kStrokes);
@@ -200,7 +202,8 @@ TEST(FeelTest, AProfileWithoutANumberIsRefusedByItsField) {
 
 TEST(FeelTest, TheSameAgainIsTheSameToTheBit) {
   Device d = Attached(Profile("bhhd3"))->device;
-  Cell a = Simulate(d, kEnamel, kCut, Motion::kStrokes), b = Simulate(d, kEnamel, kCut, Motion::kStrokes);
+  Cell a = Simulate(d, kEnamel, kCut, Motion::kStrokes),
+       b = Simulate(d, kEnamel, kCut, Motion::kStrokes);
   EXPECT_EQ(a.law.error, b.law.error);
   EXPECT_EQ(a.law.gain, b.law.gain);
 }

@@ -55,12 +55,14 @@ TEST_F(FeelTest, WithoutAReadableSceneTheBuiltInTissuesAreMapped) {
   EXPECT_EQ(feel.at("coupling_mn_per_mm"), 3000) << "2 b f/4 of b = 6 N s/m at 1 kHz";
   const json::array& tissues = feel.at("tissues").as_array();
   ASSERT_EQ(tissues.size(), 6u);
-  EXPECT_EQ(tissues.front().at("names"), json::value({"enamel", "neighbour"})) << "they feel the same";
+  EXPECT_EQ(tissues.front().at("names"), json::value({"enamel", "neighbour"}))
+      << "they feel the same";
   const json::array& cells = feel.at("cells").as_array();
   ASSERT_EQ(cells.size(), tissues.size() * 4 * 2);
   // The same figures as the library gives.
-  fidelity::Cell same = fidelity::Simulate(fidelity::Attached(scene::BuiltinProfiles().front())->device,
-                                           {"enamel", 8700}, 0.1e-3, fidelity::Motion::kSteady);
+  fidelity::Cell same =
+      fidelity::Simulate(fidelity::Attached(scene::BuiltinProfiles().front())->device,
+                         {"enamel", 8700}, 0.1e-3, fidelity::Motion::kSteady);
   EXPECT_DOUBLE_EQ(cells.front().at("law").at("error").to_number<double>(), same.law.error);
   EXPECT_EQ(cells.front().at("verdict").as_string(), fidelity::VerdictName(same.verdict));
   EXPECT_TRUE(cells.front().at("law").at("lag_s").is_null());
@@ -104,7 +106,8 @@ TEST_F(FeelTest, ADeviceWithoutMotorsHasNoMapAndOneThatIsNotPassiveIsRefused) {
   AddProfile(undamped);
   RawResponse refused = root_.Get("/api/v1/profiles/undamped/feel");
   EXPECT_EQ(refused.status, 409) << refused.body;
-  EXPECT_NE(refused.body.find("calibrate"), std::string::npos) << "says what to do: " << refused.body;
+  EXPECT_NE(refused.body.find("calibrate"), std::string::npos)
+      << "says what to do: " << refused.body;
   EXPECT_EQ(root_.Get("/api/v1/profiles/none/feel").status, 404);
 }
 
@@ -116,7 +119,8 @@ TEST(FeelMapsTest, AMapIsComputedOnceAndTheOldestGoes) {
   device.name = "another name";
   EXPECT_EQ(maps.Of(device, {{"b", 10}}), first) << "names are not part of it";
   EXPECT_EQ(maps.computed(), 1u);
-  for (size_t i = 0; i < FeelMaps::kKept; ++i) maps.Of(device, {{"a", 11.0 + static_cast<double>(i)}});
+  for (size_t i = 0; i < FeelMaps::kKept; ++i)
+    maps.Of(device, {{"a", 11.0 + static_cast<double>(i)}});
   EXPECT_EQ(maps.computed(), 1 + FeelMaps::kKept);
   maps.Of(device, {{"a", 10}});
   EXPECT_EQ(maps.computed(), 2 + FeelMaps::kKept) << "it was the oldest";

@@ -51,7 +51,8 @@ TEST(MapSuiteTest, EveryRowHasItsFiguresAndTheVerdictThatFollows) {
     EXPECT_EQ(row.at("lag_s").is_null(), steady);
     double error = row.at("error").to_number<double>();
     // Of the Omega, peak and continuous: 12 N.
-    double rms = row.at("right_rms_n").to_number<double>(), most = row.at("right_largest_n").to_number<double>();
+    double rms = row.at("right_rms_n").to_number<double>(),
+           most = row.at("right_largest_n").to_number<double>();
     std::string expected = rms > 12 || most > 12  ? "beyond_force"
                            : Fine(row, "")        ? "felt"
                            : error <= 0.07        ? "late"
