@@ -6,6 +6,7 @@
 #include <new>
 
 #include "common/haptics/coupling.h"
+#include "common/haptics/touch_cues.h"
 
 namespace {
 
@@ -57,6 +58,26 @@ TEST(AllocationTest, NoTickOrResetOfAnyLawAllocates) {
       EXPECT_EQ(g_allocations, before) << law.name << " " << estimator.name;
     }
   }
+}
+
+TEST(AllocationTest, NoTickOfTheTouchCuesAllocates) {
+  TouchCueParams p;
+  p.contact_n = p.chatter_n = 0.2;
+  p.peak_force_n = 8;
+  p.account.energy_j = 1e-4;
+  p.account.delay_ticks = CueAccount::kMaxDelay;
+  TouchCues cues(p);
+  TouchCueInput in;
+  in.contact_read = in.engaged = true;
+  in.coupling_n = dvec3(1, 0, 0);
+  in.tissue_b_n_s_per_m = 6500;
+  in.bur_speed_krpm = 400;
+  long before = g_allocations;
+  for (int k = 0; k < 300; ++k) {
+    in.gap = k == 150;
+    cues.Tick(in);
+  }
+  EXPECT_EQ(g_allocations, before);
 }
 
 }  // namespace
