@@ -52,6 +52,20 @@ haptics::CouplingParams CouplingOf(const CoreParams& p, double voxel_m) {
   return c;
 }
 
+haptics::TouchCueParams CuesOf(const CoreParams& p) {
+  haptics::TouchCueParams c;
+  c.contact_n = p.contact_cue_mn * 1e-3;
+  c.chatter_n = p.chatter_cue_mn * 1e-3;
+  c.peak_force_n = p.peak_force_mn * 1e-3;
+  c.account.energy_j = p.cue_energy_nj * 1e-9;
+  c.account.power_w = p.cue_power_nw * 1e-9;
+  c.account.tick_s = 1.0 / p.rate_hz;
+  c.account.cell_half_m =
+      dvec3(p.resolution_nm[0], p.resolution_nm[1], p.resolution_nm[2]) * 0.5e-9;
+  c.account.delay_ticks = static_cast<int>(p.bus_delay_ticks);
+  return c;
+}
+
 // Rounds half away from zero and saturates.
 int32_t Quantise(double v) noexcept {
   if (!(v > -2147483647.0)) return -2147483647;
@@ -73,6 +87,7 @@ class Core::TissueMaterial final : public haptics::Material {
   haptics::Contact ContactAt(const dvec3& anchor_m, const dvec3& stretch_m) noexcept override {
     Pose pose{anchor_m, core_.orientation_};
     haptics::Contact contact;
+    core_.tissue_.read = true;
     double travel = std::sqrt(Dot(stretch_m, stretch_m));
     // Look as far ahead as the move itself: no solid there, no contact on the way.
     double voxel = core_.volume_.spec().voxel_m();
@@ -85,6 +100,11 @@ class Core::TissueMaterial final : public haptics::Material {
     if (!core_.engagement_.AnyContact()) return contact;
     cutting::Engagement engagement = core_.engagement_.Read(stretch_m);
     contact.engaged = engagement.area_m2 > 0;
+    if (contact.engaged) {
+      core_.tissue_.engaged = true;
+      core_.tissue_.b_n_s_per_m = engagement.damping_n_s_per_m.Trace() *
+                                  cutting::EngagementReader::kReferenceArea_m2 / engagement.area_m2;
+    }
     if (core_.bur_on_) {
       contact.damping_n_s_per_m =
           engagement.damping_n_s_per_m * (1 / core_.handpiece_.speed_ratio());
@@ -132,7 +152,8 @@ Core::Core(const CoreParams& params, cutting::Volume initial)
       sweep_(volume_.spec().voxel_m(), reach_m_),
       engagement_(BurOf(params), volume_.spec().voxel_m(), DampingOf(params), RuleOf(params)),
       coupling_(CouplingOf(params, volume_.spec().voxel_m())),
-      handpiece_(params) {
+      handpiece_(params),
+      cues_(CuesOf(params)) {
   ENAMEL_CHECK(ValidateParams(params).ok());
   auto bricks = static_cast<size_t>(volume_.spec().brick_count());
   dirty_ring_.resize(bricks);
@@ -230,6 +251,26 @@ void Core::ReadContact(const Pose& pose) noexcept {
   sample_valid_ = true;
 }
 
+// The handpiece and the law have had the coupling's force by now. In a tick whose force a bound has
+// changed there is no cue, so that where there is one the force computed is the coupling's.
+void Core::AddCue(const TickInput& input, const dvec3& tip, bool unfelt, TickOutput& out) noexcept {
+  haptics::TouchCueInput in;
+  in.tip_m = tip;
+  in.coupling_n = out.force_sent_n;
+  in.across = orientation_.Matrix()[0];
+  in.tissue_b_n_s_per_m = tissue_.b_n_s_per_m;
+  in.bur_speed_krpm = bur_on_ ? input.bur_speed_krpm * handpiece_.speed_ratio() : 0;
+  in.contact_read = tissue_.read;
+  in.engaged = tissue_.engaged;
+  in.suspended = (out.flags & kSuspended) != 0 || (out.flags & haptics::kLatched) != 0;
+  in.bounded = out.force_sent_n != out.force_computed_n;
+  in.gap = unfelt;
+  const dvec3 cue = cues_.Tick(in);
+  if (cue == dvec3(0)) return;
+  out.force_sent_n += cue;
+  out.flags |= kTouchCue;
+}
+
 void Core::Booked(bool complete) noexcept {
   if (!complete) reserve_exhausted_ = true;
   for (int32_t brick : cutter_.touched()) MarkTouched(brick);
@@ -263,6 +304,7 @@ void Core::FinishCut() noexcept {
 TickOutput Core::Step(const TickInput& input) noexcept {
   TickOutput out;
   work_ = {};
+  tissue_ = {};
   volume_.Warm();
   for (size_t i = 0; i < touched_count_; ++i) is_touched_[static_cast<size_t>(touched_[i])] = 0;
   touched_count_ = 0;
@@ -302,6 +344,7 @@ TickOutput Core::Step(const TickInput& input) noexcept {
     }
   }
   resisting_n_ = std::sqrt(Dot(out.force_sent_n, out.force_sent_n));
+  if (cues_.enabled()) AddCue(input, tip, unfelt, out);
   out.bur_speed_ratio = handpiece_.speed_ratio();
   out.anchor = {coupling_.anchor_m(), orientation_};
   if (reserve_exhausted_) out.flags |= kReserveExhausted;

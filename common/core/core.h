@@ -15,6 +15,7 @@
 #include "common/cutting/sweep.h"
 #include "common/cutting/volume.h"
 #include "common/haptics/coupling.h"
+#include "common/haptics/touch_cues.h"
 #include "common/math/orientation.h"
 
 // The deterministic core: quantised pose in; force, anchor, tooth and state hash out.
@@ -59,11 +60,24 @@ enum OutputFlags : uint16_t {
   kSuspended = 1 << 10,  // no force and no cut: the bur has not yet been in free air long enough
   kStepTooLong =
       1 << 11,  // a fault: the bur would have moved by more than kMaxPosesPerMove cuts at once
+  // The force sent is the coupling's and a touch cue. No bound has changed the coupling's part: it
+  // is the force computed.
+  kTouchCue = 1 << 12,
 };
+
+// The coupling's part of the force sent, 0.1 mN: what the hand pressed with, without touch cues.
+inline const std::array<int32_t, 3>& PressedForce_100un(const TickWitness& witness) noexcept {
+  return (witness.flags & kTouchCue) != 0 ? witness.force_computed_100un
+                                          : witness.force_sent_100un;
+}
 
 struct TickOutput {
   dvec3 force_sent_n{0};  // to send to the device, scene frame
   dvec3 force_computed_n{0};
+  // Without touch cues, as PressedForce_100un.
+  const dvec3& pressed_n() const noexcept {
+    return (flags & kTouchCue) != 0 ? force_computed_n : force_sent_n;
+  }
   cutting::Pose anchor;             // the bur as drawn and as it cuts
   cutting::RemovedUnits removed{};  // by this tick, per tissue, 1/65536 voxel
   double bur_speed_ratio = 1;       // the handpiece's speed, as a share of its free speed
@@ -85,7 +99,8 @@ struct TickOutput {
 // Order in a tick: read p; engagement at the anchor; law moves the anchor (through contact, in
 // steps of at most half a voxel) and cuts along it; bounds; hash. A step through open air stops at
 // the first contact and the rest of the tick is spent in what was found there (haptics/coupling.h).
-// A tick's last cut is done in two halves, the second at the beginning of the next tick.
+// A tick's last cut is done in two halves, the second at the beginning of the next tick. Touch cues
+// (haptics/touch_cues.h) are added last, to the force sent alone: nothing else feels them.
 //
 // Work in a tick is bounded: at most kMaxMovesPerTick moves of the anchor, each with one engagement
 // sample, and kMaxCutsPerTick cuts of at most Cutter::MaxBricks bricks. The laws that take the bur
@@ -149,6 +164,7 @@ class Core {
   void ReadContact(const cutting::Pose& pose) noexcept;
   void CutPoses(std::span<const cutting::Pose> due) noexcept;
   void CutRest() noexcept;
+  void AddCue(const TickInput& input, const dvec3& tip_m, bool unfelt, TickOutput& out) noexcept;
   void Booked(bool complete) noexcept;
   void FinishCut() noexcept;
   void MarkTouched(int32_t brick) noexcept;
@@ -162,6 +178,13 @@ class Core {
   cutting::EngagementReader engagement_;
   haptics::Coupling coupling_;
   Handpiece handpiece_;
+  haptics::TouchCues cues_;
+  // What the material was asked for in this tick, for the cues: B is the touched tissue's own.
+  struct Touched {
+    bool read = false, engaged = false;
+    double b_n_s_per_m = 0;
+  };
+  Touched tissue_;
   Quat orientation_;  // the anchor's
   bool started_ = false;
   bool bur_on_ = false;

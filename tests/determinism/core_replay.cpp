@@ -82,6 +82,13 @@ core::CoreParams ParamsFor(uint64_t seed) {
   p.damping_mn_s_per_mm[1] = 1500;
   p.damping_mn_s_per_mm[2] = 900;
   p.rotational_kc_un_m_per_rad = seed % 4 ? 0 : 20'000;
+  if (seed % 2 == 0) {
+    p.contact_cue_mn = 300;
+    p.chatter_cue_mn = 200;
+    p.cue_energy_nj = 200'000;
+    p.cue_power_nw = 1'000'000;
+    p.bus_delay_ticks = static_cast<uint32_t>(seed / 2 % 3);
+  }
   return p;
 }
 
@@ -121,6 +128,7 @@ int Record(uint64_t seed, const char* trace_path, const char* volume_path) {
     }
     tick.input.orientation = ToQuantised(tilt);
     tick.input.flags = i % 4000 > 2300 && i % 4000 < 2500 ? 0 : core::kBurOn;
+    tick.input.bur_speed_krpm = static_cast<uint16_t>(150 + i % 4000 / 16);
     if (random() % 1000 == 0) tick.input.gap_ticks = 1 + static_cast<uint32_t>(random() % 40);
     if (tick.input.gap_ticks % 2 == 1) tick.input.flags |= core::kLateTick | core::kHeldGap;
     tick.witness = core.Step(tick.input).witness;

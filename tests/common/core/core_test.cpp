@@ -239,7 +239,10 @@ TEST(CoreTest, InAirTheBurTurnsWithTheDevice) {
 }
 
 TEST(CoreTest, WildInputsStayBoundedInForceAndWork) {
-  Core core(Params(), test::Block(100'000, 2e-3, 2e-3));
+  CoreParams p = Params();
+  p.chatter_cue_mn = p.contact_cue_mn = 2000;
+  p.cue_energy_nj = 1'000'000;
+  Core core(p, test::Block(100'000, 2e-3, 2e-3));
   std::mt19937_64 random(3);
   for (int tick = 0; tick < 300; ++tick) {
     TickInput in;
@@ -252,6 +255,103 @@ TEST(CoreTest, WildInputsStayBoundedInForceAndWork) {
     in.gap_ticks = random() % 10 == 0 ? static_cast<uint32_t>(random()) : 0;
     TickOutput out = core.Step(in);
     EXPECT_LE(glm::length(out.force_sent_n), 7.9 + 1e-9);
+  }
+}
+
+CoreParams CueParams() {
+  CoreParams p = Params();
+  p.contact_cue_mn = 300;
+  p.chatter_cue_mn = 200;
+  p.cue_energy_nj = 200'000;
+  p.cue_power_nw = 1'000'000;
+  return p;
+}
+
+// A hand that comes down at 10 mm/s, cuts sideways and lifts off again.
+TickInput Tap(int tick) {
+  double down = std::min(std::max(0, tick - 600) * 10e-6, 0.7e-3);
+  if (tick >= 3000) down = std::max(0.0, 0.7e-3 - (tick - 3000) * 10e-6);
+  TickInput in = test::At(std::max(0.0, (std::min(tick, 3000) - 800) * 0.5e-6), 0, 0.2e-3 - down);
+  in.bur_speed_krpm = 300;
+  return in;
+}
+
+TEST(CoreTest, TouchCuesChangeNothingButTheForceSentAndAreSilentInAir) {
+  for (haptics::LawKind law :
+       {haptics::LawKind::kMaxwell, haptics::LawKind::kGatedMaxwell, haptics::LawKind::kTankMaxwell}) {
+    CoreParams on = CueParams(), off = Params();
+    on.law = off.law = law;
+    on.handpiece_stall_un_m = off.handpiece_stall_un_m = 2330;
+    on.handpiece_tangential_permille = off.handpiece_tangential_permille = 300;
+    Core cued(on, test::Block(50'000, 3e-3, 3e-3)), plain(off, test::Block(50'000, 3e-3, 3e-3));
+    int knocking = 0, chattering = 0;
+    for (int tick = 0; tick < 3500; ++tick) {
+      TickOutput a = cued.Step(Tap(tick)), b = plain.Step(Tap(tick));
+      ASSERT_EQ(a.force_computed_n, b.force_computed_n) << tick;
+      ASSERT_EQ(a.anchor.tip_m, b.anchor.tip_m) << tick;
+      ASSERT_EQ(a.bur_speed_ratio, b.bur_speed_ratio) << tick;
+      ASSERT_EQ(a.removed, b.removed) << tick;
+      ASSERT_EQ(a.pressed_n(), b.force_sent_n) << tick;
+      ASSERT_EQ(PressedForce_100un(a.witness), b.witness.force_sent_100un) << tick;
+      ASSERT_EQ(a.flags & ~kTouchCue, b.flags) << tick;
+      ASSERT_EQ((a.flags & kTouchCue) != 0, a.force_sent_n != b.force_sent_n) << tick;
+      const double cue = glm::length(a.force_sent_n - b.force_sent_n);
+      EXPECT_LE(cue, 0.5);
+      if (cue > 0.01) (tick < 800 ? knocking : chattering) += 1;
+      if (tick < 600 || tick > 3200) {
+        ASSERT_EQ(cue, 0) << tick;
+      }
+    }
+    EXPECT_TRUE(cued.volume() == plain.volume());
+    EXPECT_NE(cued.state_hash(), plain.state_hash());
+    EXPECT_GT(knocking, 5);
+    EXPECT_GT(chattering, 50);
+  }
+}
+
+TEST(CoreTest, TouchCuesWithoutForceOrEnergyAreNone) {
+  CoreParams no_force = Params(), no_energy = CueParams();
+  no_force.cue_energy_nj = 1'000;
+  no_force.cue_power_nw = 1'000;
+  no_energy.cue_energy_nj = 0;
+  Core plain(Params(), test::Block(50'000, 3e-3, 3e-3));
+  Core a(no_force, test::Block(50'000, 3e-3, 3e-3)), b(no_energy, test::Block(50'000, 3e-3, 3e-3));
+  for (int tick = 0; tick < 2000; ++tick) {
+    TickWitness expected = plain.Step(Tap(tick)).witness;
+    ASSERT_EQ(a.Step(Tap(tick)).witness, expected);
+    ASSERT_EQ(b.Step(Tap(tick)).witness, expected);
+  }
+  EXPECT_EQ(a.state_hash(), plain.state_hash());
+  EXPECT_EQ(b.state_hash(), plain.state_hash());
+}
+
+// A hand that goes along with every cue, while it cuts: what it draws from them is bounded.
+TEST(CoreTest, WhatAHandDrawsFromTouchCuesIsBounded) {
+  for (uint32_t delay : {0u, 1u, 2u}) {
+    CoreParams p = CueParams();
+    p.bus_delay_ticks = delay;
+    p.cue_power_nw = 0;
+    Core core(p, test::Block(50'000, 3e-3, 3e-3));
+    dvec3 x(0, 0, 0.2e-3), v(0), felt[3] = {};
+    double drawn = 0, most = 0;
+    for (int tick = 0; tick < 8000; ++tick) {
+      TickInput in = test::At(x.x, x.y, x.z);
+      in.bur_speed_krpm = 300;
+      TickOutput out = core.Step(in);
+      for (int d = 2; d > 0; --d) felt[d] = felt[d - 1];
+      felt[0] = out.force_sent_n - out.pressed_n();
+      const bool down = tick >= 600 && x.z > -0.5e-3;
+      dvec3 goal(tick < 1000 ? 0 : 0.5e-3, 0, down ? -5e-3 : 0);
+      for (int i = 0; i < 3; ++i) {
+        if (felt[delay][i] != 0) goal[i] += std::copysign(0.05, felt[delay][i]);
+        v[i] += std::clamp(goal[i] - v[i], -0.1, 0.1);
+      }
+      drawn += Dot(felt[delay], v) * 1e-3;
+      x += v * 1e-3;
+      most = std::max(most, drawn);
+    }
+    EXPECT_LE(most, 200e-6);
+    EXPECT_GT(most, 20e-6) << "the hand is no attack";
   }
 }
 

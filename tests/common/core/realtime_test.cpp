@@ -22,6 +22,8 @@ TEST(RealtimeTest, NoTickAllocates) {
     p.handpiece_stall_un_m = 2330;
     p.handpiece_tangential_permille = 300;
     p.shank_radius_nm = 800'000;
+    p.chatter_cue_mn = p.contact_cue_mn = 200;
+    p.cue_energy_nj = 100'000;
     Core core(p, test::Block(50'000, 3e-3, 3e-3));
     testing_support::AllocationGuard guard;
     for (int tick = 0; tick < 4000; ++tick) {

@@ -45,6 +45,10 @@ CoreParams ParamsOf(haptics::LawKind law) {
   params.bur_shape = cutting::BurShape::kCylinder;
   params.bur_length_nm = 2'000'000;
   params.rotational_kc_un_m_per_rad = 5000;
+  params.contact_cue_mn = 300;
+  params.chatter_cue_mn = 200;
+  params.cue_energy_nj = 100'000;
+  params.cue_power_nw = 500'000;
   return params;
 }
 
