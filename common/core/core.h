@@ -67,8 +67,7 @@ enum OutputFlags : uint16_t {
 
 // The coupling's part of the force sent, 0.1 mN: what the hand pressed with, without touch cues.
 inline const std::array<int32_t, 3>& PressedForce_100un(const TickWitness& witness) noexcept {
-  return (witness.flags & kTouchCue) != 0 ? witness.force_computed_100un
-                                          : witness.force_sent_100un;
+  return (witness.flags & kTouchCue) != 0 ? witness.force_computed_100un : witness.force_sent_100un;
 }
 
 struct TickOutput {

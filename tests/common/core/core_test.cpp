@@ -277,8 +277,8 @@ TickInput Tap(int tick) {
 }
 
 TEST(CoreTest, TouchCuesChangeNothingButTheForceSentAndAreSilentInAir) {
-  for (haptics::LawKind law :
-       {haptics::LawKind::kMaxwell, haptics::LawKind::kGatedMaxwell, haptics::LawKind::kTankMaxwell}) {
+  for (haptics::LawKind law : {haptics::LawKind::kMaxwell, haptics::LawKind::kGatedMaxwell,
+                               haptics::LawKind::kTankMaxwell}) {
     CoreParams on = CueParams(), off = Params();
     on.law = off.law = law;
     on.handpiece_stall_un_m = off.handpiece_stall_un_m = 2330;
