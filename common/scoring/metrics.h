@@ -36,12 +36,13 @@ const MetricInfo* FindMetric(std::string_view name);  // nullptr when unknown
 struct PathSample {
   double time_s;   // since the start, gaps included
   dvec3 anchor_m;  // scene frame, at the stretch's first tick
-  dvec3 force_n;   // sent, mean over the stretch
+  dvec3 force_n;   // sent without touch cues, mean over the stretch
 };
 
 // Accumulates process metrics during the replay pass (trace::Replay's observe). Pose and force are
 // taken at the resolution of the witness (10 nm, 0.1 mN), so that a recording read back without
-// re-running the core gives the same figures.
+// re-running the core gives the same figures. The force is what the hand pressed with
+// (core::PressedForce_100un): a touch cue is not the student's.
 class ProcessRecorder {
  public:
   // Requires: ValidateParams(params).ok().

@@ -45,7 +45,7 @@ void ProcessRecorder::AddWitness(const core::TickInput& input, const core::TickW
   late_ticks_ += (input.flags & core::kLateTick) != 0;
   bounded_ticks_ += (witness.flags & haptics::kPeakBounded) != 0;
 
-  dvec3 force = ToVec(witness.force_sent_100un, kForceUnit_n);
+  dvec3 force = ToVec(core::PressedForce_100un(witness), kForceUnit_n);
   double magnitude = Length(force);
   max_force_n_ = std::max(max_force_n_, magnitude);
   if (magnitude > 0) {

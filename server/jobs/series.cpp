@@ -46,7 +46,7 @@ void SeriesRecorder::Add(const trace::Tick& tick, const core::TickOutput& output
   }
   for (size_t t = 0; t < removed_.size(); ++t) removed_[t] += output.removed[t];
   Step& step = steps_.back();
-  double force = std::sqrt(Dot(output.force_sent_n, output.force_sent_n));
+  double force = std::sqrt(Dot(output.pressed_n(), output.pressed_n()));
   step.force_n = std::max(step.force_n, force);
   step.force_sum_n += force;
   step.bound_n = Bound_n(output);

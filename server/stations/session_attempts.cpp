@@ -353,7 +353,7 @@ void Session::ShowLive(const trace::Chunk& chunk) {
     sample.tick = chunk.head.first_tick + i;
     for (size_t axis = 0; axis < 3; ++axis) {
       sample.anchor_um[axis] = witness.anchor_10nm[axis] / kAnchorPerUm;
-      sample.force_mn[axis] = witness.force_sent_100un[axis] / kForcePerMn;
+      sample.force_mn[axis] = core::PressedForce_100un(witness)[axis] / kForcePerMn;
     }
     sample.flags = witness.flags;
     sample.received_ms = services_.clock();

@@ -32,6 +32,28 @@ TEST(ProcessRecorderTest, PathIsTheLengthOfTheAnchorsWayWithoutJumpsAfterGaps) {
   EXPECT_DOUBLE_EQ(recorder.duration_s(), 0.109);
 }
 
+// What the hand pressed with is what a cue was added to, and that is the force computed.
+TEST(ProcessRecorderTest, TouchCuesAreNotTheStudentsForce) {
+  ProcessRecorder with(SomeParams()), without(SomeParams());
+  for (int i = 1; i <= 400; ++i) {
+    trace::Tick tick = TickAt(0, i * 10);
+    tick.witness.force_computed_100un = {0, i * 20, 0};  // a bound has changed what was sent
+    without.Add(tick, OutputOf(tick, 1));
+    if (i % 3 != 0) {
+      tick.witness.force_computed_100un = tick.witness.force_sent_100un;
+      tick.witness.force_sent_100un = {900, i * 10 + 800, -700};
+      tick.witness.flags = core::kTouchCue;
+    }
+    with.Add(tick, OutputOf(tick, 1));
+  }
+  EXPECT_EQ(with.force_sent_p95_n(), without.force_sent_p95_n());
+  EXPECT_EQ(with.force_sent_max_n(), without.force_sent_max_n());
+  EXPECT_EQ(with.force_sent_mean_cutting_n(), without.force_sent_mean_cutting_n());
+  for (size_t i = 0; i < with.samples().size(); ++i) {
+    EXPECT_EQ(with.samples()[i].force_n, without.samples()[i].force_n);
+  }
+}
+
 TEST(ProcessRecorderTest, ForceFiguresAreThoseOfAKnownDistribution) {
   ProcessRecorder recorder(SomeParams());
   // Forces 0.01, 0.02 … 1.00 N, the upper half while cutting, and as many ticks in the air.

@@ -49,6 +49,15 @@ TEST(SeriesRecorderTest, EveryTickIsAStepWhenThereAreFew) {
   EXPECT_EQ(tissues.at("enamel"), o.at("removed_mm3"));
 }
 
+TEST(SeriesRecorderTest, ForceIsWithoutTouchCues) {
+  SeriesRecorder series(Params(), 50e-6, 1);
+  core::TickOutput out = Output(1.3, 0, 0);
+  out.force_computed_n = dvec3(0, -1, 0);
+  out.flags = core::kTouchCue;
+  series.Add({}, out);
+  EXPECT_NEAR(At(Json(series), "force_n", 0), 1, 1e-9);
+}
+
 TEST(SeriesRecorderTest, LongAttemptsHaveAtMostTwoThousandSteps) {
   SeriesRecorder series(Params(), 50e-6, 600'000);
   for (int i = 0; i < 600'000; ++i) series.Add({}, Output(i % 300 == 7 ? 3 : 1, 0, 0));
