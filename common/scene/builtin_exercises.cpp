@@ -7,6 +7,10 @@
 namespace enamel::scene {
 namespace {
 
+// Gentle: chatter like that of a handpiece held lightly, and an energy that moves no hand. 1 mW is
+// what 0.1 N of chatter takes on the coarsest of the built-in devices (haptics/README.md).
+constexpr TouchCueSpec kPracticeCues{250, 100, 200, 1'000};
+
 RubricCriterion WallCriterion(const char* metric, const char* title, const char* comment) {
   RubricCriterion c{metric, title, "mm", 8, {}, comment, {}};
   c.map = {{-0.3, 0}, {-0.05, 1}, {0.05, 1}, {0.3, 0}};
@@ -159,6 +163,7 @@ Exercise ShapeExercise(const Scene& scene, const Sha256& scene_hash, const Prepa
   e.target.half_size_um = box.half_size_um;
   e.target.depth_um = box.depth_um;
   e.graded = false;
+  e.touch_cues = kPracticeCues;
   e.rubric = ShapeRubric("practice-" + shape.name);
   return e;
 }

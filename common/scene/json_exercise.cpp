@@ -10,7 +10,7 @@ namespace {
 
 namespace json = boost::json;
 
-constexpr int64_t kPlainFormat = 1, kFormat = 2;
+constexpr int64_t kPlainFormat = 1, kBurFormat = 2, kCueFormat = 3;
 constexpr int32_t kMaxExtentUm = 100'000;
 
 json::object TargetJson(const CavityTarget& t) {
@@ -63,6 +63,26 @@ json::object HandpieceJson(const HandpieceSpec& h) {
   return {{"stall_un_m", h.stall_un_m},
           {"tangential_permille", h.tangential_permille},
           {"lag_us", h.lag_us}};
+}
+
+void ReadTouchCues(ObjectReader& in, Exercise& e) {
+  if (!in.Has("touch_cues")) return;
+  ObjectReader object = in.Object("touch_cues");
+  e.touch_cues.contact_mn = static_cast<int32_t>(object.Int("contact_mn", 0, 2'000));
+  e.touch_cues.chatter_mn = static_cast<int32_t>(object.Int("chatter_mn", 0, 2'000));
+  e.touch_cues.energy_uj = static_cast<int32_t>(object.Int("energy_uj", 1, 1'000));
+  e.touch_cues.power_uw = static_cast<int32_t>(object.Int("power_uw", 0, 10'000));
+  if (e.touch_cues.contact_mn == 0 && e.touch_cues.chatter_mn == 0) {
+    object.Refuse("contact_mn", "this or chatter_mn above 0, or no touch_cues at all", "0 and 0");
+  }
+  object.Finish();
+}
+
+json::object TouchCuesJson(const TouchCueSpec& c) {
+  return {{"contact_mn", c.contact_mn},
+          {"chatter_mn", c.chatter_mn},
+          {"energy_uj", c.energy_uj},
+          {"power_uw", c.power_uw}};
 }
 
 void ReadLaw(ObjectReader& in, Exercise& e) {
@@ -126,14 +146,18 @@ void ReadRubric(ObjectReader& in, Rubric& r) {
 std::string ToJson(const Exercise& e) {
   const haptics::LawEntry* law = haptics::FindLaw(e.law);
   ENAMEL_CHECK(law != nullptr);
-  bool handpiece = e.handpiece != HandpieceSpec{};
-  json::object out{{"format", handpiece || NeedsFormat2(e.bur()) ? kFormat : kPlainFormat},
+  const bool handpiece = e.handpiece != HandpieceSpec{}, cues = e.touch_cues != TouchCueSpec{};
+  const int64_t format = cues                                 ? kCueFormat
+                         : handpiece || NeedsFormat2(e.bur()) ? kBurFormat
+                                                              : kPlainFormat;
+  json::object out{{"format", format},
                    {"name", e.name},
                    {"title", e.title},
                    {"instructions", e.instructions},
                    {"scene_sha256", e.scene.Hex()},
                    {"bur", BurJson(e.bur())}};
   if (handpiece) out["handpiece"] = HandpieceJson(e.handpiece);
+  if (cues) out["touch_cues"] = TouchCuesJson(e.touch_cues);
   out["law"] = law->name;
   out["rate_hz"] = e.rate_hz;
   out["time_limit_s"] = e.time_limit_s;
@@ -149,14 +173,18 @@ Result<Exercise> ExerciseFromJson(std::string_view text) {
   Status status;
   ObjectReader in(*document, "", status);
   Exercise e;
-  int64_t format = in.Format(kPlainFormat, kFormat);
+  int64_t format = in.Format(kPlainFormat, kCueFormat);
   e.name = in.Name("name");
   e.title = in.Text("title", 1, 200);
   e.instructions = in.Text("instructions", 0, 4'000);
   e.scene = in.Hash("scene_sha256");
   ReadExerciseBur(in, e);
   ReadHandpiece(in, e);
-  if (format < kFormat && (e.handpiece != HandpieceSpec{} || NeedsFormat2(e.bur()))) {
+  ReadTouchCues(in, e);
+  if (format < kCueFormat && e.touch_cues != TouchCueSpec{}) {
+    in.Refuse("format", "3 with touch cues", std::to_string(format));
+  }
+  if (format < kBurFormat && (e.handpiece != HandpieceSpec{} || NeedsFormat2(e.bur()))) {
     in.Refuse("format", "2 with this bur or a handpiece", std::to_string(format));
   }
   ReadLaw(in, e);

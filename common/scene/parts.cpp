@@ -34,6 +34,18 @@ Part Neighbour(const Scene& scene) {
           there ? "the scene has adjacent teeth: the bur may touch them" : "no adjacent tooth"};
 }
 
+Part TouchCues(const Exercise& exercise) {
+  const TouchCueSpec& c = exercise.touch_cues;
+  if (c == TouchCueSpec{}) {
+    return {PartId::kTouchCues, "touch cues", false, "the exercise does not ask for them"};
+  }
+  return {PartId::kTouchCues, "touch cues", true,
+          "the exercise asks for a knock of up to " + std::to_string(c.contact_mn) +
+              " mN on contact and chatter of up to " + std::to_string(c.chatter_mn) +
+              " mN, worth at most " + std::to_string(c.energy_uj) + " uJ and " +
+              std::to_string(c.power_uw) + " uW to the hand"};
+}
+
 Part OtherBurs(const Exercise& exercise) {
   return {PartId::kOtherBurs, "other burs", false,
           "the exercise has one bur, a " + std::string(cutting::BurShapeName(exercise.bur_shape))};
@@ -62,6 +74,7 @@ std::vector<Part> ListParts(const Scene& scene, const Exercise& exercise, const 
        "a hand may go anywhere; the exercise itself stays 2 mm inside of it"},
       {PartId::kTurning, "turning", true, "a bur must not cut by turning, felt or not"},
       {PartId::kTorque, "torque", false, "the device has three degrees of freedom"},
+      TouchCues(exercise),
       OtherBurs(exercise),
       Surface(use),
       BusWrite(use),

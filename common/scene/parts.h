@@ -17,6 +17,7 @@ enum class PartId {
   kBeyondReach,  // bricks the exercise's bur has no business in
   kTurning,      // resistance to turning the bur
   kTorque,       // torque for the device
+  kTouchCues,    // knock on contact, chatter of the bur
   kOtherBurs,    // tables of burs the exercise does not use
   kSurface,      // triangles for the window
   kBusWrite,     // force to the device

@@ -10,6 +10,7 @@
 namespace enamel::scene {
 namespace {
 
+constexpr int32_t kLeastCueRate_hz = 300;
 constexpr int64_t kStartHeight_nm = 8'000'000;  // plan.h: where count 0 is
 
 Status Refuse(std::string message, std::string field) {
@@ -27,6 +28,15 @@ Status CheckRate(const Exercise& exercise, const DeviceProfile& profile) {
                     " Hz, device profile '" + profile.name + "' carries at most " +
                     std::to_string(profile.rate_hz.value) + " Hz: use another device or exercise",
                 "rate_hz");
+}
+
+// Slower loops cannot carry the waves (haptics/touch_cues.h): a cue that is promised must come.
+Status CheckTouchCues(const Exercise& exercise) {
+  if (exercise.touch_cues == TouchCueSpec{} || exercise.rate_hz >= kLeastCueRate_hz) return {};
+  return Refuse("exercise '" + exercise.name + "' has touch cues and runs at " +
+                    std::to_string(exercise.rate_hz) + " Hz: they need at least " +
+                    std::to_string(kLeastCueRate_hz) + " Hz; raise rate_hz or leave touch_cues out",
+                "touch_cues");
 }
 
 Status CheckDamping(const Exercise& exercise, const DeviceProfile& profile) {
@@ -148,6 +158,10 @@ core::CoreParams Compile(const Scene& scene, const Exercise& exercise,
     p.threshold_mn[i] = t.threshold_mn;
   }
   p.bus_delay_ticks = static_cast<uint32_t>(profile.bus_delay_ticks.value);
+  p.contact_cue_mn = exercise.touch_cues.contact_mn;
+  p.chatter_cue_mn = exercise.touch_cues.chatter_mn;
+  p.cue_energy_nj = exercise.touch_cues.energy_uj * 1000;
+  p.cue_power_nw = exercise.touch_cues.power_uw * 1000;
   return p;
 }
 
@@ -156,6 +170,7 @@ core::CoreParams Compile(const Scene& scene, const Exercise& exercise,
 Result<core::CoreParams> CompilePlan(const Scene& scene, const Exercise& exercise,
                                      const DeviceProfile& profile) {
   ENAMEL_RETURN_IF_ERROR(CheckRate(exercise, profile));
+  ENAMEL_RETURN_IF_ERROR(CheckTouchCues(exercise));
   ENAMEL_RETURN_IF_ERROR(CheckDamping(exercise, profile));
   ENAMEL_RETURN_IF_ERROR(CheckFriction(profile));
   ENAMEL_RETURN_IF_ERROR(CheckScene(scene, exercise));

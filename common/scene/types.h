@@ -62,6 +62,14 @@ struct HandpieceSpec {
   bool operator==(const HandpieceSpec&) const = default;
 };
 
+// Touch cues (haptics/touch_cues.h): the largest force of the knock on contact and of the bur's
+// chatter, and the energy the hand may draw from both: at once, and added with time. Default: none.
+struct TouchCueSpec {
+  int32_t contact_mn = 0, chatter_mn = 0, energy_uj = 0, power_uw = 0;
+
+  bool operator==(const TouchCueSpec&) const = default;
+};
+
 // One upright hollow of a preparation: a box or a disc, open at the top.
 struct PreparationPart {
   enum class Outline { kBox, kDisc };
@@ -159,6 +167,7 @@ struct Exercise {
   int32_t bur_shank_radius_um = 0;
   int32_t bur_neck_um = 0;
   HandpieceSpec handpiece;
+  TouchCueSpec touch_cues;
   haptics::LawKind law = haptics::kDefaultLaw;
   int32_t rate_hz = 1000;
   int32_t time_limit_s = 0;              // 0: none

@@ -135,6 +135,8 @@ class Appraiser {
         return Turning();
       case PartId::kTorque:
         return {{}, {}, "nothing computes it"};
+      case PartId::kTouchCues:
+        return TouchCues(part.kept);
       case PartId::kOtherBurs:
         return OtherBurs();
       case PartId::kSurface: {
@@ -224,6 +226,14 @@ class Appraiser {
     rigid.rotational_kc_un_m_per_rad = 0;
     StepCost c = MeasureSteps(rigid, s_.built.volume, way_, kReplays);
     return {-MoreThanBase_ns(c), 0.0, "against a bur that never turns"};
+  }
+
+  Worth TouchCues(bool kept) const {
+    if (!kept) return {{}, {}, "nothing computes them"};
+    core::CoreParams silent = s_.params;
+    silent.contact_cue_mn = silent.chatter_cue_mn = silent.cue_energy_nj = silent.cue_power_nw = 0;
+    StepCost c = MeasureSteps(silent, s_.built.volume, way_, kReplays);
+    return {-MoreThanBase_ns(c), 0.0, "against a tick without them"};
   }
 
   // A second bur's cutter on the same volume: time to make it and what the heap grew by.

@@ -85,6 +85,18 @@ TEST(DelayTest, ParametersOfAnyDelayAreTheExercisesAndStifferOnesAreNot) {
     core::CoreParams other = *params;
     other.peak_force_mn += 1;
     EXPECT_FALSE(CheckParams(built->scene, exercise, Phantom(), other).ok());
+    // Touch cues that the exercise does not have, and others than it has.
+    other = *params;
+    other.chatter_cue_mn = 100;
+    other.cue_energy_nj = 200'000;
+    EXPECT_FALSE(CheckParams(built->scene, exercise, Phantom(), other).ok());
+    Exercise cued = exercise;
+    cued.touch_cues = {250, 100, 200, 1'000};
+    params = CompilePlan(built->scene, cued, *profile);
+    ASSERT_TRUE(params.ok());
+    EXPECT_TRUE(CheckParams(built->scene, cued, Phantom(), *params).ok());
+    params->cue_power_nw += 1;
+    EXPECT_FALSE(CheckParams(built->scene, cued, Phantom(), *params).ok());
   }
 }
 

@@ -98,6 +98,36 @@ TEST(SceneJsonTest, GoldenDocumentsReadBackToTheSameBytes) {
   ASSERT_TRUE(exercise.ok()) << exercise.status().message();
   EXPECT_EQ(ToJson(*exercise), text);
   EXPECT_EQ(exercise->bur_narrow_radius_um, 500);
+  text = ReadText("golden/scene_exercise_cues.json");
+  exercise = ExerciseFromJson(text);
+  ASSERT_TRUE(exercise.ok()) << exercise.status().message();
+  EXPECT_EQ(ToJson(*exercise), text);
+  EXPECT_EQ(exercise->touch_cues, (TouchCueSpec{300, 120, 250, 800}));
+  EXPECT_TRUE(exercise->graded);
+}
+
+TEST(SceneJsonTest, TouchCuesNeedFormatThreeAndAForce) {
+  const std::string text = ReadText("golden/scene_exercise_cues.json");
+  auto field = [&](const char* from, const char* to) {
+    Result<Exercise> e = ExerciseFromJson(Replaced(text, from, to));
+    return e.ok() ? std::string("accepted") : e.status().field();
+  };
+  EXPECT_EQ(field("\"format\": 3", "\"format\": 2"), "/format");
+  EXPECT_EQ(field("\"format\": 3", "\"format\": 4"), "/format");
+  EXPECT_EQ(field("\"contact_mn\": 300", "\"contact_mn\": 2001"), "/touch_cues/contact_mn");
+  EXPECT_EQ(field("\"chatter_mn\": 120", "\"chatter_mn\": -1"), "/touch_cues/chatter_mn");
+  EXPECT_EQ(field("\"energy_uj\": 250", "\"energy_uj\": 0"), "/touch_cues/energy_uj");
+  EXPECT_EQ(field("\"power_uw\": 800", "\"power_uw\": 10001"), "/touch_cues/power_uw");
+  EXPECT_EQ(field("\"power_uw\": 800", "\"power_mw\": 1"), "/touch_cues/power_uw");
+  Exercise e = *ExerciseFromJson(text);
+  e.touch_cues.chatter_mn = 0;
+  EXPECT_TRUE(ExerciseFromJson(ToJson(e)).ok());
+  e.touch_cues.contact_mn = 0;
+  EXPECT_EQ(ExerciseFromJson(ToJson(e)).status().field(), "/touch_cues/contact_mn");
+  // Without them the document is what it was.
+  e.touch_cues = {};
+  EXPECT_EQ(ToJson(e).find("touch_cues"), std::string::npos);
+  EXPECT_NE(ToJson(e).find("\"format\": 2"), std::string::npos);
 }
 
 TEST(SceneJsonTest, BuiltinProfilesAreTheGoldenDocuments) {
@@ -206,7 +236,7 @@ TEST(SceneJsonTest, MaterialSchemaNamesExactlyTheMembersOfTheDocuments) {
 }
 
 TEST(SceneJsonTest, SchemasNameExactlyTheMembersOfTheDocuments) {
-  auto exercise = NamesOf(ReadText("golden/scene_exercise_crown.json"));
+  auto exercise = NamesOf(ReadText("golden/scene_exercise_cues.json"));
   EXPECT_EQ(exercise, SchemaNames("exercise.schema.json"));
   EXPECT_EQ(NamesOf(ReadText("golden/scene_profile_measured.json")),
             SchemaNames("device_profile.schema.json"));

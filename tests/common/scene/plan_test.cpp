@@ -73,6 +73,40 @@ TEST_F(PlanTest, FrictionBelowHalfACellOfCouplingIsRefusedWithWhatIsNeeded) {
       << refused.message();
 }
 
+// None unless the exercise says so, graded or not.
+TEST_F(PlanTest, TouchCuesAreThoseOfTheExercise) {
+  for (bool graded : {true, false}) {
+    exercise.graded = graded;
+    exercise.touch_cues = {};
+    auto params = CompilePlan(scene, exercise, profile);
+    ASSERT_TRUE(params.ok());
+    EXPECT_EQ(params->contact_cue_mn, 0);
+    EXPECT_EQ(params->chatter_cue_mn, 0);
+    EXPECT_EQ(params->cue_energy_nj, 0);
+    EXPECT_EQ(params->cue_power_nw, 0);
+    exercise.touch_cues = {2'000, 100, 1'000, 10'000};
+    params = CompilePlan(scene, exercise, profile);
+    ASSERT_TRUE(params.ok()) << params.status().message();
+    EXPECT_EQ(params->contact_cue_mn, 2'000);
+    EXPECT_EQ(params->chatter_cue_mn, 100);
+    EXPECT_EQ(params->cue_energy_nj, 1'000'000);
+    EXPECT_EQ(params->cue_power_nw, 10'000'000);
+  }
+}
+
+TEST_F(PlanTest, TouchCuesInALoopTooSlowForThemAreRefused) {
+  exercise.touch_cues = {250, 100, 200, 1'000};
+  profile.coupling_mn_per_mm.value = 500;  // within the passive limit of a slow loop
+  exercise.rate_hz = 300;
+  EXPECT_TRUE(CompilePlan(scene, exercise, profile).ok());
+  exercise.rate_hz = 299;
+  Status refused = CompilePlan(scene, exercise, profile).status();
+  EXPECT_EQ(refused.field(), "touch_cues");
+  EXPECT_NE(refused.message().find("at least 300 Hz"), std::string::npos) << refused.message();
+  exercise.touch_cues = {};
+  EXPECT_TRUE(CompilePlan(scene, exercise, profile).ok());
+}
+
 TEST_F(PlanTest, FasterExerciseThanTheDeviceIsRefused) {
   exercise.rate_hz = 4'000;
   EXPECT_EQ(CompilePlan(scene, exercise, profile).status().field(), "rate_hz");

@@ -140,6 +140,21 @@ TEST(PartsTest, SingleTissueNeedsNoLabelsAndNoNeighbourNoNeighbourVolume) {
   EXPECT_TRUE(Find(parts, PartId::kNeighbour).kept);
 }
 
+TEST(PartsTest, TouchCuesAreThereWhereTheExerciseAsksForThem) {
+  Scene scene;
+  Exercise e;
+  for (bool graded : {true, false}) {
+    e.graded = graded;
+    e.touch_cues = {};
+    EXPECT_FALSE(Find(ListParts(scene, e, {}), PartId::kTouchCues).kept);
+    e.touch_cues = {250, 100, 200, 1'000};
+    const auto parts = ListParts(scene, e, {});
+    const Part& part = Find(parts, PartId::kTouchCues);
+    EXPECT_TRUE(part.kept);
+    EXPECT_NE(part.why.find("250 mN on contact"), std::string::npos) << part.why;
+  }
+}
+
 TEST(PartsTest, WindowNeedsTheSurfaceAndAReplayNeitherSurfaceNorBus) {
   Scene scene;
   Exercise e;
