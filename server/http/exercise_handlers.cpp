@@ -66,6 +66,14 @@ json::value HandpieceJson(const scene::HandpieceSpec& handpiece) {
           {"lag_us", handpiece.lag_us}};
 }
 
+json::value TouchCuesJson(const scene::TouchCueSpec& cues) {
+  if (cues == scene::TouchCueSpec{}) return {};
+  return {{"contact_mn", cues.contact_mn},
+          {"chatter_mn", cues.chatter_mn},
+          {"energy_uj", cues.energy_uj},
+          {"power_uw", cues.power_uw}};
+}
+
 Result<json::object> SummaryJson(const Call& call, const ExerciseRow& row,
                                  const scene::Exercise& exercise, std::map<Uuid, int>& attempts) {
   Result<std::optional<ReferenceRow>> reference = call.store.ReferenceFor(row.id);
@@ -192,6 +200,7 @@ Result<json::object> WholeJson(const Call& call, const ExerciseRow& row) {
   out->emplace("law", haptics::FindLaw(exercise->law)->name);
   out->emplace("rate_hz", exercise->rate_hz);
   out->emplace("handpiece", HandpieceJson(exercise->handpiece));
+  out->emplace("touch_cues", TouchCuesJson(exercise->touch_cues));
   out->emplace("scene_sha256", row.scene.Hex());
   out->emplace("document_sha256", row.content.Hex());
   out->emplace("target", TargetJson(exercise->target));

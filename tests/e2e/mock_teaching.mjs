@@ -14,7 +14,7 @@ const teaches = (person) => person.role !== "student";
 // Exercises
 
 function summaryFor(world, person, exercise) {
-  const { target: _target, rubric: _rubric, law: _law, rate_hz: _rate, handpiece: _handpiece, scene_sha256: _scene, document_sha256: _document, ...summary } = exercise;
+  const { target: _target, rubric: _rubric, law: _law, rate_hz: _rate, handpiece: _handpiece, touch_cues: _cues, scene_sha256: _scene, document_sha256: _document, ...summary } = exercise;
   return { ...summary, my_attempts: world.attempts.filter((row) => row.exercise.id === exercise.id && row.person.id === person.id).length };
 }
 

@@ -30,6 +30,7 @@ export type Exercise = Schemas["Exercise"];
 export type ExerciseState = Schemas["ExerciseState"];
 export type ExerciseVersion = Schemas["ExerciseVersion"];
 export type Bur = Schemas["Bur"];
+export type TouchCues = Schemas["TouchCues"];
 export type Reference = Schemas["Reference"];
 export type Assignment = Schemas["Assignment"];
 export type AssignmentTerms = Schemas["AssignmentTerms"];

@@ -5,7 +5,7 @@ import { formatDateTime, formatNumber, formatQuantity, formatScore, micrometresA
 import { Flags, StateBadge } from "../../widgets/attempt_state";
 import { Badge, Card, Empty, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
 import { DataTable } from "../../widgets/table";
-import { burText, fullMarksText, kStateTexts, noMarksText, shankText, timeLimitText, versionText } from "./exercise_text";
+import { burText, fullMarksText, kStateTexts, noMarksText, shankText, timeLimitText, touchCuesText, versionText } from "./exercise_text";
 import { ReferencesCard, VersionsCard } from "./history_cards";
 import { InitialTooth } from "./initial_tooth";
 import { StaffActions } from "./staff_actions";
@@ -63,12 +63,13 @@ export function ExercisePage({ client, id, personId, teacher, onOpen }: Props) {
 }
 
 function Target({ exercise }: { readonly exercise: Exercise }) {
-  const { target, handpiece } = exercise;
+  const { target, handpiece, touch_cues } = exercise;
   return (
     <dl class="facts stacked">
       <div><dt>Bur</dt><dd>{burText(exercise.bur)}</dd></div>
       <div><dt>Shank</dt><dd>{shankText(exercise.bur)}</dd></div>
       <div><dt>Handpiece</dt><dd>{handpiece === null ? "Keeps its speed" : `Stalls at ${formatNumber(handpiece.stall_un_m / 1000, 2)} mN·m`}</dd></div>
+      <div><dt>Touch cues</dt><dd>{touchCuesText(touch_cues)}</dd></div>
       <div><dt>Time limit</dt><dd>{timeLimitText(exercise.time_limit_s)}</dd></div>
       <div><dt>Length, mesial to distal</dt><dd>{micrometresAsMm(2 * (target.half_size_um[0] ?? 0))}</dd></div>
       <div><dt>Width, buccal to lingual</dt><dd>{micrometresAsMm(2 * (target.half_size_um[1] ?? 0))}</dd></div>

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { burText, fullMarksText, noMarksText, shankText, timeLimitText, versionText } from "./exercise_text";
+import { burText, fullMarksText, noMarksText, shankText, timeLimitText, touchCuesText, versionText } from "./exercise_text";
 
 const bur = { shape: "cylinder", radius_um: 500, length_um: 4000, narrow_radius_um: 0, shank_radius_um: 0, neck_um: 0 } as const;
 const spaced = (text: string) => text.replaceAll("\u00a0", " ");
@@ -18,6 +18,14 @@ test("what is not there is said to be none", () => {
   assert.equal(timeLimitText(0), "None");
   assert.equal(timeLimitText(600), "10 min 00 s");
   assert.equal(versionText({ version: 0 }), "draft");
+});
+
+test("touch cues are named with their largest force, and none where there are none", () => {
+  const cues = { contact_mn: 250, chatter_mn: 100, energy_uj: 200, power_uw: 1000 } as const;
+  assert.equal(touchCuesText(null), "None");
+  assert.equal(spaced(touchCuesText(cues)), "A knock on contact, up to 0.25 N; the bur's chatter, up to 0.1 N. Not counted in the score");
+  assert.equal(spaced(touchCuesText({ ...cues, contact_mn: 0 })), "The bur's chatter, up to 0.1 N. Not counted in the score");
+  assert.equal(spaced(touchCuesText({ ...cues, chatter_mn: 0 })), "A knock on contact, up to 0.25 N. Not counted in the score");
 });
 
 test("where marks begin and end is said for rising, falling and two-sided criteria", () => {

@@ -1,5 +1,5 @@
-import type { Bur, ExerciseState } from "../../api/types";
-import { formatDuration, formatQuantity, micrometresAsMm } from "../../base/format";
+import type { Bur, ExerciseState, TouchCues } from "../../api/types";
+import { formatDuration, formatNumber, formatQuantity, micrometresAsMm } from "../../base/format";
 import type { Tone } from "../../widgets/basics";
 
 const kShapes: Readonly<Record<Bur["shape"], string>> = {
@@ -15,6 +15,15 @@ export function burText(bur: Bur): string {
 export function shankText({ shank_radius_um: shank, neck_um: neck }: Bur): string {
   if (shank === 0) return "None";
   return `${micrometresAsMm(2 * shank)} across${neck > 0 ? `, neck ${micrometresAsMm(neck)}` : ""}`;
+}
+
+// Small forces beside the cutting force: what they tell of and how strong they get.
+export function touchCuesText(cues: TouchCues | null): string {
+  if (cues === null) return "None";
+  const newtons = (millinewtons: number) => `up to ${formatNumber(millinewtons / 1000, 2)} N`;
+  const knock = cues.contact_mn > 0 ? `A knock on contact, ${newtons(cues.contact_mn)}` : "";
+  const chatter = cues.chatter_mn > 0 ? `${knock === "" ? "The" : "the"} bur's chatter, ${newtons(cues.chatter_mn)}` : "";
+  return `${[knock, chatter].filter((part) => part !== "").join("; ")}. Not counted in the score`;
 }
 
 export function timeLimitText(seconds: number): string {
