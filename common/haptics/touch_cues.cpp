@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include "common/math/trig.h"
-
 namespace enamel::haptics {
 namespace {
 
@@ -131,7 +129,7 @@ void TouchCues::VisitState(StateArchive& archive) {
   account_.VisitState(archive);
   archive(tip_, velocity_, started_, engaged_, free_s_);
   archive(knock_n_, knock_cos_, knock_sin_, turn_cos_, turn_sin_, decay_);
-  archive(chatter_cos_, chatter_sin_);
+  archive(chatter_cos_, chatter_sin_, chatter_turns_, chatter_turn_);
 }
 
 double TouchCues::Hardness(double b) noexcept { return b > 0 ? b / (b + kHalfHard_n_s_per_m) : 0; }
@@ -197,9 +195,12 @@ dvec3 TouchCues::Chatter(const TouchCueInput& input) noexcept {
     chatter_sin_ = 0;
     return dvec3(0);
   }
-  const SinCos turn =
-      SinCosOfTurns(ChatterFrequency_hz(input.bur_speed_krpm) * params_.account.tick_s);
-  Turn(turn.cos, turn.sin, chatter_cos_, chatter_sin_);
+  const double turns = ChatterFrequency_hz(input.bur_speed_krpm) * params_.account.tick_s;
+  if (turns != chatter_turns_) {
+    chatter_turns_ = turns;
+    chatter_turn_ = SinCosOfTurns(turns);
+  }
+  Turn(chatter_turn_.cos, chatter_turn_.sin, chatter_cos_, chatter_sin_);
   return input.across * (amplitude * chatter_sin_);
 }
 

@@ -4,6 +4,7 @@
 
 #include "common/base/check.h"
 #include "common/base/state_archive.h"
+#include "common/math/trig.h"
 #include "common/math/vec.h"
 
 // Touch cues: small forces beside the coupling's that tell of contact and of the turning bur.
@@ -129,6 +130,8 @@ class TouchCues {
   dvec3 knock_n_{0};
   double knock_cos_ = 1, knock_sin_ = 0, turn_cos_ = 1, turn_sin_ = 0, decay_ = 0;
   double chatter_cos_ = 1, chatter_sin_ = 0;
+  double chatter_turns_ = 0;  // a tick, and its sine and cosine
+  SinCos chatter_turn_;
 };
 
 }  // namespace enamel::haptics
