@@ -182,5 +182,20 @@ TEST(BuiltinTest, MemoryThatHoldsNoVoxelAtAllIsSaidSo) {
   EXPECT_NE(refused.status().message().find("no voxel"), std::string::npos);
 }
 
+// Practice has gentle touch cues; graded work has none unless somebody writes an exercise that does.
+TEST(BuiltinExercisesTest, PracticeHasTouchCuesAndGradedWorkHasNone) {
+  bool practice = false, graded = false;
+  for (const char* name : {"block", "molar-class-2"}) {
+    auto built = BuildBuiltinScene(name, 200'000);
+    ASSERT_TRUE(built.ok()) << built.status().message();
+    for (const Exercise& e : BuiltinExercises(built->scene, {})) {
+      EXPECT_EQ(e.touch_cues == TouchCueSpec{}, e.graded) << e.name;
+      (e.graded ? graded : practice) = true;
+    }
+  }
+  EXPECT_TRUE(practice);
+  EXPECT_TRUE(graded);
+}
+
 }  // namespace
 }  // namespace enamel::scene
