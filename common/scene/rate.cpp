@@ -1,0 +1,55 @@
+#include "common/scene/rate.h"
+
+#include <string>
+
+#include "common/scene/delay.h"
+
+namespace enamel::scene {
+
+const char* CouplingLimitName(CouplingLimit limit) {
+  constexpr const char* kNames[] = {"damping", "friction", "structure"};
+  return kNames[static_cast<int>(limit)];
+}
+
+LargestCoupling LargestCouplingAt(const DeviceProfile& profile, int64_t rate_hz,
+                                  int64_t delay_ticks) {
+  LargestCoupling out{PassiveCoupling_mn_per_mm(profile, rate_hz, delay_ticks),
+                      CouplingLimit::kDamping};
+  auto bounded = [&](int64_t most, CouplingLimit limit) {
+    if (most < out.coupling_mn_per_mm) out = {most, limit};
+  };
+  bounded(2 * profile.friction_mn.value * 1'000'000 / profile.resolution_nm.value,
+          CouplingLimit::kFriction);
+  bounded(profile.max_stiffness_mn_per_mm.value, CouplingLimit::kStructure);
+  return out;
+}
+
+Result<DeviceProfile> AtRate(const DeviceProfile& profile, int64_t rate_hz) {
+  if (rate_hz < 100 || rate_hz > 20'000) {
+    return Status(Code::kInvalidInput,
+                  "loop rate: expected 100 to 20000 Hz, found " + std::to_string(rate_hz),
+                  "rate_hz");
+  }
+  const std::string why = "for " + std::to_string(rate_hz) + " Hz";
+  DeviceProfile out = profile;
+  out.rate_hz = {rate_hz, "chosen"};
+  const int64_t from_hz = profile.rate_hz.value;
+  if (rate_hz != from_hz && profile.bus_delay_ticks.value > 0) {
+    out.bus_delay_ticks = {(profile.bus_delay_ticks.value * rate_hz + from_hz - 1) / from_hz,
+                           why + ", the same time: " + profile.bus_delay_ticks.source};
+  }
+  const LargestCoupling largest = LargestCouplingAt(out, rate_hz, out.bus_delay_ticks.value);
+  if (largest.coupling_mn_per_mm < 1) {
+    return Status(Code::kInvalidInput,
+                  "device profile '" + profile.name + "': no coupling is passive at " +
+                      std::to_string(rate_hz) + " Hz: its " + CouplingLimitName(largest.limit) +
+                      " allows none",
+                  "coupling_mn_per_mm");
+  }
+  out.coupling_mn_per_mm = {
+      largest.coupling_mn_per_mm,
+      why + ", the largest that its " + CouplingLimitName(largest.limit) + " allows"};
+  return out;
+}
+
+}  // namespace enamel::scene
