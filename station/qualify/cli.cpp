@@ -22,7 +22,7 @@ void RegisterQualify(CLI::App& app, int* exit_code) {
       ->capture_default_str();
   qualify
       ->add_option("--suite", options->suites,
-                   "paper, hand, map, laws, estimators, extreme, adversary, random, cutting or all")
+                   "paper, hand, map, strokes, rates, laws, estimators, extreme, adversary, random, cutting or all")
       ->delimiter(',')
       ->capture_default_str();
   qualify->add_flag("--quick", options->quick, "under a minute on two cores");
@@ -42,6 +42,14 @@ void RegisterQualify(CLI::App& app, int* exit_code) {
   qualify->add_option("--threads", options->threads, "threads to use")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
+  qualify->footer(
+      "strokes: press, stroke, reverse, lift, nick, slip-out with the product's core, force against time beside\n"
+      "the ideal (schemas/strokes.schema.json). To look at it, attach the JSON to the device's profile on the\n"
+      "server and press Draw there, or make one page of it:\n"
+      "  enamel-station qualify --profile omega3 --suite strokes --json strokes.json\n"
+      "  node web/scripts/draw_report.mjs strokes.json strokes.html\n"
+      "rates: each device at 1, 2, 4 and 8 kHz with the largest coupling it may have there, without delay and\n"
+      "with one tick: Kc and what limits it, Kc delta/2, lag and error of a wandering hand.");
   qualify->callback([options, exit_code] {
     if (!program::LogIsJson()) options->progress = stderr;
     *exit_code = RunQualify(*options);

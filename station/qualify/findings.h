@@ -8,6 +8,7 @@
 #include "common/measure/cutting_error.h"
 #include "station/qualify/hand_trial.h"
 #include "station/qualify/model.h"
+#include "station/qualify/strokes.h"
 
 // What the suites find, as data: the tables, the JSON and the report are made from it.
 namespace enamel::station::qualify {
@@ -100,6 +101,18 @@ struct FeelRow {
   fidelity::Cell cell;
 };
 
+// One device at one loop rate with the largest coupling it may have there (scene/rate.h), in five
+// hands that wander over enamel of 6.5 N s/mm at 0.2 mm/s. JSON: member "rates", the names below.
+struct RateRow {
+  std::string device, limit;  // limit: what keeps Kc from being larger: damping, friction, structure
+  double rate_hz = 0, kc_n_per_mm = 0;
+  int delay_ticks = 0;
+  double kc_delta_half_n = 0;      // what one encoder cell is worth: the least error per axis
+  double lag_s = 0;                // at which R and B v correlate best, mean
+  double error_rms = 0;            // RMS of R - B v over that of B v
+  double error_over_oracle = 0;    // the same over the oracle's at this Kc
+};
+
 // One bur at one voxel size and speed.
 struct CuttingRow {
   measure::CuttingFigures figures;
@@ -117,6 +130,8 @@ struct Findings {
   std::vector<CuttingRow> cutting;
   std::vector<HandRow> hands;
   std::vector<FeelRow> feel;
+  std::vector<StrokeDevice> strokes;
+  std::vector<RateRow> rates;
   std::vector<measure::ScoreFigures> scores;  // coarse to fine
   double integration_error_m = 0;             // the simulator's own, worst of the trials asked
   double seconds = 0;

@@ -145,7 +145,27 @@ std::string JsonOf(const Findings& f) {
                    {"rows", std::move(rows)},
                    {"attacks", std::move(attacks)},
                    {"random", std::move(random)}};
-  return json::serialize(out);
+  if (!f.rates.empty()) {
+    json::array rates;
+    for (const RateRow& r : f.rates) {
+      rates.push_back(json::object{{"device", r.device},
+                                   {"rate_hz", Number(r.rate_hz)},
+                                   {"delay_ticks", r.delay_ticks},
+                                   {"kc_n_per_mm", Number(r.kc_n_per_mm)},
+                                   {"limit", r.limit},
+                                   {"kc_delta_half_n", Number(r.kc_delta_half_n)},
+                                   {"lag_s", Number(r.lag_s)},
+                                   {"error_rms", Number(r.error_rms)},
+                                   {"error_over_oracle", Number(r.error_over_oracle)}});
+    }
+    out["rates"] = std::move(rates);
+  }
+  std::string text = json::serialize(out);
+  if (!f.strokes.empty()) {
+    text.pop_back();
+    text += ",\"strokes\":" + StrokesJson(f.strokes) + "}";
+  }
+  return text;
 }
 
 }  // namespace enamel::station::qualify

@@ -17,7 +17,9 @@ struct Suite {
   const char* name;
   void (*run)(SuiteContext&);
 };
-constexpr Suite kSuites[] = {{"paper", &RunPaperSuite},           {"hand", &RunHandSuite}, {"map", &RunMapSuite}, {"laws", &RunLawsSuite},
+constexpr Suite kSuites[] = {{"paper", &RunPaperSuite},           {"hand", &RunHandSuite},
+                             {"strokes", &RunStrokesSuite},       {"rates", &RunRatesSuite},
+                             {"laws", &RunLawsSuite},
                              {"estimators", &RunEstimatorsSuite}, {"extreme", &RunExtremeSuite},
                              {"adversary", &RunAdversarySuite},   {"random", &RunRandomSuite},
                              {"cutting", &RunCuttingSuite}};
@@ -68,7 +70,7 @@ Status CheckSuites(const std::vector<std::string>& names) {
     if (!known)
       return {Code::kInvalidInput,
               "unknown suite '" + name +
-                  "': expected paper, hand, map, laws, estimators, extreme, adversary, random, cutting or all",
+                  "': expected paper, hand, map, strokes, rates, laws, estimators, extreme, adversary, random, cutting or all",
               "suite"};
   }
   return Status::Ok();

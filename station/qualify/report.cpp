@@ -302,7 +302,7 @@ std::vector<Named> AllPlots(const Findings& f) {
 // A table's place on the page, by the words its title starts with.
 const char* SectionOf(const Table& t) {
   auto Starts = [&](const char* with) { return t.title.rfind(with, 0) == 0; };
-  if (Starts("Figures of")) return "figures";
+  if (Starts("Figures of") || Starts("Strokes") || Starts("Loop rates")) return "figures";
   if (Starts("Fronts")) return "laws";
   if (Starts("Table") || Starts("Device profiles")) return "paper";
   if (Starts("Velocity est")) return "estimators";

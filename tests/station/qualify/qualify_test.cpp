@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <boost/json.hpp>
 #include <filesystem>
 #include <fstream>
@@ -143,6 +144,30 @@ TEST(QualifyTest, GivesTheSameRowsForTheSameSeed) {
     seen[i] = ReadAll(o.json_path);
   }
   EXPECT_EQ(seen[0], seen[1]);
+}
+
+// Kc at a rate is the least of the three limits, and the row says which.
+TEST(QualifyTest, RatesTellTheLargestCouplingAndWhatLimitsIt) {
+  Folder folder;
+  QualifyOptions o;
+  o.profile = "bhhd3";  // b 2.5 N s/m, c 80 mN, delta 20 um, K 5 N/mm
+  o.suites = {"rates"};
+  o.json_path = folder.path() / "rates.json";
+  ASSERT_EQ(RunQualify(o), 0);
+  auto json = boost::json::parse(ReadAll(o.json_path));
+  const auto& rows = json.at("rates").as_array();
+  ASSERT_EQ(rows.size(), 9u);  // the profile's own, then four rates without and with a tick of delay
+  for (const auto& row : rows) {
+    const double f = row.at("rate_hz").to_number<double>(), kc = row.at("kc_n_per_mm").to_number<double>();
+    const double d = row.at("delay_ticks").to_number<double>();
+    EXPECT_LE(kc, std::min({2 * 2.5e-3 * f / ((d + 1) * (d + 1)), 2 * 0.08 / 0.02, 5.0}) + 1e-9);
+    EXPECT_GT(row.at("lag_s").to_number<double>(), 0);
+    EXPECT_GT(row.at("error_over_oracle").to_number<double>(), 0.5);
+    EXPECT_LT(row.at("error_rms").to_number<double>(), 1);
+  }
+  EXPECT_EQ(rows[1].at("limit").as_string(), "damping");
+  EXPECT_EQ(rows[2].at("limit").as_string(), "structure");
+  EXPECT_DOUBLE_EQ(rows[7].at("kc_n_per_mm").to_number<double>(), 5);  // 4 kHz and a tick of delay
 }
 
 TEST(QualifyTest, SaysWhereItCannotWrite) {
