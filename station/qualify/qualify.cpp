@@ -18,8 +18,8 @@ struct Suite {
   void (*run)(SuiteContext&);
 };
 constexpr Suite kSuites[] = {{"paper", &RunPaperSuite},           {"hand", &RunHandSuite},
-                             {"strokes", &RunStrokesSuite},       {"rates", &RunRatesSuite},
-                             {"laws", &RunLawsSuite},
+                             {"map", &RunMapSuite},               {"strokes", &RunStrokesSuite},
+                             {"rates", &RunRatesSuite},           {"laws", &RunLawsSuite},
                              {"estimators", &RunEstimatorsSuite}, {"extreme", &RunExtremeSuite},
                              {"adversary", &RunAdversarySuite},   {"random", &RunRandomSuite},
                              {"cutting", &RunCuttingSuite}};

@@ -1,5 +1,7 @@
 // What an admin does, against the mock server.
 import assert from "node:assert/strict";
+import { fileURLToPath, pathToFileURL } from "node:url";
+import { drawReport } from "../../web/scripts/draw_report.mjs";
 import { accessible, chooseFile, downloaded, signedIn, signIn } from "./session.mjs";
 
 const id = (number) => `00000000-0000-7000-8000-${String(number).padStart(12, "0")}`;
@@ -16,8 +18,40 @@ export const adminFlows = [
   { name: "a station is enrolled by a code, renamed and revoked", run: stations },
   { name: "a device profile is judged by its criteria, and a calibration is added", run: profiles },
   { name: "what a hand can feel fits narrow and wide screens, dark and light", run: feltNarrowAndDark },
+  { name: "a report's strokes are drawn, opened by their address and closed", run: drawnReport },
+  { name: "a report's strokes as one file need nothing else", run: reportAsOneFile },
   { name: "a job is cancelled, and the audit is narrowed", run: jobsAndAudit },
 ];
+
+async function drawnReport(world) {
+  const page = await signedIn(world, "admin", "/profiles/phantom_desktop");
+  const draw = page.getByRole("button", { name: /^Draw the report/ });
+  await draw.click();
+  const card = page.getByRole("region", { name: "Force against time" });
+  const press = card.getByRole("region", { name: "Press", exact: true });
+  await press.getByRole("img", { name: /^Press: force against time over/ }).locator("canvas").waitFor();
+  await press.getByText("Figures, and where tip and bur were").click();
+  assert.ok(await press.getByRole("group", { name: "Figures of press" }).locator("tbody tr").count() >= 4);
+  await page.reload();
+  await press.waitFor();
+  assert.equal(await draw.getAttribute("aria-pressed"), "true");
+  await card.getByRole("button", { name: "Close" }).click();
+  assert.equal(await card.count(), 0);
+  assert.equal(new URL(page.url()).search, "");
+}
+
+// What draw_report.mjs makes runs from a file, under its own policy, and asks nobody for anything.
+async function reportAsOneFile(world) {
+  const file = `${world.picture("strokes")}.html`;
+  await drawReport(fileURLToPath(new URL("../../schemas/golden/strokes.json", import.meta.url)), file);
+  const { page } = await world.open();
+  const asked = [];
+  page.on("request", (request) => asked.push(request.url()));
+  await page.goto(pathToFileURL(file).href);
+  await page.getByRole("img", { name: /^Press: force against time over/ }).locator("canvas").waitFor();
+  await accessible(page, "the report as one file");
+  assert.deepEqual(asked, [pathToFileURL(file).href]);
+}
 
 async function forcedPassword(world) {
   const { page } = await world.open();

@@ -1,4 +1,5 @@
 // People, sessions, cohorts, stations, profiles, jobs and audit of the mock server.
+import { readFileSync } from "node:fs";
 import { feelOf } from "./mock_feel.mjs";
 import { conflict, edit, empty, invalid, json, notFound, page, refusal, tagged } from "./mock_reply.mjs";
 import { criteriaOf, newId } from "./mock_world.mjs";
@@ -155,6 +156,8 @@ function withdrawCode({ world, id }) {
   return empty();
 }
 
+// What enamel-station qualify --suite strokes writes.
+const kStrokesReport = { format: 1, rows: [], strokes: JSON.parse(readFileSync(new URL("../../schemas/golden/strokes.json", import.meta.url), "utf8")) };
 const profileView = ({ versions: _versions, reports: _reports, criteria: _criteria, document: _document, ...profile }) => profile;
 
 function putProfile({ world, body }) {
@@ -247,6 +250,7 @@ export const peopleRoutes = {
     profileOf(call).reports.unshift(report);
     return json(report, 201);
   }],
+  "GET /profile-reports/{id}": ["instructor", () => json(kStrokesReport)],
   "GET /profiles/{name}/calibrations": ["instructor", (call) => page("calibrations", call.world.calibrations.filter((item) => item.profile === call.id), call.query)],
   "POST /profiles/{name}/calibrations": ["admin", addCalibration],
   "GET /audit": ["admin", listAudit],

@@ -67,6 +67,10 @@ export class ProfilesApi {
   addReport(name: string, text: string, type: "application/json" | "text/html") {
     return this.http.json<ProfileReport>("POST", `${profilePath(name)}/reports`, { body: text, type });
   }
+  // A JSON report as it was attached; what is in it is for the reader to check.
+  report(id: string, signal?: AbortSignal) {
+    return this.http.json<Readonly<Record<string, unknown>>>("GET", `/profile-reports/${segment(id)}`, { signal });
+  }
   reportAddress(id: string): string {
     return `/api/v1/profile-reports/${segment(id)}`;
   }

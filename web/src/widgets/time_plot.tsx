@@ -121,11 +121,11 @@ function upperEnd(lines: readonly PlotLine[], axis: "left" | "right"): number {
   return largest > 0 ? largest * kHeadroom : 1;
 }
 
-function withAlpha(hex: string, alpha: string): string {
+export function withAlpha(hex: string, alpha: string): string {
   return /^#[0-9a-f]{6}$/i.test(hex) ? hex + alpha : hex;
 }
 
-function useDarkScheme(): boolean {
+export function useDarkScheme(): boolean {
   const [dark, setDark] = useState(() => matchMedia("(prefers-color-scheme: dark)").matches);
   useEffect(() => {
     const cleanup = new Disposables();

@@ -9,6 +9,7 @@ import { Card, Empty, ErrorNotice, Loading, Notice, PageTitle } from "../../widg
 import { FileField } from "../../widgets/form";
 import { DataTable } from "../../widgets/table";
 import { Trend } from "../../widgets/trend";
+import { DrawnReport } from "./drawn_report";
 import { calibrationSeries, type CalibrationSeries } from "./calibration_series";
 import { CriteriaPanel } from "./criteria_panel";
 import { FeelCard } from "./feel_card";
@@ -27,6 +28,12 @@ export function ProfilePage({ client, name, admin }: { readonly client: Client; 
 }
 
 function LoadedProfile({ client, profile, admin }: { readonly client: Client; readonly profile: ProfileDetail; readonly admin: boolean }) {
+  // Id of the report that is drawn; in the address too, so that it can be passed on.
+  const [drawn, setDrawn] = useState(() => new URLSearchParams(location.search).get("report") ?? undefined);
+  const draw = (id: string | undefined) => {
+    history.replaceState(history.state, "", id === undefined ? location.pathname : `${location.pathname}?report=${encodeURIComponent(id)}`);
+    setDrawn(id);
+  };
   return (
     <>
       <p class="byline"><code>{profile.name}</code>, version {profile.version}</p>
@@ -38,8 +45,9 @@ function LoadedProfile({ client, profile, admin }: { readonly client: Client; re
         <Card title="Versions">
           <Versions client={client} profile={profile} />
         </Card>
-        <Card title="Qualification reports"><Reports client={client} profile={profile} admin={admin} /></Card>
+        <Card title="Qualification reports"><Reports client={client} profile={profile} admin={admin} drawn={drawn} onDraw={draw} /></Card>
       </div>
+      {drawn !== undefined && <DrawnReport key={drawn} client={client} id={drawn} onClose={() => draw(undefined)} />}
     </>
   );
 }
@@ -67,7 +75,15 @@ function Versions({ client, profile }: { readonly client: Client; readonly profi
   );
 }
 
-function Reports({ client, profile, admin }: { readonly client: Client; readonly profile: ProfileDetail; readonly admin: boolean }) {
+interface ReportsProps {
+  readonly client: Client;
+  readonly profile: ProfileDetail;
+  readonly admin: boolean;
+  readonly drawn: string | undefined;
+  readonly onDraw: (id: string | undefined) => void;
+}
+
+function Reports({ client, profile, admin, drawn, onDraw }: ReportsProps) {
   const { loaded, reload } = useRequest(profile.name, (signal) => client.profiles.reports(profile.name, signal));
   return (
     <>
@@ -78,6 +94,12 @@ function Reports({ client, profile, admin }: { readonly client: Client; readonly
           { title: "Report", cell: (report) => <a href={client.profiles.reportAddress(report.id)} download>{formatDateTime(report.created_ms)}</a> },
           { title: "Of version", number: true, cell: (report) => report.version },
           { title: "Size", number: true, cell: (report) => formatBytes(report.bytes) },
+          { title: "Drawing", hideTitle: true, cell: (report) => report.media_type === "application/json" && (
+            <div class="row-tools">
+              <button type="button" class="button small" aria-pressed={drawn === report.id} onClick={() => onDraw(drawn === report.id ? undefined : report.id)}>
+                Draw<span class="hidden"> the report of {formatDateTime(report.created_ms)}</span>
+              </button>
+            </div>) },
         ]} />
       ))}
       {admin && (
