@@ -99,7 +99,7 @@ constexpr Entry kRegistry[] = {
      [](const Measured& m) { return m.process->anchor_path_m() * kMm; }},
     {{"time_s", "s", "Time", "Duration of the attempt, gaps included."},
      [](const Measured& m) { return m.process->duration_s(); }},
-    {{"cutting_time_s", "s", "Cutting time", "Time in ticks that removed something."},
+    {{"cutting_time_s", "s", "Cutting time", "Time less than 50 ms after something was removed."},
      [](const Measured& m) { return m.process->cutting_s(); }},
     {{"dtw_pose_mm", "mm", "Path against the reference",
       "Mean distance of the bur from the reference's along the best alignment in time."},

@@ -57,7 +57,10 @@ class ProcessRecorder {
   uint64_t ticks() const { return ticks_; }
   uint64_t gap_ticks() const { return gap_ticks_; }
   double duration_s() const;                        // gaps included
-  double cutting_s() const;                         // ticks that removed something
+  // Time less than 50 ms after something was removed: a cut is renewed when it would leave a mark,
+  // after some way or some ticks, so that most ticks of a stroke remove nothing themselves, the more
+  // of them the faster the loop. Recordings before core version 4: the ticks that removed something.
+  double cutting_s() const;
   double anchor_path_m() const { return path_m_; }  // without the jumps after gaps and faults
   double force_sent_p95_n() const;                  // over ticks with any force; 1 mN steps
   double force_sent_max_n() const { return max_force_n_; }
@@ -73,6 +76,8 @@ class ProcessRecorder {
   uint32_t rate_hz_;
   dvec3 origin_m_;
   uint32_t decimation_;  // ticks per kept sample
+  uint64_t cutting_window_, cutting_left_ = 0;  // ticks that count as cutting after one that removed
+  uint64_t cutting_time_ticks_ = 0;
   uint64_t ticks_ = 0, cutting_ticks_ = 0, bounded_ticks_ = 0, late_ticks_ = 0, gap_ticks_ = 0;
   uint64_t force_ticks_ = 0;
   double path_m_ = 0, max_force_n_ = 0, cutting_force_sum_n_ = 0;

@@ -8,6 +8,7 @@ namespace enamel::scoring {
 namespace {
 
 constexpr uint32_t kSampleRate_hz = 50;
+constexpr uint32_t kCuttingWindows_per_s = 20;  // 50 ms
 constexpr double kForceUnit_n = 1e-4;
 constexpr double kAnchorUnit_m = 1e-8;
 constexpr size_t kForceBins = 100'000;  // 100 N; more is counted in the last bin
@@ -23,6 +24,7 @@ double Length(const dvec3& v) { return std::sqrt(Dot(v, v)); }
 ProcessRecorder::ProcessRecorder(const core::CoreParams& params)
     : rate_hz_(params.rate_hz),
       decimation_(std::max(1u, (params.rate_hz + kSampleRate_hz - 1) / kSampleRate_hz)),
+      cutting_window_(params.core_version >= 4 ? std::max(1u, params.rate_hz / kCuttingWindows_per_s) : 1),
       force_histogram_(kForceBins) {
   for (int i = 0; i < 3; ++i) {
     origin_m_[i] = static_cast<double>(params.device_origin_nm[static_cast<size_t>(i)]) * 1e-9;
@@ -53,6 +55,11 @@ void ProcessRecorder::AddWitness(const core::TickInput& input, const core::TickW
     ++force_histogram_[bin];
     ++force_ticks_;
   }
+  if (cutting) cutting_left_ = cutting_window_;
+  if (cutting_left_ > 0) {
+    --cutting_left_;
+    ++cutting_time_ticks_;
+  }
   if (cutting) {
     ++cutting_ticks_;
     cutting_force_sum_n_ += magnitude;
@@ -77,7 +84,9 @@ double ProcessRecorder::duration_s() const {
   return static_cast<double>(ticks_ + gap_ticks_) / rate_hz_;
 }
 
-double ProcessRecorder::cutting_s() const { return static_cast<double>(cutting_ticks_) / rate_hz_; }
+double ProcessRecorder::cutting_s() const {
+  return static_cast<double>(cutting_time_ticks_) / rate_hz_;
+}
 
 double ProcessRecorder::force_sent_p95_n() const {
   uint64_t seen = 0;

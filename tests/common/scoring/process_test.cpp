@@ -66,8 +66,25 @@ TEST(ProcessRecorderTest, ForceFiguresAreThoseOfAKnownDistribution) {
   EXPECT_NEAR(recorder.force_sent_p95_n(), 0.95, 1e-9);
   EXPECT_NEAR(recorder.force_sent_max_n(), 1.0, 1e-12);
   EXPECT_NEAR(recorder.force_sent_mean_cutting_n(), 0.755, 1e-9);  // mean of 0.51 … 1.00
-  EXPECT_DOUBLE_EQ(recorder.cutting_s(), 0.05);
   EXPECT_EQ(recorder.ticks(), 200u);
+}
+
+// A stroke of a second that is cut every 20 ms, whatever the rate, and a second in air.
+TEST(ProcessRecorderTest, CuttingTimeDoesNotCountTicksFromCoreVersion4On) {
+  for (uint32_t rate : {1000u, 4000u, 8000u}) {
+    for (uint32_t version : {3u, 4u}) {
+      core::CoreParams params = SomeParams();
+      params.rate_hz = rate;
+      params.core_version = version;
+      ProcessRecorder recorder(params);
+      for (uint32_t i = 0; i < 2 * rate; ++i) {
+        trace::Tick tick = TickAt(0, 100);
+        recorder.Add(tick, OutputOf(tick, i < rate && i % (rate / 50) == 0 ? 9 : 0));
+      }
+      // Before: one tick in 20 ms. Since: the last 50 ms begin 20 ms before the stroke's end.
+      EXPECT_DOUBLE_EQ(recorder.cutting_s(), version == 3 ? 50.0 / rate : 1.03) << rate;
+    }
+  }
 }
 
 TEST(ProcessRecorderTest, CountsLateAndBoundedTicks) {
