@@ -42,7 +42,7 @@ class PathOperator final : public SimulatedOperator {
   double Progress() const noexcept override;
 
  private:
-  static constexpr size_t kDelayRing = 512;
+  static constexpr size_t kDelayRing = 4096;  // eye_delay_s at the fastest loop, 20 kHz
   static constexpr size_t kMaxSides = 32;
   static constexpr size_t kMaxBins = 32;
 
