@@ -1,5 +1,6 @@
 #include "tests/server/jobs/recorded_attempt.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "common/scene/builtin.h"
@@ -16,26 +17,30 @@ constexpr double kBurRadius_mm = 0.5;
 // Tick by tick positions of the tip above the landmark, mm.
 class Path {
  public:
-  explicit Path(dvec3 start) : at_(start) {}
+  Path(dvec3 start, int32_t rate_hz) : at_(start), rate_hz_(rate_hz) {}
   void Move(const dvec3& to, double mm_per_s) {
     dvec3 from = at_;
     double length = std::sqrt(Dot(to - from, to - from));
-    int n = static_cast<int>(std::ceil(length / mm_per_s * 1000));
+    int n = static_cast<int>(std::ceil(length / mm_per_s * rate_hz_));
     for (int i = 1; i <= n; ++i)
       points.push_back(from + (to - from) * (static_cast<double>(i) / n));
     at_ = to;
   }
-  void Rest(int ticks) { points.insert(points.end(), static_cast<size_t>(ticks), at_); }
+  void Rest(int ms) {
+    points.insert(points.end(), static_cast<size_t>(ms) * static_cast<size_t>(rate_hz_) / 1000, at_);
+  }
   std::vector<dvec3> points;
 
  private:
   dvec3 at_;
+  int32_t rate_hz_;
 };
 
-std::vector<dvec3> PathOf(const scene::CavityTarget& target, const PathOptions& options) {
+std::vector<dvec3> PathOf(const scene::CavityTarget& target, const PathOptions& options,
+                          int32_t rate_hz) {
   double x0 = -target.half_size_um[0] * 1e-3 + kBurRadius_mm, x1 = -x0 + options.mesial_extra_mm;
   double y1 = target.half_size_um[1] * 1e-3 - kBurRadius_mm, z = -target.depth_um * 1e-3;
-  Path path({0, 0, 8});
+  Path path({0, 0, 8}, rate_hz);
   path.Rest(600);  // force and cutting come on in free air
   path.Move({0, 0, 0.2}, 40);
   path.Move({0, 0, z}, 4);
@@ -64,24 +69,27 @@ std::array<int32_t, 3> CountsOf(const dvec3& above_landmark_mm, const core::Core
 }  // namespace
 
 const World& World::Get() {
-  static const World world;
+  static const World world(1000, 10, haptics::kDefaultLaw);
   return world;
 }
 
-World::World() {
+World::World(int32_t rate_hz, int32_t damping_mn_s_per_mm, haptics::LawKind law) {
   auto built = scene::BuildBuiltinScene("block", kVoxel_nm);
   ENAMEL_CHECK(built.ok());
   scene = built->scene;
   volume = built->volume;
-  // Soft enough that the anchor follows the tip within the rests at the corners.
-  for (auto& t : scene.tissues) t.damping_mn_s_per_mm = 10;
+  // 10: soft enough that the anchor follows the tip within the rests at the corners.
+  for (auto& t : scene.tissues) t.damping_mn_s_per_mm = damping_mn_s_per_mm;
   volume_blob_ = scene::EncodeVolume(volume);
   exercise = scene::ClassOneExercise(scene, HashSha256(AsBytes(scene::ToJson(scene))));
   exercise.target.half_size_um = {1'500, 1'000, 0};
   exercise.target.depth_um = 1'000;
+  exercise.rate_hz = rate_hz;
+  exercise.law = law;
   for (const auto& p : scene::BuiltinProfiles()) {
     if (p.name == "phantom_desktop") profile = p;
   }
+  profile.rate_hz.value = rate_hz;
   auto plan = scene::CompilePlan(scene, exercise, profile);
   ENAMEL_CHECK(plan.ok());
   params = *plan;
@@ -139,7 +147,7 @@ Uuid World::Record(MemoryStore& store, const PathOptions& options, bool as_refer
     first += ticks.size();
     ticks.clear();
   };
-  std::vector<dvec3> points = PathOf(exercise.target, options);
+  std::vector<dvec3> points = PathOf(exercise.target, options, exercise.rate_hz);
   for (size_t i = 0; i < points.size(); ++i) {
     trace::Tick tick;
     tick.input.counts = CountsOf(points[i], params);
@@ -148,7 +156,9 @@ Uuid World::Record(MemoryStore& store, const PathOptions& options, bool as_refer
     if (i == points.size() - 50) tick.input.gap_ticks = options.gap_ticks;
     tick.witness = core.Step(tick.input).witness;
     ticks.push_back(tick);
-    if (ticks.size() == 250) flush();
+    if (ticks.size() == std::min(static_cast<size_t>(exercise.rate_hz) / 4, trace::kMaxTicksPerChunk)) {
+      flush();
+    }
   }
   flush();
   recording.seal = {row.id, static_cast<uint32_t>(recording.chunks.size()), core.ticks(), previous,

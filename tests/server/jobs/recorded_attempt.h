@@ -20,6 +20,8 @@ struct PathOptions {
 class World {
  public:
   static const World& Get();
+  // At another rate of 1 to 8 kHz, with the coupling of 1 kHz.
+  World(int32_t rate_hz, int32_t damping_mn_s_per_mm, haptics::LawKind law);
   void AddTo(MemoryStore& store) const;
   // Records an attempt and adds it, sealed, to the store.
   Uuid Record(MemoryStore& store, const PathOptions& path = {}, bool as_reference = false) const;
@@ -38,7 +40,6 @@ class World {
   trace::KeyPair station_key = trace::NewKeyPair();
 
  private:
-  World();
   Bytes volume_blob_;
 };
 

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <map>
 
 #include "common/scene/volume_blob.h"
 #include "common/scoring/score.h"
@@ -82,6 +84,61 @@ TEST_F(ScoreJobTest, AWallThreeTenthsTooFarOutIsFoundAndExplained) {
     explained |= c.reason.find("0.30 mm too deep") != std::string::npos;
   EXPECT_TRUE(explained);
 }
+
+// One motion, recorded, replayed to its witness and scored at several loop rates: what is measured in
+// seconds, millimetres and newtons does not count ticks. The hand's way is the same to a count; the
+// poses that are cut are not, so lengths agree to a quarter of a voxel (0.1 mm) and not to the bit.
+// Tough tissue (2.4 N) with the law without a memory; the default law in soft tissue, where the bur
+// keeps up: what it remembers of the hand is not the same at another rate.
+struct AtRates {
+  const char* name;
+  haptics::LawKind law;
+  int32_t damping_mn_s_per_mm;
+  double force_n;  // by which forces may differ, or 3 % where that is more
+};
+class ScoreAtRates : public testing::TestWithParam<AtRates> {};
+
+TEST_P(ScoreAtRates, OneMotionScoresTheSameAtEveryLoopRate) {
+  // Five voxels of volume; two of the 50 ms in which a cut counts as going on.
+  constexpr double kLength_mm = 0.025, kVolume_mm3 = 0.005, kTime_s = 0.1, kShare = 0.03;
+  constexpr double kPoints = 0.5;
+  std::map<std::string, double> slow;
+  double slow_score = 0;
+  for (int32_t rate : {1000, 2000, 4000, 8000}) {
+    const World world(rate, GetParam().damping_mn_s_per_mm, GetParam().law);
+    MemoryStore store;
+    world.AddTo(store);
+    Uuid reference = world.RecordReference(store);
+    ASSERT_TRUE(RunScoreJob(store, reference).ok());
+    Uuid attempt = world.Record(store, {.mesial_extra_mm = 0.3});
+    ASSERT_TRUE(RunScoreJob(store, attempt).ok());
+    ASSERT_EQ(store.attempts[attempt].problem, "") << rate;
+    auto score = scoring::ScoreFromJson(AsText(store.blobs[store.results[attempt].score_json]));
+    ASSERT_TRUE(score.ok()) << score.status().message();
+    EXPECT_TRUE(score->witness_ok) << rate;
+    if (rate == 1000) slow_score = score->score;
+    EXPECT_NEAR(score->score, slow_score, kPoints) << rate;
+    for (const auto& m : score->metrics) {
+      if (rate == 1000) {
+        slow[m.name] = m.value;
+        continue;
+      }
+      const double least = m.unit == "mm"    ? kLength_mm
+                           : m.unit == "mm3" ? kVolume_mm3
+                           : m.unit == "s"   ? kTime_s
+                           : m.unit == "N"   ? GetParam().force_n
+                                             : 1e-9;
+      EXPECT_NEAR(m.value, slow[m.name], std::max(least, kShare * std::fabs(slow[m.name])))
+          << m.name << " at " << rate << " Hz";
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Laws, ScoreAtRates,
+    testing::Values(AtRates{"MaxwellTough", haptics::LawKind::kMaxwell, 300, 0.02},
+                    AtRates{"DefaultSoft", haptics::kDefaultLaw, 10, 0.02}),
+    [](const testing::TestParamInfo<AtRates>& i) { return std::string(i.param.name); });
 
 TEST_F(ScoreJobTest, TicksGapsAndLateTicksAreOnTheScore) {
   Uuid attempt = WithReference({.gap_ticks = 40, .late = true});
