@@ -173,6 +173,8 @@ RotationalEngagement EngagementReader::ReadRotational(const dvec3& turn) const n
       if (!(area > 0)) continue;
     }
     out.shank = out.shank || a.shank;
+    out.area_m2 += area;
+    if (a.shank) out.shank_area_m2 += area;
     out.damping_n_m_s += Sym3::Outer(glm::cross(a.arm, a.press), a.beta * area);
   }
   return out;

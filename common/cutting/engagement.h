@@ -25,6 +25,8 @@ struct Engagement {
 struct RotationalEngagement {
   Sym3 damping_n_m_s;
   bool shank = false;  // the turn brings the shank into solid
+  // Of the surface that the turn brings into solid, weighted, m^2; of it, the shank's.
+  double area_m2 = 0, shank_area_m2 = 0;
 };
 
 // B of each tissue for motion across the bur's axis and along it, N s/m; its Coulomb part and its
