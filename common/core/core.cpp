@@ -14,6 +14,9 @@ constexpr double kSampleVoxels = 1.0 / 8;
 constexpr int kHashedBricksPerTick = 8;
 constexpr int kMaxTurns = 64;                  // half-voxel turns of the bur per tick
 constexpr double kWallRotational_n_m_s = 1e3;  // a still bur in contact does not turn
+// Area ahead of a turn below which a wall does not block it: what rounding leaves of a turn along
+// the wall is not one into it.
+constexpr double kWallArea_m2 = 1e-12;
 
 double ReachOf(const CoreParams& p) {
   cutting::Bur bur = BurOf(p);
@@ -64,6 +67,17 @@ haptics::TouchCueParams CuesOf(const CoreParams& p) {
       dvec3(p.resolution_nm[0], p.resolution_nm[1], p.resolution_nm[2]) * 0.5e-9;
   c.account.delay_ticks = static_cast<int>(p.bus_delay_ticks);
   return c;
+}
+
+haptics::TurningParams TurningOf(const CoreParams& p, double voxel_m) {
+  haptics::TurningParams t;
+  t.k_n_m_per_rad = p.rotational_kc_un_m_per_rad * 1e-6;
+  t.peak_n_m = p.peak_torque_un_m * 1e-6;
+  t.cell_rad = p.rotation_cell_urad * 1e-6;
+  t.tick_s = 1.0 / p.rate_hz;
+  t.delay_ticks = static_cast<int>(p.bus_delay_ticks);
+  t.max_turn_rad = 0.5 * voxel_m / ReachOf(p);
+  return t;
 }
 
 // Rounds half away from zero and saturates.
@@ -144,6 +158,49 @@ class Core::TissueMaterial final : public haptics::Material {
   Core& core_;
 };
 
+// The same for a bur that turns about its tip.
+class Core::TurnedMaterial final : public haptics::TurnMaterial {
+ public:
+  TurnedMaterial(Core& core, TissueMaterial& tissue) : core_(core), tissue_(tissue) {}
+
+  haptics::TurnContact ContactAt(const Quat& bur, const dvec3& turn_rad) noexcept override {
+    const Pose pose{core_.coupling_.anchor_m(), bur};
+    const double turn = std::sqrt(Dot(turn_rad, turn_rad));
+    const double voxel = core_.volume_.spec().voxel_m();
+    haptics::TurnContact contact;
+    // What a turn sweeps lies within the bur's own reach.
+    if (!core_.cutter_.AnySolidNear(pose, turn * core_.reach_m_ + voxel)) {
+      contact.clear_rad = turn;
+      core_.sample_valid_ = false;
+      return contact;
+    }
+    if (!core_.cutter_.AnySolidNear(pose, voxel)) return contact;
+    core_.ReadContact(pose);
+    if (!core_.engagement_.AnyContact()) return contact;
+    const cutting::RotationalEngagement ahead = core_.engagement_.ReadRotational(turn_rad);
+    const double blocked_m2 = core_.bur_on_ ? ahead.shank_area_m2 : ahead.area_m2;
+    if (blocked_m2 > kWallArea_m2) {
+      contact.damping_n_m_s = Sym3::Isotropic(kWallRotational_n_m_s);
+    } else if (core_.bur_on_) {
+      contact.damping_n_m_s = ahead.damping_n_m_s * (1 / core_.handpiece_.speed_ratio());
+    }
+    return contact;
+  }
+
+  void BurTurned(const Quat& bur, bool far) noexcept override {
+    core_.orientation_ = bur;
+    if (far) {
+      core_.FinishCut();
+    } else {
+      tissue_.AnchorMoved(core_.coupling_.anchor_m(), core_.coupling_.anchor_m());
+    }
+  }
+
+ private:
+  Core& core_;
+  TissueMaterial& tissue_;
+};
+
 Core::Core(const CoreParams& params, cutting::Volume initial)
     : params_(params),
       volume_(std::move(initial)),
@@ -152,6 +209,8 @@ Core::Core(const CoreParams& params, cutting::Volume initial)
       sweep_(volume_.spec().voxel_m(), reach_m_),
       engagement_(BurOf(params), volume_.spec().voxel_m(), DampingOf(params), RuleOf(params)),
       coupling_(CouplingOf(params, volume_.spec().voxel_m())),
+      torque_(params.core_version >= 4 && params.peak_torque_un_m > 0),
+      turning_(TurningOf(params, volume_.spec().voxel_m())),
       handpiece_(params),
       cues_(CuesOf(params)) {
   ENAMEL_CHECK(ValidateParams(params).ok());
@@ -185,6 +244,7 @@ void Core::FollowTip(const dvec3& tip_m, const Quat& orientation) noexcept {
   FinishCut();
   coupling_.Reset(tip_m);
   orientation_ = orientation;
+  if (torque_) turning_.Reset(orientation);
   sample_valid_ = false;
 }
 
@@ -200,9 +260,20 @@ void Core::AwaitFreeAir(const dvec3& tip_m, const Quat& orientation) noexcept {
   suspended_ = touches || free_ticks_ < params_.soft_start_ticks;
 }
 
-bool Core::ResumeAfterGap(const dvec3& tip_m) noexcept {
+bool Core::ResumeAfterGap(const dvec3& tip_m, const Quat& device) noexcept {
   TissueMaterial material(*this);
-  return coupling_.Resume(tip_m, material);
+  if (torque_ && !turning_.CanResume(device)) return false;
+  if (!coupling_.Resume(tip_m, material)) return false;
+  if (torque_) {
+    TurnedMaterial turned(*this, material);
+    turning_.Resume(device, turned);
+  }
+  return true;
+}
+
+dvec3 Core::FeelTurning(const Quat& device, TissueMaterial& material) noexcept {
+  TurnedMaterial turned(*this, material);
+  return turning_.Tick(device, turned);
 }
 
 // The anchor's orientation follows the device's through the same coupling as its position, felt or
@@ -318,7 +389,7 @@ TickOutput Core::Step(const TickInput& input) noexcept {
 
   bool stop = !started_ || faulted || (input.flags & kSoftRestart) != 0;
   bool unfelt = input.gap_ticks > 0 && (input.flags & kHeldGap) == 0;
-  bool lost = unfelt && !stop && (suspended_ || !ResumeAfterGap(tip));
+  bool lost = unfelt && !stop && (suspended_ || !ResumeAfterGap(tip, device));
   if (stop || lost) {
     Suspend(tip, device);
     started_ = true;
@@ -329,7 +400,12 @@ TickOutput Core::Step(const TickInput& input) noexcept {
   } else if (!unfelt) {
     TissueMaterial material(*this);
     handpiece_.Step(bur_on_ ? resisting_n_ : 0);
-    FollowOrientation(device, material);
+    dvec3 torque(0);
+    if (torque_) {
+      torque = FeelTurning(device, material);
+    } else {
+      FollowOrientation(device, material);
+    }
     haptics::CouplingOutput tick = coupling_.Tick(tip, 1, material);
     // A turn without a move; and a bur that stays lets what it has passed be cut in time.
     material.AnchorMoved(coupling_.anchor_m(), coupling_.anchor_m());
@@ -341,6 +417,7 @@ TickOutput Core::Step(const TickInput& input) noexcept {
     } else {
       out.force_computed_n = tick.force_computed_n;
       out.force_sent_n = tick.force_sent_n;
+      out.torque_sent_n_m = torque;
     }
   }
   resisting_n_ = std::sqrt(Dot(out.force_sent_n, out.force_sent_n));
@@ -379,6 +456,7 @@ void Core::FoldHash(const TickInput& input, const TickOutput& out) noexcept {
   for (int i = 0; i < 3; ++i) {
     hash_.F64(out.anchor.tip_m[i]);
     hash_.F64(out.force_sent_n[i]);
+    if (torque_) hash_.F64(out.torque_sent_n_m[i]);
   }
   hash_.F64(orientation_.x);
   hash_.F64(orientation_.y);

@@ -16,6 +16,7 @@
 #include "common/cutting/volume.h"
 #include "common/haptics/coupling.h"
 #include "common/haptics/touch_cues.h"
+#include "common/haptics/turning.h"
 #include "common/math/orientation.h"
 
 // The deterministic core: quantised pose in; force, anchor, tooth and state hash out.
@@ -77,6 +78,7 @@ struct TickOutput {
   const dvec3& pressed_n() const noexcept {
     return (flags & kTouchCue) != 0 ? force_computed_n : force_sent_n;
   }
+  dvec3 torque_sent_n_m{0};  // on the operator, scene frame; 0 without peak_torque_un_m
   cutting::Pose anchor;             // the bur as drawn and as it cuts
   cutting::RemovedUnits removed{};  // by this tick, per tissue, 1/65536 voxel
   double bur_speed_ratio = 1;       // the handpiece's speed, as a share of its free speed
@@ -100,6 +102,14 @@ struct TickOutput {
 // the first contact and the rest of the tick is spent in what was found there (haptics/coupling.h).
 // A tick's last cut is done in two halves, the second at the beginning of the next tick. Touch cues
 // (haptics/touch_cues.h) are added last, to the force sent alone: nothing else feels them.
+//
+// Torque (CoreParams::peak_torque_un_m above 0): a spring between the device's orientation and the
+// bur's, whose every turn is a guarded one (haptics/turning.h). Its resistance comes from the same
+// engagement as the force's: only what the turn brings into solid resists; a still bur, and the
+// shank, do not turn into solid. Torque is 0 wherever force is switched off. After a short gap it
+// stays off until the hand has turned back to where the bur is; if the bur's far end would have to
+// move by more than half a voxel to follow, the core is suspended as after a jump. The state hash
+// covers it; the witness has no field for it.
 //
 // Work in a tick is bounded: at most kMaxMovesPerTick moves of the anchor, each with one engagement
 // sample, and kMaxCutsPerTick cuts of at most Cutter::MaxBricks bricks. The laws that take the bur
@@ -153,11 +163,13 @@ class Core {
 
  private:
   class TissueMaterial;
+  class TurnedMaterial;
 
   void Suspend(const dvec3& tip_m, const Quat& orientation) noexcept;
   void FollowTip(const dvec3& tip_m, const Quat& orientation) noexcept;
   void AwaitFreeAir(const dvec3& tip_m, const Quat& orientation) noexcept;
-  bool ResumeAfterGap(const dvec3& tip_m) noexcept;
+  bool ResumeAfterGap(const dvec3& tip_m, const Quat& device) noexcept;
+  dvec3 FeelTurning(const Quat& device, TissueMaterial& material) noexcept;
   void FollowOrientation(const Quat& device, TissueMaterial& material) noexcept;
   dvec3 RotationalStretch(const dvec3& e_rad, double dt_s) noexcept;
   void ReadContact(const cutting::Pose& pose) noexcept;
@@ -176,6 +188,8 @@ class Core {
   cutting::Sweep sweep_;
   cutting::EngagementReader engagement_;
   haptics::Coupling coupling_;
+  const bool torque_;  // on this device, in this version
+  haptics::Turning turning_;
   Handpiece handpiece_;
   haptics::TouchCues cues_;
   // What the material was asked for in this tick, for the cues: B is the touched tissue's own.

@@ -12,6 +12,7 @@ bool Core::VisitState(StateArchive& archive) {
   sweep_.VisitState(archive);
   coupling_.VisitState(archive);
   cues_.VisitState(archive);
+  if (torque_) turning_.VisitState(archive);
   cutter_.VisitState(archive);
   engagement_.VisitState(archive);
   // Of the ring only the bricks that wait, from the front.

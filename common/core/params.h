@@ -23,6 +23,10 @@ namespace enamel::core {
 // otherwise the same.
 inline constexpr uint32_t kCoreVersion = 4, kOldestCoreVersion = 2;
 
+// What rounding an orientation to four 16-bit numbers alone costs: |dq| <= 1/32767, and an angle is
+// twice that.
+inline constexpr int32_t kLeastRotationCell_urad = 62;
+
 // Everything the core's result depends on besides the initial volume and the recorded inputs.
 // Integers with units, never decimal text, so that both sides start from the same bits. Written
 // into every attempt header (schemas/trace_format.md, "Core parameters").
@@ -65,7 +69,8 @@ struct CoreParams {
   std::array<int32_t, cutting::kTissueCount> coulomb_mn{}, threshold_mn{};
   // From core version 4 on; all at 0 before.
   // Largest angle between the true and the measured orientation, urad: what the torque's guard
-  // counts with. Above 0 where a torque is sent.
+  // counts with, kLeastRotationCell_urad of which are the recording's own. Needed where a torque is
+  // sent; then rotational_kc_un_m_per_rad is needed too, and peak_torque_un_m >= 2 K cell.
   int32_t rotation_cell_urad = 0;
   // Touch cues: the largest force of the knock on contact and of the bur's chatter, and the energy
   // they may give the hand: at once, and refilled with time. 0: none.

@@ -564,6 +564,7 @@ TEST(CoreParamsTest, FieldsOfTheFourthCoreComeBackAndAreRefusedOutOfRangeOrInAnE
   CoreParams full = Params();
   full.peak_torque_un_m = 250'000;
   full.rotation_cell_urad = 400;
+  full.rotational_kc_un_m_per_rad = 800'000;
   full.contact_cue_mn = 300;
   full.chatter_cue_mn = 200;
   full.cue_energy_nj = 50'000;
@@ -584,8 +585,14 @@ TEST(CoreParamsTest, FieldsOfTheFourthCoreComeBackAndAreRefusedOutOfRangeOrInAnE
   EXPECT_EQ(refused([](CoreParams& p) { p.core_version = 2; }), "peak_torque_un_m");
   EXPECT_EQ(refused([](CoreParams& p) { p.core_version = 3; }), "rotation_cell_urad");
   EXPECT_EQ(refused([](CoreParams& p) { p.peak_torque_un_m = -1; }), "peak_torque_un_m");
-  // A torque needs to know how well the orientation is known.
-  EXPECT_EQ(refused([](CoreParams& p) { p.rotation_cell_urad = 0; }), "rotation_cell_urad");
+  // A torque needs a spring, and to know how well the orientation is known: no better than it is
+  // recorded. And a bound that lets the bur follow the hand in air.
+  EXPECT_EQ(refused([](CoreParams& p) { p.rotation_cell_urad = 61; }), "rotation_cell_urad");
+  EXPECT_EQ(refused([](CoreParams& p) { p.rotational_kc_un_m_per_rad = 0; }),
+            "rotational_kc_un_m_per_rad");
+  EXPECT_EQ(refused([](CoreParams& p) { p.peak_torque_un_m = 639; }), "peak_torque_un_m");
+  full.peak_torque_un_m = 640;
+  EXPECT_TRUE(ValidateParams(full).ok());
   EXPECT_EQ(refused([](CoreParams& p) { p.contact_cue_mn = 2001; }), "contact_cue_mn");
   EXPECT_EQ(refused([](CoreParams& p) { p.chatter_cue_mn = -1; }), "chatter_cue_mn");
   EXPECT_EQ(refused([](CoreParams& p) { p.cue_energy_nj = 1'000'001; }), "cue_energy_nj");

@@ -15,8 +15,11 @@ namespace enamel::core {
 namespace {
 
 TEST(RealtimeTest, NoTickAllocates) {
+  int32_t torque = 0;
   for (const cutting::Bur& bur : test::AllBurs()) {
     CoreParams p = test::ParamsFor(bur);
+    p.peak_torque_un_m = torque = 200'000 - torque;  // every second bur on a six-axis device
+    p.rotation_cell_urad = 300;
     p.soft_start_ticks = 20;
     p.rotational_kc_un_m_per_rad = 20'000;
     p.handpiece_stall_un_m = 2330;
