@@ -82,7 +82,11 @@ core::CoreParams ParamsFor(uint64_t seed) {
   p.damping_mn_s_per_mm[1] = 1500;
   p.damping_mn_s_per_mm[2] = 900;
   p.rotational_kc_un_m_per_rad = seed % 4 ? 0 : 20'000;
+  // Every second recording is of a six-axis device, with touch cues.
   if (seed % 2 == 0) {
+    p.rotational_kc_un_m_per_rad = 800'000;
+    p.peak_torque_un_m = 100'000;
+    p.rotation_cell_urad = 300;
     p.contact_cue_mn = 300;
     p.chatter_cue_mn = 200;
     p.cue_energy_nj = 200'000;

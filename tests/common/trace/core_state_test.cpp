@@ -39,23 +39,25 @@ std::vector<TickInput> BusyInputs() {
   return inputs;
 }
 
-CoreParams ParamsOf(haptics::LawKind law) {
+CoreParams ParamsOf(haptics::LawKind law, bool torque = false) {
   CoreParams params = sample::MakeHeader().params;
   params.law = law;
   params.bur_shape = cutting::BurShape::kCylinder;
   params.bur_length_nm = 2'000'000;
-  params.rotational_kc_un_m_per_rad = 5000;
   params.contact_cue_mn = 300;
   params.chatter_cue_mn = 200;
   params.cue_energy_nj = 100'000;
   params.cue_power_nw = 500'000;
+  params.rotational_kc_un_m_per_rad = torque ? 800'000 : 5000;
+  params.peak_torque_un_m = torque ? 100'000 : 0;
+  params.rotation_cell_urad = torque ? 300 : 0;
+  params.bus_delay_ticks = torque ? 1 : 0;
   return params;
 }
 
 class CoreStateTest : public testing::TestWithParam<haptics::LawEntry> {};
 
-TEST_P(CoreStateTest, RestoredCoreGoesOnTickByTickAsTheOneThatWasSaved) {
-  CoreParams params = ParamsOf(GetParam().kind);
+void ExpectRestoredGoesOn(const CoreParams& params) {
   auto inputs = BusyInputs();
   for (size_t keyframe : {0u, 50u, 700u, 901u, 1501u, 2000u, 2099u, 2101u}) {
     Core original(params, sample::MakeBlock()), copy(params, sample::MakeBlock());
@@ -73,12 +75,20 @@ TEST_P(CoreStateTest, RestoredCoreGoesOnTickByTickAsTheOneThatWasSaved) {
   }
 }
 
+TEST_P(CoreStateTest, RestoredCoreGoesOnTickByTickAsTheOneThatWasSaved) {
+  ExpectRestoredGoesOn(ParamsOf(GetParam().kind));
+}
+
 INSTANTIATE_TEST_SUITE_P(Laws, CoreStateTest, testing::ValuesIn(haptics::ForceLaws()),
                          [](const auto& law) {
                            std::string name;
                            for (char c : law.param.name) name += c == '-' ? '_' : c;
                            return name;
                          });
+
+TEST(CoreStateTorqueTest, RestoredCoreOfASixAxisDeviceGoesOnAsTheOneThatWasSaved) {
+  ExpectRestoredGoesOn(ParamsOf(haptics::kDefaultLaw, true));
+}
 
 TEST(CoreStateBytesTest, BytesThatAreCutShortLeftOverOrNoStateAreRefused) {
   CoreParams params = ParamsOf(haptics::LawKind::kGatedMaxwell);
