@@ -33,8 +33,8 @@ inline constexpr size_t kDefaultSceneBytes = size_t{2} << 30;
 Result<BuiltScene> BuildBuiltinScene(std::string_view name, int32_t voxel_nm,
                                      size_t max_bytes = kDefaultSceneBytes);
 
-// The paper's three devices with the provenance of every number: omega3, phantom_desktop, bhhd3; and
-// pointer, for what has no motors (mouse, 6-DoF mouse).
+// The paper's three devices with the provenance of every number: omega3, phantom_desktop, bhhd3;
+// pointer, for what has no motors (mouse, 6-DoF mouse); and sigma7, which drives six axes.
 std::vector<DeviceProfile> BuiltinProfiles();
 
 // Class I occlusal cavity on any scene with an "occlusal_centre" landmark.

@@ -70,6 +70,36 @@ DeviceProfile Bhhd3() {
   return p;
 }
 
+// A device that drives all six axes.
+DeviceProfile Sigma7() {
+  constexpr const char* kList = "CHAI3D's device list (sigma.7)";
+  DeviceProfile p;
+  p.name = "sigma7";
+  p.title = "sigma.7, six driven axes";
+  p.resolution_nm = {1'500, "assumption: 0.0015 mm; no published figure was at hand"};
+  p.max_stiffness_mn_per_mm = {4'000, "CHAI3D's device list (sigma.7, 4000 N/m)"};
+  p.coupling_mn_per_mm = {3'600, "chosen: below the listed stiffness"};
+  p.damping_mn_s_per_m = {
+      2'000, "assumption: K T/2 at 1 kHz, so that the listed stiffness is the largest passive one"};
+  p.friction_mn = {80, kFrictionSource};
+  p.mass_g = {400, kMassSource};
+  p.peak_force_mn = {12'000, "CHAI3D's device list (sigma.7, 12 N)"};
+  p.continuous_force_mn = {12'000, "assumption: as the peak; no published figure was at hand"};
+  p.rate_hz = {1'000, "assumption: one tick per millisecond"};
+  p.bus_delay_ticks = {0, kDelaySource};
+  p.workspace_radius_um = {70'000, "CHAI3D's device list (sigma.7), rounded down"};
+  p.axes = {6, kList};
+  p.torque.emplace();
+  p.torque->peak_un_m = {200'000, "CHAI3D's device list (sigma.7, 0.2 N m)"};
+  p.torque->coupling_un_m_per_rad = {800'000, "chosen: below CHAI3D's 1 N m/rad for the sigma.7"};
+  p.torque->damping_un_m_s_per_rad = {
+      500, "assumption: K T/2 at 1 kHz, so that CHAI3D's 1 N m/rad is the largest passive one"};
+  p.torque->friction_un_m = {1'000, "assumption: Coulomb friction of the wrist, not measured"};
+  p.torque->orientation_cell_urad = {
+      300, "assumption: half the diagonal of cells of 0.013 degrees, and the recording's rounding"};
+  return p;
+}
+
 // Devices without motors. Nothing is felt, so nothing can be unstable: the numbers choose how
 // closely the bur follows the hand (10 N/mm: 0.3 mm behind it at 3 N) and satisfy the same premises
 // as a real device's.
@@ -95,7 +125,7 @@ DeviceProfile Pointer() {
 }  // namespace
 
 std::vector<DeviceProfile> BuiltinProfiles() {
-  return {Omega3(), PhantomDesktop(), Bhhd3(), Pointer()};
+  return {Omega3(), PhantomDesktop(), Bhhd3(), Pointer(), Sigma7()};
 }
 
 }  // namespace enamel::scene

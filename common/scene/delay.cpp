@@ -25,7 +25,13 @@ int64_t PassiveCoupling_mn_per_mm(const DeviceProfile& profile, int64_t rate_hz,
                                   int64_t delay_ticks) {
   // In integers: mN/mm = N/m, b in mN s/m.
   const int64_t held = delay_ticks + 1;
-  return 2 * profile.damping_mn_s_per_m.value * rate_hz / (1000 * held * held);
+  return 2 * profile.viscous_mn_s_per_m() * rate_hz / (1000 * held * held);
+}
+
+int64_t PassiveTorque_un_m_per_rad(const DeviceProfile& profile, int64_t rate_hz,
+                                   int64_t delay_ticks) {
+  const int64_t held = delay_ticks + 1;
+  return 2 * profile.torque->damping_un_m_s_per_rad.value * rate_hz / (held * held);
 }
 
 Result<DeviceProfile> WithDelay(const DeviceProfile& profile, int64_t rate_hz,
@@ -35,7 +41,7 @@ Result<DeviceProfile> WithDelay(const DeviceProfile& profile, int64_t rate_hz,
     return Status(
         Code::kInvalidInput,
         "device profile '" + profile.name + "': with " + std::to_string(delay_ticks) +
-            " ticks of delay and damping b = " + std::to_string(profile.damping_mn_s_per_m.value) +
+            " ticks of delay and damping b = " + std::to_string(profile.viscous_mn_s_per_m()) +
             " mN s/m no coupling is passive at " + std::to_string(rate_hz) +
             " Hz: measure both with 'enamel-station calibrate'",
         "bus_delay_ticks");
@@ -43,6 +49,20 @@ Result<DeviceProfile> WithDelay(const DeviceProfile& profile, int64_t rate_hz,
   DeviceProfile out = profile;
   out.bus_delay_ticks.value = delay_ticks;
   out.coupling_mn_per_mm.value = std::min(profile.coupling_mn_per_mm.value, passive);
+  if (out.torque) {
+    const int64_t turning = PassiveTorque_un_m_per_rad(profile, rate_hz, delay_ticks);
+    if (turning < 1) {
+      return Status(Code::kInvalidInput,
+                    "device profile '" + profile.name + "': with " + std::to_string(delay_ticks) +
+                        " ticks of delay and damping b_rot = " +
+                        std::to_string(profile.torque->damping_un_m_s_per_rad.value) +
+                        " uN m s/rad no torque is passive at " + std::to_string(rate_hz) +
+                        " Hz: measure both, or take a profile without torque",
+                    "damping_un_m_s_per_rad");
+    }
+    int64_t& k = out.torque->coupling_un_m_per_rad.value;
+    k = std::min(k, turning);
+  }
   return out;
 }
 

@@ -36,13 +36,19 @@ struct DelayUsed {
 DelayUsed DelayOfAttached(const DeviceProfile& profile, const Calibration* calibration,
                           int64_t rate_hz);
 
-// Largest Kc with this delay: 2 b f/(d + 1)^2, mN/mm, rounded down. Requires: rate_hz > 0,
+// Largest Kc with this delay: 2 b f/(d + 1)^2, mN/mm, rounded down; b with the electrical damping. Requires: rate_hz > 0,
 // delay_ticks in 0..kMostDelay_ticks.
 int64_t PassiveCoupling_mn_per_mm(const DeviceProfile& profile, int64_t rate_hz,
                                   int64_t delay_ticks);
 
-// The profile with this delay, and with Kc lowered to what is passive then; never raised. Its other
-// numbers stay. Errors: kInvalidInput when less than 1 mN/mm is left, with what to do.
+// Largest torque stiffness K with this delay: 2 b_rot f/(d + 1)^2, uN m/rad, rounded down. Requires
+// as above, and profile.torque.
+int64_t PassiveTorque_un_m_per_rad(const DeviceProfile& profile, int64_t rate_hz,
+                                   int64_t delay_ticks);
+
+// The profile with this delay, and with Kc and the torque's K lowered to what is passive then; never
+// raised. Its other numbers stay. Errors: kInvalidInput when less than 1 mN/mm or 1 uN m/rad is
+// left, with what to do.
 Result<DeviceProfile> WithDelay(const DeviceProfile& profile, int64_t rate_hz, int64_t delay_ticks);
 
 // Whether these are the parameters that CompilePlan gives for the profile as it stands (a simulated

@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <array>
 #include <boost/json.hpp>
+#include <string>
 
+#include "common/core/params.h"
 #include "common/scene/json.h"
 #include "common/scene/json_read.h"
 #include "common/scene/json_text.h"
@@ -11,16 +13,19 @@ namespace {
 
 namespace json = boost::json;
 
-// Format 2 adds what may be unknown, format 3 whether the delay was measured; a document without
-// any of it is written as format 1.
-constexpr int64_t kFormat = 1, kFormatOptional = 2, kFormatMeasured = 3;
-constexpr std::string_view kDelay = "bus_delay_ticks", kMeasured = "measured";
+// Format 2 adds what may be unknown, format 3 whether the delay was measured, format 4 torque and
+// electrical damping; a document without any of it is written as format 1.
+constexpr int64_t kFormat = 1, kFormatOptional = 2, kFormatMeasured = 3, kFormatTorque = 4;
+constexpr std::string_view kDelay = "bus_delay_ticks", kMeasured = "measured", kTorque = "torque";
+constexpr int64_t kSixAxes = 6;
 
-struct Number {
+template <typename Owner>
+struct NumberOf {
   const char* name;
-  Sourced DeviceProfile::*member;
+  Sourced Owner::*member;
   int64_t lo, hi;
 };
+using Number = NumberOf<DeviceProfile>;
 
 // The order is that of the canonical document.
 constexpr std::array<Number, 11> kNumbers = {{
@@ -43,7 +48,20 @@ constexpr std::array<Number, 3> kOptional = {{
     {"thermal_time_constant_ms", &DeviceProfile::thermal_time_constant_ms, 1, 86'400'000},
 }};
 
-Sourced ReadSourced(ObjectReader& in, const Number& n, bool* measured = nullptr) {
+constexpr Number kElectrical = {"electrical_damping_mn_s_per_m",
+                                &DeviceProfile::electrical_damping_mn_s_per_m, 1, 1'000'000'000};
+
+constexpr std::array<NumberOf<TorqueSpec>, 5> kTorqueNumbers = {{
+    {"peak_un_m", &TorqueSpec::peak_un_m, 1, 100'000'000},
+    {"coupling_un_m_per_rad", &TorqueSpec::coupling_un_m_per_rad, 1, 100'000'000},
+    {"damping_un_m_s_per_rad", &TorqueSpec::damping_un_m_s_per_rad, 0, 1'000'000'000},
+    {"friction_un_m", &TorqueSpec::friction_un_m, 0, 100'000'000},
+    {"orientation_cell_urad", &TorqueSpec::orientation_cell_urad, core::kLeastRotationCell_urad,
+     100'000},
+}};
+
+template <typename Owner>
+Sourced ReadSourced(ObjectReader& in, const NumberOf<Owner>& n, bool* measured = nullptr) {
   ObjectReader item = in.Object(n.name);
   Sourced s;
   s.value = item.Int("value", n.lo, n.hi);
@@ -56,25 +74,52 @@ Sourced ReadSourced(ObjectReader& in, const Number& n, bool* measured = nullptr)
   return s;
 }
 
+json::object Document(const Sourced& s) { return {{"value", s.value}, {"source", s.source}}; }
+
+void ReadTorque(ObjectReader& in, DeviceProfile& profile) {
+  const bool six = profile.axes.value == kSixAxes;
+  if (!in.Has(kTorque)) {
+    if (six)
+      in.Refuse(kTorque, "what it is about its three axes of rotation, as axes is 6", "nothing");
+    return;
+  }
+  if (!six) {
+    in.Refuse(kTorque, "nothing, or axes 6",
+              "torque with axes " + std::to_string(profile.axes.value));
+    return;
+  }
+  ObjectReader item = in.Object(kTorque);
+  TorqueSpec& torque = profile.torque.emplace();
+  for (const auto& n : kTorqueNumbers) torque.*n.member = ReadSourced(item, n);
+  item.Finish();
+}
+
 }  // namespace
 
 std::string ToJson(const DeviceProfile& profile) {
   auto Known = [&](const Number& n) { return !(profile.*n.member).source.empty(); };
   bool optional = std::any_of(kOptional.begin(), kOptional.end(), Known);
-  json::object out{{"format", profile.delay_measured ? kFormatMeasured
-                              : optional             ? kFormatOptional
-                                                     : kFormat},
+  const bool newest = profile.torque || Known(kElectrical);
+  json::object out{{"format", newest                   ? kFormatTorque
+                              : profile.delay_measured ? kFormatMeasured
+                              : optional               ? kFormatOptional
+                                                       : kFormat},
                    {"name", profile.name},
                    {"title", profile.title}};
   for (const Number& n : kNumbers) {
     const Sourced& s = profile.*n.member;
-    json::object item{{"value", s.value}, {"source", s.source}};
+    json::object item = Document(s);
     if (profile.delay_measured && n.name == kDelay) item[kMeasured] = true;
     out[n.name] = std::move(item);
   }
   for (const Number& n : kOptional) {
-    const Sourced& s = profile.*n.member;
-    if (Known(n)) out[n.name] = json::object{{"value", s.value}, {"source", s.source}};
+    if (Known(n)) out[n.name] = Document(profile.*n.member);
+  }
+  if (Known(kElectrical)) out[kElectrical.name] = Document(profile.*kElectrical.member);
+  if (profile.torque) {
+    json::object item;
+    for (const auto& n : kTorqueNumbers) item[n.name] = Document((*profile.torque).*n.member);
+    out[kTorque] = std::move(item);
   }
   return CanonicalText(out);
 }
@@ -85,7 +130,7 @@ Result<DeviceProfile> ProfileFromJson(std::string_view text) {
   Status status;
   ObjectReader in(*document, "", status);
   DeviceProfile profile;
-  int64_t format = in.Format(kFormat, kFormatMeasured);
+  int64_t format = in.Format(kFormat, kFormatTorque);
   profile.name = in.Name("name");
   profile.title = in.Text("title", 1, 200);
   for (const Number& n : kNumbers) {
@@ -94,6 +139,10 @@ Result<DeviceProfile> ProfileFromJson(std::string_view text) {
   }
   for (const Number& n : kOptional) {
     if (format >= kFormatOptional && in.Has(n.name)) profile.*n.member = ReadSourced(in, n);
+  }
+  if (format >= kFormatTorque) {
+    if (in.Has(kElectrical.name)) profile.*kElectrical.member = ReadSourced(in, kElectrical);
+    ReadTorque(in, profile);
   }
   in.Finish();
   if (!status.ok()) return status;

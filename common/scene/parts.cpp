@@ -51,6 +51,12 @@ Part OtherBurs(const Exercise& exercise) {
           "the exercise has one bur, a " + std::string(cutting::BurShapeName(exercise.bur_shape))};
 }
 
+// Also in a replay: the state hash covers it.
+Part Torque(const Use& use) {
+  return {PartId::kTorque, "torque", use.torque,
+          use.torque ? "the device has six driven axes" : "the device drives no rotation"};
+}
+
 Part Surface(const Use& use) {
   bool shown = use.window && !use.replay;
   return {PartId::kSurface, "surface", shown,
@@ -73,7 +79,7 @@ std::vector<Part> ListParts(const Scene& scene, const Exercise& exercise, const 
       {PartId::kBeyondReach, "beyond reach", true,
        "a hand may go anywhere; the exercise itself stays 2 mm inside of it"},
       {PartId::kTurning, "turning", true, "a bur must not cut by turning, felt or not"},
-      {PartId::kTorque, "torque", false, "the device has three degrees of freedom"},
+      Torque(use),
       TouchCues(exercise),
       OtherBurs(exercise),
       Surface(use),

@@ -36,6 +36,7 @@ struct Part {
 struct Use {
   bool window = false;
   bool replay = false;  // a recording is re-run: no device
+  bool torque = false;  // the device has six driven axes and a peak torque above 0
 };
 
 // Every part once, in the order of PartId. Requires: CompilePlan and CheckVolume accept the scene.

@@ -66,6 +66,41 @@ Status CheckFriction(const DeviceProfile& profile) {
                 "friction_mn");
 }
 
+// K <= 2 b_rot f/(d + 1)^2 and c_rot >= K rho: the same for turning (haptics/README.md, "Torque").
+Status CheckTorque(const Exercise& exercise, const DeviceProfile& profile) {
+  if (!profile.torque) return Status::Ok();
+  const TorqueSpec& t = *profile.torque;
+  const int64_t k = t.coupling_un_m_per_rad.value, cell = t.orientation_cell_urad.value;
+  const int64_t delay = profile.bus_delay_ticks.value;
+  const int64_t allowed = PassiveTorque_un_m_per_rad(profile, exercise.rate_hz, delay);
+  const std::string who = "device profile '" + profile.name + "': torque stiffness K = ";
+  if (k > allowed) {
+    return Refuse(who + std::to_string(k) +
+                      " uN m/rad is above the passive limit 2 b_rot f/(d + 1)^2 = " +
+                      std::to_string(allowed) + " uN m/rad at " + std::to_string(exercise.rate_hz) +
+                      " Hz and " + std::to_string(delay) + " ticks of delay: set at most " +
+                      std::to_string(allowed),
+                  "coupling_un_m_per_rad");
+  }
+  const int64_t needed = (k * cell + 999'999) / 1'000'000;
+  if (t.friction_un_m.value < needed) {
+    return Refuse(who + std::to_string(k) + " uN m/rad needs friction c_rot of K rho = " +
+                      std::to_string(needed) + " uN m, found " +
+                      std::to_string(t.friction_un_m.value) + ": set K to at most " +
+                      std::to_string(t.friction_un_m.value * 1'000'000 / cell) +
+                      ", or c_rot to at least " + std::to_string(needed) + " if the device has it",
+                  "friction_un_m");
+  }
+  const int64_t least = (2 * k * cell + 999'999) / 1'000'000;
+  if (t.peak_un_m.value < least) {
+    return Refuse(who + std::to_string(k) + " uN m/rad needs a peak of 2 K rho = " +
+                      std::to_string(least) + " uN m, found " + std::to_string(t.peak_un_m.value) +
+                      ": lower K, or take a profile without torque",
+                  "peak_un_m");
+  }
+  return Status::Ok();
+}
+
 Status CheckScene(const Scene& scene, const Exercise& exercise) {
   if (!exercise.scene.IsZero() && exercise.scene != HashSha256(AsBytes(ToJson(scene)))) {
     return Status(Code::kConflict,
@@ -150,6 +185,12 @@ core::CoreParams Compile(const Scene& scene, const Exercise& exercise,
   // The coupling's stiffness at half the bur's height, as an angle: Kc (h/2)^2; 1 N/m (1 m)^2 = 1 N m/rad.
   double arm_m = 0.5e-9 * (p.bur_shape == cutting::BurShape::kSphere ? 2.0 * p.bur_radius_nm : p.bur_length_nm);
   p.rotational_kc_un_m_per_rad = static_cast<int32_t>(p.kc_mn_per_mm * arm_m * arm_m * 1e6 + 0.5);
+  // Where the hand feels it, what the device can bear.
+  if (profile.torque) {
+    p.rotational_kc_un_m_per_rad = static_cast<int32_t>(profile.torque->coupling_un_m_per_rad.value);
+    p.peak_torque_un_m = static_cast<int32_t>(profile.torque->peak_un_m.value);
+    p.rotation_cell_urad = static_cast<int32_t>(profile.torque->orientation_cell_urad.value);
+  }
   for (const TissueSpec& t : scene.tissues) {
     auto i = static_cast<size_t>(t.tissue);
     p.damping_mn_s_per_mm[i] = t.damping_mn_s_per_mm;
@@ -173,6 +214,7 @@ Result<core::CoreParams> CompilePlan(const Scene& scene, const Exercise& exercis
   ENAMEL_RETURN_IF_ERROR(CheckTouchCues(exercise));
   ENAMEL_RETURN_IF_ERROR(CheckDamping(exercise, profile));
   ENAMEL_RETURN_IF_ERROR(CheckFriction(profile));
+  ENAMEL_RETURN_IF_ERROR(CheckTorque(exercise, profile));
   ENAMEL_RETURN_IF_ERROR(CheckScene(scene, exercise));
   ENAMEL_RETURN_IF_ERROR(CheckBur(scene, exercise));
   core::CoreParams params = Compile(scene, exercise, profile);

@@ -12,7 +12,7 @@ struct Si {
   explicit Si(const DeviceProfile& profile)
       : kc(static_cast<double>(profile.coupling_mn_per_mm.value)),  // mN/mm = N/m
         k(static_cast<double>(profile.max_stiffness_mn_per_mm.value)),
-        b(static_cast<double>(profile.damping_mn_s_per_m.value) * 1e-3),
+        b(static_cast<double>(profile.viscous_mn_s_per_m()) * 1e-3),
         c(static_cast<double>(profile.friction_mn.value) * 1e-3),
         delta(static_cast<double>(profile.resolution_nm.value) * 1e-9),
         tick(1.0 / static_cast<double>(profile.rate_hz.value)),
@@ -31,12 +31,28 @@ ProfileCriterion Judged(ProfileCriterion criterion) {
   return criterion;
 }
 
+// The same of turning: N m and radians.
+void AddTorque(const TorqueSpec& torque, const Si& si, std::vector<ProfileCriterion>& out) {
+  const double k = static_cast<double>(torque.coupling_un_m_per_rad.value) * 1e-6;
+  const double b = static_cast<double>(torque.damping_un_m_s_per_rad.value) * 1e-6;
+  const double c = static_cast<double>(torque.friction_un_m.value) * 1e-6;
+  const double cell = static_cast<double>(torque.orientation_cell_urad.value) * 1e-6;
+  const double peak = static_cast<double>(torque.peak_un_m.value) * 1e-6;
+  out.push_back(Judged({"torque_damping", "Passive limit of the torque's spring",
+                        "K <= 2 b_rot/(T (d + 1)^2)", "N m/rad", "torque/coupling_un_m_per_rad", k,
+                        haptics::CouplingStiffness(b, si.tick, si.delay)}));
+  out.push_back(Judged({"torque_friction", "Friction that pays for the orientation's cell",
+                        "c_rot >= K rho", "N m", "torque/friction_un_m", c, k * cell, true}));
+  out.push_back(Judged({"torque_peak", "Peak torque beyond what the cell hides", "peak >= 2 K rho",
+                        "N m", "torque/peak_un_m", peak, 2 * k * cell, true}));
+}
+
 }  // namespace
 
 std::vector<ProfileCriterion> CheckProfile(const DeviceProfile& profile) {
   Si si(profile);
   double passive = haptics::CouplingStiffness(si.b, si.tick, si.delay);
-  return {
+  std::vector<ProfileCriterion> out = {
       Judged({"coupling_damping", "Passive limit of the coupling", "Kc <= 2 b/(T (d + 1)^2)", "N/m",
               "coupling_mn_per_mm", si.kc, passive}),
       Judged({"coupling_friction", "Friction that pays for the encoder's cell", "c >= Kc delta/2",
@@ -47,6 +63,8 @@ std::vector<ProfileCriterion> CheckProfile(const DeviceProfile& profile) {
               "continuous_force_mn", static_cast<double>(profile.continuous_force_mn.value) * 1e-3,
               static_cast<double>(profile.peak_force_mn.value) * 1e-3}),
   };
+  if (profile.torque) AddTorque(*profile.torque, si, out);
+  return out;
 }
 
 bool IsAcceptable(const std::vector<ProfileCriterion>& criteria) {

@@ -28,6 +28,11 @@ struct ProfileCriterion {
 //   coupling_friction   c >= Kc delta/2, what the coupling's theorem asks of the friction
 //   coupling_stiffness  Kc <= K, the largest stiffness the device shows stably
 //   continuous_force    continuous force <= peak force
+// and where the profile has torque (rho: orientation_cell_urad)
+//   torque_damping      K <= 2 b_rot/(T (d + 1)^2)
+//   torque_friction     c_rot >= K rho
+//   torque_peak         peak torque >= 2 K rho, or the bur could not follow the hand in air
+// b is the device's own and the electrical damping.
 std::vector<ProfileCriterion> CheckProfile(const DeviceProfile& profile);
 
 // Every one is met.

@@ -105,6 +105,17 @@ struct Sourced {
   std::string source;                    // "paper, table 3", "assumption", "datasheet", "measured 2026-…"
 };
 
+// What a device of six driven axes shows about its axes of rotation (common/haptics/turning.h).
+struct TorqueSpec {
+  Sourced peak_un_m;
+  Sourced coupling_un_m_per_rad;         // K used by the coupling
+  Sourced damping_un_m_s_per_rad;        // b_rot of the device itself
+  Sourced friction_un_m;                 // c_rot, Coulomb
+  // Largest angle between the true and the recorded orientation: sensors, driver, and the rounding
+  // of the recording itself (core::kLeastRotationCell_urad).
+  Sourced orientation_cell_urad;
+};
+
 struct DeviceProfile {
   std::string name;                      // "phantom_desktop"
   std::string title;
@@ -124,6 +135,15 @@ struct DeviceProfile {
   Sourced axes{3, ""};                   // that are driven: 3, or 6 with torque
   Sourced structural_mode_hz;            // lowest resonance between motor and tip
   Sourced thermal_time_constant_ms;      // of the motors: how long the peak may last
+  // Damping that a current loop or shorted windings add: analog, so it pays as b does. No source:
+  // none.
+  Sourced electrical_damping_mn_s_per_m;
+  std::optional<TorqueSpec> torque;      // none: no torque is sent
+
+  // b of the limits: the device's own and the electrical.
+  int64_t viscous_mn_s_per_m() const {
+    return damping_mn_s_per_m.value + electrical_damping_mn_s_per_m.value;
+  }
 };
 
 // What is to be cut: a box of the cavity, axis-aligned in the scene frame, its top open.

@@ -24,7 +24,7 @@ json::array NumbersJson(const scene::DeviceProfile& profile) {
     const char* unit;
     const scene::Sourced& sourced;
   };
-  const Number numbers[] = {
+  std::vector<Number> numbers = {
       {"resolution", "nm", profile.resolution_nm},
       {"max_stiffness", "mN/mm", profile.max_stiffness_mn_per_mm},
       {"coupling", "mN/mm", profile.coupling_mn_per_mm},
@@ -37,6 +37,18 @@ json::array NumbersJson(const scene::DeviceProfile& profile) {
       {"bus_delay", "ticks", profile.bus_delay_ticks},
       {"workspace_radius", "um", profile.workspace_radius_um},
   };
+  if (!profile.electrical_damping_mn_s_per_m.source.empty()) {
+    numbers.push_back({"electrical_damping", "mN s/m", profile.electrical_damping_mn_s_per_m});
+  }
+  if (profile.torque) {
+    const scene::TorqueSpec& torque = *profile.torque;
+    numbers.push_back({"axes", "driven", profile.axes});
+    numbers.push_back({"peak_torque", "uN m", torque.peak_un_m});
+    numbers.push_back({"torque_coupling", "uN m/rad", torque.coupling_un_m_per_rad});
+    numbers.push_back({"torque_damping", "uN m s/rad", torque.damping_un_m_s_per_rad});
+    numbers.push_back({"torque_friction", "uN m", torque.friction_un_m});
+    numbers.push_back({"orientation_cell", "urad", torque.orientation_cell_urad});
+  }
   json::array out;
   for (const Number& number : numbers) {
     out.push_back({{"name", number.name},

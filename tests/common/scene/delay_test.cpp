@@ -65,6 +65,23 @@ TEST(DelayTest, TheCouplingIsLoweredToWhatIsPassiveAndNeverRaised) {
   EXPECT_NE(none.status().message().find("enamel-station calibrate"), std::string::npos);
 }
 
+// sigma7: 2 b_rot f = 1 N m/rad, over 1, 4, 9; and its coupling 0.8.
+TEST(DelayTest, TheTorquesSpringIsLoweredWithTheCoupling) {
+  const DeviceProfile sigma = BuiltinProfiles().back();
+  ASSERT_TRUE(sigma.torque);
+  const int64_t passive[] = {1'000'000, 250'000, 111'111};
+  for (int64_t d = 0; d < 3; ++d) {
+    EXPECT_EQ(PassiveTorque_un_m_per_rad(sigma, 1000, d), passive[d]);
+    auto delayed = WithDelay(sigma, 1000, d);
+    ASSERT_TRUE(delayed.ok());
+    EXPECT_EQ(delayed->torque->coupling_un_m_per_rad.value, std::min<int64_t>(800'000, passive[d]));
+    EXPECT_EQ(delayed->torque->peak_un_m.value, 200'000);
+  }
+  DeviceProfile undamped = sigma;
+  undamped.torque->damping_un_m_s_per_rad.value = 0;
+  EXPECT_EQ(WithDelay(undamped, 1000, 1).status().field(), "damping_un_m_s_per_rad");
+}
+
 TEST(DelayTest, ParametersOfAnyDelayAreTheExercisesAndStifferOnesAreNot) {
   auto built = BuildBuiltinScene("block", 200'000);
   ASSERT_TRUE(built.ok());

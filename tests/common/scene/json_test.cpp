@@ -189,6 +189,38 @@ TEST(SceneJsonTest, TissuesCarryCoulombsPartAndAThresholdInFormatThree) {
   EXPECT_EQ(scene.status().field(), "/tissues/0/threshold_mn");
 }
 
+TEST(SceneJsonTest, ProfilesOfSixAxesSayInFormatFourWhatTheirTorqueIs) {
+  const std::string text = ReadText("golden/scene_profile_torque.json");
+  Result<DeviceProfile> profile = ProfileFromJson(text);
+  ASSERT_TRUE(profile.ok()) << profile.status().message();
+  EXPECT_EQ(ToJson(*profile), text);
+  ASSERT_TRUE(profile->torque);
+  EXPECT_EQ(profile->torque->coupling_un_m_per_rad.value, 90'000);
+  EXPECT_EQ(profile->viscous_mn_s_per_m(), 2'000);
+  auto FieldOf = [&](const std::string& from, const std::string& to) {
+    Result<DeviceProfile> p = ProfileFromJson(Replaced(text, from, to));
+    return p.ok() ? std::string("accepted") : p.status().field();
+  };
+  EXPECT_EQ(FieldOf("\"format\": 4", "\"format\": 3"), "/electrical_damping_mn_s_per_m");
+  EXPECT_EQ(FieldOf("\"format\": 4", "\"format\": 5"), "/format");
+  EXPECT_EQ(FieldOf("\"value\": 6,", "\"value\": 3,"), "/torque");
+  EXPECT_EQ(FieldOf("\"value\": 350,", "\"value\": 61,"), "/torque/orientation_cell_urad/value");
+  EXPECT_EQ(FieldOf("\"friction_un_m\"", "\"friction_mn_m\""), "/torque/friction_un_m");
+  const std::string without =
+      text.substr(0, text.find(",\n  \"torque\"")) + "\n}\n";
+  Result<DeviceProfile> missing = ProfileFromJson(without);
+  ASSERT_FALSE(missing.ok());
+  EXPECT_EQ(missing.status().field(), "/torque");
+  EXPECT_NE(missing.status().message().find("axes is 6"), std::string::npos)
+      << missing.status().message();
+  // Older documents of six axes read, and send no torque.
+  Result<DeviceProfile> older = ProfileFromJson(
+      Replaced(ReadText("golden/scene_profile_measured.json"), "\"value\": 3,", "\"value\": 6,"));
+  ASSERT_TRUE(older.ok()) << older.status().message();
+  EXPECT_EQ(older->axes.value, 6);
+  EXPECT_FALSE(older->torque);
+}
+
 TEST(MaterialTest, ProfilesReadAndGiveAScenesTissuesWhatWasMeasured) {
   Result<Material> material = MaterialFromJson(ReadText("golden/material_cut.json"));
   ASSERT_TRUE(material.ok()) << material.status().message();
@@ -238,7 +270,7 @@ TEST(SceneJsonTest, MaterialSchemaNamesExactlyTheMembersOfTheDocuments) {
 TEST(SceneJsonTest, SchemasNameExactlyTheMembersOfTheDocuments) {
   auto exercise = NamesOf(ReadText("golden/scene_exercise_cues.json"));
   EXPECT_EQ(exercise, SchemaNames("exercise.schema.json"));
-  EXPECT_EQ(NamesOf(ReadText("golden/scene_profile_measured.json")),
+  EXPECT_EQ(NamesOf(ReadText("golden/scene_profile_torque.json")),
             SchemaNames("device_profile.schema.json"));
   EXPECT_EQ(NamesOf(ReadText("golden/scene_calibration.json")),
             SchemaNames("calibration.schema.json"));

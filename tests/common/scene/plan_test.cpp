@@ -107,6 +107,57 @@ TEST_F(PlanTest, TouchCuesInALoopTooSlowForThemAreRefused) {
   EXPECT_TRUE(CompilePlan(scene, exercise, profile).ok());
 }
 
+// b = 1.75 N s/m of its own; 0.25 more by its current loop: 2 b f = 4000.
+TEST_F(PlanTest, ElectricalDampingCountsAsTheDevicesOwn) {
+  profile.electrical_damping_mn_s_per_m = {250, "measured"};
+  profile.coupling_mn_per_mm.value = 4'000;
+  EXPECT_TRUE(CompilePlan(scene, exercise, profile).ok());
+  profile.coupling_mn_per_mm.value = 4'001;
+  EXPECT_NE(CompilePlan(scene, exercise, profile).status().message().find("at most 4000 mN/mm"),
+            std::string::npos);
+}
+
+TEST_F(PlanTest, ADeviceOfThreeAxesTurnsTheBurAsItDidAndSendsNoTorque) {
+  auto params = CompilePlan(scene, exercise, profile);
+  ASSERT_TRUE(params.ok());
+  EXPECT_EQ(params->peak_torque_un_m, 0);
+  EXPECT_EQ(params->rotation_cell_urad, 0);
+  const double half_m = 0.5e-6 * exercise.bur_length_um;
+  EXPECT_NEAR(params->rotational_kc_un_m_per_rad, 2500 * half_m * half_m * 1e6, 1);
+}
+
+// sigma7: K = 0.8 N m/rad, b_rot = 0.5 mN m s/rad (2 b f = 1 N m/rad), c_rot = 1 mN m, 0.3 mrad.
+TEST_F(PlanTest, TorqueIsCompiledFromTheProfileAndRefusedWhereItWouldPump) {
+  profile = BuiltinProfiles().back();
+  ASSERT_EQ(profile.name, "sigma7");
+  auto params = CompilePlan(scene, exercise, profile);
+  ASSERT_TRUE(params.ok()) << params.status().message();
+  EXPECT_EQ(params->rotational_kc_un_m_per_rad, 800'000);
+  EXPECT_EQ(params->peak_torque_un_m, 200'000);
+  EXPECT_EQ(params->rotation_cell_urad, 300);
+
+  auto refused = [&](auto change) {
+    DeviceProfile changed = profile;
+    change(*changed.torque);
+    return CompilePlan(scene, exercise, changed).status();
+  };
+  EXPECT_TRUE(refused([](TorqueSpec& t) { t.coupling_un_m_per_rad.value = 1'000'000; }).ok());
+  Status stiff = refused([](TorqueSpec& t) { t.coupling_un_m_per_rad.value = 1'000'001; });
+  EXPECT_EQ(stiff.field(), "coupling_un_m_per_rad");
+  EXPECT_NE(stiff.message().find("set at most 1000000"), std::string::npos) << stiff.message();
+  EXPECT_TRUE(refused([](TorqueSpec& t) { t.friction_un_m.value = 240; }).ok());
+  Status smooth = refused([](TorqueSpec& t) { t.friction_un_m.value = 239; });
+  EXPECT_EQ(smooth.field(), "friction_un_m");
+  EXPECT_NE(smooth.message().find("c_rot to at least 240"), std::string::npos) << smooth.message();
+  EXPECT_NE(smooth.message().find("K to at most 796666"), std::string::npos) << smooth.message();
+  EXPECT_TRUE(refused([](TorqueSpec& t) { t.peak_un_m.value = 480; }).ok());
+  EXPECT_EQ(refused([](TorqueSpec& t) { t.peak_un_m.value = 479; }).field(), "peak_un_m");
+  // A tick of delay quarters it.
+  profile.bus_delay_ticks.value = 1;
+  profile.coupling_mn_per_mm.value = 900;
+  EXPECT_EQ(CompilePlan(scene, exercise, profile).status().field(), "coupling_un_m_per_rad");
+}
+
 TEST_F(PlanTest, FasterExerciseThanTheDeviceIsRefused) {
   exercise.rate_hz = 4'000;
   EXPECT_EQ(CompilePlan(scene, exercise, profile).status().field(), "rate_hz");

@@ -44,6 +44,29 @@ TEST(ProfileCriteriaTest, FiguresOfThePhantomDesktopAreThoseWorkedByHand) {
   EXPECT_FALSE(IsAcceptable(criteria));
 }
 
+// b_rot = 0.5 mN m s/rad, T = 1 ms, K = 0.8 N m/rad, rho = 0.3 mrad, c_rot = 1 mN m, by hand.
+TEST(ProfileCriteriaTest, TorqueHasItsOwnOnSixAxesOnly) {
+  auto profiles = BuiltinProfiles();
+  auto found = std::ranges::find(profiles, "sigma7", &DeviceProfile::name);
+  ASSERT_NE(found, profiles.end());
+  auto criteria = CheckProfile(*found);
+  EXPECT_EQ(criteria.size(), 7u);
+  EXPECT_NEAR(Named(criteria, "torque_damping").limit, 1, 1e-9);
+  EXPECT_NEAR(Named(criteria, "torque_damping").value, 0.8, 1e-9);
+  EXPECT_NEAR(Named(criteria, "torque_friction").limit, 240e-6, 1e-12);
+  EXPECT_NEAR(Named(criteria, "torque_friction").value, 1e-3, 1e-12);
+  EXPECT_NEAR(Named(criteria, "torque_peak").limit, 480e-6, 1e-12);
+  found->bus_delay_ticks.value = 1;
+  found->torque->friction_un_m.value = 239;
+  criteria = CheckProfile(*found);
+  EXPECT_FALSE(Named(criteria, "torque_damping").met);
+  EXPECT_FALSE(Named(criteria, "torque_friction").met);
+  EXPECT_EQ(CheckProfile(profiles.front()).size(), 4u);
+  DeviceProfile damped = profiles.front();
+  damped.electrical_damping_mn_s_per_m = {1000, "measured"};
+  EXPECT_NEAR(Named(CheckProfile(damped), "coupling_damping").limit, 14'000, 1e-6);
+}
+
 // The plan's own integer conditions (plan.cpp), at the profile's rate.
 TEST(ProfileCriteriaTest, AgreesWithIntegerArithmeticAlsoOnTheEdge) {
   std::mt19937 dice(7);

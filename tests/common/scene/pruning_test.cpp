@@ -167,5 +167,14 @@ TEST(PartsTest, WindowNeedsTheSurfaceAndAReplayNeitherSurfaceNorBus) {
   EXPECT_TRUE(Find(replay, PartId::kForceBounds).kept);
 }
 
+TEST(PartsTest, TorqueIsCarriedExactlyWhereTheDeviceDrivesRotation) {
+  Scene scene;
+  Exercise e;
+  scene.tissues = DefaultTissues({Tissue::kGypsum});
+  EXPECT_FALSE(Find(ListParts(scene, e, {}), PartId::kTorque).kept);
+  EXPECT_TRUE(Find(ListParts(scene, e, {.torque = true}), PartId::kTorque).kept);
+  EXPECT_TRUE(Find(ListParts(scene, e, {.replay = true, .torque = true}), PartId::kTorque).kept);
+}
+
 }  // namespace
 }  // namespace enamel::scene
