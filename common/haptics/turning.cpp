@@ -130,8 +130,15 @@ dvec3 Turning::Guarded(const dvec3& stretch, const dvec3& turn) noexcept {
   const double length = Length(turn);
   if (!(length > 0) || !std::isfinite(length)) return dvec3(0);
   tank_.moved_m = turn * (turned_ / length);
+  const double before = tank_.energy_j;
   const double share = GuardedStep(guard_, stretch, turn, kAllOfIt_j, tank_);
-  turned_ += share * length;
+  const double way = share * length;
+  // TurnedBy goes 2 atan(way/2) > way (1 - way^2/12): the same share of what would flow in is sure.
+  if (tank_.energy_j > before) {
+    const double sure = 1 - way * way / 12;
+    tank_.energy_j = sure > 0 ? before + sure * (tank_.energy_j - before) : before;
+  }
+  turned_ += way;
   return turn * share;
 }
 

@@ -291,6 +291,12 @@ Result<scene::DeviceProfile> ProposeProfile(const AxisFigures& worst, int rate_h
   p.coupling_mn_per_mm = {static_cast<int64_t>(kc),
                           "nine tenths of the smaller of 2 b f/(d + 1)^2 and 2 c/delta, measured"};
   p.rate_hz = {rate_hz, source};
+  p.electrical_damping_mn_s_per_m = {};  // what it had is in the measured b
+  if (p.torque) {
+    scene::Sourced& k = p.torque->coupling_un_m_per_rad;
+    const int64_t most = scene::PassiveTorque_un_m_per_rad(p, rate_hz, ticks);
+    if (most < k.value) k = {most, "2 b_rot f/(d + 1)^2 with the measured d"};
+  }
   return p;
 }
 

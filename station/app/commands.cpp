@@ -184,6 +184,15 @@ void PrintProfiles() {
     line("peak force", p.peak_force_mn, 1e-3, "N");
     line("continuous force", p.continuous_force_mn, 1e-3, "N");
     line("rate", p.rate_hz, 1, "Hz");
+    if (!p.electrical_damping_mn_s_per_m.source.empty()) {
+      line("electrical damping", p.electrical_damping_mn_s_per_m, 1e-3, "N s/m");
+    }
+    if (!p.torque) continue;
+    line("peak torque", p.torque->peak_un_m, 1e-3, "mN m");
+    line("torque coupling K", p.torque->coupling_un_m_per_rad, 1e-6, "N m/rad");
+    line("torque damping b_rot", p.torque->damping_un_m_s_per_rad, 1e-3, "mN m s");
+    line("torque friction c_rot", p.torque->friction_un_m, 1e-3, "mN m");
+    line("orientation cell", p.torque->orientation_cell_urad, 1e-3, "mrad");
   }
 }
 

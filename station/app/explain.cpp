@@ -134,7 +134,7 @@ class Appraiser {
       case PartId::kTurning:
         return Turning();
       case PartId::kTorque:
-        return {{}, {}, "nothing computes it"};
+        return part.kept ? Torque() : Worth{{}, {}, "nothing computes it"};
       case PartId::kTouchCues:
         return TouchCues(part.kept);
       case PartId::kOtherBurs:
@@ -234,6 +234,14 @@ class Appraiser {
     silent.contact_cue_mn = silent.chatter_cue_mn = silent.cue_energy_nj = silent.cue_power_nw = 0;
     StepCost c = MeasureSteps(silent, s_.built.volume, way_, kReplays);
     return {-MoreThanBase_ns(c), 0.0, "against a tick without them"};
+  }
+
+  // Against a device of three axes, whose bur turns as softly as its coupling lets it.
+  Worth Torque() const {
+    core::CoreParams without = s_.params;
+    without.peak_torque_un_m = without.rotation_cell_urad = 0;
+    StepCost c = MeasureSteps(without, s_.built.volume, way_, kReplays);
+    return {-MoreThanBase_ns(c), 0.0, "against the same bur without torque"};
   }
 
   // A second bur's cutter on the same volume: time to make it and what the heap grew by.
@@ -458,7 +466,8 @@ Status ExplainScene(const ExplainCommand& options) {
   Appraiser appraiser(*subject);
   std::vector<std::pair<Part, Worth>> rows;
   for (Part& part : scene::ListParts(subject->built.scene, subject->exercise,
-                                     {options.window, options.replay})) {
+                                     {options.window, options.replay,
+                                      subject->params.peak_torque_un_m > 0})) {
     Worth worth = appraiser.Of(part);
     rows.emplace_back(std::move(part), std::move(worth));
   }

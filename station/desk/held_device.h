@@ -34,6 +34,10 @@ class HeldDevice final : public Device {
   ENAMEL_REALTIME void SendForce(const dvec3& force_n) noexcept override {
     inner_.SendForce(force_n);
   }
+  ENAMEL_REALTIME void SendForceAndTorque(const dvec3& force_n,
+                                          const dvec3& torque_n_m) noexcept override {
+    inner_.SendForceAndTorque(force_n, torque_n_m);
+  }
   ENAMEL_REALTIME void ShowBur(const dvec3& tip_m) noexcept override { inner_.ShowBur(tip_m); }
   bool has_motors() const noexcept override { return inner_.has_motors(); }
   double still_before_force_s() const noexcept override { return inner_.still_before_force_s(); }

@@ -38,6 +38,10 @@ class PedalledDevice final : public Device {
   ENAMEL_REALTIME void SendForce(const dvec3& force_n) noexcept override {
     device_->SendForce(force_n);
   }
+  ENAMEL_REALTIME void SendForceAndTorque(const dvec3& force_n,
+                                          const dvec3& torque_n_m) noexcept override {
+    device_->SendForceAndTorque(force_n, torque_n_m);
+  }
   ENAMEL_REALTIME void ShowBur(const dvec3& tip_m) noexcept override { device_->ShowBur(tip_m); }
   bool has_motors() const noexcept override { return device_->has_motors(); }
   double still_before_force_s() const noexcept override { return device_->still_before_force_s(); }

@@ -47,8 +47,8 @@ struct DeviceCounters {
   uint64_t detached = 0;  // times it was unplugged
 };
 
-// A haptic device, seen from the tick loop. One call of ReadSample and one of SendForce per tick,
-// from one thread. Real-time: ReadSample, SendForce and ShowBur are safe: adapters of buses that
+// A haptic device, seen from the tick loop. One call of ReadSample and one of SendForceAndTorque per
+// tick, from one thread. Real-time: ReadSample, the Sends and ShowBur are safe: adapters of buses that
 // block keep threads of their own and exchange the newest values with the tick (TripleBuffer).
 class Device {
  public:
@@ -60,7 +60,15 @@ class Device {
   virtual std::string Unit() const { return {}; }
   ENAMEL_REALTIME virtual DeviceSample ReadSample() noexcept = 0;
   // Force on the operator, N, scene frame; held until the next call. Zero before the first.
+  // Torque is 0 with it.
   ENAMEL_REALTIME virtual void SendForce(const dvec3& force_n) noexcept = 0;
+  // The same with a torque, N m, scene axes: what the loop calls. A device that drives no rotation
+  // leaves the torque out.
+  ENAMEL_REALTIME virtual void SendForceAndTorque(const dvec3& force_n,
+                                                  const dvec3& torque_n_m) noexcept {
+    (void)torque_n_m;
+    SendForce(force_n);
+  }
   // The bur as the picture shows it now. Only a simulated operator looks.
   ENAMEL_REALTIME virtual void ShowBur(const dvec3& tip_m) noexcept { (void)tip_m; }
 

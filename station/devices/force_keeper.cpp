@@ -5,10 +5,13 @@
 
 namespace enamel::station {
 
-void ForceKeeper::Take(const dvec3& force_n, uint64_t number, int64_t now_us) noexcept {
+void ForceKeeper::Take(const dvec3& force_n, uint64_t number, int64_t now_us,
+                       const dvec3& torque_n_m) noexcept {
   if (number == number_) return;
   number_ = number;
-  force_n_ = std::isfinite(Dot(force_n, force_n)) ? force_n : dvec3(0);
+  const bool finite = std::isfinite(Dot(force_n, force_n) + Dot(torque_n_m, torque_n_m));
+  force_n_ = finite ? force_n : dvec3(0);
+  torque_n_m_ = finite ? torque_n_m : dvec3(0);
   taken_us_ = now_us;
   unsent_ = true;
 }
@@ -22,7 +25,7 @@ std::optional<ForceKeeper::Command> ForceKeeper::Next(int64_t now_us) noexcept {
   double share = age <= kHold_us ? 1
                                  : static_cast<double>(kGone_us - age) /
                                        static_cast<double>(kGone_us - kHold_us);
-  return Command{force_n_ * share, true};
+  return Command{force_n_ * share, torque_n_m_ * share, true};
 }
 
 int64_t ForceKeeper::WaitFor_us(int64_t now_us) const noexcept {

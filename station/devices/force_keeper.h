@@ -22,11 +22,14 @@ class ForceKeeper {
 
   struct Command {
     dvec3 force_n{0};
+    dvec3 torque_n_m{0};  // falls with the force
     bool motors_on = false;  // false before the first force and once it has gone
   };
 
-  // The newest from the loop; `number` counts its forces, 0: none yet. What is not finite is 0.
-  void Take(const dvec3& force_n, uint64_t number, int64_t now_us) noexcept;
+  // The newest from the loop; `number` counts its forces, 0: none yet. Where either is not finite,
+  // both are 0.
+  void Take(const dvec3& force_n, uint64_t number, int64_t now_us,
+            const dvec3& torque_n_m = dvec3(0)) noexcept;
   // What to send now: something new, a repeat that is due, or nothing.
   std::optional<Command> Next(int64_t now_us) noexcept;
   // How long to wait for a new force before asking Next again.
@@ -36,7 +39,7 @@ class ForceKeeper {
   int64_t Due_us() const noexcept;  // of the next repeat
 
   const int64_t repeat_us_;
-  dvec3 force_n_{0};
+  dvec3 force_n_{0}, torque_n_m_{0};
   uint64_t number_ = 0;
   int64_t taken_us_ = 0, sent_us_ = 0;
   bool unsent_ = false;

@@ -10,6 +10,8 @@ namespace enamel::station {
 namespace {
 
 constexpr double kStartAbove_m = 2e-3;  // of the highest point near the cavity
+// Of a driven wrist and the fingers on it, about each axis: assumption.
+constexpr double kHandAndWrist_kg_m2 = 1e-4;
 
 constexpr std::array<OperatorPreset, 3> kPresets = {{
     {"dentist", "cuts the exercise's box to about a third of a voxel", 0, 1, 1.0, 0.55e-3, 2.2, false},
@@ -55,11 +57,19 @@ const OperatorPreset* FindOperator(std::string_view name) {
 PlantParams PlantOf(const scene::DeviceProfile& profile, const core::CoreParams& params) {
   PlantParams plant;
   plant.mass_kg = static_cast<double>(profile.mass_g.value) * 1e-3;
-  plant.damping_n_s_per_m = static_cast<double>(profile.damping_mn_s_per_m.value) * 1e-3;
+  plant.damping_n_s_per_m = static_cast<double>(profile.viscous_mn_s_per_m()) * 1e-3;
   plant.friction_n = static_cast<double>(profile.friction_mn.value) * 1e-3;
   plant.resolution_m = params.resolution_nm[0] * 1e-9;
   plant.peak_force_n = params.peak_force_mn * 1e-3;
   plant.tick_s = 1.0 / params.rate_hz;
+  if (profile.torque) {
+    const scene::TorqueSpec& torque = *profile.torque;
+    plant.inertia_kg_m2 = kHandAndWrist_kg_m2;
+    plant.rotational_damping_n_m_s = static_cast<double>(torque.damping_un_m_s_per_rad.value) * 1e-6;
+    plant.rotational_friction_n_m = static_cast<double>(torque.friction_un_m.value) * 1e-6;
+    plant.orientation_cell_rad = static_cast<double>(torque.orientation_cell_urad.value) * 1e-6;
+    plant.peak_torque_n_m = static_cast<double>(torque.peak_un_m.value) * 1e-6;
+  }
   for (int i = 0; i < 3; ++i) {
     plant.origin_m[i] = static_cast<double>(params.device_origin_nm[static_cast<size_t>(i)]) * 1e-9;
   }

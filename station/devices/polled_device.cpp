@@ -44,7 +44,9 @@ DeviceSample PolledDevice::ReadSample() noexcept {
   return sample;
 }
 
-void PolledDevice::SendForce(const dvec3& force_n) noexcept { forces_.Write({force_n, ++sent_}); }
+void PolledDevice::SendForceAndTorque(const dvec3& force_n, const dvec3& torque_n_m) noexcept {
+  forces_.Write({force_n, torque_n_m, ++sent_});
+}
 
 DeviceCounters PolledDevice::counters() const noexcept {
   DeviceCounters out;
@@ -92,9 +94,9 @@ void PolledDevice::Run() {
       }
       Force newest = forces_.Read();
       int64_t now = Now_us();
-      keeper.Take(newest.newtons, newest.number, now);
+      keeper.Take(newest.newtons, newest.number, now, newest.newton_metres);
       if (auto command = keeper.Next(now)) {
-        here = bus_->Send(command->force_n);
+        here = bus_->SendWithTorque(command->force_n, command->torque_n_m);
         writes_ += here;
       }
     }
@@ -103,7 +105,7 @@ void PolledDevice::Run() {
     Publish(pose, false);
     ++detached_;
   }
-  (void)bus_->Send(dvec3(0));
+  (void)bus_->SendWithTorque(dvec3(0), dvec3(0));
 }
 
 }  // namespace enamel::station

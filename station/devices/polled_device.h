@@ -24,13 +24,17 @@ class PolledBus {
   virtual std::string Name() const = 0;
   // False: the device is gone. Both may wait, for a few milliseconds at most.
   virtual bool Read(Pose& out) = 0;
-  virtual bool Send(const dvec3& force_n) = 0;  // scene axes
+  virtual bool Send(const dvec3& force_n) = 0;  // scene axes; without torque
+  virtual bool SendWithTorque(const dvec3& force_n, const dvec3& torque_n_m) {
+    (void)torque_n_m;
+    return Send(force_n);
+  }
 };
 
 // Runs such a device on a thread of its own, read and driven as fast as its bus goes, and exchanges
 // the newest values with the tick. A force that the loop has not renewed falls to 0 (ForceKeeper).
 // A pose that is not finite is left out and counted as refused.
-// Once gone it stays gone: unplugged, 0. Real-time: ReadSample and SendForce are safe. Destruction
+// Once gone it stays gone: unplugged, 0. Real-time: ReadSample and the Sends are safe. Destruction
 // sends 0.
 class PolledDevice final : public Device {
  public:
@@ -42,7 +46,11 @@ class PolledDevice final : public Device {
 
   std::string Name() const override { return name_; }
   ENAMEL_REALTIME DeviceSample ReadSample() noexcept override;
-  ENAMEL_REALTIME void SendForce(const dvec3& force_n) noexcept override;
+  ENAMEL_REALTIME void SendForce(const dvec3& force_n) noexcept override {
+    SendForceAndTorque(force_n, dvec3(0));
+  }
+  ENAMEL_REALTIME void SendForceAndTorque(const dvec3& force_n,
+                                          const dvec3& torque_n_m) noexcept override;
   double still_before_force_s() const noexcept override { return 0.1; }
   DeviceCounters counters() const noexcept override;
 
@@ -52,7 +60,7 @@ class PolledDevice final : public Device {
     uint64_t number = 0;
   };
   struct Force {
-    dvec3 newtons{0};
+    dvec3 newtons{0}, newton_metres{0};
     uint64_t number = 0;
   };
 

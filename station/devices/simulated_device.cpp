@@ -2,12 +2,24 @@
 
 #include <cmath>
 
+#include "common/core/params.h"
+#include "common/haptics/turning.h"
+
 namespace enamel::station {
 namespace {
+
+constexpr double kRecordedCell_rad = core::kLeastRotationCell_urad * 1e-6;
 
 dvec3 Limited(const dvec3& v, double limit) noexcept {
   double length = std::sqrt(Dot(v, v));
   return length > limit ? v * (limit / length) : v;
+}
+
+// One axis of a mass with damping and friction over dt, by the trapezoidal rule.
+double Pushed(double v, double push, double mass, double damping, double friction, double dt) {
+  const double half_decay = 0.5 * damping * dt / mass, stop = friction * dt / mass;
+  v = (v * (1 - half_decay) + push * dt / mass) / (1 + half_decay);
+  return std::fabs(v) <= stop ? 0 : v - std::copysign(stop, v);
 }
 
 }  // namespace
@@ -30,18 +42,22 @@ DeviceSample SimulatedDevice::ReadSample() noexcept {
   const size_t size = pipe_.size(), delay = static_cast<size_t>(params_.delay_ticks);
   pipe_[pipe_at_] = sent_n_;
   motor_n_ = pipe_[(pipe_at_ + size - delay) % size];
+  torques_[pipe_at_] = sent_n_m_;
+  motor_n_m_ = torques_[(pipe_at_ + size - delay) % size];
   pipe_at_ = (pipe_at_ + 1) % size;
   double dt = params_.tick_s / params_.substeps;
   dvec3 equilibrium = hand.equilibrium_m - hand.velocity_m_per_s * params_.tick_s;
   for (int i = 0; i < params_.substeps; ++i) {
     equilibrium += hand.velocity_m_per_s * dt;
     Substep(hand, equilibrium, dt);
+    if (params_.inertia_kg_m2 > 0) Turn(hand, dt);
   }
   DeviceSample sample;
   for (int i = 0; i < 3; ++i) {
     sample.counts[static_cast<size_t>(i)] = static_cast<int32_t>(
         std::lround((x_[i] + Noise() - params_.origin_m[i]) / params_.resolution_m));
   }
+  if (params_.inertia_kg_m2 > 0) sample.orientation = ToQuantised(Read(turned_));
   if (hand.pedal) {
     sample.buttons |= kPedal;
     sample.bur_speed_krpm = kTurbineSpeed_krpm;
@@ -51,8 +67,9 @@ DeviceSample SimulatedDevice::ReadSample() noexcept {
   return sample;
 }
 
-void SimulatedDevice::SendForce(const dvec3& force_n) noexcept {
+void SimulatedDevice::SendForceAndTorque(const dvec3& force_n, const dvec3& torque_n_m) noexcept {
   sent_n_ = Limited(force_n, params_.peak_force_n);
+  sent_n_m_ = Limited(torque_n_m, params_.peak_torque_n_m);
 }
 
 // Nearly normal: the sum of twelve uniform numbers (splitmix64), less its mean, has variance 1.
@@ -75,13 +92,36 @@ void SimulatedDevice::Substep(const HandDrive& hand, const dvec3& equilibrium_m,
   dvec3 push = (equilibrium_m - x_) * hand.stiffness_n_per_m +
                (hand.velocity_m_per_s - v_) * hand.damping_n_s_per_m;
   dvec3 force = Limited(push, hand.max_force_n) + motor_n_;
-  double stop = params_.friction_n * dt / mass;
-  double half_decay = 0.5 * params_.damping_n_s_per_m * dt / mass;
   for (int i = 0; i < 3; ++i) {
-    double v = (v_[i] * (1 - half_decay) + force[i] * dt / mass) / (1 + half_decay);
-    v_[i] = std::fabs(v) <= stop ? 0 : v - std::copysign(stop, v);
+    v_[i] = Pushed(v_[i], force[i], mass, params_.damping_n_s_per_m, params_.friction_n, dt);
   }
   x_ += v_ * (0.5 * dt);
+}
+
+// As Substep, with angles for lengths. Gyroscopic torque is left out: a hand turns slowly.
+void SimulatedDevice::Turn(const HandDrive& hand, double dt) noexcept {
+  turned_ = haptics::TurnedBy(spin_ * (0.5 * dt), turned_);
+  const dvec3 torque = haptics::ChordOfTurn(hand.orientation, turned_) * params_.hand_n_m_per_rad -
+                       spin_ * params_.hand_n_m_s + motor_n_m_;
+  for (int i = 0; i < 3; ++i) {
+    spin_[i] = Pushed(spin_[i], torque[i], params_.inertia_kg_m2, params_.rotational_damping_n_m_s,
+                      params_.rotational_friction_n_m, dt);
+  }
+  turned_ = haptics::TurnedBy(spin_ * (0.5 * dt), turned_);
+}
+
+// Counts of the vector part, as coarse as the cell lets them be: with step s it is off by at most
+// sqrt(3) s / 2, and the angle by twice that over w. Exact to a hundredth up to 15 degrees of tilt,
+// and farther the cell is larger than said by 1/w.
+Quat SimulatedDevice::Read(const Quat& q) const noexcept {
+  const double sign = q.w < 0 ? -1 : 1;
+  const double step = (params_.orientation_cell_rad - kRecordedCell_rad) / std::sqrt(3.0);
+  if (!(step > 0)) return q;
+  auto counted = [&](double v) { return step * std::round(sign * v / step); };
+  Quat out{counted(q.x), counted(q.y), counted(q.z), 0};
+  const double rest = 1 - out.x * out.x - out.y * out.y - out.z * out.z;
+  out.w = rest > 0 ? std::sqrt(rest) : 0;
+  return out.Normalised();
 }
 
 }  // namespace enamel::station

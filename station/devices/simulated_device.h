@@ -17,6 +17,14 @@ struct PlantParams {
   double friction_n = 0;         // c, Coulomb, per axis
   double resolution_m = 0;       // delta: edge of an encoder cell
   double peak_force_n = 0;       // the motors saturate here
+  // Turning, of a device that drives six axes; inertia 0: of one that does not, and is always
+  // upright. Device and hand are lumped; the hand holds its orientation by a spring and a damper.
+  double inertia_kg_m2 = 0;
+  double rotational_damping_n_m_s = 0;  // b_rot
+  double rotational_friction_n_m = 0;   // c_rot, Coulomb, per axis
+  double orientation_cell_rad = 0;      // largest error of the recorded orientation
+  double peak_torque_n_m = 0;
+  double hand_n_m_per_rad = 1, hand_n_m_s = 0.01;
   double tick_s = 0.001;
   dvec3 origin_m{0};    // scene position of counts (0, 0, 0)
   int substeps = 16;    // per tick
@@ -42,17 +50,24 @@ class SimulatedDevice final : public Device {
 
   std::string Name() const override;
   ENAMEL_REALTIME DeviceSample ReadSample() noexcept override;
-  ENAMEL_REALTIME void SendForce(const dvec3& force_n) noexcept override;
+  ENAMEL_REALTIME void SendForce(const dvec3& force_n) noexcept override {
+    SendForceAndTorque(force_n, dvec3(0));
+  }
+  ENAMEL_REALTIME void SendForceAndTorque(const dvec3& force_n,
+                                          const dvec3& torque_n_m) noexcept override;
   ENAMEL_REALTIME void ShowBur(const dvec3& tip_m) noexcept override { bur_m_ = tip_m; }
 
   // The true tip, which no real device tells.
   const dvec3& position_m() const noexcept { return x_; }
   const dvec3& velocity_m_per_s() const noexcept { return v_; }
+  const Quat& orientation() const noexcept { return turned_; }
   // Share of the operator's plan done, 0..1. From any thread.
   double progress() const noexcept { return progress_.load(std::memory_order_relaxed); }
 
  private:
   void Substep(const HandDrive& hand, const dvec3& equilibrium_m, double dt) noexcept;
+  void Turn(const HandDrive& hand, double dt) noexcept;
+  Quat Read(const Quat& orientation) const noexcept;
 
   const PlantParams params_;
   std::unique_ptr<SimulatedOperator> operator_;
@@ -60,7 +75,9 @@ class SimulatedDevice final : public Device {
   double Noise() noexcept;
 
   dvec3 x_{0}, v_{0}, sent_n_{0}, motor_n_{0}, bur_m_{0};
-  std::array<dvec3, kMaxDelay + 1> pipe_{};  // ring of forces on their way
+  Quat turned_;
+  dvec3 spin_{0}, sent_n_m_{0}, motor_n_m_{0};
+  std::array<dvec3, kMaxDelay + 1> pipe_{}, torques_{};  // rings of what is on its way
   size_t pipe_at_ = 0;
   uint64_t random_;
 };

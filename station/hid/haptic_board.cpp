@@ -13,6 +13,8 @@ constexpr std::chrono::milliseconds kFirstReport{1000}, kStep{1};
 constexpr int64_t kSecond_ns = 1'000'000'000;
 // A board that was told to drive its motors has said so in its reports after this.
 constexpr int64_t kTakesEffect_us = 20'000;
+constexpr uint8_t kSixAxes = 6;
+constexpr double kMostTorque = 2e9;  // what the report holds, uN m
 
 int64_t Now_us() noexcept {
   timespec t{};
@@ -138,8 +140,8 @@ DeviceSample HapticBoard::ReadSample() noexcept {
   return sample;
 }
 
-void HapticBoard::SendForce(const dvec3& force_n) noexcept {
-  forces_.Write({force_n, ++sent_});
+void HapticBoard::SendForceAndTorque(const dvec3& force_n, const dvec3& torque_n_m) noexcept {
+  forces_.Write({force_n, torque_n_m, ++sent_});
   if (!force_waits_.exchange(true, std::memory_order_acq_rel)) sem_post(&force_posted_);
 }
 
@@ -275,7 +277,7 @@ void HapticBoard::Write() {
     TakePort(port);
     Force newest = forces_.Read();
     int64_t now = Now_us();
-    keeper.Take(newest.newtons, newest.number, now);
+    keeper.Take(newest.newtons, newest.number, now, newest.newton_metres);
     auto command = keeper.Next(now);
     if (command && port != nullptr) Send(*port, *command, ++sequence);
   }
@@ -289,6 +291,14 @@ bool HapticBoard::Send(HidPort& port, const ForceKeeper::Command& command, uint3
   report.sequence = sequence;
   report.watchdog_ms = static_cast<uint16_t>(watchdog_ms_);
   report.force_100un = WithinPeak(settings_.axes.ToBoard(command.force_n), feature_);
+  if (feature_.axes == kSixAxes) {
+    // Turned like a force: the axes are turned, never mirrored (AxisMap).
+    const dvec3 torque_un_m = settings_.axes.ToBoard(command.torque_n_m) * 1e6;
+    for (int i = 0; i < 3; ++i) {
+      report.torque_un_m[static_cast<size_t>(i)] =
+          Saturated(std::llround(std::clamp(torque_un_m[i], -kMostTorque, kMostTorque)));
+    }
+  }
   auto bytes = EncodeOutput(report);
   if (command.motors_on != (turns_ % 2 == 1)) ++turns_;
   if (command.motors_on && first_driven_us_ == 0) first_driven_us_ = Now_us();
@@ -326,6 +336,12 @@ Status CheckBoard(const FeatureReport& board, const scene::DeviceProfile& profil
           "choose its own profile" + own + ", or let 'enamel-station calibrate' propose one",
           "peak_force_mn");
     }
+  }
+  if (profile.torque && (board.axes != kSixAxes || !board.tells_orientation)) {
+    return NotAsNeeded(
+        board.name + " drives " + std::to_string(board.axes) + " axes and " +
+            (board.tells_orientation ? "says" : "does not say") + " how it is turned",
+        says + "6 with torque", "choose its own profile" + own + ", or one without torque", "axes");
   }
   if (board.rate_hz < rate_hz) {
     return NotAsNeeded(

@@ -76,7 +76,12 @@ class HapticBoard final : public Device, private ReportSink {
   std::string Name() const override { return name_; }
   std::string Unit() const override { return unit_; }
   ENAMEL_REALTIME DeviceSample ReadSample() noexcept override;
-  ENAMEL_REALTIME void SendForce(const dvec3& force_n) noexcept override;
+  ENAMEL_REALTIME void SendForce(const dvec3& force_n) noexcept override {
+    SendForceAndTorque(force_n, dvec3(0));
+  }
+  // The torque goes to a board that says it drives six axes, and is left out otherwise.
+  ENAMEL_REALTIME void SendForceAndTorque(const dvec3& force_n,
+                                          const dvec3& torque_n_m) noexcept override;
   double still_before_force_s() const noexcept override { return 0.1; }
   DeviceCounters counters() const noexcept override;
 
@@ -88,7 +93,7 @@ class HapticBoard final : public Device, private ReportSink {
     uint64_t switch_offs = 0;  // in so many reports it had switched its force off by itself
   };
   struct Force {
-    dvec3 newtons{0};  // scene axes
+    dvec3 newtons{0}, newton_metres{0};  // scene axes
     uint64_t number = 0;
   };
 
@@ -146,8 +151,8 @@ Result<FeatureReport> AskFeature(HidPort& port);
 // Whether the board can carry an attempt with this profile at this rate of ticks: its cells must
 // have the profile's edge on every axis, since that is what the core computes with; it must say
 // where it is in every tick, since a pose that is older is delay, for which Kc is too stiff; and
-// its motors must reach the peak force that the profile promises. Errors: kConflict with both
-// figures.
+// its motors must reach the peak force that the profile promises; where the profile has torque, it
+// must drive six axes and say how it is turned. Errors: kConflict with both figures.
 Status CheckBoard(const FeatureReport& board, const scene::DeviceProfile& profile,
                   uint32_t rate_hz);
 

@@ -89,7 +89,7 @@ void TickLoop::Run() noexcept {
     durations_.Add(Now_ns() - begin_ns);
     if (finished) break;
   }
-  device_.SendForce(dvec3(0));
+  device_.SendForceAndTorque(dvec3(0), dvec3(0));
   finished_.store(true, std::memory_order_release);
 }
 
@@ -103,12 +103,12 @@ bool TickLoop::Tick(double late_s) noexcept {
     gap_ = Longer(gap_, 1);
     gap_held_ = false;
     ++counters_.gap_ticks;
-    device_.SendForce(dvec3(0));
+    device_.SendForceAndTorque(dvec3(0), dvec3(0));
     return (sample.buttons & kFinish) != 0;
   }
   core::TickInput input = InputOf(sample);
   core::TickOutput out = core_.Step(input);  // finite check, law, bound, finite check (coupling.h)
-  device_.SendForce(out.force_sent_n);
+  device_.SendForceAndTorque(out.force_sent_n, out.torque_sent_n_m);
   ring_.Push({{input, out.witness}, core_.state_hash()});
   if (out.flags & core::kReserveExhausted) Latch(Fault::kReserve);
   Remember(sample, input, out.force_sent_n, late_s);
@@ -183,7 +183,7 @@ void TickLoop::WatchLateness(double late_s) noexcept {
   if (late_s >= kFaultAfter_s) Latch(Fault::kLateOnce);
 }
 
-// max(0, Kc/2 - b/T_hold) |dx|^2, for a hold longer than a tick.
+// max(0, Kc/2 - b/T_hold) |dx|^2, for a hold longer than a tick; and of the torque.
 void TickLoop::AddLeak(const DeviceSample& sample, double hold_s) noexcept {
   const core::CoreParams& params = core_.params();
   if (has_last_ && options_.faults_when_late && hold_s > 1.0 / options_.rate_hz + kRounding_s) {
@@ -195,8 +195,15 @@ void TickLoop::AddLeak(const DeviceSample& sample, double hold_s) noexcept {
     }
     double rate = 0.5 * params.kc_mn_per_mm - options_.damping_n_s_per_m / hold_s;
     if (rate > 0) counters_.leak_j += rate * square;
+    if (params.peak_torque_un_m > 0) {
+      const dvec3 turned = haptics::ChordOfTurn(FromQuantised(sample.orientation),
+                                                FromQuantised(last_orientation_));
+      rate = 0.5e-6 * params.rotational_kc_un_m_per_rad - options_.rotational_damping_n_m_s / hold_s;
+      if (rate > 0) counters_.leak_j += rate * Dot(turned, turned);
+    }
   }
   last_counts_ = sample.counts;
+  last_orientation_ = sample.orientation;
   has_last_ = true;
 }
 

@@ -99,6 +99,7 @@ struct TickLoopOptions {
   bool faults_when_late = true;
   // b of the device, for the leak's bound. 0 bounds it for any device.
   double damping_n_s_per_m = 0;
+  double rotational_damping_n_m_s = 0;  // b_rot, likewise
   // An attempt that goes on after a crash: ticks stepped before, and those that passed since and
   // were not. The first tick declares that gap and keeps force and cutting off until the bur is in
   // free air.
@@ -130,7 +131,8 @@ struct TickLoopOptions {
 // (core.h), where it is 0 and grows with the way into the tooth.
 //
 // Leak: while a force is held for T_hold, longer than a tick, and the tip moves by dx meanwhile,
-// the operator can be handed at most max(0, Kc/2 - b/T_hold) |dx|^2. The sum is in the counters.
+// the operator can be handed at most max(0, Kc/2 - b/T_hold) |dx|^2; by a torque over an angle the
+// same with its own numbers. The sum is in the counters.
 //
 // Thread safety: Run and Tick on one thread; RequestStop, Hold, fault(), snapshot() (one reader),
 // lateness() and durations() from others. Real-time: Tick is safe; Run sleeps between ticks and
@@ -215,6 +217,7 @@ class TickLoop {
   uint64_t still_ticks_needed_ = 0, still_ticks_ = 0;
   bool await_still_ = false;
   std::array<int32_t, 3> still_at_{}, last_counts_{};
+  QuantisedOrientation last_orientation_ = kIdentityOrientation;
   bool has_last_ = false;
   std::array<FaultTick, FaultRecord::kTicks> history_{};  // ring
   uint64_t history_count_ = 0;

@@ -8,6 +8,28 @@ namespace {
 // Its frame is x toward the user, y to the right, z up.
 dvec3 ToScene(double x, double y, double z) { return {y, -x, z}; }
 
+// The handle's frame, seen from the scene: both are turned by ToScene.
+Quat ToScene(const double (&m)[3][3]) {
+  // Columns of the scene's matrix: ToScene of the frame's image of each scene axis.
+  const dvec3 x = ToScene(m[0][1], m[1][1], m[2][1]);
+  const dvec3 y = -ToScene(m[0][0], m[1][0], m[2][0]);
+  const dvec3 z = ToScene(m[0][2], m[1][2], m[2][2]);
+  // The largest of the four is at least 1/2: no division by next to nothing.
+  const double w = 1 + x.x + y.y + z.z, a = 1 + x.x - y.y - z.z, b = 1 - x.x + y.y - z.z,
+               c = 1 - x.x - y.y + z.z;
+  Quat q;
+  if (w >= a && w >= b && w >= c) {
+    q = {y.z - z.y, z.x - x.z, x.y - y.x, w};
+  } else if (a >= b && a >= c) {
+    q = {a, x.y + y.x, z.x + x.z, y.z - z.y};
+  } else if (b >= c) {
+    q = {x.y + y.x, b, y.z + z.y, z.x - x.z};
+  } else {
+    q = {z.x + x.z, y.z + z.y, c, x.y - y.x};
+  }
+  return q.Normalised();
+}
+
 std::string NameOf(char id) {
   const char* name = dhdGetSystemName(id);
   return name == nullptr ? "Force Dimension device" : name;
@@ -15,7 +37,8 @@ std::string NameOf(char id) {
 
 class ForceDimension final : public PolledBus {
  public:
-  explicit ForceDimension(char id) : id_(id), name_(NameOf(id)) {}
+  explicit ForceDimension(char id)
+      : id_(id), name_(NameOf(id)), turns_(dhdHasWrist(id)), twists_(dhdHasActiveWrist(id)) {}
   ~ForceDimension() override {
     dhdEnableForce(DHD_OFF, id_);
     dhdClose(id_);
@@ -26,6 +49,11 @@ class ForceDimension final : public PolledBus {
     double x = 0, y = 0, z = 0;
     if (dhdGetPosition(&x, &y, &z, id_) < 0) return false;
     out.tip_m = ToScene(x, y, z);
+    if (turns_) {
+      double frame[3][3] = {};
+      if (dhdGetOrientationFrame(frame, id_) < 0) return false;
+      out.orientation = ToScene(frame);
+    }
     out.pedal = dhdGetButton(0, id_) == DHD_ON;
     return true;
   }
@@ -33,10 +61,16 @@ class ForceDimension final : public PolledBus {
     // The inverse of ToScene. DHD_MOTOR_SATURATED is no error: the motors gave what they have.
     return dhdSetForce(-force_n.y, force_n.x, force_n.z, id_) >= 0;
   }
+  bool SendWithTorque(const dvec3& force_n, const dvec3& torque_n_m) override {
+    if (!twists_) return Send(force_n);
+    return dhdSetForceAndTorque(-force_n.y, force_n.x, force_n.z, -torque_n_m.y, torque_n_m.x,
+                                torque_n_m.z, id_) >= 0;
+  }
 
  private:
   const char id_;
   const std::string name_;
+  const bool turns_, twists_;  // senses rotation, drives it
 };
 
 }  // namespace

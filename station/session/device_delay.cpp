@@ -89,6 +89,16 @@ Status UseDelayOf(PreparedAttempt& prepared, const Device& device, const fs::pat
                         ": go on with the device it was begun on, or close it",
                     "coupling_mn_per_mm");
     }
+    const int64_t turning = profile->torque ? profile->torque->coupling_un_m_per_rad.value : 0;
+    if (prepared.header.params.peak_torque_un_m > 0 &&
+        prepared.header.params.rotational_kc_un_m_per_rad > turning) {
+      return Status(Code::kConflict,
+                    DelayText(used, name) + ": the torque's K is at most " +
+                        std::to_string(turning) + " uN m/rad on it, and this attempt was begun with " +
+                        std::to_string(prepared.header.params.rotational_kc_un_m_per_rad) +
+                        ": go on with the device it was begun on, or close it",
+                    "coupling_un_m_per_rad");
+    }
     const uint32_t begun = prepared.header.params.bus_delay_ticks;
     if (begun < static_cast<uint32_t>(used.ticks)) {
       return Status(Code::kConflict,

@@ -32,7 +32,10 @@ TickLoopOptions LoopOptions(const PreparedAttempt& prepared, const AttemptOption
   out.rate_hz = prepared.header.params.rate_hz;
   out.lockstep = options.lockstep;
   out.faults_when_late = options.faults_when_late;
-  out.damping_n_s_per_m = static_cast<double>(prepared.profile.damping_mn_s_per_m.value) * 1e-3;
+  out.damping_n_s_per_m = static_cast<double>(prepared.profile.viscous_mn_s_per_m()) * 1e-3;
+  if (const auto& torque = prepared.profile.torque) {
+    out.rotational_damping_n_m_s = static_cast<double>(torque->damping_un_m_s_per_rad.value) * 1e-6;
+  }
   out.ticks_before = prepared.place.next_tick;
   out.first_gap_ticks = prepared.gap_ticks;
   return out;

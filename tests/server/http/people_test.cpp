@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <boost/json.hpp>
+#include <set>
 
 #include "common/scene/builtin.h"
 #include "common/scene/json.h"
@@ -325,6 +326,30 @@ TEST_F(PeopleTest, ProfileIsJudgedWithFiguresBeforeItIsStored) {
   EXPECT_TRUE(older.at("next").is_null());
   EXPECT_EQ(root_.Get("/api/v1/profiles/none").status, 404);
   EXPECT_EQ(root_.Get("/api/v1/profiles/No%20Name").status, 400);
+}
+
+TEST_F(PeopleTest, AProfileOfSixAxesShowsItsTorqueAndIsJudgedByIt) {
+  scene::DeviceProfile profile = scene::BuiltinProfiles().back();
+  ASSERT_EQ(profile.name, "sigma7");
+  profile.electrical_damping_mn_s_per_m = {100, "measured"};
+  auto post = [&] { return Send(root_, "POST", "/api/v1/profiles", scene::ToJson(profile)); };
+  ASSERT_EQ(post().status, 201);
+  json::value shown = Parsed(root_.Get("/api/v1/profiles/sigma7"));
+  EXPECT_EQ(shown.at("criteria").as_array().size(), 7u);
+  std::set<std::string> names;
+  for (const json::value& number : shown.at("numbers").as_array()) {
+    EXPECT_FALSE(number.at("source").as_string().empty());
+    names.insert(std::string(number.at("name").as_string()));
+  }
+  EXPECT_EQ(names.size(), 18u);
+  for (const char* name : {"electrical_damping", "axes", "peak_torque", "torque_coupling",
+                           "torque_damping", "torque_friction", "orientation_cell"}) {
+    EXPECT_TRUE(names.contains(name)) << name;
+  }
+  profile.torque->friction_un_m.value = 239;
+  RawResponse refused = post();
+  EXPECT_EQ(refused.status, 400);
+  EXPECT_EQ(Parsed(refused).at("error").at("field"), "torque/friction_un_m");
 }
 
 TEST_F(PeopleTest, ReportIsServedAsAnAttachmentOnlyAndCalibrationsAreKept) {

@@ -57,6 +57,23 @@ TEST_F(ExplainTest, NamesEveryPartOnceWithAReasonAndNoHashDiffers) {
   EXPECT_GT(facts.at("engaged_share").as_double(), 0.9);
 }
 
+TEST_F(ExplainTest, TorqueIsCarriedOnADeviceThatDrivesRotationAndOnNoOther) {
+  auto torque = [&](const char* profile) {
+    options_.profile = profile;
+    EXPECT_TRUE(ExplainScene(options_).ok());
+    const json::object facts = Facts();
+    for (const json::value& v : facts.at("parts").as_array()) {
+      if (v.at("part") == "torque") return v.as_object();
+    }
+    return json::object{};
+  };
+  const json::object kept = torque("sigma7"), left_out = torque("omega3");
+  EXPECT_TRUE(kept.at("kept").as_bool());
+  EXPECT_TRUE(kept.at("ns_per_tick").is_double());
+  EXPECT_FALSE(left_out.at("kept").as_bool());
+  EXPECT_TRUE(left_out.at("ns_per_tick").is_null());
+}
+
 TEST_F(ExplainTest, StoringEveryBrickCostsMemory) {
   ASSERT_TRUE(ExplainScene(options_).ok());
   json::object facts = Facts();

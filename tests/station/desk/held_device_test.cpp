@@ -16,8 +16,12 @@ class Handpiece final : public Device {
     return sample;
   }
   void SendForce(const dvec3& force_n) noexcept override { sent_n = force_n; }
+  void SendForceAndTorque(const dvec3& force_n, const dvec3& torque_n_m) noexcept override {
+    sent_n = force_n;
+    torque_sent_n_m = torque_n_m;
+  }
   double still_before_force_s() const noexcept override { return 0.25; }
-  dvec3 sent_n{0};
+  dvec3 sent_n{0}, torque_sent_n_m{0};
 };
 
 TEST(HeldDeviceTest, PausedTheBurStandsStillAndEverythingElseGoesOn) {
@@ -33,6 +37,8 @@ TEST(HeldDeviceTest, PausedTheBurStandsStillAndEverythingElseGoesOn) {
   EXPECT_EQ(held.speed_krpm(), 0);
   held.SendForce({1, 2, 3});
   EXPECT_EQ(inner.sent_n.y, 2);
+  held.SendForceAndTorque({1, 2, 3}, {4, 5, 6});
+  EXPECT_EQ(inner.torque_sent_n_m, dvec3(4, 5, 6));
   held.SetPaused(false);
   EXPECT_EQ(held.ReadSample().buttons, kPedal | kFinish);
 }

@@ -88,6 +88,28 @@ TEST(ForceKeeperTest, MotorsAreOffBeforeTheFirstForce) {
   EXPECT_FALSE(c->motors_on);
 }
 
+TEST(ForceKeeperTest, TorqueGoesAndFallsWithItsForce) {
+  ForceKeeper keeper(4);
+  keeper.Take(dvec3(0, 0, 2), 1, 0, dvec3(0.1, 0, 0));
+  auto c = keeper.Next(0);
+  ASSERT_TRUE(c);
+  EXPECT_EQ(c->torque_n_m, dvec3(0.1, 0, 0));
+  const int64_t half = (ForceKeeper::kHold_us + ForceKeeper::kGone_us) / 2;
+  c = keeper.Next(half);
+  ASSERT_TRUE(c);
+  EXPECT_NEAR(c->force_n.z, 1, 1e-3);
+  EXPECT_NEAR(c->torque_n_m.x, 0.05, 1e-4);
+  c = keeper.Next(ForceKeeper::kGone_us);
+  ASSERT_TRUE(c);
+  EXPECT_EQ(c->torque_n_m, dvec3(0));
+  keeper.Take(dvec3(0, 0, 1), 2, 30'000);
+  EXPECT_EQ(keeper.Next(30'000)->torque_n_m, dvec3(0)) << "a force without torque takes it away";
+  keeper.Take(dvec3(0, 0, 1), 3, 31'000, dvec3(0, std::numeric_limits<double>::infinity(), 0));
+  c = keeper.Next(31'000);
+  EXPECT_EQ(c->force_n, dvec3(0));
+  EXPECT_EQ(c->torque_n_m, dvec3(0));
+}
+
 TEST(ForceKeeperTest, WhatIsNotFiniteIsZero) {
   for (double bad :
        {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {

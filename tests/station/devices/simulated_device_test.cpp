@@ -97,6 +97,78 @@ TEST(SimulatedDeviceTest, MotorsSaturateAtThePeakForce) {
   EXPECT_NEAR(device.velocity_m_per_s().x, 7.9 * 0.01 / 0.045, 1e-9);
 }
 
+// A hand that holds the device at a tilt.
+class TiltedHand final : public SimulatedOperator {
+ public:
+  explicit TiltedHand(const Quat& tilt) : tilt_(tilt) {}
+  std::string Name() const override { return "tilted"; }
+  dvec3 Start_m() const override { return dvec3(0); }
+  HandDrive Act(const dvec3&, const dvec3&, double) noexcept override {
+    HandDrive hand;
+    hand.orientation = tilt_;
+    return hand;
+  }
+  double Progress() const noexcept override { return 0; }
+
+ private:
+  const Quat tilt_;
+};
+
+PlantParams Wrist(int substeps = 64) {
+  PlantParams p = Phantom(substeps);
+  p.inertia_kg_m2 = 1e-4;
+  p.orientation_cell_rad = 300e-6;
+  p.peak_torque_n_m = 0.2;
+  return p;
+}
+
+// Turned by the hand's spring alone: inertia I, stiffness k, damping d. Chord and angle differ by
+// the cube of the angle.
+TEST(SimulatedDeviceTest, TurnsLikeADampedOscillator) {
+  const PlantParams p = Wrist();
+  const double tilt = 0.02;
+  SimulatedDevice device(
+      p, std::make_unique<TiltedHand>(Quat{0, std::sin(tilt / 2), 0, std::cos(tilt / 2)}));
+  const double gamma = p.hand_n_m_s / (2 * p.inertia_kg_m2);
+  const double omega = std::sqrt(p.hand_n_m_per_rad / p.inertia_kg_m2 - gamma * gamma);
+  for (int i = 1; i <= 100; ++i) {
+    const DeviceSample s = device.ReadSample();
+    const double t = i * p.tick_s;
+    const double exact =
+        tilt *
+        (1 - std::exp(-gamma * t) * (std::cos(omega * t) + gamma / omega * std::sin(omega * t)));
+    ASSERT_NEAR(2 * device.orientation().y, exact, 0.002 * tilt) << i;
+    // What is recorded is within the cell of what is true.
+    const Quat error = FromQuantised(s.orientation) * device.orientation().Conjugate();
+    ASSERT_LE(2 * std::sqrt(error.x * error.x + error.y * error.y + error.z * error.z), 300e-6);
+  }
+}
+
+TEST(SimulatedDeviceTest, FeelsTheTorqueUpToItsPeakAndLateByTheBus) {
+  PlantParams p = Wrist();
+  p.rotational_friction_n_m = 1e-3;
+  p.delay_ticks = 2;
+  SimulatedDevice device(p, std::make_unique<TiltedHand>(Quat{}));
+  device.SendForceAndTorque(dvec3(0), dvec3(0.0009, 0, 0));
+  for (int i = 0; i < 100; ++i) device.ReadSample();
+  EXPECT_EQ(device.orientation().x, 0) << "friction holds it";
+  device.SendForceAndTorque(dvec3(0), dvec3(1, 0, 0));
+  device.ReadSample();
+  device.ReadSample();
+  EXPECT_EQ(device.orientation().x, 0);
+  for (int i = 0; i < 2000; ++i) device.ReadSample();
+  EXPECT_NEAR(2 * device.orientation().x, 0.2, 0.002) << "0.2 N m against 1 N m/rad";
+  device.SendForce(dvec3(0));
+  for (int i = 0; i < 2000; ++i) device.ReadSample();
+  EXPECT_NEAR(2 * device.orientation().x, 0, 0.0011) << "a force alone has no torque";
+}
+
+TEST(SimulatedDeviceTest, ADeviceOfThreeAxesIsAlwaysUpright) {
+  SimulatedDevice device(Phantom(), std::make_unique<TiltedHand>(Quat{0.1, 0, 0, 1}.Normalised()));
+  device.SendForceAndTorque(dvec3(0), dvec3(1, 0, 0));
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(device.ReadSample().orientation, kIdentityOrientation);
+}
+
 TEST(SimulatedDeviceTest, CountsAreTheNearestCellFromTheOrigin) {
   PlantParams p = Phantom();
   p.origin_m = dvec3(1e-3, 0, -2e-3);

@@ -254,6 +254,35 @@ TEST_F(HapticBoardTest, WritesTheForceInItsOwnAxesAndItsDirectionWithinItsPeak) 
   EXPECT_EQ(out.watchdog_ms, 100);
 }
 
+// A torque is turned as a force is; a board of three axes gets none.
+TEST_F(HapticBoardTest, WritesTheTorqueInItsOwnAxesWhereItDrivesThem) {
+  for (uint8_t axes : {uint8_t{6}, uint8_t{3}}) {
+    FeatureReport feature = Feature();
+    feature.axes = axes;
+    bus_.Plug(Plugged(feature));
+    HapticBoardSettings settings;
+    settings.axes = *ParseAxisMap("-y+x+z");
+    ASSERT_TRUE(Open(settings).ok());
+    board_->SendForceAndTorque(dvec3(0, 0, 1), dvec3(0.05, 0.1, -0.0123456));
+    OutputReport out;
+    ASSERT_TRUE(bus_.Await([&](HidBus& b) {
+      return std::ranges::any_of(b.written(), [&](const Bytes& report) {
+        return DecodeOutput(report, out) == ReportError::kNone && out.motors_on;
+      });
+    }));
+    const std::array<int32_t, 3> turned{100'000, -50'000, -12'346}, none{};
+    EXPECT_EQ(out.torque_un_m, axes == 6 ? turned : none);
+    // Without the loop it falls with the force.
+    ASSERT_TRUE(bus_.Await([](HidBus& b) {
+      OutputReport newest;
+      return DecodeOutput(b.written().back(), newest) == ReportError::kNone && !newest.motors_on &&
+             newest.torque_un_m == std::array<int32_t, 3>{};
+    }));
+    board_.reset();
+    bus_.Reset();
+  }
+}
+
 TEST_F(HapticBoardTest, StalledWriteHoldsUpNeitherReadingNorTheTickAndIsFollowedByTheNewestForce) {
   bus_.Plug(Plugged());
   ASSERT_TRUE(Open().ok());
@@ -572,6 +601,21 @@ TEST_F(HapticBoardTest, ProfileMustHaveTheBoardsCells) {
   EXPECT_EQ(s.code(), Code::kConflict);
   EXPECT_NE(s.message().find("20000"), std::string::npos);
   EXPECT_NE(s.message().find("10000"), std::string::npos);
+}
+
+TEST_F(HapticBoardTest, AProfileWithTorqueNeedsABoardThatDrivesSixAxesAndSaysHowItIsTurned) {
+  scene::DeviceProfile profile = scene::BuiltinProfiles()[1];
+  profile.torque.emplace();
+  FeatureReport board = Feature(10'000);
+  board.axes = 3;
+  board.tells_orientation = true;
+  Status s = CheckBoard(board, profile, 1000);
+  EXPECT_EQ(s.code(), Code::kConflict);
+  EXPECT_NE(s.message().find("drives 3 axes"), std::string::npos) << s.message();
+  board.axes = 6;
+  EXPECT_TRUE(CheckBoard(board, profile, 1000).ok());
+  board.tells_orientation = false;
+  EXPECT_EQ(CheckBoard(board, profile, 1000).field(), "axes");
 }
 
 struct Block {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <deque>
 #include <limits>
 #include <random>
@@ -28,13 +29,17 @@ class ScriptedDevice final : public Device {
     last_force = force_n;
     ++sends;
   }
+  void SendForceAndTorque(const dvec3& force_n, const dvec3& torque_n_m) noexcept override {
+    SendForce(force_n);
+    last_torque = torque_n_m;
+  }
   double still_before_force_s() const noexcept override { return still_s; }
 
   DeviceSample sample;
   double still_s = 0;
   int32_t start_z = 0, step = 0;
   uint64_t reads = 0, finish_after = 0, sends = 0;
-  dvec3 last_force{0};
+  dvec3 last_force{0}, last_torque{0};
 };
 
 class TickLoopTest : public testing::Test {
@@ -76,6 +81,53 @@ TEST_F(TickLoopTest, RecordsEachSteppedTickWithTheForceThatWasSent) {
   }
   EXPECT_TRUE(cut);
   EXPECT_EQ(loop.snapshot().counters.ticks, 100u);
+}
+
+// A six-axis device twists the bur in the block: torque with the force, and none where there is none.
+TEST_F(TickLoopTest, TorqueIsSentWithTheForceAndIsZeroWithIt) {
+  params_.rotational_kc_un_m_per_rad = 800'000;
+  params_.peak_torque_un_m = 200'000;
+  params_.rotation_cell_urad = 300;
+  core::Core core(params_, volume_);
+  SampleRing ring(2000);
+  TickLoopOptions options{1000, false, true};
+  TickLoop loop(device_, core, ring, options);
+  bool pushed = false;
+  for (int i = 0; i < 1200; ++i) {
+    if (i == 150) device_.step = 0, device_.start_z -= 150;
+    loop.Tick();
+    pushed = pushed || device_.last_force.z > 0;
+  }
+  EXPECT_TRUE(pushed);
+  device_.sample.buttons = 0;  // a still bur in its hole
+  for (int16_t i = 0; i < 100; ++i) {
+    device_.sample.orientation = {static_cast<int16_t>(20 * i), 0, 0, 32700};
+    loop.Tick();
+  }
+  EXPECT_LT(device_.last_torque.x, -0.01);
+  // A gap: neither.
+  loop.Hold(true);
+  loop.Tick();
+  EXPECT_EQ(device_.last_torque, dvec3(0));
+  loop.Hold(false);
+  device_.sample.orientation = kIdentityOrientation;
+  for (int i = 0; i < 20; ++i) loop.Tick();
+  for (int16_t i = 0; i < 100; ++i) {
+    device_.sample.orientation = {static_cast<int16_t>(20 * i), 0, 0, 32700};
+    loop.Tick();
+  }
+  EXPECT_LT(device_.last_torque.x, -0.01);
+  // A tick that is late leaks by turning too: here K/2 |dphi|^2, nothing moves but the angle.
+  const double before = loop.counters().leak_j;
+  device_.sample.orientation = {2200, 0, 0, 32700};
+  loop.Tick(0.0015);
+  EXPECT_NEAR(loop.counters().leak_j - before, 0.4 * std::pow(2 * 220.0 / 32767, 2), 0.4e-5);
+  // A fault: neither.
+  device_.sample.attached = false;
+  loop.Tick();
+  EXPECT_EQ(loop.fault(), Fault::kUnplugged);
+  EXPECT_EQ(device_.last_torque, dvec3(0));
+  EXPECT_EQ(device_.last_force, dvec3(0));
 }
 
 TEST_F(TickLoopTest, TickThatCannotBeRecordedIsNotSteppedAndDeclaredAsGap) {

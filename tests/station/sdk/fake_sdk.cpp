@@ -70,6 +70,22 @@ int dhdSetForce(double x, double y, double z, char) {
   });
 }
 
+bool dhdHasWrist(char) { return Dhd().Get().wrist; }
+bool dhdHasActiveWrist(char) { return Dhd().Get().wrist; }
+int dhdGetOrientationFrame(double matrix[3][3], char) {
+  const State s = Dhd().Get();
+  for (size_t i = 0; i < 3; ++i) std::copy(s.frame[i].begin(), s.frame[i].end(), matrix[i]);
+  return s.there ? 0 : -1;
+}
+int dhdSetForceAndTorque(double x, double y, double z, double tx, double ty, double tz, char) {
+  return Dhd().With([&](State& s) {
+    s.force = {x, y, z};
+    s.torque = {tx, ty, tz};
+    ++s.writes;
+    return s.there ? 0 : -1;
+  });
+}
+
 HHD hdInitDevice(const char*) {
   return Hd().With([](State& s) { return s.there ? (++s.open, HHD{0}) : HD_INVALID_HANDLE; });
 }

@@ -13,7 +13,9 @@ class FakeSdk {
   struct State {
     bool there = false;  // attached
     std::string name;
-    std::array<double, 3> position{}, force{};
+    std::array<double, 3> position{}, force{}, torque{};
+    std::array<std::array<double, 3>, 3> frame{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};  // by rows
+    bool wrist = false;  // sensed and driven
     bool button = false;
     bool motors = false;
     int open = 0;  // handles

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <thread>
@@ -119,6 +120,35 @@ TEST_F(SdkDeviceTest, ForceDimensionsAxesAreTurnedToTheSceneAndBack) {
   EXPECT_EQ(at.counts, (std::array<int32_t, 3>{200, -100, 300}));
   // Right 1 N, away 2, up 3 of the scene: toward the user -2, right 1, up 3.
   EXPECT_EQ(Heard(sdk, dvec3(1, 2, 3)), (std::array<double, 3>{-2, 1, 3}));
+}
+
+// A driven wrist: its frame and its torque are turned as places and forces are.
+TEST_F(SdkDeviceTest, ForceDimensionsWristIsReadAndDriven) {
+  FakeSdk& sdk = FakeSdk::ForceDimension();
+  Attach(sdk, "sigma.7");
+  EXPECT_EQ(ProfileNameOf("sigma.7"), scene::BuiltinProfiles().back().name);
+  // Turned by 90 degrees about its y, to the right: z goes toward the user (x). In the scene that is
+  // about x, and z goes to -y.
+  sdk.With([](FakeSdk::State& s) {
+    s.wrist = true;
+    s.frame = {{{0, 0, 1}, {0, 1, 0}, {-1, 0, 0}}};
+  });
+  Open("dhd");
+  const DeviceSample at = Until([](const DeviceSample& s) { return s.orientation[0] != 0; });
+  const Quat turned = FromQuantised(at.orientation);
+  EXPECT_NEAR(turned.x, std::sqrt(0.5), 1e-4);
+  EXPECT_NEAR(turned.w, std::sqrt(0.5), 1e-4);
+  EXPECT_NEAR(turned.Matrix()[2].y, -1, 1e-4);
+  std::array<double, 3> torque{};
+  for (int i = 0; i < 10'000 && torque == std::array<double, 3>{}; ++i) {
+    device_->SendForceAndTorque(dvec3(1, 2, 3), dvec3(0.1, 0.2, 0.3));
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    torque = sdk.Get().torque;
+  }
+  EXPECT_EQ(torque, (std::array<double, 3>{-0.2, 0.1, 0.3}));
+  EXPECT_EQ(sdk.Get().force, (std::array<double, 3>{-2, 1, 3}));
+  device_.reset();
+  EXPECT_EQ(sdk.Get().torque, (std::array<double, 3>{0, 0, 0}));
 }
 
 TEST_F(SdkDeviceTest, OpenHapticsMillimetresAndAxesAreTurnedToTheSceneAndBack) {

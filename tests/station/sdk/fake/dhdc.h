@@ -14,4 +14,8 @@ int dhdEnableForce(unsigned char on, char id);
 int dhdGetPosition(double* x, double* y, double* z, char id);
 int dhdGetButton(int button, char id);
 int dhdSetForce(double x, double y, double z, char id);
+bool dhdHasWrist(char id);
+bool dhdHasActiveWrist(char id);
+int dhdGetOrientationFrame(double matrix[3][3], char id);
+int dhdSetForceAndTorque(double fx, double fy, double fz, double tx, double ty, double tz, char id);
 }
