@@ -10,7 +10,10 @@
 
 #include "common/scene/builtin.h"
 #include "common/scene/plan.h"
+#include "station/devices/simulated_device.h"
+#include "tests/common/core/params.h"
 #include "tests/support/allocation_guard.h"
+#include "tests/support/analytic_volume.h"
 
 namespace enamel::station {
 namespace {
@@ -83,7 +86,8 @@ TEST_F(TickLoopTest, RecordsEachSteppedTickWithTheForceThatWasSent) {
   EXPECT_EQ(loop.snapshot().counters.ticks, 100u);
 }
 
-// A six-axis device twists the bur in the block: torque with the force, and none where there is none.
+// A six-axis device twists the bur in the block: torque with the force, and none where there is
+// none.
 TEST_F(TickLoopTest, TorqueIsSentWithTheForceAndIsZeroWithIt) {
   params_.rotational_kc_un_m_per_rad = 800'000;
   params_.peak_torque_un_m = 200'000;
@@ -128,6 +132,65 @@ TEST_F(TickLoopTest, TorqueIsSentWithTheForceAndIsZeroWithIt) {
   EXPECT_EQ(loop.fault(), Fault::kUnplugged);
   EXPECT_EQ(device_.last_torque, dvec3(0));
   EXPECT_EQ(device_.last_force, dvec3(0));
+}
+
+// Cuts 2 mm into a block, lets the bur stand and tilts the handpiece by 0.1 rad.
+class TwistingHand final : public SimulatedOperator {
+ public:
+  static constexpr int kCut = 4500, kTilt = 4600, kEnd = 5200;
+  std::string Name() const override { return "twisting"; }
+  dvec3 Start_m() const override { return dvec3(0, 0, 0.5e-3); }
+  HandDrive Act(const dvec3&, const dvec3&, double) noexcept override {
+    HandDrive hand;
+    hand.equilibrium_m = dvec3(0, 0, std::fmax(-2e-3, 0.5e-3 - std::fmax(0, tick_ - 50) * 1e-6));
+    hand.stiffness_n_per_m = 2000;
+    hand.damping_n_s_per_m = 5;
+    hand.max_force_n = 20;
+    hand.pedal = tick_ < kCut;
+    const double tilt = 0.1 * std::fmin(1, std::fmax(0, tick_ - kTilt) / 100.0);
+    hand.orientation = Quat{std::sin(tilt / 2), 0, 0, std::cos(tilt / 2)};
+    ++tick_;
+    return hand;
+  }
+  double Progress() const noexcept override { return 0; }
+
+ private:
+  int tick_ = 0;
+};
+
+// The whole way: hand, device, core and motors. The wall holds the bur, so two springs share the
+// tilt: the hand's 1 N m/rad and the torque's 0.8 leave the device at 1/1.8 of it. Without torque
+// it is where the hand wants it.
+TEST(TorqueLoopTest, ATwistedHandpieceInItsHoleIsHeldByTheTorquesSpring) {
+  for (bool torque : {true, false}) {
+    core::CoreParams params = test::ParamsFor({cutting::BurShape::kCylinder, 0.6e-3, 4e-3});
+    params.soft_start_ticks = 5;
+    params.rotational_kc_un_m_per_rad = 800'000;
+    params.peak_torque_un_m = torque ? 200'000 : 0;
+    params.rotation_cell_urad = torque ? 300 : 0;
+    core::Core core(params, test::Block(50'000, 2e-3, 4e-3));
+    PlantParams plant;
+    plant.mass_kg = 0.2;
+    plant.damping_n_s_per_m = 2;
+    plant.friction_n = 0.02;
+    plant.resolution_m = 10e-6;
+    plant.peak_force_n = 7.9;
+    plant.inertia_kg_m2 = 1e-4;
+    plant.rotational_damping_n_m_s = 0.5e-3;
+    plant.rotational_friction_n_m = 0.24e-3;
+    plant.orientation_cell_rad = 300e-6;
+    plant.peak_torque_n_m = 0.2;
+    SimulatedDevice device(plant, std::make_unique<TwistingHand>());
+    SampleRing ring(10);
+    TickLoop loop(device, core, ring, {1000, true, false});
+    Sample s;
+    for (int i = 0; i < TwistingHand::kEnd; ++i) {
+      loop.Tick();
+      ASSERT_TRUE(ring.Pop(s));
+    }
+    EXPECT_LT(loop.snapshot().anchor.tip_m.z, -1.2e-3);
+    EXPECT_NEAR(2 * device.orientation().x, torque ? 0.1 / 1.8 : 0.1, 0.004);
+  }
 }
 
 TEST_F(TickLoopTest, TickThatCannotBeRecordedIsNotSteppedAndDeclaredAsGap) {
