@@ -223,7 +223,7 @@ class Appraiser {
 
   Worth Turning() const {
     core::CoreParams rigid = s_.params;
-    rigid.rotational_kc_un_m_per_rad = 0;
+    rigid.rotational_kc_un_m_per_rad = rigid.peak_torque_un_m = rigid.rotation_cell_urad = 0;
     StepCost c = MeasureSteps(rigid, s_.built.volume, way_, kReplays);
     return {-MoreThanBase_ns(c), 0.0, "against a bur that never turns"};
   }
