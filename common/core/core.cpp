@@ -45,6 +45,7 @@ cutting::EngagementRule RuleOf(const CoreParams& p) {
 haptics::CouplingParams CouplingOf(const CoreParams& p, double voxel_m) {
   haptics::CouplingParams c;
   c.law.kind = p.law;
+  c.law.revision = p.core_version >= 4 ? 4 : 3;
   c.law.kc_n_per_m = p.kc_mn_per_mm;
   c.law.resolution_m = dvec3(p.resolution_nm[0], p.resolution_nm[1], p.resolution_nm[2]) * 1e-9;
   c.law.tick_s = 1.0 / p.rate_hz;

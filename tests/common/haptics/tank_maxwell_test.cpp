@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "common/base/state_hash.h"
 #include "common/haptics/count_estimator.h"
 #include "common/haptics/coupling.h"
 #include "common/haptics/hand_stiffness.h"
@@ -131,6 +132,70 @@ CouplingParams Params() {
 
 double Force(Coupling& coupling, Tissue& tissue, double x) {
   return -coupling.Tick(dvec3(Cell(x), 0.5 * kCell_m, 0.5 * kCell_m), 1, tissue).force_sent_n.x;
+}
+
+// A block that resists with any matrix, and air beside it, in steps of at most max_step. The damping
+// asked for across the way out is a hundredth.
+class Block final : public Material {
+ public:
+  Contact ContactAt(const dvec3& at, const dvec3& travel) noexcept override {
+    Contact c;
+    if (at.z > surface_m) return c;
+    c.engaged = true;
+    c.damping_n_s_per_m = b;
+    if (travel.z > 0) c.damping_n_s_per_m = Sym3::Isotropic(0.01 * b.Trace());
+    return c;
+  }
+  void AnchorMoved(const dvec3&, const dvec3& to) noexcept override { surface_m = std::min(surface_m, to.z); }
+  Sym3 b = Sym3::Isotropic(6500);
+  double surface_m = 1;
+};
+
+// Every force, bur and tank of 24 s in three hands: one that prescribes its way (strokes, stops, a fast
+// way out through what it has cut), 0.1 kg that is pushed, 0.1 kg on a spring. + - * / alone.
+uint64_t HashOfHands(uint32_t revision, double cell_m, double kc) {
+  StateHash hash;
+  for (int hand = 0; hand < 3; ++hand) {
+    CouplingParams p = Params();
+    p.law.kc_n_per_m = kc;
+    p.law.resolution_m = dvec3(cell_m);
+    p.law.revision = revision;
+    Coupling coupling(p);
+    Block block;
+    dvec3 x(3.3e-6, 2.1e-6, 1.1e-6), v(0), wanted = x, force(0);
+    auto cell = [&](double a) { return (std::floor(a / cell_m) + 0.5) * cell_m; };
+    coupling.Reset(dvec3(cell(x.x), cell(x.y), cell(x.z)));
+    for (int k = 0; k < 8000; ++k) {
+      int part = k / 1000;
+      block.b = part < 5 ? Sym3::Isotropic(part == 2 ? 300 : 6500) : Sym3::Outer(dvec3(1, 0, 0), 3000);
+      if (part >= 5) block.b += Sym3::Isotropic(4000);
+      double pace = part == 1 ? -0.3e-3 : part == 3 ? 0 : 0.5e-3;
+      dvec3 speed = dvec3(0.3, 0.6, -0.7) * pace;
+      if (part == 7) speed = dvec3(0, 0.01, k < 7100 ? 0.04 : 0);
+      wanted += speed * kTick_s;
+      for (int n = 0; n < 5; ++n) {
+        dvec3 push = hand == 1 ? speed * 6500.0 - v * 1.0 : (wanted - x) * 1000.0 - v * 12.0;
+        v += (push + force) * (kTick_s / 5 / 0.35);
+        x += v * (kTick_s / 5);
+      }
+      if (hand == 0) x = wanted;
+      CouplingOutput out = coupling.Tick(dvec3(cell(x.x), cell(x.y), cell(x.z)), 1, block);
+      force = out.force_sent_n;
+      for (int i = 0; i < 3; ++i) {
+        hash.F64(force[i]);
+        hash.F64(out.anchor_m[i]);
+      }
+      hash.F64(out.tank_j);
+    }
+  }
+  return hash.value();
+}
+
+// Recordings of core version 3 replay only if the law of revision 3 repeats to the bit.
+TEST(TankMaxwellTest, Revision3IsAsItWasToTheBit) {
+  EXPECT_EQ(HashOfHands(3, 9e-6, 10'000), 2964384042506191378u);
+  EXPECT_EQ(HashOfHands(3, 10e-6, 2'500), 1682061115060621829u);
+  EXPECT_EQ(HashOfHands(3, 20e-6, 4'000), 565616873575710920u);
 }
 
 TEST(TankMaxwellTest, ASteadyCutHasNoEncoderRipple) {
