@@ -132,6 +132,8 @@ class TankMaxwell final : public ForceLaw {
     double along, across;
   };
 
+  bool Revised() const noexcept { return params_.revision >= 4; }
+
   double Cell() const noexcept {
     return HigherOf(params_.resolution_m.x, HigherOf(params_.resolution_m.y, params_.resolution_m.z));
   }
@@ -249,8 +251,9 @@ class TankMaxwell final : public ForceLaw {
     if (axis.size() == 1) {
       return smooth_[i] = FirstGuess(axes_, i, time_s_, params_.resolution_m[i], params_.tick_s);
     }
-    double mean = axis.Mean(window_s);
-    *correction = kTuning.anchor_share * (anchor_speed_[i] - axis.AnchorMean(window_s));
+    const int ends = Revised() ? 2 : 1;
+    double mean = axis.Mean(window_s, ends);
+    *correction = kTuning.anchor_share * (anchor_speed_[i] - axis.AnchorMean(window_s, ends));
     if (axis.size() <= kWindowIntervals) return smooth_[i] = mean;
     double k = params_.tick_s / (smooth_s + params_.tick_s);
     return smooth_[i] += (mean - smooth_[i]) * k;

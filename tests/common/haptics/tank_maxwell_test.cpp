@@ -22,6 +22,30 @@ double SpeedAfter(TurningAxis& axis, double from_s, double to_s, const Way& way)
   return axis.speed() * axis.Fade(to_s, kCell_m);
 }
 
+// Counts in pairs 8 ms apart, a pair every 50 ms. The newest count is a pair's second for 42 of the 50 ms.
+TEST(AxisEstimatorTest, CountsInPairsDoNotRaiseTheMeanOfEndsOverTwoCounts) {
+  auto worst = [](int ends) {
+    double most = 0;
+    for (double window = 0.3; window < 0.35; window += 0.002) {
+      AxisEstimator axis;
+      axis.Reset(0.5 * kCell_m);
+      double sum = 0;
+      int cell = 0, n = 0;
+      for (int k = 0; k < 3000; ++k) {
+        cell += k % 50 == 0 || k % 50 == 8;
+        axis.Update(k * kTick_s, (cell + 0.5) * kCell_m, 0, kCell_m);
+        if (k < 1000) continue;
+        sum += axis.Mean(window, ends);
+        ++n;
+      }
+      most = std::max(most, std::fabs(sum / n / (2 * kCell_m / 0.05) - 1));
+    }
+    return most;
+  };
+  EXPECT_GT(worst(1), 0.03);
+  EXPECT_LT(worst(2), 1e-6);
+}
+
 TEST(TurningAxisTest, ConstantSpeedIsExactFromTheThirdCountOn) {
   TurningAxis axis;
   axis.Reset(Cell(0));
