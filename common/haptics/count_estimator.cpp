@@ -73,10 +73,13 @@ void TurningAxis::Fit(double delta_m) noexcept {
   if (spread > 0) speed_ = (n * stx - st * sx) / spread;
 }
 
+double TurningAxis::Due(double delta_m) const noexcept {
+  return kDue_cells * delta_m / (std::fabs(speed_) + 1e-12) + kDue_s;
+}
+
 double TurningAxis::Fade(double time_s, double delta_m) const noexcept {
   if (size_ < 2) return 1;
-  double f = (kDue_cells * delta_m / (std::fabs(speed_) + 1e-12) + kDue_s) /
-             (time_s - At(0).time_s + 1e-9);
+  double f = Due(delta_m) / (time_s - At(0).time_s + 1e-9);
   if (!(f < 1)) return 1;
   f = f * f * f;
   f = f * f;

@@ -29,6 +29,7 @@ struct Tuning {
   double at_once_cells = 1.5;      // a stretch off by less than this is set at once,
   double slew_cells = 1.7;         // more by so much a tick that, the tip's own way included, no tick's
   double least_slew_cells = 0.2;   // change of force is beyond Kc (v T + sqrt(3) delta)
+  double left_behind = 5;          // an axis without a count for so many times its due was left behind
   double off_share = 0.12, off_cells = 1;  // "off": more than this of the stretch, and of a cell
 };
 constexpr Tuning kTuning;
@@ -112,8 +113,12 @@ class TankMaxwell final : public ForceLaw {
     double distance = std::sqrt(Dot(off, off));
     double size = std::sqrt(HigherOf(wanted2, Dot(e_m, e_m)));
     hand_.Off(off, distance > kTuning.off_share * size + kTuning.off_cells * cell, params_.tick_s);
-    double reach = distance;
-    if (distance > kTuning.at_once_cells * cell) reach = LowerOf(distance, Slew(cell));
+    double reach = distance, once = kTuning.at_once_cells * cell;
+    // Off by no more than this tick's counts: three at once are 1.73 cells, and setting what they moved
+    // back changes no force at all.
+    const dvec3 change = off + tip_moved_;
+    const bool counts_alone = Revised() && Dot(change, change) <= once * once;
+    if (distance > once && !counts_alone) reach = LowerOf(distance, Slew(cell));
     if (!(distance > 0) || !(hand_.trust() > 0)) return e_m;
     dvec3 step = off * (hand_.trust() * reach / distance);
     hand_.Moved(-step);
@@ -201,15 +206,19 @@ class TankMaxwell final : public ForceLaw {
                             kTuning.window_max_s);
     double patience = HigherOf(kTuning.silence_share * tau, LowerOf(kTuning.silence_min_s, tau));
     double smooth_s = LowerOf(kTuning.smooth_s, kTuning.smooth_share * tau);
-    double fastest = 0, fastest_delta = 0, since_any = 1e9;
+    double fastest = 0, fastest_delta = 0, most = 0, since_any = 1e9;
     slow_ = dvec3(0);
+    for (const AxisEstimator& axis : axes_) since_any = LowerOf(since_any, axis.SinceLast(time_s_));
     for (int i = 0; i < 3; ++i) {
       double delta = params_.resolution_m[i], since = axes_[i].SinceLast(time_s_);
-      since_any = LowerOf(since_any, since);
       if (axes_[i].size() == 0) continue;
       double correction = 0, mean = AxisSpeed(i, window, smooth_s, &correction);
       double speed = std::fabs(mean);
-      if (speed > fastest) {
+      // An axis that had fallen silent before the newest count of any says nothing about a stop.
+      double says = speed;
+      if (Revised()) says *= SilenceFade(QuietTime(delta, speed) + patience, since - since_any);
+      if (says > most) {
+        most = says;
         fastest = speed;
         fastest_delta = delta;
       }
@@ -220,6 +229,10 @@ class TankMaxwell final : public ForceLaw {
     slow_ *= fade_;
     EstimateFast();
     HandStiffness::Tick tick{tip_moved_, slow_, counted_, false};
+    // What a first count says is the most that the speed may be, and no way that the tip is known to go.
+    for (int i = 0; Revised() && i < 3; ++i) {
+      if (axes_[i].size() < 2) tick.slow_speed_m_per_s[i] = 0;
+    }
     for (TurningAxis& axis : turning_) tick.swings |= axis.TakeSwing();
     hand_.Step(tick, Cell(), params_.tick_s);
     bool still = Dot(fast_, fast_) == 0;
@@ -231,13 +244,17 @@ class TankMaxwell final : public ForceLaw {
     }
   }
 
-  // The axis that counts most often betrays a stop for all of them.
+  // The axis that counts most often betrays a stop for all of them, unless the others have gone on for
+  // long without it: a hand that has turned off along another axis has not stopped.
   void EstimateFast() noexcept {
-    double most = 0, lead = 1;
+    double most = 0, lead = 1, since_any = 1e9;
+    for (const TurningAxis& axis : turning_) since_any = LowerOf(since_any, axis.SinceLast(time_s_));
     for (int i = 0; i < 3; ++i) {
       double delta = params_.resolution_m[i], fade = turning_[i].Fade(time_s_, delta);
       fast_[i] = turning_[i].speed() * fade;
       double often = std::fabs(turning_[i].speed()) / delta;
+      const double without = turning_[i].SinceLast(time_s_) - since_any;
+      if (Revised() && without > kTuning.left_behind * turning_[i].Due(delta)) continue;
       if (often > most) {
         most = often;
         lead = fade;

@@ -237,6 +237,45 @@ TEST(TankMaxwellTest, ASteadyCutHasNoEncoderRipple) {
   EXPECT_NEAR(high, 6500 * v, 0.03);
 }
 
+// All three axes count in the same tick: the rest point takes up all of it.
+TEST(TankMaxwellTest, CountsOfThreeAxesInOneTickAreNoStepOfTheForce) {
+  auto worst = [](uint32_t revision) {
+    CouplingParams p = Params();
+    p.law.revision = revision;
+    Coupling coupling(p);
+    Tissue tissue;
+    coupling.Reset(dvec3(0.5 * kCell_m));
+    double most = 0, v = 0.3e-3;
+    for (int k = 0; k < 5000; ++k) {
+      dvec3 force = coupling.Tick(dvec3(Cell(v * k * kTick_s)), 1, tissue).force_sent_n;
+      if (k > 3000) most = std::max(most, std::fabs(-force.x - 6500 * v));
+    }
+    return most;
+  };
+  EXPECT_GT(worst(3), 0.06);
+  EXPECT_LT(worst(4), 0.03);
+}
+
+// A quick move along one axis, then a cut along another.
+TEST(TankMaxwellTest, AnAxisThatWasLeftDoesNotSilenceTheCut) {
+  auto force = [](uint32_t revision) {
+    CouplingParams p = Params();
+    p.law.revision = revision;
+    Coupling coupling(p);
+    Tissue tissue;
+    coupling.Reset(dvec3(0.5 * kCell_m));
+    dvec3 x(0), r(0);
+    for (int k = 0; k < 3000; ++k) {
+      if (k < 150) x.y += 1.1e-6;
+      else x.x += 0.3e-6;
+      r = coupling.Tick(dvec3(Cell(x.x), Cell(x.y), 0.5 * kCell_m), 1, tissue).force_sent_n;
+    }
+    return -r.x;
+  };
+  EXPECT_LT(force(3), 0.1);
+  EXPECT_NEAR(force(4), 6500 * 0.3e-3, 0.1);
+}
+
 // Only what the motion drives into resists: the bur is back at the tip in the same tick, and force
 // runs out along the way.
 TEST(TankMaxwellTest, OnTheWayOutTheBurIsAtTheTipAndNothingIsAgainstTheMotion) {
