@@ -5,6 +5,13 @@
 namespace enamel::haptics {
 namespace {
 
+double LowerOf(double a, double b) noexcept { return a < b ? a : b; }
+
+// Less than this share of what resisted before is a way out.
+constexpr double kWayOut = 0.3;
+// For so long it counts what resisted before, s.
+constexpr double kHeld_s = 0.05;
+
 bool Finite(const dvec3& v) noexcept {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
@@ -58,7 +65,7 @@ Coupling::Coupling(const CouplingParams& params) : params_(params) {
 
 void Coupling::Reset(const dvec3& tip_m) noexcept {
   anchor_ = rest_ = tip_ = tip_m;
-  resisted_ = 0;
+  resisted_ = held_ = 0;
   share_ = 1;
   stretch_ = 0;
   clipped_at_n_ = -1;
@@ -68,7 +75,7 @@ void Coupling::Reset(const dvec3& tip_m) noexcept {
 }
 
 void Coupling::VisitState(StateArchive& archive) {
-  archive(anchor_, rest_, tip_, resisted_, tank_, share_, stretch_, clipped_at_n_, wall_, latched_);
+  archive(anchor_, rest_, tip_, resisted_, held_, tank_, share_, stretch_, clipped_at_n_, wall_, latched_);
   law_->VisitState(archive);
 }
 
@@ -242,24 +249,36 @@ double Coupling::RunOutReach() const noexcept {
 
 // Where the bur does not go along, because it is at the tip already, force is not spent on cutting: it
 // runs out.
-dvec3 Coupling::NoFasterThan(const dvec3& front, const dvec3& tip_moved,
-                             const dvec3& w) const noexcept {
+// `spent_m` of it has run out in this tick already.
+dvec3 Coupling::NoFasterThan(const dvec3& front, const dvec3& tip_moved, const dvec3& w,
+                             double spent_m) const noexcept {
   double length = std::sqrt(Dot(w, w));
   if (!(length > 0)) return w;
   double along = Dot(front, w) / length, grown = Dot(tip_moved, w) / length;
-  double reach = (along > 0 ? along : 0) + (grown > 0 ? grown : 0) + RunOutReach();
+  double free = (grown > 0 ? grown : 0) + RunOutReach() - spent_m;
+  double reach = (along > 0 ? along : 0) + (free > 0 ? free : 0);
   return length <= reach ? w : w * (reach / length);
 }
 
 // The step w of the rest point, no longer than stored force may run out in a tick with nothing ahead
-// (header comment).
-dvec3 Coupling::RunOut(const dvec3& w, const dvec3& e, const dvec3& tip_moved) const noexcept {
+// (header comment), less `spent_m`.
+dvec3 Coupling::RunOut(const dvec3& w, const dvec3& e, const dvec3& tip_moved,
+                       double spent_m) const noexcept {
   double reach = RunOutReach();
   // A tick with a count has its change of force from that.
   const double moved2 = Dot(tip_moved, tip_moved);
   if (moved2 > 0) reach = Dot(tip_moved, e) > 0 ? std::sqrt(moved2) : 0;
+  reach = reach > spent_m ? reach - spent_m : 0;
   double length = std::sqrt(Dot(w, w));
   return length <= reach ? w : w * (reach / length);
+}
+
+// How far beyond the bur's own step the rest point's step went.
+double Coupling::RanOut(const dvec3& taken, const dvec3& front) const noexcept {
+  double length = std::sqrt(Dot(taken, taken));
+  if (!(length > 0)) return 0;
+  double along = Dot(front, taken) / length, beyond = along > 0 ? length - along : length;
+  return beyond > 0 ? beyond : 0;
 }
 
 // The bur's step for a step of the rest point in time dt. B splits space into the directions that tissue
@@ -292,8 +311,10 @@ void Coupling::TickSlipping(const dvec3& tip_m, double bound_n, Material& materi
   if (!ahead.contact.damping_n_s_per_m.IsFinite()) out.flags |= kNonFiniteInput;
   if (out.flags & kNonFiniteInput) return;
   resisted_ = contact.damping_n_s_per_m.Trace();
+  held_ -= held_ * (params_.law.tick_s / (kHeld_s + params_.law.tick_s));
+  if (resisted_ > held_) held_ = resisted_;
   if (ahead.way_out) {
-    LetGoAlong(tip_m, ahead, out);
+    LetGoAlong(tip_m, tip_moved, ahead, out);
   } else {
     AimRest(tip_m, ahead.elsewhere ? ahead.contact : contact, out);
   }
@@ -316,7 +337,7 @@ void Coupling::TickSlipping(const dvec3& tip_m, double bound_n, Material& materi
 Contact Coupling::RelaxRest(const dvec3& tip_m, const dvec3& tip_moved, bool ahead_is_free,
                             Material& material, CouplingOutput& out) noexcept {
   const double kc = params_.law.kc_n_per_m;
-  double left_s = params_.law.tick_s;
+  double left_s = params_.law.tick_s, spent_m = 0;
   Contact contact;
   for (int i = 0; i < params_.max_substeps; ++i) {
     dvec3 e = tip_m - rest_, front_e = tip_m - anchor_;
@@ -326,11 +347,14 @@ Contact Coupling::RelaxRest(const dvec3& tip_m, const dvec3& tip_moved, bool ahe
       out.flags |= kNonFiniteInput;
       return contact;
     }
-    bool resisted = contact.damping_n_s_per_m.Trace() > 0;
+    const double trace = contact.damping_n_s_per_m.Trace();
+    bool resisted = trace > 0;
+    // A last graze gives way at once, but the force that more tissue has built up is not spent on it.
+    if (params_.law.revision >= 4 && trace < kWayOut * held_) ahead_is_free = true;
     dvec3 felt = resisted ? BeyondCoulomb(e, contact, kc) : e;
     dvec3 w = felt - law_->Relax(felt, contact.damping_n_s_per_m, left_s);
     if (!resisted) w = e;
-    if (!resisted || ahead_is_free) w = RunOut(w, e, tip_moved);
+    if (!resisted || ahead_is_free) w = RunOut(w, e, tip_moved, spent_m);
     // The bur's way to the tip may be another than the stretch's, and meet something else.
     const bool same_way = SameWay(e, front_e, 0.5);
     Contact at_front = same_way ? contact : material.ContactAt(anchor_, front_e);
@@ -341,13 +365,15 @@ Contact Coupling::RelaxRest(const dvec3& tip_m, const dvec3& tip_moved, bool ahe
     dvec3 front = FrontStep(tip_m, at_front, w, left_s);
     const bool stopped = StopAt(contact.wall_normal, w);
     if (StopAt(at_front.wall_normal, front) || stopped) out.flags |= kWallContact;
-    if (resisted && !ahead_is_free) w = NoFasterThan(front, tip_moved, w);
+    if (resisted && !ahead_is_free) w = NoFasterThan(front, tip_moved, w, spent_m);
     double length = std::sqrt(Dot(front, front));
     double limit =
         at_front.clearance_m > params_.max_step_m ? at_front.clearance_m : params_.max_step_m;
     double share = length <= limit ? 1 : limit / length;
     ++out.substeps;
-    MoveRest(tip_m, w * share, out);
+    const dvec3 taken = MoveRest(tip_m, w * share, out);
+    // What may run out is a tick's, however many steps the bur takes. Revision 3 took it in every step.
+    if (params_.law.revision >= 4) spent_m += RanOut(taken, resisted && !ahead_is_free ? front * share : dvec3(0));
     if (length > 0) {
       dvec3 to = anchor_ + front * share;
       material.AnchorMoved(anchor_, to);
@@ -369,7 +395,6 @@ Contact Coupling::RelaxRest(const dvec3& tip_m, const dvec3& tip_moved, bool ahe
 // learns of a turn only later, and by then the bur must have let go.
 Coupling::Ahead Coupling::ReadAhead(const dvec3& tip_m, const dvec3& tip_moved,
                                     Material& material) noexcept {
-  constexpr double kWayOut = 0.3;
   const dvec3 e = tip_m - rest_, speed = law_->speed_m_per_s();
   Ahead out;
   auto Free = [&](const dvec3& way, const Contact& contact) {
@@ -393,13 +418,19 @@ Coupling::Ahead Coupling::ReadAhead(const dvec3& tip_m, const dvec3& tip_moved,
 
 // Whatever the stretch presses on across the motion, no more of it is against the motion than what is
 // ahead resists with.
-void Coupling::LetGoAlong(const dvec3& tip_m, const Ahead& ahead, CouplingOutput& out) noexcept {
+void Coupling::LetGoAlong(const dvec3& tip_m, const dvec3& tip_moved, const Ahead& ahead,
+                          CouplingOutput& out) noexcept {
   const Contact& c = ahead.contact;
   const dvec3& speed = ahead.speed_m_per_s;
   const double speed2 = Dot(speed, speed);
   double still = (c.coulomb_n > c.threshold_n ? c.coulomb_n : c.threshold_n) * std::sqrt(speed2);
   double allowed = (Dot(speed, c.damping_n_s_per_m * speed) + still) / params_.law.kc_n_per_m;
   double excess = Dot(tip_m - rest_, speed) - allowed;
+  // The speed knows of a turn axis by axis. While the tip itself goes back along the stretch, what presses
+  // against the speed does not hold it: that runs out like the rest.
+  if (params_.law.revision >= 4 && Dot(tip_moved, tip_m - rest_) < 0) {
+    excess = LowerOf(excess, (std::sqrt(Dot(tip_moved, tip_moved)) + RunOutReach()) * std::sqrt(speed2));
+  }
   if (excess > 0) MoveRest(tip_m, speed * (excess / speed2), out);
 }
 

@@ -138,7 +138,8 @@ class Coupling {
   Contact RelaxRest(const dvec3& tip_m, const dvec3& tip_moved, bool ahead_is_free, Material& material,
                     CouplingOutput& out) noexcept;
   double RunOutReach() const noexcept;
-  dvec3 NoFasterThan(const dvec3& front, const dvec3& tip_moved, const dvec3& w) const noexcept;
+  dvec3 NoFasterThan(const dvec3& front, const dvec3& tip_moved, const dvec3& w, double spent_m) const noexcept;
+  double RanOut(const dvec3& taken, const dvec3& front) const noexcept;
   struct Ahead {
     bool elsewhere = false;    // the hand moves another way than the stretch points
     bool way_out = false;      // and next to nothing resists there
@@ -146,9 +147,9 @@ class Coupling {
     Contact contact;
   };
   Ahead ReadAhead(const dvec3& tip_m, const dvec3& tip_moved, Material& material) noexcept;
-  void LetGoAlong(const dvec3& tip_m, const Ahead& ahead, CouplingOutput& out) noexcept;
+  void LetGoAlong(const dvec3& tip_m, const dvec3& tip_moved, const Ahead& ahead, CouplingOutput& out) noexcept;
   void AimRest(const dvec3& tip_m, const Contact& contact, CouplingOutput& out) noexcept;
-  dvec3 RunOut(const dvec3& w, const dvec3& e_m, const dvec3& tip_moved) const noexcept;
+  dvec3 RunOut(const dvec3& w, const dvec3& e_m, const dvec3& tip_moved, double spent_m) const noexcept;
   dvec3 FrontStep(const dvec3& tip_m, const Contact& contact, const dvec3& rest_step, double dt_s) const noexcept;
   // The only place where a slipping law's rest point moves. `w` is scaled by the guard; returns what was taken.
   dvec3 MoveRest(const dvec3& tip_m, const dvec3& w, CouplingOutput& out) noexcept;
@@ -162,7 +163,8 @@ class Coupling {
   dvec3 anchor_{0};             // the bur
   dvec3 rest_{0};               // where a slipping law's spring is at rest
   dvec3 tip_{0};                // of the last tick
-  double resisted_ = 0;         // trace of B along the stretch in the last tick
+  double resisted_ = 0;         // trace of B along the stretch in the last tick ...
+  double held_ = 0;             // ... and the most of it lately
   Tank tank_;
   GuardParams guard_;
   double share_ = 1;            // of the stiffness that is felt (StiffnessShare)
