@@ -1,4 +1,5 @@
 #include <cmath>
+#include <cstdint>
 
 #include "common/haptics/count_estimator.h"
 #include "common/haptics/coupling.h"
@@ -30,6 +31,7 @@ struct Tuning {
   double slew_cells = 1.7;         // more by so much a tick that, the tip's own way included, no tick's
   double least_slew_cells = 0.2;   // change of force is beyond Kc (v T + sqrt(3) delta)
   double left_behind = 5;          // an axis without a count for so many times its due was left behind
+  double finest_m = 2e-6;          // speed is read from cells of at least this size
   double off_share = 0.12, off_cells = 1;  // "off": more than this of the stretch, and of a cell
 };
 constexpr Tuning kTuning;
@@ -46,7 +48,9 @@ constexpr Tuning kTuning;
 // Relax alone is P e with 0 <= P <= I as for every anchored law; Aim is not, and the tank pays.
 class TankMaxwell final : public ForceLaw {
  public:
-  explicit TankMaxwell(const LawParams& params) : params_(params) { Reset(dvec3(0)); }
+  explicit TankMaxwell(const LawParams& params) : params_(params), grid_(GridOf(params)) {
+    Reset(dvec3(0));
+  }
 
   bool anchored() const noexcept override { return true; }
   bool slips() const noexcept override { return true; }
@@ -54,8 +58,8 @@ class TankMaxwell final : public ForceLaw {
 
   void Reset(const dvec3& tip_m) noexcept override {
     for (int i = 0; i < 3; ++i) {
-      axes_[i].Reset(tip_m[i]);
-      turning_[i].Reset(tip_m[i]);
+      axes_[i].Reset(Seen(i, tip_m[i]));
+      turning_[i].Reset(Seen(i, tip_m[i]));
     }
     gaps_.Clear();
     hand_.Reset();
@@ -140,12 +144,37 @@ class TankMaxwell final : public ForceLaw {
   bool Revised() const noexcept { return params_.revision >= 4; }
 
   double Cell() const noexcept {
-    return HigherOf(params_.resolution_m.x, HigherOf(params_.resolution_m.y, params_.resolution_m.z));
+    return HigherOf(grid_.x, HigherOf(grid_.y, grid_.z));
   }
 
   double Slew(double cell) const noexcept {
     double way = std::sqrt(Dot(fast_, fast_)) * params_.tick_s - std::sqrt(Dot(tip_moved_, tip_moved_));
     return HigherOf(kTuning.least_slew_cells * cell, kTuning.slew_cells * cell + way);
+  }
+
+  // Cells that speed is read from. Counts say when a line was crossed; where an encoder makes many in a tick they say
+  // only that a tick has passed, and a hand's tremor turns them back and forth. So several cells of a fine
+  // encoder are read as one. The stretch, and the force with it, keep the encoder's own resolution.
+  static dvec3 GridOf(const LawParams& params) noexcept {
+    dvec3 grid = params.resolution_m;
+    if (params.revision < 4) return grid;
+    for (int i = 0; i < 3; ++i) {
+      if (!(grid[i] > 0) || !(grid[i] < kTuning.finest_m)) continue;
+      const double cells = kTuning.finest_m / grid[i];
+      grid[i] *= cells < 1e6 ? static_cast<double>(static_cast<int64_t>(cells + 0.5)) : 1e6;
+    }
+    return grid;
+  }
+
+  // Where the axis is seen: the tip, or the middle of the grid's cell that it is in.
+  double Seen(int axis, double tip_m) const noexcept {
+    const double g = grid_[axis];
+    if (g == params_.resolution_m[axis]) return tip_m;
+    const double n = tip_m / g;
+    if (!(n > -1e15 && n < 1e15)) return tip_m;
+    auto cell = static_cast<int64_t>(n);
+    if (n < static_cast<double>(cell)) --cell;
+    return (static_cast<double>(cell) + 0.5) * g;
   }
 
   double SilentCap() const noexcept {
@@ -192,8 +221,9 @@ class TankMaxwell final : public ForceLaw {
     anchor_known_ = true;
     counted_ = false;
     for (int i = 0; i < 3; ++i) {
-      counted_ |= axes_[i].Update(time_s_, tip_[i], anchor[i], params_.resolution_m[i]);
-      turning_[i].Update(time_s_, tip_[i], params_.resolution_m[i]);
+      const double seen = Seen(i, tip_[i]);
+      counted_ |= axes_[i].Update(time_s_, seen, anchor[i], grid_[i]);
+      turning_[i].Update(time_s_, seen, grid_[i]);
     }
     if (counted_) gaps_.Count(time_s_);
   }
@@ -210,7 +240,7 @@ class TankMaxwell final : public ForceLaw {
     slow_ = dvec3(0);
     for (const AxisEstimator& axis : axes_) since_any = LowerOf(since_any, axis.SinceLast(time_s_));
     for (int i = 0; i < 3; ++i) {
-      double delta = params_.resolution_m[i], since = axes_[i].SinceLast(time_s_);
+      double delta = grid_[i], since = axes_[i].SinceLast(time_s_);
       if (axes_[i].size() == 0) continue;
       double correction = 0, mean = AxisSpeed(i, window, smooth_s, &correction);
       double speed = std::fabs(mean);
@@ -250,7 +280,7 @@ class TankMaxwell final : public ForceLaw {
     double most = 0, lead = 1, since_any = 1e9;
     for (const TurningAxis& axis : turning_) since_any = LowerOf(since_any, axis.SinceLast(time_s_));
     for (int i = 0; i < 3; ++i) {
-      double delta = params_.resolution_m[i], fade = turning_[i].Fade(time_s_, delta);
+      double delta = grid_[i], fade = turning_[i].Fade(time_s_, delta);
       fast_[i] = turning_[i].speed() * fade;
       double often = std::fabs(turning_[i].speed()) / delta;
       const double without = turning_[i].SinceLast(time_s_) - since_any;
@@ -266,7 +296,7 @@ class TankMaxwell final : public ForceLaw {
   double AxisSpeed(int i, double window_s, double smooth_s, double* correction) noexcept {
     AxisEstimator& axis = axes_[i];
     if (axis.size() == 1) {
-      return smooth_[i] = FirstGuess(axes_, i, time_s_, params_.resolution_m[i], params_.tick_s);
+      return smooth_[i] = FirstGuess(axes_, i, time_s_, grid_[i], params_.tick_s);
     }
     const int ends = Revised() ? 2 : 1;
     double mean = axis.Mean(window_s, ends);
@@ -293,6 +323,7 @@ class TankMaxwell final : public ForceLaw {
   }
 
   LawParams params_;
+  dvec3 grid_;  // GridOf
   AxisEstimator axes_[3];
   TurningAxis turning_[3];
   GapRecord gaps_;
