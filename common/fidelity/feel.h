@@ -33,7 +33,7 @@ namespace enamel::fidelity {
 // Psychophysics 49:531), 5 to 10 %.
 inline constexpr double kForceShare = 0.07;
 // Viscosity: Jones, Hunter and Lafontaine 1997 (Perception 26:1571), 19 % between 4 and 512 N s/m.
-// Tooth tissue is up to ten times above that range; taken to hold there as well.
+// Tooth tissue lies up to 22 times above that range; taken to hold there as well.
 inline constexpr double kViscosityShare = 0.19;
 // Delay of a damper's force: Rank, Shi, Mueller and Hirche 2010 (EuroHaptics, LNCS 6191), noticed
 // from 15 ms.

@@ -238,6 +238,36 @@ TEST(CoreTest, InAirTheBurTurnsWithTheDevice) {
   EXPECT_NEAR(out.anchor.orientation.x, FromQuantised(in.orientation).x, 1e-3);
 }
 
+// A hand that comes down fast and then feeds sideways once held nothing: the axis it had come down
+// along had stopped counting, and was taken for a hand that had stopped. Plain Maxwell has no
+// estimator that could be wrong about it.
+TEST(CoreTest, AFeedAfterAPlungeIsResistedAsPlainMaxwellResistsIt) {
+  struct Hand {
+    double plunge_m_per_s, feed_m_per_s;
+  };
+  for (const Hand& hand : {Hand{1e-3, 0.5e-3}, Hand{5e-3, 0.2e-3}, Hand{10e-3, 0.5e-3}, Hand{20e-3, 1e-3}}) {
+    auto force_n = [&](haptics::LawKind law) {
+      CoreParams p = test::ParamsFor({cutting::BurShape::kCylinder, 0.6e-3, 4e-3});
+      p.law = law;
+      Core core(p, test::Block(50'000, 3e-3, 3e-3));
+      const double down_s = 0.7e-3 / hand.plunge_m_per_s;
+      double sum_n = 0;
+      constexpr int kFirst = 2500, kEnd = 3000;
+      for (int tick = 0; tick < kEnd; ++tick) {
+        const double t = std::max(0, tick - 600) * 1e-3;
+        TickOutput out = core.Step(At(std::max(0.0, t - down_s - 0.1) * hand.feed_m_per_s, 0,
+                                      0.2e-3 - std::min(t * hand.plunge_m_per_s, 0.7e-3)));
+        if (tick >= kFirst) sum_n -= out.force_sent_n.x;
+      }
+      return sum_n / (kEnd - kFirst);
+    };
+    const double maxwell_n = force_n(haptics::LawKind::kMaxwell);
+    ASSERT_GT(maxwell_n, 0.1);
+    EXPECT_NEAR(force_n(haptics::LawKind::kTankMaxwell), maxwell_n, 0.25 * maxwell_n)
+        << hand.plunge_m_per_s << " m/s down, " << hand.feed_m_per_s << " m/s along";
+  }
+}
+
 TEST(CoreTest, WildInputsStayBoundedInForceAndWork) {
   CoreParams p = Params();
   p.chatter_cue_mn = p.contact_cue_mn = 2000;
@@ -612,6 +642,7 @@ TEST(CoreParamsTest, AnEarlierVersionsFormHoldsWhatItsBytesHold) {
   full.bus_delay_ticks = 2;
   full.coulomb_mn[1] = 300;
   full.threshold_mn[1] = 400;
+  full.rotational_kc_un_m_per_rad = 500'000;
   full.peak_torque_un_m = 250'000;
   full.rotation_cell_urad = 400;
   full.contact_cue_mn = 300;

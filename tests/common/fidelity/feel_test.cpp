@@ -73,20 +73,21 @@ TEST(FeelTest, ASoftDeviceCannotAndNeitherCouldAnotherLaw) {
 }
 
 TEST(FeelTest, ForceAboveTheMotorsIsBeyondThem) {
+  constexpr double kFast = 1e-3;
   Device weak = Stiff();
-  weak.continuous_force_n = 3.7;  // B V is 3.74 N, the RMS of strokes 1.195 times that
-  Cell steady = Simulate(weak, kEnamel, kCut, Motion::kSteady);
+  weak.continuous_force_n = 8.6;  // B V is 8.7 N, the RMS of strokes 1.195 times that
+  Cell steady = Simulate(weak, kEnamel, kFast, Motion::kSteady);
   EXPECT_EQ(steady.verdict, Verdict::kBeyondForce);
-  EXPECT_NEAR(steady.rms_n, 8700 * kCut, 1e-9);
-  weak.continuous_force_n = 3.8;
-  EXPECT_EQ(Simulate(weak, kEnamel, kCut, Motion::kSteady).verdict, Verdict::kFelt);
+  EXPECT_NEAR(steady.rms_n, 8700 * kFast, 1e-9);
+  weak.continuous_force_n = 8.8;
+  EXPECT_EQ(Simulate(weak, kEnamel, kFast, Motion::kSteady).verdict, Verdict::kFelt);
   // RMS of 30 u^2 (1-u)^2 is sqrt(10/7).
-  Cell strokes = Simulate(weak, kEnamel, kCut, Motion::kStrokes);
-  EXPECT_NEAR(strokes.rms_n, 8700 * kCut * std::sqrt(10.0 / 7), 1e-4);
+  Cell strokes = Simulate(weak, kEnamel, kFast, Motion::kStrokes);
+  EXPECT_NEAR(strokes.rms_n, 8700 * kFast * std::sqrt(10.0 / 7), 1e-4);
   EXPECT_EQ(strokes.verdict, Verdict::kBeyondForce);
   weak.continuous_force_n = 100;
-  weak.peak_force_n = 1.87 * 8700 * kCut;
-  EXPECT_EQ(Simulate(weak, kEnamel, kCut, Motion::kStrokes).verdict, Verdict::kBeyondForce)
+  weak.peak_force_n = 1.87 * 8700 * kFast;
+  EXPECT_EQ(Simulate(weak, kEnamel, kFast, Motion::kStrokes).verdict, Verdict::kBeyondForce)
       << "its fastest moment, 1.875 times the mean, is above the peak";
 }
 
@@ -98,6 +99,21 @@ TEST(FeelTest, TheOraclesRiseIsItsClosedForm) {
     EXPECT_NEAR(cell.oracle.rise_s, 0.93 * 5200 / d.kc_n_per_m, d.tick_s);
     EXPECT_NEAR(cell.oracle.error, 0, 1e-12);
     EXPECT_NEAR(cell.oracle.gain, 1, 1e-12);
+  }
+}
+
+// Strokes on encoders from nanometres to what the paper's devices have: a finer one never feels
+// worse than the coarsest. Where a tick holds many counts the law once lost the stroke altogether.
+TEST(FeelTest, AFinerEncoderFollowsStrokesNoWorse) {
+  for (double b : {300.0, 3000.0, 6500.0, 11300.0}) {
+    const Tissue tissue{"tissue", b};
+    const auto error = [&](double cell_m) {
+      return Simulate({"fine", cell_m, 10'000, 1e-3, 0, 12, 12}, tissue, kCut, Motion::kStrokes).law.error;
+    };
+    const double coarse = error(9e-6);
+    for (double cell_m : {3e-6, 1e-6, 0.3e-6, 0.1e-6, 0.01e-6, 1e-9}) {
+      EXPECT_LE(error(cell_m), coarse) << "B " << b << ", cells of " << cell_m << " m";
+    }
   }
 }
 
