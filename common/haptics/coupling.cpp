@@ -244,7 +244,11 @@ double Coupling::RunOutReach() const noexcept {
   constexpr double kRunOutCells = 0.7;  // with the count of that tick less than sqrt(3)
   const dvec3& cell = params_.law.resolution_m;
   double least = cell.x < cell.y ? cell.x : cell.y;
-  return kRunOutCells * (least < cell.z ? least : cell.z);
+  const double reach = kRunOutCells * (least < cell.z ? least : cell.z);
+  // Cells so fine that stored force would take long to run out in steps of them: 14 N/s is 14 mN a millisecond.
+  constexpr double kLeastRunOut_n_per_s = 14;
+  const double least_m = kLeastRunOut_n_per_s * params_.law.tick_s / params_.law.kc_n_per_m;
+  return params_.law.revision >= 4 && reach < least_m ? least_m : reach;
 }
 
 // Where the bur does not go along, because it is at the tip already, force is not spent on cutting: it
@@ -265,9 +269,13 @@ dvec3 Coupling::NoFasterThan(const dvec3& front, const dvec3& tip_moved, const d
 dvec3 Coupling::RunOut(const dvec3& w, const dvec3& e, const dvec3& tip_moved,
                        double spent_m) const noexcept {
   double reach = RunOutReach();
-  // A tick with a count has its change of force from that.
+  // A tick with a count has its change of force from that; where a tick holds a count as a rule, from both.
   const double moved2 = Dot(tip_moved, tip_moved);
-  if (moved2 > 0) reach = Dot(tip_moved, e) > 0 ? std::sqrt(moved2) : 0;
+  if (moved2 > 0) {
+    const double moved = std::sqrt(moved2);
+    const double rest = params_.law.revision >= 4 && reach > moved ? reach - moved : 0;
+    reach = Dot(tip_moved, e) > 0 && moved > rest ? moved : rest;
+  }
   reach = reach > spent_m ? reach - spent_m : 0;
   double length = std::sqrt(Dot(w, w));
   return length <= reach ? w : w * (reach / length);
@@ -279,6 +287,20 @@ double Coupling::RanOut(const dvec3& taken, const dvec3& front) const noexcept {
   if (!(length > 0)) return 0;
   double along = Dot(front, taken) / length, beyond = along > 0 ? length - along : length;
   return beyond > 0 ? beyond : 0;
+}
+
+// What is left of the bur's way e to the tip after a step in which the rest point did not move: in the
+// directions that tissue resists the bur comes up to the rest point, by `rate` of that way, and not past the tip.
+dvec3 Coupling::LeftBehind(const Sym3& b, const dvec3& e, const dvec3& gap, double rate) const noexcept {
+  constexpr double kFree = 1e-9;
+  const double trace = b.Trace();
+  const dvec3 held = b * SolveShifted(b, trace * kFree, e);
+  if (!(Dot(gap, held) > 0)) return held;
+  const dvec3 resisted = b * SolveShifted(b, trace * kFree, gap);
+  const dvec3 step = resisted - b * SolveShifted(b, trace * rate, gap);
+  const double along = Dot(step, held), reach = Dot(held, held);
+  if (!(along > 0)) return held;
+  return along < reach ? held - step : dvec3(0);
 }
 
 // The bur's step for a step of the rest point in time dt. B splits space into the directions that tissue
@@ -293,6 +315,8 @@ dvec3 Coupling::FrontStep(const dvec3& tip_m, const Contact& contact, const dvec
   double trace = b.Trace();
   if (!(trace > 0)) return e;
   bool cuts = Dot(rest_step, rest_step) > 0;
+  // Where the rest point has gone on without the bur, it holds no force that the bur could wait for.
+  if (!cuts && params_.law.revision >= 4) return e - LeftBehind(b, e, rest_ - anchor_, dt_s / (3 * kCloseUp_s));
   double shift = trace * (cuts ? dt_s / (3 * kCloseUp_s) : kFree);
   dvec3 held = b * SolveShifted(b, shift, e), step = b * SolveShifted(b, shift, rest_step);
   double along = Dot(step, held), reach = Dot(held, held);
@@ -426,9 +450,9 @@ void Coupling::LetGoAlong(const dvec3& tip_m, const dvec3& tip_moved, const Ahea
   double still = (c.coulomb_n > c.threshold_n ? c.coulomb_n : c.threshold_n) * std::sqrt(speed2);
   double allowed = (Dot(speed, c.damping_n_s_per_m * speed) + still) / params_.law.kc_n_per_m;
   double excess = Dot(tip_m - rest_, speed) - allowed;
-  // The speed knows of a turn axis by axis. While the tip itself goes back along the stretch, what presses
-  // against the speed does not hold it: that runs out like the rest.
-  if (params_.law.revision >= 4 && Dot(tip_moved, tip_m - rest_) < 0) {
+  // The speed knows of a turn axis by axis, and late. Force that presses against it runs out like the rest: let
+  // go at once it was a step of 0.7 N in a hand that had stopped.
+  if (params_.law.revision >= 4) {
     excess = LowerOf(excess, (std::sqrt(Dot(tip_moved, tip_moved)) + RunOutReach()) * std::sqrt(speed2));
   }
   if (excess > 0) MoveRest(tip_m, speed * (excess / speed2), out);

@@ -150,6 +150,7 @@ class Coupling {
   void LetGoAlong(const dvec3& tip_m, const dvec3& tip_moved, const Ahead& ahead, CouplingOutput& out) noexcept;
   void AimRest(const dvec3& tip_m, const Contact& contact, CouplingOutput& out) noexcept;
   dvec3 RunOut(const dvec3& w, const dvec3& e_m, const dvec3& tip_moved, double spent_m) const noexcept;
+  dvec3 LeftBehind(const Sym3& b, const dvec3& e, const dvec3& gap, double rate) const noexcept;
   dvec3 FrontStep(const dvec3& tip_m, const Contact& contact, const dvec3& rest_step, double dt_s) const noexcept;
   // The only place where a slipping law's rest point moves. `w` is scaled by the guard; returns what was taken.
   dvec3 MoveRest(const dvec3& tip_m, const dvec3& w, CouplingOutput& out) noexcept;

@@ -268,6 +268,57 @@ TEST(CoreTest, AFeedAfterAPlungeIsResistedAsPlainMaxwellResistsIt) {
   }
 }
 
+TickInput AtCells(const CoreParams& p, double x_m, double y_m, double z_m) {
+  TickInput in = At(0, 0, 0);
+  const double at_m[] = {x_m, y_m, z_m};
+  for (size_t i = 0; i < 3; ++i)
+    in.counts[i] = static_cast<int32_t>(std::lround(at_m[i] * 1e9 / p.resolution_nm[i]));
+  return in;
+}
+
+// The rest point follows a hand that has stopped; a bur that stays where it was would leave solid
+// tissue between what is felt and what is seen, and meet the next feed there.
+TEST(CoreTest, ABurThatHoldsNoForceComesUpToAHandThatHasStopped) {
+  for (int32_t kc : {1000, 2000, 2500}) {
+    CoreParams p = test::ParamsFor({cutting::BurShape::kCylinder, 0.6e-3, 4e-3});
+    p.law = haptics::LawKind::kTankMaxwell;
+    p.kc_mn_per_mm = kc;
+    p.resolution_nm.fill(kc == 1000 ? 30'000 : 20'000);
+    Core core(p, test::Block(50'000, 3e-3, 3e-3));
+    TickOutput out;
+    TickInput in;
+    for (int tick = 0; tick < 3000; ++tick) {
+      in = AtCells(p, 0, 0, 0.2e-3 - std::min(std::max(0, tick - 600) * 10e-6, 1.2e-3));
+      out = core.Step(in);
+    }
+    EXPECT_LT(glm::length(out.force_sent_n), 0.05) << kc;
+    EXPECT_LT(glm::length(core.TipOf(in.counts) - out.anchor.tip_m), 0.05e-3) << kc;
+  }
+}
+
+// Where every tick holds counts, what is stored has to run out beside them.
+TEST(CoreTest, OnAFineEncoderAHandThatGoesBackInItsSlotIsLetGo) {
+  for (double back_m_per_s : {0.1e-3, 0.2e-3, 0.5e-3}) {
+    CoreParams p = test::ParamsFor({cutting::BurShape::kCylinder, 0.6e-3, 4e-3});
+    p.law = haptics::LawKind::kTankMaxwell;
+    p.resolution_nm.fill(100);
+    Core core(p, test::Block(50'000, 3e-3, 3e-3));
+    constexpr int kTurn = 3000, kEnd = 5000;
+    int helped = 0;
+    double cut_n = 0;
+    for (int tick = 0; tick < kEnd; ++tick) {
+      const double in_m = std::max(0, std::min(tick, kTurn) - 900) * 0.8e-6;
+      const double back_m = std::max(0, tick - kTurn) * back_m_per_s * 1e-3;
+      const double down_m = std::min(std::max(0, tick - 600) * 5e-6, 1.2e-3);
+      TickOutput out = core.Step(AtCells(p, in_m - back_m, 0, 0.2e-3 - down_m));
+      if (tick == kTurn - 1) cut_n = -out.force_sent_n.x;
+      if (tick >= kTurn && out.force_sent_n.x < -0.1) ++helped;
+    }
+    ASSERT_GT(cut_n, 0.5);
+    EXPECT_LT(helped, 500) << back_m_per_s << " m/s back";
+  }
+}
+
 TEST(CoreTest, WildInputsStayBoundedInForceAndWork) {
   CoreParams p = Params();
   p.chatter_cue_mn = p.contact_cue_mn = 2000;
