@@ -31,6 +31,8 @@ struct Tuning {
   double slew_cells = 1.7;         // more by so much a tick that, the tip's own way included, no tick's
   double least_slew_cells = 0.2;   // change of force is beyond Kc (v T + sqrt(3) delta)
   double left_behind = 5;          // an axis without a count for so many times its due was left behind
+  double telling_m = 7.5e-6;       // cells of at least this size for judging the hand: 4 of them are what a rest
+                                   // point must move by to tell, and a slow estimate is off by 8 um at a turn
   double finest_m = 2e-6;          // speed is read from cells of at least this size
   double off_share = 0.12, off_cells = 1;  // "off": more than this of the stretch, and of a cell
 };
@@ -264,7 +266,7 @@ class TankMaxwell final : public ForceLaw {
       if (axes_[i].size() < 2) tick.slow_speed_m_per_s[i] = 0;
     }
     for (TurningAxis& axis : turning_) tick.swings |= axis.TakeSwing();
-    hand_.Step(tick, Cell(), params_.tick_s);
+    hand_.Step(tick, Revised() ? HigherOf(Cell(), kTuning.telling_m) : Cell(), params_.tick_s);
     bool still = Dot(fast_, fast_) == 0;
     if (still && fade_ < kTuning.rest_below) Rest();
     silent_ = fade_ < 1;
