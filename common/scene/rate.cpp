@@ -49,6 +49,18 @@ Result<DeviceProfile> AtRate(const DeviceProfile& profile, int64_t rate_hz) {
   out.coupling_mn_per_mm = {
       largest.coupling_mn_per_mm,
       why + ", the largest that its " + CouplingLimitName(largest.limit) + " allows"};
+  if (out.torque) {
+    // Nothing is known of the wrist's structure: never stiffer than the profile says.
+    const int64_t turning = PassiveTorque_un_m_per_rad(out, rate_hz, out.bus_delay_ticks.value);
+    Sourced& k = out.torque->coupling_un_m_per_rad;
+    if (turning < 1) {
+      return Status(Code::kInvalidInput,
+                    "device profile '" + profile.name + "': no torque is passive at " +
+                        std::to_string(rate_hz) + " Hz: take a profile without torque",
+                    "coupling_un_m_per_rad");
+    }
+    if (turning < k.value) k = {turning, why + ", the largest that its damping allows"};
+  }
   return out;
 }
 
