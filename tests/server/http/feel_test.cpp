@@ -93,7 +93,10 @@ TEST_F(FeelTest, MoreTissuesThanAMapHoldsAreCountedAndLeftOut) {
 }
 
 TEST_F(FeelTest, ADeviceWithoutMotorsHasNoMapAndOneThatIsNotPassiveIsRefused) {
-  scene::DeviceProfile pointer = scene::BuiltinProfiles().back();
+  scene::DeviceProfile pointer;
+  for (const scene::DeviceProfile& p : scene::BuiltinProfiles()) {
+    if (p.name == "pointer") pointer = p;
+  }
   ASSERT_EQ(pointer.name, "pointer");
   AddProfile(pointer);
   json::value feel = Feel("pointer");

@@ -100,7 +100,7 @@ const std::vector<Miss>& Misses() {
                                            {"bhhd3", kPress, "step_beyond_n", 0.0035},
                                            {"bhhd3", kReverse, "let_go_s", 0.155},
                                            {"bhhd3", kLift, "let_go_s", 0.105},
-                                           {"bhhd3", kNick, "let_go_s", 0.1}};
+                                           {"bhhd3", kNick, "let_go_s", 0.11}};
   return misses;
 }
 

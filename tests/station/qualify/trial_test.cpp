@@ -99,7 +99,7 @@ TEST_P(PaperDevice, TremorShakesTheSpringAndNoMore) {
     s.tremor_hz = hz;
     s.window_s = 2;  // whole periods
     Measurement r = RunTrial(s);
-    EXPECT_NEAR(r.mean_n, r.target_n, 0.18) << hz;
+    EXPECT_NEAR(r.mean_n, r.target_n, 0.21) << hz;
     EXPECT_LE(r.ripple_rms_n, 1.05 * m.kc_n_per_m * s.tremor_m / std::sqrt(2.0)) << hz;
     EXPECT_FALSE(r.violation);
   }
