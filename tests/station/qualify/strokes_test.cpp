@@ -96,7 +96,6 @@ const std::vector<Miss>& Misses() {
                                            {"phantom_desktop", kReverse, "let_go_s", 0.07},
                                            {"phantom_desktop", kLift, "let_go_s", 0.11},
                                            {"phantom_desktop", kNick, "let_go_s", 0.125},
-                                           {"phantom_desktop", kSlipOut, "step_beyond_n", 0.31},
                                            {"bhhd3", kPress, "step_beyond_n", 0.0035},
                                            {"bhhd3", kReverse, "let_go_s", 0.155},
                                            {"bhhd3", kLift, "let_go_s", 0.105},
