@@ -42,24 +42,53 @@ function page(report, script, style) {
 `;
 }
 
-// Reads the report named first, writes the page named second. Says what is wrong and throws.
-export async function drawReport(from, to) {
-  if (statSync(from).size > kLargest) throw new Error(`${from}: expected at most ${kLargest >> 20} MiB`);
-  let report;
+// What the page itself makes of a report (src/api/strokes.ts): one reader for both.
+async function reader() {
+  const result = await build({
+    absWorkingDir: web, entryPoints: ["src/api/strokes.ts"], bundle: true, format: "esm", target: "node18", write: false, logLevel: "warning",
+  });
+  return import(`data:text/javascript;base64,${Buffer.from(result.outputFiles[0].contents).toString("base64")}`);
+}
+
+// What the system says of a path, in words.
+const kReasons = {
+  ENOENT: "nothing there", ENOTDIR: "a file where a folder should be", EISDIR: "a folder", EACCES: "no permission", EPERM: "no permission",
+  EROFS: "a disk that is read only", ENOSPC: "a full disk",
+};
+const reason = (error) => kReasons[error.code] ?? error.message;
+const kHowToWrite = "write one with enamel-station qualify --suite strokes --json FILE";
+
+function readReport(from) {
+  let text;
   try {
-    report = JSON.parse(readFileSync(from, "utf8"));
+    const { size } = statSync(from);
+    if (size > kLargest) throw new Error(`${(size / (1 << 20)).toFixed(0)} MiB`);
+    text = readFileSync(from, "utf8");
   } catch (error) {
-    throw new Error(`${from}: expected JSON as enamel-station qualify --json writes it, found ${error.message}`);
+    throw new Error(`${from}: expected a report that can be read, of at most ${kLargest >> 20} MiB, found ${reason(error)}; ${kHowToWrite}`);
   }
-  const strokes = report?.strokes ?? report;
-  if (!Array.isArray(strokes?.devices)) {
-    throw new Error(`${from}: no strokes in it: run enamel-station qualify --suite strokes --json ${from}`);
+  try {
+    return JSON.parse(text);
+  } catch (error) {
+    throw new Error(`${from}: expected a report in JSON, found text that is none (${error.message}); ${kHowToWrite}`);
   }
+}
+
+// Reads the report named first, writes the page named second. Says what is wrong and throws; then nothing is written.
+export async function drawReport(from, to) {
+  const report = readReport(from);
+  const { strokesIn } = await reader();
+  const strokes = strokesIn(report);
+  if (!strokes.ok) throw new Error(`${from}: expected strokes that can be drawn, but ${strokes.error}; ${kHowToWrite}`);
   const [script, style] = await Promise.all([bundled("src/app/report.tsx", /<\/script/gi, "<\\/script"),
                                              bundled("src/app/style.css", /<\/style/gi, "<\\/style")]);
   // "<" cannot stand in a script element's text: it is written as JSON's own escape.
-  const text = JSON.stringify(strokes).replaceAll("<", "\\u003c");
-  writeFileSync(to, page(text, script, style));
+  const text = JSON.stringify(strokes.value).replaceAll("<", "\\u003c");
+  try {
+    writeFileSync(to, page(text, script, style));
+  } catch (error) {
+    throw new Error(`${to}: expected a file that can be written, found ${error.code === "ENOENT" ? "no such folder" : reason(error)}; name another`);
+  }
 }
 
 if (process.argv[1] === fileURLToPath(import.meta.url)) {

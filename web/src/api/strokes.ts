@@ -65,7 +65,7 @@ export function strokesIn(report: unknown): Result<Strokes, string> {
   if (!isObject(report)) return fail("the report is no JSON object");
   const document = "strokes" in report ? report["strokes"] : report;
   if (!isObject(document) || !Array.isArray(document["devices"])) {
-    return fail("the report holds no strokes: run qualify with --suite strokes");
+    return fail("the report holds no strokes");
   }
   if (document["format"] !== kFormat) return fail(`the strokes are of format ${String(document["format"])}, this page draws format ${kFormat}`);
   if (!isNumber(document["b_n_s_per_mm"])) return fail("b_n_s_per_mm is no number");
