@@ -24,6 +24,11 @@ test("quantities keep about three significant places and carry their unit", () =
   assert.equal(formatQuantity(42180, "count"), "42\u202f180");
 });
 
+test("a small torque is told in millinewton metres, not as nothing", () => {
+  assert.equal(formatQuantity(0.00024, "N m").replaceAll("\u00a0", " "), "0.24 mN m");
+  assert.equal(formatQuantity(0.5, "N m").replaceAll("\u00a0", " "), "0.5 N m");
+});
+
 test("metric names read as titles without their unit", () => {
   assert.equal(metricTitle("wall_mesial_mm", "mm"), "Wall mesial");
   assert.equal(metricTitle("target_removed_percent", "%"), "Target removed");

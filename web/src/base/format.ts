@@ -4,6 +4,7 @@ const kDash = "–";
 const kUnits: Readonly<Record<string, string>> = {
   mm3: "mm³", mm2: "mm²", count: "", n: "N", mn: "mN", um: "µm", nm: "nm", percent: "%",
   "mN/mm": "mN/mm", "N/mm": "N/mm", ratio: "",
+  "uN m": "µN m", "uN m/rad": "µN m/rad", "uN m s/rad": "µN m s/rad", urad: "µrad",
 };
 
 export function unitText(unit: string): string {
@@ -30,6 +31,8 @@ export function formatSigned(value: number, digits = 2): string {
 }
 
 export function formatQuantity(value: number, unit: string, digits?: number): string {
+  // A wrist's friction is tenths of a millinewton metre: in newton metres it would read 0.
+  if (unit === "N m" && Math.abs(value) < 0.1) return formatQuantity(value * 1000, "mN m", digits);
   const number = formatNumber(value, digits ?? digitsFor(value));
   const shown = unitText(unit);
   return shown === "" || number === kDash ? number : `${number}\u00a0${shown}`;

@@ -20,7 +20,7 @@ export function shankText({ shank_radius_um: shank, neck_um: neck }: Bur): strin
 // Small forces beside the cutting force: what they tell of and how strong they get.
 export function touchCuesText(cues: TouchCues | null): string {
   if (cues === null) return "None";
-  const newtons = (millinewtons: number) => `up to ${formatNumber(millinewtons / 1000, 2)} N`;
+  const newtons = (millinewtons: number) => millinewtons < 100 ? `up to ${formatNumber(millinewtons, 0)} mN` : `up to ${formatNumber(millinewtons / 1000, 2)} N`;
   const knock = cues.contact_mn > 0 ? `A knock on contact, ${newtons(cues.contact_mn)}` : "";
   const chatter = cues.chatter_mn > 0 ? `${knock === "" ? "The" : "the"} bur's chatter, ${newtons(cues.chatter_mn)}` : "";
   return `${[knock, chatter].filter((part) => part !== "").join("; ")}. Not counted in the score`;

@@ -140,7 +140,8 @@ function byTissue(found: readonly Difference[]): TissueDifference[] {
 
 function introduction(feel: ProfileFeel): string {
   return `A hand tells two forces apart from ${percent(thresholdOf(feel, "force"))}, two tissues by their viscosity from ${percent(thresholdOf(feel, "viscosity"))}, and feels a delay from ${formatNumber(1000 * thresholdOf(feel, "delay"), 0)} ms.`
-    + ` Where this device stays below that, cutting feels as it is.`;
+    + ` Where this device stays below that, cutting feels as it is.`
+    + ` Computed with a coupling of ${formatNumber(feel.coupling_mn_per_mm / 1000, 2)} N/mm and ${plural(feel.delay_ticks, "tick")} of delay${feel.delay_measured || feel.delay_ticks === 0 ? "" : ", which nobody measured"}.`;
 }
 
 function thresholdText({ name, value, unit, source }: ProfileFeel["thresholds"][number]): string {
