@@ -112,8 +112,9 @@ json::object FeelJson(const FeelRow& r) {
 }  // namespace
 
 std::string JsonOf(const Findings& f) {
-  json::array rows, attacks, random;
-  for (const Row& r : f.rows) rows.push_back(RowJson(r));
+  json::array rows, fronts, attacks, random;
+  // A hand row has other members than a point of the hands' front against run time.
+  for (const Row& r : f.rows) (r.suite == "hand-front" ? fronts : rows).push_back(RowJson(r));
   AppendCuttingRows(f, rows);
   for (const HandRow& r : f.hands) rows.push_back(HandJson(r));
   for (const FeelRow& r : f.feel) rows.push_back(FeelJson(r));
@@ -145,6 +146,7 @@ std::string JsonOf(const Findings& f) {
                    {"rows", std::move(rows)},
                    {"attacks", std::move(attacks)},
                    {"random", std::move(random)}};
+  if (!fronts.empty()) out["fronts"] = std::move(fronts);
   if (!f.rates.empty()) {
     json::array rates;
     for (const RateRow& r : f.rates) {
