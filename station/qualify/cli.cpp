@@ -1,5 +1,7 @@
 #include "station/qualify/cli.h"
 
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <memory>
 
@@ -51,7 +53,7 @@ void RegisterQualify(CLI::App& app, int* exit_code) {
       "rates: each device at 1, 2, 4 and 8 kHz with the largest coupling it may have there, without delay and\n"
       "with one tick: Kc and what limits it, Kc delta/2, lag and error of a wandering hand.");
   qualify->callback([options, exit_code] {
-    if (!program::LogIsJson()) options->progress = stderr;
+    if (::isatty(STDERR_FILENO) != 0 && !program::LogIsJson()) options->progress = stderr;
     *exit_code = RunQualify(*options);
   });
 

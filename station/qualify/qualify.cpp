@@ -7,6 +7,7 @@
 
 #include "common/base/file.h"
 #include "common/scene/json.h"
+#include "station/qualify/motions.h"
 #include "station/qualify/report.h"
 #include "station/qualify/suites.h"
 
@@ -38,7 +39,8 @@ Result<std::vector<DeviceModel>> ModelIn(const std::string& path) {
     if (model.ok()) return std::vector<DeviceModel>{*model};
     status = model.status();
   }
-  std::string where = status.field().empty() ? "" : status.field() + ": ";
+  // Some messages begin with the place themselves.
+  std::string where = status.field().empty() || status.message().starts_with(status.field()) ? "" : status.field() + ": ";
   return Status(status.code(), path + ": " + where + status.message(), status.field());
 }
 
@@ -76,6 +78,18 @@ Status CheckSuites(const std::vector<std::string>& names) {
   return Status::Ok();
 }
 
+// Without recordings the hand suite's figures are other ones: whoever names a folder means it.
+Status CheckRecordings(const QualifyOptions& options) {
+  if (options.recordings == QualifyOptions().recordings) return Status::Ok();
+  Result<std::vector<HandMotion>> found = RecordedMotions(options.recordings);
+  if (!found.ok()) return found.status();
+  if (!found->empty()) return Status::Ok();
+  return {Code::kInvalidInput,
+          "--recordings: expected a folder with CSV files of motions, found none in " + options.recordings +
+              "; leave the option out for generated motions",
+          "recordings"};
+}
+
 // One line, rewritten at most ten times a second.
 Progress ProgressTo(std::FILE* out) {
   if (out == nullptr) return [](const char*, size_t, size_t) {};
@@ -111,8 +125,9 @@ void Print(std::FILE* out, const Findings& f) {
     std::fprintf(out, "%s: %zu passive, %zu stable with these grips, %zu bounded, %zu unstable\n",
                  m.title.c_str(), counts[0], counts[1], counts[2], counts[3]);
   }
-  std::fprintf(out, "%zu rows in %.1f s\n", f.rows.size() + f.cutting.size() + f.hands.size() + f.feel.size(),
-               f.seconds);
+  const size_t rows = f.rows.size() + f.cutting.size() + f.hands.size() + f.feel.size() + f.rates.size();
+  if (!f.strokes.empty()) std::fprintf(out, "%zu devices' strokes, ", f.strokes.size());
+  std::fprintf(out, "%zu rows in %.1f s\n", rows, f.seconds);
 }
 
 }  // namespace
@@ -125,6 +140,7 @@ int RunQualify(const QualifyOptions& options) {
   if (Status status = CheckSuites(options.suites); !status.ok()) return Fail(status);
   if (options.cases < 1 || options.cases > 1'000'000)
     return Fail({Code::kInvalidInput, "--cases: expected 1 to 1000000", "cases"});
+  if (Status status = CheckRecordings(options); !status.ok()) return Fail(status);
   Result<std::vector<DeviceModel>> models = ModelsFor(options.profile);
   if (!models.ok()) return Fail(models.status());
   auto from = std::chrono::steady_clock::now();

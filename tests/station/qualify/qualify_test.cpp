@@ -49,6 +49,10 @@ TEST(QualifyTest, RefusesUnknownProfilesAndSuitesWithWhatIsKnown) {
   EXPECT_EQ(RunQualify(o), 1);
   EXPECT_NE(text.find("phantom_desktop"), std::string::npos);
   EXPECT_NE(text.find("estimators"), std::string::npos);
+  o.suites = {"hand"};
+  o.recordings = "/nowhere/at/all";
+  EXPECT_EQ(RunQualify(o), 1) << "generated motions give other figures: nobody who names a folder wants them";
+  EXPECT_NE(text.find("found none in /nowhere/at/all"), std::string::npos) << text;
 }
 
 TEST(QualifyTest, TakesAProfileOfOnesOwnAndRefusesOneThatIsNotPassiveWithTheKcThatIs) {
