@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "common/math/order.h"
 #include "common/math/vec.h"
 
 // Speed of the tip from its encoder's counts. At cutting speed a count comes every 20 to 400 ticks,
@@ -23,10 +24,6 @@ inline constexpr int kWindowIntervals = 5;
 inline constexpr double kSilenceCounts = 1.4;
 // Nor is this many times the longest of the last gaps between counts.
 inline constexpr double kSilenceGaps = 1.03;
-
-inline double LowerOf(double a, double b) noexcept { return a < b ? a : b; }
-inline double HigherOf(double a, double b) noexcept { return a > b ? a : b; }
-inline double Clamped(double v, double lo, double hi) noexcept { return v < lo ? lo : v > hi ? hi : v; }
 
 // Time, encoder edge and anchor at which one axis made a count.
 struct CountEvent {

@@ -2,15 +2,17 @@
 
 #include <cmath>
 
+#include "common/math/order.h"
+
 namespace enamel::haptics {
 namespace {
-
-double LowerOf(double a, double b) noexcept { return a < b ? a : b; }
 
 // Less than this share of what resisted before is a way out.
 constexpr double kWayOut = 0.3;
 // For so long it counts what resisted before, s.
 constexpr double kHeld_s = 0.05;
+// Share of B that counts as none, in B (B + share tr B I)^-1: what is left of a way where B resists.
+constexpr double kFree = 1e-9;
 
 bool Finite(const dvec3& v) noexcept {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
@@ -245,10 +247,10 @@ double Coupling::RunOutReach() const noexcept {
   const dvec3& cell = params_.law.resolution_m;
   double least = cell.x < cell.y ? cell.x : cell.y;
   const double reach = kRunOutCells * (least < cell.z ? least : cell.z);
-  // Cells so fine that stored force would take long to run out in steps of them: 14 N/s is 14 mN a millisecond.
+  // Out of cells so fine stored force would run for seconds. 14 N/s is 14 mN a millisecond.
   constexpr double kLeastRunOut_n_per_s = 14;
   const double least_m = kLeastRunOut_n_per_s * params_.law.tick_s / params_.law.kc_n_per_m;
-  return params_.law.revision >= 4 && reach < least_m ? least_m : reach;
+  return Revised() && reach < least_m ? least_m : reach;
 }
 
 // Where the bur does not go along, because it is at the tip already, force is not spent on cutting: it
@@ -273,7 +275,7 @@ dvec3 Coupling::RunOut(const dvec3& w, const dvec3& e, const dvec3& tip_moved,
   const double moved2 = Dot(tip_moved, tip_moved);
   if (moved2 > 0) {
     const double moved = std::sqrt(moved2);
-    const double rest = params_.law.revision >= 4 && reach > moved ? reach - moved : 0;
+    const double rest = Revised() && reach > moved ? reach - moved : 0;
     reach = Dot(tip_moved, e) > 0 && moved > rest ? moved : rest;
   }
   reach = reach > spent_m ? reach - spent_m : 0;
@@ -289,10 +291,10 @@ double Coupling::RanOut(const dvec3& taken, const dvec3& front) const noexcept {
   return beyond > 0 ? beyond : 0;
 }
 
-// What is left of the bur's way e to the tip after a step in which the rest point did not move: in the
-// directions that tissue resists the bur comes up to the rest point, by `rate` of that way, and not past the tip.
+// What is left of the bur's way e to the tip after a tick in which the rest point did not move. Where tissue
+// resists, the bur comes up to the rest point, at most as far as the tip: by the share `rate`/(1 + `rate`) of
+// that way in uniform tissue, and less where tissue resists more.
 dvec3 Coupling::LeftBehind(const Sym3& b, const dvec3& e, const dvec3& gap, double rate) const noexcept {
-  constexpr double kFree = 1e-9;
   const double trace = b.Trace();
   const dvec3 held = b * SolveShifted(b, trace * kFree, e);
   if (!(Dot(gap, held) > 0)) return held;
@@ -309,14 +311,14 @@ dvec3 Coupling::LeftBehind(const Sym3& b, const dvec3& e, const dvec3& gap, doub
 // where the hand is.
 dvec3 Coupling::FrontStep(const dvec3& tip_m, const Contact& contact, const dvec3& rest_step,
                           double dt_s) const noexcept {
-  constexpr double kCloseUp_s = 0.07, kFree = 1e-9;
+  constexpr double kCloseUp_s = 0.07;
   const Sym3& b = contact.damping_n_s_per_m;
   dvec3 e = tip_m - anchor_;
   double trace = b.Trace();
   if (!(trace > 0)) return e;
   bool cuts = Dot(rest_step, rest_step) > 0;
-  // Where the rest point has gone on without the bur, it holds no force that the bur could wait for.
-  if (!cuts && params_.law.revision >= 4) return e - LeftBehind(b, e, rest_ - anchor_, dt_s / (3 * kCloseUp_s));
+  // No force holds a bur that the rest point has left behind: it comes up without one.
+  if (!cuts && Revised()) return e - LeftBehind(b, e, rest_ - anchor_, dt_s / (3 * kCloseUp_s));
   double shift = trace * (cuts ? dt_s / (3 * kCloseUp_s) : kFree);
   dvec3 held = b * SolveShifted(b, shift, e), step = b * SolveShifted(b, shift, rest_step);
   double along = Dot(step, held), reach = Dot(held, held);
@@ -374,7 +376,7 @@ Contact Coupling::RelaxRest(const dvec3& tip_m, const dvec3& tip_moved, bool ahe
     const double trace = contact.damping_n_s_per_m.Trace();
     bool resisted = trace > 0;
     // A last graze gives way at once, but the force that more tissue has built up is not spent on it.
-    if (params_.law.revision >= 4 && trace < kWayOut * held_) ahead_is_free = true;
+    if (Revised() && trace < kWayOut * held_) ahead_is_free = true;
     dvec3 felt = resisted ? BeyondCoulomb(e, contact, kc) : e;
     dvec3 w = felt - law_->Relax(felt, contact.damping_n_s_per_m, left_s);
     if (!resisted) w = e;
@@ -397,7 +399,7 @@ Contact Coupling::RelaxRest(const dvec3& tip_m, const dvec3& tip_moved, bool ahe
     ++out.substeps;
     const dvec3 taken = MoveRest(tip_m, w * share, out);
     // What may run out is a tick's, however many steps the bur takes. Revision 3 took it in every step.
-    if (params_.law.revision >= 4) spent_m += RanOut(taken, resisted && !ahead_is_free ? front * share : dvec3(0));
+    if (Revised()) spent_m += RanOut(taken, resisted && !ahead_is_free ? front * share : dvec3(0));
     if (length > 0) {
       dvec3 to = anchor_ + front * share;
       material.AnchorMoved(anchor_, to);
@@ -450,9 +452,9 @@ void Coupling::LetGoAlong(const dvec3& tip_m, const dvec3& tip_moved, const Ahea
   double still = (c.coulomb_n > c.threshold_n ? c.coulomb_n : c.threshold_n) * std::sqrt(speed2);
   double allowed = (Dot(speed, c.damping_n_s_per_m * speed) + still) / params_.law.kc_n_per_m;
   double excess = Dot(tip_m - rest_, speed) - allowed;
-  // The speed knows of a turn axis by axis, and late. Force that presses against it runs out like the rest: let
-  // go at once it was a step of 0.7 N in a hand that had stopped.
-  if (params_.law.revision >= 4) {
+  // The law learns of a turn axis by axis, and late. So force against its speed runs out as elsewhere. Dropped
+  // at once, it was a step of 0.7 N to a hand that had stopped.
+  if (Revised()) {
     excess = LowerOf(excess, (std::sqrt(Dot(tip_moved, tip_moved)) + RunOutReach()) * std::sqrt(speed2));
   }
   if (excess > 0) MoveRest(tip_m, speed * (excess / speed2), out);

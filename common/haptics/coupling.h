@@ -37,8 +37,8 @@
 //    toward the tip and not past it. Then the law aims: r alone moves, so that the force is what the
 //    hand's speed calls for.
 //  * Where nothing is ahead the bur is at the tip in the same tick. The force that is still stored runs
-//    out: r comes up to the tip by the tip's own way and at most 0.7 cells a tick, so the force
-//    falls by about Kc (v T + sqrt(3) delta) in a tick, and next to none of it is against the way out
+//    out: r comes up to the tip by the tip's own way and at most 0.7 cells a tick (with fine cells 14
+//    N/s), so the force falls by about Kc (v T + sqrt(3) delta) in a tick, and next to none of it is against the way out
 //    (figures, and where it is more: README.md, "What falls short").
 //  * Aiming asks for the damping along the hand's motion, not along the stretch: on the way out of a
 //    cut nothing is ahead, and r stays where it is.
@@ -137,6 +137,7 @@ class Coupling {
   void TickSlipping(const dvec3& tip_m, double bound_n, Material& material, CouplingOutput& out) noexcept;
   Contact RelaxRest(const dvec3& tip_m, const dvec3& tip_moved, bool ahead_is_free, Material& material,
                     CouplingOutput& out) noexcept;
+  bool Revised() const noexcept { return params_.law.revision >= 4; }
   double RunOutReach() const noexcept;
   dvec3 NoFasterThan(const dvec3& front, const dvec3& tip_moved, const dvec3& w, double spent_m) const noexcept;
   double RanOut(const dvec3& taken, const dvec3& front) const noexcept;

@@ -1,9 +1,10 @@
 #include "common/haptics/criteria.h"
 
+#include "common/math/order.h"
+
 namespace enamel::haptics {
 namespace {
 
-double Smaller(double a, double b) noexcept { return a < b ? a : b; }
 double NotNegative(double v) noexcept { return v > 0 ? v : 0; }
 double Magnitude(double v) noexcept { return v < 0 ? -v : v; }
 
@@ -29,7 +30,7 @@ double ColgateSchenkelWindowed(double b, double virtual_b, double tick, int tick
 }
 
 double AbbottOkamuraStiffness(double b, double tick, double friction, double delta) noexcept {
-  return Smaller(2 * b / tick, 2 * friction / delta);
+  return LowerOf(2 * b / tick, 2 * friction / delta);
 }
 
 double GilStiffness(double b, double virtual_b, double tick, int delay) noexcept {

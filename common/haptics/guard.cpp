@@ -1,9 +1,9 @@
 #include "common/haptics/guard.h"
 
+#include "common/math/order.h"
+
 namespace enamel::haptics {
 namespace {
-
-double Larger(double a, double b) noexcept { return a > b ? a : b; }
 
 // 0 for what is negative or not a number.
 double NotNegative(double v) noexcept { return v > 0 ? v : 0; }
@@ -20,7 +20,7 @@ double TipCell::Radius() const noexcept {
     corner += signs & 2 ? -joint_half_m[2] : joint_half_m[2];
     dvec3 far(std::fabs(corner.x) + half_m.x, std::fabs(corner.y) + half_m.y,
               std::fabs(corner.z) + half_m.z);
-    farthest2 = Larger(farthest2, Dot(far, far));
+    farthest2 = HigherOf(farthest2, Dot(far, far));
   }
   return std::sqrt(farthest2) + ball_m;
 }

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "common/math/order.h"
+
 namespace enamel::haptics {
 namespace {
 
@@ -15,9 +17,6 @@ constexpr double kSmooth_s = 0.02;  // of the speed of approach
 constexpr double kFree_s = 0.03;    // without tissue ahead before contact is news again
 constexpr double kHalfHard_n_s_per_m = 1000;
 constexpr double kHalfLoad_n = 1;
-
-double Larger(double a, double b) noexcept { return a > b ? a : b; }
-double Smaller(double a, double b) noexcept { return a < b ? a : b; }
 
 dvec3 Abs(const dvec3& v) noexcept { return dvec3(std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)); }
 
@@ -42,11 +41,11 @@ void CueAccount::Book(const dvec3& moved) noexcept {
   for (int i = 0; i < 3; ++i) {
     double most = sent_[0][i] * moved[i];
     for (int j = 1; j <= params_.delay_ticks; ++j) {
-      most = Larger(most, sent_[static_cast<size_t>(j)][i] * moved[i]);
+      most = HigherOf(most, sent_[static_cast<size_t>(j)][i] * moved[i]);
     }
     cost += most;
   }
-  balance_j_ = Smaller(balance_j_ + params_.power_w * params_.tick_s - cost, params_.energy_j);
+  balance_j_ = LowerOf(balance_j_ + params_.power_w * params_.tick_s - cost, params_.energy_j);
 }
 
 void CueAccount::Gap(const dvec3& tip) noexcept {
@@ -56,11 +55,11 @@ void CueAccount::Gap(const dvec3& tip) noexcept {
   for (int i = 0; i < 3; ++i) {
     double most = 0;
     for (int j = 0; j <= params_.delay_ticks; ++j) {
-      most = Larger(most, std::fabs(sent_[static_cast<size_t>(j)][i]));
+      most = HigherOf(most, std::fabs(sent_[static_cast<size_t>(j)][i]));
     }
     cost += most * way[i];
   }
-  balance_j_ = Smaller(balance_j_ - cost, 0);
+  balance_j_ = LowerOf(balance_j_ - cost, 0);
   sent_ = {};
   started_ = false;
 }
@@ -77,12 +76,12 @@ double CueAccount::Share(const dvec3& wanted) const noexcept {
   for (int i = 0; i < 3; ++i) {
     double before = 0;  // what was under way without the newest of it and with
     for (int j = 0; j < d; ++j) {
-      before = Larger(before, std::fabs(sent_[static_cast<size_t>(j)][i]));
+      before = HigherOf(before, std::fabs(sent_[static_cast<size_t>(j)][i]));
     }
-    double felt = Larger(before, std::fabs(sent_[static_cast<size_t>(d)][i]));
+    double felt = HigherOf(before, std::fabs(sent_[static_cast<size_t>(d)][i]));
     hidden += params_.cell_half_m[i] * felt;
     least += (d + 1) * way[i] * before;
-    whole += (d + 1) * way[i] * Larger(before, std::fabs(wanted[i]));
+    whole += (d + 1) * way[i] * HigherOf(before, std::fabs(wanted[i]));
   }
   const double room = balance_j_ - hidden;
   if (!(room > least)) return 0;
@@ -103,15 +102,15 @@ dvec3 CueAccount::Afford(const dvec3& tip, const dvec3& wanted) noexcept {
   for (int i = 0; i < 3; ++i) {
     double low = cue[i], high = cue[i];
     for (int j = 0; j < d; ++j) {
-      low = Smaller(low, sent_[static_cast<size_t>(j)][i]);
-      high = Larger(high, sent_[static_cast<size_t>(j)][i]);
+      low = LowerOf(low, sent_[static_cast<size_t>(j)][i]);
+      high = HigherOf(high, sent_[static_cast<size_t>(j)][i]);
     }
     double low_before = sent_[static_cast<size_t>(d)][i], high_before = low_before;
     for (int j = 0; j < d; ++j) {
-      low_before = Smaller(low_before, sent_[static_cast<size_t>(j)][i]);
-      high_before = Larger(high_before, sent_[static_cast<size_t>(j)][i]);
+      low_before = LowerOf(low_before, sent_[static_cast<size_t>(j)][i]);
+      high_before = HigherOf(high_before, sent_[static_cast<size_t>(j)][i]);
     }
-    balance_j_ -= params_.cell_half_m[i] * Larger(high - low_before, high_before - low);
+    balance_j_ -= params_.cell_half_m[i] * HigherOf(high - low_before, high_before - low);
   }
   for (int j = d; j > 0; --j) sent_[static_cast<size_t>(j)] = sent_[static_cast<size_t>(j - 1)];
   sent_[0] = cue;
@@ -121,7 +120,7 @@ dvec3 CueAccount::Afford(const dvec3& tip, const dvec3& wanted) noexcept {
 TouchCues::TouchCues(const TouchCueParams& params)
     : params_(params),
       account_(params.account),
-      highest_hz_(Smaller(kHighest_hz, kOfRate / params.account.tick_s)),
+      highest_hz_(LowerOf(kHighest_hz, kOfRate / params.account.tick_s)),
       enabled_((params.contact_n > 0 || params.chatter_n > 0) && params.account.energy_j > 0 &&
                highest_hz_ >= kLowest_hz) {}
 
@@ -140,7 +139,7 @@ double TouchCues::KnockFrequency_hz(double b) const noexcept {
 
 double TouchCues::ChatterFrequency_hz(double krpm) const noexcept {
   const double hz = krpm * (1000.0 / 60 / kTurnsPerWave);
-  return hz < kLowest_hz ? kLowest_hz : Smaller(hz, highest_hz_);
+  return hz < kLowest_hz ? kLowest_hz : LowerOf(hz, highest_hz_);
 }
 
 void TouchCues::NoteMotion(const dvec3& tip) noexcept {
@@ -154,13 +153,13 @@ void TouchCues::NoteContact(const TouchCueInput& input) noexcept {
   if (!input.contact_read) return;
   if (input.engaged && !engaged_ && free_s_ >= kFree_s) StartKnock(input.tissue_b_n_s_per_m);
   engaged_ = input.engaged;
-  free_s_ = engaged_ ? 0 : Smaller(free_s_ + params_.account.tick_s, 1e9);
+  free_s_ = engaged_ ? 0 : LowerOf(free_s_ + params_.account.tick_s, 1e9);
 }
 
 void TouchCues::StartKnock(double b) noexcept {
   const double tick = params_.account.tick_s;
   const dvec3& half = params_.account.cell_half_m;
-  const double cell = 2 * Larger(half.x, Larger(half.y, half.z));
+  const double cell = 2 * HigherOf(half.x, HigherOf(half.y, half.z));
   const double speed = std::sqrt(Dot(velocity_, velocity_));
   if (!(speed > cell / kSmooth_s) || !(speed > 0)) return;  // no more than a tip on a cell's edge
   const double share = speed < kFullSpeed_m_per_s ? speed / kFullSpeed_m_per_s : 1;
