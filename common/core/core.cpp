@@ -12,7 +12,6 @@ using cutting::Pose;
 
 constexpr double kSampleVoxels = 1.0 / 8;
 constexpr int kHashedBricksPerTick = 8;
-constexpr int kMaxTurns = 64;                  // half-voxel turns of the bur per tick
 constexpr double kWallRotational_n_m_s = 1e3;  // a still bur in contact does not turn
 // Area ahead of a turn below which a wall does not block it: what rounding leaves of a turn along
 // the wall is not one into it.
@@ -115,7 +114,7 @@ class Core::TissueMaterial final : public haptics::Material {
     if (!core_.engagement_.AnyContact()) return contact;
     cutting::Engagement engagement = core_.engagement_.Read(stretch_m);
     contact.engaged = engagement.area_m2 > 0;
-    if (contact.engaged) {
+    if (contact.engaged && core_.cues_.enabled()) {
       core_.tissue_.engaged = true;
       core_.tissue_.b_n_s_per_m = engagement.damping_n_s_per_m.Trace() *
                                   cutting::EngagementReader::kReferenceArea_m2 / engagement.area_m2;
@@ -286,7 +285,7 @@ void Core::FollowOrientation(const Quat& device, TissueMaterial& material) noexc
   if (params_.rotational_kc_un_m_per_rad == 0) return;
   const double voxel = volume_.spec().voxel_m();
   double left_s = 1.0 / params_.rate_hz;
-  for (int i = 0; i < kMaxTurns; ++i) {
+  for (int i = 0; i < haptics::Turning::kMaxTurns; ++i) {
     Quat error = device * orientation_.Conjugate();
     double sign = error.w < 0 ? -2 : 2;
     dvec3 e(error.x * sign, error.y * sign, error.z * sign);
