@@ -7,16 +7,17 @@
 
 namespace enamel::scene {
 
+int64_t DelayTicksAt(int64_t ticks, int64_t from_hz, int64_t to_hz) {
+  return std::min((ticks * to_hz + from_hz - 1) / from_hz, kMostDelay_ticks);
+}
+
 DelayUsed DelayOfAttached(const DeviceProfile& profile, const Calibration* calibration,
                           int64_t rate_hz) {
-  auto converted = [&](int64_t ticks, int64_t from_hz) {
-    return std::min((ticks * rate_hz + from_hz - 1) / from_hz, kMostDelay_ticks);
-  };
   if (calibration != nullptr && calibration->bus_delay_ticks) {
-    return {converted(calibration->bus_delay_ticks->value, calibration->rate_hz),
+    return {DelayTicksAt(calibration->bus_delay_ticks->value, calibration->rate_hz, rate_hz),
             DelayUsed::From::kCalibration};
   }
-  const int64_t said = converted(profile.bus_delay_ticks.value, profile.rate_hz.value);
+  const int64_t said = DelayTicksAt(profile.bus_delay_ticks.value, profile.rate_hz.value, rate_hz);
   if (profile.delay_measured) return {said, DelayUsed::From::kProfile};
   return {std::max(said, kAssumedDelay_ticks), DelayUsed::From::kAssumed};
 }

@@ -30,6 +30,9 @@ struct DelayUsed {
   bool operator==(const DelayUsed&) const = default;
 };
 
+// A delay in ticks of one rate as ticks of another: the same time, rounded up, at most kMostDelay_ticks.
+int64_t DelayTicksAt(int64_t ticks, int64_t from_hz, int64_t to_hz);
+
 // The delay of a device that is attached, at `rate_hz`. A calibration of it, if there is one that
 // measured the delay, comes first, then a profile that says it was measured. A delay measured at
 // another rate is converted as a time, rounded up.
@@ -53,7 +56,8 @@ Result<DeviceProfile> WithDelay(const DeviceProfile& profile, int64_t rate_hz, i
 
 // Whether these are the parameters that CompilePlan gives for the profile as it stands (a simulated
 // device, a mouse), or for WithDelay of it at some delay (an attached device): for whoever checks a
-// recording. One of an earlier core version is compared as that version had the plan. Errors: CompilePlan's for the profile as it stands; kConflict (field "params").
+// recording. One of an earlier core version is compared as that version had the plan. Errors:
+// CompilePlan's for the profile as it stands; kConflict (field "params").
 Status CheckParams(const Scene& scene, const Exercise& exercise, const DeviceProfile& profile,
                    const core::CoreParams& params);
 

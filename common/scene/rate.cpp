@@ -35,7 +35,7 @@ Result<DeviceProfile> AtRate(const DeviceProfile& profile, int64_t rate_hz) {
   out.rate_hz = {rate_hz, "chosen"};
   const int64_t from_hz = profile.rate_hz.value;
   if (rate_hz != from_hz && profile.bus_delay_ticks.value > 0) {
-    out.bus_delay_ticks = {(profile.bus_delay_ticks.value * rate_hz + from_hz - 1) / from_hz,
+    out.bus_delay_ticks = {DelayTicksAt(profile.bus_delay_ticks.value, from_hz, rate_hz),
                            why + ", the same time: " + profile.bus_delay_ticks.source};
   }
   const LargestCoupling largest = LargestCouplingAt(out, rate_hz, out.bus_delay_ticks.value);
