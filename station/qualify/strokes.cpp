@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/core/core.h"
+#include "common/fidelity/feel.h"
 #include "station/qualify/withdrawal.h"
 
 namespace enamel::station::qualify {
@@ -19,8 +20,6 @@ constexpr double kLongest_s = 12;
 // Below a four-hundredth of B nothing is ahead: 0.03 N at 2 mm/s.
 constexpr double kNothing_n_s_per_m = kB_n_s_per_m / 400;
 constexpr double kRamp_s = 0.4;  // in which a hand begins to push
-constexpr double kPublishedDelay_s =
-    0.015;  // that people notice in a damper (issue of the law for a hand)
 
 const cutting::Bur kBur{cutting::BurShape::kCylinder, 0.6e-3, 4e-3};
 
@@ -385,7 +384,7 @@ class StrokeRun {
     }
     add("push_n", "N", push);
     if (case_ == StrokeCase::kReverse) add("help_s", "s", help_s, HelpGoal());
-    add("let_go_s", "s", let_go_s, kPublishedDelay_s + least_s);
+    add("let_go_s", "s", let_go_s, fidelity::kDelay_s + least_s);
   }
 
   // Goals of the issue's human motions; other devices have none.
