@@ -7,6 +7,7 @@
 #include <functional>
 
 #include "common/haptics/coupling.h"
+#include "tests/support/dice.h"
 
 // What the proof in coupling.h covers and what it does not, hunted for with a bare spring and
 // anchor that share only GuardFactor with the coupling: Kc = 1, delta = 1, b/T = Kc/2, so that
@@ -16,20 +17,7 @@
 namespace enamel::haptics {
 namespace {
 
-class Dice {
- public:
-  explicit Dice(uint64_t seed) : state_(seed * 0x9e3779b97f4a7c15ull + 1) {}
-  double Uniform() {
-    state_ ^= state_ << 13;
-    state_ ^= state_ >> 7;
-    state_ ^= state_ << 17;
-    return static_cast<double>(state_ >> 11) * 0x1p-53;
-  }
-  double Signed() { return 2 * Uniform() - 1; }
-
- private:
-  uint64_t state_;
-};
+using testing_support::Dice;
 
 using Vec = std::array<double, 3>;
 double Dot3(const Vec& a, const Vec& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }

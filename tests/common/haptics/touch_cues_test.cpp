@@ -9,8 +9,12 @@
 #include <functional>
 #include <vector>
 
+#include "tests/support/dice.h"
+
 namespace enamel::haptics {
 namespace {
+
+using testing_support::Dice;
 
 constexpr double kTick_s = 1e-3, kTurn = 6.28318530717958647692;
 constexpr double kCell_m = 20e-6;
@@ -360,21 +364,6 @@ class Hand {
   dvec3 x_{3e-6, -4e-6, 1e-6}, last_ = Read(x_), allowed_{0};
   double paid_ = 0, excess_ = 0, lowest_ = 0, hidden_ = -1;
   int ticks_ = 0;
-};
-
-class Dice {
- public:
-  explicit Dice(uint64_t seed) : state_(seed * 0x9e3779b97f4a7c15ull + 1) {}
-  double Uniform() {
-    state_ ^= state_ << 13;
-    state_ ^= state_ >> 7;
-    state_ ^= state_ << 17;
-    return static_cast<double>(state_ >> 11) * 0x1p-53;
-  }
-  double Signed() { return 2 * Uniform() - 1; }
-
- private:
-  uint64_t state_;
 };
 
 // The wave the cues would send.
