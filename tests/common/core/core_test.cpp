@@ -597,18 +597,22 @@ TEST(CoreParamsTest, ComeBackFromTheirCanonicalBytes) {
   EXPECT_EQ(*back, Params());
 }
 
+void ComesBack(const CoreParams& params, uint32_t version) {
+  ByteWriter out;
+  WriteParams(params, out);
+  EXPECT_EQ(out.size(), ParamsBytes(version));
+  ByteReader in(out.bytes());
+  auto back = ReadParams(in);
+  ASSERT_TRUE(back.ok()) << back.status().message();
+  EXPECT_EQ(*back, params);
+}
+
 TEST(CoreParamsTest, FormatsOfEarlierCoresAreReadWithDefaultsForWhatCameLater) {
   for (uint32_t version : {1u, 2u, 3u}) {
     CoreParams p = Params();
     p.core_version = version;
-    ByteWriter out;
-    WriteParams(p, out);
-    EXPECT_EQ(out.size(), ParamsBytes(version));
-    ByteReader in(out.bytes());
-    auto back = ReadParams(in);
-    ASSERT_TRUE(back.ok()) << back.status().message();
-    EXPECT_EQ(*back, p);
-    EXPECT_EQ(ValidateParams(*back).code(), version == 1 ? Code::kVersion : Code::kOk);
+    ComesBack(p, version);
+    EXPECT_EQ(ValidateParams(p).code(), version == 1 ? Code::kVersion : Code::kOk);
   }
 }
 
@@ -623,13 +627,7 @@ TEST(CoreParamsTest, FieldsOfTheThirdCoreComeBackAndAreRefusedOutOfRangeOrInAnEa
     p.coulomb_mn = {0, 300, 200, 100, 90, 80, 70, 60};
     p.threshold_mn = {0, 30, 20, 10, 9, 8, 7, 6};
   });
-  ByteWriter out;
-  WriteParams(full, out);
-  EXPECT_EQ(out.size(), ParamsBytes(kCoreVersion));
-  ByteReader in(out.bytes());
-  auto back = ReadParams(in);
-  ASSERT_TRUE(back.ok()) << back.status().message();
-  EXPECT_EQ(*back, full);
+  ComesBack(full, kCoreVersion);
   EXPECT_TRUE(ValidateParams(full).ok());
   full.core_version = 2;
   EXPECT_EQ(ValidateParams(full).field(), "bus_delay_ticks");
@@ -650,13 +648,7 @@ TEST(CoreParamsTest, FieldsOfTheFourthCoreComeBackAndAreRefusedOutOfRangeOrInAnE
   full.chatter_cue_mn = 200;
   full.cue_energy_nj = 50'000;
   full.cue_power_nw = 100'000;
-  ByteWriter out;
-  WriteParams(full, out);
-  EXPECT_EQ(out.size(), ParamsBytes(kCoreVersion));
-  ByteReader in(out.bytes());
-  auto back = ReadParams(in);
-  ASSERT_TRUE(back.ok()) << back.status().message();
-  EXPECT_EQ(*back, full);
+  ComesBack(full, kCoreVersion);
   EXPECT_TRUE(ValidateParams(full).ok());
   auto refused = [&](auto set) {
     CoreParams p = full;
