@@ -1,6 +1,7 @@
-import { useEffect, useRef, useState } from "preact/hooks";
+import { useEffect, useRef } from "preact/hooks";
 import type uPlot from "uplot";
-import { Disposables } from "../base/disposables";
+import type { Disposables } from "../base/disposables";
+import { plotStyle, usePlot, withAlpha } from "./use_plot";
 
 export interface PlotLine {
   readonly label: string;
@@ -30,48 +31,25 @@ const kHeadroom = 1.08;
 // Lines over time with two value axes and a cursor that follows pointer or finger. The picture is
 // for the eye: whoever shows it offers the numbers as a table and the cursor as a slider too.
 export function TimePlot({ timeS, lines, leftTitle, rightTitle, label, cursor, onCursor }: Props) {
-  const frame = useRef<HTMLDivElement>(null);
-  const plot = useRef<uPlot | undefined>(undefined);
   const marker = useRef<HTMLDivElement | undefined>(undefined);
   const latest = useRef({ cursor, onCursor });
   latest.current = { cursor, onCursor };
-  const dark = useDarkScheme();
 
   const place = () => {
     const time = timeS[latest.current.cursor];
-    if (plot.current === undefined || marker.current === undefined || time === undefined) return;
+    if (plot.current === null || marker.current === undefined || time === undefined) return;
     marker.current.style.transform = `translateX(${plot.current.valToPos(time, "x").toFixed(1)}px)`;
   };
 
-  useEffect(() => {
-    const element = frame.current;
-    if (element === null) return undefined;
-    const cleanup = new Disposables();
-    let abandoned = false;
-    cleanup.add(() => { abandoned = true; });
-    void import("uplot").then(({ default: UPlot }) => {
-      if (abandoned) return;
-      const created = new UPlot(plotOptions(element, lines, leftTitle, rightTitle),
-                                [[...timeS], ...lines.map((line) => [...line.values])], element);
-      plot.current = created;
-      cleanup.add(() => created.destroy());
-      marker.current = document.createElement("div");
-      marker.current.className = "plot-cursor";
-      created.over.append(marker.current);
-      followPointer(created, cleanup, (index) => latest.current.onCursor(index));
-      const observer = new ResizeObserver(() => {
-        created.setSize({ width: element.clientWidth, height: kHeightPx });
-        place();
-      });
-      observer.observe(element);
-      cleanup.add(() => observer.disconnect());
-      place();
-    });
-    return () => {
-      cleanup.dispose();
-      plot.current = undefined;
-    };
-  }, [timeS, lines, leftTitle, rightTitle, dark]);
+  const { frame, plot } = usePlot((element) => ({
+    options: plotOptions(element, lines, leftTitle, rightTitle),
+    data: [[...timeS], ...lines.map((line) => [...line.values])],
+  }), [timeS, lines, leftTitle, rightTitle], (created, cleanup) => {
+    marker.current = document.createElement("div");
+    marker.current.className = "plot-cursor";
+    created.over.append(marker.current);
+    followPointer(created, cleanup, (index) => latest.current.onCursor(index));
+  }, place);
 
   useEffect(place, [cursor]);
 
@@ -88,11 +66,8 @@ function followPointer(plot: uPlot, cleanup: Disposables, report: (index: number
 }
 
 function plotOptions(element: HTMLElement, lines: readonly PlotLine[], leftTitle: string, rightTitle: string): uPlot.Options {
-  const style = getComputedStyle(element);
-  const color = (name: string) => style.getPropertyValue(name).trim();
+  const { color, axis } = plotStyle(element);
   const narrow = element.clientWidth < 520;
-  const axis = { stroke: color("--text-soft"), grid: { stroke: color("--line"), width: 1 }, ticks: { stroke: color("--line"), width: 1 },
-                 font: `12px ${style.fontFamily}`, labelFont: `12px ${style.fontFamily}`, labelSize: 18 };
   const valueAxis = narrow ? { ...axis, size: 38 } : { ...axis, size: 46 };
   return {
     width: element.clientWidth, height: kHeightPx,
@@ -119,19 +94,4 @@ function upperEnd(lines: readonly PlotLine[], axis: "left" | "right"): number {
     for (const value of line.values) largest = Math.max(largest, value);
   }
   return largest > 0 ? largest * kHeadroom : 1;
-}
-
-export function withAlpha(hex: string, alpha: string): string {
-  return /^#[0-9a-f]{6}$/i.test(hex) ? hex + alpha : hex;
-}
-
-export function useDarkScheme(): boolean {
-  const [dark, setDark] = useState(() => matchMedia("(prefers-color-scheme: dark)").matches);
-  useEffect(() => {
-    const cleanup = new Disposables();
-    const query = matchMedia("(prefers-color-scheme: dark)");
-    cleanup.listen(query, "change", () => setDark(query.matches));
-    return () => cleanup.dispose();
-  }, []);
-  return dark;
 }

@@ -1,7 +1,5 @@
-import { useEffect, useRef } from "preact/hooks";
 import type uPlot from "uplot";
-import { Disposables } from "../base/disposables";
-import { useDarkScheme, withAlpha } from "./time_plot";
+import { plotStyle, usePlot, withAlpha } from "./use_plot";
 import type { Joined, TrackLine } from "./strokes/tracks";
 
 interface Props {
@@ -19,37 +17,17 @@ const kHeadroom = 0.06;
 // Lines over time, of either sign, in one frame of a row of small ones. The picture is for the eye:
 // whoever shows it says the same in words and numbers.
 export function TrackPlot({ data, lines, valueTitle, markS = null, label, heightPx = kHeightPx }: Props) {
-  const frame = useRef<HTMLDivElement>(null);
-  const dark = useDarkScheme();
-
-  useEffect(() => {
-    const element = frame.current;
-    if (element === null) return undefined;
-    const cleanup = new Disposables();
-    let abandoned = false;
-    cleanup.add(() => { abandoned = true; });
-    void import("uplot").then(({ default: UPlot }) => {
-      if (abandoned) return;
-      const created = new UPlot(plotOptions(element, data, lines, valueTitle, markS, heightPx),
-                                [[...data.timeS], ...data.columns.map((column) => [...column])] as uPlot.AlignedData, element);
-      cleanup.add(() => created.destroy());
-      const observer = new ResizeObserver(() => created.setSize({ width: element.clientWidth, height: heightPx }));
-      observer.observe(element);
-      cleanup.add(() => observer.disconnect());
-    });
-    return () => cleanup.dispose();
-  }, [data, lines, valueTitle, markS, heightPx, dark]);
+  const { frame } = usePlot((element) => ({
+    options: plotOptions(element, data, lines, valueTitle, markS, heightPx),
+    data: [[...data.timeS], ...data.columns.map((column) => [...column])] as uPlot.AlignedData,
+  }), [data, lines, valueTitle, markS, heightPx]);
 
   return <div class="plot" ref={frame} role="img" aria-label={label} />;
 }
 
 function plotOptions(element: HTMLElement, data: Joined, lines: readonly TrackLine[], valueTitle: string, markS: number | null,
                      heightPx: number): uPlot.Options {
-  const style = getComputedStyle(element);
-  const color = (name: string) => style.getPropertyValue(name).trim();
-  const font = `12px ${style.fontFamily}`;
-  const axis = { stroke: color("--text-soft"), grid: { stroke: color("--line"), width: 1 }, ticks: { stroke: color("--line"), width: 1 },
-                 font, labelFont: font, labelSize: 18 };
+  const { color, axis } = plotStyle(element);
   const mark = (plot: uPlot) => {
     if (markS === null) return;
     const x = Math.round(plot.valToPos(markS, "x", true));

@@ -1,0 +1,80 @@
+import { useEffect, useRef, useState } from "preact/hooks";
+import type { RefObject } from "preact";
+import type uPlot from "uplot";
+import { Disposables } from "../base/disposables";
+
+export interface PlotInput {
+  readonly options: uPlot.Options;
+  readonly data: uPlot.AlignedData;
+}
+
+export interface PlotFrame {
+  readonly frame: RefObject<HTMLDivElement | null>;   // give it to the element that the plot fills
+  readonly plot: RefObject<uPlot | null>;      // null until uPlot is loaded
+}
+
+// A uPlot in a div: loaded when first needed, made anew when an input or the colour scheme changes, as wide as its
+// div. `created` may listen to it and add what is undone with it; `resized` runs after it has a new width.
+export function usePlot(describe: (element: HTMLElement) => PlotInput, inputs: readonly unknown[],
+                        created?: (plot: uPlot, cleanup: Disposables) => void, resized?: () => void): PlotFrame {
+  const frame = useRef<HTMLDivElement>(null);
+  const plot = useRef<uPlot>(null);
+  const dark = useDarkScheme();
+
+  useEffect(() => {
+    const element = frame.current;
+    if (element === null) return undefined;
+    const cleanup = new Disposables();
+    let abandoned = false;
+    cleanup.add(() => { abandoned = true; });
+    void import("uplot").then(({ default: UPlot }) => {
+      if (abandoned) return;
+      const { options, data } = describe(element);
+      const made = new UPlot(options, data, element);
+      plot.current = made;
+      cleanup.add(() => {
+        made.destroy();
+        plot.current = null;
+      });
+      created?.(made, cleanup);
+      const observer = new ResizeObserver(() => {
+        made.setSize({ width: element.clientWidth, height: options.height });
+        resized?.();
+      });
+      observer.observe(element);
+      cleanup.add(() => observer.disconnect());
+      resized?.();
+    });
+    return () => cleanup.dispose();
+  }, [...inputs, dark]);
+
+  return { frame, plot };
+}
+
+export interface PlotStyle {
+  readonly color: (variable: string) => string; // of a CSS custom property
+  readonly axis: uPlot.Axis;
+}
+
+export function plotStyle(element: HTMLElement): PlotStyle {
+  const style = getComputedStyle(element);
+  const color = (variable: string) => style.getPropertyValue(variable).trim();
+  const font = `12px ${style.fontFamily}`;
+  const line = { stroke: color("--line"), width: 1 };
+  return { color, axis: { stroke: color("--text-soft"), grid: line, ticks: line, font, labelFont: font, labelSize: 18 } };
+}
+
+export function withAlpha(hex: string, alpha: string): string {
+  return /^#[0-9a-f]{6}$/i.test(hex) ? hex + alpha : hex;
+}
+
+export function useDarkScheme(): boolean {
+  const [dark, setDark] = useState(() => matchMedia("(prefers-color-scheme: dark)").matches);
+  useEffect(() => {
+    const cleanup = new Disposables();
+    const query = matchMedia("(prefers-color-scheme: dark)");
+    cleanup.listen(query, "change", () => setDark(query.matches));
+    return () => cleanup.dispose();
+  }, []);
+  return dark;
+}
