@@ -111,6 +111,8 @@ async function remarks(world) {
   await page.screenshot({ path: world.picture("remarks"), fullPage: true });
   await page.getByRole("button", { name: "Delete… remark 3" }).click();
   await page.getByRole("button", { name: "Delete remark", exact: true }).click();
+  // Until it is closed the question quotes the remark too.
+  await page.getByRole("dialog").waitFor({ state: "detached" });
   await page.getByText("And where the tool is.").waitFor({ state: "detached" });
 
   const student = await signedIn(world, "student", path);
