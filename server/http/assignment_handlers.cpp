@@ -22,7 +22,6 @@ constexpr int64_t kMaxTimeMs = 4'102'444'800'000;  // 2100
 constexpr int64_t kMaxAttempts = 1000;
 constexpr size_t kMaxStations = 1000;
 constexpr size_t kMaxName = 64;
-constexpr uint32_t kMaxPage = 200;
 
 // Exams first, then by due time, those without one last.
 std::string PlaceOf(const AssignmentRow& row) {

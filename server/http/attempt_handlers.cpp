@@ -6,6 +6,7 @@
 #include "server/http/etag.h"
 #include "server/http/handlers.h"
 #include "server/http/json_body.h"
+#include "server/http/paging.h"
 #include "server/http/query.h"
 #include "server/http/seen_attempt.h"
 #include "server/http/site.h"
@@ -16,8 +17,6 @@ namespace enamel::server::http {
 namespace json = boost::json;
 namespace {
 
-constexpr uint32_t kDefaultPage = 50;
-constexpr uint32_t kMaxPage = 200;
 constexpr size_t kMaxDentist = 200;
 
 // The filters that are words.

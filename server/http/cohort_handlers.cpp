@@ -13,8 +13,6 @@ namespace enamel::server::http {
 namespace json = boost::json;
 namespace {
 
-constexpr uint32_t kDefaultPage = 50;
-constexpr uint32_t kMaxPage = 200;
 constexpr size_t kMaxMembersAtOnce = 1000;
 
 json::object SummaryJson(const Cohort& cohort) {

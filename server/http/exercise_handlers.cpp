@@ -24,7 +24,6 @@ namespace enamel::server::http {
 namespace json = boost::json;
 namespace {
 
-constexpr uint32_t kMaxPage = 200;
 constexpr uint32_t kCountedAttempts = 200;
 
 Result<std::vector<ExerciseRow>> VisibleExercises(const Call& call) {

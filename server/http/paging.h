@@ -15,6 +15,9 @@
 // come or go between two pages are neither repeated nor do they push others out.
 namespace enamel::server::http {
 
+constexpr uint32_t kDefaultPage = 50;  // rows of a list whose reader says no `limit`
+constexpr uint32_t kMaxPage = 200;
+
 struct Page {
   uint32_t limit = 0;
   std::optional<std::string> after;  // key of the last row given

@@ -17,8 +17,6 @@ namespace enamel::server::http {
 namespace json = boost::json;
 namespace {
 
-constexpr uint32_t kDefaultPage = 50;
-constexpr uint32_t kMaxPage = 200;
 constexpr size_t kMaxText = 200;
 
 Result<Role> RoleNamed(const std::string& text) {

@@ -14,8 +14,6 @@ namespace enamel::server::http {
 namespace json = boost::json;
 namespace {
 
-constexpr uint32_t kDefaultPage = 50;
-constexpr uint32_t kMaxPage = 200;
 constexpr const char* kMediaTypes[] = {"application/json", "text/html"};
 
 json::array NumbersJson(const scene::DeviceProfile& profile) {

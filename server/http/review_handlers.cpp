@@ -15,8 +15,6 @@ namespace enamel::server::http {
 namespace json = boost::json;
 namespace {
 
-constexpr uint32_t kMaxPage = 200;
-
 constexpr size_t kMaxReason = 1000;
 constexpr size_t kMaxRemark = 4000;
 constexpr int64_t kMaxTick = int64_t{1} << 40;

@@ -16,8 +16,6 @@ namespace enamel::server::http {
 namespace json = boost::json;
 namespace {
 
-constexpr uint32_t kDefaultPage = 50;
-constexpr uint32_t kMaxPage = 200;
 constexpr size_t kMaxStationName = 64;  // as in schemas/wire/README.md
 constexpr int64_t kMaxMinutes = 7 * 24 * 60;
 constexpr size_t kCodeBytes = 16;

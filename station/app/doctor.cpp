@@ -50,7 +50,7 @@ Finding Enrolment(const DoctorCommand& options, Result<Credentials>& credentials
           "station " + credentials->name + " of " + credentials->server.Text(), ""};
 }
 
-Finding Clock(int64_t ahead_ms) {
+Finding ServersClock(int64_t ahead_ms) {
   std::string found = "the server's is " + std::to_string(ahead_ms) + " ms ahead of this one";
   int64_t off = ahead_ms < 0 ? -ahead_ms : ahead_ms;
   if (off <= kClockOff_ms) return {"clock", Verdict::kOk, found, ""};
@@ -85,7 +85,7 @@ void Server(const Result<Credentials>& credentials, std::vector<Finding>& out) {
     out.push_back({"server", Verdict::kFail, found + "; its core is another version",
                    "update this station or the server: until then it takes recordings only"});
   }
-  out.push_back(Clock(link.server_ahead_ms()));
+  out.push_back(ServersClock(link.server_ahead_ms()));
 }
 
 Finding Disk(const fs::path& data) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "station/devices/limited.h"
+
 namespace enamel::station {
 namespace {
 
@@ -27,11 +29,6 @@ constexpr double kHurry = 2;             // times the feed
 constexpr double kLinger = 0.3;          // of the feed
 constexpr double kMaxLinger_m = 150e-6;  // with more lean he would dig in
 constexpr double kMaxSlope_m = 120e-6;   // of the lean, per bin
-
-dvec3 Limited(const dvec3& v, double limit) noexcept {
-  double length = std::sqrt(Dot(v, v));
-  return length > limit ? v * (limit / length) : v;
-}
 
 dvec3 Across(const dvec3& v, const dvec3& unit) noexcept { return v - unit * Dot(v, unit); }
 

@@ -4,16 +4,12 @@
 
 #include "common/core/params.h"
 #include "common/haptics/turning.h"
+#include "station/devices/limited.h"
 
 namespace enamel::station {
 namespace {
 
 constexpr double kRecordedCell_rad = core::kLeastRotationCell_urad * 1e-6;
-
-dvec3 Limited(const dvec3& v, double limit) noexcept {
-  double length = std::sqrt(Dot(v, v));
-  return length > limit ? v * (limit / length) : v;
-}
 
 // One axis of a mass with damping and friction over dt, by the trapezoidal rule.
 double Pushed(double v, double push, double mass, double damping, double friction, double dt) {

@@ -18,7 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr char kFileName[] = "spool.sqlite";
 // https://www.sqlite.org/fileformat2.html, 1.3: the header, and where it counts pages.
 constexpr size_t kPageBytes = 4096, kHeaderBytes = 100, kPageCountAt = 28;
 
@@ -51,7 +50,7 @@ struct Handle {
 bool GiveFreshStart(const fs::path& file, const fs::path& scratch, size_t bytes) {
   { (void)Spool::Open(scratch / "fresh"); }
   std::vector<char> start(kPageBytes);
-  std::ifstream fresh(scratch / "fresh" / kFileName, std::ios::binary);
+  std::ifstream fresh(scratch / "fresh" / kSpoolFile, std::ios::binary);
   if (!fresh.read(start.data(), kPageBytes)) return false;
   std::error_code error;
   const auto pages = static_cast<uint32_t>(fs::file_size(file, error) / kPageBytes);
@@ -65,23 +64,23 @@ bool GiveFreshStart(const fs::path& file, const fs::path& scratch, size_t bytes)
 
 // As it is, then with a new header, then with a new first page.
 Status OpenDamaged(const fs::path& from, const fs::path& scratch, Handle& handle) {
-  const fs::path file = scratch / kFileName;
+  const fs::path file = scratch / kSpoolFile;
   for (size_t fresh : {size_t{0}, kHeaderBytes, kPageBytes}) {
     std::error_code error;
     for (const char* end : {"", "-wal"}) {
       fs::remove(file.string() + end, error);
-      if (fs::exists(from / (std::string(kFileName) + end), error)) {
-        fs::copy_file(from / (std::string(kFileName) + end), file.string() + end, error);
+      if (fs::exists(from / (std::string(kSpoolFile) + end), error)) {
+        fs::copy_file(from / (std::string(kSpoolFile) + end), file.string() + end, error);
       }
       if (error) {
-        return Status(Code::kStorage, "cannot copy " + (from / kFileName).string() + " to " +
+        return Status(Code::kStorage, "cannot copy " + (from / kSpoolFile).string() + " to " +
                                           scratch.string() + " (" + error.message() + ")");
       }
     }
     if (fresh > 0 && !GiveFreshStart(file, scratch, fresh)) break;
     if (handle.Open(file)) return Status::Ok();
   }
-  return Status(Code::kStorage, "nothing can be read of " + (from / kFileName).string() + " (" +
+  return Status(Code::kStorage, "nothing can be read of " + (from / kSpoolFile).string() + " (" +
                                     sqlite3_errmsg(handle.db) + ")");
 }
 
@@ -225,10 +224,10 @@ void SaveLoopFacts(sqlite3* db, const Uuid& id, Spool& to) {
 
 Result<Salvaged> SalvageSpool(const fs::path& from, const fs::path& to) {
   std::error_code error;
-  if (!fs::exists(from / kFileName, error)) {
+  if (!fs::exists(from / kSpoolFile, error)) {
     return Status(Code::kNotFound, "there is no spool in " + from.string());
   }
-  if (fs::exists(to / kFileName, error)) {
+  if (fs::exists(to / kSpoolFile, error)) {
     return Status(Code::kConflict,
                   to.string() + " has a spool already: name a folder that has none", "out");
   }
@@ -260,11 +259,11 @@ Result<Salvaged> SalvageSpool(const fs::path& from, const fs::path& to) {
   if (!out.attempts.empty() || out.tickets > 0) return out;
   // An empty spool must not take the place of one that something was in.
   saved->reset();
-  for (const char* end : {"", "-wal", "-shm"}) fs::remove((to / kFileName).string() + end, error);
+  for (const char* end : {"", "-wal", "-shm"}) fs::remove((to / kSpoolFile).string() + end, error);
   return Status(
       Code::kStorage,
-      "nothing is left to save in " + (from / kFileName).string() + " (" +
-          std::to_string(fs::file_size(from / kFileName, error)) +
+      "nothing is left to save in " + (from / kSpoolFile).string() + " (" +
+          std::to_string(fs::file_size(from / kSpoolFile, error)) +
           " bytes): put a copy of it back; where nothing was recorded yet, or there is no "
           "copy, move it away (keep it) to begin with an empty spool");
 }

@@ -24,7 +24,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kSchemaVersion = 4;
-constexpr char kFileName[] = "spool.sqlite";
 constexpr int kBusy_ms = 10'000, kWalRetry_ms = 10;
 
 std::string WhatToDo(int code) {
@@ -308,7 +307,7 @@ Result<std::unique_ptr<Spool>> Spool::Open(const fs::path& folder) {
                                       error.message() + "): choose another with --data");
   }
   auto db = std::make_unique<Db>();
-  db->file = folder / kFileName;
+  db->file = folder / kSpoolFile;
   ENAMEL_RETURN_IF_ERROR(db->CheckNotLost());
   if (!fs::exists(db->file, error)) ENAMEL_RETURN_IF_ERROR(db->Create());
   if (sqlite3_open_v2(db->file.c_str(), &db->handle, SQLITE_OPEN_READWRITE | SQLITE_OPEN_FULLMUTEX,
@@ -354,21 +353,21 @@ Status Spool::Db::OpenCopy() {
   }
   copy = name;
   std::error_code error;
-  fs::copy_file(file, copy / kFileName, error);
+  fs::copy_file(file, copy / kSpoolFile, error);
   const std::string log = file.string() + "-wal";
   if (!error && fs::exists(log)) {
-    fs::copy_file(log, (copy / kFileName).string() + "-wal", error);
+    fs::copy_file(log, (copy / kSpoolFile).string() + "-wal", error);
   }
   if (error) {
     return Status(Code::kStorage, "cannot copy " + file.string() + " to " + copy.string() + " (" +
                                       error.message() + ")");
   }
-  return OpenToRead((copy / kFileName).string(), SQLITE_OPEN_READWRITE);
+  return OpenToRead((copy / kSpoolFile).string(), SQLITE_OPEN_READWRITE);
 }
 
 Result<std::unique_ptr<Spool>> Spool::OpenToRead(const fs::path& folder) {
   auto db = std::make_unique<Db>();
-  db->file = folder / kFileName;
+  db->file = folder / kSpoolFile;
   ENAMEL_RETURN_IF_ERROR(db->CheckNotLost());
   std::error_code error;
   if (!fs::exists(db->file, error)) {

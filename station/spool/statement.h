@@ -9,6 +9,8 @@
 
 namespace enamel::station {
 
+inline constexpr char kSpoolFile[] = "spool.sqlite";
+
 // One prepared statement; parameters are bound in order, then it steps through its rows. Not
 // thread-safe. Columns of another type than asked for read as empty or 0.
 class Statement {
