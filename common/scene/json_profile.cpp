@@ -80,7 +80,7 @@ void ReadTorque(ObjectReader& in, DeviceProfile& profile) {
   const bool six = profile.axes.value == kSixAxes;
   if (!in.Has(kTorque)) {
     if (six)
-      in.Refuse(kTorque, "what it is about its three axes of rotation, as axes is 6", "nothing");
+      in.Refuse(kTorque, "its figures for the three axes of rotation, as axes is 6 (3: it drives no rotation)", "nothing");
     return;
   }
   if (!six) {

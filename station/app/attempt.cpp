@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "common/base/file.h"
-#include "station/app/places.h"
+#include "common/program/output.h"
 #include "station/app/simulate.h"
 #include "station/desk/tick_feed.h"
 #include "station/devices/operators.h"
@@ -376,8 +376,8 @@ Result<AttemptResult> RunAttempt(const RunOptions& options) {
                   "no simulated operator '" + options.operator_name + "': there are " + names,
                   "operator");
   }
-  ENAMEL_RETURN_IF_ERROR(CheckOutputFile(options.json, "--json"));
-  ENAMEL_RETURN_IF_ERROR(CheckOutputFile(options.screenshot, "--screenshot"));
+  ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(options.json, "--json"));
+  ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(options.screenshot, "--screenshot"));
   auto workplace = Workplace::Open(options.workplace);
   if (!workplace.ok()) return workplace.status();
   auto job = Prepare(**workplace, options);

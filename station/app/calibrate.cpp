@@ -13,9 +13,10 @@
 #include "common/base/unix_time.h"
 #include "common/haptics/criteria.h"
 #include "common/program/log.h"
+#include "common/program/output.h"
 #include "common/scene/builtin.h"
+#include "common/scene/find_profile.h"
 #include "common/scene/json.h"
-#include "station/app/places.h"
 #include "station/devices/operators.h"
 #include "station/hid/haptic_board.h"
 #include "station/hid/open_device.h"
@@ -40,30 +41,11 @@ struct Subject {
   bool real = false;
 };
 
-// A built-in one by name, or a document by its path.
-Result<scene::DeviceProfile> FindProfile(const std::string& name) {
-  constexpr size_t kMaxProfile = 1 << 20;
-  if (name.ends_with(".json")) {
-    auto text = ReadFile(name, kMaxProfile);
-    if (!text.ok()) return text.status();
-    return scene::ProfileFromJson(AsText(*text));
-  }
-  std::string names;
-  for (const scene::DeviceProfile& p : scene::BuiltinProfiles()) {
-    if (p.name == name) return p;
-    names += (names.empty() ? "" : ", ") + p.name;
-  }
-  return Status(
-      Code::kNotFound,
-      "no device profile '" + name + "': there are " + names + ", or name a profile's .json file",
-      "profile");
-}
-
 Result<Subject> OpenSimulated(const CalibrateCommand& options) {
   Subject out;
-  auto truth = FindProfile(options.device.substr(kSimulated.size()));
+  auto truth = scene::FindProfile(options.device.substr(kSimulated.size()));
   if (!truth.ok()) return truth.status();
-  auto profile = options.profile.empty() ? truth : FindProfile(options.profile);
+  auto profile = options.profile.empty() ? truth : scene::FindProfile(options.profile);
   if (!profile.ok()) return profile.status();
   core::CoreParams params;
   params.rate_hz = static_cast<uint32_t>(options.rate_hz);
@@ -103,7 +85,7 @@ Result<Subject> OpenAttached(const CalibrateCommand& options) {
   if (!board.ok()) return board.status();
   const hid::FeatureReport& feature = (*board)->feature();
   std::string name = options.profile.empty() ? feature.profile : options.profile;
-  auto profile = FindProfile(name.empty() ? "phantom_desktop" : name);
+  auto profile = scene::FindProfile(name.empty() ? "phantom_desktop" : name);
   if (!profile.ok()) return profile.status();
   out.profile = std::move(*profile);
   for (size_t i = 0; i < 3; ++i) out.count_m[i] = feature.resolution_nm[i] * 1e-9;
@@ -322,8 +304,8 @@ scene::Calibration CalibrationOf(const AxisFigures& worst, int rate_hz) {
 }
 
 Status CalibrateDevice(const CalibrateCommand& options) {
-  ENAMEL_RETURN_IF_ERROR(CheckOutputFile(options.out, "--out"));
-  ENAMEL_RETURN_IF_ERROR(CheckOutputFile(options.calibration, "--calibration"));
+  ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(options.out, "--out"));
+  ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(options.calibration, "--calibration"));
   auto subject =
       options.device.starts_with(kSimulated) ? OpenSimulated(options) : OpenAttached(options);
   if (!subject.ok()) return subject.status();

@@ -9,8 +9,9 @@
 #include "common/base/unix_time.h"
 #include "common/import/scene_folder.h"
 #include "common/scene/builtin.h"
+#include "common/scene/find_profile.h"
 #include "common/scene/json.h"
-#include "station/app/places.h"
+#include "common/program/output.h"
 #include "station/app/simulate.h"
 #include "station/session/by_name.h"
 #include "station/uplink/private_folder.h"
@@ -20,12 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using unsigned_ll = unsigned long long;
-
-const scene::DeviceProfile* FindProfile(const std::vector<scene::DeviceProfile>& all,
-                                        const std::string& name) {
-  auto it = std::find_if(all.begin(), all.end(), [&](const auto& p) { return p.name == name; });
-  return it == all.end() ? nullptr : &*it;
-}
 
 Result<scene::BuiltScene> LoadScene(const std::string& source, int voxel_um) {
   constexpr std::string_view kBuiltin = "builtin:";
@@ -59,7 +54,7 @@ Status EnrolStation(const EnrolOptions& options) {
   }
   // Before the code is used up.
   ENAMEL_RETURN_IF_ERROR(MakePrivateFolder(options.data));
-  ENAMEL_RETURN_IF_ERROR(CheckOutputFile(options.data / "station.json", "--data"));
+  ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(options.data / "station.json", "--data"));
   auto credentials = ServerLink::Enrol(*server, *code, options.name, before);
   if (!credentials.ok()) return credentials.status();
   ENAMEL_RETURN_IF_ERROR(SaveCredentials(options.data, *credentials));
@@ -125,17 +120,11 @@ Status GiveBackReserved(const GiveBackCommand& options) {
 }
 
 Status SimulateAttempt(const SimulateCommand& options) {
-  ENAMEL_RETURN_IF_ERROR(CheckOutputFile(options.json, "--json"));
+  ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(options.json, "--json"));
   auto built = LoadScene(options.scene, options.voxel_um);
   if (!built.ok()) return built.status();
-  std::vector<scene::DeviceProfile> profiles = scene::BuiltinProfiles();
-  const scene::DeviceProfile* profile = FindProfile(profiles, options.profile);
-  if (profile == nullptr) {
-    return Status(Code::kNotFound,
-                  "no device profile '" + options.profile +
-                      "': 'enamel-station profiles' shows those there are",
-                  "profile");
-  }
+  auto profile = scene::FindProfile(options.profile);
+  if (!profile.ok()) return profile.status();
   scene::Exercise exercise =
       scene::ClassOneExercise(built->scene, HashSha256(AsBytes(scene::ToJson(built->scene))));
   auto report = Simulate(*built, exercise, *profile, options.operator_name, options.seed);
@@ -160,7 +149,7 @@ Status SimulateAttempt(const SimulateCommand& options) {
     std::printf("%-8s %+8.1f %+7.1f %7.1f\n", p.name.c_str(), p.median_um, p.mean_um, p.rms_um);
     planes[p.name] = p.median_um;
   }
-  return WriteJsonFile(options.json, {{"ticks", report->ticks},
+  return program::WriteJsonFile(options.json, {{"ticks", report->ticks},
                                       {"force_p95_n", report->force_p95_n},
                                       {"force_max_n", report->force_max_n},
                                       {"state_hash", report->state_hash},

@@ -4,7 +4,7 @@
 #include <boost/json.hpp>
 #include <cstdio>
 
-#include "station/app/places.h"
+#include "common/program/output.h"
 #include "station/devices/operators.h"
 #include "station/hid/haptic_board.h"
 #include "station/hid/open_device.h"
@@ -95,7 +95,7 @@ void ShowBuiltIn() {
 }  // namespace
 
 Status ListDevices(const DevicesCommand& options) {
-  ENAMEL_RETURN_IF_ERROR(CheckOutputFile(options.json, "--json"));
+  ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(options.json, "--json"));
   boost::json::array listed;
   size_t unknown = 0;
   std::printf("Attached (HID):\n");
@@ -115,7 +115,7 @@ Status ListDevices(const DevicesCommand& options) {
   }
   ShowSdk(listed);
   ShowBuiltIn();
-  return WriteJsonFile(options.json, {{"attached", listed}});
+  return program::WriteJsonFile(options.json, {{"attached", listed}});
 }
 
 }  // namespace enamel::station

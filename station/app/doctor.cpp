@@ -12,7 +12,7 @@
 #include <thread>
 
 #include "common/base/file.h"
-#include "station/app/places.h"
+#include "common/program/output.h"
 #include "station/hid/haptic_board.h"
 #include "station/hid/open_device.h"
 #include "station/loop/duration_histogram.h"
@@ -251,7 +251,7 @@ std::vector<Finding> Examine(const DoctorCommand& options) {
 }
 
 Status Doctor(const DoctorCommand& options) {
-  ENAMEL_RETURN_IF_ERROR(CheckOutputFile(options.json, "--json"));
+  ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(options.json, "--json"));
   boost::json::array findings;
   int failed = 0;
   for (const Finding& f : Examine(options)) {
@@ -261,7 +261,7 @@ Status Doctor(const DoctorCommand& options) {
     findings.push_back(
         {{"what", f.what}, {"verdict", Word(f.verdict)}, {"found", f.found}, {"advice", f.advice}});
   }
-  ENAMEL_RETURN_IF_ERROR(WriteJsonFile(options.json, {{"findings", findings}, {"failed", failed}}));
+  ENAMEL_RETURN_IF_ERROR(program::WriteJsonFile(options.json, {{"findings", findings}, {"failed", failed}}));
   if (failed == 0) return Status::Ok();
   return Status(Code::kUnavailable, std::to_string(failed) +
                                         (failed == 1 ? " thing is" : " things are") +

@@ -15,11 +15,12 @@
 #include "common/import/scene_folder.h"
 #include "common/program/log.h"
 #include "common/scene/builtin.h"
+#include "common/scene/find_profile.h"
 #include "common/scene/json.h"
 #include "common/scene/parts.h"
 #include "common/scene/plan.h"
 #include "common/scene/pruning.h"
-#include "station/app/places.h"
+#include "common/program/output.h"
 #include "station/app/scene_cost.h"
 #include "station/devices/operators.h"
 
@@ -84,15 +85,8 @@ Result<Subject> Prepare(const ExplainCommand& options) {
   auto exercise = Choose(s.built.scene, options.exercise);
   if (!exercise.ok()) return exercise.status();
   s.exercise = std::move(*exercise);
-  auto profiles = scene::BuiltinProfiles();
-  auto profile = std::find_if(profiles.begin(), profiles.end(),
-                              [&](const auto& p) { return p.name == options.profile; });
-  if (profile == profiles.end()) {
-    return Status(Code::kNotFound,
-                  "no device profile '" + options.profile +
-                      "': 'enamel-station profiles' shows those there are",
-                  "profile");
-  }
+  auto profile = scene::FindProfile(options.profile);
+  if (!profile.ok()) return profile.status();
   s.profile = *profile;
   auto params = scene::CompilePlan(s.built.scene, s.exercise, s.profile);
   if (!params.ok()) return params.status();
@@ -460,7 +454,7 @@ Status WriteJson(const std::filesystem::path& file, const json::object& object) 
 }  // namespace
 
 Status ExplainScene(const ExplainCommand& options) {
-  ENAMEL_RETURN_IF_ERROR(CheckOutputFile(options.json, "--json"));
+  ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(options.json, "--json"));
   auto subject = Prepare(options);
   if (!subject.ok()) return subject.status();
   Appraiser appraiser(*subject);

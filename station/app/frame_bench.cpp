@@ -10,7 +10,7 @@
 
 #include "common/cutting/cutter.h"
 #include "common/scene/builtin.h"
-#include "station/app/places.h"
+#include "common/program/output.h"
 #include "station/render/panel.h"
 #include "station/render/window.h"
 
@@ -188,13 +188,13 @@ Status Print(const FrameBenchOptions& options, const Bench& bench, const render:
                     {"max_ms", f.max_ms},
                     {"triangles_drawn", f.triangles}};
   }
-  return WriteJsonFile(options.json, json);
+  return program::WriteJsonFile(options.json, json);
 }
 
 }  // namespace
 
 Status BenchFrames(const FrameBenchOptions& options) {
-  ENAMEL_RETURN_IF_ERROR(CheckOutputFile(options.json, "--json"));
+  ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(options.json, "--json"));
   if (options.frames < 1 || options.width_px < 64 || options.height_px < 64) {
     return Status(Code::kInvalidInput, "expected at least one frame of at least 64 x 64 pixels",
                   "frames");

@@ -7,7 +7,7 @@
 
 #include "common/import/scene_folder.h"
 #include "common/program/log.h"
-#include "station/app/places.h"
+#include "common/program/output.h"
 
 namespace enamel::station {
 namespace {
@@ -31,7 +31,7 @@ and assumed; 'enamel-station simulate --scene FOLDER' cuts it.)";
 }  // namespace
 
 Status ImportMesh(const ImportCommand& options) {
-  ENAMEL_RETURN_IF_ERROR(CheckOutputFolder(options.out, "--out"));
+  ENAMEL_RETURN_IF_ERROR(program::CheckOutputFolder(options.out, "--out"));
   import::ImportOptions import_options;
   import_options.unit = options.unit;
   import_options.up = options.up;

@@ -15,7 +15,7 @@
 
 #include "common/scene/builtin.h"
 #include "common/scene/plan.h"
-#include "station/app/places.h"
+#include "common/program/output.h"
 #include "station/devices/pointer_device.h"
 #include "station/loop/realtime.h"
 #include "station/loop/tick_loop.h"
@@ -268,7 +268,7 @@ Status TestLoop(const LoopTestCommand& options) {
                       std::to_string(options.rate_hz) + " Hz and " +
                       std::to_string(options.seconds) + " s");
   }
-  ENAMEL_RETURN_IF_ERROR(CheckOutputFile(options.json, "--json"));
+  ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(options.json, "--json"));
   auto bench = MakeBench(options.rate_hz);
   if (!bench.ok()) return bench.status();
 
@@ -320,7 +320,7 @@ Status TestLoop(const LoopTestCommand& options) {
   PrintHistogram(all_bare, all_loop);
   std::printf("  late by a whole period or more: bare %.4f %%, loop %.4f %% of the ticks\n",
               100 * LateShare(all_bare), 100 * LateShare(all_loop));
-  return WriteJsonFile(options.json, {{"rate_hz", options.rate_hz},
+  return program::WriteJsonFile(options.json, {{"rate_hz", options.rate_hz},
                                       {"own_ns", cost.own_ns()},
                                       {"loop_ns", cost.loop_ns},
                                       {"core_ns", cost.core_ns},

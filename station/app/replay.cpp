@@ -11,7 +11,7 @@
 #include "common/scene/volume_blob.h"
 #include "common/surface/ply.h"
 #include "common/trace/moment.h"
-#include "station/app/places.h"
+#include "common/program/output.h"
 #include "station/app/simulate.h"
 #include "station/uplink/uploader.h"
 
@@ -184,8 +184,8 @@ Status Verdict(const trace::Moment& moment) {
 }  // namespace
 
 Status ReplayTrace(const ReplayOptions& options) {
-  ENAMEL_RETURN_IF_ERROR(CheckOutputFile(options.json, "--json"));
-  ENAMEL_RETURN_IF_ERROR(CheckOutputFile(options.surface, "--surface"));
+  ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(options.json, "--json"));
+  ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(options.surface, "--surface"));
   auto recording = ReadRecording(options.trace);
   if (!recording.ok()) return recording.status();
   ENAMEL_RETURN_IF_ERROR(core::ValidateParams(recording->header.params));
@@ -214,7 +214,7 @@ Status ReplayTrace(const ReplayOptions& options) {
       stepped, static_cast<unsigned_ll>(moment->from_tick), r.seconds, per_second, factor);
   ENAMEL_RETURN_IF_ERROR(WriteSurface(options.surface, *moment->core));
   ENAMEL_RETURN_IF_ERROR(
-      WriteJsonFile(options.json, {{"format", 1},
+      program::WriteJsonFile(options.json, {{"format", 1},
                                    {"attempt_id", recording->header.ticket.attempt.Text()},
                                    {"core_version", recording->header.params.core_version},
                                    {"ticks", r.ticks},

@@ -11,7 +11,7 @@
 #include <string_view>
 
 #include "common/base/file.h"
-#include "station/app/places.h"
+#include "common/program/output.h"
 #include "station/session/loop_facts.h"
 #include "station/spool/salvage.h"
 #include "station/spool/spool.h"
@@ -335,7 +335,7 @@ Status VerifySpool(const SpoolCommand& options) {
 }
 
 Status ExportFromSpool(const SpoolCommand& options) {
-  ENAMEL_RETURN_IF_ERROR(CheckOutputFile(options.out, "--out"));
+  ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(options.out, "--out"));
   auto spool = Spool::OpenToRead(options.workplace.data);
   if (!spool.ok()) return spool.status();
   auto id = AttemptMeant(**spool, options.attempt, [](const auto&) { return true; });

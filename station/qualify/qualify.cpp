@@ -5,8 +5,9 @@
 #include <fstream>
 #include <mutex>
 
-#include "common/base/file.h"
-#include "common/scene/json.h"
+#include "common/program/output.h"
+#include "common/scene/find_profile.h"
+#include "common/scene/profile_criteria.h"
 #include "station/qualify/motions.h"
 #include "station/qualify/report.h"
 #include "station/qualify/suites.h"
@@ -25,23 +26,28 @@ constexpr Suite kSuites[] = {{"paper", &RunPaperSuite},           {"hand", &RunH
                              {"adversary", &RunAdversarySuite},   {"random", &RunRandomSuite},
                              {"cutting", &RunCuttingSuite}};
 
-constexpr size_t kLargestProfile = 1 << 20;
+// The suites measure the three axes of force. A torque that is not passive would shake the hand that holds them.
+Status CheckTorque(const scene::DeviceProfile& profile) {
+  for (const scene::ProfileCriterion& c : scene::CheckProfile(profile)) {
+    if (c.met || !c.member.starts_with("torque/")) continue;
+    char found[80];
+    std::snprintf(found, sizeof found, "expected %s %.4g %s, found %.4g", c.at_least ? "at least" : "at most", c.limit,
+                  c.unit.c_str(), c.value);
+    return {Code::kInvalidInput, c.member + ": " + c.title + " (" + c.formula + "): " + found, c.member};
+  }
+  return Status::Ok();
+}
 
 // A document of one's own, by its path.
 Result<std::vector<DeviceModel>> ModelIn(const std::string& path) {
-  Result<Bytes> text = ReadFile(path, kLargestProfile);
-  if (!text.ok()) return text.status();
-  Result<scene::DeviceProfile> profile = scene::ProfileFromJson(
-      std::string_view(reinterpret_cast<const char*>(text->data()), text->size()));
-  Status status = profile.status();
-  if (profile.ok()) {
-    Result<DeviceModel> model = ModelOf(*profile);
-    if (model.ok()) return std::vector<DeviceModel>{*model};
-    status = model.status();
-  }
-  // Some messages begin with the place themselves.
-  std::string where = status.field().empty() || status.message().starts_with(status.field()) ? "" : status.field() + ": ";
-  return Status(status.code(), path + ": " + where + status.message(), status.field());
+  Result<scene::DeviceProfile> profile = scene::FindProfile(path);
+  if (!profile.ok()) return profile.status();
+  Result<DeviceModel> model = ModelOf(*profile);
+  Status status = model.status();
+  if (status.ok()) status = CheckTorque(*profile);
+  if (status.ok()) return std::vector<DeviceModel>{*model};
+  const bool placed = status.field().empty() || status.message().starts_with(status.field());
+  return Status(status.code(), path + ": " + (placed ? "" : status.field() + ": ") + status.message(), status.field());
 }
 
 Result<std::vector<DeviceModel>> ModelsFor(const std::string& name) {
@@ -141,6 +147,10 @@ int RunQualify(const QualifyOptions& options) {
   if (options.cases < 1 || options.cases > 1'000'000)
     return Fail({Code::kInvalidInput, "--cases: expected 1 to 1000000", "cases"});
   if (Status status = CheckRecordings(options); !status.ok()) return Fail(status);
+  if (Status status = program::CheckOutputFile(options.json_path, "--json"); !status.ok()) return Fail(status);
+  if (!options.report_dir.empty()) {
+    if (Status status = program::CheckOutputFolder(options.report_dir, "--report"); !status.ok()) return Fail(status);
+  }
   Result<std::vector<DeviceModel>> models = ModelsFor(options.profile);
   if (!models.ok()) return Fail(models.status());
   auto from = std::chrono::steady_clock::now();

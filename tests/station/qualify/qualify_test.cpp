@@ -82,6 +82,31 @@ TEST(QualifyTest, TakesAProfileOfOnesOwnAndRefusesOneThatIsNotPassiveWithTheKcTh
   EXPECT_NE(text.find("absent.json"), std::string::npos) << text;
 }
 
+TEST(QualifyTest, RefusesATorqueThatIsNotPassiveAndAFileItCannotWriteBeforeItMeasures) {
+  Folder folder;
+  auto all = scene::BuiltinProfiles();
+  auto six = std::find_if(all.begin(), all.end(), [](const auto& p) { return p.torque.has_value(); });
+  ASSERT_NE(six, all.end());
+  fs::path path = folder.path() / "six.json";
+  QualifyOptions o;
+  o.profile = path;
+  o.suites = {"random"};
+  o.cases = 1;
+  std::string text;
+  o.errors = [&](const std::string& why) { text += why + "\n"; };
+  std::ofstream(path) << scene::ToJson(*six);
+  EXPECT_EQ(RunQualify(o), 0) << text;
+  six->torque->coupling_un_m_per_rad.value *= 1000;
+  std::ofstream(path) << scene::ToJson(*six);
+  EXPECT_EQ(RunQualify(o), 1);
+  EXPECT_NE(text.find("torque/coupling_un_m_per_rad"), std::string::npos) << text;
+  o.profile = "omega3";
+  o.cases = 1'000'000;  // hours, if it began
+  o.json_path = folder.path() / "absent" / "rows.json";
+  EXPECT_EQ(RunQualify(o), 1);
+  EXPECT_NE(text.find("--json: cannot write"), std::string::npos) << text;
+}
+
 // Every member the rows promise, and a page that needs nothing from elsewhere.
 TEST(QualifyTest, WritesRowsAndASelfContainedPage) {
   Folder folder;

@@ -6,7 +6,7 @@
 #include "common/base/result.h"
 
 // Where the program is told to write: looked at before the work whose outcome goes there.
-namespace enamel::station {
+namespace enamel::program {
 
 // Ok when `file` could be written now, or is empty (not asked for). `option` is what named it.
 // Errors: kStorage with what to do.
@@ -16,4 +16,4 @@ Status CheckOutputFolder(const std::filesystem::path& folder, const char* option
 // Writes an object as one line of JSON, or nothing where `file` is empty.
 Status WriteJsonFile(const std::filesystem::path& file, const boost::json::object& object);
 
-}  // namespace enamel::station
+}  // namespace enamel::program

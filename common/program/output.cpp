@@ -1,4 +1,4 @@
-#include "station/app/places.h"
+#include "common/program/output.h"
 
 #include <unistd.h>
 
@@ -9,7 +9,7 @@
 
 #include "common/base/file.h"
 
-namespace enamel::station {
+namespace enamel::program {
 namespace {
 
 namespace fs = std::filesystem;
@@ -56,4 +56,4 @@ Status WriteJsonFile(const fs::path& file, const boost::json::object& object) {
   return WriteFileDurably(file, AsBytes(boost::json::serialize(object) + "\n"));
 }
 
-}  // namespace enamel::station
+}  // namespace enamel::program
