@@ -9,7 +9,7 @@ const kSource = resolve("src");
 // Packages that only some places may know, so that list pages stay small and layers stay honest.
 const kPackageHomes: Readonly<Record<string, readonly string[]>> = {
   three: ["widgets/tooth/scene.ts"],
-  uplot: ["widgets/time_plot.tsx", "widgets/track_plot.tsx"],
+  uplot: ["widgets/use_plot.ts"],
   "@preact/signals": ["app"],
 };
 
