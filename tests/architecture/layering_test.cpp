@@ -11,7 +11,7 @@
 #include <vector>
 
 // The tree's layers, as a table: which directories a directory may include from. Downward only;
-// what stands here is the design (README, "Layers"), and the sources and the link graph must agree.
+// what stands here is the design (CONTRIBUTING.md, "Layers"), and the sources and the link graph must agree.
 namespace {
 
 namespace fs = std::filesystem;
