@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "common/base/utf8.h"
+
 namespace enamel::protocol {
 namespace {
 
@@ -61,12 +63,14 @@ wire::Error ToError(const Status& status) {
 }
 
 Status ToStatus(const wire::Error& error) {
+  // The other side wrote it, and it is shown on a terminal.
+  const std::string message = Printable(error.message()), field = Printable(error.field());
   for (int c = static_cast<int>(Code::kInvalidInput); c <= static_cast<int>(Code::kInternal); ++c) {
     auto code = static_cast<Code>(c);
-    if (error.code() == CodeName(code)) return Status(code, error.message(), error.field());
+    if (error.code() == CodeName(code)) return Status(code, message, field);
   }
-  if (error.code() == kUnsupported) return Status(Code::kVersion, error.message(), error.field());
-  return Status(Code::kInternal, error.code() + ": " + error.message(), error.field());
+  if (error.code() == kUnsupported) return Status(Code::kVersion, message, field);
+  return Status(Code::kInternal, Printable(error.code()) + ": " + message, field);
 }
 
 wire::Error UnsupportedError() {

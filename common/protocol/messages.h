@@ -29,6 +29,7 @@ Result<wire::Reply> ParseReply(ByteView frame);
 // A refusal on the wire, and back. Unknown code names (a newer peer's) become kInternal with the
 // name in front of the message; "unsupported" becomes kVersion.
 wire::Error ToError(const Status& status);
+// As text that a terminal shows and does not obey (Printable).
 Status ToStatus(const wire::Error& error);
 // Answer to a request whose body this program does not know.
 wire::Error UnsupportedError();

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "common/base/file.h"
+#include "common/base/utf8.h"
 #include "common/program/output.h"
 #include "station/app/simulate.h"
 #include "station/desk/tick_feed.h"
@@ -359,7 +360,7 @@ void SayResumed(const RunOptions& options, const PreparedAttempt& job) {
                "going on with '%s': the %s recorded before it was cut off are kept and were cut "
                "again, tick by tick; the %s since then count as a gap. Force comes on once the bur "
                "has been in free air\n",
-               job.exercise.title.c_str(),
+               Printable(job.exercise.title).c_str(),
                SpanText(static_cast<double>(job.place.next_tick) / rate).c_str(),
                SpanText(job.gap_ticks / rate).c_str());
 }

@@ -7,6 +7,7 @@
 
 #include "common/base/file.h"
 #include "common/base/unix_time.h"
+#include "common/base/utf8.h"
 #include "common/import/scene_folder.h"
 #include "common/scene/builtin.h"
 #include "common/scene/find_profile.h"
@@ -86,7 +87,7 @@ Status ListReserved(const fs::path& data) {
   for (const LockedTicket& t : *tickets) {
     const int64_t left_min = (t.expires_unix_ms - UnixMs()) / 60'000;
     std::printf("%s  %s: %s on %s, %lld h %02lld min left%s\n", t.attempt.Text().c_str(),
-                t.person.c_str(), t.title.c_str(), t.profile.c_str(),
+                Printable(t.person).c_str(), Printable(t.title).c_str(), Printable(t.profile).c_str(),
                 static_cast<long long>(left_min / 60), static_cast<long long>(left_min % 60),
                 (*spool)->Get(t.attempt).ok() ? "  (begun)" : "");
   }

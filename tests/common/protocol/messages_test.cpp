@@ -56,6 +56,19 @@ TEST(MessagesTest, CodesOfALaterServerStayErrors) {
   EXPECT_EQ(ToStatus(UnsupportedError()).code(), Code::kVersion);
 }
 
+// What a server says is printed on a terminal: it may not clear it, colour it or write over other lines.
+TEST(MessagesTest, AnErrorsTextIsShownAndNotObeyed) {
+  wire::Error error;
+  error.set_code("conflict");
+  error.set_message("\x1b[2Jall is well\r\n\u202e");
+  error.set_field("\x07");
+  const Status status = ToStatus(error);
+  EXPECT_EQ(status.message(), "\\x1b[2Jall is well\\x0d\\x0a\\u202e");
+  EXPECT_EQ(status.field(), "\\x07");
+  error.set_code("\x1b]0;mine\x07");
+  EXPECT_EQ(ToStatus(error).message().find('\x1b'), std::string::npos);
+}
+
 TEST(MessagesTest, FieldsOfAnotherSizeAreRefusedByName) {
   Uuid id = Uuid::New();
   EXPECT_EQ(*ReadUuid(ToField(id.view()), "attempt"), id);
