@@ -485,7 +485,7 @@ void AddAssignments(CLI::App& admin, Options& o, Command& command) {
   assign->add_option("--cohort", row.cohort, "For whom; without: everybody");
   assign->add_option("--opens", row.opens, "Not before: \"2026-11-20 09:00\", UTC");
   assign->add_option("--due", row.due, "Not after; an attempt begun before may end after, flagged");
-  assign->add_option("--attempts", row.attempt_limit, "Attempts each; 0: as many as wanted")
+  assign->add_option("--attempts", row.attempt_limit, "Attempts each; 0: no limit")
       ->check(CLI::Range(0, 1000))
       ->capture_default_str();
   assign->add_flag("--late", row.late_allowed, "Let attempts begin after it is due, flagged");

@@ -108,7 +108,7 @@ async function editPerson(world) {
   assert.match(differs, /Named by me/);
   await accessible(page, "a conflict");
   await page.screenshot({ path: world.picture("conflict"), fullPage: true });
-  await page.getByRole("button", { name: "Save mine over them" }).click();
+  await page.getByRole("button", { name: "Save mine instead" }).click();
   await page.getByText("Saved.").waitFor();
   assert.equal(person.display_name, "Named by me");
 

@@ -62,7 +62,7 @@ export class Http {
     if (!response.ok) return response;
     const value = await received(async () => (await response.value.json()) as T);
     if (!value.ok) return value;
-    if (typeof value.value !== "object" || value.value === null) return fail(malformed("JSON that is no object"));
+    if (typeof value.value !== "object" || value.value === null) return fail(malformed("JSON, but no object"));
     return ok({ value: value.value, tag: response.value.headers.get("ETag") ?? "" });
   }
 

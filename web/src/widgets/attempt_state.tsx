@@ -39,7 +39,7 @@ export function awaitsRelease(attempt: Attempt, graded: boolean): boolean {
 export const kFlagTexts: Readonly<Record<AttemptFlag, StateText>> = {
   late: { title: "Late", tone: "warning" },
   late_upload: { title: "Uploaded late", tone: "neutral" },
-  faster_than_time: { title: "Faster than time", tone: "bad" },
+  faster_than_time: { title: "Faster than real time", tone: "bad" },
   over_time: { title: "Over time", tone: "warning" },
   resumed: { title: "Resumed", tone: "neutral" },
   readmitted: { title: "Readmitted", tone: "neutral" },

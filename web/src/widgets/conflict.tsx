@@ -13,7 +13,7 @@ export function Conflict({ differences, busy, onTakeTheirs, onKeepMine }:
   return (
     <Notice tone="warning" title="Somebody changed it meanwhile">
       <p>Nothing of yours was saved yet. Compare, then choose.</p>
-      {differences.length === 0 ? <p>What they saved is what you have written.</p> : (
+      {differences.length === 0 ? <p>They saved the same as you wrote.</p> : (
         <DataTable label="What differs" items={differences} dense columns={[
           { title: "Field", cell: (item) => item.title },
           { title: "Saved by somebody else", cell: (item) => item.theirs === "" ? "–" : item.theirs },
@@ -22,7 +22,7 @@ export function Conflict({ differences, busy, onTakeTheirs, onKeepMine }:
       )}
       <div class="button-row">
         <button type="button" class="button" onClick={onTakeTheirs}>Take the newer values</button>
-        <button type="button" class="button" disabled={busy} onClick={onKeepMine}>Save mine over them</button>
+        <button type="button" class="button" disabled={busy} onClick={onKeepMine}>Save mine instead</button>
       </div>
     </Notice>
   );

@@ -17,7 +17,7 @@ const kPlaces: Readonly<Record<SessionEntry["via"], string>> = { page: "A browse
 // Where somebody is signed in, each with a button that ends it.
 export function SessionsTable({ sessions, label, onEnd }: Props) {
   const [ending, setEnding] = useState<SessionEntry>();
-  if (sessions.length === 0) return <Empty>Signed in nowhere.</Empty>;
+  if (sessions.length === 0) return <Empty>Not signed in anywhere.</Empty>;
   return (
     <>
       <DataTable label={label} items={sessions} rowKey={(session) => session.id} columns={[

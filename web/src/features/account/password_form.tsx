@@ -48,6 +48,6 @@ export function PasswordForm({ client, login, onChanged }:
 export function problemOf(old: string, fresh: string, again: string): { readonly field: "new" | "again"; readonly text: string } | undefined {
   const length = [...fresh].length;
   if (length < kMinPassword) return { field: "new", text: `Expected at least ${kMinPassword} characters, found ${length}.` };
-  if (fresh === old) return { field: "new", text: "This is the password until now. Choose another." };
+  if (fresh === old) return { field: "new", text: "This is your current password. Choose another." };
   return fresh === again ? undefined : { field: "again", text: "The two are not the same. Type the new password again." };
 }

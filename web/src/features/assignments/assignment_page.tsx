@@ -95,7 +95,7 @@ function Scores({ client, assignment, tag, onGone }: { readonly client: Client; 
       <div aria-live="polite">
         {released !== undefined && <Notice tone="good"><p>{released === 0 ? "There was nothing left to release." : `${plural(released, "score")} released.`}</p></Notice>}
       </div>
-      <p class="hint">Releasing shows each student score, deviation and remarks of all scored attempts under this assignment. Practice shows at once anyway.</p>
+      <p class="hint">Each student sees the score, the deviation and the remarks of every scored attempt under this assignment. Practice is shown at once anyway.</p>
       {open === "release" && (
         <Confirm title="Release all scores?" action="Release all" tone="neutral" onClose={close}
                  onConfirm={async () => {
@@ -115,7 +115,7 @@ function Scores({ client, assignment, tag, onGone }: { readonly client: Client; 
                    onGone();
                    return undefined;
                  }}>
-          <p>The exercise is not offered to the cohort any more. Attempts made under it stay, with the terms they were begun under. It cannot be brought back, only assigned anew.</p>
+          <p>The exercise is not offered to the cohort any more. Attempts made under it stay, with the terms they were begun under. It cannot be brought back, only assigned again.</p>
         </Confirm>
       )}
     </>

@@ -18,5 +18,5 @@ test("due dates and what is left are said in words", () => {
   assert.equal(dueText({ due_ms: 0 }, day), "No due date");
   assert.equal(leftText({ attempts_left: 0 }), "None left");
   assert.equal(leftText({ attempts_left: 1 }), "1 attempt left");
-  assert.equal(leftText({ attempts_left: null }), "As many as you want");
+  assert.equal(leftText({ attempts_left: null }), "No limit");
 });

@@ -16,7 +16,7 @@ export function dueText({ due_ms: due }: Pick<Assignment, "due_ms">, nowMs: numb
 }
 
 export function limitText({ attempt_limit: limit }: Pick<Assignment, "attempt_limit">): string {
-  return limit === 0 ? "As many as wanted" : plural(limit, "attempt");
+  return limit === 0 ? "No limit" : plural(limit, "attempt");
 }
 
 export function exerciseTitle({ exercise }: Pick<Assignment, "exercise">): string {
@@ -25,6 +25,6 @@ export function exerciseTitle({ exercise }: Pick<Assignment, "exercise">): strin
 
 // What a student still may do.
 export function leftText({ attempts_left: left }: { readonly attempts_left: number | null }): string {
-  if (left === null) return "As many as you want";
+  if (left === null) return "No limit";
   return left === 0 ? "None left" : `${plural(left, "attempt")} left`;
 }

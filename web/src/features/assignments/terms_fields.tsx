@@ -20,7 +20,7 @@ export function TermsFields({ terms, onTerms, stations, problemOf }: Props) {
       <div class="form-grid">
         <TimeField label="Opens" hint="Empty: at once" value={terms.opens_ms} onValue={(opensMs) => onTerms({ opens_ms: opensMs })} problem={problemOf("opens_ms")} />
         <TimeField label="Due" hint="Empty: never" value={terms.due_ms} onValue={(dueMs) => onTerms({ due_ms: dueMs })} problem={problemOf("due_ms") ?? order} />
-        <NumberField label="Attempts for each student" hint="0: as many as wanted" min={0} max={1000} value={terms.attempt_limit}
+        <NumberField label="Attempts for each student" hint="0: no limit" min={0} max={1000} value={terms.attempt_limit}
                      onValue={(limit) => onTerms({ attempt_limit: limit })} problem={problemOf("attempt_limit")} />
       </div>
       <CheckField label="Late attempts are accepted" hint="After the due time, and marked as late." value={terms.late_allowed} onValue={(late) => onTerms({ late_allowed: late })} />

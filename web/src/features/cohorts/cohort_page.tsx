@@ -118,7 +118,7 @@ function AddMember({ client, cohort, onAdded }: { readonly client: Client; reado
       </form>
       {change.error !== undefined && <ErrorNotice title="Not added" message={change.error.message} />}
       {asked !== "" && found.loaded.state === "failed" && <ErrorNotice title="People could not be searched" message={found.loaded.error.message} />}
-      {asked !== "" && found.loaded.state === "ready" && (items.length === 0 ? <Empty>Nobody is called so.</Empty> : (
+      {asked !== "" && found.loaded.state === "ready" && (items.length === 0 ? <Empty>Nobody has that name.</Empty> : (
         <DataTable label="People found" items={items} rowKey={(person) => person.id} dense columns={[
           { title: "Name", cell: (person) => person.display_name },
           { title: "Login", cell: (person) => <code>{person.login}</code> },

@@ -32,7 +32,7 @@ export function DocumentForm({ action, send, onDone, onCancel }: Props) {
     <form class="form" onSubmit={(event) => void submit(event)}>
       <FileField label="Exercise document (JSON)" accept=".json,application/json" onFile={(chosen) => { setFile(chosen); change.clear(); }}
                  hint="As described in schemas/exercise.schema.json; the rubric is part of it. Save one of an existing exercise to begin with."
-                 problem={tooLarge ? `The file has ${formatNumber(file.size, 0)} bytes, at most ${formatNumber(kMaxBytes, 0)} are taken.` : undefined} />
+                 problem={tooLarge ? `The file has ${formatNumber(file.size, 0)} bytes, at most ${formatNumber(kMaxBytes, 0)} are allowed.` : undefined} />
       {change.error !== undefined &&
         <ErrorNotice title={change.error.code === "invalid_input" ? "The document is not right" : "Not saved"} message={placedMessage(change.error)} />}
       <div class="button-row end">

@@ -61,7 +61,7 @@ export function ReferencesCard({ client, exercise }: Props) {
                    reload();
                    return undefined;
                  }}>
-          <p>The one before it counts again for attempts scored from now on. Scores made with it stay until they are made again. To use it again, mark its attempt as reference anew.</p>
+          <p>The one before it counts again for attempts scored from now on. Scores made with it stay until they are made again. To use it again, mark its attempt as reference again.</p>
         </Confirm>
       )}
     </Card>

@@ -47,7 +47,7 @@ export function largestForce(rows: readonly LiveRow[]): number {
 }
 
 const kFlagTexts: ReadonlyArray<readonly [number, string]> = [
-  [1, "Force guarded"], [2, "Peak limited"], [256, "Anchor set anew"], [512, "Reserve used up"], [1024, "Force suspended"], [2048, "Fault: step too long"],
+  [1, "Force guarded"], [2, "Peak limited"], [256, "Spring reset"], [512, "Reserve used up"], [1024, "Force suspended"], [2048, "Fault: step too long"],
 ];
 
 // What of a tick's witness flags (schemas/trace_format.md, column 19) a teacher wants to know.

@@ -44,7 +44,7 @@ export function AuditPage({ client, query, onQuery }: Props) {
         <button type="button" class="button" disabled={pages.items.length === 0} onClick={() => save(pages.items)}>Save what is shown as CSV</button>
       </div>
       <Filters key={JSON.stringify(filter)} client={client} filter={filter} onQuery={onQuery} />
-      <PagedList pages={pages} what="audit entries" empty="Nothing was changed that matches.">
+      <PagedList pages={pages} what="audit entries" empty="No change matches.">
         {(entries) => <Card className="flush"><Entries client={client} entries={entries} /></Card>}
       </PagedList>
     </>
@@ -96,7 +96,7 @@ function Filters({ client, filter, onQuery }: { readonly client: Client; readonl
   return (
     <form class="filters" role="search" onSubmit={(event) => void submit(event)}>
       <TextField label="Who (login)" value={draft.login} onValue={(login) => set({ login })} maxLength={64} problem={problem} />
-      <TextField label="What" value={draft.action} onValue={(action) => set({ action })} maxLength={100} hint="person. finds all of a kind" />
+      <TextField label="What" value={draft.action} onValue={(action) => set({ action })} maxLength={100} hint="As person.create; person. for every change of a person" />
       <TextField label="On (id)" value={draft.object} onValue={(object) => set({ object })} maxLength={100} />
       <TimeField label="From" value={draft.from_ms} onValue={(fromMs) => set({ from_ms: fromMs })} />
       <TimeField label="Until" value={draft.until_ms} onValue={(untilMs) => set({ until_ms: untilMs })} />

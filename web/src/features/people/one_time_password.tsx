@@ -8,7 +8,7 @@ export function OneTimePassword({ login, password, onClose }: { readonly login: 
       <p>Login: <code>{login}</code></p>
       <div class="secret"><CopyText text={password} what="the password" /></div>
       <Notice tone="warning" title="Shown only now">
-        <p>Give it to the person in private. At the first sign-in a password of one's own has to be chosen.</p>
+        <p>Give it to the person in private. Whoever signs in with it has to choose a new password.</p>
       </Notice>
       <div class="button-row end"><button type="button" class="button primary" onClick={onClose}>I have noted it</button></div>
     </>

@@ -70,7 +70,7 @@ function Details({ client, read, self, onRead }:
     <form class="form" onSubmit={submit}>
       <TextField label="Name" value={edit.draft.display_name} onValue={(name) => edit.set({ display_name: name })} required maxLength={200} problem={edit.problemOf("display_name")} />
       <SelectField label="Role" value={edit.draft.role} onValue={(role) => edit.set({ role })} options={kRoles} problem={edit.problemOf("role")}
-                   {...(self ? { hint: "This is your own account: without the role of an admin you cannot come back to this screen." } : {})} />
+                   {...(self ? { hint: "This is your own account: without the admin role you cannot come back to this screen." } : {})} />
       <EditNotices edit={edit} compared={kCompared} fields={["display_name", "role"]} />
       <div><button type="submit" class="button primary" disabled={edit.busy || !edit.changed}>Save</button></div>
     </form>
@@ -104,13 +104,13 @@ function Access({ client, read, self, onChanged }:
       <p class="hint">Disabling signs the person out everywhere within seconds and refuses every sign-in. Attempts and scores stay.</p>
       {open === "reset" && (
         <Confirm title={`Reset the password of ${person.display_name}?`} action="Reset the password" onClose={close} onConfirm={reset}>
-          <p>The password of now stops working and all sessions end. You get a new one to hand over.</p>
+          <p>The current password stops working, and every session ends. You get a new one to hand over.</p>
         </Confirm>
       )}
       {open === "disable" && (
         <Confirm title={person.disabled ? `Enable ${person.display_name} again?` : `Disable ${person.display_name}?`} tone={person.disabled ? "neutral" : "bad"}
                  action={person.disabled ? "Enable" : "Disable"} onClose={close} onConfirm={() => setDisabled(!person.disabled)}>
-          <p>{person.disabled ? "The person can sign in again with the password of before." : "The person is signed out everywhere and cannot sign in. You can enable the account again at any time."}</p>
+          <p>{person.disabled ? "The person can sign in again with the old password." : "The person is signed out everywhere and cannot sign in. You can enable the account again at any time."}</p>
         </Confirm>
       )}
       {password !== undefined && (

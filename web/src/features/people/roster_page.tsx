@@ -38,7 +38,7 @@ export function RosterPage({ client }: { readonly client: Client }) {
   };
   const choose = async (chosen: File | undefined) => {
     const tooLarge = chosen !== undefined && chosen.size > kMaxBytes;
-    setProblem(tooLarge ? `The file has ${formatNumber(chosen.size, 0)} bytes, at most ${formatNumber(kMaxBytes, 0)} are taken. Split it.` : undefined);
+    setProblem(tooLarge ? `The file has ${formatNumber(chosen.size, 0)} bytes, at most ${formatNumber(kMaxBytes, 0)} are allowed. Split it.` : undefined);
     const next = chosen === undefined || tooLarge ? undefined : { name: chosen.name, text: await chosen.text() };
     setFile(next);
     await check(next, cohort);
@@ -140,7 +140,7 @@ function Done({ report }: { readonly report: RosterOutcome }) {
       {passwords.length > 0 && (
         <>
           <Notice tone="warning" title="Passwords are shown only now">
-            <p>Save them, hand each to its person, then delete the file. At the first sign-in everybody chooses a password of one's own.</p>
+            <p>Save them, hand out each one, then delete the file. Everybody chooses a new password at the first sign-in.</p>
             <button type="button" class="button" onClick={save}>Save {plural(passwords.length, "password")} as CSV</button>
           </Notice>
           <DataTable label="New passwords" items={passwords} dense columns={[
@@ -149,7 +149,7 @@ function Done({ report }: { readonly report: RosterOutcome }) {
           ]} />
         </>
       )}
-      <p><a href="/people">To the people</a></p>
+      <p><a href="/people">Go to people</a></p>
     </Card>
   );
 }

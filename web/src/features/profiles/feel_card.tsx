@@ -154,7 +154,7 @@ function method(feel: ProfileFeel, motion: Motion): string {
     : `${plural(feel.delay_ticks, "tick")} of delay, which nobody measured: measuring it with enamel-station calibrate may allow a stiffer coupling and a better map`;
   const compared = motion === "strokes" ? "The figures are the RMS difference to B·v over strokes of a second, and the lag of the force."
     : "The figures are the mean difference to B·v once the force has built up, and how long that takes.";
-  return `Simulated with the force law of exercises: a hand that moves as it wants, uniform tissue, Kc ${formatNumber(feel.coupling_mn_per_mm / 1000, 2)} N/mm, ${delay}. ${compared}`
+  return `Simulated with the force law of exercises: a hand that moves freely, uniform tissue, Kc ${formatNumber(feel.coupling_mn_per_mm / 1000, 2)} N/mm, ${delay}. ${compared}`
     + " The reference is a force on the same device that knows the hand's speed and rises by at most Kc·v; from rest no passive law is faster, and where strokes turn ours may be, on energy it kept."
     + (feel.tissues_of_scenes ? " The tissues are those of the scenes on this server." : " No scene is on this server yet: the tissues are the built-in ones.")
     + (feel.tissues_left_out > 0 ? ` ${plural(feel.tissues_left_out, "softer tissue")} left out.` : "");

@@ -57,7 +57,7 @@ function Numbers({ profile }: { readonly profile: Profile }) {
     <DataTable label={`Numbers of ${profile.title}`} items={profile.numbers} dense columns={[
       { title: "Number", cell: (number) => capital(number.name.replaceAll("_", " ")) },
       { title: "Value", number: true, cell: (number) => <span class="nowrap">{formatNumber(number.value, 3)} {unitText(number.unit)}</span> },
-      { title: "Where it is from", cell: (number) => number.source },
+      { title: "Source", cell: (number) => number.source },
     ]} />
   );
 }
