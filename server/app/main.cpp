@@ -348,7 +348,7 @@ void AddStations(CLI::App& admin, Options& o, Command& command) {
   AddData(awaited, o.data);
   awaited->callback([&] { command = [&] { return app::ListAwaited(o.data); }; });
 
-  auto* revoke = admin.add_subcommand("revoke-station", "Admit a station no longer, for good");
+  auto* revoke = admin.add_subcommand("revoke-station", "Stop admitting a station, for good");
   AddData(revoke, o.data);
   revoke->add_option("--station", o.station, "Its name, or the id list-stations shows")->required();
   revoke->callback([&] { command = [&] { return app::RevokeStation(o.data, o.station); }; });
@@ -393,7 +393,7 @@ void AddPersonalData(CLI::App& admin, Options& o, Command& command) {
   copy->add_option("TARGET", o.target, "Folder to make; absent or empty")->required();
   copy->callback([&] { command = [&] { return app::ExportPerson(o.data, o.login, o.target); }; });
 
-  auto* erase = admin.add_subcommand("erase-person", "End everything that is kept about a person");
+  auto* erase = admin.add_subcommand("erase-person", "Erase everything that is kept about a person");
   AddData(erase, o.data);
   erase->add_option("--login", o.login)->required();
   erase->add_option("--confirm", o.confirm, "The login once more: this cannot be undone")
@@ -465,7 +465,7 @@ void AddExercises(CLI::App& admin, Options& o, Command& command) {
       "  enamel-server admin publish-exercise --data DIR --scene builtin:molar --name class-1");
   publish->callback([&] { command = [&] { return app::PublishExercise(o.data, o.exercise); }; });
 
-  auto* retire = admin.add_subcommand("retire-exercise", "Offer no version of it any more");
+  auto* retire = admin.add_subcommand("retire-exercise", "Stop offering it: no version can be assigned");
   AddData(retire, o.data);
   retire->add_option("--name", o.exercise_name)->required();
   retire->callback([&] { command = [&] { return app::RetireExercise(o.data, o.exercise_name); }; });
@@ -505,7 +505,7 @@ void AddAssignments(CLI::App& admin, Options& o, Command& command) {
   end->add_option("--assignment", o.assignment_id)->required();
   end->callback([&] { command = [&] { return app::EndAssignment(o.data, o.assignment_id); }; });
 
-  auto* list = admin.add_subcommand("list-assignments", "Who is to do what, by due time");
+  auto* list = admin.add_subcommand("list-assignments", "Assignments, by due time");
   AddData(list, o.data);
   list->callback([&] { command = [&] { return app::ListAssignments(o.data); }; });
 }

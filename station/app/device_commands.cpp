@@ -18,7 +18,7 @@ void AddDevices(CLI::App& app, const std::string& default_data, const Finish& fi
   options->data = default_data;
   auto* command = app.add_subcommand(
       "devices", "What is attached, what it is taken for, and the devices that are always there");
-  command->add_flag("--all", options->all, "Also HID devices that are nothing known here");
+  command->add_flag("--all", options->all, "Also HID devices that are not known here");
   command->add_option("--json", options->json, "Write the list to this file");
   command->add_option("--data", options->data, "The station's folder, for what was measured here")
       ->capture_default_str();

@@ -109,7 +109,7 @@ Status ListDevices(const DevicesCommand& options) {
   if (listed.empty()) std::printf("    no haptic board, 6-DoF mouse or foot pedal\n");
   if (unknown > 0) {
     std::printf(
-        "    and %zu that are nothing known here (--all lists them; a pedal among them can "
+        "    and %zu that are not known here (--all lists them; a pedal among them can "
         "be named with --pedal VENDOR:PRODUCT)\n",
         unknown);
   }

@@ -267,7 +267,7 @@ int main(int argc, char** argv) {
   enrol_cmd->add_option("--name", enrol.name, "What to call this station")->capture_default_str();
   enrol_cmd->add_flag(
       "--again", enrol.again,
-      "As the station it is: the server was restored and does not know it, and what "
+      "Enrol again as the same station: the server was restored and does not know it; what "
       "is recorded here stays good");
   enrol_cmd->callback([&] {
     enrol.data = data;

@@ -469,7 +469,7 @@ void AddSpoolCommands(CLI::App& app, SpoolCommand& options, WorkplaceSettings& s
     });
     return added;
   };
-  constexpr char kUpload[] = "Send what is recorded here and not, or no longer, on the server";
+  constexpr char kUpload[] = "Send what the server does not have, or has lost";
   add(app, "upload", kUpload, UploadSpool);
   CLI::App* spool = app.add_subcommand("spool", "Recordings on this station");
   spool->require_subcommand(1);
@@ -479,7 +479,7 @@ void AddSpoolCommands(CLI::App& app, SpoolCommand& options, WorkplaceSettings& s
   add(*spool, "upload", kUpload, UploadSpool);
   add(*spool, "salvage", "Save what can be read of a damaged spool into a new one",
       SalvageIntoFolder)
-      ->add_option("--out", options.out, "Folder for the new one, that has none yet")
+      ->add_option("--out", options.out, "Folder for the new spool; it must not have one yet")
       ->required();
   auto with_attempt = [&](CLI::App* command) {
     command->add_option("attempt", options.attempt, "Its id, as 'spool list' prints it, or 'last'")
