@@ -1,10 +1,9 @@
 #include "server/app/publish.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <optional>
 
-#include "common/base/file.h"
+#include "common/import/scene_folder.h"
 #include "common/scene/builtin.h"
 #include "common/scene/json.h"
 #include "common/scene/volume_blob.h"
@@ -14,8 +13,6 @@ namespace enamel::server::app {
 namespace {
 
 constexpr std::string_view kBuiltinPrefix = "builtin:";
-constexpr size_t kMaxVolumeBytes = size_t{1} << 30;
-constexpr int kMaxFilesLookedAt = 64;
 
 Result<SceneRow> StoreScene(Store& store, const scene::Scene& scene, ByteView volume) {
   auto volume_hash = store.PutBlob(volume);
@@ -34,33 +31,15 @@ Result<SceneRow> PublishBuiltin(Store& store, const std::string& name, int32_t v
   return StoreScene(store, built->scene, scene::EncodeVolume(built->volume));
 }
 
-// By content, so that no file name has to be agreed on.
-Result<Bytes> FindVolume(const std::filesystem::path& folder, const Sha256& hash) {
-  std::error_code error;
-  int looked_at = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
-    if (!entry.is_regular_file(error) || ++looked_at > kMaxFilesLookedAt) continue;
-    auto bytes = ReadFile(entry.path(), kMaxVolumeBytes);
-    if (bytes.ok() && HashSha256(*bytes) == hash) return bytes;
+Result<SceneRow> PublishFolder(Store& store, const std::string& folder) {
+  auto found = import::LoadSceneFolder(folder);
+  if (!found.ok()) {
+    return Status(found.status().code(),
+                  "expected a scene folder (enamel-station import makes one) or builtin:molar: " +
+                      found.status().message(),
+                  found.status().field());
   }
-  return Status(Code::kNotFound, "no file in " + folder.string() + " is the volume " + hash.Hex() +
-                                     " that scene.json names; import the mesh again");
-}
-
-Result<SceneRow> PublishFolder(Store& store, const std::filesystem::path& folder) {
-  auto text = ReadFile(folder / "scene.json", 1 << 20);
-  if (!text.ok()) {
-    return Status(text.status().code(),
-                  "expected a scene folder with scene.json (enamel-station import "
-                  "makes one) or builtin:molar: " +
-                      text.status().message());
-  }
-  auto scene = scene::SceneFromJson(AsText(*text));
-  if (!scene.ok()) return scene.status();
-  auto volume = FindVolume(folder, scene->volume);
-  if (!volume.ok()) return volume.status();
-  if (auto decoded = scene::DecodeVolume(*volume); !decoded.ok()) return decoded.status();
-  return StoreScene(store, *scene, *volume);
+  return StoreScene(store, found->scene, found->volume_blob);
 }
 
 // As a draft that is published at once: drafts are assigned to nobody.

@@ -11,9 +11,9 @@
 // Scenes and exercises from the command line into the store.
 namespace enamel::server::app {
 
-// `source`: a folder with scene.json and the volume blob that it names by its hash (what
-// `enamel-station import` writes), or builtin:NAME. A built-in scene of a name that is stored
-// already is taken from there, not built again. `voxel_nm`: of built-in scenes.
+// `source`: a scene folder (common/import/scene_folder.h: what `enamel-station import` writes), or
+// builtin:NAME. A built-in scene of a name that is stored already is taken from there, not built
+// again. `voxel_nm`: of built-in scenes.
 Result<SceneRow> PublishScene(Store& store, const std::string& source, int32_t voxel_nm);
 
 // A new version when it differs from the newest; assigned to `cohort` unless it is (zero: to

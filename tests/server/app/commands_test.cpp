@@ -59,18 +59,27 @@ TEST_F(CommandsTest, SeedingTwiceChangesNothing) {
       authenticator.SignInHere({"student1", "enamel-demo-student1", "127.0.0.1", "page"}).ok());
 }
 
-TEST_F(CommandsTest, SceneFolderIsFoundByContentAndRefusedWhenIncomplete) {
+TEST_F(CommandsTest, SceneFolderIsRefusedWhenItIsIncompleteOrItsVolumeIsAnothers) {
   auto built = scene::BuildBuiltinScene("block", 500'000);
-  std::filesystem::path scene = folder_.path() / "scene";
-  std::filesystem::create_directories(scene);
+  std::filesystem::path folder = folder_.path() / "scene";
+  std::filesystem::create_directories(folder);
   auto store = OpenData();
-  EXPECT_EQ(PublishScene(*store, scene, 0).status().code(), Code::kNotFound);
-  ASSERT_TRUE(WriteFileDurably(scene / "scene.json", AsBytes(scene::ToJson(built->scene))).ok());
-  Status incomplete = PublishScene(*store, scene, 0).status();
+  EXPECT_EQ(PublishScene(*store, folder, 0).status().code(), Code::kNotFound);
+  auto write = [&](const char* name, ByteView content) { ASSERT_TRUE(WriteFileDurably(folder / name, content).ok()); };
+  write("scene.json", AsBytes(scene::ToJson(built->scene)));
+  Status incomplete = PublishScene(*store, folder, 0).status();
   EXPECT_EQ(incomplete.code(), Code::kNotFound);
-  EXPECT_NE(incomplete.message().find(built->scene.volume.Hex()), std::string::npos);
-  ASSERT_TRUE(WriteFileDurably(scene / "any.name", scene::EncodeVolume(built->volume)).ok());
-  auto row = PublishScene(*store, scene, 0);
+  EXPECT_NE(incomplete.message().find("volume.envb"), std::string::npos) << incomplete.message();
+  write("volume.envb", AsBytes("another"));
+  EXPECT_EQ(PublishScene(*store, folder, 0).status().code(), Code::kConflict);
+  write("volume.envb", scene::EncodeVolume(built->volume));
+  scene::Scene finer = built->scene;
+  finer.voxel_nm /= 2;
+  write("scene.json", AsBytes(scene::ToJson(finer)));
+  Status other = PublishScene(*store, folder, 0).status();
+  EXPECT_EQ(other.code(), Code::kConflict) << "scene and volume disagree about the voxel";
+  write("scene.json", AsBytes(scene::ToJson(built->scene)));
+  auto row = PublishScene(*store, folder, 0);
   ASSERT_TRUE(row.ok()) << row.status().message();
   EXPECT_TRUE(store->HasBlob(row->volume));
 }
