@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <string>
 
-#include "common/scene/delay.h"
-#include "common/scene/json.h"
+#include "common/scene/attempt_documents.h"
 #include "common/scene/volume_blob.h"
 #include "common/scoring/score.h"
 #include "common/trace/replay.h"
@@ -95,12 +94,6 @@ class ScoreJob {
     return chain.AcceptSeal(seal_);
   }
 
-  Result<std::string> Document(const Sha256& hash) const {
-    auto blob = store_.GetBlob(hash);
-    if (!blob.ok()) return blob.status();
-    return std::string(AsText(*blob));
-  }
-
   Status LoadDocuments() {
     const trace::Ticket& ticket = header_.ticket;
     if (ticket.exercise != row_.exercise_content) {
@@ -109,33 +102,13 @@ class ScoreJob {
     if (ticket.profile != row_.profile_content) {
       return Differs("device profile", row_.profile_content.Hex(), ticket.profile.Hex());
     }
-    auto exercise_json = Document(ticket.exercise), profile_json = Document(ticket.profile),
-         scene_json = Document(header_.scene);
-    for (const auto* text : {&exercise_json, &profile_json, &scene_json}) {
-      if (!text->ok()) return text->status();
-    }
-    auto exercise = scene::ExerciseFromJson(*exercise_json);
-    if (!exercise.ok()) return exercise.status();
-    auto profile = scene::ProfileFromJson(*profile_json);
-    if (!profile.ok()) return profile.status();
-    auto scene = scene::SceneFromJson(*scene_json);
-    if (!scene.ok()) return scene.status();
-    exercise_ = std::move(exercise).value();
-    scene_ = std::move(scene).value();
-    if (exercise_.scene != header_.scene) {
-      return Differs("scene", exercise_.scene.Hex(), header_.scene.Hex());
-    }
-    if (scene_.volume != header_.volume) {
-      return Differs("initial volume", scene_.volume.Hex(), header_.volume.Hex());
-    }
-    Status params = scene::CheckParams(scene_, exercise_, *profile, header_.params);
-    if (params.code() == Code::kConflict && params.field() == "params") {
-      return Status(Code::kConflict,
-                    "the recording was made with other core parameters than exercise \"" +
-                        exercise_.name + "\" and profile \"" + profile->name +
-                        "\" give: it cannot be graded");
-    }
-    if (!params.ok()) return params;
+    auto documents = scene::ReadDocuments(
+        ticket.exercise, ticket.profile, [&](const Sha256& hash) { return store_.GetBlob(hash); });
+    if (!documents.ok()) return documents.status();
+    ENAMEL_RETURN_IF_ERROR(
+        scene::CheckMadeOf(*documents, header_.scene, header_.volume, header_.params));
+    exercise_ = std::move(documents->exercise);
+    scene_ = std::move(documents->scene);
     return LoadVolume();
   }
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "common/scene/delay.h"
+#include "common/scene/attempt_documents.h"
 #include "common/scene/json.h"
 #include "server/stations/session.h"
 #include "server/training/access.h"
@@ -145,30 +145,11 @@ Result<wire::Reply> Session::Do(const wire::RequestTicket& request) {
 // The core's parameters follow from exercise, scene and profile; a header that names others would
 // be scored as something it was not.
 Status Session::CheckParams(const trace::Header& header) {
-  auto text_of = [&](const Sha256& hash) { return services_.store.GetBlob(hash); };
-  auto exercise_text = text_of(header.ticket.exercise);
-  if (!exercise_text.ok()) return exercise_text.status();
-  auto profile_text = text_of(header.ticket.profile);
-  if (!profile_text.ok()) return profile_text.status();
-  auto exercise = scene::ExerciseFromJson(AsText(*exercise_text));
-  if (!exercise.ok()) return exercise.status();
-  auto profile = scene::ProfileFromJson(AsText(*profile_text));
-  if (!profile.ok()) return profile.status();
-  if (header.scene != exercise->scene) {
-    return Status(Code::kConflict, "the header names another scene than the exercise", "scene");
-  }
-  auto scene_text = text_of(header.scene);
-  if (!scene_text.ok()) return scene_text.status();
-  auto scene = scene::SceneFromJson(AsText(*scene_text));
-  if (!scene.ok()) return scene.status();
-  if (header.volume != scene->volume) {
-    return Status(Code::kConflict, "the header names another volume than the scene", "volume");
-  }
-  Status params = scene::CheckParams(*scene, *exercise, *profile, header.params);
-  if (params.code() != Code::kConflict || params.field() != "params") return params;
-  return Status(Code::kConflict,
-                "the header's core parameters are not those of the exercise and device profile",
-                "params");
+  auto documents = scene::ReadDocuments(
+      header.ticket.exercise, header.ticket.profile,
+      [&](const Sha256& hash) { return services_.store.GetBlob(hash); });
+  if (!documents.ok()) return documents.status();
+  return scene::CheckMadeOf(*documents, header.scene, header.volume, header.params);
 }
 
 Status Session::CheckHeader(const trace::Header& header) {

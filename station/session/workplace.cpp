@@ -8,8 +8,7 @@
 #include <utility>
 
 #include "common/base/unix_time.h"
-#include "common/scene/delay.h"
-#include "common/scene/json.h"
+#include "common/scene/attempt_documents.h"
 #include "common/scene/plan.h"
 #include "common/scene/volume_blob.h"
 #include "common/trace/replay_run.h"
@@ -23,29 +22,17 @@ constexpr size_t kChunksAtOnce = 64;
 constexpr char kSignedOut[] = "has signed out",
                kLost[] = "is signed out: the connection to the server was lost";
 
-using Fetch = std::function<Result<Bytes>(const Sha256&)>;
-
 // Exercise and profile, and what they name in turn.
 Result<PreparedAttempt> Assemble(const Sha256& exercise, const Sha256& profile,
-                                 const Fetch& fetch) {
+                                 const scene::FetchContent& fetch) {
   PreparedAttempt out;
   out.exercise_hash = exercise;
   out.profile_hash = profile;
-  auto exercise_json = fetch(exercise);
-  if (!exercise_json.ok()) return exercise_json.status();
-  auto parsed_exercise = scene::ExerciseFromJson(AsText(*exercise_json));
-  if (!parsed_exercise.ok()) return parsed_exercise.status();
-  out.exercise = std::move(*parsed_exercise);
-  auto scene_json = fetch(out.exercise.scene);
-  if (!scene_json.ok()) return scene_json.status();
-  auto parsed_scene = scene::SceneFromJson(AsText(*scene_json));
-  if (!parsed_scene.ok()) return parsed_scene.status();
-  out.scene = std::move(*parsed_scene);
-  auto profile_json = fetch(profile);
-  if (!profile_json.ok()) return profile_json.status();
-  auto parsed_profile = scene::ProfileFromJson(AsText(*profile_json));
-  if (!parsed_profile.ok()) return parsed_profile.status();
-  out.profile = std::move(*parsed_profile);
+  auto documents = scene::ReadDocuments(exercise, profile, fetch);
+  if (!documents.ok()) return documents.status();
+  out.exercise = std::move(documents->exercise);
+  out.scene = std::move(documents->scene);
+  out.profile = std::move(documents->profile);
   auto blob = fetch(out.scene.volume);
   if (!blob.ok()) return blob.status();
   auto volume = scene::DecodeVolume(*blob);
