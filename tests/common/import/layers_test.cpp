@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <numbers>
 
 #include "common/cutting/volume.h"
@@ -30,6 +31,9 @@ std::string Lines(const ImportedScene& s) {
   for (const std::string& line : s.report) out += line + "\n";
   return out;
 }
+
+// ./check --full: every case also at half the voxel, and both signs of each.
+bool Full() { return std::getenv("ENAMEL_FULL") != nullptr; }
 
 ImportOptions Coarse(int32_t voxel_nm = 100'000) {
   ImportOptions options;
@@ -70,6 +74,7 @@ TEST_P(ShellTest, NoAirIsLeftBetweenEnamelAndDentinAndTheyMeetHalfWay) {
   const double apart = GetParam(), middle = 4 - apart / 2;
   const Triangles shell = Joined(SphereMesh(5, 70), Reversed(SphereMesh(4, 61)));
   for (int32_t voxel_nm : {50'000, 100'000}) {
+    if (voxel_nm < 100'000 && apart != 0.05 && !Full()) continue;
     auto s = ImportLayers({shell, SphereMesh(4 - apart, 53), SphereMesh(2, 23)}, "test",
                           Coarse(voxel_nm));
     ASSERT_TRUE(s.ok()) << s.status().message();
@@ -143,6 +148,7 @@ TEST(LayersTest, EnamelCapWithAnInsideMeetsDentinWhetherItsRimIsClosedOrOpen) {
   const double rim = kPi / 2;  // a hemisphere
   for (bool with_rim : {true, false}) {
     for (double apart : {-0.05, 0.05}) {
+      if ((apart > 0) == with_rim && !Full()) continue;
       auto s =
           ImportLayers({Cap(5, 4, rim, with_rim), SphereMesh(4 - apart, 53), SphereMesh(2, 23)},
                        "test", Coarse());
@@ -159,6 +165,7 @@ TEST(LayersTest, EnamelCapWithAnInsideMeetsDentinWhetherItsRimIsClosedOrOpen) {
 TEST(LayersTest, DentinOpenBelowAndEnamelOpenAtTheSameHeightLeaveNoEnamelUnderneath) {
   const Triangles enamel = RevolvedMesh(Arc(5, 0, 0, kPi / 2, 60), 120);
   for (double z : {-0.05, 0.05}) {
+    if (z < 0 && !Full()) continue;
     Triangles dentin = RevolvedMesh(Arc(4, 0, 0, kPi / 2, 50), 110);
     for (dvec3& v : dentin.vertices) v.z += z;
     auto s = ImportLayers({enamel, dentin, SphereMesh(1.2, 23, {0, 0, 1.6})}, "test", Coarse());
