@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 
 namespace enamel::server::auth {
 namespace {
@@ -22,6 +23,14 @@ std::string AddressBlock(const std::string& address) {
   if (IN6_IS_ADDR_V4MAPPED(&v6)) return Text(AF_INET, std::begin(v6.s6_addr) + 12);
   std::fill(std::begin(v6.s6_addr) + 8, std::end(v6.s6_addr), uint8_t{0});
   return Text(AF_INET6, &v6) + "/64";
+}
+
+std::string AddressText(const std::string& address) {
+  std::string text = AddressBlock(address);
+  std::erase_if(text, [](unsigned char c) {
+    return std::isalnum(c) == 0 && c != '.' && c != ':' && c != '/' && c != '%';
+  });
+  return text;
 }
 
 }  // namespace enamel::server::auth

@@ -10,4 +10,7 @@ namespace enamel::server::auth {
 // "2001:db8:1:2::3" -> "2001:db8:1:2::/64"; other text as it is, at most 64 bytes. Any thread.
 std::string AddressBlock(const std::string& address);
 
+// The same with nothing in it that an address does not have: fit for a log and for a JSON string.
+std::string AddressText(const std::string& address);
+
 }  // namespace enamel::server::auth

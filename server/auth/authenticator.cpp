@@ -1,5 +1,7 @@
 #include "server/auth/authenticator.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/steady_timer.hpp>
@@ -47,6 +49,7 @@ Authenticator::Authenticator(Store& store, AuthOptions options)
     : store_(store),
       options_(std::move(options)),
       decoy_verifier_(Decoy(options_.cost)),
+      refusals_(store, [this] { return Elapsed(); }),
       hashing_(options_.hash_threads) {}
 
 Authenticator::~Authenticator() = default;
@@ -95,12 +98,22 @@ void Authenticator::LeavePlace(const std::string& block) {
   if (--waiting_from_[block] == 0) waiting_from_.erase(block);
 }
 
+Status Authenticator::TurnAway(const char* why, std::string login, const std::string& address,
+                               const std::string& via, Status status) {
+  const std::string_view reason = why;
+  ++(reason == "throttled" ? counts_.throttled : reason == "busy" ? counts_.busy : counts_.refused);
+  refusals_.Note({why, address, via, std::move(login), {}, {}});
+  return status;
+}
+
 template <typename Work>
-auto Authenticator::Hashing(std::string address, Work work)
+auto Authenticator::Hashing(std::string login, std::string address, std::string via, Work work)
     -> boost::asio::awaitable<decltype(work())> {
   const std::string block = AddressBlock(address);
   if (!TakePlace(block)) {
-    co_return Status(Code::kUnavailable, "too many sign-ins at once; try again in a few seconds");
+    co_return TurnAway(
+        "busy", std::move(login), address, via,
+        Status(Code::kUnavailable, "too many sign-ins at once; try again in a few seconds"));
   }
   auto result = co_await hashing_.Run([&] {
     auto here = work();
@@ -110,9 +123,10 @@ auto Authenticator::Hashing(std::string address, Work work)
   co_return result;
 }
 
-boost::asio::awaitable<Status> Authenticator::Admitted(std::string login, std::string address) {
+boost::asio::awaitable<Status> Authenticator::Admitted(std::string login, std::string address,
+                                                       std::string via) {
   Result<int64_t> hold = throttle_.Admit(login, address, Elapsed());
-  if (!hold.ok()) co_return hold.status();
+  if (!hold.ok()) co_return TurnAway("throttled", login, address, via, hold.status());
   if (*hold > 0) {
     boost::asio::steady_timer turn(co_await boost::asio::this_coro::executor,
                                    std::chrono::milliseconds(*hold));
@@ -124,15 +138,18 @@ boost::asio::awaitable<Status> Authenticator::Admitted(std::string login, std::s
 
 boost::asio::awaitable<Result<SignedIn>> Authenticator::SignIn(SignInRequest request) {
   const std::string login = LowerLogin(request.login);
-  Status admitted = co_await Admitted(login, request.address);
+  Status admitted = co_await Admitted(login, request.address, request.via);
   if (!admitted.ok()) co_return admitted;
-  co_return co_await Hashing(request.address, [&] { return SignInAdmitted(login, request); });
+  co_return co_await Hashing(login, request.address, request.via,
+                             [&] { return SignInAdmitted(login, request); });
 }
 
 Result<SignedIn> Authenticator::SignInHere(const SignInRequest& request) {
   const std::string login = LowerLogin(request.login);
   Result<int64_t> hold = throttle_.Admit(login, request.address, Elapsed());
-  if (!hold.ok()) return hold.status();
+  if (!hold.ok()) {
+    return TurnAway("throttled", login, request.address, request.via, hold.status());
+  }
   return SignInAdmitted(login, request);
 }
 
@@ -140,7 +157,7 @@ Result<SignedIn> Authenticator::SignInAdmitted(const std::string& login,
                                                const SignInRequest& request) {
   if (request.password.size() > kMaxPasswordLength || login.size() > 256) {
     throttle_.Failed(login, request.address, Elapsed());
-    return Refused();
+    return TurnAway("password", login, request.address, request.via, Refused());
   }
   auto person = store_.PersonByLogin(login);
   if (!person.ok() && person.status().code() != Code::kNotFound) return person.status();
@@ -154,8 +171,11 @@ Result<SignedIn> Authenticator::SignInAdmitted(const std::string& login,
   bool matches = Verify(request.password, verifier);
   if (!matches || !person.ok() || person->disabled) {
     throttle_.Failed(login, request.address, Elapsed());
-    return Refused();
+    const bool disabled = matches && person.ok();
+    return TurnAway(disabled ? "disabled" : "password", login, request.address, request.via,
+                    Refused());
   }
+  ++counts_.signed_in;
   throttle_.Succeeded(login, request.address, Elapsed());
   return BeginSession(*person, request.via);
 }
@@ -173,7 +193,7 @@ Result<SignedIn> Authenticator::BeginSession(const Person& person, const std::st
 }
 
 Status Authenticator::CheckOwnPassword(const Person& person, const std::string& password,
-                                       const std::string& address) {
+                                       const std::string& address, const std::string& via) {
   auto verifier = store_.PasswordVerifier(person.id);
   if (!verifier.ok()) return verifier.status();
   if (password.size() <= kMaxPasswordLength && Verify(password, *verifier)) {
@@ -181,15 +201,17 @@ Status Authenticator::CheckOwnPassword(const Person& person, const std::string& 
     return Status::Ok();
   }
   throttle_.Failed(person.login, address, Elapsed());
-  return Status(Code::kForbidden, "expected your password, found another", "password");
+  return TurnAway("password", person.login, address, via,
+                  Status(Code::kForbidden, "expected your password, found another", "password"));
 }
 
 boost::asio::awaitable<Status> Authenticator::Confirm(Identity identity, std::string password,
                                                       std::string address) {
-  Status admitted = co_await Admitted(identity.person.login, address);
+  const std::string& login = identity.person.login;
+  Status admitted = co_await Admitted(login, address, kViaPage);
   if (!admitted.ok()) co_return admitted;
-  co_return co_await Hashing(address, [&]() -> Status {
-    ENAMEL_RETURN_IF_ERROR(CheckOwnPassword(identity.person, password, address));
+  co_return co_await Hashing(login, address, kViaPage, [&]() -> Status {
+    ENAMEL_RETURN_IF_ERROR(CheckOwnPassword(identity.person, password, address, kViaPage));
     return store_.ConfirmSession(identity.token_hash, Now());
   });
 }
@@ -197,7 +219,7 @@ boost::asio::awaitable<Status> Authenticator::Confirm(Identity identity, std::st
 Result<SignedIn> Authenticator::ChangePasswordHere(const Identity& identity,
                                                    const PasswordChange& change) {
   const Person& person = identity.person;
-  ENAMEL_RETURN_IF_ERROR(CheckOwnPassword(person, change.old_password, change.address));
+  ENAMEL_RETURN_IF_ERROR(CheckOwnPassword(person, change.old_password, change.address, change.via));
   if (change.new_password == change.old_password) {
     return Status(Code::kInvalidInput, "expected another password than the old one",
                   "new_password");
@@ -216,9 +238,11 @@ Result<SignedIn> Authenticator::ChangePasswordHere(const Identity& identity,
 
 boost::asio::awaitable<Result<SignedIn>> Authenticator::ChangePassword(Identity identity,
                                                                        PasswordChange change) {
-  Status admitted = co_await Admitted(identity.person.login, change.address);
+  const std::string& login = identity.person.login;
+  Status admitted = co_await Admitted(login, change.address, change.via);
   if (!admitted.ok()) co_return admitted;
-  co_return co_await Hashing(change.address, [&] { return ChangePasswordHere(identity, change); });
+  co_return co_await Hashing(login, change.address, change.via,
+                             [&] { return ChangePasswordHere(identity, change); });
 }
 
 Result<SessionRow> Authenticator::OpenSession(const Sha256& token_hash) {
@@ -275,6 +299,15 @@ Result<Identity> Authenticator::AuthenticateHex(std::string_view cookie) {
 }
 
 Status Authenticator::SignOut(const Sha256& token_hash) { return store_.EndSession(token_hash); }
+
+Status Authenticator::SignOutFrom(const Identity& identity, const std::string& address) {
+  ENAMEL_RETURN_IF_ERROR(SignOut(identity.token_hash));
+  ++counts_.signed_out;
+  const std::string person = identity.person.id.Text(), from = AddressText(address);
+  spdlog::info("page: {} at {} signed out", person, from);
+  return store_.NoteAudit({identity.person.id, kViaPage}, "session.end", person,
+                          R"({"address":")" + from + R"("})");
+}
 
 Result<std::string> Authenticator::NewVerifier(std::string_view password,
                                                std::string_view login) const {

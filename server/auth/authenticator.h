@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/thread_pool.hpp>
 #include <functional>
@@ -10,6 +11,7 @@
 
 #include "common/base/result.h"
 #include "server/auth/password.h"
+#include "server/auth/refusal_trail.h"
 #include "server/auth/throttle.h"
 #include "server/storage/store.h"
 #include "server/storage/store_pool.h"
@@ -57,7 +59,13 @@ struct SignInRequest {
   std::string via;      // kViaPage or kViaStation
 };
 
-// Sign-in, sessions, sign-out. Thread safety: any thread.
+// What happened at the door since the start. Wrong passwords count wherever one is asked for.
+struct DoorCounts {
+  std::atomic<uint64_t> signed_in{0}, refused{0}, throttled{0}, busy{0}, signed_out{0};
+};
+
+// Sign-in, sessions, sign-out. Refusals are counted and go into RefusalTrail. Thread safety: any
+// thread.
 //
 // A wrong password, an unknown login and a disabled person give the same answer after the same work
 // (that of one argon2id at `cost`, whatever the stored verifier cost)
@@ -78,7 +86,7 @@ class Authenticator {
   // asks for that. Throttled and hashed as sign-in is. Errors: kForbidden, field "password" (it is
   // wrong); kUnavailable as of SignIn.
   boost::asio::awaitable<Status> Confirm(Identity identity, std::string password,
-                                         std::string address);
+                                         std::string address);  // via the page
   // Another password of one's own. Ends all sessions of the person and begins a new one. Errors: as
   // of Confirm about the old one; kInvalidInput, field "new_password" (policy, or the old one
   // again).
@@ -99,6 +107,11 @@ class Authenticator {
   // Who this session is of, as Authenticate, without renewing anything: for what goes on by itself.
   Result<Person> StillSignedIn(const Sha256& token_hash);
   Status SignOut(const Sha256& token_hash);
+  // Of the page: with the address in the log and the audit trail (`session.end`).
+  Status SignOutFrom(const Identity& identity, const std::string& address);
+
+  const DoorCounts& counts() const { return counts_; }
+  RefusalTrail& refusals() { return refusals_; }
 
   // Policy, then a verifier for Store::CreatePerson and SetPassword. Blocks.
   Result<std::string> NewVerifier(std::string_view password, std::string_view login) const;
@@ -107,18 +120,22 @@ class Authenticator {
   UnixMs Now() const;
   int64_t Elapsed() const;
   bool Verify(const std::string& password, const std::string& verifier) const;
+  // Counts and notes why nobody came in.
+  Status TurnAway(const char* why, std::string login, const std::string& address,
+                  const std::string& via, Status status);
   Result<SignedIn> SignInAdmitted(const std::string& login, const SignInRequest& request);
   Status CheckOwnPassword(const Person& person, const std::string& password,
-                          const std::string& address);
+                          const std::string& address, const std::string& via);
   Result<SignedIn> BeginSession(const Person& person, const std::string& via);
   Result<SessionRow> OpenSession(const Sha256& token_hash);
   Result<Identity> IdentityOf(ByteView token, const SessionRow& session);
   Result<SignedIn> ChangePasswordHere(const Identity& identity, const PasswordChange& change);
   // Whether this try may go on, once it may.
-  boost::asio::awaitable<Status> Admitted(std::string login, std::string address);
+  boost::asio::awaitable<Status> Admitted(std::string login, std::string address, std::string via);
   // Runs on the hashing threads, bounded.
   template <typename Work>
-  auto Hashing(std::string address, Work work) -> boost::asio::awaitable<decltype(work())>;
+  auto Hashing(std::string login, std::string address, std::string via, Work work)
+      -> boost::asio::awaitable<decltype(work())>;
   bool TakePlace(const std::string& block);
   void LeavePlace(const std::string& block);
 
@@ -129,7 +146,9 @@ class Authenticator {
   std::mutex waiting_mutex_;
   size_t waiting_ = 0;                          // guarded by waiting_mutex_
   std::map<std::string, size_t> waiting_from_;  // by address block; guarded by waiting_mutex_
-  StorePool hashing_;
+  DoorCounts counts_;
+  RefusalTrail refusals_;
+  StorePool hashing_;  // last: its threads use the others
 };
 
 }  // namespace enamel::server::auth

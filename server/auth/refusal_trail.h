@@ -1,0 +1,67 @@
+#pragma once
+
+#include <atomic>
+#include <boost/asio/thread_pool.hpp>
+#include <cstdint>
+#include <functional>
+#include <future>
+#include <map>
+#include <string>
+
+#include "server/storage/store.h"
+
+namespace enamel::server::auth {
+
+// Somebody who was turned away. `why` and `what` are our words, never what a peer wrote.
+struct TurnedAway {
+  std::string why;      // "password", "disabled", "throttled", "busy", "forbidden"
+  std::string address;  // of the peer
+  std::string via;      // "page" or "station"
+  std::string login;    // as typed; only looked up, never kept
+  Uuid person;          // when it is known already
+  std::string what;     // which request, of a signed-in person's; else empty
+};
+
+// Refusals at the door, in the log and in the audit trail: `session.refused` for sign-ins and
+// passwords, `request.refused` for what somebody asks for without the right to it. The object is
+// the person, or "nobody": a login that names nobody is not kept, because it may be a password that
+// was typed into the wrong field, and a hash of it could be guessed like one.
+//
+// Rows of the audit trail are for ever, so there are few: the 1st, 10th, 100th, … refusal of one
+// person at one address block for one reason within 15 minutes makes a row with the count, and at
+// most kMaxRows are made in 15 minutes; the last of them says ("many") that the rest is only in the
+// figures. That is 10 000 rows, 3 MB, a day at most. Each row is a line of the log too.
+//
+// Everything happens on a thread of its own: who is turned away neither waits for the disk nor
+// learns from the time whether a login is somebody's. What comes while kMaxWaiting wait is left
+// out. Thread safety: any thread. Destruction writes what was noted before.
+class RefusalTrail {
+ public:
+  static constexpr int64_t kWindowMs = 15 * 60 * 1000;
+  static constexpr size_t kMaxRows = 100;
+  static constexpr size_t kMaxWaiting = 256;
+
+  // `elapsed_ms`: a clock that only goes forward.
+  RefusalTrail(Store& store, std::function<int64_t()> elapsed_ms);
+  ~RefusalTrail();
+
+  void Note(TurnedAway refused);
+  // Waits until what was noted is written: for tests.
+  void Settle();
+
+ private:
+  void Take(const TurnedAway& refused);
+  void Write(const TurnedAway& refused, const Uuid& person, uint64_t count);
+
+  Store& store_;
+  const std::function<int64_t()> elapsed_ms_;
+  std::atomic<size_t> waiting_{0};
+  // On the thread of `pool_`:
+  std::map<std::string, uint64_t> counts_;  // in this window, by reason, address block and person
+  int64_t window_begin_ms_ = 0;
+  size_t rows_ = 0;
+
+  boost::asio::thread_pool pool_{1};  // last: its thread uses the others
+};
+
+}  // namespace enamel::server::auth
