@@ -1,6 +1,8 @@
 #include "server/http/json_body.h"
 
 #include <algorithm>
+#include <boost/json/basic_parser_impl.hpp>
+#include <set>
 
 #include "server/http/error_response.h"
 
@@ -9,6 +11,67 @@ namespace json = boost::json;
 
 namespace {
 
+// Stops at a member that an object has a second time: boost::json::parse keeps one of them in
+// silence, and somebody who looked at the body before may have looked at the other.
+class RepeatFinder {
+ public:
+  static constexpr size_t max_object_size = SIZE_MAX;
+  static constexpr size_t max_array_size = SIZE_MAX;
+  static constexpr size_t max_key_size = SIZE_MAX;
+  static constexpr size_t max_string_size = SIZE_MAX;
+
+  const std::optional<std::string>& repeated() const { return repeated_; }
+
+  bool on_document_begin(json::error_code&) { return true; }
+  bool on_document_end(json::error_code&) { return true; }
+  bool on_object_begin(json::error_code&) {
+    open_.emplace_back();
+    return true;
+  }
+  bool on_object_end(size_t, json::error_code&) {
+    open_.pop_back();
+    return true;
+  }
+  bool on_array_begin(json::error_code&) { return true; }
+  bool on_array_end(size_t, json::error_code&) { return true; }
+  bool on_key_part(json::string_view part, size_t, json::error_code&) {
+    key_ += std::string_view(part.data(), part.size());
+    return true;
+  }
+  bool on_key(json::string_view part, size_t size, json::error_code& error) {
+    on_key_part(part, size, error);
+    std::string key = std::exchange(key_, {});
+    if (open_.back().insert(key).second) return true;
+    repeated_ = std::move(key);
+    error = json::error::syntax;
+    return false;
+  }
+  bool on_string_part(json::string_view, size_t, json::error_code&) { return true; }
+  bool on_string(json::string_view, size_t, json::error_code&) { return true; }
+  bool on_number_part(json::string_view, json::error_code&) { return true; }
+  bool on_int64(int64_t, json::string_view, json::error_code&) { return true; }
+  bool on_uint64(uint64_t, json::string_view, json::error_code&) { return true; }
+  bool on_double(double, json::string_view, json::error_code&) { return true; }
+  bool on_bool(bool, json::error_code&) { return true; }
+  bool on_null(json::error_code&) { return true; }
+  bool on_comment_part(json::string_view, json::error_code&) { return true; }
+  bool on_comment(json::string_view, json::error_code&) { return true; }
+
+ private:
+  std::vector<std::set<std::string>> open_;  // members so far of every object that is not ended
+  std::string key_;
+  std::optional<std::string> repeated_;
+};
+
+// As much memory again as the body, which is bounded.
+std::optional<std::string> RepeatedMember(const std::string& body,
+                                          const json::parse_options& options) {
+  json::basic_parser<RepeatFinder> parser(options);
+  json::error_code ignored;
+  parser.write_some(false, body.data(), body.size(), ignored);
+  return parser.handler().repeated();
+}
+
 Result<json::object> ParseObject(const Request& request) {
   json::parse_options options;
   options.max_depth = 4;
@@ -16,6 +79,9 @@ Result<json::object> ParseObject(const Request& request) {
   json::value value = json::parse(request.body, error, {}, options);
   if (error || !value.is_object()) {
     return Status{Code::kInvalidInput, "expected a JSON object as body", "body"};
+  }
+  if (std::optional<std::string> twice = RepeatedMember(request.body, options)) {
+    return Status{Code::kInvalidInput, "expected every member once, found this one twice", *twice};
   }
   return std::move(value.get_object());
 }

@@ -63,6 +63,16 @@ TEST_F(SessionTest, RefusesBodiesThatAreNotTheTwoTexts) {
   EXPECT_EQ(SignIn("sam", kPassword, "Content-Type: text/plain\r\n").status, 415);
 }
 
+TEST_F(SessionTest, MemberThatIsThereTwiceIsRefusedByName) {
+  for (const char* body : {R"({"login":"sue","login":"sam","password":"x"})",
+                           R"({"login":"sue","password":"x","\u006cogin":"sam"})",
+                           R"({"login":"sue","password":"x","more":[{"login":1,"login":2}]})"}) {
+    RawResponse response = nobody_.Send("POST", "/api/v1/session", kJson, body);
+    EXPECT_EQ(response.status, 400) << body;
+    EXPECT_EQ(Parsed(response).at("error").at("field"), "login") << body;
+  }
+}
+
 TEST_F(SessionTest, RefusesSignInFromAnotherSite) {
   RawResponse response = SignIn("sam", kPassword, kJson + "Origin: http://evil.example\r\n");
   EXPECT_EQ(response.status, 403);
