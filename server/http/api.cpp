@@ -56,6 +56,12 @@ Status CheckPasswordIsOwn(const Route& route, const Person& person) {
           std::string(kChangePassword)};
 }
 
+Status CheckAllowed(const Request& request, const Route& route, const auth::Identity& caller) {
+  ENAMEL_RETURN_IF_ERROR(CheckRole(route.need, caller.person));
+  ENAMEL_RETURN_IF_ERROR(CheckCsrf(request, caller));
+  return CheckPasswordIsOwn(route, caller.person);
+}
+
 bool IsName(std::string_view text) {
   return text.size() <= 64 && std::ranges::all_of(text, [](char c) {
            return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
@@ -116,13 +122,17 @@ boost::asio::awaitable<Response> Api::Handle(const Request& request) {
 boost::asio::awaitable<Response> Api::Answer(const Request& request) {
   RouteMatch match = FindRoute(request.method, request.path);
   if (!match.route) co_return NoSuchRoute(request, match);
-  Call call{request,      store_, authenticator_,       nullptr, {}, {},
+  Call call{request,      store_, authenticator_,       nullptr, {},    {},
             &monitoring_, live_,  station_fingerprint_, &apart_, &feel_};
   if (Status place = FillPlace(match, call); !place.ok()) co_return ErrorResponse(place);
-  if (!IsSafe(request.method)) {
-    if (Status same = CheckSameSite(request); !same.ok()) co_return ErrorResponse(same);
-  }
   const Route& route = *match.route;
+  if (!IsSafe(request.method)) {
+    if (Status same = CheckSameSite(request); !same.ok()) {
+      Response refused = ErrorResponse(same);
+      NoteForbidden(call, route, refused);
+      co_return refused;
+    }
+  }
   auto* async = std::get_if<AsyncHandler>(&route.handler);
   // Sign-in is bounded by its hashing.
   if (async && route.need == Need::kNobody) co_return co_await (*async)(call);
@@ -136,34 +146,47 @@ boost::asio::awaitable<Response> Api::Answer(const Request& request) {
 
 boost::asio::awaitable<Response> Api::Asynchronous(Call& call, const Route& route) {
   AsyncHandler handler = std::get<AsyncHandler>(route.handler);
-  Result<auth::Identity> caller = co_await pool_.Run([&] { return Identify(call.request, route); });
+  Result<auth::Identity> caller = co_await pool_.Run([&] { return Identify(call.request); });
   if (!caller.ok()) co_return ErrorResponse(caller.status());
   call.caller = &*caller;
-  co_return co_await handler(call);
+  Status allowed = CheckAllowed(call.request, route, *caller);
+  // Not in one expression: g++ 12 destroys what a co_await in ?: gave twice.
+  if (allowed.ok()) co_return co_await handler(call);
+  Response refused = ErrorResponse(allowed);
+  // A wrong password has been noted by who looked at it.
+  NoteForbidden(call, route, refused);
+  co_return refused;
+}
+
+// What a page of ours asks on the way (confirm_password, change_password) is no refusal.
+void Api::NoteForbidden(const Call& call, const Route& route, const Response& response) {
+  if (response.refusal != CodeName(Code::kForbidden)) return;
+  ++forbidden_;
+  const Uuid person = call.caller != nullptr ? call.caller->person.id : Uuid{};
+  authenticator_.refusals().Note({"forbidden", call.request.peer, auth::kViaPage, "", person,
+                                  MethodName(route.method) + (" " + std::string(route.pattern))});
 }
 
 Response Api::Blocking(Call& call, const Route& route) {
   try {
     auto handler = std::get<BlockingHandler>(route.handler);
     if (route.need == Need::kNobody) return handler(call);
-    Result<auth::Identity> caller = Identify(call.request, route);
+    Result<auth::Identity> caller = Identify(call.request);
     if (!caller.ok()) return ErrorResponse(caller.status());
     call.caller = &*caller;
-    return handler(call);
+    Status allowed = CheckAllowed(call.request, route, *caller);
+    Response response = allowed.ok() ? handler(call) : ErrorResponse(allowed);
+    NoteForbidden(call, route, response);
+    return response;
   } catch (const std::exception& error) {
     return ErrorResponse(Status{Code::kInternal, error.what(), call.request.path});
   }
 }
 
-Result<auth::Identity> Api::Identify(const Request& request, const Route& route) {
+Result<auth::Identity> Api::Identify(const Request& request) {
   std::optional<std::string> cookie = SessionCookie(request);
   if (!cookie) return Status{Code::kUnauthenticated, "expected a session; sign in first"};
-  Result<auth::Identity> caller = authenticator_.AuthenticateHex(*cookie);
-  if (!caller.ok()) return caller;
-  ENAMEL_RETURN_IF_ERROR(CheckRole(route.need, caller->person));
-  ENAMEL_RETURN_IF_ERROR(CheckCsrf(request, *caller));
-  ENAMEL_RETURN_IF_ERROR(CheckPasswordIsOwn(route, caller->person));
-  return caller;
+  return authenticator_.AuthenticateHex(*cookie);
 }
 
 boost::asio::awaitable<bool> Api::StillAllowed(EventSource& events) {

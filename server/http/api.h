@@ -40,16 +40,19 @@ class Api {
 
   boost::asio::awaitable<Response> Handle(const Request& request);
 
-  // Answers so far by the first digit of their status (index 1 to 5), and how long reads (GET,
-  // HEAD) took from the whole request to the answer.
+  // Answers so far by the first digit of their status (index 1 to 5), how long reads (GET,
+  // HEAD) took from the whole request to the answer, and requests without the right to them.
   const std::array<std::atomic<uint64_t>, 6>& answers() const { return answers_; }
   const ops::Histogram& reads() const { return reads_; }
+  const auth::DoorCounts& door() const { return authenticator_.counts(); }
+  uint64_t forbidden() const { return forbidden_; }
 
  private:
   boost::asio::awaitable<Response> Answer(const Request& request);
   boost::asio::awaitable<Response> Asynchronous(Call& call, const Route& route);
   Response Blocking(Call& call, const Route& route);
-  Result<auth::Identity> Identify(const Request& request, const Route& route);
+  Result<auth::Identity> Identify(const Request& request);
+  void NoteForbidden(const Call& call, const Route& route, const Response& response);
 
   Store& store_;
   auth::Authenticator& authenticator_;
@@ -59,6 +62,7 @@ class Api {
   std::string station_fingerprint_;
   std::atomic<size_t> in_flight_{0};
   std::array<std::atomic<uint64_t>, 6> answers_{};
+  std::atomic<uint64_t> forbidden_{0};
   ops::Histogram reads_;
   StorePool pool_;
   StorePool apart_{1};

@@ -67,8 +67,12 @@ Response MadeResponse(int status, std::string_view code, std::string_view messag
   Response response;
   response.status = status;
   response.content_type = "application/json";
+  response.refusal = code;
   response.body = boost::json::serialize(boost::json::object{
       {"error", {{"code", AsUtf8(code)}, {"message", AsUtf8(message)}, {"field", AsUtf8(field)}}}});
+  // RFC 9110, 15.5.2, asks for one. A scheme that no browser knows, so that none opens a window of
+  // its own for login and password: the page asks for them.
+  if (status == 401) response.headers.emplace_back("WWW-Authenticate", "Session realm=\"Enamel\"");
   if (status == 503 || status == 429) {
     response.headers.emplace_back("Retry-After", std::to_string(retry_after_s));
   }

@@ -522,6 +522,21 @@ void HttpServer::State::AddFigures() {
                    static_cast<double>(self->api->answers()[i].load()),
                    {{"status", kKinds[i - 1]}});
     }
+    const auth::DoorCounts& door = self->api->door();
+    const std::pair<std::string_view, const std::atomic<uint64_t>*> kOutcomes[] = {
+        {"signed_in", &door.signed_in},
+        {"refused", &door.refused},
+        {"throttled", &door.throttled},
+        {"busy", &door.busy}};
+    for (const auto& [outcome, count] : kOutcomes) {
+      text.Counter("enamel_sign_ins_total",
+                   "Sign-ins at page and stations, and passwords asked for again, by outcome.",
+                   static_cast<double>(count->load()), {{"outcome", outcome}});
+    }
+    text.Counter("enamel_sign_outs_total", "Sign-outs at the page.",
+                 static_cast<double>(door.signed_out.load()));
+    text.Counter("enamel_http_forbidden_total", "API requests without the right to them.",
+                 static_cast<double>(self->api->forbidden()));
     text.Durations("enamel_http_read_seconds", "API reads, from the whole request to the answer.",
                    self->api->reads().counts());
   });

@@ -85,7 +85,7 @@ boost::asio::awaitable<Response> ChangePassword(Call call) {
 Response GetSession(const Call& call) { return JsonResponse(SessionJson(*call.caller)); }
 
 Response SignOut(const Call& call) {
-  if (Status ended = call.authenticator.SignOut(call.caller->token_hash); !ended.ok()) {
+  if (Status ended = call.authenticator.SignOutFrom(*call.caller, call.request.peer); !ended.ok()) {
     return ErrorResponse(ended);
   }
   Response response = Done();

@@ -121,6 +121,38 @@ TEST_F(SessionTest, SignOutEndsTheSessionAndRemovesTheCookie) {
   EXPECT_EQ(sam.Get("/api/v1/session").status, 401);
 }
 
+TEST_F(SessionTest, RefusalsAndSignOutsAreInAuditAndFiguresWithTheAddress) {
+  ops::Metrics metrics;
+  HttpOptions options;
+  options.metrics = &metrics;
+  RunningServer counted(school_, options);
+  Visitor root(counted.port(), "root"), sam(counted.port(), "sam");
+  Visitor(counted.port())
+      .Send("POST", "/api/v1/session", kJson, R"({"login":"sam","password":"wrong"})");
+  EXPECT_EQ(sam.Get("/api/v1/people").status, 403);
+  EXPECT_EQ(sam.Send("DELETE", "/api/v1/session", "").status, 403) << "without csrf";
+  EXPECT_EQ(sam.Send("DELETE", "/api/v1/session", "X-Enamel-Csrf: " + sam.csrf + "\r\n").status,
+            204);
+  school_.authenticator->refusals().Settle();
+  auto one = [&](const std::string& action) {
+    auto rows = Parsed(root.Get("/api/v1/audit?action=" + action)).at("audit").as_array();
+    EXPECT_EQ(rows.size(), 1u) << action;
+    if (rows.empty()) return std::string();
+    EXPECT_EQ(rows[0].at("object"), school_.sam.Text().c_str()) << action;
+    return std::string(rows[0].at("after").as_string());
+  };
+  EXPECT_EQ(one("session.refused"), R"({"address":"127.0.0.1","count":"1","reason":"password"})");
+  EXPECT_EQ(
+      one("request.refused"),
+      R"({"address":"127.0.0.1","count":"1","reason":"forbidden","request":"GET /api/v1/people"})");
+  EXPECT_EQ(one("session.end"), R"({"address":"127.0.0.1"})");
+  const std::string figures = root.Get("/metrics").body;
+  for (const char* line : {"enamel_sign_ins_total{outcome=\"refused\"} 1\n",
+                           "enamel_sign_outs_total 1\n", "enamel_http_forbidden_total 2\n"}) {
+    EXPECT_NE(figures.find(line), std::string::npos) << line << figures;
+  }
+}
+
 TEST_F(SessionTest, ChangesNeedTheCsrfValueOfThisSession) {
   Visitor ada(server_.port(), "ada"), ben(server_.port(), "ben");
   const std::string target = "/api/v1/attempts/" + school_.sams_scored.Text() + "/release";
