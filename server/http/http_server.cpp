@@ -187,7 +187,7 @@ asio::awaitable<RequestReader::Step> ReadRequest(Stream& stream, beast::flat_buf
 template <typename Stream>
 asio::awaitable<bool> Write(Stream& stream, Response& response, bool head_only, bool keep_alive,
                             const HttpOptions& options) {
-  AddSecurityHeaders(response, IsSecure(options));
+  AddCommonHeaders(response, IsSecure(options));
   bhttp::response<bhttp::span_body<const char>> message;
   message.version(11);
   message.result(static_cast<unsigned>(response.status));
@@ -216,7 +216,7 @@ std::string TextOf(const EventSource::Event& event, bool silent_for_long) {
 template <typename Stream>
 asio::awaitable<bool> WriteEventsHead(Stream& stream, Response& response,
                                       const HttpOptions& options) {
-  AddSecurityHeaders(response, IsSecure(options));
+  AddCommonHeaders(response, IsSecure(options));
   bhttp::response<bhttp::empty_body> message;
   message.version(11);
   message.result(static_cast<unsigned>(response.status));

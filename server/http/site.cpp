@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <boost/asio/ip/address.hpp>
+#include <cstdio>
 #include <utility>
 
 namespace enamel::server::http {
@@ -12,7 +13,7 @@ constexpr std::pair<const char*, const char*> kSecurityHeaders[] = {
      "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
      "font-src 'self'; connect-src 'self'; worker-src 'self'; manifest-src 'self'; "
      "frame-ancestors 'none'; base-uri 'none'; object-src 'none'; form-action 'self'; "
-     "require-trusted-types-for 'script'"},
+     "require-trusted-types-for 'script'; trusted-types 'none'"},
     {"X-Content-Type-Options", "nosniff"},
     {"Referrer-Policy", "no-referrer"},
     {"Cross-Origin-Opener-Policy", "same-origin"},
@@ -131,13 +132,27 @@ std::string SetSessionCookie(const std::string& token_hex, bool tls) {
   return cookie;
 }
 
-void AddSecurityHeaders(Response& response, bool tls) {
+void AddCommonHeaders(Response& response, bool tls) {
+  response.headers.emplace_back("Date", HttpDate(std::time(nullptr)));
   for (const auto& [name, value] : kSecurityHeaders) response.headers.emplace_back(name, value);
   if (tls) response.headers.emplace_back("Strict-Transport-Security", kHsts);
   bool has_caching =
       std::any_of(response.headers.begin(), response.headers.end(),
                   [](const auto& header) { return header.first == "Cache-Control"; });
   if (!has_caching) response.headers.emplace_back("Cache-Control", "no-store");
+}
+
+std::string HttpDate(std::time_t when) {
+  // Not strftime: its names follow the locale.
+  constexpr const char* kDays[] = {"Sun", "Mon", "Tue", "Wed", "Thu", "Fri", "Sat"};
+  constexpr const char* kMonths[] = {"Jan", "Feb", "Mar", "Apr", "May", "Jun",
+                                     "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"};
+  std::tm t{};
+  gmtime_r(&when, &t);
+  char text[40];
+  std::snprintf(text, sizeof text, "%s, %02d %s %04d %02d:%02d:%02d GMT", kDays[t.tm_wday], t.tm_mday,
+                kMonths[t.tm_mon], t.tm_year + 1900, t.tm_hour, t.tm_min, t.tm_sec);
+  return text;
 }
 
 }  // namespace enamel::server::http

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <ctime>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -34,8 +35,12 @@ std::optional<std::string> SessionCookie(const Request& request);
 // Value of Set-Cookie. An empty token removes the cookie.
 std::string SetSessionCookie(const std::string& token_hex, bool tls);
 
-// Adds what every answer carries: content security policy, isolation, no sniffing, no referrer;
-// HSTS over TLS; `Cache-Control: no-store` unless the answer has a Cache-Control of its own.
-void AddSecurityHeaders(Response& response, bool tls);
+// Adds what every answer carries: the date; content security policy, with no policy that could make
+// markup of text; isolation, no sniffing, no referrer; HSTS over TLS; `Cache-Control: no-store`
+// unless the answer has a Cache-Control of its own.
+void AddCommonHeaders(Response& response, bool tls);
+
+// As RFC 9110, 5.6.7, wants it: "Sun, 06 Nov 1994 08:49:37 GMT".
+std::string HttpDate(std::time_t when);
 
 }  // namespace enamel::server::http

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "server/http/request_reader.h"
+#include "server/http/site.h"
 #include "tests/server/http/running_server.h"
 #include "tests/support/memory_store.h"
 
@@ -80,6 +81,10 @@ TEST_F(HttpServerTest, ReadsChunkedBodies) {
   EXPECT_EQ(client.Read()->status, 401);
 }
 
+TEST_F(HttpServerTest, DateIsAsTheStandardWritesIt) {
+  EXPECT_EQ(HttpDate(784111777), "Sun, 06 Nov 1994 08:49:37 GMT");  // RFC 9110, 5.6.7
+}
+
 TEST_F(HttpServerTest, EveryAnswerCarriesTheSecurityHeaders) {
   RunningServer server(school_, options_);
   Visitor nobody(server.port());
@@ -97,6 +102,9 @@ TEST_F(HttpServerTest, EveryAnswerCarriesTheSecurityHeaders) {
     EXPECT_TRUE(response.headers.contains("permissions-policy")) << target;
     EXPECT_TRUE(response.headers.contains("cache-control")) << target;
     EXPECT_FALSE(response.headers.contains("server")) << target;
+    EXPECT_EQ(response.headers["date"].size(), 29u) << target;
+    EXPECT_EQ(response.headers.contains("www-authenticate"), response.status == 401) << target;
+    EXPECT_NE(response.headers["content-security-policy"].find("trusted-types 'none'"), std::string::npos);
   }
 }
 
