@@ -26,8 +26,9 @@ void RefusalTrail::Note(TurnedAway refused) {
     --waiting_;
     return;
   }
-  boost::asio::post(pool_, [this, refused = std::move(refused)] {
-    Take(refused);
+  // The clock is the caller's: it may not be read on another thread.
+  boost::asio::post(pool_, [this, refused = std::move(refused), now_ms = elapsed_ms_()] {
+    Take(refused, now_ms);
     --waiting_;
   });
 }
@@ -38,11 +39,11 @@ void RefusalTrail::Settle() {
   done.get_future().wait();
 }
 
-void RefusalTrail::Take(const TurnedAway& refused) {
-  if (int64_t now = elapsed_ms_(); counts_.empty() || now - window_begin_ms_ > kWindowMs) {
+void RefusalTrail::Take(const TurnedAway& refused, int64_t now_ms) {
+  if (counts_.empty() || now_ms - window_begin_ms_ > kWindowMs) {
     counts_.clear();
     rows_ = 0;
-    window_begin_ms_ = now;
+    window_begin_ms_ = now_ms;
   }
   Uuid person = refused.person;
   if (person.IsZero() && !refused.login.empty()) {

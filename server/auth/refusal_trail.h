@@ -50,7 +50,7 @@ class RefusalTrail {
   void Settle();
 
  private:
-  void Take(const TurnedAway& refused);
+  void Take(const TurnedAway& refused, int64_t now_ms);
   void Write(const TurnedAway& refused, const Uuid& person, uint64_t count);
 
   Store& store_;
