@@ -33,11 +33,17 @@ class ByteWriter {
   void I64(int64_t v) { Little(static_cast<uint64_t>(v), 8); }
   void Raw(ByteView v) { out_.insert(out_.end(), v.begin(), v.end()); }
   // Length (u32) and then the bytes.
-  void Blob(ByteView v) { U32(static_cast<uint32_t>(v.size())); Raw(v); }
+  void Blob(ByteView v) {
+    U32(static_cast<uint32_t>(v.size()));
+    Raw(v);
+  }
   void Text(std::string_view v) { Blob(AsBytes(v)); }
   // Unsigned LEB128, at most 10 bytes.
   void Varint(uint64_t v) {
-    while (v >= 0x80) { out_.push_back(static_cast<uint8_t>(v | 0x80)); v >>= 7; }
+    while (v >= 0x80) {
+      out_.push_back(static_cast<uint8_t>(v | 0x80));
+      v >>= 7;
+    }
     out_.push_back(static_cast<uint8_t>(v));
   }
   // Zigzag, then LEB128: small magnitudes of either sign are short.
@@ -70,7 +76,10 @@ class ByteReader {
   int32_t I32() { return static_cast<int32_t>(U32()); }
   int64_t I64() { return static_cast<int64_t>(U64()); }
   ByteView Raw(size_t n) {
-    if (n > view_.size() - at_) { Fail(); return {}; }
+    if (n > view_.size() - at_) {
+      Fail();
+      return {};
+    }
     ByteView out = view_.subspan(at_, n);
     at_ += n;
     return out;
@@ -78,16 +87,25 @@ class ByteReader {
   // Length-prefixed bytes, refused beyond `max_size`.
   ByteView Blob(size_t max_size) {
     uint32_t n = U32();
-    if (n > max_size) { Fail(); return {}; }
+    if (n > max_size) {
+      Fail();
+      return {};
+    }
     return Raw(n);
   }
   std::string Text(size_t max_size) { return std::string(AsText(Blob(max_size))); }
   uint64_t Varint() {
     uint64_t v = 0;
     for (int shift = 0; shift < 70; shift += 7) {
-      if (at_ >= view_.size()) { Fail(); return 0; }
+      if (at_ >= view_.size()) {
+        Fail();
+        return 0;
+      }
       uint8_t b = view_[at_++];
-      if (shift == 63 && b > 1) { Fail(); return 0; }
+      if (shift == 63 && b > 1) {
+        Fail();
+        return 0;
+      }
       v |= static_cast<uint64_t>(b & 0x7f) << shift;
       if (!(b & 0x80)) return v;
     }
@@ -105,9 +123,15 @@ class ByteReader {
   size_t remaining() const { return view_.size() - at_; }
 
  private:
-  void Fail() { ok_ = false; at_ = view_.size(); }
+  void Fail() {
+    ok_ = false;
+    at_ = view_.size();
+  }
   uint64_t Little(int n) {
-    if (static_cast<size_t>(n) > view_.size() - at_) { Fail(); return 0; }
+    if (static_cast<size_t>(n) > view_.size() - at_) {
+      Fail();
+      return 0;
+    }
     uint64_t v = 0;
     for (int i = 0; i < n; ++i) v |= static_cast<uint64_t>(view_[at_ + i]) << (8 * i);
     at_ += n;

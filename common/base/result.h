@@ -13,32 +13,43 @@ namespace enamel {
 // program's main, to an HTTP status in server/http, to a wire error in server/stations.
 enum class Code {
   kOk = 0,
-  kInvalidInput,        // malformed or out of range: the caller must change what was sent
-  kUnauthenticated,     // no or expired identity
-  kForbidden,           // identity known, right missing
+  kInvalidInput,     // malformed or out of range: the caller must change what was sent
+  kUnauthenticated,  // no or expired identity
+  kForbidden,        // identity known, right missing
   kNotFound,
-  kConflict,            // contradicts what is stored (same key, other content; stale edit)
-  kTooLarge,            // over a stated bound
-  kUnavailable,         // peer or resource not reachable now; trying later may help
-  kStorage,             // disk or database failed
-  kVersion,             // a format, schema or core version this program does not speak
+  kConflict,     // contradicts what is stored (same key, other content; stale edit)
+  kTooLarge,     // over a stated bound
+  kUnavailable,  // peer or resource not reachable now; trying later may help
+  kStorage,      // disk or database failed
+  kVersion,      // a format, schema or core version this program does not speak
   kInternal,
 };
 
 // Stable lower-case name of a code, as the API and logs print it ("not_found").
 constexpr const char* CodeName(Code code) {
   switch (code) {
-    case Code::kOk: return "ok";
-    case Code::kInvalidInput: return "invalid_input";
-    case Code::kUnauthenticated: return "unauthenticated";
-    case Code::kForbidden: return "forbidden";
-    case Code::kNotFound: return "not_found";
-    case Code::kConflict: return "conflict";
-    case Code::kTooLarge: return "too_large";
-    case Code::kUnavailable: return "unavailable";
-    case Code::kStorage: return "storage";
-    case Code::kVersion: return "version";
-    case Code::kInternal: return "internal";
+    case Code::kOk:
+      return "ok";
+    case Code::kInvalidInput:
+      return "invalid_input";
+    case Code::kUnauthenticated:
+      return "unauthenticated";
+    case Code::kForbidden:
+      return "forbidden";
+    case Code::kNotFound:
+      return "not_found";
+    case Code::kConflict:
+      return "conflict";
+    case Code::kTooLarge:
+      return "too_large";
+    case Code::kUnavailable:
+      return "unavailable";
+    case Code::kStorage:
+      return "storage";
+    case Code::kVersion:
+      return "version";
+    case Code::kInternal:
+      return "internal";
   }
   return "internal";
 }
@@ -69,16 +80,25 @@ class [[nodiscard]] Status {
 template <typename T>
 class [[nodiscard]] Result {
  public:
-  Result(T value) : state_(std::move(value)) {}  // NOLINT: implicit on purpose
+  Result(T value) : state_(std::move(value)) {}        // NOLINT: implicit on purpose
   Result(Status status) : state_(std::move(status)) {  // NOLINT: implicit on purpose
     ENAMEL_CHECK(!std::get<Status>(state_).ok());
   }
 
   bool ok() const { return std::holds_alternative<T>(state_); }
   explicit operator bool() const { return ok(); }
-  T& value() & { ENAMEL_CHECK(ok()); return std::get<T>(state_); }
-  const T& value() const& { ENAMEL_CHECK(ok()); return std::get<T>(state_); }
-  T&& value() && { ENAMEL_CHECK(ok()); return std::get<T>(std::move(state_)); }
+  T& value() & {
+    ENAMEL_CHECK(ok());
+    return std::get<T>(state_);
+  }
+  const T& value() const& {
+    ENAMEL_CHECK(ok());
+    return std::get<T>(state_);
+  }
+  T&& value() && {
+    ENAMEL_CHECK(ok());
+    return std::get<T>(std::move(state_));
+  }
   T* operator->() { return &value(); }
   const T* operator->() const { return &value(); }
   T& operator*() & { return value(); }
@@ -94,8 +114,8 @@ class [[nodiscard]] Result {
 };
 
 // Returns the Status of `expr` from the enclosing function when it is not ok.
-#define ENAMEL_RETURN_IF_ERROR(expr)                        \
-  do {                                                      \
+#define ENAMEL_RETURN_IF_ERROR(expr)                                                           \
+  do {                                                                                         \
     if (::enamel::Status enamel_status_ = (expr); !enamel_status_.ok()) return enamel_status_; \
   } while (false)
 

@@ -31,7 +31,10 @@ class StateHash {
       c = (std::rotl(c, 29) ^ words[i + 2]) * 0x9fb21c651e98df25ull;
       d = (std::rotl(d, 29) ^ words[i + 3]) * 0x9fb21c651e98df25ull;
     }
-    U64(a); U64(b); U64(c); U64(d);
+    U64(a);
+    U64(b);
+    U64(c);
+    U64(d);
   }
   uint64_t value() const noexcept { return h_; }
 

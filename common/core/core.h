@@ -78,7 +78,7 @@ struct TickOutput {
   const dvec3& pressed_n() const noexcept {
     return (flags & kTouchCue) != 0 ? force_computed_n : force_sent_n;
   }
-  dvec3 torque_sent_n_m{0};  // on the operator, scene frame; 0 without peak_torque_un_m
+  dvec3 torque_sent_n_m{0};         // on the operator, scene frame; 0 without peak_torque_un_m
   cutting::Pose anchor;             // the bur as drawn and as it cuts
   cutting::RemovedUnits removed{};  // by this tick, per tissue, 1/65536 voxel
   double bur_speed_ratio = 1;       // the handpiece's speed, as a share of its free speed

@@ -75,8 +75,8 @@ Status CheckVersion4(const CoreParams& p) {
   ENAMEL_RETURN_IF_ERROR(CheckRange("rotation_cell_urad", p.rotation_cell_urad,
                                     torque ? kLeastRotationCell_urad : 0, known ? 100'000 : 0));
   if (torque) {
-    ENAMEL_RETURN_IF_ERROR(CheckRange("rotational_kc_un_m_per_rad", p.rotational_kc_un_m_per_rad, 1,
-                                      100'000'000));
+    ENAMEL_RETURN_IF_ERROR(
+        CheckRange("rotational_kc_un_m_per_rad", p.rotational_kc_un_m_per_rad, 1, 100'000'000));
     // Twice what the guard holds back, or the bur could not follow the hand through air.
     const int64_t least =
         (int64_t{2} * p.rotational_kc_un_m_per_rad * p.rotation_cell_urad + 999'999) / 1'000'000;

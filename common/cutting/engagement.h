@@ -53,9 +53,8 @@ enum class EngagementRule { kBand, kAhead };
 //    normal alone is the wrong judge at a wall that the bur runs along: an arc of it lies in the
 //    half-voxel band, and half of that faces the way back. The field alone is, at a wall behind it.
 //  * The point counts from s = kGrazing + 2 max(phi, 0) on (half a voxel of travel brings it in)
-//  and
-//    fully at kRamp more. Three hundredths of a voxel inside solid it counts from s = 0 on: grazing
-//    travel creeps no deeper than that.
+//    and fully at kRamp more. Three hundredths of a voxel inside solid it counts from s = 0 on:
+//    grazing travel creeps no deeper than that.
 //  * There must be solid where the field says it begins, a quarter of a voxel behind the surface:
 //    max(phi_tooth, -phi_bur) leaves a film of small distances where a face of the bur lay near the
 //    tooth's surface, as under a bur sunk to its top.

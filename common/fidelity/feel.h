@@ -114,7 +114,7 @@ enum class Verdict : uint8_t {
                   // with what the encoder tells it does not
   kDeviceCannot = 4,  // beyond that, and the oracle is not within 7 % and 15 ms: no law without
                       // stored energy could, most often since Kc is too small
-  kBeyondForce = 5,  // the motors cannot give it: RMS above continuous, or largest above peak
+  kBeyondForce = 5,   // the motors cannot give it: RMS above continuous, or largest above peak
 };
 inline constexpr int kVerdictCount = 6;
 std::string_view VerdictName(Verdict v);   // "felt", "late", "nearly", "law_falls_short", ...

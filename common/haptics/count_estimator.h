@@ -206,7 +206,9 @@ class TurningAxis {
   // Speed over the history that ends at the newest count, m/s; 0 with fewer than two counts.
   double speed() const noexcept { return speed_; }
   // Time since the newest count, s; 1e9 without one. Due: within which the next is expected at that speed, s.
-  double SinceLast(double time_s) const noexcept { return size_ == 0 ? 1e9 : time_s - At(0).time_s; }
+  double SinceLast(double time_s) const noexcept {
+    return size_ == 0 ? 1e9 : time_s - At(0).time_s;
+  }
   double Due(double delta_m) const noexcept;
   // What is left of that speed when no count has come since: 1 while the next is not yet due, then
   // falling with the sixth power of the time, 0 below a twentieth.

@@ -46,7 +46,8 @@ dvec3 BeyondCoulomb(const dvec3& e, const Contact& contact, double kc) noexcept 
 double GuardFactor(const dvec3& e, const dvec3& w, const dvec3& delta) noexcept {
   double w2 = Dot(w, w);
   if (!(w2 > 0)) return 0;
-  double cell = 0.5 * (delta.x * std::fabs(w.x) + delta.y * std::fabs(w.y) + delta.z * std::fabs(w.z));
+  double cell =
+      0.5 * (delta.x * std::fabs(w.x) + delta.y * std::fabs(w.y) + delta.z * std::fabs(w.z));
   double factor = 2 * (Dot(e, w) - cell) / w2;
   if (!(factor > 0)) return 0;
   return factor < 1 ? factor : 1;
@@ -77,7 +78,8 @@ void Coupling::Reset(const dvec3& tip_m) noexcept {
 }
 
 void Coupling::VisitState(StateArchive& archive) {
-  archive(anchor_, rest_, tip_, resisted_, held_, tank_, share_, stretch_, clipped_at_n_, wall_, latched_);
+  archive(anchor_, rest_, tip_, resisted_, held_, tank_, share_, stretch_, clipped_at_n_, wall_,
+          latched_);
   law_->VisitState(archive);
 }
 
@@ -175,7 +177,8 @@ void Coupling::RelaxAnchor(const dvec3& tip_m, Material& material, CouplingOutpu
       out.flags |= kWallContact;
     }
     double length = std::sqrt(Dot(w, w));
-    double step_limit = contact.clearance_m > params_.max_step_m ? contact.clearance_m : params_.max_step_m;
+    double step_limit =
+        contact.clearance_m > params_.max_step_m ? contact.clearance_m : params_.max_step_m;
     bool whole = length <= step_limit;
     if (!whole) w *= step_limit / length;
     ++out.substeps;
@@ -190,10 +193,12 @@ void Coupling::RelaxAnchor(const dvec3& tip_m, Material& material, CouplingOutpu
   out.flags |= kSubstepLimit;
 }
 
-dvec3 Coupling::MoveAnchor(const dvec3& tip_m, dvec3 w, Material& material, CouplingOutput& out) noexcept {
+dvec3 Coupling::MoveAnchor(const dvec3& tip_m, dvec3 w, Material& material,
+                           CouplingOutput& out) noexcept {
   if (Dot(w, w) == 0) return dvec3(0);
-  double factor = guard_.delay_ticks == 0 ? GuardFactor(tip_m - anchor_, w, params_.law.resolution_m)
-                                          : GuardedStep(guard_, tip_m - anchor_, w, 0, tank_);
+  double factor = guard_.delay_ticks == 0
+                      ? GuardFactor(tip_m - anchor_, w, params_.law.resolution_m)
+                      : GuardedStep(guard_, tip_m - anchor_, w, 0, tank_);
   if (factor < 1) {
     out.flags |= kGuardEngaged;
     w *= factor;
@@ -294,7 +299,8 @@ double Coupling::RanOut(const dvec3& taken, const dvec3& front) const noexcept {
 // What is left of the bur's way e to the tip after a tick in which the rest point did not move. Where tissue
 // resists, the bur comes up to the rest point, at most as far as the tip: by the share `rate`/(1 + `rate`) of
 // that way in uniform tissue, and less where tissue resists more.
-dvec3 Coupling::LeftBehind(const Sym3& b, const dvec3& e, const dvec3& gap, double rate) const noexcept {
+dvec3 Coupling::LeftBehind(const Sym3& b, const dvec3& e, const dvec3& gap,
+                           double rate) const noexcept {
   const double trace = b.Trace();
   const dvec3 held = b * SolveShifted(b, trace * kFree, e);
   if (!(Dot(gap, held) > 0)) return held;
@@ -455,7 +461,8 @@ void Coupling::LetGoAlong(const dvec3& tip_m, const dvec3& tip_moved, const Ahea
   // The law learns of a turn axis by axis, and late. So force against its speed runs out as elsewhere. Dropped
   // at once, it was a step of 0.7 N to a hand that had stopped.
   if (Revised()) {
-    excess = LowerOf(excess, (std::sqrt(Dot(tip_moved, tip_moved)) + RunOutReach()) * std::sqrt(speed2));
+    excess =
+        LowerOf(excess, (std::sqrt(Dot(tip_moved, tip_moved)) + RunOutReach()) * std::sqrt(speed2));
   }
   if (excess > 0) MoveRest(tip_m, speed * (excess / speed2), out);
 }

@@ -49,8 +49,8 @@ namespace enamel::haptics {
 
 // What the bur touches, read at the anchor's pose.
 struct Contact {
-  Sym3 damping_n_s_per_m;   // B of what the bur's engaged surface cuts; zero in air
-  bool engaged = false;     // any part of the bur within reach of solid, in the direction of travel
+  Sym3 damping_n_s_per_m;  // B of what the bur's engaged surface cuts; zero in air
+  bool engaged = false;    // any part of the bur within reach of solid, in the direction of travel
   // A still bur or the shank against solid: motion along +wall_normal (into the material) is
   // blocked, everything else is free. Zero when there is no wall.
   dvec3 wall_normal{0};
@@ -75,32 +75,32 @@ class Material {
 
 // Which bounds engaged in a tick; recorded with it.
 enum CouplingFlags : uint16_t {
-  kGuardEngaged = 1 << 0,       // the guard shortened an anchor step
-  kPeakBounded = 1 << 1,        // magnitude bound moved the anchor (or clipped at a wall)
-  kNonFiniteInput = 1 << 2,     // position or material was NaN or infinite: force 0, anchor kept
-  kSubstepLimit = 1 << 3,       // the anchor could not reach its place within the bounded work
+  kGuardEngaged = 1 << 0,    // the guard shortened an anchor step
+  kPeakBounded = 1 << 1,     // magnitude bound moved the anchor (or clipped at a wall)
+  kNonFiniteInput = 1 << 2,  // position or material was NaN or infinite: force 0, anchor kept
+  kSubstepLimit = 1 << 3,    // the anchor could not reach its place within the bounded work
   kWallContact = 1 << 4,
-  kFreeAir = 1 << 5,            // nothing engaged in the direction of travel
-  kLatched = 1 << 6,            // after kNonFiniteInput: force 0 and anchor kept until Reset
+  kFreeAir = 1 << 5,  // nothing engaged in the direction of travel
+  kLatched = 1 << 6,  // after kNonFiniteInput: force 0 and anchor kept until Reset
 };
 
 struct CouplingParams {
   LawParams law;
-  double peak_force_n = 0;      // magnitude never exceeded, N
-  double max_step_m = 25e-6;    // longest anchor move before contact is read again (half a voxel)
-  int max_substeps = 96;        // bound on work per tick
-  int delay_ticks = 0;          // whole ticks from reading to force, as the guard is to count with
+  double peak_force_n = 0;    // magnitude never exceeded, N
+  double max_step_m = 25e-6;  // longest anchor move before contact is read again (half a voxel)
+  int max_substeps = 96;      // bound on work per tick
+  int delay_ticks = 0;        // whole ticks from reading to force, as the guard is to count with
   // Where the true tip can be around the measured one; of no size: the law's resolution per axis.
   TipCell cell{};
 };
 
 struct CouplingOutput {
-  dvec3 force_computed_n{0};    // -R of the law, on the operator, world frame
-  dvec3 force_sent_n{0};        // after the bounds
+  dvec3 force_computed_n{0};  // -R of the law, on the operator, world frame
+  dvec3 force_sent_n{0};      // after the bounds
   dvec3 anchor_m{0};
-  uint16_t flags = 0;           // CouplingFlags
+  uint16_t flags = 0;  // CouplingFlags
   uint16_t substeps = 0;
-  double tank_j = 0;            // energy in the tank after the tick, J (slipping laws)
+  double tank_j = 0;  // energy in the tank after the tick, J (slipping laws)
 };
 
 // Thread safety: none, one loop owns it. Real-time: Tick and Reset are safe (no allocation).
@@ -120,7 +120,8 @@ class Coupling {
   [[nodiscard]] bool Resume(const dvec3& tip_m, Material& material) noexcept;
   // One tick. `bound_ratio` in [0, 1] scales the peak bound (fault fade). What is not finite, in or
   // out, gives no force, and none until Reset: a fault latches until somebody acts.
-  ENAMEL_REALTIME CouplingOutput Tick(const dvec3& tip_m, double bound_ratio, Material& material) noexcept;
+  ENAMEL_REALTIME CouplingOutput Tick(const dvec3& tip_m, double bound_ratio,
+                                      Material& material) noexcept;
 
   // Saves or restores all that the next Tick depends on but the parameters. Not real-time.
   void VisitState(StateArchive& archive);
@@ -134,44 +135,50 @@ class Coupling {
 
  private:
   // The slipping laws' tick and its parts.
-  void TickSlipping(const dvec3& tip_m, double bound_n, Material& material, CouplingOutput& out) noexcept;
-  Contact RelaxRest(const dvec3& tip_m, const dvec3& tip_moved, bool ahead_is_free, Material& material,
+  void TickSlipping(const dvec3& tip_m, double bound_n, Material& material,
                     CouplingOutput& out) noexcept;
+  Contact RelaxRest(const dvec3& tip_m, const dvec3& tip_moved, bool ahead_is_free,
+                    Material& material, CouplingOutput& out) noexcept;
   bool Revised() const noexcept { return params_.law.revision >= 4; }
   double RunOutReach() const noexcept;
-  dvec3 NoFasterThan(const dvec3& front, const dvec3& tip_moved, const dvec3& w, double spent_m) const noexcept;
+  dvec3 NoFasterThan(const dvec3& front, const dvec3& tip_moved, const dvec3& w,
+                     double spent_m) const noexcept;
   double RanOut(const dvec3& taken, const dvec3& front) const noexcept;
   struct Ahead {
-    bool elsewhere = false;    // the hand moves another way than the stretch points
-    bool way_out = false;      // and next to nothing resists there
+    bool elsewhere = false;  // the hand moves another way than the stretch points
+    bool way_out = false;    // and next to nothing resists there
     dvec3 speed_m_per_s{0};
     Contact contact;
   };
   Ahead ReadAhead(const dvec3& tip_m, const dvec3& tip_moved, Material& material) noexcept;
-  void LetGoAlong(const dvec3& tip_m, const dvec3& tip_moved, const Ahead& ahead, CouplingOutput& out) noexcept;
+  void LetGoAlong(const dvec3& tip_m, const dvec3& tip_moved, const Ahead& ahead,
+                  CouplingOutput& out) noexcept;
   void AimRest(const dvec3& tip_m, const Contact& contact, CouplingOutput& out) noexcept;
-  dvec3 RunOut(const dvec3& w, const dvec3& e_m, const dvec3& tip_moved, double spent_m) const noexcept;
+  dvec3 RunOut(const dvec3& w, const dvec3& e_m, const dvec3& tip_moved,
+               double spent_m) const noexcept;
   dvec3 LeftBehind(const Sym3& b, const dvec3& e, const dvec3& gap, double rate) const noexcept;
-  dvec3 FrontStep(const dvec3& tip_m, const Contact& contact, const dvec3& rest_step, double dt_s) const noexcept;
+  dvec3 FrontStep(const dvec3& tip_m, const Contact& contact, const dvec3& rest_step,
+                  double dt_s) const noexcept;
   // The only place where a slipping law's rest point moves. `w` is scaled by the guard; returns what was taken.
   dvec3 MoveRest(const dvec3& tip_m, const dvec3& w, CouplingOutput& out) noexcept;
   void RelaxAnchor(const dvec3& tip_m, Material& material, CouplingOutput& out) noexcept;
-  void BoundMagnitude(const dvec3& tip_m, double bound_n, bool wall, Material& material, CouplingOutput& out) noexcept;
+  void BoundMagnitude(const dvec3& tip_m, double bound_n, bool wall, Material& material,
+                      CouplingOutput& out) noexcept;
   // The only place where the anchor moves. `w` is scaled by the guard; returns what was taken.
   dvec3 MoveAnchor(const dvec3& tip_m, dvec3 w, Material& material, CouplingOutput& out) noexcept;
 
   CouplingParams params_;
   std::unique_ptr<ForceLaw> law_;
-  dvec3 anchor_{0};             // the bur
-  dvec3 rest_{0};               // where a slipping law's spring is at rest
-  dvec3 tip_{0};                // of the last tick
-  double resisted_ = 0;         // trace of B along the stretch in the last tick ...
-  double held_ = 0;             // ... and the most of it lately
+  dvec3 anchor_{0};      // the bur
+  dvec3 rest_{0};        // where a slipping law's spring is at rest
+  dvec3 tip_{0};         // of the last tick
+  double resisted_ = 0;  // trace of B along the stretch in the last tick ...
+  double held_ = 0;      // ... and the most of it lately
   Tank tank_;
   GuardParams guard_;
-  double share_ = 1;            // of the stiffness that is felt (StiffnessShare)
-  double stretch_ = 0;          // |tip - anchor| after the last tick
-  double clipped_at_n_ = -1;    // bound of the last tick if the output was clipped at a wall, else -1
+  double share_ = 1;          // of the stiffness that is felt (StiffnessShare)
+  double stretch_ = 0;        // |tip - anchor| after the last tick
+  double clipped_at_n_ = -1;  // bound of the last tick if the output was clipped at a wall, else -1
   bool wall_ = false;
   bool latched_ = false;
 };

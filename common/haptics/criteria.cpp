@@ -15,7 +15,9 @@ double PaperDampingBound(double k, double speed, double delta, double f, double 
 }
 
 double PaperSpeedError(double delta, double f) noexcept { return 2 * delta * f; }
-double PaperForceError(double b, double delta, double f) noexcept { return b * PaperSpeedError(delta, f); }
+double PaperForceError(double b, double delta, double f) noexcept {
+  return b * PaperSpeedError(delta, f);
+}
 
 double ColgateSchenkelStiffness(double b, double virtual_b, double tick) noexcept {
   return NotNegative(2 * (b - Magnitude(virtual_b)) / tick);
@@ -47,7 +49,8 @@ double LateTickLeak(double kc, double b, double hold, double moved) noexcept {
   return NotNegative(kc / 2 - b / hold) * moved * moved;
 }
 
-Dimensionless DimensionlessGroups(double k, double b, double c, double tick, double delta) noexcept {
+Dimensionless DimensionlessGroups(double k, double b, double c, double tick,
+                                  double delta) noexcept {
   return {b / (k * tick), c / (k * delta)};
 }
 

@@ -9,12 +9,12 @@ namespace enamel::haptics {
 namespace {
 
 // Tuning, found with `enamel-station qualify --suite random`; dimensionless.
-constexpr double kOpeningSlope = 5;   // how fast a gate opens above r = 1
+constexpr double kOpeningSlope = 5;  // how fast a gate opens above r = 1
 constexpr double kStillGate = 0.1;
 constexpr double kStillCells = 1.05;  // "within the cell": this many half cells ...
 constexpr double kStillRamp = 0.5;    // ... and fully outside this many later
-constexpr double kSlowCells = 1;      // an axis whose target force is below this many Kc delta is slow
-constexpr double kSlowReach = 1.02;   // its cross stretch beyond this many half cells is let go
+constexpr double kSlowCells = 1;  // an axis whose target force is below this many Kc delta is slow
+constexpr double kSlowReach = 1.02;  // its cross stretch beyond this many half cells is let go
 
 double Opened(double r, double cap) noexcept {
   double g = 1 + kOpeningSlope * (r - 1);

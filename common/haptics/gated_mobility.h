@@ -37,6 +37,7 @@ void DropSlowAxes(const dvec3& bv, const dvec3& along_m, double kc_n_per_m,
 // Where the guard would shorten the step from e to `relaxed` (it stalls once |e|^2 < delta/2 sum
 // |e_i|), each axis may still come to within half a cell of the tip: w_i <= |e_i| - delta_i/2 passes
 // the guard whole, since e.w - sum delta_i |w_i| / 2 >= w.w. Takes whichever step frees more energy.
-dvec3 SpendBeforeGuard(const dvec3& e_m, const dvec3& relaxed_m, const dvec3& resolution_m) noexcept;
+dvec3 SpendBeforeGuard(const dvec3& e_m, const dvec3& relaxed_m,
+                       const dvec3& resolution_m) noexcept;
 
 }  // namespace enamel::haptics

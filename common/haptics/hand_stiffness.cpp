@@ -6,12 +6,12 @@ namespace enamel::haptics {
 namespace {
 
 // Tuning, found with `enamel-station qualify --suite hand` and `--suite random`.
-constexpr double kRecent_s = 0.03;        // longer than a quarter swing of 0.5 kg on 2.5 N/mm, 23 ms
-constexpr double kTelling_cells = 4;      // a smaller move of the rest point tells nothing
-constexpr double kFollowed = 0.4;         // share of the move that the tip of a soft hand makes too
+constexpr double kRecent_s = 0.03;    // longer than a quarter swing of 0.5 kg on 2.5 N/mm, 23 ms
+constexpr double kTelling_cells = 4;  // a smaller move of the rest point tells nothing
+constexpr double kFollowed = 0.4;     // share of the move that the tip of a soft hand makes too
 constexpr double kShortest_s = 0.5, kLongest_s = 30;  // of the hold after a loss
-constexpr double kForgiven_s = 1;         // full trust for this long: a third of the hold is enough
-constexpr double kRise_s = 0.2;           // from 0 to 1: a soft hand shows itself at a small share
+constexpr double kForgiven_s = 1;  // full trust for this long: a third of the hold is enough
+constexpr double kRise_s = 0.2;    // from 0 to 1: a soft hand shows itself at a small share
 constexpr double kPersistent_s = 0.12;
 constexpr int kPersistentCounts = 4;
 constexpr double kSwinging_s = 0.3;
@@ -43,8 +43,8 @@ void HandStiffness::Step(const Tick& tick, double cell_m, double tick_s) noexcep
     hold_s_ -= tick_s;
     return;
   }
-  bool persistent = off_s_ * kShortest_s > kPersistent_s * backoff_s_ &&
-                    off_counts_ >= kPersistentCounts;
+  bool persistent =
+      off_s_ * kShortest_s > kPersistent_s * backoff_s_ && off_counts_ >= kPersistentCounts;
   if (!(trust_ > 0) && !persistent) return;
   trust_ += tick_s / kRise_s;
   if (trust_ < 1) return;

@@ -23,10 +23,10 @@ namespace enamel::haptics {
 class HandStiffness {
  public:
   struct Tick {
-    dvec3 tip_moved_m{0};      // since the last tick
+    dvec3 tip_moved_m{0};         // since the last tick
     dvec3 slow_speed_m_per_s{0};  // the hand's, as far as it was known before any doubt
-    bool counted = false;      // some axis made a count
-    bool swings = false;       // some axis swings
+    bool counted = false;         // some axis made a count
+    bool swings = false;          // some axis swings
   };
   void Reset() noexcept;
   // Once per tick, before Off and Moved. `cell_m`: the encoder's.

@@ -16,7 +16,7 @@ struct Tuning {
   double cross_threshold = 0.5;  // beta: cross force, relative to B v, that opens the gate
   double window_share = 0.3;     // look back this share of B/Kc ...
   double window_min_s = 0.23, window_max_s = 0.6;  // ... within these
-  double smooth_s = 0.06;   // of the mean speed: a swinging hand must not open and close the gate
+  double smooth_s = 0.06;  // of the mean speed: a swinging hand must not open and close the gate
   double silence_share = 0.12;  // share of B/Kc that the release is patient for,
   double silence_min_s = 0.02;  // and at least this
   double rest_below = 1e-3;     // fade at which the estimator starts afresh
@@ -62,7 +62,7 @@ class GatedMaxwell final : public ForceLaw {
     if (!(trace > 0)) return dvec3(0);
     double mean_b = trace / 3;
     if (estimate_) Estimate(mean_b / params_.kc_n_per_m);
-      dvec3 bv = b * v_ + v_ * (kFreeDamping * mean_b);
+    dvec3 bv = b * v_ + v_ * (kFreeDamping * mean_b);
     double power = Dot(v_, bv);
     bool moving = power > 1e-24 * mean_b;
     dvec3 force = e_m * params_.kc_n_per_m;
@@ -74,9 +74,9 @@ class GatedMaxwell final : public ForceLaw {
       double across2 = Dot(force, SolveShifted(b, kFreeDamping * mean_b, force)) / power - r * r;
       double r_across = across2 > 0 ? std::sqrt(across2) / kTuning.cross_threshold : 0;
       gate_along = GateAlong(SlowRatio(force, power), cap);
-      gate_across =
-          r_across > 1 ? GateAcross(r_across, cap) : StillGate(e_m - bv * (r / params_.kc_n_per_m),
-                                                         params_.resolution_m);
+      gate_across = r_across > 1
+                        ? GateAcross(r_across, cap)
+                        : StillGate(e_m - bv * (r / params_.kc_n_per_m), params_.resolution_m);
     }
     dvec3 e = RelaxedStretch(b, mean_b, v_, moving ? power : 0, gate_along, gate_across, s, e_m);
     if (moving) {

@@ -13,27 +13,28 @@ namespace {
 // hand` and `--suite random`. tau = tr B / (3 Kc) is the plain coupling's time constant: no time
 // here is longer than a share of it, so that soft tissue is not held up by what hard tissue needs.
 struct Tuning {
-  double cap_moving = 2.5;         // largest gate while counts arrive ...
-  double cap_hurried = 6;          // ... and where the fast speed says the force is far too high
-  double hurried_above = 1.5;      // "far": r of the fast speed
-  double cap_silent = 15;          // once the tip is silent
-  double cross_threshold = 0.5;    // beta: cross force, relative to B v, that opens the gate
+  double cap_moving = 2.5;       // largest gate while counts arrive ...
+  double cap_hurried = 6;        // ... and where the fast speed says the force is far too high
+  double hurried_above = 1.5;    // "far": r of the fast speed
+  double cap_silent = 15;        // once the tip is silent
+  double cross_threshold = 0.5;  // beta: cross force, relative to B v, that opens the gate
   double smooth_s = 0.06, smooth_share = 0.1;  // of force and mean speed: the lesser of the two
   double window_share = 0.3, window_min_s = 0.23, window_max_s = 0.6;
   double silence_share = 0.04, silence_min_s = 0.04;
-  double rest_below = 1e-3;        // fade at which the slow estimator starts afresh
-  double anchor_share = 0.15;      // mu
+  double rest_below = 1e-3;    // fade at which the slow estimator starts afresh
+  double anchor_share = 0.15;  // mu
   double anchor_lowpass_s = 0.004;
-  double deviator_gain = 0.7;      // turns e toward B v when B is anisotropic
-  double gate_tau_s = 0.05;        // below this tau the gate gives way to the plain coupling
-  double soft_opening = 0.3;       // share of the gate's opening in a hand that is not known stiff
-  double at_once_cells = 1.5;      // a stretch off by less than this is set at once,
-  double slew_cells = 1.7;         // more by so much a tick that, the tip's own way included, no tick's
-  double least_slew_cells = 0.2;   // change of force is beyond Kc (v T + sqrt(3) delta)
-  double left_behind = 5;          // an axis without a count for so many times its due was left behind
-  double telling_m = 7.5e-6;       // cells of at least this size for judging the hand: 4 of them are what a rest
-                                   // point must move by to tell, and a slow estimate is off by 8 um at a turn
-  double finest_m = 2e-6;          // speed is read from cells of at least this size
+  double deviator_gain = 0.7;  // turns e toward B v when B is anisotropic
+  double gate_tau_s = 0.05;    // below this tau the gate gives way to the plain coupling
+  double soft_opening = 0.3;   // share of the gate's opening in a hand that is not known stiff
+  double at_once_cells = 1.5;  // a stretch off by less than this is set at once,
+  double slew_cells = 1.7;     // more by so much a tick that, the tip's own way included, no tick's
+  double least_slew_cells = 0.2;  // change of force is beyond Kc (v T + sqrt(3) delta)
+  double left_behind = 5;  // an axis without a count for so many times its due was left behind
+  double telling_m =
+      7.5e-6;  // cells of at least this size for judging the hand: 4 of them are what a rest
+               // point must move by to tell, and a slow estimate is off by 8 um at a turn
+  double finest_m = 2e-6;                  // speed is read from cells of at least this size
   double off_share = 0.12, off_cells = 1;  // "off": more than this of the stretch, and of a cell
 };
 constexpr Tuning kTuning;
@@ -145,12 +146,11 @@ class TankMaxwell final : public ForceLaw {
 
   bool Revised() const noexcept { return params_.revision >= 4; }
 
-  double Cell() const noexcept {
-    return HigherOf(grid_.x, HigherOf(grid_.y, grid_.z));
-  }
+  double Cell() const noexcept { return HigherOf(grid_.x, HigherOf(grid_.y, grid_.z)); }
 
   double Slew(double cell) const noexcept {
-    double way = std::sqrt(Dot(fast_, fast_)) * params_.tick_s - std::sqrt(Dot(tip_moved_, tip_moved_));
+    double way =
+        std::sqrt(Dot(fast_, fast_)) * params_.tick_s - std::sqrt(Dot(tip_moved_, tip_moved_));
     return HigherOf(kTuning.least_slew_cells * cell, kTuning.slew_cells * cell + way);
   }
 
@@ -280,7 +280,8 @@ class TankMaxwell final : public ForceLaw {
   // long without it: a hand that has turned off along another axis has not stopped.
   void EstimateFast() noexcept {
     double most = 0, lead = 1, since_any = 1e9;
-    for (const TurningAxis& axis : turning_) since_any = LowerOf(since_any, axis.SinceLast(time_s_));
+    for (const TurningAxis& axis : turning_)
+      since_any = LowerOf(since_any, axis.SinceLast(time_s_));
     for (int i = 0; i < 3; ++i) {
       double delta = grid_[i], fade = turning_[i].Fade(time_s_, delta);
       fast_[i] = turning_[i].speed() * fade;

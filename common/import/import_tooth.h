@@ -57,8 +57,7 @@ struct ImportSources {
 // into the scene's frame and fills the volume (generalised winding number, distance to the mesh).
 // - One surface, the outside of a crown or tooth: tissues are assumed by depth (tissues.h).
 // - One surface per tissue: layers.h. Also when `file` alone is given and has parts whose names
-// hold
-//   "enamel", "dentin" (or "root", "cement") and "pulp", with dentin and another among them.
+//   hold "enamel", "dentin" (or "root", "cement") and "pulp", with dentin and another among them.
 // Errors: kNotFound; kInvalidInput when something is no solid, of no tooth's size (3 to 40 mm; the
 // message names the unit that would fit), tissues do not fit together, or an option is wrong;
 // kTooLarge; kUnavailable (the reader was stopped).

@@ -6,6 +6,8 @@ namespace enamel {
 
 inline double LowerOf(double a, double b) noexcept { return a < b ? a : b; }
 inline double HigherOf(double a, double b) noexcept { return a > b ? a : b; }
-inline double Clamped(double v, double lo, double hi) noexcept { return v < lo ? lo : v > hi ? hi : v; }
+inline double Clamped(double v, double lo, double hi) noexcept {
+  return v < lo ? lo : v > hi ? hi : v;
+}
 
 }  // namespace enamel

@@ -15,7 +15,12 @@ struct Sym3 {
             w * n.x * n.y, w * n.x * n.z, w * n.y * n.z};
   }
   Sym3& operator+=(const Sym3& o) noexcept {
-    xx += o.xx; yy += o.yy; zz += o.zz; xy += o.xy; xz += o.xz; yz += o.yz;
+    xx += o.xx;
+    yy += o.yy;
+    zz += o.zz;
+    xy += o.xy;
+    xz += o.xz;
+    yz += o.yz;
     return *this;
   }
   friend Sym3 operator+(Sym3 a, const Sym3& b) noexcept { return a += b; }
@@ -23,8 +28,7 @@ struct Sym3 {
     return {a.xx * s, a.yy * s, a.zz * s, a.xy * s, a.xz * s, a.yz * s};
   }
   friend dvec3 operator*(const Sym3& a, const dvec3& v) noexcept {
-    return {a.xx * v.x + a.xy * v.y + a.xz * v.z,
-            a.xy * v.x + a.yy * v.y + a.yz * v.z,
+    return {a.xx * v.x + a.xy * v.y + a.xz * v.z, a.xy * v.x + a.yy * v.y + a.yz * v.z,
             a.xz * v.x + a.yz * v.y + a.zz * v.z};
   }
   double Trace() const noexcept { return xx + yy + zz; }

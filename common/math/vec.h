@@ -3,11 +3,11 @@
 // GLM is the one vector library; doubles in the core. Right-handed frames, column vectors.
 // glm::dot, cross and length are + * sqrt in a fixed order and so repeat bit for bit; glm's
 // trigonometry and slerp call libm and must not appear in the core.
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
-#include <glm/geometric.hpp>
-#include <glm/common.hpp>
 
 namespace enamel {
 

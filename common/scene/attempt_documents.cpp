@@ -6,10 +6,11 @@
 namespace enamel::scene {
 namespace {
 
-Status Another(const char* what, const char* field, const char* by, const Sha256& expected, const Sha256& found) {
+Status Another(const char* what, const char* field, const char* by, const Sha256& expected,
+               const Sha256& found) {
   return Status(Code::kConflict,
-                std::string("the recording names another ") + what + " than " + by + " does: expected " +
-                    expected.Hex() + ", found " + found.Hex(),
+                std::string("the recording names another ") + what + " than " + by +
+                    " does: expected " + expected.Hex() + ", found " + found.Hex(),
                 field);
 }
 
@@ -29,7 +30,8 @@ Result<AttemptDocuments> ReadDocuments(const Sha256& exercise, const Sha256& pro
   if (!scene_text.ok()) return scene_text.status();
   auto read_scene = SceneFromJson(AsText(*scene_text));
   if (!read_scene.ok()) return read_scene.status();
-  return AttemptDocuments{std::move(*read_exercise), std::move(*read_profile), std::move(*read_scene)};
+  return AttemptDocuments{std::move(*read_exercise), std::move(*read_profile),
+                          std::move(*read_scene)};
 }
 
 Status CheckMadeOf(const AttemptDocuments& documents, const Sha256& scene, const Sha256& volume,
@@ -43,8 +45,9 @@ Status CheckMadeOf(const AttemptDocuments& documents, const Sha256& scene, const
   Status status = CheckParams(documents.scene, documents.exercise, documents.profile, params);
   if (status.code() != Code::kConflict || status.field() != "params") return status;
   return Status(Code::kConflict,
-                "the recording was made with other core parameters than exercise \"" + documents.exercise.name +
-                    "\" and device profile \"" + documents.profile.name + "\" give",
+                "the recording was made with other core parameters than exercise \"" +
+                    documents.exercise.name + "\" and device profile \"" + documents.profile.name +
+                    "\" give",
                 "params");
 }
 

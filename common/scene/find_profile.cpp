@@ -17,7 +17,9 @@ Result<DeviceProfile> ProfileIn(const std::string& path) {
   const Status& status = profile.status();
   // Some messages begin with the place themselves.
   const bool placed = status.field().empty() || status.message().starts_with(status.field());
-  return Status(status.code(), path + ": " + (placed ? "" : status.field() + ": ") + status.message(), status.field());
+  return Status(status.code(),
+                path + ": " + (placed ? "" : status.field() + ": ") + status.message(),
+                status.field());
 }
 
 }  // namespace
@@ -31,7 +33,8 @@ Result<DeviceProfile> FindProfile(const std::string& name_or_path) {
   }
   return Status(Code::kNotFound,
                 "no device profile '" + name_or_path + "': there are " + names +
-                    ", or name a profile's document (FILE.json); 'enamel-station profiles' shows the figures of each",
+                    ", or name a profile's document (FILE.json); 'enamel-station profiles' shows "
+                    "the figures of each",
                 "profile");
 }
 

@@ -80,7 +80,10 @@ void ReadTorque(ObjectReader& in, DeviceProfile& profile) {
   const bool six = profile.axes.value == kSixAxes;
   if (!in.Has(kTorque)) {
     if (six)
-      in.Refuse(kTorque, "its figures for the three axes of rotation, as axes is 6 (3: it drives no rotation)", "nothing");
+      in.Refuse(
+          kTorque,
+          "its figures for the three axes of rotation, as axes is 6 (3: it drives no rotation)",
+          "nothing");
     return;
   }
   if (!six) {

@@ -183,11 +183,13 @@ core::CoreParams Compile(const Scene& scene, const Exercise& exercise,
   p.handpiece_tangential_permille = exercise.handpiece.tangential_permille;
   p.handpiece_lag_us = exercise.handpiece.lag_us;
   // The coupling's stiffness at half the bur's height, as an angle: Kc (h/2)^2; 1 N/m (1 m)^2 = 1 N m/rad.
-  double arm_m = 0.5e-9 * (p.bur_shape == cutting::BurShape::kSphere ? 2.0 * p.bur_radius_nm : p.bur_length_nm);
+  double arm_m = 0.5e-9 * (p.bur_shape == cutting::BurShape::kSphere ? 2.0 * p.bur_radius_nm
+                                                                     : p.bur_length_nm);
   p.rotational_kc_un_m_per_rad = static_cast<int32_t>(p.kc_mn_per_mm * arm_m * arm_m * 1e6 + 0.5);
   // Where the hand feels it, what the device can bear.
   if (profile.torque) {
-    p.rotational_kc_un_m_per_rad = static_cast<int32_t>(profile.torque->coupling_un_m_per_rad.value);
+    p.rotational_kc_un_m_per_rad =
+        static_cast<int32_t>(profile.torque->coupling_un_m_per_rad.value);
     p.peak_torque_un_m = static_cast<int32_t>(profile.torque->peak_un_m.value);
     p.rotation_cell_urad = static_cast<int32_t>(profile.torque->orientation_cell_urad.value);
   }
@@ -238,10 +240,12 @@ Status CheckVolume(const Scene& scene, const cutting::Volume& volume) {
     std::string tissue(cutting::kTissueNames[t]);
     return Status(Code::kConflict,
                   "scene '" + scene.name + "': " +
-                      (named[t] ? "it names " + tissue + ", of which its volume holds none: leave "
-                                                         "it out of 'tissues'"
-                                : "its volume holds " + tissue + ", which it does not name: add it "
-                                                                 "to 'tissues' with its damping"),
+                      (named[t] ? "it names " + tissue +
+                                      ", of which its volume holds none: leave "
+                                      "it out of 'tissues'"
+                                : "its volume holds " + tissue +
+                                      ", which it does not name: add it "
+                                      "to 'tissues' with its damping"),
                   "tissues");
   }
   return Status::Ok();

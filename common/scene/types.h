@@ -25,16 +25,16 @@ using PointUm = std::array<int32_t, 3>;
 
 struct TissueSpec {
   cutting::Tissue tissue = cutting::Tissue::kAir;
-  int32_t damping_mn_s_per_mm = 0;       // B across the bur's axis; 1 N s/mm = 1000 mN s/mm
-  std::string provenance;                // where the numbers are from
-  int32_t axial_damping_mn_s_per_mm = 0; // B along the bur's axis; 0: the same
-  int32_t coulomb_mn = 0;                // part of the cutting force that speed does not change
-  int32_t threshold_mn = 0;              // nothing is cut below; 0: Coulomb's part, else at least it
+  int32_t damping_mn_s_per_mm = 0;        // B across the bur's axis; 1 N s/mm = 1000 mN s/mm
+  std::string provenance;                 // where the numbers are from
+  int32_t axial_damping_mn_s_per_mm = 0;  // B along the bur's axis; 0: the same
+  int32_t coulomb_mn = 0;                 // part of the cutting force that speed does not change
+  int32_t threshold_mn = 0;  // nothing is cut below; 0: Coulomb's part, else at least it
 };
 
 // A bur as documents name it. What a shape does not use is 0 (cutting/bur.h).
 struct BurSpec {
-  std::string name;                      // of the offer in a scene: "fissure-10"; not in exercises
+  std::string name;  // of the offer in a scene: "fissure-10"; not in exercises
   cutting::BurShape shape = cutting::BurShape::kCylinder;
   int32_t radius_um = 0;
   int32_t length_um = 0;
@@ -74,71 +74,71 @@ struct TouchCueSpec {
 struct PreparationPart {
   enum class Outline { kBox, kDisc };
   Outline outline = Outline::kBox;
-  PointUm top_um{};                      // middle of the opening
-  std::array<int32_t, 2> half_size_um{}; // box: half length x, half width y; disc: radius, radius
-  int32_t depth_um = 0;                  // floor below the opening
+  PointUm top_um{};                       // middle of the opening
+  std::array<int32_t, 2> half_size_um{};  // box: half length x, half width y; disc: radius, radius
+  int32_t depth_um = 0;                   // floor below the opening
 };
 
 // A wanted shape: the union of its parts is what has to go. preparation.h makes the reference.
 struct Preparation {
-  std::string name;                      // "cross"; also the landmark its exercise hangs from
+  std::string name;  // "cross"; also the landmark its exercise hangs from
   std::string title;
   std::vector<PreparationPart> parts;
 };
 
 // A tooth (and what surrounds it) to work on.
 struct Scene {
-  std::string name;                      // "molar-46"
+  std::string name;  // "molar-46"
   std::string title;
-  Sha256 volume;                         // content address of the volume blob (volume_blob.h)
+  Sha256 volume;  // content address of the volume blob (volume_blob.h)
   int32_t voxel_nm = 0;
   std::vector<TissueSpec> tissues;
   std::map<std::string, PointUm> landmarks;  // always has "occlusal_centre"
-  std::vector<BurSpec> burs;             // burs an exercise may ask for; none: any
-  std::vector<Preparation> preparations; // wanted shapes, by name
-  std::string provenance;                // generated, or imported from which file (hash, licence)
+  std::vector<BurSpec> burs;                 // burs an exercise may ask for; none: any
+  std::vector<Preparation> preparations;     // wanted shapes, by name
+  std::string provenance;  // generated, or imported from which file (hash, licence)
 };
 
 // One number of a device profile and where it is from.
 struct Sourced {
   int64_t value = 0;
-  std::string source;                    // "paper, table 3", "assumption", "datasheet", "measured 2026-…"
+  std::string source;  // "paper, table 3", "assumption", "datasheet", "measured 2026-…"
 };
 
 // What a device of six driven axes shows about its axes of rotation (common/haptics/turning.h).
 struct TorqueSpec {
   Sourced peak_un_m;
-  Sourced coupling_un_m_per_rad;         // K used by the coupling
-  Sourced damping_un_m_s_per_rad;        // b_rot of the device itself
-  Sourced friction_un_m;                 // c_rot, Coulomb
+  Sourced coupling_un_m_per_rad;   // K used by the coupling
+  Sourced damping_un_m_s_per_rad;  // b_rot of the device itself
+  Sourced friction_un_m;           // c_rot, Coulomb
   // Largest angle between the true and the recorded orientation: sensors, driver, and the rounding
   // of the recording itself (core::kLeastRotationCell_urad).
   Sourced orientation_cell_urad;
 };
 
 struct DeviceProfile {
-  std::string name;                      // "phantom_desktop"
+  std::string name;  // "phantom_desktop"
   std::string title;
-  Sourced resolution_nm;                 // delta, of the coarsest axis
-  Sourced max_stiffness_mn_per_mm;       // K at the stated rate
-  Sourced coupling_mn_per_mm;            // Kc used by the coupling
-  Sourced damping_mn_s_per_m;            // b of the device itself
-  Sourced friction_mn;                   // c
+  Sourced resolution_nm;            // delta, of the coarsest axis
+  Sourced max_stiffness_mn_per_mm;  // K at the stated rate
+  Sourced coupling_mn_per_mm;       // Kc used by the coupling
+  Sourced damping_mn_s_per_m;       // b of the device itself
+  Sourced friction_mn;              // c
   Sourced mass_g;
   Sourced peak_force_mn;
   Sourced continuous_force_mn;
   Sourced rate_hz;
   Sourced bus_delay_ticks;
-  bool delay_measured = false;           // bus_delay_ticks was, on a unit; false: delay.h assumes a tick
+  bool delay_measured = false;  // bus_delay_ticks was, on a unit; false: delay.h assumes a tick
   Sourced workspace_radius_um;
   // May be unknown: then the source is empty.
-  Sourced axes{3, ""};                   // that are driven: 3, or 6 with torque
-  Sourced structural_mode_hz;            // lowest resonance between motor and tip
-  Sourced thermal_time_constant_ms;      // of the motors: how long the peak may last
+  Sourced axes{3, ""};               // that are driven: 3, or 6 with torque
+  Sourced structural_mode_hz;        // lowest resonance between motor and tip
+  Sourced thermal_time_constant_ms;  // of the motors: how long the peak may last
   // Damping that a current loop or shorted windings add: analog, so it pays as b does. No source:
   // none.
   Sourced electrical_damping_mn_s_per_m;
-  std::optional<TorqueSpec> torque;      // none: no torque is sent
+  std::optional<TorqueSpec> torque;  // none: no torque is sent
 
   // b of the limits: the device's own and the electrical.
   int64_t viscous_mn_s_per_m() const {
@@ -149,22 +149,25 @@ struct DeviceProfile {
 // What is to be cut: a box of the cavity, axis-aligned in the scene frame, its top open.
 struct CavityTarget {
   std::string landmark = "occlusal_centre";  // the point the box hangs from
-  PointUm half_size_um{};                // half length x (mesio-distal), half width y; z unused
-  int32_t depth_um = 0;                  // floor below the landmark
-  int32_t leeway_side_um = 0;            // may go, beyond the walls
+  PointUm half_size_um{};                    // half length x (mesio-distal), half width y; z unused
+  int32_t depth_um = 0;                      // floor below the landmark
+  int32_t leeway_side_um = 0;                // may go, beyond the walls
   int32_t leeway_bottom_um = 0;
-  int32_t container_um = 0;              // must stay, beyond the leeway
+  int32_t container_um = 0;  // must stay, beyond the leeway
 };
 
-struct RubricPoint { double value; double share; };  // share of the points, 0..1
+struct RubricPoint {
+  double value;
+  double share;
+};  // share of the points, 0..1
 
 struct RubricCriterion {
-  std::string metric;                    // a name from scoring/metrics.h
-  std::string title;                     // "Mesial wall"
-  std::string unit;                      // must equal the metric's unit
-  double points = 0;                     // full marks
-  std::vector<RubricPoint> map;          // piecewise linear in value, at least one, sorted
-  std::string comment;                   // shown where points are lost
+  std::string metric;            // a name from scoring/metrics.h
+  std::string title;             // "Mesial wall"
+  std::string unit;              // must equal the metric's unit
+  double points = 0;             // full marks
+  std::vector<RubricPoint> map;  // piecewise linear in value, at least one, sorted
+  std::string comment;           // shown where points are lost
   // Critical: when value exceeds this the whole score is 0.
   std::optional<double> fails_above;
 };
@@ -176,10 +179,10 @@ struct Rubric {
 };
 
 struct Exercise {
-  std::string name;                      // "class-1-occlusal"
+  std::string name;  // "class-1-occlusal"
   std::string title;
   std::string instructions;
-  Sha256 scene;                          // content address of the scene's JSON
+  Sha256 scene;  // content address of the scene's JSON
   cutting::BurShape bur_shape = cutting::BurShape::kCylinder;
   int32_t bur_radius_um = 0;
   int32_t bur_length_um = 0;
@@ -190,8 +193,8 @@ struct Exercise {
   TouchCueSpec touch_cues;
   haptics::LawKind law = haptics::kDefaultLaw;
   int32_t rate_hz = 1000;
-  int32_t time_limit_s = 0;              // 0: none
-  bool graded = true;                    // score shown after release; practice shows at once
+  int32_t time_limit_s = 0;  // 0: none
+  bool graded = true;        // score shown after release; practice shows at once
   CavityTarget target;
   Rubric rubric;
 

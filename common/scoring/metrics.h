@@ -56,7 +56,7 @@ class ProcessRecorder {
   // After the last Add:
   uint64_t ticks() const { return ticks_; }
   uint64_t gap_ticks() const { return gap_ticks_; }
-  double duration_s() const;                        // gaps included
+  double duration_s() const;  // gaps included
   // Time less than 50 ms after something was removed: a cut is renewed when it would leave a mark,
   // after some way or some ticks, so that most ticks of a stroke remove nothing themselves, the more
   // of them the faster the loop. Recordings before core version 4: the ticks that removed something.
@@ -76,7 +76,8 @@ class ProcessRecorder {
   uint32_t rate_hz_;
   dvec3 origin_m_;
   uint32_t decimation_;  // ticks per kept sample
-  uint64_t cutting_window_, cutting_left_ = 0;  // ticks that count as cutting after one that removed
+  uint64_t cutting_window_,
+      cutting_left_ = 0;  // ticks that count as cutting after one that removed
   uint64_t cutting_time_ticks_ = 0;
   uint64_t ticks_ = 0, cutting_ticks_ = 0, bounded_ticks_ = 0, late_ticks_ = 0, gap_ticks_ = 0;
   uint64_t force_ticks_ = 0;

@@ -24,7 +24,8 @@ double Length(const dvec3& v) { return std::sqrt(Dot(v, v)); }
 ProcessRecorder::ProcessRecorder(const core::CoreParams& params)
     : rate_hz_(params.rate_hz),
       decimation_(std::max(1u, (params.rate_hz + kSampleRate_hz - 1) / kSampleRate_hz)),
-      cutting_window_(params.core_version >= 4 ? std::max(1u, params.rate_hz / kCuttingWindows_per_s) : 1),
+      cutting_window_(
+          params.core_version >= 4 ? std::max(1u, params.rate_hz / kCuttingWindows_per_s) : 1),
       force_histogram_(kForceBins) {
   for (int i = 0; i < 3; ++i) {
     origin_m_[i] = static_cast<double>(params.device_origin_nm[static_cast<size_t>(i)]) * 1e-9;

@@ -393,7 +393,8 @@ void AddPersonalData(CLI::App& admin, Options& o, Command& command) {
   copy->add_option("TARGET", o.target, "Folder to make; absent or empty")->required();
   copy->callback([&] { command = [&] { return app::ExportPerson(o.data, o.login, o.target); }; });
 
-  auto* erase = admin.add_subcommand("erase-person", "Erase everything that is kept about a person");
+  auto* erase =
+      admin.add_subcommand("erase-person", "Erase everything that is kept about a person");
   AddData(erase, o.data);
   erase->add_option("--login", o.login)->required();
   erase->add_option("--confirm", o.confirm, "The login once more: this cannot be undone")
@@ -465,7 +466,8 @@ void AddExercises(CLI::App& admin, Options& o, Command& command) {
       "  enamel-server admin publish-exercise --data DIR --scene builtin:molar --name class-1");
   publish->callback([&] { command = [&] { return app::PublishExercise(o.data, o.exercise); }; });
 
-  auto* retire = admin.add_subcommand("retire-exercise", "Stop offering it: no version can be assigned");
+  auto* retire =
+      admin.add_subcommand("retire-exercise", "Stop offering it: no version can be assigned");
   AddData(retire, o.data);
   retire->add_option("--name", o.exercise_name)->required();
   retire->callback([&] { command = [&] { return app::RetireExercise(o.data, o.exercise_name); }; });

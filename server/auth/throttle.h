@@ -14,15 +14,15 @@ namespace enamel::server::auth {
 // Slows guessing down without locking anybody out. A *place* is an address block (AddressBlock); a
 // place is *known* for a login that signed in from it within 30 days (and since the server began).
 //
-//   failures of        free  then                              who waits
-//   a login at a place    5  0.5 s, doubled up to 60 s         that login there (known: 4 s at
-//   most) a login anywhere     20  0.5 s, doubled up to 4 s          that login, but not where it
-//   is known,
-//                                                              nor a place's first try (100 such)
-//   a place              30  0.5 s, doubled up to 4 s          logins that failed there before
-//                            a try each 0.25 s                 the other logins there, held for it
-//                                                              and refused beyond 2 s; not known
-//                                                              ones
+//   failures of        free  then                          who waits
+//   a login at a place    5  0.5 s, doubled up to 60 s     that login there
+//                            (known: up to 4 s)
+//   a login anywhere     20  0.5 s, doubled up to 4 s      that login, but neither where it is
+//                                                          known nor at a place's first try
+//                                                          (100 such places)
+//   a place              30  0.5 s, doubled up to 4 s      logins that failed there before
+//                            a try each 0.25 s             the other logins there, held for it
+//                                                          and refused beyond 2 s; not known ones
 //
 // So a room whose students mistype waits for nobody's mistakes but one's own, and whoever guesses
 // from elsewhere cannot keep the owner out of where the owner works. A login's success takes its

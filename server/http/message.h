@@ -51,7 +51,7 @@ struct Response {
   std::string body;
   std::shared_ptr<const std::string> shared_body;  // instead of `body`: what many answers share
   std::vector<std::pair<std::string, std::string>> headers;
-  std::string refusal;  // the error's code, when this is one; for the server itself
+  std::string refusal;                  // the error's code, when this is one; for the server itself
   std::shared_ptr<EventSource> events;  // instead of a body; the connection ends with them
 
   std::string_view Body() const { return shared_body ? *shared_body : body; }

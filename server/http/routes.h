@@ -50,7 +50,7 @@ struct Call {
   // Of the certificate that stations know the server by, in hexadecimal; empty: it takes none.
   std::string_view station_fingerprint = {};
   StorePool* apart =
-      nullptr;  // always set: for what asks a disk and must not wait for the database
+      nullptr;               // always set: for what asks a disk and must not wait for the database
   FeelMaps* feel = nullptr;  // always set
 };
 

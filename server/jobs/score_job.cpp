@@ -102,8 +102,8 @@ class ScoreJob {
     if (ticket.profile != row_.profile_content) {
       return Differs("device profile", row_.profile_content.Hex(), ticket.profile.Hex());
     }
-    auto documents = scene::ReadDocuments(
-        ticket.exercise, ticket.profile, [&](const Sha256& hash) { return store_.GetBlob(hash); });
+    auto documents = scene::ReadDocuments(ticket.exercise, ticket.profile,
+                                          [&](const Sha256& hash) { return store_.GetBlob(hash); });
     if (!documents.ok()) return documents.status();
     ENAMEL_RETURN_IF_ERROR(
         scene::CheckMadeOf(*documents, header_.scene, header_.volume, header_.params));

@@ -145,9 +145,9 @@ Result<wire::Reply> Session::Do(const wire::RequestTicket& request) {
 // The core's parameters follow from exercise, scene and profile; a header that names others would
 // be scored as something it was not.
 Status Session::CheckParams(const trace::Header& header) {
-  auto documents = scene::ReadDocuments(
-      header.ticket.exercise, header.ticket.profile,
-      [&](const Sha256& hash) { return services_.store.GetBlob(hash); });
+  auto documents =
+      scene::ReadDocuments(header.ticket.exercise, header.ticket.profile,
+                           [&](const Sha256& hash) { return services_.store.GetBlob(hash); });
   if (!documents.ok()) return documents.status();
   return scene::CheckMadeOf(*documents, header.scene, header.volume, header.params);
 }

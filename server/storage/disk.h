@@ -35,8 +35,7 @@ class Disk {
   virtual Result<Content> Hash(const std::filesystem::path& path) = 0;
   // Copies a file, or links it where the file system can and `link` allows; tells its content,
   // which is read from `from` either way. Not durable before SyncAll. `to` must not exist. Errors:
-  // kNotFound
-  // (`from` is absent or cannot be read), kStorage (`to`).
+  // kNotFound (`from` is absent or cannot be read), kStorage (`to`).
   struct Copied : Content {
     bool linked = false;
   };

@@ -297,9 +297,9 @@ scene::Calibration CalibrationOf(const AxisFigures& worst, int rate_hz) {
   out.friction_mn = Document(worst.friction_n, 1e-3);
   out.damping_mn_s_per_m = Document(worst.damping_n_s_per_m, 1e-3);
   out.mass_g = Document(worst.mass_kg, 1e-3);
-  out.bus_delay_ticks = scene::Measured{WholeTicks(worst.delay_ticks),
-                                        Rounded(worst.delay_ticks.uncertainty),
-                                        std::max<int64_t>(1, worst.delay_ticks.samples)};
+  out.bus_delay_ticks =
+      scene::Measured{WholeTicks(worst.delay_ticks), Rounded(worst.delay_ticks.uncertainty),
+                      std::max<int64_t>(1, worst.delay_ticks.samples)};
   return out;
 }
 

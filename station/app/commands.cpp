@@ -9,10 +9,10 @@
 #include "common/base/unix_time.h"
 #include "common/base/utf8.h"
 #include "common/import/scene_folder.h"
+#include "common/program/output.h"
 #include "common/scene/builtin.h"
 #include "common/scene/find_profile.h"
 #include "common/scene/json.h"
-#include "common/program/output.h"
 #include "station/app/simulate.h"
 #include "station/session/by_name.h"
 #include "station/uplink/private_folder.h"
@@ -87,8 +87,9 @@ Status ListReserved(const fs::path& data) {
   for (const LockedTicket& t : *tickets) {
     const int64_t left_min = (t.expires_unix_ms - UnixMs()) / 60'000;
     std::printf("%s  %s: %s on %s, %lld h %02lld min left%s\n", t.attempt.Text().c_str(),
-                Printable(t.person).c_str(), Printable(t.title).c_str(), Printable(t.profile).c_str(),
-                static_cast<long long>(left_min / 60), static_cast<long long>(left_min % 60),
+                Printable(t.person).c_str(), Printable(t.title).c_str(),
+                Printable(t.profile).c_str(), static_cast<long long>(left_min / 60),
+                static_cast<long long>(left_min % 60),
                 (*spool)->Get(t.attempt).ok() ? "  (begun)" : "");
   }
   return Status::Ok();
@@ -151,11 +152,11 @@ Status SimulateAttempt(const SimulateCommand& options) {
     planes[p.name] = p.median_um;
   }
   return program::WriteJsonFile(options.json, {{"ticks", report->ticks},
-                                      {"force_p95_n", report->force_p95_n},
-                                      {"force_max_n", report->force_max_n},
-                                      {"state_hash", report->state_hash},
-                                      {"removed_mm3", removed},
-                                      {"plane_median_um", planes}});
+                                               {"force_p95_n", report->force_p95_n},
+                                               {"force_max_n", report->force_max_n},
+                                               {"state_hash", report->state_hash},
+                                               {"removed_mm3", removed},
+                                               {"plane_median_um", planes}});
 }
 
 void PrintProfiles() {

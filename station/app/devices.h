@@ -8,7 +8,7 @@ namespace enamel::station {
 
 struct DevicesCommand {
   std::filesystem::path data;  // the station's folder: what was measured here
-  bool all = false;  // also HID devices that are nothing known here
+  bool all = false;            // also HID devices that are nothing known here
   std::filesystem::path json;
 };
 

@@ -261,7 +261,8 @@ Status Doctor(const DoctorCommand& options) {
     findings.push_back(
         {{"what", f.what}, {"verdict", Word(f.verdict)}, {"found", f.found}, {"advice", f.advice}});
   }
-  ENAMEL_RETURN_IF_ERROR(program::WriteJsonFile(options.json, {{"findings", findings}, {"failed", failed}}));
+  ENAMEL_RETURN_IF_ERROR(
+      program::WriteJsonFile(options.json, {{"findings", findings}, {"failed", failed}}));
   if (failed == 0) return Status::Ok();
   return Status(Code::kUnavailable, std::to_string(failed) +
                                         (failed == 1 ? " thing is" : " things are") +

@@ -14,13 +14,13 @@
 #include "common/cutting/cutter.h"
 #include "common/import/scene_folder.h"
 #include "common/program/log.h"
+#include "common/program/output.h"
 #include "common/scene/builtin.h"
 #include "common/scene/find_profile.h"
 #include "common/scene/json.h"
 #include "common/scene/parts.h"
 #include "common/scene/plan.h"
 #include "common/scene/pruning.h"
-#include "common/program/output.h"
 #include "station/app/scene_cost.h"
 #include "station/devices/operators.h"
 
@@ -459,9 +459,9 @@ Status ExplainScene(const ExplainCommand& options) {
   if (!subject.ok()) return subject.status();
   Appraiser appraiser(*subject);
   std::vector<std::pair<Part, Worth>> rows;
-  for (Part& part : scene::ListParts(subject->built.scene, subject->exercise,
-                                     {options.window, options.replay,
-                                      subject->params.peak_torque_un_m > 0})) {
+  for (Part& part :
+       scene::ListParts(subject->built.scene, subject->exercise,
+                        {options.window, options.replay, subject->params.peak_torque_un_m > 0})) {
     Worth worth = appraiser.Of(part);
     rows.emplace_back(std::move(part), std::move(worth));
   }

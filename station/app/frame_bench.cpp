@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "common/cutting/cutter.h"
-#include "common/scene/builtin.h"
 #include "common/program/output.h"
+#include "common/scene/builtin.h"
 #include "station/render/panel.h"
 #include "station/render/window.h"
 

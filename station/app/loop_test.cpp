@@ -13,9 +13,9 @@
 #include <thread>
 #include <vector>
 
+#include "common/program/output.h"
 #include "common/scene/builtin.h"
 #include "common/scene/plan.h"
-#include "common/program/output.h"
 #include "station/devices/pointer_device.h"
 #include "station/loop/realtime.h"
 #include "station/loop/tick_loop.h"
@@ -321,18 +321,18 @@ Status TestLoop(const LoopTestCommand& options) {
   std::printf("  late by a whole period or more: bare %.4f %%, loop %.4f %% of the ticks\n",
               100 * LateShare(all_bare), 100 * LateShare(all_loop));
   return program::WriteJsonFile(options.json, {{"rate_hz", options.rate_hz},
-                                      {"own_ns", cost.own_ns()},
-                                      {"loop_ns", cost.loop_ns},
-                                      {"core_ns", cost.core_ns},
-                                      {"bare_p99_us", Median(bare_p99)},
-                                      {"loop_p99_us", Median(loop_p99)},
-                                      {"difference_us", difference},
-                                      {"bare_spread_us", spread},
-                                      {"within", within},
-                                      {"bare_late_share", LateShare(all_bare)},
-                                      {"loop_late_share", LateShare(all_loop)},
-                                      {"refused", grant.refused},
-                                      {"turns", all}});
+                                               {"own_ns", cost.own_ns()},
+                                               {"loop_ns", cost.loop_ns},
+                                               {"core_ns", cost.core_ns},
+                                               {"bare_p99_us", Median(bare_p99)},
+                                               {"loop_p99_us", Median(loop_p99)},
+                                               {"difference_us", difference},
+                                               {"bare_spread_us", spread},
+                                               {"within", within},
+                                               {"bare_late_share", LateShare(all_bare)},
+                                               {"loop_late_share", LateShare(all_loop)},
+                                               {"refused", grant.refused},
+                                               {"turns", all}});
 }
 
 }  // namespace enamel::station

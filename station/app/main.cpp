@@ -391,7 +391,8 @@ int main(int argc, char** argv) {
       ->add_option("--scene", simulate.scene,
                    "builtin:molar, builtin:block, or an imported scene's folder")
       ->capture_default_str();
-  simulate_cmd->add_option("--profile", simulate.profile, "Device profile, or its document (FILE.json)")
+  simulate_cmd
+      ->add_option("--profile", simulate.profile, "Device profile, or its document (FILE.json)")
       ->capture_default_str();
   simulate_cmd->add_option("--operator", simulate.operator_name, "Who holds the device")
       ->capture_default_str();
@@ -411,7 +412,8 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   explain_cmd->add_option("--exercise", explain.exercise,
                           "Name ('scenes' lists them) or kind, as class-1; else the scene's first");
-  explain_cmd->add_option("--profile", explain.profile, "Device profile, or its document (FILE.json)")
+  explain_cmd
+      ->add_option("--profile", explain.profile, "Device profile, or its document (FILE.json)")
       ->capture_default_str();
   explain_cmd->add_option("--voxel-um", explain.voxel_um, "Voxel of a built-in scene")
       ->capture_default_str();

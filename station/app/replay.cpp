@@ -8,10 +8,10 @@
 
 #include "common/base/file.h"
 #include "common/program/log.h"
+#include "common/program/output.h"
 #include "common/scene/volume_blob.h"
 #include "common/surface/ply.h"
 #include "common/trace/moment.h"
-#include "common/program/output.h"
 #include "station/app/simulate.h"
 #include "station/uplink/uploader.h"
 
@@ -215,21 +215,21 @@ Status ReplayTrace(const ReplayOptions& options) {
   ENAMEL_RETURN_IF_ERROR(WriteSurface(options.surface, *moment->core));
   ENAMEL_RETURN_IF_ERROR(
       program::WriteJsonFile(options.json, {{"format", 1},
-                                   {"attempt_id", recording->header.ticket.attempt.Text()},
-                                   {"core_version", recording->header.params.core_version},
-                                   {"ticks", r.ticks},
-                                   {"chunks", r.chunks},
-                                   {"gap_ticks", r.gap_ticks},
-                                   {"whole", moment->whole},
-                                   {"truncated", recording->file.truncated},
-                                   {"sealed", recording->file.seal.has_value()},
-                                   {"from_tick", moment->from_tick},
-                                   {"witness_ok", r.witness_ok},
-                                   {"state_hash", Hex(r.state_hash)},
-                                   {"removed_mm3", std::move(removed)},
-                                   {"seconds", r.seconds},
-                                   {"ticks_per_second", per_second},
-                                   {"realtime_factor", factor}}));
+                                            {"attempt_id", recording->header.ticket.attempt.Text()},
+                                            {"core_version", recording->header.params.core_version},
+                                            {"ticks", r.ticks},
+                                            {"chunks", r.chunks},
+                                            {"gap_ticks", r.gap_ticks},
+                                            {"whole", moment->whole},
+                                            {"truncated", recording->file.truncated},
+                                            {"sealed", recording->file.seal.has_value()},
+                                            {"from_tick", moment->from_tick},
+                                            {"witness_ok", r.witness_ok},
+                                            {"state_hash", Hex(r.state_hash)},
+                                            {"removed_mm3", std::move(removed)},
+                                            {"seconds", r.seconds},
+                                            {"ticks_per_second", per_second},
+                                            {"realtime_factor", factor}}));
   ENAMEL_RETURN_IF_ERROR(CheckSeal(*recording, *moment));
   return Verdict(*moment);
 }

@@ -39,7 +39,8 @@ void AddWorkplaceSettings(CLI::App& command, WorkplaceSettings& settings) {
       ->capture_default_str();
   command
       .add_option("--keep-mib", settings.keep_mib,
-                  "Beyond this the recordings that the server has had longest are removed earlier; 0: no bound")
+                  "Beyond this the recordings that the server has had longest are removed earlier; "
+                  "0: no bound")
       ->check(CLI::Range(int64_t{0}, kMostMib))
       ->capture_default_str();
 }

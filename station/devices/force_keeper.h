@@ -22,7 +22,7 @@ class ForceKeeper {
 
   struct Command {
     dvec3 force_n{0};
-    dvec3 torque_n_m{0};  // falls with the force
+    dvec3 torque_n_m{0};     // falls with the force
     bool motors_on = false;  // false before the first force and once it has gone
   };
 

@@ -14,7 +14,8 @@ constexpr double kStartAbove_m = 2e-3;  // of the highest point near the cavity
 constexpr double kHandAndWrist_kg_m2 = 1e-4;
 
 constexpr std::array<OperatorPreset, 3> kPresets = {{
-    {"dentist", "cuts the exercise's box to about a third of a voxel", 0, 1, 1.0, 0.55e-3, 2.2, false},
+    {"dentist", "cuts the exercise's box to about a third of a voxel", 0, 1, 1.0, 0.55e-3, 2.2,
+     false},
     {"student", "the same box, another hand: slower, other layers, other way round", 0, 7, 0.85,
      0.5e-3, 1.8, true},
     {"student-deep-mesial", "like student, and cuts the mesial wall 0.3 mm too far", 0.3e-3, 7,
@@ -65,7 +66,8 @@ PlantParams PlantOf(const scene::DeviceProfile& profile, const core::CoreParams&
   if (profile.torque) {
     const scene::TorqueSpec& torque = *profile.torque;
     plant.inertia_kg_m2 = kHandAndWrist_kg_m2;
-    plant.rotational_damping_n_m_s = static_cast<double>(torque.damping_un_m_s_per_rad.value) * 1e-6;
+    plant.rotational_damping_n_m_s =
+        static_cast<double>(torque.damping_un_m_s_per_rad.value) * 1e-6;
     plant.rotational_friction_n_m = static_cast<double>(torque.friction_un_m.value) * 1e-6;
     plant.orientation_cell_rad = static_cast<double>(torque.orientation_cell_urad.value) * 1e-6;
     plant.peak_torque_n_m = static_cast<double>(torque.peak_un_m.value) * 1e-6;

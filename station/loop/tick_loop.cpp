@@ -196,9 +196,10 @@ void TickLoop::AddLeak(const DeviceSample& sample, double hold_s) noexcept {
     double rate = 0.5 * params.kc_mn_per_mm - options_.damping_n_s_per_m / hold_s;
     if (rate > 0) counters_.leak_j += rate * square;
     if (params.peak_torque_un_m > 0) {
-      const dvec3 turned = haptics::ChordOfTurn(FromQuantised(sample.orientation),
-                                                FromQuantised(last_orientation_));
-      rate = 0.5e-6 * params.rotational_kc_un_m_per_rad - options_.rotational_damping_n_m_s / hold_s;
+      const dvec3 turned =
+          haptics::ChordOfTurn(FromQuantised(sample.orientation), FromQuantised(last_orientation_));
+      rate =
+          0.5e-6 * params.rotational_kc_un_m_per_rad - options_.rotational_damping_n_m_s / hold_s;
       if (rate > 0) counters_.leak_j += rate * Dot(turned, turned);
     }
   }

@@ -53,7 +53,9 @@ void ParallelFor(size_t n, int threads, const std::function<void(size_t)>& job) 
   for (std::thread& t : others) t.join();
 }
 
-bool ProvedLaw(LawKind law) { return law == LawKind::kMaxwell || law == LawKind::kGatedMaxwell || law == LawKind::kTankMaxwell; }
+bool ProvedLaw(LawKind law) {
+  return law == LawKind::kMaxwell || law == LawKind::kGatedMaxwell || law == LawKind::kTankMaxwell;
+}
 
 bool Proved(const TrialSpec& s) {
   if (!ProvedLaw(s.law.kind)) return false;

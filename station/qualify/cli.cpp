@@ -24,7 +24,8 @@ void RegisterQualify(CLI::App& app, int* exit_code) {
       ->capture_default_str();
   qualify
       ->add_option("--suite", options->suites,
-                   "paper, hand, map, strokes, rates, laws, estimators, extreme, adversary, random, cutting or all")
+                   "paper, hand, map, strokes, rates, laws, estimators, extreme, adversary, "
+                   "random, cutting or all")
       ->delimiter(',')
       ->capture_default_str();
   qualify->add_flag("--quick", options->quick, "under a minute on two cores");
@@ -47,24 +48,32 @@ void RegisterQualify(CLI::App& app, int* exit_code) {
   qualify->footer(
       "Suites:\n"
       "  paper       the tables of Liu et al. 2008 beside what this law does in the same cases\n"
-      "  hand        a hand's motions: pulling out, first strokes, recorded strokes, reversals, turned encoders\n"
-      "  map         what a hand can feel, by tissue and speed: error and delay of a steady cut and of strokes,\n"
+      "  hand        a hand's motions: pulling out, first strokes, recorded strokes, reversals, "
+      "turned encoders\n"
+      "  map         what a hand can feel, by tissue and speed: error and delay of a steady cut "
+      "and of strokes,\n"
       "              and in words whether that is right, late or too much for the device\n"
-      "  strokes     press, stroke, reverse, lift, nick, slip-out with the product's core: force against time\n"
+      "  strokes     press, stroke, reverse, lift, nick, slip-out with the product's core: force "
+      "against time\n"
       "              beside the ideal (schemas/strokes.schema.json)\n"
-      "  rates       the device at 1, 2, 4 and 8 kHz with the largest coupling it may have there, without delay\n"
-      "              and with one tick: Kc and what limits it, Kc delta/2, lag and error of a wandering hand\n"
+      "  rates       the device at 1, 2, 4 and 8 kHz with the largest coupling it may have there, "
+      "without delay\n"
+      "              and with one tick: Kc and what limits it, Kc delta/2, lag and error of a "
+      "wandering hand\n"
       "  laws        every force law on the same cuts: error against run time\n"
       "  estimators  every velocity estimator on the same cuts\n"
-      "  extreme     stiff tissue, light hands, held ticks: where each law is passive, bounded or unstable\n"
-      "  adversary   a search for motions that draw energy from the coupling; exit code 2 when one is found\n"
+      "  extreme     stiff tissue, light hands, held ticks: where each law is passive, bounded or "
+      "unstable\n"
+      "  adversary   a search for motions that draw energy from the coupling; exit code 2 when one "
+      "is found\n"
       "  random      devices, tissues and hands drawn from --seed: how many hold every bound\n"
       "  cutting     error of the cut against its run time, by voxel size\n"
       "Examples:\n"
       "  enamel-station qualify --profile omega3 --suite hand --quick\n"
       "  enamel-station qualify --profile my_device.json --suite map,rates\n"
       "  enamel-station qualify --profile omega3 --suite strokes --json strokes.json\n"
-      "  node web/scripts/draw_report.mjs strokes.json strokes.html   # or attach the JSON to the device on the server\n"
+      "  node web/scripts/draw_report.mjs strokes.json strokes.html   # or attach the JSON to the "
+      "device on the server\n"
       "Exit codes: 0 measured, 1 failed, 2 a proved law gave energy.");
   qualify->callback([options, exit_code] {
     if (::isatty(STDERR_FILENO) != 0 && !program::LogIsJson()) options->progress = stderr;

@@ -104,13 +104,14 @@ struct FeelRow {
 // One device at one loop rate with the largest coupling it may have there (scene/rate.h), in five
 // hands that wander over enamel of 6.5 N s/mm at 0.2 mm/s. JSON: member "rates", the names below.
 struct RateRow {
-  std::string device, limit;  // limit: what keeps Kc from being larger: damping, friction, structure
+  std::string device,
+      limit;  // limit: what keeps Kc from being larger: damping, friction, structure
   double rate_hz = 0, kc_n_per_mm = 0;
   int delay_ticks = 0;
-  double kc_delta_half_n = 0;      // what one encoder cell is worth: the least error per axis
-  double lag_s = 0;                // at which R and B v correlate best, mean
-  double error_rms = 0;            // RMS of R - B v over that of B v
-  double error_over_oracle = 0;    // the same over the oracle's at this Kc
+  double kc_delta_half_n = 0;    // what one encoder cell is worth: the least error per axis
+  double lag_s = 0;              // at which R and B v correlate best, mean
+  double error_rms = 0;          // RMS of R - B v over that of B v
+  double error_over_oracle = 0;  // the same over the oracle's at this Kc
 };
 
 // One bur at one voxel size and speed.

@@ -56,7 +56,8 @@ struct Track {
 
 double LagOf(const Track& track, double tick_s) {
   double best = -1e300, lag = 0;
-  size_t n = track.sent.size(), step = std::max<size_t>(1, static_cast<size_t>(kLagStep_s / tick_s));
+  size_t n = track.sent.size(),
+         step = std::max<size_t>(1, static_cast<size_t>(kLagStep_s / tick_s));
   for (size_t d = 0; d < n && static_cast<double>(d) * tick_s < kLongestLag_s; d += step) {
     double sum = 0;
     for (size_t k = d; k < n; ++k) sum += Dot(track.sent[k], track.ideal[k - d]);
@@ -136,8 +137,8 @@ HandFigures RunHand(const DeviceModel& m, const HandTrial& trial, const HandMoti
         out.help_s += tick_s;
     }
     double step = glm::length(r - before);
-    out.step_n = std::max(
-        out.step_n, step - kc * (glm::length(dx) + std::sqrt(3.0) * m.resolution_m));
+    out.step_n =
+        std::max(out.step_n, step - kc * (glm::length(dx) + std::sqrt(3.0) * m.resolution_m));
     before = r;
     track.sent.push_back(r);
     track.ideal.push_back(ideal);

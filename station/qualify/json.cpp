@@ -85,8 +85,12 @@ json::object HandJson(const HandRow& r) {
 json::object FeelJson(const FeelRow& r) {
   const fidelity::Cell& c = r.cell;
   bool strokes = c.motion == fidelity::Motion::kStrokes;
-  auto Lag = [&](const fidelity::Figures& f) { return strokes ? Number(f.lag_s) : json::value(nullptr); };
-  auto Rise = [&](const fidelity::Figures& f) { return strokes ? json::value(nullptr) : Time(f.rise_s); };
+  auto Lag = [&](const fidelity::Figures& f) {
+    return strokes ? Number(f.lag_s) : json::value(nullptr);
+  };
+  auto Rise = [&](const fidelity::Figures& f) {
+    return strokes ? json::value(nullptr) : Time(f.rise_s);
+  };
   return {{"suite", "map"},
           {"device", r.device},
           {"attached", r.attached},

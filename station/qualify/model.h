@@ -22,10 +22,10 @@ struct DeviceModel {
   double peak_force_n = 0, continuous_force_n = 0;
   double rate_hz = 1000;
   int delay_ticks = 0;
-  double mode_hz = 0;            // lowest structural mode, 0: unknown
-  double thermal_s = 0;          // time constant of the motors' heating, 0: unknown
+  double mode_hz = 0;    // lowest structural mode, 0: unknown
+  double thermal_s = 0;  // time constant of the motors' heating, 0: unknown
   std::vector<std::pair<std::string, std::string>> provenance;  // number -> where it is from
-  scene::DeviceProfile profile;  // what it was made from
+  scene::DeviceProfile profile;                                 // what it was made from
 
   double tick_s() const { return 1 / rate_hz; }
   // Kc at which the theorem of coupling.h stops holding at this rate: min(2 b / (T (d + 1)^2), 2 c

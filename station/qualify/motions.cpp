@@ -91,8 +91,8 @@ dvec3 WayReader::PositionAt(double t) const {
   const dvec3 &p1 = way_[i], &p2 = way_[i + 1], &p0 = i > 0 ? way_[i - 1] : p1,
               &p3 = i + 2 < way_.size() ? way_[i + 2] : p2;
   return p1 + 0.5 * u *
-                  ((p2 - p0) + u * ((2.0 * p0 - 5.0 * p1 + 4.0 * p2 - p3) +
-                                    u * (3.0 * (p1 - p2) + p3 - p0)));
+                  ((p2 - p0) +
+                   u * ((2.0 * p0 - 5.0 * p1 + 4.0 * p2 - p3) + u * (3.0 * (p1 - p2) + p3 - p0)));
 }
 
 dvec3 WayReader::SpeedAt(double t) const {
@@ -189,8 +189,7 @@ HandMotion WanderingMotion(double mean, double duration_s, uint64_t seed) {
       step = way * (stroke_s * r.LogBetween(0.3, 2));
     }
     dvec3 shake;
-    for (int k = 0; k < 3; ++k)
-      shake[k] = std::sin(2 * M_PI * ((9 + k) * now + tremor_phase[k]));
+    for (int k = 0; k < 3; ++k) shake[k] = std::sin(2 * M_PI * ((9 + k) * now + tremor_phase[k]));
     m.way_m.push_back(at + step * MinimumJerk((now - began) / stroke_s) + shake * 2e-3);
   }
   return ScaledToSpeed(std::move(m), mean);

@@ -14,9 +14,9 @@ namespace enamel::station::qualify {
 
 struct HandMotion {
   std::string name;
-  std::vector<dvec3> way_m;   // one position per kWayStep_s, from time 0
-  double reversal_s = -1;     // when it turns straight back, -1: it does not
-  bool human = false;         // recorded from a person
+  std::vector<dvec3> way_m;  // one position per kWayStep_s, from time 0
+  double reversal_s = -1;    // when it turns straight back, -1: it does not
+  bool human = false;        // recorded from a person
 };
 
 inline constexpr double kWayStep_s = 1e-3;
@@ -27,7 +27,8 @@ double MeanSpeed(const HandMotion& motion);
 HandMotion ScaledToSpeed(HandMotion motion, double mean_m_per_s);
 
 // Straight and back at constant speed: `out_s` there, `back_s` back, no rest between.
-HandMotion ReversalMotion(double speed_m_per_s, double out_s, double back_s, const dvec3& direction);
+HandMotion ReversalMotion(double speed_m_per_s, double out_s, double back_s,
+                          const dvec3& direction);
 // To and fro between two points with minimum-jerk strokes of `stroke_s` each (Flash and Hogan 1985:
 // s(t) = L (10 u^3 - 15 u^4 + 6 u^5), u = t / stroke_s), mean speed as given.
 HandMotion StrokesMotion(double mean_m_per_s, double stroke_s, int strokes, const dvec3& direction);

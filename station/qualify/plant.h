@@ -72,8 +72,7 @@ class Hand {
 };
 
 // Seeded numbers for the suites: splitmix64, the same on every machine. Uniform in [0, 1), signed
-// in
-// [-1, 1), integers below n, and a standard normal (12 uniforms less 6 would lack tails:
+// in [-1, 1), integers below n, and a standard normal (12 uniforms less 6 would lack tails:
 // Marsaglia).
 class Random {
  public:

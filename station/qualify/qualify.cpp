@@ -19,11 +19,16 @@ struct Suite {
   const char* name;
   void (*run)(SuiteContext&);
 };
-constexpr Suite kSuites[] = {{"paper", &RunPaperSuite},           {"hand", &RunHandSuite},
-                             {"map", &RunMapSuite},               {"strokes", &RunStrokesSuite},
-                             {"rates", &RunRatesSuite},           {"laws", &RunLawsSuite},
-                             {"estimators", &RunEstimatorsSuite}, {"extreme", &RunExtremeSuite},
-                             {"adversary", &RunAdversarySuite},   {"random", &RunRandomSuite},
+constexpr Suite kSuites[] = {{"paper", &RunPaperSuite},
+                             {"hand", &RunHandSuite},
+                             {"map", &RunMapSuite},
+                             {"strokes", &RunStrokesSuite},
+                             {"rates", &RunRatesSuite},
+                             {"laws", &RunLawsSuite},
+                             {"estimators", &RunEstimatorsSuite},
+                             {"extreme", &RunExtremeSuite},
+                             {"adversary", &RunAdversarySuite},
+                             {"random", &RunRandomSuite},
                              {"cutting", &RunCuttingSuite}};
 
 // The suites measure the three axes of force. A torque that is not passive would shake the hand that holds them.
@@ -31,9 +36,10 @@ Status CheckTorque(const scene::DeviceProfile& profile) {
   for (const scene::ProfileCriterion& c : scene::CheckProfile(profile)) {
     if (c.met || !c.member.starts_with("torque/")) continue;
     char found[80];
-    std::snprintf(found, sizeof found, "expected %s %.4g %s, found %.4g", c.at_least ? "at least" : "at most", c.limit,
-                  c.unit.c_str(), c.value);
-    return {Code::kInvalidInput, c.member + ": " + c.title + " (" + c.formula + "): " + found, c.member};
+    std::snprintf(found, sizeof found, "expected %s %.4g %s, found %.4g",
+                  c.at_least ? "at least" : "at most", c.limit, c.unit.c_str(), c.value);
+    return {Code::kInvalidInput, c.member + ": " + c.title + " (" + c.formula + "): " + found,
+            c.member};
   }
   return Status::Ok();
 }
@@ -47,7 +53,9 @@ Result<std::vector<DeviceModel>> ModelIn(const std::string& path) {
   if (status.ok()) status = CheckTorque(*profile);
   if (status.ok()) return std::vector<DeviceModel>{*model};
   const bool placed = status.field().empty() || status.message().starts_with(status.field());
-  return Status(status.code(), path + ": " + (placed ? "" : status.field() + ": ") + status.message(), status.field());
+  return Status(status.code(),
+                path + ": " + (placed ? "" : status.field() + ": ") + status.message(),
+                status.field());
 }
 
 Result<std::vector<DeviceModel>> ModelsFor(const std::string& name) {
@@ -78,7 +86,8 @@ Status CheckSuites(const std::vector<std::string>& names) {
     if (!known)
       return {Code::kInvalidInput,
               "unknown suite '" + name +
-                  "': expected paper, hand, map, strokes, rates, laws, estimators, extreme, adversary, random, cutting or all",
+                  "': expected paper, hand, map, strokes, rates, laws, estimators, extreme, "
+                  "adversary, random, cutting or all",
               "suite"};
   }
   return Status::Ok();
@@ -91,8 +100,8 @@ Status CheckRecordings(const QualifyOptions& options) {
   if (!found.ok()) return found.status();
   if (!found->empty()) return Status::Ok();
   return {Code::kInvalidInput,
-          "--recordings: expected a folder with CSV files of motions, found none in " + options.recordings +
-              "; leave the option out for generated motions",
+          "--recordings: expected a folder with CSV files of motions, found none in " +
+              options.recordings + "; leave the option out for generated motions",
           "recordings"};
 }
 
@@ -131,7 +140,8 @@ void Print(std::FILE* out, const Findings& f) {
     std::fprintf(out, "%s: %zu passive, %zu stable with these grips, %zu bounded, %zu unstable\n",
                  m.title.c_str(), counts[0], counts[1], counts[2], counts[3]);
   }
-  const size_t rows = f.rows.size() + f.cutting.size() + f.hands.size() + f.feel.size() + f.rates.size();
+  const size_t rows =
+      f.rows.size() + f.cutting.size() + f.hands.size() + f.feel.size() + f.rates.size();
   if (!f.strokes.empty()) std::fprintf(out, "%zu devices' strokes, ", f.strokes.size());
   std::fprintf(out, "%zu rows in %.1f s\n", rows, f.seconds);
 }
@@ -147,9 +157,11 @@ int RunQualify(const QualifyOptions& options) {
   if (options.cases < 1 || options.cases > 1'000'000)
     return Fail({Code::kInvalidInput, "--cases: expected 1 to 1000000", "cases"});
   if (Status status = CheckRecordings(options); !status.ok()) return Fail(status);
-  if (Status status = program::CheckOutputFile(options.json_path, "--json"); !status.ok()) return Fail(status);
+  if (Status status = program::CheckOutputFile(options.json_path, "--json"); !status.ok())
+    return Fail(status);
   if (!options.report_dir.empty()) {
-    if (Status status = program::CheckOutputFolder(options.report_dir, "--report"); !status.ok()) return Fail(status);
+    if (Status status = program::CheckOutputFolder(options.report_dir, "--report"); !status.ok())
+      return Fail(status);
   }
   Result<std::vector<DeviceModel>> models = ModelsFor(options.profile);
   if (!models.ok()) return Fail(models.status());

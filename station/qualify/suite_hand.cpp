@@ -12,7 +12,7 @@
 namespace enamel::station::qualify {
 namespace {
 
-constexpr double kSpeed_m_per_s = 0.43e-3;  // of the paper's cuts
+constexpr double kSpeed_m_per_s = 0.43e-3;      // of the paper's cuts
 constexpr double kHumanSpeed_m_per_s = 0.2e-3;  // mean; a recording's peaks are five times that
 const dvec3 kOblique = glm::normalize(dvec3(1, 2, 3));
 
@@ -37,7 +37,8 @@ struct Job {
 // Joints turned against the axes of space, and a driver that rounds to cells of the same edge.
 Lattice Turned(double cell_m, bool rounds) {
   Lattice l;
-  dvec3 x = glm::normalize(dvec3(0.8, 0.5, -0.3)), y = glm::normalize(glm::cross(dvec3(0, 0.2, 1), x));
+  dvec3 x = glm::normalize(dvec3(0.8, 0.5, -0.3)),
+        y = glm::normalize(glm::cross(dvec3(0, 0.2, 1), x));
   l.joints = glm::transpose(glm::dmat3(x, y, glm::cross(x, y)));
   l.driver_cell_m = rounds ? cell_m : 0;
   return l;
@@ -50,7 +51,8 @@ Job JobOf(const DeviceModel& m, double b, const HandMotion& motion) {
 }
 
 // What every device and hand is put through.
-std::vector<HandMotion> Motions(const DeviceModel& m, double b, const std::vector<HandMotion>& recorded) {
+std::vector<HandMotion> Motions(const DeviceModel& m, double b,
+                                const std::vector<HandMotion>& recorded) {
   std::vector<HandMotion> all;
   for (const HandMotion& r : recorded) all.push_back(ScaledToSpeed(r, kHumanSpeed_m_per_s));
   all.push_back(WanderingMotion(kHumanSpeed_m_per_s, 12, 1));
@@ -69,10 +71,12 @@ std::vector<HandMotion> Motions(const DeviceModel& m, double b, const std::vecto
 
 // First strokes from rest at constant speed, wherever B v is within the continuous force.
 void AddFirstStrokes(const DeviceModel& m, bool quick, std::vector<Job>* jobs) {
-  const double most = std::min(0.9 * m.peak_force_n, m.continuous_force_n > 0 ? m.continuous_force_n : 1e9);
+  const double most =
+      std::min(0.9 * m.peak_force_n, m.continuous_force_n > 0 ? m.continuous_force_n : 1e9);
   for (double b : {30.0, 100.0, 300.0, 1000.0, 6500.0}) {
     for (double v : {0.1e-3, 0.2e-3, 0.5e-3, 1e-3, 2e-3, 5e-3, 10e-3, 20e-3, 50e-3, 100e-3}) {
-      if (b * v > most || b * v < 0.02 || (quick && v != 0.5e-3 && v != 5e-3 && v != 50e-3)) continue;
+      if (b * v > most || b * v < 0.02 || (quick && v != 0.5e-3 && v != 5e-3 && v != 50e-3))
+        continue;
       double for_s = std::clamp(10 * b / m.kc_n_per_m, 0.3, 2.0);
       Job job = JobOf(m, b, ReversalMotion(v, for_s, 0, kOblique));
       job.motion.name = "first-stroke";
@@ -82,7 +86,8 @@ void AddFirstStrokes(const DeviceModel& m, bool quick, std::vector<Job>* jobs) {
   }
 }
 
-std::vector<Job> JobsFor(const DeviceModel& m, bool quick, const std::vector<HandMotion>& recorded) {
+std::vector<Job> JobsFor(const DeviceModel& m, bool quick,
+                         const std::vector<HandMotion>& recorded) {
   std::vector<Job> jobs;
   for (double b : {6500.0, 1000.0, 300.0}) {
     for (const HandMotion& motion : Motions(m, b, recorded)) {
@@ -192,22 +197,36 @@ std::string Text(const char* format, double v) {
 // The figures, a line per device: what the rows say at their worst.
 void AddTable(SuiteContext& c, size_t from) {
   Table t;
-  t.title = "A hand's motions: the default law, delay 0, 1 kHz, velocity hand, cells along the axes";
+  t.title =
+      "A hand's motions: the default law, delay 0, 1 kHz, velocity hand, cells along the axes";
   t.note =
-      "Human: recordings if there are any, else the generated wandering hand. Error over oracle: RMS of R - "
-      "B v over that of the track that rises by at most Kc |v| T a tick. Pull: largest force against a withdrawal.";
-  t.head = {"device",         "human 6.5 / oracle", "lag ms",        "human 1 %", "human 0.3 %",
-            "help s",         "strokes 1 s %",      "circle deg",    "overshoot", "pull N",
+      "Human: recordings if there are any, else the generated wandering hand. Error over oracle: "
+      "RMS of R - "
+      "B v over that of the track that rises by at most Kc |v| T a tick. Pull: largest force "
+      "against a withdrawal.";
+  t.head = {"device",
+            "human 6.5 / oracle",
+            "lag ms",
+            "human 1 %",
+            "human 0.3 %",
+            "help s",
+            "strokes 1 s %",
+            "circle deg",
+            "overshoot",
+            "pull N",
             "turned lattice / cartesian error"};
   for (const DeviceModel& m : c.findings.models) {
-    double over = 0, lag = 0, one = 0, third = 0, help = 0, stroke = 0, circle = 0, shoot = 0, pull = 0;
+    double over = 0, lag = 0, one = 0, third = 0, help = 0, stroke = 0, circle = 0, shoot = 0,
+           pull = 0;
     double e2 = 0, o2 = 0, e1 = 0, i1 = 0, e3 = 0, i3 = 0, turned2 = 0, straight2 = 0;
     int humans = 0;
-    bool recorded = std::any_of(c.findings.hands.begin() + static_cast<long>(from), c.findings.hands.end(),
-                                [](const HandRow& r) { return r.motion.starts_with("human-"); });
+    bool recorded =
+        std::any_of(c.findings.hands.begin() + static_cast<long>(from), c.findings.hands.end(),
+                    [](const HandRow& r) { return r.motion.starts_with("human-"); });
     for (size_t i = from; i < c.findings.hands.size(); ++i) {
       const HandRow& r = c.findings.hands[i];
-      if (r.device != m.name || r.hand != "velocity" || r.delay_ticks > 0 || r.rate_hz != m.rate_hz) continue;
+      if (r.device != m.name || r.hand != "velocity" || r.delay_ticks > 0 || r.rate_hz != m.rate_hz)
+        continue;
       bool human = r.motion.starts_with("human-") || (!recorded && r.motion == "wandering");
       bool straight = r.lattice == "cartesian", hard = r.b_n_s_per_mm == 6.5;
       if (!r.has_track) pull = std::max(pull, r.pull_n);
@@ -243,7 +262,8 @@ void AddTable(SuiteContext& c, size_t from) {
     t.rows.push_back({m.title, Text("%.2f", over), Text("%.0f", humans ? 1e3 * lag / humans : 0),
                       Text("%.0f", 100 * one), Text("%.0f", 100 * third), Text("%.2f", help),
                       Text("%.0f", 100 * stroke), Text("%.0f", circle), Text("%.2f", shoot),
-                      Text("%.3f", pull), Text("%.2f", straight2 > 0 ? std::sqrt(turned2 / straight2) : 0)});
+                      Text("%.3f", pull),
+                      Text("%.2f", straight2 > 0 ? std::sqrt(turned2 / straight2) : 0)});
   }
   c.findings.tables.push_back(std::move(t));
 }
@@ -281,9 +301,10 @@ void RunHandSuite(SuiteContext& c) {
   if (found.ok()) recorded = std::move(*found);
   if (!found.ok() && c.options.errors) c.options.errors(found.status().message());
   if (recorded.empty() && c.options.out != nullptr) {
-    std::fprintf(c.options.out,
-                 "hand: no recordings in %s, so only generated motions; --recordings names a folder\n",
-                 c.options.recordings.c_str());
+    std::fprintf(
+        c.options.out,
+        "hand: no recordings in %s, so only generated motions; --recordings names a folder\n",
+        c.options.recordings.c_str());
   }
   size_t from = c.findings.hands.size();
   cutting::Volume block = WithdrawalBlock();

@@ -30,8 +30,8 @@ Grid GridFor(bool quick) {
 }
 
 bool UsesEstimator(LawKind law) {
-  return law != LawKind::kMaxwell && law != LawKind::kGatedMaxwell && law != LawKind::kTankMaxwell &&
-         law != LawKind::kVirtualCoupling;
+  return law != LawKind::kMaxwell && law != LawKind::kGatedMaxwell &&
+         law != LawKind::kTankMaxwell && law != LawKind::kVirtualCoupling;
 }
 
 struct Grip {

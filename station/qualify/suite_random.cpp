@@ -128,11 +128,11 @@ bool RendersAny(const DeviceModel& m) { return kSoftest_n_s_per_m / m.kc_n_per_m
 // Which devices the misses are on: a coarse encoder counts too rarely at 0.05 mm/s to notice a
 // stop.
 void AddDeviceTable(Findings& findings, const RandomSummary& sum, const char* suite) {
-  Table t{
-      "Random cases by device, " + sum.title,
-      "",
-      {"device", "cases x four hands", "hold every bound", "delta / (0.05 mm/s), s", "B/Kc at 2.5 N s/mm, s"},
-      {}};
+  Table t{"Random cases by device, " + sum.title,
+          "",
+          {"device", "cases x four hands", "hold every bound", "delta / (0.05 mm/s), s",
+           "B/Kc at 2.5 N s/mm, s"},
+          {}};
   for (const DeviceModel& m : findings.models) {
     auto Of = [&](const std::vector<Row>& rows) {
       return std::count_if(rows.begin(), rows.end(),

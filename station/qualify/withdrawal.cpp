@@ -126,7 +126,8 @@ class WithdrawalRun {
  private:
   void StepTo(const dvec3& tip) {
     for (int i = 0; i < 3; ++i) {
-      input_.counts[static_cast<size_t>(i)] = static_cast<int32_t>(std::lround(tip[i] / trial_.cell_m));
+      input_.counts[static_cast<size_t>(i)] =
+          static_cast<int32_t>(std::lround(tip[i] / trial_.cell_m));
     }
     out_ = core_.Step(input_);
     tip_ = tip;

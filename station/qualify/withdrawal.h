@@ -24,9 +24,9 @@ struct Withdrawal {
   cutting::Bur bur;
   Cut cut = Cut::kPlunge;
   double speed_m_per_s = 0.03;
-  bool turned = false;        // bur and way turned off the grid's axes
+  bool turned = false;  // bur and way turned off the grid's axes
   haptics::LawKind law = haptics::kDefaultLaw;
-  double hand_n_per_m = 0;    // 0: the hand prescribes the velocity; else 0.25 kg on that spring
+  double hand_n_per_m = 0;  // 0: the hand prescribes the velocity; else 0.25 kg on that spring
   uint32_t core_version = core::kCoreVersion;
   double kc_n_per_m = 10'000, cell_m = 9e-6, peak_force_n = 12;  // Omega 3DOF
 };

@@ -22,8 +22,7 @@ namespace enamel::station::render {
 //
 // How the picture is fed without the tick ever waiting:
 //
-//   tick thread ── Publish ──────▶ latest-value mailbox ─────────────────────────▶ main thread
-//   (draws)
+//   tick thread ── Publish ──────▶ latest-value mailbox ────────────────▶ main thread (draws)
 //               └─ PublishBricks ▶ dirty set ▶ bounded ring ▶ mesher (replica) ▶ meshes ┘
 //
 // The mesher owns a replica of the volume. A brick the cut changes is marked dirty on the tick

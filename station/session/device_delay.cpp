@@ -94,7 +94,8 @@ Status UseDelayOf(PreparedAttempt& prepared, const Device& device, const fs::pat
         prepared.header.params.rotational_kc_un_m_per_rad > turning) {
       return Status(Code::kConflict,
                     DelayText(used, name) + ": the torque's K is at most " +
-                        std::to_string(turning) + " uN m/rad on it, and this attempt was begun with " +
+                        std::to_string(turning) +
+                        " uN m/rad on it, and this attempt was begun with " +
                         std::to_string(prepared.header.params.rotational_kc_un_m_per_rad) +
                         ": go on with the device it was begun on, or close it",
                     "coupling_un_m_per_rad");
@@ -103,7 +104,8 @@ Status UseDelayOf(PreparedAttempt& prepared, const Device& device, const fs::pat
     if (begun < static_cast<uint32_t>(used.ticks)) {
       return Status(Code::kConflict,
                     DelayText(used, name) + ", and this attempt was begun with a guard for " +
-                        std::to_string(begun) + ": go on with the device it was begun on, or close it",
+                        std::to_string(begun) +
+                        ": go on with the device it was begun on, or close it",
                     "bus_delay_ticks");
     }
     prepared.delay = used;

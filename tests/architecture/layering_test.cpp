@@ -48,21 +48,30 @@ const std::map<std::string, Names>& Allowed() {
         {"station/session", {"station/uplink", "station/devices", "station/loop", "common/scene"}},
         {"station/sound", {"common/base"}},
         {"station/desk",
-         {"station/session", "station/sound", "station/render", "station/sdk", "station/hid", "station/devices", "station/loop", "common/scoring", "common/scene"}},
-        {"station/qualify", {"station/devices", "common/fidelity", "common/measure", "common/program"}},
+         {"station/session", "station/sound", "station/render", "station/sdk", "station/hid",
+          "station/devices", "station/loop", "common/scoring", "common/scene"}},
+        {"station/qualify",
+         {"station/devices", "common/fidelity", "common/measure", "common/program"}},
         {"station/app",
-         {"station/devices", "station/hid", "station/sdk", "station/loop", "station/render", "station/spool", "station/uplink", "station/session", "station/desk", "station/qualify", "common/program",
-          "common/import", "common/scene", "common/scoring"}},
+         {"station/devices", "station/hid", "station/sdk", "station/loop", "station/render",
+          "station/spool", "station/uplink", "station/session", "station/desk", "station/qualify",
+          "common/program", "common/import", "common/scene", "common/scoring"}},
         {"server/ops", {"common/base"}},
         {"server/training", {"common/base"}},
         {"server/storage", {"server/training", "common/trace", "common/scene"}},
         {"server/auth", {"server/storage"}},
         {"server/roster", {"server/auth", "server/storage", "server/training"}},
         {"server/live", {"server/training", "common/protocol"}},
-        {"server/stations", {"server/auth", "server/live", "server/ops", "server/storage", "common/net", "common/trace", "common/scene"}},
+        {"server/stations",
+         {"server/auth", "server/live", "server/ops", "server/storage", "common/net",
+          "common/trace", "common/scene"}},
         {"server/jobs", {"server/storage", "common/scoring"}},
-        {"server/http", {"server/auth", "server/roster", "server/live", "server/ops", "server/storage", "server/jobs", "common/fidelity", "common/scene", "common/net"}},
-        {"server/app", {"common/program", "server/http", "server/ops", "server/stations", "server/jobs", "common/scoring", "common/import"}},
+        {"server/http",
+         {"server/auth", "server/roster", "server/live", "server/ops", "server/storage",
+          "server/jobs", "common/fidelity", "common/scene", "common/net"}},
+        {"server/app",
+         {"common/program", "server/http", "server/ops", "server/stations", "server/jobs",
+          "common/scoring", "common/import"}},
     };
     bool grew = true;
     while (grew) {
@@ -163,7 +172,10 @@ TEST(LayeringTest, LibrariesStayInTheirRooms) {
       {"OpenGL", R"re(^<(epoxy|GL|GLFW)/)re", {"station/render"}},
       {"hidapi", R"re(^<hidapi)re", {"station/hid"}},
       {"assimp", R"re(^<assimp/)re", {"common/import"}},
-      {"libsodium", R"re(^<sodium)re", {"common/base", "common/trace", "server/auth", "server/storage", "server/app", "station/app", "common/net", "server/stations", "station/session", "station/uplink"}},
+      {"libsodium",
+       R"re(^<sodium)re",
+       {"common/base", "common/trace", "server/auth", "server/storage", "server/app", "station/app",
+        "common/net", "server/stations", "station/session", "station/uplink"}},
   };
   for (const auto& ban : bans) {
     std::regex pattern(ban.pattern);
@@ -201,7 +213,8 @@ TEST(LayeringTest, CoreCallsNoLibmTranscendental) {
       R"re(\b(std::|glm::)?(sin|cos|tan|asin|acos|atan|atan2|exp|exp2|expm1|log|log2|log10|log1p|pow|cbrt|hypot|tanh|sinh|cosh|fma|slerp|lround|rotate|angle)\s*\()re");
   for (const char* folder : {"common/haptics", "common/cutting", "common/core", "common/math"}) {
     for (const auto& file : Sources(folder)) {
-      if (file.filename() == "orientation.cpp") continue;  // ToQuantised, for edges, rounds with lround
+      if (file.filename() == "orientation.cpp")
+        continue;  // ToQuantised, for edges, rounds with lround
       std::istringstream lines(ReadAll(file));
       int number = 0;
       for (std::string line; std::getline(lines, line);) {

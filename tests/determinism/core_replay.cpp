@@ -4,11 +4,10 @@
 //   core_replay record SEED TRACE VOLUME   makes a recording (a seeded hand on a two-tissue ball)
 //   core_replay replay TRACE VOLUME        re-runs it
 //   core_replay digest TRACE VOLUME [TICK] re-runs it and prints a line per tick: state hash, and a
-//   hash of
-//                                          each brick it changed; with TICK, that tick's first
-//                                          count is one more
+//                                          hash of each brick it changed; with TICK, that tick's
+//                                          first count is one more
 //   core_replay diff DIGEST DIGEST         names the first tick, and brick, in which two digests
-//   differ
+//                                          differ
 
 #include <cinttypes>
 #include <cmath>
@@ -160,18 +159,13 @@ struct Recording {
 };
 
 Result<Recording> Read(const char* trace_path, const char* volume_path) {
-  auto trace_bytes = ReadFile(trace_path);
-  if (!trace_bytes.ok()) return trace_bytes.status();
-  auto file = trace::DecodeTraceFile(*trace_bytes);
-  if (!file.ok()) return file.status();
-  auto header = trace::DecodeHeader(file->header);
-  if (!header.ok()) return header.status();
-  ENAMEL_RETURN_IF_ERROR(core::ValidateParams(header->params));
-  auto blob = ReadFile(volume_path);
-  if (!blob.ok()) return blob.status();
-  auto volume = scene::DecodeVolume(*blob);
-  if (!volume.ok()) return volume.status();
-  return Recording{std::move(*header), std::move(file->chunks), std::move(*volume)};
+  ENAMEL_ASSIGN_OR_RETURN(auto trace_bytes, ReadFile(trace_path));
+  ENAMEL_ASSIGN_OR_RETURN(auto file, trace::DecodeTraceFile(trace_bytes));
+  ENAMEL_ASSIGN_OR_RETURN(auto header, trace::DecodeHeader(file.header));
+  ENAMEL_RETURN_IF_ERROR(core::ValidateParams(header.params));
+  ENAMEL_ASSIGN_OR_RETURN(auto blob, ReadFile(volume_path));
+  ENAMEL_ASSIGN_OR_RETURN(auto volume, scene::DecodeVolume(blob));
+  return Recording{std::move(header), std::move(file.chunks), std::move(volume)};
 }
 
 int Digest(const char* trace_path, const char* volume_path, uint64_t disturbed_tick) {

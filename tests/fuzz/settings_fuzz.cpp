@@ -31,8 +31,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   }
   ENAMEL_CHECK(given.threads >= 0 && given.threads <= 64);
   Settings again;
-  Status reread =
-      program::ReadSettings(program::SettingsText(given.app), "again.toml", again.app);
+  Status reread = program::ReadSettings(program::SettingsText(given.app), "again.toml", again.app);
   ENAMEL_CHECK(reread.ok());
   ENAMEL_CHECK(again.http == given.http && again.threads == given.threads);
   ENAMEL_CHECK(again.names == given.names && again.flag == given.flag);

@@ -26,8 +26,10 @@ class AllocationGuard {
 inline void* CountedAllocate(size_t size, size_t alignment) {
   if (counting) ++allocations;
   void* out = nullptr;
-  if (alignment <= alignof(std::max_align_t)) out = std::malloc(size == 0 ? 1 : size);
-  else out = std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
+  if (alignment <= alignof(std::max_align_t))
+    out = std::malloc(size == 0 ? 1 : size);
+  else
+    out = std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
   if (out == nullptr) throw std::bad_alloc();
   return out;
 }

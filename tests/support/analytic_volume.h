@@ -29,8 +29,10 @@ inline cutting::Volume VolumeOf(const cutting::GridSpec& spec, cutting::Tissue t
         }
         int brick = spec.BrickIndex(ivec3(bx, by, bz));
         if (low == kPhiLimit) continue;
-        if (high == -kPhiLimit) volume.SetUniform(brick, tissue);
-        else volume.SetBrick(brick, phi, {}, tissue);
+        if (high == -kPhiLimit)
+          volume.SetUniform(brick, tissue);
+        else
+          volume.SetBrick(brick, phi, {}, tissue);
       }
   return volume;
 }
@@ -47,7 +49,8 @@ inline cutting::Volume Block(int32_t voxel_nm, double half_m, double depth_m,
   auto nm = [](double m) { return static_cast<int64_t>(m * 1e9 + (m < 0 ? -0.5 : 0.5)); };
   spec.origin_nm = {nm(-half_m - margin), nm(-half_m - margin), nm(-depth_m - margin)};
   return VolumeOf(spec, tissue, [=](const dvec3& p) {
-    dvec3 q(glm::abs(p.x) - half_m, glm::abs(p.y) - half_m, glm::abs(p.z + depth_m / 2) - depth_m / 2);
+    dvec3 q(glm::abs(p.x) - half_m, glm::abs(p.y) - half_m,
+            glm::abs(p.z + depth_m / 2) - depth_m / 2);
     double outside = glm::length(glm::max(q, dvec3(0)));
     return outside > 0 ? outside : glm::max(q.x, glm::max(q.y, q.z));
   });

@@ -10,7 +10,8 @@
 namespace enamel::test {
 
 // Empty when `value` is as `schema` says, else what is wrong and where.
-inline std::string WhyNotOfSchema(const boost::json::value& value, const boost::json::object& schema,
+inline std::string WhyNotOfSchema(const boost::json::value& value,
+                                  const boost::json::object& schema,
                                   const boost::json::object& root, const std::string& at = "") {
   namespace json = boost::json;
   auto wrong = [&](const std::string& what) { return (at.empty() ? "/" : at) + ": " + what; };
@@ -21,10 +22,13 @@ inline std::string WhyNotOfSchema(const boost::json::value& value, const boost::
     if (type == "boolean") return value.is_bool();
     if (type == "null") return value.is_null();
     if (type == "number") return value.is_number();
-    return type == "integer" && value.is_number() && std::floor(value.to_number<double>()) == value.to_number<double>();
+    return type == "integer" && value.is_number() &&
+           std::floor(value.to_number<double>()) == value.to_number<double>();
   };
   for (const auto& [key, rule] : schema) {
-    if (key == "$schema" || key == "$id" || key == "title" || key == "description" || key == "$defs") continue;
+    if (key == "$schema" || key == "$id" || key == "title" || key == "description" ||
+        key == "$defs")
+      continue;
     if (key == "$ref") {
       std::string name(rule.as_string().subview(sizeof("#/$defs/") - 1));
       std::string why = WhyNotOfSchema(value, root.at("$defs").at(name).as_object(), root, at);
@@ -34,16 +38,21 @@ inline std::string WhyNotOfSchema(const boost::json::value& value, const boost::
       if (rule.is_array()) {
         for (const json::value& t : rule.as_array()) found = found || is(t.as_string());
       }
-      if (!found) return wrong("expected type " + json::serialize(rule) + ", found " + json::serialize(value).substr(0, 40));
+      if (!found)
+        return wrong("expected type " + json::serialize(rule) + ", found " +
+                     json::serialize(value).substr(0, 40));
     } else if (key == "const") {
       if (value != rule) return wrong("expected " + json::serialize(rule));
     } else if (key == "enum") {
       bool found = false;
       for (const json::value& one : rule.as_array()) found = found || one == value;
-      if (!found) return wrong("expected one of " + json::serialize(rule) + ", found " + json::serialize(value));
+      if (!found)
+        return wrong("expected one of " + json::serialize(rule) + ", found " +
+                     json::serialize(value));
     } else if (key == "required") {
       for (const json::value& name : rule.as_array()) {
-        if (value.is_object() && !value.as_object().contains(name.as_string())) return wrong("no member " + json::serialize(name));
+        if (value.is_object() && !value.as_object().contains(name.as_string()))
+          return wrong("no member " + json::serialize(name));
       }
     } else if (key == "properties" || key == "additionalProperties") {
       if (!value.is_object()) continue;
@@ -51,27 +60,32 @@ inline std::string WhyNotOfSchema(const boost::json::value& value, const boost::
       for (const auto& [name, member] : value.as_object()) {
         const json::value* of = known.if_contains(name);
         if (of == nullptr) {
-          if (key == "additionalProperties" && rule == json::value(false)) return wrong("unknown member " + std::string(name));
+          if (key == "additionalProperties" && rule == json::value(false))
+            return wrong("unknown member " + std::string(name));
           continue;
         }
         if (key == "additionalProperties") continue;
-        std::string why = WhyNotOfSchema(member, of->as_object(), root, at + "/" + std::string(name));
+        std::string why =
+            WhyNotOfSchema(member, of->as_object(), root, at + "/" + std::string(name));
         if (!why.empty()) return why;
       }
     } else if (key == "items") {
       if (!value.is_array()) continue;
       for (size_t i = 0; i < value.as_array().size(); ++i) {
-        std::string why = WhyNotOfSchema(value.as_array()[i], rule.as_object(), root, at + "/" + std::to_string(i));
+        std::string why = WhyNotOfSchema(value.as_array()[i], rule.as_object(), root,
+                                         at + "/" + std::to_string(i));
         if (!why.empty()) return why;
       }
     } else if (key == "minItems" || key == "maxItems") {
       if (!value.is_array()) continue;
       const auto n = static_cast<int64_t>(value.as_array().size());
-      if (key == "minItems" ? n < rule.as_int64() : n > rule.as_int64()) return wrong(std::to_string(n) + " items");
+      if (key == "minItems" ? n < rule.as_int64() : n > rule.as_int64())
+        return wrong(std::to_string(n) + " items");
     } else if (key == "minLength" || key == "maxLength") {
       if (!value.is_string()) continue;
       const auto n = static_cast<int64_t>(value.as_string().size());
-      if (key == "minLength" ? n < rule.as_int64() : n > rule.as_int64()) return wrong(std::to_string(n) + " characters");
+      if (key == "minLength" ? n < rule.as_int64() : n > rule.as_int64())
+        return wrong(std::to_string(n) + " characters");
     } else if (key == "minimum" || key == "maximum") {
       if (!value.is_number()) continue;
       const double v = value.to_number<double>(), bound = rule.to_number<double>();

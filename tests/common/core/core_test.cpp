@@ -245,7 +245,8 @@ TEST(CoreTest, AFeedAfterAPlungeIsResistedAsPlainMaxwellResistsIt) {
   struct Hand {
     double plunge_m_per_s, feed_m_per_s;
   };
-  for (const Hand& hand : {Hand{1e-3, 0.5e-3}, Hand{5e-3, 0.2e-3}, Hand{10e-3, 0.5e-3}, Hand{20e-3, 1e-3}}) {
+  for (const Hand& hand :
+       {Hand{1e-3, 0.5e-3}, Hand{5e-3, 0.2e-3}, Hand{10e-3, 0.5e-3}, Hand{20e-3, 1e-3}}) {
     auto force_n = [&](haptics::LawKind law) {
       CoreParams p = test::ParamsFor({cutting::BurShape::kCylinder, 0.6e-3, 4e-3});
       p.law = law;

@@ -108,7 +108,8 @@ TEST(FeelTest, AFinerEncoderFollowsStrokesNoWorse) {
   for (double b : {300.0, 3000.0, 6500.0, 11300.0}) {
     const Tissue tissue{"tissue", b};
     const auto error = [&](double cell_m) {
-      return Simulate({"fine", cell_m, 10'000, 1e-3, 0, 12, 12}, tissue, kCut, Motion::kStrokes).law.error;
+      return Simulate({"fine", cell_m, 10'000, 1e-3, 0, 12, 12}, tissue, kCut, Motion::kStrokes)
+          .law.error;
     };
     const double coarse = error(9e-6);
     for (double cell_m : {3e-6, 1e-6, 0.3e-6, 0.1e-6, 0.01e-6, 1e-9}) {

@@ -39,11 +39,13 @@ TEST(CriteriaTest, DampingEatsIntoTheStiffnessAndFilteringGivesItBack) {
 
 TEST(CriteriaTest, DelayDividesTheCouplingsStiffnessByFourNineSixteenTwentyFive) {
   const double divided_by[] = {1, 4, 9, 16, 25};
-  for (int d = 0; d < 5; ++d) EXPECT_NEAR(CouplingStiffness(6, 1e-3, d), 12e3 / divided_by[d], 1e-9);
+  for (int d = 0; d < 5; ++d)
+    EXPECT_NEAR(CouplingStiffness(6, 1e-3, d), 12e3 / divided_by[d], 1e-9);
   // Linear stability of a rigid mass without a hand is necessary, not enough: the same without delay,
   // above the proved limit with it.
   EXPECT_NEAR(GilStiffness(6, 0, 1e-3, 0), CouplingStiffness(6, 1e-3, 0), 1e-9);
-  for (int d = 1; d < 5; ++d) EXPECT_GT(GilStiffness(6, 0, 1e-3, d), 1.3 * CouplingStiffness(6, 1e-3, d));
+  for (int d = 1; d < 5; ++d)
+    EXPECT_GT(GilStiffness(6, 0, 1e-3, d), 1.3 * CouplingStiffness(6, 1e-3, d));
 }
 
 TEST(CriteriaTest, AbbottOkamuraTakesTheSmallerOfDampingAndFriction) {

@@ -28,11 +28,13 @@ struct Device {
   const char* name;
   double delta_m, kc_n_per_m;
 };
-const Device kDevices[] = {{"omega3", 9e-6, 10e3}, {"phantom_desktop", 10e-6, 2.5e3}, {"bhhd3", 20e-6, 4e3}};
+const Device kDevices[] = {
+    {"omega3", 9e-6, 10e3}, {"phantom_desktop", 10e-6, 2.5e3}, {"bhhd3", 20e-6, 4e3}};
 constexpr double kB = 6500, kSpeed = 0.43e-3;
 
 dvec3 Cell(const dvec3& x, double delta) {
-  return (dvec3(std::floor(x.x / delta), std::floor(x.y / delta), std::floor(x.z / delta)) + 0.5) * delta;
+  return (dvec3(std::floor(x.x / delta), std::floor(x.y / delta), std::floor(x.z / delta)) + 0.5) *
+         delta;
 }
 
 struct Response {
@@ -69,7 +71,8 @@ Response VelocityHand(const Device& device, LawKind law, const dvec3& direction)
   for (double f : settled) square += (f - mean) * (f - mean) / settled.size();
   r.ripple_n = std::sqrt(square);
   for (int i = 0; i < 3000 && r.release_s < 0; ++i) {
-    if (glm::length(coupling.Tick(tip(n - 1), 1, enamel).force_sent_n) <= 0.1 * target) r.release_s = i * 1e-3;
+    if (glm::length(coupling.Tick(tip(n - 1), 1, enamel).force_sent_n) <= 0.1 * target)
+      r.release_s = i * 1e-3;
   }
   return r;
 }
@@ -83,7 +86,8 @@ TEST(GatedMaxwellTest, EveryDeviceCarriesTheFullCuttingForce) {
                     glm::normalize(dvec3(1, 0.1, 0.05)), glm::normalize(dvec3(1, -0.4, 0.02))}) {
       Response r = VelocityHand(device, LawKind::kGatedMaxwell, d);
       double tau = kB / device.kc_n_per_m;
-      EXPECT_LE(r.error_per_axis_n, std::max(0.05, 1.15 * device.kc_n_per_m * device.delta_m / 2)) << device.name;
+      EXPECT_LE(r.error_per_axis_n, std::max(0.05, 1.15 * device.kc_n_per_m * device.delta_m / 2))
+          << device.name;
       EXPECT_LE(r.ripple_n, 0.030) << device.name;
       EXPECT_LE(r.rise_s, 1.15 * 0.9 * tau + 1e-3) << device.name;
       EXPECT_GE(r.release_s, 0) << device.name;
@@ -113,7 +117,8 @@ TEST(GatedMaxwellTest, LetsGoToHalfACellOnEveryAxis) {
     coupling.Reset(dvec3(0));
     dvec3 tip = Cell(dvec3(1, 2, 3) * 20e-6, device.delta_m), force(0);
     for (int i = 0; i < 20000; ++i) force = coupling.Tick(tip, 1, enamel).force_sent_n;
-    for (int a = 0; a < 3; ++a) EXPECT_LE(std::fabs(force[a]), device.kc_n_per_m * device.delta_m / 2 * (1 + 1e-9));
+    for (int a = 0; a < 3; ++a)
+      EXPECT_LE(std::fabs(force[a]), device.kc_n_per_m * device.delta_m / 2 * (1 + 1e-9));
   }
 }
 
@@ -128,12 +133,15 @@ TEST(GatedMaxwellTest, StretchOnlyEverShrinks) {
   };
   dvec3 tip(0), e(0);
   for (int i = 0; i < 20000; ++i) {
-    dvec3 step = dvec3(std::round(random() * 2.2), std::round(random() * 2.2), std::round(random() * 2.2)) * 10e-6;
+    dvec3 step =
+        dvec3(std::round(random() * 2.2), std::round(random() * 2.2), std::round(random() * 2.2)) *
+        10e-6;
     tip += step;
     law->BeginTick(tip);
     e += step;
     Sym3 b;
-    for (int k = 0; k < 1 + i % 3; ++k) b += Sym3::Outer(dvec3(random(), random(), random()), 20000);
+    for (int k = 0; k < 1 + i % 3; ++k)
+      b += Sym3::Outer(dvec3(random(), random(), random()), 20000);
     dvec3 next = law->Relax(e, b, 1e-3);
     ASSERT_LE(glm::dot(next, next), glm::dot(e, e) * (1 + 1e-9) + 1e-30);
     ASSERT_GE(glm::dot(next, e), -1e-9 * glm::dot(e, e));

@@ -170,7 +170,9 @@ class Block final : public Material {
     if (travel.z > 0) c.damping_n_s_per_m = Sym3::Isotropic(0.01 * b.Trace());
     return c;
   }
-  void AnchorMoved(const dvec3&, const dvec3& to) noexcept override { surface_m = std::min(surface_m, to.z); }
+  void AnchorMoved(const dvec3&, const dvec3& to) noexcept override {
+    surface_m = std::min(surface_m, to.z);
+  }
   Sym3 b = Sym3::Isotropic(6500);
   double surface_m = 1;
 };
@@ -191,7 +193,8 @@ uint64_t HashOfHands(uint32_t revision, double cell_m, double kc) {
     coupling.Reset(dvec3(cell(x.x), cell(x.y), cell(x.z)));
     for (int k = 0; k < 8000; ++k) {
       int part = k / 1000;
-      block.b = part < 5 ? Sym3::Isotropic(part == 2 ? 300 : 6500) : Sym3::Outer(dvec3(1, 0, 0), 3000);
+      block.b =
+          part < 5 ? Sym3::Isotropic(part == 2 ? 300 : 6500) : Sym3::Outer(dvec3(1, 0, 0), 3000);
       if (part >= 5) block.b += Sym3::Isotropic(4000);
       double pace = part == 1 ? -0.3e-3 : part == 3 ? 0 : 0.5e-3;
       dvec3 speed = dvec3(0.3, 0.6, -0.7) * pace;
@@ -266,8 +269,10 @@ TEST(TankMaxwellTest, AnAxisThatWasLeftDoesNotSilenceTheCut) {
     coupling.Reset(dvec3(0.5 * kCell_m));
     dvec3 x(0), r(0);
     for (int k = 0; k < 3000; ++k) {
-      if (k < 150) x.y += 1.1e-6;
-      else x.x += 0.3e-6;
+      if (k < 150)
+        x.y += 1.1e-6;
+      else
+        x.x += 0.3e-6;
       r = coupling.Tick(dvec3(Cell(x.x), Cell(x.y), 0.5 * kCell_m), 1, tissue).force_sent_n;
     }
     return -r.x;

@@ -16,7 +16,9 @@ namespace fs = std::filesystem;
 
 class FindProfileTest : public testing::Test {
  protected:
-  FindProfileTest() : file_(fs::temp_directory_path() / ("enamel-profile-" + std::to_string(getpid()) + ".json")) {}
+  FindProfileTest()
+      : file_(fs::temp_directory_path() /
+              ("enamel-profile-" + std::to_string(getpid()) + ".json")) {}
   ~FindProfileTest() override { fs::remove(file_); }
   void Write(const std::string& text) { std::ofstream(file_, std::ios::binary) << text; }
 
@@ -38,7 +40,8 @@ TEST_F(FindProfileTest, SaysWhatThereIsAndWhereADocumentIsWrong) {
   auto unknown = FindProfile("omega4");
   EXPECT_EQ(unknown.status().code(), Code::kNotFound);
   for (const DeviceProfile& p : BuiltinProfiles()) {
-    EXPECT_NE(unknown.status().message().find(p.name), std::string::npos) << unknown.status().message();
+    EXPECT_NE(unknown.status().message().find(p.name), std::string::npos)
+        << unknown.status().message();
   }
   EXPECT_FALSE(FindProfile("/nowhere/at/all.json").ok());
   DeviceProfile six = BuiltinProfiles()[0];
@@ -50,7 +53,8 @@ TEST_F(FindProfileTest, SaysWhatThereIsAndWhereADocumentIsWrong) {
   auto refused = FindProfile(file_.string());
   EXPECT_EQ(refused.status().field(), "/torque");
   EXPECT_EQ(refused.status().message().find(file_.string()), 0u) << refused.status().message();
-  EXPECT_NE(refused.status().message().find("3: it drives no rotation"), std::string::npos) << refused.status().message();
+  EXPECT_NE(refused.status().message().find("3: it drives no rotation"), std::string::npos)
+      << refused.status().message();
 }
 
 }  // namespace

@@ -206,8 +206,7 @@ TEST(SceneJsonTest, ProfilesOfSixAxesSayInFormatFourWhatTheirTorqueIs) {
   EXPECT_EQ(FieldOf("\"value\": 6,", "\"value\": 3,"), "/torque");
   EXPECT_EQ(FieldOf("\"value\": 350,", "\"value\": 61,"), "/torque/orientation_cell_urad/value");
   EXPECT_EQ(FieldOf("\"friction_un_m\"", "\"friction_mn_m\""), "/torque/friction_un_m");
-  const std::string without =
-      text.substr(0, text.find(",\n  \"torque\"")) + "\n}\n";
+  const std::string without = text.substr(0, text.find(",\n  \"torque\"")) + "\n}\n";
   Result<DeviceProfile> missing = ProfileFromJson(without);
   ASSERT_FALSE(missing.ok());
   EXPECT_EQ(missing.status().field(), "/torque");

@@ -65,7 +65,9 @@ TEST_F(CommandsTest, SceneFolderIsRefusedWhenItIsIncompleteOrItsVolumeIsAnothers
   std::filesystem::create_directories(folder);
   auto store = OpenData();
   EXPECT_EQ(PublishScene(*store, folder, 0).status().code(), Code::kNotFound);
-  auto write = [&](const char* name, ByteView content) { ASSERT_TRUE(WriteFileDurably(folder / name, content).ok()); };
+  auto write = [&](const char* name, ByteView content) {
+    ASSERT_TRUE(WriteFileDurably(folder / name, content).ok());
+  };
   write("scene.json", AsBytes(scene::ToJson(built->scene)));
   Status incomplete = PublishScene(*store, folder, 0).status();
   EXPECT_EQ(incomplete.code(), Code::kNotFound);

@@ -104,7 +104,8 @@ TEST_F(HttpServerTest, EveryAnswerCarriesTheSecurityHeaders) {
     EXPECT_FALSE(response.headers.contains("server")) << target;
     EXPECT_EQ(response.headers["date"].size(), 29u) << target;
     EXPECT_EQ(response.headers.contains("www-authenticate"), response.status == 401) << target;
-    EXPECT_NE(response.headers["content-security-policy"].find("trusted-types 'none'"), std::string::npos);
+    EXPECT_NE(response.headers["content-security-policy"].find("trusted-types 'none'"),
+              std::string::npos);
   }
 }
 

@@ -27,7 +27,8 @@ class Path {
     at_ = to;
   }
   void Rest(int ms) {
-    points.insert(points.end(), static_cast<size_t>(ms) * static_cast<size_t>(rate_hz_) / 1000, at_);
+    points.insert(points.end(), static_cast<size_t>(ms) * static_cast<size_t>(rate_hz_) / 1000,
+                  at_);
   }
   std::vector<dvec3> points;
 
@@ -156,7 +157,8 @@ Uuid World::Record(MemoryStore& store, const PathOptions& options, bool as_refer
     if (i == points.size() - 50) tick.input.gap_ticks = options.gap_ticks;
     tick.witness = core.Step(tick.input).witness;
     ticks.push_back(tick);
-    if (ticks.size() == std::min(static_cast<size_t>(exercise.rate_hz) / 4, trace::kMaxTicksPerChunk)) {
+    if (ticks.size() ==
+        std::min(static_cast<size_t>(exercise.rate_hz) / 4, trace::kMaxTicksPerChunk)) {
       flush();
     }
   }

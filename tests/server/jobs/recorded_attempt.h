@@ -13,7 +13,8 @@ struct PathOptions {
   double mesial_extra_mm = 0;  // how much farther out the mesial wall is cut
   uint32_t gap_ticks = 0;      // lost in the middle
   bool late = false;           // marks some ticks late
-  uint32_t core_version = core::kCoreVersion;  // as a station of that version would have recorded it
+  uint32_t core_version =
+      core::kCoreVersion;  // as a station of that version would have recorded it
 };
 
 // Everything the store must hold before an attempt; built once, copied into each test's store.

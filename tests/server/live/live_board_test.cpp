@@ -27,8 +27,7 @@ TEST(LiveBoardTest, WatcherGetsEachMomentOnce) {
   EXPECT_EQ(watch->Next(), nullptr);
   board.Put(Sample(attempt, 1));
   board.Put(Sample(attempt, 2));
-  EXPECT_EQ(*watch->Next(),
-            "{\"tick\":2,\"rows\":[[1,1,-2,3,-4,5,-6,7],[2,1,-2,3,-4,5,-6,7]]}");
+  EXPECT_EQ(*watch->Next(), "{\"tick\":2,\"rows\":[[1,1,-2,3,-4,5,-6,7],[2,1,-2,3,-4,5,-6,7]]}");
   EXPECT_EQ(watch->Next(), nullptr);
   board.Put(Sample(attempt, 3));
   EXPECT_EQ(*watch->Next(), "{\"tick\":3,\"rows\":[[3,1,-2,3,-4,5,-6,7]]}");

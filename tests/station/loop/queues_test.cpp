@@ -2,8 +2,8 @@
 
 #include <thread>
 
-#include "station/loop/spsc_ring.h"
 #include "common/base/triple_buffer.h"
+#include "station/loop/spsc_ring.h"
 
 namespace enamel::station {
 namespace {

@@ -64,9 +64,9 @@ TEST(MotionsTest, RecordingsAreReadAndWhatIsNoRecordingIsRefusedByLine) {
   auto none = RecordedMotions((fs::path(testing::TempDir()) / "no such folder").string());
   ASSERT_TRUE(none.ok());
   EXPECT_TRUE(none->empty());
-  for (const char* bad : {"a,b\n1,2\n", "t_s,px_m,py_m,pz_m\n0,1,2\n", "t_s,px_m,py_m,pz_m\n0,1,x,3\n",
-                          "t_s,px_m,py_m,pz_m\n0,1,2,nan\n", "t_s,px_m,py_m,pz_m\n0.5,1,2,3\n",
-                          "t_s,px_m,py_m,pz_m\n0,1,2,3\n"}) {
+  for (const char* bad : {"a,b\n1,2\n", "t_s,px_m,py_m,pz_m\n0,1,2\n",
+                          "t_s,px_m,py_m,pz_m\n0,1,x,3\n", "t_s,px_m,py_m,pz_m\n0,1,2,nan\n",
+                          "t_s,px_m,py_m,pz_m\n0.5,1,2,3\n", "t_s,px_m,py_m,pz_m\n0,1,2,3\n"}) {
     auto refused = RecordedMotions(Folder("bad", bad).string());
     ASSERT_FALSE(refused.ok()) << bad;
     EXPECT_NE(refused.status().message().find("rec.csv:"), std::string::npos);
@@ -107,8 +107,8 @@ TEST_P(HandOnDevice, PeoplesStrokesAreFollowedAsCloselyAndAsSoonAsTheGoalsSay) {
 TEST_P(HandOnDevice, GeneratedStrokesAreFollowedBetterThanByTheGatedLaw) {
   HandTrial gated;
   gated.law = haptics::LawKind::kGatedMaxwell;
-  for (const HandMotion& motion :
-       {StrokesMotion(0.43e-3, 1, 8, kOblique), CircleMotion(0.43e-3, 0.5e-3), WanderingMotion(0.2e-3, 8, 1)}) {
+  for (const HandMotion& motion : {StrokesMotion(0.43e-3, 1, 8, kOblique),
+                                   CircleMotion(0.43e-3, 0.5e-3), WanderingMotion(0.2e-3, 8, 1)}) {
     HandFigures now = RunHand(device_, {}, motion), before = RunHand(device_, gated, motion);
     EXPECT_LT(now.error_rms_n, 0.85 * before.error_rms_n) << motion.name;
     EXPECT_LE(now.lag_s, before.lag_s) << motion.name;
@@ -127,7 +127,8 @@ TEST_P(HandOnDevice, NoHandDrawsEnergyWhateverTheLatticeAndTheDelay) {
         m.delay_ticks = delay;
         m.kc_n_per_m = std::min(m.kc_n_per_m, m.PassiveKc(m.rate_hz));
         if (turned) {
-          dvec3 x = glm::normalize(dvec3(0.8, 0.5, -0.3)), y = glm::normalize(glm::cross(dvec3(0, 0.2, 1), x));
+          dvec3 x = glm::normalize(dvec3(0.8, 0.5, -0.3)),
+                y = glm::normalize(glm::cross(dvec3(0, 0.2, 1), x));
           t.lattice.joints = glm::transpose(glm::dmat3(x, y, glm::cross(x, y)));
         }
         HandFigures f = RunHand(m, t, WanderingMotion(0.4e-3, 4, 5));

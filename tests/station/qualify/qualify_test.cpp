@@ -51,7 +51,8 @@ TEST(QualifyTest, RefusesUnknownProfilesAndSuitesWithWhatIsKnown) {
   EXPECT_NE(text.find("estimators"), std::string::npos);
   o.suites = {"hand"};
   o.recordings = "/nowhere/at/all";
-  EXPECT_EQ(RunQualify(o), 1) << "generated motions give other figures: nobody who names a folder wants them";
+  EXPECT_EQ(RunQualify(o), 1)
+      << "generated motions give other figures: nobody who names a folder wants them";
   EXPECT_NE(text.find("found none in /nowhere/at/all"), std::string::npos) << text;
 }
 
@@ -85,7 +86,8 @@ TEST(QualifyTest, TakesAProfileOfOnesOwnAndRefusesOneThatIsNotPassiveWithTheKcTh
 TEST(QualifyTest, RefusesATorqueThatIsNotPassiveAndAFileItCannotWriteBeforeItMeasures) {
   Folder folder;
   auto all = scene::BuiltinProfiles();
-  auto six = std::find_if(all.begin(), all.end(), [](const auto& p) { return p.torque.has_value(); });
+  auto six =
+      std::find_if(all.begin(), all.end(), [](const auto& p) { return p.torque.has_value(); });
   ASSERT_NE(six, all.end());
   fs::path path = folder.path() / "six.json";
   QualifyOptions o;
@@ -185,9 +187,11 @@ TEST(QualifyTest, RatesTellTheLargestCouplingAndWhatLimitsIt) {
   ASSERT_EQ(RunQualify(o), 0);
   auto json = boost::json::parse(ReadAll(o.json_path));
   const auto& rows = json.at("rates").as_array();
-  ASSERT_EQ(rows.size(), 9u);  // the profile's own, then four rates without and with a tick of delay
+  ASSERT_EQ(rows.size(),
+            9u);  // the profile's own, then four rates without and with a tick of delay
   for (const auto& row : rows) {
-    const double f = row.at("rate_hz").to_number<double>(), kc = row.at("kc_n_per_mm").to_number<double>();
+    const double f = row.at("rate_hz").to_number<double>(),
+                 kc = row.at("kc_n_per_mm").to_number<double>();
     const double d = row.at("delay_ticks").to_number<double>();
     EXPECT_LE(kc, std::min({2 * 2.5e-3 * f / ((d + 1) * (d + 1)), 2 * 0.08 / 0.02, 5.0}) + 1e-9);
     EXPECT_GT(row.at("lag_s").to_number<double>(), 0);

@@ -25,8 +25,8 @@ const cutting::Volume& Block() {
 
 std::string What(const NamedBur& b, const Withdrawal& s) {
   return std::string(haptics::FindLaw(s.law)->name) + ", " + b.name + ", " + CutName(s.cut) +
-         (s.turned ? ", turned, " : ", ") + std::to_string(static_cast<int>(s.speed_m_per_s * 1e3)) +
-         " mm/s";
+         (s.turned ? ", turned, " : ", ") +
+         std::to_string(static_cast<int>(s.speed_m_per_s * 1e3)) + " mm/s";
 }
 
 class FreeWithdrawalTest : public testing::TestWithParam<LawKind> {};
