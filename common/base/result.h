@@ -119,4 +119,17 @@ class [[nodiscard]] Result {
     if (::enamel::Status enamel_status_ = (expr); !enamel_status_.ok()) return enamel_status_; \
   } while (false)
 
+// Declares `declaration` with the value of a Result, or returns its Status from the enclosing
+// function when it is not ok. For functions that return a Status or a Result; not for coroutines,
+// which say co_return. The declaration has no comma outside parentheses; the expression may.
+//   ENAMEL_ASSIGN_OR_RETURN(const Bytes bytes, ReadFile(path, kMaxBytes));
+#define ENAMEL_ASSIGN_OR_RETURN(declaration, ...) \
+  ENAMEL_ASSIGN_OR_RETURN_IN_(ENAMEL_JOIN_(enamel_result_, __LINE__), declaration, (__VA_ARGS__))
+#define ENAMEL_ASSIGN_OR_RETURN_IN_(result, declaration, expr) \
+  auto result = expr;                                          \
+  if (!result.ok()) return result.status();                    \
+  declaration = std::move(result).value()
+#define ENAMEL_JOIN_(a, b) ENAMEL_JOIN_NOW_(a, b)
+#define ENAMEL_JOIN_NOW_(a, b) a##b
+
 }  // namespace enamel

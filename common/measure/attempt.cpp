@@ -163,27 +163,25 @@ trace::Header MakeHeader(const scene::BuiltScene& built, const scene::Exercise& 
 
 Result<Attempt> RecordAttempt(const AttemptOptions& options,
                               const std::function<void(double)>& progress) {
-  auto built = scene::BuildBuiltinScene(options.scene, options.voxel_nm);
-  if (!built.ok()) return built.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto built, scene::BuildBuiltinScene(options.scene, options.voxel_nm));
   scene::Exercise exercise =
-      scene::ClassOneExercise(built->scene, HashSha256(AsBytes(scene::ToJson(built->scene))));
+      scene::ClassOneExercise(built.scene, HashSha256(AsBytes(scene::ToJson(built.scene))));
   std::vector<scene::DeviceProfile> profiles = scene::BuiltinProfiles();
   auto profile = std::find_if(profiles.begin(), profiles.end(),
                               [](const auto& p) { return p.name == "phantom_desktop"; });
   ENAMEL_CHECK(profile != profiles.end());
-  auto params = scene::CompilePlan(built->scene, exercise, *profile);
-  if (!params.ok()) return params.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto params, scene::CompilePlan(built.scene, exercise, *profile));
   Attempt out;
-  out.header = MakeHeader(*built, exercise, *profile, *params);
-  core::Core core(*params, built->volume);
-  Hand hand(exercise, built->scene, options);
+  out.header = MakeHeader(built, exercise, *profile, params);
+  core::Core core(params, built.volume);
+  Hand hand(exercise, built.scene, options);
   Recorder recorder(out.header);
-  CuttingTicks cutting(static_cast<uint32_t>(params->rate_hz));
+  CuttingTicks cutting(static_cast<uint32_t>(params.rate_hz));
   for (uint64_t i = 0; i < options.ticks; ++i) {
     if (progress && i % 5000 == 0) {
       progress(static_cast<double>(i) / static_cast<double>(options.ticks));
     }
-    core::TickInput input = hand.Next(*params);
+    core::TickInput input = hand.Next(params);
     core::TickOutput tick = core.Step(input);
     cutting.Add(
         std::any_of(tick.removed.begin(), tick.removed.end(), [](int64_t r) { return r != 0; }));
@@ -191,7 +189,7 @@ Result<Attempt> RecordAttempt(const AttemptOptions& options,
   }
   recorder.Flush(out);
   out.cutting_share = static_cast<double>(cutting.cutting()) / static_cast<double>(options.ticks);
-  out.built = std::move(*built);
+  out.built = std::move(built);
   out.exercise = std::move(exercise);
   return out;
 }

@@ -24,10 +24,9 @@ struct Scored {
 };
 
 Result<Scored> Cut(const AttemptOptions& options) {
-  auto attempt = RecordAttempt(options);
-  if (!attempt.ok()) return attempt.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto attempt, RecordAttempt(options));
   Scored out;
-  out.attempt = std::move(*attempt);
+  out.attempt = std::move(attempt);
   const core::CoreParams& params = out.attempt.header.params;
   out.core = std::make_unique<core::Core>(params, out.attempt.built.volume);
   out.process = std::make_unique<scoring::ProcessRecorder>(params);
@@ -46,24 +45,21 @@ Result<ScoreFigures> MeasureAt(int32_t voxel_nm, uint64_t ticks) {
   AttemptOptions options;
   options.voxel_nm = voxel_nm;
   options.ticks = ticks;
-  auto reference = Cut(options);
-  if (!reference.ok()) return reference.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto reference, Cut(options));
   options.mesial_extra_m = kMesialExtra_m;
   options.floor_extra_m = kFloorExtra_m;
-  auto student = Cut(options);
-  if (!student.ok()) return student.status();
-  const scene::BuiltScene& built = student->attempt.built;
-  const scene::Exercise& exercise = student->attempt.exercise;
+  ENAMEL_ASSIGN_OR_RETURN(auto student, Cut(options));
+  const scene::BuiltScene& built = student.attempt.built;
+  const scene::Exercise& exercise = student.attempt.exercise;
   auto metrics =
-      scoring::ComputeMetrics(built.scene, exercise, student->Data(), reference->Data(), {});
+      scoring::ComputeMetrics(built.scene, exercise, student.Data(), reference.Data(), {});
   if (!metrics.ok()) return metrics.status();
-  auto score = scoring::ApplyRubric(exercise.rubric, *metrics);
-  if (!score.ok()) return score.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto score, scoring::ApplyRubric(exercise.rubric, *metrics));
   ScoreFigures out;
   out.voxel_nm = voxel_nm;
   out.mb = static_cast<double>(built.volume.MemoryBytes()) * 1e-6;
-  out.realtime_factor = student->realtime_factor;
-  out.points = score->score;
+  out.realtime_factor = student.realtime_factor;
+  out.points = score.score;
   for (const scene::RubricCriterion& c : exercise.rubric.criteria) {
     for (const scoring::MetricValue& m : *metrics) {
       if (m.name == c.metric) out.criteria.push_back({m.name, m.unit, m.value, 0});
@@ -83,9 +79,8 @@ Result<std::vector<ScoreFigures>> MeasureScores(
       progress("scores at " + std::to_string(voxel_nm / 1000) + " um", out.size(),
                voxels_nm.size());
     }
-    auto figures = MeasureAt(voxel_nm, ticks);
-    if (!figures.ok()) return figures.status();
-    out.push_back(std::move(*figures));
+    ENAMEL_ASSIGN_OR_RETURN(auto figures, MeasureAt(voxel_nm, ticks));
+    out.push_back(std::move(figures));
   }
   for (ScoreFigures& f : out) {
     for (size_t i = 0; i < f.criteria.size(); ++i) {

@@ -133,10 +133,9 @@ Status CreateCertificateFiles(const std::filesystem::path& certificate,
                               const std::string& common_name) {
   ENAMEL_RETURN_IF_ERROR(CheckAbsent(certificate));
   ENAMEL_RETURN_IF_ERROR(CheckAbsent(private_key));
-  auto pem = MakeSelfSignedCertificate(common_name);
-  if (!pem.ok()) return pem.status();
-  ENAMEL_RETURN_IF_ERROR(WriteFileDurably(private_key, AsBytes(pem->private_key), 0600));
-  return WriteFileDurably(certificate, AsBytes(pem->certificate), 0644);
+  ENAMEL_ASSIGN_OR_RETURN(auto pem, MakeSelfSignedCertificate(common_name));
+  ENAMEL_RETURN_IF_ERROR(WriteFileDurably(private_key, AsBytes(pem.private_key), 0600));
+  return WriteFileDurably(certificate, AsBytes(pem.certificate), 0644);
 }
 
 Result<Sha256> CertificateFingerprint(ByteView pem) {

@@ -233,10 +233,9 @@ Status FrameClient::Connect(const Endpoint& server, const Sha256& fingerprint, D
 Status FrameClient::Send(ByteView message, Duration timeout) {
   if (impl_->cancelled) return Cancelled();
   if (!impl_->stream) return NotConnected();
-  auto frame = protocol::EncodeFrame(message);
-  if (!frame.ok()) return frame.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto frame, protocol::EncodeFrame(message));
   auto sent = Impl::NewOutcome();
-  asio::async_write(*impl_->stream, asio::buffer(*frame),
+  asio::async_write(*impl_->stream, asio::buffer(frame),
                     [sent](error_code error, size_t) { *sent = error; });
   auto deadline = std::chrono::steady_clock::now() + timeout;
   bool done = impl_->RunUntil([&] { return sent->has_value(); }, deadline);

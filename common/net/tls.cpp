@@ -23,18 +23,16 @@ boost::asio::const_buffer Buffer(const Bytes& bytes) { return {bytes.data(), byt
 
 Result<std::shared_ptr<ssl::context>> MakeServerContext(const std::filesystem::path& certificate,
                                                         const std::filesystem::path& private_key) {
-  auto certificate_pem = ReadFile(certificate, kMaxPemBytes);
-  if (!certificate_pem.ok()) return certificate_pem.status();
-  auto key_pem = ReadFile(private_key, kMaxPemBytes);
-  if (!key_pem.ok()) return key_pem.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto certificate_pem, ReadFile(certificate, kMaxPemBytes));
+  ENAMEL_ASSIGN_OR_RETURN(auto key_pem, ReadFile(private_key, kMaxPemBytes));
 
   auto context = std::make_shared<ssl::context>(ssl::context::tls_server);
   ENAMEL_CHECK(SSL_CTX_set_min_proto_version(context->native_handle(), TLS1_3_VERSION) == 1);
   boost::system::error_code error;
-  if (context->use_certificate_chain(Buffer(*certificate_pem), error)) {
+  if (context->use_certificate_chain(Buffer(certificate_pem), error)) {
     return Refused(certificate, "a certificate in PEM form", error);
   }
-  if (context->use_private_key(Buffer(*key_pem), ssl::context::pem, error)) {
+  if (context->use_private_key(Buffer(key_pem), ssl::context::pem, error)) {
     return Refused(private_key, "the private key of " + certificate.string() + " in PEM form",
                    error);
   }

@@ -170,9 +170,8 @@ Status ReadEnvironment(CLI::App& command, const std::string& prefix) {
 
 Status ReadSettingsFile(const std::filesystem::path& file, CLI::App& command,
                         const std::set<std::string>& of_others) {
-  auto bytes = ReadFile(file, kMaxFileBytes);
-  if (!bytes.ok()) return bytes.status();
-  return ReadSettings(AsText(*bytes), file.string(), command, of_others);
+  ENAMEL_ASSIGN_OR_RETURN(auto bytes, ReadFile(file, kMaxFileBytes));
+  return ReadSettings(AsText(bytes), file.string(), command, of_others);
 }
 
 Status ReadSettings(std::string_view text, const std::string& file, CLI::App& command,

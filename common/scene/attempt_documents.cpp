@@ -18,20 +18,13 @@ Status Another(const char* what, const char* field, const char* by, const Sha256
 
 Result<AttemptDocuments> ReadDocuments(const Sha256& exercise, const Sha256& profile,
                                        const FetchContent& fetch) {
-  auto exercise_text = fetch(exercise);
-  if (!exercise_text.ok()) return exercise_text.status();
-  auto read_exercise = ExerciseFromJson(AsText(*exercise_text));
-  if (!read_exercise.ok()) return read_exercise.status();
-  auto profile_text = fetch(profile);
-  if (!profile_text.ok()) return profile_text.status();
-  auto read_profile = ProfileFromJson(AsText(*profile_text));
-  if (!read_profile.ok()) return read_profile.status();
-  auto scene_text = fetch(read_exercise->scene);
-  if (!scene_text.ok()) return scene_text.status();
-  auto read_scene = SceneFromJson(AsText(*scene_text));
-  if (!read_scene.ok()) return read_scene.status();
-  return AttemptDocuments{std::move(*read_exercise), std::move(*read_profile),
-                          std::move(*read_scene)};
+  ENAMEL_ASSIGN_OR_RETURN(auto exercise_text, fetch(exercise));
+  ENAMEL_ASSIGN_OR_RETURN(auto read_exercise, ExerciseFromJson(AsText(exercise_text)));
+  ENAMEL_ASSIGN_OR_RETURN(auto profile_text, fetch(profile));
+  ENAMEL_ASSIGN_OR_RETURN(auto read_profile, ProfileFromJson(AsText(profile_text)));
+  ENAMEL_ASSIGN_OR_RETURN(auto scene_text, fetch(read_exercise.scene));
+  ENAMEL_ASSIGN_OR_RETURN(auto read_scene, SceneFromJson(AsText(scene_text)));
+  return AttemptDocuments{std::move(read_exercise), std::move(read_profile), std::move(read_scene)};
 }
 
 Status CheckMadeOf(const AttemptDocuments& documents, const Sha256& scene, const Sha256& volume,

@@ -69,12 +69,11 @@ Result<DeviceProfile> WithDelay(const DeviceProfile& profile, int64_t rate_hz,
 
 Status CheckParams(const Scene& scene, const Exercise& exercise, const DeviceProfile& profile,
                    const core::CoreParams& params) {
-  auto plain = CompilePlan(scene, exercise, profile);
-  if (!plain.ok()) return plain.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto plain, CompilePlan(scene, exercise, profile));
   const auto made_from = [&](const core::CoreParams& plan) {
     return core::AsOfVersion(plan, params.core_version) == params;
   };
-  if (made_from(*plain)) return Status::Ok();
+  if (made_from(plain)) return Status::Ok();
   for (int64_t d = 0; d <= kMostDelay_ticks; ++d) {
     auto delayed = WithDelay(profile, exercise.rate_hz, d);
     if (!delayed.ok()) break;  // more delay leaves less still

@@ -145,20 +145,16 @@ Bytes EncodeChunk(ChunkHead head, std::span<const Tick> ticks, const SecretKey& 
 }
 
 Result<Chunk> DecodeChunkHead(ByteView bytes) {
-  auto parts = TakeApart(bytes);
-  if (!parts.ok()) return parts.status();
-  return HeadOf(*parts);
+  ENAMEL_ASSIGN_OR_RETURN(auto parts, TakeApart(bytes));
+  return HeadOf(parts);
 }
 
 Result<Chunk> DecodeChunk(ByteView bytes) {
-  auto parts = TakeApart(bytes);
-  if (!parts.ok()) return parts.status();
-  Chunk chunk = HeadOf(*parts);
-  auto payload = Unpack(parts->packed, parts->payload_size);
-  if (!payload.ok()) return payload.status();
-  auto ticks = DecodeColumns(*payload, chunk.head.count);
-  if (!ticks.ok()) return ticks.status();
-  chunk.ticks = *std::move(ticks);
+  ENAMEL_ASSIGN_OR_RETURN(auto parts, TakeApart(bytes));
+  Chunk chunk = HeadOf(parts);
+  ENAMEL_ASSIGN_OR_RETURN(auto payload, Unpack(parts.packed, parts.payload_size));
+  ENAMEL_ASSIGN_OR_RETURN(auto ticks, DecodeColumns(payload, chunk.head.count));
+  chunk.ticks = std::move(ticks);
   uint32_t gaps = SumOfGaps(chunk.ticks);
   if (gaps != chunk.head.gap_ticks) {
     return Status(Code::kInvalidInput,

@@ -109,13 +109,11 @@ Result<Header> DecodeHeader(ByteView bytes) {
   ByteView params_bytes = in.Blob(core::ParamsBytes(core::kCoreVersion));
   h.station_software = in.Text(kMaxSoftwareBytes);
   if (!in.ok()) return EndsEarly("header", bytes.size());
-  auto ticket = DecodeTicket(ticket_bytes);
-  if (!ticket.ok()) return ticket.status();
-  h.ticket = *ticket;
+  ENAMEL_ASSIGN_OR_RETURN(auto ticket, DecodeTicket(ticket_bytes));
+  h.ticket = ticket;
   ByteReader params_in(params_bytes);
-  auto params = core::ReadParams(params_in);
-  if (!params.ok()) return params.status();
-  h.params = *params;
+  ENAMEL_ASSIGN_OR_RETURN(auto params, core::ReadParams(params_in));
+  h.params = params;
   Bytes again = EncodeHeader(h);
   if (!std::equal(again.begin(), again.end(), bytes.begin(), bytes.end())) {
     return Status(

@@ -80,16 +80,14 @@ Result<Keyframes> Keyframes::Decode(ByteView bytes, const Sha256& header_hash) {
   Keyframes out(header_hash);
   out.core_version_ = core_version;
   while (!in.AtEnd()) {
-    auto record = ReadRecord(kWhat, kMaxKeyframeBytes, in);
-    if (!record.ok()) return record.status();
-    if (!record->has_value()) break;
-    if ((*record)->kind != kKeyframeRecord) continue;
+    ENAMEL_ASSIGN_OR_RETURN(auto record, ReadRecord(kWhat, kMaxKeyframeBytes, in));
+    if (!record.has_value()) break;
+    if (record->kind != kKeyframeRecord) continue;
     if (out.size() == kMaxKeyframes) return TooLarge(kWhat, kMaxKeyframes, out.size() + 1);
-    auto frame = DecodeFrame((*record)->content);
-    if (!frame.ok()) return frame.status();
+    ENAMEL_ASSIGN_OR_RETURN(auto frame, DecodeFrame(record->content));
     uint32_t before = out.frames_.empty() ? 0 : out.frames_.back().place.chunks;
-    if (frame->place.chunks <= before) return Unusable("expected them in the order of the chunks");
-    out.frames_.push_back(std::move(*frame));
+    if (frame.place.chunks <= before) return Unusable("expected them in the order of the chunks");
+    out.frames_.push_back(std::move(frame));
   }
   return out;
 }
@@ -175,9 +173,9 @@ Status Keyframes::Restore(size_t i, core::Core& core) const {
                     ", the recording of version " + std::to_string(core.params().core_version));
   }
   for (size_t k = 0; k <= i; ++k) {
-    auto samples = Unpack(frames_[k].samples, frames_[k].bricks * kBrickBytes);
-    if (!samples.ok()) return samples.status();
-    ByteReader in(*samples);
+    ENAMEL_ASSIGN_OR_RETURN(auto samples,
+                            Unpack(frames_[k].samples, frames_[k].bricks * kBrickBytes));
+    ByteReader in(samples);
     for (uint32_t n = 0; n < frames_[k].bricks; ++n) {
       int32_t brick = in.I32();
       std::array<int16_t, cutting::kBrickVoxels> phi;
@@ -185,9 +183,8 @@ Status Keyframes::Restore(size_t i, core::Core& core) const {
       if (!core.RestoreBrick(brick, phi)) return Unusable("a brick is not the tooth's");
     }
   }
-  auto state = Unpack(frames_[i].state, frames_[i].state_size);
-  if (!state.ok()) return state.status();
-  StateArchive archive(*state);
+  ENAMEL_ASSIGN_OR_RETURN(auto state, Unpack(frames_[i].state, frames_[i].state_size));
+  StateArchive archive(state);
   const KeyframePlace& place = frames_[i].place;
   if (!core.VisitState(archive) || core.ticks() != place.ticks ||
       core.state_hash() != place.state_hash) {

@@ -28,9 +28,8 @@ Status Add(const Record& record, size_t offset, TraceFile& file) {
   } else if (record.kind == kChunkRecord) {
     file.chunks.emplace_back(record.content.begin(), record.content.end());
   } else {
-    auto seal = DecodeSeal(record.content);
-    if (!seal.ok()) return seal.status();
-    file.seal = *seal;
+    ENAMEL_ASSIGN_OR_RETURN(auto seal, DecodeSeal(record.content));
+    file.seal = seal;
   }
   return Status::Ok();
 }
@@ -55,10 +54,9 @@ Result<TraceFile> DecodeTraceFile(ByteView bytes) {
   TraceFile file;
   while (in.ok() && !in.AtEnd()) {
     size_t offset = in.offset();
-    auto record = ReadRecord(kWhat, kMaxRecordBytes, in);
-    if (!record.ok()) return record.status();
-    if (!record->has_value()) break;
-    ENAMEL_RETURN_IF_ERROR(Add(**record, offset, file));
+    ENAMEL_ASSIGN_OR_RETURN(auto record, ReadRecord(kWhat, kMaxRecordBytes, in));
+    if (!record.has_value()) break;
+    ENAMEL_RETURN_IF_ERROR(Add(*record, offset, file));
   }
   file.truncated = !in.ok();
   if (file.header.empty()) {

@@ -35,9 +35,8 @@ Result<Password> ReadOrMakePassword(bool from_stdin, const std::string& login) {
                   "expected a password as one line on standard input, found nothing");
   }
   ENAMEL_RETURN_IF_ERROR(auth::CheckPasswordPolicy(text, login));
-  auto verifier = auth::HashPassword(text);
-  if (!verifier.ok()) return verifier.status();
-  return Password{"", *verifier, false};
+  ENAMEL_ASSIGN_OR_RETURN(auto verifier, auth::HashPassword(text));
+  return Password{"", verifier, false};
 }
 
 void ShowIfMadeUp(const Password& password) {
@@ -57,154 +56,127 @@ void Show(const AttemptRow& row) {
 }  // namespace
 
 Result<Uuid> CohortByName(Store& store, const std::string& name) {
-  auto cohorts = store.Cohorts();
-  if (!cohorts.ok()) return cohorts.status();
-  auto found = std::ranges::find(*cohorts, name, &Cohort::name);
-  if (found != cohorts->end()) return found->id;
+  ENAMEL_ASSIGN_OR_RETURN(auto cohorts, store.Cohorts());
+  auto found = std::ranges::find(cohorts, name, &Cohort::name);
+  if (found != cohorts.end()) return found->id;
   return Status(Code::kNotFound, "no cohort named \"" + name + "\"; make it with admin add-cohort",
                 "cohort");
 }
 
 Result<Person> PersonNamed(Store& store, const std::string& login) {
-  auto checked = CheckedLogin(login);
-  if (!checked.ok()) return checked.status();
-  return store.PersonByLogin(*checked);
+  ENAMEL_ASSIGN_OR_RETURN(auto checked, CheckedLogin(login));
+  return store.PersonByLogin(checked);
 }
 
 Status AddPerson(const std::filesystem::path& data, const NewPerson& person) {
-  auto store = OpenForCommand(data);
-  if (!store.ok()) return store.status();
-  auto login = CheckedLogin(person.login);
-  if (!login.ok()) return login.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  ENAMEL_ASSIGN_OR_RETURN(auto login, CheckedLogin(person.login));
   auto role = RoleFromName(person.role);
   if (!role) {
     return Status(Code::kInvalidInput,
                   "a role is student, instructor or admin, found \"" + person.role + "\"", "role");
   }
-  auto name = CheckedName(person.display_name.empty() ? *login : person.display_name, "name");
-  if (!name.ok()) return name.status();
+  ENAMEL_ASSIGN_OR_RETURN(
+      auto name, CheckedName(person.display_name.empty() ? login : person.display_name, "name"));
   Person row;
   if (!person.id.empty()) {
-    auto id = Uuid::Parse(person.id);
-    if (!id.ok()) return id.status();
-    row.id = *id;
+    ENAMEL_ASSIGN_OR_RETURN(auto id, Uuid::Parse(person.id));
+    row.id = id;
   }
-  auto password = ReadOrMakePassword(person.password_from_stdin, *login);
-  if (!password.ok()) return password.status();
-  row.login = *login;
-  row.display_name = *name;
+  ENAMEL_ASSIGN_OR_RETURN(auto password, ReadOrMakePassword(person.password_from_stdin, login));
+  row.login = login;
+  row.display_name = name;
   row.role = *role;
-  row.must_change_password = password->made_up;
-  auto id = (*store)->CreatePerson(row, password->verifier, {}, kCommandLine);
-  if (!id.ok()) return id.status();
-  Say("added {} ({}), id {}\n", *login, RoleName(*role), id->Text());
-  ShowIfMadeUp(*password);
+  row.must_change_password = password.made_up;
+  ENAMEL_ASSIGN_OR_RETURN(auto id, store->CreatePerson(row, password.verifier, {}, kCommandLine));
+  Say("added {} ({}), id {}\n", login, RoleName(*role), id.Text());
+  ShowIfMadeUp(password);
   return Status::Ok();
 }
 
 Status SetPassword(const std::filesystem::path& data, const std::string& login, bool from_stdin) {
-  auto store = OpenForCommand(data);
-  if (!store.ok()) return store.status();
-  auto person = PersonNamed(**store, login);
-  if (!person.ok()) return person.status();
-  auto password = ReadOrMakePassword(from_stdin, login);
-  if (!password.ok()) return password.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  ENAMEL_ASSIGN_OR_RETURN(auto person, PersonNamed(*store, login));
+  ENAMEL_ASSIGN_OR_RETURN(auto password, ReadOrMakePassword(from_stdin, login));
   ENAMEL_RETURN_IF_ERROR(
-      (*store)->SetPassword(person->id, password->verifier, password->made_up, kCommandLine));
+      store->SetPassword(person.id, password.verifier, password.made_up, kCommandLine));
   Say("new password for {}; its sessions have ended\n", login);
-  ShowIfMadeUp(*password);
+  ShowIfMadeUp(password);
   return Status::Ok();
 }
 
 Status SetDisabled(const std::filesystem::path& data, const std::string& login, bool disabled) {
-  auto store = OpenForCommand(data);
-  if (!store.ok()) return store.status();
-  auto person = PersonNamed(**store, login);
-  if (!person.ok()) return person.status();
-  ENAMEL_RETURN_IF_ERROR((*store)->SetDisabled(person->id, disabled, kCommandLine));
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  ENAMEL_ASSIGN_OR_RETURN(auto person, PersonNamed(*store, login));
+  ENAMEL_RETURN_IF_ERROR(store->SetDisabled(person.id, disabled, kCommandLine));
   Say("{} {}\n", login, disabled ? "may no longer sign in" : "may sign in again");
   return Status::Ok();
 }
 
 Status AddCohort(const std::filesystem::path& data, const std::string& name) {
-  auto store = OpenForCommand(data);
-  if (!store.ok()) return store.status();
-  auto checked = CheckedName(name, "name");
-  if (!checked.ok()) return checked.status();
-  auto id = (*store)->CreateCohort(*checked, kCommandLine);
-  if (!id.ok()) return id.status();
-  Say("added cohort \"{}\", id {}\n", *checked, id->Text());
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  ENAMEL_ASSIGN_OR_RETURN(auto checked, CheckedName(name, "name"));
+  ENAMEL_ASSIGN_OR_RETURN(auto id, store->CreateCohort(checked, kCommandLine));
+  Say("added cohort \"{}\", id {}\n", checked, id.Text());
   return Status::Ok();
 }
 
 Status AddToCohort(const std::filesystem::path& data, const std::string& cohort,
                    const std::string& login) {
-  auto store = OpenForCommand(data);
-  if (!store.ok()) return store.status();
-  auto id = CohortByName(**store, cohort);
-  if (!id.ok()) return id.status();
-  auto person = PersonNamed(**store, login);
-  if (!person.ok()) return person.status();
-  ENAMEL_RETURN_IF_ERROR((*store)->AddToCohort(*id, person->id, kCommandLine));
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  ENAMEL_ASSIGN_OR_RETURN(auto id, CohortByName(*store, cohort));
+  ENAMEL_ASSIGN_OR_RETURN(auto person, PersonNamed(*store, login));
+  ENAMEL_RETURN_IF_ERROR(store->AddToCohort(id, person.id, kCommandLine));
   Say("{} is in \"{}\"\n", login, cohort);
   return Status::Ok();
 }
 
 Status EnrolCode(const std::filesystem::path& data, int valid_minutes) {
-  auto store = OpenForCommand(data);
-  if (!store.ok()) return store.status();
-  auto identity = EnsureIdentity(data);
-  if (!identity.ok()) return identity.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  ENAMEL_ASSIGN_OR_RETURN(auto identity, EnsureIdentity(data));
   Bytes random(16);
   randombytes_buf(random.data(), random.size());
   std::string code = ToHex(random);
   auto now = std::chrono::duration_cast<std::chrono::milliseconds>(
       std::chrono::system_clock::now().time_since_epoch());
   UnixMs expires = now.count() + UnixMs{valid_minutes} * 60'000;
-  auto added = (*store)->AddEnrolCode(HashSha256(AsBytes(code)), expires, kCommandLine);
+  auto added = store->AddEnrolCode(HashSha256(AsBytes(code)), expires, kCommandLine);
   if (!added.ok()) return added.status();
-  Say("{}@{}\n", code, identity->fingerprint.Hex());
+  Say("{}@{}\n", code, identity.fingerprint.Hex());
   return Status::Ok();
 }
 
 Status MarkReference(const std::filesystem::path& data, const std::string& attempt,
                      const std::string& dentist, bool consent) {
-  auto id = Uuid::Parse(attempt);
-  if (!id.ok()) return id.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto id, Uuid::Parse(attempt));
   if (Status agreed = CheckConsent(consent); !agreed.ok()) {
     return Status(agreed.code(), agreed.message() + " with --consent", agreed.field());
   }
-  auto store = OpenForCommand(data);
-  if (!store.ok()) return store.status();
-  auto row = (*store)->AddReference(*id, dentist, consent, kCommandLine);
-  if (!row.ok()) return row.status();
-  Say("reference version {} of the exercise: attempt {} by {}\n", row->version, attempt, dentist);
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  ENAMEL_ASSIGN_OR_RETURN(auto row, store->AddReference(id, dentist, consent, kCommandLine));
+  Say("reference version {} of the exercise: attempt {} by {}\n", row.version, attempt, dentist);
   return Status::Ok();
 }
 
 Status ReleaseScore(const std::filesystem::path& data, const std::string& attempt) {
-  auto id = Uuid::Parse(attempt);
-  if (!id.ok()) return id.status();
-  auto store = OpenForCommand(data);
-  if (!store.ok()) return store.status();
-  ENAMEL_RETURN_IF_ERROR((*store)->ReleaseAttempt(*id, kCommandLine));
+  ENAMEL_ASSIGN_OR_RETURN(auto id, Uuid::Parse(attempt));
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  ENAMEL_RETURN_IF_ERROR(store->ReleaseAttempt(id, kCommandLine));
   Say("the score of attempt {} is released to its student\n", attempt);
   return Status::Ok();
 }
 
 Status ListAttempts(const std::filesystem::path& data, uint32_t limit) {
-  auto store = OpenForCommand(data);
-  if (!store.ok()) return store.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
   constexpr uint32_t kPage = 200;
   AttemptFilter filter;
   for (uint32_t shown = 0; shown < limit;) {
     filter.limit = std::min(limit - shown, kPage);
-    auto rows = (*store)->Attempts(filter);
-    if (!rows.ok()) return rows.status();
-    for (const AttemptRow& row : *rows) Show(row);
-    if (rows->size() < filter.limit) break;
+    ENAMEL_ASSIGN_OR_RETURN(auto rows, store->Attempts(filter));
+    for (const AttemptRow& row : rows) Show(row);
+    if (rows.size() < filter.limit) break;
     shown += filter.limit;
-    filter.before = rows->back().id;
+    filter.before = rows.back().id;
   }
   return Status::Ok();
 }

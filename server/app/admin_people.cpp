@@ -109,57 +109,51 @@ Status Import(Store& store, std::string_view csv, const RosterCommand& command,
                   " people are new: say with --passwords FILE.csv where their one-time passwords "
                   "go; they are kept nowhere else"};
     }
-    auto made = PasswordFile::Make(command.passwords);
-    if (!made.ok()) return made.status();
-    file.emplace(std::move(made).value());
+    ENAMEL_ASSIGN_OR_RETURN(auto made, PasswordFile::Make(command.passwords));
+    file.emplace(std::move(made));
   }
-  auto result = roster::ImportRoster(store, csv, options, kCommandLine);
-  if (!result.ok()) return result.status();
-  if (!result->plan.problems.empty()) {
-    ShowProblems(result->plan.problems);
-    return Refusal(*result);
+  ENAMEL_ASSIGN_OR_RETURN(auto result, roster::ImportRoster(store, csv, options, kCommandLine));
+  if (!result.plan.problems.empty()) {
+    ShowProblems(result.plan.problems);
+    return Refusal(result);
   }
-  if (file && !result->passwords.empty()) {
-    ENAMEL_RETURN_IF_ERROR(file->Keep(roster::PasswordsCsv(result->passwords)));
+  if (file && !result.passwords.empty()) {
+    ENAMEL_RETURN_IF_ERROR(file->Keep(roster::PasswordsCsv(result.passwords)));
   }
-  ShowOutcome(*result);
+  ShowOutcome(result);
   if (file) {
     Say("one-time passwords of {} people in {} (shown only there; hand them out, then remove it)\n",
-        result->passwords.size(), command.passwords.string());
+        result.passwords.size(), command.passwords.string());
   }
-  return WriteOutcome(command.json, *result);
+  return WriteOutcome(command.json, result);
 }
 
 }  // namespace
 
 Status ImportRoster(const RosterCommand& command) {
-  auto csv = ReadFile(command.file, roster::kMaxRosterBytes + 1);
-  if (!csv.ok()) return csv.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto csv, ReadFile(command.file, roster::kMaxRosterBytes + 1));
   roster::ImportOptions options;
   options.dry_run = true;
   options.file.ignore_unknown_columns = command.ignore_unknown_columns;
   if (!command.cohort.empty()) {
-    auto cohort = CheckedName(command.cohort, "cohort");
-    if (!cohort.ok()) return cohort.status();
-    options.file.cohort = *cohort;
+    ENAMEL_ASSIGN_OR_RETURN(auto cohort, CheckedName(command.cohort, "cohort"));
+    options.file.cohort = cohort;
   }
-  auto store = OpenForCommand(command.data);
-  if (!store.ok()) return store.status();
-  auto tried = roster::ImportRoster(**store, AsText(*csv), options, kCommandLine);
-  if (!tried.ok()) return tried.status();
-  if (!tried->plan.problems.empty() || command.dry_run) {
-    ShowProblems(tried->plan.problems);
-    if (tried->plan.problems.empty()) ShowOutcome(*tried);
-    ENAMEL_RETURN_IF_ERROR(WriteOutcome(command.json, *tried));
-    return tried->plan.problems.empty() ? Status::Ok() : Refusal(*tried);
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(command.data));
+  ENAMEL_ASSIGN_OR_RETURN(auto tried,
+                          roster::ImportRoster(*store, AsText(csv), options, kCommandLine));
+  if (!tried.plan.problems.empty() || command.dry_run) {
+    ShowProblems(tried.plan.problems);
+    if (tried.plan.problems.empty()) ShowOutcome(tried);
+    ENAMEL_RETURN_IF_ERROR(WriteOutcome(command.json, tried));
+    return tried.plan.problems.empty() ? Status::Ok() : Refusal(tried);
   }
   options.dry_run = false;
-  return Import(**store, AsText(*csv), command, options, tried->plan.Count(Change::kCreate));
+  return Import(*store, AsText(csv), command, options, tried.plan.Count(Change::kCreate));
 }
 
 Status ListPeople(const PeopleList& list) {
-  auto store = OpenForCommand(list.data);
-  if (!store.ok()) return store.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(list.data));
   PeopleFilter filter;
   if (!list.role.empty()) {
     filter.role = RoleFromName(list.role);
@@ -169,66 +163,55 @@ Status ListPeople(const PeopleList& list) {
     }
   }
   if (!list.cohort.empty()) {
-    auto cohort = CohortByName(**store, list.cohort);
-    if (!cohort.ok()) return cohort.status();
-    filter.cohort = *cohort;
+    ENAMEL_ASSIGN_OR_RETURN(auto cohort, CohortByName(*store, list.cohort));
+    filter.cohort = cohort;
   }
   filter.text = list.text;
   for (uint32_t shown = 0; shown < list.limit;) {
     filter.limit = std::min(list.limit - shown, kPage);
-    auto people = (*store)->FindPeople(filter);
-    if (!people.ok()) return people.status();
-    for (const Person& person : *people) {
+    ENAMEL_ASSIGN_OR_RETURN(auto people, store->FindPeople(filter));
+    for (const Person& person : people) {
       Say("{:<24} {:<11} {}{}{}\n", person.login, RoleName(person.role), person.display_name,
           person.disabled ? "  (disabled)" : "",
           person.must_change_password ? "  (one-time password)" : "");
     }
-    if (people->size() < filter.limit) break;
+    if (people.size() < filter.limit) break;
     shown += filter.limit;
-    filter.after_login = people->back().login;
+    filter.after_login = people.back().login;
   }
   return Status::Ok();
 }
 
 Status ListCohorts(const std::filesystem::path& data) {
-  auto store = OpenForCommand(data);
-  if (!store.ok()) return store.status();
-  auto cohorts = (*store)->Cohorts();
-  if (!cohorts.ok()) return cohorts.status();
-  for (const Cohort& cohort : *cohorts) {
-    auto members = (*store)->CohortMembers(cohort.id);
-    if (!members.ok()) return members.status();
-    auto students = std::ranges::count(*members, Role::kStudent, &Person::role);
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  ENAMEL_ASSIGN_OR_RETURN(auto cohorts, store->Cohorts());
+  for (const Cohort& cohort : cohorts) {
+    ENAMEL_ASSIGN_OR_RETURN(auto members, store->CohortMembers(cohort.id));
+    auto students = std::ranges::count(members, Role::kStudent, &Person::role);
     Say("{:<30} {} students, {} others{}\n", cohort.name, students,
-        static_cast<int64_t>(members->size()) - students,
+        static_cast<int64_t>(members.size()) - students,
         cohort.archived_ms != 0 ? "  (archived)" : "");
   }
   return Status::Ok();
 }
 
 Status ListSessions(const std::filesystem::path& data, const std::string& login) {
-  auto store = OpenForCommand(data);
-  if (!store.ok()) return store.status();
-  auto person = PersonNamed(**store, login);
-  if (!person.ok()) return person.status();
-  auto sessions = (*store)->SessionsOf(person->id);
-  if (!sessions.ok()) return sessions.status();
-  for (const SessionRow& session : *sessions) {
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  ENAMEL_ASSIGN_OR_RETURN(auto person, PersonNamed(*store, login));
+  ENAMEL_ASSIGN_OR_RETURN(auto sessions, store->SessionsOf(person.id));
+  for (const SessionRow& session : sessions) {
     Say("{}  {:<7}  since {}, last used {} UTC\n", session.id.Text(), session.via,
         UtcText(session.created_ms), UtcText(session.last_used_ms));
   }
-  if (sessions->empty()) Say("{} has no sessions\n", login);
+  if (sessions.empty()) Say("{} has no sessions\n", login);
   return Status::Ok();
 }
 
 Status EndSessions(const std::filesystem::path& data, const std::string& login) {
-  auto store = OpenForCommand(data);
-  if (!store.ok()) return store.status();
-  auto person = PersonNamed(**store, login);
-  if (!person.ok()) return person.status();
-  auto ended = (*store)->EndSessionsOf(person->id, kCommandLine);
-  if (!ended.ok()) return ended.status();
-  Say("ended {} sessions of {}\n", *ended, login);
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  ENAMEL_ASSIGN_OR_RETURN(auto person, PersonNamed(*store, login));
+  ENAMEL_ASSIGN_OR_RETURN(auto ended, store->EndSessionsOf(person.id, kCommandLine));
+  Say("ended {} sessions of {}\n", ended, login);
   return Status::Ok();
 }
 

@@ -16,9 +16,8 @@ namespace {
 constexpr size_t kMaxDocument = 1 << 20;
 
 Result<std::string> ReadText(const std::filesystem::path& file) {
-  auto bytes = ReadFile(file, kMaxDocument);
-  if (!bytes.ok()) return bytes.status();
-  return std::string(AsText(*bytes));
+  ENAMEL_ASSIGN_OR_RETURN(auto bytes, ReadFile(file, kMaxDocument));
+  return std::string(AsText(bytes));
 }
 
 Status InFile(const std::filesystem::path& file, const Status& status) {
@@ -46,23 +45,20 @@ Result<StationRow> StationNamed(Store& store, const std::string& text) {
     if (!station.ok() || !station->revoked) return station;
     return Status(Code::kNotFound, "station " + text + " is no longer admitted", "station");
   }
-  auto stations = store.Stations();
-  if (!stations.ok()) return stations.status();
-  std::erase_if(*stations, [&](const StationRow& row) { return row.revoked || row.name != text; });
-  if (stations->size() == 1) return stations->front();
+  ENAMEL_ASSIGN_OR_RETURN(auto stations, store.Stations());
+  std::erase_if(stations, [&](const StationRow& row) { return row.revoked || row.name != text; });
+  if (stations.size() == 1) return stations.front();
   return Status(Code::kNotFound,
-                stations->empty() ? "no admitted station is called \"" + text + "\""
-                                  : std::to_string(stations->size()) + " stations are called \"" +
-                                        text + "\"; give the id that admin list-stations shows",
+                stations.empty() ? "no admitted station is called \"" + text + "\""
+                                 : std::to_string(stations.size()) + " stations are called \"" +
+                                       text + "\"; give the id that admin list-stations shows",
                 "station");
 }
 
 Status ListStations(const std::filesystem::path& data) {
-  auto store = OpenForCommand(data);
-  if (!store.ok()) return store.status();
-  auto stations = (*store)->Stations();
-  if (!stations.ok()) return stations.status();
-  for (const StationRow& row : *stations) {
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  ENAMEL_ASSIGN_OR_RETURN(auto stations, store->Stations());
+  for (const StationRow& row : stations) {
     Say("{}  {:<24} {:<8} last seen {} UTC  {}{}\n", row.id.Text(), row.name,
         row.revoked ? "revoked" : "admitted", UtcText(row.last_seen_ms),
         row.software.empty() ? "-" : row.software,
@@ -72,19 +68,17 @@ Status ListStations(const std::filesystem::path& data) {
 }
 
 Status ListAwaited(const std::filesystem::path& data) {
-  auto store = OpenForCommand(data);
-  if (!store.ok()) return store.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
   AuditFilter filter;
   filter.action = "attempt.awaits";
   filter.limit = 1000;
-  auto rows = (*store)->FindAudit(filter);
-  if (!rows.ok()) return rows.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto rows, store->FindAudit(filter));
   std::set<std::string> seen;  // newest first: the last word about each attempt counts
   size_t waiting = 0;
-  for (const AuditRow& row : *rows) {
+  for (const AuditRow& row : rows) {
     auto attempt = Uuid::Parse(row.object);
     if (!attempt.ok() || !seen.insert(row.object).second) continue;
-    auto known = (*store)->AttemptById(*attempt);
+    auto known = store->AttemptById(*attempt);
     if (known.ok()) continue;
     if (known.status().code() != Code::kNotFound) return known.status();
     ++waiting;
@@ -101,21 +95,18 @@ Status ListAwaited(const std::filesystem::path& data) {
 }
 
 Status RevokeStation(const std::filesystem::path& data, const std::string& station) {
-  auto store = OpenForCommand(data);
-  if (!store.ok()) return store.status();
-  auto row = StationNamed(**store, station);
-  if (!row.ok()) return row.status();
-  ENAMEL_RETURN_IF_ERROR((*store)->RevokeStation(row->id, kCommandLine));
-  Say("{} ({}) is no longer admitted; to use it again, enrol it with a new code\n", row->name,
-      row->id.Text());
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  ENAMEL_ASSIGN_OR_RETURN(auto row, StationNamed(*store, station));
+  ENAMEL_RETURN_IF_ERROR(store->RevokeStation(row.id, kCommandLine));
+  Say("{} ({}) is no longer admitted; to use it again, enrol it with a new code\n", row.name,
+      row.id.Text());
   return Status::Ok();
 }
 
 Status PutProfile(const std::filesystem::path& data, const std::filesystem::path& file,
                   bool check_only) {
-  auto text = ReadText(file);
-  if (!text.ok()) return text.status();
-  auto profile = scene::ProfileFromJson(*text);
+  ENAMEL_ASSIGN_OR_RETURN(auto text, ReadText(file));
+  auto profile = scene::ProfileFromJson(text);
   if (!profile.ok()) return InFile(file, profile.status());
   auto criteria = scene::CheckProfile(*profile);
   Show(criteria);
@@ -124,25 +115,20 @@ Status PutProfile(const std::filesystem::path& data, const std::filesystem::path
                                      "\" does not meet every criterion above; nothing was stored"};
   }
   if (check_only) return Status::Ok();
-  auto store = OpenForCommand(data);
-  if (!store.ok()) return store.status();
-  auto content = (*store)->PutBlob(AsBytes(scene::ToJson(*profile)));
-  if (!content.ok()) return content.status();
-  ENAMEL_RETURN_IF_ERROR(
-      (*store)->PutProfile({profile->name, profile->title, *content}, kCommandLine));
-  auto versions = (*store)->ProfileVersions(profile->name);
-  if (!versions.ok()) return versions.status();
-  Say("device profile \"{}\" version {}\n", profile->name, versions->front().version);
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  ENAMEL_ASSIGN_OR_RETURN(auto content, store->PutBlob(AsBytes(scene::ToJson(*profile))));
+  ENAMEL_RETURN_IF_ERROR(store->PutProfile({profile->name, profile->title, content}, kCommandLine));
+  ENAMEL_ASSIGN_OR_RETURN(auto versions, store->ProfileVersions(profile->name));
+  Say("device profile \"{}\" version {}\n", profile->name, versions.front().version);
   return Status::Ok();
 }
 
 Status AddProfileReport(const std::filesystem::path& data, const std::string& profile,
                         const std::filesystem::path& file) {
-  auto bytes = ReadFile(file, kMaxDocument);
-  if (!bytes.ok()) return bytes.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto bytes, ReadFile(file, kMaxDocument));
   ProfileReportRow row;
   row.profile = profile;
-  row.bytes = bytes->size();
+  row.bytes = bytes.size();
   std::string extension = file.extension().string();
   row.media_type = extension == ".json" ? "application/json" : "text/html";
   if (extension != ".json" && extension != ".html") {
@@ -150,51 +136,42 @@ Status AddProfileReport(const std::filesystem::path& data, const std::string& pr
             "a report is a .html or .json file of `enamel-station qualify --report`, found " +
                 file.string()};
   }
-  auto store = OpenForCommand(data);
-  if (!store.ok()) return store.status();
-  auto content = (*store)->PutBlob(*bytes);
-  if (!content.ok()) return content.status();
-  row.content = *content;
-  auto added = (*store)->AddProfileReport(row, kCommandLine);
-  if (!added.ok()) return added.status();
-  Say("report {} about \"{}\" version {}\n", added->id.Text(), profile, added->version);
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  ENAMEL_ASSIGN_OR_RETURN(auto content, store->PutBlob(bytes));
+  row.content = content;
+  ENAMEL_ASSIGN_OR_RETURN(auto added, store->AddProfileReport(row, kCommandLine));
+  Say("report {} about \"{}\" version {}\n", added.id.Text(), profile, added.version);
   return Status::Ok();
 }
 
 Status AddCalibration(const std::filesystem::path& data, const std::filesystem::path& file) {
-  auto text = ReadText(file);
-  if (!text.ok()) return text.status();
-  auto calibration = scene::CalibrationFromJson(*text);
+  ENAMEL_ASSIGN_OR_RETURN(auto text, ReadText(file));
+  auto calibration = scene::CalibrationFromJson(text);
   if (!calibration.ok()) return InFile(file, calibration.status());
-  auto store = OpenForCommand(data);
-  if (!store.ok()) return store.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
   CalibrationRow row;
   row.profile = calibration->profile;
   row.device = calibration->device;
   row.measured_ms = calibration->measured_ms;
   row.document = scene::ToJson(*calibration);
-  auto added = (*store)->AddCalibration(row, kCommandLine);
-  if (!added.ok()) return added.status();
-  Say("calibration {} of {}, profile \"{}\"\n", added->id.Text(), row.device, row.profile);
+  ENAMEL_ASSIGN_OR_RETURN(auto added, store->AddCalibration(row, kCommandLine));
+  Say("calibration {} of {}, profile \"{}\"\n", added.id.Text(), row.device, row.profile);
   return Status::Ok();
 }
 
 Status ListCalibrations(const std::filesystem::path& data, const std::string& profile) {
-  auto store = OpenForCommand(data);
-  if (!store.ok()) return store.status();
-  auto rows = (*store)->Calibrations(profile);
-  if (!rows.ok()) return rows.status();
-  for (const CalibrationRow& row : *rows) {
-    auto calibration = scene::CalibrationFromJson(row.document);
-    if (!calibration.ok()) return calibration.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  ENAMEL_ASSIGN_OR_RETURN(auto rows, store->Calibrations(profile));
+  for (const CalibrationRow& row : rows) {
+    ENAMEL_ASSIGN_OR_RETURN(auto calibration, scene::CalibrationFromJson(row.document));
     Say("{} UTC  {}  resolution {} nm, noise {} nm, friction {} mN, damping {} mN s/m, mass {} g, "
         "delay {} ticks\n",
-        UtcText(row.measured_ms), row.device, Figure(calibration->resolution_nm),
-        Figure(calibration->noise_nm), Figure(calibration->friction_mn),
-        Figure(calibration->damping_mn_s_per_m), Figure(calibration->mass_g),
-        Figure(calibration->bus_delay_ticks));
+        UtcText(row.measured_ms), row.device, Figure(calibration.resolution_nm),
+        Figure(calibration.noise_nm), Figure(calibration.friction_mn),
+        Figure(calibration.damping_mn_s_per_m), Figure(calibration.mass_g),
+        Figure(calibration.bus_delay_ticks));
   }
-  if (rows->empty()) Say("no device of profile \"{}\" was measured yet\n", profile);
+  if (rows.empty()) Say("no device of profile \"{}\" was measured yet\n", profile);
   return Status::Ok();
 }
 

@@ -39,9 +39,8 @@ Result<Sha256> EnsureCertificate(const std::filesystem::path& certificate,
     bool there = made.code() == Code::kConflict && std::filesystem::exists(certificate, error);
     if (!made.ok() && !there) return made;
   }
-  auto pem = ReadFile(certificate, 1 << 20);
-  if (!pem.ok()) return pem.status();
-  return net::CertificateFingerprint(*pem);
+  ENAMEL_ASSIGN_OR_RETURN(auto pem, ReadFile(certificate, 1 << 20));
+  return net::CertificateFingerprint(pem);
 }
 
 }  // namespace
@@ -50,12 +49,12 @@ Result<ServerIdentity> EnsureIdentity(const std::filesystem::path& folder) {
   ServerIdentity identity;
   identity.certificate = folder / "station.crt";
   identity.private_key = folder / "station.key";
-  auto fingerprint = EnsureCertificate(identity.certificate, identity.private_key, "enamel-server");
-  if (!fingerprint.ok()) return fingerprint.status();
-  identity.fingerprint = *fingerprint;
-  auto keys = EnsureTicketKey(folder / "ticket.key");
-  if (!keys.ok()) return keys.status();
-  identity.ticket_key = *keys;
+  ENAMEL_ASSIGN_OR_RETURN(
+      auto fingerprint,
+      EnsureCertificate(identity.certificate, identity.private_key, "enamel-server"));
+  identity.fingerprint = fingerprint;
+  ENAMEL_ASSIGN_OR_RETURN(auto keys, EnsureTicketKey(folder / "ticket.key"));
+  identity.ticket_key = keys;
   return identity;
 }
 
@@ -64,10 +63,10 @@ Result<PageCertificate> EnsurePageCertificate(const std::filesystem::path& folde
   PageCertificate page;
   page.certificate = folder / "page.crt";
   page.private_key = folder / "page.key";
-  auto fingerprint = EnsureCertificate(page.certificate, page.private_key,
-                                       host_names.empty() ? "localhost" : host_names.front());
-  if (!fingerprint.ok()) return fingerprint.status();
-  page.fingerprint = *fingerprint;
+  ENAMEL_ASSIGN_OR_RETURN(auto fingerprint,
+                          EnsureCertificate(page.certificate, page.private_key,
+                                            host_names.empty() ? "localhost" : host_names.front()));
+  page.fingerprint = fingerprint;
   return page;
 }
 

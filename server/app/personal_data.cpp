@@ -52,19 +52,17 @@ class Exporter {
   }
 
   Status AddCohorts(const Person& person, json::object& root) {
-    auto cohorts = store_.CohortsOf(person.id);
-    if (!cohorts.ok()) return cohorts.status();
+    ENAMEL_ASSIGN_OR_RETURN(auto cohorts, store_.CohortsOf(person.id));
     json::array names;
-    for (const Cohort& cohort : *cohorts) names.emplace_back(cohort.name);
+    for (const Cohort& cohort : cohorts) names.emplace_back(cohort.name);
     root["cohorts"] = std::move(names);
     return Status::Ok();
   }
 
   Status AddAudit(const Person& person, json::object& root) {
-    auto rows = store_.AuditAbout(person.id);
-    if (!rows.ok()) return rows.status();
+    ENAMEL_ASSIGN_OR_RETURN(auto rows, store_.AuditAbout(person.id));
     json::array audit;
-    for (const AuditRow& row : *rows) {
+    for (const AuditRow& row : rows) {
       audit.push_back({{"at_ms", row.at_ms},
                        {"actor", row.actor},
                        {"action", row.action},
@@ -82,9 +80,8 @@ class Exporter {
     filter.limit = 200;
     json::array attempts;
     for (;;) {
-      auto rows = store_.Attempts(filter);
-      if (!rows.ok()) return rows.status();
-      for (const AttemptRow& row : *rows) {
+      ENAMEL_ASSIGN_OR_RETURN(auto rows, store_.Attempts(filter));
+      for (const AttemptRow& row : rows) {
         json::object facts = Facts(row);
         ENAMEL_RETURN_IF_ERROR(AddOverride(row, facts));
         ENAMEL_RETURN_IF_ERROR(AddWords(row, facts));
@@ -92,8 +89,8 @@ class Exporter {
         attempts.push_back(std::move(facts));
         ++attempts_;
       }
-      if (rows->size() < filter.limit) break;
-      filter.before = rows->back().id;
+      if (rows.size() < filter.limit) break;
+      filter.before = rows.back().id;
     }
     root["attempts"] = std::move(attempts);
     return Status::Ok();
@@ -132,11 +129,10 @@ class Exporter {
 
   Status AddOverride(const AttemptRow& row, json::object& facts) {
     if (!row.overridden) return Status::Ok();
-    auto by = NameOf(row.overridden->by);
-    if (!by.ok()) return by.status();
+    ENAMEL_ASSIGN_OR_RETURN(auto by, NameOf(row.overridden->by));
     facts["override"] = {{"score", row.overridden->score},
                          {"reason", row.overridden->reason},
-                         {"by", *by},
+                         {"by", by},
                          {"at_ms", row.overridden->at_ms}};
     return Status::Ok();
   }
@@ -144,16 +140,15 @@ class Exporter {
   // Every run, newest first; earlier ones' reasons as files.
   Status AddResults(const AttemptRow& row, json::object& facts, json::array& files,
                     json::array& problems) {
-    auto results = store_.ResultsOf(row.id);
-    if (!results.ok()) return results.status();
+    ENAMEL_ASSIGN_OR_RETURN(auto results, store_.ResultsOf(row.id));
     json::array out;
-    for (const ResultRow& result : *results) {
+    for (const ResultRow& result : results) {
       out.push_back({{"run", result.run},
                      {"scored_ms", result.scored_ms},
                      {"cause", result.cause},
                      {"score", result.score},
                      {"critical_fail", result.critical_fail}});
-      if (&result == &results->front()) continue;  // score.json
+      if (&result == &results.front()) continue;  // score.json
       std::string name = "score_" + std::to_string(result.run) + ".json";
       ENAMEL_RETURN_IF_ERROR(
           AddFile(row, name, store_.GetBlob(result.score_json), files, problems));
@@ -176,30 +171,26 @@ class Exporter {
 
   // What was said about it.
   Status AddWords(const AttemptRow& row, json::object& facts) {
-    auto remarks = store_.AnnotationsOf(row.id);
-    if (!remarks.ok()) return remarks.status();
+    ENAMEL_ASSIGN_OR_RETURN(auto remarks, store_.AnnotationsOf(row.id));
     json::array annotations;
-    for (const AnnotationRow& remark : *remarks) {
-      auto by = NameOf(remark.author);
-      if (!by.ok()) return by.status();
+    for (const AnnotationRow& remark : remarks) {
+      ENAMEL_ASSIGN_OR_RETURN(auto by, NameOf(remark.author));
       annotations.push_back({{"tick", remark.tick},
                              {"text", remark.text},
-                             {"by", *by},
+                             {"by", by},
                              {"created_ms", remark.created_ms}});
     }
     facts["annotations"] = std::move(annotations);
-    auto appeal = store_.AppealOf(row.id);
-    if (!appeal.ok()) return appeal.status();
-    if (!*appeal) return Status::Ok();
-    facts["appeal"] = {{"filed_ms", (*appeal)->filed_ms},
-                       {"text", (*appeal)->text},
-                       {"state", (*appeal)->state},
-                       {"answer", (*appeal)->answer},
-                       {"answered_ms", (*appeal)->answered_ms}};
-    if ((*appeal)->answered_ms == 0) return Status::Ok();
-    auto by = NameOf((*appeal)->answered_by);
-    if (!by.ok()) return by.status();
-    facts["appeal"].as_object()["answered_by"] = *by;
+    ENAMEL_ASSIGN_OR_RETURN(auto appeal, store_.AppealOf(row.id));
+    if (!appeal) return Status::Ok();
+    facts["appeal"] = {{"filed_ms", appeal->filed_ms},
+                       {"text", appeal->text},
+                       {"state", appeal->state},
+                       {"answer", appeal->answer},
+                       {"answered_ms", appeal->answered_ms}};
+    if (appeal->answered_ms == 0) return Status::Ok();
+    ENAMEL_ASSIGN_OR_RETURN(auto by, NameOf(appeal->answered_by));
+    facts["appeal"].as_object()["answered_by"] = by;
     return Status::Ok();
   }
 
@@ -227,12 +218,9 @@ class Exporter {
   }
 
   Result<Bytes> TraceOf(const AttemptRow& row) {
-    auto header = store_.AttemptHeader(row.id);
-    if (!header.ok()) return header.status();
-    auto chunks = store_.AttemptChunks(row.id);
-    if (!chunks.ok()) return chunks.status();
-    trace::TraceFile file{std::move(header).value(), std::move(chunks).value(), std::nullopt,
-                          false};
+    ENAMEL_ASSIGN_OR_RETURN(auto header, store_.AttemptHeader(row.id));
+    ENAMEL_ASSIGN_OR_RETURN(auto chunks, store_.AttemptChunks(row.id));
+    trace::TraceFile file{std::move(header), std::move(chunks), std::nullopt, false};
     if (auto seal = store_.AttemptSeal(row.id); seal.ok()) file.seal = *seal;
     return trace::EncodeTraceFile(file);
   }
@@ -252,14 +240,11 @@ Status ExportPerson(const fs::path& data, const std::string& login, const fs::pa
                   "expected an absent or empty folder for the export, found files in " +
                       target.string() + "; name another one");
   }
-  auto store = OpenForCommand(data);
-  if (!store.ok()) return store.status();
-  auto person = PersonNamed(**store, login);
-  if (!person.ok()) return person.status();
-  Exporter exporter(**store, target);
-  ENAMEL_RETURN_IF_ERROR(exporter.Run(*person));
-  ENAMEL_RETURN_IF_ERROR(
-      (*store)->NoteAudit(kCommandLine, "person.export", person->id.Text(), "{}"));
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  ENAMEL_ASSIGN_OR_RETURN(auto person, PersonNamed(*store, login));
+  Exporter exporter(*store, target);
+  ENAMEL_RETURN_IF_ERROR(exporter.Run(person));
+  ENAMEL_RETURN_IF_ERROR(store->NoteAudit(kCommandLine, "person.export", person.id.Text(), "{}"));
   Say("{}: {} attempts, {} bytes in {}\n", login, exporter.attempts(), exporter.bytes(),
       target.string());
   return Status::Ok();
@@ -273,19 +258,17 @@ Status ErasePerson(const fs::path& data, const std::string& login, const std::st
         "erasing cannot be undone: expected --confirm " + login + ", found \"" + confirm + "\"",
         "confirm");
   }
-  auto store = OpenForCommand(data);
-  if (!store.ok()) return store.status();
-  auto person = PersonNamed(**store, login);
-  if (!person.ok()) return person.status();
-  auto report = (*store)->ErasePerson(person->id, with_references, kCommandLine);
-  if (!report.ok()) return report.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  ENAMEL_ASSIGN_OR_RETURN(auto person, PersonNamed(*store, login));
+  ENAMEL_ASSIGN_OR_RETURN(auto report,
+                          store->ErasePerson(person.id, with_references, kCommandLine));
   Say("{} is erased: key destroyed, {} attempts and {} blobs removed, {} reference cuts among "
       "them\n"
       "backups made before still hold name and login, and the key where it is kept inside: delete "
       "those backups in their time; a restore of one erases again when the newest key ring is "
       "named\n",
-      login, report->attempts, report->blobs, report->references);
-  if (!report->finished) {
+      login, report.attempts, report.blobs, report.references);
+  if (!report.finished) {
     Say("copies of what was erased may stay in unused parts of the database for now; the running "
         "server writes it anew within the hour, one that does not run after its next start\n");
   }

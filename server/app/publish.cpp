@@ -15,20 +15,17 @@ namespace {
 constexpr std::string_view kBuiltinPrefix = "builtin:";
 
 Result<SceneRow> StoreScene(Store& store, const scene::Scene& scene, ByteView volume) {
-  auto volume_hash = store.PutBlob(volume);
-  if (!volume_hash.ok()) return volume_hash.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto volume_hash, store.PutBlob(volume));
   std::string json = scene::ToJson(scene);
-  auto content = store.PutBlob(AsBytes(json));
-  if (!content.ok()) return content.status();
-  SceneRow row{scene.name, scene.title, *content, *volume_hash};
+  ENAMEL_ASSIGN_OR_RETURN(auto content, store.PutBlob(AsBytes(json)));
+  SceneRow row{scene.name, scene.title, content, volume_hash};
   ENAMEL_RETURN_IF_ERROR(store.PutScene(row, kCommandLine));
   return row;
 }
 
 Result<SceneRow> PublishBuiltin(Store& store, const std::string& name, int32_t voxel_nm) {
-  auto built = scene::BuildBuiltinScene(name, voxel_nm);
-  if (!built.ok()) return built.status();
-  return StoreScene(store, built->scene, scene::EncodeVolume(built->volume));
+  ENAMEL_ASSIGN_OR_RETURN(auto built, scene::BuildBuiltinScene(name, voxel_nm));
+  return StoreScene(store, built.scene, scene::EncodeVolume(built.volume));
 }
 
 Result<SceneRow> PublishFolder(Store& store, const std::string& folder) {
@@ -44,9 +41,8 @@ Result<SceneRow> PublishFolder(Store& store, const std::string& folder) {
 
 // As a draft that is published at once: drafts are assigned to nobody.
 Result<ExerciseRow> PublishUnassigned(Store& store, const ExerciseRow& row) {
-  auto versions = store.ExerciseVersions(row.name);
-  if (!versions.ok()) return versions.status();
-  for (const ExerciseRow& version : *versions) {
+  ENAMEL_ASSIGN_OR_RETURN(auto versions, store.ExerciseVersions(row.name));
+  for (const ExerciseRow& version : versions) {
     if (version.state == ExerciseState::kDraft) continue;
     if (version.content == row.content && version.state == ExerciseState::kPublished) {
       return version;
@@ -59,9 +55,8 @@ Result<ExerciseRow> PublishUnassigned(Store& store, const ExerciseRow& row) {
 }
 
 Result<scene::Scene> StoredScene(Store& store, const SceneRow& row) {
-  auto text = store.GetBlob(row.content);
-  if (!text.ok()) return text.status();
-  return scene::SceneFromJson(AsText(*text));
+  ENAMEL_ASSIGN_OR_RETURN(auto text, store.GetBlob(row.content));
+  return scene::SceneFromJson(AsText(text));
 }
 
 }  // namespace
@@ -73,12 +68,11 @@ Result<SceneRow> PublishScene(Store& store, const std::string& source, int32_t v
 
 Result<ExerciseRow> PublishDocument(Store& store, const scene::Exercise& exercise,
                                     const std::optional<Uuid>& cohort) {
-  auto content = store.PutBlob(AsBytes(scene::ToJson(exercise)));
-  if (!content.ok()) return content.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto content, store.PutBlob(AsBytes(scene::ToJson(exercise))));
   ExerciseRow row;
   row.name = exercise.name;
   row.title = exercise.title;
-  row.content = *content;
+  row.content = content;
   row.scene = exercise.scene;
   row.graded = exercise.graded;
   if (cohort) return store.PublishExercise(row, *cohort, kCommandLine);
@@ -95,9 +89,8 @@ Result<std::vector<ExerciseRow>> PublishBuiltins(Store& store, const SceneRow& r
   for (const scene::Exercise& exercise : scene::BuiltinExercises(*scene, row.content)) {
     known += (known.empty() ? "" : ", ") + exercise.name;
     if (!name.empty() && exercise.name != name && !exercise.name.starts_with(name + "-")) continue;
-    auto published = PublishDocument(store, exercise, cohort);
-    if (!published.ok()) return published.status();
-    out.push_back(*published);
+    ENAMEL_ASSIGN_OR_RETURN(auto published, PublishDocument(store, exercise, cohort));
+    out.push_back(published);
   }
   if (!out.empty()) return out;
   return Status(Code::kNotFound,
@@ -113,9 +106,8 @@ Result<ExerciseRow> PublishClassOne(Store& store, const SceneRow& row, const Uui
 
 Status PublishProfiles(Store& store) {
   for (const scene::DeviceProfile& profile : scene::BuiltinProfiles()) {
-    auto content = store.PutBlob(AsBytes(scene::ToJson(profile)));
-    if (!content.ok()) return content.status();
-    ENAMEL_RETURN_IF_ERROR(store.PutProfile({profile.name, profile.title, *content}, kCommandLine));
+    ENAMEL_ASSIGN_OR_RETURN(auto content, store.PutBlob(AsBytes(scene::ToJson(profile))));
+    ENAMEL_RETURN_IF_ERROR(store.PutProfile({profile.name, profile.title, content}, kCommandLine));
   }
   return Status::Ok();
 }

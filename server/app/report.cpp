@@ -26,9 +26,8 @@ constexpr char kDeviationMetric[] = "deviation_rms_mm";
 
 Result<bool> HasOpenJob(Store& store, const Uuid& attempt) {
   for (const char* state : {"queued", "running"}) {
-    auto jobs = store.Jobs(state);
-    if (!jobs.ok()) return jobs.status();
-    if (std::ranges::any_of(*jobs, [&](const JobRow& job) { return job.attempt == attempt; }))
+    ENAMEL_ASSIGN_OR_RETURN(auto jobs, store.Jobs(state));
+    if (std::ranges::any_of(jobs, [&](const JobRow& job) { return job.attempt == attempt; }))
       return true;
   }
   return false;
@@ -46,11 +45,10 @@ Result<AttemptRow> WaitForVerdict(Store& store, const Uuid& attempt, int wait_s)
   for (;;) {
     auto row = store.AttemptById(attempt);
     if (!row.ok()) return row;
-    auto open = HasOpenJob(store, attempt);
-    if (!open.ok()) return open.status();
+    ENAMEL_ASSIGN_OR_RETURN(auto open, HasOpenJob(store, attempt));
     bool settled = row->state == AttemptState::kScored || row->state == AttemptState::kFailed ||
                    row->state == AttemptState::kQuarantined;
-    if (settled && !*open) return row;
+    if (settled && !open) return row;
     if (std::chrono::steady_clock::now() >= until) {
       return Status(
           Code::kUnavailable,
@@ -139,25 +137,19 @@ void PrintTable(const AttemptRow& row, const ScoreResult& score, const Store::At
 }  // namespace
 
 Status Report(const ReportOptions& options) {
-  auto id = Uuid::Parse(options.attempt);
-  if (!id.ok()) return id.status();
-  auto store = OpenForCommand(options.data);
-  if (!store.ok()) return store.status();
-  auto row = WaitForVerdict(**store, *id, options.wait_s);
-  if (!row.ok()) return row.status();
-  if (row->state != AttemptState::kScored) {
-    return Status(Code::kConflict, fmt::format("attempt {} is {}: {}", id->Text(),
-                                               AttemptStateName(row->state), row->problem));
+  ENAMEL_ASSIGN_OR_RETURN(auto id, Uuid::Parse(options.attempt));
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(options.data));
+  ENAMEL_ASSIGN_OR_RETURN(auto row, WaitForVerdict(*store, id, options.wait_s));
+  if (row.state != AttemptState::kScored) {
+    return Status(Code::kConflict, fmt::format("attempt {} is {}: {}", id.Text(),
+                                               AttemptStateName(row.state), row.problem));
   }
-  auto result = (*store)->ResultOf(*id);
-  if (!result.ok()) return result.status();
-  auto text = (*store)->GetBlob(result->score_json);
-  if (!text.ok()) return text.status();
-  auto score = scoring::ScoreFromJson(AsText(*text));
-  if (!score.ok()) return score.status();
-  PrintTable(*row, *score, *result, options);
+  ENAMEL_ASSIGN_OR_RETURN(auto result, store->ResultOf(id));
+  ENAMEL_ASSIGN_OR_RETURN(auto text, store->GetBlob(result.score_json));
+  ENAMEL_ASSIGN_OR_RETURN(auto score, scoring::ScoreFromJson(AsText(text)));
+  PrintTable(row, score, result, options);
   if (options.json.empty()) return Status::Ok();
-  std::string facts = json::serialize(Facts(*row, *score, *result, options.page_url)) + "\n";
+  std::string facts = json::serialize(Facts(row, score, result, options.page_url)) + "\n";
   return WriteFileDurably(options.json, AsBytes(facts));
 }
 

@@ -39,29 +39,26 @@ Result<Uuid> EnsurePerson(Store& store, const DemoPerson& demo) {
   auto found = store.PersonByLogin(demo.login);
   if (found.ok()) return found->id;
   if (found.status().code() != Code::kNotFound) return found.status();
-  auto verifier = auth::HashPassword(DemoPassword(demo.login));
-  if (!verifier.ok()) return verifier.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto verifier, auth::HashPassword(DemoPassword(demo.login)));
   Person person;
   person.login = demo.login;
   person.display_name = demo.display_name;
   person.role = demo.role;
-  return store.CreatePerson(person, *verifier, {}, kCommandLine);
+  return store.CreatePerson(person, verifier, {}, kCommandLine);
 }
 
 Result<Uuid> EnsureCohort(Store& store) {
-  auto cohorts = store.Cohorts();
-  if (!cohorts.ok()) return cohorts.status();
-  auto found = std::ranges::find(*cohorts, kCohortName, &Cohort::name);
-  if (found != cohorts->end()) return found->id;
+  ENAMEL_ASSIGN_OR_RETURN(auto cohorts, store.Cohorts());
+  auto found = std::ranges::find(cohorts, kCohortName, &Cohort::name);
+  if (found != cohorts.end()) return found->id;
   return store.CreateCohort(kCohortName, kCommandLine);
 }
 
 // Building takes seconds: a molar that is there is taken as it is.
 Result<SceneRow> EnsureMolar(Store& store, int32_t voxel_nm) {
-  auto scenes = store.Scenes();
-  if (!scenes.ok()) return scenes.status();
-  auto found = std::ranges::find(*scenes, kMolarName, &SceneRow::name);
-  if (found != scenes->end()) return *found;
+  ENAMEL_ASSIGN_OR_RETURN(auto scenes, store.Scenes());
+  auto found = std::ranges::find(scenes, kMolarName, &SceneRow::name);
+  if (found != scenes.end()) return *found;
   std::cout << "building the molar (once)" << std::endl;
   return PublishScene(store, kMolarSource, voxel_nm);
 }
@@ -89,45 +86,40 @@ Result<std::vector<std::string>> LoginsWithDemoPassword(Store& store) {
     auto person = store.PersonByLogin(demo.login);
     if (!person.ok() && person.status().code() == Code::kNotFound) continue;
     if (!person.ok()) return person.status();
-    auto verifier = store.PasswordVerifier(person->id);
-    if (!verifier.ok()) return verifier.status();
-    bool open = !person->disabled && auth::VerifyPassword(DemoPassword(demo.login), *verifier);
+    ENAMEL_ASSIGN_OR_RETURN(auto verifier, store.PasswordVerifier(person->id));
+    bool open = !person->disabled && auth::VerifyPassword(DemoPassword(demo.login), verifier);
     if (open) out.emplace_back(demo.login);
   }
   return out;
 }
 
 Status SeedDemo(const SeedOptions& options) {
-  auto opened = OpenForCommand(options.data);
-  if (!opened.ok()) return opened.status();
-  Store& store = **opened;
+  ENAMEL_ASSIGN_OR_RETURN(auto opened, OpenForCommand(options.data));
+  Store& store = *opened;
   if (auto identity = EnsureIdentity(options.data); !identity.ok()) return identity.status();
 
-  auto cohort = EnsureCohort(store);
-  if (!cohort.ok()) return cohort.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto cohort, EnsureCohort(store));
   for (const DemoPerson& demo : kPeople) {
-    auto person = EnsurePerson(store, demo);
-    if (!person.ok()) return person.status();
-    if (demo.in_cohort) ENAMEL_RETURN_IF_ERROR(store.AddToCohort(*cohort, *person, kCommandLine));
+    ENAMEL_ASSIGN_OR_RETURN(auto person, EnsurePerson(store, demo));
+    if (demo.in_cohort) ENAMEL_RETURN_IF_ERROR(store.AddToCohort(cohort, person, kCommandLine));
   }
   ENAMEL_RETURN_IF_ERROR(PublishProfiles(store));
   auto scene = EnsureMolar(store, options.voxel_um * 1000);
   if (!scene.ok()) return scene.status();
-  auto exercise = PublishClassOne(store, *scene, *cohort);
+  auto exercise = PublishClassOne(store, *scene, cohort);
   if (exercise.ok() && !options.scene.empty()) {
     scene = PublishScene(store, options.scene, options.voxel_um * 1000);
     if (!scene.ok()) return scene.status();
-    exercise = PublishClassOne(store, *scene, *cohort);
+    exercise = PublishClassOne(store, *scene, cohort);
   }
   if (!exercise.ok()) return exercise.status();
-  auto reference = store.ReferenceFor(exercise->id);
-  if (!reference.ok()) return reference.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto reference, store.ReferenceFor(exercise->id));
 
   std::cout << "demo data is there: exercise \"" << exercise->name << "\" version "
             << exercise->version << "; its passwords are public, keep this server on loopback"
             << std::endl;
   if (options.json.empty()) return Status::Ok();
-  std::string text = json::serialize(Facts(*exercise, reference->has_value())) + "\n";
+  std::string text = json::serialize(Facts(*exercise, reference.has_value())) + "\n";
   return WriteFileDurably(options.json, AsBytes(text));
 }
 

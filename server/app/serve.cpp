@@ -82,11 +82,10 @@ Status RefuseDemoBeyondLoopback(Store& store, const http::HttpOptions& page,
   bool reached_from_afar =
       !IsLoopback(page.address) || !page.trusted_proxies.empty() || !IsLoopback(link.address);
   if (!reached_from_afar) return Status::Ok();
-  auto logins = LoginsWithDemoPassword(store);
-  if (!logins.ok()) return logins.status();
-  if (logins->empty()) return Status::Ok();
+  ENAMEL_ASSIGN_OR_RETURN(auto logins, LoginsWithDemoPassword(store));
+  if (logins.empty()) return Status::Ok();
   std::string all;
-  for (const std::string& login : *logins) all += (all.empty() ? "" : ", ") + login;
+  for (const std::string& login : logins) all += (all.empty() ? "" : ", ") + login;
   return Status(
       Code::kInvalidInput,
       "expected accounts with passwords of their own before others can reach this server, "
@@ -97,20 +96,18 @@ Status RefuseDemoBeyondLoopback(Store& store, const http::HttpOptions& page,
 }
 
 Result<http::HttpOptions> HttpOptionsOf(const ServeOptions& options) {
-  auto endpoint = ListenAddress(options.http, "--http");
-  if (!endpoint.ok()) return endpoint.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto endpoint, ListenAddress(options.http, "--http"));
   http::HttpOptions out;
-  out.address = endpoint->host;
-  out.port = endpoint->port;
+  out.address = endpoint.host;
+  out.port = endpoint.port;
   out.web_root = options.web;
   out.host_names = LowerCase(options.host_names);
   out.trusted_proxies = options.http_proxies;
   if (options.http_self_signed) {
-    auto made = EnsurePageCertificate(options.data, options.host_names);
-    if (!made.ok()) return made.status();
+    ENAMEL_ASSIGN_OR_RETURN(auto made, EnsurePageCertificate(options.data, options.host_names));
     spdlog::info("page: self-signed certificate {}, SHA-256 {}; browsers ask before they trust it",
-                 made->certificate.string(), made->fingerprint.Hex());
-    out.tls = http::TlsFiles{made->certificate, made->private_key};
+                 made.certificate.string(), made.fingerprint.Hex());
+    out.tls = http::TlsFiles{made.certificate, made.private_key};
   }
   if (!options.http_certificate.empty()) {
     out.tls = http::TlsFiles{options.http_certificate, options.http_key};
@@ -123,9 +120,8 @@ Result<http::HttpOptions> HttpOptionsOf(const ServeOptions& options) {
 Status ReadToken(const std::filesystem::path& file, std::string& token) {
   constexpr size_t kMinBytes = 16, kMaxBytes = 1024;
   if (file.empty()) return Status::Ok();
-  auto bytes = ReadFile(file, kMaxBytes);
-  if (!bytes.ok()) return bytes.status();
-  token = AsText(*bytes);
+  ENAMEL_ASSIGN_OR_RETURN(auto bytes, ReadFile(file, kMaxBytes));
+  token = AsText(bytes);
   while (token.ends_with('\n') || token.ends_with('\r')) token.pop_back();
   if (token.size() >= kMinBytes) return Status::Ok();
   return Status(Code::kInvalidInput, "expected a token of at least 16 bytes in " + file.string() +
@@ -165,11 +161,10 @@ void AddStoreFigures(Store& store, ops::MetricsText& text) {
 
 Result<stations::StationServerOptions> LinkOptionsOf(const ServeOptions& options,
                                                      const ServerIdentity& identity) {
-  auto endpoint = ListenAddress(options.stations, "--stations");
-  if (!endpoint.ok()) return endpoint.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto endpoint, ListenAddress(options.stations, "--stations"));
   stations::StationServerOptions out;
-  out.address = endpoint->host;
-  out.port = endpoint->port;
+  out.address = endpoint.host;
+  out.port = endpoint.port;
   out.certificate = identity.certificate;
   out.private_key = identity.private_key;
   return out;
@@ -251,16 +246,12 @@ Status Serve(const ServeOptions& options) {
   store_options.folder = options.data;
   store_options.hold_lock = true;
   store_options.min_free_bytes = uint64_t(options.min_free_mib) << 20;
-  auto opened = OpenSqliteStore(store_options);
-  if (!opened.ok()) return opened.status();
-  Store& store = **opened;
-  auto identity = EnsureIdentity(options.data);
-  if (!identity.ok()) return identity.status();
-  auto http_options = HttpOptionsOf(options);
-  if (!http_options.ok()) return http_options.status();
-  auto link_options = LinkOptionsOf(options, *identity);
-  if (!link_options.ok()) return link_options.status();
-  ENAMEL_RETURN_IF_ERROR(RefuseDemoBeyondLoopback(store, *http_options, *link_options));
+  ENAMEL_ASSIGN_OR_RETURN(auto opened, OpenSqliteStore(store_options));
+  Store& store = *opened;
+  ENAMEL_ASSIGN_OR_RETURN(auto identity, EnsureIdentity(options.data));
+  ENAMEL_ASSIGN_OR_RETURN(auto http_options, HttpOptionsOf(options));
+  ENAMEL_ASSIGN_OR_RETURN(auto link_options, LinkOptionsOf(options, identity));
+  ENAMEL_RETURN_IF_ERROR(RefuseDemoBeyondLoopback(store, http_options, link_options));
   if (!options.page_url.empty() && !protocol::IsPageUrl(options.page_url)) {
     return Status(Code::kInvalidInput,
                   "--page-url expects https:// or http:// and what follows, at most 200 characters "
@@ -271,26 +262,24 @@ Status Serve(const ServeOptions& options) {
   ops::Metrics metrics;
   metrics.Add(ops::AddProcess);
   metrics.Add([&store](ops::MetricsText& text) { AddStoreFigures(store, text); });
-  http_options->metrics = &metrics;
-  ENAMEL_RETURN_IF_ERROR(ReadToken(options.metrics_token_file, http_options->metrics_token));
+  http_options.metrics = &metrics;
+  ENAMEL_RETURN_IF_ERROR(ReadToken(options.metrics_token_file, http_options.metrics_token));
 
   auth::Authenticator authenticator(store);
   LiveBoard live;
   stations::Content content(store);
-  stations::Services services{store,     authenticator, live, content, identity->ticket_key,
+  stations::Services services{store,     authenticator, live, content, identity.ticket_key,
                               kSoftware, SystemNow};
   StorePool pool(kStationThreads);
-  http_options->live = &live;
-  http_options->station_fingerprint = identity->fingerprint.Hex();
-  http::HttpServer page(io, *http_options, store, authenticator);
-  stations::StationServer link(io, *link_options, services, pool);
+  http_options.live = &live;
+  http_options.station_fingerprint = identity.fingerprint.Hex();
+  http::HttpServer page(io, http_options, store, authenticator);
+  stations::StationServer link(io, link_options, services, pool);
   Worker worker(store, JobOptions(options));
 
-  auto page_port = page.Start();
-  if (!page_port.ok()) return page_port.status();
-  services.page_url = PageUrlOf(options, *http_options, *page_port);
-  auto link_port = link.Start();
-  if (!link_port.ok()) return link_port.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto page_port, page.Start());
+  services.page_url = PageUrlOf(options, http_options, page_port);
+  ENAMEL_ASSIGN_OR_RETURN(auto link_port, link.Start());
   worker.Start();
   Caretaker caretaker(store);
 
@@ -301,10 +290,9 @@ Status Serve(const ServeOptions& options) {
     page.Stop();
     stop_asked.set_value();
   });
-  net::Endpoint page_at{http_options->address, *page_port},
-      link_at{link_options->address, *link_port};
-  std::cout << "ready: page " << (http_options->tls ? "https://" : "http://") << page_at.Text()
-            << ", stations " << link_at.Text() << ", fingerprint " << identity->fingerprint.Hex()
+  net::Endpoint page_at{http_options.address, page_port}, link_at{link_options.address, link_port};
+  std::cout << "ready: page " << (http_options.tls ? "https://" : "http://") << page_at.Text()
+            << ", stations " << link_at.Text() << ", fingerprint " << identity.fingerprint.Hex()
             << std::endl;
 
   RunUntilStopped(io, options.io_threads, stop_asked.get_future());

@@ -56,22 +56,20 @@ Result<Uuid> CohortOrEverybody(Store& store, const std::string& name) {
 Result<std::vector<ExerciseRow>> Publish(Store& store, const NewExercise& exercise,
                                          const std::optional<Uuid>& cohort) {
   if (exercise.document.empty()) {
-    auto scene = PublishScene(store, exercise.scene, exercise.voxel_um * 1000);
-    if (!scene.ok()) return scene.status();
-    return PublishBuiltins(store, *scene, exercise.name, cohort);
+    ENAMEL_ASSIGN_OR_RETURN(auto scene,
+                            PublishScene(store, exercise.scene, exercise.voxel_um * 1000));
+    return PublishBuiltins(store, scene, exercise.name, cohort);
   }
-  auto text = ReadFile(exercise.document, kMaxDocumentBytes);
-  if (!text.ok()) return text.status();
-  auto document = scene::ExerciseFromJson(AsText(*text));
+  ENAMEL_ASSIGN_OR_RETURN(auto text, ReadFile(exercise.document, kMaxDocumentBytes));
+  auto document = scene::ExerciseFromJson(AsText(text));
   if (!document.ok()) {
     return Status(
         document.status().code(),
         exercise.document + ": " + document.status().field() + ": " + document.status().message(),
         document.status().field());
   }
-  auto row = PublishDocument(store, *document, cohort);
-  if (!row.ok()) return row.status();
-  return std::vector<ExerciseRow>{*row};
+  ENAMEL_ASSIGN_OR_RETURN(auto row, PublishDocument(store, *document, cohort));
+  return std::vector<ExerciseRow>{row};
 }
 
 Result<UnixMs> TimeOrNone(const std::string& text) {
@@ -82,9 +80,8 @@ Result<UnixMs> TimeOrNone(const std::string& text) {
 Result<std::vector<Uuid>> StationsByName(Store& store, const std::vector<std::string>& names) {
   std::vector<Uuid> out;
   for (const std::string& name : names) {
-    auto station = StationNamed(store, name);
-    if (!station.ok()) return station.status();
-    out.push_back(station->id);
+    ENAMEL_ASSIGN_OR_RETURN(auto station, StationNamed(store, name));
+    out.push_back(station.id);
   }
   return out;
 }
@@ -97,117 +94,96 @@ Status PublishExercise(const std::filesystem::path& data, const NewExercise& exe
                   "publish-exercise needs a scene (--scene) or a document (--document), not both",
                   "scene");
   }
-  auto store = OpenForCommand(data);
-  if (!store.ok()) return store.status();
-  auto cohort = CohortOrEverybody(**store, exercise.cohort);
-  if (!cohort.ok()) return cohort.status();
-  ENAMEL_RETURN_IF_ERROR(PublishProfiles(**store));
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  ENAMEL_ASSIGN_OR_RETURN(auto cohort, CohortOrEverybody(*store, exercise.cohort));
+  ENAMEL_RETURN_IF_ERROR(PublishProfiles(*store));
   std::optional<Uuid> assigned_to;
-  if (!exercise.unassigned) assigned_to = *cohort;
-  auto rows = Publish(**store, exercise, assigned_to);
-  if (!rows.ok()) return rows.status();
-  for (const ExerciseRow& row : *rows) {
+  if (!exercise.unassigned) assigned_to = cohort;
+  ENAMEL_ASSIGN_OR_RETURN(auto rows, Publish(*store, exercise, assigned_to));
+  for (const ExerciseRow& row : rows) {
     Say("exercise \"{}\" version {}, id {}\n", row.name, row.version, row.id.Text());
   }
   return Status::Ok();
 }
 
 Status RetireExercise(const std::filesystem::path& data, const std::string& name) {
-  auto store = OpenForCommand(data);
-  if (!store.ok()) return store.status();
-  auto versions = (*store)->ExerciseVersions(name);
-  if (!versions.ok()) return versions.status();
-  if (versions->empty()) {
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  ENAMEL_ASSIGN_OR_RETURN(auto versions, store->ExerciseVersions(name));
+  if (versions.empty()) {
     return Status(Code::kNotFound, "no exercise named \"" + name + "\"; list-exercises shows them",
                   "name");
   }
-  ENAMEL_RETURN_IF_ERROR((*store)->RetireExercise(versions->front().id, kCommandLine));
+  ENAMEL_RETURN_IF_ERROR(store->RetireExercise(versions.front().id, kCommandLine));
   Say("{} is no longer offered; what was done with it stays\n", name);
   return Status::Ok();
 }
 
 Status ListExercises(const std::filesystem::path& data, const std::string& state) {
-  auto store = OpenForCommand(data);
-  if (!store.ok()) return store.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
   for (ExerciseState each :
        {ExerciseState::kDraft, ExerciseState::kPublished, ExerciseState::kRetired}) {
     if (!state.empty() && state != ExerciseStateName(each)) continue;
-    auto rows = (*store)->ExercisesIn(each);
-    if (!rows.ok()) return rows.status();
-    for (const ExerciseRow& row : *rows) Show(row);
+    ENAMEL_ASSIGN_OR_RETURN(auto rows, store->ExercisesIn(each));
+    for (const ExerciseRow& row : rows) Show(row);
   }
   return Status::Ok();
 }
 
 Status AssignExercise(const std::filesystem::path& data, const NewAssignment& assignment) {
-  auto store = OpenForCommand(data);
-  if (!store.ok()) return store.status();
-  auto cohort = CohortOrEverybody(**store, assignment.cohort);
-  if (!cohort.ok()) return cohort.status();
-  auto opens = TimeOrNone(assignment.opens);
-  if (!opens.ok()) return opens.status();
-  auto due = TimeOrNone(assignment.due);
-  if (!due.ok()) return due.status();
-  auto stations = StationsByName(**store, assignment.stations);
-  if (!stations.ok()) return stations.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  ENAMEL_ASSIGN_OR_RETURN(auto cohort, CohortOrEverybody(*store, assignment.cohort));
+  ENAMEL_ASSIGN_OR_RETURN(auto opens, TimeOrNone(assignment.opens));
+  ENAMEL_ASSIGN_OR_RETURN(auto due, TimeOrNone(assignment.due));
+  ENAMEL_ASSIGN_OR_RETURN(auto stations, StationsByName(*store, assignment.stations));
   AssignmentRow row;
   row.exercise = assignment.exercise;
-  row.cohort = *cohort;
-  row.opens_ms = *opens;
-  row.due_ms = *due;
+  row.cohort = cohort;
+  row.opens_ms = opens;
+  row.due_ms = due;
   row.attempt_limit = assignment.attempt_limit;
   row.exam = assignment.exam;
   row.late_allowed = assignment.late_allowed;
-  row.stations = *stations;
+  row.stations = stations;
   ENAMEL_RETURN_IF_ERROR(CheckTerms(row));
-  auto added = (*store)->AddAssignment(row, kCommandLine);
-  if (!added.ok()) return added.status();
-  Show(*added);
+  ENAMEL_ASSIGN_OR_RETURN(auto added, store->AddAssignment(row, kCommandLine));
+  Show(added);
   return Status::Ok();
 }
 
 Status EndAssignment(const std::filesystem::path& data, const std::string& id) {
-  auto parsed = Uuid::Parse(id);
-  if (!parsed.ok()) return parsed.status();
-  auto store = OpenForCommand(data);
-  if (!store.ok()) return store.status();
-  auto row = (*store)->AssignmentById(*parsed);
-  if (!row.ok()) return row.status();
-  Status deleted = (*store)->DeleteAssignment(row->id, row->revision, kCommandLine);
+  ENAMEL_ASSIGN_OR_RETURN(auto parsed, Uuid::Parse(id));
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  ENAMEL_ASSIGN_OR_RETURN(auto row, store->AssignmentById(parsed));
+  Status deleted = store->DeleteAssignment(row.id, row.revision, kCommandLine);
   if (deleted.ok()) {
-    Say("{} is no longer assigned so\n", row->exercise);
+    Say("{} is no longer assigned so\n", row.exercise);
     return deleted;
   }
   if (deleted.field() != "attempts") return deleted;
-  row->due_ms = UnixNowMs();
-  row->late_allowed = false;
-  if (row->opens_ms >= row->due_ms) row->opens_ms = 0;
-  auto ended = (*store)->ReplaceAssignment(*row, kCommandLine);
+  row.due_ms = UnixNowMs();
+  row.late_allowed = false;
+  if (row.opens_ms >= row.due_ms) row.opens_ms = 0;
+  auto ended = store->ReplaceAssignment(row, kCommandLine);
   if (!ended.ok()) return ended.status();
   Say("{} is due now, so that nothing begins under it any more; it stays for the attempts that "
       "were "
       "made, which release --assignment releases\n",
-      row->exercise);
+      row.exercise);
   return Status::Ok();
 }
 
 Status ListAssignments(const std::filesystem::path& data) {
-  auto store = OpenForCommand(data);
-  if (!store.ok()) return store.status();
-  auto rows = (*store)->Assignments({});
-  if (!rows.ok()) return rows.status();
-  for (const AssignmentRow& row : *rows) Show(row);
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  ENAMEL_ASSIGN_OR_RETURN(auto rows, store->Assignments({}));
+  for (const AssignmentRow& row : rows) Show(row);
   return Status::Ok();
 }
 
 Status ReleaseAssignment(const std::filesystem::path& data, const std::string& id) {
-  auto parsed = Uuid::Parse(id);
-  if (!parsed.ok()) return parsed.status();
-  auto store = OpenForCommand(data);
-  if (!store.ok()) return store.status();
-  auto released = (*store)->ReleaseAssignment(*parsed, kCommandLine);
-  if (!released.ok()) return released.status();
-  Say("{} scores are released to their students\n", *released);
+  ENAMEL_ASSIGN_OR_RETURN(auto parsed, Uuid::Parse(id));
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  ENAMEL_ASSIGN_OR_RETURN(auto released, store->ReleaseAssignment(parsed, kCommandLine));
+  Say("{} scores are released to their students\n", released);
   return Status::Ok();
 }
 

@@ -123,9 +123,8 @@ Status Backup(const BackupCommand& command) {
   std::error_code error;
   std::unique_ptr<Store> store;
   if (std::filesystem::exists(command.data / "enamel.db", error)) {
-    auto opened = OpenForCommand(command.data);
-    if (!opened.ok()) return opened.status();
-    store = std::move(opened).value();
+    ENAMEL_ASSIGN_OR_RETURN(auto opened, OpenForCommand(command.data));
+    store = std::move(opened);
   }
   Result<BackupReport> report = [&] {
     ConsoleProgress progress;
@@ -225,30 +224,27 @@ Status Retention(const RetentionCommand& command) {
         "the rule away",
         "days");
   }
-  auto store = OpenForCommand(command.data);
-  if (!store.ok()) return store.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(command.data));
   if (!command.what.empty()) {
-    ENAMEL_RETURN_IF_ERROR((*store)->SetRetention({command.what, *command.days}, kCommandLine));
+    ENAMEL_RETURN_IF_ERROR(store->SetRetention({command.what, *command.days}, kCommandLine));
   }
-  auto rules = (*store)->RetentionRules();
-  if (!rules.ok()) return rules.status();
-  if (rules->empty()) Say("no rules: everything is kept for good\n");
-  for (const RetentionRule& rule : *rules) {
+  ENAMEL_ASSIGN_OR_RETURN(auto rules, store->RetentionRules());
+  if (rules.empty()) Say("no rules: everything is kept for good\n");
+  for (const RetentionRule& rule : rules) {
     Say("{:<10} kept for {} days\n", rule.what, rule.days);
   }
   auto now = std::chrono::duration_cast<std::chrono::milliseconds>(
                  std::chrono::system_clock::now().time_since_epoch())
                  .count();
-  auto report = (*store)->ApplyRetention(now, !command.apply, kCommandLine);
-  if (!report.ok()) return report.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto report, store->ApplyRetention(now, !command.apply, kCommandLine));
   Say("{}: {} unfinished attempts, {} recordings, {} whole attempts{}\n",
-      command.apply ? "removed" : "would be removed now", report->unfinished.size(),
-      report->recordings.size(), report->attempts.size(),
-      command.apply ? fmt::format(", {} blobs", report->blobs) : "");
-  if (report->held > 0) {
+      command.apply ? "removed" : "would be removed now", report.unfinished.size(),
+      report.recordings.size(), report.attempts.size(),
+      command.apply ? fmt::format(", {} blobs", report.blobs) : "");
+  if (report.held > 0) {
     Say("{} more are due and kept: an appeal waits for its answer, or graded work to be released "
         "or excused\n",
-        report->held);
+        report.held);
   }
   return Status::Ok();
 }

@@ -163,9 +163,8 @@ Result<SignedIn> Authenticator::SignInAdmitted(const std::string& login,
   if (!person.ok() && person.status().code() != Code::kNotFound) return person.status();
   std::string verifier = decoy_verifier_;
   if (person.ok()) {
-    auto stored = store_.PasswordVerifier(person->id);
-    if (!stored.ok()) return stored.status();
-    verifier = *stored;
+    ENAMEL_ASSIGN_OR_RETURN(auto stored, store_.PasswordVerifier(person->id));
+    verifier = stored;
   }
   // The same work whether or not the person exists.
   bool matches = Verify(request.password, verifier);
@@ -194,9 +193,8 @@ Result<SignedIn> Authenticator::BeginSession(const Person& person, const std::st
 
 Status Authenticator::CheckOwnPassword(const Person& person, const std::string& password,
                                        const std::string& address, const std::string& via) {
-  auto verifier = store_.PasswordVerifier(person.id);
-  if (!verifier.ok()) return verifier.status();
-  if (password.size() <= kMaxPasswordLength && Verify(password, *verifier)) {
+  ENAMEL_ASSIGN_OR_RETURN(auto verifier, store_.PasswordVerifier(person.id));
+  if (password.size() <= kMaxPasswordLength && Verify(password, verifier)) {
     throttle_.Succeeded(person.login, address, Elapsed());
     return Status::Ok();
   }
@@ -231,9 +229,8 @@ Result<SignedIn> Authenticator::ChangePasswordHere(const Identity& identity,
   }
   ENAMEL_RETURN_IF_ERROR(
       store_.SetPassword(person.id, *verifier, false, Actor{person.id, change.via}));
-  auto changed = store_.PersonById(person.id);
-  if (!changed.ok()) return changed.status();
-  return BeginSession(*changed, change.via);
+  ENAMEL_ASSIGN_OR_RETURN(auto changed, store_.PersonById(person.id));
+  return BeginSession(changed, change.via);
 }
 
 boost::asio::awaitable<Result<SignedIn>> Authenticator::ChangePassword(Identity identity,
@@ -261,29 +258,26 @@ Result<SessionRow> Authenticator::OpenSession(const Sha256& token_hash) {
 
 Result<Identity> Authenticator::Authenticate(ByteView token) {
   if (token.size() != 32) return Ended();
-  auto session = OpenSession(TokenHash(token));
-  if (!session.ok()) return session.status();
-  return IdentityOf(token, *session);
+  ENAMEL_ASSIGN_OR_RETURN(auto session, OpenSession(TokenHash(token)));
+  return IdentityOf(token, session);
 }
 
 Result<Identity> Authenticator::IdentityOf(ByteView token, const SessionRow& session) {
-  auto person = store_.PersonById(session.person);
-  if (!person.ok()) return person.status();
-  if (person->disabled) return Ended();
+  ENAMEL_ASSIGN_OR_RETURN(auto person, store_.PersonById(session.person));
+  if (person.disabled) return Ended();
   // Either way: with a clock set back, the idle time counts from now.
   UnixMs now = Now();
   Sha256 hash = TokenHash(token);
   if (std::abs(now - session.last_used_ms) >= std::min(kTouchEveryMs, options_.idle_ms / 4)) {
     ENAMEL_RETURN_IF_ERROR(store_.TouchSession(hash, now));
   }
-  return Identity{*person, hash, CsrfFor(token), session.id,
+  return Identity{person, hash, CsrfFor(token), session.id,
                   session.confirmed_ms + options_.confirmed_ms};
 }
 
 Result<Person> Authenticator::StillSignedIn(const Sha256& token_hash) {
-  auto session = OpenSession(token_hash);
-  if (!session.ok()) return session.status();
-  auto person = store_.PersonById(session->person);
+  ENAMEL_ASSIGN_OR_RETURN(auto session, OpenSession(token_hash));
+  auto person = store_.PersonById(session.person);
   if (person.ok() && person->disabled) return Ended();
   return person;
 }
@@ -292,10 +286,9 @@ Result<Identity> Authenticator::AuthenticateHex(std::string_view cookie) {
   if (cookie.size() != 64) return Ended();
   auto token = FromHex(cookie);
   if (!token.ok()) return Ended();
-  auto session = OpenSession(TokenHash(*token));
-  if (!session.ok()) return session.status();
-  if (session->via != kViaPage) return Ended();
-  return IdentityOf(*token, *session);
+  ENAMEL_ASSIGN_OR_RETURN(auto session, OpenSession(TokenHash(*token)));
+  if (session.via != kViaPage) return Ended();
+  return IdentityOf(*token, session);
 }
 
 Status Authenticator::SignOut(const Sha256& token_hash) { return store_.EndSession(token_hash); }

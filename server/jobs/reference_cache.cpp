@@ -6,28 +6,21 @@ namespace enamel::server {
 namespace {
 
 Result<std::shared_ptr<const ReferenceCut>> Read(Store& store, const Uuid& attempt) {
-  auto result = store.ResultOf(attempt);
-  if (!result.ok()) return result.status();
-  auto blob = store.GetBlob(result->final_volume);
-  if (!blob.ok()) return blob.status();
-  auto volume = scene::DecodeVolume(*blob);
-  if (!volume.ok()) return volume.status();
-  auto header_bytes = store.AttemptHeader(attempt);
-  if (!header_bytes.ok()) return header_bytes.status();
-  auto header = trace::DecodeHeader(*header_bytes);
-  if (!header.ok()) return header.status();
-  auto chunks = store.AttemptChunks(attempt);
-  if (!chunks.ok()) return chunks.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto result, store.ResultOf(attempt));
+  ENAMEL_ASSIGN_OR_RETURN(auto blob, store.GetBlob(result.final_volume));
+  ENAMEL_ASSIGN_OR_RETURN(auto volume, scene::DecodeVolume(blob));
+  ENAMEL_ASSIGN_OR_RETURN(auto header_bytes, store.AttemptHeader(attempt));
+  ENAMEL_ASSIGN_OR_RETURN(auto header, trace::DecodeHeader(header_bytes));
+  ENAMEL_ASSIGN_OR_RETURN(auto chunks, store.AttemptChunks(attempt));
 
-  scoring::ProcessRecorder process(header->params);
-  for (const Bytes& bytes : *chunks) {
-    auto chunk = trace::DecodeChunk(bytes);
-    if (!chunk.ok()) return chunk.status();
-    for (const trace::Tick& tick : chunk->ticks) process.AddRecorded(tick);
+  scoring::ProcessRecorder process(header.params);
+  for (const Bytes& bytes : chunks) {
+    ENAMEL_ASSIGN_OR_RETURN(auto chunk, trace::DecodeChunk(bytes));
+    for (const trace::Tick& tick : chunk.ticks) process.AddRecorded(tick);
   }
-  surface::Mesh surface = surface::ExtractSurface(*volume);
-  return std::shared_ptr<const ReferenceCut>(new ReferenceCut{
-      header->volume, std::move(volume).value(), std::move(surface), std::move(process)});
+  surface::Mesh surface = surface::ExtractSurface(volume);
+  return std::shared_ptr<const ReferenceCut>(
+      new ReferenceCut{header.volume, std::move(volume), std::move(surface), std::move(process)});
 }
 
 }  // namespace

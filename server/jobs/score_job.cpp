@@ -51,22 +51,17 @@ class ScoreJob {
   }
 
   Status LoadTrace() {
-    auto row = store_.AttemptById(attempt_);
-    if (!row.ok()) return row.status();
-    row_ = std::move(row).value();
-    auto header = store_.AttemptHeader(attempt_);
-    if (!header.ok()) return header.status();
-    header_hash_ = HashSha256(*header);
-    auto decoded = trace::DecodeHeader(*header);
-    if (!decoded.ok()) return decoded.status();
-    header_ = std::move(decoded).value();
+    ENAMEL_ASSIGN_OR_RETURN(auto row, store_.AttemptById(attempt_));
+    row_ = std::move(row);
+    ENAMEL_ASSIGN_OR_RETURN(auto header, store_.AttemptHeader(attempt_));
+    header_hash_ = HashSha256(header);
+    ENAMEL_ASSIGN_OR_RETURN(auto decoded, trace::DecodeHeader(header));
+    header_ = std::move(decoded);
     ENAMEL_RETURN_IF_ERROR(core::ValidateParams(header_.params));
-    auto chunks = store_.AttemptChunks(attempt_);
-    if (!chunks.ok()) return chunks.status();
-    chunks_ = std::move(chunks).value();
-    auto seal = store_.AttemptSeal(attempt_);
-    if (!seal.ok()) return seal.status();
-    seal_ = *seal;
+    ENAMEL_ASSIGN_OR_RETURN(auto chunks, store_.AttemptChunks(attempt_));
+    chunks_ = std::move(chunks);
+    ENAMEL_ASSIGN_OR_RETURN(auto seal, store_.AttemptSeal(attempt_));
+    seal_ = seal;
     return Status::Ok();
   }
 
@@ -74,22 +69,20 @@ class ScoreJob {
     if (header_.ticket.attempt != attempt_) {
       return Differs("attempt in the header", attempt_.Text(), header_.ticket.attempt.Text());
     }
-    auto station = store_.StationById(row_.station);
-    if (!station.ok()) return station.status();
+    ENAMEL_ASSIGN_OR_RETURN(auto station, store_.StationById(row_.station));
     trace::PublicKey key{};
-    if (station->public_key.size() != key.size()) {
-      return Status(Code::kInvalidInput, "station " + station->name + " has no valid public key");
+    if (station.public_key.size() != key.size()) {
+      return Status(Code::kInvalidInput, "station " + station.name + " has no valid public key");
     }
-    std::copy(station->public_key.begin(), station->public_key.end(), key.begin());
+    std::copy(station.public_key.begin(), station.public_key.end(), key.begin());
     trace::ChainVerifier chain(attempt_, header_hash_);
     for (size_t i = 0; i < chunks_.size(); ++i) {
       if (!trace::VerifyChunk(chunks_[i], key)) {
         return Status(Code::kConflict, "chunk " + std::to_string(i) + " is not signed by station " +
-                                           station->name + ", which the attempt was recorded on");
+                                           station.name + ", which the attempt was recorded on");
       }
-      auto chunk = trace::DecodeChunkHead(chunks_[i]);
-      if (!chunk.ok()) return chunk.status();
-      ENAMEL_RETURN_IF_ERROR(chain.Accept(*chunk));
+      ENAMEL_ASSIGN_OR_RETURN(auto chunk, trace::DecodeChunkHead(chunks_[i]));
+      ENAMEL_RETURN_IF_ERROR(chain.Accept(chunk));
     }
     return chain.AcceptSeal(seal_);
   }
@@ -113,25 +106,22 @@ class ScoreJob {
   }
 
   Status LoadVolume() {
-    auto blob = store_.GetBlob(header_.volume);
-    if (!blob.ok()) return blob.status();
-    auto volume = scene::DecodeVolume(*blob);
-    if (!volume.ok()) return volume.status();
-    initial_ = std::move(volume).value();
+    ENAMEL_ASSIGN_OR_RETURN(auto blob, store_.GetBlob(header_.volume));
+    ENAMEL_ASSIGN_OR_RETURN(auto volume, scene::DecodeVolume(blob));
+    initial_ = std::move(volume);
     return Status::Ok();
   }
 
   Status LoadReference() {
-    auto row = store_.ReferenceFor(row_.exercise);
-    if (!row.ok()) return row.status();
-    if (!*row) {
+    ENAMEL_ASSIGN_OR_RETURN(auto row, store_.ReferenceFor(row_.exercise));
+    if (!row) {
       if (row_.as_reference) return Status::Ok();
       return Status(Code::kNotFound,
                     "no reference yet: exercise \"" + exercise_.title +
                         "\" has no reference cut to compare with; the attempt is scored once an "
                         "instructor adds one");
     }
-    reference_attempt_ = (*row)->attempt;
+    reference_attempt_ = row->attempt;
     if (*reference_attempt_ == attempt_) return Status::Ok();
     auto cut = cache_.Get(store_, *reference_attempt_);
     if (!cut.ok()) {
@@ -190,16 +180,15 @@ class ScoreJob {
     });
     if (stopped) return Stopped();
     if (!metrics.ok()) return metrics.status();
-    auto score = scoring::ApplyRubric(exercise_.rubric, *metrics);
-    if (!score.ok()) return score.status();
-    FillStation(process, *score);
+    ENAMEL_ASSIGN_OR_RETURN(auto score, scoring::ApplyRubric(exercise_.rubric, *metrics));
+    FillStation(process, score);
 
     Store::AttemptResult result;
-    result.score = score->score;
-    result.critical_fail = score->critical_fail;
+    result.score = score.score;
+    result.critical_fail = score.critical_fail;
     result.reference = reference_attempt_;
     result.replay_realtime_factor = ReplayRealtimeFactor();
-    std::string score_json = scoring::ToJson(*score), series_json = series.ToJson();
+    std::string score_json = scoring::ToJson(score), series_json = series.ToJson();
     ENAMEL_RETURN_IF_ERROR(Put(AsBytes(score_json), result.score_json));
     ENAMEL_RETURN_IF_ERROR(Put(scene::EncodeVolume(final_volume), result.final_volume));
     ENAMEL_RETURN_IF_ERROR(Put(EncodeSurface(mesh, deviation), result.surface));
@@ -223,9 +212,8 @@ class ScoreJob {
   }
 
   Status Put(ByteView bytes, Sha256& hash) {
-    auto put = store_.PutAttemptBlob(attempt_, bytes);
-    if (!put.ok()) return put.status();
-    hash = *put;
+    ENAMEL_ASSIGN_OR_RETURN(auto put, store_.PutAttemptBlob(attempt_, bytes));
+    hash = put;
     return Status::Ok();
   }
 

@@ -56,14 +56,12 @@ Result<ImportResult> ImportRoster(Store& store, std::string_view csv, const Impo
   bool dry_run = options.dry_run || !file.problems.empty();
   std::map<std::string, std::string> passwords;
   if (!dry_run) {
-    auto made = MakePasswords(file.rows);
-    if (!made.ok()) return made.status();
-    passwords = std::move(made).value();
+    ENAMEL_ASSIGN_OR_RETURN(auto made, MakePasswords(file.rows));
+    passwords = std::move(made);
   }
-  auto plan = store.ImportRoster(file.rows, dry_run, by);
-  if (!plan.ok()) return plan.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto plan, store.ImportRoster(file.rows, dry_run, by));
   ImportResult out;
-  out.plan = std::move(plan).value();
+  out.plan = std::move(plan);
   out.done = !dry_run && out.plan.problems.empty();
   out.ignored_columns = std::move(file.ignored_columns);
   out.plan.problems.insert(out.plan.problems.end(), file.problems.begin(), file.problems.end());

@@ -8,13 +8,11 @@ Result<bool> Content::IsContent(const Sha256& hash) {
   auto exercise = store_.ExerciseByContent(hash);
   if (exercise.ok()) return true;
   if (exercise.status().code() != Code::kNotFound) return exercise.status();
-  auto scenes = store_.Scenes();
-  if (!scenes.ok()) return scenes.status();
-  auto profiles = store_.Profiles();
-  if (!profiles.ok()) return profiles.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto scenes, store_.Scenes());
+  ENAMEL_ASSIGN_OR_RETURN(auto profiles, store_.Profiles());
   return std::ranges::any_of(
-             *scenes, [&](const SceneRow& s) { return s.content == hash || s.volume == hash; }) ||
-         std::ranges::any_of(*profiles, [&](const ProfileRow& p) { return p.content == hash; });
+             scenes, [&](const SceneRow& s) { return s.content == hash || s.volume == hash; }) ||
+         std::ranges::any_of(profiles, [&](const ProfileRow& p) { return p.content == hash; });
 }
 
 Result<Content::Blob> Content::Get(const Sha256& hash) {
@@ -25,16 +23,14 @@ Result<Content::Blob> Content::Get(const Sha256& hash) {
       if (Blob blob = at->second.lock()) return blob;
     }
   }
-  auto allowed = IsContent(hash);
-  if (!allowed.ok()) return allowed.status();
-  if (!*allowed) {
+  ENAMEL_ASSIGN_OR_RETURN(auto allowed, IsContent(hash));
+  if (!allowed) {
     return Status(Code::kNotFound,
                   hash.Hex() + " is no exercise, scene, volume or device profile of this server",
                   "sha256");
   }
-  auto bytes = store_.GetBlob(hash);
-  if (!bytes.ok()) return bytes.status();
-  auto blob = std::make_shared<const Bytes>(std::move(bytes).value());
+  ENAMEL_ASSIGN_OR_RETURN(auto bytes, store_.GetBlob(hash));
+  auto blob = std::make_shared<const Bytes>(std::move(bytes));
   std::lock_guard lock(mutex_);
   std::erase_if(held_, [](const auto& entry) { return entry.second.expired(); });
   held_[hash] = blob;

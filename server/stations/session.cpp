@@ -76,9 +76,8 @@ bool Session::KnownAdmitted() const {
 Status Session::StillAdmitted() {
   UnixMs now = services_.clock();
   if (KnownAdmitted()) return Status::Ok();
-  auto station = services_.store.StationById(station_->id);
-  if (!station.ok()) return station.status();
-  if (station->revoked) return RevokedStation();
+  ENAMEL_ASSIGN_OR_RETURN(auto station, services_.store.StationById(station_->id));
+  if (station.revoked) return RevokedStation();
   admitted_ms_ = now;
   return Status::Ok();
 }
@@ -121,16 +120,14 @@ Result<wire::Reply> Session::Dispatch(const wire::Request& request) {
 
 Result<wire::Reply> Session::Do(const wire::Hello& hello) {
   ENAMEL_RETURN_IF_ERROR(CheckProtocolVersion(hello.protocol_version()));
-  auto id = protocol::ReadUuid(hello.station_id(), "station_id");
-  if (!id.ok()) return id.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto id, protocol::ReadUuid(hello.station_id(), "station_id"));
   std::string software = ShortenedText(hello.software(), kMaxSoftwareBytes);
   if (!software.empty()) {
-    auto checked = CheckedName(software, "software");
-    if (!checked.ok()) return checked.status();
-    software = *checked;
+    ENAMEL_ASSIGN_OR_RETURN(auto checked, CheckedName(software, "software"));
+    software = checked;
   }
   auto station =
-      services_.store.StationByCredential(*id, auth::TokenHash(AsBytes(hello.credential())));
+      services_.store.StationByCredential(id, auth::TokenHash(AsBytes(hello.credential())));
   if (!station.ok() && station.status().code() != Code::kNotFound) return station.status();
   if (!station.ok() || station->revoked) {
     return Status(Code::kUnauthenticated,
@@ -139,7 +136,7 @@ Result<wire::Reply> Session::Do(const wire::Hello& hello) {
                   "so that what is recorded here stays good)");
   }
   ENAMEL_RETURN_IF_ERROR(
-      services_.store.TouchStation(*id, software, hello.core_version(), services_.clock()));
+      services_.store.TouchStation(id, software, hello.core_version(), services_.clock()));
   station_ = *station;
   station_core_version_ = hello.core_version();
   admitted_ms_ = services_.clock();
@@ -157,31 +154,28 @@ Result<wire::Reply> Session::Do(const wire::Hello& hello) {
 
 Result<wire::Reply> Session::Do(const wire::Enrol& enrol) {
   ENAMEL_RETURN_IF_ERROR(CheckProtocolVersion(enrol.protocol_version()));
-  auto key = protocol::ReadKey(enrol.public_key(), "public_key");
-  if (!key.ok()) return key.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto key, protocol::ReadKey(enrol.public_key(), "public_key"));
   if (enrol.name().empty() || enrol.name().size() > kMaxStationNameBytes) {
     return Status(Code::kInvalidInput,
                   "a station's name has 1 to " + std::to_string(kMaxStationNameBytes) + " bytes",
                   "name");
   }
-  auto name = CheckedName(enrol.name(), "name");
-  if (!name.ok()) return name.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto name, CheckedName(enrol.name(), "name"));
   StationRow row;
-  row.name = *name;
-  row.public_key.assign(key->begin(), key->end());
+  row.name = name;
+  row.public_key.assign(key.begin(), key.end());
   if (!enrol.station_id().empty()) {
-    auto id = protocol::ReadUuid(enrol.station_id(), "station_id");
-    if (!id.ok()) return id.status();
-    row.id = *id;
+    ENAMEL_ASSIGN_OR_RETURN(auto id, protocol::ReadUuid(enrol.station_id(), "station_id"));
+    row.id = id;
   }
   Bytes credential = auth::NewToken();
-  auto station = services_.store.EnrolStation(HashSha256(AsBytes(enrol.code())), row,
-                                              auth::TokenHash(credential), services_.clock());
-  if (!station.ok()) return station.status();
+  ENAMEL_ASSIGN_OR_RETURN(
+      auto station, services_.store.EnrolStation(HashSha256(AsBytes(enrol.code())), row,
+                                                 auth::TokenHash(credential), services_.clock()));
 
   wire::Reply reply;
   wire::Enrolled& enrolled = *reply.mutable_enrolled();
-  enrolled.set_station_id(protocol::ToField(station->id.view()));
+  enrolled.set_station_id(protocol::ToField(station.id.view()));
   enrolled.set_credential(protocol::ToField(credential));
   enrolled.set_ticket_key(protocol::ToField(services_.ticket_key.public_key));
   return reply;
@@ -227,16 +221,16 @@ Result<Person> Session::PersonOf(const std::string& session_token) {
     return Status(Code::kUnauthenticated,
                   "nobody is signed in with this session here; sign in again", "session");
   }
-  auto identity = services_.authenticator.Authenticate(AsBytes(session_token));
-  if (!identity.ok()) return identity.status();
-  if (identity->person.must_change_password) {
+  ENAMEL_ASSIGN_OR_RETURN(auto identity,
+                          services_.authenticator.Authenticate(AsBytes(session_token)));
+  if (identity.person.must_change_password) {
     return Status(Code::kForbidden,
                   "your password was for signing in once: open the page" +
                       (services_.page_url.empty() ? "" : ", " + services_.page_url) +
                       ", choose your own, and sign in here again",
                   "password");
   }
-  return identity->person;
+  return identity.person;
 }
 
 Result<std::vector<ExerciseRow>> Session::ExercisesOf(const Person& person) {
@@ -247,9 +241,8 @@ Result<std::vector<ExerciseRow>> Session::ExercisesOf(const Person& person) {
 Result<std::string> Session::StationsText(const AssignmentRow& assignment) {
   std::string out;
   for (const Uuid& id : assignment.stations) {
-    auto station = services_.store.StationById(id);
-    if (!station.ok()) return station.status();
-    out += (out.empty() ? "" : ", ") + station->name;
+    ENAMEL_ASSIGN_OR_RETURN(auto station, services_.store.StationById(id));
+    out += (out.empty() ? "" : ", ") + station.name;
   }
   return out;
 }
@@ -282,37 +275,31 @@ Status Session::AddAssigned(const AssignedRow& row, const std::vector<SceneRow>&
   ref.set_attempt_limit(terms.attempt_limit);
   ref.set_attempts_left(terms.attempt_limit - std::min(row.attempts_used, terms.attempt_limit));
   ref.set_exam(terms.exam);
-  auto stations = StationsText(terms);
-  if (!stations.ok()) return stations.status();
-  Status may = MayBegin(row, services_.clock(), station_->id, *stations);
+  ENAMEL_ASSIGN_OR_RETURN(auto stations, StationsText(terms));
+  Status may = MayBegin(row, services_.clock(), station_->id, stations);
   if (!may.ok()) ref.set_refusal(may.message());
   return Status::Ok();
 }
 
 Result<wire::Reply> Session::Do(const wire::ListExercises& request) {
-  auto person = PersonOf(request.session());
-  if (!person.ok()) return person.status();
-  auto scenes = services_.store.Scenes();
-  if (!scenes.ok()) return scenes.status();
-  auto profiles = services_.store.Profiles();
-  if (!profiles.ok()) return profiles.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto person, PersonOf(request.session()));
+  ENAMEL_ASSIGN_OR_RETURN(auto scenes, services_.store.Scenes());
+  ENAMEL_ASSIGN_OR_RETURN(auto profiles, services_.store.Profiles());
 
   wire::Reply reply;
   wire::Exercises& out = *reply.mutable_exercises();
-  if (person->role == Role::kStudent) {
-    auto assigned = services_.store.AssignmentsFor(person->id);
-    if (!assigned.ok()) return assigned.status();
-    for (const AssignedRow& row : *assigned) {
-      ENAMEL_RETURN_IF_ERROR(AddAssigned(row, *scenes, out));
+  if (person.role == Role::kStudent) {
+    ENAMEL_ASSIGN_OR_RETURN(auto assigned, services_.store.AssignmentsFor(person.id));
+    for (const AssignedRow& row : assigned) {
+      ENAMEL_RETURN_IF_ERROR(AddAssigned(row, scenes, out));
     }
   } else {
-    auto exercises = ExercisesOf(*person);
-    if (!exercises.ok()) return exercises.status();
-    for (const ExerciseRow& row : *exercises) {
-      ENAMEL_RETURN_IF_ERROR(AddExercise(row, *scenes, out));
+    ENAMEL_ASSIGN_OR_RETURN(auto exercises, ExercisesOf(person));
+    for (const ExerciseRow& row : exercises) {
+      ENAMEL_RETURN_IF_ERROR(AddExercise(row, scenes, out));
     }
   }
-  for (const ProfileRow& row : *profiles) {
+  for (const ProfileRow& row : profiles) {
     wire::ProfileRef& ref = *out.add_profiles();
     ref.set_name(row.name);
     ref.set_title(row.title);
@@ -322,14 +309,12 @@ Result<wire::Reply> Session::Do(const wire::ListExercises& request) {
 }
 
 Result<wire::Reply> Session::Do(const wire::GetBlob& request) {
-  auto hash = protocol::ReadSha256(request.sha256(), "sha256");
-  if (!hash.ok()) return hash.status();
-  if (!fetched_ || fetched_hash_ != *hash) {
+  ENAMEL_ASSIGN_OR_RETURN(auto hash, protocol::ReadSha256(request.sha256(), "sha256"));
+  if (!fetched_ || fetched_hash_ != hash) {
     fetched_.reset();
-    auto blob = services_.content.Get(*hash);
-    if (!blob.ok()) return blob.status();
-    fetched_ = *blob;
-    fetched_hash_ = *hash;
+    ENAMEL_ASSIGN_OR_RETURN(auto blob, services_.content.Get(hash));
+    fetched_ = blob;
+    fetched_hash_ = hash;
   }
   uint64_t total = fetched_->size();
   if (request.offset() > total) {

@@ -31,13 +31,11 @@ Status Session::MustBeOurs(const Uuid& attempt) {
 }
 
 Status Session::SetTiming(AttemptRow& row) {
-  auto text = services_.store.GetBlob(row.exercise_content);
-  if (!text.ok()) return text.status();
-  auto document = scene::ExerciseFromJson(AsText(*text));
-  if (!document.ok()) return document.status();
-  row.rate_hz = document->rate_hz;
+  ENAMEL_ASSIGN_OR_RETURN(auto text, services_.store.GetBlob(row.exercise_content));
+  ENAMEL_ASSIGN_OR_RETURN(auto document, scene::ExerciseFromJson(AsText(text)));
+  row.rate_hz = document.rate_hz;
   row.limit_ticks =
-      static_cast<uint64_t>(document->time_limit_s) * static_cast<uint64_t>(document->rate_hz);
+      static_cast<uint64_t>(document.time_limit_s) * static_cast<uint64_t>(document.rate_hz);
   return Status::Ok();
 }
 
@@ -49,27 +47,23 @@ Result<std::optional<AssignmentRow>> Session::AssignmentFor(const Person& person
       "exercise \"" + exercise.name + "\" in this version is not assigned to " + person.login,
       "exercise");
   if (person.role != Role::kStudent) {
-    auto offered = ExercisesOf(person);
-    if (!offered.ok()) return offered.status();
-    auto found = std::ranges::find(*offered, exercise.content, &ExerciseRow::content);
-    if (found == offered->end()) return not_assigned;
+    ENAMEL_ASSIGN_OR_RETURN(auto offered, ExercisesOf(person));
+    auto found = std::ranges::find(offered, exercise.content, &ExerciseRow::content);
+    if (found == offered.end()) return not_assigned;
     return std::optional<AssignmentRow>();
   }
   std::optional<Uuid> wanted;
   if (!request.assignment().empty()) {
-    auto id = protocol::ReadUuid(request.assignment(), "assignment");
-    if (!id.ok()) return id.status();
-    wanted = *id;
+    ENAMEL_ASSIGN_OR_RETURN(auto id, protocol::ReadUuid(request.assignment(), "assignment"));
+    wanted = id;
   }
-  auto rows = services_.store.AssignmentsFor(person.id);
-  if (!rows.ok()) return rows.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto rows, services_.store.AssignmentsFor(person.id));
   UnixMs now_ms = services_.clock();
   const AssignedRow* assigned =
-      PickAssignment(*rows, exercise.content, wanted, now_ms, station_->id);
+      PickAssignment(rows, exercise.content, wanted, now_ms, station_->id);
   if (!assigned) return not_assigned;
-  auto stations = StationsText(assigned->assignment);
-  if (!stations.ok()) return stations.status();
-  ENAMEL_RETURN_IF_ERROR(MayBegin(*assigned, now_ms, station_->id, *stations));
+  ENAMEL_ASSIGN_OR_RETURN(auto stations, StationsText(assigned->assignment));
+  ENAMEL_RETURN_IF_ERROR(MayBegin(*assigned, now_ms, station_->id, stations));
   if (request.for_later() && assigned->assignment.exam) {
     return Status(Code::kForbidden,
                   "an exam begins while the server is there: its ticket cannot be taken in advance",
@@ -79,58 +73,51 @@ Result<std::optional<AssignmentRow>> Session::AssignmentFor(const Person& person
 }
 
 Result<wire::Reply> Session::Do(const wire::RequestTicket& request) {
-  auto person = PersonOf(request.session());
-  if (!person.ok()) return person.status();
-  auto content = protocol::ReadSha256(request.exercise(), "exercise");
-  if (!content.ok()) return content.status();
-  auto profile = protocol::ReadSha256(request.profile(), "profile");
-  if (!profile.ok()) return profile.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto person, PersonOf(request.session()));
+  ENAMEL_ASSIGN_OR_RETURN(auto content, protocol::ReadSha256(request.exercise(), "exercise"));
+  ENAMEL_ASSIGN_OR_RETURN(auto profile, protocol::ReadSha256(request.profile(), "profile"));
   if (station_core_version_ != core::kCoreVersion) {
     return Status(Code::kVersion, "the station's core has version " +
                                       std::to_string(station_core_version_) + ", this server's " +
                                       std::to_string(core::kCoreVersion) +
                                       "; install matching versions to begin attempts");
   }
-  if (request.as_reference() && !CanRecordReference(*person)) {
+  if (request.as_reference() && !CanRecordReference(person)) {
     return Status(Code::kForbidden, "only instructors and admins record reference cuts",
                   "as_reference");
   }
-  auto exercise = services_.store.ExerciseByContent(*content);
-  if (!exercise.ok()) return exercise.status();
-  auto assignment = AssignmentFor(*person, *exercise, request);
-  if (!assignment.ok()) return assignment.status();
-  auto profiles = services_.store.Profiles();
-  if (!profiles.ok()) return profiles.status();
-  if (std::ranges::find(*profiles, *profile, &ProfileRow::content) == profiles->end()) {
-    return Status(Code::kNotFound, "this server has no device profile " + profile->Hex(),
-                  "profile");
+  ENAMEL_ASSIGN_OR_RETURN(auto exercise, services_.store.ExerciseByContent(content));
+  ENAMEL_ASSIGN_OR_RETURN(auto assignment, AssignmentFor(person, exercise, request));
+  ENAMEL_ASSIGN_OR_RETURN(auto profiles, services_.store.Profiles());
+  if (std::ranges::find(profiles, profile, &ProfileRow::content) == profiles.end()) {
+    return Status(Code::kNotFound, "this server has no device profile " + profile.Hex(), "profile");
   }
 
   trace::Ticket ticket;
   ticket.attempt = Uuid::New();
   randombytes_buf(ticket.nonce.data(), ticket.nonce.size());
-  ticket.person = person->id;
+  ticket.person = person.id;
   ticket.station = station_->id;
-  ticket.exercise = *content;
-  ticket.profile = *profile;
+  ticket.exercise = content;
+  ticket.profile = profile;
   ticket.issued_unix_ms = services_.clock();
-  ticket.expires_unix_ms = TicketEnd(*assignment, ticket.issued_unix_ms);
+  ticket.expires_unix_ms = TicketEnd(assignment, ticket.issued_unix_ms);
   trace::SignTicket(ticket, services_.ticket_key.secret_key);
   Bytes encoded = trace::EncodeTicket(ticket);
 
   AttemptRow row;
   row.id = ticket.attempt;
-  row.person = person->id;
+  row.person = person.id;
   row.station = station_->id;
-  row.exercise = exercise->id;
-  row.exercise_content = *content;
-  row.profile_content = *profile;
+  row.exercise = exercise.id;
+  row.exercise_content = content;
+  row.profile_content = profile;
   row.as_reference = request.as_reference();
   row.ticketed_ms = ticket.issued_unix_ms;
   ENAMEL_RETURN_IF_ERROR(SetTiming(row));
-  SetTerms(*assignment, row);
+  SetTerms(assignment, row);
   ENAMEL_RETURN_IF_ERROR(
-      services_.store.CreateAttempt(row, encoded, Actor{person->id, "station " + station_->name}));
+      services_.store.CreateAttempt(row, encoded, Actor{person.id, "station " + station_->name}));
   ours_.insert(ticket.attempt);
   wire::Reply reply;
   wire::TicketIssued& issued = *reply.mutable_ticket_issued();
@@ -181,14 +168,13 @@ Status Session::GuessTerms(const trace::Ticket& ticket, AttemptRow& row) {
   row.as_reference = CanRecordReference(*person);
   if (person->role != Role::kStudent) return Status::Ok();
   row.flags |= kReadmitted;
-  auto rows = services_.store.AssignmentsFor(row.person);
-  if (!rows.ok()) return rows.status();
-  std::erase_if(*rows, [&](const AssignedRow& assigned) {
+  ENAMEL_ASSIGN_OR_RETURN(auto rows, services_.store.AssignmentsFor(row.person));
+  std::erase_if(rows, [&](const AssignedRow& assigned) {
     return TicketEnd(assigned.assignment, ticket.issued_unix_ms) != ticket.expires_unix_ms;
   });
-  for (AssignedRow& assigned : *rows) assigned.attempts_used = 0;
+  for (AssignedRow& assigned : rows) assigned.attempts_used = 0;
   const AssignedRow* assigned =
-      PickAssignment(*rows, row.exercise_content, std::nullopt, row.ticketed_ms, row.station);
+      PickAssignment(rows, row.exercise_content, std::nullopt, row.ticketed_ms, row.station);
   if (assigned) SetTerms(assigned->assignment, row);
   return Status::Ok();
 }
@@ -198,17 +184,15 @@ Result<std::string> Session::ToldToAwait(const Uuid& attempt) {
   told.action = "attempt.awaits";
   told.object = attempt.Text();
   told.limit = 1;
-  auto rows = services_.store.FindAudit(told);
-  if (!rows.ok()) return rows.status();
-  return rows->empty() ? std::string() : rows->front().after_json;
+  ENAMEL_ASSIGN_OR_RETURN(auto rows, services_.store.FindAudit(told));
+  return rows.empty() ? std::string() : rows.front().after_json;
 }
 
 Status Session::Await(const trace::Ticket& ticket, const std::string& what,
                       const std::string& which) {
-  auto before = ToldToAwait(ticket.attempt);
-  if (!before.ok()) return before.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto before, ToldToAwait(ticket.attempt));
   std::string named = "{\"" + what + "\":\"" + which + "\"}";
-  if (*before != named) {
+  if (before != named) {
     ENAMEL_RETURN_IF_ERROR(services_.store.NoteAudit(
         Actor{{}, "station " + station_->name}, "attempt.awaits", ticket.attempt.Text(), named));
   }
@@ -220,9 +204,8 @@ Status Session::Await(const trace::Ticket& ticket, const std::string& what,
 }
 
 Result<AttemptRow> Session::Readmit(const trace::Ticket& ticket) {
-  auto told = ToldToAwait(ticket.attempt);
-  if (!told.ok()) return told.status();
-  if (told->empty()) ENAMEL_RETURN_IF_ERROR(MayStillBegin(ticket));
+  ENAMEL_ASSIGN_OR_RETURN(auto told, ToldToAwait(ticket.attempt));
+  if (told.empty()) ENAMEL_RETURN_IF_ERROR(MayStillBegin(ticket));
   auto exercise = services_.store.ExerciseByContent(ticket.exercise);
   if (exercise.status().code() == Code::kNotFound) {
     return Await(ticket, "exercise", ticket.exercise.Hex());
@@ -252,17 +235,16 @@ Result<AttemptRow> Session::Readmit(const trace::Ticket& ticket) {
 }
 
 Result<wire::Reply> Session::Do(const wire::OpenAttempt& request) {
-  auto header = trace::DecodeHeader(AsBytes(request.header()));
-  if (!header.ok()) return header.status();
-  ENAMEL_RETURN_IF_ERROR(CheckHeader(*header));
-  const Uuid& attempt = header->ticket.attempt;
+  ENAMEL_ASSIGN_OR_RETURN(auto header, trace::DecodeHeader(AsBytes(request.header())));
+  ENAMEL_RETURN_IF_ERROR(CheckHeader(header));
+  const Uuid& attempt = header.ticket.attempt;
   auto row = services_.store.AttemptById(attempt);
   const bool forgotten = row.status().code() == Code::kNotFound;
-  if (forgotten) row = Readmit(header->ticket);
+  if (forgotten) row = Readmit(header.ticket);
   if (!row.ok()) return row.status();
   if (row->state == AttemptState::kTicketed) {
-    if (!forgotten) ENAMEL_RETURN_IF_ERROR(MayStillBegin(header->ticket));
-    ENAMEL_RETURN_IF_ERROR(CheckParams(*header));
+    if (!forgotten) ENAMEL_RETURN_IF_ERROR(MayStillBegin(header.ticket));
+    ENAMEL_RETURN_IF_ERROR(CheckParams(header));
   }
   ENAMEL_RETURN_IF_ERROR(services_.store.OpenAttempt(attempt, AsBytes(request.header())));
   if (request.resumed() > 0) {
@@ -281,13 +263,11 @@ Result<wire::Reply> Session::Do(const wire::OpenAttempt& request) {
 
 // Why a chunk that this station's key does not fit is refused.
 Status Session::NotSigned(ByteView chunk) {
-  auto head = trace::DecodeChunkHead(chunk);
-  if (!head.ok()) return head.status();
-  ENAMEL_RETURN_IF_ERROR(MustBeOurs(head->head.attempt));
-  return Status(
-      Code::kForbidden,
-      "chunk " + std::to_string(head->head.seq) + " is not signed with this station's key",
-      "chunk");
+  ENAMEL_ASSIGN_OR_RETURN(auto head, trace::DecodeChunkHead(chunk));
+  ENAMEL_RETURN_IF_ERROR(MustBeOurs(head.head.attempt));
+  return Status(Code::kForbidden,
+                "chunk " + std::to_string(head.head.seq) + " is not signed with this station's key",
+                "chunk");
 }
 
 Result<wire::Reply> Session::Do(const wire::PutChunk& request) {
@@ -303,19 +283,18 @@ Result<wire::Reply> Session::Do(const wire::PutChunk& request) {
   ENAMEL_CHECK(station_->public_key.size() == key.size());
   std::ranges::copy(station_->public_key, key.begin());
   if (!trace::VerifyChunk(bytes, key)) return NotSigned(bytes);
-  auto chunk = trace::DecodeChunk(bytes);
-  if (!chunk.ok()) return chunk.status();
-  ENAMEL_RETURN_IF_ERROR(MustBeOurs(chunk->head.attempt));
-  Store::ChunkPut put{chunk->head.attempt, chunk->head, chunk->hash,
-                      Bytes(bytes.begin(), bytes.end()), services_.clock()};
+  ENAMEL_ASSIGN_OR_RETURN(auto chunk, trace::DecodeChunk(bytes));
+  ENAMEL_RETURN_IF_ERROR(MustBeOurs(chunk.head.attempt));
+  Store::ChunkPut put{chunk.head.attempt, chunk.head, chunk.hash, Bytes(bytes.begin(), bytes.end()),
+                      services_.clock()};
   ENAMEL_RETURN_IF_ERROR(services_.store.AppendChunk(put));
   const bool watched = services_.live.Watched(put.attempt);
-  if (watched) ShowLive(*chunk);
+  if (watched) ShowLive(chunk);
 
   wire::Reply reply;
   wire::ChunkAck& ack = *reply.mutable_chunk_ack();
-  ack.set_attempt(protocol::ToField(chunk->head.attempt.view()));
-  ack.set_seq(chunk->head.seq);
+  ack.set_attempt(protocol::ToField(chunk.head.attempt.view()));
+  ack.set_seq(chunk.head.seq);
   ack.set_committed(true);
   ack.set_watched(watched);
   return reply;
@@ -344,49 +323,40 @@ void Session::ShowLive(const trace::Chunk& chunk) {
 }
 
 Result<wire::Reply> Session::Do(const wire::SealAttempt& request) {
-  auto attempt = protocol::ReadUuid(request.attempt(), "attempt");
-  if (!attempt.ok()) return attempt.status();
-  auto last = protocol::ReadSha256(request.last_chunk(), "last_chunk");
-  if (!last.ok()) return last.status();
-  ENAMEL_RETURN_IF_ERROR(MustBeOurs(*attempt));
-  trace::Seal seal{*attempt, request.chunks(), request.ticks(), *last, request.state_hash()};
+  ENAMEL_ASSIGN_OR_RETURN(auto attempt, protocol::ReadUuid(request.attempt(), "attempt"));
+  ENAMEL_ASSIGN_OR_RETURN(auto last, protocol::ReadSha256(request.last_chunk(), "last_chunk"));
+  ENAMEL_RETURN_IF_ERROR(MustBeOurs(attempt));
+  trace::Seal seal{attempt, request.chunks(), request.ticks(), last, request.state_hash()};
   ENAMEL_RETURN_IF_ERROR(services_.store.SealAttempt(seal, services_.clock()));
-  services_.live.Remove(*attempt);
+  services_.live.Remove(attempt);
   wire::Reply reply;
   reply.mutable_sealed()->set_attempt(request.attempt());
   return reply;
 }
 
 Result<wire::Reply> Session::Do(const wire::AttemptStatus& request) {
-  auto attempt = protocol::ReadUuid(request.attempt(), "attempt");
-  if (!attempt.ok()) return attempt.status();
-  auto person = PersonOf(request.session());
-  if (!person.ok()) return person.status();
-  auto row = services_.store.AttemptById(*attempt);
-  if (!row.ok()) return row.status();
-  auto shares = services_.store.ShareCohort(person->id, row->person);
-  if (!shares.ok()) return shares.status();
-  if (!CanSeeAttempt(*person, *row, *shares)) {
-    return Status(Code::kNotFound, "no attempt " + attempt->Text(), "attempt");
+  ENAMEL_ASSIGN_OR_RETURN(auto attempt, protocol::ReadUuid(request.attempt(), "attempt"));
+  ENAMEL_ASSIGN_OR_RETURN(auto person, PersonOf(request.session()));
+  ENAMEL_ASSIGN_OR_RETURN(auto row, services_.store.AttemptById(attempt));
+  ENAMEL_ASSIGN_OR_RETURN(auto shares, services_.store.ShareCohort(person.id, row.person));
+  if (!CanSeeAttempt(person, row, shares)) {
+    return Status(Code::kNotFound, "no attempt " + attempt.Text(), "attempt");
   }
   wire::Reply reply;
   wire::AttemptState& state = *reply.mutable_attempt_state();
   state.set_attempt(request.attempt());
-  state.set_state(AttemptStateName(row->state));
-  state.set_progress(row->progress);
-  state.set_exam(row->exam);
-  state.set_released(row->released);
-  for (const char* flag : AttemptFlagNames(row->flags)) state.add_flags(flag);
-  state.set_problem(row->problem);
-  if (row->state != AttemptState::kScored) return reply;
-  auto exercise = services_.store.ExerciseById(row->exercise);
-  if (!exercise.ok()) return exercise.status();
-  if (!CanSeeScore(*person, *row, exercise->graded, *shares)) return reply;
-  auto result = services_.store.ResultOf(*attempt);
-  if (!result.ok()) return result.status();
-  auto json = services_.store.GetBlob(result->score_json);
-  if (!json.ok()) return json.status();
-  state.set_result_json(std::string(AsText(*json)));
+  state.set_state(AttemptStateName(row.state));
+  state.set_progress(row.progress);
+  state.set_exam(row.exam);
+  state.set_released(row.released);
+  for (const char* flag : AttemptFlagNames(row.flags)) state.add_flags(flag);
+  state.set_problem(row.problem);
+  if (row.state != AttemptState::kScored) return reply;
+  ENAMEL_ASSIGN_OR_RETURN(auto exercise, services_.store.ExerciseById(row.exercise));
+  if (!CanSeeScore(person, row, exercise.graded, shares)) return reply;
+  ENAMEL_ASSIGN_OR_RETURN(auto result, services_.store.ResultOf(attempt));
+  ENAMEL_ASSIGN_OR_RETURN(auto json, services_.store.GetBlob(result.score_json));
+  state.set_result_json(std::string(AsText(json)));
   return reply;
 }
 

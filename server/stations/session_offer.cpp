@@ -18,24 +18,22 @@ Result<wire::Reply> Session::Do(const wire::OfferAttempts& request) {
   wire::Reply reply;
   wire::AttemptsWanted& wanted = *reply.mutable_attempts_wanted();
   for (const wire::HeldAttempt& held : request.attempts()) {
-    auto lacks = Lacks(held);
-    if (!lacks.ok()) return lacks.status();
-    if (*lacks) wanted.add_attempts(held.attempt());
+    ENAMEL_ASSIGN_OR_RETURN(auto lacks, Lacks(held));
+    if lacks
+      wanted.add_attempts(held.attempt());
   }
   for (const std::string& ticket : request.tickets()) {
-    auto attempt = protocol::ReadUuid(ticket, "tickets");
-    if (!attempt.ok()) return attempt.status();
-    auto revoked = Revoked(*attempt);
-    if (!revoked.ok()) return revoked.status();
-    if (*revoked) wanted.add_revoked(ticket);
+    ENAMEL_ASSIGN_OR_RETURN(auto attempt, protocol::ReadUuid(ticket, "tickets"));
+    ENAMEL_ASSIGN_OR_RETURN(auto revoked, Revoked(attempt));
+    if revoked
+      wanted.add_revoked(ticket);
   }
   return reply;
 }
 
 Result<bool> Session::Lacks(const wire::HeldAttempt& held) {
-  auto attempt = protocol::ReadUuid(held.attempt(), "attempts.attempt");
-  if (!attempt.ok()) return attempt.status();
-  auto row = services_.store.AttemptById(*attempt);
+  ENAMEL_ASSIGN_OR_RETURN(auto attempt, protocol::ReadUuid(held.attempt(), "attempts.attempt"));
+  auto row = services_.store.AttemptById(attempt);
   if (row.status().code() == Code::kNotFound) return true;
   if (!row.ok()) return row.status();
   if (row->station != station_->id) return false;
@@ -56,11 +54,10 @@ Result<bool> Session::Revoked(const Uuid& attempt) {
 }
 
 Result<wire::Reply> Session::Do(const wire::ReturnTicket& request) {
-  auto attempt = protocol::ReadUuid(request.attempt(), "attempt");
-  if (!attempt.ok()) return attempt.status();
-  ENAMEL_RETURN_IF_ERROR(MustBeOurs(*attempt));
+  ENAMEL_ASSIGN_OR_RETURN(auto attempt, protocol::ReadUuid(request.attempt(), "attempt"));
+  ENAMEL_RETURN_IF_ERROR(MustBeOurs(attempt));
   ENAMEL_RETURN_IF_ERROR(
-      services_.store.ReturnTicket(*attempt, Actor{{}, "station " + station_->name}));
+      services_.store.ReturnTicket(attempt, Actor{{}, "station " + station_->name}));
   wire::Reply reply;
   reply.mutable_ticket_returned()->set_attempt(request.attempt());
   return reply;

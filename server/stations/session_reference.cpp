@@ -20,34 +20,30 @@ Status CheckWords(const wire::MarkReference& request) {
 }  // namespace
 
 Result<wire::Reply> Session::Do(const wire::MarkReference& request) {
-  auto attempt = protocol::ReadUuid(request.attempt(), "attempt");
-  if (!attempt.ok()) return attempt.status();
-  auto person = PersonOf(request.session());
-  if (!person.ok()) return person.status();
-  auto row = services_.store.AttemptById(*attempt);
-  if (!row.ok()) return row.status();
-  auto shares = services_.store.ShareCohort(person->id, row->person);
-  if (!shares.ok()) return shares.status();
-  if (!CanSeeAttempt(*person, *row, *shares)) {
-    return Status(Code::kNotFound, "no attempt " + attempt->Text(), "attempt");
+  ENAMEL_ASSIGN_OR_RETURN(auto attempt, protocol::ReadUuid(request.attempt(), "attempt"));
+  ENAMEL_ASSIGN_OR_RETURN(auto person, PersonOf(request.session()));
+  ENAMEL_ASSIGN_OR_RETURN(auto row, services_.store.AttemptById(attempt));
+  ENAMEL_ASSIGN_OR_RETURN(auto shares, services_.store.ShareCohort(person.id, row.person));
+  if (!CanSeeAttempt(person, row, shares)) {
+    return Status(Code::kNotFound, "no attempt " + attempt.Text(), "attempt");
   }
-  if (!CanMarkReference(*person, *row, *shares)) {
+  if (!CanMarkReference(person, row, shares)) {
     return Status(Code::kForbidden, "only instructors and admins make an attempt the reference",
                   "attempt");
   }
   ENAMEL_RETURN_IF_ERROR(CheckWords(request));
-  if (row->state != AttemptState::kScored) {
+  if (row.state != AttemptState::kScored) {
     return Status(Code::kConflict,
                   std::string("expected a scored attempt, this one is ") +
-                      AttemptStateName(row->state) + "; wait for the score",
+                      AttemptStateName(row.state) + "; wait for the score",
                   "attempt");
   }
-  auto reference = services_.store.AddReference(*attempt, request.dentist(), request.consent(),
-                                                Actor{person->id, "station " + station_->name});
-  if (!reference.ok()) return reference.status();
+  ENAMEL_ASSIGN_OR_RETURN(
+      auto reference, services_.store.AddReference(attempt, request.dentist(), request.consent(),
+                                                   Actor{person.id, "station " + station_->name}));
   wire::Reply reply;
   reply.mutable_reference_marked()->set_attempt(request.attempt());
-  reply.mutable_reference_marked()->set_version(reference->version);
+  reply.mutable_reference_marked()->set_version(reference.version);
   return reply;
 }
 

@@ -198,10 +198,10 @@ StationServer::~StationServer() { Stop(); }
 
 Result<uint16_t> StationServer::Start() {
   State& s = *state_;
-  auto tls = net::MakeServerContext(s.options.certificate, s.options.private_key);
-  if (!tls.ok()) return tls.status();
-  s.tls = *tls;
-  SaveMemory((*tls)->native_handle());
+  ENAMEL_ASSIGN_OR_RETURN(auto tls,
+                          net::MakeServerContext(s.options.certificate, s.options.private_key));
+  s.tls = tls;
+  SaveMemory(tls->native_handle());
   AllowDescriptors();
   IgnoreBrokenPipes();
   error_code error;

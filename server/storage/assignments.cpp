@@ -167,14 +167,13 @@ Result<AssignmentRow> SqliteStore::AddAssignment(const AssignmentRow& assignment
 Result<AssignmentRow> SqliteStore::ReplaceAssignment(const AssignmentRow& assignment,
                                                      const Actor& by) {
   Status status = Write([&](Db& db) -> Status {
-    auto stored = FindAssignment(db, assignment.id);
-    if (!stored.ok()) return stored.status();
-    ENAMEL_RETURN_IF_ERROR(MustBeRevision(stored->revision, assignment.revision));
+    ENAMEL_ASSIGN_OR_RETURN(auto stored, FindAssignment(db, assignment.id));
+    ENAMEL_RETURN_IF_ERROR(MustBeRevision(stored.revision, assignment.revision));
     ENAMEL_RETURN_IF_ERROR(MustBeKnown(db, assignment));
     AssignmentRow row = assignment;
     ++row.revision;
     ENAMEL_RETURN_IF_ERROR(InsertAssignment(db, row));
-    return WriteAudit(db, by, "assignment.edit", row.id.Text(), TermsJson(*stored), TermsJson(row));
+    return WriteAudit(db, by, "assignment.edit", row.id.Text(), TermsJson(stored), TermsJson(row));
   });
   if (!status.ok()) return status;
   return AssignmentById(assignment.id);
@@ -182,13 +181,12 @@ Result<AssignmentRow> SqliteStore::ReplaceAssignment(const AssignmentRow& assign
 
 Status SqliteStore::DeleteAssignment(const Uuid& id, int32_t revision, const Actor& by) {
   return Write([&](Db& db) -> Status {
-    auto stored = FindAssignment(db, id);
-    if (!stored.ok()) return stored.status();
-    ENAMEL_RETURN_IF_ERROR(MustBeRevision(stored->revision, revision));
+    ENAMEL_ASSIGN_OR_RETURN(auto stored, FindAssignment(db, id));
+    ENAMEL_RETURN_IF_ERROR(MustBeRevision(stored.revision, revision));
     ENAMEL_RETURN_IF_ERROR(NoAttemptMustDependOn(db, id));
     Query q(db, "DELETE FROM assignments WHERE tenant = ?1 AND id = ?2");
     ENAMEL_RETURN_IF_ERROR(q.Bind(id).Run());
-    return WriteAudit(db, by, "assignment.delete", id.Text(), TermsJson(*stored), "{}");
+    return WriteAudit(db, by, "assignment.delete", id.Text(), TermsJson(stored), "{}");
   });
 }
 

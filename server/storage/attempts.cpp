@@ -169,9 +169,9 @@ Status MustBeHere(Db& db, const AttemptRow& row) {
       {"exercise", "SELECT 1 FROM exercises WHERE tenant = ?1 AND id = ?2", row.exercise},
   };
   for (const auto& thing : things) {
-    auto there = Is(db, thing.sql, thing.id);
-    if (!there.ok()) return there.status();
-    if (*there) continue;
+    ENAMEL_ASSIGN_OR_RETURN(auto there, Is(db, thing.sql, thing.id));
+    if there
+      continue;
     std::string what = thing.what;
     return Status(Code::kNotFound, "there is no " + what + " " + thing.id.Text() + " here", what);
   }
@@ -227,10 +227,9 @@ Status SqliteStore::CreateAttempt(const AttemptRow& row, ByteView ticket, const 
 
 Status SqliteStore::ReturnTicket(const Uuid& attempt, const Actor& by) {
   return Write([&](Db& db) -> Status {
-    auto row = FindAttempt(db, attempt);
-    if (!row.ok()) return row.status();
-    if ((row->flags & kReturned) != 0) return Status::Ok();
-    if (row->state != AttemptState::kTicketed) {
+    ENAMEL_ASSIGN_OR_RETURN(auto row, FindAttempt(db, attempt));
+    if ((row.flags & kReturned) != 0) return Status::Ok();
+    if (row.state != AttemptState::kTicketed) {
       return Status(Code::kConflict,
                     "attempt " + attempt.Text() +
                         " was begun, so its ticket is used up; an instructor can excuse the "
@@ -240,7 +239,7 @@ Status SqliteStore::ReturnTicket(const Uuid& attempt, const Actor& by) {
     Query q(db, "UPDATE attempts SET flags = flags | ?3 WHERE tenant = ?1 AND id = ?2");
     ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(int64_t{kReturned}).Run());
     return WriteAudit(db, by, "attempt.return", attempt.Text(),
-                      JsonOf({{"state", AttemptStateName(row->state)}}),
+                      JsonOf({{"state", AttemptStateName(row.state)}}),
                       JsonOf({{"returned", "yes"}}));
   });
 }
@@ -382,19 +381,18 @@ Result<ReferenceRow> SqliteStore::AddReference(const Uuid& attempt, const std::s
   row.dentist = dentist;
   row.created_ms = NowMs();
   Status status = Write([&](Db& db) -> Status {
-    auto found = FindAttempt(db, attempt);
-    if (!found.ok()) return found.status();
-    if (found->state != AttemptState::kScored) {
+    ENAMEL_ASSIGN_OR_RETURN(auto found, FindAttempt(db, attempt));
+    if (found.state != AttemptState::kScored) {
       return Status(Code::kConflict, "attempt " + attempt.Text() + " is " +
-                                         AttemptStateName(found->state) +
+                                         AttemptStateName(found.state) +
                                          ", only a scored one can become a reference");
     }
-    if (found->expired_ms != 0) {
+    if (found.expired_ms != 0) {
       return Status(Code::kConflict, "the recording of attempt " + attempt.Text() +
                                          " was removed by a retention rule, so it can no longer "
                                          "become a reference");
     }
-    row.exercise = found->exercise;
+    row.exercise = found.exercise;
     ENAMEL_RETURN_IF_ERROR(InsertReference(db, row));
     ENAMEL_RETURN_IF_ERROR(QueueUnreferenced(db, row.exercise));
     return WriteAudit(
@@ -433,14 +431,13 @@ Result<std::vector<ReferenceRow>> SqliteStore::References(const Uuid& exercise) 
 
 Status SqliteStore::WithdrawReference(const Uuid& id, const Actor& by) {
   return Write([&](Db& db) -> Status {
-    auto row = FindReference(db, id);
-    if (!row.ok()) return row.status();
-    if (row->withdrawn_ms != 0) return Status::Ok();
+    ENAMEL_ASSIGN_OR_RETURN(auto row, FindReference(db, id));
+    if (row.withdrawn_ms != 0) return Status::Ok();
     Query q(db, "UPDATE reference_cuts SET withdrawn_ms = ?3 WHERE tenant = ?1 AND id = ?2");
     ENAMEL_RETURN_IF_ERROR(q.Bind(id).Bind(NowMs()).Run());
     return WriteAudit(
-        db, by, "reference.withdraw", row->attempt.Text(),
-        JsonOf({{"exercise", row->exercise.Text()}, {"version", std::to_string(row->version)}}),
+        db, by, "reference.withdraw", row.attempt.Text(),
+        JsonOf({{"exercise", row.exercise.Text()}, {"version", std::to_string(row.version)}}),
         JsonOf({{"withdrawn", "yes"}}));
   });
 }

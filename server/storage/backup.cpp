@@ -72,40 +72,34 @@ class BackupMaker {
   Status Add(const std::string& path, bool link) {
     fs::path to = options_.target / path;
     ENAMEL_RETURN_IF_ERROR(disk_.MakeFolder(to.parent_path()));
-    auto copied = disk_.Copy(options_.data / path, to, link);
-    if (!copied.ok()) return copied.status();
-    Note(path, *copied);
+    ENAMEL_ASSIGN_OR_RETURN(auto copied, disk_.Copy(options_.data / path, to, link));
+    Note(path, copied);
     return Status::Ok();
   }
 
   Status CopyDatabase(std::set<Sha256>& named) {
     fs::path copy = options_.target / "enamel.db";
     {
-      auto db = Db::Open(options_.data / "enamel.db", Db::Mode::kReadOnly);
-      if (!db.ok()) return db.status();
-      auto schema = SchemaVersion(**db);
-      if (!schema.ok()) return schema.status();
-      manifest_.schema = *schema;
+      ENAMEL_ASSIGN_OR_RETURN(auto db, Db::Open(options_.data / "enamel.db", Db::Mode::kReadOnly));
+      ENAMEL_ASSIGN_OR_RETURN(auto schema, SchemaVersion(*db));
+      manifest_.schema = schema;
       manifest_.created_ms = NowMs();
-      ENAMEL_RETURN_IF_ERROR((*db)->CopyTo(copy, [&](int done, int all) {
+      ENAMEL_RETURN_IF_ERROR(db->CopyTo(copy, [&](int done, int all) {
         Tell("pages of the database", static_cast<uint64_t>(done), static_cast<uint64_t>(all));
       }));
     }
     std::error_code error;
     fs::permissions(copy, fs::perms::owner_read | fs::perms::owner_write, error);
-    auto content = disk_.Hash(copy);
-    if (!content.ok()) return content.status();
-    Note("enamel.db", {*content, false});
+    ENAMEL_ASSIGN_OR_RETURN(auto content, disk_.Hash(copy));
+    Note("enamel.db", {content, false});
     return ReadCopy(copy, named);
   }
 
   Status ReadCopy(const fs::path& copy, std::set<Sha256>& named) {
-    auto db = Db::Open(copy, Db::Mode::kReadOnly);
-    if (!db.ok()) return db.status();
-    auto blobs = NamedBlobs(**db);
-    if (!blobs.ok()) return blobs.status();
-    named = std::move(blobs).value();
-    Query q(**db,
+    ENAMEL_ASSIGN_OR_RETURN(auto db, Db::Open(copy, Db::Mode::kReadOnly));
+    ENAMEL_ASSIGN_OR_RETURN(auto blobs, NamedBlobs(*db));
+    named = std::move(blobs);
+    Query q(*db,
             "SELECT (SELECT count(*) FROM people WHERE tenant = ?1), count(*), "
             "coalesce(sum(ticks), 0) FROM attempts WHERE tenant = ?1");
     if (q.Next()) {
@@ -140,17 +134,15 @@ class BackupMaker {
       manifest_.keyring_inside = false;
       return Keyring(options_.keyring, disk_).MirrorFrom(source);
     }
-    auto people = source.People();
-    if (!people.ok()) return people.status();
-    auto gone = source.Gone();
-    if (!gone.ok()) return gone.status();
+    ENAMEL_ASSIGN_OR_RETURN(auto people, source.People());
+    ENAMEL_ASSIGN_OR_RETURN(auto gone, source.Gone());
     uint64_t done = 0;
-    for (const Uuid& person : *people) {
-      Tell("keys", ++done, people->size());
+    for (const Uuid& person : people) {
+      Tell("keys", ++done, people.size());
       // A copy, never a link: a key that is destroyed is overwritten in its place.
       ENAMEL_RETURN_IF_ERROR(Add("keyring/" + person.Text() + ".key", false));
     }
-    for (const Tombstone& tombstone : *gone) {
+    for (const Tombstone& tombstone : gone) {
       ENAMEL_RETURN_IF_ERROR(Add("keyring/gone/" + tombstone.person.Hex(), false));
     }
     return Status::Ok();
@@ -178,20 +170,18 @@ class Restorer {
       : options_(options), disk_(DiskOf(options.disk)) {}
 
   Result<RestoreReport> Run() {
-    auto manifest = ReadManifest(options_.backup);
-    if (!manifest.ok()) return manifest.status();
-    ENAMEL_RETURN_IF_ERROR(MayBegin(*manifest));
-    report_.created_ms = manifest->created_ms;
+    ENAMEL_ASSIGN_OR_RETURN(auto manifest, ReadManifest(options_.backup));
+    ENAMEL_RETURN_IF_ERROR(MayBegin(manifest));
+    report_.created_ms = manifest.created_ms;
     ENAMEL_RETURN_IF_ERROR(disk_.MakeFolder(options_.data));
     ENAMEL_RETURN_IF_ERROR(disk_.Replace(options_.data / kRestoreMark, {}));
-    ENAMEL_RETURN_IF_ERROR(CopyFiles(*manifest));
+    ENAMEL_RETURN_IF_ERROR(CopyFiles(manifest));
     ENAMEL_RETURN_IF_ERROR(TakeKeys());
     ENAMEL_RETURN_IF_ERROR(disk_.SyncAll(options_.data));
     ENAMEL_RETURN_IF_ERROR(EndSessions());
     ENAMEL_RETURN_IF_ERROR(EraseAgain());
-    auto verified = Verify({options_.data, {}, options_.progress});
-    if (!verified.ok()) return verified.status();
-    report_.verified = std::move(verified).value();
+    ENAMEL_ASSIGN_OR_RETURN(auto verified, Verify({options_.data, {}, options_.progress}));
+    report_.verified = std::move(verified);
     ENAMEL_RETURN_IF_ERROR(disk_.Remove(options_.data / kRestoreMark));
     return report_;
   }
@@ -264,9 +254,8 @@ class Restorer {
 
   // Who was signed in then, and which codes were open, may have been ended since.
   Status EndSessions() {
-    auto db = Db::Open(options_.data / "enamel.db", Db::Mode::kReadWrite);
-    if (!db.ok()) return db.status();
-    return (*db)->Exec("DELETE FROM sessions; DELETE FROM enrol_codes WHERE used_ms IS NULL");
+    ENAMEL_ASSIGN_OR_RETURN(auto db, Db::Open(options_.data / "enamel.db", Db::Mode::kReadWrite));
+    return db->Exec("DELETE FROM sessions; DELETE FROM enrol_codes WHERE used_ms IS NULL");
   }
 
   // Opening does it: what the key ring says is erased is erased.
@@ -276,24 +265,20 @@ class Restorer {
     open.hold_lock = true;
     open.restoring = true;
     open.disk = options_.disk;
-    auto before = CountPeople();
-    if (!before.ok()) return before.status();
-    auto store = OpenSqliteStore(open);
-    if (!store.ok()) return store.status();
-    auto people = (*store)->People();
-    if (!people.ok()) return people.status();
-    report_.erased_again = *before - people->size();
+    ENAMEL_ASSIGN_OR_RETURN(auto before, CountPeople());
+    ENAMEL_ASSIGN_OR_RETURN(auto store, OpenSqliteStore(open));
+    ENAMEL_ASSIGN_OR_RETURN(auto people, store->People());
+    report_.erased_again = before - people.size();
     // What fails is in the log, and the server finishes it.
-    (void)(*store)->FinishErasures();
-    return (*store)->NoteAudit(Actor{{}, "command line"}, "store.restore", "",
-                               JsonOf({{"backup_of_ms", std::to_string(report_.created_ms)},
-                                       {"erased_again", std::to_string(report_.erased_again)}}));
+    (void)(store)->FinishErasures();
+    return store->NoteAudit(Actor{{}, "command line"}, "store.restore", "",
+                            JsonOf({{"backup_of_ms", std::to_string(report_.created_ms)},
+                                    {"erased_again", std::to_string(report_.erased_again)}}));
   }
 
   Result<size_t> CountPeople() const {
-    auto db = Db::Open(options_.data / "enamel.db", Db::Mode::kReadOnly);
-    if (!db.ok()) return db.status();
-    Query q(**db, "SELECT count(*) FROM people WHERE tenant = ?1");
+    ENAMEL_ASSIGN_OR_RETURN(auto db, Db::Open(options_.data / "enamel.db", Db::Mode::kReadOnly));
+    Query q(*db, "SELECT count(*) FROM people WHERE tenant = ?1");
     size_t count = q.Next() ? static_cast<size_t>(q.Int(0)) : 0;
     if (!q.status().ok()) return q.status();
     return count;

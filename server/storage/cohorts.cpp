@@ -97,15 +97,14 @@ Result<Cohort> SqliteStore::EditCohort(const Uuid& id, const CohortEdit& edit, i
                                        const Actor& by) {
   Cohort after;
   Status status = Write([&](Db& db) -> Status {
-    auto before = FindCohort(db, id);
-    if (!before.ok()) return before.status();
-    ENAMEL_RETURN_IF_ERROR(MustBeNewest(before->revision, revision));
-    after = *before;
+    ENAMEL_ASSIGN_OR_RETURN(auto before, FindCohort(db, id));
+    ENAMEL_RETURN_IF_ERROR(MustBeNewest(before.revision, revision));
+    after = before;
     if (edit.name) after.name = *edit.name;
-    if (edit.archived && *edit.archived != (before->archived_ms != 0)) {
+    if (edit.archived && *edit.archived != (before.archived_ms != 0)) {
       after.archived_ms = *edit.archived ? NowMs() : 0;
     }
-    return UpdateCohort(db, *before, after, by);
+    return UpdateCohort(db, before, after, by);
   });
   if (!status.ok()) return status;
   return after;

@@ -65,18 +65,17 @@ Result<std::set<Sha256>> NamedBlobs(Db& db) {
     return q.status();
   };
   // A backup that is verified may have an older schema.
-  auto schema = SchemaVersion(db);
-  if (!schema.ok()) return schema.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto schema, SchemaVersion(db));
   std::string sql =
       "SELECT content FROM profiles WHERE tenant = ?1 UNION SELECT content FROM scenes "
       "WHERE tenant = ?1 UNION SELECT volume FROM scenes WHERE tenant = ?1 UNION "
       "SELECT content FROM exercises WHERE tenant = ?1";
-  if (*schema >= 3) {
+  if (schema >= 3) {
     sql +=
         " UNION SELECT surface FROM scenes WHERE tenant = ?1 UNION SELECT score_json FROM "
         "attempt_results WHERE tenant = ?1";
   }
-  if (*schema >= 4) {
+  if (schema >= 4) {
     sql +=
         " UNION SELECT content FROM profile_versions WHERE tenant = ?1 UNION SELECT content FROM "
         "profile_reports WHERE tenant = ?1";
@@ -123,13 +122,11 @@ Status DeleteAttempts(Db& db, const std::vector<Uuid>& attempts, std::set<Sha256
 
 Status DeletePerson(Db& db, const Uuid& person, const Tombstone& tombstone, const Actor& by,
                     ErasureReport& report, std::set<Sha256>& blobs) {
-  auto attempts = AttemptsOf(db, person);
-  if (!attempts.ok()) return attempts.status();
-  auto references = ReferencesBy(db, person);
-  if (!references.ok()) return references.status();
-  report.attempts += attempts->size();
-  report.references += references->size();
-  ENAMEL_RETURN_IF_ERROR(DeleteAttempts(db, *attempts, blobs));
+  ENAMEL_ASSIGN_OR_RETURN(auto attempts, AttemptsOf(db, person));
+  ENAMEL_ASSIGN_OR_RETURN(auto references, ReferencesBy(db, person));
+  report.attempts += attempts.size();
+  report.references += references.size();
+  ENAMEL_RETURN_IF_ERROR(DeleteAttempts(db, attempts, blobs));
   for (const char* sql : {"DELETE FROM sessions WHERE tenant = ?1 AND person = ?2",
                           "DELETE FROM cohort_members WHERE tenant = ?1 AND person = ?2",
                           "DELETE FROM people WHERE tenant = ?1 AND id = ?2"}) {
@@ -141,7 +138,7 @@ Status DeletePerson(Db& db, const Uuid& person, const Tombstone& tombstone, cons
           "ON CONFLICT DO NOTHING");
   ENAMEL_RETURN_IF_ERROR(q.Bind(tombstone.person).Bind(tombstone.erased_ms).Run());
   return WriteAudit(db, by, "person.erase", tombstone.person.Hex(),
-                    JsonOf({{"attempts", std::to_string(attempts->size())}}), "{}");
+                    JsonOf({{"attempts", std::to_string(attempts.size())}}), "{}");
 }
 
 Result<std::vector<Tombstone>> ErasuresIn(Db& db) {
@@ -154,8 +151,7 @@ Result<std::vector<Tombstone>> ErasuresIn(Db& db) {
 
 Result<ErasureReport> SqliteStore::ErasePerson(const Uuid& person, bool with_references,
                                                const Actor& by) {
-  auto found = PersonById(person);
-  if (!found.ok()) return found.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto found, PersonById(person));
   auto references = Read([&](Db& db) { return ReferencesBy(db, person); });
   if (!references.ok()) return references.status();
   if (!references->empty() && !with_references) {
@@ -168,7 +164,7 @@ Result<ErasureReport> SqliteStore::ErasePerson(const Uuid& person, bool with_ref
   auto alone = TakeUpkeep();
   if (!alone.ok()) return alone.status();
   ENAMEL_RETURN_IF_ERROR(Read([&](Db& db) -> Result<bool> {
-                           Status others = MustNotBeTheOnlyAdmin(db, *found);
+                           Status others = MustNotBeTheOnlyAdmin(db, found);
                            if (!others.ok()) return others;
                            return true;
                          }).status());
@@ -182,9 +178,8 @@ Result<ErasureReport> SqliteStore::ErasePerson(const Uuid& person, bool with_ref
     return WithOverwriting(db,
                            [&] { return DeletePerson(db, person, tombstone, by, report, blobs); });
   }));
-  auto removed = RemoveUnnamed(blobs);
-  if (!removed.ok()) return removed.status();
-  report.blobs = *removed;
+  ENAMEL_ASSIGN_OR_RETURN(auto removed, RemoveUnnamed(blobs));
+  report.blobs = removed;
   report.finished = LeaveNothingFreed().ok();
   return report;
 }
@@ -196,11 +191,10 @@ Status SqliteStore::Reconcile() {
   auto recorded = Read([](Db& db) { return ErasuresIn(db); });
   if (!recorded.ok()) return recorded.status();
   if (!recorded->empty()) ENAMEL_RETURN_IF_ERROR(keyring_.Bury(*recorded));
-  auto gone = keyring_.Gone();
-  if (!gone.ok()) return gone.status();
-  if (gone->empty()) return Status::Ok();
+  ENAMEL_ASSIGN_OR_RETURN(auto gone, keyring_.Gone());
+  if (gone.empty()) return Status::Ok();
   std::map<Sha256, Tombstone> tombstones;
-  for (const Tombstone& tombstone : *gone) tombstones[tombstone.person] = tombstone;
+  for (const Tombstone& tombstone : gone) tombstones[tombstone.person] = tombstone;
   auto people = Read([](Db& db) { return PeopleIn(db); });
   if (!people.ok()) return people.status();
   std::set<Sha256> blobs;

@@ -28,9 +28,9 @@ Result<std::optional<ExerciseRow>> MaybeExercise(Query& q) {
 }
 
 Result<ExerciseRow> OneExercise(Query& q, const std::string& what) {
-  auto found = MaybeExercise(q);
-  if (!found.ok()) return found.status();
-  if (*found) return **found;
+  ENAMEL_ASSIGN_OR_RETURN(auto found, MaybeExercise(q));
+  if found
+    return *found;
   return Status(Code::kNotFound, "no exercise " + what);
 }
 
@@ -162,17 +162,16 @@ Status MustBeRevision(int32_t stored, int32_t expected) {
 Result<ExerciseRow> SqliteStore::PublishExercise(ExerciseRow row, const Uuid& cohort,
                                                  const Actor& by) {
   Status status = Write([&](Db& db) -> Status {
-    auto newest = NewestVersion(db, row.name);
-    if (!newest.ok()) return newest.status();
+    ENAMEL_ASSIGN_OR_RETURN(auto newest, NewestVersion(db, row.name));
     ENAMEL_RETURN_IF_ERROR(AssignOnce(db, row.name, cohort));
-    if (*newest && (*newest)->content == row.content) {
-      row = **newest;
+    if (newest && newest->content == row.content) {
+      row = *newest;
       return OfferAgain(db, row, by);
     }
     ENAMEL_RETURN_IF_ERROR(NoExamMustBeOpen(db, row.name));
     ENAMEL_RETURN_IF_ERROR(SceneMustExist(db, row));
     row.id = Uuid::New();
-    row.version = *newest ? (*newest)->version + 1 : 1;
+    row.version = newest ? newest->version + 1 : 1;
     row.published_ms = NowMs();
     row.state = ExerciseState::kPublished;
     ENAMEL_RETURN_IF_ERROR(InsertExercise(db, row));
@@ -202,10 +201,9 @@ Result<ExerciseRow> SqliteStore::PutDraft(const ExerciseRow& draft, const Actor&
 Result<ExerciseRow> SqliteStore::ReplaceDraft(const ExerciseRow& draft, const Actor& by) {
   ExerciseRow row;
   Status status = Write([&](Db& db) -> Status {
-    auto found = FindDraft(db, draft.id, draft.revision);
-    if (!found.ok()) return found.status();
+    ENAMEL_ASSIGN_OR_RETURN(auto found, FindDraft(db, draft.id, draft.revision));
     ENAMEL_RETURN_IF_ERROR(SceneMustExist(db, draft));
-    Json before = VersionJson(*found);
+    Json before = VersionJson(found);
     row = draft;
     row.version = 0;
     row.state = ExerciseState::kDraft;
@@ -226,30 +224,26 @@ Result<ExerciseRow> SqliteStore::ReplaceDraft(const ExerciseRow& draft, const Ac
 
 Status SqliteStore::DeleteDraft(const Uuid& id, int32_t revision, const Actor& by) {
   return Write([&](Db& db) -> Status {
-    auto row = FindDraft(db, id, revision);
-    if (!row.ok()) return row.status();
+    ENAMEL_ASSIGN_OR_RETURN(auto row, FindDraft(db, id, revision));
     Query q(db, "DELETE FROM exercises WHERE tenant = ?1 AND id = ?2");
     ENAMEL_RETURN_IF_ERROR(q.Bind(id).Run());
-    return WriteAudit(db, by, "exercise.discard", id.Text(), VersionJson(*row), "{}");
+    return WriteAudit(db, by, "exercise.discard", id.Text(), VersionJson(row), "{}");
   });
 }
 
 Result<ExerciseRow> SqliteStore::PublishDraft(const Uuid& id, int32_t revision, const Actor& by) {
   ExerciseRow row;
   Status status = Write([&](Db& db) -> Status {
-    auto found = FindDraft(db, id, revision);
-    if (!found.ok()) return found.status();
-    row = *found;
-    auto newest = NewestVersion(db, row.name);
-    if (!newest.ok()) return newest.status();
-    if (*newest && (*newest)->content == row.content &&
-        (*newest)->state == ExerciseState::kPublished) {
+    ENAMEL_ASSIGN_OR_RETURN(auto found, FindDraft(db, id, revision));
+    row = found;
+    ENAMEL_ASSIGN_OR_RETURN(auto newest, NewestVersion(db, row.name));
+    if (newest && newest->content == row.content && newest->state == ExerciseState::kPublished) {
       return Status(Code::kConflict, "the draft says what version " +
-                                         std::to_string((*newest)->version) + " of \"" + row.name +
+                                         std::to_string(newest->version) + " of \"" + row.name +
                                          "\" says; change it first, or discard it");
     }
     ENAMEL_RETURN_IF_ERROR(NoExamMustBeOpen(db, row.name));
-    row.version = *newest ? (*newest)->version + 1 : 1;
+    row.version = newest ? newest->version + 1 : 1;
     row.state = ExerciseState::kPublished;
     row.published_ms = NowMs();
     ++row.revision;
@@ -258,7 +252,7 @@ Result<ExerciseRow> SqliteStore::PublishDraft(const Uuid& id, int32_t revision, 
             "WHERE tenant = ?1 AND id = ?2");
     q.Bind(id).Bind(int64_t{row.version}).Bind(row.published_ms).Bind(int64_t{row.revision});
     ENAMEL_RETURN_IF_ERROR(q.Run());
-    return WriteAudit(db, by, "exercise.publish", id.Text(), VersionJson(*found), VersionJson(row));
+    return WriteAudit(db, by, "exercise.publish", id.Text(), VersionJson(found), VersionJson(row));
   });
   if (!status.ok()) return status;
   return row;
@@ -266,18 +260,17 @@ Result<ExerciseRow> SqliteStore::PublishDraft(const Uuid& id, int32_t revision, 
 
 Status SqliteStore::RetireExercise(const Uuid& id, const Actor& by) {
   return Write([&](Db& db) -> Status {
-    auto row = FindExercise(db, id);
-    if (!row.ok()) return row.status();
-    ENAMEL_RETURN_IF_ERROR(NoExamMustBeOpen(db, row->name));
+    ENAMEL_ASSIGN_OR_RETURN(auto row, FindExercise(db, id));
+    ENAMEL_RETURN_IF_ERROR(NoExamMustBeOpen(db, row.name));
     Query q(db,
             "UPDATE exercises SET state = 3, revision = revision + 1 WHERE tenant = ?1 AND name = "
             "?2 AND state = 2");
-    ENAMEL_RETURN_IF_ERROR(q.Bind(row->name).Run());
+    ENAMEL_RETURN_IF_ERROR(q.Bind(row.name).Run());
     if (db.Changes() == 0) {
-      return Status(Code::kConflict, "no version of \"" + row->name + "\" is published");
+      return Status(Code::kConflict, "no version of \"" + row.name + "\" is published");
     }
-    return WriteAudit(db, by, "exercise.retire", id.Text(), VersionJson(*row),
-                      JsonOf({{"name", row->name}, {"state", "retired"}}));
+    return WriteAudit(db, by, "exercise.retire", id.Text(), VersionJson(row),
+                      JsonOf({{"name", row.name}, {"state", "retired"}}));
   });
 }
 

@@ -71,10 +71,9 @@ Result<std::optional<JobRow>> NextJob(Db& db, UnixMs now_ms) {
 
 Status TakeJob(Db& db, UnixMs now_ms, UnixMs lease_ms, std::optional<JobRow>& taken) {
   for (;;) {
-    auto next = NextJob(db, now_ms);
-    if (!next.ok()) return next.status();
-    if (!*next) return Status::Ok();
-    JobRow job = **next;
+    ENAMEL_ASSIGN_OR_RETURN(auto next, NextJob(db, now_ms));
+    if (!next) return Status::Ok();
+    JobRow job = *next;
     if (job.tries >= kMaxTries) {
       ENAMEL_RETURN_IF_ERROR(GiveUp(db, job,
                                     "the worker died " + std::to_string(kMaxTries) +
@@ -141,24 +140,22 @@ Result<std::optional<JobRow>> SqliteStore::LeaseJob(UnixMs now_ms, UnixMs lease_
 
 Status SqliteStore::FinishJob(const Uuid& job, bool ok, const std::string& error) {
   return Write([&](Db& db) -> Status {
-    auto row = FindJob(db, job);
-    if (!row.ok()) return row.status();
-    if (row->state != "running") return Status::Ok();
-    if (!ok && row->tries >= kMaxTries) return GiveUp(db, *row, error);
-    row->error = error;
-    if (!ok) return Requeue(db, *row);
-    row->state = "done";
-    return SetJob(db, *row, 0);
+    ENAMEL_ASSIGN_OR_RETURN(auto row, FindJob(db, job));
+    if (row.state != "running") return Status::Ok();
+    if (!ok && row.tries >= kMaxTries) return GiveUp(db, row, error);
+    row.error = error;
+    if (!ok) return Requeue(db, row);
+    row.state = "done";
+    return SetJob(db, row, 0);
   });
 }
 
 Status SqliteStore::ReturnJob(const Uuid& job) {
   return Write([&](Db& db) -> Status {
-    auto row = FindJob(db, job);
-    if (!row.ok()) return row.status();
-    if (row->state != "running") return Status::Ok();
-    if (row->tries > 0) --row->tries;
-    return Requeue(db, *row);
+    ENAMEL_ASSIGN_OR_RETURN(auto row, FindJob(db, job));
+    if (row.state != "running") return Status::Ok();
+    if (row.tries > 0) --row.tries;
+    return Requeue(db, row);
   });
 }
 
@@ -190,18 +187,17 @@ Result<std::vector<JobRow>> SqliteStore::Jobs(const std::string& state) {
 
 Status SqliteStore::CancelJob(const Uuid& job, const Actor& by) {
   return Write([&](Db& db) -> Status {
-    auto row = FindJob(db, job);
-    if (!row.ok()) return row.status();
-    if (row->state != "queued" && row->state != "running") {
+    ENAMEL_ASSIGN_OR_RETURN(auto row, FindJob(db, job));
+    if (row.state != "queued" && row.state != "running") {
       return Status(Code::kConflict,
-                    "job " + job.Text() + " is " + row->state + "; there is nothing to cancel");
+                    "job " + job.Text() + " is " + row.state + "; there is nothing to cancel");
     }
-    Json before = JsonOf({{"state", row->state}});
-    row->state = "cancelled";
-    ENAMEL_RETURN_IF_ERROR(SetJob(db, *row, 0));
-    ENAMEL_RETURN_IF_ERROR(EndRun(db, row->attempt, AttemptState::kSealed, ""));
-    return WriteAudit(db, by, "job.cancel", row->attempt.Text(), before,
-                      JsonOf({{"state", row->state}}));
+    Json before = JsonOf({{"state", row.state}});
+    row.state = "cancelled";
+    ENAMEL_RETURN_IF_ERROR(SetJob(db, row, 0));
+    ENAMEL_RETURN_IF_ERROR(EndRun(db, row.attempt, AttemptState::kSealed, ""));
+    return WriteAudit(db, by, "job.cancel", row.attempt.Text(), before,
+                      JsonOf({{"state", row.state}}));
   });
 }
 

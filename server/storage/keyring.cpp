@@ -176,19 +176,17 @@ Status Keyring::Bury(const std::vector<Tombstone>& tombstones) {
     ENAMEL_RETURN_IF_ERROR(Mark(tombstone));
     gone.insert(tombstone.person);
   }
-  auto people = People();
-  if (!people.ok()) return people.status();
-  for (const Uuid& person : *people) {
+  ENAMEL_ASSIGN_OR_RETURN(auto people, People());
+  for (const Uuid& person : people) {
     if (gone.contains(TombstoneOf(person))) ENAMEL_RETURN_IF_ERROR(disk_.Shred(KeyPath(person)));
   }
   return Status::Ok();
 }
 
 Result<std::vector<Uuid>> Keyring::People() const {
-  auto files = FilesOf(folder_);
-  if (!files.ok()) return files.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto files, FilesOf(folder_));
   std::vector<Uuid> out;
-  for (const fs::path& file : *files) {
+  for (const fs::path& file : files) {
     if (IsLeftover(file)) continue;
     auto id = Uuid::Parse(file.stem().string());
     if (file.extension() != ".key" || !id.ok()) return NotOurs(file);
@@ -198,15 +196,13 @@ Result<std::vector<Uuid>> Keyring::People() const {
 }
 
 Result<std::vector<Tombstone>> Keyring::Gone() const {
-  auto files = FilesOf(folder_ / "gone");
-  if (!files.ok()) return files.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto files, FilesOf(folder_ / "gone"));
   std::vector<Tombstone> out;
-  for (const fs::path& file : *files) {
+  for (const fs::path& file : files) {
     if (IsLeftover(file)) continue;
     auto person = Sha256::FromHex(file.filename().string());
-    auto text = ReadFile(file, 64);
-    if (!text.ok()) return text.status();
-    std::string_view digits = AsText(*text);
+    ENAMEL_ASSIGN_OR_RETURN(auto text, ReadFile(file, 64));
+    std::string_view digits = AsText(text);
     Tombstone tombstone;
     auto [end, bad] =
         std::from_chars(digits.data(), digits.data() + digits.size(), tombstone.erased_ms);
@@ -219,31 +215,26 @@ Result<std::vector<Tombstone>> Keyring::Gone() const {
 
 Status Keyring::Join(const Keyring& other) {
   ENAMEL_RETURN_IF_ERROR(disk_.MakeFolder(folder_));
-  auto gone = other.Gone();
-  if (!gone.ok()) return gone.status();
-  ENAMEL_RETURN_IF_ERROR(Bury(*gone));
-  auto theirs = other.People(), mine = People();
-  if (!theirs.ok()) return theirs.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto gone, other.Gone());
+  ENAMEL_RETURN_IF_ERROR(Bury(gone));
+  ENAMEL_ASSIGN_OR_RETURN(auto theirs, other.People(), mine = People());
   if (!mine.ok()) return mine.status();
-  for (const Uuid& person : *theirs) {
+  for (const Uuid& person : theirs) {
     if (std::ranges::binary_search(*mine, person)) continue;
-    auto key = other.Read(person);
-    if (!key.ok()) return key.status();
-    ENAMEL_RETURN_IF_ERROR(disk_.Replace(KeyPath(person), key->view()));
+    ENAMEL_ASSIGN_OR_RETURN(auto key, other.Read(person));
+    ENAMEL_RETURN_IF_ERROR(disk_.Replace(KeyPath(person), key.view()));
   }
   // Those that only this ring knows as erased may have come with the other's keys.
-  auto all = Gone();
-  if (!all.ok()) return all.status();
-  return Bury(*all);
+  ENAMEL_ASSIGN_OR_RETURN(auto all, Gone());
+  return Bury(all);
 }
 
 Status Keyring::MirrorFrom(const Keyring& other) {
   ENAMEL_RETURN_IF_ERROR(Join(other));
-  auto theirs = other.People(), mine = People();
-  if (!theirs.ok()) return theirs.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto theirs, other.People(), mine = People());
   if (!mine.ok()) return mine.status();
   for (const Uuid& person : *mine) {
-    if (!std::ranges::binary_search(*theirs, person))
+    if (!std::ranges::binary_search(theirs, person))
       ENAMEL_RETURN_IF_ERROR(disk_.Shred(KeyPath(person)));
   }
   return Status::Ok();

@@ -88,12 +88,11 @@ Status ReadFiles(const json::object& root, Manifest& out) {
   const json::value* files = root.if_contains("files");
   if (files == nullptr || !files->is_array()) return Bad("files", "an array");
   for (const json::value& value : files->as_array()) {
-    auto file = FileOf(value);
-    if (!file.ok()) return file.status();
-    if (!out.files.empty() && out.files.back().path >= file->path) {
+    ENAMEL_ASSIGN_OR_RETURN(auto file, FileOf(value));
+    if (!out.files.empty() && out.files.back().path >= file.path) {
       return Bad("files", "paths in order, each once,");
     }
-    out.files.push_back(std::move(file).value());
+    out.files.push_back(std::move(file));
   }
   return Status::Ok();
 }

@@ -16,28 +16,25 @@ Result<int64_t> Pragma(Db& db, const char* sql) {
 }  // namespace
 
 Result<int> SchemaVersion(Db& db) {
-  auto version = Pragma(db, "PRAGMA user_version");
-  if (!version.ok()) return version.status();
-  auto application = Pragma(db, "PRAGMA application_id");
-  if (!application.ok()) return application.status();
-  if (*version != 0 && *application != kApplicationId) {
+  ENAMEL_ASSIGN_OR_RETURN(auto version, Pragma(db, "PRAGMA user_version"));
+  ENAMEL_ASSIGN_OR_RETURN(auto application, Pragma(db, "PRAGMA application_id"));
+  if (version != 0 && application != kApplicationId) {
     return Status(Code::kVersion,
                   db.path() + " is a database of another program; name another data folder");
   }
   int latest = static_cast<int>(Migrations().size());
-  if (*version > latest) {
+  if (version > latest) {
     return Status(Code::kVersion,
-                  db.path() + " has schema version " + std::to_string(*version) +
+                  db.path() + " has schema version " + std::to_string(version) +
                       ", this enamel-server knows up to " + std::to_string(latest) +
                       "; run the newer enamel-server that made it, or restore a backup");
   }
-  return static_cast<int>(*version);
+  return static_cast<int>(version);
 }
 
 Status Migrate(Db& db) {
-  auto version = SchemaVersion(db);
-  if (!version.ok()) return version.status();
-  for (size_t next = static_cast<size_t>(*version); next < Migrations().size(); ++next) {
+  ENAMEL_ASSIGN_OR_RETURN(auto version, SchemaVersion(db));
+  for (size_t next = static_cast<size_t>(version); next < Migrations().size(); ++next) {
     const Migration& migration = Migrations()[next];
     std::string sql = "BEGIN IMMEDIATE;\n" + migration.sql +
                       "\nPRAGMA application_id = " + std::to_string(kApplicationId) +

@@ -182,11 +182,10 @@ Status SqliteStore::SetPassword(const Uuid& person, const std::string& verifier,
 
 Status SqliteStore::SetDisabled(const Uuid& person, bool disabled, const Actor& by) {
   return Write([&](Db& db) -> Status {
-    auto before = FindPerson(db, person);
-    if (!before.ok()) return before.status();
-    Person after = *before;
+    ENAMEL_ASSIGN_OR_RETURN(auto before, FindPerson(db, person));
+    Person after = before;
     after.disabled = disabled;
-    return UpdatePerson(db, *before, after, disabled ? "person.disable" : "person.enable", by);
+    return UpdatePerson(db, before, after, disabled ? "person.disable" : "person.enable", by);
   });
 }
 
@@ -194,14 +193,13 @@ Result<Person> SqliteStore::EditPerson(const Uuid& id, const PersonEdit& edit, i
                                        const Actor& by) {
   Person after;
   Status status = Write([&](Db& db) -> Status {
-    auto before = FindPerson(db, id);
-    if (!before.ok()) return before.status();
-    ENAMEL_RETURN_IF_ERROR(MustBeNewest(before->revision, revision));
-    after = *before;
+    ENAMEL_ASSIGN_OR_RETURN(auto before, FindPerson(db, id));
+    ENAMEL_RETURN_IF_ERROR(MustBeNewest(before.revision, revision));
+    after = before;
     if (edit.display_name) after.display_name = *edit.display_name;
     if (edit.role) after.role = *edit.role;
     if (edit.disabled) after.disabled = *edit.disabled;
-    return UpdatePerson(db, *before, after, "person.edit", by);
+    return UpdatePerson(db, before, after, "person.edit", by);
   });
   if (!status.ok()) return status;
   return after;

@@ -36,15 +36,14 @@ Result<std::optional<ProfileRow>> Newest(Db& db, const std::string& name) {
   static const std::string kSql =
       std::string(kVersionSelect) + " AND name = ?2 ORDER BY version DESC LIMIT 1";
   Query q(db, kSql.c_str());
-  auto rows = ProfilesIn(q.Bind(name));
-  if (!rows.ok()) return rows.status();
-  return rows->empty() ? std::optional<ProfileRow>() : rows->front();
+  ENAMEL_ASSIGN_OR_RETURN(auto rows, ProfilesIn(q.Bind(name)));
+  return rows.empty() ? std::optional<ProfileRow>() : rows.front();
 }
 
 Result<ProfileRow> MustBeThere(Db& db, const std::string& name) {
-  auto found = Newest(db, name);
-  if (!found.ok()) return found.status();
-  if (*found) return **found;
+  ENAMEL_ASSIGN_OR_RETURN(auto found, Newest(db, name));
+  if found
+    return *found;
   return Status(Code::kNotFound, "no device profile named \"" + name + "\"; put the profile first",
                 "profile");
 }
@@ -68,18 +67,17 @@ Status InsertVersion(Db& db, const ProfileRow& row) {
 
 Status SqliteStore::PutProfile(const ProfileRow& row, const Actor& by) {
   return Write([&](Db& db) -> Status {
-    auto newest = Newest(db, row.name);
-    if (!newest.ok()) return newest.status();
-    if (*newest && (*newest)->content == row.content) return Status::Ok();
+    ENAMEL_ASSIGN_OR_RETURN(auto newest, Newest(db, row.name));
+    if (newest && newest->content == row.content) return Status::Ok();
     ProfileRow next = row;
-    next.version = *newest ? (*newest)->version + 1 : 1;
+    next.version = newest ? newest->version + 1 : 1;
     next.created_ms = NowMs();
     ENAMEL_RETURN_IF_ERROR(InsertVersion(db, next));
     auto json = [](const ProfileRow& profile) {
       return JsonOf(
           {{"version", std::to_string(profile.version)}, {"content", profile.content.Hex()}});
     };
-    return WriteAudit(db, by, "profile.put", row.name, *newest ? json(**newest) : "{}", json(next));
+    return WriteAudit(db, by, "profile.put", row.name, newest ? json(*newest) : "{}", json(next));
   });
 }
 
@@ -110,20 +108,19 @@ Result<ProfileReportRow> SqliteStore::AddProfileReport(const ProfileReportRow& r
   }
   ProfileReportRow added = row;
   Status status = Write([&](Db& db) -> Status {
-    auto profile = MustBeThere(db, row.profile);
-    if (!profile.ok()) return profile.status();
+    ENAMEL_ASSIGN_OR_RETURN(auto profile, MustBeThere(db, row.profile));
     {
       static const std::string kSql =
           std::string(kReportSelect) + " AND name = ?2 AND version = ?3 AND content = ?4";
       Query q(db, kSql.c_str());
-      if (q.Bind(row.profile).Bind(int64_t{profile->version}).Bind(row.content).Next()) {
+      if (q.Bind(row.profile).Bind(int64_t{profile.version}).Bind(row.content).Next()) {
         added = ReportOf(q);
         return Status::Ok();
       }
       ENAMEL_RETURN_IF_ERROR(q.status());
     }
     added.id = Uuid::New();
-    added.version = profile->version;
+    added.version = profile.version;
     added.created_ms = NowMs();
     Query q(db,
             "INSERT INTO profile_reports (tenant, id, name, version, media_type, content, bytes, "

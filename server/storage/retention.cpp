@@ -65,10 +65,9 @@ std::vector<Uuid>& ListOf(RetentionReport& report, const std::string& what) {
 }
 
 Status FindDue(Db& db, UnixMs now_ms, RetentionReport& report) {
-  auto rules = RulesIn(db);
-  if (!rules.ok()) return rules.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto rules, RulesIn(db));
   std::set<Uuid> held;
-  for (const RetentionRule& row : *rules) {
+  for (const RetentionRule& row : rules) {
     const Rule* rule = FindRule(row.what);
     ENAMEL_CHECK(rule != nullptr);
     std::string sql =
@@ -156,10 +155,9 @@ Status SqliteStore::SetRetention(const RetentionRule& rule, const Actor& by) {
                   "days");
   }
   return Write([&](Db& db) -> Status {
-    auto rules = RulesIn(db);
-    if (!rules.ok()) return rules.status();
-    auto old = std::ranges::find(*rules, rule.what, &RetentionRule::what);
-    int32_t before = old == rules->end() ? 0 : old->days;
+    ENAMEL_ASSIGN_OR_RETURN(auto rules, RulesIn(db));
+    auto old = std::ranges::find(rules, rule.what, &RetentionRule::what);
+    int32_t before = old == rules.end() ? 0 : old->days;
     if (before == rule.days) return Status::Ok();
     {
       Query q(db, "DELETE FROM retention_rules WHERE tenant = ?1 AND what = ?2");
@@ -192,11 +190,9 @@ Result<RetentionReport> SqliteStore::ApplyRetention(UnixMs now_ms, bool dry_run,
     ENAMEL_RETURN_IF_ERROR(
         Write([&](Db& db) -> Status { return Remove(db, now_ms, by, report, blobs); }));
   }
-  auto removed = RemoveUnnamed(blobs);
-  if (!removed.ok()) return removed.status();
-  auto swept = SweepUnnamed(kUnnamedFor);
-  if (!swept.ok()) return swept.status();
-  report.blobs = *removed + *swept;
+  ENAMEL_ASSIGN_OR_RETURN(auto removed, RemoveUnnamed(blobs));
+  ENAMEL_ASSIGN_OR_RETURN(auto swept, SweepUnnamed(kUnnamedFor));
+  report.blobs = removed + swept;
   // Last, for what the rules remove makes room; what fails is in the log and left for the next
   // time.
   (void)LeaveNothingFreed();

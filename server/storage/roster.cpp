@@ -60,9 +60,8 @@ Status CarryOut(Db& db, const RosterPlan& plan, const RosterFacts& facts, const 
   std::map<std::string, Uuid> cohorts;
   for (const auto& [name, cohort] : facts.cohorts) cohorts[name] = cohort.id;
   for (const std::string& name : plan.new_cohorts) {
-    auto id = InsertCohort(db, name, by);
-    if (!id.ok()) return id.status();
-    cohorts[name] = *id;
+    ENAMEL_ASSIGN_OR_RETURN(auto id, InsertCohort(db, name, by));
+    cohorts[name] = id;
   }
   for (const RosterStep& step : plan.steps) {
     ENAMEL_RETURN_IF_ERROR(CarryOut(db, step, cohorts, by));

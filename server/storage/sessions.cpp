@@ -97,11 +97,10 @@ Status SqliteStore::EndSession(const Sha256& token_hash) {
 
 Status SqliteStore::EndSessionById(const Uuid& id, const Actor& by) {
   return Write([&](Db& db) -> Status {
-    auto session = FindSessionById(db, id);
-    if (!session.ok()) return session.status();
+    ENAMEL_ASSIGN_OR_RETURN(auto session, FindSessionById(db, id));
     ENAMEL_RETURN_IF_ERROR(
         Query(db, "DELETE FROM sessions WHERE tenant = ?1 AND id = ?2").Bind(id).Run());
-    return WriteAudit(db, by, "session.end", session->person.Text(), "{}", "{}");
+    return WriteAudit(db, by, "session.end", session.person.Text(), "{}", "{}");
   });
 }
 

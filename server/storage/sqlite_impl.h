@@ -224,9 +224,8 @@ class SqliteStore final : public Store {
   // `read` is called as Result<T>(Db&) on a connection of the pool.
   template <typename F>
   auto Read(const F& read) -> std::invoke_result_t<F, Db&> {
-    auto db = readers_.Take();
-    if (!db.ok()) return db.status();
-    Readers::Lease lease(readers_, std::move(db).value());
+    ENAMEL_ASSIGN_OR_RETURN(auto db, readers_.Take());
+    Readers::Lease lease(readers_, std::move(db));
     auto result = read(lease.db());
     if (lease.db().damaged()) damaged_ = true;
     return result;

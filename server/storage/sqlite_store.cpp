@@ -83,9 +83,8 @@ Result<Sha256> SqliteStore::PutBlob(ByteView data) {
 
 Result<Sha256> SqliteStore::PutAttemptBlob(const Uuid& attempt, ByteView data) {
   ENAMEL_RETURN_IF_ERROR(MayRecord());
-  auto key = KeyOf(attempt);
-  if (!key.ok()) return key.status();
-  return blobs_.Put(SealPersonal(key->person, key->key, attempt, data));
+  ENAMEL_ASSIGN_OR_RETURN(auto key, KeyOf(attempt));
+  return blobs_.Put(SealPersonal(key.person, key.key, attempt, data));
 }
 
 Result<Bytes> SqliteStore::GetBlob(const Sha256& hash) {
@@ -103,16 +102,14 @@ Result<SqliteStore::PersonKey> SqliteStore::KeyOf(const Uuid& attempt) {
     if (known != person_of_.end()) person = known->second;
   }
   if (person.IsZero()) {
-    auto row = AttemptById(attempt);
-    if (!row.ok()) return row.status();
-    person = row->person;
+    ENAMEL_ASSIGN_OR_RETURN(auto row, AttemptById(attempt));
+    person = row.person;
     std::lock_guard lock(people_mutex_);
     if (person_of_.size() >= kMaxRemembered) person_of_.clear();
     person_of_[name] = person;
   }
-  auto key = keyring_.FindOrMake(person);
-  if (!key.ok()) return key.status();
-  return PersonKey{person, *key};
+  ENAMEL_ASSIGN_OR_RETURN(auto key, keyring_.FindOrMake(person));
+  return PersonKey{person, key};
 }
 
 Status SqliteStore::MayRecord() {
@@ -171,9 +168,8 @@ Status SqliteStore::TryWrite() {
 Status SqliteStore::MarkForRewrite() { return WriteFileDurably(folder_ / kRewriteMark, {}); }
 
 Result<SqliteStore::Upkeep> SqliteStore::TakeUpkeep() {
-  auto lock = TakeUpkeepLock(folder_, FolderLock::Mode::kExclusive);
-  if (!lock.ok()) return lock.status();
-  return Upkeep(std::move(lock).value(), upkeep_);
+  ENAMEL_ASSIGN_OR_RETURN(auto lock, TakeUpkeepLock(folder_, FolderLock::Mode::kExclusive));
+  return Upkeep(std::move(lock), upkeep_);
 }
 
 bool SqliteStore::OthersErase() const {
@@ -227,17 +223,15 @@ Status SqliteStore::FinishErasures() {
 }
 
 Result<size_t> SqliteStore::SweepUnnamed(std::chrono::seconds age) {
-  auto listing = blobs_.List();
-  if (!listing.ok()) return listing.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto listing, blobs_.List());
   // Read after the list: whatever is on it and was named meanwhile is not swept.
   auto named = Read([](Db& db) { return NamedBlobs(db); });
   if (!named.ok()) return named.status();
   size_t removed = 0;
-  for (const Sha256& blob : listing->blobs) {
+  for (const Sha256& blob : listing.blobs) {
     if (named->contains(blob)) continue;
-    auto gone = blobs_.RemoveIfOlder(blob, age);
-    if (!gone.ok()) return gone.status();
-    removed += *gone ? 1 : 0;
+    ENAMEL_ASSIGN_OR_RETURN(auto gone, blobs_.RemoveIfOlder(blob, age));
+    removed += gone ? 1 : 0;
   }
   return removed;
 }
@@ -280,13 +274,12 @@ Result<Uuid> NextAuditId(Db& db) {
 
 Status WriteAudit(Db& db, const Actor& by, const char* action, const std::string& object,
                   const Json& before, const Json& after) {
-  auto id = NextAuditId(db);
-  if (!id.ok()) return id.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto id, NextAuditId(db));
   Query q(
       db,
       "INSERT INTO audit (tenant, id, at_ms, actor, via, action, object, before_json, after_json) "
       "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)");
-  q.Bind(*id).Bind(NowMs()).Bind(by.person).Bind(by.via).Bind(std::string(action));
+  q.Bind(id).Bind(NowMs()).Bind(by.person).Bind(by.via).Bind(std::string(action));
   return q.Bind(object).Bind(before).Bind(after).Run();
 }
 
@@ -351,9 +344,8 @@ Result<std::unique_ptr<Store>> OpenSqliteStore(const SqliteOptions& options) {
       Db::Open(options.folder / "enamel.db", Db::Mode::kReadWrite, options.vfs, options.fail_next);
   if (!db.ok()) return db.status();
   (*db)->SetBusyWait(options.busy_wait);
-  auto version = SchemaVersion(**db);
-  if (!version.ok()) return version.status();
-  if (*version < LatestSchemaVersion()) {
+  ENAMEL_ASSIGN_OR_RETURN(auto version, SchemaVersion(**db));
+  if (version < LatestSchemaVersion()) {
     if (!lock) ENAMEL_RETURN_IF_ERROR(acquire());
     ENAMEL_RETURN_IF_ERROR(Migrate(**db));
   }

@@ -179,14 +179,13 @@ Result<StationRow> SqliteStore::RenameStation(const Uuid& id, const std::string&
 
 Status SqliteStore::RevokeStation(const Uuid& id, const Actor& by) {
   return Write([&](Db& db) -> Status {
-    auto station = FindStation(db, id);
-    if (!station.ok()) return station.status();
-    if (station->revoked) return Status::Ok();
+    ENAMEL_ASSIGN_OR_RETURN(auto station, FindStation(db, id));
+    if (station.revoked) return Status::Ok();
     Query q(db,
             "UPDATE stations SET revoked = 1, revoked_ms = ?3, revision = revision + 1 WHERE "
             "tenant = ?1 AND id = ?2");
     ENAMEL_RETURN_IF_ERROR(q.Bind(id).Bind(NowMs()).Run());
-    return WriteAudit(db, by, "station.revoke", id.Text(), JsonOf({{"name", station->name}}), "{}");
+    return WriteAudit(db, by, "station.revoke", id.Text(), JsonOf({{"name", station.name}}), "{}");
   });
 }
 

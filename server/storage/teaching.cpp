@@ -68,8 +68,7 @@ Result<AttemptRow> FindSeen(Db& db, const Uuid& attempt, std::optional<int32_t> 
 
 // Queues a run; the attempt must have its whole recording.
 Status QueueAgain(Db& db, const Uuid& attempt, const std::string& cause) {
-  auto row = FindAttempt(db, attempt);
-  if (!row.ok()) return row.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto row, FindAttempt(db, attempt));
   Query q(
       db,
       "SELECT trace_blob IS NOT NULL, EXISTS (SELECT 1 FROM jobs j WHERE j.tenant = ?1 AND "
@@ -79,15 +78,15 @@ Status QueueAgain(Db& db, const Uuid& attempt, const std::string& cause) {
   ENAMEL_RETURN_IF_ERROR(q.status());
   if (q.Int(0) == 0) {
     return Status(Code::kConflict,
-                  row->expired_ms != 0
+                  row.expired_ms != 0
                       ? "the recording was removed by a retention rule; it cannot be scored again"
-                      : std::string("the attempt is ") + AttemptStateName(row->state) +
+                      : std::string("the attempt is ") + AttemptStateName(row.state) +
                             "; only a sealed one can be scored");
   }
   if (q.Int(1) != 0) {
     return Status(Code::kConflict, "a scoring run of this attempt is waiting or under way already");
   }
-  if (row->state == AttemptState::kQuarantined) {
+  if (row.state == AttemptState::kQuarantined) {
     Query accept(db, "UPDATE attempts SET state = 3, problem = '' WHERE tenant = ?1 AND id = ?2");
     ENAMEL_RETURN_IF_ERROR(accept.Bind(attempt).Run());
   }
@@ -103,9 +102,8 @@ Status RaiseRevision(Db& db, const Uuid& attempt) {
 
 Status SetFlags(Db& db, const Uuid& attempt, uint32_t flags, const std::string& reason,
                 const Actor& by) {
-  auto row = FindAttempt(db, attempt);
-  if (!row.ok()) return row.status();
-  if ((row->flags & flags) == flags) return Status::Ok();
+  ENAMEL_ASSIGN_OR_RETURN(auto row, FindAttempt(db, attempt));
+  if ((row.flags & flags) == flags) return Status::Ok();
   Query q(db, "UPDATE attempts SET flags = flags | ?3 WHERE tenant = ?1 AND id = ?2");
   ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(int64_t{flags}).Run());
   ENAMEL_RETURN_IF_ERROR(RaiseRevision(db, attempt));
@@ -128,37 +126,34 @@ Status SetReleased(Db& db, const Uuid& attempt, bool released, const Actor& by) 
 Status SqliteStore::ReleaseAttempt(const Uuid& attempt, const Actor& by,
                                    std::optional<int32_t> revision) {
   return Write([&](Db& db) -> Status {
-    auto row = FindSeen(db, attempt, revision);
-    if (!row.ok()) return row.status();
-    if (row->state != AttemptState::kScored) {
+    ENAMEL_ASSIGN_OR_RETURN(auto row, FindSeen(db, attempt, revision));
+    if (row.state != AttemptState::kScored) {
       return Status(Code::kConflict, "attempt " + attempt.Text() + " is " +
-                                         AttemptStateName(row->state) +
+                                         AttemptStateName(row.state) +
                                          ", only a scored one can be released");
     }
-    return row->released ? Status::Ok() : SetReleased(db, attempt, true, by);
+    return row.released ? Status::Ok() : SetReleased(db, attempt, true, by);
   });
 }
 
 Status SqliteStore::WithdrawRelease(const Uuid& attempt, const Actor& by,
                                     std::optional<int32_t> revision) {
   return Write([&](Db& db) -> Status {
-    auto row = FindSeen(db, attempt, revision);
-    if (!row.ok()) return row.status();
-    return row->released ? SetReleased(db, attempt, false, by) : Status::Ok();
+    ENAMEL_ASSIGN_OR_RETURN(auto row, FindSeen(db, attempt, revision));
+    return row.released ? SetReleased(db, attempt, false, by) : Status::Ok();
   });
 }
 
 Status SqliteStore::OverrideScore(const Uuid& attempt, const std::optional<ScoreOverride>& score,
                                   const Actor& by, std::optional<int32_t> revision) {
   return Write([&](Db& db) -> Status {
-    auto row = FindSeen(db, attempt, revision);
-    if (!row.ok()) return row.status();
-    if (score && !row->score) {
+    ENAMEL_ASSIGN_OR_RETURN(auto row, FindSeen(db, attempt, revision));
+    if (score && !row.score) {
       return Status(Code::kConflict, "attempt " + attempt.Text() + " is " +
-                                         AttemptStateName(row->state) +
+                                         AttemptStateName(row.state) +
                                          " and has no score to override; wait for it");
     }
-    if (!score && !row->overridden) return Status::Ok();
+    if (!score && !row.overridden) return Status::Ok();
     {
       Query q(db,
               "UPDATE attempts SET override_score = ?3, override_reason = ?4, override_by = ?5, "
@@ -172,7 +167,7 @@ Status SqliteStore::OverrideScore(const Uuid& attempt, const std::optional<Score
       ENAMEL_RETURN_IF_ERROR(q.Run());
     }
     ENAMEL_RETURN_IF_ERROR(RaiseRevision(db, attempt));
-    return WriteAudit(db, by, "attempt.override", attempt.Text(), OverrideJson(row->overridden),
+    return WriteAudit(db, by, "attempt.override", attempt.Text(), OverrideJson(row.overridden),
                       OverrideJson(score));
   });
 }
@@ -189,11 +184,10 @@ Status SqliteStore::FlagAttempt(const Uuid& attempt, uint32_t flags, const std::
 Status SqliteStore::Rescore(const Uuid& attempt, const std::string& cause, const Actor& by) {
   ENAMEL_RETURN_IF_ERROR(AcceptCommitted(attempt, by));
   return Write([&](Db& db) -> Status {
-    auto row = FindAttempt(db, attempt);
-    if (!row.ok()) return row.status();
+    ENAMEL_ASSIGN_OR_RETURN(auto row, FindAttempt(db, attempt));
     ENAMEL_RETURN_IF_ERROR(QueueAgain(db, attempt, cause));
     return WriteAudit(db, by, "attempt.rescore", attempt.Text(),
-                      JsonOf({{"state", AttemptStateName(row->state)}, {"problem", row->problem}}),
+                      JsonOf({{"state", AttemptStateName(row.state)}, {"problem", row.problem}}),
                       JsonOf({{"cause", cause}}));
   });
 }
@@ -241,16 +235,15 @@ Result<AnnotationRow> SqliteStore::AddAnnotation(const AnnotationRow& annotation
 
 Result<AnnotationRow> SqliteStore::ReplaceAnnotation(const AnnotationRow& row, const Actor& by) {
   Status status = Write([&](Db& db) -> Status {
-    auto stored = FindAnnotation(db, row.id);
-    if (!stored.ok()) return stored.status();
-    ENAMEL_RETURN_IF_ERROR(MustBeRevision(stored->revision, row.revision));
+    ENAMEL_ASSIGN_OR_RETURN(auto stored, FindAnnotation(db, row.id));
+    ENAMEL_RETURN_IF_ERROR(MustBeRevision(stored.revision, row.revision));
     Query q(
         db,
         "UPDATE annotations SET tick = ?3, x_um = ?4, y_um = ?5, z_um = ?6, text = ?7, edited_ms "
         "= ?8, revision = revision + 1 WHERE tenant = ?1 AND id = ?2");
     BindRemark(q.Bind(row.id), row).Bind(NowMs());
     ENAMEL_RETURN_IF_ERROR(q.Run());
-    return WriteAudit(db, by, "annotation.edit", stored->attempt.Text(), RemarkJson(*stored),
+    return WriteAudit(db, by, "annotation.edit", stored.attempt.Text(), RemarkJson(stored),
                       RemarkJson(row));
   });
   if (!status.ok()) return status;
@@ -259,13 +252,11 @@ Result<AnnotationRow> SqliteStore::ReplaceAnnotation(const AnnotationRow& row, c
 
 Status SqliteStore::DeleteAnnotation(const Uuid& id, int32_t revision, const Actor& by) {
   return Write([&](Db& db) -> Status {
-    auto stored = FindAnnotation(db, id);
-    if (!stored.ok()) return stored.status();
-    ENAMEL_RETURN_IF_ERROR(MustBeRevision(stored->revision, revision));
+    ENAMEL_ASSIGN_OR_RETURN(auto stored, FindAnnotation(db, id));
+    ENAMEL_RETURN_IF_ERROR(MustBeRevision(stored.revision, revision));
     Query q(db, "DELETE FROM annotations WHERE tenant = ?1 AND id = ?2");
     ENAMEL_RETURN_IF_ERROR(q.Bind(id).Run());
-    return WriteAudit(db, by, "annotation.delete", stored->attempt.Text(), RemarkJson(*stored),
-                      "{}");
+    return WriteAudit(db, by, "annotation.delete", stored.attempt.Text(), RemarkJson(stored), "{}");
   });
 }
 
@@ -286,9 +277,8 @@ Result<std::vector<AnnotationRow>> SqliteStore::AnnotationsOf(const Uuid& attemp
 
 Status SqliteStore::FileAppeal(const Uuid& attempt, const std::string& text, const Actor& by) {
   return Write([&](Db& db) -> Status {
-    auto row = FindAttempt(db, attempt);
-    if (!row.ok()) return row.status();
-    if (!row->released) {
+    ENAMEL_ASSIGN_OR_RETURN(auto row, FindAttempt(db, attempt));
+    if (!row.released) {
       return Status(Code::kConflict,
                     "the score of attempt " + attempt.Text() +
                         " is not released; there is nothing to appeal against yet");

@@ -86,12 +86,11 @@ Status Quarantine(Db& db, const Uuid& attempt, const std::string& problem) {
 // A chunk of a number that is committed already, before the seal. After it: RepeatedAfterSeal.
 Status Repeated(Db& db, const Ingest& ingest, const Store::ChunkPut& chunk, ByteView sealed,
                 bool& keep_anyway) {
-  auto stored = StoredHash(db, chunk.attempt, chunk.head.seq);
-  if (!stored.ok()) return stored.status();
-  if (!*stored || **stored == chunk.hash) return Status::Ok();
+  ENAMEL_ASSIGN_OR_RETURN(auto stored, StoredHash(db, chunk.attempt, chunk.head.seq));
+  if (!stored || *stored == chunk.hash) return Status::Ok();
   std::string problem = "chunk " + std::to_string(chunk.head.seq) +
-                        " came twice with different content: " + (*stored)->Hex() +
-                        " is committed, " + chunk.hash.Hex() + " was refused";
+                        " came twice with different content: " + stored->Hex() + " is committed, " +
+                        chunk.hash.Hex() + " was refused";
   ENAMEL_RETURN_IF_ERROR(KeepEvidence(db, chunk, sealed));
   // Told once, however often it comes.
   if (ingest.state != AttemptState::kQuarantined) {
@@ -217,16 +216,14 @@ Result<Bytes> HeaderOf(Db& db, const Uuid& attempt) {
 Status SqliteStore::OpenAttempt(const Uuid& attempt, ByteView header) {
   ENAMEL_RETURN_IF_ERROR(MayRecord());
   return Write([&](Db& db) -> Status {
-    auto ingest = FindIngest(db, attempt);
-    if (!ingest.ok()) return ingest.status();
-    if (ingest->has_header) {
-      auto stored = HeaderOf(db, attempt);
-      if (!stored.ok()) return stored.status();
-      if (std::ranges::equal(*stored, header)) return Status::Ok();
+    ENAMEL_ASSIGN_OR_RETURN(auto ingest, FindIngest(db, attempt));
+    if (ingest.has_header) {
+      ENAMEL_ASSIGN_OR_RETURN(auto stored, HeaderOf(db, attempt));
+      if (std::ranges::equal(stored, header)) return Status::Ok();
       return Status(Code::kConflict, "the ticket of attempt " + attempt.Text() +
                                          " was used for another recording; ask for a new ticket");
     }
-    if ((ingest->flags & kReturned) != 0) {
+    if ((ingest.flags & kReturned) != 0) {
       return Status(
           Code::kConflict,
           "the ticket of attempt " + attempt.Text() +
@@ -242,16 +239,13 @@ Status SqliteStore::OpenAttempt(const Uuid& attempt, ByteView header) {
 }
 
 Status SqliteStore::RepeatedAfterSeal(const ChunkPut& chunk) {
-  auto chunks = AttemptChunks(chunk.attempt);
-  if (!chunks.ok()) return chunks.status();
-  auto stored = trace::DecodeChunkHead(chunks->at(chunk.head.seq));
-  if (!stored.ok()) return stored.status();
-  if (stored->hash == chunk.hash) return Status::Ok();
+  ENAMEL_ASSIGN_OR_RETURN(auto chunks, AttemptChunks(chunk.attempt));
+  ENAMEL_ASSIGN_OR_RETURN(auto stored, trace::DecodeChunkHead(chunks.at(chunk.head.seq)));
+  if (stored.hash == chunk.hash) return Status::Ok();
   std::string problem = "chunk " + std::to_string(chunk.head.seq) + " of the sealed attempt " +
                         chunk.attempt.Text() + " is committed with other content";
-  auto key = KeyOf(chunk.attempt);
-  if (!key.ok()) return key.status();
-  Bytes sealed = SealPersonal(key->person, key->key, chunk.attempt, chunk.bytes);
+  ENAMEL_ASSIGN_OR_RETURN(auto key, KeyOf(chunk.attempt));
+  Bytes sealed = SealPersonal(key.person, key.key, chunk.attempt, chunk.bytes);
   ENAMEL_RETURN_IF_ERROR(Write([&](Db& db) -> Status {
     ENAMEL_RETURN_IF_ERROR(KeepEvidence(db, chunk, sealed));
     return SetFlags(db, chunk.attempt, kContradicted, problem, Actor{{}, "station link"});
@@ -261,27 +255,25 @@ Status SqliteStore::RepeatedAfterSeal(const ChunkPut& chunk) {
 
 Status SqliteStore::AppendChunk(const ChunkPut& chunk) {
   ENAMEL_RETURN_IF_ERROR(MayRecord());
-  auto key = KeyOf(chunk.attempt);
-  if (!key.ok()) return key.status();
-  const Bytes sealed = SealPersonal(key->person, key->key, chunk.attempt, chunk.bytes);
+  ENAMEL_ASSIGN_OR_RETURN(auto key, KeyOf(chunk.attempt));
+  const Bytes sealed = SealPersonal(key.person, key.key, chunk.attempt, chunk.bytes);
   bool sealed_before = false, fresh = false;
   Status status = Write(Writer::Work([&](Db& db, bool& keep_anyway) -> Status {
-    auto ingest = FindIngest(db, chunk.attempt);
-    if (!ingest.ok()) return ingest.status();
-    if (!ingest->has_header) {
+    ENAMEL_ASSIGN_OR_RETURN(auto ingest, FindIngest(db, chunk.attempt));
+    if (!ingest.has_header) {
       return Status(Code::kNotFound,
                     "attempt " + chunk.attempt.Text() + " is not open; send OpenAttempt");
     }
-    if (chunk.head.seq < ingest->chunks) {
-      sealed_before = !ingest->trace_blob.IsZero();
-      return sealed_before ? Status::Ok() : Repeated(db, *ingest, chunk, sealed, keep_anyway);
+    if (chunk.head.seq < ingest.chunks) {
+      sealed_before = !ingest.trace_blob.IsZero();
+      return sealed_before ? Status::Ok() : Repeated(db, ingest, chunk, sealed, keep_anyway);
     }
-    if (ingest->state != AttemptState::kRecording) {
+    if (ingest.state != AttemptState::kRecording) {
       return Status(Code::kConflict, "attempt " + chunk.attempt.Text() + " is " +
-                                         AttemptStateName(ingest->state) +
+                                         AttemptStateName(ingest.state) +
                                          " and takes no more chunks");
     }
-    ENAMEL_RETURN_IF_ERROR(MustContinue(*ingest, chunk.head));
+    ENAMEL_RETURN_IF_ERROR(MustContinue(ingest, chunk.head));
     fresh = true;
     return InsertChunk(db, chunk, sealed);
   }));
@@ -296,21 +288,17 @@ Status SqliteStore::AppendChunk(const ChunkPut& chunk) {
 // again.
 Status SqliteStore::MoveTraceToBlob(const trace::Seal& seal, Sha256& blob) {
   auto file = Read([&](Db& db) -> Result<trace::TraceFile> {
-    auto header = HeaderOf(db, seal.attempt);
-    if (!header.ok()) return header.status();
-    auto chunks = ChunkRows(db, seal.attempt);
-    if (!chunks.ok()) return chunks.status();
-    return trace::TraceFile{std::move(header).value(), std::move(chunks).value(), seal, false};
+    ENAMEL_ASSIGN_OR_RETURN(auto header, HeaderOf(db, seal.attempt));
+    ENAMEL_ASSIGN_OR_RETURN(auto chunks, ChunkRows(db, seal.attempt));
+    return trace::TraceFile{std::move(header), std::move(chunks), seal, false};
   });
   if (!file.ok()) return file.status();
   for (Bytes& chunk : file->chunks) {
-    auto opened = OpenPersonal(keyring_, std::move(chunk));
-    if (!opened.ok()) return opened.status();
-    chunk = std::move(opened).value();
+    ENAMEL_ASSIGN_OR_RETURN(auto opened, OpenPersonal(keyring_, std::move(chunk)));
+    chunk = std::move(opened);
   }
-  auto hash = PutAttemptBlob(seal.attempt, trace::EncodeTraceFile(*file));
-  if (!hash.ok()) return hash.status();
-  blob = *hash;
+  ENAMEL_ASSIGN_OR_RETURN(auto hash, PutAttemptBlob(seal.attempt, trace::EncodeTraceFile(*file)));
+  blob = hash;
   return Status::Ok();
 }
 
@@ -327,22 +315,20 @@ Status SqliteStore::SealAttempt(const trace::Seal& seal, UnixMs now_ms) {
     return ingest;
   };
   ENAMEL_RETURN_IF_ERROR(MayRecord());
-  auto before = Read(check);
-  if (!before.ok()) return before.status();
-  if (before->state != AttemptState::kRecording) return Status::Ok();
-  if (before->chunks == 0)
+  ENAMEL_ASSIGN_OR_RETURN(auto before, Read(check));
+  if (before.state != AttemptState::kRecording) return Status::Ok();
+  if (before.chunks == 0)
     return Status(Code::kConflict, "an attempt without a chunk cannot be sealed");
   Sha256 blob;
   ENAMEL_RETURN_IF_ERROR(MoveTraceToBlob(seal, blob));
   bool fresh = false;
   Status status = Write([&](Db& db) -> Status {
-    auto ingest = check(db);
-    if (!ingest.ok()) return ingest.status();
-    if (ingest->state != AttemptState::kRecording) return Status::Ok();
+    ENAMEL_ASSIGN_OR_RETURN(auto ingest, check(db));
+    if (ingest.state != AttemptState::kRecording) return Status::Ok();
     fresh = true;
     ENAMEL_RETURN_IF_ERROR(
-        MarkSealed(db, seal.attempt, *ingest, blob, now_ms, sealed_rows_.has_value()));
-    if (ingest->exam && (ingest->flags & kFasterThanTime) != 0) {
+        MarkSealed(db, seal.attempt, ingest, blob, now_ms, sealed_rows_.has_value()));
+    if (ingest.exam && (ingest.flags & kFasterThanTime) != 0) {
       ENAMEL_RETURN_IF_ERROR(
           Quarantine(db, seal.attempt,
                      "this exam has more ticks than time between its ticket and their arrival: it "
@@ -375,14 +361,13 @@ Status SqliteStore::AcceptCommitted(const Uuid& attempt, const Actor& by) {
       {attempt, before->chunks, before->ticks, before->head, before->head_state_hash}, blob));
   bool fresh = false;
   Status status = Write([&](Db& db) -> Status {
-    auto ingest = FindIngest(db, attempt);
-    if (!ingest.ok()) return ingest.status();
-    if (!unsealed(*ingest)) return Status::Ok();
+    ENAMEL_ASSIGN_OR_RETURN(auto ingest, FindIngest(db, attempt));
+    if (!unsealed(ingest)) return Status::Ok();
     fresh = true;
     ENAMEL_RETURN_IF_ERROR(
-        MarkSealed(db, attempt, *ingest, blob, NowMs(), sealed_rows_.has_value()));
+        MarkSealed(db, attempt, ingest, blob, NowMs(), sealed_rows_.has_value()));
     return WriteAudit(db, by, "attempt.accept", attempt.Text(), "{}",
-                      JsonOf({{"chunks", std::to_string(ingest->chunks)}, {"trace", blob.Hex()}}));
+                      JsonOf({{"chunks", std::to_string(ingest.chunks)}, {"trace", blob.Hex()}}));
   });
   if (status.ok() && fresh && sealed_rows_) sealed_rows_->Add(attempt);
   return status;
@@ -408,37 +393,31 @@ Result<Bytes> SqliteStore::AttemptHeader(const Uuid& attempt) {
 Result<std::vector<Bytes>> SqliteStore::AttemptChunks(const Uuid& attempt) {
   Sha256 blob;
   auto rows = Read([&](Db& db) -> Result<std::vector<Bytes>> {
-    auto ingest = FindIngest(db, attempt);
-    if (!ingest.ok()) return ingest.status();
-    blob = ingest->trace_blob;
-    if (ingest->expired) return Expired(attempt);
+    ENAMEL_ASSIGN_OR_RETURN(auto ingest, FindIngest(db, attempt));
+    blob = ingest.trace_blob;
+    if (ingest.expired) return Expired(attempt);
     if (!blob.IsZero()) return std::vector<Bytes>();
     return ChunkRows(db, attempt);
   });
   if (!rows.ok()) return rows;
   for (Bytes& row : *rows) {
-    auto opened = OpenPersonal(keyring_, std::move(row));
-    if (!opened.ok()) return opened.status();
-    row = std::move(opened).value();
+    ENAMEL_ASSIGN_OR_RETURN(auto opened, OpenPersonal(keyring_, std::move(row)));
+    row = std::move(opened);
   }
   if (blob.IsZero()) return rows;
-  auto bytes = GetBlob(blob);
-  if (!bytes.ok()) return bytes.status();
-  auto file = trace::DecodeTraceFile(*bytes);
-  if (!file.ok()) return file.status();
-  return std::move(file->chunks);
+  ENAMEL_ASSIGN_OR_RETURN(auto bytes, GetBlob(blob));
+  ENAMEL_ASSIGN_OR_RETURN(auto file, trace::DecodeTraceFile(bytes));
+  return std::move(file.chunks);
 }
 
 Result<trace::Seal> SqliteStore::AttemptSeal(const Uuid& attempt) {
   return Read([&](Db& db) -> Result<trace::Seal> {
-    auto ingest = FindIngest(db, attempt);
-    if (!ingest.ok()) return ingest.status();
-    if (ingest->expired) return Expired(attempt);
-    if (ingest->trace_blob.IsZero()) {
+    ENAMEL_ASSIGN_OR_RETURN(auto ingest, FindIngest(db, attempt));
+    if (ingest.expired) return Expired(attempt);
+    if (ingest.trace_blob.IsZero()) {
       return Status(Code::kConflict, "attempt " + attempt.Text() + " is not sealed yet");
     }
-    return trace::Seal{attempt, ingest->chunks, ingest->ticks, ingest->head,
-                       ingest->head_state_hash};
+    return trace::Seal{attempt, ingest.chunks, ingest.ticks, ingest.head, ingest.head_state_hash};
   });
 }
 

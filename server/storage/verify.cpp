@@ -71,10 +71,9 @@ class Verifier {
     }
     report_.is_backup = fs::exists(options_.folder / kManifestName, error);
     if (report_.is_backup) CheckManifest();
-    auto db = Db::Open(path, Db::Mode::kReadOnly);
-    if (!db.ok()) return db.status();
-    Status begun = (*db)->Exec("BEGIN");
-    auto schema = begun.ok() ? SchemaVersion(**db) : Result<int>(begun);
+    ENAMEL_ASSIGN_OR_RETURN(auto db, Db::Open(path, Db::Mode::kReadOnly));
+    Status begun = db->Exec("BEGIN");
+    auto schema = begun.ok() ? SchemaVersion(*db) : Result<int>(begun);
     if (!schema.ok() && schema.status().code() == Code::kVersion) return schema.status();
     if (!schema.ok()) {
       Find("database", path.string(), "a database that can be read", schema.status().message(),
@@ -82,7 +81,7 @@ class Verifier {
       return report_;
     }
     report_.schema = *schema;
-    if (Status status = CheckAll(**db); !status.ok()) {
+    if (Status status = CheckAll(*db); !status.ok()) {
       Find("database", path.string(), "a database that can be read to its end", status.message(),
            kFromBackup);
     }
@@ -102,10 +101,9 @@ class Verifier {
 
   Status CheckAll(Db& db) {
     ENAMEL_RETURN_IF_ERROR(CheckDatabase(db));
-    auto named = NamedBlobs(db);
-    if (!named.ok()) return named.status();
+    ENAMEL_ASSIGN_OR_RETURN(auto named, NamedBlobs(db));
     has_keys_ = LooksLikeKeyring();
-    ENAMEL_RETURN_IF_ERROR(CheckBlobs(*named));
+    ENAMEL_RETURN_IF_ERROR(CheckBlobs(named));
     if (report_.schema < static_cast<int>(Migrations().size())) {
       report_.notes.push_back("the database has schema " + std::to_string(report_.schema) +
                               "; attempts are looked at once a server has brought it to " +
@@ -185,24 +183,23 @@ class Verifier {
   }
 
   Status CheckBlobs(const std::set<Sha256>& named) {
-    auto listing = blobs_.List();
-    if (!listing.ok()) return listing.status();
-    for (const fs::path& other : listing->others) {
+    ENAMEL_ASSIGN_OR_RETURN(auto listing, blobs_.List());
+    for (const fs::path& other : listing.others) {
       report_.notes.push_back(other.string() +
                               " is no blob: what an interrupted write left, or put "
                               "there by hand");
     }
     uint64_t done = 0;
-    for (const Sha256& hash : listing->blobs) {
+    for (const Sha256& hash : listing.blobs) {
       CheckBlob(hash, named.contains(hash));
-      Tell("blobs", ++done, listing->blobs.size());
+      Tell("blobs", ++done, listing.blobs.size());
     }
     for (const Sha256& hash : named) {
-      if (std::ranges::binary_search(listing->blobs, hash)) continue;
+      if (std::ranges::binary_search(listing.blobs, hash)) continue;
       Find("blob", hash.Hex(), "a blob that the database names", "no such file", kFromBackup);
     }
     for (const Sha256& hash : in_manifest_) {
-      if (named.contains(hash) || std::ranges::binary_search(listing->blobs, hash)) continue;
+      if (named.contains(hash) || std::ranges::binary_search(listing.blobs, hash)) continue;
       Find("blob", hash.Hex(), "a blob that the manifest lists", "no such file",
            "use another backup");
     }
@@ -242,8 +239,7 @@ class Verifier {
     Query q(db, "SELECT id FROM people WHERE tenant = ?1");
     while (q.Next()) people.insert(q.Id(0));
     ENAMEL_RETURN_IF_ERROR(q.status());
-    auto erased = ErasuresIn(db);
-    if (!erased.ok()) return erased.status();
+    ENAMEL_ASSIGN_OR_RETURN(auto erased, ErasuresIn(db));
     auto buried = keyring_.Gone();
     auto keys = keyring_.People();
     for (const Status& status : {buried.status(), keys.status()}) {
@@ -251,7 +247,7 @@ class Verifier {
         Find("key", keyring_.folder().string(), "a key ring", status.message(), kFromBackup);
     }
     if (!buried.ok() || !keys.ok()) return Status::Ok();
-    for (const auto& list : {*erased, *buried}) {
+    for (const auto& list : {erased, *buried}) {
       for (const Tombstone& tombstone : list) gone.insert(tombstone.person);
     }
     report_.people = people.size();

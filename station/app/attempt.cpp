@@ -38,28 +38,25 @@ void OnSignal(int) { interrupted = interrupted + 1; }
 // The attempt that was cut off and is meant.
 Result<Uuid> Unfinished(Workplace& workplace, const std::string& text) {
   if (text != "last") return Uuid::Parse(text);
-  auto all = workplace.Unfinished();
-  if (!all.ok()) return all.status();
-  if (!all->empty()) return all->back().id;
+  ENAMEL_ASSIGN_OR_RETURN(auto all, workplace.Unfinished());
+  if (!all.empty()) return all.back().id;
   return Status(Code::kNotFound, "no attempt was cut off here: there is nothing to resume");
 }
 
 Result<PreparedAttempt> PrepareResume(Workplace& workplace, const RunOptions& options) {
-  auto id = Unfinished(workplace, options.resume);
-  if (!id.ok()) return id.status();
-  if (!options.pin.empty()) return workplace.PrepareResume(*id, options.pin);
+  ENAMEL_ASSIGN_OR_RETURN(auto id, Unfinished(workplace, options.resume));
+  if (!options.pin.empty()) return workplace.PrepareResume(id, options.pin);
   auto person = workplace.SignIn(options.login, options.password);
   if (!person.ok()) return person.status();
-  return workplace.PrepareResume(*id);
+  return workplace.PrepareResume(id);
 }
 
 // What the attempt needs, with its ticket if it has one already.
 Result<PreparedAttempt> Prepare(Workplace& workplace, const RunOptions& options) {
   if (!options.resume.empty()) return PrepareResume(workplace, options);
   if (!options.reserved.empty()) {
-    auto id = Uuid::Parse(options.reserved);
-    if (!id.ok()) return id.status();
-    return workplace.PrepareReserved(*id, options.pin);
+    ENAMEL_ASSIGN_OR_RETURN(auto id, Uuid::Parse(options.reserved));
+    return workplace.PrepareReserved(id, options.pin);
   }
   auto person = workplace.SignIn(options.login, options.password);
   if (!person.ok()) return person.status();
@@ -184,11 +181,12 @@ struct Tool {
 Result<Tool> OpenTool(const RunOptions& options, PreparedAttempt& job) {
   Tool out;
   if (options.device.device.empty()) {
-    auto made = MakeSimulatedDevice(*FindOperator(options.operator_name), job.scene, job.exercise,
-                                    job.profile, job.header.params, job.volume, options.seed);
-    if (!made.ok()) return made.status();
-    out.simulated = made->get();
-    out.device = std::move(*made);
+    ENAMEL_ASSIGN_OR_RETURN(
+        auto made,
+        MakeSimulatedDevice(*FindOperator(options.operator_name), job.scene, job.exercise,
+                            job.profile, job.header.params, job.volume, options.seed));
+    out.simulated = made.get();
+    out.device = std::move(made);
     return out;
   }
   if (options.lockstep) {
@@ -198,9 +196,9 @@ Result<Tool> OpenTool(const RunOptions& options, PreparedAttempt& job) {
   }
   hid::DeviceChoice choice = options.device;
   choice.thread_setup = [] { (void)RequestRealtime(); };
-  auto opened = sdk::OpenChosenDevice(choice, job.profile, 1.0 / job.header.params.rate_hz);
-  if (!opened.ok()) return opened.status();
-  out.device = std::move(*opened);
+  ENAMEL_ASSIGN_OR_RETURN(
+      auto opened, sdk::OpenChosenDevice(choice, job.profile, 1.0 / job.header.params.rate_hz));
+  out.device = std::move(opened);
   ENAMEL_RETURN_IF_ERROR(UseDelayOf(job, *out.device, options.workplace.data));
   return out;
 }
@@ -214,9 +212,8 @@ struct Screen {
 
 Status OpenScreen(const RunOptions& options, const PreparedAttempt& job, Screen& screen) {
   if (!options.window && options.screenshot.empty()) return Status::Ok();
-  auto window = OpenWindow(options, job);
-  if (!window.ok()) return window.status();
-  screen.window = std::move(*window);
+  ENAMEL_ASSIGN_OR_RETURN(auto window, OpenWindow(options, job));
+  screen.window = std::move(window);
   screen.feed.emplace(screen.window->tooth(), job.volume.spec().voxel_m(),
                       job.header.params.rate_hz);
   return Status::Ok();
@@ -247,11 +244,10 @@ class Watcher {
     AwaitUpload(result);
     progress_.End();
     ENAMEL_RETURN_IF_ERROR(picture);
-    auto spooled = spool.Get(result.attempt);
-    if (!spooled.ok()) return spooled.status();
-    result.refused = spooled->refused;
+    ENAMEL_ASSIGN_OR_RETURN(auto spooled, spool.Get(result.attempt));
+    result.refused = spooled.refused;
     if (!options_.json.empty()) {
-      ENAMEL_RETURN_IF_ERROR(WriteFacts(options_, job_, *spooled, last_, result, attempt_.facts()));
+      ENAMEL_RETURN_IF_ERROR(WriteFacts(options_, job_, spooled, last_, result, attempt_.facts()));
     }
     return result;
   }
@@ -379,30 +375,26 @@ Result<AttemptResult> RunAttempt(const RunOptions& options) {
   }
   ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(options.json, "--json"));
   ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(options.screenshot, "--screenshot"));
-  auto workplace = Workplace::Open(options.workplace);
-  if (!workplace.ok()) return workplace.status();
-  auto job = Prepare(**workplace, options);
-  if (!job.ok()) return job.status();
-  auto tool = OpenTool(options, *job);
-  if (!tool.ok()) return tool.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto workplace, Workplace::Open(options.workplace));
+  ENAMEL_ASSIGN_OR_RETURN(auto job, Prepare(*workplace, options));
+  ENAMEL_ASSIGN_OR_RETURN(auto tool, OpenTool(options, job));
   Screen screen;
-  ENAMEL_RETURN_IF_ERROR(OpenScreen(options, *job, screen));
+  ENAMEL_RETURN_IF_ERROR(OpenScreen(options, job, screen));
   std::signal(SIGINT, OnSignal);
   std::signal(SIGTERM, OnSignal);
-  if (job->attempt().IsZero()) {
-    ENAMEL_RETURN_IF_ERROR((*workplace)->TakeTicket(*job, options.as_reference));
+  if (job.attempt().IsZero()) {
+    ENAMEL_RETURN_IF_ERROR(workplace->TakeTicket(job, options.as_reference));
   }
-  if (job->core) {
-    SayResumed(options, *job);
+  if (job.core) {
+    SayResumed(options, job);
   }
-  (*workplace)->SignOut();  // uploading needs no sign-in
+  workplace->SignOut();  // uploading needs no sign-in
   // A simulated device's time is the loop's own: being late harms nobody.
-  auto attempt =
-      (*workplace)
-          ->Begin(*job, *tool->device,
-                  {options.lockstep, tool->simulated == nullptr, screen.observer(), options.cpu});
+  auto attempt = workplace->Begin(
+      job, *tool.device,
+      {options.lockstep, tool.simulated == nullptr, screen.observer(), options.cpu});
   if (!attempt.ok()) return attempt.status();
-  return Watcher(options, **attempt, *job, *tool, screen).Run((*workplace)->spool());
+  return Watcher(options, **attempt, job, tool, screen).Run(workplace->spool());
 }
 
 }  // namespace enamel::station

@@ -45,8 +45,8 @@ Result<Subject> OpenSimulated(const CalibrateCommand& options) {
   Subject out;
   auto truth = scene::FindProfile(options.device.substr(kSimulated.size()));
   if (!truth.ok()) return truth.status();
-  auto profile = options.profile.empty() ? truth : scene::FindProfile(options.profile);
-  if (!profile.ok()) return profile.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto profile,
+                          options.profile.empty() ? truth : scene::FindProfile(options.profile));
   core::CoreParams params;
   params.rate_hz = static_cast<uint32_t>(options.rate_hz);
   params.resolution_nm.fill(static_cast<int32_t>(truth->resolution_nm.value));
@@ -58,7 +58,7 @@ Result<Subject> OpenSimulated(const CalibrateCommand& options) {
       static_cast<int>(std::min<int64_t>(truth->bus_delay_ticks.value, SimulatedDevice::kMaxDelay));
   out.count_m.fill(plant.resolution_m);
   out.device = std::make_unique<SimulatedDevice>(plant, std::make_unique<NobodyHolding>());
-  out.profile = std::move(*profile);
+  out.profile = std::move(profile);
   out.address = options.device;
   return out;
 }
@@ -76,25 +76,24 @@ Result<Subject> OpenAttached(const CalibrateCommand& options) {
                   "device");
   }
   if (colon != std::string::npos) {
-    auto match = hid::ParseHidMatch(std::string_view(options.device).substr(colon + 1));
-    if (!match.ok()) return match.status();
-    settings.match = *match;
+    ENAMEL_ASSIGN_OR_RETURN(auto match,
+                            hid::ParseHidMatch(std::string_view(options.device).substr(colon + 1)));
+    settings.match = match;
   }
   settings.thread_setup = [] { (void)RequestRealtime(); };
-  auto board = hid::HapticBoard::Open(settings);
-  if (!board.ok()) return board.status();
-  const hid::FeatureReport& feature = (*board)->feature();
+  ENAMEL_ASSIGN_OR_RETURN(auto board, hid::HapticBoard::Open(settings));
+  const hid::FeatureReport& feature = board->feature();
   std::string name = options.profile.empty() ? feature.profile : options.profile;
-  auto profile = scene::FindProfile(name.empty() ? "phantom_desktop" : name);
-  if (!profile.ok()) return profile.status();
-  out.profile = std::move(*profile);
+  ENAMEL_ASSIGN_OR_RETURN(auto profile,
+                          scene::FindProfile(name.empty() ? "phantom_desktop" : name));
+  out.profile = std::move(profile);
   for (size_t i = 0; i < 3; ++i) out.count_m[i] = feature.resolution_nm[i] * 1e-9;
   out.profile.peak_force_mn = {
       *std::min_element(feature.peak_force_mn.begin(), feature.peak_force_mn.end()),
       "the device's own (HID feature report)"};
   out.profile.axes = {feature.axes, "the device's own (HID feature report)"};
-  out.address = options.device + " " + (*board)->Name();
-  out.device = std::move(*board);
+  out.address = options.device + " " + board->Name();
+  out.device = std::move(board);
   out.real = true;
   return out;
 }
@@ -314,10 +313,9 @@ Status CalibrateDevice(const CalibrateCommand& options) {
   named.name = options.name.empty() ? subject->profile.name + "-measured" : options.name;
   if (auto valid = scene::ProfileFromJson(scene::ToJson(named)); !valid.ok()) return valid.status();
   ENAMEL_RETURN_IF_ERROR(AwaitGoAhead(options, *subject));
-  auto axes = Measure(*subject, options);
-  if (!axes.ok()) return axes.status();
-  AxisFigures worst = WorstOf(*axes);
-  Print(worst, *axes, subject->profile);
+  ENAMEL_ASSIGN_OR_RETURN(auto axes, Measure(*subject, options));
+  AxisFigures worst = WorstOf(axes);
+  Print(worst, axes, subject->profile);
 
   auto proposed = ProposeProfile(worst, options.rate_hz, subject->profile, named.name,
                                  "measured " + Today() + " on " + subject->address);

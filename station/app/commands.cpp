@@ -28,23 +28,19 @@ Result<scene::BuiltScene> LoadScene(const std::string& source, int voxel_um) {
   if (source.starts_with(kBuiltin)) {
     return scene::BuildBuiltinScene(source.substr(kBuiltin.size()), voxel_um * 1000);
   }
-  auto folder = import::LoadSceneFolder(source);
-  if (!folder.ok()) return folder.status();
-  return scene::BuiltScene{std::move(folder->scene), std::move(folder->volume)};
+  ENAMEL_ASSIGN_OR_RETURN(auto folder, import::LoadSceneFolder(source));
+  return scene::BuiltScene{std::move(folder.scene), std::move(folder.volume)};
 }
 
 }  // namespace
 
 Status EnrolStation(const EnrolOptions& options) {
-  auto server = net::ParseEndpoint(options.server);
-  if (!server.ok()) return server.status();
-  auto code = ParseEnrolCode(options.code);
-  if (!code.ok()) return code.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto server, net::ParseEndpoint(options.server));
+  ENAMEL_ASSIGN_OR_RETURN(auto code, ParseEnrolCode(options.code));
   std::optional<Credentials> before;
   if (options.again) {
-    auto loaded = LoadCredentials(options.data);
-    if (!loaded.ok()) return loaded.status();
-    before = *loaded;
+    ENAMEL_ASSIGN_OR_RETURN(auto loaded, LoadCredentials(options.data));
+    before = loaded;
   } else if (fs::exists(options.data / "station.json")) {
     return Status(Code::kConflict,
                   (options.data / "station.json").string() +
@@ -56,62 +52,54 @@ Status EnrolStation(const EnrolOptions& options) {
   // Before the code is used up.
   ENAMEL_RETURN_IF_ERROR(MakePrivateFolder(options.data));
   ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(options.data / "station.json", "--data"));
-  auto credentials = ServerLink::Enrol(*server, *code, options.name, before);
-  if (!credentials.ok()) return credentials.status();
-  ENAMEL_RETURN_IF_ERROR(SaveCredentials(options.data, *credentials));
-  std::printf("enrolled as station %s (%s) at %s\n", credentials->name.c_str(),
-              credentials->station.Text().c_str(), credentials->server.Text().c_str());
+  ENAMEL_ASSIGN_OR_RETURN(auto credentials, ServerLink::Enrol(server, code, options.name, before));
+  ENAMEL_RETURN_IF_ERROR(SaveCredentials(options.data, credentials));
+  std::printf("enrolled as station %s (%s) at %s\n", credentials.name.c_str(),
+              credentials.station.Text().c_str(), credentials.server.Text().c_str());
   return Status::Ok();
 }
 
 Status ReserveAttempt(const ReserveCommand& options) {
   ENAMEL_RETURN_IF_ERROR(TicketSafe::CheckPin(options.pin));
-  auto workplace = Workplace::Open(options.workplace);
-  if (!workplace.ok()) return workplace.status();
-  auto person = (*workplace)->SignIn(options.login, options.password);
-  if (!person.ok()) return person.status();
-  auto prepared = PrepareByName(**workplace, options.exercise, options.profile);
-  if (!prepared.ok()) return prepared.status();
-  ENAMEL_RETURN_IF_ERROR((*workplace)->Reserve(*prepared, options.pin));
+  ENAMEL_ASSIGN_OR_RETURN(auto workplace, Workplace::Open(options.workplace));
+  ENAMEL_ASSIGN_OR_RETURN(auto person, workplace->SignIn(options.login, options.password));
+  ENAMEL_ASSIGN_OR_RETURN(auto prepared,
+                          PrepareByName(*workplace, options.exercise, options.profile));
+  ENAMEL_RETURN_IF_ERROR(workplace->Reserve(prepared, options.pin));
   std::printf("reserved for %s, for the next 12 hours at this station:\n",
-              person->display_name.c_str());
+              person.display_name.c_str());
   return ListReserved(options.workplace.data);
 }
 
 Status ListReserved(const fs::path& data) {
-  auto spool = Spool::Open(data);
-  if (!spool.ok()) return spool.status();
-  auto tickets = TicketSafe(**spool).List();
-  if (!tickets.ok()) return tickets.status();
-  if (tickets->empty()) std::printf("nothing is reserved here\n");
-  for (const LockedTicket& t : *tickets) {
+  ENAMEL_ASSIGN_OR_RETURN(auto spool, Spool::Open(data));
+  ENAMEL_ASSIGN_OR_RETURN(auto tickets, TicketSafe(*spool).List());
+  if (tickets.empty()) std::printf("nothing is reserved here\n");
+  for (const LockedTicket& t : tickets) {
     const int64_t left_min = (t.expires_unix_ms - UnixMs()) / 60'000;
     std::printf("%s  %s: %s on %s, %lld h %02lld min left%s\n", t.attempt.Text().c_str(),
                 Printable(t.person).c_str(), Printable(t.title).c_str(),
                 Printable(t.profile).c_str(), static_cast<long long>(left_min / 60),
                 static_cast<long long>(left_min % 60),
-                (*spool)->Get(t.attempt).ok() ? "  (begun)" : "");
+                spool->Get(t.attempt).ok() ? "  (begun)" : "");
   }
   return Status::Ok();
 }
 
 Status GiveBackReserved(const GiveBackCommand& options) {
-  auto id = Uuid::Parse(options.attempt);
-  if (!id.ok()) return id.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto id, Uuid::Parse(options.attempt));
   if (options.pin.empty() && options.login.empty()) {
     return Status(Code::kInvalidInput,
                   "to give a ticket back, set its PIN in ENAMEL_PIN; if it is forgotten, name its "
                   "person with --user, password in ENAMEL_PASSWORD",
                   "pin");
   }
-  auto workplace = Workplace::Open(options.workplace);
-  if (!workplace.ok()) return workplace.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto workplace, Workplace::Open(options.workplace));
   if (options.pin.empty()) {
-    auto person = (*workplace)->SignIn(options.login, options.password);
+    auto person = workplace->SignIn(options.login, options.password);
     if (!person.ok()) return person.status();
   }
-  auto given =
-      options.pin.empty() ? (*workplace)->GiveBack(*id) : (*workplace)->GiveBack(*id, options.pin);
+  auto given = options.pin.empty() ? workplace->GiveBack(id) : workplace->GiveBack(id, options.pin);
   if (!given.ok()) return given.status();
   std::printf("%s is given back: %s\n", options.attempt.c_str(),
               *given == HandedBack::kAtServer
@@ -123,38 +111,36 @@ Status GiveBackReserved(const GiveBackCommand& options) {
 
 Status SimulateAttempt(const SimulateCommand& options) {
   ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(options.json, "--json"));
-  auto built = LoadScene(options.scene, options.voxel_um);
-  if (!built.ok()) return built.status();
-  auto profile = scene::FindProfile(options.profile);
-  if (!profile.ok()) return profile.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto built, LoadScene(options.scene, options.voxel_um));
+  ENAMEL_ASSIGN_OR_RETURN(auto profile, scene::FindProfile(options.profile));
   scene::Exercise exercise =
-      scene::ClassOneExercise(built->scene, HashSha256(AsBytes(scene::ToJson(built->scene))));
-  auto report = Simulate(*built, exercise, *profile, options.operator_name, options.seed);
-  if (!report.ok()) return report.status();
+      scene::ClassOneExercise(built.scene, HashSha256(AsBytes(scene::ToJson(built.scene))));
+  ENAMEL_ASSIGN_OR_RETURN(auto report,
+                          Simulate(built, exercise, profile, options.operator_name, options.seed));
   double rate = exercise.rate_hz;
   std::printf("%s cuts '%s' on %s: %llu ticks (%.0f s), computed in %.1f s\n",
-              options.operator_name.c_str(), built->scene.name.c_str(), profile->name.c_str(),
-              static_cast<unsigned_ll>(report->ticks), static_cast<double>(report->ticks) / rate,
-              report->seconds);
+              options.operator_name.c_str(), built.scene.name.c_str(), profile.name.c_str(),
+              static_cast<unsigned_ll>(report.ticks), static_cast<double>(report.ticks) / rate,
+              report.seconds);
   std::printf("force sent: median %.2f N, 95 %% %.2f N, peak %.2f N; bounded in %llu ticks\n",
-              report->force_p50_n, report->force_p95_n, report->force_max_n,
-              static_cast<unsigned_ll>(report->bounded_ticks));
+              report.force_p50_n, report.force_p95_n, report.force_max_n,
+              static_cast<unsigned_ll>(report.bounded_ticks));
   boost::json::object removed, planes;
-  for (size_t t = 1; t < report->removed_mm3.size(); ++t) {
-    if (report->removed_mm3[t] <= 0) continue;
+  for (size_t t = 1; t < report.removed_mm3.size(); ++t) {
+    if (report.removed_mm3[t] <= 0) continue;
     std::printf("removed %-9s %8.3f mm3\n", std::string(cutting::kTissueNames[t]).c_str(),
-                report->removed_mm3[t]);
-    removed[std::string(cutting::kTissueNames[t])] = report->removed_mm3[t];
+                report.removed_mm3[t]);
+    removed[std::string(cutting::kTissueNames[t])] = report.removed_mm3[t];
   }
   std::printf("plane      median    mean     rms   um beyond the exercise's box\n");
-  for (const PlaneError& p : report->planes) {
+  for (const PlaneError& p : report.planes) {
     std::printf("%-8s %+8.1f %+7.1f %7.1f\n", p.name.c_str(), p.median_um, p.mean_um, p.rms_um);
     planes[p.name] = p.median_um;
   }
-  return program::WriteJsonFile(options.json, {{"ticks", report->ticks},
-                                               {"force_p95_n", report->force_p95_n},
-                                               {"force_max_n", report->force_max_n},
-                                               {"state_hash", report->state_hash},
+  return program::WriteJsonFile(options.json, {{"ticks", report.ticks},
+                                               {"force_p95_n", report.force_p95_n},
+                                               {"force_max_n", report.force_max_n},
+                                               {"state_hash", report.state_hash},
                                                {"removed_mm3", removed},
                                                {"plane_median_um", planes}});
 }

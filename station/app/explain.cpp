@@ -58,9 +58,8 @@ Result<scene::BuiltScene> Load(const ExplainCommand& options, int32_t voxel_nm) 
     return scene::BuildBuiltinScene(options.scene.substr(kBuiltin.size()), voxel_nm,
                                     static_cast<size_t>(options.memory_mb) * 1'000'000);
   }
-  auto folder = import::LoadSceneFolder(options.scene);
-  if (!folder.ok()) return folder.status();
-  return scene::BuiltScene{std::move(folder->scene), std::move(folder->volume)};
+  ENAMEL_ASSIGN_OR_RETURN(auto folder, import::LoadSceneFolder(options.scene));
+  return scene::BuiltScene{std::move(folder.scene), std::move(folder.volume)};
 }
 
 Result<scene::Exercise> Choose(const scene::Scene& scene, const std::string& name) {
@@ -78,19 +77,15 @@ Result<scene::Exercise> Choose(const scene::Scene& scene, const std::string& nam
 
 Result<Subject> Prepare(const ExplainCommand& options) {
   Subject s;
-  auto built = Load(options, options.voxel_um * 1000);
-  if (!built.ok()) return built.status();
-  s.built = std::move(*built);
+  ENAMEL_ASSIGN_OR_RETURN(auto built, Load(options, options.voxel_um * 1000));
+  s.built = std::move(built);
   ENAMEL_RETURN_IF_ERROR(scene::CheckVolume(s.built.scene, s.built.volume));
-  auto exercise = Choose(s.built.scene, options.exercise);
-  if (!exercise.ok()) return exercise.status();
-  s.exercise = std::move(*exercise);
-  auto profile = scene::FindProfile(options.profile);
-  if (!profile.ok()) return profile.status();
-  s.profile = *profile;
-  auto params = scene::CompilePlan(s.built.scene, s.exercise, s.profile);
-  if (!params.ok()) return params.status();
-  s.params = *params;
+  ENAMEL_ASSIGN_OR_RETURN(auto exercise, Choose(s.built.scene, options.exercise));
+  s.exercise = std::move(exercise);
+  ENAMEL_ASSIGN_OR_RETURN(auto profile, scene::FindProfile(options.profile));
+  s.profile = profile;
+  ENAMEL_ASSIGN_OR_RETURN(auto params, scene::CompilePlan(s.built.scene, s.exercise, s.profile));
+  s.params = params;
   return s;
 }
 
@@ -455,22 +450,21 @@ Status WriteJson(const std::filesystem::path& file, const json::object& object) 
 
 Status ExplainScene(const ExplainCommand& options) {
   ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(options.json, "--json"));
-  auto subject = Prepare(options);
-  if (!subject.ok()) return subject.status();
-  Appraiser appraiser(*subject);
+  ENAMEL_ASSIGN_OR_RETURN(auto subject, Prepare(options));
+  Appraiser appraiser(subject);
   std::vector<std::pair<Part, Worth>> rows;
   for (Part& part :
-       scene::ListParts(subject->built.scene, subject->exercise,
-                        {options.window, options.replay, subject->params.peak_torque_un_m > 0})) {
+       scene::ListParts(subject.built.scene, subject.exercise,
+                        {options.window, options.replay, subject.params.peak_torque_un_m > 0})) {
     Worth worth = appraiser.Of(part);
     rows.emplace_back(std::move(part), std::move(worth));
   }
   EndProgress();
   const StepCost& base = appraiser.base();
   std::printf("scene '%s', voxels of %.0f um; exercise '%s'; %s at %d Hz\n",
-              subject->built.scene.name.c_str(), subject->built.scene.voxel_nm * 1e-3,
-              subject->exercise.name.c_str(), subject->profile.name.c_str(),
-              subject->exercise.rate_hz);
+              subject.built.scene.name.c_str(), subject.built.scene.voxel_nm * 1e-3,
+              subject.exercise.name.c_str(), subject.profile.name.c_str(),
+              subject.exercise.rate_hz);
   std::printf(
       "as planned: tick %.2f us mean, %.2f us p99; volume %.1f MB. Per tick the least of %d runs\n"
       "over %zu ticks, bur engaged in %.0f %%; the same measured twice differs by %.0f ns.\n"
@@ -483,10 +477,10 @@ Status ExplainScene(const ExplainCommand& options) {
     PrintPart(part, worth);
     parts.push_back(PartJson(part, worth));
   }
-  json::object out{{"scene", subject->built.scene.name},
-                   {"exercise", subject->exercise.name},
-                   {"profile", subject->profile.name},
-                   {"voxel_nm", subject->built.scene.voxel_nm},
+  json::object out{{"scene", subject.built.scene.name},
+                   {"exercise", subject.exercise.name},
+                   {"profile", subject.profile.name},
+                   {"voxel_nm", subject.built.scene.voxel_nm},
                    {"mean_us", base.mean_us},
                    {"p99_us", base.p99_us},
                    {"noise_ns", appraiser.noise_ns()},
@@ -494,7 +488,7 @@ Status ExplainScene(const ExplainCommand& options) {
                    {"engaged_share", base.engaged_share},
                    {"parts", std::move(parts)}};
   Status decided;
-  if (options.budget_us) decided = Budget(options, *subject, base).Decide(out);
+  if (options.budget_us) decided = Budget(options, subject, base).Decide(out);
   ENAMEL_RETURN_IF_ERROR(WriteJson(options.json, out));
   return decided;
 }

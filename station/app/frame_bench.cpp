@@ -205,8 +205,7 @@ Status BenchFrames(const FrameBenchOptions& options) {
                   "no quality '" + options.quality + "': there are best, good, fair, low",
                   "quality");
   }
-  auto built = scene::BuildBuiltinScene("molar", options.voxel_um * 1000);
-  if (!built.ok()) return built.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto built, scene::BuildBuiltinScene("molar", options.voxel_um * 1000));
   try {
     render::ScreenOptions window;
     window.width_px = options.width_px;
@@ -215,7 +214,7 @@ Status BenchFrames(const FrameBenchOptions& options) {
     render::Screen screen(window);
     const Quality& quality =
         wanted != nullptr ? *wanted : render::kQualities[render::GovernorFor(screen).level()];
-    Bench bench(options, quality, screen, *built);
+    Bench bench(options, quality, screen, built);
     std::vector<Figures> all{bench.Rest(), bench.Cut()};
     for (const Figures& f : bench.Turn()) all.push_back(f);
     return Print(options, bench, screen, quality, all);

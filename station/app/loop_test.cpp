@@ -41,16 +41,14 @@ struct Bench {
 };
 
 Result<Bench> MakeBench(int rate_hz) {
-  auto built = scene::BuildBuiltinScene("block", 100'000);
-  if (!built.ok()) return built.status();
-  scene::Exercise exercise = scene::ClassOneExercise(built->scene, {});
+  ENAMEL_ASSIGN_OR_RETURN(auto built, scene::BuildBuiltinScene("block", 100'000));
+  scene::Exercise exercise = scene::ClassOneExercise(built.scene, {});
   exercise.rate_hz = std::min(rate_hz, 8000);
   for (const scene::DeviceProfile& p : scene::BuiltinProfiles()) {
     if (p.name != "pointer") continue;
-    auto params = scene::CompilePlan(built->scene, exercise, p);
-    if (!params.ok()) return params.status();
-    params->rate_hz = static_cast<uint32_t>(rate_hz);
-    return Bench{*params, std::move(built->volume)};
+    ENAMEL_ASSIGN_OR_RETURN(auto params, scene::CompilePlan(built.scene, exercise, p));
+    params.rate_hz = static_cast<uint32_t>(rate_hz);
+    return Bench{params, std::move(built.volume)};
   }
   return Status(Code::kInternal, "no pointer profile");
 }
@@ -269,15 +267,14 @@ Status TestLoop(const LoopTestCommand& options) {
                       std::to_string(options.seconds) + " s");
   }
   ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(options.json, "--json"));
-  auto bench = MakeBench(options.rate_hz);
-  if (!bench.ok()) return bench.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto bench, MakeBench(options.rate_hz));
 
   std::printf("Own cost: %d batches of %d ticks in free air against the core alone, same inputs\n",
               kBatches, kBatch);
   Cost cost;
   std::thread([&] {
     RequestRealtime({options.cpu});
-    cost = MeasureCost(*bench);
+    cost = MeasureCost(bench);
   }).join();
   std::printf(
       "  loop %.0f ns, core %.0f ns: own cost %.0f ns a tick (90 %% of the batches %.0f to "
@@ -298,7 +295,7 @@ Status TestLoop(const LoopTestCommand& options) {
     Turn bare = BareTurn(options.rate_hz, realtime, grant);
     if (i == 0 && !grant.refused.empty()) std::printf("  note: %s\n", grant.refused.c_str());
     PrintTurn("bare", bare);
-    LoopTurn loop = WholeTurn(*bench, ring, realtime);
+    LoopTurn loop = WholeTurn(bench, ring, realtime);
     PrintTurn("loop", loop.lateness);
     AddTo(all_bare, bare);
     AddTo(all_loop, loop.lateness);

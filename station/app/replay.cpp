@@ -27,26 +27,22 @@ struct Recording {
 };
 
 Result<Recording> ReadRecording(const fs::path& path) {
-  auto bytes = ReadFile(path);
-  if (!bytes.ok()) return bytes.status();
-  auto file = trace::DecodeTraceFile(*bytes);
-  if (!file.ok()) return file.status();
-  auto header = trace::DecodeHeader(file->header);
-  if (!header.ok()) return header.status();
-  return Recording{std::move(*file), std::move(*header)};
+  ENAMEL_ASSIGN_OR_RETURN(auto bytes, ReadFile(path));
+  ENAMEL_ASSIGN_OR_RETURN(auto file, trace::DecodeTraceFile(bytes));
+  ENAMEL_ASSIGN_OR_RETURN(auto header, trace::DecodeHeader(file.header));
+  return Recording{std::move(file), std::move(header)};
 }
 
 Result<cutting::Volume> ReadVolume(const ReplayOptions& options, const trace::Header& header) {
   std::optional<Bytes> blob;
   if (!options.volume.empty()) {
-    auto read = ReadFile(options.volume);
-    if (!read.ok()) return read.status();
-    if (HashSha256(*read) != header.volume) {
+    ENAMEL_ASSIGN_OR_RETURN(auto read, ReadFile(options.volume));
+    if (HashSha256(read) != header.volume) {
       return Status(Code::kConflict, options.volume.string() +
                                          " is not the volume this recording began with (" +
                                          header.volume.Hex() + "): it is of another scene");
     }
-    blob = std::move(*read);
+    blob = std::move(read);
   } else {
     blob = BlobCache(options.data / "blobs").Find(header.volume);
   }
@@ -110,9 +106,8 @@ Status CheckSeal(const Recording& recording, const trace::Moment& moment) {
   if (!recording.file.seal || !moment.whole) return Status::Ok();
   trace::ChainVerifier chain(recording.header.ticket.attempt, HashSha256(recording.file.header));
   for (const Bytes& bytes : recording.file.chunks) {
-    auto chunk = trace::DecodeChunkHead(bytes);
-    if (!chunk.ok()) return chunk.status();
-    ENAMEL_RETURN_IF_ERROR(chain.Accept(*chunk));
+    ENAMEL_ASSIGN_OR_RETURN(auto chunk, trace::DecodeChunkHead(bytes));
+    ENAMEL_RETURN_IF_ERROR(chain.Accept(chunk));
   }
   return chain.AcceptSeal(*recording.file.seal);
 }
@@ -186,17 +181,15 @@ Status Verdict(const trace::Moment& moment) {
 Status ReplayTrace(const ReplayOptions& options) {
   ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(options.json, "--json"));
   ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(options.surface, "--surface"));
-  auto recording = ReadRecording(options.trace);
-  if (!recording.ok()) return recording.status();
-  ENAMEL_RETURN_IF_ERROR(core::ValidateParams(recording->header.params));
-  auto volume = ReadVolume(options, recording->header);
-  if (!volume.ok()) return volume.status();
-  auto make_core = [&] { return std::make_unique<core::Core>(recording->header.params, *volume); };
-  KeyframeFile keyframes(options, *recording);
+  ENAMEL_ASSIGN_OR_RETURN(auto recording, ReadRecording(options.trace));
+  ENAMEL_RETURN_IF_ERROR(core::ValidateParams(recording.header.params));
+  ENAMEL_ASSIGN_OR_RETURN(auto volume, ReadVolume(options, recording.header));
+  auto make_core = [&] { return std::make_unique<core::Core>(recording.header.params, volume); };
+  KeyframeFile keyframes(options, recording);
   trace::MomentOptions how;
   how.to_tick = options.to_tick;
   how.start_from_keyframe = options.to_tick != UINT64_MAX && options.keyframes;
-  auto moment = trace::ReplayToMoment(make_core, recording->header, recording->file.chunks, how,
+  auto moment = trace::ReplayToMoment(make_core, recording.header, recording.file.chunks, how,
                                       keyframes.frames(), ShowProgress);
   if (ProgressIsSeen()) std::fprintf(stderr, "\r%20s\r", "");
   if (!moment.ok()) return moment.status();
@@ -205,8 +198,8 @@ Status ReplayTrace(const ReplayOptions& options) {
   const trace::ReplayReport& r = moment->report;
   auto stepped = static_cast<double>(r.ticks - moment->from_tick);
   double per_second = r.seconds > 0 ? stepped / r.seconds : 0;
-  double factor = per_second / recording->header.params.rate_hz;
-  PrintMoment(*recording, *moment);
+  double factor = per_second / recording.header.params.rate_hz;
+  PrintMoment(recording, *moment);
   boost::json::object removed = Removed(*moment->core);
   std::printf("state hash %s\n", Hex(r.state_hash).c_str());
   std::printf(
@@ -215,14 +208,14 @@ Status ReplayTrace(const ReplayOptions& options) {
   ENAMEL_RETURN_IF_ERROR(WriteSurface(options.surface, *moment->core));
   ENAMEL_RETURN_IF_ERROR(
       program::WriteJsonFile(options.json, {{"format", 1},
-                                            {"attempt_id", recording->header.ticket.attempt.Text()},
-                                            {"core_version", recording->header.params.core_version},
+                                            {"attempt_id", recording.header.ticket.attempt.Text()},
+                                            {"core_version", recording.header.params.core_version},
                                             {"ticks", r.ticks},
                                             {"chunks", r.chunks},
                                             {"gap_ticks", r.gap_ticks},
                                             {"whole", moment->whole},
-                                            {"truncated", recording->file.truncated},
-                                            {"sealed", recording->file.seal.has_value()},
+                                            {"truncated", recording.file.truncated},
+                                            {"sealed", recording.file.seal.has_value()},
                                             {"from_tick", moment->from_tick},
                                             {"witness_ok", r.witness_ok},
                                             {"state_hash", Hex(r.state_hash)},
@@ -230,7 +223,7 @@ Status ReplayTrace(const ReplayOptions& options) {
                                             {"seconds", r.seconds},
                                             {"ticks_per_second", per_second},
                                             {"realtime_factor", factor}}));
-  ENAMEL_RETURN_IF_ERROR(CheckSeal(*recording, *moment));
+  ENAMEL_RETURN_IF_ERROR(CheckSeal(recording, *moment));
   return Verdict(*moment);
 }
 

@@ -104,14 +104,13 @@ Result<SimulationReport> Simulate(const scene::BuiltScene& built, const scene::E
   if (preset == nullptr) {
     return Status(Code::kNotFound, "no operator '" + operator_name + "'", "operator");
   }
-  auto params = scene::CompilePlan(built.scene, exercise, profile);
-  if (!params.ok()) return params.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto params, scene::CompilePlan(built.scene, exercise, profile));
   auto device =
-      MakeSimulatedDevice(*preset, built.scene, exercise, profile, *params, built.volume, seed);
+      MakeSimulatedDevice(*preset, built.scene, exercise, profile, params, built.volume, seed);
   if (!device.ok()) return device.status();
-  core::Core core(*params, built.volume);
+  core::Core core(params, built.volume);
   SampleRing ring(4);
-  TickLoop loop(**device, core, ring, {params->rate_hz, true, false});
+  TickLoop loop(**device, core, ring, {params.rate_hz, true, false});
   SimulationReport report;
   std::vector<double> forces;
   auto begin = std::chrono::steady_clock::now();

@@ -121,9 +121,8 @@ Status Refusals(const std::vector<SpooledAttempt>& attempts) {
 Result<Uuid> AttemptMeant(Spool& spool, const std::string& text,
                           const std::function<bool(const SpooledAttempt&)>& fits) {
   if (text != kLast) return Uuid::Parse(text);
-  auto all = spool.List();
-  if (!all.ok()) return all.status();
-  for (auto a = all->rbegin(); a != all->rend(); ++a) {
+  ENAMEL_ASSIGN_OR_RETURN(auto all, spool.List());
+  for (auto a = all.rbegin(); a != all.rend(); ++a) {
     if (fits(*a)) return a->id;
   }
   return Status(Code::kNotFound, "there is no such attempt in " + spool.file().string() +
@@ -199,18 +198,16 @@ void PrintLoop(const KeptLoopFacts& run, const json::object& facts) {
 }
 
 Status SendWaiting(Carrier& carrier, Spool& spool, bool as_json, json::array& sent) {
-  auto waiting = WaitingAttempts(spool);
-  if (!waiting.ok()) return waiting.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto waiting, WaitingAttempts(spool));
   Status worst;
-  for (const SpooledAttempt& attempt : *waiting) {
+  for (const SpooledAttempt& attempt : waiting) {
     Status status = carrier.Bring(attempt.id);
     if (!status.ok() && IsTransient(status) && !IsOfOneRecording(status)) {
       (void)spool.MarkAllTried(status.message());  // the link's error is the one to tell
       return status;
     }
-    auto after = spool.Get(attempt.id);
-    if (!after.ok()) return after.status();
-    sent.push_back(FactsOf(*after));
+    ENAMEL_ASSIGN_OR_RETURN(auto after, spool.Get(attempt.id));
+    sent.push_back(FactsOf(after));
     if (IsDamaged(status)) {
       worst = Status(
           status.code(),
@@ -221,11 +218,11 @@ Status SendWaiting(Carrier& carrier, Spool& spool, bool as_json, json::array& se
       worst = status;
     }
     if (as_json) continue;
-    std::printf("%s  %s  %u of %u chunks  %s\n", attempt.id.Text().c_str(), StateOf(*after),
-                after->committed, after->chunks, status.message().c_str());
-    if (status.ok() && !after->seal) {
+    std::printf("%s  %s  %u of %u chunks  %s\n", attempt.id.Text().c_str(), StateOf(after),
+                after.committed, after.chunks, status.message().c_str());
+    if (status.ok() && !after.seal) {
       std::printf("  it is kept here and on the server, and not scored: %s\n",
-                  WaitingOf(*after).why.c_str());
+                  WaitingOf(after).why.c_str());
     }
   }
   return worst;
@@ -234,50 +231,45 @@ Status SendWaiting(Carrier& carrier, Spool& spool, bool as_json, json::array& se
 }  // namespace
 
 Status ListSpool(const SpoolCommand& options) {
-  auto spool = OpenSpool(options.workplace.data);
-  if (!spool.ok()) return spool.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto spool, OpenSpool(options.workplace.data));
   const fs::path file = options.workplace.data / "spool.sqlite";
-  auto attempts = ListOf(*spool);
-  if (!attempts.ok()) return attempts.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto attempts, ListOf(spool));
   uint64_t bytes = 0;
-  for (const SpooledAttempt& a : *attempts) bytes += a.bytes;
+  for (const SpooledAttempt& a : attempts) bytes += a.bytes;
   if (options.json) {
     json::array all;
-    for (const SpooledAttempt& a : *attempts) {
-      auto last_ms = (*spool)->LastSpooledUnixMs(a.id);
-      if (!last_ms.ok()) return last_ms.status();
+    for (const SpooledAttempt& a : attempts) {
+      ENAMEL_ASSIGN_OR_RETURN(auto last_ms, spool->LastSpooledUnixMs(a.id));
       json::object facts = FactsOf(a);
-      if (*last_ms) facts["last_spooled_unix_ms"] = **last_ms;
+      if last_ms
+        facts["last_spooled_unix_ms"] = *last_ms;
       all.push_back(std::move(facts));
     }
     PrintJson({{"spool", file.string()}, {"bytes", bytes}, {"attempts", all}});
     return Status::Ok();
   }
-  if (attempts->empty()) {
+  if (attempts.empty()) {
     std::printf("the spool %s is empty\n", file.c_str());
     return Status::Ok();
   }
-  auto waiting = WaitingAttempts(**spool);
-  if (!waiting.ok()) return waiting.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto waiting, WaitingAttempts(*spool));
   auto refused =
-      std::ranges::count_if(*attempts, [](const SpooledAttempt& a) { return !a.refused.empty(); });
+      std::ranges::count_if(attempts, [](const SpooledAttempt& a) { return !a.refused.empty(); });
   std::printf("%s: %zu attempts, %.1f MB; %zu with something the server does not have%s\n",
-              file.c_str(), attempts->size(), static_cast<double>(bytes) / 1e6, waiting->size(),
+              file.c_str(), attempts.size(), static_cast<double>(bytes) / 1e6, waiting.size(),
               refused == 0 ? "" : (", " + std::to_string(refused) + " that it refuses").c_str());
-  for (const SpooledAttempt& a : *attempts) PrintLine(a);
+  for (const SpooledAttempt& a : attempts) PrintLine(a);
   return Status::Ok();
 }
 
 Status ShowLoops(const SpoolCommand& options) {
-  auto spool = Spool::OpenToRead(options.workplace.data);
-  if (!spool.ok()) return spool.status();
-  auto id = AttemptMeant(**spool, options.attempt, [](const auto&) { return true; });
+  ENAMEL_ASSIGN_OR_RETURN(auto spool, Spool::OpenToRead(options.workplace.data));
+  auto id = AttemptMeant(*spool, options.attempt, [](const auto&) { return true; });
   if (!id.ok()) return id.status();
-  if (auto there = (*spool)->Get(*id); !there.ok()) return there.status();
-  auto kept = (*spool)->LoopFactsOf(*id);
-  if (!kept.ok()) return kept.status();
+  if (auto there = spool->Get(*id); !there.ok()) return there.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto kept, spool->LoopFactsOf(*id));
   json::array runs;
-  for (const KeptLoopFacts& run : *kept) {
+  for (const KeptLoopFacts& run : kept) {
     boost::system::error_code error;
     json::value facts = json::parse(run.json, error);
     if (error || !facts.is_object()) {
@@ -300,19 +292,18 @@ Status ShowLoops(const SpoolCommand& options) {
 }
 
 Status VerifySpool(const SpoolCommand& options) {
-  auto spool = OpenSpool(options.workplace.data);
-  if (!spool.ok()) return spool.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto spool, OpenSpool(options.workplace.data));
   std::optional<trace::PublicKey> key;
   if (auto credentials = LoadCredentials(options.workplace.data); credentials.ok()) {
     key = credentials->public_key();
   }
   Status pages;
-  auto verdicts = *spool ? (*spool)->Verify(key, &pages)
-                         : Result<std::vector<SpoolVerdict>>(std::vector<SpoolVerdict>());
-  if (!verdicts.ok()) return verdicts.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto verdicts,
+                          spool ? spool->Verify(key, &pages)
+                                : Result<std::vector<SpoolVerdict>>(std::vector<SpoolVerdict>()));
   Status worst = pages;
   json::array all;
-  for (const SpoolVerdict& v : *verdicts) {
+  for (const SpoolVerdict& v : verdicts) {
     json::object facts = FactsOf(v.attempt);
     facts["whole"] = v.status.ok();
     facts["problem"] = v.status.message();
@@ -328,7 +319,7 @@ Status VerifySpool(const SpoolCommand& options) {
   if (options.json) {
     PrintJson({{"signatures_checked", key.has_value()}, {"attempts", all}});
   } else if (worst.ok()) {
-    std::printf("%zu attempts: chains%s and seals are right\n", verdicts->size(),
+    std::printf("%zu attempts: chains%s and seals are right\n", verdicts.size(),
                 key ? ", signatures" : "");
   }
   return worst;
@@ -336,45 +327,40 @@ Status VerifySpool(const SpoolCommand& options) {
 
 Status ExportFromSpool(const SpoolCommand& options) {
   ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(options.out, "--out"));
-  auto spool = Spool::OpenToRead(options.workplace.data);
-  if (!spool.ok()) return spool.status();
-  auto id = AttemptMeant(**spool, options.attempt, [](const auto&) { return true; });
+  ENAMEL_ASSIGN_OR_RETURN(auto spool, Spool::OpenToRead(options.workplace.data));
+  auto id = AttemptMeant(*spool, options.attempt, [](const auto&) { return true; });
   if (!id.ok()) return id.status();
-  auto file = (*spool)->Export(*id);
-  if (!file.ok()) return file.status();
-  Bytes bytes = trace::EncodeTraceFile(*file);
+  ENAMEL_ASSIGN_OR_RETURN(auto file, spool->Export(*id));
+  Bytes bytes = trace::EncodeTraceFile(file);
   ENAMEL_RETURN_IF_ERROR(WriteFileDurably(options.out, bytes, 0600));
   if (options.json) {
     PrintJson({{"attempt_id", id->Text()},
                {"file", options.out.string()},
-               {"chunks", file->chunks.size()},
+               {"chunks", file.chunks.size()},
                {"bytes", bytes.size()},
-               {"sealed", file->seal.has_value()}});
+               {"sealed", file.seal.has_value()}});
     return Status::Ok();
   }
-  std::printf("%s: %zu chunks, %zu bytes%s\n", options.out.c_str(), file->chunks.size(),
-              bytes.size(), file->seal ? ", sealed" : ", not sealed");
+  std::printf("%s: %zu chunks, %zu bytes%s\n", options.out.c_str(), file.chunks.size(),
+              bytes.size(), file.seal ? ", sealed" : ", not sealed");
   return Status::Ok();
 }
 
 Status UploadSpool(const SpoolCommand& options) {
-  auto credentials = LoadCredentialsFor(options.workplace.data, options.workplace.server);
-  if (!credentials.ok()) return credentials.status();
-  auto spool = Spool::Open(options.workplace.data);
-  if (!spool.ok()) return spool.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto credentials,
+                          LoadCredentialsFor(options.workplace.data, options.workplace.server));
+  ENAMEL_ASSIGN_OR_RETURN(auto spool, Spool::Open(options.workplace.data));
   if (!options.again.empty()) {
-    auto id = Uuid::Parse(options.again);
-    if (!id.ok()) return id.status();
-    auto there = (*spool)->Get(*id);
+    ENAMEL_ASSIGN_OR_RETURN(auto id, Uuid::Parse(options.again));
+    auto there = spool->Get(id);
     if (!there.ok()) return there.status();
-    ENAMEL_RETURN_IF_ERROR((*spool)->ClearRefusal(*id));
+    ENAMEL_RETURN_IF_ERROR(spool->ClearRefusal(id));
   }
-  auto waiting = WaitingAttempts(**spool);
-  if (!waiting.ok()) return waiting.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto waiting, WaitingAttempts(*spool));
   ServerLink link;
   Bandwidth bandwidth(options.workplace.uploader.bytes_per_s);
-  Carrier carrier(link, **spool, bandwidth);
-  Status status = link.Connect(*credentials);
+  Carrier carrier(link, *spool, bandwidth);
+  Status status = link.Connect(credentials);
   if (status.ok()) {
     auto wanted = carrier.Offer();
     status = wanted.ok() ? carrier.ReturnTickets() : wanted.status();
@@ -382,20 +368,18 @@ Status UploadSpool(const SpoolCommand& options) {
       std::printf("the server has lost %zu attempts that it once had: they are sent again\n",
                   *wanted);
     }
-  } else if (waiting->empty() && IsTransient(status)) {
+  } else if (waiting.empty() && IsTransient(status)) {
     status = Status::Ok();  // nothing to send, and nobody to ask whether something got lost
   }
-  if (!status.ok() && !IsDamaged(status)) (void)(*spool)->MarkAllTried(status.message());
+  if (!status.ok() && !IsDamaged(status)) (void)(spool)->MarkAllTried(status.message());
   json::array sent;
-  if (status.ok() && link.connected()) status = SendWaiting(carrier, **spool, options.json, sent);
+  if (status.ok() && link.connected()) status = SendWaiting(carrier, *spool, options.json, sent);
   if (status.ok() || !IsTransient(status)) {
-    auto all = (*spool)->List();
-    if (!all.ok()) return all.status();
-    if (Status refused = Refusals(*all); !refused.ok()) status = refused;
+    ENAMEL_ASSIGN_OR_RETURN(auto all, spool->List());
+    if (Status refused = Refusals(all); !refused.ok()) status = refused;
   }
-  auto pruned = (*spool)->Prune(options.workplace.retention);
-  if (!pruned.ok()) return pruned.status();
-  if (std::string text = PrunedText(*pruned, options.workplace.retention); !text.empty()) {
+  ENAMEL_ASSIGN_OR_RETURN(auto pruned, spool->Prune(options.workplace.retention));
+  if (std::string text = PrunedText(pruned, options.workplace.retention); !text.empty()) {
     spdlog::warn("{}", text);
   }
   if (options.json) PrintJson({{"attempts", sent}, {"problem", status.message()}});
@@ -404,11 +388,10 @@ Status UploadSpool(const SpoolCommand& options) {
 }
 
 Status SalvageIntoFolder(const SpoolCommand& options) {
-  auto saved = SalvageSpool(options.workplace.data, options.out);
-  if (!saved.ok()) return saved.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto saved, SalvageSpool(options.workplace.data, options.out));
   json::array all;
   size_t hit = 0;
-  for (const SalvagedAttempt& a : saved->attempts) {
+  for (const SalvagedAttempt& a : saved.attempts) {
     hit += a.problem.ok() ? 0 : 1;
     all.push_back({{"attempt_id", a.id.Text()},
                    {"chunks", a.chunks},
@@ -420,33 +403,31 @@ Status SalvageIntoFolder(const SpoolCommand& options) {
                 a.problem.ok() ? "" : ": ", a.problem.message().c_str());
   }
   if (options.json) {
-    PrintJson({{"attempts", all}, {"hit", hit}, {"tickets", saved->tickets}});
+    PrintJson({{"attempts", all}, {"hit", hit}, {"tickets", saved.tickets}});
     return Status::Ok();
   }
   std::printf(
       "%zu attempts whole, %zu hit, %zu tickets for later. The new spool is %s: move the damaged "
       "one away (keep it) with what is beside it (-wal, -shm), and this one into its place\n",
-      saved->attempts.size() - hit, hit, saved->tickets, (options.out / "spool.sqlite").c_str());
+      saved.attempts.size() - hit, hit, saved.tickets, (options.out / "spool.sqlite").c_str());
   return Status::Ok();
 }
 
 Status CloseInSpool(const SpoolCommand& options) {
-  auto spool = Spool::Open(options.workplace.data);
-  if (!spool.ok()) return spool.status();
-  auto lock = (*spool)->LockForRecording();
+  ENAMEL_ASSIGN_OR_RETURN(auto spool, Spool::Open(options.workplace.data));
+  auto lock = spool->LockForRecording();
   if (!lock.ok()) return lock.status();
-  auto id = AttemptMeant(**spool, options.attempt, [](const auto& a) { return !a.seal; });
+  auto id = AttemptMeant(*spool, options.attempt, [](const auto& a) { return !a.seal; });
   if (!id.ok()) return id.status();
-  auto seal = (*spool)->CloseAttempt(*id);
-  if (!seal.ok()) return seal.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto seal, spool->CloseAttempt(*id));
   if (options.json) {
-    PrintJson({{"attempt_id", id->Text()}, {"chunks", seal->chunks}, {"ticks", seal->ticks}});
+    PrintJson({{"attempt_id", id->Text()}, {"chunks", seal.chunks}, {"ticks", seal.ticks}});
     return Status::Ok();
   }
   std::printf(
       "%s: sealed after %llu ticks; what was not cut counts as missing. 'enamel-station upload' "
       "sends it\n",
-      id->Text().c_str(), static_cast<unsigned_ll>(seal->ticks));
+      id->Text().c_str(), static_cast<unsigned_ll>(seal.ticks));
   return Status::Ok();
 }
 

@@ -261,9 +261,8 @@ Status RunDesk(const DeskOptions& options) {
   }
   Script script;
   if (!options.script.empty()) {
-    auto read = Script::Read(options.script);
-    if (!read.ok()) return read.status();
-    script = std::move(*read);
+    ENAMEL_ASSIGN_OR_RETURN(auto read, Script::Read(options.script));
+    script = std::move(read);
   }
   Opening opening(options.workplace);
   std::signal(SIGINT, OnSignal);

@@ -43,9 +43,9 @@ Result<std::unique_ptr<Stage>> Stage::Create(PreparedAttempt prepared, const Dev
   } else {
     const OperatorPreset* preset = FindOperator(offer.operator_name);
     ENAMEL_CHECK(preset != nullptr);
-    auto made = MakeSimulatedDevice(*preset, p.scene, p.exercise, p.profile, params, p.volume);
-    if (!made.ok()) return made.status();
-    stage->simulated_ = std::move(*made);
+    ENAMEL_ASSIGN_OR_RETURN(
+        auto made, MakeSimulatedDevice(*preset, p.scene, p.exercise, p.profile, params, p.volume));
+    stage->simulated_ = std::move(made);
     device = stage->simulated_.get();
   }
   stage->held_ = std::make_unique<HeldDevice>(*device);
@@ -72,9 +72,8 @@ Status Stage::Begin(Workplace& workplace, int cpu) {
   options.cpu = cpu;
   options.faults_when_late = held_->has_motors() && !simulated();
   options.observer = feed_.get();
-  auto run = workplace.Begin(prepared_, *held_, options);
-  if (!run.ok()) return run.status();
-  run_ = std::move(*run);
+  ENAMEL_ASSIGN_OR_RETURN(auto run, workplace.Begin(prepared_, *held_, options));
+  run_ = std::move(run);
   return Status::Ok();
 }
 

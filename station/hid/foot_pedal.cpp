@@ -21,9 +21,8 @@ bool ParseField(std::string_view field, PedalSettings& out) {
 Result<PedalSettings> ParsePedal(std::string_view text) {
   PedalSettings out;
   size_t comma = text.find(',');
-  auto match = ParseHidMatch(text.substr(0, comma));
-  if (!match.ok()) return match.status();
-  out.match = *match;
+  ENAMEL_ASSIGN_OR_RETURN(auto match, ParseHidMatch(text.substr(0, comma)));
+  out.match = match;
   while (comma != text.npos) {
     text = text.substr(comma + 1);
     comma = text.find(',');
@@ -45,13 +44,12 @@ PedalReading ReadPedal(const PedalSettings& settings, ByteView report) noexcept 
 }
 
 Result<std::unique_ptr<FootPedal>> FootPedal::Open(const PedalSettings& settings) {
-  auto info = FindHid(settings.match);
-  if (!info.ok()) return info.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto info, FindHid(settings.match));
   // Once here, so that a refusal is told and not retried for ever.
-  auto port = HidPort::Open(info->path);
+  auto port = HidPort::Open(info.path);
   if (!port.ok()) return port.status();
   return std::unique_ptr<FootPedal>(
-      new FootPedal(settings, info->name.empty() ? settings.match.Text() : info->name));
+      new FootPedal(settings, info.name.empty() ? settings.match.Text() : info.name));
 }
 
 FootPedal::FootPedal(const PedalSettings& settings, std::string name)

@@ -53,10 +53,9 @@ std::array<int32_t, 3> WithinPeak(const dvec3& force_n, const FeatureReport& boa
 }  // namespace
 
 Result<FeatureReport> AskFeature(HidPort& port) {
-  auto bytes = port.GetFeature(kFeatureId, kFeatureBytes);
-  if (!bytes.ok()) return bytes.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto bytes, port.GetFeature(kFeatureId, kFeatureBytes));
   FeatureReport feature;
-  ReportError error = DecodeFeature(*bytes, feature);
+  ReportError error = DecodeFeature(bytes, feature);
   if (error == ReportError::kNone) return feature;
   return Status(error == ReportError::kVersion ? Code::kVersion : Code::kInvalidInput,
                 std::string("what the board says of itself (feature report 0x44) is ") +
@@ -83,13 +82,10 @@ Result<std::unique_ptr<HapticBoard>> HapticBoard::Open(const HapticBoardSettings
   HidMatch match = settings.match;
   match.usage_page = kBoardUsagePage;
   match.usage = kBoardUsage;
-  auto info = FindHid(match);
-  if (!info.ok()) return info.status();
-  auto port = HidPort::Open(info->path);
-  if (!port.ok()) return port.status();
-  auto feature = AskFeature(**port);
-  if (!feature.ok()) return feature.status();
-  std::unique_ptr<HapticBoard> board(new HapticBoard(settings, *info, std::move(*feature)));
+  ENAMEL_ASSIGN_OR_RETURN(auto info, FindHid(match));
+  ENAMEL_ASSIGN_OR_RETURN(auto port, HidPort::Open(info.path));
+  ENAMEL_ASSIGN_OR_RETURN(auto feature, AskFeature(*port));
+  std::unique_ptr<HapticBoard> board(new HapticBoard(settings, info, std::move(feature)));
   for (auto waited = kStep; waited <= kFirstReport; waited += kStep) {
     if (board->samples_ > 0) return board;
     std::this_thread::sleep_for(kStep);

@@ -28,34 +28,29 @@ bool Names(std::string_view choice, std::string_view kind) {
 Result<std::unique_ptr<Device>> OpenBoard(const DeviceChoice& choice,
                                           const scene::DeviceProfile& profile, double tick_s) {
   HapticBoardSettings settings;
-  auto match = MatchAfter(choice.device, kBoardName);
-  if (!match.ok()) return match.status();
-  auto axes = ParseAxisMap(choice.axes);
-  if (!axes.ok()) return axes.status();
-  settings.match = *match;
-  settings.axes = *axes;
+  ENAMEL_ASSIGN_OR_RETURN(auto match, MatchAfter(choice.device, kBoardName));
+  ENAMEL_ASSIGN_OR_RETURN(auto axes, ParseAxisMap(choice.axes));
+  settings.match = match;
+  settings.axes = axes;
   settings.watchdog_ms = choice.watchdog_ms;
   settings.thread_setup = choice.thread_setup;
-  auto board = HapticBoard::Open(settings);
-  if (!board.ok()) return board.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto board, HapticBoard::Open(settings));
   ENAMEL_RETURN_IF_ERROR(
-      CheckBoard((*board)->feature(), profile, static_cast<uint32_t>(std::lround(1 / tick_s))));
-  return std::unique_ptr<Device>(std::move(*board));
+      CheckBoard(board->feature(), profile, static_cast<uint32_t>(std::lround(1 / tick_s))));
+  return std::unique_ptr<Device>(std::move(board));
 }
 
 Result<std::unique_ptr<Device>> OpenMouse(const DeviceChoice& choice,
                                           const scene::DeviceProfile& profile, double tick_s) {
   SpaceMouseSettings settings;
-  auto match = MatchAfter(choice.device, kMouseName);
-  if (!match.ok()) return match.status();
-  settings.match = *match;
+  ENAMEL_ASSIGN_OR_RETURN(auto match, MatchAfter(choice.device, kMouseName));
+  settings.match = match;
   settings.match.usage_page = kMultiAxisPage;
   settings.match.usage = kMultiAxisUsage;
   settings.reach_m = static_cast<double>(profile.workspace_radius_um.value) * 1e-6;
   double resolution_m = static_cast<double>(profile.resolution_nm.value) * 1e-9;
-  auto mouse = SpaceMouse::Open(settings, resolution_m, tick_s);
-  if (!mouse.ok()) return mouse.status();
-  return std::unique_ptr<Device>(std::move(*mouse));
+  ENAMEL_ASSIGN_OR_RETURN(auto mouse, SpaceMouse::Open(settings, resolution_m, tick_s));
+  return std::unique_ptr<Device>(std::move(mouse));
 }
 
 }  // namespace
@@ -125,18 +120,15 @@ Result<std::unique_ptr<Device>> OpenDevice(const DeviceChoice& choice,
 Result<std::unique_ptr<Device>> WithPedal(std::unique_ptr<Device> device,
                                           const std::string& pedal) {
   if (pedal.empty()) return device;
-  auto settings = ParsePedal(pedal);
-  if (!settings.ok()) return settings.status();
-  auto opened = FootPedal::Open(*settings);
-  if (!opened.ok()) return opened.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto settings, ParsePedal(pedal));
+  ENAMEL_ASSIGN_OR_RETURN(auto opened, FootPedal::Open(settings));
   return std::unique_ptr<Device>(
-      std::make_unique<PedalledDevice>(std::move(device), std::move(*opened)));
+      std::make_unique<PedalledDevice>(std::move(device), std::move(opened)));
 }
 
 Result<FeatureReport> AskBoard(const HidInfo& info) {
-  auto port = HidPort::Open(info.path);
-  if (!port.ok()) return port.status();
-  return AskFeature(**port);
+  ENAMEL_ASSIGN_OR_RETURN(auto port, HidPort::Open(info.path));
+  return AskFeature(*port);
 }
 
 }  // namespace enamel::station::hid

@@ -56,12 +56,11 @@ SpaceMouseMotion MotionOf(const SpaceMouseState& state,
 
 Result<std::unique_ptr<SpaceMouse>> SpaceMouse::Open(const SpaceMouseSettings& settings,
                                                      double resolution_m, double tick_s) {
-  auto info = FindHid(settings.match);
-  if (!info.ok()) return info.status();
-  auto port = HidPort::Open(info->path);
+  ENAMEL_ASSIGN_OR_RETURN(auto info, FindHid(settings.match));
+  auto port = HidPort::Open(info.path);
   if (!port.ok()) return port.status();
   return std::unique_ptr<SpaceMouse>(new SpaceMouse(
-      settings, info->name.empty() ? "6-DoF mouse" : info->name, resolution_m, tick_s));
+      settings, info.name.empty() ? "6-DoF mouse" : info.name, resolution_m, tick_s));
 }
 
 SpaceMouse::SpaceMouse(const SpaceMouseSettings& settings, std::string name, double resolution_m,

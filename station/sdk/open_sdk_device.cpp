@@ -48,11 +48,10 @@ Result<std::unique_ptr<Device>> Open(const Library& library, const hid::DeviceCh
                       "' needs: install the maker's SDK and build again (station/sdk/README.md)",
                   "device");
   }
-  auto bus = library.open();
-  if (!bus.ok()) return bus.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto bus, library.open());
   double resolution_m = static_cast<double>(profile.resolution_nm.value) * 1e-9;
   return std::unique_ptr<Device>(
-      std::make_unique<PolledDevice>(std::move(*bus), resolution_m, choice.thread_setup));
+      std::make_unique<PolledDevice>(std::move(bus), resolution_m, choice.thread_setup));
 }
 
 }  // namespace

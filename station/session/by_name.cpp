@@ -46,15 +46,13 @@ Result<Catalogue::Exercise> ChooseByName(const std::vector<Catalogue::Exercise>&
 
 Result<PreparedAttempt> PrepareByName(Workplace& workplace, const std::string& exercise_name,
                                       const std::string& profile_name) {
-  auto catalogue = workplace.Exercises();
-  if (!catalogue.ok()) return catalogue.status();
-  auto exercise = ChooseByName(catalogue->exercises, exercise_name);
-  if (!exercise.ok()) return exercise.status();
-  auto profile = std::ranges::find(catalogue->profiles, profile_name, &Catalogue::Profile::name);
-  if (profile == catalogue->profiles.end()) {
-    return Unknown("device profile", profile_name, catalogue->profiles);
+  ENAMEL_ASSIGN_OR_RETURN(auto catalogue, workplace.Exercises());
+  ENAMEL_ASSIGN_OR_RETURN(auto exercise, ChooseByName(catalogue.exercises, exercise_name));
+  auto profile = std::ranges::find(catalogue.profiles, profile_name, &Catalogue::Profile::name);
+  if (profile == catalogue.profiles.end()) {
+    return Unknown("device profile", profile_name, catalogue.profiles);
   }
-  return workplace.Prepare(*exercise, *profile);
+  return workplace.Prepare(exercise, *profile);
 }
 
 }  // namespace enamel::station

@@ -78,9 +78,8 @@ Status UseDelayOf(PreparedAttempt& prepared, const Device& device, const fs::pat
   const int64_t rate_hz = prepared.header.params.rate_hz;
   const auto used =
       scene::DelayOfAttached(prepared.profile, calibration ? &*calibration : nullptr, rate_hz);
-  auto profile = scene::WithDelay(prepared.profile, rate_hz, used.ticks);
-  if (!profile.ok()) return profile.status();
-  const int64_t was = prepared.header.params.kc_mn_per_mm, is = profile->coupling_mn_per_mm.value;
+  ENAMEL_ASSIGN_OR_RETURN(auto profile, scene::WithDelay(prepared.profile, rate_hz, used.ticks));
+  const int64_t was = prepared.header.params.kc_mn_per_mm, is = profile.coupling_mn_per_mm.value;
   if (prepared.core) {
     if (was > is) {
       return Status(Code::kConflict,
@@ -89,7 +88,7 @@ Status UseDelayOf(PreparedAttempt& prepared, const Device& device, const fs::pat
                         ": go on with the device it was begun on, or close it",
                     "coupling_mn_per_mm");
     }
-    const int64_t turning = profile->torque ? profile->torque->coupling_un_m_per_rad.value : 0;
+    const int64_t turning = profile.torque ? profile.torque->coupling_un_m_per_rad.value : 0;
     if (prepared.header.params.peak_torque_un_m > 0 &&
         prepared.header.params.rotational_kc_un_m_per_rad > turning) {
       return Status(Code::kConflict,
@@ -111,9 +110,9 @@ Status UseDelayOf(PreparedAttempt& prepared, const Device& device, const fs::pat
     prepared.delay = used;
     return Status::Ok();
   }
-  auto params = scene::CompilePlan(prepared.scene, prepared.exercise, *profile);
-  if (!params.ok()) return params.status();
-  prepared.header.params = *params;
+  ENAMEL_ASSIGN_OR_RETURN(auto params,
+                          scene::CompilePlan(prepared.scene, prepared.exercise, profile));
+  prepared.header.params = params;
   prepared.delay = used;
   const bool assumed = used.from == scene::DelayUsed::From::kAssumed;
   spdlog::log(assumed ? spdlog::level::warn : spdlog::level::info, "{}: Kc {} mN/mm{}",

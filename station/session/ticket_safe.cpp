@@ -64,14 +64,13 @@ Status TicketSafe::Put(const trace::Ticket& ticket, LockedTicket names, const st
   names.attempt = ticket.attempt;
   names.expires_unix_ms = ticket.expires_unix_ms;
   randombytes_buf(names.salt.data(), names.salt.size());
-  auto key = KeyOf(pin, names.salt);
-  if (!key.ok()) return key.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto key, KeyOf(pin, names.salt));
   Bytes open = trace::EncodeTicket(ticket);
   names.locked.resize(crypto_secretbox_NONCEBYTES + crypto_secretbox_MACBYTES + open.size());
   randombytes_buf(names.locked.data(), crypto_secretbox_NONCEBYTES);
   crypto_secretbox_easy(names.locked.data() + crypto_secretbox_NONCEBYTES, open.data(), open.size(),
-                        names.locked.data(), key->data());
-  sodium_memzero(key->data(), key->size());
+                        names.locked.data(), key.data());
+  sodium_memzero(key.data(), key.size());
   return spool_.PutTicket(names);
 }
 
@@ -90,9 +89,8 @@ Result<std::vector<LockedTicket>> TicketSafe::List() {
 }
 
 Status TicketSafe::HandBack(const Uuid& attempt) {
-  auto all = List();
-  if (!all.ok()) return all.status();
-  if (std::ranges::find(*all, attempt, &LockedTicket::attempt) == all->end()) {
+  ENAMEL_ASSIGN_OR_RETURN(auto all, List());
+  if (std::ranges::find(all, attempt, &LockedTicket::attempt) == all.end()) {
     return NoTicket(attempt);
   }
   if (spool_.Get(attempt).ok()) {
@@ -104,29 +102,27 @@ Status TicketSafe::HandBack(const Uuid& attempt) {
 }
 
 Result<trace::Ticket> TicketSafe::Open(const Uuid& attempt, const std::string& pin) {
-  auto all = List();
-  if (!all.ok()) return all.status();
-  auto t = std::ranges::find(*all, attempt, &LockedTicket::attempt);
-  if (t == all->end()) return NoTicket(attempt);
+  ENAMEL_ASSIGN_OR_RETURN(auto all, List());
+  auto t = std::ranges::find(all, attempt, &LockedTicket::attempt);
+  if (t == all.end()) return NoTicket(attempt);
   if (int64_t wait_ms = t->wait_unix_ms - clock_(); wait_ms > 0) {
     return Status(Code::kUnavailable, "after a wrong PIN: wait " +
                                           std::to_string((wait_ms + 999) / 1000) +
                                           " s before the next try");
   }
-  auto counted = spool_.CountPinTry(attempt, clock_(), kFreeTries, kMaxTries,
-                                    std::chrono::milliseconds(kFirstWait).count());
-  if (!counted.ok()) return counted.status();
-  if (!*counted) return Status(Code::kUnavailable, "another try of this PIN is going on: wait");
-  const int tries = **counted;
-  auto key = KeyOf(pin, t->salt);
-  if (!key.ok()) return key.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto counted,
+                          spool_.CountPinTry(attempt, clock_(), kFreeTries, kMaxTries,
+                                             std::chrono::milliseconds(kFirstWait).count()));
+  if (!counted) return Status(Code::kUnavailable, "another try of this PIN is going on: wait");
+  const int tries = *counted;
+  ENAMEL_ASSIGN_OR_RETURN(auto key, KeyOf(pin, t->salt));
   const size_t overhead = crypto_secretbox_NONCEBYTES + crypto_secretbox_MACBYTES;
   Bytes open(t->locked.size() > overhead ? t->locked.size() - overhead : 0);
   bool right = !open.empty() && crypto_secretbox_open_easy(
                                     open.data(), t->locked.data() + crypto_secretbox_NONCEBYTES,
                                     t->locked.size() - crypto_secretbox_NONCEBYTES,
-                                    t->locked.data(), key->data()) == 0;
-  sodium_memzero(key->data(), key->size());
+                                    t->locked.data(), key.data()) == 0;
+  sodium_memzero(key.data(), key.size());
   if (right) {
     ENAMEL_RETURN_IF_ERROR(spool_.ForgetPinTries(attempt));
     return trace::DecodeTicket(open);

@@ -28,19 +28,15 @@ Result<PreparedAttempt> Assemble(const Sha256& exercise, const Sha256& profile,
   PreparedAttempt out;
   out.exercise_hash = exercise;
   out.profile_hash = profile;
-  auto documents = scene::ReadDocuments(exercise, profile, fetch);
-  if (!documents.ok()) return documents.status();
-  out.exercise = std::move(documents->exercise);
-  out.scene = std::move(documents->scene);
-  out.profile = std::move(documents->profile);
-  auto blob = fetch(out.scene.volume);
-  if (!blob.ok()) return blob.status();
-  auto volume = scene::DecodeVolume(*blob);
-  if (!volume.ok()) return volume.status();
-  out.volume = std::move(*volume);
-  auto params = scene::CompilePlan(out.scene, out.exercise, out.profile);
-  if (!params.ok()) return params.status();
-  out.header = {{}, out.exercise.scene, out.scene.volume, *params, SoftwareName()};
+  ENAMEL_ASSIGN_OR_RETURN(auto documents, scene::ReadDocuments(exercise, profile, fetch));
+  out.exercise = std::move(documents.exercise);
+  out.scene = std::move(documents.scene);
+  out.profile = std::move(documents.profile);
+  ENAMEL_ASSIGN_OR_RETURN(auto blob, fetch(out.scene.volume));
+  ENAMEL_ASSIGN_OR_RETURN(auto volume, scene::DecodeVolume(blob));
+  out.volume = std::move(volume);
+  ENAMEL_ASSIGN_OR_RETURN(auto params, scene::CompilePlan(out.scene, out.exercise, out.profile));
+  out.header = {{}, out.exercise.scene, out.scene.volume, params, SoftwareName()};
   return out;
 }
 
@@ -69,12 +65,10 @@ uint32_t GapTicks(const Silence& silence, uint32_t rate_hz) {
 }  // namespace
 
 Result<std::unique_ptr<Workplace>> Workplace::Open(const WorkplaceOptions& options) {
-  auto credentials = LoadCredentialsFor(options.data, options.server);
-  if (!credentials.ok()) return credentials.status();
-  auto spool = Spool::Open(options.data);
-  if (!spool.ok()) return spool.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto credentials, LoadCredentialsFor(options.data, options.server));
+  ENAMEL_ASSIGN_OR_RETURN(auto spool, Spool::Open(options.data));
   return std::unique_ptr<Workplace>(
-      new Workplace(options, std::move(*credentials), std::move(*spool)));
+      new Workplace(options, std::move(credentials), std::move(spool)));
 }
 
 Workplace::Workplace(const WorkplaceOptions& options, Credentials credentials,
@@ -207,9 +201,8 @@ Result<Person> Workplace::SignedIn(const ServerLink& link) {
 
 Result<Catalogue> Workplace::Exercises() {
   auto link = UseLink();
-  auto who = SignedIn(*link);
-  if (!who.ok()) return who.status();
-  return link->ListExercises(*who);
+  ENAMEL_ASSIGN_OR_RETURN(auto who, SignedIn(*link));
+  return link->ListExercises(who);
 }
 
 Result<PreparedAttempt> Workplace::Prepare(const Catalogue::Exercise& exercise,
@@ -226,10 +219,9 @@ Result<PreparedAttempt> Workplace::Prepare(const Catalogue::Exercise& exercise,
 
 Status Workplace::MakeReady(PreparedAttempt& prepared) {
   if (prepared.lock) return Status::Ok();
-  auto lock = spool_->LockForRecording();
-  if (!lock.ok()) return lock.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto lock, spool_->LockForRecording());
   ENAMEL_RETURN_IF_ERROR(spool_->ProveWritable(RoomFor(prepared)));
-  prepared.lock.emplace(std::move(*lock));
+  prepared.lock.emplace(std::move(lock));
   return Status::Ok();
 }
 
@@ -243,16 +235,15 @@ Status Workplace::TakeTicket(PreparedAttempt& prepared, bool as_reference) {
 
 Status Workplace::AskForTicket(PreparedAttempt& prepared, bool as_reference) {
   auto link = UseLink();
-  auto who = SignedIn(*link);
-  if (!who.ok()) return who.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto who, SignedIn(*link));
   ENAMEL_RETURN_IF_ERROR(TellReturned(*link));
-  auto ticket = link->RequestTicket(
-      credentials_, *who,
-      {prepared.exercise_hash, prepared.profile_hash, prepared.assignment, as_reference, false});
-  if (!ticket.ok()) return ticket.status();
-  prepared.header.ticket = *ticket;
+  ENAMEL_ASSIGN_OR_RETURN(auto ticket,
+                          link->RequestTicket(credentials_, who,
+                                              {prepared.exercise_hash, prepared.profile_hash,
+                                               prepared.assignment, as_reference, false}));
+  prepared.header.ticket = ticket;
   std::lock_guard lock(mutex_);
-  unused_ = ticket->attempt;
+  unused_ = ticket.attempt;
   return Status::Ok();
 }
 
@@ -314,25 +305,23 @@ Result<std::unique_ptr<RunningAttempt>> Workplace::Begin(PreparedAttempt& prepar
 Status Workplace::Reserve(const PreparedAttempt& prepared, const std::string& pin) {
   ENAMEL_RETURN_IF_ERROR(TicketSafe::CheckPin(pin));
   auto link = UseLink();
-  auto who = SignedIn(*link);
-  if (!who.ok()) return who.status();
-  auto ticket = link->RequestTicket(
-      credentials_, *who,
-      {prepared.exercise_hash, prepared.profile_hash, prepared.assignment, false, true});
-  if (!ticket.ok()) return ticket.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto who, SignedIn(*link));
+  ENAMEL_ASSIGN_OR_RETURN(auto ticket,
+                          link->RequestTicket(credentials_, who,
+                                              {prepared.exercise_hash, prepared.profile_hash,
+                                               prepared.assignment, false, true}));
   LockedTicket names;
-  names.person = who->display_name;
+  names.person = who.display_name;
   names.exercise = prepared.exercise.name;
   names.title = prepared.exercise.title;
   names.profile = prepared.profile.name;
-  return safe_.Put(*ticket, names, pin);
+  return safe_.Put(ticket, names, pin);
 }
 
 Result<std::vector<ReservedAttempt>> Workplace::Reserved() {
-  auto tickets = safe_.List();
-  if (!tickets.ok()) return tickets.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto tickets, safe_.List());
   std::vector<ReservedAttempt> out;
-  for (LockedTicket& t : *tickets) {
+  for (LockedTicket& t : tickets) {
     auto begun = spool_->Get(t.attempt);
     if (begun.ok() && begun->seal) {
       ENAMEL_RETURN_IF_ERROR(safe_.Remove(t.attempt));
@@ -390,11 +379,10 @@ Result<PreparedAttempt> Workplace::PrepareReserved(const Uuid& attempt, const st
   if (spool_->Get(attempt).ok()) {
     return Status(Code::kConflict, "attempt " + attempt.Text() + " was begun already: resume it");
   }
-  auto ticket = safe_.Open(attempt, pin);
-  if (!ticket.ok()) return ticket.status();
-  ENAMEL_RETURN_IF_ERROR(CheckTicket(*ticket));
-  auto prepared = FromCache(*ticket);
-  if (prepared.ok()) prepared->header.ticket = *ticket;
+  ENAMEL_ASSIGN_OR_RETURN(auto ticket, safe_.Open(attempt, pin));
+  ENAMEL_RETURN_IF_ERROR(CheckTicket(ticket));
+  auto prepared = FromCache(ticket);
+  if (prepared.ok()) prepared->header.ticket = ticket;
   return prepared;
 }
 
@@ -422,9 +410,8 @@ Result<std::vector<SpooledAttempt>> Workplace::UnfinishedOf(const Uuid& person) 
   if (!all.ok()) return all;
   std::vector<SpooledAttempt> out;
   for (SpooledAttempt& a : *all) {
-    auto header = HeaderOf(a.id);
-    if (!header.ok()) return header.status();
-    if (header->ticket.person == person) out.push_back(std::move(a));
+    ENAMEL_ASSIGN_OR_RETURN(auto header, HeaderOf(a.id));
+    if (header.ticket.person == person) out.push_back(std::move(a));
   }
   return out;
 }
@@ -436,46 +423,40 @@ Result<std::vector<SpooledAttempt>> Workplace::HandedInOf(const Uuid& person, si
   for (SpooledAttempt& a : *all | std::views::reverse) {
     if (out.size() == most) break;
     if (!a.seal || !a.refused.empty()) continue;
-    auto header = HeaderOf(a.id);
-    if (!header.ok()) return header.status();
-    if (header->ticket.person == person) out.push_back(std::move(a));
+    ENAMEL_ASSIGN_OR_RETURN(auto header, HeaderOf(a.id));
+    if (header.ticket.person == person) out.push_back(std::move(a));
   }
   return out;
 }
 
 Result<trace::Header> Workplace::HeaderOf(const Uuid& attempt) {
-  auto bytes = spool_->HeaderOf(attempt);
-  if (!bytes.ok()) return bytes.status();
-  return trace::DecodeHeader(*bytes);
+  ENAMEL_ASSIGN_OR_RETURN(auto bytes, spool_->HeaderOf(attempt));
+  return trace::DecodeHeader(bytes);
 }
 
 Result<PreparedAttempt> Workplace::PrepareResume(const Uuid& attempt, const KeepGoing& keep_going) {
-  auto header = HeaderOf(attempt);
-  if (!header.ok()) return header.status();
-  auto who = SignedIn(*UseLink());
-  if (!who.ok()) return who.status();
-  if (who->id != header->ticket.person) {
+  ENAMEL_ASSIGN_OR_RETURN(auto header, HeaderOf(attempt));
+  ENAMEL_ASSIGN_OR_RETURN(auto who, SignedIn(*UseLink()));
+  if (who.id != header.ticket.person) {
     return Status(Code::kForbidden, "attempt " + attempt.Text() +
                                         " is somebody else's: only who began it can go on with it");
   }
-  return Replayed(*header, keep_going);
+  return Replayed(header, keep_going);
 }
 
 Result<PreparedAttempt> Workplace::PrepareResume(const Uuid& attempt, const std::string& pin,
                                                  const KeepGoing& keep_going) {
-  auto header = HeaderOf(attempt);
-  if (!header.ok()) return header.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto header, HeaderOf(attempt));
   auto ticket = safe_.Open(attempt, pin);
   if (!ticket.ok()) return ticket.status();
-  return Replayed(*header, keep_going);
+  return Replayed(header, keep_going);
 }
 
 Result<PreparedAttempt> Workplace::Replayed(const trace::Header& header,
                                             const KeepGoing& keep_going) {
   const Uuid& attempt = header.ticket.attempt;
-  auto stored = spool_->Get(attempt);
-  if (!stored.ok()) return stored.status();
-  if (stored->seal) {
+  ENAMEL_ASSIGN_OR_RETURN(auto stored, spool_->Get(attempt));
+  if (stored.seal) {
     return Status(Code::kConflict,
                   "attempt " + attempt.Text() + " has ended: it cannot be resumed");
   }
@@ -495,16 +476,16 @@ Result<PreparedAttempt> Workplace::Replayed(const trace::Header& header,
   prepared->core = std::make_unique<core::Core>(header.params, prepared->volume);
   trace::ReplayRun run(*prepared->core, prepared->header);
   ENAMEL_RETURN_IF_ERROR(run.CheckCore());
-  while (run.chain().next_seq < stored->chunks) {
-    auto chunks = spool_->ChunksFrom(attempt, run.chain().next_seq, kChunksAtOnce);
-    if (!chunks.ok()) return chunks.status();
-    for (const SpooledChunk& chunk : *chunks) {
-      ENAMEL_RETURN_IF_ERROR(run.CheckKeepGoing(keep_going, stored->chunks));
+  while (run.chain().next_seq < stored.chunks) {
+    ENAMEL_ASSIGN_OR_RETURN(auto chunks,
+                            spool_->ChunksFrom(attempt, run.chain().next_seq, kChunksAtOnce));
+    for (const SpooledChunk& chunk : chunks) {
+      ENAMEL_RETURN_IF_ERROR(run.CheckKeepGoing(keep_going, stored.chunks));
       ENAMEL_RETURN_IF_ERROR(run.Run(chunk.bytes, UINT64_MAX));
     }
-    if (chunks->empty() || !run.report().witness_ok) break;
+    if (chunks.empty() || !run.report().witness_ok) break;
   }
-  if (!run.report().witness_ok || run.chain().next_seq != stored->chunks) {
+  if (!run.report().witness_ok || run.chain().next_seq != stored.chunks) {
     return Status(Code::kConflict,
                   "attempt " + attempt.Text() + " does not replay to what was recorded (tick " +
                       std::to_string(run.report().first_bad_tick) +
@@ -516,10 +497,9 @@ Result<PreparedAttempt> Workplace::Replayed(const trace::Header& header,
 }
 
 Status Workplace::MeasureGap(PreparedAttempt& prepared) {
-  auto silence = spool_->SilenceOf(prepared.attempt());
-  if (!silence.ok()) return silence.status();
-  prepared.gap_ticks = GapTicks(*silence, prepared.header.params.rate_hz);
-  prepared.clock_stepped = silence->clock_stepped;
+  ENAMEL_ASSIGN_OR_RETURN(auto silence, spool_->SilenceOf(prepared.attempt()));
+  prepared.gap_ticks = GapTicks(silence, prepared.header.params.rate_hz);
+  prepared.clock_stepped = silence.clock_stepped;
   return Status::Ok();
 }
 
@@ -533,16 +513,14 @@ Result<trace::Seal> Workplace::Close(const Uuid& attempt) {
 
 Result<AttemptProgress> Workplace::Progress(const Uuid& attempt) {
   auto link = UseLink();
-  auto who = SignedIn(*link);
-  if (!who.ok()) return who.status();
-  return link->AttemptStatus(*who, attempt);
+  ENAMEL_ASSIGN_OR_RETURN(auto who, SignedIn(*link));
+  return link->AttemptStatus(who, attempt);
 }
 
 Status Workplace::MarkReference(const Uuid& attempt, const std::string& dentist, bool consent) {
   auto link = UseLink();
-  auto who = SignedIn(*link);
-  if (!who.ok()) return who.status();
-  return link->MarkReference(*who, attempt, dentist, consent);
+  ENAMEL_ASSIGN_OR_RETURN(auto who, SignedIn(*link));
+  return link->MarkReference(who, attempt, dentist, consent);
 }
 
 }  // namespace enamel::station

@@ -37,9 +37,8 @@ Result<bool> Recorder::Pump() {
 
 Result<trace::Seal> Recorder::Finish() {
   while (true) {
-    auto moved = Pump();
-    if (!moved.ok()) return moved.status();
-    if (!*moved) break;
+    ENAMEL_ASSIGN_OR_RETURN(auto moved, Pump());
+    if (!moved) break;
   }
   if (!open_.empty()) ENAMEL_RETURN_IF_ERROR(Spill());
   if (chunks() == 0)

@@ -234,8 +234,7 @@ Result<Salvaged> SalvageSpool(const fs::path& from, const fs::path& to) {
   Scratch scratch;
   Handle damaged;
   ENAMEL_RETURN_IF_ERROR(OpenDamaged(from, scratch.path, damaged));
-  auto saved = Spool::Open(to);
-  if (!saved.ok()) return saved.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto saved, Spool::Open(to));
   // An id that only chunks still have is an attempt whose row is lost, or noise.
   const Places places = ChunkPlaces(damaged.db);
   std::set<Uuid> ids;
@@ -250,15 +249,14 @@ Result<Salvaged> SalvageSpool(const fs::path& from, const fs::path& to) {
   }
   Salvaged out;
   for (const Uuid& id : ids) {
-    auto attempt = SaveAttempt(damaged.db, places, id, **saved);
-    if (!attempt.ok()) return attempt.status();
-    SaveLoopFacts(damaged.db, id, **saved);
-    out.attempts.push_back(std::move(*attempt));
+    ENAMEL_ASSIGN_OR_RETURN(auto attempt, SaveAttempt(damaged.db, places, id, *saved));
+    SaveLoopFacts(damaged.db, id, *saved);
+    out.attempts.push_back(std::move(attempt));
   }
-  out.tickets = SaveTickets(damaged.db, **saved);
+  out.tickets = SaveTickets(damaged.db, *saved);
   if (!out.attempts.empty() || out.tickets > 0) return out;
   // An empty spool must not take the place of one that something was in.
-  saved->reset();
+  saved.reset();
   for (const char* end : {"", "-wal", "-shm"}) fs::remove((to / kSpoolFile).string() + end, error);
   return Status(
       Code::kStorage,

@@ -154,11 +154,10 @@ Status Differs(const char* what, uint64_t counted, uint64_t found) {
 Status VerifyRecording(const SpooledAttempt& attempt, ByteView header,
                        const std::vector<SpooledChunk>& chunks,
                        const std::optional<trace::PublicKey>& key) {
-  auto decoded = trace::DecodeHeader(header);
-  if (!decoded.ok()) return decoded.status();
-  if (decoded->ticket.attempt != attempt.id) {
+  ENAMEL_ASSIGN_OR_RETURN(auto decoded, trace::DecodeHeader(header));
+  if (decoded.ticket.attempt != attempt.id) {
     return Status(Code::kConflict,
-                  "its header is that of attempt " + decoded->ticket.attempt.Text());
+                  "its header is that of attempt " + decoded.ticket.attempt.Text());
   }
   trace::ChainVerifier chain(attempt.id, HashSha256(header));
   uint64_t ticks = 0, gap_ticks = 0, bytes = 0;
@@ -320,10 +319,9 @@ Result<std::unique_ptr<Spool>> Spool::Open(const fs::path& folder) {
   ENAMEL_RETURN_IF_ERROR(db->UseWal());
   ENAMEL_RETURN_IF_ERROR(
       db->Exec("PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON", "opening"));
-  auto version = db->Version();
-  if (!version.ok()) return version.status();
-  ENAMEL_RETURN_IF_ERROR(db->CheckVersion(*version));
-  if (*version < kSchemaVersion) ENAMEL_RETURN_IF_ERROR(db->BringUpToDate());
+  ENAMEL_ASSIGN_OR_RETURN(auto version, db->Version());
+  ENAMEL_RETURN_IF_ERROR(db->CheckVersion(version));
+  if (version < kSchemaVersion) ENAMEL_RETURN_IF_ERROR(db->BringUpToDate());
   if (sqlite3_db_readonly(db->handle, "main") == 1) {
     return Status(Code::kStorage,
                   "spool " + db->file.string() + " is not writable: " + WhatToDo(SQLITE_READONLY));
@@ -380,10 +378,9 @@ Result<std::unique_ptr<Spool>> Spool::OpenToRead(const fs::path& folder) {
   const int code = db->handle == nullptr ? SQLITE_CANTOPEN : sqlite3_errcode(db->handle);
   if (!opened.ok() && (code == SQLITE_CANTOPEN || code == SQLITE_READONLY)) opened = db->OpenCopy();
   ENAMEL_RETURN_IF_ERROR(opened);
-  auto version = db->Version();
-  if (!version.ok()) return version.status();
-  ENAMEL_RETURN_IF_ERROR(db->CheckVersion(*version));
-  if (*version < kSchemaVersion) {
+  ENAMEL_ASSIGN_OR_RETURN(auto version, db->Version());
+  ENAMEL_RETURN_IF_ERROR(db->CheckVersion(version));
+  if (version < kSchemaVersion) {
     if (db->copy.empty()) ENAMEL_RETURN_IF_ERROR(db->OpenCopy());
     ENAMEL_RETURN_IF_ERROR(db->BringUpToDate());
   }
@@ -422,21 +419,19 @@ Status Spool::BeginAttempt(const trace::Header& header, const std::string& exerc
 }
 
 Status Spool::PutChunk(const Uuid& attempt, ByteView chunk) {
-  auto head = trace::DecodeChunkHead(chunk);
-  if (!head.ok()) return head.status();
-  if (head->head.attempt != attempt) {
-    return Status(Code::kConflict, "the chunk belongs to attempt " + head->head.attempt.Text() +
+  ENAMEL_ASSIGN_OR_RETURN(auto head, trace::DecodeChunkHead(chunk));
+  if (head.head.attempt != attempt) {
+    return Status(Code::kConflict, "the chunk belongs to attempt " + head.head.attempt.Text() +
                                        ", not to " + attempt.Text());
   }
   std::lock_guard lock(mutex_);
   {
     Statement s(db_->handle, "SELECT sha256 FROM chunks WHERE attempt = ? AND seq = ?");
-    int rc = s.Blob(attempt.view()).Int(head->head.seq).Step();
+    int rc = s.Blob(attempt.view()).Int(head.head.seq).Step();
     if (rc == SQLITE_ROW) {
-      if (s.BlobAt(0) == Bytes(head->hash.bytes.begin(), head->hash.bytes.end()))
-        return Status::Ok();
+      if (s.BlobAt(0) == Bytes(head.hash.bytes.begin(), head.hash.bytes.end())) return Status::Ok();
       return Status(Code::kConflict, "attempt " + attempt.Text() + " has another chunk " +
-                                         std::to_string(head->head.seq) + " already");
+                                         std::to_string(head.head.seq) + " already");
     }
     if (rc != SQLITE_DONE) return db_->Fail("reading a chunk");
   }
@@ -448,11 +443,11 @@ Status Spool::PutChunk(const Uuid& attempt, ByteView chunk) {
         "INSERT INTO chunks (attempt, seq, sha256, bytes, ticks, gap_ticks, spooled_unix_ms)"
         " VALUES (?, ?, ?, ?, ?, ?, ?)");
     s.Blob(attempt.view())
-        .Int(head->head.seq)
-        .Blob(head->hash.view())
+        .Int(head.head.seq)
+        .Blob(head.hash.view())
         .Blob(chunk)
-        .Int(head->head.count)
-        .Int(head->head.gap_ticks)
+        .Int(head.head.count)
+        .Int(head.head.gap_ticks)
         .Int(UnixMs());
     if (s.Step() != SQLITE_DONE) return db_->Fail("storing a chunk");
   }
@@ -462,8 +457,8 @@ Status Spool::PutChunk(const Uuid& attempt, ByteView chunk) {
         "UPDATE attempts SET chunks = chunks + 1, ticks = ticks + ?, gap_ticks = gap_ticks + ?,"
         " bytes = bytes + ?, boot_id = ?, boot_ms = ? WHERE id = ?");
     const SinceBoot now = BootNow();
-    s.Int(head->head.count)
-        .Int(head->head.gap_ticks)
+    s.Int(head.head.count)
+        .Int(head.head.gap_ticks)
         .Int(static_cast<int64_t>(chunk.size()))
         .Text(now.boot)
         .Int(now.ms)
@@ -484,32 +479,28 @@ Status Spool::MarkResumed(const Uuid& attempt) {
 }
 
 Result<trace::Seal> Spool::CloseAttempt(const Uuid& attempt) {
-  auto stored = Get(attempt);
-  if (!stored.ok()) return stored.status();
-  if (stored->seal) return *stored->seal;
-  if (stored->chunks == 0) {
+  ENAMEL_ASSIGN_OR_RETURN(auto stored, Get(attempt));
+  if (stored.seal) return *stored.seal;
+  if (stored.chunks == 0) {
     return Status(Code::kInvalidInput,
                   "of attempt " + attempt.Text() +
                       " not one chunk is here: it ended before anything was recorded");
   }
-  auto last = ChunksFrom(attempt, stored->chunks - 1, 1);
-  if (!last.ok()) return last.status();
-  auto chunk = last->empty() ? Result<trace::Chunk>(NoAttempt(attempt))
-                             : trace::DecodeChunkHead(last->front().bytes);
-  if (!chunk.ok()) return chunk.status();
-  trace::Seal seal{attempt, stored->chunks, chunk->head.first_tick + chunk->head.count, chunk->hash,
-                   chunk->head.state_hash};
+  ENAMEL_ASSIGN_OR_RETURN(auto last, ChunksFrom(attempt, stored.chunks - 1, 1));
+  ENAMEL_ASSIGN_OR_RETURN(auto chunk, last.empty() ? Result<trace::Chunk>(NoAttempt(attempt))
+                                                   : trace::DecodeChunkHead(last.front().bytes));
+  trace::Seal seal{attempt, stored.chunks, chunk.head.first_tick + chunk.head.count, chunk.hash,
+                   chunk.head.state_hash};
   ENAMEL_RETURN_IF_ERROR(PutSeal(seal));
   return seal;
 }
 
 Status Spool::PutSeal(const trace::Seal& seal) {
-  auto stored = Get(seal.attempt);
-  if (!stored.ok()) return stored.status();
-  if (stored->seal) {
-    bool same = stored->seal->chunks == seal.chunks && stored->seal->ticks == seal.ticks &&
-                stored->seal->last_chunk == seal.last_chunk &&
-                stored->seal->state_hash == seal.state_hash;
+  ENAMEL_ASSIGN_OR_RETURN(auto stored, Get(seal.attempt));
+  if (stored.seal) {
+    bool same = stored.seal->chunks == seal.chunks && stored.seal->ticks == seal.ticks &&
+                stored.seal->last_chunk == seal.last_chunk &&
+                stored.seal->state_hash == seal.state_hash;
     if (same) return Status::Ok();
     return Status(Code::kConflict,
                   "attempt " + seal.attempt.Text() + " is sealed otherwise already");
@@ -650,16 +641,13 @@ Result<std::vector<SpooledChunk>> Spool::ChunksFrom(const Uuid& attempt, uint32_
 }
 
 Result<trace::TraceFile> Spool::Export(const Uuid& attempt) {
-  auto stored = Get(attempt);
-  if (!stored.ok()) return stored.status();
-  auto header = HeaderOf(attempt);
-  if (!header.ok()) return header.status();
-  auto chunks = ChunksFrom(attempt, 0, SIZE_MAX >> 1);
-  if (!chunks.ok()) return chunks.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto stored, Get(attempt));
+  ENAMEL_ASSIGN_OR_RETURN(auto header, HeaderOf(attempt));
+  ENAMEL_ASSIGN_OR_RETURN(auto chunks, ChunksFrom(attempt, 0, SIZE_MAX >> 1));
   trace::TraceFile file;
-  file.header = std::move(*header);
-  for (SpooledChunk& chunk : *chunks) file.chunks.push_back(std::move(chunk.bytes));
-  file.seal = stored->seal;
+  file.header = std::move(header);
+  for (SpooledChunk& chunk : chunks) file.chunks.push_back(std::move(chunk.bytes));
+  file.seal = stored.seal;
   return file;
 }
 
@@ -789,20 +777,18 @@ Status Spool::VerifyPages() {
 
 Status Spool::VerifyAttempt(const SpooledAttempt& attempt,
                             const std::optional<trace::PublicKey>& key) {
-  auto header = HeaderOf(attempt.id);
-  if (!header.ok()) return header.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto header, HeaderOf(attempt.id));
   {
     std::lock_guard lock(mutex_);
     Statement s(db_->handle, "SELECT header_sha256 FROM attempts WHERE id = ?");
     if (s.Blob(attempt.id.view()).Step() != SQLITE_ROW) return db_->Fail("reading a header's hash");
-    const Sha256 hash = HashSha256(*header);
+    const Sha256 hash = HashSha256(header);
     if (s.BlobAt(0) != Bytes(hash.bytes.begin(), hash.bytes.end())) {
       return Status(Code::kConflict, "its header is not the one whose hash is kept beside it");
     }
   }
-  auto chunks = ChunksFrom(attempt.id, 0, SIZE_MAX >> 1);
-  if (!chunks.ok()) return chunks.status();
-  return VerifyRecording(attempt, *header, *chunks, key);
+  ENAMEL_ASSIGN_OR_RETURN(auto chunks, ChunksFrom(attempt.id, 0, SIZE_MAX >> 1));
+  return VerifyRecording(attempt, header, chunks, key);
 }
 
 Result<std::vector<SpoolVerdict>> Spool::Verify(const std::optional<trace::PublicKey>& key,
@@ -812,10 +798,9 @@ Result<std::vector<SpoolVerdict>> Spool::Verify(const std::optional<trace::Publi
     *pages = found;
   else
     ENAMEL_RETURN_IF_ERROR(found);
-  auto attempts = List();
-  if (!attempts.ok()) return attempts.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto attempts, List());
   std::vector<SpoolVerdict> out;
-  for (SpooledAttempt& attempt : *attempts) {
+  for (SpooledAttempt& attempt : attempts) {
     Status status = VerifyAttempt(attempt, key);
     out.push_back({std::move(attempt), std::move(status)});
   }

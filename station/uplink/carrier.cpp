@@ -38,19 +38,17 @@ Result<std::vector<SpooledAttempt>> WaitingAttempts(Spool& spool) {
 }
 
 Result<size_t> Carrier::Offer() {
-  auto all = spool_.List();
-  if (!all.ok()) return all.status();
-  std::erase_if(*all, [](const SpooledAttempt& a) { return !a.complete() || !a.refused.empty(); });
-  auto tickets = UnusedTickets();
-  if (!tickets.ok()) return tickets.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto all, spool_.List());
+  std::erase_if(all, [](const SpooledAttempt& a) { return !a.complete() || !a.refused.empty(); });
+  ENAMEL_ASSIGN_OR_RETURN(auto tickets, UnusedTickets());
   size_t wanted_count = 0, from = 0;
-  while (from < all->size() || !tickets->empty()) {
+  while (from < all.size() || !tickets.empty()) {
     std::vector<HeldAttempt> held;
-    for (; from < all->size() && held.size() < kOfferAtOnce; ++from) {
-      held.push_back({(*all)[from].id, (*all)[from].chunks});
+    for (; from < all.size() && held.size() < kOfferAtOnce; ++from) {
+      held.push_back({all[from].id, all[from].chunks});
     }
     ENAMEL_RETURN_IF_ERROR(Meanwhiles());
-    auto wanted = link_.OfferAttempts(held, std::exchange(*tickets, {}));
+    auto wanted = link_.OfferAttempts(held, std::exchange(tickets, {}));
     if (wanted.status().code() == Code::kVersion) return size_t{0};
     if (!wanted.ok()) return wanted.status();
     for (const Uuid& id : wanted->attempts) {
@@ -65,10 +63,9 @@ Result<size_t> Carrier::Offer() {
 }
 
 Result<std::vector<Uuid>> Carrier::UnusedTickets() {
-  auto tickets = spool_.Tickets();
-  if (!tickets.ok()) return tickets.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto tickets, spool_.Tickets());
   std::vector<Uuid> out;
-  for (const LockedTicket& t : *tickets) {
+  for (const LockedTicket& t : tickets) {
     // One that was begun is in the spool: its recording is evidence, and its PIN may resume it.
     bool unused = !t.handed_back() && !spool_.Get(t.attempt).ok();
     if (unused && out.size() < kOfferAtOnce) out.push_back(t.attempt);
@@ -77,9 +74,8 @@ Result<std::vector<Uuid>> Carrier::UnusedTickets() {
 }
 
 Status Carrier::ReturnTickets() {
-  auto tickets = spool_.Tickets();
-  if (!tickets.ok()) return tickets.status();
-  for (const LockedTicket& t : *tickets) {
+  ENAMEL_ASSIGN_OR_RETURN(auto tickets, spool_.Tickets());
+  for (const LockedTicket& t : tickets) {
     if (!t.handed_back()) continue;
     ENAMEL_RETURN_IF_ERROR(Meanwhiles());
     Status told = spool_.Get(t.attempt).ok() ? Status::Ok() : link_.ReturnTicket(t.attempt);
@@ -106,15 +102,12 @@ Status Carrier::Bring(const Uuid& attempt, const std::function<bool()>& yield) {
 
 Status Carrier::BringOnce(const Uuid& attempt, const std::function<bool()>& yield) {
   if (!next_.contains(attempt)) {
-    auto stored = spool_.Get(attempt);
-    if (!stored.ok()) return stored.status();
-    auto header = spool_.HeaderOf(attempt);
-    if (!header.ok()) return header.status();
-    auto opened = link_.OpenAttempt(*header, stored->resumed);
-    if (!opened.ok()) return opened.status();
-    NoteWatched(attempt, opened->watched);
-    ENAMEL_RETURN_IF_ERROR(spool_.SetCommittedBelow(attempt, opened->next_seq));
-    next_[attempt] = opened->next_seq;
+    ENAMEL_ASSIGN_OR_RETURN(auto stored, spool_.Get(attempt));
+    ENAMEL_ASSIGN_OR_RETURN(auto header, spool_.HeaderOf(attempt));
+    ENAMEL_ASSIGN_OR_RETURN(auto opened, link_.OpenAttempt(header, stored.resumed));
+    NoteWatched(attempt, opened.watched);
+    ENAMEL_RETURN_IF_ERROR(spool_.SetCommittedBelow(attempt, opened.next_seq));
+    next_[attempt] = opened.next_seq;
   }
   Status sent = SendChunks(attempt, yield);
   // What was read before the damage is the server's to keep, and the link the others' to use.
@@ -124,12 +117,11 @@ Status Carrier::BringOnce(const Uuid& attempt, const std::function<bool()>& yiel
   // What was refused is one of these: the others' answers are still to come, and mean nothing now.
   if (!sent.ok() && waiting_ > 0) link_.Close();
   ENAMEL_RETURN_IF_ERROR(sent);
-  auto stored = spool_.Get(attempt);
-  if (!stored.ok()) return stored.status();
-  if (!stored->seal || stored->sealed_at_server || stored->committed < stored->seal->chunks) {
+  ENAMEL_ASSIGN_OR_RETURN(auto stored, spool_.Get(attempt));
+  if (!stored.seal || stored.sealed_at_server || stored.committed < stored.seal->chunks) {
     return Status::Ok();
   }
-  ENAMEL_RETURN_IF_ERROR(link_.Seal(*stored->seal));
+  ENAMEL_RETURN_IF_ERROR(link_.Seal(*stored.seal));
   next_.erase(attempt);
   return spool_.MarkSealedAtServer(attempt);
 }
@@ -138,10 +130,9 @@ Status Carrier::SendChunks(const Uuid& attempt, const std::function<bool()>& yie
   uint32_t& next = next_.at(attempt);
   bool yielding = false;
   while (!yielding) {
-    auto chunks = spool_.ChunksFrom(attempt, next, kWindow);
-    if (!chunks.ok()) return chunks.status();
-    if (chunks->empty()) break;
-    for (const SpooledChunk& chunk : *chunks) {
+    ENAMEL_ASSIGN_OR_RETURN(auto chunks, spool_.ChunksFrom(attempt, next, kWindow));
+    if (chunks.empty()) break;
+    for (const SpooledChunk& chunk : chunks) {
       yielding = yield && yield();
       if (yielding) break;
       while (waiting_ >= kWindow) ENAMEL_RETURN_IF_ERROR(TakeAck());
@@ -179,16 +170,15 @@ Status Carrier::TakeAck() {
   const auto deadline = Clock::now() + ServerLink::kTimeout;
   while (true) {
     ENAMEL_RETURN_IF_ERROR(Meanwhiles());
-    auto ack = link_.PollAck(kSlice);
-    if (!ack.ok()) return ack.status();
-    if (*ack) {
-      NoteWatched((*ack)->attempt, (*ack)->watched);
-      if (!(*ack)->committed) continue;
+    ENAMEL_ASSIGN_OR_RETURN(auto ack, link_.PollAck(kSlice));
+    if ack {
+      NoteWatched(ack->attempt, ack->watched);
+      if (!ack->committed) continue;
       // Each mark is a write to disk that a chunk being spooled would wait for.
       bool mark = --waiting_ == 0 || ++unmarked_ >= kWindow / 2;
       if (!mark) return Status::Ok();
       unmarked_ = 0;
-      return spool_.MarkCommitted((*ack)->attempt, (*ack)->seq);
+      return spool_.MarkCommitted(ack->attempt, ack->seq);
     }
     if (Clock::now() > deadline) {
       link_.Close();

@@ -66,12 +66,11 @@ Result<Credentials> ServerLink::Enrol(const net::Endpoint& server, const EnrolCo
   if (before) enrol->set_station_id(protocol::ToField(before->station.view()));
   enrol->set_public_key(protocol::ToField(keys.public_key));
   enrol->set_software(SoftwareName());
-  auto reply = link.Call(request);
-  if (!reply.ok()) return reply.status();
-  if (!reply->has_enrolled()) return Unexpected("Enrolled");
-  auto station = protocol::ReadUuid(reply->enrolled().station_id(), "station_id");
-  auto credential = protocol::ReadKey(reply->enrolled().credential(), "credential");
-  auto ticket_key = protocol::ReadKey(reply->enrolled().ticket_key(), "ticket_key");
+  ENAMEL_ASSIGN_OR_RETURN(auto reply, link.Call(request));
+  if (!reply.has_enrolled()) return Unexpected("Enrolled");
+  auto station = protocol::ReadUuid(reply.enrolled().station_id(), "station_id");
+  auto credential = protocol::ReadKey(reply.enrolled().credential(), "credential");
+  auto ticket_key = protocol::ReadKey(reply.enrolled().ticket_key(), "ticket_key");
   if (!station.ok()) return station.status();
   if (!credential.ok()) return credential.status();
   if (!ticket_key.ok()) return ticket_key.status();
@@ -113,23 +112,20 @@ Result<Person> ServerLink::SignIn(const std::string& login, const std::string& p
   wire::Request request;
   request.mutable_sign_in()->set_login(login);
   request.mutable_sign_in()->set_password(password);
-  auto reply = Call(request);
-  if (!reply.ok()) return reply.status();
-  if (!reply->has_signed_in()) return Unexpected("SignedIn");
-  const wire::SignedIn& in = reply->signed_in();
-  auto id = protocol::ReadUuid(in.person_id(), "person_id");
-  if (!id.ok()) return id.status();
-  return Person{*id, in.display_name(), in.role(), in.session(), in.must_change_password()};
+  ENAMEL_ASSIGN_OR_RETURN(auto reply, Call(request));
+  if (!reply.has_signed_in()) return Unexpected("SignedIn");
+  const wire::SignedIn& in = reply.signed_in();
+  ENAMEL_ASSIGN_OR_RETURN(auto id, protocol::ReadUuid(in.person_id(), "person_id"));
+  return Person{id, in.display_name(), in.role(), in.session(), in.must_change_password()};
 }
 
 Result<Catalogue> ServerLink::ListExercises(const Person& person) {
   wire::Request request;
   request.mutable_list_exercises()->set_session(person.session);
-  auto reply = Call(request);
-  if (!reply.ok()) return reply.status();
-  if (!reply->has_exercises()) return Unexpected("Exercises");
+  ENAMEL_ASSIGN_OR_RETURN(auto reply, Call(request));
+  if (!reply.has_exercises()) return Unexpected("Exercises");
   Catalogue out;
-  for (const auto& e : reply->exercises().exercises()) {
+  for (const auto& e : reply.exercises().exercises()) {
     auto exercise = protocol::ReadSha256(e.exercise(), "exercise");
     auto scene = protocol::ReadSha256(e.scene(), "scene");
     auto volume = protocol::ReadSha256(e.volume(), "volume");
@@ -138,18 +134,16 @@ Result<Catalogue> ServerLink::ListExercises(const Person& person) {
     if (!volume.ok()) return volume.status();
     Uuid assignment;
     if (!e.assignment().empty()) {
-      auto id = protocol::ReadUuid(e.assignment(), "assignment");
-      if (!id.ok()) return id.status();
-      assignment = *id;
+      ENAMEL_ASSIGN_OR_RETURN(auto id, protocol::ReadUuid(e.assignment(), "assignment"));
+      assignment = id;
     }
     out.exercises.push_back({e.name(), e.title(), *exercise, *scene, *volume, assignment,
                              e.due_unix_ms(), e.late_allowed(), e.attempt_limit(),
                              e.attempts_left(), e.exam(), e.refusal()});
   }
-  for (const auto& p : reply->exercises().profiles()) {
-    auto profile = protocol::ReadSha256(p.profile(), "profile");
-    if (!profile.ok()) return profile.status();
-    out.profiles.push_back({p.name(), p.title(), *profile});
+  for (const auto& p : reply.exercises().profiles()) {
+    ENAMEL_ASSIGN_OR_RETURN(auto profile, protocol::ReadSha256(p.profile(), "profile"));
+    out.profiles.push_back({p.name(), p.title(), profile});
   }
   return out;
 }
@@ -162,10 +156,9 @@ Result<Bytes> ServerLink::FetchBlob(const Sha256& name, const BlobCache& cache) 
     wire::Request request;
     request.mutable_get_blob()->set_sha256(protocol::ToField(name.view()));
     request.mutable_get_blob()->set_offset(blob.size());
-    auto reply = Call(request);
-    if (!reply.ok()) return reply.status();
-    if (!reply->has_blob_part()) return Unexpected("BlobPart");
-    const wire::BlobPart& part = reply->blob_part();
+    ENAMEL_ASSIGN_OR_RETURN(auto reply, Call(request));
+    if (!reply.has_blob_part()) return Unexpected("BlobPart");
+    const wire::BlobPart& part = reply.blob_part();
     total = part.total();
     bool nothing = part.data().empty() && blob.size() < total;
     if (part.offset() != blob.size() || total > kMaxBlob || nothing ||
@@ -197,10 +190,9 @@ Result<trace::Ticket> ServerLink::RequestTicket(const Credentials& credentials,
   if (!wish.assignment.IsZero()) {
     ask->set_assignment(protocol::ToField(wish.assignment.view()));
   }
-  auto reply = Call(request);
-  if (!reply.ok()) return reply.status();
-  if (!reply->has_ticket_issued()) return Unexpected("TicketIssued");
-  auto ticket = trace::DecodeTicket(AsBytes(reply->ticket_issued().ticket()));
+  ENAMEL_ASSIGN_OR_RETURN(auto reply, Call(request));
+  if (!reply.has_ticket_issued()) return Unexpected("TicketIssued");
+  auto ticket = trace::DecodeTicket(AsBytes(reply.ticket_issued().ticket()));
   if (!ticket.ok()) return ticket.status();
   bool ours = ticket->station == credentials.station && ticket->person == person.id &&
               ticket->exercise == wish.exercise && ticket->profile == wish.profile;
@@ -216,10 +208,9 @@ Result<AttemptProgress> ServerLink::AttemptStatus(const Person& person, const Uu
   wire::Request request;
   request.mutable_attempt_status()->set_session(person.session);
   request.mutable_attempt_status()->set_attempt(protocol::ToField(attempt.view()));
-  auto reply = Call(request);
-  if (!reply.ok()) return reply.status();
-  if (!reply->has_attempt_state()) return Unexpected("AttemptState");
-  const wire::AttemptState& state = reply->attempt_state();
+  ENAMEL_ASSIGN_OR_RETURN(auto reply, Call(request));
+  if (!reply.has_attempt_state()) return Unexpected("AttemptState");
+  const wire::AttemptState& state = reply.attempt_state();
   return AttemptProgress{state.state(), state.progress(), state.problem(), state.result_json()};
 }
 
@@ -231,17 +222,15 @@ Status ServerLink::MarkReference(const Person& person, const Uuid& attempt,
   mark->set_attempt(protocol::ToField(attempt.view()));
   mark->set_dentist(dentist);
   mark->set_consent(consent);
-  auto reply = Call(request);
-  if (!reply.ok()) return reply.status();
-  return reply->has_reference_marked() ? Status::Ok() : Unexpected("ReferenceMarked");
+  ENAMEL_ASSIGN_OR_RETURN(auto reply, Call(request));
+  return reply.has_reference_marked() ? Status::Ok() : Unexpected("ReferenceMarked");
 }
 
 Status ServerLink::Ping() {
   wire::Request request;
   request.mutable_ping();
-  auto reply = Call(request);
-  if (!reply.ok()) return reply.status();
-  return reply->has_pong() ? Status::Ok() : Unexpected("Pong");
+  ENAMEL_ASSIGN_OR_RETURN(auto reply, Call(request));
+  return reply.has_pong() ? Status::Ok() : Unexpected("Pong");
 }
 
 Result<Wanted> ServerLink::OfferAttempts(const std::vector<HeldAttempt>& attempts,
@@ -253,19 +242,16 @@ Result<Wanted> ServerLink::OfferAttempts(const std::vector<HeldAttempt>& attempt
     offer.mutable_attempts(offer.attempts_size() - 1)->set_chunks(held.chunks);
   }
   for (const Uuid& ticket : tickets) offer.add_tickets(protocol::ToField(ticket.view()));
-  auto reply = Call(request);
-  if (!reply.ok()) return reply.status();
-  if (!reply->has_attempts_wanted()) return Unexpected("AttemptsWanted");
+  ENAMEL_ASSIGN_OR_RETURN(auto reply, Call(request));
+  if (!reply.has_attempts_wanted()) return Unexpected("AttemptsWanted");
   Wanted out;
-  for (const std::string& bytes : reply->attempts_wanted().attempts()) {
-    auto id = protocol::ReadUuid(bytes, "attempts");
-    if (!id.ok()) return id.status();
-    out.attempts.push_back(*id);
+  for (const std::string& bytes : reply.attempts_wanted().attempts()) {
+    ENAMEL_ASSIGN_OR_RETURN(auto id, protocol::ReadUuid(bytes, "attempts"));
+    out.attempts.push_back(id);
   }
-  for (const std::string& bytes : reply->attempts_wanted().revoked()) {
-    auto id = protocol::ReadUuid(bytes, "revoked");
-    if (!id.ok()) return id.status();
-    out.revoked.push_back(*id);
+  for (const std::string& bytes : reply.attempts_wanted().revoked()) {
+    ENAMEL_ASSIGN_OR_RETURN(auto id, protocol::ReadUuid(bytes, "revoked"));
+    out.revoked.push_back(id);
   }
   return out;
 }
@@ -273,19 +259,17 @@ Result<Wanted> ServerLink::OfferAttempts(const std::vector<HeldAttempt>& attempt
 Status ServerLink::ReturnTicket(const Uuid& attempt) {
   wire::Request request;
   request.mutable_return_ticket()->set_attempt(protocol::ToField(attempt.view()));
-  auto reply = Call(request);
-  if (!reply.ok()) return reply.status();
-  return reply->has_ticket_returned() ? Status::Ok() : Unexpected("TicketReturned");
+  ENAMEL_ASSIGN_OR_RETURN(auto reply, Call(request));
+  return reply.has_ticket_returned() ? Status::Ok() : Unexpected("TicketReturned");
 }
 
 Result<ServerLink::Opened> ServerLink::OpenAttempt(ByteView header, uint32_t resumed) {
   wire::Request request;
   request.mutable_open_attempt()->set_header(protocol::ToField(header));
   request.mutable_open_attempt()->set_resumed(resumed);
-  auto reply = Call(request);
-  if (!reply.ok()) return reply.status();
-  if (!reply->has_attempt_opened()) return Unexpected("AttemptOpened");
-  return Opened{reply->attempt_opened().next_seq(), reply->attempt_opened().watched()};
+  ENAMEL_ASSIGN_OR_RETURN(auto reply, Call(request));
+  if (!reply.has_attempt_opened()) return Unexpected("AttemptOpened");
+  return Opened{reply.attempt_opened().next_seq(), reply.attempt_opened().watched()};
 }
 
 Status ServerLink::SendChunk(ByteView chunk) {
@@ -305,9 +289,8 @@ Result<std::optional<ServerLink::Ack>> ServerLink::PollAck(std::chrono::millisec
   if (reply->has_error()) return protocol::ToStatus(reply->error());
   if (!reply->has_chunk_ack()) return Unexpected("ChunkAck");
   const wire::ChunkAck& ack = reply->chunk_ack();
-  auto attempt = protocol::ReadUuid(ack.attempt(), "attempt");
-  if (!attempt.ok()) return attempt.status();
-  return std::optional<Ack>(Ack{*attempt, ack.seq(), ack.committed(), ack.watched()});
+  ENAMEL_ASSIGN_OR_RETURN(auto attempt, protocol::ReadUuid(ack.attempt(), "attempt"));
+  return std::optional<Ack>(Ack{attempt, ack.seq(), ack.committed(), ack.watched()});
 }
 
 Status ServerLink::SendLive(const Uuid& attempt, const LivePoint& point) {
@@ -329,9 +312,8 @@ Status ServerLink::Seal(const trace::Seal& seal) {
   message->set_ticks(seal.ticks);
   message->set_last_chunk(protocol::ToField(seal.last_chunk.view()));
   message->set_state_hash(seal.state_hash);
-  auto reply = Call(request);
-  if (!reply.ok()) return reply.status();
-  return reply->has_sealed() ? Status::Ok() : Unexpected("Sealed");
+  ENAMEL_ASSIGN_OR_RETURN(auto reply, Call(request));
+  return reply.has_sealed() ? Status::Ok() : Unexpected("Sealed");
 }
 
 }  // namespace enamel::station

@@ -113,16 +113,14 @@ class Run {
 
   Status StartServer() {
     data_ = o_.data.empty() ? own_folder_.path() : o_.data;
-    auto school = FoundSchool(data_, o_.stations + o_.idle);
-    if (!school.ok()) return school.status();
-    school_ = *std::move(school);
+    ENAMEL_ASSIGN_OR_RETURN(auto school, FoundSchool(data_, o_.stations + o_.idle));
+    school_ = std::move(school);
     if (o_.marking) ENAMEL_RETURN_IF_ERROR(marking_.Prepare(data_, *o_.marking, say_));
     if (o_.server) {
-      auto identity = server::app::EnsureIdentity(data_);
-      if (!identity.ok()) return identity.status();
+      ENAMEL_ASSIGN_OR_RETURN(auto identity, server::app::EnsureIdentity(data_));
       stations_ = *o_.server;
       page_ = o_.page.value_or(net::Endpoint{});
-      fingerprint_ = identity->fingerprint;
+      fingerprint_ = identity.fingerprint;
     } else {
       server_.emplace(o_.server_program, data_, data_ / "server.log",
                       std::vector<std::string>{"--job-threads", std::to_string(o_.job_threads)});
@@ -132,9 +130,8 @@ class Run {
       fingerprint_ = server_->fingerprint();
       say_("server " + stations_.Text() + " with data in " + data_.string());
     }
-    auto target = TargetOf(stations_, fingerprint_);
-    if (!target.ok()) return target.status();
-    target_ = *std::move(target);
+    ENAMEL_ASSIGN_OR_RETURN(auto target, TargetOf(stations_, fingerprint_));
+    target_ = std::move(target);
     return Status::Ok();
   }
 
@@ -191,8 +188,8 @@ class Run {
 
   Status Prepare() {
     if (o_.stations == 0) return Status::Ok();
-    auto motion = o_.motion.empty() ? SimulatedMotion(60'000) : ReadMotion(o_.motion);
-    if (!motion.ok()) return motion.status();
+    ENAMEL_ASSIGN_OR_RETURN(auto motion,
+                            o_.motion.empty() ? SimulatedMotion(60'000) : ReadMotion(o_.motion));
     double chunk_s = static_cast<double>(o_.chunk_ticks) / school_.params.rate_hz;
     auto chunks = static_cast<uint32_t>(std::max(1.0, std::floor(o_.seconds / chunk_s)));
     auto different = static_cast<size_t>(
@@ -205,7 +202,7 @@ class Run {
     for (unsigned i = 0; i < std::max(1u, std::thread::hardware_concurrency()); ++i) {
       workers.emplace_back([&] {
         for (size_t s; (s = next++) < streaming_.size();) {
-          streaming_[s]->Prepare(StreamOf(*motion, s, o_.chunk_ticks, different), chunks);
+          streaming_[s]->Prepare(StreamOf(motion, s, o_.chunk_ticks, different), chunks);
         }
       });
     }
@@ -277,11 +274,10 @@ class Run {
   Status FinishMarking() {
     if (!marking_.done())
       Note("the stations had done before all was scored; let them stream longer");
-    auto figures = marking_.Finish(kSetupWithin_s);
-    if (!figures.ok()) return figures.status();
-    report_.marking = *figures;
-    if (figures->scored != o_.marking->attempts) {
-      Note(std::to_string(figures->scored) + " of " + std::to_string(o_.marking->attempts) +
+    ENAMEL_ASSIGN_OR_RETURN(auto figures, marking_.Finish(kSetupWithin_s));
+    report_.marking = figures;
+    if (figures.scored != o_.marking->attempts) {
+      Note(std::to_string(figures.scored) + " of " + std::to_string(o_.marking->attempts) +
            " attempts have a score");
     }
     return Status::Ok();

@@ -148,14 +148,12 @@ Status Complete(Arguments& a, const char* program) {
     return Status(Code::kInvalidInput, "expected --stations or --idle, found neither");
   }
   if (!a.server.empty()) {
-    auto endpoint = net::ParseEndpoint(a.server);
-    if (!endpoint.ok()) return endpoint.status();
-    o.server = *endpoint;
+    ENAMEL_ASSIGN_OR_RETURN(auto endpoint, net::ParseEndpoint(a.server));
+    o.server = endpoint;
   }
   if (!a.page.empty()) {
-    auto endpoint = net::ParseEndpoint(a.page);
-    if (!endpoint.ok()) return endpoint.status();
-    o.page = *endpoint;
+    ENAMEL_ASSIGN_OR_RETURN(auto endpoint, net::ParseEndpoint(a.page));
+    o.page = endpoint;
   }
   bool needs_page = o.api_reads_per_s > 0 || o.viewers + o.slow_viewers > 0;
   if (o.server && !o.page && needs_page) {

@@ -41,25 +41,21 @@ Result<Bench> SetUp(Store& store, const trace::KeyPair& ticket_key, int32_t voxe
   Person person;
   person.login = "load-marked-" + tag;
   person.display_name = person.login;
-  auto id = store.CreatePerson(person, "no password", {}, kLoadgen);
-  if (!id.ok()) return id.status();
-  out.person = *id;
+  ENAMEL_ASSIGN_OR_RETURN(auto id, store.CreatePerson(person, "no password", {}, kLoadgen));
+  out.person = id;
   const Sha256 code = HashSha256(AsBytes("code " + tag));
   ENAMEL_RETURN_IF_ERROR(store.AddEnrolCode(code, kNever, kLoadgen).status());
   StationRow row;
   row.name = "load marked " + tag;
   row.public_key.assign(out.station_key.public_key.begin(), out.station_key.public_key.end());
-  auto station = store.EnrolStation(code, row, HashSha256(AsBytes(out.credential)), 0);
-  if (!station.ok()) return station.status();
-  out.station = station->id;
-  auto scene = app::PublishScene(store, "builtin:molar", voxel_nm);
-  if (!scene.ok()) return scene.status();
-  auto exercise = app::PublishClassOne(store, *scene, Uuid{});
-  if (!exercise.ok()) return exercise.status();
-  out.exercise = *exercise;
-  auto profiles = store.Profiles();
-  if (!profiles.ok()) return profiles.status();
-  for (const ProfileRow& profile : *profiles) {
+  ENAMEL_ASSIGN_OR_RETURN(auto station,
+                          store.EnrolStation(code, row, HashSha256(AsBytes(out.credential)), 0));
+  out.station = station.id;
+  ENAMEL_ASSIGN_OR_RETURN(auto scene, app::PublishScene(store, "builtin:molar", voxel_nm));
+  ENAMEL_ASSIGN_OR_RETURN(auto exercise, app::PublishClassOne(store, scene, Uuid{}));
+  out.exercise = exercise;
+  ENAMEL_ASSIGN_OR_RETURN(auto profiles, store.Profiles());
+  for (const ProfileRow& profile : profiles) {
     if (profile.name == "phantom_desktop") out.profile = profile.content;
   }
   return out;
@@ -91,10 +87,9 @@ Result<trace::Seal> Put(const Bench& bench, const measure::Attempt& recorded, bo
   ENAMEL_RETURN_IF_ERROR(bench.store.OpenAttempt(row.id, header_bytes));
   trace::ChainVerifier chain(row.id, HashSha256(header_bytes));
   for (const Bytes& original : recorded.chunks) {
-    auto decoded = trace::DecodeChunkHead(original);
-    if (!decoded.ok()) return decoded.status();
+    ENAMEL_ASSIGN_OR_RETURN(auto decoded, trace::DecodeChunkHead(original));
     const Payload payload = PayloadOf(original);
-    trace::ChunkHead head = decoded->head;
+    trace::ChunkHead head = decoded.head;
     head.attempt = row.id;
     head.previous = chain.head();
     const HeadBytes head_bytes = EncodeHead(head, payload);
@@ -107,11 +102,10 @@ Result<trace::Seal> Put(const Bench& bench, const measure::Attempt& recorded, bo
     bytes.Raw(payload.packed);
     bytes.Raw(signature);
     put.bytes = bytes.Take();
-    auto whole = trace::DecodeChunkHead(put.bytes);
-    if (!whole.ok()) return whole.status();
-    ENAMEL_RETURN_IF_ERROR(chain.Accept(*whole));
-    put.head = whole->head;
-    put.hash = whole->hash;
+    ENAMEL_ASSIGN_OR_RETURN(auto whole, trace::DecodeChunkHead(put.bytes));
+    ENAMEL_RETURN_IF_ERROR(chain.Accept(whole));
+    put.head = whole.head;
+    put.hash = whole.hash;
     ENAMEL_RETURN_IF_ERROR(bench.store.AppendChunk(put));
   }
   return chain.MakeSeal();
@@ -140,9 +134,8 @@ Status RunJobs(Store& store) {
     std::this_thread::sleep_for(kLook);
     size_t open = 0;
     for (const char* state : {"queued", "running"}) {
-      auto jobs = store.Jobs(state);
-      if (!jobs.ok()) return jobs.status();
-      open += jobs->size();
+      ENAMEL_ASSIGN_OR_RETURN(auto jobs, store.Jobs(state));
+      open += jobs.size();
     }
     if (open == 0) return Status::Ok();
   }
@@ -150,11 +143,10 @@ Status RunJobs(Store& store) {
 }
 
 Status ScoreReference(const Bench& bench, const measure::Attempt& recorded) {
-  auto seal = Put(bench, recorded, true);
-  if (!seal.ok()) return seal.status();
-  ENAMEL_RETURN_IF_ERROR(bench.store.SealAttempt(*seal, 1));
+  ENAMEL_ASSIGN_OR_RETURN(auto seal, Put(bench, recorded, true));
+  ENAMEL_RETURN_IF_ERROR(bench.store.SealAttempt(seal, 1));
   ENAMEL_RETURN_IF_ERROR(RunJobs(bench.store));
-  auto reference = bench.store.AddReference(seal->attempt, "a simulated dentist", true, kLoadgen);
+  auto reference = bench.store.AddReference(seal.attempt, "a simulated dentist", true, kLoadgen);
   return reference.ok() ? RunJobs(bench.store) : reference.status();
 }
 
@@ -165,14 +157,11 @@ Marking::~Marking() = default;  // asks the thread to stop, and waits
 Status Marking::Prepare(const std::filesystem::path& data, const Options& options,
                         const std::function<void(const std::string&)>& say) {
   data_ = data;
-  auto store = app::OpenForCommand(data);
-  if (!store.ok()) return store.status();
-  auto identity = app::EnsureIdentity(data);
-  if (!identity.ok()) return identity.status();
-  auto bench = SetUp(**store, identity->ticket_key, options.voxel_nm);
-  if (!bench.ok()) return bench.status();
-  station_ = bench->station;
-  credential_ = bench->credential;
+  ENAMEL_ASSIGN_OR_RETURN(auto store, app::OpenForCommand(data));
+  ENAMEL_ASSIGN_OR_RETURN(auto identity, app::EnsureIdentity(data));
+  ENAMEL_ASSIGN_OR_RETURN(auto bench, SetUp(*store, identity.ticket_key, options.voxel_nm));
+  station_ = bench.station;
+  credential_ = bench.credential;
   const size_t processors = std::max(1u, std::thread::hardware_concurrency());
   std::vector<measure::Attempt> recorded(
       std::clamp<size_t>(options.different, 1, options.attempts));
@@ -188,11 +177,11 @@ Status Marking::Prepare(const std::filesystem::path& data, const Options& option
   }));
   figures_.cutting_share = recorded[0].cutting_share;
   say("scoring the reference");
-  ENAMEL_RETURN_IF_ERROR(ScoreReference(*bench, recorded[0]));
+  ENAMEL_RETURN_IF_ERROR(ScoreReference(bench, recorded[0]));
   say("storing " + std::to_string(options.attempts) + " recordings");
   attempts_.resize(options.attempts);
   return InParallel(options.attempts, options.attempts, [&](size_t i) -> Status {
-    auto seal = Put(*bench, recorded[i % recorded.size()], false);
+    auto seal = Put(bench, recorded[i % recorded.size()], false);
     if (seal.ok()) attempts_[i] = {seal->attempt, *seal};
     return seal.status();
   });
@@ -203,9 +192,8 @@ Status Marking::Seal(const Sealed& attempt) const {
   ENAMEL_RETURN_IF_ERROR(link.Connect(server_, fingerprint_, kAnswerWithin));
   auto ask = [&](const wire::Request& request) -> Result<wire::Reply> {
     ENAMEL_RETURN_IF_ERROR(link.Send(protocol::Serialize(request)));
-    auto frame = link.Receive(kAnswerWithin);
-    if (!frame.ok()) return frame.status();
-    return protocol::ParseReply(*frame);
+    ENAMEL_ASSIGN_OR_RETURN(auto frame, link.Receive(kAnswerWithin));
+    return protocol::ParseReply(frame);
   };
   wire::Request hello;
   hello.set_id(1);
@@ -223,10 +211,9 @@ Status Marking::Seal(const Sealed& attempt) const {
   body.set_ticks(attempt.seal.ticks);
   body.set_last_chunk(protocol::ToField(attempt.seal.last_chunk.view()));
   body.set_state_hash(attempt.seal.state_hash);
-  auto reply = ask(request);
-  if (!reply.ok()) return reply.status();
-  if (reply->has_sealed()) return Status::Ok();
-  return Status(Code::kUnavailable, "an attempt was not sealed: " + reply->error().message());
+  ENAMEL_ASSIGN_OR_RETURN(auto reply, ask(request));
+  if (reply.has_sealed()) return Status::Ok();
+  return Status(Code::kUnavailable, "an attempt was not sealed: " + reply.error().message());
 }
 
 void Marking::Begin(const net::Endpoint& server, const Sha256& fingerprint) {

@@ -15,9 +15,8 @@ constexpr int32_t kAnchorUnit_nm = 10;  // schemas/trace_format.md, column 10
 
 Status TakeTicks(const std::vector<Bytes>& chunks, Motion& motion) {
   for (const Bytes& bytes : chunks) {
-    auto chunk = trace::DecodeChunk(bytes);
-    if (!chunk.ok()) return chunk.status();
-    motion.ticks.insert(motion.ticks.end(), chunk->ticks.begin(), chunk->ticks.end());
+    ENAMEL_ASSIGN_OR_RETURN(auto chunk, trace::DecodeChunk(bytes));
+    motion.ticks.insert(motion.ticks.end(), chunk.ticks.begin(), chunk.ticks.end());
   }
   if (!motion.ticks.empty()) return Status::Ok();
   return Status(Code::kInvalidInput, "expected a recording with at least one tick, found none");
@@ -38,23 +37,20 @@ Result<Motion> SimulatedMotion(uint64_t ticks, const std::function<void(double)>
   measure::AttemptOptions options;
   options.voxel_nm = kVoxel_nm;
   options.ticks = ticks;
-  auto attempt = measure::RecordAttempt(options, progress);
-  if (!attempt.ok()) return attempt.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto attempt, measure::RecordAttempt(options, progress));
   Motion motion;
-  motion.resolution_nm = attempt->header.params.resolution_nm;
-  ENAMEL_RETURN_IF_ERROR(TakeTicks(attempt->chunks, motion));
+  motion.resolution_nm = attempt.header.params.resolution_nm;
+  ENAMEL_RETURN_IF_ERROR(TakeTicks(attempt.chunks, motion));
   return motion;
 }
 
 Result<Motion> ReadMotion(const std::filesystem::path& file) {
-  auto bytes = ReadFile(file);
-  if (!bytes.ok()) return bytes.status();
-  auto trace = trace::DecodeTraceFile(*bytes);
+  ENAMEL_ASSIGN_OR_RETURN(auto bytes, ReadFile(file));
+  auto trace = trace::DecodeTraceFile(bytes);
   if (!trace.ok()) return trace.status();
-  auto header = trace::DecodeHeader(trace->header);
-  if (!header.ok()) return header.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto header, trace::DecodeHeader(trace->header));
   Motion motion;
-  motion.resolution_nm = header->params.resolution_nm;
+  motion.resolution_nm = header.params.resolution_nm;
   ENAMEL_RETURN_IF_ERROR(TakeTicks(trace->chunks, motion));
   return motion;
 }

@@ -33,14 +33,12 @@ void Compare(const Station& station, const std::vector<Bytes>& stored, ReadBack&
 Result<ReadBack> ReadEverythingBack(const std::filesystem::path& data,
                                     const std::vector<const Station*>& stations,
                                     const std::function<void(double)>& progress) {
-  auto store = server::app::OpenForCommand(data);
-  if (!store.ok()) return store.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto store, server::app::OpenForCommand(data));
   ReadBack out;
   for (size_t i = 0; i < stations.size(); ++i) {
     if (!stations[i]->recording()) continue;
-    auto chunks = (*store)->AttemptChunks(stations[i]->recording()->attempt());
-    if (!chunks.ok()) return chunks.status();
-    Compare(*stations[i], *chunks, out);
+    ENAMEL_ASSIGN_OR_RETURN(auto chunks, store->AttemptChunks(stations[i]->recording()->attempt()));
+    Compare(*stations[i], chunks, out);
     progress(static_cast<double>(i + 1) / static_cast<double>(stations.size()));
   }
   return out;

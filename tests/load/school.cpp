@@ -27,50 +27,44 @@ const Actor kLoadgen{{}, "enamel-loadgen"};
 
 Status AddPerson(Store& store, const std::string& login, Role role, const std::string& password,
                  const Uuid& cohort) {
-  auto verifier = auth::HashPassword(password, kCheapPassword);
-  if (!verifier.ok()) return verifier.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto verifier, auth::HashPassword(password, kCheapPassword));
   Person person;
   person.login = login;
   person.display_name = login;
   person.role = role;
-  auto id = store.CreatePerson(person, *verifier, {}, kLoadgen);
-  if (!id.ok()) return id.status();
-  return store.AddToCohort(cohort, *id, kLoadgen);
+  ENAMEL_ASSIGN_OR_RETURN(auto id, store.CreatePerson(person, verifier, {}, kLoadgen));
+  return store.AddToCohort(cohort, id, kLoadgen);
 }
 
 Status Compile(Store& store, School& school) {
   auto text = [&](const Sha256& hash) { return store.GetBlob(hash); };
-  auto scene_text = text(school.scene), exercise_text = text(school.exercise),
-       profile_text = text(school.profile);
-  if (!scene_text.ok()) return scene_text.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto scene_text, text(school.scene),
+                          exercise_text = text(school.exercise),
+                          profile_text = text(school.profile));
   if (!exercise_text.ok()) return exercise_text.status();
   if (!profile_text.ok()) return profile_text.status();
-  auto scene = scene::SceneFromJson(AsText(*scene_text));
+  auto scene = scene::SceneFromJson(AsText(scene_text));
   auto exercise = scene::ExerciseFromJson(AsText(*exercise_text));
   auto profile = scene::ProfileFromJson(AsText(*profile_text));
   if (!scene.ok()) return scene.status();
   if (!exercise.ok()) return exercise.status();
   if (!profile.ok()) return profile.status();
-  auto params = scene::CompilePlan(*scene, *exercise, *profile);
-  if (!params.ok()) return params.status();
-  school.params = *params;
+  ENAMEL_ASSIGN_OR_RETURN(auto params, scene::CompilePlan(*scene, *exercise, *profile));
+  school.params = params;
   return Status::Ok();
 }
 
 Status Publish(Store& store, School& school) {
   ENAMEL_RETURN_IF_ERROR(app::PublishProfiles(store));
-  auto scene = app::PublishScene(store, "builtin:block", kBlockVoxel_nm);
-  if (!scene.ok()) return scene.status();
-  auto exercise = app::PublishClassOne(store, *scene, Uuid{});
-  if (!exercise.ok()) return exercise.status();
-  auto profiles = store.Profiles();
-  if (!profiles.ok()) return profiles.status();
-  for (const ProfileRow& row : *profiles) {
+  ENAMEL_ASSIGN_OR_RETURN(auto scene, app::PublishScene(store, "builtin:block", kBlockVoxel_nm));
+  ENAMEL_ASSIGN_OR_RETURN(auto exercise, app::PublishClassOne(store, scene, Uuid{}));
+  ENAMEL_ASSIGN_OR_RETURN(auto profiles, store.Profiles());
+  for (const ProfileRow& row : profiles) {
     if (row.name == kProfile) school.profile = row.content;
   }
-  school.exercise = exercise->content;
-  school.scene = scene->content;
-  school.volume = scene->volume;
+  school.exercise = exercise.content;
+  school.scene = scene.content;
+  school.volume = scene.volume;
   return Compile(store, school);
 }
 
@@ -96,21 +90,18 @@ Status AddCodes(Store& store, School& school, size_t count) {
 }  // namespace
 
 Result<School> FoundSchool(const std::filesystem::path& data, size_t stations) {
-  auto store = app::OpenForCommand(data);
-  if (!store.ok()) return store.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto store, app::OpenForCommand(data));
   School school;
   std::string tag = ToHex(auth::NewToken()).substr(0, 8);
   school.login = "load-student-" + tag;
   school.instructor_login = "load-instructor-" + tag;
   school.password = ToHex(auth::NewToken());
-  auto cohort = (*store)->CreateCohort("load " + tag, kLoadgen);
-  if (!cohort.ok()) return cohort.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto cohort, store->CreateCohort("load " + tag, kLoadgen));
+  ENAMEL_RETURN_IF_ERROR(AddPerson(*store, school.login, Role::kStudent, school.password, cohort));
   ENAMEL_RETURN_IF_ERROR(
-      AddPerson(**store, school.login, Role::kStudent, school.password, *cohort));
-  ENAMEL_RETURN_IF_ERROR(
-      AddPerson(**store, school.instructor_login, Role::kInstructor, school.password, *cohort));
-  ENAMEL_RETURN_IF_ERROR(Publish(**store, school));
-  ENAMEL_RETURN_IF_ERROR(AddCodes(**store, school, stations));
+      AddPerson(*store, school.instructor_login, Role::kInstructor, school.password, cohort));
+  ENAMEL_RETURN_IF_ERROR(Publish(*store, school));
+  ENAMEL_RETURN_IF_ERROR(AddCodes(*store, school, stations));
   return school;
 }
 

@@ -63,22 +63,19 @@ class MemoryStore final : public server::Store {
   }
   Result<Bytes> AttemptHeader(const Uuid& id) override {
     std::lock_guard lock(mutex_);
-    auto found = Find(traces, id, "trace");
-    if (!found.ok()) return found.status();
-    return found->header;
+    ENAMEL_ASSIGN_OR_RETURN(auto found, Find(traces, id, "trace"));
+    return found.header;
   }
   Result<std::vector<Bytes>> AttemptChunks(const Uuid& id) override {
     std::lock_guard lock(mutex_);
     ++chunk_reads;
-    auto found = Find(traces, id, "trace");
-    if (!found.ok()) return found.status();
-    return found->chunks;
+    ENAMEL_ASSIGN_OR_RETURN(auto found, Find(traces, id, "trace"));
+    return found.chunks;
   }
   Result<trace::Seal> AttemptSeal(const Uuid& id) override {
     std::lock_guard lock(mutex_);
-    auto found = Find(traces, id, "trace");
-    if (!found.ok()) return found.status();
-    return found->seal;
+    ENAMEL_ASSIGN_OR_RETURN(auto found, Find(traces, id, "trace"));
+    return found.seal;
   }
   Status ReturnTicket(const Uuid& id, const server::Actor&) override {
     std::lock_guard lock(mutex_);

@@ -153,12 +153,11 @@ Result<Measured> Measure(const fs::path& file, const Options& options, int voxel
     m.phases.push_back({std::string(name), 0});
     progress.Show(std::string(name) + " at " + std::to_string(voxel_um) + " um", 0);
   };
-  auto imported = import::ImportTooth(file, import_options);
-  if (!imported.ok()) return imported.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto imported, import::ImportTooth(file, import_options));
   close();
   m.cpu_s = Cpu_s() - cpu;
   m.wall_s = Wall_s() - wall;
-  for (double v : cutting::SolidVolume_m3(imported->volume)) m.solid_mm3 += v * 1e9;
+  for (double v : cutting::SolidVolume_m3(imported.volume)) m.solid_mm3 += v * 1e9;
   return m;
 }
 

@@ -36,24 +36,22 @@ struct Figures {
 // The scene as a station gets it: from its blob, after everything that built it is gone.
 Result<Figures> Measure(const std::string& name, int voxel_um) {
   Result<Bytes> blob = [&]() -> Result<Bytes> {
-    auto built = scene::BuildBuiltinScene(name, voxel_um * 1000);
-    if (!built.ok()) return built.status();
-    return scene::EncodeVolume(built->volume);
+    ENAMEL_ASSIGN_OR_RETURN(auto built, scene::BuildBuiltinScene(name, voxel_um * 1000));
+    return scene::EncodeVolume(built.volume);
   }();
   if (!blob.ok()) return blob.status();
   malloc_trim(0);
   double before = Resident_mb();
-  auto volume = scene::DecodeVolume(*blob);
-  if (!volume.ok()) return volume.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto volume, scene::DecodeVolume(*blob));
   malloc_trim(0);
   Figures f;
   f.resident_mb = Resident_mb() - before;
-  f.mb = static_cast<double>(volume->MemoryBytes()) * 1e-6;
+  f.mb = static_cast<double>(volume.MemoryBytes()) * 1e-6;
   f.blob_mb = static_cast<double>(blob->size()) * 1e-6;
-  f.bricks = static_cast<size_t>(volume->spec().brick_count());
-  for (int b = 0; b < volume->spec().brick_count(); ++b) {
-    f.stored += volume->IsStored(b);
-    f.labelled += volume->HasLabels(b);
+  f.bricks = static_cast<size_t>(volume.spec().brick_count());
+  for (int b = 0; b < volume.spec().brick_count(); ++b) {
+    f.stored += volume.IsStored(b);
+    f.labelled += volume.HasLabels(b);
   }
   return f;
 }

@@ -110,9 +110,8 @@ struct World {
 };
 
 Result<World> Load(const Options& options) {
-  auto built = scene::BuildBuiltinScene("molar", options.voxel_um * 1000);
-  if (!built.ok()) return built.status();
-  World w{std::move(*built), {}, {}, {}};
+  ENAMEL_ASSIGN_OR_RETURN(auto built, scene::BuildBuiltinScene("molar", options.voxel_um * 1000));
+  World w{std::move(built), {}, {}, {}};
   w.exercise =
       scene::ClassOneExercise(w.built.scene, HashSha256(AsBytes(scene::ToJson(w.built.scene))));
   bool found = false;
@@ -122,9 +121,8 @@ Result<World> Load(const Options& options) {
     found = true;
   }
   if (!found) return Status(Code::kNotFound, "no device profile '" + options.profile + "'");
-  auto params = scene::CompilePlan(w.built.scene, w.exercise, w.profile);
-  if (!params.ok()) return params.status();
-  w.params = *params;
+  ENAMEL_ASSIGN_OR_RETURN(auto params, scene::CompilePlan(w.built.scene, w.exercise, w.profile));
+  w.params = params;
   return w;
 }
 
@@ -135,10 +133,10 @@ Status Attempt(const World& w, const Options& options, Spool& spool, uint64_t mo
   const OperatorPreset* preset = FindOperator(options.operator_name);
   if (preset == nullptr)
     return Status(Code::kNotFound, "no operator '" + options.operator_name + "'");
-  auto device = MakeSimulatedDevice(*preset, w.built.scene, w.exercise, w.profile, w.params,
-                                    w.built.volume, seed);
-  if (!device.ok()) return device.status();
-  NoisyDevice noisy(**device, options.noise_counts, seed);
+  ENAMEL_ASSIGN_OR_RETURN(
+      auto device, MakeSimulatedDevice(*preset, w.built.scene, w.exercise, w.profile, w.params,
+                                       w.built.volume, seed));
+  NoisyDevice noisy(*device, options.noise_counts, seed);
   trace::Header header;
   header.ticket.attempt = Uuid::New();
   header.params = w.params;
@@ -159,10 +157,9 @@ Status Attempt(const World& w, const Options& options, Spool& spool, uint64_t mo
   }
   auto seal = recorder.Finish();
   if (!seal.ok()) return seal.status();
-  auto stored = spool.Get(header.ticket.attempt);
-  if (!stored.ok()) return stored.status();
-  totals.ticks += stored->ticks;
-  totals.bytes += stored->bytes;
+  ENAMEL_ASSIGN_OR_RETURN(auto stored, spool.Get(header.ticket.attempt));
+  totals.ticks += stored.ticks;
+  totals.bytes += stored.bytes;
   totals.cutting += cuts.cutting();
   ++totals.attempts;
   return Status::Ok();
@@ -175,10 +172,8 @@ double OnDisk_mb(const fs::path& folder) {
 }
 
 Status Measure(const Options& options, const fs::path& folder, Rows& rows) {
-  auto world = Load(options);
-  if (!world.ok()) return world.status();
-  auto spool = Spool::Open(folder);
-  if (!spool.ok()) return spool.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto world, Load(options));
+  ENAMEL_ASSIGN_OR_RETURN(auto spool, Spool::Open(folder));
   const auto most = static_cast<uint64_t>(options.hours * 3600 * kRate_hz);
   const uint64_t step = std::max<uint64_t>(1, most / 8);
   std::printf("%7s %9s %11s %9s %9s %11s %9s\n", "hours", "attempts", "ticks", "cutting", "B/tick",
@@ -188,7 +183,7 @@ Status Measure(const Options& options, const fs::path& folder, Rows& rows) {
   Progress progress;
   auto begin = Clock::now();
   while (totals.ticks < most) {
-    ENAMEL_RETURN_IF_ERROR(Attempt(*world, options, **spool, most - totals.ticks, totals));
+    ENAMEL_RETURN_IF_ERROR(Attempt(world, options, *spool, most - totals.ticks, totals));
     progress.Show("recording", static_cast<double>(totals.ticks) / static_cast<double>(most));
     if (totals.ticks < next && totals.ticks < most) continue;
     while (next <= totals.ticks) next += step;

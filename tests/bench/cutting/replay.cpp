@@ -87,12 +87,11 @@ Result<Speed> MeasureSpeed(const measure::Attempt& attempt, int replays,
   std::vector<double> least;
   for (int r = 0; r < replays; ++r) {
     progress(static_cast<double>(r) / replays);
-    auto times = TimeChunks(attempt);
-    if (!times.ok()) return times.status();
-    if (least.empty()) least = *times;
+    ENAMEL_ASSIGN_OR_RETURN(auto times, TimeChunks(attempt));
+    if (least.empty()) least = times;
     for (size_t i = 0; i < least.size(); ++i) {
-      least[i] = std::min(least[i], (*times)[i]);
-      out.raw_s += (*times)[i] / replays;
+      least[i] = std::min(least[i], times[i]);
+      out.raw_s += times[i] / replays;
     }
   }
   for (double s : least) out.least_s += s;
