@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+
+#include "server/training/types.h"
+
+namespace enamel::server {
+
+// Who does something, for the audit trail. Zero id: the system or the command line.
+struct Actor {
+  Uuid person;
+  std::string via;  // "page", "station <name>", "command line", "job"
+};
+
+}  // namespace enamel::server

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/trace/trace.h"
+#include "server/training/types.h"
+
+namespace enamel::server {
+
+struct AttemptFilter {
+  std::optional<Uuid> person{};
+  std::optional<Uuid> cohort{};                 // attempts of its students
+  std::optional<Uuid> visible_to_instructor{};  // attempts in any cohort of this instructor
+  std::optional<Uuid> exercise{};
+  std::optional<Uuid> assignment{};
+  std::optional<AttemptState> state{};
+  uint32_t flags = 0;            // with all of these bits of AttemptFlag
+  bool open_appeal = false;      // only those with an appeal that nobody has answered
+  std::optional<Uuid> before{};  // page: ids lower than this (newest first)
+  uint32_t limit = 50;           // at most 200
+};
+
+// Reads attempts, their traces and their results.
+// A part of Store (store.h), which says what holds for all parts.
+class AttemptStore {
+ public:
+  virtual ~AttemptStore() = default;
+
+  virtual Result<AttemptRow> AttemptById(const Uuid& id) = 0;
+  virtual Result<std::vector<AttemptRow>> Attempts(const AttemptFilter& filter) = 0;
+  virtual Result<Bytes> AttemptHeader(const Uuid& attempt) = 0;
+  virtual Result<std::vector<Bytes>> AttemptChunks(const Uuid& attempt) = 0;
+  virtual Result<trace::Seal> AttemptSeal(const Uuid& attempt) = 0;
+  // What the job leaves: score JSON, final volume blob, page data (surface with deviation, force
+  // series).
+  struct AttemptResult {
+    double score = 0;
+    bool critical_fail = false;
+    Sha256 score_json, final_volume, surface, series;
+    std::optional<Uuid> reference;      // none when the exercise has no reference yet
+    double replay_realtime_factor = 0;  // recorded time / replay time: of the machine, not the work
+  };
+  virtual Result<AttemptResult> ResultOf(const Uuid& attempt) = 0;
+  // Every run, newest first. Of earlier ones only the score and its reasons are kept.
+  virtual Result<std::vector<ResultRow>> ResultsOf(const Uuid& attempt) = 0;
+  // The chunks that contradict committed ones, as far as they were kept; by number.
+  virtual Result<std::vector<ContradictionRow>> ContradictionsOf(const Uuid& attempt) = 0;
+};
+
+}  // namespace enamel::server

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "server/storage/actor.h"
+#include "server/training/revision.h"
+#include "server/training/types.h"
+
+namespace enamel::server {
+
+struct AssignmentFilter {
+  std::optional<Uuid> cohort{};
+  std::optional<Uuid> of_instructor{};  // of this person's cohorts, and those for everybody
+};
+
+// Cohorts, what is assigned to them, and the cuts that attempts are compared with.
+// A part of Store (store.h), which says what holds for all parts.
+class TeachingStore {
+ public:
+  virtual ~TeachingStore() = default;
+
+  virtual Result<Uuid> CreateCohort(const std::string& name, const Actor& by) = 0;
+  virtual Result<Cohort> CohortById(const Uuid& id) = 0;
+  // Errors: kConflict with field kStale, without one (the name is taken).
+  virtual Result<Cohort> EditCohort(const Uuid& id, const CohortEdit& edit, int32_t revision,
+                                    const Actor& by) = 0;
+  // All or nothing; who is in already, or is not, stays so. Errors: kNotFound with the id that is
+  // unknown.
+  virtual Status ChangeMembers(const Uuid& cohort, const std::vector<Uuid>& add,
+                               const std::vector<Uuid>& remove, const Actor& by) = 0;
+  virtual Status AddToCohort(const Uuid& cohort, const Uuid& person, const Actor& by) = 0;
+  virtual Result<std::vector<Cohort>> CohortsOf(
+      const Uuid& person) = 0;  // as student or instructor
+  virtual Result<std::vector<Cohort>> Cohorts() = 0;
+  virtual Result<std::vector<Person>> CohortMembers(const Uuid& cohort) = 0;
+  // True when the two share a cohort (a person shares one with itself only as a member of any).
+  virtual Result<bool> ShareCohort(const Uuid& a, const Uuid& b) = 0;
+
+  // Assignments; `revision` as for drafts (content_store.h). Errors: kNotFound (cohort,
+  // station, assignment), kInvalidInput (no published exercise of that name).
+  virtual Result<AssignmentRow> AddAssignment(const AssignmentRow& row, const Actor& by) = 0;
+  virtual Result<AssignmentRow> ReplaceAssignment(const AssignmentRow& row, const Actor& by) = 0;
+  // Errors also: kConflict with field "attempts" (some were made under it, which are released
+  // through it; to end it, let it be due).
+  virtual Status DeleteAssignment(const Uuid& id, int32_t revision, const Actor& by) = 0;
+  virtual Result<AssignmentRow> AssignmentById(const Uuid& id) = 0;
+  // By due time, those without one last.
+  virtual Result<std::vector<AssignmentRow>> Assignments(const AssignmentFilter& filter) = 0;
+  // Of the person's cohorts and for everybody, with a published version; exams first.
+  virtual Result<std::vector<AssignedRow>> AssignmentsFor(const Uuid& person) = 0;
+  // Releases every scored attempt under it; how many were not before.
+  virtual Result<uint32_t> ReleaseAssignment(const Uuid& id, const Actor& by) = 0;
+
+  // A sealed and scored attempt becomes the exercise's reference (newest that is not withdrawn
+  // wins); attempts of that exercise which were sealed without a reference are queued for scoring,
+  // itself included (it then reads deviation 0). `consent`: students may see the name.
+  virtual Result<ReferenceRow> AddReference(const Uuid& attempt, const std::string& dentist,
+                                            bool consent, const Actor& by) = 0;
+  virtual Result<ReferenceRow> ReferenceById(const Uuid& id) = 0;
+  // Newest first, withdrawn ones too.
+  virtual Result<std::vector<ReferenceRow>> References(const Uuid& exercise) = 0;
+  // Scores made with it stay until they are made again.
+  virtual Status WithdrawReference(const Uuid& id, const Actor& by) = 0;
+  virtual Result<std::optional<ReferenceRow>> ReferenceFor(const Uuid& exercise) = 0;
+};
+
+}  // namespace enamel::server

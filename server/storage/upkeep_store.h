@@ -1,0 +1,88 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "server/storage/actor.h"
+#include "server/training/types.h"
+
+namespace enamel::server {
+
+// What was removed with a person.
+struct ErasureReport {
+  size_t attempts = 0, references = 0, blobs = 0;
+  // False: copies of what was erased may be in unused parts of the database until FinishErasures.
+  bool finished = true;
+};
+
+// How long things are kept; no rule: for good.
+//   "unfinished"  attempts that were never sealed, since their ticket; at least 14 days, as
+//                 stations may still upload (schemas/wire/README.md)
+//   "recordings"  since sealing: trace, final volume, surface and force series go, the score stays
+//   "attempts"    since sealing (quarantined ones: since their ticket): all of it
+// Reference cuts, attempts with a job in the queue, with an appeal that waits for its answer, and
+// students' graded work that is neither released nor excused are never touched; quarantined ones,
+// being evidence, only by "attempts".
+struct RetentionRule {
+  std::string what;
+  int32_t days = 0;
+};
+
+// Attempts a rule applies to now.
+struct RetentionReport {
+  std::vector<Uuid> unfinished, recordings, attempts;
+  size_t blobs = 0;  // removed with them
+  size_t held = 0;   // due as well, but kept for an appeal's answer or for their release
+};
+
+// How the store does. Counters are since it was opened.
+struct StoreHealth {
+  bool takes_recordings = true;
+  std::string problem;  // why not, and what to do; names no path
+  std::string waiting;  // why changes take longer than usual at the moment; empty: they do not
+  uint64_t free_bytes = 0, min_free_bytes = 0, database_bytes = 0, log_bytes = 0;
+  uint64_t commits = 0, writes = 0, failed_commits = 0;
+  double commit_s = 0;  // time spent in commits
+  uint64_t chunks = 0, chunk_bytes = 0, sealed = 0;
+};
+
+// What keeps the store in order: erasure, retention, health.
+// A part of Store (store.h), which says what holds for all parts.
+class UpkeepStore {
+ public:
+  virtual ~UpkeepStore() = default;
+
+  // Erases a person: key, attempts with everything made from them, sessions, memberships, name. The
+  // audit trail keeps the id, which nothing leads to any more, and a tombstone stays, so that the
+  // person is erased again after a restore. Scores of others that were compared with a reference
+  // cut of this person stay. Idempotent after a failure. Errors: kNotFound; kConflict (the person's
+  // attempts are references and `with_references` is not set; the only admin who may sign in);
+  // kUnavailable (a backup is running).
+  virtual Result<ErasureReport> ErasePerson(const Uuid& person, bool with_references,
+                                            const Actor& by) = 0;
+
+  virtual Result<std::vector<RetentionRule>> RetentionRules() = 0;
+  // Days 0: no rule. Errors: kInvalidInput.
+  virtual Status SetRetention(const RetentionRule& rule, const Actor& by) = 0;
+  // Removes what the rules say; with `dry_run` only tells. Errors: kUnavailable (a backup is
+  // running).
+  virtual Result<RetentionReport> ApplyRetention(UnixMs now_ms, bool dry_run, const Actor& by) = 0;
+  // Ends what an erasure had to leave (ErasureReport::finished), or a crash; ApplyRetention does it
+  // too. Writes wait meanwhile. Nothing to do: nothing. Errors: kUnavailable (a backup is running,
+  // or another erasure; somebody reads), kStorage (no room); it is left for the next call.
+  virtual Status FinishErasures() = 0;
+  // The program is about to end: from now on no other process is waited for, and FinishErasures,
+  // also as the end of ErasePerson, leaves the rest to the next start. Any thread.
+  virtual void StopWaiting() = 0;
+
+  // Never fails: trouble is what it tells.
+  virtual StoreHealth Health() = 0;
+  // After a write that failed: writes something small, so that Health knows whether writing works
+  // again. Else nothing.
+  virtual Status TryWrite() = 0;
+};
+
+}  // namespace enamel::server
