@@ -19,14 +19,12 @@ Result<wire::Reply> Session::Do(const wire::OfferAttempts& request) {
   wire::AttemptsWanted& wanted = *reply.mutable_attempts_wanted();
   for (const wire::HeldAttempt& held : request.attempts()) {
     ENAMEL_ASSIGN_OR_RETURN(auto lacks, Lacks(held));
-    if lacks
-      wanted.add_attempts(held.attempt());
+    if (lacks) wanted.add_attempts(held.attempt());
   }
   for (const std::string& ticket : request.tickets()) {
     ENAMEL_ASSIGN_OR_RETURN(auto attempt, protocol::ReadUuid(ticket, "tickets"));
     ENAMEL_ASSIGN_OR_RETURN(auto revoked, Revoked(attempt));
-    if revoked
-      wanted.add_revoked(ticket);
+    if (revoked) wanted.add_revoked(ticket);
   }
   return reply;
 }

@@ -170,8 +170,7 @@ Status MustBeHere(Db& db, const AttemptRow& row) {
   };
   for (const auto& thing : things) {
     ENAMEL_ASSIGN_OR_RETURN(auto there, Is(db, thing.sql, thing.id));
-    if there
-      continue;
+    if (there) continue;
     std::string what = thing.what;
     return Status(Code::kNotFound, "there is no " + what + " " + thing.id.Text() + " here", what);
   }

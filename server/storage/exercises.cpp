@@ -29,8 +29,7 @@ Result<std::optional<ExerciseRow>> MaybeExercise(Query& q) {
 
 Result<ExerciseRow> OneExercise(Query& q, const std::string& what) {
   ENAMEL_ASSIGN_OR_RETURN(auto found, MaybeExercise(q));
-  if found
-    return *found;
+  if (found) return *found;
   return Status(Code::kNotFound, "no exercise " + what);
 }
 

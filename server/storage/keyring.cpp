@@ -217,10 +217,10 @@ Status Keyring::Join(const Keyring& other) {
   ENAMEL_RETURN_IF_ERROR(disk_.MakeFolder(folder_));
   ENAMEL_ASSIGN_OR_RETURN(auto gone, other.Gone());
   ENAMEL_RETURN_IF_ERROR(Bury(gone));
-  ENAMEL_ASSIGN_OR_RETURN(auto theirs, other.People(), mine = People());
-  if (!mine.ok()) return mine.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto theirs, other.People());
+  ENAMEL_ASSIGN_OR_RETURN(auto mine, People());
   for (const Uuid& person : theirs) {
-    if (std::ranges::binary_search(*mine, person)) continue;
+    if (std::ranges::binary_search(mine, person)) continue;
     ENAMEL_ASSIGN_OR_RETURN(auto key, other.Read(person));
     ENAMEL_RETURN_IF_ERROR(disk_.Replace(KeyPath(person), key.view()));
   }
@@ -231,9 +231,9 @@ Status Keyring::Join(const Keyring& other) {
 
 Status Keyring::MirrorFrom(const Keyring& other) {
   ENAMEL_RETURN_IF_ERROR(Join(other));
-  ENAMEL_ASSIGN_OR_RETURN(auto theirs, other.People(), mine = People());
-  if (!mine.ok()) return mine.status();
-  for (const Uuid& person : *mine) {
+  ENAMEL_ASSIGN_OR_RETURN(auto theirs, other.People());
+  ENAMEL_ASSIGN_OR_RETURN(auto mine, People());
+  for (const Uuid& person : mine) {
     if (!std::ranges::binary_search(theirs, person))
       ENAMEL_RETURN_IF_ERROR(disk_.Shred(KeyPath(person)));
   }

@@ -42,8 +42,7 @@ Result<std::optional<ProfileRow>> Newest(Db& db, const std::string& name) {
 
 Result<ProfileRow> MustBeThere(Db& db, const std::string& name) {
   ENAMEL_ASSIGN_OR_RETURN(auto found, Newest(db, name));
-  if found
-    return *found;
+  if (found) return *found;
   return Status(Code::kNotFound, "no device profile named \"" + name + "\"; put the profile first",
                 "profile");
 }

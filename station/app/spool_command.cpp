@@ -241,8 +241,7 @@ Status ListSpool(const SpoolCommand& options) {
     for (const SpooledAttempt& a : attempts) {
       ENAMEL_ASSIGN_OR_RETURN(auto last_ms, spool->LastSpooledUnixMs(a.id));
       json::object facts = FactsOf(a);
-      if last_ms
-        facts["last_spooled_unix_ms"] = *last_ms;
+      if (last_ms) facts["last_spooled_unix_ms"] = *last_ms;
       all.push_back(std::move(facts));
     }
     PrintJson({{"spool", file.string()}, {"bytes", bytes}, {"attempts", all}});

@@ -171,7 +171,7 @@ Status Carrier::TakeAck() {
   while (true) {
     ENAMEL_RETURN_IF_ERROR(Meanwhiles());
     ENAMEL_ASSIGN_OR_RETURN(auto ack, link_.PollAck(kSlice));
-    if ack {
+    if (ack) {
       NoteWatched(ack->attempt, ack->watched);
       if (!ack->committed) continue;
       // Each mark is a write to disk that a chunk being spooled would wait for.
