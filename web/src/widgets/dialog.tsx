@@ -60,3 +60,19 @@ export function Confirm({ title, children, action, tone = "bad", onConfirm, onCl
     </Dialog>
   );
 }
+
+interface FormButtonsProps {
+  readonly action: string;                      // what the button that sends the form says
+  readonly disabled: boolean;
+  readonly onCancel: () => void;
+}
+
+// The last row of a form in a dialog.
+export function FormButtons({ action, disabled, onCancel }: FormButtonsProps) {
+  return (
+    <div class="button-row end">
+      <button type="button" class="button" onClick={onCancel}>Cancel</button>
+      <button type="submit" class="button primary" disabled={disabled}>{action}</button>
+    </div>
+  );
+}

@@ -2,7 +2,7 @@ import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
 import { useChange } from "../../api/use_change";
 import { ErrorNotice } from "../../widgets/basics";
-import { Dialog } from "../../widgets/dialog";
+import { Dialog, FormButtons } from "../../widgets/dialog";
 import { TextField } from "../../widgets/form";
 
 interface Props {
@@ -27,10 +27,7 @@ export function ConfirmPassword({ client, onAnswer }: Props) {
         {change.error !== undefined && (
           <ErrorNotice title="Not confirmed" message={change.error.code === "unauthenticated" ? "This is not your password. Try again." : change.error.message} />
         )}
-        <div class="button-row end">
-          <button type="button" class="button" onClick={() => onAnswer(false)}>Cancel</button>
-          <button type="submit" class="button primary" disabled={change.busy}>Go on</button>
-        </div>
+        <FormButtons action="Go on" disabled={change.busy} onCancel={() => onAnswer(false)} />
       </form>
     </Dialog>
   );

@@ -4,7 +4,7 @@ import type { Assignment } from "../../api/types";
 import { useChange } from "../../api/use_change";
 import { useRequest } from "../../api/use_request";
 import { ErrorNotice, Loading } from "../../widgets/basics";
-import { Dialog } from "../../widgets/dialog";
+import { Dialog, FormButtons } from "../../widgets/dialog";
 import { SelectField } from "../../widgets/form";
 import { type Terms, TermsFields } from "./terms_fields";
 
@@ -62,10 +62,7 @@ function Fields({ client, cohort, onClose, onMade, exercises, cohorts, stations 
       <TermsFields terms={terms} onTerms={(part) => setTerms((now) => ({ ...now, ...part }))} stations={stations} problemOf={problemOf} />
       {change.error !== undefined && !["exercise", "cohort_id", "due_ms", "opens_ms", "attempt_limit"].includes(change.error.field) &&
         <ErrorNotice title="Not assigned" message={change.error.message} />}
-      <div class="button-row end">
-        <button type="button" class="button" onClick={onClose}>Cancel</button>
-        <button type="submit" class="button primary" disabled={change.busy || exercise === "" || into === ""}>Assign</button>
-      </div>
+      <FormButtons action="Assign" disabled={change.busy || exercise === "" || into === ""} onCancel={onClose} />
     </form>
   );
 }

@@ -1,8 +1,9 @@
-import { useEffect, useMemo, useState } from "preact/hooks";
+import { useMemo, useState } from "preact/hooks";
 import type { Client } from "../../api/client";
 import type { ApiError } from "../../api/http";
 import type { Annotation, AttemptDetail, Person } from "../../api/types";
 import { useRequest } from "../../api/use_request";
+import { useRefresh } from "../../api/use_refresh";
 import { unreachable } from "../../base/assert";
 import { formatDateTime } from "../../base/format";
 import { Flags, isUnderWay, StateBadge } from "../../widgets/attempt_state";
@@ -34,11 +35,7 @@ export function AttemptPage({ client, person, id }: Props) {
   const exercise = useRequest(attempt?.exercise.id, (signal) => client.teaching.exercise(attempt?.exercise.id ?? "", signal));
   const graded = exercise.loaded.state !== "ready" || exercise.loaded.value.value.graded || attempt?.exam === true;
   const polling = attempt !== undefined && isUnderWay(attempt.state);
-  useEffect(() => {
-    if (!polling) return undefined;
-    const timer = setInterval(() => { if (!document.hidden) reload(); }, kPollMs);
-    return () => clearInterval(timer);
-  }, [polling, reload]);
+  useRefresh(polling, kPollMs, reload);
 
   if (loaded.state === "failed") return <AttemptError error={loaded.error} onRetry={reload} />;
   if (attempt === undefined) return <Loading what="the attempt" />;

@@ -1,7 +1,7 @@
-import { useEffect } from "preact/hooks";
 import type { AttemptQuery, Client } from "../../api/client";
 import type { Attempt, AttemptFlag, AttemptState, Cohort, ExerciseSummary } from "../../api/types";
 import { usePages } from "../../api/use_pages";
+import { useRefresh } from "../../api/use_refresh";
 import { useRequest } from "../../api/use_request";
 import { formatDateTime, formatScore, plural } from "../../base/format";
 import { flagText, Flags, isUnderWay, kFlagTexts, StateBadge, stateText } from "../../widgets/attempt_state";
@@ -97,12 +97,7 @@ function AttemptList({ client, filter, exercises, named }: ListProps & { readonl
   const pages = usePages(JSON.stringify(filter), (cursor, signal) => client.attempts({ ...queryOf(filter), cursor, limit: kPageSize }, signal));
   const practice = new Set(exercises.filter((exercise) => !exercise.graded).map((exercise) => exercise.id));
   const polling = pages.onlyFirst && pages.items.some((attempt) => isUnderWay(attempt.state));
-  const { reload } = pages;
-  useEffect(() => {
-    if (!polling) return undefined;
-    const timer = setInterval(() => { if (!document.hidden) reload(); }, kPollMs);
-    return () => clearInterval(timer);
-  }, [polling, reload]);
+  useRefresh(polling, kPollMs, pages.reload);
   const open = (attempt: Attempt, text: string) => <a href={`/attempts/${attempt.id}`}>{text}</a>;
   const columns: readonly Column<Attempt>[] = [
     ...(named ? [{ title: "Student", cell: (attempt: Attempt) => open(attempt, attempt.person.display_name) },

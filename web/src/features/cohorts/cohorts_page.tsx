@@ -5,7 +5,7 @@ import { useChange } from "../../api/use_change";
 import { usePages } from "../../api/use_pages";
 import { plural } from "../../base/format";
 import { Badge, Card, ErrorNotice, PageTitle } from "../../widgets/basics";
-import { Dialog } from "../../widgets/dialog";
+import { Dialog, FormButtons } from "../../widgets/dialog";
 import { TextField } from "../../widgets/form";
 import { PagedList } from "../../widgets/pages";
 import { DataTable } from "../../widgets/table";
@@ -55,10 +55,7 @@ function AddCohort({ client, onClose, onAdded }: { readonly client: Client; read
       <form class="form" onSubmit={(event) => void submit(event)}>
         <TextField label="Name" value={name} onValue={setName} required maxLength={200} problem={change.error?.field === "name" ? change.error.message : undefined} />
         {change.error !== undefined && change.error.field !== "name" && <ErrorNotice title="Not added" message={change.error.message} />}
-        <div class="button-row end">
-          <button type="button" class="button" onClick={onClose}>Cancel</button>
-          <button type="submit" class="button primary" disabled={change.busy}>Add</button>
-        </div>
+        <FormButtons action="Add" disabled={change.busy} onCancel={onClose} />
       </form>
     </Dialog>
   );

@@ -3,6 +3,7 @@ import { type ApiResult, placedMessage } from "../../api/http";
 import type { Exercise } from "../../api/types";
 import { useChange } from "../../api/use_change";
 import { formatNumber } from "../../base/format";
+import { FormButtons } from "../../widgets/dialog";
 import { ErrorNotice } from "../../widgets/basics";
 import { FileField } from "../../widgets/form";
 
@@ -35,10 +36,7 @@ export function DocumentForm({ action, send, onDone, onCancel }: Props) {
                  problem={tooLarge ? `The file has ${formatNumber(file.size, 0)} bytes, at most ${formatNumber(kMaxBytes, 0)} are allowed.` : undefined} />
       {change.error !== undefined &&
         <ErrorNotice title={change.error.code === "invalid_input" ? "The document is not right" : "Not saved"} message={placedMessage(change.error)} />}
-      <div class="button-row end">
-        <button type="button" class="button" onClick={onCancel}>Cancel</button>
-        <button type="submit" class="button primary" disabled={change.busy || file === undefined || tooLarge}>{action}</button>
-      </div>
+      <FormButtons action={action} disabled={change.busy || file === undefined || tooLarge} onCancel={onCancel} />
     </form>
   );
 }

@@ -1,8 +1,8 @@
-import { useEffect } from "preact/hooks";
 import type { Client } from "../../api/client";
 import { forceSize } from "../../api/live";
 import type { Attempt } from "../../api/types";
 import { useRequest } from "../../api/use_request";
+import { useRefresh } from "../../api/use_refresh";
 import { relativeTime } from "../../base/local_time";
 import { Badge, Empty, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
 import { AnchorView, ForceStrip, kFromAbove } from "./live_pictures";
@@ -15,10 +15,7 @@ const kMostShown = 100;
 // What is being made at the stations now, of the cohorts the caller may see.
 export function LivePage({ client }: { readonly client: Client }) {
   const { loaded, reload } = useRequest("live", (signal) => client.attempts({ state: "recording", limit: kMostShown }, signal));
-  useEffect(() => {
-    const timer = setInterval(() => { if (!document.hidden) reload(); }, kPollMs);
-    return () => clearInterval(timer);
-  }, [reload]);
+  useRefresh(true, kPollMs, reload);
   const attempts = loaded.state === "ready" ? loaded.value.items : [];
   const tracks = useTracks(attempts.map((attempt) => ({ id: attempt.id, rateHz: kDefaultRateHz })), reload);
   return (

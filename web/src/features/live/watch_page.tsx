@@ -1,7 +1,7 @@
-import { useEffect } from "preact/hooks";
 import type { Client } from "../../api/client";
 import type { AttemptDetail } from "../../api/types";
 import { useRequest } from "../../api/use_request";
+import { useRefresh } from "../../api/use_refresh";
 import { formatDuration, formatNumber } from "../../base/format";
 import { Card, Empty, ErrorNotice, Loading, Notice, PageTitle } from "../../widgets/basics";
 import { ForceNow, LiveState } from "./live_page";
@@ -16,11 +16,7 @@ export function WatchPage({ client, id }: { readonly client: Client; readonly id
   const { loaded, reload } = useRequest(id, (signal) => client.attempt(id, signal));
   const attempt = loaded.state === "ready" ? loaded.value : undefined;
   const recording = attempt?.state === "recording" || attempt?.state === "ticketed";
-  useEffect(() => {
-    if (!recording) return undefined;
-    const timer = setInterval(() => { if (!document.hidden) reload(); }, kPollMs);
-    return () => clearInterval(timer);
-  }, [recording, reload]);
+  useRefresh(recording, kPollMs, reload);
   return (
     <>
       <nav class="trail" aria-label="Where you are"><a href="/live">Live</a></nav>

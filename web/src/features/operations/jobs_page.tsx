@@ -1,7 +1,8 @@
-import { useEffect, useState } from "preact/hooks";
+import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
 import type { Job } from "../../api/types";
 import { usePages } from "../../api/use_pages";
+import { useRefresh } from "../../api/use_refresh";
 import { Badge, Card, PageTitle, Progress, type Tone } from "../../widgets/basics";
 import { Confirm } from "../../widgets/dialog";
 import { SelectField } from "../../widgets/form";
@@ -28,12 +29,7 @@ export function JobsPage({ client, query, onQuery }: Props) {
   const pages = usePages(state, (cursor, signal) => client.operations.jobs({ state, cursor, limit: kPageSize }, signal));
   const [cancelling, setCancelling] = useState<Job>();
   const polling = pages.onlyFirst && pages.items.some((job) => job.state === "queued" || job.state === "running");
-  const { reload } = pages;
-  useEffect(() => {
-    if (!polling) return undefined;
-    const timer = setInterval(() => { if (!document.hidden) reload(); }, kPollMs);
-    return () => clearInterval(timer);
-  }, [polling, reload]);
+  useRefresh(polling, kPollMs, pages.reload);
   const columns: readonly Column<Job>[] = [
     { title: "Job", cell: (job) => <a href={`/attempts/${job.attempt_id}`}>Score attempt {job.attempt_id.slice(-8)}</a> },
     { title: "Why", cell: (job) => kCauses[job.cause] ?? job.cause },
@@ -58,7 +54,7 @@ export function JobsPage({ client, query, onQuery }: Props) {
                  onConfirm={async () => {
                    const result = await client.operations.cancelJob(cancelling.id);
                    if (!result.ok) return result.error.message;
-                   reload();
+                   pages.reload();
                    return undefined;
                  }}>
           <p>The attempt stays unscored until somebody chooses “Score again” at it.</p>

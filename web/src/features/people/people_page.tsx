@@ -5,7 +5,7 @@ import { useChange } from "../../api/use_change";
 import { usePages } from "../../api/use_pages";
 import { useRequest } from "../../api/use_request";
 import { Badge, Card, ErrorNotice, PageTitle } from "../../widgets/basics";
-import { Dialog } from "../../widgets/dialog";
+import { Dialog, FormButtons } from "../../widgets/dialog";
 import { type Option, SelectField, TextField } from "../../widgets/form";
 import { PagedList } from "../../widgets/pages";
 import { DataTable } from "../../widgets/table";
@@ -99,10 +99,7 @@ function AddPerson({ client, onClose, onAdded }: { readonly client: Client; read
         <TextField label="Login" value={login} onValue={setLogin} required maxLength={64} problem={problem("login")} hint="What the person types to sign in. It cannot be changed later." />
         <SelectField label="Role" value={role} onValue={setRole} options={kRoles} problem={problem("role")} />
         {change.error !== undefined && !["login", "display_name", "role"].includes(change.error.field) && <ErrorNotice title="Not added" message={change.error.message} />}
-        <div class="button-row end">
-          <button type="button" class="button" onClick={onClose}>Cancel</button>
-          <button type="submit" class="button primary" disabled={change.busy}>Add</button>
-        </div>
+        <FormButtons action="Add" disabled={change.busy} onCancel={onClose} />
       </form>
     </Dialog>
   );

@@ -8,7 +8,7 @@ import { useRequest } from "../../api/use_request";
 import { formatDateTime } from "../../base/format";
 import { relativeTime } from "../../base/local_time";
 import { Badge, Card, Empty, ErrorNotice, Loading, Notice, PageTitle } from "../../widgets/basics";
-import { Confirm, Dialog } from "../../widgets/dialog";
+import { Confirm, Dialog, FormButtons } from "../../widgets/dialog";
 import { CopyText } from "../../widgets/copy";
 import { TextField } from "../../widgets/form";
 import { PagedList } from "../../widgets/pages";
@@ -80,10 +80,7 @@ function Rename({ client, station, onClose, onDone }: { readonly client: Client;
       <form class="form" onSubmit={(event) => void submit(event)}>
         <TextField label="Name" value={name} onValue={setName} required maxLength={64} problem={change.error?.field === "name" ? change.error.message : undefined} />
         {change.error !== undefined && change.error.field !== "name" && <ErrorNotice title="Not renamed" message={change.error.message} />}
-        <div class="button-row end">
-          <button type="button" class="button" onClick={onClose}>Cancel</button>
-          <button type="submit" class="button primary" disabled={change.busy}>Rename</button>
-        </div>
+        <FormButtons action="Rename" disabled={change.busy} onCancel={onClose} />
       </form>
     </Dialog>
   );
