@@ -31,8 +31,11 @@ reference=$(json_of "$work/reference" attempt_id)
 
 # play NAME [SIZE [options]]: a script on standard input, at a window of 1280 x 720 or that size. PICTURES and WORK stand for
 # the folders.
+# `sign in as NAME` stands for what a student types on the first page.
 play() {
-  sed "s|PICTURES|$pictures|; s|WORK|$work|" >"$work/$1.txt"
+  sed "s|PICTURES|$pictures|; s|WORK|$work|
+    s|^sign in as \(.*\)|page sign-in\ntype \1\nkey Tab\ntype enamel-demo-\1\nkey Enter\npage exercises|" \
+    >"$work/$1.txt"
   timeout 300 "$bin/enamel-station" open --data "$station" --window "${2:-1280x720}" --no-sound --simulated --script "$work/$1.txt" "${@:3}" ||
     { tail -n 20 "$work/server.log"; fail "the script $1 did not get through"; }
 }
@@ -190,12 +193,7 @@ EOF
 
 # Nothing happens for three seconds: signed out.
 play idle 1280x720 --idle-minutes 0.05 <<'EOF'
-page sign-in
-type student1
-key Tab
-type enamel-demo-student1
-key Enter
-page exercises
+sign in as student1
 page sign-in
 see signed out because
 frames 2
@@ -203,12 +201,7 @@ picture PICTURES/24-idle.png
 quit
 EOF
 play give-up <<'EOF'
-page sign-in
-type student1
-key Tab
-type enamel-demo-student1
-key Enter
-page exercises
+sign in as student1
 click Class I
 page exercise
 see Bur:
@@ -228,12 +221,7 @@ quit
 EOF
 # The server goes away in the middle of an attempt, and comes back while it is handed in.
 play away <<'EOF' &
-page sign-in
-type student1
-key Tab
-type enamel-demo-student1
-key Enter
-page exercises
+sign in as student1
 click Class I
 page exercise
 see Bur:
@@ -326,12 +314,7 @@ chosen=(--user student1 --exercise "$exercise" --profile phantom_desktop)
 cut_off "${chosen[@]}"
 cut_off "${chosen[@]}"
 play cut-off <<'EOF'
-page sign-in
-type student1
-key Tab
-type enamel-demo-student1
-key Enter
-page exercises
+sign in as student1
 see Cut off:
 frames 2
 picture PICTURES/15-cut-off.png
