@@ -9,6 +9,8 @@
 #include <cstring>
 #include <string>
 
+#include "common/base/fd.h"
+
 namespace enamel {
 namespace {
 
@@ -16,20 +18,6 @@ Status Errno(const std::string& what, const std::filesystem::path& path) {
   Code code = errno == ENOENT ? Code::kNotFound : Code::kStorage;
   return Status(code, what + " " + path.string() + ": " + std::strerror(errno));
 }
-
-class Fd {
- public:
-  explicit Fd(int fd) : fd_(fd) {}
-  ~Fd() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  Fd(const Fd&) = delete;
-  Fd& operator=(const Fd&) = delete;
-  int get() const { return fd_; }
-
- private:
-  int fd_;
-};
 
 }  // namespace
 

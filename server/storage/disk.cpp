@@ -11,6 +11,7 @@
 #include <functional>
 #include <optional>
 
+#include "common/base/fd.h"
 #include "common/base/file.h"
 
 namespace enamel::server {
@@ -25,20 +26,6 @@ Status Failed(const char* what, const fs::path& path, int error) {
     message += "; make the folder writable for this user";
   return Status(Code::kStorage, message);
 }
-
-class Fd {
- public:
-  explicit Fd(int fd) : fd_(fd) {}
-  ~Fd() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  Fd(const Fd&) = delete;
-  Fd& operator=(const Fd&) = delete;
-  int get() const { return fd_; }
-
- private:
-  const int fd_;
-};
 
 Status Overwrite(int fd, const fs::path& path) {
   struct stat info {};

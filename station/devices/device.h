@@ -81,4 +81,15 @@ class Device {
   virtual DeviceCounters counters() const noexcept { return {}; }
 };
 
+// A device whose motors take force and torque together.
+class MotorDevice : public Device {
+ public:
+  ENAMEL_REALTIME void SendForce(const dvec3& force_n) noexcept final {
+    SendForceAndTorque(force_n, dvec3(0));
+  }
+  ENAMEL_REALTIME void SendForceAndTorque(const dvec3& force_n,
+                                          const dvec3& torque_n_m) noexcept override = 0;
+  double still_before_force_s() const noexcept final { return 0.1; }
+};
+
 }  // namespace enamel::station

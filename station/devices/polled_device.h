@@ -36,7 +36,7 @@ class PolledBus {
 // A pose that is not finite is left out and counted as refused.
 // Once gone it stays gone: unplugged, 0. Real-time: ReadSample and the Sends are safe. Destruction
 // sends 0.
-class PolledDevice final : public Device {
+class PolledDevice final : public MotorDevice {
  public:
   // `resolution_m`: edge of a count, of the device profile. The first pose read is the centre.
   // `thread_setup` is called when the thread begins; it may be empty.
@@ -46,12 +46,8 @@ class PolledDevice final : public Device {
 
   std::string Name() const override { return name_; }
   ENAMEL_REALTIME DeviceSample ReadSample() noexcept override;
-  ENAMEL_REALTIME void SendForce(const dvec3& force_n) noexcept override {
-    SendForceAndTorque(force_n, dvec3(0));
-  }
   ENAMEL_REALTIME void SendForceAndTorque(const dvec3& force_n,
                                           const dvec3& torque_n_m) noexcept override;
-  double still_before_force_s() const noexcept override { return 0.1; }
   DeviceCounters counters() const noexcept override;
 
  private:

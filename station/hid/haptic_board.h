@@ -64,7 +64,7 @@ std::string UnitOf(const HidInfo& info);
 // Thread safety: ReadSample and SendForce by the tick's thread, counters by any. Real-time: those
 // are safe (SendForce posts a semaphore at most once per write). Destruction sends force 0, motors
 // off.
-class HapticBoard final : public Device, private ReportSink {
+class HapticBoard final : public MotorDevice, private ReportSink {
  public:
   // Opens the board, asks what it is and waits for its first report. Errors: kNotFound with what is
   // attached, kUnavailable (may not be opened, silent), kVersion, kInvalidInput (its answer).
@@ -76,13 +76,9 @@ class HapticBoard final : public Device, private ReportSink {
   std::string Name() const override { return name_; }
   std::string Unit() const override { return unit_; }
   ENAMEL_REALTIME DeviceSample ReadSample() noexcept override;
-  ENAMEL_REALTIME void SendForce(const dvec3& force_n) noexcept override {
-    SendForceAndTorque(force_n, dvec3(0));
-  }
   // The torque goes to a board that says it drives six axes, and is left out otherwise.
   ENAMEL_REALTIME void SendForceAndTorque(const dvec3& force_n,
                                           const dvec3& torque_n_m) noexcept override;
-  double still_before_force_s() const noexcept override { return 0.1; }
   DeviceCounters counters() const noexcept override;
 
  private:

@@ -10,6 +10,7 @@
 #include "tests/load/chunk_layout.h"
 #include "tests/load/engine.h"
 #include "tests/load/figures.h"
+#include "tests/support/wire_seal.h"
 
 namespace enamel::load {
 namespace {
@@ -205,12 +206,7 @@ Status Marking::Seal(const Sealed& attempt) const {
   if (!welcome.ok()) return welcome.status();
   wire::Request request;
   request.set_id(2);
-  wire::SealAttempt& body = *request.mutable_seal_attempt();
-  body.set_attempt(protocol::ToField(attempt.attempt.view()));
-  body.set_chunks(attempt.seal.chunks);
-  body.set_ticks(attempt.seal.ticks);
-  body.set_last_chunk(protocol::ToField(attempt.seal.last_chunk.view()));
-  body.set_state_hash(attempt.seal.state_hash);
+  test::FillSeal(attempt.seal, *request.mutable_seal_attempt());
   ENAMEL_ASSIGN_OR_RETURN(auto reply, ask(request));
   if (reply.has_sealed()) return Status::Ok();
   return Status(Code::kUnavailable, "an attempt was not sealed: " + reply.error().message());

@@ -38,14 +38,12 @@ Status AddPerson(Store& store, const std::string& login, Role role, const std::s
 
 Status Compile(Store& store, School& school) {
   auto text = [&](const Sha256& hash) { return store.GetBlob(hash); };
-  ENAMEL_ASSIGN_OR_RETURN(auto scene_text, text(school.scene),
-                          exercise_text = text(school.exercise),
-                          profile_text = text(school.profile));
-  if (!exercise_text.ok()) return exercise_text.status();
-  if (!profile_text.ok()) return profile_text.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto scene_text, text(school.scene));
+  ENAMEL_ASSIGN_OR_RETURN(auto exercise_text, text(school.exercise));
+  ENAMEL_ASSIGN_OR_RETURN(auto profile_text, text(school.profile));
   auto scene = scene::SceneFromJson(AsText(scene_text));
-  auto exercise = scene::ExerciseFromJson(AsText(*exercise_text));
-  auto profile = scene::ProfileFromJson(AsText(*profile_text));
+  auto exercise = scene::ExerciseFromJson(AsText(exercise_text));
+  auto profile = scene::ProfileFromJson(AsText(profile_text));
   if (!scene.ok()) return scene.status();
   if (!exercise.ok()) return exercise.status();
   if (!profile.ok()) return profile.status();

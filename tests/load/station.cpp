@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "tests/support/wire_seal.h"
+
 namespace enamel::load {
 namespace {
 
@@ -161,13 +163,7 @@ void Station::AskNext() {
   } else if (recording_ && goal_ != Goal::kTicket && !opened_) {
     request.mutable_open_attempt()->set_header(protocol::ToField(recording_->header()));
   } else if (recording_ && goal_ == Goal::kSeal && !sealed_ && in_flight_.empty()) {
-    trace::Seal seal = recording_->SealOf(last_chunk_);
-    wire::SealAttempt& body = *request.mutable_seal_attempt();
-    body.set_attempt(protocol::ToField(seal.attempt.view()));
-    body.set_chunks(seal.chunks);
-    body.set_ticks(seal.ticks);
-    body.set_last_chunk(protocol::ToField(seal.last_chunk.view()));
-    body.set_state_hash(seal.state_hash);
+    test::FillSeal(recording_->SealOf(last_chunk_), *request.mutable_seal_attempt());
   } else {
     return;
   }

@@ -10,6 +10,8 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "tests/support/temp_folder.h"
+
 namespace {
 bool refuse_folders = false, refuse_files = false;
 }  // namespace
@@ -32,19 +34,13 @@ namespace fs = std::filesystem;
 
 class FileTest : public testing::Test {
  protected:
-  FileTest() {
-    std::string pattern = (fs::temp_directory_path() / "enamel-file-XXXXXX").string();
-    folder_ = ::mkdtemp(pattern.data());
-  }
-  ~FileTest() override {
-    refuse_folders = refuse_files = false;
-    fs::remove_all(folder_);
-  }
+  ~FileTest() override { refuse_folders = refuse_files = false; }
   size_t Entries() const {
     return static_cast<size_t>(
         std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
   }
-  fs::path folder_;
+  test::TempFolder temp_;
+  const fs::path folder_ = temp_.path();
 };
 
 TEST_F(FileTest, ReplacesTheContentAndLeavesNothingElse) {

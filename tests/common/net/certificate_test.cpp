@@ -11,23 +11,18 @@
 
 #include "common/base/file.h"
 #include "common/net/tls.h"
+#include "tests/support/temp_folder.h"
 
 namespace enamel::net {
 namespace {
 
 class CertificateTest : public testing::Test {
  protected:
-  CertificateTest() {
-    std::string name =
-        (std::filesystem::temp_directory_path() / "enamel_certificate_XXXXXX").string();
-    folder_ = ::mkdtemp(name.data());
-  }
-  ~CertificateTest() override { std::filesystem::remove_all(folder_); }
-
   std::filesystem::path certificate() const { return folder_ / "station.crt"; }
   std::filesystem::path key() const { return folder_ / "station.key"; }
 
-  std::filesystem::path folder_;
+  test::TempFolder temp_;
+  const std::filesystem::path folder_ = temp_.path();
 };
 
 X509* Parse(const std::string& pem) {

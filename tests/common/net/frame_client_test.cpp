@@ -1,7 +1,6 @@
 #include "common/net/frame_client.h"
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 #include <sys/socket.h>
 
 #include <atomic>
@@ -17,6 +16,8 @@
 #include "common/net/certificate.h"
 #include "common/net/tls.h"
 #include "common/protocol/frame.h"
+#include "tests/support/read_message.h"
+#include "tests/support/temp_folder.h"
 
 namespace enamel::net {
 namespace {
@@ -86,15 +87,7 @@ class ScriptedServer {
   std::thread thread_;
 };
 
-Bytes ReadMessage(Stream& stream) {
-  protocol::FrameReader reader;
-  while (!reader.done()) {
-    auto space = reader.Prepare();
-    size_t n = stream.read_some(asio::buffer(space.data(), space.size()));
-    if (!reader.Resume(n).ok()) throw boost::system::system_error(asio::error::message_size);
-  }
-  return reader.Take();
-}
+using test::ReadMessage;
 
 void WriteMessage(Stream& stream, ByteView message) {
   asio::write(stream, asio::buffer(*protocol::EncodeFrame(message)));
@@ -113,16 +106,14 @@ void Hold(Stream& stream) {
 class FrameClientTest : public testing::Test {
  protected:
   FrameClientTest() {
-    std::string name = (std::filesystem::temp_directory_path() / "enamel_net_XXXXXX").string();
-    folder_ = ::mkdtemp(name.data());
     auto pem = folder_ / "c.pem", key = folder_ / "k.pem";
     ENAMEL_CHECK(CreateCertificateFiles(pem, key, "enamel-test").ok());
     context_ = *MakeServerContext(pem, key);
     fingerprint_ = *CertificateFingerprint(*ReadFile(pem));
   }
-  ~FrameClientTest() override { std::filesystem::remove_all(folder_); }
 
-  std::filesystem::path folder_;
+  test::TempFolder temp_;
+  const std::filesystem::path folder_ = temp_.path();
   std::shared_ptr<asio::ssl::context> context_;
   Sha256 fingerprint_;
   FrameClient client_;

@@ -297,7 +297,7 @@ class Case {
 
  private:
   Template& from_;
-  TempFolder folder_;
+  test::TempFolder folder_;
   std::unique_ptr<Store> copy_;
   Store* store_;
   std::unique_ptr<auth::Authenticator> authenticator_;

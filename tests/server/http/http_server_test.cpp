@@ -32,7 +32,7 @@ class HttpServerTest : public testing::Test {
     options_.web_root = page_.path();
   }
 
-  TempFolder page_;
+  test::TempFolder page_;
   School school_;
   HttpOptions options_;
 };

@@ -6,7 +6,7 @@
 
 #include "server/auth/authenticator.h"
 #include "server/storage/sqlite_store.h"
-#include "tests/server/http/temp_folder.h"
+#include "tests/support/temp_folder.h"
 
 namespace enamel::server::http {
 
@@ -27,7 +27,7 @@ struct School {
 
   // Asked before the store keeps something; true: it fails. Set while no request is under way.
   std::function<bool()> before_write;
-  TempFolder folder;
+  test::TempFolder folder;
   std::unique_ptr<Store> store;
   UnixMs now_ms = 0;
   std::unique_ptr<auth::Authenticator> authenticator;

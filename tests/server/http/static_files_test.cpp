@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/server/http/temp_folder.h"
+#include "tests/support/temp_folder.h"
 
 namespace enamel::server::http {
 namespace {
@@ -36,7 +36,7 @@ class StaticFilesTest : public testing::Test {
     return "";
   }
 
-  TempFolder folder_, secret_;
+  test::TempFolder folder_, secret_;
   std::optional<StaticFiles> files_;
 };
 
@@ -96,7 +96,7 @@ TEST_F(StaticFilesTest, RefusesToChangeAnything) {
 }
 
 TEST(StaticFilesLoadTest, SaysWhatIsMissing) {
-  TempFolder empty;
+  test::TempFolder empty;
   Result<StaticFiles> loaded = StaticFiles::Load(empty.path());
   ASSERT_FALSE(loaded.ok());
   EXPECT_EQ(loaded.status().code(), Code::kNotFound);

@@ -80,7 +80,7 @@ class TlsTest : public testing::Test {
  protected:
   TlsTest() { options_.tls = WriteCertificate(folder_.path()); }
 
-  TempFolder folder_;
+  test::TempFolder folder_;
   School school_;
   HttpOptions options_;
 };

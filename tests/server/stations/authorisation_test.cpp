@@ -5,6 +5,7 @@
 
 #include "server/stations/session.h"
 #include "tests/server/stations/link_world.h"
+#include "tests/support/wire_seal.h"
 
 // Who gets what over the station link: every message of the protocol has a line here.
 namespace enamel::server::stations {
@@ -136,12 +137,7 @@ class LinkAuthorisationTest : public ::testing::Test {
       out.mutable_put_chunk()->set_chunk(protocol::ToField(recording_->chunks[0]));
     } else if (message == "seal_attempt") {
       (void)Carry(RequestOf("put_chunk"));
-      wire::SealAttempt& body = *out.mutable_seal_attempt();
-      body.set_attempt(protocol::ToField(recording_->seal.attempt.view()));
-      body.set_chunks(recording_->seal.chunks);
-      body.set_ticks(recording_->seal.ticks);
-      body.set_last_chunk(protocol::ToField(recording_->seal.last_chunk.view()));
-      body.set_state_hash(recording_->seal.state_hash);
+      test::FillSeal(recording_->seal, *out.mutable_seal_attempt());
     } else if (message == "attempt_status") {
       out.mutable_attempt_status()->set_session(station_.session);
       out.mutable_attempt_status()->set_attempt(protocol::ToField(recording_->seal.attempt.view()));

@@ -10,6 +10,7 @@
 #include "server/auth/token.h"
 #include "server/stations/session.h"
 #include "tests/server/storage/store_world.h"
+#include "tests/support/wire_seal.h"
 
 // A server's side of the station link with real content, and a scripted station with keys of its
 // own.
@@ -165,12 +166,7 @@ class ScriptedStation {
 
   wire::Reply Seal(const trace::Seal& seal) {
     wire::Request request;
-    wire::SealAttempt& body = *request.mutable_seal_attempt();
-    body.set_attempt(protocol::ToField(seal.attempt.view()));
-    body.set_chunks(seal.chunks);
-    body.set_ticks(seal.ticks);
-    body.set_last_chunk(protocol::ToField(seal.last_chunk.view()));
-    body.set_state_hash(seal.state_hash);
+    test::FillSeal(seal, *request.mutable_seal_attempt());
     return Send(request);
   }
 

@@ -8,28 +8,13 @@
 
 #include "common/trace/trace.h"
 #include "server/storage/sqlite_store.h"
+#include "tests/support/temp_folder.h"
 
 // A data folder that goes away, and a small school in it: what storage, sign-in and station tests
 // start from.
 namespace enamel::server::testing {
 
-class TempFolder {
- public:
-  TempFolder()
-      : path_(std::filesystem::temp_directory_path() / ("enamel-test-" + Uuid::New().Text())) {
-    std::filesystem::create_directories(path_);
-  }
-  ~TempFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  TempFolder(const TempFolder&) = delete;
-  TempFolder& operator=(const TempFolder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
+using test::TempFolder;
 
 inline const Actor kSystem{{}, "test"};
 

@@ -1,6 +1,5 @@
 #include <gtest/gtest.h>
 #include <sqlite3.h>
-#include <stdlib.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -17,6 +16,7 @@
 #include "station/spool/spool.h"
 #include "station/uplink/credentials.h"
 #include "tests/station/uplink/fake_server.h"
+#include "tests/support/temp_folder.h"
 
 // enamel-station as people run it: exit codes and what is said.
 namespace enamel::station {
@@ -47,13 +47,10 @@ Outcome RunProgram(const std::string& arguments, const char* streams = kBoth) {
 class ProgramTest : public testing::Test {
  protected:
   ProgramTest() {
-    std::string name = (fs::temp_directory_path() / "enamel_program_XXXXXX").string();
-    folder_ = ::mkdtemp(name.data());
     ::setenv("ENAMEL_PASSWORD", "secret", 1);
     ::setenv("ENAMEL_PIN", "804217", 1);
     ::unsetenv("DISPLAY");  // nothing here is to be shown
   }
-  ~ProgramTest() override { fs::remove_all(folder_); }
 
   std::string data() const { return " --data " + (folder_ / "data").string(); }
   void Enrol(uint16_t port) {
@@ -90,7 +87,8 @@ class ProgramTest : public testing::Test {
   }
   bool SpoolHas(const Uuid& attempt) { return (*Spool::Open(folder_ / "data"))->Get(attempt).ok(); }
 
-  fs::path folder_;
+  test::TempFolder temp_;
+  const fs::path folder_ = temp_.path();
 };
 
 constexpr char kRun[] = "run --exercise e --profile p --user u --lockstep";

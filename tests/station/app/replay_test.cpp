@@ -1,7 +1,6 @@
 #include "station/app/replay.h"
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <boost/json.hpp>
 #include <filesystem>
@@ -10,6 +9,7 @@
 #include "common/measure/attempt.h"
 #include "common/scene/volume_blob.h"
 #include "common/trace/moment.h"
+#include "tests/support/temp_folder.h"
 
 // `enamel-station replay` on recordings as they come: whole, cut short, reordered, of another
 // scene.
@@ -37,8 +37,6 @@ trace::TraceFile WholeFile() {
 class ReplayTest : public testing::Test {
  protected:
   ReplayTest() {
-    std::string name = (fs::temp_directory_path() / "enamel_replay_XXXXXX").string();
-    folder_ = ::mkdtemp(name.data());
     options_.data = folder_ / "data";
     options_.trace = folder_ / "a.entrace";
     options_.volume = folder_ / "a.envb";
@@ -46,7 +44,6 @@ class ReplayTest : public testing::Test {
     Write(options_.volume, scene::EncodeVolume(Attempt().built.volume));
     WriteTrace(WholeFile());
   }
-  ~ReplayTest() override { fs::remove_all(folder_); }
 
   static void Write(const fs::path& path, ByteView bytes) {
     ASSERT_TRUE(WriteFileDurably(path, bytes).ok());
@@ -74,7 +71,8 @@ class ReplayTest : public testing::Test {
     return boost::json::parse(std::string(AsText(*bytes))).as_object();
   }
 
-  fs::path folder_;
+  test::TempFolder temp_;
+  const fs::path folder_ = temp_.path();
   ReplayOptions options_;
 };
 

@@ -8,6 +8,7 @@
 
 #include "station/hid/haptic_report.h"
 #include "tests/station/hid/hid_double.h"
+#include "tests/support/temp_folder.h"
 
 namespace enamel::station::desk {
 namespace {
@@ -18,16 +19,8 @@ using testing_support::ScriptedHid;
 // Devices are files here: who may read and write the file may use the device.
 class DeviceOffersTest : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string pattern = std::filesystem::temp_directory_path() / "enamel-offers-XXXXXX";
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    folder_ = pattern;
-    HidBus::Get().Reset();
-  }
-  void TearDown() override {
-    HidBus::Get().Reset();
-    std::filesystem::remove_all(folder_);
-  }
+  void SetUp() override { HidBus::Get().Reset(); }
+  void TearDown() override { HidBus::Get().Reset(); }
   ScriptedHid Device(const char* node, uint16_t vendor, uint16_t product, bool permitted = true) {
     ScriptedHid d;
     d.path = folder_ / node;
@@ -51,7 +44,8 @@ class DeviceOffersTest : public testing::Test {
     d.feature.assign(bytes.begin(), bytes.end());
     return d;
   }
-  std::filesystem::path folder_;
+  test::TempFolder temp_;
+  const std::filesystem::path folder_ = temp_.path();
 };
 
 TEST_F(DeviceOffersTest, WithNothingAttachedThereIsMouseAndKeyboard) {

@@ -1,7 +1,6 @@
 #include "station/desk/opening.h"
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <filesystem>
 #include <fstream>
@@ -10,6 +9,7 @@
 #include "station/desk/workflow.h"
 #include "station/spool/salvage.h"
 #include "tests/station/uplink/fake_server.h"
+#include "tests/support/temp_folder.h"
 
 namespace enamel::station::desk {
 namespace {
@@ -18,12 +18,7 @@ namespace fs = std::filesystem;
 
 class OpeningTest : public testing::Test {
  protected:
-  OpeningTest() {
-    std::string name = (fs::temp_directory_path() / "enamel_opening_XXXXXX").string();
-    folder_ = ::mkdtemp(name.data());
-    server_.emplace(folder_);
-  }
-  ~OpeningTest() override { fs::remove_all(folder_); }
+  OpeningTest() { server_.emplace(folder_); }
 
   fs::path data() const { return folder_ / "data"; }
   fs::path file() const { return data() / "spool.sqlite"; }
@@ -46,7 +41,8 @@ class OpeningTest : public testing::Test {
     }
   }
 
-  fs::path folder_;
+  test::TempFolder temp_;
+  const fs::path folder_ = temp_.path();
   std::optional<FakeServer> server_;
 };
 

@@ -6,22 +6,19 @@
 #include <filesystem>
 #include <fstream>
 
+#include "tests/support/temp_folder.h"
+
 namespace enamel::station::desk {
 namespace {
 
 class ScriptTest : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string pattern = std::filesystem::temp_directory_path() / "enamel-script-XXXXXX";
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    folder_ = pattern;
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
   std::filesystem::path Written(const std::string& text) const {
     std::ofstream(folder_ / "script") << text;
     return folder_ / "script";
   }
-  std::filesystem::path folder_;
+  test::TempFolder temp_;
+  const std::filesystem::path folder_ = temp_.path();
 };
 
 TEST_F(ScriptTest, RemarksAndEmptyLinesAreNoSteps) {

@@ -1,9 +1,9 @@
 #include "station/desk/workflow.h"
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include "tests/station/uplink/fake_server.h"
+#include "tests/support/temp_folder.h"
 
 namespace enamel::station::desk {
 namespace {
@@ -17,8 +17,6 @@ constexpr char kPin[] = "804217";
 class WorkflowTest : public testing::Test {
  protected:
   WorkflowTest() {
-    std::string name = (fs::temp_directory_path() / "enamel_flow_XXXXXX").string();
-    folder_ = ::mkdtemp(name.data());
     server_.emplace(folder_);
     EXPECT_TRUE(SaveCredentials(folder_ / "data", server_->NewStation()).ok());
     WorkplaceOptions options;
@@ -29,7 +27,6 @@ class WorkflowTest : public testing::Test {
   ~WorkflowTest() override {
     flow_.reset();
     workplace_.reset();
-    fs::remove_all(folder_);
   }
 
   template <typename Until>
@@ -72,7 +69,8 @@ class WorkflowTest : public testing::Test {
     return ticket.attempt;
   }
 
-  fs::path folder_;
+  test::TempFolder temp_;
+  const fs::path folder_ = temp_.path();
   std::optional<FakeServer> server_;
   std::unique_ptr<Workplace> workplace_;
   std::optional<Workflow> flow_;

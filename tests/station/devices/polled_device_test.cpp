@@ -6,6 +6,8 @@
 #include <mutex>
 #include <vector>
 
+#include "tests/support/await_sample.h"
+
 namespace enamel::station {
 namespace {
 
@@ -69,13 +71,7 @@ class PolledDeviceTest : public testing::Test {
   }
   template <typename Wanted>
   DeviceSample Until(Wanted wanted) {
-    DeviceSample s = device_->ReadSample();
-    for (int i = 0; i < 10'000 && !wanted(s); ++i) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-      s = device_->ReadSample();
-    }
-    EXPECT_TRUE(wanted(s));
-    return s;
+    return test::AwaitSample(*device_, wanted);
   }
 
   std::shared_ptr<Script> script_ = std::make_shared<Script>();

@@ -4,13 +4,12 @@
 #include <random>
 #include <thread>
 
-#include "common/scene/builtin.h"
-#include "common/scene/plan.h"
 #include "station/hid/foot_pedal.h"
 #include "station/hid/haptic_board.h"
 #include "station/hid/space_mouse.h"
 #include "station/loop/tick_loop.h"
 #include "tests/station/hid/hid_double.h"
+#include "tests/support/block_plan.h"
 
 // Whatever a device sends: streams drawn from seeds, and what must hold of each of them. What is
 // expected is worked out here, from the documents, not by the code under test.
@@ -151,17 +150,10 @@ class AnyStreamTest : public testing::TestWithParam<uint32_t> {
  protected:
   AnyStreamTest() {
     bus_.Reset();
-    auto built = scene::BuildBuiltinScene("block", 200'000);
-    ENAMEL_CHECK(built.ok());
-    auto params = scene::CompilePlan(built->scene, scene::ClassOneExercise(built->scene, {}),
-                                     scene::BuiltinProfiles()[1]);
-    ENAMEL_CHECK(params.ok());
-    params->soft_start_ticks = 1;
-    int64_t top_nm = built->scene.landmarks.at("occlusal_centre")[2] * int64_t{1000};
-    above_ = static_cast<int32_t>((top_nm + 200'000 - params->device_origin_nm[2]) /
-                                  params->resolution_nm[2]);
-    peak_n_ = params->peak_force_mn * 1e-3;
-    core_ = std::make_unique<core::Core>(*params, std::move(built->volume));
+    test::BlockPlan block = test::MakeBlockPlan();
+    above_ = block.CountsAbove(200'000);
+    peak_n_ = block.params.peak_force_mn * 1e-3;
+    core_ = std::make_unique<core::Core>(block.params, std::move(block.volume));
   }
   ~AnyStreamTest() override {
     bus_.HoldWrites(false);

@@ -8,11 +8,12 @@
 #include <thread>
 
 #include "common/scene/builtin.h"
-#include "common/scene/plan.h"
 #include "station/hid/open_device.h"
 #include "station/loop/tick_loop.h"
 #include "tests/station/hid/hid_double.h"
 #include "tests/support/allocation_guard.h"
+#include "tests/support/await_sample.h"
+#include "tests/support/block_plan.h"
 
 namespace enamel::station::hid {
 namespace {
@@ -114,15 +115,8 @@ class HapticBoardTest : public testing::Test {
     r.counts = {first_.counts[0], first_.counts[1], z, 0, 0, 0};
     return r;
   }
-  // The first sample that is as wanted, or the last one after ten seconds.
   DeviceSample Until(const std::function<bool(const DeviceSample&)>& wanted) {
-    DeviceSample s = board_->ReadSample();
-    for (int i = 0; i < 10'000 && !wanted(s); ++i) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-      s = board_->ReadSample();
-    }
-    EXPECT_TRUE(wanted(s));
-    return s;
+    return test::AwaitSample(*board_, wanted);
   }
   template <typename Reached>
   void UntilCounted(Reached reached) {
@@ -618,29 +612,10 @@ TEST_F(HapticBoardTest, AProfileWithTorqueNeedsABoardThatDrivesSixAxesAndSaysHow
   EXPECT_EQ(CheckBoard(board, profile, 1000).field(), "axes");
 }
 
-struct Block {
-  core::CoreParams params;
-  cutting::Volume volume;
-  int32_t above = 0;  // counts along z, 0.3 mm above it
-};
-
-Block MakeBlock() {
-  auto built = scene::BuildBuiltinScene("block", 200'000);
-  ENAMEL_CHECK(built.ok());
-  auto params = scene::CompilePlan(built->scene, scene::ClassOneExercise(built->scene, {}),
-                                   scene::BuiltinProfiles()[1]);
-  ENAMEL_CHECK(params.ok());
-  params->soft_start_ticks = 1;
-  int64_t top_nm = built->scene.landmarks.at("occlusal_centre")[2] * int64_t{1000};
-  auto above = static_cast<int32_t>((top_nm + 300'000 - params->device_origin_nm[2]) /
-                                    params->resolution_nm[2]);
-  return {*params, std::move(built->volume), above};
-}
-
 // The whole way: a board cutting the block, unplugged between reading and sending.
 TEST_F(HapticBoardTest, UnpluggedMidCutIsCommandedZeroWithinTwoTicksOfBeingSeen) {
-  Block block = MakeBlock();
-  const int32_t start = block.above;
+  test::BlockPlan block = test::MakeBlockPlan();
+  const int32_t start = block.CountsAbove(300'000);
   bus_.Plug(Plugged());
   HapticBoardSettings settings;
   settings.centre_on_first_report = false;
@@ -680,11 +655,11 @@ TEST_F(HapticBoardTest, UnpluggedMidCutIsCommandedZeroWithinTwoTicksOfBeingSeen)
 
 // In contact with a wall; the board's watchdog trips, and clears again.
 TEST_F(HapticBoardTest, AfterItsWatchdogTrippedInContactThereIsNoForceUntilThePedalAndFreeAir) {
-  Block block = MakeBlock();
+  test::BlockPlan block = test::MakeBlockPlan();
   bus_.Plug(Plugged());
   HapticBoardSettings settings;
   settings.centre_on_first_report = false;
-  first_.counts = {0, 0, block.above, 0, 0, 0};
+  first_.counts = {0, 0, block.CountsAbove(300'000), 0, 0, 0};
   ASSERT_TRUE(Open(settings).ok());
   core::Core core(block.params, block.volume);
   SampleRing ring(4);
@@ -705,9 +680,9 @@ TEST_F(HapticBoardTest, AfterItsWatchdogTrippedInContactThereIsNoForceUntilThePe
     UntilCounted([&](const DeviceCounters& c) { return c.writes > written; });
   };
   auto force = [&] { return recorded.tick.witness.force_sent_100un[2]; };
-  for (int i = 0; i < 110; ++i) tick(block.above, kMotorsOn);
-  int32_t z = block.above;
-  while (z > block.above - 120 && force() < 5'000) tick(--z, kMotorsOn);
+  for (int i = 0; i < 110; ++i) tick(block.CountsAbove(300'000), kMotorsOn);
+  int32_t z = block.CountsAbove(300'000);
+  while (z > block.CountsAbove(300'000) - 120 && force() < 5'000) tick(--z, kMotorsOn);
   ASSERT_GE(force(), 5'000);
   for (int i = 0; i < 10; ++i) {
     tick(z, kWatchdogTripped);
@@ -727,7 +702,7 @@ TEST_F(HapticBoardTest, AfterItsWatchdogTrippedInContactThereIsNoForceUntilThePe
 }
 
 TEST_F(HapticBoardTest, RecorderThatStallsCostsTheForceAndNeverTheBoard) {
-  Block block = MakeBlock();
+  test::BlockPlan block = test::MakeBlockPlan();
   bus_.Plug(Plugged());
   ASSERT_TRUE(Open().ok());
   core::Core core(block.params, block.volume);

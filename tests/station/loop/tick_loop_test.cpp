@@ -8,12 +8,11 @@
 #include <random>
 #include <thread>
 
-#include "common/scene/builtin.h"
-#include "common/scene/plan.h"
 #include "station/devices/simulated_device.h"
 #include "tests/common/core/params.h"
 #include "tests/support/allocation_guard.h"
 #include "tests/support/analytic_volume.h"
+#include "tests/support/block_plan.h"
 
 namespace enamel::station {
 namespace {
@@ -48,18 +47,11 @@ class ScriptedDevice final : public Device {
 class TickLoopTest : public testing::Test {
  protected:
   TickLoopTest() {
-    auto built = scene::BuildBuiltinScene("block", 200'000);
-    EXPECT_TRUE(built.ok());
-    auto params = scene::CompilePlan(built->scene, scene::ClassOneExercise(built->scene, {}),
-                                     scene::BuiltinProfiles()[1]);
-    EXPECT_TRUE(params.ok()) << params.status().message();
-    params_ = *params;
-    params_.soft_start_ticks = 1;
-    volume_ = std::move(built->volume);
+    test::BlockPlan block = test::MakeBlockPlan();
+    params_ = block.params;
+    volume_ = std::move(block.volume);
     // From 0.3 mm above the block down into it, one count per tick.
-    int64_t top_nm = built->scene.landmarks.at("occlusal_centre")[2] * int64_t{1000};
-    int64_t start = (top_nm + 300'000 - params_.device_origin_nm[2]) / params_.resolution_nm[2];
-    device_.start_z = static_cast<int32_t>(start);
+    device_.start_z = block.CountsAbove(300'000);
     device_.step = 1;
     device_.sample.buttons = kPedal;
   }

@@ -10,6 +10,7 @@
 #include "station/sdk/open_sdk_device.h"
 #include "tests/station/hid/hid_double.h"
 #include "tests/station/sdk/fake_sdk.h"
+#include "tests/support/await_sample.h"
 
 namespace enamel::station::sdk {
 namespace {
@@ -45,15 +46,8 @@ class SdkDeviceTest : public testing::Test {
     device_ = std::move(*device);
     Until([](const DeviceSample& s) { return s.fresh; });
   }
-  // The first sample that is as wanted, or the last one after ten seconds.
   DeviceSample Until(const std::function<bool(const DeviceSample&)>& wanted) {
-    DeviceSample s = device_->ReadSample();
-    for (int i = 0; i < 10'000 && !wanted(s); ++i) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-      s = device_->ReadSample();
-    }
-    EXPECT_TRUE(wanted(s));
-    return s;
+    return test::AwaitSample(*device_, wanted);
   }
   // Sends `force` as the loop does, until the library has heard of it.
   std::array<double, 3> Heard(FakeSdk& sdk, const dvec3& force) {

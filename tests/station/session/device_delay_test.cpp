@@ -1,7 +1,6 @@
 #include "station/session/device_delay.h"
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <filesystem>
 #include <fstream>
@@ -10,6 +9,7 @@
 #include "common/scene/builtin.h"
 #include "common/scene/plan.h"
 #include "tests/station/session/log_lines.h"
+#include "tests/support/temp_folder.h"
 
 namespace enamel::station {
 namespace {
@@ -34,8 +34,6 @@ class Attached final : public Device {
 class DeviceDelayTest : public testing::Test {
  protected:
   DeviceDelayTest() {
-    std::string name = (fs::temp_directory_path() / "enamel_delay_XXXXXX").string();
-    folder_ = ::mkdtemp(name.data());
     auto built = scene::BuildBuiltinScene("block", 200'000);
     EXPECT_TRUE(built.ok());
     prepared_.scene = built->scene;
@@ -45,7 +43,6 @@ class DeviceDelayTest : public testing::Test {
     prepared_.header.params =
         *scene::CompilePlan(prepared_.scene, prepared_.exercise, prepared_.profile);
   }
-  ~DeviceDelayTest() override { fs::remove_all(folder_); }
 
   void Keep(const std::string& unit, int64_t ticks) {
     scene::Calibration c;
@@ -59,7 +56,8 @@ class DeviceDelayTest : public testing::Test {
   }
   int32_t Kc() const { return prepared_.header.params.kc_mn_per_mm; }
 
-  fs::path folder_;
+  test::TempFolder temp_;
+  const fs::path folder_ = temp_.path();
   PreparedAttempt prepared_;
 };
 

@@ -11,8 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "common/scene/builtin.h"
-#include "common/scene/plan.h"
+#include "tests/support/block_plan.h"
 
 namespace enamel::station {
 namespace {
@@ -29,14 +28,9 @@ class HeldDevice final : public Device {
 class LoopFactsTest : public testing::Test {
  protected:
   LoopFactsTest() {
-    auto built = scene::BuildBuiltinScene("block", 500'000);
-    EXPECT_TRUE(built.ok());
-    auto params = scene::CompilePlan(built->scene, scene::ClassOneExercise(built->scene, {}),
-                                     scene::BuiltinProfiles()[1]);
-    EXPECT_TRUE(params.ok()) << params.status().message();
-    params_ = *params;
-    params_.soft_start_ticks = 1;
-    volume_ = std::move(built->volume);
+    test::BlockPlan block = test::MakeBlockPlan(500'000);
+    params_ = block.params;
+    volume_ = std::move(block.volume);
     device_.sample.buttons = kPedal;
   }
 

@@ -1,17 +1,16 @@
 #include "station/session/running_attempt.h"
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <boost/json.hpp>
 #include <filesystem>
 #include <functional>
 
-#include "common/scene/builtin.h"
-#include "common/scene/plan.h"
 #include "station/session/workplace.h"
 #include "tests/station/session/faulty_disk.h"
 #include "tests/station/session/log_lines.h"
+#include "tests/support/block_plan.h"
+#include "tests/support/temp_folder.h"
 
 namespace enamel::station {
 namespace {
@@ -52,21 +51,12 @@ class Plunging final : public Device {
 class RunningAttemptTest : public testing::Test {
  protected:
   RunningAttemptTest() {
-    std::string name = (fs::temp_directory_path() / "enamel_attempt_XXXXXX").string();
-    folder_ = ::mkdtemp(name.data());
-    auto built = scene::BuildBuiltinScene("block", 200'000);
-    EXPECT_TRUE(built.ok());
-    auto params = scene::CompilePlan(built->scene, scene::ClassOneExercise(built->scene, {}),
-                                     scene::BuiltinProfiles()[1]);
-    EXPECT_TRUE(params.ok()) << params.status().message();
+    test::BlockPlan block = test::MakeBlockPlan();
     prepared_.header.ticket.attempt = Uuid::New();
-    prepared_.header.params = *params;
-    prepared_.header.params.soft_start_ticks = 1;
+    prepared_.header.params = block.params;
     prepared_.header.station_software = "test";
-    int64_t top_nm = built->scene.landmarks.at("occlusal_centre")[2] * int64_t{1000};
-    above_ = static_cast<int32_t>((top_nm + 300'000 - params->device_origin_nm[2]) /
-                                  params->resolution_nm[2]);
-    prepared_.volume = std::move(built->volume);
+    above_ = block.CountsAbove(300'000);
+    prepared_.volume = std::move(block.volume);
     volume_ = prepared_.volume;
     Credentials nowhere;
     nowhere.server = {"127.0.0.1", 1};
@@ -78,10 +68,7 @@ class RunningAttemptTest : public testing::Test {
     EXPECT_TRUE(opened.ok()) << opened.status().message();
     workplace_ = std::move(*opened);
   }
-  ~RunningAttemptTest() override {
-    workplace_.reset();
-    fs::remove_all(folder_);
-  }
+  ~RunningAttemptTest() override { workplace_.reset(); }
 
   Spool& spool() { return workplace_->spool(); }
   Uuid id() const { return prepared_.attempt(); }
@@ -111,7 +98,8 @@ class RunningAttemptTest : public testing::Test {
   }
 
   FaultyDisk disk_;
-  fs::path folder_;
+  test::TempFolder temp_;
+  const fs::path folder_ = temp_.path();
   PreparedAttempt prepared_;
   cutting::Volume volume_;
   trace::SecretKey key_{};

@@ -1,13 +1,14 @@
 #include "station/session/ticket_safe.h"
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <algorithm>
 #include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <thread>
+
+#include "tests/support/temp_folder.h"
 
 namespace enamel::station {
 namespace {
@@ -20,17 +21,12 @@ constexpr int64_t kHour_ms = 3'600'000;
 class TicketSafeTest : public testing::Test {
  protected:
   TicketSafeTest() {
-    std::string name = (fs::temp_directory_path() / "enamel_safe_XXXXXX").string();
-    folder_ = ::mkdtemp(name.data());
     spool_ = std::move(*Spool::Open(folder_));
     ticket_.attempt = Uuid::New();
     ticket_.person = Uuid::New();
     ticket_.expires_unix_ms = now_ms_ + 12 * kHour_ms;
   }
-  ~TicketSafeTest() override {
-    spool_.reset();
-    fs::remove_all(folder_);
-  }
+  ~TicketSafeTest() override { spool_.reset(); }
 
   Status Put() {
     LockedTicket names;
@@ -51,7 +47,8 @@ class TicketSafeTest : public testing::Test {
   }
   Code Open(const char* pin) { return Safe().Open(ticket_.attempt, pin).status().code(); }
 
-  fs::path folder_;
+  test::TempFolder temp_;
+  const fs::path folder_ = temp_.path();
   std::unique_ptr<Spool> spool_;
   trace::Ticket ticket_;
   int64_t now_ms_ = 1'700'000'000'000;

@@ -2,10 +2,10 @@
 
 #include <gtest/gtest.h>
 #include <sqlite3.h>
-#include <stdlib.h>
 
 #include "tests/station/session/log_lines.h"
 #include "tests/station/uplink/fake_server.h"
+#include "tests/support/temp_folder.h"
 
 namespace enamel::station {
 namespace {
@@ -17,18 +17,13 @@ constexpr char kPin[] = "804217";
 class WorkplaceTest : public testing::Test {
  protected:
   WorkplaceTest() {
-    std::string name = (fs::temp_directory_path() / "enamel_place_XXXXXX").string();
-    folder_ = ::mkdtemp(name.data());
     server_.emplace(folder_);
     Credentials credentials = server_->NewStation();
     credentials.ticket_key = ticket_keys_.public_key;
     EXPECT_TRUE(SaveCredentials(folder_ / "data", credentials).ok());
     workplace_ = std::move(*Workplace::Open({.data = folder_ / "data"}));
   }
-  ~WorkplaceTest() override {
-    workplace_.reset();
-    fs::remove_all(folder_);
-  }
+  ~WorkplaceTest() override { workplace_.reset(); }
 
   // As the server would issue it.
   trace::Ticket Ticket() {
@@ -51,7 +46,8 @@ class WorkplaceTest : public testing::Test {
     return ticket.attempt;
   }
 
-  fs::path folder_;
+  test::TempFolder temp_;
+  const fs::path folder_ = temp_.path();
   trace::KeyPair ticket_keys_ = trace::NewKeyPair();
   std::optional<FakeServer> server_;
   std::unique_ptr<Workplace> workplace_;

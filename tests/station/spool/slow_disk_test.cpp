@@ -1,14 +1,13 @@
 #include <gtest/gtest.h>
 #include <sqlite3.h>
-#include <stdlib.h>
 
 #include <atomic>
 #include <filesystem>
 #include <thread>
 
-#include "common/scene/builtin.h"
-#include "common/scene/plan.h"
 #include "station/spool/recorder.h"
+#include "tests/support/block_plan.h"
+#include "tests/support/temp_folder.h"
 
 // A disk that takes nothing for as long as the test likes: another connection holds the database's
 // write lock, so that the recorder waits in the middle of its commit.
@@ -42,28 +41,16 @@ class Plunging final : public Device {
 class SlowDiskTest : public testing::Test {
  protected:
   SlowDiskTest() {
-    std::string name = (fs::temp_directory_path() / "enamel_slow_XXXXXX").string();
-    folder_ = ::mkdtemp(name.data());
-    auto built = scene::BuildBuiltinScene("block", 200'000);
-    EXPECT_TRUE(built.ok());
-    auto params = scene::CompilePlan(built->scene, scene::ClassOneExercise(built->scene, {}),
-                                     scene::BuiltinProfiles()[1]);
-    EXPECT_TRUE(params.ok()) << params.status().message();
+    test::BlockPlan block = test::MakeBlockPlan();
     header_.ticket.attempt = Uuid::New();
-    header_.params = *params;
-    header_.params.soft_start_ticks = 1;
+    header_.params = block.params;
     header_.station_software = "test";
-    int64_t top_nm = built->scene.landmarks.at("occlusal_centre")[2] * int64_t{1000};
-    above_ = static_cast<int32_t>((top_nm + 300'000 - params->device_origin_nm[2]) /
-                                  params->resolution_nm[2]);
-    volume_ = std::move(built->volume);
+    above_ = block.CountsAbove(300'000);
+    volume_ = std::move(block.volume);
     spool_ = std::move(*Spool::Open(folder_));
     EXPECT_TRUE(spool_->BeginAttempt(header_, "e", "p").ok());
   }
-  ~SlowDiskTest() override {
-    spool_.reset();
-    fs::remove_all(folder_);
-  }
+  ~SlowDiskTest() override { spool_.reset(); }
 
   // The disk hangs from now until the next Release.
   void Hang() {
@@ -75,7 +62,8 @@ class SlowDiskTest : public testing::Test {
     sqlite3_close(other_);
   }
 
-  fs::path folder_;
+  test::TempFolder temp_;
+  const fs::path folder_ = temp_.path();
   trace::KeyPair keys_ = trace::NewKeyPair();
   trace::Header header_;
   cutting::Volume volume_;

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sqlite3.h>
-#include <stdlib.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -14,6 +13,7 @@
 
 #include "station/spool/recorder.h"
 #include "station/spool/salvage.h"
+#include "tests/support/temp_folder.h"
 
 namespace enamel::station {
 namespace {
@@ -23,8 +23,6 @@ namespace fs = std::filesystem;
 class SpoolTest : public testing::Test {
  protected:
   SpoolTest() {
-    std::string name = (fs::temp_directory_path() / "enamel_spool_XXXXXX").string();
-    folder_ = ::mkdtemp(name.data());
     keys_ = trace::NewKeyPair();
     header_.ticket.attempt = Uuid::New();
     header_.params.kc_mn_per_mm = 2500;
@@ -33,7 +31,6 @@ class SpoolTest : public testing::Test {
     header_.params.bur_radius_nm = 500'000;
     header_.station_software = "test";
   }
-  ~SpoolTest() override { fs::remove_all(folder_); }
 
   std::unique_ptr<Spool> Open() {
     auto spool = Spool::Open(folder_);
@@ -89,7 +86,8 @@ class SpoolTest : public testing::Test {
     Record(*spool, 1100, true);
   }
 
-  fs::path folder_;
+  test::TempFolder temp_;
+  const fs::path folder_ = temp_.path();
   trace::KeyPair keys_;
   trace::Header header_;
 };

@@ -1,11 +1,11 @@
 #include "station/uplink/credentials.h"
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 #include <sys/stat.h>
 
 #include "common/base/file.h"
 #include "station/uplink/blob_cache.h"
+#include "tests/support/temp_folder.h"
 
 namespace enamel::station {
 namespace {
@@ -15,8 +15,6 @@ namespace fs = std::filesystem;
 class CredentialsTest : public testing::Test {
  protected:
   CredentialsTest() {
-    std::string name = (fs::temp_directory_path() / "enamel_credentials_XXXXXX").string();
-    folder_ = ::mkdtemp(name.data());
     credentials_.server = {"::1", 7443};
     credentials_.fingerprint = HashSha256(AsBytes("certificate"));
     credentials_.station = Uuid::New();
@@ -25,9 +23,9 @@ class CredentialsTest : public testing::Test {
     credentials_.ticket_key.fill(9);
     credentials_.secret_key = trace::NewKeyPair().secret_key;
   }
-  ~CredentialsTest() override { fs::remove_all(folder_); }
 
-  fs::path folder_;
+  test::TempFolder temp_;
+  const fs::path folder_ = temp_.path();
   Credentials credentials_;
 };
 

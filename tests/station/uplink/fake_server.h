@@ -20,6 +20,7 @@
 #include "common/protocol/frame.h"
 #include "common/protocol/messages.h"
 #include "station/uplink/credentials.h"
+#include "tests/support/read_message.h"
 
 namespace enamel::station {
 
@@ -157,7 +158,7 @@ class FakeServer {
     try {
       stream.handshake(Stream::server);
       while (!stopping_) {
-        auto request = protocol::ParseRequest(ReadMessage(stream));
+        auto request = protocol::ParseRequest(test::ReadMessage(stream));
         if (silent && (request->has_sign_in() || request->has_list_exercises() ||
                        request->has_attempt_status())) {
           ++unanswered;
@@ -172,16 +173,6 @@ class FakeServer {
     open_.erase(fd);
     boost::system::error_code ignored;
     stream.next_layer().close(ignored);
-  }
-
-  static Bytes ReadMessage(Stream& stream) {
-    protocol::FrameReader reader;
-    while (!reader.done()) {
-      auto space = reader.Prepare();
-      size_t n = stream.read_some(asio::buffer(space.data(), space.size()));
-      if (!reader.Resume(n).ok()) throw boost::system::system_error(asio::error::message_size);
-    }
-    return reader.Take();
   }
 
   void Answer(Stream& stream, const wire::Request& request) {

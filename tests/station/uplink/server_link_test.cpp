@@ -1,9 +1,9 @@
 #include "station/uplink/server_link.h"
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include "tests/station/uplink/fake_server.h"
+#include "tests/support/temp_folder.h"
 
 namespace enamel::station {
 namespace {
@@ -12,13 +12,8 @@ namespace fs = std::filesystem;
 
 class ServerLinkTest : public testing::Test {
  protected:
-  ServerLinkTest() {
-    std::string name = (fs::temp_directory_path() / "enamel_link_XXXXXX").string();
-    folder_ = ::mkdtemp(name.data());
-  }
-  ~ServerLinkTest() override { fs::remove_all(folder_); }
-
-  fs::path folder_;
+  test::TempFolder temp_;
+  const fs::path folder_ = temp_.path();
 };
 
 TEST_F(ServerLinkTest, SigningInTellsThatThePasswordWasForOneUse) {

@@ -1,7 +1,6 @@
 #include "station/uplink/uploader.h"
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <algorithm>
 #include <chrono>
@@ -11,6 +10,7 @@
 
 #include "station/spool/recorder.h"
 #include "tests/station/uplink/fake_server.h"
+#include "tests/support/temp_folder.h"
 
 namespace enamel::station {
 namespace {
@@ -21,8 +21,6 @@ constexpr std::chrono::seconds kSoon{60};  // never waited for when all is well
 class UploaderTest : public testing::Test {
  protected:
   UploaderTest() {
-    std::string name = (fs::temp_directory_path() / "enamel_uplink_XXXXXX").string();
-    folder_ = ::mkdtemp(name.data());
     spool_ = std::move(*Spool::Open(folder_ / "spool"));
     header_.ticket.attempt = Uuid::New();
     header_.params.kc_mn_per_mm = 2500;
@@ -36,7 +34,6 @@ class UploaderTest : public testing::Test {
   ~UploaderTest() override {
     recorder_.reset();
     spool_.reset();
-    fs::remove_all(folder_);
   }
 
   Uuid id() const { return header_.ticket.attempt; }
@@ -68,7 +65,8 @@ class UploaderTest : public testing::Test {
     for (const SpooledChunk& c : spooled) EXPECT_EQ(there[c.seq], c.bytes) << c.seq;
   }
 
-  fs::path folder_;
+  test::TempFolder temp_;
+  const fs::path folder_ = temp_.path();
   trace::KeyPair keys_ = trace::NewKeyPair();
   trace::Header header_;
   std::unique_ptr<Spool> spool_;

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <utility>
+
+#include "common/base/check.h"
+#include "common/scene/builtin.h"
+#include "common/scene/plan.h"
+
+namespace enamel::test {
+
+// The practice block with the class I exercise in it, held by the second built-in profile: what a
+// core needs to cut something.
+struct BlockPlan {
+  core::CoreParams params;  // force from the first tick on
+  cutting::Volume volume;
+  int64_t top_nm = 0;  // the block's upper face, scene z
+
+  // Counts along z of a tip so far above the upper face.
+  int32_t CountsAbove(int64_t above_nm) const {
+    return static_cast<int32_t>((top_nm + above_nm - params.device_origin_nm[2]) /
+                                params.resolution_nm[2]);
+  }
+};
+
+inline BlockPlan MakeBlockPlan(int32_t voxel_nm = 200'000) {
+  auto built = scene::BuildBuiltinScene("block", voxel_nm);
+  ENAMEL_CHECK(built.ok());
+  auto params = scene::CompilePlan(built->scene, scene::ClassOneExercise(built->scene, {}),
+                                   scene::BuiltinProfiles()[1]);
+  ENAMEL_CHECK(params.ok());
+  params->soft_start_ticks = 1;
+  const int64_t top_um = built->scene.landmarks.at("occlusal_centre")[2];
+  return {*params, std::move(built->volume), top_um * 1000};
+}
+
+}  // namespace enamel::test
