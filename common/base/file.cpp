@@ -30,6 +30,7 @@ Result<Bytes> ReadFile(const std::filesystem::path& path, size_t max_bytes) {
     return Status(Code::kInvalidInput, path.string() + " is a folder, expected a file");
   }
   Bytes out;
+  // A hint only: /proc says 0, and a file may grow while it is read. The end is where read says so.
   out.reserve(static_cast<size_t>(info.st_size > 0 ? info.st_size : 0));
   uint8_t buffer[65536];
   for (;;) {
@@ -46,6 +47,8 @@ Result<Bytes> ReadFile(const std::filesystem::path& path, size_t max_bytes) {
 }
 
 Status WriteFileDurably(const std::filesystem::path& path, ByteView data, int mode) {
+  // Process and count are in the name, so that two writers of one path do not write into each
+  // other's temporary file: the later rename wins, whole.
   static std::atomic<uint64_t> made{0};
   std::filesystem::path temporary = path;
   temporary += ".tmp" + std::to_string(::getpid()) + "-" + std::to_string(++made);
@@ -63,6 +66,8 @@ Status WriteFileDurably(const std::filesystem::path& path, ByteView data, int mo
       }
       done += static_cast<size_t>(n);
     }
+    // Before the rename. The other way round a power cut may find the new name on disk and its
+    // content not.
     if (::fsync(fd.get()) != 0) {
       Status status = Errno("cannot sync", temporary);
       ::unlink(temporary.c_str());
@@ -74,6 +79,8 @@ Status WriteFileDurably(const std::filesystem::path& path, ByteView data, int mo
     ::unlink(temporary.c_str());
     return status;
   }
+  // The new name is on disk only when its folder is (fsync(2)). An error from here on says that a
+  // power cut may still bring the old content back; readers see the new one already.
   Fd folder(::open(path.parent_path().empty() ? "." : path.parent_path().c_str(),
                    O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (folder.get() < 0) return Errno("cannot open the folder of", path);

@@ -2,6 +2,7 @@
 
 namespace enamel {
 namespace {
+// Not stoi: it takes blanks, a sign and "0x", and stops without a word at what is no digit.
 int Digit(char c) {
   if (c >= '0' && c <= '9') return c - '0';
   if (c >= 'a' && c <= 'f') return c - 'a' + 10;

@@ -6,6 +6,7 @@
 
 namespace enamel {
 
+// Behind a pointer, so that who hashes need not see libsodium's header.
 struct Sha256Stream::State {
   crypto_hash_sha256_state sodium;
 };

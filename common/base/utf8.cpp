@@ -19,6 +19,8 @@ std::string Escaped(uint32_t c) {
 std::optional<uint32_t> NextCodePoint(std::string_view& text) {
   auto byte = [&](size_t i) { return static_cast<uint8_t>(text[i]); };
   uint8_t first = byte(0);
+  // 0x80 to 0xbf only go on with a code point, and 0xc0 and 0xc1 could begin overlong forms alone.
+  // Above 0xf4 lies nothing: the last code point is U+10FFFF.
   size_t size = first < 0x80 ? 1 : first < 0xc2 ? 0 : first < 0xe0 ? 2 : first < 0xf0 ? 3 : 4;
   if (size == 0 || first > 0xf4 || text.size() < size) return std::nullopt;
   uint32_t code = size == 1 ? first : first & (0x7fu >> size);
@@ -48,6 +50,8 @@ std::string AsUtf8(std::string_view text) {
       out += text.substr(0, text.size() - rest.size());
     } else {
       out += kReplacement;
+      // One byte, not the length that the broken start promised: what follows may be a good
+      // character.
       rest.remove_prefix(1);
     }
     text = rest;
@@ -58,6 +62,7 @@ std::string AsUtf8(std::string_view text) {
 bool IsControl(uint32_t code) { return code < 0x20 || (code >= 0x7f && code < 0xa0); }
 
 bool IsInvisibleTrick(uint32_t code) {
+  // The ranges: overrides, embeddings and isolates of the bidirectional algorithm (UAX #9).
   return code == 0x2028 || code == 0x2029 || (code >= 0x202a && code <= 0x202e) ||
          (code >= 0x2066 && code <= 0x2069) || code == 0xfeff;
 }

@@ -52,11 +52,14 @@ Uuid Uuid::New(std::chrono::system_clock::time_point now) {
       ++counter;
     } else {
       last_ms = ms;
+      // Also when a millisecond has no number left, and when the clock was set back: then the order
+      // is lost, and 62 random bits still keep ids apart.
       counter = out.bytes[7];  // random, with room to count up
     }
     order = counter;
   }
   for (int i = 0; i < 6; ++i) out.bytes[i] = static_cast<uint8_t>(ms >> (8 * (5 - i)));
+  // Version 7 and variant 10 (binary) in the top bits (RFC 9562, section 5.7).
   out.bytes[6] = static_cast<uint8_t>(0x70 | (order >> 8));
   out.bytes[7] = static_cast<uint8_t>(order);
   out.bytes[8] = static_cast<uint8_t>(0x80 | (out.bytes[8] & 0x3f));
