@@ -10,8 +10,15 @@ namespace {
 using cutting::kTissueCount;
 using cutting::Pose;
 
+// A point's share of area falls from 1 to 0 over half a voxel (engagement.h): a reading this old is
+// off by a quarter of it at most. What reading in every tick cost: cutting/README.md. Another value
+// moves forces, and so the golden recordings (tests/common/trace/golden_test.cpp).
 constexpr double kSampleVoxels = 1.0 / 8;
+// 8 KiB a tick. More would show a difference sooner and cost each tick more; it is part of what the
+// hash means, so another number is another core version.
 constexpr int kHashedBricksPerTick = 8;
+// Enamel is some 0.016 N m s (haptics/README.md, "Torque": 20 ms on 0.8 N m/rad). Finite, so that
+// it can be added to and solved with like any other B.
 constexpr double kWallRotational_n_m_s = 1e3;  // a still bur in contact does not turn
 // Area ahead of a turn below which a wall does not block it: what rounding leaves of a turn along
 // the wall is not one into it.
@@ -116,6 +123,8 @@ class Core::TissueMaterial final : public haptics::Material {
     contact.engaged = engagement.area_m2 > 0;
     if (contact.engaged && core_.cues_.enabled()) {
       core_.tissue_.engaged = true;
+      // The press directions are of length 1, so the trace is the sum of beta dA: over the area it
+      // is the touched tissue's own B, however little of the bur touches.
       core_.tissue_.b_n_s_per_m = engagement.damping_n_s_per_m.Trace() *
                                   cutting::EngagementReader::kReferenceArea_m2 / engagement.area_m2;
     }
@@ -126,6 +135,7 @@ class Core::TissueMaterial final : public haptics::Material {
       contact.threshold_n = engagement.threshold_n;
       contact.wall_normal = engagement.shank_normal;
     } else {
+      // All that a still bur touches is wall.
       contact.wall_normal = engagement.mean_normal;
     }
     return contact;
@@ -138,6 +148,8 @@ class Core::TissueMaterial final : public haptics::Material {
     const double step = 0.5 * core_.volume_.spec().voxel_m();
     const dvec3 d = to_m - from_m;
     const double length = std::sqrt(Dot(d, d));
+    // A long way with nothing solid in reach is flown. The sweep must not join its two ends by a
+    // straight cut, so what the bur has passed before is cut now.
     if (length > step &&
         !core_.cutter_.AnySolidNear({from_m, core_.orientation_}, length + 2 * step)) {
       core_.FinishCut();
@@ -174,6 +186,8 @@ class Core::TurnedMaterial final : public haptics::TurnMaterial {
       core_.sample_valid_ = false;
       return contact;
     }
+    // Solid within the turn but not here: no resistance yet, and no leave to turn all of it at
+    // once.
     if (!core_.cutter_.AnySolidNear(pose, voxel)) return contact;
     core_.ReadContact(pose);
     if (!core_.engagement_.AnyContact()) return contact;
@@ -204,6 +218,7 @@ class Core::TurnedMaterial final : public haptics::TurnMaterial {
 Core::Core(const CoreParams& params, cutting::Volume initial)
     : params_(params),
       volume_(std::move(initial)),
+      // Before anything holds the volume: no cut allocates from here on.
       cutter_((volume_.Reserve(), volume_), BurOf(params)),
       reach_m_(ReachOf(params)),
       sweep_(volume_.spec().voxel_m(), reach_m_),
@@ -227,6 +242,8 @@ dvec3 Core::TipOf(const std::array<int32_t, 3>& counts) const noexcept {
   dvec3 out;
   for (int i = 0; i < 3; ++i) {
     auto n = static_cast<size_t>(i);
+    // Whole nanometres stay below 2^53 for any 32-bit count (ValidateParams bounds cell and
+    // origin), so the product below is the only rounding.
     int64_t nm =
         params_.device_origin_nm[n] + static_cast<int64_t>(counts[n]) * params_.resolution_nm[n];
     out[i] = static_cast<double>(nm) * 1e-9;
@@ -257,11 +274,14 @@ void Core::AwaitFreeAir(const dvec3& tip_m, const Quat& orientation) noexcept {
     touches = engagement_.AnyContact();
   }
   free_ticks_ = touches ? 0 : free_ticks_ + 1;
+  // With soft_start_ticks = 0 too it takes one tick that touches nothing.
   suspended_ = touches || free_ticks_ < params_.soft_start_ticks;
 }
 
 bool Core::ResumeAfterGap(const dvec3& tip_m, const Quat& device) noexcept {
   TissueMaterial material(*this);
+  // Asked before anything moves: coupling_.Resume cuts, and a refusal after that would come too
+  // late.
   if (torque_ && !turning_.CanResume(device)) return false;
   if (!coupling_.Resume(tip_m, material)) return false;
   if (torque_) {
@@ -308,6 +328,8 @@ dvec3 Core::RotationalStretch(const dvec3& e, double dt_s) noexcept {
   if (!engagement_.AnyContact()) return dvec3(0);
   // A still bur, or a shank at a wall, does not turn.
   const cutting::RotationalEngagement turning = engagement_.ReadRotational(e);
+  // B e' = -K e by implicit Euler: (B + K T) e1 = B e0. Stable for any B, 0 among them, and never
+  // past the device's orientation.
   Sym3 b = bur_on_ && !turning.shank ? turning.damping_n_m_s * (1 / handpiece_.speed_ratio())
                                      : Sym3::Isotropic(kWallRotational_n_m_s);
   return b * SolveShifted(b, params_.rotational_kc_un_m_per_rad * 1e-6 * dt_s, e);
@@ -389,6 +411,7 @@ TickOutput Core::Step(const TickInput& input) noexcept {
 
   bool stop = !started_ || faulted || (input.flags & kSoftRestart) != 0;
   bool unfelt = input.gap_ticks > 0 && (input.flags & kHeldGap) == 0;
+  // While suspended a gap ends the count of free ticks: nobody saw that those were in air.
   bool lost = unfelt && !stop && (suspended_ || !ResumeAfterGap(tip, device));
   if (stop || lost) {
     Suspend(tip, device);
@@ -398,7 +421,10 @@ TickOutput Core::Step(const TickInput& input) noexcept {
     AwaitFreeAir(tip, device);
     out.flags |= kSuspended;
   } else if (!unfelt) {
+    // Not in the tick that bridges a gap: it sends no force. The bur has followed, and the law's
+    // history begins with the next tick.
     TissueMaterial material(*this);
+    // The force of the tick before: this tick's depends on the speed that is set here.
     handpiece_.Step(bur_on_ ? resisting_n_ : 0);
     dvec3 torque(0);
     if (torque_) {
@@ -427,6 +453,7 @@ TickOutput Core::Step(const TickInput& input) noexcept {
   if (reserve_exhausted_) out.flags |= kReserveExhausted;
   for (size_t t = 0; t < kTissueCount; ++t) out.removed[t] = removed_[t] - before[t];
 
+  // Relative to it 32 bits of 10 nm reach 21 m, wherever the scene lies.
   dvec3 origin = TipOf({0, 0, 0});
   out.witness.force_sent_100un = Quantise(out.force_sent_n, 1e-4);
   out.witness.force_computed_100un = Quantise(out.force_computed_n, 1e-4);
@@ -456,6 +483,7 @@ void Core::FoldHash(const TickInput& input, const TickOutput& out) noexcept {
   for (int i = 0; i < 3; ++i) {
     hash_.F64(out.anchor.tip_m[i]);
     hash_.F64(out.force_sent_n[i]);
+    // Only where there is one, or the hashes of all earlier recordings would be others.
     if (torque_) hash_.F64(out.torque_sent_n_m[i]);
   }
   hash_.F64(orientation_.x);

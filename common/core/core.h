@@ -29,7 +29,8 @@ enum InputFlags : uint8_t {
   kFaulted = 1 << 2,      // force is held at zero until the operator acts; nothing is cut
   kSoftRestart = 1 << 3,  // switch force and cutting off until the bur has been in free air again
   // The gap's ticks passed while the loop was late: the device held the force of the tick before,
-  // for less than haptics.md section 4 lets it. Time passed, and nothing else is to be made up for.
+  // for less than 5 ms (station/loop/tick_loop.h; what that can leak: haptics/README.md, "Late and
+  // lost ticks"). Time passed, and nothing else is to be made up for.
   kHeldGap = 1 << 4,
 };
 

@@ -16,6 +16,7 @@ bool Core::VisitState(StateArchive& archive) {
   cutter_.VisitState(archive);
   engagement_.VisitState(archive);
   // Of the ring only the bricks that wait, from the front.
+  // Their order is state: it says which eight the next tick hashes.
   const size_t capacity = dirty_ring_.size();
   std::vector<int32_t> waiting(dirty_count_);
   for (size_t i = 0; i < dirty_count_; ++i) {
@@ -40,6 +41,8 @@ bool Core::VisitState(StateArchive& archive) {
 }
 
 bool Core::RestoreBrick(int brick, std::span<const int16_t, cutting::kBrickVoxels> phi) {
+  // A brick may get another slot here than it had in the run that was saved. Nothing depends on
+  // slots: all that counts goes by the brick's number.
   if (brick < 0 || brick >= volume_.spec().brick_count() || !volume_.Materialise(brick)) {
     return false;
   }

@@ -6,6 +6,8 @@ namespace enamel::core {
 namespace {
 
 constexpr uint16_t kParamsVersion = 4;
+// Bounds of what a file may ask for, not of a device: the strongest built-in one has a peak of 12 N
+// (scene/builtin_profiles.cpp).
 constexpr int32_t kMaxCue_mn = 2'000;
 constexpr int32_t kMaxForce_mn = 100'000;
 
@@ -53,6 +55,8 @@ Status CheckBur(const CoreParams& p) {
 }
 
 Status CheckVersion3(const CoreParams& p) {
+  // What a version did not have must be at its default in it: its bytes have no field to hold
+  // anything else (WriteParams), and a replay would run with other values than the attempt.
   const bool known = p.core_version >= 3;
   auto check = [&](const char* field, int64_t value, int64_t most) {
     return CheckRange(field, value, 0, known ? most : 0);
@@ -175,11 +179,13 @@ CoreParams AsOfVersion(CoreParams p, uint32_t version) noexcept {
 }
 
 size_t ParamsBytes(uint32_t core_version) noexcept {
+  // What WriteParams writes, counted by CoreParamsTest for every version.
   constexpr size_t kBytes[kParamsVersion] = {106, 162, 234, 254};
   return kBytes[FormatOf(core_version) - 1];
 }
 
 void WriteParams(const CoreParams& p, ByteWriter& out) {
+  // Fields are only ever added at the end, so an earlier format is where writing stops.
   const uint16_t format = FormatOf(p.core_version);
   out.U16(format);
   out.U32(p.core_version);
@@ -226,6 +232,7 @@ Result<CoreParams> ReadParams(ByteReader& in) {
                                       ", this program reads formats 1 to " +
                                       std::to_string(kParamsVersion));
   }
+  // Both are written, and must agree: the format alone says how to read on.
   p.core_version = in.U32();
   if (in.ok() && version != FormatOf(p.core_version)) {
     return Status(Code::kInvalidInput, "core parameters: expected format " +
@@ -244,6 +251,7 @@ Result<CoreParams> ReadParams(ByteReader& in) {
   p.bur_shape = static_cast<cutting::BurShape>(in.U8());
   p.bur_radius_nm = in.I32();
   p.bur_length_nm = in.I32();
+  // Said in the bytes, so that a recording with one tissue more is refused and not read askew.
   uint8_t tissues = in.U8();
   if (in.ok() && tissues != cutting::kTissueCount) {
     return Status(Code::kVersion, "core parameters name " + std::to_string(tissues) +
@@ -275,6 +283,7 @@ Result<CoreParams> ReadParams(ByteReader& in) {
     p.cue_power_nw = in.I32();
   }
   if (!in.ok()) return Status(Code::kInvalidInput, "core parameters end early");
+  // Values, but not the version: a recording that cannot be run can still be listed.
   ENAMEL_RETURN_IF_ERROR(CheckValues(p));
   return p;
 }

@@ -109,14 +109,14 @@ struct TickLoopOptions {
 
 // The haptic loop: device -> core -> device, and what was done to the ring and the snapshot.
 //
-// Late ticks (haptics.md section 4): a tick late by a whole period is flagged; by 5 ms, or more
-// than 20 late ones within any second, latches a fault, as does a device that says nothing new for
-// 5 ms, and at once one that is unplugged or has switched its force off by itself. A fault sends 0
-// in the tick it is latched in: a force that falls can hand out no energy, so there is nothing to
-// gain from fading it, and the bound is 0 sooner than the 20 ms allowed. It ends when the operator
-// releases the pedal and presses it again, both with the device there and alive: a pedal that is
-// silent because it was unplugged with its board is not a pedal that was released. The last
-// FaultRecord::kTicks ticks of the first kMaxRecords faults are kept.
+// Late ticks (common/haptics/README.md, "Late and lost ticks"): a tick late by a whole period is
+// flagged; by 5 ms, or more than 20 late ones within any second, latches a fault, as does a device
+// that says nothing new for 5 ms, and at once one that is unplugged or has switched its force off
+// by itself. A fault sends 0 in the tick it is latched in: a force that falls can hand out no
+// energy, so there is nothing to gain from fading it, and the bound is 0 sooner than the 20 ms
+// allowed. It ends when the operator releases the pedal and presses it again, both with the device
+// there and alive: a pedal that is silent because it was unplugged with its board is not a pedal
+// that was released. The last FaultRecord::kTicks ticks of the first kMaxRecords faults are kept.
 //
 // Time that passed is in the recording: whole periods that pass while a tick is late are declared
 // as a gap before it. The force was held over them (core::kHeldGap), for less than 5 ms or the
