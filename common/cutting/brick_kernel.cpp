@@ -15,6 +15,9 @@ KernelBur KernelBurOf(const Bur& bur, double voxel_m) noexcept {
   auto f = [](double v) { return static_cast<float>(v); };
   Profile profile = ProfileOf(bur);
   KernelBur out;
+  // A border or height is n . p, so it moves with the origin by n's share and is divided by the
+  // voxel. "No border" (-1e30, profile.cpp) stays finite in single precision down to the smallest
+  // voxel.
   for (const ProfilePiece& p : profile.pieces()) {
     KernelBur::Piece& k = out.pieces[out.count++];
     double at_z = p.at[1] - middle;
@@ -38,6 +41,7 @@ KernelBur KernelBurOf(const Bur& bur, double voxel_m) noexcept {
 Kernels BestKernels() noexcept {
 #if defined(__x86_64__)
   static const Kernels kBest = [] {
+    // tests/determinism runs both kernels on one machine by it and compares all their bits.
     const char* simd = std::getenv("ENAMEL_SIMD");
     bool off = simd != nullptr && std::string_view(simd) == "off";
     return !off && __builtin_cpu_supports("avx2") ? Avx2Kernels() : GenericKernels();

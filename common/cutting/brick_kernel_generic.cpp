@@ -9,6 +9,7 @@ typedef int32_t I8 __attribute__((vector_size(32)));
 typedef int16_t S8 __attribute__((vector_size(16)));
 typedef int16_t S16 __attribute__((vector_size(32)));
 
+// Root and pack lane by lane as the wide instructions do them: correctly rounded, and saturated.
 inline F8 Sqrt8(F8 v) {
   for (int i = 0; i < 8; ++i) v[i] = std::sqrt(v[i]);
   return v;
@@ -26,6 +27,7 @@ inline I8 PairSums(S16 v) {
   for (int i = 0; i < 8; ++i) out[i] = int32_t{v[2 * i]} + int32_t{v[2 * i + 1]};
   return out;
 }
+// A comparison's lane is 0 or -1. The wide build looks at its sign, here it is the lowest bit.
 inline int Mask(I8 v) {
   int out = 0;
   for (int i = 0; i < 8; ++i) out |= (v[i] & 1) << i;

@@ -20,9 +20,11 @@ class PointSpreader {
   double area() const { return area_; }
 
   void Line(const double (&a)[2], const double (&b)[2], const double (&n)[2]) {
+    // Half the sum of two radii times the length, times 2 pi: a cone's side.
     double dr = b[0] - a[0], dz = b[1] - a[1], length = std::sqrt(dr * dr + dz * dz);
     Band(kPi * (a[0] + b[0]) * length, [&](double area) {
       // A cone's area to the share t of its length is 2 pi l (r_a t + dr t^2 / 2).
+      // The root that does not cancel: good for a cylinder (dr = 0) as well.
       double y = area / (2 * kPi * length), square = a[0] * a[0] + 2 * dr * y;
       double t = 2 * y / (a[0] + std::sqrt(square > 0 ? square : 0));
       Place(a[0] + dr * t, a[1] + dz * t, n[0], n[1]);
@@ -57,6 +59,8 @@ class PointSpreader {
   template <typename At>
   void Band(double area, At at) {
     for (; each_ > 0; ++placed_) {
+      // Every point stands in the middle of its share of the whole area, counted from the tip on;
+      // this is how far into the band that middle lies.
       double within = (static_cast<double>(placed_) + 0.5) * each_ - area_;
       if (!(within < area)) break;
       at(within > 0 ? within : 0);
@@ -78,6 +82,7 @@ class PointSpreader {
 template <typename Walk>
 std::vector<SurfacePoint> Spread(double spacing_m, size_t max_points, Walk walk) {
   std::vector<SurfacePoint> out;
+  // The walk is made twice: the first only measures, so that the second knows each point's share.
   PointSpreader measure(0, out);
   walk(measure);
   double wanted = measure.area() / (spacing_m * spacing_m) + 1,
@@ -112,9 +117,13 @@ std::optional<std::string_view> WhyImpossible(const Bur& bur) noexcept {
     case BurShape::kPear:
     case BurShape::kFlame:
       if (!(s > 0 && s < r)) return "a pear's or flame's narrow radius between 0 and its radius";
+      // A pear's ball has to end below the narrow end, or the tangent cone (profile.cpp, Pear) does
+      // not exist.
       if (!(l >= 2 * r)) return "a pear's or flame's length at least twice its radius";
       return std::nullopt;
     case BurShape::kWheel:
+      // The rim's radius is half the length: at 2 its centre would be on the axis and the wheel a
+      // ball.
       if (!(l <= 1.8 * r)) return "a wheel's length at most 1.8 times its radius";
       return std::nullopt;
   }

@@ -15,6 +15,9 @@ struct Box {
 };
 
 // Half extent of the bur's body about its middle, along each scene axis.
+// A disc of radius r across the axis a reaches r sqrt(1 - a_i^2) along axis i. Every shape but the
+// ball is taken as the cylinder around it: a little too large costs some bricks that are then
+// culled.
 dvec3 HalfExtent(const Bur& bur, const dmat3& m) noexcept {
   if (bur.shape == BurShape::kSphere) return dvec3(bur.radius_m);
   dvec3 axis = m[2];
@@ -36,6 +39,7 @@ Box BricksOf(const GridSpec& spec, const dvec3& lo_m, const dvec3& hi_m) noexcep
   dvec3 origin = spec.origin_m();
   Box box;
   for (int i = 0; i < 3; ++i) {
+    // Clamped before the cast: counts can mean kilometres, more voxels than an int holds.
     double top = spec.bricks[i] * kSide;
     double lo = std::clamp((lo_m[i] - origin[i]) / h, -1.0, top),
            hi = std::clamp((hi_m[i] - origin[i]) / h, -1.0, top);
@@ -46,6 +50,8 @@ Box BricksOf(const GridSpec& spec, const dvec3& lo_m, const dvec3& hi_m) noexcep
 }
 
 // In voxels, by pieces of a double affine map: `first` at sample (0, 0, 0) of the grid.
+// Summed in double and rounded once for each brick: single precision from the corner of a grid of
+// 4096 bricks would be off by 1/500 voxel at its other end.
 struct Affine {
   dvec3 first;
   dmat3 steps;  // columns: dx, dy, dz
@@ -85,6 +91,8 @@ Cutter::Cutter(Volume& volume, const Bur& bur)
         : volume.UniformTissue(b) == Tissue::kAir ? kPhiLimit
                                                   : static_cast<int16_t>(-kPhiLimit);
   }
+  // What meets a cut's box at most, for any orientation: the box is no longer than the diagonal of
+  // the body plus the band, and a length of L brick sides meets at most floor(L) + 2 bricks.
   double reach =
       2 * std::sqrt(bur.radius_m * bur.radius_m + 0.25 * bur.height_m() * bur.height_m()) +
       2 * kSolidBandVoxels * voxel_m_;
@@ -123,6 +131,8 @@ Cutter::Placed Cutter::Place(const Pose& pose) const noexcept {
   dvec3 half = HalfExtent(bur_, m) + dvec3(kSolidBandVoxels * voxel_m_);
   dvec3 d = (spec.origin_m() - middle) / voxel_m_;
   Placed out;
+  // m's columns are the bur's axes in the scene, so its transpose, read row by row here, takes the
+  // scene to the bur.
   out.bur_from_sample.first = dvec3(Dot(m[0], d), Dot(m[1], d), Dot(m[2], d));
   for (int i = 0; i < 3; ++i) out.bur_from_sample.steps[i] = dvec3(m[0][i], m[1][i], m[2][i]);
   out.box = BricksOf(spec, middle - half, middle + half);
@@ -137,6 +147,7 @@ bool Cutter::Cut(const Pose& pose, RemovedUnits& removed) noexcept {
 }
 
 bool Cutter::CutLower(const Pose& pose, RemovedUnits& removed) noexcept {
+  // last_ stays the pose before until both halves are done: the upper bricks have not met this one.
   lower_complete_ = CutLayers(pose, true, false, removed);
   return lower_complete_;
 }
@@ -148,6 +159,11 @@ bool Cutter::CutUpper(const Pose& pose, RemovedUnits& removed) noexcept {
   return complete;
 }
 
+// Eight bricks at a time: cull, and cut those that pass. Culling rests on two bounds, both by
+// convexity of the bur's distance d (cutting/README.md, "Which bricks"): no sample of a brick is
+// nearer than the tangent at its middle says, and a sample can only change where n(was) . (was -
+// is) > 0, "was" being the pose of the last complete cut. Leaving out may therefore never be wrong
+// by more than rounding (CutterTest.LeavingOutWhatTheBurMovedAwayFromChangesNothing).
 bool Cutter::CutLayers(const Pose& pose, bool lower, bool upper, RemovedUnits& removed) noexcept {
   touched_count_ = 0;
   bool complete = true;
@@ -155,29 +171,39 @@ bool Cutter::CutLayers(const Pose& pose, bool lower, bool upper, RemovedUnits& r
   const Placed now = Place(pose);
   CullJob cull{};
   cull.across = cull.along = 0;
+  // How far a sample can be from its brick's middle. Four corners do: the other four lie opposite.
   for (int corner = 0; corner < 4; ++corner) {
     dvec3 to =
         now.bur_from_sample.steps * dvec3(3.5, corner & 1 ? 3.5 : -3.5, corner & 2 ? 3.5 : -3.5);
     cull.across = std::max(cull.across, static_cast<float>(std::sqrt(to.x * to.x + to.y * to.y)));
     cull.along = std::max(cull.along, static_cast<float>(std::fabs(to.z)));
   }
+  // Where a sample was minus where it is, in the bur's frame: the difference of two affine maps,
+  // and so one itself. Without a last cut has_motion stays off and every brick counts as new.
   Affine motion{};
   if (has_last_) {
     const Placed before = Place(last_);
     for (int i = 0; i < 3; ++i)
       motion.steps[i] = before.bur_from_sample.steps[i] - now.bur_from_sample.steps[i];
     motion.first = before.bur_from_sample.first - now.bur_from_sample.first;
+    // Frobenius norm: no step of a voxel, in any direction, changes the motion by more.
     double turn2 = 0;
     for (int i = 0; i < 3; ++i) turn2 += Dot(motion.steps[i], motion.steps[i]);
     cull.turn = static_cast<float>(std::sqrt(turn2));
     dvec3 d = pose.tip_m - last_.tip_m;
+    // The farthest that a sample of a brick in the band can be from the tip: the body, and some
+    // eight voxels for the band and half a brick. The tenth that is left to kMaxMotion is for
+    // rounding.
     double reach = bur_.radius_m + bur_.height_m() + 8 * voxel_m_;
     cull.has_motion = std::sqrt(Dot(d, d)) + std::sqrt(turn2) * reach < 0.9 * kMaxMotion * voxel_m_;
   }
+  // Both halves compute the same box from the same pose, so no layer is cut twice or left out.
   const int middle = (now.box.lo.z + now.box.hi.z + 1) / 2;
   const int z_lo = lower ? now.box.lo.z : middle, z_hi = upper ? now.box.hi.z : middle - 1;
   for (int z = z_lo; z <= z_hi; ++z) {
     for (int y = now.box.lo.y; y <= now.box.hi.y; ++y) {
+      // The row may run past the box, and past the grid at its end (min_phi_ has 7 more for that).
+      // Results beyond the box are not looked at.
       for (int x = now.box.lo.x; x <= now.box.hi.x; x += 8) {
         const int row = spec.BrickIndex(ivec3(x, y, z));
         const ivec3 first(x * kSide, y * kSide, z * kSide);
@@ -189,6 +215,8 @@ bool Cutter::CutLayers(const Pose& pose, bool lower, bool upper, RemovedUnits& r
           if (pass.pieces[i] == 0) continue;
           const int brick = row + i;
           if (!volume_.Materialise(brick)) {
+            // The other bricks are cut all the same; has_last_ makes sure that this one is tried
+            // again.
             complete = false;
             continue;
           }
@@ -209,6 +237,7 @@ void Cutter::CutBrick(int brick, const BrickJob& job, RemovedUnits& removed) noe
   alignas(32) std::array<int16_t, kBrickVoxels> gone;
   const BrickChange change = kernels_.cut(kernel_bur_, job, phi, mixed ? gone.data() : nullptr);
   min_phi_[static_cast<size_t>(brick)] = static_cast<int16_t>(change.lowest);
+  // `gone` is in units of phi, 1/8192 of a voxel.
   if (change.removed != 0 && mixed) {
     const auto& labels = volume_.Labels(brick).tissue;
     for (size_t i = 0; i < kBrickVoxels; ++i) removed[labels[i]] += 8 * int64_t{gone[i]};

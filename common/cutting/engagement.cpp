@@ -10,6 +10,10 @@ dvec3 Unit(const dvec3& v) noexcept {
   return length > 0 ? v / length : dvec3(0);
 }
 
+// No source is recorded for these numbers. What they have to hold together: a bur that is drawn back
+// meets nothing (EngagementTest.BurDrawnUpItsAxisMeetsNothingAtAnyDepth,
+// qualify/withdrawal_test.cpp), and a bur in its seat meets the integral over its front within some
+// per cent (EngagementTest). Change one, and run these; the golden recordings move as well.
 constexpr double kReach = 0.5;  // voxels
 // Voxels inside solid at which a point counts for any travel into it.
 constexpr double kInside = 0.03;
@@ -63,6 +67,7 @@ EngagementReader::EngagementReader(const Bur& bur, double voxel_m, const TissueD
           {p.position_m / voxel_m, p.normal, p.area_m2, p.normal.z * p.normal.z, shank});
     }
   };
+  // Three voxels apart, or as near as kMaxPoints allows: 0.26 mm for a cylinder of 0.6 x 4 mm.
   add(SampleSurface(bur, 3 * voxel_m, kMaxPoints), false);
   add(SampleShank(bur, 3 * voxel_m, kMaxShankPoints), true);
   for (size_t t = 0; t < kTissueCount; ++t) {
@@ -80,6 +85,7 @@ void EngagementReader::Sample(const Volume& volume, const Pose& pose) noexcept {
   const dvec3 tip = (pose.tip_m - volume.spec().origin_m()) / voxel_m_;
   for (const Point& p : points_) {
     dvec3 arm = m[0] * p.position.x + m[1] * p.position.y + m[2] * p.position.z, at = tip + arm;
+    // Most points are far from solid: one sample tells, instead of eight.
     if (!volume.MayBeNearer(at, kReach)) continue;
     double distance = volume.DistanceAtSample(at);
     if (distance >= kReach) continue;
@@ -90,6 +96,7 @@ void EngagementReader::Sample(const Volume& volume, const Pose& pose) noexcept {
     if (rule_ == EngagementRule::kAhead) {
       dvec3 out = volume.SlopeAtSample(at);
       double slope = std::sqrt(Dot(out, out));
+      // Else the bur's own normal is the best that is known.
       if (slope >= kSlope) a.into = out * (-1 / slope);
       if (slope < kPlainWall) a.area_m2 *= SolidShare(volume, at, distance, a.into);
       if (!(a.area_m2 > 0)) continue;
@@ -100,6 +107,7 @@ void EngagementReader::Sample(const Volume& volume, const Pose& pose) noexcept {
     a.grazing = Grazing(distance);
     a.shank = p.shank;
     if (!p.shank) {
+      // Half a voxel ahead: at the point itself there may be what was cut already.
       auto t = static_cast<size_t>(volume.TissueAtSample(at + a.normal * kReach));
       double lateral = per_area_.lateral[t];
       a.beta = lateral + p.axial_share * (per_area_.axial[t] - lateral);
@@ -111,6 +119,7 @@ void EngagementReader::Sample(const Volume& volume, const Pose& pose) noexcept {
 }
 
 double EngagementReader::WeightAhead(const Active& a, const dvec3& direction) noexcept {
+  // The cheaper of the two first: most points of a bur face away from its travel.
   double own = Dot(a.normal, direction);
   if (!(own > a.grazing)) return 0;
   double field = Dot(a.into, direction), rate = own < field ? own : field;
@@ -169,6 +178,7 @@ RotationalEngagement EngagementReader::ReadRotational(const dvec3& turn) const n
     const Active& a = active_[i];
     double area = a.area_m2;
     if (rule_ == EngagementRule::kAhead) {
+      // A point moves as turn x arm; one on the axis of the turn does not move, and weighs 0.
       area *= WeightAhead(a, Unit(glm::cross(turn, a.arm)));
       if (!(area > 0)) continue;
     }

@@ -5,6 +5,7 @@
 namespace enamel::cutting {
 namespace {
 
+// Lower than any distance in metres, and finite: it is multiplied and cast to float.
 constexpr double kNoBorder = -1e30;
 
 }  // namespace
@@ -16,6 +17,8 @@ class ProfileBuilder {
     double dr = r - at_[0], dz = z - at_[1], length = std::sqrt(dr * dr + dz * dz);
     if (length == 0) return;
     double n_r = dz / length, n_z = -dr / length;
+    // A bend gets an arc of radius 0, so that the region beside two lines has its nearest point as
+    // well.
     if (std::fabs(n_r - normal_[0]) + std::fabs(n_z - normal_[1]) > kSmooth) Corner(n_r, n_z);
     ProfilePiece& p = profile_.pieces_[profile_.count_++];
     p.first[0] = p.last[0] = normal_[0], p.first[1] = p.last[1] = normal_[1];
@@ -58,6 +61,7 @@ class ProfileBuilder {
 namespace {
 
 void Frustum(double tip_radius, double top_radius, double length, ProfileBuilder& b) noexcept {
+  // A pointed cone's has no length and is left out; the corner before the next line is its point.
   b.Line(tip_radius, 0);
   b.Line(top_radius, length);
   b.Line(0, length);
@@ -67,6 +71,7 @@ void Frustum(double tip_radius, double top_radius, double length, ProfileBuilder
 // the tangent's normal n solves n . q = R.
 void Pear(double radius, double narrow, double length, ProfileBuilder& b) noexcept {
   double q_r = narrow, q_z = length - radius, d2 = q_r * q_r + q_z * q_z;
+  // q . n = R splits n into R/|q| along q and w/|q| across it.
   double w = std::sqrt(d2 - radius * radius);
   b.Arc(0, radius, radius, (radius * q_r + w * q_z) / d2, (radius * q_z - w * q_r) / d2);
   b.Line(narrow, length);
@@ -78,6 +83,7 @@ void Pear(double radius, double narrow, double length, ProfileBuilder& b) noexce
 // (s/R) z_m^2 - 2 l z_m + s^2 + l^2 - s R = 0, of which the smaller root is meant.
 void Flame(double radius, double narrow, double length, ProfileBuilder& b) noexcept {
   double share = narrow / radius, c = narrow * narrow + length * length - narrow * radius;
+  // The smaller root by its larger partner, so that nothing cancels.
   double belly = c / (length + std::sqrt(length * length - share * c));
   double centre = (radius * radius - belly * belly) / (2 * radius), big = radius - centre;
   b.Corner(-centre / big, -belly / big);
@@ -88,6 +94,8 @@ void Flame(double radius, double narrow, double length, ProfileBuilder& b) noexc
 void Wheel(double radius, double length, ProfileBuilder& b) noexcept {
   double rim = 0.5 * length, centre = radius - rim;
   b.Line(centre, 0);
+  // Two quarters. The cull takes an arc's normals for positive sums of its outer two
+  // (brick_kernel.inc), and half a turn's are not.
   b.Arc(centre, rim, rim, 1, 0);
   b.Arc(centre, rim, rim, 0, 1);
   b.Line(0, length);

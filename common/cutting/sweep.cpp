@@ -16,6 +16,8 @@ double Dot4(const Quat& a, const Quat& b) noexcept {
   return a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w;
 }
 
+// Angle per length of difference (sweep.h). A quaternion that changed its sign would count as a
+// long way: cut too often, never too seldom.
 constexpr double kAnglePerQuat = 2.3;
 
 }  // namespace
@@ -26,6 +28,7 @@ double Motion(const Pose& a, const Pose& b, double reach_m) noexcept {
 }
 
 // How far a pose is from the straight way from the last cut to `to`: position and turn go together.
+// A turn is weighted with the farthest point's way, so that the two can be added.
 double Sweep::Deviation(const Pose& pose, const Pose& to) const noexcept {
   const double k = kAnglePerQuat * reach_;
   dvec3 way = to.tip_m - cut_.tip_m, off = pose.tip_m - cut_.tip_m;
@@ -73,9 +76,11 @@ std::span<const Pose> Sweep::Move(const Pose& to) noexcept {
     if (worst == 0) break;
     CutAt(worst - 1);
   }
+  // No room to remember: what is newest stands for all of them, since none is off the way to it.
   if (count_ == kMaxWaiting) CutAt(count_ - 1);
   Wait(to);
   ++age_;
+  // Cut now if one more step of this size would go beyond the span: then no hole lags by more.
   const double away = Motion(cut_, to, reach_);
   if (away + step > span_ || (age_ >= kPatience && away > tolerance_)) CutAt(count_ - 1);
   return {due_.data(), due_count_};
@@ -83,6 +88,7 @@ std::span<const Pose> Sweep::Move(const Pose& to) noexcept {
 
 std::span<const Pose> Sweep::Flush() noexcept {
   due_count_ = 0;
+  // The newest alone: those before it lie within the tolerance of the straight way to it.
   if (count_ > 0 && Motion(cut_, waiting_[count_ - 1], reach_) > tolerance_) CutAt(count_ - 1);
   count_ = 0;
   return {due_.data(), due_count_};

@@ -21,6 +21,7 @@ void Free(BrickPhi* bricks) noexcept { ::operator delete(bricks, std::align_val_
 }  // namespace
 
 BrickStore::BrickStore(const BrickStore& other) {
+  // A copy has no room beyond what is stored: whoever cuts in it calls Reserve.
   if (other.size_ == 0) return;
   Reserve(other.size_);
   size_ = other.size_;
@@ -55,6 +56,7 @@ BrickPhi& BrickStore::Append() {
 void BrickStore::Warm(size_t ahead, size_t pages) noexcept {
   size_t end = std::min(size_ + ahead, capacity_);
   for (warm_ = std::max(warm_, size_); warm_ < end && pages > 0; --pages) {
+    // A write: reading would map the one page of zeros, and the first write still fault.
     bricks_[warm_].phi[0] = 0;
     warm_ = std::min(end, warm_ + kPageBytes / sizeof(BrickPhi));
   }
@@ -104,6 +106,7 @@ void Volume::Reserve() {
 }
 
 size_t Volume::MemoryBytes() const noexcept {
+  // 5: a tissue and a label slot for each stored brick.
   return slot_.size() * sizeof(int32_t) + phi_.size() * (sizeof(BrickPhi) + 5) +
          labels_.size() * sizeof(BrickLabels);
 }
@@ -111,6 +114,7 @@ size_t Volume::MemoryBytes() const noexcept {
 bool Volume::Materialise(int brick) noexcept {
   auto& slot = slot_[static_cast<size_t>(brick)];
   if (slot >= 0) return true;
+  // Three vectors grow together; none may allocate here.
   if (slot == -1 || phi_.size() == phi_.capacity() || uniform_.size() == uniform_.capacity() ||
       label_slot_.size() == label_slot_.capacity()) {
     return false;
@@ -147,6 +151,7 @@ double Volume::DistanceAt_m(const dvec3& point_m) const noexcept {
 double Volume::DistanceAtSample(const dvec3& g) const noexcept {
   ivec3 n = spec_.voxels();
   constexpr double kFar = static_cast<double>(kPhiLimit) / kPhiPerVoxel;
+  // Written so that what is not a number is far away as well.
   if (!(g.x > -1 && g.y > -1 && g.z > -1 && g.x < n.x && g.y < n.y && g.z < n.z)) return kFar;
   // g > -1, so truncation of g + 1 is floor.
   ivec3 i(static_cast<int>(g.x + 1) - 1, static_cast<int>(g.y + 1) - 1,
@@ -181,6 +186,9 @@ dvec3 Volume::SlopeAtSample(const dvec3& g) const noexcept {
   if (!(g.x > 2 && g.y > 2 && g.z > 2 && g.x < n.x - 2 && g.y < n.y - 2 && g.z < n.z - 2))
     return dvec3(0);
   // Of three samples along each axis: weights of the value at g, and of the difference.
+  // 27 samples, each read once, where six interpolations read 48: a tick at 0.05 mm took 10.2 us in
+  // place of 14.9 (cylinder r 0.6 x 4 mm, half sunk). Both g - 1/2 and g + 1/2 fall on the same
+  // three samples of an axis, u beyond the first and u beyond the second.
   double value[3][3], change[3][3];
   int brick[3][3], in[3][3];
   const int stride[3] = {1, spec_.bricks.x, spec_.bricks.x * spec_.bricks.y};
@@ -228,6 +236,8 @@ bool Volume::MayBeNearer(const dvec3& g, double distance) const noexcept {
   ivec3 v(static_cast<int>(g.x + 0.5), static_cast<int>(g.y + 0.5), static_cast<int>(g.z + 0.5));
   int phi =
       SampleIn(spec_.BrickIndex(ivec3(v.x >> kShift, v.y >> kShift, v.z >> kShift)), InBrick(v));
+  // sqrt(3) / 2, rounded up. That a distance changes by no more than the way fails where a cut has
+  // put air's limit (kAirBandVoxels, 2.5): so `distance` has to stay below 1.6.
   constexpr double kHalfDiagonal = 0.8661;
   return phi < (distance + kHalfDiagonal) * kPhiPerVoxel;
 }
@@ -270,6 +280,8 @@ Status ValidateGrid(const GridSpec& spec, size_t max_bytes) {
                   "voxel_nm");
   }
   for (int i = 0; i < 3; ++i) {
+    // 4096 along all three would be too many for an int; the bound on bytes below keeps BrickIndex
+    // in it.
     if (spec.bricks[i] < 1 || spec.bricks[i] > 4096) {
       return Status(
           Code::kInvalidInput,
@@ -304,6 +316,7 @@ std::array<double, kTissueCount> SolidVolume_m3(const Volume& volume) {
     const auto& phi = volume.Phi(b).phi;
     const BrickLabels* labels = volume.HasLabels(b) ? &volume.Labels(b) : nullptr;
     for (size_t i = 0; i < kBrickVoxels; ++i) {
+      // Integers: the sum is the same in any order and on any machine.
       sums[labels ? labels->tissue[i] : uniform] += SolidFraction(phi[i]);
     }
   }
