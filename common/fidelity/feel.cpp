@@ -37,6 +37,7 @@ constexpr double kStrokes_s = 6, kStrokesJudgedFrom_s = 2;
 constexpr double kLongestLag_s = 0.75, kSample_s = 1e-3;
 constexpr size_t kCoarse = 5;  // samples
 
+// Off every cell's border, and on each axis by another share, so that the axes do not count as one.
 const dvec3 kStart(3.3e-6, 2.1e-6, 1.1e-6);
 const dvec3 kAlong = glm::normalize(dvec3(1, 2, 3));
 
@@ -96,6 +97,8 @@ Run RunOf(const Device& d, const Tissue& tissue, const Way& way, size_t ticks) {
   std::vector<dvec3> computed(ticks), possible(ticks);
   dvec3 oracle(0);
   for (size_t k = 0; k < ticks; ++k) {
+    // The force is held for the tick, so what is right is taken in its middle: half a tick of lag
+    // would otherwise be held against every device alike.
     double now = static_cast<double>(k) * d.tick_s, middle = now + d.tick_s / 2;
     dvec3 tip = kStart + kAlong * way.At(now);
     computed[k] = -coupling.Tick(CellMiddle(tip, d.resolution_m), 1, material).force_sent_n;
@@ -144,6 +147,7 @@ Figures OfSteady(const Device& d, const std::vector<double>& right, const Track&
 // it would move the peak by more than the threshold.
 double LagOf(const Device& d, const std::vector<double>& right, const Track& t) {
   auto ticks_of = [&](double s) { return static_cast<size_t>(s / d.tick_s + 0.5); };
+  // Looked at from two seconds on, so the longest shift never reaches before the first tick.
   size_t step = std::max<size_t>(1, ticks_of(kSample_s)), from = ticks_of(kStrokesJudgedFrom_s);
   auto samples = static_cast<size_t>(kLongestLag_s / (static_cast<double>(step) * d.tick_s));
   auto Correlation = [&](size_t shift) {
@@ -160,6 +164,8 @@ double LagOf(const Device& d, const std::vector<double>& right, const Track& t) 
     most = sum;
     best = shift;
   };
+  // The peak of strokes of a second is far broader than the coarse step: the best of these lies on
+  // it.
   for (size_t shift = kCoarse; shift <= samples; shift += kCoarse) Try(shift);
   size_t middle = best;
   for (size_t shift = middle - std::min(middle, kCoarse - 1); shift < middle + kCoarse; ++shift)
@@ -252,6 +258,7 @@ bool Holds(Motion motion, const Figures& f) {
 }
 
 Verdict VerdictOf(const Device& device, const Cell& cell) {
+  // First: what the motors cannot give is no fault of the law or the coupling.
   if (cell.rms_n > device.continuous_force_n || cell.largest_n > device.peak_force_n)
     return Verdict::kBeyondForce;
   if (Holds(cell.motion, cell.law)) return Verdict::kFelt;
