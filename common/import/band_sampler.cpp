@@ -67,6 +67,7 @@ void SquaresToFacet(const Facet& f, const Row& px, float py, float pz, Row& squa
       farthest_out[i] = std::max(farthest_out[i], wx * e.outward.x + out_yz);
     }
   }
+  // A triangle without an area has no inner side; its edges are all there is.
   const bool flat = f.normal.x == 0 && f.normal.y == 0 && f.normal.z == 0;
   const float wy = py - f.corner.y, wz = pz - f.corner.z;
   const float plane_yz = wy * f.normal.y + wz * f.normal.z;
@@ -99,6 +100,8 @@ void BandSampler::Distances(const dvec3& corner, double h, double limit, Samples
   for (size_t from = 0; from < stride; ++from)
     for (size_t k = from; k < n; k += stride) {
       const Facet f = Prepare(tree_->At(near_[k]), middle);
+      // Two bounds for the whole row, cheapest first: the sphere around the triangle, then its
+      // plane.
       const float dx = std::max(std::abs(f.middle.x) - edge, 0.0f);
       for (size_t r = 0; r < rows.size(); ++r) {
         RowState& row = rows[r];

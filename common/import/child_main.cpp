@@ -51,6 +51,8 @@ int Run(const std::filesystem::path& path) {
                 " MiB: reduce the mesh in a mesh program (a crown needs no more than 200000 "
                 "triangles)");
   }
+  // Read while files can still be opened. From ForbidSystem on there are memory and standard
+  // output.
   Result<Bytes> file = ReadFile(path, kMaxMeshFile);
   if (!file.ok()) return Fail(file.status().message());
   if (!ForbidSystem()) {

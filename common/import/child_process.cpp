@@ -21,7 +21,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+// More than the child's 60 s of processor: on a machine that is busy those take longer.
 constexpr auto kDeadline = std::chrono::seconds(90);
+// A part takes at most 520: two numbers, and two texts of a byte's length (triangles.h).
 constexpr size_t kMaxOutput = 64 + 12 * (kMaxVertices + kMaxTriangles) + kMaxParts * 520;
 constexpr size_t kMaxMessage = 2'000;
 
@@ -55,6 +57,8 @@ int Spawn(const std::filesystem::path& child, const std::filesystem::path& file,
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  // The pipes themselves close with exec (O_CLOEXEC): the child holds no end but these two, or
+  // reading here would never end.
   posix_spawn_file_actions_adddup2(&actions, out.ends[1], STDOUT_FILENO);
   posix_spawn_file_actions_adddup2(&actions, err.ends[1], STDERR_FILENO);
   std::string program = child.string(), argument = std::filesystem::absolute(file).string();
@@ -82,6 +86,7 @@ bool Collect(Pipe& out, Pipe& err, Bytes& output, Bytes& message) {
     if (left <= 0) return false;
     pollfd fds[2] = {{out.ends[0], POLLIN, 0}, {err.ends[0], POLLIN, 0}};
     if (poll(fds, 2, static_cast<int>(left)) < 0 && errno != EINTR) return false;
+    // Whatever is said of it, also hang-up: read tells what it is.
     if (fds[0].revents != 0 && !Drain(out.ends[0], output, kMaxOutput)) out.Close(0);
     if (fds[1].revents != 0 && !Drain(err.ends[0], message, kMaxMessage)) err.Close(0);
   }

@@ -24,6 +24,7 @@ void Limit(__rlimit_resource what, rlim_t value) {
   setrlimit(what, &limit);
 }
 
+// What is not named here is allowed.
 const std::vector<unsigned> kForbidden = {
 #ifdef SYS_open
     SYS_open,
@@ -65,6 +66,7 @@ sock_filter SkipUnlessEqual(unsigned value) {
 void LimitResources() {
   Limit(RLIMIT_CPU, 60);
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+  // The sanitizers reserve terabytes of addresses and could not start.
   Limit(RLIMIT_AS, rlim_t{4} << 30);
 #endif
   Limit(RLIMIT_FSIZE, 0);
@@ -80,10 +82,13 @@ bool ForbidSystem() {
       BPF_JUMP(BPF_JMP | BPF_JGE | BPF_K, 0x40000000u, 0, 1), Return(SECCOMP_RET_KILL_PROCESS)};
   for (unsigned call : kForbidden) {
     program.push_back(SkipUnlessEqual(call));
+    // An error and no kill: the library may look for a file that it can do without.
     program.push_back(Return(SECCOMP_RET_ERRNO | EACCES));
   }
   program.push_back(Return(SECCOMP_RET_ALLOW));
   sock_fprog filter{static_cast<unsigned short>(program.size()), program.data()};
+  // Without privileges the kernel takes a filter from a process only once it has given up gaining
+  // any.
   return prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 &&
          prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &filter, 0, 0) == 0;
 }

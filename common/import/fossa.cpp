@@ -24,6 +24,8 @@ class TopView {
       : tree_(tree), lo_(lo), hi_(hi) {}
   // Height of the first surface under (x, y), mm; nothing where there is none.
   std::optional<double> Height(double x, double y) const {
+    // Sphere tracing (Hart, The Visual Computer 12, 1996): nothing is nearer than d, so d is a free
+    // step down. 300 are for ways that graze a wall.
     double z = hi_.z + 0.1;
     for (int i = 0; i < 300 && z > lo_.z; ++i) {
       double d = tree_.Distance({x, y, z}, 100);
@@ -101,6 +103,7 @@ class FossaSearch {
   void FindSlope() {
     double spread = 0;
     for (int k = 0; k < kSide * kSide; ++k) {
+      // Least squares; the grid is symmetric, so the two slopes do not mix.
       slope_x_ += height_[static_cast<size_t>(k)] * Column(k);
       slope_y_ += height_[static_cast<size_t>(k)] * Row(k);
       spread += Column(k) * Column(k);
@@ -113,6 +116,7 @@ class FossaSearch {
   }
   bool IsPit(int k) const {
     if (std::abs(Column(k)) > kFossaSteps - 2 || std::abs(Row(k)) > kFossaSteps - 2) return false;
+    // Lowest within two steps each way: some 0.25 mm on a molar.
     for (int i = 0; i < 25; ++i) {
       if (Level(k + i % 5 - 2 + (i / 5 - 2) * kSide) < Level(k)) return false;
     }

@@ -28,11 +28,14 @@ namespace {
 using cutting::Tissue;
 
 constexpr int32_t kFinestVoxel_nm = 10'000, kCoarsestVoxel_nm = 500'000;
+// Of a grid with every brick stored; a tooth stores only those at its surface or between tissues.
 constexpr size_t kMaxGridBytes = size_t{3} << 30;
 constexpr double kPulpBelowFossa_mm =
     2.9;  // roof of the chamber below the central fossa, assumption
+// Farther than any point of a tooth is from its surface (units.h: 40 mm at most).
 constexpr double kFar_mm = 100;
 constexpr double kWidestBridge_mm = 0.5;
+// A fifth of a voxel: what is left uncut there is finer than what the voxels show.
 constexpr double kFinestOfVoxel = 0.2;  // pieces where surfaces cross
 
 Status Invalid(std::string message, std::string field = {}) {
@@ -96,6 +99,7 @@ class DepthField : public scene::BrickField {
  private:
   scene::FieldSample Sample(const dvec3& p, double distance, double reach_m) const {
     const double d_m = distance * 1e-3;
+    // Beyond the band nobody asks for a tissue.
     if (d_m >= reach_m) return {d_m, Tissue::kAir, 0};
     const TissueModel::Sample t = tissues_.At(p);
     return {d_m, t.tissue, t.margin_mm * 1e-3};
@@ -188,6 +192,7 @@ void Finish(const Fossa& fossa, const std::string& source, const ImportOptions& 
   out.scene.tissues = scene::DefaultTissues(TissuesIn(volumes));
   out.scene.landmarks["occlusal_centre"] = ToUm(fossa.point);
   out.scene.provenance = source;
+  // The address of what is stored, so of the encoded bytes and not of the samples.
   out.scene.volume = HashSha256(scene::EncodeVolume(out.volume));
 }
 
@@ -253,6 +258,7 @@ Result<ImportedScene> ImportLayers(const std::array<std::optional<Triangles>, kL
   if (!tooth.ok()) return tooth.status();
   Box box{dvec3(1e300), dvec3(-1e300)}, crown = box;
   std::string alone;
+  // Downwards, so that the last crown kept is the enamel's.
   for (size_t i = kLayers; i-- > 0;) {
     if (tooth->surface(i) == nullptr) continue;
     const Triangles& mesh = tooth->surface(i)->solid.mesh;

@@ -14,8 +14,13 @@ using cutting::Tissue;
 
 constexpr size_t kEnamel = 0, kDentin = 1, kPulp = 2;
 constexpr double kLargestCapShare = 0.47;  // the caps of a dome lie within the dentin
+// A pulp may be some times smaller than the dentin. This catches units a thousand apart; a
+// centimetre for a millimetre it does not.
 constexpr double kMostTimesLarger = 30;
-constexpr int kNestingSamples = 16;   // along an axis
+constexpr int kNestingSamples = 16;  // along an axis
+// What holds the lengths and cosines from here on: shells with known gaps and crossings
+// (layers_test.cpp), and a scanned crown with 0.02 mm of noise, which folds its surfaces
+// (RealCrownTest.NoisySurfaces...).
 constexpr double kLook_mm = 0.5;      // how far apart surfaces are still measured
 constexpr double kFaceToFace = -0.5;  // cosine of their normals
 constexpr double kOpposite = -0.1;    // cosine between the ways to both sides of a cleft
@@ -48,6 +53,7 @@ bool AreOpposite(const dvec3& l, const dvec3& r, double cosine) {
 bool Enters(const LayeredTooth::Surface& solid, const dvec3& p, const dvec3& way, double bridge) {
   const double size = std::sqrt(Dot(way, way));
   if (size < kTouching_mm) return true;
+  // Twice, since a thin shell may lie wholly before the end.
   for (double part : {0.5, 1.0}) {
     if (solid.whole.Inside(p + way * (part * (bridge - size) / size))) return true;
   }
@@ -100,6 +106,7 @@ void TakeHollowAsPulp(LayerSolids& layers, const LayerOptions& options) {
   if (layers.solids[kPulp] || dentin.hollows.indices.empty()) return;
   RepairOptions repair;
   repair.finest_mm = options.finest_mm;
+  // Its own way through the repair, since pulp may overlap itself like any other surface.
   Result<Solid> pulp = MakeSolid(dentin.hollows, repair);
   if (!pulp.ok()) return;
   layers.report.push_back("no pulp given: the hollow in the dentin (" +
@@ -123,6 +130,7 @@ Result<LayerSolids> RepairLayers(const std::array<std::optional<Triangles>, kLay
       return Invalid(Name(layer) + ": its surface holds no triangles");
     ENAMEL_RETURN_IF_ERROR(CheckTogether(layer, *surfaces_mm[layer], *surfaces_mm[kDentin]));
     RepairOptions repair;
+    // An enamel shell's inside is a hollow that must stay one; the dentin's is the pulp.
     repair.keep_hollows = layer == kEnamel;
     repair.largest_cap_share = kLargestCapShare;
     repair.finest_mm = options.finest_mm;
@@ -173,6 +181,8 @@ std::optional<size_t> LayeredTooth::NearerOfCleft(const dvec3& p, const Distance
       if (d.to[i] + d.to[k] > bridge_) continue;
       const TriangleTree &one = surfaces_[i]->boundary, &other = surfaces_[k]->boundary;
       uint32_t on_one = 0, on_other = 0;
+      // Both are known to lie within the bridge; twice that only makes sure that the triangle is
+      // found.
       one.Distance(p, 2 * bridge_, &on_one);
       other.Distance(p, 2 * bridge_, &on_other);
       const dvec3 way = one.NearestOn(on_one, p) - p, other_way = other.NearestOn(on_other, p) - p;
@@ -198,6 +208,7 @@ bool LayeredTooth::Inside(const dvec3& p, const Distances& d) const {
 
 Tissue LayeredTooth::TissueAt(const dvec3& p, const Distances& d) const {
   const double enamel = d.to[kEnamel], dentin = d.to[kDentin], pulp = d.to[kPulp];
+  // From the inside out: where tissues are nested the innermost wins, side by side the deeper.
   if (pulp < 0) return dentin < pulp && !nested_[kDentin][kPulp] ? Tissue::kDentin : Tissue::kPulp;
   if (dentin < 0)
     return enamel < dentin && !nested_[kEnamel][kDentin] ? Tissue::kEnamel : Tissue::kDentin;
@@ -239,6 +250,7 @@ double LayeredTooth::SharedVolume(size_t outer, size_t inner) const {
   for (int i = 0; i < n * n * n; ++i) {
     const dvec3 cell(i % n, i / n % n, i / (n * n));
     const dvec3 p = box.lo + box.size() * (cell + 0.5) / static_cast<double>(n);
+    // 4096 samples: a share of a tenth is told from none, which is all that is asked.
     both += r.whole.Inside(p) && l.whole.Inside(p);
   }
   const dvec3 size = box.size() / static_cast<double>(n);
@@ -258,6 +270,7 @@ LayeredTooth::Meeting LayeredTooth::Measure(size_t outer, size_t inner) const {
     const double area = std::sqrt(Dot(normal, normal)),
                  apart = probe.Distance(f.Middle(), kLook_mm);
     m.own_mm2 += area;
+    // Only what faces the other surface is an interface: a dome's outside lies near nothing.
     if (std::abs(apart) >= kLook_mm) continue;
     const TriangleTree::Triangle& facing = other.At(probe.nearest());
     const dvec3 its = Unit(glm::cross(facing.b - facing.a, facing.c - facing.a));
@@ -388,6 +401,7 @@ class BoundaryPieces {
         bare = false;
       } else if (s < bridge_) {
         const dvec3 way = other.surface->NearestOn(other.probe.nearest(), before) - before;
+        // The cleft test once more, from the surface: the other side lies ahead, not beside.
         if (Dot(way, normal) > -kOpposite * s) bare = false;
         bare = bare && IsOutside(other.probe, p, normal);
       }
@@ -430,6 +444,7 @@ class LayerField : public scene::BrickField {
     const dvec3 p = point_m * 1e3;
     const double reach = std::max(reach_m * 1e3, tooth_.bridge());
     const LayeredTooth::Distances d = probe_.At(p, reach);
+    // Within the bridge of any surface a cleft may change the tissue, so that much is taken off.
     double margin = reach;
     for (double s : d.to) margin = std::min(margin, std::abs(s));
     const double outside = tooth_.boundary().Distance(p, reach, &nearest_);
@@ -438,6 +453,8 @@ class LayerField : public scene::BrickField {
 
   void Brick(const dvec3& corner_m, double voxel_m, double reach_m, Samples& out) override {
     const dvec3 corner = corner_m * 1e3;
+    // TissueAt needs the bridge, SidesOf neighbours whose distances together exceed a voxel. More
+    // would only cost time: the far distances come from outer_.
     const double h = voxel_m * 1e3, reach = std::max(tooth_.bridge(), 1.5 * h) * 1.01;
     for (size_t layer = 0; layer < kLayers; ++layer) {
       if (!bands_[layer]) continue;

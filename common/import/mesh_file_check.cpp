@@ -101,6 +101,7 @@ Status CheckStl(ByteView file) {
   if (file.size() >= kStlHeader) {
     for (size_t i = 0; i < 4; ++i) count |= uint64_t{file[80 + i]} << (8 * i);
   }
+  // Binary files that begin with "solid" exist. The count settles it: text never fits its own size.
   const bool fits = file.size() >= kStlHeader && file.size() == kStlHeader + kStlTriangle * count;
   const bool is_text = StartsWithWord(text, "solid") && text.find('\0') == std::string_view::npos;
   if (!fits && is_text) return CheckStlText(text);
@@ -168,6 +169,8 @@ Status ReadPlyProperty(std::string_view line, PlyElement& element) {
 }
 
 Result<PlyHeader> ReadPlyHeader(Lines& lines) {
+  // A header is some ten lines; without a bound a file of short lines would be a header of all of
+  // it.
   constexpr int kMostLines = 10'000;
   PlyHeader header;
   std::string_view line;
@@ -209,6 +212,7 @@ bool SkipPlyElement(const PlyElement& element, PlyFormat format, ByteView& data)
       }
       data = data.subspan(p.list_size);
     }
+    // Divided, since items * size may overflow.
     if (data.size() / p.size < items) return false;
     data = data.subspan(items * p.size);
   }
@@ -225,6 +229,7 @@ Status PlyTooShort(const PlyElement& element, uint64_t found) {
 Status CheckPlyBinary(const PlyHeader& header, ByteView data) {
   constexpr size_t kSlack = 16;  // some writers end with a line end
   for (const PlyElement& element : header.elements) {
+    // Takes no bytes, so its count is bounded by nothing: it must not be counted through.
     if (element.properties.empty()) continue;
     for (uint64_t i = 0; i < element.count; ++i) {
       if (!SkipPlyElement(element, header.format, data)) return PlyTooShort(element, i);
@@ -267,6 +272,7 @@ Status CheckPly(ByteView file) {
 
 Status CheckObj(ByteView file) {
   Lines lines(AsText(file));
+  // 3: a file that ends without any face is not half of one.
   uint64_t triangles = 0, last = 3;
   bool face = false;
   for (std::string_view line; lines.Next(line);) {
@@ -317,6 +323,7 @@ Status CheckOff(ByteView file) {
   if (!Number(word, vertices) || !Number(words.Next(), faces) || !Number(words.Next(), edges))
     return Invalid("expected 'OFF' and three counts at its beginning");
   if (faces > kMaxTriangles) return TooMany(faces);
+  // Each takes a byte at least. From here on every loop ends with the file, and 3 * vertices fits.
   if (vertices > file.size()) return OffTooShort("vertices", vertices, 0);
   for (uint64_t i = 0; i < 3 * vertices; ++i) {
     const std::string_view word_at = words.Next();

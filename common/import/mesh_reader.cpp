@@ -103,6 +103,7 @@ Result<NamedMesh> ReadMesh(ByteView file, const std::string& kind) {
   Assimp::Importer importer;
   const Bytes obj = kind == "obj" ? PreparedObj(file) : Bytes();
   if (kind == "obj") file = obj;
+  // No flag yet: what would make triangles trusts indices that CheckMeshes has not seen.
   const aiScene* scene = importer.ReadFileFromMemory(file.data(), file.size(), 0, kind.c_str());
   if (scene == nullptr) return Invalid(std::string("cannot be read: ") + importer.GetErrorString());
   ENAMEL_RETURN_IF_ERROR(CheckMeshes(*scene));

@@ -39,6 +39,8 @@ Triangles Weld(const Triangles& in) {
   for (size_t i = 0; i < in.vertices.size(); ++i) {
     std::array<int64_t, 3> key;
     for (int k = 0; k < 3; ++k)
+      // By cells of a micrometre: quick, and two vertices on either side of a cell's border stay
+      // two.
       key[static_cast<size_t>(k)] = std::llround(in.vertices[i][k] / kWeld_mm);
     auto [it, fresh] = known.emplace(key, static_cast<uint32_t>(out.vertices.size()));
     if (fresh) out.vertices.push_back(in.vertices[i]);
@@ -67,6 +69,7 @@ void DropUseless(Triangles& mesh, MeshReport& report) {
   known.erase(last, known.end());
   std::vector<uint32_t> kept;
   for (const auto& [corners, i] : known) kept.push_back(i);
+  // Back in the file's order, by which parts and their seeds are found.
   std::sort(kept.begin(), kept.end());
   std::vector<Triangle> triangles;
   for (uint32_t i : kept) triangles.push_back(mesh.indices[i]);
@@ -145,6 +148,8 @@ double CloseHoles(Triangles& mesh, std::vector<Triangle>& part, MeshReport& repo
     uint32_t start = boundary.begin()->first, at = start;
     do {
       loop.push_back(at);
+      // Always there: each triangle leaves a vertex as often as it enters it, and so does what is
+      // left when edges run against each other.
       auto next = boundary.find(at);
       at = next->second;
       boundary.erase(next);
@@ -182,6 +187,7 @@ bool IsHollowOf(const Part& inner, const Part& outer, const std::vector<dvec3>& 
     if (inner.lo[k] < outer.lo[k] - kWeld_mm || inner.hi[k] > outer.hi[k] + kWeld_mm) return false;
   }
   const TriangleTree tree({vertices, outer.triangles});
+  // Some forty of its triangles, 95 in 100 of them inside.
   const size_t step = inner.own / 40 + 1;
   size_t tried = 0, within = 0;
   for (size_t i = 0; i < inner.own; i += step, ++tried) {
@@ -196,6 +202,7 @@ void FindHollows(std::vector<Part>& parts, const RepairOptions& options, Solid& 
   const Triangles& mesh = solid.mesh;
   MeshReport& report = solid.report;
   solid.hollows.vertices = mesh.vertices;
+  // Each pair costs a tree: a file of a thousand crumbs must not cost a million.
   constexpr size_t kLargest = 8;
   std::vector<size_t> by_size(parts.size());
   std::iota(by_size.begin(), by_size.end(), 0);
@@ -238,6 +245,7 @@ double CloseParts(Solid& solid, const Parts& found, const RepairOptions& options
     part.own = part.triangles.size();
     cap_area += CloseHoles(mesh, part.triangles, report);
     part.volume = SignedVolume(mesh.vertices, part.triangles);
+    // Only a closed part has a volume with a sign: caps first.
     if (part.volume < 0) {
       TurnAround(part.triangles);
       part.volume = -part.volume;
@@ -293,6 +301,7 @@ Result<Solid> MakeSolid(const Triangles& mesh_mm, const RepairOptions& options) 
     return NoSolid(
         "it encloses next to nothing of its bounding box (a flat sheet or a soup of triangles)");
   }
+  // Last: by now every part is closed, as its winding numbers need.
   Result<SolidBoundary> boundary =
       BoundaryOf(solid.mesh, TriangleTree(solid.mesh), options.finest_mm);
   if (!boundary.ok()) return boundary.status();

@@ -43,6 +43,7 @@ void Move(Solid& solid, const dmat3& turn, const dvec3& middle) {
 }
 
 dvec3 MiddleOf(const Triangles& mesh, const dmat3& turn) {
+  // The box of the turned mesh, which is not the turned box.
   Triangles turned = mesh;
   for (dvec3& v : turned.vertices) v = turn * v;
   const Box box = BoxOf(turned);
@@ -58,6 +59,8 @@ std::optional<Stance> StanceByRise(const LayerSolids& layers, double extent) {
   stance.up = rise / size;
   stance.margin = size / extent;
   const auto k = static_cast<int>(LongestAxis(rise));
+  // A cap's middle leans to where it is thicker, so the way to it is no better than this: near a
+  // file's axis the axis is taken.
   if (std::abs(stance.up[k]) > kOnAxis) {
     const double sign = rise[k] > 0 ? 1 : -1;
     stance.up = dvec3(0);

@@ -29,6 +29,8 @@ Status WriteSceneFolder(const std::filesystem::path& folder, const ImportedScene
   for (const std::string& line : imported.report) report += line + "\n";
   ENAMEL_RETURN_IF_ERROR(
       WriteFileDurably(folder / kVolumeFile, scene::EncodeVolume(imported.volume)));
+  // The document last: it names the volume, and a folder cut off in between still reads as the old
+  // scene or is found by its hash.
   ENAMEL_RETURN_IF_ERROR(WriteFileDurably(folder / kReportFile, AsBytes(report)));
   return WriteFileDurably(folder / kSceneFile, AsBytes(scene::ToJson(imported.scene)));
 }

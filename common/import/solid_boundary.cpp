@@ -21,6 +21,8 @@ Facet FacetOf(const Triangles& mesh, uint32_t i) { return Facet::Of(mesh, mesh.i
 
 // Does the segment, in the facet's plane, have a point in the facet?
 bool MeetsInPlane(const Facet& f, const dvec3& n, const dvec3& p, const dvec3& q) {
+  // The segment is clipped by the three edges in turn (Cyrus and Beck, Computers & Graphics 3,
+  // 1978). Only touching one is no meeting: neighbours in one plane do.
   double from = 0, to = 1;
   const dvec3 corners[3] = {f.a, f.b, f.c};
   for (int k = 0; k < 3; ++k) {
@@ -36,6 +38,7 @@ bool MeetsInPlane(const Facet& f, const dvec3& n, const dvec3& p, const dvec3& q
 // Does the segment pass through the facet's inner part?
 bool Pierces(const Facet& f, const dvec3& n, double at_p, double at_q, const dvec3& p,
              const dvec3& q) {
+  // A corner in the plane counts as below it: of two edges that meet there one passes, never both.
   if ((at_p > 0) == (at_q > 0)) return false;
   const dvec3 x = p + (at_p / (at_p - at_q)) * (q - p);
   return Dot(glm::cross(f.b - f.a, x - f.a), n) >= 0 &&
@@ -120,6 +123,8 @@ class Judge {
     const double size = std::sqrt(Dot(n, n));
     if (size <= 0) return Place::kOutside;
     const dvec3 middle = f.Middle(), step = n * (kSide_mm / size);
+    // Both sides, not the normal: a loop of a surface that crosses itself runs the wrong way
+    // around.
     const bool below = tree_.Inside(middle - step), above = tree_.Inside(middle + step);
     if (below != above) return below ? Place::kBoundary : Place::kTurned;
     return below ? Place::kBuried : Place::kOutside;
@@ -167,6 +172,7 @@ std::vector<uint32_t> Patches(const Triangles& mesh, const Crossing& with) {
   std::vector<uint32_t> patch(mesh.indices.size());
   std::iota(patch.begin(), patch.end(), 0);
   auto root = [&](uint32_t i) {
+    // Union-find with path halving.
     while (patch[i] != i) i = patch[i] = patch[patch[i]];
     return i;
   };

@@ -46,6 +46,7 @@ std::string ListOf(const std::vector<MeshPart>& parts) {
 void Append(const Triangles& from, const MeshPart& part, std::optional<Triangles>& to) {
   if (!to) to.emplace();
   const auto shift = static_cast<uint32_t>(to->vertices.size());
+  // Only the vertices that the part uses: the box of what is left must be the tissue's own.
   std::map<uint32_t, uint32_t> moved;
   for (uint32_t i = part.first; i < part.first + part.count; ++i) {
     std::array<uint32_t, 3> t;
@@ -148,6 +149,7 @@ class Reader {
     const size_t hash = source.rfind('#');
     fs::path file = source;
     std::string part;
+    // A file of that very name first: '#' may be part of one.
     if (!fs::exists(file, error)) {
       if (hash != std::string::npos && fs::exists(source.substr(0, hash), error)) {
         file = source.substr(0, hash);

@@ -8,6 +8,8 @@ namespace {
 
 using cutting::Tissue;
 
+// Assumptions (tissues.h). What has to come of them: a class I cavity meets enamel first and keeps
+// clear of the pulp (RealCrownTest.ClassOneCavityOnAMolar...).
 constexpr double kCell_mm = 0.25;
 constexpr int kMaxCells = 96;        // along an axis
 constexpr double kOutside_mm = 1.0;  // depths beyond this above the surface are cut off
@@ -41,6 +43,7 @@ TissueModel::TissueModel(const Triangles& boundary, const dvec3* gum, const dvec
   enamel_max_mm_ =
       std::min(kFullEnamel_mm, kEnamelOfWidth * std::min(hi_mm.x - lo_mm.x, hi_mm.y - lo_mm.y));
   SampleDepths(boundary, gum);
+  // A pulp chamber is rounder than the crown: fissures must not show in its roof.
   smooth_depth_ = depth_;
   for (int pass = 0; pass < 3; ++pass) Smooth(smooth_depth_);
   float deepest = *std::max_element(smooth_depth_.begin(), smooth_depth_.end());
@@ -105,6 +108,7 @@ double TissueModel::Depth(const std::vector<float>& grid, const dvec3& p) const 
 }
 
 double TissueModel::EnamelThickness(double height) const {
+  // Rises steeply from the gum and then slowly: half of it after a sixth of the way.
   double u = ClampedRatio(height, bottom_ + 0.06 * (top_ - bottom_), top_);
   return enamel_max_mm_ * 1.25 * u / (u + 0.25);
 }

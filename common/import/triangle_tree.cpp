@@ -8,6 +8,9 @@
 namespace enamel::import {
 namespace {
 
+// kMaxDepth only sizes the stacks: halving brings two million triangles down in 20 levels. kOpening
+// is that of Barill and others, Fast Winding Numbers for Soups and Clouds (ACM Transactions on
+// Graphics 37, 2018), whose dipoles stand for far groups here.
 constexpr uint32_t kLeaf = 4;
 constexpr int kMaxDepth = 60;
 constexpr double kOpening = 2;
@@ -102,6 +105,8 @@ void TriangleTree::Build(std::vector<uint32_t>& order, uint32_t first, uint32_t 
   uint32_t half = count / 2;
   std::nth_element(order.begin() + first, order.begin() + first + half,
                    order.begin() + first + count, [&](uint32_t l, uint32_t r) {
+                     // Equal places by number: the tree, and so every distance's last bit, does not
+                     // depend on the library.
                      return middle(l) != middle(r) ? middle(l) < middle(r) : l < r;
                    });
   Build(order, first, half, all, depth + 1);
@@ -123,6 +128,7 @@ double TriangleTree::Distance(const dvec3& p, double limit, uint32_t* nearest) c
     best = std::sqrt(square);
     found = i;
   };
+  // The guess first: its distance prunes most of the tree.
   look(found);
   struct Entry {
     uint32_t node;
@@ -219,6 +225,7 @@ double TriangleTree::Winding(const dvec3& p) const {
 double SignedProbe::Distance(const dvec3& p, double limit) {
   double d = surface_->Distance(p, limit, &nearest_);
   double moved = known_ ? std::sqrt(Square(p - last_)) : 0;
+  // Within d of a point there is no surface, so nothing parts it from points nearer than that.
   bool same_side = known_ && moved < std::max(d, last_distance_) * (1 - 1e-9);
   bool inside = same_side ? last_inside_ : solid_->Inside(p);
   known_ = true;

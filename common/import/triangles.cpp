@@ -23,6 +23,7 @@ Bytes EncodeMesh(const NamedMesh& named) {
   out.U32(static_cast<uint32_t>(mesh.indices.size()));
   out.U32(static_cast<uint32_t>(named.parts.size()));
   for (const dvec3& v : mesh.vertices) {
+    // The mesh library holds floats: nothing is lost by sending them.
     for (int i = 0; i < 3; ++i) out.U32(std::bit_cast<uint32_t>(static_cast<float>(v[i])));
   }
   for (const auto& t : mesh.indices) {
@@ -44,6 +45,7 @@ Result<NamedMesh> DecodeMesh(ByteView bytes) {
   ByteView magic = in.Raw(kMagic.size());
   const size_t n_vertices = in.U32(), n_triangles = in.U32(), n_parts = in.U32();
   if (!in.ok() || AsText(magic) != kMagic) return Malformed("does not begin as one");
+  // Before any memory of that size is taken: the child may have been taken over by its file.
   if (n_vertices > kMaxVertices || n_triangles > kMaxTriangles || n_parts > kMaxParts ||
       in.remaining() < 12 * (n_vertices + n_triangles)) {
     return Malformed("its size does not match its header");
@@ -81,6 +83,7 @@ Result<NamedMesh> DecodeMesh(ByteView bytes) {
 double SignedVolume(const std::vector<dvec3>& vertices,
                     const std::vector<std::array<uint32_t, 3>>& triangles) {
   if (triangles.empty()) return 0;
+  // From a vertex of its own: far from the file's origin the products would cancel.
   const dvec3 o = vertices[triangles[0][0]];
   double sum = 0;
   for (const auto& t : triangles)

@@ -9,6 +9,7 @@ namespace enamel::import {
 namespace {
 
 constexpr double kSmallest_mm = 3, kLargest_mm = 40;
+// What a file has rounded must not make 40.0000 mm too large.
 constexpr double kRounding = 1e-5;  // of coordinates in a file
 constexpr double kCoarsest_mm = 5e-3;
 
@@ -31,6 +32,7 @@ Status CheckFineness(const Box& box, double unit_mm) {
   double farthest = 0;
   for (int k = 0; k < 3; ++k)
     farthest = std::max({farthest, std::abs(box.lo[k]), std::abs(box.hi[k])});
+  // A float's 24 bits.
   const double step_mm = farthest / (1 << 23);
   if (step_mm <= kCoarsest_mm) return Status::Ok();
   return Invalid("expected a tooth near its file's origin, found one " +
