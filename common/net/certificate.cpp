@@ -31,12 +31,14 @@ using Bio = std::unique_ptr<BIO, Free<BIO_free_all>>;
 using Extension = std::unique_ptr<X509_EXTENSION, Free<X509_EXTENSION_free>>;
 
 constexpr long kDay_s = 24 * 3600;
+// Ten years: a new one means telling every station (schemas/wire/README.md, "Transport").
 constexpr long kValid_s = 3652 * kDay_s;
 constexpr size_t kMaxCommonName = 64;
 
 Status OpenSslFailed(const char* what) {
   char text[256] = "no detail";
   if (unsigned long code = ERR_get_error()) ERR_error_string_n(code, text, sizeof text);
+  // The queue is the thread's: what stays in it would be told with the next failure.
   ERR_clear_error();
   return Status(Code::kInternal, std::string("OpenSSL could not ") + what + ": " + text);
 }
@@ -134,6 +136,8 @@ Status CreateCertificateFiles(const std::filesystem::path& certificate,
   ENAMEL_RETURN_IF_ERROR(CheckAbsent(certificate));
   ENAMEL_RETURN_IF_ERROR(CheckAbsent(private_key));
   ENAMEL_ASSIGN_OR_RETURN(auto pem, MakeSelfSignedCertificate(common_name));
+  // Broken off here, there is a key that no station knows of. The other way round a certificate
+  // without its key could be handed out.
   ENAMEL_RETURN_IF_ERROR(WriteFileDurably(private_key, AsBytes(pem.private_key), 0600));
   return WriteFileDurably(certificate, AsBytes(pem.certificate), 0644);
 }

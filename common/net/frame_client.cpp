@@ -29,6 +29,8 @@ struct Pin {
 };
 
 // Replaces OpenSSL's whole verification: the leaf's fingerprint decides alone.
+// It is of the whole certificate and not of its key, so a renewed one has to be told to the stations anew
+// (schemas/wire/README.md, "Transport").
 int CheckPin(X509_STORE_CTX* store, void* arg) {
   Pin& pin = *static_cast<Pin*>(arg);
   Sha256 found;
@@ -124,6 +126,7 @@ struct FrameClient::Impl {
   // Runs the I/O until `ready`, the deadline, or Cancel. False: not ready.
   template <typename Ready>
   bool RunUntil(Ready ready, std::chrono::steady_clock::time_point deadline) {
+    // A context that ran out of work is stopped, and stays so until it is told.
     io.restart();
     // What can be done at once is done even when the deadline has passed.
     while (!cancelled && !ready() && io.poll_one() > 0) {
@@ -148,6 +151,7 @@ struct FrameClient::Impl {
   void StartRead() {
     if (reading || reader.done() || read_error || !refusal.ok()) return;
     reading = true;
+    // Never a byte of the next frame (frame.h): what Take leaves behind begins one.
     auto space = reader.Prepare();
     stream->async_read_some(asio::buffer(space.data(), space.size()),
                             [this](error_code error, size_t n) {
@@ -187,6 +191,8 @@ struct FrameClient::Impl {
     if (**connected) return ConnectFailed(to, **connected);
 
     error_code ignored;
+    // A request waits for its reply. Nagle's algorithm would hold a small frame back until what
+    // went before it is acknowledged.
     stream->next_layer().set_option(tcp::no_delay(true), ignored);
     Outcome shaken = NewOutcome();
     stream->async_handshake(Stream::client, [shaken](error_code error) { *shaken = error; });
@@ -210,6 +216,7 @@ struct FrameClient::Impl {
 FrameClient::FrameClient() : impl_(std::make_unique<Impl>()) {
   SSL_CTX* context = impl_->context.native_handle();
   ENAMEL_CHECK(SSL_CTX_set_min_proto_version(context, TLS1_3_VERSION) == 1);
+  // Without it OpenSSL goes on with the handshake whatever CheckPin says.
   SSL_CTX_set_verify(context, SSL_VERIFY_PEER, nullptr);
   SSL_CTX_set_cert_verify_callback(context, CheckPin, &impl_->pin);
 }
@@ -256,6 +263,7 @@ Result<Bytes> FrameClient::Receive(Duration timeout) {
   i.StartRead();
   auto settled = [&] { return i.reader.done() || i.read_error || !i.refusal.ok(); };
   bool in_time = i.RunUntil(settled, std::chrono::steady_clock::now() + timeout);
+  // Also when time ran out or Cancel came meanwhile: a whole message is not thrown away.
   if (i.reader.done()) return i.reader.Take();
   if (!in_time) {
     if (i.cancelled) return Cancelled();

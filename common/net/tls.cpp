@@ -29,6 +29,7 @@ Result<std::shared_ptr<ssl::context>> MakeServerContext(const std::filesystem::p
   auto context = std::make_shared<ssl::context>(ssl::context::tls_server);
   ENAMEL_CHECK(SSL_CTX_set_min_proto_version(context->native_handle(), TLS1_3_VERSION) == 1);
   boost::system::error_code error;
+  // The certificate first: OpenSSL then refuses a key that does not belong to it.
   if (context->use_certificate_chain(Buffer(certificate_pem), error)) {
     return Refused(certificate, "a certificate in PEM form", error);
   }
