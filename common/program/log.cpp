@@ -57,6 +57,7 @@ void Say(spdlog::level::level_enum level, const std::string& message) {
   }
   auto logger = spdlog::default_logger();
   const auto wanted = logger->level();
+  // For this one line: it is said whatever level was asked for.
   logger->set_level(level);
   logger->log(level, message);
   logger->set_level(wanted);
@@ -65,6 +66,7 @@ void Say(spdlog::level::level_enum level, const std::string& message) {
 }  // namespace
 
 Status SetUpLog(const LogOptions& options) {
+  // Also says "off" to what it does not know; no log at all is not offered.
   auto level = spdlog::level::from_str(options.level);
   if (level == spdlog::level::off) {
     return Status(Code::kInvalidInput,
@@ -77,6 +79,7 @@ Status SetUpLog(const LogOptions& options) {
                   "expected the log format text or json, found \"" + options.format + "\"",
                   "log-format");
   }
+  // Making a second logger of one name throws.
   spdlog::drop(options.name);
   if (options.format == "json") {
     auto logger = spdlog::stderr_logger_mt(options.name);

@@ -38,12 +38,14 @@ Status CheckOutputFile(const fs::path& file, const char* option) {
   if (file.empty()) return Status::Ok();
   std::error_code error;
   if (fs::is_directory(file, error)) return Cannot(option, file, "it is a folder");
+  // The folder's rights count, not the file's: WriteFileDurably makes a file beside it and renames.
   fs::path folder = file.parent_path();
   return CheckWritableFolder(option, file, folder.empty() ? fs::path(".") : folder);
 }
 
 Status CheckOutputFolder(const fs::path& folder, const char* option) {
   std::error_code error;
+  // Without "..": the parent of a path through one need not be where the folder will be made.
   fs::path nearest = fs::absolute(folder, error).lexically_normal();
   while (!fs::exists(nearest, error) && nearest.has_relative_path()) {
     nearest = nearest.parent_path();

@@ -59,6 +59,8 @@ std::string Names(const CLI::App& command, std::set<std::string> of_others,
   std::vector<std::string> names(of_others.begin(), of_others.end());
   const size_t all = names.size();
   if (all > kMany) {
+    // Edits takes time by the product of the two lengths, and a file's key may be as long as the
+    // file.
     found = found.substr(0, kMaxKeyBytes);
     std::ranges::stable_sort(names, {}, [&](const auto& name) { return Edits(found, name); });
     names.resize(kNearest);
@@ -69,6 +71,7 @@ std::string Names(const CLI::App& command, std::set<std::string> of_others,
 }
 
 Result<std::vector<std::string>> TextsOf(const toml::node& node) {
+  // Exact: value() would also take what can be converted, such as 1.0 for an integer.
   if (auto text = node.value_exact<std::string>()) return std::vector{*text};
   if (auto number = node.value_exact<int64_t>()) return std::vector{std::to_string(*number)};
   if (auto yes = node.value_exact<bool>()) return std::vector<std::string>{*yes ? "true" : "false"};
@@ -90,6 +93,7 @@ size_t EndOfQuotes(std::string_view text, size_t at) {
   const std::string three(3, quote);
   const std::string closing = text.substr(at).starts_with(three) ? three : std::string(1, quote);
   for (at += closing.size(); at < text.size(); ++at) {
+    // TOML's single quotes know no escapes.
     if (text[at] == '\\' && quote == '"')
       ++at;
     else if (text.substr(at).starts_with(closing))
@@ -119,6 +123,7 @@ size_t StrayCharacter(std::string_view text) {
 
 // Unless something nearer gave the option already.
 Status Apply(CLI::Option& option, const std::vector<std::string>& texts) {
+  // Nearer places are read first, so what is there already is to stay.
   if (option.count() > 0 || texts.empty()) return Status::Ok();
   try {
     for (const std::string& text : texts) option.add_result(text);
@@ -131,6 +136,7 @@ Status Apply(CLI::Option& option, const std::vector<std::string>& texts) {
 
 std::string Quoted(const std::string& text) {
   std::ostringstream out;
+  // The library's own escapes: what is printed reads back.
   out << toml::value<std::string>(text);
   return out.str();
 }
@@ -158,6 +164,7 @@ std::string EnvironmentName(const std::string& option, const std::string& prefix
 Status ReadEnvironment(CLI::App& command, const std::string& prefix) {
   for (CLI::Option* option : command.get_options()) {
     std::string name = NameOf(*option);
+    // The environment may say where the file is; a file cannot name another.
     if (!IsSetting(name) && name != "config") continue;
     const char* value = std::getenv(EnvironmentName(name, prefix).c_str());
     if (value == nullptr) continue;
