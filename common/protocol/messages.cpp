@@ -14,6 +14,7 @@ constexpr const char* kUnsupported = "unsupported";
 // Protobuf reports malformed input on stderr as well as in its result: a peer could fill the log.
 // Errors are returned here, and handled once by the caller.
 void SilenceProtobuf() {
+  // The handler is the process's: set once, before anything is parsed.
   static const bool done = [] {
     google::protobuf::SetLogHandler(nullptr);
     return true;
@@ -69,7 +70,10 @@ Status ToStatus(const wire::Error& error) {
     auto code = static_cast<Code>(c);
     if (error.code() == CodeName(code)) return Status(code, message, field);
   }
+  // No code of ours: a server says it of a kind of request that it does not know (wire/README.md,
+  // "Frames").
   if (error.code() == kUnsupported) return Status(Code::kVersion, message, field);
+  // A newer peer's code still says something to a person.
   return Status(Code::kInternal, Printable(error.code()) + ": " + message, field);
 }
 
