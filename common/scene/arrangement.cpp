@@ -10,6 +10,7 @@ using cutting::Tissue;
 
 // Negative inside; never more than the true distance.
 double LesionDistance_mm(const Lesion& lesion, const dvec3& p_mm) {
+  // |q| grows by at most 1 / (least half extent) per mm, so the product below is never too long.
   dvec3 q = (p_mm - lesion.middle) / lesion.half;
   return (std::sqrt(Dot(q, q)) - 1) * std::min({lesion.half.x, lesion.half.y, lesion.half.z});
 }
@@ -19,6 +20,7 @@ FieldSample PlacedField(const PlacedTooth& tooth, const dvec3& point_m) {
   FieldSample out = ToothField(*tooth.shape, own_m);
   if (tooth.neighbour) {
     out.tissue = Tissue::kNeighbour;
+    // One tissue throughout: any margin up to the tooth's size says so.
     out.tissue_margin_m = 1;
     return out;
   }
@@ -35,6 +37,7 @@ struct Widest {
 };
 Widest WidestOf(const ToothShape& shape) {
   Widest out;
+  // Where a section is widest it hardly changes with height: steps of 0.05 mm do.
   for (double z = shape.cervical_z; z < shape.hi.z - 1; z += 0.05) {
     auto half = SectionAt_mm(shape, z);
     out.mesial_mm = std::max(out.mesial_mm, half[0]);
@@ -78,6 +81,7 @@ std::vector<Lesion> FissureCaries(const ToothShape& tooth) {
 }
 
 std::vector<Lesion> MesialCaries(const ToothShape& tooth) {
+  // Just below the height at which the molar's mesial face is widest, 0.4.
   constexpr double kContact_z = 0.2;
   dvec3 face(SectionAt_mm(tooth, kContact_z)[0], 0, kContact_z);
   return {{face, {1.5, 0.7, 0.5}}, {face - dvec3(1.7, 0, 0.1), {0.7, 1.1, 0.9}}};

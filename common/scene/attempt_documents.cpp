@@ -22,6 +22,7 @@ Result<AttemptDocuments> ReadDocuments(const Sha256& exercise, const Sha256& pro
   ENAMEL_ASSIGN_OR_RETURN(auto read_exercise, ExerciseFromJson(AsText(exercise_text)));
   ENAMEL_ASSIGN_OR_RETURN(auto profile_text, fetch(profile));
   ENAMEL_ASSIGN_OR_RETURN(auto read_profile, ProfileFromJson(AsText(profile_text)));
+  // The scene by the exercise's word, not the recording's: CheckMadeOf compares the two.
   ENAMEL_ASSIGN_OR_RETURN(auto scene_text, fetch(read_exercise.scene));
   ENAMEL_ASSIGN_OR_RETURN(auto read_scene, SceneFromJson(AsText(scene_text)));
   return AttemptDocuments{std::move(read_exercise), std::move(read_profile), std::move(read_scene)};
@@ -29,6 +30,7 @@ Result<AttemptDocuments> ReadDocuments(const Sha256& exercise, const Sha256& pro
 
 Status CheckMadeOf(const AttemptDocuments& documents, const Sha256& scene, const Sha256& volume,
                    const core::CoreParams& params) {
+  // By name first: two hashes say more than "other parameters", which would follow from either.
   if (scene != documents.exercise.scene) {
     return Another("scene", "scene", "its exercise", documents.exercise.scene, scene);
   }

@@ -17,6 +17,8 @@ using cutting::kPhiLimit;
 using cutting::Tissue;
 using cutting::Volume;
 
+// As far as samples reach before they saturate (volume.h). The margin is one voxel more, so that
+// the grid ends in plain air.
 constexpr double kBandVoxels = 4;
 constexpr double kBrickHalfDiagonalVoxels = 3.5 * 1.7320508075688772;
 constexpr int kMarginVoxels = 5;
@@ -37,6 +39,7 @@ size_t InBrick(int x, int y, int z) {
 
 int16_t ToPhi(double distance_m, double voxel_m) {
   double phi = distance_m / voxel_m * cutting::kPhiPerVoxel;
+  // What is not a number is air.
   if (!(phi < kPhiLimit)) return kPhiLimit;
   if (!(phi > -kPhiLimit)) return -kPhiLimit;
   return static_cast<int16_t>(std::lround(phi));
@@ -44,7 +47,10 @@ int16_t ToPhi(double distance_m, double voxel_m) {
 
 // Gives air voxels the tissue of a solid neighbour, shell by shell. False when there is no solid.
 bool DilateLabels(Samples& s) {
+  // Corner to corner is 21 steps: after 24 passes no air is left where there was any solid.
   for (int pass = 0; pass < 3 * kBrickSide; ++pass) {
+    // From the pass before, and the highest number of several: the outcome must not depend on the
+    // order in which voxels are visited, since equal fields have to give equal bytes.
     auto next = s.tissue;
     bool any_air = false, changed = false;
     for (int z = 0; z < kBrickSide; ++z)
@@ -77,6 +83,9 @@ class BrickBuilder {
 
   Brick Build(const ivec3& b) {
     dvec3 corner = spec_.origin_m() + h_ * kBrickSide * dvec3(b);
+    // No sample of a brick is farther from its middle than half the diagonal. The one sample is
+    // asked for 1 % more, so that a field that cuts off at what it is asked for still says
+    // "beyond".
     double reach = (kBandVoxels + kBrickHalfDiagonalVoxels) * h_;
     FieldSample middle = field_->At(corner + 3.5 * h_, 1.01 * reach);
     if (middle.distance_m > reach) return {};
@@ -160,6 +169,7 @@ Volume Assemble(const GridSpec& spec, const std::vector<Brick>& bricks) {
     const Samples& s = *bricks[i].stored;
     bool one_tissue =
         std::all_of(s.tissue.begin(), s.tissue.end(), [&](uint8_t t) { return t == s.tissue[0]; });
+    // Labels only where a brick holds two tissues: they are half as large as the samples.
     std::span<const uint8_t> labels;
     if (!one_tissue) labels = s.tissue;
     volume.SetBrick(b, s.phi, labels, static_cast<Tissue>(s.tissue[0]));
@@ -173,6 +183,8 @@ Volume BuildVolume(const GridSpec& spec,
                    const std::function<std::unique_ptr<BrickField>()>& make_field, int threads,
                    const std::function<void(double)>& progress) {
   std::vector<Brick> bricks(static_cast<size_t>(spec.brick_count()));
+  // Layers are taken from one counter, so that no thread waits for a slow one. Bricks know nothing
+  // of each other until all are there: who made which does not matter.
   std::atomic<int> next_layer{0};
   auto work = [&](bool reports) {
     BrickBuilder builder(spec, make_field());
@@ -204,6 +216,8 @@ GridSpec GridAround(const dvec3& lo_m, const dvec3& hi_m, int32_t voxel_nm) {
   for (int i = 0; i < 3; ++i) {
     auto lo = static_cast<int64_t>(std::floor(lo_m[i] * 1e9 / voxel_nm)) - kMarginVoxels;
     auto hi = static_cast<int64_t>(std::ceil(hi_m[i] * 1e9 / voxel_nm)) + kMarginVoxels;
+    // On a lattice through the scene's origin: scenes of one voxel size have their samples in
+    // common.
     spec.origin_nm[static_cast<size_t>(i)] = lo * voxel_nm;
     spec.bricks[i] = static_cast<int>((hi - lo) / kBrickSide + 1);
   }

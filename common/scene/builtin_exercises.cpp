@@ -13,10 +13,15 @@ constexpr TouchCueSpec kPracticeCues{250, 100, 200, 1'000};
 
 RubricCriterion WallCriterion(const char* metric, const char* title, const char* comment) {
   RubricCriterion c{metric, title, "mm", 8, {}, comment, {}};
+  // Negative is too little, positive too much. A wall is found to a quarter of a voxel
+  // (schemas/score.md), so the 0.05 mm of full marks is beyond what the measure itself is off at
+  // voxels of 0.05 mm.
   c.map = {{-0.3, 0}, {-0.05, 1}, {0.05, 1}, {0.3, 0}};
   return c;
 }
 
+// Where these points and limits come from is not recorded. Tests hold that they add up to 100
+// (builtin_test.cpp); what moves with them is every score of the built-in exercises.
 Rubric ClassOneRubric() {
   Rubric r;
   r.name = "class-1-occlusal";
@@ -107,6 +112,7 @@ Rubric ShapeRubric(std::string name) {
 }
 
 std::string NameFor(const char* kind, const Scene& scene) {
+  // 64 is all that a document takes as a name (json_read.h).
   return (std::string(kind) + "-" + scene.name).substr(0, 64);
 }
 
@@ -120,6 +126,7 @@ Exercise ClassTwoExercise(const Scene& scene, const Sha256& scene_hash) {
   e.target.landmark = "mesial_box";
   e.target.half_size_um = {990, 1'600, 0};
   e.target.depth_um = 3'500;
+  // Less than elsewhere: on the mesial side the neighbour stands 0.05 mm away.
   e.target.leeway_side_um = 100;
   e.rubric.name = "class-2-mesial";
   // The mesial side is open: its points go to the axial wall.
@@ -146,6 +153,7 @@ Exercise CrownExercise(const Scene& scene, const Sha256& scene_hash) {
   e.bur_length_um = 8'000;
   e.bur_narrow_radius_um = 500;
   e.target.landmark = "crown_top";
+  // Wider than the widest built-in crown, 11 x 10.5 mm.
   e.target.half_size_um = {6'000, 6'000, 0};
   e.target.depth_um = kCrownDepth_um;
   e.rubric = ShapeRubric("crown-preparation");

@@ -8,6 +8,7 @@
 namespace enamel::scene {
 
 int64_t DelayTicksAt(int64_t ticks, int64_t from_hz, int64_t to_hz) {
+  // Rounded up: too much delay costs stiffness, too little is no longer passive.
   return std::min((ticks * to_hz + from_hz - 1) / from_hz, kMostDelay_ticks);
 }
 
@@ -17,6 +18,7 @@ DelayUsed DelayOfAttached(const DeviceProfile& profile, const Calibration* calib
     return {DelayTicksAt(calibration->bus_delay_ticks->value, calibration->rate_hz, rate_hz),
             DelayUsed::From::kCalibration};
   }
+  // A number that nobody measured may only make the coupling softer, never stiffer.
   const int64_t said = DelayTicksAt(profile.bus_delay_ticks.value, profile.rate_hz.value, rate_hz);
   if (profile.delay_measured) return {said, DelayUsed::From::kProfile};
   return {std::max(said, kAssumedDelay_ticks), DelayUsed::From::kAssumed};
@@ -74,6 +76,7 @@ Status CheckParams(const Scene& scene, const Exercise& exercise, const DevicePro
     return core::AsOfVersion(plan, params.core_version) == params;
   };
   if (made_from(plain)) return Status::Ok();
+  // All are tried: parameters of core version 2 do not say their delay, only their Kc shows it.
   for (int64_t d = 0; d <= kMostDelay_ticks; ++d) {
     auto delayed = WithDelay(profile, exercise.rate_hz, d);
     if (!delayed.ok()) break;  // more delay leaves less still

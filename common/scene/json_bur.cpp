@@ -30,6 +30,8 @@ boost::json::object BurJson(const BurSpec& bur) {
                           {"radius_um", bur.radius_um},
                           {"length_um", bur.length_um}};
   for (const OptionalLength& o : kOptional) {
+    // Left out where 0, so that a bur of format 1 keeps its text and with it its document's
+    // address.
     if (bur.*o.member != 0) out[o.name] = bur.*o.member;
   }
   return out;
@@ -45,6 +47,7 @@ BurSpec ReadBur(ObjectReader& in) {
   bool sphere = bur.shape == cutting::BurShape::kSphere;
   bur.length_um = static_cast<int32_t>(in.Int("length_um", sphere ? 0 : 100, 20'000));
   for (const OptionalLength& o : kOptional) {
+    // From 1: 0 is said by saying nothing, or one bur would have two texts.
     if (in.Has(o.name)) bur.*o.member = static_cast<int32_t>(in.Int(o.name, 1, 20'000));
   }
   if (auto why = cutting::WhyImpossible(bur.metric())) {

@@ -11,6 +11,7 @@ namespace {
 namespace json = boost::json;
 
 constexpr int64_t kFormat = 1;
+// Far above any device: a bound against nonsense.
 constexpr int64_t kMost = 1'000'000'000;
 constexpr int64_t kEndOfYear9999Ms = 253'402'300'799'999;
 
@@ -40,6 +41,7 @@ Measured ReadMeasured(ObjectReader& in, const char* name) {
 }
 
 void ReadQuantities(ObjectReader& in, Calibration& into) {
+  // What was not measured is not there: a 0 would be a claim.
   ObjectReader measured = in.Object("measured");
   bool any = false;
   for (const Quantity& quantity : kQuantities) {

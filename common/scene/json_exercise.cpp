@@ -10,6 +10,8 @@ namespace {
 
 namespace json = boost::json;
 
+// Written in the lowest format that can say it: documents of earlier programs keep their bytes, and
+// exercises that name them by hash keep finding them.
 constexpr int64_t kPlainFormat = 1, kBurFormat = 2, kCueFormat = 3;
 constexpr int32_t kMaxExtentUm = 100'000;
 
@@ -70,6 +72,7 @@ void ReadTouchCues(ObjectReader& in, Exercise& e) {
   ObjectReader object = in.Object("touch_cues");
   e.touch_cues.contact_mn = static_cast<int32_t>(object.Int("contact_mn", 0, 2'000));
   e.touch_cues.chatter_mn = static_cast<int32_t>(object.Int("chatter_mn", 0, 2'000));
+  // From 1: without energy no cue is ever sent (haptics/touch_cues.h).
   e.touch_cues.energy_uj = static_cast<int32_t>(object.Int("energy_uj", 1, 1'000));
   e.touch_cues.power_uw = static_cast<int32_t>(object.Int("power_uw", 0, 10'000));
   if (e.touch_cues.contact_mn == 0 && e.touch_cues.chatter_mn == 0) {
@@ -114,6 +117,7 @@ void ReadTarget(ObjectReader& in, CavityTarget& t) {
 void ReadMap(ObjectReader& in, RubricCriterion& c) {
   for (const auto& row : in.Rows("map", 2, 64)) {
     if (row[1] < 0 || row[1] > 1) in.Refuse("map", "shares from 0 to 1", std::to_string(row[1]));
+    // Strictly: shares are interpolated between neighbours.
     if (!c.map.empty() && row[0] <= c.map.back().value) {
       in.Refuse("map", "values in ascending order",
                 std::to_string(row[0]) + " after " + std::to_string(c.map.back().value));
@@ -145,6 +149,7 @@ void ReadRubric(ObjectReader& in, Rubric& r) {
 
 std::string ToJson(const Exercise& e) {
   const haptics::LawEntry* law = haptics::FindLaw(e.law);
+  // Exercises come from documents or from here: an unknown law was refused long before.
   ENAMEL_CHECK(law != nullptr);
   const bool handpiece = e.handpiece != HandpieceSpec{}, cues = e.touch_cues != TouchCueSpec{};
   const int64_t format = cues                                 ? kCueFormat
@@ -158,6 +163,8 @@ std::string ToJson(const Exercise& e) {
                    {"bur", BurJson(e.bur())}};
   if (handpiece) out["handpiece"] = HandpieceJson(e.handpiece);
   if (cues) out["touch_cues"] = TouchCuesJson(e.touch_cues);
+  // Members that are optional stand in the middle: the order is the document's, not the formats'
+  // history.
   out["law"] = law->name;
   out["rate_hz"] = e.rate_hz;
   out["time_limit_s"] = e.time_limit_s;
@@ -182,6 +189,8 @@ Result<Exercise> ExerciseFromJson(std::string_view text) {
   ReadHandpiece(in, e);
   ReadTouchCues(in, e);
   if (format < kCueFormat && e.touch_cues != TouchCueSpec{}) {
+    // Or a document that says 2 would be read here, and refused by a program that knows 2 and no
+    // more.
     in.Refuse("format", "3 with touch cues", std::to_string(format));
   }
   if (format < kBurFormat && (e.handpiece != HandpieceSpec{} || NeedsFormat2(e.bur()))) {

@@ -26,6 +26,7 @@ Material::Fitted ReadFitted(ObjectReader& in, bool plain) {
   PassInterval(in, "damping", "_mn_s_per_mm");
   in.Int("offset_mn", -kAny, kAny);
   in.Int("residual_rms_mn", 0, kAny);
+  // A fit from fewer is not written (station/qualify/cut_fit.cpp).
   in.Int("blocks", 8, kAny);
   if (plain) {
     in.Finish();
@@ -76,6 +77,7 @@ Result<Material> MaterialFromJson(std::string_view text) {
 }
 
 Status ApplyMaterial(const Material& material, Scene* scene) {
+  // Into a copy, so that a material that does not fit leaves the scene as it was.
   std::vector<TissueSpec> tissues = scene->tissues;
   for (const Material::Fitted& fitted : material.tissues) {
     auto mine = std::find_if(tissues.begin(), tissues.end(), [&](const TissueSpec& t) {
@@ -91,6 +93,7 @@ Status ApplyMaterial(const Material& material, Scene* scene) {
                         ": rename it in the profile, or leave it out",
                     fitted.name);
     }
+    // The whole of it: a Coulomb part that was not measured must not stay from another source.
     *mine = fitted.spec;
   }
   scene->tissues = std::move(tissues);

@@ -68,6 +68,7 @@ Sourced ReadSourced(ObjectReader& in, const NumberOf<Owner>& n, bool* measured =
   s.source = item.Text("source", 1, 500);
   if (measured != nullptr && item.Has(kMeasured)) {
     *measured = item.Bool(kMeasured);
+    // "No" is said by saying nothing: one meaning, one text, one address.
     if (!*measured) item.Refuse(kMeasured, "true, or nothing", "false");
   }
   item.Finish();
@@ -77,6 +78,7 @@ Sourced ReadSourced(ObjectReader& in, const NumberOf<Owner>& n, bool* measured =
 json::object Document(const Sourced& s) { return {{"value", s.value}, {"source", s.source}}; }
 
 void ReadTorque(ObjectReader& in, DeviceProfile& profile) {
+  // Axes and torque must say the same, or a device would be driven by half a profile.
   const bool six = profile.axes.value == kSixAxes;
   if (!in.Has(kTorque)) {
     if (six)
@@ -102,6 +104,7 @@ void ReadTorque(ObjectReader& in, DeviceProfile& profile) {
 std::string ToJson(const DeviceProfile& profile) {
   auto Known = [&](const Number& n) { return !(profile.*n.member).source.empty(); };
   bool optional = std::any_of(kOptional.begin(), kOptional.end(), Known);
+  // The lowest format that can say it, as for exercises: earlier documents keep their bytes.
   const bool newest = profile.torque || Known(kElectrical);
   json::object out{{"format", newest                   ? kFormatTorque
                               : profile.delay_measured ? kFormatMeasured
@@ -137,6 +140,7 @@ Result<DeviceProfile> ProfileFromJson(std::string_view text) {
   profile.name = in.Name("name");
   profile.title = in.Text("title", 1, 200);
   for (const Number& n : kNumbers) {
+    // What a format does not have is an unknown member in it, and Finish refuses it.
     bool can_say = format >= kFormatMeasured && n.name == kDelay;
     profile.*n.member = ReadSourced(in, n, can_say ? &profile.delay_measured : nullptr);
   }

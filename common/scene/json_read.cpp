@@ -24,6 +24,8 @@ size_t CountMembers(const json::value& v) {
 }
 
 // In valid JSON there is one colon outside strings per member written.
+// Boost.JSON keeps the last of two members of one name without a word, and another reader may keep
+// the first. So what was kept is compared with what was written.
 size_t CountColons(std::string_view text) {
   size_t n = 0;
   bool in_string = false;
@@ -59,6 +61,7 @@ Result<json::value> ParseBounded(std::string_view text) {
   options.max_depth = kMaxDepth;
   json::stream_parser parser({}, options);
   json::error_code error;
+  // Not parse(): this says at which byte it stopped.
   size_t used = parser.write_some(text.data(), text.size(), error);
   if (!error && used < text.size()) {
     bool blank = std::all_of(text.begin() + static_cast<ptrdiff_t>(used), text.end(), [](char c) {
@@ -97,6 +100,7 @@ void ObjectReader::Refuse(std::string_view name, const std::string& expected,
 
 const json::value* ObjectReader::Take(std::string_view name) {
   if (object_ == nullptr || !status_->ok()) return nullptr;
+  // Also where it is missing: it was asked for, so Finish does not blame another for it.
   taken_.emplace(name);
   const json::value* value = object_->if_contains(name);
   if (value == nullptr) Refuse(name, "this member", "none");
@@ -117,6 +121,7 @@ std::vector<std::string> ObjectReader::Names() const {
 int64_t ObjectReader::Int(std::string_view name, int64_t lo, int64_t hi) {
   const json::value* v = Take(name);
   if (v == nullptr) return lo;
+  // 1.0 and 1e3 are no integers here: one value has one text.
   const int64_t* number = v->if_int64();
   if (number == nullptr || *number < lo || *number > hi) {
     Refuse(name, "an integer from " + std::to_string(lo) + " to " + std::to_string(hi),
@@ -226,6 +231,7 @@ std::vector<std::vector<double>> ObjectReader::Rows(std::string_view name, size_
 }
 
 ObjectReader ObjectReader::Object(std::string_view name) {
+  // An empty object in its place. The refusal is noted, so nothing read from this one is believed.
   static const json::value kNone = json::object();
   const json::value* v = Take(name);
   return ObjectReader(v == nullptr ? kNone : *v, PathOf(name), *status_);
@@ -249,6 +255,7 @@ std::vector<ObjectReader> ObjectReader::Objects(std::string_view name, size_t mi
 }
 
 int64_t ObjectReader::Format(int64_t oldest, int64_t newest) {
+  // Any larger number passes here: a newer format is no mistake, and gets its own refusal.
   int64_t found = Int("format", oldest, std::numeric_limits<int32_t>::max());
   if (status_->ok() && found > newest) {
     *status_ =

@@ -37,6 +37,7 @@ void ReadTissues(ObjectReader& in, Scene& scene, int64_t format) {
       spec.axial_damping_mn_s_per_mm =
           static_cast<int32_t>(item.Int("axial_damping_mn_s_per_mm", 1, 1'000'000'000));
     }
+    // In an older format the member is an unknown one, and Finish refuses it.
     if (format >= kFormat && item.Has("coulomb_mn"))
       spec.coulomb_mn = static_cast<int32_t>(item.Int("coulomb_mn", 1, kMaxForce_mn));
     if (format >= kFormat && item.Has("threshold_mn")) {
@@ -117,6 +118,7 @@ json::array BursJson(const std::vector<BurSpec>& burs) {
   json::array out;
   for (const BurSpec& bur : burs) {
     json::object named{{"name", bur.name}};
+    // The name first, as the canonical order has it.
     for (const auto& member : BurJson(bur)) named.insert(member);
     out.push_back(std::move(named));
   }
@@ -163,6 +165,7 @@ std::string ToJson(const Scene& scene) {
     tissues.push_back(std::move(tissue));
   }
   json::object landmarks;
+  // A map, so in the order of their names: the text does not depend on who added which first.
   for (const auto& [name, p] : scene.landmarks) landmarks[name] = json::array{p[0], p[1], p[2]};
   bool plain = scene.burs.empty() && scene.preparations.empty() && !axial && !cut;
   int64_t format = cut ? kFormat : kBursFormat;

@@ -17,6 +17,8 @@ bool IsScalar(const json::value& v) { return !v.is_object() && !v.is_array(); }
 void PrintNumber(double value, std::string& out) {
   ENAMEL_CHECK(std::isfinite(value));
   char buffer[32];
+  // to_chars gives the shortest text that reads back, whatever the locale. -0 is written as 0:
+  // equal values must have equal bytes.
   auto end = std::to_chars(buffer, buffer + sizeof buffer, value == 0 ? 0.0 : value).ptr;
   out.append(buffer, end);
 }

@@ -70,6 +70,8 @@ Part BusWrite(const Use& use) {
 
 }  // namespace
 
+// Decisions only; what each costs is measured elsewhere, on the machine at hand
+// (station/app/explain.h).
 std::vector<Part> ListParts(const Scene& scene, const Exercise& exercise, const Use& use) {
   return {
       Labels(scene),

@@ -18,6 +18,7 @@ Status Refuse(std::string message, std::string field) {
 }
 
 std::string Newtons(int64_t mn) {
+  // 1000 more, and without it: three digits with the zeros in front.
   std::string text = std::to_string(mn / 1000) + "." + std::to_string(1000 + mn % 1000).substr(1);
   return text;
 }
@@ -54,6 +55,8 @@ Status CheckDamping(const Exercise& exercise, const DeviceProfile& profile) {
 
 // c >= Kc delta / 2: the friction that pays for the encoder's cell.
 Status CheckFriction(const DeviceProfile& profile) {
+  // All of these limits in integers, rounded to the safe side: station and server must agree on
+  // every profile, also on one that lies at the limit.
   int64_t allowed = 2 * profile.friction_mn.value * 1'000'000 / profile.resolution_nm.value;
   if (profile.coupling_mn_per_mm.value <= allowed) return Status::Ok();
   int64_t needed =
@@ -102,6 +105,7 @@ Status CheckTorque(const Exercise& exercise, const DeviceProfile& profile) {
 }
 
 Status CheckScene(const Scene& scene, const Exercise& exercise) {
+  // The canonical text's hash: two scenes are one if their documents have the same bytes.
   if (!exercise.scene.IsZero() && exercise.scene != HashSha256(AsBytes(ToJson(scene)))) {
     return Status(Code::kConflict,
                   "exercise '" + exercise.name + "' is for the scene " + exercise.scene.Hex() +
@@ -185,6 +189,7 @@ core::CoreParams Compile(const Scene& scene, const Exercise& exercise,
   // The coupling's stiffness at half the bur's height, as an angle: Kc (h/2)^2; 1 N/m (1 m)^2 = 1 N m/rad.
   double arm_m = 0.5e-9 * (p.bur_shape == cutting::BurShape::kSphere ? 2.0 * p.bur_radius_nm
                                                                      : p.bur_length_nm);
+  // Fits: the stiffest Kc on the longest bur that ValidateParams lets pass gives 1e8.
   p.rotational_kc_un_m_per_rad = static_cast<int32_t>(p.kc_mn_per_mm * arm_m * arm_m * 1e6 + 0.5);
   // Where the hand feels it, what the device can bear.
   if (profile.torque) {
@@ -219,6 +224,8 @@ Result<core::CoreParams> CompilePlan(const Scene& scene, const Exercise& exercis
   ENAMEL_RETURN_IF_ERROR(CheckTorque(exercise, profile));
   ENAMEL_RETURN_IF_ERROR(CheckScene(scene, exercise));
   ENAMEL_RETURN_IF_ERROR(CheckBur(scene, exercise));
+  // Last, and asked again in the core's own terms: a plan that the core refuses is never handed
+  // out.
   core::CoreParams params = Compile(scene, exercise, profile);
   ENAMEL_RETURN_IF_ERROR(core::ValidateParams(params));
   return params;
@@ -236,6 +243,8 @@ Status CheckVolume(const Scene& scene, const cutting::Volume& volume) {
   std::array<bool, cutting::kTissueCount> named{};
   for (const TissueSpec& t : scene.tissues) named[static_cast<size_t>(t.tissue)] = true;
   for (size_t t = 1; t < held_m3.size(); ++t) {
+    // Both ways: a tissue without a damping would be cut like air, and one that is nowhere hides a
+    // mistake.
     if (named[t] == (held_m3[t] > 0)) continue;
     std::string tissue(cutting::kTissueNames[t]);
     return Status(Code::kConflict,

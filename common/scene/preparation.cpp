@@ -21,6 +21,7 @@ using cutting::Volume;
 double PartDistance_m(const PreparationPart& part, const dvec3& p) {
   dvec3 d = p - dvec3(part.top_um[0], part.top_um[1], part.top_um[2]) * 1e-6;
   double hx = part.half_size_um[0] * 1e-6, hy = part.half_size_um[1] * 1e-6;
+  // There is no upper end: the part goes on upward, so that nothing of the tooth is left above it.
   double below = -d.z - part.depth_um * 1e-6;
   double side;
   if (part.outline == PreparationPart::Outline::kDisc) {
@@ -30,12 +31,15 @@ double PartDistance_m(const PreparationPart& part, const dvec3& p) {
     double ox = std::max(x, 0.0), oy = std::max(y, 0.0);
     side = std::sqrt(ox * ox + oy * oy) + std::min(std::max(x, y), 0.0);
   }
+  // Outline and floor put together as two half spaces are: outside by Pythagoras, inside the
+  // nearer.
   double ox = std::max(side, 0.0), oz = std::max(below, 0.0);
   return std::sqrt(ox * ox + oz * oz) + std::min(std::max(side, below), 0.0);
 }
 
 int16_t Hollowed(int phi, double distance_m, double voxel_m) {
   double limit = kPhiLimit;
+  // The hollow's inside is the tooth's air, hence the sign.
   double hollow = std::clamp(-distance_m / voxel_m * cutting::kPhiPerVoxel, -limit, limit);
   return static_cast<int16_t>(std::max(phi, static_cast<int>(std::lround(hollow))));
 }

@@ -18,6 +18,7 @@ using cutting::kPhiLimit;
 using cutting::Tissue;
 using cutting::Volume;
 
+// Chosen. A bur that leaves it meets air where a tooth was: forces differ there, and only there.
 constexpr int64_t kMargin_nm = 2'000'000;
 
 template <typename Array, typename Value>
@@ -33,6 +34,7 @@ void CopyTight(const Volume& from, int brick, Volume& to) {
   if (labelled) return CopyBrick(from, brick, to);
   Tissue tissue = from.HasLabels(brick) ? static_cast<Tissue>(from.Labels(brick).tissue[0])
                                         : from.UniformTissue(brick);
+  // Air is what a volume begins as.
   if (AllAre(phi, kPhiLimit)) return;
   if (AllAre(phi, static_cast<int16_t>(-kPhiLimit))) return to.SetUniform(brick, tissue);
   to.SetBrick(brick, phi, {}, tissue);
@@ -53,6 +55,7 @@ bool Touches(const Reach& reach, const GridSpec& spec, const ivec3& brick) {
     auto axis = static_cast<size_t>(i);
     int64_t lo = spec.origin_nm[axis] + (int64_t{brick[i]} * kBrickSide - 1) * spec.voxel_nm;
     int64_t hi = lo + int64_t{kBrickSide + 2} * spec.voxel_nm;
+    // Upward without end: the bur comes from there.
     if (hi < reach.lo_nm[axis] || (i < 2 && lo > reach.hi_nm[axis])) return false;
   }
   return true;

@@ -18,6 +18,7 @@ LargestCoupling LargestCouplingAt(const DeviceProfile& profile, int64_t rate_hz,
   auto bounded = [&](int64_t most, CouplingLimit limit) {
     if (most < out.coupling_mn_per_mm) out = {most, limit};
   };
+  // Does not depend on the rate, and is why a faster loop does not always get a stiffer coupling.
   bounded(2 * profile.friction_mn.value * 1'000'000 / profile.resolution_nm.value,
           CouplingLimit::kFriction);
   bounded(profile.max_stiffness_mn_per_mm.value, CouplingLimit::kStructure);
@@ -32,8 +33,10 @@ Result<DeviceProfile> AtRate(const DeviceProfile& profile, int64_t rate_hz) {
   }
   const std::string why = "for " + std::to_string(rate_hz) + " Hz";
   DeviceProfile out = profile;
+  // First the rate and the delay at it, then what they allow: both are in the limits below.
   out.rate_hz = {rate_hz, "chosen"};
   const int64_t from_hz = profile.rate_hz.value;
+  // At its own rate a profile keeps the source of its delay word for word.
   if (rate_hz != from_hz && profile.bus_delay_ticks.value > 0) {
     out.bus_delay_ticks = {DelayTicksAt(profile.bus_delay_ticks.value, from_hz, rate_hz),
                            why + ", the same time: " + profile.bus_delay_ticks.source};

@@ -37,6 +37,8 @@ Bytes Compress(const Bytes& raw) {
 }
 
 Result<Bytes> Decompress(ByteView packed, size_t size, const char* section) {
+  // Before any memory is taken: the frame's claim must be what the header asks for, and that is
+  // bounded by ValidateGrid.
   if (ZSTD_getFrameContentSize(packed.data(), packed.size()) != size) {
     return Malformed(std::string("section '") + section + "' does not hold the " +
                      std::to_string(size) + " bytes its header asks for");
@@ -62,6 +64,7 @@ void PackPhi(const cutting::BrickPhi& brick, uint8_t* out) {
 }
 
 bool UnpackPhi(const uint8_t* in, std::array<int16_t, kBrickVoxels>& phi) {
+  // Modulo 2^16: any bytes are decoded without overflow, and judged by the outcome.
   uint16_t previous = 0;
   for (int i = 0; i < kBrickVoxels; ++i) {
     if (i % 8 == 0 && i > 0) previous = static_cast<uint16_t>(phi[static_cast<size_t>(i - 8)]);
@@ -83,12 +86,14 @@ bool KindIsValid(uint8_t kind) {
   uint8_t tissue = kind & kTissueMask;
   if (kind & kLabelled) return kind == (kStored | kLabelled);
   if ((kind & ~(kTissueMask | kStored)) != 0 || tissue >= kTissueCount) return false;
+  // A stored brick of air would be cut and booked to no tissue.
   return !(kind & kStored) || tissue != 0;
 }
 
 void WriteHeader(const GridSpec& spec, size_t stored, size_t labelled, ByteWriter& out) {
   out.Raw(kMagic);
   out.U16(kVersion);
+  // Flags: none yet, and a reader refuses any.
   out.U16(0);
   out.I32(spec.voxel_nm);
   for (int i = 0; i < 3; ++i) out.I32(spec.bricks[i]);
@@ -119,6 +124,7 @@ Result<Header> ReadHeader(ByteReader& in) {
   for (int i = 0; i < 3; ++i) h.spec.bricks[i] = in.I32();
   for (int64_t& o : h.spec.origin_nm) {
     o = in.I64();
+    // Here and not only in ValidateGrid: damaged bytes once gave an origin of INT64_MIN.
     if (o < -kMaxOrigin_nm || o > kMaxOrigin_nm) return Malformed("its origin is over 1 m away");
   }
   h.stored = in.U32();
@@ -147,6 +153,7 @@ Status CheckKinds(const Bytes& kinds, const Header& h) {
 }
 
 Status Fill(const Bytes& kinds, const Bytes& phi, const Bytes& labels, Volume& volume) {
+  // CheckKinds has counted what the table asks for: neither pointer runs past its end.
   const uint8_t* next_phi = phi.data();
   const uint8_t* next_labels = labels.data();
   std::array<int16_t, kBrickVoxels> samples;
