@@ -16,6 +16,7 @@ enum Step : uint8_t { kDiagonal, kAlongI, kAlongJ };
 struct Band {
   size_t n, m, half_width;
 
+  // In whole numbers, i m against j n: no rounding decides which cells there are.
   size_t First(size_t j) const {
     size_t centre = j * n;
     size_t below = half_width * m;
@@ -31,6 +32,8 @@ Alignment AlignBanded(size_t n, size_t m, size_t band,
   ENAMEL_CHECK(n >= 1 && m >= 1 && band >= 1);
   Band rows{n, m, std::max(band, n / m + 1)};
   size_t width = 2 * rows.half_width + 1;
+  // A byte a cell and only two columns of costs: ten minutes take 1.8 MB. The path needs the steps
+  // alone.
   std::vector<uint8_t> step(m * width, kDiagonal);
   std::vector<double> before, now;
   size_t before_first = 0;
@@ -44,6 +47,8 @@ Alignment AlignBanded(size_t n, size_t m, size_t band,
     for (size_t i = first; i <= last; ++i) {
       double best = i == 0 && j == 0 ? 0.0 : i > 0 ? previous(i - 1) : kUnreachable;
       uint8_t how = kDiagonal;
+      // Strictly less, so that of equal costs the diagonal stays and the path is the same
+      // everywhere.
       if (double up = i > first ? now[i - first - 1] : kUnreachable; up < best) {
         best = up;
         how = kAlongI;

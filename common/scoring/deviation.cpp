@@ -11,6 +11,7 @@ namespace {
 
 using cutting::Volume;
 
+// Far above the 1/8192 voxel that a sample's rounding leaves, far below any wanted cut.
 constexpr double kTouchedVoxels = 0.1;
 constexpr double kFacing = 0.9;
 constexpr double kLineStepVoxels = 0.5;
@@ -34,6 +35,8 @@ std::vector<float> DeviationPerVertex(const surface::Mesh& mesh, const Volume& i
     double before = initial.DistanceAt_m(p);
     if (!Touched(initial, final_volume, p, before) && !Touched(initial, reference, p, before))
       continue;
+    // From the triangles: a volume's own distance ends at four voxels. The volume gives the side
+    // alone.
     double distance = query.Distance_m(p, kDeviationLimit_m);
     if (distance < kPositionResolution_m) distance = 0;
     bool in_reference_solid = reference.DistanceAt_m(p) < 0;
@@ -53,12 +56,14 @@ double SurfaceAlong_m(const Volume& volume, const dvec3& point_m, const dvec3& d
       here = next;
       continue;
     }
+    // Between two samples of opposite sign the distance is taken as linear, as everywhere else.
     return sign * std::min(limit_m, from + step * (here / (here - next)));
   }
   return sign * limit_m;
 }
 
 double WeightedQuantile(std::vector<WeightedValue> values, double share) {
+  // By weight too: equal values in another order would add up to other last bits.
   std::sort(values.begin(), values.end(), [](const WeightedValue& a, const WeightedValue& b) {
     return a.value != b.value ? a.value < b.value : a.weight < b.weight;
   });
@@ -92,6 +97,7 @@ Part PartOf(const OpenBox& target, double depth_m, const dvec3& point_m, const d
     bool low = point_m.z <= target.lo_m.z + 0.5 * depth_m;
     return low && in_length && in_width ? kFloor : kNoPart;
   }
+  // A normal points into the air, so the wall at +x faces -x.
   if (in_width && normal.x <= -kFacing && out.x > 0.5 * half.x) return kMesial;
   if (in_width && normal.x >= kFacing && out.x < -0.5 * half.x) return kDistal;
   if (in_length && normal.y <= -kFacing && out.y > 0.5 * half.y) return kBuccal;

@@ -36,6 +36,7 @@ struct Measured {
 double Percent(double part, double whole) { return whole > 0 ? 100 * part / whole : 0; }
 double Removed(const Measured& m, Tissue t) { return m.removed_m3[static_cast<size_t>(t)] * kMm3; }
 
+// A table and not a switch: what is measured, shown and named in a rubric is the same list.
 struct Entry {
   MetricInfo info;
   double (*value)(const Measured&);
@@ -55,6 +56,7 @@ constexpr Entry kRegistry[] = {
     {{"zone_container_removed_mm3", "mm3", "Container removed",
       "Volume that went between leeway and container box, which must stay."},
      [](const Measured& m) {
+       // Where nothing went, rounding of two sums must not say less than nothing.
        return std::max(0.0, m.container.removed_m3 - m.leeway.removed_m3) * kMm3;
      }},
     {{"deviation_rms_mm", "mm", "Deviation from the reference",
@@ -147,6 +149,8 @@ double AlongNormal_m(double nearest_m, const cutting::Volume& own, const cutting
   double h = own.spec().voxel_m();
   double reach = kOtherSurface * std::fabs(nearest_m) + h;
   double there = SurfaceAlong_m(other, point_m, normal, reach);
+  // A vertex of the mesh lies near its own volume's surface, not on it: both ends of the line are
+  // taken from volumes, so that the mesh's error drops out.
   double along = there - SurfaceAlong_m(own, point_m, normal, h);
   return std::fabs(there) < reach ? along : nearest_m;
 }
@@ -242,9 +246,11 @@ void MeasureAlignment(const ProcessRecorder& attempt, const ProcessRecorder& ref
                       : 1 / kAlignRate_hz;
   size_t stride = 1;
   while (longest > stride * kAlignSamples ||
+         // 0.999: two steps of 0.02 s are 25 Hz even if their sum is a hair short.
          static_cast<double>(stride) * step_s * kAlignRate_hz < 0.999) {
     ++stride;
   }
+  // One stride for both, or a slow attempt would be compared at another step than its reference.
   auto a = Resample(attempt.samples(), stride), b = Resample(reference.samples(), stride);
   size_t band = std::max<size_t>(1, std::max(a.size(), b.size()) / kBandShare);
   out.align_pose_m = AlignBanded(a.size(), b.size(), band, [&](size_t i, size_t j) {

@@ -11,6 +11,7 @@ constexpr uint32_t kSampleRate_hz = 50;
 constexpr uint32_t kCuttingWindows_per_s = 20;  // 50 ms
 constexpr double kForceUnit_n = 1e-4;
 constexpr double kAnchorUnit_m = 1e-8;
+// Bins and not the forces themselves: an attempt of any length takes 400 kB and no sorting.
 constexpr size_t kForceBins = 100'000;  // 100 N; more is counted in the last bin
 
 dvec3 ToVec(const std::array<int32_t, 3>& v, double unit) {
@@ -71,6 +72,7 @@ void ProcessRecorder::AddWitness(const core::TickInput& input, const core::TickW
     path_m_ += Length(anchor - last_anchor_);
   last_anchor_ = anchor;
 
+  // By ticks, not by time: a gap shortens no stretch, its length is in time_s.
   uint64_t in_stretch = ticks_ % decimation_;
   if (in_stretch == 0) {
     samples_.push_back({static_cast<double>(ticks_ + gap_ticks_) / rate_hz_, anchor, force});
@@ -93,6 +95,7 @@ double ProcessRecorder::force_sent_p95_n() const {
   uint64_t seen = 0;
   for (size_t bin = 0; bin < force_histogram_.size(); ++bin) {
     seen += force_histogram_[bin];
+    // 95 of 100 in whole numbers.
     if (seen * 20 >= force_ticks_ * 19 && seen > 0) return static_cast<double>(bin) * 1e-3;
   }
   return 0;

@@ -66,6 +66,7 @@ double ShareAt(const std::vector<scene::RubricPoint>& map, double value) {
   if (value <= map.front().value) return map.front().share;
   for (size_t i = 1; i < map.size(); ++i) {
     if (value > map[i].value) continue;
+    // Never 0 below: ValidateMap has made sure that values rise.
     double t = (value - map[i - 1].value) / (map[i].value - map[i - 1].value);
     return map[i - 1].share + t * (map[i].share - map[i - 1].share);
   }
@@ -76,6 +77,7 @@ double ShareAt(const std::vector<scene::RubricPoint>& map, double value) {
 struct Asked {
   double from, to;
 };
+// Open where the map ends on its best share: beyond it nothing more is asked.
 Asked AskedFor(const std::vector<scene::RubricPoint>& map) {
   double best = 0;
   for (const auto& p : map) best = std::max(best, p.share);
@@ -97,6 +99,7 @@ std::string Number(double value, std::string_view unit) {
 std::string Found(const MetricInfo& info, double value) {
   if (info.above_zero.empty()) return Number(value, info.unit);
   std::string size = Number(std::fabs(value), info.unit);
+  // Shown as 0.00: neither too deep nor short.
   if (std::fabs(value) < 0.005) return size + " off";
   return size + " " + std::string(value > 0 ? info.above_zero : info.below_zero);
 }
@@ -142,6 +145,8 @@ double Rounded(double value) {
 }
 
 // Reads members of one object; the first trouble is kept and everything after it is empty.
+// Not the strict reader of common/scene: a score of a newer server may hold members that this
+// program does not know (score.h).
 class ObjectReader {
  public:
   ObjectReader(const json::value& value, std::string path, Status& status)
@@ -168,6 +173,8 @@ class ObjectReader {
   void Read(const char* name, double& out) {
     if (const json::value* v = Member(name)) {
       if (v->is_number())
+        // As it was written, also where the text has more digits: what is read is written again
+        // alike.
         out = Rounded(v->to_number<double>());
       else
         Fail(Path(name), "a number");
@@ -224,6 +231,7 @@ Status ValidateRubric(const Rubric& rubric) {
     ENAMEL_RETURN_IF_ERROR(ValidateCriterion(i, rubric.criteria[i]));
     total += rubric.criteria[i].points;
   }
+  // Or a score would be 0 of 0.
   if (!(total > 0)) {
     return Status(Code::kInvalidInput, "rubric: no criterion gives points, so there is no score",
                   "criteria");

@@ -32,6 +32,7 @@ struct Span {
   std::vector<double> share;
 
   Span(double lo, double hi, int count) {
+    // Sample i stands for the cell from i - 1/2 to i + 1/2.
     first = std::clamp(static_cast<int>(std::max(lo + 0.5, 0.0)), 0, count);
     int last = std::clamp(static_cast<int>(std::max(hi + 0.5, -1.0)), -1, count - 1);
     for (int i = first; i <= last; ++i) share.push_back(Overlap(i, 0.5, lo, hi));
@@ -68,6 +69,7 @@ struct BoxMeter {
         for (int x = 0; x < kSubCells; ++x) {
           dvec3 middle = from + (dvec3(x, y, z) * 2.0 + 1.0) * half;
           double before = SolidShare(initial, middle, half);
+          // Nothing grows back: what interpolation says to the contrary is its error.
           double after = std::min(before, SolidShare(final_volume, middle, half));
           solid += weight * before;
           removed += weight * (before - after);
