@@ -23,6 +23,7 @@ ChainVerifier::ChainVerifier(const Uuid& attempt, const ChainState& state)
 Status ChainVerifier::Accept(const Chunk& chunk) {
   const ChunkHead& head = chunk.head;
   std::string what = "chunk " + std::to_string(head.seq);
+  // The plainest mistake first, for who reads the refusal: another attempt's chunk fails all four.
   if (head.attempt != attempt_) {
     return Conflict(what, "attempt", attempt_.Text(), head.attempt.Text());
   }
@@ -36,6 +37,8 @@ Status ChainVerifier::Accept(const Chunk& chunk) {
   if (head.previous != state_.head) {
     return Conflict(what, "previous", state_.head.Hex(), head.previous.Hex());
   }
+  // Nothing before this line has changed anything: after a refusal the right chunk is still
+  // accepted.
   state_.head = chunk.hash;
   state_.next_seq += 1;
   state_.next_tick += head.count;
@@ -44,6 +47,8 @@ Status ChainVerifier::Accept(const Chunk& chunk) {
 }
 
 Status ChainVerifier::AcceptSeal(const Seal& seal) const {
+  // A seal says nothing that the chain does not say: it may only agree. It is not signed itself, and
+  // proves nothing about an end that was cut off together with its chunks (schemas/trace_format.md).
   const Seal fits = MakeSeal();
   if (seal.attempt != fits.attempt) {
     return Conflict("seal", "attempt", fits.attempt.Text(), seal.attempt.Text());

@@ -13,6 +13,8 @@
 namespace enamel::trace {
 namespace {
 
+// In front of what is signed: a key that signs two kinds of message must not let one pass for the
+// other (schemas/trace_format.md, "Ticket").
 constexpr std::string_view kChunkDomain = "enamel.chunk.v1";
 constexpr size_t kHeadBytes = 90;
 constexpr size_t kSignatureBytes = 64;
@@ -32,6 +34,7 @@ struct Parts {
 uint32_t SumOfGaps(std::span<const Tick> ticks) {
   uint64_t sum = 0;
   for (const Tick& t : ticks) sum += t.input.gap_ticks;
+  // 1000 ticks may each declare up to 2^32 - 1.
   return static_cast<uint32_t>(std::min<uint64_t>(sum, std::numeric_limits<uint32_t>::max()));
 }
 
@@ -64,6 +67,7 @@ Result<Bytes> Unpack(ByteView packed, size_t payload_size) {
   return payload;
 }
 
+// From the head, before anything is allocated.
 Status CheckSizes(const ChunkHead& head, size_t payload_size) {
   if (head.count < 1 || head.count > kMaxTicksPerChunk) {
     return Status(Code::kInvalidInput,
@@ -95,6 +99,7 @@ Result<Parts> TakeApart(ByteView bytes) {
   parts.payload_size = in.U32();
   size_t packed_size = in.U32();
   ENAMEL_RETURN_IF_ERROR(CheckSizes(head, parts.payload_size));
+  // Exactly: bytes left over would be signed and mean nothing.
   if (packed_size != bytes.size() - kHeadBytes - kSignatureBytes) {
     return WrongSize("chunk with " + std::to_string(packed_size) + " bytes of packed payload",
                      kHeadBytes + packed_size + kSignatureBytes, bytes.size());
@@ -136,6 +141,7 @@ Bytes EncodeChunk(ChunkHead head, std::span<const Tick> ticks, const SecretKey& 
   ENAMEL_CHECK(out.size() == kHeadBytes);
   out.Raw(packed);
 
+  // The hash is what the next chunk names as well: one pass over the bytes serves both.
   auto message = SignedMessage(HashSha256(out.bytes()));
   Signature signature;
   crypto_sign_detached(signature.data(), nullptr, message.data(), message.size(),
@@ -155,6 +161,8 @@ Result<Chunk> DecodeChunk(ByteView bytes) {
   ENAMEL_ASSIGN_OR_RETURN(auto payload, Unpack(parts.packed, parts.payload_size));
   ENAMEL_ASSIGN_OR_RETURN(auto ticks, DecodeColumns(payload, chunk.head.count));
   chunk.ticks = std::move(ticks);
+  // A server adds up the heads without unpacking (DecodeChunkHead): they must not say what ticks do
+  // not.
   uint32_t gaps = SumOfGaps(chunk.ticks);
   if (gaps != chunk.head.gap_ticks) {
     return Status(Code::kInvalidInput,

@@ -8,6 +8,7 @@
 namespace enamel::trace {
 namespace {
 
+// As it is, its change, the change of that, and once more. Part of the format: more is refused.
 constexpr int kMaxOrder = 3;
 
 using Values = std::array<uint64_t, kMaxTicksPerChunk>;
@@ -40,6 +41,7 @@ constexpr Column Scalar(const char* name) {
 }
 
 // Computed force as its difference to the sent one, which stands in an earlier column.
+// 0 except where a bound or a touch cue has changed the force: a column of zeros.
 template <size_t kAxis>
 constexpr Column ComputedForce(const char* name) {
   return {
@@ -48,6 +50,7 @@ constexpr Column ComputedForce(const char* name) {
         return int64_t{t.witness.force_computed_100un[kAxis]} - t.witness.force_sent_100un[kAxis];
       },
       [](Tick& t, int64_t v) {
+        // No difference of two 32-bit numbers is more; the sum below must not overflow.
         constexpr int64_t kWidest = int64_t{1} << 32;
         if (v < -kWidest || v > kWidest) return false;
         return Assign(t.witness.force_computed_100un[kAxis], v + t.witness.force_sent_100un[kAxis]);
@@ -95,6 +98,7 @@ void Sum(std::span<uint64_t> values) {
   for (uint64_t& v : values) v = sum += v;
 }
 
+// Counted, not written: three of four orders are thrown away.
 size_t EncodedSize(std::span<const uint64_t> values) {
   size_t size = 0;
   for (uint64_t v : values) {
@@ -115,6 +119,7 @@ void WriteColumn(std::span<uint64_t> values, ByteWriter& out) {
     if (order > 0) Difference(values);
     std::copy(values.begin(), values.end(), orders[static_cast<size_t>(order)].begin());
     size_t size = EncodedSize(values);
+    // The lowest of several as short: equal ticks give equal bytes.
     if (order > 0 && size >= best_size) continue;
     best = order;
     best_size = size;
@@ -139,6 +144,7 @@ Status ReadColumn(const Column& column, ByteReader& in, std::span<Tick> ticks) {
   }
   for (uint64_t& v : values) v = static_cast<uint64_t>(in.SignedVarint());
   if (!in.ok()) return Bad(column, "the payload ends early or holds a number over 64 bits");
+  // Wraps as Difference did; whether the outcome fits its field is asked last.
   for (int i = 0; i < order; ++i) Sum(values);
   for (size_t i = 0; i < ticks.size(); ++i) {
     if (!column.set(ticks[i], static_cast<int64_t>(values[i]))) {

@@ -87,6 +87,7 @@ Bytes EncodeHeader(const Header& header) {
   ENAMEL_CHECK(header.station_software.size() <= kMaxSoftwareBytes);
   ByteWriter params;
   core::WriteParams(header.params, params);
+  // What ReadParams takes has this size too, so a decoded header never fails here.
   ENAMEL_CHECK(params.size() == core::ParamsBytes(header.params.core_version));
   ByteWriter out;
   WriteMagic(kHeaderMagic, out);
@@ -114,6 +115,8 @@ Result<Header> DecodeHeader(ByteView bytes) {
   ByteReader params_in(params_bytes);
   ENAMEL_ASSIGN_OR_RETURN(auto params, core::ReadParams(params_in));
   h.params = params;
+  // The one form (schemas/trace_format.md): chunk 0 names the header's hash, so two headers of one
+  // content would be two recordings.
   Bytes again = EncodeHeader(h);
   if (!std::equal(again.begin(), again.end(), bytes.begin(), bytes.end())) {
     return Status(
@@ -152,6 +155,7 @@ Result<Seal> DecodeSeal(ByteView bytes) {
 KeyPair NewKeyPair() {
   std::array<uint8_t, 32> seed;
   randombytes_buf(seed.data(), seed.size());
+  // By way of a seed, so that both kinds of pair are made by the same code.
   KeyPair pair = KeyPairFromSeed(seed);
   sodium_memzero(seed.data(), seed.size());
   return pair;

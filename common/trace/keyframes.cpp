@@ -16,12 +16,15 @@ constexpr char kWhat[] = "keyframes";
 constexpr uint8_t kKeyframeRecord = 1;
 constexpr size_t kMaxBricks = 1 << 20;
 constexpr size_t kBrickBytes = 4 + 2 * cutting::kBrickVoxels;
+// A cache: made while somebody waits, read on the same machine, thrown away without loss.
 constexpr int kZstdLevel = 1;
 
 // What the state's layout depends on.
 uint64_t Build() {
   StateHash hash;
   for (char c : std::string_view(__VERSION__)) hash.U64(static_cast<uint8_t>(c));
+  // No proof that two layouts are the same: what slips through is found by the state hash, and by
+  // the witness of the chunk that is always re-run (moment.h).
   hash.U64(sizeof(core::Core));
   hash.U64(sizeof(void*));
   hash.U64(std::endian::native == std::endian::little);
@@ -162,6 +165,7 @@ void Keyframes::Add(core::Core& core, const KeyframePlace& place,
   Bytes state = archive.Take();
   frame.state_size = static_cast<uint32_t>(state.size());
   frame.state = Pack(state);
+  // 256 for what EncodeFrame puts around the two: a reader would refuse the record.
   if (frame.samples.size() + frame.state.size() + 256 > kMaxKeyframeBytes) return;
   frames_.push_back(std::move(frame));
 }
@@ -172,6 +176,8 @@ Status Keyframes::Restore(size_t i, core::Core& core) const {
     return Unusable("they are of core version " + std::to_string(core_version_) +
                     ", the recording of version " + std::to_string(core.params().core_version));
   }
+  // Each holds what changed since the one before, so all of them up to this one. Later ones
+  // overwrite.
   for (size_t k = 0; k <= i; ++k) {
     ENAMEL_ASSIGN_OR_RETURN(auto samples,
                             Unpack(frames_[k].samples, frames_[k].bricks * kBrickBytes));

@@ -8,6 +8,7 @@
 namespace enamel::trace {
 namespace {
 
+// Against damage, not against anybody: what cannot be forged is the chain.
 constexpr size_t kCheckBytes = 4;
 
 Sha256 CheckOf(uint8_t kind, ByteView content) {
@@ -61,6 +62,7 @@ Result<std::optional<Record>> ReadRecord(const std::string& what, size_t max_byt
   }
   record.content = in.Raw(size);
   ByteView check = in.Raw(kCheckBytes);
+  // Cut off, which is no damage: a file may still have been growing.
   if (!in.ok()) return std::optional<Record>();
   Sha256 expected = CheckOf(record.kind, record.content);
   if (!std::equal(check.begin(), check.end(), expected.bytes.begin())) {

@@ -18,6 +18,7 @@ Result<ReplayReport> Replay(
     ENAMEL_RETURN_IF_ERROR(run.CheckKeepGoing(keep_going, chunks.size()));
     ENAMEL_RETURN_IF_ERROR(run.Run(bytes, UINT64_MAX, observe));
   }
+  // Also where there was no chunk.
   run.report().state_hash = core.state_hash();
   run.report().seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

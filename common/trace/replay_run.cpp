@@ -71,12 +71,15 @@ Status ReplayRun::Run(const Bytes& bytes, uint64_t until_tick, const TickObserve
   for (const Tick& tick : chunk->ticks) {
     if (report_.ticks == until_tick) break;
     core::TickOutput out = core_.Step(tick.input);
+    // Goes on all the same: only the first disagreement is told, but the counts are the
+    // recording's.
     if (const char* what = Difference(tick.witness, out.witness)) NoteFirst(report_.ticks, what);
     if (observe) observe(tick, out);
     ++report_.ticks;
     report_.gap_ticks += tick.input.gap_ticks;
   }
   report_.state_hash = core_.state_hash();
+  // Stopped within the chunk: its state hash is that of its end and says nothing here.
   if (report_.ticks != chain_.next_tick()) return Status::Ok();
   if (core_.state_hash() != chunk->head.state_hash) NoteFirst(report_.ticks - 1, "state_hash");
   ++report_.chunks;

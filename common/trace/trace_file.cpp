@@ -16,8 +16,10 @@ Status Damaged(size_t offset, const std::string& why) { return DamagedAt(kWhat, 
 
 Status Add(const Record& record, size_t offset, TraceFile& file) {
   bool known = record.kind >= kHeaderRecord && record.kind <= kSealRecord;
+  // Skipped: a newer program may add kinds of records, and only here (schemas/trace_format.md).
   if (!known) return Status::Ok();
   if (file.seal.has_value()) return Damaged(offset, "expected nothing after the seal");
+  // Either a header comes now, or there is one already: neither none nor two.
   if (file.header.empty() != (record.kind == kHeaderRecord)) {
     return Damaged(offset,
                    file.header.empty() ? "expected the header first" : "found a second header");
@@ -58,6 +60,7 @@ Result<TraceFile> DecodeTraceFile(ByteView bytes) {
     if (!record.has_value()) break;
     ENAMEL_RETURN_IF_ERROR(Add(*record, offset, file));
   }
+  // Not an error: what is whole before the cut is as good as ever.
   file.truncated = !in.ok();
   if (file.header.empty()) {
     return Status(Code::kInvalidInput,
