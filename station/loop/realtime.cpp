@@ -31,6 +31,7 @@ bool LockMemory() {
 }
 
 int Pin(int cpu) {
+  // CPU_SET writes beyond the set otherwise.
   if (cpu >= CPU_SETSIZE) return EINVAL;
   cpu_set_t set;
   CPU_ZERO(&set);
@@ -44,6 +45,7 @@ RealtimeGrant RequestRealtime(const RealtimeRequest& request) {
   RealtimeGrant grant;
   sched_param param{};
   param.sched_priority = kPriority;
+  // For the calling thread alone: a picture that is drawn at this priority would hold up the tick.
   int error = ::pthread_setschedparam(pthread_self(), SCHED_FIFO, &param);
   grant.fifo = error == 0;
   if (!grant.fifo) {

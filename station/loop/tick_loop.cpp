@@ -5,6 +5,8 @@
 namespace enamel::station {
 namespace {
 
+// The same 5 ms that schemas/hid_haptic_report.md calls silence. What can be handed out within them
+// is summed by AddLeak.
 constexpr double kFaultAfter_s = 5e-3;
 constexpr double kRounding_s = 1e-9;  // a sum of ticks is compared with a time
 constexpr double kLateWindow_s = 1.0;
@@ -20,6 +22,7 @@ int64_t Now_ns() noexcept {
 }
 
 void SleepUntil(int64_t due_ns) noexcept {
+  // To a time, not for one: lateness does not add up. A signal only has it asked again.
   timespec t{due_ns / kSecond_ns, due_ns % kSecond_ns};
   while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, nullptr) != 0) {
   }
@@ -65,6 +68,7 @@ TickLoop::TickLoop(Device& device, core::Core& core, SampleRing& ring,
   counters_.ticks = options_.ticks_before;
   counters_.gap_ticks = gap_ = options_.first_gap_ticks;
   gap_held_ = gap_ == 0;
+  // What passed since the crash was seen by nobody: as after a fault, free air first.
   soft_restart_ = gap_ > 0;
 }
 
@@ -81,6 +85,7 @@ void TickLoop::Run() noexcept {
       continue;
     }
     due_ticks += 1 + static_cast<int64_t>(skipped_);  // the hand has moved on
+    // From the start on and in whole numbers: a period of 333 333.3 ns does not drift.
     const int64_t due_ns = start_ns + due_ticks * kSecond_ns / options_.rate_hz;
     SleepUntil(due_ns);
     int64_t begin_ns = Now_ns(), late_ns = begin_ns - due_ns;
@@ -148,6 +153,8 @@ void TickLoop::WatchTime(const DeviceSample& sample, double late_s) noexcept {
   const double tick_s = 1.0 / options_.rate_hz;
   skipped_ = static_cast<uint64_t>((late_s + kRounding_s) * options_.rate_hz);
   const double skipped_s = static_cast<double>(skipped_) * tick_s;
+  // Of a loop that is steadily 0.9 ms late each tick still comes a tick after the last: only the
+  // change of lateness is time that passed.
   const double since_last_s = tick_s + late_s - rest_s_;
   rest_s_ = late_s - skipped_s;
   now_s_ += tick_s + skipped_s;
@@ -161,6 +168,7 @@ void TickLoop::WatchTime(const DeviceSample& sample, double late_s) noexcept {
     silent_s_ += since_last_s;
     ++counters_.stale_ticks;
   }
+  // What says most first: an unplugged device is silent too, and only the first fault is kept.
   if (!sample.attached) {
     Latch(Fault::kUnplugged);
   } else if (!sample.driven) {
@@ -173,6 +181,8 @@ void TickLoop::WatchTime(const DeviceSample& sample, double late_s) noexcept {
 
 void TickLoop::WatchLateness(double late_s) noexcept {
   if (skipped_ > 0) {
+    // The place of the twentieth late tick before this one: if that is less than a second old, this
+    // is one too many, whichever second one looks at.
     double& oldest = late_at_s_[late_count_ % late_at_s_.size()];
     if (late_count_ >= late_at_s_.size() && now_s_ - oldest < kLateWindow_s) {
       Latch(Fault::kLateOften);
@@ -243,6 +253,7 @@ void TickLoop::WatchStillness(const DeviceSample& sample) noexcept {
 }
 
 void TickLoop::Latch(Fault fault) noexcept {
+  // The first stays: what follows is often its consequence.
   if (fault_.load(std::memory_order_relaxed) != Fault::kNone) return;
   fault_.store(fault, std::memory_order_relaxed);
   pedal_released_ = false;
