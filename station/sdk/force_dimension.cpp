@@ -14,7 +14,8 @@ Quat ToScene(const double (&m)[3][3]) {
   const dvec3 x = ToScene(m[0][1], m[1][1], m[2][1]);
   const dvec3 y = -ToScene(m[0][0], m[1][0], m[2][0]);
   const dvec3 z = ToScene(m[0][2], m[1][2], m[2][2]);
-  // The largest of the four is at least 1/2: no division by next to nothing.
+  // The largest of the four is at least 1/2: no division by next to nothing (Shepperd, Journal of
+  // Guidance and Control 1, 1978).
   const double w = 1 + x.x + y.y + z.z, a = 1 + x.x - y.y - z.z, b = 1 - x.x + y.y - z.z,
                c = 1 - x.x - y.y + z.z;
   Quat q;
@@ -40,6 +41,7 @@ class ForceDimension final : public PolledBus {
   explicit ForceDimension(char id)
       : id_(id), name_(NameOf(id)), turns_(dhdHasWrist(id)), twists_(dhdHasActiveWrist(id)) {}
   ~ForceDimension() override {
+    // Before it is closed: afterwards nobody feeds them.
     dhdEnableForce(DHD_OFF, id_);
     dhdClose(id_);
   }

@@ -51,6 +51,7 @@ Result<std::unique_ptr<Device>> Open(const Library& library, const hid::DeviceCh
   ENAMEL_ASSIGN_OR_RETURN(auto bus, library.open());
   double resolution_m = static_cast<double>(profile.resolution_nm.value) * 1e-9;
   return std::unique_ptr<Device>(
+      // A maker's calls may wait for the bus: a thread polls, the tick takes the latest.
       std::make_unique<PolledDevice>(std::move(bus), resolution_m, choice.thread_setup));
 }
 
@@ -84,6 +85,7 @@ std::string ProfileNameOf(std::string_view model) {
       word_ended = false;
       out += static_cast<char>(std::tolower(c));
     } else if (c == ' ' || c == '_' || c == '-') {
+      // Any other sign joins: "omega.3" is one word.
       word_ended = true;
     }
   }
