@@ -11,6 +11,7 @@ int32_t Negated(int32_t v) noexcept { return v == INT32_MIN ? INT32_MAX : -v; }
 
 size_t Board(int from) noexcept { return static_cast<size_t>(from < 0 ? -from : from) - 1; }
 
+// 1: a rotation. -1: a mirror image. 0: an axis named twice, since then a column is empty.
 int Determinant(const std::array<int, 3>& from) {
   int m[3][3] = {};
   for (size_t i = 0; i < 3; ++i) m[i][Board(from[i])] = from[i] < 0 ? -1 : 1;
@@ -39,6 +40,8 @@ dvec3 AxisMap::ToBoard(const dvec3& scene) const noexcept {
 }
 
 Quat AxisMap::ToScene(const Quat& board) const noexcept {
+  // A rotation turns the axis of a turn like any vector and leaves its angle. A mirror image would
+  // not.
   const double v[3] = {board.x, board.y, board.z};
   double out[3];
   for (size_t i = 0; i < 3; ++i) out[i] = from[i] < 0 ? -v[Board(from[i])] : v[Board(from[i])];

@@ -39,6 +39,7 @@ Result<PedalSettings> ParsePedal(std::string_view text) {
 
 PedalReading ReadPedal(const PedalSettings& settings, ByteView report) noexcept {
   if (report.size() <= settings.byte) return {};
+  // A device with several reports says nothing of the pedal in the others.
   if (settings.report_id != 0 && report[0] != settings.report_id) return {};
   return {true, (report[settings.byte] & settings.mask) != 0};
 }

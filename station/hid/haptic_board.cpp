@@ -64,6 +64,7 @@ Result<FeatureReport> AskFeature(HidPort& port) {
 }
 
 ReportOrder::Verdict ReportOrder::Judge(uint32_t sequence) noexcept {
+  // Modulo 2^32, so that the number may wrap.
   uint32_t ahead = sequence - last_, behind = last_ - sequence;
   if (!has_last_) {
     has_last_ = true;
@@ -72,6 +73,7 @@ ReportOrder::Verdict ReportOrder::Judge(uint32_t sequence) noexcept {
   }
   if (ahead == 0) return Verdict::kDuplicate;
   if (behind <= kLateReports) return Verdict::kLate;
+  // More than half the range ahead is behind, and too far to be late: it counts anew.
   bool restarted = ahead > UINT32_MAX / 2;
   if (!restarted) lost_ += ahead - 1;
   last_ = sequence;
@@ -80,6 +82,7 @@ ReportOrder::Verdict ReportOrder::Judge(uint32_t sequence) noexcept {
 
 Result<std::unique_ptr<HapticBoard>> HapticBoard::Open(const HapticBoardSettings& settings) {
   HidMatch match = settings.match;
+  // The collection says that it speaks our reports; ids are only which of several.
   match.usage_page = kBoardUsagePage;
   match.usage = kBoardUsage;
   ENAMEL_ASSIGN_OR_RETURN(auto info, FindHid(match));
@@ -112,11 +115,13 @@ HapticBoard::HapticBoard(const HapticBoardSettings& settings, const HidInfo& inf
       watchdog_ms_(std::clamp(settings.watchdog_ms, 1, int{feature_.max_watchdog_ms})) {
   ENAMEL_CHECK(sem_init(&force_posted_, 0, 0) == 0);
   HidMatch again{info.vendor, info.product, info.serial, kBoardUsagePage, kBoardUsage};
+  // The writer first: the reader may find a board at once and hand it a port.
   writer_ = std::thread([this] { Write(); });
   reader_.reset(new HidReader(again, *this));
 }
 
 HapticBoard::~HapticBoard() {
+  // The reader first, which calls into the rest. The writer's last act is force 0 and motors off.
   reader_.reset();
   stop_ = true;
   sem_post(&force_posted_);
@@ -127,8 +132,10 @@ HapticBoard::~HapticBoard() {
 DeviceSample HapticBoard::ReadSample() noexcept {
   const Pose& newest = poses_.Read();
   DeviceSample sample = newest.sample;
+  // Fresh once: what was seen in the last tick is news no more.
   sample.fresh = sample.fresh && newest.number != seen_;
   seen_ = newest.number;
+  // Counters and not flags: what began and ended between two ticks is told all the same.
   if (newest.breaks != seen_breaks_) sample.attached = sample.fresh = false;
   seen_breaks_ = newest.breaks;
   if (newest.switch_offs != seen_switch_offs_) sample.driven = false;
@@ -137,6 +144,8 @@ DeviceSample HapticBoard::ReadSample() noexcept {
 }
 
 void HapticBoard::SendForceAndTorque(const dvec3& force_n, const dvec3& torque_n_m) noexcept {
+  // The newest force replaces one that was not written yet, and a semaphore that is posted already
+  // is not posted again: a bus that blocks leaves no queue behind.
   forces_.Write({force_n, torque_n_m, ++sent_});
   if (!force_waits_.exchange(true, std::memory_order_acq_rel)) sem_post(&force_posted_);
 }
@@ -146,12 +155,15 @@ DeviceCounters HapticBoard::counters() const noexcept {
 }
 
 bool HapticBoard::OnAttached(const HidInfo& info) {
+  // The reader's thread is HidReader's own: this is its first call here.
   if (settings_.thread_setup && published_ == 0) settings_.thread_setup();
   if (info.serial != serial_) return false;
+  // Another handle than the reader's, for the writer.
   auto port = HidPort::Open(info.path);
   if (!port.ok()) return false;
   auto feature = AskFeature(**port);
   if (!feature.ok() || *feature != feature_) return false;
+  // Plugged in again it may count from anywhere.
   order_.Forget();
   {
     std::lock_guard lock(port_mutex_);
@@ -166,6 +178,7 @@ void HapticBoard::OnDetached() {
   new_clock_ = true;
   ++breaks_;
   ++detached_;
+  // Nobody holds the pedal of a board that is gone. Its pose stays: the tick needs one.
   sample_.buttons = 0;
   sample_.bur_speed_krpm = 0;
   PublishPose(false);
@@ -198,6 +211,7 @@ void HapticBoard::OnReport(ByteView bytes) {
 void HapticBoard::TakeReport(const InputReport& report) {
   auto scene = settings_.axes.ToScene(
       std::array<int32_t, 3>{report.counts[0], report.counts[1], report.counts[2]});
+  // Once: a board that is plugged in again keeps its middle, or the scene would lie elsewhere.
   if (!centred_ && settings_.centre_on_first_report) centre_ = scene;
   centred_ = true;
   for (size_t i = 0; i < 3; ++i) sample_.counts[i] = Saturated(int64_t{scene[i]} - centre_[i]);
@@ -215,6 +229,7 @@ void HapticBoard::TakeReport(const InputReport& report) {
   sample_.driven = !SwitchedOff(report.status);
   switch_offs_ += !sample_.driven;
   sample_.sequence = report.sequence;
+  // The station's time of the device stands still over a restart and never goes back.
   if (new_clock_) last_time_us_ = report.time_us;
   new_clock_ = false;
   sample_.device_time_us += report.time_us - last_time_us_;  // modulo 2^32: it wraps
@@ -226,6 +241,8 @@ void HapticBoard::TakeReport(const InputReport& report) {
 bool HapticBoard::SwitchedOff(uint8_t status) {
   const int64_t first_us = first_driven_us_;
   if (first_us == 0) return false;
+  // Reports that were under way when the motors were asked for, or let go, say what was: after
+  // every turn the board has to say anew that they are on before their being off means anything.
   const uint32_t turns = turns_;
   if (turns != seen_turns_) said_on_ = false;
   seen_turns_ = turns;
@@ -259,6 +276,7 @@ bool HapticBoard::WaitForForce(int64_t timeout_us) {
   t.tv_sec += until / kSecond_ns;
   t.tv_nsec = until % kSecond_ns;
   bool posted = sem_clockwait(&force_posted_, CLOCK_MONOTONIC, &t) == 0;
+  // Before the force is read: one that comes in between posts again, so none is left lying.
   force_waits_.store(false, std::memory_order_release);
   return posted;
 }
@@ -269,6 +287,7 @@ void HapticBoard::Write() {
   std::unique_ptr<HidPort> port;
   uint32_t sequence = 0;
   while (!stop_) {
+    // At least 0.1 ms, or a keeper that is due would spin on a board that is gone.
     WaitForForce(std::max<int64_t>(keeper.WaitFor_us(Now_us()), 100));
     TakePort(port);
     Force newest = forces_.Read();
@@ -296,6 +315,7 @@ bool HapticBoard::Send(HidPort& port, const ForceKeeper::Command& command, uint3
     }
   }
   auto bytes = EncodeOutput(report);
+  // Before the write: the board's answer must not come before it is known what it answers.
   if (command.motors_on != (turns_ % 2 == 1)) ++turns_;
   if (command.motors_on && first_driven_us_ == 0) first_driven_us_ = Now_us();
   bool written = port.Write(bytes);

@@ -56,6 +56,7 @@ std::vector<HidInfo> ListHid() {
                    Utf8(d->manufacturer_string), Utf8(d->product_string)});
   }
   hid_free_enumeration(all);
+  // By path, so that "the first that fits" is the same one each time.
   std::sort(out.begin(), out.end(),
             [](const HidInfo& a, const HidInfo& b) { return a.path < b.path; });
   return out;
@@ -116,6 +117,7 @@ bool HidPort::Write(ByteView report) {
 
 Result<Bytes> HidPort::GetFeature(uint8_t id, size_t size) {
   Bytes out(size);
+  // hidapi wants the id where the answer will have it.
   out[0] = id;
   int got = hid_get_feature_report(Handle(handle_), out.data(), out.size());
   if (got < 0) {
