@@ -12,12 +12,14 @@ void BrickFeed::Mark(std::span<const int32_t> bricks) noexcept {
     uint8_t& flag = is_dirty_[static_cast<size_t>(brick)];
     if (flag) continue;
     flag = 1;
+    // Never full: a place for every brick, and each at most once.
     dirty_[(dirty_head_ + dirty_count_++) % dirty_.size()] = brick;
   }
 }
 
 size_t BrickFeed::Send(const cutting::Volume& volume, size_t most) noexcept {
   size_t head = head_.load(std::memory_order_relaxed);
+  // Acquire: what the consumer has let go of it has read to the end.
   size_t room = ring_.size() - (head - released_.load(std::memory_order_acquire));
   size_t sent = 0;
   for (; sent < most && sent < room && dirty_count_ > 0; ++sent) {
@@ -28,6 +30,7 @@ size_t BrickFeed::Send(const cutting::Volume& volume, size_t most) noexcept {
     // A brick that was cut is stored.
     BrickUpdate& update = ring_[(head + sent) % ring_.size()];
     update.brick = brick;
+    // As it is now: the changes before this one need not be seen.
     update.phi = volume.Phi(brick);
   }
   head_.store(head + sent, std::memory_order_release);

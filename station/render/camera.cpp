@@ -8,6 +8,7 @@ namespace enamel::station::render {
 namespace {
 
 constexpr float kFieldOfView = glm::radians(28.0f);  // narrow: little perspective distortion
+// Short of the pole, where up and the line of sight would be one.
 constexpr float kMaxPitch = glm::radians(89.9f);
 
 glm::vec3 Direction(float yaw, float pitch) {
@@ -28,6 +29,7 @@ Camera::Camera(const glm::vec3& focus_mm, float radius_mm, float aside)
 void Camera::SetView(View view) {
   focus_mm_ = home_mm_;
   radius_mm_ = home_radius_mm_;
+  // Yaw 0 looks from +x (mesial), 90 from +y (buccal).
   auto place = [&](float yaw_deg, float pitch_deg) {
     yaw_ = glm::radians(yaw_deg);
     pitch_ = std::clamp(glm::radians(pitch_deg), -kMaxPitch, kMaxPitch);

@@ -78,6 +78,7 @@ struct Panel {
 
   void Force() const {
     double force = glm::length(c.state.force_sent_n);
+    // Where 0.6 and 0.9 come from is not recorded; nothing but this bar's colour depends on them.
     double share = force / std::max(c.force_full_scale_n, 1e-3);
     char text[32];
     std::snprintf(text, sizeof text, "%.2f N", force);
@@ -104,6 +105,7 @@ struct Panel {
     Bar(beyond ? "Over" : "Limit", text,
         beyond || leeway.whole_mm <= 0 ? 1 : leeway.left_mm / leeway.whole_mm, BearingOf(leeway));
     std::string where(leeway.where.empty() ? "until the limit" : leeway.where);
+    // Less would be shown as 0.00.
     if (c.zones && c.zones->container_mm3 >= 0.005) {
       std::snprintf(text, sizeof text, "%.2f mm\xc2\xb3 too much", c.zones->container_mm3);
     } else {
@@ -131,6 +133,7 @@ struct Panel {
       char text[32];
       std::snprintf(text, sizeof text, "%.2f mm\xc2\xb3", mm3);
       std::string name(cutting::TissueName(static_cast<cutting::Tissue>(t)));
+      // Tissue names are lower-case ASCII.
       name[0] = static_cast<char>(name[0] & ~0x20);
       Value(name.c_str(), text);
     }
@@ -167,6 +170,7 @@ void DrawWarnings(const PanelContent& content, const Fonts& fonts, float width, 
   float left = (kPanelWidth_px + 4 * kMargin_px) * px;
   ImGui::SetNextWindowPos({0.5f * (left + width), kMargin_px * px}, ImGuiCond_Always, {0.5f, 0});
   ImGui::SetNextWindowSizeConstraints({0, 0}, {width - left - kMargin_px * px, 1e6f});
+  // One warning is no cause for alarm, and only while it is alone.
   bool calm = content.fault.empty() && content.state.warnings == kWarnResumed;
   ImGui::PushStyleColor(ImGuiCol_WindowBg, calm ? kCalm : kAlarm);
   ImGui::Begin("warnings", nullptr, kOverlay);
@@ -252,6 +256,7 @@ std::string WarningText(uint32_t warnings) {
 
 std::string WarningText(const PanelContent& content) {
   if (content.fault.empty()) return WarningText(content.state.warnings);
+  // The fault's own words say what these two say, and what to do.
   std::string rest = WarningText(content.state.warnings & ~(kWarnFault | kWarnDevice));
   return content.fault + (rest.empty() ? "" : "\n" + rest);
 }

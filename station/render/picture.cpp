@@ -52,6 +52,7 @@ std::array<float, 16> Gloss() {
 // Points of the half ball over +z, denser near its middle.
 std::array<glm::vec3, kKernelSize> OcclusionKernel() {
   std::array<glm::vec3, kKernelSize> kernel;
+  // A fixed seed: pictures of one state are the same to the byte.
   std::mt19937 random(5);
   auto unit = [&] { return static_cast<float>(random()) / 4294967296.0f; };
   for (int i = 0; i < kKernelSize; ++i) {
@@ -172,6 +173,7 @@ bool Picture::MayBeSeen(const Bounds& bounds, const PictureState& state) const {
   glm::vec3 p(view * glm::vec4(bounds.middle_mm, 1));
   for (int axis = 0; axis < 2; ++axis) {
     // Sides of the view: |clip p| <= -z.
+    // The side's plane is not of unit length: the root makes a distance of it.
     float slope = clip[axis][axis], outside = slope * std::fabs(p[axis]) + p.z;
     if (outside > bounds.radius_mm * std::sqrt(slope * slope + 1)) return false;
   }
@@ -235,6 +237,7 @@ Picture::Stale Picture::StalePart(const PictureState& state, const Quality& qual
     stale.solids = stale.solids.Grown(kEdge, w, h);
     stale.around = stale.around.Grown(kBlurReach_px, w, h);
   }
+  // All of it is in what is drawn now; what comes later is later's.
   changed_.clear();
   drawn_view_ = state.view_from_scene;
   drawn_clip_ = state.clip_from_view;

@@ -16,6 +16,8 @@ Extent Along(float middle, float radius, float near, float far, float slope, int
     return (offset * slope / depth + 1) * 0.5f * static_cast<float>(pixels);
   };
   float lo = middle - radius, hi = middle + radius;
+  // A border left of the middle is farthest left where it is nearest, one right of it where it is
+  // farthest.
   float from = pixel(lo, lo < 0 ? near : far), to = pixel(hi, hi > 0 ? near : far);
   auto limit = static_cast<float>(pixels);
   return {static_cast<int>(std::floor(std::clamp(from, 0.0f, limit))),

@@ -48,6 +48,7 @@ std::string LastGlfwError() {
 class GlfwWindow {
  public:
   explicit GlfwWindow(const ScreenOptions& options) {
+    // Errors are asked for (LastGlfwError) and become exceptions: nothing is printed beside them.
     glfwSetErrorCallback(nullptr);
     if (!glfwInit()) throw std::runtime_error(LastGlfwError());
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
@@ -85,6 +86,7 @@ class GlfwWindow {
 };
 
 bool IsSoftware(std::string_view renderer) {
+  // Mesa's names for drawing by the processor.
   return renderer.find("llvmpipe") != renderer.npos || renderer.find("softpipe") != renderer.npos;
 }
 
@@ -119,8 +121,10 @@ class Screen::Impl {
     ListenToInput();
     ImGui::CreateContext();
     ImGuiIO& io = ImGui::GetIO();
+    // Dear ImGui would write both into whatever folder the program was started in.
     io.IniFilename = nullptr;
     io.LogFilename = nullptr;
+    // Without its own callbacks: all input comes by way of Take, a person's and a script's alike.
     ImGui_ImplGlfw_InitForOpenGL(glfw_.get(), false);
     ImGui_ImplOpenGL3_Init("#version 330 core");
     // The focus is moved and pages are left by those who draw them.
@@ -142,6 +146,7 @@ class Screen::Impl {
     began_ = Clock::now();
     glfwPollEvents();
     if (!injected_.empty()) {
+      // One a frame: what a script does is spread over frames, as what a hand does is.
       InputEvent event = injected_.front();
       injected_.pop_front();
       Take(event);
@@ -151,6 +156,7 @@ class Screen::Impl {
     ImGui_ImplGlfw_NewFrame();
     // What the person did is what came through Take: one way in, also for a script.
     ImGuiIO& io = ImGui::GetIO();
+    // Dear ImGui's way to say that there is no mouse.
     io.MousePos = captured_ ? ImVec2{-FLT_MAX, -FLT_MAX}
                             : ImVec2{static_cast<float>(cursor_x_), static_cast<float>(cursor_y_)};
     for (int i = 0; i < kButtons; ++i) {
@@ -165,6 +171,8 @@ class Screen::Impl {
     ImGui::Render();
     glDisable(GL_SCISSOR_TEST);
     if (picture != nullptr) {
+      // By way of a target of our own: what a window's back buffer holds after a swap is not
+      // defined, and a screenshot reads what was shown.
       picture->CopyColourTo(*shown_);
       shown_->Bind();
     } else {
@@ -177,6 +185,8 @@ class Screen::Impl {
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
     glBlitFramebuffer(0, 0, width_, height_, 0, 0, width_, height_, GL_COLOR_BUFFER_BIT,
                       GL_NEAREST);
+    // Drawing is only queued until then, and its time would not be drawing's. A card is not waited
+    // for.
     if (software_ || !paced_) glFinish();
     auto end = Clock::now();
     drawing_s_ = std::chrono::duration<double>(end - began_).count();
@@ -268,6 +278,8 @@ class Screen::Impl {
     while (paced_) {
       std::chrono::duration<double> left = next_ - Clock::now();
       if (left.count() <= 0) return;
+      // Comes back with every event; the callbacks have taken it by then, and the rest of the time
+      // is waited for.
       glfwWaitEventsTimeout(left.count());
     }
   }
@@ -283,6 +295,7 @@ class Screen::Impl {
                                       GL_NEAREST);
     fonts_ = MakeFonts(height);
     SetStyle(fonts_.scale);
+    // The letters are pixels of one size: another height needs others.
     ImGui_ImplOpenGL3_DestroyFontsTexture();
     ImGui_ImplOpenGL3_CreateFontsTexture();
   }

@@ -50,6 +50,7 @@ Status NoDisplay(const std::string& reason) {
 }
 
 QualityGovernor GovernorFor(const Screen& screen) {
+  // The best level draws four pixels for each that is seen: not where the processor draws.
   return screen.draws_in_software() ? QualityGovernor(1, kSoftwareBudget_s)
                                     : QualityGovernor(0, kCardBudget_s);
 }
@@ -78,6 +79,8 @@ Result<std::unique_ptr<Window>> Window::Create(const WindowOptions& options,
   try {
     return std::unique_ptr<Window>(new Window(options, initial));
   } catch (const std::exception& e) {
+    // Whatever it was: this window is one of several ways to run an attempt, and the others need no
+    // display.
     return NoDisplay(e.what());
   }
 }
@@ -91,6 +94,7 @@ void Window::DrawFrame(const Quality& quality) {
     content.has_state = tooth_.has_state();
     content.force_full_scale_n = options_.view.force_full_scale_n;
     content.time_limit_s = options_.time_limit_s;
+    // The camera's radius is half of what fits into the height.
     content.mm_per_pixel = 2.0 * tooth_.camera().radius_mm() / std::max(screen_.height(), 1);
     content.hint = kCameraHint;
     DrawPanel(content, screen_.fonts(), screen_.width(), screen_.height());
