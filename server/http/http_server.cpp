@@ -30,7 +30,7 @@
 #include "server/http/request_reader.h"
 #include "server/http/site.h"
 #include "server/http/static_files.h"
-#include "server/ops/full_house.h"
+#include "server/net/connection_limit.h"
 #include "server/ops/refusal_log.h"
 
 namespace enamel::server::http {
@@ -399,13 +399,13 @@ asio::awaitable<void> HttpServer::State::ServeTls(TlsStream stream, std::string 
 // their answer. With mutex held.
 std::shared_ptr<Connection> HttpServer::State::WhoMayGo(std::atomic<bool> Connection::*state) {
   std::vector<std::shared_ptr<Connection>> all;
-  std::vector<ops::Guest> guests;
+  std::vector<Closable> guests;
   for (const auto& connection : connections) {
     if (connection->leaving) continue;
     all.push_back(connection);
     guests.push_back({connection->block, (*connection.*state).load()});
   }
-  std::optional<size_t> found = ops::WhoMakesRoom(guests);
+  std::optional<size_t> found = PickToClose(guests);
   return found ? all[*found] : nullptr;
 }
 

@@ -18,12 +18,6 @@ namespace {
 
 constexpr std::chrono::milliseconds kGoodbye{2'000};
 
-std::string PeerAddress(const asio::ip::tcp::socket& socket) {
-  error_code error;
-  auto endpoint = socket.remote_endpoint(error);
-  return error ? std::string("unknown") : endpoint.address().to_string();
-}
-
 // Then the message names files and tables, which are for the server's log alone.
 bool IsOurFault(const wire::Error& error) {
   return error.code() == CodeName(Code::kStorage) || error.code() == CodeName(Code::kInternal);
@@ -31,13 +25,15 @@ bool IsOurFault(const wire::Error& error) {
 
 }  // namespace
 
-Connection::Connection(asio::ip::tcp::socket socket, SSL_CTX* tls, const LinkDeadlines& deadlines,
-                       Services& services, StorePool& pool, ops::RefusalLog& refusals)
-    : deadlines_(deadlines),
+Connection::Connection(asio::ip::tcp::socket socket, Strand strand, SSL_CTX* tls,
+                       const LinkDeadlines& deadlines, Services& services, StorePool& pool,
+                       ops::RefusalLog& refusals)
+    : strand_(std::move(strand)),
+      deadlines_(deadlines),
       pool_(pool),
       refusals_(refusals),
       stream_(std::move(socket), tls),
-      watch_(stream_.socket().get_executor()),
+      watch_(strand_),
       reader_(protocol::kMaxFrameBytesBeforeHello),
       peer_(PeerAddress(stream_.socket())),
       block_(auth::AddressBlock(peer_)),
@@ -45,10 +41,9 @@ Connection::Connection(asio::ip::tcp::socket socket, SSL_CTX* tls, const LinkDea
 
 void Connection::Run(std::function<void()> on_end) {
   auto self = shared_from_this();
-  auto strand = stream_.socket().get_executor();
   Allow(deadlines_.introduction);
-  asio::co_spawn(strand, Watch(), [self](std::exception_ptr) {});
-  asio::co_spawn(strand, Serve(), [self, on_end](std::exception_ptr failure) {
+  asio::co_spawn(strand_, Watch(), [self](std::exception_ptr) {});
+  asio::co_spawn(strand_, Serve(), [self, on_end](std::exception_ptr failure) {
     if (failure) spdlog::error("station link: a connection ended by an exception");
     self->ended_ = true;
     self->CloseSocket();
@@ -58,13 +53,13 @@ void Connection::Run(std::function<void()> on_end) {
 }
 
 void Connection::BeginStop() {
-  asio::post(stream_.socket().get_executor(), [self = shared_from_this()] {
+  asio::post(strand_, [self = shared_from_this()] {
     self->End(Status(Code::kUnavailable, "the server is shutting down; come back later"));
   });
 }
 
 void Connection::EndIfRevoked(std::shared_ptr<const std::set<Uuid>> revoked) {
-  asio::post(stream_.socket().get_executor(), [self = shared_from_this(), revoked] {
+  asio::post(strand_, [self = shared_from_this(), revoked] {
     if (self->station_ && revoked->contains(*self->station_)) self->End(RevokedStation());
   });
 }
@@ -76,7 +71,7 @@ void Connection::End(Status why) {
 }
 
 void Connection::Close() {
-  asio::post(stream_.socket().get_executor(), [self = shared_from_this()] { self->CloseSocket(); });
+  asio::post(strand_, [self = shared_from_this()] { self->CloseSocket(); });
 }
 
 void Connection::CloseSocket() {
@@ -158,7 +153,7 @@ asio::awaitable<Answer> Connection::Carry(const wire::Request& request) {
   Allow(deadlines_.work);
   if (session_.IsQuick(request)) {
     // A turn for the other connections: quick requests could come without an end.
-    co_await asio::post(stream_.socket().get_executor(), asio::use_awaitable);
+    co_await asio::post(strand_, asio::use_awaitable);
     co_return session_.Handle(request);
   }
   if (auto who = session_.SignInWanted(request)) {

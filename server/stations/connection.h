@@ -4,12 +4,12 @@
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <boost/asio/strand.hpp>
 #include <memory>
 #include <optional>
 #include <set>
 
 #include "common/protocol/frame.h"
+#include "server/net/listener.h"
 #include "server/ops/refusal_log.h"
 #include "server/stations/session.h"
 #include "server/stations/station_server.h"
@@ -18,26 +18,24 @@
 namespace enamel::server::stations {
 
 // One station's connection. Two coroutines on its strand: one serves, one closes the socket when
-// the deadline of what the first waits for has passed. Everything here is touched on the strand
-// only, except BeginStop and Close, which post to it.
-class Connection : public std::enable_shared_from_this<Connection> {
+// the deadline of what the first waits for has passed. Private parts are touched on the strand only;
+// what is public may be called from any thread, and posts to it.
+class Connection : public AcceptedConnection, public std::enable_shared_from_this<Connection> {
  public:
-  // Requires: the socket's executor is a strand of its own. `tls`, `deadlines` and what follows
-  // outlive it.
-  Connection(boost::asio::ip::tcp::socket socket, SSL_CTX* tls, const LinkDeadlines& deadlines,
-             Services& services, StorePool& pool, ops::RefusalLog& refusals);
+  // Requires: the socket runs on `strand`. `tls`, `deadlines` and what follows outlive it.
+  Connection(boost::asio::ip::tcp::socket socket, Strand strand, SSL_CTX* tls,
+             const LinkDeadlines& deadlines, Services& services, StorePool& pool,
+             ops::RefusalLog& refusals);
 
-  // Serves until either side ends it. Call once.
-  void Run(std::function<void()> on_end);
-  // Finish the request in progress, say why, close. Any thread.
-  void BeginStop();
-  // The same for a station that is one of these. Any thread.
+  void Run(std::function<void()> on_end) override;
+  // The peer is told that the server stops.
+  void BeginStop() override;
+  void Close() override;
+  // Who has said Hello with success stays.
+  GivesWay gives_way() const override { return welcomed_ ? GivesWay::kNever : GivesWay::kFirst; }
+  const std::string& block() const override { return block_; }
+  // As BeginStop, for a station that is one of these: it is told that it was revoked.
   void EndIfRevoked(std::shared_ptr<const std::set<Uuid>> revoked);
-  // Close now. Any thread.
-  void Close();
-  // Any thread: has said Hello with success; whom it counts for (auth::AddressBlock).
-  bool welcomed() const { return welcomed_; }
-  const std::string& block() const { return block_; }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -56,6 +54,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   void End(Status why);
   void CloseSocket();
 
+  const Strand strand_;
   const LinkDeadlines& deadlines_;
   StorePool& pool_;
   ops::RefusalLog& refusals_;

@@ -7,11 +7,11 @@
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/ssl/context.hpp>
 #include <csignal>
-#include <map>
 #include <set>
 
+#include "common/base/check.h"
 #include "common/net/tls.h"
-#include "server/ops/full_house.h"
+#include "server/net/listener.h"
 #include "server/stations/connection.h"
 
 namespace enamel::server::stations {
@@ -21,8 +21,6 @@ using asio::ip::tcp;
 using boost::system::error_code;
 
 namespace {
-
-constexpr size_t kMaxLeaving = 64;
 
 // Idle connections keep no record buffers; stations pin a certificate and never resume a session.
 void SaveMemory(SSL_CTX* tls) {
@@ -48,58 +46,48 @@ void AllowDescriptors() {
 }  // namespace
 
 struct StationServer::State : std::enable_shared_from_this<State> {
-  State(asio::io_context& context, StationServerOptions o, Services& s, StorePool& p)
-      : io(context),
-        options(std::move(o)),
+  State(asio::io_context& io, StationServerOptions o, Services& s, StorePool& p)
+      : options(std::move(o)),
         services(s),
         pool(p),
+        listener(
+            io,
+            {"station link", options.address, options.port, options.max_connections,
+             options.deadlines.stop},
+            [this](tcp::socket socket, Strand its) { return Make(std::move(socket), its); },
+            [this](const tcp::socket& socket, size_t open) { NoteTurnedAway(socket, open); }),
         strand(asio::make_strand(io)),
-        acceptor(strand),
-        grace(strand),
         next_look(strand) {}
 
-  asio::awaitable<void> Accept();
+  std::shared_ptr<AcceptedConnection> Make(tcp::socket socket, Strand its);
+  void NoteTurnedAway(const tcp::socket& socket, size_t open);
   asio::awaitable<void> WatchRevoked();
   void EndRevoked(std::set<Uuid> now);
-  bool HasRoom();  // or makes some
-  void Admit(tcp::socket socket);
-  void Forget(uint64_t id);
   void StopOnStrand();
 
-  asio::io_context& io;
   const StationServerOptions options;
   Services& services;
   StorePool& pool;
-  std::shared_ptr<asio::ssl::context> tls;
+  std::shared_ptr<asio::ssl::context> tls;  // constant after Start
   ops::RefusalLog refusals{"station link"};
-  // Owned by the strand.
-  asio::strand<asio::io_context::executor_type> strand;
-  tcp::acceptor acceptor;
-  asio::steady_timer grace;
-  asio::steady_timer next_look;  // of WatchRevoked
+  Listener listener;
+
+  // Owned by the strand: looking for revoked stations.
+  Strand strand;
+  asio::steady_timer next_look;
   std::shared_ptr<const std::set<Uuid>> revoked = std::make_shared<std::set<Uuid>>();
   int tell_revoked = 0;  // further looks after which the connections are told
-  std::map<uint64_t, std::weak_ptr<Connection>> connections;
-  std::set<uint64_t> leaving;  // those that make room and are not gone yet
-  uint64_t next_id = 0;
   bool stopping = false;
 };
 
-asio::awaitable<void> StationServer::State::Accept() {
-  while (!stopping) {
-    error_code error;
-    tcp::socket socket(asio::make_strand(io));
-    co_await acceptor.async_accept(socket, asio::redirect_error(asio::use_awaitable, error));
-    if (!error) {
-      Admit(std::move(socket));
-      continue;
-    }
-    if (stopping || error == asio::error::operation_aborted) co_return;
-    // Out of descriptors, most likely: give the others time to go.
-    spdlog::warn("station link: cannot accept a connection: {}", error.message());
-    asio::steady_timer pause(strand, std::chrono::milliseconds(100));
-    co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
-  }
+std::shared_ptr<AcceptedConnection> StationServer::State::Make(tcp::socket socket, Strand its) {
+  return std::make_shared<Connection>(std::move(socket), std::move(its), tls->native_handle(),
+                                      options.deadlines, services, pool, refusals);
+}
+
+void StationServer::State::NoteTurnedAway(const tcp::socket& socket, size_t open) {
+  refusals.Note(
+      {"a peer at " + PeerAddress(socket), "full", std::to_string(open) + " connections are open"});
 }
 
 // A station that asks for nothing would never learn that it was revoked.
@@ -108,7 +96,7 @@ asio::awaitable<void> StationServer::State::WatchRevoked() {
     next_look.expires_after(std::chrono::milliseconds(kAdmittedEveryMs / 2));
     error_code ignored;
     co_await next_look.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
-    if (stopping || connections.empty()) continue;
+    if (stopping || listener.open() == 0) continue;
     auto now = co_await pool.Run([this] { return services.store.RevokedStations(); });
     if (now.ok()) EndRevoked({now->begin(), now->end()});
   }
@@ -116,78 +104,21 @@ asio::awaitable<void> StationServer::State::WatchRevoked() {
 
 // Twice: a connection may just be saying Hello.
 void StationServer::State::EndRevoked(std::set<Uuid> now) {
+  ENAMEL_CHECK(strand.running_in_this_thread());
   if (now != *revoked) {
     revoked = std::make_shared<const std::set<Uuid>>(std::move(now));
     tell_revoked = 2;
   }
   if (tell_revoked == 0) return;
   --tell_revoked;
-  for (auto& [id, weak] : connections) {
-    if (auto connection = weak.lock()) connection->EndIfRevoked(revoked);
-  }
-}
-
-// Full: of those who have not said who they are, one goes.
-bool StationServer::State::HasRoom() {
-  if (connections.size() - leaving.size() < options.max_connections) return true;
-  if (leaving.size() >= kMaxLeaving) return false;
-  std::vector<std::pair<uint64_t, std::shared_ptr<Connection>>> all;
-  std::vector<ops::Guest> guests;
-  for (auto& [id, weak] : connections) {
-    auto connection = weak.lock();
-    if (!connection || connection->welcomed() || leaving.contains(id)) continue;
-    guests.push_back({connection->block(), true});
-    all.emplace_back(id, std::move(connection));
-  }
-  std::optional<size_t> goes = ops::WhoMakesRoom(guests);
-  if (!goes) return false;
-  leaving.insert(all[*goes].first);
-  all[*goes].second->Close();
-  return true;
-}
-
-void StationServer::State::Admit(tcp::socket socket) {
-  if (!HasRoom()) {
-    error_code error;
-    auto peer = socket.remote_endpoint(error);
-    refusals.Note({"a peer at " + (error ? std::string("?") : peer.address().to_string()), "full",
-                   std::to_string(connections.size()) + " connections are open"});
-    return;
-  }
-  error_code ignored;
-  socket.set_option(tcp::no_delay(true), ignored);
-  uint64_t id = next_id++;
-  auto connection = std::make_shared<Connection>(std::move(socket), tls->native_handle(),
-                                                 options.deadlines, services, pool, refusals);
-  connections[id] = connection;
-  connection->Run([self = shared_from_this(), id] {
-    asio::post(self->strand, [self, id] { self->Forget(id); });
+  listener.ForEach([revoked = revoked](AcceptedConnection& connection) {
+    static_cast<Connection&>(connection).EndIfRevoked(revoked);  // Make made it
   });
-}
-
-void StationServer::State::Forget(uint64_t id) {
-  connections.erase(id);
-  leaving.erase(id);
-  if (stopping && connections.empty()) grace.cancel();
 }
 
 void StationServer::State::StopOnStrand() {
-  if (stopping) return;
   stopping = true;
-  error_code ignored;
-  acceptor.close(ignored);
   next_look.cancel();
-  if (connections.empty()) return;
-  for (auto& [id, weak] : connections) {
-    if (auto connection = weak.lock()) connection->BeginStop();
-  }
-  grace.expires_after(options.deadlines.stop);
-  grace.async_wait([self = shared_from_this()](error_code cancelled) {
-    if (cancelled) return;
-    for (auto& [id, weak] : self->connections) {
-      if (auto connection = weak.lock()) connection->Close();
-    }
-  });
 }
 
 StationServer::StationServer(asio::io_context& io, StationServerOptions options, Services& services,
@@ -204,33 +135,15 @@ Result<uint16_t> StationServer::Start() {
   SaveMemory(tls->native_handle());
   AllowDescriptors();
   IgnoreBrokenPipes();
-  error_code error;
-  auto address = asio::ip::make_address(s.options.address, error);
-  if (error) {
-    return Status(Code::kInvalidInput,
-                  "expected a numeric address to listen on, found \"" + s.options.address + "\"");
-  }
-  tcp::endpoint endpoint(address, s.options.port);
-  s.acceptor.open(endpoint.protocol(), error);
-  if (!error) s.acceptor.set_option(tcp::acceptor::reuse_address(true), error);
-  if (!error) s.acceptor.bind(endpoint, error);
-  if (!error) s.acceptor.listen(asio::socket_base::max_listen_connections, error);
-  if (error) {
-    return Status(Code::kUnavailable,
-                  "cannot listen for stations on " + s.options.address + ":" +
-                      std::to_string(s.options.port) + ": " + error.message() +
-                      "; stop the program that uses the port or name another one");
-  }
-  asio::co_spawn(s.strand, s.Accept(), [state = state_](std::exception_ptr failure) {
-    if (failure) spdlog::error("station link: accepting ended by an exception");
-  });
+  ENAMEL_ASSIGN_OR_RETURN(auto port, s.listener.Start());
   asio::co_spawn(s.strand, s.WatchRevoked(), [state = state_](std::exception_ptr failure) {
     if (failure) spdlog::error("station link: looking for revoked stations ended by an exception");
   });
-  return s.acceptor.local_endpoint().port();
+  return port;
 }
 
 void StationServer::Stop() {
+  state_->listener.Stop();
   asio::post(state_->strand, [state = state_] { state->StopOnStrand(); });
 }
 

@@ -1,0 +1,229 @@
+#include "server/net/listener.h"
+
+#include <spdlog/spdlog.h>
+
+#include <atomic>
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/redirect_error.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "common/base/check.h"
+#include "server/net/connection_limit.h"
+
+namespace enamel::server {
+
+namespace asio = boost::asio;
+using asio::ip::tcp;
+using boost::system::error_code;
+
+namespace {
+
+// Accepting fails when the process is out of descriptors, most likely: at once and for as long as
+// it is. A connection that ends in this time gives one back.
+constexpr std::chrono::milliseconds kAcceptPause{100};
+
+auto Into(error_code& error) { return asio::redirect_error(asio::use_awaitable, error); }
+
+}  // namespace
+
+// Connections are held weakly: each lives as long as its own coroutine, so that what is waiting in
+// `io` when that is destroyed takes its connection with it, and no circle keeps either.
+struct Listener::State : std::enable_shared_from_this<State> {
+  State(asio::io_context& context, ListenerOptions o, Make m, TurnAway t)
+      : io(context),
+        options(std::move(o)),
+        make(std::move(m)),
+        turn_away(std::move(t)),
+        strand(asio::make_strand(context)),
+        acceptor(strand),
+        grace(strand) {}
+
+  Status Listen();
+  asio::awaitable<void> Accept();
+  std::shared_ptr<AcceptedConnection> PickToGiveWay(GivesWay when, uint64_t& id);
+  bool MakeRoom();
+  void Admit(tcp::socket socket, Strand its);
+  void Forget(uint64_t id);
+  void StopOnStrand();
+  void VisitAll(const std::function<void(AcceptedConnection&)>& visit);
+
+  asio::io_context& io;
+  const ListenerOptions options;
+  const Make make;
+  const TurnAway turn_away;
+  std::atomic<size_t> open{0};  // connections.size(), for other threads
+
+  // Owned by the strand.
+  struct Entry {
+    std::weak_ptr<AcceptedConnection> connection;
+    bool closing = false;  // was told to give way
+  };
+  Strand strand;
+  tcp::acceptor acceptor;
+  asio::steady_timer grace;               // of stopping
+  std::map<uint64_t, Entry> connections;  // by age, the oldest first
+  size_t closing = 0;                     // of those
+  uint64_t next_id = 0;
+  bool stopping = false;
+};
+
+Status Listener::State::Listen() {
+  error_code error;
+  auto address = asio::ip::make_address(options.address, error);
+  if (error) {
+    return {Code::kInvalidInput,
+            "expected a numeric address such as 127.0.0.1, found '" + options.address + "'",
+            "address"};
+  }
+  tcp::endpoint endpoint(address, options.port);
+  acceptor.open(endpoint.protocol(), error);
+  if (!error) acceptor.set_option(asio::socket_base::reuse_address(true), error);
+  if (!error) acceptor.bind(endpoint, error);
+  if (!error) acceptor.listen(asio::socket_base::max_listen_connections, error);
+  if (!error) return {};
+  const std::string where = options.address + ":" + std::to_string(options.port);
+  if (error == asio::error::address_in_use) {
+    return {Code::kUnavailable,
+            "expected a free port, found " + where +
+                " in use; stop the program that holds it or choose another port",
+            "port"};
+  }
+  return {Code::kUnavailable, "expected to listen on " + where + ", found: " + error.message(),
+          "address"};
+}
+
+asio::awaitable<void> Listener::State::Accept() {
+  while (!stopping) {
+    error_code error;
+    Strand its = asio::make_strand(io);
+    tcp::socket socket(its);
+    co_await acceptor.async_accept(socket, Into(error));
+    if (stopping) co_return;
+    if (!error) {
+      Admit(std::move(socket), its);
+      continue;
+    }
+    spdlog::warn("{}: cannot accept a connection: {}", options.name, error.message());
+    asio::steady_timer pause(strand, kAcceptPause);
+    co_await pause.async_wait(Into(error));
+  }
+}
+
+std::shared_ptr<AcceptedConnection> Listener::State::PickToGiveWay(GivesWay when, uint64_t& id) {
+  std::vector<std::pair<uint64_t, std::shared_ptr<AcceptedConnection>>> candidates;
+  std::vector<Closable> closable;
+  for (const auto& [its_id, entry] : connections) {
+    auto connection = entry.connection.lock();
+    if (!connection || entry.closing || connection->gives_way() != when) continue;
+    closable.push_back({connection->block(), true});
+    candidates.emplace_back(its_id, std::move(connection));
+  }
+  std::optional<size_t> picked = PickToClose(closable);
+  if (!picked) return nullptr;
+  id = candidates[*picked].first;
+  return candidates[*picked].second;
+}
+
+// Those that are told to close are counted out at once: who comes now need not wait until they are
+// gone. kMaxClosing keeps a flood from opening sockets faster than they close.
+bool Listener::State::MakeRoom() {
+  if (connections.size() - closing < options.max_connections) return true;
+  if (closing >= kMaxClosing) return false;
+  uint64_t id = 0;
+  auto connection = PickToGiveWay(GivesWay::kFirst, id);
+  if (!connection) connection = PickToGiveWay(GivesWay::kAfterOthers, id);
+  if (!connection) return false;
+  connections.at(id).closing = true;
+  ++closing;
+  connection->Close();
+  return true;
+}
+
+void Listener::State::Admit(tcp::socket socket, Strand its) {
+  ENAMEL_CHECK(strand.running_in_this_thread());
+  if (!MakeRoom()) {
+    turn_away(std::move(socket), connections.size());
+    return;
+  }
+  error_code ignored;
+  // Answers are written whole: waiting for more to send would only delay their last packet.
+  socket.set_option(tcp::no_delay(true), ignored);
+  uint64_t id = next_id++;
+  auto connection = make(std::move(socket), its);
+  connections[id] = {connection};
+  open = connections.size();
+  connection->Run([self = shared_from_this(), id] {
+    asio::post(self->strand, [self, id] { self->Forget(id); });
+  });
+}
+
+void Listener::State::Forget(uint64_t id) {
+  ENAMEL_CHECK(strand.running_in_this_thread());
+  auto at = connections.find(id);
+  if (at->second.closing) --closing;
+  connections.erase(at);
+  open = connections.size();
+  if (stopping && connections.empty()) grace.cancel();
+}
+
+void Listener::State::VisitAll(const std::function<void(AcceptedConnection&)>& visit) {
+  ENAMEL_CHECK(strand.running_in_this_thread());
+  for (auto& [id, entry] : connections) {
+    if (auto connection = entry.connection.lock()) visit(*connection);
+  }
+}
+
+void Listener::State::StopOnStrand() {
+  ENAMEL_CHECK(strand.running_in_this_thread());
+  if (stopping) return;
+  stopping = true;
+  error_code ignored;
+  acceptor.close(ignored);
+  if (connections.empty()) return;
+  VisitAll([](AcceptedConnection& connection) { connection.BeginStop(); });
+  grace.expires_after(options.stop);
+  grace.async_wait([self = shared_from_this()](error_code cancelled) {
+    if (!cancelled) self->VisitAll([](AcceptedConnection& connection) { connection.Close(); });
+  });
+}
+
+Listener::Listener(asio::io_context& io, ListenerOptions options, Make make, TurnAway turn_away)
+    : state_(
+          std::make_shared<State>(io, std::move(options), std::move(make), std::move(turn_away))) {}
+
+Result<uint16_t> Listener::Start() {
+  ENAMEL_RETURN_IF_ERROR(state_->Listen());
+  const uint16_t port = state_->acceptor.local_endpoint().port();
+  asio::co_spawn(state_->strand, state_->Accept(),
+                 [state = state_](const std::exception_ptr& failure) {
+                   if (failure) {
+                     spdlog::error("{}: accepting ended by an exception", state->options.name);
+                   }
+                 });
+  return port;
+}
+
+void Listener::Stop() {
+  asio::post(state_->strand, [state = state_] { state->StopOnStrand(); });
+}
+
+size_t Listener::open() const { return state_->open; }
+
+void Listener::ForEach(std::function<void(AcceptedConnection&)> visit) {
+  asio::post(state_->strand,
+             [state = state_, visit = std::move(visit)] { state->VisitAll(visit); });
+}
+
+std::string PeerAddress(const tcp::socket& socket) {
+  error_code error;
+  auto endpoint = socket.remote_endpoint(error);
+  return error ? std::string("unknown") : endpoint.address().to_string();
+}
+
+}  // namespace enamel::server
