@@ -1,0 +1,112 @@
+#include "server/http/server_context.h"
+
+#include <boost/asio/ip/address.hpp>
+#include <utility>
+
+#include "server/http/error_response.h"
+#include "server/http/site.h"
+
+namespace enamel::server::http {
+
+namespace asio = boost::asio;
+using boost::system::error_code;
+
+namespace {
+
+constexpr std::string_view kHealthPath = "/healthz";  // also for the proxy itself
+
+Status LoadTls(asio::ssl::context& context, const TlsFiles& files) {
+  error_code error;
+  SSL_CTX_set_min_proto_version(context.native_handle(), TLS1_3_VERSION);
+  context.use_certificate_chain_file(files.certificate_chain.string(), error);
+  if (error) {
+    return {Code::kNotFound, "expected a PEM certificate chain in " +
+                                 files.certificate_chain.string() + ": " + error.message()};
+  }
+  context.use_private_key_file(files.private_key.string(), asio::ssl::context::pem, error);
+  if (error) {
+    return {Code::kNotFound, "expected the certificate's PEM key in " + files.private_key.string() +
+                                 ": " + error.message()};
+  }
+  return {};
+}
+
+}  // namespace
+
+ServerContext::ServerContext(HttpOptions given, Store& store, auth::Authenticator& authenticator)
+    : options(std::move(given)),
+      api(std::make_unique<Api>(store, authenticator,
+                                Monitoring{options.metrics, options.metrics_token},
+                                options.store_threads, options.max_in_flight)) {
+  if (options.live) api->Show(*options.live);
+  api->Enrol(options.station_fingerprint);
+}
+
+void ServerContext::NoteRefusal(const std::string& peer, const std::string& reason) {
+  refusals.Note({"a peer at " + peer, reason.substr(0, reason.find(' ')), reason});
+}
+
+asio::awaitable<Response> ServerContext::Answer(Request& request) {
+  if (!options.trusted_proxies.empty() && request.path != kHealthPath) {
+    const std::string peer = request.peer;
+    if (Status known = TakeFromProxy(options.trusted_proxies, request); !known.ok()) {
+      NoteRefusal(peer, "403 " + known.message());
+      co_return ErrorResponse(known);
+    }
+  }
+  if (!HostAllowed(request.Header("host"), options.host_names)) {
+    NoteRefusal(request.peer, "421 the host it asked for is not one of this server's names");
+    co_return ErrorResponse(421, "misdirected",
+                            "expected a host name of this server, found " +
+                                std::string(request.Header("host")) +
+                                "; open the page under its own address",
+                            "host");
+  }
+  if (Api::Owns(request.path)) co_return co_await api->Handle(request);
+  if (files) co_return files->Serve(request);
+  co_return ErrorResponse(Status{Code::kNotFound,
+                                 "this server was started without the page; start it with --web "
+                                 "and the folder of the built page, "
+                                 "such as --web web/dist"});
+}
+
+Status ServerContext::Prepare() {
+  error_code error;
+  asio::ip::address address = asio::ip::make_address(options.address, error);
+  if (error) {
+    return {Code::kInvalidInput,
+            "expected a numeric address such as 127.0.0.1, found '" + options.address + "'",
+            "address"};
+  }
+  if (!address.is_loopback() && !options.tls && options.trusted_proxies.empty()) {
+    return {
+        Code::kInvalidInput,
+        "expected TLS for " + options.address +
+            ": passwords do not travel in the clear; give a certificate and key, name the proxy "
+            "that speaks TLS to the browsers, or listen on 127.0.0.1",
+        "address"};
+  }
+  for (const std::string& proxy : options.trusted_proxies) {
+    if (asio::ip::make_address(proxy, error).to_string() == proxy && !error) continue;
+    return {Code::kInvalidInput,
+            "expected a proxy's numeric address such as 10.0.0.5, found '" + proxy + "'",
+            "trusted_proxies"};
+  }
+  bool reached_from_afar = !address.is_loopback() || !options.trusted_proxies.empty();
+  if (options.host_names.empty() && reached_from_afar) {
+    return {Code::kInvalidInput, "expected the host names the page is opened under", "host_names"};
+  }
+  if (options.host_names.empty()) options.host_names = {"127.0.0.1", "localhost", "[::1]"};
+  if (options.tls) {
+    tls.emplace(asio::ssl::context::tls_server);
+    ENAMEL_RETURN_IF_ERROR(LoadTls(*tls, *options.tls));
+  }
+  if (!options.web_root.empty()) {
+    Result<StaticFiles> loaded = StaticFiles::Load(options.web_root);
+    if (!loaded.ok()) return loaded.status();
+    files = std::move(*loaded);
+  }
+  return {};
+}
+
+}  // namespace enamel::server::http

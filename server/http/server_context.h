@@ -1,0 +1,47 @@
+#pragma once
+
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/ssl/context.hpp>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "common/base/result.h"
+#include "server/http/api.h"
+#include "server/http/http_server.h"
+#include "server/http/message.h"
+#include "server/http/static_files.h"
+#include "server/ops/refusal_log.h"
+
+namespace enamel::server::http {
+
+// What all connections of one server use. Thread safety: Prepare before anything else; then any
+// strand.
+struct ServerContext {
+  ServerContext(HttpOptions given, Store& store, auth::Authenticator& authenticator);
+
+  // Looks at the options, fills in those that were left out, and loads certificate and page.
+  // Errors: kInvalidInput, kNotFound.
+  Status Prepare();
+
+  // The answer to a request as it came from a connection: of the proxy's rules and the host names,
+  // then of the API or the page.
+  boost::asio::awaitable<Response> Answer(Request& request);
+
+  // `reason` begins with the HTTP status, which alone tells refusals apart: what follows may be
+  // what the peer wrote.
+  void NoteRefusal(const std::string& peer, const std::string& reason);
+
+  // The browser's end of the line is TLS, here or at the proxy.
+  bool secure() const { return options.tls.has_value() || !options.trusted_proxies.empty(); }
+
+  // Constant after Prepare.
+  HttpOptions options;
+  std::optional<boost::asio::ssl::context> tls;
+  std::optional<StaticFiles> files;
+
+  std::unique_ptr<Api> api;  // until the server is destroyed
+  ops::RefusalLog refusals{"page"};
+};
+
+}  // namespace enamel::server::http
