@@ -1,15 +1,26 @@
 #include "server/http/api.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
+#include <boost/asio/as_tuple.hpp>
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/this_coro.hpp>
+#include <boost/asio/use_awaitable.hpp>
 #include <chrono>
 #include <exception>
 #include <utility>
 
+#include "common/base/utf8.h"
 #include "server/auth/token.h"
 #include "server/http/error_response.h"
 #include "server/http/site.h"
 
 namespace enamel::server::http {
+
+namespace asio = boost::asio;
+
 namespace {
 
 bool IsSafe(Method method) { return method == Method::kGet || method == Method::kHead; }
@@ -82,6 +93,12 @@ Status FillPlace(const RouteMatch& match, Call& call) {
   return {};
 }
 
+Response NotInTime(const Request& request) {
+  std::string what =
+      IsSafe(request.method) ? "" : "; it may still be done: look before you try again";
+  return ErrorResponse({Code::kUnavailable, "the server did not get to this in time" + what});
+}
+
 // Counts a request in for as long as it lives.
 class Ticket {
  public:
@@ -99,31 +116,74 @@ class Ticket {
 }  // namespace
 
 Api::Api(Store& store, auth::Authenticator& authenticator, Monitoring monitoring, size_t threads,
-         size_t max_in_flight)
+         size_t max_in_flight, std::chrono::milliseconds work)
     : store_(store),
       authenticator_(authenticator),
       monitoring_(std::move(monitoring)),
       max_in_flight_(max_in_flight),
-      pool_(threads) {}
+      work_(work),
+      pool_(std::in_place, threads) {}
 
 bool Api::Owns(std::string_view path) {
   return path == "/healthz" || path == "/metrics" || path == "/api" || path.starts_with("/api/");
 }
 
-boost::asio::awaitable<Response> Api::Handle(const Request& request) {
+void Api::EndWork() {
+  pool_.reset();
+  apart_.reset();
+}
+
+asio::awaitable<Response> Api::Handle(Request request) {
   auto begin = std::chrono::steady_clock::now();
-  Response response = co_await Answer(request);
+  request.answer_by = begin + work_;
+  const bool read = IsSafe(request.method);
+  Response response = co_await AnswerInTime(std::move(request));
   auto kind = static_cast<size_t>(response.status / 100);
   if (kind < answers_.size()) ++answers_[kind];
-  if (IsSafe(request.method)) reads_.Add(std::chrono::steady_clock::now() - begin);
+  if (read) reads_.Add(std::chrono::steady_clock::now() - begin);
   co_return response;
 }
 
-boost::asio::awaitable<Response> Api::Answer(const Request& request) {
+// A request and its answer, shared by who does it and who waits for it. On the connection's strand.
+struct Api::Work {
+  Work(const asio::any_io_executor& executor, Request r)
+      : request(std::move(r)), deadline(executor, request.answer_by) {}
+
+  const Request request;
+  asio::steady_timer deadline;  // cancelled when it is done
+  Response response;
+  std::exception_ptr failure;
+  bool done = false;
+};
+
+// Two coroutines: work in a store's thread cannot be taken back, so who waits must be able to leave
+// without it. Both run on the executor of the connection, never at once.
+asio::awaitable<Response> Api::AnswerInTime(Request request) {
+  auto executor = co_await asio::this_coro::executor;
+  auto work = std::make_shared<Work>(executor, std::move(request));
+  asio::co_spawn(executor, Do(work), [self = shared_from_this(), work](std::exception_ptr failure) {
+    work->failure = std::move(failure);
+    work->done = true;
+    work->deadline.cancel();
+  });
+  // What needs no thread is done already, and has cancelled a timer that was not waited for.
+  if (!work->done) co_await work->deadline.async_wait(asio::as_tuple(asio::use_awaitable));
+  if (work->failure) std::rethrow_exception(work->failure);
+  if (work->done) co_return std::move(work->response);
+  spdlog::warn("http: {} {} had no answer within {} ms", MethodName(work->request.method),
+               Printable(work->request.path), work_.count());
+  co_return NotInTime(work->request);
+}
+
+asio::awaitable<void> Api::Do(std::shared_ptr<Work> work) {
+  work->response = co_await Answer(work->request);
+}
+
+asio::awaitable<Response> Api::Answer(const Request& request) {
   RouteMatch match = FindRoute(request.method, request.path);
   if (!match.route) co_return NoSuchRoute(request, match);
-  Call call{request,      store_, authenticator_,       nullptr, {},    {},
-            &monitoring_, live_,  station_fingerprint_, &apart_, &feel_};
+  Call call{request,      store_, authenticator_,       nullptr,  {},    {},
+            &monitoring_, live_,  station_fingerprint_, &*apart_, &feel_};
   if (Status place = FillPlace(match, call); !place.ok()) co_return ErrorResponse(place);
   const Route& route = *match.route;
   if (!IsSafe(request.method)) {
@@ -141,12 +201,12 @@ boost::asio::awaitable<Response> Api::Answer(const Request& request) {
     co_return ErrorResponse({Code::kUnavailable, "the server is busy; try again in a few seconds"});
   }
   if (async) co_return co_await Asynchronous(call, route);
-  co_return co_await pool_.Run([&] { return Blocking(call, route); });
+  co_return co_await pool_->Run([&] { return Blocking(call, route); });
 }
 
-boost::asio::awaitable<Response> Api::Asynchronous(Call& call, const Route& route) {
+asio::awaitable<Response> Api::Asynchronous(Call& call, const Route& route) {
   AsyncHandler handler = std::get<AsyncHandler>(route.handler);
-  Result<auth::Identity> caller = co_await pool_.Run([&] { return Identify(call.request); });
+  Result<auth::Identity> caller = co_await pool_->Run([&] { return Identify(call.request); });
   if (!caller.ok()) co_return ErrorResponse(caller.status());
   call.caller = &*caller;
   Status allowed = CheckAllowed(call.request, route, *caller);
@@ -168,6 +228,8 @@ void Api::NoteForbidden(const Call& call, const Route& route, const Response& re
 }
 
 Response Api::Blocking(Call& call, const Route& route) {
+  // Whoever asked was told that it was not done, and may have asked again.
+  if (std::chrono::steady_clock::now() >= call.request.answer_by) return NotInTime(call.request);
   try {
     auto handler = std::get<BlockingHandler>(route.handler);
     if (route.need == Need::kNobody) return handler(call);
@@ -189,8 +251,8 @@ Result<auth::Identity> Api::Identify(const Request& request) {
   return authenticator_.AuthenticateHex(*cookie);
 }
 
-boost::asio::awaitable<bool> Api::StillAllowed(EventSource& events) {
-  co_return co_await pool_.Run([&] { return events.StillAllowed(); });
+asio::awaitable<bool> Api::StillAllowed(EventSource& events) {
+  co_return co_await pool_->Run([&] { return events.StillAllowed(); });
 }
 
 }  // namespace enamel::server::http

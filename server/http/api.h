@@ -3,7 +3,10 @@
 #include <array>
 #include <atomic>
 #include <boost/asio/awaitable.hpp>
+#include <chrono>
 #include <cstddef>
+#include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -21,10 +24,14 @@ namespace enamel::server::http {
 // in this order. Thread safety: Handle from any strand; the work itself runs on the store's
 // threads, so no I/O thread ever blocks. At most `max_in_flight` requests wait for those threads;
 // more get 503. Health has a thread of its own: it answers while those wait.
-class Api {
+//
+// Whoever waits for longer than `work` gets 503 and is free. What a thread has begun by then goes
+// on, keeps its place among `max_in_flight` and is answered to nobody; what none has begun is not
+// done. Held by shared_ptr: such work keeps the Api.
+class Api : public std::enable_shared_from_this<Api> {
  public:
   Api(Store& store, auth::Authenticator& authenticator, Monitoring monitoring, size_t threads,
-      size_t max_in_flight);
+      size_t max_in_flight, std::chrono::milliseconds work = std::chrono::seconds(60));
 
   // Attempts can be watched from now on. Before the first Handle.
   void Show(LiveBoard& live) { live_ = &live; }
@@ -38,7 +45,12 @@ class Api {
   // True for paths that are never the page's.
   static bool Owns(std::string_view path);
 
-  boost::asio::awaitable<Response> Handle(const Request& request);
+  // Requires: what runs it is a strand, or one thread.
+  boost::asio::awaitable<Response> Handle(Request request);
+
+  // Until the store's threads have done what they had begun: nothing of ours touches the store
+  // afterwards. Requires: no Handle runs any more.
+  void EndWork();
 
   // Answers so far by the first digit of their status (index 1 to 5), how long reads (GET,
   // HEAD) took from the whole request to the answer, and requests without the right to them.
@@ -48,6 +60,9 @@ class Api {
   uint64_t forbidden() const { return forbidden_; }
 
  private:
+  struct Work;
+  boost::asio::awaitable<Response> AnswerInTime(Request request);
+  boost::asio::awaitable<void> Do(std::shared_ptr<Work> work);
   boost::asio::awaitable<Response> Answer(const Request& request);
   boost::asio::awaitable<Response> Asynchronous(Call& call, const Route& route);
   Response Blocking(Call& call, const Route& route);
@@ -58,14 +73,15 @@ class Api {
   auth::Authenticator& authenticator_;
   const Monitoring monitoring_;
   const size_t max_in_flight_;
+  const std::chrono::milliseconds work_;
   LiveBoard* live_ = nullptr;
   std::string station_fingerprint_;
   std::atomic<size_t> in_flight_{0};
   std::array<std::atomic<uint64_t>, 6> answers_{};
   std::atomic<uint64_t> forbidden_{0};
   ops::Histogram reads_;
-  StorePool pool_;
-  StorePool apart_{1};
+  std::optional<StorePool> pool_;                     // until EndWork
+  std::optional<StorePool> apart_{std::in_place, 1};  // likewise
   FeelMaps feel_;
 };
 

@@ -150,18 +150,19 @@ class StreamConnection : public AcceptedConnection,
     if (late) context_->NoteRefusal(peer_, "408 a request did not arrive within its time");
     gives_way_ = GivesWay::kNever;
     if (step == Step::kMore) co_return false;
+    const bool head_only = reader.request().method == Method::kHead;
     Response response;
     bool keep_alive = false;
     if (step == Step::kRequest) {
-      reader.request().peer = peer_;
-      reader.request().tls = context_->options.tls.has_value();
-      response = co_await context_->Answer(reader.request());
+      Request request = std::move(reader.request());
+      request.peer = peer_;
+      request.tls = context_->options.tls.has_value();
+      response = co_await context_->Answer(std::move(request));
       keep_alive = reader.keep_alive() && !stopping_;
     } else {
       response = std::move(reader.refusal());
       context_->NoteRefusal(peer_, std::to_string(response.status) + " " + response.body);
     }
-    bool head_only = reader.request().method == Method::kHead;
     if (response.events && !head_only) {
       co_await WriteEvents(std::move(response));
       co_return false;

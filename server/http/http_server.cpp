@@ -56,7 +56,7 @@ void HttpServer::State::AddFigures() {
   if (context->options.metrics == nullptr) return;
   context->options.metrics->Add([weak = weak_from_this()](ops::MetricsText& text) {
     auto self = weak.lock();
-    if (!self || !self->context->api) return;
+    if (!self) return;
     const Api& api = *self->context->api;
     text.Gauge("enamel_http_connections", "Open page and API connections.",
                static_cast<double>(self->listener.open()));
@@ -91,7 +91,7 @@ HttpServer::HttpServer(asio::io_context& io, HttpOptions options, Store& store,
           io, std::make_shared<ServerContext>(std::move(options), store, authenticator))) {}
 
 // Waits for the store's threads: nothing of ours touches the store afterwards.
-HttpServer::~HttpServer() { state_->context->api.reset(); }
+HttpServer::~HttpServer() { state_->context->api->EndWork(); }
 
 Result<uint16_t> HttpServer::Start() {
   ENAMEL_RETURN_IF_ERROR(state_->context->Prepare());

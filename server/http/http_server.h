@@ -29,6 +29,9 @@ struct HttpDeadlines {
   std::chrono::milliseconds handshake{10'000};  // TLS
   std::chrono::milliseconds head{10'000};       // from a head's first byte to its last
   std::chrono::milliseconds body{30'000};
+  // An API request, from its last byte to its answer: then it is answered 503, and what was not
+  // begun is not done.
+  std::chrono::milliseconds work{60'000};
   std::chrono::milliseconds write{60'000};
   std::chrono::milliseconds event{5'000};     // one event to a viewer: who is slower is dropped
   std::chrono::milliseconds events{300'000};  // a stream; its viewer comes back, and is asked again

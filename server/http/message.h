@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -25,6 +26,8 @@ struct Request {
   std::string body;
   std::string peer;  // IP address
   bool tls = false;
+  // Nobody waits for the answer after it.
+  std::chrono::steady_clock::time_point answer_by = std::chrono::steady_clock::time_point::max();
 
   // Empty when absent.
   std::string_view Header(std::string_view lower_case_name) const;

@@ -35,9 +35,9 @@ Status LoadTls(asio::ssl::context& context, const TlsFiles& files) {
 
 ServerContext::ServerContext(HttpOptions given, Store& store, auth::Authenticator& authenticator)
     : options(std::move(given)),
-      api(std::make_unique<Api>(store, authenticator,
-                                Monitoring{options.metrics, options.metrics_token},
-                                options.store_threads, options.max_in_flight)) {
+      api(std::make_shared<Api>(
+          store, authenticator, Monitoring{options.metrics, options.metrics_token},
+          options.store_threads, options.max_in_flight, options.deadlines.work)) {
   if (options.live) api->Show(*options.live);
   api->Enrol(options.station_fingerprint);
 }
@@ -46,7 +46,7 @@ void ServerContext::NoteRefusal(const std::string& peer, const std::string& reas
   refusals.Note({"a peer at " + peer, reason.substr(0, reason.find(' ')), reason});
 }
 
-asio::awaitable<Response> ServerContext::Answer(Request& request) {
+asio::awaitable<Response> ServerContext::Answer(Request request) {
   if (!options.trusted_proxies.empty() && request.path != kHealthPath) {
     const std::string peer = request.peer;
     if (Status known = TakeFromProxy(options.trusted_proxies, request); !known.ok()) {
@@ -62,7 +62,7 @@ asio::awaitable<Response> ServerContext::Answer(Request& request) {
                                 "; open the page under its own address",
                             "host");
   }
-  if (Api::Owns(request.path)) co_return co_await api->Handle(request);
+  if (Api::Owns(request.path)) co_return co_await api->Handle(std::move(request));
   if (files) co_return files->Serve(request);
   co_return ErrorResponse(Status{Code::kNotFound,
                                  "this server was started without the page; start it with --web "

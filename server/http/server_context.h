@@ -26,7 +26,7 @@ struct ServerContext {
 
   // The answer to a request as it came from a connection: of the proxy's rules and the host names,
   // then of the API or the page.
-  boost::asio::awaitable<Response> Answer(Request& request);
+  boost::asio::awaitable<Response> Answer(Request request);
 
   // `reason` begins with the HTTP status, which alone tells refusals apart: what follows may be
   // what the peer wrote.
@@ -40,7 +40,7 @@ struct ServerContext {
   std::optional<boost::asio::ssl::context> tls;
   std::optional<StaticFiles> files;
 
-  std::unique_ptr<Api> api;  // until the server is destroyed
+  const std::shared_ptr<Api> api;
   ops::RefusalLog refusals{"page"};
 };
 

@@ -279,7 +279,7 @@ class Case {
     options.cost = {1, 8192};
     options.clock = [this] { return from_.school.now_ms; };
     authenticator_ = std::make_unique<auth::Authenticator>(*store_, options);
-    api_ = std::make_unique<Api>(*store_, *authenticator_, Monitoring{}, 1, 4);
+    api_ = std::make_shared<Api>(*store_, *authenticator_, Monitoring{}, 1, 4);
     api_->Show(from.live);
     api_->Enrol("fingerprint");
   }
@@ -301,7 +301,7 @@ class Case {
   std::unique_ptr<Store> copy_;
   Store* store_;
   std::unique_ptr<auth::Authenticator> authenticator_;
-  std::unique_ptr<Api> api_;
+  std::shared_ptr<Api> api_;
 };
 
 std::string Filled(std::string text, const std::map<std::string, std::string>& names) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <future>
 #include <list>
@@ -253,6 +254,67 @@ TEST_F(HttpServerTest, DiskThatHangsHoldsUpWhoAsksForHealthAndNobodyElse) {
   ASSERT_TRUE(page.has_value());
   EXPECT_EQ(page->status, 200);
   EXPECT_EQ(patient.Read()->status, 200);
+}
+
+class SlowStoreTest : public HttpServerTest {
+ protected:
+  // Signs in, then has every write wait for `go_on_`.
+  SlowStoreTest() {
+    options_.deadlines.work = std::chrono::milliseconds(300);
+    RunningServer patient(school_);
+    Visitor root(patient.port(), "root");
+    signed_in_ = "Cookie: " + root.cookie + "\r\nX-Enamel-Csrf: " + root.csrf + "\r\n";
+    school_.before_write = [may_go_on = go_on_.get_future().share()] {
+      may_go_on.wait();
+      return false;
+    };
+  }
+
+  void AskForCohort(RawClient& client, char name) {
+    client.Send("POST /api/v1/cohorts HTTP/1.1\r\nHost: localhost\r\n" + signed_in_ +
+                "Content-Type: application/json\r\nContent-Length: 12\r\n\r\n" + R"({"name":")" +
+                name + R"("})");
+  }
+
+  std::promise<void> go_on_;
+  std::string signed_in_;
+};
+
+TEST_F(SlowStoreTest, WorkThatDoesNotEndIsAnsweredInTimeAndItsConnectionGivesWay) {
+  options_.max_connections = 1;
+  RunningServer server(school_, options_);
+  RawClient stuck(server.port());
+  AskForCohort(stuck, 'x');
+  auto refused = stuck.Read();
+  RawClient other(server.port());
+  other.Send("GET / HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  auto page = other.Read();
+  go_on_.set_value();
+  ASSERT_TRUE(refused.has_value());
+  EXPECT_EQ(refused->status, 503);
+  EXPECT_EQ(ErrorCode(*refused), "unavailable");
+  EXPECT_EQ(refused->headers["retry-after"], "5");
+  ASSERT_TRUE(page.has_value());
+  EXPECT_EQ(page->status, 200);
+}
+
+TEST_F(SlowStoreTest, WorkThatWasNotBegunInItsTimeIsNotDoneLater) {
+  std::optional<RunningServer> server(std::in_place, school_, options_);  // two store threads
+  std::list<RawClient> clients;
+  for (char name : std::string("xyz")) {
+    clients.emplace_back(server->port());
+    AskForCohort(clients.back(), name);
+  }
+  for (RawClient& client : clients) {
+    auto refused = client.Read();
+    EXPECT_TRUE(refused && refused->status == 503);
+  }
+  go_on_.set_value();
+  server.reset();  // what its threads had begun is done
+  auto cohorts = school_.store->Cohorts();
+  ASSERT_TRUE(cohorts.ok());
+  auto asked_for = [](const Cohort& c) { return c.name == "x" || c.name == "y" || c.name == "z"; };
+  EXPECT_LE(std::ranges::count_if(*cohorts, asked_for), 2);
 }
 
 TEST_F(HttpServerTest, HealthIsToldWhileAllOthersWaitForTheDatabase) {
