@@ -88,4 +88,10 @@ Status WriteFileDurably(const std::filesystem::path& path, ByteView data, int mo
   return Status::Ok();
 }
 
+std::filesystem::path OwnFolder() {
+  std::error_code error;
+  auto self = std::filesystem::read_symlink("/proc/self/exe", error);
+  return error ? std::filesystem::path(".") : self.parent_path();
+}
+
 }  // namespace enamel

@@ -14,4 +14,7 @@ Result<Bytes> ReadFile(const std::filesystem::path& path, size_t max_bytes = siz
 // the new one and never a mixture: temporary file, fsync, rename, fsync of the folder.
 Status WriteFileDurably(const std::filesystem::path& path, ByteView data, int mode = 0644);
 
+// The folder of the running program's file; "." where the system does not say.
+std::filesystem::path OwnFolder();
+
 }  // namespace enamel

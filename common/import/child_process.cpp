@@ -16,6 +16,8 @@
 
 extern char** environ;
 
+#include "common/base/file.h"
+
 namespace enamel::import {
 namespace {
 
@@ -45,12 +47,6 @@ struct Pipe {
     ends[end] = -1;
   }
 };
-
-std::filesystem::path OwnFolder() {
-  std::error_code error;
-  auto exe = std::filesystem::read_symlink("/proc/self/exe", error);
-  return error ? std::filesystem::path(".") : exe.parent_path();
-}
 
 int Spawn(const std::filesystem::path& child, const std::filesystem::path& file, const Pipe& out,
           const Pipe& err, pid_t& pid) {

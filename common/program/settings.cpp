@@ -199,7 +199,7 @@ Status ReadSettings(std::string_view text, const std::string& file, CLI::App& co
     std::string name(key.str());
     std::ranges::replace(name, '_', '-');
     CLI::Option* option = IsSetting(name) ? command.get_option_no_throw("--" + name) : nullptr;
-    if (option == nullptr && of_others.contains(name)) continue;
+    if (option == nullptr && (of_others.contains(name) || of_others.contains(kAnyKey))) continue;
     if (option == nullptr) {
       return Status(Code::kInvalidInput, Where(file, key.source()) + "expected one of " +
                                              Names(command, of_others, name) + "; found \"" +

@@ -27,7 +27,9 @@ Status ReadEnvironment(CLI::App& command, const std::string& prefix = "ENAMEL_")
 // "job-threads" or "job_threads"; texts, integers, booleans, and lists of texts for options that
 // may be repeated. After the command line was parsed. Errors: kNotFound; kInvalidInput with line
 // and column, also for a key that is no option (it names those there are) and for a value that the
-// option refuses. A file may serve several commands: keys in `of_others` are passed over.
+// option refuses. A file may serve several commands: keys in `of_others` are passed over, and where
+// it holds kAnyKey, all that the command does not have: the file is another program's too.
+inline constexpr char kAnyKey[] = "*";
 Status ReadSettingsFile(const std::filesystem::path& file, CLI::App& command,
                         const std::set<std::string>& of_others = {});
 

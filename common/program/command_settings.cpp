@@ -1,0 +1,58 @@
+#include "common/program/command_settings.h"
+
+#include <CLI/CLI.hpp>
+#include <cstdlib>
+#include <functional>
+#include <set>
+#include <utility>
+
+#include "common/program/settings.h"
+
+namespace enamel::program {
+
+CommandSettings::CommandSettings(CLI::App& app, Where where)
+    : app_(app), where_(std::move(where)), log_{.name = where_.program} {}
+
+void CommandSettings::Add() {
+  app_.add_option("--config", config_,
+                  "Settings file (TOML); also " + EnvironmentName("config", where_.prefix) +
+                      ", else " + where_.system_file.string() + " if it is there");
+  app_.add_option("--log-format", log_.format, "text, or json: one object a line")
+      ->check(CLI::IsMember({"text", "json"}))
+      ->capture_default_str();
+  app_.add_option("--log-level", log_.level, "trace, debug, info, warning or error")
+      ->capture_default_str();
+  std::function<void(CLI::App&)> prepare = [&](CLI::App& parent) {
+    for (CLI::App* command : parent.get_subcommands([](CLI::App*) { return true; })) {
+      command->fallthrough();
+      command->parse_complete_callback([this, command] {
+        if (Status s = Apply(*command); !s.ok()) throw CLI::ValidationError(s.message());
+      });
+      prepare(*command);
+    }
+  };
+  prepare(app_);
+}
+
+Status CommandSettings::Apply(CLI::App& command) {
+  // They belong to the program, whose options are taken over after its command's.
+  for (const char* name : {"--config", "--log-format", "--log-level"}) {
+    if (CLI::Option* option = app_.get_option(name); option->count() > 0) option->run_callback();
+  }
+  std::filesystem::path file = config_;
+  if (const char* set = std::getenv(EnvironmentName("config", where_.prefix).c_str());
+      file.empty() && set != nullptr) {
+    file = set;
+  }
+  if (file.empty() && std::filesystem::exists(where_.system_file)) file = where_.system_file;
+  std::set<std::string> known = SettingNames(app_);
+  if (where_.shared) known.insert(kAnyKey);
+  for (CLI::App* one : {&command, &app_}) {
+    ENAMEL_RETURN_IF_ERROR(ReadEnvironment(*one, where_.prefix));
+    if (file.empty()) continue;
+    ENAMEL_RETURN_IF_ERROR(ReadSettingsFile(file, *one, known));
+  }
+  return SetUpLog(log_);
+}
+
+}  // namespace enamel::program

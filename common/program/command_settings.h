@@ -1,0 +1,45 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "common/base/result.h"
+#include "common/program/log.h"
+
+namespace CLI {
+class App;
+}
+
+namespace enamel::program {
+
+// Settings and log of a program with commands. Before a command runs, what its command line did not
+// say is taken from the environment, then from a settings file; then the log is set up. A setting
+// that cannot be taken ends the parsing as a wrong command line does (CLI::ValidationError). Main
+// thread only.
+class CommandSettings {
+ public:
+  struct Where {
+    std::string program;                // its name in the log
+    std::string prefix;                 // of its environment variables
+    std::filesystem::path system_file;  // read where no other is named and it is there
+    // The file is another program's too: keys that no command has here are passed over.
+    bool shared = false;
+  };
+  // `app` outlives this, and this the parsing.
+  CommandSettings(CLI::App& app, Where where);
+
+  // Adds --config, --log-format and --log-level. When every command is there.
+  void Add();
+  // What Add lets every command do; for a program that runs without one. Errors: kInvalidInput.
+  Status Apply(CLI::App& command);
+
+  const LogOptions& log() const { return log_; }
+
+ private:
+  CLI::App& app_;
+  const Where where_;
+  LogOptions log_;
+  std::string config_;
+};
+
+}  // namespace enamel::program
