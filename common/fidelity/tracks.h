@@ -2,7 +2,7 @@
 
 #include "common/math/vec.h"
 
-// What the human-motion suite of `enamel-station qualify` and the map of feel.h have in common: how
+// What the human-motion suite of `enamel-lab qualify` and the map of feel.h have in common: how
 // a hand strokes, what an encoder makes of it, and the track that force is measured against. SI
 // units. Thread safety: pure functions, any thread. Real-time: safe.
 namespace enamel::fidelity {

@@ -3,7 +3,7 @@
 namespace enamel::haptics {
 namespace {
 
-// Tuning, found with `enamel-station qualify --suite hand` and `--suite random`.
+// Tuning, found with `enamel-lab qualify --suite hand` and `--suite random`.
 constexpr double kStraight_cells = 0.4;  // how far a count may lie off the straight line
 constexpr double kHistory_s = 0.6;       // nothing older is looked at
 constexpr double kDue_cells = 1.2;       // cells' worth of time after which a count is overdue ...

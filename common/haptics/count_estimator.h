@@ -20,7 +20,7 @@ inline constexpr double kCountSpacing_s = 0.01;
 // A window holds at least this many counts.
 inline constexpr int kWindowIntervals = 5;
 // Cells' worth of time without a count that is not yet silence. 1.3 lets heavy force hands cycle by
-// up to 0.9 N, 1.5 makes the release a tenth longer (`enamel-station qualify --suite random`).
+// up to 0.9 N, 1.5 makes the release a tenth longer (`enamel-lab qualify --suite random`).
 inline constexpr double kSilenceCounts = 1.4;
 // Nor is this many times the longest of the last gaps between counts.
 inline constexpr double kSilenceGaps = 1.03;

@@ -8,7 +8,7 @@
 namespace enamel::haptics {
 namespace {
 
-// Tuning, found with `enamel-station qualify --suite random`; dimensionless.
+// Tuning, found with `enamel-lab qualify --suite random`; dimensionless.
 constexpr double kOpeningSlope = 5;  // how fast a gate opens above r = 1
 constexpr double kStillGate = 0.1;
 constexpr double kStillCells = 1.05;  // "within the cell": this many half cells ...

@@ -5,7 +5,7 @@
 namespace enamel::haptics {
 namespace {
 
-// Tuning, found with `enamel-station qualify --suite hand` and `--suite random`.
+// Tuning, found with `enamel-lab qualify --suite hand` and `--suite random`.
 constexpr double kRecent_s = 0.03;    // longer than a quarter swing of 0.5 kg on 2.5 N/mm, 23 ms
 constexpr double kTelling_cells = 4;  // a smaller move of the rest point tells nothing
 constexpr double kFollowed = 0.4;     // share of the move that the tip of a soft hand makes too

@@ -8,7 +8,7 @@ namespace enamel::haptics {
 namespace {
 
 // Tuning of the gated Maxwell coupling: one set for every device, material and hand, found with
-// `enamel-station qualify --suite random`. Dimensionless unless the name says otherwise.
+// `enamel-lab qualify --suite random`. Dimensionless unless the name says otherwise.
 struct Tuning {
   double cap_moving = 2.5;       // largest gate while counts arrive
   double cap_silent = 15;        // largest gate once the tip is silent

@@ -9,7 +9,7 @@
 namespace enamel::haptics {
 namespace {
 
-// Tuning: one set for every device, material and hand, found with `enamel-station qualify --suite
+// Tuning: one set for every device, material and hand, found with `enamel-lab qualify --suite
 // hand` and `--suite random`. tau = tr B / (3 Kc) is the plain coupling's time constant: no time
 // here is longer than a share of it, so that soft tissue is not held up by what hard tissue needs.
 struct Tuning {

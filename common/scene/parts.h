@@ -6,7 +6,7 @@
 
 #include "common/scene/types.h"
 
-// What of a scene an attempt carries: the compiler's decisions. 'enamel-station explain' measures
+// What of a scene an attempt carries: the compiler's decisions. 'enamel-lab explain' measures
 // what each is worth.
 namespace enamel::scene {
 

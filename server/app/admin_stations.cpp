@@ -133,7 +133,7 @@ Status AddProfileReport(const std::filesystem::path& data, const std::string& pr
   row.media_type = extension == ".json" ? "application/json" : "text/html";
   if (extension != ".json" && extension != ".html") {
     return {Code::kInvalidInput,
-            "a report is a .html or .json file of `enamel-station qualify --report`, found " +
+            "a report is a .html or .json file of `enamel-lab qualify --report`, found " +
                 file.string()};
   }
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));

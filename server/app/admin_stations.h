@@ -25,7 +25,7 @@ Status RevokeStation(const std::filesystem::path& data, const std::string& stati
 // the newest version of its name when all are met, unless it is only to be checked.
 Status PutProfile(const std::filesystem::path& data, const std::filesystem::path& file,
                   bool check_only);
-// What `enamel-station qualify --report` wrote: JSON or HTML by the file's name, at most 1 MiB.
+// What `enamel-lab qualify --report` wrote: JSON or HTML by the file's name, at most 1 MiB.
 Status AddProfileReport(const std::filesystem::path& data, const std::string& profile,
                         const std::filesystem::path& file);
 // What `enamel-station calibrate` wrote (schemas/calibration.schema.json).

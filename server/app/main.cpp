@@ -364,7 +364,7 @@ void AddProfiles(CLI::App& admin, Options& o, Command& command) {
   put->callback([&] { command = [&] { return app::PutProfile(o.data, o.file, o.check_only); }; });
 
   auto* report = admin.add_subcommand("add-report", "Attach a qualification report to a profile");
-  report->add_option("FILE", o.file, "What `enamel-station qualify --report` wrote")
+  report->add_option("FILE", o.file, "What `enamel-lab qualify --report` wrote")
       ->required()
       ->check(CLI::ExistingFile);
   AddData(report, o.data);

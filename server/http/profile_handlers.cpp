@@ -252,7 +252,7 @@ Response AddProfileReport(const Call& call) {
   }
   if (error || call.request.body.empty()) {
     return ErrorResponse(
-        {Code::kInvalidInput, "expected what `enamel-station qualify` wrote as body", "body"});
+        {Code::kInvalidInput, "expected what `enamel-lab qualify` wrote as body", "body"});
   }
   if (auto there = VersionsOf(call); !there.ok()) return ErrorResponse(there.status());
   Result<Sha256> content = call.store.PutBlob(AsBytes(call.request.body));

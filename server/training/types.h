@@ -88,7 +88,7 @@ struct ProfileRow {
   UnixMs created_ms = 0;  // of this version; 0: before schema 4
 };
 
-// What `enamel-station qualify` wrote about one version of a profile.
+// What `enamel-lab qualify` wrote about one version of a profile.
 struct ProfileReportRow {
   Uuid id;
   std::string profile;

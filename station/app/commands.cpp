@@ -145,6 +145,17 @@ Status SimulateAttempt(const SimulateCommand& options) {
                                                {"plane_median_um", planes}});
 }
 
+void PrintScenes() {
+  for (const scene::BuiltinScene& s : scene::BuiltinScenes()) {
+    std::printf("builtin:%-14s %s\n", std::string(s.name).c_str(), std::string(s.summary).c_str());
+    auto built = scene::BuildBuiltinScene(s.name, 500'000);
+    if (!built.ok()) continue;
+    for (const scene::Exercise& e : scene::BuiltinExercises(built->scene, {})) {
+      std::printf("  %-28s %s%s\n", e.name.c_str(), e.title.c_str(), e.graded ? "" : " (practice)");
+    }
+  }
+}
+
 void PrintProfiles() {
   for (const scene::DeviceProfile& p : scene::BuiltinProfiles()) {
     std::printf("%s (%s)\n", p.name.c_str(), p.title.c_str());

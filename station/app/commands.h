@@ -42,6 +42,8 @@ struct SimulateCommand {
 };
 Status SimulateAttempt(const SimulateCommand& options);
 
+// The scenes and exercises the project makes itself.
+void PrintScenes();
 void PrintProfiles();
 
 }  // namespace enamel::station

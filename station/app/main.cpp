@@ -5,24 +5,20 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <functional>
 #include <iostream>
-#include <set>
 #include <string>
 
+#include "common/program/command_settings.h"
 #include "common/program/log.h"
-#include "common/program/settings.h"
 #include "station/app/attempt.h"
 #include "station/app/commands.h"
 #include "station/app/device_commands.h"
-#include "station/app/explain.h"
-#include "station/app/frame_bench.h"
 #include "station/app/import_command.h"
+#include "station/app/lab_command.h"
 #include "station/app/replay.h"
 #include "station/app/spool_command.h"
 #include "station/app/workplace_settings.h"
 #include "station/desk/desk.h"
-#include "station/qualify/cli.h"
 
 namespace {
 
@@ -51,6 +47,8 @@ For hours without the server, with a PIN of your own:
   ENAMEL_PASSWORD=... ENAMEL_PIN=... enamel-station reserve --user LOGIN --exercise NAME --profile NAME
   ENAMEL_PIN=... enamel-station run --reserved ID
   ENAMEL_PIN=... enamel-station reserve --give-back ID
+Measuring laws, cutting and this computer is enamel-lab's: qualify, fit-damping, explain and
+frame-bench still start it from here. 'enamel-lab --help' teaches it.
 Settings: command line before environment (ENAMEL_STATION_ and the option's name, as
 ENAMEL_STATION_UPLINK_KBIT) before a file (--config FILE); schemas/station_settings.md.
 Exit codes: 0 done, 1 failed (the reason is on standard error), 2 wrong command line,
@@ -150,50 +148,6 @@ int Run(RunOptions& options, bool password_stdin) {
   return kNotUploaded;
 }
 
-// Settings of the machine, for all of its commands.
-constexpr char kSystemSettings[] = "/etc/enamel/station.toml";
-
-Status ApplySettings(CLI::App& app, CLI::App& command, program::LogOptions& log,
-                     const std::string& config) {
-  // They belong to the program, whose options are taken over after its command's.
-  for (const char* name : {"--config", "--log-format", "--log-level"}) {
-    if (CLI::Option* option = app.get_option(name); option->count() > 0) option->run_callback();
-  }
-  std::filesystem::path file = config.empty() ? Environment("ENAMEL_STATION_CONFIG") : config;
-  if (file.empty() && std::filesystem::exists(kSystemSettings)) file = kSystemSettings;
-  const std::set<std::string> known = program::SettingNames(app);
-  for (CLI::App* one : {&command, &app}) {
-    ENAMEL_RETURN_IF_ERROR(program::ReadEnvironment(*one, kPrefix));
-    if (file.empty()) continue;
-    ENAMEL_RETURN_IF_ERROR(program::ReadSettingsFile(file, *one, known));
-  }
-  return program::SetUpLog(log);
-}
-
-// Before a command runs: what its command line did not say is taken from the environment
-// (ENAMEL_STATION_…), then from the settings file; then the log is set up.
-void AddSettings(CLI::App& app, program::LogOptions& log, std::string& config) {
-  app.add_option("--config", config,
-                 "Settings file (TOML); also ENAMEL_STATION_CONFIG, else "
-                 "/etc/enamel/station.toml if it is there");
-  app.add_option("--log-format", log.format, "text, or json: one object a line")
-      ->check(CLI::IsMember({"text", "json"}))
-      ->capture_default_str();
-  app.add_option("--log-level", log.level, "trace, debug, info, warning or error")
-      ->capture_default_str();
-  std::function<void(CLI::App&)> prepare = [&](CLI::App& parent) {
-    for (CLI::App* command : parent.get_subcommands([](CLI::App*) { return true; })) {
-      command->fallthrough();
-      command->parse_complete_callback([&app, &log, &config, command] {
-        if (Status s = ApplySettings(app, *command, log, config); !s.ok())
-          throw CLI::ValidationError(s.message());
-      });
-      prepare(*command);
-    }
-  };
-  prepare(app);
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -203,10 +157,11 @@ int main(int argc, char** argv) {
   app.require_subcommand(0, 1);
   app.set_version_flag("--version", "enamel-station " ENAMEL_VERSION);
   int exit_code = 0;
-  program::LogOptions log{.name = kName};
-  std::string config;
   const bool json = program::AsksForJson(argc, argv, kPrefix);
   (void)program::SetUpLog({.format = json ? "json" : "text", .name = kName});
+  if (IsLabCommand(argc, argv)) return Finish(RunLabCommand(argc, argv));
+  program::CommandSettings settings(
+      app, {.program = kName, .prefix = kPrefix, .system_file = "/etc/enamel/station.toml"});
   std::string data = DefaultData();
   auto with_data = [&](CLI::App* command) {
     command
@@ -324,7 +279,7 @@ int main(int argc, char** argv) {
   run_cmd->add_flag("--quiet", run.quiet, "No progress");
   run_cmd->callback([&] {
     run.workplace = place.Options();
-    run.log_only = log.format == "json";
+    run.log_only = settings.log().format == "json";
     exit_code = Run(run, password_stdin);
   });
 
@@ -403,49 +358,6 @@ int main(int argc, char** argv) {
   simulate_cmd->add_option("--json", simulate.json, "Write the facts to this file");
   simulate_cmd->callback([&] { exit_code = Finish(SimulateAttempt(simulate)); });
 
-  ExplainCommand explain;
-  auto* explain_cmd = app.add_subcommand(
-      "explain", "What of a scene an attempt carries, what is left out and why, measured here");
-  explain_cmd
-      ->add_option("scene", explain.scene,
-                   "builtin:NAME ('scenes' lists them) or an imported scene's folder")
-      ->capture_default_str();
-  explain_cmd->add_option("--exercise", explain.exercise,
-                          "Name ('scenes' lists them) or kind, as class-1; else the scene's first");
-  explain_cmd
-      ->add_option("--profile", explain.profile, "Device profile, or its document (FILE.json)")
-      ->capture_default_str();
-  explain_cmd->add_option("--voxel-um", explain.voxel_um, "Voxel of a built-in scene")
-      ->capture_default_str();
-  explain_cmd
-      ->add_option("--memory-mb", explain.memory_mb, "What a built-in scene may take at most")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  explain_cmd->add_flag("--window", explain.window, "For an attempt with a window");
-  explain_cmd->add_flag("--replay", explain.replay, "For re-running a recording");
-  explain_cmd
-      ->add_option("--budget-us", explain.budget_us,
-                   "Of a tick: practice picks voxel, law and rate that fit; a graded exercise is "
-                   "checked against it")
-      ->check(CLI::PositiveNumber);
-  explain_cmd->add_option("--json", explain.json, "Write the facts to this file");
-  explain_cmd->callback([&] { exit_code = Finish(ExplainScene(explain)); });
-
-  FrameBenchOptions frames;
-  auto* frames_cmd = app.add_subcommand(
-      "frame-bench", "How long pictures of a tooth being cut take on this computer");
-  frames_cmd->add_option("--width", frames.width_px, "Of the picture, pixels")
-      ->capture_default_str();
-  frames_cmd->add_option("--height", frames.height_px, "Of the picture, pixels")
-      ->capture_default_str();
-  frames_cmd->add_option("--frames", frames.frames, "Of each kind")->capture_default_str();
-  frames_cmd->add_option("--voxel-um", frames.voxel_um, "Voxel of the built-in molar")
-      ->capture_default_str();
-  frames_cmd->add_option("--quality", frames.quality,
-                         "best, good, fair or low; else what this computer begins with");
-  frames_cmd->add_option("--json", frames.json, "Write the figures to this file");
-  frames_cmd->callback([&] { exit_code = Finish(BenchFrames(frames)); });
-
   app.add_subcommand("scenes", "Built-in scenes and their exercises")->callback([] {
     PrintScenes();
   });
@@ -453,15 +365,14 @@ int main(int argc, char** argv) {
     PrintProfiles();
   });
 
-  qualify::RegisterQualify(app, &exit_code);
   RegisterDeviceCommands(app, DefaultData(), Finish, &exit_code);
 
   app.footer(kFooter);
-  AddSettings(app, log, config);
+  settings.Add();
   try {
     app.parse(argc, argv);
     if (app.get_subcommands().empty()) {
-      Status set = ApplySettings(app, *open_cmd, log, config);
+      Status set = settings.Apply(*open_cmd);
       exit_code = Finish(set.ok() ? open_desk() : set);
     }
   } catch (const CLI::ParseError& error) {

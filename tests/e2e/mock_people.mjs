@@ -156,7 +156,7 @@ function withdrawCode({ world, id }) {
   return empty();
 }
 
-// What enamel-station qualify --suite strokes writes.
+// What enamel-lab qualify --suite strokes writes.
 const kStrokesReport = { format: 1, rows: [], strokes: JSON.parse(readFileSync(new URL("../../schemas/golden/strokes.json", import.meta.url), "utf8")) };
 const profileView = ({ versions: _versions, reports: _reports, criteria: _criteria, document: _document, ...profile }) => profile;
 

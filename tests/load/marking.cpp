@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
-#include "common/measure/attempt.h"
 #include "common/protocol/messages.h"
 #include "server/app/data_folder.h"
 #include "server/app/publish.h"
 #include "server/jobs/worker.h"
+#include "station/lab/cutting/attempt.h"
 #include "tests/load/chunk_layout.h"
 #include "tests/load/engine.h"
 #include "tests/load/figures.h"
@@ -64,7 +64,8 @@ Result<Bench> SetUp(Store& store, const trace::KeyPair& ticket_key, int32_t voxe
 
 // A new attempt with the ticks of `recorded`, chained and signed as its station would. Everything
 // but the seal is in the store afterwards.
-Result<trace::Seal> Put(const Bench& bench, const measure::Attempt& recorded, bool as_reference) {
+Result<trace::Seal> Put(const Bench& bench, const station::lab::Attempt& recorded,
+                        bool as_reference) {
   AttemptRow row;
   row.id = Uuid::New();
   row.person = bench.person;
@@ -143,7 +144,7 @@ Status RunJobs(Store& store) {
   return Status(Code::kUnavailable, "the reference was not scored in time");
 }
 
-Status ScoreReference(const Bench& bench, const measure::Attempt& recorded) {
+Status ScoreReference(const Bench& bench, const station::lab::Attempt& recorded) {
   ENAMEL_ASSIGN_OR_RETURN(auto seal, Put(bench, recorded, true));
   ENAMEL_RETURN_IF_ERROR(bench.store.SealAttempt(seal, 1));
   ENAMEL_RETURN_IF_ERROR(RunJobs(bench.store));
@@ -164,15 +165,15 @@ Status Marking::Prepare(const std::filesystem::path& data, const Options& option
   station_ = bench.station;
   credential_ = bench.credential;
   const size_t processors = std::max(1u, std::thread::hardware_concurrency());
-  std::vector<measure::Attempt> recorded(
+  std::vector<station::lab::Attempt> recorded(
       std::clamp<size_t>(options.different, 1, options.attempts));
   say("recording " + std::to_string(recorded.size()) + " attempts to be scored");
   ENAMEL_RETURN_IF_ERROR(InParallel(recorded.size(), processors, [&](size_t i) {
-    measure::AttemptOptions how;
+    station::lab::AttemptOptions how;
     how.voxel_nm = options.voxel_nm;
     how.ticks = static_cast<uint64_t>(options.minutes * 60'000);
     how.floor_extra_m = kFloorStep_m * static_cast<double>(i);
-    auto made = measure::RecordAttempt(how);
+    auto made = station::lab::RecordAttempt(how);
     if (made.ok()) recorded[i] = *std::move(made);
     return made.status();
   }));

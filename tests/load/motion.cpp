@@ -2,7 +2,7 @@
 
 #include "common/base/check.h"
 #include "common/base/file.h"
-#include "common/measure/attempt.h"
+#include "station/lab/cutting/attempt.h"
 #include "tests/load/chunk_layout.h"
 
 namespace enamel::load {
@@ -34,10 +34,10 @@ trace::Tick Shifted(trace::Tick tick, int32_t cells, const std::array<int32_t, 3
 }  // namespace
 
 Result<Motion> SimulatedMotion(uint64_t ticks, const std::function<void(double)>& progress) {
-  measure::AttemptOptions options;
+  station::lab::AttemptOptions options;
   options.voxel_nm = kVoxel_nm;
   options.ticks = ticks;
-  ENAMEL_ASSIGN_OR_RETURN(auto attempt, measure::RecordAttempt(options, progress));
+  ENAMEL_ASSIGN_OR_RETURN(auto attempt, station::lab::RecordAttempt(options, progress));
   Motion motion;
   motion.resolution_nm = attempt.header.params.resolution_nm;
   ENAMEL_RETURN_IF_ERROR(TakeTicks(attempt.chunks, motion));

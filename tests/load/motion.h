@@ -17,7 +17,7 @@ struct Motion {
   std::array<int32_t, 3> resolution_nm{};
 };
 
-// A class I cavity cut by measure::RecordAttempt: `ticks` at 1 kHz.
+// A class I cavity cut by station::lab::RecordAttempt: `ticks` at 1 kHz.
 Result<Motion> SimulatedMotion(uint64_t ticks, const std::function<void(double)>& progress = {});
 // A trace file (`enamel-station spool export`).
 Result<Motion> ReadMotion(const std::filesystem::path& file);

@@ -6,9 +6,9 @@
 #include <filesystem>
 
 #include "common/base/file.h"
-#include "common/measure/attempt.h"
 #include "common/scene/volume_blob.h"
 #include "common/trace/moment.h"
+#include "station/lab/cutting/attempt.h"
 #include "tests/support/temp_folder.h"
 
 // `enamel-station replay` on recordings as they come: whole, cut short, reordered, of another
@@ -18,12 +18,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const measure::Attempt& Attempt() {
-  static const measure::Attempt attempt = [] {
-    measure::AttemptOptions options;
+const lab::Attempt& Attempt() {
+  static const lab::Attempt attempt = [] {
+    lab::AttemptOptions options;
     options.voxel_nm = 100'000;
     options.ticks = 12'000;
-    auto made = measure::RecordAttempt(options);
+    auto made = lab::RecordAttempt(options);
     ENAMEL_CHECK(made.ok());
     return std::move(*made);
   }();

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "station/devices/simulated_device.h"
-#include "station/qualify/plant.h"
+#include "station/lab/laws/plant.h"
 
 namespace enamel::station {
 namespace {
@@ -103,11 +103,11 @@ TEST(CalibratorTest, CellIsFoundBehindCountsFinerThanIt) {
 
 // The same against another simulation of a device, written for the force laws' qualification.
 TEST(CalibratorTest, AgreesWithAnIndependentSimulation) {
-  class Free final : public qualify::Hand {
+  class Free final : public lab::Hand {
    public:
-    qualify::Grip At(double) override { return {}; }
+    lab::Grip At(double) override { return {}; }
   };
-  qualify::PlantSpec spec;
+  lab::PlantSpec spec;
   spec.mass_kg = 0.12;
   spec.damping_n_s_per_m = 2.2;
   spec.friction_n = 0.06;
@@ -115,7 +115,7 @@ TEST(CalibratorTest, AgreesWithAnIndependentSimulation) {
   spec.delay_ticks = 2;
   spec.substeps = 32;
   Free hand;
-  qualify::Plant plant(spec, hand, dvec3(0));
+  lab::Plant plant(spec, hand, dvec3(0));
   CalibratorSetup setup;
   setup.count_m.fill(15e-6);
   Calibrator calibrator(setup);
@@ -271,7 +271,7 @@ class RoughDevice {
   }
 
   const RoughTruth truth_;
-  qualify::Random random_;
+  lab::Random random_;
   const dmat3 from_joints_;
   std::vector<std::pair<double, dvec3>> sent_;
   size_t next_ = 0;
@@ -280,13 +280,13 @@ class RoughDevice {
 };
 
 // Rows of a random rotation: where an arm's joints count in this pose.
-dmat3 RandomJoints(qualify::Random& random) {
+dmat3 RandomJoints(lab::Random& random) {
   const dvec3 a = random.Direction(), b = glm::normalize(glm::cross(a, random.Direction()));
   return glm::transpose(dmat3(a, b, glm::cross(a, b)));
 }
 
 RoughTruth Drawn(uint64_t seed, double delay_ticks, int kind) {
-  qualify::Random random(seed);
+  lab::Random random(seed);
   RoughTruth t;
   for (size_t i = 0; i < 3; ++i) {
     t.mass_kg[i] = random.Between(0.05, 0.3);

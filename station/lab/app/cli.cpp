@@ -1,0 +1,188 @@
+#include "station/lab/app/cli.h"
+
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "common/program/log.h"
+#include "station/lab/app/explain.h"
+#include "station/lab/app/qualify.h"
+#include "station/lab/bench/bench.h"
+#include "station/lab/tissue/fit_damping.h"
+
+namespace enamel::station::lab {
+
+namespace {
+
+void RegisterQualify(CLI::App& app, int* exit_code) {
+  auto options = std::make_shared<QualifyOptions>();
+  options->out = stdout;
+  options->errors = [](const std::string& why) { program::SayError("qualify: " + why); };
+  CLI::App* qualify = app.add_subcommand("qualify",
+                                         "Measure force laws on a device profile: error against "
+                                         "run time, stability, a search for energy");
+  qualify
+      ->add_option("--profile", options->profile,
+                   "device profile, a profile document (….json), or all")
+      ->capture_default_str();
+  qualify
+      ->add_option("--suite", options->suites,
+                   "paper, hand, map, strokes, rates, laws, estimators, extreme, adversary, "
+                   "random, cutting or all")
+      ->delimiter(',')
+      ->capture_default_str();
+  qualify->add_flag("--quick", options->quick, "under a minute on two cores");
+  qualify->add_option("--json", options->json_path, "write every row to this file");
+  qualify->add_option("--report", options->report_dir,
+                      "write report.html, its plots and qualification.json into this folder");
+  qualify
+      ->add_option("--recordings", options->recordings,
+                   "hand: folder of CSV files (t_s,px_m,py_m,pz_m at 1 kHz) of people's motions")
+      ->capture_default_str();
+  qualify->add_option("--cases", options->cases, "random: how many")->capture_default_str();
+  qualify
+      ->add_option("--ticks", options->adversary_ticks,
+                   "adversary: how many over all laws (0: the suite's own)")
+      ->check(CLI::NonNegativeNumber);
+  qualify->add_option("--seed", options->seed, "of everything drawn")->capture_default_str();
+  qualify->add_option("--threads", options->threads, "threads to use")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  qualify->footer(
+      "Suites:\n"
+      "  paper       the tables of Liu et al. 2008 beside what this law does in the same cases\n"
+      "  hand        a hand's motions: pulling out, first strokes, recorded strokes, reversals, "
+      "turned encoders\n"
+      "  map         what a hand can feel, by tissue and speed: error and delay of a steady cut "
+      "and of strokes,\n"
+      "              and in words whether that is right, late or too much for the device\n"
+      "  strokes     press, stroke, reverse, lift, nick, slip-out with the product's core: force "
+      "against time\n"
+      "              beside the ideal (schemas/strokes.schema.json)\n"
+      "  rates       the device at 1, 2, 4 and 8 kHz with the largest coupling it may have there, "
+      "without delay\n"
+      "              and with one tick: Kc and what limits it, Kc delta/2, lag and error of a "
+      "wandering hand\n"
+      "  laws        every force law on the same cuts: error against run time\n"
+      "  estimators  every velocity estimator on the same cuts\n"
+      "  extreme     stiff tissue, light hands, held ticks: where each law is passive, bounded or "
+      "unstable\n"
+      "  adversary   a search for motions that draw energy from the coupling; exit code 2 when one "
+      "is found\n"
+      "  random      devices, tissues and hands drawn from --seed: how many hold every bound\n"
+      "  cutting     error of the cut against its run time, by voxel size\n"
+      "Examples:\n"
+      "  enamel-lab qualify --profile omega3 --suite hand --quick\n"
+      "  enamel-lab qualify --profile my_device.json --suite map,rates\n"
+      "  enamel-lab qualify --profile omega3 --suite strokes --json strokes.json\n"
+      "  node web/scripts/draw_report.mjs strokes.json strokes.html   # or attach the JSON to the "
+      "device on the server\n"
+      "Exit codes: 0 measured, 1 failed, 2 a proved law gave energy.");
+  qualify->callback([options, exit_code] {
+    if (::isatty(STDERR_FILENO) != 0 && !program::LogIsJson()) options->progress = stderr;
+    *exit_code = RunQualify(*options);
+  });
+}
+
+void RegisterFitDamping(CLI::App& app, int* exit_code) {
+  auto fitting = std::make_shared<FitDampingOptions>();
+  CLI::App* fit = app.add_subcommand(
+      "fit-damping",
+      "Fit a tissue's damping B (a matrix, or along and across the bur), Coulomb part and cutting "
+      "threshold from a CSV of time, position and force");
+  fit->add_option(
+         "csv", fitting->csv_path,
+         "columns time_s, position_mm (or x_mm, y_mm, z_mm), force_n (or fx_n, fy_n, fz_n),\n"
+         "optionally axis_x, axis_y, axis_z and tissue; 1 kHz is best, 40 Hz does for B alone")
+      ->required();
+  fit->add_option("--bur-axis", fitting->bur_axis,
+                  "the bur's axis x,y,z in the frame of the positions: B along and across it");
+  fit->add_option("--plot", fitting->svg_path, "write an SVG of force against speed");
+  fit->add_option("--material", fitting->material_path,
+                  "store the fit as a material profile (JSON) for scenes");
+  fit->footer(
+      "F = B V + Fc V/|V| while cutting; nothing is cut below the threshold. Example, a recording "
+      "of\n"
+      "a minute at 1 kHz:\n"
+      "  time_s,x_mm,y_mm,z_mm,fx_n,fy_n,fz_n,tissue\n"
+      "  0.000,1.2330,0.4410,-0.8820,0.31,-0.02,-1.18,enamel\n"
+      "  0.001,1.2330,0.4410,-0.8910,0.33,-0.02,-1.20,enamel\n"
+      "  enamel-lab fit-damping cut.csv --plot cut.svg --material cut.json\n"
+      "What the recording must hold: speeds that differ by a factor of two or more (B apart from "
+      "Fc),\n"
+      "at least three directions that are not in a plane (the matrix; one B otherwise), slow "
+      "presses\n"
+      "that stick, and stops (the threshold). What it lacks is said as a warning.");
+  fit->callback([fitting, exit_code] { *exit_code = RunFitDamping(*fitting); });
+}
+
+void RegisterExplain(CLI::App& app, int* exit_code) {
+  auto explain = std::make_shared<ExplainCommand>();
+  CLI::App* command = app.add_subcommand(
+      "explain", "What of a scene an attempt carries, what is left out and why, measured here");
+  command
+      ->add_option("scene", explain->scene,
+                   "builtin:NAME ('scenes' lists them) or an imported scene's folder")
+      ->capture_default_str();
+  command->add_option("--exercise", explain->exercise,
+                      "Name ('scenes' lists them) or kind, as class-1; else the scene's first");
+  command->add_option("--profile", explain->profile, "Device profile, or its document (FILE.json)")
+      ->capture_default_str();
+  command->add_option("--voxel-um", explain->voxel_um, "Voxel of a built-in scene")
+      ->capture_default_str();
+  command->add_option("--memory-mb", explain->memory_mb, "What a built-in scene may take at most")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_flag("--window", explain->window, "For an attempt with a window");
+  command->add_flag("--replay", explain->replay, "For re-running a recording");
+  command
+      ->add_option("--budget-us", explain->budget_us,
+                   "Of a tick: practice picks voxel, law and rate that fit; a graded exercise is "
+                   "checked against it")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--json", explain->json, "Write the facts to this file");
+  command->callback([explain, exit_code] {
+    Status status = ExplainScene(*explain);
+    if (!status.ok()) program::SayError(status.message());
+    *exit_code = status.ok() ? 0 : 1;
+  });
+}
+
+void RegisterError(CLI::App& app, int* exit_code) {
+  auto options = std::make_shared<QualifyOptions>();
+  options->suites = {"cutting"};
+  options->out = stdout;
+  options->errors = [](const std::string& why) { program::SayError("error: " + why); };
+  CLI::App* error =
+      app.add_subcommand("error", "Error against run time of cutting: burs, voxel sizes, scores");
+  error->add_flag("--quick", options->quick, "Two burs, one speed, two voxel sizes, no scores");
+  error->add_option("--json", options->json_path, "Write the rows to this file");
+  error->add_option("--report", options->report_dir,
+                    "Write report.html with the Pareto front into this folder");
+  error->footer(
+      "The same as 'qualify --suite cutting'. Every bur and voxel size, beside what a tick of it\n"
+      "costs here: removed volume against the swept body's closed form, surface against the body,\n"
+      "force against the finest voxel; and the score of one hand at every voxel size.\n"
+      "Examples:\n"
+      "  enamel-lab error --quick\n"
+      "  enamel-lab error --report cutting\n"
+      "Force laws' error against run time: 'enamel-lab qualify --suite laws'.\n"
+      "Exit codes: 0 measured, 1 failed.");
+  error->callback([options, exit_code] {
+    if (::isatty(STDERR_FILENO) != 0 && !program::LogIsJson()) options->progress = stderr;
+    *exit_code = RunQualify(*options);
+  });
+}
+
+}  // namespace
+
+void RegisterLab(CLI::App& app, int* exit_code) {
+  RegisterQualify(app, exit_code);
+  RegisterError(app, exit_code);
+  bench::RegisterBench(app, exit_code);
+  RegisterExplain(app, exit_code);
+  RegisterFitDamping(app, exit_code);
+}
+
+}  // namespace enamel::station::lab

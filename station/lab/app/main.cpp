@@ -1,0 +1,62 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+
+#include "common/program/command_settings.h"
+#include "common/program/log.h"
+#include "station/lab/app/cli.h"
+
+namespace {
+
+using namespace enamel;
+
+// The settings are the station's: what measures a machine is told of it in one place.
+constexpr char kName[] = "enamel-lab", kPrefix[] = "ENAMEL_STATION_";
+constexpr int kFailed = 1, kUsage = 2;
+
+constexpr char kFooter[] = R"(Which question is answered by which command:
+  does a force law hold on this device?           enamel-lab qualify --profile omega3 --quick
+  ... in numbers and pictures                     enamel-lab qualify --profile omega3 --report omega3
+  what does more accuracy cost?                   enamel-lab error --quick
+  is this computer fast enough for a tick?        enamel-lab bench tick --quick
+  ... for a picture                               enamel-lab bench frames --frames 60
+  what of a scene is carried, and within budget?  enamel-lab explain builtin:molar --budget-us 200
+  how hard is a tissue to cut, from a recording?  enamel-lab fit-damping cut.csv --material cut.json
+Every command's --help teaches it. Most write their rows with --json FILE.
+Settings: as those of enamel-station (schemas/station_settings.md); keys of its file that are not
+the lab's are passed over.
+Exit codes: 0 done, 1 failed (the reason is on standard error), 2 wrong command line, or a force law
+that is proved passive gave energy.)";
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("enamel-lab: measures force laws, cutting and this computer.");
+  app.footer("'enamel-lab --help' shows which command answers which question.");  // of commands
+  app.require_subcommand(1);
+  app.set_version_flag("--version", "enamel-lab " ENAMEL_VERSION);
+  const bool json = program::AsksForJson(argc, argv, kPrefix);
+  (void)program::SetUpLog({.format = json ? "json" : "text", .name = kName});
+  // A long measurement's rows are seen as they come, in a file too.
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);
+  int exit_code = 0;
+  station::lab::RegisterLab(app, &exit_code);
+  app.footer(kFooter);
+  program::CommandSettings settings(app, {.program = kName,
+                                          .prefix = kPrefix,
+                                          .system_file = "/etc/enamel/station.toml",
+                                          .shared = true});
+  settings.Add();
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const bool wrong = error.get_exit_code() != 0;
+    if (!wrong || !json) return app.exit(error) == 0 ? 0 : kUsage;
+    program::SayError(error.what());
+    return kUsage;
+  } catch (const std::exception& error) {
+    program::SayError(error.what());
+    return kFailed;
+  }
+  return exit_code;
+}

@@ -1,0 +1,202 @@
+#include "station/lab/app/qualify.h"
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+#include <mutex>
+
+#include "common/program/output.h"
+#include "common/scene/find_profile.h"
+#include "common/scene/profile_criteria.h"
+#include "station/lab/laws/motions.h"
+#include "station/lab/report/report.h"
+#include "station/lab/suites/suites.h"
+
+namespace enamel::station::lab {
+namespace {
+
+struct Suite {
+  const char* name;
+  void (*run)(SuiteContext&);
+};
+constexpr Suite kSuites[] = {{"paper", &RunPaperSuite},
+                             {"hand", &RunHandSuite},
+                             {"map", &RunMapSuite},
+                             {"strokes", &RunStrokesSuite},
+                             {"rates", &RunRatesSuite},
+                             {"laws", &RunLawsSuite},
+                             {"estimators", &RunEstimatorsSuite},
+                             {"extreme", &RunExtremeSuite},
+                             {"adversary", &RunAdversarySuite},
+                             {"random", &RunRandomSuite},
+                             {"cutting", &RunCuttingSuite}};
+
+// The suites measure the three axes of force. A torque that is not passive would shake the hand that holds them.
+Status CheckTorque(const scene::DeviceProfile& profile) {
+  for (const scene::ProfileCriterion& c : scene::CheckProfile(profile)) {
+    if (c.met || !c.member.starts_with("torque/")) continue;
+    char found[80];
+    std::snprintf(found, sizeof found, "expected %s %.4g %s, found %.4g",
+                  c.at_least ? "at least" : "at most", c.limit, c.unit.c_str(), c.value);
+    return {Code::kInvalidInput, c.member + ": " + c.title + " (" + c.formula + "): " + found,
+            c.member};
+  }
+  return Status::Ok();
+}
+
+// A document of one's own, by its path.
+Result<std::vector<DeviceModel>> ModelIn(const std::string& path) {
+  Result<scene::DeviceProfile> profile = scene::FindProfile(path);
+  if (!profile.ok()) return profile.status();
+  Result<DeviceModel> model = ModelOf(*profile);
+  Status status = model.status();
+  if (status.ok()) status = CheckTorque(*profile);
+  if (status.ok()) return std::vector<DeviceModel>{*model};
+  const bool placed = status.field().empty() || status.message().starts_with(status.field());
+  return Status(status.code(),
+                path + ": " + (placed ? "" : status.field() + ": ") + status.message(),
+                status.field());
+}
+
+Result<std::vector<DeviceModel>> ModelsFor(const std::string& name) {
+  if (name.ends_with(".json")) return ModelIn(name);
+  std::vector<DeviceModel> out;
+  std::string known;
+  for (const scene::DeviceProfile& p : QualifyProfiles()) {
+    known += (known.empty() ? "" : ", ") + p.name;
+    if (name != "all" && name != p.name) continue;
+    Result<DeviceModel> model = ModelOf(p);
+    if (!model.ok())
+      return Status(model.status().code(), p.name + ": " + model.status().message(),
+                    model.status().field());
+    out.push_back(*model);
+  }
+  if (out.empty())
+    return Status(Code::kInvalidInput,
+                  "unknown profile '" + name + "': expected all, one of " + known +
+                      ", or the path of a profile document (….json)",
+                  "profile");
+  return out;
+}
+
+Status CheckSuites(const std::vector<std::string>& names) {
+  for (const std::string& name : names) {
+    bool known = name == "all" || std::any_of(std::begin(kSuites), std::end(kSuites),
+                                              [&](const Suite& s) { return name == s.name; });
+    if (!known)
+      return {Code::kInvalidInput,
+              "unknown suite '" + name +
+                  "': expected paper, hand, map, strokes, rates, laws, estimators, extreme, "
+                  "adversary, random, cutting or all",
+              "suite"};
+  }
+  return Status::Ok();
+}
+
+// Without recordings the hand suite's figures are other ones: whoever names a folder means it.
+Status CheckRecordings(const QualifyOptions& options) {
+  if (options.recordings == QualifyOptions().recordings) return Status::Ok();
+  Result<std::vector<HandMotion>> found = RecordedMotions(options.recordings);
+  if (!found.ok()) return found.status();
+  if (!found->empty()) return Status::Ok();
+  return {Code::kInvalidInput,
+          "--recordings: expected a folder with CSV files of motions, found none in " +
+              options.recordings + "; leave the option out for generated motions",
+          "recordings"};
+}
+
+// One line, rewritten at most ten times a second.
+Progress ProgressTo(std::FILE* out) {
+  if (out == nullptr) return [](const char*, size_t, size_t) {};
+  struct Shown {
+    std::mutex guard;
+    std::chrono::steady_clock::time_point last{};
+  };
+  auto shown = std::make_shared<Shown>();
+  return [out, shown](const char* what, size_t done, size_t all) {
+    std::lock_guard lock(shown->guard);
+    auto now = std::chrono::steady_clock::now();
+    if (done < all && now - shown->last < std::chrono::milliseconds(100)) return;
+    shown->last = now;
+    std::fprintf(out, "\r%-60.60s %5zu / %zu", what, done, all);
+    if (done == all) std::fprintf(out, "\r%80s\r", "");
+    std::fflush(out);
+  };
+}
+
+void Print(std::FILE* out, const Findings& f) {
+  for (const Table& t : f.tables) std::fputs(TextOf(t).c_str(), out);
+  for (const RandomSummary& r : f.random) {
+    std::fprintf(
+        out,
+        "Random cases, %s: %d of %d hold every bound (%.1f %%); error %d, rise %d, release "
+        "%d, cycle %d; seed %llu\n",
+        r.title.c_str(), r.held, r.cases, 100.0 * r.held / std::max(1, r.cases), r.error, r.rise,
+        r.release, r.cycle, static_cast<unsigned long long>(f.seed));
+  }
+  for (const VerdictMap& m : f.maps) {
+    size_t counts[4] = {};
+    for (Verdict v : m.cells) ++counts[static_cast<size_t>(v)];
+    std::fprintf(out, "%s: %zu passive, %zu stable with these grips, %zu bounded, %zu unstable\n",
+                 m.title.c_str(), counts[0], counts[1], counts[2], counts[3]);
+  }
+  const size_t rows =
+      f.rows.size() + f.cutting.size() + f.hands.size() + f.feel.size() + f.rates.size();
+  if (!f.strokes.empty()) std::fprintf(out, "%zu devices' strokes, ", f.strokes.size());
+  std::fprintf(out, "%zu rows in %.1f s\n", rows, f.seconds);
+}
+
+}  // namespace
+
+int RunQualify(const QualifyOptions& options) {
+  auto Fail = [&](const Status& status) {
+    if (options.errors) options.errors(status.message());
+    return 1;
+  };
+  if (Status status = CheckSuites(options.suites); !status.ok()) return Fail(status);
+  if (options.cases < 1 || options.cases > 1'000'000)
+    return Fail({Code::kInvalidInput, "--cases: expected 1 to 1000000", "cases"});
+  if (Status status = CheckRecordings(options); !status.ok()) return Fail(status);
+  if (Status status = program::CheckOutputFile(options.json_path, "--json"); !status.ok())
+    return Fail(status);
+  if (!options.report_dir.empty()) {
+    if (Status status = program::CheckOutputFolder(options.report_dir, "--report"); !status.ok())
+      return Fail(status);
+  }
+  Result<std::vector<DeviceModel>> models = ModelsFor(options.profile);
+  if (!models.ok()) return Fail(models.status());
+  auto from = std::chrono::steady_clock::now();
+  Findings findings;
+  findings.models = *models;
+  findings.seed = options.seed;
+  findings.quick = options.quick;
+  SuiteContext context{options, findings, ProgressTo(options.progress)};
+  auto Wanted = [&](const char* name) {
+    return std::any_of(options.suites.begin(), options.suites.end(),
+                       [&](const std::string& s) { return s == "all" || s == name; });
+  };
+  for (const Suite& suite : kSuites) {
+    if (Wanted(suite.name)) suite.run(context);
+  }
+  findings.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - from).count();
+  if (options.out != nullptr) Print(options.out, findings);
+  if (!options.json_path.empty()) {
+    std::ofstream json(options.json_path, std::ios::binary);
+    json << JsonOf(findings);
+    json.close();
+    if (!json)
+      return Fail(
+          {Code::kStorage,
+           "cannot write " + options.json_path + ": choose a path that can be written with --json",
+           "json"});
+  }
+  if (!options.report_dir.empty()) {
+    if (Status status = WriteReport(findings, options.report_dir); !status.ok())
+      return Fail(status);
+  }
+  bool broken = std::any_of(findings.attacks.begin(), findings.attacks.end(),
+                            [](const Attack& a) { return a.proved && a.violations > 0; });
+  return broken ? 2 : 0;
+}
+
+}  // namespace enamel::station::lab

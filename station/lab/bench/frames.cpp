@@ -1,0 +1,264 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <boost/json.hpp>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/cutting/cutter.h"
+#include "common/program/log.h"
+#include "common/program/output.h"
+#include "common/scene/builtin.h"
+#include "station/lab/bench/bench.h"
+#include "station/render/panel.h"
+#include "station/render/window.h"
+
+namespace enamel::station::lab::bench {
+namespace {
+
+using render::Quality;
+using Clock = std::chrono::steady_clock;
+
+struct FrameBenchOptions {
+  int width_px = 1280, height_px = 720;
+  int frames = 120;  // of each kind
+  int voxel_um = 50;
+  std::string quality;  // empty: as it begins on this computer
+  std::filesystem::path json;
+};
+
+constexpr int kTicksPerFrame = 16;       // at 60 frames a second
+constexpr double kFeed_m = 5e-3 * 1e-3;  // per tick: 5 mm/s
+constexpr auto kCoarseLimit = std::chrono::seconds(2);
+constexpr double kSlotHalf_m = 1.5e-3, kSlotStep_m = 0.3e-3, kSlotDepth_m = 1.2e-3;
+
+struct Figures {
+  const char* kind;
+  double p50_ms = 0, p95_ms = 0, p99_ms = 0, max_ms = 0, triangles = 0;
+};
+
+struct Times {
+  const char* kind;
+  std::vector<double> ms;
+  double triangles = 0;
+
+  Figures Of() {
+    std::sort(ms.begin(), ms.end());
+    auto count = static_cast<double>(ms.size());
+    auto at = [&](double share) {
+      return ms[std::min(ms.size() - 1, static_cast<size_t>(share * count))];
+    };
+    return {kind, at(0.5), at(0.95), at(0.99), ms.back(), triangles / count};
+  }
+};
+
+// A molar, a bur that cuts slots into it, and the window it is seen in.
+class FrameBench {
+ public:
+  FrameBench(const FrameBenchOptions& options, const Quality& quality, render::Screen& screen,
+             const scene::BuiltScene& built)
+      : options_(options),
+        quality_(quality),
+        screen_(screen),
+        volume_(built.volume),
+        view_(View(), built.volume),
+        cutter_((volume_.Reserve(), volume_), View().bur) {
+    auto at = built.scene.landmarks.at("occlusal_centre");
+    centre_ = dvec3(at[0], at[1], at[2]) * 1e-6;
+    auto began = Clock::now();
+    view_.WaitIdle(std::chrono::seconds(60));
+    first_s_ = std::chrono::duration<double>(Clock::now() - began).count();
+  }
+
+  Figures Rest() {
+    Times times{"at rest", {}};
+    for (int i = 0; i < options_.frames; ++i) {
+      Show(centre_ + dvec3(Wave(), 0, 1e-3));
+      Frame(quality_, times);
+    }
+    return times.Of();
+  }
+
+  Figures Cut() {
+    Times times{"cutting", {}};
+    for (int i = 0; i < options_.frames; ++i) {
+      for (int k = 0; k < kTicksPerFrame; ++k) Step();
+      Frame(quality_, times);
+    }
+    return times.Of();
+  }
+
+  // Two ways in turn, so that a busy computer is as busy for both: as an attempt turns, and with
+  // all that is drawn at rest.
+  std::array<Figures, 2> Turn() {
+    Times turning{"turning", {}}, all{"in full", {}};
+    Quality full = quality_;
+    full.lighter_turning = false;
+    // What was cut has its coarse triangles by then.
+    for (auto until = Clock::now() + kCoarseLimit; Clock::now() < until;) {
+      Times unused{"", {}};
+      Frame(quality_, unused);
+    }
+    for (int i = 0; i < options_.frames; ++i) {
+      view_.camera().Orbit(0.004f, 0);
+      Frame(quality_, turning);
+      view_.camera().Orbit(0.004f, 0);
+      Frame(full, all);
+    }
+    return {turning.Of(), all.Of()};
+  }
+
+  // From the volume to its first picture.
+  double first_s() const { return first_s_; }
+  size_t triangles() const { return view_.work().triangles; }
+
+ private:
+  static render::ViewOptions View() {
+    render::ViewOptions view;
+    view.bur = {cutting::BurShape::kCylinder, 0.6e-3, 4e-3};
+    return view;
+  }
+
+  double Wave() { return 1e-3 * std::sin(0.1 * static_cast<double>(++waves_)); }
+
+  void Show(const dvec3& tip) {
+    state_.anchor.tip_m = state_.device.tip_m = tip;
+    state_.force_sent_n = {0.2, 0, 0.8};
+    state_.bur_on = true;
+    view_.Publish(state_);
+  }
+
+  // Slots side by side, to and fro, deeper each time.
+  void Step() {
+    along_ += kFeed_m;
+    double length = 2 * kSlotHalf_m;
+    auto slot = static_cast<int>(along_ / length);
+    double x = along_ - slot * length - kSlotHalf_m;
+    int across = slot % 5 - 2, layer = slot / 5;
+    double z = std::max(-0.2e-3 * (layer + 1), -kSlotDepth_m);
+    Show(centre_ + dvec3(slot % 2 == 0 ? x : -x, across * kSlotStep_m, z));
+    cutter_.Cut(state_.anchor, removed_);
+    view_.PublishBricks(volume_, cutter_.touched());
+  }
+
+  void Frame(const Quality& quality, Times& times) {
+    screen_.Begin();
+    view_.Draw(screen_.width(), screen_.height(), quality);
+    render::PanelContent content;
+    content.heading = "Class I, molar";
+    content.state = view_.state();
+    content.has_state = view_.has_state();
+    render::DrawPanel(content, screen_.fonts(), screen_.width(), screen_.height());
+    screen_.End(&view_.result());
+    times.ms.push_back(1e3 * screen_.drawing_s());
+    times.triangles += static_cast<double>(view_.work().triangles_drawn);
+  }
+
+  const FrameBenchOptions& options_;
+  const Quality& quality_;
+  render::Screen& screen_;
+  cutting::Volume volume_;
+  render::ToothView view_;
+  cutting::Cutter cutter_;
+  cutting::RemovedUnits removed_{};
+  render::FrameState state_;
+  dvec3 centre_{0};
+  double along_ = 0, first_s_ = 0;
+  uint64_t waves_ = 0;
+};
+
+Status Print(const FrameBenchOptions& options, const FrameBench& bench,
+             const render::Screen& screen, const Quality& quality,
+             const std::vector<Figures>& all) {
+  std::printf("renderer   %s\n", screen.renderer().c_str());
+  std::printf("picture    %d x %d, quality %s, tooth of %zu triangles at %d um, made in %.1f s\n",
+              screen.width(), screen.height(), std::string(quality.name).c_str(), bench.triangles(),
+              options.voxel_um, bench.first_s());
+  std::printf(
+      "method     %d frames each, tooth, bur, panel; from the beginning of a frame to "
+      "glFinish, no waiting for the display\n",
+      options.frames);
+  std::printf(
+      "turning    as an attempt turns; in full: the same with all that is drawn at rest, picture "
+      "by "
+      "picture in turn\n\n");
+  std::printf("%-10s %8s %8s %8s %8s %9s %12s\n", "ms", "p50", "p95", "p99", "max", "fps (p50)",
+              "triangles");
+  boost::json::object json{{"renderer", screen.renderer()},      {"quality", quality.name},
+                           {"width_px", screen.width()},         {"height_px", screen.height()},
+                           {"first_picture_s", bench.first_s()}, {"triangles", bench.triangles()}};
+  for (const Figures& f : all) {
+    std::printf("%-10s %8.1f %8.1f %8.1f %8.1f %9.0f %12.0f\n", f.kind, f.p50_ms, f.p95_ms,
+                f.p99_ms, f.max_ms, 1e3 / std::max(f.p50_ms, 1e-3), f.triangles);
+    json[f.kind] = {{"p50_ms", f.p50_ms},
+                    {"p95_ms", f.p95_ms},
+                    {"p99_ms", f.p99_ms},
+                    {"max_ms", f.max_ms},
+                    {"triangles_drawn", f.triangles}};
+  }
+  return program::WriteJsonFile(options.json, json);
+}
+
+// Draws the built-in molar with panel, as an attempt does, and prints how long frames take here: at
+// rest (the bur moves in the air), while cutting, and while the camera turns, lighter as it does in
+// an attempt and in full. Each frame is drawn
+// to its end (glFinish) and not held back for the display. Errors: kUnavailable without a display
+// or OpenGL 3.3; kInvalidInput for an unknown quality.
+Status BenchFrames(const FrameBenchOptions& options) {
+  ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(options.json, "--json"));
+  if (options.frames < 1 || options.width_px < 64 || options.height_px < 64) {
+    return Status(Code::kInvalidInput, "expected at least one frame of at least 64 x 64 pixels",
+                  "frames");
+  }
+  const Quality* wanted = options.quality.empty() ? nullptr : render::FindQuality(options.quality);
+  if (wanted == nullptr && !options.quality.empty()) {
+    return Status(Code::kInvalidInput,
+                  "no quality '" + options.quality + "': there are best, good, fair, low",
+                  "quality");
+  }
+  ENAMEL_ASSIGN_OR_RETURN(auto built, scene::BuildBuiltinScene("molar", options.voxel_um * 1000));
+  try {
+    render::ScreenOptions window;
+    window.width_px = options.width_px;
+    window.height_px = options.height_px;
+    window.paced = false;
+    render::Screen screen(window);
+    const Quality& quality =
+        wanted != nullptr ? *wanted : render::kQualities[render::GovernorFor(screen).level()];
+    FrameBench bench(options, quality, screen, built);
+    std::vector<Figures> all{bench.Rest(), bench.Cut()};
+    for (const Figures& f : bench.Turn()) all.push_back(f);
+    return Print(options, bench, screen, quality, all);
+  } catch (const std::exception& e) {
+    return render::NoDisplay(e.what());
+  }
+}
+
+}  // namespace
+
+void RegisterFrames(CLI::App& app, int* exit_code) {
+  auto options = std::make_shared<FrameBenchOptions>();
+  CLI::App* frames =
+      app.add_subcommand("frames", "How long pictures of a tooth being cut take on this computer");
+  frames->add_option("--width", options->width_px, "Of the picture, pixels")->capture_default_str();
+  frames->add_option("--height", options->height_px, "Of the picture, pixels")
+      ->capture_default_str();
+  frames->add_option("--frames", options->frames, "Of each kind")->capture_default_str();
+  frames->add_option("--voxel-um", options->voxel_um, "Voxel of the built-in molar")
+      ->capture_default_str();
+  frames->add_option("--quality", options->quality,
+                     "best, good, fair or low; else what this computer begins with");
+  frames->add_option("--json", options->json, "Write the figures to this file");
+  frames->callback([options, exit_code] {
+    Status status = BenchFrames(*options);
+    if (!status.ok()) program::SayError(status.message());
+    *exit_code = status.ok() ? 0 : 1;
+  });
+}
+
+}  // namespace enamel::station::lab::bench

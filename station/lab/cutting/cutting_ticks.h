@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+
+namespace enamel::station::lab {
+
+// Counts the ticks of a recording that cut: those less than 50 ms after something was removed. (The
+// core renews a cut when it would leave a mark, so that most ticks of a stroke remove nothing
+// themselves.) Real-time: safe. Thread safety: none.
+class CuttingTicks {
+ public:
+  explicit CuttingTicks(uint32_t rate_hz) : window_(rate_hz / 20) {}
+
+  void Add(bool removed) {
+    if (removed) left_ = window_;
+    if (left_ == 0) return;
+    --left_;
+    ++cutting_;
+  }
+  uint64_t cutting() const { return cutting_; }
+
+ private:
+  const uint64_t window_;
+  uint64_t left_ = 0, cutting_ = 0;
+};
+
+}  // namespace enamel::station::lab

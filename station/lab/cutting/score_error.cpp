@@ -1,0 +1,94 @@
+#include <memory>
+
+#include "common/scoring/metrics.h"
+#include "common/scoring/score.h"
+#include "common/surface/surface.h"
+#include "common/trace/replay.h"
+#include "station/lab/cutting/attempt.h"
+#include "station/lab/cutting/cutting_error.h"
+
+namespace enamel::station::lab {
+namespace {
+
+// An attempt replayed, with what scoring reads of it.
+struct Scored {
+  Attempt attempt;
+  std::unique_ptr<core::Core> core;
+  std::unique_ptr<scoring::ProcessRecorder> process;
+  surface::Mesh mesh;
+  double realtime_factor = 0;
+
+  scoring::AttemptData Data() const {
+    return {&attempt.built.volume, &core->volume(), &mesh, process.get(), nullptr};
+  }
+};
+
+Result<Scored> Cut(const AttemptOptions& options) {
+  ENAMEL_ASSIGN_OR_RETURN(auto attempt, RecordAttempt(options));
+  Scored out;
+  out.attempt = std::move(attempt);
+  const core::CoreParams& params = out.attempt.header.params;
+  out.core = std::make_unique<core::Core>(params, out.attempt.built.volume);
+  out.process = std::make_unique<scoring::ProcessRecorder>(params);
+  auto report = trace::Replay(*out.core, out.attempt.header, out.attempt.chunks,
+                              [&](const trace::Tick& tick, const core::TickOutput& output) {
+                                out.process->Add(tick, output);
+                              });
+  if (!report.ok()) return report.status();
+  if (!report->witness_ok) return Status(Code::kConflict, "a replay disagrees with its recording");
+  out.realtime_factor = static_cast<double>(report->ticks) / params.rate_hz / report->seconds;
+  out.mesh = surface::ExtractSurface(out.core->volume());
+  return out;
+}
+
+Result<ScoreFigures> MeasureAt(int32_t voxel_nm, uint64_t ticks) {
+  AttemptOptions options;
+  options.voxel_nm = voxel_nm;
+  options.ticks = ticks;
+  ENAMEL_ASSIGN_OR_RETURN(auto reference, Cut(options));
+  options.mesial_extra_m = kMesialExtra_m;
+  options.floor_extra_m = kFloorExtra_m;
+  ENAMEL_ASSIGN_OR_RETURN(auto student, Cut(options));
+  const scene::BuiltScene& built = student.attempt.built;
+  const scene::Exercise& exercise = student.attempt.exercise;
+  auto metrics =
+      scoring::ComputeMetrics(built.scene, exercise, student.Data(), reference.Data(), {});
+  if (!metrics.ok()) return metrics.status();
+  ENAMEL_ASSIGN_OR_RETURN(auto score, scoring::ApplyRubric(exercise.rubric, *metrics));
+  ScoreFigures out;
+  out.voxel_nm = voxel_nm;
+  out.mb = static_cast<double>(built.volume.MemoryBytes()) * 1e-6;
+  out.realtime_factor = student.realtime_factor;
+  out.points = score.score;
+  for (const scene::RubricCriterion& c : exercise.rubric.criteria) {
+    for (const scoring::MetricValue& m : *metrics) {
+      if (m.name == c.metric) out.criteria.push_back({m.name, m.unit, m.value, 0});
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+Result<std::vector<ScoreFigures>> MeasureScores(
+    const std::vector<int32_t>& voxels_nm, uint64_t ticks,
+    const std::function<void(const std::string&, size_t, size_t)>& progress) {
+  std::vector<ScoreFigures> out;
+  for (int32_t voxel_nm : voxels_nm) {
+    if (progress) {
+      progress("scores at " + std::to_string(voxel_nm / 1000) + " um", out.size(),
+               voxels_nm.size());
+    }
+    ENAMEL_ASSIGN_OR_RETURN(auto figures, MeasureAt(voxel_nm, ticks));
+    out.push_back(std::move(figures));
+  }
+  for (ScoreFigures& f : out) {
+    for (size_t i = 0; i < f.criteria.size(); ++i) {
+      f.criteria[i].error = f.criteria[i].value - out.back().criteria[i].value;
+    }
+  }
+  if (progress) progress("scores", voxels_nm.size(), voxels_nm.size());
+  return out;
+}
+
+}  // namespace enamel::station::lab

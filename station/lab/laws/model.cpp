@@ -1,0 +1,187 @@
+#include "station/lab/laws/model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "common/fidelity/feel.h"
+#include "common/haptics/criteria.h"
+#include "common/scene/builtin.h"
+
+namespace enamel::station::lab {
+namespace {
+
+using scene::DeviceProfile;
+using scene::Sourced;
+
+constexpr const char* kChai = "CHAI3D's device list";
+constexpr const char* kSheet =
+    "published by the manufacturer; not measured, not checked against this unit";
+constexpr const char* kHalfKT =
+    "assumption: K T/2 at 1 kHz, so that the listed stiffness is the largest passive one";
+constexpr const char* kFriction = "assumption: Kc delta / 2, the least the theorem asks for";
+constexpr const char* kGuess = "assumption, not measured";
+
+DeviceProfile Other(const char* name, const char* title, Sourced resolution_nm, Sourced k,
+                    int64_t kc, Sourced mass_g, Sourced peak, Sourced continuous,
+                    int64_t radius_um) {
+  DeviceProfile p;
+  p.name = name;
+  p.title = title;
+  p.resolution_nm = resolution_nm;
+  p.max_stiffness_mn_per_mm = k;
+  p.coupling_mn_per_mm = {kc, "chosen: below the listed stiffness"};
+  p.damping_mn_s_per_m = {k.value / 2, kHalfKT};
+  // Kc delta / 2, rounded up: mN/mm times nm is 1e-9 N.
+  p.friction_mn = {(kc * resolution_nm.value + 1'999'999) / 2'000'000, kFriction};
+  p.mass_g = mass_g;
+  p.peak_force_mn = peak;
+  p.continuous_force_mn = continuous;
+  p.rate_hz = {1000, "assumption: one tick per millisecond"};
+  p.bus_delay_ticks = {0, "assumption: force is out before the next tick"};
+  p.workspace_radius_um = {radius_um, kChai};
+  return p;
+}
+
+std::string Text(const char* format, double a, double b = 0, double c = 0) {
+  char out[300];
+  std::snprintf(out, sizeof out, format, a, b, c);
+  return out;
+}
+
+Status Refuse(const char* field, const std::string& what) {
+  return {Code::kInvalidInput, what, field};
+}
+
+}  // namespace
+
+double DeviceModel::PassiveKc(double rate) const {
+  return std::min(haptics::CouplingStiffness(damping_n_s_per_m, 1 / rate, delay_ticks),
+                  2 * friction_n / resolution_m);
+}
+
+std::vector<DeviceProfile> QualifyProfiles() {
+  std::vector<DeviceProfile> all = scene::BuiltinProfiles();
+  // No motors; and six axes, whose torque the tests of the core and of haptics attack.
+  std::erase_if(all, [](const DeviceProfile& p) { return !fidelity::HasMotors(p) || p.torque; });
+  all.push_back(Other("omega_dot_3", "omega.3 (CHAI3D's figures)", {10'000, kSheet}, {5'000, kChai},
+                      4'500, {250, kGuess}, {12'000, kChai}, {12'000, kSheet}, 75'000));
+  all.push_back(Other("touch", "Touch", {55'000, kSheet}, {400, kChai}, 360, {45, kSheet},
+                      {3'300, kChai}, {880, kSheet}, 75'000));
+  all.push_back(Other("falcon", "Falcon", {60'000, kSheet}, {3'000, kChai}, 2'500, {150, kGuess},
+                      {8'000, kChai}, {4'000, kGuess}, 40'000));
+  all.push_back(Other("inverse3", "Inverse3", {10'000, kSheet}, {2'000, kGuess}, 1'800,
+                      {200, kGuess}, {10'000, kSheet}, {3'300, kSheet}, 100'000));
+  all.back().workspace_radius_um.source = kGuess;
+  return all;
+}
+
+Result<DeviceModel> ModelOf(const DeviceProfile& p) {
+  if (p.max_stiffness_mn_per_mm.value <= 0)
+    return Refuse("max_stiffness_mn_per_mm", "expected a stiffness above 0 mN/mm");
+  if (p.coupling_mn_per_mm.value <= 0)
+    return Refuse("coupling_mn_per_mm", "expected a coupling stiffness above 0 mN/mm");
+  if (p.resolution_nm.value <= 0)
+    return Refuse("resolution_nm", "expected an encoder cell above 0 nm");
+  if (p.rate_hz.value <= 0) return Refuse("rate_hz", "expected a loop rate above 0 Hz");
+  if (p.mass_g.value <= 0) return Refuse("mass_g", "expected a mass above 0 g");
+  if (p.damping_mn_s_per_m.value < 0)
+    return Refuse("damping_mn_s_per_m", "expected damping of 0 or more");
+  if (p.friction_mn.value < 0) return Refuse("friction_mn", "expected friction of 0 or more");
+  if (p.peak_force_mn.value <= 0)
+    return Refuse("peak_force_mn", "expected a peak force above 0 mN");
+  if (p.bus_delay_ticks.value < 0) return Refuse("bus_delay_ticks", "expected 0 ticks or more");
+  DeviceModel m;
+  m.profile = p;
+  m.name = p.name;
+  m.title = p.title;
+  m.resolution_m = static_cast<double>(p.resolution_nm.value) * 1e-9;
+  m.max_stiffness_n_per_m = static_cast<double>(p.max_stiffness_mn_per_mm.value);
+  m.kc_n_per_m = static_cast<double>(p.coupling_mn_per_mm.value);
+  m.damping_n_s_per_m = static_cast<double>(p.viscous_mn_s_per_m()) * 1e-3;
+  m.friction_n = static_cast<double>(p.friction_mn.value) * 1e-3;
+  m.mass_kg = static_cast<double>(p.mass_g.value) * 1e-3;
+  m.peak_force_n = static_cast<double>(p.peak_force_mn.value) * 1e-3;
+  m.continuous_force_n = static_cast<double>(p.continuous_force_mn.value) * 1e-3;
+  m.rate_hz = static_cast<double>(p.rate_hz.value);
+  m.delay_ticks = static_cast<int>(p.bus_delay_ticks.value);
+  m.mode_hz = static_cast<double>(p.structural_mode_hz.value);
+  m.thermal_s = static_cast<double>(p.thermal_time_constant_ms.value) * 1e-3;
+  m.provenance = {{"delta", p.resolution_nm.source},
+                  {"K", p.max_stiffness_mn_per_mm.source},
+                  {"Kc", p.coupling_mn_per_mm.source},
+                  {"b", p.damping_mn_s_per_m.source},
+                  {"c", p.friction_mn.source},
+                  {"mass", p.mass_g.source},
+                  {"peak force", p.peak_force_mn.source},
+                  {"continuous force", p.continuous_force_mn.source},
+                  {"rate", p.rate_hz.source},
+                  {"delay", p.bus_delay_ticks.source}};
+  for (const auto& [what, number] :
+       {std::pair{"structural mode", &p.structural_mode_hz},
+        std::pair{"thermal time constant", &p.thermal_time_constant_ms}}) {
+    m.provenance.push_back({what, number->source.empty() ? "not known" : number->source});
+  }
+  double allowed = m.PassiveKc(m.rate_hz);
+  if (m.kc_n_per_m > allowed * (1 + 1e-9)) {
+    return Refuse("coupling_mn_per_mm", Text("Kc %.0f mN/mm is above what is passive at %.0f Hz "
+                                             "with this b, c and delay: lower it to %.0f mN/mm",
+                                             m.kc_n_per_m, m.rate_hz, std::floor(allowed)));
+  }
+  return m;
+}
+
+DeviceModel AtRate(const DeviceModel& model, double rate_hz, bool scale_kc) {
+  DeviceModel m = model;
+  m.rate_hz = rate_hz;
+  double share = model.kc_n_per_m / haptics::CouplingStiffness(model.damping_n_s_per_m,
+                                                               model.tick_s(), model.delay_ticks);
+  double limit = haptics::CouplingStiffness(m.damping_n_s_per_m, m.tick_s(), m.delay_ticks);
+  if (scale_kc || m.kc_n_per_m > limit)
+    m.kc_n_per_m = std::min(share * limit, 2 * m.friction_n / m.resolution_m);
+  return m;
+}
+
+std::vector<std::string> CannotRender(const DeviceModel& m, double b, double speed) {
+  std::vector<std::string> out;
+  double force = b * speed, tau = b / m.kc_n_per_m;
+  if (force > m.peak_force_n) {
+    out.push_back(Text("B V = %.2f N is above the peak force of %.2f N: the bur would run away",
+                       force, m.peak_force_n));
+  } else if (force > m.continuous_force_n) {
+    // First-order motor heating: from cold, (F/Fc)^2 (1 - exp(-t/tau)) reaches 1 at t.
+    double r = m.continuous_force_n / force;
+    double constants = -std::log(1 - r * r);
+    std::string limit =
+        Text("B V = %.2f N is above the continuous force of %.2f N: from cold it may last ", force,
+             m.continuous_force_n);
+    out.push_back(limit + (m.thermal_s > 0 ? Text("%.1f s", constants * m.thermal_s)
+                                           : Text("%.2f thermal time constants", constants)));
+  }
+  if (tau > 3)
+    out.push_back(
+        Text("B/Kc = %.1f s is above 3 s: the force takes longer than a stroke to build up", tau));
+  return out;
+}
+
+TrialSpec SpecOf(const DeviceModel& m, haptics::LawKind law, double b, double speed) {
+  TrialSpec s;
+  s.plant.mass_kg = m.mass_kg;
+  s.plant.damping_n_s_per_m = m.damping_n_s_per_m;
+  s.plant.friction_n = m.friction_n;
+  s.plant.resolution_m = m.resolution_m;
+  s.plant.tick_s = m.tick_s();
+  s.plant.delay_ticks = m.delay_ticks;
+  s.plant.mode_hz = m.mode_hz;
+  s.plant.substeps = m.rate_hz > 2500 ? 2 : m.rate_hz > 1500 ? 4 : 6;
+  s.law.kind = law;
+  s.law.kc_n_per_m = m.kc_n_per_m;
+  s.law.resolution_m = dvec3(m.resolution_m);
+  s.law.tick_s = m.tick_s();
+  s.peak_force_n = s.law.peak_force_n = m.peak_force_n;
+  s.b_n_s_per_m = Sym3::Isotropic(b);
+  s.speed_m_per_s = speed;
+  return s;
+}
+
+}  // namespace enamel::station::lab

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/scene/types.h"
+#include "station/lab/laws/trial.h"
+
+// A device profile in SI units, with the limits its numbers imply.
+namespace enamel::station::lab {
+
+struct DeviceModel {
+  std::string name, title;
+  double resolution_m = 0;
+  double max_stiffness_n_per_m = 0;  // K, as published
+  double kc_n_per_m = 0;             // what the renderer uses
+  double damping_n_s_per_m = 0;      // b
+  double friction_n = 0;             // c
+  double mass_kg = 0;
+  double peak_force_n = 0, continuous_force_n = 0;
+  double rate_hz = 1000;
+  int delay_ticks = 0;
+  double mode_hz = 0;    // lowest structural mode, 0: unknown
+  double thermal_s = 0;  // time constant of the motors' heating, 0: unknown
+  std::vector<std::pair<std::string, std::string>> provenance;  // number -> where it is from
+  scene::DeviceProfile profile;                                 // what it was made from
+
+  double tick_s() const { return 1 / rate_hz; }
+  // Kc at which the theorem of coupling.h stops holding at this rate: min(2 b / (T (d + 1)^2), 2 c
+  // / delta).
+  double PassiveKc(double rate_hz) const;
+};
+
+// The paper's three and omega.3, Touch, Falcon, Inverse3 by their manufacturers' and CHAI3D's
+// figures; every number says where it is from, assumptions included.
+std::vector<scene::DeviceProfile> QualifyProfiles();
+
+// Converts and checks. Errors (kInvalidInput, field named): K <= 0, delta <= 0, rate 0, negative b
+// or c, Kc above the passive limit at the profile's rate and delay (the message gives the number
+// allowed).
+Result<DeviceModel> ModelOf(const scene::DeviceProfile& profile);
+
+// The model at another loop rate: same b, c, mass; Kc kept or, with `scale_kc`, raised or lowered
+// with 2 b / T as far as friction allows.
+DeviceModel AtRate(const DeviceModel& model, double rate_hz, bool scale_kc);
+
+// What the device cannot render of material b at speed v, one sentence each; empty when nothing.
+std::vector<std::string> CannotRender(const DeviceModel& model, double b_n_s_per_m,
+                                      double speed_m_per_s);
+
+// A trial of this device with everything else at its default.
+TrialSpec SpecOf(const DeviceModel& model, haptics::LawKind law, double b_n_s_per_m,
+                 double speed_m_per_s);
+
+}  // namespace enamel::station::lab

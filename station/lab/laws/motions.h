@@ -1,0 +1,62 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "station/lab/laws/plant.h"
+
+// What hands do while they cut: ways in space sampled once a millisecond. Recorded ones come from a
+// folder of CSV files; the others are generated, and the same on every machine for one seed.
+//
+// A way begins and ends at rest unless its name says otherwise. SI units.
+namespace enamel::station::lab {
+
+struct HandMotion {
+  std::string name;
+  std::vector<dvec3> way_m;  // one position per kWayStep_s, from time 0
+  double reversal_s = -1;    // when it turns straight back, -1: it does not
+  bool human = false;        // recorded from a person
+};
+
+inline constexpr double kWayStep_s = 1e-3;
+
+// Length of the way over its duration.
+double MeanSpeed(const HandMotion& motion);
+// The same way, larger or smaller, so that its mean speed is as asked; the time stays.
+HandMotion ScaledToSpeed(HandMotion motion, double mean_m_per_s);
+
+// Straight and back at constant speed: `out_s` there, `back_s` back, no rest between.
+HandMotion ReversalMotion(double speed_m_per_s, double out_s, double back_s,
+                          const dvec3& direction);
+// To and fro between two points with minimum-jerk strokes of `stroke_s` each (Flash and Hogan 1985:
+// s(t) = L (10 u^3 - 15 u^4 + 6 u^5), u = t / stroke_s), mean speed as given.
+HandMotion StrokesMotion(double mean_m_per_s, double stroke_s, int strokes, const dvec3& direction);
+// Once and a half around a circle at constant speed, in a plane oblique to the axes.
+HandMotion CircleMotion(double speed_m_per_s, double radius_m);
+// Straight on, then at a right angle, at constant speed.
+HandMotion CornerMotion(double speed_m_per_s, double leg_s);
+// Straight at constant speed, with tremor of the amplitude across and along, 8 to 12 Hz.
+HandMotion TremorMotion(double speed_m_per_s, double amplitude_m, double duration_s, uint64_t seed);
+// A hand that works a surface: minimum-jerk strokes of random length, direction and pause, with
+// tremor; as smooth as a person's and as varied, but of known statistics.
+HandMotion WanderingMotion(double mean_m_per_s, double duration_s, uint64_t seed);
+
+// Every `*.csv` under `folder` (bounded: 64 files of 4 MiB) with columns t_s, px_m, py_m, pz_m at
+// 1 kHz; positions are smoothed over 20 ms, since their differences are what the force is compared
+// with. Empty when there is no such folder. Errors: kInvalidInput with file and line.
+Result<std::vector<HandMotion>> RecordedMotions(const std::string& folder);
+
+// Position and speed at any time, by cubic interpolation of the way; at rest beyond its end.
+class WayReader {
+ public:
+  explicit WayReader(const std::vector<dvec3>& way_m) : way_(way_m) {}
+  dvec3 PositionAt(double t_s) const;
+  dvec3 SpeedAt(double t_s) const;
+  double duration_s() const { return static_cast<double>(way_.size() - 1) * kWayStep_s; }
+
+ private:
+  const std::vector<dvec3>& way_;
+};
+
+}  // namespace enamel::station::lab

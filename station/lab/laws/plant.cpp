@@ -1,0 +1,154 @@
+#include "station/lab/laws/plant.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/base/check.h"
+
+namespace enamel::station::lab {
+
+uint64_t Random::Next() {
+  uint64_t z = (state_ += 0x9e3779b97f4a7c15ull);
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
+  return z ^ (z >> 31);
+}
+
+double Random::Uniform() { return static_cast<double>(Next() >> 11) * 0x1.0p-53; }
+
+double Random::LogBetween(double lo, double hi) {
+  return lo * std::exp(Uniform() * std::log(hi / lo));
+}
+
+double Random::Normal() {
+  for (;;) {
+    double a = Signed(), b = Signed(), r = a * a + b * b;
+    if (r > 0 && r < 1) return a * std::sqrt(-2 * std::log(r) / r);
+  }
+}
+
+dvec3 Random::Direction() {
+  for (;;) {
+    dvec3 d(Normal(), Normal(), Normal());
+    double n = glm::length(d);
+    if (n > 1e-6) return d / n;
+  }
+}
+
+Plant::Plant(const PlantSpec& spec, Hand& hand, const dvec3& start_m)
+    : spec_(spec),
+      hand_(hand),
+      hand_mass_(hand.mass_kg()),
+      random_(spec.seed),
+      noise_random_(spec.seed ^ 0x6e6f697365ull),
+      tip_(start_m),
+      motor_(start_m),
+      pipe_(static_cast<size_t>(spec.delay_ticks) + 1, dvec3(0)) {
+  const Lattice& lattice = spec_.lattice;
+  const double volume = std::fabs(glm::determinant(lattice.joints));
+  ENAMEL_CHECK(volume > 1e-6 && lattice.driver_cell_m >= 0 && lattice.noise_counts >= 0);
+  // Cartesian cells are read without going through a matrix: bit for bit what they always were.
+  joint_cells_ = lattice.joints != glm::dmat3(1);
+  if (joint_cells_) from_joints_ = glm::inverse(lattice.joints);
+  DrawNoise();
+}
+
+void Plant::DrawNoise() {
+  const int n = spec_.lattice.noise_counts;
+  if (n == 0) return;
+  for (int i = 0; i < 3; ++i) noise_counts_[i] = noise_random_.Below(2 * n + 1) - n;
+}
+
+dvec3 Plant::Read() const {
+  const double delta = spec_.resolution_m, driver = spec_.lattice.driver_cell_m;
+  dvec3 x = joint_cells_ ? spec_.lattice.joints * motor_ : motor_;
+  x = CellMiddle(x, delta);
+  if (spec_.lattice.noise_counts > 0) x += noise_counts_ * delta;
+  if (joint_cells_) x = from_joints_ * x;
+  return driver > 0 ? glm::floor(x / driver + 0.5) * driver : x;
+}
+
+bool Plant::TickLost() { return spec_.drop_ratio > 0 && random_.Uniform() < spec_.drop_ratio; }
+
+void Plant::Step(const dvec3& command_n) {
+  pipe_[pipe_at_] = command_n;
+  pipe_at_ = (pipe_at_ + 1) % pipe_.size();
+  sent_ = glm::clamp(pipe_[pipe_at_], dvec3(-spec_.peak_force_n), dvec3(spec_.peak_force_n));
+  Advance();
+}
+
+void Plant::StepHeld() { Advance(); }
+
+void Plant::Advance() {
+  last_tick_s_ = spec_.tick_s;
+  if (spec_.jitter_ratio > 0) last_tick_s_ *= 1 + spec_.jitter_ratio * random_.Signed();
+  double dt = last_tick_s_ / spec_.substeps;
+  for (int i = 0; i < spec_.substeps; ++i) {
+    Grip grip = hand_.At(time_s_ + (i + 1) * dt);
+    if (spec_.mode_hz > 0)
+      FlexibleSubstep(grip, dt);
+    else
+      RigidSubstep(grip, dt);
+  }
+  time_s_ += last_tick_s_;
+  DrawNoise();
+}
+
+// (m + dt (b + d) + dt^2 k) v' = m v + dt (F + k (q - x) + d q'), then the friction impulse.
+void Plant::RigidSubstep(const Grip& grip, double dt) {
+  if (grip.prescribed) {
+    tip_speed_ = (grip.equilibrium_m - tip_) / dt;
+    tip_ = motor_ = grip.equilibrium_m;
+    return;
+  }
+  double mass = spec_.mass_kg + hand_mass_;
+  double lead = mass + dt * (spec_.damping_n_s_per_m + grip.damping_n_s_per_m) +
+                dt * dt * grip.stiffness_n_per_m;
+  double rub = spec_.friction_n * dt;
+  for (int i = 0; i < 3; ++i) {
+    double push = sent_[i] + grip.force_n[i] +
+                  grip.stiffness_n_per_m * (grip.equilibrium_m[i] - tip_[i]) +
+                  grip.damping_n_s_per_m * grip.equilibrium_speed_m_per_s[i];
+    double impulse = mass * tip_speed_[i] + dt * push;
+    impulse = impulse > rub ? impulse - rub : impulse < -rub ? impulse + rub : 0;
+    tip_speed_[i] = impulse / lead;
+    tip_[i] += dt * tip_speed_[i];
+  }
+  motor_ = tip_;
+}
+
+// Motor mass with b and c, spring and damper of the mode, tip mass with the hand: 2 x 2 implicit
+// solve.
+void Plant::FlexibleSubstep(const Grip& grip, double dt) {
+  double tip_mass = spec_.mass_kg * spec_.mode_tip_share, motor_mass = spec_.mass_kg - tip_mass;
+  double reduced = tip_mass * motor_mass / spec_.mass_kg, w = 2 * M_PI * spec_.mode_hz;
+  double ks = reduced * w * w, ds = 2 * spec_.mode_damping_ratio * reduced * w;
+  tip_mass += hand_mass_;
+  double link = dt * ds + dt * dt * ks, rub = spec_.friction_n * dt;
+  double kh = grip.stiffness_n_per_m, dh = grip.damping_n_s_per_m;
+  double m11 = motor_mass + dt * spec_.damping_n_s_per_m + link;
+  double m22 = tip_mass + dt * dh + dt * dt * kh + link;
+  for (int i = 0; i < 3; ++i) {
+    double spring = dt * ks * (tip_[i] - motor_[i]);
+    double r1 = motor_mass * motor_speed_[i] + dt * sent_[i] + spring;
+    double r2 = tip_mass * tip_speed_[i] - spring +
+                dt * (grip.force_n[i] + kh * (grip.equilibrium_m[i] - tip_[i]) +
+                      dh * grip.equilibrium_speed_m_per_s[i]);
+    if (grip.prescribed) {
+      tip_speed_[i] = (grip.equilibrium_m[i] - tip_[i]) / dt;
+      double impulse = r1 + link * tip_speed_[i];
+      impulse = impulse > rub ? impulse - rub : impulse < -rub ? impulse + rub : 0;
+      motor_speed_[i] = impulse / m11;
+    } else {
+      // Eliminate the tip, then friction on the motor side.
+      double lead = m11 - link * link / m22, impulse = r1 + link * r2 / m22;
+      impulse = impulse > rub ? impulse - rub : impulse < -rub ? impulse + rub : 0;
+      motor_speed_[i] = impulse / lead;
+      tip_speed_[i] = (r2 + link * motor_speed_[i]) / m22;
+    }
+    motor_[i] += dt * motor_speed_[i];
+    tip_[i] = grip.prescribed ? grip.equilibrium_m[i] : tip_[i] + dt * tip_speed_[i];
+  }
+}
+
+}  // namespace enamel::station::lab

@@ -1,0 +1,137 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "common/fidelity/tracks.h"
+#include "common/math/vec.h"
+
+// A haptic device and the hand on it, simulated: what the force laws are judged with. SI units.
+//
+// Tip: point mass with viscous damping b and Coulomb friction c per axis, optionally split by one
+// structural mode (motor mass, spring, tip mass; the encoder sits on the motor side). Encoder:
+// cells of edge delta on the lattice below, read as cell middles. Motors: hold their force between
+// ticks, saturate, answer after whole ticks of delay; ticks can be late (jitter) or lost (the force
+// is held on).
+//
+// Integration: sub-stepped, linearly implicit in b, the hand's stiffness and the hand's damping,
+// with friction as the impulse that can at most stop an axis. First order in the step;
+// IntegrationError in trial.h reports it against a finer step.
+namespace enamel::station::lab {
+
+// Where the encoder's cells lie. As it stands: cells of edge delta along x, y and z, no noise.
+// Joint counts: row i of `joints` is the direction whose way encoder i counts, q = joints * tip, in
+// cells of edge delta. A rotation keeps the cells cubes; unit rows that are not square to each
+// other shear them. What is read is the joint cell's middle, taken back to x, y and z. Validity: an
+// invertible matrix (checked by Plant); one matrix over a whole trial, as a real arm's is over a
+// few millimetres.
+struct Lattice {
+  glm::dmat3 joints{1};
+  // A driver that rounds the position again, to the nearest multiple of this per axis; 0: not.
+  double driver_cell_m = 0;
+  // Each joint's count is off by a whole number uniform in -n..n, drawn anew each tick, apart from
+  // the seed's other numbers: a trial with noise has the jitter and the lost ticks of one without.
+  int noise_counts = 0;
+};
+
+struct PlantSpec {
+  double mass_kg = 0.1;          // of the device at its tip
+  double damping_n_s_per_m = 0;  // b
+  double friction_n = 0;         // c, per axis
+  double resolution_m = 10e-6;   // delta
+  Lattice lattice;               // of the encoder's cells
+  double tick_s = 1e-3;          // T
+  double peak_force_n = 1e9;     // motors saturate per axis here
+  int delay_ticks = 0;           // from reading to force, whole ticks
+  // Structural mode: 0 for a rigid device. The tip carries mode_tip_share of the mass.
+  double mode_hz = 0;
+  double mode_damping_ratio = 0.02;
+  double mode_tip_share = 0.3;
+  double jitter_ratio = 0;  // tick lasts T (1 + jitter u), u uniform in [-1, 1]
+  double drop_ratio = 0;    // share of ticks that never happen
+  uint64_t seed = 1;
+  int substeps = 8;
+};
+
+// What the hand does during one sub-step: a force, and a spring and damper to a moving equilibrium,
+// which the integrator takes implicitly.
+struct Grip {
+  dvec3 force_n{0};
+  dvec3 equilibrium_m{0}, equilibrium_speed_m_per_s{0};
+  double stiffness_n_per_m = 0, damping_n_s_per_m = 0;
+  bool prescribed = false;  // equilibrium is where the tip is, whatever it takes
+};
+
+// An operator. `t_s` runs from the start of the trial.
+class Hand {
+ public:
+  virtual ~Hand() = default;
+  virtual double mass_kg() const { return 0; }  // moves with the tip
+  virtual Grip At(double t_s) = 0;
+};
+
+// Seeded numbers for the suites: splitmix64, the same on every machine. Uniform in [0, 1), signed
+// in [-1, 1), integers below n, and a standard normal (12 uniforms less 6 would lack tails:
+// Marsaglia).
+class Random {
+ public:
+  explicit Random(uint64_t seed) : state_(seed) {}
+  uint64_t Next();
+  double Uniform();
+  double Signed() { return 2 * Uniform() - 1; }
+  double Between(double lo, double hi) { return lo + (hi - lo) * Uniform(); }
+  double LogBetween(double lo, double hi);
+  int Below(int n) { return static_cast<int>(Next() % static_cast<uint64_t>(n)); }
+  double Normal();
+  dvec3 Direction();
+
+ private:
+  uint64_t state_;
+};
+
+// Thread safety: none; one per trial.
+class Plant {
+ public:
+  // `hand` is borrowed and outlives the plant.
+  Plant(const PlantSpec& spec, Hand& hand, const dvec3& start_m);
+
+  // What the driver says: the middle of the encoder cell the motor side is in, noise and the
+  // driver's own rounding included. The same however often it is asked within a tick.
+  dvec3 Read() const;
+  // Whether this tick is lost: the controller is not run and the last force is held.
+  bool TickLost();
+  // Holds the command (delayed, saturated) for one tick.
+  void Step(const dvec3& command_n);
+  // The same when the controller was not run.
+  void StepHeld();
+
+  double time_s() const { return time_s_; }
+  const dvec3& tip_m() const { return tip_; }
+  const dvec3& motor_m() const { return motor_; }
+  const dvec3& speed_m_per_s() const { return tip_speed_; }
+  const dvec3& sent_n() const { return sent_; }
+  double last_tick_s() const { return last_tick_s_; }
+
+ private:
+  void Advance();
+  void DrawNoise();
+  void RigidSubstep(const Grip& grip, double dt);
+  void FlexibleSubstep(const Grip& grip, double dt);
+
+  PlantSpec spec_;
+  Hand& hand_;
+  double hand_mass_;
+  Random random_, noise_random_;
+  glm::dmat3 from_joints_{1};
+  bool joint_cells_ = false;
+  dvec3 noise_counts_{0};
+  dvec3 tip_, tip_speed_{0}, motor_, motor_speed_{0}, sent_{0};
+  std::vector<dvec3> pipe_;
+  size_t pipe_at_ = 0;
+  double time_s_ = 0, last_tick_s_ = 0;
+};
+
+using fidelity::CellMiddle;
+
+}  // namespace enamel::station::lab

@@ -1,0 +1,499 @@
+#include "station/lab/laws/strokes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/core/core.h"
+#include "common/fidelity/feel.h"
+#include "station/lab/laws/withdrawal.h"
+
+namespace enamel::station::lab {
+namespace {
+
+using cutting::Pose;
+
+constexpr double kB_n_s_per_m = 6500;
+constexpr double kDepth_m = 2e-3;  // of the bur in the block
+constexpr double kLead_s = 0.5;    // recorded before what a case is about
+constexpr double kHandMass_kg = 0.2, kHandDamping_n_s_per_m = 10, kAcross_n_per_m = 500;
+constexpr double kLongest_s = 12;
+// Below a four-hundredth of B nothing is ahead: 0.03 N at 2 mm/s.
+constexpr double kNothing_n_s_per_m = kB_n_s_per_m / 400;
+constexpr double kRamp_s = 0.4;  // in which a hand begins to push
+
+const cutting::Bur kBur{cutting::BurShape::kCylinder, 0.6e-3, 4e-3};
+
+struct Leg {
+  dvec3 to{0};
+  double speed_m_per_s = 0;  // 0: stays where it is for hold_s
+  double hold_s = 0;
+};
+
+// Where the hand takes the tip. A force at the end: the hand then pushes along `push`.
+struct Way {
+  dvec3 start{0};
+  std::vector<Leg> legs;
+  size_t record_from = 0;  // leg before whose begin kLead_s are recorded
+  dvec3 along{1, 0, 0};    // positions are drawn along this
+  dvec3 push{0};           // newtons; 0: the hand prescribes all of its way
+  double push_end_m = 0;   // the record ends when the tip is so far along
+  bool leaves = false;     // ends with nothing ahead
+  bool withdraws = false;  // by going back or up
+};
+
+constexpr double kFeed_m_per_s = 0.43e-3;  // of the paper's cuts
+// Off the grid's planes.
+const dvec3 kOff(13e-6, -9e-6, 3e-6);
+
+Way WayOf(StrokeCase c, const DeviceModel& m) {
+  const double r = kBur.radius_m, side = -1.5e-3;
+  const dvec3 outside = kOff + dvec3(side - r - 0.1e-3, 0, -kDepth_m);
+  const dvec3 inside = kOff + dvec3(side + 0.5e-3, 0, -kDepth_m);
+  const double diagonal = std::sqrt(0.5);
+  const dvec3 d(diagonal, -diagonal, 0), n(diagonal, diagonal, 0);
+  const dvec3 corner = kOff + dvec3(side, side, -kDepth_m);
+  Way w;
+  switch (c) {
+    case StrokeCase::kPress:
+      w.start = kOff + dvec3(0, 0, 0.1e-3);
+      w.legs = {{kOff + dvec3(0, 0, -0.5e-3), 0.5e-3}, {{}, 0, 0.4}};
+      w.along = dvec3(0, 0, -1);
+      break;
+    case StrokeCase::kStroke:
+      w.start = outside;
+      w.legs = {{inside + dvec3(0.5e-3, 0, 0), kFeed_m_per_s}, {{}, 0, 0.4}};
+      break;
+    case StrokeCase::kReverse:
+      w.start = outside;
+      w.legs = {{inside, kFeed_m_per_s}, {outside, kFeed_m_per_s}};
+      w.record_from = 1;
+      w.leaves = w.withdraws = true;
+      break;
+    case StrokeCase::kLift:
+      w.start = outside;
+      w.legs = {{inside, kFeed_m_per_s}, {inside + dvec3(0, 0, 3e-3), 20e-3}};
+      w.record_from = 1;
+      w.along = dvec3(0, 0, 1);
+      w.leaves = w.withdraws = true;
+      break;
+    case StrokeCase::kNick:
+      // Past the upright edge, catching a quarter of a millimetre of it.
+      w.start = corner - n * (r - 0.25e-3) - d * 1.2e-3;
+      w.legs = {{corner - n * (r - 0.25e-3) + d * 1.2e-3, 2e-3}, {{}, 0, 0.2}};
+      w.along = d;
+      w.leaves = true;
+      break;
+    case StrokeCase::kSlipOut: {
+      // Through the corner; the hand is led into it, then pushes.
+      const dvec3 line = corner + n * 0.3e-3;
+      w.start = line - d * 1.4e-3;
+      w.legs = {{line - d * 0.9e-3, kFeed_m_per_s}};
+      w.along = d;
+      w.push = d * std::min(1.2, 0.8 * m.continuous_force_n);
+      w.push_end_m = 2.5e-3;
+      w.leaves = true;
+      break;
+    }
+  }
+  return w;
+}
+
+// Follows the legs, then pushes if the way says so. In that it keeps to its line by a soft spring
+// across.
+class LegHand final : public Hand {
+ public:
+  explicit LegHand(const Way& way) : way_(way) {
+    double t = 0;
+    dvec3 from = way.start;
+    for (const Leg& leg : way.legs) {
+      const bool moves = leg.speed_m_per_s > 0;
+      const double length = moves ? glm::length(leg.to - from) : 0;
+      Part part{t, moves ? length / leg.speed_m_per_s : leg.hold_s, from, moves ? leg.to : from};
+      if (moves)
+        part.direction = (leg.to - from) / length;
+      else if (!parts_.empty())
+        part.direction = parts_.back().direction;
+      parts_.push_back(part);
+      t += part.lasts_s;
+      from = part.to;
+    }
+    end_s_ = t;
+  }
+  double mass_kg() const override { return kHandMass_kg; }
+  Grip At(double t_s) override {
+    Grip grip;
+    if (pushing(t_s)) {
+      const dvec3 d = glm::normalize(way_.push);
+      dvec3 off = tip_ - parts_.back().to;
+      off -= d * Dot(off, d);
+      const double share = std::min(1.0, (t_s - end_s_) / kRamp_s);
+      grip.force_n = d * led_with_n_ * (1 - share) + way_.push * share - off * kAcross_n_per_m;
+      grip.damping_n_s_per_m = kHandDamping_n_s_per_m;
+      return grip;
+    }
+    grip.prescribed = true;
+    const Part& p = PartAt(t_s);
+    const double share = p.lasts_s > 0 ? std::clamp((t_s - p.from_s) / p.lasts_s, 0.0, 1.0) : 1;
+    grip.equilibrium_m = p.from + (p.to - p.from) * share;
+    return grip;
+  }
+  // Of the motion that the hand means, unit.
+  dvec3 DirectionAt(double t_s) const {
+    return pushing(t_s) ? glm::normalize(way_.push) : PartAt(t_s).direction;
+  }
+  bool pushing(double t_s) const { return Dot(way_.push, way_.push) > 0 && t_s > end_s_; }
+  double end_s() const { return end_s_; }
+  double record_from_s() const {
+    return way_.record_from == 0 ? 0 : parts_[way_.record_from].from_s - kLead_s;
+  }
+  // When the leg before whose begin the record leads up to begins; of a way that turns, its turn.
+  double turn_s() const { return parts_.size() > 1 ? parts_[1].from_s : end_s_; }
+  // Once a tick: where the tip is, and what resists the hand there. It begins to push with that.
+  void Feels(const dvec3& tip_m, const dvec3& r_n, double t_s) {
+    tip_ = tip_m;
+    if (!pushing(t_s)) led_with_n_ = std::max(0.0, Dot(r_n, DirectionAt(t_s)));
+  }
+
+ private:
+  struct Part {
+    double from_s = 0, lasts_s = 0;
+    dvec3 from{0}, to{0}, direction{1, 0, 0};
+  };
+  const Part& PartAt(double t_s) const {
+    for (const Part& p : parts_) {
+      if (t_s <= p.from_s + p.lasts_s + 1e-12) return p;
+    }
+    return parts_.back();
+  }
+
+  const Way& way_;
+  std::vector<Part> parts_;
+  double end_s_ = 0, led_with_n_ = 0;
+  dvec3 tip_{0};
+};
+
+// The ideal: a bur that is where the tip is.
+class IdealBur {
+ public:
+  IdealBur(const cutting::Volume& block, const dvec3& tip_m)
+      : volume_(block),
+        cutter_((volume_.Reserve(), volume_), kBur),
+        reader_(kBur, block.spec().voxel_m(), Damping()),
+        tip_(tip_m) {}
+
+  struct Felt {
+    dvec3 force_n{0};            // R
+    double ahead_n_s_per_m = 0;  // damping along `direction`
+  };
+  Felt MoveTo(const dvec3& tip_m, const dvec3& direction, double tick_s) {
+    const dvec3 way = tip_m - tip_;
+    const double length = glm::length(way), step = 0.5 * volume_.spec().voxel_m();
+    const int moves = std::max(1, static_cast<int>(std::ceil(length / step)));
+    Felt felt;
+    const dvec3 from = tip_;
+    for (int i = 1; i <= moves; ++i) {
+      reader_.Sample(volume_, {tip_, {}});
+      if (length > 0)
+        felt.force_n += reader_.Read(way).damping_n_s_per_m * way * (1 / (tick_s * moves));
+      const dvec3 press = reader_.Read(direction).damping_n_s_per_m * direction;
+      felt.ahead_n_s_per_m = std::max(felt.ahead_n_s_per_m, Dot(press, direction));
+      tip_ = from + way * (static_cast<double>(i) / moves);
+      cutter_.Cut({tip_, {}}, removed_);
+    }
+    return felt;
+  }
+
+ private:
+  static cutting::TissueDamping Damping() {
+    cutting::TissueDamping d;
+    d.lateral.fill(kB_n_s_per_m);
+    d.axial.fill(kB_n_s_per_m);
+    return d;
+  }
+
+  cutting::Volume volume_;
+  cutting::Cutter cutter_;
+  cutting::EngagementReader reader_;
+  cutting::RemovedUnits removed_{};
+  dvec3 tip_;
+};
+
+core::CoreParams ParamsOf(const DeviceModel& m, haptics::LawKind law) {
+  auto nm = [](double v) { return static_cast<int32_t>(std::lround(v * 1e9)); };
+  core::CoreParams p;
+  p.rate_hz = static_cast<uint32_t>(std::lround(m.rate_hz));
+  p.law = law;
+  p.kc_mn_per_mm = static_cast<int32_t>(std::lround(m.kc_n_per_m));
+  p.resolution_nm.fill(nm(m.resolution_m));
+  p.peak_force_mn = static_cast<int32_t>(std::lround(m.peak_force_n * 1e3));
+  p.soft_start_ticks = 0;
+  p.bur_shape = kBur.shape;
+  p.bur_radius_nm = nm(kBur.radius_m);
+  p.bur_length_nm = nm(kBur.length_m);
+  p.damping_mn_s_per_mm[static_cast<size_t>(cutting::Tissue::kEnamel)] =
+      static_cast<int32_t>(kB_n_s_per_m);
+  p.bus_delay_ticks = static_cast<uint32_t>(m.delay_ticks);
+  return p;
+}
+
+// A tick, before anything is made of it.
+struct Raw {
+  double t_s = 0, ahead_n_s_per_m = 0;
+  dvec3 r{0}, ideal{0}, oracle{0}, tip{0}, bur{0}, direction{0};
+};
+
+class StrokeRun {
+ public:
+  StrokeRun(const DeviceModel& m, StrokeCase c, haptics::LawKind law, const cutting::Volume& block)
+      : model_(m),
+        case_(c),
+        law_(law),
+        way_(WayOf(c, m)),
+        hand_(way_),
+        plant_(Spec(m), hand_, way_.start),
+        core_(ParamsOf(m, law), block),
+        ideal_(block, way_.start) {}
+
+  StrokeTrack Run() {
+    input_.flags = core::kBurOn;
+    StepCore();
+    while (!Over()) Tick();
+    StrokeTrack out;
+    out.which = case_;
+    out.law = law_;
+    Draw(&out);
+    Judge(&out);
+    return out;
+  }
+
+ private:
+  static PlantSpec Spec(const DeviceModel& m) {
+    PlantSpec s = SpecOf(m, haptics::kDefaultLaw, kB_n_s_per_m, 0).plant;
+    s.mode_hz = 0;  // rigid
+    return s;
+  }
+  bool Over() const {
+    if (plant_.time_s() > kLongest_s) return true;
+    if (Dot(way_.push, way_.push) == 0) return plant_.time_s() >= hand_.end_s();
+    return Dot(plant_.tip_m() - way_.start, way_.along) > way_.push_end_m;
+  }
+  void StepCore() {
+    for (int i = 0; i < 3; ++i) {
+      input_.counts[static_cast<size_t>(i)] =
+          static_cast<int32_t>(std::lround(plant_.tip_m()[i] / model_.resolution_m));
+    }
+    out_ = core_.Step(input_);
+  }
+  // The hand moves under the force of the tick before; then the loop reads and answers.
+  void Tick() {
+    hand_.Feels(plant_.tip_m(), -out_.force_sent_n, plant_.time_s());
+    const dvec3 was = plant_.tip_m();
+    const double tick_s = model_.tick_s();
+    plant_.Step(out_.force_sent_n);
+    StepCore();
+    Raw raw;
+    raw.t_s = plant_.time_s();
+    raw.tip = plant_.tip_m();
+    raw.bur = out_.anchor.tip_m;
+    raw.r = -out_.force_sent_n;
+    raw.direction = hand_.DirectionAt(plant_.time_s() - 0.5 * tick_s);
+    IdealBur::Felt felt = ideal_.MoveTo(raw.tip, raw.direction, tick_s);
+    raw.ideal = felt.force_n;
+    raw.ahead_n_s_per_m = felt.ahead_n_s_per_m;
+    const double most = std::min(
+        glm::length(oracle_) + model_.kc_n_per_m * glm::length(raw.tip - was), model_.peak_force_n);
+    const double wanted = glm::length(raw.ideal);
+    oracle_ = raw.oracle = wanted > most ? raw.ideal * (most / wanted) : raw.ideal;
+    raw_.push_back(raw);
+  }
+
+  size_t FirstRecorded() const {
+    size_t i = 0;
+    while (i + 1 < raw_.size() && raw_[i].t_s < hand_.record_from_s()) ++i;
+    return i;
+  }
+  void Draw(StrokeTrack* out) const {
+    const size_t from = FirstRecorded();
+    for (size_t i = from; i < raw_.size(); ++i) {
+      const Raw& k = raw_[i];
+      auto Along = [&](const dvec3& p) { return Dot(p - raw_[from].tip, way_.along); };
+      out->points.push_back({k.t_s - raw_[from].t_s, Dot(k.r, k.direction), glm::length(k.r),
+                             Dot(k.ideal, k.direction), Dot(k.oracle, k.direction), Along(k.tip),
+                             Along(k.bur)});
+    }
+  }
+
+  // The last tick with tissue ahead.
+  size_t LastAhead() const {
+    size_t last = 0;
+    for (size_t i = 0; i < raw_.size(); ++i) {
+      if (raw_[i].ahead_n_s_per_m >= kNothing_n_s_per_m) last = i;
+    }
+    return last;
+  }
+  void Judge(StrokeTrack* out) const {
+    auto Add = [&](const char* name, const char* unit, double value,
+                   std::optional<double> bound = std::nullopt) {
+      out->figures.push_back({name, unit, value, bound});
+    };
+    const double kc = model_.kc_n_per_m, cell_n = kc * model_.resolution_m;
+    const size_t from = FirstRecorded();
+    if (way_.leaves) {
+      const size_t left = LastAhead();
+      out->leaves_s = raw_[left].t_s - raw_[from].t_s;
+      JudgeLeaving(left, cell_n, Add);
+    }
+    if (!way_.withdraws) JudgeCutting(cell_n, Add);
+    double step = 0;
+    for (size_t i = std::max<size_t>(1, from); i < raw_.size(); ++i) {
+      const double moved = glm::length(raw_[i].tip - raw_[i - 1].tip);
+      const double allowed = kc * (moved + std::sqrt(3.0) * model_.resolution_m);
+      step = std::max(step, glm::length(raw_[i].r - raw_[i - 1].r) - allowed);
+    }
+    Add("step_beyond_n", "N", step, 0);
+  }
+
+  template <typename AddFigure>
+  void JudgeLeaving(size_t left, double cell_n, const AddFigure& add) const {
+    const double tick_s = model_.tick_s();
+    double pull = 0, rise = 0, help_s = 0, push = 0, before = 0, way = 0;
+    const double level = std::max(0.15, cell_n), stored = glm::length(raw_[left].r);
+    size_t held_on = left;
+    for (size_t i = left + 1; i < raw_.size(); ++i) {
+      const double along = Dot(raw_[i].r, raw_[i].direction);
+      pull = std::max(pull, along);
+      push = std::max(push, -along);
+      rise = std::max(rise, std::max(0.0, along) - before);
+      before = std::max(0.0, along);
+      // What an encoder's cell leaves is nothing to be felt.
+      if (along < -0.5 * cell_n) help_s += tick_s;
+      if (glm::length(raw_[i].r) > level) held_on = i;
+    }
+    for (size_t i = left + 1; i <= held_on; ++i) way += glm::length(raw_[i].tip - raw_[i - 1].tip);
+    const double let_go_s = raw_[held_on].t_s - raw_[left].t_s;
+    // The force may not fall by more than Kc (v T + sqrt(3) delta) in a tick: so long, and 15 ms.
+    const auto ticks = static_cast<double>(held_on - left);
+    const double pace = ticks > 0 ? way / ticks : 0;
+    const double least_s =
+        stored / (model_.kc_n_per_m * (pace + std::sqrt(3.0) * model_.resolution_m)) * tick_s;
+    if (way_.withdraws) {
+      add("pull_n", "N", pull, std::max(0.15, cell_n));
+      add("rise_n", "N", rise, std::max(0.1, cell_n));
+    } else {
+      add("pull_n", "N", pull);
+    }
+    add("push_n", "N", push);
+    if (case_ == StrokeCase::kReverse) add("help_s", "s", help_s, HelpGoal());
+    add("let_go_s", "s", let_go_s, fidelity::kDelay_s + least_s);
+  }
+
+  // Goals of the human motions; other devices have none.
+  std::optional<double> HelpGoal() const {
+    if (model_.name == "omega3") return 0.1;
+    if (model_.name == "phantom_desktop") return 0.15;
+    if (model_.name == "bhhd3") return 0.2;
+    return std::nullopt;
+  }
+
+  template <typename AddFigure>
+  void JudgeCutting(double cell_n, const AddFigure& add) const {
+    // From the first contact to the last, or to the hand's rest.
+    size_t first = raw_.size(), last = 0;
+    double peak = 0;
+    for (size_t i = 0; i < raw_.size(); ++i) {
+      const double ideal = Dot(raw_[i].ideal, raw_[i].direction);
+      if (raw_[i].ahead_n_s_per_m < kNothing_n_s_per_m || ideal <= 0) continue;
+      first = std::min(first, i);
+      last = i;
+      peak = std::max(peak, ideal);
+    }
+    if (first >= last) return;
+    double plateau = 0, error2 = 0, oracle2 = 0, beyond = 0, running = 0;
+    const size_t quarter = std::max<size_t>(1, (last - first) / 4);
+    for (size_t i = last + 1 - quarter; i <= last; ++i)
+      plateau += Dot(raw_[i].ideal, raw_[i].direction) / static_cast<double>(quarter);
+    for (size_t i = first; i <= last; ++i) {
+      const Raw& k = raw_[i];
+      running = std::max(running, Dot(k.ideal, k.direction));
+      beyond = std::max(beyond, Dot(k.r, k.direction) - running);
+      error2 += Dot(k.r - k.ideal, k.r - k.ideal);
+      oracle2 += Dot(k.oracle - k.ideal, k.oracle - k.ideal);
+    }
+    if (case_ == StrokeCase::kPress || case_ == StrokeCase::kStroke) {
+      auto Reaches = [&](dvec3 Raw::*track, double share) {
+        size_t i = first;
+        while (i < last && Dot(raw_[i].*track, raw_[i].direction) < share * plateau) ++i;
+        return raw_[i].t_s - raw_[first].t_s;
+      };
+      add("lag_s", "s", Reaches(&Raw::r, 0.5) - Reaches(&Raw::ideal, 0.5));
+      const double rise_s = Reaches(&Raw::r, 0.9), least_s = Reaches(&Raw::oracle, 0.9);
+      add("rise90_s", "s", rise_s, 1.15 * least_s + model_.tick_s());
+    }
+    if (case_ != StrokeCase::kSlipOut) {
+      // Where B v is within what the motors bear for long.
+      std::optional<double> bound;
+      if (peak <= model_.continuous_force_n)
+        bound = std::max({0.1 * peak, 0.05, 1.15 * cell_n / 2});
+      add("overshoot_n", "N", beyond, bound);
+      if (oracle2 > 0) add("error_over_oracle", "", std::sqrt(error2 / oracle2));
+    }
+    add("ideal_peak_n", "N", peak);
+  }
+
+  const DeviceModel model_;
+  const StrokeCase case_;
+  const haptics::LawKind law_;
+  const Way way_;
+  LegHand hand_;
+  Plant plant_;
+  core::Core core_;
+  IdealBur ideal_;
+  core::TickInput input_;
+  core::TickOutput out_;
+  dvec3 oracle_{0};
+  std::vector<Raw> raw_;
+};
+
+}  // namespace
+
+const char* StrokeName(StrokeCase c) {
+  constexpr const char* kNames[] = {"press", "stroke", "reverse", "lift", "nick", "slip-out"};
+  return kNames[static_cast<int>(c)];
+}
+
+bool StrokeTrack::held() const {
+  return std::all_of(figures.begin(), figures.end(),
+                     [](const StrokeFigure& f) { return f.held(); });
+}
+
+StrokeTrack RunStroke(const DeviceModel& model, StrokeCase c, haptics::LawKind law,
+                      const cutting::Volume& block) {
+  return StrokeRun(model, c, law, block).Run();
+}
+
+std::vector<size_t> PointsToDraw(const std::vector<StrokePoint>& points, size_t most) {
+  std::vector<size_t> out;
+  if (points.size() <= most) {
+    for (size_t i = 0; i < points.size(); ++i) out.push_back(i);
+    return out;
+  }
+  // Up to three of each group, and the first and the last.
+  const size_t groups = (most - 2) / 3;
+  out.push_back(0);
+  for (size_t g = 0; g < groups; ++g) {
+    const size_t from = g * points.size() / groups, to = (g + 1) * points.size() / groups;
+    size_t low = from, high = from, strong = from;
+    for (size_t i = from; i < to; ++i) {
+      if (points[i].force_n < points[low].force_n) low = i;
+      if (points[i].force_n > points[high].force_n) high = i;
+      if (points[i].magnitude_n > points[strong].magnitude_n) strong = i;
+    }
+    for (size_t i : {low, high, strong}) out.push_back(i);
+  }
+  out.push_back(points.size() - 1);
+  std::sort(out.begin(), out.end());
+  out.erase(std::unique(out.begin(), out.end()), out.end());
+  return out;
+}
+
+}  // namespace enamel::station::lab

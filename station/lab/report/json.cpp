@@ -1,0 +1,177 @@
+#include <boost/json.hpp>
+#include <cmath>
+
+#include "station/lab/report/cutting_report.h"
+#include "station/lab/report/report.h"
+
+namespace enamel::station::lab {
+namespace {
+
+namespace json = boost::json;
+
+// JSON has no infinities: what never happened is null.
+json::value Number(double v) { return std::isfinite(v) ? json::value(v) : json::value(nullptr); }
+json::value Time(double v) { return v < 0 ? json::value(nullptr) : Number(v); }
+
+json::object RowJson(const Row& r) {
+  const Measurement& m = r.m;
+  json::object out{{"suite", r.suite},
+                   {"title", r.title},
+                   {"profile", r.profile},
+                   {"law", r.law},
+                   {"estimator", r.estimator},
+                   {"rate_hz", Number(r.rate_hz)},
+                   {"hand", r.hand},
+                   {"b_n_s_per_mm", Number(r.b_n_s_per_mm)},
+                   {"kc_n_per_mm", Number(r.kc_n_per_mm)},
+                   {"steady_error_max_n", Number(m.error_max_n)},
+                   {"steady_error_rms_n", Number(m.error_rms_n)},
+                   {"ripple_rms_n", Number(m.ripple_rms_n)},
+                   {"ripple_above_20_hz_rms_n", Number(m.ripple_fast_rms_n)},
+                   {"deviation_m", Number(m.deviation_m)},
+                   {"mean_n", Number(m.mean_n)},
+                   {"target_n", Number(m.target_n)},
+                   {"speed_mm_s", Number(r.speed_mm_s)},
+                   {"rise90_s", Time(m.rise90_s)},
+                   {"rise90_floor_s", Number(m.rise90_floor_s)},
+                   {"release10_s", Time(m.release10_s)},
+                   {"kick_n", Number(m.kick_n)},
+                   {"tau_s", Number(r.tau_s)},
+                   {"energy_min_j", Number(m.energy_min_j)},
+                   {"energy_floor_j", Number(m.energy_floor_j)},
+                   {"violations", m.violation ? 1 : 0},
+                   {"kc_delta_half_n", Number(r.kc_delta_half_n)},
+                   {"cycle", m.cycle},
+                   {"ns_per_tick", Number(r.ns_per_tick)},
+                   {"verdict", VerdictName(r.verdict)},
+                   {"pareto", r.pareto},
+                   {"default", r.is_default}};
+  for (const auto& [what, value] : r.extra) out[what] = Number(value);
+  return out;
+}
+
+json::object HandJson(const HandRow& r) {
+  const HandFigures& f = r.f;
+  auto Of = [&](double v) { return r.has_track ? Number(v) : json::value(nullptr); };
+  auto Out = [&](double v) { return r.has_track ? json::value(nullptr) : Number(v); };
+  bool turns = r.motion == "reversal";
+  return {{"suite", "hand"},
+          {"device", r.device},
+          {"law", r.law},
+          {"b_n_s_per_mm", Number(r.b_n_s_per_mm)},
+          {"rate_hz", Number(r.rate_hz)},
+          {"kc_n_per_mm", Number(r.kc_n_per_mm)},
+          {"delay_ticks", r.delay_ticks},
+          {"motion", r.motion},
+          {"hand", r.hand},
+          {"lattice", r.lattice},
+          {"error_rms", Of(f.ideal_rms_n > 0 ? f.error_rms_n / f.ideal_rms_n : 0)},
+          {"oracle_rms", Of(f.ideal_rms_n > 0 ? f.oracle_rms_n / f.ideal_rms_n : 0)},
+          {"error_over_oracle", Of(f.oracle_rms_n > 0 ? f.error_rms_n / f.oracle_rms_n : INFINITY)},
+          {"ideal_rms_n", Of(f.ideal_rms_n)},
+          {"lag_s", Of(f.lag_s)},
+          {"help_after_reversal_s", turns ? Of(f.help_s) : json::value(nullptr)},
+          {"overshoot", Of(f.overshoot)},
+          {"excess_n", Of(f.excess_n)},
+          {"direction_error_deg", Of(f.direction_deg)},
+          {"bur_to_tip_m", Of(f.trail_m)},
+          {"energy_min_j", Of(f.energy_min_j)},
+          {"opposing_n", Out(r.opposing_n)},
+          {"rise_n", Out(r.rise_n)},
+          {"pull_n", Out(r.pull_n)},
+          {"step_n", r.has_track ? Number(f.step_n) : Number(r.step_n)}};
+}
+
+json::object FeelJson(const FeelRow& r) {
+  const fidelity::Cell& c = r.cell;
+  bool strokes = c.motion == fidelity::Motion::kStrokes;
+  auto Lag = [&](const fidelity::Figures& f) {
+    return strokes ? Number(f.lag_s) : json::value(nullptr);
+  };
+  auto Rise = [&](const fidelity::Figures& f) {
+    return strokes ? json::value(nullptr) : Time(f.rise_s);
+  };
+  return {{"suite", "map"},
+          {"device", r.device},
+          {"attached", r.attached},
+          {"kc_n_per_mm", Number(r.kc_n_per_mm)},
+          {"delay_ticks", r.delay_ticks},
+          {"tissue", r.tissue},
+          {"b_n_s_per_mm", Number(r.b_n_s_per_mm)},
+          {"speed_mm_per_s", Number(c.speed_m_per_s * 1e3)},
+          {"motion", fidelity::MotionName(c.motion)},
+          {"right_rms_n", Number(c.rms_n)},
+          {"right_largest_n", Number(c.largest_n)},
+          {"error", Number(c.law.error)},
+          {"gain", Number(c.law.gain)},
+          {"lag_s", Lag(c.law)},
+          {"rise_s", Rise(c.law)},
+          {"oracle_error", Number(c.oracle.error)},
+          {"oracle_gain", Number(c.oracle.gain)},
+          {"oracle_lag_s", Lag(c.oracle)},
+          {"oracle_rise_s", Rise(c.oracle)},
+          {"verdict", fidelity::VerdictName(c.verdict)}};
+}
+
+}  // namespace
+
+std::string JsonOf(const Findings& f) {
+  json::array rows, fronts, attacks, random;
+  // A hand row has other members than a point of the hands' front against run time.
+  for (const Row& r : f.rows) (r.suite == "hand-front" ? fronts : rows).push_back(RowJson(r));
+  AppendCuttingRows(f, rows);
+  for (const HandRow& r : f.hands) rows.push_back(HandJson(r));
+  for (const FeelRow& r : f.feel) rows.push_back(FeelJson(r));
+  for (const Attack& a : f.attacks) {
+    attacks.push_back(json::object{{"law", a.law},
+                                   {"game", a.kind},
+                                   {"profile", a.profile},
+                                   {"seed", a.seed},
+                                   {"length", a.length},
+                                   {"ticks", a.ticks},
+                                   {"lowest_above_floor_j", Number(a.worst_j)},
+                                   {"extracted_j", Number(a.extracted_j)},
+                                   {"violations", a.violations},
+                                   {"proved", a.proved}});
+  }
+  for (const RandomSummary& r : f.random) {
+    random.push_back(json::object{{"draw", r.title},
+                                  {"cases", r.cases},
+                                  {"held", r.held},
+                                  {"error", r.error},
+                                  {"rise", r.rise},
+                                  {"release", r.release},
+                                  {"cycle", r.cycle}});
+  }
+  json::object out{{"format", 1},
+                   {"seed", f.seed},
+                   {"quick", f.quick},
+                   {"integration_error_m", Number(f.integration_error_m)},
+                   {"rows", std::move(rows)},
+                   {"attacks", std::move(attacks)},
+                   {"random", std::move(random)}};
+  if (!fronts.empty()) out["fronts"] = std::move(fronts);
+  if (!f.rates.empty()) {
+    json::array rates;
+    for (const RateRow& r : f.rates) {
+      rates.push_back(json::object{{"device", r.device},
+                                   {"rate_hz", Number(r.rate_hz)},
+                                   {"delay_ticks", r.delay_ticks},
+                                   {"kc_n_per_mm", Number(r.kc_n_per_mm)},
+                                   {"limit", r.limit},
+                                   {"kc_delta_half_n", Number(r.kc_delta_half_n)},
+                                   {"lag_s", Number(r.lag_s)},
+                                   {"error_rms", Number(r.error_rms)},
+                                   {"error_over_oracle", Number(r.error_over_oracle)}});
+    }
+    out["rates"] = std::move(rates);
+  }
+  std::string text = json::serialize(out);
+  if (!f.strokes.empty()) {
+    text.pop_back();
+    text += ",\"strokes\":" + StrokesJson(f.strokes) + "}";
+  }
+  return text;
+}
+
+}  // namespace enamel::station::lab

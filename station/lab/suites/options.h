@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <cstdio>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace enamel::station::lab {
+
+// What is to be measured, and how: app/qualify.h runs it.
+struct QualifyOptions {
+  std::string profile = "phantom_desktop";  // of QualifyProfiles, a file, or "all"
+  std::vector<std::string> suites = {
+      "all"};  // paper | hand | map | strokes | rates | laws | estimators | extreme | adversary | random | cutting | all
+  bool quick = false;      // under a minute on two cores; still B = 6.5 at 1 kHz
+  std::string json_path;   // rows are written here when not empty
+  std::string report_dir;  // report.html and its plots are written here when not empty
+  std::string recordings = "../shared/data/motion";  // hand: CSV files of people's motions
+  int cases = 600;                                   // random
+  int64_t adversary_ticks = 0;                       // 0: 1e9, or 2e6 with quick
+  uint64_t seed = 1;
+  int threads = 2;
+  std::FILE* out = nullptr;                        // tables; nullptr: nothing printed
+  std::FILE* progress = nullptr;                   // one line, rewritten
+  std::function<void(const std::string&)> errors;  // told why nothing was done; may be empty
+};
+
+}  // namespace enamel::station::lab

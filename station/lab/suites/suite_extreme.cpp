@@ -1,0 +1,292 @@
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "common/haptics/criteria.h"
+#include "station/lab/suites/suites.h"
+
+// Stiff and extreme cases, laws driven directly, past profile validation: each cell is cut for a
+// few seconds with a light impedance grip and, where the material can hold it, a light force grip.
+namespace enamel::station::lab {
+namespace {
+
+using haptics::LawKind;
+
+constexpr double kSpeed = 0.43e-3;
+
+Verdict Worse(Verdict a, Verdict b) { return a > b ? a : b; }
+
+std::vector<double> Steps(double lo, double hi, int n) {
+  std::vector<double> out;
+  for (int i = 0; i < n; ++i)
+    out.push_back(lo * std::pow(hi / lo, static_cast<double>(i) / (n - 1)));
+  return out;
+}
+
+// The tip swings by hundreds of cells, or by a tenth of a millimetre: that is no encoder noise.
+bool Swings(const TrialSpec& s, const Measurement& m) {
+  return m.unstable ||
+         (m.deviation_m > std::max(40 * s.plant.resolution_m, 50e-6) && m.ripple_fast_rms_n > 0.05);
+}
+
+Verdict OneGrip(TrialSpec s) {
+  s.settle_s = 1.5;
+  s.window_s = 1;
+  s.measure_release = false;
+  Measurement m = RunTrial(s);
+  if (Proved(s)) return m.violation ? Verdict::kUnstable : Verdict::kPassive;
+  if (Swings(s, m)) return Verdict::kUnstable;
+  if (m.deviation_m > 2.5 * s.plant.resolution_m || m.violation)
+    return m.cycle ? Verdict::kBounded : Verdict::kStable;
+  return Verdict::kStable;
+}
+
+Verdict CellVerdict(TrialSpec s) {
+  s.direction = glm::normalize(dvec3(1, 2, 3));
+  s.hand_mass_kg = 0.03;
+  s.plant.substeps = std::clamp(static_cast<int>(s.plant.tick_s / 0.12e-3), 1, 80);
+  s.hand = HandKind::kImpedance;
+  s.hand_stiffness_n_per_m = 1000;
+  s.hand_damping_n_s_per_m = 0.2 * std::sqrt(1000 * (s.hand_mass_kg + s.plant.mass_kg));
+  Verdict v = OneGrip(s);
+  double b = s.b_n_s_per_m.Trace() / 3;
+  if (v == Verdict::kUnstable || b < 1000 || b > 2e4) return v;
+  s.hand = HandKind::kForce;
+  s.hand_damping_n_s_per_m = 2;
+  return Worse(v, OneGrip(s));
+}
+
+VerdictMap MapOf(SuiteContext& c, const char* title, std::vector<double> x, std::vector<double> y,
+                 const std::function<TrialSpec(double, double)>& spec) {
+  VerdictMap map;
+  map.title = title;
+  map.x = std::move(x);
+  map.y = std::move(y);
+  map.cells.resize(map.x.size() * map.y.size());
+  std::atomic<size_t> done{0};
+  ParallelFor(map.cells.size(), c.options.threads, [&](size_t i) {
+    map.cells[i] = CellVerdict(spec(map.x[i % map.x.size()], map.y[i / map.x.size()]));
+    c.progress(title, ++done, map.cells.size());
+  });
+  return map;
+}
+
+void AddZWidth(SuiteContext& c, const DeviceModel& m, LawKind law) {
+  int n = c.options.quick ? 7 : 15;
+  std::string title = "Z-width of " + m.title + ": " + std::string(haptics::FindLaw(law)->name);
+  VerdictMap map =
+      MapOf(c, title.c_str(), Steps(0.05, 10, n), Steps(1e-3, 1e6, n), [&](double ratio, double b) {
+        TrialSpec s = SpecOf(m, law, b * 1e3, kSpeed);
+        s.law.kc_n_per_m = ratio * m.max_stiffness_n_per_m;
+        return s;
+      });
+  map.x_label = "Kc / K";
+  map.y_label = "B, N s/mm";
+  double k = m.max_stiffness_n_per_m, b = m.damping_n_s_per_m;
+  double theorem = haptics::CouplingStiffness(b, m.tick_s(), 0) / k,
+         friction = 2 * m.friction_n / m.resolution_m / k;
+  map.curves.push_back({"theorem: Kc = 2b/T", {{theorem, 1e-3}, {theorem, 1e6}}});
+  map.curves.push_back({"friction: Kc = 2c/delta", {{friction, 1e-3}, {friction, 1e6}}});
+  VerdictMap::Curve colgate{"Colgate-Schenkel: K beside eq. 1", {}};
+  for (double virtual_b : Steps(1e-3, 0.999e-3 * b, 12)) {
+    if (virtual_b > 0.999e-3 * b) break;
+    colgate.points.push_back(
+        {std::max(0.05, haptics::ColgateSchenkelStiffness(b, virtual_b * 1e3, m.tick_s()) / k),
+         virtual_b});
+  }
+  colgate.points.push_back({0.05, b * 1e-3});
+  map.curves.push_back(colgate);
+  c.findings.maps.push_back(std::move(map));
+}
+
+void AddRateDelay(SuiteContext& c, const DeviceModel& m) {
+  VerdictMap map = MapOf(c, ("Loop rate and bus delay on " + m.title + ", Kc kept").c_str(),
+                         Steps(100, 20000, c.options.quick ? 6 : 12), {1, 2, 3, 4, 5, 6},
+                         [&](double rate, double delay) {
+                           DeviceModel at = m;
+                           at.rate_hz = rate;
+                           at.delay_ticks = static_cast<int>(delay) - 1;
+                           return SpecOf(at, haptics::kDefaultLaw, 6500, kSpeed);
+                         });
+  map.x_label = "loop rate, Hz";
+  map.y_label = "1 + ticks of delay";
+  VerdictMap::Curve limit{"theorem: Kc = 2b/(T (d + 1)^2)", {}};
+  for (double rate : Steps(100, 20000, 40)) {
+    double d = std::sqrt(2 * m.damping_n_s_per_m * rate / m.kc_n_per_m) - 1;
+    if (d >= 0 && d <= 5) limit.points.push_back({rate, 1 + d});
+  }
+  map.curves.push_back(limit);
+  c.findings.maps.push_back(std::move(map));
+}
+
+void AddResolutionMass(SuiteContext& c, const DeviceModel& m) {
+  int n = c.options.quick ? 5 : 10;
+  VerdictMap map =
+      MapOf(c, ("Encoder cell and device mass on " + m.title).c_str(), Steps(1e-3, 500, n),
+            Steps(1, 2000, n), [&](double delta_um, double mass_g) {
+              DeviceModel other = m;
+              other.resolution_m = delta_um * 1e-6;
+              other.mass_kg = mass_g * 1e-3;
+              return SpecOf(other, haptics::kDefaultLaw, 6500, kSpeed);
+            });
+  map.x_label = "delta, um";
+  map.y_label = "mass, g";
+  double limit = 2e6 * m.friction_n / m.kc_n_per_m;
+  map.curves.push_back({"friction: c = Kc delta / 2", {{limit, 1}, {limit, 2000}}});
+  c.findings.maps.push_back(std::move(map));
+}
+
+class StepMaterial final : public haptics::Material {
+ public:
+  haptics::Contact ContactAt(const dvec3&, const dvec3&) noexcept override {
+    haptics::Contact c;
+    c.damping_n_s_per_m = b;
+    c.engaged = !b.IsZero();
+    c.clearance_m = 1;
+    return c;
+  }
+  void AnchorMoved(const dvec3&, const dvec3&) noexcept override {}
+  Sym3 b = Sym3::Isotropic(6500);
+};
+
+std::string N(double v) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.3f", v);
+  return text;
+}
+
+// Drives the coupling with what `tip` says and reports the largest force and whether every force
+// was finite and within the peak.
+std::vector<std::string> Event(const DeviceModel& m, const char* name, const char* expected,
+                               int ticks, const std::function<dvec3(int, StepMaterial&)>& tip) {
+  haptics::CouplingParams p;
+  p.law = SpecOf(m, haptics::kDefaultLaw, 6500, kSpeed).law;
+  p.peak_force_n = m.peak_force_n;
+  haptics::Coupling coupling(p);
+  StepMaterial material;
+  coupling.Reset(dvec3(0));
+  double most = 0, last = 0, jump = 0;
+  bool finite = true, flagged = false;
+  for (int k = 0; k < ticks; ++k) {
+    dvec3 at = tip(k, material);
+    haptics::CouplingOutput out = coupling.Tick(at, 1, material);
+    double f = glm::length(out.force_sent_n);
+    finite = finite && std::isfinite(f);
+    flagged = flagged || (out.flags & haptics::kNonFiniteInput);
+    most = std::max(most, f);
+    jump = std::max(jump, std::fabs(f - last));
+    last = f;
+  }
+  bool bounded = finite && most <= m.peak_force_n * (1 + 1e-9);
+  return {name,
+          m.title,
+          expected,
+          N(most),
+          N(jump),
+          N(last),
+          flagged ? "yes" : "no",
+          bounded ? "bounded" : "NOT BOUNDED"};
+}
+
+void AddEvents(const DeviceModel& m, Table* t) {
+  double v = kSpeed * m.tick_s(), delta = m.resolution_m;
+  auto Steady = [=](int k) { return CellMiddle(dvec3(v * k, 0.3 * v * k, 0), delta); };
+  double nan = std::numeric_limits<double>::quiet_NaN(),
+         inf = std::numeric_limits<double>::infinity();
+  t->rows.push_back(
+      Event(m, "position NaN for 5 ticks", "no force from then on", 8000,
+            [&](int k, StepMaterial&) { return k > 4000 && k <= 4005 ? dvec3(nan) : Steady(k); }));
+  t->rows.push_back(Event(
+      m, "position infinite for 5 ticks", "no force from then on", 8000,
+      [&](int k, StepMaterial&) { return k > 4000 && k <= 4005 ? dvec3(inf, 0, 0) : Steady(k); }));
+  t->rows.push_back(Event(
+      m, "material NaN for 100 ticks", "no force from then on", 8000, [&](int k, StepMaterial& s) {
+        s.b = k > 4000 && k <= 4100 ? Sym3::Isotropic(nan) : Sym3::Isotropic(6500);
+        return Steady(k);
+      }));
+  t->rows.push_back(Event(m, "position jumps by 5 mm for one tick", "at most the peak", 8000,
+                          [&](int k, StepMaterial&) {
+                            return Steady(k) + (k == 4000 ? dvec3(5e-3, 0, 0) : dvec3(0));
+                          }));
+  t->rows.push_back(
+      Event(m, "counts wrap at 16 bit", "at most the peak", 8000, [&](int k, StepMaterial&) {
+        return Steady(k) - (k > 4000 ? dvec3(65536 * delta, 0, 0) : dvec3(0));
+      }));
+  t->rows.push_back(Event(m, "clock stands still: no counts", "lets go", 12000,
+                          [&](int k, StepMaterial&) { return Steady(std::min(k, 4000)); }));
+  t->rows.push_back(Event(m, "air, enamel, dentin, pulp in turn", "at most the peak", 12000,
+                          [&](int k, StepMaterial& s) {
+                            constexpr double kLayers[] = {0, 8700, 5200, 300};
+                            s.b = Sym3::Isotropic(kLayers[(k / 1000) % 4]);
+                            return Steady(k);
+                          }));
+  t->rows.push_back(Event(m, "pushed 20 mm into stone (B = 1e6 N s/mm)", "the peak", 8000,
+                          [&](int k, StepMaterial& s) {
+                            s.b = Sym3::Isotropic(1e9);
+                            return CellMiddle(dvec3(5e-6 * std::min(k, 4000), 0, 0), delta);
+                          }));
+  t->rows.push_back(Event(m, "B = 0", "no force", 4000, [&](int k, StepMaterial& s) {
+    s.b = Sym3{};
+    return Steady(k);
+  }));
+}
+
+void AddTiming(SuiteContext& c, const DeviceModel& m, Table* t) {
+  struct Case {
+    const char* name;
+    double jitter, drop, mode_hz;
+  };
+  for (Case k :
+       {Case{"jitter 10 %", 0.1, 0, 0}, Case{"jitter 50 %", 0.5, 0, 0},
+        Case{"1 % of ticks lost", 0, 0.01, 0}, Case{"10 % of ticks lost", 0, 0.1, 0},
+        Case{"30 % of ticks lost", 0, 0.3, 0}, Case{"structural mode at 300 Hz", 0, 0, 300},
+        Case{"structural mode at 80 Hz", 0, 0, 80}}) {
+    TrialSpec s = SpecOf(m, haptics::kDefaultLaw, 6500, kSpeed);
+    s.plant.jitter_ratio = k.jitter;
+    s.plant.drop_ratio = k.drop;
+    s.plant.mode_hz = k.mode_hz;
+    s.plant.substeps = 16;
+    s.hand = HandKind::kImpedance;
+    s.hand_damping_n_s_per_m = 4;
+    s.direction = glm::normalize(dvec3(1, 2, 3));
+    Row r = RunRow(m, s);
+    r.suite = "extreme";
+    r.title = k.name;
+    t->rows.push_back({k.name, m.title, N(r.m.error_max_n), N(r.m.ripple_rms_n),
+                       N(r.m.deviation_m / m.resolution_m), N(r.m.energy_min_j * 1e6),
+                       r.m.unstable ? "unstable"
+                       : r.m.cycle  ? "bounded"
+                                    : "stable with these grips"});
+    c.findings.rows.push_back(std::move(r));
+  }
+}
+
+}  // namespace
+
+void RunExtremeSuite(SuiteContext& c) {
+  Table events{"Bad input and sudden change (default law)",
+               "",
+               {"event", "device", "expected", "largest force N", "largest change in a tick N",
+                "force at the end N", "flagged", "verdict"},
+               {}};
+  Table timing{
+      "Time out of joint and a soft structure (default law, 1 N/mm grip)",
+      "Not covered by the theorem; the leak of a late tick is max(0, Kc/2 - b/T_hold) dx^2.",
+      {"case", "device", "error N", "ripple N", "deviation / delta", "lowest balance uJ",
+       "verdict"},
+      {}};
+  for (const DeviceModel& m : c.findings.models) {
+    AddZWidth(c, m, haptics::kDefaultLaw);
+    AddZWidth(c, m, LawKind::kPaperLimited);
+    AddRateDelay(c, m);
+    AddResolutionMass(c, m);
+    AddEvents(m, &events);
+    AddTiming(c, m, &timing);
+  }
+  c.findings.tables.push_back(std::move(events));
+  c.findings.tables.push_back(std::move(timing));
+}
+
+}  // namespace enamel::station::lab

@@ -1,0 +1,98 @@
+#include <atomic>
+#include <cmath>
+#include <cstdio>
+
+#include "common/scene/delay.h"
+#include "common/scene/rate.h"
+#include "station/lab/laws/hand_trial.h"
+#include "station/lab/suites/suites.h"
+
+namespace enamel::station::lab {
+namespace {
+
+constexpr double kB_n_s_per_m = 6500, kSpeed_m_per_s = 0.2e-3;
+constexpr uint64_t kMotions = 5;
+
+std::string Text(const char* format, double v) {
+  char out[40];
+  std::snprintf(out, sizeof out, format, v);
+  return out;
+}
+
+struct Job {
+  DeviceModel model;
+  std::string limit;
+};
+
+// The profile as it stands first, then each rate. Delays count in ticks of the rate.
+std::vector<Job> JobsFor(const DeviceModel& m) {
+  std::vector<Job> jobs{{m, "as the profile says"}};
+  for (int64_t delay : {0, 1}) {
+    for (int64_t rate : {1000, 2000, 4000, 8000}) {
+      scene::DeviceProfile profile = m.profile;
+      profile.bus_delay_ticks.value = 0;
+      Result<scene::DeviceProfile> at = scene::AtRate(profile, rate);
+      if (!at.ok()) continue;
+      at->bus_delay_ticks.value = delay;
+      const scene::LargestCoupling largest = scene::LargestCouplingAt(*at, rate, delay);
+      at->coupling_mn_per_mm.value = largest.coupling_mn_per_mm;
+      Result<DeviceModel> model = ModelOf(*at);
+      if (model.ok()) jobs.push_back({*model, scene::CouplingLimitName(largest.limit)});
+    }
+  }
+  return jobs;
+}
+
+}  // namespace
+
+void RunRatesSuite(SuiteContext& c) {
+  Table t;
+  t.title = "Loop rates: the largest coupling each device may have, and what a hand gets of it";
+  t.note =
+      "Kc = min(2 b f/(d + 1)^2, 2 c/delta, K); limit: which of them binds. B 6.5 N s/mm, five "
+      "generated hands that wander at "
+      "0.2 mm/s for 12 s each, default law. Error: RMS of R - B v over B v's; over the oracle's at "
+      "the same Kc. A delay of one "
+      "tick is shorter at a higher rate.";
+  t.head = {"device",       "rate Hz", "delay ticks", "Kc N/mm",       "limit",
+            "Kc delta/2 N", "lag ms",  "error %",     "error / oracle"};
+  for (const DeviceModel& m : c.findings.models) {
+    const std::vector<Job> jobs = JobsFor(m);
+    std::vector<RateRow> rows(jobs.size());
+    std::atomic<size_t> done{0};
+    ParallelFor(jobs.size(), c.options.threads, [&](size_t i) {
+      const DeviceModel& model = jobs[i].model;
+      HandTrial trial;
+      trial.b_n_s_per_m = kB_n_s_per_m;
+      trial.delay_ticks = model.delay_ticks;
+      double error2 = 0, ideal2 = 0, oracle2 = 0, lag_s = 0;
+      for (uint64_t seed = 1; seed <= kMotions; ++seed) {
+        HandFigures f = RunHand(model, trial, WanderingMotion(kSpeed_m_per_s, 12, seed));
+        error2 += f.error_rms_n * f.error_rms_n;
+        ideal2 += f.ideal_rms_n * f.ideal_rms_n;
+        oracle2 += f.oracle_rms_n * f.oracle_rms_n;
+        lag_s += f.lag_s / static_cast<double>(kMotions);
+      }
+      rows[i] = {m.name,
+                 jobs[i].limit,
+                 model.rate_hz,
+                 model.kc_n_per_m * 1e-3,
+                 model.delay_ticks,
+                 model.kc_n_per_m * model.resolution_m / 2,
+                 lag_s,
+                 std::sqrt(error2 / ideal2),
+                 std::sqrt(error2 / oracle2)};
+      c.progress("rates", ++done, jobs.size());
+    });
+    for (const RateRow& r : rows) {
+      t.rows.push_back({m.title, Text("%.0f", r.rate_hz), Text("%.0f", r.delay_ticks),
+                        Text("%.2f", r.kc_n_per_mm), r.limit, Text("%.3f", r.kc_delta_half_n),
+                        Text("%.0f", 1e3 * r.lag_s), Text("%.0f", 100 * r.error_rms),
+                        Text("%.2f", r.error_over_oracle)});
+      c.findings.rates.push_back(r);
+    }
+  }
+  c.findings.tables.push_back(std::move(t));
+}
+
+}  // namespace enamel::station::lab

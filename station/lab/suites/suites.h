@@ -1,0 +1,59 @@
+#pragma once
+
+#include <functional>
+
+#include "station/lab/suites/findings.h"
+#include "station/lab/suites/options.h"
+
+// The suites. Each adds to Findings; all are deterministic but for nanoseconds.
+namespace enamel::station::lab {
+
+// Reports progress: what, done, of how many. May be called from several threads.
+using Progress = std::function<void(const char*, size_t, size_t)>;
+
+struct SuiteContext {
+  const QualifyOptions& options;
+  Findings& findings;
+  Progress progress;
+};
+
+void RunPaperSuite(SuiteContext& context);
+void RunLawsSuite(SuiteContext& context);
+void RunEstimatorsSuite(SuiteContext& context);
+void RunExtremeSuite(SuiteContext& context);
+void RunAdversarySuite(SuiteContext& context);
+void RunRandomSuite(SuiteContext& context);
+void RunHandSuite(SuiteContext& context);
+void RunMapSuite(SuiteContext& context);
+void RunStrokesSuite(SuiteContext& context);
+void RunRatesSuite(SuiteContext& context);
+void RunCuttingSuite(SuiteContext& context);
+
+// Calls job(i) for i < n on `threads` threads, lowest first. `job` must not throw.
+void ParallelFor(size_t n, int threads, const std::function<void(size_t)>& job);
+
+// Runs the trial and fills in what it measures; names and nanoseconds are the caller's.
+Row RunRow(const DeviceModel& model, const TrialSpec& spec);
+// The laws the theorem of coupling.h is about.
+bool ProvedLaw(haptics::LawKind law);
+// Whether the theorem of coupling.h covers this trial: an anchored law, Kc and c within the
+// profile's.
+bool Proved(const TrialSpec& spec);
+// Cost of law, estimator and output chain, least of several repeats, ns.
+double NanosecondsPerTick(const TrialSpec& spec);
+// Goals of a velocity hand's cut, per axis: max(floor, factor Kc delta / 2).
+double ErrorGoal(const DeviceModel& model, double floor_n, double factor);
+
+// The adversary's games, also used by tests: `ticks` ticks of a random motion in random material
+// that changes every tick, from a loaded or unloaded start.
+Attack PlayRandom(const DeviceModel& model, haptics::LawKind law, uint64_t seed, int64_t ticks);
+// The same, searching: (1+1) evolution of a periodic 3-D motion and of a material that follows its
+// phase, `rounds` tries of 400 ticks.
+Attack PlaySearch(const DeviceModel& model, haptics::LawKind law, uint64_t seed, int rounds);
+// How the random suite draws: speeds uniformly; speeds logarithmically, which favours slow cuts;
+// also the loop rate, 500 Hz to 8 kHz with Kc as at 1 kHz where that is passive; B as a matrix with
+// axes of its own in any direction.
+enum class Draw { kUniform, kSlow, kRates, kMatrix };
+TrialSpec RandomCase(const DeviceModel& model, uint64_t seed, Draw draw);
+
+}  // namespace enamel::station::lab

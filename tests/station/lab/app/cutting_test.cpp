@@ -1,0 +1,82 @@
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <boost/json.hpp>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include "station/lab/app/qualify.h"
+
+namespace enamel::station::lab {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string ReadAll(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::stringstream out;
+  out << in.rdbuf();
+  return out.str();
+}
+
+// One run serves all claims: it measures.
+class CuttingSuiteTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = fs::temp_directory_path() / ("enamel-cutting-" + std::to_string(getpid()));
+    fs::create_directories(folder_);
+    QualifyOptions o;
+    o.suites = {"cutting"};
+    o.quick = true;
+    o.json_path = folder_ / "rows.json";
+    o.report_dir = folder_ / "report";
+    exit_code_ = RunQualify(o);
+    rows_ = boost::json::parse(ReadAll(o.json_path)).at("rows").as_array();
+  }
+  static void TearDownTestSuite() { fs::remove_all(folder_); }
+
+  static double Number(const boost::json::value& row, const char* name) {
+    return row.at(name).to_number<double>();
+  }
+
+  static inline fs::path folder_;
+  static inline int exit_code_ = -1;
+  static inline boost::json::array rows_;
+};
+
+TEST_F(CuttingSuiteTest, RowsCarryErrorAndRunTimeOfEveryVoxelSize) {
+  ASSERT_EQ(exit_code_, 0);
+  ASSERT_EQ(rows_.size(), 4u);  // two burs, two voxel sizes
+  for (const auto& row : rows_) {
+    EXPECT_EQ(row.at("suite").as_string(), "cutting");
+    EXPECT_GT(Number(row, "mean_us"), 0);
+    EXPECT_GT(Number(row, "p99_us"), 0);
+    EXPECT_GT(Number(row, "surface_p95_um"), Number(row, "surface_mean_um"));
+    EXPECT_LT(std::abs(Number(row, "volume_error")), 0.02);
+    EXPECT_NEAR(Number(row, "removed_mm3") / Number(row, "analytic_mm3") - 1,
+                Number(row, "volume_error"), 1e-9);
+  }
+}
+
+TEST_F(CuttingSuiteTest, EveryBurHasAFrontAndItsMostExactRowIsOnIt) {
+  std::map<std::string, const boost::json::value*> best;
+  for (const auto& row : rows_) {
+    auto& seen = best[std::string(row.at("bur").as_string())];
+    if (!seen || Number(row, "surface_p95_um") < Number(*seen, "surface_p95_um")) seen = &row;
+  }
+  EXPECT_EQ(best.size(), 2u);
+  for (const auto& [bur, row] : best) EXPECT_TRUE(row->at("pareto").as_bool()) << bur;
+}
+
+TEST_F(CuttingSuiteTest, ReportDrawsTheFront) {
+  EXPECT_TRUE(fs::exists(folder_ / "report/cutting-front.svg"));
+  EXPECT_TRUE(fs::exists(folder_ / "report/cutting-volume.svg"));
+  std::string html = ReadAll(folder_ / "report/report.html");
+  EXPECT_NE(html.find("Cutting: error against run time"), std::string::npos);
+  EXPECT_NE(html.find("cylinder r 0.6 x 4 mm"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace enamel::station::lab

@@ -1,0 +1,246 @@
+#include "station/lab/app/qualify.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <boost/json.hpp>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "common/scene/builtin.h"
+#include "common/scene/json.h"
+#include "station/lab/report/report.h"
+#include "station/lab/report/svg.h"
+
+namespace enamel::station::lab {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Folder {
+ public:
+  Folder() : path_(fs::temp_directory_path() / ("enamel-qualify-" + std::to_string(getpid()))) {
+    fs::create_directories(path_);
+  }
+  ~Folder() { fs::remove_all(path_); }
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+std::string ReadAll(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::stringstream out;
+  out << in.rdbuf();
+  return out.str();
+}
+
+TEST(QualifyTest, RefusesUnknownProfilesAndSuitesWithWhatIsKnown) {
+  QualifyOptions o;
+  std::string text;
+  o.errors = [&](const std::string& why) { text += why + "\n"; };
+  o.profile = "no-such-device";
+  EXPECT_EQ(RunQualify(o), 1);
+  o.profile = "omega3";
+  o.suites = {"nonsense"};
+  EXPECT_EQ(RunQualify(o), 1);
+  EXPECT_NE(text.find("phantom_desktop"), std::string::npos);
+  EXPECT_NE(text.find("estimators"), std::string::npos);
+  o.suites = {"hand"};
+  o.recordings = "/nowhere/at/all";
+  EXPECT_EQ(RunQualify(o), 1)
+      << "generated motions give other figures: nobody who names a folder wants them";
+  EXPECT_NE(text.find("found none in /nowhere/at/all"), std::string::npos) << text;
+}
+
+TEST(QualifyTest, TakesAProfileOfOnesOwnAndRefusesOneThatIsNotPassiveWithTheKcThatIs) {
+  Folder folder;
+  scene::DeviceProfile profile = scene::BuiltinProfiles()[1];
+  profile.name = "bench_top";
+  fs::path path = folder.path() / "profile.json";
+  QualifyOptions o;
+  o.profile = path;
+  o.suites = {"random"};
+  o.cases = 4;
+  o.json_path = folder.path() / "rows.json";
+  std::string text;
+  o.errors = [&](const std::string& why) { text += why + "\n"; };
+  std::ofstream(path) << scene::ToJson(profile);
+  EXPECT_EQ(RunQualify(o), 0);
+  EXPECT_NE(ReadAll(o.json_path).find("bench_top"), std::string::npos);
+  // 2 b / T = 3500 N/m, but friction of 25 mN allows 2 c / delta = 5000 N/m: the smaller counts.
+  profile.coupling_mn_per_mm.value = 3600;
+  std::ofstream(path) << scene::ToJson(profile);
+  EXPECT_EQ(RunQualify(o), 1);
+  std::ofstream(path) << "{\"format\": 1";
+  EXPECT_EQ(RunQualify(o), 1);
+  o.profile = folder.path() / "absent.json";
+  EXPECT_EQ(RunQualify(o), 1);
+  EXPECT_NE(text.find("3500"), std::string::npos) << text;
+  EXPECT_NE(text.find("absent.json"), std::string::npos) << text;
+}
+
+TEST(QualifyTest, RefusesATorqueThatIsNotPassiveAndAFileItCannotWriteBeforeItMeasures) {
+  Folder folder;
+  auto all = scene::BuiltinProfiles();
+  auto six =
+      std::find_if(all.begin(), all.end(), [](const auto& p) { return p.torque.has_value(); });
+  ASSERT_NE(six, all.end());
+  fs::path path = folder.path() / "six.json";
+  QualifyOptions o;
+  o.profile = path;
+  o.suites = {"random"};
+  o.cases = 1;
+  std::string text;
+  o.errors = [&](const std::string& why) { text += why + "\n"; };
+  std::ofstream(path) << scene::ToJson(*six);
+  EXPECT_EQ(RunQualify(o), 0) << text;
+  six->torque->coupling_un_m_per_rad.value *= 1000;
+  std::ofstream(path) << scene::ToJson(*six);
+  EXPECT_EQ(RunQualify(o), 1);
+  EXPECT_NE(text.find("torque/coupling_un_m_per_rad"), std::string::npos) << text;
+  o.profile = "omega3";
+  o.cases = 1'000'000;  // hours, if it began
+  o.json_path = folder.path() / "absent" / "rows.json";
+  EXPECT_EQ(RunQualify(o), 1);
+  EXPECT_NE(text.find("--json: cannot write"), std::string::npos) << text;
+}
+
+// Every member the rows promise, and a page that needs nothing from elsewhere.
+TEST(QualifyTest, WritesRowsAndASelfContainedPage) {
+  Folder folder;
+  QualifyOptions o;
+  o.profile = "omega3";
+  o.suites = {"random", "adversary", "estimators"};
+  o.quick = true;
+  o.cases = 6;
+  o.adversary_ticks = 100'000;
+  o.json_path = folder.path() / "rows.json";
+  o.report_dir = folder.path() / "report";
+  EXPECT_EQ(RunQualify(o), 0);
+  auto json = boost::json::parse(ReadAll(o.json_path)).as_object();
+  const auto& rows = json.at("rows").as_array();
+  ASSERT_EQ(rows.size(), 96u);  // four draws of six, each in four hands
+  for (const char* name : {"profile",
+                           "law",
+                           "estimator",
+                           "rate_hz",
+                           "hand",
+                           "b_n_s_per_mm",
+                           "steady_error_max_n",
+                           "ripple_rms_n",
+                           "speed_mm_s",
+                           "rise90_s",
+                           "rise90_floor_s",
+                           "release10_s",
+                           "tau_s",
+                           "energy_min_j",
+                           "energy_floor_j",
+                           "violations",
+                           "kc_delta_half_n",
+                           "cycle",
+                           "ns_per_tick",
+                           "verdict",
+                           "pareto",
+                           "default"}) {
+    EXPECT_TRUE(rows[0].as_object().contains(name)) << name;
+  }
+  std::string html = ReadAll(folder.path() / "report/report.html");
+  EXPECT_NE(html.find("<svg"), std::string::npos);
+  for (const char* outside : {"http://", "https://", "<script", "<link", "src="}) {
+    size_t at = 0;
+    while ((at = html.find(outside, at)) != std::string::npos) {
+      EXPECT_EQ(html.compare(at, 26, "http://www.w3.org/2000/svg"), 0) << outside;
+      ++at;
+    }
+  }
+  EXPECT_TRUE(fs::exists(folder.path() / "report/random-1.svg"));
+}
+
+TEST(QualifyTest, GivesTheSameRowsForTheSameSeed) {
+  Folder folder;
+  std::string seen[2];
+  for (int i : {0, 1}) {
+    QualifyOptions o;
+    o.profile = "phantom_desktop";
+    o.suites = {"random"};
+    o.cases = 5;
+    o.threads = 1 + i;
+    o.seed = 77;
+    o.json_path = folder.path() / "rows.json";
+    ASSERT_EQ(RunQualify(o), 0);
+    seen[i] = ReadAll(o.json_path);
+  }
+  EXPECT_EQ(seen[0], seen[1]);
+}
+
+// Kc at a rate is the least of the three limits, and the row says which.
+TEST(QualifyTest, RatesTellTheLargestCouplingAndWhatLimitsIt) {
+  Folder folder;
+  QualifyOptions o;
+  o.profile = "bhhd3";  // b 2.5 N s/m, c 80 mN, delta 20 um, K 5 N/mm
+  o.suites = {"rates"};
+  o.json_path = folder.path() / "rates.json";
+  ASSERT_EQ(RunQualify(o), 0);
+  auto json = boost::json::parse(ReadAll(o.json_path));
+  const auto& rows = json.at("rates").as_array();
+  ASSERT_EQ(rows.size(),
+            9u);  // the profile's own, then four rates without and with a tick of delay
+  for (const auto& row : rows) {
+    const double f = row.at("rate_hz").to_number<double>(),
+                 kc = row.at("kc_n_per_mm").to_number<double>();
+    const double d = row.at("delay_ticks").to_number<double>();
+    EXPECT_LE(kc, std::min({2 * 2.5e-3 * f / ((d + 1) * (d + 1)), 2 * 0.08 / 0.02, 5.0}) + 1e-9);
+    EXPECT_GT(row.at("lag_s").to_number<double>(), 0);
+    EXPECT_GT(row.at("error_over_oracle").to_number<double>(), 0.5);
+    EXPECT_LT(row.at("error_rms").to_number<double>(), 1);
+  }
+  EXPECT_EQ(rows[1].at("limit").as_string(), "damping");
+  EXPECT_EQ(rows[2].at("limit").as_string(), "structure");
+  EXPECT_DOUBLE_EQ(rows[7].at("kc_n_per_mm").to_number<double>(), 5);  // 4 kHz and a tick of delay
+}
+
+TEST(QualifyTest, SaysWhereItCannotWrite) {
+  QualifyOptions o;
+  o.suites = {"estimators"};
+  o.json_path = "/proc/no/rows.json";
+  EXPECT_EQ(RunQualify(o), 1);
+}
+
+TEST(SvgTest, EscapesTextAndDrawsMapsWithTheirCurves) {
+  Plot p;
+  p.title = "a < b & c";
+  p.series = {{"x", {{0, 1}, {1, 2}}}};
+  EXPECT_NE(SvgOf(p).find("a &lt; b &amp; c"), std::string::npos);
+  VerdictMap map{"m",
+                 "x",
+                 "y",
+                 "",
+                 {1, 10},
+                 {1, 10},
+                 {Verdict::kPassive, Verdict::kUnstable, Verdict::kBounded, Verdict::kStable},
+                 {{"theory", {{1, 1}, {10, 10}}}}};
+  std::string svg = SvgOf(map);
+  EXPECT_NE(svg.find("theory"), std::string::npos);
+  EXPECT_NE(svg.find("stable with these grips"), std::string::npos);
+}
+
+TEST(SvgTest, DrawsALogarithmicFrameWithoutPoints) {
+  Plot p;
+  p.title = "nothing measured";
+  p.log_x = p.log_y = true;
+  std::string svg = SvgOf(p);
+  EXPECT_NE(svg.find("nothing measured"), std::string::npos);
+  EXPECT_LT(svg.size(), 10'000u);
+}
+
+TEST(TextTableTest, AlignsColumns) {
+  Table t{"title", "", {"a", "bb"}, {{"long cell", "x"}, {"s", "y"}}};
+  EXPECT_EQ(TextOf(t), "title\na          bb\nlong cell  x\ns          y\n\n");
+}
+
+}  // namespace
+}  // namespace enamel::station::lab

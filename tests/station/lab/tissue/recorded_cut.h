@@ -1,0 +1,35 @@
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "common/math/vec.h"
+#include "station/lab/tissue/cut_fit.h"
+
+// Recordings of cuts with known parameters, made apart from the code that fits them.
+namespace enamel::station::lab {
+
+struct TrueCut {
+  dmat3 b{1};  // N s/mm
+  double coulomb_n = 0, threshold_n = 0;
+  double compliance_mm_per_n = 0;
+};
+
+struct Sensor {
+  double rate_hz = 1000;
+  double count_mm = 0.009;  // positions are the middles of cells; 0: not rounded
+  double position_noise_mm = 0;
+  double force_noise_n = 0.03;
+  double dropped = 0.01;  // part of the rows
+  double spikes = 0;      // part of the rows that hold nonsense
+};
+
+// A force hand: the tissue answers `force_n(t)`.
+std::vector<CutSample> CutByForce(const TrueCut& truth, const Sensor& sensor, double seconds,
+                                  uint64_t seed, const std::function<dvec3(double)>& force_n);
+// A hand that prescribes where the far end of the tip's spring is; the front follows. Requires a
+// compliance above 0.
+std::vector<CutSample> CutByMotion(const TrueCut& truth, const Sensor& sensor, double seconds,
+                                   uint64_t seed, const std::function<dvec3(double)>& position_mm);
+
+}  // namespace enamel::station::lab
