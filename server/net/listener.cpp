@@ -91,7 +91,7 @@ Status Listener::State::Listen() {
   if (error == asio::error::address_in_use) {
     return {Code::kUnavailable,
             "expected a free port, found " + where +
-                " in use; stop the program that holds it or choose another port",
+                " in use; stop the program that holds it or name another one",
             "port"};
   }
   return {Code::kUnavailable, "expected to listen on " + where + ", found: " + error.message(),
