@@ -52,7 +52,7 @@ const std::map<std::string, Names>& Allowed() {
         {"station/lab/cutting", {"common/scoring"}},
         {"station/lab/laws", {"common/fidelity"}},
         {"station/lab/suites", {"station/lab/cutting", "station/lab/laws"}},
-        {"station/lab/report", {"station/lab/suites"}},
+        {"station/lab/report", {"station/lab/suites", "common/program"}},
         {"station/lab/tissue", {"station/lab/report", "common/program"}},
         {"station/lab/bench",
          {"station/lab/cutting", "station/spool", "station/devices", "station/render",

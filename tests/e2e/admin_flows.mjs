@@ -32,6 +32,11 @@ async function drawnReport(world) {
   await press.getByRole("img", { name: /^Press: force against time over/ }).locator("canvas").waitFor();
   await press.getByText("Figures, and where tip and bur were").click();
   assert.ok(await press.getByRole("group", { name: "Figures of press" }).locator("tbody tr").count() >= 4);
+  // What else was found is drawn below: a share of cases, a map of verdicts, a table.
+  for (const name of [/^Share of cases below a multiple of the bound/, /^Map\. delay, ticks against B/]) {
+    await page.getByRole("img", { name }).locator("canvas").waitFor();
+  }
+  await page.getByRole("group", { name: "Adversary: games" }).getByText("UNDER 1 nJ").waitFor();
   await page.reload();
   await press.waitFor();
   assert.equal(await draw.getAttribute("aria-pressed"), "true");

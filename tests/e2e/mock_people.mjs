@@ -156,8 +156,9 @@ function withdrawCode({ world, id }) {
   return empty();
 }
 
-// What enamel-lab qualify --suite strokes writes.
-const kStrokesReport = { format: 1, rows: [], strokes: JSON.parse(readFileSync(new URL("../../schemas/golden/strokes.json", import.meta.url), "utf8")) };
+// What enamel-lab qualify writes of strokes and of other suites.
+const golden = (name) => JSON.parse(readFileSync(new URL(`../../schemas/golden/${name}.json`, import.meta.url), "utf8"));
+const kStrokesReport = { format: 1, rows: [], strokes: golden("strokes"), ...golden("lab_report") };
 const profileView = ({ versions: _versions, reports: _reports, criteria: _criteria, document: _document, ...profile }) => profile;
 
 function putProfile({ world, body }) {

@@ -1,4 +1,5 @@
-// Builds the page: dist/index.html, dist/assets/* with hashed names, .gz and .br beside each.
+// Builds the page: dist/index.html, dist/assets/* with hashed names, .gz and .br beside each; and dist_lab, what draws
+// a report of enamel-lab.
 //   node scripts/build.mjs [--out DIR]
 import { createHash } from "node:crypto";
 import { existsSync, mkdirSync, readFileSync, readdirSync, renameSync, rmSync, writeFileSync } from "node:fs";
@@ -6,6 +7,7 @@ import { basename, join, relative, resolve } from "node:path";
 import { fileURLToPath } from "node:url";
 import { brotliCompressSync, constants, gzipSync } from "node:zlib";
 import { build } from "esbuild";
+import { bundleReport } from "./bundle_report.mjs";
 import { generate } from "./generate.mjs";
 
 const web = fileURLToPath(new URL("..", import.meta.url));
@@ -105,6 +107,7 @@ function report(out) {
 }
 
 await generate();
+await bundleReport();
 const folder = outputFolder(process.argv.slice(2));
 mayBeReplaced(folder);
 const out = `${folder}.new`;

@@ -34,8 +34,9 @@ void RegisterQualify(CLI::App& app, int* exit_code) {
       ->capture_default_str();
   qualify->add_flag("--quick", options->quick, "under a minute on two cores");
   qualify->add_option("--json", options->json_path, "write every row to this file");
-  qualify->add_option("--report", options->report_dir,
-                      "write report.html, its plots and qualification.json into this folder");
+  qualify->add_option("--report", options->report,
+                      "draw a page to open in a browser: F.html, with F.json beside it; or a "
+                      "folder, report.html and qualification.json in it");
   qualify
       ->add_option("--recordings", options->recordings,
                    "hand: folder of CSV files (t_s,px_m,py_m,pz_m at 1 kHz) of people's motions")
@@ -76,8 +77,9 @@ void RegisterQualify(CLI::App& app, int* exit_code) {
       "  enamel-lab qualify --profile omega3 --suite hand --quick\n"
       "  enamel-lab qualify --profile my_device.json --suite map,rates\n"
       "  enamel-lab qualify --profile omega3 --suite strokes --json strokes.json\n"
-      "  node web/scripts/draw_report.mjs strokes.json strokes.html   # or attach the JSON to the "
-      "device on the server\n"
+      "  enamel-lab qualify --profile omega3 --report omega3.html\n"
+      "A page is drawn by node and draw_report.mjs, which are installed with this program; the\n"
+      "JSON can be attached to the device on the server, whose page draws it too.\n"
       "Exit codes: 0 measured, 1 failed, 2 a proved law gave energy.");
   qualify->callback([options, exit_code] {
     if (::isatty(STDERR_FILENO) != 0 && !program::LogIsJson()) options->progress = stderr;
@@ -98,7 +100,8 @@ void RegisterFitDamping(CLI::App& app, int* exit_code) {
       ->required();
   fit->add_option("--bur-axis", fitting->bur_axis,
                   "the bur's axis x,y,z in the frame of the positions: B along and across it");
-  fit->add_option("--plot", fitting->svg_path, "write an SVG of force against speed");
+  fit->add_option("--plot", fitting->plot_path,
+                  "draw force against speed as a page: F.html, with F.json beside it");
   fit->add_option("--material", fitting->material_path,
                   "store the fit as a material profile (JSON) for scenes");
   fit->footer(
@@ -108,7 +111,7 @@ void RegisterFitDamping(CLI::App& app, int* exit_code) {
       "  time_s,x_mm,y_mm,z_mm,fx_n,fy_n,fz_n,tissue\n"
       "  0.000,1.2330,0.4410,-0.8820,0.31,-0.02,-1.18,enamel\n"
       "  0.001,1.2330,0.4410,-0.8910,0.33,-0.02,-1.20,enamel\n"
-      "  enamel-lab fit-damping cut.csv --plot cut.svg --material cut.json\n"
+      "  enamel-lab fit-damping cut.csv --plot cut.html --material cut.json\n"
       "What the recording must hold: speeds that differ by a factor of two or more (B apart from "
       "Fc),\n"
       "at least three directions that are not in a plane (the matrix; one B otherwise), slow "
@@ -158,15 +161,16 @@ void RegisterError(CLI::App& app, int* exit_code) {
       app.add_subcommand("error", "Error against run time of cutting: burs, voxel sizes, scores");
   error->add_flag("--quick", options->quick, "Two burs, one speed, two voxel sizes, no scores");
   error->add_option("--json", options->json_path, "Write the rows to this file");
-  error->add_option("--report", options->report_dir,
-                    "Write report.html with the Pareto front into this folder");
+  error->add_option("--report", options->report,
+                    "Draw a page with the Pareto front: F.html, with F.json beside it; or a "
+                    "folder");
   error->footer(
       "The same as 'qualify --suite cutting'. Every bur and voxel size, beside what a tick of it\n"
       "costs here: removed volume against the swept body's closed form, surface against the body,\n"
       "force against the finest voxel; and the score of one hand at every voxel size.\n"
       "Examples:\n"
       "  enamel-lab error --quick\n"
-      "  enamel-lab error --report cutting\n"
+      "  enamel-lab error --report cutting.html\n"
       "Force laws' error against run time: 'enamel-lab qualify --suite laws'.\n"
       "Exit codes: 0 measured, 1 failed.");
   error->callback([options, exit_code] {

@@ -9,6 +9,7 @@
 #include "common/scene/find_profile.h"
 #include "common/scene/profile_criteria.h"
 #include "station/lab/laws/motions.h"
+#include "station/lab/report/draw.h"
 #include "station/lab/report/report.h"
 #include "station/lab/suites/suites.h"
 
@@ -159,9 +160,8 @@ int RunQualify(const QualifyOptions& options) {
   if (Status status = CheckRecordings(options); !status.ok()) return Fail(status);
   if (Status status = program::CheckOutputFile(options.json_path, "--json"); !status.ok())
     return Fail(status);
-  if (!options.report_dir.empty()) {
-    if (Status status = program::CheckOutputFolder(options.report_dir, "--report"); !status.ok())
-      return Fail(status);
+  if (!options.report.empty()) {
+    if (Status status = CheckReport(options.report, "--report"); !status.ok()) return Fail(status);
   }
   Result<std::vector<DeviceModel>> models = ModelsFor(options.profile);
   if (!models.ok()) return Fail(models.status());
@@ -190,9 +190,9 @@ int RunQualify(const QualifyOptions& options) {
            "cannot write " + options.json_path + ": choose a path that can be written with --json",
            "json"});
   }
-  if (!options.report_dir.empty()) {
-    if (Status status = WriteReport(findings, options.report_dir); !status.ok())
-      return Fail(status);
+  if (!options.report.empty()) {
+    Status status = WriteReport(JsonOf(findings), options.report);
+    if (!status.ok()) return Fail(status);
   }
   bool broken = std::any_of(findings.attacks.begin(), findings.attacks.end(),
                             [](const Attack& a) { return a.proved && a.violations > 0; });

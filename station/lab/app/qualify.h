@@ -4,7 +4,7 @@
 
 // Qualification of device profiles, force laws, estimators and loop rates: what a user runs to see
 // error against run time and stability on stiff and extreme cases. Prints tables, writes JSON rows
-// and one self-contained HTML report with SVG plots.
+// and a report to open in a browser (report/draw.h).
 namespace enamel::station::lab {
 
 // Runs the suites asked for. Returns a program's exit code: 0 done and no proved case violated, 1

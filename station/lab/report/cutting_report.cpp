@@ -4,13 +4,8 @@
 #include <boost/json.hpp>
 #include <cmath>
 
-#include "station/lab/report/svg.h"
-
 namespace enamel::station::lab {
 namespace {
-
-constexpr const char* kColours[] = {"#1f6f8b", "#c8493f", "#5b3fa0", "#b07a12",
-                                    "#2e8b68", "#d1709c", "#3d5a80"};
 
 // Rows at one speed, by bur, in the order measured.
 std::vector<std::pair<std::string, std::vector<const CuttingRow*>>> ByBur(const Findings& f) {
@@ -33,13 +28,11 @@ Plot FrontPlot(const Findings& f) {
   p.x_label = "us per tick: cut, engagement, force, hash";
   p.y_label = "95th percentile distance from the swept body, um";
   p.log_x = p.log_y = true;
-  p.width = 1020;
-  p.height = 420;
-  Series lost{"cheaper and closer elsewhere", {}, "#7d8b93", true, true};
+  Series lost{"cheaper and closer elsewhere", "muted", Style::kRings, {}};
   size_t i = 0;
   for (const auto& [name, rows] : ByBur(f)) {
-    Series line{name, {}, kColours[i % std::size(kColours)]};
-    Series dots{"", {}, kColours[i++ % std::size(kColours)], true};
+    Series line{name, ColourOf(i), Style::kLine, {}};
+    Series dots{"", ColourOf(i++), Style::kDots, {}};
     for (const CuttingRow* row : rows) {
       std::pair<double, double> at{row->figures.cost.mean_us, row->figures.deviation_p95_um};
       if (!row->pareto) {
@@ -62,12 +55,10 @@ Plot VolumePlot(const Findings& f) {
   p.x_label = "voxel, mm";
   p.y_label = "error of the removed volume, %";
   p.log_x = p.log_y = true;
-  p.width = 1020;
-  p.height = 360;
   size_t i = 0;
   double coarsest = 0, finest = 1, worst = 0;
   for (const auto& [name, rows] : ByBur(f)) {
-    Series line{name, {}, kColours[i++ % std::size(kColours)]};
+    Series line{name, ColourOf(i++), Style::kLine, {}};
     for (const CuttingRow* row : rows) {
       double percent = std::max(1e-4, 100 * std::fabs(row->figures.volume_error));
       line.points.push_back({row->figures.c.voxel_mm(), percent});
@@ -80,11 +71,9 @@ Plot VolumePlot(const Findings& f) {
   if (coarsest > finest) {
     double ratio = finest / coarsest;
     p.series.push_back({"falling as h^2",
-                        {{finest, worst * ratio * ratio}, {coarsest, worst}},
-                        "#17242b",
-                        false,
-                        false,
-                        true});
+                        "reference",
+                        Style::kDashes,
+                        {{finest, worst * ratio * ratio}, {coarsest, worst}}});
   }
   return p;
 }
@@ -127,9 +116,9 @@ void AppendCuttingRows(const Findings& f, boost::json::array& rows) {
   }
 }
 
-std::vector<std::pair<std::string, std::string>> CuttingPlots(const Findings& f) {
+std::vector<Plot> CuttingPlots(const Findings& f) {
   if (f.cutting.empty()) return {};
-  return {{"cutting-front", SvgOf(FrontPlot(f))}, {"cutting-volume", SvgOf(VolumePlot(f))}};
+  return {FrontPlot(f), VolumePlot(f)};
 }
 
 }  // namespace enamel::station::lab

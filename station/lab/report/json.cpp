@@ -166,6 +166,7 @@ std::string JsonOf(const Findings& f) {
     }
     out["rates"] = std::move(rates);
   }
+  out["report"] = ReportOf(f);
   std::string text = json::serialize(out);
   if (!f.strokes.empty()) {
     text.pop_back();

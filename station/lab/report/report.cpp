@@ -1,21 +1,19 @@
 #include "station/lab/report/report.h"
 
 #include <algorithm>
+#include <boost/json.hpp>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
 #include <map>
 
 #include "station/lab/report/cutting_report.h"
-#include "station/lab/report/svg.h"
+#include "station/lab/report/plot.h"
 #include "station/lab/suites/front.h"
 
 namespace enamel::station::lab {
 namespace {
 
-constexpr const char* kInk[] = {"#1f6f8b", "#c8493f", "#5b3fa0", "#b07a12",
-                                "#2e8b68", "#7d8b93", "#d1709c", "#3d5a80"};
+namespace json = boost::json;
 
 std::string F(double v, const char* format = "%.3f") {
   char text[64];
@@ -45,13 +43,11 @@ Plot ParetoPlot(const std::vector<LawPoint>& points, size_t metric, const Device
   p.x_label = "ns per tick: law + estimator + output chain";
   p.y_label = what.label;
   p.log_x = p.log_y = true;
-  p.width = 1020;
-  p.height = 460;
-  Series others{"holds in every hand", {}, "#9fb0b8", true},
-      lost{"cycles or unstable in a hand", {}, "#c8493f", true, true},
-      front{"front of this figure", {}, "#1f6f8b", true},
-      all{"undominated over all figures", {}, "#2e8b68", true, true};
-  Series star{"default: gated Maxwell, 1 kHz", {}, "#e08e0b", true};
+  Series others{"holds in every hand", "muted", Style::kDots, {}},
+      lost{"cycles or unstable in a hand", "bad", Style::kRings, {}},
+      front{"front of this figure", "1", Style::kDots, {}},
+      all{"undominated over all figures", "good", Style::kRings, {}};
+  Series star{"the default law at 1 kHz", "chosen", Style::kDots, {}};
   std::vector<Series> names;
   for (const LawPoint& q : points) {
     double value = q.figures[metric];
@@ -68,7 +64,7 @@ Plot ParetoPlot(const std::vector<LawPoint>& points, size_t metric, const Device
     else
       others.points.push_back(at);
     if (q.on_front[metric] && !q.is_default && value < kLabelled)
-      names.push_back({q.name, {at}, "#1f6f8b", true, true, false, true});
+      names.push_back({q.name, "1", Style::kRings, {at}, true});
   }
   p.series = {others, lost, all, front};
   for (Series& s : names) p.series.push_back(std::move(s));
@@ -90,7 +86,7 @@ Plot RatePlot(const Findings& f, const DeviceModel& m) {
   size_t i = 0;
   for (auto& [b, s] : by_material) {
     s.label = "B = " + F(b, "%.1f");
-    s.colour = kInk[i++ % std::size(kInk)];
+    s.colour = ColourOf(i++);
     std::sort(s.points.begin(), s.points.end());
     p.series.push_back(s);
   }
@@ -102,46 +98,26 @@ Plot RandomPlot(const RandomSummary& r) {
   p.title = "Share of cases below a multiple of the bound: " + r.title;
   p.x_label = "figure / its bound (1 = bound)";
   p.y_label = "share of cases";
-  auto Curve = [](std::vector<double> v, const char* label, const char* colour) {
-    Series s{label, {}, colour};
+  auto Curve = [](std::vector<double> v, const char* label, size_t n) {
+    Series s{label, ColourOf(n), Style::kLine, {}};
     std::sort(v.begin(), v.end());
     for (size_t i = 0; i < v.size(); ++i)
       s.points.push_back(
           {std::min(v[i], 2.5), static_cast<double>(i + 1) / static_cast<double>(v.size())});
     return s;
   };
-  p.series = {Curve(r.errors_n, "error / max(0.06 N, 1.3 Kc delta/2)", kInk[0]),
-              Curve(r.rises, "rise / 1.25 floor", kInk[1]),
-              Curve(r.releases, "release / 0.75 B/Kc", kInk[2]),
-              {"bound", {{1, 0}, {1, 1}}, "#17242b", false, false, true}};
+  p.series = {Curve(r.errors_n, "error / max(0.06 N, 1.3 Kc delta/2)", 0),
+              Curve(r.rises, "rise / 1.25 floor", 1),
+              Curve(r.releases, "release / 0.75 B/Kc", 2),
+              {"bound", "reference", Style::kDashes, {{1, 0}, {1, 1}}}};
   return p;
 }
 
-std::string TableHtml(const Table& t) {
-  std::string s = "<h3>" + Escaped(t.title) + "</h3>";
-  s += "<div class=wide><table><thead><tr>";
-  for (const std::string& h : t.head) s += "<th scope=col>" + Escaped(h) + "</th>";
-  s += "</tr></thead><tbody>";
-  for (const auto& row : t.rows) {
-    s += "<tr>";
-    for (const std::string& cell : row) {
-      bool bad = cell.find("UNDER") == 0 || cell.find("NOT BOUNDED") == 0 ||
-                 cell.find("VIOLATED") != std::string::npos || cell == "unstable";
-      s += std::string("<td") + (bad ? " class=bad" : "") + ">" + Escaped(cell) + "</td>";
-    }
-    s += "</tr>";
-  }
-  s += "</tbody></table></div>";
-  if (!t.note.empty()) s += "<p class=note>" + Escaped(t.note) + "</p>";
-  return s;
-}
-
-std::string Cards(const Findings& f) {
-  auto Card = [](const std::string& big, const std::string& small, bool good) {
-    return "<div class='card " + std::string(good ? "good" : "bad") + "'><b>" + Escaped(big) +
-           "</b><span>" + Escaped(small) + "</span></div>";
+json::array Cards(const Findings& f) {
+  json::array cards;
+  auto Add = [&](const std::string& figure, const std::string& text, bool good) {
+    cards.push_back(json::object{{"figure", figure}, {"text", text}, {"good", good}});
   };
-  std::string s = "<div class=cards>";
   double error = 0, force = 0;
   bool any = false;
   for (const Row& r : f.rows) {
@@ -151,10 +127,10 @@ std::string Cards(const Findings& f) {
         std::max(r.hand == "velocity" ? error : force, r.m.error_max_n);
   }
   if (any) {
-    s += Card(F(error) + " N",
-              "steady error per axis, velocity hand, 2.8 N in enamel (bound: encoder's Kc delta/2)",
-              error < 0.1);
-    s += Card(F(force) + " N", "worst error with force and impedance hands", force < 0.1);
+    Add(F(error) + " N",
+        "steady error per axis, velocity hand, 2.8 N in enamel (bound: encoder's Kc delta/2)",
+        error < 0.1);
+    Add(F(force) + " N", "worst error with force and impedance hands", force < 0.1);
   }
   int64_t violations = 0, ticks = 0;
   for (const Attack& a : f.attacks) {
@@ -163,38 +139,36 @@ std::string Cards(const Findings& f) {
     ticks += a.ticks;
   }
   if (ticks > 0)
-    s += Card(std::to_string(violations),
-              "violations of the energy floor in " + F(static_cast<double>(ticks) * 1e-6, "%.1f") +
-                  " million hostile ticks",
-              violations == 0);
+    Add(std::to_string(violations),
+        "violations of the energy floor in " + F(static_cast<double>(ticks) * 1e-6, "%.1f") +
+            " million hostile ticks",
+        violations == 0);
   for (const RandomSummary& r : f.random) {
     double share = 100.0 * r.held / std::max(1, r.cases);
-    s += Card(F(share, "%.1f") + " %",
-              "of " + std::to_string(r.cases) +
-                  " random cases hold every bound with one parameter set; " + r.title,
-              share >= 99);
+    Add(F(share, "%.1f") + " %",
+        "of " + std::to_string(r.cases) +
+            " random cases hold every bound with one parameter set; " + r.title,
+        share >= 99);
   }
   if (f.integration_error_m > 0)
-    s += Card(F(f.integration_error_m * 1e6, "%.3f") + " um",
-              "the simulator's own integration error over a 2 s trial",
-              f.integration_error_m < 1e-6);
-  return s + "</div>";
+    Add(F(f.integration_error_m * 1e6, "%.3f") + " um",
+        "the simulator's own integration error over a 2 s trial", f.integration_error_m < 1e-6);
+  return cards;
 }
 
-std::string ProvenanceHtml(const Findings& f) {
-  std::string s;
+json::array Sources(const Findings& f) {
+  json::array out;
   for (const DeviceModel& m : f.models) {
-    s += "<details><summary>" + Escaped(m.title) +
-         ": where every number is from</summary><div class=wide><table><tbody>";
+    json::array numbers;
     for (const auto& [what, source] : m.provenance)
-      s += "<tr><th scope=row>" + Escaped(what) + "</th><td>" + Escaped(source) + "</td></tr>";
-    s += "</tbody></table></div></details>";
+      numbers.push_back(json::object{{"what", what}, {"source", source}});
+    out.push_back(json::object{{"title", m.title}, {"numbers", std::move(numbers)}});
   }
-  return s;
+  return out;
 }
 
-std::string FailuresHtml(const Findings& f) {
-  std::string s;
+std::vector<Table> Failures(const Findings& f) {
+  std::vector<Table> out;
   for (const RandomSummary& r : f.random) {
     Table t;
     t.title = "Cases that miss a bound, " + r.title + ": " + std::to_string(r.failures.size()) +
@@ -209,43 +183,20 @@ std::string FailuresHtml(const Findings& f) {
                         row.hand == "velocity" ? F(row.m.release10_s / row.tau_s, "%.2f") : "-",
                         row.m.cycle ? "yes" : "no", row.title});
     }
-    if (!t.rows.empty()) s += TableHtml(t);
+    if (!t.rows.empty()) out.push_back(std::move(t));
   }
-  return s;
+  return out;
 }
 
-constexpr const char* kCss =
-    "body{font:15px/1.5 "
-    "system-ui,sans-serif;color:#17242b;background:#f6f8f9;margin:0}main{max-width:1060px;margin:0 "
-    "auto;padding:28px 20px 60px}"
-    "h1{font-size:26px;margin:0 0 4px}h2{font-size:20px;margin:38px 0 8px;border-bottom:2px solid "
-    "#d7e0e4;padding-bottom:4px}h3{font-size:15px;margin:22px 0 6px}"
-    ".sub,.note{color:#45565f}.note{font-size:13px;max-width:90ch}.cards{display:flex;flex-wrap:"
-    "wrap;gap:12px;margin:18px 0}"
-    ".card{background:#fff;border:1px solid #d7e0e4;border-left:5px solid "
-    "#2e8b68;border-radius:6px;padding:10px 14px;flex:1 1 "
-    "190px}.card.bad{border-left-color:#b07a12}"
-    ".card b{display:block;font-size:22px}.card "
-    "span{font-size:13px;color:#45565f}.wide{overflow-x:auto;background:#fff;border:1px solid "
-    "#d7e0e4;border-radius:6px}"
-    "table{border-collapse:collapse;font-size:12.5px;width:100%;font-variant-numeric:tabular-nums}"
-    "th,td{padding:4px 9px;text-align:left;border-bottom:1px solid #edf1f3;vertical-align:top}"
-    "thead "
-    "th{background:#eef3f5;position:sticky;top:0}td.bad{color:#a3271d;font-weight:600}.plots{"
-    "display:flex;flex-wrap:wrap;gap:14px;margin:12px 0}"
-    ".plots svg{background:#fff;border:1px solid "
-    "#d7e0e4;border-radius:6px;max-width:100%;height:auto}details{margin:8px "
-    "0}summary{cursor:pointer}code{background:#e9eff2;padding:1px 4px;border-radius:3px}"
-    "@media print{body{background:#fff}.wide{overflow:visible}}";
-
-struct Named {
-  std::string section, file, svg;
+struct Placed {
+  std::string section;
+  Plot plot;
 };
 
 bool OfThePaper(const std::string& title) { return title.rfind("Figure ", 0) == 0; }
 
-std::vector<Named> AllPlots(const Findings& f) {
-  std::vector<Named> out;
+std::vector<Placed> AllPlots(const Findings& f) {
+  std::vector<Placed> out;
   bool laws =
       std::any_of(f.rows.begin(), f.rows.end(), [](const Row& r) { return r.suite == "laws"; });
   std::map<std::string, Plot> frames;
@@ -257,10 +208,8 @@ std::vector<Named> AllPlots(const Findings& f) {
       p.title = t.title;
       p.x_label = "time, s";
       p.y_label = "resisting force, N";
-      p.width = 1020;
-      p.height = 360;
     }
-    Series s{t.label, {}, kInk[p.series.size() % std::size(kInk)]};
+    Series s{t.label, ColourOf(p.series.size()), Style::kLine, {}};
     // Laws that swing to and fro would fill the frame; the paper's figures are drawn whole.
     double most = OfThePaper(t.title) ? 1e9 : t.target_n;
     for (const Sample& q : t.samples)
@@ -275,27 +224,23 @@ std::vector<Named> AllPlots(const Findings& f) {
     for (const TimeTrace& t : f.traces) {
       if (t.title != order[i]) continue;
       p.series.push_back(
-          {"B V", {{0, t.target_n}, {end, t.target_n}}, "#17242b", false, false, true});
+          {"B V", "reference", Style::kDashes, {{0, t.target_n}, {end, t.target_n}}});
       break;
     }
     const char* section = OfThePaper(order[i]) ? "paper" : "laws";
-    out.push_back({section, "trace-" + std::to_string(i + 1), SvgOf(p)});
+    out.push_back({section, std::move(p)});
   }
   for (const DeviceModel& m : f.models) {
     if (!laws) break;
     std::vector<LawPoint> points = LawPointsOf(f.rows, m.name);
     for (size_t k = 0; k < FrontMetrics().size(); ++k) {
       if (!Measured(points, k)) continue;
-      out.push_back({"laws", std::string("pareto-") + FrontMetrics()[k].id + "-" + m.name,
-                     SvgOf(ParetoPlot(points, k, m))});
+      out.push_back({"laws", ParetoPlot(points, k, m)});
     }
-    if (!f.quick) out.push_back({"laws", "rate-" + m.name, SvgOf(RatePlot(f, m))});
+    if (!f.quick) out.push_back({"laws", RatePlot(f, m)});
   }
-  for (size_t i = 0; i < f.maps.size(); ++i)
-    out.push_back({"extreme", "map-" + std::to_string(i + 1), SvgOf(f.maps[i])});
-  for (size_t i = 0; i < f.random.size(); ++i)
-    out.push_back({"random", "random-" + std::to_string(i + 1), SvgOf(RandomPlot(f.random[i]))});
-  for (auto& [file, svg] : CuttingPlots(f)) out.push_back({"cutting", file, std::move(svg)});
+  for (const RandomSummary& r : f.random) out.push_back({"random", RandomPlot(r)});
+  for (Plot& p : CuttingPlots(f)) out.push_back({"cutting", std::move(p)});
   return out;
 }
 
@@ -367,61 +312,38 @@ std::string TextOf(const Table& t) {
   return s + "\n";
 }
 
-std::vector<std::pair<std::string, std::string>> PlotsOf(const Findings& f) {
-  std::vector<std::pair<std::string, std::string>> out;
-  for (Named& p : AllPlots(f)) out.push_back({std::move(p.file), std::move(p.svg)});
-  return out;
-}
-
-std::string HtmlOf(const Findings& f) {
+json::object ReportOf(const Findings& f) {
   std::string devices;
   for (const DeviceModel& m : f.models) devices += (devices.empty() ? "" : ", ") + m.title;
-  std::string s =
-      "<!doctype html><html lang=en><head><meta charset=utf-8><meta name=viewport "
-      "content='width=device-width,initial-scale=1'><title>Qualification: " +
-      Escaped(devices) + "</title><style>" + kCss +
-      "</style></head><body><main><h1>Haptic qualification</h1><p class=sub>" + Escaped(devices) +
-      (f.quick ? " · quick" : "") + " · seed " + std::to_string(f.seed) +
-      " · simulated device: mass, b, Coulomb c, encoder, zero-order hold</p>" + Cards(f);
-  std::vector<Named> plots = AllPlots(f);
+  const std::vector<Placed> plots = AllPlots(f);
+  json::array sections;
   for (const Section& section : kSections) {
-    std::string body, frames;
+    json::array tables, drawn, maps;
     for (const Table& t : f.tables) {
-      if (std::string(SectionOf(t)) == section.id) body += TableHtml(t);
+      if (std::string(SectionOf(t)) == section.id) tables.push_back(TableJson(t));
     }
-    for (const Named& p : plots) {
-      if (p.section == section.id) frames += p.svg;
+    for (const Placed& p : plots) {
+      if (p.section == section.id) drawn.push_back(PlotJson(p.plot));
     }
-    if (std::string(section.id) == "random") body += FailuresHtml(f);
-    if (body.empty() && frames.empty()) continue;
-    s += std::string("<h2 id=") + section.id + ">" + section.title + "</h2>";
-    if (*section.text) s += std::string("<p class=note>") + section.text + "</p>";
-    if (!frames.empty()) s += "<div class=plots>" + frames + "</div>";
-    s += body;
+    if (std::string(section.id) == "random") {
+      for (const Table& t : Failures(f)) tables.push_back(TableJson(t));
+    }
+    if (std::string(section.id) == "extreme") {
+      for (const VerdictMap& m : f.maps) maps.push_back(MapJson(m));
+    }
+    if (tables.empty() && drawn.empty() && maps.empty()) continue;
+    sections.push_back(json::object{{"title", section.title},
+                                    {"text", section.text},
+                                    {"tables", std::move(tables)},
+                                    {"plots", std::move(drawn)},
+                                    {"maps", std::move(maps)}});
   }
-  s += "<h2>Provenance</h2>" + ProvenanceHtml(f);
-  return s + "</main></body></html>\n";
-}
-
-Status WriteReport(const Findings& f, const std::string& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  auto Write = [&](const std::string& name, const std::string& text) -> Status {
-    std::filesystem::path path = std::filesystem::path(folder) / name;
-    std::ofstream out(path, std::ios::binary);
-    out << text;
-    out.close();
-    if (!out)
-      return {
-          Code::kStorage,
-          "cannot write " + path.string() + ": choose a folder that can be written with --report",
-          "report"};
-    return Status::Ok();
-  };
-  ENAMEL_RETURN_IF_ERROR(Write("report.html", HtmlOf(f)));
-  ENAMEL_RETURN_IF_ERROR(Write("qualification.json", JsonOf(f)));
-  for (const auto& [name, svg] : PlotsOf(f)) ENAMEL_RETURN_IF_ERROR(Write(name + ".svg", svg));
-  return Status::Ok();
+  return {{"format", 1},
+          {"title", "Qualification: " + devices + (f.quick ? ", quick" : "") + ", seed " +
+                        std::to_string(f.seed)},
+          {"cards", Cards(f)},
+          {"sections", std::move(sections)},
+          {"sources", Sources(f)}};
 }
 
 }  // namespace enamel::station::lab

@@ -1,20 +1,17 @@
 #pragma once
 
+#include <boost/json/fwd.hpp>
 #include <string>
 
-#include "common/base/result.h"
 #include "station/lab/suites/findings.h"
 
-// What the suites found, as text tables, JSON rows, SVG plots and one self-contained HTML page.
+// What the suites found, as text tables and as JSON.
 namespace enamel::station::lab {
 
 std::string TextOf(const Table& table);
-// {"format": 1, "seed", "quick", "rows": [...], "attacks": [...], "random": {...}}
+// What is drawn of it: schemas/lab_report.schema.json.
+boost::json::object ReportOf(const Findings& findings);
+// {"format": 1, "seed", "quick", "rows": [...], "attacks": [...], "random": {...}, "report": {...}}
 std::string JsonOf(const Findings& findings);
-// Named plots, in the order of the page: file name without extension, SVG text.
-std::vector<std::pair<std::string, std::string>> PlotsOf(const Findings& findings);
-std::string HtmlOf(const Findings& findings);
-// Writes report.html, plots and qualification.json into `folder`, making it. Errors: kStorage.
-Status WriteReport(const Findings& findings, const std::string& folder);
 
 }  // namespace enamel::station::lab

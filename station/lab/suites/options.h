@@ -13,9 +13,9 @@ struct QualifyOptions {
   std::string profile = "phantom_desktop";  // of QualifyProfiles, a file, or "all"
   std::vector<std::string> suites = {
       "all"};  // paper | hand | map | strokes | rates | laws | estimators | extreme | adversary | random | cutting | all
-  bool quick = false;      // under a minute on two cores; still B = 6.5 at 1 kHz
-  std::string json_path;   // rows are written here when not empty
-  std::string report_dir;  // report.html and its plots are written here when not empty
+  bool quick = false;     // under a minute on two cores; still B = 6.5 at 1 kHz
+  std::string json_path;  // rows are written here when not empty
+  std::string report;     // a page (….html) or a folder, when not empty: report/draw.h
   std::string recordings = "../shared/data/motion";  // hand: CSV files of people's motions
   int cases = 600;                                   // random
   int64_t adversary_ticks = 0;                       // 0: 1e9, or 2e6 with quick

@@ -14,7 +14,8 @@
 #include "common/math/vec.h"
 #include "common/program/log.h"
 #include "common/scene/json_text.h"
-#include "station/lab/report/svg.h"
+#include "station/lab/report/draw.h"
+#include "station/lab/report/plot.h"
 #include "station/lab/tissue/csv.h"
 
 namespace enamel::station::lab {
@@ -308,25 +309,32 @@ std::string DampingText(const DampingReport& r) {
   return s;
 }
 
-std::string DampingPlot(const DampingReport& r) {
-  constexpr const char* kInk[] = {"#1f6f8b", "#c8493f", "#5b3fa0", "#b07a12", "#2e8b68", "#7d8b93"};
-  Plot p;
-  p.title = "Cutting force against speed";
-  p.x_label = "speed, mm/s";
-  p.y_label = "force along the motion, N";
-  p.width = 760;
-  p.height = 420;
+std::string DampingPlot(const DampingReport& r, const std::string& source) {
+  Plot p{.title = "Cutting force against speed",
+         .x_label = "speed, mm/s",
+         .y_label = "force along the motion, N"};
   size_t i = 0;
   for (const DampingFit& f : r.fits) {
     if (!f.refused.empty()) continue;
-    const char* ink = kInk[i++ % std::size(kInk)];
-    p.series.push_back({"", f.points, ink, true, true});
-    Series line{f.tissue + ": B = " + F(f.b_n_s_per_mm, "%.2f") + " N s/mm", {}, ink};
+    const std::string colour = ColourOf(i++);
+    p.series.push_back({"", colour, Style::kRings, f.points});
+    Series line{f.tissue + ": B = " + F(f.b_n_s_per_mm, "%.2f") + " N s/mm", colour, Style::kLine};
     for (double v : {0.0, f.speed_max_mm_s})
       line.points.push_back({v, f.offset_n + f.b_n_s_per_mm * v});
     p.series.push_back(line);
   }
-  return SvgOf(p);
+  namespace json = boost::json;
+  json::object section{{"title", p.title},
+                       {"text", "Rings: windows of the recording. Lines: the fit, F = B v + Fc."},
+                       {"tables", json::array()},
+                       {"plots", json::array{PlotJson(p)}},
+                       {"maps", json::array()}};
+  json::object report{{"format", 1},
+                      {"title", "Damping fitted from " + source},
+                      {"cards", json::array()},
+                      {"sections", json::array{std::move(section)}},
+                      {"sources", json::array()}};
+  return json::serialize(json::object{{"report", std::move(report)}});
 }
 
 std::string MaterialText(const DampingReport& r, const std::string& source) {
@@ -391,6 +399,8 @@ int RunFitDamping(const FitDampingOptions& options) {
     if (k != 3 || !(glm::length(axis) > 0))
       return Fail("--bur-axis: expected three numbers x,y,z, not all 0; found " + options.bur_axis);
   }
+  if (!options.plot_path.empty() && !options.plot_path.ends_with(".html"))
+    return Fail("--plot: expected a page's name, as cut.html; found " + options.plot_path);
   Result<Bytes> text = ReadFile(options.csv_path, kLargestFile);
   if (!text.ok()) return Fail(text.status().message());
   Result<DampingReport> report =
@@ -405,11 +415,14 @@ int RunFitDamping(const FitDampingOptions& options) {
     if (!out) Fail("cannot write " + path);
     return static_cast<bool>(out);
   };
-  if (!Write(options.svg_path, DampingPlot(*report))) return 1;
+  std::string source = std::filesystem::path(options.csv_path).filename();
+  if (!options.plot_path.empty()) {
+    Status drawn = WriteReport(DampingPlot(*report, source), options.plot_path);
+    if (!drawn.ok()) return Fail(drawn.message());
+  }
   bool any = std::any_of(report->fits.begin(), report->fits.end(),
                          [](const DampingFit& f) { return f.refused.empty(); });
   if (!any) return Fail("no tissue could be fitted; nothing is stored");
-  std::string source = std::filesystem::path(options.csv_path).filename();
   return Write(options.material_path, MaterialText(*report, source)) ? 0 : 1;
 }
 

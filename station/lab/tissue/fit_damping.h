@@ -48,8 +48,9 @@ struct DampingReport {
 Result<DampingReport> FitDamping(std::string_view csv, const dvec3& bur_axis = dvec3(0));
 
 std::string DampingText(const DampingReport& report);
-// Force against speed with the fitted lines, SVG.
-std::string DampingPlot(const DampingReport& report);
+// Force against speed with the fitted lines, to be drawn (schemas/lab_report.schema.json); `source`
+// names the file.
+std::string DampingPlot(const DampingReport& report, const std::string& source);
 
 // What was fitted, as schemas/material.schema.json has it; `source` names the file. Requires: a
 // tissue that could be fitted.
@@ -57,7 +58,7 @@ std::string MaterialText(const DampingReport& report, const std::string& source)
 
 struct FitDampingOptions {
   std::string csv_path;
-  std::string svg_path;       // plot; not written when empty
+  std::string plot_path;      // page of the plot, ….html; not drawn when empty
   std::string material_path;  // material profile; not written when empty
   std::string bur_axis;       // "x,y,z" in the frame of the positions; empty: not known
 };

@@ -1,6 +1,6 @@
 import { fail, ok, type Result } from "../base/result";
 
-// Six short motions of a hand on a device, as `enamel-station qualify --suite strokes` writes them
+// Six short motions of a hand on a device, as `enamel-lab qualify --suite strokes` writes them
 // (schemas/strokes.schema.json).
 export interface StrokeFigure {
   readonly name: string;

@@ -43,7 +43,7 @@ test("a report with nothing to draw is refused in one sentence and no page is wr
     const { status, said } = draw(from, to);
     assert.equal(status, 1, said);
     assert.match(said, why);
-    assert.match(said, /^[^\n]*report\.json: expected [^\n]*; write one with enamel-station qualify [^\n]*\n$/);
+    assert.match(said, /^[^\n]*report\.json: expected [^\n]*; write one with enamel-lab qualify [^\n]*\n$/);
     assert.ok(!existsSync(to));
   }
 }));

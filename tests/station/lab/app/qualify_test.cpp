@@ -7,12 +7,11 @@
 #include <boost/json.hpp>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <sstream>
 
 #include "common/scene/builtin.h"
 #include "common/scene/json.h"
-#include "station/lab/report/report.h"
-#include "station/lab/report/svg.h"
 
 namespace enamel::station::lab {
 namespace {
@@ -109,8 +108,8 @@ TEST(QualifyTest, RefusesATorqueThatIsNotPassiveAndAFileItCannotWriteBeforeItMea
   EXPECT_NE(text.find("--json: cannot write"), std::string::npos) << text;
 }
 
-// Every member the rows promise, and a page that needs nothing from elsewhere.
-TEST(QualifyTest, WritesRowsAndASelfContainedPage) {
+// Every member the rows promise, and a report of the same suites.
+TEST(QualifyTest, WritesRowsAndAReport) {
   Folder folder;
   QualifyOptions o;
   o.profile = "omega3";
@@ -119,7 +118,7 @@ TEST(QualifyTest, WritesRowsAndASelfContainedPage) {
   o.cases = 6;
   o.adversary_ticks = 100'000;
   o.json_path = folder.path() / "rows.json";
-  o.report_dir = folder.path() / "report";
+  o.report = folder.path() / "report";
   EXPECT_EQ(RunQualify(o), 0);
   auto json = boost::json::parse(ReadAll(o.json_path)).as_object();
   const auto& rows = json.at("rows").as_array();
@@ -148,16 +147,16 @@ TEST(QualifyTest, WritesRowsAndASelfContainedPage) {
                            "default"}) {
     EXPECT_TRUE(rows[0].as_object().contains(name)) << name;
   }
-  std::string html = ReadAll(folder.path() / "report/report.html");
-  EXPECT_NE(html.find("<svg"), std::string::npos);
-  for (const char* outside : {"http://", "https://", "<script", "<link", "src="}) {
-    size_t at = 0;
-    while ((at = html.find(outside, at)) != std::string::npos) {
-      EXPECT_EQ(html.compare(at, 26, "http://www.w3.org/2000/svg"), 0) << outside;
-      ++at;
-    }
-  }
-  EXPECT_TRUE(fs::exists(folder.path() / "report/random-1.svg"));
+  const auto document =
+      boost::json::parse(ReadAll(folder.path() / "report/qualification.json")).as_object();
+  EXPECT_EQ(document.at("rows"), json.at("rows"));
+  EXPECT_EQ(document.at("report"), json.at("report"));
+  std::set<std::string> titles;
+  for (const auto& section : document.at("report").at("sections").as_array())
+    titles.insert(std::string(section.at("title").as_string()));
+  EXPECT_EQ(titles, (std::set<std::string>{"Random cases, one parameter set", "Adversary",
+                                           "Velocity estimators"}));
+  EXPECT_EQ(document.at("report").at("sources").as_array().size(), 1u);  // of the one device
 }
 
 TEST(QualifyTest, GivesTheSameRowsForTheSameSeed) {
@@ -208,38 +207,6 @@ TEST(QualifyTest, SaysWhereItCannotWrite) {
   o.suites = {"estimators"};
   o.json_path = "/proc/no/rows.json";
   EXPECT_EQ(RunQualify(o), 1);
-}
-
-TEST(SvgTest, EscapesTextAndDrawsMapsWithTheirCurves) {
-  Plot p;
-  p.title = "a < b & c";
-  p.series = {{"x", {{0, 1}, {1, 2}}}};
-  EXPECT_NE(SvgOf(p).find("a &lt; b &amp; c"), std::string::npos);
-  VerdictMap map{"m",
-                 "x",
-                 "y",
-                 "",
-                 {1, 10},
-                 {1, 10},
-                 {Verdict::kPassive, Verdict::kUnstable, Verdict::kBounded, Verdict::kStable},
-                 {{"theory", {{1, 1}, {10, 10}}}}};
-  std::string svg = SvgOf(map);
-  EXPECT_NE(svg.find("theory"), std::string::npos);
-  EXPECT_NE(svg.find("stable with these grips"), std::string::npos);
-}
-
-TEST(SvgTest, DrawsALogarithmicFrameWithoutPoints) {
-  Plot p;
-  p.title = "nothing measured";
-  p.log_x = p.log_y = true;
-  std::string svg = SvgOf(p);
-  EXPECT_NE(svg.find("nothing measured"), std::string::npos);
-  EXPECT_LT(svg.size(), 10'000u);
-}
-
-TEST(TextTableTest, AlignsColumns) {
-  Table t{"title", "", {"a", "bb"}, {{"long cell", "x"}, {"s", "y"}}};
-  EXPECT_EQ(TextOf(t), "title\na          bb\nlong cell  x\ns          y\n\n");
 }
 
 }  // namespace

@@ -153,7 +153,14 @@ TEST(FitDampingTest, FitsEachTissueApart) {
   EXPECT_NEAR(report->fits[0].b_n_s_per_mm, 8.7, 0.2);
   EXPECT_EQ(report->fits[1].tissue, "dentin, hard");
   EXPECT_NEAR(report->fits[1].b_n_s_per_mm, 5.2, 0.12);
-  EXPECT_NE(DampingPlot(*report).find("<svg"), std::string::npos);
+  const auto drawn = boost::json::parse(DampingPlot(*report, "cut.csv")).at("report");
+  const auto& series = drawn.at("sections").at(0).at("plots").at(0).at("series").as_array();
+  ASSERT_EQ(series.size(), 4u);  // each tissue's windows and line
+  EXPECT_TRUE(series[3].at("label").as_string().starts_with("dentin, hard: B = 5."));
+  const auto& line = series[3].as_object();
+  EXPECT_NEAR((line.at("y").at(1).to_number<double>() - line.at("y").at(0).to_number<double>()) /
+                  line.at("x").at(1).to_number<double>(),
+              report->fits[1].b_n_s_per_mm, 1e-3);
 }
 
 TEST(FitDampingTest, TakesThreeAxesAndMetres) {

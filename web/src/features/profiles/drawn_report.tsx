@@ -1,24 +1,26 @@
 import { useMemo } from "preact/hooks";
 import type { Client } from "../../api/client";
-import { strokesIn } from "../../api/strokes";
+import { drawableIn } from "../../api/drawable";
 import { useRequest } from "../../api/use_request";
 import { Card, ErrorNotice, Loading, Notice } from "../../widgets/basics";
-import { StrokesView } from "../../widgets/strokes/strokes_view";
+import { DrawnView } from "../../widgets/lab_report/drawn_view";
 
-// What can be drawn of a qualification report: how it feels to press, stroke, reverse, lift, nick and slip out.
+// What can be drawn of a qualification report: how it feels to press, stroke, reverse, lift, nick and slip out, and
+// what else enamel-lab found.
 export function DrawnReport({ client, id, onClose }: { readonly client: Client; readonly id: string; readonly onClose: () => void }) {
   const { loaded, reload } = useRequest(id, (signal) => client.profiles.report(id, signal));
-  const strokes = useMemo(() => (loaded.state === "ready" ? strokesIn(loaded.value) : undefined), [loaded]);
+  const drawable = useMemo(() => (loaded.state === "ready" ? drawableIn(loaded.value) : undefined), [loaded]);
+  const close = <button type="button" class="button small" onClick={onClose}>Close</button>;
+  if (drawable?.ok === true) return <DrawnView drawable={drawable.value} aside={close} />;
   return (
-    <Card title="Force against time" aside={<button type="button" class="button small" onClick={onClose}>Close</button>}>
+    <Card title="Force against time" aside={close}>
       {loaded.state === "loading" && <Loading what="the report" />}
       {loaded.state === "failed" && <ErrorNotice title="The report could not be loaded" message={loaded.error.message} onRetry={reload} />}
-      {strokes?.ok === false && (
+      {drawable?.ok === false && (
         <Notice tone="neutral" title="Nothing to draw in this report">
-          <p>{capital(strokes.error)}. A report with strokes is written by <code>enamel-station qualify --profile NAME --suite strokes --json FILE</code>.</p>
+          <p>{capital(drawable.error)}. A report is written by <code>enamel-lab qualify --profile NAME --suite strokes --json FILE</code>.</p>
         </Notice>
       )}
-      {strokes?.ok === true && <StrokesView strokes={strokes.value} />}
     </Card>
   );
 }

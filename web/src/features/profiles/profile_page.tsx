@@ -89,7 +89,7 @@ function Reports({ client, profile, admin, drawn, onDraw }: ReportsProps) {
     <>
       {loaded.state === "loading" && <Loading what="reports" />}
       {loaded.state === "failed" && <ErrorNotice title="The reports could not be loaded" message={loaded.error.message} onRetry={reload} />}
-      {loaded.state === "ready" && (loaded.value.length === 0 ? <Empty>No report of enamel-station qualify is attached.</Empty> : (
+      {loaded.state === "ready" && (loaded.value.length === 0 ? <Empty>No report of enamel-lab qualify is attached.</Empty> : (
         <DataTable label="Qualification reports" items={loaded.value} dense columns={[
           { title: "Report", cell: (report) => <a href={client.profiles.reportAddress(report.id)} download>{formatDateTime(report.created_ms)}</a> },
           { title: "Of version", number: true, cell: (report) => report.version },
@@ -103,7 +103,7 @@ function Reports({ client, profile, admin, drawn, onDraw }: ReportsProps) {
         ]} />
       ))}
       {admin && (
-        <UploadForm label="Attach a report (JSON or HTML)" accept=".json,.html,application/json,text/html" hint="As enamel-station qualify --report writes it. It belongs to the newest version."
+        <UploadForm label="Attach a report (JSON or HTML)" accept=".json,.html,application/json,text/html" hint="As enamel-lab qualify --report writes it. It belongs to the newest version."
                     send={(text, file) => client.profiles.addReport(profile.name, text, file.name.endsWith(".html") ? "text/html" : "application/json")} onDone={reload} />
       )}
     </>
