@@ -4,8 +4,8 @@
 #include <boost/json.hpp>
 #include <map>
 
+#include "common/base/csv.h"
 #include "server/auth/password.h"
-#include "server/roster/csv.h"
 
 namespace enamel::server::roster {
 namespace json = boost::json;

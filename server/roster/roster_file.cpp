@@ -4,8 +4,8 @@
 #include <array>
 #include <optional>
 
+#include "common/base/csv.h"
 #include "common/base/utf8.h"
-#include "server/roster/csv.h"
 #include "server/training/names.h"
 
 namespace enamel::server::roster {

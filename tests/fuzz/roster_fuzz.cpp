@@ -1,5 +1,5 @@
 #include "common/base/check.h"
-#include "server/roster/csv.h"
+#include "common/base/csv.h"
 #include "server/roster/roster_file.h"
 
 // A roster as somebody might upload it. What is accepted is within its bounds, and the table
@@ -11,8 +11,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   for (const RosterRow& row : file.rows) {
     ENAMEL_CHECK(!row.login.empty() && row.login.size() <= 64 && row.row >= 2);
     ENAMEL_CHECK(row.role != Role::kAdmin && !row.cohort.empty());
-    std::string line = roster::CsvLine({row.login, row.display_name, row.cohort, "x"});
-    roster::CsvTable table = roster::ReadCsv(line);
+    std::string line = enamel::CsvLine({row.login, row.display_name, row.cohort, "x"});
+    enamel::CsvTable table = enamel::ReadCsv(line);
     ENAMEL_CHECK(table.problem_row == 0 && table.rows.size() == 1);
     ENAMEL_CHECK(table.rows[0].cells.size() == 4 && table.rows[0].cells[1] == row.display_name);
   }

@@ -8,18 +8,21 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <map>
 
+#include "common/base/csv.h"
 #include "common/base/file.h"
 #include "common/math/vec.h"
 #include "common/program/log.h"
 #include "common/scene/json_text.h"
 #include "station/lab/report/draw.h"
 #include "station/lab/report/plot.h"
-#include "station/lab/tissue/csv.h"
 
 namespace enamel::station::lab {
 namespace {
+
+using Cells = std::vector<std::string>;
 
 constexpr size_t kLargestFile = size_t{1} << 28;
 
@@ -65,7 +68,7 @@ struct Columns {
 
 class Header {
  public:
-  explicit Header(const CsvRow& row) {
+  explicit Header(const Cells& row) {
     for (size_t i = 0; i < row.size(); ++i) columns_.emplace(Plain(row[i]), i);
   }
   Columns Find(const std::vector<std::vector<std::string>>& stems,
@@ -92,7 +95,7 @@ struct Layout {
   Columns time, position, force, axis, tissue;
 };
 
-Result<Layout> LayoutOf(const CsvRow& head) {
+Result<Layout> LayoutOf(const Cells& head) {
   Header h(head);
   Layout l;
   l.time = h.Find({{"time"}, {"t"}}, {{"_s", 1}, {"_ms", 1e-3}, {"_us", 1e-6}, {"", 1}});
@@ -118,7 +121,7 @@ Result<std::vector<Sample3>> SamplesOf(const std::vector<CsvRow>& rows, const La
                                        size_t* skipped) {
   std::vector<Sample3> out;
   auto Cell = [](const CsvRow& row, size_t i) -> std::string {
-    return i < row.size() ? row[i] : std::string();
+    return i < row.cells.size() ? row.cells[i] : std::string();
   };
   for (size_t i = 1; i < rows.size(); ++i) {
     Sample3 s;
@@ -137,7 +140,7 @@ Result<std::vector<Sample3>> SamplesOf(const std::vector<CsvRow>& rows, const La
     s.f_n *= l.force.to_unit;
     if (l.tissue) s.tissue = Cell(rows[i], l.tissue.at[0]);
     if (!out.empty() && s.t_s <= out.back().t_s) {
-      return Refuse("time does not rise in row " + std::to_string(i + 1) + ": " +
+      return Refuse("time does not rise in row " + std::to_string(rows[i].row) + ": " +
                         F(out.back().t_s, "%.6g") + " s, then " + F(s.t_s, "%.6g") +
                         " s; sort the file or cut it into recordings",
                     "time_s");
@@ -222,14 +225,16 @@ std::string Between(const Estimate& e, const char* unit, const char* format = "%
 }  // namespace
 
 Result<DampingReport> FitDamping(std::string_view csv, const dvec3& bur_axis) {
-  Result<std::vector<CsvRow>> rows = ParseCsv(csv);
-  if (!rows.ok()) return rows.status();
-  if (rows->empty())
+  const CsvTable table = ReadCsv(
+      csv, {.rows = std::numeric_limits<size_t>::max(), .columns = 1000, .cell_bytes = 1 << 20});
+  ENAMEL_RETURN_IF_ERROR(table.status());
+  const std::vector<CsvRow>& rows = table.rows;
+  if (rows.empty())
     return Refuse("the file is empty: expected a line of column names and rows of numbers");
-  Result<Layout> layout = LayoutOf(rows->front());
+  Result<Layout> layout = LayoutOf(rows.front().cells);
   if (!layout.ok()) return layout.status();
   size_t skipped = 0;
-  Result<std::vector<Sample3>> samples = SamplesOf(*rows, *layout, &skipped);
+  Result<std::vector<Sample3>> samples = SamplesOf(rows, *layout, &skipped);
   if (!samples.ok()) return samples.status();
   DampingReport report;
   if (skipped > 0)

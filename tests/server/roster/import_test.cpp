@@ -4,8 +4,8 @@
 
 #include <boost/json.hpp>
 
+#include "common/base/csv.h"
 #include "server/auth/password.h"
-#include "server/roster/csv.h"
 #include "tests/server/storage/store_world.h"
 
 namespace enamel::server::roster {

@@ -1,8 +1,8 @@
-#include "server/roster/csv.h"
+#include "common/base/csv.h"
 
 #include <utility>
 
-namespace enamel::server::roster {
+namespace enamel {
 namespace {
 
 constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
@@ -113,6 +113,12 @@ CsvTable ReadCsv(std::string_view text, const CsvLimits& limits) {
   return table;
 }
 
+Status CsvTable::status() const {
+  if (problem_row == 0) return Status::Ok();
+  const std::string row = "row " + std::to_string(problem_row);
+  return Status(Code::kInvalidInput, "CSV " + row + ": " + found + ": expected " + expected, row);
+}
+
 std::string CsvLine(std::initializer_list<std::string_view> cells) {
   std::string out;
   const char* separator = "";
@@ -122,4 +128,4 @@ std::string CsvLine(std::initializer_list<std::string_view> cells) {
   return out + "\r\n";
 }
 
-}  // namespace enamel::server::roster
+}  // namespace enamel

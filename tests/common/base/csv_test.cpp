@@ -1,4 +1,4 @@
-#include "server/roster/csv.h"
+#include "common/base/csv.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "common/base/file.h"
 
-namespace enamel::server::roster {
+namespace enamel {
 namespace {
 
 namespace fs = std::filesystem;
@@ -99,4 +99,4 @@ TEST(CsvTest, ReadsWhatTheCsvSpectrumSuiteSays) {
 }
 
 }  // namespace
-}  // namespace enamel::server::roster
+}  // namespace enamel

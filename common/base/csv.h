@@ -7,12 +7,14 @@
 #include <string_view>
 #include <vector>
 
+#include "common/base/result.h"
+
 // Comma-separated values (RFC 4180), bounded. Pure functions, any thread.
 //
 // Not libcsv: in its strict mode it refuses a quote inside a bare cell (37.8"N), which spreadsheets
 // write and everybody reads; otherwise it also takes text after a closing quote and quotes that are
 // never closed, where somebody's name would swallow the rows behind it.
-namespace enamel::server::roster {
+namespace enamel {
 
 struct CsvRow {
   uint32_t row = 0;  // as a spreadsheet counts: 1 is the first, also when it is empty
@@ -31,6 +33,8 @@ struct CsvTable {
   // Nothing wrong: empty. Otherwise where (a row, as above), and what was found and expected.
   uint32_t problem_row = 0;
   std::string found, expected;
+  // The same as a status: kInvalidInput, field "row N".
+  Status status() const;
 };
 
 // Line ends LF, CR LF or CR; quoted cells may have them inside. A byte order mark is skipped.
@@ -40,4 +44,4 @@ CsvTable ReadCsv(std::string_view text, const CsvLimits& limits = {});
 // = + - @, tab or CR, gets an apostrophe in front (OWASP, "CSV Injection").
 std::string CsvLine(std::initializer_list<std::string_view> cells);
 
-}  // namespace enamel::server::roster
+}  // namespace enamel
