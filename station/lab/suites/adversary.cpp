@@ -398,35 +398,6 @@ void PlayPopulation(Game& game, const GameRules& rules, Random& r, int64_t round
 
 }  // namespace
 
-haptics::TipCell GameRules::Cell(double delta) const {
-  if (!lattice) return haptics::CartesianCell(dvec3(delta), noise_counts);
-  return haptics::LatticeCell(delta, driver_rounds ? delta : 0, noise_counts);
-}
-
-std::string GameRules::Name() const {
-  std::string name = "delay " + std::to_string(delay_ticks);
-  if (undeclared_ticks > 0) name += " and " + std::to_string(undeclared_ticks) + " undeclared";
-  if (noise_counts > 0) name += ", noise " + std::to_string(noise_counts);
-  if (lattice) name += driver_rounds ? ", turned lattice rounded again" : ", turned lattice";
-  if (bounds) name += ", bounds jump";
-  if (gaps) name += ", gaps";
-  if (late == Late::kCovered) name += ", late ticks (clause of one more)";
-  if (late == Late::kLeak) name += ", lost ticks (leak)";
-  return name;
-}
-
-double ClauseStiffness(const DeviceModel& m, const GameRules& rules) {
-  double ticks = rules.clause_ticks() + 1;
-  return std::min(m.kc_n_per_m, 2 * m.damping_n_s_per_m / (ticks * ticks * m.tick_s()));
-}
-
-bool Covered(std::optional<LawKind> law, const GameRules& rules) {
-  if (rules.undeclared_ticks > 0) return false;
-  if (!law || *law == LawKind::kTankMaxwell) return true;
-  // The laws that clip at a wall and know no delay.
-  return ProvedLaw(*law) && rules.clause_ticks() == 0 && !rules.bounds && !rules.gaps;
-}
-
 std::unique_ptr<Subject> MakeSubject(const DeviceModel& m, const GameRules& rules,
                                      std::optional<LawKind> law, double energy) {
   if (law) return std::make_unique<CouplingSubject>(m, rules, *law);
@@ -574,29 +545,6 @@ Attack PlayGame(const DeviceModel& m, const GameRules& rules, std::optional<LawK
       break;
   }
   return a;
-}
-
-std::vector<GameRules> AllRules() {
-  using Late = GameRules::Late;
-  std::vector<GameRules> all;
-  for (int delay = 0; delay <= 4; ++delay) {
-    all.push_back({.delay_ticks = delay});
-    all.push_back({.delay_ticks = delay, .noise_counts = 1});
-    all.push_back({.delay_ticks = delay, .lattice = true, .driver_rounds = delay % 2 == 0});
-    all.push_back({.delay_ticks = delay, .gaps = true});
-    all.push_back({.delay_ticks = delay, .late = Late::kCovered});
-    all.push_back({.delay_ticks = delay,
-                   .noise_counts = 2,
-                   .lattice = true,
-                   .driver_rounds = true,
-                   .gaps = true,
-                   .late = Late::kCovered});
-  }
-  all.push_back({.bounds = true});
-  all.push_back({.late = Late::kLeak});
-  all.push_back(
-      {.noise_counts = 1, .lattice = true, .driver_rounds = true, .bounds = true, .gaps = true});
-  return all;
 }
 
 }  // namespace enamel::station::lab
