@@ -7,6 +7,7 @@
 
 #include "common/program/log.h"
 #include "station/lab/bench/bench.h"
+#include "station/lab/bench/peers.h"
 #include "station/lab/cutting/tick_cost.h"
 
 namespace enamel::station::lab::bench {
@@ -14,7 +15,7 @@ namespace {
 
 struct Options {
   std::string json;
-  bool quick = false;
+  bool quick = false, peers = false;
   int replays = 9;
   size_t ticks = 1000;
 };
@@ -81,6 +82,55 @@ void PrintGoals(const CutCase& c, const TickCost& t) {
   }
 }
 
+constexpr size_t kPeerTicks = 200;
+constexpr int kPeerReplays = 3;
+constexpr char kPeerMethod[] =
+    "the headline's block, bur, voxel and poses (where the core cut, tick by tick) given to others "
+    "in "
+    "this run, one thread; per tick the least of 3 replays over 200 ticks. 'this tick' is all of a "
+    "tick, which renews a cut only when it would leave a mark; the others cut only, and in every "
+    "tick. OpenVDB: a narrow band of 3 voxels with the block's own samples; 'accessor' puts the "
+    "bur's "
+    "distance into those voxels of the bur's box that are not air, 'csgDifference' makes the bur's "
+    "level set anew and takes it off, as its manual does it. It keeps no tissues";
+
+// The same cut by others, and how many times this tick's cost that is.
+void ComparePeers(Rows& rows) {
+  if (!HasOpenVdb()) {
+    std::printf(
+        "\nPeers: built without OpenVDB. Install it (Debian: libopenvdb-dev), configure and build "
+        "again.\n");
+    return;
+  }
+  std::printf("\nPeers: %s.\n\n%6s  %-22s %10s %10s %10s %12s %12s\n", kPeerMethod, "voxel", "",
+              "mean us", "p99 us", "mm3", "over tick", "over cutter");
+  for (CutCase c : Cases(true)) {
+    CutPath path = MakeCutPath(c, kPeerTicks);
+    const TickCost tick = TimeTicks(path, kPeerReplays);
+    const std::vector<cutting::Pose> poses = PosesOf(path);
+    const PeerCost cutter = TimeCutter(path, poses, kPeerReplays);
+    std::vector<PeerCost> all{{"this tick", tick.mean_us, tick.p99_us, cutter.removed_mm3}, cutter};
+    for (PeerCost& peer : TimeOpenVdb(path, poses, kPeerReplays)) all.push_back(std::move(peer));
+    for (const PeerCost& one : all) {
+      const double over_tick = one.mean_us / tick.mean_us,
+                   over_cutter = one.mean_us / cutter.mean_us;
+      std::printf("%6.3f  %-22s %10.2f %10.2f %10.4f %12.3g %12.3g\n", c.voxel_mm(),
+                  one.what.c_str(), one.mean_us, one.p99_us, one.removed_mm3, over_tick,
+                  over_cutter);
+      rows.Add({{"peer", one.what},
+                {"bur", BurText(c)},
+                {"voxel_mm", c.voxel_mm()},
+                {"speed_mm_s", c.speed_m_s * 1e3},
+                {"ticks", tick.ticks},
+                {"mean_us", one.mean_us},
+                {"p99_us", one.p99_us},
+                {"removed_mm3", one.removed_mm3},
+                {"over_this_tick", over_tick},
+                {"over_this_cutter", over_cutter}});
+    }
+  }
+}
+
 int Run(const Options& options) {
   if (!CanWrite(options.json)) return 1;
   std::string method = "per tick the least of " + std::to_string(options.replays) +
@@ -144,6 +194,7 @@ int Run(const Options& options) {
   for (const auto& [c, cost] : headline) PrintGoals(c, cost);
   std::printf("  growth per halving of the voxel, worst of these: %s\n",
               AgainstGoal(worst_growth, kGrowthGoal).c_str());
+  if (options.peers) ComparePeers(rows);
   return rows.Write(options.json);
 }
 
@@ -154,6 +205,9 @@ void RegisterTick(CLI::App& app, int* exit_code) {
   CLI::App* tick = app.add_subcommand("tick", "Microseconds a tick: burs x voxel sizes x speeds");
   tick->add_flag("--quick", options->quick,
                  "The headline case only (cylinder r 0.6 x 4 mm at 5 mm/s)");
+  tick->add_flag(
+      "--peers", options->peers,
+      "Then the headline case by OpenVDB's level set too, in the same run, and the ratio");
   tick->add_option("--replays", options->replays, "Identical replays of each path")
       ->check(CLI::Range(5, 1000))
       ->capture_default_str();
