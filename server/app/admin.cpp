@@ -8,8 +8,10 @@
 #include <iostream>
 
 #include "common/base/hex.h"
+#include "server/app/command_line.h"
 #include "server/app/data_folder.h"
 #include "server/app/say.h"
+#include "server/app/teaching.h"
 #include "server/auth/password.h"
 #include "server/training/access.h"
 #include "server/training/names.h"
@@ -179,6 +181,113 @@ Status ListAttempts(const std::filesystem::path& data, uint32_t limit) {
     filter.before = rows.back().id;
   }
   return Status::Ok();
+}
+
+void DeclarePeople(CommandGroup admin) {
+  struct Adding {
+    std::filesystem::path data;
+    NewPerson person;
+  };
+  auto [add, a] = Declare<Adding>(admin, "add-person", "Add a person",
+                                  [](const Adding& o) { return AddPerson(o.data, o.person); });
+  AddData(add, a.data);
+  add->add_option("--login", a.person.login)->required();
+  add->add_option("--name", a.person.display_name, "Name as shown");
+  add->add_option("--role", a.person.role, "student, instructor or admin")->required();
+  add->add_option("--id", a.person.id,
+                  "Of a person that a restore has forgotten: what list-awaited shows");
+  add->add_flag("--password-stdin", a.person.password_from_stdin,
+                "Read the password; else one is made up");
+
+  struct Login {
+    std::filesystem::path data;
+    std::string login;
+    bool password_from_stdin = false;
+  };
+  auto [password, p] = Declare<Login>(
+      admin, "set-password", "Set a password; ends the person's sessions",
+      [](const Login& o) { return SetPassword(o.data, o.login, o.password_from_stdin); });
+  AddData(password, p.data);
+  password->add_option("--login", p.login)->required();
+  password->add_flag("--password-stdin", p.password_from_stdin,
+                     "Read the password; else one is made up");
+
+  for (bool disabled : {true, false}) {
+    auto [cmd, o] = Declare<Login>(
+        admin, disabled ? "disable" : "enable", "Let a person sign in or not",
+        [disabled](const Login& who) { return SetDisabled(who.data, who.login, disabled); });
+    AddData(cmd, o.data);
+    cmd->add_option("--login", o.login)->required();
+  }
+
+  struct Membership {
+    std::filesystem::path data;
+    std::string cohort, login;
+  };
+  auto [cohort, c] =
+      Declare<Membership>(admin, "add-cohort", "Add a cohort",
+                          [](const Membership& o) { return AddCohort(o.data, o.cohort); });
+  AddData(cohort, c.data);
+  cohort->add_option("--name", c.cohort)->required();
+
+  auto [member, m] = Declare<Membership>(
+      admin, "add-to-cohort", "Add a student or instructor to a cohort",
+      [](const Membership& o) { return AddToCohort(o.data, o.cohort, o.login); });
+  AddData(member, m.data);
+  member->add_option("--cohort", m.cohort)->required();
+  member->add_option("--login", m.login)->required();
+}
+
+void DeclareAttempts(CommandGroup admin) {
+  struct Enrolment {
+    std::filesystem::path data;
+    int valid_minutes = 60;
+  };
+  auto [code, e] =
+      Declare<Enrolment>(admin, "enrol-code", "One-time code for a station: CODE@FINGERPRINT",
+                         [](const Enrolment& o) { return EnrolCode(o.data, o.valid_minutes); });
+  AddData(code, e.data);
+  code->add_option("--minutes", e.valid_minutes, "How long it can be used")
+      ->check(CLI::Range(1, 7 * 24 * 60))
+      ->capture_default_str();
+
+  struct Reference {
+    std::filesystem::path data;
+    std::string attempt, dentist;
+    bool consent = false;
+  };
+  auto [mark, r] = Declare<Reference>(
+      admin, "mark-reference", "Make a scored attempt its exercise's reference",
+      [](const Reference& o) { return MarkReference(o.data, o.attempt, o.dentist, o.consent); });
+  AddData(mark, r.data);
+  mark->add_option("--attempt", r.attempt)->required();
+  mark->add_option("--dentist", r.dentist, "Name to be shown to students")->required();
+  mark->add_flag("--consent", r.consent,
+                 "The dentist agrees to being named and to the cut being used; needed");
+
+  struct Release {
+    std::filesystem::path data;
+    std::string attempt, assignment;
+  };
+  auto [release, l] = Declare<Release>(
+      admin, "release", "Let the student see a graded score", [](const Release& o) -> Status {
+        if (!o.assignment.empty()) return ReleaseAssignment(o.data, o.assignment);
+        if (!o.attempt.empty()) return ReleaseScore(o.data, o.attempt);
+        return Status(Code::kInvalidInput, "release needs --attempt ID or --assignment ID");
+      });
+  AddData(release, l.data);
+  auto* one = release->add_option("--attempt", l.attempt, "One attempt's");
+  release->add_option("--assignment", l.assignment, "Of every scored attempt under it")
+      ->excludes(one);
+
+  struct Listing {
+    std::filesystem::path data;
+    uint32_t limit = 50;
+  };
+  auto [list, n] = Declare<Listing>(admin, "list-attempts", "Newest attempts first",
+                                    [](const Listing& o) { return ListAttempts(o.data, o.limit); });
+  AddData(list, n.data);
+  list->add_option("--limit", n.limit)->check(CLI::Range(1, 1'000'000))->capture_default_str();
 }
 
 }  // namespace enamel::server::app

@@ -37,4 +37,9 @@ Status MarkReference(const std::filesystem::path& data, const std::string& attem
 Status ReleaseScore(const std::filesystem::path& data, const std::string& attempt);
 Status ListAttempts(const std::filesystem::path& data, uint32_t limit);
 
+struct CommandGroup;
+// On the command line (command_line.h), by subject.
+void DeclarePeople(CommandGroup admin);
+void DeclareAttempts(CommandGroup admin);
+
 }  // namespace enamel::server::app

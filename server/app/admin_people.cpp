@@ -10,6 +10,7 @@
 
 #include "common/base/file.h"
 #include "server/app/admin.h"
+#include "server/app/command_line.h"
 #include "server/app/data_folder.h"
 #include "server/app/say.h"
 #include "server/app/utc_text.h"
@@ -213,6 +214,59 @@ Status EndSessions(const std::filesystem::path& data, const std::string& login) 
   ENAMEL_ASSIGN_OR_RETURN(auto ended, store->EndSessionsOf(person.id, kCommandLine));
   Say("ended {} sessions of {}\n", ended, login);
   return Status::Ok();
+}
+
+void DeclareRoster(CommandGroup admin) {
+  auto [roster, r] = Declare<RosterCommand>(admin, "import-roster",
+                                            "People and cohorts from a CSV file", ImportRoster);
+  roster->add_option("FILE", r.file, "login,display_name,role,cohort (schemas/roster.md)")
+      ->required()
+      ->check(CLI::ExistingFile);
+  AddData(roster, r.data);
+  roster->add_flag("--dry-run", r.dry_run, "Tell what would happen; change nothing");
+  roster->add_option("--cohort", r.cohort, "Cohort of rows that name none");
+  roster->add_option("--passwords", r.passwords,
+                     "File to make (mode 0600) with the one-time passwords of who is new");
+  roster->add_flag("--ignore-unknown-columns", r.ignore_unknown_columns,
+                   "Leave out columns of other names instead of refusing them");
+  roster->add_option("--json", r.json, "Write the outcome to this file, without passwords");
+  roster->footer(
+      "All or nothing: with a problem in any row nothing is changed, and all problems are told.\n"
+      "Who is there keeps role and password, takes the name and joins the cohort; nobody is\n"
+      "removed. Importing the same file again changes nothing.\n\n"
+      "  enamel-server admin import-roster year3.csv --data /srv/enamel --dry-run\n"
+      "  enamel-server admin import-roster year3.csv --data /srv/enamel --passwords year3-new.csv");
+
+  auto [people, p] = Declare<PeopleList>(admin, "list-people", "People by login", ListPeople);
+  AddData(people, p.data);
+  people->add_option("--role", p.role, "Only students, instructors or admins");
+  people->add_option("--cohort", p.cohort, "Only of this cohort");
+  people->add_option("--text", p.text, "Only with this in login or name");
+  people->add_option("--limit", p.limit)->check(CLI::Range(1, 1'000'000))->capture_default_str();
+
+  struct Folder {
+    std::filesystem::path data;
+  };
+  auto [cohorts, c] =
+      Declare<Folder>(admin, "list-cohorts", "Cohorts by name, with how many are in them",
+                      [](const Folder& o) { return ListCohorts(o.data); });
+  AddData(cohorts, c.data);
+}
+
+void DeclareSessions(CommandGroup admin) {
+  struct Login {
+    std::filesystem::path data;
+    std::string login;
+  };
+  auto [list, l] = Declare<Login>(admin, "list-sessions", "Where a person is signed in",
+                                  [](const Login& o) { return ListSessions(o.data, o.login); });
+  AddData(list, l.data);
+  list->add_option("--login", l.login)->required();
+
+  auto [end, e] = Declare<Login>(admin, "end-sessions", "Sign a person out everywhere",
+                                 [](const Login& o) { return EndSessions(o.data, o.login); });
+  AddData(end, e.data);
+  end->add_option("--login", e.login)->required();
 }
 
 }  // namespace enamel::server::app

@@ -31,4 +31,9 @@ Status ListCohorts(const std::filesystem::path& data);
 Status ListSessions(const std::filesystem::path& data, const std::string& login);
 Status EndSessions(const std::filesystem::path& data, const std::string& login);
 
+struct CommandGroup;
+// On the command line (command_line.h), by subject.
+void DeclareRoster(CommandGroup admin);
+void DeclareSessions(CommandGroup admin);
+
 }  // namespace enamel::server::app

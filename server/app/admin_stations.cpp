@@ -6,6 +6,7 @@
 #include "common/scene/calibration.h"
 #include "common/scene/json.h"
 #include "common/scene/profile_criteria.h"
+#include "server/app/command_line.h"
 #include "server/app/data_folder.h"
 #include "server/app/say.h"
 #include "server/app/utc_text.h"
@@ -173,6 +174,67 @@ Status ListCalibrations(const std::filesystem::path& data, const std::string& pr
   }
   if (rows.empty()) Say("no device of profile \"{}\" was measured yet\n", profile);
   return Status::Ok();
+}
+
+void DeclareStations(CommandGroup admin) {
+  struct Folder {
+    std::filesystem::path data;
+    std::string station;
+  };
+  auto [list, l] =
+      Declare<Folder>(admin, "list-stations", "Stations by name: admitted, seen, software",
+                      [](const Folder& o) { return ListStations(o.data); });
+  AddData(list, l.data);
+
+  auto [awaited, a] = Declare<Folder>(
+      admin, "list-awaited", "Recordings that wait at stations for what a restore has forgotten",
+      [](const Folder& o) { return ListAwaited(o.data); });
+  AddData(awaited, a.data);
+
+  auto [revoke, r] =
+      Declare<Folder>(admin, "revoke-station", "Stop admitting a station, for good",
+                      [](const Folder& o) { return RevokeStation(o.data, o.station); });
+  AddData(revoke, r.data);
+  revoke->add_option("--station", r.station, "Its name, or the id list-stations shows")->required();
+}
+
+void DeclareProfiles(CommandGroup admin) {
+  struct Document {
+    std::filesystem::path data, file;
+    std::string profile;
+    bool check_only = false;
+  };
+  auto [put, p] =
+      Declare<Document>(admin, "put-profile", "Check a device profile and store it",
+                        [](const Document& o) { return PutProfile(o.data, o.file, o.check_only); });
+  put->add_option("FILE", p.file, "schemas/device_profile.schema.json")
+      ->required()
+      ->check(CLI::ExistingFile);
+  AddData(put, p.data);
+  put->add_flag("--check", p.check_only, "Only show the criteria with their figures");
+
+  auto [report, r] = Declare<Document>(
+      admin, "add-report", "Attach a qualification report to a profile",
+      [](const Document& o) { return AddProfileReport(o.data, o.profile, o.file); });
+  report->add_option("FILE", r.file, "What `enamel-lab qualify --report` wrote")
+      ->required()
+      ->check(CLI::ExistingFile);
+  AddData(report, r.data);
+  report->add_option("--profile", r.profile, "Name of the profile")->required();
+
+  auto [add, a] =
+      Declare<Document>(admin, "add-calibration", "Keep what a device was measured to be",
+                        [](const Document& o) { return AddCalibration(o.data, o.file); });
+  add->add_option("FILE", a.file, "What `enamel-station calibrate` wrote")
+      ->required()
+      ->check(CLI::ExistingFile);
+  AddData(add, a.data);
+
+  auto [list, l] =
+      Declare<Document>(admin, "list-calibrations", "Devices of a profile as they were measured",
+                        [](const Document& o) { return ListCalibrations(o.data, o.profile); });
+  AddData(list, l.data);
+  list->add_option("--profile", l.profile, "Name of the profile")->required();
 }
 
 }  // namespace enamel::server::app

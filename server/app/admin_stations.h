@@ -32,4 +32,9 @@ Status AddProfileReport(const std::filesystem::path& data, const std::string& pr
 Status AddCalibration(const std::filesystem::path& data, const std::filesystem::path& file);
 Status ListCalibrations(const std::filesystem::path& data, const std::string& profile);
 
+struct CommandGroup;
+// On the command line (command_line.h), by subject.
+void DeclareStations(CommandGroup admin);
+void DeclareProfiles(CommandGroup admin);
+
 }  // namespace enamel::server::app

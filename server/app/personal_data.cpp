@@ -4,6 +4,7 @@
 
 #include "common/base/file.h"
 #include "server/app/admin.h"
+#include "server/app/command_line.h"
 #include "server/app/data_folder.h"
 #include "server/app/say.h"
 
@@ -273,6 +274,30 @@ Status ErasePerson(const fs::path& data, const std::string& login, const std::st
         "server writes it anew within the hour, one that does not run after its next start\n");
   }
   return Status::Ok();
+}
+
+void DeclarePersonalData(CommandGroup admin) {
+  struct Asked {
+    std::filesystem::path data, target;
+    std::string login, confirm;
+    bool with_references = false;
+  };
+  auto [copy, c] =
+      Declare<Asked>(admin, "export-person", "Write all that is kept about a person",
+                     [](const Asked& o) { return ExportPerson(o.data, o.login, o.target); });
+  AddData(copy, c.data);
+  copy->add_option("--login", c.login)->required();
+  copy->add_option("TARGET", c.target, "Folder to make; absent or empty")->required();
+
+  auto [erase, e] = Declare<Asked>(
+      admin, "erase-person", "Erase everything that is kept about a person",
+      [](const Asked& o) { return ErasePerson(o.data, o.login, o.confirm, o.with_references); });
+  AddData(erase, e.data);
+  erase->add_option("--login", e.login)->required();
+  erase->add_option("--confirm", e.confirm, "The login once more: this cannot be undone")
+      ->required();
+  erase->add_flag("--with-references", e.with_references,
+                  "Also when attempts of this person are reference cuts");
 }
 
 }  // namespace enamel::server::app

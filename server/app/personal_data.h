@@ -17,4 +17,8 @@ Status ExportPerson(const std::filesystem::path& data, const std::string& login,
 Status ErasePerson(const std::filesystem::path& data, const std::string& login,
                    const std::string& confirm, bool with_references);
 
+struct CommandGroup;
+// On the command line (command_line.h).
+void DeclarePersonalData(CommandGroup admin);
+
 }  // namespace enamel::server::app

@@ -12,6 +12,7 @@
 
 #include "common/base/file.h"
 #include "common/scoring/score.h"
+#include "server/app/command_line.h"
 #include "server/app/data_folder.h"
 #include "server/app/say.h"
 
@@ -151,6 +152,16 @@ Status Report(const ReportOptions& options) {
   if (options.json.empty()) return Status::Ok();
   std::string facts = json::serialize(Facts(row, score, result, options.page_url)) + "\n";
   return WriteFileDurably(options.json, AsBytes(facts));
+}
+
+void DeclareReport(CommandGroup root) {
+  auto [cmd, o] = Declare<ReportOptions>(
+      root, "report", "Score, reasons and trace statistics of an attempt", Report);
+  AddData(cmd, o.data);
+  cmd->add_option("--attempt", o.attempt)->required();
+  cmd->add_option("--json", o.json, "Write the same facts to this file");
+  cmd->add_option("--wait", o.wait_s, "Seconds to wait for the score")->check(CLI::Range(0, 86400));
+  cmd->add_option("--page-url", o.page_url, "Address of the attempt's page, to be printed");
 }
 
 }  // namespace enamel::server::app

@@ -20,4 +20,8 @@ struct ReportOptions {
 // with why).
 Status Report(const ReportOptions& options);
 
+struct CommandGroup;
+// On the command line (command_line.h).
+void DeclareReport(CommandGroup root);
+
 }  // namespace enamel::server::app

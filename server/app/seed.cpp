@@ -7,6 +7,7 @@
 #include <iostream>
 
 #include "common/base/file.h"
+#include "server/app/command_line.h"
 #include "server/app/data_folder.h"
 #include "server/app/publish.h"
 #include "server/auth/password.h"
@@ -121,6 +122,17 @@ Status SeedDemo(const SeedOptions& options) {
   if (options.json.empty()) return Status::Ok();
   std::string text = json::serialize(Facts(*exercise, reference.has_value())) + "\n";
   return WriteFileDurably(options.json, AsBytes(text));
+}
+
+void DeclareSeed(CommandGroup root) {
+  auto [cmd, o] = Declare<SeedOptions>(
+      root, "seed-demo", "Demo people, profiles, molar and exercise; idempotent", SeedDemo);
+  AddData(cmd, o.data);
+  cmd->add_option("--scene", o.scene, "Folder of an imported scene to offer as well");
+  cmd->add_option("--voxel-um", o.voxel_um, "Voxel size of the built-in molar")
+      ->check(CLI::Range(20, 500))
+      ->capture_default_str();
+  cmd->add_option("--json", o.json, "Write the facts to this file");
 }
 
 }  // namespace enamel::server::app

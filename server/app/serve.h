@@ -31,4 +31,8 @@ struct ServeOptions {
 // of it change nothing, later ones end it at once. Nothing that was acknowledged is lost.
 Status Serve(const ServeOptions& options);
 
+struct CommandGroup;
+// On the command line (command_line.h).
+void DeclareServe(CommandGroup root);
+
 }  // namespace enamel::server::app

@@ -11,6 +11,7 @@
 #include "common/scene/json.h"
 #include "server/app/admin.h"
 #include "server/app/admin_stations.h"
+#include "server/app/command_line.h"
 #include "server/app/data_folder.h"
 #include "server/app/publish.h"
 #include "server/app/say.h"
@@ -185,6 +186,93 @@ Status ReleaseAssignment(const std::filesystem::path& data, const std::string& i
   ENAMEL_ASSIGN_OR_RETURN(auto released, store->ReleaseAssignment(parsed, kCommandLine));
   Say("{} scores are released to their students\n", released);
   return Status::Ok();
+}
+
+void DeclareExercises(CommandGroup admin) {
+  struct Publishing {
+    std::filesystem::path data;
+    NewExercise exercise;
+  };
+  auto [publish, p] =
+      Declare<Publishing>(admin, "publish-exercise", "Offer exercises on a scene",
+                          [](const Publishing& o) { return PublishExercise(o.data, o.exercise); });
+  AddData(publish, p.data);
+  publish->add_option("--scene", p.exercise.scene, "Scene folder, or builtin:molar and the like");
+  publish->add_option("--name", p.exercise.name,
+                      "Only this one, or this kind: class-1, class-2, crown, cross");
+  publish->add_option("--document", p.exercise.document,
+                      "Instead: file with an exercise (schemas/exercise.schema.json)");
+  auto* cohort = publish->add_option("--cohort", p.exercise.cohort, "For whom; without: everybody");
+  publish
+      ->add_flag("--unassigned", p.exercise.unassigned,
+                 "For nobody yet: assign-exercise says for whom and when")
+      ->excludes(cohort);
+  publish->add_option("--voxel-um", p.exercise.voxel_um, "Voxel size of a built-in scene")
+      ->check(CLI::Range(20, 500))
+      ->capture_default_str();
+  publish->footer(
+      "A document that differs from the newest version of its name becomes the next version;\n"
+      "a published version never changes. Dates, limits and exams: assign-exercise.\n\n"
+      "  enamel-server admin publish-exercise --data DIR --scene builtin:molar --name class-1");
+
+  struct Named {
+    std::filesystem::path data;
+    std::string name, state;
+  };
+  auto [retire, r] =
+      Declare<Named>(admin, "retire-exercise", "Stop offering it: no version can be assigned",
+                     [](const Named& o) { return RetireExercise(o.data, o.name); });
+  AddData(retire, r.data);
+  retire->add_option("--name", r.name)->required();
+
+  auto [list, l] =
+      Declare<Named>(admin, "list-exercises", "Drafts, what is offered, what was retired",
+                     [](const Named& o) { return ListExercises(o.data, o.state); });
+  AddData(list, l.data);
+  list->add_option("--state", l.state, "Only these")
+      ->check(CLI::IsMember({"draft", "published", "retired"}));
+}
+
+void DeclareAssignments(CommandGroup admin) {
+  struct Assigning {
+    std::filesystem::path data;
+    NewAssignment assignment;
+  };
+  auto [assign, a] =
+      Declare<Assigning>(admin, "assign-exercise", "Have a cohort do an exercise",
+                         [](const Assigning& o) { return AssignExercise(o.data, o.assignment); });
+  AddData(assign, a.data);
+  NewAssignment& row = a.assignment;
+  assign->add_option("--exercise", row.exercise, "Its name; the newest version counts")->required();
+  assign->add_option("--cohort", row.cohort, "For whom; without: everybody");
+  assign->add_option("--opens", row.opens, "Not before: \"2026-11-20 09:00\", UTC");
+  assign->add_option("--due", row.due, "Not after; an attempt begun before may end after, flagged");
+  assign->add_option("--attempts", row.attempt_limit, "Attempts each; 0: no limit")
+      ->check(CLI::Range(0, 1000))
+      ->capture_default_str();
+  assign->add_flag("--late", row.late_allowed, "Let attempts begin after it is due, flagged");
+  assign->add_flag("--exam", row.exam,
+                   "No score before it is released; begun online, one at a time");
+  assign->add_option("--station", row.stations, "Where the exam is taken (repeatable)");
+  assign->footer(
+      "  enamel-server admin assign-exercise --data DIR --exercise class-1-molar-46 --cohort "
+      "\"Year 2\" \\\n"
+      "      --opens \"2026-12-01 08:00\" --due \"2026-12-01 12:00\" --attempts 1 --exam");
+
+  struct Named {
+    std::filesystem::path data;
+    std::string id;
+  };
+  auto [end, e] = Declare<Named>(
+      admin, "end-assignment",
+      "Take an assignment away; one with attempts is due now instead, and stays for their release",
+      [](const Named& o) { return EndAssignment(o.data, o.id); });
+  AddData(end, e.data);
+  end->add_option("--assignment", e.id)->required();
+
+  auto [list, l] = Declare<Named>(admin, "list-assignments", "Assignments, by due time",
+                                  [](const Named& o) { return ListAssignments(o.data); });
+  AddData(list, l.data);
 }
 
 }  // namespace enamel::server::app

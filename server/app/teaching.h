@@ -35,4 +35,9 @@ Status ListAssignments(const std::filesystem::path& data);
 // Lets students see every scored attempt under it.
 Status ReleaseAssignment(const std::filesystem::path& data, const std::string& id);
 
+struct CommandGroup;
+// On the command line (command_line.h), by subject.
+void DeclareExercises(CommandGroup admin);
+void DeclareAssignments(CommandGroup admin);
+
 }  // namespace enamel::server::app

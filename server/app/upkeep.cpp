@@ -8,6 +8,7 @@
 #include <iostream>
 
 #include "common/base/file.h"
+#include "server/app/command_line.h"
 #include "server/app/data_folder.h"
 #include "server/app/say.h"
 #include "server/storage/backup.h"
@@ -247,6 +248,71 @@ Status Retention(const RetentionCommand& command) {
         report.held);
   }
   return Status::Ok();
+}
+
+void DeclareBackup(CommandGroup root) {
+  auto [backup, b] = Declare<BackupCommand>(
+      root, "backup", "Copy the data folder, also while the server runs", Backup);
+  backup->add_option("TARGET", b.target, "Folder to make; absent or empty")->required();
+  AddData(backup, b.data);
+  backup->add_option("--keyring", b.keyring,
+                     "Keep keys and erasures in this folder instead of inside; use the same one "
+                     "every time, and no other medium than the backups' own");
+  backup->add_flag("--copy", b.copy, "Copy every file, where links to the same disk would do");
+  backup->add_option("--json", b.json, "Write the outcome to this file");
+  backup->footer(
+      "A backup is consistent as of one moment and has a manifest with the hash of every file.\n"
+      "Links save space and share the disk's fate: back up to another disk.\n\n"
+      "  enamel-server backup /mnt/backup/2026-09-01 --data /srv/enamel\n"
+      "  enamel-server verify /mnt/backup/2026-09-01\n"
+      "  enamel-server restore /mnt/backup/2026-09-01 --data /srv/enamel-new");
+
+  auto [restore, r] = Declare<RestoreCommand>(
+      root, "restore", "Make a data folder from a backup, and verify it", RestoreBackup);
+  restore->add_option("BACKUP", r.backup, "What `backup` made")->required();
+  AddData(restore, r.data)->description("Folder to make; absent or empty");
+  restore->add_option("--keyring", r.keyrings,
+                      "Newer key ring (repeatable): the keyring folder of the lost data folder, or "
+                      "what backup --keyring kept. People erased there are erased here too");
+  restore->add_flag("--accept-damage", r.accept_damage,
+                    "Leave out files that are missing or damaged, and say which");
+  restore->add_option("--json", r.json, "Write the outcome to this file");
+
+  struct Asked {
+    VerifyCommand verify;
+    std::filesystem::path data;
+  };
+  auto [verify, v] = Declare<Asked>(
+      root, "verify", "Compare everything with everything: hashes, chains, signatures, seals, keys",
+      [](Asked& asked) -> Status {
+        if (asked.verify.folder.empty()) asked.verify.folder = asked.data;
+        if (!asked.verify.folder.empty()) return VerifyFolder(asked.verify);
+        return Status(Code::kInvalidInput,
+                      "verify needs a backup, or a data folder with --data DIR");
+      });
+  verify->add_option("BACKUP", v.verify.folder, "A backup; without: the data folder");
+  AddData(verify, v.data)->required(false)->description("Data folder, in use or not");
+  verify->add_option("--keyring", v.verify.keyring, "Key ring of a backup that has none inside");
+  verify->add_option("--json", v.verify.json, "Write everything that was found to this file");
+  verify->footer("Changes nothing. Exit code 1 when anything disagrees, after all of it was told.");
+}
+
+void DeclareRetention(CommandGroup root) {
+  auto [cmd, o] =
+      Declare<RetentionCommand>(root, "retention", "How long things are kept", app::Retention);
+  AddData(cmd, o.data);
+  cmd->add_option("--set", o.what, "unfinished, recordings or attempts")
+      ->check(CLI::IsMember({"unfinished", "recordings", "attempts"}));
+  cmd->add_option("--days", o.days, "Days for --set; 0 takes the rule away")
+      ->check(CLI::Range(0, 36'500));
+  cmd->add_flag("--apply", o.apply, "Now; a running server does it every hour");
+  cmd->footer(
+      "Shows the rules and what they would remove now.\n"
+      "  unfinished   attempts that were never ended, from their beginning (at least 14 days)\n"
+      "  recordings   motion, forces and the cut tooth, from the end; the score stays\n"
+      "  attempts     all of an attempt, from the end\n"
+      "Reference cuts are kept whatever the rules say.\n\n"
+      "  enamel-server retention --data /srv/enamel --set recordings --days 730");
 }
 
 }  // namespace enamel::server::app

@@ -42,4 +42,9 @@ struct RetentionCommand {
 };
 Status Retention(const RetentionCommand& command);
 
+struct CommandGroup;
+// On the command line (command_line.h), by subject.
+void DeclareBackup(CommandGroup root);
+void DeclareRetention(CommandGroup root);
+
 }  // namespace enamel::server::app

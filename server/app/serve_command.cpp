@@ -1,0 +1,110 @@
+#include <iostream>
+#include <memory>
+
+#include "common/program/log.h"
+#include "common/program/settings.h"
+#include "server/app/command_line.h"
+#include "server/app/serve.h"
+
+// The command line of `serve`, and what else it may be told by.
+namespace enamel::server::app {
+namespace {
+
+struct ServeCommand {
+  ServeOptions serve;
+  std::filesystem::path config;
+  bool print_settings = false;
+  program::LogOptions log;
+};
+
+void AddAddresses(CLI::App* cmd, ServeOptions& serve) {
+  cmd->add_option("--http", serve.http, "Page and API: address:port")->capture_default_str();
+  cmd->add_option("--stations", serve.stations, "Station link: address:port")
+      ->capture_default_str();
+  cmd->add_option("--web", serve.web, "Folder of the built page (web/dist)");
+  cmd->add_option("--http-cert", serve.http_certificate,
+                  "Certificate chain of the page, PEM. Beyond loopback the page needs this,\n"
+                  "--http-self-signed or --http-behind-proxy");
+  cmd->add_option("--http-key", serve.http_key, "Its key, PEM");
+  cmd->add_flag("--http-self-signed", serve.http_self_signed,
+                "Make a certificate for the first --host-name, to start with");
+  cmd->add_option("--http-behind-proxy", serve.http_proxies,
+                  "Numeric address of the proxy that speaks TLS to the browsers and sets\n"
+                  "X-Forwarded-For and X-Forwarded-Proto; nobody else is answered (repeatable)");
+  cmd->add_option("--host-name", serve.host_names, "Name the page is reached under (repeatable)");
+  cmd->add_option("--page-url", serve.page_url,
+                  "Where people open the page: stations say it to whom they send there. Without:\n"
+                  "made of the first --host-name");
+}
+
+void AddOperations(CLI::App* cmd, ServeCommand& o) {
+  cmd->add_option("--job-threads", o.serve.job_threads, "Attempts scored at once; 0: scoring waits")
+      ->check(CLI::Range(0, 64))
+      ->capture_default_str();
+  cmd->add_option(
+         "--min-free-mib", o.serve.min_free_mib,
+         "Recordings are refused, and wait at the stations, when the disk has less; 0: never")
+      ->check(CLI::Range(0, 1 << 20))
+      ->capture_default_str();
+  cmd->add_option("--metrics-token-file", o.serve.metrics_token_file,
+                  "File with the token that GET /metrics asks for; without: only this machine may")
+      ->check(CLI::ExistingFile);
+  cmd->add_option("--log-format", o.log.format, "text, or json: one object a line")
+      ->capture_default_str();
+  cmd->add_option("--log-level", o.log.level, "trace, debug, info, warning or error")
+      ->capture_default_str();
+}
+
+// After the command line: the environment, the file, and what is needed from either.
+Status FinishServe(CLI::App& cmd, ServeCommand& o) {
+  ENAMEL_RETURN_IF_ERROR(program::ReadEnvironment(cmd));
+  if (!o.config.empty()) ENAMEL_RETURN_IF_ERROR(program::ReadSettingsFile(o.config, cmd));
+  if (o.serve.data.empty()) {
+    return Status(Code::kInvalidInput,
+                  "serve needs a data folder: --data DIR, ENAMEL_DATA, or data = \"DIR\" in the "
+                  "settings file");
+  }
+  if (o.serve.http_certificate.empty() != o.serve.http_key.empty()) {
+    return Status(Code::kInvalidInput, "--http-cert and --http-key go together; give both or none");
+  }
+  if (o.serve.http_self_signed && !o.serve.http_key.empty()) {
+    return Status(Code::kInvalidInput,
+                  "--http-self-signed makes the certificate that --http-cert gives; choose one");
+  }
+  return program::SetUpLog(o.log);
+}
+
+}  // namespace
+
+void DeclareServe(CommandGroup root) {
+  CLI::App* cmd = root.parent.add_subcommand("serve", "Run the server until Ctrl-C");
+  auto options = std::make_shared<ServeCommand>();
+  ServeCommand& o = *options;
+  cmd->add_option("--data", o.serve.data, "Data folder; made when absent");
+  AddAddresses(cmd, o.serve);
+  AddOperations(cmd, o);
+  cmd->add_option("--config", o.config, "TOML file with any of these settings")
+      ->check(CLI::ExistingFile);
+  cmd->add_flag("--print-settings", o.print_settings,
+                "Show what is set, from wherever, as such a file; and end");
+  cmd->footer(
+      "Every setting can come from the command line, from the environment (--job-threads is\n"
+      "ENAMEL_JOB_THREADS) or from the file; the nearer one wins, in this order.\n\n"
+      "  enamel-server serve --data /srv/enamel                   try it, on this machine only\n"
+      "  enamel-server serve --config /etc/enamel/server.toml     as a service (server/ops)\n\n"
+      "Watch it with GET /healthz (503 when no recordings are taken) and GET /metrics "
+      "(Prometheus).");
+  // Not by Declare: what it runs wants the command itself, for the other places settings come from.
+  cmd->callback([options, cmd, &chosen = root.chosen] {
+    chosen = [options, cmd]() -> Status {
+      ENAMEL_RETURN_IF_ERROR(FinishServe(*cmd, *options));
+      if (options->print_settings) {
+        std::cout << program::SettingsText(*cmd);
+        return Status::Ok();
+      }
+      return Serve(options->serve);
+    };
+  });
+}
+
+}  // namespace enamel::server::app
