@@ -25,7 +25,8 @@ struct Password {
   bool made_up = false;
 };
 
-Result<Password> ReadOrMakePassword(bool from_stdin, const std::string& login) {
+Result<Password> ReadOrMakePassword(bool from_stdin, const std::string& login,
+                                    const std::string& name) {
   if (!from_stdin) {
     auth::OneTimePassword made = auth::MakeOneTimePassword();
     if (!made.verifier.empty()) return Password{made.text, made.verifier, true};
@@ -36,7 +37,7 @@ Result<Password> ReadOrMakePassword(bool from_stdin, const std::string& login) {
     return Status(Code::kInvalidInput,
                   "expected a password as one line on standard input, found nothing");
   }
-  ENAMEL_RETURN_IF_ERROR(auth::CheckPasswordPolicy(text, login));
+  ENAMEL_RETURN_IF_ERROR(auth::CheckPasswordPolicy(text, login, name));
   ENAMEL_ASSIGN_OR_RETURN(auto verifier, auth::HashPassword(text));
   return Password{"", verifier, false};
 }
@@ -85,7 +86,8 @@ Status AddPerson(const std::filesystem::path& data, const NewPerson& person) {
     ENAMEL_ASSIGN_OR_RETURN(auto id, Uuid::Parse(person.id));
     row.id = id;
   }
-  ENAMEL_ASSIGN_OR_RETURN(auto password, ReadOrMakePassword(person.password_from_stdin, login));
+  ENAMEL_ASSIGN_OR_RETURN(auto password,
+                          ReadOrMakePassword(person.password_from_stdin, login, name));
   row.login = login;
   row.display_name = name;
   row.role = *role;
@@ -99,7 +101,8 @@ Status AddPerson(const std::filesystem::path& data, const NewPerson& person) {
 Status SetPassword(const std::filesystem::path& data, const std::string& login, bool from_stdin) {
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
   ENAMEL_ASSIGN_OR_RETURN(auto person, PersonNamed(*store, login));
-  ENAMEL_ASSIGN_OR_RETURN(auto password, ReadOrMakePassword(from_stdin, login));
+  ENAMEL_ASSIGN_OR_RETURN(auto password,
+                          ReadOrMakePassword(from_stdin, login, person.display_name));
   ENAMEL_RETURN_IF_ERROR(
       store->SetPassword(person.id, password.verifier, password.made_up, kCommandLine));
   Say("new password for {}; its sessions have ended\n", login);

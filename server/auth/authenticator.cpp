@@ -222,7 +222,7 @@ Result<SignedIn> Authenticator::ChangePasswordHere(const Identity& identity,
     return Status(Code::kInvalidInput, "expected another password than the old one",
                   "new_password");
   }
-  auto verifier = NewVerifier(change.new_password, person.login);
+  auto verifier = NewVerifier(change.new_password, person.login, person.display_name);
   if (!verifier.ok()) {
     const Status& why = verifier.status();
     return Status(why.code(), why.message(), why.field().empty() ? "" : "new_password");
@@ -302,9 +302,9 @@ Status Authenticator::SignOutFrom(const Identity& identity, const std::string& a
                           R"({"address":")" + from + R"("})");
 }
 
-Result<std::string> Authenticator::NewVerifier(std::string_view password,
-                                               std::string_view login) const {
-  ENAMEL_RETURN_IF_ERROR(CheckPasswordPolicy(password, login));
+Result<std::string> Authenticator::NewVerifier(std::string_view password, std::string_view login,
+                                               std::string_view name) const {
+  ENAMEL_RETURN_IF_ERROR(CheckPasswordPolicy(password, login, name));
   return HashPassword(password, options_.cost);
 }
 

@@ -114,7 +114,8 @@ class Authenticator {
   RefusalTrail& refusals() { return refusals_; }
 
   // Policy, then a verifier for Store::CreatePerson and SetPassword. Blocks.
-  Result<std::string> NewVerifier(std::string_view password, std::string_view login) const;
+  Result<std::string> NewVerifier(std::string_view password, std::string_view login,
+                                  std::string_view name = {}) const;
 
  private:
   UnixMs Now() const;

@@ -80,6 +80,14 @@ TEST_F(AuthenticatorTest, EverySignInDoesTheSameWorkWhoeverItIs) {
   }
 }
 
+// The rules are for new passwords.
+TEST_F(AuthenticatorTest, APasswordThatWouldBeRefusedTodayStillSignsIn) {
+  constexpr char kWeak[] = "password1";
+  ASSERT_FALSE(authenticator_.NewVerifier(kWeak, "weak").ok());
+  AddPerson(*store_, "weak", Role::kStudent, *HashPassword(kWeak, Options().cost));
+  EXPECT_TRUE(authenticator_.SignInHere(Request("weak", kWeak)).ok());
+}
+
 TEST_F(AuthenticatorTest, OneTimePasswordsWorkAndAreDifferent) {
   OneTimePassword a = MakeOneTimePassword(), b = MakeOneTimePassword();
   EXPECT_NE(a.text, b.text);
