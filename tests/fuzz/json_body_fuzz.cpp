@@ -1,8 +1,25 @@
 #include "common/base/check.h"
 #include "server/http/json_body.h"
 
+namespace {
+
+// Each name and each text has two; the ones inside texts stand behind a backslash.
+size_t Quotes(const std::string& json) {
+  size_t out = 0;
+  for (size_t i = 0; i < json.size(); ++i) {
+    if (json[i] == '\\') {
+      ++i;
+    } else if (json[i] == '"') {
+      ++out;
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
 // Any bytes as the body of a request of the API: refused with a reason, or exactly the texts that
-// were asked for, within their lengths, which read back from the JSON they make.
+// were asked for, each once, within their lengths, which read back from the JSON they make.
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace enamel;
   using namespace enamel::server::http;
@@ -14,6 +31,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     return 0;
   }
   ENAMEL_CHECK(members->size() == 2);
+  ENAMEL_CHECK(Quotes(request.body) == 8);  // nothing stood there twice
   ENAMEL_CHECK(members->at("login").as_string().size() <= 64);
   request.body = JsonResponse(*members).body;
   auto again = TextMembers(request, {{"login", 64}, {"password", 1024}});
