@@ -4,6 +4,8 @@
 
 #include "common/base/file.h"
 #include "common/net/certificate.h"
+#include "server/app/command_line.h"
+#include "server/app/say.h"
 #include "server/storage/sqlite_store.h"
 
 namespace enamel::server::app {
@@ -70,7 +72,29 @@ Result<PageCertificate> EnsurePageCertificate(const std::filesystem::path& folde
   return page;
 }
 
+Status InitData(const std::filesystem::path& folder) {
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenSqliteStore({folder}));
+  ENAMEL_ASSIGN_OR_RETURN(auto identity, EnsureIdentity(folder));
+  Say("data folder {}, fingerprint {}\n", folder.string(), identity.fingerprint.Hex());
+  return Status::Ok();
+}
+
+void DeclareInit(CommandGroup root) {
+  auto [cmd, folder] = Declare<std::filesystem::path>(
+      root, "init", "Make a data folder, for commands that come before the first serve", InitData);
+  AddData(cmd, folder);
+}
+
 Result<std::unique_ptr<Store>> OpenForCommand(const std::filesystem::path& folder) {
+  std::error_code error;
+  if (!std::filesystem::exists(folder / "enamel.db", error)) {
+    return Status(Code::kNotFound,
+                  "expected the data folder of an enamel-server, found " +
+                      (error ? error.message() : "none") + " at " + folder.string() +
+                      "; look at --data and ENAMEL_DATA, or make one with: enamel-server init "
+                      "--data " +
+                      folder.string());
+  }
   SqliteOptions options;
   options.folder = folder;
   return OpenSqliteStore(options);

@@ -37,7 +37,15 @@ struct PageCertificate {
 Result<PageCertificate> EnsurePageCertificate(const std::filesystem::path& folder,
                                               const std::vector<std::string>& host_names);
 
-// The store for a command that runs beside a server, or without one.
+// Makes the folder (mode 0700), its database and its identity, as far as they are missing, and says
+// what it is. For `init`; `serve` makes what is missing by itself.
+Status InitData(const std::filesystem::path& folder);
+struct CommandGroup;
+// On the command line (command_line.h).
+void DeclareInit(CommandGroup root);
+
+// The store for a command that runs beside a server, or without one. Makes none: a folder that is
+// misspelt is not to become one. Errors also: kNotFound (there is none).
 Result<std::unique_ptr<Store>> OpenForCommand(const std::filesystem::path& folder);
 
 // The command line in the audit trail.

@@ -34,6 +34,7 @@ int main(int argc, char** argv) {
   std::function<Status()> command;
   const app::CommandGroup top{root, command};
   app::DeclareServe(top);
+  app::DeclareInit(top);
   app::DeclareBackup(top);
   app::DeclareRetention(top);
   app::DeclareSeed(top);

@@ -7,6 +7,7 @@
 #include <boost/json/object.hpp>
 #include <boost/json/serialize.hpp>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 
 #include "common/base/file.h"
@@ -301,6 +302,30 @@ Status MustNotBeRootForAnother(const std::filesystem::path& folder) {
                     "-u USER -- enamel-server …");
 }
 
+// Who reads the folder has everything. A folder of other things is not ours to close: it may be a
+// home, or /tmp.
+Status KeepOthersOut(const std::filesystem::path& folder) {
+  struct stat info {};
+  constexpr mode_t kOthers = 077, kOwnerOnly = 0700;
+  if (::stat(folder.c_str(), &info) != 0 || (info.st_mode & kOthers) == 0) return Status::Ok();
+  char mode[8];
+  std::snprintf(mode, sizeof mode, "%04o", static_cast<unsigned>(info.st_mode & 07777));
+  std::error_code error;
+  const bool ours = std::filesystem::exists(folder / "enamel.db", error) ||
+                    std::filesystem::is_empty(folder, error);
+  if (ours && ::chmod(folder.c_str(), kOwnerOnly) == 0) {
+    spdlog::warn("the data folder {} let others in (mode {}); it is 0700 now", folder.string(),
+                 mode);
+    return Status::Ok();
+  }
+  return Status(Code::kForbidden,
+                "expected a data folder that lets nobody else in (mode 0700), "
+                "found " +
+                    folder.string() + " with mode " + mode +
+                    (ours ? std::string() : " and with other things in it") +
+                    "; name a folder of its own, or: chmod 700 " + folder.string());
+}
+
 Status MakeFolder(const std::filesystem::path& folder, Disk& disk, bool restoring) {
   if (Status made = disk.MakeFolder(folder); !made.ok()) {
     return Status(Code::kStorage, "cannot make the data folder " + folder.string() + ": " +
@@ -316,6 +341,7 @@ Status MakeFolder(const std::filesystem::path& folder, Disk& disk, bool restorin
     return Status(Code::kStorage, "the data folder " + folder.string() + " is not writable: " +
                                       std::strerror(errno) + "; name a folder this user may write");
   }
+  ENAMEL_RETURN_IF_ERROR(KeepOthersOut(folder));
   ENAMEL_RETURN_IF_ERROR(disk.MakeFolder(folder / "blobs"));
   // A process that was killed may have left entries unsynced.
   ENAMEL_RETURN_IF_ERROR(disk.SyncFolder(folder / "blobs"));

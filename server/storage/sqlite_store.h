@@ -12,7 +12,9 @@
 namespace enamel::server {
 
 struct SqliteOptions {
-  std::filesystem::path folder;  // made when absent, mode 0700
+  // Made when absent, mode 0700. One that is there and lets others in is put right when it is empty
+  // or a data folder already, and refused when it holds other things (kForbidden).
+  std::filesystem::path folder;
   // The server holds the folder's lock (LOCK, flock) as long as it runs. The command line opens the
   // same folder beside it without: SQLite's own locks are enough for that, except to migrate.
   bool hold_lock = false;

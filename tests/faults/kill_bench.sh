@@ -43,6 +43,7 @@ stream() {
   done
 }
 
+"$enamel_server" init --data "$data" >/dev/null
 "$enamel_server" seed-demo --data "$data" --voxel-um 100 --json "$work/seed" >/dev/null
 exercise=$(json_of "$work/seed" exercise)
 timed_start

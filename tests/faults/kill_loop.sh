@@ -15,6 +15,7 @@ data=$work/server station=$work/station
 enamel_server=$bin/enamel-server enamel_station=$bin/enamel-station
 export ENAMEL_PASSWORD=enamel-demo-student1
 
+"$enamel_server" init --data "$data" >/dev/null
 "$enamel_server" seed-demo --data "$data" --voxel-um 100 --json "$work/seed" >/dev/null
 exercise=$(json_of "$work/seed" exercise)
 start_server "$data" "$port"

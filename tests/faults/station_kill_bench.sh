@@ -96,6 +96,7 @@ torture() {
   [ -z "$before" ] || [ "$last" -eq 0 ] || "$enamel_station" spool close "$before" --data "$station" >/dev/null
 }
 
+"$enamel_server" init --data "$data" >/dev/null
 "$enamel_server" seed-demo --data "$data" --voxel-um 100 --json "$work/seed" >/dev/null
 exercise=$(json_of "$work/seed" exercise)
 start_server "$data" "$port" --job-threads 0

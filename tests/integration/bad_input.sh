@@ -6,6 +6,7 @@ port=$(free_ports)
 data=$work/server station=$work/station
 enamel_server=$bin/enamel-server enamel_station=$bin/enamel-station
 
+"$enamel_server" init --data "$data" >/dev/null
 "$enamel_server" seed-demo --data "$data" --voxel-um 100 --json "$work/seed" >/dev/null
 exercise=$(node -p "JSON.parse(require('fs').readFileSync('$work/seed','utf8')).exercise")
 start_server "$data" "$port"

@@ -10,6 +10,7 @@ export ENAMEL_PASSWORD=enamel-demo-student1
 server_cli() { "$bin/enamel-server" "$@"; }
 station_cli() { "$bin/enamel-station" "$@"; }
 
+server_cli init --data "$data" >/dev/null
 server_cli seed-demo --data "$data" --voxel-um 100 --json "$work/seed" >/dev/null
 exercise=$(json_of "$work/seed" exercise)
 start_server "$data" "$port"

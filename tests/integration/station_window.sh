@@ -17,6 +17,7 @@ pids+=($!)
 read -r -t 30 number <"$work/display" || fail "Xvfb did not start"
 export DISPLAY=":$number"
 
+"$bin/enamel-server" init --data "$work/server" >/dev/null
 "$bin/enamel-server" seed-demo --data "$work/server" --json "$work/seed" >/dev/null
 exercise=$(json_of "$work/seed" exercise)
 port=$(free_ports)

@@ -31,8 +31,43 @@ class CommandsTest : public ::testing::Test {
   std::filesystem::path Data() const { return folder_.path() / "data"; }
   std::unique_ptr<Store> OpenData() { return OpenStore(Data()); }
 
+  CommandsTest() { EXPECT_TRUE(InitData(Data()).ok()); }
+
   TempFolder folder_;
 };
+
+TEST_F(CommandsTest, AFolderThatIsNoneIsNotMade) {
+  const std::filesystem::path typo = folder_.path() / "dta";
+  SeedOptions seed;
+  seed.data = typo;
+  ReportOptions report;
+  report.data = typo;
+  report.attempt = Uuid::New().Text();
+  const std::vector<Status> refused = {SeedDemo(seed), AddPerson(typo, {"ada", "Ada", "student"}),
+                                       PublishExercise(typo, {"builtin:molar", ""}),
+                                       ListCohorts(typo), Report(report)};
+  for (const Status& status : refused) {
+    EXPECT_EQ(status.code(), Code::kNotFound);
+    EXPECT_NE(status.message().find(typo.string()), std::string::npos) << status.message();
+    EXPECT_NE(status.message().find("init"), std::string::npos) << status.message();
+  }
+  EXPECT_FALSE(std::filesystem::exists(typo));
+  std::filesystem::create_directory(typo);
+  EXPECT_EQ(ListCohorts(typo).code(), Code::kNotFound) << "an empty one is none either";
+  EXPECT_TRUE(std::filesystem::is_empty(typo));
+}
+
+TEST_F(CommandsTest, InitMakesAFolderForItsOwnerOnlyAndChangesNoneThatIsThere) {
+  auto mode = [](const std::filesystem::path& path) {
+    return std::filesystem::status(path).permissions();
+  };
+  EXPECT_EQ(mode(Data()), std::filesystem::perms::owner_all);
+  const auto before = *ReadFile(Data() / "station.crt");
+  ASSERT_TRUE(AddPerson(Data(), {"ada", "Ada", "student"}).ok());
+  ASSERT_TRUE(InitData(Data()).ok());
+  EXPECT_EQ(*ReadFile(Data() / "station.crt"), before);
+  EXPECT_EQ(OpenData()->People()->size(), 1u);
+}
 
 TEST_F(CommandsTest, SeedingTwiceChangesNothing) {
   SeedOptions options;

@@ -176,12 +176,12 @@ TEST_F(ServeProcessTest, WrongUsageEndsWithTwo) {
 TEST_F(ServeProcessTest, FolderOfTheCommandLineCountsMoreThanTheEnvironments) {
   const std::string other = (folder_.path() / "other").string();
   ::setenv("ENAMEL_DATA", other.c_str(), 1);
-  Program given({"admin", "enrol-code", "--data", Data()});
+  Program given({"init", "--data", Data()});
   given.ReadAll();
   EXPECT_EQ(given.ExitCode(), 0);
   EXPECT_TRUE(std::filesystem::exists(Data() + "/enamel.db"));
   EXPECT_FALSE(std::filesystem::exists(other));
-  Program inherited({"admin", "enrol-code"});
+  Program inherited({"init"});
   inherited.ReadAll();
   EXPECT_EQ(inherited.ExitCode(), 0);
   EXPECT_TRUE(std::filesystem::exists(other + "/enamel.db"));
@@ -207,6 +207,9 @@ TEST_F(ServeProcessTest, SettingsComeFromTheFileThatComesWithTheServer) {
 }
 
 TEST_F(ServeProcessTest, EnrolCodeIsOneWordWithTheFingerprint) {
+  Program init({"init", "--data", Data()});
+  init.ReadAll();
+  ASSERT_EQ(init.ExitCode(), 0);
   Program server({"admin", "enrol-code", "--data", Data()});
   std::string said = server.ReadAll();
   EXPECT_EQ(said.size(), 32u + 1 + 64 + 1) << said;

@@ -22,6 +22,40 @@ void ExecRaw(const std::filesystem::path& folder, const std::string& sql) {
   sqlite3_close(handle);
 }
 
+std::filesystem::perms ModeOf(const std::filesystem::path& path) {
+  return std::filesystem::status(path).permissions();
+}
+constexpr auto kOwnerOnly = std::filesystem::perms::owner_all;
+constexpr auto kForAll = std::filesystem::perms(0755);
+
+TEST(SqliteOpenTest, ADataFolderThatLetsOthersInIsPutRight) {
+  TempFolder folder;
+  const auto data = folder.path() / "data";
+  std::filesystem::create_directory(data);
+  for (const char* what : {"empty", "with a database"}) {
+    std::filesystem::permissions(data, kForAll);
+    auto opened = OpenSqliteStore({data});
+    ASSERT_TRUE(opened.ok()) << what << ": " << opened.status().message();
+    EXPECT_EQ(ModeOf(data), kOwnerOnly) << what;
+  }
+}
+
+TEST(SqliteOpenTest, AFolderOfOtherThingsIsNotClosedButRefused) {
+  TempFolder folder;
+  const auto home = folder.path() / "home";
+  std::filesystem::create_directory(home);
+  ASSERT_TRUE(WriteFileDurably(home / "letter.txt", AsBytes("hello")).ok());
+  std::filesystem::permissions(home, kForAll);
+  Status refused = OpenSqliteStore({home}).status();
+  EXPECT_EQ(refused.code(), Code::kForbidden);
+  EXPECT_NE(refused.message().find("0755"), std::string::npos) << refused.message();
+  EXPECT_NE(refused.message().find("chmod 700"), std::string::npos) << refused.message();
+  EXPECT_EQ(ModeOf(home), kForAll);
+  EXPECT_FALSE(std::filesystem::exists(home / "enamel.db"));
+  std::filesystem::permissions(home, kOwnerOnly);
+  EXPECT_TRUE(OpenSqliteStore({home}).ok());
+}
+
 TEST(SqliteOpenTest, NewerDatabaseIsRefusedAndSaysWhatToDo) {
   TempFolder folder;
   OpenStore(folder.path());
