@@ -42,11 +42,12 @@ Status WithOverwriting(Db& db, const std::function<Status()>& work) {
 
 // What the audit trail tells about a person who is gone, and about that person's attempts, those
 // too that a retention rule removed before; who did it and when stays. The only change of audit
-// rows that the database admits (schemas/sql/0005_erased_words.sql).
+// rows that the database admits (schemas/sql/0007_door.sql).
 Status RedactAudit(Db& db, const Uuid& person) {
   Query q(db,
           "UPDATE audit SET before_json = '{\"erased\":true}', after_json = '{\"erased\":true}' "
-          "WHERE tenant = ?1 AND ((object = ?2 AND action LIKE 'person.%') OR "
+          "WHERE tenant = ?1 AND ((object = ?2 AND (action LIKE 'person.%' OR action LIKE "
+          "'session.%' OR action = 'request.refused')) OR "
           "(action <> 'attempt.ticket' AND object IN (SELECT object FROM audit WHERE tenant = ?1 "
           "AND action = 'attempt.ticket' AND json_extract(after_json, '$.person') = ?2)))");
   return q.Bind(person.Text()).Run();

@@ -70,6 +70,8 @@ Person PersonOf(const Query& q) {
   out.created_ms = q.Int(5);
   out.must_change_password = q.Int(6) != 0;
   out.revision = static_cast<int32_t>(q.Int(7));
+  out.password_ms = q.Int(8);
+  out.password_used = q.Int(9) != 0;
   return out;
 }
 
@@ -103,13 +105,15 @@ Status MustNotBeTheOnlyAdmin(Db& db, const Person& person) {
 }
 
 Status InsertPerson(Db& db, const Person& person, const std::string& verifier, const Actor& by) {
-  Query q(db,
-          "INSERT INTO people (tenant, id, login, display_name, role, disabled, created_ms, "
-          "verifier, must_change_password) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)");
+  Query q(
+      db,
+      "INSERT INTO people (tenant, id, login, display_name, role, disabled, created_ms, "
+      "verifier, must_change_password, password_ms) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, "
+      "?10)");
   q.Bind(person.id).Bind(person.login).Bind(person.display_name);
   q.Bind(static_cast<int64_t>(person.role)).Bind(static_cast<int64_t>(person.disabled));
   q.Bind(person.created_ms != 0 ? person.created_ms : NowMs()).Bind(verifier);
-  q.Bind(static_cast<int64_t>(person.must_change_password));
+  q.Bind(static_cast<int64_t>(person.must_change_password)).Bind(NowMs());
   ENAMEL_RETURN_IF_ERROR(
       Explain(q.Run(), "there is already a person with the login \"" + person.login + "\""));
   return WriteAudit(db, by, "person.create", person.id.Text(), "{}",
@@ -169,14 +173,24 @@ Status SqliteStore::SetPassword(const Uuid& person, const std::string& verifier,
                                 const Actor& by) {
   return Write([&](Db& db) -> Status {
     Query q(db,
-            "UPDATE people SET verifier = ?3, must_change_password = ?4 WHERE tenant = ?1 AND "
-            "id = ?2");
-    q.Bind(person).Bind(verifier).Bind(static_cast<int64_t>(for_one_use));
+            "UPDATE people SET verifier = ?3, must_change_password = ?4, password_ms = ?5, "
+            "password_used = 0 WHERE tenant = ?1 AND id = ?2");
+    q.Bind(person).Bind(verifier).Bind(static_cast<int64_t>(for_one_use)).Bind(NowMs());
     ENAMEL_RETURN_IF_ERROR(q.Run());
     ENAMEL_RETURN_IF_ERROR(MustHaveChanged(db, "person " + person.Text()));
     ENAMEL_RETURN_IF_ERROR(DeleteSessions(db, person));
     return WriteAudit(db, by, "person.password", person.Text(), "{}",
                       JsonOf({{"for_one_use", for_one_use ? "yes" : "no"}}));
+  });
+}
+
+Status SqliteStore::UseOneTimePassword(const Uuid& person) {
+  return Write([&](Db& db) -> Status {
+    Query q(db,
+            "UPDATE people SET password_used = 1 WHERE tenant = ?1 AND id = ?2 AND "
+            "must_change_password = 1 AND password_used = 0");
+    ENAMEL_RETURN_IF_ERROR(q.Bind(person).Run());
+    return MustHaveChanged(db, "password for one use that was not used yet");
   });
 }
 

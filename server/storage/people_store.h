@@ -18,6 +18,9 @@ struct SessionRow {
   std::string via;          // "page" | "station"
   Uuid id{};                // what it is called where the token must not be; zero: made up
   UnixMs confirmed_ms = 0;  // when the password was given last; 0: when it was created
+  // From where and with what; both empty where that is not known.
+  std::string address;  // IPv4, or the /64 of an IPv6 address
+  std::string device;   // "Firefox on Linux", or the station's name
 };
 
 // People and their sessions.
@@ -37,6 +40,9 @@ class PeopleStore {
   // Ends the person's sessions. `for_one_use`: it has to be changed before anything else is done.
   virtual Status SetPassword(const Uuid& person, const std::string& verifier, bool for_one_use,
                              const Actor& by) = 0;
+  // Somebody signs in with a password for one use: the first of those who do at once. Errors:
+  // kNotFound (it was used, or was not for one use).
+  virtual Status UseOneTimePassword(const Uuid& person) = 0;
   // Disabling ends the person's sessions in the same transaction. Errors also: kConflict (the last
   // admin who may sign in).
   virtual Status SetDisabled(const Uuid& person, bool disabled, const Actor& by) = 0;

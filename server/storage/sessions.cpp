@@ -5,11 +5,12 @@ namespace enamel::server::sqlite {
 namespace {
 
 constexpr char kSessionSelect[] =
-    "SELECT token_hash, person, created_ms, last_used_ms, expires_ms, via, id, confirmed_ms FROM "
-    "sessions WHERE tenant = ?1 AND ";
+    "SELECT token_hash, person, created_ms, last_used_ms, expires_ms, via, id, confirmed_ms, "
+    "address, device FROM sessions WHERE tenant = ?1 AND ";
 
 SessionRow SessionOf(const Query& q) {
-  return {q.Hash(0), q.Id(1), q.Int(2), q.Int(3), q.Int(4), q.Text(5), q.Id(6), q.Int(7)};
+  return {q.Hash(0), q.Id(1), q.Int(2), q.Int(3),  q.Int(4),
+          q.Text(5), q.Id(6), q.Int(7), q.Text(8), q.Text(9)};
 }
 
 Result<SessionRow> OneSession(Query& q) {
@@ -34,14 +35,18 @@ Status SqliteStore::CreateSession(const SessionRow& session) {
                                .Run());
     Query q(db,
             "INSERT INTO sessions (tenant, token_hash, person, created_ms, last_used_ms, "
-            "expires_ms, via, id, confirmed_ms) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)");
+            "expires_ms, via, id, confirmed_ms, address, device) VALUES (?1, ?2, ?3, ?4, ?5, ?6, "
+            "?7, ?8, "
+            "?9, ?10, ?11)");
     q.Bind(session.token_hash).Bind(session.person).Bind(session.created_ms);
     q.Bind(session.last_used_ms).Bind(session.expires_ms).Bind(session.via);
     q.Bind(session.id.IsZero() ? Uuid::New() : session.id);
     q.Bind(session.confirmed_ms != 0 ? session.confirmed_ms : session.created_ms);
+    q.Bind(session.address).Bind(session.device);
     ENAMEL_RETURN_IF_ERROR(q.Run());
     return WriteAudit(db, Actor{session.person, session.via}, "session.begin",
-                      session.person.Text(), "{}", "{}");
+                      session.person.Text(), "{}",
+                      session.address.empty() ? "{}" : JsonOf({{"address", session.address}}));
   });
 }
 

@@ -73,6 +73,7 @@ class SqliteStore final : public Store {
   Result<Person> PersonById(const Uuid& id) override;
   Result<Person> PersonByLogin(const std::string& login) override;
   Result<std::string> PasswordVerifier(const Uuid& person) override;
+  Status UseOneTimePassword(const Uuid& person) override;
   Status SetPassword(const Uuid& person, const std::string& verifier, bool for_one_use,
                      const Actor& by) override;
   Status SetDisabled(const Uuid& person, bool disabled, const Actor& by) override;

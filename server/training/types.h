@@ -28,6 +28,8 @@ struct Person {
   bool disabled = false;
   UnixMs created_ms = 0;
   bool must_change_password = false;  // it was made up here and is good for changing it only
+  UnixMs password_ms = 0;             // when it was set; 0: before schema 7
+  bool password_used = false;         // one for one use was signed in with
   int32_t revision = 1;               // server/training/revision.h
 };
 

@@ -195,6 +195,7 @@ class MemoryStore final : public server::Store {
   Result<server::Person> PersonById(const Uuid&) override { return No(); }
   Result<server::Person> PersonByLogin(const std::string&) override { return No(); }
   Result<std::string> PasswordVerifier(const Uuid&) override { return No(); }
+  Status UseOneTimePassword(const Uuid&) override { return No(); }
   Status SetPassword(const Uuid&, const std::string&, bool, const server::Actor&) override {
     return No();
   }

@@ -108,6 +108,39 @@ TEST_P(PeopleStoreTest, PasswordForOneUseIsMarkedUntilAnotherIsSet) {
   EXPECT_FALSE(store_->PersonById(id)->must_change_password);
 }
 
+TEST_P(PeopleStoreTest, APasswordForOneUseIsUsedOnce) {
+  Uuid id = AddPerson(*store_, "ada", Role::kStudent);
+  EXPECT_GT(store_->PersonById(id)->password_ms, 0);
+  EXPECT_EQ(store_->UseOneTimePassword(id).code(), Code::kNotFound) << "it is the person's own";
+  ASSERT_TRUE(store_->SetPassword(id, "v", true, kSystem).ok());
+  EXPECT_FALSE(store_->PersonById(id)->password_used);
+  EXPECT_TRUE(store_->UseOneTimePassword(id).ok());
+  EXPECT_EQ(store_->UseOneTimePassword(id).code(), Code::kNotFound);
+  Reopen();
+  EXPECT_TRUE(store_->PersonById(id)->password_used);
+  ASSERT_TRUE(store_->SetPassword(id, "w", true, kSystem).ok());
+  EXPECT_TRUE(store_->UseOneTimePassword(id).ok()) << "another one";
+}
+
+TEST_P(PeopleStoreTest, ASessionSaysFromWhereAndWithWhatUntilThePersonIsErased) {
+  Uuid ada = AddPerson(*store_, "ada", Role::kStudent);
+  SessionRow row{HashSha256(AsBytes("1")), ada, 10, 10, 1000, "page"};
+  row.address = "203.0.113.7";
+  row.device = "Firefox on Linux";
+  ASSERT_TRUE(store_->CreateSession(row).ok());
+  Reopen();
+  const SessionRow kept = store_->SessionsOf(ada)->at(0);
+  EXPECT_EQ(kept.address, row.address);
+  EXPECT_EQ(kept.device, row.device);
+  EXPECT_EQ(LastAudit(ada.Text()).action, "session.begin");
+  EXPECT_EQ(LastAudit(ada.Text()).after_json, R"({"address":"203.0.113.7"})");
+  ASSERT_TRUE(store_->ErasePerson(ada, false, kSystem).ok());
+  for (const AuditRow& told : *store_->Audit(100)) {
+    EXPECT_EQ((told.before_json + told.after_json).find("203.0.113"), std::string::npos)
+        << told.action;
+  }
+}
+
 TEST_P(PeopleStoreTest, SessionsAreListedConfirmedAndEndedByName) {
   Uuid ada = AddPerson(*store_, "ada", Role::kStudent),
        bob = AddPerson(*store_, "bob", Role::kStudent);
