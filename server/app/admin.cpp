@@ -44,7 +44,10 @@ Result<Password> ReadOrMakePassword(bool from_stdin, const std::string& login,
 
 void ShowIfMadeUp(const Password& password) {
   if (!password.made_up) return;
-  Say("password (shown only now, to be changed when signing in): {}\n", password.text);
+  Say("password (shown only now; good for signing in once, within 7 days unless serve says "
+      "otherwise "
+      "with --one-time-password-days): {}\n",
+      password.text);
 }
 
 void Show(const AttemptRow& row) {

@@ -201,8 +201,9 @@ Status ListSessions(const std::filesystem::path& data, const std::string& login)
   ENAMEL_ASSIGN_OR_RETURN(auto person, PersonNamed(*store, login));
   ENAMEL_ASSIGN_OR_RETURN(auto sessions, store->SessionsOf(person.id));
   for (const SessionRow& session : sessions) {
-    Say("{}  {:<7}  since {}, last used {} UTC\n", session.id.Text(), session.via,
-        UtcText(session.created_ms), UtcText(session.last_used_ms));
+    Say("{}  {:<7}  since {}, last used {} UTC  {}  {}\n", session.id.Text(), session.via,
+        UtcText(session.created_ms), UtcText(session.last_used_ms), session.address,
+        session.device);
   }
   if (sessions.empty()) Say("{} has no sessions\n", login);
   return Status::Ok();

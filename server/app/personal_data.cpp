@@ -31,6 +31,7 @@ class Exporter {
                         {"disabled", person.disabled},
                         {"created_ms", person.created_ms}}}};
     ENAMEL_RETURN_IF_ERROR(AddCohorts(person, root));
+    ENAMEL_RETURN_IF_ERROR(AddSessions(person, root));
     ENAMEL_RETURN_IF_ERROR(AddAttempts(person, root));
     ENAMEL_RETURN_IF_ERROR(AddAudit(person, root));
     return Write("export.json", AsBytes(json::serialize(root) + "\n"));
@@ -57,6 +58,20 @@ class Exporter {
     json::array names;
     for (const Cohort& cohort : cohorts) names.emplace_back(cohort.name);
     root["cohorts"] = std::move(names);
+    return Status::Ok();
+  }
+
+  Status AddSessions(const Person& person, json::object& root) {
+    ENAMEL_ASSIGN_OR_RETURN(auto rows, store_.SessionsOf(person.id));
+    json::array sessions;
+    for (const SessionRow& row : rows) {
+      sessions.push_back({{"via", row.via},
+                          {"address", row.address},
+                          {"device", row.device},
+                          {"created_ms", row.created_ms},
+                          {"last_used_ms", row.last_used_ms}});
+    }
+    root["sessions"] = std::move(sessions);
     return Status::Ok();
   }
 

@@ -265,7 +265,9 @@ Status Serve(const ServeOptions& options) {
   http_options.metrics = &metrics;
   ENAMEL_RETURN_IF_ERROR(ReadToken(options.metrics_token_file, http_options.metrics_token));
 
-  auth::Authenticator authenticator(store);
+  auth::AuthOptions auth_options;
+  auth_options.one_time_ms = UnixMs{options.one_time_password_days} * 24 * 60 * 60 * 1000;
+  auth::Authenticator authenticator(store, auth_options);
   LiveBoard live;
   stations::Content content(store);
   stations::Services services{store,     authenticator, live, content, identity.ticket_key,

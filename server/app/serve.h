@@ -23,6 +23,7 @@ struct ServeOptions {
   int io_threads = 2;
   int job_threads = 1;
   int min_free_mib = 256;                    // recordings are refused when the disk has less
+  int one_time_password_days = 7;            // a password that was made up can be used so long
   std::filesystem::path metrics_token_file;  // empty: /metrics is for this machine only
 };
 

@@ -46,6 +46,10 @@ void AddOperations(CLI::App* cmd, ServeCommand& o) {
          "Recordings are refused, and wait at the stations, when the disk has less; 0: never")
       ->check(CLI::Range(0, 1 << 20))
       ->capture_default_str();
+  cmd->add_option("--one-time-password-days", o.serve.one_time_password_days,
+                  "A password that was made up here can be signed in with once, and so long")
+      ->check(CLI::Range(1, 90))
+      ->capture_default_str();
   cmd->add_option("--metrics-token-file", o.serve.metrics_token_file,
                   "File with the token that GET /metrics asks for; without: only this machine may")
       ->check(CLI::ExistingFile);

@@ -23,6 +23,10 @@ constexpr UnixMs kTouchEveryMs = 60'000;
 // than they may, by as much.
 constexpr UnixMs kClockSlackMs = 60 * 60 * 1000;
 
+constexpr size_t kTokenBytes = 32;
+constexpr UnixMs kDayMs = 24 * 60 * 60 * 1000;
+constexpr char kOneTimePassword[] = "one_time_password";
+
 Status Refused() {
   return Status(Code::kUnauthenticated, "login or password is wrong, or the account is disabled");
 }
@@ -174,17 +178,59 @@ Result<SignedIn> Authenticator::SignInAdmitted(const std::string& login,
     return TurnAway(disabled ? "disabled" : "password", login, request.address, request.via,
                     Refused());
   }
-  ++counts_.signed_in;
   throttle_.Succeeded(login, request.address, Elapsed());
-  return BeginSession(*person, request.via);
+  if (Status taken = TakeOneTimePassword(*person, request.via); !taken.ok()) {
+    if (taken.field() != kOneTimePassword) return taken;
+    return TurnAway("one-time", login, request.address, request.via, taken);
+  }
+  auto signed_in = BeginSession(*person, request.via, request.address, request.device);
+  if (!signed_in.ok()) return signed_in;
+  ++counts_.signed_in;
+  EndEarlier(request);
+  return signed_in;
 }
 
-Result<SignedIn> Authenticator::BeginSession(const Person& person, const std::string& via) {
+Status Authenticator::TakeOneTimePassword(const Person& person, const std::string& via) {
+  if (!person.must_change_password) return Status::Ok();
+  const Status used(
+      Code::kUnauthenticated,
+      "this password was good for signing in once, and was used; ask an administrator "
+      "for another. If it was not you who used it, say so",
+      kOneTimePassword);
+  if (person.password_used) return used;
+  if (Now() >= OneTimeUntil(person)) {
+    return Status(Code::kUnauthenticated,
+                  "this password was to be used within " +
+                      std::to_string(options_.one_time_ms / kDayMs) +
+                      " days of being made; ask an administrator for another",
+                  kOneTimePassword);
+  }
+  if (via != kViaPage) return Status::Ok();
+  Status taken = store_.UseOneTimePassword(person.id);
+  return taken.code() == Code::kNotFound ? used : taken;
+}
+
+// Of whomever it was: the browser has no way back to it.
+void Authenticator::EndEarlier(const SignInRequest& request) {
+  auto token = FromHex(request.earlier);
+  if (!token.ok() || token->size() != kTokenBytes) return;
+  const Sha256 hash = TokenHash(*token);
+  auto earlier = store_.FindSession(hash);
+  if (!earlier.ok() || earlier->via != kViaPage) return;
+  Status ended = store_.EndSession(hash);
+  if (ended.ok()) ended = NoteSignedOut(earlier->person, request.address);
+  if (!ended.ok()) spdlog::warn("page: an earlier session did not end: {}", ended.message());
+}
+
+Result<SignedIn> Authenticator::BeginSession(const Person& person, const std::string& via,
+                                             const std::string& address,
+                                             const std::string& device) {
   SignedIn out;
   out.token = NewToken();
   UnixMs now = Now();
   SessionRow row{TokenHash(out.token),       person.id, now,         now,
-                 now + options_.absolute_ms, via,       Uuid::New(), now};
+                 now + options_.absolute_ms, via,       Uuid::New(), now,
+                 AddressText(address),       device};
   out.identity =
       Identity{person, row.token_hash, CsrfFor(out.token), row.id, now + options_.confirmed_ms};
   ENAMEL_RETURN_IF_ERROR(store_.CreateSession(row));
@@ -230,7 +276,7 @@ Result<SignedIn> Authenticator::ChangePasswordHere(const Identity& identity,
   ENAMEL_RETURN_IF_ERROR(
       store_.SetPassword(person.id, *verifier, false, Actor{person.id, change.via}));
   ENAMEL_ASSIGN_OR_RETURN(auto changed, store_.PersonById(person.id));
-  return BeginSession(changed, change.via);
+  return BeginSession(changed, change.via, change.address, change.device);
 }
 
 boost::asio::awaitable<Result<SignedIn>> Authenticator::ChangePassword(Identity identity,
@@ -295,10 +341,14 @@ Status Authenticator::SignOut(const Sha256& token_hash) { return store_.EndSessi
 
 Status Authenticator::SignOutFrom(const Identity& identity, const std::string& address) {
   ENAMEL_RETURN_IF_ERROR(SignOut(identity.token_hash));
+  return NoteSignedOut(identity.person.id, address);
+}
+
+Status Authenticator::NoteSignedOut(const Uuid& id, const std::string& address) {
   ++counts_.signed_out;
-  const std::string person = identity.person.id.Text(), from = AddressText(address);
+  const std::string person = id.Text(), from = AddressText(address);
   spdlog::info("page: {} at {} signed out", person, from);
-  return store_.NoteAudit({identity.person.id, kViaPage}, "session.end", person,
+  return store_.NoteAudit({id, kViaPage}, "session.end", person,
                           R"({"address":")" + from + R"("})");
 }
 

@@ -31,6 +31,10 @@ struct AuthOptions {
   std::function<int64_t()> elapsed;
   // How long after the password was given the session may do what asks for it again.
   UnixMs confirmed_ms = 5 * 60 * 1000;
+  // How long a password that was made up here can be signed in with. Not a day: a roster is imported
+  // some days before the first lesson, and a weekend lies between. Not longer: nobody guesses it,
+  // but it lies about on paper.
+  UnixMs one_time_ms = UnixMs{7} * 24 * 60 * 60 * 1000;
   // Compares a password with a verifier; empty: VerifyPassword. Tests count its calls.
   std::function<bool(std::string_view, const std::string&)> verify;
 };
@@ -57,6 +61,10 @@ struct SignInRequest {
   std::string login, password;
   std::string address;  // peer, for throttling
   std::string via;      // kViaPage or kViaStation
+  std::string device;   // SessionRow::device
+  // The page's cookie that came with the request, 64 hex digits; its session ends when this one
+  // begins: the browser forgets it.
+  std::string earlier;
 };
 
 // What happened at the door since the start. Wrong passwords count wherever one is asked for.
@@ -71,6 +79,10 @@ struct DoorCounts {
 // (that of one argon2id at `cost`, whatever the stored verifier cost)
 // (kUnauthenticated). Too many failures: kUnavailable, field "throttled" (HTTP 429). Too many
 // sign-ins at once: kUnavailable.
+//
+// A password that was made up here opens one session of the page, and that within
+// AuthOptions::one_time_ms; whoever gives the right one too late is told so (kUnauthenticated,
+// field "one_time_password"). At a station it opens nothing that could be used, and is not used up.
 class Authenticator {
  public:
   explicit Authenticator(Store& store, AuthOptions options = {});
@@ -92,9 +104,13 @@ class Authenticator {
   // again).
   struct PasswordChange {
     std::string old_password, new_password;
-    std::string address, via;
+    std::string address, via, device;
   };
   boost::asio::awaitable<Result<SignedIn>> ChangePassword(Identity identity, PasswordChange change);
+  // Until when the password of a person whose one has to be changed can be signed in with.
+  UnixMs OneTimeUntil(const Person& person) const {
+    return person.password_ms + options_.one_time_ms;
+  }
   // Whether the password was given lately enough.
   bool IsConfirmed(const Identity& identity) const { return Now() < identity.confirmed_until_ms; }
 
@@ -127,7 +143,13 @@ class Authenticator {
   Result<SignedIn> SignInAdmitted(const std::string& login, const SignInRequest& request);
   Status CheckOwnPassword(const Person& person, const std::string& password,
                           const std::string& address, const std::string& via);
-  Result<SignedIn> BeginSession(const Person& person, const std::string& via);
+  // Whether this one may sign in with a password for one use, which is used up then.
+  Status TakeOneTimePassword(const Person& person, const std::string& via);
+  // `via`, `address` and `device` of whoever begins it.
+  Result<SignedIn> BeginSession(const Person& person, const std::string& via,
+                                const std::string& address, const std::string& device);
+  void EndEarlier(const SignInRequest& request);
+  Status NoteSignedOut(const Uuid& person, const std::string& address);
   Result<SessionRow> OpenSession(const Sha256& token_hash);
   Result<Identity> IdentityOf(ByteView token, const SessionRow& session);
   Result<SignedIn> ChangePasswordHere(const Identity& identity, const PasswordChange& change);

@@ -14,7 +14,7 @@ namespace enamel::server::auth {
 
 // Somebody who was turned away. `why` and `what` are our words, never what a peer wrote.
 struct TurnedAway {
-  std::string why;      // "password", "disabled", "throttled", "busy", "forbidden"
+  std::string why;      // "password", "disabled", "one-time", "throttled", "busy", "forbidden"
   std::string address;  // of the peer
   std::string via;      // "page" or "station"
   std::string login;    // as typed; only looked up, never kept

@@ -57,9 +57,11 @@ Response PersonResponse(const Person& person, int status = 200) {
 }
 
 // A person as JSON with the password that is shown this once.
-Response WithPassword(const Person& person, const std::string& password, int status) {
+Response WithPassword(const Call& call, const Person& person, const std::string& password,
+                      int status) {
   json::object out = PersonJson(person);
   out["password"] = password;
+  out["password_until_ms"] = call.authenticator.OneTimeUntil(person);
   return WithETag(JsonResponse(out, status), person.revision);
 }
 
@@ -157,7 +159,7 @@ Response AddPerson(const Call& call) {
   if (!id.ok()) return ErrorResponse(id.status());
   Result<Person> person = call.store.PersonById(*id);
   if (!person.ok()) return ErrorResponse(person.status());
-  return WithPassword(*person, password->text, 201);
+  return WithPassword(call, *person, password->text, 201);
 }
 
 Response EditPerson(const Call& call) {
@@ -179,14 +181,13 @@ Response EditPerson(const Call& call) {
 
 Response ResetPassword(const Call& call) {
   if (Status confirmed = RequireConfirmed(call); !confirmed.ok()) return ErrorResponse(confirmed);
-  Result<Person> person = call.store.PersonById(call.id);
-  if (!person.ok()) return ErrorResponse(person.status());
   Result<auth::OneTimePassword> password = NewPassword();
   if (!password.ok()) return ErrorResponse(password.status());
   Status set = call.store.SetPassword(call.id, password->verifier, true, ActorOf(call));
   if (!set.ok()) return ErrorResponse(set);
-  person->must_change_password = true;
-  return WithPassword(*person, password->text, 200);
+  Result<Person> person = call.store.PersonById(call.id);
+  if (!person.ok()) return ErrorResponse(person.status());
+  return WithPassword(call, *person, password->text, 200);
 }
 
 Response ErasePerson(const Call& call) {

@@ -30,6 +30,8 @@ Response SessionsResponse(const Call& call, const Uuid& person) {
   for (const SessionRow& row : *rows) {
     sessions.push_back({{"id", row.id.Text()},
                         {"via", row.via},
+                        {"address", row.address},
+                        {"device", row.device},
                         {"created_ms", row.created_ms},
                         {"last_used_ms", row.last_used_ms},
                         {"expires_ms", row.expires_ms},

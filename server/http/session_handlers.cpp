@@ -1,4 +1,5 @@
 #include "common/base/hex.h"
+#include "server/auth/device_name.h"
 #include "server/http/caller.h"
 #include "server/http/error_response.h"
 #include "server/http/handlers.h"
@@ -50,6 +51,8 @@ boost::asio::awaitable<Response> SignIn(Call call) {
   request.password = std::string((*body)["password"].as_string());
   request.address = call.request.peer;
   request.via = auth::kViaPage;
+  request.device = auth::DeviceName(call.request.Header("user-agent"));
+  request.earlier = SessionCookie(call.request).value_or("");
   Result<auth::SignedIn> signed_in = co_await call.authenticator.SignIn(std::move(request));
   if (!signed_in.ok()) co_return ErrorResponse(signed_in.status());
   co_return SignedInResponse(*signed_in, call.request);
@@ -76,6 +79,7 @@ boost::asio::awaitable<Response> ChangePassword(Call call) {
   change.new_password = std::string((*body)["new_password"].as_string());
   change.address = call.request.peer;
   change.via = auth::kViaPage;
+  change.device = auth::DeviceName(call.request.Header("user-agent"));
   Result<auth::SignedIn> signed_in =
       co_await call.authenticator.ChangePassword(*call.caller, std::move(change));
   if (!signed_in.ok()) co_return ErrorResponse(signed_in.status());

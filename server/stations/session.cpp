@@ -183,8 +183,12 @@ Result<wire::Reply> Session::Do(const wire::Enrol& enrol) {
 
 std::optional<auth::SignInRequest> Session::SignInWanted(const wire::Request& request) const {
   if (!station_ || !request.has_sign_in()) return std::nullopt;
-  return auth::SignInRequest{request.sign_in().login(), request.sign_in().password(), peer_address_,
-                             auth::kViaStation};
+  return auth::SignInRequest{request.sign_in().login(),
+                             request.sign_in().password(),
+                             peer_address_,
+                             auth::kViaStation,
+                             station_->name,
+                             {}};
 }
 
 Answer Session::FinishSignIn(const wire::Request& request, const Result<auth::SignedIn>& result) {

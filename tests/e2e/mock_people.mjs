@@ -5,6 +5,7 @@ import { conflict, edit, empty, invalid, json, notFound, page, refusal, tagged }
 import { criteriaOf, newId } from "./mock_world.mjs";
 
 const kConfirmedMs = 5 * 60_000;
+const kOneTimeMs = 7 * 86_400_000;
 const kNotConfirmed = () => refusal(403, "confirm_password", "Give your password again: POST /api/v1/session/confirm.");
 
 const personView = ({ id, login, display_name, role, disabled, must_change_password, created_ms, revision }) =>
@@ -18,7 +19,7 @@ function cohortView(world, cohort) {
 
 function sessionsOf(world, person, current) {
   return [...world.sessions.values()].filter((session) => session.person.id === person.id).map((session) => ({
-    id: session.id, via: session.via, created_ms: session.created_ms, last_used_ms: session.created_ms, expires_ms: session.created_ms + 43_200_000, current: session === current }));
+    id: session.id, via: session.via, address: session.address, device: session.device, created_ms: session.created_ms, last_used_ms: session.created_ms, expires_ms: session.created_ms + 43_200_000, current: session === current }));
 }
 
 const fresh = ({ session, world }) => world.nowMs - session.confirmedMs < kConfirmedMs;
@@ -38,7 +39,7 @@ function addPerson(call) {
   if (world.people.some((person) => person.login === body.login)) return refusal(409, "conflict", "expected a login that nobody has", "login");
   const person = { id: newId(world), password: "quiet river lamp", disabled: false, must_change_password: true, created_ms: world.nowMs, revision: 1, ...body };
   world.people.push(person);
-  return json({ ...personView(person), password: person.password }, 201);
+  return json({ ...personView(person), password: person.password, password_until_ms: world.nowMs + kOneTimeMs }, 201);
 }
 
 function editPerson({ world, request, id, body }) {
@@ -55,7 +56,7 @@ function resetPassword(call) {
   if (!fresh(call)) return kNotConfirmed();
   const person = byId(call.world.people, call.id);
   Object.assign(person, { password: "amber kettle north", must_change_password: true, revision: person.revision + 1 });
-  return json({ ...personView(person), password: person.password });
+  return json({ ...personView(person), password: person.password, password_until_ms: call.world.nowMs + kOneTimeMs });
 }
 
 function importRoster({ world, query, text }) {

@@ -95,7 +95,7 @@ function signIn(world, body) {
   const person = world.people.find((item) => item.login === body?.login && item.password === body?.password && !item.disabled);
   if (person === undefined) return refusal(401, "unauthenticated", "Login and password do not match.");
   const token = randomBytes(32).toString("hex");
-  const session = { id: newId(world), person, csrf: randomBytes(16).toString("hex"), via: "page", created_ms: world.nowMs, confirmedMs: world.nowMs };
+  const session = { id: newId(world), person, csrf: randomBytes(16).toString("hex"), via: "page", address: "127.0.0.1", device: "Chrome on Linux", created_ms: world.nowMs, confirmedMs: world.nowMs };
   world.sessions.set(token, session);
   return json(sessionView(session), 200, { "Set-Cookie": `enamel_session=${token}; HttpOnly; SameSite=Strict; Path=/` });
 }

@@ -99,11 +99,19 @@ TEST_F(UpkeepTest, ExportHasWhatIsKeptAndTheRecordingReads) {
   remark.author = teacher;
   remark.text = "well done";
   ASSERT_TRUE(school_.store->AddAnnotation(remark, by).ok());
+  SessionRow session{HashSha256(AsBytes("token")), school_.store->PersonByLogin("student")->id};
+  session.expires_ms = 1;
+  session.via = "page";
+  session.address = "203.0.113.7";
+  session.device = "Firefox on Linux";
+  ASSERT_TRUE(school_.store->CreateSession(session).ok());
   Said([&] { return ExportPerson(Path("data"), "student", Path("copy")); }, status);
   ASSERT_TRUE(status.ok()) << status.message();
   auto root = Json("copy/export.json");
   EXPECT_EQ(root.at("person").at("login").as_string(), "student");
   EXPECT_EQ(root.at("cohorts").as_array().at(0).as_string(), "year 1");
+  EXPECT_EQ(root.at("sessions").at(0).at("address").as_string(), "203.0.113.7");
+  EXPECT_EQ(root.at("sessions").at(0).at("device").as_string(), "Firefox on Linux");
   ASSERT_EQ(root.at("attempts").as_array().size(), 2u);
   for (const json::value& attempt : root.at("attempts").as_array()) {
     EXPECT_FALSE(attempt.as_object().contains("problems"));

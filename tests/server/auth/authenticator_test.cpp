@@ -33,7 +33,7 @@ class AuthenticatorTest : public ::testing::Test {
     return options;
   }
   static SignInRequest Request(const std::string& login, const std::string& password) {
-    return {login, password, "203.0.113.7", "page"};
+    return {login, password, "203.0.113.7", "page", "", ""};
   }
 
   TempFolder folder_;
@@ -95,6 +95,85 @@ TEST_F(AuthenticatorTest, OneTimePasswordsWorkAndAreDifferent) {
   EXPECT_TRUE(VerifyPassword(a.text, a.verifier));
   EXPECT_FALSE(VerifyPassword(b.text, a.verifier));
   EXPECT_TRUE(CheckPasswordPolicy(a.text, "ada").ok());
+}
+
+TEST_F(AuthenticatorTest, AOneTimePasswordSignsInOnceAndSaysSoOnlyToWhoHasIt) {
+  OneTimePassword once = MakeOneTimePassword();
+  ASSERT_TRUE(store_->SetPassword(person_, once.verifier, true, kSystem).ok());
+  SignInRequest at_station = Request("ada", once.text);
+  at_station.via = kViaStation;
+  ASSERT_TRUE(authenticator_.SignInHere(at_station).ok()) << "where it opens nothing";
+  auto first = authenticator_.SignInHere(Request("ada", once.text));
+  ASSERT_TRUE(first.ok()) << first.status().message();
+  EXPECT_TRUE(first->identity.person.must_change_password);
+  for (const char* via : {kViaPage, kViaStation}) {
+    SignInRequest again = Request("ada", once.text);
+    again.via = via;
+    Status used = authenticator_.SignInHere(again).status();
+    EXPECT_EQ(used.code(), Code::kUnauthenticated);
+    EXPECT_EQ(used.field(), "one_time_password");
+    EXPECT_NE(used.message().find("was used"), std::string::npos) << used.message();
+  }
+  Status wrong = authenticator_.SignInHere(Request("ada", "not this one")).status();
+  EXPECT_EQ(wrong.message(), authenticator_.SignInHere(Request("nobody", "x")).status().message());
+  EXPECT_TRUE(authenticator_.AuthenticateHex(ToHex(first->token)).ok()) << "the session it opened";
+  ASSERT_TRUE(store_->SetPassword(person_, MakeOneTimePassword().verifier, true, kSystem).ok());
+  EXPECT_FALSE(store_->PersonById(person_)->password_used) << "another one is a new one";
+}
+
+TEST_F(AuthenticatorTest, AOneTimePasswordEndsAfterItsDaysAndAChosenOneDoesNot) {
+  OneTimePassword once = MakeOneTimePassword();
+  ASSERT_TRUE(store_->SetPassword(person_, once.verifier, true, kSystem).ok());
+  AddPerson(*store_, "own", Role::kStudent, *HashPassword(kPassword, kCheap));
+  const Person person = *store_->PersonById(person_);
+  AuthOptions options = Options();
+  options.one_time_ms = 3 * UnixMs{24 * 60 * 60 * 1000};
+  Authenticator authenticator(*store_, options);
+  now_ = authenticator.OneTimeUntil(person);
+  EXPECT_EQ(now_, person.password_ms + options.one_time_ms);
+  Status late = authenticator.SignInHere(Request("ada", once.text)).status();
+  EXPECT_EQ(late.code(), Code::kUnauthenticated);
+  EXPECT_NE(late.message().find("within 3 days"), std::string::npos) << late.message();
+  EXPECT_EQ(authenticator.SignInHere(Request("ada", "wrong one")).status().field(), "");
+  EXPECT_TRUE(authenticator.SignInHere(Request("own", kPassword)).ok());
+  --now_;
+  EXPECT_TRUE(authenticator.SignInHere(Request("ada", once.text)).ok());
+}
+
+TEST_F(AuthenticatorTest, SigningInEndsTheSessionOfTheCookieThatCameAlong) {
+  SignInRequest request = Request("ada", kPassword);
+  request.address = "2001:db8:1:2::3";
+  request.device = "Firefox on Linux";
+  auto earlier = authenticator_.SignInHere(request), elsewhere = authenticator_.SignInHere(request);
+  ASSERT_TRUE(earlier.ok() && elsewhere.ok());
+  request.earlier = ToHex(earlier->token);
+  request.password = "wrong one";
+  EXPECT_FALSE(authenticator_.SignInHere(request).ok());
+  EXPECT_TRUE(authenticator_.AuthenticateHex(ToHex(earlier->token)).ok()) << "nobody signed in";
+  request.password = kPassword;
+  auto now = authenticator_.SignInHere(request);
+  ASSERT_TRUE(now.ok());
+  EXPECT_FALSE(authenticator_.AuthenticateHex(ToHex(earlier->token)).ok());
+  EXPECT_TRUE(authenticator_.AuthenticateHex(ToHex(elsewhere->token)).ok());
+  for (const std::string& no_cookie :
+       {std::string("x"), std::string(64, 'z'), std::string(64, '0')}) {
+    request.earlier = no_cookie;
+    EXPECT_TRUE(authenticator_.SignInHere(request).ok()) << no_cookie;
+  }
+  const SessionRow row = *store_->FindSession(now->identity.token_hash);
+  EXPECT_EQ(row.address, "2001:db8:1:2::/64");
+  EXPECT_EQ(row.device, "Firefox on Linux");
+}
+
+TEST_F(AuthenticatorTest, TheStationLinksSessionsDoNotEndByACookie) {
+  SignInRequest request = Request("ada", kPassword);
+  request.via = kViaStation;
+  auto at_station = authenticator_.SignInHere(request);
+  ASSERT_TRUE(at_station.ok());
+  SignInRequest page = Request("ada", kPassword);
+  page.earlier = ToHex(at_station->token);
+  ASSERT_TRUE(authenticator_.SignInHere(page).ok());
+  EXPECT_TRUE(authenticator_.Authenticate(at_station->token).ok());
 }
 
 TEST_F(AuthenticatorTest, WrongPasswordAndUnknownLoginGetTheSameAnswer) {

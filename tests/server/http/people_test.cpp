@@ -102,6 +102,9 @@ TEST_F(PeopleTest, NewPersonSignsInOnceAndChoosesAPassword) {
                               school_.cohort_a.Text() + "\"]}");
   ASSERT_EQ(made.status, 201) << made.body;
   std::string once(Parsed(made).at("password").as_string());
+  constexpr int64_t kWeekMs = int64_t{7} * 24 * 60 * 60 * 1000;
+  EXPECT_GE(Parsed(made).at("password_until_ms").as_int64(),
+            Parsed(made).at("created_ms").as_int64() + kWeekMs);
   Visitor zoe(server_.port());
   RawResponse in = SignIn(zoe, "zoe", once);
   ASSERT_EQ(in.status, 200) << in.body;
@@ -110,6 +113,11 @@ TEST_F(PeopleTest, NewPersonSignsInOnceAndChoosesAPassword) {
   EXPECT_EQ(refused.status, 403);
   EXPECT_EQ(ErrorCode(refused), "change_password");
   EXPECT_EQ(zoe.Get("/api/v1/session").status, 200);
+
+  Visitor thief(server_.port());
+  RawResponse used = SignIn(thief, "zoe", once);
+  EXPECT_EQ(used.status, 401);
+  EXPECT_EQ(Parsed(used).at("error").at("field"), "one_time_password");
 
   auto change = [&](const std::string& from, const std::string& to) {
     return Send(zoe, "POST", "/api/v1/session/password",
@@ -169,6 +177,8 @@ TEST_F(PeopleTest, SessionsAreListedAndEndedByTheirOwnerAndByAdmins) {
   ASSERT_EQ(listed.at("sessions").as_array().size(), 2u);
   std::string not_this;
   for (const auto& session : listed.at("sessions").as_array()) {
+    EXPECT_EQ(session.at("address"), "127.0.0.1");
+    EXPECT_EQ(session.at("device"), "") << "these visitors say nothing of themselves";
     if (!session.at("current").as_bool()) not_this = session.at("id").as_string();
   }
   EXPECT_EQ(Send(sue, "DELETE", "/api/v1/sessions/" + not_this).status, 404);

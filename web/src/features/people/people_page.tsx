@@ -79,18 +79,18 @@ function AddPerson({ client, onClose, onAdded }: { readonly client: Client; read
   const [login, setLogin] = useState("");
   const [name, setName] = useState("");
   const [role, setRole] = useState<Role>("student");
-  const [made, setMade] = useState<{ readonly login: string; readonly password: string }>();
+  const [made, setMade] = useState<{ readonly login: string; readonly password: string; readonly untilMs: number }>();
   const change = useChange();
   const submit = async (event: Event) => {
     event.preventDefault();
     const result = await change.run(() => client.people.create({ login: login.trim(), display_name: name.trim(), role }));
     if (result?.ok !== true) return;
-    setMade({ login: result.value.login, password: result.value.password });
+    setMade({ login: result.value.login, password: result.value.password, untilMs: result.value.password_until_ms });
     onAdded();
   };
   const problem = (field: string) => change.error?.field === field ? change.error.message : undefined;
   if (made !== undefined) {
-    return <Dialog title="Added" onClose={onClose}><OneTimePassword login={made.login} password={made.password} onClose={onClose} /></Dialog>;
+    return <Dialog title="Added" onClose={onClose}><OneTimePassword {...made} onClose={onClose} /></Dialog>;
   }
   return (
     <Dialog title="Add a person" onClose={onClose}>

@@ -81,7 +81,7 @@ function Access({ client, read, self, onChanged }:
     { readonly client: Client; readonly read: Tagged<PersonDetail>; readonly self: boolean; readonly onChanged: () => void }) {
   const person = read.value;
   const [open, setOpen] = useState<"reset" | "disable">();
-  const [password, setPassword] = useState<string>();
+  const [made, setMade] = useState<{ readonly password: string; readonly untilMs: number }>();
   const close = () => setOpen(undefined);
   const setDisabled = async (disabled: boolean) => {
     const result = await client.people.edit(person.id, { disabled }, read.tag);
@@ -92,7 +92,7 @@ function Access({ client, read, self, onChanged }:
   const reset = async () => {
     const result = await client.people.resetPassword(person.id);
     if (!result.ok) return result.error.message;
-    setPassword(result.value.password);
+    setMade({ password: result.value.password, untilMs: result.value.password_until_ms });
     return undefined;
   };
   return (
@@ -113,9 +113,9 @@ function Access({ client, read, self, onChanged }:
           <p>{person.disabled ? "The person can sign in again with the old password." : "The person is signed out everywhere and cannot sign in. You can enable the account again at any time."}</p>
         </Confirm>
       )}
-      {password !== undefined && (
-        <Dialog title="New password" onClose={() => { setPassword(undefined); onChanged(); }}>
-          <OneTimePassword login={person.login} password={password} onClose={() => { setPassword(undefined); onChanged(); }} />
+      {made !== undefined && (
+        <Dialog title="New password" onClose={() => { setMade(undefined); onChanged(); }}>
+          <OneTimePassword login={person.login} {...made} onClose={() => { setMade(undefined); onChanged(); }} />
         </Dialog>
       )}
     </>

@@ -140,7 +140,7 @@ function Done({ report }: { readonly report: RosterOutcome }) {
       {passwords.length > 0 && (
         <>
           <Notice tone="warning" title="Passwords are shown only now">
-            <p>Save them, hand out each one, then delete the file. Everybody chooses a new password at the first sign-in.</p>
+            <p>Save them, hand out each one, then delete the file. Each is good for signing in once, within days (7 where nothing else is set), and a new one is chosen then.</p>
             <button type="button" class="button" onClick={save}>Save {plural(passwords.length, "password")} as CSV</button>
           </Notice>
           <DataTable label="New passwords" items={passwords} dense columns={[
