@@ -15,6 +15,7 @@
 #include "station/session/loop_facts.h"
 #include "station/spool/salvage.h"
 #include "station/spool/spool.h"
+#include "station/spool/verify.h"
 #include "station/uplink/carrier.h"
 
 namespace enamel::station {
@@ -266,7 +267,7 @@ Status ShowLoops(const SpoolCommand& options) {
   auto id = AttemptMeant(*spool, options.attempt, [](const auto&) { return true; });
   if (!id.ok()) return id.status();
   if (auto there = spool->Get(*id); !there.ok()) return there.status();
-  ENAMEL_ASSIGN_OR_RETURN(auto kept, spool->LoopFactsOf(*id));
+  ENAMEL_ASSIGN_OR_RETURN(auto kept, spool->loop_facts().Of(*id));
   json::array runs;
   for (const KeptLoopFacts& run : kept) {
     boost::system::error_code error;
@@ -298,7 +299,7 @@ Status VerifySpool(const SpoolCommand& options) {
   }
   Status pages;
   ENAMEL_ASSIGN_OR_RETURN(auto verdicts,
-                          spool ? spool->Verify(key, &pages)
+                          spool ? VerifyRecordings(*spool, key, &pages)
                                 : Result<std::vector<SpoolVerdict>>(std::vector<SpoolVerdict>()));
   Status worst = pages;
   json::array all;

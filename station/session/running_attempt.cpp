@@ -138,8 +138,8 @@ std::optional<Result<trace::Seal>> RunningAttempt::RecordOnce() {
 // Not worth an attempt: where the disk takes the recording and not these, they are lost.
 void RunningAttempt::KeepFacts() {
   auto stored = spool_.Get(attempt_);
-  Status kept = stored.ok() ? spool_.PutLoopFacts(attempt_, {stored->resumed, UnixMs(),
-                                                             boost::json::serialize(facts())})
+  Status kept = stored.ok() ? spool_.loop_facts().Put(attempt_, {stored->resumed, UnixMs(),
+                                                                 boost::json::serialize(facts())})
                             : stored.status();
   if (!kept.ok()) {
     spdlog::warn("how the loop of attempt {} went is not kept: {}", attempt_.Text(),

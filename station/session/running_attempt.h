@@ -32,7 +32,7 @@ struct AttemptOptions {
 // next tick: nothing is felt that is not recorded. What was felt before is kept in memory and tried
 // again several times a second, the seal after it, until it is stored or GiveUp; once it is, ticks
 // are stepped again after a declared gap. How the loop went is kept beside the recording when it
-// ends (Spool::LoopFactsOf). Its end, and each fault as it comes and goes, are logged.
+// ends (SpooledLoopFacts). Its end, and each fault as it comes and goes, are logged.
 // Thread safety: one owner's thread, but End, GiveUp, ticking and the states from any.
 // Real-time: never; only the loop inside is.
 class RunningAttempt : private TickObserver {

@@ -71,18 +71,18 @@ Status TicketSafe::Put(const trace::Ticket& ticket, LockedTicket names, const st
   crypto_secretbox_easy(names.locked.data() + crypto_secretbox_NONCEBYTES, open.data(), open.size(),
                         names.locked.data(), key.data());
   sodium_memzero(key.data(), key.size());
-  return spool_.PutTicket(names);
+  return spool_.tickets().Put(names);
 }
 
 Result<std::vector<LockedTicket>> TicketSafe::List() {
-  auto all = spool_.Tickets();
+  auto all = spool_.tickets().List();
   if (!all.ok()) return all.status();
   std::erase_if(*all, [](const LockedTicket& t) { return t.handed_back(); });
   for (const LockedTicket& t : *all) {
     if (t.expires_unix_ms > clock_()) continue;
     bool begun = spool_.Get(t.attempt).ok();
-    ENAMEL_RETURN_IF_ERROR(begun ? spool_.RemoveTicket(t.attempt)
-                                 : spool_.HandBackTicket(t.attempt));
+    ENAMEL_RETURN_IF_ERROR(begun ? spool_.tickets().Remove(t.attempt)
+                                 : spool_.tickets().HandBack(t.attempt));
   }
   std::erase_if(*all, [&](const LockedTicket& t) { return t.expires_unix_ms <= clock_(); });
   return all;
@@ -98,7 +98,7 @@ Status TicketSafe::HandBack(const Uuid& attempt) {
                                        " was begun, so its ticket is used up: go on with the "
                                        "attempt, or end it as far as it goes");
   }
-  return spool_.HandBackTicket(attempt);
+  return spool_.tickets().HandBack(attempt);
 }
 
 Result<trace::Ticket> TicketSafe::Open(const Uuid& attempt, const std::string& pin) {
@@ -110,9 +110,9 @@ Result<trace::Ticket> TicketSafe::Open(const Uuid& attempt, const std::string& p
                                           std::to_string((wait_ms + 999) / 1000) +
                                           " s before the next try");
   }
-  ENAMEL_ASSIGN_OR_RETURN(auto counted,
-                          spool_.CountPinTry(attempt, clock_(), kFreeTries, kMaxTries,
-                                             std::chrono::milliseconds(kFirstWait).count()));
+  ENAMEL_ASSIGN_OR_RETURN(
+      auto counted, spool_.tickets().CountPinTry(attempt, clock_(), kFreeTries, kMaxTries,
+                                                 std::chrono::milliseconds(kFirstWait).count()));
   if (!counted) return Status(Code::kUnavailable, "another try of this PIN is going on: wait");
   const int tries = *counted;
   ENAMEL_ASSIGN_OR_RETURN(auto key, KeyOf(pin, t->salt));
@@ -124,7 +124,7 @@ Result<trace::Ticket> TicketSafe::Open(const Uuid& attempt, const std::string& p
                                     t->locked.data(), key.data()) == 0;
   sodium_memzero(key.data(), key.size());
   if (right) {
-    ENAMEL_RETURN_IF_ERROR(spool_.ForgetPinTries(attempt));
+    ENAMEL_RETURN_IF_ERROR(spool_.tickets().ForgetPinTries(attempt));
     return trace::DecodeTicket(open);
   }
   if (tries < kMaxTries) {
@@ -132,7 +132,8 @@ Result<trace::Ticket> TicketSafe::Open(const Uuid& attempt, const std::string& p
                   "wrong PIN; " + std::to_string(kMaxTries - tries) + " more tries", "pin");
   }
   bool begun = spool_.Get(attempt).ok();
-  ENAMEL_RETURN_IF_ERROR(begun ? spool_.RemoveTicket(attempt) : spool_.HandBackTicket(attempt));
+  ENAMEL_RETURN_IF_ERROR(begun ? spool_.tickets().Remove(attempt)
+                               : spool_.tickets().HandBack(attempt));
   return Status(Code::kUnauthenticated,
                 "wrong PIN for the tenth time: the ticket is destroyed; get another one from the "
                 "server",

@@ -47,7 +47,7 @@ class TicketSafe {
   Result<trace::Ticket> Open(const Uuid& attempt, const std::string& pin);
   // For good. Errors: kConflict (its attempt was begun), kNotFound.
   Status HandBack(const Uuid& attempt);
-  Status Remove(const Uuid& attempt) { return spool_.RemoveTicket(attempt); }
+  Status Remove(const Uuid& attempt) { return spool_.tickets().Remove(attempt); }
 
  private:
   Spool& spool_;

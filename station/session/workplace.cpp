@@ -260,7 +260,7 @@ void Workplace::HandBackUnused() {
   if (unused.IsZero() || spool_->Get(unused).ok()) return;
   LockedTicket row;  // one that opens nothing
   row.attempt = unused;
-  if (Status kept = spool_->PutTicket(row); !kept.ok()) {
+  if (Status kept = spool_->tickets().Put(row); !kept.ok()) {
     spdlog::warn("the ticket of attempt {}, which was not begun, cannot be handed back: {}",
                  unused.Text(), kept.message());
   }

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "station/spool/spool.h"
+#include "station/spool/spool_file.h"
 #include "station/spool/statement.h"
 
 namespace enamel::station {
@@ -206,7 +207,7 @@ size_t SaveTickets(sqlite3* db, Spool& to) {
                  t.expires_unix_ms = s.IntAt(5);
                  std::copy_n(salt.begin(), t.salt.size(), t.salt.begin());
                  t.locked = s.BlobAt(7);
-                 saved += to.PutTicket(t).ok() ? 1 : 0;
+                 saved += to.tickets().Put(t).ok() ? 1 : 0;
                });
   return saved;
 }
@@ -216,7 +217,7 @@ void SaveLoopFacts(sqlite3* db, const Uuid& id, Spool& to) {
   Statement s(db, "SELECT run, ended_unix_ms, facts FROM loop_facts WHERE attempt = ?");
   s.Blob(id.view());
   while (s.Step() == SQLITE_ROW) {
-    (void)to.PutLoopFacts(id, {static_cast<uint32_t>(s.IntAt(0)), s.IntAt(1), s.TextAt(2)});
+    (void)to.loop_facts().Put(id, {static_cast<uint32_t>(s.IntAt(0)), s.IntAt(1), s.TextAt(2)});
   }
 }
 

@@ -1,11 +1,9 @@
 #pragma once
 
-#include <array>
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
@@ -16,6 +14,8 @@
 #include "common/base/sha256.h"
 #include "common/base/uuid.h"
 #include "common/trace/trace.h"
+#include "station/spool/spooled_loop_facts.h"
+#include "station/spool/spooled_tickets.h"
 
 namespace enamel::station {
 
@@ -50,29 +50,9 @@ struct SpooledAttempt {
   }
 };
 
-// How the loop went that recorded an attempt, for each time it was run to its end.
-struct KeptLoopFacts {
-  uint32_t run = 0;  // 0: as it was begun; n: after it was resumed n times
-  int64_t ended_unix_ms = 0;
-  std::string json;  // schemas/loop_facts.md
-};
-
 struct SpooledChunk {
   uint32_t seq = 0;
   Bytes bytes;
-};
-
-// A ticket taken in advance, locked with its person's PIN (station/session/ticket_safe.h).
-struct LockedTicket {
-  Uuid attempt;
-  std::string person, exercise, title, profile;  // for people
-  int64_t expires_unix_ms = 0;
-  std::array<uint8_t, 16> salt{};
-  Bytes locked;  // empty: it opens nothing any more, and the server is yet to be told
-  int wrong_pins = 0;
-  int64_t wait_unix_ms = 0;  // no PIN is tried before
-
-  bool handed_back() const { return locked.empty(); }
 };
 
 // How long recordings stay here that the server has.
@@ -115,14 +95,8 @@ class RecordingLock {
   int file_;
 };
 
-// What Verify found in one attempt.
-struct SpoolVerdict {
-  SpooledAttempt attempt;
-  Status status;  // first thing that is wrong, or ok
-};
-
 // Recordings on the station's disk: durable before they are sent, kept until the server has had
-// them for a week (schemas/sql/station_spool.sql).
+// them for a week (schemas/sql/station_spool).
 //
 // Every Put returns only when the data would survive a power cut (WAL, synchronous = FULL).
 // Thread safety: any thread; calls wait for each other. Real-time: never. One process records at a
@@ -190,32 +164,6 @@ class Spool {
   // The whole recording as one file's content (trace::EncodeTraceFile).
   Result<trace::TraceFile> Export(const Uuid& attempt);
 
-  // Those of the same run before are replaced. Errors also: kNotFound.
-  Status PutLoopFacts(const Uuid& attempt, const KeptLoopFacts& facts);
-  // In the order of the runs.
-  Result<std::vector<KeptLoopFacts>> LoopFactsOf(const Uuid& attempt);
-
-  Status PutTicket(const LockedTicket& ticket);
-  // Those that were handed back too.
-  Result<std::vector<LockedTicket>> Tickets();
-  // Takes the ticket itself away, for good, and keeps what it was for until RemoveTicket. None:
-  // nothing changes.
-  Status HandBackTicket(const Uuid& attempt);
-  // Counts a try of the ticket's PIN and sets the wait before the next: `first_wait_ms`, doubled
-  // each time, from the try after `free_tries` on. In one step and durable before the PIN is tried:
-  // neither a pulled plug nor tries at the same moment win a further one. Returns how many there
-  // were with this one; nothing when it has to wait, was tried `most` times, or is not there.
-  Result<std::optional<int>> CountPinTry(const Uuid& attempt, int64_t now_unix_ms, int free_tries,
-                                         int most, int64_t first_wait_ms);
-  // The PIN was right.
-  Status ForgetPinTries(const Uuid& attempt);
-  Status RemoveTicket(const Uuid& attempt);
-
-  // Chunks 0 to the last counted, chain, signatures (when `station_key` is given), seal, and what
-  // is counted beside them, of every attempt. `pages` gets what is wrong with the file as such;
-  // without it that is an error.
-  Result<std::vector<SpoolVerdict>> Verify(const std::optional<trace::PublicKey>& station_key,
-                                           Status* pages = nullptr);
   // When the last chunk became durable here; nothing when there is none, or it is of version 1.
   Result<std::optional<int64_t>> LastSpooledUnixMs(const Uuid& attempt);
   // Since then, or since it was begun. By the clock, or by the time since the machine was started,
@@ -225,16 +173,21 @@ class Spool {
   Result<Pruned> Prune(const Retention& retention, std::chrono::system_clock::time_point now =
                                                        std::chrono::system_clock::now());
 
+  // The tickets for later, and how the loops of its attempts went: under the same lock.
+  SpooledTickets& tickets() { return tickets_; }
+  SpooledLoopFacts& loop_facts() { return loop_facts_; }
+
   const std::filesystem::path& file() const;
+  // For VerifyRecordings and SalvageSpool.
+  SpoolFile& spool_file() { return *file_; }
 
  private:
-  struct Db;
-  explicit Spool(std::unique_ptr<Db> db);
+  explicit Spool(std::unique_ptr<SpoolFile> file);
   Status MarkTriedWhere(const char* where, const Uuid& attempt, const std::string& problem);
-  Status VerifyPages();
-  Status VerifyAttempt(const SpooledAttempt& attempt, const std::optional<trace::PublicKey>& key);
-  std::mutex mutex_;
-  std::unique_ptr<Db> db_;
+
+  std::unique_ptr<SpoolFile> file_;
+  SpooledTickets tickets_;
+  SpooledLoopFacts loop_facts_;
 };
 
 }  // namespace enamel::station

@@ -4,15 +4,15 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 #include "common/base/bytes.h"
 
 namespace enamel::station {
 
-inline constexpr char kSpoolFile[] = "spool.sqlite";
-
 // One prepared statement; parameters are bound in order, then it steps through its rows. Not
-// thread-safe. Columns of another type than asked for read as empty or 0.
+// thread-safe. Columns of another type than asked for read as empty or 0, and so do those named
+// that the row does not have.
 class Statement {
  public:
   Statement(sqlite3* db, const char* sql) { sqlite3_prepare_v2(db, sql, -1, &statement_, nullptr); }
@@ -47,6 +47,26 @@ class Statement {
   Bytes BlobAt(int column) {
     auto* data = static_cast<const uint8_t*>(sqlite3_column_blob(statement_, column));
     return data == nullptr ? Bytes{} : Bytes(data, data + sqlite3_column_bytes(statement_, column));
+  }
+
+  int columns() const { return sqlite3_column_count(statement_); }
+  std::string NameOf(int column) const { return sqlite3_column_name(statement_, column); }
+  // By position; -1: there is none of that name.
+  int ColumnNamed(std::string_view name) const {
+    for (int i = 0; i < columns(); ++i) {
+      if (sqlite3_column_name(statement_, i) == name) return i;
+    }
+    return -1;
+  }
+  // SQLite reads a column out of range as NULL.
+  bool IsNull(std::string_view name) { return IsNull(ColumnNamed(name)); }
+  int64_t IntAt(std::string_view name) { return IntAt(ColumnNamed(name)); }
+  std::string TextAt(std::string_view name) { return TextAt(ColumnNamed(name)); }
+  Bytes BlobAt(std::string_view name) { return BlobAt(ColumnNamed(name)); }
+  // Binds the value that `row` has there, of whatever type.
+  Statement& Same(const Statement& row, int column) {
+    sqlite3_bind_value(statement_, ++bound_, sqlite3_column_value(row.statement_, column));
+    return *this;
   }
 
  private:

@@ -57,13 +57,13 @@ Result<size_t> Carrier::Offer() {
       ENAMEL_RETURN_IF_ERROR(spool_.MarkWanted(id));
       ++wanted_count;
     }
-    for (const Uuid& id : wanted->revoked) ENAMEL_RETURN_IF_ERROR(spool_.RemoveTicket(id));
+    for (const Uuid& id : wanted->revoked) ENAMEL_RETURN_IF_ERROR(spool_.tickets().Remove(id));
   }
   return wanted_count;
 }
 
 Result<std::vector<Uuid>> Carrier::UnusedTickets() {
-  ENAMEL_ASSIGN_OR_RETURN(auto tickets, spool_.Tickets());
+  ENAMEL_ASSIGN_OR_RETURN(auto tickets, spool_.tickets().List());
   std::vector<Uuid> out;
   for (const LockedTicket& t : tickets) {
     // One that was begun is in the spool: its recording is evidence, and its PIN may resume it.
@@ -74,13 +74,13 @@ Result<std::vector<Uuid>> Carrier::UnusedTickets() {
 }
 
 Status Carrier::ReturnTickets() {
-  ENAMEL_ASSIGN_OR_RETURN(auto tickets, spool_.Tickets());
+  ENAMEL_ASSIGN_OR_RETURN(auto tickets, spool_.tickets().List());
   for (const LockedTicket& t : tickets) {
     if (!t.handed_back()) continue;
     ENAMEL_RETURN_IF_ERROR(Meanwhiles());
     Status told = spool_.Get(t.attempt).ok() ? Status::Ok() : link_.ReturnTicket(t.attempt);
     if (IsTransient(told)) return told;
-    ENAMEL_RETURN_IF_ERROR(spool_.RemoveTicket(t.attempt));
+    ENAMEL_RETURN_IF_ERROR(spool_.tickets().Remove(t.attempt));
   }
   return Status::Ok();
 }

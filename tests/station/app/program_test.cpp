@@ -246,8 +246,8 @@ TEST_F(ProgramTest, LoopsOfAnAttemptAreShownAsKept) {
   const std::string golden((std::istreambuf_iterator<char>(in)), {});
   {
     auto spool = Spool::Open(folder_ / "data");
-    ASSERT_TRUE((*spool)->PutLoopFacts(id, {0, 1'700'000'000'000, golden}).ok());
-    ASSERT_TRUE((*spool)->PutLoopFacts(id, {1, 1'700'000'100'000, "{\"version\": 9}"}).ok());
+    ASSERT_TRUE((*spool)->loop_facts().Put(id, {0, 1'700'000'000'000, golden}).ok());
+    ASSERT_TRUE((*spool)->loop_facts().Put(id, {1, 1'700'000'100'000, "{\"version\": 9}"}).ok());
   }
   Outcome text = RunProgram("spool loops " + id.Text() + data());
   EXPECT_EQ(text.code, 0);

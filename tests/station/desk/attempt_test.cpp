@@ -169,7 +169,7 @@ TEST_F(DeskAttemptTest, HowItsLoopWentIsKeptAsThatOfOneFromTheCommandLineIs) {
   EXPECT_TRUE(server_->sealed());
   auto stored = workplace_->spool().Get(id_);
   ASSERT_TRUE(stored.ok());
-  auto kept = workplace_->spool().LoopFactsOf(id_);
+  auto kept = workplace_->spool().loop_facts().Of(id_);
   ASSERT_TRUE(kept.ok());
   ASSERT_EQ(kept->size(), 1u);
   const auto facts = boost::json::parse((*kept)[0].json);
@@ -204,7 +204,7 @@ TEST_F(DeskAttemptTest, PuttingTheHandpieceDownPausesAndSaysHowToGoOn) {
   EXPECT_EQ(ui_->words().find("holder"), std::string::npos) << ui_->words();
   flow_->EndAttempt();
   ASSERT_TRUE(Reached([&] { return flow_->place() == Place::kSignIn; })) << flow_->problem();
-  auto kept = workplace_->spool().LoopFactsOf(id_);
+  auto kept = workplace_->spool().loop_facts().Of(id_);
   ASSERT_EQ(kept->size(), 1u);
   EXPECT_EQ(boost::json::parse((*kept)[0].json).at("put_downs"), 1);
 }

@@ -218,7 +218,7 @@ TEST_F(RunningAttemptTest, HowTheLoopWentIsKeptWithTheAttemptAndItsFaultsAreLogg
   ASSERT_TRUE(Await([&] { return log.Has("the force comes on again"); }));
   attempt->End();
   ASSERT_TRUE(attempt->Join().ok());
-  auto kept = spool().LoopFactsOf(id());
+  auto kept = spool().loop_facts().Of(id());
   ASSERT_TRUE(kept.ok());
   ASSERT_EQ(kept->size(), 1u);
   EXPECT_EQ((*kept)[0].run, 0u);

@@ -42,7 +42,7 @@ class TicketSafeTest : public testing::Test {
     return header;
   }
   size_t HandedBack() const {
-    auto tickets = *spool_->Tickets();
+    auto tickets = *spool_->tickets().List();
     return static_cast<size_t>(std::ranges::count_if(tickets, &LockedTicket::handed_back));
   }
   Code Open(const char* pin) { return Safe().Open(ticket_.attempt, pin).status().code(); }
@@ -97,7 +97,7 @@ TEST_F(TicketSafeTest, TriesAtTheSameMomentWinNoFurtherOne) {
   }
   for (std::thread& t : threads) t.join();
   EXPECT_EQ(tried, TicketSafe::kFreeTries + 1);
-  EXPECT_EQ((*spool_->Tickets())[0].wrong_pins, TicketSafe::kFreeTries + 1);
+  EXPECT_EQ((*spool_->tickets().List())[0].wrong_pins, TicketSafe::kFreeTries + 1);
   EXPECT_EQ(Open(kPin), Code::kUnavailable);
 }
 
@@ -116,7 +116,7 @@ TEST_F(TicketSafeTest, StartingTheProgramAgainWinsNoFurtherTry) {
   spool_.reset();
   spool_ = std::move(*Spool::Open(folder_));
   EXPECT_EQ(Open(kPin), Code::kUnavailable);
-  EXPECT_EQ(spool_->Tickets()->front().wrong_pins, 3);
+  EXPECT_EQ(spool_->tickets().List()->front().wrong_pins, 3);
 }
 
 TEST_F(TicketSafeTest, ExpiredTicketIsHandedBackUnlessItWasBegun) {
@@ -131,7 +131,7 @@ TEST_F(TicketSafeTest, ExpiredTicketIsHandedBackUnlessItWasBegun) {
     EXPECT_TRUE(Safe().List()->empty());
     EXPECT_EQ(Open(kPin), Code::kNotFound);
     EXPECT_EQ(HandedBack(), begun ? 0u : 1u);
-    ASSERT_TRUE(spool_->RemoveTicket(ticket_.attempt).ok());
+    ASSERT_TRUE(spool_->tickets().Remove(ticket_.attempt).ok());
   }
 }
 
@@ -144,7 +144,7 @@ TEST_F(TicketSafeTest, WhatIsHandedBackOpensNothingAnyMore) {
   spool_.reset();
   spool_ = std::move(*Spool::Open(folder_));
   EXPECT_EQ(HandedBack(), 1u) << "until the server has been told";
-  EXPECT_TRUE(spool_->Tickets()->front().locked.empty());
+  EXPECT_TRUE(spool_->tickets().List()->front().locked.empty());
 }
 
 TEST_F(TicketSafeTest, TicketThatWasBegunWithIsNotHandedBack) {

@@ -76,7 +76,7 @@ TEST_F(WorkplaceTest, WithoutTheServerItIsGivenBackHereAndReturnedLater) {
   EXPECT_EQ(workplace_->PrepareReserved(attempt, kPin).status().code(), Code::kNotFound);
   server_.emplace(folder_, port);
   workplace_->uploader().Retry();
-  while (!workplace_->spool().Tickets()->empty()) std::this_thread::yield();
+  while (!workplace_->spool().tickets().List()->empty()) std::this_thread::yield();
   EXPECT_EQ(server_->returned().front(), attempt);
 }
 

@@ -11,8 +11,11 @@
 #include <fstream>
 #include <functional>
 
+#include "common/base/file.h"
 #include "station/spool/recorder.h"
 #include "station/spool/salvage.h"
+#include "station/spool/spool_migrations.h"
+#include "station/spool/verify.h"
 #include "tests/support/temp_folder.h"
 
 namespace enamel::station {
@@ -64,9 +67,10 @@ class SpoolTest : public testing::Test {
   }
 
   // The tables that a program of that version made.
-  static std::string TablesOf(int version) {
+  static std::string TablesOf(int version) { return GoldenSql(std::to_string(version)); }
+  static std::string GoldenSql(const std::string& name) {
     std::ifstream in(fs::path(ENAMEL_SOURCE_DIR) / "schemas/golden/sql" /
-                     ("station_spool_" + std::to_string(version) + ".sql"));
+                     ("station_spool_" + name + ".sql"));
     return std::string((std::istreambuf_iterator<char>(in)), {});
   }
   static std::string VersionOne() { return TablesOf(1); }
@@ -114,11 +118,11 @@ TEST_F(SpoolTest, VerifyAcceptsWhatWasRecorded) {
   auto spool = Open();
   ASSERT_TRUE(spool->BeginAttempt(header_, "e", "p").ok());
   Record(*spool, 1100, true);
-  auto verdicts = spool->Verify(keys_.public_key);
+  auto verdicts = VerifyRecordings(*spool, keys_.public_key);
   ASSERT_TRUE(verdicts.ok());
   ASSERT_EQ(verdicts->size(), 1u);
   EXPECT_TRUE((*verdicts)[0].status.ok()) << (*verdicts)[0].status.message();
-  EXPECT_FALSE((*spool->Verify(trace::NewKeyPair().public_key))[0].status.ok());
+  EXPECT_FALSE((*VerifyRecordings(*spool, trace::NewKeyPair().public_key))[0].status.ok());
 }
 
 TEST_F(SpoolTest, VerifyFindsAChunkThatWasChanged) {
@@ -132,7 +136,7 @@ TEST_F(SpoolTest, VerifyFindsAChunkThatWasChanged) {
   EXPECT_EQ(sqlite3_exec(db, "DELETE FROM chunks WHERE seq = 1", nullptr, nullptr, nullptr),
             SQLITE_OK);
   sqlite3_close(db);
-  EXPECT_EQ((*Open()->Verify(keys_.public_key))[0].status.code(), Code::kConflict);
+  EXPECT_EQ((*VerifyRecordings(*Open(), keys_.public_key))[0].status.code(), Code::kConflict);
 }
 
 // Each of these was called whole once.
@@ -144,9 +148,10 @@ TEST_F(SpoolTest, VerifyComparesWhatIsThereWithWhatIsCounted) {
         "UPDATE attempts SET committed = chunks + 1", "UPDATE attempts SET bytes = 1",
         "UPDATE attempts SET chunks = 4", "UPDATE attempts SET header_sha256 = zeroblob(32)"}) {
     MakeOne();
-    ASSERT_TRUE((*Open()->Verify(keys_.public_key))[0].status.ok());
+    ASSERT_TRUE((*VerifyRecordings(*Open(), keys_.public_key))[0].status.ok());
     Tamper(sql);
-    EXPECT_EQ((*Open()->Verify(keys_.public_key))[0].status.code(), Code::kConflict) << sql;
+    EXPECT_EQ((*VerifyRecordings(*Open(), keys_.public_key))[0].status.code(), Code::kConflict)
+        << sql;
     for (const char* end : {"", "-wal", "-shm"}) {
       fs::remove((folder_ / "spool.sqlite").string() + end);
     }
@@ -191,7 +196,7 @@ TEST_F(SpoolTest, ReadingSeesWhatARecordingProcessHasWrittenAndMayNotWrite) {
   auto reader = Spool::OpenToRead(folder_);
   ASSERT_TRUE(reader.ok()) << reader.status().message();
   EXPECT_EQ((*reader)->Get(id())->chunks, 2u);
-  EXPECT_TRUE((*(*reader)->Verify(keys_.public_key))[0].status.ok());
+  EXPECT_TRUE((*VerifyRecordings(**reader, keys_.public_key))[0].status.ok());
   EXPECT_EQ((*reader)->MarkRefused(id(), "no").code(), Code::kStorage);
   Record(*spool, 1600, false);
   EXPECT_EQ((*reader)->Get(id())->chunks, 3u);
@@ -213,7 +218,7 @@ TEST_F(SpoolTest, WithoutTheRightToWriteBesideItItIsReadInACopyWithItsLog) {
   auto reader = Spool::OpenToRead(folder_ / "ro");
   ASSERT_TRUE(reader.ok()) << reader.status().message();
   EXPECT_EQ((*reader)->Export(id())->chunks.size(), 3u);
-  EXPECT_TRUE((*(*reader)->Verify(keys_.public_key))[0].status.ok());
+  EXPECT_TRUE((*VerifyRecordings(**reader, keys_.public_key))[0].status.ok());
 }
 
 TEST_F(SpoolTest, OlderSpoolIsReadWithoutBeingChanged) {
@@ -254,7 +259,7 @@ TEST_F(SpoolTest, VerifyOfADamagedSpoolNamesTheAttemptsThatAreHit) {
   auto reader = Spool::OpenToRead(folder_);
   ASSERT_TRUE(reader.ok()) << reader.status().message();
   Status pages;
-  auto verdicts = (*reader)->Verify(keys_.public_key, &pages);
+  auto verdicts = VerifyRecordings(**reader, keys_.public_key, &pages);
   ASSERT_TRUE(verdicts.ok()) << verdicts.status().message();
   EXPECT_EQ(pages.code(), Code::kStorage);
   ASSERT_EQ(verdicts->size(), 2u);
@@ -296,7 +301,7 @@ TEST_F(SpoolTest, SalvageSavesWhatCanBeReadAndSaysWhatCouldNot) {
     auto saved = SalvageSpool(folder_, to);
     ASSERT_TRUE(saved.ok()) << round << ": " << saved.status().message();
     ASSERT_EQ(saved->attempts.size(), 2u) << round;
-    auto verdicts = (*Spool::Open(to))->Verify(keys_.public_key);
+    auto verdicts = VerifyRecordings(**Spool::Open(to), keys_.public_key);
     ASSERT_TRUE(verdicts.ok());
     for (const SpoolVerdict& v : *verdicts) EXPECT_TRUE(v.status.ok()) << v.status.message();
     for (const SalvagedAttempt& a : saved->attempts) {
@@ -310,7 +315,6 @@ TEST_F(SpoolTest, SalvageSavesWhatCanBeReadAndSaysWhatCouldNot) {
   }
 }
 
-// The clock was set an hour back since the last chunk, which was 5 s ago.
 // It would be put in the place of the one that recordings were in.
 TEST_F(SpoolTest, SalvageOfWhatHasNothingLeftMakesNoSpool) {
   const fs::path file = folder_ / "spool.sqlite", to = folder_ / "saved";
@@ -328,6 +332,7 @@ TEST_F(SpoolTest, SalvageOfWhatHasNothingLeftMakesNoSpool) {
   }
 }
 
+// The clock was set an hour back since the last chunk, which was 5 s ago.
 TEST_F(SpoolTest, ClockThatWasSetBackMakesASilenceNoShorter) {
   MakeOne();
   auto before = Open()->SilenceOf(id());
@@ -402,7 +407,7 @@ TEST_F(SpoolTest, WhatWasPutSurvivesKillNine) {
   ASSERT_TRUE(WIFSIGNALED(state));
   auto spool = Open();
   EXPECT_EQ(spool->Get(id())->chunks, 3u);
-  EXPECT_TRUE((*spool->Verify(keys_.public_key))[0].status.ok());
+  EXPECT_TRUE((*VerifyRecordings(*spool, keys_.public_key))[0].status.ok());
 }
 
 TEST_F(SpoolTest, ServerThatForgotMakesChunksWaitAgain) {
@@ -490,22 +495,22 @@ TEST_F(SpoolTest, WhyItWaitsIsKeptFromTheFirstTryThatFailedToOneThatDidNot) {
 TEST_F(SpoolTest, HowLoopsWentIsKeptRunByRunAndGoesWithItsAttempt) {
   MakeOne();
   auto spool = Open();
-  ASSERT_TRUE(spool->PutLoopFacts(id(), {1, 2000, "{\"b\":1}"}).ok());
-  ASSERT_TRUE(spool->PutLoopFacts(id(), {0, 1000, "{}"}).ok());
-  ASSERT_TRUE(spool->PutLoopFacts(id(), {0, 1001, "{\"a\":1}"}).ok());
-  EXPECT_EQ(spool->PutLoopFacts(Uuid::New(), {0, 1, "{}"}).code(), Code::kNotFound);
-  auto kept = spool->LoopFactsOf(id());
+  ASSERT_TRUE(spool->loop_facts().Put(id(), {1, 2000, "{\"b\":1}"}).ok());
+  ASSERT_TRUE(spool->loop_facts().Put(id(), {0, 1000, "{}"}).ok());
+  ASSERT_TRUE(spool->loop_facts().Put(id(), {0, 1001, "{\"a\":1}"}).ok());
+  EXPECT_EQ(spool->loop_facts().Put(Uuid::New(), {0, 1, "{}"}).code(), Code::kNotFound);
+  auto kept = spool->loop_facts().Of(id());
   ASSERT_TRUE(kept.ok());
   ASSERT_EQ(kept->size(), 2u);
   EXPECT_EQ((*kept)[0].json, "{\"a\":1}");
   EXPECT_EQ((*kept)[0].ended_unix_ms, 1001);
   EXPECT_EQ((*kept)[1].run, 1u);
   ASSERT_TRUE(SalvageSpool(folder_, folder_ / "saved").ok());
-  EXPECT_EQ((*Spool::Open(folder_ / "saved"))->LoopFactsOf(id())->size(), 2u);
+  EXPECT_EQ((*Spool::Open(folder_ / "saved"))->loop_facts().Of(id())->size(), 2u);
   ASSERT_TRUE(spool->MarkCommitted(id(), 2).ok());
   ASSERT_TRUE(spool->MarkSealedAtServer(id()).ok());
   ASSERT_EQ(spool->Prune({std::chrono::hours(0), 1})->attempts, 1);
-  EXPECT_TRUE(spool->LoopFactsOf(id())->empty());
+  EXPECT_TRUE(spool->loop_facts().Of(id())->empty());
 }
 
 TEST_F(SpoolTest, SpoolOfVersionOneBecomesOneOfThisVersionWithAllItHad) {
@@ -537,8 +542,8 @@ TEST_F(SpoolTest, SpoolOfVersionOneBecomesOneOfThisVersionWithAllItHad) {
   EXPECT_EQ(attempt->ticks, 1700u);
   EXPECT_GT(attempt->bytes, 0u);
   EXPECT_FALSE(spool->LastSpooledUnixMs(id())->has_value());
-  EXPECT_TRUE((*spool->Verify(keys_.public_key))[0].status.ok());
-  EXPECT_TRUE(spool->Tickets()->empty());
+  EXPECT_TRUE((*VerifyRecordings(*spool, keys_.public_key))[0].status.ok());
+  EXPECT_TRUE(spool->tickets().List()->empty());
 }
 
 TEST_F(SpoolTest, MigratedSpoolHasTheColumnsOfANewOne) {
@@ -562,7 +567,7 @@ TEST_F(SpoolTest, MigratedSpoolHasTheColumnsOfANewOne) {
     return out;
   };
   Open();
-  for (int version : {1, 2, 3}) {
+  for (int version : {1, 2, 3, 4}) {
     const fs::path old = folder_ / std::to_string(version);
     fs::create_directories(old);
     sqlite3* db = nullptr;
@@ -573,6 +578,73 @@ TEST_F(SpoolTest, MigratedSpoolHasTheColumnsOfANewOne) {
     ASSERT_TRUE(Spool::Open(old).ok());
     EXPECT_EQ(columns(old / "spool.sqlite"), columns(folder_ / "spool.sqlite")) << version;
   }
+}
+
+// What a spool of version `version` held in the field, each table with something in it.
+TEST_F(SpoolTest, EveryVersionBeforeTheNewestIsBroughtHereWithAllItHad) {
+  auto golden = ReadFile(fs::path(ENAMEL_SOURCE_DIR) / "schemas/golden/trace/recording_core3.bin");
+  ASSERT_TRUE(golden.ok());
+  const auto recording = *trace::DecodeTraceFile(*golden);
+  const Uuid attempt = trace::DecodeHeader(recording.header)->ticket.attempt;
+  std::array<uint8_t, 32> seed;
+  seed.fill(2);
+  const auto key = trace::KeyPairFromSeed(seed).public_key;
+  const int latest = static_cast<int>(SpoolMigrations().size());
+  ASSERT_GE(latest, 4);
+  for (int version = 1; version < std::max(latest, 5); ++version) {
+    SCOPED_TRACE("version " + std::to_string(version));
+    const fs::path folder = folder_ / std::to_string(version);
+    fs::create_directories(folder);
+    sqlite3* db = nullptr;
+    ASSERT_EQ(sqlite3_open((folder / "spool.sqlite").c_str(), &db), SQLITE_OK);
+    const std::string rows = GoldenSql(std::to_string(version) + "_rows");
+    ASSERT_FALSE(rows.empty()) << "each version before the newest needs schemas/golden/sql";
+    const std::string sql =
+        TablesOf(version) + rows + "PRAGMA user_version = " + std::to_string(version);
+    ASSERT_EQ(sqlite3_exec(db, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK)
+        << sqlite3_errmsg(db);
+    sqlite3_close(db);
+    auto spool = Spool::Open(folder);
+    ASSERT_TRUE(spool.ok()) << spool.status().message();
+    EXPECT_EQ(*(*spool)->Export(attempt), recording);
+    EXPECT_TRUE((*VerifyRecordings(**spool, key))[0].status.ok());
+    auto kept = (*spool)->Get(attempt);
+    ASSERT_TRUE(kept.ok());
+    EXPECT_EQ(kept->exercise, "class-1");
+    EXPECT_EQ(kept->created_unix_ms, 1'700'000'000'000);
+    EXPECT_EQ(kept->committed, 2u);
+    EXPECT_EQ(kept->resumed, version >= 2 ? 1u : 0u);
+    EXPECT_EQ(kept->waits_because, version >= 4 ? "the server is away" : "");
+    EXPECT_EQ((*spool)->tickets().List()->size(), version >= 2 ? 1u : 0u);
+    EXPECT_EQ((*spool)->loop_facts().Of(attempt)->size(), version >= 4 ? 1u : 0u);
+  }
+}
+
+// The first page of a new spool stands in for one that is destroyed (salvage.h).
+TEST_F(SpoolTest, NewSpoolHasItsTablesWhereThoseOfVersionFourHaveThem) {
+  auto places = [](const fs::path& file) {
+    sqlite3* db = nullptr;
+    EXPECT_EQ(sqlite3_open(file.c_str(), &db), SQLITE_OK);
+    std::string out;
+    sqlite3_exec(
+        db, "SELECT name, rootpage FROM sqlite_schema ORDER BY rootpage",
+        [](void* to, int, char** values, char**) {
+          *static_cast<std::string*>(to) += std::string(values[0]) + " " + values[1] + ", ";
+          return 0;
+        },
+        &out, nullptr);
+    sqlite3_close(db);
+    return out;
+  };
+  Open();
+  sqlite3* db = nullptr;
+  ASSERT_EQ(sqlite3_open((folder_ / "four.sqlite").c_str(), &db), SQLITE_OK);
+  ASSERT_EQ(sqlite3_exec(db, TablesOf(4).c_str(), nullptr, nullptr, nullptr), SQLITE_OK);
+  sqlite3_close(db);
+  const std::string four = places(folder_ / "four.sqlite");
+  ASSERT_FALSE(four.empty());
+  EXPECT_TRUE(places(folder_ / "spool.sqlite").starts_with(four))
+      << places(folder_ / "spool.sqlite");
 }
 
 TEST_F(SpoolTest, SeveralProcessesMayOpenASpoolThatIsNotThereYetAtOnce) {
@@ -621,7 +693,7 @@ TEST_F(SpoolTest, AttemptThatWasCutOffIsClosedAsFarAsItGoes) {
   ASSERT_TRUE(seal.ok());
   EXPECT_EQ(seal->ticks, 1500u);
   EXPECT_EQ(seal->state_hash, 1499u * 77);
-  EXPECT_TRUE((*spool->Verify(keys_.public_key))[0].status.ok());
+  EXPECT_TRUE((*VerifyRecordings(*spool, keys_.public_key))[0].status.ok());
   EXPECT_EQ(*spool->CloseAttempt(id()), *seal);
   EXPECT_EQ(spool->MarkResumed(id()).code(), Code::kConflict);
 }
@@ -648,7 +720,7 @@ TEST_F(SpoolTest, RecorderGoesOnAfterTheChunksThatAreThere) {
   EXPECT_EQ(attempt->ticks, 1700u);
   EXPECT_EQ(attempt->gap_ticks, 5'000u);
   EXPECT_EQ(attempt->resumed, 1u);
-  EXPECT_TRUE((*spool->Verify(keys_.public_key))[0].status.ok());
+  EXPECT_TRUE((*VerifyRecordings(*spool, keys_.public_key))[0].status.ok());
 }
 
 TEST_F(SpoolTest, FileThatIsNoDatabaseIsRefusedWithItsName) {

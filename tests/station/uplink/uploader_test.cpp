@@ -442,17 +442,17 @@ TEST_F(UploaderTest, RevokedTicketIsForgottenAndAnotherKept) {
   LockedTicket ticket;
   ticket.attempt = Uuid::New();
   ticket.locked = Bytes(10);
-  ASSERT_TRUE(spool_->PutTicket(ticket).ok());
+  ASSERT_TRUE(spool_->tickets().Put(ticket).ok());
   // A ticket whose attempt was begun is no longer asked about.
   ticket.attempt = id();
-  ASSERT_TRUE(spool_->PutTicket(ticket).ok());
+  ASSERT_TRUE(spool_->tickets().Put(ticket).ok());
   FakeServer server(folder_);
   server.revoke_tickets = true;
   ServerLink link;
   ASSERT_TRUE(link.Connect(server.NewStation()).ok());
   Bandwidth no_bound(0);
   ASSERT_TRUE(Carrier(link, *spool_, no_bound).Offer().ok());
-  auto left = *spool_->Tickets();
+  auto left = *spool_->tickets().List();
   ASSERT_EQ(left.size(), 1u);
   EXPECT_EQ(left[0].attempt, id());
 }
@@ -466,8 +466,8 @@ TEST_F(UploaderTest, HandedBackTicketIsReturnedAndForgottenWhateverTheServerSays
     LockedTicket ticket;
     ticket.attempt = Uuid::New();
     ticket.locked = Bytes(10);
-    ASSERT_TRUE(spool_->PutTicket(ticket).ok());
-    ASSERT_TRUE(spool_->HandBackTicket(ticket.attempt).ok());
+    ASSERT_TRUE(spool_->tickets().Put(ticket).ok());
+    ASSERT_TRUE(spool_->tickets().HandBack(ticket.attempt).ok());
     FakeServer server(folder_);
     if (!answer.ok()) server.refuse_returns = answer;
     ServerLink link;
@@ -475,10 +475,10 @@ TEST_F(UploaderTest, HandedBackTicketIsReturnedAndForgottenWhateverTheServerSays
     Bandwidth no_bound(0);
     Carrier carrier(link, *spool_, no_bound);
     ASSERT_TRUE(carrier.Offer().ok());
-    EXPECT_EQ(spool_->Tickets()->size(), 1u) << "it is no longer asked about";
+    EXPECT_EQ(spool_->tickets().List()->size(), 1u) << "it is no longer asked about";
     ASSERT_TRUE(carrier.ReturnTickets().ok());
     EXPECT_EQ(server.returned(), std::vector<Uuid>{ticket.attempt});
-    EXPECT_TRUE(spool_->Tickets()->empty()) << CodeName(answer.code());
+    EXPECT_TRUE(spool_->tickets().List()->empty()) << CodeName(answer.code());
     ASSERT_TRUE(carrier.ReturnTickets().ok());
     EXPECT_EQ(server.returned().size(), 1u);
   }
@@ -487,10 +487,10 @@ TEST_F(UploaderTest, HandedBackTicketIsReturnedAndForgottenWhateverTheServerSays
 TEST_F(UploaderTest, HandedBackTicketWaitsForTheServerAndNeverCostsAnAttempt) {
   LockedTicket ticket;
   ticket.attempt = Uuid::New();
-  ASSERT_TRUE(spool_->PutTicket(ticket).ok());
+  ASSERT_TRUE(spool_->tickets().Put(ticket).ok());
   LockedTicket begun;
   begun.attempt = id();  // its recording is in the spool
-  ASSERT_TRUE(spool_->PutTicket(begun).ok());
+  ASSERT_TRUE(spool_->tickets().Put(begun).ok());
   FakeServer server(folder_);
   {
     ServerLink link;
@@ -498,14 +498,14 @@ TEST_F(UploaderTest, HandedBackTicketWaitsForTheServerAndNeverCostsAnAttempt) {
     link.Close();
     Bandwidth no_bound(0);
     EXPECT_EQ(Carrier(link, *spool_, no_bound).ReturnTickets().code(), Code::kUnavailable);
-    EXPECT_FALSE(spool_->Tickets()->empty());
+    EXPECT_FALSE(spool_->tickets().List()->empty());
   }
   Uploader uploader(server.NewStation(), *spool_);
-  while (!spool_->Tickets()->empty()) std::this_thread::yield();
+  while (!spool_->tickets().List()->empty()) std::this_thread::yield();
   EXPECT_EQ(server.returned(), std::vector<Uuid>{ticket.attempt});
-  ASSERT_TRUE(spool_->PutTicket(ticket).ok());
+  ASSERT_TRUE(spool_->tickets().Put(ticket).ok());
   uploader.Wake();
-  while (!spool_->Tickets()->empty()) std::this_thread::yield();
+  while (!spool_->tickets().List()->empty()) std::this_thread::yield();
   EXPECT_EQ(server.returned().size(), 2u) << "on the connection it has";
 }
 

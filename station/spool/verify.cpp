@@ -1,0 +1,106 @@
+#include "station/spool/verify.h"
+
+#include "station/spool/spool_file.h"
+#include "station/spool/statement.h"
+
+namespace enamel::station {
+namespace {
+
+Status Differs(const char* what, uint64_t counted, uint64_t found) {
+  return Status(Code::kConflict, std::string(what) + ": the spool counts " +
+                                     std::to_string(counted) + ", there are " +
+                                     std::to_string(found));
+}
+
+// Chain, signatures and seal of a recording, and what the spool counts of it.
+Status VerifyRecording(const SpooledAttempt& attempt, ByteView header,
+                       const std::vector<SpooledChunk>& chunks,
+                       const std::optional<trace::PublicKey>& key) {
+  ENAMEL_ASSIGN_OR_RETURN(auto decoded, trace::DecodeHeader(header));
+  if (decoded.ticket.attempt != attempt.id) {
+    return Status(Code::kConflict,
+                  "its header is that of attempt " + decoded.ticket.attempt.Text());
+  }
+  trace::ChainVerifier chain(attempt.id, HashSha256(header));
+  uint64_t ticks = 0, gap_ticks = 0, bytes = 0;
+  for (const SpooledChunk& spooled : chunks) {
+    auto chunk = trace::DecodeChunk(spooled.bytes);
+    if (!chunk.ok()) {
+      return Status(chunk.status().code(),
+                    "chunk " + std::to_string(spooled.seq) + ": " + chunk.status().message());
+    }
+    ENAMEL_RETURN_IF_ERROR(chain.Accept(*chunk));
+    if (key && !trace::VerifyChunk(spooled.bytes, *key)) {
+      return Status(Code::kConflict, "chunk " + std::to_string(spooled.seq) +
+                                         " does not carry this station's signature");
+    }
+    ticks += chunk->head.count;
+    gap_ticks += chunk->head.gap_ticks;
+    bytes += spooled.bytes.size();
+  }
+  if (chunks.size() != attempt.chunks) return Differs("chunks", attempt.chunks, chunks.size());
+  if (ticks != attempt.ticks) return Differs("ticks", attempt.ticks, ticks);
+  if (gap_ticks != attempt.gap_ticks) return Differs("gap ticks", attempt.gap_ticks, gap_ticks);
+  if (bytes != attempt.bytes) return Differs("bytes", attempt.bytes, bytes);
+  if (attempt.committed > attempt.chunks) {
+    return Differs("chunks the server has", attempt.committed, attempt.chunks);
+  }
+  return attempt.seal ? chain.AcceptSeal(*attempt.seal) : Status::Ok();
+}
+
+Status VerifyPages(SpoolFile& file) {
+  std::lock_guard lock(file.mutex());
+  {
+    Statement s(file.handle(), "PRAGMA integrity_check(1)");
+    if (s.Step() != SQLITE_ROW) return file.Fail("checking its pages");
+    if (std::string found = s.TextAt(0); found != "ok") {
+      return Status(Code::kStorage, "spool " + file.path().string() + ": " + found + "; " +
+                                        WhatToDoAbout(SQLITE_CORRUPT));
+    }
+  }
+  Statement s(file.handle(),
+              "SELECT count(*) FROM chunks WHERE attempt NOT IN (SELECT id FROM attempts)");
+  if (s.Step() != SQLITE_ROW) return file.Fail("checking its chunks");
+  if (s.IntAt(0) == 0) return Status::Ok();
+  return Status(Code::kStorage, "spool " + file.path().string() + ": " +
+                                    std::to_string(s.IntAt(0)) +
+                                    " chunks are of attempts that are not there");
+}
+
+Status VerifyAttempt(Spool& spool, const SpooledAttempt& attempt,
+                     const std::optional<trace::PublicKey>& key) {
+  ENAMEL_ASSIGN_OR_RETURN(auto header, spool.HeaderOf(attempt.id));
+  {
+    SpoolFile& file = spool.spool_file();
+    std::lock_guard lock(file.mutex());
+    Statement s(file.handle(), "SELECT header_sha256 FROM attempts WHERE id = ?");
+    if (s.Blob(attempt.id.view()).Step() != SQLITE_ROW) return file.Fail("reading a header's hash");
+    const Sha256 hash = HashSha256(header);
+    if (s.BlobAt(0) != Bytes(hash.bytes.begin(), hash.bytes.end())) {
+      return Status(Code::kConflict, "its header is not the one whose hash is kept beside it");
+    }
+  }
+  ENAMEL_ASSIGN_OR_RETURN(auto chunks, spool.ChunksFrom(attempt.id, 0, SIZE_MAX >> 1));
+  return VerifyRecording(attempt, header, chunks, key);
+}
+
+}  // namespace
+
+Result<std::vector<SpoolVerdict>> VerifyRecordings(Spool& spool,
+                                                   const std::optional<trace::PublicKey>& key,
+                                                   Status* pages) {
+  Status found = VerifyPages(spool.spool_file());
+  if (pages != nullptr)
+    *pages = found;
+  else
+    ENAMEL_RETURN_IF_ERROR(found);
+  ENAMEL_ASSIGN_OR_RETURN(auto attempts, spool.List());
+  std::vector<SpoolVerdict> out;
+  for (SpooledAttempt& attempt : attempts) {
+    Status status = VerifyAttempt(spool, attempt, key);
+    out.push_back({std::move(attempt), std::move(status)});
+  }
+  return out;
+}
+
+}  // namespace enamel::station
