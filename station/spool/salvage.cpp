@@ -3,13 +3,16 @@
 #include <stdlib.h>
 
 #include <algorithm>
-#include <cstring>
+#include <array>
 #include <fstream>
 #include <map>
 #include <optional>
 #include <set>
+#include <string>
+#include <string_view>
 #include <utility>
 
+#include "station/spool/attempt_row.h"
 #include "station/spool/spool.h"
 #include "station/spool/spool_file.h"
 #include "station/spool/statement.h"
@@ -110,48 +113,113 @@ Places ChunkPlaces(sqlite3* db) {
   return out;
 }
 
-std::optional<Bytes> ChunkOf(sqlite3* db, const Places& places, const Uuid& id, uint32_t seq) {
-  Statement by_index(db, "SELECT bytes FROM chunks WHERE attempt = ? AND seq = ?");
-  if (by_index.Blob(id.view()).Int(seq).Step() == SQLITE_ROW) return by_index.BlobAt(0);
+struct FoundChunk {
+  Bytes bytes;
+  std::optional<int64_t> spooled_unix_ms;
+};
+
+std::optional<FoundChunk> ChunkOf(sqlite3* db, const Places& places, const Uuid& id, uint32_t seq) {
+  auto found = [](Statement& s) {
+    FoundChunk out{s.BlobAt("bytes"), {}};
+    if (!s.IsNull("spooled_unix_ms")) out.spooled_unix_ms = s.IntAt("spooled_unix_ms");
+    return out;
+  };
+  Statement by_index(db, "SELECT * FROM chunks WHERE attempt = ? AND seq = ?");
+  if (by_index.Blob(id.view()).Int(seq).Step() == SQLITE_ROW) return found(by_index);
   auto at = places.find({id, seq});
   if (at == places.end()) return std::nullopt;
-  Statement by_place(db, "SELECT bytes FROM chunks WHERE rowid = ?");
-  if (by_place.Int(at->second).Step() == SQLITE_ROW) return by_place.BlobAt(0);
+  Statement by_place(db, "SELECT * FROM chunks WHERE rowid = ?");
+  if (by_place.Int(at->second).Step() == SQLITE_ROW) return found(by_place);
   return std::nullopt;
 }
 
-// One attempt's row as the damaged spool has it.
-struct Row {
-  Bytes header;
-  std::string exercise, profile, refused;
-  std::optional<trace::Seal> seal;
-  uint32_t chunks = 0, committed = 0;
-  bool sealed_at_server = false;
+// What the new spool computes from the chunks that are saved, and what BeginAttempt has stored.
+// Every other column of an attempt is taken over as it is, also one that a later version adds.
+constexpr std::array<std::string_view, 13> kComputed = {"id",
+                                                        "header",
+                                                        "header_sha256",
+                                                        "seal_chunks",
+                                                        "seal_ticks",
+                                                        "seal_last_sha256",
+                                                        "seal_state_hash",
+                                                        "chunks",
+                                                        "ticks",
+                                                        "gap_ticks",
+                                                        "bytes",
+                                                        "committed",
+                                                        "sealed_at_server"};
+
+struct SharedColumn {
+  std::string name;
+  int in_row = 0;
 };
 
-std::optional<Row> RowOf(sqlite3* db, const Uuid& id) {
-  Statement s(db,
-              "SELECT header, exercise, profile, refused, seal_chunks, seal_ticks,"
-              " seal_last_sha256, seal_state_hash, chunks, committed, sealed_at_server"
-              " FROM attempts WHERE id = ?");
-  if (s.Blob(id.view()).Step() != SQLITE_ROW) return std::nullopt;
-  Row out{s.BlobAt(0), s.TextAt(1), s.TextAt(2), s.TextAt(3), {}, 0, 0, false};
-  if (Bytes last = s.BlobAt(6); !s.IsNull(4) && last.size() == 32) {
-    out.seal = trace::Seal{id, static_cast<uint32_t>(s.IntAt(4)), static_cast<uint64_t>(s.IntAt(5)),
-                           Sha256::FromBytes(last), static_cast<uint64_t>(s.IntAt(7))};
+// Those of the new spool's table that the damaged row has too.
+std::vector<SharedColumn> SharedColumns(const Statement& row, sqlite3* to,
+                                        const std::string& table) {
+  const Statement there(to, ("SELECT * FROM " + table + " LIMIT 0").c_str());
+  std::vector<SharedColumn> out;
+  for (int i = 0; i < there.columns(); ++i) {
+    const int in_row = row.ColumnNamed(there.NameOf(i));
+    if (in_row >= 0) out.push_back({there.NameOf(i), in_row});
   }
-  out.chunks = static_cast<uint32_t>(s.IntAt(8));
-  out.committed = static_cast<uint32_t>(s.IntAt(9));
-  out.sealed_at_server = s.IntAt(10) != 0;
   return out;
 }
 
-Status SaveChunks(sqlite3* db, const Places& places, const Row& row, Spool& to,
-                  SalvagedAttempt& out) {
-  trace::ChainVerifier chain(out.id, HashSha256(row.header));
-  for (; out.chunks < row.chunks; ++out.chunks) {
-    auto bytes = ChunkOf(db, places, out.id, out.chunks);
-    auto chunk = bytes ? trace::DecodeChunk(*bytes)
+// A value that the table does not allow is damage, not a failure to write: nothing is changed then.
+Status Written(int rc, SpoolFile& to, const char* doing) {
+  return rc == SQLITE_DONE || (rc & 0xff) == SQLITE_CONSTRAINT ? Status::Ok() : to.Fail(doing);
+}
+
+Status TakeOverColumns(const Statement& row, const Uuid& id, SpoolFile& to) {
+  std::lock_guard lock(to.mutex());
+  std::string set;
+  std::vector<int> values;
+  for (const SharedColumn& column : SharedColumns(row, to.handle(), "attempts")) {
+    if (std::ranges::find(kComputed, column.name) != kComputed.end()) continue;
+    set += (set.empty() ? "" : ", ") + column.name + " = ?";
+    values.push_back(column.in_row);
+  }
+  Statement s(to.handle(), ("UPDATE attempts SET " + set + " WHERE id = ?").c_str());
+  for (int column : values) s.Same(row, column);
+  return Written(s.Blob(id.view()).Step(), to, "saving an attempt");
+}
+
+// The row with all that both tables have. Returns whether it was inserted.
+Result<bool> TakeOverRow(const Statement& row, SpoolFile& to, const std::string& table) {
+  std::lock_guard lock(to.mutex());
+  std::string names, places;
+  const auto shared = SharedColumns(row, to.handle(), table);
+  for (const SharedColumn& column : shared) {
+    names += (names.empty() ? "" : ", ") + column.name;
+    places += places.empty() ? "?" : ", ?";
+  }
+  Statement s(to.handle(),
+              ("INSERT INTO " + table + " (" + names + ") VALUES (" + places + ")").c_str());
+  for (const SharedColumn& column : shared) s.Same(row, column.in_row);
+  const int rc = s.Step();
+  ENAMEL_RETURN_IF_ERROR(Written(rc, to, "saving a row"));
+  return rc == SQLITE_DONE;
+}
+
+Status KeepTime(const Uuid& id, uint32_t seq, const std::optional<int64_t>& spooled_unix_ms,
+                SpoolFile& to) {
+  std::lock_guard lock(to.mutex());
+  Statement s(to.handle(),
+              spooled_unix_ms
+                  ? "UPDATE chunks SET spooled_unix_ms = ?3 WHERE attempt = ?1 AND seq = ?2"
+                  : "UPDATE chunks SET spooled_unix_ms = NULL WHERE attempt = ?1 AND seq = ?2");
+  s.Blob(id.view()).Int(seq);
+  if (spooled_unix_ms) s.Int(*spooled_unix_ms);
+  return Written(s.Step(), to, "saving a chunk's time");
+}
+
+Status SaveChunks(sqlite3* db, const Places& places, const SpooledAttempt& row, ByteView header,
+                  Spool& to, SalvagedAttempt& out) {
+  trace::ChainVerifier chain(out.id, HashSha256(header));
+  for (; out.chunks < out.expected; ++out.chunks) {
+    auto found = ChunkOf(db, places, out.id, out.chunks);
+    auto chunk = found ? trace::DecodeChunk(found->bytes)
                        : Result<trace::Chunk>(Status(Code::kStorage, "it cannot be read"));
     Status fits = chunk.ok() ? chain.Accept(*chunk) : chunk.status();
     if (!fits.ok()) {
@@ -159,7 +227,8 @@ Status SaveChunks(sqlite3* db, const Places& places, const Row& row, Spool& to,
                                                fits.message() + "; what came after is lost");
       return Status::Ok();
     }
-    ENAMEL_RETURN_IF_ERROR(to.PutChunk(out.id, *bytes));
+    ENAMEL_RETURN_IF_ERROR(to.PutChunk(out.id, found->bytes));
+    ENAMEL_RETURN_IF_ERROR(KeepTime(out.id, out.chunks, found->spooled_unix_ms, to.spool_file()));
   }
   if (!row.seal) return Status::Ok();
   out.problem = chain.AcceptSeal(*row.seal);
@@ -171,54 +240,43 @@ Status SaveChunks(sqlite3* db, const Places& places, const Row& row, Spool& to,
 Result<SalvagedAttempt> SaveAttempt(sqlite3* db, const Places& places, const Uuid& id, Spool& to) {
   SalvagedAttempt out;
   out.id = id;
-  auto row = RowOf(db, id);
-  auto header = row ? trace::DecodeHeader(row->header)
-                    : Result<trace::Header>(Status(Code::kStorage, "it cannot be read"));
+  Statement found(db, "SELECT * FROM attempts WHERE id = ?");
+  const bool there = found.Blob(id.view()).Step() == SQLITE_ROW;
+  auto header = there ? trace::DecodeHeader(found.BlobAt("header"))
+                      : Result<trace::Header>(Status(Code::kStorage, "it cannot be read"));
   if (!header.ok() || header->ticket.attempt != id) {
     out.problem = Status(Code::kStorage, "its header is lost, and with it the recording");
     return out;
   }
-  out.expected = row->chunks;
-  ENAMEL_RETURN_IF_ERROR(to.BeginAttempt(*header, row->exercise, row->profile));
-  ENAMEL_RETURN_IF_ERROR(SaveChunks(db, places, *row, to, out));
-  ENAMEL_RETURN_IF_ERROR(to.SetCommittedBelow(id, row->committed));
-  if (row->sealed_at_server && out.sealed) ENAMEL_RETURN_IF_ERROR(to.MarkSealedAtServer(id));
-  if (!row->refused.empty()) ENAMEL_RETURN_IF_ERROR(to.MarkRefused(id, row->refused));
+  const SpooledAttempt row = ReadAttemptRow(found);
+  out.expected = row.chunks;
+  ENAMEL_RETURN_IF_ERROR(to.BeginAttempt(*header, row.exercise, row.profile));
+  ENAMEL_RETURN_IF_ERROR(SaveChunks(db, places, row, found.BlobAt("header"), to, out));
+  ENAMEL_RETURN_IF_ERROR(to.SetCommittedBelow(id, row.committed));
+  if (row.sealed_at_server && out.sealed) ENAMEL_RETURN_IF_ERROR(to.MarkSealedAtServer(id));
+  ENAMEL_RETURN_IF_ERROR(TakeOverColumns(found, id, to.spool_file()));
   return out;
 }
 
 // Tickets for later are kept when all of their row is.
-size_t SaveTickets(sqlite3* db, Spool& to) {
+Result<size_t> SaveTickets(sqlite3* db, Spool& to) {
   size_t saved = 0;
-  std::set<Uuid> seen;
-  ScanBothWays(db,
-               "SELECT attempt, person, exercise, title, profile, expires_unix_ms, salt, locked"
-               " FROM tickets ORDER BY attempt",
-               [&](Statement& s) {
-                 LockedTicket t;
-                 Bytes id = s.BlobAt(0), salt = s.BlobAt(6);
-                 if (id.size() != 16 || salt.size() != t.salt.size()) return;
-                 t.attempt = Uuid::FromBytes(id);
-                 if (!seen.insert(t.attempt).second) return;
-                 t.person = s.TextAt(1);
-                 t.exercise = s.TextAt(2);
-                 t.title = s.TextAt(3);
-                 t.profile = s.TextAt(4);
-                 t.expires_unix_ms = s.IntAt(5);
-                 std::copy_n(salt.begin(), t.salt.size(), t.salt.begin());
-                 t.locked = s.BlobAt(7);
-                 saved += to.tickets().Put(t).ok() ? 1 : 0;
-               });
-  return saved;
+  Status worst;
+  std::set<Bytes> seen;
+  ScanBothWays(db, "SELECT * FROM tickets ORDER BY attempt", [&](Statement& s) {
+    if (!seen.insert(s.BlobAt("attempt")).second) return;
+    auto taken = TakeOverRow(s, to.spool_file(), "tickets");
+    if (!taken.ok()) worst = taken.status();
+    saved += taken.ok() && *taken ? 1 : 0;
+  });
+  return worst.ok() ? Result<size_t>(saved) : worst;
 }
 
 // How the loops went, of attempts that are saved.
 void SaveLoopFacts(sqlite3* db, const Uuid& id, Spool& to) {
-  Statement s(db, "SELECT run, ended_unix_ms, facts FROM loop_facts WHERE attempt = ?");
+  Statement s(db, "SELECT * FROM loop_facts WHERE attempt = ?");
   s.Blob(id.view());
-  while (s.Step() == SQLITE_ROW) {
-    (void)to.loop_facts().Put(id, {static_cast<uint32_t>(s.IntAt(0)), s.IntAt(1), s.TextAt(2)});
-  }
+  while (s.Step() == SQLITE_ROW) (void)TakeOverRow(s, to.spool_file(), "loop_facts");
 }
 
 }  // namespace
@@ -244,8 +302,8 @@ Result<Salvaged> SalvageSpool(const fs::path& from, const fs::path& to) {
   });
   for (const auto& [place, row] : places) {
     if (ids.contains(place.first)) continue;
-    auto bytes = ChunkOf(damaged.db, places, place.first, place.second);
-    auto chunk = trace::DecodeChunkHead(bytes.value_or(Bytes()));
+    auto found = ChunkOf(damaged.db, places, place.first, place.second);
+    auto chunk = trace::DecodeChunkHead(found ? found->bytes : Bytes());
     if (chunk.ok() && chunk->head.attempt == place.first) ids.insert(place.first);
   }
   Salvaged out;
@@ -254,7 +312,7 @@ Result<Salvaged> SalvageSpool(const fs::path& from, const fs::path& to) {
     SaveLoopFacts(damaged.db, id, *saved);
     out.attempts.push_back(std::move(attempt));
   }
-  out.tickets = SaveTickets(damaged.db, *saved);
+  ENAMEL_ASSIGN_OR_RETURN(out.tickets, SaveTickets(damaged.db, *saved));
   if (!out.attempts.empty() || out.tickets > 0) return out;
   // An empty spool must not take the place of one that something was in.
   saved.reset();
