@@ -47,8 +47,6 @@ const char* FaultText(Fault fault) noexcept {
       return "the computer is too busy for the haptic loop: close other programs, release the "
              "pedal "
              "and press it again";
-    case Fault::kReserve:
-      return "the cut has used up the memory set aside for this tooth: finish the attempt";
     case Fault::kUnplugged:
       return "the device is not connected: plug it in, release the pedal and press it again";
     case Fault::kSwitchedOff:
@@ -115,7 +113,6 @@ bool TickLoop::Tick(double late_s) noexcept {
   core::TickOutput out = core_.Step(input);  // finite check, law, bound, finite check (coupling.h)
   device_.SendForceAndTorque(out.force_sent_n, out.torque_sent_n_m);
   ring_.Push({{input, out.witness}, core_.state_hash()});
-  if (out.flags & core::kReserveExhausted) Latch(Fault::kReserve);
   Remember(sample, input, out.force_sent_n, late_s);
   Publish(input, out);
   device_.ShowBur(out.anchor.tip_m);

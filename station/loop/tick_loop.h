@@ -39,15 +39,7 @@ struct LoopCounters {
 };
 
 // Why a fault was latched: force zero, no cutting, until the operator acts.
-enum class Fault : uint8_t {
-  kNone = 0,
-  kStalled,
-  kLateOnce,
-  kLateOften,
-  kReserve,
-  kUnplugged,
-  kSwitchedOff
-};
+enum class Fault : uint8_t { kNone = 0, kStalled, kLateOnce, kLateOften, kUnplugged, kSwitchedOff };
 // One sentence for the operator: what happened, and what to do.
 const char* FaultText(Fault fault) noexcept;
 

@@ -89,8 +89,8 @@ TEST_F(LoopFactsTest, AreNeverLargerThanIsSaid) {
   longest.fresh = longest.attached = longest.driven = false;
   std::vector<FaultRecord> records(TickLoop::kMaxRecords);
   for (FaultRecord& record : records) {
-    for (Fault fault : {Fault::kStalled, Fault::kLateOnce, Fault::kLateOften, Fault::kReserve,
-                        Fault::kUnplugged, Fault::kSwitchedOff}) {
+    for (Fault fault : {Fault::kStalled, Fault::kLateOnce, Fault::kLateOften, Fault::kUnplugged,
+                        Fault::kSwitchedOff}) {
       if (std::string(FaultText(fault)).size() > std::string(FaultText(record.fault)).size()) {
         record.fault = fault;
       }
