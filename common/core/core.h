@@ -58,7 +58,7 @@ struct TickWitness {
 
 enum OutputFlags : uint16_t {
   kAnchorReset = 1 << 8,       // after a gap, a fault or at the start
-  kReserveExhausted = 1 << 9,  // the cut is incomplete: a fault of the scene's budget
+  kReserveExhausted = 1 << 9,  // the cut is incomplete; cannot be (Volume::Reserve), stays taken
   kSuspended = 1 << 10,  // no force and no cut: the bur has not yet been in free air long enough
   kStepTooLong =
       1 << 11,  // a fault: the bur would have moved by more than kMaxPosesPerMove cuts at once
