@@ -16,7 +16,7 @@
 #include "station/spool/salvage.h"
 #include "station/spool/spool.h"
 #include "station/spool/verify.h"
-#include "station/uplink/carrier.h"
+#include "station/uplink/attempt_sender.h"
 
 namespace enamel::station {
 namespace {
@@ -198,11 +198,11 @@ void PrintLoop(const KeptLoopFacts& run, const json::object& facts) {
   }
 }
 
-Status SendWaiting(Carrier& carrier, Spool& spool, bool as_json, json::array& sent) {
+Status SendWaiting(AttemptSender& sender, Spool& spool, bool as_json, json::array& sent) {
   ENAMEL_ASSIGN_OR_RETURN(auto waiting, WaitingAttempts(spool));
   Status worst;
   for (const SpooledAttempt& attempt : waiting) {
-    Status status = carrier.Bring(attempt.id);
+    Status status = sender.Send(attempt.id);
     if (!status.ok() && IsTransient(status) && !IsOfOneRecording(status)) {
       (void)spool.MarkAllTried(status.message());  // the link's error is the one to tell
       return status;
@@ -359,11 +359,11 @@ Status UploadSpool(const SpoolCommand& options) {
   ENAMEL_ASSIGN_OR_RETURN(auto waiting, WaitingAttempts(*spool));
   ServerLink link;
   Bandwidth bandwidth(options.workplace.uploader.bytes_per_s);
-  Carrier carrier(link, *spool, bandwidth);
+  AttemptSender sender(link, *spool, bandwidth);
   Status status = link.Connect(credentials);
   if (status.ok()) {
-    auto wanted = carrier.Offer();
-    status = wanted.ok() ? carrier.ReturnTickets() : wanted.status();
+    auto wanted = sender.Offer();
+    status = wanted.ok() ? sender.ReturnTickets() : wanted.status();
     if (wanted.ok() && *wanted > 0 && !options.json) {
       std::printf("the server has lost %zu attempts that it once had: they are sent again\n",
                   *wanted);
@@ -373,7 +373,7 @@ Status UploadSpool(const SpoolCommand& options) {
   }
   if (!status.ok() && !IsDamaged(status)) (void)(spool)->MarkAllTried(status.message());
   json::array sent;
-  if (status.ok() && link.connected()) status = SendWaiting(carrier, *spool, options.json, sent);
+  if (status.ok() && link.connected()) status = SendWaiting(sender, *spool, options.json, sent);
   if (status.ok() || !IsTransient(status)) {
     ENAMEL_ASSIGN_OR_RETURN(auto all, spool->List());
     if (Status refused = Refusals(all); !refused.ok()) status = refused;

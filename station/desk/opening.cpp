@@ -93,7 +93,7 @@ std::vector<std::string> Opening::Lines() const {
 
 void Opening::TryAgain() {
   if (busy() || workplace_) return;
-  errand_.Start("Looking again", [this]() -> Errand::After {
+  task_.Start("Looking again", [this]() -> BackgroundTask::After {
     auto opened = std::make_shared<Result<std::unique_ptr<Workplace>>>(Workplace::Open(options_));
     return [this, opened] {
       problem_ = opened->status();

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "station/desk/errand.h"
+#include "station/desk/background_task.h"
 #include "station/session/workplace.h"
 
 namespace enamel::station::desk {
@@ -35,14 +35,14 @@ class Opening {
   std::vector<std::string> Lines() const;
 
   void TryAgain();
-  bool busy() const { return errand_.busy(); }
-  void Tick() { errand_.Poll(); }  // once a frame
+  bool busy() const { return task_.busy(); }
+  void Tick() { task_.Poll(); }  // once a frame
 
  private:
   const WorkplaceOptions options_;
   Status problem_;
   std::unique_ptr<Workplace> workplace_;
-  Errand errand_;
+  BackgroundTask task_;
 };
 
 }  // namespace enamel::station::desk

@@ -75,7 +75,7 @@ std::string WorstWall(const scoring::ScoreResult& score) {
 
 void Pages::Busy() {
   if (flow_.busy()) {
-    ui_.Note(flow_.errand() + " …");
+    ui_.Note(flow_.task() + " …");
   } else {
     ui_.Note(" ");
   }

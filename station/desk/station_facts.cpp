@@ -75,10 +75,10 @@ std::vector<std::string> Lines(const StationFacts& facts) {
 }
 
 const std::optional<StationFacts>& StationWatch::Look(std::chrono::steady_clock::time_point now) {
-  errand_.Poll();
-  if (!errand_.busy() && now >= next_) {
+  task_.Poll();
+  if (!task_.busy() && now >= next_) {
     next_ = now + kLookEvery;
-    errand_.Start("Looking at the station", [this]() -> Errand::After {
+    task_.Start("Looking at the station", [this]() -> BackgroundTask::After {
       return [this, facts = LookAtStation(workplace_)] { facts_ = facts; };
     });
   }

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "station/desk/errand.h"
+#include "station/desk/background_task.h"
 #include "station/session/workplace.h"
 
 namespace enamel::station::desk {
@@ -44,7 +44,7 @@ class StationWatch {
   Workplace& workplace_;
   std::optional<StationFacts> facts_;
   std::chrono::steady_clock::time_point next_{};
-  Errand errand_;
+  BackgroundTask task_;
 };
 
 }  // namespace enamel::station::desk

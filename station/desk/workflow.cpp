@@ -51,7 +51,7 @@ void Workflow::Fail(const Status& status) {
 
 void Workflow::Tick(Clock::time_point now, bool active) {
   if (active) active_at_ = now;
-  errand_.Poll();
+  task_.Poll();
   FreeAgain();
   switch (place_) {
     case Place::kReady:
@@ -83,7 +83,7 @@ void Workflow::SignIn(const std::string& login, const std::string& password) {
     problem_ = login.empty() ? "Write your login first." : "Write your password too.";
     return;
   }
-  errand_.Start("Signing in", [this, login, password]() -> Errand::After {
+  task_.Start("Signing in", [this, login, password]() -> BackgroundTask::After {
     auto person = workplace_.SignIn(login, password);
     if (!person.ok()) return [this, s = person.status()] { Fail(s); };
     auto catalogue = workplace_.Exercises();
@@ -119,7 +119,7 @@ void Workflow::SignOut(const std::string& why) {
 void Workflow::Refresh() {
   if (busy()) return;
   problem_.clear();
-  errand_.Start("Asking for the exercises", [this, id = person_.id]() -> Errand::After {
+  task_.Start("Asking for the exercises", [this, id = person_.id]() -> BackgroundTask::After {
     auto catalogue = workplace_.Exercises();
     return [this, c = std::move(catalogue), k = KeptOf(id)] { TakeExercises(c, k); };
   });
@@ -161,7 +161,7 @@ void Workflow::ChooseExercise(size_t index) {
 
 void Workflow::LookForDevices() {
   if (busy()) return;
-  errand_.Start("Looking for devices", [this]() -> Errand::After {
+  task_.Start("Looking for devices", [this]() -> BackgroundTask::After {
     auto offers = DeviceOffers(options_.simulated, options_.device);
     return [this, offers = std::move(offers)] { TakeOffers(offers); };
   });
@@ -209,7 +209,7 @@ void Workflow::Fetch() {
     return;
   }
   problem_.clear();
-  errand_.Start("Fetching the tooth", [this, e = chosen_, p = *profile]() -> Errand::After {
+  task_.Start("Fetching the tooth", [this, e = chosen_, p = *profile]() -> BackgroundTask::After {
     auto prepared = workplace_.Prepare(e, p);
     if (!prepared.ok()) return [this, s = prepared.status()] { Fail(s); };
     auto shared = std::make_shared<PreparedAttempt>(std::move(*prepared));
@@ -226,16 +226,16 @@ void Workflow::Start(bool as_reference) {
   choice.device = offers_[offer_].device;
   choice.pedal = offers_[offer_].pedal;
   choice.thread_setup = [] { (void)RequestRealtime(); };
-  errand_.Start("Opening the device",
-                [this, choice, profile = preview_->profile,
-                 tick_s = 1.0 / preview_->header.params.rate_hz]() -> Errand::After {
-                  auto opened = std::make_shared<Result<std::unique_ptr<Device>>>(
-                      sdk::OpenChosenDevice(choice, profile, tick_s));
-                  return [this, opened] {
-                    if (!opened->ok()) return Fail(opened->status());
-                    ToStage(std::move(**opened));
-                  };
-                });
+  task_.Start("Opening the device",
+              [this, choice, profile = preview_->profile,
+               tick_s = 1.0 / preview_->header.params.rate_hz]() -> BackgroundTask::After {
+                auto opened = std::make_shared<Result<std::unique_ptr<Device>>>(
+                    sdk::OpenChosenDevice(choice, profile, tick_s));
+                return [this, opened] {
+                  if (!opened->ok()) return Fail(opened->status());
+                  ToStage(std::move(**opened));
+                };
+              });
 }
 
 void Workflow::ToStage(std::unique_ptr<Device> attached) {
@@ -261,14 +261,14 @@ void Workflow::ToStage(std::unique_ptr<Device> attached) {
 }
 
 void Workflow::TakeTicket() {
-  errand_.Start("Asking for the ticket",
-                [this, stage = stage_.get(), reference = as_reference_]() -> Errand::After {
-                  Status taken = workplace_.TakeTicket(stage->prepared(), reference);
-                  return [this, taken] {
-                    ticketed_ = taken.ok();
-                    if (!ticketed_) LeaveStageFor(taken);
-                  };
-                });
+  task_.Start("Asking for the ticket",
+              [this, stage = stage_.get(), reference = as_reference_]() -> BackgroundTask::After {
+                Status taken = workplace_.TakeTicket(stage->prepared(), reference);
+                return [this, taken] {
+                  ticketed_ = taken.ok();
+                  if (!ticketed_) LeaveStageFor(taken);
+                };
+              });
 }
 
 // The ticket is taken last: the server waits for the attempt from then on. A simulated hand's time
@@ -305,7 +305,7 @@ void Workflow::EndAttempt() {
   if (busy() || joined_ || !stage_ || stage_->run() == nullptr) return;
   Go(Place::kHandIn);
   stage_->run()->End();
-  errand_.Start("Closing the recording", [this, run = stage_->run()]() -> Errand::After {
+  task_.Start("Closing the recording", [this, run = stage_->run()]() -> BackgroundTask::After {
     auto seal = run->Join();
     return [this, s = seal.status()] {
       joined_ = true;
@@ -379,7 +379,7 @@ void Workflow::WatchScore(Clock::time_point now) {
                             progress_->state == "quarantined");
   if (over || busy() || now < next_look_) return;
   next_look_ = now + kLookEvery;
-  errand_.Start("Scoring", [this, attempt = result_.attempt]() -> Errand::After {
+  task_.Start("Scoring", [this, attempt = result_.attempt]() -> BackgroundTask::After {
     auto progress = workplace_.Progress(attempt);
     return [this, p = std::move(progress)] {
       if (p.ok()) {
@@ -400,7 +400,7 @@ void Workflow::Open(Dialog dialog) {
 void Workflow::LeaveStage() {
   stillness_.reset();
   if (busy()) {
-    errand_.Forget();
+    task_.Forget();
     if (stage_) left_ = std::move(stage_);
     return;
   }
@@ -408,10 +408,10 @@ void Workflow::LeaveStage() {
   workplace_.HandBackUnused();
 }
 
-// The outcome of the errand under way, if any, is not wanted; then the step.
+// The outcome of the background task under way, if any, is not wanted; then the step.
 void Workflow::WhenFree(std::function<void()> step) {
   if (!busy()) return step();
-  errand_.Forget();
+  task_.Forget();
   once_free_ = std::move(step);
 }
 
@@ -477,17 +477,18 @@ void Workflow::TakeOn(std::shared_ptr<Result<PreparedAttempt>> prepared, Way way
 void Workflow::GoOnWithCutOff() {
   if (busy()) return;
   problem_.clear();
-  errand_.Start(
-      "Cutting again what was recorded", [this, id = cut_off_chosen().id]() -> Errand::After {
-        auto prepared = std::make_shared<Result<PreparedAttempt>>(workplace_.PrepareResume(id));
-        return [this, prepared] { TakeOn(prepared, Way::kResumed); };
-      });
+  task_.Start("Cutting again what was recorded",
+              [this, id = cut_off_chosen().id]() -> BackgroundTask::After {
+                auto prepared =
+                    std::make_shared<Result<PreparedAttempt>>(workplace_.PrepareResume(id));
+                return [this, prepared] { TakeOn(prepared, Way::kResumed); };
+              });
 }
 
 void Workflow::EndCutOff() {
   if (busy()) return;
   problem_.clear();
-  errand_.Start("Handing it in", [this, id = cut_off_chosen().id]() -> Errand::After {
+  task_.Start("Handing it in", [this, id = cut_off_chosen().id]() -> BackgroundTask::After {
     Status closed = workplace_.Close(id).status();
     return [this, closed] {
       if (!closed.ok()) return Fail(closed);
@@ -499,7 +500,7 @@ void Workflow::EndCutOff() {
 void Workflow::Reserve(const std::string& pin) {
   if (busy() || !preview_) return;
   problem_.clear();
-  errand_.Start("Keeping it for later", [this, pin]() -> Errand::After {
+  task_.Start("Keeping it for later", [this, pin]() -> BackgroundTask::After {
     Status kept = workplace_.Reserve(*preview_, pin);
     return [this, kept] {
       if (!kept.ok()) return Fail(kept);
@@ -529,7 +530,7 @@ void Workflow::AskPin(size_t index) {
 void Workflow::OpenReserved(const std::string& pin) {
   if (busy()) return;
   problem_.clear();
-  errand_.Start("Opening the ticket", [this, pin, r = reserved_chosen()]() -> Errand::After {
+  task_.Start("Opening the ticket", [this, pin, r = reserved_chosen()]() -> BackgroundTask::After {
     const Uuid& id = r.ticket.attempt;
     auto prepared = std::make_shared<Result<PreparedAttempt>>(
         r.cut_off ? workplace_.PrepareResume(id, pin) : workplace_.PrepareReserved(id, pin));
@@ -546,8 +547,9 @@ void Workflow::OpenReserved(const std::string& pin) {
 void Workflow::GiveBack(const std::string& pin) {
   if (busy()) return;
   problem_.clear();
-  errand_.Start(
-      "Giving it back", [this, pin, id = reserved_chosen().ticket.attempt]() -> Errand::After {
+  task_.Start(
+      "Giving it back",
+      [this, pin, id = reserved_chosen().ticket.attempt]() -> BackgroundTask::After {
         auto given = workplace_.GiveBack(id, pin);
         return [this, given] {
           LookForReserved();
@@ -571,22 +573,22 @@ void Workflow::ToExercises() {
 void Workflow::MarkReference(const std::string& dentist, bool consent) {
   if (busy() || place_ != Place::kResult) return;
   problem_.clear();
-  errand_.Start("Marking the reference",
-                [this, dentist, consent, attempt = result_.attempt]() -> Errand::After {
-                  Status marked = workplace_.MarkReference(attempt, dentist, consent);
-                  return [this, marked] {
-                    if (!marked.ok()) return Fail(marked);
-                    marked_ = true;
-                    CloseDialog();
-                  };
-                });
+  task_.Start("Marking the reference",
+              [this, dentist, consent, attempt = result_.attempt]() -> BackgroundTask::After {
+                Status marked = workplace_.MarkReference(attempt, dentist, consent);
+                return [this, marked] {
+                  if (!marked.ok()) return Fail(marked);
+                  marked_ = true;
+                  CloseDialog();
+                };
+              });
 }
 
 void Workflow::Back() {
   if (dialog_ != Dialog::kNone) return CloseDialog();
   switch (place_) {
     case Place::kExercise:
-      if (busy()) errand_.Forget();
+      if (busy()) task_.Forget();
       preview_.reset();
       if (offline_) return SignOut();
       return Go(Place::kExercises);

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/scoring/score.h"
-#include "station/desk/errand.h"
+#include "station/desk/background_task.h"
 #include "station/desk/stage.h"
 #include "station/desk/stillness.h"
 
@@ -36,9 +36,9 @@ struct WorkflowOptions {
 };
 
 // Where a person is on the way from sign-in to result, and the steps from there. The pages draw
-// what is here and call the steps; steps that wait for the server run as an errand, and what went
+// what is here and call the steps; steps that wait for the server run as a background task, and what went
 // wrong is in `problem`, in words. Needs the OpenGL context current where a stage is made or left
-// (Tick and the steps). No step waits for the server: what an errand still needs of a place that
+// (Tick and the steps). No step waits for the server: what a background task still needs of a place that
 // was left is kept until it ends. Thread safety: the window's thread.
 class Workflow {
  public:
@@ -46,11 +46,11 @@ class Workflow {
 
   // `workplace` outlives this.
   Workflow(Workplace& workplace, WorkflowOptions options);
-  ~Workflow();  // signs out, so that no errand waits for the server
+  ~Workflow();  // signs out, so that no background task waits for the server
   Workflow(const Workflow&) = delete;
   Workflow& operator=(const Workflow&) = delete;
 
-  // Once a frame: outcomes of errands, ends of attempts. `active`: the person did something.
+  // Once a frame: outcomes of background tasks, ends of attempts. `active`: the person did something.
   void Tick(Clock::time_point now, bool active);
 
   // --- where ---
@@ -58,8 +58,8 @@ class Workflow {
   Dialog dialog() const { return dialog_; }
   const std::string& problem() const { return problem_; }
   const std::string& notice() const { return notice_; }  // something went well
-  bool busy() const { return errand_.busy(); }
-  const std::string& errand() const { return errand_.what(); }
+  bool busy() const { return task_.busy(); }
+  const std::string& task() const { return task_.what(); }
   const Person& person() const { return person_; }
   bool instructor() const { return person_.role != "student"; }
   const std::vector<Catalogue::Exercise>& exercises() const { return catalogue_.exercises; }
@@ -180,7 +180,7 @@ class Workflow {
   size_t offer_ = 0, cut_off_index_ = 0, reserved_index_ = 0;
   std::unique_ptr<PreparedAttempt> preview_;
   std::unique_ptr<Stage> stage_;
-  std::unique_ptr<Stage> left_;  // was left while an errand may use it
+  std::unique_ptr<Stage> left_;  // was left while a background task may use it
   std::function<void()> once_free_;
   Shown result_, come_back_to_;
   std::optional<StillnessCheck> stillness_;
@@ -189,7 +189,7 @@ class Workflow {
   std::optional<AttemptProgress> progress_;
   std::optional<scoring::ScoreResult> score_;
   Clock::time_point started_ = Clock::now(), active_at_ = started_, next_look_{};
-  Errand errand_;  // its thread ends before what it uses goes
+  BackgroundTask task_;  // its thread ends before what it uses goes
 };
 
 }  // namespace enamel::station::desk

@@ -19,7 +19,7 @@ class FixedWriter {
   void Text(std::string_view text) noexcept {
     for (size_t i = 0; i < kTextBytes; ++i) U8(i < text.size() ? static_cast<uint8_t>(text[i]) : 0);
   }
-  std::array<uint8_t, N> Sealed() noexcept {
+  std::array<uint8_t, N> WithChecksum() noexcept {
     U16(Crc16({bytes_.data(), at_}));
     return bytes_;
   }
@@ -145,7 +145,7 @@ std::array<uint8_t, kInputBytes> EncodeInput(const InputReport& report) noexcept
   for (int32_t c : report.counts) out.I32(c);
   for (int16_t q : report.orientation) out.I16(q);
   out.U16(report.bur_speed_krpm);
-  return out.Sealed();
+  return out.WithChecksum();
 }
 
 std::array<uint8_t, kOutputBytes> EncodeOutput(const OutputReport& report) noexcept {
@@ -158,7 +158,7 @@ std::array<uint8_t, kOutputBytes> EncodeOutput(const OutputReport& report) noexc
   for (int32_t f : report.force_100un) out.I32(f);
   for (int32_t t : report.torque_un_m) out.I32(t);
   out.U16(report.watchdog_ms);
-  return out.Sealed();
+  return out.WithChecksum();
 }
 
 std::array<uint8_t, kFeatureBytes> EncodeFeature(const FeatureReport& report) noexcept {
@@ -173,7 +173,7 @@ std::array<uint8_t, kFeatureBytes> EncodeFeature(const FeatureReport& report) no
   out.U16(report.rate_hz);
   out.Text(report.name);
   out.Text(report.profile);
-  return out.Sealed();
+  return out.WithChecksum();
 }
 
 }  // namespace enamel::station::hid

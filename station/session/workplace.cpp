@@ -12,7 +12,7 @@
 #include "common/scene/plan.h"
 #include "common/scene/volume_blob.h"
 #include "common/trace/replay_run.h"
-#include "station/uplink/carrier.h"
+#include "station/uplink/attempt_sender.h"
 
 namespace enamel::station {
 namespace {
@@ -249,7 +249,7 @@ Status Workplace::AskForTicket(PreparedAttempt& prepared, bool as_reference) {
 
 Status Workplace::TellReturned(ServerLink& link) {
   Bandwidth no_bound(0);
-  return Carrier(link, *spool_, no_bound).ReturnTickets();
+  return AttemptSender(link, *spool_, no_bound).ReturnTickets();
 }
 
 void Workplace::HandBackUnused() {

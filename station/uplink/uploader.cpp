@@ -141,9 +141,9 @@ Status Uploader::RunConnection() {
   ENAMEL_RETURN_IF_ERROR(link_.Connect(credentials_));
   refused_backoff_.Reset();
   Say(Status::Ok());
-  Carrier* self = nullptr;
-  Carrier carrier(link_, spool_, bandwidth_, [&] { return Meanwhile(*self); });
-  self = &carrier;
+  AttemptSender* self = nullptr;
+  AttemptSender sender(link_, spool_, bandwidth_, [&] { return Meanwhile(*self); });
+  self = &sender;
   {
     std::lock_guard lock(mutex_);
     about_link_.reachable = true;
@@ -151,7 +151,7 @@ Status Uploader::RunConnection() {
     about_link_.problem = Status::Ok();
     changed_.notify_all();
   }
-  auto offered = carrier.Offer();
+  auto offered = sender.Offer();
   if (!offered.ok()) return offered.status();
   backoff_.Reset();
   while (true) {
@@ -159,13 +159,13 @@ Status Uploader::RunConnection() {
       std::lock_guard lock(mutex_);
       look_for_tickets_ = false;
     }
-    ENAMEL_RETURN_IF_ERROR(carrier.ReturnTickets());
-    ENAMEL_RETURN_IF_ERROR(BringWaiting(carrier));
-    ENAMEL_RETURN_IF_ERROR(AwaitWork(carrier));
+    ENAMEL_RETURN_IF_ERROR(sender.ReturnTickets());
+    ENAMEL_RETURN_IF_ERROR(SendWaiting(sender));
+    ENAMEL_RETURN_IF_ERROR(AwaitWork(sender));
   }
 }
 
-Status Uploader::BringWaiting(Carrier& carrier) {
+Status Uploader::SendWaiting(AttemptSender& sender) {
   awaited_due_.reset();
   std::set<Uuid> brought;
   while (auto attempt = NextWaiting(brought)) {
@@ -173,10 +173,9 @@ Status Uploader::BringWaiting(Carrier& carrier) {
     {
       std::lock_guard lock(mutex_);
       preferred = attempt == preferred_;
-      if (preferred && std::exchange(reopen_, false)) carrier.Reopen(*attempt);
+      if (preferred && std::exchange(reopen_, false)) sender.Reopen(*attempt);
     }
-    Status status =
-        carrier.Bring(*attempt, [&] { return yielded = !preferred && PreferredWaits(); });
+    Status status = sender.Send(*attempt, [&] { return yielded = !preferred && PreferredWaits(); });
     Note(*attempt, status);
     if (IsOfOneRecording(status)) {
       awaited_due_ = Clock::now() + kAwaitedEvery;
@@ -240,13 +239,13 @@ void Uploader::Note(const Uuid& attempt, const Status& status) {
   changed_.notify_all();
 }
 
-Status Uploader::Meanwhile(const Carrier& carrier) {
+Status Uploader::Meanwhile(const AttemptSender& sender) {
   if (stopping()) return Status(Code::kUnavailable, "the upload was stopped", net::kCancelled);
-  SendLive(carrier);
+  SendLive(sender);
   return Status::Ok();
 }
 
-void Uploader::SendLive(const Carrier& carrier) {
+void Uploader::SendLive(const AttemptSender& sender) {
   auto now = Clock::now();
   if (now < live_due_) return;
   std::shared_ptr<LiveMailbox> live;
@@ -257,21 +256,21 @@ void Uploader::SendLive(const Carrier& carrier) {
     live = live_;
     attempt = *preferred_;
   }
-  if (!carrier.watched(attempt)) return;
+  if (!sender.watched(attempt)) return;
   auto point = live->Take();
   if (!point) return;
   // From when it was due, so that the rate holds; not all at once after a pause.
   live_due_ = std::max(live_due_ + kLiveEvery, now - kLiveEvery);
-  bool sent = carrier.at_ease() && bandwidth_.TakeSpare(kLiveBytes, now) &&
+  bool sent = sender.at_ease() && bandwidth_.TakeSpare(kLiveBytes, now) &&
               link_.SendLive(attempt, *point).ok();
   std::lock_guard lock(mutex_);
   ++(sent ? about_link_.live_sent : about_link_.live_dropped);
 }
 
 // Until there is something new, keeping the connection alive and the live view going.
-Status Uploader::AwaitWork(Carrier& carrier) {
+Status Uploader::AwaitWork(AttemptSender& sender) {
   while (true) {
-    ENAMEL_RETURN_IF_ERROR(Meanwhile(carrier));
+    ENAMEL_RETURN_IF_ERROR(Meanwhile(sender));
     PruneWhenDue();
     auto now = Clock::now();
     if (now >= ping_due_) {
@@ -279,7 +278,7 @@ Status Uploader::AwaitWork(Carrier& carrier) {
       ping_due_ = now + kPingEvery;
     }
     std::unique_lock lock(mutex_);
-    bool watched = preferred_ && live_ && carrier.watched(*preferred_);
+    bool watched = preferred_ && live_ && sender.watched(*preferred_);
     auto until = watched ? std::min<Clock::time_point>(ping_due_, now + kLiveEvery / 4) : ping_due_;
     if (changed_.wait_until(lock, until, [&] { return wake_ || look_for_tickets_ || stop_; }))
       return Status::Ok();

@@ -12,8 +12,8 @@
 
 #include "common/base/result.h"
 #include "station/spool/spool.h"
+#include "station/uplink/attempt_sender.h"
 #include "station/uplink/backoff.h"
-#include "station/uplink/carrier.h"
 #include "station/uplink/live_mailbox.h"
 #include "station/uplink/server_link.h"
 
@@ -30,8 +30,8 @@ struct UploaderOptions {
 
 // Brings the spool to the server on a thread of its own while recording goes on, over breaks of the
 // connection: first the attempt being made, then what is left of earlier ones. On every connection
-// it first asks which attempts the server lost (Carrier::Offer) and sends those again. Tickets that
-// were handed back are returned to the server (Carrier::ReturnTickets).
+// it first asks which attempts the server lost (AttemptSender::Offer) and sends those again. Tickets that
+// were handed back are returned to the server (AttemptSender::ReturnTickets).
 //
 // Waits between tries as Backoff says. A refusal that trying again cannot change stops the upload
 // of that attempt only; one of the station as a whole (not known any more, another certificate,
@@ -90,12 +90,12 @@ class Uploader {
   Status RunConnection();
   void Say(const Status& status);
   void PruneWhenDue();
-  Status BringWaiting(Carrier& carrier);
+  Status SendWaiting(AttemptSender& sender);
   std::optional<Uuid> NextWaiting(std::set<Uuid>& brought);
   void Note(const Uuid& attempt, const Status& status);
-  Status Meanwhile(const Carrier& carrier);
-  void SendLive(const Carrier& carrier);
-  Status AwaitWork(Carrier& carrier);
+  Status Meanwhile(const AttemptSender& sender);
+  void SendLive(const AttemptSender& sender);
+  Status AwaitWork(AttemptSender& sender);
   bool stopping() const;
   bool PreferredWaits();
 

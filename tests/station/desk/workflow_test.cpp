@@ -120,7 +120,7 @@ TEST_F(WorkflowTest, SigningOutDoesNotWaitForAServerThatHangs) {
   while (server_->unanswered == 0) std::this_thread::yield();
   flow_->SignOut();
   EXPECT_EQ(flow_->place(), Place::kSignIn);
-  EXPECT_TRUE(flow_->busy()) << "it waited for the errand";
+  EXPECT_TRUE(flow_->busy()) << "it waited for the background task";
   Settle();
   EXPECT_TRUE(flow_->problem().empty()) << "nobody asked for: " << flow_->problem();
   server_->silent = false;
@@ -146,7 +146,7 @@ TEST_F(WorkflowTest, AResultThatIsShownIsLeftWithoutWaitingForAServerThatHangs) 
   TickUntil([&] { return server_->unanswered > 0; });
   flow_->ToExercises();
   EXPECT_EQ(flow_->place(), Place::kExercises);
-  EXPECT_TRUE(flow_->busy()) << "it waited for the errand";
+  EXPECT_TRUE(flow_->busy()) << "it waited for the background task";
 }
 
 TEST_F(WorkflowTest, AResultIsSeenAfterTheConnectionWasLost) {

@@ -45,7 +45,7 @@ class UploaderTest : public testing::Test {
   }
   Status UploadAttempt(ServerLink& link, Spool& spool, const Uuid& attempt) {
     Bandwidth no_bound(0);
-    return Carrier(link, spool, no_bound).Bring(attempt);
+    return AttemptSender(link, spool, no_bound).Send(attempt);
   }
   // The page of the spool, which is closed, that these bytes lie in is destroyed.
   void OverwritePageWith(const Bytes& bytes) {
@@ -418,14 +418,14 @@ TEST_F(UploaderTest, WhatTheServerLostIsSentAgainAsSoonAsItIsAsked) {
   ServerLink link;
   ASSERT_TRUE(link.Connect(credentials).ok());
   Bandwidth no_bound(0);
-  Carrier carrier(link, *spool_, no_bound);
-  EXPECT_EQ(*carrier.Offer(), 1u);
+  AttemptSender sender(link, *spool_, no_bound);
+  EXPECT_EQ(*sender.Offer(), 1u);
   EXPECT_EQ(server.offered(), 1);
   EXPECT_EQ(WaitingAttempts(*spool_)->size(), 1u);
-  ASSERT_TRUE(carrier.Bring(id()).ok());
+  ASSERT_TRUE(sender.Send(id()).ok());
   ExpectWholeAt(server);
   EXPECT_TRUE(spool_->Get(id())->complete());
-  EXPECT_EQ(*carrier.Offer(), 0u);
+  EXPECT_EQ(*sender.Offer(), 0u);
 }
 
 TEST_F(UploaderTest, ServerIsToldThatAnAttemptWasResumed) {
@@ -451,7 +451,7 @@ TEST_F(UploaderTest, RevokedTicketIsForgottenAndAnotherKept) {
   ServerLink link;
   ASSERT_TRUE(link.Connect(server.NewStation()).ok());
   Bandwidth no_bound(0);
-  ASSERT_TRUE(Carrier(link, *spool_, no_bound).Offer().ok());
+  ASSERT_TRUE(AttemptSender(link, *spool_, no_bound).Offer().ok());
   auto left = *spool_->tickets().List();
   ASSERT_EQ(left.size(), 1u);
   EXPECT_EQ(left[0].attempt, id());
@@ -473,13 +473,13 @@ TEST_F(UploaderTest, HandedBackTicketIsReturnedAndForgottenWhateverTheServerSays
     ServerLink link;
     ASSERT_TRUE(link.Connect(server.NewStation()).ok());
     Bandwidth no_bound(0);
-    Carrier carrier(link, *spool_, no_bound);
-    ASSERT_TRUE(carrier.Offer().ok());
+    AttemptSender sender(link, *spool_, no_bound);
+    ASSERT_TRUE(sender.Offer().ok());
     EXPECT_EQ(spool_->tickets().List()->size(), 1u) << "it is no longer asked about";
-    ASSERT_TRUE(carrier.ReturnTickets().ok());
+    ASSERT_TRUE(sender.ReturnTickets().ok());
     EXPECT_EQ(server.returned(), std::vector<Uuid>{ticket.attempt});
     EXPECT_TRUE(spool_->tickets().List()->empty()) << CodeName(answer.code());
-    ASSERT_TRUE(carrier.ReturnTickets().ok());
+    ASSERT_TRUE(sender.ReturnTickets().ok());
     EXPECT_EQ(server.returned().size(), 1u);
   }
 }
@@ -497,7 +497,7 @@ TEST_F(UploaderTest, HandedBackTicketWaitsForTheServerAndNeverCostsAnAttempt) {
     ASSERT_TRUE(link.Connect(server.NewStation()).ok());
     link.Close();
     Bandwidth no_bound(0);
-    EXPECT_EQ(Carrier(link, *spool_, no_bound).ReturnTickets().code(), Code::kUnavailable);
+    EXPECT_EQ(AttemptSender(link, *spool_, no_bound).ReturnTickets().code(), Code::kUnavailable);
     EXPECT_FALSE(spool_->tickets().List()->empty());
   }
   Uploader uploader(server.NewStation(), *spool_);

@@ -26,7 +26,7 @@ inline bool IsOfOneRecording(const Status& status) {
 
 // What one connection carries from the spool to the server. At most kWindow chunks are on their way
 // without acknowledgement, and no more is in memory. Thread safety: none.
-class Carrier {
+class AttemptSender {
  public:
   static constexpr size_t kWindow = 16;
   // Called before each message and at least this often while waiting; not ok: the call ends with
@@ -36,7 +36,7 @@ class Carrier {
 
   // All must outlive it. `link` is connected; after a transient error that is not
   // IsOfOneRecording this is of no more use.
-  Carrier(ServerLink& link, Spool& spool, Bandwidth& bandwidth, Meanwhile meanwhile = {})
+  AttemptSender(ServerLink& link, Spool& spool, Bandwidth& bandwidth, Meanwhile meanwhile = {})
       : link_(link), spool_(spool), bandwidth_(bandwidth), meanwhile_(std::move(meanwhile)) {}
 
   // Asks which of the attempts that the server once had it has no more (it was restored from an
@@ -53,9 +53,9 @@ class Carrier {
   // `yield`, asked between chunks, returning true ends it earlier, with everything sent
   // acknowledged. A refusal that trying again cannot change is noted in the spool. Errors: the
   // link's, the spool's.
-  Status Bring(const Uuid& attempt, const std::function<bool()>& yield = {});
+  Status Send(const Uuid& attempt, const std::function<bool()>& yield = {});
 
-  // The next Bring opens the attempt anew: it was resumed.
+  // The next Send opens the attempt anew: it was resumed.
   void Reopen(const Uuid& attempt) { next_.erase(attempt); }
 
   // The server said with its last answer about this attempt that somebody watches it.
@@ -65,7 +65,7 @@ class Carrier {
 
  private:
   Result<std::vector<Uuid>> UnusedTickets();
-  Status BringOnce(const Uuid& attempt, const std::function<bool()>& yield);
+  Status SendOnce(const Uuid& attempt, const std::function<bool()>& yield);
   Status SendChunks(const Uuid& attempt, const std::function<bool()>& yield);
   Status TakeAllAcks();
   Status AwaitBandwidth(size_t bytes);

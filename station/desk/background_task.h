@@ -12,11 +12,11 @@ namespace enamel::station::desk {
 // One thing done apart from the window's thread, because it may wait for the server or the disk:
 // the work runs on a thread of its own and returns what is to be done with its outcome, which then
 // runs where Poll is called. One at a time. Thread safety: owner's thread.
-class Errand {
+class BackgroundTask {
  public:
   using After = std::function<void()>;
 
-  ~Errand() { Join(); }
+  ~BackgroundTask() { Join(); }
 
   // Requires: !busy(). `what` is for the person who waits: "Signing in".
   void Start(std::string what, std::function<After()> work) {

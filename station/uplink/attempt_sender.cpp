@@ -1,4 +1,4 @@
-#include "station/uplink/carrier.h"
+#include "station/uplink/attempt_sender.h"
 
 #include <algorithm>
 #include <thread>
@@ -37,7 +37,7 @@ Result<std::vector<SpooledAttempt>> WaitingAttempts(Spool& spool) {
   return all;
 }
 
-Result<size_t> Carrier::Offer() {
+Result<size_t> AttemptSender::Offer() {
   ENAMEL_ASSIGN_OR_RETURN(auto all, spool_.List());
   std::erase_if(all, [](const SpooledAttempt& a) { return !a.complete() || !a.refused.empty(); });
   ENAMEL_ASSIGN_OR_RETURN(auto tickets, UnusedTickets());
@@ -62,7 +62,7 @@ Result<size_t> Carrier::Offer() {
   return wanted_count;
 }
 
-Result<std::vector<Uuid>> Carrier::UnusedTickets() {
+Result<std::vector<Uuid>> AttemptSender::UnusedTickets() {
   ENAMEL_ASSIGN_OR_RETURN(auto tickets, spool_.tickets().List());
   std::vector<Uuid> out;
   for (const LockedTicket& t : tickets) {
@@ -73,7 +73,7 @@ Result<std::vector<Uuid>> Carrier::UnusedTickets() {
   return out;
 }
 
-Status Carrier::ReturnTickets() {
+Status AttemptSender::ReturnTickets() {
   ENAMEL_ASSIGN_OR_RETURN(auto tickets, spool_.tickets().List());
   for (const LockedTicket& t : tickets) {
     if (!t.handed_back()) continue;
@@ -85,8 +85,8 @@ Status Carrier::ReturnTickets() {
   return Status::Ok();
 }
 
-Status Carrier::Bring(const Uuid& attempt, const std::function<bool()>& yield) {
-  Status status = BringOnce(attempt, yield);
+Status AttemptSender::Send(const Uuid& attempt, const std::function<bool()>& yield) {
+  Status status = SendOnce(attempt, yield);
   if (status.ok() || (IsTransient(status) && !IsStopped(status))) {
     if (Status noted = spool_.MarkTried(attempt, status.message()); status.ok()) return noted;
   }
@@ -100,7 +100,7 @@ Status Carrier::Bring(const Uuid& attempt, const std::function<bool()>& yield) {
   return status;
 }
 
-Status Carrier::BringOnce(const Uuid& attempt, const std::function<bool()>& yield) {
+Status AttemptSender::SendOnce(const Uuid& attempt, const std::function<bool()>& yield) {
   if (!next_.contains(attempt)) {
     ENAMEL_ASSIGN_OR_RETURN(auto stored, spool_.Get(attempt));
     ENAMEL_ASSIGN_OR_RETURN(auto header, spool_.HeaderOf(attempt));
@@ -126,7 +126,7 @@ Status Carrier::BringOnce(const Uuid& attempt, const std::function<bool()>& yiel
   return spool_.MarkSealedAtServer(attempt);
 }
 
-Status Carrier::SendChunks(const Uuid& attempt, const std::function<bool()>& yield) {
+Status AttemptSender::SendChunks(const Uuid& attempt, const std::function<bool()>& yield) {
   uint32_t& next = next_.at(attempt);
   bool yielding = false;
   while (!yielding) {
@@ -147,7 +147,7 @@ Status Carrier::SendChunks(const Uuid& attempt, const std::function<bool()>& yie
 }
 
 // All, also where the spool cannot mark some of them.
-Status Carrier::TakeAllAcks() {
+Status AttemptSender::TakeAllAcks() {
   Status worst;
   while (waiting_ > 0) {
     Status taken = TakeAck();
@@ -157,7 +157,7 @@ Status Carrier::TakeAllAcks() {
   return worst;
 }
 
-Status Carrier::AwaitBandwidth(size_t bytes) {
+Status AttemptSender::AwaitBandwidth(size_t bytes) {
   while (true) {
     auto wait = bandwidth_.Take(bytes, Clock::now());
     if (wait == Clock::duration{}) return Status::Ok();
@@ -166,7 +166,7 @@ Status Carrier::AwaitBandwidth(size_t bytes) {
   }
 }
 
-Status Carrier::TakeAck() {
+Status AttemptSender::TakeAck() {
   const auto deadline = Clock::now() + ServerLink::kTimeout;
   while (true) {
     ENAMEL_RETURN_IF_ERROR(Meanwhiles());
@@ -187,7 +187,7 @@ Status Carrier::TakeAck() {
   }
 }
 
-void Carrier::NoteWatched(const Uuid& attempt, bool watched) {
+void AttemptSender::NoteWatched(const Uuid& attempt, bool watched) {
   if (watched)
     watched_ = attempt;
   else if (watched_ == attempt)
