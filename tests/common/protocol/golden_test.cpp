@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
 
 #include "common/base/file.h"
 #include "common/base/hex.h"
@@ -38,7 +41,7 @@ Bytes OnlyMessageOf(ByteView stream) {
   return reader.done() ? reader.Take() : Bytes();
 }
 
-class WireGoldenTest : public testing::TestWithParam<const char*> {
+class WireGoldenTest : public testing::TestWithParam<std::string> {
  protected:
   std::string name_ = GetParam();
   bool is_request_ = name_.starts_with("request");
@@ -75,15 +78,27 @@ TEST_P(WireGoldenTest, DescriptionIsWrittenToTheSameFrame) {
   EXPECT_EQ(ToHex(*EncodeFrame(Serialize(*Described()))), ToHex(Read(name_ + ".bin")));
 }
 
-INSTANTIATE_TEST_SUITE_P(Messages, WireGoldenTest,
-                         testing::Values("request_hello", "request_enrol_again",
-                                         "request_put_chunk", "request_seal", "request_live_state",
-                                         "request_ticket", "request_open_attempt",
-                                         "request_return_ticket", "reply_error", "reply_chunk_ack",
-                                         "reply_welcome", "reply_welcome_page", "reply_exercises",
-                                         "reply_ticket_issued", "reply_ticket_returned",
-                                         "reply_attempt_state"),
-                         [](const auto& message) { return std::string(message.param); });
+// Every description there is: a message is added by adding one.
+std::vector<std::string> Names() {
+  std::vector<std::string> out;
+  for (const auto& entry : std::filesystem::directory_iterator(Folder())) {
+    if (entry.path().extension() == ".json") out.push_back(entry.path().stem().string());
+  }
+  std::ranges::sort(out);
+  return out;
+}
+
+TEST(WireGoldenFolderTest, FramesHaveDescriptionsAndThereAreAtLeastSixteen) {
+  size_t frames = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(Folder())) {
+    frames += entry.path().extension() == ".bin";
+  }
+  EXPECT_EQ(frames, Names().size());
+  EXPECT_GE(frames, 16u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Messages, WireGoldenTest, testing::ValuesIn(Names()),
+                         [](const auto& message) { return message.param; });
 
 }  // namespace
 }  // namespace enamel::protocol

@@ -1,12 +1,23 @@
+#include <google/protobuf/util/json_util.h>
+
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <string>
+#include <vector>
 
 #include "common/base/file.h"
+#include "common/protocol/frame.h"
+#include "common/protocol/messages.h"
+#include "common/scene/builtin.h"
+#include "common/scene/json.h"
 #include "tests/common/trace/describe.h"
 #include "tests/common/trace/sample.h"
 
-// Writes schemas/golden/trace anew (schemas/golden/README.md).
+// Writes anew what of schemas/golden a program can write (schemas/golden/README.md): recordings and
+// their parts, the frames of the wire's messages, the built-in device profiles. What stands for files
+// that are in the field already is never written anew, and is not written here.
 namespace enamel::trace {
 namespace {
 
@@ -53,7 +64,7 @@ void Write(const std::filesystem::path& folder, const std::string& name, ByteVie
   std::printf("%s: %zu bytes\n", name.c_str(), bytes.size());
 }
 
-void WriteAll(const std::filesystem::path& folder) {
+void WriteTraces(const std::filesystem::path& folder) {
   Header header = sample::MakeHeader();
   Write(folder, "ticket", EncodeTicket(header.ticket), Describe(header.ticket));
   Write(folder, "header", EncodeHeader(header), Describe(header));
@@ -71,6 +82,40 @@ void WriteAll(const std::filesystem::path& folder) {
   Write(folder, "recording", EncodeTraceFile(file), Describe(file));
 }
 
+// Each message's description is what is written by hand; its frame follows from it.
+void WriteFrames(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> descriptions;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().extension() == ".json") descriptions.push_back(entry.path());
+  }
+  std::ranges::sort(descriptions);
+  for (std::filesystem::path path : descriptions) {
+    std::unique_ptr<google::protobuf::Message> message;
+    if (path.filename().string().starts_with("request"))
+      message = std::make_unique<wire::Request>();
+    else
+      message = std::make_unique<wire::Reply>();
+    auto text = ReadFile(path);
+    ENAMEL_CHECK(text.ok());
+    auto parsed =
+        google::protobuf::util::JsonStringToMessage(std::string(AsText(*text)), message.get());
+    if (!parsed.ok()) std::fprintf(stderr, "%s: %s\n", path.c_str(), parsed.ToString().c_str());
+    ENAMEL_CHECK(parsed.ok());
+    const Bytes frame = *protocol::EncodeFrame(protocol::Serialize(*message));
+    ENAMEL_CHECK(WriteFileDurably(path.replace_extension(".bin"), frame).ok());
+    std::printf("%s: %zu bytes\n", path.stem().c_str(), frame.size());
+  }
+}
+
+void WriteProfiles(const std::filesystem::path& folder) {
+  for (const scene::DeviceProfile& profile : scene::BuiltinProfiles()) {
+    const std::string name = "scene_profile_" + profile.name + ".json";
+    const std::string text = scene::ToJson(profile);
+    ENAMEL_CHECK(WriteFileDurably(folder / name, AsBytes(text)).ok());
+    std::printf("%s: %zu bytes\n", name.c_str(), text.size());
+  }
+}
+
 }  // namespace
 }  // namespace enamel::trace
 
@@ -79,6 +124,9 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "usage: enamel_write_golden FOLDER\n");
     return 2;
   }
-  enamel::trace::WriteAll(argv[1]);
+  const std::filesystem::path folder = argv[1];
+  enamel::trace::WriteTraces(folder / "trace");
+  enamel::trace::WriteFrames(folder / "wire");
+  enamel::trace::WriteProfiles(folder);
   return 0;
 }
