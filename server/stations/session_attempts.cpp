@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/protocol/attempt_facts.h"
 #include "common/scene/attempt_documents.h"
 #include "common/scene/json.h"
 #include "server/stations/session.h"
@@ -247,7 +248,7 @@ Result<wire::Reply> Session::Do(const wire::OpenAttempt& request) {
     ENAMEL_RETURN_IF_ERROR(CheckParams(header));
   }
   ENAMEL_RETURN_IF_ERROR(services_.store.OpenAttempt(attempt, AsBytes(request.header())));
-  if (request.resumed() > 0) {
+  if (protocol::FactsOf(request).resumed > 0) {
     ENAMEL_RETURN_IF_ERROR(
         services_.store.FlagAttempt(attempt, kResumed, "the station went on from its spool",
                                     Actor{row->person, "station " + station_->name}));

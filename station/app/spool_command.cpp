@@ -81,7 +81,7 @@ json::object FactsOf(const SpooledAttempt& a) {
           {"chunks", a.chunks},
           {"committed_chunks", a.committed},
           {"bytes", a.bytes},
-          {"resumed", a.resumed},
+          {"resumed", a.facts.resumed},
           {"sealed", a.seal.has_value()},
           {"refused", a.refused}};
 }
@@ -154,7 +154,7 @@ void PrintLine(const SpooledAttempt& a) {
               a.id.Text().c_str(), StateOf(a), a.exercise.c_str(), a.profile.c_str(),
               static_cast<unsigned_ll>(a.ticks), a.committed, a.chunks,
               static_cast<double>(a.bytes) / 1000, LocalTime(a.created_unix_ms).c_str(),
-              a.resumed > 0 ? "  resumed" : "", WaitingText(WaitingOf(a)).c_str());
+              a.facts.resumed > 0 ? "  resumed" : "", WaitingText(WaitingOf(a)).c_str());
 }
 
 // What is missing reads as 0.

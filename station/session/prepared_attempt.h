@@ -22,6 +22,8 @@ struct PreparedAttempt {
   scene::DeviceProfile profile;
   cutting::Volume volume;  // the tooth before the first cut
   trace::Header header;
+  protocol::AttemptFacts
+      facts;  // as it will be begun; one that is resumed has its own in the spool
   // Of an attempt that goes on after a crash: the core where the spool's chunks end, with the tooth
   // as it was then; otherwise null.
   std::unique_ptr<core::Core> core;

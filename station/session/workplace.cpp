@@ -284,8 +284,8 @@ Result<std::unique_ptr<RunningAttempt>> Workplace::Begin(PreparedAttempt& prepar
     }
     ENAMEL_RETURN_IF_ERROR(spool_->MarkResumed(prepared.attempt()));
   } else {
-    ENAMEL_RETURN_IF_ERROR(
-        spool_->BeginAttempt(prepared.header, prepared.exercise.name, prepared.profile.name));
+    ENAMEL_RETURN_IF_ERROR(spool_->BeginAttempt(prepared.header, prepared.exercise.name,
+                                                prepared.profile.name, prepared.facts));
   }
   {
     std::lock_guard lock(mutex_);

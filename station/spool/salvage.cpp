@@ -250,7 +250,7 @@ Result<SalvagedAttempt> SaveAttempt(sqlite3* db, const Places& places, const Uui
   }
   const SpooledAttempt row = ReadAttemptRow(found);
   out.expected = row.chunks;
-  ENAMEL_RETURN_IF_ERROR(to.BeginAttempt(*header, row.exercise, row.profile));
+  ENAMEL_RETURN_IF_ERROR(to.BeginAttempt(*header, row.exercise, row.profile, row.facts));
   ENAMEL_RETURN_IF_ERROR(SaveChunks(db, places, row, found.BlobAt("header"), to, out));
   ENAMEL_RETURN_IF_ERROR(to.SetCommittedBelow(id, row.committed));
   if (row.sealed_at_server && out.sealed) ENAMEL_RETURN_IF_ERROR(to.MarkSealedAtServer(id));

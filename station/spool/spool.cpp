@@ -66,7 +66,7 @@ SpooledAttempt ReadAttemptRow(Statement& row) {
   out.ticks = static_cast<uint64_t>(row.IntAt("ticks"));
   out.gap_ticks = static_cast<uint64_t>(row.IntAt("gap_ticks"));
   out.bytes = static_cast<uint64_t>(row.IntAt("bytes"));
-  out.resumed = static_cast<uint32_t>(row.IntAt("resumed"));
+  out.facts.resumed = static_cast<uint32_t>(row.IntAt("resumed"));
   out.refused_unix_ms = row.IntAt("refused_unix_ms");
   out.waits_because = row.TextAt("waits_because");
   out.waits_since_unix_ms = row.IntAt("waits_since_unix_ms");
@@ -96,7 +96,7 @@ Result<std::unique_ptr<Spool>> Spool::OpenToRead(const fs::path& folder) {
 const fs::path& Spool::file() const { return file_->path(); }
 
 Status Spool::BeginAttempt(const trace::Header& header, const std::string& exercise,
-                           const std::string& profile) {
+                           const std::string& profile, const protocol::AttemptFacts& facts) {
   std::lock_guard lock(file_->mutex());
   Bytes bytes = trace::EncodeHeader(header);
   Sha256 hash = HashSha256(bytes);
@@ -113,7 +113,7 @@ Status Spool::BeginAttempt(const trace::Header& header, const std::string& exerc
   }
   Statement s(file_->handle(),
               "INSERT INTO attempts (id, header, header_sha256, exercise, profile, created_unix_ms,"
-              " boot_id, boot_ms) VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
+              " boot_id, boot_ms, resumed) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)");
   const SinceBoot now = BootNow();
   s.Blob(id)
       .Blob(bytes)
@@ -122,7 +122,8 @@ Status Spool::BeginAttempt(const trace::Header& header, const std::string& exerc
       .Text(profile)
       .Int(UnixMs())
       .Text(now.boot)
-      .Int(now.ms);
+      .Int(now.ms)
+      .Int(facts.resumed);
   return s.Step() == SQLITE_DONE ? Status::Ok() : file_->Fail("storing an attempt");
 }
 

@@ -13,6 +13,7 @@
 #include "common/base/result.h"
 #include "common/base/sha256.h"
 #include "common/base/uuid.h"
+#include "common/protocol/attempt_facts.h"
 #include "common/trace/trace.h"
 #include "station/spool/spooled_loop_facts.h"
 #include "station/spool/spooled_tickets.h"
@@ -41,7 +42,7 @@ struct SpooledAttempt {
   // none. Since the first of the tries in a row that failed.
   std::string waits_because;
   int64_t waits_since_unix_ms = 0, tried_unix_ms = 0;
-  uint32_t resumed = 0;  // how often it was taken up again after a crash
+  protocol::AttemptFacts facts;
 
   bool complete() const { return seal.has_value() && sealed_at_server; }
   // It is to be sent: not refused, and the server does not have all of what is here.
@@ -124,9 +125,9 @@ class Spool {
   // least `room_bytes` free. Errors: kStorage (says how much there is and how much is needed).
   Status ProveWritable(uint64_t room_bytes);
 
-  // The attempt's id is in the header. Idempotent for the same header.
+  // The attempt's id is in the header. Idempotent for the same header: what else was said first stays.
   Status BeginAttempt(const trace::Header& header, const std::string& exercise,
-                      const std::string& profile);
+                      const std::string& profile, const protocol::AttemptFacts& facts = {});
   // The next chunk. Idempotent for the same bytes; another chunk under a used seq is kConflict.
   Status PutChunk(const Uuid& attempt, ByteView chunk);
   // The attempt goes on after a crash: it counts as resumed once more. Errors: kConflict when it

@@ -104,7 +104,7 @@ Status AttemptSender::SendOnce(const Uuid& attempt, const std::function<bool()>&
   if (!next_.contains(attempt)) {
     ENAMEL_ASSIGN_OR_RETURN(auto stored, spool_.Get(attempt));
     ENAMEL_ASSIGN_OR_RETURN(auto header, spool_.HeaderOf(attempt));
-    ENAMEL_ASSIGN_OR_RETURN(auto opened, link_.OpenAttempt(header, stored.resumed));
+    ENAMEL_ASSIGN_OR_RETURN(auto opened, link_.OpenAttempt(header, stored.facts));
     NoteWatched(attempt, opened.watched);
     ENAMEL_RETURN_IF_ERROR(spool_.SetCommittedBelow(attempt, opened.next_seq));
     next_[attempt] = opened.next_seq;

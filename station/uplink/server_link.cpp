@@ -263,10 +263,11 @@ Status ServerLink::ReturnTicket(const Uuid& attempt) {
   return reply.has_ticket_returned() ? Status::Ok() : Unexpected("TicketReturned");
 }
 
-Result<ServerLink::Opened> ServerLink::OpenAttempt(ByteView header, uint32_t resumed) {
+Result<ServerLink::Opened> ServerLink::OpenAttempt(ByteView header,
+                                                   const protocol::AttemptFacts& facts) {
   wire::Request request;
   request.mutable_open_attempt()->set_header(protocol::ToField(header));
-  request.mutable_open_attempt()->set_resumed(resumed);
+  protocol::SetFacts(facts, *request.mutable_open_attempt());
   ENAMEL_ASSIGN_OR_RETURN(auto reply, Call(request));
   if (!reply.has_attempt_opened()) return Unexpected("AttemptOpened");
   return Opened{reply.attempt_opened().next_seq(), reply.attempt_opened().watched()};

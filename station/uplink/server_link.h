@@ -11,6 +11,7 @@
 #include "common/base/sha256.h"
 #include "common/base/uuid.h"
 #include "common/net/frame_client.h"
+#include "common/protocol/attempt_facts.h"
 #include "common/protocol/messages.h"
 #include "station/uplink/blob_cache.h"
 #include "station/uplink/credentials.h"
@@ -133,7 +134,7 @@ class ServerLink {
     uint32_t next_seq = 0;  // first chunk the server does not have
     bool watched = false;
   };
-  Result<Opened> OpenAttempt(ByteView header, uint32_t resumed);
+  Result<Opened> OpenAttempt(ByteView header, const protocol::AttemptFacts& facts);
   // Sends without waiting; acknowledgements come from PollAck.
   Status SendChunk(ByteView chunk);
   struct Ack {

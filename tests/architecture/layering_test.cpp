@@ -42,7 +42,7 @@ const std::map<std::string, Names>& Allowed() {
         {"station/sdk", {"station/hid", "station/devices", "common/scene"}},
         {"station/loop", {"station/devices", "common/trace"}},
         {"station/render", {"common/core", "common/surface"}},
-        {"station/spool", {"station/loop", "common/trace"}},
+        {"station/spool", {"station/loop", "common/protocol", "common/trace"}},
         {"station/uplink", {"station/spool", "common/net", "common/trace", "common/scene"}},
         {"station/session", {"station/uplink", "station/devices", "station/loop", "common/scene"}},
         {"station/sound", {"common/base"}},

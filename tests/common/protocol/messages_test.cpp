@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "common/protocol/attempt_facts.h"
+
 namespace enamel::protocol {
 namespace {
 
@@ -77,6 +79,17 @@ TEST(MessagesTest, FieldsOfAnotherSizeAreRefusedByName) {
   EXPECT_EQ(*ReadSha256(ToField(hash.view()), "exercise"), hash);
   EXPECT_EQ(ReadSha256("", "exercise").status().code(), Code::kInvalidInput);
   EXPECT_EQ(ReadKey(std::string(33, 'k'), "public_key").status().field(), "public_key");
+}
+
+// As a peer reads it that was made before the fact was known, and the other way round.
+TEST(AttemptFactsTest, ComeBackAndAreDefaultsWhereAPeerDoesNotSayThem) {
+  AttemptFacts facts;
+  facts.resumed = 3;
+  wire::OpenAttempt message;
+  SetFacts(facts, message);
+  EXPECT_EQ(FactsOf(message), facts);
+  EXPECT_EQ(message.resumed(), 3u);
+  EXPECT_EQ(FactsOf(wire::OpenAttempt()), AttemptFacts());
 }
 
 }  // namespace

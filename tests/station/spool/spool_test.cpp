@@ -659,7 +659,7 @@ TEST_F(SpoolTest, EveryVersionBeforeTheNewestIsBroughtHereWithAllItHad) {
     EXPECT_EQ(kept->exercise, "class-1");
     EXPECT_EQ(kept->created_unix_ms, 1'700'000'000'000);
     EXPECT_EQ(kept->committed, 2u);
-    EXPECT_EQ(kept->resumed, version >= 2 ? 1u : 0u);
+    EXPECT_EQ(kept->facts.resumed, version >= 2 ? 1u : 0u);
     EXPECT_EQ(kept->waits_because, version >= 4 ? "the server is away" : "");
     EXPECT_EQ((*spool)->tickets().List()->size(), version >= 2 ? 1u : 0u);
     EXPECT_EQ((*spool)->loop_facts().Of(attempt)->size(), version >= 4 ? 1u : 0u);
@@ -765,7 +765,7 @@ TEST_F(SpoolTest, RecorderGoesOnAfterTheChunksThatAreThere) {
   EXPECT_EQ(attempt->chunks, 4u);
   EXPECT_EQ(attempt->ticks, 1700u);
   EXPECT_EQ(attempt->gap_ticks, 5'000u);
-  EXPECT_EQ(attempt->resumed, 1u);
+  EXPECT_EQ(attempt->facts.resumed, 1u);
   EXPECT_TRUE((*VerifyRecordings(*spool, keys_.public_key))[0].status.ok());
 }
 

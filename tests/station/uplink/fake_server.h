@@ -17,6 +17,7 @@
 #include "common/base/file.h"
 #include "common/net/certificate.h"
 #include "common/net/tls.h"
+#include "common/protocol/attempt_facts.h"
 #include "common/protocol/frame.h"
 #include "common/protocol/messages.h"
 #include "station/uplink/credentials.h"
@@ -198,7 +199,7 @@ class FakeServer {
         auto& chunks = chunks_[header->ticket.attempt];
         uint32_t next = 0;
         while (chunks.count(next) != 0) ++next;
-        resumed_ = request.open_attempt().resumed();
+        resumed_ = protocol::FactsOf(request.open_attempt()).resumed;
         reply.mutable_attempt_opened()->set_next_seq(next);
         reply.mutable_attempt_opened()->set_watched(watched);
       }
