@@ -12,7 +12,7 @@ namespace json = boost::json;
 
 // Written in the lowest format that can say it: documents of earlier programs keep their bytes, and
 // exercises that name them by hash keep finding them.
-constexpr int64_t kPlainFormat = 1, kBurFormat = 2, kCueFormat = 3;
+constexpr int64_t kPlainFormat = 1, kBurFormat = 2, kCueFormat = 3, kGateFormat = 4;
 constexpr int32_t kMaxExtentUm = 100'000;
 
 json::object TargetJson(const CavityTarget& t) {
@@ -24,19 +24,32 @@ json::object TargetJson(const CavityTarget& t) {
           {"container_um", t.container_um}};
 }
 
+json::array MapJson(const std::vector<RubricPoint>& map) {
+  json::array out;
+  for (const RubricPoint& p : map) out.push_back(json::array{p.value, p.share});
+  return out;
+}
+
 json::object CriterionJson(const RubricCriterion& c) {
-  json::array map;
-  for (const RubricPoint& p : c.map) map.push_back(json::array{p.value, p.share});
   json::object out{{"metric", c.metric}, {"title", c.title},      {"unit", c.unit},
-                   {"points", c.points}, {"map", std::move(map)}, {"comment", c.comment}};
+                   {"points", c.points}, {"map", MapJson(c.map)}, {"comment", c.comment}};
   if (c.fails_above) out["fails_above"] = *c.fails_above;
   return out;
 }
 
 json::object RubricJson(const Rubric& r) {
-  json::array criteria;
+  json::array criteria, gates;
   for (const RubricCriterion& c : r.criteria) criteria.push_back(CriterionJson(c));
-  return {{"name", r.name}, {"version", r.version}, {"criteria", std::move(criteria)}};
+  for (const RubricGate& g : r.gates) {
+    gates.push_back({{"metric", g.metric},
+                     {"title", g.title},
+                     {"unit", g.unit},
+                     {"map", MapJson(g.map)},
+                     {"comment", g.comment}});
+  }
+  json::object out{{"name", r.name}, {"version", r.version}, {"criteria", std::move(criteria)}};
+  if (!gates.empty()) out["gates"] = std::move(gates);
+  return out;
 }
 
 void ReadExerciseBur(ObjectReader& in, Exercise& e) {
@@ -114,15 +127,15 @@ void ReadTarget(ObjectReader& in, CavityTarget& t) {
   target.Finish();
 }
 
-void ReadMap(ObjectReader& in, RubricCriterion& c) {
+void ReadMap(ObjectReader& in, std::vector<RubricPoint>& map) {
   for (const auto& row : in.Rows("map", 2, 64)) {
     if (row[1] < 0 || row[1] > 1) in.Refuse("map", "shares from 0 to 1", std::to_string(row[1]));
     // Strictly: shares are interpolated between neighbours.
-    if (!c.map.empty() && row[0] <= c.map.back().value) {
+    if (!map.empty() && row[0] <= map.back().value) {
       in.Refuse("map", "values in ascending order",
-                std::to_string(row[0]) + " after " + std::to_string(c.map.back().value));
+                std::to_string(row[0]) + " after " + std::to_string(map.back().value));
     }
-    c.map.push_back({row[0], row[1]});
+    map.push_back({row[0], row[1]});
   }
 }
 
@@ -136,11 +149,23 @@ void ReadRubric(ObjectReader& in, Rubric& r) {
     c.title = item.Text("title", 1, 200);
     c.unit = item.Text("unit", 1, 16);
     c.points = item.Number("points", 0, 1000);
-    ReadMap(item, c);
+    ReadMap(item, c.map);
     c.comment = item.Text("comment", 0, 1'000);
     if (item.Has("fails_above")) c.fails_above = item.Number("fails_above", -1e9, 1e9);
     item.Finish();
     r.criteria.push_back(std::move(c));
+  }
+  if (rubric.Has("gates")) {
+    for (ObjectReader& item : rubric.Objects("gates", 1, 8)) {
+      RubricGate g;
+      g.metric = item.Name("metric");
+      g.title = item.Text("title", 1, 200);
+      g.unit = item.Text("unit", 1, 16);
+      ReadMap(item, g.map);
+      g.comment = item.Text("comment", 0, 1'000);
+      item.Finish();
+      r.gates.push_back(std::move(g));
+    }
   }
   rubric.Finish();
 }
@@ -152,7 +177,8 @@ std::string ToJson(const Exercise& e) {
   // Exercises come from documents or from here: an unknown law was refused long before.
   ENAMEL_CHECK(law != nullptr);
   const bool handpiece = e.handpiece != HandpieceSpec{}, cues = e.touch_cues != TouchCueSpec{};
-  const int64_t format = cues                                 ? kCueFormat
+  const int64_t format = !e.rubric.gates.empty()              ? kGateFormat
+                         : cues                               ? kCueFormat
                          : handpiece || NeedsFormat2(e.bur()) ? kBurFormat
                                                               : kPlainFormat;
   json::object out{{"format", format},
@@ -180,7 +206,7 @@ Result<Exercise> ExerciseFromJson(std::string_view text) {
   Status status;
   ObjectReader in(*document, "", status);
   Exercise e;
-  int64_t format = in.Format(kPlainFormat, kCueFormat);
+  int64_t format = in.Format(kPlainFormat, kGateFormat);
   e.name = in.Name("name");
   e.title = in.Text("title", 1, 200);
   e.instructions = in.Text("instructions", 0, 4'000);
@@ -202,6 +228,9 @@ Result<Exercise> ExerciseFromJson(std::string_view text) {
   e.graded = in.Bool("graded");
   ReadTarget(in, e.target);
   ReadRubric(in, e.rubric);
+  if (format < kGateFormat && !e.rubric.gates.empty()) {
+    in.Refuse("format", "4 with a rubric that has gates", std::to_string(format));
+  }
   in.Finish();
   if (!status.ok()) return status;
   return e;

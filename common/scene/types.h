@@ -158,8 +158,10 @@ struct CavityTarget {
 
 struct RubricPoint {
   double value;
-  double share;
-};  // share of the points, 0..1
+  double share;  // of the points, 0..1
+
+  bool operator==(const RubricPoint&) const = default;
+};
 
 struct RubricCriterion {
   std::string metric;            // a name from scoring/metrics.h
@@ -172,10 +174,23 @@ struct RubricCriterion {
   std::optional<double> fails_above;
 };
 
+// What every criterion's points are multiplied by: how far the task was done, or how much was
+// destroyed beside it.
+struct RubricGate {
+  std::string metric;
+  std::string title;
+  std::string unit;
+  std::vector<RubricPoint> map;  // share of all points, 0..1
+  std::string comment;           // shown where it takes points
+
+  bool operator==(const RubricGate&) const = default;
+};
+
 struct Rubric {
   std::string name;
   int32_t version = 1;
   std::vector<RubricCriterion> criteria;
+  std::vector<RubricGate> gates;
 };
 
 struct Exercise {

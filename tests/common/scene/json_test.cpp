@@ -104,6 +104,29 @@ TEST(SceneJsonTest, GoldenDocumentsReadBackToTheSameBytes) {
   EXPECT_EQ(ToJson(*exercise), text);
   EXPECT_EQ(exercise->touch_cues, (TouchCueSpec{300, 120, 250, 800}));
   EXPECT_TRUE(exercise->graded);
+  text = ReadText("golden/scene_exercise_gates.json");
+  exercise = ExerciseFromJson(text);
+  ASSERT_TRUE(exercise.ok()) << exercise.status().message();
+  EXPECT_EQ(ToJson(*exercise), text);
+  EXPECT_EQ(exercise->rubric.gates, (std::vector<RubricGate>{{"task_done_percent",
+                                                              "Task done",
+                                                              "%",
+                                                              {{5, 0}, {90, 1}},
+                                                              "The work was stopped early."}}));
+}
+
+TEST(SceneJsonTest, GatesNeedFormatFourAndAMapOfShares) {
+  const std::string text = ReadText("golden/scene_exercise_gates.json");
+  auto field = [&](const char* from, const char* to) {
+    Result<Exercise> e = ExerciseFromJson(Replaced(text, from, to));
+    return e.ok() ? std::string("accepted") : e.status().field();
+  };
+  EXPECT_EQ(field("\"format\": 4", "\"format\": 3"), "/format");
+  EXPECT_EQ(field("[5, 0],\n          [90, 1]", "[90, 0],\n          [5, 1]"),
+            "/rubric/gates/0/map");
+  EXPECT_EQ(field("[90, 1]", "[90, 2]"), "/rubric/gates/0/map");
+  EXPECT_EQ(field("\"comment\": \"The work was stopped early.\"", "\"reason\": \"\""),
+            "/rubric/gates/0/comment");
 }
 
 TEST(SceneJsonTest, TouchCuesNeedFormatThreeAndAForce) {
@@ -113,7 +136,7 @@ TEST(SceneJsonTest, TouchCuesNeedFormatThreeAndAForce) {
     return e.ok() ? std::string("accepted") : e.status().field();
   };
   EXPECT_EQ(field("\"format\": 3", "\"format\": 2"), "/format");
-  EXPECT_EQ(field("\"format\": 3", "\"format\": 4"), "/format");
+  EXPECT_EQ(field("\"format\": 3", "\"format\": 5"), "/format");
   EXPECT_EQ(field("\"contact_mn\": 300", "\"contact_mn\": 2001"), "/touch_cues/contact_mn");
   EXPECT_EQ(field("\"chatter_mn\": 120", "\"chatter_mn\": -1"), "/touch_cues/chatter_mn");
   EXPECT_EQ(field("\"energy_uj\": 250", "\"energy_uj\": 0"), "/touch_cues/energy_uj");
@@ -267,7 +290,7 @@ TEST(SceneJsonTest, MaterialSchemaNamesExactlyTheMembersOfTheDocuments) {
 }
 
 TEST(SceneJsonTest, SchemasNameExactlyTheMembersOfTheDocuments) {
-  auto exercise = NamesOf(ReadText("golden/scene_exercise_cues.json"));
+  auto exercise = NamesOf(ReadText("golden/scene_exercise_gates.json"));
   EXPECT_EQ(exercise, SchemaNames("exercise.schema.json"));
   EXPECT_EQ(NamesOf(ReadText("golden/scene_profile_torque.json")),
             SchemaNames("device_profile.schema.json"));
