@@ -28,7 +28,6 @@ std::vector<float> DeviationPerVertex(const surface::Mesh& mesh, const Volume& i
                                       const Volume& final_volume, const Volume& reference,
                                       const surface::Mesh& reference_surface) {
   std::vector<float> out(mesh.position_m.size(), std::numeric_limits<float>::quiet_NaN());
-  if (reference_surface.triangles.empty()) return out;
   surface::DistanceQuery query(reference_surface);
   for (size_t i = 0; i < out.size(); ++i) {
     dvec3 p(mesh.position_m[i]);

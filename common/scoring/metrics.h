@@ -107,6 +107,26 @@ struct MetricValue {
   bool operator==(const MetricValue&) const = default;
 };
 
+// Why a metric has no value.
+enum class NoValue {
+  kNotInTask,  // this exercise does not ask for it: no caries in its task, no such wall
+  kNotMade,    // it asks, and the attempt has not made what could be measured
+};
+struct MissingMetric {
+  std::string name;
+  NoValue why = NoValue::kNotInTask;
+
+  bool operator==(const MissingMetric&) const = default;
+};
+
+// Every metric of Metrics() is in one of the two lists, in its order.
+struct MetricSet {
+  std::vector<MetricValue> values;
+  std::vector<MissingMetric> missing;
+
+  bool operator==(const MetricSet&) const = default;
+};
+
 // Farther deviations are reported as this far: 5 mm, half a crown.
 inline constexpr double kDeviationLimit_m = 5e-3;
 
@@ -122,13 +142,11 @@ std::vector<float> DeviationPerVertex(const surface::Mesh& mesh, const cutting::
                                       const cutting::Volume& reference,
                                       const surface::Mesh& reference_surface);
 
-// All metrics of an attempt against a reference, in the order of Metrics(). `progress` (0..1) may
-// be empty. Errors: kInvalidInput when grids differ, the exercise's landmark is missing, its target
-// holds no solid, or a recording is empty.
-Result<std::vector<MetricValue>> ComputeMetrics(const scene::Scene& scene,
-                                                const scene::Exercise& exercise,
-                                                const AttemptData& attempt,
-                                                const AttemptData& reference,
-                                                const std::function<void(double)>& progress = {});
+// All metrics of an attempt against a reference. `progress` (0..1) may be empty. Errors:
+// kInvalidInput when grids differ, the exercise's landmark is missing, its target holds no solid, or
+// a recording is empty.
+Result<MetricSet> ComputeMetrics(const scene::Scene& scene, const scene::Exercise& exercise,
+                                 const AttemptData& attempt, const AttemptData& reference,
+                                 const std::function<void(double)>& progress = {});
 
 }  // namespace enamel::scoring

@@ -17,49 +17,50 @@ using scene::RubricCriterion;
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
-Status BadCriterion(size_t index, const char* member, const std::string& message) {
-  std::string field = "criteria[" + std::to_string(index) + "]." + member;
+// `item`: "criteria[2]".
+Status BadItem(const std::string& item, const char* member, const std::string& message) {
+  std::string field = item + "." + member;
   return Status(Code::kInvalidInput, "rubric, " + field + ": " + message, field);
 }
 
-Status ValidateMap(size_t index, const RubricCriterion& criterion) {
-  if (criterion.map.empty()) {
-    return BadCriterion(index, "map", "expected at least one {value, share}, found none");
+Status ValidateMap(const std::string& item, const std::vector<scene::RubricPoint>& map) {
+  if (map.empty()) {
+    return BadItem(item, "map", "expected at least one {value, share}, found none");
   }
   double last = -kInfinite;
-  for (const auto& point : criterion.map) {
+  for (const auto& point : map) {
     if (!std::isfinite(point.value) || !(point.value > last)) {
-      return BadCriterion(index, "map",
-                          "expected values in rising order, found " + std::to_string(point.value) +
-                              " after " + std::to_string(last));
+      return BadItem(item, "map",
+                     "expected values in rising order, found " + std::to_string(point.value) +
+                         " after " + std::to_string(last));
     }
     if (!(point.share >= 0 && point.share <= 1)) {
-      return BadCriterion(index, "map",
-                          "expected shares from 0 to 1, found " + std::to_string(point.share));
+      return BadItem(item, "map",
+                     "expected shares from 0 to 1, found " + std::to_string(point.share));
     }
     last = point.value;
   }
   return Status::Ok();
 }
 
-Status ValidateCriterion(size_t index, const RubricCriterion& criterion) {
-  const MetricInfo* info = FindMetric(criterion.metric);
-  if (!info) {
-    return BadCriterion(index, "metric", "no metric is called \"" + criterion.metric + "\"");
-  }
-  if (criterion.unit != info->unit) {
-    return BadCriterion(index, "unit",
-                        "expected \"" + std::string(info->unit) + "\" for " + criterion.metric +
-                            ", found \"" + criterion.unit + "\"");
-  }
+Status ValidateMetric(const std::string& item, const std::string& metric, const std::string& unit) {
+  const MetricInfo* info = FindMetric(metric);
+  if (!info) return BadItem(item, "metric", "no metric is called \"" + metric + "\"");
+  if (unit == info->unit) return Status::Ok();
+  return BadItem(
+      item, "unit",
+      "expected \"" + std::string(info->unit) + "\" for " + metric + ", found \"" + unit + "\"");
+}
+
+Status ValidateCriterion(const std::string& item, const RubricCriterion& criterion) {
+  ENAMEL_RETURN_IF_ERROR(ValidateMetric(item, criterion.metric, criterion.unit));
   if (!(criterion.points >= 0 && criterion.points <= 1e6)) {
-    return BadCriterion(index, "points",
-                        "expected 0 or more, found " + std::to_string(criterion.points));
+    return BadItem(item, "points", "expected 0 or more, found " + std::to_string(criterion.points));
   }
   if (criterion.fails_above && !std::isfinite(*criterion.fails_above)) {
-    return BadCriterion(index, "fails_above", "expected a finite number");
+    return BadItem(item, "fails_above", "expected a finite number");
   }
-  return ValidateMap(index, criterion);
+  return ValidateMap(item, criterion.map);
 }
 
 double ShareAt(const std::vector<scene::RubricPoint>& map, double value) {
@@ -90,10 +91,13 @@ Asked AskedFor(const std::vector<scene::RubricPoint>& map) {
 
 std::string Number(double value, std::string_view unit) {
   char text[64];
-  int digits = unit == "%" || unit == "s" ? 1 : 2;
+  int digits = unit == "%" || unit == "s" || unit == "deg" ? 1 : 2;
   std::snprintf(text, sizeof text, "%.*f", digits, value);
-  std::string_view shown = unit == "mm2" ? "mm²" : unit == "mm3" ? "mm³" : unit;
-  return std::string(text) + " " + std::string(shown);
+  std::string_view shown = unit == "mm2"   ? "mm²"
+                           : unit == "mm3" ? "mm³"
+                           : unit == "deg" ? "°"
+                                           : unit;
+  return std::string(text) + (unit == "deg" ? "" : " ") + std::string(shown);
 }
 
 std::string Found(const MetricInfo& info, double value) {
@@ -132,6 +136,51 @@ CriterionResult Judge(const RubricCriterion& criterion, double value, bool& crit
   }
   if ((critical || share < 1) && !criterion.comment.empty()) out.reason += " " + criterion.comment;
   return out;
+}
+
+// A criterion whose metric has no value.
+CriterionResult Unjudged(const RubricCriterion& criterion, NoValue why) {
+  CriterionResult out{criterion.metric, criterion.title, 0, criterion.unit, 0, 0, "", false};
+  if (why == NoValue::kNotInTask) {
+    out.reason = criterion.title + ": not judged, as the reference has nothing of it.";
+    return out;
+  }
+  out.max_points = criterion.points;
+  out.reason = criterion.title + ": there is nothing to measure yet.";
+  if (!criterion.comment.empty()) out.reason += " " + criterion.comment;
+  return out;
+}
+
+GateResult Open(const scene::RubricGate& gate, double value) {
+  const MetricInfo& info = *FindMetric(gate.metric);
+  GateResult out{gate.metric, gate.title, value, gate.unit, ShareAt(gate.map, value), ""};
+  out.reason = gate.title + ": " + Found(info, value) + AskedText(info, AskedFor(gate.map)) + ".";
+  if (out.share < 1) {
+    out.reason += " Every criterion keeps " + Number(100 * out.share, "%") + " of its points.";
+    if (!gate.comment.empty()) out.reason += " " + gate.comment;
+  }
+  return out;
+}
+
+Status NotMeasured(const std::string& metric, const char* how) {
+  return Status(Code::kInvalidInput, "the rubric asks for metric " + metric + how, metric);
+}
+
+// The metric's value, or why there is none.
+struct Looked {
+  std::optional<double> value;
+  NoValue why = NoValue::kNotInTask;
+};
+Result<Looked> LookUp(const MetricSet& metrics, const std::string& name) {
+  for (const MetricValue& m : metrics.values) {
+    if (m.name != name) continue;
+    if (!std::isfinite(m.value)) return NotMeasured(name, ", whose value is not finite");
+    return Looked{m.value, {}};
+  }
+  for (const MissingMetric& m : metrics.missing) {
+    if (m.name == name) return Looked{{}, m.why};
+  }
+  return NotMeasured(name, ", which was not measured");
 }
 
 // To 12 significant digits: more than any metric means, and few enough that every reader of decimal
@@ -191,6 +240,7 @@ class ObjectReader {
         out = number;
     }
   }
+  bool Has(const char* name) const { return object_ && object_->contains(name); }
   const json::array* Array(const char* name, size_t max_size) {
     const json::value* v = Member(name);
     if (!v) return nullptr;
@@ -217,6 +267,44 @@ class ObjectReader {
   Status& status_;
 };
 
+constexpr std::string_view kNotInTask = "not_in_task", kNotMade = "not_made";
+std::string_view NameOf(NoValue why) { return why == NoValue::kNotInTask ? kNotInTask : kNotMade; }
+
+void ReadGates(ObjectReader& reader, Status& status, ScoreResult& out) {
+  if (!reader.Has("gates")) return;
+  const json::array* list = reader.Array("gates", kMaxGates);
+  for (size_t i = 0; list != nullptr && i < list->size(); ++i) {
+    ObjectReader item((*list)[i], "gates[" + std::to_string(i) + "]", status);
+    GateResult& g = out.gates.emplace_back();
+    item.Read("name", g.name);
+    item.Read("title", g.title);
+    item.Read("value", g.value);
+    item.Read("unit", g.unit);
+    item.Read("share", g.share);
+    item.Read("reason", g.reason);
+  }
+}
+
+void ReadMissing(ObjectReader& reader, Status& status, ScoreResult& out) {
+  if (!reader.Has("missing")) return;
+  const json::array* list = reader.Array("missing", 1024);
+  for (size_t i = 0; list != nullptr && i < list->size(); ++i) {
+    const std::string at = "missing[" + std::to_string(i) + "]";
+    ObjectReader item((*list)[i], at, status);
+    MissingMetric& m = out.missing.emplace_back();
+    std::string why;
+    item.Read("name", m.name);
+    item.Read("why", why);
+    m.why = why == kNotMade ? NoValue::kNotMade : NoValue::kNotInTask;
+    if (status.ok() && why != kNotMade && why != kNotInTask) {
+      status =
+          Status(Code::kInvalidInput,
+                 "score, " + at + ".why: expected not_in_task or not_made, found \"" + why + "\"",
+                 at + ".why");
+    }
+  }
+}
+
 }  // namespace
 
 Status ValidateRubric(const Rubric& rubric) {
@@ -228,8 +316,21 @@ Status ValidateRubric(const Rubric& rubric) {
   }
   double total = 0;
   for (size_t i = 0; i < rubric.criteria.size(); ++i) {
-    ENAMEL_RETURN_IF_ERROR(ValidateCriterion(i, rubric.criteria[i]));
+    const std::string item = "criteria[" + std::to_string(i) + "]";
+    ENAMEL_RETURN_IF_ERROR(ValidateCriterion(item, rubric.criteria[i]));
     total += rubric.criteria[i].points;
+  }
+  if (rubric.gates.size() > kMaxGates) {
+    return Status(Code::kInvalidInput,
+                  "rubric: expected at most " + std::to_string(kMaxGates) + " gates, found " +
+                      std::to_string(rubric.gates.size()),
+                  "gates");
+  }
+  for (size_t i = 0; i < rubric.gates.size(); ++i) {
+    const std::string item = "gates[" + std::to_string(i) + "]";
+    const scene::RubricGate& gate = rubric.gates[i];
+    ENAMEL_RETURN_IF_ERROR(ValidateMetric(item, gate.metric, gate.unit));
+    ENAMEL_RETURN_IF_ERROR(ValidateMap(item, gate.map));
   }
   // Or a score would be 0 of 0.
   if (!(total > 0)) {
@@ -239,25 +340,32 @@ Status ValidateRubric(const Rubric& rubric) {
   return Status::Ok();
 }
 
-Result<ScoreResult> ApplyRubric(const Rubric& rubric, const std::vector<MetricValue>& metrics) {
+Result<ScoreResult> ApplyRubric(const Rubric& rubric, const MetricSet& metrics) {
   ENAMEL_RETURN_IF_ERROR(ValidateRubric(rubric));
   ScoreResult out;
-  out.metrics = metrics;
+  out.metrics = metrics.values;
+  out.missing = metrics.missing;
   out.rubric_version = rubric.version;
+  double open = 1;
+  for (const scene::RubricGate& gate : rubric.gates) {
+    ENAMEL_ASSIGN_OR_RETURN(const Looked found, LookUp(metrics, gate.metric));
+    if (!found.value) return NotMeasured(gate.metric, " for a gate, which has no value here");
+    out.gates.push_back(Open(gate, *found.value));
+    open *= out.gates.back().share;
+  }
   double points = 0, max_points = 0;
   for (const RubricCriterion& criterion : rubric.criteria) {
-    auto metric = std::find_if(metrics.begin(), metrics.end(),
-                               [&](const MetricValue& m) { return m.name == criterion.metric; });
-    if (metric == metrics.end() || !std::isfinite(metric->value)) {
-      return Status(Code::kInvalidInput,
-                    "the rubric asks for metric " + criterion.metric +
-                        (metric == metrics.end() ? ", which was not measured"
-                                                 : ", whose value is not finite"),
-                    criterion.metric);
-    }
-    out.criteria.push_back(Judge(criterion, metric->value, out.critical_fail));
-    points += out.criteria.back().points;
-    max_points += criterion.points;
+    ENAMEL_ASSIGN_OR_RETURN(const Looked found, LookUp(metrics, criterion.metric));
+    out.criteria.push_back(found.value ? Judge(criterion, *found.value, out.critical_fail)
+                                       : Unjudged(criterion, found.why));
+    CriterionResult& result = out.criteria.back();
+    result.points *= open;
+    points += result.points;
+    max_points += result.max_points;
+  }
+  if (!(max_points > 0)) {
+    return Status(Code::kInvalidInput,
+                  "rubric: no criterion with points can be judged in this exercise", "criteria");
   }
   out.score = out.critical_fail ? 0 : 100 * (points / max_points);
   return out;
@@ -272,18 +380,35 @@ std::string ToJson(const ScoreResult& result) {
                         {"unit", c.unit},
                         {"points", Rounded(c.points)},
                         {"max_points", Rounded(c.max_points)},
-                        {"reason", c.reason}});
+                        {"reason", c.reason},
+                        {"judged", c.judged}});
+  }
+  json::array gates;
+  for (const GateResult& g : result.gates) {
+    gates.push_back({{"name", g.name},
+                     {"title", g.title},
+                     {"value", Rounded(g.value)},
+                     {"unit", g.unit},
+                     {"share", Rounded(g.share)},
+                     {"reason", g.reason}});
   }
   json::array metrics;
   for (const MetricValue& m : result.metrics) {
     metrics.push_back({{"name", m.name}, {"value", Rounded(m.value)}, {"unit", m.unit}});
   }
+  json::array missing;
+  for (const MissingMetric& m : result.missing) {
+    missing.push_back({{"name", m.name}, {"why", NameOf(m.why)}});
+  }
   json::object out{{"score", Rounded(result.score)},
                    {"critical_fail", result.critical_fail},
                    {"criteria", std::move(criteria)},
+                   {"gates", std::move(gates)},
                    {"metrics", std::move(metrics)},
+                   {"missing", std::move(missing)},
                    {"reference_attempt", result.reference_attempt},
                    {"rubric_version", result.rubric_version},
+                   {"scoring_version", result.scoring_version},
                    {"core_version", result.core_version},
                    {"ticks", result.ticks},
                    {"gap_ticks", result.gap_ticks},
@@ -321,8 +446,10 @@ Result<ScoreResult> ScoreFromJson(std::string_view text) {
       item.Read("points", c.points);
       item.Read("max_points", c.max_points);
       item.Read("reason", c.reason);
+      if (item.Has("judged")) item.Read("judged", c.judged);
     }
   }
+  ReadGates(reader, status, out);
   if (const json::array* list = reader.Array("metrics", 1024)) {
     for (size_t i = 0; i < list->size(); ++i) {
       ObjectReader item((*list)[i], "metrics[" + std::to_string(i) + "]", status);
@@ -332,8 +459,12 @@ Result<ScoreResult> ScoreFromJson(std::string_view text) {
       item.Read("unit", m.unit);
     }
   }
+  ReadMissing(reader, status, out);
   reader.Read("reference_attempt", out.reference_attempt);
   reader.ReadInteger("rubric_version", out.rubric_version);
+  // Scores of version 1 do not say so, nor have they gates.
+  out.scoring_version = 1;
+  if (reader.Has("scoring_version")) reader.ReadInteger("scoring_version", out.scoring_version);
   reader.ReadInteger("core_version", out.core_version);
   reader.ReadInteger("ticks", out.ticks);
   reader.ReadInteger("gap_ticks", out.gap_ticks);

@@ -20,18 +20,40 @@ struct CriterionResult {
   double points = 0;
   double max_points = 0;
   std::string reason;  // one sentence for the student: what was found, what was asked for
+  // False: the exercise does not ask for it (NoValue::kNotInTask), so it has neither points nor a
+  // value; or there is nothing to measure yet (kNotMade), so it has no value and no points.
+  bool judged = true;
 
   bool operator==(const CriterionResult&) const = default;
 };
+
+// What multiplied the points of every criterion.
+struct GateResult {
+  std::string name;  // metric
+  std::string title;
+  double value = 0;
+  std::string unit;
+  double share = 1;
+  std::string reason;
+
+  bool operator==(const GateResult&) const = default;
+};
+
+// How scores are measured and computed: 1 before rubrics had gates and statistics a domain that the
+// reference fixes. Higher for every change that may move a score of the same recording.
+inline constexpr int32_t kScoringVersion = 2;
 
 // A score is metrics + rubric version + reference + core version; recomputed bit-identically.
 struct ScoreResult {
   double score = 0;  // 0..100
   bool critical_fail = false;
-  std::vector<CriterionResult> criteria;
-  std::vector<MetricValue> metrics;  // all of them, also those the rubric does not use
-  std::string reference_attempt;     // UUID text
+  std::vector<CriterionResult> criteria;  // points after the gates
+  std::vector<GateResult> gates;
+  std::vector<MetricValue> metrics;    // all of them, also those the rubric does not use
+  std::vector<MissingMetric> missing;  // those without a value here
+  std::string reference_attempt;       // UUID text
   int32_t rubric_version = 1;
+  int32_t scoring_version = kScoringVersion;
   uint32_t core_version = core::kCoreVersion;
   // From the replay: the station's part in the attempt.
   uint64_t ticks = 0, gap_ticks = 0, late_ticks = 0, bounded_ticks = 0;
@@ -41,7 +63,7 @@ struct ScoreResult {
   bool operator==(const ScoreResult&) const = default;
 };
 
-inline constexpr size_t kMaxCriteria = 64;
+inline constexpr size_t kMaxCriteria = 64, kMaxGates = 8;
 inline constexpr size_t kMaxScoreJsonBytes = 1 << 20;
 
 // Errors: kInvalidInput naming the criterion ("criteria[2].map") when the rubric names an unknown
@@ -50,11 +72,12 @@ inline constexpr size_t kMaxScoreJsonBytes = 1 << 20;
 Status ValidateRubric(const scene::Rubric& rubric);
 
 // Points by the piecewise linear map, constant beyond its ends; the score is the share of all
-// points in percent, or 0 when any criterion is critically failed. Fills score, critical_fail,
-// criteria, metrics and rubric_version; the caller fills the rest. Errors: those of ValidateRubric;
-// kInvalidInput when a metric is missing or not finite.
-Result<ScoreResult> ApplyRubric(const scene::Rubric& rubric,
-                                const std::vector<MetricValue>& metrics);
+// points in percent, times every gate's share, or 0 when any criterion is critically failed. A
+// criterion whose metric is not in the task is left out of both sums. Fills score, critical_fail,
+// criteria, gates, metrics, missing and rubric_version; the caller fills the rest. Errors: those of
+// ValidateRubric; kInvalidInput when a metric is in neither list or not finite, a gate's metric has
+// no value, or no criterion with points is in the task.
+Result<ScoreResult> ApplyRubric(const scene::Rubric& rubric, const MetricSet& metrics);
 
 // Canonical: members in a fixed order, numbers to 12 significant digits, so that equal scores have
 // equal bytes and ToJson(ScoreFromJson(text)) == text for any text of ours. Requires: all finite.

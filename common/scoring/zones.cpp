@@ -99,8 +99,16 @@ struct BoxMeter {
 // Removed units of one brick, booked to its tissues.
 void AddBrick(const Volume& initial, const Volume& final_volume, int brick,
               std::array<int64_t, cutting::kTissueCount>& removed) {
-  if (!final_volume.IsStored(brick)) return;  // a uniform brick was never cut
-  const auto& after = final_volume.Phi(brick).phi;
+  static constexpr auto kAllAir = [] {
+    std::array<int16_t, kBrickVoxels> phi{};
+    phi.fill(cutting::kPhiLimit);
+    return phi;
+  }();
+  // A brick that is not stored was never cut, or has no solid left.
+  if (!final_volume.IsStored(brick) && final_volume.UniformTissue(brick) != cutting::Tissue::kAir) {
+    return;
+  }
+  const auto& after = final_volume.IsStored(brick) ? final_volume.Phi(brick).phi : kAllAir;
   auto uniform = static_cast<size_t>(initial.UniformTissue(brick));
   if (!initial.IsStored(brick)) {
     if (uniform == 0) return;

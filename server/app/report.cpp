@@ -79,7 +79,12 @@ json::object Facts(const AttemptRow& row, const ScoreResult& score,
                                     {"unit", c.unit},
                                     {"points", c.points},
                                     {"max_points", c.max_points},
-                                    {"reason", c.reason}});
+                                    {"reason", c.reason},
+                                    {"judged", c.judged}});
+  }
+  json::array gates;
+  for (const auto& g : score.gates) {
+    gates.push_back({{"name", g.name}, {"value", g.value}, {"unit", g.unit}, {"share", g.share}});
   }
   for (const auto& m : score.metrics) {
     metrics.push_back(json::object{{"name", m.name}, {"value", m.value}, {"unit", m.unit}});
@@ -89,6 +94,7 @@ json::object Facts(const AttemptRow& row, const ScoreResult& score,
                    {"score", score.score},
                    {"critical_fail", score.critical_fail},
                    {"criteria", std::move(criteria)},
+                   {"gates", std::move(gates)},
                    {"metrics", std::move(metrics)}};
   auto deviation = Metric(score, kDeviationMetric);
   out["deviation_rms_mm"] = deviation ? json::value(*deviation) : json::value();
@@ -108,8 +114,12 @@ void PrintTable(const AttemptRow& row, const ScoreResult& score, const Store::At
                 const ReportOptions& options) {
   Say("\n{}, {}: {:.1f} of 100 points{}\n", row.exercise_title, row.person_name, score.score,
       score.critical_fail ? " (critical fault)" : "");
+  for (const auto& g : score.gates) {
+    Say("  {:<34} {:>9.3f} {:<5} x {:<10.2f} {}\n", g.title, g.value, g.unit, g.share, g.reason);
+  }
   for (const auto& c : score.criteria) {
-    Say("  {:<34} {:>9.3f} {:<5} {:>5.1f} of {:<4.0f} {}\n", c.title, c.value, c.unit, c.points,
+    const std::string value = c.judged ? fmt::format("{:.3f}", c.value) : "-";
+    Say("  {:<34} {:>9} {:<5} {:>5.1f} of {:<4.0f} {}\n", c.title, value, c.unit, c.points,
         c.max_points, c.reason);
   }
   Say("Measured\n");

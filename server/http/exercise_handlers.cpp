@@ -102,24 +102,38 @@ json::object TargetJson(const scene::CavityTarget& target) {
           {"container_um", target.container_um}};
 }
 
+json::array MapJson(const std::vector<scene::RubricPoint>& map) {
+  json::array out;
+  for (const scene::RubricPoint& point : map) {
+    out.push_back({{"value", point.value}, {"share", point.share}});
+  }
+  return out;
+}
+
 json::object RubricJson(const scene::Rubric& rubric) {
-  json::array criteria;
+  json::array criteria, gates;
+  for (const scene::RubricGate& gate : rubric.gates) {
+    gates.push_back({{"metric", gate.metric},
+                     {"title", gate.title},
+                     {"unit", gate.unit},
+                     {"map", MapJson(gate.map)},
+                     {"comment", gate.comment}});
+  }
   for (const scene::RubricCriterion& criterion : rubric.criteria) {
-    json::array map;
-    for (const scene::RubricPoint& point : criterion.map) {
-      map.push_back({{"value", point.value}, {"share", point.share}});
-    }
     json::value fails_above;
     if (criterion.fails_above) fails_above = *criterion.fails_above;
     criteria.push_back({{"metric", criterion.metric},
                         {"title", criterion.title},
                         {"unit", criterion.unit},
                         {"points", criterion.points},
-                        {"map", std::move(map)},
+                        {"map", MapJson(criterion.map)},
                         {"fails_above", std::move(fails_above)},
                         {"comment", criterion.comment}});
   }
-  return {{"name", rubric.name}, {"version", rubric.version}, {"criteria", std::move(criteria)}};
+  return {{"name", rubric.name},
+          {"version", rubric.version},
+          {"criteria", std::move(criteria)},
+          {"gates", std::move(gates)}};
 }
 
 // Some device profile carries it on its scene; else why the last one does not.

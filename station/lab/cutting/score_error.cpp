@@ -61,7 +61,7 @@ Result<ScoreFigures> MeasureAt(int32_t voxel_nm, uint64_t ticks) {
   out.realtime_factor = student.realtime_factor;
   out.points = score.score;
   for (const scene::RubricCriterion& c : exercise.rubric.criteria) {
-    for (const scoring::MetricValue& m : *metrics) {
+    for (const scoring::MetricValue& m : metrics->values) {
       if (m.name == c.metric) out.criteria.push_back({m.name, m.unit, m.value, 0});
     }
   }

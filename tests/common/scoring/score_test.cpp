@@ -27,12 +27,13 @@ RubricCriterion Pulp() {
   return {"pulp_exposed_mm2",           "Pulp", "mm2", 20, {{0, 1}, {0.01, 0}},
           "The pulp must stay closed.", 0.01};
 }
-Rubric Three() { return {"class-1", 3, {Wall(), Target(), Pulp()}}; }
+Rubric Three() { return {"class-1", 3, {Wall(), Target(), Pulp()}, {}}; }
 
-std::vector<MetricValue> Values(double wall, double target, double pulp) {
-  return {{"wall_mesial_mm", wall, "mm"},
-          {"zone_target_removed_percent", target, "%"},
-          {"pulp_exposed_mm2", pulp, "mm2"}};
+MetricSet Values(double wall, double target, double pulp) {
+  return {{{"wall_mesial_mm", wall, "mm"},
+           {"zone_target_removed_percent", target, "%"},
+           {"pulp_exposed_mm2", pulp, "mm2"}},
+          {}};
 }
 
 ScoreResult Score(double wall, double target, double pulp) {
@@ -59,7 +60,7 @@ TEST(ApplyRubricTest, PointsAreLinearBetweenTheMapsPointsAndConstantBeyond) {
 }
 
 TEST(ApplyRubricTest, TheScoreIsTheShareOfAllPoints) {
-  Rubric rubric{"half", 1, {Wall()}};
+  Rubric rubric{"half", 1, {Wall()}, {}};
   auto r = ApplyRubric(rubric, Values(0.175, 0, 0));
   ASSERT_TRUE(r.ok());
   EXPECT_NEAR(r->score, 50, 1e-12);
@@ -86,10 +87,85 @@ TEST(ApplyRubricTest, ACriticalFailScoresZeroAndSaysWhy) {
 }
 
 TEST(ApplyRubricTest, AMissingOrInfiniteMetricIsRefusedByName) {
-  auto missing = ApplyRubric(Three(), {{"wall_mesial_mm", 0, "mm"}});
+  auto missing = ApplyRubric(Three(), MetricSet{{{"wall_mesial_mm", 0, "mm"}}, {}});
   ASSERT_FALSE(missing.ok());
   EXPECT_EQ(missing.status().field(), "zone_target_removed_percent");
   EXPECT_FALSE(ApplyRubric(Three(), Values(1.0 / 0.0, 99, 0)).ok());
+}
+
+scene::RubricGate Done() {
+  return {"task_done_percent", "Task done", "%", {{0, 0}, {90, 1}}, "The work was stopped early."};
+}
+
+MetricSet WithDone(double percent) {
+  MetricSet out = Values(0, 99, 0);
+  out.values.push_back({"task_done_percent", percent, "%"});
+  return out;
+}
+
+TEST(ApplyRubricTest, AGateTakesItsShareOfEveryCriterion) {
+  Rubric rubric = Three();
+  rubric.gates = {Done()};
+  auto half = ApplyRubric(rubric, WithDone(45));
+  ASSERT_TRUE(half.ok()) << half.status().message();
+  EXPECT_NEAR(half->score, 50, 1e-12);
+  double sum = 0;
+  for (const CriterionResult& c : half->criteria) sum += c.points;
+  EXPECT_NEAR(sum, 50, 1e-12) << "the points shown are those that count";
+  EXPECT_EQ(half->gates[0].reason,
+            "Task done: 45.0 % (at least 90.0 % asked for). Every criterion keeps 50.0 % of its "
+            "points. The work was stopped early.");
+  EXPECT_EQ(ApplyRubric(rubric, WithDone(0))->score, 0);
+  auto whole = ApplyRubric(rubric, WithDone(97));
+  EXPECT_EQ(whole->score, 100);
+  EXPECT_EQ(whole->gates[0].reason, "Task done: 97.0 % (at least 90.0 % asked for).");
+}
+
+TEST(ApplyRubricTest, SeveralGatesMultiply) {
+  Rubric rubric = Three();
+  rubric.gates = {Done(), {"damage_percent", "Damage", "%", {{0, 1}, {100, 0}}, ""}};
+  MetricSet metrics = WithDone(45);
+  metrics.values.push_back({"damage_percent", 50, "%"});
+  EXPECT_NEAR(ApplyRubric(rubric, metrics)->score, 25, 1e-12);
+}
+
+TEST(ApplyRubricTest, WhatIsNotInTheTaskCountsNeitherWay) {
+  MetricSet metrics = Values(0, 87.5, 0);
+  metrics.values.erase(metrics.values.begin());
+  metrics.missing = {{"wall_mesial_mm", NoValue::kNotInTask}};
+  auto r = ApplyRubric(Three(), metrics);
+  ASSERT_TRUE(r.ok()) << r.status().message();
+  EXPECT_NEAR(r->score, 75, 1e-12);  // 10 + 20 of 20 + 20
+  EXPECT_FALSE(r->criteria[0].judged);
+  EXPECT_EQ(r->criteria[0].max_points, 0);
+  EXPECT_EQ(r->criteria[0].reason, "Mesial wall: not judged, as the reference has nothing of it.");
+}
+
+TEST(ApplyRubricTest, WhatWasNotMadeEarnsNothing) {
+  MetricSet metrics = Values(0, 99, 0);
+  metrics.values.erase(metrics.values.begin());
+  metrics.missing = {{"wall_mesial_mm", NoValue::kNotMade}};
+  auto r = ApplyRubric(Three(), metrics);
+  ASSERT_TRUE(r.ok());
+  EXPECT_NEAR(r->score, 40, 1e-12);
+  EXPECT_EQ(r->criteria[0].max_points, 60);
+  EXPECT_EQ(r->criteria[0].reason,
+            "Mesial wall: there is nothing to measure yet. Watch the line angle.");
+}
+
+TEST(ApplyRubricTest, ARubricOfWhichNothingCanBeJudgedIsRefused) {
+  Rubric rubric{"one", 1, {Wall()}, {}};
+  MetricSet metrics;
+  metrics.missing = {{"wall_mesial_mm", NoValue::kNotInTask}};
+  EXPECT_EQ(ApplyRubric(rubric, metrics).status().field(), "criteria");
+}
+
+TEST(ApplyRubricTest, AGateWithoutAValueIsRefusedByName) {
+  Rubric rubric = Three();
+  rubric.gates = {{"caries_left_percent", "Caries", "%", {{0, 1}, {50, 0}}, ""}};
+  MetricSet metrics = Values(0, 99, 0);
+  metrics.missing = {{"caries_left_percent", NoValue::kNotInTask}};
+  EXPECT_EQ(ApplyRubric(rubric, metrics).status().field(), "caries_left_percent");
 }
 
 TEST(ValidateRubricTest, RefusesWhatCannotBeScoredAndNamesIt) {
@@ -111,6 +187,22 @@ TEST(ValidateRubricTest, RefusesWhatCannotBeScoredAndNamesIt) {
          for (auto& c : r.criteria) c.points = 0;
        }},
       {"criteria", [](Rubric& r) { r.criteria.resize(kMaxCriteria + 1, Wall()); }},
+      {"gates[0].metric",
+       [](Rubric& r) {
+         r.gates = {Done()};
+         r.gates[0].metric = "x";
+       }},
+      {"gates[0].unit",
+       [](Rubric& r) {
+         r.gates = {Done()};
+         r.gates[0].unit = "mm";
+       }},
+      {"gates[1].map",
+       [](Rubric& r) {
+         r.gates = {Done(), Done()};
+         r.gates[1].map.clear();
+       }},
+      {"gates", [](Rubric& r) { r.gates.resize(kMaxGates + 1, Done()); }},
   };
   for (const Case& c : cases) {
     Rubric rubric = Three();
@@ -123,7 +215,13 @@ TEST(ValidateRubricTest, RefusesWhatCannotBeScoredAndNamesIt) {
 }
 
 ScoreResult Filled() {
-  ScoreResult r = Score(0.1 + 0.2, 91.234567890123456, 0);
+  Rubric rubric = Three();
+  rubric.gates = {Done()};
+  MetricSet metrics = Values(0.1 + 0.2, 91.234567890123456, 0);
+  metrics.values.push_back({"task_done_percent", 66.6, "%"});
+  metrics.missing = {{"caries_left_mm3", NoValue::kNotInTask},
+                     {"tilt_mesial_deg", NoValue::kNotMade}};
+  ScoreResult r = *ApplyRubric(rubric, metrics);
   r.reference_attempt = "01890a5d-ac96-774b-bcce-b302099a8057";
   r.ticks = 123'456'789'012;
   r.gap_ticks = 7;
@@ -170,6 +268,21 @@ TEST(ScoreJsonTest, EveryTruncationAndEveryMissingMemberIsRefused) {
     ASSERT_FALSE(result.ok()) << member;
     EXPECT_NE(result.status().field().find(member), std::string::npos) << result.status().message();
   }
+}
+
+TEST(ScoreJsonTest, AScoreOfVersionOneHasNoGatesAndSaysSo) {
+  std::string text = ToJson(Score(0, 99, 0));
+  for (const char* member :
+       {R"("gates":[],)", R"("missing":[],)", R"("scoring_version":2,)", R"(,"judged":true)"}) {
+    size_t at;
+    while ((at = text.find(member)) != std::string::npos) text.erase(at, std::strlen(member));
+  }
+  auto old = ScoreFromJson(text);
+  ASSERT_TRUE(old.ok()) << old.status().message();
+  EXPECT_EQ(old->scoring_version, 1);
+  EXPECT_EQ(old->score, 100);
+  EXPECT_TRUE(old->gates.empty());
+  EXPECT_TRUE(old->criteria[0].judged);
 }
 
 TEST(ScoreJsonTest, WrongTypesAndOversizeAreRefused) {

@@ -1,5 +1,7 @@
 #include "tests/common/scoring/synthetic_cavity.h"
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -150,10 +152,11 @@ Cut::Cut(const Volume& block, const Cavity& cavity)
       mesh(surface::ExtractSurface(volume)),
       process(StraightRecording(200, 1, 1)) {}
 
-double ValueOf(const std::vector<MetricValue>& metrics, std::string_view name) {
-  for (const MetricValue& m : metrics) {
+double ValueOf(const MetricSet& metrics, std::string_view name) {
+  for (const MetricValue& m : metrics.values) {
     if (m.name == name) return m.value;
   }
+  ADD_FAILURE() << name << " has no value";
   return std::nan("");
 }
 

@@ -45,6 +45,7 @@ struct Cut {
   }
 };
 
-double ValueOf(const std::vector<MetricValue>& metrics, std::string_view name);
+// NaN, and a failed expectation, where it has none.
+double ValueOf(const MetricSet& metrics, std::string_view name);
 
 }  // namespace enamel::scoring

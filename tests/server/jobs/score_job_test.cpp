@@ -101,6 +101,7 @@ class ScoreAtRates : public testing::TestWithParam<AtRates> {};
 TEST_P(ScoreAtRates, OneMotionScoresTheSameAtEveryLoopRate) {
   // Five voxels of volume; two of the 50 ms in which a cut counts as going on.
   constexpr double kLength_mm = 0.025, kVolume_mm3 = 0.005, kTime_s = 0.1, kShare = 0.03;
+  constexpr double kAngle_deg = 0.1;
   constexpr double kPoints = 0.5;
   std::map<std::string, double> slow;
   double slow_score = 0;
@@ -126,6 +127,7 @@ TEST_P(ScoreAtRates, OneMotionScoresTheSameAtEveryLoopRate) {
       const double least = m.unit == "mm"    ? kLength_mm
                            : m.unit == "mm3" ? kVolume_mm3
                            : m.unit == "s"   ? kTime_s
+                           : m.unit == "deg" ? kAngle_deg
                            : m.unit == "N"   ? GetParam().force_n
                                              : 1e-9;
       EXPECT_NEAR(m.value, slow[m.name], std::max(least, kShare * std::fabs(slow[m.name])))

@@ -1,0 +1,295 @@
+#include "common/scoring/shape.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace enamel::scoring {
+namespace {
+
+using cutting::Tissue;
+using cutting::Volume;
+
+constexpr double kPatch_m2 = 0.02e-6;      // what a bur's tip leaves at the least
+constexpr double kLeastWall_m2 = 0.05e-6;  // smaller faces belong to edges
+constexpr double kOtherSurface = 2;        // a line may be so many times the nearest distance
+constexpr double kMadeShare = 0.7;
+constexpr double kFitFrom = 0.15, kFitTo = 0.9;
+constexpr double kDegrees = 180 / 3.14159265358979323846;
+
+// The largest value that is reached by `area_m2` of the weight; 0 where none is.
+double ReachedBy(std::vector<WeightedValue> values, double area_m2) {
+  std::sort(values.begin(), values.end(), [](const WeightedValue& a, const WeightedValue& b) {
+    return a.value != b.value ? a.value > b.value : a.weight < b.weight;
+  });
+  double sum = 0;
+  for (const WeightedValue& v : values) {
+    sum += v.weight;
+    if (sum >= area_m2) return v.value;
+  }
+  return 0;
+}
+
+struct Height {
+  double d = 0, area = 0, s = 0, t = 0;
+};
+
+// Least squares for d = a + b s + c t, by area. Normal equations about the means, so that the two
+// slopes are a 2 x 2 system. A wall without extent one way has no slope that way.
+struct Plane {
+  double s0 = 0, t0 = 0, d0 = 0, b = 0, c = 0;
+  double At(const Height& h) const { return d0 + b * (h.s - s0) + c * (h.t - t0); }
+};
+Plane FitPlane(const std::vector<Height>& heights) {
+  Plane p;
+  double area = 0;
+  for (const Height& h : heights) {
+    area += h.area;
+    p.s0 += h.area * h.s, p.t0 += h.area * h.t, p.d0 += h.area * h.d;
+  }
+  if (!(area > 0)) return p;
+  p.s0 /= area, p.t0 /= area, p.d0 /= area;
+  double ss = 0, tt = 0, st = 0, sd = 0, td = 0;
+  for (const Height& h : heights) {
+    const double s = h.s - p.s0, t = h.t - p.t0, d = h.d - p.d0;
+    ss += h.area * s * s, tt += h.area * t * t, st += h.area * s * t;
+    sd += h.area * s * d, td += h.area * t * d;
+  }
+  const double determinant = ss * tt - st * st;
+  if (determinant > 1e-6 * ss * tt) {
+    p.b = (sd * tt - td * st) / determinant;
+    p.c = (td * ss - sd * st) / determinant;
+  } else if (ss > 0) {
+    p.b = sd / ss;
+  }
+  return p;
+}
+
+// Fits again without what lies more than four median residuals off: the foot of another wall that
+// leans in, or a gouge, is not the lean of this one. A wave stays whole: its crest is 1.4 of them.
+Plane FitPlaneToMost(std::vector<Height>& heights, double least_m) {
+  Plane plane = FitPlane(heights);
+  for (int i = 0; i < 3; ++i) {
+    std::vector<WeightedValue> rests;
+    for (const Height& h : heights) rests.push_back({std::fabs(h.d - plane.At(h)), h.area});
+    const double most = std::max(least_m, 4 * WeightedQuantile(std::move(rests), 0.5));
+    if (std::erase_if(heights,
+                      [&](const Height& h) { return std::fabs(h.d - plane.At(h)) > most; }) == 0) {
+      break;
+    }
+    plane = FitPlane(heights);
+  }
+  return plane;
+}
+
+double Length(const dvec3& v) { return std::sqrt(Dot(v, v)); }
+
+// Part by part: its vertices on the reference and their mean normal.
+struct WallPatch {
+  std::vector<size_t> vertices;
+  dvec3 normal{0};
+  double area_m2 = 0;
+};
+
+std::array<WallPatch, kPartCount> PatchesOf(const CutSide& reference, const OpenBox& target,
+                                            double depth_m) {
+  std::array<WallPatch, kPartCount> patches;
+  const surface::Mesh& mesh = *reference.mesh;
+  for (size_t i = 0; i < mesh.position_m.size(); ++i) {
+    if (!(*reference.cut)[i]) continue;
+    const dvec3 facing(mesh.normal[i]);
+    const Part part = PartOf(target, depth_m, dvec3(mesh.position_m[i]), facing);
+    if (part == kNoPart) continue;
+    const double area = (*reference.areas_m2)[i];
+    patches[part].vertices.push_back(i);
+    patches[part].normal += facing * area;
+    patches[part].area_m2 += area;
+  }
+  for (WallPatch& p : patches) {
+    if (const double length = Length(p.normal); length > 0) p.normal /= length;
+  }
+  return patches;
+}
+
+// How far a wall opens towards the top: its mean normal is turned by the rounded vertices of its
+// edges, so that a plane through its own vertices corrects it.
+double OpensDegrees(const dvec3& normal, std::vector<Height> own) {
+  return kDegrees *
+         (std::asin(std::clamp(normal.z, -1.0, 1.0)) + std::atan(FitPlaneToMost(own, 0).b));
+}
+
+WallFigures MeasureWall(const CutSide& attempt, const CutSide& reference, const WallPatch& patch,
+                        const std::vector<float>& deviation_m, bool floor) {
+  WallFigures out;
+  out.in_task = patch.area_m2 >= kLeastWall_m2;
+  if (!out.in_task) return out;
+  const double h = attempt.volume->spec().voxel_m();
+  // In the wall's plane: up it (along x on a floor), and along it.
+  dvec3 up = floor ? dvec3(1, 0, 0) : dvec3(0, 0, 1);
+  up -= patch.normal * Dot(up, patch.normal);
+  up /= Length(up);
+  const dvec3 along = glm::cross(up, patch.normal);
+
+  std::vector<WeightedValue> offsets;
+  std::vector<Height> heights, own_heights;  // of the attempt over the reference; of the latter
+  double met_m2 = 0, lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
+  for (size_t i : patch.vertices) {
+    const dvec3 p(reference.mesh->position_m[i]);
+    const double area = (*reference.areas_m2)[i], nearest = deviation_m[i];
+    // Nearest distances to a rough wall end at whatever stands out of it; along one direction they
+    // are the two walls' heights. What the line meets much farther off is another surface.
+    const double reach = kOtherSurface * std::fabs(nearest) + h;
+    const double there = SurfaceAlong_m(*attempt.volume, p, patch.normal, reach);
+    if (!(std::fabs(there) < reach)) {
+      offsets.push_back({-nearest, area});
+      continue;
+    }
+    const double own = SurfaceAlong_m(*reference.volume, p, patch.normal, h);
+    Height height{own - there, area, Dot(p, up), Dot(p, along)};
+    met_m2 += area;
+    lowest = std::min(lowest, height.s), highest = std::max(highest, height.s);
+    offsets.push_back({height.d, area});
+    heights.push_back(height);
+    own_heights.push_back({-Dot(p, patch.normal), area, height.s, height.t});
+  }
+  out.offset_m = WeightedQuantile(std::move(offsets), 0.5) + 0.0;  // -0 becomes 0
+  out.made = met_m2 >= kMadeShare * patch.area_m2;
+  if (!out.made) return out;
+
+  const double from = lowest + kFitFrom * (highest - lowest);
+  const double to = lowest + kFitTo * (highest - lowest);
+  auto at_edge = [&](const Height& q) { return q.s < from || q.s > to; };
+  if (!floor) std::erase_if(heights, at_edge), std::erase_if(own_heights, at_edge);
+  const Plane plane = FitPlaneToMost(heights, 0.25 * h);
+  double squares = 0, area = 0;
+  for (const Height& q : heights) {
+    const double rest = q.d - plane.At(q);
+    squares += q.area * rest * rest;
+    area += q.area;
+  }
+  out.waviness_m = area > 0 ? std::sqrt(squares / area) : 0;
+  out.tilt_deg =
+      kDegrees * std::atan(floor ? std::sqrt(plane.b * plane.b + plane.c * plane.c) : plane.b);
+  out.opens_deg = out.tilt_deg + (floor ? 0 : OpensDegrees(patch.normal, std::move(own_heights)));
+  return out;
+}
+
+std::vector<dvec3> OutlineOf(const CutSide& side) {
+  std::vector<dvec3> out;
+  const auto& cut = *side.cut;
+  const auto& at = side.mesh->position_m;
+  for (const auto& t : side.mesh->triangles) {
+    for (size_t k = 0; k < 3; ++k) {
+      const uint32_t a = t[k], b = t[(k + 1) % 3];
+      // Each edge is in two triangles, once in each direction: taken from the one.
+      if (a < b && cut[a] != cut[b]) out.push_back((dvec3(at[a]) + dvec3(at[b])) * 0.5);
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+DeviationFigures MeasureDeviation(const CutSide& reference, const std::vector<float>& deviation_m) {
+  std::vector<WeightedValue> sizes, left;
+  DeviationFigures out;
+  double squares = 0, area = 0;
+  for (size_t i = 0; i < deviation_m.size(); ++i) {
+    if (!(*reference.cut)[i]) continue;
+    const double signed_m = deviation_m[i], d = std::fabs(signed_m);
+    const double weight = (*reference.areas_m2)[i];
+    squares += weight * d * d;
+    area += weight;
+    sizes.push_back({d, weight});
+    if (signed_m > 0) left.push_back({d, weight});
+    for (size_t b = 0; b < out.within.size(); ++b) {
+      if (d <= DeviationFigures::kBands_m[b]) out.within[b] += weight;
+    }
+  }
+  if (!(area > 0)) return out;
+  for (double& share : out.within) share /= area;
+  out.rms_m = std::sqrt(squares / area);
+  out.p95_m = WeightedQuantile(std::move(sizes), 0.95);
+  out.most_left_m = ReachedBy(std::move(left), kPatch_m2);
+  return out;
+}
+
+double DeepestOver_m(const CutSide& attempt, const std::vector<float>& deviation_m) {
+  std::vector<WeightedValue> over;
+  for (size_t i = 0; i < deviation_m.size(); ++i) {
+    if (deviation_m[i] > 0) over.push_back({deviation_m[i], (*attempt.areas_m2)[i]});
+  }
+  return ReachedBy(std::move(over), kPatch_m2);
+}
+
+Walls MeasureWalls(const CutSide& attempt, const CutSide& reference,
+                   const std::vector<float>& reference_deviation_m, const OpenBox& target,
+                   double depth_m) {
+  const auto patches = PatchesOf(reference, target, depth_m);
+  Walls out;
+  for (size_t p = 0; p < kPartCount; ++p) {
+    out[p] = MeasureWall(attempt, reference, patches[p], reference_deviation_m, p == kFloor);
+  }
+  return out;
+}
+
+OutlineFigures MeasureOutline(const Volume& initial, const CutSide& attempt,
+                              const CutSide& reference) {
+  OutlineFigures out;
+  const std::vector<dvec3> wanted = OutlineOf(reference), made = OutlineOf(attempt);
+  out.in_task = !wanted.empty();
+  if (!out.in_task || made.empty()) return out;
+  const double least = 0.1 * initial.spec().voxel_m();
+  std::vector<WeightedValue> over, back;
+  for (const dvec3& p : wanted) {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const dvec3& q : made) nearest = std::min(nearest, Dot(p - q, p - q));
+    const double distance = std::sqrt(nearest);
+    const bool cut = attempt.volume->DistanceAt_m(p) - initial.DistanceAt_m(p) > least;
+    over.push_back({cut ? distance : 0, 1});
+    back.push_back({cut ? 0 : distance, 1});
+  }
+  out.over_m = WeightedQuantile(std::move(over), 0.95);
+  out.short_m = WeightedQuantile(std::move(back), 0.95);
+  return out;
+}
+
+double RemainingDentin_m(const Volume& initial, const CutSide& attempt, double limit_m) {
+  // The pulp's own surface: +-half a voxel by the labels, zero between unlike ones.
+  const cutting::GridSpec& spec = initial.spec();
+  Volume pulp(spec);
+  bool any = false;
+  for (int b = 0; b < spec.brick_count(); ++b) {
+    const auto uniform = initial.UniformTissue(b);
+    const uint8_t* labels = initial.HasLabels(b) ? initial.Labels(b).tissue.data() : nullptr;
+    if (labels == nullptr) {
+      if (uniform != Tissue::kPulp) continue;
+      pulp.SetUniform(b, Tissue::kPulp);
+      any = true;
+      continue;
+    }
+    std::array<int16_t, cutting::kBrickVoxels> phi;
+    bool here = false;
+    for (size_t i = 0; i < phi.size(); ++i) {
+      const bool is_pulp = labels[i] == static_cast<uint8_t>(Tissue::kPulp);
+      phi[i] =
+          static_cast<int16_t>(is_pulp ? -cutting::kPhiPerVoxel / 2 : cutting::kPhiPerVoxel / 2);
+      here = here || is_pulp;
+    }
+    if (!here) continue;
+    pulp.SetBrick(b, phi, {}, Tissue::kPulp);
+    any = true;
+  }
+  if (!any) return limit_m;
+  const surface::DistanceQuery query(surface::ExtractSurface(pulp));
+  double least = limit_m;
+  for (size_t i = 0; i < attempt.mesh->position_m.size() && least > 0; ++i) {
+    if (!(*attempt.cut)[i]) continue;
+    if (attempt.mesh->tissue[i] == static_cast<uint8_t>(Tissue::kPulp)) return 0;
+    // Never farther than the least so far, so that most questions end in a few cells.
+    least = std::min(least, query.Distance_m(dvec3(attempt.mesh->position_m[i]), least));
+  }
+  return least;
+}
+
+}  // namespace enamel::scoring

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "common/scoring/deviation.h"
+#include "common/scoring/zones.h"
+
+// The shape of a cut against the reference's. What a statistic is taken over is fixed by the
+// reference, never by the attempt: the reference's cut surface, its walls and floor, its outline on
+// the tooth. So nothing that is cut or left elsewhere can dilute a figure.
+// Deterministic. Thread safety: functions, any thread.
+namespace enamel::scoring {
+
+// One side of a comparison.
+struct CutSide {
+  const cutting::Volume* volume = nullptr;
+  const surface::Mesh* mesh = nullptr;            // of volume
+  const std::vector<bool>* cut = nullptr;         // CutVertices of mesh
+  const std::vector<double>* areas_m2 = nullptr;  // VertexAreas_m2 of mesh
+};
+
+// Distances over the reference's cut surface to the attempt's surface.
+struct DeviationFigures {
+  double rms_m = 0, p95_m = 0;
+  // Share of the area that is no farther off than each band.
+  static constexpr std::array<double, 4> kBands_m = {0.1e-3, 0.2e-3, 0.3e-3, 0.5e-3};
+  std::array<double, 4> within{};
+  double most_left_m = 0;  // least of 0.02 mm^2 of it where the attempt left most
+};
+// `deviation_m`: DeviationPerVertex of the reference's mesh against the attempt (so + is left).
+DeviationFigures MeasureDeviation(const CutSide& reference, const std::vector<float>& deviation_m);
+
+// How deep 0.02 mm^2 of the attempt's surface lies under the reference's, at least.
+// `deviation_m`: of the attempt's mesh against the reference (so + is too deep).
+double DeepestOver_m(const CutSide& attempt, const std::vector<float>& deviation_m);
+
+// One wall or the floor. Heights d of the attempt's surface over the reference's are taken along
+// the reference wall's mean normal, + where the attempt goes deeper, at the reference's vertices,
+// and a plane d = a + b s + c t is fitted to them by least squares, weighted by area, between 15
+// and 90 % of the wall's height: below is the bur's radius, above the rim. s runs up the wall
+// (mesial on a floor), t along it. What lies more than four median residuals off the plane belongs
+// to another face or a gouge, and is left out of plane and waviness.
+struct WallFigures {
+  bool in_task = false;  // the reference has at least 0.05 mm^2 of it
+  bool made = false;     // the attempt has a surface there: along 70 % of the area a line meets it
+  double offset_m = 0;   // median of d; of nearest distances where no line meets the surface
+  // atan b, degrees; of a floor the steepest direction, without sign. + opens towards the top, - is
+  // undercut, both against the reference's wall.
+  double tilt_deg = 0;
+  double opens_deg = 0;   // the attempt's wall against +z: the reference's own and tilt_deg
+  double waviness_m = 0;  // RMS of d about the plane
+};
+using Walls = std::array<WallFigures, kPartCount>;
+Walls MeasureWalls(const CutSide& attempt, const CutSide& reference,
+                   const std::vector<float>& reference_deviation_m, const OpenBox& target,
+                   double depth_m);
+
+// Where the cut meets the tooth's surface: the middles of the edges between a vertex that was cut
+// and one that was not. From each point of the reference's outline to the nearest of the
+// attempt's; over where the attempt has cut at the reference's point, short where it has not.
+struct OutlineFigures {
+  bool in_task = false;  // the reference has one
+  double over_m = 0;     // 95 % of the outline goes no farther out
+  double short_m = 0;    // 95 % of it stays back no farther
+};
+OutlineFigures MeasureOutline(const cutting::Volume& initial, const CutSide& attempt,
+                              const CutSide& reference);
+
+// Least distance from the attempt's cut surface to pulp that is still covered; 0 where it lies
+// open. Labels are whole voxels, so it is known to half a voxel. At most `limit_m`.
+double RemainingDentin_m(const cutting::Volume& initial, const CutSide& attempt, double limit_m);
+
+}  // namespace enamel::scoring

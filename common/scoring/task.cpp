@@ -1,0 +1,144 @@
+#include "common/scoring/task.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace enamel::scoring {
+namespace {
+
+using cutting::kBrickSide;
+using cutting::kBrickVoxels;
+using cutting::SolidFraction;
+using cutting::Volume;
+
+constexpr double kCutVoxels = 0.1;
+
+// Samples of one brick, stored or not.
+class BrickSamples {
+ public:
+  BrickSamples(const Volume& volume, int brick)
+      : phi_(volume.IsStored(brick) ? volume.Phi(brick).phi.data() : nullptr),
+        uniform_(volume.UniformTissue(brick) == cutting::Tissue::kAir ? cutting::kPhiLimit
+                                                                      : -cutting::kPhiLimit) {}
+  // All air, or all as solid as it gets, without samples of its own.
+  bool IsUniformLike(const BrickSamples& other) const {
+    return phi_ == nullptr && other.phi_ == nullptr && uniform_ == other.uniform_;
+  }
+  int32_t Solid(int i) const { return SolidFraction(phi_ ? phi_[i] : uniform_); }
+
+ private:
+  const int16_t* phi_;
+  const int16_t uniform_;
+};
+
+// Where a brick lies relative to the reference's cut.
+enum class Place { kNear, kOutside, kMixed };
+
+class TaskMeter {
+ public:
+  TaskMeter(const Volume& initial, const Volume& attempt, const Volume& reference,
+            const surface::Mesh& reference_cut, double near_m)
+      : initial_(initial),
+        attempt_(attempt),
+        reference_(reference),
+        query_(reference_cut),
+        spec_(initial.spec()),
+        h_m_(spec_.voxel_m()),
+        near_m_(near_m) {}
+
+  TaskVolumes Measure() {
+    for (int b = 0; b < spec_.brick_count(); ++b) AddBrick(b);
+    return {ToM3(task_), ToM3(missed_), ToM3(near_), ToM3(outside_)};
+  }
+
+ private:
+  using Units = std::array<int64_t, cutting::kTissueCount>;  // 65536 to a voxel
+
+  void AddBrick(int b) {
+    const BrickSamples before(initial_, b), after(attempt_, b), wanted(reference_, b);
+    if (before.IsUniformLike(after) && before.IsUniformLike(wanted)) return;
+    const uint8_t* labels = initial_.HasLabels(b) ? initial_.Labels(b).tissue.data() : nullptr;
+    const auto uniform = static_cast<size_t>(initial_.UniformTissue(b));
+    std::optional<Place> place;
+    for (int i = 0; i < kBrickVoxels; ++i) {
+      const int32_t f0 = before.Solid(i);
+      if (f0 == 0) continue;
+      // A surface may only recede: what a resampled reference has more of was not put there.
+      const int32_t fa = std::min(f0, after.Solid(i)), fr = std::min(f0, wanted.Solid(i));
+      if (fa == f0 && fr == f0) continue;
+      const size_t tissue = labels ? labels[i] : uniform;
+      task_[tissue] += f0 - fr;
+      missed_[tissue] += std::max(0, fa - fr);
+      if (fa >= fr) continue;
+      if (!place) place = PlaceOf(b);
+      bool near = *place == Place::kMixed ? IsNear(VoxelPoint(b, i)) : *place == Place::kNear;
+      (near ? near_ : outside_)[tissue] += fr - fa;
+    }
+  }
+
+  ivec3 FirstVoxel(int b) const {
+    const ivec3& n = spec_.bricks;
+    return ivec3(b % n.x, b / n.x % n.y, b / (n.x * n.y)) * kBrickSide;
+  }
+  dvec3 VoxelPoint(int b, int i) const {
+    return spec_.origin_m() + dvec3(FirstVoxel(b) + ivec3(i & 7, i >> 3 & 7, i >> 6)) * h_m_;
+  }
+  // One question for a brick that lies wholly on one side, which most do.
+  Place PlaceOf(int b) const {
+    dvec3 middle = spec_.origin_m() + (dvec3(FirstVoxel(b)) + 0.5 * (kBrickSide - 1)) * h_m_;
+    const double half = 0.5 * (kBrickSide - 1) * std::sqrt(3.0) * h_m_;
+    const double limit = near_m_ + half + h_m_;
+    const double distance = query_.Distance_m(middle, limit);
+    if (distance > near_m_ + half) return Place::kOutside;
+    return distance + half <= near_m_ ? Place::kNear : Place::kMixed;
+  }
+  bool IsNear(const dvec3& p) const { return query_.Distance_m(p, near_m_ + h_m_) <= near_m_; }
+
+  TissueVolumes_m3 ToM3(const Units& units) const {
+    TissueVolumes_m3 out{};
+    for (size_t t = 0; t < units.size(); ++t) {
+      out[t] = static_cast<double>(units[t]) * (h_m_ * h_m_ * h_m_ / 65536);
+    }
+    return out;
+  }
+
+  const Volume &initial_, &attempt_, &reference_;
+  const surface::DistanceQuery query_;
+  const cutting::GridSpec& spec_;
+  const double h_m_, near_m_;
+  Units task_{}, missed_{}, near_{}, outside_{};
+};
+
+}  // namespace
+
+double Sum_m3(const TissueVolumes_m3& volumes) {
+  double sum = 0;
+  for (double v : volumes) sum += v;
+  return sum;
+}
+
+std::vector<bool> CutVertices(const surface::Mesh& mesh, const Volume& initial,
+                              const Volume& after) {
+  std::vector<bool> out(mesh.position_m.size());
+  const double least = kCutVoxels * initial.spec().voxel_m();
+  for (size_t i = 0; i < out.size(); ++i) {
+    dvec3 p(mesh.position_m[i]);
+    out[i] = after.DistanceAt_m(p) - initial.DistanceAt_m(p) > least;
+  }
+  return out;
+}
+
+surface::Mesh CutPart(const surface::Mesh& mesh, const std::vector<bool>& cut) {
+  surface::Mesh out = mesh;
+  std::erase_if(out.triangles,
+                [&](const auto& t) { return !cut[t[0]] && !cut[t[1]] && !cut[t[2]]; });
+  return out;
+}
+
+TaskVolumes MeasureTask(const Volume& initial, const Volume& attempt, const Volume& reference,
+                        const surface::Mesh& reference_cut, double near_m) {
+  return TaskMeter(initial, attempt, reference, reference_cut, near_m).Measure();
+}
+
+}  // namespace enamel::scoring

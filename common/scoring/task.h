@@ -1,0 +1,42 @@
+#pragma once
+
+#include <array>
+
+#include "common/cutting/volume.h"
+#include "common/surface/surface.h"
+
+// The task is what the reference took away. Here an attempt's removal is divided by it: what was
+// done, what was missed, what went beyond, near the reference's cut and far from it.
+// Deterministic. Thread safety: functions, any thread.
+namespace enamel::scoring {
+
+using TissueVolumes_m3 = std::array<double, cutting::kTissueCount>;  // by cutting::Tissue
+double Sum_m3(const TissueVolumes_m3& volumes);
+
+struct TaskVolumes {
+  TissueVolumes_m3 task{};     // what the reference took
+  TissueVolumes_m3 missed{};   // of it, what the attempt left
+  TissueVolumes_m3 near{};     // what the attempt took beyond it, within `near_m` of its cut
+  TissueVolumes_m3 outside{};  // and farther away
+
+  double task_m3() const { return Sum_m3(task); }
+  double done_m3() const { return task_m3() - Sum_m3(missed); }
+};
+
+// Whether something went at each vertex of `mesh`, the surface of `after`: phi there exceeds the
+// initial one by more than a tenth of a voxel.
+std::vector<bool> CutVertices(const surface::Mesh& mesh, const cutting::Volume& initial,
+                              const cutting::Volume& after);
+
+// The triangles of `mesh` with a vertex that is marked.
+surface::Mesh CutPart(const surface::Mesh& mesh, const std::vector<bool>& cut);
+
+// Voxel by voxel, with f = SolidFraction: the reference took f0 - fr, the attempt f0 - fa; of
+// voxels in which both took some, the smaller is done. `reference_cut` is the reference's cut
+// surface (CutPart). Without one (a reference that cut nothing) all that went is outside.
+// Requires: equal grids; near_m >= 0.
+TaskVolumes MeasureTask(const cutting::Volume& initial, const cutting::Volume& attempt,
+                        const cutting::Volume& reference, const surface::Mesh& reference_cut,
+                        double near_m);
+
+}  // namespace enamel::scoring
