@@ -76,9 +76,11 @@ Draft Incisor() { return SoundTooth(UpperCentralIncisor()); }
 
 Draft MolarCaries() {
   const ToothShape& tooth = LowerFirstMolar();
-  return DraftOf("molar-46-caries", tooth.title + " with fissure caries, built in",
-                 {{{&tooth, 0, false, FissureCaries(tooth)}}},
-                 {Tissue::kEnamel, Tissue::kDentin, Tissue::kPulp, Tissue::kCaries});
+  Draft out = DraftOf("molar-46-caries", tooth.title + " with fissure caries, built in",
+                      {{{&tooth, 0, false, FissureCaries(tooth)}}},
+                      {Tissue::kEnamel, Tissue::kDentin, Tissue::kPulp, Tissue::kCaries});
+  out.scene.landmarks["caries"] = out.scene.landmarks.at("occlusal_centre");
+  return out;
 }
 
 Draft MolarClassTwo() {

@@ -42,6 +42,7 @@ Exercise ClassOneExercise(const Scene& scene, const Sha256& scene_hash);
 
 // Every exercise the project makes for a scene, by the landmarks it has:
 //   occlusal_centre  class-1: a box in the fossa
+//   caries           caries: excavation of the lesion under the fossa
 //   mesial_box       class-2: the box of a mesial class II cavity, beside the neighbour
 //   crown_top        crown: a crown preparation down to the height of the margin
 //   a preparation    its name: the shape on the practice block

@@ -11,103 +11,150 @@ namespace {
 // what 0.1 N of chatter takes on the coarsest of the built-in devices (haptics/README.md).
 constexpr TouchCueSpec kPracticeCues{250, 100, 200, 1'000};
 
-RubricCriterion WallCriterion(const char* metric, const char* title, const char* comment) {
-  RubricCriterion c{metric, title, "mm", 8, {}, comment, {}};
-  // Negative is too little, positive too much. A wall is found to a quarter of a voxel
-  // (schemas/score.md), so the 0.05 mm of full marks is beyond what the measure itself is off at
-  // voxels of 0.05 mm.
-  c.map = {{-0.3, 0}, {-0.05, 1}, {0.05, 1}, {0.3, 0}};
+// Bands. A wall counts as right within 0.03 mm, which is over twice what the score itself errs by
+// (a quarter of a voxel of 0.05 mm), loses a fifth at 0.1 mm, the finest that a trained eye tells on
+// a tooth, and everything at 0.3 mm, the tolerance of manual-skill courses.
+constexpr double kRight_mm = 0.03, kSeen_mm = 0.1, kWrong_mm = 0.3, kSeenShare = 0.8;
+
+RubricCriterion WallCriterion(const char* metric, const char* title, double points,
+                              const char* comment) {
+  RubricCriterion c{metric, title, "mm", points, {}, comment, {}};
+  c.map = {{-kWrong_mm, 0}, {-kSeen_mm, kSeenShare}, {-kRight_mm, 1},
+           {kRight_mm, 1},  {kSeen_mm, kSeenShare},  {kWrong_mm, 0}};
   return c;
 }
 
-// Where these points and limits come from is not recorded. Tests hold that they add up to 100
-// (builtin_test.cpp); what moves with them is every score of the built-in exercises.
+RubricCriterion AtMost(const char* metric, const char* title, const char* unit, double points,
+                       double full, double none, const char* comment) {
+  return {metric, title, unit, points, {{full, 1}, {none, 0}}, comment, {}};
+}
+
+RubricCriterion AtLeast(const char* metric, const char* title, const char* unit, double points,
+                        double none, double full, const char* comment) {
+  return {metric, title, unit, points, {{none, 0}, {full, 1}}, comment, {}};
+}
+
+// A criterion earns only in so far as the task was done and the rest of the mouth is still there.
+std::vector<RubricGate> TaskGates() {
+  return {{"task_done_percent",
+           "Task done",
+           "%",
+           {{5, 0}, {90, 1}},
+           "The work was stopped early: part of the task is still to be cut."},
+          {"damage_percent",
+           "The rest left whole",
+           "%",
+           {{20, 1}, {120, 0}},
+           "Much was cut away that has nothing to do with the task."}};
+}
+
+RubricCriterion PulpCriterion(double points) {
+  RubricCriterion c = AtMost("pulp_exposed_mm2", "Pulp not exposed", "mm2", points, 0, 0.05,
+                             "The pulp was exposed: the whole attempt fails.");
+  c.fails_above = 0.0;
+  return c;
+}
+
+// Less than 0.5 mm of dentin does not protect the pulp; 1 mm and more does (schemas/score.md).
+RubricCriterion CoverCriterion(double points) {
+  return AtLeast("remaining_dentin_mm", "Cover of the pulp", "mm", points, 0.5, 0.9,
+                 "Too little dentin is left over the pulp.");
+}
+
+RubricCriterion ElsewhereCriterion(double points) {
+  return AtMost("outside_removed_mm3", "Nothing cut elsewhere", "mm3", points, 0.05, 1.5,
+                "Sound tissue was cut away beyond the tolerance.");
+}
+
+void AddHand(Rubric& r, double force, double time, double full_s, double none_s) {
+  r.criteria.push_back(AtMost("force_sent_p95_n", "Light hand", "N", force, 4, 8,
+                              "The bur was pressed too hard: let it cut."));
+  r.criteria.push_back(AtMost("time_s", "Time", "s", time, full_s, none_s, "The work took long."));
+}
+
 Rubric ClassOneRubric() {
   Rubric r;
   r.name = "class-1-occlusal";
+  r.version = 2;
+  r.gates = TaskGates();
   r.criteria = {
-      {"zone_target_removed_percent",
-       "Outline removed",
-       "%",
-       18,
-       // A 1 mm bur cannot reach the corners: 2.2 % of this box.
-       {{60, 0}, {93, 1}},
-       "Part of the outline was left standing.",
-       {}},
-      {"zone_container_removed_mm3",
-       "Sound tissue around kept",
-       "mm3",
-       12,
-       {{0.05, 1}, {3, 0}},
-       "Tissue beyond the tolerance was cut away.",
-       {}},
-      WallCriterion("wall_mesial_mm", "Mesial wall", "The mesial wall is not where it should be."),
-      WallCriterion("wall_distal_mm", "Distal wall", "The distal wall is not where it should be."),
-      WallCriterion("wall_buccal_mm", "Buccal wall", "The buccal wall is not where it should be."),
-      WallCriterion("wall_lingual_mm", "Lingual wall",
+      AtLeast("task_done_percent", "Outline removed", "%", 8, 70, 97,
+              "Part of the outline was left standing."),
+      ElsewhereCriterion(8),
+      WallCriterion("wall_mesial_mm", "Mesial wall", 6,
+                    "The mesial wall is not where it should be."),
+      WallCriterion("wall_distal_mm", "Distal wall", 6,
+                    "The distal wall is not where it should be."),
+      WallCriterion("wall_buccal_mm", "Buccal wall", 6,
+                    "The buccal wall is not where it should be."),
+      WallCriterion("wall_lingual_mm", "Lingual wall", 6,
                     "The lingual wall is not where it should be."),
-      WallCriterion("floor_mm", "Pulpal floor", "The floor is too deep or too shallow."),
-      {"deviation_rms_mm",
-       "Closeness to the reference",
-       "mm",
-       12,
-       {{0.05, 1}, {0.4, 0}},
-       "The cavity's surface is far from the reference.",
-       {}},
-      {"pulp_exposed_mm2",
-       "Pulp not exposed",
-       "mm2",
-       8,
-       {{0, 1}, {0.05, 0}},
-       "The pulp was exposed: the whole attempt fails.",
-       0.0},
-      {"force_sent_p95_n",
-       "Light hand",
-       "N",
-       5,
-       {{4, 1}, {8, 0}},
-       "The bur was pressed too hard: let it cut.",
-       {}},
-      {"time_s", "Time", "s", 5, {{240, 1}, {600, 0}}, "The work took long.", {}},
+      WallCriterion("floor_mm", "Pulpal floor", 8, "The floor is too deep or too shallow."),
+      AtMost("wall_tilt_deg", "Walls upright", "deg", 8, 2, 10, "A wall leans."),
+      AtMost("undercut_deg", "No undercut", "deg", 5, 2, 8,
+             "A wall leans over the cavity: the filling could not be condensed under it."),
+      AtMost("tilt_floor_deg", "Floor level", "deg", 4, 2, 10, "The floor slopes."),
+      AtMost("wall_waviness_mm", "Walls smooth", "mm", 5, 0.025, 0.1, "A wall is wavy."),
+      AtMost("floor_waviness_mm", "Floor flat", "mm", 3, 0.025, 0.1, "The floor is uneven."),
+      AtMost("deepest_over_mm", "No gouge", "mm", 6, 0.1, 0.4,
+             "Somewhere the bur went deep beyond the outline: see the heat map."),
+      AtMost("outline_over_mm", "Outline on the tooth", "mm", 4, 0.1, 0.4,
+             "The opening is wider than it should be."),
+      PulpCriterion(4),
+      CoverCriterion(4),
   };
+  AddHand(r, 5, 4, 240, 600);
   return r;
 }
 
 // For shapes whose walls are not a box's: the distance to the reference says it all.
-Rubric ShapeRubric(std::string name) {
+Rubric ShapeRubric(std::string name, double closeness = 30, double nowhere = 15) {
   Rubric r;
   r.name = std::move(name);
+  r.version = 2;
+  r.gates = TaskGates();
   r.criteria = {
-      {"deviation_rms_mm",
-       "Closeness to the reference",
-       "mm",
-       40,
-       {{0.05, 1}, {0.4, 0}},
-       "The surface is far from the reference.",
-       {}},
-      {"deviation_p95_mm",
-       "Nowhere far off",
-       "mm",
-       25,
-       {{0.15, 1}, {0.8, 0}},
-       "Somewhere the surface is far from the reference: see the heat map.",
-       {}},
-      {"zone_container_removed_mm3",
-       "Nothing beside and below cut",
-       "mm3",
-       20,
-       {{0.05, 1}, {3, 0}},
-       "Material beyond the tolerance was cut away.",
-       {}},
-      {"force_sent_p95_n",
-       "Light hand",
-       "N",
-       10,
-       {{4, 1}, {8, 0}},
-       "The bur was pressed too hard: let it cut.",
-       {}},
-      {"time_s", "Time", "s", 5, {{300, 1}, {900, 0}}, "The work took long.", {}},
+      AtLeast("task_done_percent", "All of it cut", "%", 10, 70, 97,
+              "Part of the shape was left standing."),
+      AtMost("deviation_rms_mm", "Closeness to the reference", "mm", closeness, kRight_mm, 0.3,
+             "The surface is far from the reference."),
+      AtMost("deviation_p95_mm", "Nowhere far off", "mm", nowhere, 0.08, 0.6,
+             "Somewhere the surface is far from the reference: see the heat map."),
+      AtMost("deepest_over_mm", "No gouge", "mm", 10, 0.1, 0.4,
+             "Somewhere the bur went deep beyond the shape: see the heat map."),
+      AtMost("most_left_mm", "Nothing left standing", "mm", 10, 0.1, 0.6,
+             "Somewhere much was left standing: see the heat map."),
+      AtMost("outside_removed_mm3", "Nothing beside and below cut", "mm3", 10, 0.05, 2,
+             "Material beyond the tolerance was cut away."),
   };
+  AddHand(r, 10, 5, 300, 900);
+  return r;
+}
+
+// Caries goes, sound tissue stays, the pulp is kept covered. What has to go is what the reference
+// took: the share of it that is left is judged, not how much was taken.
+Rubric CariesRubric() {
+  Rubric r;
+  r.name = "caries-excavation";
+  r.version = 1;
+  r.gates = TaskGates();
+  r.gates[0] = {"caries_left_percent",
+                "Caries taken away",
+                "%",
+                {{10, 1}, {90, 0}},
+                "The work was stopped early: most of the caries is still there."};
+  r.criteria = {
+      AtMost("caries_left_percent", "No caries left", "%", 35, 1, 12,
+             "Caries was left: it goes on under the filling."),
+      AtMost("sound_removed_mm3", "Sound tissue kept", "mm3", 20, 0.5, 6,
+             "More sound tissue was taken than the reference took."),
+      ElsewhereCriterion(10),
+      AtMost("deepest_over_mm", "No gouge", "mm", 10, 0.15, 0.6,
+             "Somewhere the bur went deep into sound tissue: see the heat map."),
+      PulpCriterion(5),
+      CoverCriterion(5),
+  };
+  AddHand(r, 10, 5, 300, 900);
   return r;
 }
 
@@ -129,12 +176,35 @@ Exercise ClassTwoExercise(const Scene& scene, const Sha256& scene_hash) {
   // Less than elsewhere: on the mesial side the neighbour stands 0.05 mm away.
   e.target.leeway_side_um = 100;
   e.rubric.name = "class-2-mesial";
-  // The mesial side is open: its points go to the axial wall.
+  // The mesial side is open: its points, and the outline's, are for the neighbour.
   auto& criteria = e.rubric.criteria;
   for (RubricCriterion& c : criteria) {
-    if (c.metric == "wall_distal_mm") c.title = "Axial wall", c.points *= 2;
+    if (c.metric == "wall_distal_mm") c.title = "Axial wall";
   }
-  std::erase_if(criteria, [](const RubricCriterion& c) { return c.metric == "wall_mesial_mm"; });
+  std::erase_if(criteria, [](const RubricCriterion& c) {
+    // The outline ends in the open side, where it has no place of its own.
+    return c.metric == "wall_mesial_mm" || c.metric == "outline_over_mm";
+  });
+  // A nick can be polished out; a groove in the neighbour is caries to come.
+  RubricCriterion neighbour = AtMost("neighbour_removed_mm3", "Neighbour untouched", "mm3", 10,
+                                     0.001, 0.1, "The neighbouring tooth was cut.");
+  neighbour.fails_above = 0.5;
+  criteria.push_back(std::move(neighbour));
+  return e;
+}
+
+Exercise CariesExercise(const Scene& scene, const Sha256& scene_hash) {
+  Exercise e = ClassOneExercise(scene, scene_hash);
+  e.name = NameFor("caries", scene);
+  e.title = "Caries excavation";
+  e.instructions =
+      "Open the lesion under the central fossa and take away all that is soft, and no more sound "
+      "tissue than you must to reach it. Keep the pulp covered.";
+  e.target.landmark = "caries";
+  // The lesion's widest section and its bottom (FissureCaries in arrangement.h).
+  e.target.half_size_um = {1'550, 1'150, 0};
+  e.target.depth_um = 2'500;
+  e.rubric = CariesRubric();
   return e;
 }
 
@@ -156,7 +226,9 @@ Exercise CrownExercise(const Scene& scene, const Sha256& scene_hash) {
   // Wider than the widest built-in crown, 11 x 10.5 mm.
   e.target.half_size_um = {6'000, 6'000, 0};
   e.target.depth_um = kCrownDepth_um;
-  e.rubric = ShapeRubric("crown-preparation");
+  e.rubric = ShapeRubric("crown-preparation", 25, 10);
+  e.rubric.criteria.push_back(PulpCriterion(5));
+  e.rubric.criteria.push_back(CoverCriterion(5));
   e.time_limit_s = 1'800;
   return e;
 }
@@ -185,6 +257,7 @@ std::vector<Exercise> BuiltinExercises(const Scene& scene, const Sha256& scene_h
   if (has("occlusal_centre") && scene.name != "incisor-11") {
     out.push_back(ClassOneExercise(scene, scene_hash));
   }
+  if (has("caries")) out.push_back(CariesExercise(scene, scene_hash));
   if (has("mesial_box")) out.push_back(ClassTwoExercise(scene, scene_hash));
   if (has("crown_top")) out.push_back(CrownExercise(scene, scene_hash));
   for (const Preparation& p : scene.preparations) {

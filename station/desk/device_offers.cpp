@@ -99,6 +99,7 @@ std::vector<DeviceOffer> DeviceOffers(bool simulated, const hid::DeviceChoice& c
       {"Mouse and keyboard", "The force is shown, not felt.", "pointer", {}, {}, {}, {}});
   if (!simulated) return offers;
   for (const OperatorPreset& preset : OperatorPresets()) {
+    if (!preset.offered) continue;
     offers.push_back({"Simulated: " + std::string(preset.name),
                       std::string(preset.summary),
                       "phantom_desktop",

@@ -17,12 +17,22 @@ namespace enamel::station {
 struct OperatorPreset {
   std::string_view name;  // as on the command line
   std::string_view summary;
-  double mesial_extra_m;  // how much too far the mesial wall is cut
-  uint64_t seed;          // of the tremor
-  double speed_ratio;
-  double layer_m;
-  double rough_push_n;
-  bool clockwise;
+  // Who cuts better has the higher; equally good hands have the same. Scores are tested against it.
+  int rank;
+  uint64_t seed;  // of the tremor
+  double speed_ratio = 1;
+  double layer_m = 0.5e-3;
+  double rough_push_n = 1.8;
+  bool clockwise = true;
+  // How much too far each part is cut; negative: short of it.
+  struct Extra {
+    double mesial_m = 0, distal_m = 0, buccal_m = 0, lingual_m = 0, floor_m = 0;
+  };
+  Extra extra{};
+  double tremor_ratio = 1;  // to a calm hand's
+  double plan_share = 1;    // he stops after this share of his moves
+  bool slips = false;       // at the end the bur goes into the tooth beside the cavity
+  bool offered = true;      // in the window's list; all are on the command line
 };
 std::span<const OperatorPreset> OperatorPresets();
 // nullptr when the name is unknown.

@@ -1,0 +1,198 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+#include "common/base/sha256.h"
+#include "common/core/core.h"
+#include "common/scene/builtin.h"
+#include "common/scene/json.h"
+#include "common/scene/plan.h"
+#include "common/scoring/score.h"
+#include "station/devices/operators.h"
+#include "station/loop/tick_loop.h"
+
+// What simulated people earn in the exercises that come with Enamel, on coarse grids so that all of
+// them fit into a test: the lab measures at the demo's (enamel-lab grades).
+namespace enamel::station {
+namespace {
+
+constexpr int32_t kVoxel_nm = 100'000;
+constexpr uint64_t kMostTicks = 600'000;
+
+struct CutTooth {
+  cutting::Volume volume;
+  surface::Mesh mesh;
+  scoring::ProcessRecorder process;
+
+  scoring::AttemptData Data(const cutting::Volume& initial) const {
+    return {&initial, &volume, &mesh, &process};
+  }
+};
+
+CutTooth CutBy(const OperatorPreset& preset, const scene::BuiltScene& built,
+               const scene::Exercise& exercise, uint64_t most_ticks = kMostTicks) {
+  const scene::DeviceProfile profile = scene::BuiltinProfiles()[1];
+  auto params = scene::CompilePlan(built.scene, exercise, profile);
+  ENAMEL_CHECK(params.ok());
+  auto device = MakeSimulatedDevice(preset, built.scene, exercise, profile, *params, built.volume);
+  EXPECT_TRUE(device.ok()) << device.status().message();
+  core::Core core(*params, built.volume);
+  SampleRing ring(4);
+  TickLoop loop(**device, core, ring, {params->rate_hz, true, false});
+  scoring::ProcessRecorder process(*params);
+  bool finished = false;
+  for (uint64_t i = 0; !finished && i < most_ticks; ++i) {
+    finished = loop.Tick();
+    Sample sample;
+    while (ring.Pop(sample)) process.AddRecorded(sample.tick);
+  }
+  EXPECT_TRUE(finished || most_ticks < kMostTicks);
+  surface::Mesh mesh = surface::ExtractSurface(core.volume());
+  return {core.volume(), std::move(mesh), std::move(process)};
+}
+
+scoring::ScoreResult ScoreOf(const scene::BuiltScene& built, const scene::Exercise& exercise,
+                             const CutTooth& attempt, const CutTooth& reference) {
+  auto metrics = scoring::ComputeMetrics(built.scene, exercise, attempt.Data(built.volume),
+                                         reference.Data(built.volume));
+  EXPECT_TRUE(metrics.ok()) << metrics.status().message();
+  auto score = scoring::ApplyRubric(exercise.rubric, *metrics);
+  EXPECT_TRUE(score.ok()) << score.status().message();
+  return score.ok() ? *score : scoring::ScoreResult{};
+}
+
+double PointsOf(const scoring::ScoreResult& score, std::string_view metric) {
+  for (const auto& c : score.criteria) {
+    if (c.name == metric) return c.points;
+  }
+  ADD_FAILURE() << "no criterion " << metric;
+  return -1;
+}
+
+// The exercises whose box a simulated person cuts as it is meant. A crown and the shapes of the
+// block need other hands.
+bool IsBoxOfACavity(const scene::Exercise& exercise) {
+  return exercise.name.starts_with("class-") || exercise.name.starts_with("caries-");
+}
+
+class Grades : public testing::TestWithParam<const char*> {
+ protected:
+  void SetUp() override {
+    auto built = scene::BuildBuiltinScene(GetParam(), kVoxel_nm);
+    ASSERT_TRUE(built.ok());
+    built_ = std::move(*built);
+    const Sha256 hash = HashSha256(AsBytes(scene::ToJson(built_.scene)));
+    for (scene::Exercise& e : scene::BuiltinExercises(built_.scene, hash)) {
+      ASSERT_TRUE(scoring::ValidateRubric(e.rubric).ok()) << e.name;
+      if (IsBoxOfACavity(e)) exercises_.push_back(std::move(e));
+    }
+    ASSERT_FALSE(exercises_.empty());
+  }
+  CutTooth Cut(const char* operator_name, const scene::Exercise& exercise,
+               uint64_t most_ticks = kMostTicks) const {
+    return CutBy(*FindOperator(operator_name), built_, exercise, most_ticks);
+  }
+
+  scene::BuiltScene built_;
+  std::vector<scene::Exercise> exercises_;
+};
+
+TEST_P(Grades, AReferenceScoresAHundredAgainstItselfAndAnUntouchedToothNothing) {
+  for (const scene::Exercise& exercise : exercises_) {
+    SCOPED_TRACE(exercise.name);
+    const CutTooth reference = Cut("dentist", exercise);
+    const auto own = ScoreOf(built_, exercise, reference, reference);
+    EXPECT_NEAR(own.score, 100, 1e-9);
+    for (const auto& c : own.criteria) {
+      EXPECT_TRUE(c.judged) << c.name << ": a criterion of a built-in rubric that never counts";
+      EXPECT_NEAR(c.points, c.max_points, 1e-9) << c.reason;
+    }
+    const auto nothing = ScoreOf(built_, exercise, Cut("dentist", exercise, 500), reference);
+    EXPECT_EQ(nothing.score, 0);
+    EXPECT_NE(nothing.gates.at(0).reason.find("stopped early"), std::string::npos);
+  }
+}
+
+TEST_P(Grades, AnotherGoodHandKeepsNinetyFivePointsAndADeepWallCostsItsOwnCriterion) {
+  for (const scene::Exercise& exercise : exercises_) {
+    SCOPED_TRACE(exercise.name);
+    const CutTooth reference = Cut("dentist", exercise);
+    const auto good = ScoreOf(built_, exercise, Cut("student", exercise), reference);
+    EXPECT_GE(good.score, 95);
+    const auto deep = ScoreOf(built_, exercise, Cut("student-deep-mesial", exercise), reference);
+    EXPECT_LE(deep.score, good.score - 5);
+    const bool caries = exercise.name.starts_with("caries-");
+    // On the open side of a class II box there is the neighbour instead of a wall.
+    const char* own = caries                                 ? "sound_removed_mm3"
+                      : exercise.name.starts_with("class-2") ? "neighbour_removed_mm3"
+                                                             : "wall_mesial_mm";
+    EXPECT_LE(PointsOf(deep, own), PointsOf(good, own) - 1) << own;
+  }
+}
+
+TEST_P(Grades, ADestroyedToothScoresNothing) {
+  for (const scene::Exercise& exercise : exercises_) {
+    SCOPED_TRACE(exercise.name);
+    const CutTooth reference = Cut("dentist", exercise);
+    CutTooth gone{cutting::Volume(built_.volume.spec()), {}, reference.process};
+    gone.mesh = surface::ExtractSurface(gone.volume);
+    EXPECT_EQ(ScoreOf(built_, exercise, gone, reference).score, 0);
+  }
+}
+
+// Spearman's rank correlation, ties at their mean rank.
+double Spearman(const std::vector<double>& a, const std::vector<double>& b) {
+  auto ranks = [](const std::vector<double>& values) {
+    std::vector<double> out;
+    for (double v : values) {
+      double below = 0, same = 0;
+      for (double w : values) below += w < v, same += w == v;
+      out.push_back(below + 0.5 * (same - 1));
+    }
+    return out;
+  };
+  const auto ra = ranks(a), rb = ranks(b);
+  const auto n = static_cast<double>(a.size());
+  double ma = 0, mb = 0, ab = 0, aa = 0, bb = 0;
+  for (size_t i = 0; i < ra.size(); ++i) ma += ra[i] / n, mb += rb[i] / n;
+  for (size_t i = 0; i < ra.size(); ++i) {
+    ab += (ra[i] - ma) * (rb[i] - mb);
+    aa += (ra[i] - ma) * (ra[i] - ma);
+    bb += (rb[i] - mb) * (rb[i] - mb);
+  }
+  return ab / std::sqrt(aa * bb);
+}
+
+TEST_P(Grades, SkillIsFoundInTheOrderItWasMade) {
+  if (std::getenv("ENAMEL_FULL") == nullptr) GTEST_SKIP() << "takes minutes: ./check --full";
+  for (const scene::Exercise& exercise : exercises_) {
+    SCOPED_TRACE(exercise.name);
+    const CutTooth reference = Cut("dentist", exercise);
+    std::vector<double> skill, scores;
+    std::string table;
+    for (const OperatorPreset& preset : OperatorPresets()) {
+      const auto score = ScoreOf(built_, exercise, CutBy(preset, built_, exercise), reference);
+      skill.push_back(preset.rank);
+      scores.push_back(score.score);
+      table += std::string(preset.name) + " " + std::to_string(score.score) + "\n";
+    }
+    const double found = Spearman(skill, scores);
+    EXPECT_GE(found, 0.9) << table;
+    RecordProperty(exercise.name, table);
+    if (std::getenv("ENAMEL_PRINT") != nullptr)
+      std::printf("%s %.3f\n%s", exercise.name.c_str(), found, table.c_str());
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, Grades, testing::Values("molar", "molar-caries", "molar-class-2"),
+                         [](const auto& test) {
+                           std::string name = test.param;
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name;
+                         });
+
+}  // namespace
+}  // namespace enamel::station
