@@ -494,9 +494,13 @@ void Pages::Score(const scoring::ScoreResult& score) {
   std::snprintf(text, sizeof text, "%.0f", score.score);
   ui_.Score(text, " of 100 points");
   if (score.critical_fail) ui_.Problem("Failed: a critical criterion was not met.");
+  for (const scoring::GateResult& g : score.gates) {
+    if (g.share < 1) ui_.Problem(g.reason);
+  }
   if (std::string worst = WorstWall(score); !worst.empty()) ui_.Text("Worst: " + worst);
   ui_.BeginList("reasons", 140);
   for (const scoring::CriterionResult& c : score.criteria) {
+    if (c.max_points == 0) continue;  // not in this exercise
     ui_.Line(c.title, Points(c.points) + " of " + Points(c.max_points),
              c.max_points - c.points > 0.05 ? c.reason : "", c.points + 0.05 < c.max_points);
   }

@@ -43,7 +43,8 @@ function exercise(number, name, title, graded, instructions, version) {
     scene_sha256: "5c".repeat(32), document_sha256: "d0".repeat(32),
     target: { landmark: "central_fossa", half_size_um: [2100, 1350, 0], depth_um: 2000, leeway_side_um: 200, leeway_bottom_um: 200, container_um: 800 },
     rubric: { name: "class-1", version: 1, criteria: rubric.map(([metric, criterion, unit, points, map]) => ({
-      metric, title: criterion, unit, points, comment: "", fails_above: metric === "container_removed_mm3" ? 8 : null, map: map.map(([value, share]) => ({ value, share })) })) },
+      metric, title: criterion, unit, points, comment: "", fails_above: metric === "container_removed_mm3" ? 8 : null, map: map.map(([value, share]) => ({ value, share })) })),
+      gates: [{ metric: "task_done_percent", title: "Task done", unit: "%", comment: "The work was stopped early.", map: [{ value: 5, share: 0 }, { value: 90, share: 1 }] }] },
   };
 }
 
@@ -72,7 +73,7 @@ export function scoreOf(row) {
   const perfect = row.as_reference;
   const criterion = (index, value, points, reason) => {
     const [name, title, unit, max] = rubric[index];
-    return { name, title, value, unit, points: perfect ? max : points, max_points: max, reason };
+    return { name, title, value, unit, points: perfect ? max : points, max_points: max, reason, judged: true };
   };
   return {
     score: row.critical_fail ? 0 : perfect ? 100 : row.computed_score ?? 80, critical_fail: row.critical_fail === true,
@@ -84,6 +85,8 @@ export function scoreOf(row) {
       criterion(4, 1.31, 10, "95 % of the sent force stays below 1.31 N; full marks up to 1.5 N."),
       criterion(5, 42.2, 10, "Done in 42 s; full marks up to 120 s."),
     ],
+    gates: [{ name: "task_done_percent", title: "Task done", value: 98.2, unit: "%", share: 1, reason: "Task done: 98.2 % (at least 90.0 % asked for)." }],
+    missing: [{ name: "caries_left_mm3", why: "not_in_task" }],
     metrics: [
       ["deviation_rms_mm", 0.098, "mm"], ["deviation_p95_mm", 0.292, "mm"], ["wall_mesial_mm", 0.301, "mm"], ["wall_distal_mm", -0.088, "mm"],
       ["target_removed_percent", 99.1, "%"], ["leeway_removed_percent", 31.4, "%"], ["container_removed_mm3", 0.84, "mm3"],
@@ -91,7 +94,7 @@ export function scoreOf(row) {
       ["force_sent_p95_n", 1.31, "N"], ["force_sent_max_n", 2.04, "N"], ["anchor_path_m", 0.412, "m"], ["duration_s", 42.18, "s"],
       ["dtw_pose_mm", 0.36, "mm"], ["dtw_force_n", 0.21, "N"],
     ].map(([name, value, unit]) => ({ name, value, unit })),
-    reference_attempt: referenceDetail.attempt_id, rubric_version: 1, core_version: 1, ticks: row.ticks, gap_ticks: row.gap_ticks,
+    reference_attempt: referenceDetail.attempt_id, rubric_version: 1, scoring_version: 2, core_version: 1, ticks: row.ticks, gap_ticks: row.gap_ticks,
     late_ticks: row.gap_ticks > 0 ? 7 : 0, bounded_ticks: 0, witness_ok: row.gap_ticks === 0,
     witness_note: row.gap_ticks === 0 ? "" : "the state after chunk 12 differs",
   };

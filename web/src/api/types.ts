@@ -45,6 +45,7 @@ export type Job = Schemas["Job"];
 export type AttemptState = Schemas["AttemptState"];
 export type Score = Schemas["Score"];
 export type Criterion = Score["criteria"][number];
+export type Gate = NonNullable<Score["gates"]>[number];
 export type Metric = Score["metrics"][number];
 export type Series = Schemas["Series"];
 export type AuditEntry = Schemas["AuditEntry"];

@@ -4,6 +4,10 @@ import {
   formatBytes, formatDuration, formatNumber, formatQuantity, formatSigned, metricTitle, micrometresAsMm, plural,
 } from "./format";
 
+test("angles have their sign without a blank", () => {
+  assert.equal(formatQuantity(7.25, "deg"), "7.25°");
+});
+
 test("a deviation that rounds to zero carries no sign", () => {
   assert.equal(formatSigned(0.001), "0");
   assert.equal(formatSigned(-0.001), "0");

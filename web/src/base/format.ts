@@ -2,7 +2,7 @@
 
 const kDash = "–";
 const kUnits: Readonly<Record<string, string>> = {
-  mm3: "mm³", mm2: "mm²", count: "", n: "N", mn: "mN", um: "µm", nm: "nm", percent: "%",
+  mm3: "mm³", mm2: "mm²", count: "", n: "N", mn: "mN", um: "µm", nm: "nm", percent: "%", deg: "°",
   "mN/mm": "mN/mm", "N/mm": "N/mm", ratio: "",
   "uN m": "µN m", "uN m/rad": "µN m/rad", "uN m s/rad": "µN m s/rad", urad: "µrad",
 };
@@ -35,7 +35,7 @@ export function formatQuantity(value: number, unit: string, digits?: number): st
   if (unit === "N m" && Math.abs(value) < 0.1) return formatQuantity(value * 1000, "mN m", digits);
   const number = formatNumber(value, digits ?? digitsFor(value));
   const shown = unitText(unit);
-  return shown === "" || number === kDash ? number : `${number}\u00a0${shown}`;
+  return shown === "" || number === kDash ? number : `${number}${shown === "°" ? "" : "\u00a0"}${shown}`;
 }
 
 // About three significant places; micrometres and millinewtons for small values, not less.

@@ -1,4 +1,4 @@
-import type { AttemptDetail, Criterion, Score } from "../../api/types";
+import type { AttemptDetail, Criterion, Gate, Score } from "../../api/types";
 import { formatDateTime, formatNumber, formatQuantity } from "../../base/format";
 import { Badge, Bar, Card, Notice, type Tone } from "../../widgets/basics";
 import { byLostPoints, lostPoints, summarySentence } from "./summary";
@@ -26,6 +26,7 @@ export function ScorePanel({ score, reference, override }: Props) {
           </p>
         </div>
       </div>
+      <Gates gates={score.gates ?? []} />
       <CriteriaTable criteria={byLostPoints(score.criteria)} />
     </Card>
   );
@@ -59,6 +60,14 @@ function toneOf(share: number, critical: boolean): Tone {
   return share < 0.75 ? "warning" : "good";
 }
 
+// What took points of every criterion: said before them, as it explains them.
+function Gates({ gates }: { readonly gates: readonly Gate[] }) {
+  const closing = gates.filter((gate) => gate.share < 1);
+  return <>{closing.map((gate) => (
+    <Notice key={gate.name} tone="warning" title={`Every criterion counts ${formatNumber(100 * gate.share, 0)} %`}><p>{gate.reason}</p></Notice>
+  ))}</>;
+}
+
 function CriteriaTable({ criteria }: { readonly criteria: readonly Criterion[] }) {
   return (
     <table class="criteria">
@@ -78,10 +87,12 @@ function CriterionRow({ criterion }: { readonly criterion: Criterion }) {
         {criterion.title}
         {criterion.reason !== "" && <span class="reason">{criterion.reason}</span>}
       </th>
-      <td class="number nowrap">{formatQuantity(criterion.value, criterion.unit)}</td>
+      <td class="number nowrap">{criterion.judged === false ? "–" : formatQuantity(criterion.value, criterion.unit)}</td>
       <td class="number points">
-        <span class="nowrap"><b>{formatNumber(criterion.points, 1)}</b> / {formatNumber(criterion.max_points, 1)}</span>
-        <Bar share={share} tone={full ? "good" : toneOf(share, false)} />
+        {criterion.max_points === 0 ? "not judged" : <>
+          <span class="nowrap"><b>{formatNumber(criterion.points, 1)}</b> / {formatNumber(criterion.max_points, 1)}</span>
+          <Bar share={share} tone={full ? "good" : toneOf(share, false)} />
+        </>}
       </td>
     </tr>
   );

@@ -30,6 +30,18 @@ test("full marks and a critical fail are said so", () => {
   assert.match(summarySentence(score({ score: 0, critical_fail: true })), /critical criterion failed/);
 });
 
+test("work that was stopped early is said before anything else", () => {
+  const gate = { name: "task_done_percent", title: "Task done", value: 43, unit: "%", share: 0.45, reason: "" };
+  assert.match(summarySentence(score({ score: 31, gates: [gate] })), /^31 of 100\. The work was stopped early: 43 % of it was done/);
+  assert.match(summarySentence(score({ gates: [{ ...gate, share: 1 }] })), /Mesial wall/);
+});
+
+test("a criterion that is not in the exercise is not counted", () => {
+  const unjudged = { ...criterion("Caries", 0, 0), judged: false };
+  const text = summarySentence(score({ criteria: [criterion("Floor", 10), criterion("Time", 8), unjudged] }));
+  assert.match(text, /Full marks in 1 of 2 criteria\.$/);
+});
+
 test("a recording without gaps whose replay agrees is complete", () => {
   const facts = recordingFacts(attempt(), score());
   assert.equal(facts.complete, true);

@@ -16,12 +16,15 @@ export function byLostPoints(criteria: readonly Criterion[]): Criterion[] {
 export function summarySentence(score: Score): string {
   const total = `${formatNumber(score.score, 1)} of 100.`;
   if (score.critical_fail) return `${total} A critical criterion failed, so the whole attempt counts as not passed.`;
-  const lost = byLostPoints(score.criteria).filter((criterion) => lostPoints(criterion) >= kPointsShown);
+  const stopped = score.gates?.find((gate) => gate.name === "task_done_percent" && gate.share < 1);
+  if (stopped !== undefined) return `${total} The work was stopped early: ${formatNumber(stopped.value, 0)} % of it was done, so every criterion counts less.`;
+  const judged = score.criteria.filter((criterion) => criterion.max_points > 0);
+  const lost = byLostPoints(judged).filter((criterion) => lostPoints(criterion) >= kPointsShown);
   const [worst, second] = lost;
   if (worst === undefined) return `${total} Full marks in every criterion.`;
   const first = `${total} Most points were lost on ${inSentence(worst)}`;
-  const kept = score.criteria.length - lost.length;
-  const rest = kept > 0 ? ` Full marks in ${formatNumber(kept, 0)} of ${plural(score.criteria.length, "criterion", "criteria")}.` : "";
+  const kept = judged.length - lost.length;
+  const rest = kept > 0 ? ` Full marks in ${formatNumber(kept, 0)} of ${plural(judged.length, "criterion", "criteria")}.` : "";
   return `${first}${second === undefined ? "" : `, then on ${inSentence(second)}`}.${rest}`;
 }
 

@@ -5,7 +5,7 @@ import { formatDateTime, formatNumber, formatQuantity, formatScore, micrometresA
 import { Flags, StateBadge } from "../../widgets/attempt_state";
 import { Badge, Card, Empty, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
 import { DataTable } from "../../widgets/table";
-import { burText, fullMarksText, kStateTexts, noMarksText, shankText, timeLimitText, touchCuesText, versionText } from "./exercise_text";
+import { burText, falls, fullMarksText, kStateTexts, noMarksText, shankText, timeLimitText, touchCuesText, versionText } from "./exercise_text";
 import { ReferencesCard, VersionsCard } from "./history_cards";
 import { InitialTooth } from "./initial_tooth";
 import { StaffActions } from "./staff_actions";
@@ -82,7 +82,7 @@ function Target({ exercise }: { readonly exercise: Exercise }) {
 }
 
 function Rubric({ exercise }: { readonly exercise: Exercise }) {
-  const { criteria } = exercise.rubric;
+  const { criteria, gates } = exercise.rubric;
   const total = criteria.reduce((sum, criterion) => sum + criterion.points, 0);
   return (
     <>
@@ -94,6 +94,11 @@ function Rubric({ exercise }: { readonly exercise: Exercise }) {
         { title: "Points", number: true, cell: (criterion) => formatNumber(criterion.points, 1) },
       ]} />
       <p class="hint">{formatNumber(total, 1)} points in all.</p>
+      {gates.map((gate) => (
+        <p class="hint" key={gate.metric}>
+          {gate.title}: every criterion counts in full {falls(gate.map) ? "up to" : "from"} {fullMarksText(gate.map, gate.unit)} and not at all {falls(gate.map) ? "from" : "up to"} {noMarksText(gate.map, gate.unit)}.
+        </p>
+      ))}
     </>
   );
 }

@@ -58,7 +58,7 @@ export function noMarksText(map: MarkMap, unit: string): string {
   return formatQuantity(falls(map) ? low : high, unit);
 }
 
-function falls(map: MarkMap): boolean {
+export function falls(map: MarkMap): boolean {
   return (map.at(0)?.share ?? 0) >= (map.at(-1)?.share ?? 0);
 }
 
