@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "common/scoring/task.h"
+
 namespace enamel::station::desk {
 
 ZoneWatch::ZoneWatch(const scene::Scene& scene, const scene::CavityTarget& target,
@@ -18,8 +20,8 @@ void ZoneWatch::Look(const cutting::Volume& now) {
   auto measure = [&](const scoring::OpenBox& box) {
     return scoring::MeasureBox(initial_, now, box);
   };
-  scoring::BoxVolume target = measure(boxes_->target), leeway = measure(boxes_->leeway),
-                     container = measure(boxes_->container);
+  scoring::BoxVolume target = measure(boxes_->target), leeway = measure(boxes_->leeway);
+  const auto removed = scoring::RemovedPerTissue_m3(initial_, now);
   auto percent = [](double removed, double solid) {
     return solid > 0 ? std::clamp(100 * removed / solid, 0.0, 100.0) : 0;
   };
@@ -27,7 +29,8 @@ void ZoneWatch::Look(const cutting::Volume& now) {
   shares.target_percent = percent(target.removed_m3, target.solid_m3);
   shares.leeway_percent =
       percent(leeway.removed_m3 - target.removed_m3, leeway.solid_m3 - target.solid_m3);
-  shares.container_mm3 = std::max(0.0, container.removed_m3 - leeway.removed_m3) * 1e9;
+  shares.beyond_mm3 = std::max(0.0, scoring::Sum_m3(removed) - leeway.removed_m3) * 1e9;
+  shares.neighbour_mm3 = removed[static_cast<size_t>(cutting::Tissue::kNeighbour)] * 1e9;
   std::lock_guard lock(mutex_);
   shares_ = shares;
 }

@@ -12,6 +12,7 @@ namespace enamel::station::render {
 namespace {
 
 constexpr float kMargin_px = 28, kPanelWidth_px = 505, kBar_px = 20;  // at the reference height
+constexpr double kShown_mm3 = 0.005;  // less would be shown as 0.00
 constexpr ImGuiWindowFlags kOverlay =
     ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoInputs |
     ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoFocusOnAppearing;
@@ -105,9 +106,10 @@ struct Panel {
     Bar(beyond ? "Over" : "Limit", text,
         beyond || leeway.whole_mm <= 0 ? 1 : leeway.left_mm / leeway.whole_mm, BearingOf(leeway));
     std::string where(leeway.where.empty() ? "until the limit" : leeway.where);
-    // Less would be shown as 0.00.
-    if (c.zones && c.zones->container_mm3 >= 0.005) {
-      std::snprintf(text, sizeof text, "%.2f mm\xc2\xb3 too much", c.zones->container_mm3);
+    if (c.zones && c.zones->neighbour_mm3 >= kShown_mm3) {
+      std::snprintf(text, sizeof text, "neighbour cut: %.2f mm\xc2\xb3", c.zones->neighbour_mm3);
+    } else if (c.zones && c.zones->beyond_mm3 >= kShown_mm3) {
+      std::snprintf(text, sizeof text, "%.2f mm\xc2\xb3 too much", c.zones->beyond_mm3);
     } else {
       std::snprintf(text, sizeof text, "leeway used %.0f %%",
                     c.zones ? c.zones->leeway_percent : 0);

@@ -14,7 +14,8 @@ namespace enamel::station::render {
 struct ZoneShares {
   double target_percent = 0;
   double leeway_percent = 0;
-  double container_mm3 = 0;  // beyond the leeway
+  double beyond_mm3 = 0;     // taken beyond the leeway, wherever; neighbours too
+  double neighbour_mm3 = 0;  // of it, from neighbouring teeth
 };
 
 // How near the cut has come to what must stay.

@@ -48,7 +48,7 @@ TEST_F(ZoneWatchTest, NothingIsGoneBeforeTheFirstCut) {
   ASSERT_TRUE(watch.shares().has_value());
   EXPECT_EQ(watch.shares()->target_percent, 0);
   EXPECT_EQ(watch.shares()->leeway_percent, 0);
-  EXPECT_EQ(watch.shares()->container_mm3, 0);
+  EXPECT_EQ(watch.shares()->beyond_mm3, 0);
 }
 
 TEST_F(ZoneWatchTest, AHoleInsideTheTargetIsItsShareOfTheBox) {
@@ -57,7 +57,7 @@ TEST_F(ZoneWatchTest, AHoleInsideTheTargetIsItsShareOfTheBox) {
   double hole = 3.14159265 * 0.5 * 0.5 * 1.0, box = 3.0 * 2.0 * 1.5;
   EXPECT_NEAR(watch.shares()->target_percent, 100 * hole / box, 0.6);
   EXPECT_NEAR(watch.shares()->leeway_percent, 0, 0.1);
-  EXPECT_NEAR(watch.shares()->container_mm3, 0, 0.005);
+  EXPECT_NEAR(watch.shares()->beyond_mm3, 0, 0.005);
 }
 
 TEST_F(ZoneWatchTest, AHoleTooDeepReachesTheLeewayAndThenWhatMustStay) {
@@ -65,7 +65,15 @@ TEST_F(ZoneWatchTest, AHoleTooDeepReachesTheLeewayAndThenWhatMustStay) {
   watch.Look(Drilled(0, 2e-3));
   EXPECT_GT(watch.shares()->leeway_percent, 1);
   // 0.25 mm below the leeway.
-  EXPECT_NEAR(watch.shares()->container_mm3, 3.14159265 * 0.25 * 0.25, 0.02);
+  EXPECT_NEAR(watch.shares()->beyond_mm3, 3.14159265 * 0.25 * 0.25, 0.02);
+}
+
+TEST_F(ZoneWatchTest, AHoleFarFromTheTargetIsTooMuchAsAWhole) {
+  ZoneWatch watch(scene_, target_, volume_);
+  watch.Look(Drilled(5e-3, 1e-3));
+  EXPECT_EQ(watch.shares()->target_percent, 0);
+  EXPECT_NEAR(watch.shares()->beyond_mm3, 3.14159265 * 0.5 * 0.5, 0.05);
+  EXPECT_EQ(watch.shares()->neighbour_mm3, 0);
 }
 
 TEST_F(ZoneWatchTest, WithoutATargetThereIsNothingToShow) {
