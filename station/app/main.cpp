@@ -17,6 +17,7 @@
 #include "station/app/lab_command.h"
 #include "station/app/replay.h"
 #include "station/app/spool_command.h"
+#include "station/app/verify.h"
 #include "station/app/workplace_settings.h"
 #include "station/desk/desk.h"
 
@@ -334,6 +335,24 @@ int main(int argc, char** argv) {
   replay_cmd->callback([&] {
     replay.data = data;
     exit_code = Finish(ReplayTrace(replay));
+  });
+
+  VerifyOptions verify;
+  auto* verify_cmd = with_data(app.add_subcommand(
+      "verify",
+      "Check an exported recording: ticket, signatures, chain, seal, and every tick again"));
+  verify_cmd->add_option("trace", verify.trace, "File from 'spool export'")->required();
+  verify_cmd->add_option("--station-key", verify.station_key,
+                         "Public key of the station, 64 hexadecimal digits or a file; this "
+                         "station's own if left out");
+  verify_cmd->add_option("--server-key", verify.server_key,
+                         "Public key of the server's tickets, likewise");
+  verify_cmd->add_option("--volume", verify.volume,
+                         "The tooth it began with, when it is not in the cache");
+  verify_cmd->add_option("--json", verify.json, "Write what was found to this file");
+  verify_cmd->callback([&] {
+    verify.data = data;
+    exit_code = Finish(VerifyRecording(verify));
   });
 
   ImportCommand import;

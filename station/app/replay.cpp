@@ -4,16 +4,14 @@
 
 #include <boost/json.hpp>
 #include <cstdio>
-#include <optional>
 
 #include "common/base/file.h"
 #include "common/program/log.h"
 #include "common/program/output.h"
-#include "common/scene/volume_blob.h"
 #include "common/surface/ply.h"
 #include "common/trace/moment.h"
+#include "station/app/recording_file.h"
 #include "station/app/simulate.h"
-#include "station/uplink/uploader.h"
 
 namespace enamel::station {
 namespace {
@@ -21,43 +19,10 @@ namespace {
 namespace fs = std::filesystem;
 using unsigned_ll = unsigned long long;
 
-struct Recording {
-  trace::TraceFile file;
-  trace::Header header;
-};
-
-Result<Recording> ReadRecording(const fs::path& path) {
-  ENAMEL_ASSIGN_OR_RETURN(auto bytes, ReadFile(path));
-  ENAMEL_ASSIGN_OR_RETURN(auto file, trace::DecodeTraceFile(bytes));
-  ENAMEL_ASSIGN_OR_RETURN(auto header, trace::DecodeHeader(file.header));
-  return Recording{std::move(file), std::move(header)};
-}
-
-Result<cutting::Volume> ReadVolume(const ReplayOptions& options, const trace::Header& header) {
-  std::optional<Bytes> blob;
-  if (!options.volume.empty()) {
-    ENAMEL_ASSIGN_OR_RETURN(auto read, ReadFile(options.volume));
-    if (HashSha256(read) != header.volume) {
-      return Status(Code::kConflict, options.volume.string() +
-                                         " is not the volume this recording began with (" +
-                                         header.volume.Hex() + "): it is of another scene");
-    }
-    blob = std::move(read);
-  } else {
-    blob = BlobCache(options.data / "blobs").Find(header.volume);
-  }
-  if (!blob) {
-    return Status(Code::kNotFound, "the volume " + header.volume.Hex() + " is not in " +
-                                       (options.data / "blobs").string() +
-                                       ": name its file with --volume");
-  }
-  return scene::DecodeVolume(*blob);
-}
-
 // TRACE.keyframes. A cache: what cannot be read is made anew, what cannot be written is not missed.
 class KeyframeFile {
  public:
-  KeyframeFile(const ReplayOptions& options, const Recording& recording)
+  KeyframeFile(const ReplayOptions& options, const RecordingFile& recording)
       : path_(options.trace.string() + ".keyframes"),
         used_(options.keyframes),
         frames_(HashSha256(recording.file.header)) {
@@ -102,23 +67,13 @@ bool ShowProgress(double ratio) {
   return true;
 }
 
-Status CheckSeal(const Recording& recording, const trace::Moment& moment) {
-  if (!recording.file.seal || !moment.whole) return Status::Ok();
-  trace::ChainVerifier chain(recording.header.ticket.attempt, HashSha256(recording.file.header));
-  for (const Bytes& bytes : recording.file.chunks) {
-    ENAMEL_ASSIGN_OR_RETURN(auto chunk, trace::DecodeChunkHead(bytes));
-    ENAMEL_RETURN_IF_ERROR(chain.Accept(chunk));
-  }
-  return chain.AcceptSeal(*recording.file.seal);
-}
-
 std::string Hex(uint64_t value) {
   char text[24];
   std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned_ll>(value));
   return text;
 }
 
-void PrintMoment(const Recording& recording, const trace::Moment& moment) {
+void PrintMoment(const RecordingFile& recording, const trace::Moment& moment) {
   const trace::ReplayReport& r = moment.report;
   std::printf("attempt %s: %llu ticks in %u of %zu chunks, %llu ticks of gaps%s\n",
               recording.header.ticket.attempt.Text().c_str(), static_cast<unsigned_ll>(r.ticks),
@@ -167,7 +122,9 @@ Status Verdict(const trace::Moment& moment) {
                                        std::to_string(r.first_bad_chunk) + " (" + r.what + ")");
   }
   if (moment.from_tick == 0) {
-    std::printf("every tick agrees with the core\n");
+    std::printf(
+        "every tick agrees with the core; who signed it was not looked at (enamel-station verify "
+        "does)\n");
   } else {
     std::printf(
         "every tick from %llu on agrees with the core; without --to-tick all are compared\n",
@@ -181,9 +138,10 @@ Status Verdict(const trace::Moment& moment) {
 Status ReplayTrace(const ReplayOptions& options) {
   ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(options.json, "--json"));
   ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(options.surface, "--surface"));
-  ENAMEL_ASSIGN_OR_RETURN(auto recording, ReadRecording(options.trace));
+  ENAMEL_ASSIGN_OR_RETURN(auto recording, ReadRecordingFile(options.trace));
   ENAMEL_RETURN_IF_ERROR(core::ValidateParams(recording.header.params));
-  ENAMEL_ASSIGN_OR_RETURN(auto volume, ReadVolume(options, recording.header));
+  ENAMEL_ASSIGN_OR_RETURN(auto volume,
+                          ReadVolumeOf(recording.header, options.volume, options.data));
   auto make_core = [&] { return std::make_unique<core::Core>(recording.header.params, volume); };
   KeyframeFile keyframes(options, recording);
   trace::MomentOptions how;
@@ -223,7 +181,7 @@ Status ReplayTrace(const ReplayOptions& options) {
                                             {"seconds", r.seconds},
                                             {"ticks_per_second", per_second},
                                             {"realtime_factor", factor}}));
-  ENAMEL_RETURN_IF_ERROR(CheckSeal(recording, *moment));
+  if (moment->whole) ENAMEL_RETURN_IF_ERROR(CheckChain(recording));
   return Verdict(*moment);
 }
 
