@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <unordered_map>
+#include <utility>
 
 #include "server/auth/common_passwords.h"
 
@@ -47,15 +49,33 @@ std::string LowerText(std::string_view text) {
   return out;
 }
 
-// "p@ssw0rd" -> "password". `kMeant` has two readings of what may stand for either of two letters.
-constexpr std::string_view kShown = "012345678@$!+(|9";
-constexpr std::array<std::string_view, 2> kMeant = {"olzeasgtbasitcig", "oizeasglbasltclg"};
-
-std::string Undisguised(std::string text, std::string_view meant) {
+// A letter and what is written for it become one, so that "p@ssw0rd" and "password" do, and "q1w233"
+// and "q1w2e3".
+std::string Undressed(std::string text) {
+  constexpr std::string_view kShown = "0125346789@$!+(|i";
+  constexpr std::string_view kMeant = "olzseagtbgasltcll";
   for (char& c : text) {
-    if (size_t at = kShown.find(c); at != std::string_view::npos) c = meant[at];
+    if (size_t at = kShown.find(c); at != std::string_view::npos) c = kMeant[at];
   }
   return text;
+}
+
+// Of the commonest word that becomes the same; 0: of none.
+int UndressedRank(const std::string& undressed) {
+  static const std::unordered_map<std::string, int> kRanks = [] {
+    std::unordered_map<std::string, int> out;
+    int rank = 0;
+    for (std::string_view one : CommonPasswords()) {
+      out.emplace(Undressed(std::string(one)), ++rank);
+    }
+    for (std::string_view one : kWordsAtHand) {
+      int& kept = out.try_emplace(Undressed(std::string(one)), kRankAtHand).first->second;
+      kept = std::min(kept, kRankAtHand);
+    }
+    return out;
+  }();
+  auto found = kRanks.find(undressed);
+  return found == kRanks.end() ? 0 : found->second;
 }
 
 // In how many ways it can be written in capitals: none, the usual ones, or any.
@@ -95,24 +115,29 @@ class Reading {
     return at_hand && (rank == 0 || rank > kRankAtHand) ? kRankAtHand : rank;
   }
 
-  void AddWords() {
-    const std::string backwards(lower_.rbegin(), lower_.rend());
-    AddWordsOf(lower_, false, 0);
-    AddWordsOf(backwards, true, std::log10(2.0));
-    for (std::string_view meant : kMeant) {
-      AddWordsOf(Undisguised(lower_, meant), false, std::log10(2.0));
-      AddWordsOf(Undisguised(backwards, meant), true, std::log10(4.0));
-    }
+  int DisguisedRankOf(std::string_view word) const {
+    const std::string undressed = Undressed(std::string(word));
+    auto same = [&](const std::string& one) { return Undressed(one) == undressed; };
+    return std::ranges::any_of(known_, same) ? 1 : UndressedRank(undressed);
   }
 
-  void AddWordsOf(const std::string& reading, bool backwards, double more_log10) {
+  void AddWords() {
+    AddWordsOf(lower_, false);
+    AddWordsOf(std::string(lower_.rbegin(), lower_.rend()), true);
+  }
+
+  void AddWordsOf(const std::string& reading, bool backwards) {
     const size_t n = reading.size();
+    const double more_log10 = backwards ? std::log10(2.0) : 0;
     for (size_t i = 0; i < n; ++i) {
-      for (size_t end = i + kShortestWord; end <= std::min(n, i + kLongestLookedAt); ++end) {
-        const int rank = RankOf(std::string_view(reading).substr(i, end - i));
-        if (rank == 0) continue;
+      for (size_t end = i + kShortestWord; end <= n; ++end) {
+        const std::string_view word = std::string_view(reading).substr(i, end - i);
         const size_t from = backwards ? n - end : i, to = backwards ? n - i : end;
-        Add(from, to, rank, more_log10 + LogOfCapitals(text_.substr(from, to - from)));
+        const double capitals = LogOfCapitals(text_.substr(from, to - from));
+        if (int rank = RankOf(word); rank > 0) Add(from, to, rank, more_log10 + capitals);
+        if (int rank = DisguisedRankOf(word); rank > 0) {
+          Add(from, to, 2.0 * rank, more_log10 + capitals);
+        }
       }
     }
   }
@@ -145,10 +170,12 @@ class Reading {
   // A year or a date.
   void AddDates();
 
-  // The shortest unit that begins here and stands at least twice (a character: three times).
+  // Units that begin here and stand at least twice (a character: three times), without those that
+  // are a shorter one again and again: what is left is a handful.
   void AddRepeats() {
     const size_t n = lower_.size();
     for (size_t i = 0; i < n; ++i) {
+      std::vector<std::pair<size_t, size_t>> found;  // unit, how much it covers
       for (size_t unit = 1; i + 2 * unit <= n; ++unit) {
         size_t times = 1;
         while (i + (times + 1) * unit <= n &&
@@ -156,9 +183,13 @@ class Reading {
           ++times;
         }
         if (times < (unit == 1 ? 3u : 2u)) continue;
+        auto again = [&](const auto& shorter) {
+          return unit % shorter.first == 0 && unit <= shorter.second;
+        };
+        if (std::ranges::any_of(found, again)) continue;
+        found.emplace_back(unit, times * unit);
         const double once = Reading(text_.substr(i, unit), known_).Log10();
         for (size_t k = 2; k <= times; ++k) Add(i, i + k * unit, static_cast<double>(k), once);
-        break;
       }
     }
   }
