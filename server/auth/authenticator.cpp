@@ -85,7 +85,7 @@ bool Authenticator::Verify(const std::string& password, const std::string& verif
 
 bool Authenticator::TakePlace(const std::string& block) {
   const size_t all = options_.max_waiting + options_.hash_threads;
-  std::lock_guard lock(waiting_mutex_);
+  MutexLock lock(waiting_mutex_);
   size_t& here = waiting_from_[block];
   if (waiting_ < all && here < (all + 1) / 2) {
     ++waiting_;
@@ -97,7 +97,7 @@ bool Authenticator::TakePlace(const std::string& block) {
 }
 
 void Authenticator::LeavePlace(const std::string& block) {
-  std::lock_guard lock(waiting_mutex_);
+  MutexLock lock(waiting_mutex_);
   --waiting_;
   if (--waiting_from_[block] == 0) waiting_from_.erase(block);
 }

@@ -5,10 +5,10 @@
 #include <boost/asio/thread_pool.hpp>
 #include <functional>
 #include <map>
-#include <mutex>
 #include <string>
 #include <string_view>
 
+#include "common/base/mutex.h"
 #include "common/base/result.h"
 #include "server/auth/password.h"
 #include "server/auth/refusal_trail.h"
@@ -166,9 +166,10 @@ class Authenticator {
   const AuthOptions options_;
   const std::string decoy_verifier_;  // verified against when there is no such login
   Throttle throttle_;
-  std::mutex waiting_mutex_;
-  size_t waiting_ = 0;                          // guarded by waiting_mutex_
-  std::map<std::string, size_t> waiting_from_;  // by address block; guarded by waiting_mutex_
+  Mutex waiting_mutex_;
+  size_t waiting_ ENAMEL_GUARDED_BY(waiting_mutex_) = 0;
+  // By address block.
+  std::map<std::string, size_t> waiting_from_ ENAMEL_GUARDED_BY(waiting_mutex_);
   DoorCounts counts_;
   RefusalTrail refusals_;
   StorePool hashing_;  // last: its threads use the others

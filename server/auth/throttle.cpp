@@ -93,7 +93,7 @@ Result<int64_t> Throttle::Admit(const std::string& given, const std::string& add
   static constexpr Rule kHere{5, 60'000}, kHereKnown{5, 4'000};
   const std::string place = AddressBlock(address), login = Bounded(given);
   const std::string here = LoginAtPlace(login, place);
-  std::lock_guard lock(mutex_);
+  MutexLock lock(mutex_);
   const bool known = IsKnown(here, now_ms);
   int64_t wait = WaitMs(here, known ? kHereKnown : kHere, now_ms);
   if (!known && wait == 0) wait = WaitOfStranger(login, place, now_ms);
@@ -123,7 +123,7 @@ void Throttle::Forget(Map& map, int64_t after_ms, UnixMs now_ms) {
 
 void Throttle::Failed(const std::string& given, const std::string& address, UnixMs now_ms) {
   const std::string place = AddressBlock(address), login = Bounded(given);
-  std::lock_guard lock(mutex_);
+  MutexLock lock(mutex_);
   Add(AtPlace(place), now_ms);
   Add(LoginAtPlace(login, place), now_ms);
   Add(LoginAnywhere(login), now_ms);
@@ -133,7 +133,7 @@ void Throttle::Failed(const std::string& given, const std::string& address, Unix
 void Throttle::Succeeded(const std::string& given, const std::string& address, UnixMs now_ms) {
   const std::string place = AddressBlock(address), login = Bounded(given);
   const std::string here = LoginAtPlace(login, place);
-  std::lock_guard lock(mutex_);
+  MutexLock lock(mutex_);
   counters_.erase(here);
   counters_.erase(LoginAnywhere(login));
   auto at = counters_.find(AtPlace(place));

@@ -2,10 +2,10 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <mutex>
 #include <string>
 #include <unordered_map>
 
+#include "common/base/mutex.h"
 #include "common/base/result.h"
 #include "server/training/types.h"
 
@@ -55,19 +55,20 @@ class Throttle {
     uint32_t free;   // failures before any delay
     int64_t max_ms;  // longest delay
   };
-  // With mutex_ held:
-  Counter* Find(const std::string& key, UnixMs now_ms);
-  int64_t WaitMs(const std::string& key, const Rule& rule, UnixMs now_ms);
-  int64_t WaitOfStranger(const std::string& login, const std::string& place, UnixMs now_ms);
-  Result<int64_t> Hold(const std::string& place, UnixMs now_ms);
-  void Add(const std::string& key, UnixMs now_ms);
-  bool IsKnown(const std::string& key, UnixMs now_ms) const;
+  Counter* Find(const std::string& key, UnixMs now_ms) ENAMEL_REQUIRES(mutex_);
+  int64_t WaitMs(const std::string& key, const Rule& rule, UnixMs now_ms) ENAMEL_REQUIRES(mutex_);
+  int64_t WaitOfStranger(const std::string& login, const std::string& place, UnixMs now_ms)
+      ENAMEL_REQUIRES(mutex_);
+  Result<int64_t> Hold(const std::string& place, UnixMs now_ms) ENAMEL_REQUIRES(mutex_);
+  void Add(const std::string& key, UnixMs now_ms) ENAMEL_REQUIRES(mutex_);
+  bool IsKnown(const std::string& key, UnixMs now_ms) const ENAMEL_REQUIRES(mutex_);
   template <typename Map>
   static void Forget(Map& map, int64_t after_ms, UnixMs now_ms);
 
-  std::mutex mutex_;
-  Counters counters_;                               // guarded by mutex_
-  std::unordered_map<std::string, Counter> known_;  // guarded by mutex_; last_ms: last success
+  Mutex mutex_;
+  Counters counters_ ENAMEL_GUARDED_BY(mutex_);
+  // last_ms: last success
+  std::unordered_map<std::string, Counter> known_ ENAMEL_GUARDED_BY(mutex_);
 };
 
 // kUnavailable, field "throttled", with the seconds to wait in the message.

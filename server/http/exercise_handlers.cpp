@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <map>
-#include <mutex>
 #include <optional>
 #include <set>
 
+#include "common/base/mutex.h"
 #include "common/scene/json.h"
 #include "common/scene/plan.h"
 #include "common/scene/volume_blob.h"
@@ -273,27 +273,24 @@ Response Refused(const Call& call, const Status& status) {
 class Making {
  public:
   explicit Making(const Sha256& volume) : volume_(volume) {
-    std::lock_guard lock(Mutex());
-    first_ = Volumes().insert(volume_).second;
+    MutexLock lock(made.mutex);
+    first_ = made.volumes.insert(volume_).second;
   }
   ~Making() {
     if (!first_) return;
-    std::lock_guard lock(Mutex());
-    Volumes().erase(volume_);
+    MutexLock lock(made.mutex);
+    made.volumes.erase(volume_);
   }
   Making(const Making&) = delete;
   Making& operator=(const Making&) = delete;
   bool first() const { return first_; }
 
  private:
-  static std::mutex& Mutex() {
-    static std::mutex mutex;
-    return mutex;
-  }
-  static std::set<Sha256>& Volumes() {
-    static std::set<Sha256> volumes;
-    return volumes;
-  }
+  struct Volumes {
+    Mutex mutex;
+    std::set<Sha256> volumes ENAMEL_GUARDED_BY(mutex);
+  };
+  inline static Volumes made;
   Sha256 volume_;
   bool first_ = false;
 };

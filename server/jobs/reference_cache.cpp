@@ -27,14 +27,14 @@ Result<std::shared_ptr<const ReferenceCut>> Read(Store& store, const Uuid& attem
 
 Result<std::shared_ptr<const ReferenceCut>> ReferenceCache::Get(Store& store, const Uuid& attempt) {
   {
-    std::lock_guard lock(mutex_);
+    MutexLock lock(mutex_);
     for (const auto& [id, cut] : kept_) {
       if (id == attempt) return cut;
     }
   }
   auto cut = Read(store, attempt);
   if (!cut.ok()) return cut;
-  std::lock_guard lock(mutex_);
+  MutexLock lock(mutex_);
   kept_.emplace_front(attempt, *cut);
   if (kept_.size() > capacity_) kept_.pop_back();
   return cut;

@@ -2,9 +2,9 @@
 
 #include <deque>
 #include <memory>
-#include <mutex>
 #include <utility>
 
+#include "common/base/mutex.h"
 #include "common/base/result.h"
 #include "common/scoring/metrics.h"
 #include "server/storage/store.h"
@@ -31,9 +31,9 @@ class ReferenceCache {
 
  private:
   const size_t capacity_;
-  std::mutex mutex_;
-  // Guarded by mutex_. Newest first.
-  std::deque<std::pair<Uuid, std::shared_ptr<const ReferenceCut>>> kept_;
+  Mutex mutex_;
+  // Newest first.
+  std::deque<std::pair<Uuid, std::shared_ptr<const ReferenceCut>>> kept_ ENAMEL_GUARDED_BY(mutex_);
 };
 
 }  // namespace enamel::server

@@ -48,7 +48,7 @@ void Worker::Stop() {
 
 void Worker::Notify() {
   {
-    std::lock_guard lock(mutex_);
+    MutexLock lock(mutex_);
     ++notified_;
   }
   wake_.notify_all();
@@ -64,20 +64,21 @@ void Worker::Loop(std::stop_token stop) {
 }
 
 uint64_t Worker::Notified() {
-  std::lock_guard lock(mutex_);
+  MutexLock lock(mutex_);
   return notified_;
 }
 
 void Worker::Wait(const std::stop_token& stop, uint64_t seen) {
-  std::unique_lock lock(mutex_);
-  wake_.wait_for(lock, stop, options_.poll, [&] { return notified_ != seen; });
+  MutexLock lock(mutex_);
+  wake_.wait_for(mutex_, stop, options_.poll,
+                 [&]() ENAMEL_REQUIRES(mutex_) { return notified_ != seen; });
 }
 
 bool Worker::RunOne(const std::stop_token& stop) {
   auto job = store_.LeaseJob(NowMs(), options_.lease_ms);
   bool report_queue = false;
   {
-    std::lock_guard lock(mutex_);
+    MutexLock lock(mutex_);
     report_queue = !job.ok() && queue_ok_;
     queue_ok_ = job.ok();
   }

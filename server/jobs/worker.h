@@ -3,11 +3,11 @@
 #include <chrono>
 #include <condition_variable>
 #include <functional>
-#include <mutex>
 #include <stop_token>
 #include <thread>
 #include <vector>
 
+#include "common/base/mutex.h"
 #include "common/base/result.h"
 #include "server/jobs/reference_cache.h"
 #include "server/storage/store.h"
@@ -57,10 +57,10 @@ class Worker {
   ReferenceCache references_;
   std::vector<std::jthread> threads_;
 
-  std::mutex mutex_;
+  Mutex mutex_;
   std::condition_variable_any wake_;
-  uint64_t notified_ = 0;  // guarded by mutex_
-  bool queue_ok_ = true;   // guarded by mutex_
+  uint64_t notified_ ENAMEL_GUARDED_BY(mutex_) = 0;
+  bool queue_ok_ ENAMEL_GUARDED_BY(mutex_) = true;
 };
 
 }  // namespace enamel::server

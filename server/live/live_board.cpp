@@ -30,7 +30,7 @@ std::string EventOf(std::deque<LiveSample>::const_iterator from,
 void LiveBoard::Put(std::span<const LiveSample> samples) {
   if (samples.empty()) return;
   const LiveSample& last = samples.back();
-  std::lock_guard lock(state_->mutex);
+  MutexLock lock(state_->mutex);
   auto [at, fresh] = state_->latest.try_emplace(last.attempt, last);
   if (!fresh && last.tick <= at->second.tick) return;
   at->second = last;
@@ -48,7 +48,7 @@ void LiveBoard::Put(std::span<const LiveSample> samples) {
 }
 
 void LiveBoard::Remove(const Uuid& attempt) {
-  std::lock_guard lock(state_->mutex);
+  MutexLock lock(state_->mutex);
   state_->latest.erase(attempt);
   if (auto channel = state_->channels.find(attempt); channel != state_->channels.end()) {
     channel->second.ended = true;
@@ -56,7 +56,7 @@ void LiveBoard::Remove(const Uuid& attempt) {
 }
 
 std::optional<LiveSample> LiveBoard::Latest(const Uuid& attempt) const {
-  std::lock_guard lock(state_->mutex);
+  MutexLock lock(state_->mutex);
   auto at = state_->latest.find(attempt);
   if (at == state_->latest.end()) return std::nullopt;
   return at->second;
@@ -64,12 +64,12 @@ std::optional<LiveSample> LiveBoard::Latest(const Uuid& attempt) const {
 
 bool LiveBoard::Watched(const Uuid& attempt) const {
   if (state_->watches == 0) return false;
-  std::lock_guard lock(state_->mutex);
+  MutexLock lock(state_->mutex);
   return state_->channels.contains(attempt);
 }
 
 std::unique_ptr<LiveWatch> LiveBoard::Watch(const Uuid& attempt) {
-  std::lock_guard lock(state_->mutex);
+  MutexLock lock(state_->mutex);
   if (state_->watches >= kMaxWatches) return nullptr;
   ++state_->watches;
   ++state_->channels[attempt].watches;
@@ -77,14 +77,14 @@ std::unique_ptr<LiveWatch> LiveBoard::Watch(const Uuid& attempt) {
 }
 
 LiveWatch::~LiveWatch() {
-  std::lock_guard lock(state_->mutex);
+  MutexLock lock(state_->mutex);
   --state_->watches;
   auto channel = state_->channels.find(attempt_);
   if (--channel->second.watches == 0) state_->channels.erase(channel);
 }
 
 std::shared_ptr<const std::string> LiveWatch::Next() {
-  std::lock_guard lock(state_->mutex);
+  MutexLock lock(state_->mutex);
   LiveBoard::Channel& channel = state_->channels.at(attempt_);
   ended_ = channel.ended;
   auto from = channel.recent.cbegin(), end = channel.recent.cend();

@@ -5,12 +5,12 @@
 #include <deque>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "common/base/mutex.h"
 #include "server/training/types.h"
 
 namespace enamel::server {
@@ -64,10 +64,10 @@ class LiveBoard {
   };
   // Shared with the watches.
   struct State {
-    std::mutex mutex;
-    std::map<Uuid, LiveSample> latest;  // guarded by mutex
-    std::map<Uuid, Channel> channels;   // guarded by mutex; the watched attempts
-    std::atomic<size_t> watches{0};     // changed under mutex
+    Mutex mutex;
+    std::map<Uuid, LiveSample> latest ENAMEL_GUARDED_BY(mutex);
+    std::map<Uuid, Channel> channels ENAMEL_GUARDED_BY(mutex);  // the watched attempts
+    std::atomic<size_t> watches{0};                             // changed under mutex
   };
 
   const std::shared_ptr<State> state_ = std::make_shared<State>();

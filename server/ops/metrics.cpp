@@ -111,14 +111,14 @@ void MetricsText::Durations(std::string_view name, std::string_view help,
 }
 
 void Metrics::Add(Source source) {
-  std::lock_guard lock(mutex_);
+  MutexLock lock(mutex_);
   sources_.push_back(std::move(source));
 }
 
 std::string Metrics::Text() const {
   std::vector<Source> sources;
   {
-    std::lock_guard lock(mutex_);
+    MutexLock lock(mutex_);
     sources = sources_;
   }
   MetricsText text;

@@ -5,11 +5,12 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
-#include <mutex>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
+
+#include "common/base/mutex.h"
 
 // Figures for a monitoring system, in Prometheus' text format 0.0.4
 // (https://prometheus.io/docs/instrumenting/exposition_formats/).
@@ -61,8 +62,8 @@ class Metrics {
   std::string Text() const;
 
  private:
-  mutable std::mutex mutex_;
-  std::vector<Source> sources_;  // guarded by mutex_
+  mutable Mutex mutex_;
+  std::vector<Source> sources_ ENAMEL_GUARDED_BY(mutex_);
 };
 
 // CPU time, memory, open files and start time of this process, under Prometheus' usual names.

@@ -21,7 +21,7 @@ RefusalLog::RefusalLog(std::string door, Say say, Clock clock)
 void RefusalLog::Note(const Refusal& refusal) {
   std::string line;
   {
-    std::lock_guard lock(mutex_);
+    MutexLock lock(mutex_);
     auto now = clock_();
     auto [at, fresh] = seen_.try_emplace(refusal.who + "\n" + refusal.kind);
     Seen& seen = at->second;

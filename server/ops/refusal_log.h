@@ -3,8 +3,9 @@
 #include <chrono>
 #include <functional>
 #include <map>
-#include <mutex>
 #include <string>
+
+#include "common/base/mutex.h"
 
 namespace enamel::server::ops {
 
@@ -37,13 +38,13 @@ class RefusalLog {
     std::chrono::steady_clock::time_point said;
     uint64_t since = 0;  // more of it, not said yet
   };
-  void ForgetOne();
+  void ForgetOne() ENAMEL_REQUIRES(mutex_);
 
   const std::string door_;
   const Say say_;
   const Clock clock_;
-  std::mutex mutex_;
-  std::map<std::string, Seen> seen_;  // guarded by mutex_; by peer and kind
+  Mutex mutex_;
+  std::map<std::string, Seen> seen_ ENAMEL_GUARDED_BY(mutex_);  // by peer and kind
 };
 
 }  // namespace enamel::server::ops

@@ -17,7 +17,7 @@ Result<bool> Content::IsContent(const Sha256& hash) {
 
 Result<Content::Blob> Content::Get(const Sha256& hash) {
   {
-    std::lock_guard lock(mutex_);
+    MutexLock lock(mutex_);
     auto at = held_.find(hash);
     if (at != held_.end()) {
       if (Blob blob = at->second.lock()) return blob;
@@ -31,7 +31,7 @@ Result<Content::Blob> Content::Get(const Sha256& hash) {
   }
   ENAMEL_ASSIGN_OR_RETURN(auto bytes, store_.GetBlob(hash));
   auto blob = std::make_shared<const Bytes>(std::move(bytes));
-  std::lock_guard lock(mutex_);
+  MutexLock lock(mutex_);
   std::erase_if(held_, [](const auto& entry) { return entry.second.expired(); });
   held_[hash] = blob;
   return blob;

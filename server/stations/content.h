@@ -2,9 +2,9 @@
 
 #include <map>
 #include <memory>
-#include <mutex>
 
 #include "common/base/bytes.h"
+#include "common/base/mutex.h"
 #include "common/base/result.h"
 #include "common/base/sha256.h"
 #include "server/storage/store.h"
@@ -27,8 +27,8 @@ class Content {
   Result<bool> IsContent(const Sha256& hash);
 
   Store& store_;
-  std::mutex mutex_;
-  std::map<Sha256, std::weak_ptr<const Bytes>> held_;  // guarded by mutex_
+  Mutex mutex_;
+  std::map<Sha256, std::weak_ptr<const Bytes>> held_ ENAMEL_GUARDED_BY(mutex_);
 };
 
 }  // namespace enamel::server::stations
