@@ -5,7 +5,11 @@
 namespace enamel {
 namespace {
 
+// Excel begins a file with it when it is asked for UTF-8; it would be part of the first column's
+// name.
 constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+// A cell that begins with one of these is a formula to a spreadsheet: a quote in front keeps a
+// person's name from being computed on whoever opens the list (OWASP, "CSV Injection").
 constexpr std::string_view kComputed = "=+-@\t\r";
 
 // One pass over the text, character by character.
@@ -40,11 +44,13 @@ class Reader {
 
   void Take(char c) {
     if (place_ == Place::kQuoted) return c == '"' ? Go(Place::kAfterQuote) : Append(c);
+    // RFC 4180, 2.7: two quotes inside quotes are one.
     if (place_ == Place::kAfterQuote && c == '"') {
       Append(c);
       return Go(Place::kQuoted);
     }
     if (c == ',') return EndCell();
+    // A lone CR ends a row too: old spreadsheets for the Mac write it.
     if (c == '\n' || c == '\r') return EndRow();
     if (place_ == Place::kAfterQuote) return Fail("text after a closing quote", kQuoting);
     if (place_ == Place::kBegin && c == '"') return Go(Place::kQuoted);
@@ -76,6 +82,7 @@ class Reader {
   void EndRow() {
     EndCell();
     if (failed()) return;
+    // Rows without text are left out and not counted: spreadsheets write them below the last.
     if (has_text_ && table_.rows.size() == limits_.rows) {
       return Fail("a row number " + std::to_string(limits_.rows + 1) + " with text",
                   "at most " + std::to_string(limits_.rows) + " rows; split the file");

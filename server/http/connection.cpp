@@ -148,6 +148,7 @@ class StreamConnection : public AcceptedConnection,
     bool late = false;
     Step step = co_await ReadRequest(reader, late);
     if (late) context_->NoteRefusal(peer_, "408 a request did not arrive within its time");
+    // From here a request is being done: it is not closed for another connection.
     gives_way_ = GivesWay::kNever;
     if (step == Step::kMore) co_return false;
     const bool head_only = reader.request().method == Method::kHead;
@@ -209,6 +210,7 @@ class StreamConnection : public AcceptedConnection,
     using Body = bhttp::span_body<const char>;
     auto message = HeadOf<Body>(response, keep_alive, context_->secure());
     std::string_view body = response.Body();
+    // RFC 9110, 8.6: none with 204, and with 304 it would have to be that of the 200.
     if (response.status != 204 && response.status != 304) message.content_length(body.size());
     if (!head_only) message.body() = {body.data(), body.size()};
     bhttp::response_serializer<Body> serializer(message);
@@ -260,6 +262,8 @@ class StreamConnection : public AcceptedConnection,
         auto [error, count] = co_await asio::async_write(stream_, asio::buffer(text), kNoThrow);
         open = !error && !event.last;
       }
+      // Also after an event that was slow to send: the next moment is on the grid, missed ones are
+      // left out.
       pause.expires_at(NextEventMoment());
       co_await pause.async_wait(kNoThrow);
       if (Clock::now() - last_allowed < deadlines().allowed) continue;

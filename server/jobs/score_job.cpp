@@ -57,6 +57,8 @@ class ScoreJob {
     header_hash_ = HashSha256(header);
     ENAMEL_ASSIGN_OR_RETURN(auto decoded, trace::DecodeHeader(header));
     header_ = std::move(decoded);
+    // Before anything is computed with them: a header may be well signed and still ask for the
+    // impossible.
     ENAMEL_RETURN_IF_ERROR(core::ValidateParams(header_.params));
     ENAMEL_ASSIGN_OR_RETURN(auto chunks, store_.AttemptChunks(attempt_));
     chunks_ = std::move(chunks);
@@ -75,6 +77,8 @@ class ScoreJob {
       return Status(Code::kInvalidInput, "station " + station.name + " has no valid public key");
     }
     std::copy(station.public_key.begin(), station.public_key.end(), key.begin());
+    // All of it was checked as it came in. Once more, because what is scored is what the disk gives
+    // now.
     trace::ChainVerifier chain(attempt_, header_hash_);
     for (size_t i = 0; i < chunks_.size(); ++i) {
       if (!trace::VerifyChunk(chunks_[i], key)) {
@@ -129,6 +133,7 @@ class ScoreJob {
                                              ") cannot be read: " + cut.status().message());
     }
     reference_ = *cut;
+    // What differs would be the teeth and not the cuts.
     if (reference_->initial_volume != header_.volume) {
       return Status(Code::kConflict, "the reference was cut from another volume (" +
                                          reference_->initial_volume.Hex() + ") than the attempt (" +
@@ -141,6 +146,8 @@ class ScoreJob {
     auto report = trace::Replay(
         core, header_, chunks_,
         [&](const trace::Tick& tick, const core::TickOutput& output) {
+          // After an exam's limit the replay goes on, to compare every witness to the end, and
+          // nothing counts.
           if (at_limit_) return;
           process.Add(tick, output);
           series.Add(tick, output);
@@ -166,6 +173,8 @@ class ScoreJob {
                 const SeriesRecorder& series) {
     surface::Mesh mesh = surface::ExtractSurface(final_volume);
     scoring::AttemptData attempt{&initial_, &final_volume, &mesh, &process};
+    // A reference cut is compared with itself: deviation 0, so that its own figures can be looked
+    // at.
     scoring::AttemptData reference = attempt;
     if (reference_) {
       reference = {&initial_, &reference_->final_volume, &reference_->surface,
@@ -189,6 +198,8 @@ class ScoreJob {
     result.reference = reference_attempt_;
     result.replay_realtime_factor = ReplayRealtimeFactor();
     std::string score_json = scoring::ToJson(score), series_json = series.ToJson();
+    // Blobs first, then one transaction that names them all: a crash in between leaves unnamed
+    // blobs, which the next try writes again under the same names.
     ENAMEL_RETURN_IF_ERROR(Put(AsBytes(score_json), result.score_json));
     ENAMEL_RETURN_IF_ERROR(Put(scene::EncodeVolume(final_volume), result.final_volume));
     ENAMEL_RETURN_IF_ERROR(Put(EncodeSurface(mesh, deviation), result.surface));
@@ -247,6 +258,8 @@ Status RunScoreJob(Store& store, const Uuid& attempt, const JobProgress& progres
                    ReferenceCache* cache, const Uuid& job) {
   ReferenceCache own;
   Status status = ScoreJob(store, attempt, job, progress, cache ? *cache : own).Run();
+  // Anything else will be the same next time: the attempt says why, instead of the queue trying for
+  // ever.
   if (status.ok() || WorthAnotherTry(status)) return status;
   return store.FailAttempt(attempt, status.message(), job);
 }

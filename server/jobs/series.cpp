@@ -44,9 +44,11 @@ void SeriesRecorder::Add(const trace::Tick& tick, const core::TickOutput& output
   if (steps_.empty() || steps_.back().ticks == step_ticks_) {
     steps_.emplace_back().t_s = static_cast<double>(time_ticks_) / params_.rate_hz;
   }
+  // Whole numbers, in the core's units: the sum is exact.
   for (size_t t = 0; t < removed_.size(); ++t) removed_[t] += output.removed[t];
   Step& step = steps_.back();
   double force = std::sqrt(Dot(output.pressed_n(), output.pressed_n()));
+  // The largest of a step, so that a peak of a few ticks is seen.
   step.force_n = std::max(step.force_n, force);
   step.force_sum_n += force;
   step.bound_n = Bound_n(output);
@@ -72,6 +74,7 @@ std::string SeriesRecorder::ToJson() const {
     out += std::string(",\"") + name + "\":";
     AppendList(out, steps_, [&](const Step& s) { AppendNumber(out, value(s), per_unit); });
   };
+  // Decimals: 0.1 ms, 0.1 mN, 0.000001 mm3, 0.1 um. Beyond them the file would only grow.
   column("t_s", 1e4, [](const Step& s) { return s.t_s; });
   column("force_n", 1e4, [](const Step& s) { return s.force_n; });
   column("force_mean_n", 1e4, [](const Step& s) { return s.force_sum_n / s.ticks; });

@@ -32,16 +32,20 @@ void LiveBoard::Put(std::span<const LiveSample> samples) {
   const LiveSample& last = samples.back();
   MutexLock lock(state_->mutex);
   auto [at, fresh] = state_->latest.try_emplace(last.attempt, last);
+  // Chunks are committed half a second after the LiveState of the same ticks: whoever is behind
+  // adds nothing.
   if (!fresh && last.tick <= at->second.tick) return;
   at->second = last;
   if (auto channel = state_->channels.find(last.attempt); channel != state_->channels.end()) {
     auto& recent = channel->second.recent;
     for (const LiveSample& sample : samples) {
+      // Ticks grow along the deque, which LiveWatch::Next searches by halves.
       if (recent.empty() || sample.tick > recent.back().tick) recent.push_back(sample);
       if (recent.size() > kMaxRows) recent.pop_front();
     }
   }
   if (state_->latest.size() <= kMaxAttempts) return;
+  // A search through all of them, only when there is one attempt too many.
   state_->latest.erase(std::min_element(
       state_->latest.begin(), state_->latest.end(),
       [](const auto& a, const auto& b) { return a.second.received_ms < b.second.received_ms; }));
@@ -51,6 +55,7 @@ void LiveBoard::Remove(const Uuid& attempt) {
   MutexLock lock(state_->mutex);
   state_->latest.erase(attempt);
   if (auto channel = state_->channels.find(attempt); channel != state_->channels.end()) {
+    // The channel stays until its last watcher has seen the end and left.
     channel->second.ended = true;
   }
 }
@@ -63,6 +68,7 @@ std::optional<LiveSample> LiveBoard::Latest(const Uuid& attempt) const {
 }
 
 bool LiveBoard::Watched(const Uuid& attempt) const {
+  // Most of the time nobody watches: then a chunk is not worth a lock that all stations share.
   if (state_->watches == 0) return false;
   MutexLock lock(state_->mutex);
   return state_->channels.contains(attempt);
@@ -94,6 +100,8 @@ std::shared_ptr<const std::string> LiveWatch::Next() {
   }
   if (from == end) return nullptr;
   seen_ = channel.recent.back().tick;
+  // Watchers that have kept up ask for the same moments: the first of them makes the text, all
+  // share it.
   if (!channel.event || channel.first != from->tick || channel.last != *seen_) {
     channel.event = std::make_shared<const std::string>(EventOf(from, end));
     channel.first = from->tick;

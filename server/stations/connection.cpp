@@ -67,6 +67,7 @@ void Connection::EndIfRevoked(std::shared_ptr<const std::set<Uuid>> revoked) {
 void Connection::End(Status why) {
   if (!ending_) ending_ = std::move(why);
   error_code ignored;
+  // Only between frames: one that has begun to come is read and answered.
   if (waiting_for_frame_) stream_.socket().cancel(ignored);
 }
 
@@ -113,6 +114,7 @@ asio::awaitable<void> Connection::Serve() {
       return true;
     });
   }
+  // A peer that does not read would otherwise keep the socket: our last words are a courtesy.
   Allow(kGoodbye);
   for (io = stream_.Shutdown(); io > Io::kEnded; io = stream_.Shutdown()) {
     co_await stream_.Wait(io);
@@ -135,6 +137,7 @@ asio::awaitable<void> Connection::ServeRequests() {
       co_await Refuse(request.status());
       co_return;
     }
+    // From here on the idle and frame deadlines hold; until here one deadline covered everything.
     introduced_ = true;
     Answer answer = co_await Carry(*request);
     if (session_.welcomed() && !station_) {
@@ -202,6 +205,7 @@ asio::awaitable<bool> Connection::Write(wire::Reply reply) {
       rest = rest.subspan(n);
       continue;
     }
+    // One deadline for the whole frame, and none where the system takes it at once.
     if (!waited) Allow(deadlines_.write);
     waited = true;
     co_await stream_.Wait(io);

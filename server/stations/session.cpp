@@ -60,16 +60,19 @@ Answer Session::Handle(const wire::Request& request) {
       return AnswerOf(request, admitted, true);
     }
   }
+  // Has no answer: it comes up to 60 times a second, and the next one replaces it.
   if (request.has_live_state()) {
     Take(request.live_state());
     return {};
   }
   auto result = Dispatch(request);
+  // Enrol ends the connection too (schemas/wire): the credential is first used on a new one.
   return AnswerOf(request, result, request.has_enrol() || (request.has_hello() && !result.ok()));
 }
 
 bool Session::KnownAdmitted() const {
   UnixMs now = services_.clock();
+  // A clock that was set back would otherwise let a revoked station go on for as long.
   return !station_ || (now >= admitted_ms_ && now - admitted_ms_ < kAdmittedEveryMs);
 }
 

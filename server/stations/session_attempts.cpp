@@ -193,6 +193,7 @@ Status Session::Await(const trace::Ticket& ticket, const std::string& what,
                       const std::string& which) {
   ENAMEL_ASSIGN_OR_RETURN(auto before, ToldToAwait(ticket.attempt));
   std::string named = "{\"" + what + "\":\"" + which + "\"}";
+  // Once for each thing that is missing: a station asks again every few minutes.
   if (before != named) {
     ENAMEL_RETURN_IF_ERROR(services_.store.NoteAudit(
         Actor{{}, "station " + station_->name}, "attempt.awaits", ticket.attempt.Text(), named));
@@ -206,6 +207,7 @@ Status Session::Await(const trace::Ticket& ticket, const std::string& what,
 
 Result<AttemptRow> Session::Readmit(const trace::Ticket& ticket) {
   ENAMEL_ASSIGN_OR_RETURN(auto told, ToldToAwait(ticket.attempt));
+  // Who was told to wait may come as late as it takes an admin to bring back what was missing.
   if (told.empty()) ENAMEL_RETURN_IF_ERROR(MayStillBegin(ticket));
   auto exercise = services_.store.ExerciseByContent(ticket.exercise);
   if (exercise.status().code() == Code::kNotFound) {
@@ -243,6 +245,7 @@ Result<wire::Reply> Session::Do(const wire::OpenAttempt& request) {
   const bool forgotten = row.status().code() == Code::kNotFound;
   if (forgotten) row = Readmit(header.ticket);
   if (!row.ok()) return row.status();
+  // One that is open already had its documents compared when it was opened.
   if (row->state == AttemptState::kTicketed) {
     if (!forgotten) ENAMEL_RETURN_IF_ERROR(MayStillBegin(header.ticket));
     ENAMEL_RETURN_IF_ERROR(CheckParams(header));
@@ -304,6 +307,8 @@ Result<wire::Reply> Session::Do(const wire::PutChunk& request) {
 // Who watches sees what is committed too, half a second late, of stations that send no LiveState.
 void Session::ShowLive(const trace::Chunk& chunk) {
   constexpr int32_t kAnchorPerUm = 100, kForcePerMn = 10;
+  // So many ticks of 1 kHz make LiveBoard::kRowsPerSecond rows. Counted from the chunk's end, so
+  // that the newest moment is among them.
   const size_t step = std::max<size_t>(1, trace::kMaxTicksPerChunk / LiveBoard::kRowsPerSecond);
   std::vector<LiveSample> samples;
   for (size_t i = (chunk.ticks.size() - 1) % step; i < chunk.ticks.size(); i += step) {
@@ -329,6 +334,7 @@ Result<wire::Reply> Session::Do(const wire::SealAttempt& request) {
   ENAMEL_RETURN_IF_ERROR(MustBeOurs(attempt));
   trace::Seal seal{attempt, request.chunks(), request.ticks(), last, request.state_hash()};
   ENAMEL_RETURN_IF_ERROR(services_.store.SealAttempt(seal, services_.clock()));
+  // After it is on disk: a viewer who sees the end finds the attempt sealed.
   services_.live.Remove(attempt);
   wire::Reply reply;
   reply.mutable_sealed()->set_attempt(request.attempt());
@@ -341,6 +347,7 @@ Result<wire::Reply> Session::Do(const wire::AttemptStatus& request) {
   ENAMEL_ASSIGN_OR_RETURN(auto row, services_.store.AttemptById(attempt));
   ENAMEL_ASSIGN_OR_RETURN(auto shares, services_.store.ShareCohort(person.id, row.person));
   if (!CanSeeAttempt(person, row, shares)) {
+    // As if there were none: who may not see an attempt is not told that it is there.
     return Status(Code::kNotFound, "no attempt " + attempt.Text(), "attempt");
   }
   wire::Reply reply;
