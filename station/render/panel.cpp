@@ -12,7 +12,7 @@ namespace enamel::station::render {
 namespace {
 
 constexpr float kMargin_px = 28, kPanelWidth_px = 505, kBar_px = 20;  // at the reference height
-constexpr double kShown_mm3 = 0.005;  // less would be shown as 0.00
+constexpr double kShown_mm3 = 0.005;                                  // less would be shown as 0.00
 constexpr ImGuiWindowFlags kOverlay =
     ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoInputs |
     ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoFocusOnAppearing;
