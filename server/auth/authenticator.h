@@ -59,12 +59,12 @@ inline constexpr char kViaStation[] = "station";
 
 struct SignInRequest {
   std::string login, password;
-  std::string address;  // peer, for throttling
-  std::string via;      // kViaPage or kViaStation
-  std::string device;   // SessionRow::device
+  std::string address;   // peer, for throttling
+  std::string via;       // kViaPage or kViaStation
+  std::string device{};  // SessionRow::device
   // The page's cookie that came with the request, 64 hex digits; its session ends when this one
   // begins: the browser forgets it.
-  std::string earlier;
+  std::string earlier{};
 };
 
 // What happened at the door since the start. Wrong passwords count wherever one is asked for.
@@ -104,7 +104,7 @@ class Authenticator {
   // again).
   struct PasswordChange {
     std::string old_password, new_password;
-    std::string address, via, device;
+    std::string address, via, device{};
   };
   boost::asio::awaitable<Result<SignedIn>> ChangePassword(Identity identity, PasswordChange change);
   // Until when the password of a person whose one has to be changed can be signed in with.

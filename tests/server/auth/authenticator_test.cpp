@@ -33,7 +33,7 @@ class AuthenticatorTest : public ::testing::Test {
     return options;
   }
   static SignInRequest Request(const std::string& login, const std::string& password) {
-    return {login, password, "203.0.113.7", "page", "", ""};
+    return {login, password, "203.0.113.7", "page"};
   }
 
   TempFolder folder_;
