@@ -174,12 +174,12 @@ void ReachWatch::Publish() {
     out.leeway = {{1e3 * (nearest->leeway_m - nearest->beyond_m), 1e3 * nearest->leeway_m,
                    nearest->beyond_m > 0 ? nearest->name : ""}};
   }
-  std::lock_guard lock(mutex_);
+  MutexLock lock(mutex_);
   reach_ = out;
 }
 
 render::Reach ReachWatch::reach() const {
-  std::lock_guard lock(mutex_);
+  MutexLock lock(mutex_);
   return reach_;
 }
 

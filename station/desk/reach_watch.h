@@ -1,10 +1,10 @@
 #pragma once
 
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <vector>
 
+#include "common/base/mutex.h"
 #include "common/scoring/zones.h"
 #include "common/surface/surface.h"
 #include "station/render/panel.h"
@@ -53,8 +53,8 @@ class ReachWatch {
   bool pulp_looked_for_ = false;
   std::vector<float> pulp_bound_m_;  // least a brick can be from the pulp; negative: not asked yet
   double pulp_m_;
-  mutable std::mutex mutex_;
-  render::Reach reach_;  // guarded by mutex_
+  mutable Mutex mutex_;
+  render::Reach reach_ ENAMEL_GUARDED_BY(mutex_);
 };
 
 }  // namespace enamel::station::desk

@@ -31,12 +31,12 @@ void ZoneWatch::Look(const cutting::Volume& now) {
       percent(leeway.removed_m3 - target.removed_m3, leeway.solid_m3 - target.solid_m3);
   shares.beyond_mm3 = std::max(0.0, scoring::Sum_m3(removed) - leeway.removed_m3) * 1e9;
   shares.neighbour_mm3 = removed[static_cast<size_t>(cutting::Tissue::kNeighbour)] * 1e9;
-  std::lock_guard lock(mutex_);
+  MutexLock lock(mutex_);
   shares_ = shares;
 }
 
 std::optional<render::ZoneShares> ZoneWatch::shares() const {
-  std::lock_guard lock(mutex_);
+  MutexLock lock(mutex_);
   return shares_;
 }
 

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <mutex>
 #include <optional>
 
+#include "common/base/mutex.h"
 #include "common/scoring/zones.h"
 #include "station/render/panel.h"
 
@@ -23,8 +23,8 @@ class ZoneWatch {
  private:
   const cutting::Volume& initial_;
   std::optional<scoring::ZoneBoxes> boxes_;
-  mutable std::mutex mutex_;
-  std::optional<render::ZoneShares> shares_;  // guarded by mutex_
+  mutable Mutex mutex_;
+  std::optional<render::ZoneShares> shares_ ENAMEL_GUARDED_BY(mutex_);
 };
 
 }  // namespace enamel::station::desk

@@ -27,7 +27,7 @@ Uploader::Uploader(Credentials credentials, Spool& spool, const UploaderOptions&
 Uploader::~Uploader() { Stop(); }
 
 void Uploader::Prefer(const Uuid& attempt, std::shared_ptr<LiveMailbox> live) {
-  std::lock_guard lock(mutex_);
+  MutexLock lock(mutex_);
   preferred_ = attempt;
   live_ = std::move(live);
   reopen_ = wake_ = retry_ = true;
@@ -35,19 +35,19 @@ void Uploader::Prefer(const Uuid& attempt, std::shared_ptr<LiveMailbox> live) {
 }
 
 void Uploader::Wake() {
-  std::lock_guard lock(mutex_);
+  MutexLock lock(mutex_);
   wake_ = look_for_tickets_ = true;
   changed_.notify_all();
 }
 
 void Uploader::Retry() {
-  std::lock_guard lock(mutex_);
+  MutexLock lock(mutex_);
   retry_ = true;
   changed_.notify_all();
 }
 
 Uploader::State Uploader::state(const Uuid& attempt) const {
-  std::lock_guard lock(mutex_);
+  MutexLock lock(mutex_);
   auto at = states_.find(attempt);
   State out = at == states_.end() ? State{} : at->second;
   out.reachable = about_link_.reachable;
@@ -57,18 +57,18 @@ Uploader::State Uploader::state(const Uuid& attempt) const {
 }
 
 Uploader::Link Uploader::link() const {
-  std::lock_guard lock(mutex_);
+  MutexLock lock(mutex_);
   return about_link_;
 }
 
 void Uploader::WaitUntilDone(const Uuid& attempt, std::chrono::milliseconds patience) {
-  std::unique_lock lock(mutex_);
+  MutexLock lock(mutex_);
   auto gone_since = Clock::now();
   while (!stop_ && !about_link_.refused) {
     const State& state = states_[attempt];
     if (state.sealed || state.gave_up) return;
     if (about_link_.reachable) gone_since = Clock::now();
-    if (changed_.wait_until(lock, gone_since + patience) == std::cv_status::timeout &&
+    if (changed_.wait_until(mutex_, gone_since + patience) == std::cv_status::timeout &&
         !about_link_.reachable) {
       return;
     }
@@ -77,7 +77,7 @@ void Uploader::WaitUntilDone(const Uuid& attempt, std::chrono::milliseconds pati
 
 void Uploader::Stop() {
   {
-    std::lock_guard lock(mutex_);
+    MutexLock lock(mutex_);
     stop_ = true;
     link_.Cancel();
     changed_.notify_all();
@@ -86,29 +86,30 @@ void Uploader::Stop() {
 }
 
 bool Uploader::stopping() const {
-  std::lock_guard lock(mutex_);
+  MutexLock lock(mutex_);
   return stop_;
 }
 
 void Uploader::Run() {
   PruneWhenDue();
-  std::unique_lock lock(mutex_);
+  MutexLock lock(mutex_);
   while (!stop_) {
-    lock.unlock();
+    mutex_.unlock();
     PruneWhenDue();
     Status status = RunConnection();
     link_.Close();
     Say(status);
     // A spool that cannot be read says nothing of the server, and is not to be written to.
     if (!IsStopped(status) && !IsDamaged(status)) (void)spool_.MarkAllTried(status.message());
-    lock.lock();
+    mutex_.lock();
     about_link_.reachable = false;
     about_link_.problem = status;
     about_link_.refused = !IsTransient(status);
     retry_ = false;
     changed_.notify_all();
     Backoff& backoff = about_link_.refused ? refused_backoff_ : backoff_;
-    changed_.wait_for(lock, backoff.Next(), [&] { return stop_ || retry_; });
+    changed_.wait_for(mutex_, backoff.Next(),
+                      [&]() ENAMEL_REQUIRES(mutex_) { return stop_ || retry_; });
     if (retry_) about_link_.refused = false;
   }
 }
@@ -145,7 +146,7 @@ Status Uploader::RunConnection() {
   AttemptSender sender(link_, spool_, bandwidth_, [&] { return Meanwhile(*self); });
   self = &sender;
   {
-    std::lock_guard lock(mutex_);
+    MutexLock lock(mutex_);
     about_link_.reachable = true;
     about_link_.refused = false;
     about_link_.problem = Status::Ok();
@@ -156,7 +157,7 @@ Status Uploader::RunConnection() {
   backoff_.Reset();
   while (true) {
     {
-      std::lock_guard lock(mutex_);
+      MutexLock lock(mutex_);
       look_for_tickets_ = false;
     }
     ENAMEL_RETURN_IF_ERROR(sender.ReturnTickets());
@@ -171,7 +172,7 @@ Status Uploader::SendWaiting(AttemptSender& sender) {
   while (auto attempt = NextWaiting(brought)) {
     bool preferred = false, yielded = false;
     {
-      std::lock_guard lock(mutex_);
+      MutexLock lock(mutex_);
       preferred = attempt == preferred_;
       if (preferred && std::exchange(reopen_, false)) sender.Reopen(*attempt);
     }
@@ -193,14 +194,14 @@ Status Uploader::SendWaiting(AttemptSender& sender) {
 // is something new.
 std::optional<Uuid> Uploader::NextWaiting(std::set<Uuid>& brought) {
   {
-    std::lock_guard lock(mutex_);
+    MutexLock lock(mutex_);
     if (std::exchange(wake_, false)) brought.clear();
   }
   auto waiting = WaitingAttempts(spool_);
   if (!waiting.ok()) return std::nullopt;
   std::erase_if(*waiting, [&](const SpooledAttempt& a) { return brought.contains(a.id); });
   if (waiting->empty()) return std::nullopt;
-  std::lock_guard lock(mutex_);
+  MutexLock lock(mutex_);
   for (const SpooledAttempt& a : *waiting) {
     if (a.id == preferred_) return a.id;
   }
@@ -208,13 +209,13 @@ std::optional<Uuid> Uploader::NextWaiting(std::set<Uuid>& brought) {
 }
 
 bool Uploader::PreferredWaits() {
-  std::lock_guard lock(mutex_);
+  MutexLock lock(mutex_);
   return preferred_ && wake_;
 }
 
 void Uploader::Note(const Uuid& attempt, const Status& status) {
   auto stored = spool_.Get(attempt);
-  std::lock_guard lock(mutex_);
+  MutexLock lock(mutex_);
   State& state = states_[attempt];
   const State before = state;
   if (stored.ok()) {
@@ -251,7 +252,7 @@ void Uploader::SendLive(const AttemptSender& sender) {
   std::shared_ptr<LiveMailbox> live;
   Uuid attempt;
   {
-    std::lock_guard lock(mutex_);
+    MutexLock lock(mutex_);
     if (!preferred_ || !live_) return;
     live = live_;
     attempt = *preferred_;
@@ -263,7 +264,7 @@ void Uploader::SendLive(const AttemptSender& sender) {
   live_due_ = std::max(live_due_ + kLiveEvery, now - kLiveEvery);
   bool sent = sender.at_ease() && bandwidth_.TakeSpare(kLiveBytes, now) &&
               link_.SendLive(attempt, *point).ok();
-  std::lock_guard lock(mutex_);
+  MutexLock lock(mutex_);
   ++(sent ? about_link_.live_sent : about_link_.live_dropped);
 }
 
@@ -277,10 +278,12 @@ Status Uploader::AwaitWork(AttemptSender& sender) {
       ENAMEL_RETURN_IF_ERROR(link_.Ping());
       ping_due_ = now + kPingEvery;
     }
-    std::unique_lock lock(mutex_);
+    MutexLock lock(mutex_);
     bool watched = preferred_ && live_ && sender.watched(*preferred_);
     auto until = watched ? std::min<Clock::time_point>(ping_due_, now + kLiveEvery / 4) : ping_due_;
-    if (changed_.wait_until(lock, until, [&] { return wake_ || look_for_tickets_ || stop_; }))
+    if (changed_.wait_until(mutex_, until, [&]() ENAMEL_REQUIRES(mutex_) {
+          return wake_ || look_for_tickets_ || stop_;
+        }))
       return Status::Ok();
     if (awaited_due_ && Clock::now() >= *awaited_due_) return Status::Ok();
   }

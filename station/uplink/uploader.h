@@ -4,12 +4,12 @@
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <set>
 #include <string>
 #include <thread>
 
+#include "common/base/mutex.h"
 #include "common/base/result.h"
 #include "station/spool/spool.h"
 #include "station/uplink/attempt_sender.h"
@@ -111,16 +111,19 @@ class Uploader {
   std::chrono::steady_clock::time_point live_due_{}, ping_due_{};     // of the thread
   std::optional<std::chrono::steady_clock::time_point> awaited_due_;  // of the thread
 
-  mutable std::mutex mutex_;
-  std::condition_variable changed_;
-  std::map<Uuid, State> states_;
-  Link about_link_;
-  std::optional<Uuid> preferred_;
-  std::shared_ptr<LiveMailbox> live_;
-  bool reopen_ = false, wake_ = true, retry_ = false, stop_ = false;
+  mutable Mutex mutex_;
+  std::condition_variable_any changed_;
+  std::map<Uuid, State> states_ ENAMEL_GUARDED_BY(mutex_);
+  Link about_link_ ENAMEL_GUARDED_BY(mutex_);
+  std::optional<Uuid> preferred_ ENAMEL_GUARDED_BY(mutex_);
+  std::shared_ptr<LiveMailbox> live_ ENAMEL_GUARDED_BY(mutex_);
+  bool reopen_ ENAMEL_GUARDED_BY(mutex_) = false;
+  bool wake_ ENAMEL_GUARDED_BY(mutex_) = true;
+  bool retry_ ENAMEL_GUARDED_BY(mutex_) = false;
+  bool stop_ ENAMEL_GUARDED_BY(mutex_) = false;
   // Apart from wake_: the walk through the attempts takes that one, and a ticket handed back
   // meanwhile is looked for after it.
-  bool look_for_tickets_ = true;
+  bool look_for_tickets_ ENAMEL_GUARDED_BY(mutex_) = true;
   std::thread thread_;
 };
 
