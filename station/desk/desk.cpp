@@ -20,6 +20,7 @@ namespace {
 using render::Quality;
 using Clock = Workflow::Clock;
 
+// A signal handler may do no more: the frame looks.
 volatile std::sig_atomic_t interrupted = 0;
 void OnSignal(int) { interrupted = 1; }
 
@@ -42,6 +43,7 @@ const Quality& QualityOf(const DeskOptions& options, const render::QualityGovern
 
 // F1 opens and closes the operator's panel.
 void TakePanelKey(const render::Screen& screen, const Ui& ui, bool& panel) {
+  // Before the first page there is nothing to open a panel over.
   if (ui.page().empty()) return;
   for (const render::InputEvent& event : screen.events()) {
     bool f1 = event.kind == render::InputEvent::Kind::kKey && event.code == render::kKeyF1;
@@ -118,12 +120,15 @@ class Desk {
   bool Frame() {
     if (!screen_.Begin()) AskToClose();
     auto now = Clock::now();
+    // Of the window alone: the device and the tick have their own time.
     double dt_s = std::chrono::duration<double>(now - last_).count();
     last_ = now;
+    // Before anything is drawn: a frame shows one state, not parts of two.
     flow_.Tick(now, !screen_.events().empty());
     TakePanelKey(screen_, ui_, panel_);
     const render::Target* picture = Picture(dt_s);
     Sound();
+    // After the picture, which lies below it.
     bool end = pages_.Draw();
     if (panel_) {
       DrawOperatorPanel(flow_, station_, screen_, times_, quality(), governor_.budget_s());
@@ -149,7 +154,9 @@ class Desk {
     bool running = flow_.place() == Place::kRunning && stage != nullptr;
     bool dialog = flow_.dialog() != Dialog::kNone;
     screen_.CaptureCursor(running && !dialog && stage->by_pointer());
+    // The view stays with its stage: coming back from a dialog costs no building.
     if (!running) return nullptr;
+    // Also below a dialog: the pointer device must be told to hold still.
     stage->Point(screen_, dt_s, dialog);
     if (!dialog) Steer(*stage);
     stage->view().Draw(screen_.width(), screen_.height(), quality());
@@ -180,6 +187,7 @@ class Desk {
     content.has_state = stage.view().has_state();
     content.force_full_scale_n = static_cast<double>(prepared.profile.peak_force_mn.value) * 1e-3;
     content.time_limit_s = prepared.exercise.time_limit_s;
+    // No ruler: a perspective picture has no one scale.
     content.mm_per_pixel = 0;
     content.state.warnings |=
         AttemptWarnings(*stage.run(), content.state.time_s, content.time_limit_s);
@@ -189,6 +197,7 @@ class Desk {
     } else if (newest.put_down) {
       content.fault = "Force is off: the handpiece lies in its holder";
     }
+    // Graded work and exams: whoever saw the zones would cut to the numbers.
     if (MayShowProgress(prepared.exercise.graded, flow_.chosen().exam, flow_.instructor())) {
       content.zones = stage.zones();
       content.reach = stage.reach();
@@ -201,6 +210,7 @@ class Desk {
     if (!speaker_) return;
     Stage* stage = flow_.stage();
     if (flow_.place() != Place::kRunning || stage == nullptr) return speaker_->Set(0, 0);
+    // The voice takes a share: it sounds alike on a weak device and a strong one.
     double full = static_cast<double>(stage->prepared().profile.peak_force_mn.value) * 1e-3;
     double force = glm::length(stage->view().state().force_sent_n);
     speaker_->Set(stage->held().speed_krpm(), force / std::max(full, 1e-3));
@@ -208,6 +218,7 @@ class Desk {
 
   void Measure() {
     times_.Add(screen_.drawing_s());
+    // Pages take less than a tooth: they would let the quality rise just before it is needed.
     if (flow_.place() == Place::kRunning) governor_.Note(screen_.drawing_s());
   }
 
@@ -279,6 +290,7 @@ Status RunDesk(const DeskOptions& options) {
     if (opening.workplace() == nullptr) return opening.problem();
     return Desk(options, screen, *opening.workplace(), script).Run();
   } catch (const std::exception& e) {
+    // Without a display the reason why the station cannot be used is still the one to tell.
     return opening.problem().ok() ? render::NoDisplay(e.what()) : opening.problem();
   }
 }

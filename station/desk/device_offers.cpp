@@ -21,6 +21,7 @@ Pedal FindPedal(const std::vector<HidInfo>& attached, const hid::DeviceChoice& c
   if (!choice.pedal.empty()) return {choice.pedal, "pedal " + choice.pedal};
   for (const HidInfo& info : attached) {
     if (hid::Recognise(info) != HidKind::kFootPedal) continue;
+    // Not the device's problem: it has a button of its own, so it is offered all the same.
     if (std::string refused = hid::WhyNotUsable(info); !refused.empty()) {
       return {"", "without the foot pedal: " + refused};
     }
@@ -42,6 +43,7 @@ void AskBoard(const HidInfo& info, DeviceOffer& offer) {
     offer.problem = board.status().message();
     return;
   }
+  // As the board calls itself: a bus name says nothing to a person.
   if (!board->name.empty()) offer.title = board->name;
   offer.profile = board->profile;
   offer.detail = BoardText(*board);
@@ -90,13 +92,17 @@ std::vector<DeviceOffer> DeviceOffers(bool simulated, const hid::DeviceChoice& c
       if (hid::Recognise(info) == kind) offers.push_back(AttachedOffer(info, pedal));
     }
   };
+  // In the order in which a person would want them: force that is felt first, a mouse when there is
+  // nothing else. FirstUsable takes the first that fits.
   add(HidKind::kHapticBoard);
   for (const sdk::SdkDevice& found : sdk::ListSdkDevices()) {
     offers.push_back(SdkOffer(found, pedal));
   }
   add(HidKind::kSpaceMouse);
   offers.push_back(
+      // Always there, so that the list is never empty.
       {"Mouse and keyboard", "The force is shown, not felt.", "pointer", {}, {}, {}, {}});
+  // Simulated hands are for tests and demonstrations: nobody is to practise by watching.
   if (!simulated) return offers;
   for (const OperatorPreset& preset : OperatorPresets()) {
     if (!preset.offered) continue;

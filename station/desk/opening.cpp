@@ -21,6 +21,8 @@ std::string WithData(const std::string& command, const std::filesystem::path& da
 
 }  // namespace
 
+// By the field first and the code after it: a field names one cause, a code many. Who sits here
+// reads the first three texts and must not be frightened; the last is for the operator.
 Trouble TroubleOf(const Status& problem, const std::filesystem::path& data) {
   if (problem.field() == kDamagedSpool) {
     return {"The file that keeps the recordings of this station is damaged.",
@@ -52,6 +54,8 @@ Trouble TroubleOf(const Status& problem, const std::filesystem::path& data) {
             kWhereItWas, kElsewhere, problem.message() + ".\nThen try again here."};
   }
   std::error_code error;
+  // Enrolled anew it would have another key, and the server would take its old recordings for forged:
+  // that must not be the first thing that somebody tries.
   if (problem.code() == Code::kNotFound && std::filesystem::exists(SpoolFile(data), error)) {
     return {"This station does not know its server any more.",
             "The recordings made here are still here, and nothing changes them.", kElsewhere,
@@ -94,6 +98,7 @@ std::vector<std::string> Opening::Lines() const {
 void Opening::TryAgain() {
   if (busy() || workplace_) return;
   task_.Start("Looking again", [this]() -> BackgroundTask::After {
+    // A task's outcome is copied (std::function), a workplace cannot be.
     auto opened = std::make_shared<Result<std::unique_ptr<Workplace>>>(Workplace::Open(options_));
     return [this, opened] {
       problem_ = opened->status();

@@ -1,32 +1,21 @@
 #include "station/desk/pages.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdio>
 
 #include "common/base/unix_time.h"
 
 namespace enamel::station::desk {
 namespace {
 
-std::string Points(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.1f", value);
-  std::string out = text;
-  if (out.size() > 2 && out.ends_with(".0")) out.resize(out.size() - 2);
-  return out;
-}
-
 // "3 days", "5 hours", "1 minute".
 std::string SpanText(int64_t span_ms) {
   int64_t minutes = std::max<int64_t>(span_ms, 0) / 60'000;
+  // From two on, so that no span is told as one day when it is nearly two.
   if (minutes >= 2 * 24 * 60) return std::to_string(minutes / (24 * 60)) + " days";
   if (minutes == 0) return "less than a minute";
   if (minutes >= 2 * 60) return std::to_string(minutes / 60) + " hours";
   return std::to_string(minutes) + (minutes == 1 ? " minute" : " minutes");
 }
-
-const Ui::Page kWide{0.06f, 0.06f, 0.88f, 0.90f, false};
 
 }  // namespace
 
@@ -62,34 +51,27 @@ std::string ReservedText(const ReservedAttempt& reserved, int64_t now_unix_ms) {
          SpanText(reserved.ticket.expires_unix_ms - now_unix_ms) + " left";
 }
 
-std::string WorstWall(const scoring::ScoreResult& score) {
-  const scoring::CriterionResult* worst = nullptr;
-  for (const scoring::CriterionResult& c : score.criteria) {
-    bool wall = c.name.starts_with("wall_") || c.name == "floor_mm";
-    double lost = c.max_points - c.points;
-    if (!wall || lost <= 0) continue;
-    if (worst == nullptr || lost > worst->max_points - worst->points) worst = &c;
-  }
-  return worst != nullptr ? worst->reason : "";
-}
-
 void Pages::Busy() {
   if (flow_.busy()) {
     ui_.Note(flow_.task() + " …");
   } else {
+    // As high as the line it takes the place of: buttons below must not jump under a finger.
     ui_.Note(" ");
   }
 }
 
 bool Pages::Draw() {
+  // What was typed belongs to who typed it: the next person at this window must not find it.
   if (flow_.place() != before_) {
     password_.clear();
     dentist_.clear();
     consent_ = false;
+    // A login stays through a wrong password, and goes with its person.
     if (flow_.place() == Place::kSignIn) login_.clear();
     before_ = flow_.place();
   }
   if (flow_.dialog() != dialog_before_) {
+    // A PIN never outlives its dialog.
     pin_.clear();
     pin_again_.clear();
     dialog_before_ = flow_.dialog();
@@ -159,6 +141,7 @@ void Pages::SignIn() {
   ui_.Note("Station " + station_ + ". Sign in with the login your school gave you.");
   ui_.Gap();
   bool go = ui_.Field("Login", login_);
+  // Enter in the first field goes on to the second.
   if (go && password_.empty()) {
     ui_.Focus("Password");
     go = false;
@@ -174,6 +157,7 @@ void Pages::SignIn() {
   ui_.Note("Esc closes the station, F1 shows how it is.");
   if (go) {
     flow_.SignIn(login_, password_);
+    // Kept nowhere once it was sent, whatever the server says to it.
     password_.clear();
   }
   if (offline) flow_.ToReserved();
@@ -182,7 +166,7 @@ void Pages::SignIn() {
 }
 
 void Pages::Exercises() {
-  ui_.Begin("exercises", kWide);
+  ui_.Begin("exercises", kWidePage);
   ui_.Title("Hello, " + flow_.person().display_name);
   ui_.Note("Choose what to practise. Tab or the arrow keys move, Enter chooses.");
   ui_.Problem(flow_.problem());
@@ -227,7 +211,7 @@ void Pages::ExerciseFacts(const PreparedAttempt& prepared) {
 }
 
 void Pages::Exercise() {
-  ui_.Begin("exercise", kWide);
+  ui_.Begin("exercise", kWidePage);
   const Catalogue::Exercise& ref = flow_.chosen();
   ui_.Title(ref.title);
   if (ref.exam) ui_.Note("An exam: no score is shown before your instructor releases it.");
@@ -258,6 +242,7 @@ void Pages::Devices() {
   ui_.Text("Device");
   for (size_t i = 0; i < flow_.offers().size(); ++i) {
     const DeviceOffer& offer = flow_.offers()[i];
+    // A device that cannot be chosen for this attempt would only raise a question.
     if (!flow_.Fits(offer)) continue;
     bool mine = i == flow_.offer_index();
     bool usable = offer.problem.empty();
@@ -273,9 +258,11 @@ void Pages::ExerciseChoices(bool prepared) {
   bool ready = prepared && has_device && !flow_.busy() && flow_.chosen().refusal.empty();
   bool resumed = flow_.way() == Way::kResumed;
   if (ui_.Button(resumed ? "Go on cutting" : "Start", Ui::Look::kMain, ready)) {
+    // The box is only there for instructors, and its state outlives a sign-out.
     flow_.Start(as_reference_ && flow_.instructor());
   }
   ui_.SameLine();
+  // An exam begins while the server is there; one that was kept for later is kept already.
   if (flow_.way() == Way::kTicket && !flow_.chosen().exam) {
     if (ui_.Button("Keep for later", Ui::Look::kPlain, ready)) flow_.Open(Dialog::kReserve);
     ui_.SameLine();
@@ -286,7 +273,7 @@ void Pages::ExerciseChoices(bool prepared) {
 }
 
 void Pages::Reserved() {
-  ui_.Begin("reserved", kWide);
+  ui_.Begin("reserved", kWidePage);
   ui_.Title("Without the server");
   ui_.Note("Attempts that were kept for later here. Yours opens with your PIN.");
   ui_.Problem(flow_.problem());
@@ -343,6 +330,7 @@ void Pages::AskReserve() {
   if (go) ui_.Focus("The same PIN again");
   go = ui_.Field("The same PIN again", pin_again_, true);
   bool same = pin_ == pin_again_;
+  // Two fields are different while the second is being written: said only once it is as long.
   bool typed = pin_again_.size() >= pin_.size() && !pin_.empty();
   ui_.Problem(typed && !same ? "These are two different PINs." : flow_.problem());
   Busy();
@@ -363,6 +351,7 @@ void Pages::AskReserve() {
 void Pages::AskCutOff() {
   const SpooledAttempt& attempt = flow_.cut_off_chosen();
   ui_.BeginDialog("cut-off", "Cut off: " + flow_.TitleOf(attempt));
+  // Without a chunk there is no seal to make, and so nothing to hand in.
   bool recorded = attempt.chunks > 0;
   ui_.Text(CutOffText(attempt, UnixMs()) +
            (recorded ? ". All but its last moment is kept: go on where that ends, or hand it in as "
@@ -379,201 +368,9 @@ void Pages::AskCutOff() {
   ui_.EndDialog();
 }
 
-void Pages::Ready() {
-  ui_.Begin("ready", {0.2f, 0.3f, 0.6f, 0.5f, false});
-  ui_.Title("Hold still");
-  const StillnessCheck* check = flow_.stillness();
-  bool still = flow_.stage() != nullptr && flow_.stage()->simulated();
-  ui_.Bar(
-      check != nullptr && !check->wanted().empty() ? check->wanted() : "The device is looked at",
-      still || check == nullptr ? 1 : check->share());
-  ui_.Note("The bur and its force come on once the handpiece has rested in the air.");
-  if (flow_.busy() || flow_.tooth_drawn()) {
-    Busy();
-  } else {
-    ui_.Note("Drawing the tooth …");
-  }
-  if (!flow_.notice().empty()) ui_.Text(flow_.notice());
-  ui_.Problem(flow_.problem());
-  if (ui_.Button("Back") || ui_.escape()) flow_.Back();
-  ui_.End();
-}
-
-// Keys and mouse belong to the handpiece here; Esc and F are all that is left for the window.
-void Pages::Running() {
-  Ui::Page page{0.605f, 0.79f, 0.38f, 0.12f, true};
-  page.keys = false;
-  ui_.Begin("running", page);
-  if (flow_.stage()->by_pointer()) {
-    ui_.Large("Esc pause    F finish");
-  } else {
-    if (ui_.Button("Pause")) flow_.Open(Dialog::kPaused);
-    ui_.SameLine();
-    if (ui_.Button("Finish")) flow_.Open(Dialog::kFinish);
-  }
-  if (ui_.escape()) flow_.Open(Dialog::kPaused);
-  if (ui_.pressed('F')) flow_.Open(Dialog::kFinish);
-  ui_.End();
-}
-
-void Pages::Paused() {
-  RunningAttempt* run = flow_.stage() != nullptr ? flow_.stage()->run() : nullptr;
-  const bool put_down = run != nullptr && run->snapshot().put_down;
-  ui_.BeginDialog("paused", put_down ? "Paused: handpiece put down" : "Paused",
-                  Ui::Space::kIsThePedal);
-  if (put_down) ui_.Text("It lies in its holder: take it up to go on cutting, or finish.");
-  ui_.Text("The bur is off. The clock and the recording go on.");
-  ui_.Gap(12);
-  if (ui_.Button("Go on", Ui::Look::kMain) || ui_.escape()) flow_.CloseDialog();
-  ui_.SameLine();
-  if (ui_.Button("Finish")) flow_.Open(Dialog::kFinish);
-  ui_.SameLine();
-  if (ui_.Button("Give up", Ui::Look::kDanger)) flow_.Open(Dialog::kGiveUp);
-  ui_.EndDialog();
-}
-
-void Pages::AskFinish() {
-  ui_.BeginDialog("finish", "Finish and hand in?", Ui::Space::kIsThePedal);
-  ui_.Text("It is scored as it is now; afterwards nothing can be changed.");
-  ui_.Gap(12);
-  if (ui_.Button("Go on cutting") || ui_.escape()) flow_.CloseDialog();
-  ui_.SameLine();
-  if (ui_.Button("Hand in", Ui::Look::kMain)) flow_.EndAttempt();
-  ui_.EndDialog();
-}
-
-void Pages::AskGiveUp() {
-  ui_.BeginDialog("give-up", "Give up this attempt?", Ui::Space::kIsThePedal);
-  ui_.Text("What was cut so far is kept and counts as an attempt. It cannot be taken back.");
-  ui_.Gap(12);
-  if (ui_.Button("Go on cutting", Ui::Look::kMain) || ui_.escape()) flow_.CloseDialog();
-  ui_.SameLine();
-  if (ui_.Button("Give up", Ui::Look::kDanger)) flow_.EndAttempt();
-  ui_.EndDialog();
-}
-
-void Pages::HandIn() {
-  ui_.Begin("hand-in", {0.15f, 0.2f, 0.7f, 0.7f, false});
-  ui_.Title("Handing in");
-  Uploader::State up = flow_.upload();
-  uint32_t chunks = flow_.chunks();
-  const Status problem = flow_.recording_problem();
-  const bool partly = !problem.ok() || (!flow_.busy() && !flow_.recorded());
-  ui_.Bar(
-      std::to_string(up.committed) + " of " + std::to_string(chunks) + " parts " +
-          (partly ? "stored here are on the server; its end is not stored" : "are on the server"),
-      chunks > 0 ? static_cast<double>(up.committed) / chunks : 0);
-  ui_.Problem(flow_.problem());
-  if (!problem.ok() && flow_.busy()) {
-    ui_.Problem("The end of this recording cannot be stored: " + problem.message() +
-                ". It is kept in memory and tried again until then.");
-    if (ui_.Button("Give up its end", Ui::Look::kDanger)) flow_.GiveUpRecording();
-  } else if (up.gave_up) {
-    ui_.Problem((IsDamaged(up.problem) ? "Not all of this recording can be read from this station: "
-                                       : "The server does not take this recording: ") +
-                up.problem.message());
-  } else if (!up.reachable) {
-    ui_.Problem(
-        "The server is away. The recording is safe on this station and is sent when the "
-        "server is back; you need not wait.");
-  }
-  ui_.Gap(12);
-  bool may_leave = !flow_.busy();
-  if (ui_.Button("Do not wait", Ui::Look::kPlain, may_leave) || (may_leave && ui_.escape())) {
-    flow_.LeaveHandIn();
-  }
-  if (!up.reachable) {
-    ui_.SameLine();
-    if (ui_.Button("Try again now")) flow_.TryAgainNow();
-  }
-  ui_.End();
-}
-
-void Pages::Score(const scoring::ScoreResult& score) {
-  char text[16];
-  std::snprintf(text, sizeof text, "%.0f", score.score);
-  ui_.Score(text, " of 100 points");
-  if (score.critical_fail) ui_.Problem("Failed: a critical criterion was not met.");
-  for (const scoring::GateResult& g : score.gates) {
-    if (g.share < 1) ui_.Problem(g.reason);
-  }
-  if (std::string worst = WorstWall(score); !worst.empty()) ui_.Text("Worst: " + worst);
-  ui_.BeginList("reasons", 140);
-  for (const scoring::CriterionResult& c : score.criteria) {
-    if (c.max_points == 0) continue;  // not in this exercise
-    ui_.Line(c.title, Points(c.points) + " of " + Points(c.max_points),
-             c.max_points - c.points > 0.05 ? c.reason : "", c.points + 0.05 < c.max_points);
-  }
-  ui_.EndList();
-}
-
-void Pages::Result() {
-  ui_.Begin("result", kWide);
-  ui_.Title(flow_.result_title());
-  ui_.Problem(flow_.problem());
-  const auto& progress = flow_.progress();
-  if (flow_.score()) {
-    Score(*flow_.score());
-  } else if (flow_.held_back()) {
-    ui_.Gap();
-    ui_.Large("Handed in.");
-    ui_.Text(
-        "This exercise is graded: your instructor releases the score. You then find it on the "
-        "page.");
-  } else if (progress && (progress->state == "failed" || progress->state == "quarantined")) {
-    ui_.Gap();
-    ui_.Large("Handed in, no score yet");
-    ui_.Text("The server has the recording. It says: " + progress->problem + ".");
-    ui_.Note("Nothing is lost. Tell your instructor when it should have been scored.");
-  } else if (progress && (progress->state == "ticketed" || progress->state == "recording")) {
-    ui_.Gap();
-    ui_.Large("On its way to the server");
-    ui_.Text("The recording is safe on this station and is sent; the score follows by itself.");
-  } else {
-    ui_.Gap();
-    ui_.Bar("The server cuts the tooth again from the recording and scores it",
-            progress ? progress->progress : 0);
-  }
-  ui_.Gap(8);
-  ResultChoices();
-  ui_.End();
-}
-
-void Pages::ResultChoices() {
-  if (ui_.Button("Another try", Ui::Look::kMain)) return flow_.AnotherTry();
-  ui_.SameLine();
-  if (ui_.Button("Exercises") || ui_.escape()) return flow_.ToExercises();
-  ui_.SameLine();
-  if (ui_.Button("Sign out")) return flow_.SignOut();
-  bool scored = flow_.progress() && flow_.progress()->state == "scored";
-  if (!flow_.instructor() || !scored) return;
-  ui_.SameLine();
-  if (ui_.Button(flow_.marked_as_reference() ? "Is the reference" : "Reference", Ui::Look::kPlain,
-                 !flow_.marked_as_reference())) {
-    dentist_ = flow_.person().display_name;
-    flow_.Open(Dialog::kReference);
-  }
-}
-
-void Pages::AskReference() {
-  ui_.BeginDialog("reference", "Make it the reference?");
-  ui_.Text("Attempts at this exercise are compared with this cut from now on.");
-  ui_.Field("Dentist, as students will read it", dentist_);
-  ui_.Check("The dentist agrees to being named and to the cut being used", consent_);
-  ui_.Problem(flow_.problem());
-  ui_.Gap(12);
-  if (ui_.Button("Make it the reference", Ui::Look::kMain,
-                 consent_ && !dentist_.empty() && !flow_.busy())) {
-    flow_.MarkReference(dentist_, consent_);
-  }
-  ui_.SameLine();
-  if (ui_.Button("Leave it") || ui_.escape()) flow_.CloseDialog();
-  ui_.EndDialog();
-}
-
 bool DrawTrouble(Ui& ui, Opening& opening) {
   const Trouble trouble = opening.trouble();
-  ui.Begin("trouble", kWide);
+  ui.Begin("trouble", kWidePage);
   ui.Title("This station cannot be used just now");
   ui.Gap(8);
   ui.Problem(trouble.what);
@@ -583,6 +380,7 @@ bool DrawTrouble(Ui& ui, Opening& opening) {
   ui.Note("For whoever looks after it:");
   ui.Note(trouble.operators);
   ui.EndList();
+  // Who sits here sees no path and no command but in the part for the operator.
   ui.Note(opening.busy() ? "Looking again …" : "F1 shows how the station is.");
   if (ui.Button("Try again", Ui::Look::kMain, !opening.busy())) opening.TryAgain();
   ui.SameLine();

@@ -8,6 +8,9 @@
 
 namespace enamel::station::desk {
 
+// A page that has the window to itself; shares of it.
+inline const Ui::Page kWidePage{0.06f, 0.06f, 0.88f, 0.90f, false};
+
 // Draws the place where the person is, and carries what was chosen there to the workflow. What is
 // being written into fields lives here, and is forgotten on leaving.
 class Pages {

@@ -31,6 +31,7 @@ void PushButtonColours(ImU32 colour) {
 
 }  // namespace
 
+// What a page says, as text: scripts and tests read it.
 void Ui::Say(const std::string& text) { words_ += text + "\n"; }
 
 void Ui::ReadKeys() {
@@ -38,6 +39,8 @@ void Ui::ReadKeys() {
   choose_ = escape_ = false;
   for (const InputEvent& event : screen_.events()) {
     if (event.kind != InputEvent::Kind::kKey || !event.pressed) continue;
+    // A held key moves the focus on and on but chooses once; in a field arrows and space are its
+    // own.
     bool once = !event.repeat, writing = focus_ < shown_.size() && shown_[focus_].field;
     switch (event.code) {
       case render::kKeyTab:
@@ -60,6 +63,8 @@ void Ui::ReadKeys() {
         choose_ |= once;
         break;
       case render::kKeySpace:
+        // Space is the pedal of a mouse that stands for the handpiece: in a dialog over the tooth
+        // the one that was held down must not choose.
         choose_ |= once && !writing && spaced_;
         break;
       case render::kKeyEscape:
@@ -81,6 +86,7 @@ void Ui::Enter(const std::string& name) {
     choose_ = false;  // the key that brought the page
   } else if (count_before_ > 0 && step_ != 0) {
     auto n = static_cast<int>(count_before_);
+    // Of the frame before, as how many choices this one has is only known at its end.
     focus_ = static_cast<size_t>(((static_cast<int>(focus_) + step_) % n + n) % n);
     moved_ = true;
   }
@@ -94,6 +100,7 @@ void Ui::Begin(const std::string& name, const Page& page) {
   by_keys_ = page.keys;
   dialog_before_ = dialog_;
   dialog_ = false;
+  // A dialog is drawn after its page: that there is one is known from the frame before.
   blocked_ = dialog_before_;
   if (!blocked_) Enter(name);
   auto w = static_cast<float>(screen_.width()), h = static_cast<float>(screen_.height());
@@ -127,6 +134,7 @@ bool Ui::pressed(int key) const {
 }
 
 void Ui::EndFrame() {
+  // Whatever a dialog has asked for ends with it.
   if (!dialog_) spaced_ = true;
   if (dialog_before_ && !dialog_) page_.clear();  // the page below begins anew in the next frame
   shown_ = choices_;
@@ -168,6 +176,7 @@ void Ui::EndDialog() {
 
 Ui::Focused Ui::Next(const std::string& label) {
   if (blocked_) return {};
+  // By its name: a field that is asked for may come later in the page than who asks.
   if (!wanted_.empty() && wanted_ == label) {
     wanted_.clear();
     focus_ = count_;
@@ -188,9 +197,11 @@ void Ui::Listed(const std::string& label, bool field) {
   if (blocked_) return;
   ImVec2 lo = ImGui::GetItemRectMin(), hi = ImGui::GetItemRectMax();
   choices_.push_back({label, {lo.x, lo.y, hi.x, hi.y}, field});
+  // Mouse and keys have one focus: who clicks and then presses Tab goes on from there.
   if (ImGui::IsItemClicked()) focus_ = count_ - 1;
 }
 
+// Wide: it is looked for from where the handpiece is, and not from a keyboard.
 void Ui::Ring() {
   ImVec2 lo = ImGui::GetItemRectMin(), hi = ImGui::GetItemRectMax();
   float out = 4 * px();
@@ -246,6 +257,7 @@ bool Ui::Button(const std::string& label, Look look, bool enabled) {
   ImGui::PopStyleVar();
   ImGui::PopStyleColor(3);
   ImGui::PopFont();
+  // Not in the list: the keys step over what cannot be chosen.
   if (!enabled) return false;
   Focused focus = Next(label);
   Listed(label, false);
@@ -276,6 +288,7 @@ bool Ui::Row(const std::string& title, const std::string& detail, const std::str
   const ImFont *far = fonts().far, *text = fonts().text;
   ImVec2 side = text->CalcTextSizeA(text->FontSize, 1e6f, 0, right.c_str());
   float x = lo.x + 26 * px(), end = hi.x - 26 * px() - side.x;
+  // A long title ends before the word on the right, which says what choosing does.
   list->PushClipRect({lo.x, lo.y}, {right.empty() ? hi.x : end - 16 * px(), hi.y}, true);
   list->AddText(far, far->FontSize, {x, lo.y + 8 * px()}, plain, title.c_str());
   list->AddText(text, text->FontSize, {x, lo.y + 14 * px() + far->FontSize}, quiet, detail.c_str());
@@ -301,6 +314,7 @@ bool Ui::Field(const std::string& label, std::string& text, bool secret) {
   Say(label + ": " + (secret ? std::string(text.size(), '*') : text));
   ImGui::TextUnformatted(label.c_str());
   Focused focus = Next(label);
+  // Once, when it is reached: again in each frame would select the text each time.
   if (focus.moved) ImGui::SetKeyboardFocusHere();
   ImGui::PushFont(fonts().far);
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - 8 * px());
@@ -330,6 +344,7 @@ void Ui::Score(const std::string& number, const std::string& of) {
   ImGui::PopFont();
   ImGui::SameLine();
   ImGui::PushFont(fonts().far);
+  // On the number's base line, as far as the two fonts' heights tell.
   ImGui::SetCursorPosY(top + 0.62f * height);
   ImGui::TextUnformatted(of.c_str());
   ImGui::PopFont();

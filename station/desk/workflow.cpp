@@ -3,17 +3,11 @@
 #include <algorithm>
 #include <utility>
 
-#include "station/loop/realtime.h"
-#include "station/sdk/open_sdk_device.h"
-#include "station/session/device_delay.h"
-
 namespace enamel::station::desk {
 namespace {
 
-using std::chrono::milliseconds;
-
+// Few enough to be one look; the page has all of them.
 constexpr size_t kResultsListed = 5;
-constexpr milliseconds kLookEvery{400};  // at what the server makes of an attempt
 
 double Seconds(Workflow::Clock::duration d) { return std::chrono::duration<double>(d).count(); }
 
@@ -29,6 +23,7 @@ Workflow::~Workflow() { workplace_.SignOut(); }
 void Workflow::Go(Place place) {
   place_ = place;
   dialog_ = Dialog::kNone;
+  // A step that was to follow belongs to the place that is left.
   once_free_ = {};
   problem_.clear();
   notice_.clear();
@@ -39,6 +34,7 @@ void Workflow::Fail(const Status& status) {
   bool signed_in = !offline_ && (place_ == Place::kExercises || place_ == Place::kExercise ||
                                  place_ == Place::kReady || place_ == Place::kResult);
   if (signed_in && status.code() == Code::kUnauthenticated && !workplace_.person()) {
+    // Who was looking at a result comes back to it, if it is the same person who signs in.
     const Shown shown = place_ == Place::kResult ? result_ : Shown{};
     SignOut(shown.attempt.IsZero()
                 ? "The connection to the server was lost. Sign in again; no recording is lost."
@@ -51,6 +47,7 @@ void Workflow::Fail(const Status& status) {
 
 void Workflow::Tick(Clock::time_point now, bool active) {
   if (active) active_at_ = now;
+  // First: what a task has brought may change the place that is looked at below.
   task_.Poll();
   FreeAgain();
   switch (place_) {
@@ -69,6 +66,7 @@ void Workflow::Tick(Clock::time_point now, bool active) {
     default:
       break;
   }
+  // Not while an attempt is made or handed in: there the person may be thinking, or waiting for us.
   bool may_idle = place_ == Place::kExercises || place_ == Place::kExercise ||
                   place_ == Place::kResult || place_ == Place::kReserved;
   if (may_idle && !busy() && Seconds(now - active_at_) > options_.idle_s) {
@@ -92,6 +90,7 @@ void Workflow::SignIn(const std::string& login, const std::string& password) {
       Go(Place::kExercises);
       TakeExercises(c, k);
       const Shown shown = std::exchange(come_back_to_, {});
+      // Somebody else must not see whose result was open here.
       if (!shown.attempt.IsZero() && shown.person == p.id) ShowResult(shown);
     };
   });
@@ -102,6 +101,7 @@ Workflow::Kept Workflow::KeptOf(const Uuid& person) {
 }
 
 void Workflow::SignOut(const std::string& why) {
+  // Before everything else: it ends what waits for the server, so that the stage can be left.
   workplace_.SignOut();
   LeaveStage();
   preview_.reset();
@@ -126,6 +126,8 @@ void Workflow::Refresh() {
 }
 
 void Workflow::TakeExercises(Result<Catalogue> catalogue, Kept kept) {
+  // Each by itself: a server that is away hides neither what is on this disk nor what is wrong with
+  // it.
   if (kept.cut_off.ok()) cut_off_ = std::move(*kept.cut_off);
   if (!kept.cut_off.ok()) Fail(kept.cut_off.status());
   if (kept.handed_in.ok()) handed_in_ = std::move(*kept.handed_in);
@@ -168,6 +170,7 @@ void Workflow::LookForDevices() {
 }
 
 bool Workflow::Fits(const DeviceOffer& offer) const {
+  // An attempt that was reserved or cut off has its profile in its ticket, which is signed.
   return way_ == Way::kTicket || !preview_ || offer.profile == preview_->profile.name;
 }
 
@@ -183,6 +186,8 @@ void Workflow::TakeOffers(std::vector<DeviceOffer> offers) {
   offer_ = kept != offers_.end()
                ? static_cast<size_t>(kept - offers_.begin())
                : FirstUsable(offers_, profile.empty() ? options_.profile : profile);
+  // The configured profile is a wish; where its device is not here, any that works is better than
+  // none.
   if (offer_ == offers_.size() && profile.empty()) offer_ = FirstUsable(offers_, "");
   if (way_ == Way::kTicket) return Fetch();
   if (offer_ == offers_.size()) {
@@ -196,6 +201,7 @@ void Workflow::ChooseOffer(size_t index) {
   problem_ = offers_[index].problem;
   if (!problem_.empty()) return;
   offer_ = index;
+  // Another device is another profile, and with it another plan: fetched anew.
   if (way_ != Way::kTicket) return;
   preview_.reset();
   Fetch();
@@ -212,183 +218,9 @@ void Workflow::Fetch() {
   task_.Start("Fetching the tooth", [this, e = chosen_, p = *profile]() -> BackgroundTask::After {
     auto prepared = workplace_.Prepare(e, p);
     if (!prepared.ok()) return [this, s = prepared.status()] { Fail(s); };
+    // std::function copies what it holds, and a volume must not be copied: shared, then moved out.
     auto shared = std::make_shared<PreparedAttempt>(std::move(*prepared));
     return [this, shared] { preview_ = std::make_unique<PreparedAttempt>(std::move(*shared)); };
-  });
-}
-
-void Workflow::Start(bool as_reference) {
-  if (busy() || !preview_ || offer_ >= offers_.size()) return;
-  problem_.clear();
-  as_reference_ = as_reference;
-  if (offers_[offer_].device.empty()) return ToStage(nullptr);
-  hid::DeviceChoice choice = options_.device;
-  choice.device = offers_[offer_].device;
-  choice.pedal = offers_[offer_].pedal;
-  choice.thread_setup = [] { (void)RequestRealtime(); };
-  task_.Start("Opening the device",
-              [this, choice, profile = preview_->profile,
-               tick_s = 1.0 / preview_->header.params.rate_hz]() -> BackgroundTask::After {
-                auto opened = std::make_shared<Result<std::unique_ptr<Device>>>(
-                    sdk::OpenChosenDevice(choice, profile, tick_s));
-                return [this, opened] {
-                  if (!opened->ok()) return Fail(opened->status());
-                  ToStage(std::move(**opened));
-                };
-              });
-}
-
-void Workflow::ToStage(std::unique_ptr<Device> attached) {
-  std::string assumed;
-  if (attached != nullptr) {
-    if (Status used = UseDelayOf(*preview_, *attached, workplace_.data()); !used.ok())
-      return Fail(used);
-    if (preview_->delay && preview_->delay->from == scene::DelayUsed::From::kAssumed)
-      assumed = DelayText(*preview_->delay, attached->Name()) + ".";
-  }
-  auto stage = Stage::Create(std::move(*preview_), offers_[offer_], std::move(attached));
-  preview_.reset();
-  if (!stage.ok()) return LeaveStageFor(stage.status());
-  stage_ = std::move(*stage);
-  ticketed_ = way_ != Way::kTicket;
-  joined_ = recorded_ = marked_ = held_back_ = false;
-  progress_.reset();
-  score_.reset();
-  stillness_.emplace(static_cast<double>(stage_->prepared().profile.resolution_nm.value) * 1e-9);
-  started_ = Clock::now();
-  Go(Place::kReady);
-  notice_ = assumed;
-}
-
-void Workflow::TakeTicket() {
-  task_.Start("Asking for the ticket",
-              [this, stage = stage_.get(), reference = as_reference_]() -> BackgroundTask::After {
-                Status taken = workplace_.TakeTicket(stage->prepared(), reference);
-                return [this, taken] {
-                  ticketed_ = taken.ok();
-                  if (!ticketed_) LeaveStageFor(taken);
-                };
-              });
-}
-
-// The ticket is taken last: the server waits for the attempt from then on. A simulated hand's time
-// passes when it is looked at: it is not.
-void Workflow::CheckDevice(Clock::time_point now) {
-  if (!stage_ || busy()) return;
-  if (!stage_->simulated() && !stillness_->passed()) {
-    stillness_->Look(stage_->device().ReadSample(), Seconds(now - started_));
-    if (!stillness_->passed()) return;
-  }
-  if (!tooth_drawn()) return;  // nobody is to cut what cannot be seen yet
-  if (ticketed_) return Begin();
-  TakeTicket();
-}
-
-void Workflow::Begin() {
-  if (Status begun = stage_->Begin(workplace_, options_.cpu); !begun.ok())
-    return LeaveStageFor(begun);
-  put_downs_ = 0;
-  Go(Place::kRunning);
-}
-
-// Putting the handpiece down pauses; whether that was the end is asked, not guessed.
-void Workflow::WatchRun() {
-  const uint64_t put_downs = stage_->run()->snapshot().counters.put_downs;
-  if (put_downs != put_downs_ && dialog_ == Dialog::kNone) Open(Dialog::kPaused);
-  put_downs_ = put_downs;
-  stage_->held().SetPaused(dialog_ != Dialog::kNone);
-  if (stage_->run()->ticking()) return;
-  if (!busy() && !joined_) EndAttempt();
-}
-
-void Workflow::EndAttempt() {
-  if (busy() || joined_ || !stage_ || stage_->run() == nullptr) return;
-  Go(Place::kHandIn);
-  stage_->run()->End();
-  task_.Start("Closing the recording", [this, run = stage_->run()]() -> BackgroundTask::After {
-    auto seal = run->Join();
-    return [this, s = seal.status()] {
-      joined_ = true;
-      recorded_ = s.ok();
-      if (!s.ok()) Fail(s);
-    };
-  });
-}
-
-Uploader::State Workflow::upload() const {
-  return stage_ && stage_->run() ? stage_->run()->upload() : Uploader::State{};
-}
-
-uint32_t Workflow::chunks() const {
-  return stage_ && stage_->run() ? stage_->run()->recording().chunks : 0;
-}
-
-Status Workflow::recording_problem() const {
-  return stage_ && stage_->run() ? stage_->run()->recording().problem : Status::Ok();
-}
-
-void Workflow::GiveUpRecording() {
-  if (stage_ && stage_->run()) stage_->run()->GiveUp();
-}
-
-void Workflow::WatchUpload() {
-  if (!joined_ || !upload().sealed) return;
-  if (offline_) return SignOut("Handed in. Sign in to see what it is worth.");
-  ShowResult({person_.id, stage_->prepared().attempt(), stage_->prepared().exercise.title});
-}
-
-void Workflow::ShowResult(Shown shown) {
-  result_ = std::move(shown);
-  marked_ = held_back_ = false;
-  progress_.reset();
-  score_.reset();
-  next_look_ = {};
-  Go(Place::kResult);
-}
-
-// What was chosen for it is chosen again by "Another try".
-void Workflow::OpenHandedIn(size_t index) {
-  if (busy() || index >= handed_in_.size()) return;
-  const SpooledAttempt& attempt = handed_in_[index];
-  const Catalogue::Exercise* exercise = ExerciseOf(attempt);
-  chosen_ = exercise == nullptr ? Catalogue::Exercise{} : *exercise;
-  way_ = Way::kTicket;
-  ShowResult({person_.id, attempt.id, TitleOf(attempt)});
-}
-
-void Workflow::TryAgainNow() { workplace_.uploader().Retry(); }
-
-void Workflow::LeaveHandIn() {
-  if (!joined_) return;
-  if (offline_) return SignOut("The recording is safe here and is sent when the server is back.");
-  ToExercises();
-}
-
-void Workflow::Take(const AttemptProgress& progress) {
-  progress_ = progress;
-  if (progress.state != "scored") return;
-  held_back_ = progress.result_json.empty();
-  if (held_back_) return;
-  auto score = scoring::ScoreFromJson(progress.result_json);
-  if (!score.ok()) return Fail(score.status());
-  score_ = std::move(*score);
-}
-
-void Workflow::WatchScore(Clock::time_point now) {
-  bool over = progress_ && (progress_->state == "scored" || progress_->state == "failed" ||
-                            progress_->state == "quarantined");
-  if (over || busy() || now < next_look_) return;
-  next_look_ = now + kLookEvery;
-  task_.Start("Scoring", [this, attempt = result_.attempt]() -> BackgroundTask::After {
-    auto progress = workplace_.Progress(attempt);
-    return [this, p = std::move(progress)] {
-      if (p.ok()) {
-        problem_.clear();
-        return Take(*p);
-      }
-      Fail(p.status());
-      next_look_ = Clock::now() + 5 * kLookEvery;
-    };
   });
 }
 
@@ -401,6 +233,8 @@ void Workflow::LeaveStage() {
   stillness_.reset();
   if (busy()) {
     task_.Forget();
+    // The task may be using the device or the loop: they live until it has ended, then FreeAgain
+    // lets go.
     if (stage_) left_ = std::move(stage_);
     return;
   }
@@ -421,6 +255,7 @@ void Workflow::FreeAgain() {
     left_.reset();
     workplace_.HandBackUnused();
   }
+  // Taken out before it runs: the step may set another.
   if (once_free_) std::exchange(once_free_, {})();
 }
 
@@ -444,6 +279,8 @@ void Workflow::AnotherTry() {
   LeaveStage();
   auto same = [&](const Catalogue::Exercise& e) {
     return e.exercise == before.exercise &&
+           // The same exercise may be assigned twice, with other terms: the try is for the one that
+           // was chosen.
            (way_ != Way::kTicket || e.assignment == before.assignment);
   };
   auto found = std::ranges::find_if(catalogue_.exercises, same);
@@ -467,6 +304,7 @@ void Workflow::TakeOn(std::shared_ptr<Result<PreparedAttempt>> prepared, Way way
   chosen_.name = preview_->exercise.name;
   chosen_.title = preview_->exercise.title;
   chosen_.exercise = preview_->exercise_hash;
+  // The ticket does not say; without the server the catalogue is empty, and exams need the server.
   chosen_.exam = std::ranges::any_of(catalogue_.exercises, [&](const Catalogue::Exercise& e) {
     return e.exam && e.exercise == chosen_.exercise;
   });
@@ -537,6 +375,7 @@ void Workflow::OpenReserved(const std::string& pin) {
     return [this, prepared, r] {
       if (prepared->ok()) {
         offline_ = true;
+        // The PIN proves the person to this station only: for the server nobody is signed in.
         person_ = {(*prepared)->header.ticket.person, r.ticket.person, "student", {}, false};
       }
       TakeOn(prepared, r.cut_off ? Way::kResumed : Way::kReserved);
@@ -552,6 +391,8 @@ void Workflow::GiveBack(const std::string& pin) {
       [this, pin, id = reserved_chosen().ticket.attempt]() -> BackgroundTask::After {
         auto given = workplace_.GiveBack(id, pin);
         return [this, given] {
+          // Before the outcome is looked at: a wrong PIN too many has destroyed the ticket, and it
+          // must not stay in the list.
           LookForReserved();
           if (!given.ok()) return Fail(given.status());
           CloseDialog();
@@ -588,6 +429,7 @@ void Workflow::Back() {
   if (dialog_ != Dialog::kNone) return CloseDialog();
   switch (place_) {
     case Place::kExercise:
+      // What it fetches is for a place that is left; it ends by itself.
       if (busy()) task_.Forget();
       preview_.reset();
       if (offline_) return SignOut();

@@ -1,0 +1,208 @@
+// The steps of one attempt: from the device's opening to the score. The rest of the window's way is
+// in workflow.cpp.
+#include <utility>
+
+#include "station/desk/workflow.h"
+#include "station/loop/realtime.h"
+#include "station/sdk/open_sdk_device.h"
+#include "station/session/device_delay.h"
+
+namespace enamel::station::desk {
+namespace {
+
+constexpr std::chrono::milliseconds kLookEvery{400};  // at what the server makes of an attempt
+
+}  // namespace
+
+void Workflow::Start(bool as_reference) {
+  if (busy() || !preview_ || offer_ >= offers_.size()) return;
+  problem_.clear();
+  as_reference_ = as_reference;
+  if (offers_[offer_].device.empty()) return ToStage(nullptr);
+  hid::DeviceChoice choice = options_.device;
+  choice.device = offers_[offer_].device;
+  choice.pedal = offers_[offer_].pedal;
+  // On the reader's own thread, before its first sample: a driver's thread that is not real-time
+  // makes the loop late. Refused: the loop says so when it asks for itself.
+  choice.thread_setup = [] { (void)RequestRealtime(); };
+  task_.Start("Opening the device",
+              [this, choice, profile = preview_->profile,
+               tick_s = 1.0 / preview_->header.params.rate_hz]() -> BackgroundTask::After {
+                auto opened = std::make_shared<Result<std::unique_ptr<Device>>>(
+                    sdk::OpenChosenDevice(choice, profile, tick_s));
+                return [this, opened] {
+                  if (!opened->ok()) return Fail(opened->status());
+                  ToStage(std::move(**opened));
+                };
+              });
+}
+
+void Workflow::ToStage(std::unique_ptr<Device> attached) {
+  std::string assumed;
+  if (attached != nullptr) {
+    // Only the opened device says which unit it is, and so which calibration holds.
+    if (Status used = UseDelayOf(*preview_, *attached, workplace_.data()); !used.ok())
+      return Fail(used);
+    if (preview_->delay && preview_->delay->from == scene::DelayUsed::From::kAssumed)
+      assumed = DelayText(*preview_->delay, attached->Name()) + ".";
+  }
+  // From here on the preview is gone: whatever fails fetches it anew (LeaveStageFor).
+  auto stage = Stage::Create(std::move(*preview_), offers_[offer_], std::move(attached));
+  preview_.reset();
+  if (!stage.ok()) return LeaveStageFor(stage.status());
+  stage_ = std::move(*stage);
+  // Reserved and resumed attempts bring their ticket.
+  ticketed_ = way_ != Way::kTicket;
+  joined_ = recorded_ = marked_ = held_back_ = false;
+  progress_.reset();
+  score_.reset();
+  stillness_.emplace(static_cast<double>(stage_->prepared().profile.resolution_nm.value) * 1e-9);
+  started_ = Clock::now();
+  Go(Place::kReady);
+  notice_ = assumed;
+}
+
+void Workflow::TakeTicket() {
+  task_.Start("Asking for the ticket",
+              [this, stage = stage_.get(), reference = as_reference_]() -> BackgroundTask::After {
+                Status taken = workplace_.TakeTicket(stage->prepared(), reference);
+                return [this, taken] {
+                  // No ticket, no attempt: back to where it was chosen, with the server's reason.
+                  ticketed_ = taken.ok();
+                  if (!ticketed_) LeaveStageFor(taken);
+                };
+              });
+}
+
+// The ticket is taken last: the server waits for the attempt from then on. A simulated hand's time
+// passes when it is looked at: it is not.
+void Workflow::CheckDevice(Clock::time_point now) {
+  if (!stage_ || busy()) return;
+  // A hand on the handpiece at the first tick would be pulled: force comes on only after stillness,
+  // and saying so before the ticket is taken costs nobody a try.
+  if (!stage_->simulated() && !stillness_->passed()) {
+    stillness_->Look(stage_->device().ReadSample(),
+                     std::chrono::duration<double>(now - started_).count());
+    if (!stillness_->passed()) return;
+  }
+  if (!tooth_drawn()) return;  // nobody is to cut what cannot be seen yet
+  if (ticketed_) return Begin();
+  TakeTicket();
+}
+
+void Workflow::Begin() {
+  if (Status begun = stage_->Begin(workplace_, options_.cpu); !begun.ok())
+    return LeaveStageFor(begun);
+  put_downs_ = 0;
+  Go(Place::kRunning);
+}
+
+// Putting the handpiece down pauses; whether that was the end is asked, not guessed.
+void Workflow::WatchRun() {
+  const uint64_t put_downs = stage_->run()->snapshot().counters.put_downs;
+  if (put_downs != put_downs_ && dialog_ == Dialog::kNone) Open(Dialog::kPaused);
+  put_downs_ = put_downs;
+  // A dialog covers the tooth: nobody can be cutting on purpose.
+  stage_->held().SetPaused(dialog_ != Dialog::kNone);
+  if (stage_->run()->ticking()) return;
+  // The pedal's finish or a fault that cannot be mended has ended the loop: the person is not
+  // asked.
+  if (!busy() && !joined_) EndAttempt();
+}
+
+void Workflow::EndAttempt() {
+  if (busy() || joined_ || !stage_ || stage_->run() == nullptr) return;
+  Go(Place::kHandIn);
+  // Only asks; Join waits for the disk, and so for a task.
+  stage_->run()->End();
+  task_.Start("Closing the recording", [this, run = stage_->run()]() -> BackgroundTask::After {
+    auto seal = run->Join();
+    return [this, s = seal.status()] {
+      joined_ = true;
+      recorded_ = s.ok();
+      if (!s.ok()) Fail(s);
+    };
+  });
+}
+
+Uploader::State Workflow::upload() const {
+  return stage_ && stage_->run() ? stage_->run()->upload() : Uploader::State{};
+}
+
+uint32_t Workflow::chunks() const {
+  return stage_ && stage_->run() ? stage_->run()->recording().chunks : 0;
+}
+
+Status Workflow::recording_problem() const {
+  return stage_ && stage_->run() ? stage_->run()->recording().problem : Status::Ok();
+}
+
+void Workflow::GiveUpRecording() {
+  if (stage_ && stage_->run()) stage_->run()->GiveUp();
+}
+
+void Workflow::WatchUpload() {
+  // The upload may be ahead of the recorder's last word, and its outcome is to be shown first.
+  if (!joined_ || !upload().sealed) return;
+  if (offline_) return SignOut("Handed in. Sign in to see what it is worth.");
+  ShowResult({person_.id, stage_->prepared().attempt(), stage_->prepared().exercise.title});
+}
+
+void Workflow::ShowResult(Shown shown) {
+  result_ = std::move(shown);
+  marked_ = held_back_ = false;
+  progress_.reset();
+  score_.reset();
+  next_look_ = {};
+  Go(Place::kResult);
+}
+
+// What was chosen for it is chosen again by "Another try".
+void Workflow::OpenHandedIn(size_t index) {
+  if (busy() || index >= handed_in_.size()) return;
+  const SpooledAttempt& attempt = handed_in_[index];
+  const Catalogue::Exercise* exercise = ExerciseOf(attempt);
+  chosen_ = exercise == nullptr ? Catalogue::Exercise{} : *exercise;
+  way_ = Way::kTicket;
+  ShowResult({person_.id, attempt.id, TitleOf(attempt)});
+}
+
+void Workflow::TryAgainNow() { workplace_.uploader().Retry(); }
+
+void Workflow::LeaveHandIn() {
+  if (!joined_) return;
+  if (offline_) return SignOut("The recording is safe here and is sent when the server is back.");
+  ToExercises();
+}
+
+void Workflow::Take(const AttemptProgress& progress) {
+  progress_ = progress;
+  if (progress.state != "scored") return;
+  // Scored and not said: graded work before its release.
+  held_back_ = progress.result_json.empty();
+  if (held_back_) return;
+  auto score = scoring::ScoreFromJson(progress.result_json);
+  if (!score.ok()) return Fail(score.status());
+  score_ = std::move(*score);
+}
+
+void Workflow::WatchScore(Clock::time_point now) {
+  bool over = progress_ && (progress_->state == "scored" || progress_->state == "failed" ||
+                            progress_->state == "quarantined");
+  if (over || busy() || now < next_look_) return;
+  next_look_ = now + kLookEvery;
+  task_.Start("Scoring", [this, attempt = result_.attempt]() -> BackgroundTask::After {
+    auto progress = workplace_.Progress(attempt);
+    return [this, p = std::move(progress)] {
+      if (p.ok()) {
+        problem_.clear();
+        return Take(*p);
+      }
+      Fail(p.status());
+      // A server that is away is looked for less often than one that is scoring.
+      next_look_ = Clock::now() + 5 * kLookEvery;
+    };
+  });
+}
+
+}  // namespace enamel::station::desk
