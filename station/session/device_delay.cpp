@@ -12,6 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// A calibration is some hundred bytes; another file with its name is not read whole.
 constexpr size_t kMaxCalibration = 1 << 16;
 
 const char* FromText(scene::DelayUsed::From from) {
@@ -31,6 +32,7 @@ const char* FromText(scene::DelayUsed::From from) {
 fs::path CalibrationsFolder(const fs::path& data) { return data / "calibrations"; }
 
 fs::path CalibrationFile(const fs::path& data, const std::string& unit) {
+  // A unit's name is what its maker wrote into it: no part of it may lead out of the folder.
   std::string name;
   for (char c : unit) name += std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
   // Names that differ in other letters only are told apart by the hash.
@@ -47,6 +49,7 @@ std::optional<scene::Calibration> FindCalibration(const fs::path& data, const st
   auto read = text.ok() ? scene::CalibrationFromJson(AsText(*text))
                         : Result<scene::Calibration>(text.status());
   if (read.ok()) return std::move(*read);
+  // Not an error: a device that counts as not measured is safe, only softer.
   spdlog::warn("{}: not a calibration that can be read, so {} counts as not measured: {}",
                file.string(), unit, read.status().message());
   return std::nullopt;
@@ -54,6 +57,8 @@ std::optional<scene::Calibration> FindCalibration(const fs::path& data, const st
 
 scene::DelayUsed DelayKnownHere(const fs::path& data, const std::string& unit) {
   const auto calibration = FindCalibration(data, unit);
+  // What is known of the unit alone: a profile without a delay of its own leaves only the
+  // calibration.
   scene::DeviceProfile silent;
   silent.rate_hz.value = 1000;
   return scene::DelayOfAttached(silent, calibration ? &*calibration : nullptr, 1000);
@@ -72,6 +77,7 @@ std::string DelayText(const scene::DelayUsed& used, const std::string& device) {
 }
 
 Status UseDelayOf(PreparedAttempt& prepared, const Device& device, const fs::path& data) {
+  // No force, so no delay can make it unstable.
   if (!device.has_motors()) return Status::Ok();
   const std::string name = device.Name();
   const auto calibration = FindCalibration(data, device.Unit());
@@ -80,6 +86,8 @@ Status UseDelayOf(PreparedAttempt& prepared, const Device& device, const fs::pat
       scene::DelayOfAttached(prepared.profile, calibration ? &*calibration : nullptr, rate_hz);
   ENAMEL_ASSIGN_OR_RETURN(auto profile, scene::WithDelay(prepared.profile, rate_hz, used.ticks));
   const int64_t was = prepared.header.params.kc_mn_per_mm, is = profile.coupling_mn_per_mm.value;
+  // The header of an attempt that goes on is what its chunks are chained to, and its ticks must be
+  // replayed with it: a device that asks for less stiffness or more guard than that is refused.
   if (prepared.core) {
     if (was > is) {
       return Status(Code::kConflict,
@@ -107,6 +115,8 @@ Status UseDelayOf(PreparedAttempt& prepared, const Device& device, const fs::pat
                         ": go on with the device it was begun on, or close it",
                     "bus_delay_ticks");
     }
+    // A device that could take more goes on with what the attempt was begun with: that is stable on
+    // it.
     prepared.delay = used;
     return Status::Ok();
   }

@@ -37,7 +37,9 @@ json::object DurationFacts(const DurationHistogram& h) {
     for (size_t i = 0; i < DurationHistogram::kSplit; ++i) {
       count += h.InBucket(octave * DurationHistogram::kSplit + i);
     }
+    // Most are empty, and the document is kept with every attempt.
     if (count == 0) continue;
+    // By the end of the doubling: "below_2048" reads by itself.
     size_t next = (octave + 1) * DurationHistogram::kSplit;
     doublings["below_" + std::to_string(DurationHistogram::Floor_ns(next))] = count;
   }

@@ -17,12 +17,15 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr size_t kRingTicks = 4000;  // 4 s at 1 kHz before a slow disk makes a gap
+// Between two looks into the ring: a fraction of a chunk's time, and few wake-ups.
 constexpr milliseconds kRecorderIdle{2};
 constexpr milliseconds kSpoolRetry{200};
+// As often as a page can draw.
 constexpr uint32_t kLivePerSecond = 60;
 constexpr double kUmPerM = 1e6, kMnPerN = 1e3;
 
 trace::ChainState PlaceOf(const PreparedAttempt& prepared) {
+  // Chunk 0 names the hash of the header as the chunk before it.
   if (prepared.place.next_seq > 0) return prepared.place;
   return {HashSha256(trace::EncodeHeader(prepared.header)), 0, 0, 0};
 }
@@ -70,6 +73,8 @@ RunningAttempt::RunningAttempt(const trace::SecretKey& station_key, Spool& spool
       recorder_(spool, ring_, attempt_, PlaceOf(prepared), station_key,
                 Recorder::TicksPerChunk(rate_hz_)),
       loop_(device, *core_, ring_, LoopOptions(prepared, options), this) {
+  // Before the first tick: everything the threads use is there, and the chunks find somebody to
+  // send them.
   uploader_.Prefer(attempt_, live_);
   recorder_thread_ = std::thread([this] { Record(); });
   loop_thread_ = std::thread([this, options] { RunLoop(options); });
@@ -77,6 +82,7 @@ RunningAttempt::RunningAttempt(const trace::SecretKey& station_key, Spool& spool
 
 RunningAttempt::~RunningAttempt() {
   End();
+  // A recorder that waits for a full disk would wait without end: nobody is left to free space.
   GiveUp();
   (void)Join();
 }
@@ -102,6 +108,7 @@ void RunningAttempt::RunLoop(const AttemptOptions& options) {
 
 void RunningAttempt::Record() {
   while (!(recorded_ = RecordOnce())) LogFaults();
+  // The facts are the loop's own numbers, which are only at rest once it has ended.
   while (!loop_.finished()) std::this_thread::sleep_for(kRecorderIdle);
   LogFaults();
   KeepFacts();
@@ -118,10 +125,13 @@ std::optional<Result<trace::Seal>> RunningAttempt::RecordOnce() {
   auto moved = recorder_.Pump();
   std::optional<Result<trace::Seal>> seal;
   if (moved.ok() && !*moved && ended) seal = recorder_.Finish();
+  // After each chunk and not after each tick: a chunk is what can be sent.
   if (recorder_.chunks() != before) uploader_.Wake();
   const Status status = seal ? seal->status() : moved.status();
   const bool try_again = status.code() == Code::kStorage;
   Note(status);
+  // Not the disk: the spool says another recording is there, or an older program runs. Waiting does
+  // not mend that, and ticking on would only be lost.
   if (!status.ok() && !try_again) {
     loop_.RequestStop();
     return status;
@@ -196,6 +206,8 @@ Status RunningAttempt::Lost(const Status& why) const {
     std::snprintf(text, sizeof text, "%.2f s", static_cast<double>(ticks) / rate_hz_);
     return std::string(text);
   };
+  // Said here, where both numbers are known: how much is safe, how much is not, and what to do with
+  // it.
   const std::string id = attempt_.Text();
   if (recorder_.chunks() == 0) {
     return Status(why.code(), why.message() + ". Of attempt " + id + " nothing could be stored");
@@ -217,6 +229,7 @@ RunningAttempt::Recording RunningAttempt::recording() const {
 Result<trace::Seal> RunningAttempt::Join() {
   if (loop_thread_.joinable()) loop_thread_.join();
   if (recorder_thread_.joinable()) recorder_thread_.join();
+  // Both threads have ended: another process may record here now.
   lock_.reset();
   return *recorded_;
 }

@@ -17,7 +17,10 @@
 namespace enamel::station {
 namespace {
 
+// The server lets go of a connection that says nothing for a minute.
 constexpr std::chrono::seconds kPingEvery{20};
+// Half a minute of ticks: few enough to be in memory, many enough that reading them is not what
+// takes time.
 constexpr size_t kChunksAtOnce = 64;
 constexpr char kSignedOut[] = "has signed out",
                kLost[] = "is signed out: the connection to the server was lost";
@@ -88,6 +91,7 @@ Workplace::~Workplace() {
     ForgetPerson(kSignedOut);
     changed_.notify_all();
   }
+  // Only now: until it has ended it may use the link, and what it does ends with Cancel.
   keep_alive_.join();
   HandBackUnused();
 }
@@ -99,9 +103,11 @@ void Workplace::KeepAlive() {
     lock.unlock();
     {
       auto link = UseLink();
+      // Without mutex_: a step that only asks who is signed in must not wait for the network.
       if (link->connected() && !link->Ping().ok()) link->Close();
       bool lost = !link->connected();
       lock.lock();
+      // Somebody may have signed out and another one in meanwhile: that is another link.
       if (lost && link.link == link_) ForgetPerson(kLost);
     }
   }
@@ -159,6 +165,7 @@ Result<Person> Workplace::SignInAtServer(const std::string& login, const std::st
                   "password");
   }
   std::lock_guard lock(mutex_);
+  // Signed out while the server was asked: who comes next must not find this person signed in.
   if (link.link != link_)
     return Status(Code::kUnavailable, "signed out meanwhile", net::kCancelled);
   person_ = *person;
@@ -218,6 +225,7 @@ Result<PreparedAttempt> Workplace::Prepare(const Catalogue::Exercise& exercise,
 }
 
 Status Workplace::MakeReady(PreparedAttempt& prepared) {
+  // The window asks when the person looks at the exercise, and again when she begins.
   if (prepared.lock) return Status::Ok();
   ENAMEL_ASSIGN_OR_RETURN(auto lock, spool_->LockForRecording());
   ENAMEL_RETURN_IF_ERROR(spool_->ProveWritable(RoomFor(prepared)));
@@ -241,6 +249,8 @@ Status Workplace::AskForTicket(PreparedAttempt& prepared, bool as_reference) {
                           link->RequestTicket(credentials_, who,
                                               {prepared.exercise_hash, prepared.profile_hash,
                                                prepared.assignment, as_reference, false}));
+  // From here on the ticket counts at the server. Should the program crash before Begin, only the
+  // ticket's own end frees it.
   prepared.header.ticket = ticket;
   std::lock_guard lock(mutex_);
   unused_ = ticket.attempt;
@@ -269,6 +279,7 @@ void Workplace::HandBackUnused() {
 
 Result<std::unique_ptr<RunningAttempt>> Workplace::Begin(PreparedAttempt& prepared, Device& device,
                                                          const AttemptOptions& options) {
+  // Begin without a ticket would record what no server may take.
   ENAMEL_CHECK(!prepared.attempt().IsZero());
   ENAMEL_RETURN_IF_ERROR(MakeReady(prepared));
   // Given up here if it cannot begin after all.
@@ -336,6 +347,8 @@ Result<HandedBack> Workplace::HandBackNow(const Uuid& attempt) {
   ENAMEL_RETURN_IF_ERROR(safe_.HandBack(attempt));
   auto link = UseLink();
   const bool connected = link->connected();
+  // A ticket can be given back with nobody signed in, so a connection may have to be made for it;
+  // it is not kept, as a person who signs in makes her own.
   Status told = connected ? Status::Ok() : link->Connect(credentials_);
   if (told.ok()) told = TellReturned(*link);
   if (!connected) link->Close();
@@ -389,6 +402,8 @@ Result<PreparedAttempt> Workplace::PrepareReserved(const Uuid& attempt, const st
 Result<PreparedAttempt> Workplace::FromCache(const trace::Ticket& ticket) {
   BlobCache cache(data_ / "blobs");
   return Assemble(ticket.exercise, ticket.profile, [&](const Sha256& name) -> Result<Bytes> {
+    // The cache is by content: what is found is what the ticket was issued for, also after the
+    // exercise has a newer version.
     if (auto cached = cache.Find(name)) return std::move(*cached);
     return Status(Code::kNotFound, "document " + name.Hex() +
                                        " of this attempt is not on this station any more (" +
@@ -474,6 +489,8 @@ Result<PreparedAttempt> Workplace::Replayed(const trace::Header& header,
   if (!params.ok()) return params;
   prepared->header = header;
   prepared->core = std::make_unique<core::Core>(header.params, prepared->volume);
+  // The tooth as it was is computed and not stored: what goes on is then proved to be what was
+  // recorded, and the spool needs no room for it.
   trace::ReplayRun run(*prepared->core, prepared->header);
   ENAMEL_RETURN_IF_ERROR(run.CheckCore());
   while (run.chain().next_seq < stored.chunks) {
@@ -507,6 +524,7 @@ Result<trace::Seal> Workplace::Close(const Uuid& attempt) {
   auto lock = spool_->LockForRecording();
   if (!lock.ok()) return lock.status();
   auto seal = spool_->CloseAttempt(attempt);
+  // Whatever came of it: a seal that was there already may be waiting to be sent.
   uploader_.Wake();
   return seal;
 }
