@@ -9,11 +9,14 @@
 namespace enamel::station {
 namespace {
 
+// Half of what the server takes in one message, so that attempts and tickets fit beside each other.
 constexpr size_t kOfferAtOnce = 512;
 using Clock = std::chrono::steady_clock;
 
 }  // namespace
 
+// A server whose disk is full (kStorage) or that failed in itself (kInternal) can be mended without
+// this station; whatever else it answers it will answer again.
 bool IsTransient(const Status& status) {
   return status.code() == Code::kUnavailable || status.code() == Code::kStorage ||
          status.code() == Code::kInternal;
@@ -33,6 +36,7 @@ bool IsDamaged(const Status& status) {
 
 Result<std::vector<SpooledAttempt>> WaitingAttempts(Spool& spool) {
   auto all = spool.List();
+  // What the server refused is not asked again and again: ClearRefusal makes it wait once more.
   if (all.ok()) std::erase_if(*all, [](const SpooledAttempt& a) { return !a.waits(); });
   return all;
 }
@@ -49,9 +53,11 @@ Result<size_t> AttemptSender::Offer() {
     }
     ENAMEL_RETURN_IF_ERROR(Meanwhiles());
     auto wanted = link_.OfferAttempts(held, std::exchange(tickets, {}));
+    // Older than the question: it was never restored with a program that could have asked.
     if (wanted.status().code() == Code::kVersion) return size_t{0};
     if (!wanted.ok()) return wanted.status();
     for (const Uuid& id : wanted->attempts) {
+      // Not what it says on its own: only what was offered can be sent again.
       bool offered = std::ranges::find(held, id, &HeldAttempt::attempt) != held.end();
       if (!offered) continue;
       ENAMEL_RETURN_IF_ERROR(spool_.MarkWanted(id));
@@ -78,6 +84,7 @@ Status AttemptSender::ReturnTickets() {
   for (const LockedTicket& t : tickets) {
     if (!t.handed_back()) continue;
     ENAMEL_RETURN_IF_ERROR(Meanwhiles());
+    // Begun after all: its recording tells the server, and returning the ticket would be refused.
     Status told = spool_.Get(t.attempt).ok() ? Status::Ok() : link_.ReturnTicket(t.attempt);
     if (IsTransient(told)) return told;
     ENAMEL_RETURN_IF_ERROR(spool_.tickets().Remove(t.attempt));
@@ -91,6 +98,7 @@ Status AttemptSender::Send(const Uuid& attempt, const std::function<bool()>& yie
     if (Status noted = spool_.MarkTried(attempt, status.message()); status.ok()) return noted;
   }
   if (IsTransient(status)) return status;
+  // The next try begins with what the server says it has, not with what was sent.
   next_.erase(attempt);
   if (status.code() == Code::kConflict && status.field() == "seq") {
     // The server stands elsewhere than it said: ask again on a new connection.
@@ -106,6 +114,8 @@ Status AttemptSender::SendOnce(const Uuid& attempt, const std::function<bool()>&
     ENAMEL_ASSIGN_OR_RETURN(auto header, spool_.HeaderOf(attempt));
     ENAMEL_ASSIGN_OR_RETURN(auto opened, link_.OpenAttempt(header, stored.facts));
     NoteWatched(attempt, opened.watched);
+    // The server's word counts, also where it is less than it said before: a restored backup
+    // forgets.
     ENAMEL_RETURN_IF_ERROR(spool_.SetCommittedBelow(attempt, opened.next_seq));
     next_[attempt] = opened.next_seq;
   }
@@ -159,6 +169,7 @@ Status AttemptSender::TakeAllAcks() {
 
 Status AttemptSender::AwaitBandwidth(size_t bytes) {
   while (true) {
+    // In slices, so that Stop and the live view need not wait until a whole chunk may go.
     auto wait = bandwidth_.Take(bytes, Clock::now());
     if (wait == Clock::duration{}) return Status::Ok();
     ENAMEL_RETURN_IF_ERROR(Meanwhiles());
@@ -167,6 +178,7 @@ Status AttemptSender::AwaitBandwidth(size_t bytes) {
 }
 
 Status AttemptSender::TakeAck() {
+  // A connection that is up and silent is no use: TCP alone would keep it for many minutes.
   const auto deadline = Clock::now() + ServerLink::kTimeout;
   while (true) {
     ENAMEL_RETURN_IF_ERROR(Meanwhiles());
@@ -188,6 +200,7 @@ Status AttemptSender::TakeAck() {
 }
 
 void AttemptSender::NoteWatched(const Uuid& attempt, bool watched) {
+  // One at a time is made here, so one at a time is watched.
   if (watched)
     watched_ = attempt;
   else if (watched_ == attempt)

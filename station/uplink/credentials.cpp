@@ -15,6 +15,7 @@ namespace {
 namespace json = boost::json;
 
 constexpr int kFormat = 1;
+// The file has eight short members; whatever is longer is another file.
 constexpr size_t kMaxFile = 64 << 10;
 
 std::filesystem::path FileIn(const std::filesystem::path& folder) {
@@ -41,6 +42,7 @@ bool ReadHex(const json::object& object, const char* member, std::array<uint8_t,
 
 trace::PublicKey Credentials::public_key() const {
   trace::PublicKey out;
+  // libsodium's secret key is the seed and then the public key.
   std::copy(secret_key.end() - static_cast<ptrdiff_t>(out.size()), secret_key.end(), out.begin());
   return out;
 }
@@ -70,6 +72,8 @@ Result<Credentials> LoadCredentials(const std::filesystem::path& folder) {
   }
   if (!bytes.ok()) return Status(bytes.status().code(), bytes.status().message(), kEnrolment);
   struct stat info {};
+  // Whoever has read the key can sign recordings as this station: changing the rights afterwards
+  // is not enough to know, so it is refused and not mended here.
   if (::stat(file.c_str(), &info) == 0 && (info.st_mode & 077) != 0) {
     return Status(Code::kForbidden,
                   file.string() +
@@ -131,6 +135,7 @@ Result<EnrolCode> ParseEnrolCode(std::string_view text) {
   size_t at = text.find('@');
   if (at == std::string_view::npos || at == 0) return bad;
   std::string hex(text.substr(at + 1));
+  // As openssl prints fingerprints, with colons, or without.
   hex.erase(std::remove(hex.begin(), hex.end(), ':'), hex.end());
   auto fingerprint = Sha256::FromHex(hex);
   if (!fingerprint.ok()) return bad;

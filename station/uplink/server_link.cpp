@@ -8,6 +8,8 @@ namespace {
 
 using net::IsTimeout;
 
+// A volume of a whole tooth takes some megabytes; this only keeps a wrong `total` from taking the
+// memory of the machine.
 constexpr uint64_t kMaxBlob = uint64_t{2} << 30;
 
 Status Unexpected(const char* wanted) {
@@ -39,6 +41,8 @@ Result<wire::Reply> ServerLink::Receive(uint32_t reply_to) {
       client_.Close();
       return reply.status();
     }
+    // Acknowledgements of chunks may overtake what is waited for, and an error that is of no
+    // request (reply_to 0) ends the connection: it is the answer to whatever was asked.
     if (reply->reply_to() != reply_to && reply->reply_to() != 0) continue;
     if (reply->has_error()) return protocol::ToStatus(reply->error());
     if (reply->reply_to() == reply_to) return reply;
@@ -55,6 +59,8 @@ Result<Credentials> ServerLink::Enrol(const net::Endpoint& server, const EnrolCo
                                       const std::optional<Credentials>& before) {
   ServerLink link;
   ENAMEL_RETURN_IF_ERROR(link.client_.Connect(server, code.fingerprint, kTimeout));
+  // The old key with the old id: tickets and chunks that were signed for it stay good on a server
+  // that has forgotten the station (schemas/wire/README.md, "Two acknowledgements").
   trace::KeyPair keys =
       before ? trace::KeyPair{before->public_key(), before->secret_key} : trace::NewKeyPair();
   wire::Request request;
@@ -94,6 +100,8 @@ Status ServerLink::Connect(const Credentials& credentials) {
   hello->set_credential(protocol::ToField(credentials.credential));
   hello->set_core_version(core::kCoreVersion);
   hello->set_software(SoftwareName());
+  // As NTP does: half of the way there and back is taken for the way back, wrong by at most that
+  // half.
   int64_t asked_ms = UnixMs();
   auto reply = Call(request);
   if (!reply.ok()) {
@@ -103,6 +111,7 @@ Status ServerLink::Connect(const Credentials& credentials) {
   if (!reply->has_welcome()) return Unexpected("Welcome");
   server_ahead_ms_ = reply->welcome().server_unix_ms() - (asked_ms + UnixMs()) / 2;
   may_begin_ = reply->welcome().core_version() == core::kCoreVersion;
+  // Shown to people who type it elsewhere: what is no plain address is passed over.
   const std::string& page_url = reply->welcome().page_url();
   page_url_ = protocol::IsPageUrl(page_url) ? page_url : "";
   return Status::Ok();

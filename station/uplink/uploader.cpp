@@ -30,6 +30,8 @@ void Uploader::Prefer(const Uuid& attempt, std::shared_ptr<LiveMailbox> live) {
   MutexLock lock(mutex_);
   preferred_ = attempt;
   live_ = std::move(live);
+  // An attempt that goes on after a crash has been opened on this connection perhaps, and must say
+  // so again: reopen_.
   reopen_ = wake_ = retry_ = true;
   changed_.notify_all();
 }
@@ -67,6 +69,7 @@ void Uploader::WaitUntilDone(const Uuid& attempt, std::chrono::milliseconds pati
   while (!stop_ && !about_link_.refused) {
     const State& state = states_[attempt];
     if (state.sealed || state.gave_up) return;
+    // Patience is with a server that is away; one that is there may take as long as the bytes take.
     if (about_link_.reachable) gone_since = Clock::now();
     if (changed_.wait_until(mutex_, gone_since + patience) == std::cv_status::timeout &&
         !about_link_.reachable) {
@@ -79,6 +82,7 @@ void Uploader::Stop() {
   {
     MutexLock lock(mutex_);
     stop_ = true;
+    // The thread may be waiting for the server for up to kTimeout: Cancel ends that wait at once.
     link_.Cancel();
     changed_.notify_all();
   }
@@ -107,6 +111,8 @@ void Uploader::Run() {
     about_link_.refused = !IsTransient(status);
     retry_ = false;
     changed_.notify_all();
+    // A server that is away is tried again soon, one that says no seldom: only a person changes
+    // that.
     Backoff& backoff = about_link_.refused ? refused_backoff_ : backoff_;
     changed_.wait_for(mutex_, backoff.Next(),
                       [&]() ENAMEL_REQUIRES(mutex_) { return stop_ || retry_; });
@@ -140,8 +146,11 @@ void Uploader::PruneWhenDue() {
 // Until the connection breaks or Stop; never ok.
 Status Uploader::RunConnection() {
   ENAMEL_RETURN_IF_ERROR(link_.Connect(credentials_));
+  // Reached, so whatever was refused before is not any more; backoff_ is reset only when a request
+  // has been answered, as a server that accepts and drops would be asked without end.
   refused_backoff_.Reset();
   Say(Status::Ok());
+  // The sender calls Meanwhile, which asks the sender: known only once it is made.
   AttemptSender* self = nullptr;
   AttemptSender sender(link_, spool_, bandwidth_, [&] { return Meanwhile(*self); });
   self = &sender;
@@ -178,11 +187,14 @@ Status Uploader::SendWaiting(AttemptSender& sender) {
     }
     Status status = sender.Send(*attempt, [&] { return yielded = !preferred && PreferredWaits(); });
     Note(*attempt, status);
+    // What one recording waits for is no reason to let the others wait, nor to give up the
+    // connection.
     if (IsOfOneRecording(status)) {
       awaited_due_ = Clock::now() + kAwaitedEvery;
     } else if (!status.ok() && IsTransient(status)) {
       return status;
     }
+    // One that gave way is not done: it comes again in this round.
     if (!yielded) brought.insert(*attempt);
     if (!link_.connected()) return Status(Code::kUnavailable, "the connection was lost");
     ping_due_ = Clock::now() + kPingEvery;
@@ -198,6 +210,7 @@ std::optional<Uuid> Uploader::NextWaiting(std::set<Uuid>& brought) {
     if (std::exchange(wake_, false)) brought.clear();
   }
   auto waiting = WaitingAttempts(spool_);
+  // A spool that cannot be read now has nothing to send now; Note and Say tell of it.
   if (!waiting.ok()) return std::nullopt;
   std::erase_if(*waiting, [&](const SpooledAttempt& a) { return brought.contains(a.id); });
   if (waiting->empty()) return std::nullopt;
@@ -208,6 +221,8 @@ std::optional<Uuid> Uploader::NextWaiting(std::set<Uuid>& brought) {
   return waiting->front().id;
 }
 
+// An attempt that is being made goes first, so that an instructor sees it as it is made; what waits
+// from yesterday gives way at its next chunk.
 bool Uploader::PreferredWaits() {
   MutexLock lock(mutex_);
   return preferred_ && wake_;
@@ -223,6 +238,8 @@ void Uploader::Note(const Uuid& attempt, const Status& status) {
     state.sealed = stored->complete();
   }
   state.problem = status;
+  // Nobody who waits for this one need wait longer: what is damaged stays so until a person
+  // salvages it.
   state.gave_up = !status.ok() && (!IsTransient(status) || IsDamaged(status));
   const bool news = before.problem.message() != status.message();
   if (state.sealed && !before.sealed) {
@@ -262,6 +279,8 @@ void Uploader::SendLive(const AttemptSender& sender) {
   if (!point) return;
   // From when it was due, so that the rate holds; not all at once after a pause.
   live_due_ = std::max(live_due_ + kLiveEvery, now - kLiveEvery);
+  // A live point is only worth sending now: it never takes a chunk's place, and is dropped, not
+  // kept.
   bool sent = sender.at_ease() && bandwidth_.TakeSpare(kLiveBytes, now) &&
               link_.SendLive(attempt, *point).ok();
   MutexLock lock(mutex_);
@@ -280,6 +299,7 @@ Status Uploader::AwaitWork(AttemptSender& sender) {
     }
     MutexLock lock(mutex_);
     bool watched = preferred_ && live_ && sender.watched(*preferred_);
+    // A mailbox wakes nobody, as the tick must not; so it is looked into at four times its rate.
     auto until = watched ? std::min<Clock::time_point>(ping_due_, now + kLiveEvery / 4) : ping_due_;
     if (changed_.wait_until(mutex_, until, [&]() ENAMEL_REQUIRES(mutex_) {
           return wake_ || look_for_tickets_ || stop_;
