@@ -50,7 +50,9 @@ struct Handle {
   }
 };
 
-// The first `bytes` of a file become those of a new spool, but for the count of pages.
+// The first `bytes` of a file become those of a new spool, but for the count of pages. SQLite reads
+// from page 1 where every table begins. All spools have their tables at the same pages, as none is
+// ever moved (schemas/sql/station_spool/0001_initial.sql), so a new one's page 1 fits.
 bool GiveFreshStart(const fs::path& file, const fs::path& scratch, size_t bytes) {
   { (void)Spool::Open(scratch / "fresh"); }
   std::vector<char> start(kPageBytes);

@@ -36,6 +36,7 @@ struct SinceBoot {
   std::string boot;
   int64_t ms = 0;
 };
+// CLOCK_BOOTTIME goes on while the machine sleeps, unlike CLOCK_MONOTONIC: a gap over night is one.
 SinceBoot BootNow() {
   SinceBoot out;
   std::ifstream("/proc/sys/kernel/random/boot_id") >> out.boot;
@@ -138,12 +139,15 @@ Status Spool::PutChunk(const Uuid& attempt, ByteView chunk) {
     Statement s(file_->handle(), "SELECT sha256 FROM chunks WHERE attempt = ? AND seq = ?");
     int rc = s.Blob(attempt.view()).Int(head.head.seq).Step();
     if (rc == SQLITE_ROW) {
+      // Compared by the hash of all but the signature, which is what the chain is made of.
       if (s.BlobAt(0) == Bytes(head.hash.bytes.begin(), head.hash.bytes.end())) return Status::Ok();
       return Status(Code::kConflict, "attempt " + attempt.Text() + " has another chunk " +
                                          std::to_string(head.head.seq) + " already");
     }
     if (rc != SQLITE_DONE) return file_->Fail("reading a chunk");
   }
+  // One transaction for chunk and counts: whoever lists attempts need not look at their chunks, and
+  // what is counted is never other than what is there.
   SpoolTransaction transaction(file_->handle());
   if (!transaction.open()) return file_->Fail("storing a chunk");
   {
@@ -180,6 +184,7 @@ Status Spool::PutChunk(const Uuid& attempt, ByteView chunk) {
 Status Spool::MarkResumed(const Uuid& attempt) {
   std::lock_guard lock(file_->mutex());
   Statement s(file_->handle(),
+              // In the database and not in memory: a crash while it is resumed is counted too.
               "UPDATE attempts SET resumed = resumed + 1 WHERE id = ? AND seal_chunks IS NULL");
   if (s.Blob(attempt.view()).Step() != SQLITE_DONE) return file_->Fail("resuming an attempt");
   if (sqlite3_changes(file_->handle()) == 1) return Status::Ok();
@@ -198,6 +203,8 @@ Result<trace::Seal> Spool::CloseAttempt(const Uuid& attempt) {
   ENAMEL_ASSIGN_OR_RETURN(auto last, ChunksFrom(attempt, stored.chunks - 1, 1));
   ENAMEL_ASSIGN_OR_RETURN(auto chunk, last.empty() ? Result<trace::Chunk>(NoAttempt(attempt))
                                                    : trace::DecodeChunkHead(last.front().bytes));
+  // From the last chunk alone: its head says where the chain stands, and each was checked when it
+  // was stored.
   trace::Seal seal{attempt, stored.chunks, chunk.head.first_tick + chunk.head.count, chunk.hash,
                    chunk.head.state_hash};
   ENAMEL_RETURN_IF_ERROR(PutSeal(seal));
@@ -228,9 +235,12 @@ Status Spool::PutSeal(const trace::Seal& seal) {
 
 Status Spool::SetCommittedBelow(const Uuid& attempt, uint32_t next_seq) {
   std::lock_guard lock(file_->mutex());
-  Statement s(file_->handle(),
-              "UPDATE attempts SET committed = min(?1, chunks), committed_unix_ms = ?2"
-              " WHERE id = ?3 AND committed != min(?1, chunks)");
+  Statement s(
+      file_->handle(),
+      // Nothing is written where nothing changes: each write waits for the disk, and a chunk being
+      // recorded waits for it.
+      "UPDATE attempts SET committed = min(?1, chunks), committed_unix_ms = ?2"
+      " WHERE id = ?3 AND committed != min(?1, chunks)");
   s.Int(next_seq).Int(UnixMs()).Blob(attempt.view());
   return s.Step() == SQLITE_DONE ? Status::Ok() : file_->Fail("marking chunks");
 }
@@ -240,12 +250,14 @@ Status Spool::MarkCommitted(const Uuid& attempt, uint32_t seq) {
   Statement s(file_->handle(),
               "UPDATE attempts SET committed = ?1, committed_unix_ms = ?2"
               " WHERE id = ?3 AND committed < ?1");
+  // Acknowledgements come in order, and several are marked with one write: the last says it all.
   s.Int(int64_t{seq} + 1).Int(UnixMs()).Blob(attempt.view());
   return s.Step() == SQLITE_DONE ? Status::Ok() : file_->Fail("marking a chunk");
 }
 
 Status Spool::MarkWanted(const Uuid& attempt) {
   std::lock_guard lock(file_->mutex());
+  // Its chunks stay counted as committed until OpenAttempt says from where they are wanted.
   Statement s(file_->handle(), "UPDATE attempts SET sealed_at_server = 0 WHERE id = ?");
   return s.Blob(attempt.view()).Step() == SQLITE_DONE ? Status::Ok()
                                                       : file_->Fail("marking an attempt");
@@ -273,6 +285,7 @@ Status Spool::MarkTried(const Uuid& attempt, const std::string& problem) {
 
 Status Spool::MarkAllTried(const std::string& problem) {
   return MarkTriedWhere(
+      // As SpooledAttempt::waits says it; `?3 IS NOT NULL` only takes the parameter that is bound.
       "refused IS NULL AND (committed < chunks OR (seal_chunks IS NOT NULL AND NOT "
       "sealed_at_server)) AND ?3 IS NOT NULL",
       {}, problem);
@@ -309,6 +322,7 @@ Status Spool::ClearRefusal(const Uuid& attempt) {
 
 Result<std::vector<SpooledAttempt>> Spool::List() {
   std::lock_guard lock(file_->mutex());
+  // Without a parameter bound ?1 is NULL: all of them.
   Statement s(file_->handle(), kSelectAttempts);
   std::vector<SpooledAttempt> out;
   int rc = 0;
@@ -372,6 +386,8 @@ Result<Silence> Spool::SilenceOf(const Uuid& attempt) {
   if (rc != SQLITE_ROW) return file_->Fail("reading when an attempt was recorded last");
   constexpr int64_t kStepped_ms = 1000;
   const SinceBoot now = BootNow();
+  // Two measures that fail differently: the clock can be set, the time since boot ends with it.
+  // Each can only be too short where it fails, so the longer one holds.
   const int64_t by_clock_ms = UnixMs() - s.IntAt(0);
   Silence out{std::max<int64_t>(by_clock_ms, 0), by_clock_ms < -kStepped_ms};
   if (!s.IsNull(1) && s.TextAt(1) == now.boot) {
@@ -417,6 +433,8 @@ Result<Pruned> Spool::Prune(const Retention& retention, std::chrono::system_cloc
     while ((rc = s.Step()) == SQLITE_ROW) {
       kept += static_cast<uint64_t>(s.IntAt(1));
       if (s.IntAt(3) == 0) continue;  // the server does not have it
+      // Only whole attempts go, with their chunks (ON DELETE CASCADE): half a recording proves
+      // nothing.
       bool old = s.IntAt(2) <= old_ms;
       if (old || (retention.bytes > 0 && kept > retention.bytes))
         going.push_back({s.BlobAt(0), !old});
@@ -439,6 +457,7 @@ RecordingLock::~RecordingLock() {
 
 Status Spool::ProveWritable(uint64_t room_bytes) {
   const fs::path folder = file_->path().parent_path();
+  // f_bavail, not f_bfree: the last blocks are root's, and this program is not root.
   struct statvfs space {};
   uint64_t free_bytes = 0;
   if (::statvfs(folder.c_str(), &space) == 0) {
@@ -466,6 +485,8 @@ Result<RecordingLock> Spool::LockForRecording() {
                                       "): " + WhatToDoAbout(SQLITE_CANTOPEN));
   }
   RecordingLock lock(file);
+  // flock and not a row or a file that is there: the system takes it away when the process dies, so
+  // no lock is ever left behind.
   if (::flock(file, LOCK_EX | LOCK_NB) == 0) return lock;
   return Status(Code::kConflict, "another enamel-station is recording into " +
                                      path.parent_path().string() +

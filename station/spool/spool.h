@@ -125,7 +125,8 @@ class Spool {
   // least `room_bytes` free. Errors: kStorage (says how much there is and how much is needed).
   Status ProveWritable(uint64_t room_bytes);
 
-  // The attempt's id is in the header. Idempotent for the same header: what else was said first stays.
+  // The attempt's id is in the header. Idempotent for the same header: what else was said first
+  // stays.
   Status BeginAttempt(const trace::Header& header, const std::string& exercise,
                       const std::string& profile, const protocol::AttemptFacts& facts = {});
   // The next chunk. Idempotent for the same bytes; another chunk under a used seq is kConflict.

@@ -18,8 +18,8 @@ struct KeptLoopFacts {
   std::string json;  // schemas/loop_facts.md
 };
 
-// Those of the attempts in a spool: they go when their attempt goes. Thread safety and errors: those
-// of Spool.
+// Those of the attempts in a spool: they go when their attempt goes. Thread safety and errors:
+// those of Spool.
 class SpooledLoopFacts {
  public:
   explicit SpooledLoopFacts(SpoolFile& file) : file_(file) {}

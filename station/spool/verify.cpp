@@ -21,6 +21,7 @@ Status VerifyRecording(const SpooledAttempt& attempt, ByteView header,
     return Status(Code::kConflict,
                   "its header is that of attempt " + decoded.ticket.attempt.Text());
   }
+  // The same checks as the server's: what passes here is not refused there for its bytes.
   trace::ChainVerifier chain(attempt.id, HashSha256(header));
   uint64_t ticks = 0, gap_ticks = 0, bytes = 0;
   for (const SpooledChunk& spooled : chunks) {
@@ -38,6 +39,7 @@ Status VerifyRecording(const SpooledAttempt& attempt, ByteView header,
     gap_ticks += chunk->head.gap_ticks;
     bytes += spooled.bytes.size();
   }
+  // The counts are compared last: where the chain is broken they follow from that.
   if (chunks.size() != attempt.chunks) return Differs("chunks", attempt.chunks, chunks.size());
   if (ticks != attempt.ticks) return Differs("ticks", attempt.ticks, ticks);
   if (gap_ticks != attempt.gap_ticks) return Differs("gap ticks", attempt.gap_ticks, gap_ticks);
@@ -51,6 +53,7 @@ Status VerifyRecording(const SpooledAttempt& attempt, ByteView header,
 Status VerifyPages(SpoolFile& file) {
   std::lock_guard lock(file.mutex());
   {
+    // The first finding is enough: whatever is wrong with a page is salvaged in the same way.
     Statement s(file.handle(), "PRAGMA integrity_check(1)");
     if (s.Step() != SQLITE_ROW) return file.Fail("checking its pages");
     if (std::string found = s.TextAt(0); found != "ok") {
@@ -58,8 +61,11 @@ Status VerifyPages(SpoolFile& file) {
                                         WhatToDoAbout(SQLITE_CORRUPT));
     }
   }
-  Statement s(file.handle(),
-              "SELECT count(*) FROM chunks WHERE attempt NOT IN (SELECT id FROM attempts)");
+  Statement s(
+      file.handle(),
+      // A row of `attempts` that was lost leaves its chunks behind; foreign keys are only looked at
+      // when something is written.
+      "SELECT count(*) FROM chunks WHERE attempt NOT IN (SELECT id FROM attempts)");
   if (s.Step() != SQLITE_ROW) return file.Fail("checking its chunks");
   if (s.IntAt(0) == 0) return Status::Ok();
   return Status(Code::kStorage, "spool " + file.path().string() + ": " +
@@ -76,6 +82,8 @@ Status VerifyAttempt(Spool& spool, const SpooledAttempt& attempt,
     Statement s(file.handle(), "SELECT header_sha256 FROM attempts WHERE id = ?");
     if (s.Blob(attempt.id.view()).Step() != SQLITE_ROW) return file.Fail("reading a header's hash");
     const Sha256 hash = HashSha256(header);
+    // Every chunk is chained to this hash: a header that has changed by one bit has lost its
+    // recording.
     if (s.BlobAt(0) != Bytes(hash.bytes.begin(), hash.bytes.end())) {
       return Status(Code::kConflict, "its header is not the one whose hash is kept beside it");
     }

@@ -16,8 +16,8 @@ struct SpoolVerdict {
 };
 
 // Chunks 0 to the last counted, chain, signatures (when `station_key` is given), seal, and what is
-// counted beside them, of every attempt. `pages` gets what is wrong with the file as such; without it
-// that is an error. Changes nothing. Errors: those of Spool.
+// counted beside them, of every attempt. `pages` gets what is wrong with the file as such; without
+// it that is an error. Changes nothing. Errors: those of Spool.
 Result<std::vector<SpoolVerdict>> VerifyRecordings(
     Spool& spool, const std::optional<trace::PublicKey>& station_key, Status* pages = nullptr);
 
