@@ -8,8 +8,8 @@ namespace enamel::protocol {
 
 // What a station says of an attempt beside its recording: not signed, not an input of the core, and
 // true whether the server believes it or not. It is kept in the spool with the attempt, told with
-// OpenAttempt, each time anew, and never changed by the server. CONTRIBUTING.md, "Where a fact of an
-// attempt belongs", says what is to stand here, and what every new one touches.
+// OpenAttempt, each time anew, and never changed by the server. CONTRIBUTING.md, "Where a fact of
+// an attempt belongs", says what is to stand here, and what every new one touches.
 struct AttemptFacts {
   uint32_t resumed = 0;  // how often it was taken up again after the station had crashed
 

@@ -11,8 +11,8 @@ namespace {
 // At rest for noise and the joints' cells; between swings until their beginning has died away.
 constexpr double kRest_s = 2.0, kSettle_s = 1.0;
 // A push lasts until the device has gone so far, or so long; the next one begins so much later. So
-// short a way is many encoder cells and little of the workspace, so that b, m and friction are those
-// of one place.
+// short a way is many encoder cells and little of the workspace, so that b, m and friction are
+// those of one place.
 constexpr double kPushReach_m = 1.5e-3, kPush_s = 0.06, kPulseEvery_s = 0.6;
 // Of the force it may use: inside the bound of Step, or a push would not be one force throughout.
 constexpr double kPulseShare = 0.8;
@@ -29,9 +29,9 @@ double Clamped(double v, double limit) noexcept { return std::clamp(v, -limit, l
 
 }  // namespace
 
-// Slow swings tell friction (the same force at every speed), fast ones mass (force with the square of
-// the frequency); damping is what is left between. The fastest goes less far, so that its peak force
-// is within that allowed.
+// Slow swings tell friction (the same force at every speed), fast ones mass (force with the square
+// of the frequency); damping is what is left between. The fastest goes less far, so that its peak
+// force is within that allowed.
 const std::array<Calibrator::Swing, Calibrator::kSwingCount> Calibrator::kSwings = {
     {{0.5, 1.0, 3}, {1, 1.0, 4}, {2, 1.0, 6}, {4, 0.6, 8}}};
 

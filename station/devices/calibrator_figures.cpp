@@ -1,6 +1,6 @@
-// What is computed from the motion that calibrator.cpp made. Times are in ticks of the loop, and the
-// unknowns of a fit are found by least squares in closed form: a search is only over what is not
-// linear (when a push began, the frequency of a mode).
+// What is computed from the motion that calibrator.cpp made. Times are in ticks of the loop, and
+// the unknowns of a fit are found by least squares in closed form: a search is only over what is
+// not linear (when a push began, the frequency of a mode).
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -339,8 +339,8 @@ Estimate Calibrator::Cell(size_t axis) const {
   return joint.samples > 0 ? joint : StepOf(axis);
 }
 
-// What is left at rest after a straight line (an arm creeps under its own weight), less what rounding
-// to cells alone would leave, cell^2 / 12.
+// What is left at rest after a straight line (an arm creeps under its own weight), less what
+// rounding to cells alone would leave, cell^2 / 12.
 Estimate Calibrator::Noise(size_t axis, double cell_m) const {
   auto n = static_cast<double>(rest_ticks_);
   double st = 0, sy = 0, stt = 0, sty = 0, syy = 0, first = counts_[0][axis];

@@ -16,8 +16,8 @@
 #include "tests/common/trace/sample.h"
 
 // Writes anew what of schemas/golden a program can write (schemas/golden/README.md): recordings and
-// their parts, the frames of the wire's messages, the built-in device profiles. What stands for files
-// that are in the field already is never written anew, and is not written here.
+// their parts, the frames of the wire's messages, the built-in device profiles. What stands for
+// files that are in the field already is never written anew, and is not written here.
 namespace enamel::trace {
 namespace {
 
