@@ -1,5 +1,7 @@
 #include "station/app/commands.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <boost/json.hpp>
 #include <cmath>
@@ -13,6 +15,7 @@
 #include "common/scene/builtin.h"
 #include "common/scene/find_profile.h"
 #include "common/scene/json.h"
+#include "station/app/command_line.h"
 #include "station/app/simulate.h"
 #include "station/session/by_name.h"
 #include "station/uplink/private_folder.h"
@@ -182,6 +185,91 @@ void PrintProfiles() {
     line("torque friction c_rot", p.torque->friction_un_m, 1e-3, "mN m");
     line("orientation cell", p.torque->orientation_cell_urad, 1e-3, "mrad");
   }
+}
+
+namespace {
+
+std::string HostName() {
+  char name[256] = {};
+  return ::gethostname(name, sizeof name - 1) == 0 && name[0] != 0 ? name : "station";
+}
+
+}  // namespace
+
+void DeclareEnrol(CommandGroup group) {
+  auto options = std::make_shared<EnrolOptions>();
+  EnrolOptions& o = *options;
+  o.name = HostName();
+  CLI::App* cmd =
+      group.app.add_subcommand("enrol", "Make this machine a station of a server (once)");
+  AddDataOption(*cmd, group.place);
+  cmd->add_option("--server", o.server, "HOST:PORT of its station link")->required();
+  cmd->add_option("--code", o.code, "CODE@FINGERPRINT from 'enamel-server admin enrol-code'")
+      ->required();
+  cmd->add_option("--name", o.name, "What to call this station")->capture_default_str();
+  cmd->add_flag("--again", o.again,
+                "Enrol again as the same station: the server was restored and does not know it; "
+                "what is recorded here stays good");
+  cmd->callback([options, cmd, group] {
+    options->data = group.place.data;
+    // Enrolled again it keeps the name it had, unless another is given.
+    if (options->again && cmd->count("--name") == 0) options->name.clear();
+    group.exit_code = Finish(EnrolStation(*options));
+  });
+}
+
+void DeclareReserve(CommandGroup group) {
+  struct Options {
+    ReserveCommand reserve;
+    std::string give_back;
+  };
+  auto [cmd, o] = Declare<Options>(
+      group, "reserve",
+      "Take a ticket now for an attempt within 12 hours, with or without the server",
+      [&place = group.place](Options& options) {
+        ReserveCommand& reserve = options.reserve;
+        reserve.workplace = place.Options();
+        reserve.password = Environment("ENAMEL_PASSWORD");
+        reserve.pin = Environment("ENAMEL_PIN");
+        if (!options.give_back.empty()) {
+          return GiveBackReserved(
+              {reserve.workplace, options.give_back, reserve.login, reserve.password, reserve.pin});
+        }
+        return reserve.exercise.empty() ? ListReserved(place.data) : ReserveAttempt(reserve);
+      });
+  AddWorkplaceSettings(*cmd, group.place);
+  cmd->add_option("--exercise", o.reserve.exercise, "Name of the exercise");
+  cmd->add_option("--profile", o.reserve.profile, "Name of the device profile");
+  cmd->add_option("--user", o.reserve.login, "Login of the person at this station");
+  cmd->add_option("--give-back", o.give_back,
+                  "ID of a reserved attempt that is not wanted any more: it then does not "
+                  "count.\nPIN in ENAMEL_PIN; forgotten: --user and ENAMEL_PASSWORD");
+  cmd->footer(
+      "Password in ENAMEL_PASSWORD, PIN (6 to 12 digits) in ENAMEL_PIN. Without --exercise it "
+      "lists what is reserved here.\n'run --reserved ID' with ENAMEL_PIN makes the attempt. The "
+      "PIN keeps others at this chair from using it;\nwho can read this station's disk is not kept "
+      "out by six digits. Exams cannot be reserved.");
+}
+
+void DeclareSimulate(CommandGroup group) {
+  auto [cmd, o] = Declare<SimulateCommand>(
+      group, "simulate", "An attempt without any server: walls, forces, ticks", SimulateAttempt);
+  cmd->add_option("--scene", o.scene, "builtin:molar, builtin:block, or an imported scene's folder")
+      ->capture_default_str();
+  cmd->add_option("--profile", o.profile, "Device profile, or its document (FILE.json)")
+      ->capture_default_str();
+  cmd->add_option("--operator", o.operator_name, "Who holds the device")->capture_default_str();
+  cmd->add_option("--voxel-um", o.voxel_um, "Voxel of a built-in scene")->capture_default_str();
+  cmd->add_option("--seed", o.seed, "Of the tremor; 0: the operator's own")->capture_default_str();
+  cmd->add_option("--json", o.json, "Write the facts to this file");
+}
+
+void DeclareLists(CommandGroup group) {
+  group.app.add_subcommand("scenes", "Built-in scenes and their exercises")->callback([] {
+    PrintScenes();
+  });
+  group.app.add_subcommand("profiles", "Device profiles and where their numbers are from")
+      ->callback([] { PrintProfiles(); });
 }
 
 }  // namespace enamel::station

@@ -8,6 +8,7 @@
 #include "common/import/scene_folder.h"
 #include "common/program/log.h"
 #include "common/program/output.h"
+#include "station/app/command_line.h"
 
 namespace enamel::station {
 namespace {
@@ -79,6 +80,13 @@ CLI::App* AddImportCommand(CLI::App& app, ImportCommand& options) {
       ->check(CLI::Range(0, 500))
       ->capture_default_str();
   return command;
+}
+
+void DeclareImport(CommandGroup group) {
+  auto options = std::make_shared<ImportCommand>();
+  AddImportCommand(group.app, *options)->callback([options, &exit_code = group.exit_code] {
+    exit_code = Finish(ImportMesh(*options));
+  });
 }
 
 }  // namespace enamel::station

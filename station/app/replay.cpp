@@ -10,6 +10,7 @@
 #include "common/program/output.h"
 #include "common/surface/ply.h"
 #include "common/trace/moment.h"
+#include "station/app/command_line.h"
 #include "station/app/recording_file.h"
 #include "station/app/simulate.h"
 
@@ -183,6 +184,25 @@ Status ReplayTrace(const ReplayOptions& options) {
                                             {"realtime_factor", factor}}));
   if (moment->whole) ENAMEL_RETURN_IF_ERROR(CheckChain(recording));
   return Verdict(*moment);
+}
+
+void DeclareReplay(CommandGroup group) {
+  auto [cmd, o] = Declare<ReplayOptions>(group, "replay",
+                                         "Re-run the core on an exported recording and compare",
+                                         [&place = group.place](ReplayOptions& options) {
+                                           options.data = place.data;
+                                           return ReplayTrace(options);
+                                         });
+  AddDataOption(*cmd, group.place);
+  cmd->add_option("trace", o.trace, "File from 'spool export'")->required();
+  cmd->add_option("--volume", o.volume, "The tooth it began with, when it is not in the cache");
+  cmd->add_option("--to-tick", o.to_tick,
+                  "Stop after this many ticks, starting from the keyframe before");
+  cmd->add_option("--surface", o.surface,
+                  "Write the tooth's surface there as PLY (mm, tissue per vertex)");
+  cmd->add_flag("!--no-keyframes", o.keyframes,
+                "Neither use nor write TRACE.keyframes, the cache beside the trace");
+  cmd->add_option("--json", o.json, "Write what was found to this file");
 }
 
 }  // namespace enamel::station

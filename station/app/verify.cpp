@@ -7,6 +7,7 @@
 #include "common/base/hex.h"
 #include "common/program/output.h"
 #include "common/trace/replay.h"
+#include "station/app/command_line.h"
 #include "station/app/recording_file.h"
 #include "station/uplink/credentials.h"
 
@@ -152,6 +153,24 @@ Status VerifyRecording(const VerifyOptions& options) {
                            {"checks", checks.json()}};
   ENAMEL_RETURN_IF_ERROR(program::WriteJsonFile(options.json, std::move(json)));
   return checks.first_failure();
+}
+
+void DeclareVerify(CommandGroup group) {
+  auto [cmd, o] = Declare<VerifyOptions>(
+      group, "verify",
+      "Check an exported recording: ticket, signatures, chain, seal, and every tick again",
+      [&place = group.place](VerifyOptions& options) {
+        options.data = place.data;
+        return VerifyRecording(options);
+      });
+  AddDataOption(*cmd, group.place);
+  cmd->add_option("trace", o.trace, "File from 'spool export'")->required();
+  cmd->add_option("--station-key", o.station_key,
+                  "Public key of the station, 64 hexadecimal digits or a file; this station's own "
+                  "if left out");
+  cmd->add_option("--server-key", o.server_key, "Public key of the server's tickets, likewise");
+  cmd->add_option("--volume", o.volume, "The tooth it began with, when it is not in the cache");
+  cmd->add_option("--json", o.json, "Write what was found to this file");
 }
 
 }  // namespace enamel::station

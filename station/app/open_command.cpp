@@ -1,0 +1,50 @@
+#include "station/app/command_line.h"
+#include "station/desk/desk.h"
+
+namespace enamel::station {
+namespace {
+
+struct OpenOptions {
+  desk::DeskOptions desk;
+  std::string size;
+};
+
+}  // namespace
+
+OpenCommand DeclareOpen(CommandGroup group) {
+  auto options = std::make_shared<OpenOptions>();
+  desk::DeskOptions& o = options->desk;
+  CLI::App* cmd =
+      group.app.add_subcommand("open", "The window a student sits at; also without any subcommand");
+  AddWorkplaceSettings(*cmd, group.place);
+  cmd->add_option("--profile", o.profile, "Device profile of this station's device: offered first");
+  AddCpu(cmd, o.cpu);
+  cmd->add_option("--window", options->size,
+                  "WIDTHxHEIGHT instead of the full screen, as 1280x720");
+  cmd->add_option("--quality", o.quality,
+                  "best, good, fair or low; else by how long pictures take");
+  cmd->add_option("--idle-minutes", o.idle_minutes,
+                  "Without key or mouse, outside an attempt, before it signs out")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  cmd->add_flag("!--no-sound", o.sound, "No sound of the handpiece");
+  cmd->add_flag("--simulated", o.simulated, "Offer simulated hands as devices too");
+  cmd->add_option("--pedal", o.device.pedal,
+                  "Foot pedal of attached devices when it is none that is known, as "
+                  "1a86:e026,id=1,byte=3,mask=ff");
+  cmd->add_option("--axes", o.device.axes, "Which of a board's axes are the scene's x, y, z")
+      ->capture_default_str();
+  cmd->add_option("--script", o.script,
+                  "Play a person's part from this file (station/desk/script.h)");
+  auto run = [options, cmd, &place = group.place]() -> Status {
+    options->desk.workplace = place.Options();
+    if (cmd->count("--window") > 0) {
+      ENAMEL_RETURN_IF_ERROR(desk::SetWindowSize(options->size, options->desk));
+    }
+    return desk::RunDesk(options->desk);
+  };
+  cmd->callback([run, &exit_code = group.exit_code] { exit_code = Finish(run()); });
+  return {cmd, run};
+}
+
+}  // namespace enamel::station

@@ -1,0 +1,141 @@
+#include <cmath>
+#include <cstdio>
+#include <iostream>
+
+#include "common/program/log.h"
+#include "station/app/attempt.h"
+#include "station/app/command_line.h"
+
+// The command line of `run`: who signs in how, and what the exit code says of the recording.
+namespace enamel::station {
+namespace {
+
+// The PIN of a reserved ticket stands for its person where the server is not asked.
+bool SignsInByPin(const RunOptions& options) {
+  return !options.pin.empty() && (!options.reserved.empty() || !options.resume.empty());
+}
+
+// What CLI11 cannot say: which options belong together.
+Status CheckRun(const RunOptions& options) {
+  if (!options.reserved.empty() && options.pin.empty()) {
+    return Status(Code::kInvalidInput, "a reserved ticket needs its PIN: set ENAMEL_PIN");
+  }
+  if (SignsInByPin(options)) return Status::Ok();
+  if (options.login.empty())
+    return Status(
+        Code::kInvalidInput,
+        "--user LOGIN is required: who makes the attempt. 'enamel-station --help' shows a "
+        "whole one");
+  bool begins = options.resume.empty() && options.reserved.empty();
+  if (begins && (options.exercise.empty() || options.profile.empty())) {
+    return Status(Code::kInvalidInput,
+                  "--exercise and --profile are required (or --resume, or --reserved)");
+  }
+  return Status::Ok();
+}
+
+Result<std::string> Password(bool from_stdin) {
+  std::string line;
+  if (from_stdin) {
+    std::getline(std::cin, line);
+    return line;
+  }
+  if (const char* set = std::getenv("ENAMEL_PASSWORD")) return std::string(set);
+  return Status(Code::kInvalidInput,
+                "no password: set ENAMEL_PASSWORD, or use --password-stdin and write it there");
+}
+
+int Run(RunOptions& options, bool password_stdin) {
+  options.pin = Environment("ENAMEL_PIN");
+  if (Status s = CheckRun(options); !s.ok()) {
+    (void)Finish(s);
+    return kUsage;
+  }
+  if (!SignsInByPin(options)) {
+    auto password = Password(password_stdin);
+    if (!password.ok()) return Finish(password.status());
+    options.password = *password;
+  }
+  auto result = RunAttempt(options);
+  if (!result.ok()) return Finish(result.status());
+  std::printf("attempt %s\n", result->attempt.Text().c_str());
+  std::fflush(stdout);
+  if (result->ended_early) {
+    program::SayWarning("this attempt was ended early, at " +
+                        std::to_string(std::lround(100 * result->done_ratio)) +
+                        " % of it. What was done is sealed and will be scored as it is: what was "
+                        "not cut counts as missing");
+  }
+  if (result->uploaded) return 0;
+  if (!result->refused.empty()) {
+    return Finish(Status(Code::kForbidden,
+                         "the server refuses this recording: " + result->refused +
+                             ". It is kept in " + options.workplace.data.string() +
+                             "; when the cause is gone, 'enamel-station spool upload --again " +
+                             result->attempt.Text() + "' sends it"));
+  }
+  program::SayWarning("recorded and safe in " + options.workplace.data.string() +
+                      ", but not on the server yet (" + result->not_uploaded_because +
+                      "). Run 'enamel-station upload' later: nothing is lost");
+  return kNotUploaded;
+}
+
+}  // namespace
+
+void DeclareRun(CommandGroup group) {
+  struct Options {
+    RunOptions run;
+    bool password_stdin = false;
+  };
+  auto options = std::make_shared<Options>();
+  RunOptions& run = options->run;
+  CLI::App* cmd = group.app.add_subcommand("run", "Make an attempt at an exercise");
+  AddWorkplaceSettings(*cmd, group.place);
+  cmd->footer(
+      "With a simulated hand; with a board and a foot pedal; going on after a crash:\n"
+      "  ENAMEL_PASSWORD=... enamel-station run --user LOGIN --exercise NAME --profile omega3\n"
+      "  ENAMEL_PASSWORD=... enamel-station run --user LOGIN --exercise NAME --profile NAME \\\n"
+      "      --device hid --pedal 05f3:00ff --window\n"
+      "  ENAMEL_PASSWORD=... enamel-station run --user LOGIN --resume last\n"
+      "'devices' lists what is attached, 'profiles' and the server's page what there is.");
+  auto* exercise = cmd->add_option("--exercise", run.exercise, "Name of the exercise");
+  cmd->add_option("--profile", run.profile, "Name of the device profile");
+  cmd->add_option("--user", run.login, "Login of the person at this station");
+  auto* resume =
+      cmd->add_option("--resume", run.resume,
+                      "Go on with an attempt that was cut off: its id ('spool list'), or 'last'")
+          ->excludes(exercise);
+  cmd->add_option("--reserved", run.reserved,
+                  "Use a ticket taken with 'reserve'; PIN in ENAMEL_PIN")
+      ->excludes(exercise)
+      ->excludes(resume);
+  cmd->add_flag("--password-stdin", options->password_stdin,
+                "Read the password from standard input (else ENAMEL_PASSWORD)");
+  cmd->add_option("--device", run.device.device,
+                  "hid or spacemouse, with :VENDOR:PRODUCT where there are several; dhd, "
+                  "openhaptics ('devices' "
+                  "lists them); else a simulated one");
+  AddCpu(cmd, run.cpu);
+  cmd->add_option("--pedal", run.device.pedal,
+                  "Foot pedal, as 05f3:00ff; others with ,id=N,byte=N,mask=HEX");
+  cmd->add_option("--axes", run.device.axes, "Which of a board's axes are the scene's x, y, z")
+      ->capture_default_str();
+  cmd->add_option("--operator", run.operator_name,
+                  "Who holds the simulated device ('devices' lists them)")
+      ->capture_default_str();
+  cmd->add_option("--seed", run.seed, "Of the operator's tremor; 0: his own")
+      ->capture_default_str();
+  cmd->add_flag("--lockstep", run.lockstep, "As fast as the machine can instead of 1 kHz");
+  cmd->add_flag("--window", run.window, "Show the tooth being cut");
+  cmd->add_option("--screenshot", run.screenshot, "Write the last picture as PNG");
+  cmd->add_option("--json", run.json, "Write the facts of the attempt to this file");
+  cmd->add_flag("--as-reference", run.as_reference, "Meant as a reference cut (instructors)");
+  cmd->add_flag("--quiet", run.quiet, "No progress");
+  cmd->callback([options, group] {
+    options->run.workplace = group.place.Options();
+    options->run.log_only = group.settings.log().format == "json";
+    group.exit_code = Run(options->run, options->password_stdin);
+  });
+}
+
+}  // namespace enamel::station
