@@ -10,9 +10,9 @@
 namespace enamel::station {
 namespace {
 
-using Finish = std::function<int(const Status&)>;
+using Finisher = std::function<int(const Status&)>;
 
-void AddDevices(CLI::App& app, const std::string& default_data, const Finish& finish,
+void AddDevices(CLI::App& app, const std::string& default_data, const Finisher& finish,
                 int* exit_code) {
   auto options = std::make_shared<DevicesCommand>();
   options->data = default_data;
@@ -25,7 +25,7 @@ void AddDevices(CLI::App& app, const std::string& default_data, const Finish& fi
   command->callback([=] { *exit_code = finish(ListDevices(*options)); });
 }
 
-void AddCalibrate(CLI::App& app, const std::string& default_data, const Finish& finish,
+void AddCalibrate(CLI::App& app, const std::string& default_data, const Finisher& finish,
                   int* exit_code) {
   auto options = std::make_shared<CalibrateCommand>();
   options->data = default_data;
@@ -59,7 +59,7 @@ void AddCalibrate(CLI::App& app, const std::string& default_data, const Finish& 
   command->callback([=] { *exit_code = finish(CalibrateDevice(*options)); });
 }
 
-void AddDoctor(CLI::App& app, const std::string& default_data, const Finish& finish,
+void AddDoctor(CLI::App& app, const std::string& default_data, const Finisher& finish,
                int* exit_code) {
   auto options = std::make_shared<DoctorCommand>();
   options->data = default_data;
@@ -72,7 +72,7 @@ void AddDoctor(CLI::App& app, const std::string& default_data, const Finish& fin
   command->callback([=] { *exit_code = finish(Doctor(*options)); });
 }
 
-void AddLoopTest(CLI::App& app, const Finish& finish, int* exit_code) {
+void AddLoopTest(CLI::App& app, const Finisher& finish, int* exit_code) {
   auto options = std::make_shared<LoopTestCommand>();
   auto* command = app.add_subcommand(
       "loop-test", "What a tick of the haptic loop costs and how punctual it is on this computer");
@@ -108,7 +108,7 @@ void AddLoopTest(CLI::App& app, const Finish& finish, int* exit_code) {
 
 }  // namespace
 
-void RegisterDeviceCommands(CLI::App& app, const std::string& default_data, Finish finish,
+void RegisterDeviceCommands(CLI::App& app, const std::string& default_data, Finisher finish,
                             int* exit_code) {
   AddDevices(app, default_data, finish, exit_code);
   AddCalibrate(app, default_data, finish, exit_code);
