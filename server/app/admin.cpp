@@ -61,7 +61,7 @@ void Show(const AttemptRow& row) {
 
 }  // namespace
 
-Result<Uuid> CohortByName(Store& store, const std::string& name) {
+Result<Uuid> CohortByName(TeachingStore& store, const std::string& name) {
   ENAMEL_ASSIGN_OR_RETURN(auto cohorts, store.Cohorts());
   auto found = std::ranges::find(cohorts, name, &Cohort::name);
   if (found != cohorts.end()) return found->id;
@@ -69,7 +69,7 @@ Result<Uuid> CohortByName(Store& store, const std::string& name) {
                 "cohort");
 }
 
-Result<Person> PersonNamed(Store& store, const std::string& login) {
+Result<Person> PersonNamed(PeopleStore& store, const std::string& login) {
   ENAMEL_ASSIGN_OR_RETURN(auto checked, CheckedLogin(login));
   return store.PersonByLogin(checked);
 }

@@ -11,10 +11,10 @@
 namespace enamel::server::app {
 
 // Errors: kNotFound, with what to do.
-Result<Uuid> CohortByName(Store& store, const std::string& name);
+Result<Uuid> CohortByName(TeachingStore& store, const std::string& name);
 
 // A login is written in any case. Errors: kNotFound.
-Result<Person> PersonNamed(Store& store, const std::string& login);
+Result<Person> PersonNamed(PeopleStore& store, const std::string& login);
 
 struct NewPerson {
   std::string login, display_name, role;

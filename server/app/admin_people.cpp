@@ -100,7 +100,7 @@ Status Refusal(const roster::ImportResult& result) {
 }
 
 // What is new gets its passwords into a file that was made before.
-Status Import(Store& store, std::string_view csv, const RosterCommand& command,
+Status Import(PeopleStore& store, std::string_view csv, const RosterCommand& command,
               const roster::ImportOptions& options, size_t fresh) {
   std::optional<PasswordFile> file;
   if (fresh > 0) {

@@ -40,7 +40,7 @@ std::string Figure(const std::optional<scene::Measured>& measured) {
 
 }  // namespace
 
-Result<StationRow> StationNamed(Store& store, const std::string& text) {
+Result<StationRow> StationNamed(StationStore& store, const std::string& text) {
   if (auto id = Uuid::Parse(text); id.ok()) {
     auto station = store.StationById(*id);
     if (!station.ok() || !station->revoked) return station;

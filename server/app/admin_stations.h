@@ -12,7 +12,7 @@ namespace enamel::server::app {
 
 // The admitted station of this id or name. Errors: kNotFound (none, or several of that name, with
 // what to do).
-Result<StationRow> StationNamed(Store& store, const std::string& text);
+Result<StationRow> StationNamed(StationStore& store, const std::string& text);
 
 Status ListStations(const std::filesystem::path& data);
 // Recordings that stations still hold for a person, an exercise or a profile that is newer than the

@@ -16,7 +16,7 @@ UnixMs NowMs() {
 
 }  // namespace
 
-Caretaker::Caretaker(Store& store, Intervals intervals)
+Caretaker::Caretaker(UpkeepStore& store, Intervals intervals)
     : store_(store),
       intervals_(intervals),
       thread_([this](const std::stop_token& stop) { Run(stop); }) {}

@@ -18,15 +18,15 @@ class Caretaker {
     std::chrono::milliseconds first_retention{10 * 60 * 1000};  // after the start
     std::chrono::milliseconds retention{60 * 60 * 1000};
   };
-  explicit Caretaker(Store& store) : Caretaker(store, Intervals()) {}
-  Caretaker(Store& store, Intervals intervals);
+  explicit Caretaker(UpkeepStore& store) : Caretaker(store, Intervals()) {}
+  Caretaker(UpkeepStore& store, Intervals intervals);
 
  private:
   void Run(const std::stop_token& stop);
   void LookAtHealth();
   void ApplyRetention();
 
-  Store& store_;
+  UpkeepStore& store_;
   const Intervals intervals_;
   bool took_recordings_ = true;  // on the thread
   std::jthread thread_;          // last: ends first

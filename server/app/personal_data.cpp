@@ -7,6 +7,7 @@
 #include "server/app/command_line.h"
 #include "server/app/data_folder.h"
 #include "server/app/say.h"
+#include "server/storage/parts.h"
 
 namespace enamel::server::app {
 namespace {
@@ -17,7 +18,10 @@ namespace json = boost::json;
 // Collects an export's files and what stands in export.json about them.
 class Exporter {
  public:
-  Exporter(Store& store, fs::path target) : store_(store), target_(std::move(target)) {}
+  Exporter(
+      Parts<PeopleStore, ContentStore, TeachingStore, JudgingStore, AttemptStore, AuditStore> store,
+      fs::path target)
+      : store_(store), target_(std::move(target)) {}
 
   Status Run(const Person& person) {
     ENAMEL_RETURN_IF_ERROR(MakeFolder(target_));
@@ -54,7 +58,7 @@ class Exporter {
   }
 
   Status AddCohorts(const Person& person, json::object& root) {
-    ENAMEL_ASSIGN_OR_RETURN(auto cohorts, store_.CohortsOf(person.id));
+    ENAMEL_ASSIGN_OR_RETURN(auto cohorts, store_.teaching().CohortsOf(person.id));
     json::array names;
     for (const Cohort& cohort : cohorts) names.emplace_back(cohort.name);
     root["cohorts"] = std::move(names);
@@ -76,7 +80,7 @@ class Exporter {
   }
 
   Status AddAudit(const Person& person, json::object& root) {
-    ENAMEL_ASSIGN_OR_RETURN(auto rows, store_.AuditAbout(person.id));
+    ENAMEL_ASSIGN_OR_RETURN(auto rows, store_.audit().AuditAbout(person.id));
     json::array audit;
     for (const AuditRow& row : rows) {
       audit.push_back({{"at_ms", row.at_ms},
@@ -96,7 +100,7 @@ class Exporter {
     filter.limit = 200;
     json::array attempts;
     for (;;) {
-      ENAMEL_ASSIGN_OR_RETURN(auto rows, store_.Attempts(filter));
+      ENAMEL_ASSIGN_OR_RETURN(auto rows, store_.attempts().Attempts(filter));
       for (const AttemptRow& row : rows) {
         json::object facts = Facts(row);
         ENAMEL_RETURN_IF_ERROR(AddOverride(row, facts));
@@ -137,7 +141,7 @@ class Exporter {
   // Who said something, as the page names them.
   Result<std::string> NameOf(const Uuid& author) {
     if (author.IsZero()) return std::string("command line");
-    auto person = store_.PersonById(author);
+    auto person = store_.people().PersonById(author);
     if (person.ok()) return person->display_name;
     if (person.status().code() == Code::kNotFound) return std::string();
     return person.status();
@@ -156,7 +160,7 @@ class Exporter {
   // Every run, newest first; earlier ones' reasons as files.
   Status AddResults(const AttemptRow& row, json::object& facts, json::array& files,
                     json::array& problems) {
-    ENAMEL_ASSIGN_OR_RETURN(auto results, store_.ResultsOf(row.id));
+    ENAMEL_ASSIGN_OR_RETURN(auto results, store_.attempts().ResultsOf(row.id));
     json::array out;
     for (const ResultRow& result : results) {
       out.push_back({{"run", result.run},
@@ -167,7 +171,7 @@ class Exporter {
       if (&result == &results.front()) continue;  // score.json
       std::string name = "score_" + std::to_string(result.run) + ".json";
       ENAMEL_RETURN_IF_ERROR(
-          AddFile(row, name, store_.GetBlob(result.score_json), files, problems));
+          AddFile(row, name, store_.content().GetBlob(result.score_json), files, problems));
     }
     facts["results"] = std::move(out);
     return Status::Ok();
@@ -187,7 +191,7 @@ class Exporter {
 
   // What was said about it.
   Status AddWords(const AttemptRow& row, json::object& facts) {
-    ENAMEL_ASSIGN_OR_RETURN(auto remarks, store_.AnnotationsOf(row.id));
+    ENAMEL_ASSIGN_OR_RETURN(auto remarks, store_.judging().AnnotationsOf(row.id));
     json::array annotations;
     for (const AnnotationRow& remark : remarks) {
       ENAMEL_ASSIGN_OR_RETURN(auto by, NameOf(remark.author));
@@ -197,7 +201,7 @@ class Exporter {
                              {"created_ms", remark.created_ms}});
     }
     facts["annotations"] = std::move(annotations);
-    ENAMEL_ASSIGN_OR_RETURN(auto appeal, store_.AppealOf(row.id));
+    ENAMEL_ASSIGN_OR_RETURN(auto appeal, store_.judging().AppealOf(row.id));
     if (!appeal) return Status::Ok();
     facts["appeal"] = {{"filed_ms", appeal->filed_ms},
                        {"text", appeal->text},
@@ -218,13 +222,13 @@ class Exporter {
     };
     bool has_recording = row.state != AttemptState::kTicketed && row.expired_ms == 0;
     if (has_recording) ENAMEL_RETURN_IF_ERROR(add("recording.entrace", TraceOf(row)));
-    if (auto result = store_.ResultOf(row.id); result.ok()) {
+    if (auto result = store_.attempts().ResultOf(row.id); result.ok()) {
       const std::pair<const char*, Sha256> blobs[] = {{"score.json", result->score_json},
                                                       {"tooth.envb", result->final_volume},
                                                       {"surface.ensf", result->surface},
                                                       {"forces.json", result->series}};
       for (const auto& [name, hash] : blobs) {
-        if (!hash.IsZero()) ENAMEL_RETURN_IF_ERROR(add(name, store_.GetBlob(hash)));
+        if (!hash.IsZero()) ENAMEL_RETURN_IF_ERROR(add(name, store_.content().GetBlob(hash)));
       }
     }
     ENAMEL_RETURN_IF_ERROR(AddResults(row, facts, files, problems));
@@ -234,14 +238,15 @@ class Exporter {
   }
 
   Result<Bytes> TraceOf(const AttemptRow& row) {
-    ENAMEL_ASSIGN_OR_RETURN(auto header, store_.AttemptHeader(row.id));
-    ENAMEL_ASSIGN_OR_RETURN(auto chunks, store_.AttemptChunks(row.id));
+    ENAMEL_ASSIGN_OR_RETURN(auto header, store_.attempts().AttemptHeader(row.id));
+    ENAMEL_ASSIGN_OR_RETURN(auto chunks, store_.attempts().AttemptChunks(row.id));
     trace::TraceFile file{std::move(header), std::move(chunks), std::nullopt, false};
-    if (auto seal = store_.AttemptSeal(row.id); seal.ok()) file.seal = *seal;
+    if (auto seal = store_.attempts().AttemptSeal(row.id); seal.ok()) file.seal = *seal;
     return trace::EncodeTraceFile(file);
   }
 
-  Store& store_;
+  const Parts<PeopleStore, ContentStore, TeachingStore, JudgingStore, AttemptStore, AuditStore>
+      store_;
   const fs::path target_;
   size_t attempts_ = 0;
   uint64_t bytes_ = 0;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::string_view kBuiltinPrefix = "builtin:";
 
-Result<SceneRow> StoreScene(Store& store, const scene::Scene& scene, ByteView volume) {
+Result<SceneRow> StoreScene(ContentStore& store, const scene::Scene& scene, ByteView volume) {
   ENAMEL_ASSIGN_OR_RETURN(auto volume_hash, store.PutBlob(volume));
   std::string json = scene::ToJson(scene);
   ENAMEL_ASSIGN_OR_RETURN(auto content, store.PutBlob(AsBytes(json)));
@@ -23,12 +23,12 @@ Result<SceneRow> StoreScene(Store& store, const scene::Scene& scene, ByteView vo
   return row;
 }
 
-Result<SceneRow> PublishBuiltin(Store& store, const std::string& name, int32_t voxel_nm) {
+Result<SceneRow> PublishBuiltin(ContentStore& store, const std::string& name, int32_t voxel_nm) {
   ENAMEL_ASSIGN_OR_RETURN(auto built, scene::BuildBuiltinScene(name, voxel_nm));
   return StoreScene(store, built.scene, scene::EncodeVolume(built.volume));
 }
 
-Result<SceneRow> PublishFolder(Store& store, const std::string& folder) {
+Result<SceneRow> PublishFolder(ContentStore& store, const std::string& folder) {
   auto found = import::LoadSceneFolder(folder);
   if (!found.ok()) {
     return Status(found.status().code(),
@@ -40,7 +40,7 @@ Result<SceneRow> PublishFolder(Store& store, const std::string& folder) {
 }
 
 // As a draft that is published at once: drafts are assigned to nobody.
-Result<ExerciseRow> PublishUnassigned(Store& store, const ExerciseRow& row) {
+Result<ExerciseRow> PublishUnassigned(ContentStore& store, const ExerciseRow& row) {
   ENAMEL_ASSIGN_OR_RETURN(auto versions, store.ExerciseVersions(row.name));
   for (const ExerciseRow& version : versions) {
     if (version.state == ExerciseState::kDraft) continue;
@@ -54,19 +54,19 @@ Result<ExerciseRow> PublishUnassigned(Store& store, const ExerciseRow& row) {
   return store.PublishDraft(draft->id, draft->revision, kCommandLine);
 }
 
-Result<scene::Scene> StoredScene(Store& store, const SceneRow& row) {
+Result<scene::Scene> StoredScene(ContentStore& store, const SceneRow& row) {
   ENAMEL_ASSIGN_OR_RETURN(auto text, store.GetBlob(row.content));
   return scene::SceneFromJson(AsText(text));
 }
 
 }  // namespace
 
-Result<SceneRow> PublishScene(Store& store, const std::string& source, int32_t voxel_nm) {
+Result<SceneRow> PublishScene(ContentStore& store, const std::string& source, int32_t voxel_nm) {
   if (!source.starts_with(kBuiltinPrefix)) return PublishFolder(store, source);
   return PublishBuiltin(store, source.substr(kBuiltinPrefix.size()), voxel_nm);
 }
 
-Result<ExerciseRow> PublishDocument(Store& store, const scene::Exercise& exercise,
+Result<ExerciseRow> PublishDocument(ContentStore& store, const scene::Exercise& exercise,
                                     const std::optional<Uuid>& cohort) {
   ENAMEL_ASSIGN_OR_RETURN(auto content, store.PutBlob(AsBytes(scene::ToJson(exercise))));
   ExerciseRow row;
@@ -79,7 +79,7 @@ Result<ExerciseRow> PublishDocument(Store& store, const scene::Exercise& exercis
   return PublishUnassigned(store, row);
 }
 
-Result<std::vector<ExerciseRow>> PublishBuiltins(Store& store, const SceneRow& row,
+Result<std::vector<ExerciseRow>> PublishBuiltins(ContentStore& store, const SceneRow& row,
                                                  const std::string& name,
                                                  const std::optional<Uuid>& cohort) {
   auto scene = StoredScene(store, row);
@@ -98,13 +98,13 @@ Result<std::vector<ExerciseRow>> PublishBuiltins(Store& store, const SceneRow& r
                 "name");
 }
 
-Result<ExerciseRow> PublishClassOne(Store& store, const SceneRow& row, const Uuid& cohort) {
+Result<ExerciseRow> PublishClassOne(ContentStore& store, const SceneRow& row, const Uuid& cohort) {
   auto scene = StoredScene(store, row);
   if (!scene.ok()) return scene.status();
   return PublishDocument(store, scene::ClassOneExercise(*scene, row.content), cohort);
 }
 
-Status PublishProfiles(Store& store) {
+Status PublishProfiles(ContentStore& store) {
   for (const scene::DeviceProfile& profile : scene::BuiltinProfiles()) {
     ENAMEL_ASSIGN_OR_RETURN(auto content, store.PutBlob(AsBytes(scene::ToJson(profile))));
     ENAMEL_RETURN_IF_ERROR(store.PutProfile({profile.name, profile.title, content}, kCommandLine));

@@ -14,22 +14,22 @@ namespace enamel::server::app {
 // `source`: a scene folder (common/import/scene_folder.h: what `enamel-station import` writes), or
 // builtin:NAME. A built-in scene of a name that is stored already is taken from there, not built
 // again. `voxel_nm`: of built-in scenes.
-Result<SceneRow> PublishScene(Store& store, const std::string& source, int32_t voxel_nm);
+Result<SceneRow> PublishScene(ContentStore& store, const std::string& source, int32_t voxel_nm);
 
 // A new version when it differs from the newest; assigned to `cohort` unless it is (zero: to
 // everybody; none: to nobody).
-Result<ExerciseRow> PublishDocument(Store& store, const scene::Exercise& exercise,
+Result<ExerciseRow> PublishDocument(ContentStore& store, const scene::Exercise& exercise,
                                     const std::optional<Uuid>& cohort);
 
 // The exercises the project makes for a stored scene (common/scene/builtin.h): all, or those of
 // this name or kind ("class-2"). Errors also: kNotFound with the names there are.
-Result<std::vector<ExerciseRow>> PublishBuiltins(Store& store, const SceneRow& scene,
+Result<std::vector<ExerciseRow>> PublishBuiltins(ContentStore& store, const SceneRow& scene,
                                                  const std::string& name,
                                                  const std::optional<Uuid>& cohort);
 // Class I alone.
-Result<ExerciseRow> PublishClassOne(Store& store, const SceneRow& scene, const Uuid& cohort);
+Result<ExerciseRow> PublishClassOne(ContentStore& store, const SceneRow& scene, const Uuid& cohort);
 
 // The three profiles of the program.
-Status PublishProfiles(Store& store);
+Status PublishProfiles(ContentStore& store);
 
 }  // namespace enamel::server::app

@@ -15,6 +15,7 @@
 #include "server/app/command_line.h"
 #include "server/app/data_folder.h"
 #include "server/app/say.h"
+#include "server/storage/parts.h"
 
 namespace enamel::server::app {
 namespace {
@@ -25,7 +26,7 @@ using scoring::ScoreResult;
 constexpr auto kPoll = std::chrono::milliseconds(200);
 constexpr char kDeviationMetric[] = "deviation_rms_mm";
 
-Result<bool> HasOpenJob(Store& store, const Uuid& attempt) {
+Result<bool> HasOpenJob(JobStore& store, const Uuid& attempt) {
   for (const char* state : {"queued", "running"}) {
     ENAMEL_ASSIGN_OR_RETURN(auto jobs, store.Jobs(state));
     if (std::ranges::any_of(jobs, [&](const JobRow& job) { return job.attempt == attempt; }))
@@ -41,10 +42,11 @@ void ShowProgress(const AttemptRow& row) {
 }
 
 // The attempt once nothing is going to happen to it any more.
-Result<AttemptRow> WaitForVerdict(Store& store, const Uuid& attempt, int wait_s) {
+Result<AttemptRow> WaitForVerdict(Parts<AttemptStore, JobStore> store, const Uuid& attempt,
+                                  int wait_s) {
   auto until = std::chrono::steady_clock::now() + std::chrono::seconds(wait_s);
   for (;;) {
-    auto row = store.AttemptById(attempt);
+    auto row = store.attempts().AttemptById(attempt);
     if (!row.ok()) return row;
     ENAMEL_ASSIGN_OR_RETURN(auto open, HasOpenJob(store, attempt));
     bool settled = row->state == AttemptState::kScored || row->state == AttemptState::kFailed ||

@@ -36,7 +36,7 @@ constexpr char kMolarSource[] = "builtin:molar";
 
 std::string DemoPassword(const char* login) { return std::string("enamel-demo-") + login; }
 
-Result<Uuid> EnsurePerson(Store& store, const DemoPerson& demo) {
+Result<Uuid> EnsurePerson(PeopleStore& store, const DemoPerson& demo) {
   auto found = store.PersonByLogin(demo.login);
   if (found.ok()) return found->id;
   if (found.status().code() != Code::kNotFound) return found.status();
@@ -48,7 +48,7 @@ Result<Uuid> EnsurePerson(Store& store, const DemoPerson& demo) {
   return store.CreatePerson(person, verifier, {}, kCommandLine);
 }
 
-Result<Uuid> EnsureCohort(Store& store) {
+Result<Uuid> EnsureCohort(TeachingStore& store) {
   ENAMEL_ASSIGN_OR_RETURN(auto cohorts, store.Cohorts());
   auto found = std::ranges::find(cohorts, kCohortName, &Cohort::name);
   if (found != cohorts.end()) return found->id;
@@ -56,7 +56,7 @@ Result<Uuid> EnsureCohort(Store& store) {
 }
 
 // Building takes seconds: a molar that is there is taken as it is.
-Result<SceneRow> EnsureMolar(Store& store, int32_t voxel_nm) {
+Result<SceneRow> EnsureMolar(ContentStore& store, int32_t voxel_nm) {
   ENAMEL_ASSIGN_OR_RETURN(auto scenes, store.Scenes());
   auto found = std::ranges::find(scenes, kMolarName, &SceneRow::name);
   if (found != scenes.end()) return *found;
@@ -81,7 +81,7 @@ json::object Facts(const ExerciseRow& exercise, bool has_reference) {
 
 }  // namespace
 
-Result<std::vector<std::string>> LoginsWithDemoPassword(Store& store) {
+Result<std::vector<std::string>> LoginsWithDemoPassword(PeopleStore& store) {
   std::vector<std::string> out;
   for (const DemoPerson& demo : kPeople) {
     auto person = store.PersonByLogin(demo.login);

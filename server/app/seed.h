@@ -23,7 +23,7 @@ struct SeedOptions {
 Status SeedDemo(const SeedOptions& options);
 
 // Those of them that may sign in with their public password. Blocks: one argon2id each.
-Result<std::vector<std::string>> LoginsWithDemoPassword(Store& store);
+Result<std::vector<std::string>> LoginsWithDemoPassword(PeopleStore& store);
 
 struct CommandGroup;
 // On the command line (command_line.h).

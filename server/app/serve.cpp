@@ -26,6 +26,7 @@
 #include "server/jobs/worker.h"
 #include "server/ops/metrics.h"
 #include "server/stations/station_server.h"
+#include "server/storage/parts.h"
 #include "server/storage/sqlite_store.h"
 
 namespace enamel::server::app {
@@ -77,7 +78,7 @@ bool IsLoopback(const std::string& address) {
 }
 
 // The demo accounts' passwords are printed in our documents.
-Status RefuseDemoBeyondLoopback(Store& store, const http::HttpOptions& page,
+Status RefuseDemoBeyondLoopback(PeopleStore& store, const http::HttpOptions& page,
                                 const stations::StationServerOptions& link) {
   bool reached_from_afar =
       !IsLoopback(page.address) || !page.trusted_proxies.empty() || !IsLoopback(link.address);
@@ -129,8 +130,8 @@ Status ReadToken(const std::filesystem::path& file, std::string& token) {
 }
 
 // What the store knows, as figures.
-void AddStoreFigures(Store& store, ops::MetricsText& text) {
-  StoreHealth health = store.Health();
+void AddStoreFigures(Parts<JobStore, UpkeepStore> store, ops::MetricsText& text) {
+  StoreHealth health = store.upkeep().Health();
   auto number = [](auto value) { return static_cast<double>(value); };
   text.Gauge("enamel_takes_recordings", "1 while recordings are taken.",
              health.takes_recordings ? 1 : 0);
@@ -152,7 +153,7 @@ void AddStoreFigures(Store& store, ops::MetricsText& text) {
                number(health.chunk_bytes));
   text.Counter("enamel_attempts_sealed_total", "Attempts sealed.", number(health.sealed));
   for (const char* state : {"queued", "running", "failed"}) {
-    if (auto jobs = store.Jobs(state); jobs.ok()) {
+    if (auto jobs = store.jobs().Jobs(state); jobs.ok()) {
       text.Gauge("enamel_jobs", "Scoring jobs by state, counted up to 200.", number(jobs->size()),
                  {{"state", state}});
     }

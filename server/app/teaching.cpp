@@ -49,12 +49,12 @@ UnixMs UnixNowMs() {
       .count();
 }
 
-Result<Uuid> CohortOrEverybody(Store& store, const std::string& name) {
+Result<Uuid> CohortOrEverybody(TeachingStore& store, const std::string& name) {
   if (name.empty()) return Uuid{};
   return CohortByName(store, name);
 }
 
-Result<std::vector<ExerciseRow>> Publish(Store& store, const NewExercise& exercise,
+Result<std::vector<ExerciseRow>> Publish(ContentStore& store, const NewExercise& exercise,
                                          const std::optional<Uuid>& cohort) {
   if (exercise.document.empty()) {
     ENAMEL_ASSIGN_OR_RETURN(auto scene,
@@ -78,7 +78,8 @@ Result<UnixMs> TimeOrNone(const std::string& text) {
   return TimeFromText(text);
 }
 
-Result<std::vector<Uuid>> StationsByName(Store& store, const std::vector<std::string>& names) {
+Result<std::vector<Uuid>> StationsByName(StationStore& store,
+                                         const std::vector<std::string>& names) {
   std::vector<Uuid> out;
   for (const std::string& name : names) {
     ENAMEL_ASSIGN_OR_RETURN(auto station, StationNamed(store, name));

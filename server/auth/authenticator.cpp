@@ -49,7 +49,7 @@ std::string Decoy(const PasswordCost& cost) {
 
 }  // namespace
 
-Authenticator::Authenticator(Store& store, AuthOptions options)
+Authenticator::Authenticator(Parts<PeopleStore, AuditStore> store, AuthOptions options)
     : store_(store),
       options_(std::move(options)),
       decoy_verifier_(Decoy(options_.cost)),
@@ -163,11 +163,11 @@ Result<SignedIn> Authenticator::SignInAdmitted(const std::string& login,
     throttle_.Failed(login, request.address, Elapsed());
     return TurnAway("password", login, request.address, request.via, Refused());
   }
-  auto person = store_.PersonByLogin(login);
+  auto person = store_.people().PersonByLogin(login);
   if (!person.ok() && person.status().code() != Code::kNotFound) return person.status();
   std::string verifier = decoy_verifier_;
   if (person.ok()) {
-    ENAMEL_ASSIGN_OR_RETURN(auto stored, store_.PasswordVerifier(person->id));
+    ENAMEL_ASSIGN_OR_RETURN(auto stored, store_.people().PasswordVerifier(person->id));
     verifier = stored;
   }
   // The same work whether or not the person exists.
@@ -233,13 +233,13 @@ Result<SignedIn> Authenticator::BeginSession(const Person& person, const std::st
                  AddressText(address),       device};
   out.identity =
       Identity{person, row.token_hash, CsrfFor(out.token), row.id, now + options_.confirmed_ms};
-  ENAMEL_RETURN_IF_ERROR(store_.CreateSession(row));
+  ENAMEL_RETURN_IF_ERROR(store_.people().CreateSession(row));
   return out;
 }
 
 Status Authenticator::CheckOwnPassword(const Person& person, const std::string& password,
                                        const std::string& address, const std::string& via) {
-  ENAMEL_ASSIGN_OR_RETURN(auto verifier, store_.PasswordVerifier(person.id));
+  ENAMEL_ASSIGN_OR_RETURN(auto verifier, store_.people().PasswordVerifier(person.id));
   if (password.size() <= kMaxPasswordLength && Verify(password, verifier)) {
     throttle_.Succeeded(person.login, address, Elapsed());
     return Status::Ok();
@@ -256,7 +256,7 @@ boost::asio::awaitable<Status> Authenticator::Confirm(Identity identity, std::st
   if (!admitted.ok()) co_return admitted;
   co_return co_await Hashing(login, address, kViaPage, [&]() -> Status {
     ENAMEL_RETURN_IF_ERROR(CheckOwnPassword(identity.person, password, address, kViaPage));
-    return store_.ConfirmSession(identity.token_hash, Now());
+    return store_.people().ConfirmSession(identity.token_hash, Now());
   });
 }
 
@@ -274,8 +274,8 @@ Result<SignedIn> Authenticator::ChangePasswordHere(const Identity& identity,
     return Status(why.code(), why.message(), why.field().empty() ? "" : "new_password");
   }
   ENAMEL_RETURN_IF_ERROR(
-      store_.SetPassword(person.id, *verifier, false, Actor{person.id, change.via}));
-  ENAMEL_ASSIGN_OR_RETURN(auto changed, store_.PersonById(person.id));
+      store_.people().SetPassword(person.id, *verifier, false, Actor{person.id, change.via}));
+  ENAMEL_ASSIGN_OR_RETURN(auto changed, store_.people().PersonById(person.id));
   return BeginSession(changed, change.via, change.address, change.device);
 }
 
@@ -289,14 +289,14 @@ boost::asio::awaitable<Result<SignedIn>> Authenticator::ChangePassword(Identity 
 }
 
 Result<SessionRow> Authenticator::OpenSession(const Sha256& token_hash) {
-  auto session = store_.FindSession(token_hash);
+  auto session = store_.people().FindSession(token_hash);
   if (!session.ok()) {
     return session.status().code() == Code::kNotFound ? Ended() : session.status();
   }
   UnixMs now = Now();
   bool set_back = now < session->created_ms - kClockSlackMs;
   if (now >= session->expires_ms || set_back || now - session->last_used_ms > options_.idle_ms) {
-    ENAMEL_RETURN_IF_ERROR(store_.EndSession(token_hash));
+    ENAMEL_RETURN_IF_ERROR(store_.people().EndSession(token_hash));
     return Ended();
   }
   return session;
@@ -309,13 +309,13 @@ Result<Identity> Authenticator::Authenticate(ByteView token) {
 }
 
 Result<Identity> Authenticator::IdentityOf(ByteView token, const SessionRow& session) {
-  ENAMEL_ASSIGN_OR_RETURN(auto person, store_.PersonById(session.person));
+  ENAMEL_ASSIGN_OR_RETURN(auto person, store_.people().PersonById(session.person));
   if (person.disabled) return Ended();
   // Either way: with a clock set back, the idle time counts from now.
   UnixMs now = Now();
   Sha256 hash = TokenHash(token);
   if (std::abs(now - session.last_used_ms) >= std::min(kTouchEveryMs, options_.idle_ms / 4)) {
-    ENAMEL_RETURN_IF_ERROR(store_.TouchSession(hash, now));
+    ENAMEL_RETURN_IF_ERROR(store_.people().TouchSession(hash, now));
   }
   return Identity{person, hash, CsrfFor(token), session.id,
                   session.confirmed_ms + options_.confirmed_ms};
@@ -323,7 +323,7 @@ Result<Identity> Authenticator::IdentityOf(ByteView token, const SessionRow& ses
 
 Result<Person> Authenticator::StillSignedIn(const Sha256& token_hash) {
   ENAMEL_ASSIGN_OR_RETURN(auto session, OpenSession(token_hash));
-  auto person = store_.PersonById(session.person);
+  auto person = store_.people().PersonById(session.person);
   if (person.ok() && person->disabled) return Ended();
   return person;
 }
@@ -337,7 +337,9 @@ Result<Identity> Authenticator::AuthenticateHex(std::string_view cookie) {
   return IdentityOf(*token, session);
 }
 
-Status Authenticator::SignOut(const Sha256& token_hash) { return store_.EndSession(token_hash); }
+Status Authenticator::SignOut(const Sha256& token_hash) {
+  return store_.people().EndSession(token_hash);
+}
 
 Status Authenticator::SignOutFrom(const Identity& identity, const std::string& address) {
   ENAMEL_RETURN_IF_ERROR(SignOut(identity.token_hash));
@@ -348,8 +350,8 @@ Status Authenticator::NoteSignedOut(const Uuid& id, const std::string& address) 
   ++counts_.signed_out;
   const std::string person = id.Text(), from = AddressText(address);
   spdlog::info("page: {} at {} signed out", person, from);
-  return store_.NoteAudit({id, kViaPage}, "session.end", person,
-                          R"({"address":")" + from + R"("})");
+  return store_.audit().NoteAudit({id, kViaPage}, "session.end", person,
+                                  R"({"address":")" + from + R"("})");
 }
 
 Result<std::string> Authenticator::NewVerifier(std::string_view password, std::string_view login,

@@ -13,7 +13,7 @@
 #include "server/auth/password.h"
 #include "server/auth/refusal_trail.h"
 #include "server/auth/throttle.h"
-#include "server/storage/store.h"
+#include "server/storage/parts.h"
 #include "server/storage/store_pool.h"
 
 namespace enamel::server::auth {
@@ -85,7 +85,7 @@ struct DoorCounts {
 // field "one_time_password"). At a station it opens nothing that could be used, and is not used up.
 class Authenticator {
  public:
-  explicit Authenticator(Store& store, AuthOptions options = {});
+  explicit Authenticator(Parts<PeopleStore, AuditStore> store, AuthOptions options = {});
   ~Authenticator();
 
   // Runs on the hashing threads, after what Throttle holds it for; continues on the caller's
@@ -162,7 +162,7 @@ class Authenticator {
   bool TakePlace(const std::string& block);
   void LeavePlace(const std::string& block);
 
-  Store& store_;
+  const Parts<PeopleStore, AuditStore> store_;
   const AuthOptions options_;
   const std::string decoy_verifier_;  // verified against when there is no such login
   Throttle throttle_;

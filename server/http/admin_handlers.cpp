@@ -70,10 +70,10 @@ Result<AuditFilter> AuditFilterOf(const Request& request) {
 
 }  // namespace
 
-Response ListAudit(const Call& call) {
+Response ListAudit(const Call& call, AuditStore& store) {
   Result<AuditFilter> filter = AuditFilterOf(call.request);
   if (!filter.ok()) return ErrorResponse(filter.status());
-  Result<std::vector<AuditRow>> rows = call.store.FindAudit(*filter);
+  Result<std::vector<AuditRow>> rows = store.FindAudit(*filter);
   if (!rows.ok()) return ErrorResponse(rows.status());
   json::array audit;
   for (const AuditRow& row : *rows) {
@@ -89,7 +89,7 @@ Response ListAudit(const Call& call) {
   return JsonResponse({{"audit", std::move(audit)}, {"next", std::move(next)}});
 }
 
-Response ListJobs(const Call& call) {
+Response ListJobs(const Call& call, JobStore& store) {
   JobFilter filter;
   Result<std::string> state = QueryText(call.request, "state");
   if (!state.ok()) return ErrorResponse(state.status());
@@ -105,7 +105,7 @@ Response ListJobs(const Call& call) {
   Result<std::optional<Uuid>> before = IdOf(*page);
   if (!before.ok()) return ErrorResponse(before.status());
   filter.before = *before;
-  Result<std::vector<JobRow>> rows = call.store.FindJobs(filter);
+  Result<std::vector<JobRow>> rows = store.FindJobs(filter);
   if (!rows.ok()) return ErrorResponse(rows.status());
   json::array jobs;
   for (const JobRow& row : *rows) {

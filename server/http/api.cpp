@@ -182,8 +182,8 @@ asio::awaitable<void> Api::Do(std::shared_ptr<Work> work) {
 asio::awaitable<Response> Api::Answer(const Request& request) {
   RouteMatch match = FindRoute(request.method, request.path);
   if (!match.route) co_return NoSuchRoute(request, match);
-  Call call{request,      store_, authenticator_,       nullptr,  {},    {},
-            &monitoring_, live_,  station_fingerprint_, &*apart_, &feel_};
+  Call call{request, authenticator_,       nullptr,  {},    {}, &monitoring_,
+            live_,   station_fingerprint_, &*apart_, &feel_};
   if (Status place = FillPlace(match, call); !place.ok()) co_return ErrorResponse(place);
   const Route& route = *match.route;
   if (!IsSafe(request.method)) {
@@ -195,7 +195,7 @@ asio::awaitable<Response> Api::Answer(const Request& request) {
   }
   auto* async = std::get_if<AsyncHandler>(&route.handler);
   // Sign-in is bounded by its hashing.
-  if (async && route.need == Need::kNobody) co_return co_await (*async)(call);
+  if (async && route.need == Need::kNobody) co_return co_await (*async)(call, store_);
   Ticket ticket(in_flight_, max_in_flight_);
   if (!ticket.granted()) {
     co_return ErrorResponse({Code::kUnavailable, "the server is busy; try again in a few seconds"});
@@ -211,7 +211,7 @@ asio::awaitable<Response> Api::Asynchronous(Call& call, const Route& route) {
   call.caller = &*caller;
   Status allowed = CheckAllowed(call.request, route, *caller);
   // Not in one expression: g++ 12 destroys what a co_await in ?: gave twice.
-  if (allowed.ok()) co_return co_await handler(call);
+  if (allowed.ok()) co_return co_await handler(call, store_);
   Response refused = ErrorResponse(allowed);
   // A wrong password has been noted by who looked at it.
   NoteForbidden(call, route, refused);
@@ -232,12 +232,12 @@ Response Api::Blocking(Call& call, const Route& route) {
   if (std::chrono::steady_clock::now() >= call.request.answer_by) return NotInTime(call.request);
   try {
     auto handler = std::get<BlockingHandler>(route.handler);
-    if (route.need == Need::kNobody) return handler(call);
+    if (route.need == Need::kNobody) return handler(call, store_);
     Result<auth::Identity> caller = Identify(call.request);
     if (!caller.ok()) return ErrorResponse(caller.status());
     call.caller = &*caller;
     Status allowed = CheckAllowed(call.request, route, *caller);
-    Response response = allowed.ok() ? handler(call) : ErrorResponse(allowed);
+    Response response = allowed.ok() ? handler(call, store_) : ErrorResponse(allowed);
     NoteForbidden(call, route, response);
     return response;
   } catch (const std::exception& error) {

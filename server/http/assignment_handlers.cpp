@@ -34,12 +34,12 @@ std::string PlaceOf(const AssignmentRow& row) {
 // Names for the ids in a list of assignments, looked up once.
 class AssignmentView {
  public:
-  static Result<AssignmentView> Make(Store& store) {
+  static Result<AssignmentView> Make(Parts<StationStore, ContentStore, TeachingStore> store) {
     AssignmentView out;
-    Result<std::vector<StationRow>> stations = store.Stations();
+    Result<std::vector<StationRow>> stations = store.stations().Stations();
     if (!stations.ok()) return stations.status();
     for (const StationRow& row : *stations) out.stations_[row.id] = row.name;
-    Result<std::vector<ExerciseRow>> exercises = store.AllExercises();
+    Result<std::vector<ExerciseRow>> exercises = store.content().AllExercises();
     if (!exercises.ok()) return exercises.status();
     for (const ExerciseRow& row : *exercises) out.exercises_[row.name] = row;
     return out;
@@ -108,14 +108,14 @@ UnixMs Now() {
       .count();
 }
 
-Result<bool> IsInCohort(const Call& call, const Uuid& cohort) {
-  Result<std::vector<Cohort>> own = call.store.CohortsOf(call.caller->person.id);
+Result<bool> IsInCohort(const Call& call, TeachingStore& store, const Uuid& cohort) {
+  Result<std::vector<Cohort>> own = store.CohortsOf(call.caller->person.id);
   if (!own.ok()) return own.status();
   return std::ranges::find(*own, cohort, &Cohort::id) != own->end();
 }
 
-Status MustBeAssignable(const Call& call, const Uuid& cohort) {
-  Result<bool> in_cohort = IsInCohort(call, cohort);
+Status MustBeAssignable(const Call& call, TeachingStore& store, const Uuid& cohort) {
+  Result<bool> in_cohort = IsInCohort(call, store, cohort);
   if (!in_cohort.ok()) return in_cohort.status();
   if (CanAssign(call.caller->person, cohort, *in_cohort)) return {};
   return {Code::kForbidden,
@@ -141,27 +141,28 @@ Result<AssignmentRow> TermsIn(const Call& call) {
 }
 
 // An assignment the caller may see.
-Result<AssignmentRow> SeeAssignment(const Call& call) {
+Result<AssignmentRow> SeeAssignment(const Call& call, TeachingStore& store) {
   Status none{Code::kNotFound, "there is no such assignment", "id"};
-  Result<AssignmentRow> row = call.store.AssignmentById(call.id);
+  Result<AssignmentRow> row = store.AssignmentById(call.id);
   if (!row.ok()) return row.status().code() == Code::kNotFound ? none : row.status();
-  Result<bool> in_cohort = IsInCohort(call, row->cohort);
+  Result<bool> in_cohort = IsInCohort(call, store, row->cohort);
   if (!in_cohort.ok()) return in_cohort.status();
   if (CanSeeAssignment(call.caller->person, row->cohort, *in_cohort)) return row;
   return none;
 }
 
-Response Editable(const Call& call, const AssignmentRow& row, int status = 200) {
-  Result<AssignmentView> view = AssignmentView::Make(call.store);
+Response Editable(const Call& call, Parts<StationStore, ContentStore, TeachingStore> store,
+                  const AssignmentRow& row, int status = 200) {
+  Result<AssignmentView> view = AssignmentView::Make(store);
   if (!view.ok()) return ErrorResponse(view.status());
   return WithETag(JsonResponse(view->Json(row), status), row.revision);
 }
 
 // An assignment that is the caller's to change, at the revision the caller has seen.
-Result<AssignmentRow> BeginEdit(const Call& call) {
-  Result<AssignmentRow> row = SeeAssignment(call);
+Result<AssignmentRow> BeginEdit(const Call& call, TeachingStore& store) {
+  Result<AssignmentRow> row = SeeAssignment(call, store);
   if (!row.ok()) return row;
-  ENAMEL_RETURN_IF_ERROR(MustBeAssignable(call, row->cohort));
+  ENAMEL_RETURN_IF_ERROR(MustBeAssignable(call, store, row->cohort));
   Result<int32_t> seen = IfMatch(call.request);
   if (!seen.ok()) return seen.status();
   row->revision = *seen;
@@ -169,28 +170,29 @@ Result<AssignmentRow> BeginEdit(const Call& call) {
 }
 
 // Why a change of an assignment did not happen.
-Response Refused(const Call& call, const Status& status) {
+Response Refused(const Call& call, Parts<StationStore, ContentStore, TeachingStore> store,
+                 const Status& status) {
   if (status.field() != kStale) return ErrorResponse(status);
-  Result<AssignmentRow> now = call.store.AssignmentById(call.id);
+  Result<AssignmentRow> now = store.teaching().AssignmentById(call.id);
   if (!now.ok()) return ErrorResponse(now.status());
-  Result<AssignmentView> view = AssignmentView::Make(call.store);
+  Result<AssignmentView> view = AssignmentView::Make(store);
   if (!view.ok()) return ErrorResponse(view.status());
   return Stale(status, view->Json(*now), now->revision);
 }
 
 }  // namespace
 
-Response ListAssignments(const Call& call) {
+Response ListAssignments(const Call& call, Parts<StationStore, ContentStore, TeachingStore> store) {
   const Person& viewer = call.caller->person;
   Result<std::optional<Uuid>> cohort = QueryId(call.request, "cohort");
   if (!cohort.ok()) return ErrorResponse(cohort.status());
-  Result<AssignmentView> view = AssignmentView::Make(call.store);
+  Result<AssignmentView> view = AssignmentView::Make(store);
   if (!view.ok()) return ErrorResponse(view.status());
   Result<Page> page = PageOf(call.request, kMaxPage, kMaxPage);
   if (!page.ok()) return ErrorResponse(page.status());
   json::array assignments;
   if (viewer.role == Role::kStudent) {
-    Result<std::vector<AssignedRow>> rows = call.store.AssignmentsFor(viewer.id);
+    Result<std::vector<AssignedRow>> rows = store.teaching().AssignmentsFor(viewer.id);
     if (!rows.ok()) return ErrorResponse(rows.status());
     std::erase_if(*rows, [&](const AssignedRow& row) {
       return *cohort && row.assignment.cohort != **cohort;
@@ -203,59 +205,63 @@ Response ListAssignments(const Call& call) {
   AssignmentFilter filter;
   filter.cohort = *cohort;
   if (viewer.role == Role::kInstructor) filter.of_instructor = viewer.id;
-  Result<std::vector<AssignmentRow>> rows = call.store.Assignments(filter);
+  Result<std::vector<AssignmentRow>> rows = store.teaching().Assignments(filter);
   if (!rows.ok()) return ErrorResponse(rows.status());
   json::value next = CutPage(*rows, *page, PlaceOf);
   for (const AssignmentRow& row : *rows) assignments.push_back(view->Json(row));
   return JsonResponse({{"assignments", std::move(assignments)}, {"next", std::move(next)}});
 }
 
-Response AddAssignment(const Call& call) {
+Response AddAssignment(const Call& call, Parts<StationStore, ContentStore, TeachingStore> store) {
   if (!IsJson(call.request)) return NotJson();
   Result<AssignmentRow> terms = TermsIn(call);
   if (!terms.ok()) return ErrorResponse(terms.status());
-  if (Status may = MustBeAssignable(call, terms->cohort); !may.ok()) return ErrorResponse(may);
-  Result<AssignmentRow> row = call.store.AddAssignment(*terms, ActorOf(call));
+  if (Status may = MustBeAssignable(call, store, terms->cohort); !may.ok())
+    return ErrorResponse(may);
+  Result<AssignmentRow> row = store.teaching().AddAssignment(*terms, ActorOf(call));
   if (!row.ok()) return ErrorResponse(row.status());
-  return Editable(call, *row, 201);
+  return Editable(call, store, *row, 201);
 }
 
-Response GetAssignment(const Call& call) {
-  Result<AssignmentRow> row = SeeAssignment(call);
+Response GetAssignment(const Call& call, Parts<StationStore, ContentStore, TeachingStore> store) {
+  Result<AssignmentRow> row = SeeAssignment(call, store);
   if (!row.ok()) return ErrorResponse(row.status());
-  return Editable(call, *row);
+  return Editable(call, store, *row);
 }
 
-Response ReplaceAssignment(const Call& call) {
+Response ReplaceAssignment(const Call& call,
+                           Parts<StationStore, ContentStore, TeachingStore> store) {
   if (!IsJson(call.request)) return NotJson();
-  Result<AssignmentRow> edited = BeginEdit(call);
+  Result<AssignmentRow> edited = BeginEdit(call, store);
   if (!edited.ok()) return ErrorResponse(edited.status());
   Result<AssignmentRow> terms = TermsIn(call);
   if (!terms.ok()) return ErrorResponse(terms.status());
-  if (Status may = MustBeAssignable(call, terms->cohort); !may.ok()) return ErrorResponse(may);
+  if (Status may = MustBeAssignable(call, store, terms->cohort); !may.ok())
+    return ErrorResponse(may);
   terms->id = call.id;
   terms->revision = edited->revision;
   terms->created_ms = edited->created_ms;
-  Result<AssignmentRow> row = call.store.ReplaceAssignment(*terms, ActorOf(call));
-  if (!row.ok()) return Refused(call, row.status());
-  return Editable(call, *row);
+  Result<AssignmentRow> row = store.teaching().ReplaceAssignment(*terms, ActorOf(call));
+  if (!row.ok()) return Refused(call, store, row.status());
+  return Editable(call, store, *row);
 }
 
-Response DeleteAssignment(const Call& call) {
-  Result<AssignmentRow> edited = BeginEdit(call);
+Response DeleteAssignment(const Call& call,
+                          Parts<StationStore, ContentStore, TeachingStore> store) {
+  Result<AssignmentRow> edited = BeginEdit(call, store);
   if (!edited.ok()) return ErrorResponse(edited.status());
-  Status done = call.store.DeleteAssignment(call.id, edited->revision, ActorOf(call));
-  if (!done.ok()) return Refused(call, done);
+  Status done = store.teaching().DeleteAssignment(call.id, edited->revision, ActorOf(call));
+  if (!done.ok()) return Refused(call, store, done);
   Response response;
   response.status = 204;
   return response;
 }
 
-Response ReleaseAssignment(const Call& call) {
-  Result<AssignmentRow> row = SeeAssignment(call);
+Response ReleaseAssignment(const Call& call, TeachingStore& store) {
+  Result<AssignmentRow> row = SeeAssignment(call, store);
   if (!row.ok()) return ErrorResponse(row.status());
-  if (Status may = MustBeAssignable(call, row->cohort); !may.ok()) return ErrorResponse(may);
-  Result<uint32_t> released = call.store.ReleaseAssignment(call.id, ActorOf(call));
+  if (Status may = MustBeAssignable(call, store, row->cohort); !may.ok()) return ErrorResponse(may);
+  Result<uint32_t> released = store.ReleaseAssignment(call.id, ActorOf(call));
   if (!released.ok()) return ErrorResponse(released.status());
   return JsonResponse({{"released", *released}});
 }

@@ -69,8 +69,10 @@ Result<AttemptFilter> FilterFor(const Call& call) {
 
 // What the scoring job left, for a caller who may see it now. Once a retention rule has removed the
 // recording, of what was made from it only the score is there.
-Result<Store::AttemptResult> SeeResult(const Call& call, bool needs_recording) {
-  Result<SeenAttempt> seen = SeeAttempt(call, call.id);
+Result<Store::AttemptResult> SeeResult(const Call& call,
+                                       Parts<ContentStore, TeachingStore, AttemptStore> store,
+                                       bool needs_recording) {
+  Result<SeenAttempt> seen = SeeAttempt(call, store, call.id);
   if (!seen.ok()) return seen.status();
   if (!CanSeeScore(call.caller->person, seen->row, seen->graded, seen->shares_cohort)) {
     return Status{Code::kForbidden,
@@ -82,15 +84,15 @@ Result<Store::AttemptResult> SeeResult(const Call& call, bool needs_recording) {
                                        TimeText(seen->row.expired_ms) +
                                        " by a retention rule; the score stays"};
   }
-  return call.store.ResultOf(call.id);
+  return store.attempts().ResultOf(call.id);
 }
 
-Response BlobResponse(const Call& call, Sha256 Store::AttemptResult::*member,
-                      std::string content_type) {
+Response BlobResponse(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store,
+                      Sha256 Store::AttemptResult::*member, std::string content_type) {
   Result<Store::AttemptResult> result =
-      SeeResult(call, member != &Store::AttemptResult::score_json);
+      SeeResult(call, store, member != &Store::AttemptResult::score_json);
   if (!result.ok()) return ErrorResponse(result.status());
-  Result<Bytes> bytes = call.store.GetBlob((*result).*member);
+  Result<Bytes> bytes = store.content().GetBlob((*result).*member);
   if (!bytes.ok()) return ErrorResponse(Status{Code::kInternal, bytes.status().message()});
   Response response;
   response.content_type = std::move(content_type);
@@ -100,8 +102,9 @@ Response BlobResponse(const Call& call, Sha256 Store::AttemptResult::*member,
 
 class LiveEvents final : public EventSource {
  public:
-  LiveEvents(const Call& call, std::unique_ptr<LiveWatch> watch)
-      : store_(call.store),
+  LiveEvents(const Call& call, Parts<TeachingStore, AttemptStore> store,
+             std::unique_ptr<LiveWatch> watch)
+      : store_(store),
         authenticator_(call.authenticator),
         token_hash_(call.caller->token_hash),
         attempt_(call.id),
@@ -110,9 +113,9 @@ class LiveEvents final : public EventSource {
   bool StillAllowed() override {
     Result<Person> viewer = authenticator_.StillSignedIn(token_hash_);
     if (!viewer.ok() || viewer->role == Role::kStudent) return false;
-    Result<AttemptRow> row = store_.AttemptById(attempt_);
+    Result<AttemptRow> row = store_.attempts().AttemptById(attempt_);
     if (!row.ok()) return false;
-    Result<bool> shares = store_.ShareCohort(viewer->id, row->person);
+    Result<bool> shares = store_.teaching().ShareCohort(viewer->id, row->person);
     return shares.ok() && CanSeeAttempt(*viewer, *row, *shares);
   }
   Event Take() override {
@@ -122,7 +125,7 @@ class LiveEvents final : public EventSource {
   }
 
  private:
-  Store& store_;
+  const Parts<TeachingStore, AttemptStore> store_;
   auth::Authenticator& authenticator_;
   const Sha256 token_hash_;
   const Uuid attempt_;
@@ -131,12 +134,12 @@ class LiveEvents final : public EventSource {
 
 }  // namespace
 
-Response ListAttempts(const Call& call) {
+Response ListAttempts(const Call& call, AttemptViewParts store) {
   Result<AttemptFilter> filter = FilterFor(call);
   if (!filter.ok()) return ErrorResponse(filter.status());
-  Result<std::vector<AttemptRow>> rows = call.store.Attempts(*filter);
+  Result<std::vector<AttemptRow>> rows = store.attempts().Attempts(*filter);
   if (!rows.ok()) return ErrorResponse(rows.status());
-  AttemptView view(call.store, call.caller->person);
+  AttemptView view(store, call.caller->person);
   json::array attempts;
   for (const AttemptRow& row : *rows) {
     Result<json::object> attempt = view.Json(row);
@@ -148,29 +151,29 @@ Response ListAttempts(const Call& call) {
   return JsonResponse({{"attempts", std::move(attempts)}, {"next", std::move(next)}});
 }
 
-Response GetAttempt(const Call& call) {
-  Result<SeenAttempt> seen = SeeAttempt(call, call.id);
+Response GetAttempt(const Call& call, AttemptViewParts store) {
+  Result<SeenAttempt> seen = SeeAttempt(call, store, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
-  AttemptView view(call.store, call.caller->person);
+  AttemptView view(store, call.caller->person);
   Result<json::object> attempt = view.DetailJson(seen->row);
   if (!attempt.ok()) return ErrorResponse(attempt.status());
   return WithETag(JsonResponse(std::move(*attempt)), seen->row.revision);
 }
 
-Response GetScore(const Call& call) {
-  return BlobResponse(call, &Store::AttemptResult::score_json, "application/json");
+Response GetScore(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store) {
+  return BlobResponse(call, store, &Store::AttemptResult::score_json, "application/json");
 }
 
-Response GetSurface(const Call& call) {
-  return BlobResponse(call, &Store::AttemptResult::surface, "application/octet-stream");
+Response GetSurface(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store) {
+  return BlobResponse(call, store, &Store::AttemptResult::surface, "application/octet-stream");
 }
 
-Response GetSeries(const Call& call) {
-  return BlobResponse(call, &Store::AttemptResult::series, "application/json");
+Response GetSeries(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store) {
+  return BlobResponse(call, store, &Store::AttemptResult::series, "application/json");
 }
 
-Response ReleaseAttempt(const Call& call) {
-  Result<SeenAttempt> seen = SeeAttempt(call, call.id);
+Response ReleaseAttempt(const Call& call, AttemptViewParts store) {
+  Result<SeenAttempt> seen = SeeAttempt(call, store, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
   if (!CanReleaseAttempt(call.caller->person, seen->row, seen->shares_cohort)) {
     return ErrorResponse({Code::kForbidden, "expected an instructor of the student's cohort"});
@@ -178,38 +181,39 @@ Response ReleaseAttempt(const Call& call) {
   if (Status scored = RequireScored(seen->row); !scored.ok()) return ErrorResponse(scored);
   Result<int32_t> revision = IfMatch(call.request);
   if (!revision.ok()) return ErrorResponse(revision.status());
-  Status done = call.store.ReleaseAttempt(call.id, ActorOf(call), *revision);
-  if (!done.ok()) return JudgedMeanwhile(call, done);
+  Status done = store.judging().ReleaseAttempt(call.id, ActorOf(call), *revision);
+  if (!done.ok()) return JudgedMeanwhile(call, store, done);
   Response response;
   response.status = 204;
   return response;
 }
 
-Response MakeReference(const Call& call) {
+Response MakeReference(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   std::string dentist = body.Text("dentist", 1, kMaxDentist);
   bool consent = body.Flag("consent");
   if (Status status = body.Finish(); !status.ok()) return ErrorResponse(status);
   if (Status agreed = CheckConsent(consent); !agreed.ok()) return ErrorResponse(agreed);
-  Result<SeenAttempt> seen = SeeAttempt(call, call.id);
+  Result<SeenAttempt> seen = SeeAttempt(call, store, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
   if (!CanMarkReference(call.caller->person, seen->row, seen->shares_cohort)) {
     return ErrorResponse({Code::kForbidden, "expected an instructor of the person's cohort"});
   }
   if (Status scored = RequireScored(seen->row); !scored.ok()) return ErrorResponse(scored);
-  Result<ReferenceRow> row = call.store.AddReference(call.id, dentist, consent, ActorOf(call));
+  Result<ReferenceRow> row =
+      store.teaching().AddReference(call.id, dentist, consent, ActorOf(call));
   if (!row.ok()) return ErrorResponse(row.status());
   return JsonResponse(ReferenceJson(call.caller->person, *row), 201);
 }
 
 // Other sites' pages cannot read the stream, and are not to begin one either.
-Response GetLive(const Call& call) {
+Response GetLive(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store) {
   if (Status same = CheckSameSite(call.request); !same.ok()) return ErrorResponse(same);
   if (!call.live) return ErrorResponse({Code::kNotFound, "this server shows nothing live"});
   // Watched before its state is looked at: an end in between is not missed.
   auto watch = call.live->Watch(call.id);
-  Result<SeenAttempt> seen = SeeAttempt(call, call.id);
+  Result<SeenAttempt> seen = SeeAttempt(call, store, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
   AttemptState state = seen->row.state;
   if (state != AttemptState::kTicketed && state != AttemptState::kRecording) {
@@ -223,7 +227,7 @@ Response GetLive(const Call& call) {
   }
   Response response;
   response.content_type = "text/event-stream";
-  response.events = std::make_shared<LiveEvents>(call, std::move(watch));
+  response.events = std::make_shared<LiveEvents>(call, store, std::move(watch));
   return response;
 }
 

@@ -14,7 +14,7 @@ namespace enamel::server::http {
 namespace json = boost::json;
 namespace {
 
-Result<std::string> BlobText(Store& store, const Sha256& hash) {
+Result<std::string> BlobText(ContentStore& store, const Sha256& hash) {
   Result<Bytes> bytes = store.GetBlob(hash);
   if (!bytes.ok()) return bytes.status();
   return std::string(AsText(*bytes));
@@ -29,10 +29,10 @@ json::object PersonJson(const AttemptRow& row) {
 Result<const AttemptView::Exercise*> AttemptView::ExerciseOf(const AttemptRow& row) {
   if (auto found = exercises_.find(row.exercise); found != exercises_.end()) return &found->second;
   Exercise exercise;
-  Result<ExerciseRow> stored = store_.ExerciseById(row.exercise);
+  Result<ExerciseRow> stored = store_.content().ExerciseById(row.exercise);
   if (!stored.ok()) return stored.status();
   exercise.graded = stored->graded;
-  Result<std::optional<ReferenceRow>> reference = store_.ReferenceFor(row.exercise);
+  Result<std::optional<ReferenceRow>> reference = store_.teaching().ReferenceFor(row.exercise);
   if (!reference.ok()) return reference.status();
   exercise.reference = *reference;
   Result<std::string> text = BlobText(store_, row.exercise_content);
@@ -46,7 +46,7 @@ Result<const AttemptView::Exercise*> AttemptView::ExerciseOf(const AttemptRow& r
 
 Result<std::string> AttemptView::StationName(const Uuid& id) {
   if (!stations_) {
-    Result<std::vector<StationRow>> rows = store_.Stations();
+    Result<std::vector<StationRow>> rows = store_.stations().Stations();
     if (!rows.ok()) return rows.status();
     stations_.emplace();
     for (const StationRow& row : *rows) stations_->emplace(row.id, row.name);
@@ -70,7 +70,7 @@ Result<std::pair<std::string, std::string>> AttemptView::ProfileNameAndTitle(
 Result<bool> AttemptView::ScoreVisible(const AttemptRow& row, bool graded) {
   auto known = shares_cohort_.find(row.person);
   if (known == shares_cohort_.end()) {
-    Result<bool> shares = store_.ShareCohort(viewer_.id, row.person);
+    Result<bool> shares = store_.teaching().ShareCohort(viewer_.id, row.person);
     if (!shares.ok()) return shares.status();
     known = shares_cohort_.emplace(row.person, *shares).first;
   }
@@ -129,7 +129,7 @@ Result<json::value> AttemptView::ComparedWithJson(const AttemptRow& row, const E
   Result<bool> visible = ScoreVisible(row, exercise.graded);
   if (!visible.ok()) return visible.status();
   if (!*visible || row.state != AttemptState::kScored) return json::value();
-  Result<Store::AttemptResult> result = store_.ResultOf(row.id);
+  Result<Store::AttemptResult> result = store_.attempts().ResultOf(row.id);
   if (!result.ok()) return result.status();
   Result<std::string> text = BlobText(store_, result->score_json);
   if (!text.ok()) return text.status();
@@ -148,7 +148,7 @@ Result<json::value> AttemptView::OverrideJson(const AttemptRow& row, bool visibl
   const ScoreOverride& override = *row.overridden;
   std::string by = "command line";
   if (!override.by.IsZero()) {
-    Result<Person> person = store_.PersonById(override.by);
+    Result<Person> person = store_.people().PersonById(override.by);
     if (!person.ok() && person.status().code() != Code::kNotFound) return person.status();
     by = person.ok() ? person->display_name : "";
   }
@@ -159,7 +159,7 @@ Result<json::value> AttemptView::OverrideJson(const AttemptRow& row, bool visibl
 }
 
 Result<json::value> AttemptView::AppealJson(const AttemptRow& row) {
-  Result<std::optional<AppealRow>> appeal = store_.AppealOf(row.id);
+  Result<std::optional<AppealRow>> appeal = store_.judging().AppealOf(row.id);
   if (!appeal.ok()) return appeal.status();
   if (!*appeal) return json::value();
   return json::value{{"filed_ms", (*appeal)->filed_ms},
@@ -173,10 +173,10 @@ Result<json::value> AttemptView::AppealJson(const AttemptRow& row) {
 Result<json::array> AttemptView::ContradictionsJson(const AttemptRow& row) {
   json::array out;
   if ((row.flags & kContradicted) == 0) return out;
-  Result<bool> shares = store_.ShareCohort(viewer_.id, row.person);
+  Result<bool> shares = store_.teaching().ShareCohort(viewer_.id, row.person);
   if (!shares.ok()) return shares.status();
   if (!CanReviewAttempt(viewer_, row, *shares)) return out;
-  Result<std::vector<ContradictionRow>> rows = store_.ContradictionsOf(row.id);
+  Result<std::vector<ContradictionRow>> rows = store_.attempts().ContradictionsOf(row.id);
   if (!rows.ok()) return rows.status();
   for (const ContradictionRow& chunk : *rows) {
     out.push_back(
@@ -187,9 +187,9 @@ Result<json::array> AttemptView::ContradictionsJson(const AttemptRow& row) {
 
 // What the viewer may do with it now, so that a page need not know the rules.
 Result<json::array> AttemptView::MayDo(const AttemptRow& row) {
-  Result<bool> shares = store_.ShareCohort(viewer_.id, row.person);
+  Result<bool> shares = store_.teaching().ShareCohort(viewer_.id, row.person);
   if (!shares.ok()) return shares.status();
-  Result<std::optional<AppealRow>> appeal = store_.AppealOf(row.id);
+  Result<std::optional<AppealRow>> appeal = store_.judging().AppealOf(row.id);
   if (!appeal.ok()) return appeal.status();
   bool reviews = CanReviewAttempt(viewer_, row, *shares);
   bool scored = row.state == AttemptState::kScored;
@@ -258,11 +258,11 @@ Result<json::object> AttemptView::DetailJson(const AttemptRow& row) {
   return out;
 }
 
-Response JudgedMeanwhile(const Call& call, const Status& status) {
+Response JudgedMeanwhile(const Call& call, AttemptViewParts store, const Status& status) {
   if (status.field() != kStale) return ErrorResponse(status);
-  Result<AttemptRow> now = call.store.AttemptById(call.id);
+  Result<AttemptRow> now = store.attempts().AttemptById(call.id);
   if (!now.ok()) return ErrorResponse(now.status());
-  AttemptView view(call.store, call.caller->person);
+  AttemptView view(store, call.caller->person);
   Result<json::object> out = view.DetailJson(*now);
   if (!out.ok()) return ErrorResponse(out.status());
   return Stale(status, std::move(*out), now->revision);

@@ -22,7 +22,7 @@ json::object SummaryJson(const Cohort& cohort) {
           {"revision", cohort.revision}};
 }
 
-Result<json::object> CohortJson(Store& store, const Cohort& cohort) {
+Result<json::object> CohortJson(TeachingStore& store, const Cohort& cohort) {
   Result<std::vector<Person>> people = store.CohortMembers(cohort.id);
   if (!people.ok()) return people.status();
   json::array members;
@@ -37,20 +37,21 @@ Result<json::object> CohortJson(Store& store, const Cohort& cohort) {
   return out;
 }
 
-Response CohortResponse(const Call& call, const Cohort& cohort, int status = 200) {
-  Result<json::object> out = CohortJson(call.store, cohort);
+Response CohortResponse(const Call& call, TeachingStore& store, const Cohort& cohort,
+                        int status = 200) {
+  Result<json::object> out = CohortJson(store, cohort);
   if (!out.ok()) return ErrorResponse(out.status());
   return WithETag(JsonResponse(*out, status), cohort.revision);
 }
 
 // Those the caller may see.
-Result<std::vector<Cohort>> VisibleCohorts(const Call& call) {
+Result<std::vector<Cohort>> VisibleCohorts(const Call& call, TeachingStore& store) {
   const Person& person = call.caller->person;
-  return person.role == Role::kAdmin ? call.store.Cohorts() : call.store.CohortsOf(person.id);
+  return person.role == Role::kAdmin ? store.Cohorts() : store.CohortsOf(person.id);
 }
 
-Result<Cohort> VisibleCohort(const Call& call) {
-  Result<std::vector<Cohort>> visible = VisibleCohorts(call);
+Result<Cohort> VisibleCohort(const Call& call, TeachingStore& store) {
+  Result<std::vector<Cohort>> visible = VisibleCohorts(call, store);
   if (!visible.ok()) return visible.status();
   for (const Cohort& cohort : *visible) {
     if (cohort.id == call.id) return cohort;
@@ -73,12 +74,12 @@ Result<CohortEdit> EditOf(const Call& call) {
 
 }  // namespace
 
-Response ListCohorts(const Call& call) {
+Response ListCohorts(const Call& call, TeachingStore& store) {
   Result<Page> page = PageOf(call.request, kDefaultPage, kMaxPage);
   if (!page.ok()) return ErrorResponse(page.status());
   Result<std::optional<bool>> archived = QueryFlag(call.request, "archived");
   if (!archived.ok()) return ErrorResponse(archived.status());
-  Result<std::vector<Cohort>> rows = VisibleCohorts(call);
+  Result<std::vector<Cohort>> rows = VisibleCohorts(call, store);
   if (!rows.ok()) return ErrorResponse(rows.status());
   std::erase_if(*rows, [&](const Cohort& cohort) {
     return (cohort.archived_ms != 0) != archived->value_or(false);
@@ -86,55 +87,55 @@ Response ListCohorts(const Call& call) {
   json::value next = CutPage(*rows, *page, [](const Cohort& cohort) { return cohort.name; });
   json::array cohorts;
   for (const Cohort& row : *rows) {
-    Result<json::object> cohort = CohortJson(call.store, row);
+    Result<json::object> cohort = CohortJson(store, row);
     if (!cohort.ok()) return ErrorResponse(cohort.status());
     cohorts.push_back(std::move(*cohort));
   }
   return JsonResponse({{"cohorts", std::move(cohorts)}, {"next", std::move(next)}});
 }
 
-Response GetCohort(const Call& call) {
-  Result<Cohort> cohort = VisibleCohort(call);
-  return cohort.ok() ? CohortResponse(call, *cohort) : ErrorResponse(cohort.status());
+Response GetCohort(const Call& call, TeachingStore& store) {
+  Result<Cohort> cohort = VisibleCohort(call, store);
+  return cohort.ok() ? CohortResponse(call, store, *cohort) : ErrorResponse(cohort.status());
 }
 
-Response AddCohort(const Call& call) {
+Response AddCohort(const Call& call, TeachingStore& store) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   std::string wanted = body.Text("name", 1, kMaxNameBytes);
   if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
   Result<std::string> name = CheckedName(wanted, "name");
   if (!name.ok()) return ErrorResponse(name.status());
-  Result<Uuid> id = call.store.CreateCohort(*name, ActorOf(call));
+  Result<Uuid> id = store.CreateCohort(*name, ActorOf(call));
   if (!id.ok()) return ErrorResponse(id.status());
-  Result<Cohort> cohort = call.store.CohortById(*id);
-  return cohort.ok() ? CohortResponse(call, *cohort, 201) : ErrorResponse(cohort.status());
+  Result<Cohort> cohort = store.CohortById(*id);
+  return cohort.ok() ? CohortResponse(call, store, *cohort, 201) : ErrorResponse(cohort.status());
 }
 
-Response EditCohort(const Call& call) {
+Response EditCohort(const Call& call, TeachingStore& store) {
   if (!IsJson(call.request)) return NotJson();
   Result<CohortEdit> edit = EditOf(call);
   if (!edit.ok()) return ErrorResponse(edit.status());
   Result<int32_t> seen = IfMatch(call.request);
   if (!seen.ok()) return ErrorResponse(seen.status());
-  Result<Cohort> cohort = call.store.EditCohort(call.id, *edit, *seen, ActorOf(call));
-  if (cohort.ok()) return CohortResponse(call, *cohort);
+  Result<Cohort> cohort = store.EditCohort(call.id, *edit, *seen, ActorOf(call));
+  if (cohort.ok()) return CohortResponse(call, store, *cohort);
   if (cohort.status().field() != kStale) return ErrorResponse(cohort.status());
-  Result<Cohort> current = call.store.CohortById(call.id);
+  Result<Cohort> current = store.CohortById(call.id);
   if (!current.ok()) return ErrorResponse(current.status());
   return Stale(cohort.status(), SummaryJson(*current), current->revision);
 }
 
-Response ChangeMembers(const Call& call) {
+Response ChangeMembers(const Call& call, TeachingStore& store) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   std::vector<Uuid> add = body.Ids("add", kMaxMembersAtOnce);
   std::vector<Uuid> remove = body.Ids("remove", kMaxMembersAtOnce);
   if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
-  Status changed = call.store.ChangeMembers(call.id, add, remove, ActorOf(call));
+  Status changed = store.ChangeMembers(call.id, add, remove, ActorOf(call));
   if (!changed.ok()) return ErrorResponse(changed);
-  Result<Cohort> cohort = call.store.CohortById(call.id);
-  return cohort.ok() ? CohortResponse(call, *cohort) : ErrorResponse(cohort.status());
+  Result<Cohort> cohort = store.CohortById(call.id);
+  return cohort.ok() ? CohortResponse(call, store, *cohort) : ErrorResponse(cohort.status());
 }
 
 }  // namespace enamel::server::http

@@ -26,23 +26,22 @@ namespace {
 
 constexpr uint32_t kCountedAttempts = 200;
 
-Result<std::vector<ExerciseRow>> VisibleExercises(const Call& call) {
+Result<std::vector<ExerciseRow>> VisibleExercises(const Call& call, ContentStore& store) {
   const Person& person = call.caller->person;
-  return person.role == Role::kAdmin ? call.store.AllExercises()
-                                     : call.store.ExercisesFor(person.id);
+  return person.role == Role::kAdmin ? store.AllExercises() : store.ExercisesFor(person.id);
 }
 
-Result<scene::Exercise> Document(Store& store, const ExerciseRow& row) {
+Result<scene::Exercise> Document(ContentStore& store, const ExerciseRow& row) {
   Result<Bytes> bytes = store.GetBlob(row.content);
   if (!bytes.ok()) return bytes.status();
   return scene::ExerciseFromJson(AsText(*bytes));
 }
 
-Result<std::map<Uuid, int>> OwnAttempts(const Call& call) {
+Result<std::map<Uuid, int>> OwnAttempts(const Call& call, AttemptStore& store) {
   AttemptFilter filter;
   filter.person = call.caller->person.id;
   filter.limit = kCountedAttempts;
-  Result<std::vector<AttemptRow>> attempts = call.store.Attempts(filter);
+  Result<std::vector<AttemptRow>> attempts = store.Attempts(filter);
   if (!attempts.ok()) return attempts.status();
   std::map<Uuid, int> count;
   for (const AttemptRow& attempt : *attempts) ++count[attempt.exercise];
@@ -73,9 +72,9 @@ json::value TouchCuesJson(const scene::TouchCueSpec& cues) {
           {"power_uw", cues.power_uw}};
 }
 
-Result<json::object> SummaryJson(const Call& call, const ExerciseRow& row,
+Result<json::object> SummaryJson(TeachingStore& store, const ExerciseRow& row,
                                  const scene::Exercise& exercise, std::map<Uuid, int>& attempts) {
-  Result<std::optional<ReferenceRow>> reference = call.store.ReferenceFor(row.id);
+  Result<std::optional<ReferenceRow>> reference = store.ReferenceFor(row.id);
   if (!reference.ok()) return reference.status();
   return json::object{{"id", row.id.Text()},
                       {"name", row.name},
@@ -137,7 +136,7 @@ json::object RubricJson(const scene::Rubric& rubric) {
 }
 
 // Some device profile carries it on its scene; else why the last one does not.
-Status MustBeMakeable(Store& store, const scene::Exercise& exercise) {
+Status MustBeMakeable(ContentStore& store, const scene::Exercise& exercise) {
   Result<std::vector<SceneRow>> scenes = store.Scenes();
   if (!scenes.ok()) return scenes.status();
   if (std::ranges::find(*scenes, exercise.scene, &SceneRow::content) == scenes->end()) {
@@ -168,30 +167,30 @@ Status MustBeMakeable(Store& store, const scene::Exercise& exercise) {
 
 // Instructors and admins see all. Others: any version of an exercise of which they see the newest,
 // and what they have worked on.
-Result<ExerciseRow> VisibleExercise(const Call& call) {
+Result<ExerciseRow> VisibleExercise(const Call& call, Parts<ContentStore, AttemptStore> store) {
   Status none{Code::kNotFound, "there is no such exercise", "id"};
   const Person& viewer = call.caller->person;
-  Result<ExerciseRow> row = call.store.ExerciseById(call.id);
+  Result<ExerciseRow> row = store.content().ExerciseById(call.id);
   if (!row.ok()) return row.status().code() == Code::kNotFound ? none : row.status();
   if (CanEditExercises(viewer)) return row;
   if (row->state == ExerciseState::kDraft) return none;
-  Result<std::vector<ExerciseRow>> visible = VisibleExercises(call);
+  Result<std::vector<ExerciseRow>> visible = VisibleExercises(call, store);
   if (!visible.ok()) return visible.status();
   if (std::ranges::find(*visible, row->name, &ExerciseRow::name) != visible->end()) return row;
   AttemptFilter own;
   own.person = viewer.id;
   own.exercise = row->id;
   own.limit = 1;
-  Result<std::vector<AttemptRow>> attempts = call.store.Attempts(own);
+  Result<std::vector<AttemptRow>> attempts = store.attempts().Attempts(own);
   if (!attempts.ok()) return attempts.status();
   if (!attempts->empty()) return row;
   return none;
 }
 
 // What a list of exercises holds: the caller's own, or for who edits them, all in a state.
-Result<std::vector<ExerciseRow>> ListedExercises(const Call& call) {
+Result<std::vector<ExerciseRow>> ListedExercises(const Call& call, ContentStore& store) {
   auto wanted = call.request.query.find("state");
-  if (wanted == call.request.query.end()) return VisibleExercises(call);
+  if (wanted == call.request.query.end()) return VisibleExercises(call, store);
   std::optional<ExerciseState> state = ExerciseStateFromName(wanted->second);
   if (!state) {
     return Status{Code::kInvalidInput, "expected draft, published or retired", "state"};
@@ -199,16 +198,18 @@ Result<std::vector<ExerciseRow>> ListedExercises(const Call& call) {
   if (!CanEditExercises(call.caller->person)) {
     return Status{Code::kForbidden, "expected an instructor or admin; leave out state", "state"};
   }
-  return call.store.ExercisesIn(*state);
+  return store.ExercisesIn(*state);
 }
 
 // The exercise with all of its document, as one that may be edited.
-Result<json::object> WholeJson(const Call& call, const ExerciseRow& row) {
-  Result<std::map<Uuid, int>> attempts = OwnAttempts(call);
+Result<json::object> WholeJson(const Call& call,
+                               Parts<ContentStore, TeachingStore, AttemptStore> store,
+                               const ExerciseRow& row) {
+  Result<std::map<Uuid, int>> attempts = OwnAttempts(call, store);
   if (!attempts.ok()) return attempts.status();
-  Result<scene::Exercise> exercise = Document(call.store, row);
+  Result<scene::Exercise> exercise = Document(store, row);
   if (!exercise.ok()) return Status{Code::kInternal, exercise.status().message()};
-  Result<json::object> out = SummaryJson(call, row, *exercise, *attempts);
+  Result<json::object> out = SummaryJson(store, row, *exercise, *attempts);
   if (!out.ok()) return out;
   out->emplace("law", haptics::FindLaw(exercise->law)->name);
   out->emplace("rate_hz", exercise->rate_hz);
@@ -221,15 +222,16 @@ Result<json::object> WholeJson(const Call& call, const ExerciseRow& row) {
   return out;
 }
 
-Response WholeResponse(const Call& call, const ExerciseRow& row, int status = 200) {
-  Result<json::object> out = WholeJson(call, row);
+Response WholeResponse(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store,
+                       const ExerciseRow& row, int status = 200) {
+  Result<json::object> out = WholeJson(call, store, row);
   if (!out.ok()) return ErrorResponse(out.status());
   return WithETag(JsonResponse(*out, status), row.revision);
 }
 
 // The body as an exercise that this server can have attempts made of: document, scene, rubric, and
 // some device profile that carries it.
-Result<ExerciseRow> UploadedExercise(const Call& call) {
+Result<ExerciseRow> UploadedExercise(const Call& call, ContentStore& store) {
   Result<scene::Exercise> exercise = scene::ExerciseFromJson(call.request.body);
   if (!exercise.ok()) {
     // A newer format is the sender's mistake, not this server's.
@@ -240,31 +242,32 @@ Result<ExerciseRow> UploadedExercise(const Call& call) {
   if (Status rubric = scoring::ValidateRubric(exercise->rubric); !rubric.ok()) {
     return Status{rubric.code(), rubric.message(), "rubric." + rubric.field()};
   }
-  ENAMEL_RETURN_IF_ERROR(MustBeMakeable(call.store, *exercise));
+  ENAMEL_RETURN_IF_ERROR(MustBeMakeable(store, *exercise));
   ExerciseRow row;
   row.name = exercise->name;
   row.title = exercise->title;
   row.scene = exercise->scene;
   row.graded = exercise->graded;
-  Result<Sha256> content = call.store.PutBlob(AsBytes(scene::ToJson(*exercise)));
+  Result<Sha256> content = store.PutBlob(AsBytes(scene::ToJson(*exercise)));
   if (!content.ok()) return content.status();
   row.content = *content;
   return row;
 }
 
 // Who may edit it and what they have seen of it.
-Result<int32_t> SeenRevision(const Call& call) {
-  Result<ExerciseRow> row = VisibleExercise(call);
+Result<int32_t> SeenRevision(const Call& call, Parts<ContentStore, AttemptStore> store) {
+  Result<ExerciseRow> row = VisibleExercise(call, store);
   if (!row.ok()) return row.status();
   return IfMatch(call.request);
 }
 
 // Why a change of an exercise did not happen.
-Response Refused(const Call& call, const Status& status) {
+Response Refused(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store,
+                 const Status& status) {
   if (status.field() != kStale) return ErrorResponse(status);
-  Result<ExerciseRow> now = call.store.ExerciseById(call.id);
+  Result<ExerciseRow> now = store.content().ExerciseById(call.id);
   if (!now.ok()) return ErrorResponse(now.status());
-  Result<json::object> current = WholeJson(call, *now);
+  Result<json::object> current = WholeJson(call, store, *now);
   if (!current.ok()) return ErrorResponse(current.status());
   return Stale(status, *current, now->revision);
 }
@@ -295,7 +298,7 @@ class Making {
   bool first_ = false;
 };
 
-Result<SceneRow> SceneOf(Store& store, const ExerciseRow& row) {
+Result<SceneRow> SceneOf(ContentStore& store, const ExerciseRow& row) {
   Result<std::vector<SceneRow>> scenes = store.Scenes();
   if (!scenes.ok()) return scenes.status();
   auto scene = std::ranges::find(*scenes, row.scene, &SceneRow::content);
@@ -303,7 +306,7 @@ Result<SceneRow> SceneOf(Store& store, const ExerciseRow& row) {
   return Status{Code::kInternal, "the exercise's scene is not stored"};
 }
 
-Result<Sha256> MakeSurface(Store& store, const Sha256& volume_hash) {
+Result<Sha256> MakeSurface(ContentStore& store, const Sha256& volume_hash) {
   Result<Bytes> blob = store.GetBlob(volume_hash);
   if (!blob.ok()) return blob.status();
   Result<cutting::Volume> volume = scene::DecodeVolume(*blob);
@@ -316,7 +319,7 @@ Result<Sha256> MakeSurface(Store& store, const Sha256& volume_hash) {
 
 // Made once per scene and kept. Who comes while it is being made is told to come again and does not
 // hold a thread that others' requests wait for.
-Result<Sha256> InitialSurface(Store& store, const ExerciseRow& row) {
+Result<Sha256> InitialSurface(ContentStore& store, const ExerciseRow& row) {
   Result<SceneRow> scene = SceneOf(store, row);
   if (!scene.ok()) return scene.status();
   if (!scene->surface.IsZero()) return scene->surface;
@@ -334,35 +337,35 @@ Result<Sha256> InitialSurface(Store& store, const ExerciseRow& row) {
 
 }  // namespace
 
-Response ListExercises(const Call& call) {
+Response ListExercises(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store) {
   Result<Page> page = PageOf(call.request, kMaxPage, kMaxPage);
   if (!page.ok()) return ErrorResponse(page.status());
-  Result<std::vector<ExerciseRow>> rows = ListedExercises(call);
+  Result<std::vector<ExerciseRow>> rows = ListedExercises(call, store);
   if (!rows.ok()) return ErrorResponse(rows.status());
   json::value next = CutPage(*rows, *page, [](const ExerciseRow& row) { return row.name; });
-  Result<std::map<Uuid, int>> attempts = OwnAttempts(call);
+  Result<std::map<Uuid, int>> attempts = OwnAttempts(call, store);
   if (!attempts.ok()) return ErrorResponse(attempts.status());
   json::array exercises;
   for (const ExerciseRow& row : *rows) {
-    Result<scene::Exercise> exercise = Document(call.store, row);
+    Result<scene::Exercise> exercise = Document(store, row);
     if (!exercise.ok()) return ErrorResponse(Status{Code::kInternal, exercise.status().message()});
-    Result<json::object> summary = SummaryJson(call, row, *exercise, *attempts);
+    Result<json::object> summary = SummaryJson(store, row, *exercise, *attempts);
     if (!summary.ok()) return ErrorResponse(summary.status());
     exercises.push_back(std::move(*summary));
   }
   return JsonResponse({{"exercises", std::move(exercises)}, {"next", std::move(next)}});
 }
 
-Response GetExercise(const Call& call) {
-  Result<ExerciseRow> row = VisibleExercise(call);
+Response GetExercise(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store) {
+  Result<ExerciseRow> row = VisibleExercise(call, store);
   if (!row.ok()) return ErrorResponse(row.status());
-  return WholeResponse(call, *row);
+  return WholeResponse(call, store, *row);
 }
 
-Response GetExerciseDocument(const Call& call) {
-  Result<ExerciseRow> row = VisibleExercise(call);
+Response GetExerciseDocument(const Call& call, Parts<ContentStore, AttemptStore> store) {
+  Result<ExerciseRow> row = VisibleExercise(call, store);
   if (!row.ok()) return ErrorResponse(row.status());
-  Result<Bytes> bytes = call.store.GetBlob(row->content);
+  Result<Bytes> bytes = store.content().GetBlob(row->content);
   if (!bytes.ok()) return ErrorResponse(Status{Code::kInternal, bytes.status().message()});
   Response response;
   response.content_type = "application/json";
@@ -370,12 +373,12 @@ Response GetExerciseDocument(const Call& call) {
   return WithETag(std::move(response), row->revision);
 }
 
-Response GetInitialSurface(const Call& call) {
-  Result<ExerciseRow> row = VisibleExercise(call);
+Response GetInitialSurface(const Call& call, Parts<ContentStore, AttemptStore> store) {
+  Result<ExerciseRow> row = VisibleExercise(call, store);
   if (!row.ok()) return ErrorResponse(row.status());
-  Result<Sha256> surface = InitialSurface(call.store, *row);
+  Result<Sha256> surface = InitialSurface(store, *row);
   if (!surface.ok()) return ErrorResponse(surface.status());
-  Result<Bytes> bytes = call.store.GetBlob(*surface);
+  Result<Bytes> bytes = store.content().GetBlob(*surface);
   if (!bytes.ok()) return ErrorResponse(Status{Code::kInternal, bytes.status().message()});
   Response response;
   response.content_type = "application/octet-stream";
@@ -383,12 +386,12 @@ Response GetInitialSurface(const Call& call) {
   return response;
 }
 
-Response ListExerciseVersions(const Call& call) {
-  Result<ExerciseRow> row = VisibleExercise(call);
+Response ListExerciseVersions(const Call& call, Parts<ContentStore, AttemptStore> store) {
+  Result<ExerciseRow> row = VisibleExercise(call, store);
   if (!row.ok()) return ErrorResponse(row.status());
   Result<Page> page = PageOf(call.request, kMaxPage, kMaxPage);
   if (!page.ok()) return ErrorResponse(page.status());
-  Result<std::vector<ExerciseRow>> rows = call.store.ExerciseVersions(row->name);
+  Result<std::vector<ExerciseRow>> rows = store.content().ExerciseVersions(row->name);
   if (!rows.ok()) return ErrorResponse(rows.status());
   if (!CanEditExercises(call.caller->person)) {
     std::erase_if(*rows, [](const ExerciseRow& row) { return row.state == ExerciseState::kDraft; });
@@ -409,12 +412,12 @@ Response ListExerciseVersions(const Call& call) {
   return JsonResponse({{"versions", std::move(versions)}, {"next", std::move(next)}});
 }
 
-Response ListReferences(const Call& call) {
-  Result<ExerciseRow> row = VisibleExercise(call);
+Response ListReferences(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store) {
+  Result<ExerciseRow> row = VisibleExercise(call, store);
   if (!row.ok()) return ErrorResponse(row.status());
   Result<Page> page = PageOf(call.request, kMaxPage, kMaxPage);
   if (!page.ok()) return ErrorResponse(page.status());
-  Result<std::vector<ReferenceRow>> rows = call.store.References(row->id);
+  Result<std::vector<ReferenceRow>> rows = store.teaching().References(row->id);
   if (!rows.ok()) return ErrorResponse(rows.status());
   json::value next = CutPage(*rows, *page, [](const ReferenceRow& reference) {
     return FallingKey(static_cast<uint64_t>(reference.version));
@@ -426,50 +429,50 @@ Response ListReferences(const Call& call) {
   return JsonResponse({{"references", std::move(references)}, {"next", std::move(next)}});
 }
 
-Response PutDraft(const Call& call) {
+Response PutDraft(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store) {
   if (!IsJson(call.request)) return NotJson();
-  Result<ExerciseRow> draft = UploadedExercise(call);
+  Result<ExerciseRow> draft = UploadedExercise(call, store);
   if (!draft.ok()) return ErrorResponse(draft.status());
-  Result<ExerciseRow> row = call.store.PutDraft(*draft, ActorOf(call));
+  Result<ExerciseRow> row = store.content().PutDraft(*draft, ActorOf(call));
   if (!row.ok()) return ErrorResponse(row.status());
-  return WholeResponse(call, *row, 201);
+  return WholeResponse(call, store, *row, 201);
 }
 
-Response ReplaceDraft(const Call& call) {
+Response ReplaceDraft(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store) {
   if (!IsJson(call.request)) return NotJson();
-  Result<int32_t> revision = SeenRevision(call);
+  Result<int32_t> revision = SeenRevision(call, store);
   if (!revision.ok()) return ErrorResponse(revision.status());
-  Result<ExerciseRow> draft = UploadedExercise(call);
+  Result<ExerciseRow> draft = UploadedExercise(call, store);
   if (!draft.ok()) return ErrorResponse(draft.status());
   draft->id = call.id;
   draft->revision = *revision;
-  Result<ExerciseRow> row = call.store.ReplaceDraft(*draft, ActorOf(call));
-  if (!row.ok()) return Refused(call, row.status());
-  return WholeResponse(call, *row);
+  Result<ExerciseRow> row = store.content().ReplaceDraft(*draft, ActorOf(call));
+  if (!row.ok()) return Refused(call, store, row.status());
+  return WholeResponse(call, store, *row);
 }
 
-Response DeleteDraft(const Call& call) {
-  Result<int32_t> revision = SeenRevision(call);
+Response DeleteDraft(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store) {
+  Result<int32_t> revision = SeenRevision(call, store);
   if (!revision.ok()) return ErrorResponse(revision.status());
-  Status done = call.store.DeleteDraft(call.id, *revision, ActorOf(call));
-  if (!done.ok()) return Refused(call, done);
+  Status done = store.content().DeleteDraft(call.id, *revision, ActorOf(call));
+  if (!done.ok()) return Refused(call, store, done);
   Response response;
   response.status = 204;
   return response;
 }
 
-Response PublishDraft(const Call& call) {
-  Result<int32_t> revision = SeenRevision(call);
+Response PublishDraft(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store) {
+  Result<int32_t> revision = SeenRevision(call, store);
   if (!revision.ok()) return ErrorResponse(revision.status());
-  Result<ExerciseRow> row = call.store.PublishDraft(call.id, *revision, ActorOf(call));
-  if (!row.ok()) return Refused(call, row.status());
-  return WholeResponse(call, *row);
+  Result<ExerciseRow> row = store.content().PublishDraft(call.id, *revision, ActorOf(call));
+  if (!row.ok()) return Refused(call, store, row.status());
+  return WholeResponse(call, store, *row);
 }
 
-Response RetireExercise(const Call& call) {
-  Result<ExerciseRow> row = VisibleExercise(call);
+Response RetireExercise(const Call& call, Parts<ContentStore, AttemptStore> store) {
+  Result<ExerciseRow> row = VisibleExercise(call, store);
   if (!row.ok()) return ErrorResponse(row.status());
-  Status done = call.store.RetireExercise(call.id, ActorOf(call));
+  Status done = store.content().RetireExercise(call.id, ActorOf(call));
   if (!done.ok()) return ErrorResponse(done);
   Response response;
   response.status = 204;

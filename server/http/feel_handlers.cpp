@@ -35,14 +35,14 @@ struct Tissues {
   size_t left_out = 0;          // beyond kMostTissues
 };
 
-Result<scene::Scene> SceneOf(Store& store, const SceneRow& row) {
+Result<scene::Scene> SceneOf(ContentStore& store, const SceneRow& row) {
   Result<Bytes> text = store.GetBlob(row.content);
   if (!text.ok()) return text.status();
   return scene::SceneFromJson(AsText(*text));
 }
 
 // Those of the scenes this server has; of the built-in scenes when there are none that can be read.
-Result<Tissues> TissuesHere(Store& store) {
+Result<Tissues> TissuesHere(ContentStore& store) {
   Result<std::vector<SceneRow>> scenes = store.Scenes();
   if (!scenes.ok()) return scenes.status();
   using Feel = std::tuple<int32_t, int32_t, int32_t>;
@@ -126,7 +126,7 @@ json::array ThresholdsJson() {
   return out;
 }
 
-Result<scene::DeviceProfile> NewestDocument(Store& store, const ProfileRow& row) {
+Result<scene::DeviceProfile> NewestDocument(ContentStore& store, const ProfileRow& row) {
   Result<Bytes> bytes = store.GetBlob(row.content);
   if (!bytes.ok()) return Status{Code::kInternal, bytes.status().message()};
   Result<scene::DeviceProfile> profile = scene::ProfileFromJson(AsText(*bytes));
@@ -134,15 +134,15 @@ Result<scene::DeviceProfile> NewestDocument(Store& store, const ProfileRow& row)
   return profile;
 }
 
-Response Answer(const Call& call) {
-  Result<std::vector<ProfileRow>> rows = call.store.ProfileVersions(std::string(call.name));
+Response Answer(const Call& call, ContentStore& store) {
+  Result<std::vector<ProfileRow>> rows = store.ProfileVersions(std::string(call.name));
   if (!rows.ok()) return ErrorResponse(rows.status());
   if (rows->empty()) {
     return ErrorResponse(Status{Code::kNotFound, "there is no such device profile", "name"});
   }
-  Result<scene::DeviceProfile> profile = NewestDocument(call.store, rows->front());
+  Result<scene::DeviceProfile> profile = NewestDocument(store, rows->front());
   if (!profile.ok()) return ErrorResponse(profile.status());
-  Result<Tissues> tissues = TissuesHere(call.store);
+  Result<Tissues> tissues = TissuesHere(store);
   if (!tissues.ok()) return ErrorResponse(tissues.status());
   Result<fidelity::AttachedDevice> attached = fidelity::Attached(*profile);
   // Nothing is wrong with the request: what is stored cannot be worked with.
@@ -172,10 +172,10 @@ Response Answer(const Call& call) {
 
 }  // namespace
 
-boost::asio::awaitable<Response> GetProfileFeel(Call call) {
-  co_return co_await call.feel->thread().Run([&call]() -> Response {
+boost::asio::awaitable<Response> GetProfileFeel(Call call, ContentStore& store) {
+  co_return co_await call.feel->thread().Run([&call, &store]() -> Response {
     try {
-      return Answer(call);
+      return Answer(call, store);
     } catch (const std::exception& error) {
       return ErrorResponse(Status{Code::kInternal, error.what(), call.request.path});
     }

@@ -2,13 +2,15 @@
 
 #include <boost/asio/awaitable.hpp>
 
+#include "server/http/attempt_view.h"
 #include "server/http/routes.h"
 
 // The handlers of the route table, by subject: *_handlers.cpp. They trust the table for session,
-// role and CSRF, and decide themselves whose data the caller may see.
+// role and CSRF, and decide themselves whose data the caller may see. A signature says what of the
+// store its handler may touch.
 namespace enamel::server::http {
 
-boost::asio::awaitable<Response> GetHealth(Call call);
+boost::asio::awaitable<Response> GetHealth(Call call, UpkeepStore& store);
 Response GetMetrics(const Call& call);
 
 boost::asio::awaitable<Response> SignIn(Call call);
@@ -16,87 +18,92 @@ boost::asio::awaitable<Response> ConfirmSession(Call call);
 boost::asio::awaitable<Response> ChangePassword(Call call);
 Response GetSession(const Call& call);
 Response SignOut(const Call& call);
-Response ListSessions(const Call& call);
-Response EndSession(const Call& call);
+Response ListSessions(const Call& call, PeopleStore& store);
+Response EndSession(const Call& call, PeopleStore& store);
 
-Response ListPeople(const Call& call);
-Response AddPerson(const Call& call);
-Response GetPerson(const Call& call);
-Response EditPerson(const Call& call);
-Response ResetPassword(const Call& call);
-Response ErasePerson(const Call& call);
-Response ListSessionsOf(const Call& call);
-Response EndSessionsOf(const Call& call);
-Response ImportRoster(const Call& call);
+Response ListPeople(const Call& call, PeopleStore& store);
+Response AddPerson(const Call& call, PeopleStore& store);
+Response GetPerson(const Call& call, Parts<PeopleStore, TeachingStore> store);
+Response EditPerson(const Call& call, PeopleStore& store);
+Response ResetPassword(const Call& call, PeopleStore& store);
+Response ErasePerson(const Call& call, Parts<PeopleStore, UpkeepStore> store);
+Response ListSessionsOf(const Call& call, PeopleStore& store);
+Response EndSessionsOf(const Call& call, PeopleStore& store);
+Response ImportRoster(const Call& call, PeopleStore& store);
 
-Response ListExercises(const Call& call);
-Response GetExercise(const Call& call);
-Response GetExerciseDocument(const Call& call);
-Response GetInitialSurface(const Call& call);
-Response ListExerciseVersions(const Call& call);
-Response ListReferences(const Call& call);
-Response PutDraft(const Call& call);
-Response ReplaceDraft(const Call& call);
-Response DeleteDraft(const Call& call);
-Response PublishDraft(const Call& call);
-Response RetireExercise(const Call& call);
-Response WithdrawReference(const Call& call);
+Response ListExercises(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store);
+Response GetExercise(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store);
+Response GetExerciseDocument(const Call& call, Parts<ContentStore, AttemptStore> store);
+Response GetInitialSurface(const Call& call, Parts<ContentStore, AttemptStore> store);
+Response ListExerciseVersions(const Call& call, Parts<ContentStore, AttemptStore> store);
+Response ListReferences(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store);
+Response PutDraft(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store);
+Response ReplaceDraft(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store);
+Response DeleteDraft(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store);
+Response PublishDraft(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store);
+Response RetireExercise(const Call& call, Parts<ContentStore, AttemptStore> store);
+Response WithdrawReference(const Call& call, Parts<TeachingStore, AttemptStore> store);
 
-Response ListAssignments(const Call& call);
-Response AddAssignment(const Call& call);
-Response GetAssignment(const Call& call);
-Response ReplaceAssignment(const Call& call);
-Response DeleteAssignment(const Call& call);
-Response ReleaseAssignment(const Call& call);
+Response ListAssignments(const Call& call, Parts<StationStore, ContentStore, TeachingStore> store);
+Response AddAssignment(const Call& call, Parts<StationStore, ContentStore, TeachingStore> store);
+Response GetAssignment(const Call& call, Parts<StationStore, ContentStore, TeachingStore> store);
+Response ReplaceAssignment(const Call& call,
+                           Parts<StationStore, ContentStore, TeachingStore> store);
+Response DeleteAssignment(const Call& call, Parts<StationStore, ContentStore, TeachingStore> store);
+Response ReleaseAssignment(const Call& call, TeachingStore& store);
 
-Response ListProfiles(const Call& call);
-Response PutProfile(const Call& call);
-Response GetProfile(const Call& call);
-boost::asio::awaitable<Response> GetProfileFeel(Call call);
-Response ListProfileVersions(const Call& call);
-Response ListProfileReports(const Call& call);
-Response AddProfileReport(const Call& call);
-Response GetProfileReport(const Call& call);
-Response ListCalibrations(const Call& call);
-Response AddCalibration(const Call& call);
+Response ListProfiles(const Call& call, ContentStore& store);
+Response PutProfile(const Call& call, ContentStore& store);
+Response GetProfile(const Call& call, ContentStore& store);
+boost::asio::awaitable<Response> GetProfileFeel(Call call, ContentStore& store);
+Response ListProfileVersions(const Call& call, ContentStore& store);
+Response ListProfileReports(const Call& call, ContentStore& store);
+Response AddProfileReport(const Call& call, ContentStore& store);
+Response GetProfileReport(const Call& call, ContentStore& store);
+Response ListCalibrations(const Call& call, ContentStore& store);
+Response AddCalibration(const Call& call, ContentStore& store);
 
-Response ListAttempts(const Call& call);
-Response GetAttempt(const Call& call);
-Response GetScore(const Call& call);
-Response GetSurface(const Call& call);
-Response GetSeries(const Call& call);
-Response GetLive(const Call& call);
-Response ReleaseAttempt(const Call& call);
-Response MakeReference(const Call& call);
-Response WithdrawRelease(const Call& call);
-Response PutOverride(const Call& call);
-Response DeleteOverride(const Call& call);
-Response Rescore(const Call& call);
-Response Excuse(const Call& call);
-Response ListResults(const Call& call);
-Response ListAnnotations(const Call& call);
-Response AddAnnotation(const Call& call);
-Response ReplaceAnnotation(const Call& call);
-Response DeleteAnnotation(const Call& call);
-Response FileAppeal(const Call& call);
-Response AnswerAppeal(const Call& call);
+Response ListAttempts(const Call& call, AttemptViewParts store);
+Response GetAttempt(const Call& call, AttemptViewParts store);
+Response GetScore(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store);
+Response GetSurface(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store);
+Response GetSeries(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store);
+Response GetLive(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store);
+Response ReleaseAttempt(const Call& call, AttemptViewParts store);
+Response MakeReference(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store);
+Response WithdrawRelease(const Call& call, AttemptViewParts store);
+Response PutOverride(const Call& call, AttemptViewParts store);
+Response DeleteOverride(const Call& call, AttemptViewParts store);
+Response Rescore(const Call& call, AttemptViewParts store);
+Response Excuse(const Call& call, AttemptViewParts store);
+Response ListResults(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store);
+Response ListAnnotations(const Call& call,
+                         Parts<ContentStore, TeachingStore, JudgingStore, AttemptStore> store);
+Response AddAnnotation(const Call& call,
+                       Parts<ContentStore, TeachingStore, JudgingStore, AttemptStore> store);
+Response ReplaceAnnotation(const Call& call,
+                           Parts<ContentStore, TeachingStore, JudgingStore, AttemptStore> store);
+Response DeleteAnnotation(const Call& call,
+                          Parts<ContentStore, TeachingStore, JudgingStore, AttemptStore> store);
+Response FileAppeal(const Call& call, AttemptViewParts store);
+Response AnswerAppeal(const Call& call, AttemptViewParts store);
 
-Response ListCohorts(const Call& call);
-Response AddCohort(const Call& call);
-Response GetCohort(const Call& call);
-Response EditCohort(const Call& call);
-Response ChangeMembers(const Call& call);
+Response ListCohorts(const Call& call, TeachingStore& store);
+Response AddCohort(const Call& call, TeachingStore& store);
+Response GetCohort(const Call& call, TeachingStore& store);
+Response EditCohort(const Call& call, TeachingStore& store);
+Response ChangeMembers(const Call& call, TeachingStore& store);
 
-Response ListStations(const Call& call);
-Response GetStation(const Call& call);
-Response EditStation(const Call& call);
-Response RevokeStation(const Call& call);
-Response ListEnrolCodes(const Call& call);
-Response AddEnrolCode(const Call& call);
-Response WithdrawEnrolCode(const Call& call);
+Response ListStations(const Call& call, StationStore& store);
+Response GetStation(const Call& call, StationStore& store);
+Response EditStation(const Call& call, StationStore& store);
+Response RevokeStation(const Call& call, StationStore& store);
+Response ListEnrolCodes(const Call& call, StationStore& store);
+Response AddEnrolCode(const Call& call, StationStore& store);
+Response WithdrawEnrolCode(const Call& call, StationStore& store);
 
-Response ListAudit(const Call& call);
-Response ListJobs(const Call& call);
-Response CancelJob(const Call& call);
+Response ListAudit(const Call& call, AuditStore& store);
+Response ListJobs(const Call& call, JobStore& store);
+Response CancelJob(const Call& call, JobStore& store);
 
 }  // namespace enamel::server::http

@@ -22,8 +22,8 @@ bool MaySeeMetrics(const Call& call) {
 }  // namespace
 
 // Away from the store's threads: it has to answer when they all wait for the database.
-boost::asio::awaitable<Response> GetHealth(Call call) {
-  StoreHealth health = co_await call.apart->Run([&call] { return call.store.Health(); });
+boost::asio::awaitable<Response> GetHealth(Call call, UpkeepStore& store) {
+  StoreHealth health = co_await call.apart->Run([&store] { return store.Health(); });
   bool well = health.takes_recordings;
   co_return JsonResponse({{"status", well ? "ok" : "no_recordings"},
                           {"problem", health.problem},

@@ -118,10 +118,10 @@ Result<NewPerson> NewPersonOf(const Call& call) {
 
 }  // namespace
 
-Response ListPeople(const Call& call) {
+Response ListPeople(const Call& call, PeopleStore& store) {
   Result<PeopleFilter> filter = FilterOf(call);
   if (!filter.ok()) return ErrorResponse(filter.status());
-  Result<std::vector<Person>> rows = call.store.FindPeople(*filter);
+  Result<std::vector<Person>> rows = store.FindPeople(*filter);
   if (!rows.ok()) return ErrorResponse(rows.status());
   json::value next;
   if (rows->size() == filter->limit) {
@@ -133,10 +133,10 @@ Response ListPeople(const Call& call) {
   return JsonResponse({{"people", std::move(people)}, {"next", std::move(next)}});
 }
 
-Response GetPerson(const Call& call) {
-  Result<Person> person = call.store.PersonById(call.id);
+Response GetPerson(const Call& call, Parts<PeopleStore, TeachingStore> store) {
+  Result<Person> person = store.people().PersonById(call.id);
   if (!person.ok()) return ErrorResponse(person.status());
-  Result<std::vector<Cohort>> cohorts = call.store.CohortsOf(call.id);
+  Result<std::vector<Cohort>> cohorts = store.teaching().CohortsOf(call.id);
   if (!cohorts.ok()) return ErrorResponse(cohorts.status());
   json::object out = PersonJson(*person);
   json::array in;
@@ -147,7 +147,7 @@ Response GetPerson(const Call& call) {
   return WithETag(JsonResponse(out), person->revision);
 }
 
-Response AddPerson(const Call& call) {
+Response AddPerson(const Call& call, PeopleStore& store) {
   if (!IsJson(call.request)) return NotJson();
   if (Status confirmed = RequireConfirmed(call); !confirmed.ok()) return ErrorResponse(confirmed);
   Result<NewPerson> wanted = NewPersonOf(call);
@@ -155,14 +155,14 @@ Response AddPerson(const Call& call) {
   Result<auth::OneTimePassword> password = NewPassword();
   if (!password.ok()) return ErrorResponse(password.status());
   Result<Uuid> id =
-      call.store.CreatePerson(wanted->person, password->verifier, wanted->cohorts, ActorOf(call));
+      store.CreatePerson(wanted->person, password->verifier, wanted->cohorts, ActorOf(call));
   if (!id.ok()) return ErrorResponse(id.status());
-  Result<Person> person = call.store.PersonById(*id);
+  Result<Person> person = store.PersonById(*id);
   if (!person.ok()) return ErrorResponse(person.status());
   return WithPassword(call, *person, password->text, 201);
 }
 
-Response EditPerson(const Call& call) {
+Response EditPerson(const Call& call, PeopleStore& store) {
   if (!IsJson(call.request)) return NotJson();
   Result<PersonEdit> edit = EditOf(call);
   if (!edit.ok()) return ErrorResponse(edit.status());
@@ -171,33 +171,33 @@ Response EditPerson(const Call& call) {
   if (edit->role) {
     if (Status confirmed = RequireConfirmed(call); !confirmed.ok()) return ErrorResponse(confirmed);
   }
-  Result<Person> person = call.store.EditPerson(call.id, *edit, *seen, ActorOf(call));
+  Result<Person> person = store.EditPerson(call.id, *edit, *seen, ActorOf(call));
   if (person.ok()) return PersonResponse(*person);
   if (person.status().field() != kStale) return ErrorResponse(person.status());
-  Result<Person> current = call.store.PersonById(call.id);
+  Result<Person> current = store.PersonById(call.id);
   if (!current.ok()) return ErrorResponse(current.status());
   return Stale(person.status(), PersonJson(*current), current->revision);
 }
 
-Response ResetPassword(const Call& call) {
+Response ResetPassword(const Call& call, PeopleStore& store) {
   if (Status confirmed = RequireConfirmed(call); !confirmed.ok()) return ErrorResponse(confirmed);
   Result<auth::OneTimePassword> password = NewPassword();
   if (!password.ok()) return ErrorResponse(password.status());
-  Status set = call.store.SetPassword(call.id, password->verifier, true, ActorOf(call));
+  Status set = store.SetPassword(call.id, password->verifier, true, ActorOf(call));
   if (!set.ok()) return ErrorResponse(set);
-  Result<Person> person = call.store.PersonById(call.id);
+  Result<Person> person = store.PersonById(call.id);
   if (!person.ok()) return ErrorResponse(person.status());
   return WithPassword(call, *person, password->text, 200);
 }
 
-Response ErasePerson(const Call& call) {
+Response ErasePerson(const Call& call, Parts<PeopleStore, UpkeepStore> store) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   std::string login = body.Text("login", 1, kMaxLoginBytes);
   bool with_references = body.Flag("with_references", false);
   if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
   if (Status confirmed = RequireConfirmed(call); !confirmed.ok()) return ErrorResponse(confirmed);
-  Result<Person> person = call.store.PersonById(call.id);
+  Result<Person> person = store.people().PersonById(call.id);
   if (!person.ok()) return ErrorResponse(person.status());
   if (person->login != login) {
     return ErrorResponse({Code::kInvalidInput,
@@ -206,28 +206,29 @@ Response ErasePerson(const Call& call) {
   if (person->id == call.caller->person.id) {
     return ErrorResponse({Code::kConflict, "expected another person: nobody erases oneself"});
   }
-  Result<ErasureReport> erased = call.store.ErasePerson(call.id, with_references, ActorOf(call));
+  Result<ErasureReport> erased =
+      store.upkeep().ErasePerson(call.id, with_references, ActorOf(call));
   if (!erased.ok()) return ErrorResponse(erased.status());
   return JsonResponse({{"attempts", erased->attempts},
                        {"references", erased->references},
                        {"blobs", erased->blobs}});
 }
 
-Response ListSessionsOf(const Call& call) {
-  Result<Person> person = call.store.PersonById(call.id);
+Response ListSessionsOf(const Call& call, PeopleStore& store) {
+  Result<Person> person = store.PersonById(call.id);
   if (!person.ok()) return ErrorResponse(person.status());
-  return SessionsResponse(call, call.id);
+  return SessionsResponse(call, store, call.id);
 }
 
-Response EndSessionsOf(const Call& call) {
-  Result<Person> person = call.store.PersonById(call.id);
+Response EndSessionsOf(const Call& call, PeopleStore& store) {
+  Result<Person> person = store.PersonById(call.id);
   if (!person.ok()) return ErrorResponse(person.status());
-  Result<size_t> ended = call.store.EndSessionsOf(call.id, ActorOf(call));
+  Result<size_t> ended = store.EndSessionsOf(call.id, ActorOf(call));
   if (!ended.ok()) return ErrorResponse(ended.status());
   return JsonResponse({{"ended", *ended}});
 }
 
-Response ImportRoster(const Call& call) {
+Response ImportRoster(const Call& call, PeopleStore& store) {
   std::string_view type = call.request.Header("content-type");
   if (type.substr(0, type.find(';')) != "text/csv") {
     return ErrorResponse(415, "unsupported_media_type", "expected Content-Type: text/csv",
@@ -253,7 +254,7 @@ Response ImportRoster(const Call& call) {
     if (Status confirmed = RequireConfirmed(call); !confirmed.ok()) return ErrorResponse(confirmed);
   }
   Result<roster::ImportResult> result =
-      roster::ImportRoster(call.store, call.request.body, options, ActorOf(call));
+      roster::ImportRoster(store, call.request.body, options, ActorOf(call));
   if (!result.ok()) return ErrorResponse(result.status());
   json::object out = roster::ImportJson(*result);
   size_t problems = result->plan.problems.size();

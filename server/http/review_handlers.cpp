@@ -28,17 +28,17 @@ Response Done() {
 Response DoneOr(const Status& status) { return status.ok() ? Done() : ErrorResponse(status); }
 
 // The attempt as it is after a change.
-Response AttemptResponse(const Call& call, const Uuid& attempt) {
-  Result<AttemptRow> row = call.store.AttemptById(attempt);
+Response AttemptResponse(const Call& call, AttemptViewParts store, const Uuid& attempt) {
+  Result<AttemptRow> row = store.attempts().AttemptById(attempt);
   if (!row.ok()) return ErrorResponse(row.status());
-  AttemptView view(call.store, call.caller->person);
+  AttemptView view(store, call.caller->person);
   Result<json::object> out = view.DetailJson(*row);
   if (!out.ok()) return ErrorResponse(out.status());
   return WithETag(JsonResponse(*out), row->revision);
 }
 
-Response JudgedOr(const Call& call, const Status& status) {
-  return status.ok() ? AttemptResponse(call, call.id) : JudgedMeanwhile(call, status);
+Response JudgedOr(const Call& call, AttemptViewParts store, const Status& status) {
+  return status.ok() ? AttemptResponse(call, store, call.id) : JudgedMeanwhile(call, store, status);
 }
 
 json::object AnnotationJson(const Call& call, const AnnotationRow& row) {
@@ -69,11 +69,12 @@ Result<AnnotationRow> RemarkIn(const Call& call) {
 }
 
 // An annotation that the caller may change.
-Result<AnnotationRow> OwnAnnotation(const Call& call) {
+Result<AnnotationRow> OwnAnnotation(
+    const Call& call, Parts<ContentStore, TeachingStore, JudgingStore, AttemptStore> store) {
   Status none{Code::kNotFound, "there is no such annotation", "id"};
-  Result<AnnotationRow> row = call.store.AnnotationById(call.id);
+  Result<AnnotationRow> row = store.judging().AnnotationById(call.id);
   if (!row.ok()) return row.status().code() == Code::kNotFound ? none : row.status();
-  Result<SeenAttempt> seen = SeeAttempt(call, row->attempt);
+  Result<SeenAttempt> seen = SeeAttempt(call, store, row->attempt);
   if (!seen.ok()) return seen.status().code() == Code::kNotFound ? none : seen.status();
   const Person& viewer = call.caller->person;
   bool reviews = CanReviewAttempt(viewer, seen->row, seen->shares_cohort);
@@ -82,27 +83,27 @@ Result<AnnotationRow> OwnAnnotation(const Call& call) {
 }
 
 // Why a change of an annotation did not happen.
-Response Refused(const Call& call, const Status& status) {
+Response Refused(const Call& call, JudgingStore& store, const Status& status) {
   if (status.field() != kStale) return ErrorResponse(status);
-  Result<AnnotationRow> now = call.store.AnnotationById(call.id);
+  Result<AnnotationRow> now = store.AnnotationById(call.id);
   if (!now.ok()) return ErrorResponse(now.status());
   return Stale(status, AnnotationJson(call, *now), now->revision);
 }
 
 }  // namespace
 
-Response WithdrawRelease(const Call& call) {
-  Result<SeenAttempt> seen = ReviewAttempt(call, call.id);
+Response WithdrawRelease(const Call& call, AttemptViewParts store) {
+  Result<SeenAttempt> seen = ReviewAttempt(call, store, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
   Result<int32_t> revision = IfMatch(call.request);
   if (!revision.ok()) return ErrorResponse(revision.status());
-  Status done = call.store.WithdrawRelease(call.id, ActorOf(call), *revision);
-  return done.ok() ? Done() : JudgedMeanwhile(call, done);
+  Status done = store.judging().WithdrawRelease(call.id, ActorOf(call), *revision);
+  return done.ok() ? Done() : JudgedMeanwhile(call, store, done);
 }
 
-Response PutOverride(const Call& call) {
+Response PutOverride(const Call& call, AttemptViewParts store) {
   if (!IsJson(call.request)) return NotJson();
-  Result<SeenAttempt> seen = ReviewAttempt(call, call.id);
+  Result<SeenAttempt> seen = ReviewAttempt(call, store, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
   BodyReader body(call.request);
   ScoreOverride score;
@@ -111,42 +112,44 @@ Response PutOverride(const Call& call) {
   if (Status status = body.Finish(); !status.ok()) return ErrorResponse(status);
   Result<int32_t> revision = IfMatch(call.request);
   if (!revision.ok()) return ErrorResponse(revision.status());
-  return JudgedOr(call, call.store.OverrideScore(call.id, score, ActorOf(call), *revision));
+  return JudgedOr(call, store,
+                  store.judging().OverrideScore(call.id, score, ActorOf(call), *revision));
 }
 
-Response DeleteOverride(const Call& call) {
-  Result<SeenAttempt> seen = ReviewAttempt(call, call.id);
+Response DeleteOverride(const Call& call, AttemptViewParts store) {
+  Result<SeenAttempt> seen = ReviewAttempt(call, store, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
   Result<int32_t> revision = IfMatch(call.request);
   if (!revision.ok()) return ErrorResponse(revision.status());
-  return JudgedOr(call, call.store.OverrideScore(call.id, std::nullopt, ActorOf(call), *revision));
+  return JudgedOr(call, store,
+                  store.judging().OverrideScore(call.id, std::nullopt, ActorOf(call), *revision));
 }
 
-Response Rescore(const Call& call) {
-  Result<SeenAttempt> seen = ReviewAttempt(call, call.id);
+Response Rescore(const Call& call, AttemptViewParts store) {
+  Result<SeenAttempt> seen = ReviewAttempt(call, store, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
-  Status done = call.store.Rescore(call.id, "rescore", ActorOf(call));
+  Status done = store.judging().Rescore(call.id, "rescore", ActorOf(call));
   if (!done.ok()) return ErrorResponse(done);
-  Response response = AttemptResponse(call, call.id);
+  Response response = AttemptResponse(call, store, call.id);
   if (response.status == 200) response.status = 202;
   return response;
 }
 
-Response Excuse(const Call& call) {
+Response Excuse(const Call& call, AttemptViewParts store) {
   if (!IsJson(call.request)) return NotJson();
-  Result<SeenAttempt> seen = ReviewAttempt(call, call.id);
+  Result<SeenAttempt> seen = ReviewAttempt(call, store, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
   BodyReader body(call.request);
   std::string reason = body.Text("reason", 1, kMaxReason);
   if (Status status = body.Finish(); !status.ok()) return ErrorResponse(status);
   Result<int32_t> revision = IfMatch(call.request);
   if (!revision.ok()) return ErrorResponse(revision.status());
-  return JudgedOr(call,
-                  call.store.FlagAttempt(call.id, kExcused, reason, ActorOf(call), *revision));
+  return JudgedOr(call, store,
+                  store.judging().FlagAttempt(call.id, kExcused, reason, ActorOf(call), *revision));
 }
 
-Response ListResults(const Call& call) {
-  Result<SeenAttempt> seen = SeeAttempt(call, call.id);
+Response ListResults(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store) {
+  Result<SeenAttempt> seen = SeeAttempt(call, store, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
   if (!CanSeeScore(call.caller->person, seen->row, seen->graded, seen->shares_cohort)) {
     return ErrorResponse(
@@ -155,7 +158,7 @@ Response ListResults(const Call& call) {
   }
   Result<Page> page = PageOf(call.request, kMaxPage, kMaxPage);
   if (!page.ok()) return ErrorResponse(page.status());
-  Result<std::vector<ResultRow>> rows = call.store.ResultsOf(call.id);
+  Result<std::vector<ResultRow>> rows = store.attempts().ResultsOf(call.id);
   if (!rows.ok()) return ErrorResponse(rows.status());
   json::value next = CutPage(*rows, *page, [](const ResultRow& row) {
     return FallingKey(static_cast<uint64_t>(row.run));
@@ -164,7 +167,7 @@ Response ListResults(const Call& call) {
   for (const ResultRow& row : *rows) {
     json::value reference;
     if (row.reference) reference = row.reference->Text();
-    Result<Bytes> text = call.store.GetBlob(row.score_json);
+    Result<Bytes> text = store.content().GetBlob(row.score_json);
     if (!text.ok()) return ErrorResponse(Status{Code::kInternal, text.status().message()});
     json::error_code error;
     json::value score = json::parse(AsText(*text), error);
@@ -179,8 +182,9 @@ Response ListResults(const Call& call) {
   return JsonResponse({{"results", std::move(results)}, {"next", std::move(next)}});
 }
 
-Response ListAnnotations(const Call& call) {
-  Result<SeenAttempt> seen = SeeAttempt(call, call.id);
+Response ListAnnotations(const Call& call,
+                         Parts<ContentStore, TeachingStore, JudgingStore, AttemptStore> store) {
+  Result<SeenAttempt> seen = SeeAttempt(call, store, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
   if (!CanSeeScore(call.caller->person, seen->row, seen->graded, seen->shares_cohort)) {
     return ErrorResponse(
@@ -189,7 +193,7 @@ Response ListAnnotations(const Call& call) {
   }
   Result<Page> page = PageOf(call.request, kMaxPage, kMaxPage);
   if (!page.ok()) return ErrorResponse(page.status());
-  Result<std::vector<AnnotationRow>> rows = call.store.AnnotationsOf(call.id);
+  Result<std::vector<AnnotationRow>> rows = store.judging().AnnotationsOf(call.id);
   if (!rows.ok()) return ErrorResponse(rows.status());
   json::value next = CutPage(
       *rows, *page, [](const AnnotationRow& row) { return RisingKey(row.tick) + row.id.Text(); });
@@ -198,21 +202,23 @@ Response ListAnnotations(const Call& call) {
   return JsonResponse({{"annotations", std::move(annotations)}, {"next", std::move(next)}});
 }
 
-Response AddAnnotation(const Call& call) {
+Response AddAnnotation(const Call& call,
+                       Parts<ContentStore, TeachingStore, JudgingStore, AttemptStore> store) {
   if (!IsJson(call.request)) return NotJson();
-  Result<SeenAttempt> seen = ReviewAttempt(call, call.id);
+  Result<SeenAttempt> seen = ReviewAttempt(call, store, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
   Result<AnnotationRow> remark = RemarkIn(call);
   if (!remark.ok()) return ErrorResponse(remark.status());
   remark->attempt = call.id;
-  Result<AnnotationRow> row = call.store.AddAnnotation(*remark, ActorOf(call));
+  Result<AnnotationRow> row = store.judging().AddAnnotation(*remark, ActorOf(call));
   if (!row.ok()) return ErrorResponse(row.status());
   return WithETag(JsonResponse(AnnotationJson(call, *row), 201), row->revision);
 }
 
-Response ReplaceAnnotation(const Call& call) {
+Response ReplaceAnnotation(const Call& call,
+                           Parts<ContentStore, TeachingStore, JudgingStore, AttemptStore> store) {
   if (!IsJson(call.request)) return NotJson();
-  Result<AnnotationRow> stored = OwnAnnotation(call);
+  Result<AnnotationRow> stored = OwnAnnotation(call, store);
   if (!stored.ok()) return ErrorResponse(stored.status());
   Result<int32_t> revision = IfMatch(call.request);
   if (!revision.ok()) return ErrorResponse(revision.status());
@@ -220,23 +226,24 @@ Response ReplaceAnnotation(const Call& call) {
   if (!remark.ok()) return ErrorResponse(remark.status());
   remark->id = call.id;
   remark->revision = *revision;
-  Result<AnnotationRow> row = call.store.ReplaceAnnotation(*remark, ActorOf(call));
-  if (!row.ok()) return Refused(call, row.status());
+  Result<AnnotationRow> row = store.judging().ReplaceAnnotation(*remark, ActorOf(call));
+  if (!row.ok()) return Refused(call, store, row.status());
   return WithETag(JsonResponse(AnnotationJson(call, *row)), row->revision);
 }
 
-Response DeleteAnnotation(const Call& call) {
-  Result<AnnotationRow> stored = OwnAnnotation(call);
+Response DeleteAnnotation(const Call& call,
+                          Parts<ContentStore, TeachingStore, JudgingStore, AttemptStore> store) {
+  Result<AnnotationRow> stored = OwnAnnotation(call, store);
   if (!stored.ok()) return ErrorResponse(stored.status());
   Result<int32_t> revision = IfMatch(call.request);
   if (!revision.ok()) return ErrorResponse(revision.status());
-  Status done = call.store.DeleteAnnotation(call.id, *revision, ActorOf(call));
-  return done.ok() ? Done() : Refused(call, done);
+  Status done = store.judging().DeleteAnnotation(call.id, *revision, ActorOf(call));
+  return done.ok() ? Done() : Refused(call, store, done);
 }
 
-Response FileAppeal(const Call& call) {
+Response FileAppeal(const Call& call, AttemptViewParts store) {
   if (!IsJson(call.request)) return NotJson();
-  Result<SeenAttempt> seen = SeeAttempt(call, call.id);
+  Result<SeenAttempt> seen = SeeAttempt(call, store, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
   if (seen->row.person != call.caller->person.id) {
     return ErrorResponse({Code::kForbidden, "expected the person whose attempt it is"});
@@ -248,16 +255,16 @@ Response FileAppeal(const Call& call) {
   BodyReader body(call.request);
   std::string text = body.Text("text", 1, kMaxRemark);
   if (Status status = body.Finish(); !status.ok()) return ErrorResponse(status);
-  Status done = call.store.FileAppeal(call.id, text, ActorOf(call));
+  Status done = store.judging().FileAppeal(call.id, text, ActorOf(call));
   if (!done.ok()) return ErrorResponse(done);
-  Response response = AttemptResponse(call, call.id);
+  Response response = AttemptResponse(call, store, call.id);
   if (response.status == 200) response.status = 201;
   return response;
 }
 
-Response AnswerAppeal(const Call& call) {
+Response AnswerAppeal(const Call& call, AttemptViewParts store) {
   if (!IsJson(call.request)) return NotJson();
-  Result<SeenAttempt> seen = ReviewAttempt(call, call.id);
+  Result<SeenAttempt> seen = ReviewAttempt(call, store, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
   BodyReader body(call.request);
   std::string outcome = body.Text("outcome", 1, 16);
@@ -267,29 +274,29 @@ Response AnswerAppeal(const Call& call) {
     return ErrorResponse(
         {Code::kInvalidInput, "expected regrade or reject, found \"" + outcome + "\"", "outcome"});
   }
-  Status done = call.store.AnswerAppeal(call.id, outcome == "regrade", answer, ActorOf(call));
-  return done.ok() ? AttemptResponse(call, call.id) : ErrorResponse(done);
+  Status done = store.judging().AnswerAppeal(call.id, outcome == "regrade", answer, ActorOf(call));
+  return done.ok() ? AttemptResponse(call, store, call.id) : ErrorResponse(done);
 }
 
-Response WithdrawReference(const Call& call) {
+Response WithdrawReference(const Call& call, Parts<TeachingStore, AttemptStore> store) {
   Status none{Code::kNotFound, "there is no such reference", "id"};
-  Result<ReferenceRow> row = call.store.ReferenceById(call.id);
+  Result<ReferenceRow> row = store.teaching().ReferenceById(call.id);
   if (!row.ok()) {
     return ErrorResponse(row.status().code() == Code::kNotFound ? none : row.status());
   }
-  Result<AttemptRow> attempt = call.store.AttemptById(row->attempt);
+  Result<AttemptRow> attempt = store.attempts().AttemptById(row->attempt);
   if (!attempt.ok()) return ErrorResponse(attempt.status());
   const Person& viewer = call.caller->person;
-  Result<bool> shares = call.store.ShareCohort(viewer.id, attempt->person);
+  Result<bool> shares = store.teaching().ShareCohort(viewer.id, attempt->person);
   if (!shares.ok()) return ErrorResponse(shares.status());
   if (!CanMarkReference(viewer, *attempt, *shares)) {
     return ErrorResponse({Code::kForbidden, "expected an instructor of the dentist's cohort"});
   }
-  return DoneOr(call.store.WithdrawReference(call.id, ActorOf(call)));
+  return DoneOr(store.teaching().WithdrawReference(call.id, ActorOf(call)));
 }
 
-Response CancelJob(const Call& call) {
-  return DoneOr(call.store.CancelJob(call.id, ActorOf(call)));
+Response CancelJob(const Call& call, JobStore& store) {
+  return DoneOr(store.CancelJob(call.id, ActorOf(call)));
 }
 
 }  // namespace enamel::server::http

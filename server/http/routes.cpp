@@ -1,97 +1,152 @@
 #include "server/http/routes.h"
 
 #include <array>
+#include <utility>
 
 #include "server/http/handlers.h"
 
 namespace enamel::server::http {
+namespace asio = boost::asio;
 namespace {
 
+// A handler is given the parts of the store that its signature names.
+template <auto kHandler, typename P>
+Response Blocking(const Call& call, Store& store) {
+  return kHandler(call, static_cast<P>(store));
+}
+template <auto kHandler, typename P>
+asio::awaitable<Response> Async(Call call, Store& store) {
+  return kHandler(std::move(call), static_cast<P>(store));
+}
+
+template <auto kHandler, typename P>
+constexpr BlockingHandler Adapt(Response (*)(const Call&, P)) {
+  return &Blocking<kHandler, P>;
+}
+template <auto kHandler>
+constexpr BlockingHandler Adapt(Response (*)(const Call&)) {
+  return [](const Call& call, Store&) { return kHandler(call); };
+}
+template <auto kHandler, typename P>
+constexpr AsyncHandler Adapt(asio::awaitable<Response> (*)(Call, P)) {
+  return &Async<kHandler, P>;
+}
+template <auto kHandler>
+constexpr AsyncHandler Adapt(asio::awaitable<Response> (*)(Call)) {
+  return [](Call call, Store&) { return kHandler(std::move(call)); };
+}
+
+template <auto kHandler>
+constexpr auto Given() {
+  return Adapt<kHandler>(kHandler);
+}
+
 const std::array kRoutes = {
-    Route{Method::kGet, "/healthz", Need::kNobody, &GetHealth},
-    Route{Method::kGet, "/metrics", Need::kNobody, &GetMetrics},
-    Route{Method::kPost, "/api/v1/session", Need::kNobody, &SignIn},
-    Route{Method::kGet, "/api/v1/session", Need::kPerson, &GetSession},
-    Route{Method::kDelete, "/api/v1/session", Need::kPerson, &SignOut},
-    Route{Method::kPost, "/api/v1/session/confirm", Need::kPerson, &ConfirmSession},
-    Route{Method::kPost, "/api/v1/session/password", Need::kPerson, &ChangePassword},
-    Route{Method::kGet, "/api/v1/sessions", Need::kPerson, &ListSessions},
-    Route{Method::kDelete, "/api/v1/sessions/{id}", Need::kPerson, &EndSession},
-    Route{Method::kGet, "/api/v1/people", Need::kAdmin, &ListPeople},
-    Route{Method::kPost, "/api/v1/people", Need::kAdmin, &AddPerson},
-    Route{Method::kGet, "/api/v1/people/{id}", Need::kAdmin, &GetPerson},
-    Route{Method::kPatch, "/api/v1/people/{id}", Need::kAdmin, &EditPerson},
-    Route{Method::kPost, "/api/v1/people/{id}/password", Need::kAdmin, &ResetPassword},
-    Route{Method::kPost, "/api/v1/people/{id}/erase", Need::kAdmin, &ErasePerson},
-    Route{Method::kGet, "/api/v1/people/{id}/sessions", Need::kAdmin, &ListSessionsOf},
-    Route{Method::kDelete, "/api/v1/people/{id}/sessions", Need::kAdmin, &EndSessionsOf},
-    Route{Method::kPost, "/api/v1/roster", Need::kAdmin, &ImportRoster},
-    Route{Method::kGet, "/api/v1/exercises", Need::kPerson, &ListExercises},
-    Route{Method::kGet, "/api/v1/exercises/{id}", Need::kPerson, &GetExercise},
-    Route{Method::kPost, "/api/v1/exercises", Need::kInstructor, &PutDraft},
-    Route{Method::kPut, "/api/v1/exercises/{id}", Need::kInstructor, &ReplaceDraft},
-    Route{Method::kDelete, "/api/v1/exercises/{id}", Need::kInstructor, &DeleteDraft},
-    Route{Method::kGet, "/api/v1/exercises/{id}/document", Need::kPerson, &GetExerciseDocument},
+    Route{Method::kGet, "/healthz", Need::kNobody, Given<&GetHealth>()},
+    Route{Method::kGet, "/metrics", Need::kNobody, Given<&GetMetrics>()},
+    Route{Method::kPost, "/api/v1/session", Need::kNobody, Given<&SignIn>()},
+    Route{Method::kGet, "/api/v1/session", Need::kPerson, Given<&GetSession>()},
+    Route{Method::kDelete, "/api/v1/session", Need::kPerson, Given<&SignOut>()},
+    Route{Method::kPost, "/api/v1/session/confirm", Need::kPerson, Given<&ConfirmSession>()},
+    Route{Method::kPost, "/api/v1/session/password", Need::kPerson, Given<&ChangePassword>()},
+    Route{Method::kGet, "/api/v1/sessions", Need::kPerson, Given<&ListSessions>()},
+    Route{Method::kDelete, "/api/v1/sessions/{id}", Need::kPerson, Given<&EndSession>()},
+    Route{Method::kGet, "/api/v1/people", Need::kAdmin, Given<&ListPeople>()},
+    Route{Method::kPost, "/api/v1/people", Need::kAdmin, Given<&AddPerson>()},
+    Route{Method::kGet, "/api/v1/people/{id}", Need::kAdmin, Given<&GetPerson>()},
+    Route{Method::kPatch, "/api/v1/people/{id}", Need::kAdmin, Given<&EditPerson>()},
+    Route{Method::kPost, "/api/v1/people/{id}/password", Need::kAdmin, Given<&ResetPassword>()},
+    Route{Method::kPost, "/api/v1/people/{id}/erase", Need::kAdmin, Given<&ErasePerson>()},
+    Route{Method::kGet, "/api/v1/people/{id}/sessions", Need::kAdmin, Given<&ListSessionsOf>()},
+    Route{Method::kDelete, "/api/v1/people/{id}/sessions", Need::kAdmin, Given<&EndSessionsOf>()},
+    Route{Method::kPost, "/api/v1/roster", Need::kAdmin, Given<&ImportRoster>()},
+    Route{Method::kGet, "/api/v1/exercises", Need::kPerson, Given<&ListExercises>()},
+    Route{Method::kGet, "/api/v1/exercises/{id}", Need::kPerson, Given<&GetExercise>()},
+    Route{Method::kPost, "/api/v1/exercises", Need::kInstructor, Given<&PutDraft>()},
+    Route{Method::kPut, "/api/v1/exercises/{id}", Need::kInstructor, Given<&ReplaceDraft>()},
+    Route{Method::kDelete, "/api/v1/exercises/{id}", Need::kInstructor, Given<&DeleteDraft>()},
+    Route{Method::kGet, "/api/v1/exercises/{id}/document", Need::kPerson,
+          Given<&GetExerciseDocument>()},
     Route{Method::kGet, "/api/v1/exercises/{id}/initial-surface", Need::kPerson,
-          &GetInitialSurface},
-    Route{Method::kGet, "/api/v1/exercises/{id}/versions", Need::kPerson, &ListExerciseVersions},
-    Route{Method::kGet, "/api/v1/exercises/{id}/references", Need::kPerson, &ListReferences},
-    Route{Method::kPost, "/api/v1/exercises/{id}/publish", Need::kInstructor, &PublishDraft},
-    Route{Method::kPost, "/api/v1/exercises/{id}/retire", Need::kInstructor, &RetireExercise},
-    Route{Method::kPost, "/api/v1/references/{id}/withdraw", Need::kInstructor, &WithdrawReference},
-    Route{Method::kGet, "/api/v1/assignments", Need::kPerson, &ListAssignments},
-    Route{Method::kPost, "/api/v1/assignments", Need::kInstructor, &AddAssignment},
-    Route{Method::kGet, "/api/v1/assignments/{id}", Need::kPerson, &GetAssignment},
-    Route{Method::kPut, "/api/v1/assignments/{id}", Need::kInstructor, &ReplaceAssignment},
-    Route{Method::kDelete, "/api/v1/assignments/{id}", Need::kInstructor, &DeleteAssignment},
-    Route{Method::kPost, "/api/v1/assignments/{id}/release", Need::kInstructor, &ReleaseAssignment},
-    Route{Method::kGet, "/api/v1/cohorts", Need::kInstructor, &ListCohorts},
-    Route{Method::kPost, "/api/v1/cohorts", Need::kAdmin, &AddCohort},
-    Route{Method::kGet, "/api/v1/cohorts/{id}", Need::kInstructor, &GetCohort},
-    Route{Method::kPatch, "/api/v1/cohorts/{id}", Need::kAdmin, &EditCohort},
-    Route{Method::kPost, "/api/v1/cohorts/{id}/members", Need::kAdmin, &ChangeMembers},
-    Route{Method::kGet, "/api/v1/attempts", Need::kPerson, &ListAttempts},
-    Route{Method::kGet, "/api/v1/attempts/{id}", Need::kPerson, &GetAttempt},
-    Route{Method::kGet, "/api/v1/attempts/{id}/score", Need::kPerson, &GetScore},
-    Route{Method::kGet, "/api/v1/attempts/{id}/surface", Need::kPerson, &GetSurface},
-    Route{Method::kGet, "/api/v1/attempts/{id}/series", Need::kPerson, &GetSeries},
-    Route{Method::kGet, "/api/v1/attempts/{id}/live", Need::kInstructor, &GetLive},
-    Route{Method::kPost, "/api/v1/attempts/{id}/release", Need::kInstructor, &ReleaseAttempt},
-    Route{Method::kPost, "/api/v1/attempts/{id}/reference", Need::kInstructor, &MakeReference},
-    Route{Method::kDelete, "/api/v1/attempts/{id}/release", Need::kInstructor, &WithdrawRelease},
-    Route{Method::kPut, "/api/v1/attempts/{id}/override", Need::kInstructor, &PutOverride},
-    Route{Method::kDelete, "/api/v1/attempts/{id}/override", Need::kInstructor, &DeleteOverride},
-    Route{Method::kPost, "/api/v1/attempts/{id}/rescore", Need::kInstructor, &Rescore},
-    Route{Method::kPost, "/api/v1/attempts/{id}/excuse", Need::kInstructor, &Excuse},
-    Route{Method::kGet, "/api/v1/attempts/{id}/results", Need::kPerson, &ListResults},
-    Route{Method::kGet, "/api/v1/attempts/{id}/annotations", Need::kPerson, &ListAnnotations},
-    Route{Method::kPost, "/api/v1/attempts/{id}/annotations", Need::kInstructor, &AddAnnotation},
-    Route{Method::kPut, "/api/v1/annotations/{id}", Need::kInstructor, &ReplaceAnnotation},
-    Route{Method::kDelete, "/api/v1/annotations/{id}", Need::kInstructor, &DeleteAnnotation},
-    Route{Method::kPost, "/api/v1/attempts/{id}/appeal", Need::kPerson, &FileAppeal},
-    Route{Method::kPost, "/api/v1/attempts/{id}/appeal/answer", Need::kInstructor, &AnswerAppeal},
-    Route{Method::kGet, "/api/v1/profiles", Need::kPerson, &ListProfiles},
-    Route{Method::kPost, "/api/v1/profiles", Need::kAdmin, &PutProfile},
-    Route{Method::kGet, "/api/v1/profiles/{name}", Need::kPerson, &GetProfile},
+          Given<&GetInitialSurface>()},
+    Route{Method::kGet, "/api/v1/exercises/{id}/versions", Need::kPerson,
+          Given<&ListExerciseVersions>()},
+    Route{Method::kGet, "/api/v1/exercises/{id}/references", Need::kPerson,
+          Given<&ListReferences>()},
+    Route{Method::kPost, "/api/v1/exercises/{id}/publish", Need::kInstructor,
+          Given<&PublishDraft>()},
+    Route{Method::kPost, "/api/v1/exercises/{id}/retire", Need::kInstructor,
+          Given<&RetireExercise>()},
+    Route{Method::kPost, "/api/v1/references/{id}/withdraw", Need::kInstructor,
+          Given<&WithdrawReference>()},
+    Route{Method::kGet, "/api/v1/assignments", Need::kPerson, Given<&ListAssignments>()},
+    Route{Method::kPost, "/api/v1/assignments", Need::kInstructor, Given<&AddAssignment>()},
+    Route{Method::kGet, "/api/v1/assignments/{id}", Need::kPerson, Given<&GetAssignment>()},
+    Route{Method::kPut, "/api/v1/assignments/{id}", Need::kInstructor, Given<&ReplaceAssignment>()},
+    Route{Method::kDelete, "/api/v1/assignments/{id}", Need::kInstructor,
+          Given<&DeleteAssignment>()},
+    Route{Method::kPost, "/api/v1/assignments/{id}/release", Need::kInstructor,
+          Given<&ReleaseAssignment>()},
+    Route{Method::kGet, "/api/v1/cohorts", Need::kInstructor, Given<&ListCohorts>()},
+    Route{Method::kPost, "/api/v1/cohorts", Need::kAdmin, Given<&AddCohort>()},
+    Route{Method::kGet, "/api/v1/cohorts/{id}", Need::kInstructor, Given<&GetCohort>()},
+    Route{Method::kPatch, "/api/v1/cohorts/{id}", Need::kAdmin, Given<&EditCohort>()},
+    Route{Method::kPost, "/api/v1/cohorts/{id}/members", Need::kAdmin, Given<&ChangeMembers>()},
+    Route{Method::kGet, "/api/v1/attempts", Need::kPerson, Given<&ListAttempts>()},
+    Route{Method::kGet, "/api/v1/attempts/{id}", Need::kPerson, Given<&GetAttempt>()},
+    Route{Method::kGet, "/api/v1/attempts/{id}/score", Need::kPerson, Given<&GetScore>()},
+    Route{Method::kGet, "/api/v1/attempts/{id}/surface", Need::kPerson, Given<&GetSurface>()},
+    Route{Method::kGet, "/api/v1/attempts/{id}/series", Need::kPerson, Given<&GetSeries>()},
+    Route{Method::kGet, "/api/v1/attempts/{id}/live", Need::kInstructor, Given<&GetLive>()},
+    Route{Method::kPost, "/api/v1/attempts/{id}/release", Need::kInstructor,
+          Given<&ReleaseAttempt>()},
+    Route{Method::kPost, "/api/v1/attempts/{id}/reference", Need::kInstructor,
+          Given<&MakeReference>()},
+    Route{Method::kDelete, "/api/v1/attempts/{id}/release", Need::kInstructor,
+          Given<&WithdrawRelease>()},
+    Route{Method::kPut, "/api/v1/attempts/{id}/override", Need::kInstructor, Given<&PutOverride>()},
+    Route{Method::kDelete, "/api/v1/attempts/{id}/override", Need::kInstructor,
+          Given<&DeleteOverride>()},
+    Route{Method::kPost, "/api/v1/attempts/{id}/rescore", Need::kInstructor, Given<&Rescore>()},
+    Route{Method::kPost, "/api/v1/attempts/{id}/excuse", Need::kInstructor, Given<&Excuse>()},
+    Route{Method::kGet, "/api/v1/attempts/{id}/results", Need::kPerson, Given<&ListResults>()},
+    Route{Method::kGet, "/api/v1/attempts/{id}/annotations", Need::kPerson,
+          Given<&ListAnnotations>()},
+    Route{Method::kPost, "/api/v1/attempts/{id}/annotations", Need::kInstructor,
+          Given<&AddAnnotation>()},
+    Route{Method::kPut, "/api/v1/annotations/{id}", Need::kInstructor, Given<&ReplaceAnnotation>()},
+    Route{Method::kDelete, "/api/v1/annotations/{id}", Need::kInstructor,
+          Given<&DeleteAnnotation>()},
+    Route{Method::kPost, "/api/v1/attempts/{id}/appeal", Need::kPerson, Given<&FileAppeal>()},
+    Route{Method::kPost, "/api/v1/attempts/{id}/appeal/answer", Need::kInstructor,
+          Given<&AnswerAppeal>()},
+    Route{Method::kGet, "/api/v1/profiles", Need::kPerson, Given<&ListProfiles>()},
+    Route{Method::kPost, "/api/v1/profiles", Need::kAdmin, Given<&PutProfile>()},
+    Route{Method::kGet, "/api/v1/profiles/{name}", Need::kPerson, Given<&GetProfile>()},
     Route{Method::kGet, "/api/v1/profiles/{name}/versions", Need::kInstructor,
-          &ListProfileVersions},
-    Route{Method::kGet, "/api/v1/profiles/{name}/feel", Need::kPerson, &GetProfileFeel},
-    Route{Method::kGet, "/api/v1/profiles/{name}/reports", Need::kInstructor, &ListProfileReports},
-    Route{Method::kPost, "/api/v1/profiles/{name}/reports", Need::kAdmin, &AddProfileReport},
-    Route{Method::kGet, "/api/v1/profile-reports/{id}", Need::kInstructor, &GetProfileReport},
+          Given<&ListProfileVersions>()},
+    Route{Method::kGet, "/api/v1/profiles/{name}/feel", Need::kPerson, Given<&GetProfileFeel>()},
+    Route{Method::kGet, "/api/v1/profiles/{name}/reports", Need::kInstructor,
+          Given<&ListProfileReports>()},
+    Route{Method::kPost, "/api/v1/profiles/{name}/reports", Need::kAdmin,
+          Given<&AddProfileReport>()},
+    Route{Method::kGet, "/api/v1/profile-reports/{id}", Need::kInstructor,
+          Given<&GetProfileReport>()},
     Route{Method::kGet, "/api/v1/profiles/{name}/calibrations", Need::kInstructor,
-          &ListCalibrations},
-    Route{Method::kPost, "/api/v1/profiles/{name}/calibrations", Need::kAdmin, &AddCalibration},
-    Route{Method::kGet, "/api/v1/stations", Need::kInstructor, &ListStations},
-    Route{Method::kGet, "/api/v1/stations/{id}", Need::kInstructor, &GetStation},
-    Route{Method::kPatch, "/api/v1/stations/{id}", Need::kAdmin, &EditStation},
-    Route{Method::kPost, "/api/v1/stations/{id}/revoke", Need::kAdmin, &RevokeStation},
-    Route{Method::kGet, "/api/v1/enrolment-codes", Need::kAdmin, &ListEnrolCodes},
-    Route{Method::kPost, "/api/v1/enrolment-codes", Need::kAdmin, &AddEnrolCode},
-    Route{Method::kDelete, "/api/v1/enrolment-codes/{id}", Need::kAdmin, &WithdrawEnrolCode},
-    Route{Method::kGet, "/api/v1/audit", Need::kAdmin, &ListAudit},
-    Route{Method::kGet, "/api/v1/jobs", Need::kAdmin, &ListJobs},
-    Route{Method::kPost, "/api/v1/jobs/{id}/cancel", Need::kAdmin, &CancelJob},
+          Given<&ListCalibrations>()},
+    Route{Method::kPost, "/api/v1/profiles/{name}/calibrations", Need::kAdmin,
+          Given<&AddCalibration>()},
+    Route{Method::kGet, "/api/v1/stations", Need::kInstructor, Given<&ListStations>()},
+    Route{Method::kGet, "/api/v1/stations/{id}", Need::kInstructor, Given<&GetStation>()},
+    Route{Method::kPatch, "/api/v1/stations/{id}", Need::kAdmin, Given<&EditStation>()},
+    Route{Method::kPost, "/api/v1/stations/{id}/revoke", Need::kAdmin, Given<&RevokeStation>()},
+    Route{Method::kGet, "/api/v1/enrolment-codes", Need::kAdmin, Given<&ListEnrolCodes>()},
+    Route{Method::kPost, "/api/v1/enrolment-codes", Need::kAdmin, Given<&AddEnrolCode>()},
+    Route{Method::kDelete, "/api/v1/enrolment-codes/{id}", Need::kAdmin,
+          Given<&WithdrawEnrolCode>()},
+    Route{Method::kGet, "/api/v1/audit", Need::kAdmin, Given<&ListAudit>()},
+    Route{Method::kGet, "/api/v1/jobs", Need::kAdmin, Given<&ListJobs>()},
+    Route{Method::kPost, "/api/v1/jobs/{id}/cancel", Need::kAdmin, Given<&CancelJob>()},
 };
 
 // The text in the place of `{…}` (empty for a pattern without), none when the path does not match.

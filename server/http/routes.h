@@ -13,7 +13,7 @@
 #include "server/http/message.h"
 #include "server/live/live_board.h"
 #include "server/ops/metrics.h"
-#include "server/storage/store.h"
+#include "server/storage/parts.h"
 #include "server/storage/store_pool.h"
 
 // The API's table of routes and what a handler gets. schemas/api/openapi.yaml is the contract; a
@@ -40,7 +40,6 @@ struct Monitoring {
 // What a handler works on. References outlive the call.
 struct Call {
   const Request& request;
-  Store& store;
   auth::Authenticator& authenticator;
   const auth::Identity* caller = nullptr;  // set unless the route needs nobody
   Uuid id;                                 // of `{id}` in the pattern
@@ -55,9 +54,9 @@ struct Call {
 };
 
 // Runs on the store's threads and may block.
-using BlockingHandler = Response (*)(const Call&);
+using BlockingHandler = Response (*)(const Call&, Store&);
 // Runs on the connection's strand and must not block.
-using AsyncHandler = boost::asio::awaitable<Response> (*)(Call);
+using AsyncHandler = boost::asio::awaitable<Response> (*)(Call, Store&);
 
 struct Route {
   Method method;

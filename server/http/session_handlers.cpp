@@ -97,10 +97,12 @@ Response SignOut(const Call& call) {
   return response;
 }
 
-Response ListSessions(const Call& call) { return SessionsResponse(call, call.caller->person.id); }
+Response ListSessions(const Call& call, PeopleStore& store) {
+  return SessionsResponse(call, store, call.caller->person.id);
+}
 
-Response EndSession(const Call& call) {
-  Result<SessionRow> session = call.store.SessionById(call.id);
+Response EndSession(const Call& call, PeopleStore& store) {
+  Result<SessionRow> session = store.SessionById(call.id);
   bool own = session.ok() && session->person == call.caller->person.id;
   if (!session.ok() && session.status().code() != Code::kNotFound) {
     return ErrorResponse(session.status());
@@ -108,7 +110,7 @@ Response EndSession(const Call& call) {
   if (!session.ok() || (!own && call.caller->person.role != Role::kAdmin)) {
     return ErrorResponse({Code::kNotFound, "there is no such session", "id"});
   }
-  Status ended = call.store.EndSessionById(call.id, ActorOf(call));
+  Status ended = store.EndSessionById(call.id, ActorOf(call));
   return ended.ok() ? Done() : ErrorResponse(ended);
 }
 

@@ -57,12 +57,12 @@ Status RevokingIsApart() {
 
 }  // namespace
 
-Response ListStations(const Call& call) {
+Response ListStations(const Call& call, StationStore& store) {
   Result<Page> page = PageOf(call.request, kMaxPage, kMaxPage);
   if (!page.ok()) return ErrorResponse(page.status());
   Result<std::optional<bool>> revoked = QueryFlag(call.request, "revoked");
   if (!revoked.ok()) return ErrorResponse(revoked.status());
-  Result<std::vector<StationRow>> rows = call.store.Stations();
+  Result<std::vector<StationRow>> rows = store.Stations();
   if (!rows.ok()) return ErrorResponse(rows.status());
   if (*revoked) {
     std::erase_if(*rows, [&](const StationRow& row) { return row.revoked != **revoked; });
@@ -74,12 +74,12 @@ Response ListStations(const Call& call) {
   return JsonResponse({{"stations", std::move(stations)}, {"next", std::move(next)}});
 }
 
-Response GetStation(const Call& call) {
-  Result<StationRow> row = call.store.StationById(call.id);
+Response GetStation(const Call& call, StationStore& store) {
+  Result<StationRow> row = store.StationById(call.id);
   return row.ok() ? StationResponse(*row) : ErrorResponse(row.status());
 }
 
-Response EditStation(const Call& call) {
+Response EditStation(const Call& call, StationStore& store) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   bool unrevoke = body.Has("revoked") && !body.Flag("revoked", true);
@@ -91,25 +91,25 @@ Response EditStation(const Call& call) {
   if (!name.ok()) return ErrorResponse(name.status());
   Result<int32_t> seen = IfMatch(call.request);
   if (!seen.ok()) return ErrorResponse(seen.status());
-  Result<StationRow> row = call.store.RenameStation(call.id, *name, *seen, ActorOf(call));
+  Result<StationRow> row = store.RenameStation(call.id, *name, *seen, ActorOf(call));
   if (row.ok()) return StationResponse(*row);
   if (row.status().field() != kStale) return ErrorResponse(row.status());
-  Result<StationRow> current = call.store.StationById(call.id);
+  Result<StationRow> current = store.StationById(call.id);
   if (!current.ok()) return ErrorResponse(current.status());
   return Stale(row.status(), StationJson(*current), current->revision);
 }
 
-Response RevokeStation(const Call& call) {
+Response RevokeStation(const Call& call, StationStore& store) {
   if (Status confirmed = RequireConfirmed(call); !confirmed.ok()) return ErrorResponse(confirmed);
-  Status revoked = call.store.RevokeStation(call.id, ActorOf(call));
+  Status revoked = store.RevokeStation(call.id, ActorOf(call));
   if (!revoked.ok()) return ErrorResponse(revoked);
-  return GetStation(call);
+  return GetStation(call, store);
 }
 
-Response ListEnrolCodes(const Call& call) {
+Response ListEnrolCodes(const Call& call, StationStore& store) {
   Result<Page> page = PageOf(call.request, kDefaultPage, kMaxPage);
   if (!page.ok()) return ErrorResponse(page.status());
-  Result<std::vector<EnrolCodeRow>> rows = call.store.OpenEnrolCodes(Now());
+  Result<std::vector<EnrolCodeRow>> rows = store.OpenEnrolCodes(Now());
   if (!rows.ok()) return ErrorResponse(rows.status());
   json::value next = CutPage(*rows, *page, [](const EnrolCodeRow& row) { return row.id.Text(); });
   json::array codes;
@@ -120,7 +120,7 @@ Response ListEnrolCodes(const Call& call) {
   return JsonResponse({{"codes", std::move(codes)}, {"next", std::move(next)}});
 }
 
-Response AddEnrolCode(const Call& call) {
+Response AddEnrolCode(const Call& call, StationStore& store) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   int64_t minutes = body.Integer("minutes", 1, kMaxMinutes, 60);
@@ -133,7 +133,7 @@ Response AddEnrolCode(const Call& call) {
   random.resize(kCodeBytes);
   std::string code = ToHex(random);
   UnixMs expires_ms = Now() + minutes * 60'000;
-  Result<Uuid> id = call.store.AddEnrolCode(HashSha256(AsBytes(code)), expires_ms, ActorOf(call));
+  Result<Uuid> id = store.AddEnrolCode(HashSha256(AsBytes(code)), expires_ms, ActorOf(call));
   if (!id.ok()) return ErrorResponse(id.status());
   return JsonResponse({{"id", id->Text()},
                        {"code", code + "@" + std::string(call.station_fingerprint)},
@@ -141,8 +141,8 @@ Response AddEnrolCode(const Call& call) {
                       201);
 }
 
-Response WithdrawEnrolCode(const Call& call) {
-  Status withdrawn = call.store.WithdrawEnrolCode(call.id, ActorOf(call));
+Response WithdrawEnrolCode(const Call& call, StationStore& store) {
+  Status withdrawn = store.WithdrawEnrolCode(call.id, ActorOf(call));
   if (!withdrawn.ok()) return ErrorResponse(withdrawn);
   Response response;
   response.status = 204;

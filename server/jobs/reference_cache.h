@@ -7,7 +7,7 @@
 #include "common/base/mutex.h"
 #include "common/base/result.h"
 #include "common/scoring/metrics.h"
-#include "server/storage/store.h"
+#include "server/storage/parts.h"
 
 namespace enamel::server {
 
@@ -27,7 +27,8 @@ class ReferenceCache {
   explicit ReferenceCache(size_t capacity = 2) : capacity_(capacity) {}
 
   // Errors: those of the store; kNotFound or kConflict when the attempt has no result.
-  Result<std::shared_ptr<const ReferenceCut>> Get(Store& store, const Uuid& attempt);
+  Result<std::shared_ptr<const ReferenceCut>> Get(Parts<BlobStore, AttemptStore> store,
+                                                  const Uuid& attempt);
 
  private:
   const size_t capacity_;

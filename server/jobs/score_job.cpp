@@ -28,7 +28,7 @@ Status Stopped() {
 
 class ScoreJob {
  public:
-  ScoreJob(Store& store, const Uuid& attempt, const Uuid& job, const JobProgress& progress,
+  ScoreJob(ScoringParts store, const Uuid& attempt, const Uuid& job, const JobProgress& progress,
            ReferenceCache& cache)
       : store_(store), attempt_(attempt), job_(job), progress_(progress), cache_(cache) {}
 
@@ -51,18 +51,18 @@ class ScoreJob {
   }
 
   Status LoadTrace() {
-    ENAMEL_ASSIGN_OR_RETURN(auto row, store_.AttemptById(attempt_));
+    ENAMEL_ASSIGN_OR_RETURN(auto row, store_.attempts().AttemptById(attempt_));
     row_ = std::move(row);
-    ENAMEL_ASSIGN_OR_RETURN(auto header, store_.AttemptHeader(attempt_));
+    ENAMEL_ASSIGN_OR_RETURN(auto header, store_.attempts().AttemptHeader(attempt_));
     header_hash_ = HashSha256(header);
     ENAMEL_ASSIGN_OR_RETURN(auto decoded, trace::DecodeHeader(header));
     header_ = std::move(decoded);
     // Before anything is computed with them: a header may be well signed and still ask for the
     // impossible.
     ENAMEL_RETURN_IF_ERROR(core::ValidateParams(header_.params));
-    ENAMEL_ASSIGN_OR_RETURN(auto chunks, store_.AttemptChunks(attempt_));
+    ENAMEL_ASSIGN_OR_RETURN(auto chunks, store_.attempts().AttemptChunks(attempt_));
     chunks_ = std::move(chunks);
-    ENAMEL_ASSIGN_OR_RETURN(auto seal, store_.AttemptSeal(attempt_));
+    ENAMEL_ASSIGN_OR_RETURN(auto seal, store_.attempts().AttemptSeal(attempt_));
     seal_ = seal;
     return Status::Ok();
   }
@@ -71,7 +71,7 @@ class ScoreJob {
     if (header_.ticket.attempt != attempt_) {
       return Differs("attempt in the header", attempt_.Text(), header_.ticket.attempt.Text());
     }
-    ENAMEL_ASSIGN_OR_RETURN(auto station, store_.StationById(row_.station));
+    ENAMEL_ASSIGN_OR_RETURN(auto station, store_.stations().StationById(row_.station));
     trace::PublicKey key{};
     if (station.public_key.size() != key.size()) {
       return Status(Code::kInvalidInput, "station " + station.name + " has no valid public key");
@@ -99,8 +99,9 @@ class ScoreJob {
     if (ticket.profile != row_.profile_content) {
       return Differs("device profile", row_.profile_content.Hex(), ticket.profile.Hex());
     }
-    auto documents = scene::ReadDocuments(ticket.exercise, ticket.profile,
-                                          [&](const Sha256& hash) { return store_.GetBlob(hash); });
+    auto documents = scene::ReadDocuments(ticket.exercise, ticket.profile, [&](const Sha256& hash) {
+      return store_.blobs().GetBlob(hash);
+    });
     if (!documents.ok()) return documents.status();
     ENAMEL_RETURN_IF_ERROR(
         scene::CheckMadeOf(*documents, header_.scene, header_.volume, header_.params));
@@ -110,14 +111,14 @@ class ScoreJob {
   }
 
   Status LoadVolume() {
-    ENAMEL_ASSIGN_OR_RETURN(auto blob, store_.GetBlob(header_.volume));
+    ENAMEL_ASSIGN_OR_RETURN(auto blob, store_.blobs().GetBlob(header_.volume));
     ENAMEL_ASSIGN_OR_RETURN(auto volume, scene::DecodeVolume(blob));
     initial_ = std::move(volume);
     return Status::Ok();
   }
 
   Status LoadReference() {
-    ENAMEL_ASSIGN_OR_RETURN(auto row, store_.ReferenceFor(row_.exercise));
+    ENAMEL_ASSIGN_OR_RETURN(auto row, store_.references().ReferenceFor(row_.exercise));
     if (!row) {
       if (row_.as_reference) return Status::Ok();
       return Status(Code::kNotFound,
@@ -192,7 +193,7 @@ class ScoreJob {
     ENAMEL_ASSIGN_OR_RETURN(auto score, scoring::ApplyRubric(exercise_.rubric, *metrics));
     FillStation(process, score);
 
-    Store::AttemptResult result;
+    AttemptStore::AttemptResult result;
     result.score = score.score;
     result.critical_fail = score.critical_fail;
     result.reference = reference_attempt_;
@@ -204,7 +205,7 @@ class ScoreJob {
     ENAMEL_RETURN_IF_ERROR(Put(scene::EncodeVolume(final_volume), result.final_volume));
     ENAMEL_RETURN_IF_ERROR(Put(EncodeSurface(mesh, deviation), result.surface));
     ENAMEL_RETURN_IF_ERROR(Put(AsBytes(series_json), result.series));
-    return store_.FinishAttempt(attempt_, result, job_);
+    return store_.jobs().FinishAttempt(attempt_, result, job_);
   }
 
   void FillStation(const scoring::ProcessRecorder& process, scoring::ScoreResult& score) const {
@@ -223,12 +224,12 @@ class ScoreJob {
   }
 
   Status Put(ByteView bytes, Sha256& hash) {
-    ENAMEL_ASSIGN_OR_RETURN(auto put, store_.PutAttemptBlob(attempt_, bytes));
+    ENAMEL_ASSIGN_OR_RETURN(auto put, store_.blobs().PutAttemptBlob(attempt_, bytes));
     hash = put;
     return Status::Ok();
   }
 
-  Store& store_;
+  const ScoringParts store_;
   const Uuid attempt_, job_;
   const JobProgress& progress_;
   ReferenceCache& cache_;
@@ -254,14 +255,14 @@ bool WorthAnotherTry(const Status& status) {
 
 }  // namespace
 
-Status RunScoreJob(Store& store, const Uuid& attempt, const JobProgress& progress,
+Status RunScoreJob(ScoringParts store, const Uuid& attempt, const JobProgress& progress,
                    ReferenceCache* cache, const Uuid& job) {
   ReferenceCache own;
   Status status = ScoreJob(store, attempt, job, progress, cache ? *cache : own).Run();
   // Anything else will be the same next time: the attempt says why, instead of the queue trying for
   // ever.
   if (status.ok() || WorthAnotherTry(status)) return status;
-  return store.FailAttempt(attempt, status.message(), job);
+  return store.jobs().FailAttempt(attempt, status.message(), job);
 }
 
 }  // namespace enamel::server

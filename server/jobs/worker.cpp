@@ -31,7 +31,8 @@ void YieldToOthers() {
 
 }  // namespace
 
-Worker::Worker(Store& store, WorkerOptions options) : store_(store), options_(std::move(options)) {}
+Worker::Worker(ScoringParts store, WorkerOptions options)
+    : store_(store), options_(std::move(options)) {}
 
 Worker::~Worker() { Stop(); }
 
@@ -75,7 +76,7 @@ void Worker::Wait(const std::stop_token& stop, uint64_t seen) {
 }
 
 bool Worker::RunOne(const std::stop_token& stop) {
-  auto job = store_.LeaseJob(NowMs(), options_.lease_ms);
+  auto job = store_.jobs().LeaseJob(NowMs(), options_.lease_ms);
   bool report_queue = false;
   {
     MutexLock lock(mutex_);
@@ -88,8 +89,9 @@ bool Worker::RunOne(const std::stop_token& stop) {
 
   Status status = RunJob(**job, stop);
   bool interrupted = status.code() == Code::kUnavailable && stop.stop_requested();
-  Status finished = interrupted ? store_.ReturnJob((*job)->id)
-                                : store_.FinishJob((*job)->id, status.ok(), status.message());
+  Status finished = interrupted
+                        ? store_.jobs().ReturnJob((*job)->id)
+                        : store_.jobs().FinishJob((*job)->id, status.ok(), status.message());
   Report(**job, status.ok() ? finished : status);
   return true;
 }
@@ -104,7 +106,7 @@ Status Worker::RunJob(const JobRow& job, const std::stop_token& stop) {
     if (done >= told + kProgressStep) {
       told = done;
       // Other trouble than having been cancelled is met and reported by the job's own writes.
-      if (store_.SetProgress(job.id, done).code() == Code::kUnavailable) return false;
+      if (store_.jobs().SetProgress(job.id, done).code() == Code::kUnavailable) return false;
     }
     return !stop.stop_requested();
   };

@@ -10,7 +10,7 @@
 #include "common/base/mutex.h"
 #include "common/base/result.h"
 #include "server/jobs/reference_cache.h"
-#include "server/storage/store.h"
+#include "server/jobs/score_job.h"
 
 namespace enamel::server {
 
@@ -32,7 +32,7 @@ struct WorkerOptions {
 // Notify from any thread; Start and Stop from the owner's. `store` must outlive it.
 class Worker {
  public:
-  explicit Worker(Store& store, WorkerOptions options = {});
+  explicit Worker(ScoringParts store, WorkerOptions options = {});
   ~Worker();  // Stops.
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
@@ -52,7 +52,7 @@ class Worker {
   void Wait(const std::stop_token& stop, uint64_t seen);
   void Report(const JobRow& job, const Status& status) const;
 
-  Store& store_;
+  const ScoringParts store_;
   const WorkerOptions options_;
   ReferenceCache references_;
   std::vector<std::jthread> threads_;

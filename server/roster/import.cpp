@@ -50,8 +50,8 @@ json::object StepJson(const RosterStep& step) {
 
 }  // namespace
 
-Result<ImportResult> ImportRoster(Store& store, std::string_view csv, const ImportOptions& options,
-                                  const Actor& by) {
+Result<ImportResult> ImportRoster(PeopleStore& store, std::string_view csv,
+                                  const ImportOptions& options, const Actor& by) {
   RosterFile file = ReadRoster(csv, options.file);
   bool dry_run = options.dry_run || !file.problems.empty();
   std::map<std::string, std::string> passwords;

@@ -29,8 +29,8 @@ struct ImportResult {
 
 // Reads the roster and brings the store in line with it, all or nothing. Blocks. Errors: those of
 // the store; what is wrong with the roster is in the result.
-Result<ImportResult> ImportRoster(Store& store, std::string_view csv, const ImportOptions& options,
-                                  const Actor& by);
+Result<ImportResult> ImportRoster(PeopleStore& store, std::string_view csv,
+                                  const ImportOptions& options, const Actor& by);
 
 // schemas/roster.md, "The outcome". At most 200 problems are listed, all are counted.
 boost::json::object ImportJson(const ImportResult& result);

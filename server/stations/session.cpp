@@ -79,7 +79,7 @@ bool Session::KnownAdmitted() const {
 Status Session::StillAdmitted() {
   UnixMs now = services_.clock();
   if (KnownAdmitted()) return Status::Ok();
-  ENAMEL_ASSIGN_OR_RETURN(auto station, services_.store.StationById(station_->id));
+  ENAMEL_ASSIGN_OR_RETURN(auto station, services_.store.stations().StationById(station_->id));
   if (station.revoked) return RevokedStation();
   admitted_ms_ = now;
   return Status::Ok();
@@ -129,8 +129,8 @@ Result<wire::Reply> Session::Do(const wire::Hello& hello) {
     ENAMEL_ASSIGN_OR_RETURN(auto checked, CheckedName(software, "software"));
     software = checked;
   }
-  auto station =
-      services_.store.StationByCredential(id, auth::TokenHash(AsBytes(hello.credential())));
+  auto station = services_.store.stations().StationByCredential(
+      id, auth::TokenHash(AsBytes(hello.credential())));
   if (!station.ok() && station.status().code() != Code::kNotFound) return station.status();
   if (!station.ok() || station->revoked) {
     return Status(Code::kUnauthenticated,
@@ -138,8 +138,8 @@ Result<wire::Reply> Session::Do(const wire::Hello& hello) {
                   "new code (a server that was restored from an older backup: with enrol --again, "
                   "so that what is recorded here stays good)");
   }
-  ENAMEL_RETURN_IF_ERROR(
-      services_.store.TouchStation(id, software, hello.core_version(), services_.clock()));
+  ENAMEL_RETURN_IF_ERROR(services_.store.stations().TouchStation(id, software, hello.core_version(),
+                                                                 services_.clock()));
   station_ = *station;
   station_core_version_ = hello.core_version();
   admitted_ms_ = services_.clock();
@@ -172,9 +172,9 @@ Result<wire::Reply> Session::Do(const wire::Enrol& enrol) {
     row.id = id;
   }
   Bytes credential = auth::NewToken();
-  ENAMEL_ASSIGN_OR_RETURN(
-      auto station, services_.store.EnrolStation(HashSha256(AsBytes(enrol.code())), row,
-                                                 auth::TokenHash(credential), services_.clock()));
+  ENAMEL_ASSIGN_OR_RETURN(auto station, services_.store.stations().EnrolStation(
+                                            HashSha256(AsBytes(enrol.code())), row,
+                                            auth::TokenHash(credential), services_.clock()));
 
   wire::Reply reply;
   wire::Enrolled& enrolled = *reply.mutable_enrolled();
@@ -241,14 +241,14 @@ Result<Person> Session::PersonOf(const std::string& session_token) {
 }
 
 Result<std::vector<ExerciseRow>> Session::ExercisesOf(const Person& person) {
-  return person.role == Role::kAdmin ? services_.store.AllExercises()
-                                     : services_.store.ExercisesFor(person.id);
+  return person.role == Role::kAdmin ? services_.store.content().AllExercises()
+                                     : services_.store.content().ExercisesFor(person.id);
 }
 
 Result<std::string> Session::StationsText(const AssignmentRow& assignment) {
   std::string out;
   for (const Uuid& id : assignment.stations) {
-    ENAMEL_ASSIGN_OR_RETURN(auto station, services_.store.StationById(id));
+    ENAMEL_ASSIGN_OR_RETURN(auto station, services_.store.stations().StationById(id));
     out += (out.empty() ? "" : ", ") + station.name;
   }
   return out;
@@ -290,13 +290,13 @@ Status Session::AddAssigned(const AssignedRow& row, const std::vector<SceneRow>&
 
 Result<wire::Reply> Session::Do(const wire::ListExercises& request) {
   ENAMEL_ASSIGN_OR_RETURN(auto person, PersonOf(request.session()));
-  ENAMEL_ASSIGN_OR_RETURN(auto scenes, services_.store.Scenes());
-  ENAMEL_ASSIGN_OR_RETURN(auto profiles, services_.store.Profiles());
+  ENAMEL_ASSIGN_OR_RETURN(auto scenes, services_.store.content().Scenes());
+  ENAMEL_ASSIGN_OR_RETURN(auto profiles, services_.store.content().Profiles());
 
   wire::Reply reply;
   wire::Exercises& out = *reply.mutable_exercises();
   if (person.role == Role::kStudent) {
-    ENAMEL_ASSIGN_OR_RETURN(auto assigned, services_.store.AssignmentsFor(person.id));
+    ENAMEL_ASSIGN_OR_RETURN(auto assigned, services_.store.teaching().AssignmentsFor(person.id));
     for (const AssignedRow& row : assigned) {
       ENAMEL_RETURN_IF_ERROR(AddAssigned(row, scenes, out));
     }

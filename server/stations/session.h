@@ -10,7 +10,7 @@
 #include "server/auth/authenticator.h"
 #include "server/live/live_board.h"
 #include "server/stations/content.h"
-#include "server/storage/store.h"
+#include "server/storage/parts.h"
 #include "server/training/ticket_rules.h"
 
 namespace enamel::server::stations {
@@ -26,7 +26,9 @@ inline constexpr size_t kMaxSignedIn = 8;  // people signed in on one connection
 
 // What all sessions share. Everything in it outlives them and may be used from any thread.
 struct Services {
-  Store& store;
+  Parts<PeopleStore, StationStore, ContentStore, TeachingStore, JudgingStore, IngestStore,
+        AttemptStore, AuditStore>
+      store;
   auth::Authenticator& authenticator;
   LiveBoard& live;
   Content& content;

@@ -22,8 +22,9 @@ Status CheckWords(const wire::MarkReference& request) {
 Result<wire::Reply> Session::Do(const wire::MarkReference& request) {
   ENAMEL_ASSIGN_OR_RETURN(auto attempt, protocol::ReadUuid(request.attempt(), "attempt"));
   ENAMEL_ASSIGN_OR_RETURN(auto person, PersonOf(request.session()));
-  ENAMEL_ASSIGN_OR_RETURN(auto row, services_.store.AttemptById(attempt));
-  ENAMEL_ASSIGN_OR_RETURN(auto shares, services_.store.ShareCohort(person.id, row.person));
+  ENAMEL_ASSIGN_OR_RETURN(auto row, services_.store.attempts().AttemptById(attempt));
+  ENAMEL_ASSIGN_OR_RETURN(auto shares,
+                          services_.store.teaching().ShareCohort(person.id, row.person));
   if (!CanSeeAttempt(person, row, shares)) {
     return Status(Code::kNotFound, "no attempt " + attempt.Text(), "attempt");
   }
@@ -38,9 +39,9 @@ Result<wire::Reply> Session::Do(const wire::MarkReference& request) {
                       AttemptStateName(row.state) + "; wait for the score",
                   "attempt");
   }
-  ENAMEL_ASSIGN_OR_RETURN(
-      auto reference, services_.store.AddReference(attempt, request.dentist(), request.consent(),
-                                                   Actor{person.id, "station " + station_->name}));
+  ENAMEL_ASSIGN_OR_RETURN(auto reference, services_.store.teaching().AddReference(
+                                              attempt, request.dentist(), request.consent(),
+                                              Actor{person.id, "station " + station_->name}));
   wire::Reply reply;
   reply.mutable_reference_marked()->set_attempt(request.attempt());
   reply.mutable_reference_marked()->set_version(reference.version);

@@ -97,7 +97,7 @@ asio::awaitable<void> StationServer::State::WatchRevoked() {
     error_code ignored;
     co_await next_look.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
     if (stopping || listener.open() == 0) continue;
-    auto now = co_await pool.Run([this] { return services.store.RevokedStations(); });
+    auto now = co_await pool.Run([this] { return services.store.stations().RevokedStations(); });
     if (now.ok()) EndRevoked({now->begin(), now->end()});
   }
 }

@@ -5,24 +5,15 @@
 
 #include "common/base/result.h"
 #include "server/storage/actor.h"
+#include "server/storage/blob_store.h"
 #include "server/training/types.h"
 
 namespace enamel::server {
 
-// Blobs, device profiles, scenes and exercises.
+// Device profiles, scenes and exercises, and the blobs that hold them.
 // A part of Store (store.h), which says what holds for all parts.
-class ContentStore {
+class ContentStore : public BlobStore {
  public:
-  virtual ~ContentStore() = default;
-
-  // Content-addressed blobs: documents, volumes, sealed results. Write-once, durable on return.
-  virtual Result<Sha256> PutBlob(ByteView data) = 0;
-  virtual Result<Bytes> GetBlob(const Sha256& hash) = 0;
-  virtual bool HasBlob(const Sha256& hash) = 0;
-  // A blob that shows what the attempt's person did: kept under that person's key, readable through
-  // GetBlob as long as the key exists. Errors also: kNotFound (attempt), kConflict (person erased).
-  virtual Result<Sha256> PutAttemptBlob(const Uuid& attempt, ByteView data) = 0;
-
   // Name, title and content of `row` count: a new version of the profile of this name when the
   // content differs from the newest one.
   virtual Status PutProfile(const ProfileRow& row, const Actor& by) = 0;

@@ -6,6 +6,7 @@
 
 #include "common/base/result.h"
 #include "server/storage/actor.h"
+#include "server/storage/reference_store.h"
 #include "server/training/revision.h"
 #include "server/training/types.h"
 
@@ -18,10 +19,8 @@ struct AssignmentFilter {
 
 // Cohorts, what is assigned to them, and the cuts that attempts are compared with.
 // A part of Store (store.h), which says what holds for all parts.
-class TeachingStore {
+class TeachingStore : public ReferenceStore {
  public:
-  virtual ~TeachingStore() = default;
-
   virtual Result<Uuid> CreateCohort(const std::string& name, const Actor& by) = 0;
   virtual Result<Cohort> CohortById(const Uuid& id) = 0;
   // Errors: kConflict with field kStale, without one (the name is taken).
@@ -53,18 +52,6 @@ class TeachingStore {
   virtual Result<std::vector<AssignedRow>> AssignmentsFor(const Uuid& person) = 0;
   // Releases every scored attempt under it; how many were not before.
   virtual Result<uint32_t> ReleaseAssignment(const Uuid& id, const Actor& by) = 0;
-
-  // A sealed and scored attempt becomes the exercise's reference (newest that is not withdrawn
-  // wins); attempts of that exercise which were sealed without a reference are queued for scoring,
-  // itself included (it then reads deviation 0). `consent`: students may see the name.
-  virtual Result<ReferenceRow> AddReference(const Uuid& attempt, const std::string& dentist,
-                                            bool consent, const Actor& by) = 0;
-  virtual Result<ReferenceRow> ReferenceById(const Uuid& id) = 0;
-  // Newest first, withdrawn ones too.
-  virtual Result<std::vector<ReferenceRow>> References(const Uuid& exercise) = 0;
-  // Scores made with it stay until they are made again.
-  virtual Status WithdrawReference(const Uuid& id, const Actor& by) = 0;
-  virtual Result<std::optional<ReferenceRow>> ReferenceFor(const Uuid& exercise) = 0;
 };
 
 }  // namespace enamel::server

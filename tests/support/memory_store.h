@@ -7,15 +7,19 @@
 #include <string>
 #include <vector>
 
-#include "server/storage/store.h"
+#include "server/storage/parts.h"
 
 namespace enamel::test {
 
-// The part of the store that jobs use, in memory: blobs, attempts with their traces, references,
-// the queue. Everything else answers kInternal. Fields are open so that a test can arrange and
+// The parts of the store that jobs use, in memory: blobs, attempts with their traces, references,
+// the queue. What jobs do not use of them answers kInternal. Fields are open so that a test can arrange and
 // spoil them; what is running on other threads must be looked at through the methods. Thread
 // safety: methods from any thread.
-class MemoryStore final : public server::Store {
+class MemoryStore final : public server::StationStore,
+                          public server::BlobStore,
+                          public server::ReferenceStore,
+                          public server::AttemptStore,
+                          public server::JobStore {
  public:
   struct Trace {
     Bytes header;
@@ -29,10 +33,9 @@ class MemoryStore final : public server::Store {
   std::map<Uuid, server::StationRow> stations;
   std::map<Uuid, server::ReferenceRow> references;  // by exercise
   std::vector<server::JobRow> jobs;
-  std::vector<double> progress;         // everything SetProgress was told
-  int failing_puts = 0;                 // this many PutBlob answer kStorage
-  double cancel_at = 2;                 // progress at which a run is cancelled; above 1: never
-  std::function<void()> before_health;  // a disk that hangs; set while nobody asks
+  std::vector<double> progress;  // everything SetProgress was told
+  int failing_puts = 0;          // this many PutBlob answer kStorage
+  double cancel_at = 2;          // progress at which a run is cancelled; above 1: never
 
   Result<Sha256> PutBlob(ByteView data) override {
     std::lock_guard lock(mutex_);
@@ -76,18 +79,6 @@ class MemoryStore final : public server::Store {
     std::lock_guard lock(mutex_);
     ENAMEL_ASSIGN_OR_RETURN(auto found, Find(traces, id, "trace"));
     return found.seal;
-  }
-  Status ReturnTicket(const Uuid& id, const server::Actor&) override {
-    std::lock_guard lock(mutex_);
-    auto found = attempts.find(id);
-    if (found == attempts.end()) return Status(Code::kNotFound, "no such attempt");
-    server::AttemptRow& row = found->second;
-    bool returned = (row.flags & server::kReturned) != 0;
-    if (!returned && row.state != server::AttemptState::kTicketed) {
-      return Status(Code::kConflict, "it was begun", "attempt");
-    }
-    row.flags |= server::kReturned;
-    return Status::Ok();
   }
   Status FinishAttempt(const Uuid& id, const AttemptResult& result, const Uuid& job) override {
     std::lock_guard lock(mutex_);
@@ -188,41 +179,6 @@ class MemoryStore final : public server::Store {
   int leases = 0;
 
   // Not used by jobs.
-  Result<Uuid> CreatePerson(const server::Person&, const std::string&, const std::vector<Uuid>&,
-                            const server::Actor&) override {
-    return No();
-  }
-  Result<server::Person> PersonById(const Uuid&) override { return No(); }
-  Result<server::Person> PersonByLogin(const std::string&) override { return No(); }
-  Result<std::string> PasswordVerifier(const Uuid&) override { return No(); }
-  Status UseOneTimePassword(const Uuid&) override { return No(); }
-  Status SetPassword(const Uuid&, const std::string&, bool, const server::Actor&) override {
-    return No();
-  }
-  Result<std::vector<server::Person>> FindPeople(const server::PeopleFilter&) override {
-    return No();
-  }
-  Result<server::Person> EditPerson(const Uuid&, const server::PersonEdit&, int32_t,
-                                    const server::Actor&) override {
-    return No();
-  }
-  Result<server::RosterPlan> ImportRoster(const std::vector<server::RosterRow>&, bool,
-                                          const server::Actor&) override {
-    return No();
-  }
-  Result<std::vector<server::SessionRow>> SessionsOf(const Uuid&) override { return No(); }
-  Result<server::SessionRow> SessionById(const Uuid&) override { return No(); }
-  Status EndSessionById(const Uuid&, const server::Actor&) override { return No(); }
-  Status ConfirmSession(const Sha256&, server::UnixMs) override { return No(); }
-  Result<server::Cohort> CohortById(const Uuid&) override { return No(); }
-  Result<server::Cohort> EditCohort(const Uuid&, const server::CohortEdit&, int32_t,
-                                    const server::Actor&) override {
-    return No();
-  }
-  Status ChangeMembers(const Uuid&, const std::vector<Uuid>&, const std::vector<Uuid>&,
-                       const server::Actor&) override {
-    return No();
-  }
   Result<std::vector<server::EnrolCodeRow>> OpenEnrolCodes(server::UnixMs) override { return No(); }
   Status WithdrawEnrolCode(const Uuid&, const server::Actor&) override { return No(); }
   Result<server::StationRow> RenameStation(const Uuid&, const std::string&, int32_t,
@@ -230,41 +186,7 @@ class MemoryStore final : public server::Store {
     return No();
   }
   Status RevokeStation(const Uuid&, const server::Actor&) override { return No(); }
-  Result<std::vector<server::ProfileRow>> ProfileVersions(const std::string&) override {
-    return No();
-  }
-  Result<server::ProfileReportRow> AddProfileReport(const server::ProfileReportRow&,
-                                                    const server::Actor&) override {
-    return No();
-  }
-  Result<std::vector<server::ProfileReportRow>> ProfileReports(const std::string&) override {
-    return No();
-  }
-  Result<server::ProfileReportRow> ProfileReportById(const Uuid&) override { return No(); }
-  Result<server::CalibrationRow> AddCalibration(const server::CalibrationRow&,
-                                                const server::Actor&) override {
-    return No();
-  }
-  Result<std::vector<server::CalibrationRow>> Calibrations(const std::string&) override {
-    return No();
-  }
   Result<std::vector<server::JobRow>> FindJobs(const server::JobFilter&) override { return No(); }
-  Result<std::vector<server::AuditRow>> FindAudit(const server::AuditFilter&) override {
-    return No();
-  }
-  Status SetDisabled(const Uuid&, bool, const server::Actor&) override { return No(); }
-  Result<std::vector<server::Person>> People() override { return No(); }
-  Status CreateSession(const server::SessionRow&) override { return No(); }
-  Result<server::SessionRow> FindSession(const Sha256&) override { return No(); }
-  Status TouchSession(const Sha256&, server::UnixMs) override { return No(); }
-  Status EndSession(const Sha256&) override { return No(); }
-  Result<size_t> EndSessionsOf(const Uuid&, const server::Actor&) override { return No(); }
-  Result<Uuid> CreateCohort(const std::string&, const server::Actor&) override { return No(); }
-  Status AddToCohort(const Uuid&, const Uuid&, const server::Actor&) override { return No(); }
-  Result<std::vector<server::Cohort>> CohortsOf(const Uuid&) override { return No(); }
-  Result<std::vector<server::Cohort>> Cohorts() override { return No(); }
-  Result<std::vector<server::Person>> CohortMembers(const Uuid&) override { return No(); }
-  Result<bool> ShareCohort(const Uuid&, const Uuid&) override { return No(); }
   Result<Uuid> AddEnrolCode(const Sha256&, server::UnixMs, const server::Actor&) override {
     return No();
   }
@@ -280,95 +202,13 @@ class MemoryStore final : public server::Store {
   }
   Result<std::vector<server::StationRow>> Stations() override { return No(); }
   Result<std::vector<Uuid>> RevokedStations() override { return No(); }
-  Status PutProfile(const server::ProfileRow&, const server::Actor&) override { return No(); }
-  Result<std::vector<server::ProfileRow>> Profiles() override { return No(); }
-  Status PutScene(const server::SceneRow&, const server::Actor&) override { return No(); }
-  Result<std::vector<server::SceneRow>> Scenes() override { return No(); }
-  Result<server::ExerciseRow> PublishExercise(server::ExerciseRow, const Uuid&,
-                                              const server::Actor&) override {
-    return No();
-  }
-  Result<server::ExerciseRow> ExerciseById(const Uuid&) override { return No(); }
-  Result<server::ExerciseRow> ExerciseByContent(const Sha256&) override { return No(); }
-  Result<std::vector<server::ExerciseRow>> ExercisesFor(const Uuid&) override { return No(); }
-  Result<std::vector<server::ExerciseRow>> AllExercises() override { return No(); }
-  Result<std::vector<server::ExerciseRow>> ExercisesIn(server::ExerciseState) override {
-    return No();
-  }
-  Result<std::vector<server::ExerciseRow>> ExerciseVersions(const std::string&) override {
-    return No();
-  }
-  Result<server::ExerciseRow> PutDraft(const server::ExerciseRow&, const server::Actor&) override {
-    return No();
-  }
-  Result<server::ExerciseRow> ReplaceDraft(const server::ExerciseRow&,
-                                           const server::Actor&) override {
-    return No();
-  }
-  Status DeleteDraft(const Uuid&, int32_t, const server::Actor&) override { return No(); }
-  Result<server::ExerciseRow> PublishDraft(const Uuid&, int32_t, const server::Actor&) override {
-    return No();
-  }
-  Status RetireExercise(const Uuid&, const server::Actor&) override { return No(); }
-  Result<server::AssignmentRow> AddAssignment(const server::AssignmentRow&,
-                                              const server::Actor&) override {
-    return No();
-  }
-  Result<server::AssignmentRow> ReplaceAssignment(const server::AssignmentRow&,
-                                                  const server::Actor&) override {
-    return No();
-  }
-  Status DeleteAssignment(const Uuid&, int32_t, const server::Actor&) override { return No(); }
-  Result<server::AssignmentRow> AssignmentById(const Uuid&) override { return No(); }
-  Result<std::vector<server::AssignmentRow>> Assignments(const server::AssignmentFilter&) override {
-    return No();
-  }
-  Result<std::vector<server::AssignedRow>> AssignmentsFor(const Uuid&) override { return No(); }
-  Result<uint32_t> ReleaseAssignment(const Uuid&, const server::Actor&) override { return No(); }
-  Status CreateAttempt(const server::AttemptRow&, ByteView, const server::Actor&) override {
-    return No();
-  }
-  Status OpenAttempt(const Uuid&, ByteView) override { return No(); }
-  Status AppendChunk(const ChunkPut&) override { return No(); }
-  Status SealAttempt(const trace::Seal&, server::UnixMs) override { return No(); }
   Result<std::vector<server::AttemptRow>> Attempts(const server::AttemptFilter&) override {
     return No();
   }
   Result<std::vector<server::ResultRow>> ResultsOf(const Uuid&) override { return No(); }
-  Status ReleaseAttempt(const Uuid&, const server::Actor&, std::optional<int32_t>) override {
-    return No();
-  }
-  Status WithdrawRelease(const Uuid&, const server::Actor&, std::optional<int32_t>) override {
-    return No();
-  }
-  Status OverrideScore(const Uuid&, const std::optional<server::ScoreOverride>&,
-                       const server::Actor&, std::optional<int32_t>) override {
-    return No();
-  }
-  Status FlagAttempt(const Uuid&, uint32_t, const std::string&, const server::Actor&,
-                     std::optional<int32_t>) override {
-    return No();
-  }
   Result<std::vector<server::ContradictionRow>> ContradictionsOf(const Uuid&) override {
     return No();
   }
-  Status Rescore(const Uuid&, const std::string&, const server::Actor&) override { return No(); }
-  Result<server::AnnotationRow> AddAnnotation(const server::AnnotationRow&,
-                                              const server::Actor&) override {
-    return No();
-  }
-  Result<server::AnnotationRow> ReplaceAnnotation(const server::AnnotationRow&,
-                                                  const server::Actor&) override {
-    return No();
-  }
-  Status DeleteAnnotation(const Uuid&, int32_t, const server::Actor&) override { return No(); }
-  Result<server::AnnotationRow> AnnotationById(const Uuid&) override { return No(); }
-  Result<std::vector<server::AnnotationRow>> AnnotationsOf(const Uuid&) override { return No(); }
-  Status FileAppeal(const Uuid&, const std::string&, const server::Actor&) override { return No(); }
-  Status AnswerAppeal(const Uuid&, bool, const std::string&, const server::Actor&) override {
-    return No();
-  }
-  Result<std::optional<server::AppealRow>> AppealOf(const Uuid&) override { return No(); }
   Result<server::ReferenceRow> AddReference(const Uuid&, const std::string&, bool,
                                             const server::Actor&) override {
     return No();
@@ -376,29 +216,6 @@ class MemoryStore final : public server::Store {
   Result<server::ReferenceRow> ReferenceById(const Uuid&) override { return No(); }
   Result<std::vector<server::ReferenceRow>> References(const Uuid&) override { return No(); }
   Status WithdrawReference(const Uuid&, const server::Actor&) override { return No(); }
-  Status PutSceneSurface(const Sha256&, const Sha256&) override { return No(); }
-  Result<std::vector<server::AuditRow>> Audit(uint32_t) override { return No(); }
-  Result<std::vector<server::AuditRow>> AuditAbout(const Uuid&) override { return No(); }
-  Status NoteAudit(const server::Actor&, const std::string&, const std::string&,
-                   const std::string&) override {
-    return No();
-  }
-  Result<server::ErasureReport> ErasePerson(const Uuid&, bool, const server::Actor&) override {
-    return No();
-  }
-  Result<std::vector<server::RetentionRule>> RetentionRules() override { return No(); }
-  Status SetRetention(const server::RetentionRule&, const server::Actor&) override { return No(); }
-  Result<server::RetentionReport> ApplyRetention(server::UnixMs, bool,
-                                                 const server::Actor&) override {
-    return No();
-  }
-  Status FinishErasures() override { return Status::Ok(); }
-  void StopWaiting() override {}
-  server::StoreHealth Health() override {
-    if (before_health) before_health();
-    return {};
-  }
-  Status TryWrite() override { return Status::Ok(); }
 
  private:
   // Requires: mutex_ is held.

@@ -10,8 +10,9 @@
 
 #include "server/http/request_reader.h"
 #include "server/http/site.h"
+#include "server/storage/disk.h"
+#include "server/storage/sqlite_store.h"
 #include "tests/server/http/running_server.h"
-#include "tests/support/memory_store.h"
 
 namespace enamel::server::http {
 namespace {
@@ -233,15 +234,45 @@ TEST_F(HttpServerTest, ASlowDripDoesNotExtendTheDeadline) {
   EXPECT_TRUE(body.ClosedByServer());
 }
 
+// The machine's, but that it does not say how much is free before `asked` returns.
+class HangingDisk final : public Disk {
+ public:
+  explicit HangingDisk(std::function<void()> asked) : asked_(std::move(asked)) {}
+  Result<uint64_t> FreeBytes(const std::filesystem::path& folder) override {
+    asked_();
+    return disk_.FreeBytes(folder);
+  }
+  Status Replace(const std::filesystem::path& path, ByteView data) override {
+    return disk_.Replace(path, data);
+  }
+  Status MakeFolder(const std::filesystem::path& path) override { return disk_.MakeFolder(path); }
+  Status SyncFolder(const std::filesystem::path& path) override { return disk_.SyncFolder(path); }
+  Status Remove(const std::filesystem::path& path) override { return disk_.Remove(path); }
+  Status Shred(const std::filesystem::path& path) override { return disk_.Shred(path); }
+  Result<Content> Hash(const std::filesystem::path& path) override { return disk_.Hash(path); }
+  Result<Copied> Copy(const std::filesystem::path& from, const std::filesystem::path& to,
+                      bool link) override {
+    return disk_.Copy(from, to, link);
+  }
+  Status SyncAll(const std::filesystem::path& folder) override { return disk_.SyncAll(folder); }
+
+ private:
+  Disk& disk_ = SystemDisk();
+  const std::function<void()> asked_;
+};
+
 TEST_F(HttpServerTest, DiskThatHangsHoldsUpWhoAsksForHealthAndNobodyElse) {
   std::promise<void> asked, release;
-  auto store = std::make_unique<enamel::test::MemoryStore>();
-  store->before_health = [&] {
+  HangingDisk disk([&, may_go_on = release.get_future().share()] {
     asked.set_value();
-    release.get_future().wait();
-  };
+    may_go_on.wait();
+  });
   school_.authenticator.reset();
-  school_.store = std::move(store);
+  school_.store.reset();
+  SqliteOptions hanging{.folder = school_.folder.path() / "data", .disk = &disk};
+  auto store = OpenSqliteStore(hanging);
+  ASSERT_TRUE(store.ok()) << store.status().message();
+  school_.store = std::move(*store);
   school_.authenticator = std::make_unique<auth::Authenticator>(*school_.store);
   RunningServer server(school_, options_);
   RawClient patient(server.port()), other(server.port());

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "server/storage/actor.h"
+#include "server/training/types.h"
+
+namespace enamel::server {
+
+// The cuts that attempts are compared with.
+// A part of Store (store.h), which says what holds for all parts.
+class ReferenceStore {
+ public:
+  virtual ~ReferenceStore() = default;
+
+  // A sealed and scored attempt becomes the exercise's reference (newest that is not withdrawn
+  // wins); attempts of that exercise which were sealed without a reference are queued for scoring,
+  // itself included (it then reads deviation 0). `consent`: students may see the name.
+  virtual Result<ReferenceRow> AddReference(const Uuid& attempt, const std::string& dentist,
+                                            bool consent, const Actor& by) = 0;
+  virtual Result<ReferenceRow> ReferenceById(const Uuid& id) = 0;
+  // Newest first, withdrawn ones too.
+  virtual Result<std::vector<ReferenceRow>> References(const Uuid& exercise) = 0;
+  // Scores made with it stay until they are made again.
+  virtual Status WithdrawReference(const Uuid& id, const Actor& by) = 0;
+  virtual Result<std::optional<ReferenceRow>> ReferenceFor(const Uuid& exercise) = 0;
+};
+
+}  // namespace enamel::server
