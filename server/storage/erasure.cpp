@@ -176,6 +176,7 @@ Result<ErasureReport> SqliteStore::ErasePerson(const Uuid& person, bool with_ref
   std::set<Sha256> blobs;
   ENAMEL_RETURN_IF_ERROR(Write([&](Db& db) -> Status {
     report = {};
+    blobs.clear();
     return WithOverwriting(db,
                            [&] { return DeletePerson(db, person, tombstone, by, report, blobs); });
   }));
@@ -198,22 +199,25 @@ Status SqliteStore::Reconcile() {
   for (const Tombstone& tombstone : gone) tombstones[tombstone.person] = tombstone;
   auto people = Read([](Db& db) { return PeopleIn(db); });
   if (!people.ok()) return people.status();
-  std::set<Sha256> blobs;
+  std::set<Sha256> all_blobs;
   for (const Uuid& person : *people) {
     auto tombstone = tombstones.find(TombstoneOf(person));
     if (tombstone == tombstones.end()) continue;
     ENAMEL_RETURN_IF_ERROR(MarkForRewrite());
+    std::set<Sha256> blobs;
     ENAMEL_RETURN_IF_ERROR(Write([&](Db& db) -> Status {
+      blobs.clear();
       ErasureReport report;
       return WithOverwriting(db, [&] {
         return DeletePerson(db, person, tombstone->second, Actor{{}, "list of erasures"}, report,
                             blobs);
       });
     }));
+    all_blobs.merge(blobs);
     // An erasure beside this start may have removed the first mark meanwhile.
     ENAMEL_RETURN_IF_ERROR(MarkForRewrite());
   }
-  return blobs.empty() ? Status::Ok() : RemoveUnnamed(blobs).status();
+  return all_blobs.empty() ? Status::Ok() : RemoveUnnamed(all_blobs).status();
 }
 
 }  // namespace enamel::server::sqlite

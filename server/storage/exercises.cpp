@@ -158,9 +158,11 @@ Status MustBeRevision(int32_t stored, int32_t expected) {
                 std::string(kStale));
 }
 
-Result<ExerciseRow> SqliteStore::PublishExercise(ExerciseRow row, const Uuid& cohort,
+Result<ExerciseRow> SqliteStore::PublishExercise(ExerciseRow exercise, const Uuid& cohort,
                                                  const Actor& by) {
+  ExerciseRow row;
   Status status = Write([&](Db& db) -> Status {
+    row = exercise;
     ENAMEL_ASSIGN_OR_RETURN(auto newest, NewestVersion(db, row.name));
     ENAMEL_RETURN_IF_ERROR(AssignOnce(db, row.name, cohort));
     if (newest && newest->content == row.content) {

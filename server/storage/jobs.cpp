@@ -70,6 +70,7 @@ Result<std::optional<JobRow>> NextJob(Db& db, UnixMs now_ms) {
 }
 
 Status TakeJob(Db& db, UnixMs now_ms, UnixMs lease_ms, std::optional<JobRow>& taken) {
+  taken.reset();
   for (;;) {
     ENAMEL_ASSIGN_OR_RETURN(auto next, NextJob(db, now_ms));
     if (!next) return Status::Ok();

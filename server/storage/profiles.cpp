@@ -105,8 +105,9 @@ Result<ProfileReportRow> SqliteStore::AddProfileReport(const ProfileReportRow& r
   if (!blobs_.Has(row.content)) {
     return Status(Code::kNotFound, "the report is not stored; put its blob first");
   }
-  ProfileReportRow added = row;
+  ProfileReportRow added;
   Status status = Write([&](Db& db) -> Status {
+    added = row;
     ENAMEL_ASSIGN_OR_RETURN(auto profile, MustBeThere(db, row.profile));
     {
       static const std::string kSql =
@@ -158,8 +159,9 @@ Result<ProfileReportRow> SqliteStore::ProfileReportById(const Uuid& id) {
 }
 
 Result<CalibrationRow> SqliteStore::AddCalibration(const CalibrationRow& row, const Actor& by) {
-  CalibrationRow added = row;
+  CalibrationRow added;
   Status status = Write([&](Db& db) -> Status {
+    added = row;
     if (auto profile = MustBeThere(db, row.profile); !profile.ok()) return profile.status();
     {
       static const std::string kSql =

@@ -120,6 +120,7 @@ Status Expire(Db& db, const std::vector<Uuid>& attempts, UnixMs now_ms, std::set
 Status Remove(Db& db, UnixMs now_ms, const Actor& by, RetentionReport& report,
               std::set<Sha256>& blobs) {
   report = {};
+  blobs.clear();
   ENAMEL_RETURN_IF_ERROR(FindDue(db, now_ms, report));
   ENAMEL_RETURN_IF_ERROR(Expire(db, report.recordings, now_ms, blobs));
   ENAMEL_RETURN_IF_ERROR(DeleteAttempts(db, report.unfinished, blobs));

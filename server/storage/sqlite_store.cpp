@@ -67,7 +67,8 @@ std::unique_ptr<Db> Patient(std::unique_ptr<Db> db, std::chrono::milliseconds bu
 SqliteStore::SqliteStore(const SqliteOptions& options, std::unique_ptr<Db> writer, FolderLock lock)
     : folder_(options.folder),
       lock_(std::move(lock)),
-      writer_(Patient(std::move(writer), options.busy_wait, [this] { return OthersErase(); })),
+      writer_(Patient(std::move(writer), options.busy_wait, [this] { return OthersErase(); }),
+              options.change_twice),
       readers_(options.folder / "enamel.db", options.readers, options.vfs),
       blobs_(options.folder / "blobs", DiskOf(options), options.fail_next),
       keyring_(options.folder / "keyring", DiskOf(options)),

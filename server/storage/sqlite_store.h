@@ -34,6 +34,8 @@ struct SqliteOptions {
   // How long a write waits for another process's before it is refused. The time in which that
   // process finishes an erasure does not count.
   std::chrono::milliseconds busy_wait{10'000};
+  // Every change is made, taken back and made again, as a server's database may ask for. For tests.
+  bool change_twice = false;
 };
 
 // The embedded store: DIR/enamel.db (SQLite, WAL, synchronous=FULL), DIR/blobs/xx/<sha256> and

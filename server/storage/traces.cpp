@@ -259,6 +259,7 @@ Status SqliteStore::AppendChunk(const ChunkPut& chunk) {
   const Bytes sealed = SealPersonal(key.person, key.key, chunk.attempt, chunk.bytes);
   bool sealed_before = false, fresh = false;
   Status status = Write(Writer::Work([&](Db& db, bool& keep_anyway) -> Status {
+    sealed_before = fresh = false;
     ENAMEL_ASSIGN_OR_RETURN(auto ingest, FindIngest(db, chunk.attempt));
     if (!ingest.has_header) {
       return Status(Code::kNotFound,
@@ -323,6 +324,7 @@ Status SqliteStore::SealAttempt(const trace::Seal& seal, UnixMs now_ms) {
   ENAMEL_RETURN_IF_ERROR(MoveTraceToBlob(seal, blob));
   bool fresh = false;
   Status status = Write([&](Db& db) -> Status {
+    fresh = false;
     ENAMEL_ASSIGN_OR_RETURN(auto ingest, check(db));
     if (ingest.state != AttemptState::kRecording) return Status::Ok();
     fresh = true;
@@ -361,6 +363,7 @@ Status SqliteStore::AcceptCommitted(const Uuid& attempt, const Actor& by) {
       {attempt, before->chunks, before->ticks, before->head, before->head_state_hash}, blob));
   bool fresh = false;
   Status status = Write([&](Db& db) -> Status {
+    fresh = false;
     ENAMEL_ASSIGN_OR_RETURN(auto ingest, FindIngest(db, attempt));
     if (!unsealed(ingest)) return Status::Ok();
     fresh = true;

@@ -5,7 +5,8 @@
 
 namespace enamel::server::sqlite {
 
-Writer::Writer(std::unique_ptr<Db> db) : db_(std::move(db)), thread_([this] { Loop(); }) {}
+Writer::Writer(std::unique_ptr<Db> db, bool twice)
+    : db_(std::move(db)), twice_(twice), thread_([this] { Loop(); }) {}
 
 Writer::~Writer() {
   {
@@ -124,6 +125,11 @@ bool Writer::damaged() const {
 
 Status Writer::RunOne(const Work& work, Status& outcome) {
   ENAMEL_RETURN_IF_ERROR(db_->Exec("SAVEPOINT one"));
+  if (twice_) {
+    bool ignored = false;
+    (void)work(*db_, ignored);
+    ENAMEL_RETURN_IF_ERROR(db_->Exec("ROLLBACK TO one"));
+  }
   bool keep_anyway = false;
   outcome = work(*db_, keep_anyway);
   if (!outcome.ok() && !keep_anyway) ENAMEL_RETURN_IF_ERROR(db_->Exec("ROLLBACK TO one"));

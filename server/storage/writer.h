@@ -20,11 +20,14 @@ namespace enamel::server::sqlite {
 // safety: any thread. Destruction waits for what is queued.
 class Writer {
  public:
-  explicit Writer(std::unique_ptr<Db> db);
+  // `twice`: runs every work, takes back what it did, and runs it again. For tests.
+  explicit Writer(std::unique_ptr<Db> db, bool twice = false);
   ~Writer();
 
   // What the work did is kept when it returns Ok, or sets `keep_anyway` (a refusal that leaves
-  // evidence). Durable when Run returns.
+  // evidence). Durable when Run returns. A work may be run again after what it did was taken back
+  // (a server's database ends transactions that meet): what it sets outside the database, it sets
+  // anew from its start.
   using Work = std::function<Status(Db& db, bool& keep_anyway)>;
   Status Run(const Work& work);
   // Runs `work` on the thread and outside any transaction, for what SQLite refuses inside one
@@ -68,7 +71,8 @@ class Writer {
   Status Transact(const std::vector<Pending*>& batch);
   Status RunOne(const Work& work, Status& outcome);
 
-  std::unique_ptr<Db> db_;                               // the thread's
+  std::unique_ptr<Db> db_;  // the thread's
+  const bool twice_;
   std::chrono::steady_clock::time_point next_commit_{};  // the thread's
   mutable std::mutex mutex_;
   std::condition_variable wake_;  // something is queued, or stopping_

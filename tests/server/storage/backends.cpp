@@ -29,12 +29,29 @@ class SqliteOnSimulatedDisk final : public Place {
   SimulatedDisk disk_{folder_.path()};
 };
 
+// Every change made twice: what it says and leaves is of the second time alone.
+class SqliteTwice final : public Place {
+ public:
+  std::unique_ptr<Store> Open() override {
+    SqliteOptions options;
+    options.folder = folder_.path();
+    options.change_twice = true;
+    auto store = OpenSqliteStore(options);
+    EXPECT_TRUE(store.ok()) << store.status().message();
+    return std::move(store).value();
+  }
+
+ private:
+  TempFolder folder_;
+};
+
 }  // namespace
 
 const std::vector<Backend>& Backends() {
   static const std::vector<Backend> kBackends = {
       {"Sqlite", [] { return std::make_unique<SqlitePlace>(); }},
       {"SqliteOnSimulatedDisk", [] { return std::make_unique<SqliteOnSimulatedDisk>(); }},
+      {"SqliteTwice", [] { return std::make_unique<SqliteTwice>(); }},
   };
   return kBackends;
 }
