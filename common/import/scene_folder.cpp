@@ -60,4 +60,11 @@ Result<SceneFolder> LoadSceneFolder(const std::filesystem::path& folder) {
   return out;
 }
 
+Result<scene::BuiltScene> LoadScene(std::string_view source, int32_t voxel_nm, size_t max_bytes) {
+  if (source.starts_with(kBuiltin))
+    return scene::BuildBuiltinScene(source.substr(kBuiltin.size()), voxel_nm, max_bytes);
+  ENAMEL_ASSIGN_OR_RETURN(auto folder, LoadSceneFolder(source));
+  return scene::BuiltScene{std::move(folder.scene), std::move(folder.volume)};
+}
+
 }  // namespace enamel::import

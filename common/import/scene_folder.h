@@ -1,8 +1,10 @@
 #pragma once
 
 #include <filesystem>
+#include <string_view>
 
 #include "common/import/import_tooth.h"
+#include "common/scene/builtin.h"
 
 namespace enamel::import {
 
@@ -19,5 +21,12 @@ struct SceneFolder {
 // Errors: kNotFound, whatever is wrong in a document, kConflict when volume and scene do not belong
 // together.
 Result<SceneFolder> LoadSceneFolder(const std::filesystem::path& folder);
+
+inline constexpr std::string_view kBuiltin = "builtin:";
+
+// What a command line names: "builtin:NAME", made with this voxel in at most `max_bytes`, or such a
+// folder. Errors: the same, and the builder's.
+Result<scene::BuiltScene> LoadScene(std::string_view source, int32_t voxel_nm,
+                                    size_t max_bytes = scene::kDefaultSceneBytes);
 
 }  // namespace enamel::import

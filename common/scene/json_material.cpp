@@ -26,7 +26,7 @@ Material::Fitted ReadFitted(ObjectReader& in, bool plain) {
   PassInterval(in, "damping", "_mn_s_per_mm");
   in.Int("offset_mn", -kAny, kAny);
   in.Int("residual_rms_mn", 0, kAny);
-  // A fit from fewer is not written (station/qualify/cut_fit.cpp).
+  // A fit from fewer is not written (station/lab/tissue/cut_solve.h).
   in.Int("blocks", 8, kAny);
   if (plain) {
     in.Finish();

@@ -26,15 +26,6 @@ namespace {
 namespace fs = std::filesystem;
 using unsigned_ll = unsigned long long;
 
-Result<scene::BuiltScene> LoadScene(const std::string& source, int voxel_um) {
-  constexpr std::string_view kBuiltin = "builtin:";
-  if (source.starts_with(kBuiltin)) {
-    return scene::BuildBuiltinScene(source.substr(kBuiltin.size()), voxel_um * 1000);
-  }
-  ENAMEL_ASSIGN_OR_RETURN(auto folder, import::LoadSceneFolder(source));
-  return scene::BuiltScene{std::move(folder.scene), std::move(folder.volume)};
-}
-
 }  // namespace
 
 Status EnrolStation(const EnrolOptions& options) {
@@ -114,7 +105,7 @@ Status GiveBackReserved(const GiveBackCommand& options) {
 
 Status SimulateAttempt(const SimulateCommand& options) {
   ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(options.json, "--json"));
-  ENAMEL_ASSIGN_OR_RETURN(auto built, LoadScene(options.scene, options.voxel_um));
+  ENAMEL_ASSIGN_OR_RETURN(auto built, import::LoadScene(options.scene, options.voxel_um * 1000));
   ENAMEL_ASSIGN_OR_RETURN(auto profile, scene::FindProfile(options.profile));
   scene::Exercise exercise =
       scene::ClassOneExercise(built.scene, HashSha256(AsBytes(scene::ToJson(built.scene))));

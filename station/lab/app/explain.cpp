@@ -33,7 +33,6 @@ using scene::PartId;
 
 constexpr size_t kTicks = 600;
 constexpr int kReplays = 5;
-constexpr std::string_view kBuiltin = "builtin:";
 
 // One line on a terminal that the next one replaces; lines elsewhere.
 void Progress(const std::string& what) {
@@ -54,12 +53,8 @@ struct Subject {
 };
 
 Result<scene::BuiltScene> Load(const ExplainCommand& options, int32_t voxel_nm) {
-  if (options.scene.starts_with(kBuiltin)) {
-    return scene::BuildBuiltinScene(options.scene.substr(kBuiltin.size()), voxel_nm,
-                                    static_cast<size_t>(options.memory_mb) * 1'000'000);
-  }
-  ENAMEL_ASSIGN_OR_RETURN(auto folder, import::LoadSceneFolder(options.scene));
-  return scene::BuiltScene{std::move(folder.scene), std::move(folder.volume)};
+  return import::LoadScene(options.scene, voxel_nm,
+                           static_cast<size_t>(options.memory_mb) * 1'000'000);
 }
 
 Result<scene::Exercise> Choose(const scene::Scene& scene, const std::string& name) {
@@ -342,7 +337,7 @@ class Budget {
 
   void MeasureVoxels() {
     std::vector<int32_t> sizes = {s_.built.scene.voxel_nm};
-    if (options_.scene.starts_with(kBuiltin)) sizes = {200'000, 100'000, 50'000, 25'000};
+    if (options_.scene.starts_with(import::kBuiltin)) sizes = {200'000, 100'000, 50'000, 25'000};
     for (int32_t nm : sizes) {
       Progress("voxels of " + std::to_string(nm / 1000) + " um");
       auto built = Load(options_, nm);

@@ -152,5 +152,14 @@ TEST_F(SettingsTest, PrintedSettingsReadBackTheSame) {
   EXPECT_EQ(names, names_);
 }
 
+TEST_F(SettingsTest, FileOfAnotherProgramTooKeepsItsKeysButMustBeRight) {
+  std::ofstream(file_) << "threads = 3\nkeep-days = 30\n";
+  EXPECT_EQ(ReadSettingsFile(file_, command_).code(), Code::kInvalidInput);
+  EXPECT_TRUE(ReadSettingsFile(file_, command_, {kAnyKey}).ok());
+  EXPECT_EQ(threads_, 3);
+  std::ofstream(file_) << "quiet = 'maybe'\nkeep-days = 30\n";
+  EXPECT_EQ(ReadSettingsFile(file_, command_, {kAnyKey}).code(), Code::kInvalidInput);
+}
+
 }  // namespace
 }  // namespace enamel::program
