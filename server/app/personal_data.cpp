@@ -66,7 +66,7 @@ class Exporter {
   }
 
   Status AddSessions(const Person& person, json::object& root) {
-    ENAMEL_ASSIGN_OR_RETURN(auto rows, store_.SessionsOf(person.id));
+    ENAMEL_ASSIGN_OR_RETURN(auto rows, store_.people().SessionsOf(person.id));
     json::array sessions;
     for (const SessionRow& row : rows) {
       sessions.push_back({{"via", row.via},

@@ -206,7 +206,7 @@ Status Authenticator::TakeOneTimePassword(const Person& person, const std::strin
                   kOneTimePassword);
   }
   if (via != kViaPage) return Status::Ok();
-  Status taken = store_.UseOneTimePassword(person.id);
+  Status taken = store_.people().UseOneTimePassword(person.id);
   return taken.code() == Code::kNotFound ? used : taken;
 }
 
@@ -215,9 +215,9 @@ void Authenticator::EndEarlier(const SignInRequest& request) {
   auto token = FromHex(request.earlier);
   if (!token.ok() || token->size() != kTokenBytes) return;
   const Sha256 hash = TokenHash(*token);
-  auto earlier = store_.FindSession(hash);
+  auto earlier = store_.people().FindSession(hash);
   if (!earlier.ok() || earlier->via != kViaPage) return;
-  Status ended = store_.EndSession(hash);
+  Status ended = store_.people().EndSession(hash);
   if (ended.ok()) ended = NoteSignedOut(earlier->person, request.address);
   if (!ended.ok()) spdlog::warn("page: an earlier session did not end: {}", ended.message());
 }
