@@ -1,10 +1,10 @@
 #include <algorithm>
 
+#include "server/storage/sql_names.h"
 #include "server/storage/sqlite_impl.h"
 #include "server/training/ticket_rules.h"
 
-// Assignments: exercises for cohorts, with dates, limits and exams. In SQL, `flags & 160` is
-// kExcused | kReturned: what does not count.
+// Assignments: exercises for cohorts, with dates, limits and exams.
 namespace enamel::server::sqlite {
 namespace {
 
@@ -76,7 +76,8 @@ Result<bool> Exists(Query& q) {
 }
 
 Status MustBeKnown(Db& db, const AssignmentRow& row) {
-  Query exercise(db, "SELECT 1 FROM exercises WHERE tenant = ?1 AND name = ?2 AND state = 2");
+  Query exercise(db, "SELECT 1 FROM exercises WHERE tenant = ?1 AND name = ?2 AND state = " +
+                         Sql(ExerciseState::kPublished));
   auto known = Exists(exercise.Bind(row.exercise));
   if (!known.ok()) return known.status();
   if (!*known) {
@@ -113,9 +114,8 @@ Status PutStations(Db& db, const AssignmentRow& row) {
 }
 
 Status NoAttemptMustDependOn(Db& db, const Uuid& assignment) {
-  Query q(
-      db,
-      "SELECT count(*) FROM attempts WHERE tenant = ?1 AND assignment = ?2 AND flags & 128 = 0");
+  Query q(db, "SELECT count(*) FROM attempts WHERE tenant = ?1 AND assignment = ?2 AND flags & " +
+                  Sql(kReturned) + " = 0");
   int64_t attempts = q.Bind(assignment).Next() ? q.Int(0) : 0;
   ENAMEL_RETURN_IF_ERROR(q.status());
   if (attempts == 0) return Status::Ok();
@@ -200,11 +200,12 @@ Result<std::vector<AssignmentRow>> SqliteStore::Assignments(const AssignmentFilt
     {
       // A zero id stands for no filter.
       Query q(db, "SELECT " ENAMEL_ASSIGNMENT_COLUMNS " FROM " ENAMEL_ASSIGNMENTS
-                  " WHERE a.tenant = ?1 AND (?2 = zeroblob(16) OR a.cohort = ?2) AND (?3 = "
-                  "zeroblob(16) OR a.cohort = zeroblob(16) OR a.cohort IN (SELECT m.cohort FROM "
+                  " WHERE a.tenant = ?1 AND (a.cohort = ?2 OR ?2 = ?4) AND (?3 = ?4 OR a.cohort = "
+                  "?4 OR a.cohort IN (SELECT m.cohort FROM "
                   "cohort_members m WHERE m.tenant = ?1 AND m.person = ?3)) "
                   "ORDER BY a.due_ms = 0, a.due_ms, a.id");
       q.Bind(filter.cohort.value_or(Uuid{})).Bind(filter.of_instructor.value_or(Uuid{}));
+      q.Bind(Uuid{});
       while (q.Next()) out.push_back(AssignmentOf(q));
       if (!q.status().ok()) return q.status();
     }
@@ -216,21 +217,26 @@ Result<std::vector<AssignedRow>> SqliteStore::AssignmentsFor(const Uuid& person)
   return Read([&](Db& db) -> Result<std::vector<AssignedRow>> {
     std::vector<AssignedRow> out;
     {
-      Query q(
-          db,
-          "SELECT " ENAMEL_ASSIGNMENT_COLUMNS
-          ", (SELECT count(*) FROM attempts t WHERE t.tenant = ?1 AND t.assignment = a.id "
-          "AND t.person = ?2 AND t.flags & 160 = 0), e.id, e.name, e.version, e.title, "
-          "e.content, e.scene, e.graded, e.published_ms, e.state, e.revision "
-          "FROM " ENAMEL_ASSIGNMENTS
-          " JOIN exercises e ON e.tenant = a.tenant AND e.name = a.exercise_name AND e.state "
-          "= 2 AND e.version = (SELECT max(version) FROM exercises n WHERE n.tenant = "
-          "e.tenant AND n.name = e.name AND n.state = 2) WHERE a.tenant = ?1 AND (a.cohort = "
-          "zeroblob(16) OR a.cohort IN (SELECT m.cohort FROM cohort_members m JOIN cohorts c ON "
-          "c.tenant = m.tenant AND c.id = m.cohort AND c.archived_ms = 0 WHERE m.tenant "
-          "= ?1 AND m.person = ?2)) ORDER BY a.exam DESC, a.due_ms = 0, a.due_ms, "
-          "a.exercise_name, a.id");
-      q.Bind(person);
+      Query q(db,
+              "SELECT " ENAMEL_ASSIGNMENT_COLUMNS
+              ", (SELECT count(*) FROM attempts t WHERE t.tenant = ?1 AND t.assignment = a.id "
+              "AND t.person = ?2 AND t.flags & " +
+                  Sql(kExcused | kReturned) +
+                  " = 0), e.id, e.name, e.version, e.title, "
+                  "e.content, e.scene, e.graded, e.published_ms, e.state, e.revision "
+                  "FROM " ENAMEL_ASSIGNMENTS
+                  " JOIN exercises e ON e.tenant = a.tenant AND e.name = a.exercise_name AND "
+                  "e.state = " +
+                  Sql(ExerciseState::kPublished) +
+                  " AND e.version = (SELECT max(version) FROM exercises n WHERE n.tenant = "
+                  "e.tenant AND n.name = e.name AND n.state = " +
+                  Sql(ExerciseState::kPublished) +
+                  ") WHERE a.tenant = ?1 AND (a.cohort = "
+                  "?3 OR a.cohort IN (SELECT m.cohort FROM cohort_members m JOIN cohorts c ON "
+                  "c.tenant = m.tenant AND c.id = m.cohort AND c.archived_ms = 0 WHERE m.tenant "
+                  "= ?1 AND m.person = ?2)) ORDER BY a.exam DESC, a.due_ms = 0, a.due_ms, "
+                  "a.exercise_name, a.id");
+      q.Bind(person).Bind(Uuid{});
       while (q.Next()) {
         out.push_back(AssignedRow{AssignmentOf(q), ExerciseOf(q, kAssignmentColumns + 1),
                                   static_cast<uint32_t>(q.Int(kAssignmentColumns))});
@@ -248,9 +254,10 @@ Result<uint32_t> SqliteStore::ReleaseAssignment(const Uuid& id, const Actor& by)
     if (auto known = FindAssignment(db, id); !known.ok()) return known.status();
     std::vector<Uuid> attempts;
     {
-      Query q(db,
-              "SELECT id FROM attempts WHERE tenant = ?1 AND assignment = ?2 AND state = 5 AND "
-              "released = 0");
+      Query q(db, "SELECT id FROM attempts WHERE tenant = ?1 AND assignment = ?2 AND state = " +
+                      Sql(AttemptState::kScored) +
+                      " AND "
+                      "released = 0");
       q.Bind(id);
       while (q.Next()) attempts.push_back(q.Id(0));
       ENAMEL_RETURN_IF_ERROR(q.status());
@@ -270,9 +277,12 @@ Status MayBeIssued(Db& db, const AttemptRow& row) {
   Query q(
       db,
       "SELECT (SELECT attempt_limit FROM assignments WHERE tenant = ?1 AND id = ?2), (SELECT "
-      "count(*) FROM attempts WHERE tenant = ?1 AND assignment = ?2 AND person = ?3 AND flags & "
-      "160 = 0), (SELECT id FROM attempts WHERE tenant = ?1 AND person = ?3 AND exam = 1 AND "
-      "(state = 2 OR (state = 1 AND ticketed_ms >= ?4)) AND flags & 160 = 0 LIMIT 1)");
+      "count(*) FROM attempts WHERE tenant = ?1 AND assignment = ?2 AND person = ?3 AND flags & " +
+          Sql(kExcused | kReturned) +
+          " = 0), (SELECT id FROM attempts WHERE tenant = ?1 AND person = ?3 AND exam = 1 AND "
+          "(state = " +
+          Sql(AttemptState::kRecording) + " OR (state = " + Sql(AttemptState::kTicketed) +
+          " AND ticketed_ms >= ?4)) AND flags & " + Sql(kExcused | kReturned) + " = 0 LIMIT 1)");
   q.Bind(*row.assignment).Bind(row.person).Bind(row.ticketed_ms - kExamTicketValidMs).Next();
   ENAMEL_RETURN_IF_ERROR(q.status());
   int64_t limit = q.Int(0), used = q.Int(1);

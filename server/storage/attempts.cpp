@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "server/storage/sql_names.h"
 #include "server/storage/sqlite_impl.h"
 
 // Attempts as rows, what scoring leaves, references. Their traces: traces.cpp.
@@ -127,8 +128,10 @@ Status WithdrawReleaseOfAnotherScore(Db& db, const Uuid& attempt,
   Query q(db,
           "SELECT 1 FROM attempts a JOIN exercises e ON e.tenant = a.tenant AND e.id = a.exercise "
           "WHERE a.tenant = ?1 AND a.id = ?2 AND a.released = 1 AND (a.exam = 1 OR e.graded = 1 OR "
-          "(a.flags & 64 != 0 AND a.assignment IS NULL)) AND (a.score IS NOT ?3 OR "
-          "a.critical_fail IS NOT ?4 OR a.score_json IS NOT ?5)");
+          "(a.flags & " +
+              Sql(kReadmitted) +
+              " <> 0 AND a.assignment IS NULL)) AND (a.score IS DISTINCT FROM ?3 OR "
+              "a.critical_fail IS DISTINCT FROM ?4 OR a.score_json IS DISTINCT FROM ?5)");
   q.Bind(attempt).Bind(result.score).Bind(int64_t{result.critical_fail}).Bind(result.score_json);
   bool another = q.Next();
   ENAMEL_RETURN_IF_ERROR(q.status());
@@ -143,10 +146,10 @@ Status KeepResult(Db& db, const Uuid& attempt, const Store::AttemptResult& resul
       "critical_fail, score_json, reference, replay_realtime_factor) SELECT ?1, ?2, 1 + (SELECT "
       "coalesce(max(run), 0) "
       "FROM attempt_results WHERE tenant = ?1 AND attempt = ?2), ?3, coalesce((SELECT cause FROM "
-      "jobs WHERE tenant = ?1 AND id = ?8), 'seal'), ?4, ?5, ?6, iif(length(?7) = 16, ?7, NULL), "
+      "jobs WHERE tenant = ?1 AND id = ?8), 'seal'), ?4, ?5, ?6, ?7, "
       "?9");
   q.Bind(attempt).Bind(NowMs()).Bind(result.score).Bind(int64_t{result.critical_fail});
-  q.Bind(result.score_json).Bind(result.reference ? result.reference->view() : ByteView());
+  q.Bind(result.score_json).Bind(result.reference);
   return q.Bind(job).Bind(result.replay_realtime_factor).Run();
 }
 
@@ -181,7 +184,8 @@ Status MustBeHere(Db& db, const AttemptRow& row) {
 Status RaiseRevisionForAnother(Db& db, const Uuid& attempt, const Store::AttemptResult& result) {
   Query q(db,
           "UPDATE attempts SET revision = revision + 1 WHERE tenant = ?1 AND id = ?2 AND "
-          "(score IS NOT ?3 OR critical_fail IS NOT ?4 OR score_json IS NOT ?5)");
+          "(score IS DISTINCT FROM ?3 OR critical_fail IS DISTINCT FROM ?4 OR score_json IS "
+          "DISTINCT FROM ?5)");
   q.Bind(attempt).Bind(result.score).Bind(int64_t{result.critical_fail}).Bind(result.score_json);
   return q.Run();
 }
@@ -204,13 +208,15 @@ Status SqliteStore::CreateAttempt(const AttemptRow& row, ByteView ticket, const 
     Query q(db,
             "INSERT INTO attempts (tenant, id, person, station, exercise, profile_content, state, "
             "as_reference, ticketed_ms, ticket, exam, due_ms, rate_hz, limit_ticks, flags, "
-            "assignment) VALUES (?1, ?2, ?3, ?4, ?5, ?6, 1, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, "
-            "iif(length(?15) = 16, ?15, NULL))");
+            "assignment) VALUES (?1, ?2, ?3, ?4, ?5, ?6, " +
+                Sql(AttemptState::kTicketed) +
+                ", ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, "
+                "?15)");
     q.Bind(row.id).Bind(row.person).Bind(row.station).Bind(row.exercise).Bind(row.profile_content);
     q.Bind(static_cast<int64_t>(row.as_reference)).Bind(row.ticketed_ms).Bind(ticket);
     q.Bind(int64_t{row.exam}).Bind(row.due_ms).Bind(int64_t{row.rate_hz});
     q.Bind(static_cast<int64_t>(row.limit_ticks)).Bind(int64_t{row.flags});
-    q.Bind(row.assignment ? row.assignment->view() : ByteView());
+    q.Bind(row.assignment);
     ENAMEL_RETURN_IF_ERROR(Explain(q.Run(), "attempt " + row.id.Text() + " exists"));
     return WriteAudit(db, by, "attempt.ticket", row.id.Text(), "{}",
                       JsonOf({{"person", row.person.Text()},
@@ -302,15 +308,17 @@ Status SqliteStore::FinishAttempt(const Uuid& attempt, const AttemptResult& resu
     ENAMEL_RETURN_IF_ERROR(MustBeRunning(db, job));
     ENAMEL_RETURN_IF_ERROR(WithdrawReleaseOfAnotherScore(db, attempt, result));
     ENAMEL_RETURN_IF_ERROR(RaiseRevisionForAnother(db, attempt, result));
-    Query q(db,
-            "UPDATE attempts SET state = 5, progress = 1, problem = '', score = ?3, critical_fail "
-            "= ?4, "
-            "score_json = ?5, final_volume = ?6, surface = ?7, series = ?8, "
-            "reference = iif(length(?9) = 16, ?9, NULL) "
-            "WHERE tenant = ?1 AND id = ?2 AND state IN (3, 4, 5, 6)");
+    Query q(db, "UPDATE attempts SET state = " + Sql(AttemptState::kScored) +
+                    ", progress = 1, problem = '', score = ?3, critical_fail "
+                    "= ?4, "
+                    "score_json = ?5, final_volume = ?6, surface = ?7, series = ?8, "
+                    "reference = ?9 "
+                    "WHERE tenant = ?1 AND id = ?2 AND state IN (" +
+                    Sql(AttemptState::kSealed) + ", " + Sql(AttemptState::kScoring) + ", " +
+                    Sql(AttemptState::kScored) + ", " + Sql(AttemptState::kFailed) + ")");
     q.Bind(attempt).Bind(result.score).Bind(static_cast<int64_t>(result.critical_fail));
     q.Bind(result.score_json).Bind(result.final_volume).Bind(result.surface).Bind(result.series);
-    q.Bind(result.reference ? result.reference->view() : ByteView());
+    q.Bind(result.reference);
     ENAMEL_RETURN_IF_ERROR(q.Run());
     if (db.Changes() == 0) {
       return Status(Code::kConflict,
@@ -325,9 +333,10 @@ Status SqliteStore::FinishAttempt(const Uuid& attempt, const AttemptResult& resu
 Status SqliteStore::FailAttempt(const Uuid& attempt, const std::string& problem, const Uuid& job) {
   return Write([&](Db& db) -> Status {
     ENAMEL_RETURN_IF_ERROR(MustBeRunning(db, job));
-    Query q(db,
-            "UPDATE attempts SET state = iif(score IS NULL, 6, 5), problem = ?3, progress = "
-            "score IS NOT NULL WHERE tenant = ?1 AND id = ?2");
+    Query q(db, "UPDATE attempts SET state = CASE WHEN score IS NULL THEN " +
+                    Sql(AttemptState::kFailed) + " ELSE " + Sql(AttemptState::kScored) +
+                    " END, problem = ?3, progress = "
+                    "CASE WHEN score IS NULL THEN 0 ELSE 1 END WHERE tenant = ?1 AND id = ?2");
     ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(problem).Run());
     ENAMEL_RETURN_IF_ERROR(MustExist(db, attempt));
     return WriteAudit(db, Actor{{}, "job"}, "attempt.fail", attempt.Text(), "{}",
@@ -364,9 +373,10 @@ Result<Store::AttemptResult> SqliteStore::ResultOf(const Uuid& attempt) {
 Status SqliteStore::SetProgress(const Uuid& job, double progress) {
   return Write([&](Db& db) -> Status {
     ENAMEL_RETURN_IF_ERROR(MustBeRunning(db, job));
-    Query q(db,
-            "UPDATE attempts SET progress = ?3 WHERE tenant = ?1 AND state = 4 AND id = (SELECT "
-            "attempt FROM jobs WHERE tenant = ?1 AND id = ?2)");
+    Query q(db, "UPDATE attempts SET progress = ?3 WHERE tenant = ?1 AND state = " +
+                    Sql(AttemptState::kScoring) +
+                    " AND id = (SELECT "
+                    "attempt FROM jobs WHERE tenant = ?1 AND id = ?2)");
     return q.Bind(job).Bind(std::clamp(progress, 0.0, 1.0)).Run();
   });
 }

@@ -38,7 +38,9 @@ Result<std::vector<AuditRow>> SqliteStore::FindAudit(const AuditFilter& filter) 
   bool kind = filter.action.ends_with('.');
   if (filter.actor) sql += " AND actor = " + place();
   if (!filter.action.empty()) {
-    sql += kind ? " AND instr(action, " + place() + ") = 1" : " AND action = " + place();
+    const std::string action = place();
+    sql += kind ? " AND substr(action, 1, length(" + action + ")) = " + action
+                : " AND action = " + action;
   }
   if (!filter.object.empty()) sql += " AND object = " + place();
   if (filter.before) sql += " AND id < " + place();

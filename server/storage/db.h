@@ -106,6 +106,7 @@ class Query {
  public:
   enum NoTenant { kNoTenant };
   Query(Db& db, const char* sql);
+  Query(Db& db, const std::string& sql) : Query(db, sql.c_str()) {}
   Query(Db& db, const char* sql, NoTenant);
   ~Query();
   Query(const Query&) = delete;
@@ -119,6 +120,8 @@ class Query {
   Query& Bind(const Uuid& value) { return Bind(value.view()); }
   Query& Bind(const Sha256& value) { return Bind(value.view()); }
   Query& BindNull();
+  // None: NULL.
+  Query& Bind(const std::optional<Uuid>& value) { return value ? Bind(*value) : BindNull(); }
 
   // Steps to the next row; false at the end or on failure.
   bool Next();

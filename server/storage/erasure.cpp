@@ -182,7 +182,7 @@ Result<ErasureReport> SqliteStore::ErasePerson(const Uuid& person, bool with_ref
   }));
   ENAMEL_ASSIGN_OR_RETURN(auto removed, RemoveUnnamed(blobs));
   report.blobs = removed;
-  report.finished = LeaveNothingFreed().ok();
+  report.finished = RewriteIfMarked().ok();
   return report;
 }
 

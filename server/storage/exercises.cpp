@@ -1,3 +1,4 @@
+#include "server/storage/sql_names.h"
 #include "server/storage/sqlite_impl.h"
 #include "server/training/revision.h"
 #include "server/training/ticket_rules.h"
@@ -105,16 +106,18 @@ Status OfferAgain(Db& db, ExerciseRow& row, const Actor& by) {
   return WriteAudit(db, by, "exercise.publish", row.id.Text(), before, VersionJson(row));
 }
 
-// What an exam is about stays as it is while the exam is open, and while somebody takes it (160:
-// kExcused | kReturned).
+// What an exam is about stays as it is while the exam is open, and while somebody takes it.
 Status NoExamMustBeOpen(Db& db, const std::string& name) {
   Query q(db,
           "SELECT a.id, coalesce(c.name, ''), a.due_ms FROM assignments a LEFT JOIN cohorts c ON "
           "c.tenant = a.tenant AND c.id = a.cohort WHERE a.tenant = ?1 AND a.exercise_name = ?2 "
           "AND a.exam = 1 AND ((a.opens_ms <= ?3 AND (a.due_ms = 0 OR a.due_ms >= ?3)) OR EXISTS "
           "(SELECT 1 FROM attempts t WHERE t.tenant = a.tenant AND t.assignment = a.id AND t.exam "
-          "= 1 AND (t.state = 2 OR (t.state = 1 AND t.ticketed_ms >= ?4)) AND t.flags & 160 = 0)) "
-          "LIMIT 1");
+          "= 1 AND (t.state = " +
+              Sql(AttemptState::kRecording) + " OR (t.state = " + Sql(AttemptState::kTicketed) +
+              " AND t.ticketed_ms >= ?4)) AND t.flags & " + Sql(kExcused | kReturned) +
+              " = 0)) "
+              "LIMIT 1");
   UnixMs now_ms = NowMs();
   if (!q.Bind(name).Bind(now_ms).Bind(now_ms - kExamTicketValidMs).Next()) return q.status();
   std::string cohort = q.Text(1).empty() ? "everybody" : "\"" + q.Text(1) + "\"";
@@ -248,9 +251,9 @@ Result<ExerciseRow> SqliteStore::PublishDraft(const Uuid& id, int32_t revision, 
     row.state = ExerciseState::kPublished;
     row.published_ms = NowMs();
     ++row.revision;
-    Query q(db,
-            "UPDATE exercises SET version = ?3, state = 2, published_ms = ?4, revision = ?5 "
-            "WHERE tenant = ?1 AND id = ?2");
+    Query q(db, "UPDATE exercises SET version = ?3, state = " + Sql(ExerciseState::kPublished) +
+                    ", published_ms = ?4, revision = ?5 "
+                    "WHERE tenant = ?1 AND id = ?2");
     q.Bind(id).Bind(int64_t{row.version}).Bind(row.published_ms).Bind(int64_t{row.revision});
     ENAMEL_RETURN_IF_ERROR(q.Run());
     return WriteAudit(db, by, "exercise.publish", id.Text(), VersionJson(found), VersionJson(row));
@@ -263,9 +266,10 @@ Status SqliteStore::RetireExercise(const Uuid& id, const Actor& by) {
   return Write([&](Db& db) -> Status {
     ENAMEL_ASSIGN_OR_RETURN(auto row, FindExercise(db, id));
     ENAMEL_RETURN_IF_ERROR(NoExamMustBeOpen(db, row.name));
-    Query q(db,
-            "UPDATE exercises SET state = 3, revision = revision + 1 WHERE tenant = ?1 AND name = "
-            "?2 AND state = 2");
+    Query q(db, "UPDATE exercises SET state = " + Sql(ExerciseState::kRetired) +
+                    ", revision = revision + 1 WHERE tenant = ?1 AND name = "
+                    "?2 AND state = " +
+                    Sql(ExerciseState::kPublished));
     ENAMEL_RETURN_IF_ERROR(q.Bind(row.name).Run());
     if (db.Changes() == 0) {
       return Status(Code::kConflict, "no version of \"" + row.name + "\" is published");
@@ -291,15 +295,19 @@ Result<ExerciseRow> SqliteStore::ExerciseByContent(const Sha256& content) {
 
 Result<std::vector<ExerciseRow>> SqliteStore::ExercisesFor(const Uuid& person) {
   return Read([&](Db& db) -> Result<std::vector<ExerciseRow>> {
-    Query q(db,
-            "SELECT " ENAMEL_EXERCISE_COLUMNS
-            " FROM exercises e WHERE e.tenant = ?1 AND e.state = 2 AND e.version = (SELECT "
+    Query q(
+        db,
+        "SELECT " ENAMEL_EXERCISE_COLUMNS " FROM exercises e WHERE e.tenant = ?1 AND e.state = " +
+            Sql(ExerciseState::kPublished) +
+            " AND e.version = (SELECT "
             "max(version) FROM exercises n WHERE n.tenant = e.tenant AND n.name = e.name AND "
-            "n.state = 2) AND EXISTS (SELECT 1 FROM assignments a WHERE a.tenant = e.tenant AND "
-            "a.exercise_name = e.name AND (a.cohort = zeroblob(16) OR a.cohort IN (SELECT m.cohort "
+            "n.state = " +
+            Sql(ExerciseState::kPublished) +
+            ") AND EXISTS (SELECT 1 FROM assignments a WHERE a.tenant = e.tenant AND "
+            "a.exercise_name = e.name AND (a.cohort = ?3 OR a.cohort IN (SELECT m.cohort "
             "FROM cohort_members m JOIN cohorts c ON c.tenant = m.tenant AND c.id = m.cohort AND "
             "c.archived_ms = 0 WHERE m.tenant = ?1 AND m.person = ?2))) ORDER BY e.name");
-    return ExercisesFrom(q.Bind(person));
+    return ExercisesFrom(q.Bind(person).Bind(Uuid{}));
   });
 }
 
@@ -321,7 +329,8 @@ Result<std::vector<ExerciseRow>> SqliteStore::ExercisesIn(ExerciseState state) {
 Result<std::vector<ExerciseRow>> SqliteStore::ExerciseVersions(const std::string& name) {
   return Read([&](Db& db) -> Result<std::vector<ExerciseRow>> {
     static const std::string kSql =
-        std::string(kSelect) + " AND e.name = ?2 ORDER BY e.state = 1 DESC, e.version DESC";
+        std::string(kSelect) + " AND e.name = ?2 ORDER BY e.state = " + Sql(ExerciseState::kDraft) +
+        " DESC, e.version DESC";
     Query q(db, kSql.c_str());
     return ExercisesFrom(q.Bind(name));
   });

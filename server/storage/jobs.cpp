@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "server/storage/sql_names.h"
 #include "server/storage/sqlite_impl.h"
 
 // The queue of jobs as leases.
@@ -41,12 +42,12 @@ Status SetJob(Db& db, const JobRow& job, UnixMs lease_until_ms) {
 
 // A run that did not come to its end: an earlier one's score counts again.
 Status EndRun(Db& db, const Uuid& attempt, AttemptState without_score, const std::string& problem) {
-  Query q(db,
-          "UPDATE attempts SET state = iif(score IS NULL, ?3, ?4), problem = ?5, progress = score "
-          "IS NOT NULL WHERE tenant = ?1 AND id = ?2 AND state = ?6");
-  q.Bind(attempt).Bind(static_cast<int64_t>(without_score));
-  q.Bind(static_cast<int64_t>(AttemptState::kScored)).Bind(problem);
-  return q.Bind(static_cast<int64_t>(AttemptState::kScoring)).Run();
+  Query q(db, "UPDATE attempts SET state = CASE WHEN score IS NULL THEN " + Sql(without_score) +
+                  " ELSE " + Sql(AttemptState::kScored) +
+                  " END, problem = ?3, progress = CASE WHEN score IS NULL THEN 0 ELSE 1 END WHERE "
+                  "tenant = ?1 AND id = ?2 AND state = " +
+                  Sql(AttemptState::kScoring));
+  return q.Bind(attempt).Bind(problem).Run();
 }
 
 Status GiveUp(Db& db, JobRow job, const std::string& error) {
@@ -163,12 +164,13 @@ Status SqliteStore::ReturnJob(const Uuid& job) {
 Result<std::vector<JobRow>> SqliteStore::FindJobs(const JobFilter& filter) {
   return Read([&](Db& db) -> Result<std::vector<JobRow>> {
     Query q(db,
-            "SELECT j.id, j.kind, j.attempt, j.state, j.tries, j.error, j.cause, iif(j.state = "
-            "'running', a.progress, j.state = 'done') FROM jobs j JOIN attempts a ON a.tenant = "
+            "SELECT j.id, j.kind, j.attempt, j.state, j.tries, j.error, j.cause, CASE j.state WHEN "
+            "'running' THEN a.progress WHEN 'done' THEN 1 ELSE 0 END FROM jobs j JOIN attempts a "
+            "ON a.tenant = "
             "j.tenant AND a.id = j.attempt WHERE j.tenant = ?1 AND (?2 = '' OR j.state = ?2) AND "
-            "(?3 = zeroblob(16) OR j.id < ?3) ORDER BY j.id DESC LIMIT ?4");
+            "(j.id < ?3 OR ?3 = ?5) ORDER BY j.id DESC LIMIT ?4");
     q.Bind(filter.state).Bind(filter.before.value_or(Uuid{}));
-    q.Bind(int64_t{std::clamp<uint32_t>(filter.limit, 1, 200)});
+    q.Bind(int64_t{std::clamp<uint32_t>(filter.limit, 1, 200)}).Bind(Uuid{});
     std::vector<JobRow> out;
     while (q.Next()) {
       out.push_back(JobOf(q));

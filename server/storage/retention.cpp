@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <array>
 #include <chrono>
 
+#include "server/storage/sql_names.h"
 #include "server/storage/sqlite_impl.h"
 
 // Rules that say how long things are kept.
@@ -20,35 +22,49 @@ constexpr int32_t kMinAttemptsDays = 8;
 struct Rule {
   const char* what;
   int32_t min_days;
-  const char* condition;  // ?2: before when
+  std::string condition;  // ?2: before when
 };
-// State 3 without a job is what a cancelled run left.
-constexpr Rule kRules[] = {
-    {"unfinished", kMinUnfinishedDays, "a.state IN (1, 2) AND a.ticketed_ms < ?2"},
-    {"recordings", 1,
-     "a.state IN (3, 5, 6) AND a.expired_ms = 0 AND a.sealed_ms > 0 AND a.sealed_ms < ?2"},
-    {"attempts", kMinAttemptsDays,
-     "(a.state IN (3, 5, 6) AND a.sealed_ms > 0 AND a.sealed_ms < ?2) OR (a.state = 7 AND "
-     "a.ticketed_ms < ?2)"},
-};
+// A sealed one without a job is what a cancelled run left.
+std::string IsComplete() {
+  return "a.state IN (" + Sql(AttemptState::kSealed) + ", " + Sql(AttemptState::kScored) + ", " +
+         Sql(AttemptState::kFailed) + ")";
+}
+const std::array<Rule, 3>& Rules() {
+  static const std::array<Rule, 3> kRules{{
+      {"unfinished", kMinUnfinishedDays,
+       "a.state IN (" + Sql(AttemptState::kTicketed) + ", " + Sql(AttemptState::kRecording) +
+           ") AND a.ticketed_ms < ?2"},
+      {"recordings", 1,
+       IsComplete() + " AND a.expired_ms = 0 AND a.sealed_ms > 0 AND a.sealed_ms < ?2"},
+      {"attempts", kMinAttemptsDays,
+       "(" + IsComplete() + " AND a.sealed_ms > 0 AND a.sealed_ms < ?2) OR (a.state = " +
+           Sql(AttemptState::kQuarantined) + " AND a.ticketed_ms < ?2)"},
+  }};
+  return kRules;
+}
 // Never touched: references, and what a job may be reading.
-#define ENAMEL_NOT_IN_USE                                                                          \
-  " AND NOT EXISTS (SELECT 1 FROM reference_cuts r WHERE r.tenant = a.tenant AND r.attempt = "     \
-  "a.id) AND NOT EXISTS (SELECT 1 FROM jobs j WHERE j.tenant = a.tenant AND j.attempt = a.id AND " \
-  "j.state IN ('queued', 'running'))"
+constexpr const char* kNotInUse =
+    " AND NOT EXISTS (SELECT 1 FROM reference_cuts r WHERE r.tenant = a.tenant AND r.attempt = "
+    "a.id) AND NOT EXISTS (SELECT 1 FROM jobs j WHERE j.tenant = a.tenant AND j.attempt = a.id AND "
+    "j.state IN ('queued', 'running'))";
 
 // What somebody still has to decide about: an appeal without an answer, and a student's graded work
-// that is neither released nor excused (IsReleasedFirst in server/training/access.h).
-#define ENAMEL_HELD                                                                                \
-  "(EXISTS (SELECT 1 FROM appeals o WHERE o.tenant = a.tenant AND o.attempt = a.id AND o.state = " \
-  "'open') OR (a.state IN (3, 5, 6) AND a.released = 0 AND a.as_reference = 0 AND a.flags & 32 = " \
-  "0 AND (a.exam = 1 OR (a.flags & 64 <> 0 AND a.assignment IS NULL) OR EXISTS (SELECT 1 FROM "    \
-  "exercises e WHERE e.tenant = a.tenant AND e.id = a.exercise AND e.graded = 1)) AND EXISTS "     \
-  "(SELECT 1 FROM people p WHERE p.tenant = a.tenant AND p.id = a.person AND p.role = 1)))"
+// that is neither released nor excused (IsReleasedFirst in server/training/access.h; a test
+// compares the two).
+std::string Held() {
+  return "(EXISTS (SELECT 1 FROM appeals o WHERE o.tenant = a.tenant AND o.attempt = a.id AND "
+         "o.state = 'open') OR (" +
+         IsComplete() + " AND a.released = 0 AND a.as_reference = 0 AND a.flags & " +
+         Sql(kExcused) + " = 0 AND (a.exam = 1 OR (a.flags & " + Sql(kReadmitted) +
+         " <> 0 AND a.assignment IS NULL) OR EXISTS (SELECT 1 FROM exercises e WHERE e.tenant = "
+         "a.tenant AND e.id = a.exercise AND e.graded = 1)) AND EXISTS (SELECT 1 FROM people p "
+         "WHERE p.tenant = a.tenant AND p.id = a.person AND p.role = " +
+         Sql(Role::kStudent) + ")))";
+}
 
 const Rule* FindRule(const std::string& what) {
-  auto found = std::ranges::find(kRules, what, &Rule::what);
-  return found == std::end(kRules) ? nullptr : found;
+  auto found = std::ranges::find(Rules(), what, &Rule::what);
+  return found == Rules().end() ? nullptr : &*found;
 }
 
 Result<std::vector<RetentionRule>> RulesIn(Db& db) {
@@ -70,10 +86,9 @@ Status FindDue(Db& db, UnixMs now_ms, RetentionReport& report) {
   for (const RetentionRule& row : rules) {
     const Rule* rule = FindRule(row.what);
     ENAMEL_CHECK(rule != nullptr);
-    std::string sql =
-        std::string("SELECT a.id, " ENAMEL_HELD " FROM attempts a WHERE a.tenant = ?1 AND (") +
-        rule->condition + ")" ENAMEL_NOT_IN_USE " ORDER BY a.id";
-    Query q(db, sql.c_str());
+    std::string sql = "SELECT a.id, " + Held() + " FROM attempts a WHERE a.tenant = ?1 AND (" +
+                      rule->condition + ")" + kNotInUse + " ORDER BY a.id";
+    Query q(db, sql);
     q.Bind(now_ms - int64_t{std::max(row.days, rule->min_days)} * kDayMs);
     while (q.Next()) {
       if (q.Int(1) != 0) {
@@ -125,7 +140,7 @@ Status Remove(Db& db, UnixMs now_ms, const Actor& by, RetentionReport& report,
   ENAMEL_RETURN_IF_ERROR(Expire(db, report.recordings, now_ms, blobs));
   ENAMEL_RETURN_IF_ERROR(DeleteAttempts(db, report.unfinished, blobs));
   ENAMEL_RETURN_IF_ERROR(DeleteAttempts(db, report.attempts, blobs));
-  for (const Rule& rule : kRules) {
+  for (const Rule& rule : Rules()) {
     for (const Uuid& attempt : ListOf(report, rule.what)) {
       ENAMEL_RETURN_IF_ERROR(WriteAudit(db, by, "attempt.retention", attempt.Text(), "{}",
                                         JsonOf({{"rule", rule.what}})));
@@ -196,7 +211,7 @@ Result<RetentionReport> SqliteStore::ApplyRetention(UnixMs now_ms, bool dry_run,
   report.blobs = removed + swept;
   // Last, for what the rules remove makes room; what fails is in the log and left for the next
   // time.
-  (void)LeaveNothingFreed();
+  (void)RewriteIfMarked();
   return report;
 }
 

@@ -29,9 +29,10 @@ Status SealedRows::Find(Db& db) {
   // From one attempt's rows to the next one's along the index, not row by row.
   Query q(
       db,
-      "WITH RECURSIVE found(attempt) AS (SELECT min(attempt) FROM trace_chunks WHERE tenant = "
-      "?1 UNION ALL SELECT (SELECT min(attempt) FROM trace_chunks WHERE tenant = ?1 AND attempt "
-      "> found.attempt) FROM found WHERE found.attempt IS NOT NULL) "
+      "WITH RECURSIVE found(attempt) AS (SELECT (SELECT attempt FROM trace_chunks WHERE tenant = "
+      "?1 ORDER BY attempt LIMIT 1) UNION ALL SELECT (SELECT attempt FROM trace_chunks WHERE "
+      "tenant = ?1 AND attempt "
+      "> found.attempt ORDER BY attempt LIMIT 1) FROM found WHERE found.attempt IS NOT NULL) "
       "SELECT id FROM found JOIN attempts ON tenant = ?1 AND id = found.attempt "
       "WHERE trace_blob IS NOT NULL");
   while (q.Next()) Add(q.Id(0));

@@ -273,7 +273,7 @@ class SqliteStore final : public Store {
   // that moving rows about has left in free pages and gaps. Writers wait meanwhile: this store's in
   // the writer's queue, other processes' because of OthersErase. What fails is in the log; the mark
   // stays then. Requires: Upkeep is held.
-  Status LeaveNothingFreed();
+  Status RewriteIfMarked();
   Status RoomToRewrite(Db& db);
   Status MarkForRewrite();
   // Before this server's first lease: those of an earlier one are over.
@@ -300,7 +300,7 @@ class SqliteStore final : public Store {
   std::mutex people_mutex_;
   std::unordered_map<std::string, Uuid> person_of_;  // attempt to person; guarded by people_mutex_
   std::atomic<bool> damaged_{false};                 // a reader found the database damaged
-  std::atomic<bool> rewriting_{false};               // LeaveNothingFreed is at it
+  std::atomic<bool> rewriting_{false};               // RewriteIfMarked is at it
   std::atomic<uint64_t> chunks_{0}, chunk_bytes_{0}, sealed_{0};
 };
 

@@ -20,6 +20,8 @@ namespace sqlite {
 Result<std::unique_ptr<Db>> Readers::Take() {
   {
     std::unique_lock lock(mutex_);
+    // Without a bound of its own: who has one keeps it for one read, and who must not wait so long
+    // asks on a thread that others do not need (StorePool; an HTTP request ends after 60 s).
     returned_.wait(lock, [&] { return !idle_.empty() || open_ < most_; });
     if (!idle_.empty()) {
       auto db = std::move(idle_.back());
@@ -188,7 +190,7 @@ Status SqliteStore::RoomToRewrite(Db& db) {
   return space_.RoomFor(2 * bytes + bytes / 50);
 }
 
-Status SqliteStore::LeaveNothingFreed() {
+Status SqliteStore::RewriteIfMarked() {
   if (!IsThere(folder_ / kRewriteMark)) return Status::Ok();
   spdlog::info("the database is being written anew after an erasure; changes wait until it is");
   const auto begin = std::chrono::steady_clock::now();
@@ -221,7 +223,7 @@ Status SqliteStore::LeaveNothingFreed() {
 Status SqliteStore::FinishErasures() {
   if (!IsThere(folder_ / kRewriteMark)) return Status::Ok();
   auto alone = TakeUpkeep();
-  return alone.ok() ? LeaveNothingFreed() : alone.status();
+  return alone.ok() ? RewriteIfMarked() : alone.status();
 }
 
 Result<size_t> SqliteStore::SweepUnnamed(std::chrono::seconds age) {
@@ -261,7 +263,7 @@ namespace {
 // Ids are in the order of time; the trail's order holds also where the clock has been set back.
 Result<Uuid> NextAuditId(Db& db) {
   Uuid fresh = Uuid::New();
-  Query q(db, "SELECT max(id) FROM audit WHERE tenant = ?1");
+  Query q(db, "SELECT id FROM audit WHERE tenant = ?1 ORDER BY id DESC LIMIT 1");
   Uuid newest;
   if (q.Next()) newest = q.Id(0);
   if (!q.status().ok()) return q.status();

@@ -56,7 +56,7 @@ Status PutStation(Db& db, const StationRow& station, const Sha256& credential_ha
           "INSERT INTO stations (tenant, id, name, public_key, credential_hash, enrolled_ms, "
           "last_seen_ms) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?6) ON CONFLICT (tenant, id) DO UPDATE "
           "SET name = ?3, credential_hash = ?5, enrolled_ms = ?6, last_seen_ms = ?6, revision = "
-          "revision + 1");
+          "stations.revision + 1");
   q.Bind(station.id).Bind(station.name).Bind(Bytes(station.public_key)).Bind(credential_hash);
   return q.Bind(station.enrolled_ms).Run();
 }

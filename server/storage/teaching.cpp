@@ -1,3 +1,4 @@
+#include "server/storage/sql_names.h"
 #include "server/storage/sqlite_impl.h"
 
 // What people say about an attempt: release, override, annotations, appeals; and scoring it again.
@@ -87,7 +88,8 @@ Status QueueAgain(Db& db, const Uuid& attempt, const std::string& cause) {
     return Status(Code::kConflict, "a scoring run of this attempt is waiting or under way already");
   }
   if (row.state == AttemptState::kQuarantined) {
-    Query accept(db, "UPDATE attempts SET state = 3, problem = '' WHERE tenant = ?1 AND id = ?2");
+    Query accept(db, "UPDATE attempts SET state = " + Sql(AttemptState::kSealed) +
+                         ", problem = '' WHERE tenant = ?1 AND id = ?2");
     ENAMEL_RETURN_IF_ERROR(accept.Bind(attempt).Run());
   }
   return QueueScoreJob(db, attempt, cause);

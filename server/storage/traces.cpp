@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "server/storage/sql_names.h"
 #include "server/storage/sqlite_impl.h"
 
 // Ingest of traces: header, chunks as rows, and on seal one write-once blob instead of the rows.
@@ -77,7 +78,8 @@ Status KeepEvidence(Db& db, const Store::ChunkPut& chunk, ByteView sealed) {
 }
 
 Status Quarantine(Db& db, const Uuid& attempt, const std::string& problem) {
-  Query q(db, "UPDATE attempts SET state = 7, problem = ?3 WHERE tenant = ?1 AND id = ?2");
+  Query q(db, "UPDATE attempts SET state = " + Sql(AttemptState::kQuarantined) +
+                  ", problem = ?3 WHERE tenant = ?1 AND id = ?2");
   ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(problem).Run());
   return WriteAudit(db, Actor{{}, "station link"}, "attempt.quarantine", attempt.Text(), "{}",
                     JsonOf({{"problem", problem}}));
@@ -138,10 +140,14 @@ Status InsertChunk(Db& db, const Store::ChunkPut& chunk, ByteView sealed) {
           "UPDATE attempts SET head_hash = ?3, head_state_hash = ?4, chunks = chunks + 1, "
           "ticks = ticks + ?5, gap_ticks = gap_ticks + ?6, trace_bytes = trace_bytes + ?7, "
           "last_chunk_ms = ?8, flags = flags | "
-          "iif(rate_hz > 0 AND (ticks + gap_ticks + ?5 + ?6) * 100000 > rate_hz * ?9 * (?8 - "
-          "ticketed_ms + ?10), 4, 0) | "
-          "iif(limit_ticks > 0 AND ticks + gap_ticks + ?5 + ?6 > limit_ticks, 8, 0) "
-          "WHERE tenant = ?1 AND id = ?2");
+          "CASE WHEN rate_hz > 0 AND (ticks + gap_ticks + ?5 + ?6) * 100000 > rate_hz * ?9 * (?8 - "
+          "ticketed_ms + ?10) THEN " +
+              Sql(kFasterThanTime) +
+              " ELSE 0 END | "
+              "CASE WHEN limit_ticks > 0 AND ticks + gap_ticks + ?5 + ?6 > limit_ticks THEN " +
+              Sql(kOverTime) +
+              " ELSE 0 END "
+              "WHERE tenant = ?1 AND id = ?2");
   q.Bind(chunk.attempt).Bind(chunk.hash).Bind(std::bit_cast<int64_t>(chunk.head.state_hash));
   q.Bind(int64_t{chunk.head.count}).Bind(int64_t{chunk.head.gap_ticks});
   q.Bind(static_cast<int64_t>(chunk.bytes.size())).Bind(chunk.received_ms);
@@ -176,9 +182,9 @@ Status SealMatches(const Ingest& ingest, const trace::Seal& seal) {
 Status MarkSealed(Db& db, const Uuid& attempt, const Ingest& ingest, const Sha256& blob,
                   UnixMs now_ms, bool keep_rows) {
   {
-    Query q(db,
-            "UPDATE attempts SET state = 3, sealed_ms = ?3, trace_blob = ?4, flags = flags | ?5 "
-            "WHERE tenant = ?1 AND id = ?2");
+    Query q(db, "UPDATE attempts SET state = " + Sql(AttemptState::kSealed) +
+                    ", sealed_ms = ?3, trace_blob = ?4, flags = flags | ?5 "
+                    "WHERE tenant = ?1 AND id = ?2");
     q.Bind(attempt).Bind(now_ms).Bind(blob);
     ENAMEL_RETURN_IF_ERROR(q.Bind(int64_t{LateFlags(ingest)}).Run());
   }
@@ -230,9 +236,10 @@ Status SqliteStore::OpenAttempt(const Uuid& attempt, ByteView header) {
               " was handed back, so nothing can be recorded with it; ask for a new ticket",
           "ticket");
     }
-    Query q(db,
-            "UPDATE attempts SET header = ?3, head_hash = ?4, state = 2, trace_bytes = ?5 "
-            "WHERE tenant = ?1 AND id = ?2");
+    Query q(db, "UPDATE attempts SET header = ?3, head_hash = ?4, state = " +
+                    Sql(AttemptState::kRecording) +
+                    ", trace_bytes = ?5 "
+                    "WHERE tenant = ?1 AND id = ?2");
     q.Bind(attempt).Bind(header).Bind(HashSha256(header)).Bind(static_cast<int64_t>(header.size()));
     return q.Run();
   });

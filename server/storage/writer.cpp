@@ -31,6 +31,8 @@ Status Writer::Queue(Pending& mine) {
   std::unique_lock lock(mutex_);
   queue_.push_back(&mine);
   if (queue_.size() == 1) wake_.notify_one();
+  // Without a bound: a work that the thread is at cannot be taken back. What the thread itself waits
+  // for is bounded (Db::SetBusyWait, Db::kMostWait).
   mine.turn.wait(lock, [&] { return mine.done; });
   return mine.status;
 }
@@ -39,6 +41,7 @@ Status Writer::Queue(Pending& mine) {
 void Writer::Loop() {
   std::unique_lock lock(mutex_);
   for (;;) {
+    // Idle until there is work, or no more to come.
     wake_.wait(lock, [&] { return stopping_ || !queue_.empty(); });
     if (queue_.empty()) return;
     lock.unlock();

@@ -1,8 +1,11 @@
 #include <sqlite3.h>
 
+#include <algorithm>
 #include <cstdlib>
+#include <map>
 #include <utility>
 
+#include "server/training/access.h"
 #include "tests/server/storage/backends.h"
 #include "tests/server/storage/store_world.h"
 
@@ -27,6 +30,18 @@ class RetentionTest : public StoreSuite {
     EXPECT_TRUE(store_->FinishAttempt(attempt, result, {}).ok());
     EXPECT_TRUE(store_->FinishJob((*job)->id, true, "").ok());
     return attempt;
+  }
+  // Records, seals and scores an attempt that has its ticket.
+  void Score(const Uuid& attempt) {
+    ASSERT_TRUE(store_->OpenAttempt(attempt, AsBytes("header")).ok());
+    ASSERT_TRUE(store_->SealAttempt(World::SealOf(world_.Append(attempt, 1)), 200).ok());
+    auto job = store_->LeaseJob(1, 1000);
+    ASSERT_TRUE(job.ok() && job->has_value());
+    Store::AttemptResult result;
+    result.score = 80;
+    result.score_json = PutText(*store_, "score");
+    ASSERT_TRUE(store_->FinishAttempt(attempt, result, (*job)->id).ok());
+    ASSERT_TRUE(store_->FinishJob((*job)->id, true, "").ok());
   }
   Uuid Released() {
     Uuid attempt = Scored();
@@ -115,6 +130,43 @@ TEST_P(RetentionTest, GradedWorkIsKeptUntilItIsReleasedOrExcused) {
   Rule("attempts", 60);
   EXPECT_EQ(Apply(61 * kDay).attempts, (std::vector{released, excused}));
   EXPECT_TRUE(store_->AttemptChunks(waiting).ok());
+}
+
+// The same rule stands in access.h and, for the database, in retention.cpp.
+TEST_P(RetentionTest, StudentsWorkIsHeldExactlyWhereAccessReleasesItFirst) {
+  ExerciseRow practice = world_.Exercise("practice", "p1");
+  practice.graded = false;
+  const Uuid exercises[] = {store_->PublishExercise(practice, Uuid{}, kSystem)->id,
+                            world_.exercise.id};
+  const Uuid people[] = {AddPerson(*store_, "ada", Role::kInstructor), world_.student};
+  AssignmentRow assignment;
+  assignment.exercise = world_.exercise.name;
+  const Uuid assigned = store_->AddAssignment(assignment, kSystem)->id;
+  std::map<Uuid, bool> held;
+  for (unsigned bits = 0; bits < 64; ++bits) {
+    auto bit = [&](unsigned i) { return (bits >> i & 1) != 0; };
+    const bool graded = bit(0), student = bit(1), released = bit(2);
+    AttemptRow row;
+    row.id = Uuid::New();
+    row.person = people[student];
+    row.station = world_.station;
+    row.exercise = exercises[graded];
+    row.profile_content = world_.profile;
+    row.ticketed_ms = 5;
+    row.exam = bit(3);
+    row.flags = bit(4) ? kReadmitted : 0;
+    if (bit(5)) row.assignment = assigned;
+    ASSERT_TRUE(store_->CreateAttempt(row, AsBytes("ticket"), kSystem).ok());
+    Score(row.id);
+    if (released) ASSERT_TRUE(store_->ReleaseAttempt(row.id, kSystem).ok());
+    held[row.id] = student && !released && IsReleasedFirst(row, graded);
+  }
+  Rule("recordings", 30);
+  RetentionReport due = Apply(40 * kDay, true);
+  EXPECT_EQ(due.recordings.size() + due.held, 64u);
+  for (const Uuid& id : due.recordings) EXPECT_FALSE(held[id]) << id.Text();
+  EXPECT_EQ(due.held, static_cast<size_t>(
+                          std::ranges::count_if(held, [](const auto& one) { return one.second; })));
 }
 
 TEST_P(RetentionTest, WhatAnAppealIsAboutIsKeptUntilItsAnswer) {
