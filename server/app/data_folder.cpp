@@ -85,6 +85,10 @@ void DeclareInit(CommandGroup root) {
   AddData(cmd, folder);
 }
 
+Result<std::unique_ptr<Store>> OpenOrMake(const std::filesystem::path& folder) {
+  return OpenSqliteStore({folder});
+}
+
 Result<std::unique_ptr<Store>> OpenForCommand(const std::filesystem::path& folder) {
   std::error_code error;
   if (!std::filesystem::exists(folder / "enamel.db", error)) {

@@ -44,6 +44,9 @@ struct CommandGroup;
 // On the command line (command_line.h).
 void DeclareInit(CommandGroup root);
 
+// The store of a folder that is made where there is none: for demo data and what measures servers.
+Result<std::unique_ptr<Store>> OpenOrMake(const std::filesystem::path& folder);
+
 // The store for a command that runs beside a server, or without one. Makes none: a folder that is
 // misspelt is not to become one. Errors also: kNotFound (there is none).
 Result<std::unique_ptr<Store>> OpenForCommand(const std::filesystem::path& folder);

@@ -95,7 +95,7 @@ Result<std::vector<std::string>> LoginsWithDemoPassword(PeopleStore& store) {
 }
 
 Status SeedDemo(const SeedOptions& options) {
-  ENAMEL_ASSIGN_OR_RETURN(auto opened, OpenForCommand(options.data));
+  ENAMEL_ASSIGN_OR_RETURN(auto opened, OpenOrMake(options.data));
   Store& store = *opened;
   if (auto identity = EnsureIdentity(options.data); !identity.ok()) return identity.status();
 

@@ -88,7 +88,7 @@ Status AddCodes(Store& store, School& school, size_t count) {
 }  // namespace
 
 Result<School> FoundSchool(const std::filesystem::path& data, size_t stations) {
-  ENAMEL_ASSIGN_OR_RETURN(auto store, app::OpenForCommand(data));
+  ENAMEL_ASSIGN_OR_RETURN(auto store, app::OpenOrMake(data));
   School school;
   std::string tag = ToHex(auth::NewToken()).substr(0, 8);
   school.login = "load-student-" + tag;

@@ -38,12 +38,10 @@ class CommandsTest : public ::testing::Test {
 
 TEST_F(CommandsTest, AFolderThatIsNoneIsNotMade) {
   const std::filesystem::path typo = folder_.path() / "dta";
-  SeedOptions seed;
-  seed.data = typo;
   ReportOptions report;
   report.data = typo;
   report.attempt = Uuid::New().Text();
-  const std::vector<Status> refused = {SeedDemo(seed), AddPerson(typo, {"ada", "Ada", "student"}),
+  const std::vector<Status> refused = {AddPerson(typo, {"ada", "Ada", "student"}),
                                        PublishExercise(typo, {"builtin:molar", ""}),
                                        ListCohorts(typo), Report(report)};
   for (const Status& status : refused) {
