@@ -92,19 +92,22 @@ TEST_F(SecretsTest, AreNotInLogAuditMetricsOrRefusals) {
   json::value reset =
       Parsed(Send(root, "/api/v1/people/" + school_.sam.Text() + "/password", "{}"));
   std::string once(reset.at("password").as_string());
-  SignIn("sam", once);
+  secrets_[once] = "one-time password of sam";
   Visitor sam(server_->port());
   RawResponse in = Send(sam, "/api/v1/session",
                         json::serialize(json::object{{"login", "sam"}, {"password", once}}));
   sam.cookie = in.headers["set-cookie"].substr(0, 79);
+  ASSERT_EQ(in.status, 200) << in.body;
   sam.csrf = std::string(Parsed(in).at("csrf").as_string());
+  secrets_[sam.cookie.substr(15)] = "session token of sam";
+  secrets_[sam.csrf] = "csrf of sam";
   secrets_["a chosen one of sam's"] = "password that was chosen";
   RawResponse changed =
       Send(sam, "/api/v1/session/password",
            json::serialize(
                json::object{{"old_password", once}, {"new_password", "a chosen one of sam's"}}));
   ASSERT_EQ(changed.status, 200) << changed.body;
-  secrets_[changed.headers["set-cookie"].substr(15, 64)] = "session token of sam";
+  secrets_[changed.headers["set-cookie"].substr(15, 64)] = "next session token of sam";
   root.Get("/api/v1/no/such/path");
   school_.authenticator->refusals().Settle();
   spdlog::info("the log is read");
