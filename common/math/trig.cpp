@@ -1,5 +1,7 @@
 #include "common/math/trig.h"
 
+#include <cmath>
+
 namespace enamel {
 
 SinCos SinCosOfTurns(double turns) noexcept {
@@ -24,6 +26,17 @@ SinCos SinCosOfTurns(double turns) noexcept {
     default:
       return {-c, s};
   }
+}
+
+double ArcTan(double slope) noexcept {
+  // atan x = 2 atan(x / (1 + sqrt(1 + x^2))): three times makes it at most tan(pi/16) = 0.199. Then
+  // the series x - x^3/3 + ..., of which the first term left out, x^25/25, is below 2e-19.
+  constexpr int kHalvings = 3;
+  for (int i = 0; i < kHalvings; ++i) slope /= 1 + std::sqrt(1 + slope * slope);
+  const double x2 = slope * slope;
+  double sum = 0;
+  for (int k = 23; k >= 1; k -= 2) sum = 1.0 / k - x2 * sum;
+  return (1 << kHalvings) * slope * sum;
 }
 
 }  // namespace enamel

@@ -10,4 +10,7 @@ struct SinCos {
 // same on every machine (libm's is not). Error below 1e-15. For tables built when a core is made.
 SinCos SinCosOfTurns(double turns) noexcept;
 
+// Angle of a slope, radians, from + - * / sqrt alone, for the same reason. Error below 1e-15.
+double ArcTan(double slope) noexcept;
+
 }  // namespace enamel

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "common/math/trig.h"
+
 namespace enamel::scoring {
 namespace {
 
@@ -114,8 +116,8 @@ std::array<WallPatch, kPartCount> PatchesOf(const CutSide& reference, const Open
 // How far a wall opens towards the top: its mean normal is turned by the rounded vertices of its
 // edges, so that a plane through its own vertices corrects it.
 double OpensDegrees(const dvec3& normal, std::vector<Height> own) {
-  return kDegrees *
-         (std::asin(std::clamp(normal.z, -1.0, 1.0)) + std::atan(FitPlaneToMost(own, 0).b));
+  const double across = std::sqrt(normal.x * normal.x + normal.y * normal.y);
+  return kDegrees * (ArcTan(normal.z / across) + ArcTan(FitPlaneToMost(own, 0).b));
 }
 
 WallFigures MeasureWall(const CutSide& attempt, const CutSide& reference, const WallPatch& patch,
@@ -169,7 +171,7 @@ WallFigures MeasureWall(const CutSide& attempt, const CutSide& reference, const 
   }
   out.waviness_m = area > 0 ? std::sqrt(squares / area) : 0;
   out.tilt_deg =
-      kDegrees * std::atan(floor ? std::sqrt(plane.b * plane.b + plane.c * plane.c) : plane.b);
+      kDegrees * ArcTan(floor ? std::sqrt(plane.b * plane.b + plane.c * plane.c) : plane.b);
   out.opens_deg = out.tilt_deg + (floor ? 0 : OpensDegrees(patch.normal, std::move(own_heights)));
   return out;
 }

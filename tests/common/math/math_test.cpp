@@ -63,5 +63,13 @@ TEST(OrientationTest, ZeroQuaternionMeansTheIdentity) {
   EXPECT_EQ(FromQuantised({0, 0, 0, 0}).w, 1);
 }
 
+TEST(TrigTest, ArcTanIsTheAngleOfASlopeAndOddAboutZero) {
+  EXPECT_EQ(ArcTan(0), 0);
+  for (double slope = 1e-9; slope < 1e9; slope *= 1.37) {
+    EXPECT_NEAR(ArcTan(slope), std::atan(slope), 1e-15 * (1 + std::atan(slope))) << slope;
+    EXPECT_EQ(ArcTan(-slope), -ArcTan(slope));
+  }
+}
+
 }  // namespace
 }  // namespace enamel
