@@ -12,17 +12,18 @@ namespace {
 using cutting::Volume;
 
 // Far above the 1/8192 voxel that a sample's rounding leaves, far below any wanted cut.
-constexpr double kTouchedVoxels = 0.1;
+constexpr double kCutVoxels = 0.1;
 constexpr double kFacing = 0.9;
 constexpr double kLineStepVoxels = 0.5;
 // Positions are single precision: 0.5 nm at 5 mm. Less than this is none.
 constexpr double kPositionResolution_m = 1e-9;
 
-bool Touched(const Volume& initial, const Volume& after, const dvec3& point_m, double before_m) {
-  return after.DistanceAt_m(point_m) - before_m > kTouchedVoxels * initial.spec().voxel_m();
-}
-
 }  // namespace
+
+bool IsCut(const Volume& initial, const Volume& after, const dvec3& point_m) {
+  return after.DistanceAt_m(point_m) - initial.DistanceAt_m(point_m) >
+         kCutVoxels * initial.spec().voxel_m();
+}
 
 std::vector<float> DeviationPerVertex(const surface::Mesh& mesh, const Volume& initial,
                                       const Volume& final_volume, const Volume& reference,
@@ -31,9 +32,7 @@ std::vector<float> DeviationPerVertex(const surface::Mesh& mesh, const Volume& i
   surface::DistanceQuery query(reference_surface);
   for (size_t i = 0; i < out.size(); ++i) {
     dvec3 p(mesh.position_m[i]);
-    double before = initial.DistanceAt_m(p);
-    if (!Touched(initial, final_volume, p, before) && !Touched(initial, reference, p, before))
-      continue;
+    if (!IsCut(initial, final_volume, p) && !IsCut(initial, reference, p)) continue;
     // From the triangles: a volume's own distance ends at four voxels. The volume gives the side
     // alone.
     double distance = query.Distance_m(p, kDeviationLimit_m);

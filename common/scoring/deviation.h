@@ -17,6 +17,10 @@ struct WeightedValue {
 // The smallest value below or at which `share` (0..1) of the weight lies; 0 when there is none.
 double WeightedQuantile(std::vector<WeightedValue> values, double share);
 
+// Whether something went at a point: phi there exceeds the initial one by more than a tenth of a
+// voxel.
+bool IsCut(const cutting::Volume& initial, const cutting::Volume& after, const dvec3& point_m);
+
 // A third of the triangles around each vertex, m^2: what a vertex stands for.
 std::vector<double> VertexAreas_m2(const surface::Mesh& mesh);
 

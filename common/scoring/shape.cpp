@@ -241,13 +241,12 @@ OutlineFigures MeasureOutline(const Volume& initial, const CutSide& attempt,
   const std::vector<dvec3> wanted = OutlineOf(reference), made = OutlineOf(attempt);
   out.in_task = !wanted.empty();
   if (!out.in_task || made.empty()) return out;
-  const double least = 0.1 * initial.spec().voxel_m();
   std::vector<WeightedValue> over, back;
   for (const dvec3& p : wanted) {
     double nearest = std::numeric_limits<double>::infinity();
     for (const dvec3& q : made) nearest = std::min(nearest, Dot(p - q, p - q));
     const double distance = std::sqrt(nearest);
-    const bool cut = attempt.volume->DistanceAt_m(p) - initial.DistanceAt_m(p) > least;
+    const bool cut = IsCut(initial, *attempt.volume, p);
     over.push_back({cut ? distance : 0, 1});
     back.push_back({cut ? 0 : distance, 1});
   }

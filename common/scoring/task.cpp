@@ -4,6 +4,8 @@
 #include <cmath>
 #include <optional>
 
+#include "common/scoring/deviation.h"
+
 namespace enamel::scoring {
 namespace {
 
@@ -11,8 +13,6 @@ using cutting::kBrickSide;
 using cutting::kBrickVoxels;
 using cutting::SolidFraction;
 using cutting::Volume;
-
-constexpr double kCutVoxels = 0.1;
 
 // Samples of one brick, stored or not.
 class BrickSamples {
@@ -121,10 +121,8 @@ double Sum_m3(const TissueVolumes_m3& volumes) {
 std::vector<bool> CutVertices(const surface::Mesh& mesh, const Volume& initial,
                               const Volume& after) {
   std::vector<bool> out(mesh.position_m.size());
-  const double least = kCutVoxels * initial.spec().voxel_m();
   for (size_t i = 0; i < out.size(); ++i) {
-    dvec3 p(mesh.position_m[i]);
-    out[i] = after.DistanceAt_m(p) - initial.DistanceAt_m(p) > least;
+    out[i] = IsCut(initial, after, dvec3(mesh.position_m[i]));
   }
   return out;
 }

@@ -23,8 +23,7 @@ struct TaskVolumes {
   double done_m3() const { return task_m3() - Sum_m3(missed); }
 };
 
-// Whether something went at each vertex of `mesh`, the surface of `after`: phi there exceeds the
-// initial one by more than a tenth of a voxel.
+// IsCut (deviation.h) at each vertex of `mesh`, the surface of `after`.
 std::vector<bool> CutVertices(const surface::Mesh& mesh, const cutting::Volume& initial,
                               const cutting::Volume& after);
 
