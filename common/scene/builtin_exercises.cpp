@@ -12,8 +12,8 @@ namespace {
 constexpr TouchCueSpec kPracticeCues{250, 100, 200, 1'000};
 
 // Bands. A wall counts as right within 0.03 mm, which is over twice what the score itself errs by
-// (a quarter of a voxel of 0.05 mm), loses a fifth at 0.1 mm, the finest that a trained eye tells on
-// a tooth, and everything at 0.3 mm, the tolerance of manual-skill courses.
+// (a quarter of a voxel of 0.05 mm), loses a fifth at 0.1 mm and everything at 0.3 mm. Both are
+// chosen, not measured on people: what holds them is the order of skill in grades_test.cpp.
 constexpr double kRight_mm = 0.03, kSeen_mm = 0.1, kWrong_mm = 0.3, kSeenShare = 0.8;
 
 RubricCriterion WallCriterion(const char* metric, const char* title, double points,
@@ -55,7 +55,7 @@ RubricCriterion PulpCriterion(double points) {
   return c;
 }
 
-// Less than 0.5 mm of dentin does not protect the pulp; 1 mm and more does (schemas/score.md).
+// Less than 0.5 mm of dentin is taken as too little to protect the pulp (schemas/score.md).
 RubricCriterion CoverCriterion(double points) {
   return AtLeast("remaining_dentin_mm", "Cover of the pulp", "mm", points, 0.5, 0.9,
                  "Too little dentin is left over the pulp.");
