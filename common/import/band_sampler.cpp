@@ -31,7 +31,7 @@ struct Facet {
   EdgeLine edge[3];
 };
 
-Facet Prepare(const TriangleTree::Triangle& t, const dvec3& origin) {
+Facet Prepare(const mesh::TriangleTree::Triangle& t, const dvec3& origin) {
   const dvec3 corners[3] = {t.a - origin, t.b - origin, t.c - origin};
   dvec3 n = glm::cross(t.b - t.a, t.c - t.a);
   const double size = std::sqrt(Dot(n, n));

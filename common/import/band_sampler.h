@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/cutting/volume.h"
-#include "common/import/triangle_tree.h"
+#include "common/mesh/triangle_tree.h"
 
 namespace enamel::import {
 
@@ -18,14 +18,14 @@ class BandSampler {
  public:
   using Samples = std::array<float, cutting::kBrickVoxels>;  // (z, y, x), x fastest
 
-  explicit BandSampler(const TriangleTree& tree) : tree_(&tree) {}
+  explicit BandSampler(const mesh::TriangleTree& tree) : tree_(&tree) {}
 
   // Unsigned distances, at most `limit`, to the tree's triangles. Samples at corner + h * (i, j,
   // k).
   void Distances(const dvec3& corner, double h, double limit, Samples& out);
 
  private:
-  const TriangleTree* tree_;
+  const mesh::TriangleTree* tree_;
   std::vector<uint32_t> near_;
 };
 

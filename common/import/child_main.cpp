@@ -45,24 +45,25 @@ int Fail(const std::string& message) {
 int Run(const std::filesystem::path& path) {
   LimitResources();
   std::error_code error;
-  if (const auto size = std::filesystem::file_size(path, error); !error && size > kMaxMeshFile) {
-    return Fail("expected a file of at most " + std::to_string(kMaxMeshFile >> 20) +
+  if (const auto size = std::filesystem::file_size(path, error);
+      !error && size > mesh::kMaxMeshFile) {
+    return Fail("expected a file of at most " + std::to_string(mesh::kMaxMeshFile >> 20) +
                 " MiB, found one of " + std::to_string(size >> 20) +
                 " MiB: reduce the mesh in a mesh program (a crown needs no more than 200000 "
                 "triangles)");
   }
   // Read while files can still be opened. From ForbidSystem on there are memory and standard
   // output.
-  Result<Bytes> file = ReadFile(path, kMaxMeshFile);
+  Result<Bytes> file = ReadFile(path, mesh::kMaxMeshFile);
   if (!file.ok()) return Fail(file.status().message());
   if (!ForbidSystem()) {
     return Fail(
         "expected a kernel that can confine the mesh reader (seccomp filters), found none: mesh "
         "files are not read unconfined; import on another machine and copy the scene's folder");
   }
-  Result<NamedMesh> mesh = ReadMesh(*file, Extension(path));
+  Result<mesh::NamedMesh> mesh = ReadMesh(*file, Extension(path));
   if (!mesh.ok()) return Fail(mesh.status().message());
-  return WriteAll(EncodeMesh(*mesh)) ? 0 : 1;
+  return WriteAll(mesh::EncodeMesh(*mesh)) ? 0 : 1;
 }
 
 }  // namespace

@@ -26,7 +26,8 @@ using Clock = std::chrono::steady_clock;
 // More than the child's 60 s of processor: on a machine that is busy those take longer.
 constexpr auto kDeadline = std::chrono::seconds(90);
 // A part takes at most 520: two numbers, and two texts of a byte's length (triangles.h).
-constexpr size_t kMaxOutput = 64 + 12 * (kMaxVertices + kMaxTriangles) + kMaxParts * 520;
+constexpr size_t kMaxOutput =
+    64 + 12 * (mesh::kMaxVertices + mesh::kMaxTriangles) + mesh::kMaxParts * 520;
 constexpr size_t kMaxMessage = 2'000;
 
 // A pipe whose ends close themselves.
@@ -124,8 +125,8 @@ Status CheckFile(const std::filesystem::path& file) {
 
 }  // namespace
 
-Result<NamedMesh> ReadMeshInChild(const std::filesystem::path& file,
-                                  const std::filesystem::path& child) {
+Result<mesh::NamedMesh> ReadMeshInChild(const std::filesystem::path& file,
+                                        const std::filesystem::path& child) {
   ENAMEL_RETURN_IF_ERROR(CheckFile(file));
   const auto program = child.empty() ? OwnFolder() / "enamel-import-child" : child;
   Pipe out, err;
@@ -152,7 +153,7 @@ Result<NamedMesh> ReadMeshInChild(const std::filesystem::path& file,
                                           "export it anew from another program");
   }
   if (WEXITSTATUS(status) != 0) return Status(Code::kInvalidInput, name + ": " + Clean(message));
-  return DecodeMesh(output);
+  return mesh::DecodeMesh(output);
 }
 
 }  // namespace enamel::import

@@ -20,7 +20,7 @@ using SignedDistance = std::function<double(const dvec3&)>;
 // The occlusal surface seen from above.
 class TopView {
  public:
-  TopView(const TriangleTree& tree, const dvec3& lo, const dvec3& hi)
+  TopView(const mesh::TriangleTree& tree, const dvec3& lo, const dvec3& hi)
       : tree_(tree), lo_(lo), hi_(hi) {}
   // Height of the first surface under (x, y), mm; nothing where there is none.
   std::optional<double> Height(double x, double y) const {
@@ -36,7 +36,7 @@ class TopView {
   }
 
  private:
-  const TriangleTree& tree_;
+  const mesh::TriangleTree& tree_;
   dvec3 lo_, hi_;
 };
 
@@ -56,7 +56,7 @@ double RoomAround(const dvec3& p, const SignedDistance& distance) {
 // Heights of the occlusal surface on a square grid around its middle.
 class FossaSearch {
  public:
-  FossaSearch(const TriangleTree& outer, const SignedDistance& distance, const dvec3& lo,
+  FossaSearch(const mesh::TriangleTree& outer, const SignedDistance& distance, const dvec3& lo,
               const dvec3& hi)
       : distance_(distance), middle_(0.5 * (lo + hi)) {
     const TopView top(outer, lo, hi);
@@ -143,7 +143,7 @@ const char* Words(Centre kind) {
   return "";
 }
 
-Fossa FindFossa(const TriangleTree& outer, const SignedDistance& distance, const dvec3& lo,
+Fossa FindFossa(const mesh::TriangleTree& outer, const SignedDistance& distance, const dvec3& lo,
                 const dvec3& hi) {
   return FossaSearch(outer, distance, lo, hi).Find();
 }

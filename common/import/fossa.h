@@ -2,7 +2,7 @@
 
 #include <functional>
 
-#include "common/import/triangle_tree.h"
+#include "common/mesh/triangle_tree.h"
 
 namespace enamel::import {
 
@@ -18,7 +18,8 @@ struct Fossa {
 // pit nearest the middle of the occlusal surface, else the middle, as far as there is room around
 // it for the outline; else the point with most room. `outer` is the tooth's surface, `distance`
 // signed (negative inside) to the same, lo..hi the crown's bounding box.
-Fossa FindFossa(const TriangleTree& outer, const std::function<double(const dvec3&)>& distance,
-                const dvec3& lo, const dvec3& hi);
+Fossa FindFossa(const mesh::TriangleTree& outer,
+                const std::function<double(const dvec3&)>& distance, const dvec3& lo,
+                const dvec3& hi);
 
 }  // namespace enamel::import

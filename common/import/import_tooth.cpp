@@ -11,13 +11,13 @@
 #include "common/base/file.h"
 #include "common/import/band_sampler.h"
 #include "common/import/fossa.h"
-#include "common/import/mesh_repair.h"
 #include "common/import/place.h"
 #include "common/import/printable.h"
 #include "common/import/sources.h"
 #include "common/import/tissues.h"
-#include "common/import/triangle_tree.h"
-#include "common/import/units.h"
+#include "common/mesh/mesh_repair.h"
+#include "common/mesh/triangle_tree.h"
+#include "common/mesh/units.h"
 #include "common/scene/builder.h"
 #include "common/scene/builtin.h"
 #include "common/scene/volume_blob.h"
@@ -42,15 +42,15 @@ Status Invalid(std::string message, std::string field = {}) {
   return Status(Code::kInvalidInput, std::move(message), std::move(field));
 }
 
-void Append(const Triangles& from, Triangles& to) {
+void Append(const mesh::Triangles& from, mesh::Triangles& to) {
   const auto shift = static_cast<uint32_t>(to.vertices.size());
   to.vertices.insert(to.vertices.end(), from.vertices.begin(), from.vertices.end());
   for (const auto& t : from.indices)
     to.indices.push_back({t[0] + shift, t[1] + shift, t[2] + shift});
 }
 
-Triangles Scaled(const Triangles& mesh, double factor) {
-  Triangles out = mesh;
+mesh::Triangles Scaled(const mesh::Triangles& mesh, double factor) {
+  mesh::Triangles out = mesh;
   for (dvec3& v : out.vertices) v *= factor;
   return out;
 }
@@ -76,7 +76,8 @@ std::string PlainName(const std::string& text) {
 // One surface, tissues by depth. Metres outside, millimetres within.
 class DepthField : public scene::BrickField {
  public:
-  DepthField(const TriangleTree& boundary, const TriangleTree& whole, const TissueModel& tissues)
+  DepthField(const mesh::TriangleTree& boundary, const mesh::TriangleTree& whole,
+             const TissueModel& tissues)
       : probe_(boundary, whole), band_(boundary), whole_(whole), tissues_(tissues) {}
 
   scene::FieldSample At(const dvec3& point_m, double reach_m) override {
@@ -105,9 +106,9 @@ class DepthField : public scene::BrickField {
     return {d_m, t.tissue, t.margin_mm * 1e-3};
   }
 
-  SignedProbe probe_;
+  mesh::SignedProbe probe_;
   BandSampler band_;
-  const TriangleTree& whole_;
+  const mesh::TriangleTree& whole_;
   const TissueModel& tissues_;
   BandSampler::Samples distance_;
   std::array<bool, cutting::kBrickVoxels> inside_;
@@ -128,10 +129,10 @@ std::string Words(const std::array<double, cutting::kTissueCount>& volumes) {
     sum += volumes[t] * 1e9;
     if (volumes[t] > 0) {
       tissues += (tissues.empty() ? "" : ", ") + std::string(cutting::kTissueNames[t]) + " " +
-                 Fixed(volumes[t] * 1e9, 1);
+                 mesh::Fixed(volumes[t] * 1e9, 1);
     }
   }
-  return "volume " + Fixed(sum, 1) + " mm3 in voxels: " + tissues + " mm3";
+  return "volume " + mesh::Fixed(sum, 1) + " mm3 in voxels: " + tissues + " mm3";
 }
 
 Status CheckOptions(const ImportOptions& options) {
@@ -141,10 +142,11 @@ Status CheckOptions(const ImportOptions& options) {
         "voxel_nm");
   }
   if (!(options.bridge_mm >= 0 && options.bridge_mm <= kWidestBridge_mm)) {
-    return Invalid("expected gaps of 0 to 0.5 mm to bridge, found " + Fixed(options.bridge_mm),
-                   "bridge_um");
+    return Invalid(
+        "expected gaps of 0 to 0.5 mm to bridge, found " + mesh::Fixed(options.bridge_mm),
+        "bridge_um");
   }
-  return UnitInMm(options.unit).status();
+  return mesh::UnitInMm(options.unit).status();
 }
 
 double FinestPiece_mm(const ImportOptions& options) {
@@ -158,7 +160,7 @@ void Enter(const ImportOptions& options, std::string_view phase) {
 using MakeField = std::function<std::unique_ptr<scene::BrickField>()>;
 
 // The grid, filled; refused before that where it would be too large.
-Status Fill(const Box& box, const MakeField& field, const ImportOptions& options,
+Status Fill(const mesh::Box& box, const MakeField& field, const ImportOptions& options,
             ImportedScene& out) {
   const auto spec = scene::GridAround(box.lo * 1e-3, box.hi * 1e-3, options.voxel_nm);
   ENAMEL_RETURN_IF_ERROR(cutting::ValidateGrid(spec, kMaxGridBytes));
@@ -168,10 +170,11 @@ Status Fill(const Box& box, const MakeField& field, const ImportOptions& options
   return Status::Ok();
 }
 
-void ReportPlace(const Box& box, const std::string& words, const Fossa& fossa, ImportedScene& out) {
+void ReportPlace(const mesh::Box& box, const std::string& words, const Fossa& fossa,
+                 ImportedScene& out) {
   const dvec3 size = box.size();
-  out.report.push_back("size " + Fixed(size.x) + " x " + Fixed(size.y) + " x " + Fixed(size.z) +
-                       " mm");
+  out.report.push_back("size " + mesh::Fixed(size.x) + " x " + mesh::Fixed(size.y) + " x " +
+                       mesh::Fixed(size.z) + " mm");
   out.report.push_back(words);
   out.report.push_back(
       "the longer side lies along x; what is mesial and buccal is not known from a mesh");
@@ -185,7 +188,7 @@ void Finish(const Fossa& fossa, const std::string& source, const ImportOptions& 
   const auto volumes = cutting::SolidVolume_m3(out.volume);
   out.report.push_back(Words(volumes));
   if (out.mesh_volume_mm3 > 0)
-    out.report.push_back("volume " + Fixed(out.mesh_volume_mm3, 1) + " mm3 by the mesh");
+    out.report.push_back("volume " + mesh::Fixed(out.mesh_volume_mm3, 1) + " mm3 by the mesh");
   out.scene.name = PlainName(options.name.empty() ? "imported" : options.name);
   out.scene.title = options.name.empty() ? "Imported tooth" : Printable(options.name);
   out.scene.voxel_nm = options.voxel_nm;
@@ -198,35 +201,35 @@ void Finish(const Fossa& fossa, const std::string& source, const ImportOptions& 
 
 }  // namespace
 
-Result<ImportedScene> ImportTriangles(const Triangles& mesh, const std::string& source,
+Result<ImportedScene> ImportTriangles(const mesh::Triangles& mesh, const std::string& source,
                                       const ImportOptions& options) {
   ENAMEL_RETURN_IF_ERROR(CheckOptions(options));
   if (mesh.indices.empty()) return Invalid("the mesh holds no triangles");
-  const double unit = *UnitInMm(options.unit);
-  const Triangles mesh_mm = Scaled(mesh, unit);
-  ENAMEL_RETURN_IF_ERROR(CheckSize(mesh_mm, options.unit, unit));
+  const double unit = *mesh::UnitInMm(options.unit);
+  const mesh::Triangles mesh_mm = Scaled(mesh, unit);
+  ENAMEL_RETURN_IF_ERROR(mesh::CheckSize(mesh_mm, options.unit, unit));
   Enter(options, "repairing");
-  RepairOptions repair;
+  mesh::RepairOptions repair;
   repair.finest_mm = FinestPiece_mm(options);
-  Result<Solid> solid = MakeSolid(mesh_mm, repair);
+  Result<mesh::Solid> solid = mesh::MakeSolid(mesh_mm, repair);
   if (!solid.ok()) return solid.status();
   Enter(options, "placing");
   Result<PlacedSolid> placed = Place(std::move(*solid), options.up);
   if (!placed.ok()) return placed.status();
-  const Box box = BoxOf(placed->solid.mesh);
-  const TriangleTree boundary(placed->solid.boundary), whole(placed->solid.mesh);
-  SignedProbe probe(boundary, whole);
+  const mesh::Box box = mesh::BoxOf(placed->solid.mesh);
+  const mesh::TriangleTree boundary(placed->solid.boundary), whole(placed->solid.mesh);
+  mesh::SignedProbe probe(boundary, whole);
   const Fossa fossa = FindFossa(
       boundary, [&](const dvec3& p) { return probe.Distance(p, kFar_mm); }, box.lo, box.hi);
   Enter(options, "tissues");
   const TissueModel tissues(placed->solid.boundary, placed->gum ? &*placed->gum : nullptr, box.lo,
                             box.hi, fossa.point.z - kPulpBelowFossa_mm);
   ImportedScene out;
-  out.mesh_volume_mm3 = SignedVolume(placed->solid.mesh);
+  out.mesh_volume_mm3 = mesh::SignedVolume(placed->solid.mesh);
   out.report = Describe(placed->solid.report);
   ReportPlace(box, placed->words, fossa, out);
   out.report.push_back("tissues assumed by depth from the surface: enamel up to " +
-                       Fixed(tissues.enamel_max_mm(), 1) +
+                       mesh::Fixed(tissues.enamel_max_mm(), 1) +
                        " mm, none at the gum; pulp low in the middle");
   ENAMEL_RETURN_IF_ERROR(Fill(
       box, [&] { return std::make_unique<DepthField>(boundary, whole, tissues); }, options, out));
@@ -234,18 +237,19 @@ Result<ImportedScene> ImportTriangles(const Triangles& mesh, const std::string& 
   return out;
 }
 
-Result<ImportedScene> ImportLayers(const std::array<std::optional<Triangles>, kLayers>& surfaces,
-                                   const std::string& source, const ImportOptions& options) {
+Result<ImportedScene> ImportLayers(
+    const std::array<std::optional<mesh::Triangles>, kLayers>& surfaces, const std::string& source,
+    const ImportOptions& options) {
   ENAMEL_RETURN_IF_ERROR(CheckOptions(options));
-  const double unit = *UnitInMm(options.unit);
-  std::array<std::optional<Triangles>, kLayers> surfaces_mm;
-  Triangles all;
+  const double unit = *mesh::UnitInMm(options.unit);
+  std::array<std::optional<mesh::Triangles>, kLayers> surfaces_mm;
+  mesh::Triangles all;
   for (size_t i = 0; i < kLayers; ++i) {
     if (!surfaces[i]) continue;
     surfaces_mm[i] = Scaled(*surfaces[i], unit);
     Append(*surfaces_mm[i], all);
   }
-  if (!all.indices.empty()) ENAMEL_RETURN_IF_ERROR(CheckSize(all, options.unit, unit));
+  if (!all.indices.empty()) ENAMEL_RETURN_IF_ERROR(mesh::CheckSize(all, options.unit, unit));
   const LayerOptions layer_options{options.bridge_mm, FinestPiece_mm(options)};
   Enter(options, "repairing");
   Result<LayerSolids> solids = RepairLayers(surfaces_mm, layer_options);
@@ -256,16 +260,16 @@ Result<ImportedScene> ImportLayers(const std::array<std::optional<Triangles>, kL
   Enter(options, "tissues");
   Result<LayeredTooth> tooth = LayeredTooth::Make(std::move(placed->layers), layer_options);
   if (!tooth.ok()) return tooth.status();
-  Box box{dvec3(1e300), dvec3(-1e300)}, crown = box;
+  mesh::Box box{dvec3(1e300), dvec3(-1e300)}, crown = box;
   std::string alone;
   // Downwards, so that the last crown kept is the enamel's.
   for (size_t i = kLayers; i-- > 0;) {
     if (tooth->surface(i) == nullptr) continue;
-    const Triangles& mesh = tooth->surface(i)->solid.mesh;
-    crown = BoxOf(mesh);  // the enamel's where there is one
+    const mesh::Triangles& mesh = tooth->surface(i)->solid.mesh;
+    crown = mesh::BoxOf(mesh);  // the enamel's where there is one
     box.lo = glm::min(box.lo, crown.lo), box.hi = glm::max(box.hi, crown.hi);
     alone = std::string(cutting::TissueName(kLayerTissues[i])) + " " +
-            Fixed(SignedVolume(mesh), 1) + (alone.empty() ? "" : ", ") + alone;
+            mesh::Fixed(mesh::SignedVolume(mesh), 1) + (alone.empty() ? "" : ", ") + alone;
   }
   LayerProbe probe(*tooth);
   const Fossa fossa = FindFossa(

@@ -11,7 +11,7 @@
 #include "common/base/result.h"
 #include "common/cutting/volume.h"
 #include "common/import/layers.h"
-#include "common/import/triangles.h"
+#include "common/mesh/triangles.h"
 #include "common/scene/types.h"
 
 // Real teeth: mesh files become a scene. Not real-time; runs on station or by hand, never in the
@@ -67,9 +67,10 @@ inline Result<ImportedScene> ImportTooth(const std::filesystem::path& file,
   return ImportTooth(ImportSources{file, {}}, options);
 }
 // The same from triangles in the given unit, without a file; `source` is what the provenance says.
-Result<ImportedScene> ImportTriangles(const Triangles& mesh, const std::string& source,
+Result<ImportedScene> ImportTriangles(const mesh::Triangles& mesh, const std::string& source,
                                       const ImportOptions& options);
-Result<ImportedScene> ImportLayers(const std::array<std::optional<Triangles>, kLayers>& surfaces,
-                                   const std::string& source, const ImportOptions& options);
+Result<ImportedScene> ImportLayers(
+    const std::array<std::optional<mesh::Triangles>, kLayers>& surfaces, const std::string& source,
+    const ImportOptions& options);
 
 }  // namespace enamel::import

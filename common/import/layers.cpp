@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "common/import/band_sampler.h"
-#include "common/import/facet.h"
-#include "common/import/units.h"
+#include "common/mesh/facet.h"
+#include "common/mesh/units.h"
 
 namespace enamel::import {
 namespace {
@@ -60,27 +60,27 @@ bool Enters(const LayeredTooth::Surface& solid, const dvec3& p, const dvec3& way
   return false;
 }
 
-bool IsCap(const Solid& solid, const std::array<uint32_t, 3>& t) {
+bool IsCap(const mesh::Solid& solid, const std::array<uint32_t, 3>& t) {
   return std::max({t[0], t[1], t[2]}) >= solid.first_cap_vertex;
 }
 
-Triangles Select(const Solid& solid, bool caps) {
-  Triangles out{solid.mesh.vertices, {}};
+mesh::Triangles Select(const mesh::Solid& solid, bool caps) {
+  mesh::Triangles out{solid.mesh.vertices, {}};
   for (const auto& t : solid.mesh.indices) {
     if (IsCap(solid, t) == caps) out.indices.push_back(t);
   }
   return out;
 }
 
-Status CheckTogether(size_t layer, const Triangles& surface, const Triangles& dentin) {
-  const Box own = BoxOf(surface), other = BoxOf(dentin);
+Status CheckTogether(size_t layer, const mesh::Triangles& surface, const mesh::Triangles& dentin) {
+  const mesh::Box own = mesh::BoxOf(surface), other = mesh::BoxOf(dentin);
   const double ratio = own.extent() / std::max(other.extent(), 1e-12);
   bool apart = false;
   for (int k = 0; k < 3; ++k) apart |= own.lo[k] > other.hi[k] || own.hi[k] < other.lo[k];
   if (ratio < kMostTimesLarger && ratio > 1 / kMostTimesLarger && !apart) return Status::Ok();
   return Invalid(Name(layer) + ": expected it around or within the dentin (" +
-                 Fixed(other.extent(), 3) + " mm), found a surface of " + Fixed(own.extent(), 3) +
-                 " mm" + (apart ? " apart from it" : "") +
+                 mesh::Fixed(other.extent(), 3) + " mm), found a surface of " +
+                 mesh::Fixed(own.extent(), 3) + " mm" + (apart ? " apart from it" : "") +
                  ": all surfaces must be of one tooth, in one unit and one frame");
 }
 
@@ -88,11 +88,11 @@ Status InLayer(size_t layer, const Status& status) {
   return Status(status.code(), Name(layer) + ": " + status.message(), status.field());
 }
 
-dvec3 MiddleOfSurface(const Triangles& mesh) {
+dvec3 MiddleOfSurface(const mesh::Triangles& mesh) {
   dvec3 sum(0);
   double area = 0;
   for (const auto& t : mesh.indices) {
-    const Facet f = Facet::Of(mesh, t);
+    const mesh::Facet f = mesh::Facet::Of(mesh, t);
     const dvec3 n = f.AreaNormal();
     const double size = std::sqrt(Dot(n, n));
     sum += size * f.Middle();
@@ -102,22 +102,24 @@ dvec3 MiddleOfSurface(const Triangles& mesh) {
 }
 
 void TakeHollowAsPulp(LayerSolids& layers, const LayerOptions& options) {
-  const Solid& dentin = *layers.solids[kDentin];
+  const mesh::Solid& dentin = *layers.solids[kDentin];
   if (layers.solids[kPulp] || dentin.hollows.indices.empty()) return;
-  RepairOptions repair;
+  mesh::RepairOptions repair;
   repair.finest_mm = options.finest_mm;
   // Its own way through the repair, since pulp may overlap itself like any other surface.
-  Result<Solid> pulp = MakeSolid(dentin.hollows, repair);
+  Result<mesh::Solid> pulp = mesh::MakeSolid(dentin.hollows, repair);
   if (!pulp.ok()) return;
   layers.report.push_back("no pulp given: the hollow in the dentin (" +
-                          Fixed(SignedVolume(pulp->mesh)) + " mm3) is taken as the pulp");
+                          mesh::Fixed(mesh::SignedVolume(pulp->mesh)) +
+                          " mm3) is taken as the pulp");
   layers.solids[kPulp] = std::move(*pulp);
 }
 
 }  // namespace
 
-Result<LayerSolids> RepairLayers(const std::array<std::optional<Triangles>, kLayers>& surfaces_mm,
-                                 const LayerOptions& options) {
+Result<LayerSolids> RepairLayers(
+    const std::array<std::optional<mesh::Triangles>, kLayers>& surfaces_mm,
+    const LayerOptions& options) {
   if (!surfaces_mm[kDentin]) {
     return Invalid(
         "dentin: expected a surface of it beside that of enamel or pulp, found none; a crown's "
@@ -129,12 +131,12 @@ Result<LayerSolids> RepairLayers(const std::array<std::optional<Triangles>, kLay
     if (surfaces_mm[layer]->indices.empty())
       return Invalid(Name(layer) + ": its surface holds no triangles");
     ENAMEL_RETURN_IF_ERROR(CheckTogether(layer, *surfaces_mm[layer], *surfaces_mm[kDentin]));
-    RepairOptions repair;
+    mesh::RepairOptions repair;
     // An enamel shell's inside is a hollow that must stay one; the dentin's is the pulp.
     repair.keep_hollows = layer == kEnamel;
     repair.largest_cap_share = kLargestCapShare;
     repair.finest_mm = options.finest_mm;
-    Result<Solid> solid = MakeSolid(*surfaces_mm[layer], repair);
+    Result<mesh::Solid> solid = mesh::MakeSolid(*surfaces_mm[layer], repair);
     if (!solid.ok()) return InLayer(layer, solid.status());
     for (const std::string& line : Describe(solid->report))
       out.report.push_back(Name(layer) + ": " + line);
@@ -179,7 +181,7 @@ std::optional<size_t> LayeredTooth::NearerOfCleft(const dvec3& p, const Distance
     for (size_t k = i + 1; k < kLayers; ++k) {
       if (!surfaces_[i] || !surfaces_[k] || d.to[i] < 0 || d.to[k] < 0) continue;
       if (d.to[i] + d.to[k] > bridge_) continue;
-      const TriangleTree &one = surfaces_[i]->boundary, &other = surfaces_[k]->boundary;
+      const mesh::TriangleTree &one = surfaces_[i]->boundary, &other = surfaces_[k]->boundary;
       uint32_t on_one = 0, on_other = 0;
       // Both are known to lie within the bridge; twice that only makes sure that the triangle is
       // found.
@@ -194,7 +196,7 @@ std::optional<size_t> LayeredTooth::NearerOfCleft(const dvec3& p, const Distance
 }
 
 bool LayeredTooth::IsBehindCap(const dvec3& p) const {
-  const TriangleTree &caps = surfaces_[kEnamel]->caps, &dentin = surfaces_[kDentin]->boundary;
+  const mesh::TriangleTree &caps = surfaces_[kEnamel]->caps, &dentin = surfaces_[kDentin]->boundary;
   uint32_t cap = 0, other = 0;
   if (caps.empty() || caps.Distance(p, kBehind_mm, &cap) >= kBehind_mm) return false;
   if (dentin.Distance(p, kBehind_mm, &other) >= kBehind_mm) return false;
@@ -227,8 +229,8 @@ Result<LayeredTooth> LayeredTooth::Make(LayerSolids layers, const LayerOptions& 
   tooth.report_ = std::move(layers.report);
   for (size_t i = 0; i < kLayers; ++i) {
     if (!layers.solids[i]) continue;
-    Solid& solid = *layers.solids[i];
-    TriangleTree boundary(solid.boundary), whole(solid.mesh), own(Select(solid, false)),
+    mesh::Solid& solid = *layers.solids[i];
+    mesh::TriangleTree boundary(solid.boundary), whole(solid.mesh), own(Select(solid, false)),
         caps(Select(solid, true));
     tooth.surfaces_[i] = std::make_unique<Surface>(Surface{
         std::move(solid), std::move(boundary), std::move(whole), std::move(own), std::move(caps)});
@@ -245,7 +247,7 @@ Result<LayeredTooth> LayeredTooth::Make(LayerSolids layers, const LayerOptions& 
 // bounding box.
 double LayeredTooth::SharedVolume(size_t outer, size_t inner) const {
   const Surface &l = *surfaces_[outer], &r = *surfaces_[inner];
-  const Box box = BoxOf(r.solid.mesh);
+  const mesh::Box box = mesh::BoxOf(r.solid.mesh);
   int both = 0, n = kNestingSamples;
   for (int i = 0; i < n * n * n; ++i) {
     const dvec3 cell(i % n, i / n % n, i / (n * n));
@@ -255,24 +257,24 @@ double LayeredTooth::SharedVolume(size_t outer, size_t inner) const {
   }
   const dvec3 size = box.size() / static_cast<double>(n);
   return both * size.x * size.y * size.z /
-         std::min(SignedVolume(l.solid.mesh), SignedVolume(r.solid.mesh));
+         std::min(mesh::SignedVolume(l.solid.mesh), mesh::SignedVolume(r.solid.mesh));
 }
 
 LayeredTooth::Meeting LayeredTooth::Measure(size_t outer, size_t inner) const {
-  const Solid& solid = surfaces_[outer]->solid;
-  const TriangleTree& other = surfaces_[inner]->boundary;
+  const mesh::Solid& solid = surfaces_[outer]->solid;
+  const mesh::TriangleTree& other = surfaces_[inner]->boundary;
   Meeting m;
-  SignedProbe probe(other, surfaces_[inner]->whole);
+  mesh::SignedProbe probe(other, surfaces_[inner]->whole);
   for (const auto& t : solid.mesh.indices) {
     if (IsCap(solid, t)) continue;
-    const Facet f = Facet::Of(solid.mesh, t);
+    const mesh::Facet f = mesh::Facet::Of(solid.mesh, t);
     const dvec3 normal = f.AreaNormal();
     const double area = std::sqrt(Dot(normal, normal)),
                  apart = probe.Distance(f.Middle(), kLook_mm);
     m.own_mm2 += area;
     // Only what faces the other surface is an interface: a dome's outside lies near nothing.
     if (std::abs(apart) >= kLook_mm) continue;
-    const TriangleTree::Triangle& facing = other.At(probe.nearest());
+    const mesh::TriangleTree::Triangle& facing = other.At(probe.nearest());
     const dvec3 its = Unit(glm::cross(facing.b - facing.a, facing.c - facing.a));
     if (Dot(Unit(normal), its) > kFaceToFace) continue;
     m.area_mm2 += area;
@@ -289,36 +291,37 @@ Status LayeredTooth::FindRelation(Layer outer_layer, Layer inner_layer) {
   if (!surfaces_[outer] || !surfaces_[inner]) return Status::Ok();
   const Meeting m = Measure(outer, inner);
   const std::string names = Name(outer) + " and " + Name(inner);
-  const double smaller = std::min(m.own_mm2, SurfaceArea(surfaces_[inner]->solid.mesh));
+  const double smaller = std::min(m.own_mm2, mesh::SurfaceArea(surfaces_[inner]->solid.mesh));
   if (m.area_mm2 < kLeastMeeting * smaller) {
     nested_[outer][inner] = true;
     if (SharedVolume(outer, inner) > kLeastShared) return Status::Ok();
     return Invalid(names + " do not meet: their surfaces face each other within " +
-                   Fixed(kLook_mm, 1) + " mm over " + Fixed(m.area_mm2) +
+                   mesh::Fixed(kLook_mm, 1) + " mm over " + mesh::Fixed(m.area_mm2) +
                    " mm2 only, and neither is within the other; give surfaces of one tooth, in one "
                    "unit and one frame");
   }
-  const std::string figures = "gaps of up to " + Fixed(m.gap_mm, 3) +
-                              " mm and crossings of up to " + Fixed(m.crossing_mm, 3) +
-                              " mm over " + Fixed(m.area_mm2, 1) + " mm2";
+  const std::string figures = "gaps of up to " + mesh::Fixed(m.gap_mm, 3) +
+                              " mm and crossings of up to " + mesh::Fixed(m.crossing_mm, 3) +
+                              " mm over " + mesh::Fixed(m.area_mm2, 1) + " mm2";
   if (m.beyond_mm2 > kMostBeyond * m.area_mm2) {
-    return Invalid(names + ": expected surfaces that meet to " + Fixed(bridge_, 2) + " mm, found " +
-                   figures + ", " + Fixed(100 * m.beyond_mm2 / m.area_mm2, 0) +
+    return Invalid(names + ": expected surfaces that meet to " + mesh::Fixed(bridge_, 2) +
+                   " mm, found " + figures + ", " +
+                   mesh::Fixed(100 * m.beyond_mm2 / m.area_mm2, 0) +
                    " % of it beyond: mend them in a mesh program, or allow more with --bridge-um");
   }
-  report_.push_back(names + " meet with " + figures + "; up to " + Fixed(bridge_, 2) +
-                    " mm is bridged" +
-                    (m.beyond_mm2 > 0 ? ", " + Fixed(m.beyond_mm2) + " mm2 lie beyond that" : ""));
+  report_.push_back(
+      names + " meet with " + figures + "; up to " + mesh::Fixed(bridge_, 2) + " mm is bridged" +
+      (m.beyond_mm2 > 0 ? ", " + mesh::Fixed(m.beyond_mm2) + " mm2 lie beyond that" : ""));
   return Status::Ok();
 }
 
 void LayeredTooth::ReportPulpOutside() {
   if (!surfaces_[kPulp] || !nested_[kDentin][kPulp]) return;
-  const Solid& pulp = surfaces_[kPulp]->solid;
-  SignedProbe dentin(surfaces_[kDentin]->boundary, surfaces_[kDentin]->whole);
+  const mesh::Solid& pulp = surfaces_[kPulp]->solid;
+  mesh::SignedProbe dentin(surfaces_[kDentin]->boundary, surfaces_[kDentin]->whole);
   double deepest = 0, outside = 0, area = 0;
   for (const auto& t : pulp.mesh.indices) {
-    const Facet f = Facet::Of(pulp.mesh, t);
+    const mesh::Facet f = mesh::Facet::Of(pulp.mesh, t);
     const dvec3 normal = f.AreaNormal();
     const double size = std::sqrt(Dot(normal, normal)), s = dentin.Distance(f.Middle(), 5);
     area += size;
@@ -327,8 +330,8 @@ void LayeredTooth::ReportPulpOutside() {
     deepest = std::max(deepest, s);
   }
   if (outside > 0) {
-    report_.push_back("pulp reaches out of the dentin by up to " + Fixed(deepest, 3) +
-                      " mm, over " + Fixed(100 * outside / area, 1) + " % of its surface");
+    report_.push_back("pulp reaches out of the dentin by up to " + mesh::Fixed(deepest, 3) +
+                      " mm, over " + mesh::Fixed(100 * outside / area, 1) + " % of its surface");
   }
 }
 
@@ -344,11 +347,11 @@ class BoundaryPieces {
     for (size_t i = 0; i < kLayers; ++i) {
       const auto* s = tooth.surface(i);
       if (s == nullptr || i == own) continue;
-      others_.push_back({&s->boundary, SignedProbe(s->boundary, s->whole)});
+      others_.push_back({&s->boundary, mesh::SignedProbe(s->boundary, s->whole)});
     }
   }
 
-  void Add(const Facet& f, Triangles& out) {
+  void Add(const mesh::Facet& f, mesh::Triangles& out) {
     const double radius = f.Radius();
     const dvec3 middle = f.Middle();
     dvec3 normal = Unit(f.AreaNormal());
@@ -358,7 +361,7 @@ class BoundaryPieces {
     bool near = false;
     const bool bare = HasAirBefore(middle, normal, radius + bridge_, near);
     if (near && radius > finest_ && (radius > kUniform_mm || !IsOfOneKind(f, normal, bare))) {
-      for (const Facet& half : f.Halves()) Add(half, out);
+      for (const mesh::Facet& half : f.Halves()) Add(half, out);
       return;
     }
     if (!bare) return;
@@ -369,17 +372,17 @@ class BoundaryPieces {
 
  private:
   struct Other {
-    const TriangleTree* surface;
-    SignedProbe probe;
+    const mesh::TriangleTree* surface;
+    mesh::SignedProbe probe;
   };
 
   // Half and all of the bridge before p.
-  bool IsOutside(SignedProbe& probe, const dvec3& p, const dvec3& normal) const {
+  bool IsOutside(mesh::SignedProbe& probe, const dvec3& p, const dvec3& normal) const {
     return probe.Distance(p + 0.5 * bridge_ * normal, 1) >= 0 &&
            probe.Distance(p + bridge_ * normal, 1) >= 0;
   }
 
-  bool IsOfOneKind(const Facet& f, const dvec3& normal, bool bare) {
+  bool IsOfOneKind(const mesh::Facet& f, const dvec3& normal, bool bare) {
     bool near = false;
     const dvec3 middle = f.Middle();
     for (const dvec3& corner : {f.a, f.b, f.c}) {
@@ -411,7 +414,7 @@ class BoundaryPieces {
     return bare;
   }
 
-  SignedProbe own_;
+  mesh::SignedProbe own_;
   double bridge_, finest_;
   std::vector<Other> others_;
 };
@@ -419,14 +422,14 @@ class BoundaryPieces {
 }  // namespace
 
 void LayeredTooth::FindBoundary(double finest_mm) {
-  Triangles pieces;
+  mesh::Triangles pieces;
   for (size_t i = 0; i < kLayers; ++i) {
     if (!surfaces_[i]) continue;
-    const Triangles& own = surfaces_[i]->solid.boundary;
+    const mesh::Triangles& own = surfaces_[i]->solid.boundary;
     BoundaryPieces cutter(*this, i, finest_mm);
-    for (const auto& t : own.indices) cutter.Add(Facet::Of(own, t), pieces);
+    for (const auto& t : own.indices) cutter.Add(mesh::Facet::Of(own, t), pieces);
   }
-  boundary_ = std::make_unique<TriangleTree>(pieces);
+  boundary_ = std::make_unique<mesh::TriangleTree>(pieces);
 }
 
 namespace {

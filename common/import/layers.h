@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "common/cutting/tissue.h"
-#include "common/import/mesh_repair.h"
-#include "common/import/triangle_tree.h"
+#include "common/mesh/mesh_repair.h"
+#include "common/mesh/triangle_tree.h"
 #include "common/scene/builder.h"
 
 // A tooth from one surface per tissue. The surfaces come from different segmentations: where two
@@ -36,12 +36,12 @@ inline constexpr std::array<cutting::Tissue, kLayers> kLayerTissues = {
 
 struct LayerOptions {
   double bridge_mm = 0.1;
-  double finest_mm = 0.01;  // as in RepairOptions
+  double finest_mm = 0.01;  // as in mesh::RepairOptions
 };
 
 // One closed solid per tissue, by Layer, and what was done about them.
 struct LayerSolids {
-  std::array<std::optional<Solid>, kLayers> solids;
+  std::array<std::optional<mesh::Solid>, kLayers> solids;
   std::vector<std::string> report;
 };
 
@@ -49,8 +49,9 @@ struct LayerSolids {
 // dentin is the pulp where no pulp is given. Errors: kInvalidInput, the message begins with the
 // tissue: no dentin, nothing but dentin, no solid, or not of one tooth with the dentin (extents
 // more than 30 times different, or bounding boxes apart: another unit or frame).
-Result<LayerSolids> RepairLayers(const std::array<std::optional<Triangles>, kLayers>& surfaces_mm,
-                                 const LayerOptions& options);
+Result<LayerSolids> RepairLayers(
+    const std::array<std::optional<mesh::Triangles>, kLayers>& surfaces_mm,
+    const LayerOptions& options);
 
 // From the middle of the dentin's surface to the middle of the enamel's: the way a crown points.
 // Its length tells how sure that is. Zero without enamel.
@@ -74,13 +75,13 @@ class LayeredTooth {
   double bridge() const { return bridge_; }
 
   // Pieces of all surfaces with air before them: the surface of the tooth.
-  const TriangleTree& boundary() const { return *boundary_; }
+  const mesh::TriangleTree& boundary() const { return *boundary_; }
 
   // One tissue's surface, for distances, and its closed mesh, for sides.
   struct Surface {
-    Solid solid;
-    TriangleTree boundary, whole;
-    TriangleTree own, caps;  // triangles of the file; of holes that were closed
+    mesh::Solid solid;
+    mesh::TriangleTree boundary, whole;
+    mesh::TriangleTree own, caps;  // triangles of the file; of holes that were closed
   };
   const Surface* surface(size_t layer) const { return surfaces_[layer].get(); }
   // One line each, for people.
@@ -100,7 +101,7 @@ class LayeredTooth {
   bool IsBehindCap(const dvec3& p) const;
 
   std::array<std::unique_ptr<Surface>, kLayers> surfaces_;
-  std::unique_ptr<TriangleTree> boundary_;
+  std::unique_ptr<mesh::TriangleTree> boundary_;
   std::array<std::array<bool, kLayers>, kLayers> nested_{};  // [outer][inner]
   double bridge_ = 0;
   std::vector<std::string> report_;
@@ -116,7 +117,7 @@ class LayerProbe {
 
  private:
   const LayeredTooth* tooth_;
-  std::array<std::optional<SignedProbe>, kLayers> probes_;
+  std::array<std::optional<mesh::SignedProbe>, kLayers> probes_;
   uint32_t nearest_ = 0;
 };
 

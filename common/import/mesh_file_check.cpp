@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "common/import/triangles.h"
+#include "common/mesh/triangles.h"
 
 namespace enamel::import {
 namespace {
@@ -20,7 +20,7 @@ std::string InBytes(uint64_t n) { return std::to_string(n) + " bytes"; }
 
 Status TooMany(uint64_t triangles) {
   return Status(Code::kTooLarge, std::to_string(triangles) + " triangles, expected at most " +
-                                     std::to_string(kMaxTriangles) +
+                                     std::to_string(mesh::kMaxTriangles) +
                                      ": reduce the mesh in a mesh program (a crown needs no more "
                                      "than 200000)");
 }
@@ -110,7 +110,7 @@ Status CheckStl(ByteView file) {
         "expected an STL file: text that begins with 'solid', or at least 84 bytes of "
         "binary data, found neither");
   }
-  if (fits) return count > kMaxTriangles ? TooMany(count) : Status::Ok();
+  if (fits) return count > mesh::kMaxTriangles ? TooMany(count) : Status::Ok();
   return Invalid("its header promises " + std::to_string(count) + " triangles (" +
                  InBytes(kStlHeader + kStlTriangle * count) + "), the file has " +
                  InBytes(file.size()) + ": it is cut short or its count is wrong, " +
@@ -264,7 +264,8 @@ Status CheckPly(ByteView file) {
   Result<PlyHeader> header = ReadPlyHeader(lines);
   if (!header.ok()) return header.status();
   for (const PlyElement& element : header->elements) {
-    if (element.name == "face" && element.count > kMaxTriangles) return TooMany(element.count);
+    if (element.name == "face" && element.count > mesh::kMaxTriangles)
+      return TooMany(element.count);
   }
   return header->format == PlyFormat::kText ? CheckPlyText(*header, lines)
                                             : CheckPlyBinary(*header, AsBytes(lines.rest()));
@@ -281,7 +282,7 @@ Status CheckObj(ByteView file) {
     for (last = 0; !Word(line).empty();) ++last;
     triangles += last > 2 ? last - 2 : 0;
   }
-  if (triangles > kMaxTriangles) return TooMany(triangles);
+  if (triangles > mesh::kMaxTriangles) return TooMany(triangles);
   if (face && !lines.whole() && last < 3)
     return Invalid("its last line is half a face: the file is cut short, " + std::string(kAgain));
   return Status::Ok();
@@ -322,7 +323,7 @@ Status CheckOff(ByteView file) {
   uint64_t vertices = 0, faces = 0, edges = 0;
   if (!Number(word, vertices) || !Number(words.Next(), faces) || !Number(words.Next(), edges))
     return Invalid("expected 'OFF' and three counts at its beginning");
-  if (faces > kMaxTriangles) return TooMany(faces);
+  if (faces > mesh::kMaxTriangles) return TooMany(faces);
   // Each takes a byte at least. From here on every loop ends with the file, and 3 * vertices fits.
   if (vertices > file.size()) return OffTooShort("vertices", vertices, 0);
   for (uint64_t i = 0; i < 3 * vertices; ++i) {

@@ -44,10 +44,10 @@ Status CheckMeshes(const aiScene& scene) {
   return Status::Ok();
 }
 
-Status AddMesh(const aiMesh& mesh, Triangles& out) {
-  if (out.vertices.size() + mesh.mNumVertices > kMaxVertices ||
-      out.indices.size() + mesh.mNumFaces > kMaxTriangles) {
-    return Status(Code::kTooLarge, "more than " + std::to_string(kMaxTriangles) +
+Status AddMesh(const aiMesh& mesh, mesh::Triangles& out) {
+  if (out.vertices.size() + mesh.mNumVertices > mesh::kMaxVertices ||
+      out.indices.size() + mesh.mNumFaces > mesh::kMaxTriangles) {
+    return Status(Code::kTooLarge, "more than " + std::to_string(mesh::kMaxTriangles) +
                                        " triangles: reduce the mesh in a mesh program first");
   }
   auto first = static_cast<uint32_t>(out.vertices.size());
@@ -64,7 +64,7 @@ Status AddMesh(const aiMesh& mesh, Triangles& out) {
 }
 
 std::string Name(const aiString& text) {
-  return Printable(std::string(text.C_Str(), std::min<size_t>(text.length, kMaxPartName)));
+  return Printable(std::string(text.C_Str(), std::min<size_t>(text.length, mesh::kMaxPartName)));
 }
 
 std::string MaterialName(const aiScene& scene, const aiMesh& mesh) {
@@ -98,7 +98,7 @@ Bytes PreparedObj(ByteView file) {
 
 }  // namespace
 
-Result<NamedMesh> ReadMesh(ByteView file, const std::string& kind) {
+Result<mesh::NamedMesh> ReadMesh(ByteView file, const std::string& kind) {
   ENAMEL_RETURN_IF_ERROR(CheckMeshBytes(file, kind));
   Assimp::Importer importer;
   const Bytes obj = kind == "obj" ? PreparedObj(file) : Bytes();
@@ -109,13 +109,13 @@ Result<NamedMesh> ReadMesh(ByteView file, const std::string& kind) {
   ENAMEL_RETURN_IF_ERROR(CheckMeshes(*scene));
   scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
   if (scene == nullptr) return Invalid(std::string("cannot be read: ") + importer.GetErrorString());
-  NamedMesh out;
+  mesh::NamedMesh out;
   for (unsigned i = 0; i < scene->mNumMeshes; ++i) {
     const aiMesh& mesh = *scene->mMeshes[i];
     const auto first = static_cast<uint32_t>(out.mesh.indices.size());
     ENAMEL_RETURN_IF_ERROR(AddMesh(mesh, out.mesh));
     const auto count = static_cast<uint32_t>(out.mesh.indices.size()) - first;
-    if (count > 0 && out.parts.size() < kMaxParts)
+    if (count > 0 && out.parts.size() < mesh::kMaxParts)
       out.parts.push_back({Name(mesh.mName), MaterialName(*scene, mesh), first, count});
   }
   if (out.mesh.indices.empty()) return Invalid("holds no triangles, only points or nothing");

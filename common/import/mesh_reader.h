@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "common/import/triangles.h"
+#include "common/mesh/triangles.h"
 
 namespace enamel::import {
 
@@ -10,6 +10,6 @@ namespace enamel::import {
 // (child_main.cpp), which is confined, and the fuzzer. `kind` as for CheckMeshBytes. Polygons
 // become fans of triangles; points and lines are left out; each mesh of the library becomes a part
 // with the file's names for it. Errors: kInvalidInput and kTooLarge with the reason.
-Result<NamedMesh> ReadMesh(ByteView file, const std::string& kind);
+Result<mesh::NamedMesh> ReadMesh(ByteView file, const std::string& kind);
 
 }  // namespace enamel::import

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/import/orient.h"
-#include "common/import/units.h"
+#include "common/mesh/orient.h"
+#include "common/mesh/units.h"
 
 namespace enamel::import {
 namespace {
@@ -26,36 +26,36 @@ std::string AxisName(const dvec3& up) {
   return degrees == 0 ? name : name + ", " + std::to_string(degrees) + " degrees off";
 }
 
-std::string Explain(const Stance& stance, const std::string& up, const std::string& how) {
+std::string Explain(const mesh::Stance& stance, const std::string& up, const std::string& how) {
   const std::string axis = "occlusal direction " + AxisName(stance.up);
   if (up != "auto") return axis + " (as given)";
-  const std::string margin = "margin " + Fixed(stance.margin);
+  const std::string margin = "margin " + mesh::Fixed(stance.margin);
   if (stance.certain)
     return axis + " (found by " + how + ", " + margin + "; if it is wrong, give another with --up)";
   return axis + " (a guess, " + margin +
          ": look at the tooth, and give the direction with --up, for example --up=-y)";
 }
 
-void Move(Solid& solid, const dmat3& turn, const dvec3& middle) {
-  for (Triangles* mesh : {&solid.mesh, &solid.boundary, &solid.hollows}) {
+void Move(mesh::Solid& solid, const dmat3& turn, const dvec3& middle) {
+  for (mesh::Triangles* mesh : {&solid.mesh, &solid.boundary, &solid.hollows}) {
     for (dvec3& v : mesh->vertices) v = turn * v - middle;
   }
 }
 
-dvec3 MiddleOf(const Triangles& mesh, const dmat3& turn) {
+dvec3 MiddleOf(const mesh::Triangles& mesh, const dmat3& turn) {
   // The box of the turned mesh, which is not the turned box.
-  Triangles turned = mesh;
+  mesh::Triangles turned = mesh;
   for (dvec3& v : turned.vertices) v = turn * v;
-  const Box box = BoxOf(turned);
+  const mesh::Box box = mesh::BoxOf(turned);
   return 0.5 * (box.lo + box.hi);
 }
 
 // By the way from dentin to enamel; nothing where they have one middle.
-std::optional<Stance> StanceByRise(const LayerSolids& layers, double extent) {
+std::optional<mesh::Stance> StanceByRise(const LayerSolids& layers, double extent) {
   const dvec3 rise = RiseOf(layers);
   const double size = std::sqrt(Dot(rise, rise));
   if (size < kLeastRise * extent) return std::nullopt;
-  Stance stance;
+  mesh::Stance stance;
   stance.up = rise / size;
   stance.margin = size / extent;
   const auto k = static_cast<int>(LongestAxis(rise));
@@ -71,16 +71,16 @@ std::optional<Stance> StanceByRise(const LayerSolids& layers, double extent) {
 
 }  // namespace
 
-Result<PlacedSolid> Place(Solid solid, const std::string& up) {
-  Stance stance;
+Result<PlacedSolid> Place(mesh::Solid solid, const std::string& up) {
+  mesh::Stance stance;
   if (up == "auto") {
-    stance = FindStance(solid.mesh);
+    stance = mesh::FindStance(solid.mesh);
   } else {
-    Result<dvec3> axis = ParseAxis(up);
+    Result<dvec3> axis = mesh::ParseAxis(up);
     if (!axis.ok()) return axis.status();
-    stance = StanceWithUp(solid.mesh, *axis);
+    stance = mesh::StanceWithUp(solid.mesh, *axis);
   }
-  const dmat3 turn = SceneFromFile(solid.mesh, stance.up);
+  const dmat3 turn = mesh::SceneFromFile(solid.mesh, stance.up);
   Move(solid, turn, MiddleOf(solid.mesh, turn));
   PlacedSolid placed{std::move(solid), std::nullopt, Explain(stance, up, "its hollows")};
   if (stance.gum) placed.gum = turn * *stance.gum;
@@ -90,20 +90,20 @@ Result<PlacedSolid> Place(Solid solid, const std::string& up) {
 Result<PlacedLayers> Place(LayerSolids layers, const std::string& up) {
   const auto& enamel = layers.solids[static_cast<size_t>(Layer::kEnamel)];
   const auto& dentin = layers.solids[static_cast<size_t>(Layer::kDentin)];
-  const Triangles crown = enamel ? enamel->mesh : dentin->mesh;
-  Stance stance;
+  const mesh::Triangles crown = enamel ? enamel->mesh : dentin->mesh;
+  mesh::Stance stance;
   std::string how = "the enamel's place on the dentin";
   if (up != "auto") {
-    Result<dvec3> axis = ParseAxis(up);
+    Result<dvec3> axis = mesh::ParseAxis(up);
     if (!axis.ok()) return axis.status();
     stance.up = *axis;
-  } else if (auto by_rise = StanceByRise(layers, BoxOf(crown).extent())) {
+  } else if (auto by_rise = StanceByRise(layers, mesh::BoxOf(crown).extent())) {
     stance = *by_rise;
   } else {
-    stance = FindStance(crown);
+    stance = mesh::FindStance(crown);
     how = "its hollows";
   }
-  const dmat3 turn = SceneFromFile(crown, stance.up);
+  const dmat3 turn = mesh::SceneFromFile(crown, stance.up);
   const dvec3 middle = MiddleOf(crown, turn);
   for (auto& solid : layers.solids) {
     if (solid) Move(*solid, turn, middle);

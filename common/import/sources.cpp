@@ -29,12 +29,12 @@ std::string Small(std::string text) {
   return text;
 }
 
-std::string NameOf(const MeshPart& part) {
+std::string NameOf(const mesh::MeshPart& part) {
   if (part.material.empty() || part.material == part.name) return part.name;
   return part.name + "/" + part.material;
 }
 
-std::string ListOf(const std::vector<MeshPart>& parts) {
+std::string ListOf(const std::vector<mesh::MeshPart>& parts) {
   constexpr size_t kMost = 12;
   std::string out;
   for (size_t i = 0; i < std::min(parts.size(), kMost); ++i)
@@ -43,7 +43,8 @@ std::string ListOf(const std::vector<MeshPart>& parts) {
                               : out;
 }
 
-void Append(const Triangles& from, const MeshPart& part, std::optional<Triangles>& to) {
+void Append(const mesh::Triangles& from, const mesh::MeshPart& part,
+            std::optional<mesh::Triangles>& to) {
   if (!to) to.emplace();
   const auto shift = static_cast<uint32_t>(to->vertices.size());
   // Only the vertices that the part uses: the box of what is left must be the tissue's own.
@@ -68,7 +69,8 @@ class Reader {
     const bool named = std::any_of(sources_.tissues.begin(), sources_.tissues.end(),
                                    [](const std::string& s) { return !s.empty(); });
     if (!sources_.file.empty()) {
-      if (Result<const NamedMesh*> mesh = File(sources_.file); !mesh.ok()) return mesh.status();
+      if (Result<const mesh::NamedMesh*> mesh = File(sources_.file); !mesh.ok())
+        return mesh.status();
     }
     if (!named) {
       if (sources_.file.empty())
@@ -85,11 +87,11 @@ class Reader {
   }
 
  private:
-  Result<const NamedMesh*> File(const fs::path& file) {
+  Result<const mesh::NamedMesh*> File(const fs::path& file) {
     if (auto known = files_.find(file); known != files_.end()) return &known->second;
-    Result<NamedMesh> mesh = ReadMeshInChild(file, child_);
+    Result<mesh::NamedMesh> mesh = ReadMeshInChild(file, child_);
     if (!mesh.ok()) return mesh.status();
-    Result<Bytes> bytes = ReadFile(file, kMaxMeshFile);
+    Result<Bytes> bytes = ReadFile(file, mesh::kMaxMeshFile);
     if (!bytes.ok()) return bytes.status();
     if (out_.name.empty()) out_.name = file.stem().string();
     out_.provenance += (out_.provenance.empty() ? "" : ", ") + Printable(file.filename().string()) +
@@ -111,10 +113,10 @@ class Reader {
   }
 
   void TakeWholeOrKnownParts() {
-    const NamedMesh& mesh = files_.at(sources_.file);
-    std::array<std::vector<const MeshPart*>, kLayers> found;
-    std::vector<MeshPart> others;
-    for (const MeshPart& part : mesh.parts) {
+    const mesh::NamedMesh& mesh = files_.at(sources_.file);
+    std::array<std::vector<const mesh::MeshPart*>, kLayers> found;
+    std::vector<mesh::MeshPart> others;
+    for (const mesh::MeshPart& part : mesh.parts) {
       const std::string name = Small(NameOf(part));
       auto known = std::find_if(kKnownNames.begin(), kKnownNames.end(), [&](const KnownName& k) {
         return name.find(k.piece) != std::string::npos;
@@ -132,13 +134,13 @@ class Reader {
       return;
     }
     for (size_t layer = 0; layer < kLayers; ++layer) {
-      for (const MeshPart* part : found[layer]) Use(mesh, *part, layer);
+      for (const mesh::MeshPart* part : found[layer]) Use(mesh, *part, layer);
     }
     if (!others.empty())
       out_.report.push_back("parts of no known tissue, left out: " + ListOf(others));
   }
 
-  void Use(const NamedMesh& mesh, const MeshPart& part, size_t layer) {
+  void Use(const mesh::NamedMesh& mesh, const mesh::MeshPart& part, size_t layer) {
     Append(mesh.mesh, part, out_.surfaces[layer]);
     out_.report.push_back(TissueOf(layer) + ": part '" + NameOf(part) + "' of the file");
   }
@@ -160,7 +162,7 @@ class Reader {
         part = hash == 0 ? source.substr(1) : source;
       }
     }
-    Result<const NamedMesh*> mesh = File(file);
+    Result<const mesh::NamedMesh*> mesh = File(file);
     if (!mesh.ok())
       return Status(mesh.status().code(), TissueOf(layer) + ": " + mesh.status().message(),
                     TissueOf(layer));
@@ -172,10 +174,10 @@ class Reader {
   }
 
   // All parts of exactly that name, else the only one whose name holds it.
-  Status TakePart(size_t layer, const NamedMesh& mesh, const std::string& wanted) {
+  Status TakePart(size_t layer, const mesh::NamedMesh& mesh, const std::string& wanted) {
     const std::string name = Small(wanted);
-    std::vector<const MeshPart*> same, holding;
-    for (const MeshPart& part : mesh.parts) {
+    std::vector<const mesh::MeshPart*> same, holding;
+    for (const mesh::MeshPart& part : mesh.parts) {
       if (Small(part.name) == name || Small(part.material) == name || Small(NameOf(part)) == name)
         same.push_back(&part);
       if (Small(NameOf(part)).find(name) != std::string::npos) holding.push_back(&part);
@@ -188,13 +190,13 @@ class Reader {
                         (mesh.parts.empty() ? "none" : ListOf(mesh.parts)),
                     TissueOf(layer));
     }
-    for (const MeshPart* part : same) Use(mesh, *part, layer);
+    for (const mesh::MeshPart* part : same) Use(mesh, *part, layer);
     return Status::Ok();
   }
 
   const ImportSources& sources_;
   const fs::path& child_;
-  std::map<fs::path, NamedMesh> files_;
+  std::map<fs::path, mesh::NamedMesh> files_;
   ReadSources out_;
   bool used_file_ = false;  // some tissue is a part of it
 };

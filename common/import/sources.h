@@ -12,8 +12,8 @@ namespace enamel::import {
 // What ImportSources name, read from their files.
 struct ReadSources {
   // Either the whole of one file, or surfaces by tissue.
-  std::optional<Triangles> whole;
-  std::array<std::optional<Triangles>, kLayers> surfaces;
+  std::optional<mesh::Triangles> whole;
+  std::array<std::optional<mesh::Triangles>, kLayers> surfaces;
   std::string provenance;           // each file with its SHA-256
   std::string name;                 // of the first file, without its extension
   std::vector<std::string> report;  // which part is which tissue, what was left out

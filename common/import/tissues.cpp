@@ -26,7 +26,7 @@ double ClampedRatio(double v, double lo, double hi) {
 
 }  // namespace
 
-TissueModel::TissueModel(const Triangles& boundary, const dvec3* gum, const dvec3& lo_mm,
+TissueModel::TissueModel(const mesh::Triangles& boundary, const dvec3* gum, const dvec3& lo_mm,
                          const dvec3& hi_mm, double pulp_top_mm)
     : lo_(lo_mm), rise_(gum != nullptr ? -*gum : dvec3(0, 0, 1)), pulp_top_(pulp_top_mm) {
   for (int i = 0; i < 3; ++i) {
@@ -50,17 +50,17 @@ TissueModel::TissueModel(const Triangles& boundary, const dvec3* gum, const dvec
   pulp_depth_ = std::max(kLeastPulpDepth_mm, kPulpOfDepth * static_cast<double>(deepest));
 }
 
-void TissueModel::SampleDepths(const Triangles& boundary, const dvec3* gum) {
-  Triangles outer{boundary.vertices, {}}, base{boundary.vertices, {}};
+void TissueModel::SampleDepths(const mesh::Triangles& boundary, const dvec3* gum) {
+  mesh::Triangles outer{boundary.vertices, {}}, base{boundary.vertices, {}};
   for (const auto& t : boundary.indices) {
     dvec3 n = glm::cross(boundary.vertices[t[1]] - boundary.vertices[t[0]],
                          boundary.vertices[t[2]] - boundary.vertices[t[0]]);
     bool is_gum = gum != nullptr && Dot(n, *gum) > kGumCosine * std::sqrt(Dot(n, n));
     (is_gum ? base : outer).indices.push_back(t);
   }
-  const TriangleTree outer_tree(outer), base_tree(base), whole(boundary);
+  const mesh::TriangleTree outer_tree(outer), base_tree(base), whole(boundary);
   const double far = 2 * glm::length(step_ * dvec3(size_));
-  SignedProbe side(whole, whole);
+  mesh::SignedProbe side(whole, whole);
   uint32_t nearest_outer = 0, nearest_base = 0;
   for (int z = 0; z < size_.z; ++z)
     for (int y = 0; y < size_.y; ++y)

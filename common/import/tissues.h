@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "common/cutting/tissue.h"
-#include "common/import/triangle_tree.h"
 #include "common/math/vec.h"
+#include "common/mesh/triangle_tree.h"
 
 namespace enamel::import {
 
@@ -17,8 +17,8 @@ namespace enamel::import {
 class TissueModel {
  public:
   // `gum` as in Stance, in the scene frame; `pulp_top_mm` is the height the chamber never exceeds.
-  TissueModel(const Triangles& boundary, const dvec3* gum, const dvec3& lo_mm, const dvec3& hi_mm,
-              double pulp_top_mm);
+  TissueModel(const mesh::Triangles& boundary, const dvec3* gum, const dvec3& lo_mm,
+              const dvec3& hi_mm, double pulp_top_mm);
 
   struct Sample {
     cutting::Tissue tissue;
@@ -32,7 +32,7 @@ class TissueModel {
  private:
   double Height(const dvec3& p) const { return Dot(p, rise_); }
   double Depth(const std::vector<float>& grid, const dvec3& p) const;
-  void SampleDepths(const Triangles& boundary, const dvec3* gum);
+  void SampleDepths(const mesh::Triangles& boundary, const dvec3* gum);
   void Smooth(std::vector<float>& grid) const;
   double EnamelThickness(double height) const;
 

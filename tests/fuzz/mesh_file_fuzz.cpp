@@ -18,7 +18,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     ENAMEL_CHECK(!mesh.status().message().empty());
     return 0;
   }
-  auto back = import::DecodeMesh(import::EncodeMesh(*mesh));
+  auto back = mesh::DecodeMesh(mesh::EncodeMesh(*mesh));
   ENAMEL_CHECK(back.ok() && back->mesh.indices == mesh->mesh.indices);
   ENAMEL_CHECK(back->parts.size() == mesh->parts.size());
   return 0;

@@ -9,7 +9,7 @@
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace enamel;
   ByteReader in({data, std::min<size_t>(size, 1000)});
-  import::Triangles mesh;
+  mesh::Triangles mesh;
   const int vertices = in.U8() + 1;
   for (int i = 0; i < vertices && in.remaining() >= 3; ++i) {
     const double x = in.U8(), y = in.U8(), z = in.U8();
@@ -31,7 +31,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   double solid_mm3 = 0, box_mm3 = 1;
   for (double t : cutting::SolidVolume_m3(tooth->volume)) solid_mm3 += t * 1e9;
   dvec3 lo, hi;
-  import::BoxOf(mesh.vertices, mesh.indices, lo, hi);
+  mesh::BoxOf(mesh.vertices, mesh.indices, lo, hi);
   for (int k = 0; k < 3; ++k) box_mm3 *= hi[k] - lo[k] + 1;  // a voxel around
   ENAMEL_CHECK(solid_mm3 >= 0 && solid_mm3 <= box_mm3);
   return 0;

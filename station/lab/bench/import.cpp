@@ -22,7 +22,7 @@ namespace enamel::station::lab::bench {
 namespace {
 
 namespace fs = std::filesystem;
-using import::Triangles;
+using mesh::Triangles;
 
 struct Options {
   std::string json, tooth, unit = "mm";

@@ -14,7 +14,7 @@ using cutting::kBrickVoxels;
 
 // The nearest of many points on a triangle: no formula in common with what is tested. Good to
 // `h * h / 2d` where d is the distance.
-double SampledDistance(const Triangles& mesh, const dvec3& p, int n) {
+double SampledDistance(const mesh::Triangles& mesh, const dvec3& p, int n) {
   double best = 1e300;
   for (const auto& t : mesh.indices) {
     const dvec3 &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
@@ -27,13 +27,13 @@ double SampledDistance(const Triangles& mesh, const dvec3& p, int n) {
   return std::sqrt(best);
 }
 
-Triangles RandomTriangles(int count, double size, unsigned seed) {
+mesh::Triangles RandomTriangles(int count, double size, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> uniform(-1, 1);
   auto point = [&](double s) {
     return s * dvec3(uniform(random), uniform(random), uniform(random));
   };
-  Triangles m;
+  mesh::Triangles m;
   for (uint32_t i = 0; i < static_cast<uint32_t>(count); ++i) {
     const dvec3 at = point(0.8);
     for (int k = 0; k < 3; ++k) m.vertices.push_back(at + point(size));
@@ -47,8 +47,8 @@ dvec3 SampleAt(const dvec3& corner, double h, int i) {
 }
 
 TEST(BandSamplerTest, DistancesAgreeWithPointsSpreadOverEveryTriangle) {
-  const Triangles mesh = RandomTriangles(30, 0.3, 1);
-  const TriangleTree tree(mesh);
+  const mesh::Triangles mesh = RandomTriangles(30, 0.3, 1);
+  const mesh::TriangleTree tree(mesh);
   BandSampler band(tree);
   BandSampler::Samples d;
   const dvec3 corner(-0.2, -0.15, -0.1);
@@ -62,8 +62,8 @@ TEST(BandSamplerTest, DistancesAgreeWithPointsSpreadOverEveryTriangle) {
 
 TEST(BandSamplerTest, DistancesAgreeWithTheTreesToAMillionthOfTheExtent) {
   for (double size : {0.02, 0.2, 2.0, 20.0}) {
-    const Triangles mesh = RandomTriangles(400, size, 2);
-    const TriangleTree tree(mesh);
+    const mesh::Triangles mesh = RandomTriangles(400, size, 2);
+    const mesh::TriangleTree tree(mesh);
     BandSampler band(tree);
     BandSampler::Samples d;
     for (const dvec3& corner : {dvec3(-0.9), dvec3(-0.2, 0.1, 0.3), dvec3(0.4)}) {
@@ -80,10 +80,10 @@ TEST(BandSamplerTest, DistancesAgreeWithTheTreesToAMillionthOfTheExtent) {
 }
 
 TEST(BandSamplerTest, TrianglesWithoutAnAreaAreMeasuredAsSegments) {
-  Triangles mesh;
+  mesh::Triangles mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0.5, 0, 0}};
   mesh.indices = {{0, 1, 2}, {0, 0, 0}};
-  const TriangleTree tree(mesh);
+  const mesh::TriangleTree tree(mesh);
   BandSampler band(tree);
   BandSampler::Samples d;
   band.Distances({0, 0.3, 0.4}, 0.0, 5, d);
@@ -91,8 +91,8 @@ TEST(BandSamplerTest, TrianglesWithoutAnAreaAreMeasuredAsSegments) {
 }
 
 TEST(BandSamplerTest, SidesAreThoseOfTheWindingNumberAtEverySample) {
-  const Triangles mesh = Joined(SphereMesh(0.31, 14), SphereMesh(0.2, 9, {0.2, 0.1, 0}));
-  const TriangleTree tree(mesh);
+  const mesh::Triangles mesh = Joined(SphereMesh(0.31, 14), SphereMesh(0.2, 9, {0.2, 0.1, 0}));
+  const mesh::TriangleTree tree(mesh);
   BandSampler band(tree);
   BandSampler::Samples d;
   std::array<bool, kBrickVoxels> inside;

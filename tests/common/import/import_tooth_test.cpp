@@ -24,9 +24,9 @@
 #include "common/base/file.h"
 #include "common/base/uuid.h"
 #include "common/import/child_process.h"
-#include "common/import/mesh_repair.h"
-#include "common/import/orient.h"
 #include "common/import/scene_folder.h"
+#include "common/mesh/mesh_repair.h"
+#include "common/mesh/orient.h"
 #include "common/scene/builtin.h"
 #include "common/scene/json.h"
 #include "common/scene/plan.h"
@@ -163,7 +163,7 @@ TEST(ImportTest, SceneFolderReadsBackAndASwappedVolumeIsFound) {
 
 TEST(ImportChildTest, AsciiStlOfACubeInCentimetresIsRead) {
   TempFolder folder;
-  Triangles cube = BoxMesh(dvec3(0), dvec3(1));
+  mesh::Triangles cube = BoxMesh(dvec3(0), dvec3(1));
   std::string text = "solid cube\n";
   for (const auto& t : cube.indices) {
     text += "facet normal 0 0 0\nouter loop\n";
@@ -190,7 +190,7 @@ TEST(ImportChildTest, ReaderOpensNoOtherFile) {
   // A pipe that nobody writes to: opening it would hang until the reader's deadline.
   ASSERT_EQ(mkfifo(trap.c_str(), 0600), 0);
   std::string text = "mtllib trap.mtl\n";
-  Triangles cube = BoxMesh(dvec3(0), dvec3(10));
+  mesh::Triangles cube = BoxMesh(dvec3(0), dvec3(10));
   for (const dvec3& v : cube.vertices) {
     text +=
         "v " + std::to_string(v.x) + " " + std::to_string(v.y) + " " + std::to_string(v.z) + "\n";
@@ -206,7 +206,7 @@ TEST(ImportChildTest, ReaderOpensNoOtherFile) {
   EXPECT_NEAR(s->mesh_volume_mm3, 1000, 1e-6);
 }
 
-std::string ObjPart(const std::string& heading, const Triangles& mesh, size_t first_vertex) {
+std::string ObjPart(const std::string& heading, const mesh::Triangles& mesh, size_t first_vertex) {
   std::string text = heading + "\n";
   for (const dvec3& v : mesh.vertices)
     text +=
@@ -243,9 +243,9 @@ class PartsTest : public testing::Test {
   }
   TempFolder folder_;
   ImportOptions options_;
-  const std::array<Triangles, 3> boxes_ = {BoxMesh(dvec3(-5), dvec3(5)),
-                                           BoxMesh(dvec3(-3.45), dvec3(3.45)),
-                                           BoxMesh(dvec3(-1.45), dvec3(1.45))};
+  const std::array<mesh::Triangles, 3> boxes_ = {BoxMesh(dvec3(-5), dvec3(5)),
+                                                 BoxMesh(dvec3(-3.45), dvec3(3.45)),
+                                                 BoxMesh(dvec3(-1.45), dvec3(1.45))};
 };
 
 TEST_F(PartsTest, AreKnownByTheirNamesWhetherObjectsGroupsOrMaterials) {
@@ -417,10 +417,10 @@ std::vector<KnownCrown> KnownCrowns() {
   return out;
 }
 
-Triangles SolidOf(const fs::path& file) {
+mesh::Triangles SolidOf(const fs::path& file) {
   auto mesh = ReadMeshInChild(file);
   EXPECT_TRUE(mesh.ok()) << mesh.status().message();
-  auto solid = MakeSolid(mesh->mesh);
+  auto solid = mesh::MakeSolid(mesh->mesh);
   EXPECT_TRUE(solid.ok()) << solid.status().message();
   return solid->mesh;
 }
@@ -429,8 +429,8 @@ double Degrees(const dvec3& a, const dvec3& b) {
   return std::acos(std::clamp(Dot(a, b), -1.0, 1.0)) * 180 / std::numbers::pi;
 }
 
-Triangles Turned(const Triangles& mesh, const dmat3& by) {
-  Triangles out = mesh;
+mesh::Triangles Turned(const mesh::Triangles& mesh, const dmat3& by) {
+  mesh::Triangles out = mesh;
   for (dvec3& v : out.vertices) v = by * v;
   return out;
 }
@@ -439,7 +439,7 @@ TEST(RealCrownTest, OcclusalDirectionOfEveryKindOfToothIsFoundToTenDegrees) {
   const auto crowns = KnownCrowns();
   if (crowns.empty()) GTEST_SKIP() << "skipped: no shared data";
   for (const auto& [file, up] : crowns) {
-    const Stance stance = FindStance(SolidOf(file));
+    const mesh::Stance stance = mesh::FindStance(SolidOf(file));
     EXPECT_LE(Degrees(stance.up, up), 10) << file;
     EXPECT_EQ(stance.certain, stance.margin >= 0.2) << file;
   }
@@ -450,7 +450,7 @@ TEST(RealCrownTest, UpsideDownFileTurnsTheDirectionAround) {
   if (crowns.empty()) GTEST_SKIP() << "skipped: no shared data";
   const dmat3 half_turn(1, 0, 0, 0, -1, 0, 0, 0, -1);
   for (const auto& [file, up] : crowns)
-    EXPECT_LE(Degrees(FindStance(Turned(SolidOf(file), half_turn)).up, -up), 10) << file;
+    EXPECT_LE(Degrees(mesh::FindStance(Turned(SolidOf(file), half_turn)).up, -up), 10) << file;
 }
 
 TEST(RealCrownTest, MolarIsFoundWhicheverAxisPointsUp) {
@@ -459,7 +459,7 @@ TEST(RealCrownTest, MolarIsFoundWhicheverAxisPointsUp) {
   const dmat3 y_to_z(0, 1, 0, 0, 0, 1, 1, 0, 0);  // columns: x to y, y to z, z to x
   for (const auto& [file, up] : crowns) {
     if (file.stem().string().back() < '6') continue;
-    const Stance stance = FindStance(Turned(SolidOf(file), y_to_z));
+    const mesh::Stance stance = mesh::FindStance(Turned(SolidOf(file), y_to_z));
     EXPECT_LE(Degrees(stance.up, y_to_z * up), 10) << file;
   }
 }
@@ -477,23 +477,23 @@ TEST(RealCrownTest, MolarAskewInItsFileIsTakenSquareToItsGumPlane) {
   const dvec3 between = glm::normalize(dvec3(0.2, 0.8, 0.8));  // 46 degrees from y and z
   for (const auto& [file, up] : crowns) {
     if (file.stem().string().back() < '6') continue;
-    const Triangles solid = SolidOf(file);
-    const auto gum = StanceWithUp(solid, up).gum;
+    const mesh::Triangles solid = SolidOf(file);
+    const auto gum = mesh::StanceWithUp(solid, up).gum;
     ASSERT_TRUE(gum) << file;
     const dmat3 turn = TurnFrom(-*gum, between);
-    const Stance stance = FindStance(Turned(solid, turn));
+    const mesh::Stance stance = mesh::FindStance(Turned(solid, turn));
     EXPECT_TRUE(stance.certain) << file;
     EXPECT_LE(Degrees(stance.up, between), 5) << file;
     EXPECT_LE(Degrees(stance.up, turn * up), 25) << file;
   }
 }
 
-Triangles Around(const Triangles& mesh, double scale, double noise_mm, unsigned seed) {
+mesh::Triangles Around(const mesh::Triangles& mesh, double scale, double noise_mm, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> uniform(-noise_mm, noise_mm);
   dvec3 middle(0);
   for (const dvec3& v : mesh.vertices) middle += v / static_cast<double>(mesh.vertices.size());
-  Triangles out = mesh;
+  mesh::Triangles out = mesh;
   for (dvec3& v : out.vertices)
     v = middle + scale * (v - middle) + dvec3(uniform(random), uniform(random), uniform(random));
   return out;
@@ -503,7 +503,7 @@ Triangles Around(const Triangles& mesh, double scale, double noise_mm, unsigned 
 // to 0.1 mm between an enamel shell and its dentin.
 TEST(RealCrownTest, NoisySurfacesPerTissueLeaveNoAirInside) {
   if (!fs::exists(kShared / "crowns")) GTEST_SKIP() << "skipped: no shared data";
-  const Triangles crown = SolidOf(kShared / "crowns/fdi_46.obj");
+  const mesh::Triangles crown = SolidOf(kShared / "crowns/fdi_46.obj");
   ImportOptions options;
   options.up = "+y";
   options.voxel_nm = 50'000;
@@ -548,12 +548,12 @@ TEST(ImportTest, HollowSideIsTheOcclusalSideAlongEveryAxis) {
     for (double sign : {-1.0, 1.0}) {
       dvec3 up(0);
       up[axis] = sign;
-      Triangles cup = SphereMesh(5, 40);
+      mesh::Triangles cup = SphereMesh(5, 40);
       for (dvec3& v : cup.vertices) {
         const double height = Dot(v, up);
         if (height > 3) v -= 2 * (height - 3) * up;  // the cap above 3 mm pushed in
       }
-      const Stance stance = FindStance(cup);
+      const mesh::Stance stance = mesh::FindStance(cup);
       EXPECT_LE(Degrees(stance.up, up), 1) << axis << " " << sign;
       EXPECT_TRUE(stance.certain) << axis << " " << sign << " " << stance.margin;
     }

@@ -14,7 +14,7 @@ namespace enamel::import {
 namespace {
 
 using cutting::Tissue;
-using Surfaces = std::array<std::optional<Triangles>, kLayers>;
+using Surfaces = std::array<std::optional<mesh::Triangles>, kLayers>;
 
 constexpr double kPi = std::numbers::pi;
 
@@ -72,7 +72,7 @@ class ShellTest : public testing::TestWithParam<double> {};
 
 TEST_P(ShellTest, NoAirIsLeftBetweenEnamelAndDentinAndTheyMeetHalfWay) {
   const double apart = GetParam(), middle = 4 - apart / 2;
-  const Triangles shell = Joined(SphereMesh(5, 70), Reversed(SphereMesh(4, 61)));
+  const mesh::Triangles shell = Joined(SphereMesh(5, 70), Reversed(SphereMesh(4, 61)));
   for (int32_t voxel_nm : {50'000, 100'000}) {
     if (voxel_nm < 100'000 && apart != 0.05 && !Full()) continue;
     auto s = ImportLayers({shell, SphereMesh(4 - apart, 53), SphereMesh(2, 23)}, "test",
@@ -90,8 +90,8 @@ INSTANTIATE_TEST_SUITE_P(GapsAndCrossings, ShellTest,
 
 TEST(LayersTest, SurfacesThatWeaveThroughEachOtherLeaveNoAir) {
   // Offset, so that the gap goes from +0.07 to -0.07 mm around the tooth, and rough besides.
-  const Triangles shell = Joined(SphereMesh(5, 70), Reversed(SphereMesh(4, 61)));
-  Triangles dentin = SphereMesh(4, 67, {0.05, 0.02, -0.04});
+  const mesh::Triangles shell = Joined(SphereMesh(5, 70), Reversed(SphereMesh(4, 61)));
+  mesh::Triangles dentin = SphereMesh(4, 67, {0.05, 0.02, -0.04});
   for (dvec3& v : dentin.vertices) v *= 1 + 0.004 * std::sin(19 * v.x) * std::sin(23 * v.y);
   auto s = ImportLayers({shell, dentin, SphereMesh(2, 23)}, "test", Coarse(50'000));
   ASSERT_TRUE(s.ok()) << s.status().message();
@@ -126,7 +126,7 @@ TEST(LayersTest, DeepCrossingIsRefusedWithItsFigure) {
 
 TEST(LayersTest, OpenEnamelDomeOverDentinIsEnamelDownToItsRim) {
   const double rim = std::acos(-1.0 / 5);  // the dome ends at z = -1
-  const Triangles dome = RevolvedMesh(Arc(5, 0, 0, rim, 60), 120);
+  const mesh::Triangles dome = RevolvedMesh(Arc(5, 0, 0, rim, 60), 120);
   auto s = ImportLayers({dome, SphereMesh(4, 53), SphereMesh(2, 23)}, "test", Coarse());
   ASSERT_TRUE(s.ok()) << s.status().message();
   EXPECT_NEAR(Of(*s, Tissue::kEnamel) / (BallAbove(5, -1) - BallAbove(4, -1)), 1, 0.015)
@@ -136,7 +136,7 @@ TEST(LayersTest, OpenEnamelDomeOverDentinIsEnamelDownToItsRim) {
 }
 
 // Outside, rim and inside of an enamel cap in one closed surface.
-Triangles Cap(double outer, double inner, double rim, bool with_rim) {
+mesh::Triangles Cap(double outer, double inner, double rim, bool with_rim) {
   auto profile = Arc(outer, 0, 0, rim, 60);
   auto back = Arc(inner, 0, rim, 0, 50);
   if (!with_rim) return Joined(RevolvedMesh(profile, 120), RevolvedMesh(back, 110));
@@ -163,10 +163,10 @@ TEST(LayersTest, EnamelCapWithAnInsideMeetsDentinWhetherItsRimIsClosedOrOpen) {
 }
 
 TEST(LayersTest, DentinOpenBelowAndEnamelOpenAtTheSameHeightLeaveNoEnamelUnderneath) {
-  const Triangles enamel = RevolvedMesh(Arc(5, 0, 0, kPi / 2, 60), 120);
+  const mesh::Triangles enamel = RevolvedMesh(Arc(5, 0, 0, kPi / 2, 60), 120);
   for (double z : {-0.05, 0.05}) {
     if (z < 0 && !Full()) continue;
-    Triangles dentin = RevolvedMesh(Arc(4, 0, 0, kPi / 2, 50), 110);
+    mesh::Triangles dentin = RevolvedMesh(Arc(4, 0, 0, kPi / 2, 50), 110);
     for (dvec3& v : dentin.vertices) v.z += z;
     auto s = ImportLayers({enamel, dentin, SphereMesh(1.2, 23, {0, 0, 1.6})}, "test", Coarse());
     ASSERT_TRUE(s.ok()) << s.status().message();
@@ -187,7 +187,7 @@ TEST(LayersTest, DentinOpenBelowAndEnamelOpenAtTheSameHeightLeaveNoEnamelUnderne
 }
 
 TEST(LayersTest, PulpChamberOfAHollowDentinIsThePulpWhenNoneIsGiven) {
-  const Triangles hollow = Joined(SphereMesh(4, 50), Reversed(SphereMesh(2, 30)));
+  const mesh::Triangles hollow = Joined(SphereMesh(4, 50), Reversed(SphereMesh(2, 30)));
   auto s = ImportLayers({SphereMesh(5, 60), hollow, std::nullopt}, "test", Coarse());
   ASSERT_TRUE(s.ok()) << s.status().message();
   EXPECT_NEAR(Of(*s, Tissue::kPulp) / Ball(2), 1, 0.02);
@@ -196,7 +196,7 @@ TEST(LayersTest, PulpChamberOfAHollowDentinIsThePulpWhenNoneIsGiven) {
 }
 
 TEST(LayersTest, PulpInAHollowThatItDoesNotFillLeavesNoAirAndNoEnamelAroundIt) {
-  const Triangles hollow = Joined(SphereMesh(4, 50), Reversed(SphereMesh(2.05, 30)));
+  const mesh::Triangles hollow = Joined(SphereMesh(4, 50), Reversed(SphereMesh(2.05, 30)));
   auto s = ImportLayers({SphereMesh(5, 60), hollow, SphereMesh(2, 30)}, "test", Coarse());
   ASSERT_TRUE(s.ok()) << s.status().message();
   EXPECT_EQ(AirWithin(*s, dvec3(0), 4.7), 0);
@@ -231,8 +231,8 @@ TEST(LayersTest, EnamelsPlaceOnTheDentinTellsWhichWayIsUp) {
   auto profile = Arc(4, 0, 0, 3 * kPi / 4, 40);
   profile.push_back({2.8284, -12});
   profile.push_back({0, -12});
-  const Triangles tooth[2] = {RevolvedMesh(Arc(5, 0, 0, kPi / 2, 40), 80),
-                              RevolvedMesh(profile, 80)};
+  const mesh::Triangles tooth[2] = {RevolvedMesh(Arc(5, 0, 0, kPi / 2, 40), 80),
+                                    RevolvedMesh(profile, 80)};
   for (int axis = 0; axis < 3; ++axis) {
     for (double sign : {-1.0, 1.0}) {
       Surfaces surfaces;
@@ -256,7 +256,7 @@ TEST(LayersTest, EnamelsPlaceOnTheDentinTellsWhichWayIsUp) {
 }
 
 TEST(LayersTest, SurfacesOfOtherUnitsOrPlacesAreRefusedByName) {
-  const Triangles enamel = SphereMesh(5, 30), dentin = SphereMesh(4, 30);
+  const mesh::Triangles enamel = SphereMesh(5, 30), dentin = SphereMesh(4, 30);
   auto says = [&](const Surfaces& surfaces, const std::string& what) {
     auto s = ImportLayers(surfaces, "test", Coarse());
     ASSERT_FALSE(s.ok()) << what;
@@ -266,8 +266,8 @@ TEST(LayersTest, SurfacesOfOtherUnitsOrPlacesAreRefusedByName) {
   says({enamel, dentin, SphereMesh(2, 20, {0, 0, 25})}, "apart from it");
   says({enamel, std::nullopt, SphereMesh(2, 20)}, "dentin: expected a surface");
   says({std::nullopt, dentin, std::nullopt}, "expected a surface of enamel or pulp");
-  says({enamel, dentin, Triangles{}}, "pulp: its surface holds no triangles");
-  Triangles sheet;
+  says({enamel, dentin, mesh::Triangles{}}, "pulp: its surface holds no triangles");
+  mesh::Triangles sheet;
   sheet.vertices = {{-2, -2, 0}, {2, -2, 0}, {2, 2, 0}, {-2, 2, 0}, {0, 0, 0.1}};
   sheet.indices = {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}};
   says({enamel, dentin, sheet}, "pulp: this mesh is no solid");

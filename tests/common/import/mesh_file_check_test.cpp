@@ -4,13 +4,13 @@
 
 #include <bit>
 
-#include "common/import/triangles.h"
+#include "common/mesh/triangles.h"
 #include "shapes.h"
 
 namespace enamel::import {
 namespace {
 
-Bytes BinaryStl(const Triangles& mesh, uint32_t count) {
+Bytes BinaryStl(const mesh::Triangles& mesh, uint32_t count) {
   ByteWriter out;
   out.Raw(Bytes(80, 0));
   out.U32(count);
@@ -46,7 +46,7 @@ void ExpectSays(const std::string& message, const std::string& part) {
 }
 
 TEST(MeshFileCheckTest, BinaryStlWhoseCountLiesIsRefusedWithBothFigures) {
-  const Triangles box = BoxMesh(dvec3(0), dvec3(5));
+  const mesh::Triangles box = BoxMesh(dvec3(0), dvec3(5));
   EXPECT_EQ(Refusal(BinaryStl(box, 12), "stl"), "");
   for (uint32_t lie : {0u, 11u, 13u, 4'000'000'000u}) {
     const std::string said = Refusal(BinaryStl(box, lie), "stl");
@@ -92,7 +92,7 @@ TEST(MeshFileCheckTest, GiantCountsAreRefusedWithoutTheirMemory) {
 
 TEST(MeshFileCheckTest, ObjOfMoreThanTwoMillionTrianglesIsRefusedWithTheNumber) {
   std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\n";
-  const size_t faces = kMaxTriangles / 2 + 1;  // of four corners: two triangles each
+  const size_t faces = mesh::kMaxTriangles / 2 + 1;  // of four corners: two triangles each
   text.reserve(text.size() + 10 * faces);
   for (size_t i = 0; i < faces; ++i) text += "f 1 2 3 4\n";
   ExpectSays(Refusal(text, "obj"), std::to_string(2 * faces) + " triangles, expected at most");

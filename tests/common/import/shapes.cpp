@@ -6,8 +6,8 @@
 
 namespace enamel::import {
 
-Triangles SphereMesh(double radius, int n, dvec3 centre) {
-  Triangles m;
+mesh::Triangles SphereMesh(double radius, int n, dvec3 centre) {
+  mesh::Triangles m;
   const int around = 2 * n;
   for (int j = 0; j <= n; ++j) {
     for (int i = 0; i < around; ++i) {
@@ -27,8 +27,8 @@ Triangles SphereMesh(double radius, int n, dvec3 centre) {
   return m;
 }
 
-Triangles BoxMesh(const dvec3& lo, const dvec3& hi) {
-  Triangles m;
+mesh::Triangles BoxMesh(const dvec3& lo, const dvec3& hi) {
+  mesh::Triangles m;
   for (int i = 0; i < 8; ++i) {
     m.vertices.emplace_back(i & 1 ? hi.x : lo.x, i & 2 ? hi.y : lo.y, i & 4 ? hi.z : lo.z);
   }
@@ -41,8 +41,8 @@ Triangles BoxMesh(const dvec3& lo, const dvec3& hi) {
   return m;
 }
 
-Triangles RevolvedMesh(const std::vector<ProfilePoint>& profile, int around, bool closed) {
-  Triangles m;
+mesh::Triangles RevolvedMesh(const std::vector<ProfilePoint>& profile, int around, bool closed) {
+  mesh::Triangles m;
   const auto n = static_cast<uint32_t>(around);
   for (const ProfilePoint& p : profile)
     for (int i = 0; i < around; ++i) {
@@ -71,13 +71,13 @@ std::vector<ProfilePoint> Arc(double radius, double z, double from, double to, i
   return out;
 }
 
-Triangles Reversed(Triangles mesh) {
+mesh::Triangles Reversed(mesh::Triangles mesh) {
   for (auto& t : mesh.indices) std::swap(t[1], t[2]);
   return mesh;
 }
 
-Triangles Joined(const Triangles& a, const Triangles& b) {
-  Triangles out = a;
+mesh::Triangles Joined(const mesh::Triangles& a, const mesh::Triangles& b) {
+  mesh::Triangles out = a;
   auto shift = static_cast<uint32_t>(a.vertices.size());
   out.vertices.insert(out.vertices.end(), b.vertices.begin(), b.vertices.end());
   for (const auto& t : b.indices) out.indices.push_back({t[0] + shift, t[1] + shift, t[2] + shift});

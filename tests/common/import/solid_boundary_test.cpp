@@ -1,4 +1,4 @@
-#include "common/import/solid_boundary.h"
+#include "common/mesh/solid_boundary.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-#include "common/import/mesh_repair.h"
+#include "common/mesh/mesh_repair.h"
 #include "shapes.h"
 
 namespace enamel::import {
@@ -14,15 +14,15 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-double AreaOf(const Triangles& mesh) {
-  auto b = BoundaryOf(mesh, TriangleTree(mesh));
+double AreaOf(const mesh::Triangles& mesh) {
+  auto b = mesh::BoundaryOf(mesh, mesh::TriangleTree(mesh));
   EXPECT_TRUE(b.ok());
-  return SurfaceArea(b->pieces);
+  return mesh::SurfaceArea(b->pieces);
 }
 
 TEST(SolidBoundaryTest, SurfaceThatCrossesNothingIsKeptAsItIs) {
-  const Triangles sphere = SphereMesh(5, 20);
-  auto b = BoundaryOf(sphere, TriangleTree(sphere));
+  const mesh::Triangles sphere = SphereMesh(5, 20);
+  auto b = mesh::BoundaryOf(sphere, mesh::TriangleTree(sphere));
   ASSERT_TRUE(b.ok());
   EXPECT_EQ(b->crossing, 0u);
   EXPECT_EQ(b->pieces.indices, sphere.indices);
@@ -31,27 +31,29 @@ TEST(SolidBoundaryTest, SurfaceThatCrossesNothingIsKeptAsItIs) {
 TEST(SolidBoundaryTest, AreaOfTwoSpheresThatOverlapIsThatOfTheirUnion) {
   // Radius 5, centres 6 apart: each loses a cap of height 2, area 2 pi r h.
   const double ideal = 2 * (4 * kPi * 25 - 2 * kPi * 5 * 2);
-  const Triangles mesh = Joined(SphereMesh(5, 60), SphereMesh(5, 47, {6, 0, 0}));
+  const mesh::Triangles mesh = Joined(SphereMesh(5, 60), SphereMesh(5, 47, {6, 0, 0}));
   EXPECT_NEAR(AreaOf(mesh) / ideal, 1, 2e-3);
 }
 
 TEST(SolidBoundaryTest, LargeTrianglesAreCutWhereBoxesPassThroughEachOther) {
   // 6 x 2 x 2 bars crossed at right angles: 2 x 56 - 8 (walls within the other) - two 2 x 2 squares
   // of each that lie in one plane count once, and are there twice.
-  const Triangles mesh = Joined(BoxMesh({-3, -1, -1}, {3, 1, 1}), BoxMesh({-1, -3, -1}, {1, 3, 1}));
+  const mesh::Triangles mesh =
+      Joined(BoxMesh({-3, -1, -1}, {3, 1, 1}), BoxMesh({-1, -3, -1}, {1, 3, 1}));
   const double doubled = 2 * 4, ideal = 2 * 56 - 4 * 4 - doubled;
   EXPECT_NEAR(AreaOf(mesh), ideal + doubled, 0.3);
 }
 
 TEST(SolidBoundaryTest, WallBetweenTwoPartsThatTouchIsNoBoundary) {
   // A small box standing on a large one; both are kept apart by nothing.
-  const Triangles mesh = Joined(BoxMesh({-3, -3, -3}, {3, 3, 0}), BoxMesh({-1, -1, 0}, {1, 1, 2}));
+  const mesh::Triangles mesh =
+      Joined(BoxMesh({-3, -3, -3}, {3, 3, 0}), BoxMesh({-1, -1, 0}, {1, 1, 2}));
   EXPECT_NEAR(AreaOf(mesh), 2 * 36 + 4 * 18 - 4 + 4 * 4 + 4, 0.15);
 }
 
 TEST(SolidBoundaryTest, LoopOfASurfaceThatCrossesItselfCountsWhicheverWayAround) {
   // Bow tie prism: two triangles of base 4, height 3, turned opposite ways, 5 thick.
-  Triangles m;
+  mesh::Triangles m;
   for (double z : {0.0, 5.0})
     for (const dvec3& p : {dvec3(-3, -2, 0), dvec3(3, 2, 0), dvec3(3, -2, 0), dvec3(-3, 2, 0)})
       m.vertices.push_back(p + dvec3(0, 0, z));
@@ -66,7 +68,7 @@ TEST(SolidBoundaryTest, LoopOfASurfaceThatCrossesItselfCountsWhicheverWayAround)
     m.indices.push_back({(i + 1) % 4, i, 8});
     m.indices.push_back({i + 4, (i + 1) % 4 + 4, 9});
   }
-  const TriangleTree tree(m);
+  const mesh::TriangleTree tree(m);
   EXPECT_TRUE(tree.Inside({2, 0, 2.5}));
   EXPECT_TRUE(tree.Inside({-2, 0, 2.5}));
   EXPECT_FALSE(tree.Inside({0, 1.5, 2.5}));
@@ -75,16 +77,16 @@ TEST(SolidBoundaryTest, LoopOfASurfaceThatCrossesItselfCountsWhicheverWayAround)
 TEST(SolidBoundaryTest, ThousandsOfBoxesThroughEachOtherAreRefusedInBoundedWork) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> uniform(0, 2);
-  Triangles soup;
+  mesh::Triangles soup;
   for (int i = 0; i < 4000; ++i) {
     const dvec3 at(uniform(random), uniform(random), uniform(random));
-    const Triangles box = BoxMesh(at, at + 3.0);
+    const mesh::Triangles box = BoxMesh(at, at + 3.0);
     const auto first = static_cast<uint32_t>(soup.vertices.size());
     soup.vertices.insert(soup.vertices.end(), box.vertices.begin(), box.vertices.end());
     for (const auto& t : box.indices)
       soup.indices.push_back({t[0] + first, t[1] + first, t[2] + first});
   }
-  auto solid = MakeSolid(soup);
+  auto solid = mesh::MakeSolid(soup);
   ASSERT_FALSE(solid.ok());
   EXPECT_NE(solid.status().message().find("soup"), std::string::npos) << solid.status().message();
 }

@@ -1,6 +1,6 @@
-#include "common/import/mesh_edges.h"
+#include "common/mesh/mesh_edges.h"
 
-namespace enamel::import {
+namespace enamel::mesh {
 
 std::vector<EdgeUse> SortedEdges(std::span<const std::array<uint32_t, 3>> triangles) {
   uint32_t vertices = 0;
@@ -26,4 +26,4 @@ std::vector<EdgeUse> SortedEdges(std::span<const std::array<uint32_t, 3>> triang
   return edges;
 }
 
-}  // namespace enamel::import
+}  // namespace enamel::mesh

@@ -1,13 +1,13 @@
-#include "common/import/orient.h"
+#include "common/mesh/orient.h"
 
 #include <algorithm>
 #include <cmath>
 #include <glm/matrix.hpp>
 #include <vector>
 
-#include "common/import/mesh_edges.h"
+#include "common/mesh/mesh_edges.h"
 
-namespace enamel::import {
+namespace enamel::mesh {
 namespace {
 
 // Some 10 degrees apart: a ball of 5 mm looks about 0.04 mm hollow between them, under
@@ -244,4 +244,4 @@ dmat3 SceneFromFile(const Triangles& mesh, const dvec3& up) {
   return glm::transpose(dmat3(x, y, up));
 }
 
-}  // namespace enamel::import
+}  // namespace enamel::mesh

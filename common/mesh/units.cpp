@@ -1,11 +1,11 @@
-#include "common/import/units.h"
+#include "common/mesh/units.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 
-namespace enamel::import {
+namespace enamel::mesh {
 namespace {
 
 constexpr double kSmallest_mm = 3, kLargest_mm = 40;
@@ -79,4 +79,4 @@ Status CheckSize(const Triangles& mesh_mm, const std::string& unit, double unit_
       "unit");
 }
 
-}  // namespace enamel::import
+}  // namespace enamel::mesh

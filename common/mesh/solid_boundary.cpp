@@ -1,14 +1,14 @@
-#include "common/import/solid_boundary.h"
+#include "common/mesh/solid_boundary.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <optional>
 
-#include "common/import/facet.h"
-#include "common/import/mesh_edges.h"
+#include "common/mesh/facet.h"
+#include "common/mesh/mesh_edges.h"
 
-namespace enamel::import {
+namespace enamel::mesh {
 namespace {
 
 constexpr double kSide_mm = 2e-3;   // how far from a triangle its two sides are probed
@@ -235,4 +235,4 @@ Result<SolidBoundary> BoundaryOf(const Triangles& mesh, const TriangleTree& tree
   return out;
 }
 
-}  // namespace enamel::import
+}  // namespace enamel::mesh

@@ -1,10 +1,10 @@
 #pragma once
 
 #include "common/base/result.h"
-#include "common/import/triangle_tree.h"
-#include "common/import/triangles.h"
+#include "common/mesh/triangle_tree.h"
+#include "common/mesh/triangles.h"
 
-namespace enamel::import {
+namespace enamel::mesh {
 
 // The pieces of a closed mesh that have solid on one side and none on the other, all facing away
 // from it. Inside is what the mesh surrounds at least once, whichever way around
@@ -24,4 +24,4 @@ struct SolidBoundary {
 Result<SolidBoundary> BoundaryOf(const Triangles& mesh, const TriangleTree& tree,
                                  double finest_mm = 0.01);
 
-}  // namespace enamel::import
+}  // namespace enamel::mesh

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-namespace enamel::import {
+namespace enamel::mesh {
 
 // One triangle's use of an edge.
 struct EdgeUse {
@@ -31,4 +31,4 @@ void ForEachEdge(const std::vector<EdgeUse>& sorted, Visit visit) {
   }
 }
 
-}  // namespace enamel::import
+}  // namespace enamel::mesh

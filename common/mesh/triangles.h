@@ -9,7 +9,7 @@
 #include "common/base/result.h"
 #include "common/math/vec.h"
 
-namespace enamel::import {
+namespace enamel::mesh {
 
 // Triangles over shared vertices; whichever unit and frame the holder says.
 struct Triangles {
@@ -50,4 +50,4 @@ void BoxOf(const std::vector<dvec3>& vertices,
            const std::vector<std::array<uint32_t, 3>>& triangles, dvec3& lo, dvec3& hi);
 double SurfaceArea(const Triangles& mesh);
 
-}  // namespace enamel::import
+}  // namespace enamel::mesh

@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 
-#include "common/import/triangles.h"
+#include "common/mesh/triangles.h"
 
-namespace enamel::import {
+namespace enamel::mesh {
 
 // One triangle by its corners, for cutting it up.
 struct Facet {
@@ -32,4 +32,4 @@ struct Facet {
   }
 };
 
-}  // namespace enamel::import
+}  // namespace enamel::mesh

@@ -1,4 +1,4 @@
-#include "common/import/mesh_repair.h"
+#include "common/mesh/mesh_repair.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,11 +7,11 @@
 #include <numeric>
 #include <unordered_map>
 
-#include "common/import/mesh_edges.h"
-#include "common/import/solid_boundary.h"
-#include "common/import/triangle_tree.h"
+#include "common/mesh/mesh_edges.h"
+#include "common/mesh/solid_boundary.h"
+#include "common/mesh/triangle_tree.h"
 
-namespace enamel::import {
+namespace enamel::mesh {
 namespace {
 
 constexpr double kWeld_mm = 1e-3;
@@ -340,4 +340,4 @@ std::vector<std::string> Describe(const MeshReport& r) {
   return lines;
 }
 
-}  // namespace enamel::import
+}  // namespace enamel::mesh

@@ -2,9 +2,9 @@
 
 #include <string>
 
-#include "common/import/triangles.h"
+#include "common/mesh/triangles.h"
 
-namespace enamel::import {
+namespace enamel::mesh {
 
 struct Box {
   dvec3 lo, hi;
@@ -25,4 +25,4 @@ Status CheckSize(const Triangles& mesh_mm, const std::string& unit, double unit_
 // "12.35": a number for people.
 std::string Fixed(double value, int digits = 2);
 
-}  // namespace enamel::import
+}  // namespace enamel::mesh

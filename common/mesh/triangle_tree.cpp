@@ -1,11 +1,11 @@
-#include "common/import/triangle_tree.h"
+#include "common/mesh/triangle_tree.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
-namespace enamel::import {
+namespace enamel::mesh {
 namespace {
 
 // kMaxDepth only sizes the stacks: halving brings two million triangles down in 20 levels. kOpening
@@ -235,4 +235,4 @@ double SignedProbe::Distance(const dvec3& p, double limit) {
   return inside ? -d : d;
 }
 
-}  // namespace enamel::import
+}  // namespace enamel::mesh

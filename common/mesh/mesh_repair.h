@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "common/import/triangles.h"
+#include "common/mesh/triangles.h"
 
-namespace enamel::import {
+namespace enamel::mesh {
 
 // What was found in a mesh and what was done about it.
 struct MeshReport {
@@ -51,4 +51,4 @@ Result<Solid> MakeSolid(const Triangles& mesh_mm, const RepairOptions& options =
 // The report for people, one line each.
 std::vector<std::string> Describe(const MeshReport& report);
 
-}  // namespace enamel::import
+}  // namespace enamel::mesh

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/import/triangles.h"
+#include "common/mesh/triangles.h"
 
-namespace enamel::import {
+namespace enamel::mesh {
 
 // Bounding-volume tree over triangles: nearest distance and winding number.
 // Winding numbers: solid angles of near triangles, dipoles of far groups (first order, opened
@@ -76,4 +76,4 @@ class SignedProbe {
   bool last_inside_ = false;
 };
 
-}  // namespace enamel::import
+}  // namespace enamel::mesh

@@ -1,10 +1,10 @@
-#include "common/import/triangles.h"
+#include "common/mesh/triangles.h"
 
 #include <bit>
 #include <cmath>
 #include <string>
 
-namespace enamel::import {
+namespace enamel::mesh {
 namespace {
 
 constexpr std::string_view kMagic = "ENTR";
@@ -110,4 +110,4 @@ double SurfaceArea(const Triangles& mesh) {
   return sum;
 }
 
-}  // namespace enamel::import
+}  // namespace enamel::mesh

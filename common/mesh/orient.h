@@ -4,9 +4,9 @@
 #include <string>
 #include <string_view>
 
-#include "common/import/triangles.h"
+#include "common/mesh/triangles.h"
 
-namespace enamel::import {
+namespace enamel::mesh {
 
 // Which way a crown stands in its file.
 struct Stance {
@@ -38,4 +38,4 @@ Stance StanceWithUp(const Triangles& mesh, const dvec3& up);
 // a mesh), right-handed.
 dmat3 SceneFromFile(const Triangles& mesh, const dvec3& up);
 
-}  // namespace enamel::import
+}  // namespace enamel::mesh
