@@ -19,7 +19,7 @@
 #include "common/mesh/triangle_tree.h"
 #include "common/mesh/units.h"
 #include "common/scene/builder.h"
-#include "common/scene/builtin.h"
+#include "common/scene/builtin/builtin.h"
 #include "common/scene/volume_blob.h"
 
 namespace enamel::import {

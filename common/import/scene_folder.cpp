@@ -3,7 +3,7 @@
 #include <system_error>
 
 #include "common/base/file.h"
-#include "common/scene/json.h"
+#include "common/scene/json/json.h"
 #include "common/scene/volume_blob.h"
 
 namespace enamel::import {

@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "common/import/import_tooth.h"
-#include "common/scene/builtin.h"
+#include "common/scene/builtin/builtin.h"
 
 namespace enamel::import {
 

@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "common/scene/tooth_shape.h"
+#include "common/scene/builtin/tooth_shape.h"
 
 // Teeth side by side, with caries: what a built-in scene is made of.
 namespace enamel::scene {

@@ -1,7 +1,7 @@
 #include "common/scene/attempt_documents.h"
 
 #include "common/scene/delay.h"
-#include "common/scene/json.h"
+#include "common/scene/json/json.h"
 
 namespace enamel::scene {
 namespace {

@@ -39,9 +39,9 @@ struct Calibration {
   bool operator==(const Calibration&) const = default;
 };
 
-// Canonical text (common/scene/json.h). Requires: at least one quantity.
+// Canonical text (common/scene/json/json.h). Requires: at least one quantity.
 std::string ToJson(const Calibration& calibration);
-// Strict and bounded as common/scene/json.h says. Errors: kInvalidInput with the member's path in
+// Strict and bounded as common/scene/json/json.h says. Errors: kInvalidInput with the member's path in
 // field(), kVersion, kTooLarge.
 Result<Calibration> CalibrationFromJson(std::string_view json);
 

@@ -1,8 +1,8 @@
 #include "common/scene/find_profile.h"
 
 #include "common/base/file.h"
-#include "common/scene/builtin.h"
-#include "common/scene/json.h"
+#include "common/scene/builtin/builtin.h"
+#include "common/scene/json/json.h"
 
 namespace enamel::scene {
 namespace {

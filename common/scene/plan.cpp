@@ -5,7 +5,7 @@
 #include <string>
 
 #include "common/scene/delay.h"
-#include "common/scene/json.h"
+#include "common/scene/json/json.h"
 
 namespace enamel::scene {
 namespace {

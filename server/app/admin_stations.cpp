@@ -4,7 +4,7 @@
 
 #include "common/base/file.h"
 #include "common/scene/calibration.h"
-#include "common/scene/json.h"
+#include "common/scene/json/json.h"
 #include "common/scene/profile_criteria.h"
 #include "server/app/command_line.h"
 #include "server/app/data_folder.h"

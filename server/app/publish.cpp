@@ -4,8 +4,8 @@
 #include <optional>
 
 #include "common/import/scene_folder.h"
-#include "common/scene/builtin.h"
-#include "common/scene/json.h"
+#include "common/scene/builtin/builtin.h"
+#include "common/scene/json/json.h"
 #include "common/scene/volume_blob.h"
 #include "server/app/data_folder.h"
 

@@ -21,7 +21,7 @@ Result<SceneRow> PublishScene(ContentStore& store, const std::string& source, in
 Result<ExerciseRow> PublishDocument(ContentStore& store, const scene::Exercise& exercise,
                                     const std::optional<Uuid>& cohort);
 
-// The exercises the project makes for a stored scene (common/scene/builtin.h): all, or those of
+// The exercises the project makes for a stored scene (common/scene/builtin/builtin.h): all, or those of
 // this name or kind ("class-2"). Errors also: kNotFound with the names there are.
 Result<std::vector<ExerciseRow>> PublishBuiltins(ContentStore& store, const SceneRow& scene,
                                                  const std::string& name,

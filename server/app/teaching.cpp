@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "common/base/file.h"
-#include "common/scene/json.h"
+#include "common/scene/json/json.h"
 #include "server/app/admin.h"
 #include "server/app/admin_stations.h"
 #include "server/app/command_line.h"

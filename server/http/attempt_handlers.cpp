@@ -1,6 +1,6 @@
 #include <boost/json.hpp>
 
-#include "common/scene/json.h"
+#include "common/scene/json/json.h"
 #include "server/http/attempt_view.h"
 #include "server/http/error_response.h"
 #include "server/http/etag.h"

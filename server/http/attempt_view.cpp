@@ -2,7 +2,7 @@
 
 #include <boost/json.hpp>
 
-#include "common/scene/json.h"
+#include "common/scene/json/json.h"
 #include "common/scoring/score.h"
 #include "server/http/caller.h"
 #include "server/http/error_response.h"

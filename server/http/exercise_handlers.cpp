@@ -4,7 +4,7 @@
 #include <set>
 
 #include "common/base/mutex.h"
-#include "common/scene/json.h"
+#include "common/scene/json/json.h"
 #include "common/scene/plan.h"
 #include "common/scene/volume_blob.h"
 #include "common/scoring/score.h"

@@ -6,8 +6,8 @@
 #include <tuple>
 
 #include "common/fidelity/feel.h"
-#include "common/scene/builtin.h"
-#include "common/scene/json.h"
+#include "common/scene/builtin/builtin.h"
+#include "common/scene/json/json.h"
 #include "server/http/error_response.h"
 #include "server/http/feel_maps.h"
 #include "server/http/handlers.h"

@@ -1,7 +1,7 @@
 #include <boost/json.hpp>
 
 #include "common/scene/calibration.h"
-#include "common/scene/json.h"
+#include "common/scene/json/json.h"
 #include "common/scene/profile_criteria.h"
 #include "server/http/caller.h"
 #include "server/http/error_response.h"

@@ -4,7 +4,7 @@
 
 #include "common/protocol/attempt_facts.h"
 #include "common/scene/attempt_documents.h"
-#include "common/scene/json.h"
+#include "common/scene/json/json.h"
 #include "server/stations/session.h"
 #include "server/training/access.h"
 

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "common/program/output.h"
-#include "common/scene/builtin.h"
+#include "common/scene/builtin/builtin.h"
 #include "common/scene/plan.h"
 #include "station/devices/pointer_device.h"
 #include "station/loop/realtime.h"

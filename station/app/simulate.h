@@ -7,7 +7,7 @@
 
 #include "common/base/result.h"
 #include "common/cutting/cutter.h"
-#include "common/scene/builtin.h"
+#include "common/scene/builtin/builtin.h"
 #include "common/scene/types.h"
 
 // An attempt without server, spool or threads: core, simulated device and operator in one loop. For

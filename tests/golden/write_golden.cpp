@@ -10,8 +10,8 @@
 #include "common/base/file.h"
 #include "common/protocol/frame.h"
 #include "common/protocol/messages.h"
-#include "common/scene/builtin.h"
-#include "common/scene/json.h"
+#include "common/scene/builtin/builtin.h"
+#include "common/scene/json/json.h"
 #include "tests/common/trace/describe.h"
 #include "tests/common/trace/sample.h"
 

@@ -4,7 +4,7 @@
 #include <thread>
 
 #include "common/base/hex.h"
-#include "common/scene/json.h"
+#include "common/scene/json/json.h"
 #include "common/scene/plan.h"
 #include "server/app/data_folder.h"
 #include "server/app/publish.h"

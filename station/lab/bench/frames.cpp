@@ -13,7 +13,7 @@
 #include "common/cutting/cutter.h"
 #include "common/program/log.h"
 #include "common/program/output.h"
-#include "common/scene/builtin.h"
+#include "common/scene/builtin/builtin.h"
 #include "station/lab/bench/bench.h"
 #include "station/render/panel.h"
 #include "station/render/window.h"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/program/log.h"
-#include "common/scene/builtin.h"
+#include "common/scene/builtin/builtin.h"
 #include "common/scene/volume_blob.h"
 #include "station/lab/bench/bench.h"
 

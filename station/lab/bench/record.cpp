@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "common/program/log.h"
-#include "common/scene/builtin.h"
-#include "common/scene/json.h"
+#include "common/scene/builtin/builtin.h"
+#include "common/scene/json/json.h"
 #include "common/scene/plan.h"
 #include "station/devices/operators.h"
 #include "station/lab/bench/bench.h"

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "common/program/log.h"
-#include "common/scene/builtin.h"
+#include "common/scene/builtin/builtin.h"
 #include "common/surface/brick_meshes.h"
 #include "station/lab/bench/bench.h"
 #include "station/lab/cutting/tick_cost.h"

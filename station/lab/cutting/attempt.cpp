@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/scene/json.h"
+#include "common/scene/json/json.h"
 #include "common/scene/plan.h"
 #include "common/scene/volume_blob.h"
 #include "station/lab/cutting/cutting_ticks.h"

@@ -7,7 +7,7 @@
 
 #include "common/base/result.h"
 #include "common/core/core.h"
-#include "common/scene/builtin.h"
+#include "common/scene/builtin/builtin.h"
 #include "common/trace/trace.h"
 
 namespace enamel::station::lab {

@@ -6,7 +6,7 @@
 
 #include "common/fidelity/feel.h"
 #include "common/haptics/criteria.h"
-#include "common/scene/builtin.h"
+#include "common/scene/builtin/builtin.h"
 
 namespace enamel::station::lab {
 namespace {

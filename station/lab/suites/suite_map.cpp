@@ -3,7 +3,7 @@
 #include <cstdio>
 
 #include "common/fidelity/feel.h"
-#include "common/scene/builtin.h"
+#include "common/scene/builtin/builtin.h"
 #include "station/lab/suites/suites.h"
 
 // Where a hand feels F = B V, per device and tissue, and where no law could make it

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "common/fidelity/tracks.h"
-#include "common/scene/builtin.h"
+#include "common/scene/builtin/builtin.h"
 
 namespace enamel::fidelity {
 namespace {

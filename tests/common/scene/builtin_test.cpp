@@ -1,4 +1,4 @@
-#include "common/scene/builtin.h"
+#include "common/scene/builtin/builtin.h"
 
 #include <gtest/gtest.h>
 
@@ -7,10 +7,10 @@
 #include <set>
 #include <string>
 
-#include "common/scene/json.h"
+#include "common/scene/builtin/teeth.h"
+#include "common/scene/json/json.h"
 #include "common/scene/plan.h"
 #include "common/scene/preparation.h"
-#include "common/scene/teeth.h"
 #include "common/scene/volume_blob.h"
 
 namespace enamel::scene {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "common/scene/builtin.h"
+#include "common/scene/builtin/builtin.h"
 #include "common/scene/plan.h"
 
 namespace enamel::scene {

@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "common/scene/builtin.h"
-#include "common/scene/json.h"
+#include "common/scene/builtin/builtin.h"
+#include "common/scene/json/json.h"
 
 namespace enamel::scene {
 namespace {

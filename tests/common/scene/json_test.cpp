@@ -1,4 +1,4 @@
-#include "common/scene/json.h"
+#include "common/scene/json/json.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <string>
 
 #include "common/base/file.h"
-#include "common/scene/builtin.h"
+#include "common/scene/builtin/builtin.h"
 #include "common/scene/calibration.h"
 #include "common/scene/material.h"
 #include "tests/support/test_name.h"

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "common/scene/builder.h"
-#include "common/scene/builtin.h"
-#include "common/scene/json.h"
+#include "common/scene/builtin/builtin.h"
+#include "common/scene/json/json.h"
 
 namespace enamel::scene {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <random>
 
-#include "common/scene/builtin.h"
+#include "common/scene/builtin/builtin.h"
 
 namespace enamel::scene {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/core/core.h"
-#include "common/scene/builtin.h"
+#include "common/scene/builtin/builtin.h"
 #include "common/scene/parts.h"
 #include "common/scene/plan.h"
 

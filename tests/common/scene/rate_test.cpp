@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "common/haptics/criteria.h"
-#include "common/scene/builtin.h"
+#include "common/scene/builtin/builtin.h"
 #include "common/scene/profile_criteria.h"
 
 namespace enamel::scene {

@@ -5,8 +5,8 @@
 
 #include "common/base/file.h"
 #include "common/base/utf8.h"
-#include "common/scene/builtin.h"
-#include "common/scene/json.h"
+#include "common/scene/builtin/builtin.h"
+#include "common/scene/json/json.h"
 #include "common/scene/volume_blob.h"
 #include "server/app/admin.h"
 #include "server/app/admin_people.h"

@@ -10,8 +10,8 @@
 #include <sstream>
 
 #include "common/base/hex.h"
-#include "common/scene/builtin.h"
-#include "common/scene/json.h"
+#include "common/scene/builtin/builtin.h"
+#include "common/scene/json/json.h"
 #include "server/http/api.h"
 #include "server/http/etag.h"
 #include "server/http/routes.h"

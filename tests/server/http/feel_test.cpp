@@ -2,8 +2,8 @@
 
 #include <boost/json.hpp>
 
-#include "common/scene/builtin.h"
-#include "common/scene/json.h"
+#include "common/scene/builtin/builtin.h"
+#include "common/scene/json/json.h"
 #include "server/http/feel_maps.h"
 #include "tests/server/http/running_server.h"
 

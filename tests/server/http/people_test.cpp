@@ -3,8 +3,8 @@
 #include <boost/json.hpp>
 #include <set>
 
-#include "common/scene/builtin.h"
-#include "common/scene/json.h"
+#include "common/scene/builtin/builtin.h"
+#include "common/scene/json/json.h"
 #include "tests/server/http/running_server.h"
 
 // People, sessions, rosters, cohorts, stations and device profiles, over the wire.

@@ -4,7 +4,7 @@
 
 #include <chrono>
 
-#include "common/scene/json.h"
+#include "common/scene/json/json.h"
 #include "common/scoring/score.h"
 #include "common/trace/trace.h"
 

@@ -6,8 +6,8 @@
 #include <map>
 #include <thread>
 
-#include "common/scene/builtin.h"
-#include "common/scene/json.h"
+#include "common/scene/builtin/builtin.h"
+#include "common/scene/json/json.h"
 #include "common/scene/volume_blob.h"
 #include "common/scoring/score.h"
 #include "server/training/ticket_rules.h"

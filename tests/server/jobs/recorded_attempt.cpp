@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/scene/builtin.h"
-#include "common/scene/json.h"
+#include "common/scene/builtin/builtin.h"
+#include "common/scene/json/json.h"
 #include "common/scene/plan.h"
 #include "common/scene/volume_blob.h"
 

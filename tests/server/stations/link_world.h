@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "common/scene/builtin.h"
-#include "common/scene/json.h"
+#include "common/scene/builtin/builtin.h"
+#include "common/scene/json/json.h"
 #include "common/scene/plan.h"
 #include "server/app/data_folder.h"
 #include "server/app/publish.h"

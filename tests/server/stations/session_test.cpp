@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "common/scene/builtin.h"
+#include "common/scene/builtin/builtin.h"
 #include "tests/server/stations/link_world.h"
 
 // The protocol without sockets: one request, one answer.

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "common/scene/builtin.h"
-#include "common/scene/json.h"
+#include "common/scene/builtin/builtin.h"
+#include "common/scene/json/json.h"
 #include "common/scene/plan.h"
 
 namespace enamel::station {

@@ -7,8 +7,8 @@
 
 #include "common/base/sha256.h"
 #include "common/core/core.h"
-#include "common/scene/builtin.h"
-#include "common/scene/json.h"
+#include "common/scene/builtin/builtin.h"
+#include "common/scene/json/json.h"
 #include "common/scene/plan.h"
 #include "common/scoring/score.h"
 #include "station/devices/operators.h"

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "common/base/sha256.h"
-#include "common/scene/json.h"
+#include "common/scene/json/json.h"
 
 namespace enamel::station {
 namespace {

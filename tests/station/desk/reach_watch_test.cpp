@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "common/cutting/cutter.h"
-#include "common/scene/builtin.h"
+#include "common/scene/builtin/builtin.h"
 
 namespace enamel::station::desk {
 namespace {

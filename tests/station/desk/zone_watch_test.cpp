@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "common/cutting/cutter.h"
-#include "common/scene/builtin.h"
+#include "common/scene/builtin/builtin.h"
 
 namespace enamel::station::desk {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "common/scene/builtin.h"
+#include "common/scene/builtin/builtin.h"
 #include "station/devices/operators.h"
 
 namespace enamel::station {

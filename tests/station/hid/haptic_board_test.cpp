@@ -7,7 +7,7 @@
 #include <limits>
 #include <thread>
 
-#include "common/scene/builtin.h"
+#include "common/scene/builtin/builtin.h"
 #include "station/hid/open_device.h"
 #include "station/loop/tick_loop.h"
 #include "tests/station/hid/hid_double.h"

@@ -5,7 +5,7 @@
 #include <mutex>
 #include <thread>
 
-#include "common/scene/builtin.h"
+#include "common/scene/builtin/builtin.h"
 #include "common/scene/plan.h"
 #include "station/devices/operators.h"
 #include "station/devices/pointer_device.h"

@@ -3,7 +3,7 @@
 #include <string_view>
 
 #include "common/cutting/cutter.h"
-#include "common/scene/builtin.h"
+#include "common/scene/builtin/builtin.h"
 #include "station/render/window.h"
 #include "tests/station/render/virtual_display.h"
 

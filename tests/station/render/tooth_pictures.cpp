@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "common/cutting/cutter.h"
-#include "common/scene/builtin.h"
+#include "common/scene/builtin/builtin.h"
+#include "common/scene/builtin/teeth.h"
 #include "common/scene/preparation.h"
-#include "common/scene/teeth.h"
 #include "station/render/png_file.h"
 #include "station/render/window.h"
 #include "tests/station/render/virtual_display.h"

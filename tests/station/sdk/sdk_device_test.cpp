@@ -5,7 +5,7 @@
 #include <limits>
 #include <thread>
 
-#include "common/scene/builtin.h"
+#include "common/scene/builtin/builtin.h"
 #include "station/desk/device_offers.h"
 #include "station/sdk/open_sdk_device.h"
 #include "tests/station/hid/hid_double.h"

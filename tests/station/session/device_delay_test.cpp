@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "common/base/file.h"
-#include "common/scene/builtin.h"
+#include "common/scene/builtin/builtin.h"
 #include "common/scene/plan.h"
 #include "tests/station/session/log_lines.h"
 #include "tests/support/temp_folder.h"

@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <string>
 
-#include "common/scene/builtin.h"
-#include "common/scene/json.h"
+#include "common/scene/builtin/builtin.h"
+#include "common/scene/json/json.h"
 #include "common/scene/volume_blob.h"
 #include "station/session/ticket_safe.h"
 #include "station/uplink/blob_cache.h"

@@ -8,7 +8,7 @@
 #include <set>
 
 #include "common/base/file.h"
-#include "common/scene/builtin.h"
+#include "common/scene/builtin/builtin.h"
 #include "common/scene/plan.h"
 #include "station/lab/cutting/scene_cost.h"
 

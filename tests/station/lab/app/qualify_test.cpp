@@ -10,8 +10,8 @@
 #include <set>
 #include <sstream>
 
-#include "common/scene/builtin.h"
-#include "common/scene/json.h"
+#include "common/scene/builtin/builtin.h"
+#include "common/scene/json/json.h"
 
 namespace enamel::station::lab {
 namespace {

@@ -1,9 +1,9 @@
 #include <boost/json.hpp>
 
-#include "common/scene/json.h"
-#include "common/scene/json_bur.h"
-#include "common/scene/json_read.h"
-#include "common/scene/json_text.h"
+#include "common/scene/json/json.h"
+#include "common/scene/json/json_bur.h"
+#include "common/scene/json/json_read.h"
+#include "common/scene/json/json_text.h"
 
 namespace enamel::scene {
 namespace {

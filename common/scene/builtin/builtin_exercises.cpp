@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/scene/builtin.h"
+#include "common/scene/builtin/builtin.h"
 #include "common/scene/preparation.h"
 
 namespace enamel::scene {

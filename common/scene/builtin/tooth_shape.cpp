@@ -1,4 +1,4 @@
-#include "common/scene/tooth_shape.h"
+#include "common/scene/builtin/tooth_shape.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "common/scene/json_read.h"
+#include "common/scene/json/json_read.h"
 #include "common/scene/material.h"
 
 namespace enamel::scene {

@@ -1,11 +1,11 @@
-#include "common/scene/builtin.h"
+#include "common/scene/builtin/builtin.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "common/scene/arrangement.h"
 #include "common/scene/builder.h"
-#include "common/scene/teeth.h"
+#include "common/scene/builtin/teeth.h"
 #include "common/scene/volume_blob.h"
 
 namespace enamel::scene {

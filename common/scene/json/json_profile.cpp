@@ -4,9 +4,9 @@
 #include <string>
 
 #include "common/core/params.h"
-#include "common/scene/json.h"
-#include "common/scene/json_read.h"
-#include "common/scene/json_text.h"
+#include "common/scene/json/json.h"
+#include "common/scene/json/json_read.h"
+#include "common/scene/json/json_text.h"
 
 namespace enamel::scene {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <span>
 
-#include "common/scene/tooth_shape.h"
+#include "common/scene/builtin/tooth_shape.h"
 
 // The built-in teeth. Each is a mean tooth: lengths and widths after the tables in Nelson & Ash,
 // "Wheeler's Dental Anatomy, Physiology and Occlusion" (below, mm), enamel after Roberson et al.,

@@ -1,4 +1,4 @@
-#include "common/scene/builtin.h"
+#include "common/scene/builtin/builtin.h"
 
 // Sources: "paper" is Liu et al. 2008 (Virtual Reality 12:99-106).
 namespace enamel::scene {

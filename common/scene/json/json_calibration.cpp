@@ -2,8 +2,8 @@
 #include <boost/json.hpp>
 
 #include "common/scene/calibration.h"
-#include "common/scene/json_read.h"
-#include "common/scene/json_text.h"
+#include "common/scene/json/json_read.h"
+#include "common/scene/json/json_text.h"
 
 namespace enamel::scene {
 namespace {

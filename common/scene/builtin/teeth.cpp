@@ -1,4 +1,4 @@
-#include "common/scene/teeth.h"
+#include "common/scene/builtin/teeth.h"
 
 #include <array>
 
