@@ -5,8 +5,8 @@
 #include <queue>
 #include <vector>
 
-#include "tests/load/hostile.h"
-#include "tests/load/station.h"
+#include "tests/load/stations/hostile.h"
+#include "tests/load/stations/station.h"
 
 namespace enamel::load {
 

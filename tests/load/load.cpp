@@ -15,7 +15,7 @@
 #include "server/app/data_folder.h"
 #include "tests/load/api_reader.h"
 #include "tests/load/engine.h"
-#include "tests/load/motion.h"
+#include "tests/load/stations/motion.h"
 #include "tests/load/viewers.h"
 
 namespace enamel::load {

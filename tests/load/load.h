@@ -10,7 +10,7 @@
 #include "tests/load/marking.h"
 #include "tests/load/read_back.h"
 #include "tests/load/server_process.h"
-#include "tests/load/station.h"
+#include "tests/load/stations/station.h"
 
 namespace enamel::load {
 

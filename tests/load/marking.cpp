@@ -7,9 +7,9 @@
 #include "server/app/publish.h"
 #include "server/jobs/worker.h"
 #include "station/lab/cutting/attempt.h"
-#include "tests/load/chunk_layout.h"
 #include "tests/load/engine.h"
 #include "tests/load/figures.h"
+#include "tests/load/stations/chunk_layout.h"
 #include "tests/support/wire_seal.h"
 
 namespace enamel::load {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/base/result.h"
-#include "tests/load/station.h"
+#include "tests/load/stations/station.h"
 
 namespace enamel::load {
 

@@ -1,4 +1,4 @@
-#include "tests/load/link.h"
+#include "tests/load/stations/link.h"
 
 #include <netdb.h>
 #include <netinet/tcp.h>

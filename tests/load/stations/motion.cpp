@@ -1,9 +1,9 @@
-#include "tests/load/motion.h"
+#include "tests/load/stations/motion.h"
 
 #include "common/base/check.h"
 #include "common/base/file.h"
 #include "station/lab/cutting/attempt.h"
-#include "tests/load/chunk_layout.h"
+#include "tests/load/stations/chunk_layout.h"
 
 namespace enamel::load {
 namespace {

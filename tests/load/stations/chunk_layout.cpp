@@ -1,4 +1,4 @@
-#include "tests/load/chunk_layout.h"
+#include "tests/load/stations/chunk_layout.h"
 
 #include <sodium.h>
 

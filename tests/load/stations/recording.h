@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "common/trace/trace.h"
-#include "tests/load/chunk_layout.h"
 #include "tests/load/school.h"
+#include "tests/load/stations/chunk_layout.h"
 
 namespace enamel::load {
 

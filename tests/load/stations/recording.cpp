@@ -1,4 +1,4 @@
-#include "tests/load/recording.h"
+#include "tests/load/stations/recording.h"
 
 #include "common/base/check.h"
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <random>
 
-#include "tests/load/link.h"
+#include "tests/load/stations/link.h"
 
 namespace enamel::load {
 

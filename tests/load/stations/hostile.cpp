@@ -1,4 +1,4 @@
-#include "tests/load/hostile.h"
+#include "tests/load/stations/hostile.h"
 
 #include "common/protocol/messages.h"
 

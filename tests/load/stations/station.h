@@ -8,8 +8,8 @@
 
 #include "common/protocol/messages.h"
 #include "tests/load/figures.h"
-#include "tests/load/link.h"
-#include "tests/load/recording.h"
+#include "tests/load/stations/link.h"
+#include "tests/load/stations/recording.h"
 
 namespace enamel::load {
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "common/trace/trace.h"
-#include "tests/load/motion.h"
+#include "tests/load/stations/motion.h"
 
 namespace enamel::load {
 

@@ -1,4 +1,4 @@
-#include "tests/load/station.h"
+#include "tests/load/stations/station.h"
 
 #include <algorithm>
 #include <cmath>
