@@ -51,7 +51,7 @@ std::string ReadText(ByteReader& in) {
 
 bool Within(uint32_t value, uint32_t low, uint32_t high) { return value >= low && value <= high; }
 
-// As a profile's (common/scene/json/json_profile.cpp): the core must be able to run with it.
+// As a profile's (common/scene/json/profile.cpp): the core must be able to run with it.
 bool InRange(const FeatureReport& f) {
   bool ok =
       Within(f.axes, 3, 6) && Within(f.max_watchdog_ms, 1, 1000) && Within(f.rate_hz, 100, 20'000);

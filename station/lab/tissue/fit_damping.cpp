@@ -15,7 +15,7 @@
 #include "common/base/file.h"
 #include "common/math/vec.h"
 #include "common/program/log.h"
-#include "common/scene/json/json_text.h"
+#include "common/scene/json/text.h"
 #include "station/lab/report/draw.h"
 #include "station/lab/report/plot.h"
 

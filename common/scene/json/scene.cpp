@@ -1,9 +1,9 @@
 #include <boost/json.hpp>
 
+#include "common/scene/json/bur.h"
 #include "common/scene/json/json.h"
-#include "common/scene/json/json_bur.h"
-#include "common/scene/json/json_read.h"
-#include "common/scene/json/json_text.h"
+#include "common/scene/json/read.h"
+#include "common/scene/json/text.h"
 
 namespace enamel::scene {
 namespace {

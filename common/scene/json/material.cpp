@@ -1,7 +1,8 @@
+#include "common/scene/material.h"
+
 #include <algorithm>
 
-#include "common/scene/json/json_read.h"
-#include "common/scene/material.h"
+#include "common/scene/json/read.h"
 
 namespace enamel::scene {
 namespace {

@@ -1,4 +1,4 @@
-#include "common/scene/json/json_text.h"
+#include "common/scene/json/text.h"
 
 #include <algorithm>
 #include <boost/json.hpp>

@@ -1,4 +1,4 @@
-#include "common/scene/json/json_bur.h"
+#include "common/scene/json/bur.h"
 
 #include <boost/json.hpp>
 #include <string>

@@ -5,8 +5,8 @@
 
 #include "common/core/params.h"
 #include "common/scene/json/json.h"
-#include "common/scene/json/json_read.h"
-#include "common/scene/json/json_text.h"
+#include "common/scene/json/read.h"
+#include "common/scene/json/text.h"
 
 namespace enamel::scene {
 namespace {

@@ -1,9 +1,10 @@
+#include "common/scene/calibration.h"
+
 #include <array>
 #include <boost/json.hpp>
 
-#include "common/scene/calibration.h"
-#include "common/scene/json/json_read.h"
-#include "common/scene/json/json_text.h"
+#include "common/scene/json/read.h"
+#include "common/scene/json/text.h"
 
 namespace enamel::scene {
 namespace {

@@ -1,4 +1,4 @@
-#include "common/scene/json/json_read.h"
+#include "common/scene/json/read.h"
 
 #include <algorithm>
 #include <boost/json.hpp>

@@ -2,7 +2,7 @@
 
 #include <boost/json/object.hpp>
 
-#include "common/scene/json/json_read.h"
+#include "common/scene/json/read.h"
 #include "common/scene/types.h"
 
 // A bur in a document: {"shape", "radius_um", "length_um"} and, where they are not 0,
