@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "server/auth/authenticator.h"
-#include "server/http/feel_maps.h"
+#include "server/http/handlers/feel_maps.h"
 #include "server/http/message.h"
 #include "server/http/routes.h"
 #include "server/storage/store.h"

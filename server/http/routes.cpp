@@ -3,7 +3,7 @@
 #include <array>
 #include <utility>
 
-#include "server/http/handlers.h"
+#include "server/http/handlers/handlers.h"
 
 namespace enamel::server::http {
 namespace asio = boost::asio;

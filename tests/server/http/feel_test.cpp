@@ -4,7 +4,7 @@
 
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/json/json.h"
-#include "server/http/feel_maps.h"
+#include "server/http/handlers/feel_maps.h"
 #include "tests/server/http/running_server.h"
 
 // What a hand can feel on a device, over the wire.

@@ -1,4 +1,4 @@
-#include "server/http/seen_attempt.h"
+#include "server/http/handlers/seen_attempt.h"
 
 #include "server/training/access.h"
 

@@ -1,6 +1,6 @@
 #include "server/auth/token.h"
 #include "server/http/error_response.h"
-#include "server/http/handlers.h"
+#include "server/http/handlers/handlers.h"
 #include "server/http/json_body.h"
 
 // For those who run the server.

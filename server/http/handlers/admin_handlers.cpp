@@ -2,7 +2,7 @@
 #include <charconv>
 
 #include "server/http/error_response.h"
-#include "server/http/handlers.h"
+#include "server/http/handlers/handlers.h"
 #include "server/http/json_body.h"
 #include "server/http/paging.h"
 #include "server/http/query.h"

@@ -9,8 +9,8 @@
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/json/json.h"
 #include "server/http/error_response.h"
-#include "server/http/feel_maps.h"
-#include "server/http/handlers.h"
+#include "server/http/handlers/feel_maps.h"
+#include "server/http/handlers/handlers.h"
 #include "server/http/json_body.h"
 
 // What a hand can feel of the tissues here on one device.

@@ -2,7 +2,7 @@
 
 #include <boost/asio/awaitable.hpp>
 
-#include "server/http/attempt_view.h"
+#include "server/http/handlers/attempt_view.h"
 #include "server/http/routes.h"
 
 // The handlers of the route table, by subject: *_handlers.cpp. They trust the table for session,

@@ -1,4 +1,4 @@
-#include "server/http/feel_maps.h"
+#include "server/http/handlers/feel_maps.h"
 
 #include <algorithm>
 #include <cstdio>

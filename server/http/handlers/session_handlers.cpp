@@ -2,9 +2,9 @@
 #include "server/auth/device_name.h"
 #include "server/http/caller.h"
 #include "server/http/error_response.h"
-#include "server/http/handlers.h"
+#include "server/http/handlers/handlers.h"
+#include "server/http/handlers/person_view.h"
 #include "server/http/json_body.h"
-#include "server/http/person_view.h"
 #include "server/http/site.h"
 
 namespace enamel::server::http {
