@@ -7,7 +7,7 @@ namespace {
 
 constexpr uint16_t kParamsVersion = 4;
 // Bounds of what a file may ask for, not of a device: the strongest built-in one has a peak of 12 N
-// (scene/builtin_profiles.cpp).
+// (common/scene/builtin/profiles.cpp).
 constexpr int32_t kMaxCue_mn = 2'000;
 constexpr int32_t kMaxForce_mn = 100'000;
 

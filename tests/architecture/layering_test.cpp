@@ -68,6 +68,7 @@ const std::map<std::string, Names>& Allowed() {
         {"server/ops", {"common/base"}},
         {"server/net", {"common/base"}},
         {"server/training", {"common/base"}},
+        {"server/agreement", {"common/base"}},
         {"server/storage", {"server/training", "common/trace", "common/scene"}},
         {"server/auth", {"server/storage"}},
         {"server/roster", {"server/auth", "server/storage", "server/training"}},

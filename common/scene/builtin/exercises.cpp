@@ -159,7 +159,7 @@ Rubric CariesRubric() {
 }
 
 std::string NameFor(const char* kind, const Scene& scene) {
-  // 64 is all that a document takes as a name (json_read.h).
+  // 64 is all that a document takes as a name (json/read.h).
   return (std::string(kind) + "-" + scene.name).substr(0, 64);
 }
 
