@@ -29,6 +29,7 @@ Result<Password> ReadOrMakePassword(bool from_stdin, const std::string& login,
                                     const std::string& name) {
   if (!from_stdin) {
     auth::OneTimePassword made = auth::MakeOneTimePassword();
+    // Without memory to hash in there is no verifier, and never a weaker one.
     if (!made.verifier.empty()) return Password{made.text, made.verifier, true};
     return Status(Code::kUnavailable, "no memory to hash a password; try again");
   }
@@ -37,6 +38,8 @@ Result<Password> ReadOrMakePassword(bool from_stdin, const std::string& login,
     return Status(Code::kInvalidInput,
                   "expected a password as one line on standard input, found nothing");
   }
+  // The page's own rule. Somebody with a shell could write to the database anyway, but an admin's
+  // habit of short passwords should fail here too.
   ENAMEL_RETURN_IF_ERROR(auth::CheckPasswordPolicy(text, login, name));
   ENAMEL_ASSIGN_OR_RETURN(auto verifier, auth::HashPassword(text));
   return Password{"", verifier, false};
@@ -63,6 +66,7 @@ void Show(const AttemptRow& row) {
 
 Result<Uuid> CohortByName(TeachingStore& store, const std::string& name) {
   ENAMEL_ASSIGN_OR_RETURN(auto cohorts, store.Cohorts());
+  // All of them are read: a school has dozens, and the store keeps their names apart.
   auto found = std::ranges::find(cohorts, name, &Cohort::name);
   if (found != cohorts.end()) return found->id;
   return Status(Code::kNotFound, "no cohort named \"" + name + "\"; make it with admin add-cohort",
@@ -70,6 +74,7 @@ Result<Uuid> CohortByName(TeachingStore& store, const std::string& name) {
 }
 
 Result<Person> PersonNamed(PeopleStore& store, const std::string& login) {
+  // Logins are stored in lower case, so that what is typed here finds its person in any case.
   ENAMEL_ASSIGN_OR_RETURN(auto checked, CheckedLogin(login));
   return store.PersonByLogin(checked);
 }
@@ -77,6 +82,7 @@ Result<Person> PersonNamed(PeopleStore& store, const std::string& login) {
 Status AddPerson(const std::filesystem::path& data, const NewPerson& person) {
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
   ENAMEL_ASSIGN_OR_RETURN(auto login, CheckedLogin(person.login));
+  // What the arguments alone show to be wrong is refused before a password is asked for.
   auto role = RoleFromName(person.role);
   if (!role) {
     return Status(Code::kInvalidInput,
@@ -94,6 +100,7 @@ Status AddPerson(const std::filesystem::path& data, const NewPerson& person) {
   row.login = login;
   row.display_name = name;
   row.role = *role;
+  // Whoever ran this command has seen it, and so has the terminal's memory.
   row.must_change_password = password.made_up;
   ENAMEL_ASSIGN_OR_RETURN(auto id, store->CreatePerson(row, password.verifier, {}, kCommandLine));
   Say("added {} ({}), id {}\n", login, RoleName(*role), id.Text());
@@ -141,6 +148,8 @@ Status AddToCohort(const std::filesystem::path& data, const std::string& cohort,
 
 Status EnrolCode(const std::filesystem::path& data, int valid_minutes) {
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  // The station pins this fingerprint from its first byte on: whoever brings the code brings the
+  // trust, and no authority is needed.
   ENAMEL_ASSIGN_OR_RETURN(auto identity, EnsureIdentity(data));
   Bytes random(16);
   randombytes_buf(random.data(), random.size());
@@ -148,6 +157,7 @@ Status EnrolCode(const std::filesystem::path& data, int valid_minutes) {
   auto now = std::chrono::duration_cast<std::chrono::milliseconds>(
       std::chrono::system_clock::now().time_since_epoch());
   UnixMs expires = now.count() + UnixMs{valid_minutes} * 60'000;
+  // The hash alone is kept, so that a copy of the database enrols no station.
   auto added = store->AddEnrolCode(HashSha256(AsBytes(code)), expires, kCommandLine);
   if (!added.ok()) return added.status();
   Say("{}@{}\n", code, identity.fingerprint.Hex());
@@ -157,6 +167,8 @@ Status EnrolCode(const std::filesystem::path& data, int valid_minutes) {
 Status MarkReference(const std::filesystem::path& data, const std::string& attempt,
                      const std::string& dentist, bool consent) {
   ENAMEL_ASSIGN_OR_RETURN(auto id, Uuid::Parse(attempt));
+  // The rule is the page's. The sentence is completed with the option that a reader of a terminal
+  // can give.
   if (Status agreed = CheckConsent(consent); !agreed.ok()) {
     return Status(agreed.code(), agreed.message() + " with --consent", agreed.field());
   }
@@ -176,6 +188,7 @@ Status ReleaseScore(const std::filesystem::path& data, const std::string& attemp
 
 Status ListAttempts(const std::filesystem::path& data, uint32_t limit) {
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  // The most that the store gives at once: a larger wish would look like the last page.
   constexpr uint32_t kPage = 200;
   AttemptFilter filter;
   for (uint32_t shown = 0; shown < limit;) {
@@ -218,6 +231,7 @@ void DeclarePeople(CommandGroup admin) {
   password->add_flag("--password-stdin", p.password_from_stdin,
                      "Read the password; else one is made up");
 
+  // Two commands, one implementation: the captured value tells them apart.
   for (bool disabled : {true, false}) {
     auto [cmd, o] = Declare<Login>(
         admin, disabled ? "disable" : "enable", "Let a person sign in or not",
@@ -277,6 +291,7 @@ void DeclareAttempts(CommandGroup admin) {
   };
   auto [release, l] = Declare<Release>(
       admin, "release", "Let the student see a graded score", [](const Release& o) -> Status {
+        // The parser has refused both together (`excludes` below), but knows no "one of them".
         if (!o.assignment.empty()) return ReleaseAssignment(o.data, o.assignment);
         if (!o.attempt.empty()) return ReleaseScore(o.data, o.attempt);
         return Status(Code::kInvalidInput, "release needs --attempt ID or --assignment ID");

@@ -22,6 +22,7 @@ namespace {
 
 using Change = RosterStep::Change;
 
+// The most that the store gives at once (PeopleStore::FindPeople).
 constexpr uint32_t kPage = 1000;
 constexpr size_t kMaxShown = 200;
 
@@ -30,6 +31,7 @@ constexpr size_t kMaxShown = 200;
 class PasswordFile {
  public:
   static Result<PasswordFile> Make(const std::filesystem::path& path) {
+    // O_EXCL: an older file could be readable by others, or a link to somewhere else.
     int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
     if (file >= 0) {
       ::close(file);
@@ -49,6 +51,8 @@ class PasswordFile {
   PasswordFile& operator=(const PasswordFile&) = delete;
 
   Status Keep(const std::string& text) {
+    // Before the write: a file that was written in part may hold passwords that are in use already,
+    // and nothing else does.
     kept_ = true;
     return WriteFileDurably(path_, AsBytes(text), 0600);
   }
@@ -90,6 +94,7 @@ void ShowOutcome(const roster::ImportResult& result) {
 Status WriteOutcome(const std::filesystem::path& file, const roster::ImportResult& result) {
   if (file.empty()) return Status::Ok();
   boost::json::object out = roster::ImportJson(result);
+  // The API answers with them, over TLS and once. A file of outcomes is kept and passed on.
   out.erase("passwords");
   return WriteFileDurably(file, AsBytes(boost::json::serialize(out) + "\n"));
 }
@@ -103,6 +108,7 @@ Status Refusal(const roster::ImportResult& result) {
 Status Import(PeopleStore& store, std::string_view csv, const RosterCommand& command,
               const roster::ImportOptions& options, size_t fresh) {
   std::optional<PasswordFile> file;
+  // Nobody new, nothing to write down: a repeated import leaves no empty file behind.
   if (fresh > 0) {
     if (command.passwords.empty()) {
       return {Code::kInvalidInput,
@@ -113,6 +119,8 @@ Status Import(PeopleStore& store, std::string_view csv, const RosterCommand& com
     ENAMEL_ASSIGN_OR_RETURN(auto made, PasswordFile::Make(command.passwords));
     file.emplace(std::move(made));
   }
+  // Somebody may have changed people since the dry run. The plan is made again inside, and may find
+  // problems that the first one did not.
   ENAMEL_ASSIGN_OR_RETURN(auto result, roster::ImportRoster(store, csv, options, kCommandLine));
   if (!result.plan.problems.empty()) {
     ShowProblems(result.plan.problems);
@@ -132,8 +140,12 @@ Status Import(PeopleStore& store, std::string_view csv, const RosterCommand& com
 }  // namespace
 
 Status ImportRoster(const RosterCommand& command) {
+  // One byte more than may be: ImportRoster then says itself that it is too much, and how much may
+  // be.
   ENAMEL_ASSIGN_OR_RETURN(auto csv, ReadFile(command.file, roster::kMaxRosterBytes + 1));
   roster::ImportOptions options;
+  // Always first as a dry run: it says how many are new, hence whether a file for passwords is
+  // needed, before argon2id is spent on any of them.
   options.dry_run = true;
   options.file.ignore_unknown_columns = command.ignore_unknown_columns;
   if (!command.cohort.empty()) {

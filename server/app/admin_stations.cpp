@@ -14,6 +14,7 @@
 namespace enamel::server::app {
 namespace {
 
+// As for a document that comes over the API.
 constexpr size_t kMaxDocument = 1 << 20;
 
 Result<std::string> ReadText(const std::filesystem::path& file) {
@@ -21,6 +22,8 @@ Result<std::string> ReadText(const std::filesystem::path& file) {
   return std::string(AsText(bytes));
 }
 
+// With file and member: the parser of a document knows neither where it came from nor who reads its
+// refusal.
 Status InFile(const std::filesystem::path& file, const Status& status) {
   return {status.code(), file.string() + ": " + status.field() + ": " + status.message(),
           status.field()};
@@ -41,12 +44,15 @@ std::string Figure(const std::optional<scene::Measured>& measured) {
 }  // namespace
 
 Result<StationRow> StationNamed(StationStore& store, const std::string& text) {
+  // An id names one station whatever the stations are called, so it is tried first.
   if (auto id = Uuid::Parse(text); id.ok()) {
     auto station = store.StationById(*id);
     if (!station.ok() || !station->revoked) return station;
     return Status(Code::kNotFound, "station " + text + " is no longer admitted", "station");
   }
   ENAMEL_ASSIGN_OR_RETURN(auto stations, store.Stations());
+  // Revoked ones do not count: a bench that was enrolled anew has its name twice, and the old row
+  // is not meant.
   std::erase_if(stations, [&](const StationRow& row) { return row.revoked || row.name != text; });
   if (stations.size() == 1) return stations.front();
   return Status(Code::kNotFound,
@@ -71,6 +77,8 @@ Status ListStations(const std::filesystem::path& data) {
 Status ListAwaited(const std::filesystem::path& data) {
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
   AuditFilter filter;
+  // What waits is at the stations and in no table here. The audit trail is the one place where each
+  // refusal left what it was about.
   filter.action = "attempt.awaits";
   filter.limit = 1000;
   ENAMEL_ASSIGN_OR_RETURN(auto rows, store->FindAudit(filter));
@@ -80,6 +88,7 @@ Status ListAwaited(const std::filesystem::path& data) {
     auto attempt = Uuid::Parse(row.object);
     if (!attempt.ok() || !seen.insert(row.object).second) continue;
     auto known = store->AttemptById(*attempt);
+    // Taken since: what it waited for has come back.
     if (known.ok()) continue;
     if (known.status().code() != Code::kNotFound) return known.status();
     ++waiting;
@@ -110,13 +119,18 @@ Status PutProfile(const std::filesystem::path& data, const std::filesystem::path
   auto profile = scene::ProfileFromJson(text);
   if (!profile.ok()) return InFile(file, profile.status());
   auto criteria = scene::CheckProfile(*profile);
+  // Also when all is well: an admin who lets a device into a course sees by how much each criterion
+  // is met.
   Show(criteria);
   if (!scene::IsAcceptable(criteria)) {
     return {Code::kInvalidInput, "device profile \"" + profile->name +
                                      "\" does not meet every criterion above; nothing was stored"};
   }
+  // Before the data folder is opened, so that a profile can be checked where there is none.
   if (check_only) return Status::Ok();
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  // Written anew by our own writer: the same profile has the same hash, however the file was laid
+  // out.
   ENAMEL_ASSIGN_OR_RETURN(auto content, store->PutBlob(AsBytes(scene::ToJson(*profile))));
   ENAMEL_RETURN_IF_ERROR(store->PutProfile({profile->name, profile->title, content}, kCommandLine));
   ENAMEL_ASSIGN_OR_RETURN(auto versions, store->ProfileVersions(profile->name));

@@ -24,6 +24,7 @@ Caretaker::Caretaker(UpkeepStore& store, Intervals intervals)
 void Caretaker::Run(const std::stop_token& stop) {
   std::mutex mutex;
   std::unique_lock lock(mutex);
+  // Nobody notifies it. It is a sleep that the stop token ends at once.
   std::condition_variable_any never;
   // What fails is in the log and tried again with the rules.
   (void)store_.FinishErasures();

@@ -20,6 +20,8 @@ Result<trace::KeyPair> EnsureTicketKey(const std::filesystem::path& path) {
     return keys;
   }
   if (!stored.ok()) return stored.status();
+  // Never made anew over a damaged one: stations hold tickets that only the old key can have
+  // signed.
   if (stored->size() != keys.secret_key.size()) {
     return Status(Code::kInvalidInput, path.string() + " has " + std::to_string(stored->size()) +
                                            " bytes, a ticket key has 64; restore it from a backup");

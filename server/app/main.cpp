@@ -22,6 +22,8 @@ using namespace enamel;
 using namespace enamel::server;
 
 int main(int argc, char** argv) {
+  // Found out before the command line is parsed, so that a refusal of the command line itself is
+  // already said in the format that the log's reader expects.
   const bool json = program::AsksForJson(argc, argv, "ENAMEL_");
   (void)program::SetUpLog({.format = json ? "json" : "text"});
   if (sodium_init() < 0) {
@@ -33,6 +35,8 @@ int main(int argc, char** argv) {
   root.set_version_flag("--version", std::string(app::kSoftware));
   std::function<Status()> command;
   const app::CommandGroup top{root, command};
+  // Each declares itself and says what is to run; nothing runs until the whole line has been
+  // parsed.
   app::DeclareServe(top);
   app::DeclareInit(top);
   app::DeclareBackup(top);

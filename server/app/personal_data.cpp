@@ -34,6 +34,7 @@ class Exporter {
                         {"role", RoleName(person.role)},
                         {"disabled", person.disabled},
                         {"created_ms", person.created_ms}}}};
+    // export.json last: when it is there, the files it names are.
     ENAMEL_RETURN_IF_ERROR(AddCohorts(person, root));
     ENAMEL_RETURN_IF_ERROR(AddSessions(person, root));
     ENAMEL_RETURN_IF_ERROR(AddAttempts(person, root));
@@ -80,6 +81,7 @@ class Exporter {
   }
 
   Status AddAudit(const Person& person, json::object& root) {
+    // What the person did and what was done to them: both are data about them.
     ENAMEL_ASSIGN_OR_RETURN(auto rows, store_.audit().AuditAbout(person.id));
     json::array audit;
     for (const AuditRow& row : rows) {
@@ -220,6 +222,8 @@ class Exporter {
     auto add = [&](const char* name, const Result<Bytes>& content) {
       return AddFile(row, name, content, files, problems);
     };
+    // Neither is missing: one was not begun, the other's recording was removed by a rule, which
+    // `recording_removed_ms` says.
     bool has_recording = row.state != AttemptState::kTicketed && row.expired_ms == 0;
     if (has_recording) ENAMEL_RETURN_IF_ERROR(add("recording.entrace", TraceOf(row)));
     if (auto result = store_.attempts().ResultOf(row.id); result.ok()) {
@@ -228,6 +232,7 @@ class Exporter {
                                                       {"surface.ensf", result->surface},
                                                       {"forces.json", result->series}};
       for (const auto& [name, hash] : blobs) {
+        // Zero: that run made no such blob, or retention has removed it.
         if (!hash.IsZero()) ENAMEL_RETURN_IF_ERROR(add(name, store_.content().GetBlob(hash)));
       }
     }
@@ -240,6 +245,8 @@ class Exporter {
   Result<Bytes> TraceOf(const AttemptRow& row) {
     ENAMEL_ASSIGN_OR_RETURN(auto header, store_.attempts().AttemptHeader(row.id));
     ENAMEL_ASSIGN_OR_RETURN(auto chunks, store_.attempts().AttemptChunks(row.id));
+    // Header, chunks and seal are asked for one by one because an attempt that was never ended is
+    // still rows and no blob; the file is put together the same way for both.
     trace::TraceFile file{std::move(header), std::move(chunks), std::nullopt, false};
     if (auto seal = store_.attempts().AttemptSeal(row.id); seal.ok()) file.seal = *seal;
     return trace::EncodeTraceFile(file);
@@ -256,6 +263,7 @@ class Exporter {
 
 Status ExportPerson(const fs::path& data, const std::string& login, const fs::path& target) {
   std::error_code error;
+  // A folder that holds an older export would mix two moments, or two people.
   if (fs::exists(target, error) && !fs::is_empty(target, error)) {
     return Status(Code::kConflict,
                   "expected an absent or empty folder for the export, found files in " +
@@ -265,6 +273,7 @@ Status ExportPerson(const fs::path& data, const std::string& login, const fs::pa
   ENAMEL_ASSIGN_OR_RETURN(auto person, PersonNamed(*store, login));
   Exporter exporter(*store, target);
   ENAMEL_RETURN_IF_ERROR(exporter.Run(person));
+  // After it has succeeded, and into the person's own trail: the next export shows this one.
   ENAMEL_RETURN_IF_ERROR(store->NoteAudit(kCommandLine, "person.export", person.id.Text(), "{}"));
   Say("{}: {} attempts, {} bytes in {}\n", login, exporter.attempts(), exporter.bytes(),
       target.string());
@@ -273,6 +282,7 @@ Status ExportPerson(const fs::path& data, const std::string& login, const fs::pa
 
 Status ErasePerson(const fs::path& data, const std::string& login, const std::string& confirm,
                    bool with_references) {
+  // Compared as typed: a line from the shell's history, changed in one place alone, erases nobody.
   if (confirm != login) {
     return Status(
         Code::kInvalidInput,

@@ -15,6 +15,8 @@ namespace {
 constexpr std::string_view kBuiltinPrefix = "builtin:";
 
 Result<SceneRow> StoreScene(ContentStore& store, const scene::Scene& scene, ByteView volume) {
+  // Volume first, then the document that names it, then the row that names both. A crash in between
+  // leaves blobs that nothing names, which retention removes; never a name without its blob.
   ENAMEL_ASSIGN_OR_RETURN(auto volume_hash, store.PutBlob(volume));
   std::string json = scene::ToJson(scene);
   ENAMEL_ASSIGN_OR_RETURN(auto content, store.PutBlob(AsBytes(json)));
@@ -42,6 +44,8 @@ Result<SceneRow> PublishFolder(ContentStore& store, const std::string& folder) {
 // As a draft that is published at once: drafts are assigned to nobody.
 Result<ExerciseRow> PublishUnassigned(ContentStore& store, const ExerciseRow& row) {
   ENAMEL_ASSIGN_OR_RETURN(auto versions, store.ExerciseVersions(row.name));
+  // The newest published or retired version decides: when it says the same and is offered, there is
+  // nothing to publish. A retired one is published again as a new version.
   for (const ExerciseRow& version : versions) {
     if (version.state == ExerciseState::kDraft) continue;
     if (version.content == row.content && version.state == ExerciseState::kPublished) {
@@ -88,6 +92,8 @@ Result<std::vector<ExerciseRow>> PublishBuiltins(ContentStore& store, const Scen
   std::string known;
   for (const scene::Exercise& exercise : scene::BuiltinExercises(*scene, row.content)) {
     known += (known.empty() ? "" : ", ") + exercise.name;
+    // Names are KIND-SCENE ("class-1-molar-46"), so that a kind with its hyphen is a prefix of just
+    // its own.
     if (!name.empty() && exercise.name != name && !exercise.name.starts_with(name + "-")) continue;
     ENAMEL_ASSIGN_OR_RETURN(auto published, PublishDocument(store, exercise, cohort));
     out.push_back(published);

@@ -23,10 +23,13 @@ namespace {
 namespace json = boost::json;
 using scoring::ScoreResult;
 
+// The server is another process, with which this one shares the database alone: asking is the only
+// way to hear of a score. Five times a second costs nothing and nobody sees the delay.
 constexpr auto kPoll = std::chrono::milliseconds(200);
 constexpr char kDeviationMetric[] = "deviation_rms_mm";
 
 Result<bool> HasOpenJob(JobStore& store, const Uuid& attempt) {
+  // A scored attempt may be scored again; its old score is not what --wait was for.
   for (const char* state : {"queued", "running"}) {
     ENAMEL_ASSIGN_OR_RETURN(auto jobs, store.Jobs(state));
     if (std::ranges::any_of(jobs, [&](const JobRow& job) { return job.attempt == attempt; }))
@@ -36,6 +39,7 @@ Result<bool> HasOpenJob(JobStore& store, const Uuid& attempt) {
 }
 
 void ShowProgress(const AttemptRow& row) {
+  // A line that is overwritten is of no use in a file.
   if (::isatty(STDERR_FILENO) == 0) return;
   std::cerr << fmt::format("\r{:<11} {:3.0f} %", AttemptStateName(row.state), row.progress * 100)
             << std::flush;

@@ -34,9 +34,13 @@ constexpr char kCohortName[] = "Demo cohort";
 constexpr char kMolarName[] = "molar-46";
 constexpr char kMolarSource[] = "builtin:molar";
 
+// Public on purpose: documents print them, and `serve` refuses to be reached from elsewhere while
+// one is good.
 std::string DemoPassword(const char* login) { return std::string("enamel-demo-") + login; }
 
 Result<Uuid> EnsurePerson(PeopleStore& store, const DemoPerson& demo) {
+  // Who is there stays as they are, also with another password or role: a second seeding undoes
+  // nothing.
   auto found = store.PersonByLogin(demo.login);
   if (found.ok()) return found->id;
   if (found.status().code() != Code::kNotFound) return found.status();
@@ -88,6 +92,7 @@ Result<std::vector<std::string>> LoginsWithDemoPassword(PeopleStore& store) {
     if (!person.ok() && person.status().code() == Code::kNotFound) continue;
     if (!person.ok()) return person.status();
     ENAMEL_ASSIGN_OR_RETURN(auto verifier, store.PasswordVerifier(person->id));
+    // Disabled is as good as another password. Asked first, because argon2id is slow on purpose.
     bool open = !person->disabled && auth::VerifyPassword(DemoPassword(demo.login), verifier);
     if (open) out.emplace_back(demo.login);
   }
@@ -97,6 +102,7 @@ Result<std::vector<std::string>> LoginsWithDemoPassword(PeopleStore& store) {
 Status SeedDemo(const SeedOptions& options) {
   ENAMEL_ASSIGN_OR_RETURN(auto opened, OpenOrMake(options.data));
   Store& store = *opened;
+  // Now and not with the first `serve`: a script that seeds asks for an enrolment code next.
   if (auto identity = EnsureIdentity(options.data); !identity.ok()) return identity.status();
 
   ENAMEL_ASSIGN_OR_RETURN(auto cohort, EnsureCohort(store));
@@ -108,6 +114,8 @@ Status SeedDemo(const SeedOptions& options) {
   auto scene = EnsureMolar(store, options.voxel_um * 1000);
   if (!scene.ok()) return scene.status();
   auto exercise = PublishClassOne(store, *scene, cohort);
+  // The last one published is the one that is reported: what the caller brought, where there is
+  // one.
   if (exercise.ok() && !options.scene.empty()) {
     scene = PublishScene(store, options.scene, options.voxel_um * 1000);
     if (!scene.ok()) return scene.status();

@@ -50,6 +50,8 @@ UnixMs SystemNow() {
 
 // Where to listen. Unlike where to connect to, the port may be 0: any free one.
 Result<net::Endpoint> ListenAddress(const std::string& text, const char* option) {
+  // The parser of addresses to connect to refuses port 0. It gets a 1 in its place, and everything
+  // else is checked as always.
   if (text.ends_with(":0")) {
     auto endpoint = net::ParseEndpoint(text.substr(0, text.size() - 1) + "1");
     if (endpoint.ok()) endpoint->port = 0;
@@ -80,6 +82,7 @@ bool IsLoopback(const std::string& address) {
 // The demo accounts' passwords are printed in our documents.
 Status RefuseDemoBeyondLoopback(PeopleStore& store, const http::HttpOptions& page,
                                 const stations::StationServerOptions& link) {
+  // A proxy on this machine brings the whole world to a page on loopback.
   bool reached_from_afar =
       !IsLoopback(page.address) || !page.trusted_proxies.empty() || !IsLoopback(link.address);
   if (!reached_from_afar) return Status::Ok();
@@ -104,6 +107,7 @@ Result<http::HttpOptions> HttpOptionsOf(const ServeOptions& options) {
   out.web_root = options.web;
   out.host_names = LowerCase(options.host_names);
   out.trusted_proxies = options.http_proxies;
+  // Said with its fingerprint: somebody who is careful compares it with what the browser shows.
   if (options.http_self_signed) {
     ENAMEL_ASSIGN_OR_RETURN(auto made, EnsurePageCertificate(options.data, options.host_names));
     spdlog::info("page: self-signed certificate {}, SHA-256 {}; browsers ask before they trust it",
@@ -123,6 +127,7 @@ Status ReadToken(const std::filesystem::path& file, std::string& token) {
   if (file.empty()) return Status::Ok();
   ENAMEL_ASSIGN_OR_RETURN(auto bytes, ReadFile(file, kMaxBytes));
   token = AsText(bytes);
+  // Editors and `echo` put one there, and nobody sees it.
   while (token.ends_with('\n') || token.ends_with('\r')) token.pop_back();
   if (token.size() >= kMinBytes) return Status::Ok();
   return Status(Code::kInvalidInput, "expected a token of at least 16 bytes in " + file.string() +
@@ -131,6 +136,7 @@ Status ReadToken(const std::filesystem::path& file, std::string& token) {
 
 // What the store knows, as figures.
 void AddStoreFigures(Parts<JobStore, UpkeepStore> store, ops::MetricsText& text) {
+  // Once for all figures: those of one answer then belong to one moment.
   StoreHealth health = store.upkeep().Health();
   auto number = [](auto value) { return static_cast<double>(value); };
   text.Gauge("enamel_takes_recordings", "1 while recordings are taken.",
@@ -152,6 +158,7 @@ void AddStoreFigures(Parts<JobStore, UpkeepStore> store, ops::MetricsText& text)
   text.Counter("enamel_chunk_bytes_committed_total", "Bytes of those chunks.",
                number(health.chunk_bytes));
   text.Counter("enamel_attempts_sealed_total", "Attempts sealed.", number(health.sealed));
+  // Jobs() lists at most 200 of a state. An operator has to know that they pile up, not how high.
   for (const char* state : {"queued", "running", "failed"}) {
     if (auto jobs = store.jobs().Jobs(state); jobs.ok()) {
       text.Gauge("enamel_jobs", "Scoring jobs by state, counted up to 200.", number(jobs->size()),
@@ -178,6 +185,8 @@ std::string PageUrlOf(const ServeOptions& options, const http::HttpOptions& http
   bool proxied = !http.trusted_proxies.empty(), https = proxied || http.tls;
   std::string url = (https ? "https://" : "http://") + options.host_names.front();
   if (!proxied && port != (https ? kHttps : kHttp)) url += ":" + std::to_string(port);
+  // A host name that makes no address is not told at all: a station then names the
+  // server it is linked to, and no wrong place.
   return protocol::IsPageUrl(url) ? url : std::string();
 }
 
@@ -205,6 +214,8 @@ class StopSignals {
     signals_.async_wait(
         [this, stop = std::move(stop)](const boost::system::error_code&, int signal) {
           spdlog::info("signal {}: finishing what is in progress", signal);
+          // A thread and no timer of `io`: the loop may be what hangs, and the next signal must
+          // then get through.
           patience_ = std::jthread([this](const std::stop_token& ended) { EndPatience(ended); });
           stop();
         });
@@ -216,6 +227,8 @@ class StopSignals {
     std::unique_lock lock(mutex);
     std::condition_variable_any never;
     never.wait_for(lock, ended, kFurtherSignalsIgnored, [] { return false; });
+    // Without a handler SIGINT and SIGTERM end the process, which is what somebody asks for who
+    // presses again.
     if (!ended.stop_requested()) signals_.clear();
   }
 
@@ -227,6 +240,7 @@ class StopSignals {
 void RunUntilStopped(asio::io_context& io, int threads, std::future<void> stopping) {
   auto ended = std::async(std::launch::async, [&] {
     std::vector<std::jthread> runners;
+    // `run` returns when no handler is left, which is when the last connection has ended.
     for (int i = 0; i < threads; ++i) runners.emplace_back([&] { io.run(); });
   });
   stopping.wait();
@@ -245,6 +259,7 @@ Status Serve(const ServeOptions& options) {
   StopSignals signals(io);
   SqliteOptions store_options;
   store_options.folder = options.data;
+  // Two servers on one folder would both hand out jobs and both believe in their own caches.
   store_options.hold_lock = true;
   store_options.min_free_bytes = uint64_t(options.min_free_mib) << 20;
   ENAMEL_ASSIGN_OR_RETURN(auto opened, OpenSqliteStore(store_options));
@@ -252,7 +267,10 @@ Status Serve(const ServeOptions& options) {
   ENAMEL_ASSIGN_OR_RETURN(auto identity, EnsureIdentity(options.data));
   ENAMEL_ASSIGN_OR_RETURN(auto http_options, HttpOptionsOf(options));
   ENAMEL_ASSIGN_OR_RETURN(auto link_options, LinkOptionsOf(options, identity));
+  // Before anything listens.
   ENAMEL_RETURN_IF_ERROR(RefuseDemoBeyondLoopback(store, http_options, link_options));
+  // It travels to stations and is shown there; they refuse what is no such address, which nobody
+  // would notice here.
   if (!options.page_url.empty() && !protocol::IsPageUrl(options.page_url)) {
     return Status(Code::kInvalidInput,
                   "--page-url expects https:// or http:// and what follows, at most 200 characters "
@@ -273,6 +291,8 @@ Status Serve(const ServeOptions& options) {
   stations::Content content(store);
   stations::Services services{store,     authenticator, live, content, identity.ticket_key,
                               kSoftware, SystemNow};
+  // Declared before what posts to it, hence destroyed after it. The same holds for store, live
+  // board and content above: each is used by reference further down.
   StorePool pool(kStationThreads);
   http_options.live = &live;
   http_options.station_fingerprint = identity.fingerprint.Hex();
@@ -280,6 +300,8 @@ Status Serve(const ServeOptions& options) {
   stations::StationServer link(io, link_options, services, pool);
   Worker worker(store, JobOptions(options));
 
+  // The page first: with port 0 its address is known only now, and stations are told it with their
+  // first answer.
   ENAMEL_ASSIGN_OR_RETURN(auto page_port, page.Start());
   services.page_url = PageUrlOf(options, http_options, page_port);
   ENAMEL_ASSIGN_OR_RETURN(auto link_port, link.Start());
@@ -288,6 +310,7 @@ Status Serve(const ServeOptions& options) {
 
   std::promise<void> stop_asked;
   signals.OnFirst([&] {
+    // First: an erasure that waits for another process would hold up every request behind it.
     store.StopWaiting();
     link.Stop();
     page.Stop();
@@ -299,6 +322,8 @@ Status Serve(const ServeOptions& options) {
             << std::endl;
 
   RunUntilStopped(io, options.io_threads, stop_asked.get_future());
+  // After the connections, since a seal that was just acknowledged may still queue a job. What is
+  // cut off here is begun again after the next start.
   worker.Stop();
   spdlog::info("stopped");
   return Status::Ok();

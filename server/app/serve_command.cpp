@@ -61,8 +61,10 @@ void AddOperations(CLI::App* cmd, ServeCommand& o) {
 
 // After the command line: the environment, the file, and what is needed from either.
 Status FinishServe(CLI::App& cmd, ServeCommand& o) {
+  // Each fills only what is not set yet, so the order is the order of precedence.
   ENAMEL_RETURN_IF_ERROR(program::ReadEnvironment(cmd));
   if (!o.config.empty()) ENAMEL_RETURN_IF_ERROR(program::ReadSettingsFile(o.config, cmd));
+  // Not the parser's `required()`: it asks before environment and file have been read.
   if (o.serve.data.empty()) {
     return Status(Code::kInvalidInput,
                   "serve needs a data folder: --data DIR, ENAMEL_DATA, or data = \"DIR\" in the "
@@ -75,6 +77,8 @@ Status FinishServe(CLI::App& cmd, ServeCommand& o) {
     return Status(Code::kInvalidInput,
                   "--http-self-signed makes the certificate that --http-cert gives; choose one");
   }
+  // Last: format and level may have come from the file. What was refused above was said in the
+  // format that `main` chose.
   return program::SetUpLog(o.log);
 }
 

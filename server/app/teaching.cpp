@@ -91,6 +91,7 @@ Result<std::vector<Uuid>> StationsByName(StationStore& store,
 }  // namespace
 
 Status PublishExercise(const std::filesystem::path& data, const NewExercise& exercise) {
+  // Both or neither.
   if (exercise.scene.empty() == exercise.document.empty()) {
     return Status(Code::kInvalidInput,
                   "publish-exercise needs a scene (--scene) or a document (--document), not both",
@@ -98,6 +99,8 @@ Status PublishExercise(const std::filesystem::path& data, const NewExercise& exe
   }
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
   ENAMEL_ASSIGN_OR_RETURN(auto cohort, CohortOrEverybody(*store, exercise.cohort));
+  // A ticket needs a device profile. On a server that was never seeded this command is the first
+  // chance to store them. One whose newest version already is the built-in one stays.
   ENAMEL_RETURN_IF_ERROR(PublishProfiles(*store));
   std::optional<Uuid> assigned_to;
   if (!exercise.unassigned) assigned_to = cohort;
@@ -161,9 +164,14 @@ Status EndAssignment(const std::filesystem::path& data, const std::string& id) {
     Say("{} is no longer assigned so\n", row.exercise);
     return deleted;
   }
+  // The store says by this field that attempts are the reason; any other refusal is the caller's to
+  // hear.
   if (deleted.field() != "attempts") return deleted;
   row.due_ms = UnixNowMs();
+  // An assignment with attempts stays for their release. Due now, and with nobody let in late, it
+  // comes to the same for students.
   row.late_allowed = false;
+  // Terms have to open before they are due (CheckTerms), also those that had not opened yet.
   if (row.opens_ms >= row.due_ms) row.opens_ms = 0;
   auto ended = store->ReplaceAssignment(row, kCommandLine);
   if (!ended.ok()) return ended.status();

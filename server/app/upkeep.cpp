@@ -18,6 +18,8 @@ namespace {
 
 namespace json = boost::json;
 
+// A damaged disk can make as many findings as there are blobs; the first screens say what kind they
+// are.
 constexpr size_t kShownFindings = 50;
 
 // Tells on standard error how far long work is: on a terminal in one line, else a line every ten
@@ -127,6 +129,7 @@ Status Backup(const BackupCommand& command) {
     ENAMEL_ASSIGN_OR_RETURN(auto opened, OpenForCommand(command.data));
     store = std::move(opened);
   }
+  // The progress line is wiped when its object goes, so it goes before anything is said.
   Result<BackupReport> report = [&] {
     ConsoleProgress progress;
     return BackUp({command.data, command.target, command.keyring, command.copy, kSoftware,
@@ -148,6 +151,8 @@ Status Backup(const BackupCommand& command) {
     Say("the keys are in {}: without them no recording of this backup can be read\n",
         command.keyring.string());
   }
+  // Not a failure of the backup: what is whole is safe in it, and an older backup may have the
+  // rest. The exit code says that somebody has to look.
   json::array missing;
   for (const Sha256& hash : report->missing) missing.emplace_back(hash.Hex());
   size_t lost = missing.size();
@@ -213,11 +218,13 @@ Status VerifyFolder(const VerifyCommand& command) {
   }();
   if (!report.ok()) return report.status();
   Print(*report);
+  // Before the verdict: the file is wanted most when something disagrees.
   ENAMEL_RETURN_IF_ERROR(WriteJson(command.json, JsonOf(*report)));
   return Verdict(*report);
 }
 
 Status Retention(const RetentionCommand& command) {
+  // One without the other.
   if (command.what.empty() == command.days.has_value()) {
     return Status(
         Code::kInvalidInput,
@@ -237,6 +244,8 @@ Status Retention(const RetentionCommand& command) {
   auto now = std::chrono::duration_cast<std::chrono::milliseconds>(
                  std::chrono::system_clock::now().time_since_epoch())
                  .count();
+  // With the new rule in force: without --apply this shows what the server will remove at its next
+  // round.
   ENAMEL_ASSIGN_OR_RETURN(auto report, store->ApplyRetention(now, !command.apply, kCommandLine));
   Say("{}: {} unfinished attempts, {} recordings, {} whole attempts{}\n",
       command.apply ? "removed" : "would be removed now", report.unfinished.size(),
