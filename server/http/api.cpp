@@ -48,7 +48,11 @@ Status CheckRole(Need need, const Person& person) {
 }
 
 Status CheckCsrf(const Request& request, const auth::Identity& caller) {
+  // A read changes nothing, and what it answers another site's page cannot see: no session cookie
+  // goes along from there (SameSite=Strict), and no header here lets it read.
   if (IsSafe(request.method)) return {};
+  // In constant time: how long a comparison takes would otherwise tell how much of a guess is
+  // right.
   if (auth::SameSecret(request.Header("x-enamel-csrf"), caller.csrf)) return {};
   return {Code::kForbidden,
           "expected the session's csrf value in the header X-Enamel-Csrf; get it from "
@@ -129,6 +133,8 @@ bool Api::Owns(std::string_view path) {
 }
 
 void Api::EndWork() {
+  // A pool's destructor waits for what its threads are doing. Nobody posts any more: the
+  // connections have ended.
   pool_.reset();
   apart_.reset();
 }
@@ -160,6 +166,7 @@ struct Api::Work {
 // without it. Both run on the executor of the connection, never at once.
 asio::awaitable<Response> Api::AnswerInTime(Request request) {
   auto executor = co_await asio::this_coro::executor;
+  // Shared by both coroutines: the one that answers first may go while the other still uses it.
   auto work = std::make_shared<Work>(executor, std::move(request));
   asio::co_spawn(executor, Do(work), [self = shared_from_this(), work](std::exception_ptr failure) {
     work->failure = std::move(failure);
@@ -180,6 +187,7 @@ asio::awaitable<void> Api::Do(std::shared_ptr<Work> work) {
 }
 
 asio::awaitable<Response> Api::Answer(const Request& request) {
+  // The route before the caller: that an address does not exist is no secret.
   RouteMatch match = FindRoute(request.method, request.path);
   if (!match.route) co_return NoSuchRoute(request, match);
   Call call{request, authenticator_,       nullptr,  {},    {}, &monitoring_,
@@ -196,6 +204,8 @@ asio::awaitable<Response> Api::Answer(const Request& request) {
   auto* async = std::get_if<AsyncHandler>(&route.handler);
   // Sign-in is bounded by its hashing.
   if (async && route.need == Need::kNobody) co_return co_await (*async)(call, store_);
+  // Lives as long as the work, also when the caller has been answered in its stead: the bound is on
+  // what runs.
   Ticket ticket(in_flight_, max_in_flight_);
   if (!ticket.granted()) {
     co_return ErrorResponse({Code::kUnavailable, "the server is busy; try again in a few seconds"});
@@ -206,6 +216,8 @@ asio::awaitable<Response> Api::Answer(const Request& request) {
 
 asio::awaitable<Response> Api::Asynchronous(Call& call, const Route& route) {
   AsyncHandler handler = std::get<AsyncHandler>(route.handler);
+  // The session is looked up in the database, hence on a store's thread; the handler then waits on
+  // its own for whatever it needs.
   Result<auth::Identity> caller = co_await pool_->Run([&] { return Identify(call.request); });
   if (!caller.ok()) co_return ErrorResponse(caller.status());
   call.caller = &*caller;
@@ -240,6 +252,8 @@ Response Api::Blocking(Call& call, const Route& route) {
     Response response = allowed.ok() ? handler(call, store_) : ErrorResponse(allowed);
     NoteForbidden(call, route, response);
     return response;
+    // Of the libraries, such as no memory for a large answer. A thread of the pool that let it pass
+    // would end the server.
   } catch (const std::exception& error) {
     return ErrorResponse(Status{Code::kInternal, error.what(), call.request.path});
   }

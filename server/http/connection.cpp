@@ -36,7 +36,10 @@ namespace {
 
 constexpr auto kNoThrow = asio::as_tuple(asio::use_awaitable);
 auto Into(beast::error_code& error) { return asio::redirect_error(asio::use_awaitable, error); }
+// A request of the page fits into one read; larger bodies take some more, bounded by their
+// deadline.
 constexpr size_t kReadBytes = 4096;
+// A refused upload is read on for this much and this long, and no further.
 constexpr size_t kMaxDrainBytes = 4 * kMaxBodyBytes;
 constexpr std::chrono::milliseconds kDrain{1000};
 // How often a viewer is shown what is new (all viewers at the same moments), and how long nothing
@@ -97,6 +100,7 @@ class StreamConnection : public AcceptedConnection,
   void Run(std::function<void()> on_end) override {
     asio::co_spawn(strand_, Serve(),
                    [self = this->shared_from_this(), on_end](const std::exception_ptr& failed) {
+                     // Such as no memory. It ends this connection and no other.
                      if (failed) spdlog::error("http: a connection ended with an exception");
                      self->CloseStream();
                      on_end();
@@ -106,6 +110,8 @@ class StreamConnection : public AcceptedConnection,
   void BeginStop() override {
     asio::post(strand_, [self = this->shared_from_this()] {
       self->stopping_ = true;
+      // One that is doing a request ends by itself after its answer (`keep_alive` looks at
+      // `stopping_`).
       if (self->idle_) self->CloseStream();
     });
   }
@@ -156,6 +162,8 @@ class StreamConnection : public AcceptedConnection,
     bool keep_alive = false;
     if (step == Step::kRequest) {
       Request request = std::move(reader.request());
+      // Before the request leaves the strand: address and TLS are facts of the connection, and
+      // nothing the peer wrote may stand in for them.
       request.peer = peer_;
       request.tls = context_->options.tls.has_value();
       response = co_await context_->Answer(std::move(request));
@@ -168,6 +176,8 @@ class StreamConnection : public AcceptedConnection,
       co_await WriteEvents(std::move(response));
       co_return false;
     }
+    // A peer who does not take its answer holds a place; it goes when others need one, but after
+    // those who have not even asked.
     gives_way_ = GivesWay::kAfterOthers;
     bool written = co_await Write(response, head_only, keep_alive);
     if (written && !keep_alive) co_await Drain();
@@ -179,6 +189,8 @@ class StreamConnection : public AcceptedConnection,
   // Reads until `reader` has a request or refuses it. kMore: the peer went away, or a deadline
   // passed (`late`).
   asio::awaitable<Step> ReadRequest(RequestReader& reader, bool& late) {
+    // Bytes that came behind the request before are the beginning of the next one: that wait is
+    // under the head's deadline at once.
     idle_ = buffer_.size() == 0;
     gives_way_ = GivesWay::kFirst;
     lowest().expires_after(idle_ ? deadlines().idle : deadlines().head);
@@ -188,6 +200,8 @@ class StreamConnection : public AcceptedConnection,
       Step step = reader.Feed(View(buffer_), used);
       buffer_.consume(used);
       if (step == Step::kRequest || step == Step::kRefused) co_return step;
+      // Each part of a request has a deadline of its own and none is extended by a byte that
+      // trickles in.
       if (in_head && !reader.in_head()) lowest().expires_after(deadlines().body);
       beast::error_code error;
       if (step == Step::kContinue) {
@@ -196,6 +210,7 @@ class StreamConnection : public AcceptedConnection,
       }
       size_t count = co_await stream_.async_read_some(
           buffer_.prepare(std::min(kReadBytes, buffer_.max_size() - buffer_.size())), Into(error));
+      // A connection that was merely kept open has done nothing wrong when it is closed.
       late = !idle_ && error == beast::error::timeout;
       if (error) co_return Step::kMore;
       buffer_.commit(count);
@@ -223,6 +238,7 @@ class StreamConnection : public AcceptedConnection,
   // not lost to a reset.
   asio::awaitable<void> Drain() {
     beast::error_code ignored;
+    // Without TLS's own farewell: the length in the head has said where the answer ends.
     lowest().socket().shutdown(tcp::socket::shutdown_send, ignored);
     lowest().expires_after(kDrain);
     buffer_.clear();
@@ -246,6 +262,8 @@ class StreamConnection : public AcceptedConnection,
   asio::awaitable<void> WriteEvents(Response response) {
     using Clock = std::chrono::steady_clock;
     beast::error_code ignored;
+    // What a viewer has not read is stale: little of it is kept, and the newest event is taken when
+    // there is room again.
     lowest().socket().set_option(asio::socket_base::send_buffer_size(kEventSendBuffer), ignored);
     bool open = co_await WriteEventsHead(response);
     idle_ = true;  // stopping does not wait for it
@@ -254,6 +272,7 @@ class StreamConnection : public AcceptedConnection,
     auto last_sent = Clock::now();
     auto last_allowed = Clock::now();
     while (open && !stopping_ && Clock::now() < end) {
+      // Taken as late as possible, right before it is sent: what came in between has replaced it.
       EventSource::Event event = response.events->Take();
       std::string text = TextOf(event, Clock::now() - last_sent > kEventSilence);
       if (!text.empty()) {
@@ -266,6 +285,7 @@ class StreamConnection : public AcceptedConnection,
       // left out.
       pause.expires_at(NextEventMoment());
       co_await pause.async_wait(kNoThrow);
+      // Not with every event: each look asks the database for session, person, attempt and cohort.
       if (Clock::now() - last_allowed < deadlines().allowed) continue;
       bool allowed = co_await context_->api->StillAllowed(*response.events);
       if (!allowed) co_return;
@@ -291,6 +311,7 @@ std::shared_ptr<AcceptedConnection> MakeConnection(tcp::socket socket, Strand st
                                                    std::shared_ptr<ServerContext> context) {
   ServerContext& its = *context;
   std::string peer = PeerAddress(socket);
+  // The peer's address was asked for before: a socket that was moved from has none.
   beast::tcp_stream plain(std::move(socket));
   if (!its.tls) {
     return std::make_shared<StreamConnection<beast::tcp_stream>>(

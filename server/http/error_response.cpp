@@ -22,6 +22,8 @@ struct Finer {
   const char* name;
   bool shows_field;
 };
+// The page acts upon these names: it asks for the password again, for a new one, or shows what
+// changed meanwhile.
 constexpr Finer kFiner[] = {
     {Code::kUnavailable, "throttled", 429, "throttled", false},
     {Code::kInvalidInput, "if-match", 428, "precondition_required", true},
@@ -53,6 +55,8 @@ int HttpStatus(const Status& status) {
       return 413;
     case Code::kUnavailable:
       return 503;
+    // A status that no handler should have let through: the peer learns nothing of disk or schema,
+    // the log does.
     case Code::kOk:
     case Code::kStorage:
     case Code::kVersion:
@@ -69,6 +73,7 @@ Response MadeResponse(int status, std::string_view code, std::string_view messag
   response.content_type = "application/json";
   response.refusal = code;
   response.body = boost::json::serialize(boost::json::object{
+      // A message may quote what the peer sent, which need not be UTF-8; JSON has to be.
       {"error", {{"code", AsUtf8(code)}, {"message", AsUtf8(message)}, {"field", AsUtf8(field)}}}});
   // RFC 9110, 15.5.2, asks for one. A scheme that no browser knows, so that none opens a window of
   // its own for login and password: the page asks for them.

@@ -23,10 +23,13 @@ Result<int32_t> IfMatch(const Request& request) {
                   "if-match"};
   }
   int32_t revision = 0;
+  // Strict, one strong tag: a list or `*` would match a revision that the caller never saw, which
+  // is what the header is here to rule out.
   bool quoted = text.size() >= 3 && text.front() == '"' && text.back() == '"';
   std::string_view digits = quoted ? text.substr(1, text.size() - 2) : std::string_view();
   auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), revision);
   bool whole = error == std::errc() && end == digits.data() + digits.size();
+  // One spelling for each revision, so that "07" is not taken for what was given out as "7".
   if (quoted && whole && revision > 0 && digits.front() != '0') return revision;
   return Status{
       Code::kInvalidInput,
@@ -37,6 +40,7 @@ Result<int32_t> IfMatch(const Request& request) {
 
 Response Stale(const Status& status, json::object current, int32_t current_revision) {
   Response response;
+  // With the thing as it is now: whoever was too late can show both versions without asking again.
   response.status = 412;
   response.content_type = "application/json";
   response.body = json::serialize(json::object{

@@ -74,6 +74,8 @@ std::optional<std::string> RepeatedMember(const std::string& body,
 
 Result<json::object> ParseObject(const Request& request) {
   json::parse_options options;
+  // No body of the API is nested deeper; those with documents inside are read by the documents' own
+  // parsers.
   options.max_depth = 4;
   json::error_code error;
   json::value value = json::parse(request.body, error, {}, options);
@@ -95,6 +97,7 @@ bool IsReadable(std::string_view text) {
 std::string Shown(const json::value* found) {
   constexpr size_t kMost = 80;
   if (!found) return "none";
+  // Before it is quoted: a refusal must not be as long as what it refuses.
   if (found->is_string() && found->get_string().size() > kMost) {
     return "text of " + std::to_string(found->get_string().size()) + " bytes";
   }
@@ -155,6 +158,7 @@ BodyReader::BodyReader(const Request& request) {
 }
 
 void BodyReader::Refuse(std::string_view name, const std::string& expected) {
+  // The first fault is told: those after it are often its consequences.
   if (!status_.ok()) return;
   status_ = Status{Code::kInvalidInput,
                    "expected " + std::string(name) + " as " + expected + ", found " +
@@ -163,6 +167,8 @@ void BodyReader::Refuse(std::string_view name, const std::string& expected) {
 }
 
 const json::value* BodyReader::Find(std::string_view name) {
+  // Finish compares the body's members with what was asked for. So a misspelt optional member is
+  // refused, and does not count as left out.
   asked_.emplace_back(name);
   return object_.if_contains(name);
 }
@@ -191,6 +197,7 @@ int64_t BodyReader::Integer(std::string_view name, int64_t at_least, int64_t at_
   const json::value* found = Need(name, expected);
   if (!found) return at_least;
   json::error_code error;
+  // Also 3.0, which is what JavaScript may write for 3; 3.5 is an error.
   auto number = found->is_number() ? found->to_number<int64_t>(error) : 0;
   if (found->is_number() && !error && number >= at_least && number <= at_most) return number;
   Refuse(name, expected);
@@ -256,6 +263,8 @@ std::vector<Uuid> BodyReader::Ids(std::string_view name, size_t at_most) {
 }
 
 std::optional<std::array<int32_t, 3>> BodyReader::MaybePoint(std::string_view name) {
+  // One metre from the scene's origin: no tooth is that large, and an int32_t holds it in
+  // micrometres.
   constexpr int64_t kFarUm = 1'000'000;
   const json::value* found = Find(name);
   if (!found || found->is_null()) return std::nullopt;

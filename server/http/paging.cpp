@@ -17,6 +17,8 @@ Result<Page> PageOf(const Request& request, uint32_t otherwise, uint32_t at_most
   out.limit = *limit;
   auto given = request.query.find("cursor");
   if (given == request.query.end()) return out;
+  // In hexadecimal because a key may be a name, with any letters. It is no secret: it names a place
+  // in a list that the caller may see.
   Result<Bytes> key = given->second.size() <= kMaxCursor
                           ? FromHex(given->second)
                           : Result<Bytes>(Status(Code::kTooLarge, ""));
@@ -32,6 +34,7 @@ boost::json::value NextAfter(const std::string& key) {
 }
 
 std::string RisingKey(uint64_t number) {
+  // The digits of 2^64 - 1: with zeros in front, order as text is order as number.
   constexpr size_t kDigits = 20;
   std::string text = std::to_string(number);
   return std::string(kDigits - text.size(), '0') + text;

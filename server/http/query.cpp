@@ -26,6 +26,8 @@ Result<uint32_t> QueryLimit(const Request& request, uint32_t otherwise, uint32_t
   if (found == request.query.end()) return otherwise;
   const std::string& text = found->second;
   uint32_t limit = 0;
+  // from_chars takes neither sign nor space nor locale. A limit beyond the most is refused and not
+  // cut, so that nobody takes a part for the whole.
   auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), limit);
   if (error != std::errc() || end != text.data() + text.size() || limit < 1 || limit > at_most) {
     return Status{Code::kInvalidInput,

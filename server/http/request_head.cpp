@@ -58,6 +58,8 @@ bool IsCoding(std::string_view lower) {
   return std::find(std::begin(kCodings), std::end(kCodings), lower) != std::end(kCodings);
 }
 
+// What the headers said about where the request ends. Collected first and judged at the end: each
+// of several contradictions is a refusal, in whatever order they came.
 struct Framing {
   bool bodyless = false;  // GET, HEAD
   bool old = false;       // HTTP/1.0
@@ -72,11 +74,14 @@ struct Framing {
   bool packed = false;  // Content-Encoding
 };
 
+// Well-formed, and nothing that this server speaks: 501, 505 or 415, not 400.
 Status Unspoken(std::string_view what, std::string message) {
   return {Code::kVersion, std::move(message), std::string(what)};
 }
 
 Status TakeLength(std::string_view value, Framing& framing) {
+  // Also a second one with the same number, which RFC 9112 would let pass: a proxy before us may
+  // have used either.
   if (framing.length)
     return Refuse("content-length", "expected one Content-Length, found a second");
   bool digits = !value.empty() && std::all_of(value.begin(), value.end(), IsDigit);
@@ -158,6 +163,7 @@ Status CheckVersion(std::string_view version, Framing& framing) {
 Status CheckRequestLine(std::string_view line, Framing& framing) {
   constexpr std::string_view kField = "request line";
   size_t first = line.find(' ');
+  // First and last space: one within the target is then refused as part of it.
   size_t last = line.rfind(' ');
   if (first == std::string_view::npos || first == last) {
     return Refuse(kField, "expected 'METHOD /path HTTP/1.1'");
@@ -171,6 +177,8 @@ Status CheckRequestLine(std::string_view line, Framing& framing) {
 
 Status CheckFraming(const Framing& framing) {
   if (!framing.has_host) return Refuse("host", "expected a Host header, found none");
+  // RFC 9112 would let the request line win. A proxy that goes by Host would have sent the request
+  // elsewhere.
   if (!framing.authority.empty() && framing.authority != framing.host) {
     return Refuse("host", "expected the Host that the request line names, found another");
   }
@@ -198,6 +206,8 @@ Status CheckFraming(const Framing& framing) {
 size_t FindHeadEnd(std::string_view bytes, size_t from) {
   for (size_t i = from; i < bytes.size(); ++i) {
     char c = bytes[i];
+    // A byte that no head may have ends the search: CheckRequestHead then refuses it, and nobody
+    // waits for a head's end that may never come.
     if (c != '\r' && c != '\n' && !IsValueChar(c)) return i + 1;
     if (c != '\n') continue;
     if (i >= 1 && bytes[i - 1] == '\n') return i + 1;

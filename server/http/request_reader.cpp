@@ -47,6 +47,8 @@ void TakeHeaders(const bhttp::request<bhttp::string_body>& message, Request& out
       return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
     });
     std::string& value = out.headers[name];
+    // A header that comes twice is a list (RFC 9110, 5.3), a cookie's with its own separator (RFC
+    // 6265). Those that frame the request came once: CheckRequestHead saw to it.
     if (!value.empty()) value += name == "cookie" ? "; " : ", ";
     value += std::string_view(field.value().data(), field.value().size());
   }
@@ -156,6 +158,8 @@ RequestReader::Step RequestReader::Refuse(Response refusal) {
 RequestReader::Step RequestReader::Feed(std::string_view bytes, size_t& used) {
   used = 0;
   if (in_head()) {
+    // From where the last search ended, so that a head that comes byte by byte is not searched
+    // quadratically.
     size_t end = FindHeadEnd(bytes, searched_);
     searched_ = bytes.size();
     if (std::min(end, bytes.size()) >= kMaxHeadBytes) {
@@ -173,6 +177,7 @@ RequestReader::Step RequestReader::Feed(std::string_view bytes, size_t& used) {
 }
 
 RequestReader::Step RequestReader::TakeHead(std::string_view head) {
+  // Ours before Beast's: it is stricter, and what Beast would read leniently never reaches it.
   if (Status valid = CheckRequestHead(head); !valid.ok()) return Refuse(HeadRefusal(valid));
   parser_ = std::make_unique<Parser>();
   parser_->header_limit(kMaxHeadBytes);
@@ -184,6 +189,7 @@ RequestReader::Step RequestReader::TakeHead(std::string_view head) {
   const auto& message = parser_->get();
   request_.method = MethodOf(message.method());
   TakeHeaders(message, request_);
+  // HTTP/1.0 clients get one answer: its keep-alive was never agreed on.
   keep_alive_ = message.version() == 11 && message.keep_alive();
   wants_continue_ = beast::iequals(message[bhttp::field::expect], "100-continue");
   auto target = message.target();
@@ -197,12 +203,15 @@ RequestReader::Step RequestReader::TakeBody(std::string_view bytes, size_t& used
     used = parser_->put(asio::buffer(bytes.data(), bytes.size()), error);
     if (error && error != bhttp::error::need_more) return Refuse(BodyRefusal(error));
   }
+  // Beast bounds the body alone. Chunks of one byte each, with extensions, would be a long way to a
+  // small body.
   body_wire_bytes_ += used;
   if (body_wire_bytes_ > kMaxBodyWireBytes) return Refuse(BodyRefusal(bhttp::error::body_limit));
   if (parser_->is_done()) {
     request_.body = std::move(parser_->get().body());
     return Step::kRequest;
   }
+  // The parser took nothing of it: a chunk's head or a trailer that has not ended yet.
   if (bytes.size() - used >= kMaxHeadBytes) {
     return Refuse(ErrorResponse({Code::kTooLarge,
                                  "expected chunk sizes with extensions, and trailers, of less "

@@ -162,6 +162,7 @@ std::optional<std::string_view> Match(std::string_view pattern, std::string_view
     return std::nullopt;
   }
   std::string_view id = path.substr(before.size(), path.size() - before.size() - after.size());
+  // Else "/people/{id}" would also match "/people/1/password".
   return id.find('/') == std::string_view::npos ? std::optional(id) : std::nullopt;
 }
 
@@ -170,8 +171,11 @@ std::optional<std::string_view> Match(std::string_view pattern, std::string_view
 std::span<const Route> Routes() { return kRoutes; }
 
 RouteMatch FindRoute(Method method, std::string_view path) {
+  // HEAD is GET without the body, which the connection leaves out.
   Method wanted = method == Method::kHead ? Method::kGet : method;
   RouteMatch out;
+  // One after another: some eighty comparisons of short texts, next to a question to the database.
+  // The whole table is walked because a 405 has to name what is allowed.
   for (const Route& route : kRoutes) {
     std::optional<std::string_view> id = Match(route.pattern, path);
     if (!id) continue;

@@ -17,6 +17,8 @@ constexpr std::string_view kHealthPath = "/healthz";  // also for the proxy itse
 
 Status LoadTls(asio::ssl::context& context, const TlsFiles& files) {
   error_code error;
+  // As on the station link. Every browser since 2020 speaks it, and nothing older has to be
+  // configured safely.
   SSL_CTX_set_min_proto_version(context.native_handle(), TLS1_3_VERSION);
   context.use_certificate_chain_file(files.certificate_chain.string(), error);
   if (error) {
@@ -47,6 +49,7 @@ void ServerContext::NoteRefusal(const std::string& peer, const std::string& reas
 }
 
 asio::awaitable<Response> ServerContext::Answer(Request request) {
+  // Before the host names: until then the peer is the proxy, and the log would blame it.
   if (!options.trusted_proxies.empty() && request.path != kHealthPath) {
     const std::string peer = request.peer;
     if (Status known = TakeFromProxy(options.trusted_proxies, request); !known.ok()) {
@@ -54,6 +57,8 @@ asio::awaitable<Response> ServerContext::Answer(Request request) {
       co_return ErrorResponse(known);
     }
   }
+  // Against DNS rebinding: somebody else's name that points here gets no answer that its page could
+  // read.
   if (!HostAllowed(request.Header("host"), options.host_names)) {
     NoteRefusal(request.peer, "421 the host it asked for is not one of this server's names");
     co_return ErrorResponse(421, "misdirected",
@@ -87,6 +92,7 @@ Status ServerContext::Prepare() {
         "address"};
   }
   for (const std::string& proxy : options.trusted_proxies) {
+    // In the spelling in which a peer's address is shown: they are compared as text.
     if (asio::ip::make_address(proxy, error).to_string() == proxy && !error) continue;
     return {Code::kInvalidInput,
             "expected a proxy's numeric address such as 10.0.0.5, found '" + proxy + "'",

@@ -63,12 +63,16 @@ bool HostAllowed(std::string_view host_header, const std::vector<std::string>& a
 
 Status CheckSameSite(const Request& request) {
   std::string_view site = request.Header("sec-fetch-site");
+  // Browsers write this header and pages cannot. Programs leave it out, and have no cookie that a
+  // foreign page could use. "none": typed or from a bookmark.
   if (!site.empty() && site != "same-origin" && site != "none") {
     return {Code::kForbidden,
             "expected a request from this server's own page, found one from " + std::string(site) +
                 "; open the page itself and try again",
             "sec-fetch-site"};
   }
+  // For browsers that know no Sec-Fetch-Site. Behind a proxy `tls` and the host are what the
+  // browser sees: TakeFromProxy has set them.
   std::string_view origin = request.Header("origin");
   std::string own = (request.tls ? "https://" : "http://") + std::string(request.Header("host"));
   if (!origin.empty() && ToLower(origin) != ToLower(own)) {
@@ -92,6 +96,7 @@ Status TakeFromProxy(const std::vector<std::string>& proxies, Request& request) 
         "x-forwarded-proto"};
   }
   std::string_view passed = request.Header("x-forwarded-for");
+  // The last one, which our proxy appended. Those in front of it are what the client claimed.
   std::string_view last = Trim(passed.substr(passed.rfind(',') + 1));
   boost::system::error_code error;
   auto address = boost::asio::ip::make_address(last, error);
@@ -118,6 +123,8 @@ std::optional<std::string> SessionCookie(const Request& request) {
     rest.remove_prefix(std::min(end + 1, rest.size()));
     size_t equals = pair.find('=');
     if (equals == std::string_view::npos || pair.substr(0, equals) != name) continue;
+    // Twice: one was planted by a neighbouring site under the same domain, and nobody can say
+    // which.
     if (found) return std::nullopt;
     found = std::string(pair.substr(equals + 1));
   }
@@ -126,6 +133,7 @@ std::optional<std::string> SessionCookie(const Request& request) {
 
 std::string SetSessionCookie(const std::string& token_hex, bool tls) {
   std::string cookie =
+      // No Max-Age: it ends with the browser, and at the latest when the session does.
       SessionCookieName(tls) + "=" + token_hex + "; Path=/; HttpOnly; SameSite=Strict";
   if (tls) cookie += "; Secure";
   if (token_hex.empty()) cookie += "; Max-Age=0";

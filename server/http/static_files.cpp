@@ -13,6 +13,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// The page is a few MiB. A wrong --web, such as a home folder, is refused instead of read into
+// memory.
 constexpr size_t kMaxTogether = size_t{64} << 20;
 constexpr size_t kHashLength = 8;  // esbuild's [hash]
 
@@ -51,6 +53,7 @@ bool HasHashedName(const std::string& path) {
 }
 
 std::string CacheControl(const std::string& path) {
+  // It names the other files by their hashes: kept, it would name those of an older page.
   if (path == "/index.html") return "no-store";
   return HasHashedName(path) ? "public, max-age=31536000, immutable" : "no-cache";
 }
@@ -91,6 +94,8 @@ Result<StaticFiles> StaticFiles::Load(const fs::path& folder) {
   size_t together = 0;
   fs::recursive_directory_iterator walk(folder, error), end;
   for (; !error && walk != end; walk.increment(error)) {
+    // A link could lead out of the folder. All files are read now and none later: no request's path
+    // ever reaches the file system.
     if (walk->is_symlink(error) || !walk->is_regular_file(error)) continue;
     Result<Bytes> bytes = ReadFile(walk->path(), kMaxTogether);
     if (!bytes.ok()) return bytes.status();
@@ -110,10 +115,12 @@ Result<StaticFiles> StaticFiles::Load(const fs::path& folder) {
       out.files_[path].plain = std::move(content);
     }
   }
+  // A packed file without its original could be given to browsers that take it and to no others.
   std::erase_if(out.files_, [](const auto& entry) { return !entry.second.plain; });
   for (auto& [path, file] : out.files_) {
     file.content_type = ContentType(path);
     file.cache_control = CacheControl(path);
+    // 128 bits: nobody has two files that agree in them by chance.
     file.etag = HashSha256(AsBytes(*file.plain)).Hex().substr(0, 32);
   }
   if (!out.files_.contains("/index.html")) {
@@ -125,6 +132,7 @@ Result<StaticFiles> StaticFiles::Load(const fs::path& folder) {
 
 const StaticFiles::File* StaticFiles::Find(std::string_view path) const {
   if (auto found = files_.find(path); found != files_.end()) return &found->second;
+  // The page's own router then finds the view, or says that there is none.
   return LooksLikePageAddress(path) ? &files_.find("/index.html")->second : nullptr;
 }
 
@@ -153,6 +161,8 @@ Response StaticFiles::Serve(const Request& request) const {
     response.headers.emplace_back("Content-Encoding", "gzip");
     tag += "-gz";
   }
+  // Also with the plain one: a cache in between must not give a packed file to who cannot unpack
+  // it.
   if (file->br || file->gz) response.headers.emplace_back("Vary", "Accept-Encoding");
   response.headers.emplace_back("Cache-Control", file->cache_control);
   if (file->cache_control == "no-store") return response;
