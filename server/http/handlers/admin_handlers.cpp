@@ -12,6 +12,7 @@ namespace json = boost::json;
 namespace {
 
 constexpr uint32_t kDefaultAudit = 100;
+// Rows of the trail are small and read in bulk, by somebody who looks for something.
 constexpr uint32_t kMaxAudit = 1000;
 constexpr uint32_t kDefaultJobs = 50;
 constexpr uint32_t kMaxJobs = 200;
@@ -55,6 +56,7 @@ Result<AuditFilter> AuditFilterOf(const Request& request) {
   Result<std::optional<Uuid>> actor = QueryId(request, "actor");
   if (!actor.ok()) return actor.status();
   out.actor = *actor;
+  // An empty filter is none: the page sends its form as it stands.
   for (auto [name, into] : {std::pair{"action", &out.action}, {"object", &out.object}}) {
     Result<std::string> text = QueryText(request, name);
     if (!text.ok()) return text.status();
@@ -81,10 +83,14 @@ Response ListAudit(const Call& call, AuditStore& store) {
                      {"actor", row.actor},
                      {"action", row.action},
                      {"object", row.object},
+                     // As the texts they were written as, not as JSON inside JSON: what was
+                     // recorded is shown, also what an older version wrote in another shape.
                      {"before", row.before_json},
                      {"after", row.after_json}});
   }
   json::value next;
+  // A full page may be the last: the next one is then empty, which costs less than asking for one
+  // row more each time. Ids rise with time, so that the last one's is where the next page begins.
   if (rows->size() == filter->limit) next = NextAfter(rows->back().id.Text());
   return JsonResponse({{"audit", std::move(audit)}, {"next", std::move(next)}});
 }

@@ -25,6 +25,7 @@ constexpr size_t kMaxName = 64;
 
 // Exams first, then by due time, those without one last.
 std::string PlaceOf(const AssignmentRow& row) {
+  // Fixed width, since places in the list are compared as text; 2100 has 13 digits in milliseconds.
   UnixMs due = row.due_ms == 0 ? kMaxTimeMs : row.due_ms;
   std::string text = std::to_string(due);
   return (row.exam ? "0" : "1") + std::string(13 - std::min<size_t>(13, text.size()), '0') + text +
@@ -54,6 +55,7 @@ class AssignmentView {
     if (!row.cohort.IsZero()) {
       cohort = {{"id", row.cohort.Text()}, {"name", row.cohort_name}};
     }
+    // A retired exercise is not found here: its assignment stays, with the name alone.
     if (auto found = exercises_.find(row.exercise); found != exercises_.end()) {
       exercise_id = found->second.id.Text();
       title = found->second.title;
@@ -70,6 +72,7 @@ class AssignmentView {
             {"stations", std::move(stations)},
             {"created_ms", row.created_ms},
             {"revision", row.revision},
+            // For students; who teaches has no attempts left to count.
             {"mine", nullptr}};
   }
 
@@ -80,6 +83,8 @@ class AssignmentView {
     for (const Uuid& id : row.assignment.stations) {
       names += (names.empty() ? "" : ", ") + StationName(id);
     }
+    // The rule that the station link asks when it gives a ticket, here without a station. So the
+    // page says today's reason in the words that the student would read at the chair.
     Status may = MayBegin(row, now_ms, std::nullopt, names);
     json::value left;
     if (row.assignment.attempt_limit != 0) {
@@ -136,12 +141,14 @@ Result<AssignmentRow> TermsIn(const Call& call) {
   row.late_allowed = body.Flag("late_allowed", false);
   row.stations = body.Ids("station_ids", kMaxStations);
   ENAMEL_RETURN_IF_ERROR(body.Finish());
+  // Of the terms together: due after it opens, and stations with exams only.
   ENAMEL_RETURN_IF_ERROR(CheckTerms(row));
   return row;
 }
 
 // An assignment the caller may see.
 Result<AssignmentRow> SeeAssignment(const Call& call, TeachingStore& store) {
+  // The same answer for what is not there and what is not the caller's to see: ids tell nothing.
   Status none{Code::kNotFound, "there is no such assignment", "id"};
   Result<AssignmentRow> row = store.AssignmentById(call.id);
   if (!row.ok()) return row.status().code() == Code::kNotFound ? none : row.status();
@@ -162,9 +169,12 @@ Response Editable(const Call& call, Parts<StationStore, ContentStore, TeachingSt
 Result<AssignmentRow> BeginEdit(const Call& call, TeachingStore& store) {
   Result<AssignmentRow> row = SeeAssignment(call, store);
   if (!row.ok()) return row;
+  // For the cohort that it is assigned to now; ReplaceAssignment asks again for the one that it is
+  // to go to.
   ENAMEL_RETURN_IF_ERROR(MustBeAssignable(call, store, row->cohort));
   Result<int32_t> seen = IfMatch(call.request);
   if (!seen.ok()) return seen.status();
+  // What the caller has seen, which the store compares with what is there inside its transaction.
   row->revision = *seen;
   return row;
 }
@@ -188,6 +198,7 @@ Response ListAssignments(const Call& call, Parts<StationStore, ContentStore, Tea
   if (!cohort.ok()) return ErrorResponse(cohort.status());
   Result<AssignmentView> view = AssignmentView::Make(store);
   if (!view.ok()) return ErrorResponse(view.status());
+  // All at once where no page is asked for: a student's list is short and shown whole.
   Result<Page> page = PageOf(call.request, kMaxPage, kMaxPage);
   if (!page.ok()) return ErrorResponse(page.status());
   json::array assignments;
@@ -263,6 +274,7 @@ Response ReleaseAssignment(const Call& call, TeachingStore& store) {
   if (Status may = MustBeAssignable(call, store, row->cohort); !may.ok()) return ErrorResponse(may);
   Result<uint32_t> released = store.ReleaseAssignment(call.id, ActorOf(call));
   if (!released.ok()) return ErrorResponse(released.status());
+  // How many were let out now; those released before are not counted again.
   return JsonResponse({{"released", *released}});
 }
 

@@ -50,6 +50,7 @@ Result<AttemptFilter> FilterFor(const Call& call) {
   for (const auto& id : ids) {
     Result<std::optional<Uuid>> value = QueryId(call.request, id.name);
     if (!value.ok()) return value.status();
+    // Two names fill one place; only one that was given may overwrite it.
     if (*value) id.into = *value;
   }
   Result<uint32_t> limit = QueryLimit(call.request, kDefaultPage, kMaxPage);
@@ -58,9 +59,13 @@ Result<AttemptFilter> FilterFor(const Call& call) {
   ENAMEL_RETURN_IF_ERROR(NarrowByWords(call, filter));
 
   const Person& viewer = call.caller->person;
+  // Narrowed here and in the query itself, so that pages have the length asked for and nothing is
+  // filtered out afterwards.
   if (viewer.role == Role::kStudent) {
     filter.person = viewer.id;
+    // Their own attempts need no cohort, and one that they are not in would show them none.
     filter.cohort.reset();
+    // Instructors see their own attempts in whatever cohort; those of others by shared cohort.
   } else if (viewer.role == Role::kInstructor && filter.person != viewer.id) {
     filter.visible_to_instructor = viewer.id;
   }
@@ -78,6 +83,7 @@ Result<Store::AttemptResult> SeeResult(const Call& call,
     return Status{Code::kForbidden,
                   "this work is graded: the result shows after the instructor has released it"};
   }
+  // After the right to see it: "not scored yet" is told to nobody who may not know.
   ENAMEL_RETURN_IF_ERROR(RequireScored(seen->row));
   if (needs_recording && seen->row.expired_ms != 0) {
     return Status{Code::kConflict, "the recording was removed on " +
@@ -93,6 +99,7 @@ Response BlobResponse(const Call& call, Parts<ContentStore, TeachingStore, Attem
       SeeResult(call, store, member != &Store::AttemptResult::score_json);
   if (!result.ok()) return ErrorResponse(result.status());
   Result<Bytes> bytes = store.content().GetBlob((*result).*member);
+  // The row names a blob that is not there: damage of ours, not a wrong address.
   if (!bytes.ok()) return ErrorResponse(Status{Code::kInternal, bytes.status().message()});
   Response response;
   response.content_type = std::move(content_type);
@@ -104,6 +111,8 @@ class LiveEvents final : public EventSource {
  public:
   LiveEvents(const Call& call, Parts<TeachingStore, AttemptStore> store,
              std::unique_ptr<LiveWatch> watch)
+      // By the session's hash and not by the session: the stream outlives the request, and signing
+      // out ends it.
       : store_(store),
         authenticator_(call.authenticator),
         token_hash_(call.caller->token_hash),
@@ -113,6 +122,7 @@ class LiveEvents final : public EventSource {
   bool StillAllowed() override {
     Result<Person> viewer = authenticator_.StillSignedIn(token_hash_);
     if (!viewer.ok() || viewer->role == Role::kStudent) return false;
+    // A failure of the store ends the stream as well: showing on needs a yes.
     Result<AttemptRow> row = store_.attempts().AttemptById(attempt_);
     if (!row.ok()) return false;
     Result<bool> shares = store_.teaching().ShareCohort(viewer->id, row->person);
@@ -120,6 +130,7 @@ class LiveEvents final : public EventSource {
   }
   Event Take() override {
     Event event{watch_->Next()};
+    // Asked after the newest state was taken: what came with the end is shown before it.
     event.last = watch_->ended();
     return event;
   }
@@ -179,6 +190,7 @@ Response ReleaseAttempt(const Call& call, AttemptViewParts store) {
     return ErrorResponse({Code::kForbidden, "expected an instructor of the student's cohort"});
   }
   if (Status scored = RequireScored(seen->row); !scored.ok()) return ErrorResponse(scored);
+  // Nobody releases what has been scored again or overridden since they looked at it.
   Result<int32_t> revision = IfMatch(call.request);
   if (!revision.ok()) return ErrorResponse(revision.status());
   Status done = store.judging().ReleaseAttempt(call.id, ActorOf(call), *revision);
@@ -194,6 +206,7 @@ Response MakeReference(const Call& call, Parts<ContentStore, TeachingStore, Atte
   std::string dentist = body.Text("dentist", 1, kMaxDentist);
   bool consent = body.Flag("consent");
   if (Status status = body.Finish(); !status.ok()) return ErrorResponse(status);
+  // Before the attempt is looked up, since it holds for all of them.
   if (Status agreed = CheckConsent(consent); !agreed.ok()) return ErrorResponse(agreed);
   Result<SeenAttempt> seen = SeeAttempt(call, store, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
@@ -221,6 +234,7 @@ Response GetLive(const Call& call, Parts<ContentStore, TeachingStore, AttemptSto
         {Code::kConflict,
          std::string("expected an attempt being made, this one is ") + AttemptStateName(state)});
   }
+  // Told last: whoever may not see it hears that and not how busy the server is.
   if (!watch) {
     return ErrorResponse(
         {Code::kUnavailable, "as many are watching as this server can show; try later"});

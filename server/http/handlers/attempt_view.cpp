@@ -27,6 +27,8 @@ json::object PersonJson(const AttemptRow& row) {
 }  // namespace
 
 Result<const AttemptView::Exercise*> AttemptView::ExerciseOf(const AttemptRow& row) {
+  // A list of 200 attempts is of a few exercises, stations and profiles: each is read once per
+  // answer.
   if (auto found = exercises_.find(row.exercise); found != exercises_.end()) return &found->second;
   Exercise exercise;
   Result<ExerciseRow> stored = store_.content().ExerciseById(row.exercise);
@@ -37,6 +39,7 @@ Result<const AttemptView::Exercise*> AttemptView::ExerciseOf(const AttemptRow& r
   exercise.reference = *reference;
   Result<std::string> text = BlobText(store_, row.exercise_content);
   if (!text.ok()) return text.status();
+  // One that cannot be read any more costs duration and time limit, not the whole list.
   if (Result<scene::Exercise> document = scene::ExerciseFromJson(*text); document.ok()) {
     exercise.rate_hz = document->rate_hz;
     exercise.time_limit_s = document->time_limit_s;
@@ -45,6 +48,8 @@ Result<const AttemptView::Exercise*> AttemptView::ExerciseOf(const AttemptRow& r
 }
 
 Result<std::string> AttemptView::StationName(const Uuid& id) {
+  // All stations at once, with the first attempt that asks: one query, where a list would make as
+  // many as it has rows.
   if (!stations_) {
     Result<std::vector<StationRow>> rows = store_.stations().Stations();
     if (!rows.ok()) return rows.status();
@@ -89,6 +94,7 @@ Result<json::object> AttemptView::Json(const AttemptRow& row) {
   const std::optional<ReferenceRow>& reference = (*exercise)->reference;
 
   json::value score, computed, critical_fail, assignment;
+  // Left out and not sent as hidden: a browser's developer tools show all that it was sent.
   if (row.score && *visible) {
     score = row.overridden ? row.overridden->score : *row.score;
     computed = *row.score;
@@ -133,9 +139,12 @@ Result<json::value> AttemptView::ComparedWithJson(const AttemptRow& row, const E
   if (!result.ok()) return result.status();
   Result<std::string> text = BlobText(store_, result->score_json);
   if (!text.ok()) return text.status();
+  // From the score document and not from the exercise's reference of today: what it was compared
+  // with then is what the score means.
   Result<scoring::ScoreResult> score = scoring::ScoreFromJson(*text);
   if (!score.ok() || score->reference_attempt.empty()) return json::value();
   json::value dentist;
+  // Only while it is the reference: consent to being named was given for that.
   if (exercise.reference && exercise.reference->attempt.Text() == score->reference_attempt &&
       CanSeeDentist(viewer_, *exercise.reference)) {
     dentist = exercise.reference->dentist;
@@ -149,6 +158,7 @@ Result<json::value> AttemptView::OverrideJson(const AttemptRow& row, bool visibl
   std::string by = "command line";
   if (!override.by.IsZero()) {
     Result<Person> person = store_.people().PersonById(override.by);
+    // Not found: erased since. The override stays and names nobody.
     if (!person.ok() && person.status().code() != Code::kNotFound) return person.status();
     by = person.ok() ? person->display_name : "";
   }
@@ -193,7 +203,9 @@ Result<json::array> AttemptView::MayDo(const AttemptRow& row) {
   if (!appeal.ok()) return appeal.status();
   bool reviews = CanReviewAttempt(viewer_, row, *shares);
   bool scored = row.state == AttemptState::kScored;
+  // A recording that is whole and still here, which a new score or a reference needs.
   bool sealed = row.sealed_ms != 0 && row.expired_ms == 0;
+  // What came before the contradiction can be taken for the attempt when somebody decides so.
   bool acceptable = row.state == AttemptState::kQuarantined && row.sealed_ms == 0 && row.chunks > 0;
   const struct {
     const char* name;
@@ -246,6 +258,7 @@ Result<json::object> AttemptView::DetailJson(const AttemptRow& row) {
   if (!contradictions.ok()) return contradictions.status();
   Result<json::array> may = MayDo(row);
   if (!may.ok()) return may.status();
+  // Gaps passed at the chair as well.
   double ticks = static_cast<double>(row.ticks + row.gap_ticks);
   double rate_hz = (*exercise)->rate_hz;
   out->emplace("duration_s", rate_hz > 0 ? ticks / rate_hz : 0.0);

@@ -51,6 +51,7 @@ Result<std::vector<Cohort>> VisibleCohorts(const Call& call, TeachingStore& stor
 }
 
 Result<Cohort> VisibleCohort(const Call& call, TeachingStore& store) {
+  // By way of the list, so that one rule says what is visible.
   Result<std::vector<Cohort>> visible = VisibleCohorts(call, store);
   if (!visible.ok()) return visible.status();
   for (const Cohort& cohort : *visible) {
@@ -62,6 +63,7 @@ Result<Cohort> VisibleCohort(const Call& call, TeachingStore& store) {
 Result<CohortEdit> EditOf(const Call& call) {
   CohortEdit edit;
   BodyReader body(call.request);
+  // A member that is left out stays as it is; `Has` tells that apart from an empty one.
   if (body.Has("name")) edit.name = body.Text("name", 1, kMaxNameBytes);
   if (body.Has("archived")) edit.archived = body.Flag("archived", false);
   ENAMEL_RETURN_IF_ERROR(body.Finish());
@@ -82,6 +84,7 @@ Response ListCohorts(const Call& call, TeachingStore& store) {
   Result<std::vector<Cohort>> rows = VisibleCohorts(call, store);
   if (!rows.ok()) return ErrorResponse(rows.status());
   std::erase_if(*rows, [&](const Cohort& cohort) {
+    // Those in use unless the archive is asked for.
     return (cohort.archived_ms != 0) != archived->value_or(false);
   });
   json::value next = CutPage(*rows, *page, [](const Cohort& cohort) { return cohort.name; });
@@ -132,6 +135,8 @@ Response ChangeMembers(const Call& call, TeachingStore& store) {
   std::vector<Uuid> add = body.Ids("add", kMaxMembersAtOnce);
   std::vector<Uuid> remove = body.Ids("remove", kMaxMembersAtOnce);
   if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
+  // Without If-Match: two people who add students to a cohort at once both mean it, and neither
+  // undoes the other.
   Status changed = store.ChangeMembers(call.id, add, remove, ActorOf(call));
   if (!changed.ok()) return ErrorResponse(changed);
   Result<Cohort> cohort = store.CohortById(call.id);

@@ -24,6 +24,8 @@ namespace enamel::server::http {
 namespace json = boost::json;
 namespace {
 
+// One page of attempts. Who has made more sees a count that is too low, which no rule depends on:
+// limits are counted by the store.
 constexpr uint32_t kCountedAttempts = 200;
 
 Result<std::vector<ExerciseRow>> VisibleExercises(const Call& call, ContentStore& store) {
@@ -58,6 +60,7 @@ json::object BurJson(const scene::BurSpec& bur) {
 }
 
 json::value HandpieceJson(const scene::HandpieceSpec& handpiece) {
+  // null: the exercise uses no such model. Zeros would read as a handpiece that never turns.
   if (handpiece == scene::HandpieceSpec{}) return {};
   return {{"stall_un_m", handpiece.stall_un_m},
           {"tangential_permille", handpiece.tangential_permille},
@@ -139,6 +142,7 @@ json::object RubricJson(const scene::Rubric& rubric) {
 Status MustBeMakeable(ContentStore& store, const scene::Exercise& exercise) {
   Result<std::vector<SceneRow>> scenes = store.Scenes();
   if (!scenes.ok()) return scenes.status();
+  // By content and not by name: an exercise is made for one tooth, bit by bit.
   if (std::ranges::find(*scenes, exercise.scene, &SceneRow::content) == scenes->end()) {
     return {Code::kInvalidInput,
             "expected the hash of a scene that this server has, found " + exercise.scene.Hex() +
@@ -156,7 +160,10 @@ Status MustBeMakeable(ContentStore& store, const scene::Exercise& exercise) {
     Result<Bytes> bytes = store.GetBlob(row.content);
     if (!bytes.ok()) return bytes.status();
     Result<scene::DeviceProfile> profile = scene::ProfileFromJson(AsText(*bytes));
+    // One of a newer server, say: the others may do.
     if (!profile.ok()) continue;
+    // What the station and the ticket will do. An exercise that no device can carry is refused now,
+    // and not at the chair.
     Result<core::CoreParams> params = scene::CompilePlan(*scene, exercise, *profile);
     if (params.ok()) return {};
     refusal = {params.status().code(), "on device " + row.name + ": " + params.status().message(),
@@ -180,6 +187,7 @@ Result<ExerciseRow> VisibleExercise(const Call& call, Parts<ContentStore, Attemp
   AttemptFilter own;
   own.person = viewer.id;
   own.exercise = row->id;
+  // Whether there is one, not how many.
   own.limit = 1;
   Result<std::vector<AttemptRow>> attempts = store.attempts().Attempts(own);
   if (!attempts.ok()) return attempts.status();
@@ -239,6 +247,8 @@ Result<ExerciseRow> UploadedExercise(const Call& call, ContentStore& store) {
     bool newer = why.code() == Code::kVersion;
     return Status{newer ? Code::kInvalidInput : why.code(), why.message(), why.field()};
   }
+  // The document's parser knows the shape of a rubric; whether its metrics exist is the scorer's to
+  // say.
   if (Status rubric = scoring::ValidateRubric(exercise->rubric); !rubric.ok()) {
     return Status{rubric.code(), rubric.message(), "rubric." + rubric.field()};
   }
@@ -248,6 +258,8 @@ Result<ExerciseRow> UploadedExercise(const Call& call, ContentStore& store) {
   row.title = exercise->title;
   row.scene = exercise->scene;
   row.graded = exercise->graded;
+  // As our own writer spells it: equal exercises then have equal hashes, which is how publishing
+  // finds out that nothing has changed.
   Result<Sha256> content = store.PutBlob(AsBytes(scene::ToJson(*exercise)));
   if (!content.ok()) return content.status();
   row.content = *content;
@@ -293,6 +305,8 @@ class Making {
     Mutex mutex;
     std::set<Sha256> volumes ENAMEL_GUARDED_BY(mutex);
   };
+  // Over all requests of the process. Two servers on one store would both make it, and write the
+  // same blob.
   inline static Volumes made;
   Sha256 volume_;
   bool first_ = false;
@@ -311,6 +325,7 @@ Result<Sha256> MakeSurface(ContentStore& store, const Sha256& volume_hash) {
   if (!blob.ok()) return blob.status();
   Result<cutting::Volume> volume = scene::DecodeVolume(*blob);
   if (!volume.ok()) return volume.status();
+  // Seconds of work for a fine tooth, on a thread that requests wait for: hence once, and kept.
   Result<Sha256> surface = store.PutBlob(EncodeSurface(surface::ExtractSurface(*volume)));
   if (!surface.ok()) return surface;
   ENAMEL_RETURN_IF_ERROR(store.PutSceneSurface(volume_hash, *surface));
@@ -397,6 +412,7 @@ Response ListExerciseVersions(const Call& call, Parts<ContentStore, AttemptStore
     std::erase_if(*rows, [](const ExerciseRow& row) { return row.state == ExerciseState::kDraft; });
   }
   json::value next = CutPage(*rows, *page, [](const ExerciseRow& version) {
+    // The list's own order as text: the draft, then newest first.
     return (version.state == ExerciseState::kDraft ? "0" : "1") +
            FallingKey(static_cast<uint64_t>(version.version));
   });

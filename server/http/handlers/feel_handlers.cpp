@@ -46,8 +46,10 @@ Result<Tissues> TissuesHere(ContentStore& store) {
   Result<std::vector<SceneRow>> scenes = store.Scenes();
   if (!scenes.ok()) return scenes.status();
   using Feel = std::tuple<int32_t, int32_t, int32_t>;
+  // Ordered by damping first, hence hard to soft.
   std::map<Feel, TissueRow, std::greater<>> found;
   auto Add = [&](const scene::TissueSpec& spec, const std::string& scene) {
+    // Without damping there is nothing to feel and nothing to divide by.
     if (spec.tissue == cutting::Tissue::kAir || spec.damping_mn_s_per_mm <= 0) return;
     TissueRow& row = found[{spec.damping_mn_s_per_mm, spec.coulomb_mn, spec.threshold_mn}];
     row.spec = spec;
@@ -57,6 +59,8 @@ Result<Tissues> TissuesHere(ContentStore& store) {
   Tissues out;
   for (size_t i = 0; i < scenes->size() && i < kMostScenes; ++i) {
     Result<scene::Scene> scene = SceneOf(store, (*scenes)[i]);
+    // A scene that cannot be read is another page's to complain about; the map of the others is
+    // right without it.
     if (!scene.ok()) continue;
     for (const scene::TissueSpec& spec : scene->tissues) Add(spec, scene->title);
   }
@@ -98,6 +102,8 @@ json::array TissuesJson(const Tissues& tissues) {
 json::object FiguresJson(fidelity::Motion motion, const fidelity::Figures& f) {
   bool steady = motion == fidelity::Motion::kSteady;
   json::value lag, rise;
+  // A lag is defined for a motion that comes back, a rise for one that does not; the other is null
+  // and not 0.
   if (!steady) lag = f.lag_s;
   if (steady && f.rise_s >= 0) rise = f.rise_s;
   return {{"error", f.error}, {"gain", f.gain}, {"lag_s", lag}, {"rise_s", rise}};
@@ -154,6 +160,8 @@ Response Answer(const Call& call, ContentStore& store) {
   for (const TissueRow& row : tissues->rows) wanted.push_back(fidelity::TissueOf(row.spec));
   json::array cells;
   const bool has_motors = fidelity::HasMotors(*profile);
+  // A mouse is in the list of devices too, and has nothing to feel with: no cells, and the page
+  // says so.
   if (has_motors) cells = CellsJson(*call.feel->Of(attached->device, wanted));
   return JsonResponse(
       {{"name", profile->name},
@@ -173,6 +181,7 @@ Response Answer(const Call& call, ContentStore& store) {
 }  // namespace
 
 boost::asio::awaitable<Response> GetProfileFeel(Call call, ContentStore& store) {
+  // A thread of its own: a map takes up to a second, and its cache then needs no lock.
   co_return co_await call.feel->thread().Run([&call, &store]() -> Response {
     try {
       return Answer(call, store);

@@ -10,6 +10,8 @@ namespace {
 // new one.
 std::string KeyOf(const fidelity::Device& d, const std::vector<fidelity::Tissue>& tissues) {
   char text[200];
+  // %a is exact: two devices share a map when all their numbers are the same bits, and never by
+  // rounding.
   std::snprintf(text, sizeof text, "%a %a %a %d %a %a", d.resolution_m, d.kc_n_per_m, d.tick_s,
                 d.delay_ticks, d.peak_force_n, d.continuous_force_n);
   std::string key = text;
@@ -29,6 +31,7 @@ std::shared_ptr<const FeelMaps::Map> FeelMaps::Of(const fidelity::Device& device
   if (found != kept_.end()) return found->map;
   auto map = std::make_shared<const Map>(fidelity::MapOf(device, tissues));
   ++computed_;
+  // The oldest goes, not the least used: with one school's devices it never comes to it.
   if (kept_.size() == kKept) kept_.pop_front();
   kept_.push_back({std::move(key), map});
   return map;

@@ -15,6 +15,8 @@ bool IsThisMachine(std::string_view peer) {
 
 bool MaySeeMetrics(const Call& call) {
   const std::string& token = call.monitoring->token;
+  // Behind a proxy the peer is the browser's address, so that the proxy's own does not open the
+  // door.
   if (token.empty()) return IsThisMachine(call.request.peer);
   return auth::SameSecret(call.request.Header("authorization"), "Bearer " + token);
 }
@@ -33,6 +35,7 @@ boost::asio::awaitable<Response> GetHealth(Call call, UpkeepStore& store) {
 
 Response GetMetrics(const Call& call) {
   if (call.monitoring->metrics == nullptr || !MaySeeMetrics(call)) {
+    // Not 403: strangers need not know that the figures exist.
     return ErrorResponse(Status{Code::kNotFound, "there is nothing to see here for this caller"});
   }
   Response response;

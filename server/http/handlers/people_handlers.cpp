@@ -60,6 +60,8 @@ Response PersonResponse(const Person& person, int status = 200) {
 Response WithPassword(const Call& call, const Person& person, const std::string& password,
                       int status) {
   json::object out = PersonJson(person);
+  // The one time that it is told: the store has its verifier alone, and no log has the body of an
+  // answer.
   out["password"] = password;
   out["password_until_ms"] = call.authenticator.OneTimeUntil(person);
   return WithETag(JsonResponse(out, status), person.revision);
@@ -75,6 +77,7 @@ Result<PersonEdit> EditOf(const Call& call) {
   PersonEdit edit;
   BodyReader body(call.request);
   if (body.Has("display_name")) edit.display_name = body.Text("display_name", 1, kMaxNameBytes);
+  // Longer than any role: what is wrong is then shown as it was written.
   std::string role = body.Has("role") ? body.Text("role", 1, 16) : "";
   if (body.Has("disabled")) edit.disabled = body.Flag("disabled", false);
   ENAMEL_RETURN_IF_ERROR(body.Finish());
@@ -112,6 +115,7 @@ Result<NewPerson> NewPersonOf(const Call& call) {
   out.person.login = *checked_login;
   out.person.display_name = *checked_name;
   out.person.role = *named;
+  // The admin has seen it, and so has whatever carried it to the person.
   out.person.must_change_password = true;
   return out;
 }
@@ -168,6 +172,7 @@ Response EditPerson(const Call& call, PeopleStore& store) {
   if (!edit.ok()) return ErrorResponse(edit.status());
   Result<int32_t> seen = IfMatch(call.request);
   if (!seen.ok()) return ErrorResponse(seen.status());
+  // A role is power; a name or a disabled account is put right again by whoever looks.
   if (edit->role) {
     if (Status confirmed = RequireConfirmed(call); !confirmed.ok()) return ErrorResponse(confirmed);
   }
@@ -199,10 +204,13 @@ Response ErasePerson(const Call& call, Parts<PeopleStore, UpkeepStore> store) {
   if (Status confirmed = RequireConfirmed(call); !confirmed.ok()) return ErrorResponse(confirmed);
   Result<Person> person = store.people().PersonById(call.id);
   if (!person.ok()) return ErrorResponse(person.status());
+  // Typed by hand: the page's button alone erases nobody.
   if (person->login != login) {
     return ErrorResponse({Code::kInvalidInput,
                           "expected the person's login, because this cannot be undone", "login"});
   }
+  // Else the last admin could go, and with them everybody's way in.
+  // Who erases an admin is another admin, who is then still there to let others in.
   if (person->id == call.caller->person.id) {
     return ErrorResponse({Code::kConflict, "expected another person: nobody erases oneself"});
   }
@@ -250,6 +258,7 @@ Response ImportRoster(const Call& call, PeopleStore& store) {
     if (!name.ok()) return ErrorResponse(name.status());
     options.file.cohort = *name;
   }
+  // Asked for before the roster is read: a dry run shows the same problems without a password.
   if (!options.dry_run) {
     if (Status confirmed = RequireConfirmed(call); !confirmed.ok()) return ErrorResponse(confirmed);
   }
@@ -259,6 +268,7 @@ Response ImportRoster(const Call& call, PeopleStore& store) {
   json::object out = roster::ImportJson(*result);
   size_t problems = result->plan.problems.size();
   if (problems == 0) return JsonResponse(out);
+  // A refusal that carries the whole plan: the page lists every problem with its row.
   out["error"] = {{"code", "invalid_input"},
                   {"message", "expected a roster without problems, found " +
                                   std::to_string(problems) + "; nothing was changed"},

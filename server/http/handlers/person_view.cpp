@@ -35,6 +35,8 @@ Response SessionsResponse(const Call& call, PeopleStore& store, const Uuid& pers
                         {"created_ms", row.created_ms},
                         {"last_used_ms", row.last_used_ms},
                         {"expires_ms", row.expires_ms},
+                        // So that nobody ends the session they sit in by mistake. The hash itself
+                        // stays here.
                         {"current", row.token_hash == call.caller->token_hash}});
   }
   return JsonResponse({{"sessions", std::move(sessions)}, {"next", std::move(next)}});

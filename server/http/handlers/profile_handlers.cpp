@@ -35,6 +35,7 @@ json::array NumbersJson(const scene::DeviceProfile& profile) {
       {"bus_delay", "ticks", profile.bus_delay_ticks},
       {"workspace_radius", "um", profile.workspace_radius_um},
   };
+  // A number without a source was not given: it is optional, and 0 would be a claim.
   if (!profile.electrical_damping_mn_s_per_m.source.empty()) {
     numbers.push_back({"electrical_damping", "mN s/m", profile.electrical_damping_mn_s_per_m});
   }
@@ -89,6 +90,8 @@ json::object ReportJson(const ProfileReportRow& row) {
 
 json::object CalibrationJson(const CalibrationRow& row) {
   json::error_code error;
+  // It was checked when it came in. Should it be unreadable all the same, the row is shown without
+  // it.
   json::value document = json::parse(row.document, error);
   return {{"id", row.id.Text()},
           {"device", row.device},
@@ -129,6 +132,7 @@ Response Judgement(const std::vector<scene::ProfileCriterion>& criteria, json::o
   out["criteria"] = CriteriaJson(criteria);
   if (scene::IsAcceptable(criteria)) return JsonResponse(out, status);
   for (const scene::ProfileCriterion& criterion : criteria) {
+    // The first one that is not met is the error's text; all of them are in `criteria`.
     if (criterion.met) continue;
     out["error"] = {
         {"code", "invalid_input"},
@@ -238,6 +242,8 @@ Response AddProfileReport(const Call& call, ContentStore& store) {
   ProfileReportRow row;
   row.profile = std::string(call.name);
   for (const char* type : kMediaTypes) {
+    // One of our own texts and never the caller's: it becomes a header when the report is handed
+    // out.
     if (given == type) row.media_type = type;
   }
   if (row.media_type.empty()) {
@@ -247,6 +253,8 @@ Response AddProfileReport(const Call& call, ContentStore& store) {
   json::error_code error;
   if (row.media_type == kMediaTypes[0]) {
     json::parse_options options;
+    // A report is shown by the page's own components, which check it again; this keeps out what is
+    // no JSON at all.
     options.max_depth = 32;
     (void)json::parse(call.request.body, error, {}, options);
   }
@@ -272,6 +280,7 @@ Response GetProfileReport(const Call& call, ContentStore& store) {
   Response response;
   response.content_type = row->media_type;
   response.body = AsText(*bytes);
+  // Safe inside quotes: a profile's name is a-z, 0-9, _ and - only.
   std::string name = row->profile + "-" + std::to_string(row->version) +
                      (row->media_type == kMediaTypes[0] ? ".json" : ".html");
   response.headers.emplace_back("Content-Disposition", "attachment; filename=\"" + name + "\"");
@@ -290,6 +299,8 @@ Response AddCalibration(const Call& call, ContentStore& store) {
     const Status& why = calibration.status();
     return ErrorResponse(Status{Code::kInvalidInput, why.message(), why.field()});
   }
+  // The address says whose it is and so does the document; a file that was put under the wrong
+  // profile is found here.
   if (calibration->profile != call.name) {
     return ErrorResponse({Code::kInvalidInput,
                           "expected a calibration of \"" + std::string(call.name) +

@@ -17,6 +17,7 @@ namespace {
 
 constexpr size_t kMaxReason = 1000;
 constexpr size_t kMaxRemark = 4000;
+// Thirty years at 1 kHz, and exact in the doubles of a browser.
 constexpr int64_t kMaxTick = int64_t{1} << 40;
 
 Response Done() {
@@ -38,6 +39,7 @@ Response AttemptResponse(const Call& call, AttemptViewParts store, const Uuid& a
 }
 
 Response JudgedOr(const Call& call, AttemptViewParts store, const Status& status) {
+  // With the attempt as it is now: the page needs its new revision for whatever comes next.
   return status.ok() ? AttemptResponse(call, store, call.id) : JudgedMeanwhile(call, store, status);
 }
 
@@ -75,6 +77,7 @@ Result<AnnotationRow> OwnAnnotation(
   Result<AnnotationRow> row = store.judging().AnnotationById(call.id);
   if (!row.ok()) return row.status().code() == Code::kNotFound ? none : row.status();
   Result<SeenAttempt> seen = SeeAttempt(call, store, row->attempt);
+  // Of an attempt that the caller may not see: the remark is then as good as not there.
   if (!seen.ok()) return seen.status().code() == Code::kNotFound ? none : seen.status();
   const Person& viewer = call.caller->person;
   bool reviews = CanReviewAttempt(viewer, seen->row, seen->shares_cohort);
@@ -128,9 +131,12 @@ Response DeleteOverride(const Call& call, AttemptViewParts store) {
 Response Rescore(const Call& call, AttemptViewParts store) {
   Result<SeenAttempt> seen = ReviewAttempt(call, store, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
+  // No If-Match: it changes no judgement, and asking twice makes one more result, which is kept
+  // with the others.
   Status done = store.judging().Rescore(call.id, "rescore", ActorOf(call));
   if (!done.ok()) return ErrorResponse(done);
   Response response = AttemptResponse(call, store, call.id);
+  // Accepted: the job is in the queue and the score as it was.
   if (response.status == 200) response.status = 202;
   return response;
 }
@@ -170,6 +176,7 @@ Response ListResults(const Call& call, Parts<ContentStore, TeachingStore, Attemp
     Result<Bytes> text = store.content().GetBlob(row.score_json);
     if (!text.ok()) return ErrorResponse(Status{Code::kInternal, text.status().message()});
     json::error_code error;
+    // Parsed and put in as JSON, so that a damaged document is found here and not by the page.
     json::value score = json::parse(AsText(*text), error);
     if (error) return ErrorResponse(Status{Code::kInternal, "stored score is no JSON"});
     results.push_back({{"run", row.run},
@@ -284,6 +291,7 @@ Response WithdrawReference(const Call& call, Parts<TeachingStore, AttemptStore> 
   if (!row.ok()) {
     return ErrorResponse(row.status().code() == Code::kNotFound ? none : row.status());
   }
+  // The right depends on whose cut it is, which the attempt knows.
   Result<AttemptRow> attempt = store.attempts().AttemptById(row->attempt);
   if (!attempt.ok()) return ErrorResponse(attempt.status());
   const Person& viewer = call.caller->person;

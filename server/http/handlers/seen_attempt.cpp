@@ -13,7 +13,9 @@ Result<SeenAttempt> SeeAttempt(const Call& call,
   const Person& viewer = call.caller->person;
   Result<bool> shares = store.teaching().ShareCohort(viewer.id, row->person);
   if (!shares.ok()) return shares.status();
+  // As if it were not there: an id must not tell whether somebody has made an attempt.
   if (!CanSeeAttempt(viewer, *row, *shares)) return none;
+  // Whether it counts is the exercise version's to say that the attempt was made of.
   Result<ExerciseRow> exercise = store.content().ExerciseById(row->exercise);
   if (!exercise.ok()) return exercise.status();
   return SeenAttempt{std::move(*row), *shares, exercise->graded};

@@ -12,6 +12,7 @@ namespace json = boost::json;
 namespace {
 
 constexpr size_t kMaxLogin = 64;
+// Hashing takes as long for any length; this bounds what is kept in memory while others are hashed.
 constexpr size_t kMaxPassword = 1024;
 
 json::object SessionJson(const auth::Identity& identity) {
@@ -52,6 +53,7 @@ boost::asio::awaitable<Response> SignIn(Call call) {
   request.address = call.request.peer;
   request.via = auth::kViaPage;
   request.device = auth::DeviceName(call.request.Header("user-agent"));
+  // Signing in ends it: a session that somebody else planted in this browser is gone with it.
   request.earlier = SessionCookie(call.request).value_or("");
   Result<auth::SignedIn> signed_in = co_await call.authenticator.SignIn(std::move(request));
   if (!signed_in.ok()) co_return ErrorResponse(signed_in.status());
@@ -93,6 +95,7 @@ Response SignOut(const Call& call) {
     return ErrorResponse(ended);
   }
   Response response = Done();
+  // The session is over on the server already; this tidies up the browser.
   response.headers.emplace_back("Set-Cookie", SetSessionCookie("", call.request.tls));
   return response;
 }
@@ -107,6 +110,7 @@ Response EndSession(const Call& call, PeopleStore& store) {
   if (!session.ok() && session.status().code() != Code::kNotFound) {
     return ErrorResponse(session.status());
   }
+  // Somebody else's session and none at all are told alike.
   if (!session.ok() || (!own && call.caller->person.role != Role::kAdmin)) {
     return ErrorResponse({Code::kNotFound, "there is no such session", "id"});
   }

@@ -18,6 +18,7 @@ namespace {
 
 constexpr size_t kMaxStationName = 64;  // as in schemas/wire/README.md
 constexpr int64_t kMaxMinutes = 7 * 24 * 60;
+// 128 bits: nobody guesses it within the week that it may be good for.
 constexpr size_t kCodeBytes = 16;
 
 UnixMs Now() {
@@ -68,6 +69,7 @@ Response ListStations(const Call& call, StationStore& store) {
     std::erase_if(*rows, [&](const StationRow& row) { return row.revoked != **revoked; });
   }
   json::value next =
+      // Names may occur twice; the id makes each place in the list one row's.
       CutPage(*rows, *page, [](const StationRow& row) { return row.name + "\n" + row.id.Text(); });
   json::array stations;
   for (const StationRow& row : *rows) stations.push_back(StationJson(row));
@@ -82,10 +84,13 @@ Response GetStation(const Call& call, StationStore& store) {
 Response EditStation(const Call& call, StationStore& store) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
+  // Understood in order to be refused with the reason: it is what somebody tries who wants a
+  // revoked station back.
   bool unrevoke = body.Has("revoked") && !body.Flag("revoked", true);
   std::string wanted = body.Text("name", 1, kMaxStationName);
   if (unrevoke) return ErrorResponse(NoUnrevoking());
   if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
+  // Revoking wants the password again, which renaming does not.
   if (body.Has("revoked")) return ErrorResponse(RevokingIsApart());
   Result<std::string> name = CheckedName(wanted, "name");
   if (!name.ok()) return ErrorResponse(name.status());
@@ -133,6 +138,7 @@ Response AddEnrolCode(const Call& call, StationStore& store) {
   random.resize(kCodeBytes);
   std::string code = ToHex(random);
   UnixMs expires_ms = Now() + minutes * 60'000;
+  // The hash alone is stored; the code is in this answer and nowhere else.
   Result<Uuid> id = store.AddEnrolCode(HashSha256(AsBytes(code)), expires_ms, ActorOf(call));
   if (!id.ok()) return ErrorResponse(id.status());
   return JsonResponse({{"id", id->Text()},
