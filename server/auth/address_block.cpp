@@ -19,14 +19,19 @@ std::string Text(int family, const void* address) {
 
 std::string AddressBlock(const std::string& address) {
   in6_addr v6{};
+  // IPv4, or a name in a test: a block of its own, bounded because it becomes a key.
   if (inet_pton(AF_INET6, address.c_str(), &v6) != 1) return address.substr(0, 64);
+  // A listener on [::] sees IPv4 peers so; they are the same peers.
   if (IN6_IS_ADDR_V4MAPPED(&v6)) return Text(AF_INET, std::begin(v6.s6_addr) + 12);
+  // A /64 is what one household or computer is given: within it an address can be had for each
+  // guess.
   std::fill(std::begin(v6.s6_addr) + 8, std::end(v6.s6_addr), uint8_t{0});
   return Text(AF_INET6, &v6) + "/64";
 }
 
 std::string AddressText(const std::string& address) {
   std::string text = AddressBlock(address);
+  // What is left can stand in a line of the log and inside JSON quotes, whatever a proxy passed on.
   std::erase_if(text, [](unsigned char c) {
     return std::isalnum(c) == 0 && c != '.' && c != ':' && c != '/' && c != '%';
   });

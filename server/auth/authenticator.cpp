@@ -27,6 +27,7 @@ constexpr size_t kTokenBytes = 32;
 constexpr UnixMs kDayMs = 24 * 60 * 60 * 1000;
 constexpr char kOneTimePassword[] = "one_time_password";
 
+// One answer for all of it: who guesses does not learn which logins there are.
 Status Refused() {
   return Status(Code::kUnauthenticated, "login or password is wrong, or the account is disabled");
 }
@@ -41,6 +42,8 @@ std::string LowerLogin(std::string login) {
   return login;
 }
 
+// A verifier that no password fits, to be checked where there is none to check: the answer then
+// takes as long.
 std::string Decoy(const PasswordCost& cost) {
   auto verifier = HashPassword(ToHex(NewToken()), cost);
   ENAMEL_CHECK(verifier.ok());
@@ -86,6 +89,8 @@ bool Authenticator::Verify(const std::string& password, const std::string& verif
 bool Authenticator::TakePlace(const std::string& block) {
   const size_t all = options_.max_waiting + options_.hash_threads;
   MutexLock lock(waiting_mutex_);
+  // Half of the places at most for one address, so that a flood from there leaves the others a way
+  // in.
   size_t& here = waiting_from_[block];
   if (waiting_ < all && here < (all + 1) / 2) {
     ++waiting_;
@@ -131,6 +136,7 @@ boost::asio::awaitable<Status> Authenticator::Admitted(std::string login, std::s
                                                        std::string via) {
   Result<int64_t> hold = throttle_.Admit(login, address, Elapsed());
   if (!hold.ok()) co_return TurnAway("throttled", login, address, via, hold.status());
+  // Held on a timer: no thread waits, and the connection is answered when its turn has come.
   if (*hold > 0) {
     boost::asio::steady_timer turn(co_await boost::asio::this_coro::executor,
                                    std::chrono::milliseconds(*hold));
@@ -159,6 +165,7 @@ Result<SignedIn> Authenticator::SignInHere(const SignInRequest& request) {
 
 Result<SignedIn> Authenticator::SignInAdmitted(const std::string& login,
                                                const SignInRequest& request) {
+  // Nobody has such a one, so that the quick answer tells nothing.
   if (request.password.size() > kMaxPasswordLength || login.size() > 256) {
     throttle_.Failed(login, request.address, Elapsed());
     return TurnAway("password", login, request.address, request.via, Refused());
@@ -180,6 +187,7 @@ Result<SignedIn> Authenticator::SignInAdmitted(const std::string& login,
   }
   throttle_.Succeeded(login, request.address, Elapsed());
   if (Status taken = TakeOneTimePassword(*person, request.via); !taken.ok()) {
+    // The store failed. That is no refusal of this person.
     if (taken.field() != kOneTimePassword) return taken;
     return TurnAway("one-time", login, request.address, request.via, taken);
   }
@@ -205,8 +213,11 @@ Status Authenticator::TakeOneTimePassword(const Person& person, const std::strin
                       " days of being made; ask an administrator for another",
                   kOneTimePassword);
   }
+  // At a station the password is not used up: there it cannot be changed, and the station sends its
+  // owner to the page.
   if (via != kViaPage) return Status::Ok();
   Status taken = store_.people().UseOneTimePassword(person.id);
+  // Somebody was quicker between the look and the use.
   return taken.code() == Code::kNotFound ? used : taken;
 }
 
@@ -264,6 +275,7 @@ Result<SignedIn> Authenticator::ChangePasswordHere(const Identity& identity,
                                                    const PasswordChange& change) {
   const Person& person = identity.person;
   ENAMEL_RETURN_IF_ERROR(CheckOwnPassword(person, change.old_password, change.address, change.via));
+  // After the old one was found right, so that this says nothing to who does not know it.
   if (change.new_password == change.old_password) {
     return Status(Code::kInvalidInput, "expected another password than the old one",
                   "new_password");
@@ -333,6 +345,7 @@ Result<Identity> Authenticator::AuthenticateHex(std::string_view cookie) {
   auto token = FromHex(cookie);
   if (!token.ok()) return Ended();
   ENAMEL_ASSIGN_OR_RETURN(auto session, OpenSession(TokenHash(*token)));
+  // A station's session is bound to its connection; as a cookie it is worth nothing.
   if (session.via != kViaPage) return Ended();
   return IdentityOf(*token, session);
 }

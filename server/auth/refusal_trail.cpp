@@ -23,6 +23,8 @@ RefusalTrail::RefusalTrail(Parts<PeopleStore, AuditStore> store,
 RefusalTrail::~RefusalTrail() { pool_.join(); }
 
 void RefusalTrail::Note(TurnedAway refused) {
+  // A door must not wait for the trail. What does not fit is counted in the figures and leaves no
+  // row.
   if (++waiting_ > kMaxWaiting) {
     --waiting_;
     return;

@@ -56,6 +56,7 @@ Throttle::Counter* Throttle::Find(const std::string& key, UnixMs now_ms) {
 int64_t Throttle::WaitMs(const std::string& key, const Rule& rule, UnixMs now_ms) {
   const Counter* counter = Find(key, now_ms);
   if (counter == nullptr || counter->failures <= rule.free) return 0;
+  // 20 doublings are beyond every rule's longest wait; more would overflow.
   uint32_t doublings = std::min<uint32_t>(counter->failures - rule.free - 1, 20);
   int64_t delay = std::min(kFirstDelayMs << doublings, rule.max_ms);
   return std::max<int64_t>(0, counter->last_ms + delay - now_ms);
@@ -76,6 +77,8 @@ int64_t Throttle::WaitOfStranger(const std::string& login, const std::string& pl
   }
   if (anywhere == 0) return 0;
   Counter& counter = counters_[LoginAnywhere(login)];
+  // The owner at a new computer has not failed there yet. Such first tries are let through while a
+  // login is under attack, a bounded number of them: an attacker with many addresses has them too.
   return ++counter.first_tries <= kFirstTries ? 0 : anywhere;
 }
 
@@ -83,6 +86,8 @@ Result<int64_t> Throttle::Hold(const std::string& place, UnixMs now_ms) {
   Counter* counter = Find(AtPlace(place), now_ms);
   if (counter == nullptr || counter->failures <= kPlaceFree) return int64_t{0};
   int64_t hold = std::max<int64_t>(0, counter->next_try_ms - now_ms);
+  // The queue of this place is as long as it may be; who came too late is told when to come back
+  // instead of being kept.
   if (hold > kLongestHoldMs) return Throttled(hold - kLongestHoldMs);
   counter->next_try_ms = now_ms + hold + kTryEveryMs;
   return hold;
@@ -113,6 +118,7 @@ template <typename Map>
 void Throttle::Forget(Map& map, int64_t after_ms, UnixMs now_ms) {
   if (map.size() <= kMaxCounters) return;
   std::erase_if(map, [&](const auto& entry) { return now_ms - entry.second.last_ms > after_ms; });
+  // Under a flood of new keys nothing is old enough: then the one longest silent goes.
   while (map.size() > kMaxCounters) {
     auto oldest = std::min_element(map.begin(), map.end(), [](const auto& a, const auto& b) {
       return a.second.last_ms < b.second.last_ms;
@@ -138,6 +144,8 @@ void Throttle::Succeeded(const std::string& given, const std::string& address, U
   counters_.erase(LoginAnywhere(login));
   auto at = counters_.find(AtPlace(place));
   auto before = known_.find(here);
+  // Once in a quarter of an hour for each person: somebody with one good password cannot pay for
+  // guesses at others' with it.
   bool forgives = before == known_.end() || now_ms - before->second.last_ms > kForgetMs;
   if (forgives && at != counters_.end()) {
     at->second.failures -= std::min(at->second.failures, kForgivenBySuccess);
