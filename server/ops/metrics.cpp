@@ -46,6 +46,7 @@ size_t OpenFiles() {
   return error ? 0 : static_cast<size_t>(std::distance(begin, end));
 }
 
+// Before main: as near to the start of the process as this program can tell.
 const auto kStarted = std::chrono::system_clock::now();
 
 }  // namespace
@@ -53,6 +54,8 @@ const auto kStarted = std::chrono::system_clock::now();
 void Histogram::Add(std::chrono::nanoseconds duration) {
   double s = std::chrono::duration<double>(duration).count();
   auto step = std::lower_bound(kUpToS.begin(), kUpToS.end(), s) - kUpToS.begin();
+  // A reader may see the count without the sum. Prometheus takes rates over minutes; the next
+  // answer has both.
   counts_[static_cast<size_t>(step)].fetch_add(1, std::memory_order_relaxed);
   sum_ns_.fetch_add(static_cast<uint64_t>(std::max<int64_t>(duration.count(), 0)),
                     std::memory_order_relaxed);
@@ -66,6 +69,8 @@ Histogram::Counts Histogram::counts() const {
 }
 
 void MetricsText::Head(std::string_view name, std::string_view help, std::string_view type) {
+  // A name with several labels is announced once, before the first of its lines, as the format
+  // wants it.
   if (last_name_ == name) return;
   last_name_ = name;
   text_.append("# HELP ").append(name).append(" ").append(help).append("\n# TYPE ");
@@ -100,6 +105,7 @@ void MetricsText::Durations(std::string_view name, std::string_view help,
                             const Histogram::Counts& counts) {
   Head(name, help, "histogram");
   const std::string base(name);
+  // Buckets are cumulative: each counts everything up to its bound (Prometheus, text format 0.0.4).
   uint64_t all = 0;
   for (size_t i = 0; i < counts.each.size(); ++i) {
     all += counts.each[i];
@@ -119,6 +125,7 @@ std::string Metrics::Text() const {
   std::vector<Source> sources;
   {
     MutexLock lock(mutex_);
+    // A source may ask the database. Adding another one does not wait for that.
     sources = sources_;
   }
   MetricsText text;

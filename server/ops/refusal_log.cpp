@@ -32,6 +32,7 @@ void RefusalLog::Note(const Refusal& refusal) {
     line = door_ + ": refused " + refusal.who + ": " + refusal.reason;
     if (seen.since > 0) line += " (and " + std::to_string(seen.since) + " more like it before)";
     seen = {now, 0};
+    // A peer that was forgotten is said again at once: a line too many and never one too few.
     if (seen_.size() > kMaxPeers) ForgetOne();
   }
   // Names and reasons hold what a peer wrote; a line of the log stays one line.
