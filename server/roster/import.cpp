@@ -11,6 +11,7 @@ namespace enamel::server::roster {
 namespace json = boost::json;
 namespace {
 
+// Somebody mends a roster from the top; the count beside it says how many there are.
 constexpr size_t kMaxListed = 200;
 
 // A password for everybody who might be new: who is, is known inside the transaction only.
@@ -53,8 +54,12 @@ json::object StepJson(const RosterStep& step) {
 Result<ImportResult> ImportRoster(PeopleStore& store, std::string_view csv,
                                   const ImportOptions& options, const Actor& by) {
   RosterFile file = ReadRoster(csv, options.file);
+  // With a bad row nothing is written, and the rows that could be read are still compared with who
+  // is there: all problems are told at once.
   bool dry_run = options.dry_run || !file.problems.empty();
   std::map<std::string, std::string> passwords;
+  // Hashed before the transaction and not in it: argon2id for a year's students would hold the
+  // writer.
   if (!dry_run) {
     ENAMEL_ASSIGN_OR_RETURN(auto made, MakePasswords(file.rows));
     passwords = std::move(made);
@@ -65,6 +70,7 @@ Result<ImportResult> ImportRoster(PeopleStore& store, std::string_view csv,
   out.done = !dry_run && out.plan.problems.empty();
   out.ignored_columns = std::move(file.ignored_columns);
   out.plan.problems.insert(out.plan.problems.end(), file.problems.begin(), file.problems.end());
+  // Those of the file and those of the store in one list, in the order in which they are mended.
   std::ranges::stable_sort(out.plan.problems, {}, &RosterProblem::row);
   if (out.done) out.passwords = PasswordsOf(out.plan, passwords);
   return out;

@@ -76,6 +76,8 @@ class Reader {
   Reader(const RosterOptions& options, RosterFile& out) : options_(options), out_(out) {}
 
   bool ReadHeader(const CsvRow& header) {
+    // Spreadsheets in countries with a decimal comma write semicolons. It would otherwise be one
+    // column with a strange name.
     if (MeansAnotherSeparator(header)) return false;
     for (size_t i = 0; i < header.cells.size(); ++i) TakeColumn(header, i);
     if (Place("login")) return out_.problems.empty();
@@ -89,6 +91,8 @@ class Reader {
                     std::to_string(columns_.size()) +
                         " as in the first row; is a comma inside a name without quotes around it?");
     }
+    // A row with a problem in any cell is left out of the plan, which compares only what was
+    // understood.
     size_t before = out_.problems.size();
     RosterRow person;
     person.row = row.row;
@@ -174,6 +178,7 @@ class Reader {
 
   Role RoleOf(const CsvRow& row) {
     std::string text = Lower(Cell(row, "role"));
+    // A file that somebody else may have edited makes no admins.
     std::optional<Role> role = text.empty() ? Role::kStudent : RoleFromName(text);
     if (role && *role != Role::kAdmin) return *role;
     Refuse(row.row, "role", Shown(text),
@@ -205,6 +210,8 @@ RosterFile ReadRoster(std::string_view text, const RosterOptions& options) {
                             "text in UTF-8; in the spreadsheet, save as \"CSV UTF-8\""});
     return out;
   }
+  // One row more than people for the header; 32 columns and 1000 bytes a cell are far more than a
+  // roster needs.
   CsvTable table = ReadCsv(text, {kMaxRosterRows + 1, 32, 1000});
   Reader reader(options, out);
   if (table.rows.empty() && table.problem_row == 0) {
