@@ -3,6 +3,8 @@
 namespace enamel::server {
 namespace {
 
+// A disabled person may nothing at all, whatever the role says; every rule below goes through here
+// or asks itself.
 bool Is(const Person& viewer, Role role) { return !viewer.disabled && viewer.role == role; }
 
 bool Supervises(const Person& viewer, bool shares_cohort) {
@@ -16,6 +18,8 @@ bool Owns(const Person& viewer, const AttemptRow& attempt) {
 }  // namespace
 
 bool IsReleasedFirst(const AttemptRow& attempt, bool graded) {
+  // After a restore nobody knows what it was made under. Held back wrongly it can be released;
+  // shown wrongly it cannot be taken back.
   bool unknown_terms = (attempt.flags & kReadmitted) != 0 && !attempt.assignment;
   return graded || attempt.exam || unknown_terms;
 }
@@ -27,6 +31,7 @@ bool CanSeeAttempt(const Person& viewer, const AttemptRow& attempt, bool shares_
 bool CanSeeScore(const Person& viewer, const AttemptRow& attempt, bool graded, bool shares_cohort) {
   if (Supervises(viewer, shares_cohort)) return true;
   if (!Owns(viewer, attempt)) return false;
+  // Instructors who try an exercise themselves wait for nobody.
   return !IsReleasedFirst(attempt, graded) || attempt.released || !Is(viewer, Role::kStudent);
 }
 
@@ -39,6 +44,7 @@ bool CanReviewAttempt(const Person& viewer, const AttemptRow&, bool shares_cohor
 }
 
 bool CanEditAnnotation(const Person& viewer, const AnnotationRow& annotation, bool can_review) {
+  // The author alone: a remark stands under its author's name.
   return can_review && !viewer.disabled && viewer.id == annotation.author;
 }
 
@@ -48,6 +54,7 @@ bool CanAppeal(const Person& viewer, const AttemptRow& attempt) {
 
 bool CanMarkReference(const Person& viewer, const AttemptRow& attempt, bool shares_cohort) {
   return Supervises(viewer, shares_cohort) ||
+         // An instructor's own cut needs no cohort.
          (Is(viewer, Role::kInstructor) && Owns(viewer, attempt));
 }
 
@@ -71,6 +78,7 @@ bool CanEditExercises(const Person& viewer) { return CanRecordReference(viewer);
 
 bool CanAssign(const Person& viewer, const Uuid& cohort, bool in_cohort) {
   return Is(viewer, Role::kAdmin) ||
+         // To everybody is the school's to say, hence an admin's.
          (Is(viewer, Role::kInstructor) && in_cohort && !cohort.IsZero());
 }
 

@@ -67,6 +67,8 @@ Result<std::string> CheckedName(std::string_view text, std::string_view field) {
   if (name.empty() || name.size() > kMaxNameBytes) {
     return Refused(field, "a name of 1 to 200 bytes", std::to_string(name.size()) + " bytes");
   }
+  // Lists of people are opened in spreadsheets, which take such a cell for a formula (OWASP, CSV
+  // injection).
   if (std::string_view("=+-@").find(name.front()) != std::string_view::npos) {
     return Refused(field,
                    "a name that does not begin with = + - or @ (a spreadsheet would compute it)",
@@ -89,6 +91,7 @@ Result<std::string> CheckedName(std::string_view text, std::string_view field) {
 
 std::string ShortenedText(std::string_view text, size_t most) {
   if (text.size() <= most) return std::string(text);
+  // 10xxxxxx continues a character: not cut in the middle of one.
   while (most > 0 && (static_cast<uint8_t>(text[most]) & 0xc0) == 0x80) --most;
   return std::string(text.substr(0, most));
 }
@@ -97,6 +100,8 @@ std::string NameKey(std::string_view name) {
   std::string out;
   for (char c : Trim(name)) {
     bool space = c == ' ';
+    // ASCII alone: "Year 2" and "year  2" are one cohort for people; other scripts' cases are left
+    // to them.
     if (space && out.ends_with(' ')) continue;
     out += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
   }

@@ -15,6 +15,7 @@ using Spellings = std::map<std::string, Spelling>;  // by NameKey
 
 Spellings SpellingsOf(const std::vector<RosterRow>& rows, const RosterFacts& facts) {
   Spellings out;
+  // First those that are there: a spelling in use wins over the file's.
   for (const auto& [name, cohort] : facts.cohorts) {
     out.try_emplace(NameKey(name), Spelling{name, "which is there"});
   }
@@ -42,6 +43,7 @@ std::vector<RosterProblem> ProblemsOf(const RosterRow& row, const RosterFacts& f
                    "each person once"});
   }
   auto person = facts.people.find(row.login);
+  // A list from an office must not make a student an instructor, nor the other way round.
   if (person != facts.people.end() && person->second.role != row.role) {
     out.push_back({row.row, "role", RoleName(row.role),
                    std::string(RoleName(person->second.role)) + ", which \"" + row.login +
@@ -71,6 +73,8 @@ RosterStep StepFor(const RosterRow& row, const RosterFacts& facts) {
     return step;
   }
   step.before = person->second;
+  // An empty name says nothing about the name; the password, and whether somebody is disabled, are
+  // never a roster's.
   step.renames = !row.display_name.empty() && row.display_name != person->second.display_name;
   bool member = cohort != facts.cohorts.end() &&
                 facts.members.contains({cohort->second.id, person->second.id});
@@ -96,6 +100,8 @@ RosterPlan PlanRoster(const std::vector<RosterRow>& rows, const RosterFacts& fac
   for (const RosterRow& row : rows) {
     auto problems = ProblemsOf(row, facts, first_rows, spellings);
     plan.problems.insert(plan.problems.end(), problems.begin(), problems.end());
+    // Also for a row with a problem: the plan is shown whole, and carried out only when there is
+    // none.
     plan.steps.push_back(StepFor(row, facts));
     bool is_new = !row.cohort.empty() && !facts.cohorts.contains(row.cohort);
     if (is_new && made.insert(row.cohort).second) plan.new_cohorts.push_back(row.cohort);

@@ -13,6 +13,8 @@ std::string TimeText(UnixMs time_ms) {
   year_month_day date(day);
   hh_mm_ss clock(floor<minutes>(time - day));
   char text[64];
+  // In UTC and saying so: server, station and page may stand in different time zones, and the page
+  // shows local time beside it.
   std::snprintf(text, sizeof text, "%04d-%02u-%02u %02d:%02d UTC", static_cast<int>(date.year()),
                 static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()),
                 static_cast<int>(clock.hours().count()), static_cast<int>(clock.minutes().count()));
@@ -26,6 +28,8 @@ Result<UnixMs> TimeFromText(const std::string& text) {
   char between = 0;
   int found = std::sscanf(text.c_str(), "%4d-%2u-%2u%c%2u:%2u%n", &year, &month, &day, &between,
                           &hour, &minute, &used);
+  // sscanf stops at what it does not know; what is left over is looked at, so that "09:05 CET" is
+  // not taken for UTC.
   std::string rest = found == 6 ? text.substr(static_cast<size_t>(used)) : "?";
   year_month_day date{std::chrono::year(year), std::chrono::month(month), std::chrono::day(day)};
   bool fits = (between == ' ' || between == 'T') && date.ok() && year >= 2000 && year < 2100 &&
