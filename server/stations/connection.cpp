@@ -34,6 +34,7 @@ Connection::Connection(asio::ip::tcp::socket socket, Strand strand, SSL_CTX* tls
       refusals_(refusals),
       stream_(std::move(socket), tls),
       watch_(strand_),
+      // A peer that is nobody yet gets no 4 MiB of memory.
       reader_(protocol::kMaxFrameBytesBeforeHello),
       peer_(PeerAddress(stream_.socket())),
       block_(auth::AddressBlock(peer_)),
@@ -41,12 +42,15 @@ Connection::Connection(asio::ip::tcp::socket socket, Strand strand, SSL_CTX* tls
 
 void Connection::Run(std::function<void()> on_end) {
   auto self = shared_from_this();
+  // One deadline for handshake and first message together: a peer cannot hold a place by being slow
+  // in parts.
   Allow(deadlines_.introduction);
   asio::co_spawn(strand_, Watch(), [self](std::exception_ptr) {});
   asio::co_spawn(strand_, Serve(), [self, on_end](std::exception_ptr failure) {
     if (failure) spdlog::error("station link: a connection ended by an exception");
     self->ended_ = true;
     self->CloseSocket();
+    // Watch then sees that it ended, and lets go of the connection.
     self->watch_.cancel();
     on_end();
   });
@@ -107,6 +111,7 @@ asio::awaitable<void> Connection::Serve() {
   }
   if (io == Io::kEnded) co_return;
   co_await ServeRequests();
+  // People's sessions end with the cable, and not by their idle time half an hour later.
   if (session_.has_sign_ins()) {
     Allow(deadlines_.work);
     co_await pool_.Run([this] {
@@ -129,6 +134,7 @@ asio::awaitable<void> Connection::ServeRequests() {
       co_return;
     }
     if (!frame.ok()) {
+      // Any other failure means that nobody is there to be told.
       if (frame.status().code() == Code::kTooLarge) co_await Refuse(frame.status());
       co_return;
     }
@@ -161,6 +167,7 @@ asio::awaitable<Answer> Connection::Carry(const wire::Request& request) {
   }
   if (auto who = session_.SignInWanted(request)) {
     auto signed_in = co_await session_.authenticator().SignIn(std::move(*who));
+    // Hashing has its own threads (Authenticator); what follows asks the database.
     co_return co_await pool_.Run([&] { return session_.FinishSignIn(request, signed_in); });
   }
   co_return co_await pool_.Run([&] { return session_.Handle(request); });
@@ -226,6 +233,7 @@ void Connection::NoteRefusal(wire::Error& error) {
 asio::awaitable<void> Connection::Refuse(Status status) {
   wire::Reply reply;
   *reply.mutable_error() = protocol::ToError(status);
+  // A server that stops, or a disk that is full, is no fault of the peer.
   if (status.code() != Code::kUnavailable) NoteRefusal(*reply.mutable_error());
   co_await Write(std::move(reply));
 }

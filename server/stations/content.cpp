@@ -23,6 +23,7 @@ Result<Content::Blob> Content::Get(const Sha256& hash) {
       if (Blob blob = at->second.lock()) return blob;
     }
   }
+  // A hash alone opens nothing: recordings and scores are blobs too, and no station fetches those.
   ENAMEL_ASSIGN_OR_RETURN(auto allowed, IsContent(hash));
   if (!allowed) {
     return Status(Code::kNotFound,
@@ -32,6 +33,8 @@ Result<Content::Blob> Content::Get(const Sha256& hash) {
   ENAMEL_ASSIGN_OR_RETURN(auto bytes, store_.GetBlob(hash));
   auto blob = std::make_shared<const Bytes>(std::move(bytes));
   MutexLock lock(mutex_);
+  // Held weakly: a volume of some MiB is in memory once while stations of a class fetch it, and not
+  // afterwards.
   std::erase_if(held_, [](const auto& entry) { return entry.second.expired(); });
   held_[hash] = blob;
   return blob;

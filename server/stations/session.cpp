@@ -50,6 +50,8 @@ Answer Session::Handle(const wire::Request& request) {
     return AnswerOf(request, Status(Code::kInvalidInput, "this connection has said hello already"),
                     true);
   }
+  // A request of a newer station parses with an empty body: it is told so and may go on with what
+  // both know.
   if (request.body_case() == wire::Request::BODY_NOT_SET) {
     wire::Reply reply;
     *reply.mutable_error() = protocol::UnsupportedError();
@@ -124,6 +126,8 @@ Result<wire::Reply> Session::Dispatch(const wire::Request& request) {
 Result<wire::Reply> Session::Do(const wire::Hello& hello) {
   ENAMEL_RETURN_IF_ERROR(CheckProtocolVersion(hello.protocol_version()));
   ENAMEL_ASSIGN_OR_RETURN(auto id, protocol::ReadUuid(hello.station_id(), "station_id"));
+  // Shortened and not refused: it is for a list that an admin reads, and no reason to turn a
+  // station away.
   std::string software = ShortenedText(hello.software(), kMaxSoftwareBytes);
   if (!software.empty()) {
     ENAMEL_ASSIGN_OR_RETURN(auto checked, CheckedName(software, "software"));
@@ -171,6 +175,7 @@ Result<wire::Reply> Session::Do(const wire::Enrol& enrol) {
     ENAMEL_ASSIGN_OR_RETURN(auto id, protocol::ReadUuid(enrol.station_id(), "station_id"));
     row.id = id;
   }
+  // Made here and sent once; the store keeps its hash.
   Bytes credential = auth::NewToken();
   ENAMEL_ASSIGN_OR_RETURN(auto station, services_.store.stations().EnrolStation(
                                             HashSha256(AsBytes(enrol.code())), row,
@@ -196,6 +201,8 @@ std::optional<auth::SignInRequest> Session::SignInWanted(const wire::Request& re
 
 Answer Session::FinishSignIn(const wire::Request& request, const Result<auth::SignedIn>& result) {
   Status admitted = StillAdmitted();
+  // Revoked while the password was being hashed: the session that came of it is of no use to
+  // anybody.
   if (!admitted.ok() && result.ok()) {
     (void)services_.authenticator.SignOut(result->identity.token_hash);
   }
@@ -224,6 +231,7 @@ void Session::End() {
 }
 
 Result<Person> Session::PersonOf(const std::string& session_token) {
+  // On this connection: a token that was read elsewhere does not work here.
   if (!signed_in_.contains(auth::TokenHash(AsBytes(session_token)))) {
     return Status(Code::kUnauthenticated,
                   "nobody is signed in with this session here; sign in again", "session");
@@ -284,6 +292,7 @@ Status Session::AddAssigned(const AssignedRow& row, const std::vector<SceneRow>&
   ref.set_exam(terms.exam);
   ENAMEL_ASSIGN_OR_RETURN(auto stations, StationsText(terms));
   Status may = MayBegin(row, services_.clock(), station_->id, stations);
+  // Listed with the reason, so that a student sees what is there and why it cannot begin now.
   if (!may.ok()) ref.set_refusal(may.message());
   return Status::Ok();
 }
@@ -317,6 +326,7 @@ Result<wire::Reply> Session::Do(const wire::ListExercises& request) {
 
 Result<wire::Reply> Session::Do(const wire::GetBlob& request) {
   ENAMEL_ASSIGN_OR_RETURN(auto hash, protocol::ReadSha256(request.sha256(), "sha256"));
+  // Parts of one blob come one after the other: it is held between them, and let go with the last.
   if (!fetched_ || fetched_hash_ != hash) {
     fetched_.reset();
     ENAMEL_ASSIGN_OR_RETURN(auto blob, services_.content.Get(hash));
@@ -342,6 +352,7 @@ Result<wire::Reply> Session::Do(const wire::GetBlob& request) {
 
 void Session::Take(const wire::LiveState& live) {
   auto attempt = protocol::ReadUuid(live.attempt(), "attempt");
+  // No answer, hence no refusal: a picture of somebody else's attempt is dropped in silence.
   if (!attempt.ok() || !ours_.contains(*attempt)) return;
   if (live.anchor_um_size() != 3 || live.force_mn_size() != 3) return;
   LiveSample sample;

@@ -77,6 +77,8 @@ Result<wire::Reply> Session::Do(const wire::RequestTicket& request) {
   ENAMEL_ASSIGN_OR_RETURN(auto person, PersonOf(request.session()));
   ENAMEL_ASSIGN_OR_RETURN(auto content, protocol::ReadSha256(request.exercise(), "exercise"));
   ENAMEL_ASSIGN_OR_RETURN(auto profile, protocol::ReadSha256(request.profile(), "profile"));
+  // Asked before an attempt and not at Hello: a station of an older version still gets rid of its
+  // recordings.
   if (station_core_version_ != core::kCoreVersion) {
     return Status(Code::kVersion, "the station's core has version " +
                                       std::to_string(station_core_version_) + ", this server's " +
@@ -260,6 +262,7 @@ Result<wire::Reply> Session::Do(const wire::OpenAttempt& request) {
 
   wire::Reply reply;
   reply.mutable_attempt_opened()->set_attempt(protocol::ToField(attempt.view()));
+  // Where the server stands: after a break the station goes on from here.
   reply.mutable_attempt_opened()->set_next_seq(row->chunks);
   reply.mutable_attempt_opened()->set_watched(services_.live.Watched(attempt));
   return reply;
