@@ -104,12 +104,12 @@ Response NotInTime(const Request& request) {
 }
 
 // Counts a request in for as long as it lives.
-class Ticket {
+class InFlight {
  public:
-  Ticket(std::atomic<size_t>& count, size_t limit) : count_(count), granted_(++count_ <= limit) {}
-  ~Ticket() { --count_; }
-  Ticket(const Ticket&) = delete;
-  Ticket& operator=(const Ticket&) = delete;
+  InFlight(std::atomic<size_t>& count, size_t limit) : count_(count), granted_(++count_ <= limit) {}
+  ~InFlight() { --count_; }
+  InFlight(const InFlight&) = delete;
+  InFlight& operator=(const InFlight&) = delete;
   bool granted() const { return granted_; }
 
  private:
@@ -206,8 +206,8 @@ asio::awaitable<Response> Api::Answer(const Request& request) {
   if (async && route.need == Need::kNobody) co_return co_await (*async)(call, store_);
   // Lives as long as the work, also when the caller has been answered in its stead: the bound is on
   // what runs.
-  Ticket ticket(in_flight_, max_in_flight_);
-  if (!ticket.granted()) {
+  InFlight place(in_flight_, max_in_flight_);
+  if (!place.granted()) {
     co_return ErrorResponse({Code::kUnavailable, "the server is busy; try again in a few seconds"});
   }
   if (async) co_return co_await Asynchronous(call, route);
