@@ -209,7 +209,6 @@ Response ErasePerson(const Call& call, Parts<PeopleStore, UpkeepStore> store) {
     return ErrorResponse({Code::kInvalidInput,
                           "expected the person's login, because this cannot be undone", "login"});
   }
-  // Else the last admin could go, and with them everybody's way in.
   // Who erases an admin is another admin, who is then still there to let others in.
   if (person->id == call.caller->person.id) {
     return ErrorResponse({Code::kConflict, "expected another person: nobody erases oneself"});
