@@ -33,6 +33,7 @@ constexpr milliseconds kSameInterrupt{2'000};      // Ctrl-C pressed more than o
 constexpr std::chrono::seconds kDiskPatience{60};  // with a disk that takes nothing
 
 volatile std::sig_atomic_t interrupted = 0;  // how often
+// A handler may do no more than this; the watcher looks at it with every turn.
 void OnSignal(int) { interrupted = interrupted + 1; }
 
 // The attempt that was cut off and is meant.
@@ -45,6 +46,7 @@ Result<Uuid> Unfinished(Workplace& workplace, const std::string& text) {
 
 Result<PreparedAttempt> PrepareResume(Workplace& workplace, const RunOptions& options) {
   ENAMEL_ASSIGN_OR_RETURN(auto id, Unfinished(workplace, options.resume));
+  // Begun on a reserved ticket: its PIN says whose it is, with or without the server.
   if (!options.pin.empty()) return workplace.PrepareResume(id, options.pin);
   auto person = workplace.SignIn(options.login, options.password);
   if (!person.ok()) return person.status();
@@ -69,8 +71,10 @@ Result<std::unique_ptr<render::Window>> OpenWindow(const RunOptions& options,
   w.heading = job.exercise.title + ", " + job.scene.title;
   w.screen.visible = options.window;
   w.view.bur = job.exercise.bur().metric();
+  // The bar is full at what the device can give, so that it means the same in every exercise on it.
   w.view.force_full_scale_n = static_cast<double>(job.profile.peak_force_mn.value) * 1e-3;
   w.time_limit_s = job.exercise.time_limit_s;
+  // Resumed: the tooth as it was cut before, not as it was whole.
   return render::Window::Create(w, job.core ? job.core->volume() : job.volume);
 }
 
@@ -91,6 +95,7 @@ class Progress {
             const Uploader::State& up) {
     if (quiet_) return;
     auto now = steady_clock::now();
+    // In a file every line stays: one in two seconds is enough to see that it goes on.
     if (!terminal_ && now - last_ < std::chrono::seconds(2)) return;
     last_ = now;
     std::fprintf(
@@ -111,6 +116,7 @@ class Progress {
         : s.put_down
             ? "the handpiece lies in its holder: take it up to go on; Ctrl-C ends the attempt"
             : "";
+    // Once for each change: a fault stays for as long as the pedal is down.
     if (why == told_ || log_only_) return;
     told_ = why;
     End();
@@ -195,10 +201,14 @@ Result<Tool> OpenTool(const RunOptions& options, PreparedAttempt& job) {
                   "lockstep");
   }
   hid::DeviceChoice choice = options.device;
+  // The reader of a board has to wake as punctually as the loop that reads from it. Refusal is told
+  // by the loop's own request.
   choice.thread_setup = [] { (void)RequestRealtime(); };
   ENAMEL_ASSIGN_OR_RETURN(
       auto opened, sdk::OpenChosenDevice(choice, job.profile, 1.0 / job.header.params.rate_hz));
   out.device = std::move(opened);
+  // Before the ticket: the signed header says with what delay, hence with which coupling, it was
+  // computed.
   ENAMEL_RETURN_IF_ERROR(UseDelayOf(job, *out.device, options.workplace.data));
   return out;
 }
@@ -233,8 +243,11 @@ class Watcher {
 
   Result<AttemptResult> Run(Spool& spool) {
     Watch();
+    // Joined whatever happened above: the recorder has to write the seal before anything returns.
     auto seal = attempt_.Join();
     last_ = attempt_.snapshot();
+    // Looked at last: an attempt that is recorded is brought to the server also when its picture
+    // could not be written.
     Status picture = TakePicture();
     if (!seal.ok()) return seal.status();
     AttemptResult result;
@@ -265,9 +278,11 @@ class Watcher {
       return attempt_.recorded();
     };
     if (screen_.window) {
+      // On this thread, because window systems want their events on the one that made the window.
       screen_.window->Run(over);
       EndEarly();  // unless it has ended: the operator closed the window
     }
+    // Without a window there is nothing to do but look; the loop has threads of its own.
     while (!over()) std::this_thread::sleep_for(milliseconds(20));
   }
 
@@ -279,8 +294,10 @@ class Watcher {
       return;
     }
     if (!disk_fails_since_) disk_fails_since_ = now;
+    // Somebody who interrupts does not want to wait for a disk.
     if (!interrupted && now - *disk_fails_since_ < kDiskPatience) return;
     EndEarly();
+    // What was stored stays and can be closed or resumed later; the rest is lost.
     attempt_.GiveUp();
   }
 
@@ -297,6 +314,7 @@ class Watcher {
 
   Status TakePicture() {
     if (screen_.window && !options_.screenshot.empty()) {
+      // All of what was cut, where the window shows what it has come to.
       screen_.window->tooth().FlushBricks(attempt_.core().volume());
       return screen_.window->WriteScreenshot(options_.screenshot.string());
     }
@@ -312,6 +330,8 @@ class Watcher {
     auto waits = [&] {
       auto now = steady_clock::now();
       if (state.reachable) reachable_at = now;
+      // The Ctrl-C that ended the attempt may have been pressed more than once; it does not end the
+      // upload too.
       if (now - since < kSameInterrupt) interrupted_before = interrupted;
       return !state.sealed && !state.gave_up && interrupted == interrupted_before &&
              now - reachable_at < kUploadPatience;
@@ -373,6 +393,7 @@ Result<AttemptResult> RunAttempt(const RunOptions& options) {
                   "no simulated operator '" + options.operator_name + "': there are " + names,
                   "operator");
   }
+  // Before a ticket is used: an attempt must not be lost over a file name.
   ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(options.json, "--json"));
   ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(options.screenshot, "--screenshot"));
   ENAMEL_ASSIGN_OR_RETURN(auto workplace, Workplace::Open(options.workplace));
@@ -382,6 +403,7 @@ Result<AttemptResult> RunAttempt(const RunOptions& options) {
   ENAMEL_RETURN_IF_ERROR(OpenScreen(options, job, screen));
   std::signal(SIGINT, OnSignal);
   std::signal(SIGTERM, OnSignal);
+  // Last of all that can fail: a ticket that is taken counts as an attempt.
   if (job.attempt().IsZero()) {
     ENAMEL_RETURN_IF_ERROR(workplace->TakeTicket(job, options.as_reference));
   }

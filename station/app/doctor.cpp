@@ -52,6 +52,7 @@ Finding Enrolment(const DoctorCommand& options, Result<Credentials>& credentials
 
 Finding ServersClock(int64_t ahead_ms) {
   std::string found = "the server's is " + std::to_string(ahead_ms) + " ms ahead of this one";
+  // Either way: a clock ahead takes a good ticket for expired, one behind an expired one for good.
   int64_t off = ahead_ms < 0 ? -ahead_ms : ahead_ms;
   if (off <= kClockOff_ms) return {"clock", Verdict::kOk, found, ""};
   return {"clock", off <= kClockWrong_ms ? Verdict::kWarn : Verdict::kFail, found,
@@ -91,9 +92,12 @@ void Server(const Result<Credentials>& credentials, std::vector<Finding>& out) {
 Finding Disk(const fs::path& data) {
   std::error_code error;
   fs::path place = fs::absolute(data, error);
+  // The folder may not be there before enrolment: then the disk is looked at where it would be.
   while (!fs::exists(place, error) && place.has_relative_path()) place = place.parent_path();
   fs::path probe = place / (".enamel-doctor-" + std::to_string(::getpid()));
   auto begin = steady_clock::now();
+  // With a sync, as every chunk is: a folder on a slow network drive is found here and not in an
+  // exam.
   Status written = WriteFileDurably(probe, Bytes(4096, 0x5a), 0600);
   double ms = std::chrono::duration<double, std::milli>(steady_clock::now() - begin).count();
   fs::remove(probe, error);
@@ -118,6 +122,7 @@ Finding SpoolState(const fs::path& data) {
   if (!fs::exists(data / "spool.sqlite", error)) {
     return {"spool", Verdict::kOk, "empty: nothing was recorded here yet", ""};
   }
+  // To read only: a window may be recording into it.
   auto spool = Spool::OpenToRead(data);
   if (!spool.ok()) return {"spool", Verdict::kFail, spool.status().message(), ""};
   auto attempts = (*spool)->List();
@@ -153,6 +158,8 @@ void Realtime(std::vector<Finding>& out) {
     for (int i = 0; i < kTimerTicks; ++i) {
       due += kTick_ns;
       timespec until{due / kSecond_ns, due % kSecond_ns};
+      // A bare sleep and nothing else: what is late here is late by the computer and not by the
+      // loop.
       clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr);
       clock_gettime(CLOCK_MONOTONIC, &t);
       late.Add(t.tv_sec * kSecond_ns + t.tv_nsec - due);
@@ -166,6 +173,7 @@ void Realtime(std::vector<Finding>& out) {
   double p99_ms = late.Quantile_ns(0.99) * 1e-6, max_ms = static_cast<double>(late.max_ns()) * 1e-6;
   std::string found = Number(p99_ms, "99 of 100 ticks begin within %.2f ms, ") +
                       Number(max_ms, "the latest %.2f ms late (half a second at 1 kHz)");
+  // A tick late by a whole period is flagged in the recording (loop/tick_loop.h).
   bool good = max_ms < 1;
   out.push_back({"timer", good ? Verdict::kOk : Verdict::kWarn, found,
                  good ? "" : "close other programs; real-time rights help most"});
@@ -239,6 +247,7 @@ const char* Word(Verdict verdict) {
 std::vector<Finding> Examine(const DoctorCommand& options) {
   std::vector<Finding> out;
   Result<Credentials> credentials = Status(Code::kNotFound, "");
+  // In the order in which a new station is set up: each line assumes those above it.
   out.push_back(Enrolment(options, credentials));
   Server(credentials, out);
   out.push_back(Disk(options.data));

@@ -32,6 +32,7 @@ and assumed; 'enamel-station simulate --scene FOLDER' cuts it.)";
 }  // namespace
 
 Status ImportMesh(const ImportCommand& options) {
+  // First: reading and filling take up to a minute.
   ENAMEL_RETURN_IF_ERROR(program::CheckOutputFolder(options.out, "--out"));
   import::ImportOptions import_options;
   import_options.unit = options.unit;

@@ -16,6 +16,7 @@ struct Renamed {
 };
 
 const std::vector<Renamed>& Commands() {
+  // Scripts and notes of before know these names; the lab is a program of its own since then.
   static const std::vector<Renamed> all = {{"qualify", {"qualify"}},
                                            {"fit-damping", {"fit-damping"}},
                                            {"explain", {"explain"}},
@@ -50,6 +51,7 @@ Status RunLabCommand(int argc, const char* const* argv) {
   std::vector<std::string> arguments(argv + 1, argv + at);
   arguments.insert(arguments.end(), command.lab.begin(), command.lab.end());
   arguments.insert(arguments.end(), argv + at + 1, argv + argc);
+  // Returns only when it failed: else this process is the lab from here on, with its exit code.
   Status failed = program::ReplaceBy("enamel-lab", std::move(arguments));
   return Status(failed.code(),
                 "'" + std::string(command.here) + "' is a command of enamel-lab, which is not " +

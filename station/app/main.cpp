@@ -52,6 +52,7 @@ std::string DefaultData() {
 int main(int argc, char** argv) {
   const bool json = program::AsksForJson(argc, argv, kPrefix);
   (void)program::SetUpLog({.format = json ? "json" : "text", .name = kName});
+  // Before parsing: the options behind it are the lab's, and unknown here.
   if (IsLabCommand(argc, argv)) return Finish(RunLabCommand(argc, argv));
   CLI::App app("enamel-station: cut virtual teeth; every tick is recorded and sent to the server.");
   app.footer("'enamel-station --help' shows a first attempt, and what exit codes mean.");
@@ -73,10 +74,13 @@ int main(int argc, char** argv) {
     declare(group);
   }
   RegisterDeviceCommands(app, DefaultData(), Finish, &exit_code);
+  // After the commands have been declared, since a subcommand inherits the footer there is when it
+  // is made.
   app.footer(kFooter);
   settings.Add();
   try {
     app.parse(argc, argv);
+    // As started from a desktop's icon: without a subcommand it is the window.
     if (app.get_subcommands().empty()) {
       Status set = settings.Apply(*open.cmd);
       exit_code = Finish(set.ok() ? open.run() : set);

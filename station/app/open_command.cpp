@@ -36,6 +36,7 @@ OpenCommand DeclareOpen(CommandGroup group) {
       ->capture_default_str();
   cmd->add_option("--script", o.script,
                   "Play a person's part from this file (station/desk/script.h)");
+  // Given back as well: `main` runs it where no subcommand was named.
   auto run = [options, cmd, &place = group.place]() -> Status {
     options->desk.workplace = place.Options();
     if (cmd->count("--window") > 0) {

@@ -48,6 +48,8 @@ Result<std::string> Password(bool from_stdin) {
 int Run(RunOptions& options, bool password_stdin) {
   options.pin = Environment("ENAMEL_PIN");
   if (Status s = CheckRun(options); !s.ok()) {
+    // Said like a failure, counted as a wrong command line: exit code 2 as for what the parser
+    // finds.
     (void)Finish(s);
     return kUsage;
   }
@@ -66,7 +68,9 @@ int Run(RunOptions& options, bool password_stdin) {
                         " % of it. What was done is sealed and will be scored as it is: what was "
                         "not cut counts as missing");
   }
+  // Also when it was ended early: what was asked for is done.
   if (result->uploaded) return 0;
+  // No other try will help: somebody has to look at it, so that this is a failure and not "later".
   if (!result->refused.empty()) {
     return Finish(Status(Code::kForbidden,
                          "the server refuses this recording: " + result->refused +

@@ -40,6 +40,7 @@ struct Waiting {
 };
 
 Waiting WaitingOf(const SpooledAttempt& a) {
+  // In the order of how much a person has to do about it.
   if (!a.refused.empty()) return {"the server refuses it: " + a.refused, a.refused_unix_ms, 0};
   if (a.waits() && !a.waits_because.empty()) {
     return {a.waits_because, a.waits_since_unix_ms, a.tried_unix_ms};
@@ -93,6 +94,7 @@ Result<std::unique_ptr<Spool>> OpenSpool(const fs::path& data) {
   auto spool = Spool::OpenToRead(data);
   std::error_code error;
   bool enrolled = fs::exists(data / "station.json", error);
+  // A station that was enrolled today is not broken; a folder that is none of ours is.
   if (spool.status().code() == Code::kNotFound && enrolled) return std::unique_ptr<Spool>();
   return spool;
 }
@@ -172,6 +174,7 @@ double NumberIn(const json::object& facts, std::initializer_list<std::string_vie
 }
 
 void PrintLoop(const KeptLoopFacts& run, const json::object& facts) {
+  // Of a newer program, or an older one: shown as it is rather than misread.
   if (NumberIn(facts, {"version"}) != kLoopFactsVersion) {
     std::printf("run %u, ended %s, in a version that this program does not know: %s\n", run.run,
                 LocalTime(run.ended_unix_ms).c_str(), json::serialize(facts).c_str());
@@ -203,6 +206,8 @@ Status SendWaiting(AttemptSender& sender, Spool& spool, bool as_json, json::arra
   Status worst;
   for (const SpooledAttempt& attempt : waiting) {
     Status status = sender.Send(attempt.id);
+    // The server or the way to it: the next attempt would meet the same. A fault of one recording
+    // does not keep the others from being sent.
     if (!status.ok() && IsTransient(status) && !IsOfOneRecording(status)) {
       (void)spool.MarkAllTried(status.message());  // the link's error is the one to tell
       return status;
@@ -295,6 +300,7 @@ Status VerifySpool(const SpoolCommand& options) {
   ENAMEL_ASSIGN_OR_RETURN(auto spool, OpenSpool(options.workplace.data));
   std::optional<trace::PublicKey> key;
   if (auto credentials = LoadCredentials(options.workplace.data); credentials.ok()) {
+    // A spool that was copied away is checked without signatures, and the answer says so.
     key = credentials->public_key();
   }
   Status pages;
@@ -332,6 +338,7 @@ Status ExportFromSpool(const SpoolCommand& options) {
   if (!id.ok()) return id.status();
   ENAMEL_ASSIGN_OR_RETURN(auto file, spool->Export(*id));
   Bytes bytes = trace::EncodeTraceFile(file);
+  // For this user alone: a recording is personal data (schemas/personal_data.md).
   ENAMEL_RETURN_IF_ERROR(WriteFileDurably(options.out, bytes, 0600));
   if (options.json) {
     PrintJson({{"attempt_id", id->Text()},
@@ -362,6 +369,7 @@ Status UploadSpool(const SpoolCommand& options) {
   AttemptSender sender(link, *spool, bandwidth);
   Status status = link.Connect(credentials);
   if (status.ok()) {
+    // First what the server had and lost: only then is it known what is to be sent.
     auto wanted = sender.Offer();
     status = wanted.ok() ? sender.ReturnTickets() : wanted.status();
     if (wanted.ok() && *wanted > 0 && !options.json) {
@@ -374,10 +382,12 @@ Status UploadSpool(const SpoolCommand& options) {
   if (!status.ok() && !IsDamaged(status)) (void)(spool)->MarkAllTried(status.message());
   json::array sent;
   if (status.ok() && link.connected()) status = SendWaiting(sender, *spool, options.json, sent);
+  // With the server away nobody has asked it: a refusal of before is told when it answers again.
   if (status.ok() || !IsTransient(status)) {
     ENAMEL_ASSIGN_OR_RETURN(auto all, spool->List());
     if (Status refused = Refusals(all); !refused.ok()) status = refused;
   }
+  // After sending, so that nothing goes that was just found to be missing.
   ENAMEL_ASSIGN_OR_RETURN(auto pruned, spool->Prune(options.workplace.retention));
   if (std::string text = PrunedText(pruned, options.workplace.retention); !text.empty()) {
     spdlog::warn("{}", text);
@@ -415,6 +425,7 @@ Status SalvageIntoFolder(const SpoolCommand& options) {
 
 Status CloseInSpool(const SpoolCommand& options) {
   ENAMEL_ASSIGN_OR_RETURN(auto spool, Spool::Open(options.workplace.data));
+  // A window may be recording this very attempt: it must not be ended under its hands.
   auto lock = spool->LockForRecording();
   if (!lock.ok()) return lock.status();
   auto id = AttemptMeant(*spool, options.attempt, [](const auto& a) { return !a.seal; });
@@ -436,6 +447,7 @@ void AddSpoolCommands(CLI::App& app, SpoolCommand& options, WorkplaceSettings& s
   auto add = [&](CLI::App& to, const char* name, const char* about,
                  Status (*command)(const SpoolCommand&)) {
     CLI::App* added = to.add_subcommand(name, about);
+    // The same command stands under `spool` and at the top, where the window's advice names it.
     if (command == UploadSpool) {
       AddWorkplaceSettings(*added, settings);
       added->add_option("--again", options.again,

@@ -27,6 +27,7 @@ Result<trace::PublicKey> ReadKey(const std::string& text, const std::string& opt
   constexpr size_t kMostBytes = 4096;
   std::string digits = text;
   std::error_code none;
+  // A file first: nobody names one like 64 hexadecimal digits.
   if (fs::exists(text, none)) {
     ENAMEL_ASSIGN_OR_RETURN(const Bytes bytes, ReadFile(text, kMostBytes));
     digits = Trimmed(std::string(AsText(bytes)));
@@ -50,6 +51,7 @@ struct Keys {
 };
 Result<Keys> KeysFor(const VerifyOptions& options) {
   Keys out;
+  // One that is not named is this station's own, which has to be enrolled for that.
   if (options.station_key.empty() || options.server_key.empty()) {
     auto own = LoadCredentials(options.data);
     if (!own.ok()) {
@@ -75,6 +77,7 @@ class Checks {
     std::printf("%-8s %-6s %s\n", name, status.ok() ? "ok" : "FAILED",
                 status.ok() ? good.c_str() : status.message().c_str());
     json_[name] = status.ok();
+    // All are made, whatever failed before: two failures together say more than the first.
     if (first_.ok() && !status.ok()) first_ = status;
   }
   const Status& first_failure() const { return first_; }
@@ -101,6 +104,7 @@ Status CheckSignatures(const RecordingFile& recording, const trace::PublicKey& k
 }
 
 Status CheckSeal(const RecordingFile& recording) {
+  // Before the seal: a file that ends early has none either, and that would be the wrong reason.
   if (recording.file.truncated) {
     return Status(Code::kConflict,
                   "the file is cut short: what was behind its whole chunks is "
@@ -138,6 +142,7 @@ Status VerifyRecording(const VerifyOptions& options) {
   ENAMEL_ASSIGN_OR_RETURN(const Keys keys, KeysFor(options));
   const std::string chunks = std::to_string(recording.file.chunks.size());
   Checks checks;
+  // From what costs nothing to what takes longest.
   checks.Add("ticket", CheckTicket(recording, keys.server), "issued by the server");
   checks.Add("chunks", CheckSignatures(recording, keys.station),
              "all " + chunks + " signed by the station");

@@ -35,6 +35,7 @@ void AddWorkplaceSettings(CLI::App& command, WorkplaceSettings& settings) {
   command
       .add_option("--keep-days", settings.keep_days,
                   "Keep recordings this long after the server has them")
+      // Never less than a week: so old may a server's backup be that asks for its recordings again.
       ->check(CLI::Range(7, 3650))
       ->capture_default_str();
   command
