@@ -172,6 +172,8 @@ struct RubricCriterion {
   std::string comment;           // shown where points are lost
   // Critical: when value exceeds this the whole score is 0.
   std::optional<double> fails_above;
+
+  bool operator==(const RubricCriterion&) const = default;
 };
 
 // What every criterion's points are multiplied by: how far the task was done, or how much was
@@ -191,6 +193,8 @@ struct Rubric {
   int32_t version = 1;
   std::vector<RubricCriterion> criteria;
   std::vector<RubricGate> gates;
+
+  bool operator==(const Rubric&) const = default;
 };
 
 struct Exercise {

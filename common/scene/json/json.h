@@ -17,9 +17,12 @@ namespace enamel::scene {
 std::string ToJson(const Scene& scene);
 std::string ToJson(const DeviceProfile& profile);
 std::string ToJson(const Exercise& exercise);
+// A rubric by itself, as it corrects the one of an exercise that is published.
+std::string ToJson(const Rubric& rubric);
 
 Result<Scene> SceneFromJson(std::string_view json);
 Result<DeviceProfile> ProfileFromJson(std::string_view json);
 Result<Exercise> ExerciseFromJson(std::string_view json);
+Result<Rubric> RubricFromJson(std::string_view json);
 
 }  // namespace enamel::scene

@@ -129,6 +129,23 @@ TEST(SceneJsonTest, GatesNeedFormatFourAndAMapOfShares) {
             "/rubric/gates/0/comment");
 }
 
+TEST(SceneJsonTest, ARubricByItselfSaysWhatItSaysInAnExercise) {
+  const std::string text = ReadText("golden/scene_rubric.json");
+  Result<Rubric> rubric = RubricFromJson(text);
+  ASSERT_TRUE(rubric.ok()) << rubric.status().message();
+  EXPECT_EQ(ToJson(*rubric), text);
+  EXPECT_EQ(*rubric, ExerciseFromJson(ReadText("golden/scene_exercise_gates.json"))->rubric);
+  auto field = [&](const char* from, const char* to) {
+    Result<Rubric> r = RubricFromJson(Replaced(text, from, to));
+    return r.ok() ? std::string("accepted") : r.status().field();
+  };
+  EXPECT_EQ(RubricFromJson(Replaced(text, "\"format\": 1", "\"format\": 2")).status().code(),
+            Code::kVersion);
+  EXPECT_EQ(field("\"version\": ", "\"verse\": "), "/version");
+  EXPECT_EQ(field("[90, 1]", "[90, 2]"), "/gates/0/map");
+  EXPECT_FALSE(RubricFromJson("").ok());
+}
+
 TEST(SceneJsonTest, TouchCuesNeedFormatThreeAndAForce) {
   const std::string text = ReadText("golden/scene_exercise_cues.json");
   auto field = [&](const char* from, const char* to) {
@@ -292,6 +309,7 @@ TEST(SceneJsonTest, MaterialSchemaNamesExactlyTheMembersOfTheDocuments) {
 TEST(SceneJsonTest, SchemasNameExactlyTheMembersOfTheDocuments) {
   auto exercise = NamesOf(ReadText("golden/scene_exercise_gates.json"));
   EXPECT_EQ(exercise, SchemaNames("exercise.schema.json"));
+  EXPECT_EQ(NamesOf(ReadText("golden/scene_rubric.json")), SchemaNames("rubric.schema.json"));
   EXPECT_EQ(NamesOf(ReadText("golden/scene_profile_torque.json")),
             SchemaNames("device_profile.schema.json"));
   EXPECT_EQ(NamesOf(ReadText("golden/scene_calibration.json")),
