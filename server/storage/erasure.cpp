@@ -81,6 +81,7 @@ Result<std::set<Sha256>> NamedBlobs(Db& db) {
         " UNION SELECT content FROM profile_versions WHERE tenant = ?1 UNION SELECT content FROM "
         "profile_reports WHERE tenant = ?1";
   }
+  if (schema >= 8) sql += " UNION SELECT content FROM rubrics WHERE tenant = ?1";
   Query documents(db, sql.c_str());
   ENAMEL_RETURN_IF_ERROR(add(documents, 1));
   Query attempts(db,

@@ -34,11 +34,15 @@ Result<ExerciseRow> OneExercise(Query& q, const std::string& what) {
   return Status(Code::kNotFound, "no exercise " + what);
 }
 
+}  // namespace
+
 Result<ExerciseRow> FindExercise(Db& db, const Uuid& id) {
   static const std::string kSql = std::string(kSelect) + " AND e.id = ?2";
   Query q(db, kSql.c_str());
   return OneExercise(q.Bind(id), id.Text());
 }
+
+namespace {
 
 Result<ExerciseRow> FindDraft(Db& db, const Uuid& id, int32_t revision) {
   auto row = FindExercise(db, id);

@@ -18,12 +18,14 @@ struct JobRow {
   std::string state;  // "queued" | "running" | "done" | "failed" | "cancelled"
   uint32_t tries = 0;
   std::string error;
-  std::string cause = "seal";  // "seal" | "reference" | "rescore" | "appeal"
+  std::string cause = "seal";  // "seal" | "reference" | "rescore" | "appeal" | "rubric"
   double progress = 0;         // 0..1 while running
+  std::optional<Uuid> batch{};
 };
 
 struct JobFilter {
-  std::string state{};           // empty: all
+  std::string state{};  // empty: all
+  std::optional<Uuid> batch{};
   std::optional<Uuid> before{};  // page: ids lower than this (newest first)
   uint32_t limit = 50;           // at most 200
 };

@@ -8,6 +8,8 @@ namespace enamel::server::sqlite {
 namespace {
 
 constexpr int kMaxTries = 3;
+constexpr char kSelect[] =
+    "SELECT id, kind, attempt, state, tries, error, cause, batch FROM jobs j WHERE tenant = ?1";
 
 JobRow JobOf(const Query& q) {
   JobRow out;
@@ -18,6 +20,7 @@ JobRow JobOf(const Query& q) {
   out.tries = static_cast<uint32_t>(q.Int(4));
   out.error = q.Text(5);
   out.cause = q.Text(6);
+  if (!q.IsNull(7)) out.batch = q.Id(7);
   return out;
 }
 
@@ -59,11 +62,12 @@ Status GiveUp(Db& db, JobRow job, const std::string& error) {
 
 // One run of an attempt at a time: two would end in any order.
 Result<std::optional<JobRow>> NextJob(Db& db, UnixMs now_ms) {
-  Query q(db,
-          "SELECT id, kind, attempt, state, tries, error, cause FROM jobs j WHERE tenant = ?1 AND "
-          "((state = 'queued' AND NOT EXISTS (SELECT 1 FROM jobs r WHERE r.tenant = j.tenant AND "
-          "r.attempt = j.attempt AND r.state = 'running')) OR (state = 'running' AND "
-          "lease_until_ms < ?2)) ORDER BY id LIMIT 1");
+  static const std::string kSql =
+      std::string(kSelect) +
+      " AND ((state = 'queued' AND NOT EXISTS (SELECT 1 FROM jobs r WHERE r.tenant = j.tenant AND "
+      "r.attempt = j.attempt AND r.state = 'running')) OR (state = 'running' AND "
+      "lease_until_ms < ?2)) ORDER BY CASE WHEN batch IS NULL THEN 0 ELSE 1 END, id LIMIT 1";
+  Query q(db, kSql.c_str());
   std::optional<JobRow> out;
   if (q.Bind(now_ms).Next()) out = JobOf(q);
   if (!q.status().ok()) return q.status();
@@ -93,9 +97,8 @@ Status TakeJob(Db& db, UnixMs now_ms, UnixMs lease_ms, std::optional<JobRow>& ta
 }
 
 Result<JobRow> FindJob(Db& db, const Uuid& job) {
-  Query q(db,
-          "SELECT id, kind, attempt, state, tries, error, cause FROM jobs WHERE tenant = ?1 AND id "
-          "= ?2");
+  static const std::string kSql = std::string(kSelect) + " AND id = ?2";
+  Query q(db, kSql.c_str());
   if (q.Bind(job).Next()) return JobOf(q);
   if (!q.status().ok()) return q.status();
   return Status(Code::kNotFound, "no job " + job.Text());
@@ -109,16 +112,37 @@ Status Requeue(Db& db, JobRow job) {
 
 }  // namespace
 
+Status CancelRun(Db& db, JobRow row, const Actor& by) {
+  Json before = JsonOf({{"state", row.state}});
+  row.state = "cancelled";
+  ENAMEL_RETURN_IF_ERROR(SetJob(db, row, 0));
+  ENAMEL_RETURN_IF_ERROR(EndRun(db, row.attempt, AttemptState::kSealed, ""));
+  return WriteAudit(db, by, "job.cancel", row.attempt.Text(), before,
+                    JsonOf({{"state", row.state}}));
+}
+
+Result<std::vector<JobRow>> OpenJobsOf(Db& db, const Uuid& batch) {
+  static const std::string kSql =
+      std::string(kSelect) + " AND batch = ?2 AND state IN ('queued', 'running')";
+  Query q(db, kSql.c_str());
+  q.Bind(batch);
+  std::vector<JobRow> out;
+  while (q.Next()) out.push_back(JobOf(q));
+  if (!q.status().ok()) return q.status();
+  return out;
+}
+
 Status EndLeases(Db& db) {
   Query q(db, "UPDATE jobs SET lease_until_ms = 0 WHERE tenant = ?1 AND state = 'running'");
   return q.Run();
 }
 
-Status QueueScoreJob(Db& db, const Uuid& attempt, const std::string& cause) {
+Status QueueScoreJob(Db& db, const Uuid& attempt, const std::string& cause,
+                     const std::optional<Uuid>& batch) {
   Query q(db,
-          "INSERT INTO jobs (tenant, id, kind, attempt, state, cause) VALUES (?1, ?2, 'score', ?3, "
-          "'queued', ?4)");
-  return q.Bind(Uuid::New()).Bind(attempt).Bind(cause).Run();
+          "INSERT INTO jobs (tenant, id, kind, attempt, state, cause, batch) VALUES (?1, ?2, "
+          "'score', ?3, 'queued', ?4, ?5)");
+  return q.Bind(Uuid::New()).Bind(attempt).Bind(cause).Bind(batch).Run();
 }
 
 Status SqliteStore::EndEarlierLeases() {
@@ -164,17 +188,19 @@ Status SqliteStore::ReturnJob(const Uuid& job) {
 Result<std::vector<JobRow>> SqliteStore::FindJobs(const JobFilter& filter) {
   return Read([&](Db& db) -> Result<std::vector<JobRow>> {
     Query q(db,
-            "SELECT j.id, j.kind, j.attempt, j.state, j.tries, j.error, j.cause, CASE j.state WHEN "
+            "SELECT j.id, j.kind, j.attempt, j.state, j.tries, j.error, j.cause, j.batch, CASE "
+            "j.state WHEN "
             "'running' THEN a.progress WHEN 'done' THEN 1 ELSE 0 END FROM jobs j JOIN attempts a "
             "ON a.tenant = "
             "j.tenant AND a.id = j.attempt WHERE j.tenant = ?1 AND (?2 = '' OR j.state = ?2) AND "
-            "(j.id < ?3 OR ?3 = ?5) ORDER BY j.id DESC LIMIT ?4");
+            "(j.id < ?3 OR ?3 = ?5) AND (j.batch = ?6 OR ?6 = ?5) ORDER BY j.id DESC LIMIT ?4");
     q.Bind(filter.state).Bind(filter.before.value_or(Uuid{}));
     q.Bind(int64_t{std::clamp<uint32_t>(filter.limit, 1, 200)}).Bind(Uuid{});
+    q.Bind(filter.batch.value_or(Uuid{}));
     std::vector<JobRow> out;
     while (q.Next()) {
       out.push_back(JobOf(q));
-      out.back().progress = q.Real(7);
+      out.back().progress = q.Real(8);
     }
     if (!q.status().ok()) return q.status();
     return out;
@@ -195,12 +221,7 @@ Status SqliteStore::CancelJob(const Uuid& job, const Actor& by) {
       return Status(Code::kConflict,
                     "job " + job.Text() + " is " + row.state + "; there is nothing to cancel");
     }
-    Json before = JsonOf({{"state", row.state}});
-    row.state = "cancelled";
-    ENAMEL_RETURN_IF_ERROR(SetJob(db, row, 0));
-    ENAMEL_RETURN_IF_ERROR(EndRun(db, row.attempt, AttemptState::kSealed, ""));
-    return WriteAudit(db, by, "job.cancel", row.attempt.Text(), before,
-                      JsonOf({{"state", row.state}}));
+    return CancelRun(db, row, by);
   });
 }
 

@@ -41,11 +41,13 @@ class Parts {
   BlobStore& blobs() const requires kHas<BlobStore> { return *this; }
   ContentStore& content() const requires kHas<ContentStore> { return *this; }
   TeachingStore& teaching() const requires kHas<TeachingStore> { return *this; }
+  RubricStore& rubrics() const requires kHas<RubricStore> { return *this; }
   ReferenceStore& references() const requires kHas<ReferenceStore> { return *this; }
   JudgingStore& judging() const requires kHas<JudgingStore> { return *this; }
   IngestStore& ingest() const requires kHas<IngestStore> { return *this; }
   AttemptStore& attempts() const requires kHas<AttemptStore> { return *this; }
   JobStore& jobs() const requires kHas<JobStore> { return *this; }
+  BatchStore& batches() const requires kHas<BatchStore> { return *this; }
   AuditStore& audit() const requires kHas<AuditStore> { return *this; }
   UpkeepStore& upkeep() const requires kHas<UpkeepStore> { return *this; }
 

@@ -196,6 +196,15 @@ class SqliteStore final : public Store {
   Status WithdrawReference(const Uuid& id, const Actor& by) override;
   Result<std::optional<ReferenceRow>> ReferenceFor(const Uuid& exercise) override;
 
+  Result<std::optional<RubricRow>> RubricFor(const Uuid& exercise) override;
+  Result<std::vector<RubricRow>> Rubrics(const Uuid& exercise) override;
+  Result<RubricRow> PublishRubric(const RubricRow& row, const Actor& by) override;
+
+  Result<BatchRow> RescoreTogether(const BatchRow& row, const std::vector<Uuid>& attempts,
+                                   uint32_t& left_out, const Actor& by) override;
+  Result<std::vector<BatchRow>> Batches() override;
+  Result<BatchRow> BatchById(const Uuid& id) override;
+  Status CancelBatch(const Uuid& id, const Actor& by) override;
   Result<std::optional<JobRow>> LeaseJob(UnixMs now_ms, UnixMs lease_ms) override;
   Status FinishJob(const Uuid& job, bool ok, const std::string& error) override;
   Status ReturnJob(const Uuid& job) override;
@@ -312,7 +321,11 @@ Status WriteAudit(Db& db, const Actor& by, const char* action, const std::string
                   const Json& before, const Json& after);
 // kConflict from a UNIQUE constraint, in words.
 Status Explain(Status status, const std::string& conflict);
-Status QueueScoreJob(Db& db, const Uuid& attempt, const std::string& cause);
+Status QueueScoreJob(Db& db, const Uuid& attempt, const std::string& cause,
+                     const std::optional<Uuid>& batch = {});
+Status CancelRun(Db& db, JobRow job, const Actor& by);
+Result<std::vector<JobRow>> OpenJobsOf(Db& db, const Uuid& batch);  // queued and running
+Result<ExerciseRow> FindExercise(Db& db, const Uuid& id);
 // Of ten columns from `first`: id, name, version, title, content, scene, graded, published_ms,
 // state, revision.
 ExerciseRow ExerciseOf(const Query& q, int first);

@@ -2,11 +2,13 @@
 
 #include "server/storage/attempt_store.h"
 #include "server/storage/audit_store.h"
+#include "server/storage/batch_store.h"
 #include "server/storage/content_store.h"
 #include "server/storage/ingest_store.h"
 #include "server/storage/job_store.h"
 #include "server/storage/judging_store.h"
 #include "server/storage/people_store.h"
+#include "server/storage/rubric_store.h"
 #include "server/storage/station_store.h"
 #include "server/storage/teaching_store.h"
 #include "server/storage/upkeep_store.h"
@@ -24,11 +26,13 @@ namespace enamel::server {
 class Store : public PeopleStore,
               public StationStore,
               public ContentStore,
+              public RubricStore,
               public TeachingStore,
               public JudgingStore,
               public IngestStore,
               public AttemptStore,
               public JobStore,
+              public BatchStore,
               public AuditStore,
               public UpkeepStore {};
 

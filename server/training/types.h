@@ -290,4 +290,13 @@ struct ReferenceRow {
   UnixMs withdrawn_ms = 0;  // 0: counts
 };
 
+// A correction of a published exercise's rubric (schemas/rubric.schema.json).
+struct RubricRow {
+  Uuid exercise;        // this version of it
+  int32_t version = 0;  // of the document, as scores name it; above that of what it corrects
+  Sha256 content;
+  std::string reason;
+  UnixMs published_ms = 0;
+};
+
 }  // namespace enamel::server

@@ -17,6 +17,7 @@ namespace enamel::test {
 // safety: methods from any thread.
 class MemoryStore final : public server::StationStore,
                           public server::BlobStore,
+                          public server::RubricStore,
                           public server::ReferenceStore,
                           public server::AttemptStore,
                           public server::JobStore {
@@ -32,6 +33,7 @@ class MemoryStore final : public server::StationStore,
   std::map<Uuid, AttemptResult> results;
   std::map<Uuid, server::StationRow> stations;
   std::map<Uuid, server::ReferenceRow> references;  // by exercise
+  std::map<Uuid, server::RubricRow> rubrics;        // by exercise
   std::vector<server::JobRow> jobs;
   std::vector<double> progress;  // everything SetProgress was told
   int failing_puts = 0;          // this many PutBlob answer kStorage
@@ -63,6 +65,19 @@ class MemoryStore final : public server::StationStore,
   Result<server::AttemptRow> AttemptById(const Uuid& id) override {
     std::lock_guard lock(mutex_);
     return Find(attempts, id, "attempt");
+  }
+  // Looks at exercise, state and page alone.
+  Result<std::vector<server::AttemptRow>> Attempts(const server::AttemptFilter& filter) override {
+    std::lock_guard lock(mutex_);
+    std::vector<server::AttemptRow> out;
+    for (auto it = attempts.rbegin(); it != attempts.rend(); ++it) {
+      const server::AttemptRow& row = it->second;
+      if (filter.exercise && row.exercise != *filter.exercise) continue;
+      if (filter.state && row.state != *filter.state) continue;
+      if (filter.before && !(row.id < *filter.before)) continue;
+      if (out.size() < filter.limit) out.push_back(row);
+    }
+    return out;
   }
   Result<Bytes> AttemptHeader(const Uuid& id) override {
     std::lock_guard lock(mutex_);
@@ -118,6 +133,12 @@ class MemoryStore final : public server::StationStore,
     if (found == references.end()) return std::optional<server::ReferenceRow>();
     return std::optional(found->second);
   }
+  Result<std::optional<server::RubricRow>> RubricFor(const Uuid& exercise) override {
+    std::lock_guard lock(mutex_);
+    auto found = rubrics.find(exercise);
+    if (found == rubrics.end()) return std::optional<server::RubricRow>();
+    return std::optional(found->second);
+  }
   Result<std::optional<server::JobRow>> LeaseJob(server::UnixMs, server::UnixMs) override {
     std::lock_guard lock(mutex_);
     ++leases;
@@ -168,7 +189,7 @@ class MemoryStore final : public server::StationStore,
 
   void Queue(const Uuid& attempt) {
     std::lock_guard lock(mutex_);
-    jobs.push_back({Uuid::New(), "score", attempt, "queued", 0, "", "seal", 0});
+    jobs.push_back({Uuid::New(), "score", attempt, "queued", 0, "", "seal", 0, {}});
   }
   void SetQueueBroken(bool broken) {
     std::lock_guard lock(mutex_);
@@ -186,6 +207,10 @@ class MemoryStore final : public server::StationStore,
     return No();
   }
   Status RevokeStation(const Uuid&, const server::Actor&) override { return No(); }
+  Result<std::vector<server::RubricRow>> Rubrics(const Uuid&) override { return No(); }
+  Result<server::RubricRow> PublishRubric(const server::RubricRow&, const server::Actor&) override {
+    return No();
+  }
   Result<std::vector<server::JobRow>> FindJobs(const server::JobFilter&) override { return No(); }
   Result<Uuid> AddEnrolCode(const Sha256&, server::UnixMs, const server::Actor&) override {
     return No();
@@ -202,9 +227,6 @@ class MemoryStore final : public server::StationStore,
   }
   Result<std::vector<server::StationRow>> Stations() override { return No(); }
   Result<std::vector<Uuid>> RevokedStations() override { return No(); }
-  Result<std::vector<server::AttemptRow>> Attempts(const server::AttemptFilter&) override {
-    return No();
-  }
   Result<std::vector<server::ResultRow>> ResultsOf(const Uuid&) override { return No(); }
   Result<std::vector<server::ContradictionRow>> ContradictionsOf(const Uuid&) override {
     return No();

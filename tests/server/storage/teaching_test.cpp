@@ -51,11 +51,16 @@ class TeachingTest : public StoreSuite {
     if (!status.ok()) return status;
     return row.id;
   }
-  // Scored, released, and another run of it queued.
-  Uuid Rescored(World& world, double score) {
+  // Scored, and nothing waits.
+  Uuid Settled(World& world, double score = 80) {
     Uuid attempt = world.ScoredAttempt(score);
     EXPECT_TRUE(store_->FinishJob(store_->LeaseJob(1, 1000)->value().id, true, "").ok());
     EXPECT_TRUE(store_->FinishAttempt(attempt, *store_->ResultOf(attempt), {}).ok());
+    return attempt;
+  }
+  // Scored, released, and another run of it queued.
+  Uuid Rescored(World& world, double score) {
+    Uuid attempt = Settled(world, score);
     EXPECT_TRUE(store_->ReleaseAttempt(attempt, kSystem).ok());
     EXPECT_TRUE(store_->Rescore(attempt, "rescore", kSystem).ok());
     return attempt;
@@ -838,6 +843,94 @@ TEST_P(TeachingTest, EveryChangeIsAudited) {
         "assignment.edit", "assignment.delete", "attempt.flag", "attempt.return"}) {
     EXPECT_NE(std::ranges::find(actions, action), actions.end()) << action;
   }
+}
+
+TEST_P(TeachingTest, NewestCorrectionOfARubricCountsAndEarlierOnesStay) {
+  World world(*store_);
+  const Uuid exercise = world.exercise.id;
+  EXPECT_FALSE(store_->RubricFor(exercise)->has_value());
+  RubricRow row{exercise, 2, PutText(*store_, "rubric 2"), "walls counted twice", 0};
+  ASSERT_TRUE(store_->PublishRubric(row, kSystem).ok());
+  RubricRow next{exercise, 3, PutText(*store_, "rubric 3"), "and floors", 0};
+  ASSERT_TRUE(store_->PublishRubric(next, kSystem).ok());
+  Reopen();
+  auto counting = store_->RubricFor(exercise);
+  ASSERT_TRUE(counting.ok() && counting->has_value());
+  EXPECT_EQ((*counting)->version, 3);
+  EXPECT_EQ((*counting)->content, next.content);
+  EXPECT_EQ((*counting)->reason, "and floors");
+  EXPECT_GT((*counting)->published_ms, 0);
+  ASSERT_EQ(store_->Rubrics(exercise)->size(), 2u);
+  EXPECT_EQ(store_->Rubrics(exercise)->back().content, row.content);
+  EXPECT_TRUE(store_->HasBlob(row.content));
+}
+
+TEST_P(TeachingTest, ACorrectionOfAnotherRubricThanTheNewestIsStale) {
+  World world(*store_);
+  const Uuid exercise = world.exercise.id;
+  auto publish = [&](int32_t version, const char* text) {
+    return store_->PublishRubric({exercise, version, PutText(*store_, text), "why", 0}, kSystem)
+        .status();
+  };
+  ASSERT_TRUE(publish(5, "five").ok()) << "the exercise's own may have any version";
+  EXPECT_EQ(publish(5, "another").field(), kStale);
+  EXPECT_EQ(publish(8, "another").field(), kStale);
+  EXPECT_EQ(publish(6, "five").code(), Code::kConflict) << "says nothing new";
+  EXPECT_TRUE(publish(6, "six").ok());
+  RubricRow nowhere{Uuid::New(), 2, PutText(*store_, "x"), "why", 0};
+  EXPECT_EQ(store_->PublishRubric(nowhere, kSystem).status().code(), Code::kNotFound);
+  RubricRow unstored{exercise, 7, HashSha256(AsBytes("nobody put this")), "why", 0};
+  EXPECT_EQ(store_->PublishRubric(unstored, kSystem).status().code(), Code::kNotFound);
+}
+
+TEST_P(TeachingTest, ABatchScoresWhatItCanAndLeavesOutTheRest) {
+  World world(*store_);
+  const Uuid first = Settled(world), second = Settled(world);
+  const Uuid open = world.OpenedAttempt();
+  uint32_t left_out = 0;
+  BatchRow wanted;
+  wanted.title = "year 1";
+  wanted.cause = "rubric";
+  auto batch =
+      store_->RescoreTogether(wanted, {first, open, second, Uuid::New()}, left_out, kSystem);
+  ASSERT_TRUE(batch.ok()) << batch.status().message();
+  EXPECT_EQ(left_out, 2u);
+  EXPECT_EQ(batch->queued, 2u);
+  EXPECT_EQ(batch->title, "year 1");
+  EXPECT_FALSE(batch->over());
+  // Both are waiting now.
+  EXPECT_EQ(store_->RescoreTogether(wanted, {first, second}, left_out, kSystem).status().code(),
+            Code::kConflict);
+  EXPECT_EQ(store_->Batches()->size(), 1u) << "what is refused leaves nothing";
+
+  auto job = *store_->LeaseJob(1, 1000);
+  ASSERT_TRUE(job);
+  EXPECT_EQ(job->batch, batch->id);
+  EXPECT_EQ(job->cause, "rubric");
+  EXPECT_EQ(store_->BatchById(batch->id)->running, 1u);
+  ASSERT_TRUE(store_->FinishJob(job->id, true, "").ok());
+  EXPECT_EQ(store_->BatchById(batch->id)->done, 1u);
+  ASSERT_TRUE(store_->CancelBatch(batch->id, kSystem).ok());
+  EXPECT_EQ(store_->BatchById(batch->id)->cancelled, 1u);
+  EXPECT_TRUE(store_->BatchById(batch->id)->over());
+  EXPECT_EQ(store_->CancelBatch(batch->id, kSystem).code(), Code::kConflict);
+  EXPECT_EQ(store_->BatchById(Uuid::New()).status().code(), Code::kNotFound);
+  JobFilter filter;
+  filter.batch = batch->id;
+  EXPECT_EQ(store_->FindJobs(filter)->size(), 2u);
+}
+
+TEST_P(TeachingTest, SomebodyWhoWaitsGoesBeforeABatch) {
+  World world(*store_);
+  const Uuid old = Settled(world);
+  uint32_t left_out = 0;
+  ASSERT_TRUE(store_->RescoreTogether({}, {old}, left_out, kSystem).ok());
+  const Uuid fresh = world.OpenedAttempt();
+  ASSERT_TRUE(store_->SealAttempt(World::SealOf(world.Append(fresh, 1)), 200).ok());
+  auto job = *store_->LeaseJob(1, 1000);
+  ASSERT_TRUE(job);
+  EXPECT_EQ(job->attempt, fresh);
+  EXPECT_FALSE(job->batch);
 }
 
 }  // namespace
