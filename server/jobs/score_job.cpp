@@ -7,6 +7,7 @@
 #include "common/scene/volume_blob.h"
 #include "common/scoring/score.h"
 #include "common/trace/replay.h"
+#include "server/jobs/regrade.h"
 #include "server/jobs/series.h"
 #include "server/jobs/surface_blob.h"
 
@@ -107,7 +108,16 @@ class ScoreJob {
         scene::CheckMadeOf(*documents, header_.scene, header_.volume, header_.params));
     exercise_ = std::move(documents->exercise);
     scene_ = std::move(documents->scene);
+    ENAMEL_RETURN_IF_ERROR(LoadRubric());
     return LoadVolume();
+  }
+
+  // The recording names the exercise's document, which never changes; what is corrected is how it
+  // is judged.
+  Status LoadRubric() {
+    ENAMEL_ASSIGN_OR_RETURN(auto rubric, CountingRubric(store_, row_.exercise, exercise_.rubric));
+    exercise_.rubric = std::move(rubric);
+    return Status::Ok();
   }
 
   Status LoadVolume() {

@@ -9,7 +9,8 @@
 
 namespace enamel::server {
 
-using ScoringParts = Parts<StationStore, BlobStore, ReferenceStore, AttemptStore, JobStore>;
+using ScoringParts =
+    Parts<StationStore, BlobStore, RubricStore, ReferenceStore, AttemptStore, JobStore>;
 
 // Told how far a job is, 0..1; returning false stops it (the server shuts down).
 using JobProgress = std::function<bool(double progress)>;
@@ -17,7 +18,7 @@ using JobProgress = std::function<bool(double progress)>;
 // Scores one sealed attempt from what is stored, and nothing else:
 //  1. header, chunks and seal: signatures, chain and counts must agree;
 //  2. scene, exercise and profile: they must give the header's parameters (CheckParams in
-//     scene/delay.h);
+//     scene/delay.h). The newest correction of the exercise's rubric stands for its own;
 //  3. the reference of the exercise (Store::ReferenceFor). An exercise without one scores only
 //     attempts that were recorded as a reference, against themselves; another waits: it fails with
 //     "no reference yet" and is queued again by Store::AddReference;

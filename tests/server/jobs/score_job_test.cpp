@@ -5,9 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 
+#include "common/scene/json/json.h"
 #include "common/scene/volume_blob.h"
 #include "common/scoring/score.h"
+#include "server/jobs/regrade.h"
 #include "tests/server/jobs/recorded_attempt.h"
 
 namespace enamel::server {
@@ -68,6 +71,67 @@ TEST_F(ScoreJobTest, TheReferenceAgainstItselfHasNoDeviationAndFullMarksForShape
   EXPECT_EQ(score.reference_attempt, attempt.Text());
   EXPECT_EQ(store_.results[attempt].reference, attempt);
   EXPECT_TRUE(score.witness_ok);
+}
+
+// A rubric is corrected: the preview says what a new run then finds, and the recording stays as it
+// was.
+TEST_F(ScoreJobTest, ACorrectedRubricCountsInTheNextRunAsItsPreviewSaid) {
+  const Uuid attempt = WithReference({.mesial_extra_mm = 0.3});
+  ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
+  const scoring::ScoreResult before = ScoreOf(attempt);
+  const Sha256 exercise = store_.attempts[attempt].exercise_content;
+  auto document = scene::ExerciseFromJson(AsText(store_.blobs[exercise]));
+  ASSERT_TRUE(document.ok());
+  scene::Rubric rubric = document->rubric;
+  std::erase_if(rubric.criteria,
+                [](const scene::RubricCriterion& c) { return c.metric == "wall_mesial_mm"; });
+  ASSERT_LT(rubric.criteria.size(), document->rubric.criteria.size());
+
+  auto preview = PreviewRubric(store_, store_.attempts[attempt].exercise, std::nullopt, rubric);
+  ASSERT_TRUE(preview.ok()) << preview.status().message();
+  ASSERT_EQ(preview->attempts.size(), 2u) << "the reference, too";
+  const RegradedAttempt& seen = preview->attempts.front();
+  EXPECT_EQ(seen.row.id, attempt) << "the largest change first";
+  // The document keeps twelve digits.
+  EXPECT_NEAR(seen.before, before.score, 1e-9);
+  EXPECT_GT(seen.after, seen.before);
+  EXPECT_EQ(preview->raised, 1u);
+  EXPECT_EQ(preview->lowered, 0u);
+  EXPECT_EQ(std::accumulate(preview->after.begin(), preview->after.end(), 0u), 2u);
+
+  rubric.version = document->rubric.version + 1;
+  const Sha256 content = *store_.PutBlob(AsBytes(scene::ToJson(rubric)));
+  const Uuid id = store_.attempts[attempt].exercise;
+  store_.rubrics[id] = {id, rubric.version, content, "why", 1};
+  ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
+  const scoring::ScoreResult after = ScoreOf(attempt);
+  EXPECT_NEAR(after.score, seen.after, 1e-9);
+  EXPECT_EQ(after.rubric_version, rubric.version);
+  EXPECT_EQ(after.metrics, before.metrics);
+}
+
+TEST_F(ScoreJobTest, APreviewSaysOfWhichAttemptsItCannotTell) {
+  const Uuid attempt = WithReference({});
+  ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
+  auto document =
+      scene::ExerciseFromJson(AsText(store_.blobs[store_.attempts[attempt].exercise_content]));
+  scoring::ScoreResult older = ScoreOf(attempt);
+  older.scoring_version = scoring::kScoringVersion - 1;
+  store_.results[attempt].score_json = *store_.PutBlob(AsBytes(scoring::ToJson(older)));
+  store_.results[reference_].score_json = HashSha256(AsBytes("lost"));
+  auto preview =
+      PreviewRubric(store_, store_.attempts[attempt].exercise, std::nullopt, document->rubric);
+  ASSERT_TRUE(preview.ok());
+  EXPECT_EQ(preview->problems, 2u);
+  EXPECT_EQ(preview->mean_after, 0);
+  for (const RegradedAttempt& a : preview->attempts) EXPECT_NE(a.problem, "");
+
+  scene::Rubric broken = document->rubric;
+  broken.criteria[0].metric = "no_such_metric";
+  EXPECT_EQ(PreviewRubric(store_, store_.attempts[attempt].exercise, std::nullopt, broken)
+                .status()
+                .code(),
+            Code::kInvalidInput);
 }
 
 TEST_F(ScoreJobTest, AWallThreeTenthsTooFarOutIsFoundAndExplained) {

@@ -1,0 +1,133 @@
+#include "server/jobs/regrade.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/scene/json/json.h"
+#include "common/scoring/score.h"
+#include "server/training/revision.h"
+
+namespace enamel::server {
+namespace {
+
+constexpr uint32_t kPage = 200;
+
+Result<std::vector<AttemptRow>> ScoredAttempts(AttemptStore& store, const Uuid& exercise,
+                                               const std::optional<Uuid>& cohort) {
+  AttemptFilter filter;
+  filter.exercise = exercise;
+  filter.cohort = cohort;
+  filter.state = AttemptState::kScored;
+  filter.limit = kPage;
+  std::vector<AttemptRow> out;
+  while (out.size() < kMaxPreviewed) {
+    ENAMEL_ASSIGN_OR_RETURN(auto page, store.Attempts(filter));
+    if (page.empty()) break;
+    filter.before = page.back().id;
+    out.insert(out.end(), page.begin(), page.end());
+  }
+  return out;
+}
+
+Result<scoring::ScoreResult> StoredScore(Parts<BlobStore, AttemptStore> store,
+                                         const Uuid& attempt) {
+  ENAMEL_ASSIGN_OR_RETURN(auto result, store.attempts().ResultOf(attempt));
+  ENAMEL_ASSIGN_OR_RETURN(auto text, store.blobs().GetBlob(result.score_json));
+  return scoring::ScoreFromJson(AsText(text));
+}
+
+RegradedAttempt Regrade(Parts<BlobStore, AttemptStore> store, const AttemptRow& row,
+                        const scene::Rubric& rubric) {
+  RegradedAttempt out{row, row.score.value_or(0), 0, row.critical_fail, false, ""};
+  Result<scoring::ScoreResult> before = StoredScore(store, row.id);
+  if (!before.ok()) {
+    out.problem = before.status().message();
+    return out;
+  }
+  if (before->scoring_version != scoring::kScoringVersion) {
+    out.problem = "measured by version " + std::to_string(before->scoring_version) +
+                  " of the metrics, this is version " + std::to_string(scoring::kScoringVersion) +
+                  "; only scoring it again tells";
+    return out;
+  }
+  Result<scoring::ScoreResult> after =
+      scoring::ApplyRubric(rubric, {before->metrics, before->missing});
+  if (!after.ok()) {
+    out.problem = after.status().message();
+    return out;
+  }
+  out.after = after->score;
+  out.failed_after = after->critical_fail;
+  return out;
+}
+
+void Count(double score, ScoreHistogram& histogram) {
+  const double tenth = std::clamp(std::floor(score / 10), 0.0, 9.0);
+  ++histogram[static_cast<size_t>(tenth)];
+}
+
+}  // namespace
+
+Result<scene::Rubric> CountingRubric(Parts<BlobStore, RubricStore> store, const Uuid& exercise,
+                                     const scene::Rubric& own) {
+  ENAMEL_ASSIGN_OR_RETURN(auto row, store.rubrics().RubricFor(exercise));
+  if (!row) return own;
+  ENAMEL_ASSIGN_OR_RETURN(auto text, store.blobs().GetBlob(row->content));
+  return scene::RubricFromJson(AsText(text));
+}
+
+Result<RubricPreview> PreviewRubric(Parts<BlobStore, AttemptStore> store, const Uuid& exercise,
+                                    const std::optional<Uuid>& cohort,
+                                    const scene::Rubric& rubric) {
+  ENAMEL_RETURN_IF_ERROR(scoring::ValidateRubric(rubric));
+  ENAMEL_ASSIGN_OR_RETURN(auto rows, ScoredAttempts(store.attempts(), exercise, cohort));
+  RubricPreview out;
+  for (const AttemptRow& row : rows) {
+    out.attempts.push_back(Regrade(store, row, rubric));
+    const RegradedAttempt& a = out.attempts.back();
+    if (!a.problem.empty()) {
+      ++out.problems;
+      continue;
+    }
+    Count(a.before, out.before);
+    Count(a.after, out.after);
+    out.raised += a.after > a.before ? 1 : 0;
+    out.lowered += a.after < a.before ? 1 : 0;
+    out.mean_before += a.before;
+    out.mean_after += a.after;
+  }
+  if (const size_t told = out.attempts.size() - out.problems; told > 0) {
+    out.mean_before /= static_cast<double>(told);
+    out.mean_after /= static_cast<double>(told);
+  }
+  std::ranges::stable_sort(out.attempts, std::ranges::greater{}, [](const RegradedAttempt& a) {
+    return a.problem.empty() ? std::abs(a.after - a.before) : 0;
+  });
+  return out;
+}
+
+Result<RubricRow> PublishCorrection(Parts<ContentStore, RubricStore> store, const Uuid& exercise,
+                                    scene::Rubric rubric, int32_t seen, const std::string& reason,
+                                    const Actor& by) {
+  ENAMEL_RETURN_IF_ERROR(scoring::ValidateRubric(rubric));
+  ENAMEL_ASSIGN_OR_RETURN(auto row, store.content().ExerciseById(exercise));
+  ENAMEL_ASSIGN_OR_RETURN(auto text, store.content().GetBlob(row.content));
+  ENAMEL_ASSIGN_OR_RETURN(auto document, scene::ExerciseFromJson(AsText(text)));
+  ENAMEL_ASSIGN_OR_RETURN(auto counting, CountingRubric(store, exercise, document.rubric));
+  if (counting.version != seen) {
+    return Status(Code::kConflict,
+                  "the rubric that counts has version " + std::to_string(counting.version) +
+                      ", the correction is of version " + std::to_string(seen) +
+                      "; look at it and try again",
+                  std::string(kStale));
+  }
+  rubric.version = counting.version;
+  if (rubric == counting) {
+    return Status(Code::kConflict, "the rubric that counts says the same already");
+  }
+  rubric.version = counting.version + 1;
+  ENAMEL_ASSIGN_OR_RETURN(auto content, store.content().PutBlob(AsBytes(scene::ToJson(rubric))));
+  return store.rubrics().PublishRubric({exercise, rubric.version, content, reason, 0}, by);
+}
+
+}  // namespace enamel::server

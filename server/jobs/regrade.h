@@ -1,0 +1,52 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/scene/types.h"
+#include "server/storage/parts.h"
+
+// What a corrected rubric would change. Scores keep all their metrics, so that points can be given
+// anew without replaying anything; whether it is then done is for BatchStore, whose jobs replay.
+// Thread safety: functions, any thread; they block for the store.
+namespace enamel::server {
+
+// The rubric that counts for an exercise: its newest correction, or the document's own.
+Result<scene::Rubric> CountingRubric(Parts<BlobStore, RubricStore> store, const Uuid& exercise,
+                                     const scene::Rubric& own);
+
+struct RegradedAttempt {
+  AttemptRow row;
+  double before = 0, after = 0;  // computed scores, 0..100; what people set instead is in `row`
+  bool failed_before = false, failed_after = false;  // critically
+  std::string problem;                               // why there is no `after`; empty: there is one
+};
+
+// Scored attempts in tenths of the scale: [0, 10), ... [90, 100].
+using ScoreHistogram = std::array<uint32_t, 10>;
+
+struct RubricPreview {
+  std::vector<RegradedAttempt> attempts;  // by the size of the change, the largest first
+  ScoreHistogram before{}, after{};       // of those without a problem
+  uint32_t raised = 0, lowered = 0, problems = 0;
+  double mean_before = 0, mean_after = 0;
+};
+
+inline constexpr size_t kMaxPreviewed = 2000;
+
+// `rubric` on the metrics of the scored attempts of an exercise, of one cohort's members where one
+// is given; the newest kMaxPreviewed. Errors: those of scoring::ValidateRubric.
+Result<RubricPreview> PreviewRubric(Parts<BlobStore, AttemptStore> store, const Uuid& exercise,
+                                    const std::optional<Uuid>& cohort, const scene::Rubric& rubric);
+
+// Checks and stores `rubric` as the next version of the one that counts; its own version is not
+// read. `seen`: the version that was corrected. Errors: those of scoring::ValidateRubric and of
+// RubricStore::PublishRubric; kConflict with field kStale when `seen` is not the one that counts.
+Result<RubricRow> PublishCorrection(Parts<ContentStore, RubricStore> store, const Uuid& exercise,
+                                    scene::Rubric rubric, int32_t seen, const std::string& reason,
+                                    const Actor& by);
+
+}  // namespace enamel::server
