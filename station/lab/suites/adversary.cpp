@@ -24,6 +24,7 @@ class CouplingSubject final : public Subject {
     material_.contact = contact;
     haptics::CouplingOutput out = coupling_.Tick(tip, bound_ratio, material_);
     tank_j_ = out.tank_j;
+    // The coupling gives the force on the operator, the theorem is about the resisting one.
     return -out.force_sent_n;
   }
   double tank_j() const override { return tank_j_; }
@@ -39,6 +40,7 @@ class CouplingSubject final : public Subject {
     if (law == LawKind::kTankMaxwell) {
       p.law.resolution_m = dvec3(m.resolution_m);
       p.cell = cell;
+      // The tank law is told what the rules allow: it is proved for that and for no more.
       p.delay_ticks = rules.clause_ticks();
     } else {
       // The older guard knows boxes only: one around the cell, whatever its shape.
@@ -51,6 +53,8 @@ class CouplingSubject final : public Subject {
   double tank_j_ = 0;
 };
 
+// The guard without a law. What the adversary asks for is what a law could do at its worst, so that
+// a pump found here would be one in every law that moves its rest point by guarded steps.
 class GuardedSpring final : public Subject {
  public:
   GuardedSpring(const DeviceModel& m, const GameRules& rules, double energy)
@@ -59,6 +63,7 @@ class GuardedSpring final : public Subject {
     params_.cell = rules.Cell(m.resolution_m);
     params_.delay_ticks = rules.clause_ticks();
     tank_.energy_j = energy;
+    // What the spring holds at half the peak force, (F/2)^2/(2 Kc): enough to be worth stealing.
     tank_.cap_j = 0.125 * peak_ * peak_ / kc_;
     tank_.inflow_share = 0.3;
   }
@@ -77,6 +82,8 @@ class GuardedSpring final : public Subject {
   }
   dvec3 Tick(const dvec3& tip, double bound_ratio, const Contact& contact,
              const dvec3& push) override {
+    // From quantised positions, hence wrong by a cell: the proof does not use it, it bounds the
+    // inflow.
     double work = Dot(sent_, tip - tip_);
     tip_ = tip;
     if (!resumed_) tank_.BeginTick();
@@ -84,12 +91,15 @@ class GuardedSpring final : public Subject {
     Move(push, work);
     dvec3 e = tip_ - rest_;
     Sym3 b = contact.damping_n_s_per_m;
+    // The implicit Maxwell step (B + Kc T)^-1 Kc T e: bounded for every B, however small.
     dvec3 w = e - b * SolveShifted(b, kc_ * tick_, e);
     double into = Dot(w, contact.wall_normal);
     if (into > 0) w -= contact.wall_normal * into;
     Move(w, work);
     double bound = peak_ * bound_ratio;
     e = tip_ - rest_;
+    // As the coupling does: the rest point gives way first, what is left is a share of the
+    // stiffness.
     double force = kc_ * std::sqrt(Dot(e, e));
     if (force > bound) Move(e * (1 - bound / force), work);
     params_.kc_n_per_m = kc_;
@@ -120,6 +130,7 @@ dmat3 RandomFrame(Random& r) {
 
 void RandomContact(Random& r, Contact* contact) {
   Sym3 b;
+  // Directions that resist: none in air, three in solid tissue.
   int rank = r.Below(4);
   for (int i = 0; i < rank; ++i) b += Sym3::Outer(r.Direction(), r.LogBetween(1, 1e6));
   contact->damping_n_s_per_m = b;
@@ -128,6 +139,7 @@ void RandomContact(Random& r, Contact* contact) {
   contact->clearance_m = rank == 0 ? 1 : 0;
 }
 
+// Rounding stays far below (README, "Rounding").
 constexpr double kRounding_j = 1e-12;
 
 void Count(const Game& game, double above, Attack* attack) {
@@ -143,6 +155,8 @@ void PlayWalk(Game& game, const GameRules& rules, Random& r, int64_t ticks, Atta
   double pace = 1, memory = 0;
   int dither = 0, steady = 1;
   for (int64_t tick = 0; tick < ticks; ++tick) {
+    // A new start now and then: a pump would show within some periods, and other paces have their
+    // turn.
     if (tick % 1500 == 0) {
       pace = game.delta_m() * r.LogBetween(1e-3, 30);
       memory = r.Uniform();
@@ -151,6 +165,7 @@ void PlayWalk(Game& game, const GameRules& rules, Random& r, int64_t ticks, Atta
       v = r.Direction() * pace;
       turn = Turn{};
       game.Start(dvec3(r.Signed(), r.Signed(), r.Signed()) * 1e-4, RandomFrame(r));
+      // Loaded starts have a floor that is known only where no force is still under way.
       if (rules.delay_ticks == 0 && rules.late == GameRules::Late::kNone && r.Below(2)) {
         turn.contact.damping_n_s_per_m = Sym3::Isotropic(1e8);
         turn.contact.engaged = true;
@@ -201,6 +216,7 @@ void PlayDither(Game& game, const GameRules& rules, Random& r, int64_t ticks, At
   int64_t played = 0;
   for (uint64_t round = 0; played < ticks; ++round) {
     int half = rules.delay_ticks + 1, period = 2 * half;
+    // First every pattern of wall and air over one period, each with every reach; then drawn ones.
     bool known = round < kReaches.size() << period;
     if (!known) {
       half = 1 + r.Below(rules.delay_ticks + 3);
@@ -303,9 +319,11 @@ class Strategy {
   }
   Turn At(size_t tick, const Game& game, const GameRules& rules) const {
     const double* q = &g[(tick % period()) * kGenes];
+    // A thirtieth of a cell to thirty cells.
     double scale = game.delta_m() * std::pow(10, std::clamp(g[kSize - 1], -1.5, 1.5));
     Turn t;
     t.way_m = dvec3(q[0], q[1], q[2]) * scale - game.tip_m();
+    // 0.05 to 7e10 N s/m; a gene of 0 is 3000.
     double b = std::exp(std::clamp(8 + 8 * q[3], -3.0, 25.0));
     Sym3 normal_only = Sym3::Outer(glm::normalize(dvec3(q[5], q[6], 1 + q[7])), b);
     t.contact.engaged = q[3] > -1.4;
@@ -336,6 +354,7 @@ double PlayStrategy(Game& game, const GameRules& rules, const Strategy& s, const
   double settled = 0, paid = 0;
   size_t ticks = kPeriods * s.period();
   for (size_t k = 1; k <= ticks; ++k) {
+    // The first half is the way in: what counts is what a motion draws that repeats.
     if (k == ticks / 2) {
       settled = game.owed();
       paid = game.paid_j();
@@ -359,7 +378,10 @@ void PlayBred(Game& game, const GameRules& rules, Random& r, int64_t rounds, Att
       if (chosen) next.g[i] += size * r.Normal();
     }
     double drawn = PlayStrategy(game, rules, next, frame, attack);
+    // 1.5 up and 0.97 down balance at about one success in fourteen: slow enough not to collapse
+    // on the long plateaus of these games.
     size = std::clamp(size * (drawn > most ? 1.5 : 0.97), 0.003, 3.0);
+    // As good is taken too: the search drifts along plateaus, where most of its time goes.
     if (drawn >= most) {
       most = drawn;
       best = next;
@@ -411,6 +433,8 @@ Game::Game(const DeviceModel& m, const GameRules& rules, std::optional<LawKind> 
       delta_(m.resolution_m),
       kc_(ClauseStiffness(m, rules)),
       energy_(energy) {
+  // b/T at equality in the clause, Kc = 2 b/((d + 1)^2 T): the device may have more, which would
+  // only help.
   double ticks = rules.clause_ticks() + 1;
   b_over_t_ = 0.5 * kc_ * ticks * ticks;
   haptics::TipCell cell = rules.Cell(delta_);
@@ -423,6 +447,7 @@ Game::Game(const DeviceModel& m, const GameRules& rules, std::optional<LawKind> 
 dvec3 Game::Read(const ivec3& noise) const {
   dvec3 shift = dvec3(noise) * delta_;
   if (!rules_.lattice) return CellMiddle(x_, delta_) + shift;
+  // Rounded in the joints' axes, noise in their counts, then turned back.
   dvec3 p = frame_ * (CellMiddle(glm::transpose(frame_) * x_, delta_) + shift);
   return rules_.driver_rounds ? CellMiddle(p, delta_) : p;
 }
@@ -455,11 +480,13 @@ double Game::owed() const { return balance_ - Stored() - subject_->tank_j(); }
 
 double Game::Play(const Turn& turn) {
   const dvec3& dx = turn.way_m;
+  // The force that is felt while the tip goes this way was computed delay ticks ago.
   double work = Dot(pipe_.front(), dx);
   double paid = b_over_t_ * Dot(dx, dx) + Dot(friction_, glm::abs(dx));
   balance_ += work + paid;
   paid_ += paid;
   handed_ += work;
+  // More than was stored at the start: `floor_` is minus that.
   taken_ = std::max(taken_, -handed_ + floor_);
   x_ += dx;
   if (held_) {
@@ -483,6 +510,8 @@ double Game::Play(const Turn& turn) {
     x_ += turn.gap_way_m;
     p_ = Read(turn.noise);
     subject_->Resume(p_);
+    // A new start may hold Kc/2 (radius of the cell)^2 that nobody paid for (README, "After a
+    // gap").
     floor_ -= 0.5 * kc_ * radius_ * radius_;
     lost = held_ = false;
   }
@@ -493,6 +522,7 @@ double Game::Play(const Turn& turn) {
   }
   pipe_.erase(pipe_.begin());
   pipe_.push_back(newest_);
+  // The coupling has stepped; the device missed the new force and goes on with the one before.
   if (late && !lost) pipe_.front() = felt;
   return above();
 }

@@ -16,6 +16,7 @@ using haptics::LawKind;
 const char* HandName(const TrialSpec& s) {
   if (s.hand == HandKind::kVelocity) return "velocity";
   if (s.hand == HandKind::kForce) return "force";
+  // Grips are 1000 and 200 N/m; a drawn one is called by the nearer.
   return s.hand_stiffness_n_per_m > 600 ? "impedance-1" : "impedance-0.2";
 }
 
@@ -45,6 +46,7 @@ const char* VerdictName(Verdict v) {
 void ParallelFor(size_t n, int threads, const std::function<void(size_t)>& job) {
   std::atomic<size_t> next{0};
   auto work = [&] {
+    // One counter instead of equal parts: jobs differ much in cost.
     for (size_t i = next++; i < n; i = next++) job(i);
   };
   std::vector<std::thread> others;
@@ -63,6 +65,7 @@ bool Proved(const TrialSpec& s) {
   const Lattice& lattice = s.plant.lattice;
   bool along_axes = lattice.joints == glm::dmat3(1) && lattice.driver_cell_m == 0;
   if (!along_axes || lattice.noise_counts != 0) return false;  // the law is not told of them here
+  // A profile's Kc may be the very limit, rounded to whole mN/mm and back.
   double slack = 1 + 1e-9;
   return s.law.kc_n_per_m <= slack * haptics::CouplingStiffness(s.plant.damping_n_s_per_m,
                                                                 s.plant.tick_s,
@@ -116,6 +119,7 @@ double NanosecondsPerTick(const TrialSpec& spec) {
     auto from = std::chrono::steady_clock::now();
     for (const dvec3& tip : tips) coupling.Tick(tip, 1, material);
     std::chrono::duration<double, std::nano> took = std::chrono::steady_clock::now() - from;
+    // The least of several: everything that disturbs a measurement makes it longer.
     best = std::min(best, took.count() / kTicks);
   }
   return best;

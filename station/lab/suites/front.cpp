@@ -18,6 +18,8 @@ double Extra(const Row& r, const char* name) {
 bool HasTrial(const Row& r) { return r.m.ticks > 0; }
 
 double SteadyError(const Row& r) {
+  // Of both: against the force asked for, and against B times the speed at which the bur really
+  // moves.
   return HasTrial(r) ? std::max(r.m.error_max_n, r.m.anchor_error_n) : kNotMeasured;
 }
 // Only a hand that prescribes velocity times the law: a force hand pushes with the force that is
@@ -47,6 +49,7 @@ bool Dominates(const LawPoint& a, const LawPoint& b) {
 void MarkFronts(std::vector<LawPoint>* points) {
   for (LawPoint& p : *points) {
     auto None = [&](auto beats) {
+      // A law that is lost beats nobody either: its figures were taken while it swung.
       return !p.lost && std::none_of(points->begin(), points->end(), [&](const LawPoint& q) {
         return &q != &p && !q.lost && beats(q);
       });
@@ -85,6 +88,7 @@ std::vector<LawPoint> LawPointsOf(const std::vector<Row>& rows, const std::strin
   std::vector<bool> measured(metrics.size(), false);
   for (const Row& r : rows) {
     if ((r.suite != "laws" && r.extra.empty()) || r.profile != profile ||
+        // Enamel's B of the paper: laws are compared where all of them were measured.
         std::fabs(r.b_n_s_per_mm - 6.5) > 1e-9)
       continue;
     LawPoint& p = by_name[LawPointName(r)];
@@ -104,6 +108,7 @@ std::vector<LawPoint> LawPointsOf(const std::vector<Row>& rows, const std::strin
   for (auto& [name, p] : by_name) {
     if (p.ns_per_tick <= 0) continue;
     for (size_t k = 0; k < metrics.size(); ++k) {
+      // Not measured while others were: a law must not win by having been left out.
       if (std::isnan(p.figures[k])) p.figures[k] = measured[k] ? kNever : kNotMeasured;
     }
     points.push_back(std::move(p));

@@ -24,10 +24,12 @@ std::string GameRules::Name() const {
 
 double ClauseStiffness(const DeviceModel& m, const GameRules& rules) {
   double ticks = rules.clause_ticks() + 1;
+  // Kc <= 2 b/((d + 1)^2 T), the clause of README.md.
   return std::min(m.kc_n_per_m, 2 * m.damping_n_s_per_m / (ticks * ticks * m.tick_s()));
 }
 
 bool Covered(std::optional<haptics::LawKind> law, const GameRules& rules) {
+  // The theorem says nothing of delay that it is not told of.
   if (rules.undeclared_ticks > 0) return false;
   if (!law || *law == haptics::LawKind::kTankMaxwell) return true;
   // The laws that clip at a wall and know no delay.
@@ -50,6 +52,7 @@ std::vector<GameRules> AllRules() {
                    .gaps = true,
                    .late = Late::kCovered});
   }
+  // Proved without delay only: bounds that jump, and the leak of a lost tick.
   all.push_back({.bounds = true});
   all.push_back({.late = Late::kLeak});
   all.push_back(

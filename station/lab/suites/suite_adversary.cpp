@@ -28,6 +28,7 @@ struct PlainGame {
       : model(m), coupling(Params(m, law)), b_over_t(m.damping_n_s_per_m / m.tick_s()) {
     // The least friction the theorem allows: what the device has beyond it only helps.
     friction = std::min(m.friction_n, m.kc_n_per_m * m.resolution_m / 2);
+    // Likewise: Kc = 2 b/T at most, hence b/T at least Kc/2.
     b_over_t = std::min(b_over_t, m.kc_n_per_m / 2);
   }
   static haptics::CouplingParams Params(const DeviceModel& m, LawKind law) {
@@ -118,6 +119,7 @@ struct Motion {
 double PlayMotion(PlainGame& game, const Motion& motion, Attack* attack) {
   double delta = game.model.resolution_m;
   game.Start(motion.At(0, delta));
+  // Six periods of the longest motion and a hundred of the shortest: a pump adds up.
   constexpr int kTicks = 400;
   for (int k = 1; k <= kTicks; ++k) {
     double phase = k / motion.period();
@@ -188,6 +190,7 @@ Attack PlaySearch(const DeviceModel& m, LawKind law, uint64_t seed, int rounds) 
   double lowest = PlayMotion(game, best, &a), size = 1;
   for (int round = 1; round < rounds; ++round) {
     Motion next = best;
+    // A third of the genes at a time: a change of all of them at once is rarely better.
     for (double& g : next.g) g += size * r.Normal() * (r.Below(3) == 0);
     double score = PlayMotion(game, next, &a);
     // One-fifth rule.
@@ -216,6 +219,7 @@ void RunAdversarySuite(SuiteContext& c) {
     std::optional<LawKind> against;
   };
   std::vector<Job> jobs;
+  // Jobs of equal length, so that threads end together; a game is repeated by its own seed alone.
   constexpr int kParts = 16;
   auto models = static_cast<int64_t>(c.findings.models.size());
   uint64_t seed = c.options.seed;
@@ -262,6 +266,7 @@ void RunAdversarySuite(SuiteContext& c) {
     if (j.rules)
       played[i] =
           PlayGame(*j.model, *j.rules, j.against, j.kind, j.seed,
+                   // A search counts in rounds of about 360 ticks.
                    j.kind < GameKind::kBred ? j.ticks : std::max<int64_t>(j.ticks / 200, 12));
     else
       played[i] = j.search ? PlaySearch(*j.model, j.law, j.seed, static_cast<int>(j.ticks / 400))

@@ -6,6 +6,7 @@
 namespace enamel::station::lab {
 namespace {
 
+// A minute at 1 kHz, over which the hand spreads its strokes (cutting/attempt.cpp).
 constexpr uint64_t kScoreTicks = 60'000;
 
 std::string F(double v, const char* format = "%.3f") {
@@ -25,6 +26,7 @@ void MarkFront(std::vector<CuttingRow>& rows) {
       const CuttingFigures &a = other.figures, &b = row.figures;
       bool no_worse = a.cost.mean_us <= b.cost.mean_us && a.deviation_p95_um <= b.deviation_p95_um;
       bool better = a.cost.mean_us < b.cost.mean_us || a.deviation_p95_um < b.deviation_p95_um;
+      // Another bur or speed is another task, not a cheaper way to do this one.
       return SameCut(a, b) && no_worse && better;
     });
   }
@@ -97,13 +99,16 @@ void RunCuttingSuite(SuiteContext& c) {
     c.progress(what.c_str(), done, all);
   };
   CuttingPlan plan = DefaultCuttingPlan(c.options.quick);
+  // Marked after all are there: whether one is on the front depends on the others.
   for (CuttingFigures& f : MeasureCutting(plan, progress)) {
     c.findings.cutting.push_back({std::move(f), false});
   }
   MarkFront(c.findings.cutting);
   c.findings.tables.push_back(CuttingTable(c.findings));
+  // Scores are of a molar at each voxel size: too long for --quick.
   if (c.options.quick) return;
   auto scores = MeasureScores(plan.voxels_nm, kScoreTicks, progress);
+  // The rest of the suite is worth having without them: the table says why they are missing.
   if (!scores.ok()) {
     c.findings.tables.push_back(
         {"Scores against voxel size", "Not measured: " + scores.status().message(), {}, {}});

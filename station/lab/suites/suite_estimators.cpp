@@ -32,6 +32,7 @@ Figures Judge(const haptics::EstimatorEntry& entry, const DeviceModel& m, double
   std::vector<double> in(static_cast<size_t>(2 * n));
   for (int k = 0; k < 2 * n; ++k) {
     double x = speed * m.tick_s() * std::min(k, n);
+    // 0.37: a start that is neither in the middle nor at an edge of its cell.
     in[static_cast<size_t>(k)] = (std::floor(x / m.resolution_m + 0.37) + 0.5) * m.resolution_m;
   }
   estimator->Reset(in[0]);
@@ -67,6 +68,7 @@ void RunEstimatorsSuite(SuiteContext& c) {
         " N. A window for 0.1 N needs B delta / 0.1 N = " + F(6500 * m.resolution_m / 0.1) + " s.";
     t.head = {"estimator",    "speed mm/s", "rms N", "max N", "last > 10 % after start s",
               "after stop s", "ns / update"};
+    // A slow finish, the paper's cutting speed, and faster than anybody cuts enamel.
     for (double speed : {0.05e-3, 0.43e-3, 2e-3}) {
       for (const auto& entry : haptics::VelocityEstimators()) {
         Figures f = Judge(entry, m, speed, 256);

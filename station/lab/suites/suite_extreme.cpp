@@ -36,6 +36,7 @@ Verdict OneGrip(TrialSpec s) {
   s.window_s = 1;
   s.measure_release = false;
   Measurement m = RunTrial(s);
+  // Where the theorem holds, a violated balance is a fault of ours, whatever the tip does.
   if (Proved(s)) return m.violation ? Verdict::kUnstable : Verdict::kPassive;
   if (Swings(s, m)) return Verdict::kUnstable;
   if (m.deviation_m > 2.5 * s.plant.resolution_m || m.violation)
@@ -46,12 +47,15 @@ Verdict OneGrip(TrialSpec s) {
 Verdict CellVerdict(TrialSpec s) {
   s.direction = glm::normalize(dvec3(1, 2, 3));
   s.hand_mass_kg = 0.03;
+  // The device's own motion is integrated in steps of some 0.12 ms, whatever the loop's rate is.
   s.plant.substeps = std::clamp(static_cast<int>(s.plant.tick_s / 0.12e-3), 1, 80);
   s.hand = HandKind::kImpedance;
   s.hand_stiffness_n_per_m = 1000;
+  // A tenth of critical damping: a loose grip, which hides least.
   s.hand_damping_n_s_per_m = 0.2 * std::sqrt(1000 * (s.hand_mass_kg + s.plant.mass_kg));
   Verdict v = OneGrip(s);
   double b = s.b_n_s_per_m.Trace() / 3;
+  // Elsewhere a force hand flies through the material or stands still, and says nothing.
   if (v == Verdict::kUnstable || b < 1000 || b > 2e4) return v;
   s.hand = HandKind::kForce;
   s.hand_damping_n_s_per_m = 2;
@@ -91,6 +95,7 @@ void AddZWidth(SuiteContext& c, const DeviceModel& m, LawKind law) {
   map.curves.push_back({"friction: Kc = 2c/delta", {{friction, 1e-3}, {friction, 1e6}}});
   VerdictMap::Curve colgate{"Colgate-Schenkel: K beside eq. 1", {}};
   for (double virtual_b : Steps(1e-3, 0.999e-3 * b, 12)) {
+    // At B = b nothing is left for stiffness: the curve ends there.
     if (virtual_b > 0.999e-3 * b) break;
     colgate.points.push_back(
         {std::max(0.05, haptics::ColgateSchenkelStiffness(b, virtual_b * 1e3, m.tick_s()) / k),
@@ -114,6 +119,7 @@ void AddRateDelay(SuiteContext& c, const DeviceModel& m) {
   map.y_label = "1 + ticks of delay";
   VerdictMap::Curve limit{"theorem: Kc = 2b/(T (d + 1)^2)", {}};
   for (double rate : Steps(100, 20000, 40)) {
+    // The clause solved for d.
     double d = std::sqrt(2 * m.damping_n_s_per_m * rate / m.kc_n_per_m) - 1;
     if (d >= 0 && d <= 5) limit.points.push_back({rate, 1 + d});
   }
@@ -192,6 +198,7 @@ std::vector<std::string> Event(const DeviceModel& m, const char* name, const cha
 
 void AddEvents(const DeviceModel& m, Table* t) {
   double v = kSpeed * m.tick_s(), delta = m.resolution_m;
+  // Two axes at different speeds, so that counts do not fall together.
   auto Steady = [=](int k) { return CellMiddle(dvec3(v * k, 0.3 * v * k, 0), delta); };
   double nan = std::numeric_limits<double>::quiet_NaN(),
          inf = std::numeric_limits<double>::infinity();

@@ -54,6 +54,7 @@ Job JobOf(const DeviceModel& m, double b, const HandMotion& motion) {
 std::vector<HandMotion> Motions(const DeviceModel& m, double b,
                                 const std::vector<HandMotion>& recorded) {
   std::vector<HandMotion> all;
+  // People at different paces are compared at one mean speed; the shape stays theirs.
   for (const HandMotion& r : recorded) all.push_back(ScaledToSpeed(r, kHumanSpeed_m_per_s));
   all.push_back(WanderingMotion(kHumanSpeed_m_per_s, 12, 1));
   for (double stroke : {1.0, 0.5}) {
@@ -75,6 +76,7 @@ void AddFirstStrokes(const DeviceModel& m, bool quick, std::vector<Job>* jobs) {
       std::min(0.9 * m.peak_force_n, m.continuous_force_n > 0 ? m.continuous_force_n : 1e9);
   for (double b : {30.0, 100.0, 300.0, 1000.0, 6500.0}) {
     for (double v : {0.1e-3, 0.2e-3, 0.5e-3, 1e-3, 2e-3, 5e-3, 10e-3, 20e-3, 50e-3, 100e-3}) {
+      // Above the motors' force nothing can be rendered; below 0.02 N nobody feels it.
       if (b * v > most || b * v < 0.02 || (quick && v != 0.5e-3 && v != 5e-3 && v != 50e-3))
         continue;
       double for_s = std::clamp(10 * b / m.kc_n_per_m, 0.3, 2.0);
@@ -92,6 +94,7 @@ std::vector<Job> JobsFor(const DeviceModel& m, bool quick,
   for (double b : {6500.0, 1000.0, 300.0}) {
     for (const HandMotion& motion : Motions(m, b, recorded)) {
       for (const Grip& grip : kGrips) {
+        // Only in this hand the law's own times are seen (front.cpp).
         if (quick && grip.kind != HandKind::kVelocity) continue;
         Job job = JobOf(m, b, motion);
         job.trial.hand = grip.kind;
@@ -179,6 +182,8 @@ void AddWithdrawals(SuiteContext& c, const DeviceModel& m, const cutting::Volume
     row.law = haptics::FindLaw(w.law)->name;
     row.opposing_n = f.opposing_n;
     row.pull_n = f.opposing_n > std::max(0.15, m.kc_n_per_m * m.resolution_m)
+                     // One cell of the encoder is worth Kc delta: a device that is coarse is not
+                     // charged for it.
                      ? f.opposing_n - m.kc_n_per_m * m.resolution_m
                      : f.opposing_n;
     row.rise_n = f.rise_n;
@@ -227,10 +232,12 @@ void AddTable(SuiteContext& c, size_t from) {
       const HandRow& r = c.findings.hands[i];
       if (r.device != m.name || r.hand != "velocity" || r.delay_ticks > 0 || r.rate_hz != m.rate_hz)
         continue;
+      // The generated hand stands in only where there are no people.
       bool human = r.motion.starts_with("human-") || (!recorded && r.motion == "wandering");
       bool straight = r.lattice == "cartesian", hard = r.b_n_s_per_mm == 6.5;
       if (!r.has_track) pull = std::max(pull, r.pull_n);
       if (human && hard && straight) {
+        // Squares are added and not ratios: motions are of different lengths and forces.
         e2 += r.f.error_rms_n * r.f.error_rms_n;
         o2 += r.f.oracle_rms_n * r.f.oracle_rms_n;
         straight2 += r.f.error_rms_n * r.f.error_rms_n;
@@ -248,6 +255,7 @@ void AddTable(SuiteContext& c, size_t from) {
       }
       if (!straight) continue;
       if (r.motion == "first-stroke") {
+        // As ErrorGoal: what is within it is no overshoot but the encoder's grain.
         double allowed = std::max(0.05, 1.15 * m.kc_n_per_m * m.resolution_m / 2);
         if (r.f.excess_n > allowed) shoot = std::max(shoot, r.f.overshoot);
       }
@@ -299,6 +307,7 @@ void RunHandSuite(SuiteContext& c) {
   std::vector<HandMotion> recorded;
   Result<std::vector<HandMotion>> found = RecordedMotions(c.options.recordings);
   if (found.ok()) recorded = std::move(*found);
+  // A folder that was named and cannot be read; one that is not there is said below.
   if (!found.ok() && c.options.errors) c.options.errors(found.status().message());
   if (recorded.empty() && c.options.out != nullptr) {
     std::fprintf(

@@ -22,6 +22,7 @@ struct Grid {
 };
 
 Grid GridFor(bool quick) {
+  // One rate, one tissue, and one estimator of each kind: a difference and a window.
   if (quick)
     return {{1000}, {6500}, {EstimatorKind::kBackwardDifference, EstimatorKind::kFoawBestFit}};
   Grid g{{500, 1000, 2000, 4000, 8000}, {500, 2500, 5200, 6500, 8700, 11300}, {}};
@@ -29,6 +30,7 @@ Grid GridFor(bool quick) {
   return g;
 }
 
+// The others have no speed in them, or one of their own.
 bool UsesEstimator(LawKind law) {
   return law != LawKind::kMaxwell && law != LawKind::kGatedMaxwell &&
          law != LawKind::kTankMaxwell && law != LawKind::kVirtualCoupling;
@@ -68,6 +70,7 @@ void AddJobs(const DeviceModel& at_rate, const Grid& grid, std::vector<Job>* job
           s.hand_damping_n_s_per_m =
               grip.kind == HandKind::kForce
                   ? 2
+                  // 0.3 of critical damping: 2 * 0.3 sqrt(k m).
                   : 0.6 * std::sqrt(grip.stiffness * (s.hand_mass_kg + at_rate.mass_kg));
           jobs->push_back({&at_rate, s});
         }
@@ -100,6 +103,8 @@ void AddTraces(const DeviceModel& model, Findings& findings) {
     EstimatorKind estimator;
     const char* label;
   };
+  // One of each kind, drawn into one frame: the default, its forerunners, and what the paper
+  // prints.
   for (Shown shown :
        {Shown{LawKind::kTankMaxwell, EstimatorKind::kLawsOwn, "tank Maxwell (default)"},
         Shown{LawKind::kGatedMaxwell, EstimatorKind::kLawsOwn, "gated Maxwell"},
@@ -110,6 +115,7 @@ void AddTraces(const DeviceModel& model, Findings& findings) {
     s.law.estimator.kind = shown.estimator;
     s.law.estimator.window_ticks = 256;
     s.direction = kOblique;
+    // 4.5 tau: the plain coupling is within 1 % of its force then.
     s.settle_s = 4.5 * kEnamel / model.kc_n_per_m;
     s.trace_s = s.settle_s / 400;
     Measurement m = RunTrial(s);
@@ -134,6 +140,7 @@ void AddGoalTable(SuiteContext& c) {
   const dvec3 ways[] = {dvec3(1, 0, 0), glm::normalize(dvec3(1, 1, 0)), kOblique,
                         glm::normalize(dvec3(1, 0.1, 0.05)), glm::normalize(dvec3(1, -0.4, 0.02))};
   for (const DeviceModel& m : c.findings.models) {
+    // A device that cannot give 2.8 N at all has no figure here.
     if (kEnamel * kSpeed > m.peak_force_n) continue;
     std::vector<Job> jobs;
     for (const dvec3& way : ways) {
@@ -166,6 +173,7 @@ void AddGoalTable(SuiteContext& c) {
       error[hand] = std::max(error[hand], r.m.error_max_n);
       energy = std::min(energy, r.m.energy_min_j - r.m.energy_floor_j);
       if (hand == 0) {
+        // 99: not reached. It has to fail its goal and still be printed.
         rise = std::max(rise, r.m.rise90_s < 0 ? 99 : r.m.rise90_s / r.m.rise90_floor_s);
         release = std::max(release, r.m.release10_s < 0 ? 99 : r.m.release10_s / r.tau_s);
         ripple = std::max(ripple, r.m.ripple_rms_n);

@@ -93,6 +93,7 @@ void AddTable(SuiteContext& c, const std::vector<fidelity::Tissue>& tissues, Mot
       if (r.device != m.name || r.attached != attached || r.cell.motion != motion ||
           r.cell.speed_m_per_s != kShownSpeed_m_per_s)
         continue;
+      // From the first cell: an attached unit's Kc and delay are not the model's.
       if (line.empty()) {
         char kc[24];
         std::snprintf(kc, sizeof kc, "%.2f", r.kc_n_per_mm);
@@ -114,6 +115,7 @@ void RunMapSuite(SuiteContext& c) {
     Result<fidelity::Device> plain = fidelity::AsItStands(m.profile);
     Result<fidelity::AttachedDevice> attached = fidelity::Attached(m.profile);
     for (const Status& status : {plain.status(), attached.status()}) {
+      // A profile that can be used only as it stands still has its half of the map.
       if (!status.ok() && c.options.errors) c.options.errors("map: " + status.message());
     }
     for (bool is_attached : {false, true}) {
@@ -134,6 +136,7 @@ void RunMapSuite(SuiteContext& c) {
     c.progress("map: cells", ++done, jobs.size());
   });
   for (FeelRow& row : rows) c.findings.feel.push_back(std::move(row));
+  // Four tables instead of one with eight columns a tissue.
   for (bool attached : {false, true}) {
     for (Motion motion : fidelity::kMotions) AddTable(c, tissues, motion, attached);
   }

@@ -56,6 +56,7 @@ PlantSpec Finely(PlantSpec s) {
 
 PlantSpec Ideal(PlantSpec s) {
   s.friction_n = 0;
+  // As good as none, without a division by 0: the ideal device of the closed forms.
   s.resolution_m = 1e-12;
   return Finely(s);
 }
@@ -102,11 +103,13 @@ Table MeasuredTable(SuiteContext& c) {
     if (Find(m.name) == nullptr) continue;
     for (double b : kDampings) cases.push_back({&m, b});
   }
+  // Filled by index: threads end in any order, the table does not.
   t.rows.resize(cases.size());
   ParallelFor(cases.size(), c.options.threads, [&](size_t i) {
     const DeviceModel& m = *cases[i].model;
     double b = cases[i].b, tick = m.tick_s();
     PlantSpec rough = PlantOf(m, b), fine = Finely(rough), ideal = Ideal(rough);
+    // Coarse where the search prescribes the motion, fine where the device moves by itself.
     double k = LargestPassive(rough, Rendered::kSpring),
            damper = LargestPassive(rough, Rendered::kDamper);
     auto Milli = [](double v, const char* format) { return F(v * 1e-3, format); };
@@ -169,8 +172,10 @@ Table ForetoldTable(SuiteContext& c) {
     const Printed* p = Find(m.name);
     if (p == nullptr) continue;
     double k = m.max_stiffness_n_per_m, f = m.rate_hz;
+    // The other way round from MeasuredTable: given K, which b makes it passive.
     double b = LeastDamping(PlantOf(m, 0), k);
     PlantSpec plant = PlantOf(m, b);
+    // Foretold: b comes from the printed K alone, and this B from that b.
     double passive = LargestPassive(plant, Rendered::kDamper) * 1e-3;
     auto Off = [&](double printed) { return F((printed / passive - 1) * 100, "%+.0f %%"); };
     t.rows.push_back({m.title, F(k * 1e-3, "%.1f"), F(b, "%.3f"), F(passive, "%.5f"),
@@ -178,6 +183,7 @@ Table ForetoldTable(SuiteContext& c) {
                       Off(p->table2_b), F(p->table2_eq16, "%.5f"),
                       F(haptics::PaperDampingBound(k, 0.5e-3, m.resolution_m, f, 0) * 1e-3, "%.5f"),
                       F(LargestStable(Finely(plant), Rendered::kDamper, {}) * 1e-3, "%.3f"),
+                      // B = 2 m/T solved for m: N s/mm is 1e3 N s/m, and kg is 1e3 g.
                       F(p->table1_b * 1e6 / f / 2, "%.1f"), F(m.mass_kg * 1e3, "%.0f"),
                       F(p->table1_n, "%.2f"), F(p->table1_n / p->table1_b, "%.0f")});
   }
@@ -235,6 +241,7 @@ Table SustainedTable(SuiteContext& c) {
     const Printed* p = Find(m.name);
     for (const Candidate& k : kCandidates) {
       std::vector<Row> rows;
+      // The speeds of figures 7 and 8, and table 3's.
       for (double v : {0.2e-3, 0.4e-3, 0.5e-3, 2e-3})
         rows.push_back(Cut(m, k.law, k.estimator, HandKind::kVelocity, v, k.pass));
       rows.push_back(Cut(m, k.law, k.estimator, HandKind::kForce, 0.43e-3, k.pass));
@@ -318,6 +325,7 @@ void AddProportion(Table* t, const std::string& what, const std::vector<Both>& d
     row.push_back(F(value[i], format));
     row.push_back(F(printed[i] / value[i], "%.3g"));
   }
+  // With fewer than the paper's three devices a spread says nothing.
   row.push_back(devices.size() < 3 ? "-" : F(SpreadOf(printed, value), "%.2f"));
   t->rows.push_back(std::move(row));
 }
@@ -436,6 +444,7 @@ void AddFigures(const DeviceModel& m, Findings& findings) {
       findings.traces.push_back({figure.title, s.label, target, RunTrial(spec).trace});
     }
     for (const Level& level : figure.levels) {
+      // A level is a trace of two points: the report then draws it as it draws the others.
       Sample from, to;
       from.force_n = to.force_n = level.force_n;
       to.t_s = figure.seconds;
@@ -503,10 +512,12 @@ double LimiterForceAfter(const DeviceModel& m, double way_m) {
   s.settle_s = way_m / kTable3Speed;
   s.window_s = 10 * m.tick_s();
   s.measure_release = false;
+  // Twice a tick, so that no tick's force is missed by rounding.
   s.trace_s = m.tick_s() / 2;
   Measurement found = RunTrial(s);
   double force = 0;
   for (const Sample& q : found.trace) {
+    // The last sample on the way: half a tick of slack, as the way need not end on one.
     if (q.tip_m <= way_m + kTable3Speed * m.tick_s() / 2) force = q.force_n;
   }
   return force;
@@ -515,6 +526,7 @@ double LimiterForceAfter(const DeviceModel& m, double way_m) {
 RaisedDamping RaiseUntilItVibrates(const DeviceModel& m, const LimiterReading& reading,
                                    double speed) {
   RaisedDamping out;
+  // Steps of 14 %: finer than the paper's own scatter of a third.
   for (double b = 5; b <= kEnamel; b *= 8.0 / 7) {
     TrialSpec s = SpecOf(m, reading.law, b, speed);
     s.law.estimator.kind = reading.estimator;
@@ -528,6 +540,7 @@ RaisedDamping RaiseUntilItVibrates(const DeviceModel& m, const LimiterReading& r
     s.measure_release = false;
     s.trace_s = m.tick_s();
     Measurement found = RunTrial(s);
+    // The paper says that the device vibrates and not how much: these figures are chosen.
     if (found.unstable || found.ripple_fast_rms_n > 0.1 || found.extracted_j > 10e-6) {
       out.vibrated = true;
       break;

@@ -30,8 +30,10 @@ std::vector<Job> JobsFor(const DeviceModel& m) {
   for (int64_t delay : {0, 1}) {
     for (int64_t rate : {1000, 2000, 4000, 8000}) {
       scene::DeviceProfile profile = m.profile;
+      // The profile's own delay is of its own rate; here 0 and 1 are compared at every rate.
       profile.bus_delay_ticks.value = 0;
       Result<scene::DeviceProfile> at = scene::AtRate(profile, rate);
+      // A rate that the profile cannot have is no row.
       if (!at.ok()) continue;
       at->bus_delay_ticks.value = delay;
       const scene::LargestCoupling largest = scene::LargestCouplingAt(*at, rate, delay);

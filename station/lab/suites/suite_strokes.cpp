@@ -32,6 +32,7 @@ std::string FigureText(const StrokeTrack& track, const char* name, double factor
 }  // namespace
 
 void RunStrokesSuite(SuiteContext& c) {
+  // Built once: every trial cuts a copy.
   const cutting::Volume block = WithdrawalBlock();
   Table t;
   t.title =
@@ -50,6 +51,7 @@ void RunStrokesSuite(SuiteContext& c) {
   for (const DeviceModel& m : c.findings.models) {
     StrokeDevice device{m, {}};
     const size_t laws = std::size(kLaws);
+    // Every law is run and kept in the JSON; the table shows the first, which is the default.
     device.tracks.resize(std::size(kStrokeCases) * laws);
     std::atomic<size_t> done{0};
     ParallelFor(device.tracks.size(), c.options.threads, [&](size_t i) {
