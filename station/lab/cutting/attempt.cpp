@@ -11,9 +11,11 @@
 namespace enamel::station::lab {
 namespace {
 
+// A stroke that cuts, and a hand that moves through the air.
 constexpr double kStroke_m_s = 2e-3, kMove_m_s = 15e-3;
 constexpr double kAbove_m = 0.6e-3;  // where the first layer lies above the landmark
 constexpr double kLift_m = 5e-3;
+// Physiological tremor lies at 8 to 12 Hz; held against the tooth it is a quarter (Put).
 constexpr double kTremor_m = 20e-6, kTremor_hz = 9;
 constexpr size_t kChunkTicks = 500;
 constexpr int kRows = 4;
@@ -32,6 +34,7 @@ class Hand {
     const scene::PointUm& at = scene.landmarks.at(exercise.target.landmark);
     landmark_ = dvec3(at[0], at[1], at[2]) * 1e-6;
     double radius = exercise.bur_radius_um * 1e-6;
+    // The bur's middle stays its radius inside the box.
     half_x_ = std::max(0.1e-3, exercise.target.half_size_um[0] * 1e-6 - radius);
     half_y_ = std::max(0.1e-3, exercise.target.half_size_um[1] * 1e-6 - radius);
     depth_ = exercise.target.depth_um * 1e-6 + options.floor_extra_m;
@@ -65,6 +68,7 @@ class Hand {
 
   void Put(const dvec3& at, bool pedal) {
     double phase = 6.28318530717958648 * kTremor_hz * static_cast<double>(made_++) * tick_s_;
+    // Ratios that do not repeat within an attempt: a period would make its recording pack too well.
     dvec3 tremor(std::sin(phase), std::sin(1.31 * phase + 1), std::sin(0.83 * phase + 2));
     queue_.push_back({at + tremor * (pedal ? 0.25 : 1.0) * kTremor_m, pedal});
   }
@@ -147,6 +151,7 @@ class Recorder {
 trace::Header MakeHeader(const scene::BuiltScene& built, const scene::Exercise& exercise,
                          const scene::DeviceProfile& profile, const core::CoreParams& params) {
   trace::Header header;
+  // All fixed: two runs make the same recording, byte by byte.
   header.ticket.attempt.bytes.fill(0x41);
   header.ticket.exercise = HashSha256(AsBytes(scene::ToJson(exercise)));
   header.ticket.profile = HashSha256(AsBytes(scene::ToJson(profile)));

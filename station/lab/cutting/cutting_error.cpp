@@ -17,6 +17,7 @@ constexpr int kProfileSteps = 4000, kSettleTicks = 100;
 double RadiusAt(const cutting::Bur& bur, double height_m, double beyond_m) {
   double in = 0, out = beyond_m;
   if (bur.Distance(dvec3(0, 0, height_m)) >= 0) return 0;
+  // 2^-60 of the interval: as exact as a double.
   for (int i = 0; i < 60; ++i) {
     double middle = 0.5 * (in + out);
     (bur.Distance(dvec3(middle, 0, height_m)) < 0 ? in : out) = middle;
@@ -72,6 +73,7 @@ void MeasureSurface(const CutPath& path, const Run& run, CuttingFigures& f) {
   std::vector<double> off;
   for (const glm::vec3& position : run.mesh.position_m) {
     dvec3 p = frame.ToBlock(dvec3(position));
+    // Without the block's top and front, where the slot's edge is the block's as much as the bur's.
     if (p.z > -inside || p.x < inside) continue;
     double d = std::fabs(SlotDistance_m(path, start_x, run.end_m.x, p));
     // The block's own outside is farther away than this from any bur.
@@ -144,6 +146,7 @@ std::vector<CuttingFigures> MeasureCutting(
       out.push_back(std::move(f));
     }
     for (size_t i = 0; i < forces.size(); ++i) {
+      // The finest voxel is last: no closed form is known for the force of a turned slot.
       out[first + i].force_error = ForceError(forces[i], forces.back());
     }
   }

@@ -35,6 +35,7 @@ Result<Scored> Cut(const AttemptOptions& options) {
                                 out.process->Add(tick, output);
                               });
   if (!report.ok()) return report.status();
+  // As the server does: a figure of a recording that does not replay would be of nothing.
   if (!report->witness_ok) return Status(Code::kConflict, "a replay disagrees with its recording");
   out.realtime_factor = static_cast<double>(report->ticks) / params.rate_hz / report->seconds;
   out.mesh = surface::ExtractSurface(out.core->volume());
@@ -45,6 +46,7 @@ Result<ScoreFigures> MeasureAt(int32_t voxel_nm, uint64_t ticks) {
   AttemptOptions options;
   options.voxel_nm = voxel_nm;
   options.ticks = ticks;
+  // At the same voxel size, so that what is compared is the hand and not the grid.
   ENAMEL_ASSIGN_OR_RETURN(auto reference, Cut(options));
   options.mesial_extra_m = kMesialExtra_m;
   options.floor_extra_m = kFloorExtra_m;

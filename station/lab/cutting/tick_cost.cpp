@@ -160,6 +160,7 @@ std::vector<CutCase> BurCases() {
 
 CutPath MakeCutPath(const CutCase& c, size_t ticks) {
   const double step = c.speed_m_s / c.rate_hz, entry_step = kEntry_m_s / c.rate_hz;
+  // From outside the block to where the whole bur is in it: only then does every tick cut the same.
   const double start = -(c.bur.radius_m + 0.5e-3), inside = c.bur.radius_m + 0.5e-3;
   size_t measured = std::min(ticks, static_cast<size_t>(kTravel_m / step));
   CutPath path;
@@ -171,6 +172,7 @@ CutPath MakeCutPath(const CutCase& c, size_t ticks) {
   double x = start;
   for (int i = 0; i < 4; ++i) add(x);
   for (; x < inside; x += entry_step) add(x);
+  // At the speed that is measured: caches and the bur's lag behind the hand have settled.
   for (int i = 0; i < kSettleTicks; ++i, x += step) add(x);
   path.first_measured = path.inputs.size();
   for (size_t i = 0; i < measured; ++i, x += step) add(x);
@@ -188,6 +190,7 @@ TickCost TimeTicks(const CutPath& path, int replays,
     Replayed one = Replay(path);
     if (least.empty()) least = one.us;
     for (size_t i = 0; i < least.size(); ++i) least[i] = std::min(least[i], one.us[i]);
+    // Beside the least of the replays: what somebody at this computer would have seen.
     raw.insert(raw.end(), one.us.begin(), one.us.end());
     cost.replays_agree &= r == 0 || one.state_hash == cost.state_hash;
     cost.state_hash = one.state_hash;
