@@ -67,6 +67,8 @@ class FrameBench {
         screen_(screen),
         volume_(built.volume),
         view_(View(), built.volume),
+        // Reserved first: a cutter never grows what it cuts, and the comma keeps both in the
+        // initialiser.
         cutter_((volume_.Reserve(), volume_), View().bur) {
     auto at = built.scene.landmarks.at("occlusal_centre");
     centre_ = dvec3(at[0], at[1], at[2]) * 1e-6;
@@ -87,6 +89,7 @@ class FrameBench {
   Figures Cut() {
     Times times{"cutting", {}};
     for (int i = 0; i < options_.frames; ++i) {
+      // As many ticks as pass between two pictures, so that a picture has an attempt's work to do.
       for (int k = 0; k < kTicksPerFrame; ++k) Step();
       Frame(quality_, times);
     }
@@ -97,6 +100,7 @@ class FrameBench {
   // all that is drawn at rest.
   std::array<Figures, 2> Turn() {
     Times turning{"turning", {}}, all{"in full", {}};
+    // Turning is drawn lighter in an attempt; without that it costs what a still picture does.
     Quality full = quality_;
     full.lighter_turning = false;
     // What was cut has its coarse triangles by then.
@@ -226,6 +230,7 @@ Status BenchFrames(const FrameBenchOptions& options) {
     render::ScreenOptions window;
     window.width_px = options.width_px;
     window.height_px = options.height_px;
+    // Pictures as fast as they can be drawn: paced, they would all take a display's 16.7 ms.
     window.paced = false;
     render::Screen screen(window);
     const Quality& quality =
@@ -235,6 +240,7 @@ Status BenchFrames(const FrameBenchOptions& options) {
     for (const Figures& f : bench.Turn()) all.push_back(f);
     return Print(options, bench, screen, quality, all);
   } catch (const std::exception& e) {
+    // Windows and drivers throw; here it becomes what to do about it.
     return render::NoDisplay(e.what());
   }
 }

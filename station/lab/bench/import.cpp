@@ -39,6 +39,7 @@ double Seconds(const timeval& t) {
 // Processor time of all threads and of the finished reader, user and system.
 double Cpu_s() {
   double sum = 0;
+  // The reader is a child process of its own (import/child_process.h); its time counts as well.
   for (int who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
     rusage used{};
     getrusage(who, &used);
@@ -54,6 +55,7 @@ double Wall_s() {
 // Each triangle in n x n, so that there are at least `least`.
 Triangles Subdivided(const Triangles& mesh, size_t least) {
   size_t n = 1;
+  // Flat ones keep the shape: more triangles of the same crown, so that their number alone varies.
   while (n * n * mesh.indices.size() < least) ++n;
   Triangles out;
   for (const auto& t : mesh.indices) {
@@ -76,6 +78,7 @@ Triangles Subdivided(const Triangles& mesh, size_t least) {
 
 // A round block of 11 mm with four cusps and a hollow between them, where there is no real crown.
 Triangles CrownLike(size_t least) {
+  // n rings of 2 n places, two triangles each: some 4 n^2.
   const auto n = static_cast<uint32_t>(std::sqrt(static_cast<double>(least) / 4)) + 2;
   const uint32_t around = 2 * n;
   Triangles m;
@@ -143,6 +146,7 @@ Result<Measured> Measure(const fs::path& file, const Options& options, int voxel
   double entered = cpu;
   auto close = [&] {
     const double now = Cpu_s();
+    // A phase ends when the next one begins, which is all that the import tells.
     if (!m.phases.empty()) m.phases.back().cpu_s = now - entered;
     entered = now;
   };
@@ -171,6 +175,7 @@ int Run(const Options& options) {
   } else {
     auto read = import::ReadMeshInChild(options.tooth);
     if (!read.ok()) return Fail(read.status().message());
+    // A scan has as many triangles as it has; figures are compared at one number of them.
     mesh = Subdivided(read->mesh, least);
   }
   const TempStl stl;

@@ -33,14 +33,17 @@ FloatGrid::Ptr GridOf(const cutting::Volume& volume) {
         const int brick = spec.BrickIndex({x, y, z});
         const Coord from(x * kSide, y * kSide, z * kSide);
         if (!volume.IsStored(brick)) {
+          // A brick of one tissue is a constant tile: inactive, below 0 inside.
           if (volume.UniformTissue(brick) != cutting::Tissue::kAir)
             grid->fill({from, from.offsetBy(kSide - 1)}, -kBand, false);
           continue;
         }
         for (int i = 0; i < cutting::kBrickVoxels; ++i) {
+          // The block's own samples: both begin with the same surface.
           const float phi = static_cast<float>(volume.Phi(brick).phi[static_cast<size_t>(i)]) /
                             cutting::kPhiPerVoxel;
           const Coord c = from.offsetBy(i % kSide, i / kSide % kSide, i / (kSide * kSide));
+          // OpenVDB's convention: what is active is the band, beyond it only the sign counts.
           if (std::fabs(phi) < kBand)
             at.setValueOn(c, phi);
           else
@@ -68,6 +71,7 @@ class PlacedBur {
       low_[k] = static_cast<int>(std::floor(std::min(tip_[k], end[k]) - reach - kBand));
       high_[k] = static_cast<int>(std::ceil(std::max(tip_[k], end[k]) + reach + kBand));
     }
+    // A sphere reaches its radius in every direction, also along the axis.
     if (bur.shape != cutting::BurShape::kSphere) return;
     const double r = bur.radius_m / voxel_m_;
     for (int k = 0; k < 3; ++k) {
@@ -101,6 +105,7 @@ void CarveInPlace(FloatGrid::Accessor& at, const PlacedBur& bur) {
     for (int y = low.y(); y <= bur.high().y(); y += kLeaf) {
       for (int z = low.z(); z <= bur.high().z(); z += kLeaf) {
         const Coord from(x, y, z);
+        // Air stays air under max: no leaf is made where there was none.
         if (at.probeConstLeaf(from) == nullptr && at.getValue(from) > 0) continue;
         const Coord first = Coord::maxComponent(from, bur.low()),
                     last = Coord::minComponent(from.offsetBy(kLeaf - 1), bur.high());
@@ -135,6 +140,7 @@ void CarveByCsg(FloatGrid& tooth, const PlacedBur& bur) {
       }
     }
   }
+  // csgDifference needs signs inside as well, which the band alone does not have.
   openvdb::tools::signedFloodFill(grid->tree());
   openvdb::tools::csgDifference(tooth, *grid);
 }
@@ -147,6 +153,8 @@ double SolidVoxels(const FloatGrid& grid, const cutting::GridSpec& spec) {
   for (int x = 0; x < n.x; ++x) {
     for (int y = 0; y < n.y; ++y) {
       for (int z = 0; z < n.z; ++z)
+        // A plane through a voxel at distance d leaves 1/2 - d of it, as long as it is near the
+        // axes.
         sum += std::clamp(0.5 - static_cast<double>(at.getValue(Coord(x, y, z))), 0.0, 1.0);
     }
   }
@@ -160,6 +168,7 @@ bool HasOpenVdb() { return true; }
 std::vector<PeerCost> TimeOpenVdb(const CutPath& path, const std::vector<cutting::Pose>& poses,
                                   int replays) {
   openvdb::initialize();
+  // One thread, as a tick has.
   tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   const cutting::GridSpec& spec = path.block.spec();
   const cutting::Profile profile = cutting::ProfileOf(path.bur);

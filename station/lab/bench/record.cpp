@@ -56,6 +56,8 @@ class NoisyDevice final : public Device {
 
   std::string Name() const override { return "noisy"; }
   DeviceSample ReadSample() noexcept override {
+    // Once its operator has finished, the simulated device is asked no more: it would end the
+    // attempt.
     DeviceSample sample = waiting_ ? held_ : inner_.ReadSample();
     if (!waiting_ && (sample.buttons & kFinish) != 0) {
       waiting_ = true;
@@ -66,6 +68,7 @@ class NoisyDevice final : public Device {
     for (size_t i = 0; i < 3; ++i) {
       double tremor =
           waiting_ ? 2 * std::sin(0.063 * static_cast<double>(ticks_) * (1 + 0.1 * i)) : 0;
+      // A noiseless encoder would make recordings pack far better than any real device's.
       sample.counts[i] += static_cast<int32_t>(std::lround(tremor + sigma_ * normal_(random_)));
     }
     return sample;
@@ -138,6 +141,7 @@ Status Attempt(const World& w, const Options& options, Spool& spool, uint64_t mo
                                        w.built.volume, seed));
   NoisyDevice noisy(*device, options.noise_counts, seed);
   trace::Header header;
+  // Each attempt is one of its own in the spool, as on a station.
   header.ticket.attempt = Uuid::New();
   header.params = w.params;
   header.station_software = "enamel-lab";
@@ -149,8 +153,10 @@ Status Attempt(const World& w, const Options& options, Spool& spool, uint64_t mo
   Recorder recorder(spool, ring, header.ticket.attempt, HashSha256(trace::EncodeHeader(header)),
                     trace::NewKeyPair().secret_key);
   uint64_t ticks = 0;
+  // A third of the ticks cut; an attempt of cutting alone would weigh too much.
   while (ticks < most && (!noisy.waiting() || cuts.cutting() * 3 > ticks)) {
     loop.Tick();
+    // The recorder's thread is this one: it packs when a chunk is full, as it would on its own.
     if (++ticks % Recorder::kTicksPerChunk != 0) continue;
     auto moved = recorder.Pump();
     if (!moved.ok()) return moved.status();
@@ -175,6 +181,7 @@ Status Measure(const Options& options, const fs::path& folder, Rows& rows) {
   ENAMEL_ASSIGN_OR_RETURN(auto world, Load(options));
   ENAMEL_ASSIGN_OR_RETURN(auto spool, Spool::Open(folder));
   const auto most = static_cast<uint64_t>(options.hours * 3600 * kRate_hz);
+  // Eight lines: memory that grows with time would be seen to grow.
   const uint64_t step = std::max<uint64_t>(1, most / 8);
   std::printf("%7s %9s %11s %9s %9s %11s %9s\n", "hours", "attempts", "ticks", "cutting", "B/tick",
               "spool MB", "RSS MB");
@@ -185,6 +192,7 @@ Status Measure(const Options& options, const fs::path& folder, Rows& rows) {
   while (totals.ticks < most) {
     ENAMEL_RETURN_IF_ERROR(Attempt(world, options, *spool, most - totals.ticks, totals));
     progress.Show("recording", static_cast<double>(totals.ticks) / static_cast<double>(most));
+    // Attempts are of any length: a line when the next eighth has been passed.
     if (totals.ticks < next && totals.ticks < most) continue;
     while (next <= totals.ticks) next += step;
     progress.Clear();
@@ -205,6 +213,7 @@ Status Measure(const Options& options, const fs::path& folder, Rows& rows) {
   }
   double took_s = std::chrono::duration<double>(Clock::now() - begin).count();
   double per_tick = static_cast<double>(totals.bytes) / static_cast<double>(totals.ticks);
+  // From the disk and not from the chunks: pages and indexes of the spool count too.
   double mb_8h = OnDisk_mb(folder) * 8 / options.hours;
   std::printf("\n%.0f s, %.0f x real time. Bytes a tick: %s. Spool for 8 h: %s MB\n", took_s,
               static_cast<double>(totals.ticks) / kRate_hz / took_s,

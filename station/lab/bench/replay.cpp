@@ -34,6 +34,7 @@ struct Reach {
 // trace's and the keyframes' bytes are at hand, everything else is timed.
 Result<Reach> MeasureReach(const Attempt& attempt, const trace::Keyframes& made) {
   constexpr int kMoments = 20;
+  // Encoded once and decoded for each moment, because reading the file is part of reaching one.
   Bytes bytes = made.Encode();
   Reach out{0, 0, made.size(), bytes.size()};
   uint64_t ticks = attempt.seal.ticks;
@@ -60,6 +61,8 @@ Result<Reach> MeasureReach(const Attempt& attempt, const trace::Keyframes& made)
 Result<std::vector<double>> TimeChunks(const Attempt& attempt) {
   core::Core core(attempt.header.params, attempt.built.volume);
   std::vector<Clock::time_point> marks;
+  // One mark as each chunk begins, and one at the end; reserved, so that no mark costs an
+  // allocation.
   marks.reserve(attempt.chunks.size() + 1);
   auto report = trace::Replay(core, attempt.header, attempt.chunks, {}, [&](double) {
     marks.push_back(Clock::now());
@@ -67,6 +70,7 @@ Result<std::vector<double>> TimeChunks(const Attempt& attempt) {
   });
   marks.push_back(Clock::now());
   if (!report.ok()) return report.status();
+  // A replay that is fast and wrong is no figure.
   if (!report->witness_ok || report->state_hash != attempt.seal.state_hash) {
     return Status(Code::kConflict, "the replay disagrees with the recording");
   }
@@ -95,6 +99,7 @@ Result<Speed> MeasureSpeed(const Attempt& attempt, int replays,
       out.raw_s += times[i] / replays;
     }
   }
+  // Chunk by chunk and not replay by replay: one disturbance spoils one chunk of one replay.
   for (double s : least) out.least_s += s;
   return out;
 }
@@ -136,6 +141,7 @@ int Run(const Options& options) {
     if (!speed.ok()) return Fail(speed.status());
     trace::Keyframes keyframes(HashSha256(trace::EncodeHeader(attempt->header)));
     trace::MomentOptions whole;
+    // The keyframes are made on this way, by one whole replay.
     whole.start_from_keyframe = false;
     auto moment = trace::ReplayToMoment(
         [&] { return std::make_unique<core::Core>(attempt->header.params, attempt->built.volume); },

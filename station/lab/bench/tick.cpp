@@ -26,6 +26,7 @@ struct Goal {
   double mean_us, p99_us;
 };
 constexpr Goal kGoals[] = {{50'000, 12, 25}, {25'000, 50, 100}};
+// Halving the voxel makes four times as many on the bur's surface; eight would be its volume.
 constexpr double kGrowthGoal = 4;
 
 bool IsHeadline(const CutCase& c) {
@@ -54,6 +55,7 @@ std::vector<CutCase> Cases(bool quick) {
     add(c);
   }
   std::vector<CutCase> burs = BurCases();
+  // The first bur is the headline's, which has been added with every depth and speed.
   for (size_t i = 1; i < burs.size(); ++i) {
     for (double speed : {1e-3, 5e-3, 20e-3}) {
       CutCase c = burs[i];
@@ -82,6 +84,7 @@ void PrintGoals(const CutCase& c, const TickCost& t) {
   }
 }
 
+// The others are far slower: more ticks would take minutes and show the same.
 constexpr size_t kPeerTicks = 200;
 constexpr int kPeerReplays = 3;
 constexpr char kPeerMethod[] =
@@ -146,6 +149,7 @@ int Run(const Options& options) {
               "voxel", "mm/s", "ticks", "mean us", "p99 us", "raw mean", "raw p99", "mm3");
   Rows rows("tick", method);
   std::vector<std::pair<CutCase, TickCost>> headline;
+  // Cases run from coarse to fine, so that each finds the one before.
   std::map<std::tuple<std::string, Sunk, double>, double> coarser;  // mean of the voxel before
   double worst_growth = 0;
   std::vector<CutCase> cases = Cases(options.quick);
@@ -160,6 +164,7 @@ int Run(const Options& options) {
                                 static_cast<double>(cases.size()));
       });
     }
+    // Checked in passing: what is not deterministic here would not replay at the server.
     if (!cost.replays_agree) {
       program::SayError(
           "replays of one path ended in different states; the core is not "
