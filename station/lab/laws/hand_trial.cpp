@@ -11,6 +11,8 @@
 namespace enamel::station::lab {
 namespace {
 
+// Beyond that a lag is no delay of the same stroke any more; a step of 5 ms is a third of what a
+// hand notices (fidelity).
 constexpr double kLongestLag_s = 1.5, kLagStep_s = 5e-3;
 constexpr double kTipSmooth_s = 0.01;
 
@@ -21,6 +23,7 @@ class WayHand final : public Hand {
           double device_mass_kg)
       : reader_(way), start_(start), trial_(trial) {
     double mass = trial.hand_mass_kg + device_mass_kg;
+    // 0.6 of critical damping: 2 * 0.6 sqrt(k m).
     damping_ = 1.2 * std::sqrt(trial.hand_stiffness_n_per_m * mass);
   }
   double mass_kg() const override {
@@ -79,6 +82,7 @@ struct Means {
 
 HandFigures RunHand(const DeviceModel& m, const HandTrial& trial, const HandMotion& motion) {
   const double tick_s = m.tick_s(), kc = m.kc_n_per_m;
+  // Off the middle of a cell on every axis, differently.
   const dvec3 start(3.3e-6, 2.1e-6, 1.1e-6);
   WayHand hand(motion.way_m, start, trial, m.mass_kg);
   WayReader reader(motion.way_m);
@@ -110,11 +114,14 @@ HandFigures RunHand(const DeviceModel& m, const HandTrial& trial, const HandMoti
     dvec3 was = plant.tip_m(), r = -tick.force_sent_n;
     plant.Step(tick.force_sent_n);
     dvec3 dx = plant.tip_m() - was;
+    // A hand that prescribes its motion has an exact speed; of the others it is the tip's,
+    // smoothed, since a step of the simulation is as rough as the friction that ends it.
     speed = trial.hand == HandKind::kVelocity
                 ? reader.SpeedAt(plant.time_s())
                 : speed + (plant.speed_m_per_s() - speed) * (tick_s / (kTipSmooth_s + tick_s));
     dvec3 ideal = speed * trial.b_n_s_per_m;
     oracle = fidelity::OracleStep(oracle, ideal, kc * glm::length(speed) * tick_s, m.peak_force_n);
+    // The balance of the theorem (common/haptics/README.md), over the true motion.
     energy += Dot(-plant.sent_n(), dx) + m.damping_n_s_per_m / tick_s * Dot(dx, dx) +
               m.friction_n * (std::fabs(dx.x) + std::fabs(dx.y) + std::fabs(dx.z));
     out.energy_min_j = std::min(out.energy_min_j, energy);
@@ -129,6 +136,7 @@ HandFigures RunHand(const DeviceModel& m, const HandTrial& trial, const HandMoti
       largest = std::max(largest, glm::length(ideal));
       for (int i = 0; i < 3; ++i)
         out.excess_n = std::max(out.excess_n, speed[i] > 0 ? r[i] - ideal[i] : ideal[i] - r[i]);
+      // After a second: a force that is only building up has no direction to judge.
       if (plant.time_s() > 1 && size > 1e-6) {
         mean.angle += std::acos(std::clamp(along / size, -1.0, 1.0));
         ++mean.angles;

@@ -9,6 +9,7 @@ namespace {
 // How far a line motion has come, signed.
 double Travel(const LineMotion& m, double t_s) {
   double t = std::min(t_s, m.stop_s);
+  // Mirrored in time: back along the same way at the same speed.
   if (m.reverse_s > 0 && t > m.reverse_s) t = 2 * m.reverse_s - t;
   return m.speed_m_per_s * t;
 }

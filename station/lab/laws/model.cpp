@@ -31,6 +31,7 @@ DeviceProfile Other(const char* name, const char* title, Sourced resolution_nm, 
   p.resolution_nm = resolution_nm;
   p.max_stiffness_mn_per_mm = k;
   p.coupling_mn_per_mm = {kc, "chosen: below the listed stiffness"};
+  // K T/2 with T = 1 ms: mN/mm halved is mN s/m.
   p.damping_mn_s_per_m = {k.value / 2, kHalfKT};
   // Kc delta / 2, rounded up: mN/mm times nm is 1e-9 N.
   p.friction_mn = {(kc * resolution_nm.value + 1'999'999) / 2'000'000, kFriction};
@@ -123,6 +124,7 @@ Result<DeviceModel> ModelOf(const DeviceProfile& p) {
     m.provenance.push_back({what, number->source.empty() ? "not known" : number->source});
   }
   double allowed = m.PassiveKc(m.rate_hz);
+  // Refused here: every suite would otherwise measure how a device shakes that nobody may build.
   if (m.kc_n_per_m > allowed * (1 + 1e-9)) {
     return Refuse("coupling_mn_per_mm", Text("Kc %.0f mN/mm is above what is passive at %.0f Hz "
                                              "with this b, c and delay: lower it to %.0f mN/mm",
@@ -134,6 +136,7 @@ Result<DeviceModel> ModelOf(const DeviceProfile& p) {
 DeviceModel AtRate(const DeviceModel& model, double rate_hz, bool scale_kc) {
   DeviceModel m = model;
   m.rate_hz = rate_hz;
+  // The same share of the limit at another rate, so that rates are compared at equal caution.
   double share = model.kc_n_per_m / haptics::CouplingStiffness(model.damping_n_s_per_m,
                                                                model.tick_s(), model.delay_ticks);
   double limit = haptics::CouplingStiffness(m.damping_n_s_per_m, m.tick_s(), m.delay_ticks);
@@ -173,6 +176,7 @@ TrialSpec SpecOf(const DeviceModel& m, haptics::LawKind law, double b, double sp
   s.plant.tick_s = m.tick_s();
   s.plant.delay_ticks = m.delay_ticks;
   s.plant.mode_hz = m.mode_hz;
+  // 0.17 ms a step at 1 kHz: IntegrationError says what that costs.
   s.plant.substeps = m.rate_hz > 2500 ? 2 : m.rate_hz > 1500 ? 4 : 6;
   s.law.kind = law;
   s.law.kc_n_per_m = m.kc_n_per_m;

@@ -8,6 +8,8 @@
 namespace enamel::station::lab {
 
 uint64_t Random::Next() {
+  // SplitMix64 (Steele, Lea and Flood 2014): 64 bits of state, the same on every machine, which no
+  // library's distribution promises.
   uint64_t z = (state_ += 0x9e3779b97f4a7c15ull);
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
   z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
@@ -20,6 +22,7 @@ double Random::LogBetween(double lo, double hi) {
   return lo * std::exp(Uniform() * std::log(hi / lo));
 }
 
+// Marsaglia's polar method.
 double Random::Normal() {
   for (;;) {
     double a = Signed(), b = Signed(), r = a * a + b * b;
@@ -71,6 +74,7 @@ dvec3 Plant::Read() const {
 bool Plant::TickLost() { return spec_.drop_ratio > 0 && random_.Uniform() < spec_.drop_ratio; }
 
 void Plant::Step(const dvec3& command_n) {
+  // A ring of delay + 1 places: what is written now is read `delay_ticks` later, with none at once.
   pipe_[pipe_at_] = command_n;
   pipe_at_ = (pipe_at_ + 1) % pipe_.size();
   sent_ = glm::clamp(pipe_[pipe_at_], dvec3(-spec_.peak_force_n), dvec3(spec_.peak_force_n));

@@ -31,6 +31,7 @@ class Controller {
 double Bisect(double low, double high, const std::function<bool(double)>& holds) {
   if (holds(high)) return high;
   for (int i = 0; i < 26; ++i) {
+    // Geometric, because gains range over ten decades: 26 halvings leave a ratio of 1 + 4e-7.
     double mid = std::sqrt(low * high);
     (holds(mid) ? low : high) = mid;
   }
@@ -61,7 +62,9 @@ double WorkOfLaterCycles(const PlantSpec& spec, Rendered what, double gain, doub
 }
 
 bool GainsNothing(const PlantSpec& spec, Rendered what, double gain) {
+  // Two ticks is the fastest that a sampled loop can be shaken.
   for (int period : {2, 3, 4, 6, 10, 20}) {
+    // Within a cell, across one edge, across some, and so far that cells do not matter.
     for (double cells : {0.002, 0.4, 1.3, 10.3, 1e4}) {
       double work = WorkOfLaterCycles(spec, what, gain, cells * spec.resolution_m, period);
       if (work < 0) return false;

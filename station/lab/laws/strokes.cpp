@@ -300,6 +300,8 @@ class StrokeRun {
     IdealBur::Felt felt = ideal_.MoveTo(raw.tip, raw.direction, tick_s);
     raw.ideal = felt.force_n;
     raw.ahead_n_s_per_m = felt.ahead_n_s_per_m;
+    // The oracle knows B v and has no memory; its force rises by at most Kc times the tip's way, as
+    // any coupling's does.
     const double most = std::min(
         glm::length(oracle_) + model_.kc_n_per_m * glm::length(raw.tip - was), model_.peak_force_n);
     const double wanted = glm::length(raw.ideal);

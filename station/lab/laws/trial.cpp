@@ -164,6 +164,7 @@ class TrialRun {
 
   void Measure(const dvec3& r, const dvec3& anchor) {
     double t = plant_.time_s(), along = Dot(r, along_);
+    // A metre away: no device reaches so far.
     if (!std::isfinite(along) || !(glm::length(plant_.tip_m()) < 1)) {
       m_.unstable = true;
       return;
@@ -189,6 +190,7 @@ class TrialRun {
     }
     error2_.Add(Dot(off, off));
     ripple_.Add(along);
+    // A first-order low-pass at 20 Hz: what is above it is felt as vibration and not as force.
     double k = 2 * M_PI * 20 * spec_.plant.tick_s;
     smooth_ += (along - smooth_) * (k / (1 + k));
     fast_.Add(along - smooth_);

@@ -76,6 +76,7 @@ class WayBack {
   explicit WayBack(const dvec3& tip) : points_{tip}, at_{0} {}
   void Add(const dvec3& p, bool last) {
     double step = glm::length(p - points_.back());
+    // Points 20 um apart: the anchor's noise would make the way longer than it is.
     if (step < 20e-6 && !last) return;
     points_.push_back(p);
     at_.push_back(at_.back() + step);
