@@ -11,6 +11,7 @@ namespace json = boost::json;
 
 // JSON has no infinities: what never happened is null.
 json::value Number(double v) { return std::isfinite(v) ? json::value(v) : json::value(nullptr); }
+// Below 0: it was not reached in the time that was simulated.
 json::value Time(double v) { return v < 0 ? json::value(nullptr) : Number(v); }
 
 json::object RowJson(const Row& r) {
@@ -52,8 +53,10 @@ json::object RowJson(const Row& r) {
 
 json::object HandJson(const HandRow& r) {
   const HandFigures& f = r.f;
+  // Every row has every member, null where it says nothing: readers need not guess what is missing.
   auto Of = [&](double v) { return r.has_track ? Number(v) : json::value(nullptr); };
   auto Out = [&](double v) { return r.has_track ? json::value(nullptr) : Number(v); };
+  // Other motions turn too, but at no moment that the figure could count from.
   bool turns = r.motion == "reversal";
   return {{"suite", "hand"},
           {"device", r.device},
@@ -150,6 +153,7 @@ std::string JsonOf(const Findings& f) {
                    {"rows", std::move(rows)},
                    {"attacks", std::move(attacks)},
                    {"random", std::move(random)}};
+  // Left out where no such suite ran; the same for the members below.
   if (!fronts.empty()) out["fronts"] = std::move(fronts);
   if (!f.rates.empty()) {
     json::array rates;
@@ -169,6 +173,7 @@ std::string JsonOf(const Findings& f) {
   out["report"] = ReportOf(f);
   std::string text = json::serialize(out);
   if (!f.strokes.empty()) {
+    // Appended as text: the strokes have their own writer, with fewer digits than a library's.
     text.pop_back();
     text += ",\"strokes\":" + StrokesJson(f.strokes) + "}";
   }

@@ -12,8 +12,10 @@ namespace {
 namespace json = boost::json;
 using Points = std::vector<std::pair<double, double>>;
 
+// A plot is some hundred pixels wide.
 constexpr size_t kMostPoints = 1000;
 
+// More than any plot shows; seventeen would make the document three times as long.
 double SixDigits(double v) {
   char text[48];
   std::snprintf(text, sizeof text, "%.6g", v);
@@ -33,6 +35,7 @@ void AddPoints(const Points& points, json::object& out) {
   out["y"] = Numbers(y);
 }
 
+// What an axis cannot show is left out here, so that no drawer has to decide what to do with it.
 Points Shown(const Points& points, bool log_x, bool log_y) {
   Points out;
   for (auto [x, y] : points) {
@@ -49,6 +52,7 @@ Points Thinned(const Points& points) {
   for (size_t g = 0; g < kGroups; ++g) {
     auto from = points.begin() + static_cast<std::ptrdiff_t>(g * points.size() / kGroups),
          to = points.begin() + static_cast<std::ptrdiff_t>((g + 1) * points.size() / kGroups);
+    // Lowest and highest of each group, in their order: thinned so, a curve keeps its peaks.
     auto [low, high] = std::minmax_element(
         from, to, [](const auto& a, const auto& b) { return a.second < b.second; });
     out.push_back(*std::min(low, high));
@@ -79,6 +83,7 @@ bool IsBad(const std::string& cell) {
 
 }  // namespace
 
+// A name and no colour: the page has eight that can be told apart, in its light and dark forms.
 std::string ColourOf(size_t n) { return std::to_string(n % 8 + 1); }
 
 json::object PlotJson(const Plot& plot) {
@@ -100,6 +105,7 @@ json::object MapJson(const VerdictMap& map) {
   for (Verdict v : map.cells) cells.push_back(VerdictName(v));
   for (const auto& curve : map.curves) {
     json::object one{{"label", curve.label}};
+    // Both axes of a map are logarithmic (VerdictMap).
     AddPoints(Shown(curve.points, true, true), one);
     curves.push_back(std::move(one));
   }
@@ -117,6 +123,7 @@ json::object TableJson(const Table& table) {
   json::array rows, bad;
   for (size_t r = 0; r < table.rows.size(); ++r) {
     for (size_t c = 0; c < table.rows[r].size(); ++c) {
+      // Marked here and not by the page, which would have to know every suite's words.
       if (IsBad(table.rows[r][c])) bad.push_back(json::array{r, c});
     }
     rows.push_back(Texts(table.rows[r]));

@@ -23,6 +23,7 @@ std::string F(double v, const char* format = "%.3f") {
 
 size_t Width(const std::string& s) {
   return static_cast<size_t>(
+      // Characters and not bytes: 10xxxxxx continues one in UTF-8. Columns stay under each other.
       std::count_if(s.begin(), s.end(), [](char c) { return (c & 0xc0) != 0x80; }));
 }
 
@@ -52,7 +53,9 @@ Plot ParetoPlot(const std::vector<LawPoint>& points, size_t metric, const Device
   for (const LawPoint& q : points) {
     double value = q.figures[metric];
     if (std::isnan(value)) continue;
+    // Both ends of a logarithmic axis: 0 and "never" have a place, at its edges.
     std::pair<double, double> at{q.ns_per_tick, std::clamp(value, what.floor, kDrawn)};
+    // In the order of what a reader looks for first: each law is drawn once.
     if (q.is_default)
       star.points.push_back(at);
     else if (q.lost)
@@ -64,8 +67,10 @@ Plot ParetoPlot(const std::vector<LawPoint>& points, size_t metric, const Device
     else
       others.points.push_back(at);
     if (q.on_front[metric] && !q.is_default && value < kLabelled)
+      // Each name is a series of one point: the drawer writes a series' label beside it.
       names.push_back({q.name, "1", Style::kRings, {at}, true});
   }
+  // What matters is drawn last, over what does not: the default on top.
   p.series = {others, lost, all, front};
   for (Series& s : names) p.series.push_back(std::move(s));
   p.series.push_back(star);
@@ -103,6 +108,8 @@ Plot RandomPlot(const RandomSummary& r) {
     std::sort(v.begin(), v.end());
     for (size_t i = 0; i < v.size(); ++i)
       s.points.push_back(
+          // Cut off at two and a half times the bound: farther out, only how many matters, which
+          // the height says.
           {std::min(v[i], 2.5), static_cast<double>(i + 1) / static_cast<double>(v.size())});
     return s;
   };
@@ -123,6 +130,7 @@ json::array Cards(const Findings& f) {
   for (const Row& r : f.rows) {
     if (r.suite != "figures") continue;
     any = true;
+    // A prescribed motion and a held one are different promises, hence two cards.
     (r.hand == "velocity" ? error : force) =
         std::max(r.hand == "velocity" ? error : force, r.m.error_max_n);
   }
@@ -134,6 +142,7 @@ json::array Cards(const Findings& f) {
   }
   int64_t violations = 0, ticks = 0;
   for (const Attack& a : f.attacks) {
+    // Laws without a proof are attacked too, and may lose: they say nothing about a promise.
     if (!a.proved) continue;
     violations += a.violations;
     ticks += a.ticks;
@@ -204,6 +213,7 @@ std::vector<Placed> AllPlots(const Findings& f) {
   for (const TimeTrace& t : f.traces) {
     Plot& p = frames[t.title];
     if (p.series.empty()) {
+      // A map sorts by title; frames are shown in the order in which they were measured.
       order.push_back(t.title);
       p.title = t.title;
       p.x_label = "time, s";
@@ -222,6 +232,7 @@ std::vector<Placed> AllPlots(const Findings& f) {
     for (const Series& s : p.series)
       if (!s.points.empty()) end = std::max(end, s.points.back().first);
     for (const TimeTrace& t : f.traces) {
+      // Once a frame: its traces are of one force.
       if (t.title != order[i]) continue;
       p.series.push_back(
           {"B V", "reference", Style::kDashes, {{0, t.target_n}, {end, t.target_n}}});
@@ -237,6 +248,7 @@ std::vector<Placed> AllPlots(const Findings& f) {
       if (!Measured(points, k)) continue;
       out.push_back({"laws", ParetoPlot(points, k, m)});
     }
+    // Quick has one rate, which makes no line.
     if (!f.quick) out.push_back({"laws", RatePlot(f, m)});
   }
   for (const RandomSummary& r : f.random) out.push_back({"random", RandomPlot(r)});
@@ -247,6 +259,7 @@ std::vector<Placed> AllPlots(const Findings& f) {
 // A table's place on the page, by the words its title starts with.
 const char* SectionOf(const Table& t) {
   auto Starts = [&](const char* with) { return t.title.rfind(with, 0) == 0; };
+  // Titles are ours (suites/*.cpp). One that no line knows lands under "extreme", where it is seen.
   if (Starts("Figures of") || Starts("Strokes") || Starts("Loop rates")) return "figures";
   if (Starts("Fronts")) return "laws";
   if (Starts("Table") || Starts("Device profiles")) return "paper";
@@ -262,6 +275,7 @@ struct Section {
   const char* title;
   const char* text;
 };
+// In the order of the page: what it comes to first, what it was derived from last.
 constexpr Section kSections[] = {
     {"figures", "What the default law reaches",
      "The gated Maxwell coupling joins the tip to the cutting front by a spring Kc; the front "
@@ -304,6 +318,7 @@ std::string TextOf(const Table& t) {
     std::string s;
     for (size_t i = 0; i < row.size(); ++i)
       s += row[i] + std::string(widths[i] - Width(row[i]) + 2, ' ');
+    // No blanks at the end of a line: tables are pasted into documents.
     return s.substr(0, s.find_last_not_of(' ') + 1) + "\n";
   };
   std::string s = t.title + "\n" + Print(t.head);
@@ -331,6 +346,7 @@ json::object ReportOf(const Findings& f) {
     if (std::string(section.id) == "extreme") {
       for (const VerdictMap& m : f.maps) maps.push_back(MapJson(m));
     }
+    // Suites that were not run leave no empty heading.
     if (tables.empty() && drawn.empty() && maps.empty()) continue;
     sections.push_back(json::object{{"title", section.title},
                                     {"text", section.text},
