@@ -15,7 +15,10 @@ namespace {
 
 using namespace cut;
 
+// Of normal equations, hence 20 of the columns themselves: one unknown is then known twenty times
+// worse than another.
 constexpr double kMostCondition = 400;
+// A millimetre under a newton is no tip any more.
 constexpr double kMostCompliance_mm_per_n = 1;
 
 std::string F(double v, const char* format = "%.3g") {
@@ -33,6 +36,7 @@ CutFit FitCut(const std::vector<CutSample>& samples, double dt_s, bool magnitude
   if (magnitude) {
     for (CutSample& s : kept) s.f_n = dvec3(std::fabs(s.f_n.x), 0, 0);
   }
+  // Before anything is measured: one spike of a sensor would set noise, window and contact.
   fit.spikes = DropSpikes(&kept);
   if (kept.size() < kLeastSamples) {
     fit.refused = "only " + std::to_string(kept.size()) + " samples; at least " +
@@ -54,6 +58,8 @@ CutFit FitCut(const std::vector<CutSample>& samples, double dt_s, bool magnitude
                   std::to_string(kLeastWindows) + " windows are needed";
     return fit;
   }
+  // What is wrong with most files is a unit or a column: told in the words of what was expected,
+  // before a fit makes something of it.
   if (fastest < 1e-3) {
     fit.refused =
         "no motion: the fastest window moves at " + F(fastest) + " mm/s; record while cutting";
@@ -69,6 +75,8 @@ CutFit FitCut(const std::vector<CutSample>& samples, double dt_s, bool magnitude
                   F(kContact_n) + " N";
     return fit;
   }
+  // Cutting takes work: F and V point the same way when F is the hand's. Sensors are mounted either
+  // way.
   if (!magnitude && power < 0) {
     for (CutSample& s : r.s) s.f_n = -s.f_n;
     windows = WindowsOf(r, r.window_s);
@@ -78,12 +86,15 @@ CutFit FitCut(const std::vector<CutSample>& samples, double dt_s, bool magnitude
 
   bool has_axis = std::all_of(r.s.begin(), r.s.end(),
                               [](const CutSample& s) { return glm::length(s.axis) > 0; });
+  // The richest model first. What the recording cannot determine is not guessed: the next rung asks
+  // for less and says so.
   std::vector<Plan> ladder;
   if (positions == 3 && has_axis)
     ladder.push_back(PlanOf(CutModel::kAxialLateral, true, false, magnitude));
   else if (positions == 3)
     ladder.push_back(PlanOf(CutModel::kMatrix, true, false, magnitude));
   ladder.push_back(PlanOf(CutModel::kScalar, true, false, true));
+  // The last one has one unknown, which every motion determines.
   ladder.push_back(PlanOf(CutModel::kScalar, false, false, true));
 
   double c = 0, threshold = 0;
@@ -120,13 +131,17 @@ CutFit FitCut(const std::vector<CutSample>& samples, double dt_s, bool magnitude
     return false;
   };
   // What the tip's bending and the threshold hide from the first pass is put right in the next.
+  // Sticking is slow: windows of B's length hold no count of it.
   double width = magnitude ? r.window_s : std::max(r.window_s, std::min(4 * r.window_s, 0.8));
   std::vector<Window> longer = WindowsOf(r, width);
   bool bends = true;
   double bend_sure = 0;
+  // Compliance, threshold and B each depend on the windows that the others let through. Two rounds
+  // that agree end it; six is a bound.
   for (int round = 0; round < 6; ++round) {
     double c_before = c, threshold_before = threshold;
     Classify(r, c, threshold, &windows, &fit);
+    // A threshold that leaves nothing to fit is wrong: without one the fit is at least possible.
     if (fit.windows.used < kLeastWindows && threshold > 0) {
       threshold = 0;
       Classify(r, c, threshold, &windows, &fit);
@@ -143,6 +158,7 @@ CutFit FitCut(const std::vector<CutSample>& samples, double dt_s, bool magnitude
         // Three standard errors: a bend that is not there only adds noise.
         bend_sure = (e.value - e.low) * 1.5;
         if (e.value < bend_sure) {
+          // Twice not seen: given up, so that noise does not switch it on and off.
           if (round > 0) bends = false;
           next = 0;
         }
@@ -174,6 +190,7 @@ CutFit FitCut(const std::vector<CutSample>& samples, double dt_s, bool magnitude
       for (int j = 0; j < 3; ++j) basis[j][i] = vectors.a[i][j];
     }
     double most = std::max(values[2], 1e-9);
+    // Above 0, since FrontSpeed divides by them.
     dvec3 principal(std::max(values[0], 1e-3 * most), std::max(values[1], 1e-3 * most), most);
     FitThreshold(r, windows, longer, width, basis, principal, c, &fit);
     threshold = fit.threshold_seen ? fit.threshold_n.value : 0;
@@ -191,6 +208,8 @@ CutFit FitCut(const std::vector<CutSample>& samples, double dt_s, bool magnitude
   const Plan& p = s.plan;
   double mean_b = s.fit.x[0];
   if (p.model == CutModel::kMatrix) mean_b = (s.fit.x[0] + s.fit.x[1] + s.fit.x[2]) / 3;
+  // The noise's variance is known to a factor only (cut_fit.h): its whole effect is added on both
+  // sides.
   double trust = 2 * s.attenuation * std::fabs(mean_b);
   fit.model = p.model;
   fit.with_coulomb = p.coulomb;
@@ -224,6 +243,7 @@ CutFit FitCut(const std::vector<CutSample>& samples, double dt_s, bool magnitude
       fit.warnings.push_back("the line meets the axis at " + F(fit.offset_n) +
                              " N, below 0: speed rises less than force; check units and contact");
   }
+  // Fth >= Fc by its meaning: below Fc nothing moves either.
   fit.threshold_n.value = std::max(fit.threshold_n.value, fit.coulomb_n.value);
   fit.threshold_n.high = std::max(fit.threshold_n.high, fit.threshold_n.value);
   if (!fit.threshold_seen)
@@ -239,6 +259,8 @@ CutFit FitCut(const std::vector<CutSample>& samples, double dt_s, bool magnitude
     for (int j = 0; j < 6; ++j)
       m.a[kRow[j]][kColumn[j]] = m.a[kColumn[j]][kRow[j]] = fit.matrix[j].value;
     Eigen(m, &values, &vectors);
+    // Noise can make a small eigenvalue negative. The interval keeps both, what was found and what
+    // is used.
     if (values[0] < 0) {
       fit.warnings.push_back("an eigenvalue of B came out at " + F(values[0]) +
                              " N s/mm and was set to 0: B must not push");
@@ -257,6 +279,7 @@ CutFit FitCut(const std::vector<CutSample>& samples, double dt_s, bool magnitude
   for (size_t k = 0; k < s.used.size(); ++k) {
     if (s.weight[k] > 0) fit.points.push_back({glm::length(s.used[k]->v), Along(r, *s.used[k])});
   }
+  // Even the upper end: a B that only may be negative is a poor fit and no wrong file.
   if (fit.b.high <= 0)
     fit.refused = "force falls with speed (B = " + F(fit.b.value, "%.3f") +
                   " N s/mm): position and force do not belong together, or not in this unit";

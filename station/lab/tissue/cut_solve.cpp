@@ -43,8 +43,10 @@ Equations EquationsOf(const Recording& r, const Plan& p, const Window& w, const 
   if (p.coulomb) e.x[n++] = w.u;
   if (p.compliance) {
     dvec3 fdot = r.magnitude ? w.whole.fdot.x * w.u : w.whole.fdot;
+    // Linear in the compliance only about a known B: `at` is the last round's.
     e.x[n++] = -(Damping(p, at, axis) * fdot);
   }
+  // One equation a window: across the motion a scalar model says nothing and would only add noise.
   if (p.along) {
     for (int j = 0; j < n; ++j) e.x[j] = dvec3(Dot(e.x[j], w.u), 0, 0);
     y = dvec3(Dot(y, w.u), 0, 0);
@@ -103,6 +105,8 @@ Linear Least(const std::vector<Equations>& eq, const std::vector<double>& weight
     if (group[k] == out || weight[k] == 0) continue;
     for (int i = 0; i < n; ++i) {
       for (int j = 0; j < n; ++j)
+        // X'X of noisy speeds is too large by their variance: B would come out too small (errors in
+        // variables). It is taken off.
         l.normal.a[i][j] += weight[k] * (Dot(eq[k].x[i], eq[k].x[j]) - eq[k].noise.a[i][j]);
       y[i] += weight[k] * (Dot(eq[k].x[i], eq[k].y) - eq[k].noise_y[i]);
     }
@@ -130,6 +134,7 @@ Linear Robust(const std::vector<Equations>& eq, std::vector<double>* weight,
     if (round == rounds) break;
     for (size_t k = 0; k < eq.size(); ++k) {
       double z = l.median > 0 ? size[k] / l.median : 0;
+      // Huber's weights; beyond kReject a window is of something else, and not only far off.
       (*weight)[k] = z > kReject ? 0 : z > kHuber ? kHuber / z : 1;
     }
   }
@@ -163,11 +168,14 @@ Solved SolvePlan(const Recording& r, const Plan& plan, const std::vector<Window>
   for (const Window* w : s.used) eq.push_back(EquationsOf(r, plan, *w, at));
   size_t groups = std::min(kGroups, s.used.size() / 2);
   std::vector<int> group;
+  // Stretches of time and not every twentieth window: neighbours share samples and errors.
   for (size_t k = 0; k < eq.size(); ++k) group.push_back(static_cast<int>(k * groups / eq.size()));
   s.weight.assign(eq.size(), 1);
   s.fit = Robust(eq, &s.weight, group, -1, 12);
   if (!s.fit.ok) return s;
   Square without_c = s.fit.normal;
+  // Compliance is the last column. It is judged by its own interval, and must not take the model
+  // with it.
   without_c.n -= plan.compliance;
   s.condition = Condition(without_c);
   double sum = 0, n = 0;
@@ -191,6 +199,7 @@ Solved SolvePlan(const Recording& r, const Plan& plan, const std::vector<Window>
   if (!jackknife) return s;
   for (size_t g = 0; g < groups; ++g) {
     std::vector<double> weight = s.weight;
+    // From the weights of the whole: two rounds are enough to follow what one stretch changes.
     Linear l = Robust(eq, &weight, group, static_cast<int>(g), 2);
     if (l.ok) s.without.push_back(l.x);
   }

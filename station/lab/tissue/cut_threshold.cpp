@@ -18,6 +18,7 @@ dvec3 FrontSpeed(const dvec3& f, const dmat3& basis, const dvec3& values, double
   if (coulomb_n > 0) {
     double least = std::min({values.x, values.y, values.z}),
            most = std::max({values.x, values.y, values.z});
+    // With every eigenvalue the least, or the most: s lies between what those would give.
     double low = least * coulomb_n / (size - coulomb_n),
            high = most * coulomb_n / (size - coulomb_n);
     s = low;
@@ -28,6 +29,7 @@ dvec3 FrontSpeed(const dvec3& f, const dmat3& basis, const dvec3& values, double
       if (std::fabs(off) <= 1e-10 * coulomb_n) break;
       double slope = Dot(v * v, values / (values + dvec3(s))) / speed;
       s -= off / slope;
+      // Newton, kept inside its bracket by halving.
       if (!(s > low && s < high)) s = 0.5 * (low + high);
     }
   }
@@ -68,6 +70,7 @@ void FitThreshold(const Recording& r, const std::vector<Window>& windows,
   fit->threshold_n = {floor, std::max(0.0, fit->coulomb_n.low),
                       std::max(floor, fit->coulomb_n.high)};
   if (all.size() < kLeastWindows || !(top > floor)) return;
+  // As wide as the noise of the smoothed force: a sharp gate would make the sum a staircase.
   double soft =
       std::max(r.force_noise_n / std::sqrt(std::max(1.0, 2 * kForceSmooth_s / r.dt)), 1e-3 * top);
   std::vector<std::vector<double>> bump(all.size());
@@ -76,6 +79,7 @@ void FitThreshold(const Recording& r, const std::vector<Window>& windows,
   auto Miss = [&](size_t k, double gate) {
     const Window& w = *all[k];
     dvec3 sum(0);
+    // The gate is open or shut all the way in most windows: their sums are known without a loop.
     if (gate < weakest[k] - soft) sum = ungated[k];
     for (size_t i = w.first; gate >= weakest[k] - soft && gate < hardest[k] + soft && i < w.last;
          ++i) {
@@ -116,11 +120,13 @@ void FitThreshold(const Recording& r, const std::vector<Window>& windows,
     double x = low + static_cast<double>(at) * step;
     if (at > 0 && at < kGrid) {
       double l = cost(at - 1) - cost(at), h = cost(at + 1) - cost(at);
+      // The lowest point of a parabola through three of the grid.
       if (l + h > 0) x += 0.5 * step * (l - h) / (l + h);
     }
     return x;
   };
   double gain = 0, value = floor, first_low = floor, first_high = floor;
+  // Coarse over the whole range, then fine around the best: eighty steps each.
   for (int pass = 0; pass < 2; ++pass) {
     step = (high - low) / kGrid;
     std::fill(total.begin(), total.end(), 0);
@@ -156,6 +162,8 @@ void FitThreshold(const Recording& r, const std::vector<Window>& windows,
   for (double b : best) sum += (b - mean) * (b - mean);
   // The gate is as wide as the noise of the force it sees.
   double half = Student975(n - 1) * std::sqrt(sum * (n - 1) / n) + soft;
+  // Against no gate at all, in the cost of the windows: chosen, so that recordings without sticking
+  // show none (cut_fit_test).
   fit->threshold_seen = gain > 6;
   if (fit->threshold_seen) {
     fit->threshold_n = {value, std::min(first_low, value - half),

@@ -53,6 +53,7 @@ double WhiteNoise(const Recording& r, bool force, int axis) {
   for (size_t i = 3; i < r.s.size(); ++i) {
     if (r.s[i].run != r.s[i - 3].run || r.s[i].t_s - r.s[i - 3].t_s > 3.5 * r.dt) continue;
     auto At = [&](size_t k) { return force ? r.s[k].f_n[axis] : r.s[k].x_mm[axis]; };
+    // Third differences: a motion that is smooth over four samples leaves nothing in them.
     double d = At(i) - 3 * At(i - 1) + 3 * At(i - 2) - At(i - 3);
     squares.push_back(d * d / 20);
   }
@@ -75,6 +76,7 @@ double CountOf(const Recording& r, int axis) {
     double d = std::fabs(r.s[i].x_mm[axis] - r.s[i - 1].x_mm[axis]);
     if (d > 1e-9) steps.push_back(d);
   }
+  // The lower quartile: some steps are of two counts, none of less than one.
   return steps.empty() || 2 * steps.size() > all ? 0 : Quantile(steps, 0.25);
 }
 
@@ -151,6 +153,8 @@ size_t DropSpikes(std::vector<CutSample>* s) {
       off[i] = std::fabs(At(i) - five[2]);
       step.push_back(std::fabs(At(i) - At(i - 1)));
     }
+    // 1.4826 makes a standard deviation of a median; beside it the steps of a fast motion, which
+    // are no spikes.
     double limit = 8 * std::max(1.4826 * Quantile(off, 0.5), Quantile(step, 0.95));
     if (!(limit > 0)) {
       for (double d : step) limit = limit == 0 || (d > 0 && 4 * d < limit) ? 4 * d : limit;
@@ -174,6 +178,7 @@ std::vector<Window> WindowsOf(const Recording& r, double width) {
     while (to < r.s.size() && r.s[to].run == r.s[from].run) ++to;
     size_t first = from, last = from;
     double end = r.s[to - 1].t_s + 0.5 * r.dt - half;
+    // Half a window on: bumps that overlap by half weigh every sample alike.
     for (double t = r.s[from].t_s - 0.5 * r.dt + half; t <= end; t += half) {
       while (first < to && r.s[first].t_s < t - half) ++first;
       while (last < to && r.s[last].t_s < t + half) ++last;
@@ -241,6 +246,7 @@ void Classify(const Recording& r, double c, double threshold, std::vector<Window
   for (size_t i = 0; i < windows->size(); ++i) {
     const Window& w = (*windows)[i];
     if (w.whole.gap || Slow(w) || std::fabs(Along(r, w)) >= touch) continue;
+    // The windows beside it as well: the bur is partly out there.
     for (size_t k = i > 0 ? i - 1 : 0; k < std::min(windows->size(), i + 2); ++k) air[k] = 1;
   }
   fit->speed_max_mm_s = 0;
@@ -267,6 +273,7 @@ void Classify(const Recording& r, double c, double threshold, std::vector<Window
       if (threshold > 0) {
         size_t below = 0;
         for (size_t k = w.first; k < w.last; ++k) below += r.smooth_n[k] < threshold;
+        // More than a fiftieth of its samples.
         stuck = 50 * below > w.last - w.first;
       }
       if (stuck) {
@@ -292,6 +299,7 @@ void SmoothForce(Recording* r) {
   dvec3 sum(0);
   for (size_t i = 0; i < n; ++i) {
     double t = r->s[i].t_s;
+    // A running sum: each sample enters once and leaves once.
     while (b < n && r->s[b].t_s <= t + kForceSmooth_s && r->s[b].run == r->s[i].run)
       sum += r->s[b++].f_n;
     while (a < i && (r->s[a].t_s < t - kForceSmooth_s || r->s[a].run != r->s[i].run))

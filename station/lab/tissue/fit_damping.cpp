@@ -73,6 +73,7 @@ class Header {
   }
   Columns Find(const std::vector<std::vector<std::string>>& stems,
                const std::vector<std::pair<std::string, double>>& suffixes) const {
+    // In the order of preference: three columns before one, names with a unit before bare ones.
     for (const auto& stem : stems) {
       for (const auto& [suffix, to_unit] : suffixes) {
         Columns c{{}, to_unit};
@@ -139,6 +140,7 @@ Result<std::vector<Sample3>> SamplesOf(const std::vector<CsvRow>& rows, const La
     }
     s.f_n *= l.force.to_unit;
     if (l.tissue) s.tissue = Cell(rows[i], l.tissue.at[0]);
+    // Refused and not sorted: times that fall usually mean two recordings in one file.
     if (!out.empty() && s.t_s <= out.back().t_s) {
       return Refuse("time does not rise in row " + std::to_string(rows[i].row) + ": " +
                         F(out.back().t_s, "%.6g") + " s, then " + F(s.t_s, "%.6g") +
@@ -199,6 +201,7 @@ DampingFit FitTissue(const std::vector<Sample3>& samples, const std::string& tis
     mine.push_back({s.t_s, s.x_mm, s.f_n, s.axis, run});
     lowest = std::min(lowest, s.f_n.x), highest = std::max(highest, s.f_n.x);
   }
+  // One force column beside one position: with both signs it is a component, with one a magnitude.
   both_signs = lowest < -0.2 * highest && highest > -0.2 * lowest;
   int positions = static_cast<int>(layout.position.at.size());
   bool vector = layout.force.at.size() == 3 ? positions == 3 : positions == 1 && both_signs;
@@ -248,6 +251,7 @@ Result<DampingReport> FitDamping(std::string_view csv, const dvec3& bur_axis) {
     steps.push_back((*samples)[i].t_s - (*samples)[i - 1].t_s);
   std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2),
                    steps.end());
+  // The median: rows that are missing do not make the rate lower.
   double dt = steps[steps.size() / 2];
   if (dt > 1)
     return Refuse("samples are " + F(dt, "%.3g") +
@@ -262,6 +266,7 @@ Result<DampingReport> FitDamping(std::string_view csv, const dvec3& bur_axis) {
       tissues.push_back(s.tissue);
   }
   if (tissues.empty()) tissues.push_back("");
+  // A column of numbers taken for names would otherwise be fitted for minutes.
   if (tissues.size() > 64) return Refuse("more than 64 tissues in the tissue column", "tissue");
   for (const std::string& tissue : tissues)
     report.fits.push_back(FitTissue(*samples, tissue, dt, *layout));

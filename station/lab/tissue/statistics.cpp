@@ -13,6 +13,7 @@ double Quantile(std::vector<double> v, double q) {
 }
 
 double Student975(double n) {
+  // Cornish and Fisher's expansion of Student's quantile in 1/n (Abramowitz and Stegun, 26.7.5).
   constexpr double z = 1.959964;
   double z3 = z * z * z, z5 = z3 * z * z, z7 = z5 * z * z;
   return z + (z3 + z) / (4 * n) + (5 * z5 + 16 * z3 + 3 * z) / (96 * n * n) +
