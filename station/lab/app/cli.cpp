@@ -18,6 +18,7 @@ namespace {
 void RegisterQualify(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<QualifyOptions>();
   options->out = stdout;
+  // Told to a function and not printed: tests run suites without a terminal.
   options->errors = [](const std::string& why) { program::SayError("qualify: " + why); };
   CLI::App* qualify = app.add_subcommand("qualify",
                                          "Measure force laws on a device profile: error against "
@@ -145,6 +146,7 @@ void RegisterExplain(CLI::App& app, int* exit_code) {
                    "checked against it")
       ->check(CLI::PositiveNumber);
   command->add_option("--json", explain->json, "Write the facts to this file");
+  // Here a refusal is printed by the command: unlike a suite it has no caller that could.
   command->callback([explain, exit_code] {
     Status status = ExplainScene(*explain);
     if (!status.ok()) program::SayError(status.message());
@@ -154,6 +156,7 @@ void RegisterExplain(CLI::App& app, int* exit_code) {
 
 void RegisterError(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<QualifyOptions>();
+  // A suite under a name of its own, since it is asked for by people who judge no force law.
   options->suites = {"cutting"};
   options->out = stdout;
   options->errors = [](const std::string& why) { program::SayError("error: " + why); };

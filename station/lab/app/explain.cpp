@@ -31,6 +31,7 @@ namespace json = boost::json;
 using scene::Part;
 using scene::PartId;
 
+// Enough for a p99 of six ticks; parts are measured a dozen times and somebody waits.
 constexpr size_t kTicks = 600;
 constexpr int kReplays = 5;
 
@@ -74,6 +75,7 @@ Result<Subject> Prepare(const ExplainCommand& options) {
   Subject s;
   ENAMEL_ASSIGN_OR_RETURN(auto built, Load(options, options.voxel_um * 1000));
   s.built = std::move(built);
+  // As a ticket would: what a station refuses is not worth measuring.
   ENAMEL_RETURN_IF_ERROR(scene::CheckVolume(s.built.scene, s.built.volume));
   ENAMEL_ASSIGN_OR_RETURN(auto exercise, Choose(s.built.scene, options.exercise));
   s.exercise = std::move(exercise);
@@ -95,6 +97,8 @@ class Appraiser {
   explicit Appraiser(const Subject& subject)
       : s_(subject), way_(MakeCutWay(s_.params, s_.exercise.target, kTicks)) {
     Progress("the tick as planned");
+    // Twice: what the same measurement differs by from itself is printed, so that nobody reads
+    // noise as a cost.
     base_ = Steps(s_.built.volume);
     again_ = Steps(s_.built.volume);
   }
@@ -129,6 +133,7 @@ class Appraiser {
       }
       case PartId::kBusWrite:
         return BusWrite();
+      // Never left out, hence nothing to compare with.
       case PartId::kForceBounds:
       case PartId::kStateHash:
         return {{}, {}, "inside the tick's figure"};
@@ -153,6 +158,7 @@ class Appraiser {
   Worth Instead(const cutting::Volume& other, const char* what) const {
     StepCost c = Steps(other);
     Worth w{MoreThanBase_ns(c), Mb(other) - volume_mb(), what};
+    // The promise of leaving out is that it changes no hash. Measuring is a good moment to look.
     if (c.state_hash != base_.state_hash) w.note += "; THE HASH DIFFERS: do not trust this plan";
     return w;
   }
@@ -193,6 +199,7 @@ class Appraiser {
     if (!kept) return {0.0, 0.0, "there is none"};
     cutting::Volume without = scene::Without(s_.built.volume, cutting::Tissue::kNeighbour);
     StepCost c = Steps(without);
+    // Negative: this one leaves out what the plan keeps.
     return {-MoreThanBase_ns(c), volume_mb() - Mb(without), "against the tooth alone"};
   }
 
@@ -236,6 +243,7 @@ class Appraiser {
       other.shape = cutting::BurShape::kCylinder;
       other.length_m = 4e-3;
     }
+    // From the heap: a process grows by whole pages, and keeps what was freed.
     double before_mb = HeapMb();
     auto from = std::chrono::steady_clock::now();
     cutting::Cutter cutter(volume, other);
@@ -253,6 +261,7 @@ class Appraiser {
     if (!device.ok()) return {{}, {}, "no operator can do this exercise: not measured"};
     constexpr int kCalls = 100'000;
     auto from = std::chrono::steady_clock::now();
+    // Differing forces: a device that skips what it has sent already would cost nothing.
     for (int i = 0; i < kCalls; ++i) (*device)->SendForce(dvec3(0, 0, 1e-3 * (i & 7)));
     double ns =
         std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - from).count();
@@ -315,6 +324,7 @@ class Budget {
   Status DecideGraded(json::object& out) {
     EndProgress();
     double period_us = 1e6 / s_.exercise.rate_hz;
+    // By p99 and not by the mean: a tick that is late now and then is what a hand feels.
     bool fits = base_.p99_us <= std::min(budget_us_, period_us);
     out["graded"] = true;
     out["fits"] = fits;
@@ -337,6 +347,7 @@ class Budget {
 
   void MeasureVoxels() {
     std::vector<int32_t> sizes = {s_.built.scene.voxel_nm};
+    // An imported scene has one size; a built-in one can be made in any.
     if (options_.scene.starts_with(import::kBuiltin)) sizes = {200'000, 100'000, 50'000, 25'000};
     for (int32_t nm : sizes) {
       Progress("voxels of " + std::to_string(nm / 1000) + " um");
@@ -352,6 +363,7 @@ class Budget {
 
   void MeasureLaws() {
     for (int32_t rate : {1'000, 2'000, 4'000}) {
+      // The profile's rate is the device's own: faster than that nobody reads it.
       if (rate > s_.profile.rate_hz.value) continue;
       for (const haptics::LawEntry& law : haptics::ForceLaws()) {
         Progress(std::string(law.name) + " at " + std::to_string(rate) + " Hz");
@@ -361,6 +373,7 @@ class Budget {
         auto params = scene::CompilePlan(s_.built.scene, e, s_.profile);
         if (!params.ok()) continue;
         CutWay way = MakeCutWay(*params, e.target, kTicks);
+        // Fewer replays than for a voxel: there are many laws and rates, and somebody waits.
         double mean = MeasureSteps(*params, s_.built.volume, way, 3).mean_us;
         laws_.push_back({&law, rate, ForceError_n(*params), mean - base_.mean_us,
                          law.make({law.kind, 1000, dvec3(1e-5)})->anchored()});
@@ -404,6 +417,7 @@ class Budget {
     for (auto v = voxels_.rbegin(); v != voxels_.rend(); ++v) {
       const LawPoint* best = nullptr;
       for (const LawPoint& l : laws_) {
+        // A law's cost is added to the voxel's: each pair measured for itself would take minutes.
         bool fits =
             v->cost.p99_us + std::max(l.more_us, 0.0) <= std::min(budget_us_, 1e6 / l.rate_hz);
         if (fits && l.passive && (best == nullptr || l.force_error_n < best->force_error_n))
@@ -484,6 +498,7 @@ Status ExplainScene(const ExplainCommand& options) {
                    {"parts", std::move(parts)}};
   Status decided;
   if (options.budget_us) decided = Budget(options, subject, base).Decide(out);
+  // Before the verdict: the figures are wanted most where nothing fits.
   ENAMEL_RETURN_IF_ERROR(WriteJson(options.json, out));
   return decided;
 }

@@ -35,16 +35,20 @@ int main(int argc, char** argv) {
   app.footer("'enamel-lab --help' shows which command answers which question.");  // of commands
   app.require_subcommand(1);
   app.set_version_flag("--version", "enamel-lab " ENAMEL_VERSION);
+  // Before parsing, so that a wrong command line is refused in the format that was asked for.
   const bool json = program::AsksForJson(argc, argv, kPrefix);
   (void)program::SetUpLog({.format = json ? "json" : "text", .name = kName});
   // A long measurement's rows are seen as they come, in a file too.
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
   int exit_code = 0;
   station::lab::RegisterLab(app, &exit_code);
+  // After the commands, which inherit the footer there is when they are made.
   app.footer(kFooter);
   program::CommandSettings settings(app, {.program = kName,
                                           .prefix = kPrefix,
                                           .system_file = "/etc/enamel/station.toml",
+                                          // The file is the station's; keys of its own commands are
+                                          // no mistakes here.
                                           .shared = true});
   settings.Add();
   try {
@@ -54,6 +58,7 @@ int main(int argc, char** argv) {
     if (!wrong || !json) return app.exit(error) == 0 ? 0 : kUsage;
     program::SayError(error.what());
     return kUsage;
+    // Of a suite, such as no memory for its rows.
   } catch (const std::exception& error) {
     program::SayError(error.what());
     return kFailed;

@@ -35,6 +35,7 @@ constexpr Suite kSuites[] = {{"paper", &RunPaperSuite},
 // The suites measure the three axes of force. A torque that is not passive would shake the hand that holds them.
 Status CheckTorque(const scene::DeviceProfile& profile) {
   for (const scene::ProfileCriterion& c : scene::CheckProfile(profile)) {
+    // The other criteria are what the suites are here to measure, also where a profile fails them.
     if (c.met || !c.member.starts_with("torque/")) continue;
     char found[80];
     std::snprintf(found, sizeof found, "expected %s %.4g %s, found %.4g",
@@ -53,6 +54,7 @@ Result<std::vector<DeviceModel>> ModelIn(const std::string& path) {
   Status status = model.status();
   if (status.ok()) status = CheckTorque(*profile);
   if (status.ok()) return std::vector<DeviceModel>{*model};
+  // Some messages begin with the member's name: it is not said twice.
   const bool placed = status.field().empty() || status.message().starts_with(status.field());
   return Status(status.code(),
                 path + ": " + (placed ? "" : status.field() + ": ") + status.message(),
@@ -60,11 +62,13 @@ Result<std::vector<DeviceModel>> ModelIn(const std::string& path) {
 }
 
 Result<std::vector<DeviceModel>> ModelsFor(const std::string& name) {
+  // A path and no name: names of profiles have no dot.
   if (name.ends_with(".json")) return ModelIn(name);
   std::vector<DeviceModel> out;
   std::string known;
   for (const scene::DeviceProfile& p : QualifyProfiles()) {
     known += (known.empty() ? "" : ", ") + p.name;
+    // Listed before it is left out, so that a refusal can name them all.
     if (name != "all" && name != p.name) continue;
     Result<DeviceModel> model = ModelOf(p);
     if (!model.ok())
@@ -96,6 +100,7 @@ Status CheckSuites(const std::vector<std::string>& names) {
 
 // Without recordings the hand suite's figures are other ones: whoever names a folder means it.
 Status CheckRecordings(const QualifyOptions& options) {
+  // The default folder may be missing: the suite then says so and goes on with generated motions.
   if (options.recordings == QualifyOptions().recordings) return Status::Ok();
   Result<std::vector<HandMotion>> found = RecordedMotions(options.recordings);
   if (!found.ok()) return found.status();
@@ -115,6 +120,7 @@ Progress ProgressTo(std::FILE* out) {
   };
   auto shown = std::make_shared<Shown>();
   return [out, shown](const char* what, size_t done, size_t all) {
+    // Suites report from several threads; lines must not run into each other.
     std::lock_guard lock(shown->guard);
     auto now = std::chrono::steady_clock::now();
     if (done < all && now - shown->last < std::chrono::milliseconds(100)) return;
@@ -154,6 +160,7 @@ int RunQualify(const QualifyOptions& options) {
     if (options.errors) options.errors(status.message());
     return 1;
   };
+  // Everything that can be wrong is looked at before the first suite: a full run is long.
   if (Status status = CheckSuites(options.suites); !status.ok()) return Fail(status);
   if (options.cases < 1 || options.cases > 1'000'000)
     return Fail({Code::kInvalidInput, "--cases: expected 1 to 1000000", "cases"});
@@ -194,6 +201,7 @@ int RunQualify(const QualifyOptions& options) {
     Status status = WriteReport(JsonOf(findings), options.report);
     if (!status.ok()) return Fail(status);
   }
+  // A code of its own: a proof that fails is another thing than a path that cannot be written.
   bool broken = std::any_of(findings.attacks.begin(), findings.attacks.end(),
                             [](const Attack& a) { return a.proved && a.violations > 0; });
   return broken ? 2 : 0;
