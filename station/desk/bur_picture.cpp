@@ -41,6 +41,7 @@ void DrawBur(const cutting::Bur& bur, float width_px, float height_px, float mm)
   ImVec2 at = ImGui::GetCursorScreenPos();
   ImDrawList* list = ImGui::GetWindowDrawList();
   ImVec2 tip{at.x + 12, at.y + 0.42f * height_px};
+  // A shank may be longer than the page is wide: what matters is the head.
   list->PushClipRect(at, {at.x + width_px, at.y + height_px}, true);
   DrawOutline(render::BurShankOutline(bur), tip, mm, kShank);
   DrawOutline(render::BurHeadOutline(bur), tip, mm, kHead);

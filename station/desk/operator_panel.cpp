@@ -24,6 +24,7 @@ void Lateness(const DurationHistogram& lateness, float px) {
               Us(lateness.Quantile_ns(0.99)), Us(static_cast<double>(lateness.max_ns())));
   // One bar per doubling from 1 us to 16 ms, by share of ticks; square root, to see the few.
   std::vector<float> bars;
+  // kSplit buckets make a doubling: put together again, a bar is one.
   for (int octave = 7; octave < 22; ++octave) {
     uint64_t n = 0;
     for (int i = 0; i < DurationHistogram::kSplit; ++i) {
@@ -107,6 +108,7 @@ void Pictures(const render::Screen& screen, const PictureTimes& times,
 double PictureTimes::Quantile_ms(double share) const {
   std::vector<float> sorted(ms_.begin(), ms_.begin() + static_cast<long>(std::min(next_, kCount)));
   if (sorted.empty()) return 0;
+  // Some 180 values, once a picture: cheaper than keeping them in order.
   std::sort(sorted.begin(), sorted.end());
   auto at = static_cast<size_t>(share * static_cast<double>(sorted.size() - 1));
   return sorted[at];
@@ -133,6 +135,7 @@ void Frame(const render::Screen& screen, int columns, Draw&& draw) {
   ImGui::PushStyleColor(ImGuiCol_WindowBg, ImVec4{0.05f, 0.06f, 0.07f, 0.95f});
   ImGui::Begin("operator", nullptr,
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoSavedSettings |
+                   // It takes no input: an attempt goes on below it with mouse and keys.
                    ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_AlwaysAutoResize);
   ImGui::Text("Operator panel   F1 closes it");
   if (ImGui::BeginTable("columns", columns)) {

@@ -18,6 +18,7 @@ ivec3 FirstVoxel(const GridSpec& spec, int brick) {
          kBrickSide;
 }
 
+// kBrickSide is 8, x fastest.
 ivec3 InBrick(int i) { return {i & 7, i >> 3 & 7, i >> 6}; }
 
 dvec3 At_m(const GridSpec& spec, const dvec3& voxel) {
@@ -89,6 +90,7 @@ void ForEachCutPoint(const Volume& initial, const Volume& now, int brick, Visit&
       step[side / 2] = side % 2 == 0 ? 1 : -1;
       int beside = now.PhiAt(voxel + step);
       if (beside >= 0) continue;
+      // Where the distance crosses 0 between the two, taken as linear.
       double share = static_cast<double>(here) / (here - beside);
       visit(At_m(spec, dvec3(voxel) + share * dvec3(step)), voxel);
     }
@@ -125,6 +127,9 @@ bool ReachWatch::MayGoFarther(const dvec3& middle_m) const {
 bool ReachWatch::MayBeNearerPulp(int brick, const dvec3& middle_m) {
   double corner = std::sqrt(3.0) * (HalfBrick_m(initial_.spec()) + initial_.spec().voxel_m());
   float& bound = pulp_bound_m_[static_cast<size_t>(brick)];
+  // The distance changes by no more than a point moves: the middle's, less the half diagonal,
+  // bounds every point of the brick. Worked out once, since the pulp stays what it was at the
+  // beginning.
   if (bound < 0) {
     bound =
         static_cast<float>(std::max(0.0, pulp_->Distance_m(middle_m, pulp_m_ + corner) - corner));
@@ -156,6 +161,7 @@ void ReachWatch::Look(const Volume& now) {
   }
   for (int b = 0; b < now.spec().brick_count(); ++b) {
     if (!now.IsStored(b)) continue;
+    // Bricks that were not cut are told by their samples: no list of touched ones has to be kept.
     if (initial_.IsStored(b) && initial_.Phi(b).phi == now.Phi(b).phi) continue;
     LookAtBrick(now, b);
   }

@@ -70,6 +70,7 @@ Stage::~Stage() = default;
 Status Stage::Begin(Workplace& workplace, int cpu) {
   AttemptOptions options;
   options.cpu = cpu;
+  // Lateness endangers a hand that a motor holds, and nobody else.
   options.faults_when_late = held_->has_motors() && !simulated();
   options.observer = feed_.get();
   ENAMEL_ASSIGN_OR_RETURN(auto run, workplace.Begin(prepared_, *held_, options));
@@ -80,10 +81,12 @@ Status Stage::Begin(Workplace& workplace, int cpu) {
 void Stage::Point(const Screen& screen, double dt_s, bool held) {
   if (!pointer_) return;
   if (held) {
+    // Below a dialog: a key that is still down must not go on tilting.
     mapping_.ReleaseKeys();
   } else {
     render::Camera& camera = view_->camera();
     mapping_.SetView(dvec3(camera.Right()), dvec3(camera.TowardViewer()),
+                     // Metres a pixel: the picture is two radii high.
                      2e-3 * camera.radius_mm() / screen.height());
     mapping_.SetFine(screen.key(render::kKeyLeftShift) || screen.key(render::kKeyRightShift));
     mapping_.SetTilt(Held(screen, 'D', 'A'), Held(screen, 'W', 'S'));

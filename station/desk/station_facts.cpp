@@ -7,6 +7,7 @@ namespace enamel::station::desk {
 namespace {
 
 constexpr std::chrono::seconds kLookEvery{2};
+// Some four hours of recording (0.35 GB take eight).
 constexpr uint64_t kLittleRoom_bytes = 200'000'000;
 
 std::string Counted(size_t n, const std::string& one, const std::string& many) {

@@ -18,6 +18,7 @@ void StillnessCheck::Look(const DeviceSample& sample, double now_s) {
   if (sample.buttons & kPedal) return begin_anew("Take the foot off the pedal");
   double moved = 0;
   for (size_t i = 0; i < 3; ++i) {
+    // From where it began to be still, not from sample to sample: a slow drift is a move too.
     moved = std::max(moved, std::fabs(static_cast<double>(sample.counts[i]) - at_[i]));
   }
   if (since_s_ < 0) return begin_anew("");
