@@ -81,6 +81,7 @@ Result<Calibration> CalibrationFromJson(std::string_view text) {
   Status status;
   ObjectReader in(*document, "", status);
   Calibration out;
+  // First: a newer format is told as such, and not by a member that this program does not know.
   in.Format(kFormat, kFormat);
   out.device = in.Text("device", 1, 200);
   out.profile = in.Name("profile");

@@ -38,6 +38,7 @@ void ReadExerciseBur(ObjectReader& in, Exercise& e) {
 }
 
 void ReadHandpiece(ObjectReader& in, Exercise& e) {
+  // Without: its speed does not fall under load.
   if (!in.Has("handpiece")) return;
   ObjectReader object = in.Object("handpiece");
   e.handpiece.stall_un_m = static_cast<int32_t>(object.Int("stall_un_m", 1, 1'000'000));
@@ -92,6 +93,7 @@ void ReadTarget(ObjectReader& in, CavityTarget& t) {
   ObjectReader target = in.Object("target");
   t.landmark = target.Name("landmark");
   auto half = target.Ints("half_size_um", 2, 1, kMaxExtentUm);
+  // The third is the depth's to say.
   t.half_size_um = {half[0], half[1], 0};
   t.depth_um = static_cast<int32_t>(target.Int("depth_um", 1, kMaxExtentUm));
   t.leeway_side_um = static_cast<int32_t>(target.Int("leeway_side_um", 0, kMaxExtentUm));

@@ -20,6 +20,8 @@ void PassInterval(ObjectReader& in, const std::string& name, const std::string& 
 Material::Fitted ReadFitted(ObjectReader& in, bool plain) {
   Material::Fitted out;
   out.name = in.Text("tissue", 1, 64);
+  // A name that is no tissue of ours is kept: ApplyMaterial refuses it with the scene's own names
+  // beside it.
   if (auto tissue = cutting::TissueFromName(out.name)) out.spec.tissue = *tissue;
   TissueSpec& spec = out.spec;
   spec.damping_mn_s_per_mm = static_cast<int32_t>(in.Int("damping_mn_s_per_mm", 1, kMostDamping));
@@ -29,6 +31,7 @@ Material::Fitted ReadFitted(ObjectReader& in, bool plain) {
   in.Int("residual_rms_mn", 0, kAny);
   // A fit from fewer is not written (station/lab/tissue/cut_solve.h).
   in.Int("blocks", 8, kAny);
+  // Format 1 knows no more: Finish refuses a later member in it.
   if (plain) {
     in.Finish();
     return out;
@@ -41,6 +44,7 @@ Material::Fitted ReadFitted(ObjectReader& in, bool plain) {
   if (in.Has("damping_matrix_mn_s_per_mm")) {
     for (const char* name : {"damping_matrix_mn_s_per_mm", "damping_matrix_low_mn_s_per_mm",
                              "damping_matrix_high_mn_s_per_mm"})
+      // Read to be checked and not used: the cutter has B along and across the bur alone.
       in.Ints(name, 6, -kAny, kAny);
   }
   if (in.Has("coulomb_mn")) {
@@ -69,6 +73,7 @@ Result<Material> MaterialFromJson(std::string_view text) {
   Material material;
   bool plain = in.Format(kPlainFormat, kFormat) == kPlainFormat;
   material.source = in.Text("source", 1, 255);
+  // Millihertz: recordings of a rate that is no whole number keep it.
   material.rate_mhz = in.Int("rate_mhz", 1, INT64_MAX);
   for (ObjectReader& item : in.Objects("tissues", 1, 64))
     material.tissues.push_back(ReadFitted(item, plain));

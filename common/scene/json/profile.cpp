@@ -119,8 +119,10 @@ std::string ToJson(const DeviceProfile& profile) {
     out[n.name] = std::move(item);
   }
   for (const Number& n : kOptional) {
+    // Known by its source: every number has one, and 0 may be a value.
     if (Known(n)) out[n.name] = Document(profile.*n.member);
   }
+  // In the order of the canonical document, as above.
   if (Known(kElectrical)) out[kElectrical.name] = Document(profile.*kElectrical.member);
   if (profile.torque) {
     json::object item;

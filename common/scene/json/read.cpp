@@ -11,6 +11,7 @@ namespace {
 namespace json = boost::json;
 
 constexpr size_t kMaxText = size_t{1} << 20;
+// Deeper than any document of ours.
 constexpr size_t kMaxDepth = 16;
 
 size_t CountMembers(const json::value& v) {
@@ -30,6 +31,7 @@ size_t CountColons(std::string_view text) {
   size_t n = 0;
   bool in_string = false;
   for (size_t i = 0; i < text.size(); ++i) {
+    // What is escaped ends no string.
     if (in_string && text[i] == '\\') {
       ++i;
     } else if (text[i] == '"') {
@@ -43,6 +45,7 @@ size_t CountColons(std::string_view text) {
 
 std::string Describe(const json::value& v) {
   std::string text = json::serialize(v);
+  // A refusal quotes what it found, and must not be as long as a document.
   return text.size() > 60 ? text.substr(0, 57) + "..." : text;
 }
 

@@ -50,6 +50,7 @@ boost::json::object RubricJson(const Rubric& r) {
                      {"comment", g.comment}});
   }
   json::object out{{"name", r.name}, {"version", r.version}, {"criteria", std::move(criteria)}};
+  // Left out where there are none: earlier documents keep their bytes.
   if (!gates.empty()) out["gates"] = std::move(gates);
   return out;
 }

@@ -48,6 +48,7 @@ void ReadTissues(ObjectReader& in, Scene& scene, int64_t format) {
       }
     }
     spec.provenance = item.Text("provenance", 1, 500);
+    // Two would make the force depend on which a reader takes.
     if (!seen.insert(spec.tissue).second) {
       item.Refuse("tissue", "each tissue once",
                   std::string(cutting::TissueName(spec.tissue)) + " twice");
@@ -63,6 +64,7 @@ void ReadLandmarks(ObjectReader& in, Scene& scene) {
     auto p = marks.Ints(name, 3, -kMaxExtentUm, kMaxExtentUm);
     scene.landmarks[name] = {p[0], p[1], p[2]};
   }
+  // The one that every scene has: device and camera are placed by it.
   if (!marks.Has("occlusal_centre")) marks.Refuse("occlusal_centre", "this landmark", "none");
   marks.Finish();
 }
@@ -70,6 +72,7 @@ void ReadLandmarks(ObjectReader& in, Scene& scene) {
 void ReadBurs(ObjectReader& in, Scene& scene) {
   for (ObjectReader& item : in.Objects("burs", 0, kMaxBurs)) {
     BurSpec bur = ReadBur(item);
+    // A scene's burs are chosen by name; an exercise has one and no name for it.
     bur.name = item.Name("name");
     for (const BurSpec& other : scene.burs) {
       if (other.name == bur.name) item.Refuse("name", "each bur once", bur.name + " twice");
@@ -89,6 +92,8 @@ PreparationPart ReadPart(ObjectReader& in) {
   part.top_um = {top[0], top[1], top[2]};
   if (disc) {
     auto radius = static_cast<int32_t>(in.Int("radius_um", 1, kMaxExtentUm));
+    // A disc has one number; both places of the struct hold it, so that readers need not ask which
+    // outline it is.
     part.half_size_um = {radius, radius};
   } else {
     auto half = in.Ints("half_size_um", 2, 1, kMaxExtentUm);
@@ -198,6 +203,7 @@ Result<Scene> SceneFromJson(std::string_view text) {
   scene.voxel_nm = static_cast<int32_t>(in.Int("voxel_nm", 5'000, 1'000'000));
   ReadTissues(in, scene, format);
   ReadLandmarks(in, scene);
+  // Both or neither: format 2 has them even where they are empty.
   if (format != kPlainFormat) {
     ReadBurs(in, scene);
     ReadPreparations(in, scene);

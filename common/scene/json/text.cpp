@@ -24,6 +24,7 @@ void PrintNumber(double value, std::string& out) {
 }
 
 void PrintScalar(const json::value& v, std::string& out) {
+  // Integers and texts have one spelling in Boost.JSON too; doubles have not.
   if (v.is_double()) {
     PrintNumber(v.get_double(), out);
   } else {
@@ -39,6 +40,7 @@ void NewLine(int indent, std::string& out) {
 void Print(const json::value& v, int indent, std::string& out);
 
 void PrintArray(const json::array& array, int indent, std::string& out) {
+  // Numbers of one point on one line: documents are read by people too.
   const bool inline_items = std::all_of(array.begin(), array.end(), IsScalar);
   out += '[';
   for (size_t i = 0; i < array.size(); ++i) {
@@ -57,6 +59,7 @@ void PrintObject(const json::object& object, int indent, std::string& out) {
     if (!first) out += ',';
     first = false;
     NewLine(indent + 1, out);
+    // In the order in which members were put: each document's writer fixes it.
     out += json::serialize(json::string(member.key())) + ": ";
     Print(member.value(), indent + 1, out);
   }
