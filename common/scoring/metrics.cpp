@@ -296,6 +296,8 @@ constexpr Entry kRegistry[] = {
 
 Status CheckInputs(const AttemptData& attempt, const AttemptData& reference) {
   for (const AttemptData* data : {&attempt, &reference}) {
+    // A missing part is a mistake of the caller's; a grid or a recording that does not fit comes
+    // from outside.
     ENAMEL_CHECK(data->initial && data->final_volume && data->final_surface && data->process);
     if (!(data->initial->spec() == attempt.initial->spec()) ||
         !(data->final_volume->spec() == attempt.initial->spec())) {
@@ -359,6 +361,7 @@ double NeighbourDepth_m(const AttemptData& attempt, const Side& side) {
 
 bool Has(const Volume& volume, Tissue tissue) {
   for (int b = 0; b < volume.spec().brick_count(); ++b) {
+    // A brick without labels is of one tissue throughout.
     if (!volume.HasLabels(b)) {
       if (volume.UniformTissue(b) == tissue) return true;
       continue;
@@ -462,6 +465,7 @@ Result<MetricSet> ComputeMetrics(const scene::Scene& scene, const scene::Exercis
   m.removed = RemovedPerTissue_m3(initial, *attempt.final_volume);
   tell(0.15);
 
+  // Once for each side: cut vertices and areas are asked for by half a dozen metrics.
   const Side a(attempt), r(reference);
   m.task =
       MeasureTask(initial, *attempt.final_volume, *reference.final_volume,
@@ -472,6 +476,7 @@ Result<MetricSet> ComputeMetrics(const scene::Scene& scene, const scene::Exercis
     own = DeviationPerVertex(*attempt.final_surface, initial, *attempt.final_volume,
                              *reference.final_volume, *reference.final_surface);
   }
+  // The server has it for the heat map already.
   const std::vector<float>& deviation = attempt.deviation_m ? *attempt.deviation_m : own;
   m.deepest_over_m = DeepestOver_m(a.cut_side, deviation);
   tell(0.5);

@@ -64,6 +64,7 @@ Status ValidateCriterion(const std::string& item, const RubricCriterion& criteri
 }
 
 double ShareAt(const std::vector<scene::RubricPoint>& map, double value) {
+  // Constant beyond both ends: a map says all there is to say about a value.
   if (value <= map.front().value) return map.front().share;
   for (size_t i = 1; i < map.size(); ++i) {
     if (value > map[i].value) continue;
@@ -91,6 +92,8 @@ Asked AskedFor(const std::vector<scene::RubricPoint>& map) {
 
 std::string Number(double value, std::string_view unit) {
   char text[64];
+  // As fine as anybody acts on: 0.01 mm is a tenth of the finest band, a tenth of a degree
+  // likewise.
   int digits = unit == "%" || unit == "s" || unit == "deg" ? 1 : 2;
   std::snprintf(text, sizeof text, "%.*f", digits, value);
   std::string_view shown = unit == "mm2"   ? "mm²"
@@ -134,6 +137,7 @@ CriterionResult Judge(const RubricCriterion& criterion, double value, bool& crit
   } else {
     out.reason += AskedText(info, AskedFor(criterion.map)) + ".";
   }
+  // Advice only where points were lost.
   if ((critical || share < 1) && !criterion.comment.empty()) out.reason += " " + criterion.comment;
   return out;
 }
@@ -145,6 +149,8 @@ CriterionResult Unjudged(const RubricCriterion& criterion, NoValue why) {
     out.reason = criterion.title + ": not judged, as the reference has nothing of it.";
     return out;
   }
+  // Not made: the points can be had and were not. Not in the task: they were never there, and count
+  // for nobody.
   out.max_points = criterion.points;
   out.reason = criterion.title + ": there is nothing to measure yet.";
   if (!criterion.comment.empty()) out.reason += " " + criterion.comment;
@@ -359,6 +365,7 @@ Result<ScoreResult> ApplyRubric(const Rubric& rubric, const MetricSet& metrics) 
     out.criteria.push_back(found.value ? Judge(criterion, *found.value, out.critical_fail)
                                        : Unjudged(criterion, found.why));
     CriterionResult& result = out.criteria.back();
+    // After the reasons: they are about this criterion, a gate about the whole.
     result.points *= open;
     points += result.points;
     max_points += result.max_points;
@@ -367,6 +374,7 @@ Result<ScoreResult> ApplyRubric(const Rubric& rubric, const MetricSet& metrics) 
     return Status(Code::kInvalidInput,
                   "rubric: no criterion with points can be judged in this exercise", "criteria");
   }
+  // Of what can be judged, so that exercises with fewer walls have 100 points too.
   out.score = out.critical_fail ? 0 : 100 * (points / max_points);
   return out;
 }
@@ -426,6 +434,7 @@ Result<ScoreResult> ScoreFromJson(std::string_view text) {
   }
   boost::system::error_code error;
   json::parse_options options;
+  // A score has four levels; what is deeper is none of ours.
   options.max_depth = 8;
   json::value value = json::parse(text, error, {}, options);
   if (error) return Status(Code::kInvalidInput, "score: not JSON: " + error.message());
@@ -446,6 +455,7 @@ Result<ScoreResult> ScoreFromJson(std::string_view text) {
       item.Read("points", c.points);
       item.Read("max_points", c.max_points);
       item.Read("reason", c.reason);
+      // Scores of before have every criterion judged.
       if (item.Has("judged")) item.Read("judged", c.judged);
     }
   }
