@@ -184,6 +184,7 @@ void RegisterError(CLI::App& app, int* exit_code) {
 
 }  // namespace
 
+// In the order of `--help`: what most people come for first.
 void RegisterLab(CLI::App& app, int* exit_code) {
   RegisterQualify(app, exit_code);
   RegisterError(app, exit_code);
