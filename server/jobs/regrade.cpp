@@ -44,6 +44,7 @@ RegradedAttempt Regrade(Parts<BlobStore, AttemptStore> store, const AttemptRow& 
     out.problem = before.status().message();
     return out;
   }
+  // A rubric judges numbers. Those of another version may mean something else under the same name.
   if (before->scoring_version != scoring::kScoringVersion) {
     out.problem = "measured by version " + std::to_string(before->scoring_version) +
                   " of the metrics, this is version " + std::to_string(scoring::kScoringVersion) +
@@ -114,6 +115,7 @@ Result<RubricRow> PublishCorrection(Parts<ContentStore, RubricStore> store, cons
   ENAMEL_ASSIGN_OR_RETURN(auto text, store.content().GetBlob(row.content));
   ENAMEL_ASSIGN_OR_RETURN(auto document, scene::ExerciseFromJson(AsText(text)));
   ENAMEL_ASSIGN_OR_RETURN(auto counting, CountingRubric(store, exercise, document.rubric));
+  // Two corrections at once: the second has not seen the first, and would undo it.
   if (counting.version != seen) {
     return Status(Code::kConflict,
                   "the rubric that counts has version " + std::to_string(counting.version) +
