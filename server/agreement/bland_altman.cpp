@@ -23,6 +23,7 @@ Result<LimitsOfAgreement> BlandAltman(const std::vector<double>& first,
   LimitsOfAgreement out;
   out.pairs = first.size();
   out.spread = std::sqrt(squares / (n - 1));
+  // Student's and not the normal's: a class marks some dozen pieces of work twice.
   const double t = boost::math::quantile(boost::math::students_t(n - 1), 0.975);
   const double bias_half = t * out.spread / std::sqrt(n);
   out.bias = {mean, {mean - bias_half, mean + bias_half}};

@@ -83,6 +83,7 @@ MarkTable CompleteRows(const std::vector<std::vector<std::optional<double>>>& ro
     for (const auto& mark : row) {
       if (mark) marks.push_back(*mark);
     }
+    // Whole rows only: the analysis of variance has one mark in every cell.
     if (marks.size() == row.size()) out.push_back(std::move(marks));
   }
   return out;

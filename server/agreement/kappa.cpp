@@ -83,6 +83,7 @@ Result<Agreement> WeightedKappa(const std::vector<std::vector<double>>& counts,
       second_mean[j] += agree(i, j) * first[i];
     }
   }
+  // By chance alone they would agree always: nothing is left to compare with.
   if (1 - chance < 1e-12) {
     return Status(Code::kInvalidInput,
                   "expected marks in two classes at least; with all in one, kappa has no value");
