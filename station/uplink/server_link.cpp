@@ -188,23 +188,23 @@ Result<Bytes> ServerLink::FetchBlob(const Sha256& name, const BlobCache& cache) 
 }
 
 Result<trace::Ticket> ServerLink::RequestTicket(const Credentials& credentials,
-                                                const Person& person, const TicketWish& wish) {
+                                                const Person& person, const TicketRequest& wanted) {
   wire::Request request;
   auto* ask = request.mutable_request_ticket();
   ask->set_session(person.session);
-  ask->set_exercise(protocol::ToField(wish.exercise.view()));
-  ask->set_profile(protocol::ToField(wish.profile.view()));
-  ask->set_as_reference(wish.as_reference);
-  ask->set_for_later(wish.for_later);
-  if (!wish.assignment.IsZero()) {
-    ask->set_assignment(protocol::ToField(wish.assignment.view()));
+  ask->set_exercise(protocol::ToField(wanted.exercise.view()));
+  ask->set_profile(protocol::ToField(wanted.profile.view()));
+  ask->set_as_reference(wanted.as_reference);
+  ask->set_for_later(wanted.for_later);
+  if (!wanted.assignment.IsZero()) {
+    ask->set_assignment(protocol::ToField(wanted.assignment.view()));
   }
   ENAMEL_ASSIGN_OR_RETURN(auto reply, Call(request));
   if (!reply.has_ticket_issued()) return Unexpected("TicketIssued");
   auto ticket = trace::DecodeTicket(AsBytes(reply.ticket_issued().ticket()));
   if (!ticket.ok()) return ticket.status();
   bool ours = ticket->station == credentials.station && ticket->person == person.id &&
-              ticket->exercise == wish.exercise && ticket->profile == wish.profile;
+              ticket->exercise == wanted.exercise && ticket->profile == wanted.profile;
   if (!ours || !trace::VerifyTicket(*ticket, credentials.ticket_key)) {
     return Status(Code::kConflict,
                   "the server issued a ticket for something else, or one it did not "

@@ -51,7 +51,7 @@ struct Catalogue {
 };
 
 // What a ticket is asked for.
-struct TicketWish {
+struct TicketRequest {
   Sha256 exercise, profile;
   Uuid assignment;            // as the catalogue has it
   bool as_reference = false;  // instructors only
@@ -108,7 +108,7 @@ class ServerLink {
   Result<Bytes> FetchBlob(const Sha256& name, const BlobCache& cache);
   // Signature, station, exercise and profile are checked.
   Result<trace::Ticket> RequestTicket(const Credentials& credentials, const Person& person,
-                                      const TicketWish& wish);
+                                      const TicketRequest& wanted);
 
   // Errors: kNotFound, also for somebody else's attempt.
   Result<AttemptProgress> AttemptStatus(const Person& person, const Uuid& attempt);

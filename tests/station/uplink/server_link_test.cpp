@@ -61,11 +61,11 @@ TEST_F(ServerLinkTest, ATicketIsAskedForTheAssignmentThatWasListed) {
   for (size_t i = 0; i < 2; ++i) {
     const Catalogue::Exercise& e = catalogue->exercises[i];
     EXPECT_EQ(e.assignment, server.assignments[i]);
-    TicketWish wish{e.exercise, HashSha256(AsBytes("profile")), e.assignment, i == 1, i == 0};
-    EXPECT_EQ(link.RequestTicket(credentials, {}, wish).status().code(), Code::kForbidden);
+    TicketRequest wanted{e.exercise, HashSha256(AsBytes("profile")), e.assignment, i == 1, i == 0};
+    EXPECT_EQ(link.RequestTicket(credentials, {}, wanted).status().code(), Code::kForbidden);
     const wire::RequestTicket& asked = server.asked_for();
     EXPECT_EQ(asked.assignment(), i == 0 ? protocol::ToField(e.assignment.view()) : "");
-    EXPECT_EQ(asked.profile(), protocol::ToField(wish.profile.view()));
+    EXPECT_EQ(asked.profile(), protocol::ToField(wanted.profile.view()));
     EXPECT_EQ(asked.as_reference(), i == 1);
     EXPECT_EQ(asked.for_later(), i == 0);
   }
