@@ -52,9 +52,9 @@ void TakePanelKey(const render::Screen& screen, const Ui& ui, bool& panel) {
 }
 
 // The window while there is no workplace to work at.
-class TroubleDesk {
+class OpeningDesk {
  public:
-  TroubleDesk(const DeskOptions& options, render::Screen& screen, Opening& opening, Script& script)
+  OpeningDesk(const DeskOptions& options, render::Screen& screen, Opening& opening, Script& script)
       : options_(options),
         screen_(screen),
         opening_(opening),
@@ -74,7 +74,7 @@ class TroubleDesk {
     bool end = !screen_.Begin();
     opening_.Tick();
     TakePanelKey(screen_, ui_, panel_);
-    end |= DrawTrouble(ui_, opening_);
+    end |= DrawOpeningProblem(ui_, opening_);
     if (panel_) {
       DrawOperatorPanel(opening_.Lines(), screen_, times_, QualityOf(options_, governor_),
                         governor_.budget_s());
@@ -285,7 +285,7 @@ Status RunDesk(const DeskOptions& options) {
     window.height_px = options.height_px;
     render::Screen screen(window);
     if (opening.workplace() == nullptr) {
-      ENAMEL_RETURN_IF_ERROR(TroubleDesk(options, screen, opening, script).Run());
+      ENAMEL_RETURN_IF_ERROR(OpeningDesk(options, screen, opening, script).Run());
     }
     if (opening.workplace() == nullptr) return opening.problem();
     return Desk(options, screen, *opening.workplace(), script).Run();

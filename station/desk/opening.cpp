@@ -23,7 +23,7 @@ std::string WithData(const std::string& command, const std::filesystem::path& da
 
 // By the field first and the code after it: a field names one cause, a code many. Who sits here
 // reads the first three texts and must not be frightened; the last is for the operator.
-Trouble TroubleOf(const Status& problem, const std::filesystem::path& data) {
+OpeningProblem OpeningProblemOf(const Status& problem, const std::filesystem::path& data) {
   if (problem.field() == kDamagedSpool) {
     return {"The file that keeps the recordings of this station is damaged.",
             "Every recording that the server has is safe there. Of those that only this station "

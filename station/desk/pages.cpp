@@ -368,17 +368,17 @@ void Pages::AskCutOff() {
   ui_.EndDialog();
 }
 
-bool DrawTrouble(Ui& ui, Opening& opening) {
-  const Trouble trouble = opening.trouble();
+bool DrawOpeningProblem(Ui& ui, Opening& opening) {
+  const OpeningProblem shown = opening.explained();
   ui.Begin("trouble", kWidePage);
   ui.Title("This station cannot be used just now");
   ui.Gap(8);
-  ui.Problem(trouble.what);
-  ui.Text(trouble.safe);
-  ui.Text(trouble.todo);
+  ui.Problem(shown.what);
+  ui.Text(shown.safe);
+  ui.Text(shown.todo);
   ui.BeginList("operators", 150);
   ui.Note("For whoever looks after it:");
-  ui.Note(trouble.operators);
+  ui.Note(shown.operators);
   ui.EndList();
   // Who sits here sees no path and no command but in the part for the operator.
   ui.Note(opening.busy() ? "Looking again …" : "F1 shows how the station is.");

@@ -56,7 +56,7 @@ class Pages {
 
 // In place of all pages, while the workplace cannot be opened: what is wrong, what is safe, what to
 // do ("trouble"). One frame. True when the person wants to close the window.
-bool DrawTrouble(Ui& ui, Opening& opening);
+bool DrawOpeningProblem(Ui& ui, Opening& opening);
 
 // The bur seen from the side, to scale, in the current ImGui window at the cursor.
 void DrawBur(const cutting::Bur& bur, float width_px, float height_px, float mm_to_px);

@@ -58,12 +58,12 @@ TEST_F(OpeningTest, ADamagedSpoolIsExplainedAndOpensOnceItWasSalvaged) {
   Damage();
   Opening opening({.data = data()});
   ASSERT_EQ(opening.workplace(), nullptr);
-  const Trouble trouble = opening.trouble();
-  EXPECT_NE(trouble.what.find("is damaged"), std::string::npos) << trouble.what;
-  EXPECT_NE(trouble.safe.find("the server has is safe"), std::string::npos) << trouble.safe;
-  EXPECT_NE(trouble.todo.find("another station"), std::string::npos) << trouble.todo;
-  EXPECT_NE(trouble.operators.find("spool salvage --out"), std::string::npos);
-  EXPECT_NE(trouble.operators.find(data().string()), std::string::npos);
+  const OpeningProblem shown = opening.explained();
+  EXPECT_NE(shown.what.find("is damaged"), std::string::npos) << shown.what;
+  EXPECT_NE(shown.safe.find("the server has is safe"), std::string::npos) << shown.safe;
+  EXPECT_NE(shown.todo.find("another station"), std::string::npos) << shown.todo;
+  EXPECT_NE(shown.operators.find("spool salvage --out"), std::string::npos);
+  EXPECT_NE(shown.operators.find(data().string()), std::string::npos);
   EXPECT_GE(opening.Lines().size(), 2u);
   opening.TryAgain();
   Settle(opening);
@@ -92,12 +92,12 @@ TEST_F(OpeningTest, EveryTroubleSaysWhatIsWrongWhatIsSafeAndWhatToDo) {
         Status(Code::kVersion, "of another version", kEnrolment),
         Status(Code::kInvalidInput, "no port", kServerOption),
         Status(Code::kStorage, "0 bytes", kLostSpool), Status(Code::kStorage, "no room")}) {
-    const Trouble trouble = TroubleOf(problem, data());
-    EXPECT_FALSE(trouble.what.empty());
-    EXPECT_FALSE(trouble.safe.empty());
-    EXPECT_FALSE(trouble.todo.empty());
-    EXPECT_EQ(trouble.operators.find(problem.message()), 0u) << "in the program's own words";
-    EXPECT_EQ(trouble.what.find("spool"), std::string::npos) << "students know no spool";
+    const OpeningProblem shown = OpeningProblemOf(problem, data());
+    EXPECT_FALSE(shown.what.empty());
+    EXPECT_FALSE(shown.safe.empty());
+    EXPECT_FALSE(shown.todo.empty());
+    EXPECT_EQ(shown.operators.find(problem.message()), 0u) << "in the program's own words";
+    EXPECT_EQ(shown.what.find("spool"), std::string::npos) << "students know no spool";
   }
 }
 
@@ -106,12 +106,12 @@ TEST_F(OpeningTest, AnEmptySpoolIsNotOfferedToBeSalvaged) {
   { ASSERT_TRUE(Spool::Open(data()).ok()); }
   for (const char* end : {"-wal", "-shm"}) fs::remove(file().string() + end);
   fs::resize_file(file(), 0);
-  const Trouble trouble = Opening({.data = data()}).trouble();
-  EXPECT_NE(trouble.what.find("empty or gone"), std::string::npos) << trouble.what;
-  EXPECT_EQ(trouble.safe.find("can usually be saved"), std::string::npos) << trouble.safe;
-  EXPECT_EQ(trouble.operators.find("salvage"), std::string::npos) << trouble.operators;
-  EXPECT_NE(trouble.operators.find("Put its copy back as " + file().string()), std::string::npos)
-      << trouble.operators;
+  const OpeningProblem shown = Opening({.data = data()}).explained();
+  EXPECT_NE(shown.what.find("empty or gone"), std::string::npos) << shown.what;
+  EXPECT_EQ(shown.safe.find("can usually be saved"), std::string::npos) << shown.safe;
+  EXPECT_EQ(shown.operators.find("salvage"), std::string::npos) << shown.operators;
+  EXPECT_NE(shown.operators.find("Put its copy back as " + file().string()), std::string::npos)
+      << shown.operators;
 }
 
 TEST_F(OpeningTest, WithoutItsEnrolmentItsRecordingsAreNotSaidToBeNone) {
@@ -119,12 +119,12 @@ TEST_F(OpeningTest, WithoutItsEnrolmentItsRecordingsAreNotSaidToBeNone) {
   { ASSERT_TRUE(Spool::Open(data()).ok()); }
   fs::rename(data() / "station.json", folder_ / "kept.json");
   Opening opening({.data = data()});
-  const Trouble trouble = opening.trouble();
-  EXPECT_EQ(trouble.safe.find("Nothing was recorded"), std::string::npos) << trouble.safe;
-  EXPECT_NE(trouble.safe.find("still here"), std::string::npos) << trouble.safe;
-  EXPECT_NE(trouble.operators.find("station.json: put a copy of that file back"), std::string::npos)
-      << trouble.operators;
-  EXPECT_NE(trouble.operators.find("spool export"), std::string::npos) << trouble.operators;
+  const OpeningProblem shown = opening.explained();
+  EXPECT_EQ(shown.safe.find("Nothing was recorded"), std::string::npos) << shown.safe;
+  EXPECT_NE(shown.safe.find("still here"), std::string::npos) << shown.safe;
+  EXPECT_NE(shown.operators.find("station.json: put a copy of that file back"), std::string::npos)
+      << shown.operators;
+  EXPECT_NE(shown.operators.find("spool export"), std::string::npos) << shown.operators;
   fs::rename(folder_ / "kept.json", data() / "station.json");
   opening.TryAgain();
   Settle(opening);
@@ -133,20 +133,21 @@ TEST_F(OpeningTest, WithoutItsEnrolmentItsRecordingsAreNotSaidToBeNone) {
 
 TEST_F(OpeningTest, WhatIsWrongWithTheEnrolmentIsNotSaidOfTheRecordings) {
   Enrol();
-  EXPECT_NE(Opening({.data = data(), .server = "no port"}).trouble().what.find("address"),
+  EXPECT_NE(Opening({.data = data(), .server = "no port"}).explained().what.find("address"),
             std::string::npos);
   const fs::path enrolment = data() / "station.json";
   fs::permissions(enrolment, fs::perms(0644));
-  EXPECT_NE(Opening({.data = data()}).trouble().what.find("know its server by"), std::string::npos);
+  EXPECT_NE(Opening({.data = data()}).explained().what.find("know its server by"),
+            std::string::npos);
   std::ofstream(enrolment) << "{\"format\": 99}";
   fs::permissions(enrolment, fs::perms(0600));
-  EXPECT_NE(Opening({.data = data()}).trouble().what.find("enrolled by another version"),
+  EXPECT_NE(Opening({.data = data()}).explained().what.find("enrolled by another version"),
             std::string::npos);
 }
 
 TEST_F(OpeningTest, AStationThatIsEnrolledMeanwhileOpens) {
   Opening opening({.data = data()});
-  EXPECT_NE(opening.trouble().what.find("does not belong"), std::string::npos);
+  EXPECT_NE(opening.explained().what.find("does not belong"), std::string::npos);
   Enrol();
   opening.TryAgain();
   Settle(opening);
