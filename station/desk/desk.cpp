@@ -150,25 +150,25 @@ class Desk {
 
   // The tooth, while there is one to cut; null: none to show.
   const render::Target* Picture(double dt_s) {
-    Stage* stage = flow_.stage();
-    bool running = flow_.place() == Place::kRunning && stage != nullptr;
+    DeskAttempt* attempt = flow_.attempt();
+    bool running = flow_.place() == Place::kRunning && attempt != nullptr;
     bool dialog = flow_.dialog() != Dialog::kNone;
-    screen_.CaptureCursor(running && !dialog && stage->by_pointer());
-    // The view stays with its stage: coming back from a dialog costs no building.
+    screen_.CaptureCursor(running && !dialog && attempt->by_pointer());
+    // The view stays with its attempt: coming back from a dialog costs no building.
     if (!running) return nullptr;
     // Also below a dialog: the pointer device must be told to hold still.
-    stage->Point(screen_, dt_s, dialog);
-    if (!dialog) Steer(*stage);
-    stage->view().Draw(screen_.width(), screen_.height(), quality());
-    DrawStatus(*stage);
-    return &stage->view().result();
+    attempt->Point(screen_, dt_s, dialog);
+    if (!dialog) Steer(*attempt);
+    attempt->view().Draw(screen_.width(), screen_.height(), quality());
+    DrawStatus(*attempt);
+    return &attempt->view().result();
   }
 
   // With the mouse as the handpiece, the right button turns the picture and keys choose the view.
-  void Steer(Stage& stage) {
-    render::Camera& camera = stage.view().camera();
-    render::SteerCamera(screen_, camera, !stage.by_pointer());
-    if (!stage.by_pointer() || !screen_.button(render::kMouseRight)) return;
+  void Steer(DeskAttempt& attempt) {
+    render::Camera& camera = attempt.view().camera();
+    render::SteerCamera(screen_, camera, !attempt.by_pointer());
+    if (!attempt.by_pointer() || !screen_.button(render::kMouseRight)) return;
     auto share = [&](double d) { return static_cast<float>(d / std::max(screen_.height(), 1)); };
     camera.Orbit(share(screen_.cursor_x() - screen_.last_cursor_x()),
                  share(screen_.cursor_y() - screen_.last_cursor_y()));
@@ -179,19 +179,19 @@ class Desk {
     }
   }
 
-  void DrawStatus(Stage& stage) {
-    const PreparedAttempt& prepared = stage.prepared();
+  void DrawStatus(DeskAttempt& attempt) {
+    const PreparedAttempt& prepared = attempt.prepared();
     render::PanelContent content;
     content.heading = prepared.exercise.title;
-    content.state = stage.view().state();
-    content.has_state = stage.view().has_state();
+    content.state = attempt.view().state();
+    content.has_state = attempt.view().has_state();
     content.force_full_scale_n = static_cast<double>(prepared.profile.peak_force_mn.value) * 1e-3;
     content.time_limit_s = prepared.exercise.time_limit_s;
     // No ruler: a perspective picture has no one scale.
     content.mm_per_pixel = 0;
     content.state.warnings |=
-        AttemptWarnings(*stage.run(), content.state.time_s, content.time_limit_s);
-    const Snapshot& newest = stage.run()->snapshot();
+        AttemptWarnings(*attempt.run(), content.state.time_s, content.time_limit_s);
+    const Snapshot& newest = attempt.run()->snapshot();
     if (newest.fault != Fault::kNone) {
       content.fault = std::string("Force is off: ") + FaultText(newest.fault);
     } else if (newest.put_down) {
@@ -199,21 +199,21 @@ class Desk {
     }
     // Graded work and exams: whoever saw the zones would cut to the numbers.
     if (MayShowProgress(prepared.exercise.graded, flow_.chosen().exam, flow_.instructor())) {
-      content.zones = stage.zones();
-      content.reach = stage.reach();
+      content.zones = attempt.zones();
+      content.reach = attempt.reach();
     }
-    content.hint = stage.by_pointer() ? kPointerHint : render::kCameraHint;
+    content.hint = attempt.by_pointer() ? kPointerHint : render::kCameraHint;
     render::DrawPanel(content, screen_.fonts(), screen_.width(), screen_.height());
   }
 
   void Sound() {
     if (!speaker_) return;
-    Stage* stage = flow_.stage();
-    if (flow_.place() != Place::kRunning || stage == nullptr) return speaker_->Set(0, 0);
+    DeskAttempt* attempt = flow_.attempt();
+    if (flow_.place() != Place::kRunning || attempt == nullptr) return speaker_->Set(0, 0);
     // The voice takes a share: it sounds alike on a weak device and a strong one.
-    double full = static_cast<double>(stage->prepared().profile.peak_force_mn.value) * 1e-3;
-    double force = glm::length(stage->view().state().force_sent_n);
-    speaker_->Set(stage->held().speed_krpm(), force / std::max(full, 1e-3));
+    double full = static_cast<double>(attempt->prepared().profile.peak_force_mn.value) * 1e-3;
+    double force = glm::length(attempt->view().state().force_sent_n);
+    speaker_->Set(attempt->held().speed_krpm(), force / std::max(full, 1e-3));
   }
 
   void Measure() {

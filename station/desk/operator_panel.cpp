@@ -74,7 +74,7 @@ void Station(Workflow& flow, StationWatch& station) {
 
 void Recording(Workflow& flow) {
   Head("Recording");
-  RunningAttempt::Recording r = flow.stage()->run()->recording();
+  RunningAttempt::Recording r = flow.attempt()->run()->recording();
   Uploader::State up = flow.upload();
   ImGui::Text("%u chunks, %llu ticks durable", r.chunks, static_cast<unsigned long long>(r.ticks));
   ImGui::Text("%u chunks on the server%s", up.committed, up.sealed ? "   sealed" : "");
@@ -83,10 +83,10 @@ void Recording(Workflow& flow) {
 }
 
 void Attempt(Workflow& flow, float px) {
-  Stage& stage = *flow.stage();
-  if (stage.run() != nullptr) Loop(*stage.run(), stage.prepared().header.params.rate_hz, px);
-  DeviceFacts(stage.device());
-  if (stage.run() != nullptr) Recording(flow);
+  DeskAttempt& attempt = *flow.attempt();
+  if (attempt.run() != nullptr) Loop(*attempt.run(), attempt.prepared().header.params.rate_hz, px);
+  DeviceFacts(attempt.device());
+  if (attempt.run() != nullptr) Recording(flow);
 }
 
 void Pictures(const render::Screen& screen, const PictureTimes& times,
@@ -151,7 +151,7 @@ void Frame(const render::Screen& screen, int columns, Draw&& draw) {
 
 void DrawOperatorPanel(Workflow& flow, StationWatch& station, const render::Screen& screen,
                        const PictureTimes& times, const render::Quality& quality, double budget_s) {
-  const int columns = flow.stage() != nullptr ? 2 : 1;
+  const int columns = flow.attempt() != nullptr ? 2 : 1;
   Frame(screen, columns, [&] {
     if (columns == 2) {
       ImGui::TableNextColumn();

@@ -32,7 +32,7 @@ void Pages::Ready() {
   ui_.Title("Hold still");
   const StillnessCheck* check = flow_.stillness();
   // A simulated hand holds still by itself, and looking at it would make its time pass.
-  bool still = flow_.stage() != nullptr && flow_.stage()->simulated();
+  bool still = flow_.attempt() != nullptr && flow_.attempt()->simulated();
   ui_.Bar(
       check != nullptr && !check->wanted().empty() ? check->wanted() : "The device is looked at",
       still || check == nullptr ? 1 : check->share());
@@ -54,7 +54,7 @@ void Pages::Running() {
   page.keys = false;
   ui_.Begin("running", page);
   // The mouse is the handpiece: buttons could not be reached with it.
-  if (flow_.stage()->by_pointer()) {
+  if (flow_.attempt()->by_pointer()) {
     ui_.Large("Esc pause    F finish");
   } else {
     if (ui_.Button("Pause")) flow_.Open(Dialog::kPaused);
@@ -67,7 +67,7 @@ void Pages::Running() {
 }
 
 void Pages::Paused() {
-  RunningAttempt* run = flow_.stage() != nullptr ? flow_.stage()->run() : nullptr;
+  RunningAttempt* run = flow_.attempt() != nullptr ? flow_.attempt()->run() : nullptr;
   // Whoever put the handpiece down is told so, and not that something is wrong.
   const bool put_down = run != nullptr && run->snapshot().put_down;
   ui_.BeginDialog("paused", put_down ? "Paused: handpiece put down" : "Paused",

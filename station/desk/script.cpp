@@ -44,8 +44,8 @@ void Hold(Screen& screen, const std::string& name, bool down) {
 }
 
 double Removed_mm3(Workflow* flow) {
-  if (flow == nullptr || flow->stage() == nullptr) return 0;
-  const auto& removed = flow->stage()->view().state().removed_mm3;
+  if (flow == nullptr || flow->attempt() == nullptr) return 0;
+  const auto& removed = flow->attempt()->view().state().removed_mm3;
   return std::accumulate(removed.begin(), removed.end(), 0.0);
 }
 

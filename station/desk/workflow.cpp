@@ -101,9 +101,9 @@ Workflow::Kept Workflow::KeptOf(const Uuid& person) {
 }
 
 void Workflow::SignOut(const std::string& why) {
-  // Before everything else: it ends what waits for the server, so that the stage can be left.
+  // Before everything else: it ends what waits for the server, so that the attempt can be left.
   workplace_.SignOut();
-  LeaveStage();
+  LeaveAttempt();
   preview_.reset();
   person_ = {};
   catalogue_ = {};
@@ -229,16 +229,16 @@ void Workflow::Open(Dialog dialog) {
   if (dialog != Dialog::kNone) problem_.clear();
 }
 
-void Workflow::LeaveStage() {
+void Workflow::LeaveAttempt() {
   stillness_.reset();
   if (busy()) {
     task_.Forget();
     // The task may be using the device or the loop: they live until it has ended, then FreeAgain
     // lets go.
-    if (stage_) left_ = std::move(stage_);
+    if (attempt_) left_ = std::move(attempt_);
     return;
   }
-  stage_.reset();
+  attempt_.reset();
   workplace_.HandBackUnused();
 }
 
@@ -260,8 +260,8 @@ void Workflow::FreeAgain() {
 }
 
 // Back to where it was chosen.
-void Workflow::LeaveStageFor(const Status& problem) {
-  LeaveStage();
+void Workflow::LeaveAttemptFor(const Status& problem) {
+  LeaveAttempt();
   preview_.reset();
   if (way_ == Way::kTicket) {
     Go(Place::kExercise);
@@ -276,7 +276,7 @@ void Workflow::LeaveStageFor(const Status& problem) {
 
 void Workflow::AnotherTry() {
   const Catalogue::Exercise before = chosen_;
-  LeaveStage();
+  LeaveAttempt();
   auto same = [&](const Catalogue::Exercise& e) {
     return e.exercise == before.exercise &&
            // The same exercise may be assigned twice, with other terms: the try is for the one that
@@ -405,7 +405,7 @@ void Workflow::GiveBack(const std::string& pin) {
 }
 
 void Workflow::ToExercises() {
-  LeaveStage();
+  LeaveAttempt();
   preview_.reset();
   Go(Place::kExercises);
   WhenFree([this] { Refresh(); });
@@ -437,7 +437,7 @@ void Workflow::Back() {
     case Place::kReserved:
       return SignOut();
     case Place::kReady:
-      LeaveStage();
+      LeaveAttempt();
       if (way_ != Way::kTicket) return offline_ ? ToReserved() : ToExercises();
       Go(Place::kExercise);
       return WhenFree([this] { LookForDevices(); });

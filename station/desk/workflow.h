@@ -9,7 +9,7 @@
 
 #include "common/scoring/score.h"
 #include "station/desk/background_task.h"
-#include "station/desk/stage.h"
+#include "station/desk/desk_attempt.h"
 #include "station/desk/stillness.h"
 
 namespace enamel::station::desk {
@@ -37,7 +37,7 @@ struct WorkflowOptions {
 
 // Where a person is on the way from sign-in to result, and the steps from there. The pages draw
 // what is here and call the steps; steps that wait for the server run as a background task, and what went
-// wrong is in `problem`, in words. Needs the OpenGL context current where a stage is made or left
+// wrong is in `problem`, in words. Needs the OpenGL context current where an attempt is shown or left
 // (Tick and the steps). No step waits for the server: what a background task still needs of a place that
 // was left is kept until it ends. Thread safety: the window's thread.
 class Workflow {
@@ -81,12 +81,14 @@ class Workflow {
   size_t offer_index() const { return offer_; }
   // An attempt that has its ticket can be made with the ticket's device profile only.
   bool Fits(const DeviceOffer& offer) const;
-  // The exercise chosen, once fetched; from kReady on the stage has it.
-  const PreparedAttempt* preview() const { return stage_ ? &stage_->prepared() : preview_.get(); }
-  Stage* stage() { return stage_.get(); }
+  // The exercise chosen, once fetched; from kReady on the attempt has it.
+  const PreparedAttempt* preview() const {
+    return attempt_ ? &attempt_->prepared() : preview_.get();
+  }
+  DeskAttempt* attempt() { return attempt_.get(); }
   const StillnessCheck* stillness() const { return stillness_ ? &*stillness_ : nullptr; }
   // The whole tooth is in the picture.
-  bool tooth_drawn() { return stage_ && stage_->view().WaitIdle(std::chrono::milliseconds(0)); }
+  bool tooth_drawn() { return attempt_ && attempt_->view().WaitIdle(std::chrono::milliseconds(0)); }
   Uploader::State upload() const;
   uint32_t chunks() const;
   // Why the recording cannot be stored just now, or ok; and whether all of it is.
@@ -151,7 +153,7 @@ class Workflow {
   void TakeOffers(std::vector<DeviceOffer> offers);
   void TakeExercises(Result<Catalogue> catalogue, Kept kept);
   void TakeOn(std::shared_ptr<Result<PreparedAttempt>> prepared, Way way);
-  void ToStage(std::unique_ptr<Device> attached);
+  void ShowAttempt(std::unique_ptr<Device> attached);
   void TakeTicket();
   void Begin();
   void LookForReserved();
@@ -161,8 +163,8 @@ class Workflow {
   void WatchScore(Clock::time_point now);
   void Take(const AttemptProgress& progress);
   void Fail(const Status& status);
-  void LeaveStage();
-  void LeaveStageFor(const Status& problem);
+  void LeaveAttempt();
+  void LeaveAttemptFor(const Status& problem);
 
   Workplace& workplace_;
   const WorkflowOptions options_;
@@ -179,8 +181,8 @@ class Workflow {
   std::vector<ReservedAttempt> reserved_;
   size_t offer_ = 0, cut_off_index_ = 0, reserved_index_ = 0;
   std::unique_ptr<PreparedAttempt> preview_;
-  std::unique_ptr<Stage> stage_;
-  std::unique_ptr<Stage> left_;  // was left while a background task may use it
+  std::unique_ptr<DeskAttempt> attempt_;
+  std::unique_ptr<DeskAttempt> left_;  // was left while a background task may use it
   std::function<void()> once_free_;
   Shown result_, come_back_to_;
   std::optional<StillnessCheck> stillness_;

@@ -18,7 +18,7 @@ void Workflow::Start(bool as_reference) {
   if (busy() || !preview_ || offer_ >= offers_.size()) return;
   problem_.clear();
   as_reference_ = as_reference;
-  if (offers_[offer_].device.empty()) return ToStage(nullptr);
+  if (offers_[offer_].device.empty()) return ShowAttempt(nullptr);
   hid::DeviceChoice choice = options_.device;
   choice.device = offers_[offer_].device;
   choice.pedal = offers_[offer_].pedal;
@@ -32,12 +32,12 @@ void Workflow::Start(bool as_reference) {
                     sdk::OpenChosenDevice(choice, profile, tick_s));
                 return [this, opened] {
                   if (!opened->ok()) return Fail(opened->status());
-                  ToStage(std::move(**opened));
+                  ShowAttempt(std::move(**opened));
                 };
               });
 }
 
-void Workflow::ToStage(std::unique_ptr<Device> attached) {
+void Workflow::ShowAttempt(std::unique_ptr<Device> attached) {
   std::string assumed;
   if (attached != nullptr) {
     // Only the opened device says which unit it is, and so which calibration holds.
@@ -46,42 +46,43 @@ void Workflow::ToStage(std::unique_ptr<Device> attached) {
     if (preview_->delay && preview_->delay->from == scene::DelayUsed::From::kAssumed)
       assumed = DelayText(*preview_->delay, attached->Name()) + ".";
   }
-  // From here on the preview is gone: whatever fails fetches it anew (LeaveStageFor).
-  auto stage = Stage::Create(std::move(*preview_), offers_[offer_], std::move(attached));
+  // From here on the preview is gone: whatever fails fetches it anew (LeaveAttemptFor).
+  auto attempt = DeskAttempt::Create(std::move(*preview_), offers_[offer_], std::move(attached));
   preview_.reset();
-  if (!stage.ok()) return LeaveStageFor(stage.status());
-  stage_ = std::move(*stage);
+  if (!attempt.ok()) return LeaveAttemptFor(attempt.status());
+  attempt_ = std::move(*attempt);
   // Reserved and resumed attempts bring their ticket.
   ticketed_ = way_ != Way::kTicket;
   joined_ = recorded_ = marked_ = held_back_ = false;
   progress_.reset();
   score_.reset();
-  stillness_.emplace(static_cast<double>(stage_->prepared().profile.resolution_nm.value) * 1e-9);
+  stillness_.emplace(static_cast<double>(attempt_->prepared().profile.resolution_nm.value) * 1e-9);
   started_ = Clock::now();
   Go(Place::kReady);
   notice_ = assumed;
 }
 
 void Workflow::TakeTicket() {
-  task_.Start("Asking for the ticket",
-              [this, stage = stage_.get(), reference = as_reference_]() -> BackgroundTask::After {
-                Status taken = workplace_.TakeTicket(stage->prepared(), reference);
-                return [this, taken] {
-                  // No ticket, no attempt: back to where it was chosen, with the server's reason.
-                  ticketed_ = taken.ok();
-                  if (!ticketed_) LeaveStageFor(taken);
-                };
-              });
+  task_.Start(
+      "Asking for the ticket",
+      [this, attempt = attempt_.get(), reference = as_reference_]() -> BackgroundTask::After {
+        Status taken = workplace_.TakeTicket(attempt->prepared(), reference);
+        return [this, taken] {
+          // No ticket, no attempt: back to where it was chosen, with the server's reason.
+          ticketed_ = taken.ok();
+          if (!ticketed_) LeaveAttemptFor(taken);
+        };
+      });
 }
 
 // The ticket is taken last: the server waits for the attempt from then on. A simulated hand's time
 // passes when it is looked at: it is not.
 void Workflow::CheckDevice(Clock::time_point now) {
-  if (!stage_ || busy()) return;
+  if (!attempt_ || busy()) return;
   // A hand on the handpiece at the first tick would be pulled: force comes on only after stillness,
   // and saying so before the ticket is taken costs nobody a try.
-  if (!stage_->simulated() && !stillness_->passed()) {
-    stillness_->Look(stage_->device().ReadSample(),
+  if (!attempt_->simulated() && !stillness_->passed()) {
+    stillness_->Look(attempt_->device().ReadSample(),
                      std::chrono::duration<double>(now - started_).count());
     if (!stillness_->passed()) return;
   }
@@ -91,31 +92,31 @@ void Workflow::CheckDevice(Clock::time_point now) {
 }
 
 void Workflow::Begin() {
-  if (Status begun = stage_->Begin(workplace_, options_.cpu); !begun.ok())
-    return LeaveStageFor(begun);
+  if (Status begun = attempt_->Begin(workplace_, options_.cpu); !begun.ok())
+    return LeaveAttemptFor(begun);
   put_downs_ = 0;
   Go(Place::kRunning);
 }
 
 // Putting the handpiece down pauses; whether that was the end is asked, not guessed.
 void Workflow::WatchRun() {
-  const uint64_t put_downs = stage_->run()->snapshot().counters.put_downs;
+  const uint64_t put_downs = attempt_->run()->snapshot().counters.put_downs;
   if (put_downs != put_downs_ && dialog_ == Dialog::kNone) Open(Dialog::kPaused);
   put_downs_ = put_downs;
   // A dialog covers the tooth: nobody can be cutting on purpose.
-  stage_->held().SetPaused(dialog_ != Dialog::kNone);
-  if (stage_->run()->ticking()) return;
+  attempt_->held().SetPaused(dialog_ != Dialog::kNone);
+  if (attempt_->run()->ticking()) return;
   // The pedal's finish or a fault that cannot be mended has ended the loop: the person is not
   // asked.
   if (!busy() && !joined_) EndAttempt();
 }
 
 void Workflow::EndAttempt() {
-  if (busy() || joined_ || !stage_ || stage_->run() == nullptr) return;
+  if (busy() || joined_ || !attempt_ || attempt_->run() == nullptr) return;
   Go(Place::kHandIn);
   // Only asks; Join waits for the disk, and so for a task.
-  stage_->run()->End();
-  task_.Start("Closing the recording", [this, run = stage_->run()]() -> BackgroundTask::After {
+  attempt_->run()->End();
+  task_.Start("Closing the recording", [this, run = attempt_->run()]() -> BackgroundTask::After {
     auto seal = run->Join();
     return [this, s = seal.status()] {
       joined_ = true;
@@ -126,26 +127,26 @@ void Workflow::EndAttempt() {
 }
 
 Uploader::State Workflow::upload() const {
-  return stage_ && stage_->run() ? stage_->run()->upload() : Uploader::State{};
+  return attempt_ && attempt_->run() ? attempt_->run()->upload() : Uploader::State{};
 }
 
 uint32_t Workflow::chunks() const {
-  return stage_ && stage_->run() ? stage_->run()->recording().chunks : 0;
+  return attempt_ && attempt_->run() ? attempt_->run()->recording().chunks : 0;
 }
 
 Status Workflow::recording_problem() const {
-  return stage_ && stage_->run() ? stage_->run()->recording().problem : Status::Ok();
+  return attempt_ && attempt_->run() ? attempt_->run()->recording().problem : Status::Ok();
 }
 
 void Workflow::GiveUpRecording() {
-  if (stage_ && stage_->run()) stage_->run()->GiveUp();
+  if (attempt_ && attempt_->run()) attempt_->run()->GiveUp();
 }
 
 void Workflow::WatchUpload() {
   // The upload may be ahead of the recorder's last word, and its outcome is to be shown first.
   if (!joined_ || !upload().sealed) return;
   if (offline_) return SignOut("Handed in. Sign in to see what it is worth.");
-  ShowResult({person_.id, stage_->prepared().attempt(), stage_->prepared().exercise.title});
+  ShowResult({person_.id, attempt_->prepared().attempt(), attempt_->prepared().exercise.title});
 }
 
 void Workflow::ShowResult(Shown shown) {

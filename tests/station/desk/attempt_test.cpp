@@ -106,13 +106,13 @@ class DeskAttemptTest : public testing::Test {
   void Frame() {
     (void)screen_->Begin();
     flow_->Tick(Clock::now(), true);
-    Stage* stage = flow_->place() == Place::kRunning ? flow_->stage() : nullptr;
-    if (stage != nullptr) {
-      stage->Point(*screen_, 0.01, true);
-      stage->view().Draw(screen_->width(), screen_->height(), render::kQualities[0]);
+    DeskAttempt* attempt = flow_->place() == Place::kRunning ? flow_->attempt() : nullptr;
+    if (attempt != nullptr) {
+      attempt->Point(*screen_, 0.01, true);
+      attempt->view().Draw(screen_->width(), screen_->height(), render::kQualities[0]);
     }
     (void)pages_->Draw();
-    screen_->End(stage != nullptr ? &stage->view().result() : nullptr);
+    screen_->End(attempt != nullptr ? &attempt->view().result() : nullptr);
   }
   // Never waited for in full when all is well.
   template <typename Until>
@@ -139,7 +139,7 @@ class DeskAttemptTest : public testing::Test {
     flow_->Start(false);
     ASSERT_TRUE(Reached([&] { return flow_->place() == Place::kRunning; })) << flow_->problem();
   }
-  const Snapshot& Newest() { return flow_->stage()->run()->snapshot(); }
+  const Snapshot& Newest() { return flow_->attempt()->run()->snapshot(); }
   // For who wants to look.
   void Picture(const std::string& name) {
     const char* folder = ::getenv("ENAMEL_PICTURES");

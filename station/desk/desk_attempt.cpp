@@ -1,4 +1,4 @@
-#include "station/desk/stage.h"
+#include "station/desk/desk_attempt.h"
 
 #include <stdexcept>
 
@@ -27,47 +27,48 @@ int Held(const Screen& screen, int more, int less) {
 
 }  // namespace
 
-Result<std::unique_ptr<Stage>> Stage::Create(PreparedAttempt prepared, const DeviceOffer& offer,
-                                             std::unique_ptr<Device> attached) {
-  std::unique_ptr<Stage> stage(new Stage(std::move(prepared)));
-  const PreparedAttempt& p = stage->prepared_;
+Result<std::unique_ptr<DeskAttempt>> DeskAttempt::Create(PreparedAttempt prepared,
+                                                         const DeviceOffer& offer,
+                                                         std::unique_ptr<Device> attached) {
+  std::unique_ptr<DeskAttempt> attempt(new DeskAttempt(std::move(prepared)));
+  const PreparedAttempt& p = attempt->prepared_;
   const core::CoreParams& params = p.header.params;
   Device* device = nullptr;
   if (attached != nullptr) {
-    stage->attached_ = std::move(attached);
-    device = stage->attached_.get();
+    attempt->attached_ = std::move(attached);
+    device = attempt->attached_.get();
   } else if (offer.operator_name.empty()) {
-    stage->pointer_ = std::make_unique<PointerDevice>(
+    attempt->pointer_ = std::make_unique<PointerDevice>(
         static_cast<double>(p.profile.resolution_nm.value) * 1e-9, 1.0 / params.rate_hz);
-    device = stage->pointer_.get();
+    device = attempt->pointer_.get();
   } else {
     const OperatorPreset* preset = FindOperator(offer.operator_name);
     ENAMEL_CHECK(preset != nullptr);
     ENAMEL_ASSIGN_OR_RETURN(
         auto made, MakeSimulatedDevice(*preset, p.scene, p.exercise, p.profile, params, p.volume));
-    stage->simulated_ = std::move(made);
-    device = stage->simulated_.get();
+    attempt->simulated_ = std::move(made);
+    device = attempt->simulated_.get();
   }
-  stage->held_ = std::make_unique<HeldDevice>(*device);
-  stage->zones_ = std::make_unique<ZoneWatch>(p.scene, p.exercise.target, p.volume);
-  stage->reach_ = std::make_unique<ReachWatch>(p.scene, p.exercise.target, p.volume);
+  attempt->held_ = std::make_unique<HeldDevice>(*device);
+  attempt->zones_ = std::make_unique<ZoneWatch>(p.scene, p.exercise.target, p.volume);
+  attempt->reach_ = std::make_unique<ReachWatch>(p.scene, p.exercise.target, p.volume);
   try {
-    stage->view_ = std::make_unique<render::ToothView>(
+    attempt->view_ = std::make_unique<render::ToothView>(
         ViewOf(p), p.core ? p.core->volume() : p.volume,
-        [zones = stage->zones_.get(), reach = stage->reach_.get()](const cutting::Volume& now) {
+        [zones = attempt->zones_.get(), reach = attempt->reach_.get()](const cutting::Volume& now) {
           zones->Look(now);
           reach->Look(now);
         });
   } catch (const std::exception& e) {
     return Status(Code::kUnavailable, e.what(), "window");
   }
-  stage->feed_ = std::make_unique<TickFeed>(*stage->view_, p.voxel_m(), params.rate_hz);
-  return stage;
+  attempt->feed_ = std::make_unique<TickFeed>(*attempt->view_, p.voxel_m(), params.rate_hz);
+  return attempt;
 }
 
-Stage::~Stage() = default;
+DeskAttempt::~DeskAttempt() = default;
 
-Status Stage::Begin(Workplace& workplace, int cpu) {
+Status DeskAttempt::Begin(Workplace& workplace, int cpu) {
   AttemptOptions options;
   options.cpu = cpu;
   // Lateness endangers a hand that a motor holds, and nobody else.
@@ -78,7 +79,7 @@ Status Stage::Begin(Workplace& workplace, int cpu) {
   return Status::Ok();
 }
 
-void Stage::Point(const Screen& screen, double dt_s, bool held) {
+void DeskAttempt::Point(const Screen& screen, double dt_s, bool held) {
   if (!pointer_) return;
   if (held) {
     // Below a dialog: a key that is still down must not go on tilting.

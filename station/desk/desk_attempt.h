@@ -16,15 +16,16 @@
 
 namespace enamel::station::desk {
 
-// One attempt on the window's stage: its documents, the device, the picture, and from Begin on the
+// One attempt as the window shows it: its documents, the device, the picture, and from Begin on the
 // running attempt. Owner's thread only; the tick sees the device and the feed.
-class Stage {
+class DeskAttempt {
  public:
   // `attached` is the offer's HID device, opened; null: it has none. Errors: a simulated hand's, a
   // driver's that refuses the picture.
-  static Result<std::unique_ptr<Stage>> Create(PreparedAttempt prepared, const DeviceOffer& offer,
-                                               std::unique_ptr<Device> attached);
-  ~Stage();
+  static Result<std::unique_ptr<DeskAttempt>> Create(PreparedAttempt prepared,
+                                                     const DeviceOffer& offer,
+                                                     std::unique_ptr<Device> attached);
+  ~DeskAttempt();
 
   const PreparedAttempt& prepared() const { return prepared_; }
   PreparedAttempt& prepared() { return prepared_; }
@@ -46,7 +47,7 @@ class Stage {
   void Point(const render::Screen& screen, double dt_s, bool held);
 
  private:
-  explicit Stage(PreparedAttempt prepared) : prepared_(std::move(prepared)) {}
+  explicit DeskAttempt(PreparedAttempt prepared) : prepared_(std::move(prepared)) {}
 
   PreparedAttempt prepared_;
   std::unique_ptr<Device> attached_;
