@@ -58,8 +58,7 @@ Result<ImportResult> ImportRoster(PeopleStore& store, std::string_view csv,
   // is there: all problems are told at once.
   bool dry_run = options.dry_run || !file.problems.empty();
   std::map<std::string, std::string> passwords;
-  // Hashed before the transaction and not in it: argon2id for a year's students would hold the
-  // writer.
+  // Before the transaction and not in it: hashing for a year's students would hold the writer.
   if (!dry_run) {
     ENAMEL_ASSIGN_OR_RETURN(auto made, MakePasswords(file.rows));
     passwords = std::move(made);

@@ -13,8 +13,7 @@ std::string TimeText(UnixMs time_ms) {
   year_month_day date(day);
   hh_mm_ss clock(floor<minutes>(time - day));
   char text[64];
-  // In UTC and saying so: server, station and page may stand in different time zones, and the page
-  // shows local time beside it.
+  // In UTC and saying so: server, station and page may stand in different time zones.
   std::snprintf(text, sizeof text, "%04d-%02u-%02u %02d:%02d UTC", static_cast<int>(date.year()),
                 static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()),
                 static_cast<int>(clock.hours().count()), static_cast<int>(clock.minutes().count()));

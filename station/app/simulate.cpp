@@ -17,7 +17,7 @@ namespace {
 // close to linear.
 constexpr double kRayStep_m = 5e-6;
 constexpr double kRayReach_m = 2e-3;
-// 441 rays a plane: the median of a wall that is rough to 35 um rms is then good to 2 um.
+// 441 rays a plane: a wall may be rough to 35 um rms and its median good to some um.
 constexpr int kRaysPerSide = 21;
 
 // Along a ray from air: where the volume's surface is, m.

@@ -56,7 +56,7 @@ Result<AuditFilter> AuditFilterOf(const Request& request) {
   Result<std::optional<Uuid>> actor = QueryId(request, "actor");
   if (!actor.ok()) return actor.status();
   out.actor = *actor;
-  // An empty filter is none: the page sends its form as it stands.
+  // An empty text is no filter.
   for (auto [name, into] : {std::pair{"action", &out.action}, {"object", &out.object}}) {
     Result<std::string> text = QueryText(request, name);
     if (!text.ok()) return text.status();

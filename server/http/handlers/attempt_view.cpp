@@ -144,7 +144,8 @@ Result<json::value> AttemptView::ComparedWithJson(const AttemptRow& row, const E
   Result<scoring::ScoreResult> score = scoring::ScoreFromJson(*text);
   if (!score.ok() || score->reference_attempt.empty()) return json::value();
   json::value dentist;
-  // Only while it is the reference: consent to being named was given for that.
+  // Only today's reference is at hand with its dentist's consent; of an earlier one the attempt
+  // alone is named.
   if (exercise.reference && exercise.reference->attempt.Text() == score->reference_attempt &&
       CanSeeDentist(viewer_, *exercise.reference)) {
     dentist = exercise.reference->dentist;
@@ -205,7 +206,7 @@ Result<json::array> AttemptView::MayDo(const AttemptRow& row) {
   bool scored = row.state == AttemptState::kScored;
   // A recording that is whole and still here, which a new score or a reference needs.
   bool sealed = row.sealed_ms != 0 && row.expired_ms == 0;
-  // What came before the contradiction can be taken for the attempt when somebody decides so.
+  // Never sealed, and set aside: Rescore takes what was committed for the whole of it.
   bool acceptable = row.state == AttemptState::kQuarantined && row.sealed_ms == 0 && row.chunks > 0;
   const struct {
     const char* name;
