@@ -47,9 +47,8 @@ Result<Password> ReadOrMakePassword(bool from_stdin, const std::string& login,
 
 void ShowIfMadeUp(const Password& password) {
   if (!password.made_up) return;
-  Say("password (shown only now; good for signing in once, within 7 days unless serve says "
-      "otherwise "
-      "with --one-time-password-days): {}\n",
+  Say("password (shown only now; good for one sign-in to the page, within 7 days unless serve was "
+      "given other --one-time-password-days): {}\n",
       password.text);
 }
 
@@ -115,7 +114,7 @@ Status SetPassword(const std::filesystem::path& data, const std::string& login, 
                           ReadOrMakePassword(from_stdin, login, person.display_name));
   ENAMEL_RETURN_IF_ERROR(
       store->SetPassword(person.id, password.verifier, password.made_up, kCommandLine));
-  Say("new password for {}; its sessions have ended\n", login);
+  Say("new password for {}; all sessions of this person have ended\n", login);
   ShowIfMadeUp(password);
   return Status::Ok();
 }
@@ -214,7 +213,7 @@ void DeclarePeople(CommandGroup admin) {
   add->add_option("--name", a.person.display_name, "Name as shown");
   add->add_option("--role", a.person.role, "student, instructor or admin")->required();
   add->add_option("--id", a.person.id,
-                  "Of a person that a restore has forgotten: what list-awaited shows");
+                  "The old id of a person that a restore has lost; list-awaited shows it");
   add->add_flag("--password-stdin", a.person.password_from_stdin,
                 "Read the password; else one is made up");
 

@@ -239,14 +239,14 @@ void DeclareRoster(CommandGroup admin) {
   roster->add_flag("--dry-run", r.dry_run, "Tell what would happen; change nothing");
   roster->add_option("--cohort", r.cohort, "Cohort of rows that name none");
   roster->add_option("--passwords", r.passwords,
-                     "File to make (mode 0600) with the one-time passwords of who is new");
+                     "File to make (mode 0600) with the one-time passwords of new people");
   roster->add_flag("--ignore-unknown-columns", r.ignore_unknown_columns,
                    "Leave out columns of other names instead of refusing them");
   roster->add_option("--json", r.json, "Write the outcome to this file, without passwords");
   roster->footer(
-      "All or nothing: with a problem in any row nothing is changed, and all problems are told.\n"
-      "Who is there keeps role and password, takes the name and joins the cohort; nobody is\n"
-      "removed. Importing the same file again changes nothing.\n\n"
+      "All or nothing: with a problem in any row nothing is changed, and all problems are listed.\n"
+      "People who are there already keep role and password; they get the name of the file and\n"
+      "join the cohort. Nobody is removed. Importing the same file again changes nothing.\n\n"
       "  enamel-server admin import-roster year3.csv --data /srv/enamel --dry-run\n"
       "  enamel-server admin import-roster year3.csv --data /srv/enamel --passwords year3-new.csv");
 

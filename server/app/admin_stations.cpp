@@ -201,7 +201,7 @@ void DeclareStations(CommandGroup admin) {
   AddData(list, l.data);
 
   auto [awaited, a] = Declare<Folder>(
-      admin, "list-awaited", "Recordings that wait at stations for what a restore has forgotten",
+      admin, "list-awaited", "Recordings that wait at stations for something a restore has lost",
       [](const Folder& o) { return ListAwaited(o.data); });
   AddData(awaited, a.data);
 
@@ -237,7 +237,7 @@ void DeclareProfiles(CommandGroup admin) {
   report->add_option("--profile", r.profile, "Name of the profile")->required();
 
   auto [add, a] =
-      Declare<Document>(admin, "add-calibration", "Keep what a device was measured to be",
+      Declare<Document>(admin, "add-calibration", "Store a device's calibration",
                         [](const Document& o) { return AddCalibration(o.data, o.file); });
   add->add_option("FILE", a.file, "What `enamel-station calibrate` wrote")
       ->required()
@@ -245,7 +245,7 @@ void DeclareProfiles(CommandGroup admin) {
   AddData(add, a.data);
 
   auto [list, l] =
-      Declare<Document>(admin, "list-calibrations", "Devices of a profile as they were measured",
+      Declare<Document>(admin, "list-calibrations", "Calibrations of the devices of a profile",
                         [](const Document& o) { return ListCalibrations(o.data, o.profile); });
   AddData(list, l.data);
   list->add_option("--profile", l.profile, "Name of the profile")->required();

@@ -295,9 +295,9 @@ Status ErasePerson(const fs::path& data, const std::string& login, const std::st
                           store->ErasePerson(person.id, with_references, kCommandLine));
   Say("{} is erased: key destroyed, {} attempts and {} blobs removed, {} reference cuts among "
       "them\n"
-      "backups made before still hold name and login, and the key where it is kept inside: delete "
-      "those backups in their time; a restore of one erases again when the newest key ring is "
-      "named\n",
+      "backups made before still hold name and login, and the key if it is kept inside them: "
+      "delete "
+      "them in due time; restoring one erases this person again if you name the newest key ring\n",
       login, report.attempts, report.blobs, report.references);
   if (!report.finished) {
     Say("copies of what was erased may stay in unused parts of the database for now; the running "

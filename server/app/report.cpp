@@ -172,7 +172,8 @@ Status Report(const ReportOptions& options) {
 
 void DeclareReport(CommandGroup root) {
   auto [cmd, o] = Declare<ReportOptions>(
-      root, "report", "Score, reasons and trace statistics of an attempt", Report);
+      root, "report", "Show an attempt's score with its reasons, and facts of its recording",
+      Report);
   AddData(cmd, o.data);
   cmd->add_option("--attempt", o.attempt)->required();
   cmd->add_option("--json", o.json, "Write the same facts to this file");

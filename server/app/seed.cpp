@@ -134,7 +134,8 @@ Status SeedDemo(const SeedOptions& options) {
 
 void DeclareSeed(CommandGroup root) {
   auto [cmd, o] = Declare<SeedOptions>(
-      root, "seed-demo", "Demo people, profiles, molar and exercise; idempotent", SeedDemo);
+      root, "seed-demo", "Add demo people, profiles, molar and exercise; changes nothing twice",
+      SeedDemo);
   AddData(cmd, o.data);
   cmd->add_option("--scene", o.scene, "Folder of an imported scene to offer as well");
   cmd->add_option("--voxel-um", o.voxel_um, "Voxel size of the built-in molar")

@@ -33,25 +33,25 @@ void AddAddresses(CLI::App* cmd, ServeOptions& serve) {
                   "X-Forwarded-For and X-Forwarded-Proto; nobody else is answered (repeatable)");
   cmd->add_option("--host-name", serve.host_names, "Name the page is reached under (repeatable)");
   cmd->add_option("--page-url", serve.page_url,
-                  "Where people open the page: stations say it to whom they send there. Without:\n"
-                  "made of the first --host-name");
+                  "Address under which people open the page; stations show it to people they send\n"
+                  "there. Without it: made from the first --host-name");
 }
 
 void AddOperations(CLI::App* cmd, ServeCommand& o) {
   cmd->add_option("--job-threads", o.serve.job_threads, "Attempts scored at once; 0: scoring waits")
       ->check(CLI::Range(0, 64))
       ->capture_default_str();
-  cmd->add_option(
-         "--min-free-mib", o.serve.min_free_mib,
-         "Recordings are refused, and wait at the stations, when the disk has less; 0: never")
+  cmd->add_option("--min-free-mib", o.serve.min_free_mib,
+                  "With less free, recordings are refused and wait at the stations; 0: never")
       ->check(CLI::Range(0, 1 << 20))
       ->capture_default_str();
   cmd->add_option("--one-time-password-days", o.serve.one_time_password_days,
-                  "A password that was made up here can be signed in with once, and so long")
+                  "How long a password that the server made up can be used, for one sign-in")
       ->check(CLI::Range(1, 90))
       ->capture_default_str();
   cmd->add_option("--metrics-token-file", o.serve.metrics_token_file,
-                  "File with the token that GET /metrics asks for; without: only this machine may")
+                  "File with the token that GET /metrics asks for; without it, only this machine\n"
+                  "may ask")
       ->check(CLI::ExistingFile);
   cmd->add_option("--log-format", o.log.format, "text, or json: one object a line")
       ->capture_default_str();
@@ -94,7 +94,7 @@ void DeclareServe(CommandGroup root) {
   cmd->add_option("--config", o.config, "TOML file with any of these settings")
       ->check(CLI::ExistingFile);
   cmd->add_flag("--print-settings", o.print_settings,
-                "Show what is set, from wherever, as such a file; and end");
+                "Print all settings as such a file, wherever they came from, and end");
   cmd->footer(
       "Every setting can come from the command line, from the environment (--job-threads is\n"
       "ENAMEL_JOB_THREADS) or from the file; the nearer one wins, in this order.\n\n"

@@ -161,7 +161,7 @@ Status EndAssignment(const std::filesystem::path& data, const std::string& id) {
   ENAMEL_ASSIGN_OR_RETURN(auto row, store->AssignmentById(parsed));
   Status deleted = store->DeleteAssignment(row.id, row.revision, kCommandLine);
   if (deleted.ok()) {
-    Say("{} is no longer assigned so\n", row.exercise);
+    Say("this assignment of {} was removed\n", row.exercise);
     return deleted;
   }
   // The store says by this field that attempts are the reason; any other refusal is the caller's to
@@ -175,9 +175,8 @@ Status EndAssignment(const std::filesystem::path& data, const std::string& id) {
   if (row.opens_ms >= row.due_ms) row.opens_ms = 0;
   auto ended = store->ReplaceAssignment(row, kCommandLine);
   if (!ended.ok()) return ended.status();
-  Say("{} is due now, so that nothing begins under it any more; it stays for the attempts that "
-      "were "
-      "made, which release --assignment releases\n",
+  Say("{} is due now, and no attempt can begin under this assignment any more. It stays for the "
+      "attempts made under it; release --assignment lets students see their scores\n",
       row.exercise);
   return Status::Ok();
 }

@@ -145,8 +145,7 @@ Status Backup(const BackupCommand& command) {
       report->people, report->attempts, report->ticks);
   if (command.keyring.empty()) {
     Say("the keys are inside; with --keyring FOLDER they are kept apart, so that an erasure "
-        "reaches "
-        "old backups too\n");
+        "reaches old backups too\n");
   } else {
     Say("the keys are in {}: without them no recording of this backup can be read\n",
         command.keyring.string());
@@ -187,14 +186,13 @@ Status RestoreBackup(const RestoreCommand& command) {
   Say("restored the backup of {}: {} files, {}\n", UtcText(report->created_ms), report->files,
       Mib(report->bytes));
   Say("{} people erased since were erased again; all sessions have ended\n", report->erased_again);
-  Say("what changed after the backup is gone: disable people and revoke stations again where that "
-      "was done since; stations send again what they still hold. Of what is newer than the backup, "
-      "admin list-awaited says what recordings wait for, and a station comes back with "
-      "enamel-station enrol --again\n");
+  Say("what changed after the backup is gone: people who were disabled and stations that were "
+      "revoked since have to be again. Stations send what they still hold; where that needs "
+      "something newer than the backup, admin list-awaited says what. A station that is newer "
+      "comes back with enamel-station enrol --again\n");
   if (command.keyrings.empty()) {
     Say("erasures made after the backup are not known here; name the newest key ring with "
-        "--keyring "
-        "to apply them\n");
+        "--keyring to apply them\n");
   }
   json::array left_out;
   for (const std::string& file : report->left_out) {
@@ -264,9 +262,10 @@ void DeclareBackup(CommandGroup root) {
       root, "backup", "Copy the data folder, also while the server runs", Backup);
   backup->add_option("TARGET", b.target, "Folder to make; absent or empty")->required();
   AddData(backup, b.data);
-  backup->add_option("--keyring", b.keyring,
-                     "Keep keys and erasures in this folder instead of inside; use the same one "
-                     "every time, and no other medium than the backups' own");
+  backup->add_option(
+      "--keyring", b.keyring,
+      "Keep keys and erasures in this folder instead of inside the backup. Use the "
+      "same one every time, and copy it nowhere: an erasure would not reach the copy");
   backup->add_flag("--copy", b.copy, "Copy every file, where links to the same disk would do");
   backup->add_option("--json", b.json, "Write the outcome to this file");
   backup->footer(
@@ -291,24 +290,25 @@ void DeclareBackup(CommandGroup root) {
     VerifyCommand verify;
     std::filesystem::path data;
   };
-  auto [verify, v] = Declare<Asked>(
-      root, "verify", "Compare everything with everything: hashes, chains, signatures, seals, keys",
-      [](Asked& asked) -> Status {
-        if (asked.verify.folder.empty()) asked.verify.folder = asked.data;
-        if (!asked.verify.folder.empty()) return VerifyFolder(asked.verify);
-        return Status(Code::kInvalidInput,
-                      "verify needs a backup, or a data folder with --data DIR");
-      });
+  auto [verify, v] =
+      Declare<Asked>(root, "verify", "Check every hash, chain, signature, seal and key",
+                     [](Asked& asked) -> Status {
+                       if (asked.verify.folder.empty()) asked.verify.folder = asked.data;
+                       if (!asked.verify.folder.empty()) return VerifyFolder(asked.verify);
+                       return Status(Code::kInvalidInput,
+                                     "verify needs a backup, or a data folder with --data DIR");
+                     });
   verify->add_option("BACKUP", v.verify.folder, "A backup; without: the data folder");
   AddData(verify, v.data)->required(false)->description("Data folder, in use or not");
   verify->add_option("--keyring", v.verify.keyring, "Key ring of a backup that has none inside");
   verify->add_option("--json", v.verify.json, "Write everything that was found to this file");
-  verify->footer("Changes nothing. Exit code 1 when anything disagrees, after all of it was told.");
+  verify->footer(
+      "Changes nothing. Exit code 1 when anything disagrees; all of it is listed first.");
 }
 
 void DeclareRetention(CommandGroup root) {
-  auto [cmd, o] =
-      Declare<RetentionCommand>(root, "retention", "How long things are kept", app::Retention);
+  auto [cmd, o] = Declare<RetentionCommand>(root, "retention",
+                                            "Show or set how long things are kept", app::Retention);
   AddData(cmd, o.data);
   cmd->add_option("--set", o.what, "unfinished, recordings or attempts")
       ->check(CLI::IsMember({"unfinished", "recordings", "attempts"}));
