@@ -139,7 +139,7 @@ Result<wire::Reply> Session::Do(const wire::Hello& hello) {
   if (!station.ok() || station->revoked) {
     return Status(Code::kUnauthenticated,
                   "this server does not know the station or no longer admits it; enrol it with a "
-                  "new code (a server that was restored from an older backup: with enrol --again, "
+                  "new code (if the server was restored from an older backup: with enrol --again, "
                   "so that what is recorded here stays good)");
   }
   ENAMEL_RETURN_IF_ERROR(services_.store.stations().TouchStation(id, software, hello.core_version(),

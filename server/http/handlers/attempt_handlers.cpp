@@ -65,8 +65,8 @@ Result<AttemptFilter> FilterFor(const Call& call) {
     filter.person = viewer.id;
     // Their own attempts need no cohort, and one that they are not in would show them none.
     filter.cohort.reset();
-    // Instructors see their own attempts in whatever cohort; those of others by shared cohort.
   } else if (viewer.role == Role::kInstructor && filter.person != viewer.id) {
+    // Their own they see in any case, those of others by a shared cohort.
     filter.visible_to_instructor = viewer.id;
   }
   return filter;
@@ -111,10 +111,9 @@ class LiveEvents final : public EventSource {
  public:
   LiveEvents(const Call& call, Parts<TeachingStore, AttemptStore> store,
              std::unique_ptr<LiveWatch> watch)
-      // By the session's hash and not by the session: the stream outlives the request, and signing
-      // out ends it.
       : store_(store),
         authenticator_(call.authenticator),
+        // Not the caller, who is gone with the request: a stream goes on, and signing out ends it.
         token_hash_(call.caller->token_hash),
         attempt_(call.id),
         watch_(std::move(watch)) {}
@@ -130,7 +129,7 @@ class LiveEvents final : public EventSource {
   }
   Event Take() override {
     Event event{watch_->Next()};
-    // Asked after the newest state was taken: what came with the end is shown before it.
+    // Next has seen both under one lock: no moment can come between the last one and the end.
     event.last = watch_->ended();
     return event;
   }
@@ -237,7 +236,7 @@ Response GetLive(const Call& call, Parts<ContentStore, TeachingStore, AttemptSto
   // Told last: whoever may not see it hears that and not how busy the server is.
   if (!watch) {
     return ErrorResponse(
-        {Code::kUnavailable, "as many are watching as this server can show; try later"});
+        {Code::kUnavailable, "too many people are watching already; try again later"});
   }
   Response response;
   response.content_type = "text/event-stream";

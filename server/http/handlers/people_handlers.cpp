@@ -211,7 +211,8 @@ Response ErasePerson(const Call& call, Parts<PeopleStore, UpkeepStore> store) {
   }
   // Who erases an admin is another admin, who is then still there to let others in.
   if (person->id == call.caller->person.id) {
-    return ErrorResponse({Code::kConflict, "expected another person: nobody erases oneself"});
+    return ErrorResponse(
+        {Code::kConflict, "expected another person: you cannot erase yourself; ask another admin"});
   }
   Result<ErasureReport> erased =
       store.upkeep().ErasePerson(call.id, with_references, ActorOf(call));

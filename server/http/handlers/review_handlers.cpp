@@ -82,7 +82,8 @@ Result<AnnotationRow> OwnAnnotation(
   const Person& viewer = call.caller->person;
   bool reviews = CanReviewAttempt(viewer, seen->row, seen->shares_cohort);
   if (CanEditAnnotation(viewer, *row, reviews)) return row;
-  return Status{Code::kForbidden, "expected its author; write another one"};
+  return Status{Code::kForbidden,
+                "only its author may change a remark; write one of your own instead"};
 }
 
 // Why a change of an annotation did not happen.

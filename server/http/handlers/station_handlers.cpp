@@ -45,8 +45,8 @@ Response StationResponse(const StationRow& row) {
 
 Status NoUnrevoking() {
   return {Code::kConflict,
-          "a revoked station stays so, because its secret may be known to others; enrol it anew "
-          "with a code",
+          "a revoked station stays revoked, because others may know its secret; enrol it again "
+          "with a new code",
           "revoked"};
 }
 
