@@ -38,12 +38,12 @@ Status EnrolStation(const EnrolOptions& options) {
     // The key in it has signed what lies in the spool. Enrolling over it would make those recordings
     // strangers'.
   } else if (fs::exists(options.data / "station.json")) {
-    return Status(Code::kConflict,
-                  (options.data / "station.json").string() +
-                      " exists: this station is enrolled already. Its recordings "
-                      "are signed with that key: upload them before you move it away; with --again "
-                      "it is enrolled anew as the station it is, at a server that was restored and "
-                      "has forgotten it");
+    return Status(
+        Code::kConflict,
+        (options.data / "station.json").string() +
+            " exists: this station is enrolled already. Its recordings "
+            "are signed with that key: upload them before you move it away. If the server "
+            "was restored and no longer knows it, --again enrols it as the same station");
   }
   // Before the code is used up.
   ENAMEL_RETURN_IF_ERROR(MakePrivateFolder(options.data));
@@ -269,7 +269,7 @@ void DeclareLists(CommandGroup group) {
   group.app.add_subcommand("scenes", "Built-in scenes and their exercises")->callback([] {
     PrintScenes();
   });
-  group.app.add_subcommand("profiles", "Device profiles and where their numbers are from")
+  group.app.add_subcommand("profiles", "Device profiles and where their numbers come from")
       ->callback([] { PrintProfiles(); });
 }
 

@@ -33,8 +33,8 @@ For hours without the server, with a PIN of your own:
   ENAMEL_PASSWORD=... ENAMEL_PIN=... enamel-station reserve --user LOGIN --exercise NAME --profile NAME
   ENAMEL_PIN=... enamel-station run --reserved ID
   ENAMEL_PIN=... enamel-station reserve --give-back ID
-Measuring laws, cutting and this computer is enamel-lab's: qualify, fit-damping, explain and
-frame-bench still start it from here. 'enamel-lab --help' teaches it.
+Laws, cutting and this computer are measured by enamel-lab; 'enamel-lab --help' shows how. The
+older names qualify, fit-damping, explain and frame-bench still start it from here.
 Settings: command line before environment (ENAMEL_STATION_ and the option's name, as
 ENAMEL_STATION_UPLINK_KBIT) before a file (--config FILE); schemas/station_settings.md.
 Exit codes: 0 done, 1 failed (the reason is on standard error), 2 wrong command line,

@@ -127,7 +127,7 @@ void DeclareRun(CommandGroup group) {
   cmd->add_option("--operator", run.operator_name,
                   "Who holds the simulated device ('devices' lists them)")
       ->capture_default_str();
-  cmd->add_option("--seed", run.seed, "Of the operator's tremor; 0: his own")
+  cmd->add_option("--seed", run.seed, "Of the operator's tremor; 0: the operator's own")
       ->capture_default_str();
   cmd->add_flag("--lockstep", run.lockstep, "As fast as the machine can instead of 1 kHz");
   cmd->add_flag("--window", run.window, "Show the tooth being cut");

@@ -22,7 +22,7 @@ constexpr char kFooter[] = R"(Which question is answered by which command:
   ... for a picture                               enamel-lab bench frames --frames 60
   what of a scene is carried, and within budget?  enamel-lab explain builtin:molar --budget-us 200
   how hard is a tissue to cut, from a recording?  enamel-lab fit-damping cut.csv --material cut.json
-Every command's --help teaches it. Most write their rows with --json FILE.
+Every command has its own --help. Most write their rows with --json FILE.
 Settings: as those of enamel-station (schemas/station_settings.md); keys of its file that are not
 the lab's are passed over.
 Exit codes: 0 done, 1 failed (the reason is on standard error), 2 wrong command line, or a force law
