@@ -113,9 +113,9 @@ Plot RandomPlot(const RandomSummary& r) {
           {std::min(v[i], 2.5), static_cast<double>(i + 1) / static_cast<double>(v.size())});
     return s;
   };
-  p.series = {Curve(r.errors_n, "error / max(0.06 N, 1.3 Kc delta/2)", 0),
-              Curve(r.rises, "rise / 1.25 floor", 1),
-              Curve(r.releases, "release / 0.75 B/Kc", 2),
+  p.series = {Curve(r.errors_n, "error / max(0.05 N, 1.15 Kc delta/2)", 0),
+              Curve(r.rises, "rise / 1.15 floor", 1),
+              Curve(r.releases, "release / 0.55 B/Kc", 2),
               {"bound", "reference", Style::kDashes, {{1, 0}, {1, 1}}}};
   return p;
 }
@@ -278,8 +278,9 @@ struct Section {
 // In the order of the page: what it comes to first, what it was derived from last.
 constexpr Section kSections[] = {
     {"figures", "What the default law reaches",
-     "The gated Maxwell coupling joins the tip to the cutting front by a spring Kc; the front "
-     "moves through tissue, held back while the force is still below B v."},
+     "Tank Maxwell: a spring Kc joins the tip to a rest point, which makes the force. The bur cuts "
+     "at a point of its own. Where the rest point moves away from the tip, the spring is paid by "
+     "what it has lost before."},
     {"laws", "Error against run time",
      "Every law with every estimator it can use, in four hands. An error is against the analytic B "
      "v, for force and impedance hands against B V of the cutting front. A law is chosen for more "
