@@ -1,0 +1,117 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/base/bytes.h"
+#include "common/base/result.h"
+
+// What SQL is asked through, whichever engine answers. A driver implements Db and Statement
+// (common/sqlite is one); who asks uses Query (common/sql/query.h) and sees no more of a Statement.
+namespace enamel::sql {
+
+// What a parameter or a column holds: in SQLite INTEGER, REAL, TEXT, BLOB; in PostgreSQL bigint,
+// double precision, text, bytea. Stated for every parameter, also one that is NULL: an engine that
+// does not type its values has to be told nothing else, one that does cannot guess.
+enum class Type { kNull, kInt, kReal, kText, kBlob };
+
+// A prepared statement in the use of one Query. Parameters are numbered from 1, columns from 0.
+// Thread safety and lifetime: the connection's.
+class Statement {
+ public:
+  virtual ~Statement() = default;
+
+  // The values are copied. False: Failure() says why.
+  virtual bool BindInt(int place, int64_t value) = 0;
+  virtual bool BindReal(int place, double value) = 0;
+  virtual bool BindText(int place, std::string_view value) = 0;
+  virtual bool BindBlob(int place, ByteView value) = 0;
+  virtual bool BindNull(int place, Type type) = 0;
+
+  enum class Step { kRow, kEnd, kFailed };
+  virtual Step Next() = 0;
+  // Of the last call that failed.
+  virtual Status Failure() const = 0;
+
+  virtual int columns() const = 0;
+  virtual std::string NameOf(int column) const = 0;
+  // Of the row that Next stepped to. A value of another type than asked for reads as the engine
+  // converts it; NULL, and a column that is not there, as 0 or nothing.
+  virtual Type TypeOf(int column) const = 0;
+  virtual int64_t Int(int column) const = 0;
+  virtual double Real(int column) const = 0;
+  virtual ByteView View(int column) const = 0;  // text or blob; until the next Next
+
+  // The end of its use: forgets its row and what was bound. Nothing is called after it.
+  virtual void GiveBack() = 0;
+};
+
+// One step from a version of a schema to the next; the n-th (1-based) of a list leads to version n.
+struct Migration {
+  std::string name;  // "0001_initial.sql"
+  std::string sql;
+};
+
+// One connection. Thread safety: one thread at a time. Errors: as the driver words them, with the
+// codes kConflict (a constraint), kUnavailable (try again), kStorage (all else).
+class Db {
+ public:
+  virtual ~Db() = default;
+
+  // A statement to use until its GiveBack; null: `status` says why. For Query.
+  virtual Statement* Take(const char* sql, Status& status) = 0;
+  // One or several statements without parameters and results.
+  virtual Status Exec(const char* sql) = 0;
+  // Rows changed by the last statement.
+  virtual int64_t Changes() const = 0;
+
+  // A transaction that will write: from its beginning nobody else does. Transaction (below) ends
+  // it in any case.
+  virtual Status Begin() = 0;
+  virtual Status Commit() = 0;
+  // Nothing to do where none is open.
+  virtual void Rollback() = 0;
+
+  // How many migrations have run; 0: an empty database. Errors also: kVersion (of another program).
+  virtual Result<int> SchemaVersion() = 0;
+  // Runs those that have not run yet, in one transaction: what fails leaves the database as it was.
+  // Several processes may call it at once.
+  virtual Status Migrate(const std::vector<Migration>& migrations) = 0;
+  // The engine has found the database itself damaged since it was opened.
+  virtual bool damaged() const = 0;
+
+  // What every engine can and says in its own words.
+  //
+  // SQL for the text of a member of the JSON object in `column`.
+  virtual std::string JsonMember(const std::string& column, const std::string& member) const = 0;
+  // Whether what is deleted from now on is overwritten too, so that the file's free space does not
+  // tell it. An engine that cannot says so (kUnavailable).
+  virtual Status OverwriteDeleted(bool on) = 0;
+};
+
+// All of a transaction or nothing: what is not committed is rolled back.
+class Transaction {
+ public:
+  explicit Transaction(Db& db) : db_(db), begun_(db.Begin()), open_(begun_.ok()) {}
+  ~Transaction() {
+    if (open_) db_.Rollback();
+  }
+  Transaction(const Transaction&) = delete;
+  Transaction& operator=(const Transaction&) = delete;
+
+  const Status& begun() const { return begun_; }
+  Status Commit() {
+    Status done = db_.Commit();
+    open_ = !done.ok();
+    return done;
+  }
+
+ private:
+  Db& db_;
+  Status begun_;
+  bool open_;
+};
+
+}  // namespace enamel::sql

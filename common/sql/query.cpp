@@ -1,0 +1,88 @@
+#include "common/sql/query.h"
+
+namespace enamel::sql {
+
+Query& Query::Check(bool bound) {
+  // The first failure is the cause; those after it follow from it.
+  if (!bound && status_.ok()) status_ = statement_->Failure();
+  return *this;
+}
+
+Query& Query::BindInt(int64_t value) {
+  return statement_ == nullptr ? *this : Check(statement_->BindInt(next_parameter_++, value));
+}
+
+Query& Query::BindReal(double value) {
+  return statement_ == nullptr ? *this : Check(statement_->BindReal(next_parameter_++, value));
+}
+
+Query& Query::BindText(std::string_view value) {
+  return statement_ == nullptr ? *this : Check(statement_->BindText(next_parameter_++, value));
+}
+
+Query& Query::BindBlob(ByteView value) {
+  return statement_ == nullptr ? *this : Check(statement_->BindBlob(next_parameter_++, value));
+}
+
+Query& Query::BindNull(Type type) {
+  return statement_ == nullptr ? *this : Check(statement_->BindNull(next_parameter_++, type));
+}
+
+Query& Query::BindSame(const Query& row, int column) {
+  const Type type = row.IsNull(column) ? Type::kNull : row.statement_->TypeOf(column);
+  switch (type) {
+    case Type::kInt:
+      return BindInt(row.Int(column));
+    case Type::kReal:
+      return BindReal(row.Real(column));
+    case Type::kText:
+      return BindText(AsText(row.View(column)));
+    case Type::kBlob:
+      return BindBlob(row.View(column));
+    case Type::kNull:
+      break;
+  }
+  return BindNull(Type::kNull);
+}
+
+bool Query::Next() {
+  if (!status_.ok()) return false;
+  switch (statement_->Next()) {
+    case Statement::Step::kRow:
+      return true;
+    case Statement::Step::kEnd:
+      break;
+    case Statement::Step::kFailed:
+      status_ = statement_->Failure();
+  }
+  return false;
+}
+
+Status Query::Run() {
+  Next();
+  return status_;
+}
+
+int Query::ColumnNamed(std::string_view name) const {
+  for (int i = 0; i < columns(); ++i) {
+    if (statement_->NameOf(i) == name) return i;
+  }
+  return -1;
+}
+
+Bytes Query::Blob(int column) const {
+  ByteView view = View(column);
+  return Bytes(view.begin(), view.end());
+}
+
+Uuid Query::Id(int column) const {
+  ByteView view = View(column);
+  return view.size() == 16 ? Uuid::FromBytes(view) : Uuid{};
+}
+
+Sha256 Query::Hash(int column) const {
+  ByteView view = View(column);
+  return view.size() == 32 ? Sha256::FromBytes(view) : Sha256{};
+}
+
+}  // namespace enamel::sql

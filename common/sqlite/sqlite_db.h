@@ -1,0 +1,150 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "common/sql/db.h"
+
+struct sqlite3;
+
+// The driver for SQLite (https://www.sqlite.org): server/storage and station/spool open their files
+// with it. Nothing else in the tree includes SQLite's header.
+namespace enamel::sql {
+
+class SqliteStatement;
+
+// Why SQLite refused, for whoever words it.
+struct SqliteFailure {
+  enum class Kind {
+    kOther,
+    kBusy,         // another connection writes
+    kInterrupted,  // by StopWaiting
+    kFull,         // the disk
+    kNotWritable,  // the file, its log or its folder; or it cannot be opened
+    kDamaged,      // the file is no whole database
+    kConstraint,   // what the schema does not allow
+    kTaken,        // of these: a key that must be unique is there already
+  };
+  Kind kind = Kind::kOther;
+  int code = 0;          // SQLite's extended one
+  std::string words;     // SQLite's
+  std::string path;      // of the database
+  bool opening = false;  // while it was opened or copied
+};
+
+// kUnavailable where trying later helps, kConflict for a constraint, else kStorage.
+Code CodeOf(SqliteFailure::Kind kind);
+
+struct SqliteDbOptions {
+  enum class Mode {
+    kCreate,    // read and write; made where it is not there
+    kExisting,  // read and write
+    kReadOnly,
+  };
+  Mode mode = Mode::kCreate;
+  // Also a file that is cut short, or whose schema has errors, for what can be read of it.
+  bool damaged = false;
+  // Further PRAGMAs, for what only one of the programs needs.
+  std::string setup{};
+  // Marks the file as ours (PRAGMA application_id); 0: files of this kind have no mark.
+  int32_t application_id = 0;
+  // SQLite's name of the file layer to use; empty: its own.
+  std::string vfs{};
+  // Asked before each write; true: it fails. For tests.
+  std::function<bool()> fail_next{};
+  // What a failure is told as; by default "PATH: SQLite's words" with a code.
+  std::function<Status(const SqliteFailure&)> explain{};
+};
+
+// One connection: WAL, synchronous=FULL (what is committed survives a power cut), foreign keys on;
+// waits up to 10 s for another connection's write. Thread safety: one thread at a time, but for
+// what says so. Statements are prepared once and kept, up to kMaxStatements; beyond that the one
+// that was not used for longest goes.
+class SqliteDb final : public Db {
+ public:
+  static constexpr size_t kMaxStatements = 256;
+  static constexpr std::chrono::minutes kMostWait{15};
+
+  static Result<std::unique_ptr<SqliteDb>> Open(const std::filesystem::path& path,
+                                                SqliteDbOptions options);
+  ~SqliteDb() override;
+  SqliteDb(const SqliteDb&) = delete;
+  SqliteDb& operator=(const SqliteDb&) = delete;
+
+  Statement* Take(const char* sql, Status& status) override;
+  Status Exec(const char* sql) override;
+  int64_t Changes() const override;
+  Status Begin() override { return Exec("BEGIN IMMEDIATE"); }
+  Status Commit() override { return Exec("COMMIT"); }
+  void Rollback() override;
+  Result<int> SchemaVersion() override;
+  Status Migrate(const std::vector<Migration>& migrations) override;
+  bool damaged() const override { return damaged_; }
+  std::string JsonMember(const std::string& column, const std::string& member) const override;
+  Status OverwriteDeleted(bool on) override;
+
+  // Why the last statement failed; kOther without words when it did not.
+  const SqliteFailure& failure() const { return failure_; }
+  // The file, or its folder, may be read only.
+  bool read_only() const;
+  const std::string& path() const { return path_; }
+  size_t kept_statements() const { return statements_.size(); }
+
+  // How long from now on a statement waits for another process's write. `worth_it` is asked while
+  // it waits, on the connection's thread: as long as it says true, up to kMostWait, the time does
+  // not count.
+  void SetBusyWait(std::chrono::milliseconds wait, std::function<bool()> worth_it = {});
+  // Waits for what `worth_it` says is worth it. Any thread.
+  bool waits() const { return waits_; }
+  // From now on no other process is waited for, and what Rewrite and EmptyLog are at ends with
+  // kInterrupted or kUnavailable: at once, but for Rewrite's last step, which copies the new
+  // database into the log. Any thread.
+  void StopWaiting();
+  // Writes the whole database anew (VACUUM). What it wrote when it fails may stay in the log until
+  // that is emptied.
+  Status Rewrite();
+  // Empties the log into the database; waits for who reads what is in it, and for who empties it
+  // already. Errors also: kUnavailable (they took longer).
+  Status EmptyLog();
+  // How many bytes the database takes, without its log.
+  Result<uint64_t> Bytes();
+  // Copies the whole database as it is at this moment into the new file `target`, while others go
+  // on writing (SQLite's backup interface, inside one read transaction, so that no write restarts
+  // it). `done`: pages copied and in all. The copy is one file, synced.
+  using CopyProgress = std::function<void(int done, int all)>;
+  Status CopyTo(const std::filesystem::path& target, const CopyProgress& progress);
+
+ private:
+  friend class SqliteStatement;
+  SqliteDb(sqlite3* handle, std::string path, SqliteDbOptions options);
+  Status SetUp();
+  Status UseWal();
+  Status Fail();  // the handle's last error
+  Status Told(const SqliteFailure& failure) const;
+  void DropOldest();
+  bool WaitOn(bool first);  // SQLite's question whether to try again
+  bool InjectedFailure() const { return !opening_ && options_.fail_next && options_.fail_next(); }
+  Result<int64_t> Pragma(const char* sql);
+
+  sqlite3* handle_;
+  const std::string path_;
+  const SqliteDbOptions options_;
+  bool opening_ = true;
+  bool damaged_ = false;
+  SqliteFailure failure_;
+  std::chrono::milliseconds busy_wait_{10'000};
+  std::function<bool()> worth_it_;
+  std::chrono::steady_clock::time_point busy_since_{}, counted_since_{};
+  std::atomic<bool> waits_{false}, stopped_{false};
+  std::atomic<bool> interruptible_{false};  // Rewrite or EmptyLog is at it
+  std::unordered_map<std::string, std::unique_ptr<SqliteStatement>> statements_;
+  uint64_t uses_ = 0;
+};
+
+}  // namespace enamel::sql
