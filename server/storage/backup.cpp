@@ -4,7 +4,6 @@
 #include <optional>
 
 #include "server/storage/manifest.h"
-#include "server/storage/migrate.h"
 #include "server/storage/sqlite_impl.h"
 #include "server/storage/sqlite_store.h"
 
@@ -80,7 +79,8 @@ class BackupMaker {
   Status CopyDatabase(std::set<Sha256>& named) {
     fs::path copy = options_.target / "enamel.db";
     {
-      ENAMEL_ASSIGN_OR_RETURN(auto db, Db::Open(options_.data / "enamel.db", Db::Mode::kReadOnly));
+      ENAMEL_ASSIGN_OR_RETURN(auto db,
+                              OpenDatabase(options_.data / "enamel.db", DbMode::kReadOnly));
       ENAMEL_ASSIGN_OR_RETURN(auto schema, SchemaVersion(*db));
       manifest_.schema = schema;
       manifest_.created_ms = NowMs();
@@ -96,7 +96,7 @@ class BackupMaker {
   }
 
   Status ReadCopy(const fs::path& copy, std::set<Sha256>& named) {
-    ENAMEL_ASSIGN_OR_RETURN(auto db, Db::Open(copy, Db::Mode::kReadOnly));
+    ENAMEL_ASSIGN_OR_RETURN(auto db, OpenDatabase(copy, DbMode::kReadOnly));
     ENAMEL_ASSIGN_OR_RETURN(auto blobs, NamedBlobs(*db));
     named = std::move(blobs);
     Query q(*db,
@@ -254,7 +254,7 @@ class Restorer {
 
   // Who was signed in then, and which codes were open, may have been ended since.
   Status EndSessions() {
-    ENAMEL_ASSIGN_OR_RETURN(auto db, Db::Open(options_.data / "enamel.db", Db::Mode::kReadWrite));
+    ENAMEL_ASSIGN_OR_RETURN(auto db, OpenDatabase(options_.data / "enamel.db", DbMode::kExisting));
     return db->Exec("DELETE FROM sessions; DELETE FROM enrol_codes WHERE used_ms IS NULL");
   }
 
@@ -277,7 +277,7 @@ class Restorer {
   }
 
   Result<size_t> CountPeople() const {
-    ENAMEL_ASSIGN_OR_RETURN(auto db, Db::Open(options_.data / "enamel.db", Db::Mode::kReadOnly));
+    ENAMEL_ASSIGN_OR_RETURN(auto db, OpenDatabase(options_.data / "enamel.db", DbMode::kReadOnly));
     Query q(*db, "SELECT count(*) FROM people WHERE tenant = ?1");
     size_t count = q.Next() ? static_cast<size_t>(q.Int(0)) : 0;
     if (!q.status().ok()) return q.status();

@@ -1,6 +1,5 @@
 #include <utility>
 
-#include "server/storage/migrate.h"
 #include "server/storage/sqlite_impl.h"
 
 // Erasing a person: the key first, then the rows, then the blobs.
@@ -34,9 +33,9 @@ Result<std::vector<Uuid>> PeopleIn(Db& db) {
 
 // Runs with overwriting of what is deleted, which costs too much to have it always on.
 Status WithOverwriting(Db& db, const std::function<Status()>& work) {
-  ENAMEL_RETURN_IF_ERROR(db.Exec("PRAGMA secure_delete = ON"));
+  ENAMEL_RETURN_IF_ERROR(db.OverwriteDeleted(true));
   Status status = work();
-  Status off = db.Exec("PRAGMA secure_delete = FAST");
+  Status off = db.OverwriteDeleted(false);
   return status.ok() ? off : status;
 }
 
@@ -44,12 +43,15 @@ Status WithOverwriting(Db& db, const std::function<Status()>& work) {
 // too that a retention rule removed before; who did it and when stays. The only change of audit
 // rows that the database admits (schemas/sql/0007_door.sql).
 Status RedactAudit(Db& db, const Uuid& person) {
-  Query q(db,
-          "UPDATE audit SET before_json = '{\"erased\":true}', after_json = '{\"erased\":true}' "
-          "WHERE tenant = ?1 AND ((object = ?2 AND (action LIKE 'person.%' OR action LIKE "
-          "'session.%' OR action = 'request.refused')) OR "
-          "(action <> 'attempt.ticket' AND object IN (SELECT object FROM audit WHERE tenant = ?1 "
-          "AND action = 'attempt.ticket' AND json_extract(after_json, '$.person') = ?2)))");
+  static constexpr char kErased[] = R"('{"erased":true}')";
+  const std::string sql =
+      std::string("UPDATE audit SET before_json = ") + kErased + ", after_json = " + kErased +
+      " WHERE tenant = ?1 AND ((object = ?2 AND (action LIKE 'person.%' OR action LIKE "
+      "'session.%' OR action = 'request.refused')) OR "
+      "(action <> 'attempt.ticket' AND object IN (SELECT object FROM audit WHERE tenant = ?1 "
+      "AND action = 'attempt.ticket' AND " +
+      db.JsonMember("after_json", "person") + " = ?2)))";
+  Query q(db, sql);
   return q.Bind(person.Text()).Run();
 }
 

@@ -2,6 +2,8 @@
 
 #include <chrono>
 
+#include "server/storage/query.h"
+
 namespace enamel::server::sqlite {
 namespace {
 

@@ -14,9 +14,10 @@
 #include <vector>
 
 #include "server/storage/blobs.h"
-#include "server/storage/db.h"
+#include "server/storage/engine/database.h"
 #include "server/storage/folder_lock.h"
 #include "server/storage/keyring.h"
+#include "server/storage/query.h"
 #include "server/storage/sealed_rows.h"
 #include "server/storage/space_guard.h"
 #include "server/storage/sqlite_store.h"
@@ -40,7 +41,7 @@ class Readers {
 
   class Lease {
    public:
-    Lease(Readers& readers, std::unique_ptr<Db> db) : readers_(readers), db_(std::move(db)) {}
+    Lease(Readers& readers, std::unique_ptr<SqliteDb> db) : readers_(readers), db_(std::move(db)) {}
     ~Lease() { readers_.Return(std::move(db_)); }
     Lease(const Lease&) = delete;
     Lease& operator=(const Lease&) = delete;
@@ -48,25 +49,25 @@ class Readers {
 
    private:
     Readers& readers_;
-    std::unique_ptr<Db> db_;
+    std::unique_ptr<SqliteDb> db_;
   };
-  Result<std::unique_ptr<Db>> Take();
+  Result<std::unique_ptr<SqliteDb>> Take();
 
  private:
-  void Return(std::unique_ptr<Db> db);
+  void Return(std::unique_ptr<SqliteDb> db);
 
   const std::filesystem::path path_;
   const int most_;
   const std::string vfs_;
   std::mutex mutex_;
   std::condition_variable returned_;
-  std::vector<std::unique_ptr<Db>> idle_;  // guarded by mutex_
-  int open_ = 0;                           // guarded by mutex_
+  std::vector<std::unique_ptr<SqliteDb>> idle_;  // guarded by mutex_
+  int open_ = 0;                                 // guarded by mutex_
 };
 
 class SqliteStore final : public Store {
  public:
-  SqliteStore(const SqliteOptions& options, std::unique_ptr<Db> writer, FolderLock lock);
+  SqliteStore(const SqliteOptions& options, std::unique_ptr<SqliteDb> writer, FolderLock lock);
 
   Result<Uuid> CreatePerson(const Person& person, const std::string& password_verifier,
                             const std::vector<Uuid>& cohorts, const Actor& by) override;
@@ -283,7 +284,7 @@ class SqliteStore final : public Store {
   // the writer's queue, other processes' because of OthersErase. What fails is in the log; the mark
   // stays then. Requires: Upkeep is held.
   Status RewriteIfMarked();
-  Status RoomToRewrite(Db& db);
+  Status RoomToRewrite(SqliteDb& db);
   Status MarkForRewrite();
   // Before this server's first lease: those of an earlier one are over.
   Status EndEarlierLeases();

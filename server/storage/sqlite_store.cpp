@@ -11,13 +11,12 @@
 #include <cstring>
 
 #include "common/base/file.h"
-#include "server/storage/migrate.h"
 #include "server/storage/sqlite_impl.h"
 
 namespace enamel::server {
 namespace sqlite {
 
-Result<std::unique_ptr<Db>> Readers::Take() {
+Result<std::unique_ptr<SqliteDb>> Readers::Take() {
   {
     std::unique_lock lock(mutex_);
     // Without a bound of its own: who has one keeps it for one read, and who must not wait so long
@@ -30,7 +29,7 @@ Result<std::unique_ptr<Db>> Readers::Take() {
     }
     ++open_;
   }
-  auto db = Db::Open(path_, Db::Mode::kReadOnly, vfs_);
+  auto db = OpenDatabase(path_, DbMode::kReadOnly, vfs_);
   if (db.ok()) return db;
   {
     std::lock_guard lock(mutex_);
@@ -41,7 +40,7 @@ Result<std::unique_ptr<Db>> Readers::Take() {
   return Status(db.status().code(), "the database cannot be read; the log says why");
 }
 
-void Readers::Return(std::unique_ptr<Db> db) {
+void Readers::Return(std::unique_ptr<SqliteDb> db) {
   std::lock_guard lock(mutex_);
   idle_.push_back(std::move(db));
   returned_.notify_one();
@@ -58,15 +57,16 @@ bool IsThere(const std::filesystem::path& file) {
   return std::filesystem::exists(file, error);
 }
 
-std::unique_ptr<Db> Patient(std::unique_ptr<Db> db, std::chrono::milliseconds busy_wait,
-                            std::function<bool()> worth_it) {
+std::unique_ptr<SqliteDb> Patient(std::unique_ptr<SqliteDb> db, std::chrono::milliseconds busy_wait,
+                                  std::function<bool()> worth_it) {
   db->SetBusyWait(busy_wait, std::move(worth_it));
   return db;
 }
 
 }  // namespace
 
-SqliteStore::SqliteStore(const SqliteOptions& options, std::unique_ptr<Db> writer, FolderLock lock)
+SqliteStore::SqliteStore(const SqliteOptions& options, std::unique_ptr<SqliteDb> writer,
+                         FolderLock lock)
     : folder_(options.folder),
       lock_(std::move(lock)),
       writer_(Patient(std::move(writer), options.busy_wait, [this] { return OthersErase(); }),
@@ -182,11 +182,8 @@ bool SqliteStore::OthersErase() const {
 
 // In the log, and in SQLite's temporary file, which may be on the same disk, with a fiftieth for
 // the log's frames.
-Status SqliteStore::RoomToRewrite(Db& db) {
-  Query pages(db, "SELECT page_count * page_size FROM pragma_page_count, pragma_page_size",
-              Query::kNoTenant);
-  uint64_t bytes = pages.Next() ? static_cast<uint64_t>(pages.Int(0)) : 0;
-  ENAMEL_RETURN_IF_ERROR(pages.status());
+Status SqliteStore::RoomToRewrite(SqliteDb& db) {
+  ENAMEL_ASSIGN_OR_RETURN(const uint64_t bytes, db.Bytes());
   return space_.RoomFor(2 * bytes + bytes / 50);
 }
 
@@ -195,7 +192,7 @@ Status SqliteStore::RewriteIfMarked() {
   spdlog::info("the database is being written anew after an erasure; changes wait until it is");
   const auto begin = std::chrono::steady_clock::now();
   rewriting_ = true;
-  Status status = writer_.RunAlone([&](Db& db) -> Status {
+  Status status = writer_.RunAlone([&](SqliteDb& db) -> Status {
     ENAMEL_RETURN_IF_ERROR(RoomToRewrite(db));
     Status rewritten = db.Rewrite();
     Status emptied = db.EmptyLog();
@@ -370,13 +367,13 @@ Result<std::unique_ptr<Store>> OpenSqliteStore(const SqliteOptions& options) {
   };
   if (options.hold_lock) ENAMEL_RETURN_IF_ERROR(acquire());
   auto db =
-      Db::Open(options.folder / "enamel.db", Db::Mode::kReadWrite, options.vfs, options.fail_next);
+      OpenDatabase(options.folder / "enamel.db", DbMode::kCreate, options.vfs, options.fail_next);
   if (!db.ok()) return db.status();
   (*db)->SetBusyWait(options.busy_wait);
   ENAMEL_ASSIGN_OR_RETURN(auto version, SchemaVersion(**db));
   if (version < LatestSchemaVersion()) {
     if (!lock) ENAMEL_RETURN_IF_ERROR(acquire());
-    ENAMEL_RETURN_IF_ERROR(Migrate(**db));
+    ENAMEL_RETURN_IF_ERROR((*db)->Migrate(Migrations()));
   }
   if (!options.hold_lock) lock.reset();
   FolderLock kept = lock ? std::move(*lock) : FolderLock();

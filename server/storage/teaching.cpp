@@ -42,7 +42,7 @@ Query& BindRemark(Query& q, const AnnotationRow& row) {
     if (row.point_um) {
       q.Bind(int64_t{(*row.point_um)[axis]});
     } else {
-      q.BindNull();
+      q.BindNull(sql::Type::kInt);
     }
   }
   return q.Bind(row.text);
@@ -164,7 +164,10 @@ Status SqliteStore::OverrideScore(const Uuid& attempt, const std::optional<Score
       if (score) {
         q.Bind(score->score).Bind(score->reason).Bind(by.person).Bind(NowMs());
       } else {
-        q.BindNull().Bind(std::string()).BindNull().Bind(int64_t{0});
+        q.BindNull(sql::Type::kReal)
+            .Bind(std::string())
+            .BindNull(sql::Type::kBlob)
+            .Bind(int64_t{0});
       }
       ENAMEL_RETURN_IF_ERROR(q.Run());
     }

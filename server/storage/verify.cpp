@@ -11,7 +11,6 @@
 #include "common/base/file.h"
 #include "common/trace/trace.h"
 #include "server/storage/manifest.h"
-#include "server/storage/migrate.h"
 #include "server/storage/sqlite_impl.h"
 #include "server/training/types.h"
 
@@ -71,7 +70,7 @@ class Verifier {
     }
     report_.is_backup = fs::exists(options_.folder / kManifestName, error);
     if (report_.is_backup) CheckManifest();
-    ENAMEL_ASSIGN_OR_RETURN(auto db, Db::Open(path, Db::Mode::kReadOnly));
+    ENAMEL_ASSIGN_OR_RETURN(auto db, OpenDatabase(path, DbMode::kReadOnly));
     Status begun = db->Exec("BEGIN");
     auto schema = begun.ok() ? SchemaVersion(*db) : Result<int>(begun);
     if (!schema.ok() && schema.status().code() == Code::kVersion) return schema.status();
@@ -162,13 +161,13 @@ class Verifier {
 
   Status CheckDatabase(Db& db) {
     Tell("database", 0, 1);
-    Query integrity(db, "PRAGMA integrity_check(100)", Query::kNoTenant);
+    sql::Query integrity(db, "PRAGMA integrity_check(100)");
     while (integrity.Next()) {
       if (integrity.Text(0) != "ok")
         Find("database", "enamel.db", "a whole database", integrity.Text(0), kFromBackup);
     }
     ENAMEL_RETURN_IF_ERROR(integrity.status());
-    Query keys(db, "PRAGMA foreign_key_check", Query::kNoTenant);
+    sql::Query keys(db, "PRAGMA foreign_key_check");
     while (keys.Next()) {
       Find("database", keys.Text(0), "rows that name existing rows of " + keys.Text(2),
            "row " + keys.Text(1) + " names one that is not there", kFromBackup);

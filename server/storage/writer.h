@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "server/storage/db.h"
+#include "server/storage/engine/database.h"
 
 namespace enamel::server::sqlite {
 
@@ -21,7 +21,7 @@ namespace enamel::server::sqlite {
 class Writer {
  public:
   // `twice`: runs every work, takes back what it did, and runs it again. For tests.
-  explicit Writer(std::unique_ptr<Db> db, bool twice = false);
+  explicit Writer(std::unique_ptr<SqliteDb> db, bool twice = false);
   ~Writer();
 
   // What the work did is kept when it returns Ok, or sets `keep_anyway` (a refusal that leaves
@@ -32,7 +32,7 @@ class Writer {
   Status Run(const Work& work);
   // Runs `work` on the thread and outside any transaction, for what SQLite refuses inside one
   // (VACUUM); what is queued after it waits.
-  Status RunAlone(const std::function<Status(Db& db)>& work);
+  Status RunAlone(const std::function<Status(SqliteDb& db)>& work);
 
   // Since the start.
   struct Counters {
@@ -45,7 +45,7 @@ class Writer {
   // Why the last transaction could not be written; Ok after one that could. One that found the
   // database busy tells nothing.
   Status last_failure() const;
-  // As the connection's (db.h).
+  // As the connection's (SqliteDb).
   bool waits() const { return db_->waits(); }
   void StopWaiting() { db_->StopWaiting(); }
 
@@ -57,7 +57,7 @@ class Writer {
   static constexpr std::chrono::milliseconds kPace{10};
   struct Pending {
     const Work* work;
-    const std::function<Status(Db& db)>* alone = nullptr;  // instead of `work`
+    const std::function<Status(SqliteDb& db)>* alone = nullptr;  // instead of `work`
     Status status{};
     bool done = false;
     std::condition_variable turn{};  // done
@@ -71,7 +71,7 @@ class Writer {
   Status Transact(const std::vector<Pending*>& batch);
   Status RunOne(const Work& work, Status& outcome);
 
-  std::unique_ptr<Db> db_;  // the thread's
+  std::unique_ptr<SqliteDb> db_;  // the thread's
   const bool twice_;
   std::chrono::steady_clock::time_point next_commit_{};  // the thread's
   mutable std::mutex mutex_;

@@ -1,6 +1,7 @@
-#include "server/storage/db.h"
+#include "server/storage/engine/database.h"
 
 #include <gtest/gtest.h>
+#include <sqlite3.h>
 
 #include <atomic>
 #include <future>
@@ -8,40 +9,24 @@
 #include "tests/server/storage/simulated_disk.h"
 #include "tests/server/storage/store_world.h"
 
-// The layer over SQLite: how much it keeps, and what it tells of failures.
+// enamel.db as the server opens it: how much it keeps, and what it tells of failures.
 namespace enamel::server::sqlite {
 namespace {
 
 using namespace enamel::server::testing;
 
-class DbTest : public ::testing::Test {
+class DatabaseTest : public ::testing::Test {
  protected:
-  std::unique_ptr<Db> Open() {
-    auto db = Db::Open(folder_.path() / "enamel.db", Db::Mode::kReadWrite);
+  std::unique_ptr<SqliteDb> Open() {
+    auto db = OpenDatabase(folder_.path() / "enamel.db", DbMode::kCreate);
     EXPECT_TRUE(db.ok()) << db.status().message();
     return std::move(db).value();
   }
   TempFolder folder_;
 };
 
-TEST_F(DbTest, StatementsAreKeptUpToANumberAndThoseInUseAlways) {
-  auto db = Open();
-  ASSERT_TRUE(db->Exec("CREATE TABLE t (n INTEGER); INSERT INTO t VALUES (1), (2), (3)").ok());
-  Query rows(*db, "SELECT n FROM t ORDER BY n", Query::kNoTenant);
-  ASSERT_TRUE(rows.Next());
-  for (size_t i = 0; i < 4 * Db::kMaxStatements; ++i) {
-    std::string sql = "SELECT " + std::to_string(i);
-    Query q(*db, sql.c_str(), Query::kNoTenant);
-    ASSERT_TRUE(q.Next());
-    EXPECT_EQ(q.Int(0), static_cast<int64_t>(i));
-    EXPECT_LE(db->kept_statements(), Db::kMaxStatements);
-  }
-  EXPECT_TRUE(rows.Next());
-  EXPECT_EQ(rows.Int(0), 2) << "not taken away under its user";
-}
-
 // Everybody may ask for a list; what is asked for must not stay in memory.
-TEST_F(DbTest, ListsAskedForInThousandsOfWaysTakeNoMoreMemory) {
+TEST_F(DatabaseTest, ListsAskedForInThousandsOfWaysTakeNoMoreMemory) {
   auto store = OpenStore(folder_.path());
   World world(*store);
   auto ask = [&](uint32_t salt) {
@@ -59,7 +44,7 @@ TEST_F(DbTest, ListsAskedForInThousandsOfWaysTakeNoMoreMemory) {
   EXPECT_LT(sqlite3_memory_used() - before, 1 << 20);
 }
 
-TEST_F(DbTest, FailuresTellWhatToDoButNoPathAndNoneOfSqlitesWords) {
+TEST_F(DatabaseTest, FailuresTellWhatToDoButNoPathAndNoneOfSqlitesWords) {
   auto db = Open(), other = Open();
   ASSERT_TRUE(db->Exec("CREATE TABLE a (id INTEGER PRIMARY KEY);"
                        "CREATE TABLE b (a INTEGER NOT NULL REFERENCES a (id))")
@@ -81,7 +66,7 @@ TEST_F(DbTest, FailuresTellWhatToDoButNoPathAndNoneOfSqlitesWords) {
 }
 
 // SQLite itself never waits for whoever empties the log already.
-TEST_F(DbTest, EmptyingTheLogWaitsForAnotherConnectionThatDoesItJustNow) {
+TEST_F(DatabaseTest, EmptyingTheLogWaitsForAnotherConnectionThatDoesItJustNow) {
   std::atomic<bool> armed{false};
   std::promise<void> held, release;
   SimulatedDisk disk(folder_.path());
@@ -90,7 +75,7 @@ TEST_F(DbTest, EmptyingTheLogWaitsForAnotherConnectionThatDoesItJustNow) {
     held.set_value();
     (void)release.get_future().wait_for(std::chrono::minutes(2));
   });
-  auto other = Db::Open(folder_.path() / "enamel.db", Db::Mode::kReadWrite, disk.vfs());
+  auto other = OpenDatabase(folder_.path() / "enamel.db", DbMode::kCreate, disk.vfs());
   ASSERT_TRUE(other.ok()) << other.status().message();
   ASSERT_TRUE((*other)->Exec("CREATE TABLE t (n INTEGER); INSERT INTO t VALUES (1)").ok());
   auto db = Open();
@@ -106,18 +91,6 @@ TEST_F(DbTest, EmptyingTheLogWaitsForAnotherConnectionThatDoesItJustNow) {
   EXPECT_TRUE(first.get().ok());
   Status emptied = second.get();
   EXPECT_TRUE(emptied.ok()) << emptied.message();
-}
-
-TEST_F(DbTest, StoppingEndsARewriteAndLetsOrdinaryWritesThrough) {
-  auto db = Open();
-  ASSERT_TRUE(db->Exec("CREATE TABLE t (n INTEGER); WITH RECURSIVE c(n) AS (SELECT 1 UNION ALL "
-                       "SELECT n + 1 FROM c WHERE n < 100000) INSERT INTO t SELECT n FROM c")
-                  .ok());
-  EXPECT_TRUE(db->Rewrite().ok());
-  db->StopWaiting();
-  EXPECT_EQ(db->Rewrite().code(), Code::kUnavailable);
-  EXPECT_EQ(db->EmptyLog().code(), Code::kUnavailable);
-  EXPECT_TRUE(db->Exec("UPDATE t SET n = n + 1").ok());
 }
 
 }  // namespace

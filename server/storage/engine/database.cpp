@@ -1,0 +1,110 @@
+#include "server/storage/engine/database.h"
+
+#include <spdlog/spdlog.h>
+
+#include <utility>
+
+namespace enamel::server::sqlite {
+namespace {
+
+// "Enml": marks the file as ours.
+constexpr int32_t kApplicationId = 0x456e6d6c;
+
+constexpr char kSetup[] =
+    // Under load the same pages are written again and again: 32 MiB of log between checkpoints
+    // instead of 4 write each to the database an eighth as often.
+    "PRAGMA wal_autocheckpoint = 8192; "
+    // Some builds of SQLite overwrite whatever is deleted, which writes a sealed recording's rows
+    // to the disk once more. What must not be readable is overwritten by ErasePerson.
+    "PRAGMA secure_delete = FAST";
+
+using Kind = sql::SqliteFailure::Kind;
+
+// For who may see paths: the log, and whoever starts the program.
+Status InFull(const sql::SqliteFailure& failure) {
+  const std::string what = failure.path + ": " + failure.words;
+  switch (failure.kind) {
+    case Kind::kBusy:
+      return Status(Code::kUnavailable, what + "; another process is writing, try again");
+    case Kind::kInterrupted:
+      return Status(Code::kUnavailable, what + "; the program is ending");
+    case Kind::kFull:
+      return Status(Code::kStorage, what + "; free some disk space");
+    case Kind::kNotWritable:
+      return Status(Code::kStorage,
+                    what + "; make the folder and its files writable for this user");
+    case Kind::kDamaged:
+      return Status(Code::kStorage, what + "; the database is damaged, restore a backup");
+    case Kind::kConstraint:
+    case Kind::kTaken:
+      return Status(Code::kConflict, what);
+    case Kind::kOther:
+      break;
+  }
+  return Status(Code::kStorage, what);
+}
+
+// The same for whoever asked, who may be anybody.
+Status WithoutDetail(Kind kind) {
+  switch (kind) {
+    case Kind::kBusy:
+      return Status(Code::kUnavailable,
+                    "the database is busy with another process's write; try again");
+    case Kind::kInterrupted:
+      return Status(Code::kUnavailable, "the server is stopping; try again when it runs again");
+    case Kind::kFull:
+      return Status(Code::kStorage, "the database's disk is full; free some disk space");
+    case Kind::kNotWritable:
+      return Status(Code::kStorage,
+                    "the database may not be written; make the data folder and its files writable "
+                    "for the server's user");
+    case Kind::kDamaged:
+      return Status(Code::kStorage, "the database is damaged, restore a backup");
+    case Kind::kConstraint:
+    case Kind::kTaken:
+      return Status(Code::kConflict,
+                    "this does not go with what is stored: something is there already, or what it "
+                    "names is not there; read it again, then try again");
+    case Kind::kOther:
+      break;
+  }
+  return Status(Code::kStorage, "the database failed; the log says why");
+}
+
+Status Tell(const sql::SqliteFailure& failure) {
+  if (failure.opening) return InFull(failure);
+  // A name that is taken is everyday life.
+  if (failure.kind != Kind::kTaken) {
+    spdlog::warn("database: {} (SQLite {})", InFull(failure).message(), failure.code);
+  }
+  return WithoutDetail(failure.kind);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<SqliteDb>> OpenDatabase(const std::filesystem::path& path, DbMode mode,
+                                               const std::string& vfs,
+                                               std::function<bool()> fail_next) {
+  sql::SqliteDbOptions options;
+  options.mode = mode;
+  options.setup = kSetup;
+  options.application_id = kApplicationId;
+  options.vfs = vfs;
+  options.fail_next = std::move(fail_next);
+  options.explain = Tell;
+  return SqliteDb::Open(path, std::move(options));
+}
+
+Result<int> SchemaVersion(Db& db) {
+  ENAMEL_ASSIGN_OR_RETURN(const int version, db.SchemaVersion());
+  const int latest = static_cast<int>(Migrations().size());
+  if (version > latest) {
+    return Status(Code::kVersion,
+                  "enamel.db has schema version " + std::to_string(version) +
+                      ", this enamel-server knows up to " + std::to_string(latest) +
+                      "; run the newer enamel-server that made it, or restore a backup");
+  }
+  return version;
+}
+
+}  // namespace enamel::server::sqlite

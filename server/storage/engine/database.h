@@ -1,0 +1,33 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/sqlite/sqlite_db.h"
+
+// enamel.db, as the server opens it.
+namespace enamel::server::sqlite {
+
+using sql::Db;
+using sql::SqliteDb;
+
+// In order; the n-th (1-based) leads to schema version n. Generated from schemas/sql.
+const std::vector<sql::Migration>& Migrations();
+
+// A failure tells whoever asked what to do, without path or SQLite's words: those go to the log.
+// While it is opened they are told too, to who started the program. `vfs`: SQLite's name of the
+// file layer to use; empty: its own. `fail_next`: SqliteDbOptions.
+using DbMode = sql::SqliteDbOptions::Mode;
+Result<std::unique_ptr<SqliteDb>> OpenDatabase(const std::filesystem::path& path, DbMode mode,
+                                               const std::string& vfs = {},
+                                               std::function<bool()> fail_next = {});
+
+// Schema version of an open database, 0 when empty. Errors: kVersion when newer than this program
+// or not ours at all.
+Result<int> SchemaVersion(Db& db);
+
+}  // namespace enamel::server::sqlite
