@@ -15,7 +15,6 @@
 #include "station/spool/attempt_row.h"
 #include "station/spool/spool.h"
 #include "station/spool/spool_file.h"
-#include "station/spool/statement.h"
 
 namespace enamel::station {
 namespace {
@@ -38,17 +37,15 @@ struct Scratch {
   }
 };
 
-struct Handle {
-  sqlite3* db = nullptr;
-  ~Handle() { sqlite3_close(db); }
-  // Also for what is damaged, as far as it can be read.
-  bool Open(const fs::path& file) {
-    sqlite3_close(std::exchange(db, nullptr));
-    return sqlite3_open_v2(file.c_str(), &db, SQLITE_OPEN_READWRITE, nullptr) == SQLITE_OK &&
-           sqlite3_exec(db, "PRAGMA writable_schema = ON; SELECT count(*) FROM attempts LIMIT 0",
-                        nullptr, nullptr, nullptr) == SQLITE_OK;
-  }
-};
+// As far as it can be read. Errors also: the table of attempts cannot be found in it.
+Result<std::unique_ptr<sql::SqliteDb>> OpenAsItIs(const fs::path& file) {
+  sql::SqliteDbOptions options;
+  options.mode = sql::SqliteDbOptions::Mode::kExisting;
+  options.damaged = true;
+  ENAMEL_ASSIGN_OR_RETURN(auto db, sql::SqliteDb::Open(file, std::move(options)));
+  ENAMEL_RETURN_IF_ERROR(db->Exec("SELECT count(*) FROM attempts LIMIT 0"));
+  return db;
+}
 
 // The first `bytes` of a file become those of a new spool, but for the count of pages. SQLite reads
 // from page 1 where every table begins. All spools have their tables at the same pages, as none is
@@ -69,7 +66,8 @@ bool GiveFreshStart(const fs::path& file, const fs::path& scratch, size_t bytes)
 }
 
 // As it is, then with a new header, then with a new first page.
-Status OpenDamaged(const fs::path& from, const fs::path& scratch, Handle& handle) {
+Result<std::unique_ptr<sql::SqliteDb>> OpenDamaged(const fs::path& from, const fs::path& scratch) {
+  Status why;
   const fs::path file = scratch / kSpoolFile;
   for (size_t fresh : {size_t{0}, kHeaderBytes, kPageBytes}) {
     std::error_code error;
@@ -84,33 +82,34 @@ Status OpenDamaged(const fs::path& from, const fs::path& scratch, Handle& handle
       }
     }
     if (fresh > 0 && !GiveFreshStart(file, scratch, fresh)) break;
-    if (handle.Open(file)) return Status::Ok();
+    auto opened = OpenAsItIs(file);
+    if (opened.ok()) return opened;
+    why = opened.status();
   }
   return Status(Code::kStorage, "nothing can be read of " + (from / kSpoolFile).string() + " (" +
-                                    sqlite3_errmsg(handle.db) + ")");
+                                    why.message() + ")");
 }
 
 // What a scan yields from its beginning to the damage, and from its end back to it.
 template <typename Take>
-void ScanBothWays(sqlite3* db, const std::string& sql, const Take& take) {
+void ScanBothWays(sql::Db& db, const std::string& sql, const Take& take) {
   for (const char* order : {" ASC", " DESC"}) {
-    Statement s(db, (sql + order).c_str());
-    int rc = 0;
-    while ((rc = s.Step()) == SQLITE_ROW) take(s);
-    if (rc == SQLITE_DONE) return;
+    sql::Query s(db, sql + order);
+    while (s.Next()) take(s);
+    if (s.status().ok()) return;
   }
 }
 
 using Places = std::map<std::pair<Uuid, uint32_t>, int64_t>;  // row of a chunk
 
 // Where chunks lie, by position: an index may be damaged where they are not.
-Places ChunkPlaces(sqlite3* db) {
+Places ChunkPlaces(sql::Db& db) {
   Places out;
   ScanBothWays(db, "SELECT rowid, attempt, seq FROM chunks NOT INDEXED ORDER BY rowid",
-               [&](Statement& s) {
-                 Bytes id = s.BlobAt(1);
+               [&](const sql::Query& s) {
+                 Bytes id = s.Blob(1);
                  if (id.size() != 16) return;
-                 out[{Uuid::FromBytes(id), static_cast<uint32_t>(s.IntAt(2))}] = s.IntAt(0);
+                 out[{Uuid::FromBytes(id), static_cast<uint32_t>(s.Int(2))}] = s.Int(0);
                });
   return out;
 }
@@ -120,18 +119,18 @@ struct FoundChunk {
   std::optional<int64_t> spooled_unix_ms;
 };
 
-std::optional<FoundChunk> ChunkOf(sqlite3* db, const Places& places, const Uuid& id, uint32_t seq) {
-  auto found = [](Statement& s) {
-    FoundChunk out{s.BlobAt("bytes"), {}};
-    if (!s.IsNull("spooled_unix_ms")) out.spooled_unix_ms = s.IntAt("spooled_unix_ms");
+std::optional<FoundChunk> ChunkOf(sql::Db& db, const Places& places, const Uuid& id, uint32_t seq) {
+  auto found = [](const sql::Query& s) {
+    FoundChunk out{s.Blob("bytes"), {}};
+    if (!s.IsNull("spooled_unix_ms")) out.spooled_unix_ms = s.Int("spooled_unix_ms");
     return out;
   };
-  Statement by_index(db, "SELECT * FROM chunks WHERE attempt = ? AND seq = ?");
-  if (by_index.Blob(id.view()).Int(seq).Step() == SQLITE_ROW) return found(by_index);
+  sql::Query by_index(db, "SELECT * FROM chunks WHERE attempt = ? AND seq = ?");
+  if (by_index.BindBlob(id.view()).BindInt(seq).Next()) return found(by_index);
   auto at = places.find({id, seq});
   if (at == places.end()) return std::nullopt;
-  Statement by_place(db, "SELECT * FROM chunks WHERE rowid = ?");
-  if (by_place.Int(at->second).Step() == SQLITE_ROW) return found(by_place);
+  sql::Query by_place(db, "SELECT * FROM chunks WHERE rowid = ?");
+  if (by_place.BindInt(at->second).Next()) return found(by_place);
   return std::nullopt;
 }
 
@@ -157,9 +156,9 @@ struct SharedColumn {
 };
 
 // Those of the new spool's table that the damaged row has too.
-std::vector<SharedColumn> SharedColumns(const Statement& row, sqlite3* to,
+std::vector<SharedColumn> SharedColumns(const sql::Query& row, sql::Db& to,
                                         const std::string& table) {
-  const Statement there(to, ("SELECT * FROM " + table + " LIMIT 0").c_str());
+  const sql::Query there(to, "SELECT * FROM " + table + " LIMIT 0");
   std::vector<SharedColumn> out;
   for (int i = 0; i < there.columns(); ++i) {
     const int in_row = row.ColumnNamed(there.NameOf(i));
@@ -169,54 +168,54 @@ std::vector<SharedColumn> SharedColumns(const Statement& row, sqlite3* to,
 }
 
 // A value that the table does not allow is damage, not a failure to write: nothing is changed then.
-Status Written(int rc, SpoolFile& to, const char* doing) {
-  return rc == SQLITE_DONE || (rc & 0xff) == SQLITE_CONSTRAINT ? Status::Ok() : to.Fail(doing);
+Status Written(sql::Query& q, SpoolFile& to, const char* doing) {
+  Status done = q.Run();
+  return done.ok() || done.code() == Code::kConflict ? Status::Ok() : to.Fail(doing);
 }
 
-Status TakeOverColumns(const Statement& row, const Uuid& id, SpoolFile& to) {
+Status TakeOverColumns(const sql::Query& row, const Uuid& id, SpoolFile& to) {
   std::lock_guard lock(to.mutex());
   std::string set;
   std::vector<int> values;
-  for (const SharedColumn& column : SharedColumns(row, to.handle(), "attempts")) {
+  for (const SharedColumn& column : SharedColumns(row, to.db(), "attempts")) {
     if (std::ranges::find(kComputed, column.name) != kComputed.end()) continue;
     set += (set.empty() ? "" : ", ") + column.name + " = ?";
     values.push_back(column.in_row);
   }
-  Statement s(to.handle(), ("UPDATE attempts SET " + set + " WHERE id = ?").c_str());
-  for (int column : values) s.Same(row, column);
-  return Written(s.Blob(id.view()).Step(), to, "saving an attempt");
+  sql::Query s(to.db(), ("UPDATE attempts SET " + set + " WHERE id = ?").c_str());
+  for (int column : values) s.BindSame(row, column);
+  return Written(s.BindBlob(id.view()), to, "saving an attempt");
 }
 
 // The row with all that both tables have. Returns whether it was inserted.
-Result<bool> TakeOverRow(const Statement& row, SpoolFile& to, const std::string& table) {
+Result<bool> TakeOverRow(const sql::Query& row, SpoolFile& to, const std::string& table) {
   std::lock_guard lock(to.mutex());
   std::string names, places;
-  const auto shared = SharedColumns(row, to.handle(), table);
+  const auto shared = SharedColumns(row, to.db(), table);
   for (const SharedColumn& column : shared) {
     names += (names.empty() ? "" : ", ") + column.name;
     places += places.empty() ? "?" : ", ?";
   }
-  Statement s(to.handle(),
-              ("INSERT INTO " + table + " (" + names + ") VALUES (" + places + ")").c_str());
-  for (const SharedColumn& column : shared) s.Same(row, column.in_row);
-  const int rc = s.Step();
-  ENAMEL_RETURN_IF_ERROR(Written(rc, to, "saving a row"));
-  return rc == SQLITE_DONE;
+  sql::Query s(to.db(),
+               ("INSERT INTO " + table + " (" + names + ") VALUES (" + places + ")").c_str());
+  for (const SharedColumn& column : shared) s.BindSame(row, column.in_row);
+  ENAMEL_RETURN_IF_ERROR(Written(s, to, "saving a row"));
+  return s.status().ok();
 }
 
 Status KeepTime(const Uuid& id, uint32_t seq, const std::optional<int64_t>& spooled_unix_ms,
                 SpoolFile& to) {
   std::lock_guard lock(to.mutex());
-  Statement s(to.handle(),
-              spooled_unix_ms
-                  ? "UPDATE chunks SET spooled_unix_ms = ?3 WHERE attempt = ?1 AND seq = ?2"
-                  : "UPDATE chunks SET spooled_unix_ms = NULL WHERE attempt = ?1 AND seq = ?2");
-  s.Blob(id.view()).Int(seq);
-  if (spooled_unix_ms) s.Int(*spooled_unix_ms);
-  return Written(s.Step(), to, "saving a chunk's time");
+  sql::Query s(to.db(),
+               spooled_unix_ms
+                   ? "UPDATE chunks SET spooled_unix_ms = ?3 WHERE attempt = ?1 AND seq = ?2"
+                   : "UPDATE chunks SET spooled_unix_ms = NULL WHERE attempt = ?1 AND seq = ?2");
+  s.BindBlob(id.view()).BindInt(seq);
+  if (spooled_unix_ms) s.BindInt(*spooled_unix_ms);
+  return Written(s, to, "saving a chunk's time");
 }
 
-Status SaveChunks(sqlite3* db, const Places& places, const SpooledAttempt& row, ByteView header,
+Status SaveChunks(sql::Db& db, const Places& places, const SpooledAttempt& row, ByteView header,
                   Spool& to, SalvagedAttempt& out) {
   trace::ChainVerifier chain(out.id, HashSha256(header));
   for (; out.chunks < out.expected; ++out.chunks) {
@@ -239,12 +238,12 @@ Status SaveChunks(sqlite3* db, const Places& places, const SpooledAttempt& row, 
   return to.PutSeal(*row.seal);
 }
 
-Result<SalvagedAttempt> SaveAttempt(sqlite3* db, const Places& places, const Uuid& id, Spool& to) {
+Result<SalvagedAttempt> SaveAttempt(sql::Db& db, const Places& places, const Uuid& id, Spool& to) {
   SalvagedAttempt out;
   out.id = id;
-  Statement found(db, "SELECT * FROM attempts WHERE id = ?");
-  const bool there = found.Blob(id.view()).Step() == SQLITE_ROW;
-  auto header = there ? trace::DecodeHeader(found.BlobAt("header"))
+  sql::Query found(db, "SELECT * FROM attempts WHERE id = ?");
+  const bool there = found.BindBlob(id.view()).Next();
+  auto header = there ? trace::DecodeHeader(found.Blob("header"))
                       : Result<trace::Header>(Status(Code::kStorage, "it cannot be read"));
   if (!header.ok() || header->ticket.attempt != id) {
     out.problem = Status(Code::kStorage, "its header is lost, and with it the recording");
@@ -253,7 +252,7 @@ Result<SalvagedAttempt> SaveAttempt(sqlite3* db, const Places& places, const Uui
   const SpooledAttempt row = ReadAttemptRow(found);
   out.expected = row.chunks;
   ENAMEL_RETURN_IF_ERROR(to.BeginAttempt(*header, row.exercise, row.profile, row.facts));
-  ENAMEL_RETURN_IF_ERROR(SaveChunks(db, places, row, found.BlobAt("header"), to, out));
+  ENAMEL_RETURN_IF_ERROR(SaveChunks(db, places, row, found.Blob("header"), to, out));
   ENAMEL_RETURN_IF_ERROR(to.SetCommittedBelow(id, row.committed));
   if (row.sealed_at_server && out.sealed) ENAMEL_RETURN_IF_ERROR(to.MarkSealedAtServer(id));
   ENAMEL_RETURN_IF_ERROR(TakeOverColumns(found, id, to.spool_file()));
@@ -261,12 +260,12 @@ Result<SalvagedAttempt> SaveAttempt(sqlite3* db, const Places& places, const Uui
 }
 
 // Tickets for later are kept when all of their row is.
-Result<size_t> SaveTickets(sqlite3* db, Spool& to) {
+Result<size_t> SaveTickets(sql::Db& db, Spool& to) {
   size_t saved = 0;
   Status worst;
   std::set<Bytes> seen;
-  ScanBothWays(db, "SELECT * FROM tickets ORDER BY attempt", [&](Statement& s) {
-    if (!seen.insert(s.BlobAt("attempt")).second) return;
+  ScanBothWays(db, "SELECT * FROM tickets ORDER BY attempt", [&](const sql::Query& s) {
+    if (!seen.insert(s.Blob("attempt")).second) return;
     auto taken = TakeOverRow(s, to.spool_file(), "tickets");
     if (!taken.ok()) worst = taken.status();
     saved += taken.ok() && *taken ? 1 : 0;
@@ -275,10 +274,10 @@ Result<size_t> SaveTickets(sqlite3* db, Spool& to) {
 }
 
 // How the loops went, of attempts that are saved.
-void SaveLoopFacts(sqlite3* db, const Uuid& id, Spool& to) {
-  Statement s(db, "SELECT * FROM loop_facts WHERE attempt = ?");
-  s.Blob(id.view());
-  while (s.Step() == SQLITE_ROW) (void)TakeOverRow(s, to.spool_file(), "loop_facts");
+void SaveLoopFacts(sql::Db& db, const Uuid& id, Spool& to) {
+  sql::Query s(db, "SELECT * FROM loop_facts WHERE attempt = ?");
+  s.BindBlob(id.view());
+  while (s.Next()) (void)TakeOverRow(s, to.spool_file(), "loop_facts");
 }
 
 }  // namespace
@@ -293,28 +292,27 @@ Result<Salvaged> SalvageSpool(const fs::path& from, const fs::path& to) {
                   to.string() + " has a spool already: name a folder that has none", "out");
   }
   Scratch scratch;
-  Handle damaged;
-  ENAMEL_RETURN_IF_ERROR(OpenDamaged(from, scratch.path, damaged));
+  ENAMEL_ASSIGN_OR_RETURN(const auto damaged, OpenDamaged(from, scratch.path));
   ENAMEL_ASSIGN_OR_RETURN(auto saved, Spool::Open(to));
   // An id that only chunks still have is an attempt whose row is lost, or noise.
-  const Places places = ChunkPlaces(damaged.db);
+  const Places places = ChunkPlaces(*damaged);
   std::set<Uuid> ids;
-  ScanBothWays(damaged.db, "SELECT id FROM attempts ORDER BY id", [&](Statement& s) {
-    if (Bytes id = s.BlobAt(0); id.size() == 16) ids.insert(Uuid::FromBytes(id));
+  ScanBothWays(*damaged, "SELECT id FROM attempts ORDER BY id", [&](const sql::Query& s) {
+    if (Bytes id = s.Blob(0); id.size() == 16) ids.insert(Uuid::FromBytes(id));
   });
   for (const auto& [place, row] : places) {
     if (ids.contains(place.first)) continue;
-    auto found = ChunkOf(damaged.db, places, place.first, place.second);
+    auto found = ChunkOf(*damaged, places, place.first, place.second);
     auto chunk = trace::DecodeChunkHead(found ? found->bytes : Bytes());
     if (chunk.ok() && chunk->head.attempt == place.first) ids.insert(place.first);
   }
   Salvaged out;
   for (const Uuid& id : ids) {
-    ENAMEL_ASSIGN_OR_RETURN(auto attempt, SaveAttempt(damaged.db, places, id, *saved));
-    SaveLoopFacts(damaged.db, id, *saved);
+    ENAMEL_ASSIGN_OR_RETURN(auto attempt, SaveAttempt(*damaged, places, id, *saved));
+    SaveLoopFacts(*damaged, id, *saved);
     out.attempts.push_back(std::move(attempt));
   }
-  ENAMEL_ASSIGN_OR_RETURN(out.tickets, SaveTickets(damaged.db, *saved));
+  ENAMEL_ASSIGN_OR_RETURN(out.tickets, SaveTickets(*damaged, *saved));
   if (!out.attempts.empty() || out.tickets > 0) return out;
   // An empty spool must not take the place of one that something was in.
   saved.reset();

@@ -1,7 +1,6 @@
 #include "station/spool/spool.h"
 
 #include <fcntl.h>
-#include <sqlite3.h>
 #include <sys/file.h>
 #include <sys/statvfs.h>
 #include <time.h>
@@ -16,7 +15,6 @@
 #include "common/base/unix_time.h"
 #include "station/spool/attempt_row.h"
 #include "station/spool/spool_file.h"
-#include "station/spool/statement.h"
 
 namespace enamel::station {
 namespace {
@@ -48,30 +46,29 @@ SinceBoot BootNow() {
 
 }  // namespace
 
-SpooledAttempt ReadAttemptRow(Statement& row) {
+SpooledAttempt ReadAttemptRow(const sql::Query& row) {
   SpooledAttempt out;
-  if (Bytes id = row.BlobAt("id"); id.size() == 16) out.id = Uuid::FromBytes(id);
-  out.exercise = row.TextAt("exercise");
-  out.profile = row.TextAt("profile");
-  out.created_unix_ms = row.IntAt("created_unix_ms");
-  if (Bytes last = row.BlobAt("seal_last_sha256");
-      !row.IsNull("seal_chunks") && last.size() == 32) {
-    out.seal = trace::Seal{out.id, static_cast<uint32_t>(row.IntAt("seal_chunks")),
-                           static_cast<uint64_t>(row.IntAt("seal_ticks")), Sha256::FromBytes(last),
-                           static_cast<uint64_t>(row.IntAt("seal_state_hash"))};
+  if (Bytes id = row.Blob("id"); id.size() == 16) out.id = Uuid::FromBytes(id);
+  out.exercise = row.Text("exercise");
+  out.profile = row.Text("profile");
+  out.created_unix_ms = row.Int("created_unix_ms");
+  if (Bytes last = row.Blob("seal_last_sha256"); !row.IsNull("seal_chunks") && last.size() == 32) {
+    out.seal = trace::Seal{out.id, static_cast<uint32_t>(row.Int("seal_chunks")),
+                           static_cast<uint64_t>(row.Int("seal_ticks")), Sha256::FromBytes(last),
+                           static_cast<uint64_t>(row.Int("seal_state_hash"))};
   }
-  out.sealed_at_server = row.IntAt("sealed_at_server") != 0;
-  out.refused = row.TextAt("refused");
-  out.chunks = static_cast<uint32_t>(row.IntAt("chunks"));
-  out.committed = static_cast<uint32_t>(row.IntAt("committed"));
-  out.ticks = static_cast<uint64_t>(row.IntAt("ticks"));
-  out.gap_ticks = static_cast<uint64_t>(row.IntAt("gap_ticks"));
-  out.bytes = static_cast<uint64_t>(row.IntAt("bytes"));
-  out.facts.resumed = static_cast<uint32_t>(row.IntAt("resumed"));
-  out.refused_unix_ms = row.IntAt("refused_unix_ms");
-  out.waits_because = row.TextAt("waits_because");
-  out.waits_since_unix_ms = row.IntAt("waits_since_unix_ms");
-  out.tried_unix_ms = row.IntAt("tried_unix_ms");
+  out.sealed_at_server = row.Int("sealed_at_server") != 0;
+  out.refused = row.Text("refused");
+  out.chunks = static_cast<uint32_t>(row.Int("chunks"));
+  out.committed = static_cast<uint32_t>(row.Int("committed"));
+  out.ticks = static_cast<uint64_t>(row.Int("ticks"));
+  out.gap_ticks = static_cast<uint64_t>(row.Int("gap_ticks"));
+  out.bytes = static_cast<uint64_t>(row.Int("bytes"));
+  out.facts.resumed = static_cast<uint32_t>(row.Int("resumed"));
+  out.refused_unix_ms = row.Int("refused_unix_ms");
+  out.waits_because = row.Text("waits_because");
+  out.waits_since_unix_ms = row.Int("waits_since_unix_ms");
+  out.tried_unix_ms = row.Int("tried_unix_ms");
   return out;
 }
 
@@ -103,29 +100,29 @@ Status Spool::BeginAttempt(const trace::Header& header, const std::string& exerc
   Sha256 hash = HashSha256(bytes);
   ByteView id = header.ticket.attempt.view();
   {
-    Statement s(file_->handle(), "SELECT header_sha256 FROM attempts WHERE id = ?");
-    int rc = s.Blob(id).Step();
-    if (rc == SQLITE_ROW) {
-      if (s.BlobAt(0) == Bytes(hash.bytes.begin(), hash.bytes.end())) return Status::Ok();
+    sql::Query s(file_->db(), "SELECT header_sha256 FROM attempts WHERE id = ?");
+    if (s.BindBlob(id).Next()) {
+      if (s.Hash(0) == hash) return Status::Ok();
       return Status(Code::kConflict, "attempt " + header.ticket.attempt.Text() +
                                          " is in the spool with another header");
     }
-    if (rc != SQLITE_DONE) return file_->Fail("reading an attempt");
+    if (!s.status().ok()) return file_->Fail("reading an attempt");
   }
-  Statement s(file_->handle(),
-              "INSERT INTO attempts (id, header, header_sha256, exercise, profile, created_unix_ms,"
-              " boot_id, boot_ms, resumed) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)");
+  sql::Query s(
+      file_->db(),
+      "INSERT INTO attempts (id, header, header_sha256, exercise, profile, created_unix_ms,"
+      " boot_id, boot_ms, resumed) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)");
   const SinceBoot now = BootNow();
-  s.Blob(id)
-      .Blob(bytes)
-      .Blob(hash.view())
-      .Text(exercise)
-      .Text(profile)
-      .Int(UnixMs())
-      .Text(now.boot)
-      .Int(now.ms)
-      .Int(facts.resumed);
-  return s.Step() == SQLITE_DONE ? Status::Ok() : file_->Fail("storing an attempt");
+  s.BindBlob(id)
+      .BindBlob(bytes)
+      .BindBlob(hash.view())
+      .BindText(exercise)
+      .BindText(profile)
+      .BindInt(UnixMs())
+      .BindText(now.boot)
+      .BindInt(now.ms)
+      .BindInt(facts.resumed);
+  return file_->Run(s, "storing an attempt");
 }
 
 Status Spool::PutChunk(const Uuid& attempt, ByteView chunk) {
@@ -136,58 +133,57 @@ Status Spool::PutChunk(const Uuid& attempt, ByteView chunk) {
   }
   std::lock_guard lock(file_->mutex());
   {
-    Statement s(file_->handle(), "SELECT sha256 FROM chunks WHERE attempt = ? AND seq = ?");
-    int rc = s.Blob(attempt.view()).Int(head.head.seq).Step();
-    if (rc == SQLITE_ROW) {
+    sql::Query s(file_->db(), "SELECT sha256 FROM chunks WHERE attempt = ? AND seq = ?");
+    if (s.BindBlob(attempt.view()).BindInt(head.head.seq).Next()) {
       // Compared by the hash of all but the signature, which is what the chain is made of.
-      if (s.BlobAt(0) == Bytes(head.hash.bytes.begin(), head.hash.bytes.end())) return Status::Ok();
+      if (s.Hash(0) == head.hash) return Status::Ok();
       return Status(Code::kConflict, "attempt " + attempt.Text() + " has another chunk " +
                                          std::to_string(head.head.seq) + " already");
     }
-    if (rc != SQLITE_DONE) return file_->Fail("reading a chunk");
+    if (!s.status().ok()) return file_->Fail("reading a chunk");
   }
   // One transaction for chunk and counts: whoever lists attempts need not look at their chunks, and
   // what is counted is never other than what is there.
-  SpoolTransaction transaction(file_->handle());
-  if (!transaction.open()) return file_->Fail("storing a chunk");
+  sql::Transaction transaction(file_->db());
+  if (!transaction.begun().ok()) return file_->Fail("storing a chunk");
   {
-    Statement s(
-        file_->handle(),
+    sql::Query s(
+        file_->db(),
         "INSERT INTO chunks (attempt, seq, sha256, bytes, ticks, gap_ticks, spooled_unix_ms)"
         " VALUES (?, ?, ?, ?, ?, ?, ?)");
-    s.Blob(attempt.view())
-        .Int(head.head.seq)
-        .Blob(head.hash.view())
-        .Blob(chunk)
-        .Int(head.head.count)
-        .Int(head.head.gap_ticks)
-        .Int(UnixMs());
-    if (s.Step() != SQLITE_DONE) return file_->Fail("storing a chunk");
+    s.BindBlob(attempt.view())
+        .BindInt(head.head.seq)
+        .BindBlob(head.hash.view())
+        .BindBlob(chunk)
+        .BindInt(head.head.count)
+        .BindInt(head.head.gap_ticks)
+        .BindInt(UnixMs());
+    ENAMEL_RETURN_IF_ERROR(file_->Run(s, "storing a chunk"));
   }
   {
-    Statement s(
-        file_->handle(),
+    sql::Query s(
+        file_->db(),
         "UPDATE attempts SET chunks = chunks + 1, ticks = ticks + ?, gap_ticks = gap_ticks + ?,"
         " bytes = bytes + ?, boot_id = ?, boot_ms = ? WHERE id = ?");
     const SinceBoot now = BootNow();
-    s.Int(head.head.count)
-        .Int(head.head.gap_ticks)
-        .Int(static_cast<int64_t>(chunk.size()))
-        .Text(now.boot)
-        .Int(now.ms)
-        .Blob(attempt.view());
-    if (s.Step() != SQLITE_DONE) return file_->Fail("counting a chunk");
+    s.BindInt(head.head.count)
+        .BindInt(head.head.gap_ticks)
+        .BindInt(static_cast<int64_t>(chunk.size()))
+        .BindText(now.boot)
+        .BindInt(now.ms)
+        .BindBlob(attempt.view());
+    ENAMEL_RETURN_IF_ERROR(file_->Run(s, "counting a chunk"));
   }
-  return transaction.Commit() ? Status::Ok() : file_->Fail("storing a chunk");
+  return transaction.Commit().ok() ? Status::Ok() : file_->Fail("storing a chunk");
 }
 
 Status Spool::MarkResumed(const Uuid& attempt) {
   std::lock_guard lock(file_->mutex());
-  Statement s(file_->handle(),
-              // In the database and not in memory: a crash while it is resumed is counted too.
-              "UPDATE attempts SET resumed = resumed + 1 WHERE id = ? AND seal_chunks IS NULL");
-  if (s.Blob(attempt.view()).Step() != SQLITE_DONE) return file_->Fail("resuming an attempt");
-  if (sqlite3_changes(file_->handle()) == 1) return Status::Ok();
+  sql::Query s(file_->db(),
+               // In the database and not in memory: a crash while it is resumed is counted too.
+               "UPDATE attempts SET resumed = resumed + 1 WHERE id = ? AND seal_chunks IS NULL");
+  ENAMEL_RETURN_IF_ERROR(file_->Run(s.BindBlob(attempt.view()), "resuming an attempt"));
+  if (file_->db().Changes() == 1) return Status::Ok();
   return Status(Code::kConflict,
                 "attempt " + attempt.Text() + " has ended (or is not here): it cannot be resumed");
 }
@@ -222,65 +218,62 @@ Status Spool::PutSeal(const trace::Seal& seal) {
                   "attempt " + seal.attempt.Text() + " is sealed otherwise already");
   }
   std::lock_guard lock(file_->mutex());
-  Statement s(file_->handle(),
-              "UPDATE attempts SET seal_chunks = ?, seal_ticks = ?, seal_last_sha256 = ?,"
-              " seal_state_hash = ? WHERE id = ?");
-  s.Int(seal.chunks)
-      .Int(static_cast<int64_t>(seal.ticks))
-      .Blob(seal.last_chunk.view())
-      .Int(static_cast<int64_t>(seal.state_hash))
-      .Blob(seal.attempt.view());
-  return s.Step() == SQLITE_DONE ? Status::Ok() : file_->Fail("storing a seal");
+  sql::Query s(file_->db(),
+               "UPDATE attempts SET seal_chunks = ?, seal_ticks = ?, seal_last_sha256 = ?,"
+               " seal_state_hash = ? WHERE id = ?");
+  s.BindInt(seal.chunks)
+      .BindInt(static_cast<int64_t>(seal.ticks))
+      .BindBlob(seal.last_chunk.view())
+      .BindInt(static_cast<int64_t>(seal.state_hash))
+      .BindBlob(seal.attempt.view());
+  return file_->Run(s, "storing a seal");
 }
 
 Status Spool::SetCommittedBelow(const Uuid& attempt, uint32_t next_seq) {
   std::lock_guard lock(file_->mutex());
-  Statement s(
-      file_->handle(),
+  sql::Query s(
+      file_->db(),
       // Nothing is written where nothing changes: each write waits for the disk, and a chunk being
       // recorded waits for it.
       "UPDATE attempts SET committed = min(?1, chunks), committed_unix_ms = ?2"
       " WHERE id = ?3 AND committed != min(?1, chunks)");
-  s.Int(next_seq).Int(UnixMs()).Blob(attempt.view());
-  return s.Step() == SQLITE_DONE ? Status::Ok() : file_->Fail("marking chunks");
+  s.BindInt(next_seq).BindInt(UnixMs()).BindBlob(attempt.view());
+  return file_->Run(s, "marking chunks");
 }
 
 Status Spool::MarkCommitted(const Uuid& attempt, uint32_t seq) {
   std::lock_guard lock(file_->mutex());
-  Statement s(file_->handle(),
-              "UPDATE attempts SET committed = ?1, committed_unix_ms = ?2"
-              " WHERE id = ?3 AND committed < ?1");
+  sql::Query s(file_->db(),
+               "UPDATE attempts SET committed = ?1, committed_unix_ms = ?2"
+               " WHERE id = ?3 AND committed < ?1");
   // Acknowledgements come in order, and several are marked with one write: the last says it all.
-  s.Int(int64_t{seq} + 1).Int(UnixMs()).Blob(attempt.view());
-  return s.Step() == SQLITE_DONE ? Status::Ok() : file_->Fail("marking a chunk");
+  s.BindInt(int64_t{seq} + 1).BindInt(UnixMs()).BindBlob(attempt.view());
+  return file_->Run(s, "marking a chunk");
 }
 
 Status Spool::MarkWanted(const Uuid& attempt) {
   std::lock_guard lock(file_->mutex());
   // Its chunks stay counted as committed until OpenAttempt says from where they are wanted.
-  Statement s(file_->handle(), "UPDATE attempts SET sealed_at_server = 0 WHERE id = ?");
-  return s.Blob(attempt.view()).Step() == SQLITE_DONE ? Status::Ok()
-                                                      : file_->Fail("marking an attempt");
+  sql::Query s(file_->db(), "UPDATE attempts SET sealed_at_server = 0 WHERE id = ?");
+  return file_->Run(s.BindBlob(attempt.view()), "marking an attempt");
 }
 
 Status Spool::MarkSealedAtServer(const Uuid& attempt) {
   std::lock_guard lock(file_->mutex());
-  Statement s(file_->handle(),
-              "UPDATE attempts SET sealed_at_server = 1, committed_unix_ms = ? WHERE id = ?");
-  s.Int(UnixMs());
-  return s.Blob(attempt.view()).Step() == SQLITE_DONE ? Status::Ok()
-                                                      : file_->Fail("marking a seal");
+  sql::Query s(file_->db(),
+               "UPDATE attempts SET sealed_at_server = 1, committed_unix_ms = ? WHERE id = ?");
+  s.BindInt(UnixMs());
+  return file_->Run(s.BindBlob(attempt.view()), "marking a seal");
 }
 
 // What went well changes nothing where there is nothing to forget.
 Status Spool::MarkTried(const Uuid& attempt, const std::string& problem) {
   if (!problem.empty()) return MarkTriedWhere("id = ?3", attempt, problem);
   std::lock_guard lock(file_->mutex());
-  Statement s(file_->handle(),
-              "UPDATE attempts SET waits_because = NULL, waits_since_unix_ms = NULL,"
-              " tried_unix_ms = NULL WHERE id = ? AND waits_because IS NOT NULL");
-  return s.Blob(attempt.view()).Step() == SQLITE_DONE ? Status::Ok()
-                                                      : file_->Fail("marking an attempt");
+  sql::Query s(file_->db(),
+               "UPDATE attempts SET waits_because = NULL, waits_since_unix_ms = NULL,"
+               " tried_unix_ms = NULL WHERE id = ? AND waits_because IS NOT NULL");
+  return file_->Run(s.BindBlob(attempt.view()), "marking an attempt");
 }
 
 Status Spool::MarkAllTried(const std::string& problem) {
@@ -297,70 +290,66 @@ Status Spool::MarkTriedWhere(const char* where, const Uuid& attempt, const std::
       "UPDATE attempts SET waits_because = ?1, tried_unix_ms = ?2,"
       " waits_since_unix_ms = coalesce(waits_since_unix_ms, ?2) WHERE " +
       std::string(where);
-  Statement s(file_->handle(), sql.c_str());
-  s.Text(problem).Int(UnixMs()).Blob(attempt.view());
-  return s.Step() == SQLITE_DONE ? Status::Ok() : file_->Fail("marking what waits");
+  sql::Query s(file_->db(), sql.c_str());
+  s.BindText(problem).BindInt(UnixMs()).BindBlob(attempt.view());
+  return file_->Run(s, "marking what waits");
 }
 
 Status Spool::MarkRefused(const Uuid& attempt, const std::string& why) {
   std::lock_guard lock(file_->mutex());
-  Statement s(file_->handle(),
-              "UPDATE attempts SET refused = ?, refused_unix_ms = ?, waits_because = NULL,"
-              " waits_since_unix_ms = NULL, tried_unix_ms = NULL WHERE id = ?");
-  return s.Text(why).Int(UnixMs()).Blob(attempt.view()).Step() == SQLITE_DONE
-             ? Status::Ok()
-             : file_->Fail("marking an attempt");
+  sql::Query s(file_->db(),
+               "UPDATE attempts SET refused = ?, refused_unix_ms = ?, waits_because = NULL,"
+               " waits_since_unix_ms = NULL, tried_unix_ms = NULL WHERE id = ?");
+  return file_->Run(s.BindText(why).BindInt(UnixMs()).BindBlob(attempt.view()),
+                    "marking an attempt");
 }
 
 Status Spool::ClearRefusal(const Uuid& attempt) {
   std::lock_guard lock(file_->mutex());
-  Statement s(file_->handle(),
-              "UPDATE attempts SET refused = NULL, refused_unix_ms = NULL WHERE id = ?");
-  return s.Blob(attempt.view()).Step() == SQLITE_DONE ? Status::Ok()
-                                                      : file_->Fail("marking an attempt");
+  sql::Query s(file_->db(),
+               "UPDATE attempts SET refused = NULL, refused_unix_ms = NULL WHERE id = ?");
+  return file_->Run(s.BindBlob(attempt.view()), "marking an attempt");
 }
 
 Result<std::vector<SpooledAttempt>> Spool::List() {
   std::lock_guard lock(file_->mutex());
   // Without a parameter bound ?1 is NULL: all of them.
-  Statement s(file_->handle(), kSelectAttempts);
+  sql::Query s(file_->db(), kSelectAttempts);
   std::vector<SpooledAttempt> out;
-  int rc = 0;
-  while ((rc = s.Step()) == SQLITE_ROW) out.push_back(ReadAttemptRow(s));
-  if (rc != SQLITE_DONE) return file_->Fail("listing attempts");
+  while (s.Next()) out.push_back(ReadAttemptRow(s));
+  if (!s.status().ok()) return file_->Fail("listing attempts");
   return out;
 }
 
 Result<SpooledAttempt> Spool::Get(const Uuid& attempt) {
   std::lock_guard lock(file_->mutex());
-  Statement s(file_->handle(), kSelectAttempts);
-  int rc = s.Blob(attempt.view()).Step();
-  if (rc == SQLITE_DONE) return NoAttempt(attempt);
-  if (rc != SQLITE_ROW) return file_->Fail("reading an attempt");
+  sql::Query s(file_->db(), kSelectAttempts);
+  const bool there = s.BindBlob(attempt.view()).Next();
+  if (!s.status().ok()) return file_->Fail("reading an attempt");
+  if (!there) return NoAttempt(attempt);
   return ReadAttemptRow(s);
 }
 
 Result<Bytes> Spool::HeaderOf(const Uuid& attempt) {
   std::lock_guard lock(file_->mutex());
-  Statement s(file_->handle(), "SELECT header FROM attempts WHERE id = ?");
-  int rc = s.Blob(attempt.view()).Step();
-  if (rc == SQLITE_DONE) return NoAttempt(attempt);
-  if (rc != SQLITE_ROW) return file_->Fail("reading a header");
-  return s.BlobAt(0);
+  sql::Query s(file_->db(), "SELECT header FROM attempts WHERE id = ?");
+  const bool there = s.BindBlob(attempt.view()).Next();
+  if (!s.status().ok()) return file_->Fail("reading a header");
+  if (!there) return NoAttempt(attempt);
+  return s.Blob(0);
 }
 
 Result<std::vector<SpooledChunk>> Spool::ChunksFrom(const Uuid& attempt, uint32_t seq,
                                                     size_t limit) {
   std::lock_guard lock(file_->mutex());
-  Statement s(file_->handle(),
-              "SELECT seq, bytes FROM chunks WHERE attempt = ? AND seq >= ? ORDER BY seq LIMIT ?");
-  s.Blob(attempt.view()).Int(seq).Int(static_cast<int64_t>(limit));
+  sql::Query s(file_->db(),
+               "SELECT seq, bytes FROM chunks WHERE attempt = ? AND seq >= ? ORDER BY seq LIMIT ?");
+  s.BindBlob(attempt.view()).BindInt(seq).BindInt(static_cast<int64_t>(limit));
   std::vector<SpooledChunk> out;
-  int rc = 0;
-  while ((rc = s.Step()) == SQLITE_ROW) {
-    out.push_back({static_cast<uint32_t>(s.IntAt(0)), s.BlobAt(1)});
+  while (s.Next()) {
+    out.push_back({static_cast<uint32_t>(s.Int(0)), s.Blob(1)});
   }
-  if (rc != SQLITE_DONE) return file_->Fail("reading chunks");
+  if (!s.status().ok()) return file_->Fail("reading chunks");
   return out;
 }
 
@@ -377,21 +366,21 @@ Result<trace::TraceFile> Spool::Export(const Uuid& attempt) {
 
 Result<Silence> Spool::SilenceOf(const Uuid& attempt) {
   std::lock_guard lock(file_->mutex());
-  Statement s(file_->handle(),
-              "SELECT coalesce((SELECT spooled_unix_ms FROM chunks WHERE attempt = ?1"
-              " ORDER BY seq DESC LIMIT 1), created_unix_ms), boot_id, boot_ms"
-              " FROM attempts WHERE id = ?1");
-  int rc = s.Blob(attempt.view()).Step();
-  if (rc == SQLITE_DONE) return NoAttempt(attempt);
-  if (rc != SQLITE_ROW) return file_->Fail("reading when an attempt was recorded last");
+  sql::Query s(file_->db(),
+               "SELECT coalesce((SELECT spooled_unix_ms FROM chunks WHERE attempt = ?1"
+               " ORDER BY seq DESC LIMIT 1), created_unix_ms), boot_id, boot_ms"
+               " FROM attempts WHERE id = ?1");
+  const bool there = s.BindBlob(attempt.view()).Next();
+  if (!s.status().ok()) return file_->Fail("reading when an attempt was recorded last");
+  if (!there) return NoAttempt(attempt);
   constexpr int64_t kStepped_ms = 1000;
   const SinceBoot now = BootNow();
   // Two measures that fail differently: the clock can be set, the time since boot ends with it.
   // Each can only be too short where it fails, so the longer one holds.
-  const int64_t by_clock_ms = UnixMs() - s.IntAt(0);
+  const int64_t by_clock_ms = UnixMs() - s.Int(0);
   Silence out{std::max<int64_t>(by_clock_ms, 0), by_clock_ms < -kStepped_ms};
-  if (!s.IsNull(1) && s.TextAt(1) == now.boot) {
-    const int64_t by_boot_ms = now.ms - s.IntAt(2);
+  if (!s.IsNull(1) && s.Text(1) == now.boot) {
+    const int64_t by_boot_ms = now.ms - s.Int(2);
     out.clock_stepped |= by_boot_ms - by_clock_ms > kStepped_ms;
     out.ms = std::max(out.ms, by_boot_ms);
   }
@@ -400,12 +389,12 @@ Result<Silence> Spool::SilenceOf(const Uuid& attempt) {
 
 Result<std::optional<int64_t>> Spool::LastSpooledUnixMs(const Uuid& attempt) {
   std::lock_guard lock(file_->mutex());
-  Statement s(file_->handle(),
-              "SELECT spooled_unix_ms FROM chunks WHERE attempt = ? ORDER BY seq DESC LIMIT 1");
-  int rc = s.Blob(attempt.view()).Step();
-  if (rc != SQLITE_ROW && rc != SQLITE_DONE) return file_->Fail("reading a chunk's time");
-  if (rc == SQLITE_DONE || s.IsNull(0)) return std::optional<int64_t>();
-  return std::optional<int64_t>(s.IntAt(0));
+  sql::Query s(file_->db(),
+               "SELECT spooled_unix_ms FROM chunks WHERE attempt = ? ORDER BY seq DESC LIMIT 1");
+  const bool there = s.BindBlob(attempt.view()).Next();
+  if (!s.status().ok()) return file_->Fail("reading a chunk's time");
+  if (!there || s.IsNull(0)) return std::optional<int64_t>();
+  return std::optional<int64_t>(s.Int(0));
 }
 
 std::string PrunedText(const Pruned& pruned, const Retention& retention) {
@@ -424,27 +413,26 @@ Result<Pruned> Spool::Prune(const Retention& retention, std::chrono::system_cloc
   std::vector<std::pair<Bytes, bool>> going;  // id, early
   {
     // Newest first: what still fits stays.
-    Statement s(file_->handle(),
-                "SELECT id, bytes, committed_unix_ms, sealed_at_server AND committed >= chunks"
-                " FROM attempts ORDER BY sealed_at_server AND committed >= chunks,"
-                " committed_unix_ms DESC, id DESC");
+    sql::Query s(file_->db(),
+                 "SELECT id, bytes, committed_unix_ms, sealed_at_server AND committed >= chunks"
+                 " FROM attempts ORDER BY sealed_at_server AND committed >= chunks,"
+                 " committed_unix_ms DESC, id DESC");
     uint64_t kept = 0;
-    int rc = 0;
-    while ((rc = s.Step()) == SQLITE_ROW) {
-      kept += static_cast<uint64_t>(s.IntAt(1));
-      if (s.IntAt(3) == 0) continue;  // the server does not have it
+    while (s.Next()) {
+      kept += static_cast<uint64_t>(s.Int(1));
+      if (s.Int(3) == 0) continue;  // the server does not have it
       // Only whole attempts go, with their chunks (ON DELETE CASCADE): half a recording proves
       // nothing.
-      bool old = s.IntAt(2) <= old_ms;
+      bool old = s.Int(2) <= old_ms;
       if (old || (retention.bytes > 0 && kept > retention.bytes))
-        going.push_back({s.BlobAt(0), !old});
+        going.push_back({s.Blob(0), !old});
     }
-    if (rc != SQLITE_DONE) return file_->Fail("looking for what may go");
+    if (!s.status().ok()) return file_->Fail("looking for what may go");
   }
   Pruned out;
   for (const auto& [id, early] : going) {
-    Statement s(file_->handle(), "DELETE FROM attempts WHERE id = ?");
-    if (s.Blob(id).Step() != SQLITE_DONE) return file_->Fail("pruning");
+    sql::Query s(file_->db(), "DELETE FROM attempts WHERE id = ?");
+    ENAMEL_RETURN_IF_ERROR(file_->Run(s.BindBlob(id), "pruning"));
     ++out.attempts;
     if (early) ++out.early;
   }
@@ -482,7 +470,7 @@ Result<RecordingLock> Spool::LockForRecording() {
   int file = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
   if (file < 0) {
     return Status(Code::kStorage, "cannot open " + path.string() + " (" + std::strerror(errno) +
-                                      "): " + WhatToDoAbout(SQLITE_CANTOPEN));
+                                      "): " + WhatToDoAbout(SpoolTrouble::kNotWritable));
   }
   RecordingLock lock(file);
   // flock and not a row or a file that is there: the system takes it away when the process dies, so

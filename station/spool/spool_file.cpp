@@ -8,75 +8,88 @@
 #include <utility>
 
 #include "station/spool/spool.h"
-#include "station/spool/spool_migrations.h"
-#include "station/spool/statement.h"
 
 namespace enamel::station {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kBusy_ms = 10'000, kWalRetry_ms = 10;
+int LatestVersion() { return static_cast<int>(SpoolMigrations().size()); }
 
-int64_t LatestVersion() { return static_cast<int64_t>(SpoolMigrations().size()); }
-std::string SetVersion() { return "PRAGMA user_version = " + std::to_string(LatestVersion()); }
+using Mode = sql::SqliteDbOptions::Mode;
+
+sql::SqliteDbOptions In(Mode mode) {
+  sql::SqliteDbOptions out;
+  out.mode = mode;
+  return out;
+}
+
+// Also a file that is cut short, or whose schema has errors, for what can be read of it.
+sql::SqliteDbOptions AsItIs(Mode mode) {
+  sql::SqliteDbOptions out = In(mode);
+  out.damaged = true;
+  return out;
+}
+
+// Recordings identify people: nobody but the owner reads them.
+void KeepOthersOut(const fs::path& file) {
+  std::error_code error;
+  fs::permissions(file, fs::perms::owner_read | fs::perms::owner_write, error);
+}
+
+Status Told(const fs::path& spool, const char* doing, const sql::SqliteFailure& failure) {
+  return Status(Code::kStorage,
+                "spool " + spool.string() + ": " + doing + " failed (" +
+                    (failure.words.empty() ? "there is none" : failure.words) + "); " +
+                    WhatToDoAbout(failure.kind),
+                failure.kind == SpoolTrouble::kDamaged ? kDamagedSpool : "");
+}
 
 }  // namespace
 
-std::string WhatToDoAbout(int code) {
-  switch (code & 0xff) {
-    case SQLITE_FULL:
+std::string WhatToDoAbout(SpoolTrouble trouble) {
+  switch (trouble) {
+    case SpoolTrouble::kFull:
       return "the disk is full: free space there";
-    case SQLITE_READONLY:
-    case SQLITE_PERM:
-    case SQLITE_CANTOPEN:
+    case SpoolTrouble::kNotWritable:
       return "make the folder writable for this user, or choose another with --data";
-    case SQLITE_CORRUPT:
-    case SQLITE_NOTADB:
+    case SpoolTrouble::kDamaged:
       return "the file is damaged: 'enamel-station spool verify' says which recordings are hit, "
              "'enamel-station spool salvage --out FOLDER' saves what can be read of it";
-    case SQLITE_BUSY:
+    case SpoolTrouble::kBusy:
       return "another enamel-station is using it: wait until that one has ended";
-    default:
-      return "see the system's log for this disk";
+    case SpoolTrouble::kConstraint:
+    case SpoolTrouble::kTaken:
+    case SpoolTrouble::kInterrupted:
+    case SpoolTrouble::kOther:
+      break;
   }
+  return "see the system's log for this disk";
 }
 
 SpoolFile::~SpoolFile() {
-  sqlite3_close(handle_);
+  db_.reset();
   std::error_code error;
   if (!copy_.empty()) fs::remove_all(copy_, error);
 }
 
-Status SpoolFile::Fail(const char* doing) const {
-  int code = sqlite3_extended_errcode(handle_);
-  bool damaged = (code & 0xff) == SQLITE_CORRUPT || (code & 0xff) == SQLITE_NOTADB;
-  return Status(Code::kStorage,
-                "spool " + path_.string() + ": " + doing + " failed (" + sqlite3_errmsg(handle_) +
-                    "); " + WhatToDoAbout(code),
-                damaged ? kDamagedSpool : "");
+Status SpoolFile::Fail(const char* doing) const { return Told(path_, doing, db_->failure()); }
+
+Status SpoolFile::Run(sql::Query& query, const char* doing) {
+  return query.Run().ok() ? Status::Ok() : Fail(doing);
 }
 
-Status SpoolFile::Exec(const char* sql, const char* doing) {
-  return sqlite3_exec(handle_, sql, nullptr, nullptr, nullptr) == SQLITE_OK ? Status::Ok()
-                                                                            : Fail(doing);
-}
-
-// Two processes that switch a new file to WAL at once: SQLite tells one that it is locked without
-// waiting the busy timeout.
-Status SpoolFile::UseWal() {
-  for (int waited_ms = 0;; waited_ms += kWalRetry_ms) {
-    Status done = Exec("PRAGMA journal_mode = WAL", "opening");
-    bool busy = !done.ok() && sqlite3_errcode(handle_) == SQLITE_BUSY;
-    if (!busy || waited_ms >= kBusy_ms) return done;
-    sqlite3_sleep(kWalRetry_ms);
-  }
-}
-
-Result<int64_t> SpoolFile::Version() {
-  Statement s(handle_, "PRAGMA user_version");
-  if (s.Step() != SQLITE_ROW) return Fail("reading its version");
-  return s.IntAt(0);
+Status SpoolFile::OpenDb(const fs::path& file, sql::SqliteDbOptions options, const char* doing) {
+  // The connection before may hold the file that is opened now.
+  db_.reset();
+  // Only while it is opened: what fails later is told by Fail, which knows what was being done.
+  options.explain = [this, doing](const sql::SqliteFailure& failure) {
+    if (failure.opening) opening_ = failure.kind;
+    return failure.opening ? Told(path_, doing, failure)
+                           : Status(sql::CodeOf(failure.kind), failure.words);
+  };
+  ENAMEL_ASSIGN_OR_RETURN(db_, sql::SqliteDb::Open(file, std::move(options)));
+  return Status::Ok();
 }
 
 // Where the file is to be: what must not be taken for a new spool. Empty, or gone with its log left
@@ -99,21 +112,17 @@ Status SpoolFile::CheckNotLost() const {
 // first.
 Status SpoolFile::Create() {
   const fs::path made = path_.string() + ".new-" + std::to_string(::getpid());
+  Status done;
   {
     SpoolFile fresh(made);
-    if (sqlite3_open_v2(made.c_str(), &fresh.handle_, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE,
-                        nullptr) != SQLITE_OK) {
-      return fresh.Fail("creating");
-    }
+    done = fresh.OpenDb(made, In(Mode::kCreate), "creating");
+    KeepOthersOut(made);
+    if (done.ok()) done = fresh.BringUpToDate(0);
+  }
+  if (!done.ok()) {
     std::error_code error;
-    fs::permissions(made, fs::perms::owner_read | fs::perms::owner_write, error);
-    Status done = fresh.UseWal();
-    if (done.ok()) done = fresh.BringUpToDate();
-    if (!done.ok()) {
-      sqlite3_close(std::exchange(fresh.handle_, nullptr));
-      for (const char* end : {"", "-wal", "-shm"}) fs::remove(made.string() + end, error);
-      return done;
-    }
+    for (const char* end : {"", "-wal", "-shm"}) fs::remove(made.string() + end, error);
+    return done;
   }
   // Some file systems have no links.
   bool linked = ::link(made.c_str(), path_.c_str()) == 0 || errno == EEXIST;
@@ -125,10 +134,10 @@ Status SpoolFile::Create() {
   return !error
              ? Status::Ok()
              : Status(Code::kStorage, "cannot create " + path_.string() + " (" + error.message() +
-                                          "): " + WhatToDoAbout(SQLITE_CANTOPEN));
+                                          "): " + WhatToDoAbout(SpoolTrouble::kNotWritable));
 }
 
-Status SpoolFile::CheckVersion(int64_t version) const {
+Status SpoolFile::CheckVersion(int version) const {
   if (version <= LatestVersion()) return Status::Ok();
   return Status(Code::kVersion, "spool " + path_.string() + " is of version " +
                                     std::to_string(version) + ", this program knows " +
@@ -146,35 +155,23 @@ Result<std::unique_ptr<SpoolFile>> SpoolFile::Open(const fs::path& folder) {
   std::unique_ptr<SpoolFile> out(new SpoolFile(folder / kSpoolFile));
   ENAMEL_RETURN_IF_ERROR(out->CheckNotLost());
   if (!fs::exists(out->path_, error)) ENAMEL_RETURN_IF_ERROR(out->Create());
-  if (sqlite3_open_v2(out->path_.c_str(), &out->handle_,
-                      SQLITE_OPEN_READWRITE | SQLITE_OPEN_FULLMUTEX, nullptr) != SQLITE_OK) {
-    return out->Fail("opening");
-  }
-  sqlite3_busy_timeout(out->handle_, kBusy_ms);
-  // Recordings identify people: nobody but the owner reads them.
-  fs::permissions(out->path_, fs::perms::owner_read | fs::perms::owner_write, error);
-  ENAMEL_RETURN_IF_ERROR(out->UseWal());
-  ENAMEL_RETURN_IF_ERROR(
-      out->Exec("PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON", "opening"));
-  ENAMEL_ASSIGN_OR_RETURN(auto version, out->Version());
+  // Before it is opened: its log gets the mode that it has then.
+  KeepOthersOut(out->path_);
+  ENAMEL_RETURN_IF_ERROR(out->OpenDb(out->path_, In(Mode::kExisting), "opening"));
+  ENAMEL_ASSIGN_OR_RETURN(const int version, out->Version());
   ENAMEL_RETURN_IF_ERROR(out->CheckVersion(version));
-  if (version < LatestVersion()) ENAMEL_RETURN_IF_ERROR(out->BringUpToDate());
-  if (sqlite3_db_readonly(out->handle_, "main") == 1) {
-    return Status(Code::kStorage, "spool " + out->path_.string() +
-                                      " is not writable: " + WhatToDoAbout(SQLITE_READONLY));
+  if (version < LatestVersion()) ENAMEL_RETURN_IF_ERROR(out->BringUpToDate(version));
+  if (out->db_->read_only()) {
+    return Status(Code::kStorage, "spool " + out->path_.string() + " is not writable: " +
+                                      WhatToDoAbout(SpoolTrouble::kNotWritable));
   }
   return out;
 }
 
-// Also a file that is cut short, or whose schema has errors, is opened for what can be read of it.
-Status SpoolFile::OpenForReading(const std::string& uri, int flags) {
-  sqlite3_close(std::exchange(handle_, nullptr));
-  if (sqlite3_open_v2(uri.c_str(), &handle_, flags | SQLITE_OPEN_URI | SQLITE_OPEN_FULLMUTEX,
-                      nullptr) != SQLITE_OK) {
-    return Fail("opening");
-  }
-  sqlite3_busy_timeout(handle_, kBusy_ms);
-  return Exec("PRAGMA writable_schema = ON; SELECT count(*) FROM sqlite_schema", "opening");
+Result<int> SpoolFile::Version() {
+  auto version = db_->SchemaVersion();
+  const bool told = version.ok() || version.status().code() == Code::kVersion;
+  return told ? version : Fail("reading its version");
 }
 
 // What cannot be read where it lies (its log needs a writable folder, or it is of an older version)
@@ -197,7 +194,7 @@ Status SpoolFile::OpenCopy() {
     return Status(Code::kStorage, "cannot copy " + path_.string() + " to " + copy_.string() + " (" +
                                       error.message() + ")");
   }
-  return OpenForReading((copy_ / kSpoolFile).string(), SQLITE_OPEN_READWRITE);
+  return OpenDb(copy_ / kSpoolFile, AsItIs(Mode::kExisting), "opening");
 }
 
 Result<std::unique_ptr<SpoolFile>> SpoolFile::OpenToRead(const fs::path& folder) {
@@ -209,41 +206,30 @@ Result<std::unique_ptr<SpoolFile>> SpoolFile::OpenToRead(const fs::path& folder)
                                        ": nothing was recorded there, or another folder is meant "
                                        "(--data)");
   }
-  const std::string path = out->path_.string();
-  Status opened = out->OpenForReading(path, SQLITE_OPEN_READONLY);
-  const int code = out->handle_ == nullptr ? SQLITE_CANTOPEN : sqlite3_errcode(out->handle_);
-  if (!opened.ok() && (code == SQLITE_CANTOPEN || code == SQLITE_READONLY))
-    opened = out->OpenCopy();
+  Status opened = out->OpenDb(out->path_, AsItIs(Mode::kReadOnly), "opening");
+  if (!opened.ok() && out->opening_ == SpoolTrouble::kNotWritable) opened = out->OpenCopy();
   ENAMEL_RETURN_IF_ERROR(opened);
-  ENAMEL_ASSIGN_OR_RETURN(auto version, out->Version());
+  ENAMEL_ASSIGN_OR_RETURN(const int version, out->Version());
   ENAMEL_RETURN_IF_ERROR(out->CheckVersion(version));
   if (version < LatestVersion()) {
     if (out->copy_.empty()) ENAMEL_RETURN_IF_ERROR(out->OpenCopy());
-    ENAMEL_RETURN_IF_ERROR(out->BringUpToDate());
+    ENAMEL_RETURN_IF_ERROR(out->BringUpToDate(version));
   }
   return out;
 }
 
-// All that are missing in one transaction: a crash leaves the spool as it was. The version is read
-// inside it, as another process may have brought it up to date meanwhile.
-Status SpoolFile::BringUpToDate() {
-  SpoolTransaction transaction(handle_);
-  if (!transaction.open()) return Fail("beginning to create its tables");
-  ENAMEL_ASSIGN_OR_RETURN(const int64_t version, Version());
+Status SpoolFile::BringUpToDate(int version) {
+  if (db_->Migrate(SpoolMigrations()).ok()) return Status::Ok();
   const std::string doing = version == 0
                                 ? "creating its tables"
                                 : "bringing it to version " + std::to_string(LatestVersion());
-  for (int64_t next = version; next < LatestVersion(); ++next) {
-    const SpoolMigration& migration = SpoolMigrations()[static_cast<size_t>(next)];
-    ENAMEL_RETURN_IF_ERROR(Exec(migration.sql.c_str(), doing.c_str()));
-  }
-  ENAMEL_RETURN_IF_ERROR(Exec(SetVersion().c_str(), doing.c_str()));
-  return transaction.Commit() ? Status::Ok() : Fail(doing.c_str());
+  return Fail(doing.c_str());
 }
 
 Status SpoolFile::TestWrite() {
   // Writes its first page although the value is the same.
-  return Exec(SetVersion().c_str(), "a test write");
+  const std::string same = "PRAGMA user_version = " + std::to_string(LatestVersion());
+  return db_->Exec(same.c_str()).ok() ? Status::Ok() : Fail("a test write");
 }
 
 }  // namespace enamel::station

@@ -1,26 +1,32 @@
 #pragma once
 
-#include <sqlite3.h>
-
 #include <filesystem>
 #include <memory>
 #include <mutex>
 #include <string>
+#include <vector>
 
 #include "common/base/result.h"
+#include "common/sql/query.h"
+#include "common/sqlite/sqlite_db.h"
 
 namespace enamel::station {
 
 inline constexpr char kSpoolFile[] = "spool.sqlite";
 
-// What can be done about an error of SQLite, for people.
-std::string WhatToDoAbout(int sqlite_code);
+// In order; the n-th (1-based) leads to version n of the spool. Generated from
+// schemas/sql/station_spool.
+const std::vector<sql::Migration>& SpoolMigrations();
+
+// What can be done about it, for people.
+using SpoolTrouble = sql::SqliteFailure::Kind;
+std::string WhatToDoAbout(SpoolTrouble trouble);
 
 // The database file of a spool: found, made, brought to this program's version, and opened. What is
 // in its tables is for Spool, SpooledTickets, SpooledLoopFacts and VerifyRecordings.
 //
-// Thread safety: whoever uses handle(), Fail or Exec holds mutex(): a statement's error is read
-// after it, by connection. Real-time: never. Errors: those of Spool.
+// Thread safety: whoever uses db(), Run, Fail or Exec holds mutex(). Real-time: never. Errors:
+// those of Spool.
 class SpoolFile {
  public:
   // Spool::Open's and Spool::OpenToRead's.
@@ -30,55 +36,32 @@ class SpoolFile {
   SpoolFile(const SpoolFile&) = delete;
   SpoolFile& operator=(const SpoolFile&) = delete;
 
-  sqlite3* handle() { return handle_; }
+  sql::Db& db() { return *db_; }
   std::mutex& mutex() { return mutex_; }
   const std::filesystem::path& path() const { return path_; }
 
   // The error of the last statement, said as one of `doing`.
   Status Fail(const char* doing) const;
-  Status Exec(const char* sql, const char* doing);
+  // Runs a statement that returns no more rows.
+  Status Run(sql::Query& query, const char* doing);
   // A write that changes nothing and has become durable.
   Status TestWrite();
 
  private:
   explicit SpoolFile(std::filesystem::path path) : path_(std::move(path)) {}
-  Status UseWal();
-  Result<int64_t> Version();
-  Status CheckVersion(int64_t version) const;
+  Status OpenDb(const std::filesystem::path& file, sql::SqliteDbOptions options, const char* doing);
+  Result<int> Version();
+  Status CheckVersion(int version) const;
   Status CheckNotLost() const;
   Status Create();
-  Status OpenForReading(const std::string& uri, int flags);
   Status OpenCopy();
-  Status BringUpToDate();
+  Status BringUpToDate(int version);
 
   std::filesystem::path path_;
   std::filesystem::path copy_;  // folder that it is read in; empty: where it lies
-  sqlite3* handle_ = nullptr;
+  std::unique_ptr<sql::SqliteDb> db_;
+  SpoolTrouble opening_ = SpoolTrouble::kOther;  // why it could not be opened
   std::mutex mutex_;
-};
-
-// All of a transaction or nothing: what is not committed is rolled back.
-class SpoolTransaction {
- public:
-  explicit SpoolTransaction(sqlite3* db) : db_(db) {
-    open_ = sqlite3_exec(db_, "BEGIN IMMEDIATE", nullptr, nullptr, nullptr) == SQLITE_OK;
-  }
-  ~SpoolTransaction() {
-    if (open_) sqlite3_exec(db_, "ROLLBACK", nullptr, nullptr, nullptr);
-  }
-  SpoolTransaction(const SpoolTransaction&) = delete;
-  SpoolTransaction& operator=(const SpoolTransaction&) = delete;
-
-  bool open() const { return open_; }
-  bool Commit() {
-    if (sqlite3_exec(db_, "COMMIT", nullptr, nullptr, nullptr) != SQLITE_OK) return false;
-    open_ = false;
-    return true;
-  }
-
- private:
-  sqlite3* db_;
-  bool open_ = false;
 };
 
 }  // namespace enamel::station

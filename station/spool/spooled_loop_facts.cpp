@@ -2,34 +2,32 @@
 
 #include "station/spool/attempt_row.h"
 #include "station/spool/spool_file.h"
-#include "station/spool/statement.h"
 
 namespace enamel::station {
 
 Status SpooledLoopFacts::Put(const Uuid& attempt, const KeptLoopFacts& facts) {
   std::lock_guard lock(file_.mutex());
-  Statement s(
-      file_.handle(),
+  sql::Query s(
+      file_.db(),
       // From the attempt's own row, so that facts of one that is not there are not kept. Replaced:
       // a run that ended twice (a full disk, then room) is told by its last end.
       "INSERT OR REPLACE INTO loop_facts (attempt, run, ended_unix_ms, facts)"
       " SELECT id, ?2, ?3, ?4 FROM attempts WHERE id = ?1");
-  s.Blob(attempt.view()).Int(facts.run).Int(facts.ended_unix_ms).Text(facts.json);
-  if (s.Step() != SQLITE_DONE) return file_.Fail("storing how the loop went");
-  return sqlite3_changes(file_.handle()) == 1 ? Status::Ok() : NoAttempt(attempt);
+  s.BindBlob(attempt.view()).BindInt(facts.run).BindInt(facts.ended_unix_ms).BindText(facts.json);
+  ENAMEL_RETURN_IF_ERROR(file_.Run(s, "storing how the loop went"));
+  return file_.db().Changes() == 1 ? Status::Ok() : NoAttempt(attempt);
 }
 
 Result<std::vector<KeptLoopFacts>> SpooledLoopFacts::Of(const Uuid& attempt) {
   std::lock_guard lock(file_.mutex());
-  Statement s(file_.handle(),
-              "SELECT run, ended_unix_ms, facts FROM loop_facts WHERE attempt = ? ORDER BY run");
-  s.Blob(attempt.view());
+  sql::Query s(file_.db(),
+               "SELECT run, ended_unix_ms, facts FROM loop_facts WHERE attempt = ? ORDER BY run");
+  s.BindBlob(attempt.view());
   std::vector<KeptLoopFacts> out;
-  int rc = 0;
-  while ((rc = s.Step()) == SQLITE_ROW) {
-    out.push_back({static_cast<uint32_t>(s.IntAt(0)), s.IntAt(1), s.TextAt(2)});
+  while (s.Next()) {
+    out.push_back({static_cast<uint32_t>(s.Int(0)), s.Int(1), s.Text(2)});
   }
-  if (rc != SQLITE_DONE) return file_.Fail("reading how loops went");
+  if (!s.status().ok()) return file_.Fail("reading how loops went");
   return out;
 }
 

@@ -3,99 +3,97 @@
 #include <algorithm>
 
 #include "station/spool/spool_file.h"
-#include "station/spool/statement.h"
 
 namespace enamel::station {
 
 Status SpooledTickets::Put(const LockedTicket& ticket) {
   std::lock_guard lock(file_.mutex());
-  Statement s(
-      file_.handle(),
+  sql::Query s(
+      file_.db(),
       "INSERT INTO tickets (attempt, person, exercise, title, profile, expires_unix_ms, salt,"
       " locked) VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
-  s.Blob(ticket.attempt.view())
-      .Text(ticket.person)
-      .Text(ticket.exercise)
-      .Text(ticket.title)
-      .Text(ticket.profile)
-      .Int(ticket.expires_unix_ms)
-      .Blob(ticket.salt)
-      .Blob(ticket.locked);
-  return s.Step() == SQLITE_DONE ? Status::Ok() : file_.Fail("storing a ticket");
+  s.BindBlob(ticket.attempt.view())
+      .BindText(ticket.person)
+      .BindText(ticket.exercise)
+      .BindText(ticket.title)
+      .BindText(ticket.profile)
+      .BindInt(ticket.expires_unix_ms)
+      .BindBlob(ticket.salt)
+      .BindBlob(ticket.locked);
+  return file_.Run(s, "storing a ticket");
 }
 
 Result<std::vector<LockedTicket>> SpooledTickets::List() {
   std::lock_guard lock(file_.mutex());
-  Statement s(file_.handle(),
-              "SELECT attempt, person, exercise, title, profile, expires_unix_ms, salt, locked,"
-              " wrong_pins, wait_unix_ms FROM tickets ORDER BY attempt");
+  sql::Query s(file_.db(),
+               "SELECT attempt, person, exercise, title, profile, expires_unix_ms, salt, locked,"
+               " wrong_pins, wait_unix_ms FROM tickets ORDER BY attempt");
   std::vector<LockedTicket> out;
-  int rc = 0;
-  while ((rc = s.Step()) == SQLITE_ROW) {
+  while (s.Next()) {
     LockedTicket t;
-    t.attempt = Uuid::FromBytes(s.BlobAt(0));
-    t.person = s.TextAt(1);
-    t.exercise = s.TextAt(2);
-    t.title = s.TextAt(3);
-    t.profile = s.TextAt(4);
-    t.expires_unix_ms = s.IntAt(5);
-    Bytes salt = s.BlobAt(6);
+    t.attempt = Uuid::FromBytes(s.Blob(0));
+    t.person = s.Text(1);
+    t.exercise = s.Text(2);
+    t.title = s.Text(3);
+    t.profile = s.Text(4);
+    t.expires_unix_ms = s.Int(5);
+    Bytes salt = s.Blob(6);
     // A damaged row may have a salt of another length: then no PIN opens its ticket.
     std::copy_n(salt.begin(), std::min(salt.size(), t.salt.size()), t.salt.begin());
-    t.locked = s.BlobAt(7);
-    t.wrong_pins = static_cast<int>(s.IntAt(8));
-    t.wait_unix_ms = s.IntAt(9);
+    t.locked = s.Blob(7);
+    t.wrong_pins = static_cast<int>(s.Int(8));
+    t.wait_unix_ms = s.Int(9);
     out.push_back(std::move(t));
   }
-  if (rc != SQLITE_DONE) return file_.Fail("listing tickets");
+  if (!s.status().ok()) return file_.Fail("listing tickets");
   return out;
 }
 
 Status SpooledTickets::HandBack(const Uuid& attempt) {
   std::lock_guard lock(file_.mutex());
-  Statement s(file_.handle(),
-              // Overwritten and not deleted: the server has still to be told which ticket it was.
-              "UPDATE tickets SET locked = x'', salt = zeroblob(16) WHERE attempt = ?");
-  return s.Blob(attempt.view()).Step() == SQLITE_DONE ? Status::Ok()
-                                                      : file_.Fail("handing back a ticket");
+  sql::Query s(file_.db(),
+               // Overwritten and not deleted: the server has still to be told which ticket it was.
+               "UPDATE tickets SET locked = x'', salt = zeroblob(16) WHERE attempt = ?");
+  return file_.Run(s.BindBlob(attempt.view()), "handing back a ticket");
 }
 
 Result<std::optional<int>> SpooledTickets::CountPinTry(const Uuid& attempt, int64_t now_unix_ms,
                                                        int free_tries, int most,
                                                        int64_t first_wait_ms) {
   std::lock_guard lock(file_.mutex());
-  Statement s(
-      file_.handle(),
+  sql::Query s(
+      file_.db(),
       // One statement looks, counts and sets the wait: two programs that try at the same moment are
       // counted one after the other, and the second finds the first one's wait.
       "UPDATE tickets SET wrong_pins = wrong_pins + 1, wait_unix_ms = CASE"
       " WHEN wrong_pins < ?1 THEN 0 ELSE ?2 + (?3 << (wrong_pins - ?1)) END"
       " WHERE wait_unix_ms <= ?2 AND wrong_pins < ?4 AND attempt = ?5"
       " RETURNING wrong_pins");
-  s.Int(free_tries).Int(now_unix_ms).Int(first_wait_ms).Int(most).Blob(attempt.view());
-  int rc = s.Step();
-  if (rc == SQLITE_DONE) return std::optional<int>();
-  if (rc != SQLITE_ROW) return file_.Fail("counting a try of a PIN");
+  s.BindInt(free_tries)
+      .BindInt(now_unix_ms)
+      .BindInt(first_wait_ms)
+      .BindInt(most)
+      .BindBlob(attempt.view());
+  const bool counted = s.Next();
+  if (!s.status().ok()) return file_.Fail("counting a try of a PIN");
+  if (!counted) return std::optional<int>();
   // Stepped to its end before it is believed: RETURNING gives the row before the change is
   // committed.
-  int tries = static_cast<int>(s.IntAt(0));
-  return s.Step() == SQLITE_DONE ? Result<std::optional<int>>(tries)
-                                 : file_.Fail("counting a try of a PIN");
+  const int tries = static_cast<int>(s.Int(0));
+  ENAMEL_RETURN_IF_ERROR(file_.Run(s, "counting a try of a PIN"));
+  return std::optional<int>(tries);
 }
 
 Status SpooledTickets::ForgetPinTries(const Uuid& attempt) {
   std::lock_guard lock(file_.mutex());
-  Statement s(file_.handle(),
-              "UPDATE tickets SET wrong_pins = 0, wait_unix_ms = 0 WHERE attempt = ?");
-  return s.Blob(attempt.view()).Step() == SQLITE_DONE ? Status::Ok()
-                                                      : file_.Fail("forgetting tries of a PIN");
+  sql::Query s(file_.db(), "UPDATE tickets SET wrong_pins = 0, wait_unix_ms = 0 WHERE attempt = ?");
+  return file_.Run(s.BindBlob(attempt.view()), "forgetting tries of a PIN");
 }
 
 Status SpooledTickets::Remove(const Uuid& attempt) {
   std::lock_guard lock(file_.mutex());
-  Statement s(file_.handle(), "DELETE FROM tickets WHERE attempt = ?");
-  return s.Blob(attempt.view()).Step() == SQLITE_DONE ? Status::Ok()
-                                                      : file_.Fail("removing a ticket");
+  sql::Query s(file_.db(), "DELETE FROM tickets WHERE attempt = ?");
+  return file_.Run(s.BindBlob(attempt.view()), "removing a ticket");
 }
 
 }  // namespace enamel::station

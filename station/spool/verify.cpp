@@ -1,7 +1,6 @@
 #include "station/spool/verify.h"
 
 #include "station/spool/spool_file.h"
-#include "station/spool/statement.h"
 
 namespace enamel::station {
 namespace {
@@ -54,22 +53,21 @@ Status VerifyPages(SpoolFile& file) {
   std::lock_guard lock(file.mutex());
   {
     // The first finding is enough: whatever is wrong with a page is salvaged in the same way.
-    Statement s(file.handle(), "PRAGMA integrity_check(1)");
-    if (s.Step() != SQLITE_ROW) return file.Fail("checking its pages");
-    if (std::string found = s.TextAt(0); found != "ok") {
+    sql::Query s(file.db(), "PRAGMA integrity_check(1)");
+    if (!s.Next()) return file.Fail("checking its pages");
+    if (std::string found = s.Text(0); found != "ok") {
       return Status(Code::kStorage, "spool " + file.path().string() + ": " + found + "; " +
-                                        WhatToDoAbout(SQLITE_CORRUPT));
+                                        WhatToDoAbout(SpoolTrouble::kDamaged));
     }
   }
-  Statement s(
-      file.handle(),
+  sql::Query s(
+      file.db(),
       // A row of `attempts` that was lost leaves its chunks behind; foreign keys are only looked at
       // when something is written.
       "SELECT count(*) FROM chunks WHERE attempt NOT IN (SELECT id FROM attempts)");
-  if (s.Step() != SQLITE_ROW) return file.Fail("checking its chunks");
-  if (s.IntAt(0) == 0) return Status::Ok();
-  return Status(Code::kStorage, "spool " + file.path().string() + ": " +
-                                    std::to_string(s.IntAt(0)) +
+  if (!s.Next()) return file.Fail("checking its chunks");
+  if (s.Int(0) == 0) return Status::Ok();
+  return Status(Code::kStorage, "spool " + file.path().string() + ": " + std::to_string(s.Int(0)) +
                                     " chunks are of attempts that are not there");
 }
 
@@ -79,12 +77,12 @@ Status VerifyAttempt(Spool& spool, const SpooledAttempt& attempt,
   {
     SpoolFile& file = spool.spool_file();
     std::lock_guard lock(file.mutex());
-    Statement s(file.handle(), "SELECT header_sha256 FROM attempts WHERE id = ?");
-    if (s.Blob(attempt.id.view()).Step() != SQLITE_ROW) return file.Fail("reading a header's hash");
+    sql::Query s(file.db(), "SELECT header_sha256 FROM attempts WHERE id = ?");
+    if (!s.BindBlob(attempt.id.view()).Next()) return file.Fail("reading a header's hash");
     const Sha256 hash = HashSha256(header);
     // Every chunk is chained to this hash: a header that has changed by one bit has lost its
     // recording.
-    if (s.BlobAt(0) != Bytes(hash.bytes.begin(), hash.bytes.end())) {
+    if (s.Hash(0) != hash) {
       return Status(Code::kConflict, "its header is not the one whose hash is kept beside it");
     }
   }

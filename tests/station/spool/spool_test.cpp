@@ -14,7 +14,7 @@
 #include "common/base/file.h"
 #include "station/spool/recorder.h"
 #include "station/spool/salvage.h"
-#include "station/spool/spool_migrations.h"
+#include "station/spool/spool_file.h"
 #include "station/spool/verify.h"
 #include "tests/support/temp_folder.h"
 
