@@ -11,7 +11,7 @@
 #include "server/app/command_line.h"
 #include "server/app/data_folder.h"
 #include "server/app/say.h"
-#include "server/storage/backup.h"
+#include "server/storage/engine/backup.h"
 
 namespace enamel::server::app {
 namespace {

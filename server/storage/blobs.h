@@ -9,7 +9,7 @@
 #include "common/base/bytes.h"
 #include "common/base/result.h"
 #include "common/base/sha256.h"
-#include "server/storage/disk.h"
+#include "server/storage/engine/disk.h"
 
 namespace enamel::server::sqlite {
 

@@ -11,7 +11,7 @@
 #include "common/base/result.h"
 #include "common/base/sha256.h"
 #include "common/base/uuid.h"
-#include "server/storage/disk.h"
+#include "server/storage/engine/disk.h"
 
 namespace enamel::server {
 

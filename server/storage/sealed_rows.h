@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/base/uuid.h"
-#include "server/storage/writer.h"
+#include "server/storage/engine/writer.h"
 
 namespace enamel::server::sqlite {
 

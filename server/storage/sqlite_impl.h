@@ -15,13 +15,13 @@
 
 #include "server/storage/blobs.h"
 #include "server/storage/engine/database.h"
-#include "server/storage/folder_lock.h"
+#include "server/storage/engine/folder_lock.h"
+#include "server/storage/engine/space_guard.h"
+#include "server/storage/engine/writer.h"
 #include "server/storage/keyring.h"
 #include "server/storage/query.h"
 #include "server/storage/sealed_rows.h"
-#include "server/storage/space_guard.h"
 #include "server/storage/sqlite_store.h"
-#include "server/storage/writer.h"
 
 // Private to server/storage: the class behind OpenSqliteStore, its sources split by subject
 // (people.cpp, sessions.cpp, cohorts.cpp, roster.cpp, stations.cpp, profiles.cpp, content.cpp,

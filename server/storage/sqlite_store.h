@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "server/storage/disk.h"
+#include "server/storage/engine/disk.h"
 #include "server/storage/store.h"
 
 namespace enamel::server {

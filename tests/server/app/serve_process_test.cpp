@@ -8,7 +8,7 @@
 #include <fstream>
 
 #include "common/base/file.h"
-#include "server/storage/folder_lock.h"
+#include "server/storage/engine/folder_lock.h"
 #include "server/storage/sqlite_store.h"
 #include "tests/server/storage/store_world.h"
 

@@ -10,7 +10,7 @@
 
 #include "server/http/request_reader.h"
 #include "server/http/site.h"
-#include "server/storage/disk.h"
+#include "server/storage/engine/disk.h"
 #include "server/storage/sqlite_store.h"
 #include "tests/server/http/running_server.h"
 

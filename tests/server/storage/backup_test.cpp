@@ -1,4 +1,4 @@
-#include "server/storage/backup.h"
+#include "server/storage/engine/backup.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <thread>
 
 #include "common/base/file.h"
+#include "server/storage/engine/manifest.h"
 #include "server/storage/keyring.h"
-#include "server/storage/manifest.h"
 #include "tests/server/storage/recorded_attempt.h"
 
 // Backup while a server writes, restore on an empty folder, and what goes wrong with either.

@@ -4,7 +4,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "server/storage/backup.h"
+#include "server/storage/engine/backup.h"
 #include "tests/server/storage/store_world.h"
 
 // After an erasure neither the database's files nor a backup hold a word of or about the person,

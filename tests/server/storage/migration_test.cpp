@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "common/base/file.h"
-#include "server/storage/verify.h"
+#include "server/storage/engine/verify.h"
 #include "tests/server/storage/store_world.h"
 
 // Databases of every earlier schema, kept as SQL dumps in schemas/golden/sql, are brought up to

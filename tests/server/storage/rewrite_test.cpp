@@ -7,7 +7,7 @@
 #include <future>
 #include <thread>
 
-#include "server/storage/folder_lock.h"
+#include "server/storage/engine/folder_lock.h"
 #include "tests/server/storage/simulated_disk.h"
 #include "tests/server/storage/store_world.h"
 

@@ -1,4 +1,4 @@
-#include "server/storage/verify.h"
+#include "server/storage/engine/verify.h"
 
 #include <gtest/gtest.h>
 #include <sqlite3.h>

@@ -5,7 +5,7 @@
 #include <mutex>
 
 #include "common/base/result.h"
-#include "server/storage/disk.h"
+#include "server/storage/engine/disk.h"
 
 namespace enamel::server::sqlite {
 

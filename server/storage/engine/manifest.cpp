@@ -1,4 +1,4 @@
-#include "server/storage/manifest.h"
+#include "server/storage/engine/manifest.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "server/storage/folder_lock.h"
+#include "server/storage/engine/folder_lock.h"
 
 #include <fcntl.h>
 #include <sys/file.h>

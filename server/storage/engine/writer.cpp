@@ -1,4 +1,4 @@
-#include "server/storage/writer.h"
+#include "server/storage/engine/writer.h"
 
 #include <chrono>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "server/storage/disk.h"
+#include "server/storage/engine/disk.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "common/base/result.h"
-#include "server/storage/disk.h"
-#include "server/storage/verify.h"
+#include "server/storage/engine/disk.h"
+#include "server/storage/engine/verify.h"
 #include "server/training/types.h"
 
 // Copies of a data folder and the way back (schemas/backup.md). They belong to the SQLite backend;

@@ -1,4 +1,4 @@
-#include "server/storage/space_guard.h"
+#include "server/storage/engine/space_guard.h"
 
 #include <string>
 

@@ -1,9 +1,9 @@
-#include "server/storage/backup.h"
+#include "server/storage/engine/backup.h"
 
 #include <algorithm>
 #include <optional>
 
-#include "server/storage/manifest.h"
+#include "server/storage/engine/manifest.h"
 #include "server/storage/sqlite_impl.h"
 #include "server/storage/sqlite_store.h"
 

@@ -1,4 +1,4 @@
-#include "server/storage/verify.h"
+#include "server/storage/engine/verify.h"
 
 #include <algorithm>
 #include <bit>
@@ -10,7 +10,7 @@
 
 #include "common/base/file.h"
 #include "common/trace/trace.h"
-#include "server/storage/manifest.h"
+#include "server/storage/engine/manifest.h"
 #include "server/storage/sqlite_impl.h"
 #include "server/training/types.h"
 
