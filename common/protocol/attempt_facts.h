@@ -1,23 +1,43 @@
 #pragma once
 
-#include <cstdint>
+#include <string>
 
+#include "common/base/bytes.h"
+#include "common/base/result.h"
 #include "common/protocol/station.pb.h"
 
 namespace enamel::protocol {
 
 // What a station says of an attempt beside its recording: not signed, not an input of the core, and
 // true whether the server believes it or not. It is kept in the spool with the attempt, told with
-// OpenAttempt, each time anew, and never changed by the server. CONTRIBUTING.md, "Where a fact of
-// an attempt belongs", says what is to stand here, and what every new one touches.
-struct AttemptFacts {
-  uint32_t resumed = 0;  // how often it was taken up again after the station had crashed
+// OpenAttempt, each time anew, and never changed by the server. Its members stand in
+// schemas/wire/station.proto and nowhere else; what lists, stores or shows facts goes by FactsJson.
+// CONTRIBUTING.md, "Where a fact of an attempt belongs", says what is to stand there, and what
+// every new one touches.
+using AttemptFacts = wire::AttemptFacts;
 
-  bool operator==(const AttemptFacts&) const = default;
-};
+// Of encoded facts, unknown ones included: what is kept with each attempt must not grow on a
+// station's word.
+inline constexpr size_t kMaxFactsBytes = 4096;
 
-// A fact that the other side does not know reads as its default here, and is ignored there.
+// A fact that the other side does not know reads as its default here, and is ignored there. Stations
+// and servers from before there was a message for facts say and read `resumed` alone.
 void SetFacts(const AttemptFacts& facts, wire::OpenAttempt& message);
 AttemptFacts FactsOf(const wire::OpenAttempt& message);
+
+// As the spool keeps them. Facts of a newer station, unknown here, are kept as they came.
+Bytes EncodeFacts(const AttemptFacts& facts);
+// Errors: kInvalidInput.
+Result<AttemptFacts> DecodeFacts(ByteView bytes);
+
+// What another side said is to be no longer than kMaxFactsBytes: kTooLarge, field "facts".
+Status CheckFacts(const AttemptFacts& facts);
+
+// A JSON object, {"resumed":0}: every known member by its name in station.proto, also one that was
+// not said.
+std::string FactsJson(const AttemptFacts& facts);
+// One line for a person, "resumed: 1": the known members that were said; empty: none was. What is
+// not ASCII is escaped.
+std::string FactsText(const AttemptFacts& facts);
 
 }  // namespace enamel::protocol

@@ -253,7 +253,7 @@ Result<wire::Reply> Session::Do(const wire::OpenAttempt& request) {
     ENAMEL_RETURN_IF_ERROR(CheckParams(header));
   }
   ENAMEL_RETURN_IF_ERROR(services_.store.ingest().OpenAttempt(attempt, AsBytes(request.header())));
-  if (protocol::FactsOf(request).resumed > 0) {
+  if (protocol::FactsOf(request).resumed() > 0) {
     ENAMEL_RETURN_IF_ERROR(services_.store.judging().FlagAttempt(
         attempt, kResumed, "the station went on from its spool",
         Actor{row->person, "station " + station_->name}));

@@ -161,7 +161,6 @@ Status WriteFacts(const RunOptions& options, const PreparedAttempt& job,
       {"operator", options.device.device.empty() ? options.operator_name : ""},
       {"ticks", spooled.ticks},
       {"gap_ticks", spooled.gap_ticks},
-      {"resumed", spooled.facts.resumed},
       {"late_ticks", last.counters.late_ticks},
       {"bounded_ticks", last.counters.bounded_ticks},
       {"faults", last.counters.faults},
@@ -173,6 +172,8 @@ Status WriteFacts(const RunOptions& options, const PreparedAttempt& job,
       {"uploaded", result.uploaded},
       {"ended_early", result.ended_early},
       {"problem", result.not_uploaded_because}};
+  const boost::json::value said = boost::json::parse(protocol::FactsJson(spooled.facts));
+  facts.insert(said.as_object().begin(), said.as_object().end());
   return WriteFileDurably(options.json, AsBytes(boost::json::serialize(facts) + "\n"));
 }
 

@@ -71,20 +71,22 @@ json::value WaitingFacts(const Waiting& waiting) {
 }
 
 json::object FactsOf(const SpooledAttempt& a) {
-  return {{"attempt_id", a.id.Text()},
-          {"state", StateOf(a)},
-          {"waits", WaitingFacts(WaitingOf(a))},
-          {"exercise", a.exercise},
-          {"profile", a.profile},
-          {"created_unix_ms", a.created_unix_ms},
-          {"ticks", a.ticks},
-          {"gap_ticks", a.gap_ticks},
-          {"chunks", a.chunks},
-          {"committed_chunks", a.committed},
-          {"bytes", a.bytes},
-          {"resumed", a.facts.resumed},
-          {"sealed", a.seal.has_value()},
-          {"refused", a.refused}};
+  json::object out{{"attempt_id", a.id.Text()},
+                   {"state", StateOf(a)},
+                   {"waits", WaitingFacts(WaitingOf(a))},
+                   {"exercise", a.exercise},
+                   {"profile", a.profile},
+                   {"created_unix_ms", a.created_unix_ms},
+                   {"ticks", a.ticks},
+                   {"gap_ticks", a.gap_ticks},
+                   {"chunks", a.chunks},
+                   {"committed_chunks", a.committed},
+                   {"bytes", a.bytes},
+                   {"sealed", a.seal.has_value()},
+                   {"refused", a.refused}};
+  const json::value said = json::parse(protocol::FactsJson(a.facts));
+  out.insert(said.as_object().begin(), said.as_object().end());
+  return out;
 }
 
 void PrintJson(const json::object& object) { std::printf("%s\n", json::serialize(object).c_str()); }
@@ -152,11 +154,12 @@ std::string WaitingText(const Waiting& waiting) {
 }
 
 void PrintLine(const SpooledAttempt& a) {
-  std::printf("%s  %-10s  %s on %s  %llu ticks  %u of %u chunks on the server  %.1f kB  %s%s%s\n",
+  const std::string facts = protocol::FactsText(a.facts);
+  std::printf("%s  %-10s  %s on %s  %llu ticks  %u of %u chunks on the server  %.1f kB  %s%s%s%s\n",
               a.id.Text().c_str(), StateOf(a), a.exercise.c_str(), a.profile.c_str(),
               static_cast<unsigned_ll>(a.ticks), a.committed, a.chunks,
               static_cast<double>(a.bytes) / 1000, LocalTime(a.created_unix_ms).c_str(),
-              a.facts.resumed > 0 ? "  resumed" : "", WaitingText(WaitingOf(a)).c_str());
+              facts.empty() ? "" : "  ", facts.c_str(), WaitingText(WaitingOf(a)).c_str());
 }
 
 // What is missing reads as 0.

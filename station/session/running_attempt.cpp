@@ -148,7 +148,7 @@ std::optional<Result<trace::Seal>> RunningAttempt::RecordOnce() {
 // Not worth an attempt: where the disk takes the recording and not these, they are lost.
 void RunningAttempt::KeepFacts() {
   auto stored = spool_.Get(attempt_);
-  Status kept = stored.ok() ? spool_.loop_facts().Put(attempt_, {stored->facts.resumed, UnixMs(),
+  Status kept = stored.ok() ? spool_.loop_facts().Put(attempt_, {stored->facts.resumed(), UnixMs(),
                                                                  boost::json::serialize(facts())})
                             : stored.status();
   if (!kept.ok()) {

@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 constexpr char kSelectAttempts[] =
     "SELECT id, exercise, profile, created_unix_ms, seal_chunks, seal_ticks, seal_last_sha256,"
     " seal_state_hash, sealed_at_server, refused, chunks, committed, ticks, gap_ticks, bytes, "
-    "resumed, refused_unix_ms, waits_because, waits_since_unix_ms, tried_unix_ms"
+    "facts, resumed, refused_unix_ms, waits_because, waits_since_unix_ms, tried_unix_ms"
     " FROM attempts WHERE ?1 IS NULL OR id = ?1 ORDER BY created_unix_ms, id";
 
 // Which start of the machine this is, and the time since, with sleep: no clock that is set changes
@@ -64,7 +64,9 @@ SpooledAttempt ReadAttemptRow(const sql::Query& row) {
   out.ticks = static_cast<uint64_t>(row.Int("ticks"));
   out.gap_ticks = static_cast<uint64_t>(row.Int("gap_ticks"));
   out.bytes = static_cast<uint64_t>(row.Int("bytes"));
-  out.facts.resumed = static_cast<uint32_t>(row.Int("resumed"));
+  // Facts that cannot be read are not worth an attempt: it then says none.
+  if (auto facts = protocol::DecodeFacts(row.Blob("facts")); facts.ok()) out.facts = *facts;
+  out.facts.set_resumed(static_cast<uint32_t>(row.Int("resumed")));
   out.refused_unix_ms = row.Int("refused_unix_ms");
   out.waits_because = row.Text("waits_because");
   out.waits_since_unix_ms = row.Int("waits_since_unix_ms");
@@ -111,7 +113,7 @@ Status Spool::BeginAttempt(const trace::Header& header, const std::string& exerc
   sql::Query s(
       file_->db(),
       "INSERT INTO attempts (id, header, header_sha256, exercise, profile, created_unix_ms,"
-      " boot_id, boot_ms, resumed) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)");
+      " boot_id, boot_ms, facts, resumed) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
   const SinceBoot now = BootNow();
   s.BindBlob(id)
       .BindBlob(bytes)
@@ -121,7 +123,8 @@ Status Spool::BeginAttempt(const trace::Header& header, const std::string& exerc
       .BindInt(UnixMs())
       .BindText(now.boot)
       .BindInt(now.ms)
-      .BindInt(facts.resumed);
+      .BindBlob(protocol::EncodeFacts(facts))
+      .BindInt(facts.resumed());
   return file_->Run(s, "storing an attempt");
 }
 

@@ -84,12 +84,62 @@ TEST(MessagesTest, FieldsOfAnotherSizeAreRefusedByName) {
 // As a peer reads it that was made before the fact was known, and the other way round.
 TEST(AttemptFactsTest, ComeBackAndAreDefaultsWhereAPeerDoesNotSayThem) {
   AttemptFacts facts;
-  facts.resumed = 3;
+  facts.set_resumed(3);
   wire::OpenAttempt message;
   SetFacts(facts, message);
-  EXPECT_EQ(FactsOf(message), facts);
-  EXPECT_EQ(message.resumed(), 3u);
-  EXPECT_EQ(FactsOf(wire::OpenAttempt()), AttemptFacts());
+  EXPECT_EQ(FactsOf(message).SerializeAsString(), facts.SerializeAsString());
+  EXPECT_EQ(FactsOf(wire::OpenAttempt()).SerializeAsString(), "");
+}
+
+TEST(AttemptFactsTest, StationsAndServersFromBeforeTheMessageOfFactsUnderstandResumed) {
+  AttemptFacts facts;
+  facts.set_resumed(3);
+  wire::OpenAttempt to_old;
+  SetFacts(facts, to_old);
+  EXPECT_EQ(to_old.resumed(), 3u);
+  wire::OpenAttempt from_old;
+  from_old.set_resumed(2);
+  EXPECT_EQ(FactsOf(from_old).resumed(), 2u);
+}
+
+// Field 1000 stands for one that comes later.
+TEST(AttemptFactsTest, KeepsFactsThatItDoesNotKnowAndNamesThoseItKnows) {
+  const Bytes later{0x08, 0x02, 0xc2, 0x3e, 0x01, 'x'};
+  auto facts = DecodeFacts(later);
+  ASSERT_TRUE(facts.ok()) << facts.status().message();
+  EXPECT_EQ(EncodeFacts(*facts), later);
+  EXPECT_EQ(FactsJson(*facts), "{\"resumed\":2}");
+  EXPECT_EQ(FactsJson(AttemptFacts()), "{\"resumed\":0}");
+  EXPECT_EQ(FactsText(*facts), "resumed: 2");
+  EXPECT_EQ(FactsText(AttemptFacts()), "");
+  EXPECT_TRUE(CheckFacts(*facts).ok());
+}
+
+TEST(AttemptFactsTest, RefusesBytesThatAreNoFactsAndMoreThanFits) {
+  EXPECT_EQ(DecodeFacts(Bytes{0x08}).status().code(), Code::kInvalidInput);
+  Bytes long_one{0xc2, 0x3e, 0x80, 0x20};  // field 1000 with 4096 bytes
+  long_one.resize(long_one.size() + kMaxFactsBytes, 'x');
+  EXPECT_EQ(DecodeFacts(long_one).status().code(), Code::kInvalidInput);
+  AttemptFacts facts;
+  ASSERT_TRUE(facts.ParseFromArray(long_one.data(), static_cast<int>(long_one.size())));
+  EXPECT_EQ(CheckFacts(facts).code(), Code::kTooLarge);
+  EXPECT_EQ(CheckFacts(facts).field(), "facts");
+}
+
+// What lists and the API show is made from the descriptor; a kind that JSON tells otherwise (text
+// for 64 bits, base64 for bytes) would reach people as that.
+TEST(AttemptFactsTest, MembersAreOfKindsThatJsonShowsAsTheyAre) {
+  using Field = google::protobuf::FieldDescriptor;
+  const auto* description = AttemptFacts::descriptor();
+  for (int i = 0; i < description->field_count(); ++i) {
+    const Field& field = *description->field(i);
+    const auto type = field.cpp_type();
+    EXPECT_FALSE(field.is_repeated()) << field.name();
+    EXPECT_TRUE(type == Field::CPPTYPE_UINT32 || type == Field::CPPTYPE_INT32 ||
+                type == Field::CPPTYPE_DOUBLE || type == Field::CPPTYPE_BOOL ||
+                field.type() == Field::TYPE_STRING)
+        << field.name();
+  }
 }
 
 }  // namespace

@@ -350,7 +350,7 @@ TEST_F(SpoolTest, SalvageTakesEveryColumnOver) {
   Tamper(
       "UPDATE attempts SET created_unix_ms = 1, committed_unix_ms = 2, resumed = 3, boot_id = 'b',"
       " boot_ms = 4, refused = 'no', refused_unix_ms = 5, waits_because = 'away',"
-      " waits_since_unix_ms = 6, tried_unix_ms = 7;"
+      " waits_since_unix_ms = 6, tried_unix_ms = 7, facts = x'c23e0178';"
       "UPDATE chunks SET spooled_unix_ms = 1000 + seq;"
       "UPDATE tickets SET wrong_pins = 3, wait_unix_ms = 8");
   ASSERT_TRUE(SalvageSpool(folder_, folder_ / "saved").ok());
@@ -659,7 +659,7 @@ TEST_F(SpoolTest, EveryVersionBeforeTheNewestIsBroughtHereWithAllItHad) {
     EXPECT_EQ(kept->exercise, "class-1");
     EXPECT_EQ(kept->created_unix_ms, 1'700'000'000'000);
     EXPECT_EQ(kept->committed, 2u);
-    EXPECT_EQ(kept->facts.resumed, version >= 2 ? 1u : 0u);
+    EXPECT_EQ(kept->facts.resumed(), version >= 2 ? 1u : 0u);
     EXPECT_EQ(kept->waits_because, version >= 4 ? "the server is away" : "");
     EXPECT_EQ((*spool)->tickets().List()->size(), version >= 2 ? 1u : 0u);
     EXPECT_EQ((*spool)->loop_facts().Of(attempt)->size(), version >= 4 ? 1u : 0u);
@@ -765,8 +765,27 @@ TEST_F(SpoolTest, RecorderGoesOnAfterTheChunksThatAreThere) {
   EXPECT_EQ(attempt->chunks, 4u);
   EXPECT_EQ(attempt->ticks, 1700u);
   EXPECT_EQ(attempt->gap_ticks, 5'000u);
-  EXPECT_EQ(attempt->facts.resumed, 1u);
+  EXPECT_EQ(attempt->facts.resumed(), 1u);
   EXPECT_TRUE((*VerifyRecordings(*spool, keys_.public_key))[0].status.ok());
+}
+
+// Field 1000 stands for a fact that a later station says.
+TEST_F(SpoolTest, FactsComeBackAsTheyWereSaidAndResumedAsItIsCounted) {
+  const auto facts = protocol::DecodeFacts(Bytes{0x08, 0x02, 0xc2, 0x3e, 0x01, 'x'});
+  ASSERT_TRUE(facts.ok());
+  auto spool = Open();
+  ASSERT_TRUE(spool->BeginAttempt(header_, "class-1", "generic", *facts).ok());
+  EXPECT_EQ(protocol::EncodeFacts(spool->Get(id())->facts), protocol::EncodeFacts(*facts));
+  ASSERT_TRUE(spool->MarkResumed(id()).ok());
+  EXPECT_EQ(spool->Get(id())->facts.resumed(), 3u);
+}
+
+TEST_F(SpoolTest, AnAttemptWhoseFactsCannotBeReadSaysNone) {
+  MakeOne();
+  Tamper("UPDATE attempts SET facts = x'08', resumed = 2");
+  auto attempt = Open()->Get(id());
+  ASSERT_TRUE(attempt.ok());
+  EXPECT_EQ(protocol::FactsJson(attempt->facts), "{\"resumed\":2}");
 }
 
 TEST_F(SpoolTest, FileThatIsNoDatabaseIsRefusedWithItsName) {

@@ -199,7 +199,7 @@ class FakeServer {
         auto& chunks = chunks_[header->ticket.attempt];
         uint32_t next = 0;
         while (chunks.count(next) != 0) ++next;
-        resumed_ = protocol::FactsOf(request.open_attempt()).resumed;
+        resumed_ = protocol::FactsOf(request.open_attempt()).resumed();
         reply.mutable_attempt_opened()->set_next_seq(next);
         reply.mutable_attempt_opened()->set_watched(watched);
       }
