@@ -137,6 +137,7 @@ class Exporter {
     json::array flags;
     for (const char* flag : AttemptFlagNames(row.flags)) flags.emplace_back(flag);
     out["flags"] = std::move(flags);
+    out["facts"] = json::parse(row.facts);
     return out;
   }
 

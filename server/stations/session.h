@@ -5,6 +5,7 @@
 #include <set>
 #include <string>
 
+#include "common/protocol/attempt_facts.h"
 #include "common/protocol/messages.h"
 #include "common/trace/trace.h"
 #include "server/auth/authenticator.h"
@@ -94,6 +95,7 @@ class Session {
   Result<wire::Reply> Do(const wire::ReturnTicket& request);
   void Take(const wire::LiveState& live);
   void ShowLive(const trace::Chunk& chunk);
+  Status KeepFacts(const AttemptRow& row, const protocol::AttemptFacts& facts);
 
   // Not yet to be looked up again, or not welcomed.
   bool KnownAdmitted() const;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "common/protocol/attempt_facts.h"
 #include "common/scene/attempt_documents.h"
 #include "common/scene/json/json.h"
 #include "server/stations/session.h"
@@ -239,7 +238,15 @@ Result<AttemptRow> Session::Readmit(const trace::Ticket& ticket) {
   return services_.store.attempts().AttemptById(ticket.attempt);
 }
 
+// Most open an attempt that they said the same of before: that costs no write.
+Status Session::KeepFacts(const AttemptRow& row, const protocol::AttemptFacts& facts) {
+  std::string told = protocol::FactsJson(facts);
+  if (told == row.facts) return Status::Ok();
+  return services_.store.ingest().KeepFacts(row.id, told);
+}
+
 Result<wire::Reply> Session::Do(const wire::OpenAttempt& request) {
+  ENAMEL_RETURN_IF_ERROR(protocol::CheckFacts(request.facts()));
   ENAMEL_ASSIGN_OR_RETURN(auto header, trace::DecodeHeader(AsBytes(request.header())));
   ENAMEL_RETURN_IF_ERROR(CheckHeader(header));
   const Uuid& attempt = header.ticket.attempt;
@@ -253,7 +260,9 @@ Result<wire::Reply> Session::Do(const wire::OpenAttempt& request) {
     ENAMEL_RETURN_IF_ERROR(CheckParams(header));
   }
   ENAMEL_RETURN_IF_ERROR(services_.store.ingest().OpenAttempt(attempt, AsBytes(request.header())));
-  if (protocol::FactsOf(request).resumed() > 0) {
+  const protocol::AttemptFacts facts = protocol::FactsOf(request);
+  ENAMEL_RETURN_IF_ERROR(KeepFacts(*row, facts));
+  if (facts.resumed() > 0) {
     ENAMEL_RETURN_IF_ERROR(services_.store.judging().FlagAttempt(
         attempt, kResumed, "the station went on from its spool",
         Actor{row->person, "station " + station_->name}));

@@ -14,7 +14,7 @@ constexpr char kAttemptSelect[] =
     "a.gap_ticks, "
     "a.trace_bytes, a.score, a.critical_fail, a.progress, a.problem, a.expired_ms, a.assignment, "
     "a.exam, a.due_ms, a.rate_hz, a.limit_ticks, a.flags, a.last_chunk_ms, a.override_score, "
-    "a.override_reason, a.override_by, a.override_ms, a.revision FROM attempts a "
+    "a.override_reason, a.override_by, a.override_ms, a.revision, a.facts FROM attempts a "
     "JOIN people p ON p.tenant = a.tenant AND p.id = a.person "
     "JOIN exercises e ON e.tenant = a.tenant AND e.id = a.exercise WHERE a.tenant = ?1";
 
@@ -51,6 +51,7 @@ AttemptRow AttemptOf(const Query& q) {
   out.last_chunk_ms = q.Int(28);
   if (!q.IsNull(29)) out.overridden = ScoreOverride{q.Real(29), q.Text(30), q.Id(31), q.Int(32)};
   out.revision = static_cast<int32_t>(q.Int(33));
+  out.facts = q.Text(34);
   return out;
 }
 

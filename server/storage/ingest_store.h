@@ -26,6 +26,8 @@ class IngestStore {
   // First or repeated; kConflict when another header is stored, or the ticket was returned. Whether
   // the ticket inside the header is genuine and in time is for the caller to have checked.
   virtual Status OpenAttempt(const Uuid& attempt, ByteView header) = 0;
+  // AttemptRow::facts from now on. Errors: kNotFound.
+  virtual Status KeepFacts(const Uuid& attempt, const std::string& facts) = 0;
   struct ChunkPut {
     Uuid attempt;
     trace::ChunkHead head;

@@ -159,6 +159,7 @@ class SqliteStore final : public Store {
   Status CreateAttempt(const AttemptRow& row, ByteView ticket, const Actor& by) override;
   Status ReturnTicket(const Uuid& attempt, const Actor& by) override;
   Status OpenAttempt(const Uuid& attempt, ByteView header) override;
+  Status KeepFacts(const Uuid& attempt, const std::string& facts) override;
   Status AppendChunk(const ChunkPut& chunk) override;
   Status SealAttempt(const trace::Seal& seal, UnixMs now_ms) override;
   Result<AttemptRow> AttemptById(const Uuid& id) override;

@@ -245,6 +245,15 @@ Status SqliteStore::OpenAttempt(const Uuid& attempt, ByteView header) {
   });
 }
 
+Status SqliteStore::KeepFacts(const Uuid& attempt, const std::string& facts) {
+  return Write([&](Db& db) -> Status {
+    Query q(db, "UPDATE attempts SET facts = ?3 WHERE tenant = ?1 AND id = ?2");
+    ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(facts).Run());
+    if (db.Changes() > 0) return Status::Ok();
+    return Status(Code::kNotFound, "no attempt " + attempt.Text());
+  });
+}
+
 Status SqliteStore::RepeatedAfterSeal(const ChunkPut& chunk) {
   ENAMEL_ASSIGN_OR_RETURN(auto chunks, AttemptChunks(chunk.attempt));
   ENAMEL_ASSIGN_OR_RETURN(auto stored, trace::DecodeChunkHead(chunks.at(chunk.head.seq)));

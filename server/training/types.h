@@ -235,6 +235,7 @@ struct AttemptRow {
   uint32_t flags = 0;        // of AttemptFlag
   UnixMs last_chunk_ms = 0;  // when the newest chunk arrived
   int32_t revision = 1;      // of the judgement: score, override, release, excuse (revision.h)
+  std::string facts = "{}";  // as the station said them last: protocol::FactsJson
 };
 
 // A chunk that contradicts the one of its number that is committed.

@@ -1,5 +1,8 @@
+// @ts-check
 // What the mock server knows: invented people and attempts in the shapes of schemas/api/openapi.yaml.
 import { toolPosition } from "./mock_tooth.mjs";
+
+/** @typedef {import("../../web/build/api").components["schemas"]} Schemas */
 
 export const id = (number) => `00000000-0000-7000-8000-${String(number).padStart(12, "0")}`;
 export const kStartMs = Date.UTC(2026, 2, 9, 9, 0);
@@ -14,6 +17,7 @@ export const people = [
   { id: id(5), login: "newcomer", password: "given by the office", display_name: "Newcomer One", role: "student" },
 ];
 
+/** @type {[string, string, string, number, [number, number][]][]} */
 const rubric = [
   ["deviation_rms_mm", "Shape against the reference", "mm", 25, [[0.05, 1], [0.3, 0]]],
   ["wall_mesial_mm", "Mesial wall", "mm", 15, [[0.1, 1], [0.4, 0]]],
@@ -34,6 +38,7 @@ export function exerciseRows() {
   ];
 }
 
+/** @returns {Omit<Schemas["Exercise"], "my_attempts"> & Record<string, unknown>} */
 function exercise(number, name, title, graded, instructions, version) {
   return {
     id: id(number), name, title, version, state: "published", revision: 1, published_ms: kStartMs - 30 * kDayMs, graded, instructions, time_limit_s: graded ? 600 : 0,
@@ -51,13 +56,14 @@ function exercise(number, name, title, graded, instructions, version) {
 const kTitles = [["20", "Occlusal cavity, class I"], ["21", "Occlusal cavity, practice"]];
 
 // With what only the detail has (`appeal`, `override`) already in it.
+/** @returns {Schemas["Attempt"] & Pick<Schemas["AttemptDetail"], "override" | "appeal"> & { runs: number }} */
 export function attemptRow(number, person, exerciseIndex, changes = {}) {
   const [exerciseNumber, title] = kTitles[exerciseIndex];
   const score = changes.score === undefined ? 80 : changes.score;
   return {
     id: id(number), person: { id: person.id, display_name: person.display_name }, exercise: { id: id(Number(exerciseNumber)), title },
     station: { id: id(30), name: "Station 1" }, profile: { name: "phantom_desktop", title: "Phantom Desktop" },
-    state: "scored", as_reference: false, is_reference: false, released: false, score, computed_score: score, assignment_id: null, exam: false, due_ms: 0, flags: [],
+    state: "scored", as_reference: false, is_reference: false, released: false, score, computed_score: score, assignment_id: null, exam: false, due_ms: 0, flags: [], facts: { resumed: 0 },
     critical_fail: false, progress: 1, ticketed_ms: kStartMs + number * 7 * kMinuteMs, sealed_ms: kStartMs + number * 7 * kMinuteMs + kMinuteMs, ticks: 42_180,
     gap_ticks: 0, chunks: 169, trace_bytes: 173_214, problem: "", recording_removed_ms: 0, revision: 1, override: null, appeal: null, runs: 1, ...changes,
   };
@@ -69,6 +75,7 @@ export function appealOf(text) {
 
 export const referenceDetail = { attempt_id: id(101), dentist: "Dentist One" };
 
+/** @returns {Schemas["Score"]} */
 export function scoreOf(row) {
   const perfect = row.as_reference;
   const criterion = (index, value, points, reason) => {
@@ -87,24 +94,26 @@ export function scoreOf(row) {
     ],
     gates: [{ name: "task_done_percent", title: "Task done", value: 98.2, unit: "%", share: 1, reason: "Task done: 98.2 % (at least 90.0 % asked for)." }],
     missing: [{ name: "caries_left_mm3", why: "not_in_task" }],
-    metrics: [
+    metrics: /** @type {[string, number, string][]} */ ([
       ["deviation_rms_mm", 0.098, "mm"], ["deviation_p95_mm", 0.292, "mm"], ["wall_mesial_mm", 0.301, "mm"], ["wall_distal_mm", -0.088, "mm"],
       ["target_removed_percent", 99.1, "%"], ["leeway_removed_percent", 31.4, "%"], ["container_removed_mm3", 0.84, "mm3"],
       ["removed_enamel_mm3", 19.82, "mm3"], ["removed_dentin_mm3", 4.91, "mm3"], ["removed_pulp_mm3", 0, "mm3"], ["pulp_exposed", 0, "count"],
       ["force_sent_p95_n", 1.31, "N"], ["force_sent_max_n", 2.04, "N"], ["anchor_path_m", 0.412, "m"], ["duration_s", 42.18, "s"],
       ["dtw_pose_mm", 0.36, "mm"], ["dtw_force_n", 0.21, "N"],
-    ].map(([name, value, unit]) => ({ name, value, unit })),
+    ]).map(([name, value, unit]) => ({ name, value, unit })),
     reference_attempt: referenceDetail.attempt_id, rubric_version: 1, scoring_version: 2, core_version: 1, ticks: row.ticks, gap_ticks: row.gap_ticks,
     late_ticks: row.gap_ticks > 0 ? 7 : 0, bounded_ticks: 0, witness_ok: row.gap_ticks === 0,
     witness_note: row.gap_ticks === 0 ? "" : "the state after chunk 12 differs",
   };
 }
 
+/** @returns {Schemas["Series"]} */
 export function seriesOf() {
   const steps = 1800;
   const random = seeded(7);
-  const series = { rate_hz: 1000, step_ticks: 24, t_s: [], force_n: [], force_mean_n: [], bound_n: [], removed_mm3: [],
-                   removed_by_tissue: { enamel: [], dentin: [] }, anchor_mm: [] };
+  const series = { rate_hz: 1000, step_ticks: 24, t_s: numbers(), force_n: numbers(), force_mean_n: numbers(), bound_n: numbers(),
+                   removed_mm3: numbers(), removed_by_tissue: { enamel: numbers(), dentin: numbers() },
+                   anchor_mm: /** @type {[number, number, number][]} */ ([]) };
   let removed = 0;
   let drift = 0;
   for (let i = 0; i < steps; ++i) {
@@ -125,6 +134,10 @@ export function seriesOf() {
     series.anchor_mm.push([round(x), round(y), round(contact ? z : z + 2.5)]);
   }
   return series;
+}
+
+function numbers() {
+  return /** @type {number[]} */ ([]);
 }
 
 function round(value) {

@@ -119,6 +119,7 @@ Result<json::object> AttemptView::Json(const AttemptRow& row) {
                       {"exam", row.exam},
                       {"due_ms", row.due_ms},
                       {"flags", std::move(flags)},
+                      {"facts", json::parse(row.facts)},
                       {"progress", row.progress},
                       {"ticketed_ms", row.ticketed_ms},
                       {"sealed_ms", row.sealed_ms},

@@ -216,6 +216,26 @@ TEST_F(AssignmentTest, ExamShowsNoScoreAtTheStationBeforeItsRelease) {
   EXPECT_EQ(state.result_json(), "{}");
 }
 
+// Each time anew; what the server does not know is not shown, and too much is refused.
+TEST_F(AssignmentTest, FactsAreKeptAsTheStationSaidThemLast) {
+  Recording recording(world_, TicketOf(Ask()), station_.keys, 1);
+  const Uuid attempt = recording.seal.attempt;
+  auto kept = [&] { return world_.store->AttemptById(attempt)->facts; };
+  ASSERT_TRUE(station_.Open(recording.header).has_attempt_opened());
+  EXPECT_EQ(kept(), "{\"resumed\":0}");
+  protocol::AttemptFacts facts;
+  facts.set_resumed(2);
+  facts.GetReflection()->MutableUnknownFields(&facts)->AddLengthDelimited(1000, "later");
+  ASSERT_TRUE(station_.Open(recording.header, facts).has_attempt_opened());
+  EXPECT_EQ(kept(), "{\"resumed\":2}");
+  facts.GetReflection()->MutableUnknownFields(&facts)->AddLengthDelimited(1001,
+                                                                          std::string(4096, 'x'));
+  wire::Reply refused = station_.Open(recording.header, facts);
+  EXPECT_EQ(refused.error().code(), "too_large");
+  EXPECT_EQ(refused.error().field(), "facts");
+  EXPECT_EQ(kept(), "{\"resumed\":2}");
+}
+
 TEST_F(AssignmentTest, StationMayNameTheAssignmentItAsksFor) {
   AssignmentRow exam = open_;
   exam.exam = true;

@@ -152,9 +152,14 @@ class ScriptedStation {
   }
 
   wire::Reply Open(const Bytes& header, bool resumed = false) {
+    protocol::AttemptFacts facts;
+    facts.set_resumed(resumed ? 1 : 0);
+    return Open(header, facts);
+  }
+  wire::Reply Open(const Bytes& header, const protocol::AttemptFacts& facts) {
     wire::Request request;
     request.mutable_open_attempt()->set_header(protocol::ToField(header));
-    request.mutable_open_attempt()->set_resumed(resumed);
+    protocol::SetFacts(facts, *request.mutable_open_attempt());
     return Send(request);
   }
 

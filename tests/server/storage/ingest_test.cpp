@@ -25,6 +25,15 @@ TEST_P(IngestTest, HeaderIsOpenedOnceAndAgainOnlyWithTheSameBytes) {
   EXPECT_EQ(store_->OpenAttempt(Uuid::New(), AsBytes("header")).code(), Code::kNotFound);
 }
 
+TEST_P(IngestTest, KeepsTheFactsThatWereSaidLast) {
+  Uuid attempt = world_.OpenedAttempt();
+  EXPECT_EQ(store_->AttemptById(attempt)->facts, "{}");
+  ASSERT_TRUE(store_->KeepFacts(attempt, "{\"resumed\":1}").ok());
+  ASSERT_TRUE(store_->KeepFacts(attempt, "{\"resumed\":2}").ok());
+  EXPECT_EQ(store_->AttemptById(attempt)->facts, "{\"resumed\":2}");
+  EXPECT_EQ(store_->KeepFacts(Uuid::New(), "{}").code(), Code::kNotFound);
+}
+
 TEST_P(IngestTest, ChunksAreCountedOnceHoweverOftenTheyCome) {
   Uuid attempt = world_.OpenedAttempt();
   auto chunks = world_.Append(attempt, 3);
