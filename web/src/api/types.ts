@@ -36,6 +36,7 @@ export type Assignment = Schemas["Assignment"];
 export type AssignmentTerms = Schemas["AssignmentTerms"];
 export type Attempt = Schemas["Attempt"];
 export type AttemptDetail = Schemas["AttemptDetail"];
+export type AttemptFacts = Schemas["AttemptFacts"];
 export type AttemptFlag = Schemas["AttemptFlag"];
 export type Annotation = Schemas["Annotation"];
 export type Remark = Schemas["Remark"];

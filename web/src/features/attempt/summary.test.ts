@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { AttemptDetail, Criterion, Score } from "../../api/types";
-import { byLostPoints, recordingFacts, summarySentence } from "./summary";
+import { byLostPoints, recordingFacts, saidFacts, summarySentence } from "./summary";
 
 const criterion = (title: string, points: number, max = 10): Criterion =>
   ({ name: title, title, value: 0.3, unit: "mm", points, max_points: max, reason: "" });
@@ -60,4 +60,11 @@ test("gaps, a broken replay and late ticks are each said, with how many", () => 
 test("before the score is known only what the attempt itself says is claimed", () => {
   assert.equal(recordingFacts(attempt(), undefined).headline, "Nothing was lost");
   assert.equal(recordingFacts(attempt({ gap_ticks: 3 }), undefined).complete, false);
+});
+
+test("facts are shown by their names when they were said, also those that this page does not know", () => {
+  assert.deepEqual(saidFacts({ resumed: 0 }), []);
+  assert.deepEqual(saidFacts({}), []);
+  const later = { resumed: 2, chair_side: "left <b>", gloves: true, mask: false, lamp: "", list: [1], nothing: null };
+  assert.deepEqual(saidFacts(later), [{ name: "Resumed", value: "2" }, { name: "Chair side", value: "left <b>" }, { name: "Gloves", value: "Yes" }]);
 });

@@ -1,4 +1,4 @@
-import type { AttemptDetail, Criterion, Score } from "../../api/types";
+import type { AttemptDetail, AttemptFacts, Criterion, Score } from "../../api/types";
 import { formatNumber, formatQuantity, plural } from "../../base/format";
 
 const kPointsShown = 0.05;                      // lost points below this round to zero
@@ -51,6 +51,18 @@ export function recordingFacts(attempt: AttemptDetail, score: Score | undefined)
   }
   const complete = gaps === 0 && score?.witness_ok !== false;
   return { complete, headline: headline(complete, score), details };
+}
+
+// What the station said of the attempt, by the API's own names: a new fact needs nothing here. What was not said is not
+// shown, and neither is what a newer server tells in a way that has no line.
+export function saidFacts(facts: AttemptFacts): { readonly name: string; readonly value: string }[] {
+  return Object.entries(facts).flatMap(([key, value]: [string, unknown]) => {
+    const words = key.replaceAll("_", " ");
+    const name = words.charAt(0).toUpperCase() + words.slice(1);
+    if (value === true) return [{ name, value: "Yes" }];
+    if (typeof value === "number" && value !== 0) return [{ name, value: formatNumber(value, 3) }];
+    return typeof value === "string" && value !== "" ? [{ name, value }] : [];
+  });
 }
 
 function headline(complete: boolean, score: Score | undefined): string {
