@@ -37,12 +37,16 @@ void WriteTicketFields(const Ticket& t, ByteWriter& out) {
 }
 
 // What is signed: never valid as another kind of message.
-std::string SignedTicketMessage(const Ticket& ticket) {
+std::string Message(std::string_view domain, ByteView content) {
+  std::string message(domain);
+  message += AsText(content);
+  return message;
+}
+
+Bytes TicketFields(const Ticket& ticket) {
   ByteWriter fields;
   WriteTicketFields(ticket, fields);
-  std::string message(kTicketDomain);
-  message += AsText(fields.bytes());
-  return message;
+  return fields.Take();
 }
 
 }  // namespace
@@ -71,16 +75,27 @@ Result<Ticket> DecodeTicket(ByteView bytes) {
   return t;
 }
 
+Signature SignText(std::string_view domain, ByteView content, const SecretKey& key) {
+  std::string message = Message(domain, content);
+  Signature signature;
+  crypto_sign_detached(signature.data(), nullptr, AsBytes(message).data(), message.size(),
+                       key.data());
+  return signature;
+}
+
+bool VerifyText(std::string_view domain, ByteView content, const Signature& signature,
+                const PublicKey& key) {
+  std::string message = Message(domain, content);
+  return crypto_sign_verify_detached(signature.data(), AsBytes(message).data(), message.size(),
+                                     key.data()) == 0;
+}
+
 void SignTicket(Ticket& ticket, const SecretKey& server_key) {
-  std::string message = SignedTicketMessage(ticket);
-  crypto_sign_detached(ticket.signature.data(), nullptr, AsBytes(message).data(), message.size(),
-                       server_key.data());
+  ticket.signature = SignText(kTicketDomain, TicketFields(ticket), server_key);
 }
 
 bool VerifyTicket(const Ticket& ticket, const PublicKey& server_key) {
-  std::string message = SignedTicketMessage(ticket);
-  return crypto_sign_verify_detached(ticket.signature.data(), AsBytes(message).data(),
-                                     message.size(), server_key.data()) == 0;
+  return VerifyText(kTicketDomain, TicketFields(ticket), ticket.signature, server_key);
 }
 
 Bytes EncodeHeader(const Header& header) {

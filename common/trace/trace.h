@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/base/bytes.h"
@@ -28,6 +29,12 @@ inline constexpr size_t kMaxSoftwareBytes = 128;
 using PublicKey = std::array<uint8_t, 32>;  // Ed25519
 using SecretKey = std::array<uint8_t, 64>;  // Ed25519, libsodium's form (seed, public key)
 using Signature = std::array<uint8_t, 64>;
+
+// Ed25519 over `domain` and then `content`. The domain says what kind of thing is signed, so that a
+// key that signs several never has one pass for another ("enamel.ticket.v1").
+Signature SignText(std::string_view domain, ByteView content, const SecretKey& key);
+bool VerifyText(std::string_view domain, ByteView content, const Signature& signature,
+                const PublicKey& key);
 
 // Permission to make one attempt, signed by the server (Ed25519 over the encoded fields). First
 // link of the chain.
