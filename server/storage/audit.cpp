@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <boost/json/object.hpp>
+#include <boost/json/serialize.hpp>
 
 #include "server/storage/sqlite_impl.h"
 
@@ -24,6 +26,41 @@ Result<std::vector<AuditRow>> AuditIn(
 }
 
 }  // namespace
+
+Json JsonOf(std::initializer_list<std::pair<const char*, std::string>> members) {
+  boost::json::object object;
+  for (const auto& [name, value] : members) object[name] = value;
+  return boost::json::serialize(object);
+}
+
+namespace {
+
+// Ids are in the order of time; the trail's order holds also where the clock has been set back.
+Result<Uuid> NextAuditId(Db& db) {
+  Uuid fresh = Uuid::New();
+  Query q(db, "SELECT id FROM audit WHERE tenant = ?1 ORDER BY id DESC LIMIT 1");
+  Uuid newest;
+  if (q.Next()) newest = q.Id(0);
+  if (!q.status().ok()) return q.status();
+  if (newest.bytes < fresh.bytes) return fresh;
+  for (size_t i = newest.bytes.size(); i-- > 0;) {
+    if (++newest.bytes[i] != 0) break;
+  }
+  return newest;
+}
+
+}  // namespace
+
+Status WriteAudit(Db& db, const Actor& by, const char* action, const std::string& object,
+                  const Json& before, const Json& after) {
+  ENAMEL_ASSIGN_OR_RETURN(auto id, NextAuditId(db));
+  Query q(
+      db,
+      "INSERT INTO audit (tenant, id, at_ms, actor, via, action, object, before_json, after_json) "
+      "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)");
+  q.Bind(id).Bind(NowMs()).Bind(by.person).Bind(by.via).Bind(std::string(action));
+  return q.Bind(object).Bind(before).Bind(after).Run();
+}
 
 Result<std::vector<AuditRow>> SqliteStore::Audit(uint32_t limit) {
   AuditFilter filter;

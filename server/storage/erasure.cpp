@@ -165,7 +165,7 @@ Result<ErasureReport> SqliteStore::ErasePerson(const Uuid& person, bool with_ref
                       references->front().Text() +
                       "; make another attempt the reference first, or erase with the references");
   }
-  auto alone = TakeUpkeep();
+  auto alone = rewriter_.TakeUpkeep();
   if (!alone.ok()) return alone.status();
   ENAMEL_RETURN_IF_ERROR(Read([&](Db& db) -> Result<bool> {
                            Status others = MustNotBeTheOnlyAdmin(db, found);
@@ -173,7 +173,7 @@ Result<ErasureReport> SqliteStore::ErasePerson(const Uuid& person, bool with_ref
                            return true;
                          }).status());
   Tombstone tombstone{TombstoneOf(person), NowMs()};
-  ENAMEL_RETURN_IF_ERROR(MarkForRewrite());
+  ENAMEL_RETURN_IF_ERROR(rewriter_.Mark());
   ENAMEL_RETURN_IF_ERROR(keyring_.Destroy(person, tombstone.erased_ms));
   ErasureReport report;
   std::set<Sha256> blobs;
@@ -185,7 +185,7 @@ Result<ErasureReport> SqliteStore::ErasePerson(const Uuid& person, bool with_ref
   }));
   ENAMEL_ASSIGN_OR_RETURN(auto removed, RemoveUnnamed(blobs));
   report.blobs = removed;
-  report.finished = RewriteIfMarked().ok();
+  report.finished = rewriter_.RunIfMarked(writer_).ok();
   return report;
 }
 
@@ -206,7 +206,7 @@ Status SqliteStore::Reconcile() {
   for (const Uuid& person : *people) {
     auto tombstone = tombstones.find(TombstoneOf(person));
     if (tombstone == tombstones.end()) continue;
-    ENAMEL_RETURN_IF_ERROR(MarkForRewrite());
+    ENAMEL_RETURN_IF_ERROR(rewriter_.Mark());
     std::set<Sha256> blobs;
     ENAMEL_RETURN_IF_ERROR(Write([&](Db& db) -> Status {
       blobs.clear();
@@ -218,7 +218,7 @@ Status SqliteStore::Reconcile() {
     }));
     all_blobs.merge(blobs);
     // An erasure beside this start may have removed the first mark meanwhile.
-    ENAMEL_RETURN_IF_ERROR(MarkForRewrite());
+    ENAMEL_RETURN_IF_ERROR(rewriter_.Mark());
   }
   return all_blobs.empty() ? Status::Ok() : RemoveUnnamed(all_blobs).status();
 }

@@ -197,7 +197,7 @@ Result<RetentionReport> SqliteStore::ApplyRetention(UnixMs now_ms, bool dry_run,
                            return true;
                          }).status());
   if (dry_run) return report;
-  auto alone = TakeUpkeep();
+  auto alone = rewriter_.TakeUpkeep();
   if (!alone.ok()) return alone.status();
   std::set<Sha256> blobs;
   bool anything =
@@ -211,7 +211,7 @@ Result<RetentionReport> SqliteStore::ApplyRetention(UnixMs now_ms, bool dry_run,
   report.blobs = removed + swept;
   // Last, for what the rules remove makes room; what fails is in the log and left for the next
   // time.
-  (void)RewriteIfMarked();
+  (void)rewriter_.RunIfMarked(writer_);
   return report;
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <atomic>
-#include <condition_variable>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -16,6 +15,8 @@
 #include "server/storage/blobs.h"
 #include "server/storage/engine/database.h"
 #include "server/storage/engine/folder_lock.h"
+#include "server/storage/engine/readers.h"
+#include "server/storage/engine/rewrite.h"
 #include "server/storage/engine/space_guard.h"
 #include "server/storage/engine/writer.h"
 #include "server/storage/keyring.h"
@@ -28,42 +29,6 @@
 // exercises.cpp, assignments.cpp, attempts.cpp, teaching.cpp, traces.cpp, jobs.cpp, audit.cpp,
 // erasure.cpp, retention.cpp).
 namespace enamel::server::sqlite {
-
-// In the data folder while an erasure may have left copies in the database.
-inline constexpr char kRewriteMark[] = "REWRITE";
-
-// Read connections, opened as needed up to a number, then waited for.
-// Thread safety: any thread.
-class Readers {
- public:
-  Readers(std::filesystem::path path, int most, std::string vfs)
-      : path_(std::move(path)), most_(most), vfs_(std::move(vfs)) {}
-
-  class Lease {
-   public:
-    Lease(Readers& readers, std::unique_ptr<SqliteDb> db) : readers_(readers), db_(std::move(db)) {}
-    ~Lease() { readers_.Return(std::move(db_)); }
-    Lease(const Lease&) = delete;
-    Lease& operator=(const Lease&) = delete;
-    Db& db() { return *db_; }
-
-   private:
-    Readers& readers_;
-    std::unique_ptr<SqliteDb> db_;
-  };
-  Result<std::unique_ptr<SqliteDb>> Take();
-
- private:
-  void Return(std::unique_ptr<SqliteDb> db);
-
-  const std::filesystem::path path_;
-  const int most_;
-  const std::string vfs_;
-  std::mutex mutex_;
-  std::condition_variable returned_;
-  std::vector<std::unique_ptr<SqliteDb>> idle_;  // guarded by mutex_
-  int open_ = 0;                                 // guarded by mutex_
-};
 
 class SqliteStore final : public Store {
  public:
@@ -259,34 +224,6 @@ class SqliteStore final : public Store {
   Result<size_t> RemoveUnnamed(const std::set<Sha256>& blobs);
   // Removes blobs that no row names and that are older than `age`.
   Result<size_t> SweepUnnamed(std::chrono::seconds age);
-  // The UPKEEP lock, alone; `upkeep_` says meanwhile that it is this store that has it.
-  class Upkeep {
-   public:
-    Upkeep(FolderLock lock, std::atomic<int>& count) : lock_(std::move(lock)), count_(&count) {
-      ++count;
-    }
-    ~Upkeep() {
-      if (count_ != nullptr) --*count_;
-    }
-    Upkeep(Upkeep&& other) noexcept
-        : lock_(std::move(other.lock_)), count_(std::exchange(other.count_, nullptr)) {}
-    Upkeep& operator=(Upkeep&&) = delete;
-
-   private:
-    FolderLock lock_;
-    std::atomic<int>* count_;
-  };
-  Result<Upkeep> TakeUpkeep();
-  // Another process finishes an erasure.
-  bool OthersErase() const;
-  // Where the mark is (kRewriteMark), writes the database anew without what was freed in it,
-  // empties the log and removes the mark: SQLite overwrites what is deleted, but not the copies
-  // that moving rows about has left in free pages and gaps. Writers wait meanwhile: this store's in
-  // the writer's queue, other processes' because of OthersErase. What fails is in the log; the mark
-  // stays then. Requires: Upkeep is held.
-  Status RewriteIfMarked();
-  Status RoomToRewrite(SqliteDb& db);
-  Status MarkForRewrite();
   // Before this server's first lease: those of an earlier one are over.
   Status EndEarlierLeases();
 
@@ -299,19 +236,18 @@ class SqliteStore final : public Store {
 
   const std::filesystem::path folder_;
   const FolderLock lock_;
-  std::atomic<int> upkeep_{0};  // Upkeep is held so often
+  SpaceGuard space_;
+  Rewriter rewriter_;
   Writer writer_;
   Readers readers_;
   Blobs blobs_;
   Keyring keyring_;
-  SpaceGuard space_;
   std::optional<SealedRows> sealed_rows_;  // the server's; others' rows go with the seal
   std::mutex leases_mutex_;
   bool earlier_leases_;  // there may be some; guarded by leases_mutex_
   std::mutex people_mutex_;
   std::unordered_map<std::string, Uuid> person_of_;  // attempt to person; guarded by people_mutex_
   std::atomic<bool> damaged_{false};                 // a reader found the database damaged
-  std::atomic<bool> rewriting_{false};               // RewriteIfMarked is at it
   std::atomic<uint64_t> chunks_{0}, chunk_bytes_{0}, sealed_{0};
 };
 

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <filesystem>
+
+#include "common/base/result.h"
+#include "server/storage/engine/disk.h"
+
+namespace enamel::server::sqlite {
+
+// The server's folder, made where it is absent and fit to keep what identifies people: its owner's
+// alone (mode 0700), writable, no unfinished restore unless it is `restoring`. Errors: kForbidden
+// (others may look in, and it holds other things too; or this is root and the folder is another
+// user's), kConflict (an unfinished restore), kStorage.
+Status MakeDataFolder(const std::filesystem::path& folder, Disk& disk, bool restoring);
+
+}  // namespace enamel::server::sqlite

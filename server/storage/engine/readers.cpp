@@ -1,0 +1,37 @@
+#include "server/storage/engine/readers.h"
+
+#include <spdlog/spdlog.h>
+
+namespace enamel::server::sqlite {
+
+Result<std::unique_ptr<SqliteDb>> Readers::Take() {
+  {
+    std::unique_lock lock(mutex_);
+    // Without a bound of its own: who has one keeps it for one read, and who must not wait so long
+    // asks on a thread that others do not need (StorePool; an HTTP request ends after 60 s).
+    returned_.wait(lock, [&] { return !idle_.empty() || open_ < most_; });
+    if (!idle_.empty()) {
+      auto db = std::move(idle_.back());
+      idle_.pop_back();
+      return db;
+    }
+    ++open_;
+  }
+  auto db = OpenDatabase(path_, DbMode::kReadOnly, vfs_);
+  if (db.ok()) return db;
+  {
+    std::lock_guard lock(mutex_);
+    --open_;
+    returned_.notify_one();
+  }
+  spdlog::warn("database: {}", db.status().message());
+  return Status(db.status().code(), "the database cannot be read; the log says why");
+}
+
+void Readers::Return(std::unique_ptr<SqliteDb> db) {
+  std::lock_guard lock(mutex_);
+  idle_.push_back(std::move(db));
+  returned_.notify_one();
+}
+
+}  // namespace enamel::server::sqlite
