@@ -276,7 +276,7 @@ TEST_F(PeopleTest, StationIsRenamedAndRevokedAndStaysSo) {
   EXPECT_GT(revoked.at("revoked_ms").as_int64(), 0);
   RawResponse back = Patch(target, R"({"revoked":false})", "\"3\"");
   EXPECT_EQ(back.status, 409);
-  EXPECT_NE(back.body.find("enrol it anew"), std::string::npos) << back.body;
+  EXPECT_NE(back.body.find("enrol it again"), std::string::npos) << back.body;
   EXPECT_TRUE(
       Parsed(root_.Get("/api/v1/stations?revoked=false")).at("stations").as_array().empty());
 }
