@@ -1,10 +1,10 @@
 #include "common/scene/volume_blob.h"
 
-#include <zstd.h>
-
 #include <algorithm>
 #include <memory>
 #include <string>
+
+#include "common/scene/grid_blob.h"
 
 namespace enamel::scene {
 namespace {
@@ -17,37 +17,14 @@ using cutting::Volume;
 
 constexpr std::array<uint8_t, 4> kMagic = {'E', 'N', 'V', 'B'};
 constexpr uint16_t kVersion = 1;
-constexpr int64_t kMaxOrigin_nm = 1'000'000'000;
-constexpr int kLevel = 6;  // 3x smaller than level 1, still under a second for a tooth
+constexpr std::string_view kBlob = "volume blob";
 // Kind byte of a brick (schemas/volume_blob.md).
 constexpr uint8_t kTissueMask = 0x0f;
 constexpr uint8_t kStored = 0x40;
 constexpr uint8_t kLabelled = 0x80;
 
 Status Malformed(const std::string& what) {
-  return Status(Code::kInvalidInput, "volume blob: " + what);
-}
-
-Bytes Compress(const Bytes& raw) {
-  Bytes out(ZSTD_compressBound(raw.size()));
-  size_t n = ZSTD_compress(out.data(), out.size(), raw.data(), raw.size(), kLevel);
-  ENAMEL_CHECK(!ZSTD_isError(n));
-  out.resize(n);
-  return out;
-}
-
-Result<Bytes> Decompress(ByteView packed, size_t size, const char* section) {
-  // Before any memory is taken: the frame's claim must be what the header asks for, and that is
-  // bounded by ValidateGrid.
-  if (ZSTD_getFrameContentSize(packed.data(), packed.size()) != size) {
-    return Malformed(std::string("section '") + section + "' does not hold the " +
-                     std::to_string(size) + " bytes its header asks for");
-  }
-  Bytes out(size);
-  size_t n = ZSTD_decompress(out.data(), out.size(), packed.data(), packed.size());
-  if (ZSTD_isError(n) || n != size)
-    return Malformed(std::string("section '") + section + "' is damaged");
-  return out;
+  return Status(Code::kInvalidInput, std::string(kBlob) + ": " + what);
 }
 
 // Difference to the sample before it along x; the first of a row to the row before; then low bytes
@@ -95,9 +72,7 @@ void WriteHeader(const GridSpec& spec, size_t stored, size_t labelled, ByteWrite
   out.U16(kVersion);
   // Flags: none yet, and a reader refuses any.
   out.U16(0);
-  out.I32(spec.voxel_nm);
-  for (int i = 0; i < 3; ++i) out.I32(spec.bricks[i]);
-  for (int64_t o : spec.origin_nm) out.I64(o);
+  WriteGrid(spec, out);
   out.U32(static_cast<uint32_t>(stored));
   out.U32(static_cast<uint32_t>(labelled));
 }
@@ -120,18 +95,11 @@ Result<Header> ReadHeader(ByteReader& in) {
   }
   uint16_t flags = in.U16();
   Header h;
-  h.spec.voxel_nm = in.I32();
-  for (int i = 0; i < 3; ++i) h.spec.bricks[i] = in.I32();
-  for (int64_t& o : h.spec.origin_nm) {
-    o = in.I64();
-    // Here and not only in ValidateGrid: damaged bytes once gave an origin of INT64_MIN.
-    if (o < -kMaxOrigin_nm || o > kMaxOrigin_nm) return Malformed("its origin is over 1 m away");
-  }
+  ENAMEL_ASSIGN_OR_RETURN(h.spec, ReadGrid(in, kBlob));
   h.stored = in.U32();
   h.labelled = in.U32();
   if (!in.ok()) return Malformed("ends within its header");
   if (flags != 0) return Malformed("expected flags 0, found " + std::to_string(flags));
-  ENAMEL_RETURN_IF_ERROR(cutting::ValidateGrid(h.spec));
   if (h.stored > static_cast<uint64_t>(h.spec.brick_count()) || h.labelled > h.stored) {
     return Malformed("more stored bricks than its grid has");
   }
@@ -198,7 +166,7 @@ Bytes EncodeVolume(const Volume& volume) {
   }
   ByteWriter out;
   WriteHeader(volume.spec(), stored, labels.size() / kBrickVoxels, out);
-  for (const Bytes* section : {&kinds, &phi, &labels}) out.Blob(Compress(*section));
+  for (const Bytes* section : {&kinds, &phi, &labels}) out.Blob(PackSection(*section));
   return out.Take();
 }
 
@@ -211,12 +179,14 @@ Result<Volume> DecodeVolume(ByteView blob) {
   if (!in.ok()) return Malformed("ends early: the file was cut off");
   if (!in.AtEnd()) return Malformed(std::to_string(in.remaining()) + " bytes too many at its end");
   Result<Bytes> kinds =
-      Decompress(packed[0], static_cast<size_t>(header->spec.brick_count()), "kinds");
+      UnpackSection(packed[0], static_cast<size_t>(header->spec.brick_count()), kBlob, "kinds");
   if (!kinds.ok()) return kinds.status();
   ENAMEL_RETURN_IF_ERROR(CheckKinds(*kinds, *header));
-  Result<Bytes> phi = Decompress(packed[1], size_t{header->stored} * 2 * kBrickVoxels, "distances");
+  Result<Bytes> phi =
+      UnpackSection(packed[1], size_t{header->stored} * 2 * kBrickVoxels, kBlob, "distances");
   if (!phi.ok()) return phi.status();
-  Result<Bytes> labels = Decompress(packed[2], size_t{header->labelled} * kBrickVoxels, "labels");
+  Result<Bytes> labels =
+      UnpackSection(packed[2], size_t{header->labelled} * kBrickVoxels, kBlob, "labels");
   if (!labels.ok()) return labels.status();
   Volume volume(header->spec);
   ENAMEL_RETURN_IF_ERROR(Fill(*kinds, *phi, *labels, volume));

@@ -1,0 +1,64 @@
+#include "common/scene/grid_blob.h"
+
+#include <zstd.h>
+
+#include <string>
+
+namespace enamel::scene {
+namespace {
+
+constexpr int64_t kMaxOrigin_nm = 1'000'000'000;
+constexpr int kLevel = 6;  // 3x smaller than level 1, still under a second for a tooth
+
+Status Malformed(std::string_view blob, const std::string& what) {
+  return Status(Code::kInvalidInput, std::string(blob) + ": " + what);
+}
+
+}  // namespace
+
+void WriteGrid(const cutting::GridSpec& spec, ByteWriter& out) {
+  out.I32(spec.voxel_nm);
+  for (int i = 0; i < 3; ++i) out.I32(spec.bricks[i]);
+  for (int64_t o : spec.origin_nm) out.I64(o);
+}
+
+Result<cutting::GridSpec> ReadGrid(ByteReader& in, std::string_view blob) {
+  cutting::GridSpec spec;
+  spec.voxel_nm = in.I32();
+  for (int i = 0; i < 3; ++i) spec.bricks[i] = in.I32();
+  for (int64_t& o : spec.origin_nm) o = in.I64();
+  if (!in.ok()) return Malformed(blob, "ends within its header");
+  for (int64_t o : spec.origin_nm) {
+    // Here and not only in ValidateGrid: damaged bytes once gave an origin of INT64_MIN.
+    if (o < -kMaxOrigin_nm || o > kMaxOrigin_nm) {
+      return Malformed(blob, "its origin is over 1 m away");
+    }
+  }
+  ENAMEL_RETURN_IF_ERROR(cutting::ValidateGrid(spec));
+  return spec;
+}
+
+Bytes PackSection(ByteView raw) {
+  Bytes out(ZSTD_compressBound(raw.size()));
+  size_t n = ZSTD_compress(out.data(), out.size(), raw.data(), raw.size(), kLevel);
+  ENAMEL_CHECK(!ZSTD_isError(n));
+  out.resize(n);
+  return out;
+}
+
+Result<Bytes> UnpackSection(ByteView packed, size_t size, std::string_view blob,
+                            std::string_view section) {
+  const std::string name = "section '" + std::string(section) + "'";
+  // Before any memory is taken: the frame's claim must be what the header asks for, and that is
+  // bounded by its reader.
+  if (ZSTD_getFrameContentSize(packed.data(), packed.size()) != size) {
+    return Malformed(
+        blob, name + " does not hold the " + std::to_string(size) + " bytes its header asks for");
+  }
+  Bytes out(size);
+  size_t n = ZSTD_decompress(out.data(), out.size(), packed.data(), packed.size());
+  if (ZSTD_isError(n) || n != size) return Malformed(blob, name + " is damaged");
+  return out;
+}
+
+}  // namespace enamel::scene

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string_view>
+
+#include "common/base/bytes.h"
+#include "common/base/result.h"
+#include "common/cutting/volume.h"
+
+// What the blobs that belong to a voxel grid have in common (schemas/volume_blob.md,
+// schemas/provenance.md): the grid, and sections packed with zstd. Bounded, deterministic.
+// Thread safety: functions, any thread.
+namespace enamel::scene {
+
+// Voxel, bricks and origin: 40 bytes.
+void WriteGrid(const cutting::GridSpec& spec, ByteWriter& out);
+// Errors: kInvalidInput for a grid over 4 GiB, one over 1 m away, or one that ends early; the
+// message begins with `blob`, what is read.
+Result<cutting::GridSpec> ReadGrid(ByteReader& in, std::string_view blob);
+
+Bytes PackSection(ByteView raw);
+// The `size` bytes that a section must hold. Errors: kInvalidInput when it holds another number, by
+// its own claim, which is looked at before any memory is taken, or is damaged.
+Result<Bytes> UnpackSection(ByteView packed, size_t size, std::string_view blob,
+                            std::string_view section);
+
+}  // namespace enamel::scene
