@@ -59,7 +59,7 @@ const std::map<std::string, Names>& Allowed() {
         {"station/lab/tissue", {"station/lab/report", "common/program"}},
         {"station/lab/bench",
          {"station/lab/cutting", "station/spool", "station/devices", "station/render",
-          "common/import", "common/program"}},
+          "common/import", "common/program", "common/scoring"}},
         {"station/lab/app",
          {"station/lab/bench", "station/lab/report", "station/lab/tissue", "station/devices",
           "common/import", "common/program"}},

@@ -88,6 +88,7 @@ void RegisterBench(CLI::App& app, int* exit_code) {
   RegisterTick(*bench, exit_code);
   RegisterMemory(*bench, exit_code);
   RegisterReplay(*bench, exit_code);
+  RegisterScore(*bench, exit_code);
   RegisterSurface(*bench, exit_code);
   RegisterImport(*bench, exit_code);
   RegisterRecord(*bench, exit_code);

@@ -17,6 +17,7 @@ void RegisterBench(CLI::App& app, int* exit_code);
 void RegisterTick(CLI::App& app, int* exit_code);
 void RegisterMemory(CLI::App& app, int* exit_code);
 void RegisterReplay(CLI::App& app, int* exit_code);
+void RegisterScore(CLI::App& app, int* exit_code);
 void RegisterSurface(CLI::App& app, int* exit_code);
 void RegisterImport(CLI::App& app, int* exit_code);
 void RegisterRecord(CLI::App& app, int* exit_code);
