@@ -17,6 +17,7 @@ CREATE TABLE job_batches (
   tenant    INTEGER NOT NULL REFERENCES tenants (tenant),
   id        BLOB NOT NULL CHECK (length(id) = 16),
   title     TEXT NOT NULL,                                -- for people: "Year 2, class-1-molar"
+  cohort    BLOB,                                         -- whose attempts they are
   cause     TEXT NOT NULL,                                -- of its jobs
   queued_ms INTEGER NOT NULL,
   PRIMARY KEY (tenant, id)

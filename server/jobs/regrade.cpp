@@ -12,23 +12,6 @@ namespace {
 
 constexpr uint32_t kPage = 200;
 
-Result<std::vector<AttemptRow>> ScoredAttempts(AttemptStore& store, const Uuid& exercise,
-                                               const std::optional<Uuid>& cohort) {
-  AttemptFilter filter;
-  filter.exercise = exercise;
-  filter.cohort = cohort;
-  filter.state = AttemptState::kScored;
-  filter.limit = kPage;
-  std::vector<AttemptRow> out;
-  while (out.size() < kMaxPreviewed) {
-    ENAMEL_ASSIGN_OR_RETURN(auto page, store.Attempts(filter));
-    if (page.empty()) break;
-    filter.before = page.back().id;
-    out.insert(out.end(), page.begin(), page.end());
-  }
-  return out;
-}
-
 Result<scoring::ScoreResult> StoredScore(Parts<BlobStore, AttemptStore> store,
                                          const Uuid& attempt) {
   ENAMEL_ASSIGN_OR_RETURN(auto result, store.attempts().ResultOf(attempt));
@@ -77,11 +60,24 @@ Result<scene::Rubric> CountingRubric(Parts<BlobStore, RubricStore> store, const 
   return scene::RubricFromJson(AsText(text));
 }
 
-Result<RubricPreview> PreviewRubric(Parts<BlobStore, AttemptStore> store, const Uuid& exercise,
-                                    const std::optional<Uuid>& cohort,
-                                    const scene::Rubric& rubric) {
+Result<std::vector<AttemptRow>> ScoredAttempts(AttemptStore& store, AttemptFilter which) {
+  which.state = AttemptState::kScored;
+  which.limit = kPage;
+  which.before.reset();
+  std::vector<AttemptRow> out;
+  while (out.size() < kMaxPreviewed) {
+    ENAMEL_ASSIGN_OR_RETURN(auto page, store.Attempts(which));
+    if (page.empty()) break;
+    which.before = page.back().id;
+    out.insert(out.end(), page.begin(), page.end());
+  }
+  return out;
+}
+
+Result<RubricPreview> PreviewRubric(Parts<BlobStore, AttemptStore> store,
+                                    const AttemptFilter& which, const scene::Rubric& rubric) {
   ENAMEL_RETURN_IF_ERROR(scoring::ValidateRubric(rubric));
-  ENAMEL_ASSIGN_OR_RETURN(auto rows, ScoredAttempts(store.attempts(), exercise, cohort));
+  ENAMEL_ASSIGN_OR_RETURN(auto rows, ScoredAttempts(store.attempts(), which));
   RubricPreview out;
   for (const AttemptRow& row : rows) {
     out.attempts.push_back(Regrade(store, row, rubric));

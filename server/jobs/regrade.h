@@ -37,10 +37,13 @@ struct RubricPreview {
 
 inline constexpr size_t kMaxPreviewed = 2000;
 
-// `rubric` on the metrics of the scored attempts of an exercise, of one cohort's members where one
-// is given; the newest kMaxPreviewed. Errors: those of scoring::ValidateRubric.
-Result<RubricPreview> PreviewRubric(Parts<BlobStore, AttemptStore> store, const Uuid& exercise,
-                                    const std::optional<Uuid>& cohort, const scene::Rubric& rubric);
+// The scored attempts that `which` names (its state and page are not read), newest first, at most
+// kMaxPreviewed.
+Result<std::vector<AttemptRow>> ScoredAttempts(AttemptStore& store, AttemptFilter which);
+
+// `rubric` on the metrics of those attempts. Errors: those of scoring::ValidateRubric.
+Result<RubricPreview> PreviewRubric(Parts<BlobStore, AttemptStore> store,
+                                    const AttemptFilter& which, const scene::Rubric& rubric);
 
 // Checks and stores `rubric` as the next version of the one that counts; its own version is not
 // read. `seen`: the version that was corrected. Errors: those of scoring::ValidateRubric and of

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@ struct BatchRow {
   Uuid id;
   std::string title;  // for people
   std::string cause;
+  std::optional<Uuid> cohort{};  // whose attempts they are: who teaches it may see this
   UnixMs queued_ms = 0;
   uint32_t queued = 0, running = 0, done = 0, failed = 0, cancelled = 0;
 
@@ -29,7 +31,7 @@ class BatchStore {
 
   // Scores these attempts again, after runs that were asked for one by one: somebody waits for
   // those. Left out, and counted in `left_out`: of which a run is waiting already, which have no
-  // recording, and which failed or are held back. Title and cause of `row` count. Errors: kConflict
+  // recording, and which failed or are held back. Title, cause and cohort of `row` count. Errors: kConflict
   // when none is left.
   virtual Result<BatchRow> RescoreTogether(const BatchRow& row, const std::vector<Uuid>& attempts,
                                            uint32_t& left_out, const Actor& by) = 0;

@@ -19,18 +19,23 @@ Result<bool> IsScoredAndIdle(Db& db, const Uuid& attempt) {
 // One, or all, newest first, with their jobs counted by state.
 Result<std::vector<BatchRow>> FindBatches(Db& db, const std::optional<Uuid>& id) {
   Query q(db,
-          "SELECT b.id, b.title, b.cause, b.queued_ms, sum(CASE j.state WHEN 'queued' THEN 1 ELSE "
-          "0 END), sum(CASE j.state WHEN 'running' THEN 1 ELSE 0 END), sum(CASE j.state WHEN "
-          "'done' THEN 1 ELSE 0 END), sum(CASE j.state WHEN 'failed' THEN 1 ELSE 0 END), sum(CASE "
-          "j.state WHEN 'cancelled' THEN 1 ELSE 0 END) FROM job_batches b LEFT JOIN jobs j ON "
-          "j.tenant = b.tenant AND j.batch = b.id WHERE b.tenant = ?1 AND (b.id = ?2 OR ?2 = ?3) "
-          "GROUP BY b.tenant, b.id, b.title, b.cause, b.queued_ms ORDER BY b.id DESC LIMIT 100");
+          "SELECT b.id, b.title, b.cause, b.cohort, b.queued_ms, "
+          "sum(CASE j.state WHEN 'queued' THEN 1 ELSE 0 END), "
+          "sum(CASE j.state WHEN 'running' THEN 1 ELSE 0 END), "
+          "sum(CASE j.state WHEN 'done' THEN 1 ELSE 0 END), "
+          "sum(CASE j.state WHEN 'failed' THEN 1 ELSE 0 END), "
+          "sum(CASE j.state WHEN 'cancelled' THEN 1 ELSE 0 END) "
+          "FROM job_batches b LEFT JOIN jobs j ON j.tenant = b.tenant AND j.batch = b.id "
+          "WHERE b.tenant = ?1 AND (b.id = ?2 OR ?2 = ?3) "
+          "GROUP BY b.tenant, b.id, b.title, b.cause, b.cohort, b.queued_ms "
+          "ORDER BY b.id DESC LIMIT 100");
   q.Bind(id.value_or(Uuid{})).Bind(Uuid{});
   std::vector<BatchRow> out;
   while (q.Next()) {
-    BatchRow row{q.Id(0), q.Text(1), q.Text(2), q.Int(3)};
+    BatchRow row{q.Id(0), q.Text(1), q.Text(2), {}, q.Int(4)};
+    if (!q.IsNull(3)) row.cohort = q.Id(3);
     uint32_t* counts[] = {&row.queued, &row.running, &row.done, &row.failed, &row.cancelled};
-    for (int i = 0; i < 5; ++i) *counts[i] = static_cast<uint32_t>(q.Int(4 + i));
+    for (int i = 0; i < 5; ++i) *counts[i] = static_cast<uint32_t>(q.Int(5 + i));
     out.push_back(std::move(row));
   }
   if (!q.status().ok()) return q.status();
@@ -47,9 +52,10 @@ Result<BatchRow> SqliteStore::RescoreTogether(const BatchRow& row,
     left_out = 0;
     {
       Query q(db,
-              "INSERT INTO job_batches (tenant, id, title, cause, queued_ms) VALUES (?1, ?2, ?3, "
-              "?4, ?5)");
-      ENAMEL_RETURN_IF_ERROR(q.Bind(id).Bind(row.title).Bind(row.cause).Bind(NowMs()).Run());
+              "INSERT INTO job_batches (tenant, id, title, cause, queued_ms, cohort) VALUES (?1, "
+              "?2, ?3, ?4, ?5, ?6)");
+      ENAMEL_RETURN_IF_ERROR(
+          q.Bind(id).Bind(row.title).Bind(row.cause).Bind(NowMs()).Bind(row.cohort).Run());
     }
     for (const Uuid& attempt : attempts) {
       ENAMEL_ASSIGN_OR_RETURN(auto can, IsScoredAndIdle(db, attempt));

@@ -373,11 +373,12 @@ CREATE TABLE job_batches (
   tenant    INTEGER NOT NULL REFERENCES tenants (tenant),
   id        BLOB NOT NULL CHECK (length(id) = 16),
   title     TEXT NOT NULL,                                -- for people: "Year 2, class-1-molar"
+  cohort    BLOB,                                         -- whose attempts they are
   cause     TEXT NOT NULL,                                -- of its jobs
   queued_ms INTEGER NOT NULL,
   PRIMARY KEY (tenant, id)
 ) STRICT, WITHOUT ROWID;
-INSERT INTO job_batches VALUES(1,X'01890a5dac96774bbcceb30200000090','Year 2','regrade',1790000000000);
+INSERT INTO job_batches VALUES(1,X'01890a5dac96774bbcceb30200000090','Year 2',NULL,'rubric',1790000000000);
 CREATE INDEX cohort_members_by_person ON cohort_members (tenant, person);
 CREATE INDEX exercises_by_content ON exercises (tenant, content);
 CREATE INDEX attempts_by_person ON attempts (tenant, person, id);

@@ -44,6 +44,11 @@ class ScoreJobTest : public testing::Test {
     EXPECT_TRUE(RunScoreJob(store_, reference_).ok());
     return world_.Record(store_, path);
   }
+  AttemptFilter OfExercise(const Uuid& attempt) {
+    AttemptFilter filter;
+    filter.exercise = store_.attempts[attempt].exercise;
+    return filter;
+  }
   void ExpectFailed(const Uuid& attempt, const std::string& part_of_problem) {
     Status status = RunScoreJob(store_, attempt);
     EXPECT_TRUE(status.ok()) << status.message();
@@ -87,7 +92,7 @@ TEST_F(ScoreJobTest, ACorrectedRubricCountsInTheNextRunAsItsPreviewSaid) {
                 [](const scene::RubricCriterion& c) { return c.metric == "wall_mesial_mm"; });
   ASSERT_LT(rubric.criteria.size(), document->rubric.criteria.size());
 
-  auto preview = PreviewRubric(store_, store_.attempts[attempt].exercise, std::nullopt, rubric);
+  auto preview = PreviewRubric(store_, OfExercise(attempt), rubric);
   ASSERT_TRUE(preview.ok()) << preview.status().message();
   ASSERT_EQ(preview->attempts.size(), 2u) << "the reference, too";
   const RegradedAttempt& seen = preview->attempts.front();
@@ -119,8 +124,7 @@ TEST_F(ScoreJobTest, APreviewSaysOfWhichAttemptsItCannotTell) {
   older.scoring_version = scoring::kScoringVersion - 1;
   store_.results[attempt].score_json = *store_.PutBlob(AsBytes(scoring::ToJson(older)));
   store_.results[reference_].score_json = HashSha256(AsBytes("lost"));
-  auto preview =
-      PreviewRubric(store_, store_.attempts[attempt].exercise, std::nullopt, document->rubric);
+  auto preview = PreviewRubric(store_, OfExercise(attempt), document->rubric);
   ASSERT_TRUE(preview.ok());
   EXPECT_EQ(preview->problems, 2u);
   EXPECT_EQ(preview->mean_after, 0);
@@ -128,9 +132,7 @@ TEST_F(ScoreJobTest, APreviewSaysOfWhichAttemptsItCannotTell) {
 
   scene::Rubric broken = document->rubric;
   broken.criteria[0].metric = "no_such_metric";
-  EXPECT_EQ(PreviewRubric(store_, store_.attempts[attempt].exercise, std::nullopt, broken)
-                .status()
-                .code(),
+  EXPECT_EQ(PreviewRubric(store_, OfExercise(attempt), broken).status().code(),
             Code::kInvalidInput);
 }
 

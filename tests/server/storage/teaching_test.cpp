@@ -891,12 +891,14 @@ TEST_P(TeachingTest, ABatchScoresWhatItCanAndLeavesOutTheRest) {
   BatchRow wanted;
   wanted.title = "year 1";
   wanted.cause = "rubric";
+  wanted.cohort = Cohort("year 1", world.student);
   auto batch =
       store_->RescoreTogether(wanted, {first, open, second, Uuid::New()}, left_out, kSystem);
   ASSERT_TRUE(batch.ok()) << batch.status().message();
   EXPECT_EQ(left_out, 2u);
   EXPECT_EQ(batch->queued, 2u);
   EXPECT_EQ(batch->title, "year 1");
+  EXPECT_EQ(batch->cohort, wanted.cohort);
   EXPECT_FALSE(batch->over());
   // Both are waiting now.
   EXPECT_EQ(store_->RescoreTogether(wanted, {first, second}, left_out, kSystem).status().code(),
