@@ -72,11 +72,9 @@ std::optional<std::string> RepeatedMember(const std::string& body,
   return parser.handler().repeated();
 }
 
-Result<json::object> ParseObject(const Request& request) {
+Result<json::object> ParseObject(const Request& request, size_t max_depth = kPlainDepth) {
   json::parse_options options;
-  // No body of the API is nested deeper; those with documents inside are read by the documents' own
-  // parsers.
-  options.max_depth = 4;
+  options.max_depth = max_depth;
   json::error_code error;
   json::value value = json::parse(request.body, error, {}, options);
   if (error || !value.is_object()) {
@@ -148,8 +146,8 @@ Result<json::object> TextMembers(const Request& request,
   return parsed;
 }
 
-BodyReader::BodyReader(const Request& request) {
-  Result<json::object> parsed = ParseObject(request);
+BodyReader::BodyReader(const Request& request, size_t max_depth) {
+  Result<json::object> parsed = ParseObject(request, max_depth);
   if (parsed.ok()) {
     object_ = std::move(*parsed);
   } else {
@@ -260,6 +258,13 @@ std::vector<Uuid> BodyReader::Ids(std::string_view name, size_t at_most) {
     out.push_back(*id);
   }
   return out;
+}
+
+std::string BodyReader::Document(std::string_view name) {
+  const json::value* value = Need(name, "an object");
+  if (value != nullptr && value->is_object()) return json::serialize(*value);
+  if (value != nullptr) Refuse(name, "an object");
+  return "{}";
 }
 
 std::optional<std::array<int32_t, 3>> BodyReader::MaybePoint(std::string_view name) {

@@ -26,6 +26,9 @@ struct TextMember {
 Result<boost::json::object> TextMembers(const Request& request,
                                         std::initializer_list<TextMember> members);
 
+// No plain body of the API is nested deeper.
+inline constexpr size_t kPlainDepth = 4;
+
 // Takes a body of several types apart, member by member. The first problem is kept and everything
 // after it answers its default, so that a handler asks for all it wants and looks once:
 //   BodyReader body(request);
@@ -35,7 +38,8 @@ Result<boost::json::object> TextMembers(const Request& request,
 // not asked for. Requires: Content-Type was checked (IsJson).
 class BodyReader {
  public:
-  explicit BodyReader(const Request& request);
+  // `max_depth`: more with a document inside (Document), as far as its format goes.
+  explicit BodyReader(const Request& request, size_t max_depth = kPlainDepth);
 
   // Whether it is there at all; one that only may be is read when it is.
   bool Has(std::string_view name) const { return object_.if_contains(name) != nullptr; }
@@ -49,6 +53,8 @@ class BodyReader {
   bool Flag(std::string_view name, bool otherwise);
   std::optional<Uuid> MaybeId(std::string_view name);            // none: null or absent
   std::vector<Uuid> Ids(std::string_view name, size_t at_most);  // none: absent
+  // An object, as JSON text: for the parser of the document that it is.
+  std::string Document(std::string_view name);
   // Exactly three; none: null or absent.
   std::optional<std::array<int32_t, 3>> MaybePoint(std::string_view name);
 

@@ -16,6 +16,7 @@
 #include "server/http/handlers/seen_attempt.h"
 #include "server/http/json_body.h"
 #include "server/http/paging.h"
+#include "server/jobs/regrade.h"
 #include "server/jobs/surface_blob.h"
 #include "server/training/access.h"
 #include "server/training/revision.h"
@@ -210,9 +211,7 @@ Result<std::vector<ExerciseRow>> ListedExercises(const Call& call, ContentStore&
 }
 
 // The exercise with all of its document, as one that may be edited.
-Result<json::object> WholeJson(const Call& call,
-                               Parts<ContentStore, TeachingStore, AttemptStore> store,
-                               const ExerciseRow& row) {
+Result<json::object> WholeJson(const Call& call, ExerciseParts store, const ExerciseRow& row) {
   Result<std::map<Uuid, int>> attempts = OwnAttempts(call, store);
   if (!attempts.ok()) return attempts.status();
   Result<scene::Exercise> exercise = Document(store, row);
@@ -226,12 +225,14 @@ Result<json::object> WholeJson(const Call& call,
   out->emplace("scene_sha256", row.scene.Hex());
   out->emplace("document_sha256", row.content.Hex());
   out->emplace("target", TargetJson(exercise->target));
-  out->emplace("rubric", RubricJson(exercise->rubric));
+  Result<scene::Rubric> rubric = CountingRubric(store, row.id, exercise->rubric);
+  if (!rubric.ok()) return Status{Code::kInternal, rubric.status().message()};
+  out->emplace("rubric", RubricJson(*rubric));
   return out;
 }
 
-Response WholeResponse(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store,
-                       const ExerciseRow& row, int status = 200) {
+Response WholeResponse(const Call& call, ExerciseParts store, const ExerciseRow& row,
+                       int status = 200) {
   Result<json::object> out = WholeJson(call, store, row);
   if (!out.ok()) return ErrorResponse(out.status());
   return WithETag(JsonResponse(*out, status), row.revision);
@@ -274,8 +275,7 @@ Result<int32_t> SeenRevision(const Call& call, Parts<ContentStore, AttemptStore>
 }
 
 // Why a change of an exercise did not happen.
-Response Refused(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store,
-                 const Status& status) {
+Response Refused(const Call& call, ExerciseParts store, const Status& status) {
   if (status.field() != kStale) return ErrorResponse(status);
   Result<ExerciseRow> now = store.content().ExerciseById(call.id);
   if (!now.ok()) return ErrorResponse(now.status());
@@ -352,7 +352,7 @@ Result<Sha256> InitialSurface(ContentStore& store, const ExerciseRow& row) {
 
 }  // namespace
 
-Response ListExercises(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store) {
+Response ListExercises(const Call& call, ExerciseParts store) {
   Result<Page> page = PageOf(call.request, kMaxPage, kMaxPage);
   if (!page.ok()) return ErrorResponse(page.status());
   Result<std::vector<ExerciseRow>> rows = ListedExercises(call, store);
@@ -371,7 +371,7 @@ Response ListExercises(const Call& call, Parts<ContentStore, TeachingStore, Atte
   return JsonResponse({{"exercises", std::move(exercises)}, {"next", std::move(next)}});
 }
 
-Response GetExercise(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store) {
+Response GetExercise(const Call& call, ExerciseParts store) {
   Result<ExerciseRow> row = VisibleExercise(call, store);
   if (!row.ok()) return ErrorResponse(row.status());
   return WholeResponse(call, store, *row);
@@ -428,7 +428,7 @@ Response ListExerciseVersions(const Call& call, Parts<ContentStore, AttemptStore
   return JsonResponse({{"versions", std::move(versions)}, {"next", std::move(next)}});
 }
 
-Response ListReferences(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store) {
+Response ListReferences(const Call& call, ExerciseParts store) {
   Result<ExerciseRow> row = VisibleExercise(call, store);
   if (!row.ok()) return ErrorResponse(row.status());
   Result<Page> page = PageOf(call.request, kMaxPage, kMaxPage);
@@ -445,7 +445,7 @@ Response ListReferences(const Call& call, Parts<ContentStore, TeachingStore, Att
   return JsonResponse({{"references", std::move(references)}, {"next", std::move(next)}});
 }
 
-Response PutDraft(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store) {
+Response PutDraft(const Call& call, ExerciseParts store) {
   if (!IsJson(call.request)) return NotJson();
   Result<ExerciseRow> draft = UploadedExercise(call, store);
   if (!draft.ok()) return ErrorResponse(draft.status());
@@ -454,7 +454,7 @@ Response PutDraft(const Call& call, Parts<ContentStore, TeachingStore, AttemptSt
   return WholeResponse(call, store, *row, 201);
 }
 
-Response ReplaceDraft(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store) {
+Response ReplaceDraft(const Call& call, ExerciseParts store) {
   if (!IsJson(call.request)) return NotJson();
   Result<int32_t> revision = SeenRevision(call, store);
   if (!revision.ok()) return ErrorResponse(revision.status());
@@ -467,7 +467,7 @@ Response ReplaceDraft(const Call& call, Parts<ContentStore, TeachingStore, Attem
   return WholeResponse(call, store, *row);
 }
 
-Response DeleteDraft(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store) {
+Response DeleteDraft(const Call& call, ExerciseParts store) {
   Result<int32_t> revision = SeenRevision(call, store);
   if (!revision.ok()) return ErrorResponse(revision.status());
   Status done = store.content().DeleteDraft(call.id, *revision, ActorOf(call));
@@ -477,7 +477,7 @@ Response DeleteDraft(const Call& call, Parts<ContentStore, TeachingStore, Attemp
   return response;
 }
 
-Response PublishDraft(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store) {
+Response PublishDraft(const Call& call, ExerciseParts store) {
   Result<int32_t> revision = SeenRevision(call, store);
   if (!revision.ok()) return ErrorResponse(revision.status());
   Result<ExerciseRow> row = store.content().PublishDraft(call.id, *revision, ActorOf(call));

@@ -31,18 +31,29 @@ Response ListSessionsOf(const Call& call, PeopleStore& store);
 Response EndSessionsOf(const Call& call, PeopleStore& store);
 Response ImportRoster(const Call& call, PeopleStore& store);
 
-Response ListExercises(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store);
-Response GetExercise(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store);
+// An exercise with the rubric that counts, its references and the caller's attempts of it.
+using ExerciseParts = Parts<ContentStore, RubricStore, TeachingStore, AttemptStore>;
+Response ListExercises(const Call& call, ExerciseParts store);
+Response GetExercise(const Call& call, ExerciseParts store);
 Response GetExerciseDocument(const Call& call, Parts<ContentStore, AttemptStore> store);
 Response GetInitialSurface(const Call& call, Parts<ContentStore, AttemptStore> store);
 Response ListExerciseVersions(const Call& call, Parts<ContentStore, AttemptStore> store);
-Response ListReferences(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store);
-Response PutDraft(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store);
-Response ReplaceDraft(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store);
-Response DeleteDraft(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store);
-Response PublishDraft(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store);
+Response ListReferences(const Call& call, ExerciseParts store);
+Response PutDraft(const Call& call, ExerciseParts store);
+Response ReplaceDraft(const Call& call, ExerciseParts store);
+Response DeleteDraft(const Call& call, ExerciseParts store);
+Response PublishDraft(const Call& call, ExerciseParts store);
 Response RetireExercise(const Call& call, Parts<ContentStore, AttemptStore> store);
 Response WithdrawReference(const Call& call, Parts<TeachingStore, AttemptStore> store);
+
+Response ListRubrics(const Call& call, ExerciseParts store);
+Response PreviewRubricChange(const Call& call, ExerciseParts store);
+Response PublishRubric(const Call& call, ExerciseParts store);
+using RescoreParts = Parts<ContentStore, TeachingStore, AttemptStore, BatchStore>;
+Response RescoreCohort(const Call& call, RescoreParts store);
+Response ListBatches(const Call& call, RescoreParts store);
+Response GetBatch(const Call& call, RescoreParts store);
+Response CancelBatch(const Call& call, RescoreParts store);
 
 Response ListAssignments(const Call& call, Parts<StationStore, ContentStore, TeachingStore> store);
 Response AddAssignment(const Call& call, Parts<StationStore, ContentStore, TeachingStore> store);

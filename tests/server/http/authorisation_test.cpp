@@ -77,6 +77,11 @@ const Line kLines[] = {
     {"GET /api/v1/cohorts/{id}",                "cohort A",       "",                                    "401 403 403 403 200 404 200 200 401 403"},
     {"PATCH /api/v1/cohorts/{id}",              "cohort A",       R"({"archived":true})",                "401 403 403 403 403 403 200 200 401 403"},
     {"POST /api/v1/cohorts/{id}/members",       "cohort B",       R"({"add":["SAM"]})",                  "401 403 403 403 403 403 200 200 401 403"},
+    // 409: may, and has nothing that could be scored again: the one scored attempt has a run waiting.
+    {"POST /api/v1/cohorts/{id}/rescore",       "cohort A",       R"({})",                               "401 403 403 403 409 404 409 409 401 403"},
+    {"GET /api/v1/batches",                     "",               "",                                    "401 403 403 403 200 200 200 200 401 403"},
+    {"GET /api/v1/batches/{id}",                "batch",          "",                                    "401 403 403 403 200 404 200 200 401 403"},
+    {"POST /api/v1/batches/{id}/cancel",        "batch",          "",                                    "401 403 403 403 200 404 200 200 401 403"},
     // Stations.
     {"GET /api/v1/stations",                    "",               "",                                    "401 403 403 403 200 200 200 200 401 403"},
     {"GET /api/v1/stations/{id}",               "station",        "",                                    "401 403 403 403 200 200 200 200 401 403"},
@@ -109,6 +114,9 @@ const Line kLines[] = {
     {"GET /api/v1/exercises/{id}/references",      "exercise",       "",                                    "401 200 200 200 200 200 200 200 401 403"},
     {"POST /api/v1/exercises/{id}/publish",        "exercise",       "",                                    "401 403 403 403 409 409 409 409 401 403"},
     {"POST /api/v1/exercises/{id}/retire",         "exercise",       "",                                    "401 403 403 403 204 204 204 204 401 403"},
+    {"GET /api/v1/exercises/{id}/rubrics",         "exercise",       "",                                    "401 403 403 403 200 200 200 200 401 403"},
+    {"POST /api/v1/exercises/{id}/rubrics",        "exercise",       R"({})",                               "401 403 403 403 400 400 400 400 401 403"},
+    {"POST /api/v1/exercises/{id}/rubrics/preview", "exercise",      R"({})",                               "401 403 403 403 400 400 400 400 401 403"},
     {"POST /api/v1/references/{id}/withdraw",      "reference",      "",                                    "401 403 403 403 204 403 204 204 401 403"},
     // Assignments to cohort A.
     {"GET /api/v1/assignments",                    "",               "",                                    "401 200 200 200 200 200 200 200 401 403"},
@@ -254,6 +262,17 @@ class Template {
     things["appealed"] = appealed.Text();
     things["reference"] = store.AddReference(appealed, "Dr. Vega", true, ada)->id.Text();
     things["job"] = store.Jobs("queued")->front().id.Text();
+    // Sue's is scored and waits for nothing, until it is asked for with others of cohort A.
+    const Uuid again = school.ScoredAttempt(school.sue);
+    JobFilter newest;
+    newest.limit = 1;
+    EXPECT_TRUE(store.CancelJob(store.FindJobs(newest)->front().id, ada).ok());
+    BatchRow batch;
+    batch.title = "cohort A";
+    batch.cause = "rubric";
+    batch.cohort = school.cohort_a;
+    uint32_t left_out = 0;
+    things["batch"] = store.RescoreTogether(batch, {again}, left_out, ada)->id.Text();
   }
 };
 

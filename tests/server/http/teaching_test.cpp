@@ -4,6 +4,7 @@
 #include <atomic>
 #include <future>
 #include <map>
+#include <set>
 #include <thread>
 
 #include "common/scene/builtin/builtin.h"
@@ -37,8 +38,8 @@ class TeachingTest : public testing::Test {
     return visitor.Send(method, target, headers, body.is_null() ? "" : json::serialize(body));
   }
   RawResponse Post(const std::string& login, const std::string& target,
-                   const json::value& body = {}) {
-    return Send(login, "POST", target, body);
+                   const json::value& body = {}, const std::string& etag = "") {
+    return Send(login, "POST", target, body, etag);
   }
   std::string Scored(const std::string& rest = "") const {
     return "/api/v1/attempts/" + school_.sams_scored.Text() + rest;
@@ -479,6 +480,92 @@ TEST_F(TeachingTest, JobIsCancelledByAnAdminAndQueuedAgainByAnInstructor) {
   EXPECT_EQ(queued.status, 202) << queued.body;
   EXPECT_EQ(Post("ada", Scored("/rescore")).status, 409);
   EXPECT_EQ(Post("root", "/api/v1/jobs/" + Uuid::New().Text() + "/cancel").status, 404);
+}
+
+TEST_F(TeachingTest, ARubricIsCorrectedOverTheVersionThatWasSeen) {
+  const std::string path = "/api/v1/exercises/" + school_.exercise.Text() + "/rubrics";
+  EXPECT_EQ(By("sam").Get(path).status, 403);
+  json::value versions = Parsed(By("ada").Get(path)).at("rubrics");
+  ASSERT_EQ(versions.as_array().size(), 1u);
+  json::object rubric = versions.at(0).at("document").as_object();
+  const int64_t own = versions.at(0).at("version").as_int64();
+  const std::string seen = "\"" + std::to_string(own) + "\"";
+
+  json::object body{{"reason", "one criterion was too strict"}, {"rubric", rubric}};
+  RawResponse same = Post("ada", path, body, seen);
+  EXPECT_EQ(same.status, 409) << "it says nothing new: " << same.body;
+  rubric.at("criteria").at(0).at("points") = 77;
+  body["rubric"] = rubric;
+  EXPECT_EQ(Post("ada", path, body).status, 428) << "without saying what was corrected";
+  EXPECT_EQ(Post("ada", path, body, "\"99\"").status, 412);
+  RawResponse published = Post("ada", path, body, seen);
+  ASSERT_EQ(published.status, 201) << published.body;
+  EXPECT_EQ(Parsed(published).at("version"), own + 1);
+  EXPECT_EQ(Parsed(published).at("document").at("version"), own + 1);
+  RawResponse late = Post("ben", path, body, seen);
+  EXPECT_EQ(late.status, 412) << "somebody else was first";
+  EXPECT_EQ(Parsed(late).at("current").at("version"), own + 1);
+
+  versions = Parsed(By("ada").Get(path)).at("rubrics");
+  ASSERT_EQ(versions.as_array().size(), 2u);
+  EXPECT_EQ(versions.at(0).at("reason"), "one criterion was too strict");
+  EXPECT_EQ(versions.at(1).at("version"), own);
+  json::value shown = Parsed(By("sam").Get("/api/v1/exercises/" + school_.exercise.Text()));
+  EXPECT_EQ(shown.at("rubric").at("version"), own + 1);
+  EXPECT_EQ(shown.at("rubric").at("criteria").at(0).at("points").to_number<double>(), 77);
+
+  body["rubric"].at("criteria").at(0).at("metric") = "no_such_metric";
+  RawResponse unknown = Post("ada", path, body, "\"" + std::to_string(own + 1) + "\"");
+  EXPECT_EQ(unknown.status, 400);
+  EXPECT_NE(unknown.body.find("no_such_metric"), std::string::npos) << unknown.body;
+}
+
+TEST_F(TeachingTest, APreviewShowsOwnCohortsAlone) {
+  const std::string path = "/api/v1/exercises/" + school_.exercise.Text() + "/rubrics";
+  json::value rubric = Parsed(By("ada").Get(path)).at("rubrics").at(0).at("document");
+  auto attempts = [&](const std::string& login) {
+    RawResponse preview = Post(login, path + "/preview", rubric.as_object());
+    EXPECT_EQ(preview.status, 200) << preview.body;
+    std::set<std::string> out;
+    for (const json::value& row : Parsed(preview).at("attempts").as_array()) {
+      out.insert(std::string(row.at("attempt_id").as_string()));
+    }
+    return out;
+  };
+  EXPECT_TRUE(attempts("ada").count(school_.sams_scored.Text()));
+  EXPECT_FALSE(attempts("ada").count(school_.toms_scored.Text()));
+  EXPECT_TRUE(attempts("ben").count(school_.toms_scored.Text()));
+  EXPECT_FALSE(attempts("ben").count(school_.sams_scored.Text()));
+  EXPECT_TRUE(attempts("root").count(school_.sams_scored.Text()));
+  EXPECT_TRUE(attempts("root").count(school_.toms_scored.Text()));
+  EXPECT_EQ(Post("sam", path + "/preview", rubric.as_object()).status, 403);
+}
+
+TEST_F(TeachingTest, ACohortIsScoredAgainInOneBatch) {
+  for (const JobRow& job : *school_.store->Jobs("queued")) {
+    ASSERT_TRUE(school_.store->CancelJob(job.id, Actor{school_.root, "page"}).ok());
+  }
+  const std::string path = "/api/v1/cohorts/" + school_.cohort_a.Text() + "/rescore";
+  EXPECT_EQ(Post("sam", path).status, 403);
+  EXPECT_EQ(Post("ben", path).status, 404);
+  RawResponse queued = Post("ada", path, {{"exercise_id", school_.exercise.Text()}});
+  ASSERT_EQ(queued.status, 202) << queued.body;
+  json::value batch = Parsed(queued);
+  EXPECT_EQ(batch.at("queued"), 1);
+  EXPECT_EQ(batch.at("left_out"), 0);
+  EXPECT_FALSE(batch.at("over").as_bool());
+  EXPECT_EQ(Post("ada", path, json::object()).status, 409) << "it waits already";
+  EXPECT_EQ(Post("ada", path, {{"exercise_id", Uuid::New().Text()}}).status, 400);
+
+  const std::string one = "/api/v1/batches/" + std::string(batch.at("id").as_string());
+  EXPECT_EQ(By("ben").Get(one).status, 404);
+  EXPECT_TRUE(Parsed(By("ben").Get("/api/v1/batches")).at("batches").as_array().empty());
+  EXPECT_EQ(Parsed(By("ada").Get("/api/v1/batches")).at("batches").as_array().size(), 1u);
+  RawResponse cancelled = Post("ada", one + "/cancel");
+  EXPECT_EQ(cancelled.status, 200) << cancelled.body;
+  EXPECT_EQ(Parsed(cancelled).at("cancelled"), 1);
+  EXPECT_TRUE(Parsed(By("ada").Get(one)).at("over").as_bool());
+  EXPECT_EQ(Post("ada", one + "/cancel").status, 409);
 }
 
 TEST_F(TeachingTest, ReferencesAreListedAndWithdrawnAndNamesShownWithConsentOnly) {

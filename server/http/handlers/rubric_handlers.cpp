@@ -1,0 +1,250 @@
+#include <algorithm>
+#include <boost/json.hpp>
+
+#include "common/scene/json/json.h"
+#include "server/http/caller.h"
+#include "server/http/error_response.h"
+#include "server/http/etag.h"
+#include "server/http/handlers/handlers.h"
+#include "server/http/json_body.h"
+#include "server/http/query.h"
+#include "server/jobs/regrade.h"
+#include "server/training/access.h"
+#include "server/training/revision.h"
+
+// Correcting the rubric of an exercise that is published, and scoring a cohort again.
+namespace enamel::server::http {
+namespace json = boost::json;
+namespace {
+
+constexpr size_t kMaxReason = 1000;
+// Body, rubric, criteria, one of them, its map, a row of it.
+constexpr size_t kRubricDepth = 6;
+
+// An exercise whose rubric the caller may correct.
+Result<ExerciseRow> EditedExercise(const Call& call, ContentStore& store) {
+  Status none{Code::kNotFound, "there is no such exercise", "id"};
+  Result<ExerciseRow> row = store.ExerciseById(call.id);
+  if (!row.ok()) return row.status().code() == Code::kNotFound ? none : row.status();
+  if (CanEditExercises(call.caller->person)) return row;
+  return Status{Code::kForbidden, "expected an instructor or admin"};
+}
+
+Result<scene::Exercise> DocumentOf(ContentStore& store, const ExerciseRow& row) {
+  ENAMEL_ASSIGN_OR_RETURN(auto bytes, store.GetBlob(row.content));
+  return scene::ExerciseFromJson(AsText(bytes));
+}
+
+json::object VersionJson(const scene::Rubric& rubric, const std::string& reason,
+                         UnixMs published_ms) {
+  return {{"version", rubric.version},
+          {"reason", reason},
+          {"published_ms", published_ms},
+          {"document", json::parse(scene::ToJson(rubric))}};
+}
+
+// Newest first, the exercise's own last.
+Result<json::array> Versions(ExerciseParts store, const ExerciseRow& exercise) {
+  ENAMEL_ASSIGN_OR_RETURN(auto rows, store.rubrics().Rubrics(exercise.id));
+  json::array out;
+  for (const RubricRow& row : rows) {
+    ENAMEL_ASSIGN_OR_RETURN(auto text, store.content().GetBlob(row.content));
+    ENAMEL_ASSIGN_OR_RETURN(auto rubric, scene::RubricFromJson(AsText(text)));
+    out.push_back(VersionJson(rubric, row.reason, row.published_ms));
+  }
+  ENAMEL_ASSIGN_OR_RETURN(auto document, DocumentOf(store, exercise));
+  out.push_back(VersionJson(document.rubric, "", exercise.published_ms));
+  return out;
+}
+
+// A rubric of a newer format is the sender's mistake, not this server's.
+Result<scene::Rubric> RubricOf(const std::string& text, const std::string& member) {
+  Result<scene::Rubric> rubric = scene::RubricFromJson(text);
+  if (rubric.ok()) return rubric;
+  const Status& why = rubric.status();
+  const Code code = why.code() == Code::kVersion ? Code::kInvalidInput : why.code();
+  return Status{code, why.message(), member + why.field()};
+}
+
+json::array HistogramJson(const ScoreHistogram& histogram) {
+  json::array out;
+  for (uint32_t count : histogram) out.push_back(count);
+  return out;
+}
+
+json::object PreviewJson(const RubricPreview& preview) {
+  json::array attempts;
+  for (const RegradedAttempt& a : preview.attempts) {
+    json::value after, failed;
+    if (a.problem.empty()) {
+      after = a.after;
+      failed = a.failed_after;
+    }
+    attempts.push_back(
+        {{"attempt_id", a.row.id.Text()},
+         {"person", {{"id", a.row.person.Text()}, {"display_name", a.row.person_name}}},
+         {"before", a.before},
+         {"after", std::move(after)},
+         {"failed_before", a.failed_before},
+         {"failed_after", std::move(failed)},
+         {"overridden", a.row.overridden.has_value()},
+         {"released", a.row.released},
+         {"problem", a.problem}});
+  }
+  return {{"attempts", std::move(attempts)},
+          {"raised", preview.raised},
+          {"lowered", preview.lowered},
+          {"problems", preview.problems},
+          {"mean_before", preview.mean_before},
+          {"mean_after", preview.mean_after},
+          {"histogram_before", HistogramJson(preview.before)},
+          {"histogram_after", HistogramJson(preview.after)}};
+}
+
+json::object BatchJson(const BatchRow& row) {
+  json::value cohort;
+  if (row.cohort) cohort = row.cohort->Text();
+  return {{"id", row.id.Text()},        {"title", row.title},         {"cause", row.cause},
+          {"cohort_id", cohort},        {"queued_ms", row.queued_ms}, {"queued", row.queued},
+          {"running", row.running},     {"done", row.done},           {"failed", row.failed},
+          {"cancelled", row.cancelled}, {"over", row.over()}};
+}
+
+// Cohorts whose attempts the caller may score again: an instructor's own; an admin's are all.
+Result<std::vector<Cohort>> TaughtCohorts(const Call& call, TeachingStore& store) {
+  const Person& person = call.caller->person;
+  return person.role == Role::kAdmin ? store.Cohorts() : store.CohortsOf(person.id);
+}
+
+bool Teaches(const std::vector<Cohort>& taught, const std::optional<Uuid>& cohort) {
+  return cohort && std::ranges::find(taught, *cohort, &Cohort::id) != taught.end();
+}
+
+Result<BatchRow> SeenBatch(const Call& call, RescoreParts store) {
+  Status none{Code::kNotFound, "there is no such batch", "id"};
+  Result<BatchRow> row = store.batches().BatchById(call.id);
+  if (!row.ok()) return row.status().code() == Code::kNotFound ? none : row.status();
+  Result<std::vector<Cohort>> taught = TaughtCohorts(call, store);
+  if (!taught.ok()) return taught.status();
+  if (Teaches(*taught, row->cohort)) return row;
+  return none;
+}
+
+}  // namespace
+
+Response ListRubrics(const Call& call, ExerciseParts store) {
+  Result<ExerciseRow> row = EditedExercise(call, store);
+  if (!row.ok()) return ErrorResponse(row.status());
+  Result<json::array> versions = Versions(store, *row);
+  // What is stored was checked when it came in: unreadable now is damage of ours.
+  if (!versions.ok()) return ErrorResponse({Code::kInternal, versions.status().message()});
+  const auto newest = static_cast<int32_t>(versions->front().at("version").as_int64());
+  return WithETag(JsonResponse({{"rubrics", std::move(*versions)}}), newest);
+}
+
+Response PreviewRubricChange(const Call& call, ExerciseParts store) {
+  if (!IsJson(call.request)) return NotJson();
+  Result<ExerciseRow> row = EditedExercise(call, store);
+  if (!row.ok()) return ErrorResponse(row.status());
+  Result<scene::Rubric> rubric = RubricOf(call.request.body, "");
+  if (!rubric.ok()) return ErrorResponse(rubric.status());
+  // As everywhere: of the attempts of others, an instructor sees those of their own cohorts.
+  AttemptFilter which;
+  which.exercise = row->id;
+  const Person& viewer = call.caller->person;
+  if (viewer.role != Role::kAdmin) which.visible_to_instructor = viewer.id;
+  Result<RubricPreview> preview = PreviewRubric(store, which, *rubric);
+  if (!preview.ok()) return ErrorResponse(preview.status());
+  return JsonResponse(PreviewJson(*preview));
+}
+
+Response PublishRubric(const Call& call, ExerciseParts store) {
+  if (!IsJson(call.request)) return NotJson();
+  Result<ExerciseRow> row = EditedExercise(call, store);
+  if (!row.ok()) return ErrorResponse(row.status());
+  BodyReader body(call.request, kRubricDepth);
+  const std::string reason = body.Text("reason", 1, kMaxReason);
+  const std::string document = body.Document("rubric");
+  if (Status status = body.Finish(); !status.ok()) return ErrorResponse(status);
+  Result<scene::Rubric> rubric = RubricOf(document, "rubric");
+  if (!rubric.ok()) return ErrorResponse(rubric.status());
+  Result<int32_t> seen = IfMatch(call.request);
+  if (!seen.ok()) return ErrorResponse(seen.status());
+  Result<RubricRow> published =
+      PublishCorrection(store, row->id, std::move(*rubric), *seen, reason, ActorOf(call));
+  Result<json::array> versions = Versions(store, *row);
+  if (!versions.ok()) return ErrorResponse({Code::kInternal, versions.status().message()});
+  const json::object newest = versions->front().as_object();
+  const auto version = static_cast<int32_t>(newest.at("version").as_int64());
+  if (published.ok()) return WithETag(JsonResponse(newest, 201), version);
+  if (published.status().field() == kStale) return Stale(published.status(), newest, version);
+  return ErrorResponse(published.status());
+}
+
+Response RescoreCohort(const Call& call, RescoreParts store) {
+  if (!IsJson(call.request)) return NotJson();
+  Result<std::vector<Cohort>> taught = TaughtCohorts(call, store);
+  if (!taught.ok()) return ErrorResponse(taught.status());
+  auto cohort = std::ranges::find(*taught, call.id, &Cohort::id);
+  if (cohort == taught->end()) {
+    return ErrorResponse({Code::kNotFound, "there is no such cohort", "id"});
+  }
+  BodyReader body(call.request);
+  AttemptFilter which;
+  which.cohort = call.id;
+  which.exercise = body.MaybeId("exercise_id");
+  if (Status status = body.Finish(); !status.ok()) return ErrorResponse(status);
+  BatchRow wanted;
+  wanted.title = cohort->name;
+  wanted.cause = "rubric";
+  wanted.cohort = call.id;
+  if (which.exercise) {
+    Result<ExerciseRow> exercise = store.content().ExerciseById(*which.exercise);
+    if (!exercise.ok()) {
+      return ErrorResponse({Code::kInvalidInput, "there is no such exercise", "exercise_id"});
+    }
+    wanted.title += ", " + exercise->title;
+  }
+  Result<std::vector<AttemptRow>> rows = ScoredAttempts(store.attempts(), which);
+  if (!rows.ok()) return ErrorResponse(rows.status());
+  std::vector<Uuid> attempts;
+  for (const AttemptRow& row : *rows) attempts.push_back(row.id);
+  uint32_t left_out = 0;
+  Result<BatchRow> batch =
+      store.batches().RescoreTogether(wanted, attempts, left_out, ActorOf(call));
+  if (!batch.ok()) return ErrorResponse(batch.status());
+  json::object out = BatchJson(*batch);
+  out["left_out"] = left_out;
+  return JsonResponse(out, 202);
+}
+
+Response ListBatches(const Call& call, RescoreParts store) {
+  Result<std::vector<Cohort>> taught = TaughtCohorts(call, store);
+  if (!taught.ok()) return ErrorResponse(taught.status());
+  Result<std::vector<BatchRow>> rows = store.batches().Batches();
+  if (!rows.ok()) return ErrorResponse(rows.status());
+  json::array batches;
+  for (const BatchRow& row : *rows) {
+    if (Teaches(*taught, row.cohort)) batches.push_back(BatchJson(row));
+  }
+  return JsonResponse({{"batches", std::move(batches)}});
+}
+
+Response GetBatch(const Call& call, RescoreParts store) {
+  Result<BatchRow> row = SeenBatch(call, store);
+  if (!row.ok()) return ErrorResponse(row.status());
+  return JsonResponse(BatchJson(*row));
+}
+
+Response CancelBatch(const Call& call, RescoreParts store) {
+  Result<BatchRow> row = SeenBatch(call, store);
+  if (!row.ok()) return ErrorResponse(row.status());
+  if (Status done = store.batches().CancelBatch(call.id, ActorOf(call)); !done.ok()) {
+    return ErrorResponse(done);
+  }
+  row = SeenBatch(call, store);
+  if (!row.ok()) return ErrorResponse(row.status());
+  return JsonResponse(BatchJson(*row));
+}
+
+}  // namespace enamel::server::http
