@@ -11,6 +11,7 @@
 #include "server/app/command_line.h"
 #include "server/app/data_folder.h"
 #include "server/app/personal_data.h"
+#include "server/app/regrade.h"
 #include "server/app/report.h"
 #include "server/app/seed.h"
 #include "server/app/serve.h"
@@ -43,11 +44,13 @@ int main(int argc, char** argv) {
   app::DeclareRetention(top);
   app::DeclareSeed(top);
   app::DeclareReport(top);
+  app::DeclareRescore(top);
   auto* admin = root.add_subcommand("admin", "People, cohorts, stations, exercises, references");
   admin->require_subcommand(1);
-  for (auto declare : {app::DeclarePeople, app::DeclareRoster, app::DeclareSessions,
-                       app::DeclareStations, app::DeclareProfiles, app::DeclarePersonalData,
-                       app::DeclareAttempts, app::DeclareExercises, app::DeclareAssignments}) {
+  for (auto declare :
+       {app::DeclarePeople, app::DeclareRoster, app::DeclareSessions, app::DeclareStations,
+        app::DeclareProfiles, app::DeclarePersonalData, app::DeclareAttempts, app::DeclareExercises,
+        app::DeclareRubrics, app::DeclareAssignments}) {
     declare({*admin, command});
   }
   root.footer(

@@ -1,0 +1,255 @@
+#include "server/app/regrade.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <iostream>
+#include <map>
+#include <set>
+
+#include "common/base/file.h"
+#include "common/scene/json/json.h"
+#include "server/app/admin.h"
+#include "server/app/command_line.h"
+#include "server/app/data_folder.h"
+#include "server/app/say.h"
+#include "server/jobs/regrade.h"
+
+namespace enamel::server::app {
+namespace {
+
+constexpr size_t kMaxDocumentBytes = 1 << 20;
+// One mark stands for one attempt until a row would be longer than this.
+constexpr uint32_t kWidth = 40;
+
+using RubricParts = Parts<ContentStore, RubricStore>;
+
+// The newest that was published, also when it is not offered any more: its attempts are there.
+Result<ExerciseRow> NewestPublished(ContentStore& store, const std::string& name) {
+  ENAMEL_ASSIGN_OR_RETURN(auto versions, store.ExerciseVersions(name));
+  for (const ExerciseRow& row : versions) {
+    if (row.state != ExerciseState::kDraft) return row;
+  }
+  return Status(Code::kNotFound, "no published exercise \"" + name +
+                                     "\"; enamel-server admin list-exercises shows their names");
+}
+
+Result<scene::Rubric> RubricOf(RubricParts store, const ExerciseRow& row) {
+  ENAMEL_ASSIGN_OR_RETURN(auto text, store.content().GetBlob(row.content));
+  ENAMEL_ASSIGN_OR_RETURN(auto document, scene::ExerciseFromJson(AsText(text)));
+  return CountingRubric(store, row.id, document.rubric);
+}
+
+Result<scene::Rubric> ReadRubric(const std::filesystem::path& file) {
+  ENAMEL_ASSIGN_OR_RETURN(auto text, ReadFile(file, kMaxDocumentBytes));
+  auto rubric = scene::RubricFromJson(AsText(text));
+  if (rubric.ok()) return rubric;
+  return Status(rubric.status().code(),
+                file.string() + ": " + rubric.status().field() + ": " + rubric.status().message());
+}
+
+std::string ScoreText(double score, bool failed) {
+  return fmt::format("{:5.1f}{}", score, failed ? " failed" : "       ");
+}
+
+void ShowHistogram(const RubricPreview& preview) {
+  uint32_t most = 1;
+  for (size_t i = 0; i < preview.before.size(); ++i) {
+    most = std::max({most, preview.before[i], preview.after[i]});
+  }
+  const uint32_t each = (most + kWidth - 1) / kWidth;
+  auto bar = [&](uint32_t count) { return std::string((count + each - 1) / each, '#'); };
+  Say("\n  score    {:<{}}  after\n", "before", kWidth);
+  for (size_t i = preview.before.size(); i-- > 0;) {
+    Say("{:4}-{:<4} {:<{}}  {}\n", i * 10, i == 9 ? 100 : i * 10 + 10, bar(preview.before[i]),
+        kWidth, bar(preview.after[i]));
+  }
+  if (each > 1) Say("One # stands for {} attempts.\n", each);
+}
+
+void ShowPreview(const RubricPreview& preview) {
+  if (preview.attempts.empty()) {
+    Say("No attempt of it is scored yet, so there is nothing to compare. Nothing was changed.\n");
+    return;
+  }
+  for (const RegradedAttempt& a : preview.attempts) {
+    if (!a.problem.empty()) {
+      Say("{}  {}          ?      {:<24} {}\n", a.row.id.Text(),
+          ScoreText(a.before, a.failed_before), a.row.person_name, a.problem);
+      continue;
+    }
+    Say("{}  {} {}  {:+6.1f}  {}{}\n", a.row.id.Text(), ScoreText(a.before, a.failed_before),
+        ScoreText(a.after, a.failed_after), a.after - a.before, a.row.person_name,
+        a.row.overridden ? " (a person's score counts instead)" : "");
+  }
+  const size_t told = preview.attempts.size() - preview.problems;
+  if (told > 0) ShowHistogram(preview);
+  Say("\n{} attempts: {} would gain, {} would lose, {} stay; mean {:.1f} before, {:.1f} after",
+      told, preview.raised, preview.lowered, told - preview.raised - preview.lowered,
+      preview.mean_before, preview.mean_after);
+  if (preview.problems > 0) Say("; of {} it cannot be told", preview.problems);
+  Say(".\nNothing was changed.\n");
+}
+
+// Attempts by exercise version, each with its own rubric.
+Result<std::map<Uuid, std::vector<Uuid>>> ByExercise(Parts<ContentStore, AttemptStore> store,
+                                                     const Uuid& cohort,
+                                                     const std::string& exercise) {
+  std::set<Uuid> versions;
+  if (!exercise.empty()) {
+    ENAMEL_RETURN_IF_ERROR(NewestPublished(store, exercise).status());
+    ENAMEL_ASSIGN_OR_RETURN(auto rows, store.content().ExerciseVersions(exercise));
+    for (const ExerciseRow& row : rows) versions.insert(row.id);
+  }
+  AttemptFilter which;
+  which.cohort = cohort;
+  ENAMEL_ASSIGN_OR_RETURN(auto attempts, ScoredAttempts(store, which));
+  std::map<Uuid, std::vector<Uuid>> out;
+  for (const AttemptRow& row : attempts) {
+    if (versions.empty() || versions.count(row.exercise) > 0) out[row.exercise].push_back(row.id);
+  }
+  return out;
+}
+
+}  // namespace
+
+Status ShowRubric(const std::filesystem::path& data, const std::string& exercise,
+                  const std::filesystem::path& out) {
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  ENAMEL_ASSIGN_OR_RETURN(auto row, NewestPublished(*store, exercise));
+  ENAMEL_ASSIGN_OR_RETURN(auto rubric, RubricOf(RubricParts(*store), row));
+  const std::string text = scene::ToJson(rubric);
+  if (out.empty()) {
+    std::cout << text;
+    return Status::Ok();
+  }
+  if (std::filesystem::exists(out)) {
+    return Status(Code::kConflict, out.string() + " is there already; name a new file");
+  }
+  return WriteFileDurably(out, AsBytes(text));
+}
+
+Status CorrectRubric(const std::filesystem::path& data, const Correction& correction) {
+  ENAMEL_ASSIGN_OR_RETURN(auto rubric, ReadRubric(correction.document));
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  ENAMEL_ASSIGN_OR_RETURN(auto row, NewestPublished(*store, correction.exercise));
+  if (correction.preview) {
+    AttemptFilter which;
+    which.exercise = row.id;
+    ENAMEL_ASSIGN_OR_RETURN(auto preview, PreviewRubric(*store, which, rubric));
+    ShowPreview(preview);
+    return Status::Ok();
+  }
+  if (correction.reason.empty()) {
+    return Status(Code::kInvalidInput, "expected --reason: it stays beside the correction");
+  }
+  ENAMEL_ASSIGN_OR_RETURN(auto counting, RubricOf(RubricParts(*store), row));
+  ENAMEL_ASSIGN_OR_RETURN(
+      auto published,
+      PublishCorrection(*store, row.id, rubric, counting.version, correction.reason, kCommandLine));
+  Say("The rubric of {} version {} has version {} now. Scores that are there stay; to make them "
+      "again:\n  enamel-server rescore --data {} --cohort NAME --exercise {}\n",
+      row.name, row.version, published.version, data.string(), row.name);
+  return Status::Ok();
+}
+
+Status RescoreCohort(const std::filesystem::path& data, const Regrading& regrading) {
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  ENAMEL_ASSIGN_OR_RETURN(auto cohort, CohortByName(*store, regrading.cohort));
+  ENAMEL_ASSIGN_OR_RETURN(auto exercises, ByExercise(*store, cohort, regrading.exercise));
+  std::vector<Uuid> all;
+  for (const auto& [exercise, attempts] : exercises) {
+    all.insert(all.end(), attempts.begin(), attempts.end());
+    if (!regrading.preview) continue;
+    ENAMEL_ASSIGN_OR_RETURN(auto row, store->ExerciseById(exercise));
+    ENAMEL_ASSIGN_OR_RETURN(auto rubric, RubricOf(RubricParts(*store), row));
+    AttemptFilter which;
+    which.cohort = cohort;
+    which.exercise = exercise;
+    ENAMEL_ASSIGN_OR_RETURN(auto preview, PreviewRubric(*store, which, rubric));
+    Say("{} version {}, rubric version {}:\n\n", row.name, row.version, rubric.version);
+    ShowPreview(preview);
+  }
+  if (all.empty()) {
+    return Status(Code::kNotFound, "nobody in " + regrading.cohort + " has a scored attempt" +
+                                       (regrading.exercise.empty() ? "" : " of this exercise"));
+  }
+  if (regrading.preview) return Status::Ok();
+  BatchRow batch;
+  batch.title = regrading.cohort + (regrading.exercise.empty() ? "" : ", " + regrading.exercise);
+  batch.cause = "rubric";
+  batch.cohort = cohort;
+  uint32_t left_out = 0;
+  ENAMEL_ASSIGN_OR_RETURN(auto queued, store->RescoreTogether(batch, all, left_out, kCommandLine));
+  Say("{} runs are queued; the server makes them and keeps the scores of before.\n", queued.queued);
+  if (left_out > 0) {
+    Say("{} attempts were left out: a run of them is waiting already, or their recording was "
+        "removed.\n",
+        left_out);
+  }
+  return Status::Ok();
+}
+
+void DeclareRubrics(CommandGroup admin) {
+  struct Showing {
+    std::filesystem::path data, out;
+    std::string exercise;
+  };
+  auto [show, s] =
+      Declare<Showing>(admin, "show-rubric", "The rubric that counts, as a document to be edited",
+                       [](const Showing& o) { return ShowRubric(o.data, o.exercise, o.out); });
+  AddData(show, s.data);
+  show->add_option("--exercise", s.exercise, "Its name; the newest version counts")->required();
+  show->add_option("--out", s.out, "A new file; without: standard output");
+
+  struct Correcting {
+    std::filesystem::path data;
+    Correction correction;
+  };
+  auto [correct, c] =
+      Declare<Correcting>(admin, "publish-rubric", "Correct the rubric of a published exercise",
+                          [](const Correcting& o) { return CorrectRubric(o.data, o.correction); });
+  AddData(correct, c.data);
+  correct->add_option("--exercise", c.correction.exercise, "Its name; the newest version counts")
+      ->required();
+  correct
+      ->add_option("--document", c.correction.document,
+                   "File with a rubric (schemas/rubric.schema.json)")
+      ->required();
+  correct->add_option("--reason", c.correction.reason, "Why; it stays beside the correction");
+  correct->add_flag(
+      "--preview", c.correction.preview,
+      "Say what it would change for the attempts that are scored, and change nothing");
+  correct->footer(
+      "A published exercise never changes, and neither do its recordings; only how they are "
+      "judged.\n\n"
+      "  enamel-server admin show-rubric --data DIR --exercise class-1-molar --out rubric.json\n"
+      "  enamel-server admin publish-rubric --data DIR --exercise class-1-molar --document "
+      "rubric.json --preview\n"
+      "  enamel-server admin publish-rubric --data DIR --exercise class-1-molar --document "
+      "rubric.json \\\n"
+      "      --reason \"the floor counted twice\"\n"
+      "  enamel-server rescore --data DIR --cohort \"Year 2\" --exercise class-1-molar");
+}
+
+void DeclareRescore(CommandGroup program) {
+  struct Rescoring {
+    std::filesystem::path data;
+    Regrading regrading;
+  };
+  auto [rescore, r] = Declare<Rescoring>(
+      program, "rescore", "Score a cohort's attempts again, with the rubric and reference of now",
+      [](const Rescoring& o) { return RescoreCohort(o.data, o.regrading); });
+  AddData(rescore, r.data);
+  rescore->add_option("--cohort", r.regrading.cohort, "Its name")->required();
+  rescore->add_option("--exercise", r.regrading.exercise,
+                      "Only this one, all its versions; without: all");
+  rescore->add_flag(
+      "--preview", r.regrading.preview,
+      "Say what today's rubric would make of the measured figures, and change nothing");
+  rescore->footer(
+      "Earlier scores are kept. A released score that changes is withdrawn until it is released "
+      "again.");
+}
+
+}  // namespace enamel::server::app
