@@ -1,7 +1,7 @@
 #include "server/storage/sqlite_store.h"
 
 #include "server/storage/engine/data_folder.h"
-#include "server/storage/sqlite_impl.h"
+#include "server/storage/sql/sqlite_impl.h"
 
 namespace enamel::server {
 namespace sqlite {

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "server/storage/engine/manifest.h"
-#include "server/storage/sqlite_impl.h"
+#include "server/storage/sql/sqlite_impl.h"
 #include "server/storage/sqlite_store.h"
 
 namespace enamel::server {

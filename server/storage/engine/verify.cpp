@@ -11,7 +11,7 @@
 #include "common/base/file.h"
 #include "common/trace/trace.h"
 #include "server/storage/engine/manifest.h"
-#include "server/storage/sqlite_impl.h"
+#include "server/storage/sql/sqlite_impl.h"
 #include "server/training/types.h"
 
 namespace enamel::server {

@@ -1,4 +1,4 @@
-#include "server/storage/people_rows.h"
+#include "server/storage/sql/people_rows.h"
 
 // A roster, in one transaction.
 namespace enamel::server::sqlite {

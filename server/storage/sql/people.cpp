@@ -1,7 +1,7 @@
 #include <algorithm>
 
-#include "server/storage/people_rows.h"
-#include "server/storage/sql_names.h"
+#include "server/storage/sql/people_rows.h"
+#include "server/storage/sql/sql_names.h"
 
 // People.
 namespace enamel::server::sqlite {

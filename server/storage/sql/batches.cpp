@@ -1,5 +1,5 @@
-#include "server/storage/sql_names.h"
-#include "server/storage/sqlite_impl.h"
+#include "server/storage/sql/sql_names.h"
+#include "server/storage/sql/sqlite_impl.h"
 
 // Scoring many attempts again, one job each.
 namespace enamel::server::sqlite {

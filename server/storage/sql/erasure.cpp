@@ -1,6 +1,6 @@
 #include <utility>
 
-#include "server/storage/sqlite_impl.h"
+#include "server/storage/sql/sqlite_impl.h"
 
 // Erasing a person: the key first, then the rows, then the blobs.
 namespace enamel::server::sqlite {

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "server/storage/sqlite_impl.h"
+#include "server/storage/sql/sqlite_impl.h"
 
 // Private to server/storage: rows of people and cohorts inside a transaction, shared by people.cpp,
 // sessions.cpp, cohorts.cpp and roster.cpp.

@@ -1,4 +1,4 @@
-#include "server/storage/sqlite_impl.h"
+#include "server/storage/sql/sqlite_impl.h"
 
 // Scenes.
 namespace enamel::server::sqlite {

@@ -1,5 +1,5 @@
-#include "server/storage/sql_names.h"
-#include "server/storage/sqlite_impl.h"
+#include "server/storage/sql/sql_names.h"
+#include "server/storage/sql/sqlite_impl.h"
 #include "server/training/revision.h"
 #include "server/training/ticket_rules.h"
 

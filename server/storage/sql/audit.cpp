@@ -2,7 +2,7 @@
 #include <boost/json/object.hpp>
 #include <boost/json/serialize.hpp>
 
-#include "server/storage/sqlite_impl.h"
+#include "server/storage/sql/sqlite_impl.h"
 
 // The audit trail: read and added to, never changed (schemas/sql/0005_erased_words.sql).
 namespace enamel::server::sqlite {

@@ -1,4 +1,4 @@
-#include "server/storage/people_rows.h"
+#include "server/storage/sql/people_rows.h"
 
 // Sessions of people.
 namespace enamel::server::sqlite {

@@ -1,5 +1,5 @@
-#include "server/storage/sql_names.h"
-#include "server/storage/sqlite_impl.h"
+#include "server/storage/sql/sql_names.h"
+#include "server/storage/sql/sqlite_impl.h"
 
 // What people say about an attempt: release, override, annotations, appeals; and scoring it again.
 namespace enamel::server::sqlite {

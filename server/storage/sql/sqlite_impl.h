@@ -20,14 +20,12 @@
 #include "server/storage/engine/space_guard.h"
 #include "server/storage/engine/writer.h"
 #include "server/storage/keyring.h"
-#include "server/storage/query.h"
-#include "server/storage/sealed_rows.h"
+#include "server/storage/sql/query.h"
+#include "server/storage/sql/sealed_rows.h"
 #include "server/storage/sqlite_store.h"
 
-// Private to server/storage: the class behind OpenSqliteStore, its sources split by subject
-// (people.cpp, sessions.cpp, cohorts.cpp, roster.cpp, stations.cpp, profiles.cpp, content.cpp,
-// exercises.cpp, assignments.cpp, attempts.cpp, teaching.cpp, traces.cpp, jobs.cpp, audit.cpp,
-// erasure.cpp, retention.cpp).
+// Private to server/storage: the class behind OpenSqliteStore, with a source in this folder for each
+// subject; opening, blobs and health are in storage/sqlite_store.cpp.
 namespace enamel::server::sqlite {
 
 class SqliteStore final : public Store {

@@ -2,8 +2,8 @@
 #include <array>
 #include <chrono>
 
-#include "server/storage/sql_names.h"
-#include "server/storage/sqlite_impl.h"
+#include "server/storage/sql/sql_names.h"
+#include "server/storage/sql/sqlite_impl.h"
 
 // Rules that say how long things are kept.
 namespace enamel::server::sqlite {

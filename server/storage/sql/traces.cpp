@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <bit>
 
-#include "server/storage/sql_names.h"
-#include "server/storage/sqlite_impl.h"
+#include "server/storage/sql/sql_names.h"
+#include "server/storage/sql/sqlite_impl.h"
 
 // Ingest of traces: header, chunks as rows, and on seal one write-once blob instead of the rows.
 namespace enamel::server::sqlite {

@@ -1,8 +1,8 @@
-#include "server/storage/sealed_rows.h"
+#include "server/storage/sql/sealed_rows.h"
 
 #include <chrono>
 
-#include "server/storage/query.h"
+#include "server/storage/sql/query.h"
 
 namespace enamel::server::sqlite {
 namespace {

@@ -1,7 +1,7 @@
 #include <algorithm>
 
-#include "server/storage/sql_names.h"
-#include "server/storage/sqlite_impl.h"
+#include "server/storage/sql/sql_names.h"
+#include "server/storage/sql/sqlite_impl.h"
 
 // Attempts as rows, what scoring leaves, references. Their traces: traces.cpp.
 namespace enamel::server::sqlite {

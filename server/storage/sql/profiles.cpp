@@ -1,4 +1,4 @@
-#include "server/storage/sqlite_impl.h"
+#include "server/storage/sql/sqlite_impl.h"
 
 // Device profiles: every version, reports about them, calibrations of devices.
 namespace enamel::server::sqlite {

@@ -1,4 +1,4 @@
-#include "server/storage/sqlite_impl.h"
+#include "server/storage/sql/sqlite_impl.h"
 #include "server/training/revision.h"
 
 // Corrections of the rubrics of published exercises.

@@ -1,7 +1,7 @@
 #include <algorithm>
 
-#include "server/storage/sql_names.h"
-#include "server/storage/sqlite_impl.h"
+#include "server/storage/sql/sql_names.h"
+#include "server/storage/sql/sqlite_impl.h"
 #include "server/training/ticket_rules.h"
 
 // Assignments: exercises for cohorts, with dates, limits and exams.
