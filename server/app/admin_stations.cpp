@@ -3,6 +3,7 @@
 #include <set>
 
 #include "common/base/file.h"
+#include "common/base/hex.h"
 #include "common/scene/calibration.h"
 #include "common/scene/json/json.h"
 #include "common/scene/profile_criteria.h"
@@ -70,7 +71,11 @@ Status ListStations(const std::filesystem::path& data) {
         row.revoked ? "revoked" : "admitted", UtcText(row.last_seen_ms),
         row.software.empty() ? "-" : row.software,
         row.core_version == 0 ? "" : fmt::format(", core {}", row.core_version));
+    Say("{:36}  key {}\n", "", ToHex(row.public_key));
   }
+  // What `enamel-station verify` asks for on a computer that is no station of this server.
+  ENAMEL_ASSIGN_OR_RETURN(auto identity, EnsureIdentity(data));
+  Say("key of this server's tickets and results  {}\n", ToHex(identity.ticket_key.public_key));
   return Status::Ok();
 }
 

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "common/base/file.h"
+#include "common/base/hex.h"
 
 // Results are written as schemas/result.md says, and nothing in one can be changed unseen.
 namespace enamel::server {
@@ -17,15 +18,6 @@ Bytes Golden(const std::string& name) {
   auto bytes = ReadFile(std::filesystem::path(ENAMEL_SOURCE_DIR) / "schemas/golden" / name);
   EXPECT_TRUE(bytes.ok()) << bytes.status().message();
   return bytes.ok() ? *bytes : Bytes();
-}
-
-std::string Hex(ByteView bytes) {
-  std::string out;
-  for (uint8_t byte : bytes) {
-    out += "0123456789abcdef"[byte >> 4];
-    out += "0123456789abcdef"[byte & 15];
-  }
-  return out;
 }
 
 TEST(ResultDocumentTest, GoldenFileReadsAsItsDescriptionSays) {
@@ -49,8 +41,8 @@ TEST(ResultDocumentTest, GoldenFileReadsAsItsDescriptionSays) {
       {"surface", d->surface.Hex()},
       {"series", d->series.Hex()},
       {"judgement", d->judgement.Hex()},
-      {"key", Hex(d->key)},
-      {"signature", Hex(d->signature)}};
+      {"key", ToHex(d->key)},
+      {"signature", ToHex(d->signature)}};
   for (const auto& [name, found] : members) EXPECT_EQ(found, says.at(name).as_string()) << name;
   EXPECT_EQ(d->scored_ms, says.at("scored_unix_ms").as_int64());
   EXPECT_EQ(d->points, says.at("points").as_double());
