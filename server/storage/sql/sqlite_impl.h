@@ -227,6 +227,8 @@ class SqliteStore final : public Store {
 
   Status RepeatedAfterSeal(const ChunkPut& chunk);
   Status MoveTraceToBlob(const trace::Seal& seal, Sha256& blob);
+  // Flags the attempt when the seal is of another recording than what is committed.
+  Status NoteOtherSeal(const trace::Seal& seal);
   // Seals a quarantined attempt that was not, with what is committed.
   Status AcceptCommitted(const Uuid& attempt, const Actor& by);
 

@@ -105,6 +105,17 @@ Status Repeated(Db& db, const Ingest& ingest, const Store::ChunkPut& chunk, Byte
                 "seq");
 }
 
+// What a second recording made with the same ticket leaves: a copy of a station's folder can use its
+// tickets once more. Which of the two came first says nothing, so neither is taken for the right one:
+// the attempt is flagged, what is committed stays, and the reason names the other.
+Status Contradicted(Db& db, const Uuid& attempt, const std::string& problem) {
+  return SetFlags(db, attempt, kContradicted,
+                  problem +
+                      "; one ticket was used for two recordings. The other one is still in "
+                      "its station's spool",
+                  Actor{{}, "station link"});
+}
+
 Status MustContinue(const Ingest& ingest, const trace::ChunkHead& head) {
   if (head.seq != ingest.chunks) {
     return Status(Code::kConflict,
@@ -221,11 +232,16 @@ Result<Bytes> HeaderOf(Db& db, const Uuid& attempt) {
 
 Status SqliteStore::OpenAttempt(const Uuid& attempt, ByteView header) {
   ENAMEL_RETURN_IF_ERROR(MayRecord());
-  return Write([&](Db& db) -> Status {
+  return Write(Writer::Work([&](Db& db, bool& keep_anyway) -> Status {
     ENAMEL_ASSIGN_OR_RETURN(auto ingest, FindIngest(db, attempt));
     if (ingest.has_header) {
       ENAMEL_ASSIGN_OR_RETURN(auto stored, HeaderOf(db, attempt));
       if (std::ranges::equal(stored, header)) return Status::Ok();
+      keep_anyway = true;
+      ENAMEL_RETURN_IF_ERROR(Contradicted(db, attempt,
+                                          "a header came with another hash, " +
+                                              HashSha256(header).Hex() + ", than the stored " +
+                                              HashSha256(stored).Hex()));
       return Status(Code::kConflict, "the ticket of attempt " + attempt.Text() +
                                          " was used for another recording; ask for a new ticket");
     }
@@ -242,7 +258,7 @@ Status SqliteStore::OpenAttempt(const Uuid& attempt, ByteView header) {
                     "WHERE tenant = ?1 AND id = ?2");
     q.Bind(attempt).Bind(header).Bind(HashSha256(header)).Bind(static_cast<int64_t>(header.size()));
     return q.Run();
-  });
+  }));
 }
 
 Status SqliteStore::KeepFacts(const Uuid& attempt, const std::string& facts) {
@@ -285,12 +301,21 @@ Status SqliteStore::AppendChunk(const ChunkPut& chunk) {
       sealed_before = !ingest.trace_blob.IsZero();
       return sealed_before ? Status::Ok() : Repeated(db, ingest, chunk, sealed, keep_anyway);
     }
-    if (ingest.state != AttemptState::kRecording) {
-      return Status(Code::kConflict, "attempt " + chunk.attempt.Text() + " is " +
-                                         AttemptStateName(ingest.state) +
-                                         " and takes no more chunks");
+    Status fits = ingest.state == AttemptState::kRecording
+                      ? MustContinue(ingest, chunk.head)
+                      : Status(Code::kConflict, "attempt " + chunk.attempt.Text() + " is " +
+                                                    AttemptStateName(ingest.state) +
+                                                    " and takes no more chunks");
+    // Signed by the station, and of another chain, or beyond the end of the one that was sealed.
+    if (fits.field() == "previous" || (!fits.ok() && !ingest.trace_blob.IsZero())) {
+      keep_anyway = true;
+      ENAMEL_RETURN_IF_ERROR(KeepEvidence(db, chunk, sealed));
+      ENAMEL_RETURN_IF_ERROR(Contradicted(db, chunk.attempt,
+                                          "chunk " + std::to_string(chunk.head.seq) +
+                                              " is of another recording than what is "
+                                              "committed"));
     }
-    ENAMEL_RETURN_IF_ERROR(MustContinue(ingest, chunk.head));
+    ENAMEL_RETURN_IF_ERROR(fits);
     fresh = true;
     return InsertChunk(db, chunk, sealed);
   }));
@@ -319,6 +344,22 @@ Status SqliteStore::MoveTraceToBlob(const trace::Seal& seal, Sha256& blob) {
   return Status::Ok();
 }
 
+// A seal that names fewer chunks than are committed, or as many with another last one, or that comes
+// after another was taken, is of another recording. One that names more waits for them.
+Status SqliteStore::NoteOtherSeal(const trace::Seal& seal) {
+  return Write([&](Db& db) -> Status {
+    auto ingest = FindIngest(db, seal.attempt);
+    if (!ingest.ok() || ingest->chunks == 0 || SealMatches(*ingest, seal).ok()) return Status::Ok();
+    const bool waits = ingest->trace_blob.IsZero() && seal.chunks > ingest->chunks;
+    if (waits || ingest->expired) return Status::Ok();
+    return Contradicted(db, seal.attempt,
+                        "a seal came that names " + std::to_string(seal.chunks) +
+                            " chunks and the last chunk " + seal.last_chunk.Hex() +
+                            ", beside the " + std::to_string(ingest->chunks) +
+                            " committed ones that end with " + ingest->head.Hex());
+  });
+}
+
 Status SqliteStore::SealAttempt(const trace::Seal& seal, UnixMs now_ms) {
   auto check = [&](Db& db) -> Result<Ingest> {
     auto ingest = FindIngest(db, seal.attempt);
@@ -332,7 +373,12 @@ Status SqliteStore::SealAttempt(const trace::Seal& seal, UnixMs now_ms) {
     return ingest;
   };
   ENAMEL_RETURN_IF_ERROR(MayRecord());
-  ENAMEL_ASSIGN_OR_RETURN(auto before, Read(check));
+  auto before_or = Read(check);
+  if (!before_or.ok()) {
+    ENAMEL_RETURN_IF_ERROR(NoteOtherSeal(seal));
+    return before_or.status();
+  }
+  const Ingest& before = *before_or;
   if (before.state != AttemptState::kRecording) return Status::Ok();
   if (before.chunks == 0)
     return Status(Code::kConflict, "an attempt without a chunk cannot be sealed");

@@ -144,6 +144,65 @@ TEST_P(IngestTest, ContradictionAfterTheSealIsFlaggedOnceAndChangesNothing) {
   EXPECT_EQ(store_->AttemptChunks(attempt)->at(1), chunks[1].bytes);
 }
 
+// A copy of a station's folder uses a reserved ticket once more. Whatever the second recording is
+// like, its upload is found, the first one stays as it was, and an instructor sees why.
+TEST_P(IngestTest, TicketThatWasClonedIsFoundHoweverLongTheSecondRecordingIs) {
+  for (bool sealed : {true, false}) {
+    for (uint32_t others : {1u, 2u, 3u, 4u}) {
+      SCOPED_TRACE(std::to_string(others) + (sealed ? " after the seal" : " before the seal"));
+      Uuid attempt = world_.OpenedAttempt();
+      auto first = world_.Append(attempt, 3);
+      if (sealed) ASSERT_TRUE(store_->SealAttempt(World::SealOf(first), 200).ok());
+      // The station of the copy sends what it is asked for: what comes after the committed ones.
+      ASSERT_TRUE(store_->OpenAttempt(attempt, AsBytes("header")).ok()) << "the same ticket";
+      std::vector<Store::ChunkPut> second;
+      Sha256 previous = World::HeaderHash();
+      for (uint32_t seq = 0; seq < others; ++seq) {
+        second.push_back(world_.Chunk(attempt, seq, previous, 7));
+        previous = second.back().hash;
+      }
+      for (uint32_t seq = 3; seq < others; ++seq) {
+        EXPECT_EQ(store_->AppendChunk(second[seq]).code(), Code::kConflict);
+      }
+      EXPECT_EQ(store_->SealAttempt(World::SealOf(second), 300).code(), Code::kConflict);
+
+      AttemptRow row = *store_->AttemptById(attempt);
+      EXPECT_EQ(row.flags & kContradicted, kContradicted);
+      EXPECT_EQ(row.chunks, 3u) << "what was there stays";
+      EXPECT_EQ(store_->AttemptChunks(attempt)->back(), first.back().bytes);
+      AuditFilter about;
+      about.object = attempt.Text();
+      about.action = "attempt.flag";
+      auto told = *store_->FindAudit(about);
+      ASSERT_EQ(told.size(), 1u) << "once";
+      EXPECT_NE(told[0].after_json.find("two recordings"), std::string::npos);
+      if (!sealed) EXPECT_TRUE(store_->SealAttempt(World::SealOf(first), 400).ok());
+    }
+  }
+}
+
+TEST_P(IngestTest, TicketThatWasClonedIsFoundByAnotherHeader) {
+  Uuid attempt = world_.OpenedAttempt();
+  EXPECT_EQ(store_->OpenAttempt(attempt, AsBytes("other header")).code(), Code::kConflict);
+  EXPECT_EQ(store_->AttemptById(attempt)->flags & kContradicted, kContradicted);
+  EXPECT_EQ(AsText(*store_->AttemptHeader(attempt)), "header");
+}
+
+TEST_P(IngestTest, StationThatComesBackAfterABreakIsNoContradiction) {
+  Uuid attempt = world_.OpenedAttempt();
+  auto chunks = world_.Append(attempt, 2);
+  Store::ChunkPut third = world_.Chunk(attempt, 2, chunks[1].hash);
+  auto all = chunks;
+  all.push_back(third);
+  EXPECT_FALSE(store_->SealAttempt(World::SealOf(all), 200).ok()) << "its chunk is still missing";
+  EXPECT_FALSE(store_->AppendChunk(world_.Chunk(attempt, 3, third.hash)).ok()) << "out of order";
+  for (const auto& chunk : all) EXPECT_TRUE(store_->AppendChunk(chunk).ok());
+  ASSERT_TRUE(store_->SealAttempt(World::SealOf(all), 300).ok());
+  for (const auto& chunk : all) EXPECT_TRUE(store_->AppendChunk(chunk).ok());
+  EXPECT_TRUE(store_->SealAttempt(World::SealOf(all), 400).ok());
+  EXPECT_EQ(store_->AttemptById(attempt)->flags, 0u);
+}
+
 TEST_P(IngestTest, WhatIsCommittedOfAContradictedAttemptCanBeAccepted) {
   Uuid attempt = world_.OpenedAttempt();
   auto chunks = world_.Append(attempt, 2);
