@@ -11,10 +11,12 @@
 #include <thread>
 
 #include "common/base/file.h"
+#include "common/base/hex.h"
 #include "common/scoring/score.h"
 #include "server/app/command_line.h"
 #include "server/app/data_folder.h"
 #include "server/app/say.h"
+#include "server/results/result_document.h"
 #include "server/storage/parts.h"
 
 namespace enamel::server::app {
@@ -75,6 +77,32 @@ std::optional<double> Metric(const ScoreResult& score, std::string_view name) {
   return std::nullopt;
 }
 
+// What the signed result says of itself (schemas/result.md).
+struct SignedBy {
+  bool is_signed = false;
+  std::string problem;    // why a document that is there proves nothing
+  std::string key, hash;  // hexadecimal
+};
+
+SignedBy ReadSigned(const AttemptRow& row, const Store::AttemptResult& result) {
+  SignedBy out;
+  if (result.document.empty()) return out;
+  auto document = DecodeResult(result.document);
+  if (!document.ok()) {
+    out.problem = document.status().message();
+  } else if (!VerifyResult(*document)) {
+    out.problem = "its signature does not fit it";
+  } else if (document->attempt != row.id || document->points != result.score ||
+             document->critical_fail != result.critical_fail ||
+             document->score_document != result.score_json) {
+    out.problem = "another score than this one was signed; run enamel-server verify";
+  }
+  out.is_signed = out.problem.empty();
+  out.hash = HashSha256(result.document).Hex();
+  if (document.ok()) out.key = ToHex(document->key);
+  return out;
+}
+
 json::object Facts(const AttemptRow& row, const ScoreResult& score,
                    const Store::AttemptResult& result, const std::string& page_url) {
   json::array criteria, metrics;
@@ -110,6 +138,9 @@ json::object Facts(const AttemptRow& row, const ScoreResult& score,
   out["witness_ok"] = score.witness_ok;
   out["trace_bytes"] = row.trace_bytes;
   out["realtime_factor"] = result.replay_realtime_factor;
+  const SignedBy by = ReadSigned(row, result);
+  out["result"] = json::object{
+      {"signed", by.is_signed}, {"problem", by.problem}, {"key", by.key}, {"sha256", by.hash}};
   out["page_url"] = page_url;
   return out;
 }
@@ -145,6 +176,13 @@ void PrintTable(const AttemptRow& row, const ScoreResult& score, const Store::At
   Line("late ticks, force bounded", fmt::format("{}, {}", score.late_ticks, score.bounded_ticks));
   Line("replay agrees tick by tick", score.witness_ok ? "yes" : "no: " + score.witness_note);
   Line("replayed at", fmt::format("{:.1f} x real time", result.replay_realtime_factor));
+  const SignedBy by = ReadSigned(row, result);
+  if (by.is_signed) {
+    Line("result", by.hash);
+    Line("signed by", by.key);
+  } else {
+    Line("result", by.problem.empty() ? "not signed; scoring again signs it" : by.problem);
+  }
   Line("attempt", row.id.Text());
   Line("reference",
        score.reference_attempt.empty() ? "none: compared with itself" : score.reference_attempt);

@@ -190,8 +190,9 @@ std::string PageUrlOf(const ServeOptions& options, const http::HttpOptions& http
   return protocol::IsPageUrl(url) ? url : std::string();
 }
 
-WorkerOptions JobOptions(const ServeOptions& options) {
+WorkerOptions JobOptions(const ServeOptions& options, const ServerIdentity& identity) {
   WorkerOptions out;
+  out.key = identity.ticket_key;
   out.threads = options.job_threads;
   out.on_done = [](const JobRow& job, const Status& status) {
     if (status.ok()) {
@@ -298,7 +299,7 @@ Status Serve(const ServeOptions& options) {
   http_options.station_fingerprint = identity.fingerprint.Hex();
   http::HttpServer page(io, http_options, store, authenticator);
   stations::StationServer link(io, link_options, services, pool);
-  Worker worker(store, JobOptions(options));
+  Worker worker(store, JobOptions(options, identity));
 
   // The page first: with port 0 its address is known only now, and stations are told it with their
   // first answer.

@@ -79,13 +79,22 @@ json::object JsonOf(const VerifyReport& report) {
                         {"remedy", finding.remedy}});
   }
   for (const std::string& note : report.notes) notes.emplace_back(note);
-  return {{"ok", report.findings.empty()},   {"backup", report.is_backup},
-          {"schema", report.schema},         {"blobs", report.blobs},
-          {"blob_bytes", report.blob_bytes}, {"unnamed_blobs", report.unnamed_blobs},
-          {"people", report.people},         {"attempts", report.attempts},
-          {"sealed", report.sealed},         {"chunks", report.chunks},
-          {"ticks", report.ticks},           {"keys", report.keys},
-          {"erased", report.erased},         {"findings", std::move(findings)},
+  return {{"ok", report.findings.empty()},
+          {"backup", report.is_backup},
+          {"schema", report.schema},
+          {"blobs", report.blobs},
+          {"blob_bytes", report.blob_bytes},
+          {"unnamed_blobs", report.unnamed_blobs},
+          {"people", report.people},
+          {"attempts", report.attempts},
+          {"sealed", report.sealed},
+          {"chunks", report.chunks},
+          {"ticks", report.ticks},
+          {"keys", report.keys},
+          {"erased", report.erased},
+          {"signed_results", report.signed_results},
+          {"unsigned_results", report.unsigned_results},
+          {"findings", std::move(findings)},
           {"notes", std::move(notes)}};
 }
 
@@ -94,6 +103,12 @@ void Print(const VerifyReport& report) {
       "keys\n",
       report.blobs, Mib(report.blob_bytes), report.people, report.attempts, report.sealed,
       report.chunks, report.ticks, report.keys);
+  Say("results: {} signed by this server{}\n", report.signed_results,
+      report.unsigned_results == 0
+          ? ""
+          : fmt::format(", {} not signed: they are from before results were, or their document was "
+                        "not kept; scoring again signs",
+                        report.unsigned_results));
   if (report.unnamed_blobs > 0) {
     Say("{} blobs ({}) are named by nothing: a crash or a repeated scoring left them; retention "
         "--apply removes those older than a day\n",

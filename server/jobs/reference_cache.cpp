@@ -12,6 +12,7 @@ Result<std::shared_ptr<const ReferenceCut>> Read(Parts<BlobStore, AttemptStore> 
   ENAMEL_ASSIGN_OR_RETURN(auto volume, scene::DecodeVolume(blob));
   ENAMEL_ASSIGN_OR_RETURN(auto header_bytes, store.attempts().AttemptHeader(attempt));
   ENAMEL_ASSIGN_OR_RETURN(auto header, trace::DecodeHeader(header_bytes));
+  ENAMEL_ASSIGN_OR_RETURN(auto seal, store.attempts().AttemptSeal(attempt));
   ENAMEL_ASSIGN_OR_RETURN(auto chunks, store.attempts().AttemptChunks(attempt));
 
   scoring::ProcessRecorder process(header.params);
@@ -21,7 +22,8 @@ Result<std::shared_ptr<const ReferenceCut>> Read(Parts<BlobStore, AttemptStore> 
   }
   surface::Mesh surface = surface::ExtractSurface(volume);
   return std::shared_ptr<const ReferenceCut>(
-      new ReferenceCut{header.volume, std::move(volume), std::move(surface), std::move(process)});
+      new ReferenceCut{header.volume, seal.last_chunk, result.final_volume, std::move(volume),
+                       std::move(surface), std::move(process)});
 }
 
 }  // namespace

@@ -13,7 +13,8 @@ namespace enamel::server {
 
 // What attempts are compared with: a reference attempt's final tooth and its recording.
 struct ReferenceCut {
-  Sha256 initial_volume;  // blob it was cut from
+  Sha256 initial_volume;    // blob it was cut from
+  Sha256 recording, tooth;  // its last chunk, its final volume: what a result names
   cutting::Volume final_volume;
   surface::Mesh surface;
   scoring::ProcessRecorder process;  // from the witness: its replay was verified when it was scored

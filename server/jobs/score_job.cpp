@@ -1,15 +1,19 @@
 #include "server/jobs/score_job.h"
 
 #include <algorithm>
+#include <chrono>
 #include <string>
 
 #include "common/scene/attempt_documents.h"
+#include "common/scene/json/json.h"
 #include "common/scene/volume_blob.h"
 #include "common/scoring/score.h"
 #include "common/trace/replay.h"
+#include "server/jobs/judgement.h"
 #include "server/jobs/regrade.h"
 #include "server/jobs/series.h"
 #include "server/jobs/surface_blob.h"
+#include "server/results/result_document.h"
 
 namespace enamel::server {
 namespace {
@@ -30,8 +34,13 @@ Status Stopped() {
 class ScoreJob {
  public:
   ScoreJob(ScoringParts store, const Uuid& attempt, const Uuid& job, const JobProgress& progress,
-           ReferenceCache& cache)
-      : store_(store), attempt_(attempt), job_(job), progress_(progress), cache_(cache) {}
+           ReferenceCache& cache, const trace::KeyPair* key)
+      : store_(store),
+        attempt_(attempt),
+        job_(job),
+        progress_(progress),
+        cache_(cache),
+        key_(key) {}
 
   Status Run() {
     ENAMEL_RETURN_IF_ERROR(LoadTrace());
@@ -215,7 +224,59 @@ class ScoreJob {
     ENAMEL_RETURN_IF_ERROR(Put(scene::EncodeVolume(final_volume), result.final_volume));
     ENAMEL_RETURN_IF_ERROR(Put(EncodeSurface(mesh, deviation), result.surface));
     ENAMEL_RETURN_IF_ERROR(Put(AsBytes(series_json), result.series));
+    // As it will be read: the document's numbers have fewer digits than the computed ones.
+    ENAMEL_ASSIGN_OR_RETURN(auto stored, scoring::ScoreFromJson(score_json));
+    const Sha256 judgement = JudgementOf(stored);
+    result.same_judgement_as = SameAsBefore(judgement);
+    if (key_ != nullptr) Sign(stored, judgement, result);
     return store_.jobs().FinishAttempt(attempt_, result, job_);
+  }
+
+  // The score document of the run before, if it has the same points and reasons. One that cannot be
+  // read counts as another: an instructor then sees the new one before students do.
+  std::optional<Sha256> SameAsBefore(const Sha256& judgement) const {
+    auto before = store_.attempts().ResultOf(attempt_);
+    if (!before.ok()) return std::nullopt;
+    auto text = store_.blobs().GetBlob(before->score_json);
+    if (!text.ok()) return std::nullopt;
+    auto score = scoring::ScoreFromJson(AsText(*text));
+    if (!score.ok() || JudgementOf(*score) != judgement) return std::nullopt;
+    return before->score_json;
+  }
+
+  void Sign(const scoring::ScoreResult& score, const Sha256& judgement,
+            AttemptStore::AttemptResult& result) const {
+    result.scored_ms = std::chrono::duration_cast<std::chrono::milliseconds>(
+                           std::chrono::system_clock::now().time_since_epoch())
+                           .count();
+    ResultDocument document;
+    document.attempt = attempt_;
+    document.scored_ms = result.scored_ms;
+    document.header = header_hash_;
+    document.recording = seal_.last_chunk;
+    document.exercise = row_.exercise_content;
+    document.rubric = HashSha256(AsBytes(scene::ToJson(exercise_.rubric)));
+    document.scene = header_.scene;
+    document.volume = header_.volume;
+    document.profile = row_.profile_content;
+    if (reference_attempt_) {
+      document.reference = *reference_attempt_;
+      document.reference_recording = reference_ ? reference_->recording : seal_.last_chunk;
+      document.reference_tooth = reference_ ? reference_->tooth : result.final_volume;
+    }
+    document.score_document = result.score_json;
+    document.tooth = result.final_volume;
+    document.surface = result.surface;
+    document.series = result.series;
+    document.judgement = judgement;
+    document.points = result.score;
+    document.critical_fail = result.critical_fail;
+    document.metric_set = static_cast<uint32_t>(score.scoring_version);
+    document.core_version = score.core_version;
+    document.rubric_version = static_cast<uint32_t>(score.rubric_version);
+    document.flags = row_.flags & kSignedFlags;
+    SignResult(document, *key_);
+    result.document = EncodeResult(document);
   }
 
   void FillStation(const scoring::ProcessRecorder& process, scoring::ScoreResult& score) const {
@@ -243,6 +304,7 @@ class ScoreJob {
   const Uuid attempt_, job_;
   const JobProgress& progress_;
   ReferenceCache& cache_;
+  const trace::KeyPair* const key_;  // null: the result is left unsigned
 
   AttemptRow row_;
   trace::Header header_;
@@ -266,9 +328,9 @@ bool WorthAnotherTry(const Status& status) {
 }  // namespace
 
 Status RunScoreJob(ScoringParts store, const Uuid& attempt, const JobProgress& progress,
-                   ReferenceCache* cache, const Uuid& job) {
+                   ReferenceCache* cache, const Uuid& job, const trace::KeyPair* key) {
   ReferenceCache own;
-  Status status = ScoreJob(store, attempt, job, progress, cache ? *cache : own).Run();
+  Status status = ScoreJob(store, attempt, job, progress, cache ? *cache : own, key).Run();
   // Anything else will be the same next time: the attempt says why, instead of the queue trying for
   // ever.
   if (status.ok() || WorthAnotherTry(status)) return status;

@@ -111,7 +111,8 @@ Status Worker::RunJob(const JobRow& job, const std::stop_token& stop) {
     return !stop.stop_requested();
   };
   try {
-    return RunScoreJob(store_, job.attempt, progress, &references_, job.id);
+    return RunScoreJob(store_, job.attempt, progress, &references_, job.id,
+                       options_.key ? &*options_.key : nullptr);
   } catch (const std::exception& e) {  // thread's entry: out of memory
     return Status(Code::kInternal, std::string("scoring ended with an exception: ") + e.what());
   }

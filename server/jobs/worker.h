@@ -22,6 +22,8 @@ struct WorkerOptions {
   // than any job takes, and than a clock that is corrected: who dies is known by the next start,
   // which takes its jobs at once.
   UnixMs lease_ms = 24 * 3'600'000;
+  // Signs results (schemas/result.md); none: they stay unsigned.
+  std::optional<trace::KeyPair> key{};
   // Called on a worker's thread after every job, with what RunScoreJob returned; and with an empty
   // job when the queue itself cannot be read (once, until it can be again). Must not call Stop.
   std::function<void(const JobRow& job, const Status& status)> on_done;

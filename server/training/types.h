@@ -255,6 +255,7 @@ struct ResultRow {
   Sha256 score_json;
   std::optional<Uuid> reference;      // the attempt it was compared with
   double replay_realtime_factor = 0;  // recorded time / replay time; 0: not known
+  std::vector<uint8_t> document;      // signed (schemas/result.md); empty: not signed
 };
 
 struct AnnotationRow {

@@ -80,7 +80,7 @@ const std::map<std::string, Names>& Allowed() {
         {"server/stations",
          {"server/auth", "server/live", "server/net", "server/ops", "server/storage", "common/net",
           "common/trace", "common/scene"}},
-        {"server/jobs", {"server/storage", "common/scoring"}},
+        {"server/jobs", {"server/storage", "server/results", "common/scoring"}},
         {"server/http",
          {"server/auth", "server/roster", "server/live", "server/net", "server/ops",
           "server/storage", "server/jobs", "common/fidelity", "common/scene", "common/net"}},

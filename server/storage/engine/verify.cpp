@@ -11,6 +11,7 @@
 #include "common/base/file.h"
 #include "common/trace/trace.h"
 #include "server/storage/engine/manifest.h"
+#include "server/storage/engine/verify_results.h"
 #include "server/storage/sql/sqlite_impl.h"
 #include "server/training/types.h"
 
@@ -112,7 +113,8 @@ class Verifier {
     ENAMEL_RETURN_IF_ERROR(CheckPeople(db));
     ENAMEL_RETURN_IF_ERROR(LoadStations(db));
     LoadTicketKey();
-    return CheckAttempts(db);
+    ENAMEL_RETURN_IF_ERROR(CheckAttempts(db));
+    return CheckResults(db, ticket_key_, report_);
   }
 
   void CheckManifest() {
@@ -283,7 +285,8 @@ class Verifier {
       ticket_key_.emplace();
       std::copy(key->begin() + 32, key->end(), ticket_key_->begin());
     } else {
-      report_.notes.push_back("ticket.key is not here: the signatures of tickets were not checked");
+      report_.notes.push_back(
+          "ticket.key is not here: tickets and results were not compared with it");
     }
   }
 

@@ -16,7 +16,7 @@ using UpkeepProgress = std::function<void(const std::string& what, uint64_t done
 // One disagreement.
 struct Finding {
   std::string kind;    // "database", "blob", "chain", "signature", "seal", "ticket", "key",
-                       // "erasure", "file"
+                       // "erasure", "file", "result"
   std::string object;  // the attempt's id, the blob's hash, the file's path
   std::string expected, found;
   std::string remedy;
@@ -33,6 +33,7 @@ struct VerifyReport {
   int schema = 0;
   uint64_t blobs = 0, blob_bytes = 0, unnamed_blobs = 0, unnamed_bytes = 0;
   uint64_t people = 0, attempts = 0, sealed = 0, chunks = 0, ticks = 0, keys = 0, erased = 0;
+  uint64_t signed_results = 0, unsigned_results = 0;  // of scoring runs
   std::vector<Finding> findings;
   std::vector<std::string> notes;  // what could not be looked at, and why; what is odd and harmless
 };
@@ -42,7 +43,8 @@ struct VerifyReport {
 //   every blob with its name; every blob that a row names with what is there;
 //   every attempt: header with its ticket, the ticket with the server's key, each chunk with the
 //   one before, its signature with the station's key, the row's counts and head with the chain, the
-//   seal; the key ring with the people: a key for everything that is kept under one, none for the
+//   seal; each result with its signed document, and that with recording, exercise and reference
+//   (schemas/result.md); the key ring with the people: a key for everything that is kept under one, none for the
 //   erased; a backup's files with its manifest.
 // What is found in a data folder is looked at once more while nothing may be removed from it, so
 // that a person who is being erased meanwhile is no damage. Changes nothing. Errors: kNotFound

@@ -122,6 +122,22 @@ Status MustBeRunning(Db& db, const Uuid& job) {
                                         : "this scoring run is over: its job is " + state);
 }
 
+// Whether the row has another score than the run's, unless it is the one that the run found to have
+// the same points and reasons: that it still is, is seen in the transaction, as another run may have
+// ended meanwhile.
+constexpr char kIsAnother[] =
+    "(score IS DISTINCT FROM ?3 OR critical_fail IS DISTINCT FROM ?4 OR score_json IS DISTINCT "
+    "FROM ?5) AND score_json IS DISTINCT FROM ?6";
+
+void BindAnother(Query& q, const Store::AttemptResult& result) {
+  q.Bind(result.score).Bind(int64_t{result.critical_fail}).Bind(result.score_json);
+  if (result.same_judgement_as) {
+    q.Bind(*result.same_judgement_as);
+  } else {
+    q.BindNull(sql::Type::kBlob);
+  }
+}
+
 // A released score that turns out otherwise is not yet one that an instructor has seen: of graded
 // work and exams it is released anew.
 Status WithdrawReleaseOfAnotherScore(Db& db, const Uuid& attempt,
@@ -130,10 +146,8 @@ Status WithdrawReleaseOfAnotherScore(Db& db, const Uuid& attempt,
           "SELECT 1 FROM attempts a JOIN exercises e ON e.tenant = a.tenant AND e.id = a.exercise "
           "WHERE a.tenant = ?1 AND a.id = ?2 AND a.released = 1 AND (a.exam = 1 OR e.graded = 1 OR "
           "(a.flags & " +
-              Sql(kReadmitted) +
-              " <> 0 AND a.assignment IS NULL)) AND (a.score IS DISTINCT FROM ?3 OR "
-              "a.critical_fail IS DISTINCT FROM ?4 OR a.score_json IS DISTINCT FROM ?5)");
-  q.Bind(attempt).Bind(result.score).Bind(int64_t{result.critical_fail}).Bind(result.score_json);
+              Sql(kReadmitted) + " <> 0 AND a.assignment IS NULL)) AND " + kIsAnother);
+  BindAnother(q.Bind(attempt), result);
   bool another = q.Next();
   ENAMEL_RETURN_IF_ERROR(q.status());
   return another ? SetReleased(db, attempt, false, Actor{{}, "job"}) : Status::Ok();
@@ -144,14 +158,19 @@ Status KeepResult(Db& db, const Uuid& attempt, const Store::AttemptResult& resul
   Query q(
       db,
       "INSERT INTO attempt_results (tenant, attempt, run, scored_ms, cause, score, "
-      "critical_fail, score_json, reference, replay_realtime_factor) SELECT ?1, ?2, 1 + (SELECT "
+      "critical_fail, score_json, reference, replay_realtime_factor, document) SELECT ?1, ?2, 1 + "
+      "(SELECT "
       "coalesce(max(run), 0) "
       "FROM attempt_results WHERE tenant = ?1 AND attempt = ?2), ?3, coalesce((SELECT cause FROM "
       "jobs WHERE tenant = ?1 AND id = ?8), 'seal'), ?4, ?5, ?6, ?7, "
-      "?9");
-  q.Bind(attempt).Bind(NowMs()).Bind(result.score).Bind(int64_t{result.critical_fail});
+      "?9, ?10");
+  q.Bind(attempt)
+      .Bind(result.scored_ms != 0 ? result.scored_ms : NowMs())
+      .Bind(result.score)
+      .Bind(int64_t{result.critical_fail});
   q.Bind(result.score_json).Bind(result.reference);
-  return q.Bind(job).Bind(result.replay_realtime_factor).Run();
+  q.Bind(job).Bind(result.replay_realtime_factor);
+  return (result.document.empty() ? q.BindNull(sql::Type::kBlob) : q.Bind(result.document)).Run();
 }
 
 Result<bool> Is(Db& db, const char* sql, const Uuid& id) {
@@ -184,14 +203,19 @@ Status MustBeHere(Db& db, const AttemptRow& row) {
 // Another score than the one that was there.
 Status RaiseRevisionForAnother(Db& db, const Uuid& attempt, const Store::AttemptResult& result) {
   Query q(db,
-          "UPDATE attempts SET revision = revision + 1 WHERE tenant = ?1 AND id = ?2 AND "
-          "(score IS DISTINCT FROM ?3 OR critical_fail IS DISTINCT FROM ?4 OR score_json IS "
-          "DISTINCT FROM ?5)");
-  q.Bind(attempt).Bind(result.score).Bind(int64_t{result.critical_fail}).Bind(result.score_json);
+          std::string(
+              "UPDATE attempts SET revision = revision + 1 WHERE tenant = ?1 AND id = ?2 AND ") +
+              kIsAnother);
+  BindAnother(q.Bind(attempt), result);
   return q.Run();
 }
 
 }  // namespace
+
+Json ScoredJson(const Sha256& score_json, ByteView document) {
+  if (document.empty()) return JsonOf({{"score_json", score_json.Hex()}});
+  return JsonOf({{"score_json", score_json.Hex()}, {"result", HashSha256(document).Hex()}});
+}
 
 Result<AttemptRow> FindAttempt(Db& db, const Uuid& id) {
   static const std::string kSql = std::string(kAttemptSelect) + " AND a.id = ?2";
@@ -327,7 +351,7 @@ Status SqliteStore::FinishAttempt(const Uuid& attempt, const AttemptResult& resu
     }
     ENAMEL_RETURN_IF_ERROR(KeepResult(db, attempt, result, job));
     return WriteAudit(db, Actor{{}, "job"}, "attempt.score", attempt.Text(), "{}",
-                      JsonOf({{"score_json", result.score_json.Hex()}}));
+                      ScoredJson(result.score_json, result.document));
   });
 }
 
@@ -348,10 +372,11 @@ Status SqliteStore::FailAttempt(const Uuid& attempt, const std::string& problem,
 Result<Store::AttemptResult> SqliteStore::ResultOf(const Uuid& attempt) {
   return Read([&](Db& db) -> Result<AttemptResult> {
     Query q(db,
-            "SELECT score, critical_fail, score_json, final_volume, surface, series, reference, "
-            "(SELECT replay_realtime_factor FROM attempt_results r WHERE r.tenant = a.tenant AND "
-            "r.attempt = a.id ORDER BY run DESC LIMIT 1) "
-            "FROM attempts a WHERE tenant = ?1 AND id = ?2");
+            "SELECT a.score, a.critical_fail, a.score_json, a.final_volume, a.surface, a.series, "
+            "a.reference, "
+            "r.replay_realtime_factor, r.scored_ms, r.document FROM attempts a LEFT JOIN "
+            "attempt_results r ON r.tenant = a.tenant AND r.attempt = a.id WHERE a.tenant = ?1 AND "
+            "a.id = ?2 ORDER BY r.run DESC LIMIT 1");
     if (!q.Bind(attempt).Next()) {
       if (!q.status().ok()) return q.status();
       return Status(Code::kNotFound, "no attempt " + attempt.Text());
@@ -367,6 +392,8 @@ Result<Store::AttemptResult> SqliteStore::ResultOf(const Uuid& attempt) {
     out.series = q.Hash(5);
     if (!q.IsNull(6)) out.reference = q.Id(6);
     out.replay_realtime_factor = q.Real(7);
+    out.scored_ms = q.Int(8);
+    out.document = q.Blob(9);
     return out;
   });
 }

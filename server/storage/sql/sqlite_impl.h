@@ -280,6 +280,8 @@ Status RaiseRevision(Db& db, const Uuid& attempt);
 Status MustNotBeTheOnlyAdmin(Db& db, const Person& person);
 // Jobs that a worker of an earlier process held may be taken again at once.
 Status EndLeases(Db& db);
+// What the row "attempt.score" of the audit trail tells; empty: the result is not signed.
+Json ScoredJson(const Sha256& score_json, ByteView document);
 Result<AttemptRow> FindAttempt(Db& db, const Uuid& id);
 // Every blob that a row names.
 Result<std::set<Sha256>> NamedBlobs(Db& db);

@@ -201,7 +201,8 @@ Result<std::vector<ResultRow>> SqliteStore::ResultsOf(const Uuid& attempt) {
   return Read([&](Db& db) -> Result<std::vector<ResultRow>> {
     Query q(db,
             "SELECT run, scored_ms, cause, score, critical_fail, score_json, reference, "
-            "replay_realtime_factor FROM attempt_results WHERE tenant = ?1 AND attempt = ?2 ORDER "
+            "replay_realtime_factor, document FROM attempt_results WHERE tenant = ?1 AND attempt = "
+            "?2 ORDER "
             "BY run DESC");
     q.Bind(attempt);
     std::vector<ResultRow> out;
@@ -215,6 +216,7 @@ Result<std::vector<ResultRow>> SqliteStore::ResultsOf(const Uuid& attempt) {
       row.score_json = q.Hash(5);
       if (!q.IsNull(6)) row.reference = q.Id(6);
       row.replay_realtime_factor = q.Real(7);
+      row.document = q.Blob(8);
       out.push_back(std::move(row));
     }
     if (!q.status().ok()) return q.status();

@@ -10,7 +10,9 @@
 #include "common/scene/json/json.h"
 #include "common/scene/volume_blob.h"
 #include "common/scoring/score.h"
+#include "server/jobs/judgement.h"
 #include "server/jobs/regrade.h"
+#include "server/results/result_document.h"
 #include "tests/server/jobs/recorded_attempt.h"
 
 namespace enamel::server {
@@ -62,6 +64,73 @@ class ScoreJobTest : public testing::Test {
   MemoryStore store_;
   Uuid reference_;
 };
+
+TEST_F(ScoreJobTest, ResultIsSignedAndNamesWhatItWasMadeFrom) {
+  const trace::KeyPair key = trace::NewKeyPair();
+  reference_ = world_.RecordReference(store_);
+  ASSERT_TRUE(RunScoreJob(store_, reference_, {}, nullptr, {}, &key).ok());
+  Uuid attempt = world_.Record(store_, {.mesial_extra_mm = 0.3});
+  store_.attempts[attempt].flags = kResumed | kExcused;
+  ASSERT_TRUE(RunScoreJob(store_, attempt, {}, nullptr, {}, &key).ok());
+  const auto& result = store_.results[attempt];
+  auto d = DecodeResult(result.document);
+  ASSERT_TRUE(d.ok()) << d.status().message();
+  EXPECT_TRUE(VerifyResult(*d));
+  EXPECT_EQ(d->key, key.public_key);
+  const trace::Header header = *trace::DecodeHeader(store_.traces[attempt].header);
+  EXPECT_EQ(d->attempt, attempt);
+  EXPECT_EQ(d->scored_ms, result.scored_ms);
+  EXPECT_EQ(d->header, HashSha256(store_.traces[attempt].header));
+  EXPECT_EQ(d->recording, store_.traces[attempt].seal.last_chunk);
+  EXPECT_EQ(d->exercise, header.ticket.exercise);
+  EXPECT_EQ(d->profile, header.ticket.profile);
+  EXPECT_EQ(d->scene, header.scene);
+  EXPECT_EQ(d->volume, header.volume);
+  EXPECT_EQ(d->rubric, HashSha256(AsBytes(scene::ToJson(world_.exercise.rubric))));
+  EXPECT_EQ(d->reference, reference_);
+  EXPECT_EQ(d->reference_recording, store_.traces[reference_].seal.last_chunk);
+  EXPECT_EQ(d->reference_tooth, store_.results[reference_].final_volume);
+  EXPECT_EQ(d->score_document, result.score_json);
+  EXPECT_EQ(d->tooth, result.final_volume);
+  EXPECT_EQ(d->surface, result.surface);
+  EXPECT_EQ(d->series, result.series);
+  EXPECT_EQ(d->points, result.score);
+  EXPECT_EQ(d->judgement, JudgementOf(ScoreOf(attempt)));
+  EXPECT_EQ(d->metric_set, static_cast<uint32_t>(scoring::kScoringVersion));
+  EXPECT_EQ(d->core_version, header.params.core_version);
+  EXPECT_EQ(d->flags, uint32_t{kResumed}) << "an excuse is people's";
+}
+
+TEST_F(ScoreJobTest, ScoreWithTheSamePointsAndReasonsIsToldToBeTheSame) {
+  Uuid attempt = WithReference({.mesial_extra_mm = 0.3});
+  ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
+  EXPECT_EQ(store_.results[attempt].same_judgement_as, std::nullopt) << "there was none before";
+  const scoring::ScoreResult score = ScoreOf(attempt);
+
+  // What was kept is a score of fewer metrics.
+  scoring::ScoreResult fewer = score;
+  fewer.metrics.pop_back();
+  fewer.scoring_version = 1;
+  store_.results[attempt].score_json = *store_.PutBlob(AsBytes(scoring::ToJson(fewer)));
+  const Sha256 before = store_.results[attempt].score_json;
+  ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
+  EXPECT_EQ(store_.results[attempt].same_judgement_as, before);
+
+  const std::function<void(scoring::ScoreResult&)> others[] = {
+      [](auto& s) { s.score -= 0.001; },
+      [](auto& s) { s.critical_fail = true; },
+      [](auto& s) { s.criteria[0].points -= 0.001; },
+      [](auto& s) { s.criteria[0].reason += " Watch it."; },
+      [](auto& s) { s.criteria[0].judged = false; },
+      [](auto& s) { s.criteria.pop_back(); }};
+  for (size_t i = 0; i < std::size(others); ++i) {
+    scoring::ScoreResult other = score;
+    others[i](other);
+    store_.results[attempt].score_json = *store_.PutBlob(AsBytes(scoring::ToJson(other)));
+    ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
+    EXPECT_EQ(store_.results[attempt].same_judgement_as, std::nullopt) << i;
+  }
+}
 
 TEST_F(ScoreJobTest, TheReferenceAgainstItselfHasNoDeviationAndFullMarksForShape) {
   Uuid attempt = world_.RecordReference(store_);

@@ -1,6 +1,7 @@
 #include "tests/server/storage/recorded_attempt.h"
 
 #include "common/base/file.h"
+#include "server/results/result_document.h"
 #include "tests/common/core/params.h"
 
 namespace enamel::server::testing {
@@ -50,17 +51,53 @@ void RecordedSchool::Seal(const Uuid& attempt) {
   EXPECT_TRUE(sealed.ok()) << sealed.message();
 }
 
-void RecordedSchool::Score(const Uuid& attempt) {
+void RecordedSchool::Score(const Uuid& attempt, const std::optional<Uuid>& reference) {
   Seal(attempt);
+  Finish(attempt, 80, reference);
+}
+
+void RecordedSchool::ScoreAgain(const Uuid& attempt, double points) {
+  ASSERT_TRUE(store->Rescore(attempt, "rescore", kSystem).ok());
+  Finish(attempt, points, store->ResultOf(attempt)->reference);
+}
+
+void RecordedSchool::Finish(const Uuid& attempt, double points,
+                            const std::optional<Uuid>& reference) {
   auto job = store->LeaseJob(1, 1000);
   EXPECT_TRUE(job.ok() && job->has_value() && (*job)->attempt == attempt);
   Store::AttemptResult result;
-  result.score = 80;
-  auto put = [&](const char* text) { return *store->PutAttemptBlob(attempt, AsBytes(text)); };
-  result.score_json = put("score");
+  result.score = points;
+  result.scored_ms = 300;
+  result.reference = reference;
+  auto put = [&](const std::string& text) {
+    return *store->PutAttemptBlob(attempt, AsBytes(text));
+  };
+  result.score_json = put("score of " + std::to_string(points));
   result.final_volume = put("volume");
   result.surface = put("surface");
   result.series = put("series");
+  AttemptRow row = *store->AttemptById(attempt);
+  ResultDocument document;
+  document.attempt = attempt;
+  document.scored_ms = result.scored_ms;
+  document.header = HashSha256(*store->AttemptHeader(attempt));
+  document.recording = store->AttemptSeal(attempt)->last_chunk;
+  document.exercise = world.exercise.content;
+  document.scene = world.scene;
+  document.profile = world.profile;
+  if (reference) {
+    document.reference = *reference;
+    document.reference_recording = store->AttemptSeal(*reference)->last_chunk;
+    document.reference_tooth = store->ResultOf(*reference)->final_volume;
+  }
+  document.score_document = result.score_json;
+  document.tooth = result.final_volume;
+  document.surface = result.surface;
+  document.series = result.series;
+  document.points = points;
+  document.flags = row.flags;
+  SignResult(document, ticket_key);
+  result.document = EncodeResult(document);
   EXPECT_TRUE(store->FinishAttempt(attempt, result, {}).ok());
   EXPECT_TRUE(store->FinishJob((*job)->id, true, "").ok());
 }

@@ -18,8 +18,11 @@ struct RecordedSchool {
   // One more chunk of an open attempt.
   Status Append(const Uuid& attempt);
   void Seal(const Uuid& attempt);
-  // Seals and leaves a result, as the scoring job does.
-  void Score(const Uuid& attempt);
+  // Seals and leaves a signed result, as the scoring job does; compared with `reference`, or with
+  // nothing.
+  void Score(const Uuid& attempt, const std::optional<Uuid>& reference = {});
+  // Once more, with other points.
+  void ScoreAgain(const Uuid& attempt, double points);
   Bytes TraceOf(const Uuid& attempt);  // as the store has it
 
   std::filesystem::path data;
@@ -28,6 +31,7 @@ struct RecordedSchool {
   trace::KeyPair ticket_key = trace::NewKeyPair();
 
  private:
+  void Finish(const Uuid& attempt, double points, const std::optional<Uuid>& reference);
   struct Chain {
     Sha256 head;
     std::vector<Store::ChunkPut> chunks;

@@ -593,6 +593,25 @@ TEST_P(TeachingTest, HowFastARunReplayedStandsBesideItsScore) {
   EXPECT_EQ(store_->ResultsOf(attempt)->front().replay_realtime_factor, 31.5);
 }
 
+TEST_P(TeachingTest, ScoreWithTheSamePointsAndReasonsWithdrawsNoRelease) {
+  World world(*store_);
+  Uuid attempt = Rescored(world, 71);
+  const int32_t revision = store_->AttemptById(attempt)->revision;
+  Store::AttemptResult result = *store_->ResultOf(attempt);
+  const Sha256 before = result.score_json;
+  result.score_json = PutText(*store_, "the same score with one metric more");
+  result.same_judgement_as = before;
+  ASSERT_TRUE(store_->FinishAttempt(attempt, result, {}).ok());
+  EXPECT_TRUE(store_->AttemptById(attempt)->released);
+  EXPECT_EQ(store_->AttemptById(attempt)->revision, revision);
+  EXPECT_EQ(store_->ResultOf(attempt)->score_json, result.score_json) << "the newest is kept";
+
+  // The score that it was found equal to is not there any more.
+  result.score_json = PutText(*store_, "another");
+  ASSERT_TRUE(store_->FinishAttempt(attempt, result, {}).ok());
+  EXPECT_FALSE(store_->AttemptById(attempt)->released);
+}
+
 // The reference comes between a run's look for one and its end.
 TEST_P(TeachingTest, ReferenceThatComesWhileARunLooksForOneHasItRunAgain) {
   World world(*store_);

@@ -6,6 +6,8 @@
 #include <algorithm>
 
 #include "common/base/file.h"
+#include "common/base/hex.h"
+#include "server/results/result_document.h"
 #include "server/storage/keyring.h"
 #include "tests/server/storage/recorded_attempt.h"
 
@@ -146,8 +148,9 @@ TEST_F(VerifyTest, TicketOfAnotherServerIsFound) {
   auto other = trace::NewKeyPair();
   ASSERT_TRUE(WriteFileDurably(Data() / "ticket.key", other.secret_key, 0600).ok());
   VerifyReport report = Look();
-  EXPECT_EQ(report.findings.size(), 2u);
-  for (const Finding& finding : report.findings) EXPECT_EQ(finding.kind, "ticket");
+  EXPECT_EQ(report.findings.size(), 3u) << "two tickets, one result";
+  for (const Finding& finding : report.findings)
+    EXPECT_TRUE(finding.kind == "ticket" || finding.kind == "result") << finding.kind;
   fs::remove(Data() / "ticket.key");
   EXPECT_TRUE(Look().findings.empty());
   EXPECT_EQ(Look().notes.size(), 1u) << "says that it could not look";
@@ -157,6 +160,190 @@ TEST_F(VerifyTest, AttemptMovedToAnotherPersonIsFound) {
   Uuid other = AddPerson(*school_.store, "other", Role::kStudent);
   Sql("UPDATE attempts SET person = " + Id(other) + " WHERE id = " + Id(scored_));
   ExpectOnly("ticket", scored_.Text());
+}
+
+// What somebody could want to change about an attempt that is scored, one by one. Each is found, by
+// its kind, and names the attempt; put back, everything agrees again.
+class EditsTest : public VerifyTest {
+ protected:
+  EditsTest() {
+    graded_ = school_.Record(2);
+    EXPECT_TRUE(
+        school_.store->FlagAttempt(graded_, kResumed, "the station went on", Actor{{}, "test"}, {})
+            .ok());
+    school_.Score(graded_, scored_);
+    ExerciseRow other = school_.world.Exercise("other", "v1 of another");
+    other_exercise_ = *school_.store->PublishExercise(other, Uuid{}, kSystem);
+    EXPECT_TRUE(Look().findings.empty()) << "before anything is changed";
+  }
+  void ExpectFound(const std::string& edit, const std::string& kind) {
+    SCOPED_TRACE(edit);
+    const char* const kTables[] = {"attempts", "attempt_results", "exercises", "trace_chunks"};
+    std::string keep;
+    for (const std::string table : kTables) {
+      keep += "CREATE TABLE kept_" + table + " AS SELECT * FROM " + table + "; ";
+    }
+    Sql(keep + edit);
+    VerifyReport report = Look();
+    EXPECT_FALSE(report.findings.empty());
+    EXPECT_TRUE(std::ranges::any_of(report.findings, [&](const Finding& finding) {
+      return finding.kind == kind && finding.object == graded_.Text();
+    }));
+    for (const std::string table : kTables) {
+      Sql("DELETE FROM " + table + "; INSERT INTO " + table + " SELECT * FROM kept_" + table +
+          "; DROP TABLE kept_" + table);
+    }
+    EXPECT_TRUE(Look().findings.empty()) << "put back";
+  }
+  std::string Of(const char* table) const {
+    return std::string(" WHERE ") + (std::string(table) == "attempts" ? "id" : "attempt") + " = " +
+           Id(graded_);
+  }
+  static std::string Hex(ByteView bytes) { return "x'" + ToHex(bytes) + "'"; }
+  Bytes Document() const { return school_.store->ResultOf(graded_)->document; }
+
+  Uuid graded_;
+  ExerciseRow other_exercise_;
+};
+
+TEST_F(EditsTest, OfTheAttemptsRowAreFound) {
+  const std::string at = Of("attempts");
+  const std::pair<std::string, std::string> edits[] = {
+      {"score = 99.5", "result"},
+      {"score = 80.0000000001", "result"},
+      {"score = NULL", "result"},
+      {"critical_fail = 1", "result"},
+      {"score_json = series", "result"},
+      {"final_volume = surface", "result"},
+      {"surface = series", "result"},
+      {"series = surface", "result"},
+      {"reference = NULL", "result"},
+      {"reference = " + Id(graded_), "result"},
+      {"exercise = " + Id(other_exercise_.id), "result"},
+      {"profile_content = " + Hex(other_exercise_.content.view()), "result"},
+      {"flags = 0", "result"},
+      {"head_hash = zeroblob(32)", "chain"},
+      {"person = " + Id(AddPerson(*school_.store, "other", Role::kStudent)), "ticket"},
+  };
+  for (const auto& [edit, kind] : edits) ExpectFound("UPDATE attempts SET " + edit + at, kind);
+}
+
+TEST_F(EditsTest, OfTheRunAreFound) {
+  const std::string at = Of("attempt_results");
+  for (const std::string edit :
+       {"score = 99.5", "critical_fail = 1", "score_json = zeroblob(32)", "scored_ms = 7",
+        "reference = NULL", "document = NULL", "document = zeroblob(616)", "document = x'00'"}) {
+    ExpectFound("UPDATE attempt_results SET " + edit + at, "result");
+  }
+  ExpectFound("DELETE FROM attempt_results" + at, "result");
+  ExpectFound(
+      "UPDATE attempt_results SET document = (SELECT o.document FROM attempt_results o "
+      "WHERE o.attempt = " +
+          Id(scored_) + ")" + at,
+      "result");
+}
+
+TEST_F(EditsTest, OfRowAndRunTogetherAreFound) {
+  ExpectFound("UPDATE attempts SET score = 99.5" + Of("attempts") +
+                  "; UPDATE attempt_results SET score = 99.5" + Of("attempt_results"),
+              "result");
+  ExpectFound("UPDATE attempts SET score = 99.5" + Of("attempts") +
+                  "; UPDATE attempt_results SET score = 99.5, document = NULL" +
+                  Of("attempt_results"),
+              "result");
+}
+
+TEST_F(EditsTest, SignedByAnybodyElseIsFound) {
+  ResultDocument document = *DecodeResult(Document());
+  document.points = 99.5;
+  ExpectFound("UPDATE attempt_results SET document = " + Hex(EncodeResult(document)) +
+                  Of("attempt_results"),
+              "result");
+  SignResult(document, trace::NewKeyPair());
+  ExpectFound("UPDATE attempts SET score = 99.5" + Of("attempts") +
+                  "; UPDATE attempt_results SET score = 99.5, document = " +
+                  Hex(EncodeResult(document)) + Of("attempt_results"),
+              "result");
+}
+
+TEST_F(EditsTest, OfWhatItWasMadeFromAreFound) {
+  ExpectFound("UPDATE exercises SET content = (SELECT o.content FROM exercises o WHERE o.id = " +
+                  Id(other_exercise_.id) + ") WHERE id = " + Id(school_.world.exercise.id),
+              "result");
+  ExpectFound("UPDATE attempts SET head_hash = zeroblob(32) WHERE id = " + Id(scored_), "result");
+  ExpectFound("UPDATE attempts SET final_volume = surface WHERE id = " + Id(scored_), "result");
+}
+
+TEST_F(EditsTest, AnEarlierRunPutInThePlaceOfTheNewestIsFound) {
+  school_.ScoreAgain(graded_, 60);
+  EXPECT_TRUE(Look().findings.empty());
+  EXPECT_EQ(Look().signed_results, 3u);
+  ExpectFound("DELETE FROM attempt_results" + Of("attempt_results") +
+                  " AND run = 2; UPDATE attempts SET score = 80, score_json = (SELECT score_json "
+                  "FROM attempt_results" +
+                  Of("attempt_results") + ")" + Of("attempts"),
+              "result");
+}
+
+// Each chunk, and in each some ticks: byte by byte across it.
+TEST_F(EditsTest, OfARecordingsBytesAreFound) {
+  for (int seq : {0, 1}) {
+    const std::string where = " WHERE attempt = " + Id(open_) + " AND seq = " + std::to_string(seq);
+    Bytes kept = school_.store->AttemptChunks(open_)->at(static_cast<size_t>(seq));
+    for (size_t i = 0; i < kept.size(); i += 7) {
+      Bytes changed = kept;
+      changed[i] ^= 1;
+      Sql("UPDATE trace_chunks SET bytes = " + Hex(changed) + where);
+      EXPECT_FALSE(Look().findings.empty()) << "byte " << i << " of chunk " << seq;
+    }
+    // A tick moved by one count and the chunk signed anew, by a key that is not the station's.
+    trace::Chunk chunk = *trace::DecodeChunk(kept);
+    for (size_t tick = 0; tick < chunk.ticks.size(); tick += 50) {
+      trace::Chunk moved = chunk;
+      ++moved.ticks[tick].input.counts[1];
+      Bytes forged = trace::EncodeChunk(moved.head, moved.ticks, trace::NewKeyPair().secret_key);
+      Sql("UPDATE trace_chunks SET bytes = " + Hex(forged) + where);
+      EXPECT_FALSE(Look().findings.empty()) << "tick " << tick << " of chunk " << seq;
+    }
+    Sql("UPDATE trace_chunks SET bytes = " + Hex(kept) + where);
+    EXPECT_TRUE(Look().findings.empty());
+  }
+}
+
+TEST_F(VerifyTest, ResultWithoutADocumentIsUnsignedAndNoFault) {
+  // As a server before signed results left it: neither run nor audit trail names a document.
+  Uuid old = school_.Record(1);
+  school_.Seal(old);
+  Store::AttemptResult result;
+  result.score = 70;
+  result.score_json = PutText(*school_.store, "old score");
+  ASSERT_TRUE(school_.store->FinishAttempt(old, result, {}).ok());
+  VerifyReport report = Look();
+  EXPECT_TRUE(report.findings.empty());
+  EXPECT_EQ(report.unsigned_results, 1u);
+  EXPECT_EQ(report.signed_results, 1u);
+}
+
+TEST_F(VerifyTest, ReferenceErasedWithItsPersonIsNoFault) {
+  Uuid other = AddPerson(*school_.store, "other", Role::kStudent);
+  Uuid compared = school_.RecordOf(other, 1);
+  school_.Score(compared, scored_);
+  ASSERT_TRUE(school_.store->ErasePerson(school_.world.student, true, Actor{{}, "test"}).ok());
+  VerifyReport report = Look();
+  for (const Finding& finding : report.findings)
+    ADD_FAILURE() << finding.kind << ": " << finding.expected << " / " << finding.found;
+  EXPECT_EQ(report.signed_results, 1u);
+}
+
+TEST_F(VerifyTest, ResultWhoseRecordingARuleRemovedIsNoFault) {
+  ASSERT_TRUE(school_.store->ReleaseAttempt(scored_, Actor{{}, "test"}, {}).ok());
+  ASSERT_TRUE(school_.store->SetRetention({"recordings", 1}, Actor{{}, "test"}).ok());
+  ASSERT_TRUE(
+      school_.store->ApplyRetention(int64_t{10} * 86'400'000, false, Actor{{}, "test"}).ok());
+  ASSERT_NE(school_.store->AttemptById(scored_)->expired_ms, 0);
+  VerifyReport report = Look();
+  for (const Finding& finding : report.findings)
+    ADD_FAILURE() << finding.kind << ": " << finding.expected << " / " << finding.found;
 }
 
 TEST_F(VerifyTest, LostKeyIsFound) {
