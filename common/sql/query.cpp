@@ -29,6 +29,7 @@ Query& Query::BindNull(Type type) {
 }
 
 Query& Query::BindSame(const Query& row, int column) {
+  // A NULL does not tell the type of its column, so none is stated for it.
   const Type type = row.IsNull(column) ? Type::kNull : row.statement_->TypeOf(column);
   switch (type) {
     case Type::kInt:
@@ -46,6 +47,7 @@ Query& Query::BindSame(const Query& row, int column) {
 }
 
 bool Query::Next() {
+  // First of all, since there is no statement where Take failed.
   if (!status_.ok()) return false;
   switch (statement_->Next()) {
     case Statement::Step::kRow:
@@ -59,6 +61,7 @@ bool Query::Next() {
 }
 
 Status Query::Run() {
+  // The first step does all that a statement changes.
   Next();
   return status_;
 }
@@ -77,6 +80,7 @@ Bytes Query::Blob(int column) const {
 
 Uuid Query::Id(int column) const {
   ByteView view = View(column);
+  // FromBytes ends the program over any other length, and a damaged file may hold one.
   return view.size() == 16 ? Uuid::FromBytes(view) : Uuid{};
 }
 

@@ -104,6 +104,7 @@ Status SqliteDb::UseWal() {
 }
 
 SqliteDb::~SqliteDb() {
+  // Before the handle: while a statement is left, SQLite keeps the connection open behind our back.
   statements_.clear();
   sqlite3_close_v2(handle_);
 }
@@ -193,6 +194,7 @@ Status SqliteDb::CopyTo(const std::filesystem::path& target, const CopyProgress&
   int rc =
       sqlite3_open_v2(target.c_str(), &copy, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, nullptr);
   sqlite3_backup* backup = nullptr;
+  // The count is what takes the snapshot: BEGIN alone waits for the first read.
   Status begun = Exec("BEGIN; SELECT count(*) FROM sqlite_schema");
   if (rc == SQLITE_OK && begun.ok()) backup = sqlite3_backup_init(copy, "main", handle_, "main");
   do {
@@ -233,6 +235,7 @@ Result<int> SqliteDb::SchemaVersion() {
 
 Status SqliteDb::Migrate(const std::vector<Migration>& migrations) {
   Transaction transaction(*this);
+  // BEGIN IMMEDIATE, so a second process waits here until the first is done.
   ENAMEL_RETURN_IF_ERROR(transaction.begun());
   // Inside the transaction: another process may have brought it up to date meanwhile.
   ENAMEL_ASSIGN_OR_RETURN(const int version, SchemaVersion());

@@ -108,6 +108,7 @@ Result<Agreement> FreeMarginalKappa(const std::vector<std::vector<double>>& coun
   }
   ENAMEL_ASSIGN_OR_RETURN(const double sum, SumOf(counts));
   const double n = double(counts.size()), classes = double(counts[0].size());
+  // A mean of the rows. Where one differs from it, the marks are refused below.
   const double markers = sum / n;
   if (markers < 2) return Status(Code::kInvalidInput, "expected two people at least");
   std::vector<double> shares;
