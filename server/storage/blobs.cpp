@@ -14,10 +14,12 @@ fs::path Blobs::PathOf(const Sha256& hash) const {
 }
 
 Result<Sha256> Blobs::Put(ByteView data) {
+  // Named by its content: the same twice is one file, and a name that fits proves the content.
   Sha256 hash = HashSha256(data);
   fs::path path = PathOf(hash);
   bool there = false;
   {
+    // Against RemoveIfOlder, which must not remove between the look and the touch.
     std::lock_guard lock(mutex_);
     std::error_code error;
     there = fs::exists(path, error);
@@ -37,6 +39,7 @@ Result<Bytes> Blobs::Get(const Sha256& hash) const {
     if (data.status().code() != Code::kNotFound) return data.status();
     return Status(Code::kNotFound, "no blob " + hash.Hex());
   }
+  // On every read: a disk that flips a bit must not change a grade unnoticed.
   if (HashSha256(*data) != hash) {
     return Status(Code::kStorage, "blob " + hash.Hex() + " is damaged; restore it from a backup");
   }

@@ -45,6 +45,9 @@ Bytes HeadOf(const Uuid& person) {
   return head.Take();
 }
 
+// From key and content instead of at random: the same content gives the same bytes, so a trace
+// that is written again after a crash is the same blob; and no two contents share a nonce but by
+// a collision of 192 bits.
 std::array<uint8_t, kNonceBytes> NonceOf(const DataKey& key, const Uuid& attempt, ByteView data) {
   std::array<uint8_t, kNonceBytes> nonce{};
   auto nonce_key = Derive(key, SubKey::kNonce);
@@ -95,6 +98,7 @@ DataKey DataKey::New() {
   std::array<uint8_t, kKeyBytes> random{};
   randombytes_buf(random.data(), random.size());
   DataKey key{ByteView(random)};
+  // The copy on the stack would outlive the key.
   sodium_memzero(random.data(), random.size());
   return key;
 }
@@ -130,6 +134,7 @@ Result<DataKey> Keyring::Find(const Uuid& person) {
   std::lock_guard lock(mutex_);
   auto held = found_.find(MapKey(person));
   if (held != found_.end()) {
+    // Another process may have erased the person meanwhile.
     if (!IsGone(person)) return held->second;
     found_.erase(held);
   }
@@ -146,6 +151,7 @@ Result<DataKey> Keyring::FindOrMake(const Uuid& person) {
   std::lock_guard lock(mutex_);
   key = Read(person);  // another thread may have been faster
   if (!key.ok() && key.status().code() == Code::kNotFound) {
+    // A new key for somebody who was erased would let recordings in again.
     if (IsGone(person)) {
       return Status(Code::kConflict, "person " + person.Text() + " was erased");
     }
@@ -166,6 +172,7 @@ Status Keyring::Mark(const Tombstone& tombstone) {
 }
 
 Status Keyring::Destroy(const Uuid& person, int64_t now_ms) {
+  // Before the key: a crash in between leaves a mark, and the next start shreds the key.
   ENAMEL_RETURN_IF_ERROR(Mark({TombstoneOf(person), now_ms}));
   return disk_.Shred(KeyPath(person));
 }
@@ -216,6 +223,7 @@ Result<std::vector<Tombstone>> Keyring::Gone() const {
 Status Keyring::Join(const Keyring& other) {
   ENAMEL_RETURN_IF_ERROR(disk_.MakeFolder(folder_));
   ENAMEL_ASSIGN_OR_RETURN(auto gone, other.Gone());
+  // First, so that no key comes in that was destroyed elsewhere.
   ENAMEL_RETURN_IF_ERROR(Bury(gone));
   ENAMEL_ASSIGN_OR_RETURN(auto theirs, other.People());
   ENAMEL_ASSIGN_OR_RETURN(auto mine, People());

@@ -66,6 +66,7 @@ Result<SqliteStore::PersonKey> SqliteStore::KeyOf(const Uuid& attempt) {
     ENAMEL_ASSIGN_OR_RETURN(auto row, AttemptById(attempt));
     person = row.person;
     std::lock_guard lock(people_mutex_);
+    // All at once and not the oldest, which is simple: each is found again when it is asked for.
     if (person_of_.size() >= kMaxRemembered) person_of_.clear();
     person_of_[name] = person;
   }
@@ -74,6 +75,8 @@ Result<SqliteStore::PersonKey> SqliteStore::KeyOf(const Uuid& attempt) {
 }
 
 Status SqliteStore::MayRecord() {
+  // What is acknowledged is deleted at the stations in time: nothing more is taken into a file that
+  // cannot be trusted.
   if (damaged_ || writer_.damaged()) {
     return Status(Code::kUnavailable,
                   "the server's database is damaged: stop the server, see what verify says, and "
@@ -117,6 +120,8 @@ StoreHealth SqliteStore::Health() {
 }
 
 Status SqliteStore::TryWrite() {
+  // Only after a failure, to find out whether its cause is gone: otherwise the writes that are made
+  // anyway tell.
   if (writer_.last_failure().ok() || writer_.damaged()) return Status::Ok();
   return Write([](Db& db) -> Status {
     Query q(db,
@@ -186,6 +191,7 @@ Result<std::unique_ptr<Store>> OpenSqliteStore(const SqliteOptions& options) {
   (*db)->SetBusyWait(options.busy_wait);
   ENAMEL_ASSIGN_OR_RETURN(auto version, SchemaVersion(**db));
   if (version < LatestSchemaVersion()) {
+    // A tool beside a running server must not change the schema under it.
     if (!lock) ENAMEL_RETURN_IF_ERROR(acquire());
     ENAMEL_RETURN_IF_ERROR((*db)->Migrate(Migrations()));
   }

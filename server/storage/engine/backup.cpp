@@ -44,12 +44,15 @@ class BackupMaker {
     if (!shared.ok()) return shared.status();
     ENAMEL_RETURN_IF_ERROR(disk_.MakeFolder(options_.target));
     std::set<Sha256> named;
+    // The database first: blobs are written before the rows that name them, so whatever the copy
+    // names is there by now. Blobs that come later are in no row of it.
     ENAMEL_RETURN_IF_ERROR(CopyDatabase(named));
     ENAMEL_RETURN_IF_ERROR(CopyBlobs(named));
     ENAMEL_RETURN_IF_ERROR(CopyKeys());
     for (const char* name : kServerFiles) {
       if (fs::exists(options_.data / name, error)) ENAMEL_RETURN_IF_ERROR(Add(name, false));
     }
+    // The manifest last, when all it lists is on the disk: a backup without one was not finished.
     ENAMEL_RETURN_IF_ERROR(disk_.SyncAll(options_.target));
     std::ranges::sort(manifest_.files, {}, &Manifest::File::path);
     ENAMEL_RETURN_IF_ERROR(
@@ -215,6 +218,7 @@ class Restorer {
       fs::path to = options_.data / file.path;
       ENAMEL_RETURN_IF_ERROR(disk_.MakeFolder(to.parent_path()));
       auto copied = disk_.Copy(options_.backup / file.path, to, false);
+      // Compared while it is copied: each file is read once.
       if (copied.ok() && copied->hash == file.hash) {
         ++report_.files;
         report_.bytes += copied->bytes;
@@ -265,6 +269,7 @@ class Restorer {
     open.hold_lock = true;
     open.restoring = true;
     open.disk = options_.disk;
+    // Without the store, which erases as it opens.
     ENAMEL_ASSIGN_OR_RETURN(auto before, CountPeople());
     ENAMEL_ASSIGN_OR_RETURN(auto store, OpenSqliteStore(open));
     ENAMEL_ASSIGN_OR_RETURN(auto people, store->People());

@@ -27,6 +27,7 @@ Status Failed(const char* what, const fs::path& path, int error) {
   return Status(Code::kStorage, message);
 }
 
+// Zeros once: what is on the medium below the file system is the drive's to promise.
 Status Overwrite(int fd, const fs::path& path) {
   struct stat info {};
   if (::fstat(fd, &info) != 0) return Failed("cannot stat", path, errno);
@@ -123,6 +124,8 @@ class PosixDisk final : public Disk {
   Result<Copied> Copy(const fs::path& from, const fs::path& to, bool link) override {
     Copied out;
     std::error_code error;
+    // Where that fails (another file system) it is copied. A link to a blob is safe: blobs are never
+    // changed in their place.
     if (link) fs::create_hard_link(from, to, error);
     out.linked = link && !error;
     std::optional<Fd> target;
@@ -149,6 +152,7 @@ class PosixDisk final : public Disk {
     struct statvfs info {};
     if (::statvfs(folder.c_str(), &info) != 0)
       return Failed("cannot read the free space of", folder, errno);
+    // f_bavail, not f_bfree: the last blocks are root's.
     return uint64_t{info.f_bavail} * info.f_frsize;
   }
 };

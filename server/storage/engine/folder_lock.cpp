@@ -21,6 +21,8 @@ Result<FolderLock> FolderLock::Take(const std::filesystem::path& file, Mode mode
                                       "; name a folder this user may write");
   }
   FolderLock lock(fd);
+  // flock and not a file that is there: the system lets go of it when the process dies, however it
+  // dies.
   if (::flock(fd, (mode == Mode::kShared ? LOCK_SH : LOCK_EX) | LOCK_NB) != 0) {
     return Status(Code::kUnavailable, busy);
   }
@@ -36,6 +38,7 @@ Result<FolderLock> TakeUpkeepLock(const std::filesystem::path& folder, FolderLoc
           : "a backup of " + folder.string() + " is being made; try again when it is done");
 }
 
+// Asked by trying: a lock tells nobody who holds it.
 bool IsUpkeepAlone(const std::filesystem::path& folder) {
   return TakeUpkeepLock(folder, FolderLock::Mode::kShared).status().code() == Code::kUnavailable;
 }

@@ -14,6 +14,7 @@ namespace json = boost::json;
 
 constexpr std::string_view kFormat = "enamel-backup";
 constexpr int64_t kVersion = 1;
+// Room for more than two million files.
 constexpr size_t kMaxBytes = size_t{512} << 20;
 constexpr std::array<std::string_view, 4> kPlainFiles = {"enamel.db", "station.crt", "station.key",
                                                          "ticket.key"};
@@ -89,6 +90,7 @@ Status ReadFiles(const json::object& root, Manifest& out) {
   if (files == nullptr || !files->is_array()) return Bad("files", "an array");
   for (const json::value& value : files->as_array()) {
     ENAMEL_ASSIGN_OR_RETURN(auto file, FileOf(value));
+    // In order, so that once is seen at once: a path listed twice could have two hashes.
     if (!out.files.empty() && out.files.back().path >= file.path) {
       return Bad("files", "paths in order, each once,");
     }

@@ -7,13 +7,16 @@ namespace enamel::server::sqlite {
 uint64_t SpaceGuard::FreeBytes() {
   std::lock_guard lock(mutex_);
   auto now = std::chrono::steady_clock::now();
+  // Every chunk asks; the disk is asked about once a second.
   if (looked_ != decltype(looked_){} && now - looked_ < interval_) return free_;
   looked_ = now;
   auto free = disk_.FreeBytes(folder_);
+  // A disk that does not tell is no reason to refuse recordings.
   free_ = free.ok() ? *free : UINT64_MAX;
   return free_;
 }
 
+// Asks the disk anew: for something this large a figure of a second ago is too old.
 Status SpaceGuard::RoomFor(uint64_t bytes) {
   auto free = disk_.FreeBytes(folder_);
   if (!free.ok() || *free >= bytes + min_free_) return Status::Ok();

@@ -72,6 +72,7 @@ class Verifier {
     report_.is_backup = fs::exists(options_.folder / kManifestName, error);
     if (report_.is_backup) CheckManifest();
     ENAMEL_ASSIGN_OR_RETURN(auto db, OpenDatabase(path, DbMode::kReadOnly));
+    // One reading transaction over all: a server may write meanwhile.
     Status begun = db->Exec("BEGIN");
     auto schema = begun.ok() ? SchemaVersion(*db) : Result<int>(begun);
     if (!schema.ok() && schema.status().code() == Code::kVersion) return schema.status();
@@ -100,6 +101,7 @@ class Verifier {
   }
 
   Status CheckAll(Db& db) {
+    // From the bottom up: what the pages say is believed below only when they are whole.
     ENAMEL_RETURN_IF_ERROR(CheckDatabase(db));
     ENAMEL_ASSIGN_OR_RETURN(auto named, NamedBlobs(db));
     has_keys_ = LooksLikeKeyring();
@@ -150,6 +152,7 @@ class Verifier {
     FindUnlisted(listed);
   }
 
+  // What the manifest does not list is not restored: somebody may count on it.
   void FindUnlisted(const std::set<std::string>& listed) {
     std::error_code error;
     for (fs::recursive_directory_iterator it(options_.folder, error), end; !error && it != end;
@@ -309,6 +312,7 @@ class Verifier {
   Status CheckAttempt(Db& db, const AttemptFacts& facts) {
     if (!facts.has_header) return Status::Ok();
     CheckHeader(facts);
+    // A retention rule has removed the recording; the header stays with the score.
     if (facts.expired) return Status::Ok();
     if (!facts.trace_blob.IsZero()) {
       ++report_.sealed;
@@ -463,6 +467,7 @@ Result<FolderLock> WaitUntilNothingIsRemoved(const fs::path& folder) {
 }  // namespace
 
 Result<VerifyReport> Verify(const VerifyOptions& options) {
+  // At first without waiting for anybody, as nearly always nothing is found.
   auto report = Verifier(options).Run();
   if (!report.ok() || report->is_backup || report->findings.empty()) return report;
   auto quiet = WaitUntilNothingIsRemoved(options.folder);

@@ -31,6 +31,7 @@ AssignmentRow AssignmentOf(const Query& q) {
   return out;
 }
 
+// Of an exam; none: it may be taken at any station.
 Status AddStations(Db& db, AssignmentRow& row) {
   Query q(db,
           "SELECT station FROM assignment_stations WHERE tenant = ?1 AND assignment = ?2 ORDER BY "
@@ -55,6 +56,7 @@ Result<AssignmentRow> FindAssignment(Db& db, const Uuid& id) {
   return out;
 }
 
+// All of the terms: the audit trail must show what an exam was held under.
 Json TermsJson(const AssignmentRow& row) {
   std::string stations;
   for (const Uuid& station : row.stations)
@@ -104,6 +106,7 @@ Status PutStations(Db& db, const AssignmentRow& row) {
             "SELECT ?1, ?2, id FROM stations WHERE tenant = ?1 AND id = ?3 AND revoked = 0 "
             "ON CONFLICT DO NOTHING");
     ENAMEL_RETURN_IF_ERROR(q.Bind(row.id).Bind(station).Run());
+    // Nothing changes too where the list names a station twice.
     if (db.Changes() == 0 && std::ranges::count(row.stations, station) < 2) {
       return Status(Code::kNotFound,
                     "no admitted station " + station.Text() + "; revoked ones take no exams",
@@ -113,6 +116,7 @@ Status PutStations(Db& db, const AssignmentRow& row) {
   return Status::Ok();
 }
 
+// A ticket that was handed back has left nothing to release.
 Status NoAttemptMustDependOn(Db& db, const Uuid& assignment) {
   Query q(db, "SELECT count(*) FROM attempts WHERE tenant = ?1 AND assignment = ?2 AND flags & " +
                   Sql(kReturned) + " = 0");
@@ -248,6 +252,7 @@ Result<std::vector<AssignedRow>> SqliteStore::AssignmentsFor(const Uuid& person)
   });
 }
 
+// In one transaction: a class sees its scores at once or not at all.
 Result<uint32_t> SqliteStore::ReleaseAssignment(const Uuid& id, const Actor& by) {
   uint32_t released = 0;
   Status status = Write([&](Db& db) -> Status {

@@ -55,6 +55,7 @@ AttemptRow AttemptOf(const Query& q) {
   return out;
 }
 
+// An UPDATE that finds no row is no failure of SQL.
 Status MustExist(Db& db, const Uuid& attempt) {
   if (db.Changes() > 0) return Status::Ok();
   return Status(Code::kNotFound, "no attempt " + attempt.Text());
@@ -64,9 +65,12 @@ Status MustExist(Db& db, const Uuid& attempt) {
 Status QueueUnreferenced(Db& db, const Uuid& exercise) {
   std::vector<Uuid> waiting;
   {
-    Query q(db,
-            "SELECT a.id FROM attempts a WHERE a.tenant = ?1 AND a.exercise = ?2 AND a.state IN "
-            "(3, 4, 5, 6) AND a.reference IS NULL AND a.expired_ms = 0 AND NOT EXISTS (SELECT 1 "
+    Query q(
+        db,
+        "SELECT a.id FROM attempts a WHERE a.tenant = ?1 AND a.exercise = ?2 AND a.state IN (" +
+            Sql(AttemptState::kSealed) + ", " + Sql(AttemptState::kScoring) + ", " +
+            Sql(AttemptState::kScored) + ", " + Sql(AttemptState::kFailed) +
+            ") AND a.reference IS NULL AND a.expired_ms = 0 AND NOT EXISTS (SELECT 1 "
             "FROM jobs j WHERE j.tenant = a.tenant AND j.attempt = a.id AND j.state = 'queued')");
     q.Bind(exercise);
     while (q.Next()) waiting.push_back(q.Id(0));
@@ -83,6 +87,7 @@ Status InsertReference(Db& db, ReferenceRow& row) {
     Query q(
         db,
         "SELECT coalesce(max(version), 0) FROM reference_cuts WHERE tenant = ?1 AND exercise = ?2");
+    // Counted in the writing transaction, so that no two get the same.
     row.version = q.Bind(row.exercise).Next() ? static_cast<int32_t>(q.Int(0)) + 1 : 1;
     ENAMEL_RETURN_IF_ERROR(q.status());
   }
@@ -153,6 +158,7 @@ Status WithdrawReleaseOfAnotherScore(Db& db, const Uuid& attempt,
   return another ? SetReleased(db, attempt, false, Actor{{}, "job"}) : Status::Ok();
 }
 
+// Every run is kept: a score that was released and then changed can be explained.
 Status KeepResult(Db& db, const Uuid& attempt, const Store::AttemptResult& result,
                   const Uuid& job) {
   Query q(
@@ -249,16 +255,20 @@ Status SqliteStore::CreateAttempt(const AttemptRow& row, ByteView ticket, const 
                               {"assignment", row.assignment ? row.assignment->Text() : ""},
                               {"exam", row.exam ? "yes" : "no"}}));
   });
+  // Erased or never here: only the key ring knows, as the row is gone in both cases. A station that
+  // was away may still offer what such a person recorded.
   bool nobody = status.code() == Code::kNotFound && status.field() == "person";
   if (!nobody || !keyring_.IsGone(row.person)) return status;
   return Status(Code::kConflict, "this person was erased; nothing of theirs is taken any more",
                 "person");
 }
 
+// Twice is the same as once: the station tells it until it has an answer.
 Status SqliteStore::ReturnTicket(const Uuid& attempt, const Actor& by) {
   return Write([&](Db& db) -> Status {
     ENAMEL_ASSIGN_OR_RETURN(auto row, FindAttempt(db, attempt));
     if ((row.flags & kReturned) != 0) return Status::Ok();
+    // Otherwise handing back would be a way to try until it goes well.
     if (row.state != AttemptState::kTicketed) {
       return Status(Code::kConflict,
                     "attempt " + attempt.Text() +
@@ -282,6 +292,7 @@ Result<std::vector<AttemptRow>> SqliteStore::Attempts(const AttemptFilter& filte
   std::string sql = kAttemptSelect;
   std::vector<Uuid> ids;
   std::vector<int64_t> numbers;
+  // ?1 is the tenant; all ids are bound before all numbers, so ids must be placed first.
   auto next = [&] { return "?" + std::to_string(ids.size() + numbers.size() + 1); };
   auto where = [&](const std::optional<Uuid>& id, const std::string& before,
                    const std::string& after) {
@@ -304,6 +315,7 @@ Result<std::vector<AttemptRow>> SqliteStore::Attempts(const AttemptFilter& filte
         ")");
   where(filter.exercise, "a.exercise = ", "");
   where(filter.assignment, "a.assignment = ", "");
+  // Ids rise with time: a list goes on where the last one ended, whatever came in meanwhile.
   where(filter.before, "a.id < ", "");
   if (filter.state) sql += " AND a.state = " + number(static_cast<int64_t>(*filter.state));
   if (filter.flags != 0) {
@@ -315,6 +327,7 @@ Result<std::vector<AttemptRow>> SqliteStore::Attempts(const AttemptFilter& filte
         " AND EXISTS (SELECT 1 FROM appeals o WHERE o.tenant = a.tenant AND o.attempt = a.id AND "
         "o.state = 'open')";
   }
+  // The bound is ours, not the asker's.
   sql += " ORDER BY a.id DESC LIMIT " + number(std::clamp<uint32_t>(filter.limit, 1, 200));
   return Read([&](Db& db) -> Result<std::vector<AttemptRow>> {
     Query q(db, sql.c_str());
@@ -355,6 +368,7 @@ Status SqliteStore::FinishAttempt(const Uuid& attempt, const AttemptResult& resu
   });
 }
 
+// An earlier score counts again: a run that fails takes nothing away that somebody has seen.
 Status SqliteStore::FailAttempt(const Uuid& attempt, const std::string& problem, const Uuid& job) {
   return Write([&](Db& db) -> Status {
     ENAMEL_RETURN_IF_ERROR(MustBeRunning(db, job));
@@ -398,6 +412,7 @@ Result<Store::AttemptResult> SqliteStore::ResultOf(const Uuid& attempt) {
   });
 }
 
+// By the job and not by the attempt: a run that was cancelled must not move the next one's bar.
 Status SqliteStore::SetProgress(const Uuid& job, double progress) {
   return Write([&](Db& db) -> Status {
     ENAMEL_RETURN_IF_ERROR(MustBeRunning(db, job));
@@ -424,6 +439,7 @@ Result<ReferenceRow> SqliteStore::AddReference(const Uuid& attempt, const std::s
                                          AttemptStateName(found.state) +
                                          ", only a scored one can become a reference");
     }
+    // Others are compared with the cut itself, not with its score.
     if (found.expired_ms != 0) {
       return Status(Code::kConflict, "the recording of attempt " + attempt.Text() +
                                          " was removed by a retention rule, so it can no longer "
@@ -431,6 +447,8 @@ Result<ReferenceRow> SqliteStore::AddReference(const Uuid& attempt, const std::s
     }
     row.exercise = found.exercise;
     ENAMEL_RETURN_IF_ERROR(InsertReference(db, row));
+    // What was scored without a reference is scored again with it; what was compared with an earlier
+    // one keeps its score until somebody asks.
     ENAMEL_RETURN_IF_ERROR(QueueUnreferenced(db, row.exercise));
     return WriteAudit(
         db, by, "reference.add", attempt.Text(), "{}",
@@ -466,6 +484,7 @@ Result<std::vector<ReferenceRow>> SqliteStore::References(const Uuid& exercise) 
   });
 }
 
+// It is marked and not deleted: scores that were compared with it still name it.
 Status SqliteStore::WithdrawReference(const Uuid& id, const Actor& by) {
   return Write([&](Db& db) -> Status {
     ENAMEL_ASSIGN_OR_RETURN(auto row, FindReference(db, id));

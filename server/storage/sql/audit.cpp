@@ -51,6 +51,7 @@ Result<Uuid> NextAuditId(Db& db) {
 
 }  // namespace
 
+// In the transaction of what it tells of: neither is there without the other.
 Status WriteAudit(Db& db, const Actor& by, const char* action, const std::string& object,
                   const Json& before, const Json& after) {
   ENAMEL_ASSIGN_OR_RETURN(auto id, NextAuditId(db));
@@ -76,6 +77,7 @@ Result<std::vector<AuditRow>> SqliteStore::FindAudit(const AuditFilter& filter) 
   if (filter.actor) sql += " AND actor = " + place();
   if (!filter.action.empty()) {
     const std::string action = place();
+    // Not LIKE, in which % and _ of the asker would mean something.
     sql += kind ? " AND substr(action, 1, length(" + action + ")) = " + action
                 : " AND action = " + action;
   }
@@ -93,6 +95,8 @@ Result<std::vector<AuditRow>> SqliteStore::FindAudit(const AuditFilter& filter) 
   });
 }
 
+// Rows name an attempt by its id and not by its person, so the person's attempts are looked up
+// first. All rows are read: this is asked once in a while, for one person's data.
 Result<std::vector<AuditRow>> SqliteStore::AuditAbout(const Uuid& person) {
   return Read([&](Db& db) -> Result<std::vector<AuditRow>> {
     std::set<std::string> objects{person.Text()};

@@ -35,6 +35,7 @@ Status UpdateCohort(Db& db, const Cohort& before, Cohort& after, const Actor& by
   return WriteAudit(db, by, "cohort.edit", after.id.Text(), json(before), json(after));
 }
 
+// Removing who is not in it leaves no audit row: nothing was done.
 Status DeleteMember(Db& db, const Uuid& cohort, const Uuid& person, const Actor& by) {
   Query q(db, "DELETE FROM cohort_members WHERE tenant = ?1 AND cohort = ?2 AND person = ?3");
   ENAMEL_RETURN_IF_ERROR(q.Bind(cohort).Bind(person).Run());
@@ -49,6 +50,7 @@ Cohort CohortOf(const Query& q) {
   return {q.Id(0), q.Text(1), q.Int(2), static_cast<int32_t>(q.Int(3))};
 }
 
+// Two who edit at once: the second sees what the first did before it is overwritten.
 Status MustBeNewest(int32_t stored, int32_t given) {
   if (stored == given) return Status::Ok();
   return Status(Code::kConflict,
@@ -71,6 +73,7 @@ Status InsertMember(Db& db, const Uuid& cohort, const Uuid& person, const Actor&
           "INSERT INTO cohort_members (tenant, cohort, person) VALUES (?1, ?2, ?3) "
           "ON CONFLICT DO NOTHING");
   Status status = q.Bind(cohort).Bind(person).Run();
+  // The foreign keys say that one of the two is not there, and not which.
   if (status.code() == Code::kConflict) {
     return Status(Code::kNotFound, "no cohort " + cohort.Text() + " or no person " + person.Text());
   }
@@ -101,6 +104,7 @@ Result<Cohort> SqliteStore::EditCohort(const Uuid& id, const CohortEdit& edit, i
     ENAMEL_RETURN_IF_ERROR(MustBeNewest(before.revision, revision));
     after = before;
     if (edit.name) after.name = *edit.name;
+    // Archiving what is archived keeps the time of the first.
     if (edit.archived && *edit.archived != (before.archived_ms != 0)) {
       after.archived_ms = *edit.archived ? NowMs() : 0;
     }
@@ -114,6 +118,7 @@ Status SqliteStore::ChangeMembers(const Uuid& cohort, const std::vector<Uuid>& a
                                   const std::vector<Uuid>& remove, const Actor& by) {
   return Write([&](Db& db) -> Status {
     if (auto found = FindCohort(db, cohort); !found.ok()) return found.status();
+    // All are looked up before one is changed, so that a refusal names the person.
     for (const auto* people : {&add, &remove}) {
       for (const Uuid& person : *people) {
         if (auto found = FindPerson(db, person); !found.ok()) return found.status();
@@ -153,6 +158,7 @@ Result<std::vector<Cohort>> SqliteStore::Cohorts() {
   });
 }
 
+// An archived cohort counts too: what was made in it is still looked at.
 Result<bool> SqliteStore::ShareCohort(const Uuid& a, const Uuid& b) {
   return Read([&](Db& db) -> Result<bool> {
     Query q(db,

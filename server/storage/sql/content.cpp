@@ -4,6 +4,7 @@
 namespace enamel::server::sqlite {
 
 Status SqliteStore::PutScene(const SceneRow& row, const Actor& by) {
+  // What a row names must be there; see profiles.cpp.
   if (!blobs_.Has(row.content) || !blobs_.Has(row.volume)) {
     return Status(Code::kNotFound,
                   "the scene's document or volume is not stored; put both blobs first");
@@ -14,6 +15,7 @@ Status SqliteStore::PutScene(const SceneRow& row, const Actor& by) {
             "ON CONFLICT DO NOTHING");
     ENAMEL_RETURN_IF_ERROR(
         q.Bind(row.name).Bind(row.title).Bind(row.content).Bind(row.volume).Run());
+    // A scene is named by its content: the same again is the one that is there.
     if (db.Changes() == 0) return Status::Ok();
     return WriteAudit(db, by, "scene.put", row.name, "{}",
                       JsonOf({{"content", row.content.Hex()}}));
@@ -34,6 +36,7 @@ Result<std::vector<SceneRow>> SqliteStore::Scenes() {
   });
 }
 
+// Follows from the volume alone: nothing that somebody did, so no audit row.
 Status SqliteStore::PutSceneSurface(const Sha256& volume, const Sha256& surface) {
   return Write([&](Db& db) -> Status {
     Query q(db, "UPDATE scenes SET surface = ?3 WHERE tenant = ?1 AND volume = ?2");

@@ -95,6 +95,8 @@ Result<std::set<Sha256>> NamedBlobs(Db& db) {
 
 Status DeleteAttempts(Db& db, const std::vector<Uuid>& attempts, std::set<Sha256>& blobs) {
   for (const Uuid& attempt : attempts) {
+    // Which blobs it named is read before the row goes; the files are removed after the commit, so
+    // that no row ever names one that is gone.
     Query named(db,
                 "SELECT trace_blob, score_json, final_volume, surface, series FROM attempts "
                 "WHERE tenant = ?1 AND id = ?2");
@@ -136,6 +138,7 @@ Status DeletePerson(Db& db, const Uuid& person, const Tombstone& tombstone, cons
                           "DELETE FROM people WHERE tenant = ?1 AND id = ?2"}) {
     ENAMEL_RETURN_IF_ERROR(Query(db, sql).Bind(person).Run());
   }
+  // After the rows: the database admits it only of a person who is not there (0007_door.sql).
   ENAMEL_RETURN_IF_ERROR(RedactAudit(db, person));
   Query q(db,
           "INSERT INTO erasures (tenant, person_hash, erased_ms) VALUES (?1, ?2, ?3) "
@@ -173,6 +176,9 @@ Result<ErasureReport> SqliteStore::ErasePerson(const Uuid& person, bool with_ref
                            return true;
                          }).status());
   Tombstone tombstone{TombstoneOf(person), NowMs()};
+  // The order is what makes it safe: the mark, so that a crash leaves the rewrite to be done; then
+  // the key, after which nothing kept under it can be read by anybody; then the rows. After a crash
+  // the start finds the key gone and deletes the rows (Reconcile).
   ENAMEL_RETURN_IF_ERROR(rewriter_.Mark());
   ENAMEL_RETURN_IF_ERROR(keyring_.Destroy(person, tombstone.erased_ms));
   ErasureReport report;

@@ -44,6 +44,7 @@ Result<ExerciseRow> FindExercise(Db& db, const Uuid& id) {
 
 namespace {
 
+// What is published never changes: attempts name it, and their scores were made by it.
 Result<ExerciseRow> FindDraft(Db& db, const Uuid& id, int32_t revision) {
   auto row = FindExercise(db, id);
   if (!row.ok()) return row;
@@ -132,6 +133,7 @@ Status NoExamMustBeOpen(Db& db, const std::string& name) {
                 "assignment");
 }
 
+// Publishing again must not give a cohort its work twice.
 Status AssignOnce(Db& db, const std::string& exercise, const Uuid& cohort) {
   Query q(db,
           "INSERT INTO assignments (tenant, id, exercise_name, cohort, created_ms) "
@@ -157,6 +159,7 @@ ExerciseRow ExerciseOf(const Query& q, int first) {
   return out;
 }
 
+// Two who edit at once: the second sees what the first did before it is overwritten.
 Status MustBeRevision(int32_t stored, int32_t expected) {
   if (stored == expected) return Status::Ok();
   return Status(Code::kConflict,
@@ -172,11 +175,13 @@ Result<ExerciseRow> SqliteStore::PublishExercise(ExerciseRow exercise, const Uui
     row = exercise;
     ENAMEL_ASSIGN_OR_RETURN(auto newest, NewestVersion(db, row.name));
     ENAMEL_RETURN_IF_ERROR(AssignOnce(db, row.name, cohort));
+    // The same document is the same version, so that publishing twice changes nothing.
     if (newest && newest->content == row.content) {
       row = *newest;
       return OfferAgain(db, row, by);
     }
     ENAMEL_RETURN_IF_ERROR(NoExamMustBeOpen(db, row.name));
+    // A station that gets the exercise asks for the scene next.
     ENAMEL_RETURN_IF_ERROR(SceneMustExist(db, row));
     row.id = Uuid::New();
     row.version = newest ? newest->version + 1 : 1;
@@ -245,6 +250,7 @@ Result<ExerciseRow> SqliteStore::PublishDraft(const Uuid& id, int32_t revision, 
     ENAMEL_ASSIGN_OR_RETURN(auto found, FindDraft(db, id, revision));
     row = found;
     ENAMEL_ASSIGN_OR_RETURN(auto newest, NewestVersion(db, row.name));
+    // A version that differs in nothing would split a class's results in two.
     if (newest && newest->content == row.content && newest->state == ExerciseState::kPublished) {
       return Status(Code::kConflict, "the draft says what version " +
                                          std::to_string(newest->version) + " of \"" + row.name +
@@ -266,6 +272,7 @@ Result<ExerciseRow> SqliteStore::PublishDraft(const Uuid& id, int32_t revision, 
   return row;
 }
 
+// All versions of the name: an older one must not come back in place of the newest.
 Status SqliteStore::RetireExercise(const Uuid& id, const Actor& by) {
   return Write([&](Db& db) -> Status {
     ENAMEL_ASSIGN_OR_RETURN(auto row, FindExercise(db, id));
@@ -297,6 +304,7 @@ Result<ExerciseRow> SqliteStore::ExerciseByContent(const Sha256& content) {
   });
 }
 
+// Assigned to a cohort of the person's that is not archived, or to everybody (the zero id).
 Result<std::vector<ExerciseRow>> SqliteStore::ExercisesFor(const Uuid& person) {
   return Read([&](Db& db) -> Result<std::vector<ExerciseRow>> {
     Query q(

@@ -7,6 +7,7 @@
 namespace enamel::server::sqlite {
 namespace {
 
+// A recording that ends the process each time must not do so for ever.
 constexpr int kMaxTries = 3;
 constexpr char kSelect[] =
     "SELECT id, kind, attempt, state, tries, error, cause, batch FROM jobs j WHERE tenant = ?1";
@@ -24,6 +25,8 @@ JobRow JobOf(const Query& q) {
   return out;
 }
 
+// A quarantined attempt stays what it is: its run, where somebody asked for one, has made it
+// sealed before.
 Status BeginRun(Db& db, const Uuid& attempt) {
   Query q(db,
           "UPDATE attempts SET state = ?3, problem = '', progress = 0 WHERE tenant = ?1 AND id = "
@@ -53,6 +56,7 @@ Status EndRun(Db& db, const Uuid& attempt, AttemptState without_score, const std
   return q.Bind(attempt).Bind(problem).Run();
 }
 
+// The attempt says why, not only the job: it is the attempt that people look at.
 Status GiveUp(Db& db, JobRow job, const std::string& error) {
   job.state = "failed";
   job.error = error;
@@ -74,12 +78,14 @@ Result<std::optional<JobRow>> NextJob(Db& db, UnixMs now_ms) {
   return out;
 }
 
+// Those that have used up their tries are ended on the way, as nobody else would.
 Status TakeJob(Db& db, UnixMs now_ms, UnixMs lease_ms, std::optional<JobRow>& taken) {
   taken.reset();
   for (;;) {
     ENAMEL_ASSIGN_OR_RETURN(auto next, NextJob(db, now_ms));
     if (!next) return Status::Ok();
     JobRow job = *next;
+    // A worker that failed said so (FinishJob); one that died did not, and its lease ran out.
     if (job.tries >= kMaxTries) {
       ENAMEL_RETURN_IF_ERROR(GiveUp(db, job,
                                     "the worker died " + std::to_string(kMaxTries) +
@@ -87,6 +93,7 @@ Status TakeJob(Db& db, UnixMs now_ms, UnixMs lease_ms, std::optional<JobRow>& ta
                                         (job.error.empty() ? "" : "; before that: " + job.error)));
       continue;
     }
+    // Counted before the work, not after: a worker that dies cannot count.
     ++job.tries;
     job.state = "running";
     ENAMEL_RETURN_IF_ERROR(SetJob(db, job, now_ms + lease_ms));
@@ -112,6 +119,7 @@ Status Requeue(Db& db, JobRow job) {
 
 }  // namespace
 
+// The worker notices at its next step (MustBeRunning in attempts.cpp).
 Status CancelRun(Db& db, JobRow row, const Actor& by) {
   Json before = JsonOf({{"state", row.state}});
   row.state = "cancelled";
@@ -132,6 +140,8 @@ Result<std::vector<JobRow>> OpenJobsOf(Db& db, const Uuid& batch) {
   return out;
 }
 
+// The process that held them is gone: waiting for the leases to run out would only delay the
+// scores.
 Status EndLeases(Db& db) {
   Query q(db, "UPDATE jobs SET lease_until_ms = 0 WHERE tenant = ?1 AND state = 'running'");
   return q.Run();
@@ -167,6 +177,7 @@ Result<std::optional<JobRow>> SqliteStore::LeaseJob(UnixMs now_ms, UnixMs lease_
 Status SqliteStore::FinishJob(const Uuid& job, bool ok, const std::string& error) {
   return Write([&](Db& db) -> Status {
     ENAMEL_ASSIGN_OR_RETURN(auto row, FindJob(db, job));
+    // Cancelled, or given to another worker after the lease ran out: this one's end no longer counts.
     if (row.state != "running") return Status::Ok();
     if (!ok && row.tries >= kMaxTries) return GiveUp(db, row, error);
     row.error = error;
@@ -180,6 +191,7 @@ Status SqliteStore::ReturnJob(const Uuid& job) {
   return Write([&](Db& db) -> Status {
     ENAMEL_ASSIGN_OR_RETURN(auto row, FindJob(db, job));
     if (row.state != "running") return Status::Ok();
+    // A server that stops has not failed.
     if (row.tries > 0) --row.tries;
     return Requeue(db, row);
   });

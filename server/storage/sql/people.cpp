@@ -39,6 +39,8 @@ Json EditJson(const Person& person, const Person& other) {
 // Writes `after` over `before`. Nothing changed: nothing is written.
 Status UpdatePerson(Db& db, const Person& before, Person& after, const char* action,
                     const Actor& by) {
+  // A session was given to the role that the person had: with another, or with none, it must not go
+  // on. A new name changes nothing of what may be done.
   bool ends_sessions = after.role != before.role || (after.disabled && !before.disabled);
   if (!ends_sessions && after.display_name == before.display_name &&
       after.disabled == before.disabled) {
@@ -83,6 +85,7 @@ Result<Person> FindPerson(Db& db, const Uuid& id) {
   return OnePerson(q.Bind(id), id.Text());
 }
 
+// An UPDATE that finds no row is no failure of SQL.
 Status MustHaveChanged(Db& db, const std::string& what) {
   if (db.Changes() > 0) return Status::Ok();
   return Status(Code::kNotFound, "no " + what);
@@ -131,12 +134,14 @@ Result<Uuid> SqliteStore::CreatePerson(const Person& person, const std::string& 
                                        const std::vector<Uuid>& cohorts, const Actor& by) {
   Person row = person;
   if (row.id.IsZero()) row.id = Uuid::New();
+  // Recordings that stations still hold under this id would be taken in again.
   if (keyring_.IsGone(row.id)) {
     return Status(Code::kConflict, "person " + row.id.Text() + " was erased and stays so", "id");
   }
   Status status = Write([&](Db& db) -> Status {
     ENAMEL_RETURN_IF_ERROR(InsertPerson(db, row, password_verifier, by));
     for (const Uuid& cohort : cohorts) {
+      // In the same transaction: a person in half of the cohorts would miss exercises unnoticed.
       Status in = InsertMember(db, cohort, row.id, by);
       if (in.code() == Code::kNotFound) return {in.code(), "no cohort " + cohort.Text(), "cohorts"};
       ENAMEL_RETURN_IF_ERROR(in);
@@ -178,12 +183,14 @@ Status SqliteStore::SetPassword(const Uuid& person, const std::string& verifier,
     q.Bind(person).Bind(verifier).Bind(static_cast<int64_t>(for_one_use)).Bind(NowMs());
     ENAMEL_RETURN_IF_ERROR(q.Run());
     ENAMEL_RETURN_IF_ERROR(MustHaveChanged(db, "person " + person.Text()));
+    // Whoever knew the old password may be signed in with it.
     ENAMEL_RETURN_IF_ERROR(DeleteSessions(db, person));
     return WriteAudit(db, by, "person.password", person.Text(), "{}",
                       JsonOf({{"for_one_use", for_one_use ? "yes" : "no"}}));
   });
 }
 
+// Looked at and used up in one statement: of two who sign in at once, one is refused.
 Status SqliteStore::UseOneTimePassword(const Uuid& person) {
   return Write([&](Db& db) -> Status {
     Query q(db,
@@ -229,6 +236,7 @@ Result<std::vector<Person>> SqliteStore::People() {
 }
 
 Result<std::vector<Person>> SqliteStore::FindPeople(const PeopleFilter& filter) {
+  // Only ASCII, as lower() of SQLite does it; other letters are compared as they are.
   std::string text = filter.text;
   std::ranges::transform(text, text.begin(), [](char c) {
     return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
@@ -245,6 +253,7 @@ Result<std::vector<Person>> SqliteStore::FindPeople(const PeopleFilter& filter) 
         " AND EXISTS (SELECT 1 FROM cohort_members m WHERE m.tenant = p.tenant AND m.person = p.id "
         "AND m.cohort = ?5)";
   }
+  // By login and from the last one on: a page stays the same when people come and go before it.
   sql += " ORDER BY login LIMIT ?4";
   return Read([&](Db& db) -> Result<std::vector<Person>> {
     Query q(db, sql.c_str());
@@ -255,6 +264,7 @@ Result<std::vector<Person>> SqliteStore::FindPeople(const PeopleFilter& filter) 
   });
 }
 
+// Those who teach come before those who are taught.
 Result<std::vector<Person>> SqliteStore::CohortMembers(const Uuid& cohort) {
   return Read([&](Db& db) -> Result<std::vector<Person>> {
     static const std::string kSql =

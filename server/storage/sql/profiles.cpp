@@ -40,6 +40,7 @@ Result<std::optional<ProfileRow>> Newest(Db& db, const std::string& name) {
   return rows.empty() ? std::optional<ProfileRow>() : rows.front();
 }
 
+// What is added is about the version that is the newest now.
 Result<ProfileRow> MustBeThere(Db& db, const std::string& name) {
   ENAMEL_ASSIGN_OR_RETURN(auto found, Newest(db, name));
   if (found) return *found;
@@ -47,6 +48,8 @@ Result<ProfileRow> MustBeThere(Db& db, const std::string& name) {
                 "profile");
 }
 
+// `profile_versions` keeps them all; `profiles` has the newest of each, which calibrations refer
+// to by its name.
 Status InsertVersion(Db& db, const ProfileRow& row) {
   {
     Query q(db,
@@ -67,6 +70,7 @@ Status InsertVersion(Db& db, const ProfileRow& row) {
 Status SqliteStore::PutProfile(const ProfileRow& row, const Actor& by) {
   return Write([&](Db& db) -> Status {
     ENAMEL_ASSIGN_OR_RETURN(auto newest, Newest(db, row.name));
+    // A version that differs in nothing would say nothing.
     if (newest && newest->content == row.content) return Status::Ok();
     ProfileRow next = row;
     next.version = newest ? newest->version + 1 : 1;
@@ -102,12 +106,15 @@ Result<std::vector<ProfileRow>> SqliteStore::ProfileVersions(const std::string& 
 
 Result<ProfileReportRow> SqliteStore::AddProfileReport(const ProfileReportRow& row,
                                                        const Actor& by) {
+  // The blob is put before its row, never after: what a row names must be there. A crash in between
+  // leaves a blob that no row names, which retention sweeps away.
   if (!blobs_.Has(row.content)) {
     return Status(Code::kNotFound, "the report is not stored; put its blob first");
   }
   ProfileReportRow added;
   Status status = Write([&](Db& db) -> Status {
     added = row;
+    // The same report of the same version is the one that is there: it may be sent twice.
     ENAMEL_ASSIGN_OR_RETURN(auto profile, MustBeThere(db, row.profile));
     {
       static const std::string kSql =
@@ -162,6 +169,7 @@ Result<CalibrationRow> SqliteStore::AddCalibration(const CalibrationRow& row, co
   CalibrationRow added;
   Status status = Write([&](Db& db) -> Status {
     added = row;
+    // Compared as a whole: a document that differs anywhere is another measurement.
     if (auto profile = MustBeThere(db, row.profile); !profile.ok()) return profile.status();
     {
       static const std::string kSql =

@@ -4,6 +4,8 @@
 namespace enamel::server::sqlite {
 namespace {
 
+// All of them at once: a roster names most of a school, and a look-up for each of its lines would
+// take longer.
 Result<RosterFacts> FactsIn(Db& db) {
   RosterFacts out;
   static const std::string kPeople =
@@ -35,6 +37,7 @@ Person NewPerson(const RosterRow& row) {
   out.login = row.login;
   out.display_name = row.display_name.empty() ? row.login : row.display_name;
   out.role = row.role;
+  // The list went through other hands.
   out.must_change_password = true;
   return out;
 }
@@ -66,6 +69,7 @@ Status CarryOut(Db& db, const RosterPlan& plan, const RosterFacts& facts, const 
   for (const RosterStep& step : plan.steps) {
     ENAMEL_RETURN_IF_ERROR(CarryOut(db, step, cohorts, by));
   }
+  // An import that changed nothing is no event.
   size_t unchanged = plan.Count(RosterStep::Change::kUnchanged);
   if (unchanged == plan.steps.size() && plan.new_cohorts.empty()) return Status::Ok();
   return WriteAudit(db, by, "roster.import", "", "{}",
@@ -91,6 +95,8 @@ Result<RosterPlan> SqliteStore::ImportRoster(const std::vector<RosterRow>& rows,
   }
   Status status = Write([&](Db& db) -> Status {
     auto facts = make(db);
+    // Planned anew from what is stored now: the dry run before may be out of date. A plan with
+    // problems changes nothing and is handed back.
     if (!facts.ok() || !plan.problems.empty()) return facts.status();
     return CarryOut(db, plan, *facts, by);
   });

@@ -7,6 +7,7 @@
 namespace enamel::server::sqlite {
 namespace {
 
+// A chunk that comes in waits for one portion at most.
 constexpr int64_t kPortion = 128;
 constexpr std::chrono::milliseconds kAfterFailure{1000};
 // Of the time that portions take, to others.
@@ -51,6 +52,7 @@ void SealedRows::Run(const std::stop_token& stop) {
     Status deleted = DeleteSome(attempt, gone);
     const auto took = std::chrono::steady_clock::now() - begin;
     lock.lock();
+    // Left at the front after a failure: it is tried again, and after a restart Find finds it.
     if (deleted.ok() && gone) attempts_.pop_front();
     const auto pause = deleted.ok() ? kShareOfOthers * took : kAfterFailure;
     wake_.wait_for(lock, stop, pause, [] { return false; });

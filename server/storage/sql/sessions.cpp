@@ -4,6 +4,7 @@
 namespace enamel::server::sqlite {
 namespace {
 
+// The token itself is never stored: who reads the database cannot sign in with what is there.
 constexpr char kSessionSelect[] =
     "SELECT token_hash, person, created_ms, last_used_ms, expires_ms, via, id, confirmed_ms, "
     "address, device FROM sessions WHERE tenant = ?1 AND ";
@@ -100,6 +101,7 @@ Status SqliteStore::EndSession(const Sha256& token_hash) {
   });
 }
 
+// By id, which a list may show, unlike what the token is found by.
 Status SqliteStore::EndSessionById(const Uuid& id, const Actor& by) {
   return Write([&](Db& db) -> Status {
     ENAMEL_ASSIGN_OR_RETURN(auto session, FindSessionById(db, id));

@@ -40,6 +40,8 @@ Status MayComeBack(Db& db, const StationRow& station) {
   auto stored = FindStation(db, station.id);
   if (stored.status().code() == Code::kNotFound) return Status::Ok();
   if (!stored.ok()) return stored.status();
+  // Recordings are signed with the key: under another one the station's earlier recordings could no
+  // longer be told from forged ones.
   if (stored->public_key != station.public_key) {
     return Status(Code::kConflict,
                   "station " + station.id.Text() + " has another key; enrol as a new station",
@@ -51,6 +53,8 @@ Status MayComeBack(Db& db, const StationRow& station) {
                 "station_id");
 }
 
+// The same id with a new name and credential: what it recorded before stays its own. The revision
+// rises, so that an edit that was begun before is refused.
 Status PutStation(Db& db, const StationRow& station, const Sha256& credential_hash) {
   Query q(db,
           "INSERT INTO stations (tenant, id, name, public_key, credential_hash, enrolled_ms, "
@@ -99,6 +103,7 @@ Status SqliteStore::WithdrawEnrolCode(const Uuid& id, const Actor& by) {
         return q.status().ok() ? Status(Code::kNotFound, "no enrolment code " + id.Text())
                                : q.status();
       }
+      // Too late to withdraw: the station is in already.
       if (!q.IsNull(0)) {
         return Status(Code::kConflict,
                       "a station has enrolled with this code already; revoke the station instead");
@@ -117,6 +122,8 @@ Result<StationRow> SqliteStore::EnrolStation(const Sha256& code_hash, StationRow
   if (!again) station.id = Uuid::New();
   station.enrolled_ms = station.last_seen_ms = now_ms;
   Status status = Write([&](Db& db) -> Status {
+    // Used up in the statement that looks whether it may be: two stations at once cannot both have
+    // it. What comes after may still fail, and takes the use back with it.
     Query use(db,
               "UPDATE enrol_codes SET used_ms = ?3 WHERE tenant = ?1 AND code_hash = ?2 AND "
               "used_ms IS NULL AND withdrawn_ms IS NULL AND expires_ms >= ?3");
@@ -135,6 +142,8 @@ Result<StationRow> SqliteStore::EnrolStation(const Sha256& code_hash, StationRow
   return station;
 }
 
+// Compared by the database: how long that takes tells of a hash only, and nothing of the
+// credential.
 Result<StationRow> SqliteStore::StationByCredential(const Uuid& id, const Sha256& credential_hash) {
   return Read([&](Db& db) -> Result<StationRow> {
     static const std::string kSql =
@@ -148,6 +157,7 @@ Result<StationRow> SqliteStore::StationById(const Uuid& id) {
   return Read([&](Db& db) { return FindStation(db, id); });
 }
 
+// No audit row: it comes with every connection and says nothing that somebody did.
 Status SqliteStore::TouchStation(const Uuid& id, const std::string& software, uint32_t core_version,
                                  UnixMs now_ms) {
   return Write([&](Db& db) -> Status {
@@ -180,6 +190,7 @@ Result<StationRow> SqliteStore::RenameStation(const Uuid& id, const std::string&
 Status SqliteStore::RevokeStation(const Uuid& id, const Actor& by) {
   return Write([&](Db& db) -> Status {
     ENAMEL_ASSIGN_OR_RETURN(auto station, FindStation(db, id));
+    // Revoked once is revoked for good; the first time counts.
     if (station.revoked) return Status::Ok();
     Query q(db,
             "UPDATE stations SET revoked = 1, revoked_ms = ?3, revision = revision + 1 WHERE "

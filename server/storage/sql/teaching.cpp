@@ -59,6 +59,7 @@ Json OverrideJson(const std::optional<ScoreOverride>& score) {
 }
 
 // The attempt as the caller has seen it.
+// No revision: whoever asks has not shown the attempt to anybody.
 Result<AttemptRow> FindSeen(Db& db, const Uuid& attempt, std::optional<int32_t> revision) {
   auto row = FindAttempt(db, attempt);
   if (row.ok() && revision) {
@@ -84,9 +85,11 @@ Status QueueAgain(Db& db, const Uuid& attempt, const std::string& cause) {
                       : std::string("the attempt is ") + AttemptStateName(row.state) +
                             "; only a sealed one can be scored");
   }
+  // It will see what was changed; a second one would only repeat it.
   if (q.Int(1) != 0) {
     return Status(Code::kConflict, "a scoring run of this attempt is waiting or under way already");
   }
+  // Asking for a score is how an instructor lets a quarantined attempt in.
   if (row.state == AttemptState::kQuarantined) {
     Query accept(db, "UPDATE attempts SET state = " + Sql(AttemptState::kSealed) +
                          ", problem = '' WHERE tenant = ?1 AND id = ?2");
@@ -116,6 +119,7 @@ Status SetFlags(Db& db, const Uuid& attempt, uint32_t flags, const std::string& 
                     JsonOf({{"flags", names}, {"reason", reason}}));
 }
 
+// The revision rises: an override that was begun before the release was seen is refused.
 Status SetReleased(Db& db, const Uuid& attempt, bool released, const Actor& by) {
   ENAMEL_RETURN_IF_ERROR(RaiseRevision(db, attempt));
   Query q(db, "UPDATE attempts SET released = ?3 WHERE tenant = ?1 AND id = ?2");
@@ -150,6 +154,7 @@ Status SqliteStore::OverrideScore(const Uuid& attempt, const std::optional<Score
                                   const Actor& by, std::optional<int32_t> revision) {
   return Write([&](Db& db) -> Status {
     ENAMEL_ASSIGN_OR_RETURN(auto row, FindSeen(db, attempt, revision));
+    // An override stands beside the score and its reasons, it does not take their place.
     if (score && !row.score) {
       return Status(Code::kConflict, "attempt " + attempt.Text() + " is " +
                                          AttemptStateName(row.state) +
@@ -285,6 +290,7 @@ Result<std::vector<AnnotationRow>> SqliteStore::AnnotationsOf(const Uuid& attemp
 Status SqliteStore::FileAppeal(const Uuid& attempt, const std::string& text, const Actor& by) {
   return Write([&](Db& db) -> Status {
     ENAMEL_ASSIGN_OR_RETURN(auto row, FindAttempt(db, attempt));
+    // Before that the student does not know the score, and it may still change.
     if (!row.released) {
       return Status(Code::kConflict,
                     "the score of attempt " + attempt.Text() +
@@ -323,6 +329,7 @@ Status SqliteStore::AnswerAppeal(const Uuid& attempt, bool regrade, const std::s
       q.Bind(attempt).Bind(outcome).Bind(answer).Bind(by.person).Bind(NowMs());
       ENAMEL_RETURN_IF_ERROR(q.Run());
     }
+    // A regrade is a run by the same rules; what an instructor thinks of it is an override.
     if (regrade) ENAMEL_RETURN_IF_ERROR(QueueAgain(db, attempt, "appeal"));
     return WriteAudit(db, by, "appeal.answer", attempt.Text(), JsonOf({{"state", state}}),
                       JsonOf({{"state", outcome}, {"answer", answer}}));

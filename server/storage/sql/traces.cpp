@@ -8,6 +8,7 @@
 namespace enamel::server::sqlite {
 namespace {
 
+// Enough to show what happened; a station that is broken or hostile cannot fill the disk with it.
 constexpr int kMaxEvidence = 16;
 // What a station's clock may be off, and the server's may have been set, before ticks are more than
 // time: 2 s and 1 %.
@@ -68,6 +69,7 @@ Result<std::optional<Sha256>> StoredHash(Db& db, const Uuid& attempt, uint32_t s
   return out;
 }
 
+// Counted in the statement that inserts: many connections at once cannot pass the bound.
 Status KeepEvidence(Db& db, const Store::ChunkPut& chunk, ByteView sealed) {
   Query q(db,
           "INSERT INTO contradicting_chunks (tenant, attempt, seq, hash, bytes, received_ms) "
@@ -116,6 +118,8 @@ Status Contradicted(Db& db, const Uuid& attempt, const std::string& problem) {
                   Actor{{}, "station link"});
 }
 
+// Asked in the writing transaction: what two connections of one station send is put in order
+// here. The station answers a refusal by asking where the server stands.
 Status MustContinue(const Ingest& ingest, const trace::ChunkHead& head) {
   if (head.seq != ingest.chunks) {
     return Status(Code::kConflict,
@@ -139,6 +143,8 @@ Status MustContinue(const Ingest& ingest, const trace::ChunkHead& head) {
   return Status::Ok();
 }
 
+// Encrypted before (AppendChunk), outside the writer's thread, which all wait for. The counts go
+// with the chunk, so that no look at an attempt reads its chunks.
 Status InsertChunk(Db& db, const Store::ChunkPut& chunk, ByteView sealed) {
   {
     Query q(db,
@@ -177,6 +183,8 @@ uint32_t LateFlags(const Ingest& ingest) {
   return 0;
 }
 
+// All four: chunks and ticks say that nothing is missing, the hash that it is this chain, the
+// state hash that both have the same tooth.
 Status SealMatches(const Ingest& ingest, const trace::Seal& seal) {
   if (seal.chunks == ingest.chunks && seal.ticks == ingest.ticks &&
       seal.last_chunk == ingest.head && seal.state_hash == ingest.head_state_hash) {
@@ -199,6 +207,7 @@ Status MarkSealed(Db& db, const Uuid& attempt, const Ingest& ingest, const Sha25
     q.Bind(attempt).Bind(now_ms).Bind(blob);
     ENAMEL_RETURN_IF_ERROR(q.Bind(int64_t{LateFlags(ingest)}).Run());
   }
+  // Deleting an hour's chunks here would hold up all who record: SealedRows does it in portions.
   if (keep_rows) return Status::Ok();
   Query q(db, "DELETE FROM trace_chunks WHERE tenant = ?1 AND attempt = ?2");
   return q.Bind(attempt).Run();
@@ -236,6 +245,7 @@ Status SqliteStore::OpenAttempt(const Uuid& attempt, ByteView header) {
     ENAMEL_ASSIGN_OR_RETURN(auto ingest, FindIngest(db, attempt));
     if (ingest.has_header) {
       ENAMEL_ASSIGN_OR_RETURN(auto stored, HeaderOf(db, attempt));
+      // A station that lost the answer opens again; a ticket used twice brings another header.
       if (std::ranges::equal(stored, header)) return Status::Ok();
       keep_anyway = true;
       ENAMEL_RETURN_IF_ERROR(Contradicted(db, attempt,
@@ -270,6 +280,7 @@ Status SqliteStore::KeepFacts(const Uuid& attempt, const std::string& facts) {
   });
 }
 
+// The chunks are in the blob then, which is read outside the writer.
 Status SqliteStore::RepeatedAfterSeal(const ChunkPut& chunk) {
   ENAMEL_ASSIGN_OR_RETURN(auto chunks, AttemptChunks(chunk.attempt));
   ENAMEL_ASSIGN_OR_RETURN(auto stored, trace::DecodeChunkHead(chunks.at(chunk.head.seq)));
@@ -291,12 +302,14 @@ Status SqliteStore::AppendChunk(const ChunkPut& chunk) {
   const Bytes sealed = SealPersonal(key.person, key.key, chunk.attempt, chunk.bytes);
   bool sealed_before = false, fresh = false;
   Status status = Write(Writer::Work([&](Db& db, bool& keep_anyway) -> Status {
+    // A work may run twice (writer.h).
     sealed_before = fresh = false;
     ENAMEL_ASSIGN_OR_RETURN(auto ingest, FindIngest(db, chunk.attempt));
     if (!ingest.has_header) {
       return Status(Code::kNotFound,
                     "attempt " + chunk.attempt.Text() + " is not open; send OpenAttempt");
     }
+    // Not an error by itself: the station did not get the acknowledgement and sends again.
     if (chunk.head.seq < ingest.chunks) {
       sealed_before = !ingest.trace_blob.IsZero();
       return sealed_before ? Status::Ok() : Repeated(db, ingest, chunk, sealed, keep_anyway);
@@ -361,6 +374,8 @@ Status SqliteStore::NoteOtherSeal(const trace::Seal& seal) {
 }
 
 Status SqliteStore::SealAttempt(const trace::Seal& seal, UnixMs now_ms) {
+  // Asked twice: on a reader, so that no blob is written for a seal that does not fit, and in the
+  // transaction that ends the attempt, as another connection may have been faster.
   auto check = [&](Db& db) -> Result<Ingest> {
     auto ingest = FindIngest(db, seal.attempt);
     if (!ingest.ok()) return ingest;
@@ -379,6 +394,7 @@ Status SqliteStore::SealAttempt(const trace::Seal& seal, UnixMs now_ms) {
     return before_or.status();
   }
   const Ingest& before = *before_or;
+  // Sealed by the same seal before: the answer got lost.
   if (before.state != AttemptState::kRecording) return Status::Ok();
   if (before.chunks == 0)
     return Status(Code::kConflict, "an attempt without a chunk cannot be sealed");
@@ -392,6 +408,8 @@ Status SqliteStore::SealAttempt(const trace::Seal& seal, UnixMs now_ms) {
     fresh = true;
     ENAMEL_RETURN_IF_ERROR(
         MarkSealed(db, seal.attempt, ingest, blob, now_ms, sealed_rows_.has_value()));
+    // Of other work it is a flag that an instructor sees; of an exam nothing is scored before one has
+    // looked.
     if (ingest.exam && (ingest.flags & kFasterThanTime) != 0) {
       ENAMEL_RETURN_IF_ERROR(
           Quarantine(db, seal.attempt,
@@ -412,6 +430,7 @@ Status SqliteStore::SealAttempt(const trace::Seal& seal, UnixMs now_ms) {
 }
 
 Status SqliteStore::AcceptCommitted(const Uuid& attempt, const Actor& by) {
+  // Quarantined while it was recorded: there will be no seal from the station any more.
   auto unsealed = [](const Ingest& ingest) {
     return ingest.state == AttemptState::kQuarantined && ingest.trace_blob.IsZero() &&
            !ingest.expired && ingest.chunks > 0;
