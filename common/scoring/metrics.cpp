@@ -327,13 +327,6 @@ struct Side {
   const CutSide cut_side;
 };
 
-// What goes beyond the reference no farther than this is near its cut: the exercise's leeway, and no
-// less than what voxels can tell apart.
-double NearOf_m(const scene::CavityTarget& target, const Volume& initial) {
-  return std::max(std::max(target.leeway_side_um, target.leeway_bottom_um) * 1e-6,
-                  2 * initial.spec().voxel_m());
-}
-
 double PulpExposed_m2(const AttemptData& attempt, const std::vector<double>& areas_m2) {
   const surface::Mesh& mesh = *attempt.final_surface;
   double h = attempt.initial->spec().voxel_m(), sum = 0;
@@ -467,9 +460,9 @@ Result<MetricSet> ComputeMetrics(const scene::Scene& scene, const scene::Exercis
 
   // Once for each side: cut vertices and areas are asked for by half a dozen metrics.
   const Side a(attempt), r(reference);
-  m.task =
-      MeasureTask(initial, *attempt.final_volume, *reference.final_volume,
-                  CutPart(*reference.final_surface, r.cut), NearOf_m(exercise.target, initial));
+  m.task = MeasureTask(initial, *attempt.final_volume, *reference.final_volume,
+                       CutPart(*reference.final_surface, r.cut),
+                       NearOf_m(exercise.target, initial.spec()));
   tell(0.3);
   std::vector<float> own;
   if (!attempt.deviation_m) {

@@ -15,6 +15,7 @@ namespace json = boost::json;
 using scene::Rubric;
 using scene::RubricCriterion;
 
+constexpr double kMPerMm = 1e-3, kM3PerMm3 = 1e-9;
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 // `item`: "criteria[2]".
@@ -235,6 +236,14 @@ class ObjectReader {
         Fail(Path(name), "a number");
     }
   }
+  void Read(const char* name, dvec3& out) {
+    const json::array* list = Array(name, 3);
+    if (!list) return;
+    for (size_t i = 0; i < 3; ++i) {
+      if (i >= list->size() || !(*list)[i].is_number()) return Fail(Path(name), "three numbers");
+      out[static_cast<int>(i)] = Rounded((*list)[i].to_number<double>());
+    }
+  }
   template <typename Integer>
   void ReadInteger(const char* name, Integer& out) {
     if (const json::value* v = Member(name)) {
@@ -311,7 +320,87 @@ void ReadMissing(ObjectReader& reader, Status& status, ScoreResult& out) {
   }
 }
 
+void ReadStrokes(ObjectReader& reader, Status& status, const std::string& at, Deduction& out) {
+  const json::array* list = reader.Array("strokes", Deduction::kMaxStrokes);
+  for (size_t i = 0; list != nullptr && i < list->size(); ++i) {
+    ObjectReader item((*list)[i], at + ".strokes[" + std::to_string(i) + "]", status);
+    FaultStroke& stroke = out.strokes.emplace_back();
+    item.ReadInteger("number", stroke.number);
+    item.ReadInteger("first_tick", stroke.first_tick);
+    item.Read("first_s", stroke.first_s);
+    item.Read("volume_mm3", stroke.volume_m3);
+    stroke.volume_m3 *= kM3PerMm3;
+  }
+}
+
+void ReadDeductions(ObjectReader& reader, Status& status, ScoreResult& out) {
+  if (!reader.Has("deductions")) return;
+  const json::array* list = reader.Array("deductions", kMaxDeductions);
+  for (size_t i = 0; list != nullptr && i < list->size(); ++i) {
+    const std::string at = "deductions[" + std::to_string(i) + "]";
+    ObjectReader item((*list)[i], at, status);
+    Deduction& d = out.deductions.emplace_back();
+    item.Read("criterion", d.criterion);
+    item.Read("left", d.left);
+    item.Read("volume_mm3", d.volume_m3);
+    d.volume_m3 *= kM3PerMm3;
+    item.Read("position_mm", d.position_m);
+    d.position_m *= kMPerMm;
+    item.Read("facing", d.facing);
+    item.ReadInteger("first_tick", d.first_tick);
+    item.Read("first_s", d.first_s);
+    item.ReadInteger("stroke_count", d.stroke_count);
+    ReadStrokes(item, status, at, d);
+  }
+}
+
+json::array DeductionsJson(const std::vector<Deduction>& deductions) {
+  auto triple = [](const dvec3& v) {
+    // Adding zero turns -0 into 0.
+    return json::array{Rounded(v.x) + 0.0, Rounded(v.y) + 0.0, Rounded(v.z) + 0.0};
+  };
+  json::array out;
+  for (const Deduction& d : deductions) {
+    json::array strokes;
+    for (const FaultStroke& stroke : d.strokes) {
+      strokes.push_back({{"number", stroke.number},
+                         {"first_tick", stroke.first_tick},
+                         {"first_s", Rounded(stroke.first_s)},
+                         {"volume_mm3", Rounded(stroke.volume_m3 / kM3PerMm3)}});
+    }
+    out.push_back({{"criterion", d.criterion},
+                   {"left", d.left},
+                   {"volume_mm3", Rounded(d.volume_m3 / kM3PerMm3)},
+                   {"position_mm", triple(d.position_m / kMPerMm)},
+                   {"facing", triple(d.facing)},
+                   {"first_tick", d.first_tick},
+                   {"first_s", Rounded(d.first_s)},
+                   {"stroke_count", d.stroke_count},
+                   {"strokes", std::move(strokes)}});
+  }
+  return out;
+}
+
 }  // namespace
+
+std::vector<std::string> CostlyCriteria(const Rubric& rubric, const ScoreResult& result) {
+  std::vector<std::string> out;
+  auto add = [&](const std::string& name) {
+    if (std::find(out.begin(), out.end(), name) == out.end()) out.push_back(name);
+  };
+  for (size_t i = 0; i < rubric.criteria.size() && i < result.criteria.size(); ++i) {
+    const RubricCriterion& asked = rubric.criteria[i];
+    const CriterionResult& found = result.criteria[i];
+    const bool critical = asked.fails_above && found.value > *asked.fails_above;
+    const bool lost =
+        found.max_points > 0 && (!found.judged || ShareAt(asked.map, found.value) < 1);
+    if (lost || (found.judged && critical)) add(found.name);
+  }
+  for (const GateResult& gate : result.gates) {
+    if (gate.share < 1) add(gate.name);
+  }
+  return out;
+}
 
 Status ValidateRubric(const Rubric& rubric) {
   if (rubric.criteria.empty() || rubric.criteria.size() > kMaxCriteria) {
@@ -414,6 +503,7 @@ std::string ToJson(const ScoreResult& result) {
                    {"gates", std::move(gates)},
                    {"metrics", std::move(metrics)},
                    {"missing", std::move(missing)},
+                   {"deductions", DeductionsJson(result.deductions)},
                    {"reference_attempt", result.reference_attempt},
                    {"rubric_version", result.rubric_version},
                    {"scoring_version", result.scoring_version},
@@ -470,6 +560,7 @@ Result<ScoreResult> ScoreFromJson(std::string_view text) {
     }
   }
   ReadMissing(reader, status, out);
+  ReadDeductions(reader, status, out);
   reader.Read("reference_attempt", out.reference_attempt);
   reader.ReadInteger("rubric_version", out.rubric_version);
   // Scores of version 1 do not say so, nor have they gates.

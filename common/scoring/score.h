@@ -6,6 +6,7 @@
 
 #include "common/base/result.h"
 #include "common/scene/types.h"
+#include "common/scoring/deductions.h"
 #include "common/scoring/metrics.h"
 
 // From metrics to points and sentences; the stored form is in schemas/score.md.
@@ -51,7 +52,9 @@ struct ScoreResult {
   std::vector<GateResult> gates;
   std::vector<MetricValue> metrics;    // all of them, also those the rubric does not use
   std::vector<MissingMetric> missing;  // those without a value here
-  std::string reference_attempt;       // UUID text
+  // Where and when the criteria lost points; filled by the caller (CostlyCriteria, FindDeductions).
+  std::vector<Deduction> deductions;
+  std::string reference_attempt;  // UUID text
   int32_t rubric_version = 1;
   int32_t scoring_version = kScoringVersion;
   uint32_t core_version = core::kCoreVersion;
@@ -64,6 +67,7 @@ struct ScoreResult {
 };
 
 inline constexpr size_t kMaxCriteria = 64, kMaxGates = 8;
+inline constexpr size_t kMaxDeductions = 2 * (kMaxCriteria + kMaxGates);
 inline constexpr size_t kMaxScoreJsonBytes = 1 << 20;
 
 // Errors: kInvalidInput naming the criterion ("criteria[2].map") when the rubric names an unknown
@@ -78,6 +82,11 @@ Status ValidateRubric(const scene::Rubric& rubric);
 // ValidateRubric; kInvalidInput when a metric is in neither list or not finite, a gate's metric has
 // no value, or no criterion with points is in the task.
 Result<ScoreResult> ApplyRubric(const scene::Rubric& rubric, const MetricSet& metrics);
+
+// The metrics that cost points: of criteria that earned less than their points before the gates or
+// failed the attempt, and of gates with a share below 1; each once, in the rubric's order, gates
+// last. `result`: ApplyRubric's with this rubric.
+std::vector<std::string> CostlyCriteria(const scene::Rubric& rubric, const ScoreResult& result);
 
 // Canonical: members in a fixed order, numbers to 12 significant digits, so that equal scores have
 // equal bytes and ToJson(ScoreFromJson(text)) == text for any text of ours. Requires: all finite.

@@ -143,6 +143,11 @@ Result<ZoneBoxes> BoxesOf(const scene::Scene& scene, const scene::CavityTarget& 
   return boxes;
 }
 
+double NearOf_m(const scene::CavityTarget& target, const cutting::GridSpec& grid) {
+  return std::max(std::max(target.leeway_side_um, target.leeway_bottom_um) * 1e-6,
+                  2 * grid.voxel_m());
+}
+
 BoxVolume MeasureBox(const Volume& initial, const Volume& final_volume, const OpenBox& box) {
   const GridSpec& spec = initial.spec();
   double h = spec.voxel_m();

@@ -23,6 +23,10 @@ struct ZoneBoxes {
 // Errors: kInvalidInput when the landmark is not in the scene.
 Result<ZoneBoxes> BoxesOf(const scene::Scene& scene, const scene::CavityTarget& target);
 
+// What goes beyond the reference no farther than this is near its cut: the exercise's leeway, and no
+// less than what voxels can tell apart.
+double NearOf_m(const scene::CavityTarget& target, const cutting::GridSpec& grid);
+
 // Solid inside a box before, and how much of it went, m^3. Voxels that a box face and a surface
 // both cut are split at the face and read in parts, so that a cut along a zone's face is not booked
 // to both sides of it.

@@ -227,6 +227,20 @@ ScoreResult Filled() {
   r.gap_ticks = 7;
   r.late_ticks = 8;
   r.bounded_ticks = 9;
+  Deduction over;
+  over.criterion = "wall_mesial_mm";
+  over.volume_m3 = 1.23456789e-9;
+  over.position_m = {1.7e-3, -0.123456789e-3, -1e-3};
+  over.facing = {-1, 0, 0};
+  over.first_tick = 5'000'000'000;
+  over.first_s = 72.125;
+  over.stroke_count = 2;
+  over.strokes = {{7, 5'000'000'000, 72.125, 1e-9}, {3, 6'000'000'000, 80, 0.23456789e-9}};
+  Deduction left;
+  left.criterion = "missed_mm3";
+  left.left = true;
+  left.volume_m3 = 0.1e-9;
+  r.deductions = {over, left};
   r.witness_note = "tick 12: \"force_sent\"\n";
   return r;
 }
@@ -239,6 +253,10 @@ TEST(ScoreJsonTest, ReadsBackToTheSameScore) {
   EXPECT_EQ(back->criteria.size(), 3u);
   EXPECT_EQ(back->criteria[1].reason, Filled().criteria[1].reason);
   EXPECT_EQ(back->ticks, 123'456'789'012u);
+  ASSERT_EQ(back->deductions.size(), 2u);
+  EXPECT_EQ(back->deductions[0].strokes[1].first_tick, 6'000'000'000u);
+  EXPECT_NEAR(back->deductions[0].position_m.y, -0.123456789e-3, 1e-15);
+  EXPECT_TRUE(back->deductions[1].left);
   EXPECT_EQ(back->witness_note, Filled().witness_note);
   EXPECT_EQ(*ScoreFromJson(ToJson(*back)), *back);
 }
@@ -272,8 +290,8 @@ TEST(ScoreJsonTest, EveryTruncationAndEveryMissingMemberIsRefused) {
 
 TEST(ScoreJsonTest, AScoreOfVersionOneHasNoGatesAndSaysSo) {
   std::string text = ToJson(Score(0, 99, 0));
-  for (const char* member :
-       {R"("gates":[],)", R"("missing":[],)", R"("scoring_version":2,)", R"(,"judged":true)"}) {
+  for (const char* member : {R"("gates":[],)", R"("missing":[],)", R"("deductions":[],)",
+                             R"("scoring_version":2,)", R"(,"judged":true)"}) {
     size_t at;
     while ((at = text.find(member)) != std::string::npos) text.erase(at, std::strlen(member));
   }
@@ -282,6 +300,7 @@ TEST(ScoreJsonTest, AScoreOfVersionOneHasNoGatesAndSaysSo) {
   EXPECT_EQ(old->scoring_version, 1);
   EXPECT_EQ(old->score, 100);
   EXPECT_TRUE(old->gates.empty());
+  EXPECT_TRUE(old->deductions.empty());
   EXPECT_TRUE(old->criteria[0].judged);
 }
 

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/cutting/volume.h"
+#include "common/scene/types.h"
+#include "common/scoring/provenance.h"
+#include "common/scoring/strokes.h"
+#include "common/surface/surface.h"
+
+// Where and when points were lost: schemas/score.md, "Deductions".
+// Deterministic. Thread safety: functions, any thread.
+namespace enamel::scoring {
+
+// What one stroke did of a fault.
+struct FaultStroke {
+  uint32_t number = 0;  // from 1 (strokes.h)
+  uint64_t first_tick = 0;
+  double first_s = 0;  // since the start, gaps included
+  // Of the fault's voxels whose centre went in it, and stands in the reference.
+  double volume_m3 = 0;
+
+  bool operator==(const FaultStroke&) const = default;
+};
+
+// One criterion's places of one kind.
+struct Deduction {
+  std::string criterion;  // metric
+  bool left = false;      // true: left standing, so there is no moment; false: taken too much
+  double volume_m3 = 0;   // all of it
+  // The middle of the fault where most of it lies within a brick of 8 voxels, scene frame.
+  dvec3 position_m{0};
+  // Unit vector out of the tooth there: where to look at it from.
+  dvec3 facing{0, 0, 1};
+  // How many strokes took of it; 0 where `left`, and where it is thinner than half a voxel
+  // everywhere, so that nobody can say when it went.
+  uint32_t stroke_count = 0;
+  // The first crossing: the earliest tick at which a voxel of it went; 0 without strokes.
+  uint64_t first_tick = 0;
+  double first_s = 0;
+  // The strokes with most of it, those first, at most kMaxStrokes.
+  std::vector<FaultStroke> strokes;
+
+  static constexpr size_t kMaxStrokes = 8;
+  bool operator==(const Deduction&) const = default;
+};
+
+struct DeductionInputs {
+  const cutting::Volume* initial = nullptr;
+  const cutting::Volume* attempt = nullptr;
+  const cutting::Volume* reference = nullptr;
+  // The reference's cut surface (CutPart in task.h); only where far and near are told apart.
+  const surface::Mesh* reference_cut = nullptr;
+  double near_m = 0;  // farther than this from it is elsewhere
+  const Provenance* provenance = nullptr;
+  const StrokeRecorder* strokes = nullptr;
+};
+
+// Of each of `criteria`, metrics that cost points: what was taken too much and what was left, in
+// their order, where the metric is about a place and there is any of it; metrics of force, time and
+// path have none. Requires: equal grids.
+std::vector<Deduction> FindDeductions(const scene::Scene& scene, const scene::CavityTarget& target,
+                                      const std::vector<std::string>& criteria,
+                                      const DeductionInputs& inputs);
+
+}  // namespace enamel::scoring

@@ -1,0 +1,171 @@
+#include "common/scoring/deductions.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "common/cutting/cutter.h"
+#include "common/scoring/task.h"
+#include "common/scoring/zones.h"
+#include "tests/common/scoring/synthetic_cavity.h"
+
+namespace enamel::scoring {
+namespace {
+
+// A hand that cuts in strokes, a pose a tick, into a tooth that already has a cavity.
+class Strokes {
+ public:
+  Strokes(const cutting::Volume& initial, const cutting::Volume& started)
+      : volume_(started), moments_(initial), strokes_(SomeParams()) {
+    volume_.Reserve();
+    cutter_.emplace(volume_,
+                    cutting::Bur{cutting::BurShape::kCylinder, kBurRadius_mm * 1e-3, 4e-3});
+    // What was there before the strokes that are looked at: all in the first tick.
+    std::vector<int32_t> all;
+    for (int b = 0; b < initial.spec().brick_count(); ++b) all.push_back(b);
+    Tick(true, all);
+    Lift();
+  }
+
+  void Lift() {
+    for (int i = 0; i < 150; ++i) Tick(false, {});
+  }
+  void Along(dvec3 from_mm, dvec3 to_mm) {
+    for (int i = 0; i <= 100; ++i) {
+      cutting::RemovedUnits removed{};
+      cutter_->Cut({(from_mm + (to_mm - from_mm) * (i / 100.0)) * 1e-3, {}}, removed);
+      Tick(true, cutter_->touched());
+    }
+    Lift();
+  }
+
+  std::vector<Deduction> Find(const cutting::Volume& initial, const cutting::Volume& reference,
+                              const std::vector<std::string>& criteria) const {
+    const Provenance provenance = moments_.Take();
+    const surface::Mesh surface = surface::ExtractSurface(reference);
+    const surface::Mesh cut = CutPart(surface, CutVertices(surface, initial, reference));
+    const scene::Exercise exercise = BlockExercise();
+    return FindDeductions(BlockScene(), exercise.target, criteria,
+                          {&initial, &volume_, &reference, &cut,
+                           NearOf_m(exercise.target, initial.spec()), &provenance, &strokes_});
+  }
+
+ private:
+  void Tick(bool cutting, std::span<const int32_t> touched) {
+    trace::Tick tick;
+    core::TickOutput out;
+    out.witness.force_sent_100un = {0, 0, cutting ? 500 : 0};
+    out.removed[1] = cutting ? 1 : 0;
+    strokes_.Add(tick, out);
+    moments_.Add(volume_, touched);
+  }
+
+  cutting::Volume volume_;
+  std::optional<cutting::Cutter> cutter_;
+  ProvenanceRecorder moments_;
+  StrokeRecorder strokes_;
+};
+
+const Deduction* Of(const std::vector<Deduction>& all, std::string_view criterion, bool left) {
+  for (const Deduction& d : all) {
+    if (d.criterion == criterion && d.left == left) return &d;
+  }
+  return nullptr;
+}
+
+// Stroke 1 is all that was cut as asked for. Stroke 2 takes 0.3 mm too much of the mesial wall, over
+// 1.4 mm from the floor up; stroke 3 goes along it 0.1 mm deeper still; stroke 4 drills a hole where
+// nothing was asked for.
+class DeductionsTest : public testing::Test {
+ protected:
+  DeductionsTest()
+      : initial(MakeBlock(100'000)), reference(CutCavity(initial, {})), hand(initial, reference) {
+    hand.Along({1.3, -0.7, -2}, {1.3, 0.7, -2});
+    hand.Along({1.4, -0.7, -2}, {1.4, 0.7, -2});
+    hand.Along({-3, -2.3, 0.1}, {-3, -2.3, -0.6});
+  }
+  cutting::Volume initial, reference;
+  Strokes hand;
+};
+
+TEST_F(DeductionsTest, AWallTooDeepNamesTheStrokesThatCutIt) {
+  const auto found = hand.Find(initial, reference, {"wall_mesial_mm"});
+  ASSERT_EQ(found.size(), 1u);
+  const Deduction& d = found[0];
+  EXPECT_FALSE(d.left);
+  // A stadium's front swept 0.4 mm further: 0.4 mm over 1.4 mm and what the bur's sides sweep, by
+  // 2 mm of height.
+  EXPECT_GT(d.volume_m3, 0.4 * 1.4 * 2 * 1e-9);
+  EXPECT_LT(d.volume_m3, 0.4 * 2.4 * 2.1 * 1e-9);
+  ASSERT_EQ(d.stroke_count, 2u);
+  EXPECT_EQ(d.strokes[0].number, 2u);
+  EXPECT_EQ(d.strokes[1].number, 3u);
+  EXPECT_NEAR(d.strokes[0].volume_m3 + d.strokes[1].volume_m3, d.volume_m3, 0.05 * 2.4 * 2e-9);
+  // 0.1 mm of a wall 1.4 mm wide and its rounded ends, known to half a voxel; before it 0.3 mm.
+  EXPECT_NEAR(d.strokes[1].volume_m3, 0.1 * 1.4 * 2e-9, 0.05 * 2.4 * 2e-9);
+  EXPECT_GT(d.strokes[0].volume_m3, 2 * d.strokes[1].volume_m3);
+  // Tick 0, 150 of lift, then the stroke.
+  EXPECT_EQ(d.first_tick, 151u);
+  EXPECT_DOUBLE_EQ(d.first_s, 0.151);
+  EXPECT_EQ(d.strokes[1].first_tick, 151u + 101 + 150);
+  EXPECT_GT(d.position_m.x, 1.45e-3);
+  EXPECT_LT(d.position_m.x, 2e-3);
+  // The mesial wall looks to distal.
+  EXPECT_LT(d.facing.x, -0.8);
+}
+
+TEST_F(DeductionsTest, WhatIsCutElsewhereIsThePlaceOfDamageAndOfNoWall) {
+  const auto found = hand.Find(initial, reference, {"outside_removed_mm3", "wall_distal_mm"});
+  const Deduction* hole = Of(found, "outside_removed_mm3", false);
+  ASSERT_TRUE(hole);
+  // Of the hole and of what of the wall lies beyond the leeway, the hole is a stroke of its own.
+  auto of_hole = std::find_if(hole->strokes.begin(), hole->strokes.end(),
+                              [](const FaultStroke& s) { return s.number == 4; });
+  ASSERT_NE(of_hole, hole->strokes.end());
+  // Its voxels are whole ones: known to half a voxel over its side and bottom.
+  EXPECT_NEAR(of_hole->volume_m3, M_PI * 0.25 * 0.6 * 1e-9, M_PI * (0.6 + 0.25) * 0.05e-9);
+  // More than 1 mm from the wall.
+  const Deduction* wall = Of(found, "wall_distal_mm", false);
+  EXPECT_TRUE(!wall || wall->strokes.empty());
+}
+
+TEST_F(DeductionsTest, ForceAndTimeHaveNoPlace) {
+  EXPECT_TRUE(hand.Find(initial, reference, {"force_sent_p95_n", "time_s", "unheard_of"}).empty());
+  EXPECT_TRUE(hand.Find(initial, reference, {}).empty());
+}
+
+TEST(DeductionsOfLittleTest, WhatWasLeftHasAPlaceAndNoMoment) {
+  const cutting::Volume initial = MakeBlock(100'000);
+  const cutting::Volume reference = CutCavity(initial, {});
+  Cavity small;
+  small.distal_mm = 1.1;
+  const Strokes hand(initial, CutCavity(initial, small));
+  const auto found = hand.Find(initial, reference, {"missed_mm3", "wall_distal_mm"});
+  const Deduction* missed = Of(found, "missed_mm3", true);
+  ASSERT_TRUE(missed);
+  // 0.4 mm of a wall 2.4 mm wide and 2 mm high, the corners' radius moved along with it.
+  EXPECT_NEAR(missed->volume_m3, 0.4 * 2.4 * 2 * 1e-9, 2.4 * 2 * 0.025e-9);
+  EXPECT_TRUE(missed->strokes.empty());
+  EXPECT_EQ(missed->first_tick, 0u);
+  EXPECT_LT(missed->position_m.x, -1.1e-3);
+  EXPECT_TRUE(Of(found, "wall_distal_mm", true));
+  EXPECT_FALSE(Of(found, "wall_distal_mm", false));
+}
+
+TEST(DeductionsOfLittleTest, TheReferenceItselfHasNone) {
+  const cutting::Volume initial = MakeBlock(100'000);
+  const cutting::Volume reference = CutCavity(initial, {});
+  const Strokes hand(initial, reference);
+  EXPECT_TRUE(
+      hand.Find(initial, reference, {"deviation_rms_mm", "missed_mm3", "overcut_mm3"}).empty());
+  // An untouched tooth: all of the task is left, and no stroke is blamed.
+  const Strokes nothing(initial, initial);
+  const auto found = nothing.Find(initial, reference, {"task_done_percent", "damage_percent"});
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_TRUE(found[0].left);
+}
+
+}  // namespace
+}  // namespace enamel::scoring
