@@ -8,6 +8,8 @@
 #include "common/scene/json/json.h"
 #include "common/scene/volume_blob.h"
 #include "common/scoring/score.h"
+#include "common/scoring/task.h"
+#include "common/scoring/zones.h"
 #include "common/trace/replay.h"
 #include "server/jobs/judgement.h"
 #include "server/jobs/regrade.h"
@@ -50,6 +52,8 @@ class ScoreJob {
     ENAMEL_RETURN_IF_ERROR(Tell(kReplayFrom));
     core::Core core(header_.params, initial_);
     scoring::ProcessRecorder process(header_.params);
+    strokes_.emplace(header_.params);
+    moments_.emplace(initial_);
     SeriesRecorder series(header_.params, initial_.spec().voxel_m(), seal_.ticks);
     ENAMEL_RETURN_IF_ERROR(Replay(core, process, series));
     return Finish(at_limit_ ? *at_limit_ : core.volume(), process, series);
@@ -171,6 +175,8 @@ class ScoreJob {
           if (at_limit_) return;
           process.Add(tick, output);
           series.Add(tick, output);
+          strokes_->Add(tick, output);
+          moments_->Add(core.volume(), core.touched());
           time_ticks_ += 1 + tick.input.gap_ticks;
           if (row_.exam && row_.limit_ticks > 0 && time_ticks_ >= row_.limit_ticks) {
             at_limit_ = core.volume();
@@ -211,6 +217,7 @@ class ScoreJob {
     if (!metrics.ok()) return metrics.status();
     ENAMEL_ASSIGN_OR_RETURN(auto score, scoring::ApplyRubric(exercise_.rubric, *metrics));
     FillStation(process, score);
+    FillDeductions(attempt, reference, score);
 
     AttemptStore::AttemptResult result;
     result.score = score.score;
@@ -289,6 +296,20 @@ class ScoreJob {
     score.witness_ok = report_.witness_ok;
   }
 
+  void FillDeductions(const scoring::AttemptData& attempt, const scoring::AttemptData& reference,
+                      scoring::ScoreResult& score) const {
+    const std::vector<std::string> costly = scoring::CostlyCriteria(exercise_.rubric, score);
+    if (costly.empty()) return;
+    const scoring::Provenance provenance = moments_->Take();
+    const surface::Mesh cut = scoring::CutPart(
+        *reference.final_surface,
+        scoring::CutVertices(*reference.final_surface, initial_, *reference.final_volume));
+    score.deductions = scoring::FindDeductions(
+        scene_, exercise_.target, costly,
+        {&initial_, attempt.final_volume, reference.final_volume, &cut,
+         scoring::NearOf_m(exercise_.target, initial_.spec()), &provenance, &*strokes_});
+  }
+
   double ReplayRealtimeFactor() const {
     double recorded_s = static_cast<double>(report_.ticks) / header_.params.rate_hz;
     return report_.seconds > 0 ? recorded_s / report_.seconds : 0;
@@ -317,6 +338,8 @@ class ScoreJob {
   std::optional<Uuid> reference_attempt_;          // none: against itself, as there is no reference
   std::shared_ptr<const ReferenceCut> reference_;  // null: against itself
   trace::ReplayReport report_;
+  std::optional<scoring::StrokeRecorder> strokes_;
+  std::optional<scoring::ProvenanceRecorder> moments_;
   uint64_t time_ticks_ = 0;                  // replayed, gaps included
   std::optional<cutting::Volume> at_limit_;  // of an exam: the tooth when its time was up
 };

@@ -26,7 +26,7 @@ using JobProgress = std::function<bool(double progress)>;
 //     mismatch fails the attempt with the tick and chunk where it broke; nothing is scored. An exam
 //     with a time limit is judged by what was there when its time, gaps included, was up; what came
 //     after is replayed and checked all the same;
-//  5. metrics, rubric, and four blobs: score JSON (schemas/score.md), final volume, surface with
+//  5. metrics, rubric, where and when points were lost (scoring/deductions.h), and four blobs: score JSON (schemas/score.md), final volume, surface with
 //     deviation (surface_blob.h), series (series.h); then Store::FinishAttempt.
 // Running it again gives the same blobs.
 //

@@ -149,6 +149,12 @@ TEST_F(ScoreJobTest, TheReferenceAgainstItselfHasNoDeviationAndFullMarksForShape
 
 // A rubric is corrected: the preview says what a new run then finds, and the recording stays as it
 // was.
+TEST_F(ScoreJobTest, AReferenceAgainstItselfHasTakenNothingTooMuch) {
+  const Uuid reference = world_.RecordReference(store_);
+  ASSERT_TRUE(RunScoreJob(store_, reference).ok());
+  EXPECT_TRUE(ScoreOf(reference).deductions.empty());
+}
+
 TEST_F(ScoreJobTest, ACorrectedRubricCountsInTheNextRunAsItsPreviewSaid) {
   const Uuid attempt = WithReference({.mesial_extra_mm = 0.3});
   ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
@@ -218,6 +224,17 @@ TEST_F(ScoreJobTest, AWallThreeTenthsTooFarOutIsFoundAndExplained) {
   for (const auto& c : score.criteria)
     explained |= c.reason.find("0.30 mm too deep") != std::string::npos;
   EXPECT_TRUE(explained);
+  // And where, and when.
+  auto wall = std::find_if(score.deductions.begin(), score.deductions.end(), [](const auto& d) {
+    return d.criterion == "wall_mesial_mm" && !d.left;
+  });
+  ASSERT_NE(wall, score.deductions.end());
+  EXPECT_GT(wall->volume_m3, 0);
+  ASSERT_FALSE(wall->strokes.empty());
+  EXPECT_GE(wall->strokes[0].number, 1u);
+  EXPECT_GT(wall->first_tick, 0u);
+  EXPECT_LT(wall->first_tick, score.ticks);
+  EXPECT_LT(wall->facing.x, -0.7);
 }
 
 // One motion, recorded, replayed to its witness and scored at several loop rates: what is measured in
