@@ -399,6 +399,7 @@ Result<AttemptResult> RunAttempt(const RunOptions& options) {
   ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(options.screenshot, "--screenshot"));
   ENAMEL_ASSIGN_OR_RETURN(auto workplace, Workplace::Open(options.workplace));
   ENAMEL_ASSIGN_OR_RETURN(auto job, Prepare(*workplace, options));
+  job.facts = options.facts;
   ENAMEL_ASSIGN_OR_RETURN(auto tool, OpenTool(options, job));
   Screen screen;
   ENAMEL_RETURN_IF_ERROR(OpenScreen(options, job, screen));

@@ -22,10 +22,11 @@ struct RunOptions {
   std::filesystem::path screenshot;
   std::filesystem::path json;
   bool as_reference = false;
-  std::string resume;    // an attempt that was cut off, or "last"; else empty
-  std::string reserved;  // an attempt whose ticket was taken before; else empty
-  std::string pin;       // of the reserved ticket
-  bool quiet = false;    // no progress line
+  protocol::AttemptFacts facts;  // as chosen; one that is resumed has its own
+  std::string resume;            // an attempt that was cut off, or "last"; else empty
+  std::string reserved;          // an attempt whose ticket was taken before; else empty
+  std::string pin;               // of the reserved ticket
+  bool quiet = false;            // no progress line
   // Nothing on standard error but the log, which is for machines: neither progress nor advice.
   bool log_only = false;
 };
