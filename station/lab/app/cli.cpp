@@ -7,6 +7,7 @@
 
 #include "common/program/log.h"
 #include "station/lab/app/explain.h"
+#include "station/lab/app/grades_command.h"
 #include "station/lab/app/qualify.h"
 #include "station/lab/bench/bench.h"
 #include "station/lab/tissue/fit_damping.h"
@@ -191,6 +192,7 @@ void RegisterLab(CLI::App& app, int* exit_code) {
   bench::RegisterBench(app, exit_code);
   RegisterExplain(app, exit_code);
   RegisterFitDamping(app, exit_code);
+  RegisterGrades(app, exit_code);
 }
 
 }  // namespace enamel::station::lab

@@ -1,0 +1,13 @@
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+// `enamel-lab grades` and `operators`: what faults cost and whether skill is told.
+namespace enamel::station::lab {
+
+// *exit_code is set by the commands' callbacks; `app` and `exit_code` outlive the parsing.
+void RegisterGrades(CLI::App& app, int* exit_code);
+
+}  // namespace enamel::station::lab

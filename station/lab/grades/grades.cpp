@@ -1,0 +1,145 @@
+#include "station/lab/grades/grades.h"
+
+#include <algorithm>
+#include <boost/json.hpp>
+#include <cmath>
+
+#include "common/scene/json/json.h"
+#include "common/scene/plan.h"
+
+namespace enamel::station::lab {
+namespace {
+
+namespace json = boost::json;
+
+// A second of a bur moved with 1 N: what a rubric asks of a hand is met, and no more is known of it.
+scoring::ProcessRecorder CalmRecording(const core::CoreParams& params) {
+  scoring::ProcessRecorder recorder(params);
+  for (int i = 0; i < static_cast<int>(params.rate_hz); ++i) {
+    trace::Tick tick;
+    tick.witness.anchor_10nm[0] = 100 * i;  // 1 mm/s
+    tick.witness.force_sent_100un[2] = 10'000;
+    recorder.AddRecorded(tick);
+  }
+  return recorder;
+}
+
+bool IsAskedFor(const GradesOptions& options, const std::string& name) {
+  return options.exercises.empty() ||
+         std::any_of(options.exercises.begin(), options.exercises.end(),
+                     [&](const std::string& e) { return name.starts_with(e); });
+}
+
+}  // namespace
+
+bool GradeRow::AsKnown() const { return found && std::fabs(*found - size) <= tolerance; }
+
+GradedExercise::GradedExercise(const scene::BuiltScene& built, scene::Exercise exercise, Task task,
+                               scoring::ProcessRecorder process)
+    : built_(&built),
+      exercise_(std::move(exercise)),
+      task_(std::move(task)),
+      process_(std::move(process)),
+      reference_(CutAway(
+          built.volume, [this](const dvec3& p) { return task_.Distance_m(p); },
+          Neighbours::kSpared)),
+      reference_mesh_(surface::ExtractSurface(reference_)) {}
+
+Result<GradedExercise> GradedExercise::Make(const scene::BuiltScene& built,
+                                            scene::Exercise exercise) {
+  ENAMEL_ASSIGN_OR_RETURN(Task task, TaskOf(built, exercise));
+  ENAMEL_ASSIGN_OR_RETURN(
+      auto params, scene::CompilePlan(built.scene, exercise, scene::BuiltinProfiles().front()));
+  return GradedExercise(built, std::move(exercise), std::move(task), CalmRecording(params));
+}
+
+Result<scoring::ScoreResult> GradedExercise::Score(const Hollow& taken,
+                                                   Neighbours neighbours) const {
+  const cutting::Volume volume = CutAway(built_->volume, taken, neighbours);
+  const surface::Mesh mesh = surface::ExtractSurface(volume);
+  const cutting::Volume& initial = built_->volume;
+  auto metrics =
+      scoring::ComputeMetrics(built_->scene, exercise_, {&initial, &volume, &mesh, &process_},
+                              {&initial, &reference_, &reference_mesh_, &process_});
+  if (!metrics.ok()) return metrics.status();
+  return scoring::ApplyRubric(exercise_.rubric, *metrics);
+}
+
+Result<GradeRow> GradedExercise::Grade(const Fault& fault) const {
+  ENAMEL_ASSIGN_OR_RETURN(const auto score, Score(fault.taken, fault.neighbours));
+  GradeRow row;
+  row.exercise = exercise_.name;
+  row.fault = fault.name;
+  row.size = fault.size;
+  row.unit = fault.unit;
+  row.voxel_mm = built_->scene.voxel_nm * 1e-6;
+  row.metric = fault.metric;
+  row.tolerance = fault.tolerance;
+  for (const scoring::MetricValue& m : score.metrics) {
+    if (m.name == fault.metric) row.found = m.value;
+  }
+  row.score = score.score;
+  row.points_lost = 100 - score.score;
+  return row;
+}
+
+Result<std::vector<GradeRow>> MeasureGrades(
+    const GradesOptions& options, const std::function<void(const GradeRow&)>& row,
+    const std::function<void(const std::string&, double)>& progress) {
+  std::vector<GradeRow> rows;
+  std::vector<int32_t> voxels = options.voxels_nm;
+  if (options.quick) voxels.resize(std::min<size_t>(1, voxels.size()));
+  const auto names = scene::BuiltinSceneNames();
+  double done = 0;
+  for (int32_t voxel_nm : voxels) {
+    for (const std::string& name : names) {
+      auto tell = [&](const std::string& what, double part) {
+        const auto all = static_cast<double>(voxels.size() * names.size());
+        if (progress) progress(what, (done + part) / all);
+      };
+      tell(name, 0);
+      ENAMEL_ASSIGN_OR_RETURN(const auto built, scene::BuildBuiltinScene(name, voxel_nm));
+      auto exercises =
+          scene::BuiltinExercises(built.scene, HashSha256(AsBytes(scene::ToJson(built.scene))));
+      std::erase_if(exercises, [&](const auto& e) { return !IsAskedFor(options, e.name); });
+      for (size_t i = 0; i < exercises.size(); ++i) {
+        ENAMEL_ASSIGN_OR_RETURN(const auto graded, GradedExercise::Make(built, exercises[i]));
+        const auto faults = FaultsOf(built, exercises[i], graded.task(), options.quick);
+        for (size_t k = 0; k < faults.size(); ++k) {
+          tell(exercises[i].name + ", " + faults[k].name,
+               (static_cast<double>(i) +
+                static_cast<double>(k) / static_cast<double>(faults.size())) /
+                   static_cast<double>(exercises.size()));
+          ENAMEL_ASSIGN_OR_RETURN(rows.emplace_back(), graded.Grade(faults[k]));
+          if (row) row(rows.back());
+        }
+      }
+      done += 1;
+    }
+  }
+  if (rows.empty()) {
+    return Status(Code::kNotFound,
+                  "no built-in exercise has such a name: 'enamel-station scenes' lists them",
+                  "exercise");
+  }
+  return rows;
+}
+
+json::object GradesJson(const std::vector<GradeRow>& rows) {
+  json::array out;
+  for (const GradeRow& r : rows) {
+    out.push_back(json::object{{"exercise", r.exercise},
+                               {"fault", r.fault},
+                               {"size", r.size},
+                               {"unit", r.unit},
+                               {"voxel_mm", r.voxel_mm},
+                               {"metric", r.metric},
+                               {"found", r.found ? json::value(*r.found) : json::value(nullptr)},
+                               {"tolerance", r.tolerance},
+                               {"points_lost", r.points_lost},
+                               {"score", r.score}});
+  }
+  return {{"format", 1}, {"rows", std::move(out)}};
+}
+
+}  // namespace enamel::station::lab

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <boost/json/fwd.hpp>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/scoring/score.h"
+#include "station/lab/grades/faults.h"
+
+// What a known fault costs: attempts made by formula (faults.h), measured and graded by the
+// exercise's own rubric against the task itself. schemas/lab_grades.schema.json is the document.
+// Thread safety: functions, any thread. Blocks.
+namespace enamel::station::lab {
+
+struct GradesOptions {
+  std::vector<int32_t> voxels_nm = {100'000, 50'000, 25'000};
+  bool quick = false;                  // the coarsest voxel size, one size of each fault
+  std::vector<std::string> exercises;  // names or their beginnings; empty: all that are built in
+};
+
+struct GradeRow {
+  std::string exercise, fault;
+  double size = 0;
+  std::string unit;
+  double voxel_mm = 0;
+  std::string metric;
+  std::optional<double> found;  // empty: the attempt has made nothing that could be measured
+  double tolerance = 0;         // |found - size| is to stay within it
+  double points_lost = 0, score = 0;
+
+  bool AsKnown() const;
+};
+
+// One tooth and exercise with its task, ready to grade attempts at it.
+class GradedExercise {
+ public:
+  // Errors: those of TaskOf and scene::CompilePlan.
+  static Result<GradedExercise> Make(const scene::BuiltScene& built, scene::Exercise exercise);
+
+  // The score of what `taken` leaves, against the task itself, as if by a calm hand within the time.
+  // Errors: those of scoring::ComputeMetrics.
+  Result<scoring::ScoreResult> Score(const Hollow& taken, Neighbours neighbours) const;
+  Result<GradeRow> Grade(const Fault& fault) const;
+
+  const scene::BuiltScene& built() const { return *built_; }
+  const scene::Exercise& exercise() const { return exercise_; }
+  const Task& task() const { return task_; }
+
+ private:
+  GradedExercise(const scene::BuiltScene& built, scene::Exercise exercise, Task task,
+                 scoring::ProcessRecorder process);
+
+  const scene::BuiltScene* built_;
+  scene::Exercise exercise_;
+  Task task_;
+  scoring::ProcessRecorder process_;
+  cutting::Volume reference_;
+  surface::Mesh reference_mesh_;
+};
+
+// Scene by scene. `row` is called with each as it comes, `progress` (what, 0..1) between them; both
+// may be empty. Errors: kNotFound when no exercise has such a name; those of the scene's builder.
+Result<std::vector<GradeRow>> MeasureGrades(
+    const GradesOptions& options, const std::function<void(const GradeRow&)>& row = {},
+    const std::function<void(const std::string&, double)>& progress = {});
+
+boost::json::object GradesJson(const std::vector<GradeRow>& rows);
+
+}  // namespace enamel::station::lab

@@ -1,0 +1,266 @@
+#include "station/lab/grades/hollow.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/scene/builder.h"
+
+namespace enamel::station::lab {
+namespace {
+
+using cutting::kBrickSide;
+using cutting::kBrickVoxels;
+using cutting::kPhiLimit;
+using cutting::Tissue;
+using cutting::Volume;
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr int kWaves = 3;
+constexpr double kLeastSlope = 0.0524;   // tan 3 deg
+constexpr double kLeastHalf_m = 0.5e-3;  // of a stump's top
+constexpr double kCornerRadius = 0.6;    // of a stump's smaller half size
+constexpr double kCrownWalls_m = 1e-3, kCrownTop_m = 1.5e-3;
+constexpr double kCrownCover_m = 0.9e-3;  // less costs points in the crown's rubric
+constexpr double kBandVoxels = 4;         // phi says no more
+
+// In the wall's own frame: how far out, along it and above the cavity's middle height.
+double WallDistance_m(const Face& f, double out, double along, double length, double height) {
+  const double wave = f.wave_m * std::sin(2 * kPi * kWaves * along / length);
+  // Met to second order in the slope.
+  return (out - f.moved_m - wave - f.slope * height) / std::sqrt(1 + f.slope * f.slope);
+}
+
+dvec3 CornerOf(const cutting::GridSpec& spec, int brick) {
+  const ivec3& n = spec.bricks;
+  return spec.origin_m() +
+         dvec3(brick % n.x, brick / n.x % n.y, brick / (n.x * n.y)) * (kBrickSide * spec.voxel_m());
+}
+
+dvec3 InBrick(int i) { return {i & 7, i >> 3 & 7, i >> 6}; }
+
+bool IsAir(const Volume& volume, int brick) {
+  return !volume.IsStored(brick) && volume.UniformTissue(brick) == Tissue::kAir;
+}
+
+Tissue LabelOf(const Volume& volume, int brick, int i) {
+  return volume.HasLabels(brick)
+             ? static_cast<Tissue>(volume.Labels(brick).tissue[static_cast<size_t>(i)])
+             : volume.UniformTissue(brick);
+}
+
+void HollowBrick(const Volume& from, int brick, const Hollow& hollow, Neighbours neighbours,
+                 Volume& to) {
+  const double h = from.spec().voxel_m();
+  const dvec3 corner = CornerOf(from.spec(), brick);
+  std::array<int16_t, kBrickVoxels> phi;
+  bool solid = false;
+  for (int i = 0; i < kBrickVoxels; ++i) {
+    const auto n = static_cast<size_t>(i);
+    phi[n] = from.IsStored(brick) ? from.Phi(brick).phi[n] : static_cast<int16_t>(-kPhiLimit);
+    const bool spared =
+        neighbours == Neighbours::kSpared && LabelOf(from, brick, i) == Tissue::kNeighbour;
+    if (phi[n] < kPhiLimit && !spared) {
+      const double units = std::clamp(-hollow(corner + InBrick(i) * h) / h * cutting::kPhiPerVoxel,
+                                      -1.0 * kPhiLimit, 1.0 * kPhiLimit);
+      phi[n] = std::max(phi[n], static_cast<int16_t>(std::lround(units)));
+    }
+    solid = solid || phi[n] < kPhiLimit;
+  }
+  if (!solid) return;
+  std::span<const uint8_t> labels;
+  if (from.HasLabels(brick)) labels = from.Labels(brick).tissue;
+  to.SetBrick(brick, phi, labels,
+              labels.empty() ? from.UniformTissue(brick) : static_cast<Tissue>(labels[0]));
+}
+
+CrownCut::Section SectionAt(const Volume& volume, double z_m) {
+  const cutting::GridSpec& spec = volume.spec();
+  const dvec3 origin = spec.origin_m();
+  const double h = spec.voxel_m();
+  const ivec3 n = spec.voxels();
+  const int k = std::clamp(static_cast<int>(std::lround((z_m - origin.z) / h)), 0, n.z - 1);
+  dvec3 lo(std::numeric_limits<double>::infinity()), hi(-lo);
+  for (int j = 0; j < n.y; ++j) {
+    for (int i = 0; i < n.x; ++i) {
+      const ivec3 at(i, j, k);
+      if (volume.PhiAt(at) >= 0 || volume.TissueAt(at) == Tissue::kNeighbour) continue;
+      const dvec3 p = origin + dvec3(at) * h;
+      lo = glm::min(lo, p), hi = glm::max(hi, p);
+    }
+  }
+  if (!(lo.x <= hi.x)) return {};
+  return {0.5 * (lo.x + hi.x), 0.5 * (lo.y + hi.y), 0.5 * (hi.x - lo.x), 0.5 * (hi.y - lo.y)};
+}
+
+CrownCut ReducedBy(const Volume& initial, double top_z_m, double shoulder_z_m, double share) {
+  const double walls_m = kCrownWalls_m * share;
+  CrownCut out;
+  out.shoulder_z_m = shoulder_z_m;
+  out.top_z_m = top_z_m - kCrownTop_m * share;
+  out.at_shoulder = SectionAt(initial, shoulder_z_m);
+  out.at_top = SectionAt(initial, out.top_z_m);
+  const double in = kLeastSlope * (out.top_z_m - shoulder_z_m);
+  CrownCut::Section &a = out.at_shoulder, &b = out.at_top;
+  a.half_x_m -= walls_m, a.half_y_m -= walls_m;
+  b.half_x_m = std::min(std::max(b.half_x_m - walls_m, kLeastHalf_m), a.half_x_m - in);
+  b.half_y_m = std::min(std::max(b.half_y_m - walls_m, kLeastHalf_m), a.half_y_m - in);
+  out.corner_m = kCornerRadius * std::min(b.half_x_m, b.half_y_m);
+  return out;
+}
+
+bool CoversPulp(const Volume& initial, const CrownCut& cut) {
+  const double cover_m = kCrownCover_m + initial.spec().voxel_m();
+  for (int b = 0; b < initial.spec().brick_count(); ++b) {
+    if (IsAir(initial, b)) continue;
+    if (!initial.HasLabels(b) && initial.UniformTissue(b) != Tissue::kPulp) continue;
+    const dvec3 corner = CornerOf(initial.spec(), b);
+    for (int i = 0; i < kBrickVoxels; ++i) {
+      if (LabelOf(initial, b, i) != Tissue::kPulp) continue;
+      if (cut.Distance_m(corner + InBrick(i) * initial.spec().voxel_m()) < cover_m) return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+double NothingTaken(const dvec3&) { return 1; }
+double EverythingTaken(const dvec3&) { return -1; }
+
+double BoxDistance_m(const dvec3& p, const dvec3& lo, const dvec3& hi) {
+  const dvec3 d = glm::max(lo - p, p - hi), out = glm::max(d, dvec3(0));
+  return std::sqrt(Dot(out, out)) + std::min(0.0, std::max({d.x, d.y, d.z}));
+}
+
+Hollow Both(Hollow a, Hollow b) {
+  return [a = std::move(a), b = std::move(b)](const dvec3& p) { return std::min(a(p), b(p)); };
+}
+
+Hollow Turned(Hollow hollow, double degrees) {
+  const double c = std::cos(degrees * kPi / 180), s = std::sin(degrees * kPi / 180);
+  return [=, hollow = std::move(hollow)](const dvec3& p) {
+    return hollow(dvec3(c * p.x + s * p.y, c * p.y - s * p.x, p.z));
+  };
+}
+
+double BoxCavity::Distance_m(const dvec3& point_m) const {
+  const dvec3 p = point_m - centre_m;
+  const double height = p.z + 0.5 * depth_m;
+  const auto& f = faces;
+  const double x = std::max(WallDistance_m(f[0], p.x - half_x_m, p.y, 2 * half_y_m, height),
+                            WallDistance_m(f[1], -p.x - half_x_m, p.y, 2 * half_y_m, height));
+  const double y = std::max(WallDistance_m(f[2], p.y - half_y_m, p.x, 2 * half_x_m, height),
+                            WallDistance_m(f[3], -p.y - half_y_m, p.x, 2 * half_x_m, height));
+  const double below = WallDistance_m(f[4], -p.z - depth_m, p.x, 2 * half_x_m, p.x);
+  return std::max({x, y, below});
+}
+
+CrownCut CrownCut::Moved(double in_m, double lower_m) const {
+  CrownCut out = *this;
+  out.top_z_m -= lower_m;
+  for (Section* s : {&out.at_shoulder, &out.at_top}) s->half_x_m -= in_m, s->half_y_m -= in_m;
+  out.corner_m -= in_m;
+  return out;
+}
+
+double CrownCut::Distance_m(const dvec3& p) const {
+  const double height = top_z_m - shoulder_z_m;
+  // The walls go on above the top and under the shoulder as they are between.
+  const double t = (p.z - shoulder_z_m) / height;
+  auto mix = [&](double a, double b) { return a + (b - a) * t; };
+  const Section &a = at_shoulder, &b = at_top;
+  const double half_x = std::max(1e-5, mix(a.half_x_m, b.half_x_m));
+  const double half_y = std::max(1e-5, mix(a.half_y_m, b.half_y_m));
+  const double radius = std::clamp(corner_m, 0.0, std::min(half_x, half_y));
+  const double x = std::fabs(p.x - mix(a.middle_x_m, b.middle_x_m)) - half_x + radius;
+  const double y = std::fabs(p.y - mix(a.middle_y_m, b.middle_y_m)) - half_y + radius;
+  const double ox = std::max(x, 0.0), oy = std::max(y, 0.0);
+  const double beside = std::sqrt(ox * ox + oy * oy) + std::min(std::max(x, y), 0.0) - radius;
+  const double slope = std::max(a.half_x_m - b.half_x_m, a.half_y_m - b.half_y_m) / height;
+  const double outside_stump = std::max(beside / std::sqrt(1 + slope * slope), p.z - top_z_m);
+  return std::max(-outside_stump, shoulder_z_m - p.z);
+}
+
+CrownCut CrownCutFor(const Volume& initial, double top_z_m, double shoulder_z_m) {
+  // As much as is asked for, or what leaves the pulp its cover.
+  CrownCut out;
+  for (int tenths = 10; tenths >= 3; --tenths) {
+    out = ReducedBy(initial, top_z_m, shoulder_z_m, 0.1 * tenths);
+    if (CoversPulp(initial, out)) break;
+  }
+  return out;
+}
+
+Volume CutAway(const Volume& initial, const Hollow& hollow, Neighbours neighbours) {
+  const cutting::GridSpec& spec = initial.spec();
+  const double h = spec.voxel_m();
+  const double half = 0.5 * (kBrickSide - 1);
+  // A wavy wall's distance may change by up to twice the way.
+  const double far = (2 * half * std::sqrt(3.0) + kBandVoxels) * h;
+  Volume out(spec);
+  for (int b = 0; b < spec.brick_count(); ++b) {
+    if (IsAir(initial, b)) continue;
+    if (hollow(CornerOf(spec, b) + half * h) > far) {
+      scene::CopyBrick(initial, b, out);
+    } else {
+      HollowBrick(initial, b, hollow, neighbours, out);
+    }
+  }
+  return out;
+}
+
+double VolumeWhere_m3(const Volume& initial, const dvec3& lo_m, const dvec3& hi_m,
+                      const std::function<bool(const dvec3&, Tissue)>& counts) {
+  const cutting::GridSpec& spec = initial.spec();
+  const double h = spec.voxel_m();
+  constexpr int kParts = 3;
+  int64_t found = 0;
+  for (int b = 0; b < spec.brick_count(); ++b) {
+    if (IsAir(initial, b)) continue;
+    const dvec3 corner = CornerOf(spec, b), end = corner + kBrickSide * h;
+    if (glm::any(glm::lessThan(end, lo_m)) || glm::any(glm::greaterThan(corner - h, hi_m))) {
+      continue;
+    }
+    for (int i = 0; i < kBrickVoxels; ++i) {
+      const Tissue tissue = LabelOf(initial, b, i);
+      const dvec3 at = corner + InBrick(i) * h;
+      for (int k = 0; k < kParts * kParts * kParts; ++k) {
+        const dvec3 p = at + (dvec3(k % kParts, k / kParts % kParts, k / (kParts * kParts)) - 1.0) *
+                                 (h / kParts);
+        if (counts(p, tissue) && initial.DistanceAt_m(p) < 0) ++found;
+      }
+    }
+  }
+  return static_cast<double>(found) * h * h * h / (kParts * kParts * kParts);
+}
+
+dvec3 BlockCariesMiddle_m() { return {0.2e-3, -0.1e-3, -1.9e-3}; }
+
+Volume FaultBlock(const BlockGrid& grid) {
+  cutting::GridSpec spec;
+  spec.voxel_nm = grid.voxel_nm;
+  auto nm = [&](double mm) {
+    return static_cast<int64_t>(std::llround(mm * 1e6 + grid.shift_m * 1e9));
+  };
+  spec.origin_nm = {nm(-4.2), nm(-3.7), nm(-4.7)};
+  const double side_mm = kBrickSide * grid.voxel_nm * 1e-6;
+  auto bricks = [&](double mm) { return static_cast<int>(mm / side_mm) + 1; };
+  spec.bricks = ivec3(bricks(9.6), bricks(7.4), bricks(5.4));
+  const dvec3 lo(-3.5e-3, -3e-3, -4e-3), hi(3.5e-3, 3e-3, 0);
+  const dvec3 next_lo(kBlockNeighbour_m, -3e-3, -4e-3), next_hi(4.7e-3, 3e-3, 0);
+  const dvec3 caries = BlockCariesMiddle_m();
+  return scene::BuildVolume(spec, [=](const dvec3& p) -> scene::FieldSample {
+    const double distance = std::min(BoxDistance_m(p, lo, hi), BoxDistance_m(p, next_lo, next_hi));
+    if (p.x > 0.5 * (hi.x + next_lo.x)) return {distance, Tissue::kNeighbour};
+    const dvec3 d = p - caries;
+    if (Dot(d, d) < kBlockCaries_m * kBlockCaries_m) return {distance, Tissue::kCaries};
+    return {distance, p.z > -1.2e-3   ? Tissue::kEnamel
+                      : p.z > -3.2e-3 ? Tissue::kDentin
+                                      : Tissue::kPulp};
+  });
+}
+
+BoxCavity FaultBlockCavity() { return {dvec3(0), 1.5e-3, 1.2e-3, 2e-3, {}}; }
+
+}  // namespace enamel::station::lab

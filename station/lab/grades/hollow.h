@@ -1,0 +1,91 @@
+#pragma once
+
+#include <array>
+#include <functional>
+
+#include "common/cutting/volume.h"
+#include "common/scene/types.h"
+
+// What is to be taken out of a tooth, in closed form, and the tooth without it. No bur has a part in
+// it, so that what is measured of it can be known beforehand.
+// Thread safety: functions, any thread. Not real-time.
+namespace enamel::station::lab {
+
+// Distance (m) of a point of the scene to what is taken out, negative inside it. Near its surface
+// good to a fraction of a voxel; it changes by at most twice the way
+// gone.
+using Hollow = std::function<double(const dvec3& point_m)>;
+
+double NothingTaken(const dvec3& point_m);
+double EverythingTaken(const dvec3& point_m);
+
+// Signed distance to an axis-aligned box, exact.
+double BoxDistance_m(const dvec3& point_m, const dvec3& lo_m, const dvec3& hi_m);
+
+// What either takes.
+Hollow Both(Hollow a, Hollow b);
+// About +z through the origin, by `degrees`.
+Hollow Turned(Hollow hollow, double degrees);
+
+// One face of a cavity. `moved_m` outwards; + `slope` opens a wall towards the top, about the middle
+// of its height (a floor: deeper towards +x, about its middle); `wave_m` is the height of three
+// waves along the wall.
+struct Face {
+  double moved_m = 0, slope = 0, wave_m = 0;
+};
+
+// A cavity between five faces, open at the top. `centre_m` is the middle of its opening; faces in
+// the order of scoring::Part: mesial (+x), distal, buccal (+y), lingual, floor.
+struct BoxCavity {
+  dvec3 centre_m{0};
+  double half_x_m = 0, half_y_m = 0, depth_m = 0;
+  std::array<Face, 5> faces{};
+
+  double Distance_m(const dvec3& point_m) const;
+};
+
+// All round a stump down to a shoulder. The stump is a rectangle with rounded corners whose half
+// sizes and middle change evenly from the shoulder to its flat top.
+struct CrownCut {
+  struct Section {
+    double middle_x_m = 0, middle_y_m = 0, half_x_m = 0, half_y_m = 0;
+  };
+  double shoulder_z_m = 0, top_z_m = 0;
+  Section at_shoulder, at_top;
+  double corner_m = 0;  // radius
+
+  // The walls of the stump farther in by `in_m`, its top lower by `lower_m`.
+  CrownCut Moved(double in_m, double lower_m) const;
+  double Distance_m(const dvec3& point_m) const;
+};
+// The preparation of a tooth for a crown: from the tooth's sections at the shoulder and under its
+// top, 1 mm in all around and 1.5 mm off the top, walls of at least 3 degrees; as much less of both as
+// leaves 0.9 mm over the pulp.
+CrownCut CrownCutFor(const cutting::Volume& initial, double top_z_m, double shoulder_z_m);
+
+enum class Neighbours { kCut, kSpared };
+// phi := max(phi, -distance), as a bur would leave it that reaches every corner. Spared: voxels of a
+// neighbouring tooth stay as they were.
+cutting::Volume CutAway(const cutting::Volume& initial, const Hollow& hollow,
+                        Neighbours neighbours = Neighbours::kCut);
+
+// Volume of the tooth (m^3) at points that `counts` accepts, by 27 points to a voxel: a second way to
+// measure what went. Only voxels within `lo_m`..`hi_m` are looked at.
+double VolumeWhere_m3(const cutting::Volume& initial, const dvec3& lo_m, const dvec3& hi_m,
+                      const std::function<bool(const dvec3&, cutting::Tissue)>& counts);
+
+// A block of 7 x 6 x 4 mm, its top at z = 0, of enamel, dentin and pulp in layers that end at -1.2
+// and -3.2 mm; caries in a ball under the floor of the cavity; beyond a gap of 0.2 mm at its mesial
+// side a neighbour of 1 mm.
+struct BlockGrid {
+  int32_t voxel_nm = 100'000;
+  double shift_m = 0;  // of the whole grid
+};
+inline constexpr double kBlockCaries_m = 0.6e-3;  // radius of the ball
+dvec3 BlockCariesMiddle_m();
+inline constexpr double kBlockNeighbour_m = 3.7e-3;  // x at which it begins
+cutting::Volume FaultBlock(const BlockGrid& grid);
+// The cavity that is asked for in it: 3 x 2.4 mm and 2 mm deep.
+BoxCavity FaultBlockCavity();
+
+}  // namespace enamel::station::lab

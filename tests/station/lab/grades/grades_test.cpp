@@ -1,0 +1,137 @@
+#include "station/lab/grades/grades.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <boost/json.hpp>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <random>
+
+// What known faults cost in the exercises that come with Enamel, on coarse grids; the lab measures
+// the fine ones (enamel-lab grades).
+namespace enamel::station::lab {
+namespace {
+
+constexpr int32_t kVoxel_nm = 100'000;
+
+struct Made {
+  scene::BuiltScene built;
+  std::vector<scene::Exercise> exercises;
+};
+Made Build(const char* scene) {
+  auto built = scene::BuildBuiltinScene(scene, kVoxel_nm);
+  ENAMEL_CHECK(built.ok());
+  auto exercises = scene::BuiltinExercises(built->scene, {});
+  return {std::move(*built), std::move(exercises)};
+}
+
+// A scene and the beginning of an exercise's name.
+struct Asked {
+  const char* scene;
+  const char* exercise;
+  bool only_full = false;
+};
+class Grades : public testing::TestWithParam<Asked> {};
+
+// What the literature calls a fault must cost a point at the least.
+TEST_P(Grades, EveryFaultIsFoundAndCostsAndOnlyTheReferenceIsPerfect) {
+  if (GetParam().only_full && std::getenv("ENAMEL_FULL") == nullptr) {
+    GTEST_SKIP() << "takes minutes: ./check --full";
+  }
+  const Made made = Build(GetParam().scene);
+  size_t graded_exercises = 0;
+  for (const scene::Exercise& exercise : made.exercises) {
+    if (!exercise.name.starts_with(GetParam().exercise)) continue;
+    SCOPED_TRACE(exercise.name);
+    ++graded_exercises;
+    auto graded = GradedExercise::Make(made.built, exercise);
+    ASSERT_TRUE(graded.ok()) << graded.status().message();
+    for (const Fault& fault : FaultsOf(made.built, exercise, graded->task(), true)) {
+      auto row = graded->Grade(fault);
+      ASSERT_TRUE(row.ok()) << row.status().message();
+      EXPECT_TRUE(row->AsKnown()) << fault.name << ", " << row->metric << ": "
+                                  << row->found.value_or(std::nan("")) << " for " << row->size
+                                  << " +- " << row->tolerance;
+      if (fault.name == "none") {
+        EXPECT_NEAR(row->score, 100, 1e-9);
+      } else if (fault.name == "nothing" || fault.name == "everything removed") {
+        EXPECT_EQ(row->score, 0);
+      } else {
+        EXPECT_GE(row->points_lost, 1) << fault.name;
+      }
+    }
+  }
+  EXPECT_EQ(graded_exercises, 1U);
+}
+
+INSTANTIATE_TEST_SUITE_P(Exercises, Grades,
+                         testing::Values(Asked{"molar", "class-1"}, Asked{"incisor", "crown", true},
+                                         Asked{"molar-caries", "caries"},
+                                         Asked{"premolar", "crown", true},
+                                         Asked{"molar", "crown", true}),
+                         [](const auto& test) {
+                           std::string name =
+                               std::string(test.param.scene) + "_" + test.param.exercise;
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name;
+                         });
+
+// Each fault of one kind costs no less than a smaller one, whatever their sizes.
+TEST(GradesTest, TheLargerOfTwoFaultsNeverCostsLess) {
+  const Made made = Build("molar");
+  auto graded = GradedExercise::Make(made.built, made.exercises.front());
+  ASSERT_TRUE(graded.ok());
+  std::mt19937 random(15);
+  auto score = [&](size_t face, int kind, double size) {
+    BoxCavity box = graded->task().box;
+    Face& f = box.faces[face];
+    if (kind == 0) f.moved_m = 0.8e-3 * size;
+    if (kind == 1) f.slope = 0.35 * size;
+    if (kind == 2) f.wave_m = 0.25e-3 * size;
+    if (kind == 3) f.moved_m = -0.8e-3 * size;
+    auto result =
+        graded->Score([box](const dvec3& p) { return box.Distance_m(p); }, Neighbours::kSpared);
+    EXPECT_TRUE(result.ok());
+    return result.ok() ? result->score : -1;
+  };
+  const int pairs = std::getenv("ENAMEL_FULL") != nullptr ? 100 : 8;
+  for (int i = 0; i < pairs; ++i) {
+    const size_t face = random() % 5;
+    const int kind = static_cast<int>(random() % 4);
+    std::uniform_real_distribution<double> sizes(0, 1);
+    const double a = sizes(random), b = sizes(random);
+    // A hundredth of a point is what voxels make of two sizes that are nearly the same.
+    EXPECT_GE(score(face, kind, std::min(a, b)) + 0.01, score(face, kind, std::max(a, b)))
+        << "face " << face << ", kind " << kind << ", " << a << " and " << b;
+  }
+}
+
+TEST(GradesTest, ARowSaysWhatItWasAndWhatWasFoundAsTheSchemaHasIt) {
+  GradeRow row{"class-1-x", "floor", 0.3, "mm", 0.05, "floor_mm", 0.31, 0.0125, 4, 96};
+  EXPECT_TRUE(row.AsKnown());
+  const GradeRow unseen{"class-1-x",    "nothing",    10,  "deg", 0.05,
+                        "undercut_deg", std::nullopt, 0.5, 100,   0};
+  EXPECT_FALSE(unseen.AsKnown());
+  std::ifstream file(ENAMEL_SOURCE_DIR "/schemas/golden/lab_grades.json");
+  const std::string golden(std::istreambuf_iterator<char>(file), {});
+  EXPECT_EQ(boost::json::value(GradesJson({row, unseen})), boost::json::parse(golden));
+  row.found = 0.32;
+  EXPECT_FALSE(row.AsKnown());
+}
+
+TEST(GradesTest, AnExerciseThatIsNotThereIsRefusedByName) {
+  GradesOptions options;
+  options.quick = true;
+  options.voxels_nm = {400'000};
+  options.exercises = {"bridge"};
+  const auto rows = MeasureGrades(options);
+  ASSERT_FALSE(rows.ok());
+  EXPECT_EQ(rows.status().code(), Code::kNotFound);
+  EXPECT_NE(rows.status().message().find("enamel-station scenes"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace enamel::station::lab
