@@ -1,0 +1,272 @@
+#include "server/agreement/marks.h"
+
+#include <algorithm>
+#include <array>
+#include <boost/json.hpp>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "common/base/csv.h"
+
+namespace enamel::server {
+namespace {
+
+namespace json = boost::json;
+
+enum Column { kWork, kCriterion, kMarker, kMark, kFullMarks, kColumns };
+constexpr std::array<std::string_view, kColumns> kNames = {"work", "criterion", "marker", "mark",
+                                                           "full_marks"};
+constexpr std::array<size_t, 3> kMaxBytes = {100, 200, 100};
+
+Status Wrong(uint32_t row, const std::string& expected, const std::string& found) {
+  return Status(Code::kInvalidInput,
+                "row " + std::to_string(row) + ": expected " + expected + ", found " +
+                    (found.empty() ? "nothing" : found),
+                "row " + std::to_string(row));
+}
+
+// Where each column stands; -1: it is not there.
+Result<std::array<int, kColumns>> Columns(const CsvRow& header) {
+  std::array<int, kColumns> places;
+  places.fill(-1);
+  for (size_t i = 0; i < header.cells.size(); ++i) {
+    auto name = std::ranges::find(kNames, header.cells[i]);
+    if (name == kNames.end() || places[name - kNames.begin()] >= 0) {
+      return Wrong(header.row, "the columns work, criterion, marker, mark (and full_marks), once",
+                   "\"" + header.cells[i] + "\"");
+    }
+    places[name - kNames.begin()] = static_cast<int>(i);
+  }
+  for (int i = 0; i < kFullMarks; ++i) {
+    if (places[i] < 0) return Wrong(header.row, "a column " + std::string(kNames[i]), "");
+  }
+  return places;
+}
+
+Result<double> PointsOf(const CsvRow& row, const std::string& text) {
+  double value = 0;
+  const char* end = text.data() + text.size();
+  auto [rest, error] = std::from_chars(text.data(), end, value);
+  if (error != std::errc() || rest != end || !std::isfinite(value)) {
+    return Wrong(row.row, "a number as mark (with a point, not a comma)", "\"" + text + "\"");
+  }
+  return value;
+}
+
+// The marks of one criterion: a row for each piece of work, a column for each marker.
+struct Marked {
+  std::map<std::string, std::map<std::string, double>> by_work;
+  std::set<std::string> markers;
+};
+
+// Whole marks as classes; none where some mark is not whole or there are too many.
+std::optional<std::vector<double>> ClassesOf(const MarkTable& table) {
+  std::set<double> found;
+  for (const auto& row : table) {
+    for (double mark : row) {
+      if (mark != std::floor(mark)) return std::nullopt;
+      found.insert(mark);
+    }
+  }
+  if (found.size() > kMaxClasses) return std::nullopt;
+  return std::vector<double>(found.begin(), found.end());
+}
+
+size_t ClassOf(const std::vector<double>& classes, double mark) {
+  return std::ranges::lower_bound(classes, mark) - classes.begin();
+}
+
+Figure FigureOf(const Result<Agreement>& result) {
+  if (result.ok()) return {*result, ""};
+  return {std::nullopt, result.status().message()};
+}
+
+void FillKappas(const MarkTable& table, CriterionAgreement& out) {
+  const auto classes = ClassesOf(table);
+  if (!classes || classes->size() < 2) {
+    const std::string why =
+        classes ? "all marks are the same" : "kappa is for whole marks in at most 20 classes";
+    out.weighted_kappa = out.free_kappa = {std::nullopt, why};
+    return;
+  }
+  const size_t q = classes->size();
+  std::vector<std::vector<double>> by_pair(q, std::vector<double>(q)), by_work;
+  // Weights by the marks and not by their place in the list: 2 and 9 are farther apart than 8 and
+  // 9, whatever lies between.
+  std::vector<std::vector<double>> weights(q, std::vector<double>(q));
+  for (size_t i = 0; i < q; ++i) {
+    for (size_t j = 0; j < q; ++j) weights[i][j] = std::pow((*classes)[i] - (*classes)[j], 2);
+  }
+  for (const auto& row : table) {
+    std::vector<double> counts(q);
+    for (double mark : row) counts[ClassOf(*classes, mark)] += 1;
+    by_work.push_back(std::move(counts));
+    if (row.size() == 2) by_pair[ClassOf(*classes, row[0])][ClassOf(*classes, row[1])] += 1;
+  }
+  out.free_kappa = FigureOf(FreeMarginalKappa(by_work));
+  out.weighted_kappa = out.markers.size() == 2
+                           ? FigureOf(WeightedKappa(by_pair, weights))
+                           : Figure{std::nullopt, "weighted kappa is for two markers"};
+}
+
+CriterionAgreement Compare(const std::string& criterion, const Marked& marked) {
+  CriterionAgreement out;
+  out.criterion = criterion;
+  out.markers.assign(marked.markers.begin(), marked.markers.end());
+  std::vector<std::vector<std::optional<double>>> rows;
+  for (const auto& [work, marks] : marked.by_work) {
+    auto& row = rows.emplace_back();
+    for (const std::string& marker : out.markers) {
+      auto found = marks.find(marker);
+      row.push_back(found == marks.end() ? std::nullopt : std::optional(found->second));
+    }
+  }
+  const MarkTable table = CompleteRows(rows);
+  out.works = table.size();
+  out.left_out = rows.size() - table.size();
+  out.icc21 = FigureOf(Icc21(table));
+  out.icc3k = FigureOf(Icc3k(table));
+  FillKappas(table, out);
+  for (size_t i = 0; i < out.markers.size(); ++i) {
+    for (size_t j = i + 1; j < out.markers.size(); ++j) {
+      std::vector<double> first, second;
+      for (const auto& row : table) {
+        first.push_back(row[i]);
+        second.push_back(row[j]);
+      }
+      PairLimits& pair =
+          out.limits.emplace_back(PairLimits{out.markers[i], out.markers[j], std::nullopt, ""});
+      auto limits = BlandAltman(first, second);
+      if (limits.ok()) {
+        pair.limits = *limits;
+      } else {
+        pair.why = limits.status().message();
+      }
+    }
+  }
+  return out;
+}
+
+json::object FigureJson(const Agreement& a) {
+  return {{"value", a.value}, {"low", a.interval.low}, {"high", a.interval.high}};
+}
+
+json::object FigureJson(const Figure& f) {
+  if (f.value) return FigureJson(*f.value);
+  return {{"value", nullptr}, {"why", f.why}};
+}
+
+std::string NumberText(double value) {
+  std::array<char, 32> text{};
+  auto [end, error] =
+      std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed, 4);
+  return std::string(text.data(), end);
+}
+
+}  // namespace
+
+Result<std::vector<Mark>> ReadMarks(std::string_view csv) {
+  if (csv.size() > kMaxMarksBytes) {
+    return Status(Code::kTooLarge, "expected at most 4 MiB of marks");
+  }
+  const CsvTable table = ReadCsv(csv, {kMaxMarkRows + 1, 16, 1000});
+  ENAMEL_RETURN_IF_ERROR(table.status());
+  if (table.rows.empty()) return Wrong(1, "a header: work,criterion,marker,mark", "");
+  ENAMEL_ASSIGN_OR_RETURN(const auto places, Columns(table.rows.front()));
+  std::vector<Mark> out;
+  for (size_t i = 1; i < table.rows.size(); ++i) {
+    const CsvRow& row = table.rows[i];
+    auto cell = [&](Column column) {
+      const auto place = static_cast<size_t>(places[column]);
+      return place < row.cells.size() ? row.cells[place] : std::string();
+    };
+    if (cell(kMark).empty()) continue;
+    Mark mark{cell(kWork), cell(kCriterion), cell(kMarker), 0};
+    const std::array<const std::string*, 3> texts = {&mark.work, &mark.criterion, &mark.marker};
+    for (size_t t = 0; t < texts.size(); ++t) {
+      if (!texts[t]->empty() && texts[t]->size() <= kMaxBytes[t]) continue;
+      return Wrong(row.row,
+                   std::string(kNames[t]) + " of 1 to " + std::to_string(kMaxBytes[t]) + " bytes",
+                   std::to_string(texts[t]->size()) + " bytes");
+    }
+    ENAMEL_ASSIGN_OR_RETURN(mark.points, PointsOf(row, cell(kMark)));
+    out.push_back(std::move(mark));
+  }
+  return out;
+}
+
+Result<std::vector<CriterionAgreement>> CompareMarks(const std::vector<Mark>& marks) {
+  if (marks.empty()) return Status(Code::kInvalidInput, "expected marks, found none");
+  std::map<std::string, Marked> by_criterion;
+  for (const Mark& mark : marks) {
+    Marked& marked = by_criterion[mark.criterion];
+    marked.markers.insert(mark.marker);
+    if (!marked.by_work[mark.work].emplace(mark.marker, mark.points).second) {
+      return Status(Code::kInvalidInput, mark.marker + " marked " + mark.work + " twice for \"" +
+                                             mark.criterion + "\"; expected one mark");
+    }
+  }
+  std::vector<CriterionAgreement> out;
+  for (const auto& [criterion, marked] : by_criterion) out.push_back(Compare(criterion, marked));
+  return out;
+}
+
+std::string AgreementJson(const std::vector<CriterionAgreement>& criteria) {
+  json::array list;
+  for (const CriterionAgreement& c : criteria) {
+    json::array markers(c.markers.begin(), c.markers.end()), limits;
+    for (const PairLimits& pair : c.limits) {
+      json::object row{{"first", pair.first}, {"second", pair.second}};
+      if (pair.limits) {
+        row["bias"] = FigureJson(pair.limits->bias);
+        row["low_limit"] = FigureJson(pair.limits->low);
+        row["high_limit"] = FigureJson(pair.limits->high);
+      } else {
+        row["why"] = pair.why;
+      }
+      limits.push_back(std::move(row));
+    }
+    list.push_back({{"criterion", c.criterion},
+                    {"markers", std::move(markers)},
+                    {"works", c.works},
+                    {"left_out", c.left_out},
+                    {"icc_2_1", FigureJson(c.icc21)},
+                    {"icc_3_k", FigureJson(c.icc3k)},
+                    {"weighted_kappa", FigureJson(c.weighted_kappa)},
+                    {"free_kappa", FigureJson(c.free_kappa)},
+                    {"limits_of_agreement", std::move(limits)}});
+  }
+  return json::serialize(json::object{{"criteria", std::move(list)}}) + "\n";
+}
+
+std::string AgreementCsv(const std::vector<CriterionAgreement>& criteria) {
+  std::string out =
+      CsvLine({"criterion", "figure", "first", "second", "value", "low", "high", "works", "why"});
+  for (const CriterionAgreement& c : criteria) {
+    const std::string works = std::to_string(c.works);
+    auto add = [&](std::string_view figure, const std::string& first, const std::string& second,
+                   const std::optional<Agreement>& value, const std::string& why) {
+      out += CsvLine({c.criterion, figure, first, second, value ? NumberText(value->value) : "",
+                      value ? NumberText(value->interval.low) : "",
+                      value ? NumberText(value->interval.high) : "", works, why});
+    };
+    add("ICC(2,1)", "", "", c.icc21.value, c.icc21.why);
+    add("ICC(3,k)", "", "", c.icc3k.value, c.icc3k.why);
+    add("weighted kappa", "", "", c.weighted_kappa.value, c.weighted_kappa.why);
+    add("free-marginal kappa", "", "", c.free_kappa.value, c.free_kappa.why);
+    for (const PairLimits& pair : c.limits) {
+      if (!pair.limits) {
+        add("bias", pair.first, pair.second, std::nullopt, pair.why);
+        continue;
+      }
+      add("bias", pair.first, pair.second, pair.limits->bias, "");
+      add("low limit of agreement", pair.first, pair.second, pair.limits->low, "");
+      add("high limit of agreement", pair.first, pair.second, pair.limits->high, "");
+    }
+  }
+  return out;
+}
+
+}  // namespace enamel::server

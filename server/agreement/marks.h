@@ -1,0 +1,57 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/base/result.h"
+#include "server/agreement/agreement.h"
+
+// Marks of several people (schemas/marks.md), and how well they agree on each criterion. Pure
+// functions, any thread.
+namespace enamel::server {
+
+inline constexpr size_t kMaxMarksBytes = 4 << 20, kMaxMarkRows = 20'000;
+// The marker that is the program.
+inline constexpr std::string_view kComputed = "computed";
+
+struct Mark {
+  std::string work, criterion, marker;
+  double points = 0;
+};
+
+// Rows without a mark are left out. Errors: kInvalidInput with the row.
+Result<std::vector<Mark>> ReadMarks(std::string_view csv);
+
+// A figure, or why there is none.
+struct Figure {
+  std::optional<Agreement> value;
+  std::string why;
+};
+
+struct PairLimits {
+  std::string first, second;  // markers
+  std::optional<LimitsOfAgreement> limits;
+  std::string why;
+};
+
+struct CriterionAgreement {
+  std::string criterion;
+  std::vector<std::string> markers;  // in alphabetical order
+  size_t works = 0, left_out = 0;    // marked by all of them; by some
+  Figure icc21, icc3k, weighted_kappa, free_kappa;
+  std::vector<PairLimits> limits;  // each two markers
+};
+
+// By criterion, in alphabetical order. Errors: kInvalidInput when a piece of work was marked twice
+// by one marker for one criterion, or there are no marks.
+Result<std::vector<CriterionAgreement>> CompareMarks(const std::vector<Mark>& marks);
+
+// {"criteria": [{"criterion", "markers", "works", "left_out", "icc_2_1", ...}]}; a figure is
+// {"value", "low", "high"} or {"value": null, "why"}.
+std::string AgreementJson(const std::vector<CriterionAgreement>& criteria);
+// One row a figure: criterion, figure, first, second, value, low, high, works, why.
+std::string AgreementCsv(const std::vector<CriterionAgreement>& criteria);
+
+}  // namespace enamel::server

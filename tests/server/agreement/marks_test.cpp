@@ -1,0 +1,113 @@
+#include "server/agreement/marks.h"
+
+#include <gtest/gtest.h>
+
+#include <boost/json.hpp>
+
+#include "common/base/file.h"
+
+namespace enamel::server {
+namespace {
+
+std::string Golden() {
+  auto text = ReadFile(ENAMEL_SOURCE_DIR "/schemas/golden/marks.csv", kMaxMarksBytes);
+  EXPECT_TRUE(text.ok());
+  return std::string(AsText(*text));
+}
+
+TEST(MarksTest, GoldenFileIsComparedByCriterion) {
+  auto marks = ReadMarks(Golden());
+  ASSERT_TRUE(marks.ok()) << marks.status().message();
+  EXPECT_EQ(marks->size(), 13u) << "one was not given";
+  auto criteria = CompareMarks(*marks);
+  ASSERT_TRUE(criteria.ok());
+  ASSERT_EQ(criteria->size(), 2u);
+  const CriterionAgreement& floor = criteria->front();
+  EXPECT_EQ(floor.criterion, "Floor");
+  EXPECT_EQ(floor.markers, (std::vector<std::string>{"AK", "BM"}));
+  EXPECT_EQ(floor.works, 4u);
+  EXPECT_EQ(floor.left_out, 1u);
+  // 8 5 9 6 against 7 5 10 5: mean of the differences 1/4, by hand.
+  ASSERT_TRUE(floor.limits.at(0).limits);
+  EXPECT_NEAR(floor.limits[0].limits->bias.value, 0.25, 1e-12);
+  ASSERT_TRUE(floor.icc21.value);
+  EXPECT_NEAR(floor.icc21.value->value, Icc21({{8, 7}, {5, 5}, {9, 10}, {6, 5}})->value, 1e-12);
+  ASSERT_TRUE(floor.weighted_kappa.value);
+  EXPECT_GT(floor.weighted_kappa.value->value, 0.7);
+  const CriterionAgreement& wall = criteria->back();
+  EXPECT_EQ(wall.criterion, "Wall, mesial");
+  EXPECT_FALSE(wall.icc21.value) << "all have full marks: no figure, and why";
+  EXPECT_NE(wall.icc21.why, "");
+  EXPECT_EQ(wall.weighted_kappa.why, "all marks are the same");
+  EXPECT_NE(wall.limits.at(0).why, "");
+}
+
+// Quadratic weights are by the marks: the same table as ICC's, whose value kappa then comes close
+// to (Fleiss and Cohen 1973), although 2 to 8 are not used.
+TEST(MarksTest, KappaWeighsByTheMarksAndNotByTheirPlaceInTheList) {
+  std::vector<Mark> marks;
+  const double first[] = {1, 1, 9, 10, 1, 10, 9, 1}, second[] = {1, 1, 10, 9, 1, 10, 9, 1};
+  for (int i = 0; i < 8; ++i) {
+    marks.push_back({std::to_string(i), "c", "a", first[i]});
+    marks.push_back({std::to_string(i), "c", "b", second[i]});
+  }
+  auto criteria = CompareMarks(marks);
+  ASSERT_TRUE(criteria.ok() && criteria->front().weighted_kappa.value);
+  EXPECT_GT(criteria->front().weighted_kappa.value->value, 0.98);
+}
+
+TEST(MarksTest, WhatIsWrongIsRefusedWithItsRow) {
+  auto why = [](const char* text) {
+    auto marks = ReadMarks(text);
+    return marks.ok() ? std::string("accepted") : marks.status().message();
+  };
+  EXPECT_NE(why("").find("header"), std::string::npos);
+  EXPECT_NE(why("work,criterion,marker\n").find("a column mark"), std::string::npos);
+  EXPECT_NE(why("work,criterion,marker,mark,maker\n").find("\"maker\""), std::string::npos);
+  EXPECT_NE(why("work,work,criterion,marker,mark\n").find("once"), std::string::npos);
+  EXPECT_NE(why("work,criterion,marker,mark\n1,c,a,\"7,5\"\n").find("row 2"), std::string::npos);
+  EXPECT_NE(why("work,criterion,marker,mark\n1,c,a,nan\n").find("a number"), std::string::npos);
+  EXPECT_NE(why("work,criterion,marker,mark\n1,c,,7\n").find("marker"), std::string::npos);
+  EXPECT_NE(why("work,criterion,marker,mark\n1,c,a,1e999\n").find("a number"), std::string::npos);
+  EXPECT_NE(why(("work,criterion,marker,mark\n1," + std::string(300, 'c') + ",a,7\n").c_str())
+                .find("criterion of 1 to 200"),
+            std::string::npos);
+  EXPECT_EQ(ReadMarks("work,criterion,marker,mark\n1,c,a,\n")->size(), 0u);
+  EXPECT_FALSE(CompareMarks({}).ok());
+  auto twice = CompareMarks({{"1", "c", "a", 7}, {"1", "c", "a", 8}});
+  ASSERT_FALSE(twice.ok());
+  EXPECT_NE(twice.status().message().find("twice"), std::string::npos);
+}
+
+TEST(MarksTest, TablesSayEachFigureOrWhyThereIsNone) {
+  auto criteria = CompareMarks(*ReadMarks(Golden()));
+  const std::string csv = AgreementCsv(*criteria);
+  EXPECT_EQ(csv.substr(0, csv.find('\r')),
+            "criterion,figure,first,second,value,low,high,works,why");
+  EXPECT_NE(csv.find("Floor,bias,AK,BM,0.2500,"), std::string::npos) << csv;
+  EXPECT_NE(csv.find("\"Wall, mesial\",weighted kappa,,,,,,2,all marks are the same"),
+            std::string::npos)
+      << csv;
+  boost::json::value json = boost::json::parse(AgreementJson(*criteria));
+  EXPECT_EQ(json.at("criteria").at(0).at("works"), 4);
+  EXPECT_TRUE(json.at("criteria").at(1).at("icc_2_1").at("value").is_null());
+  EXPECT_NEAR(json.at("criteria")
+                  .at(0)
+                  .at("limits_of_agreement")
+                  .at(0)
+                  .at("bias")
+                  .at("value")
+                  .to_number<double>(),
+              0.25, 1e-12);
+}
+
+TEST(MarksTest, OneMarkerAloneHasNoAgreement) {
+  auto criteria = CompareMarks({{"1", "c", "a", 7}, {"2", "c", "a", 8}});
+  ASSERT_TRUE(criteria.ok());
+  EXPECT_FALSE(criteria->front().icc21.value);
+  EXPECT_FALSE(criteria->front().free_kappa.value);
+  EXPECT_TRUE(criteria->front().limits.empty());
+}
+
+}  // namespace
+}  // namespace enamel::server
