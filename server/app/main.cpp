@@ -8,6 +8,7 @@
 #include "server/app/admin.h"
 #include "server/app/admin_people.h"
 #include "server/app/admin_stations.h"
+#include "server/app/agreement.h"
 #include "server/app/command_line.h"
 #include "server/app/data_folder.h"
 #include "server/app/personal_data.h"
@@ -45,6 +46,7 @@ int main(int argc, char** argv) {
   app::DeclareSeed(top);
   app::DeclareReport(top);
   app::DeclareRescore(top);
+  app::DeclareAgreement(top);
   auto* admin = root.add_subcommand("admin", "People, cohorts, stations, exercises, references");
   admin->require_subcommand(1);
   for (auto declare :

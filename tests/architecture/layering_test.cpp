@@ -86,8 +86,8 @@ const std::map<std::string, Names>& Allowed() {
          {"server/auth", "server/roster", "server/live", "server/net", "server/ops",
           "server/storage", "server/jobs", "common/fidelity", "common/scene", "common/net"}},
         {"server/app",
-         {"common/program", "server/http", "server/ops", "server/stations", "server/jobs",
-          "common/scoring", "common/import"}},
+         {"common/program", "server/agreement", "server/http", "server/ops", "server/stations",
+          "server/jobs", "common/scoring", "common/import"}},
     };
     bool grew = true;
     while (grew) {

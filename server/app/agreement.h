@@ -1,0 +1,25 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+
+// The command `agreement`: how well people who marked the same attempts agree with each other and
+// with the program (schemas/marks.md). As those of admin.h.
+namespace enamel::server::app {
+
+struct AgreementOptions {
+  std::vector<std::filesystem::path> marks;  // files that were filled in
+  std::filesystem::path data;  // with `assignment`: computed scores as one more marker
+  std::string assignment;
+  std::filesystem::path blank;  // write a file to be filled in, and compare nothing
+  std::filesystem::path json, csv;
+};
+Status CompareAgreement(const AgreementOptions& options);
+
+struct CommandGroup;
+void DeclareAgreement(CommandGroup program);
+
+}  // namespace enamel::server::app
