@@ -179,6 +179,9 @@ Status Keyframes::Restore(size_t i, core::Core& core) const {
   // Each holds what changed since the one before, so all of them up to this one. Later ones
   // overwrite.
   for (size_t k = 0; k <= i; ++k) {
+    // Before there is memory for them: a tooth has no more bricks than it has, whatever is said.
+    if (int64_t{frames_[k].bricks} > core.volume().spec().brick_count())
+      return Unusable("they have more bricks than the tooth");
     ENAMEL_ASSIGN_OR_RETURN(auto samples,
                             Unpack(frames_[k].samples, frames_[k].bricks * kBrickBytes));
     ByteReader in(samples);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "common/trace/layout.h"
 #include "common/trace/moment.h"
 #include "tests/common/trace/sample.h"
 
@@ -177,6 +178,30 @@ TEST(KeyframesTest, AnotherCoresAreRefused) {
     Bytes other = bytes;
     other[at] ^= 0x40;
     EXPECT_EQ(Keyframes::Decode(other, HeaderHash(Attempt())).status().code(), Code::kVersion);
+  }
+}
+
+// Memory is taken for what the tooth can have, not for what a file says: a million bricks are 1 GiB.
+TEST(KeyframesTest, MoreBricksThanTheToothHasAreRefused) {
+  const Bytes bytes = KeyframesOf(Attempt()).Encode();
+  // Magic, reserved, core version, build and header's hash; then kind and size of the record. In it,
+  // before the count of bricks: ticks, chunks, gaps, chain, state hash.
+  constexpr size_t kRecords = 6 + 2 + 4 + 8 + 32, kCount = 8 + 4 + 8 + 32 + 8;
+  ByteReader first(ByteView(bytes).subspan(kRecords + 1));
+  const ByteView content = first.Blob(bytes.size());
+  for (uint32_t bricks : {uint32_t{1} << 20, uint32_t{1} << 16}) {
+    Bytes lies(content.begin(), content.end());
+    for (size_t i = 0; i < 4; ++i) lies[kCount + i] = static_cast<uint8_t>(bricks >> (8 * i));
+    ByteWriter out;
+    out.Raw(ByteView(bytes).first(kRecords));
+    WriteRecord(1, lies, out);
+    auto read = Keyframes::Decode(out.bytes(), HeaderHash(Attempt()));
+    ASSERT_TRUE(read.ok()) << read.status().message();
+    auto core = MakeCore();
+    const Status refused = read->Restore(0, *core);
+    EXPECT_EQ(refused.code(), Code::kInvalidInput);
+    EXPECT_NE(refused.message().find("more bricks than the tooth"), std::string::npos)
+        << refused.message();
   }
 }
 
