@@ -102,6 +102,14 @@ class Session {
   // Looked up every kAdmittedEveryMs. Errors: RevokedStation.
   Status StillAdmitted();
   Result<Person> PersonOf(const std::string& session_token);
+  // An attempt that the person of this session may see. Errors: as if it were not here (kNotFound)
+  // when not, so that nobody is told of attempts of others; PersonOf's.
+  struct Seen {
+    Person person;
+    AttemptRow row;
+    bool shares_cohort = false;
+  };
+  Result<Seen> SeenAttempt(const std::string& session_token, const std::string& attempt);
   Result<std::vector<ExerciseRow>> ExercisesOf(const Person& person);
   // Names of an exam's stations, for people.
   Result<std::string> StationsText(const AssignmentRow& assignment);

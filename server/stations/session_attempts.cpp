@@ -353,16 +353,21 @@ Result<wire::Reply> Session::Do(const wire::SealAttempt& request) {
   return reply;
 }
 
+Result<Session::Seen> Session::SeenAttempt(const std::string& session_token,
+                                           const std::string& field) {
+  ENAMEL_ASSIGN_OR_RETURN(auto attempt, protocol::ReadUuid(field, "attempt"));
+  Seen seen;
+  ENAMEL_ASSIGN_OR_RETURN(seen.person, PersonOf(session_token));
+  ENAMEL_ASSIGN_OR_RETURN(seen.row, services_.store.attempts().AttemptById(attempt));
+  ENAMEL_ASSIGN_OR_RETURN(seen.shares_cohort,
+                          services_.store.teaching().ShareCohort(seen.person.id, seen.row.person));
+  if (CanSeeAttempt(seen.person, seen.row, seen.shares_cohort)) return seen;
+  return Status(Code::kNotFound, "no attempt " + attempt.Text(), "attempt");
+}
+
 Result<wire::Reply> Session::Do(const wire::AttemptStatus& request) {
-  ENAMEL_ASSIGN_OR_RETURN(auto attempt, protocol::ReadUuid(request.attempt(), "attempt"));
-  ENAMEL_ASSIGN_OR_RETURN(auto person, PersonOf(request.session()));
-  ENAMEL_ASSIGN_OR_RETURN(auto row, services_.store.attempts().AttemptById(attempt));
-  ENAMEL_ASSIGN_OR_RETURN(auto shares,
-                          services_.store.teaching().ShareCohort(person.id, row.person));
-  if (!CanSeeAttempt(person, row, shares)) {
-    // As if there were none: who may not see an attempt is not told that it is there.
-    return Status(Code::kNotFound, "no attempt " + attempt.Text(), "attempt");
-  }
+  ENAMEL_ASSIGN_OR_RETURN(const auto seen, SeenAttempt(request.session(), request.attempt()));
+  const AttemptRow& row = seen.row;
   wire::Reply reply;
   wire::AttemptState& state = *reply.mutable_attempt_state();
   state.set_attempt(request.attempt());
@@ -374,8 +379,8 @@ Result<wire::Reply> Session::Do(const wire::AttemptStatus& request) {
   state.set_problem(row.problem);
   if (row.state != AttemptState::kScored) return reply;
   ENAMEL_ASSIGN_OR_RETURN(auto exercise, services_.store.content().ExerciseById(row.exercise));
-  if (!CanSeeScore(person, row, exercise.graded, shares)) return reply;
-  ENAMEL_ASSIGN_OR_RETURN(auto result, services_.store.attempts().ResultOf(attempt));
+  if (!CanSeeScore(seen.person, row, exercise.graded, seen.shares_cohort)) return reply;
+  ENAMEL_ASSIGN_OR_RETURN(auto result, services_.store.attempts().ResultOf(row.id));
   ENAMEL_ASSIGN_OR_RETURN(auto json, services_.store.content().GetBlob(result.score_json));
   state.set_result_json(std::string(AsText(json)));
   return reply;

@@ -20,15 +20,9 @@ Status CheckWords(const wire::MarkReference& request) {
 }  // namespace
 
 Result<wire::Reply> Session::Do(const wire::MarkReference& request) {
-  ENAMEL_ASSIGN_OR_RETURN(auto attempt, protocol::ReadUuid(request.attempt(), "attempt"));
-  ENAMEL_ASSIGN_OR_RETURN(auto person, PersonOf(request.session()));
-  ENAMEL_ASSIGN_OR_RETURN(auto row, services_.store.attempts().AttemptById(attempt));
-  ENAMEL_ASSIGN_OR_RETURN(auto shares,
-                          services_.store.teaching().ShareCohort(person.id, row.person));
-  if (!CanSeeAttempt(person, row, shares)) {
-    return Status(Code::kNotFound, "no attempt " + attempt.Text(), "attempt");
-  }
-  if (!CanMarkReference(person, row, shares)) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto seen, SeenAttempt(request.session(), request.attempt()));
+  const AttemptRow& row = seen.row;
+  if (!CanMarkReference(seen.person, row, seen.shares_cohort)) {
     return Status(Code::kForbidden, "only instructors and admins make an attempt the reference",
                   "attempt");
   }
@@ -40,8 +34,8 @@ Result<wire::Reply> Session::Do(const wire::MarkReference& request) {
                   "attempt");
   }
   ENAMEL_ASSIGN_OR_RETURN(auto reference, services_.store.teaching().AddReference(
-                                              attempt, request.dentist(), request.consent(),
-                                              Actor{person.id, "station " + station_->name}));
+                                              row.id, request.dentist(), request.consent(),
+                                              Actor{seen.person.id, "station " + station_->name}));
   wire::Reply reply;
   reply.mutable_reference_marked()->set_attempt(request.attempt());
   reply.mutable_reference_marked()->set_version(reference.version);
