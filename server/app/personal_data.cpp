@@ -7,6 +7,7 @@
 #include "server/app/command_line.h"
 #include "server/app/data_folder.h"
 #include "server/app/say.h"
+#include "server/http/handlers/audit_view.h"
 #include "server/storage/parts.h"
 
 namespace enamel::server::app {
@@ -84,14 +85,7 @@ class Exporter {
     // What the person did and what was done to them: both are data about them.
     ENAMEL_ASSIGN_OR_RETURN(auto rows, store_.audit().AuditAbout(person.id));
     json::array audit;
-    for (const AuditRow& row : rows) {
-      audit.push_back({{"at_ms", row.at_ms},
-                       {"actor", row.actor},
-                       {"action", row.action},
-                       {"object", row.object},
-                       {"before", row.before_json},
-                       {"after", row.after_json}});
-    }
+    for (const AuditRow& row : rows) audit.push_back(http::AuditJson(row));
     root["audit"] = std::move(audit);
     return Status::Ok();
   }

@@ -2,6 +2,7 @@
 #include <charconv>
 
 #include "server/http/error_response.h"
+#include "server/http/handlers/audit_view.h"
 #include "server/http/handlers/handlers.h"
 #include "server/http/json_body.h"
 #include "server/http/paging.h"
@@ -78,16 +79,7 @@ Response ListAudit(const Call& call, AuditStore& store) {
   Result<std::vector<AuditRow>> rows = store.FindAudit(*filter);
   if (!rows.ok()) return ErrorResponse(rows.status());
   json::array audit;
-  for (const AuditRow& row : *rows) {
-    audit.push_back({{"at_ms", row.at_ms},
-                     {"actor", row.actor},
-                     {"action", row.action},
-                     {"object", row.object},
-                     // As the texts they were written as, not as JSON inside JSON: what was
-                     // recorded is shown, also what an older version wrote in another shape.
-                     {"before", row.before_json},
-                     {"after", row.after_json}});
-  }
+  for (const AuditRow& row : *rows) audit.push_back(AuditJson(row));
   json::value next;
   // A full page may be the last: the next one is then empty, which costs less than asking for one
   // row more each time. Ids rise with time, so that the last one's is where the next page begins.
