@@ -2,16 +2,15 @@
 
 #include <CLI/CLI.hpp>
 #include <functional>
-#include <memory>
 #include <string>
 #include <utility>
 
 #include "common/base/result.h"
 #include "common/program/command_settings.h"
+#include "common/program/declare.h"
 #include "station/app/workplace_settings.h"
 
-// How a command of enamel-station is declared, beside what it does: its name, its options and what
-// to run. Used once, at start, by one thread.
+// Where the commands of enamel-station go, and what they share. Used once, at start, by one thread.
 namespace enamel::station {
 
 // Exit codes; 2 is for a command line that cannot be understood.
@@ -28,23 +27,13 @@ struct CommandGroup {
   int& exit_code;  // of the command that was asked for
 };
 
-// A new command `cmd`; `options`, a value that its options write into and that lives as long as it,
-// is what `run` gets. `run` returns a Status.
-template <typename Options>
-struct DeclaredCommand {
-  CLI::App* cmd;
-  Options& options;
-};
-
+// A command of the program (declare.h). It runs while it is parsed, and `run` returns a Status.
 template <typename Options, typename Run>
-DeclaredCommand<Options> Declare(CommandGroup group, const std::string& name,
-                                 const std::string& help, Run run) {
-  auto options = std::make_shared<Options>();
-  CLI::App* cmd = group.app.add_subcommand(name, help);
-  cmd->callback([options, run = std::move(run), &exit_code = group.exit_code] {
-    exit_code = Finish(run(*options));
-  });
-  return {cmd, *options};
+program::DeclaredCommand<Options> Declare(CommandGroup group, const std::string& name,
+                                          const std::string& help, Run run) {
+  return program::Declare<Options>(
+      group.app, name, help, std::move(run),
+      [&exit_code = group.exit_code](const auto& command) { exit_code = Finish(command()); });
 }
 
 // --cpu, of commands with a haptic loop.
