@@ -104,12 +104,13 @@ TEST(AttemptFactsTest, StationsAndServersFromBeforeTheMessageOfFactsUnderstandRe
 
 // Field 1000 stands for one that comes later.
 TEST(AttemptFactsTest, KeepsFactsThatItDoesNotKnowAndNamesThoseItKnows) {
-  const Bytes later{0x08, 0x02, 0xc2, 0x3e, 0x01, 'x'};
+  const Bytes later{0x08, 0x02, 0xc2, 0x3e, 0x05, 'l', 'a', 't', 'e', 'r'};
   auto facts = DecodeFacts(later);
   ASSERT_TRUE(facts.ok()) << facts.status().message();
   EXPECT_EQ(EncodeFacts(*facts), later);
-  EXPECT_EQ(FactsJson(*facts), "{\"resumed\":2}");
-  EXPECT_EQ(FactsJson(AttemptFacts()), "{\"resumed\":0}");
+  EXPECT_NE(FactsJson(*facts).find("\"resumed\":2"), std::string::npos) << FactsJson(*facts);
+  EXPECT_EQ(FactsJson(*facts).find("later"), std::string::npos);
+  EXPECT_NE(FactsJson(AttemptFacts()).find("\"resumed\":0"), std::string::npos);
   EXPECT_EQ(FactsText(*facts), "resumed: 2");
   EXPECT_EQ(FactsText(AttemptFacts()), "");
   EXPECT_TRUE(CheckFacts(*facts).ok());
