@@ -46,6 +46,7 @@ Query& Query::BindSame(const Query& row, int column) {
   return BindNull(Type::kNull);
 }
 
+// Also after a failed Bind: a statement with a parameter missing would find something else.
 bool Query::Next() {
   // First of all, since there is no statement where Take failed.
   if (!status_.ok()) return false;
@@ -66,6 +67,8 @@ Status Query::Run() {
   return status_;
 }
 
+// Looked for each time: rows read by name are few, and a SELECT * may have other columns next
+// time.
 int Query::ColumnNamed(std::string_view name) const {
   for (int i = 0; i < columns(); ++i) {
     if (statement_->NameOf(i) == name) return i;

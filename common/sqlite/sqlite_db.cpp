@@ -53,6 +53,7 @@ SqliteFailure FailureOf(sqlite3* handle, const std::string& path, bool opening) 
 Code CodeOf(SqliteFailure::Kind kind) {
   using Kind = SqliteFailure::Kind;
   if (kind == Kind::kBusy || kind == Kind::kInterrupted) return Code::kUnavailable;
+  // Neither is broken: what was asked contradicts what is stored.
   return kind == Kind::kConstraint || kind == Kind::kTaken ? Code::kConflict : Code::kStorage;
 }
 
@@ -63,6 +64,7 @@ Result<std::unique_ptr<SqliteDb>> SqliteDb::Open(const std::filesystem::path& pa
                                                  SqliteDbOptions options) {
   using Mode = SqliteDbOptions::Mode;
   sqlite3* handle = nullptr;
+  // NOMUTEX: a connection is one thread's at a time, so SQLite need not lock.
   const int flags = options.mode == Mode::kReadOnly ? SQLITE_OPEN_READONLY
                     : options.mode == Mode::kCreate ? SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE
                                                     : SQLITE_OPEN_READWRITE;
@@ -113,6 +115,7 @@ Status SqliteDb::Exec(const char* sql) {
   failure_ = {};
   if (InjectedFailure()) return Status(Code::kStorage, "injected failure");
   int rc = sqlite3_exec(handle_, sql, nullptr, nullptr, nullptr);
+  // The handler only learns of tries, not of the success after them.
   waits_ = false;
   return rc == SQLITE_OK ? Status::Ok() : Fail();
 }
@@ -155,6 +158,7 @@ Status SqliteDb::Rewrite() {
 
 // SQLite waits for readers, and not for another connection that empties the log.
 Status SqliteDb::EmptyLog() {
+  // The same patience as for another's write.
   const auto until = std::chrono::steady_clock::now() + busy_wait_;
   Status status;
   bool busy = true;
@@ -225,6 +229,7 @@ Result<int64_t> SqliteDb::Pragma(const char* sql) {
 
 Result<int> SqliteDb::SchemaVersion() {
   ENAMEL_ASSIGN_OR_RETURN(const int64_t version, Pragma("PRAGMA user_version"));
+  // 0 while nothing was migrated: a file that SQLite has just made has no mark yet.
   ENAMEL_ASSIGN_OR_RETURN(const int64_t application, Pragma("PRAGMA application_id"));
   if (version != 0 && application != options_.application_id) {
     return Status(Code::kVersion,
@@ -272,6 +277,8 @@ Status SqliteDb::Fail() {
   return Told(failure_);
 }
 
+// Lists are asked for in as many ways as there are filters: without a bound, their statements
+// would fill the memory.
 void SqliteDb::DropOldest() {
   auto oldest = statements_.end();
   for (auto at = statements_.begin(); at != statements_.end(); ++at) {
@@ -288,6 +295,7 @@ Statement* SqliteDb::Take(const char* sql, Status& status) {
   if (at == statements_.end()) {
     if (statements_.size() >= kMaxStatements) DropOldest();
     sqlite3_stmt* fresh = nullptr;
+    // PERSISTENT: memory from the heap and not from the pool for what is soon given back.
     if (sqlite3_prepare_v3(handle_, sql, -1, SQLITE_PREPARE_PERSISTENT, &fresh, nullptr) !=
         SQLITE_OK) {
       status = Fail();
@@ -296,6 +304,7 @@ Statement* SqliteDb::Take(const char* sql, Status& status) {
     at = statements_.emplace(sql, std::make_unique<SqliteStatement>(*this, fresh)).first;
   }
   SqliteStatement& kept = *at->second;
+  // A second use would rewind the first one's rows.
   ENAMEL_CHECK(!kept.busy());
   kept.Use(++uses_);
   return &kept;

@@ -22,6 +22,7 @@ bool SqliteStatement::BindText(int place, std::string_view value) {
 }
 
 bool SqliteStatement::BindBlob(int place, ByteView value) {
+  // Never a null pointer, as above.
   static const uint8_t kNothing = 0;
   return Check(sqlite3_bind_blob64(statement_, place, value.empty() ? &kNothing : value.data(),
                                    value.size(), SQLITE_TRANSIENT));
@@ -33,6 +34,7 @@ bool SqliteStatement::BindNull(int place, Type) {
 }
 
 Statement::Step SqliteStatement::Next() {
+  // Only what writes fails by order: a test counts writes.
   if (sqlite3_stmt_readonly(statement_) == 0 && db_.InjectedFailure()) {
     failure_ = Status(Code::kStorage, "injected failure");
     return Step::kFailed;

@@ -119,6 +119,8 @@ struct FoundChunk {
   std::optional<int64_t> spooled_unix_ms;
 };
 
+// The index first, as it is the quick way; where it is damaged, the chunk may still be where it
+// was seen in the scan.
 std::optional<FoundChunk> ChunkOf(sql::Db& db, const Places& places, const Uuid& id, uint32_t seq) {
   auto found = [](const sql::Query& s) {
     FoundChunk out{s.Blob("bytes"), {}};
@@ -188,6 +190,7 @@ Status TakeOverColumns(const sql::Query& row, const Uuid& id, SpoolFile& to) {
 }
 
 // The row with all that both tables have. Returns whether it was inserted.
+// By the names of columns: a damaged spool may be of an earlier version.
 Result<bool> TakeOverRow(const sql::Query& row, SpoolFile& to, const std::string& table) {
   std::lock_guard lock(to.mutex());
   std::string names, places;
@@ -215,6 +218,7 @@ Status KeepTime(const Uuid& id, uint32_t seq, const std::optional<int64_t>& spoo
   return Written(s, to, "saving a chunk's time");
 }
 
+// Up to the first that is missing or does not fit: after a hole nothing can be proved.
 Status SaveChunks(sql::Db& db, const Places& places, const SpooledAttempt& row, ByteView header,
                   Spool& to, SalvagedAttempt& out) {
   trace::ChainVerifier chain(out.id, HashSha256(header));

@@ -298,6 +298,7 @@ Status Spool::MarkTriedWhere(const char* where, const Uuid& attempt, const std::
   return file_->Run(s, "marking what waits");
 }
 
+// Refused is more than tried: why it waits no longer matters.
 Status Spool::MarkRefused(const Uuid& attempt, const std::string& why) {
   std::lock_guard lock(file_->mutex());
   sql::Query s(file_->db(),
@@ -316,8 +317,8 @@ Status Spool::ClearRefusal(const Uuid& attempt) {
 
 Result<std::vector<SpooledAttempt>> Spool::List() {
   std::lock_guard lock(file_->mutex());
-  // Without a parameter bound ?1 is NULL: all of them.
   sql::Query s(file_->db(), kSelectAttempts);
+  s.BindNull(sql::Type::kBlob);  // all of them
   std::vector<SpooledAttempt> out;
   while (s.Next()) out.push_back(ReadAttemptRow(s));
   if (!s.status().ok()) return file_->Fail("listing attempts");
@@ -356,6 +357,7 @@ Result<std::vector<SpooledChunk>> Spool::ChunksFrom(const Uuid& attempt, uint32_
   return out;
 }
 
+// Also without a seal: a recording that was cut off can be looked at.
 Result<trace::TraceFile> Spool::Export(const Uuid& attempt) {
   ENAMEL_ASSIGN_OR_RETURN(auto stored, Get(attempt));
   ENAMEL_ASSIGN_OR_RETURN(auto header, HeaderOf(attempt));

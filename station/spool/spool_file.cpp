@@ -168,6 +168,7 @@ Result<std::unique_ptr<SpoolFile>> SpoolFile::Open(const fs::path& folder) {
   return out;
 }
 
+// Of another program is no failure to read.
 Result<int> SpoolFile::Version() {
   auto version = db_->SchemaVersion();
   const bool told = version.ok() || version.status().code() == Code::kVersion;
@@ -218,6 +219,7 @@ Result<std::unique_ptr<SpoolFile>> SpoolFile::OpenToRead(const fs::path& folder)
   return out;
 }
 
+// The version was read before the transaction, for the words only: Migrate reads it anew inside.
 Status SpoolFile::BringUpToDate(int version) {
   if (db_->Migrate(SpoolMigrations()).ok()) return Status::Ok();
   const std::string doing = version == 0

@@ -6,6 +6,7 @@
 
 namespace enamel::station {
 
+// Never replaced: each ticket is for another attempt.
 Status SpooledTickets::Put(const LockedTicket& ticket) {
   std::lock_guard lock(file_.mutex());
   sql::Query s(
@@ -84,6 +85,7 @@ Result<std::optional<int>> SpooledTickets::CountPinTry(const Uuid& attempt, int6
   return std::optional<int>(tries);
 }
 
+// The right PIN proves its person: tries before it were slips.
 Status SpooledTickets::ForgetPinTries(const Uuid& attempt) {
   std::lock_guard lock(file_.mutex());
   sql::Query s(file_.db(), "UPDATE tickets SET wrong_pins = 0, wait_unix_ms = 0 WHERE attempt = ?");

@@ -122,6 +122,7 @@ class BackupMaker {
         report_.missing.push_back(hash);
         continue;
       }
+      // The name is the hash: a blob that is not what its name says is reported, and left out.
       ENAMEL_RETURN_IF_ERROR(Add(path, !options_.copy));
       if (manifest_.files.back().hash == hash) continue;
       manifest_.files.pop_back();
@@ -177,12 +178,15 @@ class Restorer {
     ENAMEL_RETURN_IF_ERROR(MayBegin(manifest));
     report_.created_ms = manifest.created_ms;
     ENAMEL_RETURN_IF_ERROR(disk_.MakeFolder(options_.data));
+    // The mark before the first file: a server that finds it does not start on half of the data.
     ENAMEL_RETURN_IF_ERROR(disk_.Replace(options_.data / kRestoreMark, {}));
     ENAMEL_RETURN_IF_ERROR(CopyFiles(manifest));
     ENAMEL_RETURN_IF_ERROR(TakeKeys());
     ENAMEL_RETURN_IF_ERROR(disk_.SyncAll(options_.data));
     ENAMEL_RETURN_IF_ERROR(EndSessions());
+    // After the keys: the newest list of erasures decides who comes back.
     ENAMEL_RETURN_IF_ERROR(EraseAgain());
+    // What it finds is told and not judged: a school may have to live with what is left.
     ENAMEL_ASSIGN_OR_RETURN(auto verified, Verify({options_.data, {}, options_.progress}));
     report_.verified = std::move(verified);
     ENAMEL_RETURN_IF_ERROR(disk_.Remove(options_.data / kRestoreMark));
@@ -224,6 +228,7 @@ class Restorer {
         report_.bytes += copied->bytes;
         continue;
       }
+      // The new disk failed, not the backup: another backup would not help.
       if (!copied.ok() && copied.status().code() != Code::kNotFound) return copied.status();
       ENAMEL_RETURN_IF_ERROR(disk_.Remove(to));
       report_.left_out.push_back(file.path + (copied.ok() ? " (damaged)" : " (cannot be read)"));
@@ -234,6 +239,7 @@ class Restorer {
   Status Judge() const {
     bool database = std::ranges::any_of(
         report_.left_out, [](const std::string& file) { return file.starts_with("enamel.db"); });
+    // Without a blob some attempt is lost; without the database all are.
     if (report_.left_out.empty() || (options_.accept_damage && !database)) return Status::Ok();
     std::string list;
     for (size_t i = 0; i < report_.left_out.size() && i < 20; ++i)

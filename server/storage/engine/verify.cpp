@@ -75,6 +75,7 @@ class Verifier {
     // One reading transaction over all: a server may write meanwhile.
     Status begun = db->Exec("BEGIN");
     auto schema = begun.ok() ? SchemaVersion(*db) : Result<int>(begun);
+    // Not damage: another program's file, or a newer one, is for another program to judge.
     if (!schema.ok() && schema.status().code() == Code::kVersion) return schema.status();
     if (!schema.ok()) {
       Find("database", path.string(), "a database that can be read", schema.status().message(),
@@ -106,6 +107,8 @@ class Verifier {
     ENAMEL_ASSIGN_OR_RETURN(auto named, NamedBlobs(db));
     has_keys_ = LooksLikeKeyring();
     ENAMEL_RETURN_IF_ERROR(CheckBlobs(named));
+    // Verifying changes nothing, so an older database is not migrated; the statements below are for
+    // the newest.
     if (report_.schema < static_cast<int>(Migrations().size())) {
       report_.notes.push_back("the database has schema " + std::to_string(report_.schema) +
                               "; attempts are looked at once a server has brought it to " +
@@ -250,6 +253,7 @@ class Verifier {
       if (!status.ok())
         Find("key", keyring_.folder().string(), "a key ring", status.message(), kFromBackup);
     }
+    // Half of a list would call people erased who are not, or the other way round.
     if (!buried.ok() || !keys.ok()) return Status::Ok();
     for (const auto& list : {erased, *buried}) {
       for (const Tombstone& tombstone : list) gone.insert(tombstone.person);
@@ -276,6 +280,7 @@ class Verifier {
     while (q.Next()) {
       Bytes key = q.Blob(1);
       trace::PublicKey& into = stations_[q.Id(0)];
+      // A key of another length stays zero, and then no signature fits: that is found at its chunks.
       if (key.size() == into.size()) std::ranges::copy(key, into.begin());
     }
     return q.status();
@@ -319,6 +324,7 @@ class Verifier {
       CheckSealed(facts);
       return Status::Ok();
     }
+    // Only those two may still have their chunks as rows.
     if (facts.state != AttemptState::kRecording && facts.state != AttemptState::kQuarantined) {
       Find("seal", facts.id.Text(),
            "a trace, as the attempt is " + std::string(AttemptStateName(facts.state)), "none named",
@@ -376,6 +382,7 @@ class Verifier {
     if (bad_blobs_.contains(facts.trace_blob)) return;  // found already
     auto bytes = blobs_.Get(facts.trace_blob);
     if (!bytes.ok()) return;
+    // Kept apart, and noted so: what cannot be opened cannot be checked.
     if (!has_keys_ && PersonOfSealed(*bytes)) return;
     auto opened = OpenPersonal(keyring_, std::move(bytes).value());
     if (!opened.ok()) return;
@@ -418,6 +425,8 @@ class Verifier {
                std::to_string(chain.next_tick()) + " ticks, head " + chain.head().Hex(),
            kAskStation);
     }
+    // The counts are beside the chain and prove nothing; a difference still says that a row was
+    // changed by hand.
     if (bytes != facts.trace_bytes || gaps != facts.gap_ticks) {
       Find("chain", id,
            std::to_string(facts.trace_bytes) + " bytes and " + std::to_string(facts.gap_ticks) +

@@ -12,6 +12,7 @@ constexpr char kAuditSelect[] =
     "SELECT at_ms, actor, via, action, object, before_json, after_json, id FROM audit "
     "WHERE tenant = ?1";
 
+// An actor without an id is a command line, a station or the server itself; `via` says which.
 Result<std::vector<AuditRow>> AuditIn(
     Query& q, const std::function<bool(const Query&)>& wanted = [](const Query&) { return true; }) {
   std::vector<AuditRow> out;

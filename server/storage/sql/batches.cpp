@@ -65,6 +65,7 @@ Result<BatchRow> SqliteStore::RescoreTogether(const BatchRow& row,
       ENAMEL_RETURN_IF_ERROR(WriteAudit(db, by, "attempt.rescore", attempt.Text(), "{}",
                                         JsonOf({{"cause", row.cause}, {"batch", id.Text()}})));
     }
+    // An empty batch would stay in the list for ever, with nothing to wait for.
     if (left_out == attempts.size()) {
       return Status(Code::kConflict,
                     "none of " + std::to_string(attempts.size()) +
@@ -89,6 +90,7 @@ Result<BatchRow> SqliteStore::BatchById(const Uuid& id) {
   });
 }
 
+// Those that are done keep their new scores: each run is an attempt's own.
 Status SqliteStore::CancelBatch(const Uuid& id, const Actor& by) {
   return Write([&](Db& db) -> Status {
     ENAMEL_ASSIGN_OR_RETURN(auto open, OpenJobsOf(db, id));

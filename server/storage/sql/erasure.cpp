@@ -18,6 +18,7 @@ Result<std::vector<Uuid>> AttemptsOf(Db& db, const Uuid& person) {
   return Ids(q.Bind(person));
 }
 
+// Asked before anything is erased: a reference is what others' scores were compared with.
 Result<std::vector<Uuid>> ReferencesBy(Db& db, const Uuid& person) {
   Query q(
       db,
@@ -204,6 +205,7 @@ Status SqliteStore::Reconcile() {
   if (!recorded->empty()) ENAMEL_RETURN_IF_ERROR(keyring_.Bury(*recorded));
   ENAMEL_ASSIGN_OR_RETURN(auto gone, keyring_.Gone());
   if (gone.empty()) return Status::Ok();
+  // By the hash of the id: the list of erasures does not say who was erased.
   std::map<Sha256, Tombstone> tombstones;
   for (const Tombstone& tombstone : gone) tombstones[tombstone.person] = tombstone;
   auto people = Read([](Db& db) { return PeopleIn(db); });

@@ -62,6 +62,8 @@ std::string Held() {
          Sql(Role::kStudent) + ")))";
 }
 
+// By name, as they are stored: a rule that this program does not know has no row, because
+// SetRetention refuses it.
 const Rule* FindRule(const std::string& what) {
   auto found = std::ranges::find(Rules(), what, &Rule::what);
   return found == Rules().end() ? nullptr : &*found;
@@ -132,6 +134,8 @@ Status Expire(Db& db, const std::vector<Uuid>& attempts, UnixMs now_ms, std::set
   return Status::Ok();
 }
 
+// Found anew in the writing transaction: an appeal may have come in since the look that was
+// shown.
 Status Remove(Db& db, UnixMs now_ms, const Actor& by, RetentionReport& report,
               std::set<Sha256>& blobs) {
   report = {};
@@ -170,6 +174,7 @@ Status SqliteStore::SetRetention(const RetentionRule& rule, const Actor& by) {
                       ", or 0 for no rule, found " + std::to_string(rule.days),
                   "days");
   }
+  // 0 days is no rule, and a rule that is not there has no row.
   return Write([&](Db& db) -> Status {
     ENAMEL_ASSIGN_OR_RETURN(auto rules, RulesIn(db));
     auto old = std::ranges::find(rules, rule.what, &RetentionRule::what);

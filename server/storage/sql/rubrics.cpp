@@ -26,6 +26,7 @@ Json RubricJson(const RubricRow& row) {
 
 }  // namespace
 
+// The newest counts; none: the rubric in the exercise itself.
 Result<std::optional<RubricRow>> SqliteStore::RubricFor(const Uuid& exercise) {
   ENAMEL_ASSIGN_OR_RETURN(auto rows, Rubrics(exercise));
   return rows.empty() ? std::optional<RubricRow>() : rows.front();
@@ -44,6 +45,7 @@ Result<RubricRow> SqliteStore::PublishRubric(const RubricRow& row, const Actor& 
     added = row;
     added.published_ms = NowMs();
     ENAMEL_ASSIGN_OR_RETURN(auto exercise, FindExercise(db, row.exercise));
+    // A draft has no scores that a correction could change.
     if (exercise.state == ExerciseState::kDraft) {
       return Status(Code::kConflict, "this exercise is a draft; edit the rubric in it");
     }

@@ -100,6 +100,8 @@ Status QueueAgain(Db& db, const Uuid& attempt, const std::string& cause) {
 
 }  // namespace
 
+// Scores and flags change in several places and each raises it, so that no edit overwrites what
+// its author has not seen.
 Status RaiseRevision(Db& db, const Uuid& attempt) {
   Query q(db, "UPDATE attempts SET revision = revision + 1 WHERE tenant = ?1 AND id = ?2");
   return q.Bind(attempt).Run();
