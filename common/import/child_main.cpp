@@ -1,16 +1,12 @@
-// enamel-import-child FILE: reads one mesh file and writes its triangles to standard output
-// (triangles.h, EncodeMesh). A mesh library is a large attack surface: it runs here, with limits,
+// enamel-import-child KIND: reads one mesh file of that kind ("stl") from standard input and writes
+// its triangles to standard output (triangles.h, EncodeMesh). A mesh library is a large attack surface: it runs here, with limits,
 // without files, network or children, and never inside the station or the server. Exit: 0 and a
 // triangle list; 1 and one line on standard error, also where the kernel cannot confine it.
 #include <unistd.h>
 
-#include <algorithm>
-#include <cctype>
 #include <cstdio>
 #include <exception>
-#include <filesystem>
 #include <string>
-#include <system_error>
 
 #include "common/base/file.h"
 #include "common/import/child_sandbox.h"
@@ -18,14 +14,6 @@
 
 namespace enamel::import {
 namespace {
-
-std::string Extension(const std::filesystem::path& path) {
-  std::string ext = path.extension().string();
-  if (!ext.empty()) ext.erase(0, 1);
-  std::transform(ext.begin(), ext.end(), ext.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  return ext;
-}
 
 bool WriteAll(const Bytes& bytes) {
   size_t done = 0;
@@ -42,26 +30,18 @@ int Fail(const std::string& message) {
   return 1;
 }
 
-int Run(const std::filesystem::path& path) {
+int Run(const std::string& kind) {
   LimitResources();
-  std::error_code error;
-  if (const auto size = std::filesystem::file_size(path, error);
-      !error && size > mesh::kMaxMeshFile) {
-    return Fail("expected a file of at most " + std::to_string(mesh::kMaxMeshFile >> 20) +
-                " MiB, found one of " + std::to_string(size >> 20) +
-                " MiB: reduce the mesh in a mesh program (a crown needs no more than 200000 "
-                "triangles)");
-  }
   // Read while files can still be opened. From ForbidSystem on there are memory and standard
   // output.
-  Result<Bytes> file = ReadFile(path, mesh::kMaxMeshFile);
+  Result<Bytes> file = ReadFile("/dev/stdin", mesh::kMaxMeshFile);
   if (!file.ok()) return Fail(file.status().message());
   if (!ForbidSystem()) {
     return Fail(
         "expected a kernel that can confine the mesh reader (seccomp filters), found none: mesh "
         "files are not read unconfined; import on another machine and copy the scene's folder");
   }
-  Result<mesh::NamedMesh> mesh = ReadMesh(*file, Extension(path));
+  Result<mesh::NamedMesh> mesh = ReadMesh(*file, kind);
   if (!mesh.ok()) return Fail(mesh.status().message());
   return WriteAll(mesh::EncodeMesh(*mesh)) ? 0 : 1;
 }
@@ -70,7 +50,7 @@ int Run(const std::filesystem::path& path) {
 }  // namespace enamel::import
 
 int main(int argc, char** argv) {
-  if (argc != 2) return enamel::import::Fail("usage: enamel-import-child FILE");
+  if (argc != 2) return enamel::import::Fail("usage: enamel-import-child KIND < FILE");
   try {
     return enamel::import::Run(argv[1]);
   } catch (const std::exception& e) {

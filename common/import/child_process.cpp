@@ -4,6 +4,7 @@
 #include <poll.h>
 #include <signal.h>
 #include <spawn.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -16,7 +17,9 @@
 
 extern char** environ;
 
+#include "common/base/fd.h"
 #include "common/base/file.h"
+#include "common/base/utf8.h"
 
 namespace enamel::import {
 namespace {
@@ -49,17 +52,28 @@ struct Pipe {
   }
 };
 
-int Spawn(const std::filesystem::path& child, const std::filesystem::path& file, const Pipe& out,
+// Into a file in memory, which is then at its beginning again. False, and errno, when it fails.
+bool Fill(int fd, ByteView bytes) {
+  while (!bytes.empty()) {
+    const ssize_t n = write(fd, bytes.data(), bytes.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return false;
+    bytes = bytes.subspan(static_cast<size_t>(n));
+  }
+  return lseek(fd, 0, SEEK_SET) == 0;
+}
+
+int Spawn(const std::filesystem::path& child, std::string kind, int input, const Pipe& out,
           const Pipe& err, pid_t& pid) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
   // The pipes themselves close with exec (O_CLOEXEC): the child holds no end but these two, or
   // reading here would never end.
   posix_spawn_file_actions_adddup2(&actions, out.ends[1], STDOUT_FILENO);
   posix_spawn_file_actions_adddup2(&actions, err.ends[1], STDERR_FILENO);
-  std::string program = child.string(), argument = std::filesystem::absolute(file).string();
-  char* argv[] = {program.data(), argument.data(), nullptr};
+  std::string program = child.string();
+  char* argv[] = {program.data(), kind.data(), nullptr};
   int error = posix_spawn(&pid, program.c_str(), &actions, nullptr, argv, environ);
   posix_spawn_file_actions_destroy(&actions);
   return error;
@@ -99,12 +113,20 @@ int WaitFor(pid_t pid) {
 
 // One printable line.
 std::string Clean(const Bytes& message) {
-  std::string text(AsText(message));
-  for (char& c : text) {
-    if (static_cast<unsigned char>(c) < 0x20) c = ' ';
-  }
-  while (!text.empty() && text.back() == ' ') text.pop_back();
-  return text.substr(0, 400);
+  constexpr size_t kLongest = 400;
+  std::string text(AsText(message).substr(0, kLongest));
+  std::ranges::replace(text, '\n', ' ');
+  while (text.ends_with(' ')) text.pop_back();
+  return enamel::Printable(text);
+}
+
+// "stl" of "Crown.STL".
+std::string KindOf(const std::filesystem::path& file) {
+  std::string ext = file.extension().string();
+  if (!ext.empty()) ext.erase(0, 1);
+  std::transform(ext.begin(), ext.end(), ext.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  return ext;
 }
 
 Status CheckFile(const std::filesystem::path& file) {
@@ -113,11 +135,17 @@ Status CheckFile(const std::filesystem::path& file) {
     return Status(Code::kNotFound, "there is no mesh file " + file.string() +
                                        ": expected an STL, PLY, OBJ or OFF file");
   }
-  std::string ext = file.extension().string();
-  std::transform(ext.begin(), ext.end(), ext.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  for (const char* known : {".stl", ".ply", ".obj", ".off"}) {
-    if (ext == known) return Status::Ok();
+  if (const auto size = std::filesystem::file_size(file, error);
+      !error && size > mesh::kMaxMeshFile) {
+    return Status(Code::kTooLarge,
+                  file.filename().string() + ": expected a file of at most " +
+                      std::to_string(mesh::kMaxMeshFile >> 20) + " MiB, found one of " +
+                      std::to_string(size >> 20) +
+                      " MiB: reduce the mesh in a mesh program (a crown needs no more than 200000 "
+                      "triangles)");
+  }
+  for (const char* known : {"stl", "ply", "obj", "off"}) {
+    if (KindOf(file) == known) return Status::Ok();
   }
   return Status(Code::kInvalidInput, "expected a file named .stl, .ply, .obj or .off, found " +
                                          file.filename().string());
@@ -125,16 +153,24 @@ Status CheckFile(const std::filesystem::path& file) {
 
 }  // namespace
 
-Result<mesh::NamedMesh> ReadMeshInChild(const std::filesystem::path& file,
-                                        const std::filesystem::path& child) {
+Result<ReadFileMesh> ReadMeshInChild(const std::filesystem::path& file,
+                                     const std::filesystem::path& child) {
   ENAMEL_RETURN_IF_ERROR(CheckFile(file));
   const auto program = child.empty() ? OwnFolder() / "enamel-import-child" : child;
+  // Read once, here: what is hashed is what the reader gets, also when somebody writes the file
+  // meanwhile.
+  ENAMEL_ASSIGN_OR_RETURN(auto bytes, ReadFile(file, mesh::kMaxMeshFile));
+  const Fd input(memfd_create("mesh", MFD_CLOEXEC));
+  if (input.get() < 0 || !Fill(input.get(), bytes)) {
+    return Status(Code::kUnavailable,
+                  std::string("no memory for the mesh reader's input: ") + std::strerror(errno));
+  }
   Pipe out, err;
   if (!out.ok() || !err.ok())
     return Status(Code::kUnavailable,
                   std::string("no pipe for the mesh reader: ") + std::strerror(errno));
   pid_t pid = -1;
-  if (int error = Spawn(program, file, out, err, pid); error != 0) {
+  if (int error = Spawn(program, KindOf(file), input.get(), out, err, pid); error != 0) {
     return Status(Code::kNotFound, "cannot start the mesh reader " + program.string() + ": " +
                                        std::strerror(error) +
                                        "; it is installed beside this program");
@@ -153,7 +189,8 @@ Result<mesh::NamedMesh> ReadMeshInChild(const std::filesystem::path& file,
                                           "export it anew from another program");
   }
   if (WEXITSTATUS(status) != 0) return Status(Code::kInvalidInput, name + ": " + Clean(message));
-  return mesh::DecodeMesh(output);
+  ENAMEL_ASSIGN_OR_RETURN(auto mesh, mesh::DecodeMesh(output));
+  return ReadFileMesh{std::move(mesh), HashSha256(bytes)};
 }
 
 }  // namespace enamel::import

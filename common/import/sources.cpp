@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <map>
 
-#include "common/base/file.h"
 #include "common/import/child_process.h"
 #include "common/import/printable.h"
 
@@ -89,14 +88,11 @@ class Reader {
  private:
   Result<const mesh::NamedMesh*> File(const fs::path& file) {
     if (auto known = files_.find(file); known != files_.end()) return &known->second;
-    Result<mesh::NamedMesh> mesh = ReadMeshInChild(file, child_);
-    if (!mesh.ok()) return mesh.status();
-    Result<Bytes> bytes = ReadFile(file, mesh::kMaxMeshFile);
-    if (!bytes.ok()) return bytes.status();
+    ENAMEL_ASSIGN_OR_RETURN(auto read, ReadMeshInChild(file, child_));
     if (out_.name.empty()) out_.name = file.stem().string();
     out_.provenance += (out_.provenance.empty() ? "" : ", ") + Printable(file.filename().string()) +
-                       " (SHA-256 " + HashSha256(*bytes).Hex() + ")";
-    return &files_.emplace(file, std::move(*mesh)).first->second;
+                       " (SHA-256 " + read.sha256.Hex() + ")";
+    return &files_.emplace(file, std::move(read.mesh)).first->second;
   }
 
   // A whole crown beside files of what is in it.

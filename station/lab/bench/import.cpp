@@ -176,7 +176,7 @@ int Run(const Options& options) {
     auto read = import::ReadMeshInChild(options.tooth);
     if (!read.ok()) return Fail(read.status().message());
     // A scan has as many triangles as it has; figures are compared at one number of them.
-    mesh = Subdivided(read->mesh, least);
+    mesh = Subdivided(read->mesh.mesh, least);
   }
   const TempStl stl;
   if (Status written = WriteFileDurably(stl.path, BinaryStl(mesh)); !written.ok())

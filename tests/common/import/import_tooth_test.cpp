@@ -289,6 +289,10 @@ TEST(ImportChildTest, MissingFileUnknownKindAndEmptyFileAreRefused) {
   EXPECT_NE(empty.message().find("empty"), std::string::npos) << empty.message();
 }
 
+fs::path OwnReader() {
+  return fs::read_symlink("/proc/self/exe").parent_path() / "enamel-import-child";
+}
+
 // In a child: a kernel that takes no filter, then the mesh reader.
 [[noreturn]] void BecomeUnconfinableReader(const fs::path& reader, const fs::path& file,
                                            int errors) {
@@ -305,14 +309,15 @@ TEST(ImportChildTest, MissingFileUnknownKindAndEmptyFileAreRefused) {
       prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &filter, 0, 0) != 0 ||
       dup2(errors, STDERR_FILENO) < 0)
     _exit(99);
-  execl(reader.c_str(), reader.c_str(), file.c_str(), nullptr);
+  if (dup2(open(file.c_str(), O_RDONLY), STDIN_FILENO) < 0) _exit(97);
+  execl(reader.c_str(), reader.c_str(), "stl", nullptr);
   _exit(98);
 }
 
 TEST(ImportChildTest, ReaderThatCannotBeConfinedReadsNothingAndSaysWhy) {
   TempFolder folder;
   const fs::path file = folder.Write("tooth.stl", "solid\nendsolid\n");
-  const fs::path reader = fs::read_symlink("/proc/self/exe").parent_path() / "enamel-import-child";
+  const fs::path reader = OwnReader();
   int ends[2];  // a pipe: the reader may write no file, not even for its errors
   ASSERT_EQ(pipe2(ends, O_CLOEXEC), 0);
   const pid_t pid = fork();
@@ -330,6 +335,37 @@ TEST(ImportChildTest, ReaderThatCannotBeConfinedReadsNothingAndSaysWhy) {
   ASSERT_GT(size, 0);
   const std::string said(text, static_cast<size_t>(size));
   EXPECT_NE(said.find("not read unconfined"), std::string::npos) << said;
+}
+
+fs::path Script(TempFolder& folder, const std::string& text) {
+  const fs::path script = folder.Write("reader.sh", "#!/bin/sh\n" + text);
+  fs::permissions(script, fs::perms::owner_all);
+  return script;
+}
+
+// Two reads would hash what nobody looked at.
+TEST(ImportChildTest, HashIsOfWhatWasReadAlsoWhenTheFileIsWrittenMeanwhile) {
+  TempFolder folder;
+  const std::string before =
+      "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+      "endloop\nendfacet\nendsolid\n";
+  const fs::path file = folder.Write("tooth.stl", before);
+  const fs::path child = Script(
+      folder, "echo other > '" + file.string() + "'\nexec '" + OwnReader().string() + "' \"$1\"\n");
+  auto read = ReadMeshInChild(file, child);
+  ASSERT_TRUE(read.ok()) << read.status().message();
+  EXPECT_EQ(read->mesh.mesh.indices.size(), 1u);
+  EXPECT_EQ(read->sha256, HashSha256(AsBytes(before)));
+  EXPECT_EQ(fs::file_size(file), 6u) << "the script was to change it";
+}
+
+TEST(ImportChildTest, ReasonOfTheReaderIsOneLineThatATerminalDoesNotObey) {
+  TempFolder folder;
+  const fs::path file = folder.Write("tooth.stl", "x");
+  const fs::path child =
+      Script(folder, "printf 'no\\177pe\\302\\233 \\033[1m\\nat all\\n' >&2\nexit 1\n");
+  EXPECT_EQ(ReadMeshInChild(file, child).status().message(),
+            "tooth.stl: no\\x7fpe\\x9b \\x1b[1m at all");
 }
 
 TEST(ImportChildTest, FileOfHundredsOfMegabytesIsRefusedBeforeItIsRead) {
@@ -420,7 +456,7 @@ std::vector<KnownCrown> KnownCrowns() {
 mesh::Triangles SolidOf(const fs::path& file) {
   auto mesh = ReadMeshInChild(file);
   EXPECT_TRUE(mesh.ok()) << mesh.status().message();
-  auto solid = mesh::MakeSolid(mesh->mesh);
+  auto solid = mesh::MakeSolid(mesh->mesh.mesh);
   EXPECT_TRUE(solid.ok()) << solid.status().message();
   return solid->mesh;
 }
