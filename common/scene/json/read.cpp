@@ -46,7 +46,11 @@ size_t CountColons(std::string_view text) {
 std::string Describe(const json::value& v) {
   std::string text = json::serialize(v);
   // A refusal quotes what it found, and must not be as long as a document.
-  return text.size() > 60 ? text.substr(0, 57) + "..." : text;
+  if (text.size() <= 60) return text;
+  size_t end = 57;
+  // Not within a character: a byte 10xxxxxx goes on what the one before began (RFC 3629).
+  while (end > 0 && (static_cast<uint8_t>(text[end]) & 0xc0) == 0x80) --end;
+  return text.substr(0, end) + "...";
 }
 
 std::string RangeText(double lo, double hi) {

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "common/base/file.h"
+#include "common/base/utf8.h"
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/calibration.h"
 #include "common/scene/material.h"
@@ -347,6 +348,19 @@ TEST(SceneJsonTest, MisspeltMemberIsRefusedWithItsPath) {
   Result<Exercise> e = ExerciseFromJson(text);
   ASSERT_FALSE(e.ok());
   EXPECT_EQ(e.status().field(), "/target/leeway_sides_um");
+}
+
+// Two bytes each, begun at an even and at an odd place: one of the two is cut in the middle of one.
+TEST(SceneJsonTest, WhatWasFoundIsToldInWholeCharacters) {
+  std::string umlauts;
+  for (int i = 0; i < 40; ++i) umlauts += "\xc3\xa4";
+  for (const std::string& before : {std::string(), std::string("x")}) {
+    const Status refused = SceneFromJson(Replaced(ReadText("golden/scene_molar.json"), "50000",
+                                                  "\"" + before + umlauts + "\""))
+                               .status();
+    EXPECT_TRUE(IsUtf8(refused.message())) << refused.message();
+    EXPECT_NE(refused.message().find("\xc3\xa4..."), std::string::npos) << refused.message();
+  }
 }
 
 TEST(SceneJsonTest, MissingMemberIsRefusedWithItsPath) {
