@@ -53,7 +53,7 @@ const std::map<std::string, Names>& Allowed() {
          {"station/session", "station/sound", "station/render", "station/sdk", "station/hid",
           "station/devices", "station/loop", "common/scoring", "common/scene"}},
         {"station/lab/cutting", {"common/scoring"}},
-        {"station/lab/grades", {"common/scoring"}},
+        {"station/lab/grades", {"common/scoring", "station/devices", "station/loop"}},
         {"station/lab/laws", {"common/fidelity"}},
         {"station/lab/suites", {"station/lab/cutting", "station/lab/laws"}},
         {"station/lab/report", {"station/lab/suites", "common/program"}},

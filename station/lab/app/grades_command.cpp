@@ -9,6 +9,7 @@
 #include "common/program/output.h"
 #include "station/lab/bench/bench.h"
 #include "station/lab/grades/grades.h"
+#include "station/lab/grades/operators.h"
 
 namespace enamel::station::lab {
 namespace {
@@ -51,7 +52,67 @@ Status RunGrades(const GradesCommand& command) {
   return WriteRows(command.json, GradesJson(rows));
 }
 
+struct OperatorsCommand {
+  OperatorsOptions options;
+  std::string json;
+};
+
+Status RunOperators(const OperatorsCommand& command) {
+  ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(command.json, "--json"));
+  bench::Progress progress;
+  std::printf("%-26s %-16s %-20s %4s %6s %7s\n", "exercise", "device", "operator", "rank", "seed",
+              "score");
+  auto print = [&](const OperatorRow& r) {
+    progress.Clear();
+    std::printf("%-26s %-16s %-20s %4d %6llu %7.2f%s\n", r.exercise.c_str(), r.device.c_str(),
+                r.name.c_str(), r.rank, static_cast<unsigned long long>(r.seed), r.score,
+                r.critical_fail ? "  failed critically" : "");
+  };
+  auto show = [&](const std::string& what, double ratio) { progress.Show(what, ratio); };
+  ENAMEL_ASSIGN_OR_RETURN(const auto findings, MeasureOperators(command.options, print, show));
+  progress.Clear();
+  std::printf("\n");
+  for (const SkillOrder& o : findings.order) {
+    std::printf("%-26s %-16s Spearman of rank and score %s\n", o.exercise.c_str(), o.device.c_str(),
+                bench::AgainstGoal(o.spearman, 0.9, true).c_str());
+  }
+  for (const std::string& name : findings.not_cut) {
+    std::printf("%s: not measured, no simulated person cuts its shape\n", name.c_str());
+  }
+  return WriteRows(command.json, OperatorsJson(findings));
+}
+
 }  // namespace
+
+void RegisterOperators(CLI::App& app, int* exit_code) {
+  auto command = std::make_shared<OperatorsCommand>();
+  CLI::App* operators =
+      app.add_subcommand("operators", "Do scores put simulated people in the order of their skill");
+  operators->add_flag("--quick", command->options.quick, "One device, one seed");
+  operators->add_option("--device", command->options.devices, "Built-in device profiles")
+      ->delimiter(',')
+      ->capture_default_str();
+  operators
+      ->add_option("--exercise", command->options.exercises,
+                   "Names or their beginnings (class-1, caries); else all they can cut")
+      ->delimiter(',');
+  operators->add_option("--json", command->json, "Write the rows to this file");
+  operators->footer(
+      "Each simulated person has a published rank of skill. All of them do each exercise with "
+      "each\n"
+      "device and are graded against the dentist among them. Spearman's correlation of rank and\n"
+      "score says how well the grade tells skill; who fails critically is left out of it.\n"
+      "An exercise takes some minutes per device and seed.\n"
+      "Examples:\n"
+      "  enamel-lab operators --quick --exercise class-1-molar-46\n"
+      "  enamel-lab operators --json operators.json\n"
+      "The JSON: schemas/lab_operators.schema.json. Exit codes: 0 measured, 1 failed.");
+  operators->callback([command, exit_code] {
+    const Status status = RunOperators(*command);
+    if (!status.ok()) program::SayError("operators: " + status.message());
+    *exit_code = status.ok() ? 0 : 1;
+  });
+}
 
 void RegisterGrades(CLI::App& app, int* exit_code) {
   auto command = std::make_shared<GradesCommand>();

@@ -9,5 +9,6 @@ namespace enamel::station::lab {
 
 // *exit_code is set by the commands' callbacks; `app` and `exit_code` outlive the parsing.
 void RegisterGrades(CLI::App& app, int* exit_code);
+void RegisterOperators(CLI::App& app, int* exit_code);
 
 }  // namespace enamel::station::lab

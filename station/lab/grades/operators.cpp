@@ -1,0 +1,207 @@
+#include "station/lab/grades/operators.h"
+
+#include <algorithm>
+#include <boost/json.hpp>
+#include <cmath>
+#include <utility>
+
+#include "common/scene/builtin/builtin.h"
+#include "common/scene/json/json.h"
+#include "common/scene/plan.h"
+#include "common/scoring/score.h"
+#include "station/devices/operators.h"
+#include "station/lab/grades/faults.h"
+#include "station/loop/tick_loop.h"
+
+namespace enamel::station::lab {
+namespace {
+
+namespace json = boost::json;
+
+constexpr uint64_t kMostTicks = 600'000;  // ten minutes: the slowest are done in five
+
+struct CutTooth {
+  cutting::Volume volume;
+  surface::Mesh mesh;
+  scoring::ProcessRecorder process;
+
+  scoring::AttemptData Data(const cutting::Volume& initial) const {
+    return {&initial, &volume, &mesh, &process};
+  }
+};
+
+Result<CutTooth> CutBy(const OperatorPreset& preset, const scene::BuiltScene& built,
+                       const scene::Exercise& exercise, const scene::DeviceProfile& profile,
+                       uint64_t seed) {
+  ENAMEL_ASSIGN_OR_RETURN(auto params, scene::CompilePlan(built.scene, exercise, profile));
+  ENAMEL_ASSIGN_OR_RETURN(auto device, MakeSimulatedDevice(preset, built.scene, exercise, profile,
+                                                           params, built.volume, seed));
+  core::Core core(params, built.volume);
+  SampleRing ring(4);
+  TickLoop loop(*device, core, ring, {params.rate_hz, true, false});
+  scoring::ProcessRecorder process(params);
+  bool finished = false;
+  for (uint64_t i = 0; !finished && i < kMostTicks; ++i) {
+    finished = loop.Tick();
+    Sample sample;
+    while (ring.Pop(sample)) process.AddRecorded(sample.tick);
+  }
+  surface::Mesh mesh = surface::ExtractSurface(core.volume());
+  return CutTooth{core.volume(), std::move(mesh), std::move(process)};
+}
+
+bool IsAskedFor(const OperatorsOptions& options, const std::string& name) {
+  return options.exercises.empty() ||
+         std::any_of(options.exercises.begin(), options.exercises.end(),
+                     [&](const std::string& e) { return name.starts_with(e); });
+}
+
+// Simulated people cut boxes: of what is not one they would make another shape, which then would be
+// what they are graded by.
+bool CanCut(const scene::BuiltScene& built, const scene::Exercise& exercise) {
+  const auto task = TaskOf(built, exercise);
+  return task.ok() && task->kind == Task::Kind::kBox;
+}
+
+class Study {
+ public:
+  Study(const OperatorsOptions& options, const std::function<void(const OperatorRow&)>& row,
+        const std::function<void(const std::string&, double)>& progress)
+      : options_(options), row_(row), progress_(progress) {}
+
+  Status Run() {
+    const auto names = scene::BuiltinSceneNames();
+    for (const std::string& device : options_.devices) {
+      const auto all = scene::BuiltinProfiles();
+      const auto profile =
+          std::find_if(all.begin(), all.end(), [&](const auto& p) { return p.name == device; });
+      if (profile == all.end()) {
+        return Status(Code::kNotFound, "no built-in device profile is named '" + device + "'",
+                      "device");
+      }
+      profiles_.push_back(*profile);
+    }
+    for (size_t i = 0; i < names.size(); ++i) {
+      done_ = static_cast<double>(i) / static_cast<double>(names.size());
+      ENAMEL_ASSIGN_OR_RETURN(const auto built,
+                              scene::BuildBuiltinScene(names[i], options_.voxel_nm));
+      for (const scene::Exercise& e :
+           scene::BuiltinExercises(built.scene, HashSha256(AsBytes(scene::ToJson(built.scene))))) {
+        if (!IsAskedFor(options_, e.name)) continue;
+        ++asked_;
+        if (!CanCut(built, e)) {
+          out_.not_cut.push_back(e.name);
+          continue;
+        }
+        for (const auto& profile : profiles_) ENAMEL_RETURN_IF_ERROR(AddCell(built, e, profile));
+      }
+    }
+    if (asked_ > 0) return Status::Ok();
+    return Status(Code::kNotFound,
+                  "no built-in exercise has such a name: 'enamel-station scenes' lists them",
+                  "exercise");
+  }
+  OperatorsFindings Take() { return std::move(out_); }
+
+ private:
+  // Everybody in one exercise on one device.
+  Status AddCell(const scene::BuiltScene& built, const scene::Exercise& exercise,
+                 const scene::DeviceProfile& profile) {
+    const OperatorPreset* dentist = FindOperator("dentist");
+    ENAMEL_CHECK(dentist != nullptr);
+    Tell(exercise.name + ", " + profile.name + ", reference");
+    ENAMEL_ASSIGN_OR_RETURN(const auto reference, CutBy(*dentist, built, exercise, profile, 0));
+    std::vector<double> ranks, scores;
+    for (const OperatorPreset& preset : OperatorPresets()) {
+      for (uint64_t seed : options_.seeds) {
+        Tell(exercise.name + ", " + profile.name + ", " + std::string(preset.name));
+        ENAMEL_ASSIGN_OR_RETURN(const auto cut, CutBy(preset, built, exercise, profile, seed));
+        auto metrics = scoring::ComputeMetrics(built.scene, exercise, cut.Data(built.volume),
+                                               reference.Data(built.volume));
+        if (!metrics.ok()) return metrics.status();
+        ENAMEL_ASSIGN_OR_RETURN(const auto score, scoring::ApplyRubric(exercise.rubric, *metrics));
+        out_.rows.push_back({exercise.name, profile.name, std::string(preset.name), preset.rank,
+                             seed != 0 ? seed : preset.seed, score.critical_fail, score.score});
+        if (row_) row_(out_.rows.back());
+        if (score.critical_fail) continue;
+        ranks.push_back(preset.rank);
+        scores.push_back(score.score);
+      }
+    }
+    out_.order.push_back({exercise.name, profile.name, scores.size(), Spearman(ranks, scores)});
+    return Status::Ok();
+  }
+  void Tell(const std::string& what) const {
+    if (progress_) progress_(what, done_);
+  }
+
+  const OperatorsOptions& options_;
+  const std::function<void(const OperatorRow&)>& row_;
+  const std::function<void(const std::string&, double)>& progress_;
+  std::vector<scene::DeviceProfile> profiles_;
+  OperatorsFindings out_;
+  size_t asked_ = 0;
+  double done_ = 0;
+};
+
+}  // namespace
+
+double Spearman(const std::vector<double>& a, const std::vector<double>& b) {
+  ENAMEL_CHECK(a.size() == b.size());
+  auto ranks = [](const std::vector<double>& values) {
+    std::vector<double> out;
+    for (double v : values) {
+      double below = 0, same = 0;
+      for (double w : values) below += w < v, same += w == v;
+      out.push_back(below + 0.5 * (same - 1));
+    }
+    return out;
+  };
+  const auto ra = ranks(a), rb = ranks(b);
+  // The mean of ranks is the same on both sides.
+  const double mean = 0.5 * (static_cast<double>(a.size()) - 1);
+  double ab = 0, aa = 0, bb = 0;
+  for (size_t i = 0; i < ra.size(); ++i) {
+    ab += (ra[i] - mean) * (rb[i] - mean);
+    aa += (ra[i] - mean) * (ra[i] - mean);
+    bb += (rb[i] - mean) * (rb[i] - mean);
+  }
+  return aa > 0 && bb > 0 ? ab / std::sqrt(aa * bb) : 0;
+}
+
+Result<OperatorsFindings> MeasureOperators(
+    const OperatorsOptions& options, const std::function<void(const OperatorRow&)>& row,
+    const std::function<void(const std::string&, double)>& progress) {
+  OperatorsOptions used = options;
+  if (used.quick) {
+    used.devices.resize(std::min<size_t>(1, used.devices.size()));
+    used.seeds.resize(std::min<size_t>(1, used.seeds.size()));
+  }
+  Study study(used, row, progress);
+  ENAMEL_RETURN_IF_ERROR(study.Run());
+  return study.Take();
+}
+
+json::object OperatorsJson(const OperatorsFindings& findings) {
+  json::array rows, order, not_cut;
+  for (const OperatorRow& r : findings.rows) {
+    rows.push_back(json::object{{"exercise", r.exercise},
+                                {"device", r.device},
+                                {"operator", r.name},
+                                {"rank", r.rank},
+                                {"seed", r.seed},
+                                {"critical_fail", r.critical_fail},
+                                {"score", r.score}});
+  }
+  for (const SkillOrder& o : findings.order) {
+    order.push_back(json::object{
+        {"exercise", o.exercise}, {"device", o.device}, {"rows", o.rows}, {"value", o.spearman}});
+  }
+  for (const std::string& name : findings.not_cut) not_cut.emplace_back(name);
+  return {{"format", 1},
+          {"rows", std::move(rows)},
+          {"spearman", std::move(order)},
+          {"not_cut", std::move(not_cut)}};
+}
+
+}  // namespace enamel::station::lab

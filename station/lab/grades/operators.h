@@ -1,0 +1,57 @@
+#pragma once
+
+#include <boost/json/fwd.hpp>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+
+// Whether a score tells skill: the simulated people of devices/operators.h, each with a published
+// rank, cut and are graded against the dentist among them. schemas/lab_operators.schema.json is the
+// document.
+// Thread safety: functions, any thread. Blocks.
+namespace enamel::station::lab {
+
+struct OperatorsOptions {
+  int32_t voxel_nm = 100'000;
+  std::vector<std::string> devices = {"omega3", "phantom_desktop"};
+  std::vector<uint64_t> seeds = {0, 101};  // of the tremor; 0: each operator's own
+  std::vector<std::string> exercises;      // names or their beginnings; empty: all they can cut
+  bool quick = false;                      // the first device and seed
+};
+
+struct OperatorRow {
+  std::string exercise, device, name;
+  int rank = 0;
+  uint64_t seed = 0;
+  bool critical_fail = false;
+  double score = 0;
+};
+// Spearman's correlation of rank and score over an exercise's rows on one device. Who fails
+// critically is left out of it: that score is 0 whatever the rest is like.
+struct SkillOrder {
+  std::string exercise, device;
+  size_t rows = 0;
+  double spearman = 0;
+};
+
+struct OperatorsFindings {
+  std::vector<OperatorRow> rows;
+  std::vector<SkillOrder> order;
+  std::vector<std::string> not_cut;  // exercises that no simulated person can do yet
+};
+
+// Spearman's rank correlation, ties at their mean rank; 0 where all of one side are equal.
+// Requires: equally long.
+double Spearman(const std::vector<double>& a, const std::vector<double>& b);
+
+// `row` is called with each as it comes, `progress` (what, 0..1) between them; both may be empty.
+// Errors: kNotFound when no device or exercise has such a name; those of the scene's builder.
+Result<OperatorsFindings> MeasureOperators(
+    const OperatorsOptions& options, const std::function<void(const OperatorRow&)>& row = {},
+    const std::function<void(const std::string&, double)>& progress = {});
+
+boost::json::object OperatorsJson(const OperatorsFindings& findings);
+
+}  // namespace enamel::station::lab
