@@ -527,7 +527,8 @@ TEST_F(TeachingTest, APreviewShowsOwnCohortsAlone) {
     RawResponse preview = Post(login, path + "/preview", rubric.as_object());
     EXPECT_EQ(preview.status, 200) << preview.body;
     std::set<std::string> out;
-    for (const json::value& row : Parsed(preview).at("attempts").as_array()) {
+    const json::value shown = Parsed(preview);
+    for (const json::value& row : shown.at("attempts").as_array()) {
       out.insert(std::string(row.at("attempt_id").as_string()));
     }
     return out;
@@ -542,7 +543,8 @@ TEST_F(TeachingTest, APreviewShowsOwnCohortsAlone) {
 }
 
 TEST_F(TeachingTest, ACohortIsScoredAgainInOneBatch) {
-  for (const JobRow& job : *school_.store->Jobs("queued")) {
+  const std::vector<JobRow> waiting = *school_.store->Jobs("queued");
+  for (const JobRow& job : waiting) {
     ASSERT_TRUE(school_.store->CancelJob(job.id, Actor{school_.root, "page"}).ok());
   }
   const std::string path = "/api/v1/cohorts/" + school_.cohort_a.Text() + "/rescore";

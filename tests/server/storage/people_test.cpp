@@ -135,7 +135,8 @@ TEST_P(PeopleStoreTest, ASessionSaysFromWhereAndWithWhatUntilThePersonIsErased) 
   EXPECT_EQ(LastAudit(ada.Text()).action, "session.begin");
   EXPECT_EQ(LastAudit(ada.Text()).after_json, R"({"address":"203.0.113.7"})");
   ASSERT_TRUE(store_->ErasePerson(ada, false, kSystem).ok());
-  for (const AuditRow& told : *store_->Audit(100)) {
+  const std::vector<AuditRow> trail = *store_->Audit(100);
+  for (const AuditRow& told : trail) {
     EXPECT_EQ((told.before_json + told.after_json).find("203.0.113"), std::string::npos)
         << told.action;
   }
