@@ -113,7 +113,34 @@ if [ -x /usr/bin/chromium ]; then
 else
   echo "skipped: no chromium; the page was not looked at"
 fi
+
+# A rubric is corrected: the preview says what the new runs then find, and released scores of before are kept.
+server=(--data "$work/data/server")
+"$bin/enamel-server" admin show-rubric "${server[@]}" --exercise class-1-molar-46 --out "$work/rubric.json"
+node -e '
+  const fs = require("fs"), file = process.argv[1], rubric = JSON.parse(fs.readFileSync(file, "utf8"));
+  rubric.criteria = rubric.criteria.filter((c) => c.metric !== "wall_mesial_mm");
+  fs.writeFileSync(file, JSON.stringify(rubric));
+' "$work/rubric.json"
+"$bin/enamel-server" admin publish-rubric "${server[@]}" --exercise class-1-molar-46 --document "$work/rubric.json" --preview >"$work/preview"
+"$bin/enamel-server" admin publish-rubric "${server[@]}" --exercise class-1-molar-46 --document "$work/rubric.json" --reason "the mesial wall is not asked for"
+"$bin/enamel-server" rescore "${server[@]}" --cohort "Demo cohort"
+"$bin/enamel-server" admin list-attempts "${server[@]}" >"$work/list"
+for id in $(grep -oE '^[0-9a-f]{8}-[0-9a-f-]{27}' "$work/list"); do
+  "$bin/enamel-server" report "${server[@]}" --attempt "$id" --wait 120 --json "$work/regraded_$id.json" >/dev/null || true
+done
+before=$(awk -v id="$first" '$1 == id { print $2 }' "$work/preview")
+after=$(awk -v id="$first" '$1 == id { print $3 }' "$work/preview")
+node -e '
+  const f = JSON.parse(require("fs").readFileSync(process.argv[1], "utf8")), [before, after] = process.argv.slice(2).map(Number);
+  const fits = after > before && Math.abs(f.score - after) < 0.06 && f.result.signed;
+  if (!fits) { console.error("preview", before, "to", after, "then", f.score, f.result); process.exit(1); }
+' "$work/regraded_$first.json" "$before" "$after" || { cat "$work/preview"; fail "the new run is not what the preview said"; }
+echo "ok: a corrected rubric counts in the next run as its preview said ($before to $after)"
 press_ctrl_c
+
+"$bin/enamel-server" verify "${server[@]}" >"$work/verify" || { cat "$work/verify"; fail "verify finds something in what nobody touched"; }
+grep -q 'signed by this server' "$work/verify" || { cat "$work/verify"; fail "no result is signed"; }
 
 "$bin/enamel-server" admin list-attempts --data "$work/data/server" >"$work/list"
 for id in "$first" "$reference" "$(node -p "JSON.parse(require('fs').readFileSync('$work/2.json','utf8')).attempt_id")"; do
