@@ -14,7 +14,7 @@ const kPollMs = 2000;
 const kTones: Readonly<Record<Job["state"], Tone>> = { queued: "neutral", running: "neutral", done: "good", failed: "bad", cancelled: "warning" };
 const kTitles: Readonly<Record<Job["state"], string>> = { queued: "Waiting", running: "Running", done: "Done", failed: "Failed", cancelled: "Cancelled" };
 const kCauses: Readonly<Record<string, string>> = {
-  seal: "Attempt was finished", reference: "New reference", rescore: "Asked for by an instructor", appeal: "Appeal",
+  seal: "Attempt was finished", reference: "New reference", rescore: "Asked for by an instructor", appeal: "Appeal", rubric: "Cohort scored again",
 };
 
 interface Props {
