@@ -83,4 +83,11 @@ std::string Printable(std::string_view text) {
   return out;
 }
 
+std::string ShortenedText(std::string_view text, size_t most) {
+  if (text.size() <= most) return std::string(text);
+  // 10xxxxxx continues a character: not cut in the middle of one.
+  while (most > 0 && (static_cast<uint8_t>(text[most]) & 0xc0) == 0x80) --most;
+  return std::string(text.substr(0, most));
+}
+
 }  // namespace enamel

@@ -28,4 +28,8 @@ bool IsInvisibleTrick(uint32_t code);
 // tricks as "\u202e".
 std::string Printable(std::string_view text);
 
+// The first bytes of `text`, at most `most`, ending where a character ends: what a program says of
+// itself and nobody is asked to correct.
+std::string ShortenedText(std::string_view text, size_t most);
+
 }  // namespace enamel

@@ -36,6 +36,24 @@ void WriteTicketFields(const Ticket& t, ByteWriter& out) {
   out.I64(t.expires_unix_ms);
 }
 
+void WriteHand(const Hand& hand, ByteWriter& out) {
+  out.U8(static_cast<uint8_t>(hand.kind));
+  for (const std::string* text : {&hand.device, &hand.driver, &hand.unit}) {
+    ENAMEL_CHECK(text->size() <= kMaxHandTextBytes);
+    out.Text(*text);
+  }
+}
+
+// The kind as it stands there, which may be none that is known.
+uint8_t ReadHand(ByteReader& in, Hand& out) {
+  const uint8_t kind = in.U8();
+  out.kind = static_cast<HandKind>(kind);
+  for (std::string* text : {&out.device, &out.driver, &out.unit}) {
+    *text = in.Text(kMaxHandTextBytes);
+  }
+  return kind;
+}
+
 // What is signed: never valid as another kind of message.
 std::string Message(std::string_view domain, ByteView content) {
   std::string message(domain);
@@ -104,32 +122,41 @@ Bytes EncodeHeader(const Header& header) {
   core::WriteParams(header.params, params);
   // What ReadParams takes has this size too, so a decoded header never fails here.
   ENAMEL_CHECK(params.size() == core::ParamsBytes(header.params.core_version));
+  const bool told = header.hand.kind != HandKind::kNotTold;
   ByteWriter out;
-  WriteMagic(kHeaderMagic, out);
+  WriteMagic(kHeaderMagic, out, told ? 2 : 1);
   out.Blob(EncodeTicket(header.ticket));
   out.Raw(header.scene.view());
   out.Raw(header.volume.view());
   out.Blob(params.bytes());
   out.Text(header.station_software);
+  // A header that tells of no hand is what it was before there was one, to the byte.
+  if (told) WriteHand(header.hand, out);
   return out.Take();
 }
 
 Result<Header> DecodeHeader(ByteView bytes) {
   if (bytes.size() > kMaxHeaderBytes) return TooLarge("header", kMaxHeaderBytes, bytes.size());
   ByteReader in(bytes);
-  ENAMEL_RETURN_IF_ERROR(ReadMagic("header", kHeaderMagic, in));
+  ENAMEL_ASSIGN_OR_RETURN(const uint16_t version,
+                          ReadVersion("header", kHeaderMagic, kHeaderVersion, in));
   ByteView ticket_bytes = in.Blob(kTicketBytes);
   Header h;
   h.scene = ReadHash(in);
   h.volume = ReadHash(in);
   ByteView params_bytes = in.Blob(core::ParamsBytes(core::kCoreVersion));
   h.station_software = in.Text(kMaxSoftwareBytes);
+  const uint8_t kind = version >= 2 ? ReadHand(in, h.hand) : 0;
   if (!in.ok()) return EndsEarly("header", bytes.size());
   ENAMEL_ASSIGN_OR_RETURN(auto ticket, DecodeTicket(ticket_bytes));
   h.ticket = ticket;
   ByteReader params_in(params_bytes);
   ENAMEL_ASSIGN_OR_RETURN(auto params, core::ReadParams(params_in));
   h.params = params;
+  if (version >= 2 && (kind < 1 || kind > 3)) {
+    return Status(Code::kInvalidInput,
+                  "header: expected a hand of kind 1 to 3, found " + std::to_string(kind), "hand");
+  }
   // The one form (schemas/trace_format.md): chunk 0 names the header's hash, so two headers of one
   // content would be two recordings.
   Bytes again = EncodeHeader(h);

@@ -23,12 +23,13 @@ Sha256 CheckOf(uint8_t kind, ByteView content) {
 
 }  // namespace
 
-void WriteMagic(const Magic& magic, ByteWriter& out) {
+void WriteMagic(const Magic& magic, ByteWriter& out, uint16_t version) {
   out.Raw(magic);
-  out.U16(kTraceVersion);
+  out.U16(version);
 }
 
-Status ReadMagic(const std::string& what, const Magic& magic, ByteReader& in) {
+Result<uint16_t> ReadVersion(const std::string& what, const Magic& magic, uint16_t newest,
+                             ByteReader& in) {
   ByteView found = in.Raw(magic.size());
   uint16_t version = in.U16();
   if (!in.ok() || !std::equal(found.begin(), found.end(), magic.begin())) {
@@ -37,12 +38,16 @@ Status ReadMagic(const std::string& what, const Magic& magic, ByteReader& in) {
                       "\" and a version; this is something else or cut short",
                   "magic");
   }
-  if (version == kTraceVersion) return Status::Ok();
+  if (version >= 1 && version <= newest) return version;
   return Status(Code::kVersion,
                 what + " is of format version " + std::to_string(version) +
-                    ", this program reads version " + std::to_string(kTraceVersion) +
-                    "; use a program of the recording's version",
+                    ", this program reads version " + (newest == 1 ? "" : "1 to ") +
+                    std::to_string(newest) + "; use a program of the recording's version",
                 "version");
+}
+
+Status ReadMagic(const std::string& what, const Magic& magic, ByteReader& in) {
+  return ReadVersion(what, magic, kTraceVersion, in).status();
 }
 
 void WriteRecord(uint8_t kind, ByteView content, ByteWriter& out) {

@@ -7,6 +7,7 @@
 
 #include "common/base/bytes.h"
 #include "common/base/result.h"
+#include "common/trace/trace.h"
 
 // Magics, sizes and the refusals shared by the codecs of this directory (schemas/trace_format.md).
 namespace enamel::trace {
@@ -21,8 +22,11 @@ inline constexpr Magic kKeyframesMagic = {'E', 'N', 'k', 'f'};
 inline constexpr size_t kSealBytes = 74;
 
 // Magic and version.
-void WriteMagic(const Magic& magic, ByteWriter& out);
-// Errors: kInvalidInput for another magic, kVersion for another version.
+void WriteMagic(const Magic& magic, ByteWriter& out, uint16_t version = kTraceVersion);
+// The version, 1 to `newest`. Errors: kInvalidInput for another magic, kVersion for another version.
+Result<uint16_t> ReadVersion(const std::string& what, const Magic& magic, uint16_t newest,
+                             ByteReader& in);
+// The same where there is one version only.
 Status ReadMagic(const std::string& what, const Magic& magic, ByteReader& in);
 
 // A file is its magic, version and reserved field, a body if it has one, and records: kind, size,

@@ -13,6 +13,7 @@
 #include "common/base/sha256.h"
 #include "common/base/uuid.h"
 #include "common/core/core.h"
+#include "common/hands/hand.h"
 
 // Recordings: header, chain of chunks, seal. Normative text: schemas/trace_format.md.
 //   header -> chunk 0 -> chunk 1 -> … -> seal
@@ -20,7 +21,8 @@
 // the server's ticket) and an Ed25519 signature of the station. Everything is little-endian.
 namespace enamel::trace {
 
-inline constexpr uint16_t kTraceVersion = 1;
+inline constexpr uint16_t kTraceVersion = 1;   // of all but the header
+inline constexpr uint16_t kHeaderVersion = 2;  // the newest that is read
 inline constexpr size_t kMaxTicksPerChunk = 1000;
 inline constexpr size_t kMaxChunkBytes = 1 << 20;
 inline constexpr size_t kMaxHeaderBytes = 4096;
@@ -65,6 +67,7 @@ struct Header {
   Sha256 volume;  // content address of the initial volume blob
   core::CoreParams params;
   std::string station_software;  // "enamel-station 0.1.0", at most kMaxSoftwareBytes
+  Hand hand;                     // told: the header is of version 2; else of version 1
 
   bool operator==(const Header&) const = default;
 };

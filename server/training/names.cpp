@@ -89,13 +89,6 @@ Result<std::string> CheckedName(std::string_view text, std::string_view field) {
   return std::string(name);
 }
 
-std::string ShortenedText(std::string_view text, size_t most) {
-  if (text.size() <= most) return std::string(text);
-  // 10xxxxxx continues a character: not cut in the middle of one.
-  while (most > 0 && (static_cast<uint8_t>(text[most]) & 0xc0) == 0x80) --most;
-  return std::string(text.substr(0, most));
-}
-
 std::string NameKey(std::string_view name) {
   std::string out;
   for (char c : Trim(name)) {

@@ -22,10 +22,6 @@ Result<std::string> CheckedLogin(std::string_view text);
 // (OWASP, "CSV Injection"). `field`: as named in the error.
 Result<std::string> CheckedName(std::string_view text, std::string_view field);
 
-// The first bytes of `text`, at most `most`, ending where a character ends: what a program says of
-// itself and nobody is asked to correct.
-std::string ShortenedText(std::string_view text, size_t most);
-
 // Equal for names that people take for one: case (of ASCII) and the number of spaces do not count.
 std::string NameKey(std::string_view name);
 

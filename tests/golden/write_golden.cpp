@@ -68,6 +68,8 @@ void WriteTraces(const std::filesystem::path& folder) {
   Header header = sample::MakeHeader();
   Write(folder, "ticket", EncodeTicket(header.ticket), Describe(header.ticket));
   Write(folder, "header", EncodeHeader(header), Describe(header));
+  Header held = sample::MakeHeaderWithHand();
+  Write(folder, "header_hand", EncodeHeader(held), Describe(held));
 
   ChunkHead head;
   head.attempt = header.ticket.attempt;

@@ -87,12 +87,19 @@ json::object Describe(const Ticket& t) {
 }
 
 json::object Describe(const Header& h) {
-  return {{"ticket", Describe(h.ticket)},
-          {"scene", h.scene.Hex()},
-          {"volume", h.volume.Hex()},
-          {"params", Describe(h.params)},
-          {"station_software", h.station_software},
-          {"hash", HashSha256(EncodeHeader(h)).Hex()}};
+  json::object out{{"ticket", Describe(h.ticket)},
+                   {"scene", h.scene.Hex()},
+                   {"volume", h.volume.Hex()},
+                   {"params", Describe(h.params)},
+                   {"station_software", h.station_software}};
+  if (h.hand.kind != HandKind::kNotTold) {
+    out["hand"] = {{"kind", HandKindName(h.hand.kind)},
+                   {"device", h.hand.device},
+                   {"driver", h.hand.driver},
+                   {"unit", h.hand.unit}};
+  }
+  out["hash"] = HashSha256(EncodeHeader(h)).Hex();
+  return out;
 }
 
 json::object Describe(const Chunk& chunk) {

@@ -39,6 +39,15 @@ TEST(GoldenTest, HeaderReadsAsDescribedAndIsWrittenToTheSameBytes) {
   EXPECT_EQ(EncodeHeader(sample::MakeHeader()), bytes);
 }
 
+TEST(GoldenTest, HeaderWithAHandReadsAsDescribedAndIsWrittenToTheSameBytes) {
+  Bytes bytes = Golden("header_hand.bin");
+  auto header = DecodeHeader(bytes);
+  ASSERT_TRUE(header.ok()) << header.status().message();
+  EXPECT_EQ(Describe(*header), Content("header_hand"));
+  EXPECT_EQ(header->hand.unit, "hid:1209:0001:A7");
+  EXPECT_EQ(EncodeHeader(sample::MakeHeaderWithHand()), bytes);
+}
+
 // Written by core version 1, before its successor's fields were there: listed, not re-run.
 TEST(GoldenTest, HeaderOfTheFirstCoreIsStillReadAndWrittenToTheSameBytes) {
   Bytes bytes = Golden("header_core1.bin");

@@ -48,11 +48,39 @@ TEST(HeaderTest, GivesBackWhatWasWritten) {
 }
 
 TEST(HeaderTest, EveryTruncationAndAnExtraByteAreRefused) {
-  Bytes bytes = EncodeHeader(sample::MakeHeader());
-  for (size_t n = 0; n < bytes.size(); ++n)
-    EXPECT_FALSE(DecodeHeader(ByteView(bytes).first(n)).ok());
-  bytes.push_back(0);
-  EXPECT_FALSE(DecodeHeader(bytes).ok());
+  for (const Header& header : {sample::MakeHeader(), sample::MakeHeaderWithHand()}) {
+    Bytes bytes = EncodeHeader(header);
+    for (size_t n = 0; n < bytes.size(); ++n)
+      EXPECT_FALSE(DecodeHeader(ByteView(bytes).first(n)).ok());
+    bytes.push_back(0);
+    EXPECT_FALSE(DecodeHeader(bytes).ok());
+  }
+}
+
+// The version says whether there is a hand, so that no header has two forms.
+TEST(HeaderTest, TellsOfAHandInVersionTwoAndOfNoneInVersionOne) {
+  const Bytes without = EncodeHeader(sample::MakeHeader());
+  Bytes with = EncodeHeader(sample::MakeHeaderWithHand());
+  EXPECT_EQ(without[4], 1);
+  EXPECT_EQ(with[4], 2);
+  EXPECT_EQ(DecodeHeader(with)->hand, sample::MakeHeaderWithHand().hand);
+  EXPECT_EQ(DecodeHeader(without)->hand.kind, HandKind::kNotTold);
+  for (uint8_t version : {0, 3, 255}) {
+    with[4] = version;
+    EXPECT_EQ(DecodeHeader(with).status().code(), Code::kVersion) << int{version};
+  }
+  with[4] = 1;
+  EXPECT_EQ(DecodeHeader(with).status().code(), Code::kInvalidInput) << "bytes left over";
+}
+
+TEST(HeaderTest, KnowsThreeKindsOfHandAndNoOther) {
+  Bytes bytes = EncodeHeader(sample::MakeHeaderWithHand());
+  const size_t kind_at = bytes.size() - (4 + 16) - (4 + 3) - (4 + 7) - 1;
+  ASSERT_EQ(bytes[kind_at], 1);
+  for (int kind = 0; kind < 256; ++kind) {
+    bytes[kind_at] = static_cast<uint8_t>(kind);
+    EXPECT_EQ(DecodeHeader(bytes).ok(), kind >= 1 && kind <= 3) << kind;
+  }
 }
 
 TEST(HeaderTest, WhatIsAcceptedEncodesToTheSameBytes) {

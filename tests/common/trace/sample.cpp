@@ -72,6 +72,12 @@ Header MakeHeader() {
   return header;
 }
 
+Header MakeHeaderWithHand() {
+  Header header = MakeHeader();
+  header.hand = {HandKind::kHaptic, "omega.3", "hid", "hid:1209:0001:A7"};
+  return header;
+}
+
 cutting::Volume MakeBlock() {
   cutting::GridSpec spec;
   spec.voxel_nm = kVoxel_nm;
