@@ -113,4 +113,16 @@ Result<std::array<uint8_t, 32>> ReadKey(const std::string& bytes, const char* fi
   return out;
 }
 
+Hand ReadHand(const wire::Hand& message) {
+  return MakeHand(HandKindFromName(message.kind()).value_or(HandKind::kNotTold), message.device(),
+                  message.driver(), message.unit());
+}
+
+void SetHand(const Hand& hand, wire::Hand& message) {
+  if (hand.kind != HandKind::kNotTold) message.set_kind(HandKindName(hand.kind));
+  message.set_device(hand.device);
+  message.set_driver(hand.driver);
+  message.set_unit(hand.unit);
+}
+
 }  // namespace enamel::protocol

@@ -7,6 +7,7 @@
 #include "common/base/result.h"
 #include "common/base/sha256.h"
 #include "common/base/uuid.h"
+#include "common/hands/hand.h"
 #include "common/protocol/station.pb.h"
 
 // Between the generated Protobuf classes (namespace enamel::wire) and our own types. Pure
@@ -42,6 +43,9 @@ bool IsPageUrl(std::string_view text);
 Result<Uuid> ReadUuid(const std::string& bytes, const char* field);
 Result<Sha256> ReadSha256(const std::string& bytes, const char* field);
 Result<std::array<uint8_t, 32>> ReadKey(const std::string& bytes, const char* field);
+// What holds the tool. A kind that this program does not know reads as not told.
+Hand ReadHand(const wire::Hand& message);
+void SetHand(const Hand& hand, wire::Hand& message);
 // Any of our byte types as a Protobuf bytes field: message.set_attempt(ToField(id.view())).
 inline std::string ToField(ByteView bytes) { return std::string(AsText(bytes)); }
 

@@ -282,6 +282,7 @@ class ScoreJob {
     document.core_version = score.core_version;
     document.rubric_version = static_cast<uint32_t>(score.rubric_version);
     document.flags = row_.flags & kSignedFlags;
+    document.hand = static_cast<uint8_t>(header_.hand.kind);
     SignResult(document, *key_);
     result.document = EncodeResult(document);
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/base/utf8.h"
 #include "server/auth/token.h"
 #include "server/training/names.h"
 
@@ -156,6 +157,7 @@ Result<wire::Reply> Session::Do(const wire::Hello& hello) {
   welcome.set_server_unix_ms(services_.clock());
   welcome.set_ticket_key(protocol::ToField(services_.ticket_key.public_key));
   welcome.set_page_url(services_.page_url);
+  welcome.set_header_version(trace::kHeaderVersion);
   return reply;
 }
 
@@ -290,6 +292,7 @@ Status Session::AddAssigned(const AssignedRow& row, const std::vector<SceneRow>&
   ref.set_attempt_limit(terms.attempt_limit);
   ref.set_attempts_left(terms.attempt_limit - std::min(row.attempts_used, terms.attempt_limit));
   ref.set_exam(terms.exam);
+  ref.set_hands(HandsAllowedName(HandsFor(row)));
   ENAMEL_ASSIGN_OR_RETURN(auto stations, StationsText(terms));
   Status may = MayBegin(row, services_.clock(), station_->id, stations);
   // Listed with the reason, so that a student sees what is there and why it cannot begin now.

@@ -120,9 +120,10 @@ class Session {
   // What a ticket of this person for this exercise counts for; none: reference cuts, and what
   // instructors and admins try out. Errors: kForbidden (not assigned, or not now); field() says
   // which rule.
-  Result<std::optional<AssignmentRow>> AssignmentFor(const Person& person,
-                                                     const ExerciseRow& exercise,
-                                                     const wire::RequestTicket& request);
+  Result<std::optional<AssignedRow>> AssignmentFor(const Person& person,
+                                                   const ExerciseRow& exercise,
+                                                   const wire::RequestTicket& request);
+  Status HandMayTake(const AssignedRow& assigned, const wire::RequestTicket& request);
   Status GuessTerms(const trace::Ticket& ticket, AttemptRow& row);
   // Rate and time limit of the exercise's document.
   Status SetTiming(AttemptRow& row);

@@ -39,9 +39,9 @@ Status Session::SetTiming(AttemptRow& row) {
   return Status::Ok();
 }
 
-Result<std::optional<AssignmentRow>> Session::AssignmentFor(const Person& person,
-                                                            const ExerciseRow& exercise,
-                                                            const wire::RequestTicket& request) {
+Result<std::optional<AssignedRow>> Session::AssignmentFor(const Person& person,
+                                                          const ExerciseRow& exercise,
+                                                          const wire::RequestTicket& request) {
   Status not_assigned(
       Code::kForbidden,
       "exercise \"" + exercise.name + "\" in this version is not assigned to " + person.login,
@@ -50,7 +50,7 @@ Result<std::optional<AssignmentRow>> Session::AssignmentFor(const Person& person
     ENAMEL_ASSIGN_OR_RETURN(auto offered, ExercisesOf(person));
     auto found = std::ranges::find(offered, exercise.content, &ExerciseRow::content);
     if (found == offered.end()) return not_assigned;
-    return std::optional<AssignmentRow>();
+    return std::optional<AssignedRow>();
   }
   std::optional<Uuid> wanted;
   if (!request.assignment().empty()) {
@@ -69,7 +69,17 @@ Result<std::optional<AssignmentRow>> Session::AssignmentFor(const Person& person
                   "an exam begins while the server is there: its ticket cannot be taken in advance",
                   "for_later");
   }
-  return std::optional(assigned->assignment);
+  ENAMEL_RETURN_IF_ERROR(HandMayTake(*assigned, request));
+  return std::optional(*assigned);
+}
+
+// What will hold the tool may not be known yet of a ticket for later; it is looked at when its attempt
+// is opened, as that of every attempt is.
+Status Session::HandMayTake(const AssignedRow& assigned, const wire::RequestTicket& request) {
+  if (request.for_later() && !request.has_hand()) return Status::Ok();
+  const Hand hand = protocol::ReadHand(request.hand());
+  ENAMEL_ASSIGN_OR_RETURN(const bool listed, services_.store.stations().IsListed(hand));
+  return MayHold(HandsFor(assigned), hand, listed);
 }
 
 Result<wire::Reply> Session::Do(const wire::RequestTicket& request) {
@@ -89,7 +99,7 @@ Result<wire::Reply> Session::Do(const wire::RequestTicket& request) {
                   "as_reference");
   }
   ENAMEL_ASSIGN_OR_RETURN(auto exercise, services_.store.content().ExerciseByContent(content));
-  ENAMEL_ASSIGN_OR_RETURN(auto assignment, AssignmentFor(person, exercise, request));
+  ENAMEL_ASSIGN_OR_RETURN(auto assigned, AssignmentFor(person, exercise, request));
   ENAMEL_ASSIGN_OR_RETURN(auto profiles, services_.store.content().Profiles());
   if (std::ranges::find(profiles, profile, &ProfileRow::content) == profiles.end()) {
     return Status(Code::kNotFound, "this server has no device profile " + profile.Hex(), "profile");
@@ -103,7 +113,7 @@ Result<wire::Reply> Session::Do(const wire::RequestTicket& request) {
   ticket.exercise = content;
   ticket.profile = profile;
   ticket.issued_unix_ms = services_.clock();
-  ticket.expires_unix_ms = TicketEnd(assignment, ticket.issued_unix_ms);
+  ticket.expires_unix_ms = TicketEnd(assigned, ticket.issued_unix_ms);
   trace::SignTicket(ticket, services_.ticket_key.secret_key);
   Bytes encoded = trace::EncodeTicket(ticket);
 
@@ -117,7 +127,7 @@ Result<wire::Reply> Session::Do(const wire::RequestTicket& request) {
   row.as_reference = request.as_reference();
   row.ticketed_ms = ticket.issued_unix_ms;
   ENAMEL_RETURN_IF_ERROR(SetTiming(row));
-  SetTerms(assignment, row);
+  SetTerms(assigned, row);
   ENAMEL_RETURN_IF_ERROR(services_.store.ingest().CreateAttempt(
       row, encoded, Actor{person.id, "station " + station_->name}));
   ours_.insert(ticket.attempt);
@@ -128,6 +138,7 @@ Result<wire::Reply> Session::Do(const wire::RequestTicket& request) {
   issued.set_late((row.flags & kLate) != 0);
   issued.set_due_unix_ms(row.due_ms);
   if (row.assignment) issued.set_assignment(protocol::ToField(row.assignment->view()));
+  issued.set_hands(HandsAllowedName(row.hands));
   return reply;
 }
 
@@ -172,12 +183,12 @@ Status Session::GuessTerms(const trace::Ticket& ticket, AttemptRow& row) {
   row.flags |= kReadmitted;
   ENAMEL_ASSIGN_OR_RETURN(auto rows, services_.store.teaching().AssignmentsFor(row.person));
   std::erase_if(rows, [&](const AssignedRow& assigned) {
-    return TicketEnd(assigned.assignment, ticket.issued_unix_ms) != ticket.expires_unix_ms;
+    return TicketEnd(assigned, ticket.issued_unix_ms) != ticket.expires_unix_ms;
   });
   for (AssignedRow& assigned : rows) assigned.attempts_used = 0;
   const AssignedRow* assigned =
       PickAssignment(rows, row.exercise_content, std::nullopt, row.ticketed_ms, row.station);
-  if (assigned) SetTerms(assigned->assignment, row);
+  if (assigned) SetTerms(*assigned, row);
   return Status::Ok();
 }
 

@@ -36,7 +36,7 @@ class ContentStore : public BlobStore {
   virtual Status PutSceneSurface(const Sha256& volume, const Sha256& surface) = 0;
   // A new version of the exercise of this name when the content differs from the newest one;
   // returns the row as stored. Assigned to `cohort` from then on unless it is already; a zero
-  // cohort: open to everybody. A draft of that name stays.
+  // cohort: open to everybody; with any hand (HandsAllowed::kAny). A draft of that name stays.
   virtual Result<ExerciseRow> PublishExercise(ExerciseRow row, const Uuid& cohort,
                                               const Actor& by) = 0;
   virtual Result<ExerciseRow> ExerciseById(const Uuid& id) = 0;

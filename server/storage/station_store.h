@@ -9,7 +9,7 @@
 
 namespace enamel::server {
 
-// Stations and the codes they enrol with.
+// Stations, the codes they enrol with, and the devices that graded work is done with.
 // A part of Store (store.h), which says what holds for all parts.
 class StationStore {
  public:
@@ -39,6 +39,14 @@ class StationStore {
   virtual Result<std::vector<StationRow>> Stations() = 0;
   // Ids of those that were revoked; cheap, however many stations there are.
   virtual Result<std::vector<Uuid>> RevokedStations() = 0;
+
+  // By name. What a listed device admits: HandsAllowed::kListed.
+  virtual Result<std::vector<ListedDevice>> ListedDevices() = 0;
+  // One that is there gets the new title. Errors: kInvalidInput (name or title).
+  virtual Status ListDevice(const std::string& name, const std::string& title, const Actor& by) = 0;
+  // Errors: kNotFound.
+  virtual Status UnlistDevice(const std::string& name, const Actor& by) = 0;
+  virtual Result<bool> IsListed(const Hand& hand) = 0;
 };
 
 }  // namespace enamel::server

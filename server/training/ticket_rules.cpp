@@ -104,19 +104,27 @@ const AssignedRow* PickAssignment(const std::vector<AssignedRow>& rows, const Sh
   return first;
 }
 
-UnixMs TicketEnd(const std::optional<AssignmentRow>& assignment, UnixMs now_ms) {
-  if (!assignment) return now_ms + kTicketValidMs;
-  UnixMs end = now_ms + (assignment->exam ? kExamTicketValidMs : kTicketValidMs);
-  if (assignment->due_ms == 0 || assignment->late_allowed) return end;
-  return std::min(end, assignment->due_ms);
+UnixMs TicketEnd(const std::optional<AssignedRow>& assigned, UnixMs now_ms) {
+  if (!assigned) return now_ms + kTicketValidMs;
+  const AssignmentRow& terms = assigned->assignment;
+  UnixMs end = now_ms + (terms.exam ? kExamTicketValidMs : kTicketValidMs);
+  if (terms.due_ms == 0 || terms.late_allowed) return end;
+  return std::min(end, terms.due_ms);
 }
 
-void SetTerms(const std::optional<AssignmentRow>& assignment, AttemptRow& row) {
-  if (!assignment) return;
-  row.assignment = assignment->id;
-  row.exam = assignment->exam;
-  row.due_ms = assignment->due_ms;
-  if (IsLate(*assignment, row.ticketed_ms)) row.flags |= kLate;
+HandsAllowed HandsFor(const AssignedRow& assigned) {
+  const bool counts = assigned.assignment.exam || assigned.exercise.graded;
+  return counts ? assigned.assignment.hands : HandsAllowed::kAny;
+}
+
+void SetTerms(const std::optional<AssignedRow>& assigned, AttemptRow& row) {
+  if (!assigned) return;
+  const AssignmentRow& terms = assigned->assignment;
+  row.assignment = terms.id;
+  row.exam = terms.exam;
+  row.due_ms = terms.due_ms;
+  row.hands = HandsFor(*assigned);
+  if (IsLate(terms, row.ticketed_ms)) row.flags |= kLate;
 }
 
 }  // namespace enamel::server

@@ -34,6 +34,10 @@ bool IsLate(const AssignmentRow& assignment, UnixMs now_ms);
 Status MayBegin(const AssignedRow& assigned, UnixMs now_ms, const std::optional<Uuid>& station,
                 const std::string& stations_text);
 
+// What may hold the tool in an attempt under these terms: practice is free, as are reference cuts and
+// instructors' own tries.
+HandsAllowed HandsFor(const AssignedRow& assigned);
+
 // The assignment a ticket for this exercise version counts for: `wanted`, or the first that allows
 // an attempt now, or else the first; null: none is for this exercise. `rows` as
 // Store::AssignmentsFor sorts them, exams first, so that an exam is not dodged by saying nothing.
@@ -43,9 +47,9 @@ const AssignedRow* PickAssignment(const std::vector<AssignedRow>& rows, const Sh
 
 // When a ticket issued now runs out: not after the due time unless late work is allowed. None: no
 // assignment.
-UnixMs TicketEnd(const std::optional<AssignmentRow>& assignment, UnixMs now_ms);
+UnixMs TicketEnd(const std::optional<AssignedRow>& assigned, UnixMs now_ms);
 
 // Writes the assignment's terms into an attempt that was ticketed at row.ticketed_ms.
-void SetTerms(const std::optional<AssignmentRow>& assignment, AttemptRow& row);
+void SetTerms(const std::optional<AssignedRow>& assigned, AttemptRow& row);
 
 }  // namespace enamel::server

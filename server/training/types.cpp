@@ -16,6 +16,7 @@ struct FlagName {
 };
 constexpr FlagName kFlagNames[] = {{kLate, "late"},
                                    {kLateUpload, "late_upload"},
+                                   {kOtherHand, "other_hand"},
                                    {kFasterThanTime, "faster_than_time"},
                                    {kOverTime, "over_time"},
                                    {kResumed, "resumed"},

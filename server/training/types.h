@@ -9,6 +9,7 @@
 
 #include "common/base/sha256.h"
 #include "common/base/uuid.h"
+#include "common/hands/hand.h"
 
 // The domain: people, cohorts, stations, exercises, attempts. Plain values, no I/O.
 // Times are milliseconds since the Unix epoch (UTC).
@@ -111,6 +112,13 @@ struct CalibrationRow {
   std::string document;  // schemas/calibration.schema.json
 };
 
+// A haptic device that graded work is done with.
+struct ListedDevice {
+  std::string name;   // ListedAs: its unit, "hid:1209:0001:A7", or its model
+  std::string title;  // for people: "chair 3"
+  UnixMs added_ms = 0;
+};
+
 struct SceneRow {
   std::string name;
   std::string title;
@@ -149,9 +157,10 @@ struct AssignmentRow {
   UnixMs due_ms = 0;           // 0: never
   uint32_t attempt_limit = 0;  // per person; 0: as many as wanted. Excused attempts do not count
   bool exam = false;
-  bool late_allowed = false;   // attempts may begin after due_ms, and are flagged
-  std::vector<Uuid> stations;  // of an exam: where; none: anywhere
-  int32_t revision = 1;        // counts the changes
+  bool late_allowed = false;                   // attempts may begin after due_ms, and are flagged
+  std::vector<Uuid> stations;                  // of an exam: where; none: anywhere
+  HandsAllowed hands = HandsAllowed::kListed;  // of graded work and exams: what may hold the tool
+  int32_t revision = 1;                        // counts the changes
   UnixMs created_ms = 0;
 };
 
@@ -188,6 +197,7 @@ enum AttemptFlag : uint32_t {
   kContradicted = 256,  // a chunk came twice with different content
   kReadmitted = 64,     // its ticket was forgotten by a restore; its terms were worked out again
   kReturned = 128,      // its ticket was handed back unused: it counts for nothing
+  kOtherHand = 512,     // held by what its assignment does not allow
 };
 // {"late", "over_time"}.
 std::vector<const char*> AttemptFlagNames(uint32_t flags);
@@ -232,10 +242,12 @@ struct AttemptRow {
   UnixMs due_ms = 0;         // 0: none
   int32_t rate_hz = 0;       // 0: time is not checked
   uint64_t limit_ticks = 0;  // time limit; 0: none
+  HandsAllowed hands = HandsAllowed::kAny;
   uint32_t flags = 0;        // of AttemptFlag
   UnixMs last_chunk_ms = 0;  // when the newest chunk arrived
   int32_t revision = 1;      // of the judgement: score, override, release, excuse (revision.h)
   std::string facts = "{}";  // as the station said them last: protocol::FactsJson
+  Hand hand{};               // what held the tool, of the header; not told until it is opened
 };
 
 // A chunk that contradicts the one of its number that is committed.

@@ -31,6 +31,7 @@ struct AttemptFacts {
   AttemptState state = AttemptState::kTicketed;
   Bytes header;
   bool has_header = false, expired = false;
+  Hand hand;
   Sha256 head, trace_blob;
   uint64_t head_state_hash = 0, chunks = 0, ticks = 0, gap_ticks = 0, trace_bytes = 0;
 };
@@ -51,6 +52,7 @@ AttemptFacts FactsOf(const Query& q) {
   out.trace_bytes = static_cast<uint64_t>(q.Int(10));
   out.trace_blob = q.Hash(11);
   out.expired = q.Int(12) != 0;
+  out.hand = {static_cast<HandKind>(q.Int(13)), q.Text(14), q.Text(15), q.Text(16)};
   return out;
 }
 
@@ -304,7 +306,8 @@ class Verifier {
     ENAMEL_RETURN_IF_ERROR(count.status());
     Query q(db,
             "SELECT id, person, station, state, header, head_hash, head_state_hash, chunks, ticks, "
-            "gap_ticks, trace_bytes, trace_blob, expired_ms FROM attempts WHERE tenant = ?1");
+            "gap_ticks, trace_bytes, trace_blob, expired_ms, hand_kind, hand_device, hand_driver, "
+            "hand_unit FROM attempts WHERE tenant = ?1");
     while (q.Next()) {
       AttemptFacts facts = FactsOf(q);
       ++report_.attempts;
@@ -354,6 +357,11 @@ class Verifier {
            "one of attempt " + ticket.attempt.Text() + ", person " + ticket.person.Text() +
                ", station " + ticket.station.Text(),
            kFromBackup);
+    }
+    if (header->hand != facts.hand) {
+      Find("hand", facts.id.Text(),
+           "in the attempt's row the hand of its header, " + HandText(header->hand),
+           HandText(facts.hand), kFromBackup);
     }
     if (ticket_key_ && !trace::VerifyTicket(ticket, *ticket_key_)) {
       Find("ticket", facts.id.Text(), "a ticket signed by this server", "another signature",

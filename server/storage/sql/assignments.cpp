@@ -10,10 +10,10 @@ namespace {
 
 #define ENAMEL_ASSIGNMENT_COLUMNS                                                 \
   "a.id, a.exercise_name, a.cohort, coalesce(c.name, ''), a.opens_ms, a.due_ms, " \
-  "a.attempt_limit, a.exam, a.late_allowed, a.revision, a.created_ms"
+  "a.attempt_limit, a.exam, a.late_allowed, a.revision, a.created_ms, a.hands"
 #define ENAMEL_ASSIGNMENTS \
   "assignments a LEFT JOIN cohorts c ON c.tenant = a.tenant AND c.id = a.cohort"
-constexpr int kAssignmentColumns = 11;
+constexpr int kAssignmentColumns = 12;
 
 AssignmentRow AssignmentOf(const Query& q) {
   AssignmentRow out;
@@ -28,6 +28,7 @@ AssignmentRow AssignmentOf(const Query& q) {
   out.late_allowed = q.Int(8) != 0;
   out.revision = static_cast<int32_t>(q.Int(9));
   out.created_ms = q.Int(10);
+  out.hands = static_cast<HandsAllowed>(q.Int(11));
   return out;
 }
 
@@ -68,7 +69,8 @@ Json TermsJson(const AssignmentRow& row) {
                  {"attempt_limit", std::to_string(row.attempt_limit)},
                  {"exam", row.exam ? "yes" : "no"},
                  {"late_allowed", row.late_allowed ? "yes" : "no"},
-                 {"stations", stations}});
+                 {"stations", stations},
+                 {"hands", HandsAllowedName(row.hands)}});
 }
 
 Result<bool> Exists(Query& q) {
@@ -134,15 +136,18 @@ Status InsertAssignment(Db& db, const AssignmentRow& row) {
   {
     Query q(db,
             "INSERT INTO assignments (tenant, id, exercise_name, cohort, opens_ms, due_ms, "
-            "attempt_limit, exam, late_allowed, revision, created_ms) "
-            "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11) "
+            "attempt_limit, exam, late_allowed, revision, created_ms, hands) "
+            "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12) "
             "ON CONFLICT (tenant, id) DO UPDATE SET exercise_name = excluded.exercise_name, cohort "
             "= excluded.cohort, opens_ms = excluded.opens_ms, due_ms = excluded.due_ms, "
             "attempt_limit = excluded.attempt_limit, exam = excluded.exam, late_allowed = "
-            "excluded.late_allowed, revision = excluded.revision");
+            "excluded.late_allowed, revision = excluded.revision, hands = excluded.hands");
     q.Bind(row.id).Bind(row.exercise).Bind(row.cohort).Bind(row.opens_ms).Bind(row.due_ms);
     q.Bind(int64_t{row.attempt_limit}).Bind(int64_t{row.exam}).Bind(int64_t{row.late_allowed});
-    ENAMEL_RETURN_IF_ERROR(q.Bind(int64_t{row.revision}).Bind(row.created_ms).Run());
+    ENAMEL_RETURN_IF_ERROR(q.Bind(int64_t{row.revision})
+                               .Bind(row.created_ms)
+                               .Bind(static_cast<int64_t>(row.hands))
+                               .Run());
   }
   return PutStations(db, row);
 }

@@ -14,7 +14,8 @@ constexpr char kAttemptSelect[] =
     "a.gap_ticks, "
     "a.trace_bytes, a.score, a.critical_fail, a.progress, a.problem, a.expired_ms, a.assignment, "
     "a.exam, a.due_ms, a.rate_hz, a.limit_ticks, a.flags, a.last_chunk_ms, a.override_score, "
-    "a.override_reason, a.override_by, a.override_ms, a.revision, a.facts FROM attempts a "
+    "a.override_reason, a.override_by, a.override_ms, a.revision, a.facts, a.hands, "
+    "a.hand_kind, a.hand_device, a.hand_driver, a.hand_unit FROM attempts a "
     "JOIN people p ON p.tenant = a.tenant AND p.id = a.person "
     "JOIN exercises e ON e.tenant = a.tenant AND e.id = a.exercise WHERE a.tenant = ?1";
 
@@ -52,6 +53,8 @@ AttemptRow AttemptOf(const Query& q) {
   if (!q.IsNull(29)) out.overridden = ScoreOverride{q.Real(29), q.Text(30), q.Id(31), q.Int(32)};
   out.revision = static_cast<int32_t>(q.Int(33));
   out.facts = q.Text(34);
+  out.hands = static_cast<HandsAllowed>(q.Int(35));
+  out.hand = {static_cast<HandKind>(q.Int(36)), q.Text(37), q.Text(38), q.Text(39)};
   return out;
 }
 
@@ -239,15 +242,15 @@ Status SqliteStore::CreateAttempt(const AttemptRow& row, ByteView ticket, const 
     Query q(db,
             "INSERT INTO attempts (tenant, id, person, station, exercise, profile_content, state, "
             "as_reference, ticketed_ms, ticket, exam, due_ms, rate_hz, limit_ticks, flags, "
-            "assignment) VALUES (?1, ?2, ?3, ?4, ?5, ?6, " +
+            "assignment, hands) VALUES (?1, ?2, ?3, ?4, ?5, ?6, " +
                 Sql(AttemptState::kTicketed) +
                 ", ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, "
-                "?15)");
+                "?15, ?16)");
     q.Bind(row.id).Bind(row.person).Bind(row.station).Bind(row.exercise).Bind(row.profile_content);
     q.Bind(static_cast<int64_t>(row.as_reference)).Bind(row.ticketed_ms).Bind(ticket);
     q.Bind(int64_t{row.exam}).Bind(row.due_ms).Bind(int64_t{row.rate_hz});
     q.Bind(static_cast<int64_t>(row.limit_ticks)).Bind(int64_t{row.flags});
-    q.Bind(row.assignment);
+    q.Bind(row.assignment).Bind(static_cast<int64_t>(row.hands));
     ENAMEL_RETURN_IF_ERROR(Explain(q.Run(), "attempt " + row.id.Text() + " exists"));
     return WriteAudit(db, by, "attempt.ticket", row.id.Text(), "{}",
                       JsonOf({{"person", row.person.Text()},

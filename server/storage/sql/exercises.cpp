@@ -133,13 +133,15 @@ Status NoExamMustBeOpen(Db& db, const std::string& name) {
                 "assignment");
 }
 
-// Publishing again must not give a cohort its work twice.
+// Publishing again must not give a cohort its work twice. What is offered without terms is offered to
+// every hand, simulated ones too: the demo, a load test, a school's first look.
 Status AssignOnce(Db& db, const std::string& exercise, const Uuid& cohort) {
   Query q(db,
-          "INSERT INTO assignments (tenant, id, exercise_name, cohort, created_ms) "
-          "SELECT ?1, ?2, ?3, ?4, ?5 WHERE NOT EXISTS (SELECT 1 FROM assignments a "
+          "INSERT INTO assignments (tenant, id, exercise_name, cohort, created_ms, hands) "
+          "SELECT ?1, ?2, ?3, ?4, ?5, ?6 WHERE NOT EXISTS (SELECT 1 FROM assignments a "
           "WHERE a.tenant = ?1 AND a.exercise_name = ?3 AND a.cohort = ?4)");
-  return q.Bind(Uuid::New()).Bind(exercise).Bind(cohort).Bind(NowMs()).Run();
+  q.Bind(Uuid::New()).Bind(exercise).Bind(cohort).Bind(NowMs());
+  return q.Bind(static_cast<int64_t>(HandsAllowed::kAny)).Run();
 }
 
 }  // namespace

@@ -82,6 +82,10 @@ class SqliteStore final : public Store {
   Status RevokeStation(const Uuid& id, const Actor& by) override;
   Result<std::vector<StationRow>> Stations() override;
   Result<std::vector<Uuid>> RevokedStations() override;
+  Result<std::vector<ListedDevice>> ListedDevices() override;
+  Status ListDevice(const std::string& name, const std::string& title, const Actor& by) override;
+  Status UnlistDevice(const std::string& name, const Actor& by) override;
+  Result<bool> IsListed(const Hand& hand) override;
 
   Result<Sha256> PutBlob(ByteView data) override;
   Result<Sha256> PutAttemptBlob(const Uuid& attempt, ByteView data) override;
@@ -271,6 +275,7 @@ ExerciseRow ExerciseOf(const Query& q, int first);
 Status MustBeRevision(int32_t stored, int32_t expected);
 // kForbidden when the terms of the row's assignment leave no attempt to its person.
 Status MayBeIssued(Db& db, const AttemptRow& row);
+Result<bool> IsListedIn(Db& db, const Hand& hand);
 Status SetReleased(Db& db, const Uuid& attempt, bool released, const Actor& by);
 // Sets bits of AttemptFlag that are not set, with an audit row.
 Status SetFlags(Db& db, const Uuid& attempt, uint32_t flags, const std::string& reason,

@@ -118,6 +118,30 @@ Status Contradicted(Db& db, const Uuid& attempt, const std::string& problem) {
                   Actor{{}, "station link"});
 }
 
+// What held the tool goes from the header into columns, for lists. A hand that the terms do not admit
+// is flagged and not refused: what was recorded is kept, and looked at once it is sealed.
+Status KeepHand(Db& db, const Uuid& attempt, ByteView header) {
+  auto decoded = trace::DecodeHeader(header);
+  // Whoever calls OpenAttempt has read the header; a header of another version tells of no hand.
+  if (!decoded.ok()) return Status::Ok();
+  const Hand& hand = decoded->hand;
+  {
+    Query q(db,
+            "UPDATE attempts SET hand_kind = ?3, hand_device = ?4, hand_driver = ?5, hand_unit = "
+            "?6 WHERE tenant = ?1 AND id = ?2");
+    q.Bind(attempt).Bind(static_cast<int64_t>(hand.kind)).Bind(hand.device).Bind(hand.driver);
+    ENAMEL_RETURN_IF_ERROR(q.Bind(hand.unit).Run());
+  }
+  Query terms(db, "SELECT hands FROM attempts WHERE tenant = ?1 AND id = ?2");
+  const bool found = terms.Bind(attempt).Next();
+  ENAMEL_RETURN_IF_ERROR(terms.status());
+  if (!found) return Status::Ok();
+  ENAMEL_ASSIGN_OR_RETURN(const bool listed, IsListedIn(db, hand));
+  Status may = MayHold(static_cast<HandsAllowed>(terms.Int(0)), hand, listed);
+  if (may.ok()) return may;
+  return SetFlags(db, attempt, kOtherHand, may.message(), Actor{{}, "station link"});
+}
+
 // Asked in the writing transaction: what two connections of one station send is put in order
 // here. The station answers a refusal by asking where the server stands.
 Status MustContinue(const Ingest& ingest, const trace::ChunkHead& head) {
@@ -262,12 +286,15 @@ Status SqliteStore::OpenAttempt(const Uuid& attempt, ByteView header) {
               " was handed back, so nothing can be recorded with it; ask for a new ticket",
           "ticket");
     }
-    Query q(db, "UPDATE attempts SET header = ?3, head_hash = ?4, state = " +
-                    Sql(AttemptState::kRecording) +
-                    ", trace_bytes = ?5 "
-                    "WHERE tenant = ?1 AND id = ?2");
-    q.Bind(attempt).Bind(header).Bind(HashSha256(header)).Bind(static_cast<int64_t>(header.size()));
-    return q.Run();
+    {
+      Query q(db, "UPDATE attempts SET header = ?3, head_hash = ?4, state = " +
+                      Sql(AttemptState::kRecording) +
+                      ", trace_bytes = ?5 "
+                      "WHERE tenant = ?1 AND id = ?2");
+      q.Bind(attempt).Bind(header).Bind(HashSha256(header));
+      ENAMEL_RETURN_IF_ERROR(q.Bind(static_cast<int64_t>(header.size())).Run());
+    }
+    return KeepHand(db, attempt, header);
   }));
 }
 
@@ -409,8 +436,14 @@ Status SqliteStore::SealAttempt(const trace::Seal& seal, UnixMs now_ms) {
     ENAMEL_RETURN_IF_ERROR(
         MarkSealed(db, seal.attempt, ingest, blob, now_ms, sealed_rows_.has_value()));
     // Of other work it is a flag that an instructor sees; of an exam nothing is scored before one has
-    // looked.
-    if (ingest.exam && (ingest.flags & kFasterThanTime) != 0) {
+    // looked. Nor is graded work with a hand that was not admitted, which a ticket was refused for or
+    // would have been.
+    if ((ingest.flags & kOtherHand) != 0) {
+      ENAMEL_RETURN_IF_ERROR(
+          Quarantine(db, seal.attempt,
+                     "what held the tool is not what the assignment admits. An instructor may have "
+                     "it scored all the same"));
+    } else if (ingest.exam && (ingest.flags & kFasterThanTime) != 0) {
       ENAMEL_RETURN_IF_ERROR(
           Quarantine(db, seal.attempt,
                      "this exam has more ticks than time between its ticket and their arrival: it "

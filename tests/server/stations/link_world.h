@@ -123,6 +123,7 @@ class ScriptedStation {
     body.set_exercise(protocol::ToField(exercise.view()));
     body.set_profile(protocol::ToField(profile.view()));
     body.set_as_reference(as_reference);
+    if (hand.kind != HandKind::kNotTold) protocol::SetHand(hand, *body.mutable_hand());
     return Send(request);
   }
 
@@ -196,6 +197,8 @@ class ScriptedStation {
   std::string id, credential, session;
   uint32_t core_version = core::kCoreVersion;
 
+  Hand hand;  // that a ticket is asked for with
+
  private:
   Ask ask_;
   uint32_t last_id_ = 0;
@@ -204,7 +207,8 @@ class ScriptedStation {
 // A recording made from a ticket: header and chunks, chained and signed.
 struct Recording {
   Recording(LinkWorld& world, const Bytes& encoded_ticket, const trace::KeyPair& keys,
-            uint32_t chunk_count) {
+            uint32_t chunk_count, const Hand& hand = {}) {
+    header_fields.hand = hand;
     header_fields.ticket = *trace::DecodeTicket(encoded_ticket);
     header_fields.scene = world.scene.content;
     header_fields.volume = world.scene.volume;

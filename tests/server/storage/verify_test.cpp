@@ -223,6 +223,8 @@ TEST_F(EditsTest, OfTheAttemptsRowAreFound) {
       {"profile_content = " + Hex(other_exercise_.content.view()), "result"},
       {"flags = 0", "result"},
       {"head_hash = zeroblob(32)", "chain"},
+      {"hand_kind = 1", "hand"},
+      {"hand_device = 'omega.3'", "hand"},
       {"person = " + Id(AddPerson(*school_.store, "other", Role::kStudent)), "ticket"},
   };
   for (const auto& [edit, kind] : edits) ExpectFound("UPDATE attempts SET " + edit + at, kind);
