@@ -194,6 +194,7 @@ Result<Tool> OpenTool(const RunOptions& options, PreparedAttempt& job) {
                             job.profile, job.header.params, job.volume, options.seed));
     out.simulated = made.get();
     out.device = std::move(made);
+    ENAMEL_RETURN_IF_ERROR(UseHandOf(job, *out.device));
     return out;
   }
   if (options.lockstep) {
@@ -211,6 +212,7 @@ Result<Tool> OpenTool(const RunOptions& options, PreparedAttempt& job) {
   // Before the ticket: the signed header says with what delay, hence with which coupling, it was
   // computed.
   ENAMEL_RETURN_IF_ERROR(UseDelayOf(job, *out.device, options.workplace.data));
+  ENAMEL_RETURN_IF_ERROR(UseHandOf(job, *out.device));
   return out;
 }
 

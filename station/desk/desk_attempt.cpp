@@ -50,6 +50,7 @@ Result<std::unique_ptr<DeskAttempt>> DeskAttempt::Create(PreparedAttempt prepare
     device = attempt->simulated_.get();
   }
   attempt->held_ = std::make_unique<HeldDevice>(*device);
+  ENAMEL_RETURN_IF_ERROR(UseHandOf(attempt->prepared_, *device));
   attempt->zones_ = std::make_unique<ZoneWatch>(p.scene, p.exercise.target, p.volume);
   attempt->reach_ = std::make_unique<ReachWatch>(p.scene, p.exercise.target, p.volume);
   try {

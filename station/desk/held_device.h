@@ -21,6 +21,7 @@ class HeldDevice final : public Device {
 
   std::string Name() const override { return inner_.Name(); }
   std::string Unit() const override { return inner_.Unit(); }
+  Hand hand() const override { return inner_.hand(); }
   ENAMEL_REALTIME DeviceSample ReadSample() noexcept override {
     DeviceSample sample = inner_.ReadSample();
     if (paused_.load(std::memory_order_relaxed)) {

@@ -27,6 +27,7 @@ class PedalledDevice final : public Device {
 
   std::string Name() const override { return device_->Name() + ", pedal: " + pedal_->Name(); }
   std::string Unit() const override { return device_->Unit(); }
+  Hand hand() const override { return device_->hand(); }
   ENAMEL_REALTIME DeviceSample ReadSample() noexcept override {
     DeviceSample sample = device_->ReadSample();
     sample.buttons |= pedal_->buttons();

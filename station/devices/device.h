@@ -5,6 +5,7 @@
 #include <string>
 
 #include "common/base/check.h"
+#include "common/hands/hand.h"
 #include "common/math/orientation.h"
 #include "common/math/vec.h"
 
@@ -58,6 +59,8 @@ class Device {
   // Which unit it is, so that what was measured on it is found again: "hid:1209:0001:SERIAL". Empty
   // where it cannot be told from another of its model, and for what is not attached.
   virtual std::string Unit() const { return {}; }
+  // What holds the tool, for the recording's header. A device around another one says that one's.
+  virtual Hand hand() const = 0;
   ENAMEL_REALTIME virtual DeviceSample ReadSample() noexcept = 0;
   // Force on the operator, N, scene frame; held until the next call. Zero before the first.
   // Torque is 0 with it.

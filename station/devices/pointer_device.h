@@ -93,6 +93,7 @@ class PointerDevice final : public Device {
   void Publish(const PointerPose& pose) noexcept;
 
   std::string Name() const override { return "mouse and keyboard"; }
+  Hand hand() const override { return MakeHand(HandKind::kPointer, Name(), "mouse"); }
   bool has_motors() const noexcept override { return false; }
   ENAMEL_REALTIME DeviceSample ReadSample() noexcept override;
   ENAMEL_REALTIME void SendForce(const dvec3&) noexcept override {}

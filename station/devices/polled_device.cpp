@@ -24,6 +24,7 @@ PolledDevice::PolledDevice(std::unique_ptr<PolledBus> bus, double resolution_m,
                            std::function<void()> thread_setup)
     : bus_(std::move(bus)),
       name_(bus_->Name()),
+      driver_(bus_->Driver()),
       resolution_m_(resolution_m),
       thread_setup_(std::move(thread_setup)),
       thread_([this] { Run(); }) {

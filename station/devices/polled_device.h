@@ -22,6 +22,7 @@ class PolledBus {
 
   virtual ~PolledBus() = default;
   virtual std::string Name() const = 0;
+  virtual std::string Driver() const = 0;  // the library: "dhd"
   // False: the device is gone. Both may wait, for a few milliseconds at most.
   virtual bool Read(Pose& out) = 0;
   virtual bool Send(const dvec3& force_n) = 0;  // scene axes; without torque
@@ -45,6 +46,7 @@ class PolledDevice final : public MotorDevice {
   ~PolledDevice() override;
 
   std::string Name() const override { return name_; }
+  Hand hand() const override { return MakeHand(HandKind::kHaptic, name_, driver_); }
   ENAMEL_REALTIME DeviceSample ReadSample() noexcept override;
   ENAMEL_REALTIME void SendForceAndTorque(const dvec3& force_n,
                                           const dvec3& torque_n_m) noexcept override;
@@ -64,7 +66,7 @@ class PolledDevice final : public MotorDevice {
   void Publish(const PolledBus::Pose& pose, bool attached);
 
   const std::unique_ptr<PolledBus> bus_;
-  const std::string name_;
+  const std::string name_, driver_;
   const double resolution_m_;
   const std::function<void()> thread_setup_;
   TripleBuffer<Message> poses_;

@@ -28,6 +28,10 @@ SimulatedDevice::SimulatedDevice(const PlantParams& params, std::unique_ptr<Simu
   x_ = bur_m_ = operator_->Start_m();
 }
 
+Hand SimulatedDevice::hand() const {
+  return MakeHand(HandKind::kProgram, "simulated device", "operator " + operator_->Name());
+}
+
 std::string SimulatedDevice::Name() const {
   return "simulated device, held by " + operator_->Name();
 }

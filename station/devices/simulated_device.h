@@ -49,6 +49,7 @@ class SimulatedDevice final : public Device {
   SimulatedDevice(const PlantParams& params, std::unique_ptr<SimulatedOperator> op);
 
   std::string Name() const override;
+  Hand hand() const override;
   ENAMEL_REALTIME DeviceSample ReadSample() noexcept override;
   ENAMEL_REALTIME void SendForce(const dvec3& force_n) noexcept override {
     SendForceAndTorque(force_n, dvec3(0));

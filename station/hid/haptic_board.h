@@ -75,6 +75,7 @@ class HapticBoard final : public MotorDevice, private ReportSink {
 
   std::string Name() const override { return name_; }
   std::string Unit() const override { return unit_; }
+  Hand hand() const override { return MakeHand(HandKind::kHaptic, name_, "hid", unit_); }
   ENAMEL_REALTIME DeviceSample ReadSample() noexcept override;
   // The torque goes to a board that says it drives six axes, and is left out otherwise.
   ENAMEL_REALTIME void SendForceAndTorque(const dvec3& force_n,

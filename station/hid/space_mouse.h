@@ -58,6 +58,7 @@ class SpaceMouse final : public Device, private ReportSink {
                                                   double resolution_m, double tick_s);
 
   std::string Name() const override { return name_; }
+  Hand hand() const override { return MakeHand(HandKind::kPointer, name_, "spacemouse"); }
   bool has_motors() const noexcept override { return false; }
   ENAMEL_REALTIME DeviceSample ReadSample() noexcept override;
   ENAMEL_REALTIME void SendForce(const dvec3&) noexcept override {}

@@ -46,6 +46,7 @@ class ForceDimension final : public PolledBus {
     dhdClose(id_);
   }
   std::string Name() const override { return name_; }
+  std::string Driver() const override { return "dhd"; }
 
   bool Read(Pose& out) override {
     double x = 0, y = 0, z = 0;

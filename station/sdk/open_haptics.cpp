@@ -20,6 +20,7 @@ class OpenHaptics final : public PolledBus {
   explicit OpenHaptics(HHD device) : device_(device), name_(ModelName()) {}
   ~OpenHaptics() override { hdDisableDevice(device_); }
   std::string Name() const override { return name_; }
+  std::string Driver() const override { return "openhaptics"; }
 
   bool Read(Pose& out) override {
     HDdouble position[3] = {};

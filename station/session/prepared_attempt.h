@@ -8,6 +8,7 @@
 #include "common/scene/delay.h"
 #include "common/scene/types.h"
 #include "common/trace/trace.h"
+#include "station/devices/device.h"
 #include "station/spool/spool.h"
 
 namespace enamel::station {
@@ -22,6 +23,7 @@ struct PreparedAttempt {
   scene::DeviceProfile profile;
   cutting::Volume volume;  // the tooth before the first cut
   trace::Header header;
+  HandsAllowed hands = HandsAllowed::kAny;  // that its ticket admits, as far as it says
   protocol::AttemptFacts
       facts;  // as it will be begun; one that is resumed has its own in the spool
   // Of an attempt that goes on after a crash: the core where the spool's chunks end, with the tooth
@@ -39,5 +41,10 @@ struct PreparedAttempt {
   const Uuid& attempt() const { return header.ticket.attempt; }
   double voxel_m() const { return volume.spec().voxel_m(); }
 };
+
+// Writes into the header what holds the tool; before the ticket, which is asked for with it. Errors:
+// kForbidden when a ticket taken before does not admit it (a school's list of devices is the
+// server's to know), kConflict when a resumed attempt was begun with another kind.
+Status UseHandOf(PreparedAttempt& prepared, const Device& device);
 
 }  // namespace enamel::station

@@ -39,7 +39,7 @@ Result<PreparedAttempt> Assemble(const Sha256& exercise, const Sha256& profile,
   ENAMEL_ASSIGN_OR_RETURN(auto volume, scene::DecodeVolume(blob));
   out.volume = std::move(volume);
   ENAMEL_ASSIGN_OR_RETURN(auto params, scene::CompilePlan(out.scene, out.exercise, out.profile));
-  out.header = {{}, out.exercise.scene, out.scene.volume, params, SoftwareName()};
+  out.header = {{}, out.exercise.scene, out.scene.volume, params, SoftwareName(), {}};
   return out;
 }
 
@@ -245,15 +245,19 @@ Status Workplace::AskForTicket(PreparedAttempt& prepared, bool as_reference) {
   auto link = UseLink();
   ENAMEL_ASSIGN_OR_RETURN(auto who, SignedIn(*link));
   ENAMEL_RETURN_IF_ERROR(TellReturned(*link));
-  ENAMEL_ASSIGN_OR_RETURN(auto ticket,
-                          link->RequestTicket(credentials_, who,
-                                              {prepared.exercise_hash, prepared.profile_hash,
-                                               prepared.assignment, as_reference, false}));
+  // A server from before there were hands does not read a header that tells of one.
+  if (link->header_version() < 2) prepared.header.hand = {};
+  ENAMEL_ASSIGN_OR_RETURN(
+      auto issued,
+      link->RequestTicket(credentials_, who,
+                          {prepared.exercise_hash, prepared.profile_hash, prepared.assignment,
+                           as_reference, false, prepared.header.hand}));
   // From here on the ticket counts at the server. Should the program crash before Begin, only the
   // ticket's own end frees it.
-  prepared.header.ticket = ticket;
+  prepared.header.ticket = issued.ticket;
+  prepared.hands = issued.hands;
   std::lock_guard lock(mutex_);
-  unused_ = ticket.attempt;
+  unused_ = issued.ticket.attempt;
   return Status::Ok();
 }
 
@@ -317,16 +321,18 @@ Status Workplace::Reserve(const PreparedAttempt& prepared, const std::string& pi
   ENAMEL_RETURN_IF_ERROR(TicketSafe::CheckPin(pin));
   auto link = UseLink();
   ENAMEL_ASSIGN_OR_RETURN(auto who, SignedIn(*link));
-  ENAMEL_ASSIGN_OR_RETURN(auto ticket,
-                          link->RequestTicket(credentials_, who,
-                                              {prepared.exercise_hash, prepared.profile_hash,
-                                               prepared.assignment, false, true}));
+  ENAMEL_ASSIGN_OR_RETURN(
+      auto issued,
+      link->RequestTicket(
+          credentials_, who,
+          {prepared.exercise_hash, prepared.profile_hash, prepared.assignment, false, true, {}}));
   LockedTicket names;
   names.person = who.display_name;
   names.exercise = prepared.exercise.name;
   names.title = prepared.exercise.title;
   names.profile = prepared.profile.name;
-  return safe_.Put(ticket, names, pin);
+  names.hands = issued.hands;
+  return safe_.Put(issued.ticket, names, pin);
 }
 
 Result<std::vector<ReservedAttempt>> Workplace::Reserved() {
@@ -394,8 +400,11 @@ Result<PreparedAttempt> Workplace::PrepareReserved(const Uuid& attempt, const st
   }
   ENAMEL_ASSIGN_OR_RETURN(auto ticket, safe_.Open(attempt, pin));
   ENAMEL_RETURN_IF_ERROR(CheckTicket(ticket));
-  auto prepared = FromCache(ticket);
-  if (prepared.ok()) prepared->header.ticket = ticket;
+  ENAMEL_ASSIGN_OR_RETURN(auto prepared, FromCache(ticket));
+  prepared.header.ticket = ticket;
+  ENAMEL_ASSIGN_OR_RETURN(const auto locked, safe_.List());
+  auto found = std::ranges::find(locked, attempt, &LockedTicket::attempt);
+  if (found != locked.end()) prepared.hands = found->hands;
   return prepared;
 }
 

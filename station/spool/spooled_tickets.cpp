@@ -12,7 +12,7 @@ Status SpooledTickets::Put(const LockedTicket& ticket) {
   sql::Query s(
       file_.db(),
       "INSERT INTO tickets (attempt, person, exercise, title, profile, expires_unix_ms, salt,"
-      " locked) VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
+      " locked, hands) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)");
   s.BindBlob(ticket.attempt.view())
       .BindText(ticket.person)
       .BindText(ticket.exercise)
@@ -20,7 +20,8 @@ Status SpooledTickets::Put(const LockedTicket& ticket) {
       .BindText(ticket.profile)
       .BindInt(ticket.expires_unix_ms)
       .BindBlob(ticket.salt)
-      .BindBlob(ticket.locked);
+      .BindBlob(ticket.locked)
+      .BindInt(static_cast<int64_t>(ticket.hands));
   return file_.Run(s, "storing a ticket");
 }
 
@@ -28,7 +29,7 @@ Result<std::vector<LockedTicket>> SpooledTickets::List() {
   std::lock_guard lock(file_.mutex());
   sql::Query s(file_.db(),
                "SELECT attempt, person, exercise, title, profile, expires_unix_ms, salt, locked,"
-               " wrong_pins, wait_unix_ms FROM tickets ORDER BY attempt");
+               " wrong_pins, wait_unix_ms, hands FROM tickets ORDER BY attempt");
   std::vector<LockedTicket> out;
   while (s.Next()) {
     LockedTicket t;
@@ -44,6 +45,7 @@ Result<std::vector<LockedTicket>> SpooledTickets::List() {
     t.locked = s.Blob(7);
     t.wrong_pins = static_cast<int>(s.Int(8));
     t.wait_unix_ms = s.Int(9);
+    t.hands = static_cast<HandsAllowed>(s.Int(10));
     out.push_back(std::move(t));
   }
   if (!s.status().ok()) return file_.Fail("listing tickets");

@@ -9,6 +9,7 @@
 #include "common/base/bytes.h"
 #include "common/base/result.h"
 #include "common/base/uuid.h"
+#include "common/hands/hand.h"
 
 namespace enamel::station {
 
@@ -23,6 +24,7 @@ struct LockedTicket {
   Bytes locked;  // empty: it opens nothing any more, and the server is yet to be told
   int wrong_pins = 0;
   int64_t wait_unix_ms = 0;  // no PIN is tried before
+  HandsAllowed hands = HandsAllowed::kAny;
 
   bool handed_back() const { return locked.empty(); }
 };

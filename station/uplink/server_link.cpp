@@ -17,6 +17,11 @@ Status Unexpected(const char* wanted) {
                                     wanted + ": it speaks another version of the protocol");
 }
 
+// A newer server's word for it is not known here; that server looks at it itself.
+HandsAllowed HandsIn(const std::string& name) {
+  return HandsAllowedFromName(name).value_or(HandsAllowed::kAny);
+}
+
 }  // namespace
 
 std::string SoftwareName() { return "enamel-station " ENAMEL_VERSION; }
@@ -113,6 +118,7 @@ Status ServerLink::Connect(const Credentials& credentials) {
   may_begin_ = reply->welcome().core_version() == core::kCoreVersion;
   // Shown to people who type it elsewhere: what is no plain address is passed over.
   const std::string& page_url = reply->welcome().page_url();
+  header_version_ = std::max(1u, reply->welcome().header_version());
   page_url_ = protocol::IsPageUrl(page_url) ? page_url : "";
   return Status::Ok();
 }
@@ -148,7 +154,7 @@ Result<Catalogue> ServerLink::ListExercises(const Person& person) {
     }
     out.exercises.push_back({e.name(), e.title(), *exercise, *scene, *volume, assignment,
                              e.due_unix_ms(), e.late_allowed(), e.attempt_limit(),
-                             e.attempts_left(), e.exam(), e.refusal()});
+                             e.attempts_left(), e.exam(), HandsIn(e.hands()), e.refusal()});
   }
   for (const auto& p : reply.exercises().profiles()) {
     ENAMEL_ASSIGN_OR_RETURN(auto profile, protocol::ReadSha256(p.profile(), "profile"));
@@ -187,8 +193,8 @@ Result<Bytes> ServerLink::FetchBlob(const Sha256& name, const BlobCache& cache) 
   return blob;
 }
 
-Result<trace::Ticket> ServerLink::RequestTicket(const Credentials& credentials,
-                                                const Person& person, const TicketRequest& wanted) {
+Result<IssuedTicket> ServerLink::RequestTicket(const Credentials& credentials, const Person& person,
+                                               const TicketRequest& wanted) {
   wire::Request request;
   auto* ask = request.mutable_request_ticket();
   ask->set_session(person.session);
@@ -199,6 +205,7 @@ Result<trace::Ticket> ServerLink::RequestTicket(const Credentials& credentials,
   if (!wanted.assignment.IsZero()) {
     ask->set_assignment(protocol::ToField(wanted.assignment.view()));
   }
+  if (wanted.hand.kind != HandKind::kNotTold) protocol::SetHand(wanted.hand, *ask->mutable_hand());
   ENAMEL_ASSIGN_OR_RETURN(auto reply, Call(request));
   if (!reply.has_ticket_issued()) return Unexpected("TicketIssued");
   auto ticket = trace::DecodeTicket(AsBytes(reply.ticket_issued().ticket()));
@@ -210,7 +217,7 @@ Result<trace::Ticket> ServerLink::RequestTicket(const Credentials& credentials,
                   "the server issued a ticket for something else, or one it did not "
                   "sign: no attempt was begun; tell its admin");
   }
-  return ticket;
+  return IssuedTicket{*ticket, HandsIn(reply.ticket_issued().hands())};
 }
 
 Result<AttemptProgress> ServerLink::AttemptStatus(const Person& person, const Uuid& attempt) {

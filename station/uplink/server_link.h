@@ -40,6 +40,7 @@ struct Catalogue {
     bool late_allowed = false;
     uint32_t attempt_limit = 0, attempts_left = 0;
     bool exam = false;
+    HandsAllowed hands = HandsAllowed::kAny;
     std::string refusal;  // why an attempt cannot be begun here and now; empty: it can
   };
   struct Profile {
@@ -56,6 +57,11 @@ struct TicketRequest {
   Uuid assignment;            // as the catalogue has it
   bool as_reference = false;  // instructors only
   bool for_later = false;     // to be used with or without the server
+  Hand hand{};                // what will hold the tool; not told: it is not known yet
+};
+struct IssuedTicket {
+  trace::Ticket ticket;
+  HandsAllowed hands = HandsAllowed::kAny;  // that it admits; what a server did not say, it admits
 };
 
 struct HeldAttempt {
@@ -99,6 +105,8 @@ class ServerLink {
   // Where people open the page, as the server said when it was connected to; empty: it did not, or
   // not so that it can be shown (protocol::IsPageUrl).
   const std::string& page_url() const { return page_url_; }
+  // The newest version of a recording's header that the server reads.
+  uint32_t header_version() const { return header_version_; }
   // How far the server's clock is ahead of this machine's, ms, to half the time the hello took.
   int64_t server_ahead_ms() const { return server_ahead_ms_; }
 
@@ -107,8 +115,8 @@ class ServerLink {
   // From the cache if it is there. Errors: kConflict when what came is not what was asked for.
   Result<Bytes> FetchBlob(const Sha256& name, const BlobCache& cache);
   // Signature, station, exercise and profile are checked.
-  Result<trace::Ticket> RequestTicket(const Credentials& credentials, const Person& person,
-                                      const TicketRequest& wanted);
+  Result<IssuedTicket> RequestTicket(const Credentials& credentials, const Person& person,
+                                     const TicketRequest& wanted);
 
   // Errors: kNotFound, also for somebody else's attempt.
   Result<AttemptProgress> AttemptStatus(const Person& person, const Uuid& attempt);
@@ -160,6 +168,7 @@ class ServerLink {
   net::FrameClient client_;
   uint32_t last_id_ = 0;
   bool may_begin_ = false;
+  uint32_t header_version_ = 1;
   std::string page_url_;
   int64_t server_ahead_ms_ = 0;
 };

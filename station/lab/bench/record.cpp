@@ -55,6 +55,7 @@ class NoisyDevice final : public Device {
       : inner_(inner), sigma_(sigma_counts), random_(seed) {}
 
   std::string Name() const override { return "noisy"; }
+  Hand hand() const override { return inner_.hand(); }
   DeviceSample ReadSample() noexcept override {
     // Once its operator has finished, the simulated device is asked no more: it would end the
     // attempt.

@@ -8,6 +8,7 @@ namespace {
 class Handpiece final : public Device {
  public:
   std::string Name() const override { return "scripted"; }
+  Hand hand() const override { return MakeHand(HandKind::kHaptic, Name(), "test"); }
   DeviceSample ReadSample() noexcept override {
     DeviceSample sample;
     sample.counts = {3, 4, 5};

@@ -41,6 +41,7 @@ class ScriptedBus final : public PolledBus {
  public:
   explicit ScriptedBus(std::shared_ptr<Script> script) : script_(std::move(script)) {}
   std::string Name() const override { return "scripted library"; }
+  std::string Driver() const override { return "scripted"; }
   bool Read(Pose& out) override {
     std::unique_lock lock(script_->mutex);
     // Bounded, as a library's call is: what is read then is the same pose again.

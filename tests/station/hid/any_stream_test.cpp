@@ -135,6 +135,7 @@ class Watched final : public Device {
  public:
   explicit Watched(Device& inner) : inner_(inner) {}
   std::string Name() const override { return inner_.Name(); }
+  Hand hand() const override { return inner_.hand(); }
   DeviceSample ReadSample() noexcept override { return last = inner_.ReadSample(); }
   void SendForce(const dvec3& force_n) noexcept override { inner_.SendForce(force = force_n); }
   double still_before_force_s() const noexcept override { return 0; }

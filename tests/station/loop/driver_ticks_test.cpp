@@ -177,6 +177,7 @@ class Watched final : public Device {
  public:
   explicit Watched(Device& inner) : inner_(inner) {}
   std::string Name() const override { return inner_.Name(); }
+  Hand hand() const override { return inner_.hand(); }
   DeviceSample ReadSample() noexcept override {
     ++reads;
     return inner_.ReadSample();

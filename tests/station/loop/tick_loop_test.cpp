@@ -21,6 +21,7 @@ namespace {
 class ScriptedDevice final : public Device {
  public:
   std::string Name() const override { return "scripted"; }
+  Hand hand() const override { return MakeHand(HandKind::kHaptic, Name(), "test"); }
   DeviceSample ReadSample() noexcept override {
     DeviceSample s = sample;
     s.counts[2] = start_z - static_cast<int32_t>(reads++) * step;

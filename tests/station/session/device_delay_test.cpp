@@ -21,6 +21,7 @@ class Attached final : public Device {
   explicit Attached(bool motors, std::string unit = "hid:1209:0001:SN7")
       : motors_(motors), unit_(std::move(unit)) {}
   std::string Name() const override { return "arm"; }
+  Hand hand() const override { return MakeHand(HandKind::kHaptic, Name(), "test"); }
   std::string Unit() const override { return unit_; }
   bool has_motors() const noexcept override { return motors_; }
   DeviceSample ReadSample() noexcept override { return {}; }

@@ -19,6 +19,7 @@ namespace {
 class HeldDevice final : public Device {
  public:
   std::string Name() const override { return "held"; }
+  Hand hand() const override { return MakeHand(HandKind::kHaptic, Name(), "test"); }
   DeviceSample ReadSample() noexcept override { return sample; }
   void SendForce(const dvec3&) noexcept override {}
 

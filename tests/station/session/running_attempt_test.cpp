@@ -23,6 +23,7 @@ class Plunging final : public Device {
  public:
   Plunging(int32_t from, int32_t to) : z_(from), to_(to) {}
   std::string Name() const override { return "plunging"; }
+  Hand hand() const override { return MakeHand(HandKind::kHaptic, Name(), "test"); }
   bool has_motors() const noexcept override { return true; }
   DeviceSample ReadSample() noexcept override {
     DeviceSample s;

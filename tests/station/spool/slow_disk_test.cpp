@@ -21,6 +21,7 @@ class Plunging final : public Device {
  public:
   explicit Plunging(int32_t from) : z_(from) {}
   std::string Name() const override { return "plunging"; }
+  Hand hand() const override { return MakeHand(HandKind::kHaptic, Name(), "test"); }
   DeviceSample ReadSample() noexcept override {
     DeviceSample s;
     s.counts[2] = --z_;

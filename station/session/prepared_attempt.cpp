@@ -1,0 +1,21 @@
+#include "station/session/prepared_attempt.h"
+
+namespace enamel::station {
+
+Status UseHandOf(PreparedAttempt& prepared, const Device& device) {
+  const Hand hand = device.hand();
+  ENAMEL_RETURN_IF_ERROR(MayHold(prepared.hands, hand, true));
+  const Hand& begun = prepared.header.hand;
+  if (!prepared.core) {
+    prepared.header.hand = hand;
+    return Status::Ok();
+  }
+  // Its header is recorded and stays: a recording by two kinds of hand would say it was by one.
+  if (begun.kind == HandKind::kNotTold || begun.kind == hand.kind) return Status::Ok();
+  return Status(Code::kConflict,
+                "this attempt was begun with " + HandText(begun) + ", found " + HandText(hand) +
+                    "; go on with what it was begun with",
+                "hand");
+}
+
+}  // namespace enamel::station
