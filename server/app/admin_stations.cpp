@@ -118,6 +118,31 @@ Status RevokeStation(const std::filesystem::path& data, const std::string& stati
   return Status::Ok();
 }
 
+Status ListDevice(const std::filesystem::path& data, const std::string& name,
+                  const std::string& title) {
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  ENAMEL_RETURN_IF_ERROR(store->ListDevice(name, title, kCommandLine));
+  Say("graded work may be done with {} ({})\n", title, name);
+  return Status::Ok();
+}
+
+Status UnlistDevice(const std::filesystem::path& data, const std::string& name) {
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  ENAMEL_RETURN_IF_ERROR(store->UnlistDevice(name, kCommandLine));
+  Say("{} is no longer on the list; what was done with it stays\n", name);
+  return Status::Ok();
+}
+
+Status ListListedDevices(const std::filesystem::path& data) {
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  ENAMEL_ASSIGN_OR_RETURN(auto rows, store->ListedDevices());
+  for (const ListedDevice& row : rows) {
+    Say("{:<40} {:<24} since {} UTC\n", row.name, row.title, UtcText(row.added_ms));
+  }
+  if (rows.empty()) Say("no device is listed: admin list-device NAME --title TEXT lists one\n");
+  return Status::Ok();
+}
+
 Status PutProfile(const std::filesystem::path& data, const std::filesystem::path& file,
                   bool check_only) {
   ENAMEL_ASSIGN_OR_RETURN(auto text, ReadText(file));
@@ -215,6 +240,29 @@ void DeclareStations(CommandGroup admin) {
                       [](const Folder& o) { return RevokeStation(o.data, o.station); });
   AddData(revoke, r.data);
   revoke->add_option("--station", r.station, "Its name, or the id list-stations shows")->required();
+
+  struct Listing {
+    std::filesystem::path data;
+    std::string name, title;
+  };
+  auto [put, p] = Declare<Listing>(
+      admin, "list-device", "Put a haptic device on the list that graded work is done with",
+      [](const Listing& o) { return ListDevice(o.data, o.name, o.title); });
+  put->add_option("NAME", p.name,
+                  "Its unit, as `enamel-station devices` shows it; its model where it has none")
+      ->required();
+  AddData(put, p.data);
+  put->add_option("--title", p.title, "For people: \"chair 3\"")->required();
+
+  auto [take, t] = Declare<Listing>(admin, "unlist-device", "Take it off that list",
+                                    [](const Listing& o) { return UnlistDevice(o.data, o.name); });
+  take->add_option("NAME", t.name, "As list-listed-devices shows it")->required();
+  AddData(take, t.data);
+
+  auto [show, s] =
+      Declare<Listing>(admin, "list-listed-devices", "Haptic devices that graded work is done with",
+                       [](const Listing& o) { return ListListedDevices(o.data); });
+  AddData(show, s.data);
 }
 
 void DeclareProfiles(CommandGroup admin) {

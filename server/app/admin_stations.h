@@ -21,6 +21,13 @@ Status ListAwaited(const std::filesystem::path& data);
 // `station`: its id, or its name when only one admitted station has it. For good.
 Status RevokeStation(const std::filesystem::path& data, const std::string& station);
 
+// Haptic devices that graded work is done with: `name` is its unit as `enamel-station devices` shows
+// it, or its model where that shows none; `title` is for people.
+Status ListDevice(const std::filesystem::path& data, const std::string& name,
+                  const std::string& title);
+Status UnlistDevice(const std::filesystem::path& data, const std::string& name);
+Status ListListedDevices(const std::filesystem::path& data);
+
 // Prints every criterion with its figures (common/scene/profile_criteria.h); stores the profile as
 // the newest version of its name when all are met, unless it is only to be checked.
 Status PutProfile(const std::filesystem::path& data, const std::filesystem::path& file,

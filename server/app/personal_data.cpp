@@ -7,6 +7,7 @@
 #include "server/app/command_line.h"
 #include "server/app/data_folder.h"
 #include "server/app/say.h"
+#include "server/http/handlers/attempt_view.h"
 #include "server/http/handlers/audit_view.h"
 #include "server/storage/parts.h"
 
@@ -132,6 +133,7 @@ class Exporter {
     for (const char* flag : AttemptFlagNames(row.flags)) flags.emplace_back(flag);
     out["flags"] = std::move(flags);
     out["facts"] = json::parse(row.facts);
+    out["hand"] = http::HandJson(row.hand);
     return out;
   }
 

@@ -132,6 +132,7 @@ json::object Facts(const AttemptRow& row, const ScoreResult& score,
                    {"metrics", std::move(metrics)}};
   auto deviation = Metric(score, kDeviationMetric);
   out["deviation_rms_mm"] = deviation ? json::value(*deviation) : json::value();
+  out["hand"] = {{"kind", HandKindName(row.hand.kind)}, {"text", HandText(row.hand)}};
   out["ticks"] = score.ticks;
   out["chunks"] = row.chunks;
   out["gaps"] = score.gap_ticks;
@@ -166,6 +167,7 @@ void PrintTable(const AttemptRow& row, const ScoreResult& score, const Store::At
          fmt::format("{:>9.3f} {}", m.value, m.unit));
   }
   Say("Trace\n");
+  Line("held by", HandText(row.hand));
   Line("ticks, chunks", fmt::format("{}, {}", score.ticks, row.chunks));
   Line("size",
        fmt::format("{:.1f} kB ({:.1f} bytes a tick)", static_cast<double>(row.trace_bytes) / 1e3,

@@ -38,9 +38,10 @@ void Show(const AssignmentRow& row) {
   std::string cohort = row.cohort.IsZero() ? "everybody" : row.cohort_name;
   std::string stations =
       row.stations.empty() ? "" : fmt::format(", at {} stations", row.stations.size());
-  Say("{}  {:<28} {:<20} opens {}, due {}{}, attempts: {}{}{}\n", row.id.Text(), row.exercise,
-      cohort, WhenText(row.opens_ms, "at once"), WhenText(row.due_ms, "never"),
-      row.late_allowed ? " (late allowed)" : "", limit, row.exam ? ", exam" : "", stations);
+  Say("{}  {:<28} {:<20} opens {}, due {}{}, attempts: {}{}{}, graded work with {}\n",
+      row.id.Text(), row.exercise, cohort, WhenText(row.opens_ms, "at once"),
+      WhenText(row.due_ms, "never"), row.late_allowed ? " (late allowed)" : "", limit,
+      row.exam ? ", exam" : "", stations, HandsAllowedText(row.hands));
 }
 
 UnixMs UnixNowMs() {
@@ -149,6 +150,13 @@ Status AssignExercise(const std::filesystem::path& data, const NewAssignment& as
   row.exam = assignment.exam;
   row.late_allowed = assignment.late_allowed;
   row.stations = stations;
+  const auto hands = HandsAllowedFromName(assignment.hands);
+  if (!hands) {
+    return Status(Code::kInvalidInput,
+                  "expected listed, haptic, pointer or any, found \"" + assignment.hands + "\"",
+                  "hands");
+  }
+  row.hands = *hands;
   ENAMEL_RETURN_IF_ERROR(CheckTerms(row));
   ENAMEL_ASSIGN_OR_RETURN(auto added, store->AddAssignment(row, kCommandLine));
   Show(added);
@@ -220,7 +228,8 @@ void DeclareExercises(CommandGroup admin) {
       ->capture_default_str();
   publish->footer(
       "A document that differs from the newest version of its name becomes the next version;\n"
-      "a published version never changes. Dates, limits and exams: assign-exercise.\n\n"
+      "a published version never changes. Whom it is offered to may work with any hand, also a\n"
+      "simulated one. Dates, limits, exams and which hands: --unassigned, then assign-exercise.\n\n"
       "  enamel-server admin publish-exercise --data DIR --scene builtin:molar --name class-1");
 
   struct Named {
@@ -262,6 +271,13 @@ void DeclareAssignments(CommandGroup admin) {
   assign->add_flag("--exam", row.exam,
                    "No score before it is released; begun online, one at a time");
   assign->add_option("--station", row.stations, "Where the exam is taken (repeatable)");
+  assign
+      ->add_option(
+          "--hands", row.hands,
+          "What may hold the tool in graded work and exams: haptic devices on the school's "
+          "list, every haptic device, a mouse too, or any, also a simulated hand")
+      ->check(CLI::IsMember({"listed", "haptic", "pointer", "any"}))
+      ->capture_default_str();
   assign->footer(
       "  enamel-server admin assign-exercise --data DIR --exercise class-1-molar-46 --cohort "
       "\"Year 2\" \\\n"

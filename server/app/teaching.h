@@ -28,6 +28,7 @@ struct NewAssignment {
   uint32_t attempt_limit = 0;
   bool exam = false, late_allowed = false;
   std::vector<std::string> stations;  // names, of an exam
+  std::string hands = "listed";       // HandsAllowedName
 };
 Status AssignExercise(const std::filesystem::path& data, const NewAssignment& assignment);
 Status EndAssignment(const std::filesystem::path& data, const std::string& id);

@@ -69,6 +69,7 @@ class AssignmentView {
             {"attempt_limit", row.attempt_limit},
             {"exam", row.exam},
             {"late_allowed", row.late_allowed},
+            {"hands", HandsAllowedName(row.hands)},
             {"stations", std::move(stations)},
             {"created_ms", row.created_ms},
             {"revision", row.revision},
@@ -129,9 +130,14 @@ Status MustBeAssignable(const Call& call, TeachingStore& store, const Uuid& coho
           "cohort_id"};
 }
 
-Result<AssignmentRow> TermsIn(const Call& call) {
+constexpr size_t kMaxHandsName = 16;
+
+// `hands`: what holds where the body does not say, as of a client from before there was that term.
+Result<AssignmentRow> TermsIn(const Call& call, HandsAllowed hands) {
   BodyReader body(call.request);
   AssignmentRow row;
+  const std::string named =
+      body.Has("hands") ? body.Text("hands", 1, kMaxHandsName) : HandsAllowedName(hands);
   row.exercise = body.Text("exercise", 1, kMaxName);
   row.cohort = body.MaybeId("cohort_id").value_or(Uuid{});
   row.opens_ms = body.Integer("opens_ms", 0, kMaxTimeMs, 0);
@@ -141,6 +147,13 @@ Result<AssignmentRow> TermsIn(const Call& call) {
   row.late_allowed = body.Flag("late_allowed", false);
   row.stations = body.Ids("station_ids", kMaxStations);
   ENAMEL_RETURN_IF_ERROR(body.Finish());
+  const auto admitted = HandsAllowedFromName(named);
+  if (!admitted) {
+    return Status(Code::kInvalidInput,
+                  "expected hands to be listed, haptic, pointer or any, found \"" + named + "\"",
+                  "hands");
+  }
+  row.hands = *admitted;
   // Of the terms together: due after it opens, and stations with exams only.
   ENAMEL_RETURN_IF_ERROR(CheckTerms(row));
   return row;
@@ -225,7 +238,7 @@ Response ListAssignments(const Call& call, Parts<StationStore, ContentStore, Tea
 
 Response AddAssignment(const Call& call, Parts<StationStore, ContentStore, TeachingStore> store) {
   if (!IsJson(call.request)) return NotJson();
-  Result<AssignmentRow> terms = TermsIn(call);
+  Result<AssignmentRow> terms = TermsIn(call, HandsAllowed::kListed);
   if (!terms.ok()) return ErrorResponse(terms.status());
   if (Status may = MustBeAssignable(call, store, terms->cohort); !may.ok())
     return ErrorResponse(may);
@@ -245,7 +258,7 @@ Response ReplaceAssignment(const Call& call,
   if (!IsJson(call.request)) return NotJson();
   Result<AssignmentRow> edited = BeginEdit(call, store);
   if (!edited.ok()) return ErrorResponse(edited.status());
-  Result<AssignmentRow> terms = TermsIn(call);
+  Result<AssignmentRow> terms = TermsIn(call, edited->hands);
   if (!terms.ok()) return ErrorResponse(terms.status());
   if (Status may = MustBeAssignable(call, store, terms->cohort); !may.ok())
     return ErrorResponse(may);

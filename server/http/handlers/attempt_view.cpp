@@ -2,6 +2,7 @@
 
 #include <boost/json.hpp>
 
+#include "common/base/utf8.h"
 #include "common/scene/json/json.h"
 #include "common/scoring/score.h"
 #include "server/http/caller.h"
@@ -25,6 +26,13 @@ json::object PersonJson(const AttemptRow& row) {
 }
 
 }  // namespace
+
+json::object HandJson(const Hand& hand) {
+  return {{"kind", HandKindName(hand.kind)},
+          {"device", AsUtf8(hand.device)},
+          {"driver", AsUtf8(hand.driver)},
+          {"unit", AsUtf8(hand.unit)}};
+}
 
 Result<const AttemptView::Exercise*> AttemptView::ExerciseOf(const AttemptRow& row) {
   // A list of 200 attempts is of a few exercises, stations and profiles: each is read once per
@@ -120,6 +128,7 @@ Result<json::object> AttemptView::Json(const AttemptRow& row) {
                       {"due_ms", row.due_ms},
                       {"flags", std::move(flags)},
                       {"facts", json::parse(row.facts)},
+                      {"hand", HandJson(row.hand)},
                       {"progress", row.progress},
                       {"ticketed_ms", row.ticketed_ms},
                       {"sealed_ms", row.sealed_ms},

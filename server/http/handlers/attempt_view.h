@@ -12,6 +12,8 @@
 
 namespace enamel::server::http {
 
+boost::json::object HandJson(const Hand& hand);
+
 using AttemptViewParts =
     Parts<PeopleStore, StationStore, ContentStore, TeachingStore, JudgingStore, AttemptStore>;
 

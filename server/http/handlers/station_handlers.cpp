@@ -155,4 +155,35 @@ Response WithdrawEnrolCode(const Call& call, StationStore& store) {
   return response;
 }
 
+Response ListListedDevices(const Call&, StationStore& store) {
+  Result<std::vector<ListedDevice>> rows = store.ListedDevices();
+  if (!rows.ok()) return ErrorResponse(rows.status());
+  json::array devices;
+  for (const ListedDevice& row : *rows) {
+    devices.push_back({{"name", row.name}, {"title", row.title}, {"added_ms", row.added_ms}});
+  }
+  return JsonResponse({{"devices", std::move(devices)}});
+}
+
+Response ListDevice(const Call& call, StationStore& store) {
+  if (!IsJson(call.request)) return NotJson();
+  BodyReader body(call.request);
+  const std::string name = body.Text("name", 1, kMaxHandTextBytes);
+  const std::string title = body.Text("title", 1, kMaxHandTextBytes);
+  if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
+  if (Status done = store.ListDevice(name, title, ActorOf(call)); !done.ok()) {
+    return ErrorResponse(done);
+  }
+  return ListListedDevices(call, store);
+}
+
+Response UnlistDevice(const Call& call, StationStore& store) {
+  if (!IsJson(call.request)) return NotJson();
+  BodyReader body(call.request);
+  const std::string name = body.Text("name", 1, kMaxHandTextBytes);
+  if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
+  if (Status done = store.UnlistDevice(name, ActorOf(call)); !done.ok()) return ErrorResponse(done);
+  return ListListedDevices(call, store);
+}
+
 }  // namespace enamel::server::http

@@ -172,6 +172,8 @@ TEST_F(CommandsTest, ExercisesArePublishedAssignedAndRetiredFromTheCommandLine) 
   exam.stations.clear();
   exam.opens = exam.due;
   EXPECT_EQ(AssignExercise(Data(), exam).field(), "due_ms");
+  exam.hands = "robots";
+  EXPECT_EQ(AssignExercise(Data(), exam).field(), "hands");
   Uuid id;
   {
     auto store = OpenForCommand(Data());
@@ -183,6 +185,7 @@ TEST_F(CommandsTest, ExercisesArePublishedAssignedAndRetiredFromTheCommandLine) 
     ASSERT_EQ(rows->size(), 1u) << "unassigned until assigned";
     EXPECT_EQ(rows->front().due_ms, 1'796'126'400'000);  // date -u -d "2026-12-01 12:00" +%s
     EXPECT_TRUE(rows->front().exam);
+    EXPECT_EQ(rows->front().hands, HandsAllowed::kListed);
     id = rows->front().id;
   }
   EXPECT_TRUE(ReleaseAssignment(Data(), id.Text()).ok());

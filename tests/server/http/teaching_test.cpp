@@ -259,6 +259,36 @@ TEST_F(TeachingTest, InstructorAssignsToOwnCohortsAndAdminToEverybody) {
             2u);
 }
 
+TEST_F(TeachingTest, AssignmentSaysWhatMayHoldTheTool) {
+  RawResponse made = Post("ada", "/api/v1/assignments", Terms(school_.cohort_a));
+  EXPECT_EQ(Parsed(made).at("hands"), "listed") << "unless somebody allows more";
+  const std::string path = "/api/v1/assignments/" + std::string(Parsed(made).at("id").as_string());
+  json::object terms = Terms(school_.cohort_a);
+  terms["hands"] = "any";
+  RawResponse edited = Send("ada", "PUT", path, terms, made.headers["etag"]);
+  EXPECT_EQ(Parsed(edited).at("hands"), "any") << edited.body;
+  // A client from before there was that term.
+  RawResponse again = Send("ada", "PUT", path, Terms(school_.cohort_a), edited.headers["etag"]);
+  EXPECT_EQ(Parsed(again).at("hands"), "any") << "what is not said is not changed";
+}
+
+TEST_F(TeachingTest, DevicesAreListedNamedAnewAndTakenOffTheList) {
+  const char* kPath = "/api/v1/listed-devices";
+  EXPECT_TRUE(Parsed(By("ada").Get(kPath)).at("devices").as_array().empty());
+  json::object device{{"name", "hid:1209:0001:A7"}, {"title", "chair 3"}};
+  EXPECT_EQ(Post("root", kPath, device).status, 200);
+  device["title"] = "chair 4";
+  RawResponse listed = Post("root", kPath, device);
+  json::value all = Parsed(listed);
+  ASSERT_EQ(all.at("devices").as_array().size(), 1u) << listed.body;
+  EXPECT_EQ(all.at("devices").at(0).at("title"), "chair 4");
+  device["title"] = "";
+  EXPECT_EQ(Post("root", kPath, device).status, 400);
+  json::object name{{"name", "hid:1209:0001:A7"}};
+  EXPECT_EQ(Post("root", std::string(kPath) + "/remove", name).status, 200);
+  EXPECT_EQ(Post("root", std::string(kPath) + "/remove", name).status, 404);
+}
+
 TEST_F(TeachingTest, TermsThatMakeNoSenseAreRefusedWithTheField) {
   const std::pair<json::object, std::string> bads[] = {
       {{{"opens_ms", 100}, {"due_ms", 50}}, "due_ms"},
@@ -270,6 +300,8 @@ TEST_F(TeachingTest, TermsThatMakeNoSenseAreRefusedWithTheField) {
       {{{"exam", true}, {"station_ids", json::array{Uuid::New().Text()}}}, "station_ids"},
       {{{"exercise", "no such exercise"}}, "exercise"},
       {{{"cohort_id", 7}}, "cohort_id"},
+      {{{"hands", "robots"}}, "hands"},
+      {{{"hands", 1}}, "hands"},
       {{{"due", 7}}, "due"},
   };
   for (const auto& [change, field] : bads) {
