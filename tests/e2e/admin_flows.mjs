@@ -16,6 +16,7 @@ export const adminFlows = [
   { name: "a roster with problems changes nothing, a right one is imported after a look", run: importRoster },
   { name: "a cohort gets and loses members, and its grades are saved without a formula in them", run: cohortAndGrades },
   { name: "a station is enrolled by a code, renamed and revoked", run: stations },
+  { name: "a device is listed for graded work and taken off again", run: listedDevices },
   { name: "a device profile is judged by its criteria, and a calibration is added", run: profiles },
   { name: "what a hand can feel fits narrow and wide screens, dark and light", run: feltNarrowAndDark },
   { name: "a report's strokes are drawn, opened by their address and closed", run: drawnReport },
@@ -234,6 +235,20 @@ async function stations(world) {
   await page.getByRole("button", { name: "Revoke… Window seat" }).click();
   await page.getByRole("button", { name: "Revoke the station" }).click();
   await page.getByRole("row", { name: /Window seat/ }).getByText("Revoked").waitFor();
+}
+
+async function listedDevices(world) {
+  const page = await signedIn(world, "admin", "/stations");
+  await page.getByRole("button", { name: "Add a device…" }).click();
+  await page.getByLabel("Known by").fill("hid:1209:0001:B2");
+  await page.getByLabel("Name", { exact: true }).fill("Chair 9");
+  await accessible(page, "a device for graded work");
+  await page.screenshot({ path: world.picture("device") });
+  await page.getByRole("button", { name: "Add", exact: true }).click();
+  await page.getByRole("rowheader", { name: "Chair 9" }).waitFor();
+  await page.getByRole("button", { name: "Remove… Chair 3" }).click();
+  await page.getByRole("button", { name: "Remove", exact: true }).click();
+  await page.getByRole("rowheader", { name: "Chair 3" }).waitFor({ state: "detached" });
 }
 
 async function profiles(world) {

@@ -63,7 +63,7 @@ export function attemptRow(number, person, exerciseIndex, changes = {}) {
   return {
     id: id(number), person: { id: person.id, display_name: person.display_name }, exercise: { id: id(Number(exerciseNumber)), title },
     station: { id: id(30), name: "Station 1" }, profile: { name: "phantom_desktop", title: "Phantom Desktop" },
-    state: "scored", as_reference: false, is_reference: false, released: false, score, computed_score: score, assignment_id: null, exam: false, due_ms: 0, flags: [], facts: { resumed: 0 },
+    state: "scored", as_reference: false, is_reference: false, released: false, score, computed_score: score, assignment_id: null, exam: false, due_ms: 0, flags: [], facts: { resumed: 0 }, hand: { kind: "haptic", device: "omega.3", driver: "hid", unit: "hid:1209:0001:A7" },
     critical_fail: false, progress: 1, ticketed_ms: kStartMs + number * 7 * kMinuteMs, sealed_ms: kStartMs + number * 7 * kMinuteMs + kMinuteMs, ticks: 42_180,
     gap_ticks: 0, chunks: 169, trace_bytes: 173_214, problem: "", recording_removed_ms: 0, revision: 1, override: null, appeal: null, runs: 1, ...changes,
   };

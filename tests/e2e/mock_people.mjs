@@ -235,6 +235,15 @@ export const peopleRoutes = {
   "GET /cohorts/{id}": ["instructor", (call) => orMissing(byId(call.world.cohorts, call.id), (cohort) => tagged(cohortView(call.world, cohort)))],
   "PATCH /cohorts/{id}": ["admin", editCohort],
   "POST /cohorts/{id}/members": ["admin", changeMembers],
+  "GET /listed-devices": ["instructor", ({ world }) => json({ devices: world.devices })],
+  "POST /listed-devices": ["admin", ({ world, body: { name, title } }) => {
+    world.devices = [...world.devices.filter((row) => row.name !== name), { name, title, added_ms: world.nowMs }];
+    return json({ devices: world.devices });
+  }],
+  "POST /listed-devices/remove": ["admin", ({ world, body: { name } }) => {
+    world.devices = world.devices.filter((row) => row.name !== name);
+    return json({ devices: world.devices });
+  }],
   "GET /stations": ["instructor", ({ world, query }) => page("stations", world.stations, query, 200)],
   "PATCH /stations/{id}": ["admin", renameStation],
   "POST /stations/{id}/revoke": ["admin", revokeStation],

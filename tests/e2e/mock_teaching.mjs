@@ -91,8 +91,8 @@ function listAssignments({ world, person, query }) {
 
 function termsOf(body) {
   if (body.due_ms > 0 && body.due_ms <= body.opens_ms) return invalid("due_ms", "expected due_ms after opens_ms, or 0 for never");
-  const { exercise, cohort_id: cohort, station_ids: stations, opens_ms, due_ms, attempt_limit, exam, late_allowed } = body;
-  return { exercise, cohort, stations, opens_ms, due_ms, attempt_limit, exam, late_allowed };
+  const { exercise, cohort_id: cohort, station_ids: stations, opens_ms, due_ms, attempt_limit, exam, late_allowed, hands = "listed" } = body;
+  return { exercise, cohort, stations, opens_ms, due_ms, attempt_limit, exam, late_allowed, hands };
 }
 
 function assign({ world, person, body }) {

@@ -12,6 +12,7 @@ export function makeWorld(dist) {
     cohort(10, "Preclinic, first term", [student, second, instructor, ...world.people.slice(5, 25)]),
     cohort(11, "Preclinic, second term", [instructor]),
   ];
+  world.devices = [{ name: "hid:1209:0001:A7", title: "Chair 3", added_ms: world.nowMs - 20 * kDayMs }];
   world.stations = [
     station(30, "Station 1", world.nowMs - 20_000, "enamel-station 1.0.0"), station(31, "Station 2", 0, "", true),
     ...Array.from({ length: 6 }, (_, i) => station(32 + i, `Station ${3 + i}`, world.nowMs - (i + 1) * 3 * 3_600_000, "enamel-station 1.0.0")),
@@ -52,7 +53,7 @@ function station(number, name, lastSeenMs, software, revoked = false) {
 function makeAssignments(world) {
   const now = world.nowMs;
   const row = (number, exercise, changes) => ({
-    id: id(number), exercise, cohort: id(10), opens_ms: 0, due_ms: 0, attempt_limit: 0, exam: false, late_allowed: false, stations: [],
+    id: id(number), exercise, cohort: id(10), opens_ms: 0, due_ms: 0, attempt_limit: 0, exam: false, late_allowed: false, hands: "listed", stations: [],
     created_ms: kStartMs, revision: 1, ...changes });
   return [
     row(500, "class-1-occlusal", { opens_ms: now - 10 * kDayMs, due_ms: now + 4 * kDayMs, attempt_limit: 3 }),

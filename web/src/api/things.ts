@@ -1,13 +1,17 @@
 import { ok } from "../base/result";
 import { type ApiResult, type Http, segment } from "./http";
-import type { AuditEntry, Calibration, EnrolCode, Job, MadeEnrolCode, Profile, ProfileDetail, ProfileFeel, ProfileJudgement, ProfileReport, ProfileVersion, Station } from "./types";
+import type { AuditEntry, Calibration, EnrolCode, Job, ListedDevice, MadeEnrolCode, Profile, ProfileDetail, ProfileFeel, ProfileJudgement, ProfileReport, ProfileVersion, Station } from "./types";
 
 interface PageQuery {
   readonly cursor?: string | undefined;
   readonly limit?: number;
 }
 
-// Stations and how they are enrolled.
+interface ListedDevices {
+  readonly devices: readonly ListedDevice[];
+}
+
+// Stations and how they are enrolled, and the devices that graded work is done with.
 export class StationsApi {
   constructor(private readonly http: Http) {}
 
@@ -31,6 +35,16 @@ export class StationsApi {
   }
   withdrawCode(id: string) {
     return this.http.empty("DELETE", `/enrolment-codes/${segment(id)}`);
+  }
+  // Haptic devices that graded work is done with. Each change answers with all of them.
+  devices(signal?: AbortSignal) {
+    return this.http.json<ListedDevices>("GET", "/listed-devices", { signal });
+  }
+  listDevice(name: string, title: string) {
+    return this.http.json<ListedDevices>("POST", "/listed-devices", { body: { name, title } });
+  }
+  unlistDevice(name: string) {
+    return this.http.json<ListedDevices>("POST", "/listed-devices/remove", { body: { name } });
   }
 }
 

@@ -1,4 +1,4 @@
-import type { Attempt, AttemptFlag, AttemptState } from "../api/types";
+import type { Attempt, AttemptFlag, AttemptState, Hand } from "../api/types";
 import { unreachable } from "../base/assert";
 import { Badge, type Tone } from "./basics";
 
@@ -45,6 +45,7 @@ export const kFlagTexts: Readonly<Record<AttemptFlag, StateText>> = {
   readmitted: { title: "Readmitted", tone: "neutral" },
   excused: { title: "Excused", tone: "neutral" },
   returned: { title: "Ticket handed back", tone: "neutral" },
+  other_hand: { title: "Hand not admitted", tone: "bad" },
   contradicted: { title: "Contradicting parts", tone: "bad" },
 };
 
@@ -52,10 +53,18 @@ export function flagText(flag: AttemptFlag): StateText {
   return kFlagTexts[flag] ?? { title: flag, tone: "neutral" };
 }
 
+// What held the tool, where it was not a person at a haptic device. Undefined: nothing to say in a list.
+export function handText(hand: Hand): StateText | undefined {
+  if (hand.kind === "program") return { title: "Simulated hand", tone: "warning" };
+  return hand.kind === "pointer" ? { title: "Mouse", tone: "neutral" } : undefined;
+}
+
 // What somebody skimming a list must not miss.
 export function Flags({ attempt, graded }: { readonly attempt: Attempt; readonly graded: boolean }) {
+  const hand = handText(attempt.hand);
   return (
     <span class="flags">
+      {hand !== undefined && <Badge tone={hand.tone}>{hand.title}</Badge>}
       {attempt.exam && <Badge tone="neutral">Exam</Badge>}
       {attempt.critical_fail === true && <Badge tone="bad">Critical</Badge>}
       {attempt.gap_ticks > 0 && <Badge tone="warning">Gaps</Badge>}

@@ -15,7 +15,7 @@ interface Props {
   readonly onMade: (made: Assignment) => void;
 }
 
-const kTerms: Terms = { opens_ms: 0, due_ms: 0, attempt_limit: 0, exam: false, late_allowed: false, station_ids: [] };
+const kTerms: Terms = { opens_ms: 0, due_ms: 0, attempt_limit: 0, exam: false, late_allowed: false, hands: "listed", station_ids: [] };
 
 // A new assignment: an exercise for a cohort, with its terms.
 export function AssignmentEditor({ client, cohort, onClose, onMade }: Props) {

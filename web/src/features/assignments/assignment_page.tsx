@@ -8,7 +8,7 @@ import { formatDateTime, plural } from "../../base/format";
 import { Badge, Card, ErrorNotice, Loading, Notice, PageTitle } from "../../widgets/basics";
 import { Confirm } from "../../widgets/dialog";
 import { EditNotices } from "../../widgets/edit_notices";
-import { exerciseTitle, limitText } from "./assignment_text";
+import { exerciseTitle, handsText, limitText } from "./assignment_text";
 import { PhaseBadge } from "./my_work_page";
 import { type Terms, TermsFields } from "./terms_fields";
 
@@ -53,6 +53,7 @@ const kCompared = [
   { title: "Due", text: (item: Draft) => item.due_ms === 0 ? "never" : formatDateTime(item.due_ms) },
   { title: "Attempts", text: limitText },
   { title: "Late attempts", text: (item: Draft) => item.late_allowed ? "accepted" : "refused" },
+  { title: "Devices allowed", text: handsText },
   { title: "Exam", text: (item: Draft) => item.exam ? "yes" : "no" },
   { title: "Stations", text: (item: Draft) => item.stations.map((station) => station.name).join(", ") },
 ];
@@ -78,8 +79,8 @@ function EditTerms({ client, read, onRead }:
   );
 }
 
-function termsOf({ opens_ms, due_ms, attempt_limit, exam, late_allowed, stations }: Assignment): Terms {
-  return { opens_ms, due_ms, attempt_limit, exam, late_allowed, station_ids: exam ? stations.map((station) => station.id) : [] };
+function termsOf({ opens_ms, due_ms, attempt_limit, exam, late_allowed, hands, stations }: Assignment): Terms {
+  return { opens_ms, due_ms, attempt_limit, exam, late_allowed, hands, station_ids: exam ? stations.map((station) => station.id) : [] };
 }
 
 function Scores({ client, assignment, tag, onGone }: { readonly client: Client; readonly assignment: Assignment; readonly tag: string; readonly onGone: () => void }) {

@@ -1,4 +1,4 @@
-import type { Assignment } from "../../api/types";
+import type { Assignment, HandsAllowed } from "../../api/types";
 import { formatDateTime, plural } from "../../base/format";
 import { relativeTime } from "../../base/local_time";
 
@@ -27,4 +27,16 @@ export function exerciseTitle({ exercise }: Pick<Assignment, "exercise">): strin
 export function leftText({ attempts_left: left }: { readonly attempts_left: number | null }): string {
   if (left === null) return "No limit";
   return left === 0 ? "None left" : `${plural(left, "attempt")} left`;
+}
+
+// What may hold the tool in graded work, each also what stands before it.
+export const kHands: readonly { readonly value: HandsAllowed; readonly title: string }[] = [
+  { value: "listed", title: "Haptic devices on the school's list" },
+  { value: "haptic", title: "Any haptic device" },
+  { value: "pointer", title: "Haptic devices and the mouse" },
+  { value: "any", title: "Anything, also simulated hands" },
+];
+
+export function handsText({ hands }: Pick<Assignment, "hands">): string {
+  return kHands.find((each) => each.value === hands)?.title ?? hands;
 }

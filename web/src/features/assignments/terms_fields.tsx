@@ -1,5 +1,6 @@
 import type { AssignmentTerms } from "../../api/types";
-import { CheckField, NumberField, TimeField } from "../../widgets/form";
+import { CheckField, NumberField, SelectField, TimeField } from "../../widgets/form";
+import { kHands } from "./assignment_text";
 
 export type Terms = Required<Omit<AssignmentTerms, "exercise" | "cohort_id">>;
 
@@ -23,6 +24,8 @@ export function TermsFields({ terms, onTerms, stations, problemOf }: Props) {
         <NumberField label="Attempts for each student" hint="0: no limit" min={0} max={1000} value={terms.attempt_limit}
                      onValue={(limit) => onTerms({ attempt_limit: limit })} problem={problemOf("attempt_limit")} />
       </div>
+      <SelectField label="Devices allowed" hint="In graded work and exams. Practice is free." value={terms.hands} onValue={(hands) => onTerms({ hands })}
+                   options={kHands} problem={problemOf("hands")} />
       <CheckField label="Late attempts are accepted" hint="After the due time, and marked as late." value={terms.late_allowed} onValue={(late) => onTerms({ late_allowed: late })} />
       <CheckField label="Exam" hint="Begins online, one at a time, made in real time; nothing is shown before you release it." value={terms.exam} onValue={(exam) => onTerms({ exam })} />
       {terms.exam && stations.length > 0 && (

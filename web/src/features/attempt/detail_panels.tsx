@@ -4,7 +4,7 @@ import { useRequest } from "../../api/use_request";
 import { formatBytes, formatDateTime, formatDuration, formatNumber, formatQuantity, formatScore, metricTitle, plural } from "../../base/format";
 import { Badge, Card, Notice } from "../../widgets/basics";
 import { DataTable } from "../../widgets/table";
-import { recordingFacts, saidFacts } from "./summary";
+import { heldBy, recordingFacts, saidFacts } from "./summary";
 
 export function RecordingPanel({ attempt, score }: { readonly attempt: AttemptDetail; readonly score: Score | undefined }) {
   const facts = recordingFacts(attempt, score);
@@ -20,6 +20,7 @@ export function RecordingPanel({ attempt, score }: { readonly attempt: AttemptDe
         <div><dt>Chunks, size</dt><dd>{formatNumber(attempt.chunks, 0)}, {formatBytes(attempt.trace_bytes)}</dd></div>
         <div><dt>Station</dt><dd>{attempt.station.name}</dd></div>
         <div><dt>Device</dt><dd>{attempt.profile.title}</dd></div>
+        <div><dt>Held by</dt><dd>{heldBy(attempt.hand)}</dd></div>
         {saidFacts(attempt.facts).map(({ name, value }) => <div key={name}><dt>{name}</dt><dd>{value}</dd></div>)}
         {score !== undefined && <div><dt>Replay</dt><dd>core version {score.core_version}</dd></div>}
       </dl>

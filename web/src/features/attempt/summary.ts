@@ -1,4 +1,4 @@
-import type { AttemptDetail, AttemptFacts, Criterion, Score } from "../../api/types";
+import type { AttemptDetail, AttemptFacts, Criterion, Hand, Score } from "../../api/types";
 import { formatNumber, formatQuantity, plural } from "../../base/format";
 
 const kPointsShown = 0.05;                      // lost points below this round to zero
@@ -51,6 +51,16 @@ export function recordingFacts(attempt: AttemptDetail, score: Score | undefined)
   }
   const complete = gaps === 0 && score?.witness_ok !== false;
   return { complete, headline: headline(complete, score), details };
+}
+
+// What held the tool, as the signed recording says.
+export function heldBy({ kind, device, driver, unit }: Hand): string {
+  switch (kind) {
+    case "program": return `A simulated hand (${driver})`;
+    case "haptic": return unit === "" ? device : `${device} (${unit})`;
+    case "pointer": return device;
+    default: return "Not told by the station";
+  }
 }
 
 // What the station said of the attempt, by the API's own names: a new fact needs nothing here. What was not said is not

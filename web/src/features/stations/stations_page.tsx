@@ -13,6 +13,7 @@ import { CopyText } from "../../widgets/copy";
 import { TextField } from "../../widgets/form";
 import { PagedList } from "../../widgets/pages";
 import { type Column, DataTable } from "../../widgets/table";
+import { ListedDevices } from "./listed_devices";
 
 const kPageSize = 100;
 const kCodeMinutes = 60;
@@ -44,6 +45,7 @@ export function StationsPage({ client, admin }: { readonly client: Client; reado
       <PagedList pages={pages} what="stations" empty="No station is enrolled yet.">
         {(stations) => <Card className="flush"><DataTable label="Stations" items={stations} rowKey={(station) => station.id} columns={columns} /></Card>}
       </PagedList>
+      <ListedDevices client={client} admin={admin} />
       {open?.what === "rename" && <Rename client={client} station={open.station} onClose={close} onDone={pages.reload} />}
       {open?.what === "revoke" && (
         <Confirm title={`Revoke ${open.station.name}?`} action="Revoke the station" onClose={close}
