@@ -226,6 +226,20 @@ node -e '
   if (!(w.rows_per_second >= 30)) { console.error(`a viewer saw ${w.rows_per_second} moments a second, expected at least 30`); process.exit(1); }
 ' "$work/watch.json" || fail "the live view"
 
+echo "== an exam, with a hand that is none"
+server_cli report --data "$data" --attempt "$reference" --wait 1 >"$work/report.txt"
+grep -q "held by.*a simulated hand (operator dentist)" "$work/report.txt" || { cat "$work/report.txt"; fail "the report does not say who held the tool"; }
+server_cli admin assign-exercise --data "$data" --exercise "$exercise" --cohort "Demo cohort" --attempts 1 --exam |
+  tee "$work/exam.txt"
+expect_failure "an exam by a simulated hand" "haptic device on the school's list, found a simulated hand \(operator dentist\)" \
+  "$bin/enamel-station" run --data "$station" --profile phantom_desktop --lockstep --quiet --exercise "$exercise" --user student1 \
+  --operator dentist
+server_cli admin end-assignment --data "$data" --assignment "$(cut -d ' ' -f 1 "$work/exam.txt")" | grep -q "was removed" ||
+  fail "an attempt was begun under the exam all the same"
+server_cli admin assign-exercise --data "$data" --exercise "$exercise" --cohort "Demo cohort" --attempts 1 --exam --hands any >/dev/null
+station_cli run --data "$station" --profile phantom_desktop --lockstep --quiet --exercise "$exercise" --user student1 \
+  --operator student --json "$work/cut.json" >/dev/null
+
 station_cli spool verify --data "$station" | tail -n 1
 stop_server
 echo "nothing lost: resumed, closed, restored, offline, interrupted and over a broken cable"
