@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "common/surface/surface.h"
 
@@ -7,6 +8,9 @@ namespace enamel::surface {
 namespace {
 
 constexpr double kMaxCells = 4e6;
+// Bounds that rule a triangle out are wider by more than rounding can take from them, so that they
+// never change an answer.
+constexpr double kRoundUp = 1 + 1e-12;
 
 dvec3 Lowest(const std::array<dvec3, 3>& t) { return glm::min(glm::min(t[0], t[1]), t[2]); }
 dvec3 Highest(const std::array<dvec3, 3>& t) { return glm::max(glm::max(t[0], t[1]), t[2]); }
@@ -40,6 +44,11 @@ ivec3 CellOf(const dvec3& g) {
                static_cast<int>(std::floor(g.z)));
 }
 
+// The same for what has no negative component; floor is a call of its own on older processors.
+ivec3 CellInside(const dvec3& g) {
+  return ivec3(static_cast<int>(g.x), static_cast<int>(g.y), static_cast<int>(g.z));
+}
+
 // Calls visit(cell) for the cells of the grid at Chebyshev distance `ring` from `centre`.
 template <typename Visit>
 void VisitRing(const ivec3& centre, int ring, const ivec3& size, Visit&& visit) {
@@ -59,30 +68,46 @@ void VisitRing(const ivec3& centre, int ring, const ivec3& size, Visit&& visit) 
 
 }  // namespace
 
-DistanceQuery::DistanceQuery(const Mesh& mesh) {
-  if (mesh.triangles.empty()) return;
-  triangles_.reserve(mesh.triangles.size());
+DistanceQuery::DistanceQuery(const Mesh& mesh)
+    : DistanceQuery(mesh, dvec3(-std::numeric_limits<double>::infinity()),
+                    dvec3(std::numeric_limits<double>::infinity())) {}
+
+DistanceQuery::DistanceQuery(const Mesh& mesh, const dvec3& lo_m, const dvec3& hi_m) {
   dvec3 lo(1e300), hi(-1e300);
   double edges = 0;
   for (const auto& t : mesh.triangles) {
-    triangles_.push_back(
-        {dvec3(mesh.position_m[t[0]]), dvec3(mesh.position_m[t[1]]), dvec3(mesh.position_m[t[2]])});
-    lo = glm::min(lo, Lowest(triangles_.back()));
-    hi = glm::max(hi, Highest(triangles_.back()));
-    edges += glm::length(triangles_.back()[1] - triangles_.back()[0]);
+    const std::array<dvec3, 3> corners = {
+        dvec3(mesh.position_m[t[0]]), dvec3(mesh.position_m[t[1]]), dvec3(mesh.position_m[t[2]])};
+    const dvec3 from = Lowest(corners), to = Highest(corners);
+    if (glm::any(glm::lessThan(to, lo_m)) || glm::any(glm::lessThan(hi_m, from))) continue;
+    triangles_.push_back(corners);
+    lo = glm::min(lo, from);
+    hi = glm::max(hi, to);
+    edges += glm::length(corners[1] - corners[0]);
   }
+  if (triangles_.empty()) return;
   dvec3 extent = glm::max(hi - lo, dvec3(1e-9));
   origin_ = lo;
-  // Twice the mean edge: a few triangles in a cell. Larger where that would be too many cells.
-  cell_m_ = std::max(2 * edges / static_cast<double>(triangles_.size()),
+  // Three mean edges: a few triangles in a cell, most of them ruled out by their balls. Larger where
+  // that would be too many cells.
+  cell_m_ = std::max(3 * edges / static_cast<double>(triangles_.size()),
                      std::cbrt(extent.x * extent.y * extent.z / kMaxCells));
   cell_m_ = std::max(cell_m_, std::max({extent.x, extent.y, extent.z}) / 2048);
   size_ = CellOf(extent / cell_m_) + 1;
 
+  balls_.reserve(triangles_.size());
+  for (const auto& t : triangles_) {
+    const dvec3 middle = (Lowest(t) + Highest(t)) * 0.5;
+    double radius2 = 0;
+    for (const dvec3& corner : t)
+      radius2 = std::max(radius2, Dot(corner - middle, corner - middle));
+    balls_.push_back({middle, std::sqrt(radius2) * kRoundUp});
+  }
+
   auto for_each_cell = [&](uint32_t triangle, auto&& visit) {
     const auto& t = triangles_[triangle];
-    ivec3 first = glm::clamp(CellOf((Lowest(t) - origin_) / cell_m_), ivec3(0), size_ - 1);
-    ivec3 last = glm::clamp(CellOf((Highest(t) - origin_) / cell_m_), ivec3(0), size_ - 1);
+    ivec3 first = glm::min(CellInside((Lowest(t) - origin_) / cell_m_), size_ - 1);
+    ivec3 last = glm::min(CellInside((Highest(t) - origin_) / cell_m_), size_ - 1);
     for (int z = first.z; z <= last.z; ++z)
       for (int y = first.y; y <= last.y; ++y)
         for (int x = first.x; x <= last.x; ++x)
@@ -99,9 +124,19 @@ DistanceQuery::DistanceQuery(const Mesh& mesh) {
 }
 
 double DistanceQuery::Distance_m(const dvec3& point_m, double limit_m) const {
+  return std::sqrt(Nearest2(point_m, limit_m * limit_m, 0));
+}
+
+bool DistanceQuery::IsWithin(const dvec3& point_m, double distance_m) const {
+  // Farther by a hair: what lies at the distance itself is found, and is within.
+  const double limit = distance_m * kRoundUp + 1e-12;
+  return std::sqrt(Nearest2(point_m, limit * limit, distance_m)) <= distance_m;
+}
+
+double DistanceQuery::Nearest2(const dvec3& point_m, double limit2, double enough_m) const {
   dvec3 g = (point_m - origin_) / cell_m_;
   bool near = std::fabs(g.x) < 1e6 && std::fabs(g.y) < 1e6 && std::fabs(g.z) < 1e6;
-  if (triangles_.empty() || !near) return limit_m;
+  if (triangles_.empty() || !near) return limit2;
   ivec3 centre = CellOf(g);
   // Rings that do not reach the grid are skipped; those past its far side hold nothing.
   ivec3 before = glm::max(-centre, centre - (size_ - 1));
@@ -111,21 +146,28 @@ double DistanceQuery::Distance_m(const dvec3& point_m, double limit_m) const {
   // From the point to the nearest side of its own cell, in cells.
   dvec3 f = g - dvec3(centre), to_side = glm::min(f, 1.0 - f);
   double margin = std::min({to_side.x, to_side.y, to_side.z});
-  double best2 = limit_m * limit_m;
+  double best2 = limit2, best = std::sqrt(limit2) * kRoundUp;
   for (; ring <= last; ++ring) {
     double nearest = ring == 0 ? 0 : (ring - 1 + margin) * cell_m_;
-    if (nearest * nearest >= best2) break;
+    if (nearest * nearest >= best2 || best <= enough_m) break;
     VisitRing(centre, ring, size_, [&](const ivec3& c) {
       size_t cell = (static_cast<size_t>(c.z) * size_.y + c.y) * size_.x + c.x;
       if (first_[cell] == first_[cell + 1]) return;
       dvec3 outside = glm::max(glm::max(dvec3(c) - g, g - dvec3(c) - 1.0), dvec3(0));
       if (Dot(outside, outside) * cell_m_ * cell_m_ >= best2) return;
       for (uint32_t i = first_[cell]; i < first_[cell + 1]; ++i) {
-        best2 = std::min(best2, TriangleDistance2(point_m, triangles_[items_[i]]));
+        const Ball& ball = balls_[items_[i]];
+        const dvec3 d = point_m - ball.centre_m;
+        const double reach = best + ball.radius_m;
+        if (Dot(d, d) > reach * reach * kRoundUp) continue;
+        const double d2 = TriangleDistance2(point_m, triangles_[items_[i]]);
+        if (d2 >= best2) continue;
+        best2 = d2;
+        best = std::sqrt(d2) * kRoundUp;
       }
     });
   }
-  return std::sqrt(best2);
+  return best2;
 }
 
 }  // namespace enamel::surface

@@ -49,12 +49,27 @@ double EnclosedVolume_m3(const Mesh& mesh);
 class DistanceQuery {
  public:
   explicit DistanceQuery(const Mesh& mesh);
+  // Of the triangles whose bounding boxes meet the box alone.
+  DistanceQuery(const Mesh& mesh, const dvec3& lo_m, const dvec3& hi_m);
   // Distance in metres to the nearest triangle, at most `limit_m`; `limit_m` for an empty mesh or a
   // point that is not finite. Exact. Time grows with the distance found, in cells.
   double Distance_m(const dvec3& point_m, double limit_m) const;
+  // Whether Distance_m is at most `distance_m`, quicker: the first triangle near enough says so.
+  // False for an empty mesh or a point that is not finite.
+  bool IsWithin(const dvec3& point_m, double distance_m) const;
 
  private:
+  // Around a triangle. Most are ruled out by it.
+  struct Ball {
+    dvec3 centre_m;
+    double radius_m;
+  };
+  // Square of the distance where that is below `limit2`, else `limit2`. Ends at the first triangle
+  // whose distance is at most `enough_m`.
+  double Nearest2(const dvec3& point_m, double limit2, double enough_m) const;
+
   std::vector<std::array<dvec3, 3>> triangles_;
+  std::vector<Ball> balls_;
   dvec3 origin_{0};
   double cell_m_ = 0;
   ivec3 size_{0};

@@ -476,6 +476,41 @@ TEST(DistanceQueryTest, AgreesWithVisitingEveryTriangle) {
   }
 }
 
+TEST(DistanceQueryTest, WithinIsWhatTheDistanceSays) {
+  Mesh mesh = ExtractSurface(Ball());
+  DistanceQuery query(mesh);
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> unit(-5, 69);
+  for (int i = 0; i < 500; ++i) {
+    dvec3 p = dvec3(unit(random), unit(random), unit(random)) * kVoxel_m;
+    const double exact = query.Distance_m(p, 1);
+    for (double share : {0.0, 0.5, 1 - 1e-9, 1.0, 1 + 1e-9, 2.0}) {
+      EXPECT_EQ(query.IsWithin(p, share * exact), exact <= share * exact) << share;
+    }
+  }
+  EXPECT_FALSE(DistanceQuery(Mesh{}).IsWithin({0, 0, 0}, 1));
+  EXPECT_FALSE(query.IsWithin(dvec3(std::nan("")), 1));
+}
+
+TEST(DistanceQueryTest, WithinABoxTheTrianglesAroundItGiveTheSameBits) {
+  Mesh mesh = ExtractSurface(Ball());
+  DistanceQuery all(mesh);
+  const double reach = 8 * kVoxel_m;
+  const dvec3 lo = (kCentre + dvec3(4, -6, 2)) * kVoxel_m, hi = lo + dvec3(20, 12, 9) * kVoxel_m;
+  DistanceQuery around(mesh, lo - reach, hi + reach);
+  std::mt19937 random(9);
+  std::uniform_real_distribution<double> unit(0, 1);
+  int near = 0;
+  for (int i = 0; i < 1000; ++i) {
+    dvec3 p = lo + (hi - lo) * dvec3(unit(random), unit(random), unit(random));
+    const double exact = all.Distance_m(p, 1);
+    if (exact >= reach) continue;
+    ++near;
+    EXPECT_EQ(around.Distance_m(p, 1), exact);
+  }
+  EXPECT_GT(near, 100);
+}
+
 TEST(DistanceQueryTest, DistanceToASphereMeetsTheClosedForm) {
   DistanceQuery query(ExtractSurface(Ball()));
   std::mt19937 random(3);
