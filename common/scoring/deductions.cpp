@@ -232,7 +232,7 @@ class FaultWalk {
   bool IsNear(const dvec3& at_m) {
     if (!in_.reference_cut || in_.reference_cut->position_m.empty()) return false;
     if (!cut_) cut_.emplace(*in_.reference_cut);
-    return cut_->Distance_m(at_m, 2 * in_.near_m) <= in_.near_m;
+    return cut_->IsWithin(at_m, in_.near_m);
   }
 
   const DeductionInputs& in_;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/scoring/changed.h"
 #include "common/scoring/zones.h"
 #include "common/surface/surface.h"
 
@@ -20,6 +21,21 @@ double WeightedQuantile(std::vector<WeightedValue> values, double share);
 // Whether something went at a point: phi there exceeds the initial one by more than a tenth of a
 // voxel.
 bool IsCut(const cutting::Volume& initial, const cutting::Volume& after, const dvec3& point_m);
+
+// The same at many points: most lie where nothing changed and are not interpolated.
+class CutTest {
+ public:
+  // Both are kept, not copied. Requires: equal grids.
+  CutTest(const cutting::Volume& initial, const cutting::Volume& after)
+      : initial_(initial), after_(after), changed_(initial, after) {}
+  bool At(const dvec3& point_m) const {
+    return changed_.MayDifferAt(point_m) && IsCut(initial_, after_, point_m);
+  }
+
+ private:
+  const cutting::Volume &initial_, &after_;
+  const ChangedBricks changed_;
+};
 
 // A third of the triangles around each vertex, m^2: what a vertex stands for.
 std::vector<double> VertexAreas_m2(const surface::Mesh& mesh);

@@ -21,10 +21,6 @@ class BrickSamples {
       : phi_(volume.IsStored(brick) ? volume.Phi(brick).phi.data() : nullptr),
         uniform_(volume.UniformTissue(brick) == cutting::Tissue::kAir ? cutting::kPhiLimit
                                                                       : -cutting::kPhiLimit) {}
-  // All air, or all as solid as it gets, without samples of its own.
-  bool IsUniformLike(const BrickSamples& other) const {
-    return phi_ == nullptr && other.phi_ == nullptr && uniform_ == other.uniform_;
-  }
   int32_t Solid(int i) const { return SolidFraction(phi_ ? phi_[i] : uniform_); }
 
  private:
@@ -45,7 +41,9 @@ class TaskMeter {
         query_(reference_cut),
         spec_(initial.spec()),
         h_m_(spec_.voxel_m()),
-        near_m_(near_m) {}
+        near_m_(near_m),
+        attempt_changed_(initial, attempt),
+        reference_changed_(initial, reference) {}
 
   TaskVolumes Measure() {
     for (int b = 0; b < spec_.brick_count(); ++b) AddBrick(b);
@@ -56,8 +54,8 @@ class TaskMeter {
   using Units = std::array<int64_t, cutting::kTissueCount>;  // 65536 to a voxel
 
   void AddBrick(int b) {
+    if (!attempt_changed_.Brick(b) && !reference_changed_.Brick(b)) return;
     const BrickSamples before(initial_, b), after(attempt_, b), wanted(reference_, b);
-    if (before.IsUniformLike(after) && before.IsUniformLike(wanted)) return;
     const uint8_t* labels = initial_.HasLabels(b) ? initial_.Labels(b).tissue.data() : nullptr;
     const auto uniform = static_cast<size_t>(initial_.UniformTissue(b));
     std::optional<Place> place;
@@ -93,7 +91,7 @@ class TaskMeter {
     if (distance > near_m_ + half) return Place::kOutside;
     return distance + half <= near_m_ ? Place::kNear : Place::kMixed;
   }
-  bool IsNear(const dvec3& p) const { return query_.Distance_m(p, near_m_ + h_m_) <= near_m_; }
+  bool IsNear(const dvec3& p) const { return query_.IsWithin(p, near_m_); }
 
   TissueVolumes_m3 ToM3(const Units& units) const {
     TissueVolumes_m3 out{};
@@ -107,6 +105,7 @@ class TaskMeter {
   const surface::DistanceQuery query_;
   const cutting::GridSpec& spec_;
   const double h_m_, near_m_;
+  const ChangedBricks attempt_changed_, reference_changed_;
   Units task_{}, missed_{}, near_{}, outside_{};
 };
 
@@ -121,9 +120,8 @@ double Sum_m3(const TissueVolumes_m3& volumes) {
 std::vector<bool> CutVertices(const surface::Mesh& mesh, const Volume& initial,
                               const Volume& after) {
   std::vector<bool> out(mesh.position_m.size());
-  for (size_t i = 0; i < out.size(); ++i) {
-    out[i] = IsCut(initial, after, dvec3(mesh.position_m[i]));
-  }
+  const CutTest cut(initial, after);
+  for (size_t i = 0; i < out.size(); ++i) out[i] = cut.At(dvec3(mesh.position_m[i]));
   return out;
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "tests/common/scoring/synthetic_cavity.h"
 
@@ -81,6 +82,51 @@ TEST_P(EvenDeviation, IsFoundWithinAQuarterVoxelAndWithItsSign) {
 INSTANTIATE_TEST_SUITE_P(Voxels, EvenDeviation,
                          testing::Combine(testing::Values(100'000, 50'000),
                                           testing::Values(0.05, 0.3, 0.777)));
+
+// What is not looked at must be what would have been found equal.
+TEST(ChangedBricksTest, WhereNothingMayDifferTheDistancesAreTheSame) {
+  const Volume block = MakeBlock(100'000);
+  const Volume after = CutCavity(block, {});
+  const ChangedBricks changed(block, after);
+  const CutTest cut(block, after);
+  std::mt19937 random(17);
+  std::uniform_real_distribution<double> unit(-0.02, 1.02);
+  const dvec3 extent = dvec3(block.spec().voxels()) * block.spec().voxel_m();
+  int same = 0, marked = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    const dvec3 p =
+        block.spec().origin_m() + extent * dvec3(unit(random), unit(random), unit(random));
+    EXPECT_EQ(cut.At(p), IsCut(block, after, p));
+    marked += cut.At(p);
+    if (changed.MayDifferAt(p)) continue;
+    ++same;
+    EXPECT_EQ(block.DistanceAt_m(p), after.DistanceAt_m(p));
+  }
+  EXPECT_GT(same, 1000);
+  EXPECT_GT(marked, 1000);
+  const ChangedBricks none(block, block);
+  for (int b = 0; b < block.spec().brick_count(); ++b) EXPECT_FALSE(none.Brick(b));
+}
+
+// Beyond what is usual the whole surface is asked: the same distance as to its triangles.
+TEST(DeviationTest, AFarSurfaceIsFoundToo) {
+  const Volume block = MakeBlock(100'000);
+  Cavity small;
+  small.mesial_mm = -0.7;  // 2.2 mm short of the reference's wall
+  const Volume attempt = CutCavity(block, small), reference = CutCavity(block, {});
+  const surface::Mesh mine = surface::ExtractSurface(attempt),
+                      other = surface::ExtractSurface(reference);
+  const auto deviation = DeviationPerVertex(other, block, reference, attempt, mine);
+  const surface::DistanceQuery query(mine);
+  float most = 0;
+  for (size_t i = 0; i < deviation.size(); ++i) {
+    if (std::isnan(deviation[i])) continue;
+    const double d = query.Distance_m(dvec3(other.position_m[i]), kDeviationLimit_m);
+    EXPECT_EQ(std::fabs(deviation[i]), d < 1e-9 ? 0.0f : static_cast<float>(d));
+    most = std::max(most, std::fabs(deviation[i]));
+  }
+  EXPECT_GT(most, 1e-3);
+}
 
 TEST(DeviationTest, ACutAgainstItselfIsExactlyZeroWhereverItWasCut) {
   Volume block = MakeBlock(100'000);
