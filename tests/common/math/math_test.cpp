@@ -3,12 +3,25 @@
 #include <cmath>
 #include <random>
 
+#include "common/math/log.h"
 #include "common/math/orientation.h"
 #include "common/math/sym3.h"
 #include "common/math/trig.h"
 
 namespace enamel {
 namespace {
+
+TEST(LogTest, IsTheLogarithmToTheLastBits) {
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> exponent(-300, 300), near(-0.4, 0.4);
+  for (int i = 0; i < 200'000; ++i) {
+    const double x = i % 2 == 0 ? std::pow(10, exponent(random)) : 1 + near(random);
+    const double exact = std::log(x);
+    EXPECT_NEAR(NaturalLog(x), exact, 1e-15 * std::fabs(exact)) << x;
+  }
+  EXPECT_EQ(NaturalLog(1), 0);
+  EXPECT_EQ(NaturalLog(2), 0.69314718055994530942);
+}
 
 TEST(TrigTest, AgreesWithLibmToItsRounding) {
   for (int i = 0; i <= 10000; ++i) {
