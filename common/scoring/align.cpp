@@ -28,7 +28,7 @@ struct Band {
 }  // namespace
 
 Alignment AlignBanded(size_t n, size_t m, size_t band,
-                      const std::function<double(size_t, size_t)>& cost) {
+                      const std::function<double(size_t, size_t)>& cost, Pairing pairing) {
   ENAMEL_CHECK(n >= 1 && m >= 1 && band >= 1);
   Band rows{n, m, std::max(band, n / m + 1)};
   size_t width = 2 * rows.half_width + 1;
@@ -58,7 +58,8 @@ Alignment AlignBanded(size_t n, size_t m, size_t band,
         how = kAlongJ;
       }
       if (best == kUnreachable) continue;
-      now[i - first] = best + cost(i, j);
+      const double here = cost(i, j);
+      now[i - first] = pairing == Pairing::kSum ? best + here : std::max(best, here);
       step[j * width + (i - first)] = how;
     }
     before.swap(now);
@@ -66,8 +67,8 @@ Alignment AlignBanded(size_t n, size_t m, size_t band,
   }
 
   Alignment out;
-  double total = before[n - 1 - before_first];
-  ENAMEL_CHECK(total < kUnreachable);
+  const double least = before[n - 1 - before_first];
+  ENAMEL_CHECK(least < kUnreachable);
   size_t i = n - 1, j = m - 1;
   for (;;) {
     out.path.emplace_back(static_cast<uint32_t>(i), static_cast<uint32_t>(j));
@@ -86,7 +87,14 @@ Alignment AlignBanded(size_t n, size_t m, size_t band,
     }
   }
   std::reverse(out.path.begin(), out.path.end());
-  out.mean_cost = total / static_cast<double>(out.path.size());
+  double sum = 0;
+  for (const auto& [a, b] : out.path) {
+    const double here = cost(a, b);
+    sum += here;
+    out.worst_cost = std::max(out.worst_cost, here);
+  }
+  // The columns' own sum, which was added in the path's order too.
+  out.mean_cost = (pairing == Pairing::kSum ? least : sum) / static_cast<double>(out.path.size());
   return out;
 }
 

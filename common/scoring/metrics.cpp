@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "common/scoring/align.h"
 #include "common/scoring/deviation.h"
+#include "common/scoring/path_align.h"
 #include "common/scoring/shape.h"
 #include "common/scoring/task.h"
 #include "common/scoring/zones.h"
@@ -19,12 +19,6 @@ using cutting::Tissue;
 using cutting::Volume;
 
 constexpr double kMm = 1e3, kMm2 = 1e6, kMm3 = 1e9;
-
-// Series are aligned at no more than 25 Hz and 3000 samples, in a band of a tenth of their length:
-// 1.8 million cells for ten minutes.
-constexpr double kAlignRate_hz = 25;
-constexpr size_t kAlignSamples = 3000;
-constexpr size_t kBandShare = 10;
 
 constexpr double kDentinLimit_m = 3e-3;  // more than this over the pulp is safe by any measure
 
@@ -378,44 +372,6 @@ void MeasureTissues(const AttemptData& attempt, const Side& side, Measured& m) {
   if (m.has_neighbour) m.neighbour_depth_m = NeighbourDepth_m(attempt, side);
 }
 
-// Means of `stride` samples: the position of the first, the mean force.
-std::vector<PathSample> Resample(const std::vector<PathSample>& samples, size_t stride) {
-  std::vector<PathSample> out;
-  for (size_t i = 0; i < samples.size(); i += stride) {
-    size_t end = std::min(i + stride, samples.size());
-    PathSample s = samples[i];
-    for (size_t k = i + 1; k < end; ++k) s.force_n += samples[k].force_n;
-    s.force_n /= static_cast<double>(end - i);
-    out.push_back(s);
-  }
-  return out;
-}
-
-double Distance(const dvec3& a, const dvec3& b) { return std::sqrt(Dot(a - b, a - b)); }
-
-void MeasureAlignment(const ProcessRecorder& attempt, const ProcessRecorder& reference,
-                      Measured& out) {
-  size_t longest = std::max(attempt.samples().size(), reference.samples().size());
-  double step_s = longest > 1 && attempt.samples().size() > 1
-                      ? attempt.samples()[1].time_s - attempt.samples()[0].time_s
-                      : 1 / kAlignRate_hz;
-  size_t stride = 1;
-  while (longest > stride * kAlignSamples ||
-         // 0.999: two steps of 0.02 s are 25 Hz even if their sum is a hair short.
-         static_cast<double>(stride) * step_s * kAlignRate_hz < 0.999) {
-    ++stride;
-  }
-  // One stride for both, or a slow attempt would be compared at another step than its reference.
-  auto a = Resample(attempt.samples(), stride), b = Resample(reference.samples(), stride);
-  size_t band = std::max<size_t>(1, std::max(a.size(), b.size()) / kBandShare);
-  out.align_pose_m = AlignBanded(a.size(), b.size(), band, [&](size_t i, size_t j) {
-                       return Distance(a[i].anchor_m, b[j].anchor_m);
-                     }).mean_cost;
-  out.align_force_n = AlignBanded(a.size(), b.size(), band, [&](size_t i, size_t j) {
-                        return Distance(a[i].force_n, b[j].force_n);
-                      }).mean_cost;
-}
-
 }  // namespace
 
 std::span<const MetricInfo> Metrics() {
@@ -483,7 +439,9 @@ Result<MetricSet> ComputeMetrics(const scene::Scene& scene, const scene::Exercis
   tell(0.7);
   MeasureTissues(attempt, a, m);
   tell(0.8);
-  MeasureAlignment(*attempt.process, *reference.process, m);
+  const PathPair paths = ResampleAlike(*attempt.process, *reference.process, PathBy::kTime);
+  m.align_pose_m = AlignPoses(paths).mean_cost;
+  m.align_force_n = AlignForces(paths).mean_cost;
   tell(1);
 
   MetricSet out;

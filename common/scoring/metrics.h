@@ -37,6 +37,7 @@ struct PathSample {
   double time_s;   // since the start, gaps included
   dvec3 anchor_m;  // scene frame, at the stretch's first tick
   dvec3 force_n;   // sent without touch cues, mean over the stretch
+  double way_m;    // of the anchor until then, without the jumps after gaps and faults
 };
 
 // Accumulates process metrics during the replay pass (trace::Replay's observe). Pose and force are

@@ -75,7 +75,8 @@ void ProcessRecorder::AddWitness(const core::TickInput& input, const core::TickW
   // By ticks, not by time: a gap shortens no stretch, its length is in time_s.
   uint64_t in_stretch = ticks_ % decimation_;
   if (in_stretch == 0) {
-    samples_.push_back({static_cast<double>(ticks_ + gap_ticks_) / rate_hz_, anchor, force});
+    samples_.push_back(
+        {static_cast<double>(ticks_ + gap_ticks_) / rate_hz_, anchor, force, path_m_});
   } else {
     PathSample& s = samples_.back();
     s.force_n += (force - s.force_n) / static_cast<double>(in_stretch + 1);

@@ -91,6 +91,28 @@ TEST(AlignBandedTest, APauseInOneSeriesCostsNothing) {
   EXPECT_GT(Align(a, b, 1).mean_cost, 0) << "a band narrower than the pause must cost something";
 }
 
+// The recursion of Eiter and Mannila's definition, over the whole table.
+double FullFrechet(const std::vector<double>& a, const std::vector<double>& b, size_t i, size_t j) {
+  const double here = std::fabs(a[i] - b[j]);
+  if (i == 0 && j == 0) return here;
+  if (i == 0) return std::max(here, FullFrechet(a, b, 0, j - 1));
+  if (j == 0) return std::max(here, FullFrechet(a, b, i - 1, 0));
+  return std::max(here, std::min({FullFrechet(a, b, i - 1, j), FullFrechet(a, b, i - 1, j - 1),
+                                  FullFrechet(a, b, i, j - 1)}));
+}
+
+TEST(AlignBandedTest, TheWorstPairIsTheDiscreteFrechetDistance) {
+  for (uint32_t seed = 1; seed <= 40; ++seed) {
+    const size_t n = 1 + seed % 7, m = 1 + (seed * 5) % 8;
+    const auto a = Noise(n, seed), b = Noise(m, seed + 100);
+    auto cost = [&](size_t i, size_t j) { return std::fabs(a[i] - b[j]); };
+    const Alignment alignment = AlignBanded(n, m, n + m, cost, Pairing::kWorst);
+    EXPECT_EQ(alignment.worst_cost, FullFrechet(a, b, n - 1, m - 1)) << seed;
+    ExpectWholePath(alignment, n, m);
+    EXPECT_GE(AlignBanded(n, m, n + m, cost).worst_cost, alignment.worst_cost);
+  }
+}
+
 TEST(AlignBandedTest, AConstantOffsetIsTheMeanCost) {
   std::vector<double> a(30, 1.0), b(45, 3.5);
   EXPECT_DOUBLE_EQ(Align(a, b, 5).mean_cost, 2.5);
