@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <bitset>
 #include <functional>
 #include <span>
 #include <string>
@@ -19,7 +21,7 @@
 // Thread safety: functions, any thread; ProcessRecorder has one owner. Real-time: nothing here is.
 namespace enamel::scoring {
 
-// A metric's registry entry. A new metric is one function and one line in metrics.cpp.
+// A metric's registry entry. A new metric is one function and one line in registry.cpp.
 struct MetricInfo {
   std::string_view name;  // "wall_mesial_mm"
   std::string_view unit;  // "mm", "mm2", "mm3", "%", "N", "s"
@@ -108,10 +110,45 @@ struct MetricValue {
   bool operator==(const MetricValue&) const = default;
 };
 
+// Parts of the measurement that are done or left out as a whole.
+enum class MetricGroup : uint8_t {
+  kTask,        // what went, per tissue and against the task
+  kDeviation,   // distances between the surfaces
+  kRecording,   // time, force and way
+  kZones,       // target, leeway, container
+  kWalls,       // walls and floor: offset, tilt, waviness
+  kOutline,     // on the tooth's surface
+  kCover,       // of the pulp; depth in a neighbour
+  kPathInTime,  // against the reference's path, by time
+};
+inline constexpr size_t kMetricGroups = 8;
+
+// The groups that a list of metrics needs. A group is measured for all its metrics at the cost of
+// one, so all of a group's are reported.
+class MetricPlan {
+ public:
+  // Page, report and class lists show these of every attempt, whatever its rubric asks for: closeness
+  // and its heat map, task, tissues, time and force.
+  static constexpr std::array kBaseGroups = {MetricGroup::kTask, MetricGroup::kDeviation,
+                                             MetricGroup::kRecording};
+
+  static MetricPlan All();
+  // The base and the groups of the rubric's criteria and gates. Metrics that do not exist are
+  // ignored (ValidateRubric says so).
+  static MetricPlan For(const scene::Rubric& rubric);
+
+  void Add(MetricGroup group) { groups_.set(static_cast<size_t>(group)); }
+  bool Has(MetricGroup group) const { return groups_.test(static_cast<size_t>(group)); }
+
+ private:
+  std::bitset<kMetricGroups> groups_;
+};
+
 // Why a metric has no value.
 enum class NoValue {
   kNotInTask,  // this exercise does not ask for it: no caries in its task, no such wall
   kNotMade,    // it asks, and the attempt has not made what could be measured
+  kNotUsed,    // the exercise's plan does not measure it; scoring by another rubric may
 };
 struct MissingMetric {
   std::string name;
@@ -143,11 +180,12 @@ std::vector<float> DeviationPerVertex(const surface::Mesh& mesh, const cutting::
                                       const cutting::Volume& reference,
                                       const surface::Mesh& reference_surface);
 
-// All metrics of an attempt against a reference. `progress` (0..1) may be empty. Errors:
+// The plan's metrics of an attempt against a reference. `progress` (0..1) may be empty. Errors:
 // kInvalidInput when grids differ, the exercise's landmark is missing, its target holds no solid, or
 // a recording is empty.
 Result<MetricSet> ComputeMetrics(const scene::Scene& scene, const scene::Exercise& exercise,
                                  const AttemptData& attempt, const AttemptData& reference,
-                                 const std::function<void(double)>& progress = {});
+                                 const std::function<void(double)>& progress = {},
+                                 const MetricPlan& plan = MetricPlan::All());
 
 }  // namespace enamel::scoring

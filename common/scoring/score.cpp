@@ -1,8 +1,6 @@
 #include "common/scoring/score.h"
 
 #include <algorithm>
-#include <boost/json.hpp>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -11,11 +9,9 @@
 namespace enamel::scoring {
 namespace {
 
-namespace json = boost::json;
 using scene::Rubric;
 using scene::RubricCriterion;
 
-constexpr double kMPerMm = 1e-3, kM3PerMm3 = 1e-9;
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 // `item`: "criteria[2]".
@@ -185,200 +181,9 @@ Result<Looked> LookUp(const MetricSet& metrics, const std::string& name) {
     return Looked{m.value, {}};
   }
   for (const MissingMetric& m : metrics.missing) {
-    if (m.name == name) return Looked{{}, m.why};
+    if (m.name == name && m.why != NoValue::kNotUsed) return Looked{{}, m.why};
   }
-  return NotMeasured(name, ", which was not measured");
-}
-
-// To 12 significant digits: more than any metric means, and few enough that every reader of decimal
-// text gives back the same double.
-double Rounded(double value) {
-  char text[40];
-  auto end = std::to_chars(text, text + sizeof text, value, std::chars_format::general, 12).ptr;
-  double out = value;
-  std::from_chars(text, end, out);
-  return out;
-}
-
-// Reads members of one object; the first trouble is kept and everything after it is empty.
-// Not the strict reader of common/scene: a score of a newer server may hold members that this
-// program does not know (score.h).
-class ObjectReader {
- public:
-  ObjectReader(const json::value& value, std::string path, Status& status)
-      : object_(value.if_object()), path_(std::move(path)), status_(status) {
-    if (!object_) Fail(path_, "an object");
-  }
-
-  void Read(const char* name, std::string& out) {
-    if (const json::value* v = Member(name)) {
-      if (v->is_string())
-        out = std::string(v->get_string());
-      else
-        Fail(Path(name), "text");
-    }
-  }
-  void Read(const char* name, bool& out) {
-    if (const json::value* v = Member(name)) {
-      if (v->is_bool())
-        out = v->get_bool();
-      else
-        Fail(Path(name), "true or false");
-    }
-  }
-  void Read(const char* name, double& out) {
-    if (const json::value* v = Member(name)) {
-      if (v->is_number())
-        // As it was written, also where the text has more digits: what is read is written again
-        // alike.
-        out = Rounded(v->to_number<double>());
-      else
-        Fail(Path(name), "a number");
-    }
-  }
-  void Read(const char* name, dvec3& out) {
-    const json::array* list = Array(name, 3);
-    if (!list) return;
-    for (size_t i = 0; i < 3; ++i) {
-      if (i >= list->size() || !(*list)[i].is_number()) return Fail(Path(name), "three numbers");
-      out[static_cast<int>(i)] = Rounded((*list)[i].to_number<double>());
-    }
-  }
-  template <typename Integer>
-  void ReadInteger(const char* name, Integer& out) {
-    if (const json::value* v = Member(name)) {
-      boost::system::error_code error;
-      auto number = v->to_number<Integer>(error);
-      if (error)
-        Fail(Path(name), "a whole number in range");
-      else
-        out = number;
-    }
-  }
-  bool Has(const char* name) const { return object_ && object_->contains(name); }
-  const json::array* Array(const char* name, size_t max_size) {
-    const json::value* v = Member(name);
-    if (!v) return nullptr;
-    if (const json::array* array = v->if_array(); array && array->size() <= max_size) return array;
-    Fail(Path(name), "a list of at most " + std::to_string(max_size));
-    return nullptr;
-  }
-
- private:
-  std::string Path(const char* name) const { return path_.empty() ? name : path_ + "." + name; }
-  const json::value* Member(const char* name) {
-    if (!object_ || !status_.ok()) return nullptr;
-    const json::value* v = object_->if_contains(name);
-    if (!v) Fail(Path(name), "a member of this name");
-    return v;
-  }
-  void Fail(const std::string& path, const std::string& expected) {
-    if (status_.ok()) {
-      status_ = Status(Code::kInvalidInput, "score, " + path + ": expected " + expected, path);
-    }
-  }
-  const json::object* object_;
-  std::string path_;
-  Status& status_;
-};
-
-constexpr std::string_view kNotInTask = "not_in_task", kNotMade = "not_made";
-std::string_view NameOf(NoValue why) { return why == NoValue::kNotInTask ? kNotInTask : kNotMade; }
-
-void ReadGates(ObjectReader& reader, Status& status, ScoreResult& out) {
-  if (!reader.Has("gates")) return;
-  const json::array* list = reader.Array("gates", kMaxGates);
-  for (size_t i = 0; list != nullptr && i < list->size(); ++i) {
-    ObjectReader item((*list)[i], "gates[" + std::to_string(i) + "]", status);
-    GateResult& g = out.gates.emplace_back();
-    item.Read("name", g.name);
-    item.Read("title", g.title);
-    item.Read("value", g.value);
-    item.Read("unit", g.unit);
-    item.Read("share", g.share);
-    item.Read("reason", g.reason);
-  }
-}
-
-void ReadMissing(ObjectReader& reader, Status& status, ScoreResult& out) {
-  if (!reader.Has("missing")) return;
-  const json::array* list = reader.Array("missing", 1024);
-  for (size_t i = 0; list != nullptr && i < list->size(); ++i) {
-    const std::string at = "missing[" + std::to_string(i) + "]";
-    ObjectReader item((*list)[i], at, status);
-    MissingMetric& m = out.missing.emplace_back();
-    std::string why;
-    item.Read("name", m.name);
-    item.Read("why", why);
-    m.why = why == kNotMade ? NoValue::kNotMade : NoValue::kNotInTask;
-    if (status.ok() && why != kNotMade && why != kNotInTask) {
-      status =
-          Status(Code::kInvalidInput,
-                 "score, " + at + ".why: expected not_in_task or not_made, found \"" + why + "\"",
-                 at + ".why");
-    }
-  }
-}
-
-void ReadStrokes(ObjectReader& reader, Status& status, const std::string& at, Deduction& out) {
-  const json::array* list = reader.Array("strokes", Deduction::kMaxStrokes);
-  for (size_t i = 0; list != nullptr && i < list->size(); ++i) {
-    ObjectReader item((*list)[i], at + ".strokes[" + std::to_string(i) + "]", status);
-    FaultStroke& stroke = out.strokes.emplace_back();
-    item.ReadInteger("number", stroke.number);
-    item.ReadInteger("first_tick", stroke.first_tick);
-    item.Read("first_s", stroke.first_s);
-    item.Read("volume_mm3", stroke.volume_m3);
-    stroke.volume_m3 *= kM3PerMm3;
-  }
-}
-
-void ReadDeductions(ObjectReader& reader, Status& status, ScoreResult& out) {
-  if (!reader.Has("deductions")) return;
-  const json::array* list = reader.Array("deductions", kMaxDeductions);
-  for (size_t i = 0; list != nullptr && i < list->size(); ++i) {
-    const std::string at = "deductions[" + std::to_string(i) + "]";
-    ObjectReader item((*list)[i], at, status);
-    Deduction& d = out.deductions.emplace_back();
-    item.Read("criterion", d.criterion);
-    item.Read("left", d.left);
-    item.Read("volume_mm3", d.volume_m3);
-    d.volume_m3 *= kM3PerMm3;
-    item.Read("position_mm", d.position_m);
-    d.position_m *= kMPerMm;
-    item.Read("facing", d.facing);
-    item.ReadInteger("first_tick", d.first_tick);
-    item.Read("first_s", d.first_s);
-    item.ReadInteger("stroke_count", d.stroke_count);
-    ReadStrokes(item, status, at, d);
-  }
-}
-
-json::array DeductionsJson(const std::vector<Deduction>& deductions) {
-  auto triple = [](const dvec3& v) {
-    // Adding zero turns -0 into 0.
-    return json::array{Rounded(v.x) + 0.0, Rounded(v.y) + 0.0, Rounded(v.z) + 0.0};
-  };
-  json::array out;
-  for (const Deduction& d : deductions) {
-    json::array strokes;
-    for (const FaultStroke& stroke : d.strokes) {
-      strokes.push_back({{"number", stroke.number},
-                         {"first_tick", stroke.first_tick},
-                         {"first_s", Rounded(stroke.first_s)},
-                         {"volume_mm3", Rounded(stroke.volume_m3 / kM3PerMm3)}});
-    }
-    out.push_back({{"criterion", d.criterion},
-                   {"left", d.left},
-                   {"volume_mm3", Rounded(d.volume_m3 / kM3PerMm3)},
-                   {"position_mm", triple(d.position_m / kMPerMm)},
-                   {"facing", triple(d.facing)},
-                   {"first_tick", d.first_tick},
-                   {"first_s", Rounded(d.first_s)},
-                   {"stroke_count", d.stroke_count},
-                   {"strokes", std::move(strokes)}});
-  }
-  return out;
+  return NotMeasured(name, ", which was not measured; only scoring the recording again tells");
 }
 
 }  // namespace
@@ -465,115 +270,6 @@ Result<ScoreResult> ApplyRubric(const Rubric& rubric, const MetricSet& metrics) 
   }
   // Of what can be judged, so that exercises with fewer walls have 100 points too.
   out.score = out.critical_fail ? 0 : 100 * (points / max_points);
-  return out;
-}
-
-std::string ToJson(const ScoreResult& result) {
-  json::array criteria;
-  for (const CriterionResult& c : result.criteria) {
-    criteria.push_back({{"name", c.name},
-                        {"title", c.title},
-                        {"value", Rounded(c.value)},
-                        {"unit", c.unit},
-                        {"points", Rounded(c.points)},
-                        {"max_points", Rounded(c.max_points)},
-                        {"reason", c.reason},
-                        {"judged", c.judged}});
-  }
-  json::array gates;
-  for (const GateResult& g : result.gates) {
-    gates.push_back({{"name", g.name},
-                     {"title", g.title},
-                     {"value", Rounded(g.value)},
-                     {"unit", g.unit},
-                     {"share", Rounded(g.share)},
-                     {"reason", g.reason}});
-  }
-  json::array metrics;
-  for (const MetricValue& m : result.metrics) {
-    metrics.push_back({{"name", m.name}, {"value", Rounded(m.value)}, {"unit", m.unit}});
-  }
-  json::array missing;
-  for (const MissingMetric& m : result.missing) {
-    missing.push_back({{"name", m.name}, {"why", NameOf(m.why)}});
-  }
-  json::object out{{"score", Rounded(result.score)},
-                   {"critical_fail", result.critical_fail},
-                   {"criteria", std::move(criteria)},
-                   {"gates", std::move(gates)},
-                   {"metrics", std::move(metrics)},
-                   {"missing", std::move(missing)},
-                   {"deductions", DeductionsJson(result.deductions)},
-                   {"reference_attempt", result.reference_attempt},
-                   {"rubric_version", result.rubric_version},
-                   {"scoring_version", result.scoring_version},
-                   {"core_version", result.core_version},
-                   {"ticks", result.ticks},
-                   {"gap_ticks", result.gap_ticks},
-                   {"late_ticks", result.late_ticks},
-                   {"bounded_ticks", result.bounded_ticks},
-                   {"witness_ok", result.witness_ok},
-                   {"witness_note", result.witness_note}};
-  return json::serialize(out);
-}
-
-Result<ScoreResult> ScoreFromJson(std::string_view text) {
-  if (text.size() > kMaxScoreJsonBytes) {
-    return Status(Code::kTooLarge, "score: expected at most " + std::to_string(kMaxScoreJsonBytes) +
-                                       " bytes, found " + std::to_string(text.size()));
-  }
-  boost::system::error_code error;
-  json::parse_options options;
-  // A score has four levels; what is deeper is none of ours.
-  options.max_depth = 8;
-  json::value value = json::parse(text, error, {}, options);
-  if (error) return Status(Code::kInvalidInput, "score: not JSON: " + error.message());
-
-  Status status;
-  ScoreResult out;
-  ObjectReader reader(value, "", status);
-  reader.Read("score", out.score);
-  reader.Read("critical_fail", out.critical_fail);
-  if (const json::array* list = reader.Array("criteria", kMaxCriteria)) {
-    for (size_t i = 0; i < list->size(); ++i) {
-      ObjectReader item((*list)[i], "criteria[" + std::to_string(i) + "]", status);
-      CriterionResult& c = out.criteria.emplace_back();
-      item.Read("name", c.name);
-      item.Read("title", c.title);
-      item.Read("value", c.value);
-      item.Read("unit", c.unit);
-      item.Read("points", c.points);
-      item.Read("max_points", c.max_points);
-      item.Read("reason", c.reason);
-      // Scores of before have every criterion judged.
-      if (item.Has("judged")) item.Read("judged", c.judged);
-    }
-  }
-  ReadGates(reader, status, out);
-  if (const json::array* list = reader.Array("metrics", 1024)) {
-    for (size_t i = 0; i < list->size(); ++i) {
-      ObjectReader item((*list)[i], "metrics[" + std::to_string(i) + "]", status);
-      MetricValue& m = out.metrics.emplace_back();
-      item.Read("name", m.name);
-      item.Read("value", m.value);
-      item.Read("unit", m.unit);
-    }
-  }
-  ReadMissing(reader, status, out);
-  ReadDeductions(reader, status, out);
-  reader.Read("reference_attempt", out.reference_attempt);
-  reader.ReadInteger("rubric_version", out.rubric_version);
-  // Scores of version 1 do not say so, nor have they gates.
-  out.scoring_version = 1;
-  if (reader.Has("scoring_version")) reader.ReadInteger("scoring_version", out.scoring_version);
-  reader.ReadInteger("core_version", out.core_version);
-  reader.ReadInteger("ticks", out.ticks);
-  reader.ReadInteger("gap_ticks", out.gap_ticks);
-  reader.ReadInteger("late_ticks", out.late_ticks);
-  reader.ReadInteger("bounded_ticks", out.bounded_ticks);
-  reader.Read("witness_ok", out.witness_ok);
-  reader.Read("witness_note", out.witness_note);
-  if (!status.ok()) return status;
   return out;
 }
 

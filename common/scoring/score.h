@@ -50,7 +50,7 @@ struct ScoreResult {
   bool critical_fail = false;
   std::vector<CriterionResult> criteria;  // points after the gates
   std::vector<GateResult> gates;
-  std::vector<MetricValue> metrics;    // all of them, also those the rubric does not use
+  std::vector<MetricValue> metrics;    // all that was measured, also what the rubric does not use
   std::vector<MissingMetric> missing;  // those without a value here
   // Where and when the criteria lost points; filled by the caller (CostlyCriteria, FindDeductions).
   std::vector<Deduction> deductions;

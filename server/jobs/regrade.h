@@ -9,8 +9,9 @@
 #include "common/scene/types.h"
 #include "server/storage/parts.h"
 
-// What a corrected rubric would change. Scores keep all their metrics, so that points can be given
-// anew without replaying anything; whether it is then done is for BatchStore, whose jobs replay.
+// What a corrected rubric would change. Scores keep what was measured, so that points can be given
+// anew without replaying anything, as long as the correction asks for nothing that was not; whether
+// it is then done is for BatchStore, whose jobs replay.
 // Thread safety: functions, any thread; they block for the store.
 namespace enamel::server {
 

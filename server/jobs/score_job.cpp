@@ -210,9 +210,12 @@ class ScoreJob {
         mesh, initial_, final_volume, *reference.final_volume, *reference.final_surface);
     attempt.deviation_m = &deviation;
     bool stopped = false;
-    auto metrics = scoring::ComputeMetrics(scene_, exercise_, attempt, reference, [&](double done) {
-      stopped = stopped || !Tell(kReplayTo + (kMeasureTo - kReplayTo) * done).ok();
-    });
+    auto metrics = scoring::ComputeMetrics(
+        scene_, exercise_, attempt, reference,
+        [&](double done) {
+          stopped = stopped || !Tell(kReplayTo + (kMeasureTo - kReplayTo) * done).ok();
+        },
+        scoring::MetricPlan::For(exercise_.rubric));
     if (stopped) return Stopped();
     if (!metrics.ok()) return metrics.status();
     ENAMEL_ASSIGN_OR_RETURN(auto score, scoring::ApplyRubric(exercise_.rubric, *metrics));

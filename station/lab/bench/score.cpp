@@ -122,7 +122,8 @@ Status MeasureOnce(const Attempt& attempt, const Attempt& reference_attempt,
   from = Clock::now();
   replayed.mesh = surface::ExtractSurface(replayed.core->volume());
   auto metrics = scoring::ComputeMetrics(attempt.built.scene, attempt.exercise,
-                                         replayed.Data(attempt), reference.Data(reference_attempt));
+                                         replayed.Data(attempt), reference.Data(reference_attempt),
+                                         {}, scoring::MetricPlan::For(attempt.exercise.rubric));
   if (!metrics.ok()) return metrics.status();
   ENAMEL_ASSIGN_OR_RETURN(auto score, scoring::ApplyRubric(attempt.exercise.rubric, *metrics));
   out.measure.Take(from);

@@ -215,6 +215,51 @@ TEST(MetricsTest, EqualInputsGiveEqualBits) {
             Compare(block, Cut(block, wrong), Cut(block, {})));
 }
 
+scene::Rubric RubricFor(std::initializer_list<const char*> names) {
+  scene::Rubric rubric;
+  for (const char* name : names) {
+    rubric.criteria.push_back(
+        {name, name, std::string(FindMetric(name)->unit), 1, {{0, 1}}, "", {}});
+  }
+  return rubric;
+}
+
+// What is left out says so; what is measured has the bits that it has with all of them.
+TEST(MetricsTest, AnExerciseMeasuresWhatItsRubricUsesAndWhatEveryPageShows) {
+  Volume block = MakeBlock(100'000);
+  Cavity wrong;
+  wrong.lingual_mm += 0.17;
+  Cut attempt(block, wrong), reference(block, {});
+  const MetricSet all = Compare(block, attempt, reference);
+  for (const MissingMetric& m : all.missing) EXPECT_NE(m.why, NoValue::kNotUsed) << m.name;
+  auto planned = [&](const scene::Rubric& rubric) {
+    return *ComputeMetrics(BlockScene(), BlockExercise(), attempt.Data(block),
+                           reference.Data(block), {}, MetricPlan::For(rubric));
+  };
+  for (const MetricInfo& info : Metrics()) {
+    const MetricSet some = planned(RubricFor({std::string(info.name).c_str()}));
+    EXPECT_EQ(some.values.size() + some.missing.size(), Metrics().size());
+    for (const MetricValue& m : some.values) EXPECT_EQ(m.value, ValueOf(all, m.name)) << m.name;
+    for (const MissingMetric& m : some.missing) {
+      EXPECT_TRUE(m.name != info.name || m.why != NoValue::kNotUsed) << m.name;
+    }
+  }
+  std::set<std::string> unused;
+  for (const MissingMetric& m : planned(RubricFor({"time_s", "wall_mesial_mm"})).missing) {
+    if (m.why == NoValue::kNotUsed) unused.insert(m.name);
+  }
+  for (const char* name : {"dtw_pose_mm", "zone_target_removed_percent", "outline_over_mm"}) {
+    EXPECT_TRUE(unused.contains(name)) << name;
+  }
+  for (const char* name : {"deviation_rms_mm", "task_done_percent", "force_sent_p95_n", "time_s",
+                           "wall_mesial_mm", "removed_enamel_mm3", "pulp_exposed_mm2"}) {
+    EXPECT_FALSE(unused.contains(name)) << name;
+  }
+  scene::Rubric gate;
+  gate.gates = {{"outline_over_mm", "", "mm", {{0, 1}}, ""}};
+  EXPECT_TRUE(MetricPlan::For(gate).Has(MetricGroup::kOutline));
+}
+
 TEST(MetricsTest, DeviationGivenByTheCallerIsUsed) {
   Volume block = MakeBlock(100'000);
   Cavity wrong;

@@ -214,13 +214,26 @@ TEST(ValidateRubricTest, RefusesWhatCannotBeScoredAndNamesIt) {
   EXPECT_TRUE(ValidateRubric(Three()).ok());
 }
 
+// A later rubric may ask for what was not measured: that is said, and no points are made up.
+TEST(ApplyRubricTest, AMetricThatWasNotMeasuredIsRefusedByName) {
+  MetricSet metrics = Values(0, 99, 0);
+  const std::string name = Three().criteria[0].metric;
+  std::erase_if(metrics.values, [&](const MetricValue& m) { return m.name == name; });
+  metrics.missing = {{name, NoValue::kNotUsed}};
+  auto result = ApplyRubric(Three(), metrics);
+  ASSERT_FALSE(result.ok());
+  EXPECT_EQ(result.status().field(), name);
+  EXPECT_NE(result.status().message().find("again"), std::string::npos);
+}
+
 ScoreResult Filled() {
   Rubric rubric = Three();
   rubric.gates = {Done()};
   MetricSet metrics = Values(0.1 + 0.2, 91.234567890123456, 0);
   metrics.values.push_back({"task_done_percent", 66.6, "%"});
   metrics.missing = {{"caries_left_mm3", NoValue::kNotInTask},
-                     {"tilt_mesial_deg", NoValue::kNotMade}};
+                     {"tilt_mesial_deg", NoValue::kNotMade},
+                     {"dtw_pose_mm", NoValue::kNotUsed}};
   ScoreResult r = *ApplyRubric(rubric, metrics);
   r.reference_attempt = "01890a5d-ac96-774b-bcce-b302099a8057";
   r.ticks = 123'456'789'012;

@@ -136,9 +136,8 @@ TEST_F(ScoreJobTest, TheReferenceAgainstItselfHasNoDeviationAndFullMarksForShape
   Uuid attempt = world_.RecordReference(store_);
   ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
   auto score = ScoreOf(attempt);
-  for (const char* name :
-       {"deviation_rms_mm", "deviation_p95_mm", "wall_mesial_mm", "wall_distal_mm",
-        "wall_buccal_mm", "wall_lingual_mm", "floor_mm", "dtw_pose_mm", "dtw_force_n"}) {
+  for (const char* name : {"deviation_rms_mm", "deviation_p95_mm", "wall_mesial_mm",
+                           "wall_distal_mm", "wall_buccal_mm", "wall_lingual_mm", "floor_mm"}) {
     EXPECT_EQ(Metric(score, name), 0) << name;
   }
   EXPECT_EQ(score.score, 100) << "the least of them: " << score.criteria[0].reason;
@@ -204,6 +203,16 @@ TEST_F(ScoreJobTest, APreviewSaysOfWhichAttemptsItCannotTell) {
   EXPECT_EQ(preview->problems, 2u);
   EXPECT_EQ(preview->mean_after, 0);
   for (const RegradedAttempt& a : preview->attempts) EXPECT_NE(a.problem, "");
+
+  // What the exercise's own rubric had no use for was not measured.
+  ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
+  scene::Rubric other = document->rubric;
+  other.criteria.push_back({"dtw_pose_mm", "Like the dentist", "mm", 5, {{0, 1}, {2, 0}}, "", {}});
+  preview = PreviewRubric(store_, OfExercise(attempt), other);
+  ASSERT_TRUE(preview.ok());
+  for (const RegradedAttempt& a : preview->attempts) {
+    if (a.row.id == attempt) EXPECT_NE(a.problem.find("dtw_pose_mm"), std::string::npos);
+  }
 
   scene::Rubric broken = document->rubric;
   broken.criteria[0].metric = "no_such_metric";

@@ -1,0 +1,32 @@
+#pragma once
+
+#include "common/scoring/metrics.h"
+#include "common/scoring/shape.h"
+#include "common/scoring/task.h"
+#include "common/scoring/zones.h"
+
+// Between measuring (metrics.cpp) and the list of metrics (registry.cpp).
+namespace enamel::scoring {
+
+// Everything measured about one attempt. What its plan leaves out stays as it is here; the registry
+// (registry.cpp) picks from the rest.
+struct Measured {
+  BoxVolume target, leeway, container;  // each box whole, the inner ones included
+  TissueVolumes_m3 removed{};
+  TaskVolumes task;
+  DeviationFigures deviation;
+  double deepest_over_m = 0;
+  Walls walls{};
+  OutlineFigures outline;
+  bool has_pulp = false, has_neighbour = false;
+  double neighbour_depth_m = 0;
+  double remaining_dentin_m = 0;
+  double pulp_exposed_m2 = 0;
+  double align_pose_m = 0, align_force_n = 0;
+  const ProcessRecorder* process = nullptr;
+};
+
+// Every metric with its value, or why it has none.
+MetricSet Collect(const Measured& measured, const MetricPlan& plan);
+
+}  // namespace enamel::scoring

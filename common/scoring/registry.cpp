@@ -1,0 +1,370 @@
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "common/scoring/measured.h"
+
+namespace enamel::scoring {
+namespace {
+
+using cutting::Tissue;
+
+constexpr double kMm = 1e3, kMm2 = 1e6, kMm3 = 1e9;
+
+double Percent(double part, double whole) { return whole > 0 ? 100 * part / whole : 0; }
+double Of(const TissueVolumes_m3& v, Tissue t) { return v[static_cast<size_t>(t)]; }
+double Removed(const Measured& m, Tissue t) { return Of(m.removed, t) * kMm3; }
+
+// Whether a metric has a value here.
+using State = std::optional<NoValue>;
+State Always(const Measured&) { return {}; }
+State Unless(bool in_task) { return in_task ? State{} : NoValue::kNotInTask; }
+State WithCaries(const Measured& m) { return Unless(Of(m.task.task, Tissue::kCaries) > 0); }
+State WithNeighbour(const Measured& m) { return Unless(m.has_neighbour); }
+State WithPulp(const Measured& m) { return Unless(m.has_pulp); }
+State WithOutline(const Measured& m) { return Unless(m.outline.in_task); }
+template <Part kPart>
+State WithWall(const Measured& m) {
+  return Unless(m.walls[kPart].in_task);
+}
+template <Part kPart>
+State WithMadeWall(const Measured& m) {
+  if (!m.walls[kPart].in_task) return NoValue::kNotInTask;
+  return m.walls[kPart].made ? State{} : NoValue::kNotMade;
+}
+State WithUprightWalls(const Measured& m) {
+  bool any = false;
+  for (size_t p = 0; p < kFloor; ++p) {
+    if (!m.walls[p].in_task) continue;
+    if (!m.walls[p].made) return NoValue::kNotMade;
+    any = true;
+  }
+  return Unless(any);
+}
+// The largest over the walls that are in the task.
+template <typename F>
+double WorstWall(const Measured& m, F&& of) {
+  double worst = 0;
+  for (size_t p = 0; p < kFloor; ++p) {
+    if (m.walls[p].in_task && m.walls[p].made) worst = std::max(worst, of(m.walls[p]));
+  }
+  return worst;
+}
+
+using enum MetricGroup;
+
+// A table and not a switch: what is measured, shown and named in a rubric is the same list.
+struct Entry {
+  MetricGroup group;
+  MetricInfo info;
+  double (*value)(const Measured&);
+  State (*state)(const Measured&) = Always;
+};
+
+// Formulas in full, with sources: schemas/score.md.
+constexpr Entry kRegistry[] = {
+    {kZones,
+     {"zone_target_removed_percent", "%", "Target removed",
+      "Share of the solid inside the target box that went."},
+     [](const Measured& m) { return Percent(m.target.removed_m3, m.target.solid_m3); }},
+    {kZones,
+     {"zone_leeway_removed_percent", "%", "Leeway removed",
+      "Share of the solid between target and leeway box that went."},
+     [](const Measured& m) {
+       return Percent(m.leeway.removed_m3 - m.target.removed_m3,
+                      m.leeway.solid_m3 - m.target.solid_m3);
+     }},
+    {kZones,
+     {"zone_container_removed_mm3", "mm3", "Container removed",
+      "Volume that went between leeway and container box, which must stay."},
+     [](const Measured& m) {
+       // Where nothing went, rounding of two sums must not say less than nothing.
+       return std::max(0.0, m.container.removed_m3 - m.leeway.removed_m3) * kMm3;
+     }},
+    {kDeviation,
+     {"deviation_rms_mm", "mm", "Deviation from the reference",
+      "Root mean square distance of the attempt's surface from the reference's cut, by area."},
+     [](const Measured& m) { return m.deviation.rms_m * kMm; }},
+    {kDeviation,
+     {"deviation_p95_mm", "mm", "Largest deviations",
+      "Distance that 95 % of the reference's cut surface stays within of the attempt's."},
+     [](const Measured& m) { return m.deviation.p95_m * kMm; }},
+    {kDeviation,
+     {"within_100um_percent", "%", "Within 0.1 mm of the reference",
+      "Share of the reference's cut surface that is no farther than 0.1 mm from the attempt's."},
+     [](const Measured& m) { return 100 * m.deviation.within[0]; }},
+    {kDeviation,
+     {"within_200um_percent", "%", "Within 0.2 mm of the reference", "The same for 0.2 mm."},
+     [](const Measured& m) { return 100 * m.deviation.within[1]; }},
+    {kDeviation,
+     {"within_300um_percent", "%", "Within 0.3 mm of the reference", "The same for 0.3 mm."},
+     [](const Measured& m) { return 100 * m.deviation.within[2]; }},
+    {kDeviation,
+     {"within_500um_percent", "%", "Within 0.5 mm of the reference", "The same for 0.5 mm."},
+     [](const Measured& m) { return 100 * m.deviation.within[3]; }},
+    {kDeviation,
+     {"deepest_over_mm", "mm", "Deepest place beyond the reference",
+      "At least 0.02 mm2 of the cut lies so deep under the reference's surface."},
+     [](const Measured& m) { return m.deepest_over_m * kMm; }},
+    {kDeviation,
+     {"most_left_mm", "mm", "Most left standing",
+      "At least 0.02 mm2 of the reference's cut lies so deep under the attempt's surface."},
+     [](const Measured& m) { return m.deviation.most_left_m * kMm; }},
+    {kWalls,
+     {"wall_mesial_mm", "mm", "Mesial wall", "Median signed deviation of the mesial wall, by area.",
+      "too deep", "short"},
+     [](const Measured& m) { return m.walls[kMesial].offset_m * kMm; },
+     WithWall<kMesial>},
+    {kWalls,
+     {"wall_distal_mm", "mm", "Distal wall", "Median signed deviation of the distal wall, by area.",
+      "too deep", "short"},
+     [](const Measured& m) { return m.walls[kDistal].offset_m * kMm; },
+     WithWall<kDistal>},
+    {kWalls,
+     {"wall_buccal_mm", "mm", "Buccal wall", "Median signed deviation of the buccal wall, by area.",
+      "too deep", "short"},
+     [](const Measured& m) { return m.walls[kBuccal].offset_m * kMm; },
+     WithWall<kBuccal>},
+    {kWalls,
+     {"wall_lingual_mm", "mm", "Lingual wall",
+      "Median signed deviation of the lingual wall, by area.", "too deep", "short"},
+     [](const Measured& m) { return m.walls[kLingual].offset_m * kMm; },
+     WithWall<kLingual>},
+    {kWalls,
+     {"floor_mm", "mm", "Floor", "Median signed deviation of the cavity's floor, by area.",
+      "too deep", "too shallow"},
+     [](const Measured& m) { return m.walls[kFloor].offset_m * kMm; },
+     WithWall<kFloor>},
+    {kWalls,
+     {"tilt_mesial_deg", "deg", "Mesial wall, tilt",
+      "Angle of the mesial wall against the reference's, by a plane through it.",
+      "more open at the top", "undercut"},
+     [](const Measured& m) { return m.walls[kMesial].tilt_deg; },
+     WithMadeWall<kMesial>},
+    {kWalls,
+     {"tilt_distal_deg", "deg", "Distal wall, tilt",
+      "Angle of the distal wall against the reference's, by a plane through it.",
+      "more open at the top", "undercut"},
+     [](const Measured& m) { return m.walls[kDistal].tilt_deg; },
+     WithMadeWall<kDistal>},
+    {kWalls,
+     {"tilt_buccal_deg", "deg", "Buccal wall, tilt",
+      "Angle of the buccal wall against the reference's, by a plane through it.",
+      "more open at the top", "undercut"},
+     [](const Measured& m) { return m.walls[kBuccal].tilt_deg; },
+     WithMadeWall<kBuccal>},
+    {kWalls,
+     {"tilt_lingual_deg", "deg", "Lingual wall, tilt",
+      "Angle of the lingual wall against the reference's, by a plane through it.",
+      "more open at the top", "undercut"},
+     [](const Measured& m) { return m.walls[kLingual].tilt_deg; },
+     WithMadeWall<kLingual>},
+    {kWalls,
+     {"tilt_floor_deg", "deg", "Floor, tilt",
+      "Angle of the floor against the reference's, by a plane through it."},
+     [](const Measured& m) { return m.walls[kFloor].tilt_deg; },
+     WithMadeWall<kFloor>},
+    {kWalls,
+     {"wall_tilt_deg", "deg", "Slope of the walls",
+      "Largest angle of any wall against the reference's, whichever way."},
+     [](const Measured& m) {
+       return WorstWall(m, [](const WallFigures& w) { return std::fabs(w.tilt_deg); });
+     },
+     WithUprightWalls},
+    {kWalls,
+     {"undercut_deg", "deg", "Undercut",
+      "Largest angle by which a wall leans over the cavity, against the vertical."},
+     [](const Measured& m) {
+       return WorstWall(m, [](const WallFigures& w) { return -w.opens_deg; });
+     },
+     WithUprightWalls},
+    {kWalls,
+     {"wall_waviness_mm", "mm", "Waviness of the walls",
+      "Largest root mean square height of a wall about its own plane, against the reference's."},
+     [](const Measured& m) {
+       return WorstWall(m, [](const WallFigures& w) { return w.waviness_m; }) * kMm;
+     },
+     WithUprightWalls},
+    {kWalls,
+     {"floor_waviness_mm", "mm", "Waviness of the floor",
+      "Root mean square height of the floor about its own plane, against the reference's."},
+     [](const Measured& m) { return m.walls[kFloor].waviness_m * kMm; },
+     WithMadeWall<kFloor>},
+    {kOutline,
+     {"outline_over_mm", "mm", "Outline too wide",
+      "How far 95 % of the outline on the tooth stays within beyond the reference's."},
+     [](const Measured& m) { return m.outline.over_m * kMm; },
+     WithOutline},
+    {kOutline,
+     {"outline_short_mm", "mm", "Outline short",
+      "How far 95 % of the outline on the tooth stays within short of the reference's."},
+     [](const Measured& m) { return m.outline.short_m * kMm; },
+     WithOutline},
+    {kTask,
+     {"task_done_percent", "%", "Task done",
+      "Share of what the reference took away that the attempt took away too."},
+     [](const Measured& m) { return Percent(m.task.done_m3(), m.task.task_m3()); }},
+    {kTask,
+     {"overlap_percent", "%", "Overlap with the reference",
+      "Dice coefficient of the volumes that attempt and reference took away."},
+     [](const Measured& m) {
+       return Percent(2 * m.task.done_m3(), m.task.task_m3() + Sum_m3(m.removed));
+     }},
+    {kTask,
+     {"missed_mm3", "mm3", "Left of the task",
+      "Volume that the reference took away and the attempt left."},
+     [](const Measured& m) { return Sum_m3(m.task.missed) * kMm3; }},
+    {kTask,
+     {"overcut_mm3", "mm3", "Beyond the walls",
+      "Volume taken beyond the reference, within the leeway of its cut."},
+     [](const Measured& m) { return Sum_m3(m.task.near) * kMm3; }},
+    {kTask,
+     {"outside_removed_mm3", "mm3", "Cut elsewhere",
+      "Volume taken farther than the leeway from the reference's cut, neighbours apart."},
+     [](const Measured& m) {
+       return (Sum_m3(m.task.outside) - Of(m.task.outside, Tissue::kNeighbour)) * kMm3;
+     }},
+    {kTask,
+     {"damage_percent", "%", "Damage",
+      "Volume taken farther than the leeway from the reference's cut, of the task's volume."},
+     [](const Measured& m) { return Percent(Sum_m3(m.task.outside), m.task.task_m3()); }},
+    {kTask,
+     {"neighbour_removed_mm3", "mm3", "Neighbour cut",
+      "Volume of the neighbouring teeth that went."},
+     [](const Measured& m) { return Removed(m, Tissue::kNeighbour); },
+     WithNeighbour},
+    {kCover,
+     {"neighbour_depth_mm", "mm", "Depth in the neighbour",
+      "Deepest place in a neighbouring tooth under its own surface."},
+     [](const Measured& m) { return m.neighbour_depth_m * kMm; },
+     WithNeighbour},
+    {kTask,
+     {"caries_left_mm3", "mm3", "Caries left",
+      "Volume of caries that the reference took away and the attempt left."},
+     [](const Measured& m) { return Of(m.task.missed, Tissue::kCaries) * kMm3; },
+     WithCaries},
+    {kTask,
+     {"caries_left_percent", "%", "Caries left, share",
+      "Share of the caries that the reference took away which the attempt left."},
+     [](const Measured& m) {
+       return Percent(Of(m.task.missed, Tissue::kCaries), Of(m.task.task, Tissue::kCaries));
+     },
+     WithCaries},
+    {kTask,
+     {"sound_removed_mm3", "mm3", "Sound tissue too much",
+      "Enamel and dentin taken beyond what the reference took, near its cut and elsewhere."},
+     [](const Measured& m) {
+       double sum = 0;
+       for (Tissue t : {Tissue::kEnamel, Tissue::kDentin}) {
+         sum += Of(m.task.near, t) + Of(m.task.outside, t);
+       }
+       return sum * kMm3;
+     }},
+    {kTask,
+     {"removed_enamel_mm3", "mm3", "Enamel removed", "Volume of enamel that went."},
+     [](const Measured& m) { return Removed(m, Tissue::kEnamel); }},
+    {kTask,
+     {"removed_dentin_mm3", "mm3", "Dentin removed", "Volume of dentin that went."},
+     [](const Measured& m) { return Removed(m, Tissue::kDentin); }},
+    {kTask,
+     {"removed_pulp_mm3", "mm3", "Pulp removed", "Volume of pulp that went."},
+     [](const Measured& m) { return Removed(m, Tissue::kPulp); }},
+    {kTask,
+     {"pulp_exposed_mm2", "mm2", "Pulp exposed",
+      "Area of the final surface that is pulp and was not surface before."},
+     [](const Measured& m) { return m.pulp_exposed_m2 * kMm2; }},
+    {kCover,
+     {"remaining_dentin_mm", "mm", "Least cover of the pulp",
+      "Least distance from the cut to the pulp, at most 3 mm; 0 where it lies open."},
+     [](const Measured& m) { return m.remaining_dentin_m * kMm; },
+     WithPulp},
+    {kRecording,
+     {"force_sent_p95_n", "N", "Force, 95th percentile",
+      "Sent force that 95 % of the ticks with any force stay within."},
+     [](const Measured& m) { return m.process->force_sent_p95_n(); }},
+    {kRecording,
+     {"force_sent_max_n", "N", "Largest force", "Largest sent force of any tick."},
+     [](const Measured& m) { return m.process->force_sent_max_n(); }},
+    {kRecording,
+     {"force_sent_mean_cutting_n", "N", "Mean force while cutting",
+      "Mean sent force over the ticks that removed something."},
+     [](const Measured& m) { return m.process->force_sent_mean_cutting_n(); }},
+    {kRecording,
+     {"path_length_mm", "mm", "Path length", "Length of the bur tip's path."},
+     [](const Measured& m) { return m.process->anchor_path_m() * kMm; }},
+    {kRecording,
+     {"time_s", "s", "Time", "Duration of the attempt, gaps included."},
+     [](const Measured& m) { return m.process->duration_s(); }},
+    {kRecording,
+     {"cutting_time_s", "s", "Cutting time", "Time less than 50 ms after something was removed."},
+     [](const Measured& m) { return m.process->cutting_s(); }},
+    {kPathInTime,
+     {"dtw_pose_mm", "mm", "Path against the reference",
+      "Mean distance of the bur from the reference's along the best alignment in time."},
+     [](const Measured& m) { return m.align_pose_m * kMm; }},
+    {kPathInTime,
+     {"dtw_force_n", "N", "Force against the reference",
+      "Mean difference of the sent force from the reference's along the best alignment in time."},
+     [](const Measured& m) { return m.align_force_n; }},
+    {kRecording,
+     {"limiter_share_percent", "%", "Device at its limit",
+      "Share of the ticks in which the device's peak force bounded the force."},
+     [](const Measured& m) {
+       return Percent(static_cast<double>(m.process->bounded_ticks()),
+                      static_cast<double>(m.process->ticks()));
+     }},
+};
+
+}  // namespace
+
+std::span<const MetricInfo> Metrics() {
+  static const std::vector<MetricInfo> infos = [] {
+    std::vector<MetricInfo> out;
+    for (const Entry& entry : kRegistry) out.push_back(entry.info);
+    return out;
+  }();
+  return infos;
+}
+
+const MetricInfo* FindMetric(std::string_view name) {
+  for (const MetricInfo& info : Metrics()) {
+    if (info.name == name) return &info;
+  }
+  return nullptr;
+}
+
+MetricPlan MetricPlan::All() {
+  MetricPlan plan;
+  plan.groups_.set();
+  return plan;
+}
+
+MetricPlan MetricPlan::For(const scene::Rubric& rubric) {
+  MetricPlan plan;
+  for (MetricGroup group : kBaseGroups) plan.Add(group);
+  auto use = [&](const std::string& metric) {
+    for (const Entry& entry : kRegistry) {
+      if (entry.info.name == metric) plan.Add(entry.group);
+    }
+  };
+  for (const scene::RubricCriterion& criterion : rubric.criteria) use(criterion.metric);
+  for (const scene::RubricGate& gate : rubric.gates) use(gate.metric);
+  return plan;
+}
+
+MetricSet Collect(const Measured& m, const MetricPlan& plan) {
+  MetricSet out;
+  for (const Entry& entry : kRegistry) {
+    std::string name(entry.info.name);
+    const State state = plan.Has(entry.group) ? entry.state(m) : NoValue::kNotUsed;
+    if (state) {
+      out.missing.push_back({std::move(name), *state});
+    } else {
+      // Adding zero turns -0 into 0.
+      out.values.push_back({std::move(name), entry.value(m) + 0.0, std::string(entry.info.unit)});
+    }
+  }
+  return out;
+}
+
+}  // namespace enamel::scoring
