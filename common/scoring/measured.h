@@ -22,7 +22,9 @@ struct Measured {
   double neighbour_depth_m = 0;
   double remaining_dentin_m = 0;
   double pulp_exposed_m2 = 0;
-  double align_pose_m = 0, align_force_n = 0;
+  double align_pose_m = 0, align_force_n = 0, frechet_pose_m = 0;
+  double align_way_m = 0, frechet_way_m = 0;
+  ProcessRecorder::Smoothness smoothness;
   const ProcessRecorder* process = nullptr;
 };
 

@@ -162,7 +162,14 @@ Result<MetricSet> ComputeMetrics(const scene::Scene& scene, const scene::Exercis
     const PathPair paths = ResampleAlike(*attempt.process, *reference.process, PathBy::kTime);
     m.align_pose_m = AlignPoses(paths).mean_cost;
     m.align_force_n = AlignForces(paths).mean_cost;
+    m.frechet_pose_m = AlignPoses(paths, Pairing::kWorst).worst_cost;
   }
+  if (plan.Has(MetricGroup::kPathByWay)) {
+    const PathPair paths = ResampleAlike(*attempt.process, *reference.process, PathBy::kArcLength);
+    m.align_way_m = AlignPoses(paths).mean_cost;
+    m.frechet_way_m = AlignPoses(paths, Pairing::kWorst).worst_cost;
+  }
+  if (plan.Has(MetricGroup::kMotion)) m.smoothness = attempt.process->MeasureSmoothness();
   tell(1);
 
   return Collect(m, plan);

@@ -9,16 +9,15 @@
 #include <vector>
 
 #include "common/base/result.h"
-#include "common/core/core.h"
 #include "common/scene/types.h"
+#include "common/scoring/process.h"
 #include "common/surface/surface.h"
-#include "common/trace/trace.h"
 
 // What is measured about an attempt: schemas/score.md says of every metric the formula, unit and
 // source; the tests have a worked example of each against a closed form.
 //
 // Deterministic: equal inputs give equal bits; only + - * / sqrt, fixed orders, no threads.
-// Thread safety: functions, any thread; ProcessRecorder has one owner. Real-time: nothing here is.
+// Thread safety: functions, any thread. Real-time: nothing here is.
 namespace enamel::scoring {
 
 // A metric's registry entry. A new metric is one function and one line in registry.cpp.
@@ -33,62 +32,6 @@ struct MetricInfo {
 };
 std::span<const MetricInfo> Metrics();
 const MetricInfo* FindMetric(std::string_view name);  // nullptr when unknown
-
-// A stretch of the recording reduced to what the alignment needs.
-struct PathSample {
-  double time_s;   // since the start, gaps included
-  dvec3 anchor_m;  // scene frame, at the stretch's first tick
-  dvec3 force_n;   // sent without touch cues, mean over the stretch
-  double way_m;    // of the anchor until then, without the jumps after gaps and faults
-};
-
-// Accumulates process metrics during the replay pass (trace::Replay's observe). Pose and force are
-// taken at the resolution of the witness (10 nm, 0.1 mN), so that a recording read back without
-// re-running the core gives the same figures. The force is what the hand pressed with
-// (core::PressedForce_100un): a touch cue is not the student's.
-class ProcessRecorder {
- public:
-  // Requires: ValidateParams(params).ok().
-  explicit ProcessRecorder(const core::CoreParams& params);
-
-  void Add(const trace::Tick& tick, const core::TickOutput& output);
-  // The same from the recording alone, for a reference whose replay was verified before: everything
-  // but what needs the removal (cutting_s, force_sent_mean_cutting_n stay 0).
-  void AddRecorded(const trace::Tick& tick);
-
-  // After the last Add:
-  uint64_t ticks() const { return ticks_; }
-  uint64_t gap_ticks() const { return gap_ticks_; }
-  double duration_s() const;  // gaps included
-  // Time less than 50 ms after something was removed: a cut is renewed when it would leave a mark,
-  // after some way or some ticks, so that most ticks of a stroke remove nothing themselves, the more
-  // of them the faster the loop. Recordings before core version 4: the ticks that removed something.
-  double cutting_s() const;
-  double anchor_path_m() const { return path_m_; }  // without the jumps after gaps and faults
-  double force_sent_p95_n() const;                  // over ticks with any force; 1 mN steps
-  double force_sent_max_n() const { return max_force_n_; }
-  double force_sent_mean_cutting_n() const;  // mean over cutting ticks; 0 when nothing was cut
-  uint64_t bounded_ticks() const { return bounded_ticks_; }  // peak bound engaged
-  uint64_t late_ticks() const { return late_ticks_; }
-  // At most 50 Hz.
-  const std::vector<PathSample>& samples() const { return samples_; }
-
- private:
-  void AddWitness(const core::TickInput& input, const core::TickWitness& witness, bool cutting);
-
-  uint32_t rate_hz_;
-  dvec3 origin_m_;
-  uint32_t decimation_;  // ticks per kept sample
-  uint64_t cutting_window_,
-      cutting_left_ = 0;  // ticks that count as cutting after one that removed
-  uint64_t cutting_time_ticks_ = 0;
-  uint64_t ticks_ = 0, cutting_ticks_ = 0, bounded_ticks_ = 0, late_ticks_ = 0, gap_ticks_ = 0;
-  uint64_t force_ticks_ = 0;
-  double path_m_ = 0, max_force_n_ = 0, cutting_force_sum_n_ = 0;
-  dvec3 last_anchor_{0};
-  std::vector<uint32_t> force_histogram_;  // 1 mN bins
-  std::vector<PathSample> samples_;
-};
 
 // Everything about one attempt (or reference) that metrics are computed from. Nothing is owned.
 // All volumes of one comparison have the same grid.
@@ -114,14 +57,16 @@ struct MetricValue {
 enum class MetricGroup : uint8_t {
   kTask,        // what went, per tissue and against the task
   kDeviation,   // distances between the surfaces
-  kRecording,   // time, force and way
+  kRecording,   // time, force, way, contacts, angulation, order of work
   kZones,       // target, leeway, container
   kWalls,       // walls and floor: offset, tilt, waviness
   kOutline,     // on the tooth's surface
   kCover,       // of the pulp; depth in a neighbour
+  kMotion,      // smoothness and tremor
   kPathInTime,  // against the reference's path, by time
+  kPathByWay,   // and by the bur's way
 };
-inline constexpr size_t kMetricGroups = 8;
+inline constexpr size_t kMetricGroups = 10;
 
 // The groups that a list of metrics needs. A group is measured for all its metrics at the cost of
 // one, so all of a group's are reported.

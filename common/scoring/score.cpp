@@ -93,6 +93,10 @@ std::string Number(double value, std::string_view unit) {
   // likewise.
   int digits = unit == "%" || unit == "s" || unit == "deg" ? 1 : 2;
   std::snprintf(text, sizeof text, "%.*f", digits, value);
+  if (unit == "count" || unit == "ratio") {
+    std::snprintf(text, sizeof text, "%.*f", unit == "count" ? 0 : 2, value);
+    return text;
+  }
   std::string_view shown = unit == "mm2"   ? "mm²"
                            : unit == "mm3" ? "mm³"
                            : unit == "deg" ? "°"

@@ -41,7 +41,7 @@ class TremorMeter {
   static constexpr size_t kWindow = 100;
   void EndWindow();
 
-  const uint32_t mean_of_;  // ticks
+  uint32_t mean_of_;  // ticks
   dvec3 sum_{0};
   uint32_t summed_ = 0;
   std::vector<dvec3> window_;

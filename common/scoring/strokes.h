@@ -40,6 +40,7 @@ class StrokeRecorder {
 
   // The strokes so far, also the one that lasts.
   std::vector<Stroke> Strokes() const;
+  bool in_contact() const { return open_; }        // after the last Add
   uint64_t contacts() const { return contacts_; }  // strokes and those without a cut
   double contact_s() const;                        // from first to last tick of each, summed
   // Time since the start of a tick, gaps included. Requires: it was added.

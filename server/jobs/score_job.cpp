@@ -52,7 +52,6 @@ class ScoreJob {
     ENAMEL_RETURN_IF_ERROR(Tell(kReplayFrom));
     core::Core core(header_.params, initial_);
     scoring::ProcessRecorder process(header_.params);
-    strokes_.emplace(header_.params);
     moments_.emplace(initial_);
     SeriesRecorder series(header_.params, initial_.spec().voxel_m(), seal_.ticks);
     ENAMEL_RETURN_IF_ERROR(Replay(core, process, series));
@@ -175,7 +174,6 @@ class ScoreJob {
           if (at_limit_) return;
           process.Add(tick, output);
           series.Add(tick, output);
-          strokes_->Add(tick, output);
           moments_->Add(core.volume(), core.touched());
           time_ticks_ += 1 + tick.input.gap_ticks;
           if (row_.exam && row_.limit_ticks > 0 && time_ticks_ >= row_.limit_ticks) {
@@ -308,10 +306,11 @@ class ScoreJob {
     const surface::Mesh cut = scoring::CutPart(
         *reference.final_surface,
         scoring::CutVertices(*reference.final_surface, initial_, *reference.final_volume));
-    score.deductions = scoring::FindDeductions(
-        scene_, exercise_.target, costly,
-        {&initial_, attempt.final_volume, reference.final_volume, &cut,
-         scoring::NearOf_m(exercise_.target, initial_.spec()), &provenance, &*strokes_});
+    score.deductions =
+        scoring::FindDeductions(scene_, exercise_.target, costly,
+                                {&initial_, attempt.final_volume, reference.final_volume, &cut,
+                                 scoring::NearOf_m(exercise_.target, initial_.spec()), &provenance,
+                                 &attempt.process->strokes()});
   }
 
   double ReplayRealtimeFactor() const {
@@ -342,7 +341,6 @@ class ScoreJob {
   std::optional<Uuid> reference_attempt_;          // none: against itself, as there is no reference
   std::shared_ptr<const ReferenceCut> reference_;  // null: against itself
   trace::ReplayReport report_;
-  std::optional<scoring::StrokeRecorder> strokes_;
   std::optional<scoring::ProvenanceRecorder> moments_;
   uint64_t time_ticks_ = 0;                  // replayed, gaps included
   std::optional<cutting::Volume> at_limit_;  // of an exam: the tooth when its time was up

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <set>
 
 #include "common/cutting/cutter.h"
@@ -113,7 +114,8 @@ TEST(MetricsTest, TheReferenceAgainstItselfHasNoDeviationAtAll) {
   Cut cut(block, cavity);
   auto metrics = Compare(block, cut, cut);
   for (const char* part : kParts) EXPECT_EQ(ValueOf(metrics, part), 0) << part;
-  for (const char* name : {"deviation_rms_mm", "deviation_p95_mm", "dtw_pose_mm", "dtw_force_n"}) {
+  for (const char* name : {"deviation_rms_mm", "deviation_p95_mm", "dtw_pose_mm", "dtw_force_n",
+                           "frechet_pose_mm", "dtw_way_mm", "frechet_way_mm"}) {
     EXPECT_EQ(ValueOf(metrics, name), 0) << name;
   }
 }
@@ -213,6 +215,39 @@ TEST(MetricsTest, EqualInputsGiveEqualBits) {
   wrong.lingual_mm += 0.17;
   EXPECT_EQ(Compare(block, Cut(block, wrong), Cut(block, {})),
             Compare(block, Cut(block, wrong), Cut(block, {})));
+}
+
+// The box of 3 x 2.4 x 2 mm, its corners round, in ten seconds of cutting; the upper 1.2 mm are
+// enamel, known to half a voxel.
+TEST(MetricsTest, RatesAndOrderAreThoseOfAKnownWork) {
+  Volume block = MakeBlock(100'000);
+  Cut attempt(block, {}), reference(block, {});
+  attempt.process = ProcessRecorder(SomeParams());
+  for (int i = 0; i < 12'000; ++i) {
+    trace::Tick tick;
+    tick.witness.force_sent_100un[2] = 10'000;
+    core::TickOutput output;
+    output.witness = tick.witness;
+    const auto tissue = i < 6000 ? cutting::Tissue::kEnamel : cutting::Tissue::kDentin;
+    if (i >= 1000 && i < 11'000) output.removed[static_cast<size_t>(tissue)] = 1;
+    attempt.process.Add(tick, output);
+  }
+  const MetricSet metrics = Compare(block, attempt, reference);
+  const double seconds = ValueOf(metrics, "cutting_time_s");
+  EXPECT_NEAR(seconds, 10, 0.06);
+  const double area_mm2 = 3 * 2.4 - (4 - std::numbers::pi) * kBurRadius_mm * kBurRadius_mm;
+  const double label = area_mm2 * 0.05 / seconds;
+  EXPECT_NEAR(ValueOf(metrics, "enamel_rate_mm3_per_s"), area_mm2 * 1.2 / seconds, label);
+  EXPECT_NEAR(ValueOf(metrics, "dentin_rate_mm3_per_s"), area_mm2 * 0.8 / seconds, label);
+  EXPECT_NEAR(ValueOf(metrics, "enamel_half_s"), 3.5, 0.051);
+  EXPECT_NEAR(ValueOf(metrics, "dentin_half_s"), 8.5, 0.051);
+  EXPECT_NEAR(ValueOf(metrics, "impulse_n_s"), 12, 1e-9);
+  EXPECT_EQ(ValueOf(metrics, "contact_count"), 1);
+  for (const MissingMetric& m : metrics.missing) {
+    const bool caries = m.name.starts_with("caries_"), motion = m.name.starts_with("smoothness_");
+    EXPECT_TRUE(!caries || m.why == NoValue::kNotInTask) << m.name;
+    EXPECT_TRUE(!motion || m.why == NoValue::kNotMade) << m.name << ": it never moved";
+  }
 }
 
 scene::Rubric RubricFor(std::initializer_list<const char*> names) {

@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
+
 #include "common/haptics/coupling.h"
 #include "tests/common/scoring/synthetic_cavity.h"
 
@@ -125,6 +128,152 @@ TEST(ProcessRecorderTest, ARecordingAloneGivesTheSamplesOfTheReplay) {
     EXPECT_EQ(replayed.samples()[i].force_n, recorded.samples()[i].force_n);
   }
   EXPECT_EQ(replayed.anchor_path_m(), recorded.anchor_path_m());
+}
+
+// Pressing from 0.1 to 0.3 s, from 0.5 to 0.7 s with a hop of 5 ms, and from 0.9 to 0.95 s; the first
+// and the last cut.
+TEST(ProcessRecorderTest, ContactsStrokesAndIdleTimeAreCountedAsPeopleCountThem) {
+  ProcessRecorder recorder(SomeParams());
+  for (int i = 0; i < 1200; ++i) {
+    const bool first = i >= 100 && i < 300, last = i >= 900 && i < 950;
+    const bool hop = i >= 600 && i < 605, middle = i >= 500 && i < 700 && !hop;
+    trace::Tick tick = TickAt(0, first || middle || last ? 5000 : 0);
+    recorder.Add(tick, OutputOf(tick, first || last ? 3 : 0));
+  }
+  EXPECT_EQ(recorder.strokes().contacts(), 3u);
+  EXPECT_EQ(recorder.strokes().Strokes().size(), 2u);
+  EXPECT_NEAR(recorder.idle_s(), 1.2 - 0.2 - 0.2 - 0.05, 1e-12);
+}
+
+// Six tenths of the cutting at 10 degrees about x, four at 130 about y, and air at 90.
+TEST(ProcessRecorderTest, AngulationIsTheBursAxisAgainstTheTooths) {
+  ProcessRecorder recorder(SomeParams());
+  EXPECT_EQ(recorder.angulation_mean_deg(), std::nullopt);
+  auto put = [&](int ticks, double degrees, bool about_x, bool cutting) {
+    const double half = degrees / 360 * std::numbers::pi;
+    trace::Tick tick = TickAt(0, 100);
+    tick.input.orientation = ToQuantised(
+        {about_x ? std::sin(half) : 0, about_x ? 0 : std::sin(half), 0, std::cos(half)});
+    for (int i = 0; i < ticks; ++i) recorder.Add(tick, OutputOf(tick, cutting ? 1 : 0));
+  };
+  put(6000, 10, true, true);
+  put(4000, 130, false, true);
+  EXPECT_NEAR(*recorder.angulation_mean_deg(), 0.6 * 10 + 0.4 * 130, 0.01);
+  EXPECT_NEAR(*recorder.angulation_p95_deg(), 130, 0.1);
+  put(4000, 90, true, false);
+  EXPECT_NEAR(*recorder.angulation_mean_deg(), 0.6 * 10 + 0.4 * 130, 0.3) << "50 ms run on";
+}
+
+// 2 N against a hand that moves 3 mm on, then none as it comes back, then 1 N that pushes it 1.5 mm.
+TEST(ProcessRecorderTest, ImpulseAndWorkAreThoseOfAKnownPush) {
+  ProcessRecorder recorder(SomeParams());
+  int count = 0;
+  auto move = [&](int ticks, int step, int32_t force_100un) {
+    for (int i = 0; i < ticks; ++i) {
+      trace::Tick tick = TickAt(0, 0);
+      tick.input.counts[0] = count;  // of 30 um
+      tick.witness.force_sent_100un = {force_100un, 0, 0};
+      recorder.AddRecorded(tick);
+      count += step;
+    }
+  };
+  move(100, 1, -20'000);
+  move(100, -1, 0);
+  move(50, 1, 10'000);
+  move(1, 0, 0);
+  EXPECT_NEAR(recorder.work_j(), 2 * 3e-3 - 1 * 1.5e-3, 1e-12);
+  EXPECT_NEAR(recorder.impulse_n_s(), 2 * 0.1 + 1 * 0.05, 1e-12);
+  // A gap in which the hand went elsewhere is nobody's work.
+  trace::Tick far = TickAt(0, 0);
+  far.input.counts[0] = 10'000;
+  far.witness.force_sent_100un = {-30'000, 0, 0};
+  far.witness.flags = core::kAnchorReset;
+  recorder.AddRecorded(far);
+  EXPECT_NEAR(recorder.work_j(), 4.5e-3, 1e-12);
+}
+
+TEST(ProcessRecorderTest, TheForcesRateIsThatOfARamp) {
+  for (uint32_t rate : {1000u, 4000u}) {
+    core::CoreParams params = SomeParams();
+    params.rate_hz = rate;
+    ProcessRecorder recorder(params);
+    // Up by 1 N in 0.1 s and down in 0.2 s, over and over: 10 N/s, and 5 N/s two thirds of the time.
+    const auto period = static_cast<int>(rate * 3 / 10);
+    for (int i = 0; i < 20 * period; ++i) {
+      const double t = i % period / static_cast<double>(rate);
+      const double force = 0.1 + (t < 0.1 ? 10 * t : 1 - 5 * (t - 0.1));
+      recorder.AddRecorded(TickAt(0, static_cast<int32_t>(std::lround(force * 1e4))));
+    }
+    EXPECT_NEAR(recorder.force_rate_p95_n_per_s(), 10, 0.11) << rate;
+  }
+}
+
+TEST(ProcessRecorderTest, TheOrderOfWorkIsByWhenHalfOfEachTissueWasGone) {
+  ProcessRecorder recorder(SomeParams());
+  for (int i = 0; i < 6000; ++i) {
+    trace::Tick tick = TickAt(0, 100);
+    if (i == 4000) tick.input.gap_ticks = 500;
+    core::TickOutput output = OutputOf(tick, 0);
+    using cutting::Tissue;
+    if (i >= 1000 && i < 3000) output.removed[static_cast<size_t>(Tissue::kEnamel)] = 7;
+    if (i == 5050) output.removed[static_cast<size_t>(Tissue::kDentin)] = 1;
+    recorder.Add(tick, output);
+  }
+  EXPECT_NEAR(*recorder.half_removed_s(cutting::Tissue::kEnamel), 2.0, 0.051);
+  EXPECT_NEAR(*recorder.half_removed_s(cutting::Tissue::kDentin), 5.55, 0.051) << "gaps included";
+  EXPECT_EQ(recorder.half_removed_s(cutting::Tissue::kCaries), std::nullopt);
+}
+
+// Three reaches of least jerk, a blink of a touch and one reach with a stop on its way.
+TEST(ProcessRecorderTest, SmoothnessIsThatOfTheMedianStroke) {
+  ProcessRecorder recorder(SomeParams());
+  auto reach = [&](double from_mm, double to_mm, int ticks) {
+    for (int i = 0; i <= ticks; ++i) {
+      const double t = i / static_cast<double>(ticks);
+      const double x = from_mm + (to_mm - from_mm) * t * t * t * (10 - 15 * t + 6 * t * t);
+      trace::Tick tick = TickAt(static_cast<int32_t>(std::lround(x * 1e5)), 1000);
+      recorder.Add(tick, OutputOf(tick, 1));
+    }
+  };
+  auto lift = [&](double at_mm) {
+    const trace::Tick air = TickAt(static_cast<int32_t>(std::lround(at_mm * 1e5)), 0);
+    for (int i = 0; i < 300; ++i) recorder.Add(air, OutputOf(air, 0));
+  };
+  EXPECT_EQ(recorder.MeasureSmoothness().log_dimensionless_jerk, std::nullopt);
+  for (int i = 0; i < 3; ++i) {
+    reach(0, 40, 4000);
+    lift(40);
+  }
+  reach(0, 1, 100);
+  lift(1);
+  reach(0, 20, 2000);
+  reach(20, 40, 2000);
+  lift(40);
+  const auto smooth = recorder.MeasureSmoothness();
+  EXPECT_NEAR(*smooth.log_dimensionless_jerk, -std::log(204.8), 0.1);
+  std::vector<double> speed;
+  for (int i = 0; i < 200; ++i) {
+    const double t = (i + 0.5) / 200;
+    speed.push_back(t * t * (1 - t) * (1 - t));
+  }
+  EXPECT_NEAR(*smooth.spectral_arc_length, *SpectralArcLength(speed, 50), 0.01);
+}
+
+// Ten counts of 30 um to either side at 10 Hz: 300 um / sqrt 2, in contact only.
+TEST(ProcessRecorderTest, TremorIsTheHandsWhileItTouches) {
+  ProcessRecorder recorder(SomeParams());
+  auto tremble = [&](int ticks, double counts, int32_t force_100un) {
+    for (int i = 0; i < ticks; ++i) {
+      trace::Tick tick = TickAt(0, force_100un);
+      tick.input.counts[1] =
+          static_cast<int32_t>(std::lround(counts * std::sin(2 * std::numbers::pi * 0.01 * i)));
+      recorder.Add(tick, OutputOf(tick, 0));
+    }
+  };
+  tremble(3000, 40, 0);
+  EXPECT_EQ(recorder.tremor_m(), std::nullopt);
+  tremble(5000, 10, 2000);
+  EXPECT_NEAR(*recorder.tremor_m(), 300e-6 / std::sqrt(2), 5e-6);
 }
 
 TEST(ProcessRecorderTest, AnEmptyRecordingHasNoForceAndNoTime) {

@@ -262,7 +262,7 @@ class ScoreAtRates : public testing::TestWithParam<AtRates> {};
 TEST_P(ScoreAtRates, OneMotionScoresTheSameAtEveryLoopRate) {
   // Five voxels of volume; two of the 50 ms in which a cut counts as going on.
   constexpr double kLength_mm = 0.025, kVolume_mm3 = 0.005, kTime_s = 0.1, kShare = 0.03;
-  constexpr double kAngle_deg = 0.1, kOfFew_mm = 0.05;
+  constexpr double kAngle_deg = 0.1, kOfFew_mm = 0.05, kRateShare = 0.1;
   constexpr double kPoints = 0.5;
   std::map<std::string, double> slow;
   double slow_score = 0;
@@ -295,8 +295,17 @@ TEST_P(ScoreAtRates, OneMotionScoresTheSameAtEveryLoopRate) {
                            : m.unit == "s"   ? kTime_s
                            : m.unit == "deg" ? kAngle_deg
                            : m.unit == "N"   ? GetParam().force_n
-                                             : 1e-9;
-      EXPECT_NEAR(m.value, slow[m.name], std::max(least, kShare * std::fabs(slow[m.name])))
+                           // What that force adds up to over the time, and over the way.
+                           : m.unit == "N s" ? GetParam().force_n * slow["time_s"]
+                           : m.unit == "mJ"  ? GetParam().force_n * slow["path_length_mm"]
+                           // Two of its steps.
+                           : m.unit == "N/s" ? 0.2001
+                           // A pause of about 0.1 s may end a contact or not.
+                           : m.unit == "count" ? 1
+                                               : 1e-9;
+      // How fast a force changes is known less well than the force.
+      const double share = m.unit == "N/s" ? kRateShare : kShare;
+      EXPECT_NEAR(m.value, slow[m.name], std::max(least, share * std::fabs(slow[m.name])))
           << m.name << " at " << rate << " Hz";
     }
   }
