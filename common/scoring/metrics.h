@@ -29,6 +29,8 @@ struct MetricInfo {
   // Signed metrics only: what a value above and below zero means ("too deep", "too shallow").
   std::string_view above_zero = {};
   std::string_view below_zero = {};
+  // What is known where the device was at its limit: a force that is at least the value, or nothing.
+  enum class AtLimit { kSame, kAtLeast, kUnknown } at_limit = AtLimit::kSame;
 };
 std::span<const MetricInfo> Metrics();
 const MetricInfo* FindMetric(std::string_view name);  // nullptr when unknown
@@ -49,9 +51,30 @@ struct MetricValue {
   std::string name;
   double value = 0;
   std::string unit;
+  // A metric of force, and the device was at its limit for more than kMostLimited_percent of the
+  // ticks with any force: the hand may have done more than could be rendered.
+  bool limited = false;
 
   bool operator==(const MetricValue&) const = default;
 };
+// Above this, the 95th percentile of the force is the device's bound and not the hand's.
+inline constexpr double kMostLimited_percent = 5;
+
+// The station's part in an attempt. Disturbed where one of them is beyond its limit; the limits are
+// chosen, not measured on people.
+struct Disturbance {
+  static constexpr double kMostLate_percent = 1, kMostGaps_percent = 1;
+  double late_percent = 0;     // of the ticks
+  double gap_percent = 0;      // of the time
+  double limited_percent = 0;  // of the ticks with any force: the device's peak bound engaged
+
+  bool disturbed() const {
+    return late_percent > kMostLate_percent || gap_percent > kMostGaps_percent ||
+           limited_percent > kMostLimited_percent;
+  }
+  bool operator==(const Disturbance&) const = default;
+};
+Disturbance DisturbanceOf(const ProcessRecorder& process);
 
 // Parts of the measurement that are done or left out as a whole.
 enum class MetricGroup : uint8_t {

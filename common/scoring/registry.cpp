@@ -67,6 +67,7 @@ double WorstWall(const Measured& m, F&& of) {
 }
 
 using enum MetricGroup;
+using AtLimit = MetricInfo::AtLimit;
 
 // A table and not a switch: what is measured, shown and named in a rubric is the same list.
 struct Entry {
@@ -295,14 +296,15 @@ constexpr Entry kRegistry[] = {
      WithPulp},
     {kRecording,
      {"force_sent_p95_n", "N", "Force, 95th percentile",
-      "Sent force that 95 % of the ticks with any force stay within."},
+      "Sent force that 95 % of the ticks with any force stay within.", "", "", AtLimit::kAtLeast},
      [](const Measured& m) { return m.process->force_sent_p95_n(); }},
     {kRecording,
-     {"force_sent_max_n", "N", "Largest force", "Largest sent force of any tick."},
+     {"force_sent_max_n", "N", "Largest force", "Largest sent force of any tick.", "", "",
+      AtLimit::kAtLeast},
      [](const Measured& m) { return m.process->force_sent_max_n(); }},
     {kRecording,
      {"force_sent_mean_cutting_n", "N", "Mean force while cutting",
-      "Mean sent force over the ticks that removed something."},
+      "Mean sent force over the ticks that removed something.", "", "", AtLimit::kAtLeast},
      [](const Measured& m) { return m.process->force_sent_mean_cutting_n(); }},
     {kRecording,
      {"path_length_mm", "mm", "Path length", "Length of the bur tip's path."},
@@ -319,7 +321,8 @@ constexpr Entry kRegistry[] = {
      [](const Measured& m) { return m.align_pose_m * kMm; }},
     {kPathInTime,
      {"dtw_force_n", "N", "Force against the reference",
-      "Mean difference of the sent force from the reference's along the best alignment in time."},
+      "Mean difference of the sent force from the reference's along the best alignment in time.",
+      "", "", AtLimit::kUnknown},
      [](const Measured& m) { return m.align_force_n; }},
     {kPathInTime,
      {"frechet_pose_mm", "mm", "Farthest from the reference's path",
@@ -353,15 +356,16 @@ constexpr Entry kRegistry[] = {
      [](const Measured& m) { return *m.process->angulation_p95_deg(); },
      WithCut},
     {kRecording,
-     {"impulse_n_s", "N s", "Impulse", "Sent force, summed over time."},
+     {"impulse_n_s", "N s", "Impulse", "Sent force, summed over time.", "", "", AtLimit::kAtLeast},
      [](const Measured& m) { return m.process->impulse_n_s(); }},
     {kRecording,
-     {"work_mj", "mJ", "Work of the hand",
-      "What the hand gave to the tool, less what it got back."},
+     {"work_mj", "mJ", "Work of the hand", "What the hand gave to the tool, less what it got back.",
+      "", "", AtLimit::kUnknown},
      [](const Measured& m) { return m.process->work_j() * 1e3; }},
     {kRecording,
      {"force_rate_p95_n_per_s", "N/s", "Change of force, 95th percentile",
-      "Rate of the sent force that 95 % of the steps of 10 ms with any force stay within."},
+      "Rate of the sent force that 95 % of the steps of 10 ms with any force stay within.", "", "",
+      AtLimit::kUnknown},
      [](const Measured& m) { return m.process->force_rate_p95_n_per_s(); }},
     {kRecording,
      {"enamel_rate_mm3_per_s", "mm3/s", "Enamel removed, rate", "Of cutting time."},
@@ -448,8 +452,18 @@ MetricPlan MetricPlan::For(const scene::Rubric& rubric) {
   return plan;
 }
 
+Disturbance DisturbanceOf(const ProcessRecorder& process) {
+  auto percent = [](uint64_t part, uint64_t whole) {
+    return Percent(static_cast<double>(part), static_cast<double>(whole));
+  };
+  return {percent(process.late_ticks(), process.ticks()),
+          percent(process.gap_ticks(), process.ticks() + process.gap_ticks()),
+          percent(process.bounded_ticks(), process.force_ticks())};
+}
+
 MetricSet Collect(const Measured& m, const MetricPlan& plan) {
   MetricSet out;
+  const bool limited = DisturbanceOf(*m.process).limited_percent > kMostLimited_percent;
   for (const Entry& entry : kRegistry) {
     std::string name(entry.info.name);
     const State state = plan.Has(entry.group) ? entry.state(m) : NoValue::kNotUsed;
@@ -457,7 +471,8 @@ MetricSet Collect(const Measured& m, const MetricPlan& plan) {
       out.missing.push_back({std::move(name), *state});
     } else {
       // Adding zero turns -0 into 0.
-      out.values.push_back({std::move(name), entry.value(m) + 0.0, std::string(entry.info.unit)});
+      out.values.push_back({std::move(name), entry.value(m) + 0.0, std::string(entry.info.unit),
+                            limited && entry.info.at_limit != AtLimit::kSame});
     }
   }
   return out;

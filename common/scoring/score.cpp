@@ -158,6 +158,33 @@ CriterionResult Unjudged(const RubricCriterion& criterion, NoValue why) {
   return out;
 }
 
+// No larger value would earn less, or fail more.
+bool CannotGetWorse(const RubricCriterion& criterion, double value) {
+  if (criterion.fails_above) return value > *criterion.fails_above;
+  double least = ShareAt(criterion.map, value);
+  for (const auto& point : criterion.map) {
+    if (point.value > value && point.share < least) return false;
+  }
+  return true;
+}
+
+// What the device could not render is not held against a hand, nor is it taken as light: the points
+// are nobody's. What the hand did at least is known, and where that costs all it stays judged.
+bool IsHidden(const RubricCriterion& criterion, const MetricValue& found) {
+  if (!found.limited) return false;
+  const bool at_least = FindMetric(found.name)->at_limit == MetricInfo::AtLimit::kAtLeast;
+  return !(at_least && ShareAt(criterion.map, found.value) < 1 &&
+           CannotGetWorse(criterion, found.value));
+}
+
+CriterionResult Hidden(const RubricCriterion& criterion, double value) {
+  CriterionResult out{criterion.metric, criterion.title, value, criterion.unit, 0, 0, "", false};
+  out.reason = criterion.title + ": not judged, as the device was at its limit in more than " +
+               Number(kMostLimited_percent, "%") +
+               " of the time with force (measured: " + Number(value, criterion.unit) + ").";
+  return out;
+}
+
 GateResult Open(const scene::RubricGate& gate, double value) {
   const MetricInfo& info = *FindMetric(gate.metric);
   GateResult out{gate.metric, gate.title, value, gate.unit, ShareAt(gate.map, value), ""};
@@ -175,14 +202,14 @@ Status NotMeasured(const std::string& metric, const char* how) {
 
 // The metric's value, or why there is none.
 struct Looked {
-  std::optional<double> value;
+  std::optional<MetricValue> value;
   NoValue why = NoValue::kNotInTask;
 };
 Result<Looked> LookUp(const MetricSet& metrics, const std::string& name) {
   for (const MetricValue& m : metrics.values) {
     if (m.name != name) continue;
     if (!std::isfinite(m.value)) return NotMeasured(name, ", whose value is not finite");
-    return Looked{m.value, {}};
+    return Looked{m, {}};
   }
   for (const MissingMetric& m : metrics.missing) {
     if (m.name == name && m.why != NoValue::kNotUsed) return Looked{{}, m.why};
@@ -254,14 +281,19 @@ Result<ScoreResult> ApplyRubric(const Rubric& rubric, const MetricSet& metrics) 
   for (const scene::RubricGate& gate : rubric.gates) {
     ENAMEL_ASSIGN_OR_RETURN(const Looked found, LookUp(metrics, gate.metric));
     if (!found.value) return NotMeasured(gate.metric, " for a gate, which has no value here");
-    out.gates.push_back(Open(gate, *found.value));
+    out.gates.push_back(Open(gate, found.value->value));
     open *= out.gates.back().share;
   }
   double points = 0, max_points = 0;
   for (const RubricCriterion& criterion : rubric.criteria) {
     ENAMEL_ASSIGN_OR_RETURN(const Looked found, LookUp(metrics, criterion.metric));
-    out.criteria.push_back(found.value ? Judge(criterion, *found.value, out.critical_fail)
-                                       : Unjudged(criterion, found.why));
+    if (!found.value) {
+      out.criteria.push_back(Unjudged(criterion, found.why));
+    } else if (IsHidden(criterion, *found.value)) {
+      out.criteria.push_back(Hidden(criterion, found.value->value));
+    } else {
+      out.criteria.push_back(Judge(criterion, found.value->value, out.critical_fail));
+    }
     CriterionResult& result = out.criteria.back();
     // After the reasons: they are about this criterion, a gate about the whole.
     result.points *= open;

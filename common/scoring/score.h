@@ -22,7 +22,8 @@ struct CriterionResult {
   double max_points = 0;
   std::string reason;  // one sentence for the student: what was found, what was asked for
   // False: the exercise does not ask for it (NoValue::kNotInTask), so it has neither points nor a
-  // value; or there is nothing to measure yet (kNotMade), so it has no value and no points.
+  // value; or there is nothing to measure yet (kNotMade), so it has no value and no points; or the
+  // device was at its limit (MetricValue::limited), so it has a value and no points to be had.
   bool judged = true;
 
   bool operator==(const CriterionResult&) const = default;
@@ -41,8 +42,8 @@ struct GateResult {
 };
 
 // How scores are measured and computed: 1 before rubrics had gates and statistics a domain that the
-// reference fixes. Higher for every change that may move a score of the same recording.
-inline constexpr int32_t kScoringVersion = 2;
+// reference fixes, 2 before forces at the device's limit were left unjudged. Higher for every change that may move a score of the same recording.
+inline constexpr int32_t kScoringVersion = 3;
 
 // A score is metrics + rubric version + reference + core version; recomputed bit-identically.
 struct ScoreResult {
@@ -60,6 +61,7 @@ struct ScoreResult {
   uint32_t core_version = core::kCoreVersion;
   // From the replay: the station's part in the attempt.
   uint64_t ticks = 0, gap_ticks = 0, late_ticks = 0, bounded_ticks = 0;
+  Disturbance disturbance;  // likewise, as shares
   bool witness_ok = false;
   std::string witness_note;  // where it broke, when it did
 
@@ -77,7 +79,8 @@ Status ValidateRubric(const scene::Rubric& rubric);
 
 // Points by the piecewise linear map, constant beyond its ends; the score is the share of all
 // points in percent, times every gate's share, or 0 when any criterion is critically failed. A
-// criterion whose metric is not in the task is left out of both sums. Fills score, critical_fail,
+// criterion whose metric is not in the task is left out of both sums, and so is one of a force at the
+// device's limit, unless the force that is known already costs all that it can. Fills score, critical_fail,
 // criteria, gates, metrics, missing and rubric_version; the caller fills the rest. Errors: those of
 // ValidateRubric; kInvalidInput when a metric is in neither list or not finite, a gate's metric has
 // no value, or no criterion with points is in the task.

@@ -79,6 +79,9 @@ class ObjectReader {
     }
   }
   bool Has(const char* name) const { return object_ && object_->contains(name); }
+  const json::value* Optional(const char* name) const {
+    return object_ && status_.ok() ? object_->if_contains(name) : nullptr;
+  }
   const json::array* Array(const char* name, size_t max_size) {
     const json::value* v = Member(name);
     if (!v) return nullptr;
@@ -243,7 +246,9 @@ std::string ToJson(const ScoreResult& result) {
   }
   json::array metrics;
   for (const MetricValue& m : result.metrics) {
-    metrics.push_back({{"name", m.name}, {"value", Rounded(m.value)}, {"unit", m.unit}});
+    json::object metric{{"name", m.name}, {"value", Rounded(m.value)}, {"unit", m.unit}};
+    if (m.limited) metric["limited"] = true;
+    metrics.push_back(std::move(metric));
   }
   json::array missing;
   for (const MissingMetric& m : result.missing) {
@@ -264,6 +269,11 @@ std::string ToJson(const ScoreResult& result) {
                    {"gap_ticks", result.gap_ticks},
                    {"late_ticks", result.late_ticks},
                    {"bounded_ticks", result.bounded_ticks},
+                   {"disturbance",
+                    {{"disturbed", result.disturbance.disturbed()},
+                     {"late_percent", Rounded(result.disturbance.late_percent)},
+                     {"gap_percent", Rounded(result.disturbance.gap_percent)},
+                     {"limited_percent", Rounded(result.disturbance.limited_percent)}}},
                    {"witness_ok", result.witness_ok},
                    {"witness_note", result.witness_note}};
   return json::serialize(out);
@@ -309,6 +319,7 @@ Result<ScoreResult> ScoreFromJson(std::string_view text) {
       item.Read("name", m.name);
       item.Read("value", m.value);
       item.Read("unit", m.unit);
+      if (item.Has("limited")) item.Read("limited", m.limited);
     }
   }
   ReadMissing(reader, status, out);
@@ -323,6 +334,12 @@ Result<ScoreResult> ScoreFromJson(std::string_view text) {
   reader.ReadInteger("gap_ticks", out.gap_ticks);
   reader.ReadInteger("late_ticks", out.late_ticks);
   reader.ReadInteger("bounded_ticks", out.bounded_ticks);
+  if (const json::value* member = reader.Optional("disturbance")) {
+    ObjectReader item(*member, "disturbance", status);
+    item.Read("late_percent", out.disturbance.late_percent);
+    item.Read("gap_percent", out.disturbance.gap_percent);
+    item.Read("limited_percent", out.disturbance.limited_percent);
+  }
   reader.Read("witness_ok", out.witness_ok);
   reader.Read("witness_note", out.witness_note);
   if (!status.ok()) return status;

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "common/cutting/cutter.h"
+#include "common/haptics/coupling.h"
 #include "tests/common/scoring/synthetic_cavity.h"
 
 namespace enamel::scoring {
@@ -248,6 +249,29 @@ TEST(MetricsTest, RatesAndOrderAreThoseOfAKnownWork) {
     EXPECT_TRUE(!caries || m.why == NoValue::kNotInTask) << m.name;
     EXPECT_TRUE(!motion || m.why == NoValue::kNotMade) << m.name << ": it never moved";
   }
+}
+
+TEST(MetricsTest, ForcesAtTheDevicesLimitSaySo) {
+  Volume block = MakeBlock(200'000);
+  Cut attempt(block, {}), reference(block, {});
+  auto limited = [&](int bounded) {
+    attempt.process = ProcessRecorder(SomeParams());
+    for (int i = 0; i < 1000; ++i) {
+      trace::Tick tick;
+      tick.witness.force_sent_100un[2] = 60'000;
+      if (i < bounded) tick.witness.flags = haptics::kPeakBounded;
+      attempt.process.AddRecorded(tick);
+    }
+    std::set<std::string> out;
+    for (const MetricValue& m : Compare(block, attempt, reference).values) {
+      if (m.limited) out.insert(m.name);
+    }
+    return out;
+  };
+  EXPECT_EQ(limited(50), std::set<std::string>{});
+  EXPECT_EQ(limited(51), (std::set<std::string>{"dtw_force_n", "force_rate_p95_n_per_s",
+                                                "force_sent_max_n", "force_sent_mean_cutting_n",
+                                                "force_sent_p95_n", "impulse_n_s", "work_mj"}));
 }
 
 scene::Rubric RubricFor(std::initializer_list<const char*> names) {

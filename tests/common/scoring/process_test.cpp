@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "common/haptics/coupling.h"
+#include "common/scoring/metrics.h"
 #include "tests/common/scoring/synthetic_cavity.h"
 
 namespace enamel::scoring {
@@ -274,6 +275,31 @@ TEST(ProcessRecorderTest, TremorIsTheHandsWhileItTouches) {
   EXPECT_EQ(recorder.tremor_m(), std::nullopt);
   tremble(5000, 10, 2000);
   EXPECT_NEAR(*recorder.tremor_m(), 300e-6 / std::sqrt(2), 5e-6);
+}
+
+// Of a thousand ticks, half with force: late, missing and bounded ones in known shares.
+TEST(DisturbanceTest, SharesAreOfTicksOfTimeAndOfTicksWithForce) {
+  auto of = [](int late, uint32_t gap, int bounded) {
+    ProcessRecorder recorder(SomeParams());
+    for (int i = 0; i < 1000; ++i) {
+      trace::Tick tick = TickAt(0, i < 500 ? 100 : 0);
+      if (i < late) tick.input.flags = core::kLateTick;
+      if (i < bounded) tick.witness.flags = haptics::kPeakBounded;
+      if (i == 700) tick.input.gap_ticks = gap;
+      recorder.AddRecorded(tick);
+    }
+    return DisturbanceOf(recorder);
+  };
+  const Disturbance some = of(10, 250, 25);
+  EXPECT_DOUBLE_EQ(some.late_percent, 1);
+  EXPECT_DOUBLE_EQ(some.gap_percent, 20);
+  EXPECT_DOUBLE_EQ(some.limited_percent, 5);
+  EXPECT_TRUE(some.disturbed());
+  EXPECT_FALSE(of(10, 0, 25).disturbed()) << "at the limits, not beyond them";
+  EXPECT_TRUE(of(11, 0, 0).disturbed());
+  EXPECT_TRUE(of(0, 11, 0).disturbed());
+  EXPECT_TRUE(of(0, 0, 26).disturbed());
+  EXPECT_FALSE(DisturbanceOf(ProcessRecorder(SomeParams())).disturbed());
 }
 
 TEST(ProcessRecorderTest, AnEmptyRecordingHasNoForceAndNoTime) {

@@ -226,6 +226,49 @@ TEST(ApplyRubricTest, AMetricThatWasNotMeasuredIsRefusedByName) {
   EXPECT_NE(result.status().message().find("again"), std::string::npos);
 }
 
+Rubric WithForce() {
+  Rubric rubric = Three();
+  rubric.criteria.push_back(
+      {"force_sent_p95_n", "Light hand", "N", 10, {{4, 1}, {8, 0}}, "Let it cut.", {}});
+  return rubric;
+}
+MetricSet WithForceOf(double force_n, bool limited) {
+  MetricSet metrics = Values(0, 99, 0);
+  metrics.values.push_back({"force_sent_p95_n", force_n, "N", limited});
+  return metrics;
+}
+
+// A device that cannot press back as hard as the hand presses says nothing of how light it is.
+TEST(ApplyRubricTest, AForceAtTheDevicesLimitIsNotJudgedAndItsPointsAreNobodys) {
+  const ScoreResult without = *ApplyRubric(Three(), Values(0, 99, 0));
+  for (double force : {2.0, 6.0}) {
+    const ScoreResult hidden = *ApplyRubric(WithForce(), WithForceOf(force, true));
+    EXPECT_EQ(hidden.score, without.score) << "the other criteria share a hundred among them";
+    const CriterionResult& c = hidden.criteria.back();
+    EXPECT_FALSE(c.judged);
+    EXPECT_EQ(c.max_points, 0);
+    EXPECT_EQ(c.value, force);
+    EXPECT_NE(c.reason.find("at its limit"), std::string::npos) << c.reason;
+    EXPECT_EQ(CostlyCriteria(WithForce(), hidden), CostlyCriteria(Three(), without));
+  }
+  const ScoreResult judged = *ApplyRubric(WithForce(), WithForceOf(6, false));
+  EXPECT_EQ(judged.criteria.back().points, 5);
+  EXPECT_TRUE(judged.criteria.back().judged);
+}
+
+// Or pressing as hard as one can would be a way out.
+TEST(ApplyRubricTest, AForceThatCostsAllAtLeastStaysJudgedAtTheLimit) {
+  const ScoreResult all = *ApplyRubric(WithForce(), WithForceOf(8.5, true));
+  EXPECT_TRUE(all.criteria.back().judged);
+  EXPECT_EQ(all.criteria.back().points, 0);
+  EXPECT_EQ(all.criteria.back().max_points, 10);
+  Rubric critical = WithForce();
+  critical.criteria.back().fails_above = 7;
+  EXPECT_TRUE(ApplyRubric(critical, WithForceOf(7.5, true))->critical_fail);
+  EXPECT_FALSE(ApplyRubric(critical, WithForceOf(6.5, true))->critical_fail);
+  EXPECT_FALSE(ApplyRubric(critical, WithForceOf(6.5, true))->criteria.back().judged);
+}
+
 ScoreResult Filled() {
   Rubric rubric = Three();
   rubric.gates = {Done()};
@@ -240,6 +283,8 @@ ScoreResult Filled() {
   r.gap_ticks = 7;
   r.late_ticks = 8;
   r.bounded_ticks = 9;
+  r.disturbance = {0.25, 1.5, 7.0 / 3};
+  r.metrics.push_back({"force_sent_max_n", 7.9, "N", true});
   Deduction over;
   over.criterion = "wall_mesial_mm";
   over.volume_m3 = 1.23456789e-9;
@@ -271,6 +316,10 @@ TEST(ScoreJsonTest, ReadsBackToTheSameScore) {
   EXPECT_NEAR(back->deductions[0].position_m.y, -0.123456789e-3, 1e-15);
   EXPECT_TRUE(back->deductions[1].left);
   EXPECT_EQ(back->witness_note, Filled().witness_note);
+  EXPECT_TRUE(back->disturbance.disturbed());
+  EXPECT_NEAR(back->disturbance.limited_percent, 7.0 / 3, 1e-10);
+  EXPECT_TRUE(back->metrics.back().limited);
+  EXPECT_FALSE(back->metrics.front().limited);
   EXPECT_EQ(*ScoreFromJson(ToJson(*back)), *back);
 }
 
@@ -304,7 +353,7 @@ TEST(ScoreJsonTest, EveryTruncationAndEveryMissingMemberIsRefused) {
 TEST(ScoreJsonTest, AScoreOfVersionOneHasNoGatesAndSaysSo) {
   std::string text = ToJson(Score(0, 99, 0));
   for (const char* member : {R"("gates":[],)", R"("missing":[],)", R"("deductions":[],)",
-                             R"("scoring_version":2,)", R"(,"judged":true)"}) {
+                             R"("scoring_version":3,)", R"(,"judged":true)"}) {
     size_t at;
     while ((at = text.find(member)) != std::string::npos) text.erase(at, std::strlen(member));
   }
