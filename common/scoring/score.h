@@ -7,6 +7,7 @@
 #include "common/base/result.h"
 #include "common/scene/types.h"
 #include "common/scoring/deductions.h"
+#include "common/scoring/envelope.h"
 #include "common/scoring/metrics.h"
 
 // From metrics to points and sentences; the stored form is in schemas/score.md.
@@ -55,6 +56,8 @@ struct ScoreResult {
   std::vector<MissingMetric> missing;  // those without a value here
   // Where and when the criteria lost points; filled by the caller (CostlyCriteria, FindDeductions).
   std::vector<Deduction> deductions;
+  // Where it lies among several references; filled by the caller (PlaceInEnvelope).
+  std::optional<Envelope> envelope;
   std::string reference_attempt;  // UUID text
   int32_t rubric_version = 1;
   int32_t scoring_version = kScoringVersion;

@@ -78,7 +78,15 @@ class ObjectReader {
         out = number;
     }
   }
+  void Read(const char* name, std::vector<double>& out, size_t max_size) {
+    const json::array* list = Array(name, max_size);
+    for (size_t i = 0; list != nullptr && i < list->size(); ++i) {
+      if (!(*list)[i].is_number()) return Fail(Path(name), "numbers");
+      out.push_back(Rounded((*list)[i].to_number<double>()));
+    }
+  }
   bool Has(const char* name) const { return object_ && object_->contains(name); }
+  // Null where it is not there.
   const json::value* Optional(const char* name) const {
     return object_ && status_.ok() ? object_->if_contains(name) : nullptr;
   }
@@ -173,6 +181,44 @@ void ReadStrokes(ObjectReader& reader, Status& status, const std::string& at, De
   }
 }
 
+void ReadEnvelope(ObjectReader& reader, Status& status, ScoreResult& out) {
+  const json::value* value = reader.Optional("envelope");
+  if (value == nullptr || value->is_null()) return;
+  Envelope& e = out.envelope.emplace();
+  ObjectReader in(*value, "envelope", status);
+  if (const json::array* list = in.Array("references", kMaxEnvelopeMembers)) {
+    for (size_t i = 0; i < list->size(); ++i) {
+      ObjectReader item((*list)[i], "envelope.references[" + std::to_string(i) + "]", status);
+      EnvelopeOverlap& m = e.members.emplace_back();
+      item.Read("attempt", m.attempt);
+      item.Read("overlap_percent", m.dice);
+      m.dice /= 100;
+    }
+  }
+  for (auto [name, into] :
+       {std::pair{"left_of_all_mm3", &e.left_of_all_m3}, {"disputed_mm3", &e.disputed_m3}}) {
+    in.Read(name, *into);
+    *into *= kM3PerMm3;
+  }
+  in.Read("taken_by_mm3", e.taken_by_m3, kMaxEnvelopeMembers + 1);
+  for (double& volume : e.taken_by_m3) volume *= kM3PerMm3;
+  const json::array* list = in.Array("metrics", 1024);
+  for (size_t i = 0; list != nullptr && i < list->size(); ++i) {
+    ObjectReader item((*list)[i], "envelope.metrics[" + std::to_string(i) + "]", status);
+    MetricPlace& p = e.metrics.emplace_back();
+    item.Read("name", p.name);
+    item.Read("unit", p.unit);
+    item.Read("least", p.least);
+    item.Read("median", p.median);
+    item.Read("most", p.most);
+    item.Read("spread", p.spread);
+    item.Read("percentile", p.percentile);
+    if (const json::value* z = item.Optional("z"); z != nullptr && !z->is_null()) {
+      item.Read("z", p.z.emplace());
+    }
+  }
+}
+
 void ReadDeductions(ObjectReader& reader, Status& status, ScoreResult& out) {
   if (!reader.Has("deductions")) return;
   const json::array* list = reader.Array("deductions", kMaxDeductions);
@@ -192,6 +238,30 @@ void ReadDeductions(ObjectReader& reader, Status& status, ScoreResult& out) {
     item.ReadInteger("stroke_count", d.stroke_count);
     ReadStrokes(item, status, at, d);
   }
+}
+
+json::value EnvelopeJson(const std::optional<Envelope>& envelope) {
+  if (!envelope) return nullptr;
+  json::array members, taken_by, metrics;
+  for (const EnvelopeOverlap& m : envelope->members) {
+    members.push_back({{"attempt", m.attempt}, {"overlap_percent", Rounded(100 * m.dice)}});
+  }
+  for (double m3 : envelope->taken_by_m3) taken_by.push_back(Rounded(m3 / kM3PerMm3));
+  for (const MetricPlace& p : envelope->metrics) {
+    metrics.push_back({{"name", p.name},
+                       {"unit", p.unit},
+                       {"least", Rounded(p.least)},
+                       {"median", Rounded(p.median)},
+                       {"most", Rounded(p.most)},
+                       {"spread", Rounded(p.spread)},
+                       {"z", p.z ? json::value(Rounded(*p.z)) : json::value()},
+                       {"percentile", Rounded(p.percentile)}});
+  }
+  return json::object{{"references", std::move(members)},
+                      {"left_of_all_mm3", Rounded(envelope->left_of_all_m3 / kM3PerMm3)},
+                      {"disputed_mm3", Rounded(envelope->disputed_m3 / kM3PerMm3)},
+                      {"taken_by_mm3", std::move(taken_by)},
+                      {"metrics", std::move(metrics)}};
 }
 
 json::array DeductionsJson(const std::vector<Deduction>& deductions) {
@@ -261,6 +331,7 @@ std::string ToJson(const ScoreResult& result) {
                    {"metrics", std::move(metrics)},
                    {"missing", std::move(missing)},
                    {"deductions", DeductionsJson(result.deductions)},
+                   {"envelope", EnvelopeJson(result.envelope)},
                    {"reference_attempt", result.reference_attempt},
                    {"rubric_version", result.rubric_version},
                    {"scoring_version", result.scoring_version},
@@ -324,6 +395,7 @@ Result<ScoreResult> ScoreFromJson(std::string_view text) {
   }
   ReadMissing(reader, status, out);
   ReadDeductions(reader, status, out);
+  ReadEnvelope(reader, status, out);
   reader.Read("reference_attempt", out.reference_attempt);
   reader.ReadInteger("rubric_version", out.rubric_version);
   // Scores of version 1 do not say so, nor have they gates.

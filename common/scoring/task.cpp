@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "common/scoring/brick_samples.h"
 #include "common/scoring/deviation.h"
 
 namespace enamel::scoring {
@@ -11,22 +12,7 @@ namespace {
 
 using cutting::kBrickSide;
 using cutting::kBrickVoxels;
-using cutting::SolidFraction;
 using cutting::Volume;
-
-// Samples of one brick, stored or not.
-class BrickSamples {
- public:
-  BrickSamples(const Volume& volume, int brick)
-      : phi_(volume.IsStored(brick) ? volume.Phi(brick).phi.data() : nullptr),
-        uniform_(volume.UniformTissue(brick) == cutting::Tissue::kAir ? cutting::kPhiLimit
-                                                                      : -cutting::kPhiLimit) {}
-  int32_t Solid(int i) const { return SolidFraction(phi_ ? phi_[i] : uniform_); }
-
- private:
-  const int16_t* phi_;
-  const int16_t uniform_;
-};
 
 // Where a brick lies relative to the reference's cut.
 enum class Place { kNear, kOutside, kMixed };
