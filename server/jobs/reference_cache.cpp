@@ -44,4 +44,18 @@ Result<std::shared_ptr<const ReferenceCut>> ReferenceCache::Get(
   return cut;
 }
 
+std::optional<scoring::MetricSet> ReferenceCache::Metrics(const std::string& key) {
+  MutexLock lock(mutex_);
+  for (const auto& [known, metrics] : metrics_) {
+    if (known == key) return metrics;
+  }
+  return std::nullopt;
+}
+
+void ReferenceCache::KeepMetrics(const std::string& key, const scoring::MetricSet& metrics) {
+  MutexLock lock(mutex_);
+  metrics_.emplace_front(key, metrics);
+  if (metrics_.size() > kMostMetrics) metrics_.pop_back();
+}
+
 }  // namespace enamel::server

@@ -2,10 +2,13 @@
 
 #include <deque>
 #include <memory>
+#include <optional>
+#include <string>
 #include <utility>
 
 #include "common/base/mutex.h"
 #include "common/base/result.h"
+#include "common/scoring/envelope.h"
 #include "common/scoring/metrics.h"
 #include "server/storage/parts.h"
 
@@ -25,17 +28,27 @@ struct ReferenceCut {
 // Thread safety: any thread; two that miss at once both read.
 class ReferenceCache {
  public:
-  explicit ReferenceCache(size_t capacity = 2) : capacity_(capacity) {}
+  // `capacity`: cuts; an envelope's and one more.
+  explicit ReferenceCache(size_t capacity = scoring::kMaxEnvelopeMembers + 1)
+      : capacity_(capacity) {}
 
   // Errors: those of the store; kNotFound or kConflict when the attempt has no result.
   Result<std::shared_ptr<const ReferenceCut>> Get(Parts<BlobStore, AttemptStore> store,
                                                   const Uuid& attempt);
 
+  // A reference's own metrics against another one, which follow from what `key` names: the two, and
+  // what they are measured by.
+  std::optional<scoring::MetricSet> Metrics(const std::string& key);
+  void KeepMetrics(const std::string& key, const scoring::MetricSet& metrics);
+
  private:
+  static constexpr size_t kMostMetrics = 64;
+
   const size_t capacity_;
   Mutex mutex_;
   // Newest first.
   std::deque<std::pair<Uuid, std::shared_ptr<const ReferenceCut>>> kept_ ENAMEL_GUARDED_BY(mutex_);
+  std::deque<std::pair<std::string, scoring::MetricSet>> metrics_ ENAMEL_GUARDED_BY(mutex_);
 };
 
 }  // namespace enamel::server

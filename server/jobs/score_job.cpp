@@ -219,6 +219,7 @@ class ScoreJob {
     ENAMEL_ASSIGN_OR_RETURN(auto score, scoring::ApplyRubric(exercise_.rubric, *metrics));
     FillStation(process, score);
     FillDeductions(attempt, reference, score);
+    ENAMEL_RETURN_IF_ERROR(FillEnvelope(attempt, reference, *metrics, score));
 
     AttemptStore::AttemptResult result;
     result.score = score.score;
@@ -312,6 +313,48 @@ class ScoreJob {
                                 {&initial_, attempt.final_volume, reference.final_volume, &cut,
                                  scoring::NearOf_m(exercise_.target, initial_.spec()), &provenance,
                                  &attempt.process->strokes()});
+  }
+
+  // Where there is more than one reference. What cannot be read any more is left out: it says
+  // nothing about this attempt, which has its points from the newest.
+  Status FillEnvelope(const scoring::AttemptData& attempt, const scoring::AttemptData& reference,
+                      const scoring::MetricSet& metrics, scoring::ScoreResult& score) const {
+    ENAMEL_ASSIGN_OR_RETURN(auto rows, store_.references().References(row_.exercise));
+    std::erase_if(rows, [](const ReferenceRow& row) { return row.withdrawn_ms != 0; });
+    if (rows.size() < 2) return Status::Ok();
+    rows.resize(std::min(rows.size(), scoring::kMaxEnvelopeMembers));
+    std::vector<std::shared_ptr<const ReferenceCut>> cuts;  // for as long as the members name them
+    std::vector<scoring::EnvelopeMember> members;
+    for (const ReferenceRow& row : rows) {
+      if (row.attempt == attempt_) {
+        members.push_back({attempt_.Text(), attempt.final_volume, metrics});
+        continue;
+      }
+      auto cut = cache_.Get(store_, row.attempt);
+      if (!cut.ok() || (*cut)->initial_volume != header_.volume) continue;
+      ENAMEL_RETURN_IF_ERROR(Tell(kMeasureTo));
+      ENAMEL_ASSIGN_OR_RETURN(auto own, MetricsOf(row.attempt, **cut, reference));
+      members.push_back({row.attempt.Text(), &(*cut)->final_volume, std::move(own)});
+      cuts.push_back(*cut);
+    }
+    if (members.size() < 2) return Status::Ok();
+    ENAMEL_ASSIGN_OR_RETURN(score.envelope, scoring::PlaceInEnvelope(
+                                                initial_, *attempt.final_volume, metrics, members));
+    return Status::Ok();
+  }
+
+  // A reference measured as attempts are: against the newest one, for the same rubric.
+  Result<scoring::MetricSet> MetricsOf(const Uuid& member, const ReferenceCut& cut,
+                                       const scoring::AttemptData& reference) const {
+    const std::string key = member.Text() + " " + reference_attempt_->Text() + " " +
+                            row_.exercise_content.Hex() + " " +
+                            HashSha256(AsBytes(scene::ToJson(exercise_.rubric))).Hex();
+    if (auto known = cache_.Metrics(key)) return *known;
+    auto measured = scoring::ComputeMetrics(
+        scene_, exercise_, {&initial_, &cut.final_volume, &cut.surface, &cut.process}, reference,
+        {}, scoring::MetricPlan::For(exercise_.rubric));
+    if (measured.ok()) cache_.KeepMetrics(key, *measured);
+    return measured;
   }
 
   double ReplayRealtimeFactor() const {

@@ -32,7 +32,8 @@ class MemoryStore final : public server::StationStore,
   std::map<Uuid, Trace> traces;
   std::map<Uuid, AttemptResult> results;
   std::map<Uuid, server::StationRow> stations;
-  std::map<Uuid, server::ReferenceRow> references;  // by exercise
+  std::map<Uuid, server::ReferenceRow> references;  // by exercise: the newest
+  std::vector<server::ReferenceRow> older_references;
   std::map<Uuid, server::RubricRow> rubrics;        // by exercise
   std::vector<server::JobRow> jobs;
   std::vector<double> progress;  // everything SetProgress was told
@@ -236,7 +237,17 @@ class MemoryStore final : public server::StationStore,
     return No();
   }
   Result<server::ReferenceRow> ReferenceById(const Uuid&) override { return No(); }
-  Result<std::vector<server::ReferenceRow>> References(const Uuid&) override { return No(); }
+  Result<std::vector<server::ReferenceRow>> References(const Uuid& exercise) override {
+    std::lock_guard lock(mutex_);
+    std::vector<server::ReferenceRow> out;
+    if (auto newest = references.find(exercise); newest != references.end()) {
+      out.push_back(newest->second);
+    }
+    for (const server::ReferenceRow& row : older_references) {
+      if (row.exercise == exercise) out.push_back(row);
+    }
+    return out;
+  }
   Status WithdrawReference(const Uuid&, const server::Actor&) override { return No(); }
 
  private:

@@ -405,6 +405,36 @@ TEST_F(ScoreJobTest, ScoringAgainGivesTheSameBlobs) {
   EXPECT_EQ(first.score_json, again.score_json) << "to the bit, whatever the clock said meanwhile";
 }
 
+TEST_F(ScoreJobTest, WithSeveralReferencesTheScoreSaysWhereTheAttemptLiesAmongThem) {
+  Uuid attempt = WithReference({.mesial_extra_mm = 0.3});
+  const Uuid first = reference_;
+  ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
+  EXPECT_FALSE(ScoreOf(attempt).envelope) << "one reference is no envelope";
+  const double points = ScoreOf(attempt).score;
+  const Uuid second = world_.Record(store_, {.mesial_extra_mm = 0.2}, true);
+  ASSERT_TRUE(RunScoreJob(store_, second).ok());
+  // Older than the first: points still come from that one.
+  store_.older_references = {
+      {Uuid::New(), store_.attempts[attempt].exercise, second, "Dr. Other", 0, 0}};
+  ReferenceCache cache;
+  ASSERT_TRUE(RunScoreJob(store_, attempt, {}, &cache).ok());
+  auto score = ScoreOf(attempt);
+  EXPECT_EQ(score.score, points);
+  ASSERT_TRUE(score.envelope);
+  ASSERT_EQ(score.envelope->members.size(), 2u);
+  EXPECT_EQ(score.envelope->members[0].attempt, second.Text()) << "the nearest";
+  EXPECT_EQ(score.envelope->members[1].attempt, first.Text());
+  auto wall = std::ranges::find(score.envelope->metrics, std::string("wall_mesial_mm"),
+                                &scoring::MetricPlace::name);
+  ASSERT_NE(wall, score.envelope->metrics.end());
+  EXPECT_EQ(wall->least, 0) << "the newest against itself";
+  EXPECT_NEAR(wall->most, 0.2, 0.03);
+  EXPECT_EQ(wall->percentile, 100);
+  auto json = store_.results[attempt].score_json;
+  ASSERT_TRUE(RunScoreJob(store_, attempt, {}, &cache).ok());
+  EXPECT_EQ(store_.results[attempt].score_json, json) << "from the cache too";
+}
+
 TEST_F(ScoreJobTest, TheCacheReadsAReferenceOnce) {
   Uuid attempt = WithReference({});
   ReferenceCache cache;
