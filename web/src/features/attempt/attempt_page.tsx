@@ -1,7 +1,7 @@
 import { useMemo, useState } from "preact/hooks";
 import type { Client } from "../../api/client";
 import type { ApiError } from "../../api/http";
-import type { Annotation, AttemptDetail, Person } from "../../api/types";
+import type { Annotation, AttemptDetail, Deduction, Person } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { useRefresh } from "../../api/use_refresh";
 import { unreachable } from "../../base/assert";
@@ -13,7 +13,7 @@ import { AnnotationsPanel } from "./annotations_panel";
 import { AppealPanel } from "./appeal_panel";
 import { MetricsPanel, RecordingPanel, RunsPanel } from "./detail_panels";
 import { ForcePanel } from "./force_panel";
-import { type Mark, marksOf } from "./moments";
+import { type Mark, marksOf, stepOfTick } from "./moments";
 import { ScorePanel } from "./score_panel";
 import { TeacherActions } from "./teacher_actions";
 import { ToothPanel } from "./tooth_panel";
@@ -81,6 +81,11 @@ function ScoredAttempt({ client, attempt, teacher, onChanged }:
     setChosen(mark.annotation.id);
     setCursor(mark.step);
   };
+  const showPlace = (deduction: Deduction) => {
+    const [x, y, z] = deduction.position_mm;
+    if (x !== undefined && y !== undefined && z !== undefined) setPoint([x, y, z]);
+    if (recorded !== undefined && deduction.stroke_count > 0) setCursor(stepOfTick(recorded, deduction.first_tick));
+  };
   return (
     <>
       <div class="attempt-grid">
@@ -88,7 +93,7 @@ function ScoredAttempt({ client, attempt, teacher, onChanged }:
           {score.loaded.state === "loading" && <Card title="Score"><Loading what="the score" /></Card>}
           {score.loaded.state === "failed" && <ScoreError error={score.loaded.error} onRetry={score.reload} />}
           {scored !== undefined && attempt.problem !== "" && <Notice tone="warning" title="Scoring it again did not work; this is the score from before"><p>{attempt.problem}</p></Notice>}
-          {scored !== undefined && <ScorePanel score={scored} reference={reference} override={attempt.override} />}
+          {scored !== undefined && <ScorePanel score={scored} reference={reference} override={attempt.override} onPlace={removed ? undefined : showPlace} />}
           <AppealPanel client={client} attempt={attempt} onChanged={onChanged} />
         </div>
         {removed ? <RemovedRecording removedMs={attempt.recording_removed_ms} /> : <ToothPanel surface={surface.loaded} series={recorded} cursor={cursor} marks={marks} chosen={chosen} point={point} onMark={choose}

@@ -1,6 +1,7 @@
-import type { AttemptDetail, Criterion, Gate, Score } from "../../api/types";
+import type { AttemptDetail, Criterion, Deduction, Gate, Score } from "../../api/types";
 import { formatDateTime, formatNumber, formatQuantity } from "../../base/format";
 import { Badge, Bar, Card, Notice, type Tone } from "../../widgets/basics";
+import { deductionsOf, deductionText } from "./deductions";
 import { byLostPoints, lostPoints, summarySentence } from "./summary";
 
 const kRingRadius = 52;
@@ -10,9 +11,10 @@ interface Props {
   readonly score: Score;                        // as computed
   readonly reference: string | undefined;
   readonly override: AttemptDetail["override"];  // what an instructor says instead
+  readonly onPlace: ((deduction: Deduction) => void) | undefined;  // shows it on the tooth and the timeline
 }
 
-export function ScorePanel({ score, reference, override }: Props) {
+export function ScorePanel({ score, reference, override, onPlace }: Props) {
   return (
     <Card title="Score" className="score-card">
       <div class="score-head">
@@ -27,7 +29,7 @@ export function ScorePanel({ score, reference, override }: Props) {
         </div>
       </div>
       <Gates gates={score.gates ?? []} />
-      <CriteriaTable criteria={byLostPoints(score.criteria)} />
+      <CriteriaTable criteria={byLostPoints(score.criteria)} deductions={score.deductions} onPlace={onPlace} />
     </Card>
   );
 }
@@ -68,17 +70,22 @@ function Gates({ gates }: { readonly gates: readonly Gate[] }) {
   ))}</>;
 }
 
-function CriteriaTable({ criteria }: { readonly criteria: readonly Criterion[] }) {
+interface Placed {
+  readonly deductions: readonly Deduction[] | undefined;
+  readonly onPlace: Props["onPlace"];
+}
+
+function CriteriaTable({ criteria, ...placed }: Placed & { readonly criteria: readonly Criterion[] }) {
   return (
     <table class="criteria">
       <caption class="hidden">Criteria, those that lost most points first</caption>
       <thead><tr><th scope="col">Criterion</th><th scope="col" class="number">Measured</th><th scope="col" class="number">Points</th></tr></thead>
-      <tbody>{criteria.map((criterion) => <CriterionRow key={criterion.name} criterion={criterion} />)}</tbody>
+      <tbody>{criteria.map((criterion) => <CriterionRow key={criterion.name} criterion={criterion} {...placed} />)}</tbody>
     </table>
   );
 }
 
-function CriterionRow({ criterion }: { readonly criterion: Criterion }) {
+function CriterionRow({ criterion, deductions, onPlace }: Placed & { readonly criterion: Criterion }) {
   const share = criterion.max_points > 0 ? criterion.points / criterion.max_points : 1;
   const full = lostPoints(criterion) < 0.05;
   return (
@@ -86,6 +93,12 @@ function CriterionRow({ criterion }: { readonly criterion: Criterion }) {
       <th scope="row">
         {criterion.title}
         {criterion.reason !== "" && <span class="reason">{criterion.reason}</span>}
+        {deductionsOf(deductions, criterion.name).map((deduction) => (
+          <span class="reason place" key={deduction.left ? "left" : "over"}>
+            {onPlace === undefined ? deductionText(deduction)
+              : <button type="button" class="link" title="Show it on the tooth and in the recording" onClick={() => onPlace(deduction)}>{deductionText(deduction)}</button>}
+          </span>
+        ))}
       </th>
       <td class="number nowrap">{criterion.judged === false ? "–" : formatQuantity(criterion.value, criterion.unit)}</td>
       <td class="number points">
