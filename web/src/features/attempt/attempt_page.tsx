@@ -13,6 +13,7 @@ import { AnnotationsPanel } from "./annotations_panel";
 import { AppealPanel } from "./appeal_panel";
 import { MetricsPanel, RecordingPanel, RunsPanel } from "./detail_panels";
 import { ForcePanel } from "./force_panel";
+import { EnvelopePanel } from "./envelope_panel";
 import { type Mark, marksOf, stepOfTick } from "./moments";
 import { ScorePanel } from "./score_panel";
 import { TeacherActions } from "./teacher_actions";
@@ -110,7 +111,10 @@ function ScoredAttempt({ client, attempt, teacher, onChanged }:
           <Contradictions chunks={attempt.contradictions} />
           {scored !== undefined && <RunsPanel client={client} requestKey={key} attemptId={id} />}
         </div>
-        {scored !== undefined && <MetricsPanel metrics={scored.metrics} />}
+        <div class="stack">
+          {scored?.envelope != null && <EnvelopePanel client={client} exercise={attempt.exercise.id} envelope={scored.envelope} metrics={scored.metrics} judged={scored.criteria.map((criterion) => criterion.name)} />}
+          {scored !== undefined && <MetricsPanel metrics={scored.metrics} />}
+        </div>
       </div>
     </>
   );
