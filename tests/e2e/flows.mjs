@@ -22,6 +22,7 @@ export const flows = [
   { name: "an admin reads people, stations, devices, jobs and audit", anywhere: true, run: adminReads },
   { name: "a score that is being computed shows progress and then appears", anywhere: false, run: scoringProgress },
   { name: "an instructor releases a graded score and the student then sees it", anywhere: false, run: release },
+  { name: "a lost point leads to its moment", anywhere: false, run: lostPointLeadsToItsMoment },
   { name: "an instructor marks an attempt as the reference", anywhere: false, run: markReference },
   { name: "gaps and a replay that disagrees are said plainly", anywhere: false, run: disturbedRecording },
   ...["student", "instructor", "admin"].map((role) => ({
@@ -107,6 +108,19 @@ async function instructorReviews(world) {
   await page.screenshot({ path: world.picture("attempt"), fullPage: true });
   await heatMapIsThere(page);
   await plotIsThere(page);
+}
+
+// A lost point has a line with its moment; a click puts timeline and tooth there.
+async function lostPointLeadsToItsMoment(world) {
+  const page = await openScoredAttempt(world);
+  const slider = page.getByRole("slider", { name: /moment|time/i }).first();
+  const before = await slider.inputValue();
+  await page.getByRole("button", { name: /too much, first at 0:21; mostly stroke 7 and 2 more/ }).click();
+  assert.notEqual(await slider.inputValue(), before, "the timeline moves");
+  await page.getByRole("heading", { name: "Among 3 dentists" }).waitFor();
+  await page.getByText(/Nearest is the cut of Dentist One/).waitFor();
+  await accessible(page, "an attempt among dentists");
+  await page.screenshot({ path: world.picture("lost_point"), fullPage: true });
 }
 
 // Yellow (as the reference), red (0.3 mm too far) and the neutral of untouched tooth, in view at once.

@@ -101,6 +101,16 @@ export function scoreOf(row) {
       ["force_sent_p95_n", 1.31, "N"], ["force_sent_max_n", 2.04, "N"], ["anchor_path_m", 0.412, "m"], ["duration_s", 42.18, "s"],
       ["dtw_pose_mm", 0.36, "mm"], ["dtw_force_n", 0.21, "N"],
     ]).map(([name, value, unit]) => ({ name, value, unit })),
+    deductions: perfect ? [] : [{
+      criterion: "wall_mesial_mm", left: false, volume_mm3: 1.42, position_mm: [1.6, 0, -1], facing: [-1, 0, 0], first_tick: 21_400, first_s: 21.4,
+      stroke_count: 3, strokes: [[7, 21_400, 0.9], [8, 23_100, 0.4], [9, 24_800, 0.12]].map(([number = 0, tick = 0, volume = 0]) => ({ number, first_tick: tick, first_s: tick / 1000, volume_mm3: volume })),
+    }],
+    envelope: perfect ? null : {
+      references: [{ attempt: referenceDetail.attempt_id, overlap_percent: 93.4 }, { attempt: id(102), overlap_percent: 90.1 }, { attempt: id(103), overlap_percent: 89.7 }],
+      left_of_all_mm3: 0.31, disputed_mm3: 1.9, taken_by_mm3: [1.2, 0.4, 0.9, 23.3],
+      metrics: [{ name: "wall_mesial_mm", unit: "mm", least: -0.04, median: 0, most: 0.11, spread: 0.059, z: 5.1, percentile: 100 },
+                { name: "time_s", unit: "s", least: 38.2, median: 61, most: 95.4, spread: 33.8, z: -0.6, percentile: 33.3 }],
+    },
     reference_attempt: referenceDetail.attempt_id, rubric_version: 1, scoring_version: 2, core_version: 1, ticks: row.ticks, gap_ticks: row.gap_ticks,
     late_ticks: row.gap_ticks > 0 ? 7 : 0, bounded_ticks: 0, witness_ok: row.gap_ticks === 0,
     witness_note: row.gap_ticks === 0 ? "" : "the state after chunk 12 differs",
