@@ -228,6 +228,12 @@ class MemoryStore final : public server::StationStore,
   }
   Result<std::vector<server::StationRow>> Stations() override { return No(); }
   Result<std::vector<Uuid>> RevokedStations() override { return No(); }
+  Result<std::vector<server::ListedDevice>> ListedDevices() override { return No(); }
+  Status ListDevice(const std::string&, const std::string&, const server::Actor&) override {
+    return No();
+  }
+  Status UnlistDevice(const std::string&, const server::Actor&) override { return No(); }
+  Result<bool> IsListed(const Hand&) override { return No(); }
   Result<std::vector<server::ResultRow>> ResultsOf(const Uuid&) override { return No(); }
   Result<std::vector<server::ContradictionRow>> ContradictionsOf(const Uuid&) override {
     return No();
