@@ -204,20 +204,36 @@ TEST_F(ScoreJobTest, APreviewSaysOfWhichAttemptsItCannotTell) {
   EXPECT_EQ(preview->mean_after, 0);
   for (const RegradedAttempt& a : preview->attempts) EXPECT_NE(a.problem, "");
 
-  // What the exercise's own rubric had no use for was not measured.
-  ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
-  scene::Rubric other = document->rubric;
-  other.criteria.push_back({"dtw_pose_mm", "Like the dentist", "mm", 5, {{0, 1}, {2, 0}}, "", {}});
-  preview = PreviewRubric(store_, OfExercise(attempt), other);
-  ASSERT_TRUE(preview.ok());
-  for (const RegradedAttempt& a : preview->attempts) {
-    if (a.row.id == attempt) EXPECT_NE(a.problem.find("dtw_pose_mm"), std::string::npos);
-  }
-
   scene::Rubric broken = document->rubric;
   broken.criteria[0].metric = "no_such_metric";
   EXPECT_EQ(PreviewRubric(store_, OfExercise(attempt), broken).status().code(),
             Code::kInvalidInput);
+}
+
+TEST_F(ScoreJobTest, WhatARubricHadNoUseForIsMeasuredOnceOneHas) {
+  const Uuid attempt = WithReference({});
+  ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
+  auto document =
+      scene::ExerciseFromJson(AsText(store_.blobs[store_.attempts[attempt].exercise_content]));
+  const auto measured = [&] {
+    const scoring::ScoreResult score = ScoreOf(attempt);
+    return std::ranges::count(score.metrics, "dtw_pose_mm", &scoring::MetricValue::name);
+  };
+  EXPECT_EQ(measured(), 0);
+  scene::Rubric other = document->rubric;
+  other.criteria.push_back({"dtw_pose_mm", "Like the dentist", "mm", 5, {{0, 1}, {2, 0}}, "", {}});
+  auto preview = PreviewRubric(store_, OfExercise(attempt), other);
+  ASSERT_TRUE(preview.ok());
+  for (const RegradedAttempt& a : preview->attempts) {
+    EXPECT_TRUE(a.row.id != attempt || a.problem.find("dtw_pose_mm") != std::string::npos);
+  }
+  // The recording has it: scored again by that rubric it is measured.
+  other.version = document->rubric.version + 1;
+  const Sha256 content = *store_.PutBlob(AsBytes(scene::ToJson(other)));
+  const Uuid id = store_.attempts[attempt].exercise;
+  store_.rubrics[id] = {id, other.version, content, "why", 1};
+  ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
+  EXPECT_EQ(measured(), 1);
 }
 
 TEST_F(ScoreJobTest, AWallThreeTenthsTooFarOutIsFoundAndExplained) {
