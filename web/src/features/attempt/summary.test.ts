@@ -57,6 +57,12 @@ test("gaps, a broken replay and late ticks are each said, with how many", () => 
   assert.match(facts.details.join("\n"), /1 tick came late/);
 });
 
+test("a disturbed attempt is said with its figures, an undisturbed one is not", () => {
+  const details = (disturbed: boolean) => recordingFacts(attempt(), score({ disturbance: { disturbed, late_percent: 2.5, gap_percent: 0, limited_percent: 0.04 } })).details;
+  assert.deepEqual(details(true), ["The station disturbed the attempt: 2.5 % of its ticks came late, 0 % of its time is missing, and the device was at its limit in 0 % of the time with force."]);
+  assert.deepEqual(details(false), []);
+});
+
 test("before the score is known only what the attempt itself says is claimed", () => {
   assert.equal(recordingFacts(attempt(), undefined).headline, "Nothing was lost");
   assert.equal(recordingFacts(attempt({ gap_ticks: 3 }), undefined).complete, false);

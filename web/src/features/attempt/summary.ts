@@ -48,9 +48,17 @@ export function recordingFacts(attempt: AttemptDetail, score: Score | undefined)
     if (!score.witness_ok) details.push(`The replay does not repeat what the station recorded${score.witness_note === "" ? "" : `: ${score.witness_note}`}. The score needs a person's judgement.`);
     if (score.late_ticks > 0) details.push(`${plural(score.late_ticks, "tick")} came late.`);
     if (score.bounded_ticks > 0) details.push(`The device's force limit acted in ${plural(score.bounded_ticks, "tick")}.`);
+    details.push(...disturbance(score));
   }
   const complete = gaps === 0 && score?.witness_ok !== false;
   return { complete, headline: headline(complete, score), details };
+}
+
+// That the station got in the way, with its figures; nothing is taken off for it.
+function disturbance({ disturbance: d }: Score): string[] {
+  if (d?.disturbed !== true) return [];
+  const share = (percent: number): string => `${formatNumber(percent, 1)} %`;
+  return [`The station disturbed the attempt: ${share(d.late_percent)} of its ticks came late, ${share(d.gap_percent)} of its time is missing, and the device was at its limit in ${share(d.limited_percent)} of the time with force.`];
 }
 
 // What held the tool, as the signed recording says.
