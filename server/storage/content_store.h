@@ -48,6 +48,12 @@ class ContentStore : public BlobStore {
   virtual Result<std::vector<ExerciseRow>> ExercisesIn(ExerciseState state) = 0;
   // All of a name, the draft first, then newest first.
   virtual Result<std::vector<ExerciseRow>> ExerciseVersions(const std::string& name) = 0;
+  // Whoever first puts or publishes an exercise of a name owns the name: an instructor, whose
+  // exercises are private until they are shared; of anybody else it is the school's, and shared.
+  // Changes that for all versions of the exercise's name. Errors: kNotFound, kInvalidInput with
+  // field "owner_id" (not an instructor who may sign in).
+  virtual Result<ExerciseRow> ShareExercise(const Uuid& id, const SharingEdit& edit,
+                                            const Actor& by) = 0;
   // Drafts: name, title, content, scene and graded of `row` count. A `revision` that is not the
   // stored one: kConflict with field "revision", somebody else was first. Errors also: kConflict (a
   // draft of that name is there; not a draft), kNotFound (exercise, scene).

@@ -76,6 +76,16 @@ Status CheckConsent(bool consent) {
 
 bool CanEditExercises(const Person& viewer) { return CanRecordReference(viewer); }
 
+bool CanUseExercise(const Person& viewer, const ExerciseRow& exercise) {
+  return CanChangeExercise(viewer, exercise) || (Is(viewer, Role::kInstructor) && exercise.shared);
+}
+
+bool CanChangeExercise(const Person& viewer, const ExerciseRow& exercise) {
+  return Is(viewer, Role::kAdmin) ||
+         // A person of no id must not own what is the school's.
+         (Is(viewer, Role::kInstructor) && !exercise.owner.IsZero() && exercise.owner == viewer.id);
+}
+
 bool CanAssign(const Person& viewer, const Uuid& cohort, bool in_cohort) {
   return Is(viewer, Role::kAdmin) ||
          // To everybody is the school's to say, hence an admin's.

@@ -145,6 +145,16 @@ struct ExerciseRow {
   UnixMs published_ms = 0;  // of a draft: when it was last put
   ExerciseState state = ExerciseState::kPublished;
   int32_t revision = 1;  // counts the changes of a draft and of the state
+  // Of all versions of the name.
+  Uuid owner{};              // zero: the school's
+  std::string owner_name{};  // joined
+  bool shared = true;        // other instructors may read and assign it
+};
+
+// What is set is changed.
+struct SharingEdit {
+  std::optional<bool> shared{};
+  std::optional<Uuid> owner{};  // zero: the school
 };
 
 // An exercise for a cohort: when, how often, and whether as an exam.

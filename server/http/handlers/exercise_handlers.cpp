@@ -9,11 +9,12 @@
 #include "common/scene/volume_blob.h"
 #include "common/scoring/score.h"
 #include "common/surface/surface.h"
+#include "server/http/caller.h"
 #include "server/http/error_response.h"
 #include "server/http/etag.h"
 #include "server/http/handlers/attempt_view.h"
 #include "server/http/handlers/handlers.h"
-#include "server/http/handlers/seen_attempt.h"
+#include "server/http/handlers/seen_exercise.h"
 #include "server/http/json_body.h"
 #include "server/http/paging.h"
 #include "server/jobs/regrade.h"
@@ -28,11 +29,6 @@ namespace {
 // One page of attempts. Who has made more sees a count that is too low, which no rule depends on:
 // limits are counted by the store.
 constexpr uint32_t kCountedAttempts = 200;
-
-Result<std::vector<ExerciseRow>> VisibleExercises(const Call& call, ContentStore& store) {
-  const Person& person = call.caller->person;
-  return person.role == Role::kAdmin ? store.AllExercises() : store.ExercisesFor(person.id);
-}
 
 Result<scene::Exercise> Document(ContentStore& store, const ExerciseRow& row) {
   Result<Bytes> bytes = store.GetBlob(row.content);
@@ -76,23 +72,42 @@ json::value TouchCuesJson(const scene::TouchCueSpec& cues) {
           {"power_uw", cues.power_uw}};
 }
 
-Result<json::object> SummaryJson(TeachingStore& store, const ExerciseRow& row,
+// Whose it is, for who teaches, and what the viewer may do with it, so that a page need not know the
+// rules.
+void AddSharing(const Person& viewer, const ExerciseRow& row, json::object& out) {
+  json::value owner;
+  if (!row.owner.IsZero() && CanEditExercises(viewer)) {
+    owner = {{"id", row.owner.Text()}, {"display_name", row.owner_name}};
+  }
+  json::array may;
+  if (CanChangeExercise(viewer, row)) may.emplace_back("change");
+  if (CanUseExercise(viewer, row) && row.state == ExerciseState::kPublished) {
+    may.emplace_back("assign");
+  }
+  out.emplace("owner", std::move(owner));
+  out.emplace("shared", row.shared);
+  out.emplace("may", std::move(may));
+}
+
+Result<json::object> SummaryJson(const Person& viewer, TeachingStore& store, const ExerciseRow& row,
                                  const scene::Exercise& exercise, std::map<Uuid, int>& attempts) {
   Result<std::optional<ReferenceRow>> reference = store.ReferenceFor(row.id);
   if (!reference.ok()) return reference.status();
-  return json::object{{"id", row.id.Text()},
-                      {"name", row.name},
-                      {"title", row.title},
-                      {"version", row.version},
-                      {"graded", row.graded},
-                      {"instructions", exercise.instructions},
-                      {"state", ExerciseStateName(row.state)},
-                      {"revision", row.revision},
-                      {"published_ms", row.published_ms},
-                      {"time_limit_s", exercise.time_limit_s},
-                      {"bur", BurJson(exercise.bur())},
-                      {"has_reference", reference->has_value()},
-                      {"my_attempts", attempts[row.id]}};
+  json::object out{{"id", row.id.Text()},
+                   {"name", row.name},
+                   {"title", row.title},
+                   {"version", row.version},
+                   {"graded", row.graded},
+                   {"instructions", exercise.instructions},
+                   {"state", ExerciseStateName(row.state)},
+                   {"revision", row.revision},
+                   {"published_ms", row.published_ms},
+                   {"time_limit_s", exercise.time_limit_s},
+                   {"bur", BurJson(exercise.bur())},
+                   {"has_reference", reference->has_value()},
+                   {"my_attempts", attempts[row.id]}};
+  AddSharing(viewer, row, out);
+  return out;
 }
 
 json::object TargetJson(const scene::CavityTarget& target) {
@@ -173,29 +188,6 @@ Status MustBeMakeable(ContentStore& store, const scene::Exercise& exercise) {
   return refusal;
 }
 
-// Instructors and admins see all. Others: any version of an exercise of which they see the newest,
-// and what they have worked on.
-Result<ExerciseRow> VisibleExercise(const Call& call, Parts<ContentStore, AttemptStore> store) {
-  Status none{Code::kNotFound, "there is no such exercise", "id"};
-  const Person& viewer = call.caller->person;
-  Result<ExerciseRow> row = store.content().ExerciseById(call.id);
-  if (!row.ok()) return row.status().code() == Code::kNotFound ? none : row.status();
-  if (CanEditExercises(viewer)) return row;
-  if (row->state == ExerciseState::kDraft) return none;
-  Result<std::vector<ExerciseRow>> visible = VisibleExercises(call, store);
-  if (!visible.ok()) return visible.status();
-  if (std::ranges::find(*visible, row->name, &ExerciseRow::name) != visible->end()) return row;
-  AttemptFilter own;
-  own.person = viewer.id;
-  own.exercise = row->id;
-  // Whether there is one, not how many.
-  own.limit = 1;
-  Result<std::vector<AttemptRow>> attempts = store.attempts().Attempts(own);
-  if (!attempts.ok()) return attempts.status();
-  if (!attempts->empty()) return row;
-  return none;
-}
-
 // What a list of exercises holds: the caller's own, or for who edits them, all in a state.
 Result<std::vector<ExerciseRow>> ListedExercises(const Call& call, ContentStore& store) {
   auto wanted = call.request.query.find("state");
@@ -207,7 +199,17 @@ Result<std::vector<ExerciseRow>> ListedExercises(const Call& call, ContentStore&
   if (!CanEditExercises(call.caller->person)) {
     return Status{Code::kForbidden, "expected an instructor or admin; leave out state", "state"};
   }
-  return store.ExercisesIn(*state);
+  Result<std::vector<ExerciseRow>> rows = store.ExercisesIn(*state);
+  if (!rows.ok()) return rows;
+  Result<std::vector<ExerciseRow>> assigned = VisibleExercises(call, store);
+  if (!assigned.ok()) return assigned;
+  // Others' that are private are not there, but for what the caller's cohorts work on.
+  std::erase_if(*rows, [&](const ExerciseRow& row) {
+    return !CanUseExercise(call.caller->person, row) &&
+           (row.state == ExerciseState::kDraft ||
+            std::ranges::find(*assigned, row.name, &ExerciseRow::name) == assigned->end());
+  });
+  return rows;
 }
 
 // The exercise with all of its document, as one that may be edited.
@@ -216,7 +218,7 @@ Result<json::object> WholeJson(const Call& call, ExerciseParts store, const Exer
   if (!attempts.ok()) return attempts.status();
   Result<scene::Exercise> exercise = Document(store, row);
   if (!exercise.ok()) return Status{Code::kInternal, exercise.status().message()};
-  Result<json::object> out = SummaryJson(store, row, *exercise, *attempts);
+  Result<json::object> out = SummaryJson(call.caller->person, store, row, *exercise, *attempts);
   if (!out.ok()) return out;
   out->emplace("law", haptics::FindLaw(exercise->law)->name);
   out->emplace("rate_hz", exercise->rate_hz);
@@ -269,7 +271,7 @@ Result<ExerciseRow> UploadedExercise(const Call& call, ContentStore& store) {
 
 // Who may edit it and what they have seen of it.
 Result<int32_t> SeenRevision(const Call& call, Parts<ContentStore, AttemptStore> store) {
-  Result<ExerciseRow> row = VisibleExercise(call, store);
+  Result<ExerciseRow> row = ChangeableExercise(call, store);
   if (!row.ok()) return row.status();
   return IfMatch(call.request);
 }
@@ -364,7 +366,8 @@ Response ListExercises(const Call& call, ExerciseParts store) {
   for (const ExerciseRow& row : *rows) {
     Result<scene::Exercise> exercise = Document(store, row);
     if (!exercise.ok()) return ErrorResponse(Status{Code::kInternal, exercise.status().message()});
-    Result<json::object> summary = SummaryJson(store, row, *exercise, *attempts);
+    Result<json::object> summary =
+        SummaryJson(call.caller->person, store, row, *exercise, *attempts);
     if (!summary.ok()) return ErrorResponse(summary.status());
     exercises.push_back(std::move(*summary));
   }
@@ -408,8 +411,9 @@ Response ListExerciseVersions(const Call& call, Parts<ContentStore, AttemptStore
   if (!page.ok()) return ErrorResponse(page.status());
   Result<std::vector<ExerciseRow>> rows = store.content().ExerciseVersions(row->name);
   if (!rows.ok()) return ErrorResponse(rows.status());
-  if (!CanEditExercises(call.caller->person)) {
-    std::erase_if(*rows, [](const ExerciseRow& row) { return row.state == ExerciseState::kDraft; });
+  if (!CanUseExercise(call.caller->person, *row)) {
+    std::erase_if(
+        *rows, [](const ExerciseRow& version) { return version.state == ExerciseState::kDraft; });
   }
   json::value next = CutPage(*rows, *page, [](const ExerciseRow& version) {
     // The list's own order as text: the draft, then newest first.
@@ -449,6 +453,7 @@ Response PutDraft(const Call& call, ExerciseParts store) {
   if (!IsJson(call.request)) return NotJson();
   Result<ExerciseRow> draft = UploadedExercise(call, store);
   if (!draft.ok()) return ErrorResponse(draft.status());
+  if (Status may = MayUseName(call, store, draft->name); !may.ok()) return ErrorResponse(may);
   Result<ExerciseRow> row = store.content().PutDraft(*draft, ActorOf(call));
   if (!row.ok()) return ErrorResponse(row.status());
   return WholeResponse(call, store, *row, 201);
@@ -460,6 +465,7 @@ Response ReplaceDraft(const Call& call, ExerciseParts store) {
   if (!revision.ok()) return ErrorResponse(revision.status());
   Result<ExerciseRow> draft = UploadedExercise(call, store);
   if (!draft.ok()) return ErrorResponse(draft.status());
+  if (Status may = MayUseName(call, store, draft->name); !may.ok()) return ErrorResponse(may);
   draft->id = call.id;
   draft->revision = *revision;
   Result<ExerciseRow> row = store.content().ReplaceDraft(*draft, ActorOf(call));
@@ -486,13 +492,29 @@ Response PublishDraft(const Call& call, ExerciseParts store) {
 }
 
 Response RetireExercise(const Call& call, Parts<ContentStore, AttemptStore> store) {
-  Result<ExerciseRow> row = VisibleExercise(call, store);
+  Result<ExerciseRow> row = ChangeableExercise(call, store);
   if (!row.ok()) return ErrorResponse(row.status());
   Status done = store.content().RetireExercise(call.id, ActorOf(call));
   if (!done.ok()) return ErrorResponse(done);
   Response response;
   response.status = 204;
   return response;
+}
+
+Response ShareExercise(const Call& call, ExerciseParts store) {
+  if (!IsJson(call.request)) return NotJson();
+  Result<ExerciseRow> row = ChangeableExercise(call, store);
+  if (!row.ok()) return ErrorResponse(row.status());
+  BodyReader body(call.request);
+  SharingEdit edit;
+  if (body.Has("shared")) edit.shared = body.Flag("shared");
+  // null gives it to the school, absent leaves it where it is.
+  if (body.Has("owner_id")) edit.owner = body.MaybeId("owner_id").value_or(Uuid{});
+  if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
+  // Without If-Match: it is one switch, and who sets it last means it.
+  Result<ExerciseRow> shared = store.content().ShareExercise(call.id, edit, ActorOf(call));
+  if (!shared.ok()) return ErrorResponse(shared.status());
+  return WholeResponse(call, store, *shared);
 }
 
 }  // namespace enamel::server::http

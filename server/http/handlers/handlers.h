@@ -44,6 +44,7 @@ Response ReplaceDraft(const Call& call, ExerciseParts store);
 Response DeleteDraft(const Call& call, ExerciseParts store);
 Response PublishDraft(const Call& call, ExerciseParts store);
 Response RetireExercise(const Call& call, Parts<ContentStore, AttemptStore> store);
+Response ShareExercise(const Call& call, ExerciseParts store);
 Response WithdrawReference(const Call& call, Parts<TeachingStore, AttemptStore> store);
 
 Response ListRubrics(const Call& call, ExerciseParts store);

@@ -6,6 +6,7 @@
 #include "server/http/error_response.h"
 #include "server/http/etag.h"
 #include "server/http/handlers/handlers.h"
+#include "server/http/handlers/seen_exercise.h"
 #include "server/http/json_body.h"
 #include "server/http/query.h"
 #include "server/jobs/regrade.h"
@@ -20,15 +21,6 @@ namespace {
 constexpr size_t kMaxReason = 1000;
 // Body, rubric, criteria, one of them, its map, a row of it.
 constexpr size_t kRubricDepth = 6;
-
-// An exercise whose rubric the caller may correct.
-Result<ExerciseRow> EditedExercise(const Call& call, ContentStore& store) {
-  Status none{Code::kNotFound, "there is no such exercise", "id"};
-  Result<ExerciseRow> row = store.ExerciseById(call.id);
-  if (!row.ok()) return row.status().code() == Code::kNotFound ? none : row.status();
-  if (CanEditExercises(call.caller->person)) return row;
-  return Status{Code::kForbidden, "expected an instructor or admin"};
-}
 
 Result<scene::Exercise> DocumentOf(ContentStore& store, const ExerciseRow& row) {
   ENAMEL_ASSIGN_OR_RETURN(auto bytes, store.GetBlob(row.content));
@@ -133,7 +125,7 @@ Result<BatchRow> SeenBatch(const Call& call, RescoreParts store) {
 }  // namespace
 
 Response ListRubrics(const Call& call, ExerciseParts store) {
-  Result<ExerciseRow> row = EditedExercise(call, store);
+  Result<ExerciseRow> row = VisibleExercise(call, store);
   if (!row.ok()) return ErrorResponse(row.status());
   Result<json::array> versions = Versions(store, *row);
   // What is stored was checked when it came in: unreadable now is damage of ours.
@@ -144,7 +136,7 @@ Response ListRubrics(const Call& call, ExerciseParts store) {
 
 Response PreviewRubricChange(const Call& call, ExerciseParts store) {
   if (!IsJson(call.request)) return NotJson();
-  Result<ExerciseRow> row = EditedExercise(call, store);
+  Result<ExerciseRow> row = VisibleExercise(call, store);
   if (!row.ok()) return ErrorResponse(row.status());
   Result<scene::Rubric> rubric = RubricOf(call.request.body, "");
   if (!rubric.ok()) return ErrorResponse(rubric.status());
@@ -160,7 +152,7 @@ Response PreviewRubricChange(const Call& call, ExerciseParts store) {
 
 Response PublishRubric(const Call& call, ExerciseParts store) {
   if (!IsJson(call.request)) return NotJson();
-  Result<ExerciseRow> row = EditedExercise(call, store);
+  Result<ExerciseRow> row = ChangeableExercise(call, store);
   if (!row.ok()) return ErrorResponse(row.status());
   BodyReader body(call.request, kRubricDepth);
   const std::string reason = body.Text("reason", 1, kMaxReason);

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "server/storage/sql/exercise_rows.h"
 #include "server/storage/sql/sql_names.h"
 #include "server/storage/sql/sqlite_impl.h"
 #include "server/training/ticket_rules.h"
@@ -231,16 +232,15 @@ Result<std::vector<AssignedRow>> SqliteStore::AssignmentsFor(const Uuid& person)
               ", (SELECT count(*) FROM attempts t WHERE t.tenant = ?1 AND t.assignment = a.id "
               "AND t.person = ?2 AND t.flags & " +
                   Sql(kExcused | kReturned) +
-                  " = 0), e.id, e.name, e.version, e.title, "
-                  "e.content, e.scene, e.graded, e.published_ms, e.state, e.revision "
-                  "FROM " ENAMEL_ASSIGNMENTS
+                  " = 0), " ENAMEL_EXERCISE_COLUMNS " FROM " ENAMEL_ASSIGNMENTS
                   " JOIN exercises e ON e.tenant = a.tenant AND e.name = a.exercise_name AND "
                   "e.state = " +
                   Sql(ExerciseState::kPublished) +
                   " AND e.version = (SELECT max(version) FROM exercises n WHERE n.tenant = "
                   "e.tenant AND n.name = e.name AND n.state = " +
                   Sql(ExerciseState::kPublished) +
-                  ") WHERE a.tenant = ?1 AND (a.cohort = "
+                  ") " ENAMEL_EXERCISE_OWNERS
+                  "WHERE a.tenant = ?1 AND (a.cohort = "
                   "?3 OR a.cohort IN (SELECT m.cohort FROM cohort_members m JOIN cohorts c ON "
                   "c.tenant = m.tenant AND c.id = m.cohort AND c.archived_ms = 0 WHERE m.tenant "
                   "= ?1 AND m.person = ?2)) ORDER BY a.exam DESC, a.due_ms = 0, a.due_ms, "

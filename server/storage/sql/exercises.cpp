@@ -1,3 +1,4 @@
+#include "server/storage/sql/exercise_rows.h"
 #include "server/storage/sql/sql_names.h"
 #include "server/storage/sql/sqlite_impl.h"
 #include "server/training/revision.h"
@@ -7,12 +8,8 @@
 namespace enamel::server::sqlite {
 namespace {
 
-#define ENAMEL_EXERCISE_COLUMNS                                                               \
-  "e.id, e.name, e.version, e.title, e.content, e.scene, e.graded, e.published_ms, e.state, " \
-  "e.revision"
-
-constexpr char kSelect[] =
-    "SELECT " ENAMEL_EXERCISE_COLUMNS " FROM exercises e WHERE e.tenant = ?1";
+constexpr char kSelect[] = "SELECT " ENAMEL_EXERCISE_COLUMNS
+                           " FROM exercises e " ENAMEL_EXERCISE_OWNERS "WHERE e.tenant = ?1";
 
 Result<std::vector<ExerciseRow>> ExercisesFrom(Query& q) {
   std::vector<ExerciseRow> out;
@@ -158,6 +155,9 @@ ExerciseRow ExerciseOf(const Query& q, int first) {
   out.published_ms = q.Int(first + 7);
   out.state = static_cast<ExerciseState>(q.Int(first + 8));
   out.revision = static_cast<int32_t>(q.Int(first + 9));
+  if (!q.IsNull(first + 10)) out.owner = q.Id(first + 10);
+  out.owner_name = q.Text(first + 11);
+  out.shared = q.Int(first + 12) != 0;
   return out;
 }
 
@@ -190,10 +190,11 @@ Result<ExerciseRow> SqliteStore::PublishExercise(ExerciseRow exercise, const Uui
     row.published_ms = NowMs();
     row.state = ExerciseState::kPublished;
     ENAMEL_RETURN_IF_ERROR(InsertExercise(db, row));
+    ENAMEL_RETURN_IF_ERROR(OwnName(db, row.name, by));
     return WriteAudit(db, by, "exercise.publish", row.id.Text(), "{}", VersionJson(row));
   });
   if (!status.ok()) return status;
-  return row;
+  return ExerciseById(row.id);
 }
 
 Result<ExerciseRow> SqliteStore::PutDraft(const ExerciseRow& draft, const Actor& by) {
@@ -207,10 +208,11 @@ Result<ExerciseRow> SqliteStore::PutDraft(const ExerciseRow& draft, const Actor&
     ENAMEL_RETURN_IF_ERROR(SceneMustExist(db, row));
     ENAMEL_RETURN_IF_ERROR(Explain(InsertExercise(db, row),
                                    "there is a draft of \"" + row.name + "\" already; replace it"));
+    ENAMEL_RETURN_IF_ERROR(OwnName(db, row.name, by));
     return WriteAudit(db, by, "exercise.draft", row.id.Text(), "{}", VersionJson(row));
   });
   if (!status.ok()) return status;
-  return row;
+  return ExerciseById(row.id);
 }
 
 Result<ExerciseRow> SqliteStore::ReplaceDraft(const ExerciseRow& draft, const Actor& by) {
@@ -231,10 +233,14 @@ Result<ExerciseRow> SqliteStore::ReplaceDraft(const ExerciseRow& draft, const Ac
     q.Bind(static_cast<int64_t>(row.graded)).Bind(row.published_ms).Bind(int64_t{row.revision});
     ENAMEL_RETURN_IF_ERROR(
         Explain(q.Run(), "there is another draft named \"" + row.name + "\"; replace that one"));
+    if (row.name != found.name) {
+      ENAMEL_RETURN_IF_ERROR(OwnName(db, row.name, by));
+      ENAMEL_RETURN_IF_ERROR(FreeUnusedName(db, found.name));
+    }
     return WriteAudit(db, by, "exercise.draft", row.id.Text(), before, VersionJson(row));
   });
   if (!status.ok()) return status;
-  return row;
+  return ExerciseById(row.id);
 }
 
 Status SqliteStore::DeleteDraft(const Uuid& id, int32_t revision, const Actor& by) {
@@ -242,6 +248,7 @@ Status SqliteStore::DeleteDraft(const Uuid& id, int32_t revision, const Actor& b
     ENAMEL_ASSIGN_OR_RETURN(auto row, FindDraft(db, id, revision));
     Query q(db, "DELETE FROM exercises WHERE tenant = ?1 AND id = ?2");
     ENAMEL_RETURN_IF_ERROR(q.Bind(id).Run());
+    ENAMEL_RETURN_IF_ERROR(FreeUnusedName(db, row.name));
     return WriteAudit(db, by, "exercise.discard", id.Text(), VersionJson(row), "{}");
   });
 }
@@ -271,7 +278,7 @@ Result<ExerciseRow> SqliteStore::PublishDraft(const Uuid& id, int32_t revision, 
     return WriteAudit(db, by, "exercise.publish", id.Text(), VersionJson(found), VersionJson(row));
   });
   if (!status.ok()) return status;
-  return row;
+  return ExerciseById(row.id);
 }
 
 // All versions of the name: an older one must not come back in place of the newest.
@@ -311,7 +318,8 @@ Result<std::vector<ExerciseRow>> SqliteStore::ExercisesFor(const Uuid& person) {
   return Read([&](Db& db) -> Result<std::vector<ExerciseRow>> {
     Query q(
         db,
-        "SELECT " ENAMEL_EXERCISE_COLUMNS " FROM exercises e WHERE e.tenant = ?1 AND e.state = " +
+        "SELECT " ENAMEL_EXERCISE_COLUMNS " FROM exercises e " ENAMEL_EXERCISE_OWNERS
+        "WHERE e.tenant = ?1 AND e.state = " +
             Sql(ExerciseState::kPublished) +
             " AND e.version = (SELECT "
             "max(version) FROM exercises n WHERE n.tenant = e.tenant AND n.name = e.name AND "

@@ -110,6 +110,8 @@ class SqliteStore final : public Store {
   Result<std::vector<ExerciseRow>> AllExercises() override;
   Result<std::vector<ExerciseRow>> ExercisesIn(ExerciseState state) override;
   Result<std::vector<ExerciseRow>> ExerciseVersions(const std::string& name) override;
+  Result<ExerciseRow> ShareExercise(const Uuid& id, const SharingEdit& edit,
+                                    const Actor& by) override;
   Result<ExerciseRow> PutDraft(const ExerciseRow& row, const Actor& by) override;
   Result<ExerciseRow> ReplaceDraft(const ExerciseRow& row, const Actor& by) override;
   Status DeleteDraft(const Uuid& id, int32_t revision, const Actor& by) override;
@@ -268,9 +270,12 @@ Status QueueScoreJob(Db& db, const Uuid& attempt, const std::string& cause,
 Status CancelRun(Db& db, JobRow job, const Actor& by);
 Result<std::vector<JobRow>> OpenJobsOf(Db& db, const Uuid& batch);  // queued and running
 Result<ExerciseRow> FindExercise(Db& db, const Uuid& id);
-// Of ten columns from `first`: id, name, version, title, content, scene, graded, published_ms,
-// state, revision.
+// Of ENAMEL_EXERCISE_COLUMNS (exercise_rows.h), which begin at `first`.
 ExerciseRow ExerciseOf(const Query& q, int first);
+// An exercise name that nobody owns belongs to the actor from now on (content_store.h says how).
+Status OwnName(Db& db, const std::string& name, const Actor& by);
+// A name of which no exercise is left can be anybody's again.
+Status FreeUnusedName(Db& db, const std::string& name);
 // kConflict with field "revision" unless they are the same.
 Status MustBeRevision(int32_t stored, int32_t expected);
 // kForbidden when the terms of the row's assignment leave no attempt to its person.

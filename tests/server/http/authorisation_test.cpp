@@ -104,23 +104,44 @@ const Line kLines[] = {
     {"GET /api/v1/profile-reports/{id}",        "report",         "",                                    "401 403 403 403 200 200 200 200 401 403"},
     {"GET /api/v1/profiles/{name}/calibrations", "profile",       "",                                    "401 403 403 403 200 200 200 200 401 403"},
     {"POST /api/v1/profiles/{name}/calibrations", "profile",      "CALIBRATION",                         "401 403 403 403 403 403 201 201 401 403"},
-    // Exercises: of all cohorts for instructors, and for whoever has an attempt of it (tom has).
+    // Exercises: the school's, shared with instructors, and seen by whoever has an attempt of it (tom has).
     // 400: may, and sends nothing useful; 409: may, and it is no draft.
     {"GET /api/v1/exercises",                      "",               "",                                    "401 200 200 200 200 200 200 200 401 403"},
     {"POST /api/v1/exercises",                     "",               R"({})",                               "401 403 403 403 400 400 400 400 401 403"},
     {"GET /api/v1/exercises/{id}",                 "exercise",       "",                                    "401 200 200 200 200 200 200 200 401 403"},
-    {"PUT /api/v1/exercises/{id}",                 "exercise",       R"({})",                               "401 403 403 403 400 400 400 400 401 403"},
-    {"DELETE /api/v1/exercises/{id}",              "exercise",       "",                                    "401 403 403 403 409 409 409 409 401 403"},
+    {"PUT /api/v1/exercises/{id}",                 "exercise",       R"({})",                               "401 403 403 403 403 403 400 400 401 403"},
+    {"DELETE /api/v1/exercises/{id}",              "exercise",       "",                                    "401 403 403 403 403 403 409 409 401 403"},
     {"GET /api/v1/exercises/{id}/document",        "exercise",       "",                                    "401 200 200 200 200 200 200 200 401 403"},
     {"GET /api/v1/exercises/{id}/initial-surface", "exercise",       "",                                    "401 200 200 200 200 200 200 200 401 403"},
     {"GET /api/v1/exercises/{id}/versions",        "exercise",       "",                                    "401 200 200 200 200 200 200 200 401 403"},
     {"GET /api/v1/exercises/{id}/references",      "exercise",       "",                                    "401 200 200 200 200 200 200 200 401 403"},
-    {"POST /api/v1/exercises/{id}/publish",        "exercise",       "",                                    "401 403 403 403 409 409 409 409 401 403"},
-    {"POST /api/v1/exercises/{id}/retire",         "exercise",       "",                                    "401 403 403 403 204 204 204 204 401 403"},
+    {"POST /api/v1/exercises/{id}/publish",        "exercise",       "",                                    "401 403 403 403 403 403 409 409 401 403"},
+    {"POST /api/v1/exercises/{id}/retire",         "exercise",       "",                                    "401 403 403 403 403 403 204 204 401 403"},
+    {"PUT /api/v1/exercises/{id}/sharing",         "exercise",       R"({"shared":false})",                 "401 403 403 403 403 403 200 200 401 403"},
     {"GET /api/v1/exercises/{id}/rubrics",         "exercise",       "",                                    "401 403 403 403 200 200 200 200 401 403"},
-    {"POST /api/v1/exercises/{id}/rubrics",        "exercise",       R"({})",                               "401 403 403 403 400 400 400 400 401 403"},
+    {"POST /api/v1/exercises/{id}/rubrics",        "exercise",       R"({})",                               "401 403 403 403 403 403 400 400 401 403"},
     {"POST /api/v1/exercises/{id}/rubrics/preview", "exercise",      R"({})",                               "401 403 403 403 400 400 400 400 401 403"},
     {"POST /api/v1/references/{id}/withdraw",      "reference",      "",                                    "401 403 403 403 204 403 204 204 401 403"},
+    // Ada's own, private, assigned to nobody: for others it is not there.
+    {"GET /api/v1/exercises/{id}",                 "adas",           "",                                    "401 404 404 404 200 404 200 200 401 403"},
+    {"PUT /api/v1/exercises/{id}",                 "adas",           R"({})",                               "401 403 403 403 400 404 400 400 401 403"},
+    {"DELETE /api/v1/exercises/{id}",              "adas",           "",                                    "401 403 403 403 409 404 409 409 401 403"},
+    {"GET /api/v1/exercises/{id}/document",        "adas",           "",                                    "401 404 404 404 200 404 200 200 401 403"},
+    {"GET /api/v1/exercises/{id}/initial-surface", "adas",           "",                                    "401 404 404 404 200 404 200 200 401 403"},
+    {"GET /api/v1/exercises/{id}/versions",        "adas",           "",                                    "401 404 404 404 200 404 200 200 401 403"},
+    {"GET /api/v1/exercises/{id}/references",      "adas",           "",                                    "401 404 404 404 200 404 200 200 401 403"},
+    {"POST /api/v1/exercises/{id}/publish",        "adas",           "",                                    "401 403 403 403 409 404 409 409 401 403"},
+    {"POST /api/v1/exercises/{id}/retire",         "adas",           "",                                    "401 403 403 403 204 404 204 204 401 403"},
+    {"PUT /api/v1/exercises/{id}/sharing",         "adas",           R"({"shared":true})",                  "401 403 403 403 200 404 200 200 401 403"},
+    {"GET /api/v1/exercises/{id}/rubrics",         "adas",           "",                                    "401 403 403 403 200 404 200 200 401 403"},
+    {"POST /api/v1/exercises/{id}/rubrics",        "adas",           R"({})",                               "401 403 403 403 400 404 400 400 401 403"},
+    {"POST /api/v1/exercises/{id}/rubrics/preview", "adas",          R"({})",                               "401 403 403 403 400 404 400 400 401 403"},
+    // Ben's own draft, shared: other instructors read it, and change nothing of it.
+    {"GET /api/v1/exercises/{id}",                 "bens draft",     "",                                    "401 404 404 404 200 200 200 200 401 403"},
+    {"PUT /api/v1/exercises/{id}",                 "bens draft",     R"({})",                               "401 403 403 403 403 400 400 400 401 403"},
+    {"DELETE /api/v1/exercises/{id}",              "bens draft",     "",                                    "401 403 403 403 403 204 204 204 401 403"},
+    {"POST /api/v1/exercises/{id}/publish",        "bens draft",     "",                                    "401 403 403 403 403 200 200 200 401 403"},
+    {"PUT /api/v1/exercises/{id}/sharing",         "bens draft",     R"({"owner_id":null})",                "401 403 403 403 403 200 200 200 401 403"},
     // Assignments to cohort A.
     {"GET /api/v1/assignments",                    "",               "",                                    "401 200 200 200 200 200 200 200 401 403"},
     {"POST /api/v1/assignments",                   "",               R"({"exercise":"class-1-occlusal","cohort_id":"COHORT"})", "401 403 403 403 201 403 201 201 401 403"},
@@ -265,6 +286,10 @@ class Template {
     things["appealed"] = appealed.Text();
     things["reference"] = store.AddReference(appealed, "Dr. Vega", true, ada)->id.Text();
     things["job"] = store.Jobs("queued")->front().id.Text();
+    things["adas"] = school.OwnExercise(ada, "adas", true).id.Text();
+    const ExerciseRow draft = school.OwnExercise(Actor{school.ben, "page"}, "bens", false);
+    EXPECT_TRUE(store.ShareExercise(draft.id, {true, {}}, kBy).ok());
+    things["bens draft"] = draft.id.Text();
     // Sue's is scored and waits for nothing, until it is asked for with others of cohort A.
     const Uuid again = school.ScoredAttempt(school.sue);
     JobFilter newest;

@@ -122,6 +122,20 @@ void School::AddDocuments() {
   exercise = exercise_row_.id;
 }
 
+ExerciseRow School::OwnExercise(const Actor& by, const std::string& name, bool publish,
+                                bool graded) {
+  scene::Exercise document = SomeExercise(exercise_row_.scene);
+  document.name = name;
+  document.graded = graded;
+  ExerciseRow row = exercise_row_;
+  row.name = name;
+  row.title = document.title;
+  row.graded = graded;
+  row.content = Must(store->PutBlob(AsBytes(scene::ToJson(document))));
+  row = Must(store->PutDraft(row, by));
+  return publish ? Must(store->PublishDraft(row.id, row.revision, by)) : row;
+}
+
 Uuid School::RecordingAttempt(const Uuid& person, const Change& change) {
   AttemptRow row;
   row.id = Uuid::New();

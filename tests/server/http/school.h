@@ -24,6 +24,9 @@ struct School {
   using Change = std::function<void(AttemptRow&)>;
   Uuid ScoredAttempt(const Uuid& person, const Change& change = {});
   Uuid RecordingAttempt(const Uuid& person, const Change& change = {});
+  // An exercise of this name by the actor, a draft or published, which nobody is to do.
+  ExerciseRow OwnExercise(const Actor& by, const std::string& name, bool publish,
+                          bool graded = true);
 
   // Asked before the store keeps something; true: it fails. Set while no request is under way.
   std::function<bool()> before_write;

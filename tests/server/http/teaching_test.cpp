@@ -87,14 +87,15 @@ TEST_F(DraftTest, DraftIsPutReplacedPublishedAndOfferedByAnAssignment) {
   EXPECT_EQ(draft.at("version"), 0);
   std::string path = "/api/v1/exercises/" + std::string(draft.at("id").as_string());
   EXPECT_EQ(By("tom").Get(path).status, 404) << "students see no drafts";
-  EXPECT_EQ(By("ada").Get(path).status, 200) << "instructors see all";
+  EXPECT_EQ(By("ada").Get(path).status, 404) << "nor do others until it is shared";
+  EXPECT_EQ(By("root").Get(path).status, 200) << "admins see all";
 
   document_.title = "Another title";
   RawResponse without = Send("ben", "PUT", path, Document());
   EXPECT_EQ(without.status, 428) << without.body;
   RawResponse replaced = Send("ben", "PUT", path, Document(), put.headers["etag"]);
   ASSERT_EQ(replaced.status, 200) << replaced.body;
-  RawResponse stale = Send("ada", "PUT", path, Document(), put.headers["etag"]);
+  RawResponse stale = Send("root", "PUT", path, Document(), put.headers["etag"]);
   EXPECT_EQ(stale.status, 412);
   EXPECT_EQ(Parsed(stale).at("current").at("title"), "Another title");
   EXPECT_EQ(stale.headers["etag"], replaced.headers["etag"]);
@@ -113,6 +114,49 @@ TEST_F(DraftTest, DraftIsPutReplacedPublishedAndOfferedByAnAssignment) {
   EXPECT_EQ(By("tom").Get(path).status, 404);
   json::value versions = Parsed(By("ben").Get(path + "/versions"));
   EXPECT_EQ(versions.at("versions").at(0).at("state"), "retired");
+}
+
+TEST_F(DraftTest, InstructorsExerciseIsForOthersOnlyWhenSharedAndThenToUseAndNotToChange) {
+  RawResponse put = Post("ben", "/api/v1/exercises", Document());
+  std::string path = "/api/v1/exercises/" + std::string(Parsed(put).at("id").as_string());
+  ASSERT_EQ(Send("ben", "POST", path + "/publish", {}, put.headers["etag"]).status, 200);
+  const char* published = "/api/v1/exercises?state=published";
+  EXPECT_EQ(Parsed(By("ada").Get(published)).at("exercises").as_array().size(), 1u);
+  EXPECT_EQ(By("ada").Get(path).status, 404);
+  RawResponse taken = Post("ada", "/api/v1/exercises", Document());
+  EXPECT_EQ(taken.status, 403) << taken.body;
+  EXPECT_EQ(Parsed(taken).at("error").at("field"), "name");
+  EXPECT_NE(taken.body.find("Person ben"), std::string::npos) << taken.body;
+
+  EXPECT_EQ(Send("ada", "PUT", path + "/sharing", {{"shared", true}}).status, 404);
+  EXPECT_EQ(Send("ben", "PUT", path + "/sharing", {{"shared", "yes"}}).status, 400);
+  RawResponse shared = Send("ben", "PUT", path + "/sharing", {{"shared", true}});
+  ASSERT_EQ(shared.status, 200) << shared.body;
+  EXPECT_EQ(Parsed(shared).at("shared"), true);
+  EXPECT_EQ(Parsed(By("ada").Get(published)).at("exercises").as_array().size(), 2u);
+  json::value seen = Parsed(By("ada").Get(path));
+  EXPECT_EQ(seen.at("owner").at("display_name"), "Person ben");
+  EXPECT_EQ(seen.at("may"), (json::array{"assign"}));
+  EXPECT_EQ(Parsed(By("ben").Get(path)).at("may"), (json::array{"change", "assign"}));
+  EXPECT_EQ(Post("ada", path + "/retire").status, 403);
+  EXPECT_EQ(Send("ada", "PUT", path + "/sharing", {{"shared", false}}).status, 403);
+
+  json::object to_ada{{"owner_id", school_.ada.Text()}};
+  EXPECT_EQ(Send("ben", "PUT", path + "/sharing", {{"owner_id", school_.sam.Text()}}).status, 400);
+  ASSERT_EQ(Send("ben", "PUT", path + "/sharing", to_ada).status, 200);
+  EXPECT_EQ(Post("ben", path + "/retire").status, 403);
+  EXPECT_EQ(Post("ada", path + "/retire").status, 204);
+}
+
+TEST_F(TeachingTest, StudentIsNotToldWhoseAnExerciseIs) {
+  const Uuid hers = school_.OwnExercise({school_.ada, "page"}, "hers", true, false).id;
+  ASSERT_EQ(Post("ada", "/api/v1/assignments",
+                 {{"exercise", "hers"}, {"cohort_id", school_.cohort_a.Text()}})
+                .status,
+            201);
+  json::value seen = Parsed(By("sam").Get("/api/v1/exercises/" + hers.Text()));
+  EXPECT_TRUE(seen.at("owner").is_null());
+  EXPECT_TRUE(seen.at("may").as_array().empty());
 }
 
 TEST_F(DraftTest, WholeDocumentIsShown) {
@@ -515,6 +559,7 @@ TEST_F(TeachingTest, JobIsCancelledByAnAdminAndQueuedAgainByAnInstructor) {
 }
 
 TEST_F(TeachingTest, ARubricIsCorrectedOverTheVersionThatWasSeen) {
+  ASSERT_TRUE(school_.store->ShareExercise(school_.exercise, {{}, school_.ada}, {{}, "test"}).ok());
   const std::string path = "/api/v1/exercises/" + school_.exercise.Text() + "/rubrics";
   EXPECT_EQ(By("sam").Get(path).status, 403);
   json::value versions = Parsed(By("ada").Get(path)).at("rubrics");
@@ -534,7 +579,7 @@ TEST_F(TeachingTest, ARubricIsCorrectedOverTheVersionThatWasSeen) {
   ASSERT_EQ(published.status, 201) << published.body;
   EXPECT_EQ(Parsed(published).at("version"), own + 1);
   EXPECT_EQ(Parsed(published).at("document").at("version"), own + 1);
-  RawResponse late = Post("ben", path, body, seen);
+  RawResponse late = Post("root", path, body, seen);
   EXPECT_EQ(late.status, 412) << "somebody else was first";
   EXPECT_EQ(Parsed(late).at("current").at("version"), own + 1);
 

@@ -83,6 +83,8 @@ TEST_F(MigrationTest, PeopleAndThingsOfSchema1AreAllThere) {
   EXPECT_EQ(store_->Profiles()->front().content, HashOf("profile"));
   EXPECT_EQ(store_->Scenes()->front().volume, HashOf("volume"));
   EXPECT_EQ(store_->ExercisesFor(Id(2))->front().version, 2);
+  EXPECT_TRUE(store_->ExercisesFor(Id(2))->front().owner.IsZero()) << "the school's";
+  EXPECT_TRUE(store_->ExercisesFor(Id(2))->front().shared);
   EXPECT_EQ(store_->ReferenceFor(Id(30))->value().dentist, "Dr. Example");
   EXPECT_EQ(store_->Audit(10)->back().action, "attempt.release");
   EXPECT_TRUE(store_->RetentionRules()->empty());

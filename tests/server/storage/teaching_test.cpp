@@ -131,6 +131,65 @@ TEST_P(TeachingTest, RetiredExerciseIsOfferedToNobodyUntilItIsPublishedAgain) {
   EXPECT_EQ(store_->AllExercises()->front().version, 2);
 }
 
+TEST_P(TeachingTest, NameOfAnExerciseIsOfWhoFirstUsedItUntilNothingOfItIsLeft) {
+  World world(*store_);
+  EXPECT_TRUE(world.exercise.owner.IsZero() && world.exercise.shared) << "the command line's";
+  const Actor ada{AddPerson(*store_, "ada", Role::kInstructor), "page"};
+  const Actor ben{AddPerson(*store_, "ben", Role::kInstructor), "page"};
+  const Actor root{AddPerson(*store_, "root", Role::kAdmin), "page"};
+  ExerciseRow hers = *store_->PutDraft(world.Exercise("hers", "h1"), ada);
+  EXPECT_EQ(hers.owner, ada.person);
+  EXPECT_EQ(hers.owner_name, "Name of ada");
+  EXPECT_FALSE(hers.shared);
+  EXPECT_TRUE(store_->PutDraft(world.Exercise("schools", "s1"), root)->owner.IsZero());
+  hers = *store_->PublishDraft(hers.id, hers.revision, ada);
+  EXPECT_EQ(store_->PutDraft(world.Exercise("hers", "h2"), root)->owner, ada.person)
+      << "another version by an admin takes nothing away";
+
+  ExerciseRow draft = *store_->PutDraft(world.Exercise("first", "f1"), ben);
+  ExerciseRow renamed = world.Exercise("second", "f1");
+  renamed.id = draft.id;
+  renamed.revision = draft.revision;
+  draft = *store_->ReplaceDraft(renamed, ben);
+  EXPECT_EQ(draft.owner, ben.person);
+  EXPECT_EQ(store_->PutDraft(world.Exercise("first", "a1"), ada)->owner, ada.person);
+  ASSERT_TRUE(store_->DeleteDraft(draft.id, draft.revision, ben).ok());
+  EXPECT_EQ(store_->PutDraft(world.Exercise("second", "a2"), ada)->owner, ada.person);
+}
+
+TEST_P(TeachingTest, ExerciseIsSharedAndHandedOverWithAnAuditRow) {
+  World world(*store_);
+  const Actor ada{AddPerson(*store_, "ada", Role::kInstructor), "page"};
+  const Uuid ben = AddPerson(*store_, "ben", Role::kInstructor);
+  const ExerciseRow hers = *store_->PutDraft(world.Exercise("hers", "h1"), ada);
+  EXPECT_TRUE(store_->ShareExercise(hers.id, {true, {}}, ada)->shared);
+  EXPECT_EQ(Actions().front(), "exercise.share");
+  const size_t rows = Actions().size();
+  EXPECT_TRUE(store_->ShareExercise(hers.id, {true, ada.person}, ada)->shared);
+  EXPECT_EQ(Actions().size(), rows) << "nothing changed";
+  for (const Uuid& nobody : {world.student, Uuid::New()}) {
+    EXPECT_EQ(store_->ShareExercise(hers.id, {{}, nobody}, ada).status().field(), "owner_id");
+  }
+  EXPECT_EQ(store_->ShareExercise(hers.id, {false, ben}, ada)->owner, ben);
+  EXPECT_FALSE(store_->ExerciseById(hers.id)->shared);
+  ASSERT_TRUE(store_->SetDisabled(ben, true, kSystem).ok());
+  EXPECT_EQ(store_->ShareExercise(hers.id, {true, {}}, kSystem)->owner, ben)
+      << "stays with who is disabled until it is handed on";
+  EXPECT_TRUE(store_->ShareExercise(hers.id, {{}, Uuid{}}, kSystem)->owner.IsZero());
+  EXPECT_EQ(store_->ShareExercise(hers.id, {{}, ben}, kSystem).status().field(), "owner_id");
+  EXPECT_EQ(store_->ShareExercise(Uuid::New(), {true, {}}, ada).status().code(), Code::kNotFound);
+}
+
+TEST_P(TeachingTest, ExerciseOfSomebodyErasedIsTheSchools) {
+  World world(*store_);
+  const Actor ada{AddPerson(*store_, "ada", Role::kInstructor), "page"};
+  AddPerson(*store_, "root", Role::kAdmin);
+  const Uuid hers = store_->PutDraft(world.Exercise("hers", "h1"), ada)->id;
+  ASSERT_TRUE(store_->ErasePerson(ada.person, false, kSystem).ok());
+  EXPECT_TRUE(store_->ExerciseById(hers)->owner.IsZero());
+  EXPECT_FALSE(store_->ExerciseById(hers)->shared);
+}
+
 TEST_P(TeachingTest, AssignmentsAreThoseOfOwnCohortsAndOfEverybody) {
   World world(*store_);
   Uuid other = AddPerson(*store_, "other", Role::kStudent);

@@ -51,6 +51,34 @@ TEST(AccessTest, ReviewIsForInstructorsOfTheCohortAndAdmins) {
   EXPECT_FALSE(CanEditAnnotation(kAdmin, remark, true)) << "somebody else's words";
 }
 
+TEST(AccessTest, ExerciseIsChangedByItsOwnerAndAdminsAndUsedByInstructorsWhenShared) {
+  ExerciseRow own;
+  own.owner = kInstructor.id;
+  own.shared = false;
+  const Person other = Of(Role::kInstructor, 5);
+  EXPECT_TRUE(CanChangeExercise(kInstructor, own) && CanUseExercise(kInstructor, own));
+  EXPECT_TRUE(CanChangeExercise(kAdmin, own) && CanUseExercise(kAdmin, own));
+  EXPECT_FALSE(CanChangeExercise(other, own) || CanUseExercise(other, own));
+  own.shared = true;
+  EXPECT_FALSE(CanChangeExercise(other, own));
+  EXPECT_TRUE(CanUseExercise(other, own));
+  EXPECT_FALSE(CanUseExercise(kOtherStudent, own)) << "students see what is assigned to them";
+  own.owner = kOwner.id;
+  EXPECT_FALSE(CanChangeExercise(kOwner, own)) << "was an instructor, is a student now";
+  Person gone = kInstructor;
+  gone.disabled = true;
+  own.owner = gone.id;
+  EXPECT_FALSE(CanChangeExercise(gone, own) || CanUseExercise(gone, own));
+}
+
+TEST(AccessTest, SchoolsExerciseIsAnAdminsToChange) {
+  const ExerciseRow schools;
+  EXPECT_FALSE(CanChangeExercise(kInstructor, schools));
+  EXPECT_FALSE(CanChangeExercise(Of(Role::kInstructor, 0), schools));
+  EXPECT_TRUE(CanUseExercise(kInstructor, schools));
+  EXPECT_TRUE(CanChangeExercise(kAdmin, schools));
+}
+
 TEST(AccessTest, AppealIsForTheOwnerOfAReleasedScore) {
   AttemptRow attempt = AttemptOfOwner(true);
   EXPECT_FALSE(CanAppeal(kOwner, attempt)) << "not scored";

@@ -1,0 +1,58 @@
+#include "server/http/handlers/seen_exercise.h"
+
+#include <algorithm>
+
+#include "server/training/access.h"
+
+namespace enamel::server::http {
+namespace {
+
+std::string WhoseText(const ExerciseRow& row) {
+  return "\"" + row.name + "\" belongs to " +
+         (row.owner.IsZero() ? "the school: an admin changes it"
+                             : row.owner_name + ", who changes it, or an admin");
+}
+
+}  // namespace
+
+Result<std::vector<ExerciseRow>> VisibleExercises(const Call& call, ContentStore& store) {
+  const Person& person = call.caller->person;
+  return person.role == Role::kAdmin ? store.AllExercises() : store.ExercisesFor(person.id);
+}
+
+Result<ExerciseRow> VisibleExercise(const Call& call, Parts<ContentStore, AttemptStore> store) {
+  Status none{Code::kNotFound, "there is no such exercise", "id"};
+  const Person& viewer = call.caller->person;
+  Result<ExerciseRow> row = store.content().ExerciseById(call.id);
+  if (!row.ok()) return row.status().code() == Code::kNotFound ? none : row.status();
+  if (CanUseExercise(viewer, *row)) return row;
+  if (row->state == ExerciseState::kDraft) return none;
+  Result<std::vector<ExerciseRow>> visible = VisibleExercises(call, store);
+  if (!visible.ok()) return visible.status();
+  if (std::ranges::find(*visible, row->name, &ExerciseRow::name) != visible->end()) return row;
+  AttemptFilter own;
+  own.person = viewer.id;
+  own.exercise = row->id;
+  // Whether there is one, not how many.
+  own.limit = 1;
+  Result<std::vector<AttemptRow>> attempts = store.attempts().Attempts(own);
+  if (!attempts.ok()) return attempts.status();
+  if (!attempts->empty()) return row;
+  return none;
+}
+
+Result<ExerciseRow> ChangeableExercise(const Call& call, Parts<ContentStore, AttemptStore> store) {
+  Result<ExerciseRow> row = VisibleExercise(call, store);
+  if (!row.ok() || CanChangeExercise(call.caller->person, *row)) return row;
+  return Status{Code::kForbidden,
+                WhoseText(*row) + "; to change it, publish one of your own under another name"};
+}
+
+Status MayUseName(const Call& call, ContentStore& store, const std::string& name) {
+  Result<std::vector<ExerciseRow>> versions = store.ExerciseVersions(name);
+  if (!versions.ok()) return versions.status();
+  if (versions->empty() || CanChangeExercise(call.caller->person, versions->front())) return {};
+  return {Code::kForbidden, WhoseText(versions->front()) + "; choose another name", "name"};
+}
+
+}  // namespace enamel::server::http

@@ -1,0 +1,75 @@
+#include "server/storage/sql/sql_names.h"
+#include "server/storage/sql/sqlite_impl.h"
+
+// Whose an exercise is, by its name, and whether others may use it.
+namespace enamel::server::sqlite {
+namespace {
+
+Result<bool> IsInstructor(Db& db, const Uuid& person, bool may_be_disabled) {
+  Query q(db, "SELECT disabled FROM people WHERE tenant = ?1 AND id = ?2 AND role = " +
+                  Sql(Role::kInstructor));
+  const bool found = q.Bind(person).Next() && (may_be_disabled || q.Int(0) == 0);
+  if (!q.status().ok()) return q.status();
+  return found;
+}
+
+std::optional<Uuid> OrNone(const Uuid& owner) {
+  return owner.IsZero() ? std::optional<Uuid>() : owner;
+}
+
+Json SharingJson(const ExerciseRow& row) {
+  return JsonOf({{"name", row.name},
+                 {"owner", row.owner.IsZero() ? "" : row.owner.Text()},
+                 {"shared", row.shared ? "yes" : "no"}});
+}
+
+}  // namespace
+
+Status OwnName(Db& db, const std::string& name, const Actor& by) {
+  // What an admin or the command line makes is the school's, and for all who teach there.
+  ENAMEL_ASSIGN_OR_RETURN(const bool owns, IsInstructor(db, by.person, true));
+  Query q(db,
+          "INSERT INTO exercise_owners (tenant, name, owner, shared) VALUES (?1, ?2, ?3, ?4) "
+          "ON CONFLICT DO NOTHING");
+  q.Bind(name).Bind(OrNone(owns ? by.person : Uuid{}));
+  return q.Bind(int64_t{!owns}).Run();
+}
+
+Status FreeUnusedName(Db& db, const std::string& name) {
+  Query q(db,
+          "DELETE FROM exercise_owners WHERE tenant = ?1 AND name = ?2 AND NOT EXISTS (SELECT 1 "
+          "FROM exercises e WHERE e.tenant = ?1 AND e.name = ?2)");
+  return q.Bind(name).Run();
+}
+
+Result<ExerciseRow> SqliteStore::ShareExercise(const Uuid& id, const SharingEdit& edit,
+                                               const Actor& by) {
+  ExerciseRow row;
+  Status status = Write([&](Db& db) -> Status {
+    ENAMEL_ASSIGN_OR_RETURN(const auto before, FindExercise(db, id));
+    row = before;
+    row.shared = edit.shared.value_or(before.shared);
+    row.owner = edit.owner.value_or(before.owner);
+    if (row.owner != before.owner && !row.owner.IsZero()) {
+      ENAMEL_ASSIGN_OR_RETURN(const bool fits, IsInstructor(db, row.owner, false));
+      if (!fits) {
+        return Status(Code::kInvalidInput,
+                      "expected an instructor who may sign in, or none for the school; found " +
+                          row.owner.Text(),
+                      "owner_id");
+      }
+    }
+    if (row.shared == before.shared && row.owner == before.owner) return Status::Ok();
+    Query q(db,
+            "INSERT INTO exercise_owners (tenant, name, owner, shared) VALUES (?1, ?2, ?3, ?4) "
+            "ON CONFLICT (tenant, name) DO UPDATE SET owner = excluded.owner, shared = "
+            "excluded.shared");
+    ENAMEL_RETURN_IF_ERROR(
+        q.Bind(row.name).Bind(OrNone(row.owner)).Bind(int64_t{row.shared}).Run());
+    return WriteAudit(db, by, "exercise.share", id.Text(), SharingJson(before), SharingJson(row));
+  });
+  if (!status.ok()) return status;
+  return ExerciseById(id);
+}
+
+}  // namespace enamel::server::sqlite
