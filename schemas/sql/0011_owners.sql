@@ -1,4 +1,4 @@
--- Schema 11: exercises have owners.
+-- Schema 11: exercises have owners, and an assignment stays with the version of its exercise.
 
 -- Who may publish versions of an exercise, correct its rubric, retire and share it: the owner, and admins. By name, because
 -- all versions of a name are one exercise.
@@ -12,3 +12,8 @@ CREATE TABLE exercise_owners (
 ) STRICT, WITHOUT ROWID;
 -- Nobody said until now who had made one, and everybody could use all.
 INSERT INTO exercise_owners (tenant, name, owner, shared) SELECT DISTINCT tenant, name, NULL, 1 FROM exercises;
+
+-- The version that is to be done, until somebody moves the assignment to another. Until now it was the newest.
+ALTER TABLE assignments ADD COLUMN exercise BLOB CHECK (length(exercise) = 16);
+UPDATE assignments SET exercise = (SELECT e.id FROM exercises e WHERE e.tenant = assignments.tenant AND
+  e.name = assignments.exercise_name AND e.version > 0 ORDER BY e.state = 3, e.version DESC LIMIT 1);

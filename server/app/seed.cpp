@@ -68,6 +68,17 @@ Result<SceneRow> EnsureMolar(ContentStore& store, int32_t voxel_nm) {
   return PublishScene(store, kMolarSource, voxel_nm);
 }
 
+// A demo's class follows its exercise; a real one is moved by who teaches it.
+Status FollowNewest(TeachingStore& store, const ExerciseRow& exercise, const Uuid& cohort) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto rows, store.Assignments({.cohort = cohort}));
+  for (const AssignmentRow& row : rows) {
+    if (row.exercise != exercise.name || row.version_id == exercise.id) continue;
+    ENAMEL_RETURN_IF_ERROR(
+        store.MoveAssignment(row.id, exercise.id, row.revision, false, kCommandLine).status());
+  }
+  return Status::Ok();
+}
+
 json::object Facts(const ExerciseRow& exercise, bool has_reference) {
   json::array people;
   for (const DemoPerson& demo : kPeople) {
@@ -122,6 +133,7 @@ Status SeedDemo(const SeedOptions& options) {
     exercise = PublishClassOne(store, *scene, cohort);
   }
   if (!exercise.ok()) return exercise.status();
+  ENAMEL_RETURN_IF_ERROR(FollowNewest(store, *exercise, cohort));
   ENAMEL_ASSIGN_OR_RETURN(auto reference, store.ReferenceFor(exercise->id));
 
   std::cout << "demo data is there: exercise \"" << exercise->name << "\" version "

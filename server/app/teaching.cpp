@@ -24,8 +24,10 @@ constexpr size_t kMaxDocumentBytes = 1 << 20;
 
 void Show(const ExerciseRow& row) {
   std::string version = row.version == 0 ? "draft" : "version " + std::to_string(row.version);
-  Say("{}  {:<10} {:<9} {:<8} {:<32} {}\n", row.id.Text(), version, ExerciseStateName(row.state),
-      row.graded ? "graded" : "practice", row.name, row.title);
+  std::string owner = row.owner.IsZero() ? "the school" : row.owner_name;
+  Say("{}  {:<10} {:<9} {:<8} {:<32} {} ({}, {})\n", row.id.Text(), version,
+      ExerciseStateName(row.state), row.graded ? "graded" : "practice", row.name, row.title, owner,
+      row.shared ? "shared" : "private");
 }
 
 std::string WhenText(UnixMs time_ms, const char* otherwise) {
@@ -38,8 +40,8 @@ void Show(const AssignmentRow& row) {
   std::string cohort = row.cohort.IsZero() ? "everybody" : row.cohort_name;
   std::string stations =
       row.stations.empty() ? "" : fmt::format(", at {} stations", row.stations.size());
-  Say("{}  {:<28} {:<20} opens {}, due {}{}, attempts: {}{}{}, graded work with {}\n",
-      row.id.Text(), row.exercise, cohort, WhenText(row.opens_ms, "at once"),
+  Say("{}  {:<28} version {}  {:<20} opens {}, due {}{}, attempts: {}{}{}, graded work with {}\n",
+      row.id.Text(), row.exercise, row.version, cohort, WhenText(row.opens_ms, "at once"),
       WhenText(row.due_ms, "never"), row.late_allowed ? " (late allowed)" : "", limit,
       row.exam ? ", exam" : "", stations, HandsAllowedText(row.hands));
 }
@@ -72,6 +74,46 @@ Result<std::vector<ExerciseRow>> Publish(ContentStore& store, const NewExercise&
   }
   ENAMEL_ASSIGN_OR_RETURN(auto row, PublishDocument(store, *document, cohort));
   return std::vector<ExerciseRow>{row};
+}
+
+Status NoSuchExercise(const std::string& name) {
+  return Status(Code::kNotFound, "no exercise named \"" + name + "\"; list-exercises shows them",
+                "name");
+}
+
+// The newest version, or this one.
+Result<ExerciseRow> VersionOf(ContentStore& store, const std::string& name, int32_t version) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto rows, store.ExerciseVersions(name));
+  for (const ExerciseRow& row : rows) {
+    if (row.state == ExerciseState::kPublished && (version == 0 || row.version == version)) {
+      return row;
+    }
+  }
+  return Status(Code::kNotFound,
+                "\"" + name + "\" has no published version" +
+                    (version == 0 ? "" : " " + std::to_string(version)) +
+                    "; list-exercises shows what there is",
+                "exercise");
+}
+
+Status MustHaveReference(ReferenceStore& store, const ExerciseRow& version, bool exam) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto reference, store.ReferenceFor(version.id));
+  return CheckReference(exam, version, reference.has_value());
+}
+
+// What the publisher has to know: others' work does not change, and graded work waits for a reference.
+Status SayWhatFollows(Store& store, const ExerciseRow& row) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto assignments, store.Assignments({}));
+  for (const AssignmentRow& each : assignments) {
+    if (each.exercise != row.name || each.version_id == row.id) continue;
+    Say("  assignment {} stays with version {}; move-assignment moves it\n", each.id.Text(),
+        each.version);
+  }
+  ENAMEL_ASSIGN_OR_RETURN(const auto reference, store.ReferenceFor(row.id));
+  if (row.graded && !reference) {
+    Say("  it has no reference yet: what is cut before there is one is scored once there is\n");
+  }
+  return Status::Ok();
 }
 
 Result<UnixMs> TimeOrNone(const std::string& text) {
@@ -108,6 +150,7 @@ Status PublishExercise(const std::filesystem::path& data, const NewExercise& exe
   ENAMEL_ASSIGN_OR_RETURN(auto rows, Publish(*store, exercise, assigned_to));
   for (const ExerciseRow& row : rows) {
     Say("exercise \"{}\" version {}, id {}\n", row.name, row.version, row.id.Text());
+    ENAMEL_RETURN_IF_ERROR(SayWhatFollows(*store, row));
   }
   return Status::Ok();
 }
@@ -115,10 +158,7 @@ Status PublishExercise(const std::filesystem::path& data, const NewExercise& exe
 Status RetireExercise(const std::filesystem::path& data, const std::string& name) {
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
   ENAMEL_ASSIGN_OR_RETURN(auto versions, store->ExerciseVersions(name));
-  if (versions.empty()) {
-    return Status(Code::kNotFound, "no exercise named \"" + name + "\"; list-exercises shows them",
-                  "name");
-  }
+  if (versions.empty()) return NoSuchExercise(name);
   ENAMEL_RETURN_IF_ERROR(store->RetireExercise(versions.front().id, kCommandLine));
   Say("{} is no longer offered; what was done with it stays\n", name);
   return Status::Ok();
@@ -158,8 +198,43 @@ Status AssignExercise(const std::filesystem::path& data, const NewAssignment& as
   }
   row.hands = *hands;
   ENAMEL_RETURN_IF_ERROR(CheckTerms(row));
+  ENAMEL_ASSIGN_OR_RETURN(const auto version, VersionOf(*store, row.exercise, 0));
+  ENAMEL_RETURN_IF_ERROR(MustHaveReference(*store, version, row.exam));
   ENAMEL_ASSIGN_OR_RETURN(auto added, store->AddAssignment(row, kCommandLine));
   Show(added);
+  return Status::Ok();
+}
+
+Status ShareExercise(const std::filesystem::path& data, const Sharing& sharing) {
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  ENAMEL_ASSIGN_OR_RETURN(const auto versions, store->ExerciseVersions(sharing.exercise));
+  if (versions.empty()) return NoSuchExercise(sharing.exercise);
+  SharingEdit edit;
+  if (sharing.shared || sharing.is_private) edit.shared = sharing.shared;
+  if (sharing.school) edit.owner = Uuid{};
+  if (!sharing.owner.empty()) {
+    ENAMEL_ASSIGN_OR_RETURN(const auto person, PersonNamed(*store, sharing.owner));
+    edit.owner = person.id;
+  }
+  ENAMEL_ASSIGN_OR_RETURN(const auto row,
+                          store->ShareExercise(versions.front().id, edit, kCommandLine));
+  Show(row);
+  return Status::Ok();
+}
+
+Status MoveAssignment(const std::filesystem::path& data, const std::string& id, int32_t version,
+                      bool dry_run) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto parsed, Uuid::Parse(id));
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  ENAMEL_ASSIGN_OR_RETURN(const auto row, store->AssignmentById(parsed));
+  ENAMEL_ASSIGN_OR_RETURN(const auto to, VersionOf(*store, row.exercise, version));
+  ENAMEL_RETURN_IF_ERROR(MustHaveReference(*store, to, row.exam));
+  ENAMEL_ASSIGN_OR_RETURN(
+      const auto move, store->MoveAssignment(row.id, to.id, row.revision, dry_run, kCommandLine));
+  Say("{} {} from version {} to {}; {} attempts keep theirs, {} of them tickets that are not used "
+      "yet\n",
+      row.exercise, dry_run ? "would move" : "moves", move.before.version, move.after.version,
+      move.attempts, move.tickets);
   return Status::Ok();
 }
 
@@ -242,6 +317,20 @@ void DeclareExercises(CommandGroup admin) {
   AddData(retire, r.data);
   retire->add_option("--name", r.name)->required();
 
+  struct Share {
+    std::filesystem::path data;
+    Sharing sharing;
+  };
+  auto [share, s] = Declare<Share>(admin, "share-exercise",
+                                   "Whose an exercise is, and whether other instructors may use it",
+                                   [](const Share& o) { return ShareExercise(o.data, o.sharing); });
+  AddData(share, s.data);
+  share->add_option("--exercise", s.sharing.exercise, "Its name")->required();
+  auto* shared = share->add_flag("--shared", s.sharing.shared, "Others may read and assign it");
+  share->add_flag("--private", s.sharing.is_private, "They may not")->excludes(shared);
+  auto* owner = share->add_option("--owner", s.sharing.owner, "Login of an instructor");
+  share->add_flag("--school", s.sharing.school, "The school's: admins change it")->excludes(owner);
+
   auto [list, l] =
       Declare<Named>(admin, "list-exercises", "Drafts, what is offered, what was retired",
                      [](const Named& o) { return ListExercises(o.data, o.state); });
@@ -260,7 +349,10 @@ void DeclareAssignments(CommandGroup admin) {
                          [](const Assigning& o) { return AssignExercise(o.data, o.assignment); });
   AddData(assign, a.data);
   NewAssignment& row = a.assignment;
-  assign->add_option("--exercise", row.exercise, "Its name; the newest version counts")->required();
+  assign
+      ->add_option("--exercise", row.exercise,
+                   "Its name; its newest version is assigned, and stays")
+      ->required();
   assign->add_option("--cohort", row.cohort, "For whom; without: everybody");
   assign->add_option("--opens", row.opens, "Not before: \"2026-11-20 09:00\", UTC");
   assign->add_option("--due", row.due, "Not after; an attempt begun before may end after, flagged");
@@ -287,6 +379,20 @@ void DeclareAssignments(CommandGroup admin) {
     std::filesystem::path data;
     std::string id;
   };
+  struct Moving {
+    std::filesystem::path data;
+    std::string id;
+    int32_t version = 0;
+    bool dry_run = false;
+  };
+  auto [move, m] = Declare<Moving>(
+      admin, "move-assignment", "Have another version of its exercise done from now on",
+      [](const Moving& o) { return MoveAssignment(o.data, o.id, o.version, o.dry_run); });
+  AddData(move, m.data);
+  move->add_option("--assignment", m.id)->required();
+  move->add_option("--version", m.version, "Without: the newest")->check(CLI::PositiveNumber);
+  move->add_flag("--dry-run", m.dry_run, "Only say what would move");
+
   auto [end, e] = Declare<Named>(
       admin, "end-assignment",
       "Take an assignment away; one with attempts is due now instead, and stays for their release",

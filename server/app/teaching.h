@@ -22,6 +22,15 @@ Status RetireExercise(const std::filesystem::path& data, const std::string& name
 // `state`: "draft", "published", "retired"; empty: all.
 Status ListExercises(const std::filesystem::path& data, const std::string& state);
 
+// Whose it is, and whether other instructors may use it. What is empty stays.
+struct Sharing {
+  std::string exercise;  // name
+  std::string owner;     // login of an instructor
+  bool school = false;   // instead: the school's
+  bool shared = false, is_private = false;
+};
+Status ShareExercise(const std::filesystem::path& data, const Sharing& sharing);
+
 struct NewAssignment {
   std::string exercise, cohort;  // names; no cohort: everybody
   std::string opens, due;        // TimeFromText; empty: no such bound
@@ -31,6 +40,10 @@ struct NewAssignment {
   std::string hands = "listed";       // HandsAllowedName
 };
 Status AssignExercise(const std::filesystem::path& data, const NewAssignment& assignment);
+// To another version of its exercise (0: the newest); says what moves and what stays. `dry_run`: only
+// says it.
+Status MoveAssignment(const std::filesystem::path& data, const std::string& id, int32_t version,
+                      bool dry_run);
 Status EndAssignment(const std::filesystem::path& data, const std::string& id);
 Status ListAssignments(const std::filesystem::path& data);
 // Lets students see every scored attempt under it.

@@ -92,6 +92,8 @@ const std::array kRoutes = {
     Route{Method::kPut, "/api/v1/assignments/{id}", Need::kInstructor, Given<&ReplaceAssignment>()},
     Route{Method::kDelete, "/api/v1/assignments/{id}", Need::kInstructor,
           Given<&DeleteAssignment>()},
+    Route{Method::kPost, "/api/v1/assignments/{id}/move", Need::kInstructor,
+          Given<&MoveAssignment>()},
     Route{Method::kPost, "/api/v1/assignments/{id}/release", Need::kInstructor,
           Given<&ReleaseAssignment>()},
     Route{Method::kGet, "/api/v1/cohorts", Need::kInstructor, Given<&ListCohorts>()},

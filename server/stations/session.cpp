@@ -4,6 +4,7 @@
 
 #include "common/base/utf8.h"
 #include "server/auth/token.h"
+#include "server/training/access.h"
 #include "server/training/names.h"
 
 // Identity: hello, enrolment, sign-in; and what a station may fetch.
@@ -250,9 +251,22 @@ Result<Person> Session::PersonOf(const std::string& session_token) {
   return identity.person;
 }
 
+// What is assigned, and for who teaches the newest version of whatever they could assign: graded work
+// needs a reference first, which they cut here.
 Result<std::vector<ExerciseRow>> Session::ExercisesOf(const Person& person) {
-  return person.role == Role::kAdmin ? services_.store.content().AllExercises()
-                                     : services_.store.content().ExercisesFor(person.id);
+  if (person.role == Role::kAdmin) return services_.store.content().AllExercises();
+  ENAMEL_ASSIGN_OR_RETURN(auto out, services_.store.content().ExercisesFor(person.id));
+  if (person.role == Role::kStudent) return out;
+  ENAMEL_ASSIGN_OR_RETURN(const auto all, services_.store.content().AllExercises());
+  for (const ExerciseRow& row : all) {
+    const bool listed = std::ranges::find(out, row.id, &ExerciseRow::id) != out.end();
+    if (CanUseExercise(person, row) && !listed) out.push_back(row);
+  }
+  // Of each name the newest first, which is what a station takes that is told a name only.
+  std::ranges::sort(out, [](const ExerciseRow& a, const ExerciseRow& b) {
+    return a.name != b.name ? a.name < b.name : a.version > b.version;
+  });
+  return out;
 }
 
 Result<std::string> Session::StationsText(const AssignmentRow& assignment) {

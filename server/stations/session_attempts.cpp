@@ -128,6 +128,8 @@ Result<wire::Reply> Session::Do(const wire::RequestTicket& request) {
   row.ticketed_ms = ticket.issued_unix_ms;
   ENAMEL_RETURN_IF_ERROR(SetTiming(row));
   SetTerms(assigned, row);
+  // Two versions may say the same: what counts is the one that was assigned, with its reference.
+  if (assigned) row.exercise = assigned->exercise.id;
   ENAMEL_RETURN_IF_ERROR(services_.store.ingest().CreateAttempt(
       row, encoded, Actor{person.id, "station " + station_->name}));
   ours_.insert(ticket.attempt);
@@ -188,7 +190,10 @@ Status Session::GuessTerms(const trace::Ticket& ticket, AttemptRow& row) {
   for (AssignedRow& assigned : rows) assigned.attempts_used = 0;
   const AssignedRow* assigned =
       PickAssignment(rows, row.exercise_content, std::nullopt, row.ticketed_ms, row.station);
-  if (assigned) SetTerms(*assigned, row);
+  if (assigned) {
+    SetTerms(*assigned, row);
+    row.exercise = assigned->exercise.id;
+  }
   return Status::Ok();
 }
 

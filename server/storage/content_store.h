@@ -35,13 +35,15 @@ class ContentStore : public BlobStore {
   // The picture of a scene before it is cut, for all scenes with this volume.
   virtual Status PutSceneSurface(const Sha256& volume, const Sha256& surface) = 0;
   // A new version of the exercise of this name when the content differs from the newest one;
-  // returns the row as stored. Assigned to `cohort` from then on unless it is already; a zero
-  // cohort: open to everybody; with any hand (HandsAllowed::kAny). A draft of that name stays.
+  // returns the row as stored. Assigned to `cohort` from then on unless a version of it is already,
+  // which stays; a zero cohort: open to everybody; with any hand (HandsAllowed::kAny). A draft of that
+  // name stays.
   virtual Result<ExerciseRow> PublishExercise(ExerciseRow row, const Uuid& cohort,
                                               const Actor& by) = 0;
   virtual Result<ExerciseRow> ExerciseById(const Uuid& id) = 0;
   virtual Result<ExerciseRow> ExerciseByContent(const Sha256& content) = 0;
-  // Newest published versions assigned to everybody or to a cohort of the person's that is in use.
+  // The versions assigned to everybody or to a cohort of the person's that is in use, of each name the
+  // newest first.
   virtual Result<std::vector<ExerciseRow>> ExercisesFor(const Uuid& person) = 0;
   virtual Result<std::vector<ExerciseRow>> AllExercises() = 0;
   // The newest version in this state of each name.

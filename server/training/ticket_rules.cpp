@@ -56,6 +56,17 @@ Status CheckTerms(const AssignmentRow& assignment) {
   return Status::Ok();
 }
 
+Status CheckReference(bool exam, const ExerciseRow& version, bool has_reference) {
+  if (has_reference || (!exam && !version.graded)) return Status::Ok();
+  return Status(
+      Code::kConflict,
+      "expected version " + std::to_string(version.version) + " of \"" + version.name +
+          "\" to have a reference, since it is " + (exam ? "an exam" : "graded work") +
+          "; found none: cut it as a reference at a station and mark the cut, then assign "
+          "it, or assign a practice exercise",
+      "reference");
+}
+
 bool IsLate(const AssignmentRow& assignment, UnixMs now_ms) {
   return assignment.due_ms != 0 && now_ms > assignment.due_ms;
 }

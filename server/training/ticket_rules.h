@@ -26,6 +26,10 @@ Result<UnixMs> TimeFromText(const std::string& text);
 // Terms that contradict themselves. Errors: kInvalidInput, field "due_ms" or "station_ids".
 Status CheckTerms(const AssignmentRow& assignment);
 
+// Graded work and exams are judged against a reference: a version without one is assigned as practice
+// only. Errors: kConflict, field "reference".
+Status CheckReference(bool exam, const ExerciseRow& version, bool has_reference);
+
 bool IsLate(const AssignmentRow& assignment, UnixMs now_ms);
 
 // Errors: kForbidden with what is in the way, when it will not be, and what to do; field() is

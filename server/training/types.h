@@ -160,7 +160,7 @@ struct SharingEdit {
 // An exercise for a cohort: when, how often, and whether as an exam.
 struct AssignmentRow {
   Uuid id;
-  std::string exercise;        // name; the newest published version counts
+  std::string exercise;        // name
   Uuid cohort;                 // zero: everybody
   std::string cohort_name;     // joined
   UnixMs opens_ms = 0;         // 0: at once
@@ -172,12 +172,24 @@ struct AssignmentRow {
   HandsAllowed hands = HandsAllowed::kListed;  // of graded work and exams: what may hold the tool
   int32_t revision = 1;                        // counts the changes
   UnixMs created_ms = 0;
+  Uuid version_id{};  // the version that is to be done, until somebody moves the assignment
+  // Joined, of that version.
+  int32_t version = 0;
+  std::string title{};
+  bool retired = false;  // it is offered no more
+};
+
+// What moving an assignment to another version of its exercise does, or would do.
+struct AssignmentMove {
+  AssignmentRow before, after;
+  uint32_t attempts = 0;  // made under it with another version than the new one: they keep theirs
+  uint32_t tickets = 0;   // of those, tickets with which nothing is begun yet
 };
 
 // An assignment as it stands for one person.
 struct AssignedRow {
   AssignmentRow assignment;
-  ExerciseRow exercise;  // newest published version
+  ExerciseRow exercise;  // the version that is to be done
   uint32_t attempts_used = 0;
 };
 

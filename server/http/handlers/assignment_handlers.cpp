@@ -3,6 +3,7 @@
 #include <chrono>
 #include <map>
 
+#include "server/http/caller.h"
 #include "server/http/error_response.h"
 #include "server/http/etag.h"
 #include "server/http/handlers/handlers.h"
@@ -51,18 +52,27 @@ class AssignmentView {
     for (const Uuid& id : row.stations) {
       stations.push_back({{"id", id.Text()}, {"name", StationName(id)}});
     }
-    json::value cohort, exercise_id, title;
+    json::value cohort, exercise_id, title, newest_id, newest_version;
     if (!row.cohort.IsZero()) {
       cohort = {{"id", row.cohort.Text()}, {"name", row.cohort_name}};
     }
-    // A retired exercise is not found here: its assignment stays, with the name alone.
+    // Of a retired exercise the assignment stays, with the name alone.
+    if (!row.retired) {
+      exercise_id = row.version_id.Text();
+      title = row.title;
+    }
     if (auto found = exercises_.find(row.exercise); found != exercises_.end()) {
-      exercise_id = found->second.id.Text();
-      title = found->second.title;
+      newest_id = found->second.id.Text();
+      newest_version = found->second.version;
     }
     return {{"id", row.id.Text()},
             {"exercise",
-             {{"name", row.exercise}, {"id", std::move(exercise_id)}, {"title", std::move(title)}}},
+             {{"name", row.exercise},
+              {"id", std::move(exercise_id)},
+              {"title", std::move(title)},
+              {"version", row.version},
+              {"newest_id", std::move(newest_id)},
+              {"newest_version", std::move(newest_version)}}},
             {"cohort", std::move(cohort)},
             {"opens_ms", row.opens_ms},
             {"due_ms", row.due_ms},
@@ -130,6 +140,34 @@ Status MustBeAssignable(const Call& call, TeachingStore& store, const Uuid& coho
           "cohort_id"};
 }
 
+Status MustHaveReference(TeachingStore& store, const ExerciseRow& version, bool exam) {
+  Result<std::optional<ReferenceRow>> reference = store.ReferenceFor(version.id);
+  if (!reference.ok()) return reference.status();
+  return CheckReference(exam, version, reference->has_value());
+}
+
+// The version that an assignment of this name would be of.
+Result<ExerciseRow> OfferedVersion(const Call& call, ContentStore& store, const std::string& name) {
+  Result<std::vector<ExerciseRow>> offered = store.AllExercises();
+  if (!offered.ok()) return offered.status();
+  auto found = std::ranges::find(*offered, name, &ExerciseRow::name);
+  // The same for what is not there and what is another's: names tell nothing.
+  if (found == offered->end() || !CanUseExercise(call.caller->person, *found)) {
+    return Status{
+        Code::kInvalidInput,
+        "expected the name of a published exercise that is yours or shared, found \"" + name + "\"",
+        "exercise"};
+  }
+  return *found;
+}
+
+Status MustBeAssignableNow(const Call& call, Parts<ContentStore, TeachingStore> store,
+                           const AssignmentRow& terms) {
+  Result<ExerciseRow> version = OfferedVersion(call, store, terms.exercise);
+  if (!version.ok()) return version.status();
+  return MustHaveReference(store, *version, terms.exam);
+}
+
 constexpr size_t kMaxHandsName = 16;
 
 // `hands`: what holds where the body does not say, as of a client from before there was that term.
@@ -192,6 +230,25 @@ Result<AssignmentRow> BeginEdit(const Call& call, TeachingStore& store) {
   return row;
 }
 
+// What makes other work of an assignment has to be fit for it; what was assigned stays assigned.
+Status MustBeFitForTerms(const Call& call, Parts<ContentStore, TeachingStore> store,
+                         const AssignmentRow& now, const AssignmentRow& terms) {
+  if (terms.exercise != now.exercise) return MustBeAssignableNow(call, store, terms);
+  if (!terms.exam || now.exam) return {};
+  Result<ExerciseRow> version = store.content().ExerciseById(now.version_id);
+  if (!version.ok()) return version.status();
+  return MustHaveReference(store, *version, true);
+}
+
+json::object MoveJson(const AssignmentView& view, const AssignmentMove& move, bool moved) {
+  return {{"moved", moved},
+          {"from_version", move.before.version},
+          {"to_version", move.after.version},
+          {"attempts", move.attempts},
+          {"tickets", move.tickets},
+          {"assignment", view.Json(moved ? move.after : move.before)}};
+}
+
 // Why a change of an assignment did not happen.
 Response Refused(const Call& call, Parts<StationStore, ContentStore, TeachingStore> store,
                  const Status& status) {
@@ -242,6 +299,7 @@ Response AddAssignment(const Call& call, Parts<StationStore, ContentStore, Teach
   if (!terms.ok()) return ErrorResponse(terms.status());
   if (Status may = MustBeAssignable(call, store, terms->cohort); !may.ok())
     return ErrorResponse(may);
+  if (Status can = MustBeAssignableNow(call, store, *terms); !can.ok()) return ErrorResponse(can);
   Result<AssignmentRow> row = store.teaching().AddAssignment(*terms, ActorOf(call));
   if (!row.ok()) return ErrorResponse(row.status());
   return Editable(call, store, *row, 201);
@@ -262,12 +320,50 @@ Response ReplaceAssignment(const Call& call,
   if (!terms.ok()) return ErrorResponse(terms.status());
   if (Status may = MustBeAssignable(call, store, terms->cohort); !may.ok())
     return ErrorResponse(may);
+  if (Status can = MustBeFitForTerms(call, store, *edited, *terms); !can.ok()) {
+    return ErrorResponse(can);
+  }
   terms->id = call.id;
   terms->revision = edited->revision;
   terms->created_ms = edited->created_ms;
   Result<AssignmentRow> row = store.teaching().ReplaceAssignment(*terms, ActorOf(call));
   if (!row.ok()) return Refused(call, store, row.status());
   return Editable(call, store, *row);
+}
+
+Response MoveAssignment(const Call& call, Parts<StationStore, ContentStore, TeachingStore> store) {
+  if (!IsJson(call.request)) return NotJson();
+  Result<std::optional<bool>> dry_run = QueryFlag(call.request, "dry_run");
+  if (!dry_run.ok()) return ErrorResponse(dry_run.status());
+  const bool look_only = dry_run->value_or(false);
+  // To look needs no If-Match: it shows what there is.
+  Result<AssignmentRow> row =
+      look_only ? SeeAssignment(call, store) : BeginEdit(call, store.teaching());
+  if (!row.ok()) return ErrorResponse(row.status());
+  if (Status may = MustBeAssignable(call, store, row->cohort); !may.ok()) return ErrorResponse(may);
+  BodyReader body(call.request);
+  const Uuid wanted = body.MaybeId("exercise_id").value_or(Uuid{});
+  if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
+  Result<ExerciseRow> version = store.content().ExerciseById(wanted);
+  if (!version.ok() && version.status().code() != Code::kNotFound) {
+    return ErrorResponse(version.status());
+  }
+  if (!version.ok() || !CanUseExercise(call.caller->person, *version)) {
+    return ErrorResponse(
+        Status{Code::kInvalidInput,
+               "expected a published version of \"" + row->exercise + "\" that is yours or shared",
+               "exercise_id"});
+  }
+  if (Status can = MustHaveReference(store, *version, row->exam); !can.ok()) {
+    return ErrorResponse(can);
+  }
+  Result<AssignmentMove> move =
+      store.teaching().MoveAssignment(call.id, wanted, row->revision, look_only, ActorOf(call));
+  if (!move.ok()) return Refused(call, store, move.status());
+  Result<AssignmentView> view = AssignmentView::Make(store);
+  if (!view.ok()) return ErrorResponse(view.status());
+  return WithETag(JsonResponse(MoveJson(*view, *move, !look_only)),
+                  look_only ? move->before.revision : move->after.revision);
 }
 
 Response DeleteAssignment(const Call& call,

@@ -61,6 +61,7 @@ Response AddAssignment(const Call& call, Parts<StationStore, ContentStore, Teach
 Response GetAssignment(const Call& call, Parts<StationStore, ContentStore, TeachingStore> store);
 Response ReplaceAssignment(const Call& call,
                            Parts<StationStore, ContentStore, TeachingStore> store);
+Response MoveAssignment(const Call& call, Parts<StationStore, ContentStore, TeachingStore> store);
 Response DeleteAssignment(const Call& call, Parts<StationStore, ContentStore, TeachingStore> store);
 Response ReleaseAssignment(const Call& call, TeachingStore& store);
 

@@ -11,10 +11,12 @@ namespace {
 
 #define ENAMEL_ASSIGNMENT_COLUMNS                                                 \
   "a.id, a.exercise_name, a.cohort, coalesce(c.name, ''), a.opens_ms, a.due_ms, " \
-  "a.attempt_limit, a.exam, a.late_allowed, a.revision, a.created_ms, a.hands"
-#define ENAMEL_ASSIGNMENTS \
-  "assignments a LEFT JOIN cohorts c ON c.tenant = a.tenant AND c.id = a.cohort"
-constexpr int kAssignmentColumns = 12;
+  "a.attempt_limit, a.exam, a.late_allowed, a.revision, a.created_ms, a.hands, "  \
+  "a.exercise, coalesce(v.version, 0), coalesce(v.title, ''), coalesce(v.state, 3) = 3"
+#define ENAMEL_ASSIGNMENTS                                                                  \
+  "assignments a LEFT JOIN cohorts c ON c.tenant = a.tenant AND c.id = a.cohort LEFT JOIN " \
+  "exercises v ON v.tenant = a.tenant AND v.id = a.exercise"
+constexpr int kAssignmentColumns = 16;
 
 AssignmentRow AssignmentOf(const Query& q) {
   AssignmentRow out;
@@ -30,6 +32,11 @@ AssignmentRow AssignmentOf(const Query& q) {
   out.revision = static_cast<int32_t>(q.Int(9));
   out.created_ms = q.Int(10);
   out.hands = static_cast<HandsAllowed>(q.Int(11));
+  // None: of a name of which nothing was ever published, before schema 11.
+  if (!q.IsNull(12)) out.version_id = q.Id(12);
+  out.version = static_cast<int32_t>(q.Int(13));
+  out.title = q.Text(14);
+  out.retired = q.Int(15) != 0;
   return out;
 }
 
@@ -64,6 +71,7 @@ Json TermsJson(const AssignmentRow& row) {
   for (const Uuid& station : row.stations)
     stations += (stations.empty() ? "" : " ") + station.Text();
   return JsonOf({{"exercise", row.exercise},
+                 {"version", std::to_string(row.version)},
                  {"cohort", row.cohort.Text()},
                  {"opens_ms", std::to_string(row.opens_ms)},
                  {"due_ms", std::to_string(row.due_ms)},
@@ -80,19 +88,23 @@ Result<bool> Exists(Query& q) {
   return found;
 }
 
-Status MustBeKnown(Db& db, const AssignmentRow& row) {
-  Query exercise(db, "SELECT 1 FROM exercises WHERE tenant = ?1 AND name = ?2 AND state = " +
-                         Sql(ExerciseState::kPublished));
-  auto known = Exists(exercise.Bind(row.exercise));
-  if (!known.ok()) return known.status();
-  if (!*known) {
+// The row becomes one of what is offered now.
+Status TakeNewestVersion(Db& db, AssignmentRow& row) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto offered, OfferedVersion(db, row.exercise));
+  if (!offered) {
     return Status(Code::kInvalidInput,
                   "expected the name of a published exercise, found \"" + row.exercise + "\"",
                   "exercise");
   }
+  row.version_id = offered->id;
+  row.version = offered->version;
+  return Status::Ok();
+}
+
+Status CohortMustBeKnown(Db& db, const AssignmentRow& row) {
   if (row.cohort.IsZero()) return Status::Ok();
   Query cohort(db, "SELECT 1 FROM cohorts WHERE tenant = ?1 AND id = ?2");
-  known = Exists(cohort.Bind(row.cohort));
+  auto known = Exists(cohort.Bind(row.cohort));
   if (!known.ok()) return known.status();
   if (*known) return Status::Ok();
   return Status(Code::kNotFound, "no cohort " + row.cohort.Text(), "cohort_id");
@@ -137,18 +149,17 @@ Status InsertAssignment(Db& db, const AssignmentRow& row) {
   {
     Query q(db,
             "INSERT INTO assignments (tenant, id, exercise_name, cohort, opens_ms, due_ms, "
-            "attempt_limit, exam, late_allowed, revision, created_ms, hands) "
-            "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12) "
+            "attempt_limit, exam, late_allowed, revision, created_ms, hands, exercise) "
+            "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13) "
             "ON CONFLICT (tenant, id) DO UPDATE SET exercise_name = excluded.exercise_name, cohort "
             "= excluded.cohort, opens_ms = excluded.opens_ms, due_ms = excluded.due_ms, "
             "attempt_limit = excluded.attempt_limit, exam = excluded.exam, late_allowed = "
-            "excluded.late_allowed, revision = excluded.revision, hands = excluded.hands");
+            "excluded.late_allowed, revision = excluded.revision, hands = excluded.hands, exercise "
+            "= excluded.exercise");
     q.Bind(row.id).Bind(row.exercise).Bind(row.cohort).Bind(row.opens_ms).Bind(row.due_ms);
     q.Bind(int64_t{row.attempt_limit}).Bind(int64_t{row.exam}).Bind(int64_t{row.late_allowed});
-    ENAMEL_RETURN_IF_ERROR(q.Bind(int64_t{row.revision})
-                               .Bind(row.created_ms)
-                               .Bind(static_cast<int64_t>(row.hands))
-                               .Run());
+    q.Bind(int64_t{row.revision}).Bind(row.created_ms).Bind(static_cast<int64_t>(row.hands));
+    ENAMEL_RETURN_IF_ERROR(q.Bind(row.version_id).Run());
   }
   return PutStations(db, row);
 }
@@ -166,7 +177,8 @@ Result<AssignmentRow> SqliteStore::AddAssignment(const AssignmentRow& assignment
   row.revision = 1;
   row.created_ms = NowMs();
   Status status = Write([&](Db& db) -> Status {
-    ENAMEL_RETURN_IF_ERROR(MustBeKnown(db, row));
+    ENAMEL_RETURN_IF_ERROR(TakeNewestVersion(db, row));
+    ENAMEL_RETURN_IF_ERROR(CohortMustBeKnown(db, row));
     ENAMEL_RETURN_IF_ERROR(InsertAssignment(db, row));
     return WriteAudit(db, by, "assignment.add", row.id.Text(), "{}", TermsJson(row));
   });
@@ -179,14 +191,71 @@ Result<AssignmentRow> SqliteStore::ReplaceAssignment(const AssignmentRow& assign
   Status status = Write([&](Db& db) -> Status {
     ENAMEL_ASSIGN_OR_RETURN(auto stored, FindAssignment(db, assignment.id));
     ENAMEL_RETURN_IF_ERROR(MustBeRevision(stored.revision, assignment.revision));
-    ENAMEL_RETURN_IF_ERROR(MustBeKnown(db, assignment));
     AssignmentRow row = assignment;
+    row.version_id = stored.version_id;
+    row.version = stored.version;
+    // Other terms are no other work: the version stays.
+    if (row.exercise != stored.exercise) ENAMEL_RETURN_IF_ERROR(TakeNewestVersion(db, row));
+    ENAMEL_RETURN_IF_ERROR(CohortMustBeKnown(db, row));
     ++row.revision;
     ENAMEL_RETURN_IF_ERROR(InsertAssignment(db, row));
     return WriteAudit(db, by, "assignment.edit", row.id.Text(), TermsJson(stored), TermsJson(row));
   });
   if (!status.ok()) return status;
   return AssignmentById(assignment.id);
+}
+
+Result<AssignmentMove> SqliteStore::MoveAssignment(const Uuid& id, const Uuid& version,
+                                                   int32_t revision, bool look_only,
+                                                   const Actor& by) {
+  AssignmentMove move;
+  auto find = [&](Db& db) -> Status {
+    ENAMEL_ASSIGN_OR_RETURN(move.before, FindAssignment(db, id));
+    auto to = FindExercise(db, version);
+    if (!to.ok() && to.status().code() != Code::kNotFound) return to.status();
+    if (!to.ok() || to->name != move.before.exercise || to->state != ExerciseState::kPublished) {
+      return Status(Code::kInvalidInput,
+                    "expected a published version of \"" + move.before.exercise + "\", found " +
+                        version.Text(),
+                    "exercise_id");
+    }
+    ENAMEL_RETURN_IF_ERROR(NoExamMustBeOpen(db, move.before.exercise, id));
+    move.after = move.before;
+    move.after.version_id = to->id;
+    move.after.version = to->version;
+    move.after.title = to->title;
+    move.after.retired = false;
+    Query q(db,
+            "SELECT count(*), coalesce(sum(CASE WHEN state = " + Sql(AttemptState::kTicketed) +
+                " THEN 1 ELSE 0 END), 0) FROM attempts WHERE tenant = ?1 AND assignment = ?2 AND "
+                "exercise <> ?3 AND flags & " +
+                Sql(kReturned) + " = 0");
+    q.Bind(id).Bind(version).Next();
+    ENAMEL_RETURN_IF_ERROR(q.status());
+    move.attempts = static_cast<uint32_t>(q.Int(0));
+    move.tickets = static_cast<uint32_t>(q.Int(1));
+    return Status::Ok();
+  };
+  if (look_only) {
+    return Read([&](Db& db) -> Result<AssignmentMove> {
+      ENAMEL_RETURN_IF_ERROR(find(db));
+      return move;
+    });
+  }
+  Status status = Write([&](Db& db) -> Status {
+    ENAMEL_RETURN_IF_ERROR(find(db));
+    ENAMEL_RETURN_IF_ERROR(MustBeRevision(move.before.revision, revision));
+    if (move.after.version_id == move.before.version_id) return Status::Ok();
+    ++move.after.revision;
+    Query q(db,
+            "UPDATE assignments SET exercise = ?3, revision = ?4 WHERE tenant = ?1 AND id = ?2");
+    q.Bind(id).Bind(move.after.version_id).Bind(int64_t{move.after.revision});
+    ENAMEL_RETURN_IF_ERROR(q.Run());
+    return WriteAudit(db, by, "assignment.move", id.Text(), TermsJson(move.before),
+                      TermsJson(move.after));
+  });
+  if (!status.ok()) return status;
+  return move;
 }
 
 Status SqliteStore::DeleteAssignment(const Uuid& id, int32_t revision, const Actor& by) {
@@ -233,13 +302,9 @@ Result<std::vector<AssignedRow>> SqliteStore::AssignmentsFor(const Uuid& person)
               "AND t.person = ?2 AND t.flags & " +
                   Sql(kExcused | kReturned) +
                   " = 0), " ENAMEL_EXERCISE_COLUMNS " FROM " ENAMEL_ASSIGNMENTS
-                  " JOIN exercises e ON e.tenant = a.tenant AND e.name = a.exercise_name AND "
-                  "e.state = " +
+                  " JOIN exercises e ON e.tenant = a.tenant AND e.id = a.exercise AND e.state = " +
                   Sql(ExerciseState::kPublished) +
-                  " AND e.version = (SELECT max(version) FROM exercises n WHERE n.tenant = "
-                  "e.tenant AND n.name = e.name AND n.state = " +
-                  Sql(ExerciseState::kPublished) +
-                  ") " ENAMEL_EXERCISE_OWNERS
+                  " " ENAMEL_EXERCISE_OWNERS
                   "WHERE a.tenant = ?1 AND (a.cohort = "
                   "?3 OR a.cohort IN (SELECT m.cohort FROM cohort_members m JOIN cohorts c ON "
                   "c.tenant = m.tenant AND c.id = m.cohort AND c.archived_ms = 0 WHERE m.tenant "

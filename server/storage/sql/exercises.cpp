@@ -108,12 +108,26 @@ Status OfferAgain(Db& db, ExerciseRow& row, const Actor& by) {
   return WriteAudit(db, by, "exercise.publish", row.id.Text(), before, VersionJson(row));
 }
 
+// Publishing again must not give a cohort its work twice. What is offered without terms is offered to
+// every hand, simulated ones too: the demo, a load test, a school's first look.
+Status AssignOnce(Db& db, const ExerciseRow& version, const Uuid& cohort) {
+  Query q(db,
+          "INSERT INTO assignments (tenant, id, exercise_name, cohort, created_ms, hands, exercise) "
+          "SELECT ?1, ?2, ?3, ?4, ?5, ?6, ?7 WHERE NOT EXISTS (SELECT 1 FROM assignments a "
+          "WHERE a.tenant = ?1 AND a.exercise_name = ?3 AND a.cohort = ?4)");
+  q.Bind(Uuid::New()).Bind(version.name).Bind(cohort).Bind(NowMs());
+  return q.Bind(static_cast<int64_t>(HandsAllowed::kAny)).Bind(version.id).Run();
+}
+
+}  // namespace
+
 // What an exam is about stays as it is while the exam is open, and while somebody takes it.
-Status NoExamMustBeOpen(Db& db, const std::string& name) {
+Status NoExamMustBeOpen(Db& db, const std::string& name, const std::optional<Uuid>& assignment) {
   Query q(db,
           "SELECT a.id, coalesce(c.name, ''), a.due_ms FROM assignments a LEFT JOIN cohorts c ON "
           "c.tenant = a.tenant AND c.id = a.cohort WHERE a.tenant = ?1 AND a.exercise_name = ?2 "
-          "AND a.exam = 1 AND ((a.opens_ms <= ?3 AND (a.due_ms = 0 OR a.due_ms >= ?3)) OR EXISTS "
+          "AND a.exam = 1 AND (?5 = ?6 OR a.id = ?5) AND ((a.opens_ms <= ?3 AND (a.due_ms = 0 OR "
+          "a.due_ms >= ?3)) OR EXISTS "
           "(SELECT 1 FROM attempts t WHERE t.tenant = a.tenant AND t.assignment = a.id AND t.exam "
           "= 1 AND (t.state = " +
               Sql(AttemptState::kRecording) + " OR (t.state = " + Sql(AttemptState::kTicketed) +
@@ -121,7 +135,9 @@ Status NoExamMustBeOpen(Db& db, const std::string& name) {
               " = 0)) "
               "LIMIT 1");
   UnixMs now_ms = NowMs();
-  if (!q.Bind(name).Bind(now_ms).Bind(now_ms - kExamTicketValidMs).Next()) return q.status();
+  q.Bind(name).Bind(now_ms).Bind(now_ms - kExamTicketValidMs);
+  // A zero id stands for any.
+  if (!q.Bind(assignment.value_or(Uuid{})).Bind(Uuid{}).Next()) return q.status();
   std::string cohort = q.Text(1).empty() ? "everybody" : "\"" + q.Text(1) + "\"";
   std::string due = q.Int(2) == 0 ? ", without a due time" : ", due " + TimeText(q.Int(2));
   return Status(Code::kConflict,
@@ -130,18 +146,13 @@ Status NoExamMustBeOpen(Db& db, const std::string& name) {
                 "assignment");
 }
 
-// Publishing again must not give a cohort its work twice. What is offered without terms is offered to
-// every hand, simulated ones too: the demo, a load test, a school's first look.
-Status AssignOnce(Db& db, const std::string& exercise, const Uuid& cohort) {
-  Query q(db,
-          "INSERT INTO assignments (tenant, id, exercise_name, cohort, created_ms, hands) "
-          "SELECT ?1, ?2, ?3, ?4, ?5, ?6 WHERE NOT EXISTS (SELECT 1 FROM assignments a "
-          "WHERE a.tenant = ?1 AND a.exercise_name = ?3 AND a.cohort = ?4)");
-  q.Bind(Uuid::New()).Bind(exercise).Bind(cohort).Bind(NowMs());
-  return q.Bind(static_cast<int64_t>(HandsAllowed::kAny)).Run();
+Result<std::optional<ExerciseRow>> OfferedVersion(Db& db, const std::string& name) {
+  static const std::string kSql =
+      std::string(kSelect) + " AND e.name = ?2 AND e.state = " + Sql(ExerciseState::kPublished) +
+      " ORDER BY e.version DESC LIMIT 1";
+  Query q(db, kSql.c_str());
+  return MaybeExercise(q.Bind(name));
 }
-
-}  // namespace
 
 ExerciseRow ExerciseOf(const Query& q, int first) {
   ExerciseRow out;
@@ -176,13 +187,12 @@ Result<ExerciseRow> SqliteStore::PublishExercise(ExerciseRow exercise, const Uui
   Status status = Write([&](Db& db) -> Status {
     row = exercise;
     ENAMEL_ASSIGN_OR_RETURN(auto newest, NewestVersion(db, row.name));
-    ENAMEL_RETURN_IF_ERROR(AssignOnce(db, row.name, cohort));
     // The same document is the same version, so that publishing twice changes nothing.
     if (newest && newest->content == row.content) {
       row = *newest;
+      ENAMEL_RETURN_IF_ERROR(AssignOnce(db, row, cohort));
       return OfferAgain(db, row, by);
     }
-    ENAMEL_RETURN_IF_ERROR(NoExamMustBeOpen(db, row.name));
     // A station that gets the exercise asks for the scene next.
     ENAMEL_RETURN_IF_ERROR(SceneMustExist(db, row));
     row.id = Uuid::New();
@@ -191,6 +201,7 @@ Result<ExerciseRow> SqliteStore::PublishExercise(ExerciseRow exercise, const Uui
     row.state = ExerciseState::kPublished;
     ENAMEL_RETURN_IF_ERROR(InsertExercise(db, row));
     ENAMEL_RETURN_IF_ERROR(OwnName(db, row.name, by));
+    ENAMEL_RETURN_IF_ERROR(AssignOnce(db, row, cohort));
     return WriteAudit(db, by, "exercise.publish", row.id.Text(), "{}", VersionJson(row));
   });
   if (!status.ok()) return status;
@@ -265,7 +276,6 @@ Result<ExerciseRow> SqliteStore::PublishDraft(const Uuid& id, int32_t revision, 
                                          std::to_string(newest->version) + " of \"" + row.name +
                                          "\" says; change it first, or discard it");
     }
-    ENAMEL_RETURN_IF_ERROR(NoExamMustBeOpen(db, row.name));
     row.version = newest ? newest->version + 1 : 1;
     row.state = ExerciseState::kPublished;
     row.published_ms = NowMs();
@@ -285,7 +295,7 @@ Result<ExerciseRow> SqliteStore::PublishDraft(const Uuid& id, int32_t revision, 
 Status SqliteStore::RetireExercise(const Uuid& id, const Actor& by) {
   return Write([&](Db& db) -> Status {
     ENAMEL_ASSIGN_OR_RETURN(auto row, FindExercise(db, id));
-    ENAMEL_RETURN_IF_ERROR(NoExamMustBeOpen(db, row.name));
+    ENAMEL_RETURN_IF_ERROR(NoExamMustBeOpen(db, row.name, {}));
     Query q(db, "UPDATE exercises SET state = " + Sql(ExerciseState::kRetired) +
                     ", revision = revision + 1 WHERE tenant = ?1 AND name = "
                     "?2 AND state = " +
@@ -316,19 +326,14 @@ Result<ExerciseRow> SqliteStore::ExerciseByContent(const Sha256& content) {
 // Assigned to a cohort of the person's that is not archived, or to everybody (the zero id).
 Result<std::vector<ExerciseRow>> SqliteStore::ExercisesFor(const Uuid& person) {
   return Read([&](Db& db) -> Result<std::vector<ExerciseRow>> {
-    Query q(
-        db,
-        "SELECT " ENAMEL_EXERCISE_COLUMNS " FROM exercises e " ENAMEL_EXERCISE_OWNERS
-        "WHERE e.tenant = ?1 AND e.state = " +
-            Sql(ExerciseState::kPublished) +
-            " AND e.version = (SELECT "
-            "max(version) FROM exercises n WHERE n.tenant = e.tenant AND n.name = e.name AND "
-            "n.state = " +
-            Sql(ExerciseState::kPublished) +
-            ") AND EXISTS (SELECT 1 FROM assignments a WHERE a.tenant = e.tenant AND "
-            "a.exercise_name = e.name AND (a.cohort = ?3 OR a.cohort IN (SELECT m.cohort "
-            "FROM cohort_members m JOIN cohorts c ON c.tenant = m.tenant AND c.id = m.cohort AND "
-            "c.archived_ms = 0 WHERE m.tenant = ?1 AND m.person = ?2))) ORDER BY e.name");
+    Query q(db, "SELECT " ENAMEL_EXERCISE_COLUMNS " FROM exercises e " ENAMEL_EXERCISE_OWNERS
+                "WHERE e.tenant = ?1 AND e.state = " +
+                    Sql(ExerciseState::kPublished) +
+                    " AND EXISTS (SELECT 1 FROM assignments a WHERE a.tenant = e.tenant AND "
+                    "a.exercise = e.id AND (a.cohort = ?3 OR a.cohort IN (SELECT m.cohort "
+                    "FROM cohort_members m JOIN cohorts c ON c.tenant = m.tenant AND c.id = "
+                    "m.cohort AND c.archived_ms = 0 WHERE m.tenant = ?1 AND m.person = ?2))) "
+                    "ORDER BY e.name, e.version DESC");
     return ExercisesFrom(q.Bind(person).Bind(Uuid{}));
   });
 }

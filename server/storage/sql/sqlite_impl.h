@@ -119,6 +119,8 @@ class SqliteStore final : public Store {
   Status RetireExercise(const Uuid& id, const Actor& by) override;
   Result<AssignmentRow> AddAssignment(const AssignmentRow& row, const Actor& by) override;
   Result<AssignmentRow> ReplaceAssignment(const AssignmentRow& row, const Actor& by) override;
+  Result<AssignmentMove> MoveAssignment(const Uuid& id, const Uuid& version, int32_t revision,
+                                        bool look_only, const Actor& by) override;
   Status DeleteAssignment(const Uuid& id, int32_t revision, const Actor& by) override;
   Result<AssignmentRow> AssignmentById(const Uuid& id) override;
   Result<std::vector<AssignmentRow>> Assignments(const AssignmentFilter& filter) override;
@@ -270,6 +272,11 @@ Status QueueScoreJob(Db& db, const Uuid& attempt, const std::string& cause,
 Status CancelRun(Db& db, JobRow job, const Actor& by);
 Result<std::vector<JobRow>> OpenJobsOf(Db& db, const Uuid& batch);  // queued and running
 Result<ExerciseRow> FindExercise(Db& db, const Uuid& id);
+// The newest published version of a name; none: no version is offered.
+Result<std::optional<ExerciseRow>> OfferedVersion(Db& db, const std::string& name);
+// kConflict with field "assignment" while an exam with this exercise is open or being taken; of one
+// assignment, when it is named.
+Status NoExamMustBeOpen(Db& db, const std::string& name, const std::optional<Uuid>& assignment);
 // Of ENAMEL_EXERCISE_COLUMNS (exercise_rows.h), which begin at `first`.
 ExerciseRow ExerciseOf(const Query& q, int first);
 // An exercise name that nobody owns belongs to the actor from now on (content_store.h says how).

@@ -19,6 +19,7 @@
 #include "server/app/teaching.h"
 #include "server/app/upkeep.h"
 #include "server/auth/authenticator.h"
+#include "server/training/ticket_rules.h"
 #include "tests/server/storage/store_world.h"
 
 namespace enamel::server::app {
@@ -166,7 +167,15 @@ TEST_F(CommandsTest, ExercisesArePublishedAssignedAndRetiredFromTheCommandLine) 
   exam.attempt_limit = 2;
   exam.exam = true;
   EXPECT_EQ(ListExercises(Data(), "").code(), Code::kOk);
-  ASSERT_TRUE(AssignExercise(Data(), exam).ok());
+  EXPECT_EQ(AssignExercise(Data(), exam).field(), "reference") << "an exam needs one";
+  {
+    AssignmentRow row;
+    row.exercise = exam.exercise;
+    row.due_ms = *TimeFromText(exam.due);
+    row.attempt_limit = exam.attempt_limit;
+    row.exam = true;
+    ASSERT_TRUE(OpenData()->AddAssignment(row, kSystem).ok());
+  }
   exam.stations = {"no such bench"};
   EXPECT_EQ(AssignExercise(Data(), exam).field(), "station");
   exam.stations.clear();

@@ -148,6 +148,7 @@ const Line kLines[] = {
     {"GET /api/v1/assignments/{id}",               "assignment",     "",                                    "401 200 200 404 200 404 200 200 401 403"},
     {"PUT /api/v1/assignments/{id}",               "assignment",     R"({"exercise":"class-1-occlusal","cohort_id":"COHORT"})", "401 403 403 403 200 404 200 200 401 403"},
     {"DELETE /api/v1/assignments/{id}",            "assignment",     "",                                    "401 403 403 403 204 404 204 204 401 403"},
+    {"POST /api/v1/assignments/{id}/move",         "assignment",     R"({"exercise_id":"EXERCISE"})",       "401 403 403 403 200 404 200 200 401 403"},
     {"POST /api/v1/assignments/{id}/release",      "assignment",     "",                                    "401 403 403 403 200 404 200 200 401 403"},
     // Attempts: sam's, graded, scored, not released.
     {"GET /api/v1/attempts",                    "",               "",                                    "401 200 200 200 200 200 200 200 401 403"},
@@ -269,6 +270,7 @@ class Template {
   void AddTeaching() {
     Store& store = *school.store;
     Actor ada{school.ada, "page"}, sam{school.sam, "page"};
+    bodies["EXERCISE"] = school.exercise.Text();
     bodies["COHORT"] = school.cohort_a.Text();
     things["assignment"] = store.Assignments({school.cohort_a, {}})->front().id.Text();
     EXPECT_TRUE(

@@ -47,6 +47,12 @@ class TeachingTest : public testing::Test {
   json::object Terms(const Uuid& cohort) const {
     return {{"exercise", "class-1-occlusal"}, {"cohort_id", cohort.Text()}};
   }
+  // Graded work can be assigned.
+  void HaveReference() {
+    auto reference =
+        school_.store->AddReference(school_.toms_scored, "Dr. Vega", true, {school_.ben, "page"});
+    ASSERT_TRUE(reference.ok()) << reference.status().message();
+  }
   json::value SamsAttempt(const std::string& login) { return Parsed(By(login).Get(Scored())); }
   static bool May(const json::value& attempt, const char* what) {
     const auto& may = attempt.at("may").as_array();
@@ -80,6 +86,7 @@ class DraftTest : public TeachingTest {
 };
 
 TEST_F(DraftTest, DraftIsPutReplacedPublishedAndOfferedByAnAssignment) {
+  document_.graded = false;
   RawResponse put = Post("ben", "/api/v1/exercises", Document());
   ASSERT_EQ(put.status, 201) << put.body;
   json::value draft = Parsed(put);
@@ -146,6 +153,88 @@ TEST_F(DraftTest, InstructorsExerciseIsForOthersOnlyWhenSharedAndThenToUseAndNot
   ASSERT_EQ(Send("ben", "PUT", path + "/sharing", to_ada).status, 200);
   EXPECT_EQ(Post("ben", path + "/retire").status, 403);
   EXPECT_EQ(Post("ada", path + "/retire").status, 204);
+}
+
+TEST_F(TeachingTest, WhatHasNoReferenceIsAssignedAsPracticeOnly) {
+  json::object terms = Terms(school_.cohort_a);
+  auto refused = [](const RawResponse& response) {
+    EXPECT_EQ(response.status, 409) << response.body;
+    EXPECT_EQ(Parsed(response).at("error").at("field"), "reference") << response.body;
+  };
+  refused(Post("ada", "/api/v1/assignments", terms));
+  school_.OwnExercise({school_.ada, "page"}, "practice", true, false);
+  terms["exercise"] = "practice";
+  RawResponse practice = Post("ada", "/api/v1/assignments", terms);
+  ASSERT_EQ(practice.status, 201) << practice.body;
+  std::string path = "/api/v1/assignments/" + std::string(Parsed(practice).at("id").as_string());
+  terms["exam"] = true;
+  refused(Post("ada", "/api/v1/assignments", terms));
+  refused(Send("ada", "PUT", path, terms, practice.headers["etag"]));
+  refused(Send("ada", "PUT", path, Terms(school_.cohort_a), practice.headers["etag"]));
+
+  // What is assigned already can still be ended.
+  const AssignmentRow offered = school_.store->Assignments({.cohort = school_.cohort_a})->front();
+  ASSERT_EQ(offered.exercise, "class-1-occlusal");
+  json::object ended = Terms(school_.cohort_a);
+  ended["due_ms"] = 1000;
+  EXPECT_EQ(Send("ada", "PUT", "/api/v1/assignments/" + offered.id.Text(), ended, "\"1\"").status,
+            200);
+}
+
+TEST_F(TeachingTest, AssignmentIsMovedToAnotherVersionByWhoSaidSoAndHasSeenIt) {
+  HaveReference();
+  const Actor ada{school_.ada, "page"};
+  ExerciseRow first = school_.OwnExercise(ada, "hers", true, false);
+  json::object terms = Terms(school_.cohort_a);
+  terms["exercise"] = "hers";
+  RawResponse made = Post("ada", "/api/v1/assignments", terms);
+  std::string path = "/api/v1/assignments/" + std::string(Parsed(made).at("id").as_string());
+  school_.RecordingAttempt(school_.sam, [&](AttemptRow& row) {
+    row.exercise = first.id;
+    row.assignment = *Uuid::Parse(Parsed(made).at("id").as_string());
+  });
+  ExerciseRow second = first;
+  second.title = "Another title";
+  second.content = *school_.store->PutBlob(AsBytes("{}"));
+  second = *school_.store->PutDraft(second, ada);
+  second = *school_.store->PublishDraft(second.id, second.revision, ada);
+
+  json::value seen = Parsed(By("sam").Get(path));
+  EXPECT_EQ(seen.at("exercise").at("version"), 1) << "as it was assigned";
+  EXPECT_EQ(std::string(seen.at("exercise").at("id").as_string()), first.id.Text());
+  EXPECT_EQ(seen.at("exercise").at("newest_version"), 2);
+  json::object to{{"exercise_id", second.id.Text()}};
+  EXPECT_EQ(Post("sam", path + "/move", to, "\"1\"").status, 403);
+  EXPECT_EQ(Post("ben", path + "/move", to, "\"1\"").status, 404);
+  RawResponse look = Post("ada", path + "/move?dry_run=true", to);
+  ASSERT_EQ(look.status, 200) << look.body;
+  EXPECT_EQ(Parsed(look).at("moved"), false);
+  EXPECT_EQ(Parsed(look).at("attempts"), 1);
+  EXPECT_EQ(Parsed(look).at("tickets"), 0);
+  EXPECT_EQ(Parsed(look).at("assignment").at("exercise").at("version"), 1);
+  EXPECT_EQ(Post("ada", path + "/move", to).status, 428);
+  EXPECT_EQ(Post("ada", path + "/move", to, "\"7\"").status, 412);
+  EXPECT_EQ(Post("ada", path + "/move", {{"exercise_id", school_.exercise.Text()}}, "\"1\"").status,
+            400)
+      << "another exercise";
+  RawResponse moved = Post("ada", path + "/move", to, look.headers["etag"]);
+  ASSERT_EQ(moved.status, 200) << moved.body;
+  EXPECT_EQ(Parsed(moved).at("moved"), true);
+  seen = Parsed(By("sam").Get(path));
+  EXPECT_EQ(seen.at("exercise").at("version"), 2);
+  EXPECT_EQ(seen.at("exercise").at("title"), "Another title");
+  EXPECT_EQ(By("ada").Get(path).headers["etag"], moved.headers["etag"]);
+}
+
+TEST_F(TeachingTest, AnothersPrivateExerciseIsNotAssigned) {
+  const ExerciseRow hers = school_.OwnExercise({school_.ada, "page"}, "hers", true, false);
+  json::object terms = Terms(school_.cohort_b);
+  terms["exercise"] = "hers";
+  RawResponse refused = Post("ben", "/api/v1/assignments", terms);
+  EXPECT_EQ(refused.status, 400);
+  EXPECT_EQ(Parsed(refused).at("error").at("field"), "exercise");
+  ASSERT_TRUE(school_.store->ShareExercise(hers.id, {true, {}}, {{}, "test"}).ok());
+  EXPECT_EQ(Post("ben", "/api/v1/assignments", terms).status, 201);
 }
 
 TEST_F(TeachingTest, StudentIsNotToldWhoseAnExerciseIs) {
@@ -268,6 +357,7 @@ TEST_F(TeachingTest, ExercisesAreListedByStateForWhoEditsThem) {
 }
 
 TEST_F(TeachingTest, InstructorAssignsToOwnCohortsAndAdminToEverybody) {
+  HaveReference();
   EXPECT_EQ(Post("sam", "/api/v1/assignments", Terms(school_.cohort_a)).status, 403);
   EXPECT_EQ(Post("ben", "/api/v1/assignments", Terms(school_.cohort_a)).status, 403);
   json::object everybody{{"exercise", "class-1-occlusal"}};
@@ -304,6 +394,7 @@ TEST_F(TeachingTest, InstructorAssignsToOwnCohortsAndAdminToEverybody) {
 }
 
 TEST_F(TeachingTest, AssignmentSaysWhatMayHoldTheTool) {
+  HaveReference();
   RawResponse made = Post("ada", "/api/v1/assignments", Terms(school_.cohort_a));
   EXPECT_EQ(Parsed(made).at("hands"), "listed") << "unless somebody allows more";
   const std::string path = "/api/v1/assignments/" + std::string(Parsed(made).at("id").as_string());
@@ -334,6 +425,7 @@ TEST_F(TeachingTest, DevicesAreListedNamedAnewAndTakenOffTheList) {
 }
 
 TEST_F(TeachingTest, TermsThatMakeNoSenseAreRefusedWithTheField) {
+  HaveReference();
   const std::pair<json::object, std::string> bads[] = {
       {{{"opens_ms", 100}, {"due_ms", 50}}, "due_ms"},
       {{{"attempt_limit", -1}}, "attempt_limit"},
@@ -360,6 +452,7 @@ TEST_F(TeachingTest, TermsThatMakeNoSenseAreRefusedWithTheField) {
 }
 
 TEST_F(TeachingTest, AssignmentIsEditedByWhoHasSeenItLast) {
+  HaveReference();
   RawResponse made = Post("ada", "/api/v1/assignments", Terms(school_.cohort_a));
   std::string path = "/api/v1/assignments/" + std::string(Parsed(made).at("id").as_string());
   json::object terms = Terms(school_.cohort_a);

@@ -90,6 +90,17 @@ TEST_F(MigrationTest, PeopleAndThingsOfSchema1AreAllThere) {
   EXPECT_TRUE(store_->RetentionRules()->empty());
 }
 
+TEST_F(MigrationTest, AssignmentsOfSchema10StayWithTheVersionThatWasTheNewest) {
+  ASSERT_NO_FATAL_FAILURE(Load(Data(), 10));
+  store_ = OpenStore(Data());
+  const std::vector<AssignmentRow> rows = *store_->Assignments({});
+  ASSERT_EQ(rows.size(), 2u);
+  for (const AssignmentRow& row : rows) {
+    EXPECT_EQ(row.version_id, Id(31));
+    EXPECT_EQ(row.version, 2);
+  }
+}
+
 TEST_F(MigrationTest, RecordingsOfSchema1ReadAsTheyWereAndGoOn) {
   ASSERT_NO_FATAL_FAILURE(OpenSchema1());
   EXPECT_EQ(store_->AttemptById(Id(40))->state, AttemptState::kTicketed);

@@ -96,7 +96,9 @@ TEST_P(TeachingTest, DraftIsSeenByNobodyUntilPublishedAndThenNeverChanges) {
   ASSERT_TRUE(published.ok()) << published.status().message();
   EXPECT_EQ(published->version, 2);
   EXPECT_EQ(published->content, better.content);
-  EXPECT_EQ(store_->ExercisesFor(world.student)->front().id, draft->id);
+  EXPECT_EQ(store_->ExercisesFor(world.student)->front().id, world.exercise.id)
+      << "what is assigned stays";
+  EXPECT_EQ(store_->AllExercises()->front().id, draft->id);
   better.revision = published->revision;
   Status refused = store_->ReplaceDraft(better, kSystem).status();
   EXPECT_EQ(refused.code(), Code::kConflict);
@@ -779,15 +781,17 @@ UnixMs Now() {
   return duration_cast<milliseconds>(system_clock::now().time_since_epoch()).count();
 }
 
-TEST_P(TeachingTest, ExerciseOfAnOpenExamKeepsItsVersionUntilTheExamIsOver) {
+TEST_P(TeachingTest, ExamKeepsItsVersionAndIsNeitherMovedNorRetiredUntilItIsOver) {
   World world(*store_);
   AssignmentRow exam = Assigned(Cohort("year 1", world.student), 0, true);
   ExerciseRow draft = *store_->PutDraft(world.Exercise("exercise", "d"), kSystem);
+  draft = *store_->PublishDraft(draft.id, draft.revision, kSystem);
+  EXPECT_EQ(store_->AssignmentById(exam.id)->version_id, world.exercise.id);
   auto refusals = [&] {
     return std::vector<Status>{
-        store_->PublishDraft(draft.id, draft.revision, kSystem).status(),
-        store_->RetireExercise(world.exercise.id, kSystem),
-        store_->PublishExercise(world.Exercise("exercise", "another"), Uuid{}, kSystem).status()};
+        store_->MoveAssignment(exam.id, draft.id, exam.revision, false, kSystem).status(),
+        store_->MoveAssignment(exam.id, draft.id, 0, true, kSystem).status(),
+        store_->RetireExercise(world.exercise.id, kSystem)};
   };
   for (const Status& status : refusals()) {
     EXPECT_EQ(status.code(), Code::kConflict);
@@ -795,27 +799,62 @@ TEST_P(TeachingTest, ExerciseOfAnOpenExamKeepsItsVersionUntilTheExamIsOver) {
     EXPECT_NE(status.message().find(exam.id.Text()), std::string::npos) << status.message();
     EXPECT_NE(status.message().find("year 1"), std::string::npos) << status.message();
   }
+  const AssignmentRow practice = Assigned(Cohort("year 2", world.student));
+  EXPECT_TRUE(
+      store_->MoveAssignment(practice.id, world.exercise.id, practice.revision, false, kSystem)
+          .ok())
+      << "another's exam is in nobody's way";
   Uuid taken = *Begin(world, exam, [](AttemptRow& row) { row.ticketed_ms = Now(); });
   ASSERT_TRUE(store_->OpenAttempt(taken, AsBytes("header")).ok());
   exam.due_ms = Now() - 1000;
   exam = *store_->ReplaceAssignment(exam, kSystem);
   for (const Status& status : refusals()) EXPECT_EQ(status.code(), Code::kConflict) << "running";
   ASSERT_TRUE(store_->FlagAttempt(taken, kExcused, "ill", kSystem).ok());
-  EXPECT_TRUE(store_->PublishDraft(draft.id, draft.revision, kSystem).ok());
+  EXPECT_TRUE(store_->MoveAssignment(exam.id, draft.id, exam.revision, false, kSystem).ok());
   EXPECT_TRUE(store_->RetireExercise(draft.id, kSystem).ok());
 }
 
-TEST_P(TeachingTest, PracticeFollowsTheNewestVersionAlsoWhileItIsAssigned) {
+TEST_P(TeachingTest, AssignmentStaysWithItsVersionUntilSomebodyMovesIt) {
   World world(*store_);
-  Assigned(Cohort("year 1", world.student));
-  AssignmentRow later;
-  later.exercise = "exercise";
-  later.opens_ms = Now() + 3'600'000;
-  later.exam = true;
-  ASSERT_TRUE(store_->AddAssignment(later, kSystem).ok());
-  ExerciseRow draft = *store_->PutDraft(world.Exercise("exercise", "d"), kSystem);
-  EXPECT_TRUE(store_->PublishDraft(draft.id, draft.revision, kSystem).ok())
-      << "an exam to come uses what is newest then";
+  AssignmentRow row = Assigned(Cohort("year 1", world.student));
+  EXPECT_EQ(row.version_id, world.exercise.id);
+  EXPECT_EQ(row.version, 1);
+  const Uuid before = *Begin(world, row), begun = *Begin(world, row);
+  ASSERT_TRUE(store_->OpenAttempt(begun, AsBytes("header")).ok());
+  const ExerciseRow second =
+      *store_->PublishExercise(world.Exercise("exercise", "v2"), Uuid{}, kSystem);
+  const ExerciseRow other = *store_->PublishExercise(world.Exercise("other", "o"), {}, kSystem);
+  row.due_ms = Now() + 3'600'000;
+  row = *store_->ReplaceAssignment(row, kSystem);
+  EXPECT_EQ(row.version_id, world.exercise.id) << "other terms are no other work";
+  const std::vector<AssignmentRow> all = *store_->Assignments({});
+  EXPECT_EQ(std::ranges::count(all, world.exercise.id, &AssignmentRow::version_id), 2)
+      << "nor did the one for everybody follow";
+
+  auto look = store_->MoveAssignment(row.id, second.id, 0, true, kSystem);
+  ASSERT_TRUE(look.ok()) << look.status().message();
+  EXPECT_EQ(look->before.version, 1);
+  EXPECT_EQ(look->after.version, 2);
+  EXPECT_EQ(look->attempts, 2u);
+  EXPECT_EQ(look->tickets, 1u);
+  EXPECT_EQ(store_->AssignmentById(row.id)->version, 1) << "only looked at";
+  for (const Uuid& wrong : {other.id, Uuid::New()}) {
+    EXPECT_EQ(store_->MoveAssignment(row.id, wrong, row.revision, false, kSystem).status().field(),
+              "exercise_id");
+  }
+  EXPECT_EQ(
+      store_->MoveAssignment(row.id, second.id, row.revision - 1, false, kSystem).status().field(),
+      kStale);
+  auto moved = store_->MoveAssignment(row.id, second.id, row.revision, false, kSystem);
+  ASSERT_TRUE(moved.ok()) << moved.status().message();
+  EXPECT_EQ(moved->after.revision, row.revision + 1);
+  EXPECT_EQ(store_->AssignmentById(row.id)->version_id, second.id);
+  EXPECT_EQ(store_->AttemptById(before)->exercise, world.exercise.id) << "tickets keep theirs";
+  EXPECT_TRUE(store_->OpenAttempt(before, AsBytes("header")).ok());
+  const AuditRow told = store_->Audit(1)->front();
+  EXPECT_EQ(told.action, "assignment.move");
+  EXPECT_NE(told.before_json.find("\"version\":\"1\""), std::string::npos) << told.before_json;
+  EXPECT_NE(told.after_json.find("\"version\":\"2\""), std::string::npos) << told.after_json;
 }
 
 TEST_P(TeachingTest, ExamTicketThatRanOutUnopenedIsNoExamUnderWay) {

@@ -70,6 +70,24 @@ TEST(TicketRulesTest, RefusalSaysWhatWhenAndWhatToDo) {
   EXPECT_TRUE(Ask(row).ok());
 }
 
+TEST(TicketRulesTest, GradedWorkAndExamsNeedAReferenceAndPracticeDoesNot) {
+  ExerciseRow version;
+  version.name = "class-1";
+  version.version = 2;
+  for (const bool exam : {false, true}) {
+    for (const bool graded : {false, true}) {
+      version.graded = graded;
+      EXPECT_TRUE(CheckReference(exam, version, true).ok());
+      Status without = CheckReference(exam, version, false);
+      EXPECT_EQ(without.ok(), !exam && !graded);
+      if (without.ok()) continue;
+      EXPECT_EQ(without.code(), Code::kConflict);
+      EXPECT_EQ(without.field(), "reference");
+      EXPECT_NE(without.message().find("version 2 of \"class-1\""), std::string::npos);
+    }
+  }
+}
+
 TEST(TicketRulesTest, ExamIsTakenWhereItIsSaid) {
   AssignedRow row = Row();
   row.assignment.exam = true;
