@@ -1,4 +1,5 @@
--- Schema 11: exercises have owners, and an assignment stays with the version of its exercise.
+-- Schema 11: exercises have owners, an assignment stays with the version of its exercise, and says
+-- what counts of several attempts.
 
 -- Who may publish versions of an exercise, correct its rubric, retire and share it: the owner, and admins. By name, because
 -- all versions of a name are one exercise.
@@ -17,3 +18,7 @@ INSERT INTO exercise_owners (tenant, name, owner, shared) SELECT DISTINCT tenant
 ALTER TABLE assignments ADD COLUMN exercise BLOB CHECK (length(exercise) = 16);
 UPDATE assignments SET exercise = (SELECT e.id FROM exercises e WHERE e.tenant = assignments.tenant AND
   e.name = assignments.exercise_name AND e.version > 0 ORDER BY e.state = 3, e.version DESC LIMIT 1);
+
+-- A person's result under the assignment: of the attempts that are scored.
+ALTER TABLE assignments ADD COLUMN counting TEXT NOT NULL DEFAULT 'best'
+  CHECK (counting IN ('best', 'last', 'mean', 'median'));

@@ -197,6 +197,7 @@ Status AssignExercise(const std::filesystem::path& data, const NewAssignment& as
                   "hands");
   }
   row.hands = *hands;
+  row.counting = CountingFromName(assignment.counting).value_or(Counting::kBest);
   ENAMEL_RETURN_IF_ERROR(CheckTerms(row));
   ENAMEL_ASSIGN_OR_RETURN(const auto version, VersionOf(*store, row.exercise, 0));
   ENAMEL_RETURN_IF_ERROR(MustHaveReference(*store, version, row.exam));
@@ -362,6 +363,9 @@ void DeclareAssignments(CommandGroup admin) {
   assign->add_flag("--late", row.late_allowed, "Let attempts begin after it is due, flagged");
   assign->add_flag("--exam", row.exam,
                    "No score before it is released; begun online, one at a time");
+  assign->add_option("--counts", row.counting, "Which of several attempts is the result")
+      ->check(CLI::IsMember({"best", "last", "mean", "median"}))
+      ->capture_default_str();
   assign->add_option("--station", row.stations, "Where the exam is taken (repeatable)");
   assign
       ->add_option(

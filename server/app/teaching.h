@@ -38,6 +38,7 @@ struct NewAssignment {
   bool exam = false, late_allowed = false;
   std::vector<std::string> stations;  // names, of an exam
   std::string hands = "listed";       // HandsAllowedName
+  std::string counting = "best";      // CountingFromName
 };
 Status AssignExercise(const std::filesystem::path& data, const NewAssignment& assignment);
 // To another version of its exercise (0: the newest); says what moves and what stays. `dry_run`: only

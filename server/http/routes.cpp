@@ -99,6 +99,8 @@ const std::array kRoutes = {
     Route{Method::kGet, "/api/v1/cohorts", Need::kInstructor, Given<&ListCohorts>()},
     Route{Method::kPost, "/api/v1/cohorts", Need::kAdmin, Given<&AddCohort>()},
     Route{Method::kGet, "/api/v1/cohorts/{id}", Need::kInstructor, Given<&GetCohort>()},
+    Route{Method::kGet, "/api/v1/cohorts/{id}/grades", Need::kInstructor,
+          Given<&GetCohortGrades>()},
     Route{Method::kPatch, "/api/v1/cohorts/{id}", Need::kAdmin, Given<&EditCohort>()},
     Route{Method::kPost, "/api/v1/cohorts/{id}/members", Need::kAdmin, Given<&ChangeMembers>()},
     Route{Method::kPost, "/api/v1/cohorts/{id}/rescore", Need::kInstructor,

@@ -10,6 +10,9 @@ constexpr std::array kRoles = {Role::kStudent, Role::kInstructor, Role::kAdmin};
 constexpr std::array kExerciseStates = {ExerciseState::kDraft, ExerciseState::kPublished,
                                         ExerciseState::kRetired};
 
+constexpr std::array kCountings = {Counting::kBest, Counting::kLast, Counting::kMean,
+                                   Counting::kMedian};
+
 struct FlagName {
   AttemptFlag flag;
   const char* name;
@@ -76,6 +79,27 @@ std::vector<const char*> AttemptFlagNames(uint32_t flags) {
 std::optional<AttemptFlag> AttemptFlagFromName(std::string_view name) {
   for (const FlagName& known : kFlagNames) {
     if (name == known.name) return known.flag;
+  }
+  return std::nullopt;
+}
+
+const char* CountingName(Counting counting) {
+  switch (counting) {
+    case Counting::kBest:
+      return "best";
+    case Counting::kLast:
+      return "last";
+    case Counting::kMean:
+      return "mean";
+    case Counting::kMedian:
+      return "median";
+  }
+  return "best";
+}
+
+std::optional<Counting> CountingFromName(std::string_view name) {
+  for (Counting counting : kCountings) {
+    if (name == CountingName(counting)) return counting;
   }
   return std::nullopt;
 }

@@ -157,6 +157,12 @@ struct SharingEdit {
   std::optional<Uuid> owner{};  // zero: the school
 };
 
+// What of several attempts under an assignment is a person's result. Stable names: "best", "last",
+// "mean", "median".
+enum class Counting : uint8_t { kBest = 1, kLast = 2, kMean = 3, kMedian = 4 };
+const char* CountingName(Counting counting);
+std::optional<Counting> CountingFromName(std::string_view name);
+
 // An exercise for a cohort: when, how often, and whether as an exam.
 struct AssignmentRow {
   Uuid id;
@@ -172,6 +178,7 @@ struct AssignmentRow {
   HandsAllowed hands = HandsAllowed::kListed;  // of graded work and exams: what may hold the tool
   int32_t revision = 1;                        // counts the changes
   UnixMs created_ms = 0;
+  Counting counting = Counting::kBest;
   Uuid version_id{};  // the version that is to be done, until somebody moves the assignment
   // Joined, of that version.
   int32_t version = 0;

@@ -6,6 +6,7 @@
 #include "server/http/caller.h"
 #include "server/http/error_response.h"
 #include "server/http/etag.h"
+#include "server/http/handlers/grade_view.h"
 #include "server/http/handlers/handlers.h"
 #include "server/http/handlers/seen_attempt.h"
 #include "server/http/json_body.h"
@@ -80,6 +81,7 @@ class AssignmentView {
             {"exam", row.exam},
             {"late_allowed", row.late_allowed},
             {"hands", HandsAllowedName(row.hands)},
+            {"counting", CountingName(row.counting)},
             {"stations", std::move(stations)},
             {"created_ms", row.created_ms},
             {"revision", row.revision},
@@ -88,7 +90,7 @@ class AssignmentView {
   }
 
   // With how it stands for the caller.
-  json::object Json(const AssignedRow& row, UnixMs now_ms) const {
+  json::object Json(const AssignedRow& row, const Grade& grade, UnixMs now_ms) const {
     json::object out = Json(row.assignment);
     std::string names;
     for (const Uuid& id : row.assignment.stations) {
@@ -104,7 +106,8 @@ class AssignmentView {
     }
     out["mine"] = {{"attempts_used", row.attempts_used},
                    {"attempts_left", std::move(left)},
-                   {"refusal", may.ok() ? "" : may.message()}};
+                   {"refusal", may.ok() ? "" : may.message()},
+                   {"grade", GradeView::Json(grade)}};
     return out;
   }
 
@@ -168,14 +171,15 @@ Status MustBeAssignableNow(const Call& call, Parts<ContentStore, TeachingStore> 
   return MustHaveReference(store, *version, terms.exam);
 }
 
-constexpr size_t kMaxHandsName = 16;
+constexpr size_t kMaxTermName = 16;
 
-// `hands`: what holds where the body does not say, as of a client from before there was that term.
-Result<AssignmentRow> TermsIn(const Call& call, HandsAllowed hands) {
+// `before`: what holds of hands and counting where the body does not say, as of a client from before
+// there were those terms.
+Result<AssignmentRow> TermsIn(const Call& call, const AssignmentRow& before) {
   BodyReader body(call.request);
   AssignmentRow row;
   const std::string named =
-      body.Has("hands") ? body.Text("hands", 1, kMaxHandsName) : HandsAllowedName(hands);
+      body.Has("hands") ? body.Text("hands", 1, kMaxTermName) : HandsAllowedName(before.hands);
   row.exercise = body.Text("exercise", 1, kMaxName);
   row.cohort = body.MaybeId("cohort_id").value_or(Uuid{});
   row.opens_ms = body.Integer("opens_ms", 0, kMaxTimeMs, 0);
@@ -184,6 +188,8 @@ Result<AssignmentRow> TermsIn(const Call& call, HandsAllowed hands) {
   row.exam = body.Flag("exam", false);
   row.late_allowed = body.Flag("late_allowed", false);
   row.stations = body.Ids("station_ids", kMaxStations);
+  const std::string counting = body.Has("counting") ? body.Text("counting", 1, kMaxTermName)
+                                                    : CountingName(before.counting);
   ENAMEL_RETURN_IF_ERROR(body.Finish());
   const auto admitted = HandsAllowedFromName(named);
   if (!admitted) {
@@ -192,6 +198,12 @@ Result<AssignmentRow> TermsIn(const Call& call, HandsAllowed hands) {
                   "hands");
   }
   row.hands = *admitted;
+  const std::optional<Counting> known = CountingFromName(counting);
+  if (!known) {
+    return Status{Code::kInvalidInput,
+                  "expected best, last, mean or median, found \"" + counting + "\"", "counting"};
+  }
+  row.counting = *known;
   // Of the terms together: due after it opens, and stations with exams only.
   ENAMEL_RETURN_IF_ERROR(CheckTerms(row));
   return row;
@@ -262,7 +274,7 @@ Response Refused(const Call& call, Parts<StationStore, ContentStore, TeachingSto
 
 }  // namespace
 
-Response ListAssignments(const Call& call, Parts<StationStore, ContentStore, TeachingStore> store) {
+Response ListAssignments(const Call& call, AssignmentListParts store) {
   const Person& viewer = call.caller->person;
   Result<std::optional<Uuid>> cohort = QueryId(call.request, "cohort");
   if (!cohort.ok()) return ErrorResponse(cohort.status());
@@ -280,7 +292,12 @@ Response ListAssignments(const Call& call, Parts<StationStore, ContentStore, Tea
     });
     json::value next =
         CutPage(*rows, *page, [](const AssignedRow& row) { return PlaceOf(row.assignment); });
-    for (const AssignedRow& row : *rows) assignments.push_back(view->Json(row, Now()));
+    GradeView grades(store, viewer);
+    for (const AssignedRow& row : *rows) {
+      Result<std::map<Uuid, Grade>> grade = grades.Of(row.assignment, viewer.id);
+      if (!grade.ok()) return ErrorResponse(grade.status());
+      assignments.push_back(view->Json(row, (*grade)[viewer.id], Now()));
+    }
     return JsonResponse({{"assignments", std::move(assignments)}, {"next", std::move(next)}});
   }
   AssignmentFilter filter;
@@ -295,7 +312,7 @@ Response ListAssignments(const Call& call, Parts<StationStore, ContentStore, Tea
 
 Response AddAssignment(const Call& call, Parts<StationStore, ContentStore, TeachingStore> store) {
   if (!IsJson(call.request)) return NotJson();
-  Result<AssignmentRow> terms = TermsIn(call, HandsAllowed::kListed);
+  Result<AssignmentRow> terms = TermsIn(call, AssignmentRow{});
   if (!terms.ok()) return ErrorResponse(terms.status());
   if (Status may = MustBeAssignable(call, store, terms->cohort); !may.ok())
     return ErrorResponse(may);
@@ -316,7 +333,7 @@ Response ReplaceAssignment(const Call& call,
   if (!IsJson(call.request)) return NotJson();
   Result<AssignmentRow> edited = BeginEdit(call, store);
   if (!edited.ok()) return ErrorResponse(edited.status());
-  Result<AssignmentRow> terms = TermsIn(call, edited->hands);
+  Result<AssignmentRow> terms = TermsIn(call, *edited);
   if (!terms.ok()) return ErrorResponse(terms.status());
   if (Status may = MustBeAssignable(call, store, terms->cohort); !may.ok())
     return ErrorResponse(may);

@@ -1,8 +1,10 @@
 #include <boost/json.hpp>
+#include <map>
 
 #include "server/http/caller.h"
 #include "server/http/error_response.h"
 #include "server/http/etag.h"
+#include "server/http/handlers/grade_view.h"
 #include "server/http/handlers/handlers.h"
 #include "server/http/json_body.h"
 #include "server/http/paging.h"
@@ -100,6 +102,48 @@ Response ListCohorts(const Call& call, TeachingStore& store) {
 Response GetCohort(const Call& call, TeachingStore& store) {
   Result<Cohort> cohort = VisibleCohort(call, store);
   return cohort.ok() ? CohortResponse(call, store, *cohort) : ErrorResponse(cohort.status());
+}
+
+// A row for each student, a grade for each assignment of the cohort and for everybody. Not in pages: a
+// cohort is a class, and a result of it is a result of all of it.
+Response GetCohortGrades(const Call& call, AssignmentListParts store) {
+  Result<Cohort> cohort = VisibleCohort(call, store);
+  if (!cohort.ok()) return ErrorResponse(cohort.status());
+  Result<std::vector<Person>> members = store.teaching().CohortMembers(call.id);
+  if (!members.ok()) return ErrorResponse(members.status());
+  std::erase_if(*members, [](const Person& person) { return person.role != Role::kStudent; });
+  Result<std::vector<AssignmentRow>> assigned = store.teaching().Assignments({});
+  if (!assigned.ok()) return ErrorResponse(assigned.status());
+  GradeView view(store, call.caller->person);
+  json::array assignments;
+  std::vector<json::array> grades(members->size());
+  for (const AssignmentRow& row : *assigned) {
+    if (row.cohort != call.id && !row.cohort.IsZero()) continue;
+    Result<std::map<Uuid, Grade>> by_person = view.Of(row, {});
+    if (!by_person.ok()) return ErrorResponse(by_person.status());
+    std::vector<Grade> all;
+    for (size_t i = 0; i < members->size(); ++i) {
+      all.push_back((*by_person)[(*members)[i].id]);
+      grades[i].push_back(GradeView::Json(all.back()));
+    }
+    assignments.push_back(
+        {{"id", row.id.Text()},
+         {"exercise", {{"name", row.exercise}, {"title", row.title}, {"version", row.version}}},
+         {"everybody", row.cohort.IsZero()},
+         {"exam", row.exam},
+         {"counting", CountingName(row.counting)},
+         {"summary", GradeView::Json(SummaryOf(all))}});
+  }
+  json::array students;
+  for (size_t i = 0; i < members->size(); ++i) {
+    const Person& person = (*members)[i];
+    students.push_back({{"person",
+                         {{"id", person.id.Text()},
+                          {"login", person.login},
+                          {"display_name", person.display_name}}},
+                        {"grades", std::move(grades[i])}});
+  }
+  return JsonResponse({{"assignments", std::move(assignments)}, {"students", std::move(students)}});
 }
 
 Response AddCohort(const Call& call, TeachingStore& store) {

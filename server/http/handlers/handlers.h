@@ -56,7 +56,8 @@ Response ListBatches(const Call& call, RescoreParts store);
 Response GetBatch(const Call& call, RescoreParts store);
 Response CancelBatch(const Call& call, RescoreParts store);
 
-Response ListAssignments(const Call& call, Parts<StationStore, ContentStore, TeachingStore> store);
+using AssignmentListParts = Parts<StationStore, ContentStore, TeachingStore, AttemptStore>;
+Response ListAssignments(const Call& call, AssignmentListParts store);
 Response AddAssignment(const Call& call, Parts<StationStore, ContentStore, TeachingStore> store);
 Response GetAssignment(const Call& call, Parts<StationStore, ContentStore, TeachingStore> store);
 Response ReplaceAssignment(const Call& call,
@@ -104,6 +105,7 @@ Response AnswerAppeal(const Call& call, AttemptViewParts store);
 Response ListCohorts(const Call& call, TeachingStore& store);
 Response AddCohort(const Call& call, TeachingStore& store);
 Response GetCohort(const Call& call, TeachingStore& store);
+Response GetCohortGrades(const Call& call, AssignmentListParts store);
 Response EditCohort(const Call& call, TeachingStore& store);
 Response ChangeMembers(const Call& call, TeachingStore& store);
 

@@ -9,14 +9,15 @@
 namespace enamel::server::sqlite {
 namespace {
 
-#define ENAMEL_ASSIGNMENT_COLUMNS                                                 \
-  "a.id, a.exercise_name, a.cohort, coalesce(c.name, ''), a.opens_ms, a.due_ms, " \
-  "a.attempt_limit, a.exam, a.late_allowed, a.revision, a.created_ms, a.hands, "  \
-  "a.exercise, coalesce(v.version, 0), coalesce(v.title, ''), coalesce(v.state, 3) = 3"
+#define ENAMEL_ASSIGNMENT_COLUMNS                                                         \
+  "a.id, a.exercise_name, a.cohort, coalesce(c.name, ''), a.opens_ms, a.due_ms, "         \
+  "a.attempt_limit, a.exam, a.late_allowed, a.revision, a.created_ms, a.hands, "          \
+  "a.exercise, coalesce(v.version, 0), coalesce(v.title, ''), coalesce(v.state, 3) = 3, " \
+  "a.counting"
 #define ENAMEL_ASSIGNMENTS                                                                  \
   "assignments a LEFT JOIN cohorts c ON c.tenant = a.tenant AND c.id = a.cohort LEFT JOIN " \
   "exercises v ON v.tenant = a.tenant AND v.id = a.exercise"
-constexpr int kAssignmentColumns = 16;
+constexpr int kAssignmentColumns = 17;
 
 AssignmentRow AssignmentOf(const Query& q) {
   AssignmentRow out;
@@ -37,6 +38,7 @@ AssignmentRow AssignmentOf(const Query& q) {
   out.version = static_cast<int32_t>(q.Int(13));
   out.title = q.Text(14);
   out.retired = q.Int(15) != 0;
+  out.counting = CountingFromName(q.Text(16)).value_or(Counting::kBest);
   return out;
 }
 
@@ -72,6 +74,7 @@ Json TermsJson(const AssignmentRow& row) {
     stations += (stations.empty() ? "" : " ") + station.Text();
   return JsonOf({{"exercise", row.exercise},
                  {"version", std::to_string(row.version)},
+                 {"counting", CountingName(row.counting)},
                  {"cohort", row.cohort.Text()},
                  {"opens_ms", std::to_string(row.opens_ms)},
                  {"due_ms", std::to_string(row.due_ms)},
@@ -149,17 +152,18 @@ Status InsertAssignment(Db& db, const AssignmentRow& row) {
   {
     Query q(db,
             "INSERT INTO assignments (tenant, id, exercise_name, cohort, opens_ms, due_ms, "
-            "attempt_limit, exam, late_allowed, revision, created_ms, hands, exercise) "
-            "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13) "
+            "attempt_limit, exam, late_allowed, revision, created_ms, hands, exercise, counting) "
+            "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14) "
             "ON CONFLICT (tenant, id) DO UPDATE SET exercise_name = excluded.exercise_name, cohort "
             "= excluded.cohort, opens_ms = excluded.opens_ms, due_ms = excluded.due_ms, "
             "attempt_limit = excluded.attempt_limit, exam = excluded.exam, late_allowed = "
             "excluded.late_allowed, revision = excluded.revision, hands = excluded.hands, exercise "
-            "= excluded.exercise");
+            "= excluded.exercise, counting = excluded.counting");
     q.Bind(row.id).Bind(row.exercise).Bind(row.cohort).Bind(row.opens_ms).Bind(row.due_ms);
     q.Bind(int64_t{row.attempt_limit}).Bind(int64_t{row.exam}).Bind(int64_t{row.late_allowed});
     q.Bind(int64_t{row.revision}).Bind(row.created_ms).Bind(static_cast<int64_t>(row.hands));
-    ENAMEL_RETURN_IF_ERROR(q.Bind(row.version_id).Run());
+    ENAMEL_RETURN_IF_ERROR(
+        q.Bind(row.version_id).Bind(std::string(CountingName(row.counting))).Run());
   }
   return PutStations(db, row);
 }

@@ -75,6 +75,7 @@ const Line kLines[] = {
     {"GET /api/v1/cohorts",                     "",               "",                                    "401 403 403 403 200 200 200 200 401 403"},
     {"POST /api/v1/cohorts",                    "",               R"({"name":"New"})",                   "401 403 403 403 403 403 201 201 401 403"},
     {"GET /api/v1/cohorts/{id}",                "cohort A",       "",                                    "401 403 403 403 200 404 200 200 401 403"},
+    {"GET /api/v1/cohorts/{id}/grades",         "cohort A",       "",                                    "401 403 403 403 200 404 200 200 401 403"},
     {"PATCH /api/v1/cohorts/{id}",              "cohort A",       R"({"archived":true})",                "401 403 403 403 403 403 200 200 401 403"},
     {"POST /api/v1/cohorts/{id}/members",       "cohort B",       R"({"add":["SAM"]})",                  "401 403 403 403 403 403 200 200 401 403"},
     // 409: may, and has nothing that could be scored again: the one scored attempt has a run waiting.

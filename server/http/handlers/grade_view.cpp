@@ -1,0 +1,73 @@
+#include "server/http/handlers/grade_view.h"
+
+#include "server/training/access.h"
+
+namespace enamel::server::http {
+namespace json = boost::json;
+namespace {
+
+// The most that the store gives at once.
+constexpr uint32_t kAttemptsAtOnce = 200;
+
+json::value OrNull(const std::optional<double>& value) {
+  return value ? json::value(*value) : json::value();
+}
+
+}  // namespace
+
+Result<bool> GradeView::IsGraded(const Uuid& exercise) {
+  if (auto found = graded_.find(exercise); found != graded_.end()) return found->second;
+  Result<ExerciseRow> row = store_.content().ExerciseById(exercise);
+  if (!row.ok()) return row.status();
+  graded_.emplace(exercise, row->graded);
+  return row->graded;
+}
+
+Result<std::map<Uuid, Grade>> GradeView::Of(const AssignmentRow& assignment,
+                                            const std::optional<Uuid>& person) {
+  std::map<Uuid, std::vector<GradedAttempt>> attempts;
+  AttemptFilter filter;
+  filter.assignment = assignment.id;
+  filter.person = person;
+  filter.limit = kAttemptsAtOnce;
+  for (bool more = true; more;) {
+    Result<std::vector<AttemptRow>> rows = store_.attempts().Attempts(filter);
+    if (!rows.ok()) return rows.status();
+    more = rows->size() == kAttemptsAtOnce;
+    if (more) filter.before = rows->back().id;
+    for (const AttemptRow& row : *rows) {
+      if ((row.flags & (kExcused | kReturned)) != 0) continue;
+      Result<bool> graded = IsGraded(row.exercise);
+      if (!graded.ok()) return graded.status();
+      GradedAttempt each{row.id, row.ticketed_ms, {}, false};
+      each.shown = !IsReleasedFirst(row, *graded) || row.released;
+      // A student's own are asked for as those of somebody who shares no cohort with anybody.
+      const bool seen = viewer_.role != Role::kStudent || CanSeeScore(viewer_, row, *graded, false);
+      if (row.score && seen) each.score = row.overridden ? row.overridden->score : *row.score;
+      attempts[row.person].push_back(each);
+    }
+  }
+  std::map<Uuid, Grade> out;
+  for (auto& [whose, made] : attempts) {
+    out.emplace(whose, GradeOver(assignment.counting, std::move(made)));
+  }
+  return out;
+}
+
+json::object GradeView::Json(const Grade& grade) {
+  json::value attempt;
+  if (grade.attempt) attempt = grade.attempt->Text();
+  return {{"attempts", grade.attempts},
+          {"counted", grade.counted},
+          {"score", OrNull(grade.score)},
+          {"attempt_id", std::move(attempt)},
+          {"released", grade.shown}};
+}
+
+json::object GradeView::Json(const GradeSummary& summary) {
+  return {{"students", summary.students},     {"graded", summary.graded},
+          {"mean", OrNull(summary.mean)},     {"median", OrNull(summary.median)},
+          {"lowest", OrNull(summary.lowest)}, {"highest", OrNull(summary.highest)}};
+}
+
+}  // namespace enamel::server::http

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <boost/json.hpp>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "server/storage/parts.h"
+#include "server/training/grade.h"
+
+namespace enamel::server::http {
+
+// Results over several attempts (server/training/grade.h) as one viewer may see them: a student's are
+// made of the scores that the student may see and of no other, so that nothing is told before its
+// release. Lives for one request; blocks. Thread safety: none.
+class GradeView {
+ public:
+  GradeView(Parts<ContentStore, AttemptStore> store, const Person& viewer)
+      : store_(store), viewer_(viewer) {}
+
+  // By person; `person`: of this one only. Requires: the viewer may see those people's attempts.
+  // Errors: the store's.
+  Result<std::map<Uuid, Grade>> Of(const AssignmentRow& assignment,
+                                   const std::optional<Uuid>& person);
+  // Schema Grade.
+  static boost::json::object Json(const Grade& grade);
+  // Schema GradeSummary.
+  static boost::json::object Json(const GradeSummary& summary);
+
+ private:
+  Result<bool> IsGraded(const Uuid& exercise);
+
+  Parts<ContentStore, AttemptStore> store_;
+  const Person& viewer_;
+  std::map<Uuid, bool> graded_;
+};
+
+}  // namespace enamel::server::http

@@ -1,0 +1,149 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+
+#include "tests/server/http/running_server.h"
+
+// One result over several attempts, over the wire: to whom it is shown, and when.
+namespace enamel::server::http {
+namespace {
+
+namespace json = boost::json;
+
+class GradesTest : public testing::Test {
+ protected:
+  GradesTest() {
+    for (const char* login : {"sam", "tom", "ada", "ben", "root"}) {
+      visitors_.emplace(login, Visitor(server_.port(), login));
+    }
+    EXPECT_TRUE(
+        school_.store->AddReference(school_.toms_scored, "Dr. Vega", true, {school_.ben, "page"})
+            .ok());
+  }
+  Visitor& By(const std::string& login) { return visitors_.at(login); }
+  RawResponse Send(const std::string& login, const std::string& method, const std::string& target,
+                   const json::value& body, const std::string& etag = "") {
+    std::string headers =
+        "X-Enamel-Csrf: " + By(login).csrf + "\r\nContent-Type: application/json\r\n";
+    if (!etag.empty()) headers += "If-Match: " + etag + "\r\n";
+    return By(login).Send(method, target, headers, json::serialize(body));
+  }
+  // An assignment of this exercise to cohort A, under which sam has made attempts with these scores.
+  Uuid Worked(const std::string& exercise, const Uuid& version, const char* counting,
+              const std::vector<double>& scores) {
+    RawResponse made = Send("ada", "POST", "/api/v1/assignments",
+                            json::object{{"exercise", exercise},
+                                         {"cohort_id", school_.cohort_a.Text()},
+                                         {"counting", counting}});
+    EXPECT_EQ(made.status, 201) << made.body;
+    etag_ = made.headers["etag"];
+    const Uuid id = *Uuid::Parse(Parsed(made).at("id").as_string());
+    for (double score : scores) {
+      ++school_.now_ms;
+      attempts_.push_back(school_.ScoredAttempt(school_.sam, [&](AttemptRow& row) {
+        row.exercise = version;
+        row.assignment = id;
+      }));
+      EXPECT_TRUE(
+          school_.store->OverrideScore(attempts_.back(), ScoreOverride{score, "set", {}, 0}, kBy)
+              .ok());
+    }
+    return id;
+  }
+  json::value Sams(const std::string& login, const Uuid& assignment) {
+    if (login == "sam") {
+      const json::value list = Parsed(By("sam").Get("/api/v1/assignments"));
+      for (const json::value& row : list.at("assignments").as_array()) {
+        if (row.at("id").as_string() == assignment.Text().c_str())
+          return row.at("mine").at("grade");
+      }
+      return {};
+    }
+    const json::value grades = Parsed(By(login).Get(grades_path_));
+    size_t place = 0;
+    for (const json::value& row : grades.at("assignments").as_array()) {
+      if (row.at("id").as_string() == assignment.Text().c_str()) break;
+      ++place;
+    }
+    for (const json::value& row : grades.at("students").as_array()) {
+      if (row.at("person").at("id").as_string() == school_.sam.Text().c_str())
+        return row.at("grades").at(place);
+    }
+    return {};
+  }
+
+  inline static const Actor kBy{{}, "test"};
+  School school_;
+  RunningServer server_{school_};
+  std::map<std::string, Visitor> visitors_;
+  std::string grades_path_ = "/api/v1/cohorts/" + school_.cohort_a.Text() + "/grades";
+  std::string etag_;
+  std::vector<Uuid> attempts_;
+};
+
+TEST_F(GradesTest, AssignmentSaysWhatCountsAndTheCohortsResultsFollow) {
+  const Uuid id = Worked("class-1-occlusal", school_.exercise, "mean", {70, 90, 85});
+  json::value grade = Sams("ada", id);
+  EXPECT_EQ(grade.at("attempts"), 3);
+  EXPECT_EQ(grade.at("counted"), 3);
+  EXPECT_EQ(grade.at("score").to_number<double>(), (70.0 + 90.0 + 85.0) / 3);
+  EXPECT_TRUE(grade.at("attempt_id").is_null());
+  EXPECT_EQ(grade.at("released"), false);
+  const std::string path = "/api/v1/assignments/" + id.Text();
+  json::object terms{{"exercise", "class-1-occlusal"}, {"cohort_id", school_.cohort_a.Text()}};
+  RawResponse kept = Send("ada", "PUT", path, terms, etag_);
+  EXPECT_EQ(Parsed(kept).at("counting"), "mean") << "left out: as it was";
+  terms["counting"] = "worst";
+  RawResponse refused = Send("ada", "PUT", path, terms, kept.headers["etag"]);
+  EXPECT_EQ(refused.status, 400);
+  EXPECT_EQ(Parsed(refused).at("error").at("field"), "counting");
+  terms["counting"] = "best";
+  ASSERT_EQ(Send("ada", "PUT", path, terms, kept.headers["etag"]).status, 200);
+  EXPECT_EQ(Sams("root", id).at("score").to_number<double>(), 90);
+  EXPECT_EQ(Sams("ada", id).at("attempt_id").as_string(), attempts_[1].Text().c_str());
+
+  const json::value all = Parsed(By("ada").Get(grades_path_));
+  EXPECT_EQ(all.at("students").as_array().size(), 2u) << "sam and sue, nobody who teaches";
+  const auto& rows = all.at("assignments").as_array();
+  auto row = std::ranges::find_if(rows, [&](const json::value& each) {
+    return each.at("id").as_string() == id.Text().c_str();
+  });
+  ASSERT_NE(row, rows.end());
+  EXPECT_EQ(row->at("summary").at("students"), 2);
+  EXPECT_EQ(row->at("summary").at("graded"), 1);
+  EXPECT_EQ(row->at("summary").at("mean").to_number<double>(), 90);
+  EXPECT_EQ(By("ben").Get(grades_path_).status, 404);
+  EXPECT_EQ(By("sam").Get(grades_path_).status, 403);
+}
+
+TEST_F(GradesTest, StudentsResultIsMadeOfReleasedScoresAndTellsNothingOfOthers) {
+  const Uuid id = Worked("class-1-occlusal", school_.exercise, "mean", {70, 90});
+  json::value grade = Sams("sam", id);
+  EXPECT_EQ(grade.at("attempts"), 2);
+  EXPECT_EQ(grade.at("counted"), 0);
+  EXPECT_TRUE(grade.at("score").is_null());
+  ASSERT_TRUE(school_.store->ReleaseAttempt(attempts_[0], kBy).ok());
+  grade = Sams("sam", id);
+  EXPECT_EQ(grade.at("counted"), 1);
+  EXPECT_EQ(grade.at("score").to_number<double>(), 70) << "of what is released";
+  EXPECT_EQ(Sams("ada", id).at("score").to_number<double>(), 80);
+  EXPECT_EQ(Sams("ada", id).at("released"), false);
+  ASSERT_TRUE(school_.store->ReleaseAssignment(id, kBy).ok());
+  EXPECT_EQ(Sams("sam", id).at("score").to_number<double>(), 80);
+  EXPECT_EQ(Sams("ada", id).at("released"), true);
+  ASSERT_TRUE(school_.store->FlagAttempt(attempts_[1], kExcused, "power cut", kBy).ok());
+  EXPECT_EQ(Sams("sam", id).at("attempts"), 1);
+  EXPECT_EQ(Sams("sam", id).at("score").to_number<double>(), 70);
+}
+
+TEST_F(GradesTest, PracticeCountsForTheStudentAtOnce) {
+  const ExerciseRow practice = school_.OwnExercise({school_.ada, "page"}, "practice", true, false);
+  const Uuid id = Worked("practice", practice.id, "last", {70, 60});
+  EXPECT_EQ(Sams("sam", id).at("score").to_number<double>(), 60);
+  EXPECT_EQ(Sams("sam", id).at("attempt_id").as_string(), attempts_.back().Text().c_str());
+  EXPECT_EQ(Sams("ada", id).at("released"), true);
+}
+
+}  // namespace
+}  // namespace enamel::server::http
