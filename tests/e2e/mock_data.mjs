@@ -42,7 +42,7 @@ export function exerciseRows() {
 function exercise(number, name, title, graded, instructions, version) {
   return {
     id: id(number), name, title, version, state: "published", revision: 1, published_ms: kStartMs - 30 * kDayMs, graded, instructions, time_limit_s: graded ? 600 : 0,
-    bur: { shape: "cylinder", radius_um: 500, length_um: 4000, narrow_radius_um: 0, shank_radius_um: 800, neck_um: 2000 }, has_reference: true,
+    bur: { shape: "cylinder", radius_um: 500, length_um: 4000, narrow_radius_um: 0, shank_radius_um: 800, neck_um: 2000 }, has_reference: true, owner: null, shared: true, may: [],
     law: "maxwell", rate_hz: 1000, handpiece: graded ? { stall_un_m: 2500, tangential_permille: 300, lag_us: 40_000 } : null,
     touch_cues: graded ? null : { contact_mn: 250, chatter_mn: 100, energy_uj: 200, power_uw: 1000 },
     scene_sha256: "5c".repeat(32), document_sha256: "d0".repeat(32),

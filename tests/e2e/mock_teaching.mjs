@@ -15,7 +15,9 @@ const teaches = (person) => person.role !== "student";
 
 function summaryFor(world, person, exercise) {
   const { target: _target, rubric: _rubric, law: _law, rate_hz: _rate, handpiece: _handpiece, touch_cues: _cues, scene_sha256: _scene, document_sha256: _document, ...summary } = exercise;
-  return { ...summary, my_attempts: world.attempts.filter((row) => row.exercise.id === exercise.id && row.person.id === person.id).length };
+  const owns = person.role === "admin" || exercise.owner?.id === person.id;
+  const may = !teaches(person) ? [] : [...owns ? ["change"] : [], ...exercise.state === "published" && (owns || exercise.shared) ? ["assign"] : []];
+  return { ...summary, owner: teaches(person) ? exercise.owner : null, may, my_attempts: world.attempts.filter((row) => row.exercise.id === exercise.id && row.person.id === person.id).length };
 }
 
 const wholeFor = (world, person, exercise) => ({ ...exercise, ...summaryFor(world, person, exercise) });
@@ -37,7 +39,8 @@ function putDraft({ world, person, body }) {
   const checked = checkedDocument(world, body);
   if (checked.status !== undefined) return checked;
   if (world.exercises.some((row) => row.name === body.name && row.state === "draft")) return conflict("There is a draft of that name already: replace it.");
-  const draft = { ...checked, id: newId(world), state: "draft", version: 0, revision: 1, has_reference: false, published_ms: world.nowMs };
+  const draft = { ...checked, id: newId(world), state: "draft", version: 0, revision: 1, has_reference: false, published_ms: world.nowMs,
+                  owner: person.role === "admin" ? null : { id: person.id, display_name: person.display_name }, shared: person.role === "admin" };
   world.exercises.push(draft);
   return tagged(wholeFor(world, person, draft), 201);
 }
@@ -68,18 +71,77 @@ function versionsOf({ world, id }) {
     ({ id: own, title, version, state, document_sha256, published_ms })) });
 }
 
+function share({ world, person, id, body }) {
+  const row = byId(world.exercises, id);
+  if (person.role !== "admin" && row.owner?.id !== person.id) return forbidden();
+  if (body.shared !== undefined) row.shared = body.shared;
+  return tagged(wholeFor(world, person, row));
+}
+
 // Assignments
 
+const publishedOf = (world, name) => world.exercises.filter((item) => item.name === name && item.state === "published").sort((a, b) => b.version - a.version);
+
+// As schema Grade says.
+function gradeOf(world, assignment, person, attempts) {
+  const made = attempts.filter((row) => row.assignment_id === assignment.id && row.person.id === person && !row.flags.includes("excused")).sort((a, b) => a.ticketed_ms - b.ticketed_ms);
+  const scored = made.filter((row) => row.score !== null);
+  const scores = scored.map((row) => row.score).sort((a, b) => a - b);
+  const middle = scores.length >> 1;
+  const mean = scores.reduce((sum, score) => sum + score, 0) / scores.length;
+  const median = scores.length % 2 === 1 ? scores[middle] : (scores[middle - 1] + scores[middle]) / 2;
+  const one = assignment.counting === "last" ? scored.at(-1) : scored.find((row) => row.score === scores.at(-1));
+  const result = { best: one?.score, last: one?.score, mean, median }[assignment.counting];
+  return { attempts: made.length, counted: scored.length, score: scored.length === 0 ? null : result,
+           attempt_id: ["best", "last"].includes(assignment.counting) ? one?.id ?? null : null, released: scored.length > 0 && scored.every((row) => !isHidden(world, row)) };
+}
+
+function cohortGrades({ world, id }) {
+  const cohort = byId(world.cohorts, id);
+  const students = world.people.filter((person) => cohort.members.includes(person.id) && person.role === "student");
+  const rows = world.assignments.filter((row) => row.cohort === id || row.cohort === null);
+  const grades = students.map((person) => rows.map((row) => gradeOf(world, row, person.id, world.attempts)));
+  return json({
+    assignments: rows.map((row, i) => {
+      const view = assignmentView(world, row, { id: "", role: "admin" });
+      const scores = grades.map((each) => each[i].score).filter((score) => score !== null).sort((a, b) => a - b);
+      const figures = scores.length === 0 ? { mean: null, median: null, lowest: null, highest: null }
+        : { mean: scores.reduce((sum, score) => sum + score, 0) / scores.length, median: scores[scores.length >> 1], lowest: scores[0], highest: scores.at(-1) };
+      return { id: row.id, exercise: { name: row.exercise, title: view.exercise.title ?? "", version: view.exercise.version }, everybody: row.cohort === null, exam: row.exam,
+               counting: row.counting, summary: { students: students.length, graded: scores.length, ...figures } };
+    }),
+    students: students.map(({ id: own, login, display_name }, i) => ({ person: { id: own, login, display_name }, grades: grades[i] })),
+  });
+}
+
+function moveAssignment({ world, person, request, id, body, query }) {
+  const row = byId(world.assignments, id);
+  const to = byId(world.exercises, body.exercise_id);
+  const kept = world.attempts.filter((attempt) => attempt.assignment_id === id && attempt.exercise.id !== to.id);
+  const answer = (moved, from) => ({ moved, from_version: from, to_version: to.version, attempts: kept.length, tickets: kept.filter((attempt) => attempt.state === "ticketed").length,
+                                     assignment: assignmentView(world, row, person) });
+  const from = assignmentView(world, row, person).exercise.version;
+  if (query.get("dry_run") === "true") return json(answer(false, from));
+  const refused = unseen(request, row, (now) => assignmentView(world, now, person));
+  if (refused !== undefined) return refused;
+  Object.assign(row, { version_id: to.id, revision: row.revision + 1 });
+  return json(answer(true, from), 200, { ETag: `"${row.revision}"` });
+}
+
 function assignmentView(world, row, person) {
-  const exercise = world.exercises.find((item) => item.name === row.exercise && item.state === "published");
+  const [newest] = publishedOf(world, row.exercise);
+  const exercise = byId(world.exercises, row.version_id) ?? newest;
   const name = (rows, id) => ({ id, name: byId(rows, id)?.name ?? "" });
   const used = world.attempts.filter((attempt) => attempt.assignment_id === row.id && attempt.person.id === person.id && !attempt.flags.includes("excused")).length;
+  const { version_id: _version, ...terms } = row;
   return {
-    ...row, exercise: { name: row.exercise, id: exercise?.id ?? null, title: exercise?.title ?? null }, cohort: row.cohort === null ? null : name(world.cohorts, row.cohort),
+    ...terms, exercise: { name: row.exercise, id: exercise?.id ?? null, title: exercise?.title ?? null, version: exercise?.version ?? 0,
+                          newest_id: newest?.id ?? null, newest_version: newest?.version ?? null }, cohort: row.cohort === null ? null : name(world.cohorts, row.cohort),
     stations: row.stations.map((id) => name(world.stations, id)),
     mine: teaches(person) ? null : {
       attempts_used: used, attempts_left: row.attempt_limit === 0 ? null : Math.max(0, row.attempt_limit - used),
-      refusal: row.opens_ms > world.nowMs ? "This exam is not open yet." : "" },
+      refusal: row.opens_ms > world.nowMs ? "This exam is not open yet." : "",
+      grade: gradeOf(world, row, person.id, world.attempts.filter((attempt) => !isHidden(world, attempt))) },
   };
 }
 
@@ -91,14 +153,14 @@ function listAssignments({ world, person, query }) {
 
 function termsOf(body) {
   if (body.due_ms > 0 && body.due_ms <= body.opens_ms) return invalid("due_ms", "expected due_ms after opens_ms, or 0 for never");
-  const { exercise, cohort_id: cohort, station_ids: stations, opens_ms, due_ms, attempt_limit, exam, late_allowed, hands = "listed" } = body;
-  return { exercise, cohort, stations, opens_ms, due_ms, attempt_limit, exam, late_allowed, hands };
+  const { exercise, cohort_id: cohort, station_ids: stations, opens_ms, due_ms, attempt_limit, exam, late_allowed, hands = "listed", counting = "best" } = body;
+  return { exercise, cohort, stations, opens_ms, due_ms, attempt_limit, exam, late_allowed, hands, counting };
 }
 
 function assign({ world, person, body }) {
   const terms = termsOf(body);
   if (terms.status !== undefined) return terms;
-  const row = { id: newId(world), ...terms, created_ms: world.nowMs, revision: 1 };
+  const row = { id: newId(world), ...terms, version_id: publishedOf(world, terms.exercise)[0].id, created_ms: world.nowMs, revision: 1 };
   world.assignments.push(row);
   return tagged(assignmentView(world, row, person), 201);
 }
@@ -297,6 +359,7 @@ export const teachingRoutes = {
   "GET /exercises/{id}/references": ["person", ({ world, id }) => json({ references: world.references.filter((row) => row.exercise_id === id) })],
   "POST /exercises/{id}/publish": ["instructor", (call) => changeDraft(call, (row) => void Object.assign(row, { state: "published", version: 1, published_ms: call.world.nowMs }))],
   "POST /exercises/{id}/retire": ["instructor", exercise(changed((row) => void Object.assign(row, { state: "retired", revision: row.revision + 1 })))],
+  "PUT /exercises/{id}/sharing": ["instructor", share],
   "POST /references/{id}/withdraw": ["instructor", ({ world, id }) => {
     byId(world.references, id).withdrawn_ms = world.nowMs;
     return empty();
@@ -309,6 +372,8 @@ export const teachingRoutes = {
   }],
   "PUT /assignments/{id}": ["instructor", changeAssignment],
   "DELETE /assignments/{id}": ["instructor", deleteAssignment],
+  "POST /assignments/{id}/move": ["instructor", moveAssignment],
+  "GET /cohorts/{id}/grades": ["instructor", cohortGrades],
   "POST /assignments/{id}/release": ["instructor", releaseAssignment],
   "GET /attempts": ["person", listAttempts],
   "GET /attempts/{id}": ["person", withAttempt((row, { world, person }) => {

@@ -53,7 +53,7 @@ function station(number, name, lastSeenMs, software, revoked = false) {
 function makeAssignments(world) {
   const now = world.nowMs;
   const row = (number, exercise, changes) => ({
-    id: id(number), exercise, cohort: id(10), opens_ms: 0, due_ms: 0, attempt_limit: 0, exam: false, late_allowed: false, hands: "listed", stations: [],
+    id: id(number), exercise, cohort: id(10), opens_ms: 0, due_ms: 0, attempt_limit: 0, exam: false, late_allowed: false, hands: "listed", counting: "best", stations: [],
     created_ms: kStartMs, revision: 1, ...changes });
   return [
     row(500, "class-1-occlusal", { opens_ms: now - 10 * kDayMs, due_ms: now + 4 * kDayMs, attempt_limit: 3 }),

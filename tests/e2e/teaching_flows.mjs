@@ -33,6 +33,10 @@ async function exerciseLife(world) {
   await page.getByRole("button", { name: "Publish…" }).click();
   await page.getByRole("button", { name: "Publish", exact: true }).click();
   await page.getByText("Published. It can be assigned now.").waitFor();
+  await page.getByText(/version 1 · .*, private/).waitFor();
+  await page.getByRole("button", { name: "Share…" }).click();
+  await page.getByRole("button", { name: "Share", exact: true }).click();
+  await page.getByText(/version 1 · .*, shared/).waitFor();
   await page.getByRole("button", { name: "Retire…" }).click();
   await page.getByRole("button", { name: "Retire", exact: true }).click();
   await page.locator(".badge", { hasText: "Retired" }).first().waitFor();
@@ -75,7 +79,18 @@ async function assignmentLife(world) {
   await page.getByRole("heading", { level: 1, name: "Assignments" }).waitFor();
   assert.ok(!world.mock.assignments.includes(made) || world.mock.assignments.every((row) => row.id !== made.id));
 
+  // A newer version changes nothing until somebody moves the assignment.
+  const first = world.mock.exercises.find((row) => row.name === "class-1-occlusal" && row.state === "published");
+  const running = world.mock.assignments.find((row) => row.id === id(500));
+  running.version_id = first.id;
+  world.mock.exercises.push({ ...first, id: id(990), version: first.version + 1 });
   await page.getByRole("link", { name: "Occlusal cavity, class I" }).click();
+  await page.getByRole("button", { name: `Move to version ${first.version + 1}…` }).click();
+  await page.getByText(/attempts made with another version keep it/).waitFor();
+  await accessible(page, "moving an assignment");
+  await page.getByRole("button", { name: "Move", exact: true }).click();
+  await page.getByRole("link", { name: `The exercise, version ${first.version + 1}` }).waitFor();
+  assert.equal(running.version_id, id(990));
   await page.getByRole("button", { name: "Release all scores…" }).click();
   await page.getByRole("button", { name: "Release all", exact: true }).click();
   await page.getByText(/\d+ scores released/).waitFor();

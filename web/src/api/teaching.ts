@@ -1,7 +1,8 @@
 import { type ApiResult, type Http, segment, tagOf, understood } from "./http";
 import { decodeSurface, type Surface } from "./surface";
 import type {
-  Annotation, Assignment, AssignmentTerms, AttemptDetail, Exercise, ExerciseState, ExerciseSummary, ExerciseVersion, Reference, Remark, ScoringRun,
+  Annotation, Assignment, AssignmentMove, AssignmentTerms, AttemptDetail, CohortGrades, Exercise, ExerciseState, ExerciseSummary, ExerciseVersion, Reference, Remark,
+  ScoringRun, SharingEdit,
 } from "./types";
 
 type Seen = Pick<AttemptDetail, "id" | "revision">;
@@ -49,6 +50,10 @@ export class TeachingApi {
   retire(id: string) {
     return this.http.empty("POST", `${exercisePath(id)}/retire`);
   }
+  // Whose it is, and whether other instructors may use it.
+  share(id: string, edit: SharingEdit) {
+    return this.http.json<Exercise>("PUT", `${exercisePath(id)}/sharing`, { body: edit });
+  }
 
   // In the order in which they are due.
   assignments(query: { readonly cohort?: string | undefined }, signal?: AbortSignal) {
@@ -62,6 +67,17 @@ export class TeachingApi {
   }
   editAssignment(id: string, terms: AssignmentTerms, tag: string) {
     return this.http.tagged<Assignment>("PUT", assignmentPath(id), { body: terms, tag });
+  }
+  // What moving it to another version of its exercise would do, and doing it.
+  lookAtMove(id: string, version: string, signal?: AbortSignal) {
+    return this.http.json<AssignmentMove>("POST", `${assignmentPath(id)}/move?dry_run=true`, { body: { exercise_id: version }, signal });
+  }
+  moveAssignment(id: string, version: string, tag: string) {
+    return this.http.tagged<AssignmentMove>("POST", `${assignmentPath(id)}/move`, { body: { exercise_id: version }, tag });
+  }
+  // One result for each student and assignment of a cohort.
+  grades(cohort: string, signal?: AbortSignal) {
+    return this.http.json<CohortGrades>("GET", `/cohorts/${segment(cohort)}/grades`, { signal });
   }
   deleteAssignment(id: string, tag: string) {
     return this.http.empty("DELETE", assignmentPath(id), { tag });

@@ -1,6 +1,6 @@
 import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
-import type { Assignment } from "../../api/types";
+import type { Assignment, ExerciseSummary } from "../../api/types";
 import { useChange } from "../../api/use_change";
 import { useRequest } from "../../api/use_request";
 import { ErrorNotice, Loading } from "../../widgets/basics";
@@ -15,11 +15,11 @@ interface Props {
   readonly onMade: (made: Assignment) => void;
 }
 
-const kTerms: Terms = { opens_ms: 0, due_ms: 0, attempt_limit: 0, exam: false, late_allowed: false, hands: "listed", station_ids: [] };
+const kTerms: Terms = { opens_ms: 0, due_ms: 0, attempt_limit: 0, exam: false, late_allowed: false, hands: "listed", counting: "best", station_ids: [] };
 
 // A new assignment: an exercise for a cohort, with its terms.
 export function AssignmentEditor({ client, cohort, onClose, onMade }: Props) {
-  const exercises = useRequest("exercises", (signal) => client.teaching.exercises(undefined, signal));
+  const exercises = useRequest("exercises", (signal) => client.teaching.exercises("published", signal));
   const cohorts = useRequest("cohorts", (signal) => client.people.allCohorts(signal));
   const stations = useRequest("stations", (signal) => client.stations.all(signal));
   const failed = [exercises.loaded, cohorts.loaded, stations.loaded].find((loaded) => loaded.state === "failed");
@@ -28,12 +28,17 @@ export function AssignmentEditor({ client, cohort, onClose, onMade }: Props) {
       {failed?.state === "failed" && <ErrorNotice title="What can be assigned could not be loaded" message={failed.error.message} />}
       {exercises.loaded.state === "ready" && cohorts.loaded.state === "ready" && stations.loaded.state === "ready"
         ? <Fields client={client} cohort={cohort} onClose={onClose} onMade={onMade}
-                  exercises={exercises.loaded.value.map(({ name, title }) => ({ value: name, title }))}
+                  exercises={exercises.loaded.value.filter(({ may }) => may.includes("assign")).map(assignable)}
                   cohorts={cohorts.loaded.value.map(({ id, name }) => ({ value: id, title: name }))}
                   stations={stations.loaded.value.filter((station) => !station.revoked)} />
         : failed === undefined && <Loading what="exercises and cohorts" />}
     </Dialog>
   );
+}
+
+// Graded work without a reference is refused by the server, with what to do.
+function assignable({ name, title, graded, has_reference }: ExerciseSummary) {
+  return { value: name, title: graded && !has_reference ? `${title} (no reference yet)` : title };
 }
 
 interface FieldsProps extends Props {

@@ -8,7 +8,8 @@ import { formatDateTime, plural } from "../../base/format";
 import { Badge, Card, ErrorNotice, Loading, Notice, PageTitle } from "../../widgets/basics";
 import { Confirm } from "../../widgets/dialog";
 import { EditNotices } from "../../widgets/edit_notices";
-import { exerciseTitle, handsText, limitText } from "./assignment_text";
+import { countingText, exerciseTitle, handsText, limitText } from "./assignment_text";
+import { MoveCard } from "./move_card";
 import { PhaseBadge } from "./my_work_page";
 import { type Terms, TermsFields } from "./terms_fields";
 
@@ -36,10 +37,11 @@ export function AssignmentPage({ client, id, onGone }: Props) {
       </div>
       <p class="byline">
         {assignment.cohort === null ? "Everybody" : <a href={`/cohorts/${assignment.cohort.id}`}>{assignment.cohort.name}</a>}{" · "}
-        {assignment.exercise.id !== null && <><a href={`/exercises/${assignment.exercise.id}`}>The exercise</a>{" · "}</>}<a href={`/attempts?assignment=${assignment.id}`}>Attempts under it</a>
+        {assignment.exercise.id !== null && <><a href={`/exercises/${assignment.exercise.id}`}>The exercise, version {assignment.exercise.version}</a>{" · "}</>}<a href={`/attempts?assignment=${assignment.id}`}>Attempts under it</a>
       </p>
       <div class="columns">
         <Card title="Terms"><EditTerms client={client} read={loaded.value} onRead={setNewer} /></Card>
+        <MoveCard client={client} assignment={assignment} tag={tag} onMoved={() => { setNewer(undefined); reload(); }} />
         <Card title="Scores"><Scores client={client} assignment={assignment} tag={tag} onGone={onGone} /></Card>
       </div>
     </>
@@ -54,6 +56,7 @@ const kCompared = [
   { title: "Attempts", text: limitText },
   { title: "Late attempts", text: (item: Draft) => item.late_allowed ? "accepted" : "refused" },
   { title: "Devices allowed", text: handsText },
+  { title: "What counts", text: (item: Draft) => countingText(item.counting) },
   { title: "Exam", text: (item: Draft) => item.exam ? "yes" : "no" },
   { title: "Stations", text: (item: Draft) => item.stations.map((station) => station.name).join(", ") },
 ];
@@ -79,8 +82,8 @@ function EditTerms({ client, read, onRead }:
   );
 }
 
-function termsOf({ opens_ms, due_ms, attempt_limit, exam, late_allowed, hands, stations }: Assignment): Terms {
-  return { opens_ms, due_ms, attempt_limit, exam, late_allowed, hands, station_ids: exam ? stations.map((station) => station.id) : [] };
+function termsOf({ opens_ms, due_ms, attempt_limit, exam, late_allowed, hands, counting, stations }: Assignment): Terms {
+  return { opens_ms, due_ms, attempt_limit, exam, late_allowed, hands, counting, station_ids: exam ? stations.map((station) => station.id) : [] };
 }
 
 function Scores({ client, assignment, tag, onGone }: { readonly client: Client; readonly assignment: Assignment; readonly tag: string; readonly onGone: () => void }) {

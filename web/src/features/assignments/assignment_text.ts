@@ -1,5 +1,6 @@
-import type { Assignment, HandsAllowed } from "../../api/types";
-import { formatDateTime, plural } from "../../base/format";
+import type { Assignment, Counting, Grade, HandsAllowed } from "../../api/types";
+import { unreachable } from "../../base/assert";
+import { formatDateTime, formatScore, plural } from "../../base/format";
 import { relativeTime } from "../../base/local_time";
 
 export type Phase = "before" | "open" | "late" | "closed";
@@ -39,4 +40,23 @@ export const kHands: readonly { readonly value: HandsAllowed; readonly title: st
 
 export function handsText({ hands }: Pick<Assignment, "hands">): string {
   return kHands.find((each) => each.value === hands)?.title ?? hands;
+}
+
+export const kCountings: readonly Counting[] = ["best", "last", "mean", "median"];
+
+export function countingText(counting: Counting): string {
+  switch (counting) {
+    case "best": return "The best attempt";
+    case "last": return "The last attempt";
+    case "mean": return "The mean of all";
+    case "median": return "The median of all";
+    default: return unreachable(counting);
+  }
+}
+
+// A student's result so far; what is not released is not in it.
+export function resultText(grade: Grade, counting: Counting): string {
+  if (grade.score === null) return "None yet";
+  const waiting = grade.attempts - grade.counted;
+  return `${formatScore(grade.score)}: ${countingText(counting).toLowerCase()}, ${plural(grade.counted, "attempt")} counted${waiting > 0 ? `, ${waiting} not released or not scored yet` : ""}`;
 }

@@ -4,7 +4,7 @@ import { useRequest } from "../../api/use_request";
 import { unreachable } from "../../base/assert";
 import { formatDateTime, plural } from "../../base/format";
 import { Badge, Empty, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
-import { dueText, exerciseTitle, leftText, phaseOf } from "./assignment_text";
+import { dueText, exerciseTitle, leftText, phaseOf, resultText } from "./assignment_text";
 
 // What a student has to do, what is due first on top.
 export function MyWorkPage({ client }: { readonly client: Client }) {
@@ -35,6 +35,7 @@ function AssignmentCard({ assignment, now }: { readonly assignment: Assignment; 
         {now < assignment.opens_ms && <div><dt>Opens</dt><dd>{formatDateTime(assignment.opens_ms)}</dd></div>}
         <div><dt>Due</dt><dd>{dueText(assignment, now)}</dd></div>
         <div><dt>Attempts</dt><dd>{leftText({ attempts_left: mine?.attempts_left ?? null })}{used > 0 && `, ${plural(used, "attempt")} made`}</dd></div>
+        {mine !== null && used > 0 && <div><dt>Result</dt><dd>{resultText(mine.grade, assignment.counting)}</dd></div>}
         {assignment.stations.length > 0 && <div><dt>Where</dt><dd>{assignment.stations.map((station) => station.name).join(", ")}</dd></div>}
       </dl>
       {assignment.exam && <p class="hint">In an exam the score is shown after your instructor releases it.</p>}

@@ -1,6 +1,6 @@
-import type { AssignmentTerms } from "../../api/types";
+import type { AssignmentTerms, Counting } from "../../api/types";
 import { CheckField, NumberField, SelectField, TimeField } from "../../widgets/form";
-import { kHands } from "./assignment_text";
+import { countingText, kCountings, kHands } from "./assignment_text";
 
 export type Terms = Required<Omit<AssignmentTerms, "exercise" | "cohort_id">>;
 
@@ -23,6 +23,8 @@ export function TermsFields({ terms, onTerms, stations, problemOf }: Props) {
         <TimeField label="Due" hint="Empty: never" value={terms.due_ms} onValue={(dueMs) => onTerms({ due_ms: dueMs })} problem={problemOf("due_ms") ?? order} />
         <NumberField label="Attempts for each student" hint="0: no limit" min={0} max={1000} value={terms.attempt_limit}
                      onValue={(limit) => onTerms({ attempt_limit: limit })} problem={problemOf("attempt_limit")} />
+        <SelectField<Counting> label="What counts of several attempts" value={terms.counting} onValue={(counting) => onTerms({ counting })}
+                               options={kCountings.map((counting) => ({ value: counting, title: countingText(counting) }))} />
       </div>
       <SelectField label="Devices allowed" hint="In graded work and exams. Practice is free." value={terms.hands} onValue={(hands) => onTerms({ hands })}
                    options={kHands} problem={problemOf("hands")} />

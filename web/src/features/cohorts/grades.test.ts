@@ -1,31 +1,30 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import type { Assignment, Attempt, CohortMember } from "../../api/types";
-import { attemptsTable, gradeRows, gradesTable } from "./grades";
+import type { Attempt, CohortGrades } from "../../api/types";
+import { attemptsTable, gradesTable } from "./grades";
 
-const member = (id: string, role = "student") => ({ id, login: `login.${id}`, display_name: `Name ${id}`, role }) as unknown as CohortMember;
-const assignment = (id: string) => ({ id, exercise: { title: `Exercise ${id}` } }) as unknown as Assignment;
 const attempt = (person: string, under: string, score: number | null, flags: string[] = []) => ({
   id: `${person}-${under}-${score}`, person: { id: person, display_name: `Name ${person}` }, exercise: { title: "E", version: 2 }, station: { name: "S" },
   assignment_id: under, score, computed_score: score, critical_fail: false, released: true, exam: false, flags, state: "scored", ticketed_ms: 1000, sealed_ms: 0,
 }) as unknown as Attempt;
 
-test("the best attempt under an assignment counts; excused and unscored ones do not", () => {
-  const rows = gradeRows([member("b"), member("a"), member("i", "instructor")], [assignment("x"), assignment("y")],
-    [attempt("a", "x", 70), attempt("a", "x", 85), attempt("a", "x", 99, ["excused"]), attempt("a", "y", null), attempt("b", "z", 50)]);
-  assert.deepEqual(rows.map((row) => row.member.id), ["a", "b"]);
-  assert.equal(rows[0]?.grades[0]?.best?.score, 85);
-  assert.equal(rows[0]?.grades[0]?.attempts, 2);
-  assert.equal(rows[0]?.grades[1]?.best, undefined);
-  assert.equal(rows[0]?.grades[1]?.attempts, 1);
-  assert.deepEqual(rows[1]?.grades.map((grade) => grade.attempts), [0, 0]);
-});
+const summary = { students: 1, graded: 1, mean: 81.666, median: 85, lowest: 70, highest: 90 };
+const grades: CohortGrades = {
+  assignments: [
+    { id: "x", exercise: { name: "x", title: "Exercise x", version: 2 }, everybody: false, exam: false, counting: "mean", summary },
+    { id: "y", exercise: { name: "y", title: "", version: 1 }, everybody: true, exam: true, counting: "best", summary: { ...summary, graded: 0 } },
+  ],
+  students: [{ person: { id: "a", login: "login.a", display_name: "Name a" }, grades: [
+    { attempts: 4, counted: 3, score: 81.666, attempt_id: null, released: true },
+    { attempts: 1, counted: 0, score: null, attempt_id: null, released: false },
+  ] }],
+};
 
-test("the exported grades have a row for each student and a column for each assignment, empty where nothing is scored", () => {
-  const assignments = [assignment("x"), assignment("y")];
-  const table = gradesTable(gradeRows([member("a")], assignments, [attempt("a", "x", 85)]), assignments);
-  assert.deepEqual(table.header, ["person", "login", "display_name", "Exercise x", "Exercise y", "assignments_done"]);
-  assert.deepEqual(table.rows, [["a", "login.a", "Name a", 85, null, 1]]);
+test("the exported grades have the result of each assignment, how many attempts count, and whether it is released", () => {
+  const table = gradesTable(grades);
+  assert.deepEqual(table.header, ["person", "login", "display_name", "Exercise x", "y", "assignments_done",
+    "Exercise x (mean of attempts)", "Exercise x (released)", "y (best of attempts)", "y (released)"]);
+  assert.deepEqual(table.rows, [["a", "login.a", "Name a", 81.7, null, 1, 3, true, 0, false]]);
 });
 
 test("the exported attempts have as many cells as the header names", () => {

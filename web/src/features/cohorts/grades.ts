@@ -1,50 +1,23 @@
-import type { Assignment, Attempt, CohortMember } from "../../api/types";
+import type { Attempt, CohortGrades } from "../../api/types";
 import type { Cell } from "../../base/csv";
 
-// A cohort's grades: a row for each student, a column for each assignment. What counts is the best
-// scored attempt under an assignment; a set score counts instead of the computed one (`score` says
-// what counts already).
-
-export interface Grade {
-  readonly attempts: number;
-  readonly best: Attempt | undefined;           // undefined: nothing scored yet
-}
-
-export interface GradeRow {
-  readonly member: CohortMember;
-  readonly grades: readonly Grade[];            // as the assignments are ordered
-}
-
-export function gradeRows(members: readonly CohortMember[], assignments: readonly Assignment[], attempts: readonly Attempt[]): GradeRow[] {
-  const byKey = new Map<string, Attempt[]>();
-  for (const attempt of attempts) {
-    const key = `${attempt.person.id} ${attempt.assignment_id}`;
-    byKey.set(key, [...(byKey.get(key) ?? []), attempt]);
-  }
-  return members.filter((member) => member.role === "student")
-    .sort((a, b) => a.display_name.localeCompare(b.display_name, undefined, { numeric: true }))
-    .map((member) => ({
-      member,
-      grades: assignments.map((assignment) => gradeOf(byKey.get(`${member.id} ${assignment.id}`) ?? [])),
-    }));
-}
-
-function gradeOf(attempts: readonly Attempt[]): Grade {
-  const counting = attempts.filter((attempt) => !attempt.flags.includes("excused") && !attempt.flags.includes("returned"));
-  const best = counting.filter((attempt) => attempt.score !== null).sort((a, b) => (b.score ?? 0) - (a.score ?? 0))[0];
-  return { attempts: counting.length, best };
-}
+// A cohort's results as files to take along. What is one result of several attempts is the server's to
+// say (schema Grade).
 
 export interface CsvTable {
   readonly header: readonly string[];
   readonly rows: ReadonlyArray<readonly Cell[]>;
 }
 
-export function gradesTable(rows: readonly GradeRow[], assignments: readonly Assignment[]): CsvTable {
+// For each assignment the result, and over how many attempts it is.
+export function gradesTable({ assignments, students }: CohortGrades): CsvTable {
+  const titles = assignments.map(({ exercise }) => exercise.title !== "" ? exercise.title : exercise.name);
   return {
-    header: ["person", "login", "display_name", ...assignments.map((assignment) => assignment.exercise.title ?? assignment.exercise.name), "assignments_done"],
-    rows: rows.map(({ member, grades }) => [
-      member.id, member.login, member.display_name, ...grades.map((grade) => rounded(grade.best?.score ?? null)), grades.filter((grade) => grade.best !== undefined).length,
+    header: ["person", "login", "display_name", ...titles, "assignments_done",
+             ...assignments.flatMap(({ counting }, i) => [`${titles[i]} (${counting} of attempts)`, `${titles[i]} (released)`])],
+    rows: students.map(({ person, grades }) => [
+      person.id, person.login, person.display_name, ...grades.map((grade) => rounded(grade.score)), grades.filter((grade) => grade.score !== null).length,
+      ...grades.flatMap((grade) => [grade.counted, grade.released]),
     ]),
   };
 }

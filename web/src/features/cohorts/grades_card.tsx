@@ -1,29 +1,29 @@
-import { useMemo } from "preact/hooks";
 import type { Client } from "../../api/client";
 import { readAll } from "../../api/read_all";
-import type { Assignment, Attempt, Cohort } from "../../api/types";
+import type { Attempt, Cohort, CohortGrades, Grade } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { csvText } from "../../base/csv";
 import { downloadText, fileName } from "../../base/download";
 import { formatScore, plural } from "../../base/format";
 import { ok } from "../../base/result";
 import { Card, Empty, ErrorNotice, Loading, TableFrame } from "../../widgets/basics";
-import { attemptsTable, type CsvTable, type Grade, gradeRows, gradesTable } from "./grades";
+import { attemptsTable, type CsvTable, gradesTable } from "./grades";
 
 const kPageSize = 200;
 
 interface Book {
-  readonly assignments: readonly Assignment[];
+  readonly grades: CohortGrades;
   readonly attempts: readonly Attempt[];
 }
 
 // Everything that was done under a cohort's assignments: on the screen, and as files to take along.
 export function GradesCard({ client, cohort }: { readonly client: Client; readonly cohort: Cohort }) {
-  const { loaded, reload } = useRequest(cohort.id, async (signal) => {
-    const assignments = await client.teaching.assignments({ cohort: cohort.id }, signal);
-    if (!assignments.ok) return assignments;
+  // Who is in it decides what is shown: read again with every change of the cohort.
+  const { loaded, reload } = useRequest(`${cohort.id} ${cohort.members.map((member) => member.id).join(" ")}`, async (signal) => {
+    const grades = await client.teaching.grades(cohort.id, signal);
+    if (!grades.ok) return grades;
     const attempts = await readAll((cursor) => client.attempts({ cohort: cohort.id, cursor, limit: kPageSize }, signal));
-    return attempts.ok ? ok({ assignments: assignments.value, attempts: attempts.value }) : attempts;
+    return attempts.ok ? ok({ grades: grades.value, attempts: attempts.value }) : attempts;
   });
   return (
     <Card title="Grades">
@@ -35,8 +35,7 @@ export function GradesCard({ client, cohort }: { readonly client: Client; readon
 }
 
 function Grades({ cohort, book }: { readonly cohort: Cohort; readonly book: Book }) {
-  const { assignments, attempts } = book;
-  const rows = useMemo(() => gradeRows(cohort.members, assignments, attempts), [cohort, assignments, attempts]);
+  const { grades: { assignments, students }, attempts } = book;
   const save = (name: string, table: CsvTable) => downloadText(`${fileName(cohort.name, name)}.csv`, "text/csv", csvText(table.header, table.rows));
   if (assignments.length === 0) return <Empty>Nothing is assigned to this cohort yet.</Empty>;
   return (
@@ -44,28 +43,50 @@ function Grades({ cohort, book }: { readonly cohort: Cohort; readonly book: Book
       <TableFrame label={`Grades of ${cohort.name}`}>
         <table class="grades dense">
           <thead>
-            <tr><th scope="col">Student</th>{assignments.map((item) => <th key={item.id} scope="col" class="wrap number"><a href={`/assignments/${item.id}`}>{item.exercise.title ?? item.exercise.name}</a></th>)}</tr>
+            <tr>
+              <th scope="col">Student</th>
+              {assignments.map(({ id, exercise, counting }) => (
+                <th key={id} scope="col" class="wrap number"><a href={`/assignments/${id}`}>{exercise.title !== "" ? exercise.title : exercise.name}</a><span class="sub">{counting}</span></th>
+              ))}
+            </tr>
           </thead>
           <tbody>
-            {rows.map((row) => (
-              <tr key={row.member.id}>
-                <th scope="row">{row.member.display_name}</th>
-                {row.grades.map((grade, i) => <td key={assignments[i]!.id} class="number"><GradeCell grade={grade} /></td>)}
+            {students.map(({ person, grades }) => (
+              <tr key={person.id}>
+                <th scope="row">{person.display_name}</th>
+                {grades.map((grade, i) => <td key={assignments[i]!.id} class="number"><GradeCell grade={grade} /></td>)}
               </tr>
             ))}
           </tbody>
+          <tfoot>
+            {kFigures.map(({ name, title }) => (
+              <tr key={name}>
+                <th scope="row">{title}</th>
+                {assignments.map(({ id, summary }) => <td key={id} class="number">{formatScore(summary[name])}</td>)}
+              </tr>
+            ))}
+            <tr>
+              <th scope="row">Students with a result</th>
+              {assignments.map(({ id, summary }) => <td key={id} class="number">{summary.graded} of {summary.students}</td>)}
+            </tr>
+          </tfoot>
         </table>
       </TableFrame>
-      <p class="hint">The best scored attempt counts. A star: not released. Practice shows to the student without a release.</p>
+      <p class="hint">One result for each student and assignment; the assignment says which attempts make it, in brackets is of how many. A star: not all of them are released. Practice shows to the student without a release.</p>
       <div class="button-row">
-        <button type="button" class="button" onClick={() => save("grades", gradesTable(rows, assignments))}>Save grades as CSV</button>
+        <button type="button" class="button" onClick={() => save("grades", gradesTable(book.grades))}>Save grades as CSV</button>
         <button type="button" class="button" onClick={() => save("attempts", attemptsTable(attempts))}>Save all {plural(attempts.length, "attempt")} as CSV</button>
       </div>
     </>
   );
 }
 
+const kFigures = [
+  { name: "mean", title: "Mean" }, { name: "median", title: "Median" }, { name: "lowest", title: "Lowest" }, { name: "highest", title: "Highest" },
+] as const;
+
 function GradeCell({ grade }: { readonly grade: Grade }) {
-  if (grade.best === undefined) return <span class="hint">{grade.attempts === 0 ? "–" : "not scored"}</span>;
-  return <a href={`/attempts/${grade.best.id}`}>{formatScore(grade.best.score)}{!grade.best.released && <span title="Not released">*<span class="hidden"> not released</span></span>}</a>;
+  if (grade.score === null) return <span class="hint">{grade.attempts === 0 ? "–" : "not scored"}</span>;
+  const text = <>{formatScore(grade.score)} ({grade.counted}){!grade.released && <span title="Not released">*<span class="hidden"> not released</span></span>}</>;
+  return grade.attempt_id === null ? text : <a href={`/attempts/${grade.attempt_id}`}>{text}</a>;
 }

@@ -5,7 +5,7 @@ import { formatDateTime, formatNumber, formatQuantity, formatScore, micrometresA
 import { Flags, StateBadge } from "../../widgets/attempt_state";
 import { Badge, Card, Empty, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
 import { DataTable } from "../../widgets/table";
-import { burText, falls, fullMarksText, kStateTexts, noMarksText, shankText, timeLimitText, touchCuesText, versionText } from "./exercise_text";
+import { burText, falls, fullMarksText, kStateTexts, noMarksText, ownerText, shankText, timeLimitText, touchCuesText, versionText } from "./exercise_text";
 import { ReferencesCard, VersionsCard } from "./history_cards";
 import { InitialTooth } from "./initial_tooth";
 import { StaffActions } from "./staff_actions";
@@ -43,7 +43,7 @@ export function ExercisePage({ client, id, personId, teacher, onOpen }: Props) {
             {teacher && <Badge tone={state.tone}>{state.title}</Badge>}
             <Badge tone="neutral">{exercise.graded ? "Graded: the score shows after release" : "Practice: the score shows at once"}</Badge>
           </div>
-          {teacher && <p class="byline"><code>{exercise.name}</code>, {versionText(exercise)}</p>}
+          {teacher && <p class="byline"><code>{exercise.name}</code>, {versionText(exercise)} · {ownerText(exercise)}</p>}
         </div>
         {teacher && <StaffActions client={client} exercise={exercise} tag={loaded.value.tag} onChanged={reload} onOpen={onOpen} />}
       </div>

@@ -1,4 +1,4 @@
-import type { Bur, ExerciseState, TouchCues } from "../../api/types";
+import type { Bur, ExerciseState, ExerciseSummary, TouchCues } from "../../api/types";
 import { formatDuration, formatNumber, formatQuantity, micrometresAsMm } from "../../base/format";
 import type { Tone } from "../../widgets/basics";
 
@@ -73,4 +73,9 @@ function middle(map: MarkMap): number {
 
 function rangeText(low: number, high: number, unit: string): string {
   return low === -high ? `±${formatQuantity(high, unit)}` : `${formatQuantity(low, unit)} to ${formatQuantity(high, unit)}`;
+}
+
+// Whose it is, for who teaches.
+export function ownerText({ owner, shared }: Pick<ExerciseSummary, "owner" | "shared">): string {
+  return `${owner?.display_name ?? "The school"}, ${shared ? "shared" : "private"}`;
 }

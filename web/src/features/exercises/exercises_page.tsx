@@ -7,7 +7,7 @@ import { Badge, Card, Empty, ErrorNotice, Loading, PageTitle, Segmented } from "
 import { Dialog } from "../../widgets/dialog";
 import { DataTable } from "../../widgets/table";
 import { DocumentForm } from "./document_form";
-import { burText, timeLimitText, versionText } from "./exercise_text";
+import { burText, ownerText, timeLimitText, versionText } from "./exercise_text";
 
 export function ExercisesPage({ client }: { readonly client: Client }) {
   const { loaded, reload } = useRequest("exercises", (signal) => client.teaching.exercises(undefined, signal));
@@ -77,6 +77,7 @@ export function StaffExercisesPage({ client, query, onQuery, onOpen }: StaffProp
           <DataTable label="Exercises" items={loaded.value} rowKey={(exercise) => exercise.id} columns={[
             { title: "Exercise", cell: (exercise) => <a href={`/exercises/${exercise.id}`}>{exercise.title}</a> },
             { title: "Name", cell: (exercise) => <><code>{exercise.name}</code>, {versionText(exercise)}</> },
+            { title: "Owner", cell: ownerText },
             { title: "Kind", cell: (exercise) => exercise.graded ? "Graded" : "Practice" },
             { title: "Bur", cell: (exercise) => burText(exercise.bur) },
             { title: "Time limit", cell: (exercise) => timeLimitText(exercise.time_limit_s) },

@@ -14,7 +14,7 @@ interface Props {
   readonly onOpen: (path: string) => void;
 }
 
-type Open = "publish" | "retire" | "delete" | "replace";
+type Open = "publish" | "retire" | "delete" | "replace" | "share";
 
 // What a teacher can do with an exercise: replace, publish or delete a draft; retire what is published.
 export function StaffActions({ client, exercise, tag, onChanged, onOpen }: Props) {
@@ -32,6 +32,8 @@ export function StaffActions({ client, exercise, tag, onChanged, onOpen }: Props
     setDone(text);
     onChanged();
   };
+  // Others' exercises are to read and to assign.
+  if (!exercise.may.includes("change")) return null;
   return (
     <div class="actions">
       <div class="button-row">
@@ -43,18 +45,27 @@ export function StaffActions({ client, exercise, tag, onChanged, onOpen }: Props
           </>
         )}
         {exercise.state === "published" && <button type="button" class="button" onClick={() => setOpen("retire")}>Retire…</button>}
+        <button type="button" class="button" onClick={() => setOpen("share")}>{exercise.shared ? "Stop sharing…" : "Share…"}</button>
       </div>
       <div aria-live="polite">{done !== undefined && <Notice tone="good"><p>{done}</p></Notice>}</div>
       {open === "publish" && (
         <Confirm title="Publish this draft?" action="Publish" tone="neutral" onClose={close}
                  onConfirm={() => confirm(teaching.publish(exercise.id, tag), said("Published. It can be assigned now."))}>
-          <p>It becomes the next version of <code>{exercise.name}</code> and never changes again. Assignments of that exercise use it from now on; attempts that have begun keep theirs.</p>
+          <p>It becomes the next version of <code>{exercise.name}</code> and never changes again. Assignments stay with the version they have until somebody moves them.</p>
         </Confirm>
       )}
       {open === "retire" && (
         <Confirm title={`Retire ${exercise.title}?`} action="Retire" onClose={close}
                  onConfirm={() => confirm(teaching.retire(exercise.id), said("Retired."))}>
           <p>No version of <code>{exercise.name}</code> is offered any more, also where it is assigned. Attempts and scores stay. Publishing a new version brings it back.</p>
+        </Confirm>
+      )}
+      {open === "share" && (
+        <Confirm title={exercise.shared ? `Stop sharing ${exercise.title}?` : `Share ${exercise.title}?`} action={exercise.shared ? "Stop sharing" : "Share"} tone="neutral" onClose={close}
+                 onConfirm={() => confirm(teaching.share(exercise.id, { shared: !exercise.shared }), said(exercise.shared ? "Private now." : "Shared."))}>
+          {exercise.shared
+            ? <p>Other instructors do not find it any more. What they have assigned goes on.</p>
+            : <p>Other instructors can read <code>{exercise.name}</code> and assign it. They cannot change or retire it.</p>}
         </Confirm>
       )}
       {open === "delete" && (
