@@ -120,15 +120,16 @@ TEST(TicketRulesTest, FirstThatAllowsAnAttemptIsPickedAndElseTheFirst) {
 
 TEST(TicketRulesTest, TicketEndsAtTheDueTimeAndAnExamsWithinMinutes) {
   EXPECT_EQ(TicketEnd(std::nullopt, kNow), kNow + 12 * kHour);
-  AssignmentRow row;
-  EXPECT_EQ(TicketEnd(row, kNow), kNow + 12 * kHour);
+  AssignedRow assigned;
+  AssignmentRow& row = assigned.assignment;
+  EXPECT_EQ(TicketEnd(assigned, kNow), kNow + 12 * kHour);
   row.due_ms = kNow + kHour;
-  EXPECT_EQ(TicketEnd(row, kNow), row.due_ms);
+  EXPECT_EQ(TicketEnd(assigned, kNow), row.due_ms);
   row.exam = true;
-  EXPECT_EQ(TicketEnd(row, kNow), kNow + 10 * kMinute);
+  EXPECT_EQ(TicketEnd(assigned, kNow), kNow + 10 * kMinute);
   row.exam = false;
   row.late_allowed = true;
-  EXPECT_EQ(TicketEnd(row, kNow), kNow + 12 * kHour);
+  EXPECT_EQ(TicketEnd(assigned, kNow), kNow + 12 * kHour);
 }
 
 TEST(TicketRulesTest, TermsThatContradictThemselvesAreRefused) {
