@@ -18,23 +18,77 @@ using cutting::kPhiLimit;
 using cutting::Tissue;
 using cutting::Volume;
 
-double PartDistance_m(const PreparationPart& part, const dvec3& p) {
+// To a rectangle about 0, exact.
+double RectangleDistance(double x, double y, double hx, double hy) {
+  x = std::abs(x) - hx, y = std::abs(y) - hy;
+  const double ox = std::max(x, 0.0), oy = std::max(y, 0.0);
+  return std::sqrt(ox * ox + oy * oy) + std::min(std::max(x, y), 0.0);
+}
+
+// To a simple polygon: to its nearest side, negative where a line to the right crosses an odd number
+// of sides.
+double PolygonDistance_m(const std::vector<std::array<int32_t, 2>>& corners_um, double x,
+                         double y) {
+  double nearest = 1e30;
+  bool inside = false;
+  for (size_t i = 0, j = corners_um.size() - 1; i < corners_um.size(); j = i++) {
+    const double ax = corners_um[j][0] * 1e-6, ay = corners_um[j][1] * 1e-6;
+    const double ex = corners_um[i][0] * 1e-6 - ax, ey = corners_um[i][1] * 1e-6 - ay;
+    const double px = x - ax, py = y - ay;
+    const double along = std::clamp((px * ex + py * ey) / (ex * ex + ey * ey), 0.0, 1.0);
+    const double dx = px - along * ex, dy = py - along * ey;
+    nearest = std::min(nearest, dx * dx + dy * dy);
+    if ((py < 0) != (py < ey) && (px * ey < py * ex) == (ey > 0)) inside = !inside;
+  }
+  return inside ? -std::sqrt(nearest) : std::sqrt(nearest);
+}
+
+// To what stands, from the opening's middle; `thinner_m` off its walls.
+double StumpDistance_m(const PreparationPart& part, const dvec3& d, double thinner_m) {
+  const Stump& s = part.stump;
+  const double height = (part.depth_um - s.table_below_um) * 1e-6;
+  // The walls go on above the table and under the foot as they are between.
+  const double t = (d.z + part.depth_um * 1e-6) / height;
+  auto mix = [&](int32_t foot_um, int32_t table_um) {
+    return foot_um * 1e-6 + (table_um - foot_um) * 1e-6 * t;
+  };
+  const double hx = std::max(1e-5, mix(s.foot.half_um[0], s.table.half_um[0]) - thinner_m);
+  const double hy = std::max(1e-5, mix(s.foot.half_um[1], s.table.half_um[1]) - thinner_m);
+  const double radius = std::clamp(s.corner_um * 1e-6 - thinner_m, 0.0, std::min(hx, hy));
+  const double beside = RectangleDistance(d.x - mix(s.foot.middle_um[0], s.table.middle_um[0]),
+                                          d.y - mix(s.foot.middle_um[1], s.table.middle_um[1]),
+                                          hx - radius, hy - radius) -
+                        radius;
+  const double slope =
+      std::max(s.foot.half_um[0] - s.table.half_um[0], s.foot.half_um[1] - s.table.half_um[1]) *
+      1e-6 / height;
+  // Its table stays where it is: what is above belongs to the hollow's floor.
+  return std::max(beside / std::sqrt(1 + slope * slope), d.z + s.table_below_um * 1e-6);
+}
+
+double PartDistance_m(const PreparationPart& part, const dvec3& p, const Growth& grown) {
+  using Outline = PreparationPart::Outline;
   dvec3 d = p - dvec3(part.top_um[0], part.top_um[1], part.top_um[2]) * 1e-6;
-  double hx = part.half_size_um[0] * 1e-6, hy = part.half_size_um[1] * 1e-6;
+  double hx = part.half_size_um[0] * 1e-6 + grown.side_m;
+  double hy = part.half_size_um[1] * 1e-6 + grown.side_m;
   // There is no upper end: the part goes on upward, so that nothing of the tooth is left above it.
-  double below = -d.z - part.depth_um * 1e-6;
+  double below = -d.z - (part.depth_um * 1e-6 + grown.bottom_m);
   double side;
-  if (part.outline == PreparationPart::Outline::kDisc) {
+  if (part.outline == Outline::kDisc) {
     side = std::sqrt(d.x * d.x + d.y * d.y) - hx;
+  } else if (part.outline == Outline::kPolygon) {
+    side = PolygonDistance_m(part.corners_um, d.x, d.y) - grown.side_m;
   } else {
-    double x = std::abs(d.x) - hx, y = std::abs(d.y) - hy;
-    double ox = std::max(x, 0.0), oy = std::max(y, 0.0);
-    side = std::sqrt(ox * ox + oy * oy) + std::min(std::max(x, y), 0.0);
+    side = RectangleDistance(d.x, d.y, hx, hy);
   }
   // Outline and floor put together as two half spaces are: outside by Pythagoras, inside the
   // nearer.
   double ox = std::max(side, 0.0), oz = std::max(below, 0.0);
-  return std::sqrt(ox * ox + oz * oz) + std::min(std::max(side, below), 0.0);
+  const double hollow = std::sqrt(ox * ox + oz * oz) + std::min(std::max(side, below), 0.0);
+  if (part.outline != Outline::kStump) return hollow;
+  // The table is a floor, too.
+  const dvec3 lower = d + dvec3(0, 0, grown.bottom_m);
+  return std::max(hollow, -StumpDistance_m(part, lower, grown.side_m));
 }
 
 int16_t Hollowed(int phi, double distance_m, double voxel_m) {
@@ -68,13 +122,52 @@ void HollowBrick(const Volume& from, int brick, const dvec3& corner, const Prepa
               labels.empty() ? from.UniformTissue(brick) : static_cast<Tissue>(labels[0]));
 }
 
+// How far a target's part goes from the landmark, to whichever side is farther, and below it.
+struct PartReach {
+  std::array<int32_t, 2> side_um{};
+  int32_t depth_um = 0;
+};
+PartReach ReachOf(const PreparationPart& part) {
+  PartReach out;
+  for (size_t i = 0; i < 2; ++i) {
+    out.side_um[i] = std::abs(part.top_um[i]) + part.half_size_um[i];
+    if (part.outline != PreparationPart::Outline::kPolygon) continue;
+    out.side_um[i] = 0;
+    for (const auto& corner : part.corners_um)
+      out.side_um[i] = std::max(out.side_um[i], std::abs(part.top_um[i] + corner[i]));
+  }
+  out.depth_um = part.depth_um - part.top_um[2];
+  return out;
+}
+
 }  // namespace
 
-double PreparationDistance_m(const Preparation& preparation, const dvec3& point_m) {
-  double d = PartDistance_m(preparation.parts.at(0), point_m);
+double PreparationDistance_m(const Preparation& preparation, const dvec3& point_m,
+                             const Growth& grown) {
+  double d = PartDistance_m(preparation.parts.at(0), point_m, grown);
   for (const PreparationPart& part : preparation.parts)
-    d = std::min(d, PartDistance_m(part, point_m));
+    d = std::min(d, PartDistance_m(part, point_m, grown));
   return d;
+}
+
+Result<Preparation> TargetShape(const Scene& scene, const CavityTarget& target) {
+  auto landmark = scene.landmarks.find(target.landmark);
+  if (landmark == scene.landmarks.end()) {
+    return Status(Code::kInvalidInput,
+                  "the target hangs from landmark \"" + target.landmark + "\", which scene \"" +
+                      scene.name + "\" does not have: add it to the scene or choose another",
+                  "target.landmark");
+  }
+  Preparation out{target.landmark, "", target.parts};
+  if (out.parts.empty()) {
+    PreparationPart box;
+    box.half_size_um = {target.half_size_um[0], target.half_size_um[1]};
+    box.depth_um = target.depth_um;
+    out.parts.push_back(box);
+  }
+  for (PreparationPart& part : out.parts)
+    for (size_t i = 0; i < 3; ++i) part.top_um[i] += landmark->second[i];
+  return out;
 }
 
 Volume Prepared(const Volume& volume, const Preparation& preparation) {
@@ -95,20 +188,30 @@ Volume Prepared(const Volume& volume, const Preparation& preparation) {
   return out;
 }
 
-CavityTarget BoundingTarget(const Preparation& preparation) {
+CavityTarget TargetFor(const Preparation& preparation) {
   CavityTarget target;
   target.landmark = preparation.name;
-  const PreparationPart& first = preparation.parts.at(0);
-  // Symmetric about the landmark, which is the first part's opening.
-  for (const PreparationPart& part : preparation.parts) {
-    for (size_t i = 0; i < 2; ++i) {
-      target.half_size_um[i] =
-          std::max(target.half_size_um[i],
-                   std::abs(part.top_um[i] - first.top_um[i]) + part.half_size_um[i]);
-    }
-    target.depth_um = std::max(target.depth_um, first.top_um[2] - part.top_um[2] + part.depth_um);
+  const PointUm origin = preparation.parts.at(0).top_um;
+  for (PreparationPart part : preparation.parts) {
+    for (size_t i = 0; i < 3; ++i) part.top_um[i] -= origin[i];
+    const PartReach reach = ReachOf(part);
+    for (size_t i = 0; i < 2; ++i)
+      target.half_size_um[i] = std::max(target.half_size_um[i], reach.side_um[i]);
+    target.depth_um = std::max(target.depth_um, reach.depth_um);
+    target.parts.push_back(std::move(part));
+  }
+  if (target.parts.size() == 1 && target.parts[0].outline == PreparationPart::Outline::kBox) {
+    target.parts.clear();
   }
   return target;
+}
+
+bool HoldsItsParts(const CavityTarget& target) {
+  return std::all_of(target.parts.begin(), target.parts.end(), [&](const PreparationPart& part) {
+    const PartReach reach = ReachOf(part);
+    return reach.side_um[0] <= target.half_size_um[0] &&
+           reach.side_um[1] <= target.half_size_um[1] && reach.depth_um <= target.depth_um;
+  });
 }
 
 }  // namespace enamel::scene

@@ -7,17 +7,33 @@
 // Wanted shapes as geometry: what has to go, and the tooth or block with exactly that gone.
 namespace enamel::scene {
 
+// How far a hollow is grown: its walls outward (those of a stump inward) and its floor down.
+struct Growth {
+  double side_m = 0, bottom_m = 0;
+};
+
 // Signed distance (m) to the hollow, negative inside it: the union of its parts. A part is an
-// upright prism that begins at its opening and goes on upward without end. Exact outside one part
-// and on its faces. Requires: at least one part.
-double PreparationDistance_m(const Preparation& preparation, const dvec3& point_m);
+// upright prism that begins at its opening and goes on upward without end. Exact on its faces and
+// outside one part, but for edges of grown polygons, which are round, and for a stump, whose sloped
+// walls are met to second order in the slope. Only + - * / sqrt, so equal on every machine.
+// Requires: at least one part.
+double PreparationDistance_m(const Preparation& preparation, const dvec3& point_m,
+                             const Growth& grown = {});
+
+// What a target asks for: its parts, or its box, where they are in the scene. Named as the landmark. Errors: kInvalidInput when the landmark is not in
+// the scene.
+Result<Preparation> TargetShape(const Scene& scene, const CavityTarget& target);
 
 // The volume after a perfect preparation: phi := max(phi, -distance), as a bur would leave it that
 // can reach every corner. A reference to compare a cut with. Bricks left without solid become air.
 cutting::Volume Prepared(const cutting::Volume& volume, const Preparation& preparation);
 
-// The box that just holds a preparation, as an exercise's target with the same landmark (the
-// preparation's name). Requires: at least one part.
-CavityTarget BoundingTarget(const Preparation& preparation);
+// A preparation as an exercise's target with the same landmark (the preparation's name, where its
+// first part opens): its parts, and the box that just holds them. A single box has no parts: the
+// target's own box says it. Requires: at least one part.
+CavityTarget TargetFor(const Preparation& preparation);
+
+// The box about `target`'s landmark holds every part.
+bool HoldsItsParts(const CavityTarget& target);
 
 }  // namespace enamel::scene

@@ -70,13 +70,35 @@ struct TouchCueSpec {
   bool operator==(const TouchCueSpec&) const = default;
 };
 
-// One upright hollow of a preparation: a box or a disc, open at the top.
+// What a part of outline kStump leaves standing in its middle: a rectangle with rounded corners
+// whose middle and half sizes change evenly from the foot, on the part's floor, to the table.
+struct Stump {
+  struct Section {
+    std::array<int32_t, 2> middle_um{};  // from the part's middle
+    std::array<int32_t, 2> half_um{};
+
+    bool operator==(const Section&) const = default;
+  };
+  Section foot, table;
+  int32_t table_below_um = 0;  // the opening
+  int32_t corner_um = 0;       // radius
+
+  bool operator==(const Stump&) const = default;
+};
+
+// One upright hollow of a preparation, open at the top: a box, a disc, a polygon, or all of a box
+// but a stump. Documents of scenes know boxes and discs only.
 struct PreparationPart {
-  enum class Outline { kBox, kDisc };
+  enum class Outline { kBox, kDisc, kPolygon, kStump };
   Outline outline = Outline::kBox;
   PointUm top_um{};                       // middle of the opening
   std::array<int32_t, 2> half_size_um{};  // box: half length x, half width y; disc: radius, radius
   int32_t depth_um = 0;                   // floor below the opening
+  // Polygon: its corners from top_um in x and y, counter-clockwise; half_size_um is not used.
+  std::vector<std::array<int32_t, 2>> corners_um = {};
+  Stump stump = {};
+
+  bool operator==(const PreparationPart&) const = default;
 };
 
 // A wanted shape: the union of its parts is what has to go. preparation.h makes the reference.
@@ -146,7 +168,8 @@ struct DeviceProfile {
   }
 };
 
-// What is to be cut: a box of the cavity, axis-aligned in the scene frame, its top open.
+// What is to be cut: the union of its parts, or without parts a box, axis-aligned in the scene
+// frame, its top open. preparation.h has it as geometry.
 struct CavityTarget {
   std::string landmark = "occlusal_centre";  // the point the box hangs from
   PointUm half_size_um{};                    // half length x (mesio-distal), half width y; z unused
@@ -154,6 +177,8 @@ struct CavityTarget {
   int32_t leeway_side_um = 0;                // may go, beyond the walls
   int32_t leeway_bottom_um = 0;
   int32_t container_um = 0;  // must stay, beyond the leeway
+  // Their top_um is from the landmark. The box above holds them all.
+  std::vector<PreparationPart> parts;
 };
 
 struct RubricPoint {

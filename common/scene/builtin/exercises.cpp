@@ -238,10 +238,11 @@ Exercise ShapeExercise(const Scene& scene, const Sha256& scene_hash, const Prepa
   e.name = NameFor(shape.name.c_str(), scene);
   e.title = "Practice: " + shape.title;
   e.instructions = shape.title + ", with upright walls and a flat floor.";
-  CavityTarget box = BoundingTarget(shape);
-  e.target.landmark = box.landmark;
-  e.target.half_size_um = box.half_size_um;
-  e.target.depth_um = box.depth_um;
+  CavityTarget target = TargetFor(shape);
+  target.leeway_side_um = e.target.leeway_side_um;
+  target.leeway_bottom_um = e.target.leeway_bottom_um;
+  target.container_um = e.target.container_um;
+  e.target = std::move(target);
   e.graded = false;
   e.touch_cues = kPracticeCues;
   e.rubric = ShapeRubric("practice-" + shape.name);

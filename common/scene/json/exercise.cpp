@@ -2,9 +2,11 @@
 
 #include "common/scene/json/bur.h"
 #include "common/scene/json/json.h"
+#include "common/scene/json/preparation.h"
 #include "common/scene/json/read.h"
 #include "common/scene/json/rubric.h"
 #include "common/scene/json/text.h"
+#include "common/scene/preparation.h"
 
 namespace enamel::scene {
 namespace {
@@ -13,16 +15,22 @@ namespace json = boost::json;
 
 // Written in the lowest format that can say it: documents of earlier programs keep their bytes, and
 // exercises that name them by hash keep finding them.
-constexpr int64_t kPlainFormat = 1, kBurFormat = 2, kCueFormat = 3, kGateFormat = 4;
+constexpr int64_t kPlainFormat = 1, kBurFormat = 2, kCueFormat = 3, kGateFormat = 4,
+                  kShapeFormat = 5;
 constexpr int32_t kMaxExtentUm = 100'000;
 
 json::object TargetJson(const CavityTarget& t) {
-  return {{"landmark", t.landmark},
-          {"half_size_um", json::array{t.half_size_um[0], t.half_size_um[1]}},
-          {"depth_um", t.depth_um},
-          {"leeway_side_um", t.leeway_side_um},
-          {"leeway_bottom_um", t.leeway_bottom_um},
-          {"container_um", t.container_um}};
+  json::object out{{"landmark", t.landmark},
+                   {"half_size_um", json::array{t.half_size_um[0], t.half_size_um[1]}},
+                   {"depth_um", t.depth_um},
+                   {"leeway_side_um", t.leeway_side_um},
+                   {"leeway_bottom_um", t.leeway_bottom_um},
+                   {"container_um", t.container_um}};
+  if (t.parts.empty()) return out;
+  json::array parts;
+  for (const PreparationPart& part : t.parts) parts.push_back(PartJson(part));
+  out["parts"] = std::move(parts);
+  return out;
 }
 
 void ReadExerciseBur(ObjectReader& in, Exercise& e) {
@@ -99,6 +107,14 @@ void ReadTarget(ObjectReader& in, CavityTarget& t) {
   t.leeway_side_um = static_cast<int32_t>(target.Int("leeway_side_um", 0, kMaxExtentUm));
   t.leeway_bottom_um = static_cast<int32_t>(target.Int("leeway_bottom_um", 0, kMaxExtentUm));
   t.container_um = static_cast<int32_t>(target.Int("container_um", 0, kMaxExtentUm));
+  if (target.Has("parts")) {
+    for (ObjectReader& part : target.Objects("parts", 1, kMaxParts))
+      t.parts.push_back(ReadPart(part, Outlines::kAll));
+    if (!HoldsItsParts(t)) {
+      // Or the loop would leave tissue out of the plan that is to be cut.
+      target.Refuse("parts", "parts within half_size_um and depth_um", "one that goes beyond");
+    }
+  }
   target.Finish();
 }
 
@@ -109,7 +125,8 @@ std::string ToJson(const Exercise& e) {
   // Exercises come from documents or from here: an unknown law was refused long before.
   ENAMEL_CHECK(law != nullptr);
   const bool handpiece = e.handpiece != HandpieceSpec{}, cues = e.touch_cues != TouchCueSpec{};
-  const int64_t format = !e.rubric.gates.empty()              ? kGateFormat
+  const int64_t format = !e.target.parts.empty()              ? kShapeFormat
+                         : !e.rubric.gates.empty()            ? kGateFormat
                          : cues                               ? kCueFormat
                          : handpiece || NeedsFormat2(e.bur()) ? kBurFormat
                                                               : kPlainFormat;
@@ -138,7 +155,7 @@ Result<Exercise> ExerciseFromJson(std::string_view text) {
   Status status;
   ObjectReader in(*document, "", status);
   Exercise e;
-  int64_t format = in.Format(kPlainFormat, kGateFormat);
+  int64_t format = in.Format(kPlainFormat, kShapeFormat);
   e.name = in.Name("name");
   e.title = in.Text("title", 1, 200);
   e.instructions = in.Text("instructions", 0, 4'000);
@@ -164,6 +181,9 @@ Result<Exercise> ExerciseFromJson(std::string_view text) {
   rubric.Finish();
   if (format < kGateFormat && !e.rubric.gates.empty()) {
     in.Refuse("format", "4 with a rubric that has gates", std::to_string(format));
+  }
+  if (format < kShapeFormat && !e.target.parts.empty()) {
+    in.Refuse("format", "5 with a target that has parts", std::to_string(format));
   }
   in.Finish();
   if (!status.ok()) return status;

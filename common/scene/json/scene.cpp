@@ -2,6 +2,7 @@
 
 #include "common/scene/json/bur.h"
 #include "common/scene/json/json.h"
+#include "common/scene/json/preparation.h"
 #include "common/scene/json/read.h"
 #include "common/scene/json/text.h"
 
@@ -15,7 +16,7 @@ namespace json = boost::json;
 constexpr int64_t kPlainFormat = 1, kBursFormat = 2, kFormat = 3;
 constexpr int32_t kMaxForce_mn = 100'000;
 constexpr int32_t kMaxExtentUm = 100'000;
-constexpr size_t kMaxBurs = 64, kMaxPreparations = 64, kMaxParts = 64;
+constexpr size_t kMaxBurs = 64, kMaxPreparations = 64;
 
 cutting::Tissue ReadTissueName(ObjectReader& in) {
   std::string name = in.Name("tissue");
@@ -82,28 +83,6 @@ void ReadBurs(ObjectReader& in, Scene& scene) {
   }
 }
 
-PreparationPart ReadPart(ObjectReader& in) {
-  PreparationPart part;
-  std::string outline = in.Name("outline");
-  bool disc = outline == "disc";
-  if (!disc && outline != "box") in.Refuse("outline", "box or disc", "\"" + outline + "\"");
-  part.outline = disc ? PreparationPart::Outline::kDisc : PreparationPart::Outline::kBox;
-  auto top = in.Ints("top_um", 3, -kMaxExtentUm, kMaxExtentUm);
-  part.top_um = {top[0], top[1], top[2]};
-  if (disc) {
-    auto radius = static_cast<int32_t>(in.Int("radius_um", 1, kMaxExtentUm));
-    // A disc has one number; both places of the struct hold it, so that readers need not ask which
-    // outline it is.
-    part.half_size_um = {radius, radius};
-  } else {
-    auto half = in.Ints("half_size_um", 2, 1, kMaxExtentUm);
-    part.half_size_um = {half[0], half[1]};
-  }
-  part.depth_um = static_cast<int32_t>(in.Int("depth_um", 1, kMaxExtentUm));
-  in.Finish();
-  return part;
-}
-
 void ReadPreparations(ObjectReader& in, Scene& scene) {
   for (ObjectReader& item : in.Objects("preparations", 0, kMaxPreparations)) {
     Preparation p;
@@ -113,7 +92,7 @@ void ReadPreparations(ObjectReader& in, Scene& scene) {
     }
     p.title = item.Text("title", 1, 200);
     for (ObjectReader& part : item.Objects("parts", 1, kMaxParts))
-      p.parts.push_back(ReadPart(part));
+      p.parts.push_back(ReadPart(part, Outlines::kBoxesAndDiscs));
     item.Finish();
     scene.preparations.push_back(std::move(p));
   }
@@ -134,18 +113,7 @@ json::array PreparationsJson(const std::vector<Preparation>& preparations) {
   json::array out;
   for (const Preparation& p : preparations) {
     json::array parts;
-    for (const PreparationPart& part : p.parts) {
-      bool disc = part.outline == PreparationPart::Outline::kDisc;
-      json::object one{{"outline", disc ? "disc" : "box"},
-                       {"top_um", json::array{part.top_um[0], part.top_um[1], part.top_um[2]}}};
-      if (disc) {
-        one["radius_um"] = part.half_size_um[0];
-      } else {
-        one["half_size_um"] = json::array{part.half_size_um[0], part.half_size_um[1]};
-      }
-      one["depth_um"] = part.depth_um;
-      parts.push_back(std::move(one));
-    }
+    for (const PreparationPart& part : p.parts) parts.push_back(PartJson(part));
     out.push_back(json::object{{"name", p.name}, {"title", p.title}, {"parts", std::move(parts)}});
   }
   return out;

@@ -116,6 +116,35 @@ TEST(SceneJsonTest, GoldenDocumentsReadBackToTheSameBytes) {
                                                               "The work was stopped early."}}));
 }
 
+TEST(SceneJsonTest, ATargetsPartsNeedFormatFiveAndFitIntoItsBox) {
+  const std::string text = ReadText("golden/scene_exercise_target.json");
+  Result<Exercise> exercise = ExerciseFromJson(text);
+  ASSERT_TRUE(exercise.ok()) << exercise.status().message();
+  EXPECT_EQ(ToJson(*exercise), text);
+  ASSERT_EQ(exercise->target.parts.size(), 4u);
+  const PreparationPart& stump = exercise->target.parts[0];
+  EXPECT_EQ(stump.outline, PreparationPart::Outline::kStump);
+  EXPECT_EQ(stump.stump,
+            (Stump{{{50, -100}, {4'000, 3'600}}, {{0, 50}, {3'500, 3'100}}, 1'500, 1'800}));
+  EXPECT_EQ(exercise->target.parts[1].half_size_um, (std::array<int32_t, 2>{800, 800}));
+  auto field = [&](const char* from, const char* to) {
+    Result<Exercise> e = ExerciseFromJson(Replaced(text, from, to));
+    return e.ok() ? std::string("accepted") : e.status().field();
+  };
+  EXPECT_EQ(field("\"format\": 5", "\"format\": 4"), "/format");
+  EXPECT_EQ(field("\"outline\": \"disc\"", "\"outline\": \"star\""), "/target/parts/1/outline");
+  EXPECT_EQ(field("\"top_um\": [-200, 100", "\"top_um\": [-5300, 100"), "/target/parts");
+  EXPECT_EQ(field("\"table_below_um\": 1500", "\"table_below_um\": 6500"),
+            "/target/parts/0/stump/table_below_um");
+  EXPECT_EQ(field("[0, 700]", "[0, -700]"), "/target/parts/3/corners_um");
+  EXPECT_EQ(field("[0, 700]", "[0, 0.5]"), "/target/parts/3/corners_um");
+  EXPECT_EQ(field("[0, 700]", "[0, 700],\n          [600, 700],\n          [-600, 0]"),
+            "/target/parts/3/corners_um");
+  // A document of a scene says what it always said.
+  EXPECT_FALSE(
+      SceneFromJson(Replaced(ReadText("golden/scene_block.json"), "\"disc\"", "\"polygon\"")).ok());
+}
+
 TEST(SceneJsonTest, GatesNeedFormatFourAndAMapOfShares) {
   const std::string text = ReadText("golden/scene_exercise_gates.json");
   auto field = [&](const char* from, const char* to) {
@@ -154,7 +183,7 @@ TEST(SceneJsonTest, TouchCuesNeedFormatThreeAndAForce) {
     return e.ok() ? std::string("accepted") : e.status().field();
   };
   EXPECT_EQ(field("\"format\": 3", "\"format\": 2"), "/format");
-  EXPECT_EQ(field("\"format\": 3", "\"format\": 5"), "/format");
+  EXPECT_EQ(field("\"format\": 3", "\"format\": 6"), "/format");
   EXPECT_EQ(field("\"contact_mn\": 300", "\"contact_mn\": 2001"), "/touch_cues/contact_mn");
   EXPECT_EQ(field("\"chatter_mn\": 120", "\"chatter_mn\": -1"), "/touch_cues/chatter_mn");
   EXPECT_EQ(field("\"energy_uj\": 250", "\"energy_uj\": 0"), "/touch_cues/energy_uj");
@@ -308,7 +337,7 @@ TEST(SceneJsonTest, MaterialSchemaNamesExactlyTheMembersOfTheDocuments) {
 }
 
 TEST(SceneJsonTest, SchemasNameExactlyTheMembersOfTheDocuments) {
-  auto exercise = NamesOf(ReadText("golden/scene_exercise_gates.json"));
+  auto exercise = NamesOf(ReadText("golden/scene_exercise_target.json"));
   EXPECT_EQ(exercise, SchemaNames("exercise.schema.json"));
   EXPECT_EQ(NamesOf(ReadText("golden/scene_rubric.json")), SchemaNames("rubric.schema.json"));
   EXPECT_EQ(NamesOf(ReadText("golden/scene_profile_torque.json")),
