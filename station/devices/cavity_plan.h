@@ -8,17 +8,16 @@
 #include "common/cutting/bur.h"
 #include "common/cutting/volume.h"
 #include "common/math/vec.h"
+#include "station/devices/outline.h"
 
-// What a simulated dentist intends to do to cut a box-shaped cavity: strokes of the bur's tip in
-// the scene frame (m; +z out of the tooth, +x mesial, +y buccal).
+// What a simulated dentist intends to do to cut a cavity: strokes of the bur's tip in the scene
+// frame (m; +z out of the tooth, +x mesial, +y buccal).
 namespace enamel::station {
 
-// A box to cut: its top is open.
-struct BoxCut {
-  dvec3 centre_m{0};  // middle of the box's opening: the landmark
-  // Walls, relative to the centre: distal (-x), mesial (+x), lingual (-y), buccal (+y).
-  double distal_m = 0, mesial_m = 0, lingual_m = 0, buccal_m = 0;  // all positive, outward
-  double depth_m = 0;
+// An upright hollow to cut: its top is open.
+struct HollowCut {
+  Outline walls;
+  double floor_m = 0;  // height
 };
 
 // A line of moves with the same intent. The bur stops at every corner.
@@ -56,16 +55,39 @@ struct CavityPlanOptions {
   bool clockwise = false;  // direction of the rings
 };
 
-// Whether the bur goes into the box with room for the stock on both sides.
-bool FitsInto(const BoxCut& box, const cutting::Bur& bur, const CavityPlanOptions& options);
+// A ring along an outline's sides that pushes away from its middle (outward 1) or towards it (-1).
+FinishRing RingAlong(const Outline& outline, double z_m, bool clockwise, double outward);
 
-// The plan for cutting `box` into `volume` with `bur`, upright. Layers in open air are left out.
-// Requires: FitsInto.
-std::vector<Move> PlanCavity(const BoxCut& box, const cutting::Bur& bur,
+// A ring whose corners are set, as one that finishes downward.
+void SetUpFloor(FinishRing& ring);
+
+// What roughing leaves on the walls: less where the bur has little room.
+double WallStock_m(const HollowCut& hollow, const cutting::Bur& bur,
+                   const CavityPlanOptions& options);
+
+// Whether the bur goes between the walls with room for some stock on all sides, and deep enough for
+// the stock on the floor below `top_m`.
+bool FitsInto(const HollowCut& hollow, double top_m, const cutting::Bur& bur,
+              const CavityPlanOptions& options);
+
+// The plan for cutting `hollow` into `volume` with `bur`, upright. Layers in open air are left out.
+// Requires: FitsInto, convex walls.
+std::vector<Move> PlanCavity(const HollowCut& hollow, const cutting::Bur& bur,
                              const cutting::Volume& volume, const CavityPlanOptions& options);
+
+// All around a stump and off its top, down to its foot.
+struct StumpCut {
+  scene::PreparationPart part;  // of outline kStump, in the scene
+  // How far each wall goes in, and table and foot go down, beyond what the part says.
+  std::function<double(const glm::dvec2& outward)> deeper_m;
+  double lower_m = 0;
+};
+// Layer by layer from above, outermost round first, clear of the neighbours that the volume holds.
+std::vector<Move> PlanStump(const StumpCut& cut, const cutting::Bur& bur,
+                            const cutting::Volume& volume, const CavityPlanOptions& options);
 
 // Highest solid point over a rectangle in x and y, scene z in m; the grid's bottom if there is
 // none.
-double HighestSolid_m(const cutting::Volume& volume, double x0, double x1, double y0, double y1);
+double HighestSolid_m(const cutting::Volume& volume, const Bounds& over);
 
 }  // namespace enamel::station

@@ -3,21 +3,24 @@
 #include <algorithm>
 #include <iterator>
 
+#include "common/scene/preparation.h"
 #include "station/devices/cavity_plan.h"
 #include "station/devices/path_operator.h"
 
 namespace enamel::station {
 namespace {
 
-constexpr double kStartAbove_m = 2e-3;  // of the highest point near the cavity
+// Of the highest point near the target, for a hand of usual speed: nothing is felt or cut before half
+// a second in free air (core/params.h), and he comes down with 10 mm/s.
+constexpr double kStartAbove_m = 8e-3;
 // Of a driven wrist and the fingers on it, about each axis: assumption.
 constexpr double kHandAndWrist_kg_m2 = 1e-4;
 
 using Extra = OperatorPreset::Extra;
 constexpr OperatorPreset kPresets[] = {
-    {"dentist", "cuts the exercise's box to about a third of a voxel", 9, 1, 1.0, 0.55e-3, 2.2,
-     false},
-    {"student", "the same box, another hand: slower, other layers, other way round", 9, 7, 0.85},
+    {"dentist", "cuts what the exercise asks for to about a third of a voxel", 9, 1, 1.0, 0.55e-3,
+     2.2, false},
+    {"student", "the same, another hand: slower, other layers, other way round", 9, 7, 0.85},
     {"student-deep-mesial", "like student, and cuts the mesial wall 0.3 mm too far", 6, 7, 0.85,
      0.5e-3, 1.8, true, Extra{.mesial_m = 0.3e-3}},
     {.name = "shaky",
@@ -70,31 +73,79 @@ constexpr OperatorPreset kPresets[] = {
      .offered = false},
 };
 
-BoxCut BoxOf(const scene::CavityTarget& target, const scene::PointUm& landmark,
-             const Extra& extra) {
-  BoxCut box;
-  box.centre_m = dvec3(landmark[0], landmark[1], landmark[2]) * 1e-6;
-  const double half_x = target.half_size_um[0] * 1e-6, half_y = target.half_size_um[1] * 1e-6;
-  box.distal_m = half_x + extra.distal_m;
-  box.mesial_m = half_x + extra.mesial_m;
-  box.lingual_m = half_y + extra.lingual_m;
-  box.buccal_m = half_y + extra.buccal_m;
-  box.depth_m = target.depth_um * 1e-6 + extra.floor_m;
-  return box;
+// How much farther a wall goes that faces `outward`.
+double ExtraAt_m(const Extra& e, const glm::dvec2& outward) {
+  return std::max(outward.x, 0.0) * e.mesial_m + std::max(-outward.x, 0.0) * e.distal_m +
+         std::max(outward.y, 0.0) * e.buccal_m + std::max(-outward.y, 0.0) * e.lingual_m;
 }
 
-// A slip: from above the tooth's surface beside the box a millimetre into it, and out.
-Stroke SlipBeside(const BoxCut& box, const cutting::Bur& bur, const cutting::Volume& volume) {
+// The box about the whole target.
+Bounds ExtentOf(const scene::CavityTarget& target, const dvec3& landmark_m) {
+  const double hx = target.half_size_um[0] * 1e-6, hy = target.half_size_um[1] * 1e-6;
+  return {landmark_m.x - hx, landmark_m.x + hx, landmark_m.y - hy, landmark_m.y + hy};
+}
+
+// A slip: from above the surface distally of the target a millimetre into it, and out. Of a tooth
+// that is prepared all around, into its middle.
+Stroke SlipBeside(const Bounds& extent, double out_m, bool all_around, const cutting::Bur& bur,
+                  const cutting::Volume& volume) {
   constexpr double kDeep_m = 1e-3, kBeyondLeeway_m = 0.5e-3, kClear_m = 1e-3;
-  dvec3 at = box.centre_m - dvec3(box.distal_m + 2 * bur.radius_m + kBeyondLeeway_m, 0, 0);
-  at.z = HighestSolid_m(volume, at.x - bur.radius_m, at.x + bur.radius_m, at.y - bur.radius_m,
-                        at.y + bur.radius_m);
+  const double y = 0.5 * (extent.y0 + extent.y1), middle = 0.5 * (extent.x0 + extent.x1),
+               r = bur.radius_m;
+  dvec3 at(all_around ? middle : extent.x0 - out_m - 2 * r - kBeyondLeeway_m, y, 0);
+  at.z = HighestSolid_m(volume, {at.x - r, at.x + r, at.y - r, at.y + r});
   const dvec3 up(0, 0, kClear_m), down(0, 0, -kDeep_m);
   Stroke slip;
-  slip.points = {dvec3(box.centre_m.x, box.centre_m.y, at.z) + up, at + up, at + down, at + up};
+  slip.points = {dvec3(middle, y, at.z) + up, at + up, at + down, at + up};
   slip.feed_m_per_s = 1e-3;
   slip.push_n = 2;
   return slip;
+}
+
+Status CannotCut(const scene::Exercise& exercise, const std::string& why) {
+  return Status(Code::kInvalidInput, "exercise '" + exercise.name + "': " + why, "half_size_um");
+}
+
+// Part after part of what the exercise asks for, each in what the others have left.
+Result<std::vector<Move>> PlanTarget(const scene::Preparation& shape, const OperatorPreset& preset,
+                                     const scene::Exercise& exercise, double top_m,
+                                     const cutting::Volume& volume) {
+  using PartOutline = scene::PreparationPart::Outline;
+  const cutting::Bur bur = exercise.bur().metric();
+  CavityPlanOptions options;
+  options.layer_m = preset.layer_m;
+  options.rough_push_n = preset.rough_push_n;
+  options.speed_ratio = preset.speed_ratio;
+  options.clockwise = preset.clockwise;
+  const auto extra = [&](const glm::dvec2& outward) { return ExtraAt_m(preset.extra, outward); };
+  std::vector<Move> plan;
+  cutting::Volume left = volume;
+  for (size_t i = 0; i < shape.parts.size(); ++i) {
+    const scene::PreparationPart& part = shape.parts[i];
+    std::vector<Move> moves;
+    if (part.outline == PartOutline::kStump) {
+      moves = PlanStump({part, extra, preset.extra.floor_m}, bur, left, options);
+    } else {
+      if (!IsConvex(OutlineOf(part))) {
+        return CannotCut(exercise,
+                         "a simulated operator cuts polygons without bays: cut it into several");
+      }
+      const HollowCut hollow{Moved(OutlineOf(part), extra),
+                             (part.top_um[2] - part.depth_um) * 1e-6 - preset.extra.floor_m};
+      if (!FitsInto(hollow, std::max(top_m, part.top_um[2] * 1e-6), bur, options)) {
+        return CannotCut(exercise,
+                         "a simulated operator needs more room beside this bur than part " +
+                             std::to_string(i) + " of the target leaves: it is " +
+                             std::to_string(static_cast<int>(2e6 * Inradius(hollow.walls))) +
+                             " um wide, the bur " +
+                             std::to_string(static_cast<int>(2e6 * bur.radius_m)) + " um");
+      }
+      moves = PlanCavity(hollow, bur, left, options);
+    }
+    plan.insert(plan.end(), moves.begin(), moves.end());
+    if (i + 1 < shape.parts.size()) left = scene::Prepared(left, {shape.name, "", {part}});
+  }
+  return plan;
 }
 
 // He has got used to the device in his hand: how stiff it is, how much its friction holds back.
@@ -148,36 +199,22 @@ Result<std::unique_ptr<SimulatedDevice>> MakeSimulatedDevice(
     const OperatorPreset& preset, const scene::Scene& scene, const scene::Exercise& exercise,
     const scene::DeviceProfile& profile, const core::CoreParams& params,
     const cutting::Volume& volume, uint64_t seed) {
-  auto landmark = scene.landmarks.find(exercise.target.landmark);
-  if (landmark == scene.landmarks.end()) {
-    return Status(Code::kInvalidInput,
-                  "the exercise's box hangs from landmark '" + exercise.target.landmark +
-                      "', which scene '" + scene.name + "' does not have",
-                  "landmark");
-  }
-  cutting::Bur bur = exercise.bur().metric();
-  BoxCut box = BoxOf(exercise.target, landmark->second, preset.extra);
-  CavityPlanOptions options;
-  options.layer_m = preset.layer_m;
-  options.rough_push_n = preset.rough_push_n;
-  options.speed_ratio = preset.speed_ratio;
-  options.clockwise = preset.clockwise;
-  if (!FitsInto(box, bur, options)) {
-    return Status(
-        Code::kInvalidInput,
-        "exercise '" + exercise.name + "': a simulated operator cuts boxes at least " +
-            std::to_string(static_cast<int>(2e6 * (bur.radius_m + options.wall_stock_m) + 1)) +
-            " um wide with this bur, found half sizes " +
-            std::to_string(exercise.target.half_size_um[0]) + " and " +
-            std::to_string(exercise.target.half_size_um[1]) + " um",
-        "half_size_um");
-  }
-  std::vector<Move> plan = PlanCavity(box, bur, volume, options);
+  ENAMEL_ASSIGN_OR_RETURN(const scene::Preparation shape,
+                          scene::TargetShape(scene, exercise.target));
+  const scene::PointUm& at = scene.landmarks.at(exercise.target.landmark);
+  const dvec3 landmark = dvec3(at[0], at[1], at[2]) * 1e-6;
+  ENAMEL_ASSIGN_OR_RETURN(std::vector<Move> plan,
+                          PlanTarget(shape, preset, exercise, landmark.z, volume));
   plan.resize(static_cast<size_t>(preset.plan_share * static_cast<double>(plan.size())));
-  if (preset.slips) plan.emplace_back(SlipBeside(box, bur, volume));
-  double top = HighestSolid_m(volume, box.centre_m.x - box.distal_m, box.centre_m.x + box.mesial_m,
-                              box.centre_m.y - box.lingual_m, box.centre_m.y + box.buccal_m);
-  dvec3 start(box.centre_m.x, box.centre_m.y, std::max(top, box.centre_m.z) + kStartAbove_m);
+  const Bounds extent = ExtentOf(exercise.target, landmark);
+  if (preset.slips) {
+    const bool all_around = shape.parts[0].outline == scene::PreparationPart::Outline::kStump;
+    plan.emplace_back(
+        SlipBeside(extent, preset.extra.distal_m, all_around, exercise.bur().metric(), volume));
+  }
+  const double top = HighestSolid_m(volume, extent);
+  const dvec3 start(0.5 * (extent.x0 + extent.x1), 0.5 * (extent.y0 + extent.y1),
+                    std::max(top, landmark.z) + kStartAbove_m * std::max(1.0, preset.speed_ratio));
   PlantParams plant = PlantOf(profile, params);
   HandParams hand = HandFor(plant, params, preset, seed != 0 ? seed : preset.seed);
   auto op = std::make_unique<PathOperator>(std::string(preset.name), std::move(plan), hand, start);

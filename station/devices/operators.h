@@ -41,9 +41,9 @@ const OperatorPreset* FindOperator(std::string_view name);
 // The plant a profile describes, with counts centred as `params` say.
 PlantParams PlantOf(const scene::DeviceProfile& profile, const core::CoreParams& params);
 
-// `preset` holding the profile's device over the exercise's tooth. `seed` 0: the preset's own.
-// Errors: kInvalidInput when the exercise's box is too small for its bur, or the landmark is
-// missing.
+// `preset` holding the profile's device over the exercise's tooth, to cut what its target asks for.
+// `seed` 0: the preset's own. Errors: kInvalidInput when a part of the target is too small for its
+// bur or has a bay, or the landmark is missing.
 Result<std::unique_ptr<SimulatedDevice>> MakeSimulatedDevice(
     const OperatorPreset& preset, const scene::Scene& scene, const scene::Exercise& exercise,
     const scene::DeviceProfile& profile, const core::CoreParams& params,

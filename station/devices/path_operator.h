@@ -43,7 +43,7 @@ class PathOperator final : public SimulatedOperator {
 
  private:
   static constexpr size_t kDelayRing = 4096;  // eye_delay_s at the fastest loop, 20 kHz
-  static constexpr size_t kMaxSides = 32;
+  static constexpr size_t kMaxSides = 128;    // a round floor's
   static constexpr size_t kMaxBins = 32;
 
   // One straight piece of the way.

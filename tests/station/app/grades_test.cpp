@@ -10,7 +10,9 @@
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/json/json.h"
 #include "common/scene/plan.h"
+#include "common/scene/preparation.h"
 #include "common/scoring/score.h"
+#include "common/scoring/task.h"
 #include "station/devices/operators.h"
 #include "station/loop/tick_loop.h"
 
@@ -141,6 +143,27 @@ TEST_P(Grades, ADestroyedToothScoresNothing) {
     gone.mesh = surface::ExtractSurface(gone.volume);
     EXPECT_EQ(ScoreOf(built_, exercise, gone, reference).score, 0);
   }
+}
+
+// The shape that an exercise asks for, and not the box around it.
+TEST(ShapesTest, TheDentistsCircleIsACircle) {
+  auto built = scene::BuildBuiltinScene("block", kVoxel_nm);
+  ASSERT_TRUE(built.ok());
+  for (const scene::Exercise& exercise : scene::BuiltinExercises(built->scene, {})) {
+    if (exercise.name != "circle-block") continue;
+    auto shape = scene::TargetShape(built->scene, exercise.target);
+    ASSERT_TRUE(shape.ok());
+    const cutting::Volume wanted = scene::Prepared(built->volume, *shape);
+    const surface::Mesh wanted_mesh = surface::ExtractSurface(wanted);
+    const CutTooth cut = CutBy(*FindOperator("dentist"), *built, exercise);
+    const auto volumes = scoring::MeasureTask(built->volume, cut.volume, wanted, wanted_mesh, 0);
+    // 2.5^2 pi 1.5 mm3; the square around it holds 8 mm3 more.
+    EXPECT_NEAR(volumes.task_m3() * 1e9, 29.45, 0.2);
+    EXPECT_GE(volumes.done_m3() / volumes.task_m3(), 0.98);
+    EXPECT_LE((scoring::Sum_m3(volumes.near) + scoring::Sum_m3(volumes.outside)) * 1e9, 0.4);
+    return;
+  }
+  FAIL() << "no circle";
 }
 
 // Spearman's rank correlation, ties at their mean rank.

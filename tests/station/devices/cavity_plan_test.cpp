@@ -19,16 +19,17 @@ class CavityPlanTest : public testing::Test {
     volume_ = std::move(built->volume);
     exercise_ = scene::ClassOneExercise(scene_, {});
     const auto& at = scene_.landmarks.at("occlusal_centre");
-    box_.centre_m = dvec3(at[0], at[1], at[2]) * 1e-6;
-    box_.distal_m = box_.mesial_m = 2e-3;
-    box_.lingual_m = box_.buccal_m = 1.2e-3;
-    box_.depth_m = 2e-3;
+    centre_ = dvec3(at[0], at[1], at[2]) * 1e-6;
+    box_.walls =
+        RectangleOf({centre_.x - 2e-3, centre_.x + 2e-3, centre_.y - 1.2e-3, centre_.y + 1.2e-3});
+    box_.floor_m = centre_.z - 2e-3;
   }
 
   scene::Scene scene_;
   scene::Exercise exercise_;
   cutting::Volume volume_;
-  BoxCut box_;
+  dvec3 centre_{0};
+  HollowCut box_;
   cutting::Bur bur_{cutting::BurShape::kCylinder, 0.5e-3, 4e-3};
 };
 
@@ -40,7 +41,7 @@ TEST_F(CavityPlanTest, NoStrokeLeavesTheBox) {
       const auto* ring = std::get_if<FinishRing>(&move);
       const auto& points = ring ? ring->corners : std::get<Stroke>(move).points;
       for (const dvec3& p : points) {
-        dvec3 d = p - box_.centre_m;
+        dvec3 d = p - centre_;
         EXPECT_LE(std::abs(d.x) + bur_.radius_m, 2e-3 + 1e-9);
         EXPECT_LE(std::abs(d.y) + bur_.radius_m, 1.2e-3 + 1e-9);
         EXPECT_GE(d.z, -2e-3 - 1e-9);
@@ -57,8 +58,8 @@ TEST_F(CavityPlanTest, RoughingLeavesStockOnWallsAndFloor) {
   ASSERT_GT(first_ring, 3u);
   const auto& entry = std::get<Stroke>(plan[2]);
   for (const dvec3& p : entry.points) {
-    EXPECT_LE(std::abs(p.x - box_.centre_m.x) + bur_.radius_m, 2e-3 - options.wall_stock_m + 1e-9);
-    EXPECT_GE(p.z, box_.centre_m.z - box_.depth_m + options.floor_stock_m - 1e-9);
+    EXPECT_LE(std::abs(p.x - centre_.x) + bur_.radius_m, 2e-3 - options.wall_stock_m + 1e-9);
+    EXPECT_GE(p.z, box_.floor_m + options.floor_stock_m - 1e-9);
   }
 }
 
@@ -71,15 +72,15 @@ TEST_F(CavityPlanTest, FinishingPushesOutwardWhicheverWayItGoesRound) {
       if (ring == nullptr || ring->outward[0].z != 0) continue;
       for (size_t i = 0; i < ring->corners.size(); ++i) {
         dvec3 middle = 0.5 * (ring->corners[i] + ring->corners[(i + 1) % ring->corners.size()]);
-        EXPECT_GT(Dot(ring->outward[i], middle - box_.centre_m), 0) << "side " << i;
+        EXPECT_GT(Dot(ring->outward[i], middle - centre_), 0) << "side " << i;
       }
     }
   }
 }
 
 TEST_F(CavityPlanTest, HighestSolidIsTheBlocksTop) {
-  double top = HighestSolid_m(volume_, -1e-3, 1e-3, -1e-3, 1e-3);
-  EXPECT_NEAR(top, box_.centre_m.z, volume_.spec().voxel_m());
+  double top = HighestSolid_m(volume_, {-1e-3, 1e-3, -1e-3, 1e-3});
+  EXPECT_NEAR(top, centre_.z, volume_.spec().voxel_m());
 }
 
 TEST_F(CavityPlanTest, BoxTooNarrowForTheBurIsRefused) {

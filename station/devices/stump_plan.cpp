@@ -1,0 +1,188 @@
+#include <algorithm>
+#include <cmath>
+
+#include "station/devices/cavity_plan.h"
+
+namespace enamel::station {
+namespace {
+
+constexpr double kClear_m = 1.0e-3;  // above the highest solid, between air and work
+constexpr double kAirFeed_m_per_s = 10e-3;
+constexpr double kRoughFeed_m_per_s = 4e-3;
+constexpr double kFinishFeed_m_per_s = 4e-3;
+constexpr double kStock_m = 0.12e-3;       // left by roughing
+constexpr double kOverlap = 1.3;           // of the tip's radius, from round to round
+constexpr double kContour_m = 0.25e-3;     // height of what a contour finishes
+constexpr double kNeighbourGap_m = 40e-6;  // that the bur keeps
+constexpr double kWhereWide_m = 4e-3;      // above the tip: where crowns are widest
+
+// Bounds of the tooth's solid, and of the room between its neighbours, from `z_m` upward.
+struct Surroundings {
+  Bounds tooth{0, 0, 0, 0};
+  Bounds room{-1, 1, -1, 1};
+};
+
+Surroundings LookAround(const cutting::Volume& volume, const scene::PreparationPart& part,
+                        double z_m) {
+  const cutting::GridSpec& spec = volume.spec();
+  const dvec3 origin = spec.origin_m();
+  const double h = spec.voxel_m();
+  const double x = part.top_um[0] * 1e-6, y = part.top_um[1] * 1e-6;
+  Surroundings out;
+  out.tooth = {x, x, y, y};
+  const ivec3 n = spec.voxels();
+  for (int k = std::max(0, static_cast<int>((z_m - origin.z) / h)); k < n.z; ++k)
+    for (int j = 0; j < n.y; ++j)
+      for (int i = 0; i < n.x; ++i) {
+        if (volume.PhiAt({i, j, k}) >= 0) continue;
+        const dvec3 p = origin + dvec3(i, j, k) * h;
+        if (volume.TissueAt({i, j, k}) != cutting::Tissue::kNeighbour) {
+          Bounds& b = out.tooth;
+          b = {std::min(b.x0, p.x), std::max(b.x1, p.x), std::min(b.y0, p.y), std::max(b.y1, p.y)};
+        } else if (p.x > x) {  // neighbours stand mesially and distally
+          out.room.x1 = std::min(out.room.x1, p.x);
+        } else {
+          out.room.x0 = std::max(out.room.x0, p.x);
+        }
+      }
+  return out;
+}
+
+class Planner {
+ public:
+  Planner(const StumpCut& cut, const cutting::Bur& bur, const cutting::Volume& volume,
+          const CavityPlanOptions& options)
+      : cut_(cut),
+        options_(options),
+        tip_m_(bur.shape == cutting::BurShape::kCone ? bur.narrow_radius_m : bur.radius_m),
+        foot_z_((cut.part.top_um[2] - cut.part.depth_um) * 1e-6 - cut.lower_m),
+        table_z_((cut.part.top_um[2] - cut.part.stump.table_below_um) * 1e-6 - cut.lower_m),
+        around_(LookAround(volume, cut.part, foot_z_)),
+        above_table_(LookAround(volume, cut.part, table_z_)) {
+    const double side = (bur.radius_m - tip_m_) / std::max(bur.length_m, 1e-3);
+    const double wide = tip_m_ + side * kWhereWide_m + kNeighbourGap_m;
+    const Bounds& room = around_.room;
+    room_ = {room.x0 + wide, room.x1 - wide, room.y0 + wide, room.y1 - wide};
+    top_ = HighestSolid_m(volume, above_table_.tooth);
+  }
+
+  std::vector<Move> Make() {
+    OffTheTop();
+    AroundTheWalls();
+    Contours();
+    Finish();
+    return std::move(moves_);
+  }
+
+ private:
+  void Go(std::vector<dvec3> points, double feed, double push, double tolerance, bool bur_on) {
+    at_ = points.back();
+    moves_.emplace_back(
+        Stroke{std::move(points), feed * options_.speed_ratio, push, tolerance, bur_on});
+  }
+  // Through the air to over a point, and down to it.
+  void GoTo(const dvec3& p) {
+    const double clear = std::max(top_, p.z) + kClear_m;
+    std::vector<dvec3> way;
+    if (!moves_.empty()) way.emplace_back(at_.x, at_.y, clear);
+    way.emplace_back(p.x, p.y, clear);
+    Go(std::move(way), kAirFeed_m_per_s, 0.5, 2e-4, false);
+    Go({p}, kAirFeed_m_per_s, 0.5, 2e-4, true);
+  }
+  void GoRound(const Outline& outline, double z, double feed, double push) {
+    std::vector<dvec3> c = CornersAt(outline, z, options_.clockwise);
+    c.push_back(c[0]);
+    if (at_.z != z) GoTo(c[0]);
+    Go(std::move(c), feed, push, 1e-4, true);
+  }
+
+  // The walls at a height, so far out.
+  Outline Walls(double z, double out_m) const {
+    const Outline walls = SectionOf(cut_.part, z + cut_.lower_m);
+    return Moved(walls, [&](const glm::dvec2& outward) { return out_m - cut_.deeper_m(outward); });
+  }
+  // Rounds of the tip that clear from `inner` out to beyond the tooth, outermost first.
+  std::vector<Outline> RoundsFrom(const Outline& inner, const Bounds& tooth) const {
+    std::vector<Outline> out = {inner};
+    for (;;) {
+      const Bounds b = BoundsOf(out.back());
+      const bool beyond = b.x0 - tip_m_ < tooth.x0 && b.x1 + tip_m_ > tooth.x1 &&
+                          b.y0 - tip_m_ < tooth.y0 && b.y1 + tip_m_ > tooth.y1;
+      if (beyond || out.size() > 20) break;
+      out.push_back(Grown(out.back(), kOverlap * tip_m_));
+    }
+    for (Outline& o : out) o = Within(o, room_);
+    std::reverse(out.begin(), out.end());
+    return out;
+  }
+  int Layers(double from, double to, double layer) const {
+    return std::max(1, static_cast<int>(std::ceil((from - to) / layer)));
+  }
+
+  // The table, from outside inward.
+  void OffTheTop() {
+    const Bounds& b = above_table_.tooth;
+    const double inside = 0.5 * std::min(b.x1 - b.x0, b.y1 - b.y0);
+    const Outline outer = RectangleOf(b);
+    const int layers = Layers(top_, table_z_, options_.layer_m);
+    for (int i = 1; i <= layers; ++i) {
+      const double z = top_ + (table_z_ - top_) * i / layers;
+      for (double in = 0; in < inside; in += kOverlap * tip_m_)
+        GoRound(Within(Grown(outer, -in), room_), z, kRoughFeed_m_per_s, options_.rough_push_n);
+    }
+  }
+
+  void AroundTheWalls() {
+    top_ = table_z_;
+    const int layers = Layers(table_z_, foot_z_, options_.layer_m);
+    for (int i = 1; i <= layers; ++i) {
+      const double z = table_z_ + (foot_z_ - table_z_) * i / layers;
+      for (const Outline& round : RoundsFrom(Walls(z, tip_m_ + kStock_m), around_.tooth)) {
+        GoRound(round, z, kRoughFeed_m_per_s, options_.rough_push_n);
+      }
+    }
+  }
+
+  void Contours() {
+    const int steps = Layers(table_z_, foot_z_, kContour_m);
+    for (int i = 1; i < steps; ++i) {
+      const double z = table_z_ + (foot_z_ - table_z_) * i / steps;
+      GoRound(Walls(z, tip_m_), z, kFinishFeed_m_per_s, options_.finish_push_n);
+    }
+  }
+
+  // The wall's foot and the shoulder until they are right.
+  void Finish() {
+    FinishRing wall = RingAlong(Walls(foot_z_, tip_m_), foot_z_, options_.clockwise, -1);
+    GoTo(wall.corners[0]);
+    wall.feed_m_per_s = kFinishFeed_m_per_s * options_.speed_ratio;
+    wall.push_n = 0.8;
+    wall.tolerance_m = 40e-6;
+    moves_.emplace_back(std::move(wall));
+    FinishRing shoulder;
+    shoulder.corners = CornersAt(Walls(foot_z_, tip_m_ + 30e-6), foot_z_, options_.clockwise);
+    SetUpFloor(shoulder);
+    shoulder.feed_m_per_s = kFinishFeed_m_per_s * options_.speed_ratio;
+    at_ = shoulder.corners[0];
+    moves_.emplace_back(std::move(shoulder));
+    Go({at_ + dvec3(0, 0, table_z_ - foot_z_ + kClear_m)}, kAirFeed_m_per_s, 0.5, 3e-4, true);
+  }
+
+  const StumpCut& cut_;
+  const CavityPlanOptions& options_;
+  const double tip_m_, foot_z_, table_z_;
+  const Surroundings around_, above_table_;
+  Bounds room_;  // where the tip may be
+  double top_ = 0;
+  dvec3 at_{0};
+  std::vector<Move> moves_;
+};
+
+}  // namespace
+
+std::vector<Move> PlanStump(const StumpCut& cut, const cutting::Bur& bur,
+                            const cutting::Volume& volume, const CavityPlanOptions& options) {
+  return Planner(cut, bur, volume, options).Make();
+}
+
+}  // namespace enamel::station
