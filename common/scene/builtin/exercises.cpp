@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <string>
 
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/preparation.h"
@@ -163,6 +165,13 @@ std::string NameFor(const char* kind, const Scene& scene) {
   return (std::string(kind) + "-" + scene.name).substr(0, 64);
 }
 
+bool IsAnterior(const Scene& scene) { return scene.name.starts_with("incisor"); }
+
+bool HasNeighbours(const Scene& scene) {
+  return std::any_of(scene.tissues.begin(), scene.tissues.end(),
+                     [](const TissueSpec& t) { return t.tissue == cutting::Tissue::kNeighbour; });
+}
+
 Exercise ClassTwoExercise(const Scene& scene, const Sha256& scene_hash) {
   Exercise e = ClassOneExercise(scene, scene_hash);
   e.name = NameFor("class-2", scene);
@@ -208,24 +217,91 @@ Exercise CariesExercise(const Scene& scene, const Sha256& scene_hash) {
   return e;
 }
 
-// From the highest cusp to a little above the cervical line.
-constexpr int32_t kCrownDepth_um = 6'500;
+// What a crown's preparation leaves of a tooth that is built in: as much off its walls and top as
+// textbooks ask for (1 mm and 1.5 mm), less where the pulp would keep less than 0.9 mm of cover; the
+// stump that the tooth's own sections give with that, its walls opened to 7 to 14 degrees where the
+// sections would give less or more. Heights are below the landmark crown_top.
+struct CrownTask {
+  const char* tooth;  // the beginning of a scene's name
+  int32_t depth_um;   // of the shoulder: above the cervical line
+  int32_t off_top_um, off_walls_um;
+  Stump::Section foot, table;
+  int32_t corner_um;
+};
+constexpr CrownTask kCrowns[] = {{"molar-46",
+                                  6'500,
+                                  1'200,
+                                  800,
+                                  {{0, 250}, {4'100, 4'050}},
+                                  {{50, -350}, {3'350, 3'050}},
+                                  1'800},
+                                 {"premolar-14",
+                                  6'500,
+                                  1'500,
+                                  1'000,
+                                  {{0, 50}, {1'900, 3'350}},
+                                  {{-50, 150}, {1'150, 2'450}},
+                                  700},
+                                 {"incisor-11",
+                                  9'000,
+                                  1'500,
+                                  1'000,
+                                  {{0, 100}, {2'500, 2'300}},
+                                  {{50, 400}, {2'100, 500}},
+                                  450}};
+
+const CrownTask* CrownOf(const Scene& scene) {
+  const auto* it = std::find_if(std::begin(kCrowns), std::end(kCrowns), [&](const CrownTask& c) {
+    return scene.name.starts_with(c.tooth);
+  });
+  return it == std::end(kCrowns) ? nullptr : it;
+}
+
+// A length as a student reads it: "1.5 mm".
+std::string Mm(int32_t um) {
+  std::string text = std::to_string(um / 1000) + "." + std::to_string(um / 100 % 10);
+  if (um % 100 != 0) text += std::to_string(um / 10 % 10);
+  return text + " mm";
+}
+
+// Of a crown that is not built in nothing is known but its height: what has to go is what the
+// reference took.
+constexpr int32_t kUnknownCrownDepth_um = 6'500;
 
 Exercise CrownExercise(const Scene& scene, const Sha256& scene_hash) {
   Exercise e = ClassOneExercise(scene, scene_hash);
   e.name = NameFor("crown", scene);
   e.title = "Crown preparation";
-  e.instructions =
-      "Reduce the occlusal surface by 1.5 mm and the walls by 1 mm all around, down to a shoulder "
-      "6.5 mm below the highest cusp. Neighbours and root stay untouched.";
-  e.bur_shape = cutting::BurShape::kCone;  // "taper-16": leaves walls of 2 degrees
+  e.bur_shape = cutting::BurShape::kCone;  // "taper-16"
   e.bur_radius_um = 800;
   e.bur_length_um = 8'000;
   e.bur_narrow_radius_um = 500;
   e.target.landmark = "crown_top";
   // Wider than the widest built-in crown, 11 x 10.5 mm.
   e.target.half_size_um = {6'000, 6'000, 0};
-  e.target.depth_um = kCrownDepth_um;
+  e.target.depth_um = kUnknownCrownDepth_um;
+  const CrownTask* crown = CrownOf(scene);
+  const bool anterior = IsAnterior(scene);
+  const std::string top = anterior ? "incisal edge" : "occlusal surface";
+  const std::string highest = anterior ? "the incisal edge" : "the highest cusp";
+  if (crown == nullptr) {
+    e.instructions = "Reduce the " + top +
+                     " and the walls all around as the reference does, down to a shoulder " +
+                     Mm(e.target.depth_um) + " below " + highest + ".";
+  } else {
+    e.target.depth_um = crown->depth_um;
+    PreparationPart part;
+    part.outline = PreparationPart::Outline::kStump;
+    part.half_size_um = {e.target.half_size_um[0], e.target.half_size_um[1]};
+    part.depth_um = crown->depth_um;
+    part.stump = {crown->foot, crown->table, crown->off_top_um, crown->corner_um};
+    e.target.parts = {part};
+    e.instructions = "Reduce the " + top + " by " + Mm(crown->off_top_um) + " and the walls by " +
+                     Mm(crown->off_walls_um) + " all around, down to a shoulder " +
+                     Mm(crown->depth_um) + " below " + highest + ".";
+  }
+  e.instructions +=
+      HasNeighbours(scene) ? " Neighbours and root stay untouched." : " The root stays untouched.";
   e.rubric = ShapeRubric("crown-preparation", 25, 10);
   e.rubric.criteria.push_back(PulpCriterion(5));
   e.rubric.criteria.push_back(CoverCriterion(5));
@@ -255,7 +331,7 @@ std::vector<Exercise> BuiltinExercises(const Scene& scene, const Sha256& scene_h
   std::vector<Exercise> out;
   auto has = [&](const char* landmark) { return scene.landmarks.count(landmark) != 0; };
   // An incisor has no fossa to cut into.
-  if (has("occlusal_centre") && scene.name != "incisor-11") {
+  if (has("occlusal_centre") && !IsAnterior(scene)) {
     out.push_back(ClassOneExercise(scene, scene_hash));
   }
   if (has("caries")) out.push_back(CariesExercise(scene, scene_hash));

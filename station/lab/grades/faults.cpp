@@ -437,15 +437,15 @@ Result<Task> TaskOf(const scene::BuiltScene& built, const scene::Exercise& exerc
   }
   const dvec3 at = dvec3(landmark->second[0], landmark->second[1], landmark->second[2]) * 1e-6;
   Task out;
-  for (const scene::Preparation& p : built.scene.preparations) {
-    if (p.name != target.landmark) continue;
-    out.kind = Task::Kind::kShape;
-    out.shape = p;
+  ENAMEL_ASSIGN_OR_RETURN(scene::Preparation shape, scene::TargetShape(built.scene, target));
+  if (shape.parts[0].outline == scene::PreparationPart::Outline::kStump) {
+    out.kind = Task::Kind::kCrown;
+    out.crown = CrownCutOf(shape.parts[0]);
     return out;
   }
-  if (target.landmark == "crown_top") {
-    out.kind = Task::Kind::kCrown;
-    out.crown = CrownCutFor(built.volume, at.z, at.z - target.depth_um * 1e-6);
+  if (!target.parts.empty()) {
+    out.kind = Task::Kind::kShape;
+    out.shape = std::move(shape);
     return out;
   }
   out.box = {

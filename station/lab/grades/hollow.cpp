@@ -17,12 +17,7 @@ using cutting::Volume;
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr int kWaves = 3;
-constexpr double kLeastSlope = 0.0524;   // tan 3 deg
-constexpr double kLeastHalf_m = 0.5e-3;  // of a stump's top
-constexpr double kCornerRadius = 0.6;    // of a stump's smaller half size
-constexpr double kCrownWalls_m = 1e-3, kCrownTop_m = 1.5e-3;
-constexpr double kCrownCover_m = 0.9e-3;  // less costs points in the crown's rubric
-constexpr double kBandVoxels = 4;         // phi says no more
+constexpr double kBandVoxels = 4;  // phi says no more
 
 // In the wall's own frame: how far out, along it and above the cavity's middle height.
 double WallDistance_m(const Face& f, double out, double along, double length, double height) {
@@ -72,55 +67,6 @@ void HollowBrick(const Volume& from, int brick, const Hollow& hollow, Neighbours
   if (from.HasLabels(brick)) labels = from.Labels(brick).tissue;
   to.SetBrick(brick, phi, labels,
               labels.empty() ? from.UniformTissue(brick) : static_cast<Tissue>(labels[0]));
-}
-
-CrownCut::Section SectionAt(const Volume& volume, double z_m) {
-  const cutting::GridSpec& spec = volume.spec();
-  const dvec3 origin = spec.origin_m();
-  const double h = spec.voxel_m();
-  const ivec3 n = spec.voxels();
-  const int k = std::clamp(static_cast<int>(std::lround((z_m - origin.z) / h)), 0, n.z - 1);
-  dvec3 lo(std::numeric_limits<double>::infinity()), hi(-lo);
-  for (int j = 0; j < n.y; ++j) {
-    for (int i = 0; i < n.x; ++i) {
-      const ivec3 at(i, j, k);
-      if (volume.PhiAt(at) >= 0 || volume.TissueAt(at) == Tissue::kNeighbour) continue;
-      const dvec3 p = origin + dvec3(at) * h;
-      lo = glm::min(lo, p), hi = glm::max(hi, p);
-    }
-  }
-  if (!(lo.x <= hi.x)) return {};
-  return {0.5 * (lo.x + hi.x), 0.5 * (lo.y + hi.y), 0.5 * (hi.x - lo.x), 0.5 * (hi.y - lo.y)};
-}
-
-CrownCut ReducedBy(const Volume& initial, double top_z_m, double shoulder_z_m, double share) {
-  const double walls_m = kCrownWalls_m * share;
-  CrownCut out;
-  out.shoulder_z_m = shoulder_z_m;
-  out.top_z_m = top_z_m - kCrownTop_m * share;
-  out.at_shoulder = SectionAt(initial, shoulder_z_m);
-  out.at_top = SectionAt(initial, out.top_z_m);
-  const double in = kLeastSlope * (out.top_z_m - shoulder_z_m);
-  CrownCut::Section &a = out.at_shoulder, &b = out.at_top;
-  a.half_x_m -= walls_m, a.half_y_m -= walls_m;
-  b.half_x_m = std::min(std::max(b.half_x_m - walls_m, kLeastHalf_m), a.half_x_m - in);
-  b.half_y_m = std::min(std::max(b.half_y_m - walls_m, kLeastHalf_m), a.half_y_m - in);
-  out.corner_m = kCornerRadius * std::min(b.half_x_m, b.half_y_m);
-  return out;
-}
-
-bool CoversPulp(const Volume& initial, const CrownCut& cut) {
-  const double cover_m = kCrownCover_m + initial.spec().voxel_m();
-  for (int b = 0; b < initial.spec().brick_count(); ++b) {
-    if (IsAir(initial, b)) continue;
-    if (!initial.HasLabels(b) && initial.UniformTissue(b) != Tissue::kPulp) continue;
-    const dvec3 corner = CornerOf(initial.spec(), b);
-    for (int i = 0; i < kBrickVoxels; ++i) {
-      if (LabelOf(initial, b, i) != Tissue::kPulp) continue;
-      if (cut.Distance_m(corner + InBrick(i) * initial.spec().voxel_m()) < cover_m) return false;
-    }
-  }
-  return true;
 }
 
 }  // namespace
@@ -182,13 +128,18 @@ double CrownCut::Distance_m(const dvec3& p) const {
   return std::max(-outside_stump, shoulder_z_m - p.z);
 }
 
-CrownCut CrownCutFor(const Volume& initial, double top_z_m, double shoulder_z_m) {
-  // As much as is asked for, or what leaves the pulp its cover.
+CrownCut CrownCutOf(const scene::PreparationPart& part) {
+  const scene::Stump& s = part.stump;
+  auto section = [&](const scene::Stump::Section& at) -> CrownCut::Section {
+    return {(part.top_um[0] + at.middle_um[0]) * 1e-6, (part.top_um[1] + at.middle_um[1]) * 1e-6,
+            at.half_um[0] * 1e-6, at.half_um[1] * 1e-6};
+  };
   CrownCut out;
-  for (int tenths = 10; tenths >= 3; --tenths) {
-    out = ReducedBy(initial, top_z_m, shoulder_z_m, 0.1 * tenths);
-    if (CoversPulp(initial, out)) break;
-  }
+  out.shoulder_z_m = (part.top_um[2] - part.depth_um) * 1e-6;
+  out.top_z_m = (part.top_um[2] - s.table_below_um) * 1e-6;
+  out.at_shoulder = section(s.foot);
+  out.at_top = section(s.table);
+  out.corner_m = s.corner_um * 1e-6;
   return out;
 }
 

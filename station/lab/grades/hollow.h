@@ -58,10 +58,8 @@ struct CrownCut {
   CrownCut Moved(double in_m, double lower_m) const;
   double Distance_m(const dvec3& point_m) const;
 };
-// The preparation of a tooth for a crown: from the tooth's sections at the shoulder and under its
-// top, 1 mm in all around and 1.5 mm off the top, walls of at least 3 degrees; as much less of both as
-// leaves 0.9 mm over the pulp.
-CrownCut CrownCutFor(const cutting::Volume& initial, double top_z_m, double shoulder_z_m);
+// What an exercise asks for as a stump.
+CrownCut CrownCutOf(const scene::PreparationPart& part);
 
 enum class Neighbours { kCut, kSpared };
 // phi := max(phi, -distance), as a bur would leave it that reaches every corner. Spared: voxels of a

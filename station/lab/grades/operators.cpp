@@ -10,7 +10,6 @@
 #include "common/scene/plan.h"
 #include "common/scoring/score.h"
 #include "station/devices/operators.h"
-#include "station/lab/grades/faults.h"
 #include "station/loop/tick_loop.h"
 
 namespace enamel::station::lab {
@@ -18,7 +17,7 @@ namespace {
 
 namespace json = boost::json;
 
-constexpr uint64_t kMostTicks = 600'000;  // ten minutes: the slowest are done in five
+constexpr uint64_t kMostTicks = 3'000'000;  // fifty minutes: a timid hand's crown
 
 struct CutTooth {
   cutting::Volume volume;
@@ -56,11 +55,13 @@ bool IsAskedFor(const OperatorsOptions& options, const std::string& name) {
                      [&](const std::string& e) { return name.starts_with(e); });
 }
 
-// Simulated people cut boxes: of what is not one they would make another shape, which then would be
-// what they are graded by.
-bool CanCut(const scene::BuiltScene& built, const scene::Exercise& exercise) {
-  const auto task = TaskOf(built, exercise);
-  return task.ok() && task->kind == Task::Kind::kBox;
+// Whether simulated people have a plan for it.
+bool CanCut(const scene::BuiltScene& built, const scene::Exercise& exercise,
+            const scene::DeviceProfile& profile) {
+  const auto params = scene::CompilePlan(built.scene, exercise, profile);
+  return params.ok() && MakeSimulatedDevice(*FindOperator("dentist"), built.scene, exercise,
+                                            profile, *params, built.volume)
+                            .ok();
 }
 
 class Study {
@@ -89,7 +90,7 @@ class Study {
            scene::BuiltinExercises(built.scene, HashSha256(AsBytes(scene::ToJson(built.scene))))) {
         if (!IsAskedFor(options_, e.name)) continue;
         ++asked_;
-        if (!CanCut(built, e)) {
+        if (!CanCut(built, e, profiles_.front())) {
           out_.not_cut.push_back(e.name);
           continue;
         }
