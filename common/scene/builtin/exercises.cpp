@@ -9,14 +9,35 @@
 namespace enamel::scene {
 namespace {
 
+using cutting::Tissue;
+
 // Gentle: chatter like that of a handpiece held lightly, and an energy that moves no hand. 1 mW is
 // what 0.1 N of chatter takes on the coarsest of the built-in devices (haptics/README.md).
 constexpr TouchCueSpec kPracticeCues{250, 100, 200, 1'000};
 
+// How far a side of a cavity may go beyond the line: what the text says, where the rubric's points
+// for it end, and the zone that the page and the window show.
+constexpr int32_t kLeeway_um = 250;
+
 // Bands. A wall counts as right within 0.03 mm, which is over twice what the score itself errs by
-// (a quarter of a voxel of 0.05 mm), loses a fifth at 0.1 mm and everything at 0.3 mm. Both are
-// chosen, not measured on people: what holds them is the order of skill in grades_test.cpp.
-constexpr double kRight_mm = 0.03, kSeen_mm = 0.1, kWrong_mm = 0.3, kSeenShare = 0.8;
+// (a quarter of a voxel of 0.05 mm), loses a fifth at 0.1 mm and everything where the leeway ends.
+// The first two are chosen, not measured on people: what holds them is the order of skill in
+// grades_test.cpp.
+constexpr double kRight_mm = 0.03, kSeen_mm = 0.1, kWrong_mm = kLeeway_um * 1e-3, kSeenShare = 0.8;
+
+bool IsAnterior(const Scene& scene) { return scene.name.starts_with("incisor"); }
+
+bool Has(const Scene& scene, cutting::Tissue tissue) {
+  return std::any_of(scene.tissues.begin(), scene.tissues.end(),
+                     [&](const TissueSpec& t) { return t.tissue == tissue; });
+}
+
+// A length as a student reads it: "1.5 mm".
+std::string Mm(int32_t um) {
+  std::string text = std::to_string(um / 1000) + "." + std::to_string(um / 100 % 10);
+  if (um % 100 != 0) text += std::to_string(um / 10 % 10);
+  return text + " mm";
+}
 
 RubricCriterion WallCriterion(const char* metric, const char* title, double points,
                               const char* comment) {
@@ -74,13 +95,14 @@ void AddHand(Rubric& r, double force, double time, double full_s, double none_s)
   r.criteria.push_back(AtMost("time_s", "Time", "s", time, full_s, none_s, "The work took long."));
 }
 
-Rubric ClassOneRubric() {
+// `tooth`: there is a pulp to keep.
+Rubric ClassOneRubric(bool tooth) {
   Rubric r;
   r.name = "class-1-occlusal";
-  r.version = 2;
+  r.version = 3;
   r.gates = TaskGates();
   r.criteria = {
-      AtLeast("task_done_percent", "Outline removed", "%", 8, 70, 97,
+      AtLeast("task_done_percent", "Outline removed", "%", tooth ? 8 : 12, 70, 97,
               "Part of the outline was left standing."),
       ElsewhereCriterion(8),
       WallCriterion("wall_mesial_mm", "Mesial wall", 6,
@@ -91,29 +113,37 @@ Rubric ClassOneRubric() {
                     "The buccal wall is not where it should be."),
       WallCriterion("wall_lingual_mm", "Lingual wall", 6,
                     "The lingual wall is not where it should be."),
-      WallCriterion("floor_mm", "Pulpal floor", 8, "The floor is too deep or too shallow."),
-      AtMost("wall_tilt_deg", "Walls upright", "deg", 8, 2, 10, "A wall leans."),
-      AtMost("undercut_deg", "No undercut", "deg", 5, 2, 8,
+      WallCriterion("floor_mm", tooth ? "Pulpal floor" : "Floor", tooth ? 8 : 12,
+                    "The floor is too deep or too shallow."),
+      AtMost("wall_tilt_deg", "Walls upright", "deg", 6, 2, 10, "A wall leans."),
+      AtMost("undercut_deg", "No undercut", "deg", 6, 2, 8,
              "A wall leans over the cavity: the filling could not be condensed under it."),
       AtMost("tilt_floor_deg", "Floor level", "deg", 4, 2, 10, "The floor slopes."),
-      AtMost("wall_waviness_mm", "Walls smooth", "mm", 5, 0.025, 0.1, "A wall is wavy."),
+      AtMost("wall_waviness_mm", "Walls smooth", "mm", 4, 0.025, 0.1, "A wall is wavy."),
       AtMost("floor_waviness_mm", "Floor flat", "mm", 3, 0.025, 0.1, "The floor is uneven."),
-      AtMost("deepest_over_mm", "No gouge", "mm", 6, 0.1, 0.4,
+      // A gouge of 0.3 mm is gone through as far as a wall may not go at all.
+      AtMost("deepest_over_mm", "No gouge", "mm", 8, 0.1, 0.3,
              "Somewhere the bur went deep beyond the outline: see the heat map."),
-      AtMost("outline_over_mm", "Outline on the tooth", "mm", 4, 0.1, 0.4,
+      AtMost("outline_over_mm", "Outline on the surface", "mm", 4, 0.1, 0.4,
              "The opening is wider than it should be."),
-      PulpCriterion(4),
-      CoverCriterion(4),
   };
+  if (tooth) {
+    r.criteria.push_back(PulpCriterion(4));
+    r.criteria.push_back(CoverCriterion(4));
+  }
   AddHand(r, 5, 4, 240, 600);
   return r;
 }
 
 // For shapes whose walls are not a box's: the distance to the reference says it all.
-Rubric ShapeRubric(std::string name, double closeness = 30, double nowhere = 15) {
+struct TimeBand {
+  double full_s = 300, none_s = 900;
+};
+Rubric ShapeRubric(std::string name, double closeness = 30, double nowhere = 15,
+                   TimeBand time = {}) {
   Rubric r;
   r.name = std::move(name);
-  r.version = 2;
+  r.version = 3;
   r.gates = TaskGates();
   r.criteria = {
       AtLeast("task_done_percent", "All of it cut", "%", 10, 70, 97,
@@ -129,7 +159,7 @@ Rubric ShapeRubric(std::string name, double closeness = 30, double nowhere = 15)
       AtMost("outside_removed_mm3", "Nothing beside and below cut", "mm3", 10, 0.05, 2,
              "Material beyond the tolerance was cut away."),
   };
-  AddHand(r, 10, 5, 300, 900);
+  AddHand(r, 10, 5, time.full_s, time.none_s);
   return r;
 }
 
@@ -138,7 +168,7 @@ Rubric ShapeRubric(std::string name, double closeness = 30, double nowhere = 15)
 Rubric CariesRubric() {
   Rubric r;
   r.name = "caries-excavation";
-  r.version = 1;
+  r.version = 2;
   r.gates = TaskGates();
   r.gates[0] = {"caries_left_percent",
                 "Caries taken away",
@@ -151,12 +181,14 @@ Rubric CariesRubric() {
       AtMost("sound_removed_mm3", "Sound tissue kept", "mm3", 20, 0.5, 6,
              "More sound tissue was taken than the reference took."),
       ElsewhereCriterion(10),
-      AtMost("deepest_over_mm", "No gouge", "mm", 10, 0.15, 0.6,
+      AtMost("undercut_deg", "Walls not undercut", "deg", 5, 4, 12,
+             "A wall leans over the cavity: the filling could not be condensed under it."),
+      AtMost("deepest_over_mm", "No gouge", "mm", 10, 0.1, 0.4,
              "Somewhere the bur went deep into sound tissue: see the heat map."),
       PulpCriterion(5),
       CoverCriterion(5),
   };
-  AddHand(r, 10, 5, 300, 900);
+  AddHand(r, 5, 5, 300, 900);
   return r;
 }
 
@@ -165,30 +197,27 @@ std::string NameFor(const char* kind, const Scene& scene) {
   return (std::string(kind) + "-" + scene.name).substr(0, 64);
 }
 
-bool IsAnterior(const Scene& scene) { return scene.name.starts_with("incisor"); }
-
-bool HasNeighbours(const Scene& scene) {
-  return std::any_of(scene.tissues.begin(), scene.tissues.end(),
-                     [](const TissueSpec& t) { return t.tissue == cutting::Tissue::kNeighbour; });
-}
-
 Exercise ClassTwoExercise(const Scene& scene, const Sha256& scene_hash) {
   Exercise e = ClassOneExercise(scene, scene_hash);
   e.name = NameFor("class-2", scene);
   e.title = "Class II cavity, mesial box";
-  e.instructions =
-      "Cut the mesial box: 3.2 mm wide, 3.5 mm deep from the marginal ridge, its axial wall 1 mm "
-      "inside the middle of the ridge, open to the mesial side. Do not touch the neighbour.";
   e.target.landmark = "mesial_box";
   e.target.half_size_um = {990, 1'600, 0};
   e.target.depth_um = 3'500;
+  e.instructions = "Cut the mesial box: " + Mm(2 * e.target.half_size_um[1]) + " wide, " +
+                   Mm(e.target.depth_um) + " deep from the marginal ridge, its axial wall " +
+                   Mm(e.target.half_size_um[0]) +
+                   " inside the middle of the ridge, open to the mesial side. Do not touch the "
+                   "neighbour.";
   // Less than elsewhere: on the mesial side the neighbour stands 0.05 mm away.
   e.target.leeway_side_um = 100;
   e.rubric.name = "class-2-mesial";
   // The mesial side is open: its points, and the outline's, are for the neighbour.
   auto& criteria = e.rubric.criteria;
   for (RubricCriterion& c : criteria) {
-    if (c.metric == "wall_distal_mm") c.title = "Axial wall";
+    if (c.metric != "wall_distal_mm") continue;
+    c.title = "Axial wall";
+    c.comment = "The axial wall is not where it should be.";
   }
   std::erase_if(criteria, [](const RubricCriterion& c) {
     // The outline ends in the open side, where it has no place of its own.
@@ -257,13 +286,6 @@ const CrownTask* CrownOf(const Scene& scene) {
   return it == std::end(kCrowns) ? nullptr : it;
 }
 
-// A length as a student reads it: "1.5 mm".
-std::string Mm(int32_t um) {
-  std::string text = std::to_string(um / 1000) + "." + std::to_string(um / 100 % 10);
-  if (um % 100 != 0) text += std::to_string(um / 10 % 10);
-  return text + " mm";
-}
-
 // Of a crown that is not built in nothing is known but its height: what has to go is what the
 // reference took.
 constexpr int32_t kUnknownCrownDepth_um = 6'500;
@@ -300,12 +322,13 @@ Exercise CrownExercise(const Scene& scene, const Sha256& scene_hash) {
                      Mm(crown->off_walls_um) + " all around, down to a shoulder " +
                      Mm(crown->depth_um) + " below " + highest + ".";
   }
-  e.instructions +=
-      HasNeighbours(scene) ? " Neighbours and root stay untouched." : " The root stays untouched.";
-  e.rubric = ShapeRubric("crown-preparation", 25, 10);
+  e.instructions += Has(scene, Tissue::kNeighbour) ? " Neighbours and root stay untouched."
+                                                   : " The root stays untouched.";
+  e.time_limit_s = 1'800;
+  // A simulated good hand takes a quarter of an hour.
+  e.rubric = ShapeRubric("crown-preparation", 25, 10, {1'200, 2'400});
   e.rubric.criteria.push_back(PulpCriterion(5));
   e.rubric.criteria.push_back(CoverCriterion(5));
-  e.time_limit_s = 1'800;
   return e;
 }
 
@@ -344,24 +367,28 @@ std::vector<Exercise> BuiltinExercises(const Scene& scene, const Sha256& scene_h
 }
 
 Exercise ClassOneExercise(const Scene& scene, const Sha256& scene_hash) {
+  const bool tooth = Has(scene, Tissue::kPulp);
   Exercise e;
   e.name = ("class-1-" + scene.name).substr(0, 64);
-  e.title = "Class I occlusal cavity";
-  e.instructions =
-      "Cut a box of 4.0 x 2.4 mm, 2.0 mm deep from the central fossa, with upright walls and a "
-      "flat floor. "
-      "No side may go more than 0.25 mm beyond. Do not expose the pulp.";
+  e.title = tooth ? "Class I occlusal cavity" : "Box in the middle, as of a class I cavity";
   e.scene = scene_hash;
   e.bur_shape = cutting::BurShape::kCylinder;
   e.bur_radius_um = 500;
   e.bur_length_um = 4'000;
   e.time_limit_s = 900;
   e.target.half_size_um = {2'000, 1'200, 0};
+  // Or its ends would stand in the marginal ridges, 5.2 mm apart.
+  if (scene.name.starts_with("premolar")) e.target.half_size_um = {1'600, 1'100, 0};
   e.target.depth_um = 2'000;
-  e.target.leeway_side_um = 250;
-  e.target.leeway_bottom_um = 250;
+  e.target.leeway_side_um = kLeeway_um;
+  e.target.leeway_bottom_um = kLeeway_um;
   e.target.container_um = 500;
-  e.rubric = ClassOneRubric();
+  e.instructions = "Cut a box of " + Mm(2 * e.target.half_size_um[0]) + " x " +
+                   Mm(2 * e.target.half_size_um[1]) + ", " + Mm(e.target.depth_um) +
+                   (tooth ? " deep from the central fossa" : " deep from the middle of the top") +
+                   ", with upright walls and a flat floor. No side may go more than " +
+                   Mm(kLeeway_um) + " beyond." + (tooth ? " Do not expose the pulp." : "");
+  e.rubric = ClassOneRubric(tooth);
   return e;
 }
 

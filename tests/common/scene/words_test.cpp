@@ -1,0 +1,113 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cctype>
+#include <string>
+#include <vector>
+
+#include "common/scene/builtin/builtin.h"
+
+// What an exercise says fits the tooth it is about, and its numbers are its target's.
+namespace enamel::scene {
+namespace {
+
+using cutting::Tissue;
+
+std::string WordsOf(const Exercise& e) {
+  std::string out = e.title + " " + e.instructions;
+  for (const RubricCriterion& c : e.rubric.criteria) out += " " + c.title + " " + c.comment;
+  for (const RubricGate& g : e.rubric.gates) out += " " + g.title + " " + g.comment;
+  std::transform(out.begin(), out.end(), out.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return out;
+}
+
+bool Has(const Scene& scene, Tissue tissue) {
+  return std::any_of(scene.tissues.begin(), scene.tissues.end(),
+                     [&](const TissueSpec& t) { return t.tissue == tissue; });
+}
+
+void ExpectNone(const std::string& words, const std::vector<const char*>& of, const char* why) {
+  for (const char* word : of) {
+    EXPECT_EQ(words.find(word), std::string::npos)
+        << "\"" << word << "\" where there is no " << why;
+  }
+}
+
+class WordsTest : public testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(Scenes, WordsTest, testing::ValuesIn(BuiltinSceneNames()),
+                         [](const auto& scene) {
+                           std::string name = scene.param;
+                           std::erase(name, '-');
+                           return name;
+                         });
+
+TEST_P(WordsTest, FitTheScene) {
+  auto built = BuildBuiltinScene(GetParam(), 200'000);
+  ASSERT_TRUE(built.ok());
+  for (const Exercise& e : BuiltinExercises(built->scene, {})) {
+    SCOPED_TRACE(e.name);
+    const std::string words = WordsOf(e);
+    if (!Has(built->scene, Tissue::kNeighbour)) ExpectNone(words, {"neighbour"}, "neighbour");
+    if (!Has(built->scene, Tissue::kCaries)) ExpectNone(words, {"caries", "lesion"}, "caries");
+    if (!Has(built->scene, Tissue::kPulp)) {
+      ExpectNone(words, {"pulp", "dentin", "enamel", "fossa", "occlusal", "cusp", "tooth"},
+                 "tooth");
+    }
+    if (built->scene.name.starts_with("incisor")) {
+      ExpectNone(words, {"occlusal", "cusp", "fossa", "marginal ridge"}, "chewing surface");
+      EXPECT_NE(words.find("incisal"), std::string::npos);
+    }
+    for (const RubricCriterion& c : e.rubric.criteria) {
+      if (c.title == "Axial wall") {
+        EXPECT_EQ(c.comment.find("distal"), std::string::npos);
+      }
+    }
+  }
+}
+
+std::string Mm(int32_t um) {
+  std::string text =
+      std::to_string(um / 1000) + "." + std::to_string(um / 10 % 100 + 100).substr(1);
+  if (text.back() == '0') text.pop_back();
+  return text + " mm";
+}
+
+// One tolerance: what the text promises, the rubric's walls end at and the zones are drawn with.
+TEST_P(WordsTest, OfACavityAndItsRubricAreItsTargetsNumbers) {
+  auto built = BuildBuiltinScene(GetParam(), 200'000);
+  ASSERT_TRUE(built.ok());
+  for (const Exercise& e : BuiltinExercises(built->scene, {})) {
+    if (!e.name.starts_with("class-1")) continue;
+    SCOPED_TRACE(e.instructions);
+    const CavityTarget& t = e.target;
+    for (int32_t um :
+         {2 * t.half_size_um[0], 2 * t.half_size_um[1], t.depth_um, t.leeway_side_um}) {
+      EXPECT_NE(e.instructions.find(Mm(um)), std::string::npos) << Mm(um);
+    }
+    EXPECT_EQ(t.leeway_side_um, t.leeway_bottom_um);
+    for (const RubricCriterion& c : e.rubric.criteria) {
+      if (!c.metric.starts_with("wall_") || c.map.size() != 6) continue;
+      EXPECT_EQ(c.map.back(), (RubricPoint{t.leeway_side_um * 1e-3, 0})) << c.title;
+    }
+  }
+}
+
+TEST(WordsTest, OfACrownAreItsStumpsNumbers) {
+  for (const char* name : {"molar", "premolar", "incisor"}) {
+    auto built = BuildBuiltinScene(name, 200'000);
+    ASSERT_TRUE(built.ok());
+    for (const Exercise& e : BuiltinExercises(built->scene, {})) {
+      if (!e.name.starts_with("crown")) continue;
+      ASSERT_EQ(e.target.parts.size(), 1u);
+      const PreparationPart& part = e.target.parts[0];
+      EXPECT_EQ(part.outline, PreparationPart::Outline::kStump);
+      for (int32_t um : {part.depth_um, part.stump.table_below_um}) {
+        EXPECT_NE(e.instructions.find(Mm(um)), std::string::npos) << e.instructions;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace enamel::scene
