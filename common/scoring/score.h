@@ -43,7 +43,8 @@ struct GateResult {
 };
 
 // How scores are measured and computed: 1 before rubrics had gates and statistics a domain that the
-// reference fixes, 2 before forces at the device's limit were left unjudged. Higher for every change that may move a score of the same recording.
+// reference fixes, 2 before forces at the device's limit were left unjudged and flakes were no walls.
+// Higher for every change that may move a score of the same recording.
 inline constexpr int32_t kScoringVersion = 3;
 
 // A score is metrics + rubric version + reference + core version; recomputed bit-identically.

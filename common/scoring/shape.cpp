@@ -14,7 +14,9 @@ using cutting::Volume;
 
 constexpr double kPatch_m2 = 0.02e-6;      // what a bur's tip leaves at the least
 constexpr double kLeastWall_m2 = 0.05e-6;  // smaller faces belong to edges
-constexpr double kOtherSurface = 2;        // a line may be so many times the nearest distance
+// And of the target's face: what stands where a box ends in the open is a flake, no wall.
+constexpr double kLeastOfFace = 0.1;
+constexpr double kOtherSurface = 2;  // a line may be so many times the nearest distance
 constexpr double kMadeShare = 0.7;
 constexpr double kFitFrom = 0.15, kFitTo = 0.9;
 constexpr double kDegrees = 180 / 3.14159265358979323846;
@@ -120,10 +122,16 @@ double OpensDegrees(const dvec3& normal, std::vector<Height> own) {
   return kDegrees * (ArcTan(normal.z / across) + ArcTan(FitPlaneToMost(own, 0).b));
 }
 
+double FaceArea_m2(const OpenBox& target, double depth_m, size_t part) {
+  const double x = target.hi_m.x - target.lo_m.x, y = target.hi_m.y - target.lo_m.y;
+  if (part == kFloor) return x * y;
+  return depth_m * (part == kMesial || part == kDistal ? y : x);
+}
+
 WallFigures MeasureWall(const CutSide& attempt, const CutSide& reference, const WallPatch& patch,
-                        const std::vector<float>& deviation_m, bool floor) {
+                        const std::vector<float>& deviation_m, double least_m2, bool floor) {
   WallFigures out;
-  out.in_task = patch.area_m2 >= kLeastWall_m2;
+  out.in_task = patch.area_m2 >= least_m2;
   if (!out.in_task) return out;
   const double h = attempt.volume->spec().voxel_m();
   // In the wall's plane: up it (along x on a floor), and along it.
@@ -230,7 +238,9 @@ Walls MeasureWalls(const CutSide& attempt, const CutSide& reference,
   const auto patches = PatchesOf(reference, target, depth_m);
   Walls out;
   for (size_t p = 0; p < kPartCount; ++p) {
-    out[p] = MeasureWall(attempt, reference, patches[p], reference_deviation_m, p == kFloor);
+    const double least_m2 = std::max(kLeastWall_m2, kLeastOfFace * FaceArea_m2(target, depth_m, p));
+    out[p] =
+        MeasureWall(attempt, reference, patches[p], reference_deviation_m, least_m2, p == kFloor);
   }
   return out;
 }

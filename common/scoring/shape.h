@@ -42,7 +42,7 @@ double DeepestOver_m(const CutSide& attempt, const std::vector<float>& deviation
 // (mesial on a floor), t along it. What lies more than four median residuals off the plane belongs
 // to another face or a gouge, and is left out of plane and waviness.
 struct WallFigures {
-  bool in_task = false;  // the reference has at least 0.05 mm^2 of it
+  bool in_task = false;  // the reference has 0.05 mm^2 and a tenth of the face
   bool made = false;     // the attempt has a surface there: along 70 % of the area a line meets it
   double offset_m = 0;   // median of d; of nearest distances where no line meets the surface
   // atan b, degrees; of a floor the steepest direction, without sign. + opens towards the top, - is
