@@ -17,7 +17,7 @@ struct HandDrive {
   double stiffness_n_per_m = 0;
   double damping_n_s_per_m = 0;
   double max_force_n = 0;
-  Quat orientation;  // that the hand holds; felt only by a device that turns
+  Quat orientation;  // that the hand holds
   bool pedal = false;
   bool finished = false;  // nothing left to do
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "common/math/trig.h"
 #include "common/scene/preparation.h"
 #include "station/devices/cavity_plan.h"
 #include "station/devices/path_operator.h"
@@ -23,12 +24,41 @@ constexpr OperatorPreset kPresets[] = {
     {"student", "the same, another hand: slower, other layers, other way round", 9, 7, 0.85},
     {"student-deep-mesial", "like student, and cuts the mesial wall 0.3 mm too far", 6, 7, 0.85,
      0.5e-3, 1.8, true, Extra{.mesial_m = 0.3e-3}},
-    {.name = "shaky",
-     .summary = "trembles six times as much as a calm hand",
+    {.name = "good",
+     .summary = "walls and floor 0.04 to 0.08 mm off, another way with each seed",
      .rank = 8,
+     .seed = 21,
+     .speed_ratio = 0.85,
+     .offered = false,
+     .misjudges_m = 0.04e-3},
+    {.name = "shaky",
+     .summary =
+         "trembles six times as much as a calm hand, and walls and floor are 0.08 to 0.16 mm off",
+     .rank = 7,
      .seed = 11,
      .tremor_ratio = 6,
-     .offered = false},
+     .offered = false,
+     .misjudges_m = 0.08e-3},
+    {.name = "undercutter",
+     .summary = "holds the bur 12 degrees askew: the lingual wall leans over the cavity",
+     .rank = 5,
+     .seed = 22,
+     .offered = false,
+     .askew_deg = 12},
+    {.name = "caries-leaver",
+     .summary = "leaves the lowest 0.4 mm, and the caries there",
+     .rank = 5,
+     .seed = 23,
+     .extra = {.floor_m = -0.4e-3},
+     .offered = false,
+     .needs = cutting::Tissue::kCaries},
+    {.name = "neighbour-nicker",
+     .summary = "cuts what is asked for, and 0.3 mm into the neighbour",
+     .rank = 5,
+     .seed = 24,
+     .offered = false,
+     .nicks_neighbour = true,
+     .needs = cutting::Tissue::kNeighbour},
     {.name = "hasty",
      .summary = "fast and hard; walls and floor 0.12 to 0.2 mm off",
      .rank = 5,
@@ -79,6 +109,25 @@ double ExtraAt_m(const Extra& e, const glm::dvec2& outward) {
          std::max(outward.y, 0.0) * e.buccal_m + std::max(-outward.y, 0.0) * e.lingual_m;
 }
 
+// An even number from -1 to 1 for a seed and a side (splitmix64).
+double Draw(uint64_t seed, uint64_t side) {
+  uint64_t z = (seed * 8 + side + 1) * 0x9e3779b97f4a7c15ull;
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
+  return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-52 - 1;
+}
+
+// Each side by one to two times `by_m`, one way or the other: who misjudges never does so by nothing.
+Extra Misjudged(Extra extra, double by_m, uint64_t seed) {
+  double* sides[] = {&extra.mesial_m, &extra.distal_m, &extra.buccal_m, &extra.lingual_m,
+                     &extra.floor_m};
+  for (uint64_t i = 0; i < 5; ++i) {
+    const double draw = Draw(seed, i);
+    *sides[i] += by_m * (draw < 0 ? draw - 1 : draw + 1);
+  }
+  return extra;
+}
+
 // The box about the whole target.
 Bounds ExtentOf(const scene::CavityTarget& target, const dvec3& landmark_m) {
   const double hx = target.half_size_um[0] * 1e-6, hy = target.half_size_um[1] * 1e-6;
@@ -102,14 +151,47 @@ Stroke SlipBeside(const Bounds& extent, double out_m, bool all_around, const cut
   return slip;
 }
 
+// Where a neighbour comes nearest on the mesial side between the target's floor and its top: from above
+// down along its face, `deep_m` in, and up again.
+Stroke NickOf(const Bounds& extent, double floor_m, double top_m, double deep_m,
+              const cutting::Bur& bur, const cutting::Volume& volume) {
+  constexpr double kClear_m = 1e-3, kDown_m = 0.8e-3;
+  const cutting::GridSpec& spec = volume.spec();
+  const dvec3 origin = spec.origin_m();
+  const double h = spec.voxel_m(), y = 0.5 * (extent.y0 + extent.y1);
+  const ivec3 n = spec.voxels();
+  const int j = static_cast<int>((y - origin.y) / h);
+  dvec3 nearest(1, y, top_m);
+  for (int k = std::max(0, static_cast<int>((floor_m - origin.z) / h)); k < n.z; ++k) {
+    const double z = origin.z + h * k;
+    for (int i = std::max(0, static_cast<int>((0.5 * (extent.x0 + extent.x1) - origin.x) / h));
+         z < top_m && i < n.x; ++i) {
+      if (volume.PhiAt({i, j, k}) >= 0) continue;
+      if (volume.TissueAt({i, j, k}) != cutting::Tissue::kNeighbour) continue;
+      const double x = origin.x + h * i;
+      if (x < nearest.x) nearest = dvec3(x, y, z);
+      break;
+    }
+  }
+  const double clear =
+      HighestSolid_m(volume, {extent.x0, extent.x1, extent.y0, extent.y1}) + kClear_m;
+  const dvec3 in(nearest.x - bur.radius_m + deep_m, y, nearest.z - kDown_m);
+  const dvec3 before = in - dvec3(deep_m + 0.1e-3, 0, 0);
+  Stroke nick;
+  nick.points = {dvec3(before.x, y, clear), before, in, before, dvec3(before.x, y, clear)};
+  nick.feed_m_per_s = 1e-3;
+  nick.push_n = 2;
+  return nick;
+}
+
 Status CannotCut(const scene::Exercise& exercise, const std::string& why) {
   return Status(Code::kInvalidInput, "exercise '" + exercise.name + "': " + why, "half_size_um");
 }
 
 // Part after part of what the exercise asks for, each in what the others have left.
 Result<std::vector<Move>> PlanTarget(const scene::Preparation& shape, const OperatorPreset& preset,
-                                     const scene::Exercise& exercise, double top_m,
-                                     const cutting::Volume& volume) {
+                                     const Extra& wrong, const scene::Exercise& exercise,
+                                     double top_m, const cutting::Volume& volume) {
   using PartOutline = scene::PreparationPart::Outline;
   const cutting::Bur bur = exercise.bur().metric();
   CavityPlanOptions options;
@@ -117,21 +199,21 @@ Result<std::vector<Move>> PlanTarget(const scene::Preparation& shape, const Oper
   options.rough_push_n = preset.rough_push_n;
   options.speed_ratio = preset.speed_ratio;
   options.clockwise = preset.clockwise;
-  const auto extra = [&](const glm::dvec2& outward) { return ExtraAt_m(preset.extra, outward); };
+  const auto extra = [&](const glm::dvec2& outward) { return ExtraAt_m(wrong, outward); };
   std::vector<Move> plan;
   cutting::Volume left = volume;
   for (size_t i = 0; i < shape.parts.size(); ++i) {
     const scene::PreparationPart& part = shape.parts[i];
     std::vector<Move> moves;
     if (part.outline == PartOutline::kStump) {
-      moves = PlanStump({part, extra, preset.extra.floor_m}, bur, left, options);
+      moves = PlanStump({part, extra, wrong.floor_m}, bur, left, options);
     } else {
       if (!IsConvex(OutlineOf(part))) {
         return CannotCut(exercise,
                          "a simulated operator cuts polygons without bays: cut it into several");
       }
       const HollowCut hollow{Moved(OutlineOf(part), extra),
-                             (part.top_um[2] - part.depth_um) * 1e-6 - preset.extra.floor_m};
+                             (part.top_um[2] - part.depth_um) * 1e-6 - wrong.floor_m};
       if (!FitsInto(hollow, std::max(top_m, part.top_um[2] * 1e-6), bur, options)) {
         return CannotCut(exercise,
                          "a simulated operator needs more room beside this bur than part " +
@@ -159,12 +241,20 @@ HandParams HandFor(const PlantParams& plant, const core::CoreParams& params,
   hand.light_touch_m = 0.8 * held_back_n / spring;
   hand.back_off_m = 0.5 * hand.light_touch_m;
   hand.seed = seed;
+  const SinCos half = SinCosOfTurns(preset.askew_deg / 720);
+  hand.orientation = {-half.sin, 0, 0, half.cos};
   return hand;
 }
 
 }  // namespace
 
 std::span<const OperatorPreset> OperatorPresets() { return kPresets; }
+
+bool HasUseFor(const OperatorPreset& preset, const scene::Scene& scene) {
+  return preset.needs == cutting::Tissue::kAir ||
+         std::any_of(scene.tissues.begin(), scene.tissues.end(),
+                     [&](const scene::TissueSpec& t) { return t.tissue == preset.needs; });
+}
 
 const OperatorPreset* FindOperator(std::string_view name) {
   auto it = std::find_if(std::begin(kPresets), std::end(kPresets),
@@ -203,8 +293,12 @@ Result<std::unique_ptr<SimulatedDevice>> MakeSimulatedDevice(
                           scene::TargetShape(scene, exercise.target));
   const scene::PointUm& at = scene.landmarks.at(exercise.target.landmark);
   const dvec3 landmark = dvec3(at[0], at[1], at[2]) * 1e-6;
+  const uint64_t used_seed = seed != 0 ? seed : preset.seed;
+  const Extra wrong = preset.misjudges_m > 0
+                          ? Misjudged(preset.extra, preset.misjudges_m, used_seed)
+                          : preset.extra;
   ENAMEL_ASSIGN_OR_RETURN(std::vector<Move> plan,
-                          PlanTarget(shape, preset, exercise, landmark.z, volume));
+                          PlanTarget(shape, preset, wrong, exercise, landmark.z, volume));
   plan.resize(static_cast<size_t>(preset.plan_share * static_cast<double>(plan.size())));
   const Bounds extent = ExtentOf(exercise.target, landmark);
   if (preset.slips) {
@@ -212,11 +306,15 @@ Result<std::unique_ptr<SimulatedDevice>> MakeSimulatedDevice(
     plan.emplace_back(
         SlipBeside(extent, preset.extra.distal_m, all_around, exercise.bur().metric(), volume));
   }
+  if (preset.nicks_neighbour) {
+    plan.emplace_back(NickOf(extent, landmark.z - exercise.target.depth_um * 1e-6, landmark.z,
+                             0.3e-3, exercise.bur().metric(), volume));
+  }
   const double top = HighestSolid_m(volume, extent);
   const dvec3 start(0.5 * (extent.x0 + extent.x1), 0.5 * (extent.y0 + extent.y1),
                     std::max(top, landmark.z) + kStartAbove_m * std::max(1.0, preset.speed_ratio));
   PlantParams plant = PlantOf(profile, params);
-  HandParams hand = HandFor(plant, params, preset, seed != 0 ? seed : preset.seed);
+  HandParams hand = HandFor(plant, params, preset, used_seed);
   auto op = std::make_unique<PathOperator>(std::string(preset.name), std::move(plan), hand, start);
   return std::make_unique<SimulatedDevice>(plant, std::move(op));
 }

@@ -33,8 +33,17 @@ struct OperatorPreset {
   double plan_share = 1;    // he stops after this share of his moves
   bool slips = false;       // at the end the bur goes into the tooth beside the cavity
   bool offered = true;      // in the window's list; all are on the command line
+  // How far off he takes each wall and the floor to be: another for each seed, evenly up to twice
+  // this, never the same way for all.
+  double misjudges_m = 0;
+  double askew_deg = 0;  // the bur's upper end leans to buccal
+  bool nicks_neighbour = false;
+  // What a tooth must have for his fault to be one; air: anything will do.
+  cutting::Tissue needs = cutting::Tissue::kAir;
 };
 std::span<const OperatorPreset> OperatorPresets();
+// Whether `preset`'s fault can be made in this scene.
+bool HasUseFor(const OperatorPreset& preset, const scene::Scene& scene);
 // nullptr when the name is unknown.
 const OperatorPreset* FindOperator(std::string_view name);
 

@@ -79,6 +79,7 @@ HandDrive PathOperator::Act(const dvec3& hand_m, const dvec3& bur_m, double tick
   hand.stiffness_n_per_m = params_.stiffness_n_per_m;
   hand.damping_n_s_per_m = params_.damping_n_s_per_m;
   hand.max_force_n = params_.max_force_n;
+  hand.orientation = params_.orientation;
   hand.finished = finished_;
   hand.pedal = !finished_ && leg_.bur_on;
   dvec3 before = equilibrium_;

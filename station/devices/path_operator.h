@@ -22,6 +22,7 @@ struct HandParams {
   double back_off_m = 25e-6;     // from where a wall is done
   double tremor_m = 8e-6;        // rms per axis of an 8 to 12 Hz tremor; 0: none
   uint64_t seed = 1;             // of the tremor
+  Quat orientation;              // in which he holds the bur
 };
 
 // Follows a plan with a hand impedance. He sees the bur late and knows how his hand has moved

@@ -57,7 +57,8 @@ DeviceSample SimulatedDevice::ReadSample() noexcept {
     sample.counts[static_cast<size_t>(i)] = static_cast<int32_t>(
         std::lround((x_[i] + Noise() - params_.origin_m[i]) / params_.resolution_m));
   }
-  if (params_.inertia_kg_m2 > 0) sample.orientation = ToQuantised(Read(turned_));
+  // A gimbal without motors goes with the hand.
+  sample.orientation = ToQuantised(params_.inertia_kg_m2 > 0 ? Read(turned_) : hand.orientation);
   if (hand.pedal) {
     sample.buttons |= kPedal;
     sample.bur_speed_krpm = kTurbineSpeed_krpm;

@@ -17,8 +17,8 @@ struct PlantParams {
   double friction_n = 0;         // c, Coulomb, per axis
   double resolution_m = 0;       // delta: edge of an encoder cell
   double peak_force_n = 0;       // the motors saturate here
-  // Turning, of a device that drives six axes; inertia 0: of one that does not, and is always
-  // upright. Device and hand are lumped; the hand holds its orientation by a spring and a damper.
+  // Turning, of a device that drives six axes; inertia 0: of one that does not: its gimbal goes with
+  // the hand. Else device and hand are lumped; the hand holds its orientation by a spring and a damper.
   double inertia_kg_m2 = 0;
   double rotational_damping_n_m_s = 0;  // b_rot
   double rotational_friction_n_m = 0;   // c_rot, Coulomb, per axis

@@ -114,6 +114,7 @@ class Study {
     ENAMEL_ASSIGN_OR_RETURN(const auto reference, CutBy(*dentist, built, exercise, profile, 0));
     std::vector<double> ranks, scores;
     for (const OperatorPreset& preset : OperatorPresets()) {
+      if (!HasUseFor(preset, built.scene)) continue;
       for (uint64_t seed : options_.seeds) {
         Tell(exercise.name + ", " + profile.name + ", " + std::string(preset.name));
         ENAMEL_ASSIGN_OR_RETURN(const auto cut, CutBy(preset, built, exercise, profile, seed));
