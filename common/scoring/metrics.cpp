@@ -117,7 +117,7 @@ Result<MetricSet> ComputeMetrics(const scene::Scene& scene, const scene::Exercis
 
   Measured m;
   m.process = attempt.process;
-  m.target = MeasureBox(initial, *attempt.final_volume, boxes.target);
+  m.target = MeasureZone(initial, *attempt.final_volume, boxes, Zone::kTarget);
   if (m.target.solid_m3 <= 0) {
     return Status(Code::kInvalidInput,
                   "the exercise's target holds no solid in scene \"" + scene.name +
@@ -125,8 +125,8 @@ Result<MetricSet> ComputeMetrics(const scene::Scene& scene, const scene::Exercis
                   "target");
   }
   if (plan.Has(MetricGroup::kZones)) {
-    m.leeway = MeasureBox(initial, *attempt.final_volume, boxes.leeway);
-    m.container = MeasureBox(initial, *attempt.final_volume, boxes.container);
+    m.leeway = MeasureZone(initial, *attempt.final_volume, boxes, Zone::kLeeway);
+    m.container = MeasureZone(initial, *attempt.final_volume, boxes, Zone::kContainer);
   }
   m.removed = RemovedPerTissue_m3(initial, *attempt.final_volume);
   tell(0.15);

@@ -123,6 +123,40 @@ void AddBrick(const Volume& initial, const Volume& final_volume, int brick,
   }
 }
 
+// Brick by brick: one question for a brick that lies wholly in or out, which most do.
+BoxVolume MeasureShape(const Volume& initial, const Volume& final_volume,
+                       const scene::Preparation& shape, const scene::Growth& grown) {
+  const GridSpec& spec = initial.spec();
+  const double h = spec.voxel_m(), middle = 0.5 * (cutting::kBrickSide - 1);
+  const double reach = (middle + 1) * std::sqrt(3.0) * h;
+  double solid = 0, removed = 0;
+  for (int b = 0; b < spec.brick_count(); ++b) {
+    if (!initial.IsStored(b) && initial.UniformTissue(b) == cutting::Tissue::kAir) continue;
+    const ivec3& n = spec.bricks;
+    const ivec3 first = ivec3(b % n.x, b / n.x % n.y, b / (n.x * n.y)) * cutting::kBrickSide;
+    const dvec3 corner = spec.origin_m() + dvec3(first) * h;
+    const double distance = scene::PreparationDistance_m(shape, corner + middle * h, grown);
+    if (distance > reach) continue;
+    for (int i = 0; i < kBrickVoxels; ++i) {
+      const ivec3 in_brick(i & 7, i >> 3 & 7, i >> 6);
+      const int32_t before = SolidFraction(initial.PhiAt(first + in_brick));
+      if (before == 0) continue;
+      double share = 1;
+      if (distance > -reach) {
+        const double d = scene::PreparationDistance_m(shape, corner + dvec3(in_brick) * h, grown);
+        share = std::clamp(0.5 - d / h, 0.0, 1.0);
+      }
+      // Nothing grows back.
+      const int32_t after = std::min(before, SolidFraction(final_volume.PhiAt(first + in_brick)));
+      solid += share * before / 65536;
+      // What went of a voxel that the face divides went from the zone's side, where cuts come from.
+      removed += std::min<double>(share * before, before - after) / 65536;
+    }
+  }
+  const double voxel_m3 = h * h * h;
+  return {solid * voxel_m3, removed * voxel_m3};
+}
+
 }  // namespace
 
 Result<ZoneBoxes> BoxesOf(const scene::Scene& scene, const scene::CavityTarget& target) {
@@ -140,12 +174,31 @@ Result<ZoneBoxes> BoxesOf(const scene::Scene& scene, const scene::CavityTarget& 
   boxes.target = {top - half - dvec3(0, 0, target.depth_um * 1e-6), top + half};
   boxes.leeway = Grown(boxes.target, target.leeway_side_um, target.leeway_bottom_um);
   boxes.container = Grown(boxes.leeway, target.container_um, target.container_um);
+  if (target.parts.empty()) return boxes;
+  ENAMEL_ASSIGN_OR_RETURN(boxes.shape, scene::TargetShape(scene, target));
+  boxes.leeway_growth = {target.leeway_side_um * 1e-6, target.leeway_bottom_um * 1e-6};
+  boxes.container_growth = {boxes.leeway_growth.side_m + target.container_um * 1e-6,
+                            boxes.leeway_growth.bottom_m + target.container_um * 1e-6};
   return boxes;
 }
 
 double NearOf_m(const scene::CavityTarget& target, const cutting::GridSpec& grid) {
   return std::max(std::max(target.leeway_side_um, target.leeway_bottom_um) * 1e-6,
                   2 * grid.voxel_m());
+}
+
+BoxVolume MeasureZone(const Volume& initial, const Volume& final_volume, const ZoneBoxes& zones,
+                      Zone zone) {
+  if (!zones.shape) {
+    return MeasureBox(initial, final_volume,
+                      zone == Zone::kTarget   ? zones.target
+                      : zone == Zone::kLeeway ? zones.leeway
+                                              : zones.container);
+  }
+  const scene::Growth grown = zone == Zone::kTarget   ? scene::Growth{}
+                              : zone == Zone::kLeeway ? zones.leeway_growth
+                                                      : zones.container_growth;
+  return MeasureShape(initial, final_volume, *zones.shape, grown);
 }
 
 BoxVolume MeasureBox(const Volume& initial, const Volume& final_volume, const OpenBox& box) {

@@ -1,12 +1,14 @@
 #pragma once
 
 #include <array>
+#include <optional>
 
 #include "common/base/result.h"
 #include "common/cutting/volume.h"
+#include "common/scene/preparation.h"
 #include "common/scene/types.h"
 
-// Volumes that went: from the boxes around a cavity's target, and per tissue.
+// Volumes that went: from the zones around a cavity's target, and per tissue.
 namespace enamel::scoring {
 
 // Axis-aligned in the scene frame, open at the top (+z), metres.
@@ -19,6 +21,10 @@ struct OpenBox {
 // the one before.
 struct ZoneBoxes {
   OpenBox target, leeway, container;
+  // Of a target that has parts, which the boxes then only hold; how far its leeway and container go
+  // beyond it.
+  std::optional<scene::Preparation> shape;
+  scene::Growth leeway_growth, container_growth;
 };
 // Errors: kInvalidInput when the landmark is not in the scene.
 Result<ZoneBoxes> BoxesOf(const scene::Scene& scene, const scene::CavityTarget& target);
@@ -37,6 +43,13 @@ struct BoxVolume {
 // Requires: equal grids.
 BoxVolume MeasureBox(const cutting::Volume& initial, const cutting::Volume& final_volume,
                      const OpenBox& box);
+
+// The target, the target with its leeway, and that with its container: the boxes, or the shapes they
+// hold. At a shape's face a voxel counts by the share of it that lies inside a plane at the face's
+// distance, evenly filled, and what went of it went from the inside. Requires: equal grids.
+enum class Zone { kTarget, kLeeway, kContainer };
+BoxVolume MeasureZone(const cutting::Volume& initial, const cutting::Volume& final_volume,
+                      const ZoneBoxes& zones, Zone zone);
 
 // Solid that went, per tissue, m^3. Requires: equal grids.
 std::array<double, cutting::kTissueCount> RemovedPerTissue_m3(const cutting::Volume& initial,

@@ -35,6 +35,40 @@ TEST(ZonesTest, AMissingLandmarkIsRefusedByName) {
   EXPECT_NE(boxes.status().message().find("fissure"), std::string::npos);
 }
 
+// A disc of 1 mm, 1 mm deep, in the block: what a zone holds is its own volume, and a square cut
+// about it takes all of the disc and what the square has more.
+TEST(ZonesTest, ADiscsZonesAreDiscs) {
+  const cutting::Volume block = MakeBlock(100'000);
+  scene::CavityTarget target;
+  target.half_size_um = {1'000, 1'000, 0};
+  target.depth_um = 1'000;
+  target.leeway_side_um = 250;
+  target.leeway_bottom_um = 100;
+  target.container_um = 100;
+  scene::PreparationPart disc;
+  disc.outline = scene::PreparationPart::Outline::kDisc;
+  disc.half_size_um = {1'000, 1'000};
+  disc.depth_um = 1'000;
+  target.parts = {disc};
+  auto zones = BoxesOf(BlockScene(), target);
+  ASSERT_TRUE(zones.ok());
+  scene::CavityTarget square = target;
+  square.parts.clear();
+  auto shape = scene::TargetShape(BlockScene(), square);
+  ASSERT_TRUE(shape.ok());
+  const cutting::Volume cut = scene::Prepared(block, *shape);
+  constexpr double kPi = 3.14159265358979;
+  auto measure = [&](Zone zone) { return MeasureZone(block, cut, *zones, zone); };
+  const BoxVolume disc_zone = measure(Zone::kTarget), leeway = measure(Zone::kLeeway);
+  EXPECT_NEAR(disc_zone.solid_m3 * 1e9, kPi, 0.02);
+  EXPECT_NEAR(disc_zone.removed_m3, disc_zone.solid_m3, 0.01e-9);
+  EXPECT_NEAR(leeway.solid_m3 * 1e9, kPi * 1.25 * 1.25 * 1.1, 0.04);
+  // A square of 2 mm lies within a disc of 1.25 mm but for its corners.
+  EXPECT_GT((leeway.removed_m3 - disc_zone.removed_m3) * 1e9, 0.6);
+  EXPECT_LT(leeway.removed_m3 * 1e9, 4);
+  EXPECT_NEAR(measure(Zone::kContainer).solid_m3 * 1e9, kPi * 1.35 * 1.35 * 1.2, 0.05);
+}
+
 TEST(ZonesTest, SolidInABoxThatLiesOffTheGridIsItsVolume) {
   cutting::Volume block = MakeBlock(100'000);
   OpenBox box{dvec3(-1.237e-3, -0.871e-3, -1.613e-3), dvec3(0.911e-3, 1.043e-3, 0)};
