@@ -104,6 +104,12 @@ ReachWatch::ReachWatch(const scene::Scene& scene, const scene::CavityTarget& tar
     : initial_(initial), pulp_m_(render::kPulpFar_mm * 1e-3) {
   auto boxes = scoring::BoxesOf(scene, target);
   if (!boxes.ok() || target.depth_um == 0) return;
+  if (boxes->shape) {
+    shape_ = boxes->shape;
+    shape_leeway_m_ = std::min(target.leeway_side_um, target.leeway_bottom_um) * 1e-6;
+    Publish();
+    return;
+  }
   const scoring::OpenBox& box = boxes->target;
   double beside = target.leeway_side_um * 1e-6, below = target.leeway_bottom_um * 1e-6;
   sides_ = {{"mesial wall", {1, 0, 0}, box.hi_m.x, beside, 0},
@@ -119,6 +125,10 @@ ReachWatch::~ReachWatch() = default;
 bool ReachWatch::MayGoFarther(const dvec3& middle_m) const {
   // Points of a brick's voxels reach a voxel beyond them.
   double half = HalfBrick_m(initial_.spec()) + initial_.spec().voxel_m();
+  if (shape_) {
+    return scene::PreparationDistance_m(*shape_, middle_m) + std::sqrt(3.0) * half >
+           beyond_shape_m_;
+  }
   return std::any_of(sides_.begin(), sides_.end(), [&](const Side& side) {
     return Dot(middle_m, side.outward) + half - side.at_m > side.beyond_m;
   });
@@ -144,6 +154,9 @@ void ReachWatch::LookAtBrick(const Volume& now, int brick) {
   ForEachCutPoint(initial_, now, brick, [&](const dvec3& p, const ivec3& voxel) {
     for (Side& side : sides_) {
       side.beyond_m = std::max(side.beyond_m, Dot(p, side.outward) - side.at_m);
+    }
+    if (shape_) {
+      beyond_shape_m_ = std::max(beyond_shape_m_, scene::PreparationDistance_m(*shape_, p));
     }
     if (nearer) pulp_m_ = IsPulp(initial_, voxel) ? 0 : pulp_->Distance_m(p, pulp_m_);
   });
@@ -171,6 +184,10 @@ void ReachWatch::Look(const Volume& now) {
 void ReachWatch::Publish() {
   render::Reach out;
   if (pulp_) out.pulp_mm = pulp_m_ * 1e3;
+  if (shape_) {
+    out.leeway = {{1e3 * (shape_leeway_m_ - beyond_shape_m_), 1e3 * shape_leeway_m_,
+                   beyond_shape_m_ > 0 ? "outline" : ""}};
+  }
   if (!sides_.empty()) {
     // A leeway of nothing is used up by the least that goes beyond it.
     auto used = [](const Side& s) { return s.beyond_m / std::max(s.leeway_m, 1e-9); };

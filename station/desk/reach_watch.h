@@ -49,6 +49,9 @@ class ReachWatch {
   const cutting::Volume& initial_;
   // The looking thread's.
   std::vector<Side> sides_;
+  // Of a target that has parts, instead of sides: the farthest beyond its outline or floor.
+  std::optional<scene::Preparation> shape_;
+  double shape_leeway_m_ = 0, beyond_shape_m_ = 0;
   std::unique_ptr<surface::DistanceQuery> pulp_;  // null: there is none
   bool pulp_looked_for_ = false;
   std::vector<float> pulp_bound_m_;  // least a brick can be from the pulp; negative: not asked yet

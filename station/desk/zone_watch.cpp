@@ -17,10 +17,11 @@ ZoneWatch::ZoneWatch(const scene::Scene& scene, const scene::CavityTarget& targe
 
 void ZoneWatch::Look(const cutting::Volume& now) {
   if (!boxes_) return;
-  auto measure = [&](const scoring::OpenBox& box) {
-    return scoring::MeasureBox(initial_, now, box);
+  auto measure = [&](scoring::Zone zone) {
+    return scoring::MeasureZone(initial_, now, *boxes_, zone);
   };
-  scoring::BoxVolume target = measure(boxes_->target), leeway = measure(boxes_->leeway);
+  const scoring::BoxVolume target = measure(scoring::Zone::kTarget);
+  const scoring::BoxVolume leeway = measure(scoring::Zone::kLeeway);
   const auto removed = scoring::RemovedPerTissue_m3(initial_, now);
   auto percent = [](double removed, double solid) {
     return solid > 0 ? std::clamp(100 * removed / solid, 0.0, 100.0) : 0;

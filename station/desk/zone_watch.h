@@ -9,7 +9,7 @@
 namespace enamel::station::desk {
 
 // How much of the exercise's zones is gone, while it is being cut: as the score will measure it
-// (scoring::MeasureBox), a few times a second, on the mesher's thread.
+// (scoring::MeasureZone), a few times a second, on the mesher's thread.
 // Thread safety: Look by one thread, shares from any.
 class ZoneWatch {
  public:

@@ -166,5 +166,28 @@ TEST(ReachWatchTest, WithoutATargetOrPulpThereIsNothingToTell) {
   EXPECT_FALSE(watch.reach().pulp_mm.has_value());
 }
 
+// A disc's leeway ends around the disc: a box cut within the square about it may be far beyond.
+TEST(ReachWatchTest, ADiscsLeewayIsMeasuredFromTheDisc) {
+  const Volume initial = Block([](const dvec3&) { return false; });
+  scene::CavityTarget target = Target();
+  target.half_size_um = {1'500, 1'500, 0};
+  scene::PreparationPart disc;
+  disc.outline = scene::PreparationPart::Outline::kDisc;
+  disc.half_size_um = {1'500, 1'500};
+  disc.depth_um = 1'500;
+  target.parts = {disc};
+  ReachWatch watch(SceneWithTop(), target, initial);
+  scene::CavityTarget square = target;
+  square.parts.clear();
+  auto shape = scene::TargetShape(SceneWithTop(), square);
+  ASSERT_TRUE(shape.ok());
+  watch.Look(scene::Prepared(initial, *shape));
+  const auto leeway = watch.reach().leeway;
+  ASSERT_TRUE(leeway.has_value());
+  // The corner lies 1.5 (sqrt 2 - 1) mm beyond the disc; known to a voxel.
+  EXPECT_NEAR(leeway->left_mm, 0.25 - 0.621, 0.1);
+  EXPECT_EQ(leeway->where, "outline");
+}
+
 }  // namespace
 }  // namespace enamel::station::desk
