@@ -5,6 +5,7 @@
 
 #include "common/base/mutex.h"
 #include "common/scene/json/json.h"
+#include "common/scene/json/preparation.h"
 #include "common/scene/plan.h"
 #include "common/scene/volume_blob.h"
 #include "common/scoring/score.h"
@@ -112,12 +113,15 @@ Result<json::object> SummaryJson(const Person& viewer, TeachingStore& store, con
 
 json::object TargetJson(const scene::CavityTarget& target) {
   const auto& half = target.half_size_um;
+  json::array parts;
+  for (const scene::PreparationPart& part : target.parts) parts.push_back(scene::PartJson(part));
   return {{"landmark", target.landmark},
           {"half_size_um", json::array{half[0], half[1], half[2]}},
           {"depth_um", target.depth_um},
           {"leeway_side_um", target.leeway_side_um},
           {"leeway_bottom_um", target.leeway_bottom_um},
-          {"container_um", target.container_um}};
+          {"container_um", target.container_um},
+          {"parts", std::move(parts)}};
 }
 
 json::array MapJson(const std::vector<scene::RubricPoint>& map) {

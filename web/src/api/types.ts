@@ -3,6 +3,9 @@ import type { components } from "../../build/api";
 // Names for what schemas/api/openapi.yaml describes; the shapes are generated from it at build time.
 type Schemas = components["schemas"];
 
+export type Target = Schemas["Target"];
+export type TargetPart = Schemas["TargetPart"];
+export type StumpSection = Schemas["StumpSection"];
 export type Person = Schemas["Person"];
 export type Role = Schemas["Role"];
 export type Session = Schemas["Session"];

@@ -9,6 +9,7 @@ import { burText, falls, fullMarksText, kStateTexts, noMarksText, ownerText, sha
 import { ReferencesCard, VersionsCard } from "./history_cards";
 import { InitialTooth } from "./initial_tooth";
 import { StaffActions } from "./staff_actions";
+import { outlinePaths, outlineViewBox } from "./target_outline";
 
 const kAttemptsShown = 50;
 
@@ -50,7 +51,7 @@ export function ExercisePage({ client, id, personId, teacher, onOpen }: Props) {
       <p class="lead instructions">{exercise.instructions}</p>
       <div class="columns">
         <div class="stack">
-          <Card title="What is asked"><Target exercise={exercise} /></Card>
+          <Card title="What is asked"><TargetOutline exercise={exercise} /><Target exercise={exercise} /></Card>
           <Card title="How it is scored"><Rubric exercise={exercise} /></Card>
         </div>
         <InitialTooth client={client} exercise={exercise} />
@@ -59,6 +60,17 @@ export function ExercisePage({ client, id, personId, teacher, onOpen }: Props) {
         ? <div class="columns"><ReferencesCard client={client} exercise={exercise} /><VersionsCard client={client} exercise={exercise} /></div>
         : <OwnAttempts client={client} exercise={exercise} personId={personId} />}
     </>
+  );
+}
+
+// From above, mesial to the right and buccal up, with the leeway around it.
+function TargetOutline({ exercise }: { readonly exercise: Exercise }) {
+  const { target } = exercise;
+  return (
+    <svg class="target-outline" viewBox={outlineViewBox(target)} role="img" aria-label="What is to be cut, seen from above">
+      {outlinePaths(target).map((path) => path.what === "goes" && <path class="leeway" d={path.d} style={{ strokeWidth: 2 * target.leeway_side_um }} />)}
+      {outlinePaths(target).map((path) => <path class={path.what} d={path.d} />)}
+    </svg>
   );
 }
 
