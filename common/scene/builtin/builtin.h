@@ -46,8 +46,8 @@ Exercise ClassOneExercise(const Scene& scene, const Sha256& scene_hash);
 //   mesial_box       class-2: the box of a mesial class II cavity, beside the neighbour
 //   crown_top        crown: a crown preparation down to the height of the margin
 //   a preparation    its name: the shape on the practice block
-// Crown and shapes are judged by their closeness to the reference cut; the box of their target only
-// says where work is expected.
+// Crown and shapes are judged by their closeness to the reference cut; the parts of their target say
+// what has to go. The crown of a tooth that is not built in has no parts: only the reference says it.
 std::vector<Exercise> BuiltinExercises(const Scene& scene, const Sha256& scene_hash);
 
 // B per tissue with provenance, as used by built-in and imported scenes.
