@@ -135,6 +135,40 @@ TEST_P(Grades, AnotherGoodHandKeepsNinetyFivePointsAndADeepWallCostsItsOwnCriter
   }
 }
 
+// Whoever does one thing wrong falls below a good hand, and on what is wrong.
+struct OneFault {
+  const char* operator_name;
+  const char* metric;
+  const char* exercise = "";  // the beginning of its name; else all of the scene's
+};
+constexpr OneFault kOneFaults[] = {
+    {"undercutter", "undercut_deg"},
+    {"too-shallow", "floor_mm", "class-1"},
+    {"over-extender", "outside_removed_mm3", "class-1"},
+    {"caries-leaver", "caries_left_percent", "caries-"},
+    {"neighbour-nicker", "neighbour_removed_mm3", "class-2"},
+};
+
+TEST_P(Grades, OneFaultFallsBelowAGoodHandAndOnItsOwnCriterion) {
+  for (const scene::Exercise& exercise : exercises_) {
+    // The teeth with something special have the same class I cavity as the one without.
+    if (exercise.name.starts_with("class-1") && std::string(GetParam()) != "molar") continue;
+    SCOPED_TRACE(exercise.name);
+    const CutTooth reference = Cut("dentist", exercise);
+    const auto good = ScoreOf(built_, exercise, Cut("good", exercise), reference);
+    EXPECT_LT(good.score, 99.5) << "as if there were nothing between it and the dentist's";
+    EXPECT_GE(good.score, 90);
+    for (const OneFault& fault : kOneFaults) {
+      const OperatorPreset& preset = *FindOperator(fault.operator_name);
+      if (!HasUseFor(preset, built_.scene) || !exercise.name.starts_with(fault.exercise)) continue;
+      SCOPED_TRACE(fault.operator_name);
+      const auto score = ScoreOf(built_, exercise, CutBy(preset, built_, exercise), reference);
+      EXPECT_LT(score.score, good.score);
+      EXPECT_LE(PointsOf(score, fault.metric), PointsOf(good, fault.metric) - 1) << fault.metric;
+    }
+  }
+}
+
 TEST_P(Grades, ADestroyedToothScoresNothing) {
   for (const scene::Exercise& exercise : exercises_) {
     SCOPED_TRACE(exercise.name);
@@ -197,6 +231,7 @@ TEST_P(Grades, SkillIsFoundInTheOrderItWasMade) {
     std::vector<double> skill, scores;
     std::string table;
     for (const OperatorPreset& preset : OperatorPresets()) {
+      if (!HasUseFor(preset, built_.scene)) continue;
       const auto score = ScoreOf(built_, exercise, CutBy(preset, built_, exercise), reference);
       // Who cuts the neighbour fails whatever the rest is like.
       if (score.critical_fail) continue;
