@@ -194,6 +194,7 @@ void RegisterLab(CLI::App& app, int* exit_code) {
   RegisterFitDamping(app, exit_code);
   RegisterGrades(app, exit_code);
   RegisterOperators(app, exit_code);
+  RegisterHandSigns(app, exit_code);
 }
 
 }  // namespace enamel::station::lab

@@ -1,0 +1,214 @@
+#include "station/lab/grades/hand_signs.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "common/core/core.h"
+#include "common/scene/builtin/builtin.h"
+#include "common/scene/json/json.h"
+#include "common/scene/plan.h"
+#include "common/scoring/smoothness.h"
+#include "station/devices/operators.h"
+#include "station/lab/laws/motions.h"
+#include "station/loop/tick_loop.h"
+
+namespace enamel::station::lab {
+namespace {
+
+constexpr size_t kStep = 10;  // ms: people's jerk and directions, not the encoder's steps
+constexpr double kRate_hz = 1000, kSteps_hz = kRate_hz / kStep;
+constexpr double kLeastWay_m = 0.5e-3;
+constexpr double kPauseShare = 0.1;
+constexpr int kVoxel_nm = 200'000;  // the tooth is only there to be cut
+
+struct Sign {
+  const char* name;
+  double HandSigns::*value;
+};
+constexpr Sign kSigns[] = {{"tremor, 8 to 12 Hz (um)", &HandSigns::tremor_um},
+                           {"log dimensionless jerk", &HandSigns::jerk},
+                           {"spectral arc length", &HandSigns::arc_length},
+                           {"entropy of directions (bit)", &HandSigns::direction_bits},
+                           {"pauses (%)", &HandSigns::pause_percent}};
+
+// Which of 26 directions: each axis forward, back or neither (less than half of the longest).
+size_t DirectionOf(const dvec3& step) {
+  const double most = std::max({std::fabs(step.x), std::fabs(step.y), std::fabs(step.z)});
+  auto side = [&](double v) -> size_t { return std::fabs(v) < 0.5 * most ? 0 : v > 0 ? 1 : 2; };
+  return side(step.x) * 9 + side(step.y) * 3 + side(step.z);
+}
+
+double EntropyBits(const std::vector<dvec3>& steps) {
+  std::array<double, 27> counts{};
+  for (const dvec3& step : steps) counts[DirectionOf(step)] += 1;
+  double bits = 0;
+  for (double count : counts) {
+    const double share = count / static_cast<double>(steps.size());
+    if (share > 0) bits -= share * std::log2(share);
+  }
+  return bits;
+}
+
+// Seconds in which a hand moved.
+std::vector<HandSigns> AllSigns(const std::vector<dvec3>& way_m) {
+  std::vector<HandSigns> out;
+  HandSigns signs;
+  for (size_t at = 0; at + kSecond <= way_m.size(); at += kSecond) {
+    if (SignsOf(&way_m[at], signs)) out.push_back(signs);
+  }
+  return out;
+}
+
+// Where the device's tip was as it said, once a tick of 1 kHz.
+Result<std::vector<dvec3>> WayOf(const OperatorPreset& preset, const scene::BuiltScene& built,
+                                 const scene::Exercise& exercise,
+                                 const scene::DeviceProfile& profile, size_t ticks) {
+  ENAMEL_ASSIGN_OR_RETURN(auto params, scene::CompilePlan(built.scene, exercise, profile));
+  ENAMEL_ASSIGN_OR_RETURN(auto device, MakeSimulatedDevice(preset, built.scene, exercise, profile,
+                                                           params, built.volume));
+  core::Core core(params, built.volume);
+  SampleRing ring(4);
+  TickLoop loop(*device, core, ring, {params.rate_hz, true, false});
+  std::vector<dvec3> out;
+  for (bool finished = false; !finished && out.size() < ticks;) {
+    finished = loop.Tick();
+    Sample sample;
+    while (ring.Pop(sample)) {
+      dvec3 at;
+      for (size_t axis = 0; axis < 3; ++axis) {
+        at[static_cast<int>(axis)] =
+            1e-9 * sample.tick.input.counts[axis] * params.resolution_nm[axis];
+      }
+      out.push_back(at);
+    }
+  }
+  return out;
+}
+
+// Share of `programs` beyond what `share` of `people` are beyond, above or below.
+double FoundAt(double share, const std::vector<double>& people,
+               const std::vector<double>& programs) {
+  // Sorted. So many people may be taken for programs.
+  const auto wrong = static_cast<size_t>(share * static_cast<double>(people.size()));
+  const double above = people[people.size() - 1 - wrong], below = people[wrong];
+  size_t higher = 0, lower = 0;
+  for (double value : programs) {
+    higher += value > above ? 1 : 0;
+    lower += value < below ? 1 : 0;
+  }
+  return static_cast<double>(std::max(higher, lower)) / static_cast<double>(programs.size());
+}
+
+}  // namespace
+
+bool SignsOf(const dvec3* position_m, HandSigns& out) {
+  std::vector<dvec3> means;
+  for (size_t at = 0; at < kSecond; at += kStep) {
+    dvec3 sum(0);
+    for (size_t i = 0; i < kStep; ++i) sum += position_m[at + i];
+    means.push_back(sum / static_cast<double>(kStep));
+  }
+  std::vector<dvec3> steps;
+  std::vector<double> speed_m_s;
+  double way_m = 0, fastest = 0;
+  for (size_t i = 1; i < means.size(); ++i) {
+    const dvec3 step = means[i] - means[i - 1];
+    const double length = std::sqrt(Dot(step, step));
+    steps.push_back(step);
+    speed_m_s.push_back(length * kSteps_hz);
+    fastest = std::max(fastest, speed_m_s.back());
+    way_m += length;
+  }
+  if (way_m < kLeastWay_m) return false;
+  scoring::TremorMeter tremor(static_cast<uint32_t>(kRate_hz));
+  for (size_t i = 0; i < kSecond; ++i) tremor.Add(position_m[i], true);
+  const std::optional<double> rms = tremor.Rms_m(), jerk = scoring::LogDimensionlessJerk(speed_m_s),
+                              arc = scoring::SpectralArcLength(speed_m_s, kSteps_hz);
+  if (!rms || !jerk || !arc) return false;
+  const auto pauses = std::count_if(speed_m_s.begin(), speed_m_s.end(),
+                                    [&](double v) { return v < kPauseShare * fastest; });
+  out = {*rms * 1e6, *jerk, *arc, EntropyBits(steps),
+         100 * static_cast<double>(pauses) / static_cast<double>(speed_m_s.size())};
+  return true;
+}
+
+SignRoc RocOf(std::string sign, std::vector<double> people, std::vector<double> programs) {
+  std::sort(people.begin(), people.end());
+  std::sort(programs.begin(), programs.end());
+  SignRoc out;
+  out.sign = std::move(sign);
+  out.people = people.size();
+  out.programs = programs.size();
+  // Mann and Whitney's count: pairs in which the program's is higher, ties half.
+  double higher = 0;
+  for (double value : programs) {
+    const auto [first, last] = std::equal_range(people.begin(), people.end(), value);
+    higher += static_cast<double>(first - people.begin()) + 0.5 * static_cast<double>(last - first);
+  }
+  const double n = static_cast<double>(people.size()), m = static_cast<double>(programs.size());
+  const double a = higher / (n * m);
+  const double q1 = a / (2 - a), q2 = 2 * a * a / (1 + a);
+  out.area = a;
+  out.standard_error = std::sqrt(
+      std::max(0.0, a * (1 - a) + (m - 1) * (q1 - a * a) + (n - 1) * (q2 - a * a)) / (n * m));
+  out.found_at_5 = FoundAt(0.05, people, programs);
+  out.found_at_10 = FoundAt(0.1, people, programs);
+  out.found_at_20 = FoundAt(0.2, people, programs);
+  return out;
+}
+
+Result<std::vector<SignRoc>> MeasureHandSigns(
+    const HandSignsOptions& options,
+    const std::function<void(const std::string&, double)>& progress) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto motions, RecordedMotions(options.people));
+  std::vector<HandSigns> people, programs;
+  for (const HandMotion& motion : motions) {
+    const auto signs = AllSigns(motion.way_m);
+    people.insert(people.end(), signs.begin(), signs.end());
+  }
+  if (people.empty()) {
+    return Status(Code::kNotFound,
+                  "no recording of a moving hand in '" + options.people +
+                      "': expected .csv files with t_s, px_m, py_m, pz_m at 1 kHz",
+                  "people");
+  }
+  ENAMEL_ASSIGN_OR_RETURN(const auto built, scene::BuildBuiltinScene("block", kVoxel_nm));
+  const auto exercises =
+      scene::BuiltinExercises(built.scene, HashSha256(AsBytes(scene::ToJson(built.scene))));
+  const auto exercise = std::ranges::find(exercises, options.exercise, &scene::Exercise::name);
+  if (exercise == exercises.end()) {
+    return Status(Code::kNotFound, "the block has no exercise '" + options.exercise + "'",
+                  "exercise");
+  }
+  const scene::DeviceProfile profile = scene::BuiltinProfiles().front();
+  for (size_t i = 0; i < options.operators.size(); ++i) {
+    const std::string& name = options.operators[i];
+    if (progress) {
+      progress(name, static_cast<double>(i) / static_cast<double>(options.operators.size()));
+    }
+    const OperatorPreset* preset = FindOperator(name);
+    if (preset == nullptr) {
+      return Status(Code::kNotFound, "no simulated person is called '" + name + "'", "operator");
+    }
+    ENAMEL_ASSIGN_OR_RETURN(const auto way,
+                            WayOf(*preset, built, *exercise, profile, options.seconds * kSecond));
+    const auto signs = AllSigns(way);
+    programs.insert(programs.end(), signs.begin(), signs.end());
+  }
+  if (programs.empty()) {
+    return Status(Code::kNotFound, "no simulated person moved for a second", "operator");
+  }
+  std::vector<SignRoc> out;
+  for (const Sign& sign : kSigns) {
+    std::vector<double> of_people, of_programs;
+    for (const HandSigns& signs : people) of_people.push_back(signs.*sign.value);
+    for (const HandSigns& signs : programs) of_programs.push_back(signs.*sign.value);
+    out.push_back(RocOf(sign.name, std::move(of_people), std::move(of_programs)));
+  }
+  return out;
+}
+
+}  // namespace enamel::station::lab

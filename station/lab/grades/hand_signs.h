@@ -1,0 +1,53 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/math/vec.h"
+
+// Whether a motion tells a person from a program: figures of a second of motion each, of recorded
+// people and of the simulated people, and how well each figure parts the two. No threshold comes of
+// it: a person may move like a program and a program like a person.
+// Thread safety: functions, any thread. Blocks.
+namespace enamel::station::lab {
+
+// Of one second of motion. Requires: kSecond positions, 1 ms apart.
+inline constexpr size_t kSecond = 1000;
+struct HandSigns {
+  double tremor_um = 0;       // 8 to 12 Hz (scoring::TremorMeter)
+  double jerk = 0;            // log dimensionless jerk (scoring::LogDimensionlessJerk)
+  double arc_length = 0;      // spectral (scoring::SpectralArcLength)
+  double direction_bits = 0;  // Shannon entropy of the 10 ms steps' directions, in 26 of space
+  double pause_percent = 0;   // share of 10 ms steps slower than a tenth of the fastest
+};
+// Nothing for a second in which the hand went less than 0.5 mm: it rests.
+bool SignsOf(const dvec3* position_m, HandSigns& out);
+
+// How well one figure parts programs from people. `area`: of the receiver operating characteristic,
+// the chance that a program's second has the higher figure than a person's; 0.5 parts nothing, 0 and
+// 1 part all. Its standard error: Hanley and McNeil, Radiology 143(1), 1982.
+struct SignRoc {
+  std::string sign;
+  size_t people = 0, programs = 0;  // seconds
+  double area = 0.5, standard_error = 0;
+  // Share of the programs' seconds found where 5, 10 and 20 % of the people's are taken for one, with
+  // the threshold on the side that finds more.
+  double found_at_5 = 0, found_at_10 = 0, found_at_20 = 0;
+};
+// Requires: both not empty.
+SignRoc RocOf(std::string sign, std::vector<double> people, std::vector<double> programs);
+
+struct HandSignsOptions {
+  std::string people;  // folder of CSV files as lab/laws/motions.h reads them
+  std::vector<std::string> operators = {"dentist", "student"};
+  std::string exercise = "class-1-block";
+  size_t seconds = 60;  // of each operator
+};
+// Errors: kNotFound when the folder has no recordings, or an operator or exercise is unknown.
+Result<std::vector<SignRoc>> MeasureHandSigns(
+    const HandSignsOptions& options,
+    const std::function<void(const std::string&, double)>& progress = {});
+
+}  // namespace enamel::station::lab
