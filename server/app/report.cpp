@@ -176,6 +176,12 @@ void PrintTable(const AttemptRow& row, const ScoreResult& score, const Store::At
   Line("lost", score.gap_ticks == 0 ? "nothing"
                                     : fmt::format("{} ticks, declared as gaps", score.gap_ticks));
   Line("late ticks, force bounded", fmt::format("{}, {}", score.late_ticks, score.bounded_ticks));
+  const scoring::Disturbance& d = score.disturbance;
+  if (d.disturbed()) {
+    Line("disturbed by the station",
+         fmt::format("{:.1f} % late, {:.1f} % missing, {:.1f} % at the device's limit",
+                     d.late_percent, d.gap_percent, d.limited_percent));
+  }
   Line("replay agrees tick by tick", score.witness_ok ? "yes" : "no: " + score.witness_note);
   Line("replayed at", fmt::format("{:.1f} x real time", result.replay_realtime_factor));
   const SignedBy by = ReadSigned(row, result);
@@ -188,6 +194,11 @@ void PrintTable(const AttemptRow& row, const ScoreResult& score, const Store::At
   Line("attempt", row.id.Text());
   Line("reference",
        score.reference_attempt.empty() ? "none: compared with itself" : score.reference_attempt);
+  if (score.envelope) {
+    const auto& nearest = score.envelope->members.front();
+    Line("among " + std::to_string(score.envelope->members.size()) + " references",
+         fmt::format("nearest {}, {:.1f} % overlap", nearest.attempt, 100 * nearest.dice));
+  }
   if (!options.page_url.empty()) Line("page", options.page_url);
 }
 
