@@ -117,7 +117,8 @@ void RegisterHandSigns(CLI::App& app, int* exit_code) {
       "A row for each figure: the area under its receiver operating characteristic (the chance\n"
       "that a program's second has the higher figure; 0.5 tells nothing, 0 and 1 tell all) with\n"
       "its standard error, and the share of programs found at three rates of false alarm. Nothing\n"
-      "is decided by it: what holds the tool is what the signed recording says.\n"
+      "is decided by it: what holds the tool is what the signed recording says. People who do\n"
+      "something else than cut a tooth differ by that too.\n"
       "Example:\n"
       "  enamel-lab hand-signs --people ../shared/data/motion\n"
       "Exit codes: 0 measured, 1 failed.");
