@@ -4,10 +4,10 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <chrono>
 #include <iostream>
 
 #include "common/base/hex.h"
+#include "common/base/unix_time.h"
 #include "server/app/command_line.h"
 #include "server/app/data_folder.h"
 #include "server/app/say.h"
@@ -153,9 +153,7 @@ Status EnrolCode(const std::filesystem::path& data, int valid_minutes) {
   Bytes random(16);
   randombytes_buf(random.data(), random.size());
   std::string code = ToHex(random);
-  auto now = std::chrono::duration_cast<std::chrono::milliseconds>(
-      std::chrono::system_clock::now().time_since_epoch());
-  UnixMs expires = now.count() + UnixMs{valid_minutes} * 60'000;
+  const UnixMs expires = enamel::UnixMs() + UnixMs{valid_minutes} * 60'000;
   // The hash alone is kept, so that a copy of the database enrols no station.
   auto added = store->AddEnrolCode(HashSha256(AsBytes(code)), expires, kCommandLine);
   if (!added.ok()) return added.status();

@@ -5,16 +5,10 @@
 #include <condition_variable>
 #include <mutex>
 
+#include "common/base/unix_time.h"
+
 namespace enamel::server::app {
-namespace {
-
-UnixMs NowMs() {
-  return std::chrono::duration_cast<std::chrono::milliseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
-
-}  // namespace
+namespace {}  // namespace
 
 Caretaker::Caretaker(UpkeepStore& store, Intervals intervals)
     : store_(store),
@@ -53,7 +47,7 @@ void Caretaker::LookAtHealth() {
 }
 
 void Caretaker::ApplyRetention() {
-  auto report = store_.ApplyRetention(NowMs(), false, Actor{{}, "retention"});
+  auto report = store_.ApplyRetention(enamel::UnixMs(), false, Actor{{}, "retention"});
   if (!report.ok()) {
     spdlog::warn("retention rules were not applied, next try in an hour: {}",
                  report.status().message());

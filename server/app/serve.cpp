@@ -17,6 +17,7 @@
 #include <thread>
 
 #include "common/base/file.h"
+#include "common/base/unix_time.h"
 #include "common/net/frame_client.h"
 #include "common/protocol/messages.h"
 #include "server/app/caretaker.h"
@@ -41,12 +42,6 @@ constexpr size_t kStationThreads = 256;
 // A terminal's Ctrl-C reaches a whole process group, whose leader then asks once more: that is one
 // wish to stop, not two.
 constexpr auto kFurtherSignalsIgnored = std::chrono::seconds(2);
-
-UnixMs SystemNow() {
-  return std::chrono::duration_cast<std::chrono::milliseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 // Where to listen. Unlike where to connect to, the port may be 0: any free one.
 Result<net::Endpoint> ListenAddress(const std::string& text, const char* option) {
@@ -290,8 +285,10 @@ Status Serve(const ServeOptions& options) {
   auth::Authenticator authenticator(store, auth_options);
   LiveBoard live;
   stations::Content content(store);
-  stations::Services services{store,     authenticator, live, content, identity.ticket_key,
-                              kSoftware, SystemNow};
+  stations::Services services{
+      store, authenticator, live, content, identity.ticket_key, kSoftware, [] {
+        return enamel::UnixMs();
+      }};
   // Declared before what posts to it, hence destroyed after it. The same holds for store, live
   // board and content above: each is used by reference further down.
   StorePool pool(kStationThreads);

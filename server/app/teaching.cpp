@@ -3,11 +3,11 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <chrono>
 #include <iostream>
 #include <optional>
 
 #include "common/base/file.h"
+#include "common/base/unix_time.h"
 #include "common/scene/json/json.h"
 #include "server/app/admin.h"
 #include "server/app/admin_stations.h"
@@ -44,12 +44,6 @@ void Show(const AssignmentRow& row) {
       row.id.Text(), row.exercise, row.version, cohort, WhenText(row.opens_ms, "at once"),
       WhenText(row.due_ms, "never"), row.late_allowed ? " (late allowed)" : "", limit,
       row.exam ? ", exam" : "", stations, HandsAllowedText(row.hands));
-}
-
-UnixMs UnixNowMs() {
-  return std::chrono::duration_cast<std::chrono::milliseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
 }
 
 Result<Uuid> CohortOrEverybody(TeachingStore& store, const std::string& name) {
@@ -251,7 +245,7 @@ Status EndAssignment(const std::filesystem::path& data, const std::string& id) {
   // The store says by this field that attempts are the reason; any other refusal is the caller's to
   // hear.
   if (deleted.field() != "attempts") return deleted;
-  row.due_ms = UnixNowMs();
+  row.due_ms = enamel::UnixMs();
   // An assignment with attempts stays for their release. Due now, and with nobody let in late, it
   // comes to the same for students.
   row.late_allowed = false;

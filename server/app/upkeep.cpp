@@ -4,13 +4,14 @@
 
 #include <boost/json.hpp>
 #include <chrono>
-#include <ctime>
 #include <iostream>
 
 #include "common/base/file.h"
+#include "common/base/unix_time.h"
 #include "server/app/command_line.h"
 #include "server/app/data_folder.h"
 #include "server/app/say.h"
+#include "server/app/utc_text.h"
 #include "server/storage/engine/backup.h"
 
 namespace enamel::server::app {
@@ -53,15 +54,6 @@ UpkeepProgress Telling(ConsoleProgress& progress) {
 
 std::string Mib(uint64_t bytes) {
   return fmt::format("{:.1f} MiB", static_cast<double>(bytes) / (1 << 20));
-}
-
-std::string UtcText(UnixMs ms) {
-  std::time_t seconds = ms / 1000;
-  std::tm utc{};
-  ::gmtime_r(&seconds, &utc);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%d %H:%M:%S UTC", &utc);
-  return text;
 }
 
 Status WriteJson(const std::filesystem::path& file, const json::object& facts) {
@@ -156,7 +148,7 @@ Status Backup(const BackupCommand& command) {
                        json::serialize(json::object{{"files", report->files},
                                                     {"missing", report->missing.size()}})));
   Say("backup as of {}: {} files, {} ({} linked), {} people, {} attempts, {} ticks\n",
-      UtcText(report->created_ms), report->files, Mib(report->bytes), report->linked,
+      UtcText(report->created_ms) + " UTC", report->files, Mib(report->bytes), report->linked,
       report->people, report->attempts, report->ticks);
   if (command.keyring.empty()) {
     Say("the keys are inside; with --keyring FOLDER they are kept apart, so that an erasure "
@@ -198,8 +190,8 @@ Status RestoreBackup(const RestoreCommand& command) {
     return Restore(options);
   }();
   if (!report.ok()) return report.status();
-  Say("restored the backup of {}: {} files, {}\n", UtcText(report->created_ms), report->files,
-      Mib(report->bytes));
+  Say("restored the backup of {}: {} files, {}\n", UtcText(report->created_ms) + " UTC",
+      report->files, Mib(report->bytes));
   Say("{} people erased since were erased again; all sessions have ended\n", report->erased_again);
   Say("what changed after the backup is gone: people who were disabled and stations that were "
       "revoked since have to be again. Stations send what they still hold; where that needs "
@@ -254,12 +246,10 @@ Status Retention(const RetentionCommand& command) {
   for (const RetentionRule& rule : rules) {
     Say("{:<10} kept for {} days\n", rule.what, rule.days);
   }
-  auto now = std::chrono::duration_cast<std::chrono::milliseconds>(
-                 std::chrono::system_clock::now().time_since_epoch())
-                 .count();
   // With the new rule in force: without --apply this shows what the server will remove at its next
   // round.
-  ENAMEL_ASSIGN_OR_RETURN(auto report, store->ApplyRetention(now, !command.apply, kCommandLine));
+  ENAMEL_ASSIGN_OR_RETURN(auto report,
+                          store->ApplyRetention(enamel::UnixMs(), !command.apply, kCommandLine));
   Say("{}: {} unfinished attempts, {} recordings, {} whole attempts{}\n",
       command.apply ? "removed" : "would be removed now", report.unfinished.size(),
       report.recordings.size(), report.attempts.size(),

@@ -11,6 +11,7 @@
 #include <cstdlib>
 
 #include "common/base/hex.h"
+#include "common/base/unix_time.h"
 #include "server/auth/address_block.h"
 #include "server/auth/token.h"
 
@@ -63,9 +64,7 @@ Authenticator::~Authenticator() = default;
 
 UnixMs Authenticator::Now() const {
   if (options_.clock) return options_.clock();
-  return std::chrono::duration_cast<std::chrono::milliseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
+  return enamel::UnixMs();
 }
 
 int64_t Authenticator::Elapsed() const {

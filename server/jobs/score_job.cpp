@@ -1,9 +1,9 @@
 #include "server/jobs/score_job.h"
 
 #include <algorithm>
-#include <chrono>
 #include <string>
 
+#include "common/base/unix_time.h"
 #include "common/scene/attempt_documents.h"
 #include "common/scene/json/json.h"
 #include "common/scene/volume_blob.h"
@@ -255,9 +255,7 @@ class ScoreJob {
 
   void Sign(const scoring::ScoreResult& score, const Sha256& judgement,
             AttemptStore::AttemptResult& result) const {
-    result.scored_ms = std::chrono::duration_cast<std::chrono::milliseconds>(
-                           std::chrono::system_clock::now().time_since_epoch())
-                           .count();
+    result.scored_ms = enamel::UnixMs();
     ResultDocument document;
     document.attempt = attempt_;
     document.scored_ms = result.scored_ms;

@@ -7,18 +7,13 @@
 
 #include <exception>
 
+#include "common/base/unix_time.h"
 #include "server/jobs/score_job.h"
 
 namespace enamel::server {
 namespace {
 
 constexpr double kProgressStep = 0.05;
-
-UnixMs NowMs() {
-  return std::chrono::duration_cast<std::chrono::milliseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 // Of the calling thread: what must not wait, taking recordings and answering people, goes first. No
 // harm where it is not granted. About a third of another thread's share when all want to run.
@@ -76,7 +71,7 @@ void Worker::Wait(const std::stop_token& stop, uint64_t seen) {
 }
 
 bool Worker::RunOne(const std::stop_token& stop) {
-  auto job = store_.jobs().LeaseJob(NowMs(), options_.lease_ms);
+  auto job = store_.jobs().LeaseJob(enamel::UnixMs(), options_.lease_ms);
   bool report_queue = false;
   {
     MutexLock lock(mutex_);

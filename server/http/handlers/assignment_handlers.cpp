@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <boost/json.hpp>
-#include <chrono>
 #include <map>
 
+#include "common/base/unix_time.h"
 #include "server/http/caller.h"
 #include "server/http/error_response.h"
 #include "server/http/etag.h"
@@ -121,12 +121,6 @@ class AssignmentView {
   std::map<std::string, ExerciseRow> exercises_;  // newest published, by name
 };
 
-UnixMs Now() {
-  return std::chrono::duration_cast<std::chrono::milliseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
-
 Result<bool> IsInCohort(const Call& call, TeachingStore& store, const Uuid& cohort) {
   Result<std::vector<Cohort>> own = store.CohortsOf(call.caller->person.id);
   if (!own.ok()) return own.status();
@@ -188,8 +182,8 @@ Result<AssignmentRow> TermsIn(const Call& call, const AssignmentRow& before) {
   row.exam = body.Flag("exam", false);
   row.late_allowed = body.Flag("late_allowed", false);
   row.stations = body.Ids("station_ids", kMaxStations);
-  const std::string counting = body.Has("counting") ? body.Text("counting", 1, kMaxTermName)
-                                                    : CountingName(before.counting);
+  const std::string counting =
+      body.Has("counting") ? body.Text("counting", 1, kMaxTermName) : CountingName(before.counting);
   ENAMEL_RETURN_IF_ERROR(body.Finish());
   const auto admitted = HandsAllowedFromName(named);
   if (!admitted) {
@@ -296,7 +290,7 @@ Response ListAssignments(const Call& call, AssignmentListParts store) {
     for (const AssignedRow& row : *rows) {
       Result<std::map<Uuid, Grade>> grade = grades.Of(row.assignment, viewer.id);
       if (!grade.ok()) return ErrorResponse(grade.status());
-      assignments.push_back(view->Json(row, (*grade)[viewer.id], Now()));
+      assignments.push_back(view->Json(row, (*grade)[viewer.id], enamel::UnixMs()));
     }
     return JsonResponse({{"assignments", std::move(assignments)}, {"next", std::move(next)}});
   }

@@ -1,7 +1,7 @@
 #include <boost/json.hpp>
-#include <chrono>
 
 #include "common/base/hex.h"
+#include "common/base/unix_time.h"
 #include "server/auth/token.h"
 #include "server/http/caller.h"
 #include "server/http/error_response.h"
@@ -20,12 +20,6 @@ constexpr size_t kMaxStationName = 64;  // as in schemas/wire/README.md
 constexpr int64_t kMaxMinutes = 7 * 24 * 60;
 // 128 bits: nobody guesses it within the week that it may be good for.
 constexpr size_t kCodeBytes = 16;
-
-UnixMs Now() {
-  return std::chrono::duration_cast<std::chrono::milliseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 json::object StationJson(const StationRow& row) {
   return {{"id", row.id.Text()},
@@ -114,7 +108,7 @@ Response RevokeStation(const Call& call, StationStore& store) {
 Response ListEnrolCodes(const Call& call, StationStore& store) {
   Result<Page> page = PageOf(call.request, kDefaultPage, kMaxPage);
   if (!page.ok()) return ErrorResponse(page.status());
-  Result<std::vector<EnrolCodeRow>> rows = store.OpenEnrolCodes(Now());
+  Result<std::vector<EnrolCodeRow>> rows = store.OpenEnrolCodes(enamel::UnixMs());
   if (!rows.ok()) return ErrorResponse(rows.status());
   json::value next = CutPage(*rows, *page, [](const EnrolCodeRow& row) { return row.id.Text(); });
   json::array codes;
@@ -137,7 +131,7 @@ Response AddEnrolCode(const Call& call, StationStore& store) {
   Bytes random = auth::NewToken();
   random.resize(kCodeBytes);
   std::string code = ToHex(random);
-  UnixMs expires_ms = Now() + minutes * 60'000;
+  UnixMs expires_ms = enamel::UnixMs() + minutes * 60'000;
   // The hash alone is stored; the code is in this answer and nowhere else.
   Result<Uuid> id = store.AddEnrolCode(HashSha256(AsBytes(code)), expires_ms, ActorOf(call));
   if (!id.ok()) return ErrorResponse(id.status());
