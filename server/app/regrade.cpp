@@ -133,6 +133,9 @@ Status CorrectRubric(const std::filesystem::path& data, const Correction& correc
   ENAMEL_ASSIGN_OR_RETURN(auto rubric, ReadRubric(correction.document));
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
   ENAMEL_ASSIGN_OR_RETURN(auto row, NewestPublished(*store, correction.exercise));
+  // Also before a preview: the points there are given by these bands.
+  const auto warnings = RubricWarnings(*store, row, rubric);
+  for (const std::string& warning : warnings) Say("warning: {}\n", warning);
   if (correction.preview) {
     AttemptFilter which;
     which.exercise = row.id;

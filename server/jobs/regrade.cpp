@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/scene/json/json.h"
+#include "common/scoring/fine_bands.h"
 #include "common/scoring/score.h"
 #include "server/training/revision.h"
 
@@ -70,6 +71,19 @@ Result<std::vector<AttemptRow>> ScoredAttempts(AttemptStore& store, AttemptFilte
     if (page.empty()) break;
     which.before = page.back().id;
     out.insert(out.end(), page.begin(), page.end());
+  }
+  return out;
+}
+
+std::vector<std::string> RubricWarnings(BlobStore& store, const ExerciseRow& exercise,
+                                        const scene::Rubric& rubric) {
+  std::vector<std::string> out;
+  const auto text = store.GetBlob(exercise.scene);
+  if (!text.ok()) return out;
+  const auto scene = scene::SceneFromJson(AsText(*text));
+  if (!scene.ok()) return out;
+  for (const scoring::FineBand& band : scoring::FineBands(rubric, scene->voxel_nm)) {
+    out.push_back(scoring::FineBandText(band, scene->voxel_nm));
   }
   return out;
 }

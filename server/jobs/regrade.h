@@ -36,6 +36,12 @@ struct RubricPreview {
   double mean_before = 0, mean_after = 0;
 };
 
+// What of a rubric is finer than its exercise's score can tell (scoring::FineBands), for people. A
+// warning: it can be published all the same. None where the scene cannot be read: a preview needs
+// none, and verify finds that.
+std::vector<std::string> RubricWarnings(BlobStore& store, const ExerciseRow& exercise,
+                                        const scene::Rubric& rubric);
+
 inline constexpr size_t kMaxPreviewed = 2000;
 
 // The scored attempts that `which` names (its state and page are not read), newest first, at most

@@ -147,7 +147,9 @@ Response PreviewRubricChange(const Call& call, ExerciseParts store) {
   if (viewer.role != Role::kAdmin) which.visible_to_instructor = viewer.id;
   Result<RubricPreview> preview = PreviewRubric(store, which, *rubric);
   if (!preview.ok()) return ErrorResponse(preview.status());
-  return JsonResponse(PreviewJson(*preview));
+  json::object out = PreviewJson(*preview);
+  out["warnings"] = json::value_from(RubricWarnings(store, *row, *rubric));
+  return JsonResponse(out);
 }
 
 Response PublishRubric(const Call& call, ExerciseParts store) {
