@@ -34,7 +34,7 @@ class MemoryStore final : public server::StationStore,
   std::map<Uuid, server::StationRow> stations;
   std::map<Uuid, server::ReferenceRow> references;  // by exercise: the newest
   std::vector<server::ReferenceRow> older_references;
-  std::map<Uuid, server::RubricRow> rubrics;        // by exercise
+  std::map<Uuid, server::RubricRow> rubrics;  // by exercise
   std::vector<server::JobRow> jobs;
   std::vector<double> progress;  // everything SetProgress was told
   int failing_puts = 0;          // this many PutBlob answer kStorage

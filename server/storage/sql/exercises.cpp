@@ -111,10 +111,11 @@ Status OfferAgain(Db& db, ExerciseRow& row, const Actor& by) {
 // Publishing again must not give a cohort its work twice. What is offered without terms is offered to
 // every hand, simulated ones too: the demo, a load test, a school's first look.
 Status AssignOnce(Db& db, const ExerciseRow& version, const Uuid& cohort) {
-  Query q(db,
-          "INSERT INTO assignments (tenant, id, exercise_name, cohort, created_ms, hands, exercise) "
-          "SELECT ?1, ?2, ?3, ?4, ?5, ?6, ?7 WHERE NOT EXISTS (SELECT 1 FROM assignments a "
-          "WHERE a.tenant = ?1 AND a.exercise_name = ?3 AND a.cohort = ?4)");
+  Query q(
+      db,
+      "INSERT INTO assignments (tenant, id, exercise_name, cohort, created_ms, hands, exercise) "
+      "SELECT ?1, ?2, ?3, ?4, ?5, ?6, ?7 WHERE NOT EXISTS (SELECT 1 FROM assignments a "
+      "WHERE a.tenant = ?1 AND a.exercise_name = ?3 AND a.cohort = ?4)");
   q.Bind(Uuid::New()).Bind(version.name).Bind(cohort).Bind(NowMs());
   return q.Bind(static_cast<int64_t>(HandsAllowed::kAny)).Bind(version.id).Run();
 }
