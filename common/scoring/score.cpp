@@ -1,6 +1,7 @@
 #include "common/scoring/score.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -87,40 +88,84 @@ Asked AskedFor(const std::vector<scene::RubricPoint>& map) {
           last + 1 == map.size() ? kInfinite : map[last].value};
 }
 
-std::string Number(double value, std::string_view unit) {
+// As fine as anybody acts on: 0.01 mm, a tenth of a degree or of a second.
+int UsualDigits(std::string_view unit) {
+  if (unit == "count") return 0;
+  return unit == "%" || unit == "s" || unit == "deg" ? 1 : 2;
+}
+
+std::string Digits(double value, int digits) {
   char text[64];
-  // As fine as anybody acts on: 0.01 mm is a tenth of the finest band, a tenth of a degree
-  // likewise.
-  int digits = unit == "%" || unit == "s" || unit == "deg" ? 1 : 2;
   std::snprintf(text, sizeof text, "%.*f", digits, value);
-  if (unit == "count" || unit == "ratio") {
-    std::snprintf(text, sizeof text, "%.*f", unit == "count" ? 0 : 2, value);
-    return text;
-  }
+  return text;
+}
+
+double AsShown(double value, int digits) {
+  const std::string text = Digits(value, digits);
+  double out = 0;
+  std::from_chars(text.data(), text.data() + text.size(), out);
+  return out;
+}
+
+std::string Number(double value, std::string_view unit, int digits) {
+  std::string text = Digits(value, digits);
+  if (unit == "count" || unit == "ratio") return text;
   std::string_view shown = unit == "mm2"   ? "mm²"
                            : unit == "mm3" ? "mm³"
                            : unit == "deg" ? "°"
                                            : unit;
-  return std::string(text) + (unit == "deg" ? "" : " ") + std::string(shown);
+  return text + (unit == "deg" ? "" : " ") + std::string(shown);
+}
+std::string Number(double value, std::string_view unit) {
+  return Number(value, unit, UsualDigits(unit));
 }
 
-std::string Found(const MetricInfo& info, double value) {
-  if (info.above_zero.empty()) return Number(value, info.unit);
-  std::string size = Number(std::fabs(value), info.unit);
+// So many that a limit is shown as it is, 0.025 mm and not 0.03, and that what misses it does not
+// read like it.
+int DigitsFor(double value, const Asked& asked, std::string_view unit) {
+  constexpr int kMost = 4;
+  int digits = UsualDigits(unit);
+  for (double limit : {asked.from, asked.to}) {
+    if (!std::isfinite(limit)) continue;
+    while (digits < kMost && std::fabs(AsShown(limit, digits) - limit) > 1e-9) ++digits;
+  }
+  for (double limit : {asked.from, asked.to}) {
+    if (!std::isfinite(limit) || (value >= asked.from && value <= asked.to)) continue;
+    while (digits < kMost && Digits(std::fabs(value), digits) == Digits(std::fabs(limit), digits)) {
+      ++digits;
+    }
+  }
+  return digits;
+}
+
+std::string Found(const MetricInfo& info, double value, int digits) {
+  if (info.above_zero.empty()) return Number(value, info.unit, digits);
+  std::string size = Number(std::fabs(value), info.unit, digits);
   // Shown as 0.00: neither too deep nor short.
   if (std::fabs(value) < 0.005) return size + " off";
   return size + " " + std::string(value > 0 ? info.above_zero : info.below_zero);
 }
 
-std::string AskedText(const MetricInfo& info, const Asked& asked) {
+std::string AskedText(const MetricInfo& info, const Asked& asked, int digits) {
+  auto number = [&](double value) { return Number(value, info.unit, digits); };
   bool open_below = asked.from == -kInfinite, open_above = asked.to == kInfinite;
   if (open_below && open_above) return "";
-  if (open_below) return " (at most " + Number(asked.to, info.unit) + " asked for)";
-  if (open_above) return " (at least " + Number(asked.from, info.unit) + " asked for)";
-  if (asked.from == asked.to) return " (" + Number(asked.to, info.unit) + " asked for)";
-  if (asked.from == -asked.to) return " (within " + Number(asked.to, info.unit) + " asked for)";
-  return " (from " + Number(asked.from, info.unit) + " to " + Number(asked.to, info.unit) +
-         " asked for)";
+  if (open_below) return " (at most " + number(asked.to) + " asked for)";
+  if (open_above) return " (at least " + number(asked.from) + " asked for)";
+  if (asked.from == asked.to) return " (" + number(asked.to) + " asked for)";
+  if (asked.from == -asked.to) return " (within " + number(asked.to) + " asked for)";
+  return " (from " + number(asked.from) + " to " + number(asked.to) + " asked for)";
+}
+
+// What was found, beside what was asked for.
+struct Comparison {
+  std::string found, asked;
+};
+Comparison Compare(const MetricInfo& info, double value,
+                   const std::vector<scene::RubricPoint>& map) {
+  const Asked asked = AskedFor(map);
+  const int digits = DigitsFor(value, asked, info.unit);
+  return {Found(info, value, digits), AskedText(info, asked, digits)};
 }
 
 CriterionResult Judge(const RubricCriterion& criterion, double value, bool& critical_fail) {
@@ -128,7 +173,8 @@ CriterionResult Judge(const RubricCriterion& criterion, double value, bool& crit
   double share = ShareAt(criterion.map, value);
   CriterionResult out{criterion.metric,         criterion.title,  value, criterion.unit,
                       criterion.points * share, criterion.points, ""};
-  out.reason = criterion.title + ": " + Found(info, value);
+  const Comparison text = Compare(info, value, criterion.map);
+  out.reason = criterion.title + ": " + text.found;
   bool critical = criterion.fails_above && value > *criterion.fails_above;
   if (critical) {
     critical_fail = true;
@@ -136,7 +182,7 @@ CriterionResult Judge(const RubricCriterion& criterion, double value, bool& crit
     out.reason +=
         " (more than " + Number(*criterion.fails_above, info.unit) + " fails the whole attempt).";
   } else {
-    out.reason += AskedText(info, AskedFor(criterion.map)) + ".";
+    out.reason += text.asked + ".";
   }
   // Advice only where points were lost.
   if ((critical || share < 1) && !criterion.comment.empty()) out.reason += " " + criterion.comment;
@@ -188,7 +234,8 @@ CriterionResult Hidden(const RubricCriterion& criterion, double value) {
 GateResult Open(const scene::RubricGate& gate, double value) {
   const MetricInfo& info = *FindMetric(gate.metric);
   GateResult out{gate.metric, gate.title, value, gate.unit, ShareAt(gate.map, value), ""};
-  out.reason = gate.title + ": " + Found(info, value) + AskedText(info, AskedFor(gate.map)) + ".";
+  const Comparison text = Compare(info, value, gate.map);
+  out.reason = gate.title + ": " + text.found + text.asked + ".";
   if (out.share < 1) {
     out.reason += " Every criterion keeps " + Number(100 * out.share, "%") + " of its points.";
     if (!gate.comment.empty()) out.reason += " " + gate.comment;

@@ -42,6 +42,20 @@ ScoreResult Score(double wall, double target, double pulp) {
   return result.ok() ? *result : ScoreResult{};
 }
 
+// "0.03 mm (at most 0.03 mm asked for)" with points lost is a riddle.
+TEST(ApplyRubricTest, LimitsAreShownAsTheyAreAndWhatMissesThemDoesNotReadLikeThem) {
+  auto reason = [](double limit, double value) {
+    RubricCriterion waves{
+        "wall_waviness_mm", "Walls smooth", "mm", 10, {{limit, 1}, {0.1, 0}}, "", {}};
+    auto scored = ApplyRubric({"r", 1, {waves}, {}}, {{{"wall_waviness_mm", value, "mm"}}, {}});
+    EXPECT_TRUE(scored.ok());
+    return scored->criteria[0].reason;
+  };
+  EXPECT_EQ(reason(0.025, 0.031), "Walls smooth: 0.031 mm (at most 0.025 mm asked for).");
+  EXPECT_EQ(reason(0.05, 0.0504), "Walls smooth: 0.0504 mm (at most 0.0500 mm asked for).");
+  EXPECT_EQ(reason(0.05, 0.04), "Walls smooth: 0.04 mm (at most 0.05 mm asked for).");
+}
+
 TEST(ApplyRubricTest, FullMarksAreAHundred) {
   ScoreResult r = Score(0, 99, 0);
   EXPECT_EQ(r.score, 100);
@@ -149,8 +163,7 @@ TEST(ApplyRubricTest, WhatWasNotMadeEarnsNothing) {
   ASSERT_TRUE(r.ok());
   EXPECT_NEAR(r->score, 40, 1e-12);
   EXPECT_EQ(r->criteria[0].max_points, 60);
-  EXPECT_EQ(r->criteria[0].reason,
-            "Mesial wall: there is nothing to measure yet. Watch the line angle.");
+  EXPECT_EQ(r->criteria[0].reason, "Mesial wall: there is nothing to measure yet. Watch the line angle.");
 }
 
 TEST(ApplyRubricTest, ARubricOfWhichNothingCanBeJudgedIsRefused) {
