@@ -199,8 +199,8 @@ CriterionResult Unjudged(const RubricCriterion& criterion, NoValue why) {
   // Not made: the points can be had and were not. Not in the task: they were never there, and count
   // for nobody.
   out.max_points = criterion.points;
+  // Without the comment, which is about a fault that was made.
   out.reason = criterion.title + ": there is nothing to measure yet.";
-  if (!criterion.comment.empty()) out.reason += " " + criterion.comment;
   return out;
 }
 

@@ -163,7 +163,7 @@ TEST(ApplyRubricTest, WhatWasNotMadeEarnsNothing) {
   ASSERT_TRUE(r.ok());
   EXPECT_NEAR(r->score, 40, 1e-12);
   EXPECT_EQ(r->criteria[0].max_points, 60);
-  EXPECT_EQ(r->criteria[0].reason, "Mesial wall: there is nothing to measure yet. Watch the line angle.");
+  EXPECT_EQ(r->criteria[0].reason, "Mesial wall: there is nothing to measure yet.");
 }
 
 TEST(ApplyRubricTest, ARubricOfWhichNothingCanBeJudgedIsRefused) {
