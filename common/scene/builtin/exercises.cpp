@@ -171,10 +171,10 @@ Rubric CariesRubric() {
   r.version = 2;
   r.gates = TaskGates();
   r.gates[0] = {"caries_left_percent",
-                "Caries taken away",
+                "Caries left",
                 "%",
                 {{10, 1}, {90, 0}},
-                "The work was stopped early: most of the caries is still there."};
+                "The work was stopped early: there is still caries to be taken away."};
   r.criteria = {
       AtMost("caries_left_percent", "No caries left", "%", 35, 1, 12,
              "Caries was left: it goes on under the filling."),
