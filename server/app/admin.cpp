@@ -170,8 +170,13 @@ Status MarkReference(const std::filesystem::path& data, const std::string& attem
     return Status(agreed.code(), agreed.message() + " with --consent", agreed.field());
   }
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
-  ENAMEL_ASSIGN_OR_RETURN(auto row, store->AddReference(id, dentist, consent, kCommandLine));
-  Say("reference version {} of the exercise: attempt {} by {}\n", row.version, attempt, dentist);
+  ENAMEL_ASSIGN_OR_RETURN(const std::string name, CheckedName(dentist, "dentist"));
+  ENAMEL_ASSIGN_OR_RETURN(auto row, store->AddReference(id, name, consent, kCommandLine));
+  Say("reference version {} of the exercise: attempt {} by {}\n", row.version, attempt, name);
+  if (row.version > 1) {
+    Say("points come from this cut from now on. Scores that are there stay; rescore makes them "
+        "again\n");
+  }
   return Status::Ok();
 }
 

@@ -111,6 +111,23 @@ ReferenceRow ReferenceOf(const Query& q) {
                       q.Int(5), q.Int(6) != 0, q.Int(7)};
 }
 
+// A cut that does not do the task would make everybody's score 0.
+Status MustDoTheTask(const AttemptRow& attempt) {
+  if (!attempt.critical_fail && attempt.score.value_or(0) > 0) return Status::Ok();
+  return Status(Code::kConflict,
+                "attempt " + attempt.id.Text() +
+                    " scored 0: what does not do the task cannot be the reference for others",
+                "score");
+}
+
+// Said again, by another dentist's name perhaps: it counts once, as it was said last.
+Status WithdrawEarlier(Db& db, const Uuid& attempt) {
+  Query q(db,
+          "UPDATE reference_cuts SET withdrawn_ms = ?3 WHERE tenant = ?1 AND attempt = ?2 AND "
+          "withdrawn_ms = 0");
+  return q.Bind(attempt).Bind(NowMs()).Run();
+}
+
 Result<ReferenceRow> FindReference(Db& db, const Uuid& id) {
   Query q(db, ENAMEL_REFERENCE_SELECT " AND id = ?2");
   if (q.Bind(id).Next()) return ReferenceOf(q);
@@ -449,6 +466,8 @@ Result<ReferenceRow> SqliteStore::AddReference(const Uuid& attempt, const std::s
                                          "become a reference");
     }
     row.exercise = found.exercise;
+    ENAMEL_RETURN_IF_ERROR(MustDoTheTask(found));
+    ENAMEL_RETURN_IF_ERROR(WithdrawEarlier(db, attempt));
     ENAMEL_RETURN_IF_ERROR(InsertReference(db, row));
     // What was scored without a reference is scored again with it; what was compared with an earlier
     // one keeps its score until somebody asks.

@@ -745,7 +745,7 @@ TEST_F(TeachingTest, ReferencesAreListedAndWithdrawnAndNamesShownWithConsentOnly
   ASSERT_EQ(Post("ada", Scored("/reference"), {{"dentist", "Dr. Vega"}, {"consent", true}}).status,
             201);
   // Kept from a time when a reference could be without it.
-  auto second = school_.store->AddReference(school_.sams_scored, "Dr. Lyra", false,
+  auto second = school_.store->AddReference(school_.ScoredAttempt(school_.sam), "Dr. Lyra", false,
                                             Actor{school_.ada, "page"});
   ASSERT_TRUE(second.ok()) << second.status().message();
   json::value rows = Parsed(By("sam").Get(list)).at("references");

@@ -312,6 +312,7 @@ TEST_F(SessionTest, OnlyAnInstructorWithConsentMarksAScoredAttemptAsReference) {
   EXPECT_EQ(station_.MarkReference(attempt, "Dr A", true).error().code(), "conflict")
       << "not scored yet";
   Store::AttemptResult result;
+  result.score = 90;
   result.score_json = PutText(*world_.store, "{}");
   ASSERT_TRUE(world_.store->FinishAttempt(attempt, result, {}).ok());
   auto without = station_.MarkReference(attempt, "Dr A", false);

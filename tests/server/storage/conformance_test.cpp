@@ -157,7 +157,9 @@ TEST_P(StoreTest, ReferenceQueuesAttemptsThatWereScoredWithoutOne) {
   auto job = store_->LeaseJob(1, 1000);
   ASSERT_TRUE(job.ok() && job->has_value());
   ASSERT_TRUE(store_->FinishJob((*job)->id, true, "").ok());
-  ASSERT_TRUE(store_->FinishAttempt(scored, {}, {}).ok());
+  Store::AttemptResult done;
+  done.score = 100;
+  ASSERT_TRUE(store_->FinishAttempt(scored, done, {}).ok());
   EXPECT_FALSE(store_->LeaseJob(1, 1000)->has_value());
 
   auto reference = store_->AddReference(scored, "Dr. Example", true, kSystem);

@@ -68,7 +68,9 @@ TEST_P(PersonalDataTest, WhoMadeAReferenceIsErasedOnlyWithIt) {
   Uuid cut = world_.NewAttemptOf(dentist).id;
   ASSERT_TRUE(store_->OpenAttempt(cut, AsBytes("header")).ok());
   ASSERT_TRUE(store_->SealAttempt(World::SealOf(world_.Append(cut, 1)), 200).ok());
-  ASSERT_TRUE(store_->FinishAttempt(cut, {}, {}).ok());
+  Store::AttemptResult done;
+  done.score = 100;
+  ASSERT_TRUE(store_->FinishAttempt(cut, done, {}).ok());
   ASSERT_TRUE(store_->AddReference(cut, "Dr. Example", true, kSystem).ok());
   Uuid compared = world_.ScoredAttempt();
   Store::AttemptResult result;

@@ -497,6 +497,25 @@ TEST_P(TeachingTest, AppealThatCannotBeRegradedStaysOpen) {
   EXPECT_TRUE(store_->AnswerAppeal(attempt, false, "no", kSystem).ok());
 }
 
+TEST_P(TeachingTest, CutThatDoesNotDoTheTaskCannotBecomeAReference) {
+  World world(*store_);
+  Status nothing = store_->AddReference(world.ScoredAttempt(0), "Dr. Idle", true, kSystem).status();
+  EXPECT_EQ(nothing.code(), Code::kConflict);
+  EXPECT_EQ(nothing.field(), "score");
+}
+
+TEST_P(TeachingTest, CutThatIsMarkedAgainCountsOnceUnderItsNewName) {
+  World world(*store_);
+  const Uuid cut = world.ScoredAttempt(94);
+  ASSERT_TRUE(store_->AddReference(cut, "Dr. One", true, kSystem).ok());
+  ASSERT_TRUE(store_->AddReference(cut, "Dr. Two", true, kSystem).ok());
+  const auto all = store_->References(world.exercise.id);
+  ASSERT_EQ(all->size(), 2u);
+  EXPECT_EQ(all->front().dentist, "Dr. Two");
+  EXPECT_EQ(all->front().withdrawn_ms, 0);
+  EXPECT_GT(all->back().withdrawn_ms, 0);
+}
+
 TEST_P(TeachingTest, WithdrawnReferenceGivesWayToTheOneBefore) {
   World world(*store_);
   Uuid old_cut = world.ScoredAttempt(), new_cut = world.ScoredAttempt();
