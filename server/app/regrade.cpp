@@ -79,7 +79,7 @@ void ShowPreview(const RubricPreview& preview) {
       continue;
     }
     Say("{}  {} {}  {:+6.1f}  {}{}\n", a.row.id.Text(), ScoreText(a.before, a.failed_before),
-        ScoreText(a.after, a.failed_after), a.after - a.before, a.row.person_name,
+        ScoreText(a.after, a.failed_after), a.change(), a.row.person_name,
         a.row.overridden ? " (a person's score counts instead)" : "");
   }
   const size_t told = preview.attempts.size() - preview.problems;
@@ -143,7 +143,7 @@ Status CorrectRubric(const std::filesystem::path& data, const Correction& correc
     ShowPreview(preview);
     return Status::Ok();
   }
-  if (correction.reason.empty()) {
+  if (correction.reason.find_first_not_of(" \t\r\n") == std::string::npos) {
     return Status(Code::kInvalidInput, "expected --reason: it stays beside the correction");
   }
   ENAMEL_ASSIGN_OR_RETURN(auto counting, RubricOf(RubricParts(*store), row));

@@ -102,8 +102,8 @@ Result<RubricPreview> PreviewRubric(Parts<BlobStore, AttemptStore> store,
     }
     Count(a.before, out.before);
     Count(a.after, out.after);
-    out.raised += a.after > a.before ? 1 : 0;
-    out.lowered += a.after < a.before ? 1 : 0;
+    out.raised += a.change() > 0 ? 1 : 0;
+    out.lowered += a.change() < 0 ? 1 : 0;
     out.mean_before += a.before;
     out.mean_after += a.after;
   }
@@ -112,7 +112,7 @@ Result<RubricPreview> PreviewRubric(Parts<BlobStore, AttemptStore> store,
     out.mean_after /= static_cast<double>(told);
   }
   std::ranges::stable_sort(out.attempts, std::ranges::greater{}, [](const RegradedAttempt& a) {
-    return a.problem.empty() ? std::abs(a.after - a.before) : 0;
+    return a.problem.empty() ? std::abs(a.change()) : 0;
   });
   return out;
 }

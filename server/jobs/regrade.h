@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,6 +25,8 @@ struct RegradedAttempt {
   double before = 0, after = 0;  // computed scores, 0..100; what people set instead is in `row`
   bool failed_before = false, failed_after = false;  // critically
   std::string problem;                               // why there is no `after`; empty: there is one
+  // 0 for what is not shown: scores have one decimal, and a document's numbers twelve digits.
+  double change() const { return std::abs(after - before) < 0.05 ? 0 : after - before; }
 };
 
 // Scored attempts in tenths of the scale: [0, 10), ... [90, 100].
