@@ -12,6 +12,7 @@
 
 #include "common/base/file.h"
 #include "common/base/hex.h"
+#include "common/base/utf8.h"
 #include "common/scoring/score.h"
 #include "server/app/command_line.h"
 #include "server/app/data_folder.h"
@@ -142,6 +143,12 @@ json::object Facts(const AttemptRow& row, const ScoreResult& score,
   const SignedBy by = ReadSigned(row, result);
   out["result"] = json::object{
       {"signed", by.is_signed}, {"problem", by.problem}, {"key", by.key}, {"sha256", by.hash}};
+  json::array flags;
+  for (const char* flag : AttemptFlagNames(row.flags)) flags.emplace_back(flag);
+  out["flags"] = std::move(flags);
+  out["override"] = row.overridden ? json::value{{"score", row.overridden->score},
+                                                 {"reason", row.overridden->reason}}
+                                   : json::value();
   out["page_url"] = page_url;
   return out;
 }
@@ -152,6 +159,10 @@ void PrintTable(const AttemptRow& row, const ScoreResult& score, const Store::At
                 const ReportOptions& options) {
   Say("\n{}, {}: {:.1f} of 100 points{}\n", row.exercise_title, row.person_name, score.score,
       score.critical_fail ? " (critical fault)" : "");
+  if (row.overridden) {
+    Say("What counts instead is a person's score, {:.1f}: {}\n", row.overridden->score,
+        Printable(row.overridden->reason));
+  }
   for (const auto& g : score.gates) {
     Say("  {:<34} {:>9.3f} {:<5} x {:<10.2f} {}\n", g.title, g.value, g.unit, g.share, g.reason);
   }
@@ -168,6 +179,10 @@ void PrintTable(const AttemptRow& row, const ScoreResult& score, const Store::At
   }
   Say("Trace\n");
   Line("held by", HandText(row.hand));
+  std::string flags;
+  for (const char* flag : AttemptFlagNames(row.flags))
+    flags += (flags.empty() ? "" : ", ") + std::string(flag);
+  if (!flags.empty()) Line("flags", flags);
   Line("ticks, chunks", fmt::format("{}, {}", score.ticks, row.chunks));
   Line("size",
        fmt::format("{:.1f} kB ({:.1f} bytes a tick)", static_cast<double>(row.trace_bytes) / 1e3,
