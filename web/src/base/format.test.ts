@@ -36,6 +36,8 @@ test("a small torque is told in millinewton metres, not as nothing", () => {
 test("metric names read as titles without their unit", () => {
   assert.equal(metricTitle("wall_mesial_mm", "mm"), "Wall mesial");
   assert.equal(metricTitle("target_removed_percent", "%"), "Target removed");
+  assert.equal(metricTitle("impulse_n_s", "N s"), "Impulse");
+  assert.equal(metricTitle("enamel_rate_mm3_per_s", "mm3/s"), "Enamel rate");
   assert.equal(metricTitle("pulp_exposed", "count"), "Pulp exposed");
   assert.equal(metricTitle("deviation_rms_mm", "mm"), "Deviation RMS");
 });

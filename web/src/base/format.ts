@@ -73,7 +73,7 @@ const kAcronyms = /\b(rms|dtw|iou)\b/g;
 
 // "wall_mesial_mm" with unit "mm" reads "Wall mesial", "dtw_pose_mm" reads "DTW pose".
 export function metricTitle(name: string, unit: string): string {
-  const suffix = unit === "%" ? "_percent" : `_${unit.toLowerCase()}`;
+  const suffix = unit === "%" ? "_percent" : `_${unit.toLowerCase().replaceAll("/", "_per_").replaceAll(" ", "_")}`;
   const stem = name.toLowerCase().endsWith(suffix) ? name.slice(0, -suffix.length) : name;
   const words = stem.replaceAll("_", " ").trim().replace(kAcronyms, (word) => word.toUpperCase());
   return words.charAt(0).toUpperCase() + words.slice(1);
