@@ -122,7 +122,7 @@ Status ListDevice(const std::filesystem::path& data, const std::string& name,
                   const std::string& title) {
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
   ENAMEL_RETURN_IF_ERROR(store->ListDevice(name, title, kCommandLine));
-  Say("graded work may be done with {} ({})\n", title, name);
+  Say("graded work may be done with the haptic device that calls itself {} ({})\n", name, title);
   return Status::Ok();
 }
 

@@ -123,7 +123,9 @@ Status Verdict(const VerifyReport& report) {
     return Status::Ok();
   }
   return Status(Code::kStorage,
-                fmt::format("{} things do not agree; see the list", report.findings.size()));
+                report.findings.size() == 1
+                    ? std::string("1 thing does not agree; see the list")
+                    : fmt::format("{} things do not agree; see the list", report.findings.size()));
 }
 
 }  // namespace
