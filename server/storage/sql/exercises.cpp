@@ -127,7 +127,7 @@ Status NoExamMustBeOpen(Db& db, const std::string& name, const std::optional<Uui
   Query q(db,
           "SELECT a.id, coalesce(c.name, ''), a.due_ms FROM assignments a LEFT JOIN cohorts c ON "
           "c.tenant = a.tenant AND c.id = a.cohort WHERE a.tenant = ?1 AND a.exercise_name = ?2 "
-          "AND a.exam = 1 AND (?5 = ?6 OR a.id = ?5) AND ((a.opens_ms <= ?3 AND (a.due_ms = 0 OR "
+          "AND a.exam = 1 AND (a.id = ?5 OR ?5 = ?6) AND ((a.opens_ms <= ?3 AND (a.due_ms = 0 OR "
           "a.due_ms >= ?3)) OR EXISTS "
           "(SELECT 1 FROM attempts t WHERE t.tenant = a.tenant AND t.assignment = a.id AND t.exam "
           "= 1 AND (t.state = " +
