@@ -6,14 +6,12 @@
 #include <optional>
 #include <utility>
 
-#include "common/core/core.h"
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/json/json.h"
-#include "common/scene/plan.h"
 #include "common/scoring/smoothness.h"
 #include "station/devices/operators.h"
+#include "station/lab/grades/operator_run.h"
 #include "station/lab/laws/motions.h"
-#include "station/loop/tick_loop.h"
 
 namespace enamel::station::lab {
 namespace {
@@ -66,25 +64,15 @@ std::vector<HandSigns> AllSigns(const std::vector<dvec3>& way_m) {
 Result<std::vector<dvec3>> WayOf(const OperatorPreset& preset, const scene::BuiltScene& built,
                                  const scene::Exercise& exercise,
                                  const scene::DeviceProfile& profile, size_t ticks) {
-  ENAMEL_ASSIGN_OR_RETURN(auto params, scene::CompilePlan(built.scene, exercise, profile));
-  ENAMEL_ASSIGN_OR_RETURN(auto device, MakeSimulatedDevice(preset, built.scene, exercise, profile,
-                                                           params, built.volume));
-  core::Core core(params, built.volume);
-  SampleRing ring(4);
-  TickLoop loop(*device, core, ring, {params.rate_hz, true, false});
   std::vector<dvec3> out;
-  for (bool finished = false; !finished && out.size() < ticks;) {
-    finished = loop.Tick();
-    Sample sample;
-    while (ring.Pop(sample)) {
-      dvec3 at;
-      for (size_t axis = 0; axis < 3; ++axis) {
-        at[static_cast<int>(axis)] =
-            1e-9 * sample.tick.input.counts[axis] * params.resolution_nm[axis];
-      }
-      out.push_back(at);
+  auto see = [&](const core::CoreParams& params, const trace::Tick& tick) {
+    dvec3 at;
+    for (size_t axis = 0; axis < 3; ++axis) {
+      at[static_cast<int>(axis)] = 1e-9 * tick.input.counts[axis] * params.resolution_nm[axis];
     }
-  }
+    out.push_back(at);
+  };
+  ENAMEL_RETURN_IF_ERROR(RunOperator(preset, built, exercise, profile, 0, ticks, see).status());
   return out;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <boost/json.hpp>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "common/scene/builtin/builtin.h"
@@ -10,7 +11,7 @@
 #include "common/scene/plan.h"
 #include "common/scoring/score.h"
 #include "station/devices/operators.h"
-#include "station/loop/tick_loop.h"
+#include "station/lab/grades/operator_run.h"
 
 namespace enamel::station::lab {
 namespace {
@@ -32,21 +33,15 @@ struct CutTooth {
 Result<CutTooth> CutBy(const OperatorPreset& preset, const scene::BuiltScene& built,
                        const scene::Exercise& exercise, const scene::DeviceProfile& profile,
                        uint64_t seed) {
-  ENAMEL_ASSIGN_OR_RETURN(auto params, scene::CompilePlan(built.scene, exercise, profile));
-  ENAMEL_ASSIGN_OR_RETURN(auto device, MakeSimulatedDevice(preset, built.scene, exercise, profile,
-                                                           params, built.volume, seed));
-  core::Core core(params, built.volume);
-  SampleRing ring(4);
-  TickLoop loop(*device, core, ring, {params.rate_hz, true, false});
-  scoring::ProcessRecorder process(params);
-  bool finished = false;
-  for (uint64_t i = 0; !finished && i < kMostTicks; ++i) {
-    finished = loop.Tick();
-    Sample sample;
-    while (ring.Pop(sample)) process.AddRecorded(sample.tick);
-  }
-  surface::Mesh mesh = surface::ExtractSurface(core.volume());
-  return CutTooth{core.volume(), std::move(mesh), std::move(process)};
+  std::optional<scoring::ProcessRecorder> process;
+  ENAMEL_ASSIGN_OR_RETURN(auto volume,
+                          RunOperator(preset, built, exercise, profile, seed, kMostTicks,
+                                      [&](const core::CoreParams& params, const trace::Tick& tick) {
+                                        if (!process) process.emplace(params);
+                                        process->AddRecorded(tick);
+                                      }));
+  surface::Mesh mesh = surface::ExtractSurface(volume);
+  return CutTooth{std::move(volume), std::move(mesh), std::move(*process)};
 }
 
 bool IsAskedFor(const OperatorsOptions& options, const std::string& name) {
