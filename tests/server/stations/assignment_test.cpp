@@ -12,24 +12,10 @@ using namespace testing;
 
 constexpr UnixMs kHour = 3'600'000;
 
-class AssignmentTest : public ::testing::Test {
+class AssignmentTest : public StudentAtStation {
  protected:
-  AssignmentTest() {
-    EXPECT_TRUE(station_.Enrol().has_enrolled());
-    session_.End();
-    std::destroy_at(&session_);
-    std::construct_at(&session_, world_.services, "127.0.0.1");
-    EXPECT_TRUE(station_.Hello().has_welcome());
-    EXPECT_TRUE(station_.SignIn("student").has_signed_in());
-    open_ = world_.store->AssignmentsFor(world_.student)->front().assignment;
-  }
+  AssignmentTest() { open_ = world_.store->AssignmentsFor(world_.student)->front().assignment; }
 
-  wire::Reply Carry(const wire::Request& request) {
-    if (auto who = session_.SignInWanted(request)) {
-      return *session_.FinishSignIn(request, world_.authenticator.SignInHere(*who)).reply;
-    }
-    return session_.Handle(request).reply.value_or(wire::Reply());
-  }
   // A connection of its own.
   ScriptedStation::Ask Asking() {
     auto session = std::make_shared<Session>(world_.services, "127.0.0.1");
@@ -57,10 +43,6 @@ class AssignmentTest : public ::testing::Test {
     return reply.exercises().exercises(0);
   }
 
-  LinkWorld world_;
-  Session session_{world_.services, "127.0.0.1"};
-  ScriptedStation station_{[this](const wire::Request& request) { return Carry(request); }};
-  Sha256 profile_ = world_.Profile("phantom_desktop");
   AssignmentRow open_;
 };
 

@@ -14,25 +14,13 @@ const Hand kBoard = MakeHand(HandKind::kHaptic, "omega.3", "hid", "hid:1209:0001
 const Hand kMouse = MakeHand(HandKind::kPointer, "mouse and keyboard", "mouse");
 const Hand kDentist = MakeHand(HandKind::kProgram, "simulated device", "operator dentist");
 
-class HandTest : public ::testing::Test {
+class HandTest : public StudentAtStation {
  protected:
   HandTest() {
-    EXPECT_TRUE(station_.Enrol().has_enrolled());
-    session_.End();
-    std::destroy_at(&session_);
-    std::construct_at(&session_, world_.services, "127.0.0.1");
-    EXPECT_TRUE(station_.Hello().has_welcome());
-    EXPECT_TRUE(station_.SignIn("student").has_signed_in());
     terms_ = world_.store->AssignmentsFor(world_.student)->front().assignment;
     Allow(HandsAllowed::kListed);
   }
 
-  wire::Reply Carry(const wire::Request& request) {
-    if (auto who = session_.SignInWanted(request)) {
-      return *session_.FinishSignIn(request, world_.authenticator.SignInHere(*who)).reply;
-    }
-    return session_.Handle(request).reply.value_or(wire::Reply());
-  }
   void Allow(HandsAllowed hands) {
     terms_.hands = hands;
     auto row = world_.store->ReplaceAssignment(terms_, kSystem);
@@ -53,10 +41,6 @@ class HandTest : public ::testing::Test {
     return *world_.store->AttemptById(recording.header_fields.ticket.attempt);
   }
 
-  LinkWorld world_;
-  Session session_{world_.services, "127.0.0.1"};
-  ScriptedStation station_{[this](const wire::Request& request) { return Carry(request); }};
-  Sha256 profile_ = world_.Profile("phantom_desktop");
   AssignmentRow terms_;
 };
 

@@ -255,4 +255,29 @@ inline Bytes TicketOf(const wire::Reply& reply) {
   return Bytes(view.begin(), view.end());
 }
 
+// The world's student, signed in at a station that is enrolled and connected; without TLS.
+class StudentAtStation : public ::testing::Test {
+ protected:
+  StudentAtStation() {
+    EXPECT_TRUE(station_.Enrol().has_enrolled());
+    session_.End();
+    std::destroy_at(&session_);
+    std::construct_at(&session_, world_.services, "127.0.0.1");
+    EXPECT_TRUE(station_.Hello().has_welcome());
+    EXPECT_TRUE(station_.SignIn("student").has_signed_in());
+  }
+
+  wire::Reply Carry(const wire::Request& request) {
+    if (auto who = session_.SignInWanted(request)) {
+      return *session_.FinishSignIn(request, world_.authenticator.SignInHere(*who)).reply;
+    }
+    return session_.Handle(request).reply.value_or(wire::Reply());
+  }
+
+  LinkWorld world_;
+  Session session_{world_.services, "127.0.0.1"};
+  ScriptedStation station_{[this](const wire::Request& request) { return Carry(request); }};
+  Sha256 profile_ = world_.Profile("phantom_desktop");
+};
+
 }  // namespace enamel::server::stations::testing
