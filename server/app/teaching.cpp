@@ -298,8 +298,9 @@ void DeclareExercises(CommandGroup admin) {
       ->capture_default_str();
   publish->footer(
       "A document that differs from the newest version of its name becomes the next version;\n"
-      "a published version never changes. Whom it is offered to may work with any hand, also a\n"
-      "simulated one. Dates, limits, exams and which hands: --unassigned, then assign-exercise.\n\n"
+      "a published version never changes. Those it is offered to may use any device, even a\n"
+      "simulated hand. For dates, limits, exams and allowed devices: --unassigned, then\n"
+      "assign-exercise.\n\n"
       "  enamel-server admin publish-exercise --data DIR --scene builtin:molar --name class-1");
 
   struct Named {

@@ -40,8 +40,8 @@ struct RubricPreview {
 };
 
 // What of a rubric is finer than its exercise's score can tell (scoring::FineBands), for people. A
-// warning: it can be published all the same. None where the scene cannot be read: a preview needs
-// none, and verify finds that.
+// warning: it can be published all the same. None where the scene cannot be read: a preview does
+// without.
 std::vector<std::string> RubricWarnings(BlobStore& store, const ExerciseRow& exercise,
                                         const scene::Rubric& rubric);
 

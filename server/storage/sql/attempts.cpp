@@ -114,10 +114,12 @@ ReferenceRow ReferenceOf(const Query& q) {
 // A cut that does not do the task would make everybody's score 0.
 Status MustDoTheTask(const AttemptRow& attempt) {
   if (!attempt.critical_fail && attempt.score.value_or(0) > 0) return Status::Ok();
-  return Status(Code::kConflict,
-                "attempt " + attempt.id.Text() +
-                    " scored 0: what does not do the task cannot be the reference for others",
-                "score");
+  return Status(
+      Code::kConflict,
+      "attempt " + attempt.id.Text() +
+          " scored 0: what does not do the task cannot be the reference for others; if the "
+          "reference it was compared with is wrong, withdraw that and score it again",
+      "score");
 }
 
 // Said again, by another dentist's name perhaps: it counts once, as it was said last.
