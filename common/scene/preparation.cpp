@@ -150,14 +150,17 @@ double PreparationDistance_m(const Preparation& preparation, const dvec3& point_
   return d;
 }
 
-Result<Preparation> TargetShape(const Scene& scene, const CavityTarget& target) {
+Result<PointUm> TargetPoint(const Scene& scene, const CavityTarget& target) {
   auto landmark = scene.landmarks.find(target.landmark);
-  if (landmark == scene.landmarks.end()) {
-    return Status(Code::kInvalidInput,
-                  "the target hangs from landmark \"" + target.landmark + "\", which scene \"" +
-                      scene.name + "\" does not have: add it to the scene or choose another",
-                  "target.landmark");
-  }
+  if (landmark != scene.landmarks.end()) return landmark->second;
+  return Status(Code::kInvalidInput,
+                "the target hangs from landmark \"" + target.landmark + "\", which scene \"" +
+                    scene.name + "\" does not have: add it to the scene or choose another",
+                "target.landmark");
+}
+
+Result<Preparation> TargetShape(const Scene& scene, const CavityTarget& target) {
+  ENAMEL_ASSIGN_OR_RETURN(const PointUm at, TargetPoint(scene, target));
   Preparation out{target.landmark, "", target.parts};
   if (out.parts.empty()) {
     PreparationPart box;
@@ -166,7 +169,7 @@ Result<Preparation> TargetShape(const Scene& scene, const CavityTarget& target) 
     out.parts.push_back(box);
   }
   for (PreparationPart& part : out.parts)
-    for (size_t i = 0; i < 3; ++i) part.top_um[i] += landmark->second[i];
+    for (size_t i = 0; i < 3; ++i) part.top_um[i] += at[i];
   return out;
 }
 

@@ -20,8 +20,11 @@ struct Growth {
 double PreparationDistance_m(const Preparation& preparation, const dvec3& point_m,
                              const Growth& grown = {});
 
-// What a target asks for: its parts, or its box, where they are in the scene. Named as the landmark. Errors: kInvalidInput when the landmark is not in
-// the scene.
+// The landmark that a target hangs from. Errors: kInvalidInput when the scene does not have it.
+Result<PointUm> TargetPoint(const Scene& scene, const CavityTarget& target);
+
+// What a target asks for: its parts, or its box, where they are in the scene. Named as the landmark.
+// Errors: TargetPoint's.
 Result<Preparation> TargetShape(const Scene& scene, const CavityTarget& target);
 
 // The volume after a perfect preparation: phi := max(phi, -distance), as a bur would leave it that

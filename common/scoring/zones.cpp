@@ -160,15 +160,9 @@ BoxVolume MeasureShape(const Volume& initial, const Volume& final_volume,
 }  // namespace
 
 Result<ZoneBoxes> BoxesOf(const scene::Scene& scene, const scene::CavityTarget& target) {
-  auto landmark = scene.landmarks.find(target.landmark);
-  if (landmark == scene.landmarks.end()) {
-    return Status(Code::kInvalidInput,
-                  "the target hangs from landmark \"" + target.landmark + "\", which scene \"" +
-                      scene.name + "\" does not have: add it to the scene or choose another",
-                  "target.landmark");
-  }
+  ENAMEL_ASSIGN_OR_RETURN(const scene::PointUm at, scene::TargetPoint(scene, target));
   dvec3 top;
-  for (int i = 0; i < 3; ++i) top[i] = landmark->second[static_cast<size_t>(i)] * 1e-6;
+  for (int i = 0; i < 3; ++i) top[i] = at[static_cast<size_t>(i)] * 1e-6;
   dvec3 half(target.half_size_um[0] * 1e-6, target.half_size_um[1] * 1e-6, 0);
   ZoneBoxes boxes;
   boxes.target = {top - half - dvec3(0, 0, target.depth_um * 1e-6), top + half};
