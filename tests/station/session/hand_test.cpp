@@ -9,7 +9,12 @@
 namespace enamel::station {
 namespace {
 
-SimulatedDevice Simulated() { return {PlantParams{}, std::make_unique<NobodyHolding>()}; }
+std::unique_ptr<Device> Simulated() {
+  PlantParams plant;
+  plant.mass_kg = 0.1;
+  plant.resolution_m = 1e-5;
+  return std::make_unique<SimulatedDevice>(plant, std::make_unique<NobodyHolding>());
+}
 
 class NoPedal final : public ButtonSource {
  public:
@@ -18,12 +23,10 @@ class NoPedal final : public ButtonSource {
 };
 
 TEST(HandTest, DeviceSaysWhatHoldsIt) {
-  EXPECT_EQ(Simulated().hand().kind, HandKind::kProgram);
-  EXPECT_EQ(Simulated().hand().driver, "operator nobody");
+  EXPECT_EQ(Simulated()->hand().kind, HandKind::kProgram);
+  EXPECT_EQ(Simulated()->hand().driver, "operator nobody");
   EXPECT_EQ(PointerDevice(1e-6, 1e-3).hand().kind, HandKind::kPointer);
-  PedalledDevice pedalled(
-      std::make_unique<SimulatedDevice>(PlantParams{}, std::make_unique<NobodyHolding>()),
-      std::make_unique<NoPedal>());
+  PedalledDevice pedalled(Simulated(), std::make_unique<NoPedal>());
   EXPECT_EQ(pedalled.hand().kind, HandKind::kProgram) << "a pedal makes no person of a program";
 }
 
