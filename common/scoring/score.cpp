@@ -1,9 +1,7 @@
 #include "common/scoring/score.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <optional>
 
@@ -73,134 +71,56 @@ double ShareAt(const std::vector<scene::RubricPoint>& map, double value) {
   return map.back().share;
 }
 
-// The values that earn the most points, as far as the map says.
-struct Asked {
-  double from, to;
-};
-// Open where the map ends on its best share: beyond it nothing more is asked.
-Asked AskedFor(const std::vector<scene::RubricPoint>& map) {
-  double best = 0;
-  for (const auto& p : map) best = std::max(best, p.share);
-  size_t first = 0, last = 0;
-  while (map[first].share != best) ++first;
-  for (size_t i = first; i < map.size() && map[i].share == best; ++i) last = i;
-  return {first == 0 ? -kInfinite : map[first].value,
-          last + 1 == map.size() ? kInfinite : map[last].value};
+// `weight`: a criterion's points in a hundred of the rubric's.
+double WeightOf(const Rubric& rubric, const RubricCriterion& criterion) {
+  double all = 0;
+  for (const RubricCriterion& c : rubric.criteria) all += c.points;
+  return 100 * criterion.points / all;
 }
 
-// As fine as anybody acts on: 0.01 mm, a tenth of a degree or of a second.
-int UsualDigits(std::string_view unit) {
-  if (unit == "count") return 0;
-  return unit == "%" || unit == "s" || unit == "deg" ? 1 : 2;
+bool Fails(const RubricCriterion& criterion, double value) {
+  return criterion.fails_above && value > *criterion.fails_above;
 }
 
-std::string Digits(double value, int digits) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*f", digits, value);
-  return text;
+// Before the gates: they say for themselves what they took.
+bool WorthAdvice(const Rubric& rubric, const RubricCriterion& criterion, double value) {
+  return Fails(criterion, value) ||
+         WeightOf(rubric, criterion) * (1 - ShareAt(criterion.map, value)) >= kWorthAdvice;
+}
+bool WorthAdvice(const GateResult& gate) { return 100 * (1 - gate.share) >= kWorthAdvice; }
+
+void Write(CriterionResult& out) {
+  out.reason = Sentence(out.title, *FindMetric(out.name), out.reasons, out.comment);
+}
+void Write(GateResult& out) {
+  out.reason = Sentence(out.title, *FindMetric(out.name), out.reasons, out.comment);
 }
 
-double AsShown(double value, int digits) {
-  const std::string text = Digits(value, digits);
-  double out = 0;
-  std::from_chars(text.data(), text.data() + text.size(), out);
-  return out;
-}
-
-std::string Number(double value, std::string_view unit, int digits) {
-  std::string text = Digits(value, digits);
-  if (unit == "count" || unit == "ratio") return text;
-  std::string_view shown = unit == "mm2"   ? "mm²"
-                           : unit == "mm3" ? "mm³"
-                           : unit == "deg" ? "°"
-                                           : unit;
-  return text + (unit == "deg" ? "" : " ") + std::string(shown);
-}
-std::string Number(double value, std::string_view unit) {
-  return Number(value, unit, UsualDigits(unit));
-}
-
-// So many that a limit is shown as it is, 0.025 mm and not 0.03, and that what misses it does not
-// read like it.
-int DigitsFor(double value, const Asked& asked, std::string_view unit) {
-  constexpr int kMost = 4;
-  int digits = UsualDigits(unit);
-  for (double limit : {asked.from, asked.to}) {
-    if (!std::isfinite(limit)) continue;
-    while (digits < kMost && std::fabs(AsShown(limit, digits) - limit) > 1e-9) ++digits;
-  }
-  for (double limit : {asked.from, asked.to}) {
-    if (!std::isfinite(limit) || (value >= asked.from && value <= asked.to)) continue;
-    while (digits < kMost && Digits(std::fabs(value), digits) == Digits(std::fabs(limit), digits)) {
-      ++digits;
-    }
-  }
-  return digits;
-}
-
-std::string Found(const MetricInfo& info, double value, int digits) {
-  if (info.above_zero.empty()) return Number(value, info.unit, digits);
-  std::string size = Number(std::fabs(value), info.unit, digits);
-  // Shown as 0.00: neither too deep nor short.
-  if (std::fabs(value) < 0.005) return size + " off";
-  return size + " " + std::string(value > 0 ? info.above_zero : info.below_zero);
-}
-
-std::string AskedText(const MetricInfo& info, const Asked& asked, int digits) {
-  auto number = [&](double value) { return Number(value, info.unit, digits); };
-  bool open_below = asked.from == -kInfinite, open_above = asked.to == kInfinite;
-  if (open_below && open_above) return "";
-  if (open_below) return " (at most " + number(asked.to) + " asked for)";
-  if (open_above) return " (at least " + number(asked.from) + " asked for)";
-  if (asked.from == asked.to) return " (" + number(asked.to) + " asked for)";
-  if (asked.from == -asked.to) return " (within " + number(asked.to) + " asked for)";
-  return " (from " + number(asked.from) + " to " + number(asked.to) + " asked for)";
-}
-
-// What was found, beside what was asked for.
-struct Comparison {
-  std::string found, asked;
-};
-Comparison Compare(const MetricInfo& info, double value,
-                   const std::vector<scene::RubricPoint>& map) {
-  const Asked asked = AskedFor(map);
-  const int digits = DigitsFor(value, asked, info.unit);
-  return {Found(info, value, digits), AskedText(info, asked, digits)};
-}
-
-CriterionResult Judge(const RubricCriterion& criterion, double value, bool& critical_fail) {
+CriterionResult Judge(const Rubric& rubric, const RubricCriterion& criterion, double value,
+                      bool& critical_fail) {
   const MetricInfo& info = *FindMetric(criterion.metric);
-  double share = ShareAt(criterion.map, value);
-  CriterionResult out{criterion.metric,         criterion.title,  value, criterion.unit,
-                      criterion.points * share, criterion.points, ""};
-  const Comparison text = Compare(info, value, criterion.map);
-  out.reason = criterion.title + ": " + text.found;
-  bool critical = criterion.fails_above && value > *criterion.fails_above;
-  if (critical) {
+  CriterionResult out{
+      criterion.metric, criterion.title, value, criterion.unit, 0, criterion.points, ""};
+  if (Fails(criterion, value)) {
     critical_fail = true;
-    out.points = 0;
-    out.reason +=
-        " (more than " + Number(*criterion.fails_above, info.unit) + " fails the whole attempt).";
+    out.reasons = {FailsReason(info, value, *criterion.fails_above)};
   } else {
-    out.reason += text.asked + ".";
+    out.points = criterion.points * ShareAt(criterion.map, value);
+    out.reasons = {FoundReason(info, value, criterion.map)};
   }
-  // Advice only where points were lost.
-  if ((critical || share < 1) && !criterion.comment.empty()) out.reason += " " + criterion.comment;
+  if (WorthAdvice(rubric, criterion, value)) out.comment = criterion.comment;
+  Write(out);
   return out;
 }
 
-// A criterion whose metric has no value.
+// A criterion whose metric has no value. Without the comment, which is about a fault that was made.
 CriterionResult Unjudged(const RubricCriterion& criterion, NoValue why) {
   CriterionResult out{criterion.metric, criterion.title, 0, criterion.unit, 0, 0, "", false};
-  if (why == NoValue::kNotInTask) {
-    out.reason = criterion.title + ": not judged, as the reference has nothing of it.";
-    return out;
-  }
   // Not made: the points can be had and were not. Not in the task: they were never there, and count
   // for nobody.
-  out.max_points = criterion.points;
-  // Without the comment, which is about a fault that was made.
-  out.reason = criterion.title + ": there is nothing to measure yet.";
+  if (why != NoValue::kNotInTask) out.max_points = criterion.points;
+  out.reasons = {MissingReason(why)};
+  Write(out);
   return out;
 }
 
@@ -225,21 +145,18 @@ bool IsHidden(const RubricCriterion& criterion, const MetricValue& found) {
 
 CriterionResult Hidden(const RubricCriterion& criterion, double value) {
   CriterionResult out{criterion.metric, criterion.title, value, criterion.unit, 0, 0, "", false};
-  out.reason = criterion.title + ": not judged, as the device was at its limit in more than " +
-               Number(kMostLimited_percent, "%") +
-               " of the time with force (measured: " + Number(value, criterion.unit) + ").";
+  out.reasons = {LimitReason(*FindMetric(criterion.metric), value)};
+  Write(out);
   return out;
 }
 
 GateResult Open(const scene::RubricGate& gate, double value) {
   const MetricInfo& info = *FindMetric(gate.metric);
   GateResult out{gate.metric, gate.title, value, gate.unit, ShareAt(gate.map, value), ""};
-  const Comparison text = Compare(info, value, gate.map);
-  out.reason = gate.title + ": " + text.found + text.asked + ".";
-  if (out.share < 1) {
-    out.reason += " Every criterion keeps " + Number(100 * out.share, "%") + " of its points.";
-    if (!gate.comment.empty()) out.reason += " " + gate.comment;
-  }
+  out.reasons = {FoundReason(info, value, gate.map)};
+  if (out.share < 1) out.reasons.push_back(KeepsReason(out.share));
+  if (WorthAdvice(out)) out.comment = gate.comment;
+  Write(out);
   return out;
 }
 
@@ -274,15 +191,31 @@ std::vector<std::string> CostlyCriteria(const Rubric& rubric, const ScoreResult&
   for (size_t i = 0; i < rubric.criteria.size() && i < result.criteria.size(); ++i) {
     const RubricCriterion& asked = rubric.criteria[i];
     const CriterionResult& found = result.criteria[i];
-    const bool critical = asked.fails_above && found.value > *asked.fails_above;
     const bool lost =
         found.max_points > 0 && (!found.judged || ShareAt(asked.map, found.value) < 1);
-    if (lost || (found.judged && critical)) add(found.name);
+    if (lost || (found.judged && Fails(asked, found.value))) add(found.name);
   }
   for (const GateResult& gate : result.gates) {
     if (gate.share < 1) add(gate.name);
   }
   return out;
+}
+
+void Advise(const Rubric& rubric, std::vector<Deduction> deductions, ScoreResult& result) {
+  auto advise = [&](auto& part) {
+    std::optional<Reason> advice = Advice(*FindMetric(part.name), part.value, deductions);
+    if (!advice) return;
+    part.reasons.push_back(*std::move(advice));
+    Write(part);
+  };
+  for (size_t i = 0; i < rubric.criteria.size() && i < result.criteria.size(); ++i) {
+    CriterionResult& found = result.criteria[i];
+    if (found.judged && WorthAdvice(rubric, rubric.criteria[i], found.value)) advise(found);
+  }
+  for (GateResult& gate : result.gates) {
+    if (WorthAdvice(gate)) advise(gate);
+  }
+  result.deductions = std::move(deductions);
 }
 
 Status ValidateRubric(const Rubric& rubric) {
@@ -339,7 +272,7 @@ Result<ScoreResult> ApplyRubric(const Rubric& rubric, const MetricSet& metrics) 
     } else if (IsHidden(criterion, *found.value)) {
       out.criteria.push_back(Hidden(criterion, found.value->value));
     } else {
-      out.criteria.push_back(Judge(criterion, found.value->value, out.critical_fail));
+      out.criteria.push_back(Judge(rubric, criterion, found.value->value, out.critical_fail));
     }
     CriterionResult& result = out.criteria.back();
     // After the reasons: they are about this criterion, a gate about the whole.

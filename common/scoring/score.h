@@ -9,6 +9,7 @@
 #include "common/scoring/deductions.h"
 #include "common/scoring/envelope.h"
 #include "common/scoring/metrics.h"
+#include "common/scoring/reasons.h"
 
 // From metrics to points and sentences; the stored form is in schemas/score.md.
 // Thread safety: functions, any thread. Deterministic.
@@ -21,11 +22,14 @@ struct CriterionResult {
   std::string unit;
   double points = 0;
   double max_points = 0;
-  std::string reason;  // one sentence for the student: what was found, what was asked for
+  std::string reason;  // for the student, in English: Sentence of `reasons` and `comment`
   // False: the exercise does not ask for it (NoValue::kNotInTask), so it has neither points nor a
   // value; or there is nothing to measure yet (kNotMade), so it has no value and no points; or the
   // device was at its limit (MetricValue::limited), so it has a value and no points to be had.
   bool judged = true;
+  // What was found, then what to do; none in scores before version 4.
+  std::vector<Reason> reasons = {};
+  std::string comment = {};  // the rubric's, where at least kWorthAdvice points were lost
 
   bool operator==(const CriterionResult&) const = default;
 };
@@ -38,14 +42,19 @@ struct GateResult {
   std::string unit;
   double share = 1;
   std::string reason;
+  std::vector<Reason> reasons = {};  // as a criterion's
+  std::string comment = {};
 
   bool operator==(const GateResult&) const = default;
 };
 
 // How scores are measured and computed: 1 before rubrics had gates and statistics a domain that the
-// reference fixes, 2 before forces at the device's limit were left unjudged and flakes were no walls.
-// Higher for every change that may move a score of the same recording.
-inline constexpr int32_t kScoringVersion = 3;
+// reference fixes, 2 before forces at the device's limit were left unjudged and flakes were no walls,
+// 3 before reasons were stored as codes. Higher for every change that may move a score of the same
+// recording, or what a judgement is told by.
+inline constexpr int32_t kScoringVersion = 4;
+// Of a hundred. Whoever lost less needs no comment and no advice.
+inline constexpr double kWorthAdvice = 0.5;
 
 // A score is metrics + rubric version + reference + core version; recomputed bit-identically.
 struct ScoreResult {
@@ -55,7 +64,7 @@ struct ScoreResult {
   std::vector<GateResult> gates;
   std::vector<MetricValue> metrics;    // all that was measured, also what the rubric does not use
   std::vector<MissingMetric> missing;  // those without a value here
-  // Where and when the criteria lost points; filled by the caller (CostlyCriteria, FindDeductions).
+  // Where and when the criteria lost points; by the caller (CostlyCriteria, FindDeductions, Advise).
   std::vector<Deduction> deductions;
   // Where it lies among several references; filled by the caller (PlaceInEnvelope).
   std::optional<Envelope> envelope;
@@ -94,6 +103,10 @@ Result<ScoreResult> ApplyRubric(const scene::Rubric& rubric, const MetricSet& me
 // failed the attempt, and of gates with a share below 1; each once, in the rubric's order, gates
 // last. `result`: ApplyRubric's with this rubric.
 std::vector<std::string> CostlyCriteria(const scene::Rubric& rubric, const ScoreResult& result);
+
+// Takes the deductions into the result, and with them what to do into the reasons of the criteria and
+// gates that lost at least kWorthAdvice points. `result`: ApplyRubric's with this rubric.
+void Advise(const scene::Rubric& rubric, std::vector<Deduction> deductions, ScoreResult& result);
 
 // Canonical: members in a fixed order, numbers to 12 significant digits, so that equal scores have
 // equal bytes and ToJson(ScoreFromJson(text)) == text for any text of ours. Requires: all finite.

@@ -85,6 +85,13 @@ class ObjectReader {
       out.push_back(Rounded((*list)[i].to_number<double>()));
     }
   }
+  void Read(const char* name, std::vector<std::string>& out, size_t max_size) {
+    const json::array* list = Array(name, max_size);
+    for (size_t i = 0; list != nullptr && i < list->size(); ++i) {
+      if (!(*list)[i].is_string()) return Fail(Path(name), "texts");
+      out.emplace_back((*list)[i].get_string());
+    }
+  }
   bool Has(const char* name) const { return object_ && object_->contains(name); }
   // Null where it is not there.
   const json::value* Optional(const char* name) const {
@@ -132,6 +139,21 @@ std::optional<NoValue> WhyOf(std::string_view name) {
   return std::nullopt;
 }
 
+// Scores before version 4 have none.
+void ReadReasons(ObjectReader& reader, Status& status, const std::string& at,
+                 std::vector<Reason>& out, std::string& comment) {
+  if (!reader.Has("reasons")) return;
+  const json::array* list = reader.Array("reasons", kMaxReasons);
+  for (size_t i = 0; list != nullptr && i < list->size(); ++i) {
+    ObjectReader item((*list)[i], at + ".reasons[" + std::to_string(i) + "]", status);
+    Reason& reason = out.emplace_back();
+    item.Read("code", reason.code);
+    item.Read("values", reason.values, kMaxReasonValues);
+    item.Read("units", reason.units, kMaxReasonValues);
+  }
+  reader.Read("comment", comment);
+}
+
 void ReadGates(ObjectReader& reader, Status& status, ScoreResult& out) {
   if (!reader.Has("gates")) return;
   const json::array* list = reader.Array("gates", kMaxGates);
@@ -144,6 +166,7 @@ void ReadGates(ObjectReader& reader, Status& status, ScoreResult& out) {
     item.Read("unit", g.unit);
     item.Read("share", g.share);
     item.Read("reason", g.reason);
+    ReadReasons(item, status, "gates[" + std::to_string(i) + "]", g.reasons, g.comment);
   }
 }
 
@@ -240,6 +263,18 @@ void ReadDeductions(ObjectReader& reader, Status& status, ScoreResult& out) {
   }
 }
 
+json::array ReasonsJson(const std::vector<Reason>& reasons) {
+  json::array out;
+  for (const Reason& reason : reasons) {
+    json::array values;
+    for (double value : reason.values) values.push_back(Rounded(value));
+    out.push_back({{"code", reason.code},
+                   {"values", std::move(values)},
+                   {"units", json::value_from(reason.units)}});
+  }
+  return out;
+}
+
 json::value EnvelopeJson(const std::optional<Envelope>& envelope) {
   if (!envelope) return nullptr;
   json::array members, taken_by, metrics;
@@ -303,7 +338,9 @@ std::string ToJson(const ScoreResult& result) {
                         {"points", Rounded(c.points)},
                         {"max_points", Rounded(c.max_points)},
                         {"reason", c.reason},
-                        {"judged", c.judged}});
+                        {"judged", c.judged},
+                        {"reasons", ReasonsJson(c.reasons)},
+                        {"comment", c.comment}});
   }
   json::array gates;
   for (const GateResult& g : result.gates) {
@@ -312,7 +349,9 @@ std::string ToJson(const ScoreResult& result) {
                      {"value", Rounded(g.value)},
                      {"unit", g.unit},
                      {"share", Rounded(g.share)},
-                     {"reason", g.reason}});
+                     {"reason", g.reason},
+                     {"reasons", ReasonsJson(g.reasons)},
+                     {"comment", g.comment}});
   }
   json::array metrics;
   for (const MetricValue& m : result.metrics) {
@@ -380,6 +419,7 @@ Result<ScoreResult> ScoreFromJson(std::string_view text) {
       item.Read("reason", c.reason);
       // Scores of before have every criterion judged.
       if (item.Has("judged")) item.Read("judged", c.judged);
+      ReadReasons(item, status, "criteria[" + std::to_string(i) + "]", c.reasons, c.comment);
     }
   }
   ReadGates(reader, status, out);

@@ -306,11 +306,13 @@ class ScoreJob {
     const surface::Mesh cut = scoring::CutPart(
         *reference.final_surface,
         scoring::CutVertices(*reference.final_surface, initial_, *reference.final_volume));
-    score.deductions =
+    scoring::Advise(
+        exercise_.rubric,
         scoring::FindDeductions(scene_, exercise_.target, costly,
                                 {&initial_, attempt.final_volume, reference.final_volume, &cut,
                                  scoring::NearOf_m(exercise_.target, initial_.spec()), &provenance,
-                                 &attempt.process->strokes()});
+                                 &attempt.process->strokes()}),
+        score);
   }
 
   // Where there is more than one reference. What cannot be read any more is left out: it says

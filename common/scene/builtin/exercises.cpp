@@ -23,7 +23,9 @@ constexpr int32_t kLeeway_um = 250;
 // (a quarter of a voxel of 0.05 mm), loses a fifth at 0.1 mm and everything where the leeway ends.
 // The first two are chosen, not measured on people: what holds them is the order of skill in
 // grades_test.cpp.
-constexpr double kRight_mm = 0.03, kSeen_mm = 0.1, kWrong_mm = kLeeway_um * 1e-3, kSeenShare = 0.8;
+constexpr int32_t kRight_um = 30;
+constexpr double kRight_mm = kRight_um * 1e-3, kSeen_mm = 0.1, kWrong_mm = kLeeway_um * 1e-3,
+                 kSeenShare = 0.8;
 
 bool IsAnterior(const Scene& scene) { return scene.name.starts_with("incisor"); }
 
@@ -386,8 +388,9 @@ Exercise ClassOneExercise(const Scene& scene, const Sha256& scene_hash) {
   e.instructions = "Cut a box of " + Mm(2 * e.target.half_size_um[0]) + " x " +
                    Mm(2 * e.target.half_size_um[1]) + ", " + Mm(e.target.depth_um) +
                    (tooth ? " deep from the central fossa" : " deep from the middle of the top") +
-                   ", with upright walls and a flat floor. No side may go more than " +
-                   Mm(kLeeway_um) + " beyond." + (tooth ? " Do not expose the pulp." : "");
+                   ", with upright walls and a flat floor. A side that is at most " +
+                   Mm(kRight_um) + " off has full marks, one that is " + Mm(kLeeway_um) +
+                   " off has none." + (tooth ? " Do not expose the pulp." : "");
   e.rubric = ClassOneRubric(tooth);
   return e;
 }

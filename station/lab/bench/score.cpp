@@ -134,12 +134,14 @@ void FindDeductions(const Attempt& attempt, const Replayed& replayed, const Repl
   const cutting::Volume &initial = attempt.built.volume, &wanted = reference.core->volume();
   const surface::Mesh cut =
       scoring::CutPart(reference.mesh, scoring::CutVertices(reference.mesh, initial, wanted));
-  score.deductions =
+  scoring::Advise(
+      attempt.exercise.rubric,
       scoring::FindDeductions(attempt.built.scene, attempt.exercise.target,
                               scoring::CostlyCriteria(attempt.exercise.rubric, score),
                               {&initial, &replayed.core->volume(), &wanted, &cut,
                                scoring::NearOf_m(attempt.exercise.target, initial.spec()),
-                               &provenance, &replayed.process->strokes()});
+                               &provenance, &replayed.process->strokes()}),
+      score);
 }
 
 Status MeasureOnce(const Attempt& attempt, const Attempt& reference_attempt,

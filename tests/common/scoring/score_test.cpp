@@ -42,7 +42,7 @@ ScoreResult Score(double wall, double target, double pulp) {
   return result.ok() ? *result : ScoreResult{};
 }
 
-// "0.03 mm (at most 0.03 mm asked for)" with points lost is a riddle.
+// "0.03 mm (full marks up to 0.03 mm)" with points lost is a riddle.
 TEST(ApplyRubricTest, LimitsAreShownAsTheyAreAndWhatMissesThemDoesNotReadLikeThem) {
   auto reason = [](double limit, double value) {
     RubricCriterion waves{
@@ -51,9 +51,11 @@ TEST(ApplyRubricTest, LimitsAreShownAsTheyAreAndWhatMissesThemDoesNotReadLikeThe
     EXPECT_TRUE(scored.ok());
     return scored->criteria[0].reason;
   };
-  EXPECT_EQ(reason(0.025, 0.031), "Walls smooth: 0.031 mm (at most 0.025 mm asked for).");
-  EXPECT_EQ(reason(0.05, 0.0504), "Walls smooth: 0.0504 mm (at most 0.0500 mm asked for).");
-  EXPECT_EQ(reason(0.05, 0.04), "Walls smooth: 0.04 mm (at most 0.05 mm asked for).");
+  EXPECT_EQ(reason(0.025, 0.031),
+            "Walls smooth: 0.031 mm (full marks up to 0.025 mm, none from 0.100 mm).");
+  EXPECT_EQ(reason(0.05, 0.0504),
+            "Walls smooth: 0.0504 mm (full marks up to 0.0500 mm, none from 0.1000 mm).");
+  EXPECT_EQ(reason(0.05, 0.04), "Walls smooth: 0.04 mm (full marks up to 0.05 mm).");
 }
 
 TEST(ApplyRubricTest, FullMarksAreAHundred) {
@@ -61,7 +63,7 @@ TEST(ApplyRubricTest, FullMarksAreAHundred) {
   EXPECT_EQ(r.score, 100);
   EXPECT_FALSE(r.critical_fail);
   EXPECT_EQ(r.rubric_version, 3);
-  EXPECT_EQ(r.criteria[0].reason, "Mesial wall: 0.00 mm off (within 0.05 mm asked for).");
+  EXPECT_EQ(r.criteria[0].reason, "Mesial wall: 0.00 mm off (full marks within 0.05 mm).");
 }
 
 TEST(ApplyRubricTest, PointsAreLinearBetweenTheMapsPointsAndConstantBeyond) {
@@ -82,12 +84,70 @@ TEST(ApplyRubricTest, TheScoreIsTheShareOfAllPoints) {
 
 TEST(ApplyRubricTest, ReasonsSayWhatWasFoundAndWhatWasAskedFor) {
   ScoreResult r = Score(0.3, 91.2, 0);
+  EXPECT_EQ(
+      r.criteria[0].reason,
+      "Mesial wall: 0.30 mm too deep (full marks within 0.05 mm, none beyond 0.30 mm). Watch the "
+      "line angle.");
+  EXPECT_EQ(r.criteria[1].reason,
+            "Target removed: 91.2 % (full marks from 95.0 %, none up to 80.0 %).");
+  EXPECT_EQ(r.criteria[2].reason, "Pulp: 0.00 mm² (full marks at 0.00 mm²).");
+  EXPECT_EQ(
+      Score(-0.2, 99, 0).criteria[0].reason,
+      "Mesial wall: 0.20 mm short (full marks within 0.05 mm, none beyond 0.30 mm). Watch the "
+      "line angle.");
+}
+
+Deduction WallTooDeep() {
+  Deduction d;
+  d.criterion = "wall_mesial_mm";
+  d.volume_m3 = 1e-9;
+  d.first_s = 72.4;
+  d.stroke_count = 2;
+  d.strokes = {{14, 80'000, 80, 0.9e-9}, {12, 72'400, 72.4, 0.1e-9}};
+  return d;
+}
+
+TEST(ApplyRubricTest, AdviceNamesTheMomentAndTheStrokeThatTookMost) {
+  ScoreResult r = Score(0.2, 99, 0);
+  Advise(Three(), {WallTooDeep()}, r);
+  EXPECT_EQ(r.criteria[0].reasons,
+            (std::vector<Reason>{{"within", {0.2, 0.05, 0.3}, {"mm", "mm", "mm"}},
+                                 {"stop_earlier", {72.4, 14}, {"s", "count"}}}));
   EXPECT_EQ(r.criteria[0].reason,
-            "Mesial wall: 0.30 mm too deep (within 0.05 mm asked for). Watch the line angle.");
-  EXPECT_EQ(r.criteria[1].reason, "Target removed: 91.2 % (at least 95.0 % asked for).");
-  EXPECT_EQ(r.criteria[2].reason, "Pulp: 0.00 mm² (at most 0.00 mm² asked for).");
-  EXPECT_EQ(Score(-0.2, 99, 0).criteria[0].reason,
-            "Mesial wall: 0.20 mm short (within 0.05 mm asked for). Watch the line angle.");
+            "Mesial wall: 0.20 mm too deep (full marks within 0.05 mm, none beyond 0.30 mm). It "
+            "began at 1:12, and stroke 14 took most of it: stop earlier there. Watch the line "
+            "angle.");
+  EXPECT_EQ(r.deductions.size(), 1u);
+}
+
+TEST(ApplyRubricTest, AdviceOfAWallTakesTheSideThatItIsOffOn) {
+  ScoreResult r = Score(-0.2, 99, 0);
+  Deduction left;
+  left.criterion = "wall_mesial_mm";
+  left.left = true;
+  left.volume_m3 = 0.52e-9;
+  Advise(Three(), {WallTooDeep(), left}, r);
+  EXPECT_NE(r.criteria[0].reason.find(" 0.52 mm³ of it were left standing: cut further there."),
+            std::string::npos)
+      << r.criteria[0].reason;
+  EXPECT_EQ(r.criteria[0].reason.find("stroke"), std::string::npos) << r.criteria[0].reason;
+}
+
+TEST(ApplyRubricTest, WhoLostLessThanHalfAPointNeedsNoAdvice) {
+  ScoreResult r = Score(0.051, 99, 0);  // 0.24 of 60 points
+  Advise(Three(), {WallTooDeep()}, r);
+  EXPECT_LT(r.criteria[0].points, 60);
+  EXPECT_EQ(r.criteria[0].reason,
+            "Mesial wall: 0.051 mm too deep (full marks within 0.050 mm, none beyond 0.300 mm).");
+  EXPECT_TRUE(r.criteria[0].comment.empty());
+}
+
+TEST(SentenceTest, ACodeThatIsNotKnownIsLeftOut) {
+  const MetricInfo& wall = *FindMetric("wall_mesial_mm");
+  EXPECT_EQ(Sentence("Wall", wall, {{"any", {0.4}, {"mm"}}, {"of_tomorrow", {1}, {"s"}}}, "Oh."),
+            "Wall: 0.40 mm too deep. Oh.");
+  EXPECT_EQ(Sentence("Wall", wall, {{"within", {}, {}}, {"stop_earlier", {1}, {"s"}}}, ""), "Wall:")
+      << "too few values";
 }
 
 TEST(ApplyRubricTest, ACriticalFailScoresZeroAndSaysWhy) {
@@ -127,12 +187,12 @@ TEST(ApplyRubricTest, AGateTakesItsShareOfEveryCriterion) {
   for (const CriterionResult& c : half->criteria) sum += c.points;
   EXPECT_NEAR(sum, 50, 1e-12) << "the points shown are those that count";
   EXPECT_EQ(half->gates[0].reason,
-            "Task done: 45.0 % (at least 90.0 % asked for). Every criterion keeps 50.0 % of its "
-            "points. The work was stopped early.");
+            "Task done: 45.0 % (full marks from 90.0 %, none up to 0.0 %). Every criterion keeps "
+            "50.0 % of its points. The work was stopped early.");
   EXPECT_EQ(ApplyRubric(rubric, WithDone(0))->score, 0);
   auto whole = ApplyRubric(rubric, WithDone(97));
   EXPECT_EQ(whole->score, 100);
-  EXPECT_EQ(whole->gates[0].reason, "Task done: 97.0 % (at least 90.0 % asked for).");
+  EXPECT_EQ(whole->gates[0].reason, "Task done: 97.0 % (full marks from 90.0 %).");
 }
 
 TEST(ApplyRubricTest, SeveralGatesMultiply) {
@@ -311,7 +371,7 @@ ScoreResult Filled() {
   left.criterion = "missed_mm3";
   left.left = true;
   left.volume_m3 = 0.1e-9;
-  r.deductions = {over, left};
+  Advise(rubric, {over, left}, r);
   r.witness_note = "tick 12: \"force_sent\"\n";
   return r;
 }
@@ -322,6 +382,7 @@ TEST(ScoreJsonTest, ReadsBackToTheSameScore) {
   EXPECT_EQ(ToJson(*back), ToJson(Filled()));
   EXPECT_NEAR(back->score, Filled().score, 1e-10);
   EXPECT_EQ(back->criteria.size(), 3u);
+  EXPECT_EQ(back->criteria[0].reasons[1], Filled().criteria[0].reasons[1]);
   EXPECT_EQ(back->criteria[1].reason, Filled().criteria[1].reason);
   EXPECT_EQ(back->ticks, 123'456'789'012u);
   ASSERT_EQ(back->deductions.size(), 2u);
@@ -366,7 +427,7 @@ TEST(ScoreJsonTest, EveryTruncationAndEveryMissingMemberIsRefused) {
 TEST(ScoreJsonTest, AScoreOfVersionOneHasNoGatesAndSaysSo) {
   std::string text = ToJson(Score(0, 99, 0));
   for (const char* member : {R"("gates":[],)", R"("missing":[],)", R"("deductions":[],)",
-                             R"("scoring_version":3,)", R"(,"judged":true)"}) {
+                             R"("scoring_version":4,)", R"(,"judged":true)"}) {
     size_t at;
     while ((at = text.find(member)) != std::string::npos) text.erase(at, std::strlen(member));
   }

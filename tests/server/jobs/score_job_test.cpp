@@ -107,10 +107,10 @@ TEST_F(ScoreJobTest, ScoreWithTheSamePointsAndReasonsIsToldToBeTheSame) {
   EXPECT_EQ(store_.results[attempt].same_judgement_as, std::nullopt) << "there was none before";
   const scoring::ScoreResult score = ScoreOf(attempt);
 
-  // What was kept is a score of fewer metrics.
+  // What was kept is a score of fewer metrics, and worded in another way.
   scoring::ScoreResult fewer = score;
   fewer.metrics.pop_back();
-  fewer.scoring_version = 1;
+  fewer.criteria[0].reason = "The same, in other words.";
   store_.results[attempt].score_json = *store_.PutBlob(AsBytes(scoring::ToJson(fewer)));
   const Sha256 before = store_.results[attempt].score_json;
   ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
@@ -120,7 +120,9 @@ TEST_F(ScoreJobTest, ScoreWithTheSamePointsAndReasonsIsToldToBeTheSame) {
       [](auto& s) { s.score -= 0.001; },
       [](auto& s) { s.critical_fail = true; },
       [](auto& s) { s.criteria[0].points -= 0.001; },
-      [](auto& s) { s.criteria[0].reason += " Watch it."; },
+      [](auto& s) { s.criteria[0].reasons[0].code = "any"; },
+      [](auto& s) { s.criteria[0].reasons[0].values[0] += 0.001; },
+      [](auto& s) { s.criteria[0].comment += " Watch it."; },
       [](auto& s) { s.criteria[0].judged = false; },
       [](auto& s) { s.criteria.pop_back(); }};
   for (size_t i = 0; i < std::size(others); ++i) {

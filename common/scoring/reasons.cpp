@@ -1,0 +1,241 @@
+#include "common/scoring/reasons.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+namespace enamel::scoring {
+namespace {
+
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+constexpr double kMm3 = 1e9;
+// Less is read as 0.00 mm3.
+constexpr double kLeastLeft_mm3 = 0.005;
+
+// The values that earn the most points, and those around them that earn none, as far as the map says.
+struct Asked {
+  double from, to;
+  std::optional<double> none_below, none_above;
+};
+// Open where the map ends on its best share: beyond it nothing more is asked.
+Asked AskedFor(const std::vector<scene::RubricPoint>& map) {
+  double best = 0;
+  for (const auto& p : map) best = std::max(best, p.share);
+  size_t first = 0, last = 0;
+  while (map[first].share != best) ++first;
+  for (size_t i = first; i < map.size() && map[i].share == best; ++i) last = i;
+  Asked out{first == 0 ? -kInfinite : map[first].value,
+            last + 1 == map.size() ? kInfinite : map[last].value,
+            {},
+            {}};
+  if (best <= 0) return out;
+  for (size_t i = 0; i < first; ++i) {
+    if (map[i].share == 0) out.none_below = map[i].value;
+  }
+  for (size_t i = map.size() - 1; i > last; --i) {
+    if (map[i].share == 0) out.none_above = map[i].value;
+  }
+  return out;
+}
+
+// As fine as anybody acts on: 0.01 mm, a tenth of a degree or of a second.
+int UsualDigits(std::string_view unit) {
+  if (unit == "count") return 0;
+  return unit == "%" || unit == "s" || unit == "deg" ? 1 : 2;
+}
+
+std::string Digits(double value, int digits) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%.*f", digits, value);
+  return text;
+}
+
+double AsShown(double value, int digits) {
+  const std::string text = Digits(value, digits);
+  double out = 0;
+  std::from_chars(text.data(), text.data() + text.size(), out);
+  return out;
+}
+
+std::string Number(double value, std::string_view unit, int digits) {
+  std::string text = Digits(value, digits);
+  if (unit == "count" || unit == "ratio") return text;
+  std::string_view shown = unit == "mm2"   ? "mm²"
+                           : unit == "mm3" ? "mm³"
+                           : unit == "deg" ? "°"
+                                           : unit;
+  return text + (unit == "deg" ? "" : " ") + std::string(shown);
+}
+std::string Number(double value, std::string_view unit) {
+  return Number(value, unit, UsualDigits(unit));
+}
+
+// So many that a limit is shown as it is, 0.025 mm and not 0.03, and that a value that misses it does
+// not read like it. `limits`: the first is missed where `missed`.
+int DigitsFor(double value, const std::vector<double>& limits, bool missed, std::string_view unit) {
+  constexpr int kMost = 4;
+  int digits = UsualDigits(unit);
+  for (double limit : limits) {
+    while (digits < kMost && std::fabs(AsShown(limit, digits) - limit) > 1e-9) ++digits;
+  }
+  for (double limit : limits) {
+    if (!missed || value == limit) continue;
+    while (digits < kMost && Digits(std::fabs(value), digits) == Digits(std::fabs(limit), digits)) {
+      ++digits;
+    }
+  }
+  return digits;
+}
+
+std::string Found(const MetricInfo& info, double value, int digits) {
+  if (info.above_zero.empty()) return Number(value, info.unit, digits);
+  std::string size = Number(std::fabs(value), info.unit, digits);
+  // Shown as 0.00: neither too deep nor short.
+  if (std::fabs(value) < 0.005) return size + " off";
+  return size + " " + std::string(value > 0 ? info.above_zero : info.below_zero);
+}
+
+std::string Clock(double s) {
+  const auto whole = static_cast<long long>(std::max(0.0, s));
+  char text[32];
+  std::snprintf(text, sizeof text, "%lld:%02lld", whole / 60, whole % 60);
+  return text;
+}
+
+// What stands behind what was found, as the code says it: where full marks end, where none begin.
+struct Wording {
+  std::string_view code, full, none;
+};
+constexpr Wording kOneLimit[] = {{"at_most", "up to ", "from "},
+                                 {"at_least", "from ", "up to "},
+                                 {"within", "within ", "beyond "}};
+
+bool MissesOf(std::string_view code, double value, double limit) {
+  if (code == "at_most") return value > limit;
+  return code == "at_least" ? value < limit : std::fabs(value) > limit;
+}
+
+std::string LimitText(const MetricInfo& info, const Wording& how, const std::vector<double>& v) {
+  const std::vector<double> limits(v.begin() + 1, v.end());
+  const int digits = DigitsFor(v[0], limits, MissesOf(how.code, v[0], v[1]), info.unit);
+  // One value alone earns them: no pulp exposed.
+  const bool exact = how.code != "at_least" && v[1] == 0;
+  std::string text = Found(info, v[0], digits) + " (full marks " +
+                     std::string(exact ? "at " : how.full) + Number(v[1], info.unit, digits);
+  if (v.size() > 2) text += ", none " + std::string(how.none) + Number(v[2], info.unit, digits);
+  return text + ")";
+}
+
+// The sentence without its full stop; empty for what is not known here.
+std::string Clause(const MetricInfo& info, const Reason& reason) {
+  const std::vector<double>& v = reason.values;
+  for (const Wording& how : kOneLimit) {
+    if (reason.code == how.code && v.size() >= 2) return LimitText(info, how, v);
+  }
+  if (reason.code == "between" && v.size() == 3) {
+    const int digits = DigitsFor(v[0], {v[1], v[2]}, v[0] < v[1] || v[0] > v[2], info.unit);
+    return Found(info, v[0], digits) + " (full marks " +
+           (v[1] == v[2] ? "at " + Number(v[1], info.unit, digits)
+                         : "from " + Number(v[1], info.unit, digits) + " to " +
+                               Number(v[2], info.unit, digits)) +
+           ")";
+  }
+  if (reason.code == "any" && v.size() == 1) return Found(info, v[0], UsualDigits(info.unit));
+  if (reason.code == "fails_above" && v.size() == 2) {
+    const int digits = DigitsFor(v[0], {v[1]}, true, info.unit);
+    return Found(info, v[0], digits) + " (more than " + Number(v[1], info.unit, digits) +
+           " fails the whole attempt)";
+  }
+  if (reason.code == "not_in_task") return "not judged, as the reference has nothing of it";
+  if (reason.code == "not_made") return "there is nothing to measure yet";
+  if (reason.code == "device_limit" && v.size() == 2) {
+    return "not judged, as the device was at its limit in more than " + Number(v[1], "%") +
+           " of the time with force (measured: " + Number(v[0], info.unit) + ")";
+  }
+  if (reason.code == "keeps" && v.size() == 1) {
+    return "Every criterion keeps " + Number(v[0], "%") + " of its points";
+  }
+  if (reason.code == "stop_earlier" && v.size() == 2) {
+    return "It began at " + Clock(v[0]) + ", and stroke " + Digits(v[1], 0) +
+           " took most of it: stop earlier there";
+  }
+  if (reason.code == "cut_further" && v.size() == 1) {
+    return Number(v[0], "mm3") + " of it were left standing: cut further there";
+  }
+  return "";
+}
+
+}  // namespace
+
+Reason FoundReason(const MetricInfo& info, double value,
+                   const std::vector<scene::RubricPoint>& map) {
+  const Asked asked = AskedFor(map);
+  const bool open_below = asked.from == -kInfinite, open_above = asked.to == kInfinite;
+  const bool lost = value < asked.from || value > asked.to;
+  Reason out{"any", {value}, {}};
+  if (open_below && !open_above) {
+    out = {"at_most", {value, asked.to}, {}};
+    if (lost && asked.none_above) out.values.push_back(*asked.none_above);
+  } else if (open_above && !open_below) {
+    out = {"at_least", {value, asked.from}, {}};
+    if (lost && asked.none_below) out.values.push_back(*asked.none_below);
+  } else if (!open_below && asked.from == -asked.to) {
+    out = {"within", {value, asked.to}, {}};
+    const auto& none = value > 0 ? asked.none_above : asked.none_below;
+    if (lost && none) out.values.push_back(std::fabs(*none));
+  } else if (!open_below) {
+    out = {"between", {value, asked.from, asked.to}, {}};
+  }
+  out.units.assign(out.values.size(), std::string(info.unit));
+  return out;
+}
+
+Reason FailsReason(const MetricInfo& info, double value, double limit) {
+  const std::string unit(info.unit);
+  return {"fails_above", {value, limit}, {unit, unit}};
+}
+
+Reason MissingReason(NoValue why) {
+  return {why == NoValue::kNotInTask ? "not_in_task" : "not_made", {}, {}};
+}
+
+Reason LimitReason(const MetricInfo& info, double value) {
+  return {"device_limit", {value, kMostLimited_percent}, {std::string(info.unit), "%"}};
+}
+
+Reason KeepsReason(double share) { return {"keeps", {100 * share}, {"%"}}; }
+
+std::optional<Reason> Advice(const MetricInfo& info, double value,
+                             const std::vector<Deduction>& deductions) {
+  const Deduction* most = nullptr;
+  for (const Deduction& d : deductions) {
+    if (d.criterion != info.name) continue;
+    if (!info.above_zero.empty() && d.left != (value < 0)) continue;
+    if (most == nullptr || d.volume_m3 > most->volume_m3) most = &d;
+  }
+  if (most == nullptr) return std::nullopt;
+  if (most->left) {
+    const double left_mm3 = most->volume_m3 * kMm3;
+    if (left_mm3 < kLeastLeft_mm3) return std::nullopt;
+    return Reason{"cut_further", {left_mm3}, {"mm3"}};
+  }
+  if (most->strokes.empty()) return std::nullopt;
+  return Reason{"stop_earlier",
+                {most->first_s, static_cast<double>(most->strokes.front().number)},
+                {"s", "count"}};
+}
+
+std::string Sentence(std::string_view title, const MetricInfo& info,
+                     const std::vector<Reason>& reasons, std::string_view comment) {
+  std::string out = std::string(title) + ":";
+  for (const Reason& reason : reasons) {
+    const std::string clause = Clause(info, reason);
+    if (!clause.empty()) out += " " + clause + ".";
+  }
+  if (!comment.empty()) out += " " + std::string(comment);
+  return out;
+}
+
+}  // namespace enamel::scoring

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/scene/types.h"
+#include "common/scoring/deductions.h"
+#include "common/scoring/metrics.h"
+
+// Why points were earned or lost, as data that any language can be made of, and the English sentence
+// made of it: schemas/score.md, "Reasons". Thread safety: functions, any thread. Deterministic.
+namespace enamel::scoring {
+
+struct Reason {
+  std::string code;
+  std::vector<double> values;
+  std::vector<std::string> units;  // one for each value
+
+  bool operator==(const Reason&) const = default;
+};
+inline constexpr size_t kMaxReasons = 4, kMaxReasonValues = 8;
+
+// What was found, beside where the map gives full marks, and where it gives none if any were lost:
+// "at_most", "at_least", "within", "between" or "any".
+Reason FoundReason(const MetricInfo& info, double value,
+                   const std::vector<scene::RubricPoint>& map);
+// A critical criterion that was failed: "fails_above".
+Reason FailsReason(const MetricInfo& info, double value, double limit);
+// No value: "not_in_task" or "not_made".
+Reason MissingReason(NoValue why);
+// A force that the device could not render: "device_limit".
+Reason LimitReason(const MetricInfo& info, double value);
+// What every criterion keeps by a gate that took points: "keeps".
+Reason KeepsReason(double share);
+// What to do about it, by where the most was lost: "stop_earlier" with the first moment and the
+// stroke that took most, or "cut_further" with what was left. `value`: of the metric; its sign says
+// which of the two where the metric has one. None where no place or moment is known.
+std::optional<Reason> Advice(const MetricInfo& info, double value,
+                             const std::vector<Deduction>& deductions);
+
+// The sentences, each with its full stop: "Mesial wall: 0.30 mm too deep (full marks within 0.03 mm,
+// none beyond 0.25 mm). It began at 1:12, and stroke 14 took most of it: stop earlier there." A code
+// that is not known, of a newer server, is left out. `comment`: the rubric's, told last; may be empty.
+std::string Sentence(std::string_view title, const MetricInfo& info,
+                     const std::vector<Reason>& reasons, std::string_view comment);
+
+}  // namespace enamel::scoring
