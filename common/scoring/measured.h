@@ -1,5 +1,6 @@
 #pragma once
 
+#include "common/scoring/crown.h"
 #include "common/scoring/metrics.h"
 #include "common/scoring/shape.h"
 #include "common/scoring/task.h"
@@ -18,6 +19,7 @@ struct Measured {
   double deepest_over_m = 0;
   Walls walls{};
   OutlineFigures outline;
+  CrownFigures crown;
   bool has_pulp = false, has_neighbour = false;
   double neighbour_depth_m = 0;
   double remaining_dentin_m = 0;

@@ -88,8 +88,9 @@ enum class MetricGroup : uint8_t {
   kMotion,      // smoothness and tremor
   kPathInTime,  // against the reference's path, by time
   kPathByWay,   // and by the bur's way
+  kCrown,       // walls about an axis, reduction, finish line
 };
-inline constexpr size_t kMetricGroups = 10;
+inline constexpr size_t kMetricGroups = 11;
 
 // The groups that a list of metrics needs. A group is measured for all its metrics at the cost of
 // one, so all of a group's are reported.

@@ -1,0 +1,302 @@
+#include "common/scoring/crown.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "common/math/trig.h"
+
+namespace enamel::scoring {
+namespace {
+
+using cutting::Tissue;
+using cutting::Volume;
+
+constexpr double kDegrees = 180 / 3.14159265358979323846;
+constexpr int kPlaces = 72, kSections = 8;
+// Of 5 degrees: a turn is 72 of them, so that no libm decides where is looked.
+constexpr double kCosStep = 0.99619469809174553, kSinStep = 0.08715574274765817;
+constexpr double kReach_m = 9e-3;        // a molar's half diagonal and room
+constexpr double kSearch_m = 1.5e-3;     // about where the shoulder should be
+constexpr double kLeastStep_m = 0.1e-3;  // a wall stands so far in from the tooth's side, at least
+// Walls are looked at from so far above the finish line, where a shoulder's inner edge is round, to
+// so far below the top, whose edge is.
+constexpr double kWallMargin_m = 0.5e-3, kLeastWall_m = 1e-3;
+constexpr double kMostMissing = 0.3;
+constexpr double kFinishInside_m = 0.15e-3;  // the finish line's height is taken so far in
+constexpr double kWidthAbove_m = 0.3e-3;     // and its width so far above it
+constexpr double kCompleteWidth_m = 0.3e-3;
+constexpr double kLeans = 0.034899496702500969;  // sin of 2 degrees
+
+struct Direction {
+  double x = 1, y = 0;
+};
+
+std::array<Direction, kPlaces> Directions() {
+  std::array<Direction, kPlaces> out;
+  for (size_t k = 1; k < out.size(); ++k) {
+    const Direction& d = out[k - 1];
+    out[k] = {d.x * kCosStep - d.y * kSinStep, d.x * kSinStep + d.y * kCosStep};
+  }
+  return out;
+}
+
+// Half planes about an axis through a volume.
+class Profile {
+ public:
+  Profile(const Volume& volume, const dvec3& axis_m)
+      : volume_(volume), axis_m_(axis_m), step_m_(0.5 * volume.spec().voxel_m()) {}
+
+  // Where the tooth ends outwards from the axis at a height; none where the axis is in the air.
+  std::optional<double> Radius_m(const Direction& d, double z_m) const {
+    double before = At(d, 0, z_m);
+    if (before >= 0) return std::nullopt;
+    for (double r = step_m_; r < kReach_m; r += step_m_) {
+      const double phi = At(d, r, z_m);
+      // A neighbour that touches is another tooth.
+      if (phi < 0 && Tissue(d, r, z_m) == Tissue::kNeighbour) return r - step_m_;
+      if (phi >= 0) return r - step_m_ * phi / (phi - before);
+      before = phi;
+    }
+    return std::nullopt;
+  }
+
+  // Height of the surface from above, between two heights; none where there is none.
+  std::optional<double> Height_m(const Direction& d, double r_m, double from_z_m,
+                                 double to_z_m) const {
+    double before = At(d, r_m, from_z_m);
+    if (before < 0) return std::nullopt;
+    for (double z = from_z_m - step_m_; z > to_z_m; z -= step_m_) {
+      const double phi = At(d, r_m, z);
+      if (phi < 0) return z + step_m_ * phi / (phi - before);
+      before = phi;
+    }
+    return std::nullopt;
+  }
+
+  double step_m() const { return step_m_; }
+
+ private:
+  dvec3 Point(const Direction& d, double r_m, double z_m) const {
+    return {axis_m_.x + r_m * d.x, axis_m_.y + r_m * d.y, z_m};
+  }
+  double At(const Direction& d, double r_m, double z_m) const {
+    return volume_.DistanceAt_m(Point(d, r_m, z_m));
+  }
+  cutting::Tissue Tissue(const Direction& d, double r_m, double z_m) const {
+    return volume_.TissueAtPoint(Point(d, r_m, z_m));
+  }
+
+  const Volume& volume_;
+  const dvec3 axis_m_;
+  const double step_m_;
+};
+
+// What the reference fixes at one place around the axis.
+struct Place {
+  double line_z_m = 0;  // of the finish line
+  double outer_m = 0;   // the tooth's side there, from the axis
+};
+
+double Median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const size_t middle = values.size() / 2;
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(middle),
+                   values.end());
+  return values[middle];
+}
+// What 95 % of the values exceed.
+double LeastOfMost(std::vector<double> values) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 20];
+}
+
+// The middle of the reference's stump, without neighbours, a millimetre above the shoulder.
+std::optional<dvec3> AxisOf(const Volume& reference, const dvec3& landmark_m, double z_m) {
+  const double step = reference.spec().voxel_m();
+  dvec3 sum(0);
+  double count = 0;
+  for (double x = -kReach_m; x <= kReach_m; x += step) {
+    for (double y = -kReach_m; y <= kReach_m; y += step) {
+      const dvec3 p(landmark_m.x + x, landmark_m.y + y, z_m);
+      if (reference.DistanceAt_m(p) >= 0 || reference.TissueAtPoint(p) == Tissue::kNeighbour) {
+        continue;
+      }
+      sum += p;
+      ++count;
+    }
+  }
+  if (count == 0) return std::nullopt;
+  return sum / count;
+}
+
+// The lowest height from which the reference's wall stands in from the tooth's side.
+std::optional<Place> FinishLine(const Profile& initial, const Profile& reference,
+                                const Direction& d, double bottom_z_m) {
+  const double step = reference.step_m();
+  double above_z = 0, above_in = -1;
+  for (double z = bottom_z_m + kSearch_m; z > bottom_z_m - kSearch_m; z -= step) {
+    const std::optional<double> outer = initial.Radius_m(d, z), inner = reference.Radius_m(d, z);
+    if (!outer || !inner) return std::nullopt;
+    const double in = *outer - *inner;
+    if (in < kLeastStep_m) {
+      if (above_in < 0) return std::nullopt;  // no wall stands in above it
+      const double t = (kLeastStep_m - in) / (above_in - in);
+      return Place{z + t * (above_z - z), *outer};
+    }
+    above_z = z, above_in = in;
+  }
+  return std::nullopt;
+}
+
+struct Line {
+  double slope = 0;  // dr / dz
+  double median_radius_m = 0;
+};
+// The wall of a half plane between two heights, by least squares.
+std::optional<Line> WallLine(const Profile& profile, const Direction& d, double lo_z_m,
+                             double hi_z_m) {
+  std::vector<double> radii;
+  double n = 0, sz = 0, sr = 0, szz = 0, szr = 0, looked = 0;
+  for (double z = lo_z_m; z <= hi_z_m; z += profile.step_m()) {
+    ++looked;
+    const std::optional<double> r = profile.Radius_m(d, z);
+    if (!r) continue;
+    const double up = z - lo_z_m;
+    ++n, sz += up, sr += *r, szz += up * up, szr += up * *r;
+    radii.push_back(*r);
+  }
+  if (n < 3 || n < (1 - kMostMissing) * looked) return std::nullopt;
+  return Line{(n * szr - sz * sr) / (n * szz - sz * sz), Median(std::move(radii))};
+}
+
+// Everything about the finish line, at the places that the reference has.
+void MeasureLine(const Profile& attempt, const Profile& reference,
+                 const std::array<Direction, kPlaces>& directions,
+                 const std::array<Place, kPlaces>& places, CrownFigures& out) {
+  std::vector<double> widths, depths;
+  double complete = 0;
+  for (size_t k = 0; k < directions.size(); ++k) {
+    const Direction& d = directions[k];
+    const Place& at = places[k];
+    const double r = at.outer_m - kFinishInside_m;
+    const double from = at.line_z_m + 2 * kSearch_m, to = at.line_z_m - kSearch_m;
+    // Where the air begins higher, the tooth's side was left, and the line is not there.
+    const double is = attempt.Height_m(d, r, from, to).value_or(from);
+    const double asked = reference.Height_m(d, r, from, to).value_or(at.line_z_m);
+    depths.push_back(asked - is);
+    const std::optional<double> inner = attempt.Radius_m(d, is + kWidthAbove_m);
+    widths.push_back(inner ? std::max(0.0, at.outer_m - *inner) : 0);
+    if (widths.back() >= kCompleteWidth_m) ++complete;
+  }
+  out.width_m = Median(widths);
+  out.width_least_m = LeastOfMost(widths);
+  out.depth_m = Median(depths);
+  double sum = 0;
+  for (double d : depths) sum += (d - out.depth_m) * (d - out.depth_m);
+  out.waviness_m = std::sqrt(sum / kPlaces);
+  out.complete = complete / kPlaces;
+}
+
+// Straight down, within the stump's top as the reference has it.
+void MeasureTop(const Volume& initial, const Volume& attempt, const Volume& reference,
+                const dvec3& axis_m, double top_z_m, double radius_m, CrownFigures& out) {
+  const double step = 2 * initial.spec().voxel_m();
+  const Profile before(initial, axis_m), after(attempt, axis_m), wanted(reference, axis_m);
+  const double from = initial.spec().origin_m().z +
+                      static_cast<double>(initial.spec().voxels().z) * initial.spec().voxel_m();
+  std::vector<double> taken;
+  for (double r = 0; r <= radius_m; r += step) {
+    for (const Direction& d : Directions()) {
+      // A ring's share of points falls with its length: few near the axis.
+      const std::optional<double> was = before.Height_m(d, r, from, top_z_m - 2e-3);
+      const std::optional<double> asked = wanted.Height_m(d, r, from, top_z_m - 2e-3);
+      if (!was || !asked) continue;
+      const std::optional<double> is = after.Height_m(d, r, from, top_z_m - 4e-3);
+      taken.push_back(*was - is.value_or(top_z_m - 4e-3));
+      if (r == 0) break;
+    }
+  }
+  out.top_m = Median(taken);
+  out.top_least_m = LeastOfMost(std::move(taken));
+}
+
+double Undercut_m2(const CutSide& attempt, const dvec3& axis_m, double lo_z_m, double hi_z_m) {
+  double sum = 0;
+  const surface::Mesh& mesh = *attempt.mesh;
+  for (size_t i = 0; i < mesh.position_m.size(); ++i) {
+    if (!(*attempt.cut)[i] || mesh.tissue[i] == static_cast<uint8_t>(Tissue::kNeighbour)) continue;
+    const dvec3 p(mesh.position_m[i]);
+    if (p.z < lo_z_m || p.z > hi_z_m || mesh.normal[i].z > -kLeans) continue;
+    const double out = (p.x - axis_m.x) * mesh.normal[i].x + (p.y - axis_m.y) * mesh.normal[i].y;
+    if (out > 0) sum += (*attempt.areas_m2)[i];
+  }
+  return sum;
+}
+
+}  // namespace
+
+bool IsCrown(const scene::CavityTarget& target) {
+  using Outline = scene::PreparationPart::Outline;
+  return target.landmark == "crown_top" ||
+         std::any_of(target.parts.begin(), target.parts.end(),
+                     [](const auto& part) { return part.outline == Outline::kStump; });
+}
+
+CrownFigures MeasureCrown(const Volume& initial, const CutSide& attempt, const CutSide& reference,
+                          const dvec3& landmark_m, double bottom_z_m) {
+  CrownFigures out;
+  const std::optional<dvec3> axis = AxisOf(*reference.volume, landmark_m, bottom_z_m + 1e-3);
+  if (!axis) return out;
+  const Profile before(initial, *axis), is(*attempt.volume, *axis), asked(*reference.volume, *axis);
+  static const std::array<Direction, kPlaces> directions = Directions();
+
+  std::array<Place, kPlaces> places;
+  double line_z = bottom_z_m - kSearch_m;  // the highest
+  for (size_t k = 0; k < directions.size(); ++k) {
+    const std::optional<Place> place = FinishLine(before, asked, directions[k], bottom_z_m);
+    if (!place) return out;
+    places[k] = *place;
+    line_z = std::max(line_z, place->line_z_m);
+  }
+  // Up to where the axis comes out: above it, only cusps.
+  const double sky = initial.spec().origin_m().z +
+                     static_cast<double>(initial.spec().voxels().z) * initial.spec().voxel_m();
+  const std::optional<double> top = asked.Height_m(directions[0], 0, sky, bottom_z_m);
+  if (!top || *top - line_z < 2 * kWallMargin_m + kLeastWall_m) return out;
+  out.in_task = true;
+
+  std::array<double, kSections> lean_deg{}, taken{};
+  double top_radius = kReach_m;
+  for (size_t k = 0; k < kSections; ++k) {
+    const size_t place = k * kPlaces / kSections;
+    const Direction& d = directions[place];
+    const double lo = places[place].line_z_m + kWallMargin_m, hi = *top - kWallMargin_m;
+    const std::optional<Line> wall = WallLine(is, d, lo, hi), tooth = WallLine(before, d, lo, hi);
+    if (!wall || !tooth) return out;
+    lean_deg[k] = -kDegrees * ArcTan(wall->slope);
+    taken[k] = tooth->median_radius_m - wall->median_radius_m;
+    if (const auto r = asked.Radius_m(d, hi)) top_radius = std::min(top_radius, *r);
+  }
+  out.made = true;
+  std::array<double, kSections / 2> section;
+  for (size_t k = 0; k < section.size(); ++k) {
+    section[k] = lean_deg[k] + lean_deg[k + kSections / 2];
+  }
+  out.mesiodistal_deg = section[0];
+  out.buccolingual_deg = section[2];
+  out.least_deg = *std::min_element(section.begin(), section.end());
+  out.most_deg = *std::max_element(section.begin(), section.end());
+  const double along = 0.5 * (lean_deg[0] - lean_deg[4]);
+  const double across = 0.5 * (lean_deg[2] - lean_deg[6]);
+  out.axis_deg = std::sqrt(along * along + across * across);
+  out.wall_m = {taken[0], taken[4], taken[2], taken[6]};
+  out.undercut_m2 = Undercut_m2(attempt, *axis, line_z + kWallMargin_m, *top - kWallMargin_m);
+  MeasureTop(initial, *attempt.volume, *reference.volume, *axis, *top, top_radius - kWallMargin_m,
+             out);
+  MeasureLine(is, asked, directions, places, out);
+  return out;
+}
+
+}  // namespace enamel::scoring

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "common/scene/types.h"
+#include "common/scoring/shape.h"
+
+// A crown's preparation: the walls that converge towards the top, what was taken off, and the finish
+// line all around. Formulas and sources: schemas/score.md, "Crown".
+// Deterministic. Thread safety: functions, any thread.
+namespace enamel::scoring {
+
+// Measured in half planes about an upright axis through the middle of the reference's stump. Where
+// the finish line, the walls and the top are is the reference's; how they lie is the attempt's.
+struct CrownFigures {
+  bool in_task = false;  // the reference has a finish line and walls of a millimetre all around
+  bool made = false;     // the attempt has walls there, in every half plane
+
+  // Angle between the two walls of a section, degrees: + they meet above the top. From mesial to
+  // distal, from buccal to lingual, and of these and the two sections between them.
+  double mesiodistal_deg = 0, buccolingual_deg = 0, least_deg = 0, most_deg = 0;
+  double axis_deg = 0;  // how far the middle line between the walls leans from +z
+  double undercut_m2 =
+      0;  // area of the walls that leans out over the finish line by over 2 degrees
+  std::array<double, 4> wall_m{};  // taken off: mesial, distal, buccal, lingual; median over height
+  double top_m = 0, top_least_m = 0;  // off the top, straight down: median, and what 95 % exceed
+
+  // Of the finish line at 72 places.
+  double width_m = 0, width_least_m = 0;  // median, and what 95 % exceed
+  double depth_m = 0;                     // median below the reference's; - above
+  double waviness_m = 0;                  // RMS of that about its median
+  double complete = 0;                    // share of the places with a width of at least 0.3 mm
+};
+
+// `bottom_z_m`: where the exercise says that the shoulder is, within 1.5 mm.
+CrownFigures MeasureCrown(const cutting::Volume& initial, const CutSide& attempt,
+                          const CutSide& reference, const dvec3& landmark_m, double bottom_z_m);
+
+// The exercise asks for a crown: its target is a stump, or hangs from a crown's top.
+bool IsCrown(const scene::CavityTarget& target);
+
+}  // namespace enamel::scoring

@@ -1,0 +1,177 @@
+#include "common/scoring/crown.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "common/scene/builder.h"
+#include "common/scoring/task.h"
+
+// A round tooth of 4.5 mm radius, 7 mm above its shoulder, and stumps in it in closed form.
+namespace enamel::scoring {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+double Slope(double degrees) { return std::tan(degrees * kPi / 180); }
+double Degrees(double slope) { return std::atan(slope) * 180 / kPi; }
+
+constexpr double kTooth_mm = 4.5, kToothTop_mm = 7, kStumpTop_mm = 5.5, kFoot_mm = 3.6;
+
+struct StumpShape {
+  double taper_deg = 6;       // of each wall
+  double lean_deg = 0;        // of the stump, mesially
+  double foot_mm = kFoot_mm;  // radius at the shoulder
+  double top_mm = kStumpTop_mm;
+  double shoulder_mm = 0, wave_mm = 0;  // height, and that of four waves around it
+  bool cut = true;
+};
+
+double Distance_mm(const StumpShape& s, const dvec3& p) {
+  const double tooth = std::max(std::hypot(p.x, p.y) - kTooth_mm, p.z - kToothTop_mm);
+  if (!s.cut) return tooth;
+  const double floor = s.shoulder_mm + s.wave_mm * std::sin(4 * std::atan2(p.y, p.x));
+  const double rise = p.z - s.shoulder_mm;
+  const double rho = std::hypot(p.x - Slope(s.lean_deg) * rise, p.y);
+  const double wall = (rho - s.foot_mm + Slope(s.taper_deg) * rise) /
+                      std::sqrt(1 + Slope(s.taper_deg) * Slope(s.taper_deg));
+  const double stump = std::max(wall, p.z - s.top_mm);
+  return std::max(tooth, std::min(stump, p.z - floor));
+}
+
+struct Tooth {
+  cutting::Volume volume;
+  surface::Mesh mesh;
+  std::vector<bool> cut;
+  std::vector<double> areas_m2;
+
+  CutSide side() const { return {&volume, &mesh, &cut, &areas_m2}; }
+};
+
+cutting::Volume MakeTooth(const StumpShape& shape, int32_t voxel_nm) {
+  cutting::GridSpec spec;
+  spec.voxel_nm = voxel_nm;
+  spec.origin_nm = {-5'013'000, -5'021'000, -3'017'000};
+  const int bricks = static_cast<int>(10.4e6 / (cutting::kBrickSide * voxel_nm)) + 1;
+  spec.bricks = ivec3(bricks, bricks, bricks);
+  return scene::BuildVolume(spec, [&](const dvec3& p) -> scene::FieldSample {
+    return {Distance_mm(shape, p * 1e3) * 1e-3, cutting::Tissue::kDentin};
+  });
+}
+
+Tooth Make(const StumpShape& shape, const cutting::Volume& initial) {
+  Tooth out{MakeTooth(shape, initial.spec().voxel_nm), {}, {}, {}};
+  out.mesh = surface::ExtractSurface(out.volume);
+  out.cut = CutVertices(out.mesh, initial, out.volume);
+  out.areas_m2 = VertexAreas_m2(out.mesh);
+  return out;
+}
+
+class CrownTest : public testing::TestWithParam<int32_t> {
+ protected:
+  CrownFigures Measure(const StumpShape& attempt) {
+    const Tooth made = Make(attempt, initial_);
+    return MeasureCrown(initial_, made.side(), reference_.side(), dvec3(0, 0, 5e-3), 0.2e-3);
+  }
+  double quarter_m() const { return GetParam() * 1e-9 / 4; }
+
+  const cutting::Volume initial_ = MakeTooth({.cut = false}, GetParam());
+  const Tooth reference_ = Make({}, initial_);
+};
+
+TEST_P(CrownTest, ReferenceIsFoundAsItWasMade) {
+  const CrownFigures f = Measure({});
+  ASSERT_TRUE(f.made);
+  for (double deg : {f.mesiodistal_deg, f.buccolingual_deg, f.least_deg, f.most_deg}) {
+    EXPECT_NEAR(deg, 12, 0.5);
+  }
+  EXPECT_NEAR(f.axis_deg, 0, 0.25);
+  EXPECT_EQ(f.undercut_m2, 0);
+  EXPECT_EQ(f.depth_m, 0);
+  EXPECT_EQ(f.waviness_m, 0);
+  EXPECT_EQ(f.complete, 1);
+  // Walls: from 0.5 mm above the shoulder to 0.5 mm below the top, at their middle.
+  const double wall = kTooth_mm - kFoot_mm + Slope(6) * kStumpTop_mm / 2;
+  for (double m : f.wall_m) EXPECT_NEAR(m, wall * 1e-3, quarter_m());
+  EXPECT_NEAR(f.top_m, (kToothTop_mm - kStumpTop_mm) * 1e-3, quarter_m());
+  EXPECT_NEAR(f.top_least_m, f.top_m, quarter_m());
+  const double width = kTooth_mm - kFoot_mm + Slope(6) * 0.3;
+  EXPECT_NEAR(f.width_m, width * 1e-3, quarter_m());
+  EXPECT_NEAR(f.width_least_m, width * 1e-3, quarter_m());
+}
+
+TEST_P(CrownTest, ConvergenceFollowsTheWalls) {
+  for (double taper : {-3.0, 0.0, 2.0, 15.0}) {
+    const CrownFigures f = Measure({.taper_deg = taper});
+    ASSERT_TRUE(f.made) << taper;
+    EXPECT_NEAR(f.mesiodistal_deg, 2 * taper, 0.5);
+    EXPECT_NEAR(f.least_deg, 2 * taper, 0.5);
+    EXPECT_NEAR(f.most_deg, 2 * taper, 0.5);
+  }
+}
+
+TEST_P(CrownTest, LeaningStumpHasALeanAndHardlyAnotherConvergence) {
+  const CrownFigures f = Measure({.taper_deg = 8, .lean_deg = 5});
+  ASSERT_TRUE(f.made);
+  const double mesial = Degrees(Slope(8) - Slope(5)), distal = Degrees(Slope(8) + Slope(5));
+  EXPECT_NEAR(f.mesiodistal_deg, mesial + distal, 0.5);
+  EXPECT_NEAR(f.axis_deg, (distal - mesial) / 2, 0.5);
+}
+
+TEST_P(CrownTest, UndercutIsTheAreaThatLeansOut) {
+  const double taper = -6;
+  const CrownFigures f = Measure({.taper_deg = taper, .foot_mm = 3});
+  ASSERT_TRUE(f.made);
+  const double height = kStumpTop_mm - 1, radius = 3 - Slope(taper) * kStumpTop_mm / 2;
+  const double area_mm2 = 2 * kPi * radius * height / std::cos(taper * kPi / 180);
+  EXPECT_NEAR(f.undercut_m2 * 1e6, area_mm2, 0.06 * area_mm2);
+  EXPECT_LT(f.least_deg, -11);
+  EXPECT_EQ(Measure({.taper_deg = 0}).undercut_m2, 0) << "upright is not undercut";
+}
+
+TEST_P(CrownTest, WidthReductionAndFinishLineAreFoundWithinAQuarterVoxel) {
+  const CrownFigures narrow = Measure({.foot_mm = 4.1});
+  EXPECT_NEAR(narrow.width_m, (0.4 + Slope(6) * 0.3) * 1e-3, quarter_m());
+  EXPECT_EQ(narrow.complete, 1);
+  EXPECT_LT(Measure({.foot_mm = 4.4}).complete, 0.1) << "0.13 mm is no finish line";
+  const CrownFigures low = Measure({.top_mm = 5});
+  EXPECT_NEAR(low.top_m, 2e-3, quarter_m());
+  for (double mm : {-0.3, -0.1, 0.1, 0.3}) {
+    EXPECT_NEAR(Measure({.shoulder_mm = mm}).depth_m, -mm * 1e-3, quarter_m()) << mm;
+  }
+  const CrownFigures wavy = Measure({.wave_mm = 0.2});
+  EXPECT_NEAR(wavy.waviness_m, 0.2e-3 / std::sqrt(2), quarter_m());
+  EXPECT_NEAR(wavy.depth_m, 0, quarter_m());
+}
+
+TEST_P(CrownTest, UntouchedToothHasWallsAndNoFinishLine) {
+  const CrownFigures f = Measure({.cut = false});
+  ASSERT_TRUE(f.made);
+  EXPECT_EQ(f.complete, 0);
+  EXPECT_EQ(f.width_m, 0);
+  for (double m : f.wall_m) EXPECT_EQ(m, 0);
+  EXPECT_EQ(f.top_m, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Voxels, CrownTest, testing::Values(100'000, 60'000));
+
+TEST(CrownTargetTest, OnlyCrownsAreMeasuredAsCrowns) {
+  scene::CavityTarget target;
+  EXPECT_FALSE(IsCrown(target));
+  target.landmark = "crown_top";
+  EXPECT_TRUE(IsCrown(target));
+  target.landmark = "stump";
+  target.parts.resize(1);
+  EXPECT_FALSE(IsCrown(target));
+  target.parts[0].outline = scene::PreparationPart::Outline::kStump;
+  EXPECT_TRUE(IsCrown(target));
+}
+
+TEST(CrownTargetTest, ReferenceWithoutAFinishLineIsNoCrown) {
+  const cutting::Volume tooth = MakeTooth({.cut = false}, 100'000);
+  const Tooth untouched = Make({.cut = false}, tooth);
+  EXPECT_FALSE(
+      MeasureCrown(tooth, untouched.side(), untouched.side(), dvec3(0, 0, 5e-3), 0).in_task);
+}
+
+}  // namespace
+}  // namespace enamel::scoring
