@@ -292,6 +292,47 @@ const CrownTask* CrownOf(const Scene& scene) {
 // reference took.
 constexpr int32_t kUnknownCrownDepth_um = 6'500;
 
+// The angles that are accepted between opposite walls are those of the literature, 10 to 22 degrees
+// (schemas/score.md, "Crown"), and less where the stump is tall enough to hold anyway. From buccal to
+// lingual an incisor's edge is so thin that its walls stand at 27 degrees.
+RubricCriterion ConvergenceCriterion(const char* metric, const char* title, double most_deg) {
+  return {metric,
+          title,
+          "deg",
+          4,
+          {{0, 0}, {5, 1}, {most_deg, 1}, {most_deg + 14, 0}},
+          "Opposite walls stand too steep or too flat to each other.",
+          {}};
+}
+
+Rubric CrownRubric(bool anterior) {
+  Rubric r = ShapeRubric("crown-preparation", 15, 4, {1'200, 2'400});
+  r.version = 4;
+  auto& criteria = r.criteria;
+  criteria.push_back(
+      ConvergenceCriterion("convergence_mesiodistal_deg", "Convergence, mesial to distal", 22));
+  criteria.push_back(ConvergenceCriterion("convergence_buccolingual_deg",
+                                          "Convergence, buccal to lingual", anterior ? 30 : 22));
+  // A molar's stump leans by 6.5 degrees, as its crown does.
+  criteria.push_back(AtMost("crown_axis_deg", "Stump upright", "deg", 3, 8, 18,
+                            "The stump leans: the crown would have to go on at an angle."));
+  criteria.push_back(AtMost("crown_undercut_mm2", "No undercut", "mm2", 3, 0.5, 4,
+                            "A wall leans out over the finish line: the crown could not seat."));
+  RubricCriterion line{"finish_depth_mm",
+                       "Finish line at its height",
+                       "mm",
+                       3,
+                       {{-0.5, 0}, {-0.1, 1}, {0.1, 1}, {0.5, 0}},
+                       "The finish line is not at the height that is asked for.",
+                       {}};
+  criteria.push_back(std::move(line));
+  criteria.push_back(AtMost("finish_waviness_mm", "Finish line even", "mm", 3, 0.05, 0.25,
+                            "The finish line goes up and down around the stump."));
+  criteria.push_back(PulpCriterion(3));
+  criteria.push_back(CoverCriterion(3));
+  return r;
+}
+
 Exercise CrownExercise(const Scene& scene, const Sha256& scene_hash) {
   Exercise e = ClassOneExercise(scene, scene_hash);
   e.name = NameFor("crown", scene);
@@ -328,9 +369,7 @@ Exercise CrownExercise(const Scene& scene, const Sha256& scene_hash) {
                                                    : " The root stays untouched.";
   e.time_limit_s = 1'800;
   // A simulated good hand takes a quarter of an hour.
-  e.rubric = ShapeRubric("crown-preparation", 25, 10, {1'200, 2'400});
-  e.rubric.criteria.push_back(PulpCriterion(5));
-  e.rubric.criteria.push_back(CoverCriterion(5));
+  e.rubric = CrownRubric(anterior);
   return e;
 }
 

@@ -203,6 +203,29 @@ class Faults {
       AddMm("top_over", mm / kMm, "deepest_over_mm", moved(0, mm / kMm));
       AddMm("top_short", mm / kMm, "most_left_mm", moved(0, -mm / kMm));
     }
+    auto cut = [](const CrownCut& as) { return [as](const dvec3& p) { return as.Distance_m(p); }; };
+    for (double deg : Sizes({20, 30, 45}, 30)) {
+      Add("convergence", deg, "deg", "convergence_mesiodistal_deg", kAngleTolerance_deg,
+          cut(task_.crown.Converging(deg)));
+    }
+    // Farther in, or their walls would come out of the tooth's side below the top.
+    const CrownCut slim = task_.crown.Moved(0.6e-3, 0);
+    for (double deg : Sizes({-3, -5, -10}, -10)) {
+      Add("undercut", deg, "deg", "convergence_mesiodistal_deg", kAngleTolerance_deg,
+          cut(slim.Converging(deg)));
+    }
+    for (double deg : Sizes({10, 12, 15}, 12)) {
+      const CrownCut leaning = slim.Leaning(deg);
+      Add("lean", leaning.Lean_deg(), "deg", "crown_axis_deg", kAngleTolerance_deg, cut(leaning));
+    }
+    for (double mm : Sizes({-0.5, -0.3, -0.1, 0.1, 0.3, 0.5}, 0.3)) {
+      AddMm("finish_line", mm / kMm, "finish_depth_mm", cut(task_.crown.Deeper(mm / kMm)));
+    }
+    for (double mm : Sizes({0.05, 0.1, 0.2}, 0.2)) {
+      CrownCut wavy = task_.crown;
+      wavy.wave_m = std::sqrt(2.0) * mm / kMm;
+      AddMm("finish_waviness", mm / kMm, "finish_waviness_mm", cut(wavy));
+    }
     // In the stump's top, where the tooth reaches above it all around the pit.
     const CrownCut& c = task_.crown;
     const dvec3 beside(0.3e-3, 0.3e-3, 0);

@@ -110,6 +110,44 @@ CrownCut CrownCut::Moved(double in_m, double lower_m) const {
   return out;
 }
 
+CrownCut CrownCut::Deeper(double lower_m) const {
+  CrownCut out = *this;
+  out.shoulder_z_m -= lower_m;
+  const double on = lower_m / (top_z_m - shoulder_z_m);
+  auto go_on = [&](double Section::*member) {
+    out.at_shoulder.*member += on * (at_shoulder.*member - at_top.*member);
+  };
+  for (auto member :
+       {&Section::middle_x_m, &Section::middle_y_m, &Section::half_x_m, &Section::half_y_m}) {
+    go_on(member);
+  }
+  return out;
+}
+
+CrownCut CrownCut::Converging(double degrees) const {
+  CrownCut out = *this;
+  const double in = std::tan(degrees / 2 * kPi / 180) * (top_z_m - shoulder_z_m);
+  out.at_top = at_shoulder;
+  out.at_top.half_x_m -= in;
+  out.at_top.half_y_m -= in;
+  return out;
+}
+
+CrownCut CrownCut::Leaning(double degrees) const {
+  CrownCut out = *this;
+  const double aside = std::tan(degrees * kPi / 180) * (top_z_m - shoulder_z_m);
+  out.at_top.middle_x_m = at_shoulder.middle_x_m + aside;
+  out.at_top.middle_y_m = at_shoulder.middle_y_m;
+  return out;
+}
+
+double CrownCut::Lean_deg() const {
+  const double height = top_z_m - shoulder_z_m;
+  const double in = (at_shoulder.half_x_m - at_top.half_x_m) / height;
+  const double aside = (at_top.middle_x_m - at_shoulder.middle_x_m) / height;
+  return std::fabs(std::atan(in + aside) - std::atan(in - aside)) / 2 * 180 / kPi;
+}
+
 double CrownCut::Distance_m(const dvec3& p) const {
   const double height = top_z_m - shoulder_z_m;
   // The walls go on above the top and under the shoulder as they are between.
@@ -125,7 +163,11 @@ double CrownCut::Distance_m(const dvec3& p) const {
   const double beside = std::sqrt(ox * ox + oy * oy) + std::min(std::max(x, y), 0.0) - radius;
   const double slope = std::max(a.half_x_m - b.half_x_m, a.half_y_m - b.half_y_m) / height;
   const double outside_stump = std::max(beside / std::sqrt(1 + slope * slope), p.z - top_z_m);
-  return std::max(-outside_stump, shoulder_z_m - p.z);
+  double shoulder = shoulder_z_m;
+  if (wave_m != 0) {
+    shoulder += wave_m * std::sin(4 * std::atan2(p.y - a.middle_y_m, p.x - a.middle_x_m));
+  }
+  return std::max(-outside_stump, shoulder - p.z);
 }
 
 CrownCut CrownCutOf(const scene::PreparationPart& part) {

@@ -53,9 +53,18 @@ struct CrownCut {
   double shoulder_z_m = 0, top_z_m = 0;
   Section at_shoulder, at_top;
   double corner_m = 0;  // radius
+  double wave_m = 0;    // height of four waves of the shoulder around the stump
 
   // The walls of the stump farther in by `in_m`, its top lower by `lower_m`.
   CrownCut Moved(double in_m, double lower_m) const;
+  // The shoulder lower by `lower_m`, the walls going on as they are.
+  CrownCut Deeper(double lower_m) const;
+  // The same foot, its walls standing at `degrees` to each other, mesial to distal and buccal to
+  // lingual; and the top moved mesially, so that the stump leans by `degrees`.
+  CrownCut Converging(double degrees) const;
+  CrownCut Leaning(double degrees) const;
+  // How far the middle line between the mesial and the distal wall leans, degrees.
+  double Lean_deg() const;
   double Distance_m(const dvec3& point_m) const;
 };
 // What an exercise asks for as a stump.
