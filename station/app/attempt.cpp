@@ -62,7 +62,16 @@ Result<PreparedAttempt> Prepare(Workplace& workplace, const RunOptions& options)
   }
   auto person = workplace.SignIn(options.login, options.password);
   if (!person.ok()) return person.status();
-  return PrepareByName(workplace, options.exercise, options.profile);
+  WantedExercise wanted{options.exercise, {}, {}};
+  // A device tells what it is when it is opened.
+  if (options.device.device.empty()) {
+    wanted.hand =
+        MakeHand(HandKind::kProgram, "simulated device", "operator " + options.operator_name);
+  }
+  if (!options.assignment.empty()) {
+    ENAMEL_ASSIGN_OR_RETURN(wanted.assignment, Uuid::Parse(options.assignment));
+  }
+  return PrepareByName(workplace, wanted, options.profile);
 }
 
 Result<std::unique_ptr<render::Window>> OpenWindow(const RunOptions& options,

@@ -13,6 +13,7 @@ namespace enamel::station {
 struct RunOptions {
   WorkplaceOptions workplace;
   std::string exercise, profile, login, password;
+  std::string assignment;    // its id; empty: whichever of the exercise can be begun
   hid::DeviceChoice device;  // empty: a simulated one, held by the operator
   std::string operator_name = "student";
   uint64_t seed = 0;  // of the operator's tremor; 0: the operator's own

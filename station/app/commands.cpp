@@ -60,7 +60,7 @@ Status ReserveAttempt(const ReserveCommand& options) {
   ENAMEL_ASSIGN_OR_RETURN(auto workplace, Workplace::Open(options.workplace));
   ENAMEL_ASSIGN_OR_RETURN(auto person, workplace->SignIn(options.login, options.password));
   ENAMEL_ASSIGN_OR_RETURN(auto prepared,
-                          PrepareByName(*workplace, options.exercise, options.profile));
+                          PrepareByName(*workplace, {options.exercise, {}, {}}, options.profile));
   ENAMEL_RETURN_IF_ERROR(workplace->Reserve(prepared, options.pin));
   std::printf("reserved for %s, for the next 12 hours at this station:\n",
               person.display_name.c_str());

@@ -103,6 +103,9 @@ void DeclareRun(CommandGroup group) {
       "  ENAMEL_PASSWORD=... enamel-station run --user LOGIN --resume last\n"
       "'devices' lists what is attached, 'profiles' and the server's page what there is.");
   auto* exercise = cmd->add_option("--exercise", run.exercise, "Name of the exercise");
+  cmd->add_option("--assignment", run.assignment,
+                  "Id of the assignment, where the exercise is assigned more than once")
+      ->needs(exercise);
   cmd->add_option("--profile", run.profile, "Name of the device profile");
   cmd->add_option("--user", run.login, "Login of the person at this station");
   auto* resume =

@@ -24,30 +24,69 @@ int64_t DueOf(const Catalogue::Exercise& e) {
   return e.due_unix_ms > 0 ? e.due_unix_ms : INT64_MAX;
 }
 
+// By what may hold the tool; empty: nothing is in the way, as far as is known here.
+std::string HandRefusal(const Catalogue::Exercise& e, const Hand& hand) {
+  if (hand.kind == HandKind::kNotTold) return {};
+  constexpr bool kMayBeListed = true;
+  return MayHold(e.hands, hand, kMayBeListed).message();
+}
+
+Status NotAssigned(const WantedExercise& wanted, const std::vector<Uuid>& known) {
+  std::string ids;
+  for (const Uuid& id : known) ids += (ids.empty() ? "" : ", ") + id.Text();
+  return Status(Code::kNotFound,
+                "no assignment " + wanted.assignment.Text() + " of exercise '" + wanted.name +
+                    "' for you: " + (ids.empty() ? "it is not assigned" : "there are " + ids),
+                "assignment");
+}
+
 }  // namespace
 
 Result<Catalogue::Exercise> ChooseByName(const std::vector<Catalogue::Exercise>& exercises,
-                                         const std::string& name) {
+                                         const WantedExercise& wanted) {
   const Catalogue::Exercise* best = nullptr;
-  const Catalogue::Exercise* refused = nullptr;
+  std::vector<Uuid> assignments;
+  std::set<std::string> refusals;
+  std::string exam_refusal;
+  bool named = false;
   for (const Catalogue::Exercise& e : exercises) {
-    if (e.name != name) continue;
+    if (e.name != wanted.name) continue;
+    named = true;
+    if (!e.assignment.IsZero()) assignments.push_back(e.assignment);
+    if (!wanted.assignment.IsZero() && e.assignment != wanted.assignment) continue;
     if (!e.refusal.empty()) {
-      refused = &e;
+      refusals.insert(e.refusal);
+      continue;
+    }
+    const std::string refusal = HandRefusal(e, wanted.hand);
+    // An exam that is open is not dodged by a hand that it does not admit.
+    if (!refusal.empty() && e.exam) exam_refusal = refusal;
+    if (!refusal.empty()) {
+      refusals.insert(refusal);
     } else if (best == nullptr || DueOf(e) < DueOf(*best)) {
       best = &e;
     }
   }
+  if (!exam_refusal.empty()) {
+    return Status(Code::kForbidden,
+                  "exercise '" + wanted.name + "' is an exam now: " + exam_refusal +
+                      (best == nullptr ? "" : "; or name another assignment of it: ") +
+                      (best == nullptr ? "" : best->assignment.Text()),
+                  "hand");
+  }
   if (best != nullptr) return *best;
-  if (refused == nullptr) return Unknown("exercise", name, exercises);
-  return Status(Code::kForbidden,
-                "exercise '" + name + "' cannot be begun now: " + refused->refusal, "exercise");
+  if (!named) return Unknown("exercise", wanted.name, exercises);
+  if (refusals.empty()) return NotAssigned(wanted, assignments);
+  std::string all;
+  for (const std::string& refusal : refusals) all += (all.empty() ? "" : "; or: ") + refusal;
+  return Status(Code::kForbidden, "exercise '" + wanted.name + "' cannot be begun now: " + all,
+                "exercise");
 }
 
-Result<PreparedAttempt> PrepareByName(Workplace& workplace, const std::string& exercise_name,
+Result<PreparedAttempt> PrepareByName(Workplace& workplace, const WantedExercise& wanted,
                                       const std::string& profile_name) {
   ENAMEL_ASSIGN_OR_RETURN(auto catalogue, workplace.Exercises());
-  ENAMEL_ASSIGN_OR_RETURN(auto exercise, ChooseByName(catalogue.exercises, exercise_name));
+  ENAMEL_ASSIGN_OR_RETURN(auto exercise, ChooseByName(catalogue.exercises, wanted));
   auto profile = std::ranges::find(catalogue.profiles, profile_name, &Catalogue::Profile::name);
   if (profile == catalogue.profiles.end()) {
     return Unknown("device profile", profile_name, catalogue.profiles);
