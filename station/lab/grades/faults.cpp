@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "common/scene/preparation.h"
+#include "common/surface/surface.h"
 
 namespace enamel::station::lab {
 namespace {
@@ -170,17 +171,17 @@ class Faults {
 
   void MakeShape() {
     auto grown = [&](double side_m, double floor_m) {
-      scene::Preparation shape = task_.shape;
-      for (scene::PreparationPart& part : shape.parts) {
-        for (int32_t& half : part.half_size_um)
-          half += static_cast<int32_t>(std::lround(side_m * 1e6));
-        part.depth_um += static_cast<int32_t>(std::lround(floor_m * 1e6));
-      }
-      return [shape](const dvec3& p) { return scene::PreparationDistance_m(shape, p); };
+      return [shape = task_.shape, by = scene::Growth{side_m, floor_m}](const dvec3& p) {
+        return scene::PreparationDistance_m(shape, p, by);
+      };
     };
+    // Where two parts meet, a corner of the tooth is left that moves by up to the root of 2 of it.
+    const double corner = task_.shape.parts.size() > 1 ? std::sqrt(2.0) - 1 : 0;
     for (double mm : Sizes({0.05, 0.1, 0.3, 0.5}, 0.3)) {
-      AddMm("walls_over", mm / kMm, "deviation_p95_mm", grown(mm / kMm, 0));
-      AddMm("walls_short", mm / kMm, "deviation_p95_mm", grown(-mm / kMm, 0));
+      for (double way : {1.0, -1.0}) {
+        Add(way > 0 ? "walls_over" : "walls_short", mm, "mm", "deviation_p95_mm",
+            quarter_m_ * kMm + corner * mm, grown(way * mm / kMm, 0));
+      }
       AddMm("floor_over", mm / kMm, "deepest_over_mm", grown(0, mm / kMm));
       AddMm("floor_short", mm / kMm, "most_left_mm", grown(0, -mm / kMm));
     }
@@ -354,15 +355,28 @@ class Faults {
         const double d = tooth->DistanceAt_m(p);
         return d < -3.9 * h ? 1.0 : std::max(-d - layer_m, bottom - p.z);
       };
-      const dvec3 lo(grid_lo_m_.x, grid_lo_m_.y, bottom);
-      // Only what the task's neighbourhood does not hold: the metric counts that apart.
-      const double size = VolumeWhere_m3(volume_, lo, grid_hi_m_, [&](const dvec3& p, Tissue t) {
-        return t != Tissue::kNeighbour && shaving(p) < 0 && FarFromCut(p);
-      });
-      const double surface_m2 = size / layer_m;
+      // By area: points are too far apart to see so thin a layer. Only what the task's neighbourhood
+      // does not hold: the metric counts that apart.
+      const double surface_m2 =
+          AreaWhere_m2([&](const dvec3& p) { return p.z > bottom && FarFromCut(p); });
+      const double size = surface_m2 * layer_m;
       Add("shaved by " + std::to_string(std::lround(layer_m * 1e6)) + " um", size * kMm3, "mm3",
           "outside_removed_mm3", surface_m2 * quarter_m_ * kMm3, Both(Wanted(), shaving));
     }
+  }
+  // Of the tooth's surface, neighbours apart, by triangles whose middle `counts` accepts.
+  double AreaWhere_m2(const std::function<bool(const dvec3&)>& counts) {
+    if (surface_.triangles.empty()) surface_ = surface::ExtractSurface(volume_);
+    double sum = 0;
+    for (const auto& corners : surface_.triangles) {
+      if (surface_.tissue[corners[0]] == static_cast<uint8_t>(Tissue::kNeighbour)) continue;
+      const dvec3 a(surface_.position_m[corners[0]]), b(surface_.position_m[corners[1]]),
+          c(surface_.position_m[corners[2]]);
+      if (!counts((a + b + c) / 3.0)) continue;
+      const dvec3 n = glm::cross(b - a, c - a);
+      sum += 0.5 * std::sqrt(Dot(n, n));
+    }
+    return sum;
   }
   // Farther from the task than the leeway, on either side of its surface: what is wanted is not
   // counted.
@@ -431,6 +445,7 @@ class Faults {
   const bool few_;
   double quarter_m_ = 0, near_m_ = 0;
   dvec3 landmark_m_{0}, grid_lo_m_{0}, grid_hi_m_{0};
+  surface::Mesh surface_;       // of the tooth, once somebody asks for areas
   std::vector<float> heights_;  // of points of the task
   std::vector<Fault> out_;
 };
