@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <string>
@@ -373,6 +374,44 @@ Exercise CrownExercise(const Scene& scene, const Sha256& scene_hash) {
   return e;
 }
 
+// Through the roof of a molar's pulp chamber and down to half its height, as wide as the chamber is
+// there (teeth.cpp, 2.5 x 1.7 mm half, its middle 4 mm below the fossa): so that no roof is left to
+// hide a canal, and the floor, 1.1 mm lower, is not touched.
+constexpr std::array<std::array<int32_t, 2>, 8> kAccessOutline = {{{2'000, -800},
+                                                                   {2'000, 800},
+                                                                   {1'000, 1'450},
+                                                                   {-1'000, 1'450},
+                                                                   {-2'000, 800},
+                                                                   {-2'000, -800},
+                                                                   {-1'000, -1'450},
+                                                                   {1'000, -1'450}}};
+constexpr int32_t kAccessDepth_um = 4'000;
+
+bool HasKnownChamber(const Scene& scene) { return scene.name == "molar-46"; }
+
+Exercise AccessExercise(const Scene& scene, const Sha256& scene_hash) {
+  Exercise e = ClassOneExercise(scene, scene_hash);
+  e.name = NameFor("access", scene);
+  e.title = "Access cavity";
+  PreparationPart part;
+  part.outline = PreparationPart::Outline::kPolygon;
+  part.corners_um.assign(kAccessOutline.begin(), kAccessOutline.end());
+  part.depth_um = kAccessDepth_um;
+  e.target.half_size_um = {2'000, 1'450, 0};
+  e.target.depth_um = kAccessDepth_um;
+  e.target.parts = {part};
+  e.instructions = "Open the pulp chamber from the central fossa: take its whole roof away, " +
+                   Mm(2 * e.target.half_size_um[0]) + " x " + Mm(2 * e.target.half_size_um[1]) +
+                   ", with upright walls, " + Mm(kAccessDepth_um) +
+                   " deep. Do not touch the chamber's floor.";
+  e.rubric = ShapeRubric("access-cavity", 30, 10);
+  e.rubric.criteria[0].title = "Roof removed";
+  e.rubric.criteria[0].comment = "Part of the chamber's roof was left standing.";
+  e.rubric.criteria.push_back(
+      AtMost("wall_tilt_deg", "Walls upright", "deg", 5, 3, 12, "A wall leans."));
+  return e;
+}
+
 Exercise ShapeExercise(const Scene& scene, const Sha256& scene_hash, const Preparation& shape) {
   Exercise e = ClassOneExercise(scene, scene_hash);
   e.name = NameFor(shape.name.c_str(), scene);
@@ -397,6 +436,9 @@ std::vector<Exercise> BuiltinExercises(const Scene& scene, const Sha256& scene_h
   // An incisor has no fossa to cut into.
   if (has("occlusal_centre") && !IsAnterior(scene)) {
     out.push_back(ClassOneExercise(scene, scene_hash));
+  }
+  if (has("occlusal_centre") && HasKnownChamber(scene)) {
+    out.push_back(AccessExercise(scene, scene_hash));
   }
   if (has("caries")) out.push_back(CariesExercise(scene, scene_hash));
   if (has("mesial_box")) out.push_back(ClassTwoExercise(scene, scene_hash));
