@@ -53,6 +53,8 @@ struct GateResult {
 // 3 before reasons were stored as codes. Higher for every change that may move a score of the same
 // recording, or what a judgement is told by.
 inline constexpr int32_t kScoringVersion = 4;
+// Since when a metric of the same name is the same number.
+inline constexpr int32_t kSameNumbersSince = 3;
 // Of a hundred. Whoever lost less needs no comment and no advice.
 inline constexpr double kWorthAdvice = 0.5;
 

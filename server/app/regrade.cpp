@@ -80,7 +80,8 @@ void ShowPreview(const RubricPreview& preview) {
     }
     Say("{}  {} {}  {:+6.1f}  {}{}\n", a.row.id.Text(), ScoreText(a.before, a.failed_before),
         ScoreText(a.after, a.failed_after), a.change(), a.row.person_name,
-        a.row.overridden ? " (a person's score counts instead)" : "");
+        std::string(a.row.overridden ? " (a person's score counts instead)" : "") +
+            (a.earlier_reference ? " (against an earlier reference)" : ""));
   }
   const size_t told = preview.attempts.size() - preview.problems;
   if (told > 0) ShowHistogram(preview);
@@ -88,7 +89,17 @@ void ShowPreview(const RubricPreview& preview) {
       told, preview.raised, preview.lowered, told - preview.raised - preview.lowered,
       preview.mean_before, preview.mean_after);
   if (preview.problems > 0) Say("; of {} it cannot be told", preview.problems);
-  Say(".\nNothing was changed.\n");
+  Say(".\n");
+  if (preview.earlier_references > 0) {
+    Say("{} of them were measured against a reference that has been replaced since: scored again, "
+        "they are measured against the newest, and may change by more than this.\n",
+        preview.earlier_references);
+  }
+  if (preview.withdrawn > 0) {
+    Say("{} of those that change are released: scored again, they are to be released again.\n",
+        preview.withdrawn);
+  }
+  Say("Nothing was changed.\n");
 }
 
 // Attempts by exercise version, each with its own rubric.
@@ -139,7 +150,8 @@ Status CorrectRubric(const std::filesystem::path& data, const Correction& correc
   if (correction.preview) {
     AttemptFilter which;
     which.exercise = row.id;
-    ENAMEL_ASSIGN_OR_RETURN(auto preview, PreviewRubric(*store, which, rubric));
+    ENAMEL_ASSIGN_OR_RETURN(auto newest, store->ReferenceFor(row.id));
+    ENAMEL_ASSIGN_OR_RETURN(auto preview, PreviewRubric(*store, which, rubric, newest));
     ShowPreview(preview);
     return Status::Ok();
   }
@@ -169,7 +181,8 @@ Status RescoreCohort(const std::filesystem::path& data, const Regrading& regradi
     AttemptFilter which;
     which.cohort = cohort;
     which.exercise = exercise;
-    ENAMEL_ASSIGN_OR_RETURN(auto preview, PreviewRubric(*store, which, rubric));
+    ENAMEL_ASSIGN_OR_RETURN(auto newest, store->ReferenceFor(exercise));
+    ENAMEL_ASSIGN_OR_RETURN(auto preview, PreviewRubric(*store, which, rubric, newest));
     Say("{} version {}, rubric version {}:\n\n", row.name, row.version, rubric.version);
     ShowPreview(preview);
   }

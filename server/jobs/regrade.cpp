@@ -12,6 +12,7 @@ namespace enamel::server {
 namespace {
 
 constexpr uint32_t kPage = 200;
+constexpr double kRounding = 1e-9;  // a score document's numbers have twelve digits
 
 Result<scoring::ScoreResult> StoredScore(Parts<BlobStore, AttemptStore> store,
                                          const Uuid& attempt) {
@@ -21,15 +22,17 @@ Result<scoring::ScoreResult> StoredScore(Parts<BlobStore, AttemptStore> store,
 }
 
 RegradedAttempt Regrade(Parts<BlobStore, AttemptStore> store, const AttemptRow& row,
-                        const scene::Rubric& rubric) {
-  RegradedAttempt out{row, row.score.value_or(0), 0, row.critical_fail, false, ""};
+                        const scene::Rubric& rubric, const std::optional<ReferenceRow>& newest) {
+  RegradedAttempt out{row, row.score.value_or(0), 0, row.critical_fail, false, "", false};
   Result<scoring::ScoreResult> before = StoredScore(store, row.id);
   if (!before.ok()) {
     out.problem = before.status().message();
     return out;
   }
+  out.earlier_reference = newest && before->reference_attempt != newest->attempt.Text();
   // A rubric judges numbers. Those of another version may mean something else under the same name.
-  if (before->scoring_version != scoring::kScoringVersion) {
+  if (before->scoring_version < scoring::kSameNumbersSince ||
+      before->scoring_version > scoring::kScoringVersion) {
     out.problem = "measured by version " + std::to_string(before->scoring_version) +
                   " of the metrics, this is version " + std::to_string(scoring::kScoringVersion) +
                   "; only scoring it again tells";
@@ -89,13 +92,15 @@ std::vector<std::string> RubricWarnings(BlobStore& store, const ExerciseRow& exe
 }
 
 Result<RubricPreview> PreviewRubric(Parts<BlobStore, AttemptStore> store,
-                                    const AttemptFilter& which, const scene::Rubric& rubric) {
+                                    const AttemptFilter& which, const scene::Rubric& rubric,
+                                    const std::optional<ReferenceRow>& newest) {
   ENAMEL_RETURN_IF_ERROR(scoring::ValidateRubric(rubric));
   ENAMEL_ASSIGN_OR_RETURN(auto rows, ScoredAttempts(store.attempts(), which));
   RubricPreview out;
   for (const AttemptRow& row : rows) {
-    out.attempts.push_back(Regrade(store, row, rubric));
+    out.attempts.push_back(Regrade(store, row, rubric, newest));
     const RegradedAttempt& a = out.attempts.back();
+    out.earlier_references += a.earlier_reference ? 1 : 0;
     if (!a.problem.empty()) {
       ++out.problems;
       continue;
@@ -104,6 +109,7 @@ Result<RubricPreview> PreviewRubric(Parts<BlobStore, AttemptStore> store,
     Count(a.after, out.after);
     out.raised += a.change() > 0 ? 1 : 0;
     out.lowered += a.change() < 0 ? 1 : 0;
+    out.withdrawn += row.released && std::abs(a.after - a.before) > kRounding ? 1 : 0;
     out.mean_before += a.before;
     out.mean_after += a.after;
   }

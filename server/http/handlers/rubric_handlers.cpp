@@ -81,12 +81,15 @@ json::object PreviewJson(const RubricPreview& preview) {
          {"failed_after", std::move(failed)},
          {"overridden", a.row.overridden.has_value()},
          {"released", a.row.released},
+         {"earlier_reference", a.earlier_reference},
          {"problem", a.problem}});
   }
   return {{"attempts", std::move(attempts)},
           {"raised", preview.raised},
           {"lowered", preview.lowered},
           {"problems", preview.problems},
+          {"earlier_references", preview.earlier_references},
+          {"withdrawn", preview.withdrawn},
           {"mean_before", preview.mean_before},
           {"mean_after", preview.mean_after},
           {"histogram_before", HistogramJson(preview.before)},
@@ -145,7 +148,9 @@ Response PreviewRubricChange(const Call& call, ExerciseParts store) {
   which.exercise = row->id;
   const Person& viewer = call.caller->person;
   if (viewer.role != Role::kAdmin) which.visible_to_instructor = viewer.id;
-  Result<RubricPreview> preview = PreviewRubric(store, which, *rubric);
+  Result<std::optional<ReferenceRow>> newest = store.teaching().ReferenceFor(row->id);
+  if (!newest.ok()) return ErrorResponse(newest.status());
+  Result<RubricPreview> preview = PreviewRubric(store, which, *rubric, *newest);
   if (!preview.ok()) return ErrorResponse(preview.status());
   json::object out = PreviewJson(*preview);
   out["warnings"] = json::value_from(RubricWarnings(store, *row, *rubric));

@@ -168,7 +168,7 @@ TEST_F(ScoreJobTest, ACorrectedRubricCountsInTheNextRunAsItsPreviewSaid) {
                 [](const scene::RubricCriterion& c) { return c.metric == "wall_mesial_mm"; });
   ASSERT_LT(rubric.criteria.size(), document->rubric.criteria.size());
 
-  auto preview = PreviewRubric(store_, OfExercise(attempt), rubric);
+  auto preview = PreviewRubric(store_, OfExercise(attempt), rubric, {});
   ASSERT_TRUE(preview.ok()) << preview.status().message();
   ASSERT_EQ(preview->attempts.size(), 2u) << "the reference, too";
   const RegradedAttempt& seen = preview->attempts.front();
@@ -191,16 +191,44 @@ TEST_F(ScoreJobTest, ACorrectedRubricCountsInTheNextRunAsItsPreviewSaid) {
   EXPECT_EQ(after.metrics, before.metrics);
 }
 
+TEST_F(ScoreJobTest, APreviewSaysWhatElseScoringAgainWouldChange) {
+  const Uuid attempt = WithReference({.mesial_extra_mm = 0.3});
+  ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
+  store_.attempts[attempt].released = true;
+  auto document =
+      scene::ExerciseFromJson(AsText(store_.blobs[store_.attempts[attempt].exercise_content]));
+  ReferenceRow newest;
+  newest.attempt = reference_;
+  auto same = PreviewRubric(store_, OfExercise(attempt), document->rubric, newest);
+  ASSERT_TRUE(same.ok());
+  EXPECT_EQ(same->withdrawn, 0u);
+  const auto of_attempt = [&](const RubricPreview& preview) {
+    return *std::ranges::find(preview.attempts, attempt,
+                              [](const RegradedAttempt& a) { return a.row.id; });
+  };
+  EXPECT_FALSE(of_attempt(*same).earlier_reference);
+
+  newest.attempt = Uuid::New();
+  scene::Rubric milder = document->rubric;
+  std::erase_if(milder.criteria,
+                [](const scene::RubricCriterion& c) { return c.metric == "wall_mesial_mm"; });
+  auto other = PreviewRubric(store_, OfExercise(attempt), milder, newest);
+  ASSERT_TRUE(other.ok());
+  EXPECT_EQ(other->withdrawn, 1u);
+  EXPECT_TRUE(of_attempt(*other).earlier_reference);
+  EXPECT_GE(other->earlier_references, 1u);
+}
+
 TEST_F(ScoreJobTest, APreviewSaysOfWhichAttemptsItCannotTell) {
   const Uuid attempt = WithReference({});
   ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
   auto document =
       scene::ExerciseFromJson(AsText(store_.blobs[store_.attempts[attempt].exercise_content]));
   scoring::ScoreResult older = ScoreOf(attempt);
-  older.scoring_version = scoring::kScoringVersion - 1;
+  older.scoring_version = scoring::kSameNumbersSince - 1;
   store_.results[attempt].score_json = *store_.PutBlob(AsBytes(scoring::ToJson(older)));
   store_.results[reference_].score_json = HashSha256(AsBytes("lost"));
-  auto preview = PreviewRubric(store_, OfExercise(attempt), document->rubric);
+  auto preview = PreviewRubric(store_, OfExercise(attempt), document->rubric, {});
   ASSERT_TRUE(preview.ok());
   EXPECT_EQ(preview->problems, 2u);
   EXPECT_EQ(preview->mean_after, 0);
@@ -208,7 +236,7 @@ TEST_F(ScoreJobTest, APreviewSaysOfWhichAttemptsItCannotTell) {
 
   scene::Rubric broken = document->rubric;
   broken.criteria[0].metric = "no_such_metric";
-  EXPECT_EQ(PreviewRubric(store_, OfExercise(attempt), broken).status().code(),
+  EXPECT_EQ(PreviewRubric(store_, OfExercise(attempt), broken, {}).status().code(),
             Code::kInvalidInput);
 }
 
@@ -224,7 +252,7 @@ TEST_F(ScoreJobTest, WhatARubricHadNoUseForIsMeasuredOnceOneHas) {
   EXPECT_EQ(measured(), 0);
   scene::Rubric other = document->rubric;
   other.criteria.push_back({"dtw_pose_mm", "Like the dentist", "mm", 5, {{0, 1}, {2, 0}}, "", {}});
-  auto preview = PreviewRubric(store_, OfExercise(attempt), other);
+  auto preview = PreviewRubric(store_, OfExercise(attempt), other, {});
   ASSERT_TRUE(preview.ok());
   for (const RegradedAttempt& a : preview->attempts) {
     EXPECT_TRUE(a.row.id != attempt || a.problem.find("dtw_pose_mm") != std::string::npos);
