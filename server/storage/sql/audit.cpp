@@ -4,7 +4,7 @@
 
 #include "server/storage/sql/sqlite_impl.h"
 
-// The audit trail: read and added to, never changed (schemas/sql/0005_erased_words.sql).
+// The audit trail: read and added to, never changed (schemas/sql/0012_signed_trail.sql).
 namespace enamel::server::sqlite {
 namespace {
 

@@ -42,7 +42,7 @@ Status WithOverwriting(Db& db, const std::function<Status()>& work) {
 
 // What the audit trail tells about a person who is gone, and about that person's attempts, those
 // too that a retention rule removed before; who did it and when stays. The only change of audit
-// rows that the database admits (schemas/sql/0007_door.sql).
+// rows that the database admits (schemas/sql/0012_signed_trail.sql).
 Status RedactAudit(Db& db, const Uuid& person) {
   static constexpr char kErased[] = R"('{"erased":true}')";
   const std::string sql =
@@ -142,7 +142,7 @@ Status DeletePerson(Db& db, const Uuid& person, const Tombstone& tombstone, cons
         "DELETE FROM people WHERE tenant = ?1 AND id = ?2"}) {
     ENAMEL_RETURN_IF_ERROR(Query(db, sql).Bind(person).Run());
   }
-  // After the rows: the database admits it only of a person who is not there (0007_door.sql).
+  // After the rows: the database admits it only of a person who is not there (0012_signed_trail.sql).
   ENAMEL_RETURN_IF_ERROR(RedactAudit(db, person));
   Query q(db,
           "INSERT INTO erasures (tenant, person_hash, erased_ms) VALUES (?1, ?2, ?3) "
