@@ -1,36 +1,14 @@
 #include "server/app/data_folder.h"
 
-#include <algorithm>
-
 #include "common/base/file.h"
 #include "common/net/certificate.h"
 #include "server/app/command_line.h"
 #include "server/app/say.h"
+#include "server/storage/engine/ticket_key.h"
 #include "server/storage/sqlite_store.h"
 
 namespace enamel::server::app {
 namespace {
-
-Result<trace::KeyPair> EnsureTicketKey(const std::filesystem::path& path) {
-  trace::KeyPair keys{};
-  auto stored = ReadFile(path, 1024);
-  if (!stored.ok() && stored.status().code() == Code::kNotFound) {
-    keys = trace::NewKeyPair();
-    ENAMEL_RETURN_IF_ERROR(WriteFileDurably(path, keys.secret_key, 0600));
-    return keys;
-  }
-  if (!stored.ok()) return stored.status();
-  // Never made anew over a damaged one: stations hold tickets that only the old key can have
-  // signed.
-  if (stored->size() != keys.secret_key.size()) {
-    return Status(Code::kInvalidInput, path.string() + " has " + std::to_string(stored->size()) +
-                                           " bytes, a ticket key has 64; restore it from a backup");
-  }
-  std::ranges::copy(*stored, keys.secret_key.begin());
-  // libsodium's secret key ends with the public one.
-  std::copy(stored->end() - 32, stored->end(), keys.public_key.begin());
-  return keys;
-}
 
 // Makes the certificate unless it is there; its fingerprint.
 Result<Sha256> EnsureCertificate(const std::filesystem::path& certificate,
@@ -57,7 +35,7 @@ Result<ServerIdentity> EnsureIdentity(const std::filesystem::path& folder) {
       auto fingerprint,
       EnsureCertificate(identity.certificate, identity.private_key, "enamel-server"));
   identity.fingerprint = fingerprint;
-  ENAMEL_ASSIGN_OR_RETURN(auto keys, EnsureTicketKey(folder / "ticket.key"));
+  ENAMEL_ASSIGN_OR_RETURN(auto keys, EnsureTicketKey(folder, SystemDisk()));
   identity.ticket_key = keys;
   return identity;
 }

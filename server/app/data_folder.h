@@ -21,7 +21,7 @@ struct ServerIdentity {
   std::filesystem::path certificate;  // station.crt, what stations know the server by
   std::filesystem::path private_key;  // station.key, mode 0600
   Sha256 fingerprint;                 // of the certificate
-  trace::KeyPair ticket_key;          // ticket.key, mode 0600: signs tickets, results
+  trace::KeyPair ticket_key;          // ticket.key, mode 0600: signs tickets, results, audit rows
 };
 
 // Makes what is missing. Errors: kStorage, kInvalidInput (a file is not what it should be).

@@ -8,9 +8,9 @@
 #include <set>
 #include <thread>
 
-#include "common/base/file.h"
 #include "common/trace/trace.h"
 #include "server/storage/engine/manifest.h"
+#include "server/storage/engine/ticket_key.h"
 #include "server/storage/engine/verify_results.h"
 #include "server/storage/sql/sqlite_impl.h"
 #include "server/training/types.h"
@@ -289,11 +289,9 @@ class Verifier {
   }
 
   void LoadTicketKey() {
-    auto key = ReadFile(options_.folder / "ticket.key", 1024);
-    // libsodium's form: the public half is the second one.
-    if (key.ok() && key->size() == 64) {
-      ticket_key_.emplace();
-      std::copy(key->begin() + 32, key->end(), ticket_key_->begin());
+    auto key = ReadTicketKey(options_.folder);
+    if (key.ok()) {
+      ticket_key_ = key->public_key;
     } else {
       report_.notes.push_back(
           "ticket.key is not here: tickets and results were not compared with it");
