@@ -175,6 +175,11 @@ Result<std::vector<AssignmentRow>> WithStations(Db& db, std::vector<AssignmentRo
 
 }  // namespace
 
+Status NoteAssignment(Db& db, const Uuid& id, const Actor& by) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto row, FindAssignment(db, id));
+  return WriteAudit(db, by, "assignment.add", id.Text(), "{}", TermsJson(row));
+}
+
 Result<AssignmentRow> SqliteStore::AddAssignment(const AssignmentRow& assignment, const Actor& by) {
   AssignmentRow row = assignment;
   row.id = Uuid::New();

@@ -134,12 +134,10 @@ Status DeletePerson(Db& db, const Uuid& person, const Tombstone& tombstone, cons
   report.attempts += attempts.size();
   report.references += references.size();
   ENAMEL_RETURN_IF_ERROR(DeleteAttempts(db, attempts, blobs));
-  for (const char* sql :
-       {// Exercises stay, as the school's.
-        "UPDATE exercise_owners SET owner = NULL WHERE tenant = ?1 AND owner = ?2",
-        "DELETE FROM sessions WHERE tenant = ?1 AND person = ?2",
-        "DELETE FROM cohort_members WHERE tenant = ?1 AND person = ?2",
-        "DELETE FROM people WHERE tenant = ?1 AND id = ?2"}) {
+  ENAMEL_RETURN_IF_ERROR(GiveNamesToSchool(db, person, by));
+  for (const char* sql : {"DELETE FROM sessions WHERE tenant = ?1 AND person = ?2",
+                          "DELETE FROM cohort_members WHERE tenant = ?1 AND person = ?2",
+                          "DELETE FROM people WHERE tenant = ?1 AND id = ?2"}) {
     ENAMEL_RETURN_IF_ERROR(Query(db, sql).Bind(person).Run());
   }
   // After the rows: the database admits it only of a person who is not there (0012_signed_trail.sql).

@@ -17,11 +17,13 @@ std::optional<Uuid> OrNone(const Uuid& owner) {
   return owner.IsZero() ? std::optional<Uuid>() : owner;
 }
 
-Json SharingJson(const ExerciseRow& row) {
-  return JsonOf({{"name", row.name},
-                 {"owner", row.owner.IsZero() ? "" : row.owner.Text()},
-                 {"shared", row.shared ? "yes" : "no"}});
+Json OwnerJson(const std::string& name, const Uuid& owner, bool shared) {
+  return JsonOf({{"name", name},
+                 {"owner", owner.IsZero() ? "" : owner.Text()},
+                 {"shared", shared ? "yes" : "no"}});
 }
+
+Json SharingJson(const ExerciseRow& row) { return OwnerJson(row.name, row.owner, row.shared); }
 
 }  // namespace
 
@@ -31,15 +33,37 @@ Status OwnName(Db& db, const std::string& name, const Actor& by) {
   Query q(db,
           "INSERT INTO exercise_owners (tenant, name, owner, shared) VALUES (?1, ?2, ?3, ?4) "
           "ON CONFLICT DO NOTHING");
-  q.Bind(name).Bind(OrNone(owns ? by.person : Uuid{}));
-  return q.Bind(int64_t{!owns}).Run();
+  const Uuid owner = owns ? by.person : Uuid{};
+  q.Bind(name).Bind(OrNone(owner));
+  ENAMEL_RETURN_IF_ERROR(q.Bind(int64_t{!owns}).Run());
+  if (db.Changes() == 0) return Status::Ok();
+  return WriteAudit(db, by, "owner.set", name, "{}", OwnerJson(name, owner, !owns));
 }
 
-Status FreeUnusedName(Db& db, const std::string& name) {
+Status FreeUnusedName(Db& db, const std::string& name, const Actor& by) {
   Query q(db,
           "DELETE FROM exercise_owners WHERE tenant = ?1 AND name = ?2 AND NOT EXISTS (SELECT 1 "
           "FROM exercises e WHERE e.tenant = ?1 AND e.name = ?2)");
-  return q.Bind(name).Run();
+  ENAMEL_RETURN_IF_ERROR(q.Bind(name).Run());
+  return db.Changes() == 0 ? Status::Ok() : WriteAudit(db, by, "owner.free", name, "{}", "{}");
+}
+
+Status GiveNamesToSchool(Db& db, const Uuid& owner, const Actor& by) {
+  std::vector<std::pair<std::string, bool>> names;
+  {
+    Query q(db,
+            "SELECT name, shared FROM exercise_owners WHERE tenant = ?1 AND owner = ?2 ORDER BY "
+            "name");
+    for (q.Bind(owner); q.Next();) names.emplace_back(q.Text(0), q.Int(1) != 0);
+    ENAMEL_RETURN_IF_ERROR(q.status());
+  }
+  Query q(db, "UPDATE exercise_owners SET owner = NULL WHERE tenant = ?1 AND owner = ?2");
+  ENAMEL_RETURN_IF_ERROR(q.Bind(owner).Run());
+  for (const auto& [name, shared] : names) {
+    ENAMEL_RETURN_IF_ERROR(WriteAudit(db, by, "owner.set", name, OwnerJson(name, owner, shared),
+                                      OwnerJson(name, Uuid{}, shared)));
+  }
+  return Status::Ok();
 }
 
 Result<ExerciseRow> SqliteStore::ShareExercise(const Uuid& id, const SharingEdit& edit,

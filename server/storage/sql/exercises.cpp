@@ -110,14 +110,16 @@ Status OfferAgain(Db& db, ExerciseRow& row, const Actor& by) {
 
 // Publishing again must not give a cohort its work twice. What is offered without terms is offered to
 // every hand, simulated ones too: the demo, a load test, a school's first look.
-Status AssignOnce(Db& db, const ExerciseRow& version, const Uuid& cohort) {
+Status AssignOnce(Db& db, const ExerciseRow& version, const Uuid& cohort, const Actor& by) {
   Query q(
       db,
       "INSERT INTO assignments (tenant, id, exercise_name, cohort, created_ms, hands, exercise) "
       "SELECT ?1, ?2, ?3, ?4, ?5, ?6, ?7 WHERE NOT EXISTS (SELECT 1 FROM assignments a "
       "WHERE a.tenant = ?1 AND a.exercise_name = ?3 AND a.cohort = ?4)");
-  q.Bind(Uuid::New()).Bind(version.name).Bind(cohort).Bind(NowMs());
-  return q.Bind(static_cast<int64_t>(HandsAllowed::kAny)).Bind(version.id).Run();
+  const Uuid id = Uuid::New();
+  q.Bind(id).Bind(version.name).Bind(cohort).Bind(NowMs());
+  ENAMEL_RETURN_IF_ERROR(q.Bind(static_cast<int64_t>(HandsAllowed::kAny)).Bind(version.id).Run());
+  return db.Changes() == 0 ? Status::Ok() : NoteAssignment(db, id, by);
 }
 
 }  // namespace
@@ -191,7 +193,7 @@ Result<ExerciseRow> SqliteStore::PublishExercise(ExerciseRow exercise, const Uui
     // The same document is the same version, so that publishing twice changes nothing.
     if (newest && newest->content == row.content) {
       row = *newest;
-      ENAMEL_RETURN_IF_ERROR(AssignOnce(db, row, cohort));
+      ENAMEL_RETURN_IF_ERROR(AssignOnce(db, row, cohort, by));
       return OfferAgain(db, row, by);
     }
     // A station that gets the exercise asks for the scene next.
@@ -202,7 +204,7 @@ Result<ExerciseRow> SqliteStore::PublishExercise(ExerciseRow exercise, const Uui
     row.state = ExerciseState::kPublished;
     ENAMEL_RETURN_IF_ERROR(InsertExercise(db, row));
     ENAMEL_RETURN_IF_ERROR(OwnName(db, row.name, by));
-    ENAMEL_RETURN_IF_ERROR(AssignOnce(db, row, cohort));
+    ENAMEL_RETURN_IF_ERROR(AssignOnce(db, row, cohort, by));
     return WriteAudit(db, by, "exercise.publish", row.id.Text(), "{}", VersionJson(row));
   });
   if (!status.ok()) return status;
@@ -247,7 +249,7 @@ Result<ExerciseRow> SqliteStore::ReplaceDraft(const ExerciseRow& draft, const Ac
         Explain(q.Run(), "there is another draft named \"" + row.name + "\"; replace that one"));
     if (row.name != found.name) {
       ENAMEL_RETURN_IF_ERROR(OwnName(db, row.name, by));
-      ENAMEL_RETURN_IF_ERROR(FreeUnusedName(db, found.name));
+      ENAMEL_RETURN_IF_ERROR(FreeUnusedName(db, found.name, by));
     }
     return WriteAudit(db, by, "exercise.draft", row.id.Text(), before, VersionJson(row));
   });
@@ -260,7 +262,7 @@ Status SqliteStore::DeleteDraft(const Uuid& id, int32_t revision, const Actor& b
     ENAMEL_ASSIGN_OR_RETURN(auto row, FindDraft(db, id, revision));
     Query q(db, "DELETE FROM exercises WHERE tenant = ?1 AND id = ?2");
     ENAMEL_RETURN_IF_ERROR(q.Bind(id).Run());
-    ENAMEL_RETURN_IF_ERROR(FreeUnusedName(db, row.name));
+    ENAMEL_RETURN_IF_ERROR(FreeUnusedName(db, row.name, by));
     return WriteAudit(db, by, "exercise.discard", id.Text(), VersionJson(row), "{}");
   });
 }
@@ -297,16 +299,25 @@ Status SqliteStore::RetireExercise(const Uuid& id, const Actor& by) {
   return Write([&](Db& db) -> Status {
     ENAMEL_ASSIGN_OR_RETURN(auto row, FindExercise(db, id));
     ENAMEL_RETURN_IF_ERROR(NoExamMustBeOpen(db, row.name, {}));
-    Query q(db, "UPDATE exercises SET state = " + Sql(ExerciseState::kRetired) +
-                    ", revision = revision + 1 WHERE tenant = ?1 AND name = "
-                    "?2 AND state = " +
-                    Sql(ExerciseState::kPublished));
-    ENAMEL_RETURN_IF_ERROR(q.Bind(row.name).Run());
-    if (db.Changes() == 0) {
+    std::vector<Uuid> versions;
+    {
+      Query q(db, "SELECT id FROM exercises WHERE tenant = ?1 AND name = ?2 AND state = " +
+                      Sql(ExerciseState::kPublished) + " ORDER BY version");
+      for (q.Bind(row.name); q.Next();) versions.push_back(q.Id(0));
+      ENAMEL_RETURN_IF_ERROR(q.status());
+    }
+    if (versions.empty()) {
       return Status(Code::kConflict, "no version of \"" + row.name + "\" is published");
     }
-    return WriteAudit(db, by, "exercise.retire", id.Text(), VersionJson(row),
-                      JsonOf({{"name", row.name}, {"state", "retired"}}));
+    for (const Uuid& version : versions) {
+      ENAMEL_RETURN_IF_ERROR(SetState(db, version, ExerciseState::kRetired));
+      ENAMEL_ASSIGN_OR_RETURN(const auto retired, FindExercise(db, version));
+      ExerciseRow before = retired;
+      before.state = ExerciseState::kPublished;
+      ENAMEL_RETURN_IF_ERROR(WriteAudit(db, by, "exercise.retire", version.Text(),
+                                        VersionJson(before), VersionJson(retired)));
+    }
+    return Status::Ok();
   });
 }
 

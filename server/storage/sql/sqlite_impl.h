@@ -281,8 +281,12 @@ Status NoExamMustBeOpen(Db& db, const std::string& name, const std::optional<Uui
 ExerciseRow ExerciseOf(const Query& q, int first);
 // An exercise name that nobody owns belongs to the actor from now on (content_store.h says how).
 Status OwnName(Db& db, const std::string& name, const Actor& by);
+// The audit row of an assignment that was just made.
+Status NoteAssignment(Db& db, const Uuid& id, const Actor& by);
 // A name of which no exercise is left can be anybody's again.
-Status FreeUnusedName(Db& db, const std::string& name);
+Status FreeUnusedName(Db& db, const std::string& name, const Actor& by);
+// What the person owns is the school's from now on.
+Status GiveNamesToSchool(Db& db, const Uuid& owner, const Actor& by);
 // kConflict with field "revision" unless they are the same.
 Status MustBeRevision(int32_t stored, int32_t expected);
 // kForbidden when the terms of the row's assignment leave no attempt to its person.

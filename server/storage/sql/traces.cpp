@@ -96,12 +96,15 @@ Status Repeated(Db& db, const Ingest& ingest, const Store::ChunkPut& chunk, Byte
                         " came twice with different content: " + stored->Hex() + " is committed, " +
                         chunk.hash.Hex() + " was refused";
   ENAMEL_RETURN_IF_ERROR(KeepEvidence(db, chunk, sealed));
-  // Told once, however often it comes.
+  // Told once, however often it comes. The flag first: the row that is written last tells of it.
   if (ingest.state != AttemptState::kQuarantined) {
+    Query q(db, "UPDATE attempts SET flags = flags | ?3 WHERE tenant = ?1 AND id = ?2");
+    ENAMEL_RETURN_IF_ERROR(q.Bind(chunk.attempt).Bind(int64_t{kContradicted}).Run());
     ENAMEL_RETURN_IF_ERROR(Quarantine(db, chunk.attempt, problem));
+  } else {
+    ENAMEL_RETURN_IF_ERROR(
+        SetFlags(db, chunk.attempt, kContradicted, problem, Actor{{}, "station link"}));
   }
-  Query q(db, "UPDATE attempts SET flags = flags | ?3 WHERE tenant = ?1 AND id = ?2");
-  ENAMEL_RETURN_IF_ERROR(q.Bind(chunk.attempt).Bind(int64_t{kContradicted}).Run());
   keep_anyway = true;
   return Status(Code::kConflict, problem + "; the attempt is quarantined, ask the instructor",
                 "seq");
