@@ -82,6 +82,14 @@ class Db {
   // The engine has found the database itself damaged since it was opened.
   virtual bool damaged() const = 0;
 
+  // What goes along with the connection to whoever is handed it; the connection does not look at
+  // it. Not owned; null at first.
+  struct Companion {
+    virtual ~Companion() = default;
+  };
+  void SetCompanion(const Companion* companion) { companion_ = companion; }
+  const Companion* companion() const { return companion_; }
+
   // What every engine can and says in its own words.
   //
   // SQL for the text of a member of the JSON object in `column`.
@@ -89,6 +97,9 @@ class Db {
   // Whether what is deleted from now on is overwritten too, so that the file's free space does not
   // tell it. An engine that cannot says so (kUnavailable).
   virtual Status OverwriteDeleted(bool on) = 0;
+
+ private:
+  const Companion* companion_ = nullptr;
 };
 
 // All of a transaction or nothing: what is not committed is rolled back.

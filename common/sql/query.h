@@ -47,9 +47,8 @@ class Query {
   int ColumnNamed(std::string_view name) const;
 
   // Of the row. A column that is not there (-1) reads as NULL, and NULL as 0 or empty.
-  bool IsNull(int column) const {
-    return !Has(column) || statement_->TypeOf(column) == Type::kNull;
-  }
+  Type TypeOf(int column) const { return Has(column) ? statement_->TypeOf(column) : Type::kNull; }
+  bool IsNull(int column) const { return TypeOf(column) == Type::kNull; }
   int64_t Int(int column) const { return Has(column) ? statement_->Int(column) : 0; }
   double Real(int column) const { return Has(column) ? statement_->Real(column) : 0; }
   std::string Text(int column) const { return std::string(AsText(View(column))); }

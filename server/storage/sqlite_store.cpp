@@ -1,6 +1,7 @@
 #include "server/storage/sqlite_store.h"
 
 #include "server/storage/engine/data_folder.h"
+#include "server/storage/engine/ticket_key.h"
 #include "server/storage/sql/sqlite_impl.h"
 
 namespace enamel::server {
@@ -18,17 +19,25 @@ std::unique_ptr<SqliteDb> Patient(std::unique_ptr<SqliteDb> db, std::chrono::mil
   return db;
 }
 
+// Here and nowhere else, so that no row is written without a signature.
+std::unique_ptr<SqliteDb> Signing(std::unique_ptr<SqliteDb> db, const AuditSigner& signer) {
+  db->SetCompanion(&signer);
+  return db;
+}
+
 }  // namespace
 
 SqliteStore::SqliteStore(const SqliteOptions& options, std::unique_ptr<SqliteDb> writer,
-                         FolderLock lock)
+                         FolderLock lock, const trace::SecretKey& ticket_key)
     : folder_(options.folder),
       lock_(std::move(lock)),
+      signer_(ticket_key),
       space_(options.folder, DiskOf(options), options.min_free_bytes, options.free_space_check),
       rewriter_(options.folder, space_),
-      writer_(
-          Patient(std::move(writer), options.busy_wait, [this] { return rewriter_.OthersErase(); }),
-          options.change_twice),
+      writer_(Signing(Patient(std::move(writer), options.busy_wait,
+                              [this] { return rewriter_.OthersErase(); }),
+                      signer_),
+              options.change_twice),
       readers_(options.folder / "enamel.db", options.readers, options.vfs),
       blobs_(options.folder / "blobs", DiskOf(options), options.fail_next),
       keyring_(options.folder / "keyring", DiskOf(options)),
@@ -190,14 +199,21 @@ Result<std::unique_ptr<Store>> OpenSqliteStore(const SqliteOptions& options) {
   if (!db.ok()) return db.status();
   (*db)->SetBusyWait(options.busy_wait);
   ENAMEL_ASSIGN_OR_RETURN(auto version, SchemaVersion(**db));
-  if (version < LatestSchemaVersion()) {
-    // A tool beside a running server must not change the schema under it.
+  auto key = ReadTicketKey(options.folder);
+  if (version < LatestSchemaVersion() || !key.ok()) {
+    // A tool beside a running server must not change the schema under it, nor its key.
     if (!lock) ENAMEL_RETURN_IF_ERROR(acquire());
+    key = EnsureTicketKey(options.folder, DiskOf(options));
+    if (!key.ok()) return key.status();
     ENAMEL_RETURN_IF_ERROR((*db)->Migrate(Migrations()));
   }
+  const AuditSigner signer(key->secret_key);
+  (*db)->SetCompanion(&signer);
+  ENAMEL_RETURN_IF_ERROR(BeginSignedTrail(**db));
   if (!options.hold_lock) lock.reset();
   FolderLock kept = lock ? std::move(*lock) : FolderLock();
-  auto store = std::make_unique<SqliteStore>(options, std::move(db).value(), std::move(kept));
+  auto store = std::make_unique<SqliteStore>(options, std::move(db).value(), std::move(kept),
+                                             key->secret_key);
   if (options.hold_lock) ENAMEL_RETURN_IF_ERROR(store->Reconcile());
   return std::unique_ptr<Store>(std::move(store));
 }

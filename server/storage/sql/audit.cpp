@@ -2,6 +2,7 @@
 #include <boost/json/object.hpp>
 #include <boost/json/serialize.hpp>
 
+#include "server/storage/sql/decisions.h"
 #include "server/storage/sql/sqlite_impl.h"
 
 // The audit trail: read and added to, never changed (schemas/sql/0012_signed_trail.sql).
@@ -53,15 +54,92 @@ Result<Uuid> NextAuditId(Db& db) {
 }  // namespace
 
 // In the transaction of what it tells of: neither is there without the other.
+Status WriteAuditAbout(Db& db, const std::string& subject, const Actor& by, const char* action,
+                       const std::string& object, const Json& before, const Json& after) {
+  const auto* signer = dynamic_cast<const AuditSigner*>(db.companion());
+  ENAMEL_CHECK(signer != nullptr);
+  std::string state;
+  if (!subject.empty()) {
+    ENAMEL_ASSIGN_OR_RETURN(state, StateOf(db, subject));
+  }
+  ENAMEL_ASSIGN_OR_RETURN(const auto id, NextAuditId(db));
+  const AuditSalt salt = NewAuditSalt();
+  const AuditSeal seal{id,     NowMs(), by.person, by.via,
+                       action, object,  subject,   AuditContentHash(salt, before, after, state)};
+  Query q(db,
+          "INSERT INTO audit (tenant, id, at_ms, actor, via, action, object, before_json, "
+          "after_json, subject, state, salt, content_hash, signature) VALUES (?1, ?2, ?3, ?4, ?5, "
+          "?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14)");
+  q.Bind(seal.id).Bind(seal.at_ms).Bind(seal.actor).Bind(seal.via).Bind(seal.action);
+  q.Bind(seal.object).Bind(before).Bind(after).Bind(seal.subject).Bind(state);
+  q.Bind(ByteView(salt)).Bind(seal.content);
+  return q.Bind(ByteView(SignAuditSeal(seal, signer->key))).Run();
+}
+
 Status WriteAudit(Db& db, const Actor& by, const char* action, const std::string& object,
                   const Json& before, const Json& after) {
-  ENAMEL_ASSIGN_OR_RETURN(auto id, NextAuditId(db));
-  Query q(
-      db,
-      "INSERT INTO audit (tenant, id, at_ms, actor, via, action, object, before_json, after_json) "
-      "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)");
-  q.Bind(id).Bind(NowMs()).Bind(by.person).Bind(by.via).Bind(std::string(action));
-  return q.Bind(object).Bind(before).Bind(after).Run();
+  return WriteAuditAbout(db, SubjectOfAction(action, object), by, action, object, before, after);
+}
+
+Result<Json> UnsignedRows(Db& db) {
+  Query q(db,
+          "SELECT id, at_ms, actor, via, action, object FROM audit WHERE tenant = ?1 AND signature "
+          "IS NULL ORDER BY id");
+  Sha256Stream hash;
+  uint64_t rows = 0;
+  for (; q.Next(); ++rows) {
+    ByteWriter row;
+    row.Raw(q.Id(0).view());
+    row.I64(q.Int(1));
+    row.Raw(q.Id(2).view());
+    for (int i = 3; i < 6; ++i) row.Text(q.Text(i));
+    hash.Update(row.bytes());
+  }
+  if (!q.status().ok()) return q.status();
+  return JsonOf({{"rows", std::to_string(rows)}, {"sha256", hash.Finish().Hex()}});
+}
+
+namespace {
+
+// An erasure finds what the trail tells of a person's attempts by the rows of their tickets. Where
+// there is none, it is written now.
+Status TellWhoseAttempt(Db& db, const std::string& attempt, const Actor& by) {
+  Query told(db,
+             "SELECT 1 FROM audit WHERE tenant = ?1 AND object = ?2 AND action = 'attempt.ticket'");
+  if (told.Bind(attempt).Next() || !told.status().ok()) return told.status();
+  ENAMEL_ASSIGN_OR_RETURN(const auto id, Uuid::Parse(attempt));
+  ENAMEL_ASSIGN_OR_RETURN(const auto row, FindAttempt(db, id));
+  return WriteAuditAbout(db, "", by, "attempt.ticket", attempt, "{}",
+                         JsonOf({{"person", row.person.Text()}}));
+}
+
+}  // namespace
+
+Status BeginSignedTrail(Db& db) {
+  const auto waits = [&]() -> Result<bool> {
+    Query q(db, "SELECT 1 FROM audit_to_begin WHERE tenant = ?1");
+    const bool found = q.Next();
+    if (!q.status().ok()) return q.status();
+    return found;
+  };
+  ENAMEL_ASSIGN_OR_RETURN(const bool look, waits());
+  if (!look) return Status::Ok();
+  sql::Transaction transaction(db);
+  ENAMEL_RETURN_IF_ERROR(transaction.begun());
+  // Another process may have been faster.
+  ENAMEL_ASSIGN_OR_RETURN(const bool begin, waits());
+  if (!begin) return Status::Ok();
+  const Actor by{{}, "upgrade"};
+  ENAMEL_ASSIGN_OR_RETURN(const auto before, UnsignedRows(db));
+  ENAMEL_RETURN_IF_ERROR(WriteAudit(db, by, kAuditBegin, "", "{}", before));
+  ENAMEL_ASSIGN_OR_RETURN(const auto present, PresentSubjects(db));
+  for (const auto& [subject, object] : present) {
+    const std::string kind = subject.substr(0, subject.find(' ')), action = kind + ".adopt";
+    if (kind == "attempt") ENAMEL_RETURN_IF_ERROR(TellWhoseAttempt(db, object, by));
+    ENAMEL_RETURN_IF_ERROR(WriteAuditAbout(db, subject, by, action.c_str(), object, "{}", "{}"));
+  }
+  ENAMEL_RETURN_IF_ERROR(Query(db, "DELETE FROM audit_to_begin WHERE tenant = ?1").Run());
+  return transaction.Commit();
 }
 
 Result<std::vector<AuditRow>> SqliteStore::Audit(uint32_t limit) {

@@ -41,13 +41,15 @@ Status WithOverwriting(Db& db, const std::function<Status()>& work) {
 }
 
 // What the audit trail tells about a person who is gone, and about that person's attempts, those
-// too that a retention rule removed before; who did it and when stays. The only change of audit
-// rows that the database admits (schemas/sql/0012_signed_trail.sql).
+// too that a retention rule removed before; who did it and when stays, and stays signed. The only
+// change of audit rows that the database admits (schemas/sql/0012_signed_trail.sql).
 Status RedactAudit(Db& db, const Uuid& person) {
   static constexpr char kErased[] = R"('{"erased":true}')";
   const std::string sql =
       std::string("UPDATE audit SET before_json = ") + kErased + ", after_json = " + kErased +
-      " WHERE tenant = ?1 AND ((object = ?2 AND (action LIKE 'person.%' OR action LIKE "
+      ", state = CASE state WHEN '' THEN '' ELSE " + kErased +
+      " END, salt = NULL WHERE tenant = ?1 AND ((object = ?2 AND (action LIKE 'person.%' OR action "
+      "LIKE "
       "'session.%' OR action = 'request.refused')) OR "
       "(action <> 'attempt.ticket' AND object IN (SELECT object FROM audit WHERE tenant = ?1 "
       "AND action = 'attempt.ticket' AND " +

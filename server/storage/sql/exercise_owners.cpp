@@ -1,3 +1,4 @@
+#include "server/storage/sql/decisions.h"
 #include "server/storage/sql/sql_names.h"
 #include "server/storage/sql/sqlite_impl.h"
 
@@ -90,7 +91,8 @@ Result<ExerciseRow> SqliteStore::ShareExercise(const Uuid& id, const SharingEdit
             "excluded.shared");
     ENAMEL_RETURN_IF_ERROR(
         q.Bind(row.name).Bind(OrNone(row.owner)).Bind(int64_t{row.shared}).Run());
-    return WriteAudit(db, by, "exercise.share", id.Text(), SharingJson(before), SharingJson(row));
+    return WriteAuditAbout(db, SubjectOf("owner", row.name), by, "exercise.share", id.Text(),
+                           SharingJson(before), SharingJson(row));
   });
   if (!status.ok()) return status;
   return ExerciseById(id);

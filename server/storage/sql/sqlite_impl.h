@@ -20,6 +20,7 @@
 #include "server/storage/engine/space_guard.h"
 #include "server/storage/engine/writer.h"
 #include "server/storage/keyring.h"
+#include "server/storage/sql/audit_row.h"
 #include "server/storage/sql/query.h"
 #include "server/storage/sql/sealed_rows.h"
 #include "server/storage/sqlite_store.h"
@@ -30,7 +31,8 @@ namespace enamel::server::sqlite {
 
 class SqliteStore final : public Store {
  public:
-  SqliteStore(const SqliteOptions& options, std::unique_ptr<SqliteDb> writer, FolderLock lock);
+  SqliteStore(const SqliteOptions& options, std::unique_ptr<SqliteDb> writer, FolderLock lock,
+              const trace::SecretKey& ticket_key);
 
   Result<Uuid> CreatePerson(const Person& person, const std::string& password_verifier,
                             const std::vector<Uuid>& cohorts, const Actor& by) override;
@@ -244,6 +246,7 @@ class SqliteStore final : public Store {
 
   const std::filesystem::path folder_;
   const FolderLock lock_;
+  const AuditSigner signer_;  // goes with the writer's connection
   SpaceGuard space_;
   Rewriter rewriter_;
   Writer writer_;
@@ -263,8 +266,19 @@ class SqliteStore final : public Store {
 using Json = std::string;
 // {"name":value,…} of text values, for audit rows.
 Json JsonOf(std::initializer_list<std::pair<const char*, std::string>> members);
+// Adds a row, signed, with the state of what the action decides about (decisions.h) as it is now:
+// called after the change. The connection is the writer's, which has the signer with it.
 Status WriteAudit(Db& db, const Actor& by, const char* action, const std::string& object,
                   const Json& before, const Json& after);
+// The same about a subject that action and object do not tell.
+Status WriteAuditAbout(Db& db, const std::string& subject, const Actor& by, const char* action,
+                       const std::string& object, const Json& before, const Json& after);
+// Where the trail has rows from before they were signed: signs how many and which those are, and
+// the state of every subject that is there. Once, by the start that migrated. Locks the database.
+inline constexpr char kAuditBegin[] = "audit.begin";
+Status BeginSignedTrail(Db& db);
+// Of the rows that are not signed: how many, and the hash over what is never erased of them.
+Result<Json> UnsignedRows(Db& db);
 // kConflict from a UNIQUE constraint, in words.
 Status Explain(Status status, const std::string& conflict);
 Status QueueScoreJob(Db& db, const Uuid& attempt, const std::string& cause,

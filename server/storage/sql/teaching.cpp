@@ -1,3 +1,4 @@
+#include "server/storage/sql/decisions.h"
 #include "server/storage/sql/sql_names.h"
 #include "server/storage/sql/sqlite_impl.h"
 
@@ -241,7 +242,8 @@ Result<AnnotationRow> SqliteStore::AddAnnotation(const AnnotationRow& annotation
             "created_ms) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)");
     BindRemark(q.Bind(row.id), row).Bind(row.attempt).Bind(by.person).Bind(NowMs());
     ENAMEL_RETURN_IF_ERROR(q.Run());
-    return WriteAudit(db, by, "annotation.add", row.attempt.Text(), "{}", RemarkJson(row));
+    return WriteAuditAbout(db, SubjectOf("annotation", row.id.Text()), by, "annotation.add",
+                           row.attempt.Text(), "{}", RemarkJson(row));
   });
   if (!status.ok()) return status;
   return AnnotationById(row.id);
@@ -257,8 +259,8 @@ Result<AnnotationRow> SqliteStore::ReplaceAnnotation(const AnnotationRow& row, c
         "= ?8, revision = revision + 1 WHERE tenant = ?1 AND id = ?2");
     BindRemark(q.Bind(row.id), row).Bind(NowMs());
     ENAMEL_RETURN_IF_ERROR(q.Run());
-    return WriteAudit(db, by, "annotation.edit", stored.attempt.Text(), RemarkJson(stored),
-                      RemarkJson(row));
+    return WriteAuditAbout(db, SubjectOf("annotation", stored.id.Text()), by, "annotation.edit",
+                           stored.attempt.Text(), RemarkJson(stored), RemarkJson(row));
   });
   if (!status.ok()) return status;
   return AnnotationById(row.id);
@@ -270,7 +272,8 @@ Status SqliteStore::DeleteAnnotation(const Uuid& id, int32_t revision, const Act
     ENAMEL_RETURN_IF_ERROR(MustBeRevision(stored.revision, revision));
     Query q(db, "DELETE FROM annotations WHERE tenant = ?1 AND id = ?2");
     ENAMEL_RETURN_IF_ERROR(q.Bind(id).Run());
-    return WriteAudit(db, by, "annotation.delete", stored.attempt.Text(), RemarkJson(stored), "{}");
+    return WriteAuditAbout(db, SubjectOf("annotation", stored.id.Text()), by, "annotation.delete",
+                           stored.attempt.Text(), RemarkJson(stored), "{}");
   });
 }
 

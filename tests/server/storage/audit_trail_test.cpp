@@ -28,7 +28,9 @@ class AuditTrailTest : public ::testing::Test {
     return out;
   }
   const std::string redact_ =
-      "UPDATE audit SET before_json = '{\"erased\":true}', after_json = '{\"erased\":true}'";
+      "UPDATE audit SET before_json = '{\"erased\":true}', after_json = '{\"erased\":true}', state "
+      "= "
+      "CASE state WHEN '' THEN '' ELSE '{\"erased\":true}' END, salt = NULL";
 
   TempFolder folder_;
   std::unique_ptr<Store> store_;
@@ -40,7 +42,8 @@ TEST_F(AuditTrailTest, RowsAreNeitherChangedNorDeleted) {
   EXPECT_EQ(Run("DELETE FROM audit"), "audit rows are never deleted");
   for (const char* change :
        {"actor = zeroblob(16)", "at_ms = 0", "action = 'x'", "object = ''", "via = ''",
-        "before_json = '{}', after_json = '{\"role\":\"admin\"}'"}) {
+        "subject = ''", "state = ''", "salt = NULL", "signature = NULL",
+        "content_hash = zeroblob(32)", "before_json = '{}', after_json = '{\"role\":\"admin\"}'"}) {
     EXPECT_EQ(Run(std::string("UPDATE audit SET ") + change), "audit rows are never changed")
         << change;
   }

@@ -9,7 +9,6 @@ namespace enamel::server::testing {
 RecordedSchool::RecordedSchool(const std::filesystem::path& folder)
     : data(folder), store(OpenStore(folder)), world(*store) {
   // As server/app/data_folder.h keeps them.
-  EXPECT_TRUE(WriteFileDurably(data / "ticket.key", ticket_key.secret_key, 0600).ok());
   EXPECT_TRUE(WriteFileDurably(data / "station.crt", AsBytes("certificate"), 0600).ok());
   EXPECT_TRUE(WriteFileDurably(data / "station.key", AsBytes("key"), 0600).ok());
 }

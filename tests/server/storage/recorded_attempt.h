@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <map>
 
+#include "server/storage/engine/ticket_key.h"
 #include "tests/server/storage/store_world.h"
 
 namespace enamel::server::testing {
@@ -28,7 +29,7 @@ struct RecordedSchool {
   std::filesystem::path data;
   std::unique_ptr<Store> store;
   World world;
-  trace::KeyPair ticket_key = trace::NewKeyPair();
+  trace::KeyPair ticket_key = *ReadTicketKey(data);  // made when the store was opened
 
  private:
   void Finish(const Uuid& attempt, double points, const std::optional<Uuid>& reference);

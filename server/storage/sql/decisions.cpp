@@ -1,0 +1,208 @@
+#include "server/storage/sql/decisions.h"
+
+#include <algorithm>
+#include <boost/json.hpp>
+#include <cstdio>
+#include <optional>
+#include <span>
+
+#include "common/base/hex.h"
+#include "server/storage/sql/sql_names.h"
+
+namespace enamel::server::sqlite {
+namespace {
+
+namespace json = boost::json;
+
+// One statement's rows as columns of a state. `keyed`: many rows, each named by its first column.
+struct StatePart {
+  const char* name;
+  std::string sql;
+  bool keyed = false;
+};
+
+struct SubjectKind {
+  const char* name;
+  bool is_id;                 // its key is a UUID, not a text
+  const char* present;        // keys, and objects where they are others
+  std::vector<StatePart> of;  // the first says whether it is there
+};
+
+// While it is recorded, chunks set two of the flags without a row of their own; the seal's row has
+// them.
+std::string AttemptColumns() {
+  return "SELECT person, station, exercise, assignment, exam, due_ms, rate_hz, limit_ticks, hands, "
+         "ticketed_ms, sealed_ms, as_reference, expired_ms, released, CASE WHEN sealed_ms = 0 THEN "
+         "flags - (flags & " +
+         Sql(kFasterThanTime | kOverTime) +
+         ") ELSE flags END AS flags, override_score, override_reason, override_by, override_ms "
+         "FROM attempts WHERE tenant = ?1 AND id = ?2";
+}
+
+const std::vector<SubjectKind>& Kinds() {
+  static const std::vector<SubjectKind> kKinds = {
+      {"attempt",
+       true,
+       "SELECT id FROM attempts WHERE tenant = ?1",
+       {{"", AttemptColumns()},
+        {"appeal",
+         "SELECT filed_ms, text, state, answer, answered_by, answered_ms FROM appeals WHERE tenant "
+         "= ?1 AND attempt = ?2"},
+        {"reference",
+         "SELECT id, exercise, version, dentist, consent, created_ms, withdrawn_ms FROM "
+         "reference_cuts WHERE tenant = ?1 AND attempt = ?2 ORDER BY id",
+         true}}},
+      {"annotation",
+       true,
+       "SELECT id, attempt FROM annotations WHERE tenant = ?1",
+       {{"",
+         "SELECT attempt, author, tick, x_um, y_um, z_um, text, created_ms, edited_ms, revision "
+         "FROM annotations WHERE tenant = ?1 AND id = ?2"}}},
+      {"exercise",
+       true,
+       "SELECT id FROM exercises WHERE tenant = ?1",
+       {{"",
+         "SELECT name, version, title, content, scene, graded, published_ms, state FROM exercises "
+         "WHERE tenant = ?1 AND id = ?2"},
+        {"rubric",
+         "SELECT version, content, reason, published_ms FROM rubrics WHERE tenant = ?1 AND "
+         "exercise = ?2 ORDER BY version",
+         true}}},
+      {"owner",
+       false,
+       "SELECT name FROM exercise_owners WHERE tenant = ?1",
+       {{"", "SELECT owner, shared FROM exercise_owners WHERE tenant = ?1 AND name = ?2"}}},
+      {"assignment",
+       true,
+       "SELECT id FROM assignments WHERE tenant = ?1",
+       {{"",
+         "SELECT exercise_name, exercise, cohort, opens_ms, due_ms, attempt_limit, exam, "
+         "late_allowed, hands, counting, created_ms FROM assignments WHERE tenant = ?1 AND id = "
+         "?2"},
+        {"station",
+         "SELECT station, 1 AS admitted FROM assignment_stations WHERE tenant = ?1 AND assignment "
+         "= ?2 ORDER BY station",
+         true}}},
+      {"device",
+       false,
+       "SELECT name FROM listed_devices WHERE tenant = ?1",
+       {{"", "SELECT title, added_ms FROM listed_devices WHERE tenant = ?1 AND name = ?2"}}},
+      {"station",
+       true,
+       "SELECT id FROM stations WHERE tenant = ?1",
+       {{"",
+         "SELECT name, public_key, revoked, enrolled_ms FROM stations WHERE tenant = ?1 AND id = "
+         "?2"}}}};
+  return kKinds;
+}
+
+// Words are not repeated: they may be long, and whoever reads what `verify` found need not read
+// them.
+constexpr const char* kWords[] = {"override_reason", "text", "answer", "dentist", "reason"};
+
+std::string ValueOf(const Query& q, int column, const std::string& name) {
+  switch (q.TypeOf(column)) {
+    case sql::Type::kNull:
+      return "";
+    case sql::Type::kInt:
+      return std::to_string(q.Int(column));
+    case sql::Type::kReal: {
+      char text[40];
+      std::snprintf(text, sizeof text, "%.17g", q.Real(column));
+      return text;
+    }
+    case sql::Type::kBlob: {
+      const Bytes bytes = q.Blob(column);
+      return bytes.size() == 16 ? q.Id(column).Text() : ToHex(bytes);
+    }
+    case sql::Type::kText:
+      break;
+  }
+  const std::string text = q.Text(column);
+  const bool words = std::ranges::find(kWords, name) != std::end(kWords);
+  return words && !text.empty() ? "sha256 " + HashSha256(AsBytes(text)).Hex() : text;
+}
+
+// False: no row.
+Result<bool> AddPart(Db& db, const StatePart& part, const SubjectKind& kind, const std::string& key,
+                     json::object& state) {
+  Query q(db, part.sql);
+  if (kind.is_id) {
+    ENAMEL_ASSIGN_OR_RETURN(const Uuid id, Uuid::Parse(key));
+    q.Bind(id);
+  } else {
+    q.Bind(key);
+  }
+  bool found = false;
+  while (q.Next()) {
+    found = true;
+    std::string prefix = part.name;
+    if (part.keyed) prefix += " " + ValueOf(q, 0, "");
+    if (!prefix.empty()) prefix += " ";
+    for (int i = part.keyed ? 1 : 0; i < q.columns(); ++i) {
+      const std::string name = q.NameOf(i);
+      const std::string value = ValueOf(q, i, name);
+      if (!value.empty()) state[prefix + name] = value;
+    }
+  }
+  if (!q.status().ok()) return q.status();
+  return found;
+}
+
+}  // namespace
+
+std::string SubjectOf(const std::string& kind, const std::string& key) { return kind + " " + key; }
+
+std::string SubjectOfAction(const std::string& action, const std::string& object) {
+  static const std::pair<const char*, const char*> kPrefixes[] = {
+      {"attempt.", "attempt"},       {"appeal.", "attempt"},       {"reference.", "attempt"},
+      {"exercise.", "exercise"},     {"owner.", "owner"},          {"assignment.", "assignment"},
+      {"device.", "device"},         {"station.enrol", "station"}, {"station.rename", "station"},
+      {"station.revoke", "station"}, {"station.adopt", "station"}};
+  for (const auto& [prefix, kind] : kPrefixes) {
+    if (action.starts_with(prefix)) return SubjectOf(kind, object);
+  }
+  return "";
+}
+
+Result<std::string> StateOf(Db& db, const std::string& subject) {
+  const size_t space = subject.find(' ');
+  const std::string name = subject.substr(0, space);
+  const auto kind = std::ranges::find(Kinds(), name, &SubjectKind::name);
+  if (space == std::string::npos || kind == Kinds().end()) {
+    return Status(Code::kInternal, "expected a kind and a key, found \"" + subject + "\"");
+  }
+  const std::string key = subject.substr(space + 1);
+  json::object state;
+  for (size_t i = 0; i < kind->of.size(); ++i) {
+    ENAMEL_ASSIGN_OR_RETURN(const bool found, AddPart(db, kind->of[i], *kind, key, state));
+    if (i == 0 && !found) return std::string();
+  }
+  return json::serialize(state);
+}
+
+std::map<std::string, std::string> ColumnsOf(const std::string& state) {
+  std::map<std::string, std::string> out;
+  boost::system::error_code error;
+  const json::value value = json::parse(state, error);
+  if (error || !value.is_object()) return out;
+  for (const auto& [name, text] : value.as_object()) {
+    if (text.is_string()) out[std::string(name)] = std::string(text.as_string());
+  }
+  return out;
+}
+
+Result<std::vector<PresentSubject>> PresentSubjects(Db& db) {
+  std::vector<PresentSubject> out;
+  for (const SubjectKind& kind : Kinds()) {
+    Query q(db, kind.present);
+    while (q.Next()) {
+      const std::string key = kind.is_id ? q.Id(0).Text() : q.Text(0);
+      out.push_back({SubjectOf(kind.name, key), q.columns() > 1 ? q.Id(1).Text() : key});
+    }
+    if (!q.status().ok()) return q.status();
+  }
+  return out;
+}
+
+}  // namespace enamel::server::sqlite
