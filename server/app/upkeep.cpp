@@ -86,6 +86,9 @@ json::object JsonOf(const VerifyReport& report) {
           {"erased", report.erased},
           {"signed_results", report.signed_results},
           {"unsigned_results", report.unsigned_results},
+          {"signed_audit", report.signed_audit},
+          {"unsigned_audit", report.unsigned_audit},
+          {"decisions", report.decisions},
           {"findings", std::move(findings)},
           {"notes", std::move(notes)}};
 }
@@ -101,6 +104,12 @@ void Print(const VerifyReport& report) {
           : fmt::format(", {} not signed: they are from before results were, or their document was "
                         "not kept; scoring again signs",
                         report.unsigned_results));
+  Say("audit trail: {} rows signed by this server{}, {} decisions compared with it\n",
+      report.signed_audit,
+      report.unsigned_audit == 0
+          ? ""
+          : fmt::format(", {} not signed, from before rows were", report.unsigned_audit),
+      report.decisions);
   if (report.unnamed_blobs > 0) {
     Say("{} blobs ({}) are named by nothing: a crash or a repeated scoring left them; retention "
         "--apply removes those older than a day\n",

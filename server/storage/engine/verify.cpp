@@ -11,6 +11,7 @@
 #include "common/trace/trace.h"
 #include "server/storage/engine/manifest.h"
 #include "server/storage/engine/ticket_key.h"
+#include "server/storage/engine/verify_audit.h"
 #include "server/storage/engine/verify_results.h"
 #include "server/storage/sql/sqlite_impl.h"
 #include "server/training/types.h"
@@ -121,7 +122,8 @@ class Verifier {
     ENAMEL_RETURN_IF_ERROR(LoadStations(db));
     LoadTicketKey();
     ENAMEL_RETURN_IF_ERROR(CheckAttempts(db));
-    return CheckResults(db, ticket_key_, report_);
+    ENAMEL_RETURN_IF_ERROR(CheckResults(db, ticket_key_, report_));
+    return CheckAudit(db, ticket_key_, report_, options_.progress);
   }
 
   void CheckManifest() {
@@ -294,7 +296,7 @@ class Verifier {
       ticket_key_ = key->public_key;
     } else {
       report_.notes.push_back(
-          "ticket.key is not here: tickets and results were not compared with it");
+          "ticket.key is not here: tickets, results and the audit trail were not compared with it");
     }
   }
 

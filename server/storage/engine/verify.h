@@ -16,8 +16,8 @@ using UpkeepProgress = std::function<void(const std::string& what, uint64_t done
 // One disagreement.
 struct Finding {
   std::string kind;    // "database", "blob", "chain", "signature", "seal", "ticket", "key",
-                       // "erasure", "file", "result"
-  std::string object;  // the attempt's id, the blob's hash, the file's path
+                       // "erasure", "file", "result", "audit", "decision"
+  std::string object;  // the attempt's id, the blob's hash, the file's path, the audit row's id
   std::string expected, found;
   std::string remedy;
 };
@@ -34,6 +34,8 @@ struct VerifyReport {
   uint64_t blobs = 0, blob_bytes = 0, unnamed_blobs = 0, unnamed_bytes = 0;
   uint64_t people = 0, attempts = 0, sealed = 0, chunks = 0, ticks = 0, keys = 0, erased = 0;
   uint64_t signed_results = 0, unsigned_results = 0;  // of scoring runs
+  uint64_t signed_audit = 0, unsigned_audit = 0;      // rows of the audit trail
+  uint64_t decisions = 0;                             // compared with the trail
   std::vector<Finding> findings;
   std::vector<std::string> notes;  // what could not be looked at, and why; what is odd and harmless
 };
@@ -44,7 +46,8 @@ struct VerifyReport {
 //   every attempt: header with its ticket, the ticket with the server's key, each chunk with the
 //   one before, its signature with the station's key, the row's counts and head with the chain, the
 //   seal; each result with its signed document, and that with recording, exercise and reference
-//   (schemas/result.md); the key ring with the people: a key for everything that is kept under one, none for the
+//   (schemas/result.md); each row of the audit trail with its signature, and what people decide
+//   about with the trail (schemas/audit.md); the key ring with the people: a key for everything that is kept under one, none for the
 //   erased; a backup's files with its manifest.
 // What is found in a data folder is looked at once more while nothing may be removed from it, so
 // that a person who is being erased meanwhile is no damage. Changes nothing. Errors: kNotFound

@@ -1,18 +1,34 @@
 #include "tests/server/storage/backends.h"
 
+#include "server/storage/engine/ticket_key.h"
+#include "server/storage/engine/verify_audit.h"
+
 namespace enamel::server::testing {
 namespace {
 
-class SqlitePlace final : public Place {
+class SqlitePlace : public Place {
  public:
   std::unique_ptr<Store> Open() override { return OpenStore(folder_.path()); }
+  void ExpectTrailAgrees() const override {
+    auto db = sqlite::OpenDatabase(folder_.path() / "enamel.db", sqlite::DbMode::kReadOnly);
+    ASSERT_TRUE(db.ok()) << db.status().message();
+    VerifyReport report;
+    Status checked =
+        sqlite::CheckAudit(**db, ReadTicketKey(folder_.path())->public_key, report, {});
+    EXPECT_TRUE(checked.ok()) << checked.message();
+    for (const Finding& finding : report.findings) {
+      ADD_FAILURE() << finding.kind << " " << finding.object << ": expected " << finding.expected
+                    << ", found " << finding.found;
+    }
+    EXPECT_EQ(report.unsigned_audit, 0u);
+  }
 
- private:
+ protected:
   TempFolder folder_;
 };
 
 // The same, all files through the seams that the power-cut test uses.
-class SqliteOnSimulatedDisk final : public Place {
+class SqliteOnSimulatedDisk final : public SqlitePlace {
  public:
   std::unique_ptr<Store> Open() override {
     SqliteOptions options;
@@ -25,12 +41,11 @@ class SqliteOnSimulatedDisk final : public Place {
   }
 
  private:
-  TempFolder folder_;
   SimulatedDisk disk_{folder_.path()};
 };
 
 // Every change made twice: what it says and leaves is of the second time alone.
-class SqliteTwice final : public Place {
+class SqliteTwice final : public SqlitePlace {
  public:
   std::unique_ptr<Store> Open() override {
     SqliteOptions options;
@@ -40,9 +55,6 @@ class SqliteTwice final : public Place {
     EXPECT_TRUE(store.ok()) << store.status().message();
     return std::move(store).value();
   }
-
- private:
-  TempFolder folder_;
 };
 
 }  // namespace

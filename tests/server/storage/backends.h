@@ -19,6 +19,9 @@ class Place {
  public:
   virtual ~Place() = default;
   virtual std::unique_ptr<Store> Open() = 0;
+  // Compares what is stored there with its audit trail: nothing that a store does may look like an
+  // edit.
+  virtual void ExpectTrailAgrees() const = 0;
 };
 
 struct Backend {
@@ -27,13 +30,15 @@ struct Backend {
 };
 const std::vector<Backend>& Backends();
 
-// `store_` is open on an empty place; Reopen closes it and opens it again.
+// `store_` is open on an empty place; Reopen closes it and opens it again. What every test leaves is
+// compared with its audit trail.
 class StoreSuite : public ::testing::TestWithParam<Backend> {
  protected:
   void Reopen() {
     store_.reset();
     store_ = place_->Open();
   }
+  void TearDown() override { place_->ExpectTrailAgrees(); }
 
   std::unique_ptr<Place> place_ = GetParam().make();
   std::unique_ptr<Store> store_ = place_->Open();

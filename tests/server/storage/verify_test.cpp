@@ -9,60 +9,13 @@
 #include "common/base/hex.h"
 #include "server/results/result_document.h"
 #include "server/storage/keyring.h"
-#include "tests/server/storage/recorded_attempt.h"
+#include "tests/server/storage/verified_school.h"
 
 // Every kind of disagreement is found and named; without one there is nothing to find.
 namespace enamel::server {
 namespace {
 
 using namespace testing;
-namespace fs = std::filesystem;
-
-class VerifyTest : public ::testing::Test {
- protected:
-  VerifyTest() {
-    scored_ = school_.Record(3);
-    school_.Score(scored_);
-    open_ = school_.Record(2);
-  }
-
-  fs::path Data() const { return folder_.path() / "data"; }
-  VerifyReport Look() {
-    auto report = Verify({Data(), {}, {}});
-    EXPECT_TRUE(report.ok()) << report.status().message();
-    return report.ok() ? *report : VerifyReport();
-  }
-  // The one finding there is, which must be of this kind and name this object.
-  void ExpectOnly(const std::string& kind, const std::string& object) {
-    VerifyReport report = Look();
-    ASSERT_FALSE(report.findings.empty());
-    for (const Finding& finding : report.findings) {
-      EXPECT_EQ(finding.kind, kind) << finding.expected << " / " << finding.found;
-      EXPECT_EQ(finding.object, object) << finding.expected << " / " << finding.found;
-      EXPECT_FALSE(finding.remedy.empty());
-    }
-  }
-  void Sql(const std::string& sql) {
-    sqlite3* handle = nullptr;
-    ASSERT_EQ(sqlite3_open((Data() / "enamel.db").c_str(), &handle), SQLITE_OK);
-    EXPECT_EQ(sqlite3_exec(handle, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK)
-        << sqlite3_errmsg(handle);
-    EXPECT_GT(sqlite3_total_changes(handle), 0) << sql;
-    sqlite3_close(handle);
-  }
-  fs::path Blob(const Sha256& hash) const {
-    return Data() / "blobs" / hash.Hex().substr(0, 2) / hash.Hex();
-  }
-  static std::string Id(const Uuid& id) {
-    std::string hex = id.Text();
-    std::erase(hex, '-');
-    return "x'" + hex + "'";
-  }
-
-  TempFolder folder_;
-  RecordedSchool school_{folder_.path() / "data"};
-  Uuid scored_, open_;
-};
 
 TEST_F(VerifyTest, WholeDataHasNoFindings) {
   VerifyReport report = Look();
@@ -139,18 +92,17 @@ TEST_F(VerifyTest, ScoredAttemptWithoutItsTraceIsFound) {
 TEST_F(VerifyTest, SignatureOfAnotherStationIsFound) {
   Sql("UPDATE stations SET public_key = zeroblob(32)");
   VerifyReport report = Look();
-  EXPECT_EQ(report.findings.size(), 5u) << "one for each chunk";
-  EXPECT_TRUE(
-      std::ranges::all_of(report.findings, [](const Finding& f) { return f.kind == "signature"; }));
+  EXPECT_EQ(report.findings.size(), 6u) << "one for each chunk, and the station's row";
+  EXPECT_EQ(std::ranges::count(report.findings, "signature", &Finding::kind), 5);
 }
 
 TEST_F(VerifyTest, TicketOfAnotherServerIsFound) {
   auto other = trace::NewKeyPair();
   ASSERT_TRUE(WriteFileDurably(Data() / "ticket.key", other.secret_key, 0600).ok());
   VerifyReport report = Look();
-  EXPECT_EQ(report.findings.size(), 3u) << "two tickets, one result";
-  for (const Finding& finding : report.findings)
-    EXPECT_TRUE(finding.kind == "ticket" || finding.kind == "result") << finding.kind;
+  EXPECT_EQ(report.findings.size(), 4u) << "two tickets, one result, the audit trail as a whole";
+  for (const char* kind : {"ticket", "result", "audit"})
+    EXPECT_GE(std::ranges::count(report.findings, kind, &Finding::kind), 1) << kind;
   fs::remove(Data() / "ticket.key");
   EXPECT_TRUE(Look().findings.empty());
   EXPECT_EQ(Look().notes.size(), 1u) << "says that it could not look";
@@ -159,7 +111,8 @@ TEST_F(VerifyTest, TicketOfAnotherServerIsFound) {
 TEST_F(VerifyTest, AttemptMovedToAnotherPersonIsFound) {
   Uuid other = AddPerson(*school_.store, "other", Role::kStudent);
   Sql("UPDATE attempts SET person = " + Id(other) + " WHERE id = " + Id(scored_));
-  ExpectOnly("ticket", scored_.Text());
+  ExpectFound("ticket", scored_.Text());
+  ExpectFound("decision", scored_.Text());
 }
 
 // What somebody could want to change about an attempt that is scored, one by one. Each is found, by

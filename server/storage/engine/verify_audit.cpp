@@ -1,0 +1,299 @@
+#include "server/storage/engine/verify_audit.h"
+
+#include <algorithm>
+#include <boost/json.hpp>
+#include <map>
+#include <set>
+
+#include "server/storage/sql/decisions.h"
+#include "server/training/ticket_rules.h"
+
+namespace enamel::server::sqlite {
+namespace {
+
+namespace json = boost::json;
+
+constexpr char kErasedJson[] = R"({"erased":true})";
+constexpr char kLookIntoBackup[] =
+    "look in a backup for what it was; decide it again on the page, which signs it";
+constexpr char kCompareTrail[] =
+    "compare the row with the one of a backup; somebody has written to the database";
+constexpr uint64_t kToldSignatures = 20;
+
+struct TrailRow {
+  AuditSeal seal;
+  std::string before, after, state;
+  bool is_signed = false, has_salt = false;
+  AuditSalt salt{};
+  trace::Signature signature{};
+};
+
+constexpr char kTrailRows[] =
+    "SELECT id, at_ms, actor, via, action, object, subject, content_hash, before_json, after_json, "
+    "state, salt, signature FROM audit WHERE tenant = ?1 ORDER BY id";
+
+TrailRow TrailRowOf(const Query& q) {
+  TrailRow out;
+  out.seal = {q.Id(0), q.Int(1), q.Id(2), q.Text(3), q.Text(4), q.Text(5), q.Text(6), q.Hash(7)};
+  out.before = q.Text(8);
+  out.after = q.Text(9);
+  out.state = q.Text(10);
+  const Bytes salt = q.Blob(11), signature = q.Blob(12);
+  // Of another length: as if it were not there, which is found.
+  out.has_salt = salt.size() == out.salt.size();
+  if (out.has_salt) std::ranges::copy(salt, out.salt.begin());
+  out.is_signed = signature.size() == out.signature.size();
+  if (out.is_signed) std::ranges::copy(signature, out.signature.begin());
+  return out;
+}
+
+class AuditCheck {
+ public:
+  AuditCheck(Db& db, const std::optional<trace::PublicKey>& key, VerifyReport& report,
+             const UpkeepProgress& progress)
+      : db_(db), key_(key), report_(report), progress_(progress) {}
+
+  Status Check() {
+    ENAMEL_RETURN_IF_ERROR(CheckRows());
+    ENAMEL_RETURN_IF_ERROR(CheckBegin());
+    // Told and nothing more: the next start does what is left of the upgrade.
+    if (waits_) return Status::Ok();
+    ENAMEL_RETURN_IF_ERROR(CheckStates());
+    return CheckUntold();
+  }
+
+ private:
+  void Find(const std::string& kind, const std::string& object, const std::string& expected,
+            const std::string& found, const char* remedy) {
+    report_.findings.push_back({kind, object, expected, found, remedy});
+  }
+  void FindRow(const TrailRow& row, const std::string& expected, const std::string& found) {
+    Find("audit", row.seal.id.Text(),
+         "row " + row.seal.action + " of " + TimeText(row.seal.at_ms) + " about " +
+             (row.seal.object.empty() ? "the server" : row.seal.object) + ": " + expected,
+         found, kCompareTrail);
+  }
+
+  Result<uint64_t> Count(const char* sql) {
+    Query q(db_, sql);
+    const uint64_t count = q.Next() ? static_cast<uint64_t>(q.Int(0)) : 0;
+    if (!q.status().ok()) return q.status();
+    return count;
+  }
+
+  Status CheckRows() {
+    ENAMEL_ASSIGN_OR_RETURN(const uint64_t all,
+                            Count("SELECT count(*) FROM audit WHERE tenant = ?1"));
+    uint64_t done = 0;
+    std::vector<TrailRow> forged;
+    Query q(db_, kTrailRows);
+    while (q.Next()) {
+      const TrailRow row = TrailRowOf(q);
+      if (progress_) progress_("rows of the audit trail", ++done, all);
+      if (!row.is_signed) {
+        ++report_.unsigned_audit;
+        if (report_.signed_audit > 0)
+          FindRow(row, "a signature, as rows before it have one", "none");
+        continue;
+      }
+      // Rows from before there were signatures can only be followed by the row that counts them.
+      if (report_.signed_audit++ == 0) first_signed_ = row;
+      ENAMEL_RETURN_IF_ERROR(CheckContent(row));
+      if (key_ && !VerifyAuditSeal(row.seal, row.signature, *key_)) {
+        if (forged_++ < kToldSignatures) forged.push_back(row);
+      }
+    }
+    ENAMEL_RETURN_IF_ERROR(q.status());
+    FindForged(forged);
+    return Status::Ok();
+  }
+
+  // A key that was replaced is one finding, not one for each row.
+  void FindForged(const std::vector<TrailRow>& some) {
+    constexpr char kCompareKey[] = "compare ticket.key and the rows with those of a backup";
+    if (forged_ == report_.signed_audit && forged_ > 1) {
+      Find("audit", "enamel.db",
+           std::to_string(forged_) + " rows of the audit trail signed by this server's ticket.key",
+           "all signed by another key", kCompareKey);
+      return;
+    }
+    for (const TrailRow& row : some)
+      FindRow(row, "as this server's ticket.key signed it", "another signature, or a changed row");
+    if (forged_ > some.size()) {
+      Find("audit", "enamel.db", "rows as this server's ticket.key signed them",
+           std::to_string(forged_ - some.size()) + " more rows with another signature",
+           kCompareKey);
+    }
+  }
+
+  Status CheckContent(const TrailRow& row) {
+    if (row.has_salt) {
+      if (AuditContentHash(row.salt, row.before, row.after, row.state) != row.seal.content)
+        FindRow(row, "before, after and state as they were signed", "other content");
+      return Status::Ok();
+    }
+    const bool state_is_erased = row.state.empty() || row.state == kErasedJson;
+    if (row.before != kErasedJson || row.after != kErasedJson || !state_is_erased) {
+      FindRow(row, "a salt, as the row is not erased", "none");
+      return Status::Ok();
+    }
+    ENAMEL_ASSIGN_OR_RETURN(const bool gone, PersonIsErased(row.seal.object));
+    if (!gone) FindRow(row, "what it told, as its person was not erased", kErasedJson);
+    return Status::Ok();
+  }
+
+  // Of a person's id, or of an attempt that was a person's: whether an erasure in the trail tells
+  // why it is not here.
+  Result<bool> PersonIsErased(const std::string& object) {
+    const auto known = erased_.find(object);
+    if (known != erased_.end()) return known->second;
+    std::string person = object;
+    {
+      Query q(db_,
+              "SELECT after_json FROM audit WHERE tenant = ?1 AND object = ?2 AND action = "
+              "'attempt.ticket'");
+      if (q.Bind(object).Next()) person = ColumnsOf(q.Text(0))["person"];
+      if (!q.status().ok()) return q.status();
+    }
+    bool gone = false;
+    if (const auto id = Uuid::Parse(person); id.ok()) {
+      Query q(db_,
+              "SELECT 1 FROM audit WHERE tenant = ?1 AND object = ?2 AND action = 'person.erase' "
+              "AND NOT EXISTS (SELECT 1 FROM people WHERE tenant = ?1 AND id = ?3)");
+      gone = q.Bind(TombstoneOf(*id).Hex()).Bind(*id).Next();
+      if (!q.status().ok()) return q.status();
+    }
+    erased_[object] = gone;
+    return gone;
+  }
+
+  Status CheckBegin() {
+    ENAMEL_ASSIGN_OR_RETURN(const uint64_t waiting,
+                            Count("SELECT count(*) FROM audit_to_begin WHERE tenant = ?1"));
+    waits_ = waiting > 0;
+    if (waits_) {
+      report_.notes.push_back(
+          "the audit trail is not signed yet: start the server once, which signs what there is");
+    }
+    if (report_.unsigned_audit == 0 || waits_) return Status::Ok();
+    if (!first_signed_ || first_signed_->seal.action != kAuditBegin) {
+      Find("audit", "enamel.db",
+           "after " + std::to_string(report_.unsigned_audit) +
+               " rows without a signature the row audit.begin, which counts them",
+           first_signed_ ? "row " + first_signed_->seal.action : "no signed row", kCompareTrail);
+      return Status::Ok();
+    }
+    ENAMEL_ASSIGN_OR_RETURN(const auto rows, UnsignedRows(db_));
+    if (rows != first_signed_->after)
+      FindRow(*first_signed_, "the rows from before it, " + first_signed_->after, rows);
+    return Status::Ok();
+  }
+
+  // What the last row about each subject states is what is there.
+  Status CheckStates() {
+    std::vector<std::string> subjects;
+    {
+      Query q(db_,
+              "SELECT DISTINCT subject FROM audit WHERE tenant = ?1 AND subject <> '' ORDER BY "
+              "subject");
+      while (q.Next()) subjects.push_back(q.Text(0));
+      ENAMEL_RETURN_IF_ERROR(q.status());
+    }
+    uint64_t done = 0;
+    for (const std::string& subject : subjects) {
+      if (progress_) progress_("decisions", ++done, subjects.size());
+      ENAMEL_RETURN_IF_ERROR(CheckState(subject));
+      told_.insert(subject);
+    }
+    report_.decisions = subjects.size();
+    return Status::Ok();
+  }
+
+  Status CheckState(const std::string& subject) {
+    Query q(db_,
+            "SELECT action, at_ms, object, state FROM audit WHERE tenant = ?1 AND subject = ?2 "
+            "ORDER BY id DESC LIMIT 1");
+    if (!q.Bind(subject).Next()) return q.status();
+    const std::string object = q.Text(2), state = q.Text(3);
+    const std::string row = q.Text(0) + " of " + TimeText(q.Int(1));
+    auto now = StateOf(db_, subject);
+    if (!now.ok() && now.status().code() == Code::kStorage) return now.status();
+    // No subject of ours, or erased: the row itself is found above where that is wrong.
+    if (!now.ok() || state == *now || state == kErasedJson) return Status::Ok();
+    const size_t space = subject.find(' ');
+    const std::string kind = subject.substr(0, space), key = subject.substr(space + 1);
+    if (now->empty()) return CheckGone(kind, key, object, row);
+    if (state.empty()) {
+      Find("decision", key, "no " + kind + ", as the audit trail says (" + row + ")", "one",
+           kLookIntoBackup);
+      return Status::Ok();
+    }
+    FindColumns(kind, key, row, ColumnsOf(state), ColumnsOf(*now));
+    return Status::Ok();
+  }
+
+  // An attempt goes with its person, and its remarks with the attempt.
+  Status CheckGone(const std::string& kind, const std::string& key, const std::string& object,
+                   const std::string& row) {
+    if (kind == "attempt" || kind == "annotation") {
+      ENAMEL_ASSIGN_OR_RETURN(const bool erased, PersonIsErased(object));
+      if (erased) return Status::Ok();
+    }
+    if (kind == "annotation") {
+      ENAMEL_ASSIGN_OR_RETURN(const auto attempt, StateOf(db_, SubjectOf("attempt", object)));
+      if (attempt.empty()) return Status::Ok();
+    }
+    Find("decision", key, "the " + kind + " that the audit trail tells of (" + row + ")", "none",
+         kLookIntoBackup);
+    return Status::Ok();
+  }
+
+  void FindColumns(const std::string& kind, const std::string& key, const std::string& row,
+                   std::map<std::string, std::string> stated,
+                   std::map<std::string, std::string> present) {
+    std::set<std::string> names;
+    for (const auto& columns : {stated, present}) {
+      for (const auto& [name, value] : columns) names.insert(name);
+    }
+    auto text = [](const std::string& value) { return value.empty() ? "nothing" : value; };
+    for (const std::string& name : names) {
+      if (stated[name] == present[name]) continue;
+      Find(
+          "decision", key,
+          kind + ": " + name + " " + text(stated[name]) + ", as the audit trail says (" + row + ")",
+          name + " " + text(present[name]), kLookIntoBackup);
+    }
+  }
+
+  // What is there without a row that tells of it was put there by hand.
+  Status CheckUntold() {
+    ENAMEL_ASSIGN_OR_RETURN(const auto present, PresentSubjects(db_));
+    for (const auto& [subject, object] : present) {
+      if (told_.contains(subject)) continue;
+      const size_t space = subject.find(' ');
+      Find("decision", subject.substr(space + 1),
+           "a row of the audit trail that tells of this " + subject.substr(0, space), "none",
+           kLookIntoBackup);
+    }
+    return Status::Ok();
+  }
+
+  Db& db_;
+  const std::optional<trace::PublicKey>& key_;
+  VerifyReport& report_;
+  const UpkeepProgress& progress_;
+  std::optional<TrailRow> first_signed_;
+  uint64_t forged_ = 0;  // rows with another signature
+  bool waits_ = false;
+  std::map<std::string, bool> erased_;
+  std::set<std::string> told_;
+};
+
+}  // namespace
+
+Status CheckAudit(Db& db, const std::optional<trace::PublicKey>& key, VerifyReport& report,
+                  const UpkeepProgress& progress) {
+  return AuditCheck(db, key, report, progress).Check();
+}
+
+}  // namespace enamel::server::sqlite
