@@ -40,13 +40,15 @@ struct SqliteOptions {
 
 // The embedded store: DIR/enamel.db (SQLite, WAL, synchronous=FULL), DIR/blobs/xx/<sha256> and
 // DIR/keyring (keyring.h), under whose keys everything is kept that shows a person's motion.
+// DIR/ticket.key, made when absent, signs every row of the audit trail (schemas/audit.md).
 //
 // Writes from all threads queue up; the first becomes the leader, runs everything queued in one
 // transaction (each write in a savepoint of its own) and one fsync, and hands out the results.
 // Chunks of an unsealed attempt are rows; SealAttempt moves them into one write-once blob.
 //
 // Errors: kStorage (folder not writable, disk full, database damaged), kUnavailable (another server
-// holds the folder), kVersion (database made by a newer enamel-server).
+// holds the folder), kVersion (database made by a newer enamel-server), kInvalidInput (ticket.key is
+// no key).
 Result<std::unique_ptr<Store>> OpenSqliteStore(const SqliteOptions& options);
 
 // Newest schema this program knows, 1-based; migrations are schemas/sql/NNNN_*.sql, forward only.

@@ -232,10 +232,10 @@ class AuditCheck {
     return Status::Ok();
   }
 
-  // An attempt goes with its person, and its remarks with the attempt.
+  // A person is erased, an attempt goes with its person, and its remarks with the attempt.
   Status CheckGone(const std::string& kind, const std::string& key, const std::string& object,
                    const std::string& row) {
-    if (kind == "attempt" || kind == "annotation") {
+    if (kind == "person" || kind == "attempt" || kind == "annotation") {
       ENAMEL_ASSIGN_OR_RETURN(const bool erased, PersonIsErased(object));
       if (erased) return Status::Ok();
     }

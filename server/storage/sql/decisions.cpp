@@ -87,6 +87,10 @@ const std::vector<SubjectKind>& Kinds() {
        false,
        "SELECT name FROM listed_devices WHERE tenant = ?1",
        {{"", "SELECT title, added_ms FROM listed_devices WHERE tenant = ?1 AND name = ?2"}}},
+      {"person",
+       true,
+       "SELECT id FROM people WHERE tenant = ?1",
+       {{"", "SELECT login, role, disabled, verifier FROM people WHERE tenant = ?1 AND id = ?2"}}},
       {"station",
        true,
        "SELECT id FROM stations WHERE tenant = ?1",
@@ -96,9 +100,9 @@ const std::vector<SubjectKind>& Kinds() {
   return kKinds;
 }
 
-// Words are not repeated: they may be long, and whoever reads what `verify` found need not read
-// them.
-constexpr const char* kWords[] = {"override_reason", "text", "answer", "dentist", "reason"};
+// Not repeated: words may be long, and the trail names nobody who is not named in it already.
+constexpr const char* kWords[] = {"override_reason", "text",  "answer",  "dentist",
+                                  "reason",          "login", "verifier"};
 
 std::string ValueOf(const Query& q, int column, const std::string& name) {
   switch (q.TypeOf(column)) {
@@ -155,10 +159,12 @@ std::string SubjectOf(const std::string& kind, const std::string& key) { return 
 
 std::string SubjectOfAction(const std::string& action, const std::string& object) {
   static const std::pair<const char*, const char*> kPrefixes[] = {
-      {"attempt.", "attempt"},       {"appeal.", "attempt"},       {"reference.", "attempt"},
-      {"exercise.", "exercise"},     {"owner.", "owner"},          {"assignment.", "assignment"},
-      {"device.", "device"},         {"station.enrol", "station"}, {"station.rename", "station"},
-      {"station.revoke", "station"}, {"station.adopt", "station"}};
+      {"attempt.", "attempt"},       {"appeal.", "attempt"},        {"reference.", "attempt"},
+      {"exercise.", "exercise"},     {"owner.", "owner"},           {"assignment.", "assignment"},
+      {"device.", "device"},         {"person.", "person"},         {"station.enrol", "station"},
+      {"station.rename", "station"}, {"station.revoke", "station"}, {"station.adopt", "station"}};
+  // Its object is no id any more.
+  if (action == "person.erase") return "";
   for (const auto& [prefix, kind] : kPrefixes) {
     if (action.starts_with(prefix)) return SubjectOf(kind, object);
   }

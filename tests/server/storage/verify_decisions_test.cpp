@@ -239,6 +239,16 @@ TEST_F(VerifyDecisionsTest, StationThatIsAdmittedAgainIsFound) {
                      {"revoked = 0", "name = 'x'", "public_key = zeroblob(32)"});
 }
 
+TEST_F(VerifyDecisionsTest, PersonWhoMayMoreThanWasDecidedIsFound) {
+  ExpectUpdatesFound("people", "id = " + Id(student()), student().Text(),
+                     {"role = 3", "disabled = 1", "login = 'x'", "verifier = 'known to me'"});
+  ExpectEditFound("people",
+                  "INSERT INTO people (tenant, id, login, display_name, role, created_ms, "
+                  "verifier) VALUES (1, x'" +
+                      std::string(32, '7') + "', 'me', 'Me', 3, 1, 'known to me')",
+                  "decision", "77777777-7777-7777-7777-777777777777", "this person");
+}
+
 // The last row about the override, which an edit of the trail would have to go with.
 TEST_F(VerifyDecisionsTest, ChangedRowsOfTheTrailAreFound) {
   const AuditFilter filter{.action = "attempt.override", .object = graded_.Text()};
