@@ -1,0 +1,123 @@
+// What a signed row of the audit trail costs: its hash and signature, the state that it states, the
+// whole row, and looking at it again in `verify`.
+#include <benchmark/benchmark.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "server/storage/engine/database.h"
+#include "server/storage/engine/verify_audit.h"
+#include "server/storage/sql/decisions.h"
+#include "server/storage/sqlite_store.h"
+
+namespace {
+
+using namespace enamel;
+using namespace enamel::server;
+
+const Actor kBench{{}, "bench"};
+// About what an attempt's state takes.
+const std::string kState(600, 's');
+
+sqlite::AuditSeal Seal(const sqlite::AuditSalt& salt) {
+  return {Uuid::New(),
+          1'793'880'000'123,
+          Uuid::New(),
+          "page",
+          "attempt.override",
+          Uuid::New().Text(),
+          sqlite::SubjectOf("attempt", Uuid::New().Text()),
+          sqlite::AuditContentHash(salt, "{}", R"({"score":"70","reason":"too deep"})", kState)};
+}
+
+void BM_SaltHashAndSign(benchmark::State& state) {
+  const trace::KeyPair keys = trace::NewKeyPair();
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(sqlite::SignAuditSeal(Seal(sqlite::NewAuditSalt()), keys.secret_key));
+  }
+}
+BENCHMARK(BM_SaltHashAndSign)->Unit(benchmark::kMicrosecond);
+
+void BM_VerifySignature(benchmark::State& state) {
+  const trace::KeyPair keys = trace::NewKeyPair();
+  const sqlite::AuditSeal seal = Seal(sqlite::NewAuditSalt());
+  const trace::Signature signature = sqlite::SignAuditSeal(seal, keys.secret_key);
+  for (auto _ : state)
+    benchmark::DoNotOptimize(sqlite::VerifyAuditSeal(seal, signature, keys.public_key));
+}
+BENCHMARK(BM_VerifySignature)->Unit(benchmark::kMicrosecond);
+
+// A store of its own with one listed device, which each row is about.
+class Folder {
+ public:
+  Folder() {
+    char name[] = "/tmp/enamel-audit-bench-XXXXXX";
+    if (mkdtemp(name) == nullptr) std::abort();
+    path_ = name;
+    auto opened = OpenSqliteStore({path_});
+    if (!opened.ok() || !opened.value()->ListDevice("device", "chair", kBench).ok()) std::abort();
+    store_ = std::move(opened).value();
+  }
+  ~Folder() {
+    store_.reset();
+    std::error_code error;
+    std::filesystem::remove_all(path_, error);
+  }
+  // A connection for statements of the bench's own.
+  std::unique_ptr<sqlite::SqliteDb> Connect() const {
+    auto db = sqlite::OpenDatabase(path_ / "enamel.db", sqlite::DbMode::kExisting);
+    if (!db.ok()) std::abort();
+    return std::move(db).value();
+  }
+
+ private:
+  std::filesystem::path path_;
+  std::unique_ptr<Store> store_;
+};
+
+void BM_State(benchmark::State& state) {
+  const Folder folder;
+  auto db = folder.Connect();
+  for (auto _ : state) benchmark::DoNotOptimize(sqlite::StateOf(*db, "device device"));
+}
+BENCHMARK(BM_State)->Unit(benchmark::kMicrosecond);
+
+// Within one transaction, so without the commit: argument 0, a row about nothing; 1, about a
+// device, with its state.
+void BM_WriteRow(benchmark::State& state) {
+  const Folder folder;
+  auto db = folder.Connect();
+  const sqlite::AuditSigner signer(trace::NewKeyPair().secret_key);
+  db->SetCompanion(&signer);
+  const char* action = state.range(0) == 0 ? "store.backup" : "device.list";
+  if (!db->Begin().ok()) std::abort();
+  for (auto _ : state) {
+    if (!sqlite::WriteAudit(*db, kBench, action, "device", "{}", "{}").ok()) std::abort();
+  }
+  db->Rollback();
+}
+BENCHMARK(BM_WriteRow)->Arg(0)->Arg(1)->Unit(benchmark::kMicrosecond);
+
+// The trail of so many rows, as `verify` looks at it.
+void BM_VerifyTrail(benchmark::State& state) {
+  const Folder folder;
+  auto db = folder.Connect();
+  const trace::KeyPair keys = trace::NewKeyPair();
+  const sqlite::AuditSigner signer(keys.secret_key);
+  db->SetCompanion(&signer);
+  if (!db->Begin().ok()) std::abort();
+  for (int64_t i = 0; i < state.range(0); ++i) {
+    if (!sqlite::WriteAudit(*db, kBench, "device.list", "device", "{}", "{}").ok()) std::abort();
+  }
+  for (auto _ : state) {
+    VerifyReport report;
+    if (!sqlite::CheckAudit(*db, keys.public_key, report, {}).ok()) std::abort();
+  }
+  state.SetItemsProcessed(state.iterations() * state.range(0));
+  db->Rollback();
+}
+BENCHMARK(BM_VerifyTrail)->Arg(1000)->Unit(benchmark::kMillisecond);
+
+}  // namespace
