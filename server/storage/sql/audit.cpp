@@ -117,7 +117,10 @@ Status TellWhoseAttempt(Db& db, const std::string& attempt, const Actor& by) {
 
 Status BeginSignedTrail(Db& db) {
   const auto waits = [&]() -> Result<bool> {
-    Query q(db, "SELECT 1 FROM audit_to_begin WHERE tenant = ?1");
+    // Not where rows are signed: what was changed behind their back would be signed too.
+    Query q(db,
+            "SELECT 1 FROM audit_to_begin WHERE tenant = ?1 AND NOT EXISTS (SELECT 1 FROM audit a "
+            "WHERE a.tenant = ?1 AND a.signature IS NOT NULL)");
     const bool found = q.Next();
     if (!q.status().ok()) return q.status();
     return found;

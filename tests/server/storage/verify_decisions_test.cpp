@@ -302,6 +302,17 @@ TEST_F(VerifyDecisionsTest, TrailWithoutAnySignatureIsFound) {
   ExpectFound("audit", "enamel.db");
 }
 
+TEST_F(VerifyDecisionsTest, EditsAreNotSignedByAStartThatIsToldToBegin) {
+  Sql("INSERT INTO audit_to_begin VALUES (1); UPDATE attempts SET override_score = 99 WHERE "
+      "override_score = 70");
+  const auto rows = school_.store->Audit(1000)->size();
+  school_.store.reset();
+  school_.store = OpenStore(Data());
+  EXPECT_EQ(school_.store->Audit(1000)->size(), rows);
+  ExpectFound("audit", "enamel.db");
+  ExpectFound("decision", graded_.Text());
+}
+
 TEST_F(VerifyDecisionsTest, ErasingPeopleIsNoEdit) {
   Store& store = *school_.store;
   ASSERT_TRUE(store.ErasePerson(student(), true, kSystem).ok());
