@@ -55,6 +55,14 @@ Result<double> PointsOf(const CsvRow& row, const std::string& text) {
   return value;
 }
 
+// A slip of the pen, 75 for 7.5, would be read as a disagreement. Where the column has no number,
+// nothing is known of how much there was to earn.
+Status CheckRange(const CsvRow& row, double points, const std::string& full_marks) {
+  const Result<double> full = PointsOf(row, full_marks);
+  if (!full.ok() || (points >= 0 && points <= *full)) return Status::Ok();
+  return Wrong(row.row, "a mark from 0 to the full marks, " + full_marks, std::to_string(points));
+}
+
 // The marks of one criterion: a row for each piece of work, a column for each marker.
 struct Marked {
   std::map<std::string, std::map<std::string, double>> by_work;
@@ -192,6 +200,7 @@ Result<std::vector<Mark>> ReadMarks(std::string_view csv) {
                    std::to_string(texts[t]->size()) + " bytes");
     }
     ENAMEL_ASSIGN_OR_RETURN(mark.points, PointsOf(row, cell(kMark)));
+    ENAMEL_RETURN_IF_ERROR(CheckRange(row, mark.points, cell(kFullMarks)));
     out.push_back(std::move(mark));
   }
   return out;

@@ -107,8 +107,8 @@ void Show(const CriterionAgreement& c) {
 }  // namespace
 
 Status CompareAgreement(const AgreementOptions& options) {
-  if (options.assignment.empty() != options.data.empty()) {
-    return Status(Code::kInvalidInput, "expected --data and --assignment together, or neither");
+  if (!options.assignment.empty() && options.data.empty()) {
+    return Status(Code::kInvalidInput, "expected --data (or ENAMEL_DATA) beside --assignment");
   }
   std::vector<Scored> attempts;
   if (!options.assignment.empty()) {
@@ -117,7 +117,7 @@ Status CompareAgreement(const AgreementOptions& options) {
   }
   if (!options.blank.empty()) {
     if (attempts.empty()) {
-      return Status(Code::kInvalidInput, "expected --data and --assignment: of which attempts?");
+      return Status(Code::kInvalidInput, "expected --assignment: of which attempts?");
     }
     return WriteBlank(options.blank, attempts);
   }
@@ -148,7 +148,7 @@ void DeclareAgreement(CommandGroup program) {
   auto [cmd, o] = Declare<AgreementOptions>(
       program, "agreement", "How well people who marked the same attempts agree", CompareAgreement);
   cmd->add_option("marks", o.marks, "CSV files (schemas/marks.md)");
-  cmd->add_option("--data", o.data, "Data folder, for --assignment");
+  AddData(cmd, o.data)->required(false);
   cmd->add_option("--assignment", o.assignment,
                   "Compare with the computed points of its scored attempts as well");
   cmd->add_option("--blank", o.blank, "Write a file to be filled in, and compare nothing");

@@ -44,6 +44,17 @@ TEST(MarksTest, GoldenFileIsComparedByCriterion) {
 
 // Quadratic weights are by the marks: the same table as ICC's, whose value kappa then comes close
 // to (Fleiss and Cohen 1973), although 2 to 8 are not used.
+TEST(MarksTest, MarkBeyondTheFullMarksIsRefusedWithItsRow) {
+  const std::string header = "work,criterion,full_marks,marker,mark\n";
+  for (const char* row : {"1,c,10,a,75\n", "1,c,10,a,-1\n"}) {
+    auto marks = ReadMarks(header + "1,c,10,b,10\n" + row);
+    ASSERT_FALSE(marks.ok()) << row;
+    EXPECT_EQ(marks.status().field(), "row 3") << marks.status().message();
+  }
+  EXPECT_TRUE(ReadMarks(header + "1,c,10,a,0\n1,d,,a,75\n1,e,ten,a,75\n").ok())
+      << "how much there was to earn is not known";
+}
+
 TEST(MarksTest, KappaWeighsByTheMarksAndNotByTheirPlaceInTheList) {
   std::vector<Mark> marks;
   const double first[] = {1, 1, 9, 10, 1, 10, 9, 1}, second[] = {1, 1, 10, 9, 1, 10, 9, 1};
