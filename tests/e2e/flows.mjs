@@ -213,6 +213,8 @@ async function release(world) {
   await student.getByText("Not released yet", { exact: true }).waitFor();
   assert.equal(await student.getByTestId("score").count(), 0);
   assert.equal(await student.getByText("Deviation in numbers").count(), 0);
+  assert.equal(await student.getByRole("alert").count(), 0, "waiting is no error");
+  assert.equal(await student.getByRole("button", { name: "Try again" }).count(), 0);
 
   const instructor = await signedIn(world, "instructor", "/attempts/00000000-0000-7000-8000-000000000106");
   await instructor.getByRole("button", { name: "Release score" }).click();

@@ -249,11 +249,6 @@ function toothReply(world, name, options) {
   return { status: 200, body: world.surfaces.get(name), headers: { "Content-Type": "application/octet-stream", "Cache-Control": "no-store" } };
 }
 
-function surface(row, { world, person }) {
-  const withDeviation = teaches(person) || !isHidden(world, row);
-  return toothReply(world, withDeviation ? "compared" : "cut", { withDeviation });
-}
-
 function override(row, { world, person, body }) {
   if (!(body.score >= 0 && body.score <= 100)) return invalid("score", "expected a number of 0 to 100");
   row.override = { score: body.score, reason: body.reason, by: person.display_name, at_ms: world.nowMs };
@@ -381,8 +376,8 @@ export const teachingRoutes = {
     return json(detail(world, person, row));
   })],
   "GET /attempts/{id}/score": ["person", withScore((row) => json(scoreOf(row)))],
-  "GET /attempts/{id}/series": ["person", withAttempt(() => json(seriesOf()), true)],
-  "GET /attempts/{id}/surface": ["person", withAttempt(surface, true)],
+  "GET /attempts/{id}/series": ["person", withScore(() => json(seriesOf()))],
+  "GET /attempts/{id}/surface": ["person", withScore((_row, { world }) => toothReply(world, "compared", { withDeviation: true }))],
   "GET /attempts/{id}/live": ["instructor", withAttempt(live)],
   "GET /attempts/{id}/results": ["person", withScore(runs)],
   "GET /attempts/{id}/annotations": ["person", withScore((row, { world, person }) =>

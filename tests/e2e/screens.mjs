@@ -11,7 +11,7 @@ const kWidths = [1280, 400];
 const kScreens = {
   student: [
     ["my_work", "/assignments", "main article"], ["exercises", "/exercises", "main article"], ["exercise", `/exercises/${id(20)}`, ".tooth-frame[aria-busy=false]"],
-    ["my_attempts", "/attempts", "main table"], ["attempt_released", `/attempts/${id(120)}`, ".annotations"], ["attempt_hidden", `/attempts/${id(106)}`, ".plot canvas"],
+    ["my_attempts", "/attempts", "main table"], ["attempt_released", `/attempts/${id(120)}`, ".annotations"], ["attempt_hidden", `/attempts/${id(106)}`, "main .notice"],
     ["account", "/account", "main table"],
   ],
   instructor: [

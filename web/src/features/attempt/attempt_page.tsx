@@ -16,6 +16,7 @@ import { ForcePanel } from "./force_panel";
 import { EnvelopePanel } from "./envelope_panel";
 import { type Mark, marksOf, stepOfTick } from "./moments";
 import { ScorePanel } from "./score_panel";
+import { isWithheld, withheldText } from "./summary";
 import { TeacherActions } from "./teacher_actions";
 import { ToothPanel } from "./tooth_panel";
 
@@ -54,7 +55,7 @@ export function AttemptPage({ client, person, id }: Props) {
         {teacher ? <TeacherActions client={client} attempt={attempt} graded={graded} onChanged={reload} />
                  : attempt.state === "scored" && <button type="button" class="button print-button" onClick={() => window.print()}>Print</button>}
       </div>
-      {attempt.state === "scored" ? <ScoredAttempt client={client} attempt={attempt} teacher={teacher} onChanged={reload} /> : <UnscoredAttempt attempt={attempt} />}
+      {isWithheld(attempt, teacher) ? <WithheldAttempt attempt={attempt} /> : attempt.state === "scored" ? <ScoredAttempt client={client} attempt={attempt} teacher={teacher} onChanged={reload} /> : <UnscoredAttempt attempt={attempt} />}
     </>
   );
 }
@@ -169,14 +170,19 @@ function unscoredText(attempt: AttemptDetail) {
   }
 }
 
-function ScoreError({ error, onRetry }: { readonly error: ApiError; readonly onRetry: () => void }) {
-  if (error.code === "forbidden") {
-    return (
+// Nothing is asked of the server that it would refuse: waiting is no error.
+function WithheldAttempt({ attempt }: { readonly attempt: AttemptDetail }) {
+  return (
+    <>
       <Card title="Score">
-        <Notice tone="neutral" title="Not released yet"><p>This is graded work: the score shows here as soon as your instructor releases it.</p></Notice>
+        <Notice tone="neutral" title="Not released yet"><p>{withheldText(attempt)}</p></Notice>
       </Card>
-    );
-  }
+      <RecordingPanel attempt={attempt} score={undefined} />
+    </>
+  );
+}
+
+function ScoreError({ error, onRetry }: { readonly error: ApiError; readonly onRetry: () => void }) {
   return <Card title="Score"><ErrorNotice title="The score could not be loaded" message={error.message} onRetry={onRetry} /></Card>;
 }
 

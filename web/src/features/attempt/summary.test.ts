@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { AttemptDetail, Criterion, Score } from "../../api/types";
-import { byLostPoints, recordingFacts, saidFacts, summarySentence } from "./summary";
+import { byLostPoints, isWithheld, recordingFacts, saidFacts, summarySentence, withheldText } from "./summary";
 
 const criterion = (title: string, points: number, max = 10): Criterion =>
   ({ name: title, title, value: 0.3, unit: "mm", points, max_points: max, reason: "" });
@@ -73,4 +73,13 @@ test("facts are shown by their names when they were said, also those that this p
   assert.deepEqual(saidFacts({}), []);
   const later = { resumed: 2, chair_side: "left <b>", gloves: true, mask: false, lamp: "", list: [1], nothing: null };
   assert.deepEqual(saidFacts(later), [{ name: "Resumed", value: "2" }, { name: "Chair side", value: "left <b>" }, { name: "Gloves", value: "Yes" }]);
+});
+
+test("a scored attempt without a score to be seen waits for its release, for the student alone", () => {
+  const hidden = { state: "scored", computed_score: null } as const;
+  assert.equal(isWithheld(hidden, false), true);
+  assert.equal(isWithheld(hidden, true), false);
+  assert.equal(isWithheld({ ...hidden, computed_score: 80 }, false), false);
+  assert.equal(isWithheld({ ...hidden, state: "failed" }, false), false);
+  assert.match(withheldText({ exam: true }), /an exam.*as soon as your instructor releases/);
 });

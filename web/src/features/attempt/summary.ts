@@ -32,6 +32,15 @@ function inSentence(criterion: Criterion): string {
   return `“${criterion.title}” (${formatQuantity(criterion.value, criterion.unit)}, −${formatNumber(lostPoints(criterion), 1)})`;
 }
 
+// Scored, and not to be seen by the student yet: score, tooth, forces and remarks come with the release.
+export function isWithheld({ state, computed_score: computed }: Pick<AttemptDetail, "state" | "computed_score">, teacher: boolean): boolean {
+  return !teacher && state === "scored" && computed === null;
+}
+
+export function withheldText({ exam }: Pick<AttemptDetail, "exam">): string {
+  return `This is ${exam ? "an exam" : "graded work"}. It is scored. Score, tooth, forces and remarks appear here as soon as your instructor releases them.`;
+}
+
 export interface RecordingFacts {
   readonly complete: boolean;                   // nothing lost, and the replay repeats the recording
   readonly headline: string;
