@@ -80,7 +80,7 @@ function makeAttempts(world, { student, second, instructor }) {
     attemptRow(103, second, 0, { state: "quarantined", ...unscored, problem: "Chunk 12 was received twice with different content. Both are kept." }),
     attemptRow(102, student, 0, { state: "failed", ...unscored, problem: "The volume of the scene is missing: restore its blob, then score again." }),
     attemptRow(101, instructor, 0, { as_reference: true, is_reference: true, score: 100 }),
-    attemptRow(120, student, 0, { ...graded, released: true, score: 71.4, flags: ["over_time", "resumed"], ticketed_ms: kStartMs - kDayMs }),
+    attemptRow(120, student, 0, { ...graded, released: true, score: 71.42857142857143, flags: ["over_time", "resumed"], ticketed_ms: kStartMs - kDayMs }),
     attemptRow(121, second, 0, { ...graded, released: true, score: 64.2, ticketed_ms: kStartMs - 2 * kDayMs,
       appeal: appealOf("The mesial wall was cut on purpose: the lesion reached there. Please look at second 20.") }),
     ...crowd, ...older,

@@ -140,7 +140,10 @@ async function remarks(world) {
 async function override(world) {
   const page = await signedIn(world, "instructor", `/attempts/${id(120)}`);
   await page.getByRole("button", { name: "Set another score…" }).click();
-  await page.getByLabel("Score that counts, 0 to 100").fill("88.5");
+  const field = page.getByLabel("Score that counts, 0 to 100");
+  assert.equal(await field.inputValue(), "71.4");
+  assert.equal(await field.evaluate((input) => input.checkValidity()), true, "what the field begins with may be sent");
+  await field.fill("88.5");
   await page.getByLabel("Reason").fill("The lesion reached the mesial wall.");
   await accessible(page, "setting a score");
   await page.getByRole("button", { name: "Set this score" }).click();

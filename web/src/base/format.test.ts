@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import {
-  formatBytes, formatDuration, formatNumber, formatQuantity, formatSigned, metricTitle, micrometresAsMm, plural,
+  formatBytes, formatDuration, formatNumber, formatQuantity, formatSigned, metricTitle, micrometresAsMm, plural, kScoreStep, scoreForField,
 } from "./format";
 
 test("angles have their sign without a blank", () => {
@@ -49,4 +49,13 @@ test("times, sizes and lengths use the unit people expect", () => {
   assert.equal(micrometresAsMm(600), "0.6\u00a0mm");
   assert.equal(plural(1, "gap"), "1 gap");
   assert.equal(plural(2, "attempt"), "2 attempts");
+});
+
+test("a score that fills a field lies on the field's steps", () => {
+  assert.equal(scoreForField(71.42857142857143), 71.4);
+  for (const score of [71.42857142857143, 0.05, 99.99, 33.333333333333336]) {
+    const steps = scoreForField(score) / kScoreStep;
+    assert.ok(Math.abs(steps - Math.round(steps)) < 1e-9, String(score));
+  }
+  assert.ok(Number.isNaN(scoreForField(Number.NaN)));
 });

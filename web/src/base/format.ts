@@ -24,6 +24,13 @@ export function formatScore(score: number | null): string {
   return score === null || !Number.isFinite(score) ? kDash : score.toFixed(1);
 }
 
+export const kScoreStep = 0.1;                  // of a score as it is shown and set
+
+// At the precision that a field for a score takes: a browser refuses what lies between its steps.
+export function scoreForField(score: number): number {
+  return Number(score.toFixed(1));
+}
+
 // With a sign unless it rounds to zero: for deviations.
 export function formatSigned(value: number, digits = 2): string {
   const text = formatNumber(value, digits);

@@ -3,7 +3,7 @@ import type { Client } from "../../api/client";
 import type { ApiResult } from "../../api/http";
 import type { AttemptDetail } from "../../api/types";
 import { useChange } from "../../api/use_change";
-import { formatNumber, formatScore } from "../../base/format";
+import { formatScore, kScoreStep, scoreForField } from "../../base/format";
 import { awaitsRelease } from "../../widgets/attempt_state";
 import { Badge, ErrorNotice, Notice } from "../../widgets/basics";
 import { Confirm } from "../../widgets/dialog";
@@ -144,7 +144,7 @@ function ExcuseForm({ busy, onReason, onCancel }: { readonly busy: boolean; read
 
 function OverrideForm({ attempt, busy, onScore, onCancel }:
     { readonly attempt: AttemptDetail; readonly busy: boolean; readonly onScore: (score: number, reason: string) => void; readonly onCancel: () => void }) {
-  const [score, setScore] = useState(attempt.override?.score ?? attempt.score ?? Number.NaN);
+  const [score, setScore] = useState(scoreForField(attempt.override?.score ?? attempt.score ?? Number.NaN));
   const [reason, setReason] = useState(attempt.override?.reason ?? "");
   const submit = (event: Event) => {
     event.preventDefault();
@@ -152,8 +152,8 @@ function OverrideForm({ attempt, busy, onScore, onCancel }:
   };
   return (
     <form class="inline-form" onSubmit={submit}>
-      <NumberField label="Score that counts, 0 to 100" value={score} onValue={setScore} min={0} max={100} step={0.1}
-                   {...(attempt.computed_score === null ? {} : { hint: `Computed: ${formatNumber(attempt.computed_score, 1)}. It stays visible beside yours.` })} />
+      <NumberField label="Score that counts, 0 to 100" value={score} onValue={setScore} min={0} max={100} step={kScoreStep}
+                   {...(attempt.computed_score === null ? {} : { hint: `Computed: ${formatScore(attempt.computed_score)}. It stays visible beside yours.` })} />
       <LongTextField label="Reason" hint="The student reads it." value={reason} onValue={setReason} required maxLength={1000} rows={3} />
       <div class="button-row">
         <button type="submit" class="button primary" disabled={busy}>Set this score</button>
