@@ -6,7 +6,7 @@ import { plotStyle, usePlot, withAlpha } from "./use_plot";
 export interface PlotLine {
   readonly label: string;
   readonly unit: string;
-  readonly values: readonly number[];
+  readonly values: readonly (number | null)[];  // null: not known there
   readonly colorVariable: string;               // a CSS custom property, so that dark and light both work
   readonly dash?: readonly number[];
   readonly fill?: boolean;
@@ -91,7 +91,7 @@ function upperEnd(lines: readonly PlotLine[], axis: "left" | "right"): number {
   let largest = 0;
   for (const line of lines) {
     if (line.axis !== axis || line.setsScale === false) continue;
-    for (const value of line.values) largest = Math.max(largest, value);
+    for (const value of line.values) largest = Math.max(largest, value ?? 0);
   }
   return largest > 0 ? largest * kHeadroom : 1;
 }

@@ -4,7 +4,7 @@ import type { Loaded } from "../../api/use_request";
 import { formatNumber, formatQuantity } from "../../base/format";
 import { Card, ErrorNotice, Loading, TableFrame } from "../../widgets/basics";
 import { type PlotLine, TimePlot } from "../../widgets/time_plot";
-import type { Mark } from "./moments";
+import { boundLine, type Mark } from "./moments";
 
 const kTableRows = 40;
 
@@ -53,7 +53,7 @@ function LoadedForce({ series, cursor, marks, chosen, onMark, onCursor }: Omit<P
       <div class="timeline">
         <label for="timeline">Time in the attempt</label>
         <input id="timeline" type="range" min={0} max={last} step={1} value={at}
-               aria-valuetext={lines.reduce((text, line) => `${text}, ${line.label.toLowerCase()} ${formatQuantity(line.values[at] ?? 0, line.unit)}`,
+               aria-valuetext={lines.reduce((text, line) => `${text}, ${line.label.toLowerCase()} ${readText(line, at)}`,
                                             `${formatNumber(series.t_s[at] ?? 0, 1)} seconds`)}
                onInput={(event) => onCursor(Number(event.currentTarget.value))} />
       </div>
@@ -66,14 +66,13 @@ function LoadedForce({ series, cursor, marks, chosen, onMark, onCursor }: Omit<P
 }
 
 function linesOf(series: Series): PlotLine[] {
-  const largest = series.force_n.reduce((a, b) => Math.max(a, b), 0);
-  const bounded = series.bound_n.some((value) => value <= largest * 1.05);
+  const bound = boundLine(series);
   return [
     { label: "Removed volume", unit: "mm3", values: series.removed_mm3, colorVariable: "--plot-removed", axis: "right", fill: true, dash: [7, 4] },
     { label: "Largest force", unit: "N", values: series.force_n, colorVariable: "--plot-force", axis: "left", width: 1 },
     { label: "Mean force", unit: "N", values: series.force_mean_n, colorVariable: "--plot-mean", axis: "left", width: 2.2 },
-    ...(bounded ? [{ label: "Device's limit", unit: "N", values: series.bound_n, colorVariable: "--plot-bound", axis: "left" as const,
-                     dash: [2, 3], setsScale: false }] : []),
+    ...(bound === undefined ? [] : [{ label: "Device's limit", unit: "N", values: bound, colorVariable: "--plot-bound", axis: "left" as const,
+                                      dash: [2, 3], setsScale: false }]),
   ];
 }
 
@@ -84,11 +83,16 @@ function Readout({ lines, timeS, index }: { readonly lines: readonly PlotLine[];
       {lines.map((line) => (
         <div key={line.label}>
           <dt><LineSample line={line} />{line.label}</dt>
-          <dd>{(line.values[index] ?? 0).toFixed(2)} {line.unit === "mm3" ? "mm³" : line.unit}</dd>
+          <dd>{readText(line, index)}</dd>
         </div>
       ))}
     </dl>
   );
+}
+
+// "–" where nothing is known.
+function readText({ values, unit }: PlotLine, index: number): string {
+  return formatQuantity(values[index] ?? Number.NaN, unit, 2);
 }
 
 function LineSample({ line }: { readonly line: PlotLine }) {

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { Annotation, Series } from "../../api/types";
-import { marksOf, secondsOfTick, stepOfTick, tickOfStep } from "./moments";
+import { boundLine, marksOf, secondsOfTick, stepOfTick, tickOfStep } from "./moments";
 
 const series = { rate_hz: 1000, step_ticks: 24, t_s: Array.from({ length: 101 }, (_, i) => i * 0.024) } as unknown as Series;
 const remark = (tick: number, createdMs: number) => ({ id: `${tick}`, tick, created_ms: createdMs }) as unknown as Annotation;
@@ -17,4 +17,10 @@ test("remarks are numbered in order of time and lie along the timeline", () => {
   assert.deepEqual(marks.map((mark) => mark.number), [1, 2, 3, 4]);
   assert.deepEqual(marks.map((mark) => mark.share), [0, 0.5, 0.5, 1]);
   assert.equal(marks[1]?.annotation.created_ms, 3);
+});
+
+test("the device's limit is drawn where the force came near it, and not before it was known", () => {
+  assert.deepEqual(boundLine({ bound_n: [0, 3, 3], force_n: [0, 1, 2.9] }), [null, 3, 3]);
+  assert.equal(boundLine({ bound_n: [0, 7.9, 7.9], force_n: [0, 1, 2] }), undefined);
+  assert.equal(boundLine({ bound_n: [0, 0], force_n: [0, 0] }), undefined);
 });

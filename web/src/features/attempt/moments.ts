@@ -15,6 +15,15 @@ export function secondsOfTick(series: Series, tick: number): number {
   return tick / series.rate_hz;
 }
 
+const kNearBound = 1.05;                        // a limit farther from the largest force says nothing about it
+
+// The device's limit as a line, null where it was not known yet: before the first sent force it is 0. Undefined where the
+// force never came near it.
+export function boundLine({ bound_n: bound, force_n: force }: Pick<Series, "bound_n" | "force_n">): (number | null)[] | undefined {
+  const largest = force.reduce((a, b) => Math.max(a, b), 0);
+  return bound.some((value) => value > 0 && value <= largest * kNearBound) ? bound.map((value) => value > 0 ? value : null) : undefined;
+}
+
 export interface Mark {
   readonly annotation: Annotation;
   readonly number: number;                      // as written beside it, from 1 in order of time
