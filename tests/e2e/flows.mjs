@@ -10,6 +10,7 @@ import { accessible, signedIn, signIn } from "./session.mjs";
 import { teachingFlows } from "./teaching_flows.mjs";
 
 const kScored = "✓ Scored";
+const kThumbPx = 18;                            // of the style sheet
 
 export const flows = [
   { name: "a wrong password is refused in words and keeps the login", anywhere: true, run: wrongPassword },
@@ -23,6 +24,8 @@ export const flows = [
   { name: "a score that is being computed shows progress and then appears", anywhere: false, run: scoringProgress },
   { name: "an instructor releases a graded score and the student then sees it", anywhere: false, run: release },
   { name: "a lost point leads to its moment", anywhere: false, run: lostPointLeadsToItsMoment },
+  { name: "a pointer over the plot leaves the moment where it is, a press sets it", anywhere: false, run: plotPointer },
+  { name: "slider, plot and remarks share one axis of time", anywhere: false, run: oneTimeAxis },
   { name: "an instructor marks an attempt as the reference", anywhere: false, run: markReference },
   { name: "gaps and a replay that disagrees are said plainly", anywhere: false, run: disturbedRecording },
   ...["student", "instructor", "admin"].map((role) => ({
@@ -121,6 +124,42 @@ async function lostPointLeadsToItsMoment(world) {
   await page.getByText(/Nearest is the cut of Dentist One/).waitFor();
   await accessible(page, "an attempt among dentists");
   await page.screenshot({ path: world.picture("lost_point"), fullPage: true });
+}
+
+async function plotPointer(world) {
+  const page = await openScoredAttempt(world);
+  const slider = page.getByLabel("Time in the attempt");
+  await page.locator(".force-card .u-over").scrollIntoViewIfNeeded();
+  const box = await page.locator(".force-card .u-over").boundingBox();
+  await page.mouse.move(box.x + 0.2 * box.width, box.y + box.height / 2);
+  await page.mouse.move(box.x + 0.7 * box.width, box.y + box.height / 2, { steps: 5 });
+  await page.locator(".plot-hover").waitFor();
+  assert.equal(await slider.inputValue(), "0", "passing over it is no choice");
+  await page.mouse.down();
+  await page.mouse.up();
+  const set = Number(await slider.inputValue());
+  assert.ok(Math.abs(set / Number(await slider.getAttribute("max")) - 0.7) < 0.01, `step ${set}`);
+  await page.mouse.move(box.x + 0.1 * box.width, box.y + box.height / 2, { steps: 5 });
+  assert.equal(Number(await slider.inputValue()), set);
+}
+
+// Where the plot draws a moment, there its mark stands and there is the slider's thumb.
+async function oneTimeAxis(world) {
+  for (const [width, height] of [[1440, 900], [390, 844]]) {
+    const page = await signedIn(world, "instructor", "/attempts/00000000-0000-7000-8000-000000000105", { width, height });
+    await page.locator(".plot canvas").waitFor();
+    const slider = page.getByLabel("Time in the attempt");
+    const centre = ({ x, width: wide }) => x + wide / 2;
+    for (const mark of await page.getByRole("group", { name: "Remarks along the time" }).getByRole("button").all()) {
+      await mark.click();
+      const share = Number(await slider.inputValue()) / Number(await slider.getAttribute("max"));
+      const at = centre(await page.locator(".plot-cursor").boundingBox());
+      const input = await slider.boundingBox();
+      const thumb = input.x + kThumbPx / 2 + share * (input.width - kThumbPx);
+      assert.ok(Math.abs(centre(await mark.boundingBox()) - at) < 2, `at ${width}: the mark is at ${centre(await mark.boundingBox())}, the plot's cursor at ${at}`);
+      assert.ok(Math.abs(thumb - at) < 2, `at ${width}: the slider's thumb is at ${thumb}, the plot's cursor at ${at}`);
+    }
+  }
 }
 
 // Yellow (as the reference), red (0.3 mm too far) and the neutral of untouched tooth, in view at once.

@@ -65,6 +65,11 @@ export function formatDuration(seconds: number): string {
   return `${Math.floor(whole / 60)} min ${String(whole % 60).padStart(2, "0")} s`;
 }
 
+// A moment in an attempt, and any time shorter than that: "21.4 s", always with one decimal.
+export function formatSeconds(seconds: number): string {
+  return Number.isFinite(seconds) ? `${seconds.toFixed(1)}\u00a0s` : kDash;
+}
+
 export function formatBytes(bytes: number): string {
   if (!Number.isFinite(bytes) || bytes < 0) return kDash;
   if (bytes < 1000) return `${bytes} B`;

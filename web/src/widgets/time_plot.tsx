@@ -1,6 +1,7 @@
 import { useEffect, useRef } from "preact/hooks";
 import type uPlot from "uplot";
 import type { Disposables } from "../base/disposables";
+import { formatSeconds } from "../base/format";
 import { plotStyle, usePlot, withAlpha } from "./use_plot";
 
 export interface PlotLine {
@@ -23,17 +24,21 @@ interface Props {
   readonly label: string;
   readonly cursor: number;                      // index into timeS
   readonly onCursor: (index: number) => void;
+  // Where the axis of time lies, from the plot's own left and right edge: what stands above it can be put on the same axis.
+  readonly onAxis?: (leftPx: number, rightPx: number) => void;
+  readonly heightPx?: number;
 }
 
 const kHeightPx = 280;
 const kHeadroom = 1.08;
 
-// Lines over time with two value axes and a cursor that follows pointer or finger. The picture is
-// for the eye: whoever shows it offers the numbers as a table and the cursor as a slider too.
-export function TimePlot({ timeS, lines, leftTitle, rightTitle, label, cursor, onCursor }: Props) {
+// Lines over time with two value axes and a cursor that a press or a drag sets. A pointer that only passes over it shows
+// the time there in a thin line and leaves the cursor where it is. The picture is for the eye: whoever shows it offers the
+// numbers as a table and the cursor as a slider too.
+export function TimePlot({ timeS, lines, leftTitle, rightTitle, label, cursor, onCursor, onAxis, heightPx = kHeightPx }: Props) {
   const marker = useRef<HTMLDivElement | undefined>(undefined);
-  const latest = useRef({ cursor, onCursor });
-  latest.current = { cursor, onCursor };
+  const latest = useRef({ cursor, onCursor, onAxis });
+  latest.current = { cursor, onCursor, onAxis };
 
   const place = () => {
     const time = timeS[latest.current.cursor];
@@ -42,35 +47,55 @@ export function TimePlot({ timeS, lines, leftTitle, rightTitle, label, cursor, o
   };
 
   const { frame, plot } = usePlot((element) => ({
-    options: plotOptions(element, lines, leftTitle, rightTitle),
+    options: plotOptions(element, lines, leftTitle, rightTitle, heightPx),
     data: [[...timeS], ...lines.map((line) => [...line.values])],
-  }), [timeS, lines, leftTitle, rightTitle], (created, cleanup) => {
+  }), [timeS, lines, leftTitle, rightTitle, heightPx], (created, cleanup) => {
     marker.current = document.createElement("div");
     marker.current.className = "plot-cursor";
-    created.over.append(marker.current);
-    followPointer(created, cleanup, (index) => latest.current.onCursor(index));
-  }, place);
+    const hover = document.createElement("div");
+    hover.className = "plot-hover";
+    hover.hidden = true;
+    created.over.append(hover, marker.current);
+    followPointer(created, cleanup, hover, timeS, (index) => latest.current.onCursor(index));
+  }, () => {
+    place();
+    reportAxis(frame.current, plot.current, latest.current.onAxis);
+  });
 
   useEffect(place, [cursor]);
 
-  return <div class="plot" ref={frame} role="img" aria-label={label} />;
+  return <div class="plot" style={{ minHeight: `${heightPx}px` }} ref={frame} role="img" aria-label={label} />;
 }
 
-function followPointer(plot: uPlot, cleanup: Disposables, report: (index: number) => void): void {
-  const move = (event: Event) => {
-    const box = plot.over.getBoundingClientRect();
-    report(plot.posToIdx((event as PointerEvent).clientX - box.left));
-  };
-  cleanup.listen(plot.over, "pointermove", move);
-  cleanup.listen(plot.over, "pointerdown", move);
+function reportAxis(frame: HTMLElement | null, plot: uPlot | null, report: Props["onAxis"]): void {
+  if (frame === null || plot === null || report === undefined) return;
+  const [outer, inner] = [frame.getBoundingClientRect(), plot.over.getBoundingClientRect()];
+  report(inner.left - outer.left, outer.right - inner.right);
 }
 
-function plotOptions(element: HTMLElement, lines: readonly PlotLine[], leftTitle: string, rightTitle: string): uPlot.Options {
+function followPointer(plot: uPlot, cleanup: Disposables, hover: HTMLElement, timeS: readonly number[], report: (index: number) => void): void {
+  const indexAt = (event: Event) => plot.posToIdx((event as PointerEvent).clientX - plot.over.getBoundingClientRect().left);
+  cleanup.listen(plot.over, "pointermove", (event) => {
+    const index = indexAt(event);
+    const time = timeS[index];
+    if (((event as PointerEvent).buttons & 1) !== 0) report(index);
+    hover.hidden = time === undefined;
+    if (time === undefined) return;
+    hover.style.transform = `translateX(${plot.valToPos(time, "x").toFixed(1)}px)`;
+    hover.textContent = formatSeconds(time);
+  });
+  cleanup.listen(plot.over, "pointerleave", () => { hover.hidden = true; });
+  cleanup.listen(plot.over, "pointerdown", (event) => {
+    if ((event as PointerEvent).button === 0) report(indexAt(event));
+  });
+}
+
+function plotOptions(element: HTMLElement, lines: readonly PlotLine[], leftTitle: string, rightTitle: string, heightPx: number): uPlot.Options {
   const { color, axis } = plotStyle(element);
   const narrow = element.clientWidth < 520;
   const valueAxis = narrow ? { ...axis, size: 38 } : { ...axis, size: 46 };
   return {
-    width: element.clientWidth, height: kHeightPx,
+    width: element.clientWidth, height: heightPx,
     legend: { show: false },
     cursor: { show: false },
     scales: { x: { time: false }, left: { range: [0, upperEnd(lines, "left")] }, right: { range: [0, upperEnd(lines, "right")] } },

@@ -1,12 +1,14 @@
-import { useMemo } from "preact/hooks";
+import { useMemo, useRef } from "preact/hooks";
 import type { Series } from "../../api/types";
 import type { Loaded } from "../../api/use_request";
-import { formatNumber, formatQuantity } from "../../base/format";
+import { formatNumber, formatQuantity, formatSeconds } from "../../base/format";
 import { Card, ErrorNotice, Loading, TableFrame } from "../../widgets/basics";
 import { type PlotLine, TimePlot } from "../../widgets/time_plot";
 import { boundLine, type Mark } from "./moments";
 
 const kTableRows = 40;
+// Beside tooth and timeline there is little height on a small screen.
+const kHeightPx = window.innerHeight < 800 ? 150 : 200;
 
 interface Props {
   readonly series: Loaded<Series>;
@@ -34,34 +36,36 @@ function LoadedForce({ series, cursor, marks, chosen, onMark, onCursor }: Omit<P
   const lines = useMemo(() => linesOf(series), [series]);
   const last = series.t_s.length - 1;
   const at = Math.min(cursor, last);
+  const axis = useRef<HTMLDivElement>(null);
+  const align = (leftPx: number, rightPx: number) => {
+    axis.current?.style.setProperty("--axis-left", `${leftPx}px`);
+    axis.current?.style.setProperty("--axis-right", `${rightPx}px`);
+  };
   return (
-    <>
-      <Readout lines={lines} timeS={series.t_s[at] ?? 0} index={at} />
-      <TimePlot timeS={series.t_s} lines={lines} leftTitle="Force (N)" rightTitle="Removed (mm³)" label={plotText(series)}
-                cursor={at} onCursor={onCursor} />
+    <div class="time-axis" ref={axis}>
       {marks.length > 0 && (
-        <div class="timeline" role="group" aria-label="Remarks along the time">
-          <span class="timeline-name">Remarks</span>
-          <div class="marks">
-            {marks.map((mark) => (
-              <button key={mark.annotation.id} type="button" class={mark.annotation.id === chosen ? "mark chosen" : "mark"} style={{ left: `${100 * mark.share}%` }}
-                      aria-pressed={mark.annotation.id === chosen} onClick={() => onMark(mark)}><span class="hidden">Remark </span>{mark.number}</button>
-            ))}
-          </div>
+        <div class="marks" role="group" aria-label="Remarks along the time">
+          {marks.map((mark) => (
+            <button key={mark.annotation.id} type="button" class={mark.annotation.id === chosen ? "mark chosen" : "mark"} style={{ left: `${100 * mark.share}%` }}
+                    aria-pressed={mark.annotation.id === chosen} onClick={() => onMark(mark)}><span class="hidden">Remark </span>{mark.number}</button>
+          ))}
         </div>
       )}
       <div class="timeline">
-        <label for="timeline">Time in the attempt</label>
+        <label class="hidden" for="timeline">Time in the attempt</label>
         <input id="timeline" type="range" min={0} max={last} step={1} value={at}
                aria-valuetext={lines.reduce((text, line) => `${text}, ${line.label.toLowerCase()} ${readText(line, at)}`,
                                             `${formatNumber(series.t_s[at] ?? 0, 1)} seconds`)}
                onInput={(event) => onCursor(Number(event.currentTarget.value))} />
       </div>
+      <TimePlot timeS={series.t_s} lines={lines} leftTitle="Force (N)" rightTitle="Removed (mm³)" label={plotText(series)}
+                cursor={at} onCursor={onCursor} onAxis={align} heightPx={kHeightPx} />
+      <Readout lines={lines} timeS={series.t_s[at] ?? 0} index={at} />
       <details class="numbers">
         <summary>The same as a table</summary>
         <SeriesTable series={series} />
       </details>
-    </>
+    </div>
   );
 }
 
@@ -79,7 +83,7 @@ function linesOf(series: Series): PlotLine[] {
 function Readout({ lines, timeS, index }: { readonly lines: readonly PlotLine[]; readonly timeS: number; readonly index: number }) {
   return (
     <dl class="readout">
-      <div><dt>Time</dt><dd>{formatNumber(timeS, 1)} s</dd></div>
+      <div><dt>Time</dt><dd>{formatSeconds(timeS)}</dd></div>
       {lines.map((line) => (
         <div key={line.label}>
           <dt><LineSample line={line} />{line.label}</dt>
