@@ -1,4 +1,4 @@
-import { useMemo, useState } from "preact/hooks";
+import { useMemo, useRef, useState } from "preact/hooks";
 import type { Client } from "../../api/client";
 import type { ApiError } from "../../api/http";
 import type { Annotation, AttemptDetail, Deduction, Person } from "../../api/types";
@@ -79,14 +79,20 @@ function ScoredAttempt({ client, attempt, teacher, onChanged }:
   const scored = score.loaded.state === "ready" ? score.loaded.value : undefined;
   const reference = attempt.reference === null ? undefined : attempt.reference.dentist ?? "an earlier reference";
   const annotates = attempt.may.includes("annotate");
+  const tooth = useRef<HTMLDivElement>(null);
+  // Whatever has a time or a place is shown there, wherever on the page it was clicked.
+  const go = (step: number | undefined) => {
+    if (step !== undefined) setCursor(step);
+    tooth.current?.scrollIntoView({ block: "nearest" });
+  };
   const choose = (mark: Mark) => {
     setChosen(mark.annotation.id);
-    setCursor(mark.step);
+    go(mark.step);
   };
   const showPlace = (deduction: Deduction) => {
     const [x, y, z] = deduction.position_mm;
     if (x !== undefined && y !== undefined && z !== undefined) setPoint([x, y, z]);
-    if (recorded !== undefined && deduction.stroke_count > 0) setCursor(stepOfTick(recorded, deduction.first_tick));
+    go(recorded !== undefined && deduction.stroke_count > 0 ? stepOfTick(recorded, deduction.first_tick) : undefined);
   };
   return (
     <>
@@ -97,15 +103,21 @@ function ScoredAttempt({ client, attempt, teacher, onChanged }:
           {scored !== undefined && attempt.problem !== "" && <Notice tone="warning" title="Scoring it again did not work; this is the score from before"><p>{attempt.problem}</p></Notice>}
           {scored !== undefined && <ScorePanel score={scored} reference={reference} override={attempt.override} onPlace={removed ? undefined : showPlace} />}
           <AppealPanel client={client} attempt={attempt} onChanged={onChanged} />
+          {recorded !== undefined && remarks.loaded.state === "ready" && (annotates || marks.length > 0) && (
+            <AnnotationsPanel client={client} attemptId={id} teacher={annotates} series={recorded} marks={marks} chosen={chosen} cursor={cursor ?? 0}
+                              point={point} onPoint={setPoint} onChoose={choose} onChanged={remarks.reload} />
+          )}
         </div>
-        {removed ? <RemovedRecording removedMs={attempt.recording_removed_ms} /> : <ToothPanel surface={surface.loaded} series={recorded} cursor={cursor} marks={marks} chosen={chosen} point={point} onMark={choose}
-                    onPoint={annotates ? setPoint : undefined} onRetry={surface.reload} />}
+        {removed ? <RemovedRecording removedMs={attempt.recording_removed_ms} /> : (
+          <div class="review">
+            <div class="review-tooth" ref={tooth}>
+              <ToothPanel surface={surface.loaded} series={recorded} cursor={cursor} marks={marks} chosen={chosen} point={point} onMark={choose}
+                          onPoint={annotates ? setPoint : undefined} onRetry={surface.reload} />
+            </div>
+            <ForcePanel series={series.loaded} cursor={cursor ?? 0} marks={marks} chosen={chosen} onMark={choose} onCursor={setCursor} onRetry={series.reload} />
+          </div>
+        )}
       </div>
-      {!removed && <ForcePanel series={series.loaded} cursor={cursor ?? 0} marks={marks} chosen={chosen} onMark={choose} onCursor={setCursor} onRetry={series.reload} />}
-      {recorded !== undefined && remarks.loaded.state === "ready" && (annotates || marks.length > 0) && (
-        <AnnotationsPanel client={client} attemptId={id} teacher={annotates} series={recorded} marks={marks} chosen={chosen} cursor={cursor ?? 0}
-                          point={point} onPoint={setPoint} onChoose={choose} onChanged={remarks.reload} />
-      )}
       <div class="columns wide-right">
         <div class="stack">
           <RecordingPanel attempt={attempt} score={scored} />
