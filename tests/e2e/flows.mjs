@@ -162,12 +162,12 @@ async function oneTimeAxis(world) {
   }
 }
 
-// Yellow (as the reference), red (0.3 mm too far) and the neutral of untouched tooth, in view at once.
+// Ivory (as the reference), red (0.3 mm too far) and the neutral of untouched tooth, in view at once.
 async function heatMapIsThere(page) {
   const counts = await countColors(page, ".tooth-frame canvas", {
     deep: ([r, g, b]) => r > 130 && r > 1.6 * g && r > 1.8 * b,
-    asReference: ([r, g, b]) => r > 150 && g > 150 && b < 0.9 * r && Math.abs(r - g) < 30,
-    untouched: ([r, g, b]) => r > 90 && r < 245 && Math.abs(r - b) < 16 && Math.abs(r - g) < 12,
+    asReference: ([r, g, b]) => r > 150 && r - b > 5 && r - b < 45 && Math.abs(r - g) < 20,
+    untouched: ([r, g, b]) => r > 60 && r < 230 && b > r && b - r < 30 && Math.abs(r - g) < 16,
   });
   assert.ok(counts.deep > 300, `too far: ${counts.deep} pixels`);
   assert.ok(counts.asReference > 300, `as the reference: ${counts.asReference} pixels`);

@@ -2,10 +2,12 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { deviationColor, deviationScalePixels, kUntouchedColor, parseHex } from "./deviation_scale";
 
-test("a deviation of zero is the pale middle, and both ends are the end colours", () => {
-  assert.deepEqual(deviationColor(0), [255, 255, 191]);
-  assert.deepEqual(deviationColor(-0.5), parseHex("#313695"));
-  assert.deepEqual(deviationColor(0.5), parseHex("#a50026"));
+test("a deviation of zero is a pale, quiet middle, and both ends are the end colours", () => {
+  assert.deepEqual(deviationColor(-0.5), parseHex("#053061"));
+  assert.deepEqual(deviationColor(0.5), parseHex("#67001f"));
+  const spread = (mm: number) => Math.max(...deviationColor(mm)) - Math.min(...deviationColor(mm));
+  assert.ok(deviationColor(0).every((value) => value > 220), "light");
+  for (const mm of [-0.2, 0.2]) assert.ok(spread(0) < spread(mm) / 3, "what is right stands out less than what is not");
 });
 
 test("beyond the range the colour stays at the end", () => {

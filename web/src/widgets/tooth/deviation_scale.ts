@@ -1,12 +1,12 @@
 // The colour scale of the deviation map: diverging, safe for the common colour vision deficiencies
-// (ColorBrewer RdYlBu, 11 classes), the same numbers for the 3-D picture and its legend.
+// (ColorBrewer RdBu, 11 classes, its middle a little warmer), quiet where nothing is wrong; the same numbers for the 3-D picture and its legend.
 
 export const kDeviationRangeMm = 0.5;
 export const kContourStepMm = 0.1;
-export const kUntouchedColor = "#c2c6cc";
+export const kUntouchedColor = "#a3abb5";
 
 const kStops = [
-  "#313695", "#4575b4", "#74add1", "#abd9e9", "#e0f3f8", "#ffffbf", "#fee090", "#fdae61", "#f46d43", "#d73027", "#a50026",
+  "#053061", "#2166ac", "#4393c3", "#92c5de", "#d1e5f0", "#f6f1e4", "#fddbc7", "#f4a582", "#d6604d", "#b2182b", "#67001f",
 ] as const;
 
 export type Rgb = readonly [number, number, number];
@@ -16,7 +16,7 @@ export function parseHex(hex: string): Rgb {
   return [(value >> 16) & 255, (value >> 8) & 255, value & 255];
 }
 
-// sRGB 0..255. Blue: less removed than the reference; yellow: as the reference; red: more removed.
+// sRGB 0..255. Blue: less removed than the reference; ivory: as the reference; red: more removed.
 // Beyond the range: the end colour. NaN: untouched.
 export function deviationColor(deviationMm: number): Rgb {
   if (Number.isNaN(deviationMm)) return parseHex(kUntouchedColor);
