@@ -16,6 +16,7 @@ import { ForcePanel } from "./force_panel";
 import { EnvelopePanel } from "./envelope_panel";
 import { type Mark, marksOf, stepOfTick } from "./moments";
 import { ScorePanel } from "./score_panel";
+import { toleranceMm } from "./tolerance";
 import { isWithheld, withheldText } from "./summary";
 import { TeacherActions } from "./teacher_actions";
 import { ToothPanel } from "./tooth_panel";
@@ -36,6 +37,7 @@ export function AttemptPage({ client, person, id }: Props) {
   const attempt = loaded.state === "ready" ? loaded.value : undefined;
   const exercise = useRequest(attempt?.exercise.id, (signal) => client.teaching.exercise(attempt?.exercise.id ?? "", signal));
   const graded = exercise.loaded.state !== "ready" || exercise.loaded.value.value.graded || attempt?.exam === true;
+  const tolerance = toleranceMm(exercise.loaded.state === "ready" ? exercise.loaded.value.value.rubric.criteria : []);
   const polling = attempt !== undefined && isUnderWay(attempt.state);
   useRefresh(polling, kPollMs, reload);
 
@@ -55,13 +57,13 @@ export function AttemptPage({ client, person, id }: Props) {
         {teacher ? <TeacherActions client={client} attempt={attempt} graded={graded} onChanged={reload} />
                  : attempt.state === "scored" && <button type="button" class="button print-button" onClick={() => window.print()}>Print</button>}
       </div>
-      {isWithheld(attempt, teacher) ? <WithheldAttempt attempt={attempt} /> : attempt.state === "scored" ? <ScoredAttempt client={client} attempt={attempt} teacher={teacher} onChanged={reload} /> : <UnscoredAttempt attempt={attempt} />}
+      {isWithheld(attempt, teacher) ? <WithheldAttempt attempt={attempt} /> : attempt.state === "scored" ? <ScoredAttempt client={client} attempt={attempt} tolerance={tolerance} teacher={teacher} onChanged={reload} /> : <UnscoredAttempt attempt={attempt} />}
     </>
   );
 }
 
-function ScoredAttempt({ client, attempt, teacher, onChanged }:
-                       { readonly client: Client; readonly attempt: AttemptDetail; readonly teacher: boolean; readonly onChanged: () => void }) {
+function ScoredAttempt({ client, attempt, tolerance, teacher, onChanged }:
+                       { readonly client: Client; readonly attempt: AttemptDetail; readonly tolerance: number; readonly teacher: boolean; readonly onChanged: () => void }) {
   const { id } = attempt;
   // Release changes what a student gets, not what a teacher gets; a new score changes it for both.
   const key = `${id} ${teacher || attempt.released} ${attempt.computed_score} ${attempt.reference?.attempt_id}`;
@@ -111,7 +113,7 @@ function ScoredAttempt({ client, attempt, teacher, onChanged }:
         {removed ? <RemovedRecording removedMs={attempt.recording_removed_ms} /> : (
           <div class="review">
             <div class="review-tooth" ref={tooth}>
-              <ToothPanel surface={surface.loaded} series={recorded} cursor={cursor} marks={marks} chosen={chosen} point={point} onMark={choose}
+              <ToothPanel surface={surface.loaded} toleranceMm={tolerance} series={recorded} cursor={cursor} marks={marks} chosen={chosen} point={point} onMark={choose}
                           onPoint={annotates ? setPoint : undefined} onRetry={surface.reload} />
             </div>
             <ForcePanel series={series.loaded} cursor={cursor ?? 0} marks={marks} chosen={chosen} onMark={choose} onCursor={setCursor} onRetry={series.reload} />

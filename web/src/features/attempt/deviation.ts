@@ -19,14 +19,14 @@ type Point = readonly [number, number, number];
 
 export interface DeviationSummary {
   readonly vertices: number;                    // compared with the reference
-  readonly withinShare: number;                 // |deviation| <= kToleranceMm
+  readonly toleranceMm: number;
+  readonly withinShare: number;                 // |deviation| <= toleranceMm
   readonly overShare: number;                   // more removed than that
   readonly underShare: number;
   readonly p95Mm: number;                       // of the size
   readonly sides: readonly SideDeviation[];     // most deviating first; only sides that have vertices
 }
 
-export const kToleranceMm = 0.1;
 const kFacing = 0.7;                            // a normal's component along a side's direction, about 45 degrees
 
 // A wall of the cavity faces inward: the mesial wall's outward normal points distally, to -x.
@@ -56,7 +56,7 @@ function comparedCentre({ positionMm, deviationMm }: Surface): Point | undefined
   return count === 0 ? undefined : [sum[0]! / count, sum[1]! / count, sum[2]! / count];
 }
 
-export function summariseDeviation(surface: Surface): DeviationSummary | undefined {
+export function summariseDeviation(surface: Surface, toleranceMm: number): DeviationSummary | undefined {
   const { deviationMm } = surface;
   if (deviationMm === undefined) return undefined;
   const sizes: number[] = [];
@@ -66,8 +66,8 @@ export function summariseDeviation(surface: Surface): DeviationSummary | undefin
   deviationMm.forEach((value, vertex) => {
     if (Number.isNaN(value)) return;
     sizes.push(Math.abs(value));
-    if (value > kToleranceMm) ++over;
-    if (value < -kToleranceMm) ++under;
+    if (value > toleranceMm) ++over;
+    if (value < -toleranceMm) ++under;
     const side = sides[sideOf(surface, vertex)];
     if (side === undefined) return;
     ++side.vertices;
@@ -77,7 +77,7 @@ export function summariseDeviation(surface: Surface): DeviationSummary | undefin
   if (sizes.length === 0) return undefined;
   const n = sizes.length;
   return {
-    vertices: n, overShare: over / n, underShare: under / n, withinShare: (n - over - under) / n,
+    vertices: n, toleranceMm, overShare: over / n, underShare: under / n, withinShare: (n - over - under) / n,
     p95Mm: percentile(sizes, 0.95),
     sides: kSides.map(([name], i) => ({ name, side: sides[i]! }))
       .filter(({ side }) => side.vertices > 0)

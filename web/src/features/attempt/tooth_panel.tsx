@@ -9,13 +9,14 @@ import { DeviationLegend, TissueLegend } from "../../widgets/tooth/legend";
 import type { ColorMode, PointMm } from "../../widgets/tooth/scene";
 import { tissuesPresent, tissueTitle } from "../../widgets/tooth/tissue";
 import { type ToothPin, ToothView } from "../../widgets/tooth/tooth_view";
-import { type DeviationSummary, kToleranceMm, outlook, summariseDeviation } from "./deviation";
+import { type DeviationSummary, outlook, summariseDeviation } from "./deviation";
 import type { Mark } from "./moments";
 
 const kPathSeconds = 3;                         // of the tool's way drawn behind it
 
 interface Props {
   readonly surface: Loaded<Surface>;
+  readonly toleranceMm: number;                 // of the rubric
   readonly series: Series | undefined;
   readonly cursor: number | undefined;              // undefined: no tool is drawn
   readonly marks: readonly Mark[];
@@ -36,9 +37,9 @@ export function ToothPanel({ surface, onRetry, ...rest }: Props) {
   );
 }
 
-function LoadedTooth({ surface, series, cursor, marks, chosen, point, onMark, onPoint }: Omit<Props, "surface" | "onRetry"> & { readonly surface: Surface }) {
-  const summary = useMemo(() => summariseDeviation(surface), [surface]);
-  const angled = useMemo(() => outlook(surface, summary), [surface, summary]);
+function LoadedTooth({ surface, toleranceMm, series, cursor, marks, chosen, point, onMark, onPoint }: Omit<Props, "surface" | "onRetry"> & { readonly surface: Surface }) {
+  const summary = useMemo(() => summariseDeviation(surface, toleranceMm), [surface, toleranceMm]);
+  const angled = useMemo(() => outlook(surface, summary), [surface, summary?.sides[0]?.side]);
   const tissues = useMemo(() => tissuesPresent(surface.tissue), [surface]);
   const [wanted, setMode] = useState<ColorMode>("deviation");
   const mode: ColorMode = summary === undefined ? "tissue" : wanted;
@@ -108,7 +109,7 @@ function deviationText(summary: DeviationSummary): string {
   const percent = (share: number) => `${formatNumber(100 * share, 0)} %`;
   const worst = summary.sides[0];
   const where = worst === undefined ? "" : ` Furthest off on average: ${worst.side.toLowerCase()}, ${formatSigned(worst.meanMm)} mm.`;
-  return `Of the surface that was cut, ${percent(summary.withinShare)} lies within ${kToleranceMm} mm of the reference, ` +
+  return `Of the surface that was cut, ${percent(summary.withinShare)} lies within ${formatNumber(summary.toleranceMm)} mm of the reference, ` +
          `${percent(summary.overShare)} is cut further and ${percent(summary.underShare)} less far; 95 % is within ${formatNumber(summary.p95Mm)} mm.${where}`;
 }
 
