@@ -31,7 +31,7 @@ export function AnnotationsPanel(props: Props) {
   return (
     <Card title="Remarks" className="annotations-card">
       {marks.length === 0
-        ? <Empty>{teacher ? "No remark yet. Move the time to the moment you mean, click the tooth where you mean, and write." : "Your instructor has made no remark."}</Empty>
+        ? <Empty>{teacher ? "No remark yet. Move the time to the moment you mean, click the picture where you mean, and write." : "Your instructor has made no remark."}</Empty>
         : <ol class="annotations">{marks.map((mark) => <li key={mark.annotation.id}><RemarkItem {...props} mark={mark} /></li>)}</ol>}
       {teacher && <NewRemark {...props} />}
     </Card>
@@ -49,7 +49,7 @@ function RemarkItem({ client, series, mark, chosen, onChoose, onChanged }: Props
           <button type="button" class="button small quiet" onClick={() => onChoose(mark)}>
             <span class="hidden">Remark {number}: show </span>{formatNumber(secondsOfTick(series, annotation.tick), 1)} s
           </button>
-          {annotation.point_um !== null && " at a point of the tooth · "}{annotation.author.display_name === "" ? "Somebody whose account was erased" : annotation.author.display_name}, {formatDateTime(annotation.created_ms)}
+          {annotation.point_um !== null && " at a point · "}{annotation.author.display_name === "" ? "Somebody whose account was erased" : annotation.author.display_name}, {formatDateTime(annotation.created_ms)}
           {annotation.edited_ms > 0 && ", edited"}
         </p>
         {mode === "edit"
@@ -114,7 +114,7 @@ function NewRemark({ client, attemptId, series, cursor, point, onPoint, onChange
   return (
     <form class="form" onSubmit={(event) => void save(event)}>
       <LongTextField label={`New remark at ${formatNumber(series.t_s[cursor] ?? 0, 1)} s`} value={text} onValue={setText} required maxLength={kMaxText} rows={3}
-                     hint={point === undefined ? "Click the tooth to tie it to a point there, or take the tool's place at this moment."
+                     hint={point === undefined ? "Click the picture to tie it to a point there, or take the tool's place at this moment."
                                                : `At the point ${point.map((mm) => formatNumber(mm, 1)).join(" / ")} mm (mesial / buccal / occlusal).`} />
       {change.error !== undefined && <ErrorNotice title="Not saved" message={change.error.message} />}
       <div class="button-row">

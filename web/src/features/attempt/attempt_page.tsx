@@ -137,9 +137,9 @@ function ScoredAttempt({ client, attempt, tolerance, teacher, onChanged }:
 
 function RemovedRecording({ removedMs }: { readonly removedMs: number }) {
   return (
-    <Card title="Tooth after the attempt">
+    <Card title="After the attempt">
       <Notice tone="neutral" title={`The recording was removed on ${formatDateTime(removedMs)}`}>
-        <p>A retention rule of this server says how long recordings are kept. Tooth, forces and path cannot be shown any more, nor can the attempt be scored again; the score stays.</p>
+        <p>A retention rule of this server says how long recordings are kept. Picture, forces and path cannot be shown any more, nor can the attempt be scored again; the score stays.</p>
       </Notice>
     </Card>
   );

@@ -96,7 +96,7 @@ function CriterionRow({ criterion, deductions, onPlace }: Placed & { readonly cr
         {deductionsOf(deductions, criterion.name).map((deduction) => (
           <span class="reason place" key={deduction.left ? "left" : "over"}>
             {onPlace === undefined ? deductionText(deduction)
-              : <button type="button" class="link" title="Show it on the tooth and in the recording" onClick={() => onPlace(deduction)}>{deductionText(deduction)}</button>}
+              : <button type="button" class="link" title="Show it in the picture and in the recording" onClick={() => onPlace(deduction)}>{deductionText(deduction)}</button>}
           </span>
         ))}
       </th>

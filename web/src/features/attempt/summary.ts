@@ -38,7 +38,7 @@ export function isWithheld({ state, computed_score: computed }: Pick<AttemptDeta
 }
 
 export function withheldText({ exam }: Pick<AttemptDetail, "exam">): string {
-  return `This is ${exam ? "an exam" : "graded work"}. It is scored. Score, tooth, forces and remarks appear here as soon as your instructor releases them.`;
+  return `This is ${exam ? "an exam" : "graded work"}. It is scored. Score, picture, forces and remarks appear here as soon as your instructor releases them.`;
 }
 
 export interface RecordingFacts {

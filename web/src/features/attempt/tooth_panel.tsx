@@ -7,7 +7,7 @@ import { formatNumber, formatSigned } from "../../base/format";
 import { Card, ErrorNotice, Loading, Segmented } from "../../widgets/basics";
 import { DeviationLegend, TissueLegend } from "../../widgets/tooth/legend";
 import type { ColorMode, PointMm } from "../../widgets/tooth/scene";
-import { tissuesPresent, tissueTitle } from "../../widgets/tooth/tissue";
+import { tissuesPresent, tissueTitle, workpiece } from "../../widgets/tooth/tissue";
 import { type ToothPin, ToothView } from "../../widgets/tooth/tooth_view";
 import { type DeviationSummary, outlook, summariseDeviation } from "./deviation";
 import type { Mark } from "./moments";
@@ -29,8 +29,8 @@ interface Props {
 
 export function ToothPanel({ surface, onRetry, ...rest }: Props) {
   return (
-    <Card className="tooth-card" title="Tooth after the attempt">
-      {surface.state === "loading" && <Loading what="the tooth" />}
+    <Card className="tooth-card" title="After the attempt">
+      {surface.state === "loading" && <Loading what="the picture" />}
       {surface.state === "failed" && <SurfaceError error={surface.error} onRetry={onRetry} />}
       {surface.state === "ready" && <LoadedTooth surface={surface.value} {...rest} />}
     </Card>
@@ -94,7 +94,7 @@ function DeviationTable({ summary }: { readonly summary: DeviationSummary }) {
 }
 
 function SurfaceError({ error, onRetry }: { readonly error: ApiError; readonly onRetry: () => void }) {
-  return <ErrorNotice title="The tooth could not be loaded" message={error.message} onRetry={onRetry} />;
+  return <ErrorNotice title="The picture could not be loaded" message={error.message} onRetry={onRetry} />;
 }
 
 function pathBefore(series: Series | undefined, cursor: number | undefined): PointMm[] {
@@ -114,6 +114,6 @@ function deviationText(summary: DeviationSummary): string {
 }
 
 function pictureText(summary: DeviationSummary | undefined, tissues: readonly number[]): string {
-  const tooth = `Tooth after the attempt, showing ${tissues.map(tissueTitle).join(", ").toLowerCase()}.`;
+  const tooth = `${workpiece(tissues) === "tooth" ? "Tooth" : "Block"} after the attempt, showing ${tissues.map(tissueTitle).join(", ").toLowerCase()}.`;
   return summary === undefined ? tooth : `${tooth} ${deviationText(summary)}`;
 }

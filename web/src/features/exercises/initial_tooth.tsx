@@ -6,19 +6,19 @@ import { useRequest } from "../../api/use_request";
 import { Card, ErrorNotice, Loading } from "../../widgets/basics";
 import { TissueLegend } from "../../widgets/tooth/legend";
 import type { AngledView, PointMm } from "../../widgets/tooth/scene";
-import { tissuesPresent, tissueTitle } from "../../widgets/tooth/tissue";
+import { tissuesPresent, tissueTitle, workpiece } from "../../widgets/tooth/tissue";
 import { ToothView } from "../../widgets/tooth/tooth_view";
 
 const kDirection = [0.5, -0.6, 0.9] as const;
 const kFromTop = 0.35;                          // of the tooth's height: the work is at the crown, not in the middle of the roots
 
-// What one will find at the station: the tooth before anything is cut.
+// What one will find at the station: the tooth or block before anything is cut.
 export function InitialTooth({ client, exercise }: { readonly client: Client; readonly exercise: Exercise }) {
   const { loaded, reload } = useRequest(exercise.scene_sha256 + exercise.id, (signal) => client.teaching.initialSurface(exercise.id, signal));
   return (
-    <Card title="The tooth before" className="tooth-card">
-      {loaded.state === "loading" && <Loading what="the tooth" />}
-      {loaded.state === "failed" && <ErrorNotice title="The tooth could not be loaded" message={loaded.error.message} onRetry={reload} />}
+    <Card title="Before the exercise" className="tooth-card">
+      {loaded.state === "loading" && <Loading what="the picture" />}
+      {loaded.state === "failed" && <ErrorNotice title="The picture could not be loaded" message={loaded.error.message} onRetry={reload} />}
       {loaded.state === "ready" && <Tooth surface={loaded.value} />}
     </Card>
   );
@@ -29,7 +29,7 @@ function Tooth({ surface }: { readonly surface: Surface }) {
   const angled = useMemo((): AngledView => ({ direction: kDirection, centre: lookAt(surface) }), [surface]);
   return (
     <>
-      <ToothView surface={surface} mode="tissue" angled={angled} label={`The tooth before the exercise, showing ${tissues.map(tissueTitle).join(", ").toLowerCase()}.`} />
+      <ToothView surface={surface} mode="tissue" angled={angled} label={`The ${workpiece(tissues)} before the exercise, showing ${tissues.map(tissueTitle).join(", ").toLowerCase()}.`} />
       <TissueLegend tissues={tissues} />
     </>
   );

@@ -15,3 +15,10 @@ export function tissueTitle(tissue: number): string {
 export function tissuesPresent(tissue: Uint8Array): number[] {
   return [...new Set(tissue)].sort((a, b) => a - b);
 }
+
+const kOfTeeth = ["enamel", "dentin", "pulp", "caries"];
+
+// What the picture shows, in a word: exercises are also cut in blocks of one material.
+export function workpiece(tissues: readonly number[]): "tooth" | "block" {
+  return tissues.length === 0 || tissues.some((tissue) => kOfTeeth.includes(kTissueNames[tissue] ?? "")) ? "tooth" : "block";
+}
