@@ -1,3 +1,5 @@
+import { kMetricTitles } from "./metric_titles";
+
 // Numbers, units and times as people read them. Values that are not finite are shown as a dash.
 
 const kDash = "–";
@@ -83,8 +85,9 @@ export function micrometresAsMm(um: number): string {
 
 const kAcronyms = /\b(rms|dtw|iou)\b/g;
 
-// "wall_mesial_mm" with unit "mm" reads "Wall mesial", "dtw_pose_mm" reads "DTW pose".
+// What a measurement is called. One that this page does not know, of an older or newer server, by its name without the unit.
 export function metricTitle(name: string, unit: string): string {
+  if (Object.hasOwn(kMetricTitles, name)) return kMetricTitles[name] ?? name;
   const suffix = unit === "%" ? "_percent" : `_${unit.toLowerCase().replaceAll("/", "_per_").replaceAll(" ", "_")}`;
   const stem = name.toLowerCase().endsWith(suffix) ? name.slice(0, -suffix.length) : name;
   const words = stem.replaceAll("_", " ").trim().replace(kAcronyms, (word) => word.toUpperCase());
