@@ -107,7 +107,7 @@ async function remarks(world) {
   await page.getByText("At the point", { exact: false }).waitFor();
   await page.getByRole("button", { name: "Point of the new remark" }).waitFor();
   await page.getByLabel("Time in the attempt").fill("500");
-  await page.getByLabel("New remark at 12 s").fill("Look at this place.");
+  await page.getByLabel("New remark at 0:12.0").fill("Look at this place.");
   await accessible(page, "a remark being written");
   await page.getByRole("button", { name: "Add remark" }).click();
   await page.getByText("Look at this place.").waitFor();

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import {
-  formatBytes, formatDuration, formatNumber, formatQuantity, formatSigned, metricTitle, micrometresAsMm, plural, kScoreStep, scoreForField,
+  formatBytes, formatDuration, formatMoment, formatNumber, formatQuantity, formatSigned, metricTitle, micrometresAsMm, plural, kScoreStep, scoreForField,
 } from "./format";
 
 test("angles have their sign without a blank", () => {
@@ -9,8 +9,8 @@ test("angles have their sign without a blank", () => {
 });
 
 test("a deviation that rounds to zero carries no sign", () => {
-  assert.equal(formatSigned(0.001), "0");
-  assert.equal(formatSigned(-0.001), "0");
+  assert.equal(formatSigned(0.0001), "0");
+  assert.equal(formatSigned(-0.0001), "0");
   assert.equal(formatSigned(0.3), "+0.3");
   assert.equal(formatSigned(-0.305, 2), "−0.3");
 });
@@ -23,7 +23,8 @@ test("a value that is not a number is shown as a dash and never as NaN", () => {
 
 test("quantities keep about three significant places and carry their unit", () => {
   assert.equal(formatQuantity(0.0421, "mm"), "0.042\u00a0mm");
-  assert.equal(formatQuantity(0.301, "mm"), "0.301\u00a0mm");
+  assert.equal(formatQuantity(0.301, "mm"), "0.3\u00a0mm");
+  assert.equal(formatQuantity(0.275, "mm"), "0.28\u00a0mm");
   assert.equal(formatQuantity(12.345, "mm3"), "12.3\u00a0mm³");
   assert.equal(formatQuantity(42180, "count"), "42\u202f180");
 });
@@ -42,8 +43,9 @@ test("a measurement that the page does not know is called by its name without th
 });
 
 test("times, sizes and lengths use the unit people expect", () => {
-  assert.equal(formatDuration(42.4), "42 s");
-  assert.equal(formatDuration(125), "2 min 05 s");
+  assert.equal(formatDuration(42.4), "42.4\u00a0s");
+  assert.equal(formatDuration(59.97), "1\u00a0min\u00a000\u00a0s");
+  assert.equal(formatDuration(125), "2\u00a0min\u00a005\u00a0s");
   assert.equal(formatBytes(173_214), "173.2 kB");
   assert.equal(micrometresAsMm(600), "0.6\u00a0mm");
   assert.equal(plural(1, "gap"), "1 gap");
@@ -57,4 +59,17 @@ test("a score that fills a field lies on the field's steps", () => {
     assert.ok(Math.abs(steps - Math.round(steps)) < 1e-9, String(score));
   }
   assert.ok(Number.isNaN(scoreForField(Number.NaN)));
+});
+
+test("one quantity has one form: a deviation with or without sign, a time as a measurement or as a duration", () => {
+  for (const mm of [0.275, 0.291, 0.26, 0.05, 1.234]) assert.equal(`${formatSigned(mm)}\u00a0mm`, `+${formatQuantity(mm, "mm")}`);
+  for (const seconds of [42.18, 127.4]) assert.equal(formatQuantity(seconds, "s"), formatDuration(seconds));
+  assert.equal(formatQuantity(127.4, "s"), "2\u00a0min\u00a007\u00a0s");
+});
+
+test("a moment is told in minutes, seconds and tenths", () => {
+  assert.equal(formatMoment(127.4), "2:07.4");
+  assert.equal(formatMoment(5), "0:05.0");
+  assert.equal(formatMoment(59.96), "1:00.0");
+  assert.equal(formatMoment(-1), "–");
 });

@@ -26,6 +26,11 @@ export function formatScore(score: number | null): string {
   return score === null || !Number.isFinite(score) ? kDash : score.toFixed(1);
 }
 
+// Of a criterion: lost, kept, or to be had.
+export function formatPoints(points: number): string {
+  return formatNumber(points, 1);
+}
+
 export const kScoreStep = 0.1;                  // of a score as it is shown and set
 
 // At the precision that a field for a score takes: a browser refuses what lies between its steps.
@@ -33,13 +38,15 @@ export function scoreForField(score: number): number {
   return Number(score.toFixed(1));
 }
 
-// With a sign unless it rounds to zero: for deviations.
-export function formatSigned(value: number, digits = 2): string {
+// With a sign unless it rounds to zero: for deviations, with as many digits as formatQuantity gives them.
+export function formatSigned(value: number, digits = digitsFor(value)): string {
   const text = formatNumber(value, digits);
   return Number(value.toFixed(digits)) > 0 ? `+${text}` : text;
 }
 
+// The one form of a measured value with its unit, wherever it is shown.
 export function formatQuantity(value: number, unit: string, digits?: number): string {
+  if (unit === "s" && digits === undefined) return formatDuration(value);
   // A wrist's friction is tenths of a millinewton metre: in newton metres it would read 0.
   if (unit === "N m" && Math.abs(value) < 0.1) return formatQuantity(value * 1000, "mN m", digits);
   const number = formatNumber(value, digits ?? digitsFor(value));
@@ -47,12 +54,13 @@ export function formatQuantity(value: number, unit: string, digits?: number): st
   return shown === "" || number === kDash ? number : `${number}${shown === "°" ? "" : "\u00a0"}${shown}`;
 }
 
-// About three significant places; micrometres and millinewtons for small values, not less.
+// About three significant places, and never finer than hundredths from a tenth on: a tenth of a millimetre is well measured,
+// and its thousandths are not.
 function digitsFor(value: number): number {
   const size = Math.abs(value);
   if (size >= 100) return 0;
   if (size >= 10) return 1;
-  return size >= 1 ? 2 : 3;
+  return size >= 0.1 ? 2 : 3;
 }
 
 export function formatDateTime(unixMs: number): string {
@@ -60,16 +68,19 @@ export function formatDateTime(unixMs: number): string {
   return new Intl.DateTimeFormat(undefined, { dateStyle: "medium", timeStyle: "short" }).format(new Date(unixMs));
 }
 
+// How long something took. Below a minute a measured time keeps its tenths.
 export function formatDuration(seconds: number): string {
   if (!Number.isFinite(seconds) || seconds < 0) return kDash;
+  if (seconds < 59.95) return `${formatNumber(seconds, 1)}\u00a0s`;
   const whole = Math.round(seconds);
-  if (whole < 60) return `${whole} s`;
-  return `${Math.floor(whole / 60)} min ${String(whole % 60).padStart(2, "0")} s`;
+  return `${Math.floor(whole / 60)}\u00a0min\u00a0${String(whole % 60).padStart(2, "0")}\u00a0s`;
 }
 
-// A moment in an attempt, and any time shorter than that: "21.4 s", always with one decimal.
-export function formatSeconds(seconds: number): string {
-  return Number.isFinite(seconds) ? `${seconds.toFixed(1)}\u00a0s` : kDash;
+// A moment in an attempt: "2:07.4", minutes, seconds and tenths.
+export function formatMoment(seconds: number): string {
+  if (!Number.isFinite(seconds) || seconds < 0) return kDash;
+  const tenths = Math.round(10 * seconds);
+  return `${Math.floor(tenths / 600)}:${(((tenths % 600) / 10).toFixed(1)).padStart(4, "0")}`;
 }
 
 export function formatBytes(bytes: number): string {

@@ -1,7 +1,7 @@
 import { useEffect, useRef } from "preact/hooks";
 import type uPlot from "uplot";
 import type { Disposables } from "../base/disposables";
-import { formatSeconds } from "../base/format";
+import { formatMoment } from "../base/format";
 import { plotStyle, usePlot, withAlpha } from "./use_plot";
 
 export interface PlotLine {
@@ -82,7 +82,7 @@ function followPointer(plot: uPlot, cleanup: Disposables, hover: HTMLElement, ti
     hover.hidden = time === undefined;
     if (time === undefined) return;
     hover.style.transform = `translateX(${plot.valToPos(time, "x").toFixed(1)}px)`;
-    hover.textContent = formatSeconds(time);
+    hover.textContent = formatMoment(time);
   });
   cleanup.listen(plot.over, "pointerleave", () => { hover.hidden = true; });
   cleanup.listen(plot.over, "pointerdown", (event) => {
@@ -100,7 +100,7 @@ function plotOptions(element: HTMLElement, lines: readonly PlotLine[], leftTitle
     cursor: { show: false },
     scales: { x: { time: false }, left: { range: [0, upperEnd(lines, "left")] }, right: { range: [0, upperEnd(lines, "right")] } },
     axes: [
-      { ...axis, label: "Time (s)", size: 36 },
+      { ...axis, label: "Time (minutes:seconds)", size: 36, values: (_, splits) => splits.map(tickMoment) },
       { ...valueAxis, scale: "left", label: leftTitle },
       { ...valueAxis, scale: "right", side: 1, label: rightTitle, grid: { show: false } },
     ],
@@ -119,4 +119,9 @@ function upperEnd(lines: readonly PlotLine[], axis: "left" | "right"): number {
     for (const value of line.values) largest = Math.max(largest, value ?? 0);
   }
   return largest > 0 ? largest * kHeadroom : 1;
+}
+
+// On an axis the tenths are left out where they say nothing.
+function tickMoment(seconds: number): string {
+  return formatMoment(seconds).replace(/\.0$/, "");
 }

@@ -2,7 +2,7 @@ import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
 import type { Annotation, Series } from "../../api/types";
 import { useChange } from "../../api/use_change";
-import { formatDateTime, formatNumber } from "../../base/format";
+import { formatDateTime, formatMoment, formatNumber } from "../../base/format";
 import { Card, Empty, ErrorNotice } from "../../widgets/basics";
 import { Confirm } from "../../widgets/dialog";
 import { LongTextField } from "../../widgets/form";
@@ -47,7 +47,7 @@ function RemarkItem({ client, series, mark, chosen, onChoose, onChanged }: Props
       <div class="annotation-body">
         <p class="hint">
           <button type="button" class="button small quiet" onClick={() => onChoose(mark)}>
-            <span class="hidden">Remark {number}: show </span>{formatNumber(secondsOfTick(series, annotation.tick), 1)} s
+            <span class="hidden">Remark {number}: show </span>{formatMoment(secondsOfTick(series, annotation.tick))}
           </button>
           {annotation.point_um !== null && " at a point · "}{annotation.author.display_name === "" ? "Somebody whose account was erased" : annotation.author.display_name}, {formatDateTime(annotation.created_ms)}
           {annotation.edited_ms > 0 && ", edited"}
@@ -113,7 +113,7 @@ function NewRemark({ client, attemptId, series, cursor, point, onPoint, onChange
   const anchor = series.anchor_mm[cursor];
   return (
     <form class="form" onSubmit={(event) => void save(event)}>
-      <LongTextField label={`New remark at ${formatNumber(series.t_s[cursor] ?? 0, 1)} s`} value={text} onValue={setText} required maxLength={kMaxText} rows={3}
+      <LongTextField label={`New remark at ${formatMoment(series.t_s[cursor] ?? 0)}`} value={text} onValue={setText} required maxLength={kMaxText} rows={3}
                      hint={point === undefined ? "Click the picture to tie it to a point there, or take the tool's place at this moment."
                                                : `At the point ${point.map((mm) => formatNumber(mm, 1)).join(" / ")} mm (mesial / buccal / occlusal).`} />
       {change.error !== undefined && <ErrorNotice title="Not saved" message={change.error.message} />}

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { Deduction } from "../../api/types";
-import { clockText, deductionsOf, deductionText } from "./deductions";
+import { deductionsOf, deductionText } from "./deductions";
 
 const stroke = (number: number) => ({ number, first_tick: 72_000, first_s: 72.4, volume_mm3: 0.2 });
 const deduction = (changes: Partial<Deduction> = {}): Deduction => ({
@@ -9,14 +9,9 @@ const deduction = (changes: Partial<Deduction> = {}): Deduction => ({
   stroke_count: 3, strokes: [stroke(7), stroke(8), stroke(9)], ...changes,
 });
 
-test("a moment is told in minutes and seconds", () => {
-  assert.equal(clockText(72.9), "1:12");
-  assert.equal(clockText(5), "0:05");
-});
-
 test("a deduction says how much, when it began and which strokes did it", () => {
-  assert.equal(deductionText(deduction()), "0.42\u00a0mm³ too much, first at 1:12; mostly stroke 7 and 2 more");
-  assert.equal(deductionText(deduction({ stroke_count: 1, strokes: [stroke(7)] })), "0.42\u00a0mm³ too much, first at 1:12; mostly stroke 7");
+  assert.equal(deductionText(deduction()), "0.42\u00a0mm³ too much, first at 1:12.4; mostly stroke 7 and 2 more");
+  assert.equal(deductionText(deduction({ stroke_count: 1, strokes: [stroke(7)] })), "0.42\u00a0mm³ too much, first at 1:12.4; mostly stroke 7");
   assert.equal(deductionText(deduction({ left: true, stroke_count: 0, strokes: [] })), "0.42\u00a0mm³ left standing");
   assert.equal(deductionText(deduction({ stroke_count: 0, strokes: [] })), "0.42\u00a0mm³ too much");
 });

@@ -1,13 +1,7 @@
 import type { Deduction } from "../../api/types";
-import { formatNumber } from "../../base/format";
+import { formatMoment, formatNumber, formatQuantity } from "../../base/format";
 
 const kMeaningMm3 = 0.005;                      // less is not worth a line
-
-// "1:12": minutes and seconds into the attempt.
-export function clockText(seconds: number): string {
-  const whole = Math.max(0, Math.floor(seconds));
-  return `${Math.floor(whole / 60)}:${String(whole % 60).padStart(2, "0")}`;
-}
 
 // Where and when a criterion lost points, those with most volume first.
 export function deductionsOf(deductions: readonly Deduction[] | undefined, criterion: string): Deduction[] {
@@ -17,11 +11,11 @@ export function deductionsOf(deductions: readonly Deduction[] | undefined, crite
 
 // One line: how much, which way, and which strokes did it.
 export function deductionText(deduction: Deduction): string {
-  const volume = `${formatNumber(deduction.volume_mm3, 2)}\u00a0mm³`;
+  const volume = formatQuantity(deduction.volume_mm3, "mm3");
   if (deduction.left) return `${volume} left standing`;
   const [worst] = deduction.strokes;
   if (worst === undefined) return `${volume} too much`;
   const others = deduction.stroke_count - 1;
   const more = others <= 0 ? "" : others === 1 ? " and one more" : ` and ${formatNumber(others, 0)} more`;
-  return `${volume} too much, first at ${clockText(deduction.first_s)}; mostly stroke ${worst.number}${more}`;
+  return `${volume} too much, first at ${formatMoment(deduction.first_s)}; mostly stroke ${worst.number}${more}`;
 }

@@ -35,7 +35,7 @@ export function EnvelopePanel({ client, exercise, envelope, metrics, judged }: P
       <DataTable label="Criteria among the dentists" items={rows} rowKey={(row) => row.name} dense columns={[
         { title: "Criterion", cell: (row) => metricTitle(row.name, row.unit) },
         { title: "Here", number: true, cell: (row) => formatQuantity(row.value, row.unit) },
-        { title: "Dentists", number: true, cell: (row) => `${formatNumber(row.least, 2)} to ${formatNumber(row.most, 2)}` },
+        { title: "Dentists", number: true, cell: (row) => `${formatQuantity(row.least, row.unit)} to ${formatQuantity(row.most, row.unit)}` },
         { title: "Inside", cell: (row) => row.value >= row.least && row.value <= row.most ? "yes" : "no" },
       ]} />
       <p class="hint">Points come from the newest reference alone.</p>

@@ -1,7 +1,7 @@
 import { useMemo, useRef } from "preact/hooks";
 import type { Series } from "../../api/types";
 import type { Loaded } from "../../api/use_request";
-import { formatNumber, formatQuantity, formatSeconds } from "../../base/format";
+import { formatDuration, formatMoment, formatQuantity } from "../../base/format";
 import { Card, ErrorNotice, Loading, TableFrame } from "../../widgets/basics";
 import { type PlotLine, TimePlot } from "../../widgets/time_plot";
 import { boundLine, type Mark } from "./moments";
@@ -55,7 +55,7 @@ function LoadedForce({ series, cursor, marks, chosen, onMark, onCursor }: Omit<P
         <label class="hidden" for="timeline">Time in the attempt</label>
         <input id="timeline" type="range" min={0} max={last} step={1} value={at}
                aria-valuetext={lines.reduce((text, line) => `${text}, ${line.label.toLowerCase()} ${readText(line, at)}`,
-                                            `${formatNumber(series.t_s[at] ?? 0, 1)} seconds`)}
+                                            `${formatMoment(series.t_s[at] ?? 0)}`)}
                onInput={(event) => onCursor(Number(event.currentTarget.value))} />
       </div>
       <TimePlot timeS={series.t_s} lines={lines} leftTitle="Force (N)" rightTitle="Removed (mm³)" label={plotText(series)}
@@ -83,7 +83,7 @@ function linesOf(series: Series): PlotLine[] {
 function Readout({ lines, timeS, index }: { readonly lines: readonly PlotLine[]; readonly timeS: number; readonly index: number }) {
   return (
     <dl class="readout">
-      <div><dt>Time</dt><dd>{formatSeconds(timeS)}</dd></div>
+      <div><dt>Time</dt><dd>{formatMoment(timeS)}</dd></div>
       {lines.map((line) => (
         <div key={line.label}>
           <dt><LineSample line={line} />{line.label}</dt>
@@ -115,13 +115,13 @@ function SeriesTable({ series }: { readonly series: Series }) {
     <TableFrame label="Force and removal as a table">
       <table class="dense">
         <thead>
-          <tr><th scope="col" class="number">Time (s)</th><th scope="col" class="number">Largest force (N)</th>
+          <tr><th scope="col" class="number">Time</th><th scope="col" class="number">Largest force (N)</th>
               <th scope="col" class="number">Mean force (N)</th><th scope="col" class="number">Removed (mm³)</th></tr>
         </thead>
         <tbody>
           {rows.map((i) => (
             <tr key={i}>
-              <th scope="row" class="number">{(series.t_s[i] ?? 0).toFixed(1)}</th>
+              <th scope="row" class="number">{formatMoment(series.t_s[i] ?? 0)}</th>
               <td class="number">{(series.force_n[i] ?? 0).toFixed(2)}</td>
               <td class="number">{(series.force_mean_n[i] ?? 0).toFixed(2)}</td>
               <td class="number">{(series.removed_mm3[i] ?? 0).toFixed(2)}</td>
@@ -136,6 +136,6 @@ function SeriesTable({ series }: { readonly series: Series }) {
 function plotText(series: Series): string {
   const largest = series.force_n.reduce((a, b) => Math.max(a, b), 0);
   const at = series.t_s[series.force_n.indexOf(largest)] ?? 0;
-  return `Force and removed volume over ${formatNumber(series.t_s.at(-1) ?? 0, 0)} seconds. The largest force is ` +
-         `${formatQuantity(largest, "N")} at ${formatNumber(at, 1)} seconds; ${formatQuantity(series.removed_mm3.at(-1) ?? 0, "mm3")} were removed in all.`;
+  return `Force and removed volume over ${formatDuration(series.t_s.at(-1) ?? 0)}. The largest force is ` +
+         `${formatQuantity(largest, "N")} at ${formatMoment(at)}; ${formatQuantity(series.removed_mm3.at(-1) ?? 0, "mm3")} were removed in all.`;
 }

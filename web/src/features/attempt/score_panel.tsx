@@ -1,5 +1,5 @@
 import type { AttemptDetail, Criterion, Deduction, Gate, Score } from "../../api/types";
-import { formatDateTime, formatNumber, formatQuantity } from "../../base/format";
+import { formatDateTime, formatNumber, formatPoints, formatQuantity, formatScore } from "../../base/format";
 import { Badge, Bar, Card, Notice, type Tone } from "../../widgets/basics";
 import { deductionsOf, deductionText } from "./deductions";
 import { byLostPoints, lostPoints, summarySentence } from "./summary";
@@ -36,7 +36,7 @@ export function ScorePanel({ score, reference, override, onPlace }: Props) {
 
 function OverrideText({ score, override }: { readonly score: Score; readonly override: NonNullable<AttemptDetail["override"]> }) {
   return (
-    <Notice tone="warning" title={`Set by ${override.by === "" ? "an instructor" : override.by}: ${formatNumber(override.score, 1)} instead of ${formatNumber(score.score, 1)}`}>
+    <Notice tone="warning" title={`Set by ${override.by === "" ? "an instructor" : override.by}: ${formatScore(override.score)} instead of ${formatScore(score.score)}`}>
       <p class="instructions">{override.reason}</p>
       <p class="hint">{formatDateTime(override.at_ms)}</p>
     </Notice>
@@ -52,7 +52,7 @@ function ScoreRing({ value, critical }: { readonly value: number; readonly criti
         <circle class="ring-value" cx="60" cy="60" r={kRingRadius} stroke-dasharray={`${share * kRingLength} ${kRingLength}`}
                 transform="rotate(-90 60 60)" />
       </svg>
-      <p class="score-number" data-testid="score">{formatNumber(value, 1)}<span class="score-of"> of 100</span></p>
+      <p class="score-number" data-testid="score">{formatScore(value)}<span class="score-of"> of 100</span></p>
     </div>
   );
 }
@@ -103,7 +103,7 @@ function CriterionRow({ criterion, deductions, onPlace }: Placed & { readonly cr
       <td class="number nowrap">{criterion.judged === false ? "–" : formatQuantity(criterion.value, criterion.unit)}</td>
       <td class="number points">
         {criterion.max_points === 0 ? "not judged" : <>
-          <span class="nowrap"><b>{formatNumber(criterion.points, 1)}</b> / {formatNumber(criterion.max_points, 1)}</span>
+          <span class="nowrap"><b>{formatPoints(criterion.points)}</b> / {formatPoints(criterion.max_points)}</span>
           <Bar share={share} tone={full ? "good" : toneOf(share, false)} />
         </>}
       </td>

@@ -32,7 +32,7 @@ test("full marks and a critical fail are said so", () => {
 
 test("work that was stopped early is said before anything else", () => {
   const gate = { name: "task_done_percent", title: "Task done", value: 43, unit: "%", share: 0.45, reason: "" };
-  assert.match(summarySentence(score({ score: 31, gates: [gate] })), /^31 of 100\. The work was stopped early: 43 % of it was done/);
+  assert.match(summarySentence(score({ score: 31, gates: [gate] })), /^31\.0 of 100\. The work was stopped early: 43 % of it was done/);
   assert.match(summarySentence(score({ gates: [{ ...gate, share: 1 }] })), /Mesial wall/);
 });
 

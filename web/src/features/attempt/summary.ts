@@ -1,5 +1,5 @@
 import type { AttemptDetail, AttemptFacts, Criterion, Hand, Score } from "../../api/types";
-import { formatNumber, formatQuantity, plural } from "../../base/format";
+import { formatNumber, formatPoints, formatQuantity, formatScore, plural } from "../../base/format";
 
 const kPointsShown = 0.05;                      // lost points below this round to zero
 
@@ -14,7 +14,7 @@ export function byLostPoints(criteria: readonly Criterion[]): Criterion[] {
 
 // One or two sentences that say what happened.
 export function summarySentence(score: Score): string {
-  const total = `${formatNumber(score.score, 1)} of 100.`;
+  const total = `${formatScore(score.score)} of 100.`;
   if (score.critical_fail) return `${total} A critical criterion failed, so the whole attempt counts as not passed.`;
   const stopped = score.gates?.find((gate) => gate.name === "task_done_percent" && gate.share < 1);
   if (stopped !== undefined) return `${total} The work was stopped early: ${formatNumber(stopped.value, 0)} % of it was done, so every criterion counts less.`;
@@ -29,7 +29,7 @@ export function summarySentence(score: Score): string {
 }
 
 function inSentence(criterion: Criterion): string {
-  return `“${criterion.title}” (${formatQuantity(criterion.value, criterion.unit)}, −${formatNumber(lostPoints(criterion), 1)})`;
+  return `“${criterion.title}” (${formatQuantity(criterion.value, criterion.unit)}, −${formatPoints(lostPoints(criterion))})`;
 }
 
 // Scored, and not to be seen by the student yet: score, tooth, forces and remarks come with the release.

@@ -1,7 +1,7 @@
 import type { Client } from "../../api/client";
 import type { Attempt, Exercise } from "../../api/types";
 import { useRequest } from "../../api/use_request";
-import { formatDateTime, formatNumber, formatQuantity, formatScore, micrometresAsMm } from "../../base/format";
+import { formatDateTime, formatNumber, formatPoints, formatQuantity, formatScore, micrometresAsMm } from "../../base/format";
 import { Flags, StateBadge } from "../../widgets/attempt_state";
 import { Badge, Card, Empty, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
 import { DataTable } from "../../widgets/table";
@@ -103,9 +103,9 @@ function Rubric({ exercise }: { readonly exercise: Exercise }) {
           <>{criterion.title}{criterion.fails_above !== null && <span class="sub">Above {formatQuantity(criterion.fails_above, criterion.unit)} the whole attempt is not passed</span>}</>) },
         { title: "Full marks", cell: (criterion) => fullMarksText(criterion.map, criterion.unit) },
         { title: "No marks", cell: (criterion) => noMarksText(criterion.map, criterion.unit) },
-        { title: "Points", number: true, cell: (criterion) => formatNumber(criterion.points, 1) },
+        { title: "Points", number: true, cell: (criterion) => formatPoints(criterion.points) },
       ]} />
-      <p class="hint">{formatNumber(total, 1)} points in all.</p>
+      <p class="hint">{formatPoints(total)} points in all.</p>
       {gates.map((gate) => (
         <p class="hint" key={gate.metric}>
           {gate.title}: every criterion counts in full {falls(gate.map) ? "up to" : "from"} {fullMarksText(gate.map, gate.unit)} and not at all {falls(gate.map) ? "from" : "up to"} {noMarksText(gate.map, gate.unit)}.

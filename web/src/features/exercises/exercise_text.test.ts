@@ -16,7 +16,7 @@ test("what is not there is said to be none", () => {
   assert.equal(shankText(bur), "None");
   assert.equal(spaced(shankText({ ...bur, shank_radius_um: 800, neck_um: 2000 })), "1.6 mm across, neck 2 mm");
   assert.equal(timeLimitText(0), "None");
-  assert.equal(timeLimitText(600), "10 min 00 s");
+  assert.equal(timeLimitText(600), "10\u00a0min\u00a000\u00a0s");
   assert.equal(versionText({ version: 0 }), "draft");
 });
 

@@ -1,7 +1,7 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { Surface } from "../../api/surface";
 import { Disposables } from "../../base/disposables";
-import { formatNumber } from "../../base/format";
+import { formatQuantity } from "../../base/format";
 import type { AngledView, CameraPreset, ColorMode, PointMm, SurfacePoint, ToothScene } from "./scene";
 import { tissueTitle } from "./tissue";
 
@@ -178,5 +178,5 @@ function pointText({ tissue, deviationMm }: SurfacePoint): string {
   if (Number.isNaN(deviationMm)) return `${tissueTitle(tissue)}, untouched`;
   const size = Math.abs(deviationMm);
   if (size < kSameMm) return `${tissueTitle(tissue)}, as the reference`;
-  return `${tissueTitle(tissue)}, ${formatNumber(size)} mm ${deviationMm > 0 ? "more" : "less"} removed than in the reference`;
+  return `${tissueTitle(tissue)}, ${formatQuantity(size, "mm")} ${deviationMm > 0 ? "more" : "less"} removed than in the reference`;
 }
