@@ -218,7 +218,7 @@ async function toothByKeyboard(world) {
   assert.ok(await page.getByRole("group", { name: "Force and removal as a table" }).locator("tbody tr").count() > 10);
   await page.getByText("Deviation in numbers").click();
   await page.getByText("Of the surface that was cut", { exact: false }).first().waitFor();
-  assert.match(await page.getByRole("main").innerText(), /Of the surface that was cut, \d+ % lies within 0\.1 mm of the reference/);
+  assert.match(await page.getByRole("main").innerText(), /Of the surface that was cut, \d+ % lies within 0\.\d+\smm of the reference/);
   await accessible(page, "an attempt with its tables open");
 }
 

@@ -92,7 +92,9 @@ export function scoreOf(row) {
       criterion(4, 1.31, 10, "95 % of the sent force stays below 1.31 N; full marks up to 1.5 N."),
       criterion(5, 42.2, 10, "Done in 42 s; full marks up to 120 s."),
     ],
-    gates: [{ name: "task_done_percent", title: "Task done", value: 98.2, unit: "%", share: 1, reason: "Task done: 98.2 % (full marks from 90.0 %)." }],
+    gates: [row.stopped === true
+      ? { name: "task_done_percent", title: "Task done", value: 46, unit: "%", share: 0.48, reason: "Task done: 46.0 % (full marks from 90.0 %, none up to 5.0 %). Every criterion keeps 48.0 % of its points." }
+      : { name: "task_done_percent", title: "Task done", value: 98.2, unit: "%", share: 1, reason: "Task done: 98.2 % (full marks from 90.0 %)." }],
     missing: [{ name: "caries_left_mm3", why: "not_in_task" }],
     metrics: /** @type {[string, number, string][]} */ ([
       ["deviation_rms_mm", 0.098, "mm"], ["deviation_p95_mm", 0.292, "mm"], ["wall_mesial_mm", 0.301, "mm"], ["wall_distal_mm", -0.088, "mm"],

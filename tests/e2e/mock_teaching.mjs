@@ -188,7 +188,7 @@ function releaseAssignment({ world, id }) {
 
 const isHidden = (world, row) => !row.released && (row.exam || byId(world.exercises, row.exercise.id)?.graded === true);
 
-function visible(world, person, { override: _override, appeal: _appeal, runs: _runs, ...row }) {
+function visible(world, person, { override: _override, appeal: _appeal, runs: _runs, stopped: _stopped, ...row }) {
   return person.role === "student" && isHidden(world, row) ? { ...row, score: null, computed_score: null, critical_fail: null } : row;
 }
 

@@ -10,6 +10,7 @@ export const teachingFlows = [
   { name: "a teacher remarks at a point of the tooth and at the tool, and the student reads it there", run: remarks },
   { name: "a set score shows beside the computed one, and can be removed", run: override },
   { name: "a student appeals once, and the answer grades again", run: appeal },
+  { name: "an attempt that was stopped early says so and how far it came", run: stoppedEarly },
   { name: "attempts are narrowed by exercise, state, flag and appeal", run: narrow },
   { name: "stations in use are seen live, and one is watched until it ends", run: live },
   { name: "a reference is withdrawn", run: withdrawReference },
@@ -33,6 +34,11 @@ async function exerciseLife(world) {
   await page.getByRole("button", { name: "Publish…" }).click();
   await page.getByRole("button", { name: "Publish", exact: true }).click();
   await page.getByText("Published. It can be assigned now.").waitFor();
+  const published = page.url();
+  await page.goto("/assignments");
+  await page.getByRole("button", { name: "Assign an exercise…" }).click();
+  await page.getByRole("dialog").getByLabel("Exercise").selectOption({ label: "A new cavity (no reference yet)" });
+  await page.goto(published);
   await page.getByText(/version 1 · .*, private/).waitFor();
   await page.getByRole("button", { name: "Share…" }).click();
   await page.getByRole("button", { name: "Share", exact: true }).click();
@@ -170,7 +176,9 @@ async function appeal(world) {
   assert.equal(await student.getByRole("button", { name: "Appeal against the score…" }).count(), 0);
 
   const page = await signedIn(world, "instructor", "/attempts");
-  await page.getByLabel("Only with").selectOption({ label: "Unanswered appeal" });
+  await page.getByText("2 appeals to answer").waitFor();
+  await page.locator("tbody tr", { hasText: "Appeal to answer" }).first().waitFor();
+  await page.getByRole("button", { name: "Show them" }).click();
   await page.getByRole("row", { name: /Student One/ }).getByRole("link").first().click();
   await page.getByLabel("Your answer").fill("We replay it.");
   await page.getByRole("button", { name: "Answer and grade again" }).click();
@@ -178,6 +186,12 @@ async function appeal(world) {
   await page.getByText("Graded again").waitFor();
   await page.getByRole("region", { name: "Scored more than once" }).waitFor();
   await accessible(page, "an answered appeal");
+}
+
+async function stoppedEarly(world) {
+  const page = await signedIn(world, "instructor", `/attempts/${id(605)}`);
+  await page.locator(".byline", { hasText: "Stopped early: 46 % done" }).waitFor();
+  await page.getByText("The work was stopped early: 46 % of it was done").waitFor();
 }
 
 async function narrow(world) {

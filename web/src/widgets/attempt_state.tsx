@@ -1,5 +1,6 @@
 import type { Attempt, AttemptFlag, AttemptState, Hand } from "../api/types";
 import { unreachable } from "../base/assert";
+import { formatNumber } from "../base/format";
 import { Badge, type Tone } from "./basics";
 
 interface StateText {
@@ -39,7 +40,7 @@ export function awaitsRelease(attempt: Attempt, graded: boolean): boolean {
 export const kFlagTexts: Readonly<Record<AttemptFlag, StateText>> = {
   late: { title: "Late", tone: "warning" },
   late_upload: { title: "Uploaded late", tone: "neutral" },
-  faster_than_time: { title: "Faster than real time", tone: "bad" },
+  faster_than_time: { title: "Not in real time", tone: "neutral" },
   over_time: { title: "Over time", tone: "warning" },
   resumed: { title: "Resumed", tone: "neutral" },
   readmitted: { title: "Readmitted", tone: "neutral" },
@@ -48,6 +49,14 @@ export const kFlagTexts: Readonly<Record<AttemptFlag, StateText>> = {
   other_hand: { title: "Hand not admitted", tone: "bad" },
   contradicted: { title: "Contradicting parts", tone: "bad" },
 };
+
+// How a station ran is for who judges the attempt: a student can do nothing about it.
+const kForStaff: readonly AttemptFlag[] = ["faster_than_time", "contradicted", "readmitted"];
+
+// The flags that are shown, in the API's order.
+export function shownFlags(flags: readonly AttemptFlag[], staff: boolean): readonly AttemptFlag[] {
+  return staff ? flags : flags.filter((flag) => !kForStaff.includes(flag));
+}
 
 export function flagText(flag: AttemptFlag): StateText {
   return kFlagTexts[flag] ?? { title: flag, tone: "neutral" };
@@ -60,15 +69,20 @@ export function handText(hand: Hand): StateText | undefined {
 }
 
 // What somebody skimming a list must not miss.
-export function Flags({ attempt, graded }: { readonly attempt: Attempt; readonly graded: boolean }) {
+export function Flags({ attempt, graded, staff, appealed = false, done }:
+    { readonly attempt: Attempt; readonly graded: boolean; readonly staff: boolean;
+      readonly appealed?: boolean;              // an appeal waits for its answer
+      readonly done?: number | undefined }) {   // percent of the work, where it was stopped early
   const hand = handText(attempt.hand);
   return (
     <span class="flags">
+      {appealed && <Badge tone="warning">Appeal to answer</Badge>}
+      {done !== undefined && <Badge tone="warning">Stopped early: {formatNumber(done, 0)} % done</Badge>}
       {hand !== undefined && <Badge tone={hand.tone}>{hand.title}</Badge>}
       {attempt.exam && <Badge tone="neutral">Exam</Badge>}
       {attempt.critical_fail === true && <Badge tone="bad">Critical</Badge>}
       {attempt.gap_ticks > 0 && <Badge tone="warning">Gaps</Badge>}
-      {attempt.flags.map((flag) => <Badge key={flag} tone={flagText(flag).tone}>{flagText(flag).title}</Badge>)}
+      {shownFlags(attempt.flags, staff).map((flag) => <Badge key={flag} tone={flagText(flag).tone}>{flagText(flag).title}</Badge>)}
       {attempt.is_reference && <Badge tone="good">Reference</Badge>}
       {awaitsRelease(attempt, graded) && <Badge tone="neutral">Not released</Badge>}
     </span>

@@ -1,4 +1,4 @@
-import { useMemo, useRef, useState } from "preact/hooks";
+import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { Client } from "../../api/client";
 import type { ApiError } from "../../api/http";
 import type { Annotation, AttemptDetail, Deduction, Person } from "../../api/types";
@@ -17,7 +17,7 @@ import { EnvelopePanel } from "./envelope_panel";
 import { type Mark, marksOf, stepOfTick } from "./moments";
 import { ScorePanel } from "./score_panel";
 import { toleranceMm } from "./tolerance";
-import { isWithheld, withheldText } from "./summary";
+import { isWithheld, stoppedEarly, withheldText } from "./summary";
 import { TeacherActions } from "./teacher_actions";
 import { ToothPanel } from "./tooth_panel";
 
@@ -38,6 +38,7 @@ export function AttemptPage({ client, person, id }: Props) {
   const exercise = useRequest(attempt?.exercise.id, (signal) => client.teaching.exercise(attempt?.exercise.id ?? "", signal));
   const graded = exercise.loaded.state !== "ready" || exercise.loaded.value.value.graded || attempt?.exam === true;
   const tolerance = toleranceMm(exercise.loaded.state === "ready" ? exercise.loaded.value.value.rubric.criteria : []);
+  const [done, setDone] = useState<number>();       // of the work, where it was stopped early; the score says it
   const polling = attempt !== undefined && isUnderWay(attempt.state);
   useRefresh(polling, kPollMs, reload);
 
@@ -51,19 +52,19 @@ export function AttemptPage({ client, person, id }: Props) {
         <div>
           <PageTitle document={attempt.exercise.title}>{attempt.exercise.title}</PageTitle>
           <p class="byline">
-            {attempt.person.display_name}, {formatDateTime(attempt.ticketed_ms)} <StateBadge attempt={attempt} /> <Flags attempt={attempt} graded={graded && teacher} />
+            {attempt.person.display_name}, {formatDateTime(attempt.ticketed_ms)} <StateBadge attempt={attempt} /> <Flags attempt={attempt} graded={graded && teacher} staff={teacher} appealed={attempt.appeal?.state === "open"} done={done} />
           </p>
         </div>
         {teacher ? <TeacherActions client={client} attempt={attempt} graded={graded} onChanged={reload} />
                  : attempt.state === "scored" && <button type="button" class="button print-button" onClick={() => window.print()}>Print</button>}
       </div>
-      {isWithheld(attempt, teacher) ? <WithheldAttempt attempt={attempt} /> : attempt.state === "scored" ? <ScoredAttempt client={client} attempt={attempt} tolerance={tolerance} teacher={teacher} onChanged={reload} /> : <UnscoredAttempt attempt={attempt} />}
+      {isWithheld(attempt, teacher) ? <WithheldAttempt attempt={attempt} /> : attempt.state === "scored" ? <ScoredAttempt client={client} attempt={attempt} tolerance={tolerance} teacher={teacher} onChanged={reload} onDone={setDone} /> : <UnscoredAttempt attempt={attempt} />}
     </>
   );
 }
 
-function ScoredAttempt({ client, attempt, tolerance, teacher, onChanged }:
-                       { readonly client: Client; readonly attempt: AttemptDetail; readonly tolerance: number; readonly teacher: boolean; readonly onChanged: () => void }) {
+function ScoredAttempt({ client, attempt, tolerance, teacher, onChanged, onDone }:
+                       { readonly onDone: (percent: number | undefined) => void; readonly client: Client; readonly attempt: AttemptDetail; readonly tolerance: number; readonly teacher: boolean; readonly onChanged: () => void }) {
   const { id } = attempt;
   // Release changes what a student gets, not what a teacher gets; a new score changes it for both.
   const key = `${id} ${teacher || attempt.released} ${attempt.computed_score} ${attempt.reference?.attempt_id}`;
@@ -79,6 +80,8 @@ function ScoredAttempt({ client, attempt, tolerance, teacher, onChanged }:
   const said = remarks.loaded.state === "ready" ? remarks.loaded.value : kNoRemarks;
   const marks = useMemo(() => recorded === undefined ? [] : marksOf(recorded, said), [recorded, said]);
   const scored = score.loaded.state === "ready" ? score.loaded.value : undefined;
+  const done = scored === undefined ? undefined : stoppedEarly(scored);
+  useEffect(() => onDone(done), [done, onDone]);
   const reference = attempt.reference === null ? undefined : attempt.reference.dentist ?? "an earlier reference";
   const annotates = attempt.may.includes("annotate");
   const tooth = useRef<HTMLDivElement>(null);

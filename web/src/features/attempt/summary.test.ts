@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { AttemptDetail, Criterion, Score } from "../../api/types";
-import { byLostPoints, isWithheld, recordingFacts, saidFacts, summarySentence, withheldText } from "./summary";
+import { byLostPoints, isWithheld, recordingFacts, saidFacts, stoppedEarly, summarySentence, withheldText } from "./summary";
 
 const criterion = (title: string, points: number, max = 10): Criterion =>
   ({ name: title, title, value: 0.3, unit: "mm", points, max_points: max, reason: "" });
@@ -34,6 +34,9 @@ test("work that was stopped early is said before anything else", () => {
   const gate = { name: "task_done_percent", title: "Task done", value: 43, unit: "%", share: 0.45, reason: "" };
   assert.match(summarySentence(score({ score: 31, gates: [gate] })), /^31\.0 of 100\. The work was stopped early: 43 % of it was done/);
   assert.match(summarySentence(score({ gates: [{ ...gate, share: 1 }] })), /Mesial wall/);
+  assert.equal(stoppedEarly({ gates: [gate] }), 43);
+  assert.equal(stoppedEarly({ gates: [{ ...gate, name: "caries_left_percent", value: 30 }] }), 70);
+  assert.equal(stoppedEarly({ gates: [{ ...gate, name: "damage_percent" }] }), undefined);
 });
 
 test("a criterion that is not in the exercise is not counted", () => {

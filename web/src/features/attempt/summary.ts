@@ -12,12 +12,18 @@ export function byLostPoints(criteria: readonly Criterion[]): Criterion[] {
   return [...criteria].sort((a, b) => lostPoints(b) - lostPoints(a));
 }
 
+// How much of the work was done, in percent, where that took points of every criterion.
+export function stoppedEarly({ gates = [] }: Pick<Score, "gates">): number | undefined {
+  const gate = gates.find(({ name, share }) => share < 1 && (name === "task_done_percent" || name === "caries_left_percent"));
+  return gate === undefined ? undefined : gate.name === "task_done_percent" ? gate.value : 100 - gate.value;
+}
+
 // One or two sentences that say what happened.
 export function summarySentence(score: Score): string {
   const total = `${formatScore(score.score)} of 100.`;
   if (score.critical_fail) return `${total} A critical criterion failed, so the whole attempt counts as not passed.`;
-  const stopped = score.gates?.find((gate) => gate.name === "task_done_percent" && gate.share < 1);
-  if (stopped !== undefined) return `${total} The work was stopped early: ${formatNumber(stopped.value, 0)} % of it was done, so every criterion counts less.`;
+  const done = stoppedEarly(score);
+  if (done !== undefined) return `${total} The work was stopped early: ${formatNumber(done, 0)} % of it was done, so every criterion counts less.`;
   const judged = score.criteria.filter((criterion) => criterion.max_points > 0);
   const lost = byLostPoints(judged).filter((criterion) => lostPoints(criterion) >= kPointsShown);
   const [worst, second] = lost;

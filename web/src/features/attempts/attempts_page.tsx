@@ -1,3 +1,4 @@
+import { useMemo } from "preact/hooks";
 import type { AttemptQuery, Client } from "../../api/client";
 import type { Attempt, AttemptFlag, AttemptState, Cohort, ExerciseSummary } from "../../api/types";
 import { usePages } from "../../api/use_pages";
@@ -5,12 +6,14 @@ import { useRefresh } from "../../api/use_refresh";
 import { useRequest } from "../../api/use_request";
 import { formatDateTime, formatScore, plural } from "../../base/format";
 import { flagText, Flags, isUnderWay, kFlagTexts, StateBadge, stateText } from "../../widgets/attempt_state";
-import { ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
+import { Badge, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
 import { SelectField } from "../../widgets/form";
 import { PagedList } from "../../widgets/pages";
 import { type Column, DataTable } from "../../widgets/table";
 
 const kPageSize = 50;
+const kMostAppeals = 200;                       // that are told of at once
+const kNobody: ReadonlySet<string> = new Set();
 const kPollMs = 3000;
 const kStates: readonly AttemptState[] = ["ticketed", "recording", "sealed", "scoring", "scored", "failed", "quarantined"];
 
@@ -48,18 +51,24 @@ interface ListProps {
 
 function CohortAttempts({ client, filter, exercises, onQuery }: ListProps & { readonly onQuery: Props["onQuery"] }) {
   const { loaded, reload } = useRequest("cohorts", (signal) => client.people.allCohorts(signal));
+  const appeals = useRequest("appeals", (signal) => client.attempts({ appeal: "open", limit: kMostAppeals }, signal));
+  const appealed = useMemo(() => new Set(appeals.loaded.state === "ready" ? appeals.loaded.value.items.map(({ id }) => id) : []), [appeals.loaded]);
   if (loaded.state === "loading") return <Loading what="cohorts" />;
   if (loaded.state === "failed") return <ErrorNotice title="The cohorts could not be loaded" message={loaded.error.message} onRetry={reload} />;
   return (
     <>
       <Filters cohorts={loaded.value} exercises={exercises} filter={filter} onQuery={onQuery} />
+      {appealed.size > 0 && filter.special !== "appeal" && (
+        <p><Badge tone="warning">{plural(appealed.size, "appeal")} to answer</Badge>{" "}
+          <button type="button" class="button small" onClick={() => onQuery({ special: "appeal" })}>Show {appealed.size === 1 ? "it" : "them"}</button></p>
+      )}
       {(filter.assignment !== "" || filter.person !== "") && (
         <p class="hint">
           Only attempts {filter.person === "" ? "" : "of one person "}{filter.assignment === "" ? "" : "under one assignment "}are shown.{" "}
           <button type="button" class="button small" onClick={() => onQuery({ ...filter, assignment: "", person: "" })}>Show all</button>
         </p>
       )}
-      <AttemptList client={client} filter={filter} exercises={exercises} named={true} />
+      <AttemptList client={client} filter={filter} exercises={exercises} named={true} appealed={appealed} />
     </>
   );
 }
@@ -93,7 +102,7 @@ function queryOf({ cohort, exercise, state, special, assignment, person }: Filte
 }
 
 // While only the first page is shown and something in it is under way, it is asked for again.
-function AttemptList({ client, filter, exercises, named }: ListProps & { readonly named: boolean }) {
+function AttemptList({ client, filter, exercises, named, appealed = kNobody }: ListProps & { readonly named: boolean; readonly appealed?: ReadonlySet<string> }) {
   const pages = usePages(JSON.stringify(filter), (cursor, signal) => client.attempts({ ...queryOf(filter), cursor, limit: kPageSize }, signal));
   const practice = new Set(exercises.filter((exercise) => !exercise.graded).map((exercise) => exercise.id));
   const polling = pages.onlyFirst && pages.items.some((attempt) => isUnderWay(attempt.state));
@@ -106,7 +115,7 @@ function AttemptList({ client, filter, exercises, named }: ListProps & { readonl
     { title: "When", cell: (attempt) => formatDateTime(attempt.ticketed_ms) },
     { title: "Score", number: true, cell: (attempt) => <ScoreCell attempt={attempt} /> },
     { title: "State", cell: (attempt) => <StateBadge attempt={attempt} /> },
-    { title: "Flags", cell: (attempt) => <Flags attempt={attempt} graded={!practice.has(attempt.exercise.id) || attempt.exam} /> },
+    { title: "Flags", cell: (attempt) => <Flags attempt={attempt} graded={!practice.has(attempt.exercise.id) || attempt.exam} staff={named} appealed={appealed.has(attempt.id)} /> },
   ];
   return (
     <PagedList pages={pages} what="attempts" empty="No attempt yet. They appear here while they are recorded at a station.">

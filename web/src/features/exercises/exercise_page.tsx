@@ -126,7 +126,7 @@ function OwnAttempts({ client, exercise, personId }: { readonly client: Client; 
           { title: "When", cell: (attempt: Attempt) => <a href={`/attempts/${attempt.id}`}>{formatDateTime(attempt.ticketed_ms)}</a> },
           { title: "State", cell: (attempt: Attempt) => <StateBadge attempt={attempt} /> },
           { title: "Score", number: true, cell: (attempt: Attempt) => <span class="score-cell">{formatScore(attempt.score)}</span> },
-          { title: "Flags", cell: (attempt: Attempt) => <Flags attempt={attempt} graded={exercise.graded || attempt.exam} /> },
+          { title: "Flags", cell: (attempt: Attempt) => <Flags attempt={attempt} graded={exercise.graded || attempt.exam} staff={false} /> },
         ]} />
       ))}
     </Card>
