@@ -9,6 +9,7 @@ import { Disposables } from "../../base/disposables";
 import { FrameScheduler } from "../../base/frame";
 import { deviationScalePixels, kContourStepMm, kDeviationRangeMm, kUntouchedColor } from "./deviation_scale";
 import { tissueColor } from "./tissue";
+import { TriangleGrid } from "./triangle_grid";
 
 export type ColorMode = "tissue" | "deviation";
 export type CameraPreset = "angled" | "occlusal" | "buccal" | "mesial";
@@ -49,6 +50,7 @@ export class ToothScene {
   private readonly frame = new FrameScheduler(() => this.draw());
   private readonly heat = { value: 0 };
   private readonly tooth: Mesh<BufferGeometry, MeshStandardMaterial>;
+  private grid: TriangleGrid | undefined;       // made when something is first looked up
   private readonly marker: Mesh;
   private readonly trail: Line;
   private readonly centre = new Vector3();
@@ -144,10 +146,11 @@ export class ToothScene {
     const pointer = new Vector2((2 * x) / this.canvas.clientWidth - 1, 1 - (2 * y) / this.canvas.clientHeight);
     const ray = new Raycaster();
     ray.setFromCamera(pointer, this.camera);
-    const hit = ray.intersectObject(this.tooth, false)[0];
-    const vertex = hit?.face?.a;
+    this.grid ??= new TriangleGrid(this.surface.positionMm, this.surface.triangle);
+    const hit = this.grid.firstHit(ray.ray.origin.toArray(), ray.ray.direction.toArray());
+    const vertex = hit === undefined ? undefined : this.surface.triangle[3 * hit.triangle];
     if (hit === undefined || vertex === undefined) return undefined;
-    return { tissue: this.surface.tissue[vertex] ?? 0, deviationMm: this.surface.deviationMm?.[vertex], pointMm: hit.point.toArray() };
+    return { tissue: this.surface.tissue[vertex] ?? 0, deviationMm: this.surface.deviationMm?.[vertex], pointMm: hit.at };
   }
 
   private draw(): void {

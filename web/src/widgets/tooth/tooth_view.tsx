@@ -1,6 +1,7 @@
-import { useEffect, useRef, useState } from "preact/hooks";
+import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { Surface } from "../../api/surface";
 import { Disposables } from "../../base/disposables";
+import { FrameScheduler } from "../../base/frame";
 import { formatQuantity } from "../../base/format";
 import type { AngledView, CameraPreset, ColorMode, PointMm, SurfacePoint, ToothScene } from "./scene";
 import { tissueTitle } from "./tissue";
@@ -69,6 +70,14 @@ export function ToothView({ surface, mode, label, angled, tool, path, pins = kNo
   useEffect(() => scene.current?.setMode(mode), [mode, ready]);
   useEffect(() => scene.current?.setTool(tool, path ?? []), [tool, path, ready]);
   useEffect(() => scene.current?.redraw(), [pins, ready]);
+  // Looked up once a frame, however often the pointer tells of itself.
+  const over = useRef<Place | undefined>(undefined);
+  const looking = useMemo(() => new FrameScheduler(() => setUnder(over.current === undefined ? undefined : scene.current?.pick(...over.current))), []);
+  useEffect(() => () => looking.cancel(), [looking]);
+  const hover = (place: Place | undefined) => {
+    over.current = place;
+    looking.request();
+  };
   const pressed = useRef<readonly [number, number]>([0, 0]);
   const pick = (event: MouseEvent) => {
     const [x, y] = pressed.current;
@@ -86,7 +95,7 @@ export function ToothView({ surface, mode, label, angled, tool, path, pins = kNo
            onKeyDown={(event) => handleKey(event, scene.current)}
            onFocus={() => scene.current?.setZoomEnabled(true)} onBlur={() => scene.current?.setZoomEnabled(false)}
            onPointerDown={(event) => { pressed.current = [event.clientX, event.clientY]; }} onClick={pick}
-           onPointerMove={(event) => setUnder(pickAt(event, scene.current))} onPointerLeave={() => setUnder(undefined)}>
+           onPointerMove={(event) => hover(placeOf(event))} onPointerLeave={() => hover(undefined)}>
         {kDirections.map(([name]) => <span key={name} class="tooth-direction" aria-hidden="true">{name}</span>)}
         {pins.map((pin) => (
           <button key={pin.key} type="button" class={pin.chosen ? "tooth-pin chosen" : "tooth-pin"} aria-label={pin.label} aria-pressed={pin.chosen}
@@ -167,10 +176,13 @@ function handleKey(event: KeyboardEvent, scene: ToothScene | undefined): void {
   event.preventDefault();
 }
 
-function pickAt(event: PointerEvent, scene: ToothScene | undefined): SurfacePoint | undefined {
-  if (scene === undefined || event.buttons !== 0 || event.pointerType === "touch") return undefined;
+type Place = readonly [number, number];          // CSS pixels from the picture's top left corner
+
+// Of a pointer that hovers; undefined for one that turns the tooth, or cannot hover.
+function placeOf(event: PointerEvent): Place | undefined {
+  if (event.buttons !== 0 || event.pointerType === "touch") return undefined;
   const box = (event.currentTarget as HTMLElement).getBoundingClientRect();
-  return scene.pick(event.clientX - box.left, event.clientY - box.top);
+  return [event.clientX - box.left, event.clientY - box.top];
 }
 
 function pointText({ tissue, deviationMm }: SurfacePoint): string {
