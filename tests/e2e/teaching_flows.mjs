@@ -57,6 +57,8 @@ async function assignmentLife(world) {
   const dialog = page.getByRole("dialog");
   await dialog.getByLabel("Exercise").selectOption({ label: "Mesial box, class II" });
   await dialog.getByLabel("Cohort").selectOption({ label: "Preclinic, second term" });
+  await dialog.getByLabel("Due").fill("2020-03-09T09:00");
+  await dialog.getByText("This time has passed: nobody could begin any more.").waitFor();
   await dialog.getByLabel("Opens").fill("2027-03-10T09:00");
   await dialog.getByLabel("Due").fill("2027-03-09T09:00");
   await dialog.getByText("Expected a time after the opening.").waitFor();

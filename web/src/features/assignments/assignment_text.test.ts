@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { dueText, leftText, phaseOf } from "./assignment_text";
+import { dueProblem, dueText, leftText, phaseOf } from "./assignment_text";
 
 const day = 86_400_000;
 const terms = (opens: number, due: number, late = false) => ({ opens_ms: opens, due_ms: due, late_allowed: late });
@@ -11,6 +11,14 @@ test("an assignment is before, open, late or closed", () => {
   assert.equal(phaseOf(terms(10 * day, 20 * day), 21 * day), "closed");
   assert.equal(phaseOf(terms(10 * day, 20 * day, true), 21 * day), "late");
   assert.equal(phaseOf(terms(0, 0), 15 * day), "open");
+});
+
+test("a due time that has passed, or comes before the opening, is said when it is set", () => {
+  assert.match(dueProblem(terms(0, 5 * day), 6 * day) ?? "", /has passed: nobody could begin/);
+  assert.match(dueProblem(terms(0, 5 * day, true), 6 * day) ?? "", /every attempt would be late/);
+  assert.match(dueProblem(terms(5 * day, 4 * day), day) ?? "", /after the opening/);
+  assert.equal(dueProblem(terms(0, 5 * day), 4 * day), undefined);
+  assert.equal(dueProblem(terms(0, 0), 4 * day), undefined);
 });
 
 test("due dates and what is left are said in words", () => {

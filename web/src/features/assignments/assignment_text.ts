@@ -16,6 +16,14 @@ export function dueText({ due_ms: due }: Pick<Assignment, "due_ms">, nowMs: numb
   return due === 0 ? "No due date" : `${formatDateTime(due)} (${relativeTime(due, nowMs)})`;
 }
 
+// What is wrong with when it is due, for whoever sets it; undefined: nothing.
+export function dueProblem({ opens_ms: opens, due_ms: due, late_allowed: late }: Pick<Assignment, "opens_ms" | "due_ms" | "late_allowed">, nowMs: number): string | undefined {
+  if (due === 0) return undefined;
+  if (opens > 0 && due <= opens) return "Expected a time after the opening.";
+  if (due > nowMs) return undefined;
+  return late ? "This time has passed: every attempt would be late." : "This time has passed: nobody could begin any more. Choose a later time.";
+}
+
 export function limitText({ attempt_limit: limit }: Pick<Assignment, "attempt_limit">): string {
   return limit === 0 ? "No limit" : plural(limit, "attempt");
 }

@@ -1,6 +1,6 @@
 import type { AssignmentTerms, Counting } from "../../api/types";
 import { CheckField, NumberField, SelectField, TimeField } from "../../widgets/form";
-import { countingText, kCountings, kHands } from "./assignment_text";
+import { countingText, dueProblem, kCountings, kHands } from "./assignment_text";
 
 export type Terms = Required<Omit<AssignmentTerms, "exercise" | "cohort_id">>;
 
@@ -13,14 +13,14 @@ interface Props {
 
 // When, how often, and whether as an exam.
 export function TermsFields({ terms, onTerms, stations, problemOf }: Props) {
-  const order = terms.due_ms > 0 && terms.opens_ms > 0 && terms.due_ms <= terms.opens_ms ? "Expected a time after the opening." : undefined;
+  const dueWrong = dueProblem(terms, Date.now());
   const chosen = new Set(terms.station_ids);
   const toggle = (id: string, on: boolean) => onTerms({ station_ids: on ? [...terms.station_ids, id] : terms.station_ids.filter((item) => item !== id) });
   return (
     <>
       <div class="form-grid">
         <TimeField label="Opens" hint="Empty: at once" value={terms.opens_ms} onValue={(opensMs) => onTerms({ opens_ms: opensMs })} problem={problemOf("opens_ms")} />
-        <TimeField label="Due" hint="Empty: never" value={terms.due_ms} onValue={(dueMs) => onTerms({ due_ms: dueMs })} problem={problemOf("due_ms") ?? order} />
+        <TimeField label="Due" hint="Empty: never" value={terms.due_ms} onValue={(dueMs) => onTerms({ due_ms: dueMs })} problem={problemOf("due_ms") ?? dueWrong} />
         <NumberField label="Attempts for each student" hint="0: no limit" min={0} max={1000} value={terms.attempt_limit}
                      onValue={(limit) => onTerms({ attempt_limit: limit })} problem={problemOf("attempt_limit")} />
         <SelectField<Counting> label="What counts of several attempts" value={terms.counting} onValue={(counting) => onTerms({ counting })}
