@@ -22,6 +22,7 @@ export const adminFlows = [
   { name: "a report's strokes are drawn, opened by their address and closed", run: drawnReport },
   { name: "a report's strokes as one file need nothing else", run: reportAsOneFile },
   { name: "a job is cancelled, and the audit is narrowed", run: jobsAndAudit },
+  { name: "the audit reads in sentences, also on a narrow screen with its tab in view", run: auditNarrow },
 ];
 
 async function drawnReport(world) {
@@ -215,7 +216,7 @@ async function stations(world) {
   const page = await signedIn(world, "admin", "/stations");
   await page.getByRole("button", { name: "Make a code" }).click();
   const command = await page.locator(".copy-text").first().innerText();
-  assert.match(command, /^enamel-station enrol --server 127\.0\.0\.1:\d+ --code [0-9a-f]+@[0-9a-f]{64} --name /);
+  assert.match(command, /^enamel-station enrol --server 127\.0\.0\.1:8600 --code [0-9a-f]+@[0-9a-f]{64} --name /);
   await accessible(page, "a new enrolment code");
   await page.screenshot({ path: world.picture("enrol") });
   await page.getByRole("button", { name: "Close" }).click();
@@ -319,8 +320,22 @@ async function jobsAndAudit(world) {
   await page.getByLabel("What").fill("person.");
   await page.getByRole("button", { name: "Search" }).click();
   await page.waitForURL(/action=person/);
-  await page.getByRole("row").filter({ hasText: "attempt.release" }).first().waitFor({ state: "detached" });
+  await page.getByRole("row").filter({ hasText: "released the score of" }).first().waitFor({ state: "detached" });
   await page.getByRole("link", { name: "Admin One" }).nth(1).waitFor();
   const file = await downloaded(page, () => page.getByRole("button", { name: "Save what is shown as CSV" }).click());
   assert.ok(file.text.split("\r\n").slice(1, -1).every((row) => row.includes("person.edit")));
+}
+
+async function auditNarrow(world) {
+  const page = await signedIn(world, "admin", "/audit", { width: 390, height: 844 });
+  await page.getByRole("cell", { name: /Instructor One released the score of attempt …0001\d\d/ }).first().waitFor();
+  const text = await page.getByRole("main").innerText();
+  assert.doesNotMatch(text, /\{\}|[0-9a-f]{8}-[0-9a-f]{4}-/, "no empty detail and no whole id");
+  assert.match(text, /Role: student → instructor/);
+  const tab = await page.getByRole("link", { name: "Audit", exact: true }).boundingBox();
+  assert.ok(tab.x >= 0 && tab.x + tab.width <= 390, `the open tab is at ${tab.x}`);
+  const rows = await page.locator("tbody tr").count();
+  const height = await page.evaluate(() => document.documentElement.scrollHeight);
+  assert.ok(height / rows < 150, `${height} px for ${rows} entries`);
+  await page.screenshot({ path: world.picture("audit_narrow") });
 }

@@ -1,6 +1,6 @@
 import { signal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
-import { useEffect, useState } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 import { Client } from "../api/client";
 import { queryText } from "../api/http";
 import type { Person, Session } from "../api/types";
@@ -96,10 +96,16 @@ function SignedIn({ person }: { readonly person: Person }) {
 }
 
 function Header({ person, path }: { readonly person: Person; readonly path: string }) {
+  const list = useRef<HTMLElement>(null);
+  // On a narrow screen the row of pages scrolls sideways: the one that is open is brought into it.
+  useEffect(() => {
+    const open = list.current?.querySelector<HTMLElement>("[aria-current]");
+    if (list.current !== null && open != null) list.current.scrollLeft = open.offsetLeft - (list.current.clientWidth - open.offsetWidth) / 2;
+  }, [path]);
   return (
     <header class="header">
       <a class="brand" href={homePath(person.role)}><BrandMark /><span>Enamel</span></a>
-      <nav aria-label="Main">
+      <nav aria-label="Main" ref={list}>
         <ul>
           {navigation(person.role).map((item) => (
             <li key={item.path}>

@@ -11,6 +11,7 @@ import { Card, PageTitle } from "../../widgets/basics";
 import { TextField, TimeField } from "../../widgets/form";
 import { PagedList } from "../../widgets/pages";
 import { type Column, DataTable } from "../../widgets/table";
+import { actionText, type Detail, detailsOf, peopleIn, personOf, shortId, thingOf } from "./audit_text";
 
 const kPageSize = 100;
 
@@ -53,32 +54,50 @@ export function AuditPage({ client, query, onQuery }: Props) {
 
 // People are told by their id in the trail, because names change: those who are there get their name.
 function Entries({ client, entries }: { readonly client: Client; readonly entries: readonly AuditEntry[] }) {
-  const ids = [...new Set(entries.flatMap((entry) => personId(entry.actor) ?? []))].sort();
+  const ids = peopleIn(entries);
   const names = useRequest(ids.join(" "), async (signal) => {
     const found = await Promise.all(ids.map((id) => client.people.get(id, signal)));
     return ok(new Map(found.flatMap((person) => person.ok ? [[person.value.value.id, person.value.value.display_name] as const] : [])));
   });
-  const known = names.loaded.state === "ready" ? names.loaded.value : undefined;
-  const who = ({ actor }: AuditEntry) => {
-    const id = personId(actor);
-    const name = id === undefined ? undefined : known?.get(id);
-    return id === undefined || name === undefined ? <span class="json">{actor}</span> : <><a href={`/people/${id}`}>{name}</a>{actor.slice(id.length)}</>;
-  };
-  return <DataTable label="Audit, newest first" items={entries} columns={[kWhen, { title: "Who", cell: who }, ...kColumns]} />;
+  const known: ReadonlyMap<string, string> = names.loaded.state === "ready" ? names.loaded.value : new Map();
+  const nameOf = (id: string) => known.get(id) ?? shortId(id);
+  return (
+    <DataTable label="Audit, newest first" items={entries} dense columns={[
+      kWhen,
+      { title: "Who did what", cell: (entry) => <Sentence entry={entry} known={known} /> },
+      { title: "In detail", cell: (entry) => <Details details={detailsOf(entry, nameOf)} /> },
+    ]} />
+  );
 }
 
-// "UUID (page)"
-function personId(actor: string): string | undefined {
-  return /^[0-9a-f]{8}(?:-[0-9a-f]{4}){3}-[0-9a-f]{12}(?= |$)/.exec(actor)?.[0];
+function Sentence({ entry, known }: { readonly entry: AuditEntry; readonly known: ReadonlyMap<string, string> }) {
+  const person = personOf(entry.actor);
+  const thing = thingOf(entry);
+  const linked = (id: string, otherwise: string) => known.has(id) ? <a href={`/people/${id}`}>{known.get(id)}</a> : <span title={id}>{otherwise}</span>;
+  return (
+    <span title={entry.action}>
+      {person === undefined ? capitalised(entry.actor) : <>{linked(person, shortId(person))}{entry.actor.slice(person.length).replace(" (page)", "")}</>}{" "}
+      {actionText(entry.action)}{" "}
+      {thing === undefined ? null : thing.kind === "attempt" ? <a href={`/attempts/${thing.id}`} title={thing.id}>{thing.text}</a>
+        : thing.kind === "person" ? linked(thing.id, thing.text) : <span class="hint" title={thing.id}>{thing.text}</span>}
+    </span>
+  );
+}
+
+function capitalised(text: string): string {
+  return text.charAt(0).toUpperCase() + text.slice(1);
+}
+
+function Details({ details }: { readonly details: readonly Detail[] }) {
+  if (details.length === 0) return null;
+  return (
+    <ul class="audit-details">
+      {details.map(({ name, before, after }) => <li key={name}>{name}: {before === "" ? after : after === "" ? <>{before}, taken away</> : <>{before} → {after}</>}</li>)}
+    </ul>
+  );
 }
 
 const kWhen: Column<AuditEntry> = { title: "When", cell: (entry) => <span class="nowrap">{formatDateTime(entry.at_ms)}</span> };
-const kColumns: readonly Column<AuditEntry>[] = [
-  { title: "What", cell: (entry) => <code>{entry.action}</code> },
-  { title: "On", cell: (entry) => <code class="json">{entry.object}</code> },
-  { title: "Before", cell: (entry) => <code class="json">{entry.before === "" ? "–" : entry.before}</code> },
-  { title: "After", cell: (entry) => <code class="json">{entry.after === "" ? "–" : entry.after}</code> },
-];
 
 function Filters({ client, filter, onQuery }: { readonly client: Client; readonly filter: Filter; readonly onQuery: Props["onQuery"] }) {
   const [draft, setDraft] = useState(filter);
