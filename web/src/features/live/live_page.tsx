@@ -43,11 +43,15 @@ function LiveCard({ attempt, track }: { readonly attempt: Attempt; readonly trac
         <LiveState track={track} />
       </div>
       <p>{attempt.person.display_name}<span class="hint"> · {attempt.exercise.title}</span></p>
-      <div class="live-pictures">
-        <AnchorView rows={track.rows} rateHz={kDefaultRateHz} plane={kFromAbove} />
-        <ForceStrip rows={track.rows} rateHz={kDefaultRateHz} />
-      </div>
-      <ForceNow track={track} />
+      {track.rows.length === 0 ? <p class="live-waiting hint">{track.state === "disturbed" ? track.problem : "Its picture comes with the first movement."}</p> : (
+        <>
+          <div class="live-pictures">
+            <AnchorView rows={track.rows} rateHz={kDefaultRateHz} plane={kFromAbove} />
+            <ForceStrip rows={track.rows} rateHz={kDefaultRateHz} />
+          </div>
+          <ForceNow track={track} />
+        </>
+      )}
     </article>
   );
 }

@@ -1,7 +1,7 @@
 import { forceSize, type LiveRow } from "../../api/live";
 import { formatNumber } from "../../base/format";
 import { Canvas, type Drawing } from "../../widgets/canvas";
-import { extentOf, kTrackSeconds, largestForce } from "./track";
+import { extentOf, largestForce, shownSeconds } from "./track";
 
 const kTrailSeconds = 4;
 const kLeastSpanMm = 6;                         // shown at least, so that a still hand does not look wild
@@ -15,9 +15,10 @@ interface Props {
 // Force over the last seconds, newest on the right.
 export function ForceStrip({ rows, rateHz }: Props) {
   const top = Math.max(kLeastForceN, Math.ceil(largestForce(rows)));
+  const seconds = shownSeconds(rows, rateHz);
   const draw = ({ context, width, height, color }: Drawing) => {
     const end = rows.at(-1)?.tick ?? 0;
-    const x = (tick: number) => width * (1 - (end - tick) / (kTrackSeconds * rateHz));
+    const x = (tick: number) => width * (1 - (end - tick) / (seconds * rateHz));
     const y = (force: number) => height - 2 - (height - 16) * (force / top);
     context.strokeStyle = color("--line");
     context.fillStyle = color("--text-soft");
@@ -31,7 +32,7 @@ export function ForceStrip({ rows, rateHz }: Props) {
     line(context, rows.map((row) => [x(row.tick), y(forceSize(row))]));
   };
   return <Canvas className="live-strip" stamp={rows} draw={draw}
-                 label={`Force over the last ${kTrackSeconds} seconds; largest ${formatNumber(largestForce(rows))} N`} />;
+                 label={`Force over the last ${formatNumber(seconds, 0)} seconds; largest ${formatNumber(largestForce(rows))} N`} />;
 }
 
 export interface Plane {

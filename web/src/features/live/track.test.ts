@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { LiveRow } from "../../api/live";
-import { emptyTrack, extentOf, flagTexts, kTrackSeconds, largestForce, withRows } from "./track";
+import { emptyTrack, extentOf, flagTexts, kTrackSeconds, largestForce, shownSeconds, withRows } from "./track";
 
 const row = (tick: number, x = 0, force = 0): LiveRow => ({ tick, anchorMm: [x, -x, 1], forceN: [0, force, 0], flags: 0 });
 const rows = (from: number, count: number) => Array.from({ length: count }, (_, i) => row(from + 16 * i));
@@ -30,4 +30,11 @@ test("where the tool was and the largest force are those of the rows", () => {
 test("a tick without anything to say has no flag text, one with two has two", () => {
   assert.deepEqual(flagTexts(16 | 32), []);
   assert.equal(flagTexts(2 | 1024).length, 2);
+});
+
+test("a strip shows as much time as was seen, at least some seconds and at most those that are kept", () => {
+  assert.equal(shownSeconds([], 1000), 4);
+  assert.equal(shownSeconds([row(5000), row(5500)], 1000), 4);
+  assert.equal(shownSeconds([row(0), row(9000)], 1000), 9);
+  assert.equal(shownSeconds([row(0), row(90_000)], 1000), kTrackSeconds);
 });

@@ -23,6 +23,14 @@ export function withRows(track: Track, rows: readonly LiveRow[], rateHz: number,
   return { rows: [...kept, ...rows].filter((row) => row.tick >= oldest).slice(-kMaxRows), state: "live", problem: "", heardMs: nowMs };
 }
 
+const kLeastShownSeconds = 4;
+
+// How many seconds a strip of the track shows: as much as was seen, so that it is filled from the beginning.
+export function shownSeconds(rows: readonly LiveRow[], rateHz: number): number {
+  const seen = ((rows.at(-1)?.tick ?? 0) - (rows[0]?.tick ?? 0)) / rateHz;
+  return Math.min(Math.max(seen, kLeastShownSeconds), kTrackSeconds);
+}
+
 export interface Extent {
   readonly low: readonly [number, number, number];
   readonly high: readonly [number, number, number];
