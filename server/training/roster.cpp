@@ -32,16 +32,39 @@ bool IsMisspelt(const RosterRow& row, const RosterFacts& facts, const Spellings&
          spellings.at(NameKey(row.cohort)).name != row.cohort;
 }
 
+// Of a person who comes more than once.
+using RowsByLogin = std::map<std::string, std::vector<const RosterRow*>>;
+
+// Against a further row of one person, or empty: it may only name a further cohort.
+std::vector<RosterProblem> ProblemsOfAgain(const RosterRow& row,
+                                           const std::vector<const RosterRow*>& rows) {
+  const RosterRow& first = *rows.front();
+  if (first.row == row.row) return {};
+  std::vector<RosterProblem> out;
+  const std::string where = " row " + std::to_string(first.row);
+  auto before = std::ranges::find_if(
+      rows, [&](const RosterRow* each) { return NameKey(each->cohort) == NameKey(row.cohort); });
+  if (row.cohort.empty() || (*before)->row != row.row) {
+    const uint32_t same = row.cohort.empty() ? first.row : (*before)->row;
+    out.push_back({row.row, "login",
+                   "\"" + row.login + "\", which row " + std::to_string(same) + " has already",
+                   "each person once in each cohort"});
+  }
+  if (first.role != row.role) {
+    out.push_back({row.row, "role", RoleName(row.role),
+                   std::string(RoleName(first.role)) + " as in" + where});
+  }
+  if (!row.display_name.empty() && row.display_name != first.display_name) {
+    out.push_back({row.row, "display_name", "\"" + row.display_name + "\"",
+                   "\"" + first.display_name + "\" as in" + where + ", or nothing"});
+  }
+  return out;
+}
+
 // Against the row, or empty.
 std::vector<RosterProblem> ProblemsOf(const RosterRow& row, const RosterFacts& facts,
-                                      const std::map<std::string, uint32_t>& first_rows,
-                                      const Spellings& spellings) {
-  std::vector<RosterProblem> out;
-  if (uint32_t first = first_rows.at(row.login); first != row.row) {
-    out.push_back({row.row, "login",
-                   "\"" + row.login + "\", which row " + std::to_string(first) + " has already",
-                   "each person once"});
-  }
+                                      const RowsByLogin& by_login, const Spellings& spellings) {
+  std::vector<RosterProblem> out = ProblemsOfAgain(row, by_login.at(row.login));
   auto person = facts.people.find(row.login);
   // A list from an office must not make a student an instructor, nor the other way round.
   if (person != facts.people.end() && person->second.role != row.role) {
@@ -63,19 +86,21 @@ std::vector<RosterProblem> ProblemsOf(const RosterRow& row, const RosterFacts& f
   return out;
 }
 
-RosterStep StepFor(const RosterRow& row, const RosterFacts& facts) {
+RosterStep StepFor(const RosterRow& row, const RosterFacts& facts, bool again) {
   RosterStep step{row};
+  step.again = again;
   auto person = facts.people.find(row.login);
   auto cohort = facts.cohorts.find(row.cohort);
   if (person == facts.people.end()) {
-    step.change = RosterStep::Change::kCreate;
+    step.change = again ? RosterStep::Change::kUpdate : RosterStep::Change::kCreate;
     step.joins = !row.cohort.empty();
     return step;
   }
   step.before = person->second;
   // An empty name says nothing about the name; the password, and whether somebody is disabled, are
   // never a roster's.
-  step.renames = !row.display_name.empty() && row.display_name != person->second.display_name;
+  step.renames =
+      !again && !row.display_name.empty() && row.display_name != person->second.display_name;
   bool member = cohort != facts.cohorts.end() &&
                 facts.members.contains({cohort->second.id, person->second.id});
   step.joins = !row.cohort.empty() && !member;
@@ -93,16 +118,16 @@ size_t RosterPlan::Count(RosterStep::Change change) const {
 
 RosterPlan PlanRoster(const std::vector<RosterRow>& rows, const RosterFacts& facts) {
   RosterPlan plan;
-  std::map<std::string, uint32_t> first_rows;
-  for (const RosterRow& row : rows) first_rows.emplace(row.login, row.row);
+  RowsByLogin by_login;
+  for (const RosterRow& row : rows) by_login[row.login].push_back(&row);
   const Spellings spellings = SpellingsOf(rows, facts);
   std::set<std::string> made;
   for (const RosterRow& row : rows) {
-    auto problems = ProblemsOf(row, facts, first_rows, spellings);
+    auto problems = ProblemsOf(row, facts, by_login, spellings);
     plan.problems.insert(plan.problems.end(), problems.begin(), problems.end());
     // Also for a row with a problem: the plan is shown whole, and carried out only when there is
     // none.
-    plan.steps.push_back(StepFor(row, facts));
+    plan.steps.push_back(StepFor(row, facts, by_login.at(row.login).front() != &row));
     bool is_new = !row.cohort.empty() && !facts.cohorts.contains(row.cohort);
     if (is_new && made.insert(row.cohort).second) plan.new_cohorts.push_back(row.cohort);
   }

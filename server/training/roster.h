@@ -44,6 +44,7 @@ struct RosterStep {
   RosterRow row;
   Change change = Change::kUnchanged;
   std::optional<Person> before;  // none: a new person
+  bool again = false;  // a row before has the same person: this one names a further cohort
   bool renames = false, joins = false;
   std::string note;  // worth knowing, and no obstacle
 };
@@ -59,7 +60,9 @@ struct RosterPlan {
 
 // Who is new is created. Who is there keeps role and password, takes the roster's name when it has
 // one and joins the roster's cohort beside those the person is in already. Nobody is removed.
-// Against it stand: another role, a cohort that is archived, a login that comes twice.
+// Somebody in several cohorts has a row for each: the first makes the person.
+// Against it stand: another role, a cohort that is archived, a person twice in one cohort, and rows of
+// one person that differ in name or role.
 RosterPlan PlanRoster(const std::vector<RosterRow>& rows, const RosterFacts& facts);
 
 const char* RosterChangeName(RosterStep::Change change);  // "create", "update", "unchanged"

@@ -42,18 +42,22 @@ Person NewPerson(const RosterRow& row) {
   return out;
 }
 
+// `made`: who was new, by login; a person's further rows find the one that their first row made.
 Status CarryOut(Db& db, const RosterStep& step, const std::map<std::string, Uuid>& cohorts,
-                const Actor& by) {
+                std::map<std::string, Uuid>& made, const Actor& by) {
   Uuid person;
   if (step.before) {
     person = step.before->id;
     if (step.renames) {
       ENAMEL_RETURN_IF_ERROR(RenamePerson(db, *step.before, step.row.display_name, by));
     }
+  } else if (step.again) {
+    person = made.at(step.row.login);
   } else {
-    Person made = NewPerson(step.row);
-    person = made.id;
-    ENAMEL_RETURN_IF_ERROR(InsertPerson(db, made, step.row.verifier, by));
+    Person added = NewPerson(step.row);
+    person = added.id;
+    made[step.row.login] = person;
+    ENAMEL_RETURN_IF_ERROR(InsertPerson(db, added, step.row.verifier, by));
   }
   if (!step.joins) return Status::Ok();
   return InsertMember(db, cohorts.at(step.row.cohort), person, by);
@@ -66,8 +70,9 @@ Status CarryOut(Db& db, const RosterPlan& plan, const RosterFacts& facts, const 
     ENAMEL_ASSIGN_OR_RETURN(auto id, InsertCohort(db, name, by));
     cohorts[name] = id;
   }
+  std::map<std::string, Uuid> made;
   for (const RosterStep& step : plan.steps) {
-    ENAMEL_RETURN_IF_ERROR(CarryOut(db, step, cohorts, by));
+    ENAMEL_RETURN_IF_ERROR(CarryOut(db, step, cohorts, made, by));
   }
   // An import that changed nothing is no event.
   size_t unchanged = plan.Count(RosterStep::Change::kUnchanged);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <boost/json.hpp>
 
 #include "common/base/csv.h"
@@ -54,6 +55,39 @@ TEST_F(ImportTest, DryRunTellsTheSameAndMakesNeitherPeopleNorPasswords) {
   EXPECT_TRUE(result.passwords.empty());
   EXPECT_EQ(result.plan.Count(RosterStep::Change::kCreate), 2u);
   EXPECT_TRUE(store_->People()->empty());
+}
+
+TEST_F(ImportTest, SomebodyInTwoCohortsHasARowForEach) {
+  const std::string rows =
+      "login,display_name,role,cohort\nada,Ada,instructor,Year 3\nada,,instructor,Year 4\n"
+      "bob,Bob,,Year 3\n";
+  ImportResult result = Import(rows);
+  ASSERT_TRUE(result.done);
+  EXPECT_EQ(result.plan.Count(RosterStep::Change::kCreate), 2u);
+  EXPECT_EQ(result.passwords.size(), 2u) << "one password for one person";
+  const Uuid ada = store_->PersonByLogin("ada")->id;
+  const auto cohorts = store_->Cohorts();
+  ASSERT_EQ(cohorts->size(), 2u);
+  for (const Cohort& cohort : *cohorts) {
+    const auto members = *store_->CohortMembers(cohort.id);
+    EXPECT_TRUE(std::ranges::any_of(members, [&](const Person& each) { return each.id == ada; }))
+        << cohort.name;
+  }
+  EXPECT_EQ(store_->PersonByLogin("ada")->display_name, "Ada");
+  EXPECT_EQ(Import(rows).plan.Count(RosterStep::Change::kUnchanged), 3u) << "again changes nothing";
+}
+
+TEST_F(ImportTest, RowsOfOnePersonMustAgree) {
+  ImportResult result = Import(
+      "login,display_name,role,cohort\nada,Ada,instructor,Year 3\nada,Ada,student,Year 4\n"
+      "ada,Eve,instructor,Year 5\nada,Ada,instructor,Year 3\nada,Ada,instructor,\n");
+  ASSERT_EQ(result.plan.problems.size(), 4u);
+  EXPECT_EQ(result.plan.problems[0].column, "role");
+  EXPECT_EQ(result.plan.problems[0].expected, "instructor as in row 2");
+  EXPECT_EQ(result.plan.problems[1].column, "display_name");
+  EXPECT_EQ(result.plan.problems[2].expected, "each person once in each cohort");
+  EXPECT_EQ(result.plan.problems[3].column, "login");
+  EXPECT_FALSE(store_->PersonByLogin("ada").ok());
 }
 
 TEST_F(ImportTest, ProblemsOfTheFileAndOfWhatIsThereComeTogetherByRow) {
