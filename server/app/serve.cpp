@@ -303,6 +303,7 @@ Status Serve(const ServeOptions& options) {
   ENAMEL_ASSIGN_OR_RETURN(auto page_port, page.Start());
   services.page_url = PageUrlOf(options, http_options, page_port);
   ENAMEL_ASSIGN_OR_RETURN(auto link_port, link.Start());
+  page.StationsListenAt(link_port);
   worker.Start();
   Caretaker caretaker(store);
 

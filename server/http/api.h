@@ -39,6 +39,8 @@ class Api : public std::enable_shared_from_this<Api> {
   void Enrol(std::string station_fingerprint) {
     station_fingerprint_ = std::move(station_fingerprint);
   }
+  // Where, as soon as it is known.
+  void StationsListenAt(uint16_t port) { station_port_ = port; }
   // Whether whoever asked for the events may still see them; on the store's threads.
   boost::asio::awaitable<bool> StillAllowed(EventSource& events);
 
@@ -76,6 +78,7 @@ class Api : public std::enable_shared_from_this<Api> {
   const std::chrono::milliseconds work_;
   LiveBoard* live_ = nullptr;
   std::string station_fingerprint_;
+  std::atomic<uint16_t> station_port_{0};
   std::atomic<size_t> in_flight_{0};
   std::array<std::atomic<uint64_t>, 6> answers_{};
   std::atomic<uint64_t> forbidden_{0};

@@ -102,6 +102,8 @@ Result<uint16_t> HttpServer::Start() {
   return port;
 }
 
+void HttpServer::StationsListenAt(uint16_t port) { state_->context->api->StationsListenAt(port); }
+
 void HttpServer::Stop() { state_->listener.Stop(); }
 
 }  // namespace enamel::server::http

@@ -86,6 +86,9 @@ class HttpServer {
   // loopback), kUnavailable (port in use), kNotFound (page, certificate), each with what to do.
   Result<uint16_t> Start();
 
+  // Where stations reach this server: an enrolment code is given out with it. From any thread.
+  void StationsListenAt(uint16_t port);
+
   // Returns at once. First no new connections and requests, and idle ones are closed; after
   // deadlines.stop what is left is closed too. `io` then has no work of this server.
   void Stop();

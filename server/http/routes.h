@@ -48,6 +48,7 @@ struct Call {
   LiveBoard* live = nullptr;               // none: nothing can be watched
   // Of the certificate that stations know the server by, in hexadecimal; empty: it takes none.
   std::string_view station_fingerprint = {};
+  uint16_t station_port = 0;  // where they reach it; 0: not known
   StorePool* apart =
       nullptr;               // always set: for what asks a disk and must not wait for the database
   FeelMaps* feel = nullptr;  // always set

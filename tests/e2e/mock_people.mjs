@@ -149,7 +149,7 @@ function revokeStation(call) {
 function makeCode({ world, body }) {
   const code = { id: newId(world), created_ms: world.nowMs, expires_ms: world.nowMs + body.minutes * 60_000 };
   world.codes.push(code);
-  return json({ id: code.id, code: `5f2c9a71b3d84e06@${"9c".repeat(32)}`, expires_ms: code.expires_ms }, 201);
+  return json({ id: code.id, code: `5f2c9a71b3d84e06@${"9c".repeat(32)}`, station_port: 8600, expires_ms: code.expires_ms }, 201);
 }
 
 function withdrawCode({ world, id }) {

@@ -137,6 +137,7 @@ Response AddEnrolCode(const Call& call, StationStore& store) {
   if (!id.ok()) return ErrorResponse(id.status());
   return JsonResponse({{"id", id->Text()},
                        {"code", code + "@" + std::string(call.station_fingerprint)},
+                       {"station_port", call.station_port},
                        {"expires_ms", expires_ms}},
                       201);
 }

@@ -286,6 +286,7 @@ TEST_F(PeopleTest, EnrolmentCodeIsShownOnceListedAndWithdrawn) {
   ASSERT_EQ(made.status, 201) << made.body;
   std::string code(Parsed(made).at("code").as_string());
   EXPECT_TRUE(code.ends_with("@f1f2")) << code;
+  EXPECT_EQ(Parsed(made).at("station_port"), 0) << "nothing listens for stations here";
   RawResponse listed = root_.Get("/api/v1/enrolment-codes");
   EXPECT_EQ(listed.body.find(code.substr(0, 32)), std::string::npos);
   std::string id(Parsed(listed).at("codes").at(0).at("id").as_string());

@@ -17,7 +17,7 @@ import { ListedDevices } from "./listed_devices";
 
 const kPageSize = 100;
 const kCodeMinutes = 60;
-const kStationPort = 8443;                      // of the station link, unless the server is set up otherwise
+const kUsualPort = 8443;                        // of the station link, for a server that does not tell its own
 const kSeenNowMs = 2 * 60_000;
 
 // The workstations; an admin enrols, renames and revokes them.
@@ -132,7 +132,7 @@ function NewCode({ code, onClose }: { readonly code: MadeEnrolCode; readonly onC
   return (
     <Dialog title="Enrol a station" onClose={onClose} wide>
       <ol class="steps">
-        <li>At the station, type this command with a name of your choice in place of <code>STATION</code> (and another port than {kStationPort}, if your server uses one):<CopyText text={enrolCommand(code)} what="the command" /></li>
+        <li>At the station, type this command with a name of your choice in place of <code>STATION</code>:<CopyText text={enrolCommand(code)} what="the command" /></li>
         <li>The station appears in the list below as soon as it is enrolled.</li>
       </ol>
       <p>The code alone:</p>
@@ -145,6 +145,6 @@ function NewCode({ code, onClose }: { readonly code: MadeEnrolCode; readonly onC
   );
 }
 
-function enrolCommand(code: MadeEnrolCode): string {
-  return `enamel-station enrol --server ${window.location.hostname}:${kStationPort} --code ${code.code} --name STATION`;
+function enrolCommand({ code, station_port: port }: MadeEnrolCode): string {
+  return `enamel-station enrol --server ${window.location.hostname}:${port > 0 ? port : kUsualPort} --code ${code} --name STATION`;
 }
