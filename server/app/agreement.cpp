@@ -135,7 +135,7 @@ Status CompareAgreement(const AgreementOptions& options) {
     marks.insert(marks.end(), read->begin(), read->end());
   }
   ENAMEL_ASSIGN_OR_RETURN(auto criteria, CompareMarks(marks));
-  Say("Intervals are of 95 %.\n");
+  Say("Each range in brackets holds the true value in 95 of 100 cases.\n");
   for (const CriterionAgreement& c : criteria) Show(c);
   if (!options.json.empty()) {
     ENAMEL_RETURN_IF_ERROR(WriteFileDurably(options.json, AsBytes(AgreementJson(criteria))));

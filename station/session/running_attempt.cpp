@@ -172,7 +172,8 @@ void RunningAttempt::LogEnd(const Status& status) const {
   const LoopCounters& counters = loop_.counters();
   const DurationHistogram& late = loop_.lateness();
   const std::string how = fmt::format(
-      "{} ticks, {} late, {} in gaps, {} faults; late by {:.0f} us (99 %), {:.0f} us at most; {} "
+      "{} ticks, {} late, {} in gaps, {} faults; a tick came {:.0f} us late or less in 99 of 100, "
+      "{:.0f} us at most; {} "
       "chunks stored here",
       counters.ticks, counters.late_ticks, counters.gap_ticks + counters.skipped_ticks,
       counters.faults, late.Quantile_ns(0.99) * 1e-3, static_cast<double>(late.max_ns()) * 1e-3,
