@@ -11,6 +11,9 @@ export const teachingFlows = [
   { name: "a set score shows beside the computed one, and can be removed", run: override },
   { name: "a student appeals once, and the answer grades again", run: appeal },
   { name: "an attempt that was stopped early says so and how far it came", run: stoppedEarly },
+  { name: "an assignment's attempts are graded one after the other", run: grading },
+  { name: "several attempts are released together, and that is undone", run: bulkRelease },
+  { name: "an assignment is graded by keyboard", run: gradingByKeys },
   { name: "attempts are narrowed by exercise, state, flag and appeal", run: narrow },
   { name: "stations in use are seen live, and one is watched until it ends", run: live },
   { name: "a reference is withdrawn", run: withdrawReference },
@@ -194,6 +197,84 @@ async function stoppedEarly(world) {
   const page = await signedIn(world, "instructor", `/attempts/${id(605)}`);
   await page.locator(".byline", { hasText: "Stopped early: 46 % done" }).waitFor();
   await page.getByText("The work was stopped early: 46 % of it was done").waitFor();
+}
+
+const gradingPath = `/grading?assignment=${id(500)}`;
+const namesIn = (page) => page.locator("table.grading tbody th").allInnerTexts();
+
+async function grading(world) {
+  const page = await signedIn(world, "instructor", "/assignments");
+  await page.getByRole("link", { name: "Grade Occlusal cavity, class I" }).click();
+  await page.locator("table.grading .lost-much").first().waitFor();
+  await accessible(page, "grading");
+  await page.screenshot({ path: world.picture("grading"), fullPage: true });
+  assert.ok((await page.getByText("Stopped early: 46 % done").count()) === 1);
+  await page.getByRole("button", { name: "Score", exact: true }).click();
+  await page.locator("th[aria-sort=ascending]", { hasText: "Score" }).waitFor();
+  await page.getByLabel("Student", { exact: true }).fill("student 1");
+  const names = await namesIn(page);
+  assert.ok(names.length > 5 && names.every((name) => name.startsWith("Student 1")), names.join());
+  const waits = page.locator("table.grading tr", { hasText: "Not released" }).first().locator("th a");
+  const at = names.indexOf(await waits.innerText());
+  await waits.click();
+  await page.getByText(`${at + 1} of ${names.length}`).waitFor();
+  await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
+  await page.getByLabel(/New remark/).fill("Keep the wall upright.");
+  await page.getByRole("button", { name: "Keep this comment" }).click();
+  await page.getByRole("button", { name: "Add remark" }).click();
+  await page.locator(".annotation", { hasText: "Keep the wall upright." }).waitFor();
+  await accessible(page, "an attempt of the list");
+  const here = page.url().split("/").at(-1);
+  await page.getByRole("button", { name: "Release and next" }).click();
+  await page.getByText(`${at + 2} of ${names.length}`).waitFor();
+  assert.equal(world.mock.attempts.find((row) => row.id === here).released, true);
+  await page.getByText("Kept comments (1)").click();
+  await page.getByRole("button", { name: "Keep the wall upright.", exact: true }).click();
+  assert.equal(await page.getByLabel(/New remark/).inputValue(), "Keep the wall upright.");
+  await page.getByRole("link", { name: "Previous", exact: true }).click();
+  await page.getByText(`${at + 1} of ${names.length}`).waitFor();
+  await page.getByRole("link", { name: "Back to the list" }).click();
+  await page.locator("table.grading").waitFor();
+}
+
+async function bulkRelease(world) {
+  const page = await signedIn(world, "instructor", gradingPath);
+  await page.locator("table.grading .lost-much").first().waitFor();
+  const before = world.mock.attempts.filter((row) => row.released).length;
+  await page.getByLabel("Choose all that are shown").check();
+  const button = page.getByRole("button", { name: /^Release \d+$/ });
+  const count = Number((await button.innerText()).split(" ")[1]);
+  assert.ok(count > 5);
+  await button.click();
+  await page.getByText(`${count} scores released.`).waitFor();
+  assert.equal(world.mock.attempts.filter((row) => row.released).length, before + count);
+  await accessible(page, "after releasing several");
+  await page.getByRole("button", { name: "Undo" }).click();
+  await page.getByText(`${count} releases taken back.`).waitFor();
+  assert.equal(world.mock.attempts.filter((row) => row.released).length, before);
+}
+
+async function gradingByKeys(world) {
+  const page = await signedIn(world, "instructor", gradingPath);
+  await page.locator("table.grading .lost-much").first().waitFor();
+  await page.keyboard.press("?");
+  await page.getByRole("dialog").getByText("Search a name").waitFor();
+  await accessible(page, "the list of keys");
+  await page.keyboard.press("Escape");
+  for (const key of ["j", "j", "x"]) await page.keyboard.press(key);
+  await page.getByText("1 attempt chosen:").waitFor();
+  await page.keyboard.press("o");
+  await page.getByText(/^2 of \d+$/).waitFor();
+  await page.getByRole("heading", { name: "Remarks" }).waitFor();
+  await page.keyboard.press("n");
+  await page.getByText(/^3 of \d+$/).waitFor();
+  await page.getByRole("heading", { name: "Remarks" }).waitFor();
+  await page.keyboard.press("c");
+  await page.keyboard.type("n p r b?");
+  assert.equal(await page.getByLabel(/New remark/).inputValue(), "n p r b?", "what is typed is text");
+  await page.getByRole("heading", { level: 1 }).click();
+  await page.keyboard.press("b");
+  await page.locator("table.grading").waitFor();
 }
 
 async function narrow(world) {

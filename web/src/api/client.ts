@@ -18,6 +18,12 @@ export interface AttemptQuery {
   readonly limit?: number | undefined;
 }
 
+interface Ahead {
+  readonly id: string;
+  series: Promise<ApiResult<Series>> | undefined;
+  surface: Promise<ApiResult<Surface>> | undefined;
+}
+
 // The server's HTTP API (schemas/api/openapi.yaml). Never throws: every outcome is a Result.
 // `sessionLost` is called when a request that needs a session is told there is none.
 export class Client {
@@ -27,6 +33,7 @@ export class Client {
   readonly profiles: ProfilesApi;
   readonly operations: OperationsApi;
   private readonly http: Http;
+  private ahead: Ahead | undefined;             // of one attempt at most: a surface is some megabytes
 
   constructor(sessionLost: () => void, send?: Fetch) {
     this.http = new Http(sessionLost, send);
@@ -74,10 +81,28 @@ export class Client {
     return this.http.json<Score>("GET", `${attemptPath(id)}/score`, { signal });
   }
   async series(id: string, signal?: AbortSignal): Promise<ApiResult<Series>> {
+    const ahead = await this.takeAhead(id, "series");
+    return ahead?.ok === true ? ahead : this.askSeries(id, signal);
+  }
+  async surface(id: string, signal?: AbortSignal): Promise<ApiResult<Surface>> {
+    const ahead = await this.takeAhead(id, "surface");
+    return ahead?.ok === true ? ahead : this.askSurface(id, signal);
+  }
+  // Reads what is large of an attempt that will probably be opened next. Each is given out once; a failure is asked again.
+  readAhead(id: string): void {
+    if (this.ahead?.id !== id) this.ahead = { id, series: this.askSeries(id), surface: this.askSurface(id) };
+  }
+  private takeAhead<K extends "series" | "surface">(id: string, what: K): Ahead[K] {
+    if (this.ahead?.id !== id) return undefined;
+    const found = this.ahead[what];
+    this.ahead[what] = undefined;
+    return found;
+  }
+  private async askSeries(id: string, signal?: AbortSignal): Promise<ApiResult<Series>> {
     const result = await this.http.json<unknown>("GET", `${attemptPath(id)}/series`, { signal });
     return result.ok ? understood(checkSeries(result.value)) : result;
   }
-  async surface(id: string, signal?: AbortSignal): Promise<ApiResult<Surface>> {
+  private async askSurface(id: string, signal?: AbortSignal): Promise<ApiResult<Surface>> {
     const bytes = await this.http.bytes(`${attemptPath(id)}/surface`, signal);
     return bytes.ok ? understood(decodeSurface(bytes.value)) : bytes;
   }

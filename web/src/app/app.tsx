@@ -130,7 +130,7 @@ function screen(route: Route, person: Person): ComponentChildren {
     case "exercises": return teacher ? <StaffExercisesPage client={client} query={route.query} onQuery={narrow} onOpen={navigate} /> : <ExercisesPage client={client} />;
     case "exercise": return <ExercisePage client={client} id={route.id} personId={person.id} teacher={teacher} onOpen={navigate} />;
     case "attempts": return <AttemptsPage client={client} mine={!teacher} query={route.query} onQuery={narrow} />;
-    case "attempt": return <AttemptPage client={client} person={person} id={route.id} />;
+    case "attempt": return <AttemptPage client={client} person={person} id={route.id} onOpen={navigate} />;
     case "account": return <AccountPage client={client} person={person} />;
     case "assignments": if (!teacher) return <MyWorkPage client={client} />; break;
     default: break;

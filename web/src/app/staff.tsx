@@ -5,6 +5,7 @@ import { AssignmentPage } from "../features/assignments/assignment_page";
 import { AssignmentsPage } from "../features/assignments/assignments_page";
 import { CohortPage } from "../features/cohorts/cohort_page";
 import { CohortsPage } from "../features/cohorts/cohorts_page";
+import { GradingPage } from "../features/grading/grading_page";
 import { LivePage } from "../features/live/live_page";
 import { WatchPage } from "../features/live/watch_page";
 import { AuditPage } from "../features/operations/audit_page";
@@ -31,6 +32,7 @@ export function staffScreen({ client, route, person, onQuery, onOpen }: Props): 
   switch (route.name) {
     case "assignments": return <AssignmentsPage client={client} query={route.query} onQuery={onQuery} onOpen={(id) => onOpen(`/assignments/${id}`)} />;
     case "assignment": return <AssignmentPage client={client} id={route.id} onGone={() => onOpen("/assignments")} />;
+    case "grading": return <GradingPage key={route.query.toString()} client={client} query={route.query} onOpen={onOpen} />;
     case "cohorts": return <CohortsPage client={client} admin={admin} />;
     case "cohort": return <CohortPage client={client} id={route.id} admin={admin} />;
     case "live": return <LivePage client={client} />;

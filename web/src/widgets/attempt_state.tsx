@@ -1,4 +1,4 @@
-import type { Attempt, AttemptFlag, AttemptState, Hand } from "../api/types";
+import type { Attempt, AttemptFlag, AttemptState, Hand, Score } from "../api/types";
 import { unreachable } from "../base/assert";
 import { formatNumber } from "../base/format";
 import { Badge, type Tone } from "./basics";
@@ -34,6 +34,12 @@ export function StateBadge({ attempt }: { readonly attempt: Attempt }) {
 // Whether the student waits for the score. Practice (`graded` false) is never released: it shows at once.
 export function awaitsRelease(attempt: Attempt, graded: boolean): boolean {
   return attempt.state === "scored" && graded && !attempt.released && !attempt.as_reference;
+}
+
+// How much of the work was done, in percent, where that took points of every criterion.
+export function stoppedEarly({ gates = [] }: Pick<Score, "gates">): number | undefined {
+  const gate = gates.find(({ name, share }) => share < 1 && (name === "task_done_percent" || name === "caries_left_percent"));
+  return gate === undefined ? undefined : gate.name === "task_done_percent" ? gate.value : 100 - gate.value;
 }
 
 // What is to be known about an attempt before it is judged.

@@ -37,7 +37,7 @@ export function AssignmentPage({ client, id, onGone }: Props) {
       </div>
       <p class="byline">
         {assignment.cohort === null ? "Everybody" : <a href={`/cohorts/${assignment.cohort.id}`}>{assignment.cohort.name}</a>}{" · "}
-        {assignment.exercise.id !== null && <><a href={`/exercises/${assignment.exercise.id}`}>The exercise, version {assignment.exercise.version}</a>{" · "}</>}<a href={`/attempts?assignment=${assignment.id}`}>Attempts under it</a>
+        {assignment.exercise.id !== null && <><a href={`/exercises/${assignment.exercise.id}`}>The exercise, version {assignment.exercise.version}</a>{" · "}</>}<a href={`/attempts?assignment=${assignment.id}`}>Attempts under it</a>{" · "}<a href={`/grading?assignment=${assignment.id}`}>Grade them</a>
       </p>
       <div class="columns">
         <Card title="Terms"><EditTerms client={client} read={loaded.value} onRead={setNewer} /></Card>

@@ -45,6 +45,7 @@ export function AssignmentsPage({ client, query, onQuery, onOpen }: Props) {
               { title: "State", cell: (item: Assignment) => <span class="flags">{item.exam && <Badge tone="warning">Exam</Badge>}<PhaseBadge assignment={item} now={now} /></span> },
               { title: "Due", cell: (item: Assignment) => dueText(item, now) },
               { title: "Attempts allowed", cell: limitText },
+              { title: "Grading", cell: (item: Assignment) => <a href={`/grading?assignment=${item.id}`}>Grade<span class="hidden"> {exerciseTitle(item)}</span></a> },
             ]} />
           </Card>
         ))}

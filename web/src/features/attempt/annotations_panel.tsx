@@ -7,6 +7,7 @@ import { Card, Empty, ErrorNotice } from "../../widgets/basics";
 import { Confirm } from "../../widgets/dialog";
 import { LongTextField } from "../../widgets/form";
 import type { PointMm } from "../../widgets/tooth/scene";
+import { commentsOf, dropComment, keepComment } from "./comment_bank";
 import { type Mark, secondsOfTick, tickOfStep } from "./moments";
 
 const kMaxText = 4000;
@@ -14,6 +15,7 @@ const kMaxText = 4000;
 interface Props {
   readonly client: Client;
   readonly attemptId: string;
+  readonly personId: string;                    // who writes, and whose comments are kept
   readonly teacher: boolean;                    // may add remarks
   readonly series: Series;
   readonly marks: readonly Mark[];
@@ -98,8 +100,9 @@ function EditRemark({ client, annotation, onDone, onCancel }:
   );
 }
 
-function NewRemark({ client, attemptId, series, cursor, point, onPoint, onChanged }: Props) {
+function NewRemark({ client, attemptId, personId, series, cursor, point, onPoint, onChanged }: Props) {
   const [text, setText] = useState("");
+  const [kept, setKept] = useState(() => commentsOf(personId));
   const change = useChange();
   const save = async (event: Event) => {
     event.preventDefault();
@@ -112,7 +115,7 @@ function NewRemark({ client, attemptId, series, cursor, point, onPoint, onChange
   };
   const anchor = series.anchor_mm[cursor];
   return (
-    <form class="form" onSubmit={(event) => void save(event)}>
+    <form class="form new-remark" onSubmit={(event) => void save(event)}>
       <LongTextField label={`New remark at ${formatMoment(series.t_s[cursor] ?? 0)}`} value={text} onValue={setText} required maxLength={kMaxText} rows={3}
                      hint={point === undefined ? "Click the picture to tie it to a point there, or take the tool's place at this moment."
                                                : `At the point ${point.map((mm) => formatNumber(mm, 1)).join(" / ")} mm (mesial / buccal / occlusal).`} />
@@ -122,7 +125,21 @@ function NewRemark({ client, attemptId, series, cursor, point, onPoint, onChange
         {point === undefined
           ? anchor !== undefined && <button type="button" class="button" onClick={() => onPoint([anchor[0] ?? 0, anchor[1] ?? 0, anchor[2] ?? 0])}>Point at the tool</button>
           : <button type="button" class="button" onClick={() => onPoint(undefined)}>Without a point</button>}
+        {text.trim() !== "" && !kept.includes(text.trim()) && <button type="button" class="button" onClick={() => setKept(keepComment(personId, text))}>Keep this comment</button>}
       </div>
+      {kept.length > 0 && (
+        <details>
+          <summary>Kept comments ({kept.length})</summary>
+          <ul class="comment-bank">
+            {kept.map((comment) => (
+              <li key={comment}>
+                <button type="button" class="button small quiet" onClick={() => setText((now) => now.trim() === "" ? comment : `${now.trimEnd()} ${comment}`)}>{comment}</button>
+                <button type="button" class="button small quiet" aria-label={`Forget “${comment}”`} onClick={() => setKept(dropComment(personId, comment))}>✕</button>
+              </li>
+            ))}
+          </ul>
+        </details>
+      )}
     </form>
   );
 }

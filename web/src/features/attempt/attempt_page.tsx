@@ -5,9 +5,11 @@ import type { Annotation, AttemptDetail, Deduction, Person } from "../../api/typ
 import { useRequest } from "../../api/use_request";
 import { useRefresh } from "../../api/use_refresh";
 import { unreachable } from "../../base/assert";
+import { placeInQueue } from "../../base/queue";
 import { formatDateTime } from "../../base/format";
-import { Flags, isUnderWay, StateBadge } from "../../widgets/attempt_state";
+import { Flags, isUnderWay, StateBadge, stoppedEarly } from "../../widgets/attempt_state";
 import { Card, ErrorNotice, Loading, Notice, PageTitle, Progress } from "../../widgets/basics";
+import { KeysHelp, useKeys } from "../../widgets/keys";
 import type { PointMm } from "../../widgets/tooth/scene";
 import { AnnotationsPanel } from "./annotations_panel";
 import { AppealPanel } from "./appeal_panel";
@@ -17,7 +19,8 @@ import { EnvelopePanel } from "./envelope_panel";
 import { type Mark, marksOf, stepOfTick } from "./moments";
 import { ScorePanel } from "./score_panel";
 import { toleranceMm } from "./tolerance";
-import { isWithheld, stoppedEarly, withheldText } from "./summary";
+import { QueueBar } from "./queue_bar";
+import { isWithheld, withheldText } from "./summary";
 import { TeacherActions } from "./teacher_actions";
 import { ToothPanel } from "./tooth_panel";
 
@@ -28,11 +31,12 @@ interface Props {
   readonly client: Client;
   readonly person: Person;
   readonly id: string;
+  readonly onOpen: (path: string) => void;
 }
 
 // One attempt. While it is recorded or scored its state is asked for again and again, so that the
 // score appears by itself.
-export function AttemptPage({ client, person, id }: Props) {
+export function AttemptPage({ client, person, id, onOpen }: Props) {
   const { loaded, reload } = useRequest(id, (signal) => client.attempt(id, signal));
   const attempt = loaded.state === "ready" ? loaded.value : undefined;
   const exercise = useRequest(attempt?.exercise.id, (signal) => client.teaching.exercise(attempt?.exercise.id ?? "", signal));
@@ -42,12 +46,28 @@ export function AttemptPage({ client, person, id }: Props) {
   const polling = attempt !== undefined && isUnderWay(attempt.state);
   useRefresh(polling, kPollMs, reload);
 
+  const teacher = person.role !== "student";
+  const place = useMemo(() => teacher ? placeInQueue(id) : undefined, [id, teacher]);
+  const to = (other: string | undefined) => { if (other !== undefined) onOpen(`/attempts/${other}`); };
+  const release = useRef<() => void>(undefined);    // and on to the next one, where that may be done now
+  const keys = useKeys(!teacher ? [] : [
+    ...(place === undefined ? [] : [
+      { key: "n", what: "Next attempt", act: () => to(place.next) }, { key: "p", what: "Attempt before", act: () => to(place.previous) },
+      { key: "b", what: "Back to the list", act: () => onOpen(place.back) }, { key: "r", what: "Release, and on to the next", act: () => release.current?.() },
+    ]),
+    { key: "c", what: "Write a remark", act: () => document.querySelector<HTMLElement>(".annotations-card .new-remark textarea")?.focus() },
+    { key: "t", what: "Go to the time", act: () => document.querySelector<HTMLElement>("#timeline")?.focus() },
+  ]);
+
   if (loaded.state === "failed") return <AttemptError error={loaded.error} onRetry={reload} />;
   if (attempt === undefined) return <Loading what="the attempt" />;
-  const teacher = person.role !== "student";
   return (
     <>
-      <nav class="trail" aria-label="Where you are"><a href="/attempts">{teacher ? "Attempts" : "My attempts"}</a></nav>
+      <div class="trail-row">
+        {place !== undefined ? <QueueBar client={client} place={place} />
+          : <nav class="trail" aria-label="Where you are"><a href="/attempts">{teacher ? "Attempts" : "My attempts"}</a></nav>}
+        {teacher && <KeysHelp keys={keys} />}
+      </div>
       <div class="attempt-head">
         <div>
           <PageTitle document={attempt.exercise.title}>{attempt.exercise.title}</PageTitle>
@@ -55,16 +75,17 @@ export function AttemptPage({ client, person, id }: Props) {
             {attempt.person.display_name}, {formatDateTime(attempt.ticketed_ms)} <StateBadge attempt={attempt} /> <Flags attempt={attempt} graded={graded && teacher} staff={teacher} appealed={attempt.appeal?.state === "open"} done={done} />
           </p>
         </div>
-        {teacher ? <TeacherActions client={client} attempt={attempt} graded={graded} onChanged={reload} />
+        {teacher ? <TeacherActions client={client} attempt={attempt} graded={graded} onChanged={reload} releaseNext={release}
+                                   onNext={place === undefined ? undefined : () => place.next === undefined ? onOpen(place.back) : to(place.next)} />
                  : attempt.state === "scored" && <button type="button" class="button print-button" onClick={() => window.print()}>Print</button>}
       </div>
-      {isWithheld(attempt, teacher) ? <WithheldAttempt attempt={attempt} /> : attempt.state === "scored" ? <ScoredAttempt client={client} attempt={attempt} tolerance={tolerance} teacher={teacher} onChanged={reload} onDone={setDone} /> : <UnscoredAttempt attempt={attempt} />}
+      {isWithheld(attempt, teacher) ? <WithheldAttempt attempt={attempt} /> : attempt.state === "scored" ? <ScoredAttempt client={client} personId={person.id} attempt={attempt} tolerance={tolerance} teacher={teacher} onChanged={reload} onDone={setDone} /> : <UnscoredAttempt attempt={attempt} />}
     </>
   );
 }
 
-function ScoredAttempt({ client, attempt, tolerance, teacher, onChanged, onDone }:
-                       { readonly onDone: (percent: number | undefined) => void; readonly client: Client; readonly attempt: AttemptDetail; readonly tolerance: number; readonly teacher: boolean; readonly onChanged: () => void }) {
+function ScoredAttempt({ client, attempt, tolerance, teacher, onChanged, onDone, personId }:
+                       { readonly personId: string; readonly onDone: (percent: number | undefined) => void; readonly client: Client; readonly attempt: AttemptDetail; readonly tolerance: number; readonly teacher: boolean; readonly onChanged: () => void }) {
   const { id } = attempt;
   // Release changes what a student gets, not what a teacher gets; a new score changes it for both.
   const key = `${id} ${teacher || attempt.released} ${attempt.computed_score} ${attempt.reference?.attempt_id}`;
@@ -109,7 +130,7 @@ function ScoredAttempt({ client, attempt, tolerance, teacher, onChanged, onDone 
           {scored !== undefined && <ScorePanel score={scored} reference={reference} override={attempt.override} onPlace={removed ? undefined : showPlace} />}
           <AppealPanel client={client} attempt={attempt} onChanged={onChanged} />
           {recorded !== undefined && remarks.loaded.state === "ready" && (annotates || marks.length > 0) && (
-            <AnnotationsPanel client={client} attemptId={id} teacher={annotates} series={recorded} marks={marks} chosen={chosen} cursor={cursor ?? 0}
+            <AnnotationsPanel client={client} attemptId={id} personId={personId} teacher={annotates} series={recorded} marks={marks} chosen={chosen} cursor={cursor ?? 0}
                               point={point} onPoint={setPoint} onChoose={choose} onChanged={remarks.reload} />
           )}
         </div>

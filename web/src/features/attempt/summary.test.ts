@@ -1,7 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { stoppedEarly } from "../../widgets/attempt_state";
 import type { AttemptDetail, Criterion, Score } from "../../api/types";
-import { byLostPoints, isWithheld, recordingFacts, saidFacts, stoppedEarly, summarySentence, withheldText } from "./summary";
+import { byLostPoints, isWithheld, recordingFacts, saidFacts, summarySentence, withheldText } from "./summary";
 
 const criterion = (title: string, points: number, max = 10): Criterion =>
   ({ name: title, title, value: 0.3, unit: "mm", points, max_points: max, reason: "" });

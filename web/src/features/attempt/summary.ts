@@ -1,4 +1,5 @@
 import type { AttemptDetail, AttemptFacts, Criterion, Hand, Score } from "../../api/types";
+import { stoppedEarly } from "../../widgets/attempt_state";
 import { formatNumber, formatPoints, formatQuantity, formatScore, plural } from "../../base/format";
 
 const kPointsShown = 0.05;                      // lost points below this round to zero
@@ -10,12 +11,6 @@ export function lostPoints(criterion: Criterion): number {
 // Where points were lost first, most lost on top; full marks after, as the rubric has them.
 export function byLostPoints(criteria: readonly Criterion[]): Criterion[] {
   return [...criteria].sort((a, b) => lostPoints(b) - lostPoints(a));
-}
-
-// How much of the work was done, in percent, where that took points of every criterion.
-export function stoppedEarly({ gates = [] }: Pick<Score, "gates">): number | undefined {
-  const gate = gates.find(({ name, share }) => share < 1 && (name === "task_done_percent" || name === "caries_left_percent"));
-  return gate === undefined ? undefined : gate.name === "task_done_percent" ? gate.value : 100 - gate.value;
 }
 
 // One or two sentences that say what happened.

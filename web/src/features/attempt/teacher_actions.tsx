@@ -14,13 +14,15 @@ interface Props {
   readonly attempt: AttemptDetail;
   readonly graded: boolean;
   readonly onChanged: () => void;
+  readonly onNext: (() => void) | undefined;    // to the next one of a list that is gone through
+  readonly releaseNext: { current: (() => void) | undefined };  // set to what releases and goes on, while that may be done
 }
 
 type Open = "excuse" | "reference" | "override" | "withdraw" | "dropOverride" | "rescore";
 
 // What an instructor can do with an attempt: release its score or take that back, set another score,
 // score it again, excuse it, make it the reference.
-export function TeacherActions({ client, attempt, graded, onChanged }: Props) {
+export function TeacherActions({ client, attempt, graded, onChanged, onNext, releaseNext }: Props) {
   const [open, setOpen] = useState<Open>();
   const [done, setDone] = useState<string>();
   const change = useChange();
@@ -44,12 +46,21 @@ export function TeacherActions({ client, attempt, graded, onChanged }: Props) {
   const student = attempt.person.display_name;
   const may = (action: AttemptDetail["may"][number]) => attempt.may.includes(action);
 
+  const releasable = may("release") && awaitsRelease(attempt, graded);
+  const releaseAndNext = async () => {
+    const result = await change.run(() => teaching.release(attempt));
+    if (result?.ok === true) onNext?.();
+  };
+  releaseNext.current = onNext === undefined ? undefined : releasable ? () => void releaseAndNext() : onNext;
   return (
     <div class="actions">
       <div class="button-row">
         {attempt.released && <Badge tone="good">Score released</Badge>}
-        {may("release") && awaitsRelease(attempt, graded) && (
-          <button type="button" class="button primary" disabled={change.busy}
+        {releasable && onNext !== undefined && (
+          <button type="button" class="button primary" disabled={change.busy} onClick={() => void releaseAndNext()}>Release and next</button>
+        )}
+        {releasable && (
+          <button type="button" class={onNext === undefined ? "button primary" : "button"} disabled={change.busy}
                   onClick={() => void act(() => teaching.release(attempt), `${student} can see the score now.`)}>
             Release score
           </button>

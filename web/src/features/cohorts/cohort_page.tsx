@@ -32,7 +32,7 @@ export function CohortPage({ client, id, admin }: Props) {
         <PageTitle document={cohort.name}>{cohort.name}</PageTitle>
         {cohort.archived_ms > 0 && <Badge tone="neutral">Archived</Badge>}
       </div>
-      <p class="byline"><a href={`/attempts?cohort=${cohort.id}`}>Attempts</a>{" · "}<a href={`/assignments?cohort=${cohort.id}`}>Assignments</a></p>
+      <p class="byline"><a href={`/attempts?cohort=${cohort.id}`}>Attempts</a>{" · "}<a href={`/grading?cohort=${cohort.id}`}>Grading</a>{" · "}<a href={`/assignments?cohort=${cohort.id}`}>Assignments</a></p>
       <GradesCard client={client} cohort={cohort} />
       <div class={admin ? "columns" : ""}>
         <Members client={client} cohort={cohort} admin={admin} onChanged={reload} />

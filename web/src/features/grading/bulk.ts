@@ -1,0 +1,29 @@
+import type { ApiResult } from "../../api/http";
+
+// The same change of several things, one after the other, so that each has its own answer.
+
+export interface Outcome<T> {
+  readonly done: readonly T[];
+  readonly failed: readonly { readonly item: T; readonly message: string }[];
+}
+
+export async function forEach<T>(items: readonly T[], change: (item: T) => Promise<ApiResult<unknown>>, told: (count: number) => void = () => {}): Promise<Outcome<T>> {
+  const done: T[] = [];
+  const failed: { item: T; message: string }[] = [];
+  for (const item of items) {
+    const result = await change(item);
+    if (result.ok) done.push(item);
+    else failed.push({ item, message: result.error.message });
+    told(done.length + failed.length);
+  }
+  return { done, failed };
+}
+
+// Asks for many things, a few at a time: the browser has only a few connections, and the page needs some for itself.
+export async function inTurn<T>(items: readonly T[], atOnce: number, ask: (item: T) => Promise<void>): Promise<void> {
+  let next = 0;
+  const work = async () => {
+    while (next < items.length) await ask(items[next++]!);
+  };
+  await Promise.all(Array.from({ length: Math.min(atOnce, items.length) }, work));
+}

@@ -1,0 +1,84 @@
+import { useEffect, useRef, useState } from "preact/hooks";
+import { Dialog } from "./dialog";
+import { CheckField } from "./form";
+
+// Single keys for who does the same many times. They act only while nothing is typed, and can be switched off, since a
+// person who speaks to the computer, or slips, would set them off unwillingly (WCAG 2.1.4).
+
+export interface Key {
+  readonly key: string;                         // as KeyboardEvent.key has it
+  readonly what: string;
+  readonly act: () => void;
+}
+
+export interface Keys {
+  readonly list: readonly Key[];
+  readonly open: boolean;                       // the list of them is shown
+  readonly setOpen: (open: boolean) => void;
+}
+
+const kOff = "enamel.keys_off";
+
+function areOff(): boolean {
+  try {
+    return localStorage.getItem(kOff) !== null;
+  } catch {
+    return false;
+  }
+}
+
+function setOff(off: boolean): void {
+  try {
+    if (off) localStorage.setItem(kOff, "1");
+    else localStorage.removeItem(kOff);
+  } catch {
+    // They stay as they are where the browser keeps nothing.
+  }
+}
+
+// "?" shows the list; it works also while the others are off.
+export function useKeys(list: readonly Key[]): Keys {
+  const [open, setOpen] = useState(false);
+  const latest = useRef(list);
+  latest.current = list;
+  useEffect(() => {
+    const press = (event: KeyboardEvent) => {
+      if (event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey || isTyping(event.target) || document.querySelector("dialog[open]") !== null) return;
+      if (event.key === "?") {
+        event.preventDefault();
+        setOpen(true);
+        return;
+      }
+      const key = areOff() ? undefined : latest.current.find((item) => item.key === event.key);
+      if (key === undefined) return;
+      event.preventDefault();
+      key.act();
+    };
+    document.addEventListener("keydown", press);
+    return () => document.removeEventListener("keydown", press);
+  }, []);
+  return { list, open, setOpen };
+}
+
+function isTyping(target: EventTarget | null): boolean {
+  return target instanceof HTMLElement && (target.isContentEditable || target.matches("textarea, select, input:not([type=checkbox]):not([type=radio]):not([type=range])"));
+}
+
+export function KeysHelp({ keys }: { readonly keys: Keys }) {
+  const [off, setIsOff] = useState(areOff);
+  return (
+    <>
+      <button type="button" class="button small quiet no-print" onClick={() => keys.setOpen(true)}>Keys (?)</button>
+      {keys.open && (
+        <Dialog title="Keys" onClose={() => keys.setOpen(false)}>
+          <dl class="facts stacked">
+            {keys.list.map(({ key, what }) => <div key={key}><dt>{what}</dt><dd><kbd>{key}</kbd></dd></div>)}
+            <div><dt>This list</dt><dd><kbd>?</kbd></dd></div>
+          </dl>
+          <CheckField label="Single keys are on" value={!off} onValue={(on) => { setOff(!on); setIsOff(!on); }} />
+          <div class="button-row end"><button type="button" class="button primary" onClick={() => keys.setOpen(false)}>Close</button></div>
+        </Dialog>
+      )}
+    </>
+  );
+}
