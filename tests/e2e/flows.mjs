@@ -26,6 +26,8 @@ export const flows = [
   { name: "a lost point leads to its moment", anywhere: false, run: lostPointLeadsToItsMoment },
   { name: "a pointer over the plot leaves the moment where it is, a press sets it", anywhere: false, run: plotPointer },
   { name: "slider, plot and remarks share one axis of time", anywhere: false, run: oneTimeAxis },
+  { name: "a link opens the same moment from the same side", anywhere: false, run: momentLink },
+  { name: "tooth, timeline and plot are seen together without scrolling", anywhere: false, run: oneViewport },
   { name: "an instructor marks an attempt as the reference", anywhere: false, run: markReference },
   { name: "gaps and a replay that disagrees are said plainly", anywhere: false, run: disturbedRecording },
   ...["student", "instructor", "admin"].map((role) => ({
@@ -159,6 +161,58 @@ async function oneTimeAxis(world) {
       assert.ok(Math.abs(centre(await mark.boundingBox()) - at) < 2, `at ${width}: the mark is at ${centre(await mark.boundingBox())}, the plot's cursor at ${at}`);
       assert.ok(Math.abs(thumb - at) < 2, `at ${width}: the slider's thumb is at ${thumb}, the plot's cursor at ${at}`);
     }
+  }
+}
+
+async function momentLink(world) {
+  const path = "/attempts/00000000-0000-7000-8000-000000000105";
+  const page = await signedIn(world, "instructor", path);
+  await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
+  await page.getByLabel("Time in the attempt").fill("700");
+  await page.getByRole("button", { name: "Buccal", exact: true }).click();
+  await page.getByRole("button", { name: "Link to this moment" }).click();
+  const link = await page.locator(".moment-link code").innerText();
+  assert.match(link, /\?t=16\.8&view=-?[\d.]+_[\d.]+_[\d.]+_0$/);
+  const before = await page.locator(".tooth-frame canvas").screenshot();
+  await page.goto(link);
+  await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
+  await page.waitForFunction(() => document.querySelector("#timeline")?.value === "700");
+  // The address has four decimals: edges may fall a pixel aside.
+  const apart = differing(before, await page.locator(".tooth-frame canvas").screenshot());
+  assert.ok(apart < 0.01, `${apart} of the picture differs`);
+  await page.getByRole("button", { name: "Mesial", exact: true }).click();
+  assert.ok(differing(before, await page.locator(".tooth-frame canvas").screenshot()) > 0.02, "another side is another picture");
+}
+
+// The share of pixels that differ clearly.
+function differing(one, other) {
+  const [a, b] = [decodePng(one), decodePng(other)];
+  assert.deepEqual([a.width, a.height], [b.width, b.height]);
+  let count = 0;
+  for (let y = 0; y < a.height; ++y) {
+    for (let x = 0; x < a.width; ++x) if (a.at(x, y).some((value, i) => Math.abs(value - b.at(x, y)[i]) > 12)) ++count;
+  }
+  return count / (a.width * a.height);
+}
+
+async function oneViewport(world) {
+  for (const [width, height] of [[1440, 900], [1280, 720]]) {
+    const page = await signedIn(world, "instructor", "/attempts/00000000-0000-7000-8000-000000000105", { width, height });
+    await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
+    await page.locator(".plot canvas").waitFor();
+    for (const part of [".tooth-frame", "#timeline", ".marks", ".force-card .u-over"]) {
+      const box = await page.locator(part).boundingBox();
+      assert.ok(box.y >= 0 && box.y + box.height <= height, `${part} ends at ${box.y + box.height} of ${height}`);
+    }
+    assert.ok((await page.locator(".tooth-frame").boundingBox()).height >= 200);
+    // What is said of them scrolls by; they stay.
+    await page.mouse.move(200, height / 2);
+    await page.mouse.wheel(0, 250);
+    await page.waitForFunction(() => window.scrollY > 100);
+    await page.getByRole("button", { name: /too much, first at/ }).click();
+    const tooth = await page.locator(".tooth-frame").boundingBox();
+    assert.ok(tooth.y >= 0 && tooth.y + tooth.height <= height, "the tooth is in view");
+    await page.screenshot({ path: world.picture(`one_viewport_${width}`) });
   }
 }
 

@@ -5,12 +5,14 @@ import type { Annotation, AttemptDetail, Deduction, Person } from "../../api/typ
 import { useRequest } from "../../api/use_request";
 import { useRefresh } from "../../api/use_refresh";
 import { unreachable } from "../../base/assert";
+import { momentOf, momentQuery } from "../../base/moment_link";
 import { placeInQueue } from "../../base/queue";
 import { formatDateTime } from "../../base/format";
 import { Flags, isUnderWay, StateBadge, stoppedEarly } from "../../widgets/attempt_state";
 import { Card, ErrorNotice, Loading, Notice, PageTitle, Progress } from "../../widgets/basics";
 import { KeysHelp, useKeys } from "../../widgets/keys";
 import type { PointMm } from "../../widgets/tooth/scene";
+import type { LookHandle } from "../../widgets/tooth/tooth_view";
 import { AnnotationsPanel } from "./annotations_panel";
 import { AppealPanel } from "./appeal_panel";
 import { MetricsPanel, RecordingPanel, RunsPanel } from "./detail_panels";
@@ -95,6 +97,8 @@ function ScoredAttempt({ client, attempt, tolerance, teacher, onChanged, onDone,
   const series = useRequest(removed ? undefined : key, (signal) => client.series(id, signal));
   const remarks = useRequest(key, (signal) => client.teaching.annotations(id, signal));
   const [cursor, setCursor] = useState<number>();   // undefined until first moved
+  const asked = useMemo(() => momentOf(new URLSearchParams(window.location.search)), []);
+  const look = useMemo((): LookHandle => ({ begin: asked.look, now: undefined }), [asked]);
   const [chosen, setChosen] = useState<string>();   // id of a remark
   const [point, setPoint] = useState<PointMm>();    // clicked on the tooth, for the next remark
   const recorded = series.loaded.state === "ready" ? series.loaded.value : undefined;
@@ -105,6 +109,11 @@ function ScoredAttempt({ client, attempt, tolerance, teacher, onChanged, onDone,
   useEffect(() => onDone(done), [done, onDone]);
   const reference = attempt.reference === null ? undefined : attempt.reference.dentist ?? "an earlier reference";
   const annotates = attempt.may.includes("annotate");
+  // A link may name the moment; it is opened as soon as the recording is there.
+  useEffect(() => {
+    if (recorded !== undefined && asked.seconds !== undefined) setCursor(stepOfTick(recorded, asked.seconds * recorded.rate_hz));
+  }, [recorded, asked]);
+  const link = () => window.location.origin + window.location.pathname + momentQuery({ seconds: recorded?.t_s[cursor ?? 0], look: look.now?.() });
   const tooth = useRef<HTMLDivElement>(null);
   // Whatever has a time or a place is shown there, wherever on the page it was clicked.
   const go = (step: number | undefined) => {
@@ -137,10 +146,10 @@ function ScoredAttempt({ client, attempt, tolerance, teacher, onChanged, onDone,
         {removed ? <RemovedRecording removedMs={attempt.recording_removed_ms} /> : (
           <div class="review">
             <div class="review-tooth" ref={tooth}>
-              <ToothPanel surface={surface.loaded} toleranceMm={tolerance} series={recorded} cursor={cursor} marks={marks} chosen={chosen} point={point} onMark={choose}
+              <ToothPanel surface={surface.loaded} toleranceMm={tolerance} series={recorded} cursor={cursor} marks={marks} chosen={chosen} point={point} look={look} onMark={choose}
                           onPoint={annotates ? setPoint : undefined} onRetry={surface.reload} />
             </div>
-            <ForcePanel series={series.loaded} cursor={cursor ?? 0} marks={marks} chosen={chosen} onMark={choose} onCursor={setCursor} onRetry={series.reload} />
+            <ForcePanel series={series.loaded} cursor={cursor ?? 0} marks={marks} chosen={chosen} onMark={choose} onCursor={setCursor} onRetry={series.reload} link={link} />
           </div>
         )}
       </div>

@@ -1,8 +1,9 @@
-import { useMemo, useRef } from "preact/hooks";
+import { useMemo, useRef, useState } from "preact/hooks";
 import type { Series } from "../../api/types";
 import type { Loaded } from "../../api/use_request";
 import { formatDuration, formatMoment, formatQuantity } from "../../base/format";
 import { Card, ErrorNotice, Loading, TableFrame } from "../../widgets/basics";
+import { CopyText } from "../../widgets/copy";
 import { type PlotLine, TimePlot } from "../../widgets/time_plot";
 import { boundLine, type Mark } from "./moments";
 
@@ -18,6 +19,7 @@ interface Props {
   readonly onMark: (mark: Mark) => void;
   readonly onCursor: (index: number) => void;
   readonly onRetry: () => void;
+  readonly link: () => string;                  // the address of this moment, looked at as now
 }
 
 export function ForcePanel({ series, onRetry, ...rest }: Props) {
@@ -32,7 +34,7 @@ export function ForcePanel({ series, onRetry, ...rest }: Props) {
   );
 }
 
-function LoadedForce({ series, cursor, marks, chosen, onMark, onCursor }: Omit<Props, "series" | "onRetry"> & { readonly series: Series }) {
+function LoadedForce({ series, cursor, marks, chosen, onMark, onCursor, link }: Omit<Props, "series" | "onRetry"> & { readonly series: Series }) {
   const lines = useMemo(() => linesOf(series), [series]);
   const last = series.t_s.length - 1;
   const at = Math.min(cursor, last);
@@ -60,11 +62,23 @@ function LoadedForce({ series, cursor, marks, chosen, onMark, onCursor }: Omit<P
       </div>
       <TimePlot timeS={series.t_s} lines={lines} leftTitle="Force (N)" rightTitle="Removed (mm³)" label={plotText(series)}
                 cursor={at} onCursor={onCursor} onAxis={align} heightPx={kHeightPx} />
+      <MomentLinkButton link={link} />
       <Readout lines={lines} timeS={series.t_s[at] ?? 0} index={at} />
       <details class="numbers">
         <summary>The same as a table</summary>
         <SeriesTable series={series} />
       </details>
+    </div>
+  );
+}
+
+// The address is shown as well: where the browser does not allow copying, it can be taken from there.
+function MomentLinkButton({ link }: { readonly link: () => string }) {
+  const [shown, setShown] = useState<string>();
+  return (
+    <div class="moment-link no-print">
+      <button type="button" class="button small quiet" onClick={() => setShown(link())}>Link to this moment</button>
+      {shown !== undefined && <CopyText key={shown} text={shown} what="the link" />}
     </div>
   );
 }

@@ -8,7 +8,7 @@ import { Card, ErrorNotice, Loading, Segmented } from "../../widgets/basics";
 import { DeviationLegend, TissueLegend } from "../../widgets/tooth/legend";
 import type { ColorMode, PointMm } from "../../widgets/tooth/scene";
 import { tissuesPresent, tissueTitle, workpiece } from "../../widgets/tooth/tissue";
-import { type ToothPin, ToothView } from "../../widgets/tooth/tooth_view";
+import { type LookHandle, type ToothPin, ToothView } from "../../widgets/tooth/tooth_view";
 import { type DeviationSummary, outlook, summariseDeviation } from "./deviation";
 import type { Mark } from "./moments";
 
@@ -22,6 +22,7 @@ interface Props {
   readonly marks: readonly Mark[];
   readonly chosen: string | undefined;          // id of a remark
   readonly point: PointMm | undefined;          // for the remark that is being written
+  readonly look: LookHandle;
   readonly onMark: (mark: Mark) => void;
   readonly onPoint: ((point: PointMm) => void) | undefined;
   readonly onRetry: () => void;
@@ -37,7 +38,7 @@ export function ToothPanel({ surface, onRetry, ...rest }: Props) {
   );
 }
 
-function LoadedTooth({ surface, toleranceMm, series, cursor, marks, chosen, point, onMark, onPoint }: Omit<Props, "surface" | "onRetry"> & { readonly surface: Surface }) {
+function LoadedTooth({ surface, toleranceMm, series, cursor, marks, chosen, point, look, onMark, onPoint }: Omit<Props, "surface" | "onRetry"> & { readonly surface: Surface }) {
   const summary = useMemo(() => summariseDeviation(surface, toleranceMm), [surface, toleranceMm]);
   const angled = useMemo(() => outlook(surface, summary), [surface, summary?.sides[0]?.side]);
   const tissues = useMemo(() => tissuesPresent(surface.tissue), [surface]);
@@ -51,7 +52,7 @@ function LoadedTooth({ surface, toleranceMm, series, cursor, marks, chosen, poin
         <Segmented legend="Colours show" name="tooth-mode" value={mode} onChange={setMode}
                    choices={[{ value: "deviation", title: "Deviation" }, { value: "tissue", title: "Tissues" }]} />
       )}
-      <ToothView surface={surface} mode={mode} label={pictureText(summary, tissues)} angled={angled} tool={path.at(-1)} path={path} pins={pins} onPick={onPoint}
+      <ToothView surface={surface} mode={mode} label={pictureText(summary, tissues)} angled={angled} tool={path.at(-1)} path={path} pins={pins} look={look} onPick={onPoint}
                  onPin={(key) => { const mark = marks.find((item) => item.annotation.id === key); if (mark !== undefined) onMark(mark); }} />
       {mode === "deviation" ? <DeviationLegend /> : <TissueLegend tissues={tissues} />}
       {summary === undefined

@@ -7,6 +7,7 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Surface } from "../../api/surface";
 import { Disposables } from "../../base/disposables";
 import { FrameScheduler } from "../../base/frame";
+import type { Look } from "../../base/moment_link";
 import { deviationScalePixels, kContourStepMm, kDeviationRangeMm, kUntouchedColor } from "./deviation_scale";
 import { tissueColor } from "./tissue";
 import { TriangleGrid } from "./triangle_grid";
@@ -37,6 +38,7 @@ const kFieldOfViewDeg = 28;
 const kMargin = 1.02;                          // of the bounding sphere, so that nothing touches the edge
 const kAngledCloser = 0.8;                     // of the distance at which the whole tooth is in view
 const kMarkerRadiusMm = 0.2;
+const kSamePlaceMm = 1e-3;
 const kMinPolar = 0.001;                       // Spherical turns over at the poles
 
 // The three.js side of the tooth view: owns the WebGL context, draws only when something changed.
@@ -126,6 +128,16 @@ export class ToothScene {
     this.camera.position.copy(target).addScaledVector(direction, this.fitDistance() * (angled ? kAngledCloser : 1));
     this.controls.update();
     this.frame.request();
+  }
+
+  look(): Look {
+    const away = this.camera.position.clone().sub(this.controls.target);
+    const { theta, phi, radius } = new Spherical().setFromCartesianCoords(away.x, away.z, -away.y);
+    return { azimuthRad: theta, polarRad: phi, distance: radius / this.fitDistance(), atCut: this.controls.target.distanceTo(this.centre) > kSamePlaceMm };
+  }
+  setLook({ azimuthRad, polarRad, distance, atCut }: Look): void {
+    this.view(atCut ? "angled" : "occlusal");   // for what is looked at
+    this.moveCamera((offset) => { offset.set(distance * this.fitDistance(), Math.min(Math.max(polarRad, kMinPolar), Math.PI - kMinPolar), azimuthRad); });
   }
 
   rotate(azimuthRad: number, polarRad: number): void {

@@ -3,6 +3,7 @@ import type { Surface } from "../../api/surface";
 import { Disposables } from "../../base/disposables";
 import { FrameScheduler } from "../../base/frame";
 import { formatQuantity } from "../../base/format";
+import type { Look } from "../../base/moment_link";
 import type { AngledView, CameraPreset, ColorMode, PointMm, SurfacePoint, ToothScene } from "./scene";
 import { tissueTitle } from "./tissue";
 
@@ -15,6 +16,12 @@ export interface ToothPin {
   readonly chosen: boolean;
 }
 
+// How whoever shows a tooth learns from where it is looked at, and says from where to begin.
+export interface LookHandle {
+  readonly begin: Look | undefined;
+  now: (() => Look) | undefined;                // set while the picture is there
+}
+
 interface Props {
   readonly surface: Surface;
   readonly mode: ColorMode;
@@ -23,6 +30,7 @@ interface Props {
   readonly tool?: PointMm | undefined;
   readonly path?: readonly PointMm[];
   readonly pins?: readonly ToothPin[];
+  readonly look?: LookHandle | undefined;
   readonly onPin?: (key: string) => void;
   readonly onPick?: ((point: PointMm) => void) | undefined;  // a click on the tooth that does not turn it
 }
@@ -42,7 +50,7 @@ const kNoPins: readonly ToothPin[] = [];
 const kLabelMinShare = 0.12;                    // of the picture's height: shorter points at the viewer
 
 // A tooth to turn: by mouse, finger, arrow keys, + and −, and the preset buttons.
-export function ToothView({ surface, mode, label, angled, tool, path, pins = kNoPins, onPin, onPick }: Props) {
+export function ToothView({ surface, mode, label, angled, tool, path, pins = kNoPins, look, onPin, onPick }: Props) {
   const frame = useRef<HTMLDivElement>(null);
   const scene = useRef<ToothScene | undefined>(undefined);
   const [problem, setProblem] = useState("");
@@ -58,7 +66,15 @@ export function ToothView({ surface, mode, label, angled, tool, path, pins = kNo
     import("./scene").then((module) => {
       if (abandoned) return;
       scene.current = openScene(module.ToothScene, element, surface, angled, cleanup, setProblem);
-      cleanup.add(() => { scene.current = undefined; });
+      const opened = scene.current;
+      if (look !== undefined) {
+        look.now = () => opened.look();
+        if (look.begin !== undefined) opened.setLook(look.begin);
+      }
+      cleanup.add(() => {
+        scene.current = undefined;
+        if (look !== undefined) look.now = undefined;
+      });
       setReady(true);
     }).catch(() => setProblem("The 3-D picture needs WebGL 2, which this browser does not offer here. The table below says the same in numbers."));
     return () => {
