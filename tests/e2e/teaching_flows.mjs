@@ -17,6 +17,7 @@ export const teachingFlows = [
   { name: "attempts are narrowed by exercise, state, flag and appeal", run: narrow },
   { name: "stations in use are seen live, and one is watched until it ends", run: live },
   { name: "a reference is withdrawn", run: withdrawReference },
+  { name: "a student sees how the criteria come on and what to work at next", run: progress },
   { name: "a student's result prints as a document", run: print },
 ];
 
@@ -312,6 +313,17 @@ async function withdrawReference(world) {
   await page.getByRole("button", { name: "Withdraw", exact: true }).click();
   await page.locator(".badge", { hasText: "Withdrawn" }).waitFor();
   assert.ok(world.mock.references[0].withdrawn_ms > 0);
+}
+
+async function progress(world) {
+  const page = await signedIn(world, "student", `/exercises/${id(20)}`);
+  const card = page.getByRole("region", { name: "How you come on" });
+  await card.getByText("Next: Mesial wall").waitFor();
+  assert.match(await card.innerText(), /lost 10\.1 points in your attempt/);
+  assert.match(await card.getByRole("row", { name: /Mesial wall/ }).innerText(), /4\.9 \/ 15/);
+  assert.match(await card.getByRole("img", { name: /^Mesial wall/ }).getAttribute("aria-label"), /33 % of the points/);
+  await accessible(page, "a student's progress");
+  await page.screenshot({ path: world.picture("progress"), fullPage: true });
 }
 
 async function print(world) {

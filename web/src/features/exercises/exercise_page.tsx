@@ -8,6 +8,7 @@ import { DataTable } from "../../widgets/table";
 import { burText, falls, fullMarksText, kStateTexts, noMarksText, ownerText, shankText, timeLimitText, touchCuesText, versionText } from "./exercise_text";
 import { ReferencesCard, VersionsCard } from "./history_cards";
 import { InitialTooth } from "./initial_tooth";
+import { ProgressCard } from "./progress_card";
 import { StaffActions } from "./staff_actions";
 import { outlinePaths, outlineViewBox } from "./target_outline";
 
@@ -118,17 +119,20 @@ function Rubric({ exercise }: { readonly exercise: Exercise }) {
 function OwnAttempts({ client, exercise, personId }: { readonly client: Client; readonly exercise: Exercise; readonly personId: string }) {
   const { loaded, reload } = useRequest(exercise.id, (signal) => client.attempts({ exercise: exercise.id, person: personId, limit: kAttemptsShown }, signal));
   return (
-    <Card title="My attempts">
-      {loaded.state === "loading" && <Loading what="attempts" />}
-      {loaded.state === "failed" && <ErrorNotice title="The attempts could not be loaded" message={loaded.error.message} onRetry={reload} />}
-      {loaded.state === "ready" && (loaded.value.items.length === 0 ? <Empty>No attempt yet. Sign in at a station and choose this exercise there.</Empty> : (
-        <DataTable label="My attempts at this exercise" items={loaded.value.items} rowKey={(attempt) => attempt.id} columns={[
-          { title: "When", cell: (attempt: Attempt) => <a href={`/attempts/${attempt.id}`}>{formatDateTime(attempt.ticketed_ms)}</a> },
-          { title: "State", cell: (attempt: Attempt) => <StateBadge attempt={attempt} /> },
-          { title: "Score", number: true, cell: (attempt: Attempt) => <span class="score-cell">{formatScore(attempt.score)}</span> },
-          { title: "Flags", cell: (attempt: Attempt) => <Flags attempt={attempt} graded={exercise.graded || attempt.exam} staff={false} /> },
-        ]} />
-      ))}
-    </Card>
+    <>
+      {loaded.state === "ready" && <ProgressCard client={client} attempts={loaded.value.items} />}
+      <Card title="My attempts">
+        {loaded.state === "loading" && <Loading what="attempts" />}
+        {loaded.state === "failed" && <ErrorNotice title="The attempts could not be loaded" message={loaded.error.message} onRetry={reload} />}
+        {loaded.state === "ready" && (loaded.value.items.length === 0 ? <Empty>No attempt yet. Sign in at a station and choose this exercise there.</Empty> : (
+          <DataTable label="My attempts at this exercise" items={loaded.value.items} rowKey={(attempt) => attempt.id} columns={[
+            { title: "When", cell: (attempt: Attempt) => <a href={`/attempts/${attempt.id}`}>{formatDateTime(attempt.ticketed_ms)}</a> },
+            { title: "State", cell: (attempt: Attempt) => <StateBadge attempt={attempt} /> },
+            { title: "Score", number: true, cell: (attempt: Attempt) => <span class="score-cell">{formatScore(attempt.score)}</span> },
+            { title: "Flags", cell: (attempt: Attempt) => <Flags attempt={attempt} graded={exercise.graded || attempt.exam} staff={false} /> },
+          ]} />
+        ))}
+      </Card>
+    </>
   );
 }
