@@ -96,7 +96,7 @@ async function assignmentLife(world) {
   const running = world.mock.assignments.find((row) => row.id === id(500));
   running.version_id = first.id;
   world.mock.exercises.push({ ...first, id: id(990), version: first.version + 1 });
-  await page.getByRole("link", { name: "Occlusal cavity, class I" }).click();
+  await page.getByRole("link", { name: "Occlusal cavity, class I", exact: true }).click();
   await page.getByRole("button", { name: `Move to version ${first.version + 1}…` }).click();
   await page.getByText(/attempts made with another version keep it/).waitFor();
   await accessible(page, "moving an assignment");

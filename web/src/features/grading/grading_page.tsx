@@ -105,6 +105,7 @@ export function GradingPage({ client, query, onOpen }: Props) {
                     </th>
                     <td class="nowrap">{formatDateTime(row.attempt.ticketed_ms)}</td>
                     <td class="number score-cell">{formatScore(row.attempt.score)}</td>
+                    <td class="nowrap">{row.attempt.released ? "Released" : awaitsRelease(row.attempt, graded(row.attempt)) ? "Waits" : <span class="hint">–</span>}</td>
                     {criteria.map((criterion) => <Lost key={criterion.name} row={row} criterion={criterion} />)}
                     <td>{row.attempt.state !== "scored" && <StateBadge attempt={row.attempt} />} <Flags attempt={row.attempt} graded={graded(row.attempt)} staff={true} done={row.score === undefined ? undefined : stoppedEarly(row.score)} /></td>
                   </tr>
@@ -137,6 +138,7 @@ function Head({ criteria, order, onOrder, all, onAll }:
       <tr>
         <th scope="col"><input type="checkbox" aria-label="Choose all that are shown" checked={all} onChange={(event) => onAll(event.currentTarget.checked)} /></th>
         {column("name", "Student", false)}{column("when", "When", true)}{column("score", "Score", false, true)}
+        <th scope="col">Release</th>
         {criteria.map(({ name, title }) => column(name, title, true, true))}
         <th scope="col">State</th>
       </tr>

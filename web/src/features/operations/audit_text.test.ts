@@ -28,6 +28,8 @@ test("what something was done to is named by its kind, ids are shortened", () =>
   assert.deepEqual(thingOf(entry("annotation.add", id(105))), { kind: "attempt", id: id(105), text: "attempt …000105" });
   assert.equal(thingOf(entry("person.edit", id(7)))?.kind, "person");
   assert.equal(thingOf(entry("roster.import", "")), undefined);
+  assert.equal(shortId("ab".repeat(32)), "abababab…");
+  assert.deepEqual(detailsOf({ before: "", after: '{"score":"61.500000"}' }), [{ name: "Score", before: "", after: "61.5" }]);
   assert.equal(shortId(`of ${id(12)}.`), "of …000012.");
   assert.equal(actionText("attempt.release"), "released the score of");
   assert.equal(actionText("new.thing"), "new.thing");

@@ -1,5 +1,5 @@
 import type { AuditEntry } from "../../api/types";
-import { formatDateTime } from "../../base/format";
+import { formatDateTime, formatNumber } from "../../base/format";
 
 // What an entry of the audit says, as people read it.
 
@@ -30,6 +30,7 @@ export function actionText(action: string): string {
   return kActions[action] ?? action;
 }
 
+const kHash = /\b[0-9a-f]{64}\b/g;
 const kUuid = /[0-9a-f]{8}(?:-[0-9a-f]{4}){3}-[0-9a-f]{12}/;
 
 // "UUID (page)": the person, and by what way.
@@ -56,7 +57,7 @@ export function thingOf({ action, object }: Pick<AuditEntry, "action" | "object"
 
 // The end of an id tells things apart; its beginning is a time.
 export function shortId(text: string): string {
-  return text.replace(new RegExp(kUuid, "g"), (id) => `…${id.slice(-6)}`);
+  return text.replace(new RegExp(kUuid, "g"), (id) => `…${id.slice(-6)}`).replace(kHash, (hash) => `${hash.slice(0, 8)}…`);
 }
 
 // Everyone whose name a reader wants, each once.
@@ -106,6 +107,7 @@ function valueText(key: string, value: unknown, nameOf: (id: string) => string):
   if (value === undefined || value === null || value === "" || (key.endsWith("_ms") && Number(value) === 0)) return "";
   if (key.endsWith("_ms") && Number.isFinite(Number(value))) return formatDateTime(Number(value));
   if (typeof value === "boolean") return value ? "yes" : "no";
+  if (typeof value === "string" && /^-?\d+\.\d+$/.test(value)) return formatNumber(Number(value), 3);
   if (typeof value === "string") return personOf(value) === value ? nameOf(value) : shortId(value);
   if (Array.isArray(value)) return value.length === 0 ? "" : value.map((item) => valueText("", item, nameOf)).join(", ");
   return typeof value === "object" ? (Object.keys(value).length === 0 ? "" : shortId(JSON.stringify(value))) : String(value);

@@ -28,7 +28,7 @@ export function DeviationLegend() {
       <span class="legend-item">
         <span class="swatch" style={{ background: kUntouchedColor }} />Untouched
       </span>
-      <span class="legend-item hint">in mm, a line each 0.1 mm</span>
+      <span class="legend-item hint">mm, lines 0.1 apart</span>
     </div>
   );
 }
