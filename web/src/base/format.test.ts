@@ -1,18 +1,18 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import {
-  formatBytes, formatDuration, formatMoment, formatNumber, formatQuantity, formatSigned, metricTitle, micrometresAsMm, plural, kScoreStep, scoreForField,
+  formatBytes, formatDuration, formatLimit, formatMoment, formatNumber, formatQuantity, formatSigned, metricTitle, micrometresAsMm, plural, kScoreStep, scoreForField,
 } from "./format";
 
 test("angles have their sign without a blank", () => {
-  assert.equal(formatQuantity(7.25, "deg"), "7.25°");
+  assert.equal(formatQuantity(7.25, "deg"), "7.3°");
 });
 
 test("a deviation that rounds to zero carries no sign", () => {
-  assert.equal(formatSigned(0.0001), "0");
-  assert.equal(formatSigned(-0.0001), "0");
-  assert.equal(formatSigned(0.3), "+0.3");
-  assert.equal(formatSigned(-0.305, 2), "−0.3");
+  assert.equal(formatSigned(0.001), "0.00");
+  assert.equal(formatSigned(-0.001), "0.00");
+  assert.equal(formatSigned(0.3), "+0.30");
+  assert.equal(formatSigned(-0.31), "−0.31");
 });
 
 test("a value that is not a number is shown as a dash and never as NaN", () => {
@@ -21,12 +21,20 @@ test("a value that is not a number is shown as a dash and never as NaN", () => {
   assert.equal(formatDuration(-1), "–");
 });
 
-test("quantities keep about three significant places and carry their unit", () => {
-  assert.equal(formatQuantity(0.0421, "mm"), "0.042\u00a0mm");
-  assert.equal(formatQuantity(0.301, "mm"), "0.3\u00a0mm");
+test("a quantity has as many decimals as anybody acts on, and its unit", () => {
+  assert.equal(formatQuantity(0.0421, "mm"), "0.04\u00a0mm");
   assert.equal(formatQuantity(0.275, "mm"), "0.28\u00a0mm");
-  assert.equal(formatQuantity(12.345, "mm3"), "12.3\u00a0mm³");
+  assert.equal(formatQuantity(-0.004, "mm"), "0.00\u00a0mm");
+  assert.equal(formatQuantity(12.345, "mm3"), "12.35\u00a0mm³");
+  assert.equal(formatQuantity(99.14, "%"), "99.1\u00a0%");
   assert.equal(formatQuantity(42180, "count"), "42\u202f180");
+});
+
+test("a limit is shown as it is, in the form of what is measured", () => {
+  assert.equal(formatLimit(0.025, "mm"), "0.025\u00a0mm");
+  assert.equal(formatLimit(0.1, "mm"), "0.10\u00a0mm");
+  assert.equal(formatLimit(97, "%"), "97.0\u00a0%");
+  assert.equal(formatLimit(240, "s"), "4\u00a0min\u00a000\u00a0s");
 });
 
 test("a small torque is told in millinewton metres, not as nothing", () => {

@@ -38,29 +38,52 @@ export function scoreForField(score: number): number {
   return Number(score.toFixed(1));
 }
 
-// With a sign unless it rounds to zero: for deviations, with as many digits as formatQuantity gives them.
-export function formatSigned(value: number, digits = digitsFor(value)): string {
-  const text = formatNumber(value, digits);
+// As fine as anybody acts on, and as the server's reasons have it (UsualDigits in common/scoring/score.cpp).
+const kDigits: Readonly<Record<string, number>> = { mm: 2, mm2: 2, mm3: 2, N: 2, "N s": 2, mJ: 2, "N/s": 2, "mm3/s": 2, ratio: 2, um: 2, "%": 1, deg: 1, count: 0 };
+const kMostDigits = 4;
+
+// With a sign unless it rounds to zero: for deviations, which are millimetres.
+export function formatSigned(value: number, digits = 2): string {
+  const text = formatFixed(value, digits);
   return Number(value.toFixed(digits)) > 0 ? `+${text}` : text;
 }
 
 // The one form of a measured value with its unit, wherever it is shown.
-export function formatQuantity(value: number, unit: string, digits?: number): string {
-  if (unit === "s" && digits === undefined) return formatDuration(value);
+export function formatQuantity(value: number, unit: string): string {
+  if (unit === "s") return formatDuration(value);
   // A wrist's friction is tenths of a millinewton metre: in newton metres it would read 0.
-  if (unit === "N m" && Math.abs(value) < 0.1) return formatQuantity(value * 1000, "mN m", digits);
-  const number = formatNumber(value, digits ?? digitsFor(value));
+  if (unit === "N m" && Math.abs(value) < 0.1) return formatQuantity(value * 1000, "mN m");
+  const digits = kDigits[unit];
+  return withUnit(digits === undefined ? formatNumber(value, digitsFor(value)) : formatFixed(value, digits), unit);
+}
+
+// What is asked for: in the form of what is measured, with as many decimals more as show it as it is, 0.025 mm and not 0.03.
+export function formatLimit(value: number, unit: string): string {
+  const usual = kDigits[unit];
+  if (unit === "s" || usual === undefined || !Number.isFinite(value)) return formatQuantity(value, unit);
+  let digits = usual;
+  while (digits < kMostDigits && Math.abs(Number(value.toFixed(digits)) - value) > 1e-9) ++digits;
+  return withUnit(formatFixed(value, digits), unit);
+}
+
+function formatFixed(value: number, digits: number): string {
+  if (!Number.isFinite(value)) return kDash;
+  const rounded = Number(value.toFixed(digits));
+  const text = Math.abs(rounded).toLocaleString("en-US", { minimumFractionDigits: digits, maximumFractionDigits: digits });
+  return (rounded < 0 ? "−" : "") + text.replaceAll(",", "\u202f");
+}
+
+function withUnit(number: string, unit: string): string {
   const shown = unitText(unit);
   return shown === "" || number === kDash ? number : `${number}${shown === "°" ? "" : "\u00a0"}${shown}`;
 }
 
-// About three significant places, and never finer than hundredths from a tenth on: a tenth of a millimetre is well measured,
-// and its thousandths are not.
+// About three significant places.
 function digitsFor(value: number): number {
   const size = Math.abs(value);
   if (size >= 100) return 0;
   if (size >= 10) return 1;
-  return size >= 0.1 ? 2 : 3;
+  return size >= 1 ? 2 : 3;
 }
 
 export function formatDateTime(unixMs: number): string {

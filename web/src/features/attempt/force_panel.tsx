@@ -110,7 +110,7 @@ function Readout({ lines, timeS, index }: { readonly lines: readonly PlotLine[];
 
 // "–" where nothing is known.
 function readText({ values, unit }: PlotLine, index: number): string {
-  return formatQuantity(values[index] ?? Number.NaN, unit, 2);
+  return formatQuantity(values[index] ?? Number.NaN, unit);
 }
 
 function LineSample({ line }: { readonly line: PlotLine }) {

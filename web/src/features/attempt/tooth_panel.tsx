@@ -3,7 +3,7 @@ import type { ApiError } from "../../api/http";
 import type { Surface } from "../../api/surface";
 import type { Series } from "../../api/types";
 import type { Loaded } from "../../api/use_request";
-import { formatNumber, formatQuantity, formatSigned } from "../../base/format";
+import { formatLimit, formatNumber, formatQuantity, formatSigned } from "../../base/format";
 import { Card, ErrorNotice, Loading, Segmented } from "../../widgets/basics";
 import { DeviationLegend, TissueLegend } from "../../widgets/tooth/legend";
 import type { ColorMode, PointMm } from "../../widgets/tooth/scene";
@@ -110,7 +110,7 @@ function deviationText(summary: DeviationSummary): string {
   const percent = (share: number) => `${formatNumber(100 * share, 0)} %`;
   const worst = summary.sides[0];
   const where = worst === undefined ? "" : ` Furthest off on average: ${worst.side.toLowerCase()}, ${formatSigned(worst.meanMm)} mm.`;
-  return `Of the surface that was cut, ${percent(summary.withinShare)} lies within ${formatQuantity(summary.toleranceMm, "mm")} of the reference, ` +
+  return `Of the surface that was cut, ${percent(summary.withinShare)} lies within ${formatLimit(summary.toleranceMm, "mm")} of the reference, ` +
          `${percent(summary.overShare)} is cut further and ${percent(summary.underShare)} less far; 95 % is within ${formatQuantity(summary.p95Mm, "mm")}.${where}`;
 }
 

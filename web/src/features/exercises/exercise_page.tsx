@@ -1,7 +1,7 @@
 import type { Client } from "../../api/client";
 import type { Attempt, Exercise } from "../../api/types";
 import { useRequest } from "../../api/use_request";
-import { formatDateTime, formatNumber, formatPoints, formatQuantity, formatScore, micrometresAsMm } from "../../base/format";
+import { formatDateTime, formatNumber, formatPoints, formatLimit, formatScore, micrometresAsMm } from "../../base/format";
 import { Flags, StateBadge } from "../../widgets/attempt_state";
 import { Badge, Card, Empty, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
 import { DataTable } from "../../widgets/table";
@@ -101,7 +101,7 @@ function Rubric({ exercise }: { readonly exercise: Exercise }) {
     <>
       <DataTable label="Rubric" items={criteria} rowKey={(criterion) => criterion.metric} dense columns={[
         { title: "Criterion", cell: (criterion) => (
-          <>{criterion.title}{criterion.fails_above !== null && <span class="sub">Above {formatQuantity(criterion.fails_above, criterion.unit)} the whole attempt is not passed</span>}</>) },
+          <>{criterion.title}{criterion.fails_above !== null && <span class="sub">Above {formatLimit(criterion.fails_above, criterion.unit)} the whole attempt is not passed</span>}</>) },
         { title: "Full marks", cell: (criterion) => fullMarksText(criterion.map, criterion.unit) },
         { title: "No marks", cell: (criterion) => noMarksText(criterion.map, criterion.unit) },
         { title: "Points", number: true, cell: (criterion) => formatPoints(criterion.points) },

@@ -32,10 +32,10 @@ test("touch cues are named with their largest force, and none where there are no
 test("where marks begin and end is said for rising, falling and two-sided criteria", () => {
   const map = (...points: ReadonlyArray<readonly [number, number]>) => points.map(([value, share]) => ({ value, share }));
   const both = (points: ReturnType<typeof map>) => [fullMarksText(points, "mm"), noMarksText(points, "mm")].map(spaced);
-  assert.deepEqual(both(map([0.05, 1], [0.3, 0])), ["0.05 mm", "0.3 mm"]);
-  assert.deepEqual(both(map([0, 1], [0.05, 1], [0.3, 0], [1, 0])), ["0.05 mm", "0.3 mm"]);
-  assert.deepEqual(both(map([80, 0], [98, 1])), ["98 mm", "80 mm"]);
-  assert.deepEqual(both(map([-0.3, 0], [-0.05, 1], [0.05, 1], [0.3, 0])), ["±0.05 mm", "beyond ±0.3 mm"]);
-  assert.deepEqual(both(map([-0.2, 0], [0, 1], [0.4, 0])), ["±0 mm", "beyond −0.2 mm to 0.4 mm"]);
+  assert.deepEqual(both(map([0.05, 1], [0.3, 0])), ["0.05 mm", "0.30 mm"]);
+  assert.deepEqual(both(map([0, 1], [0.05, 1], [0.3, 0], [1, 0])), ["0.05 mm", "0.30 mm"]);
+  assert.deepEqual(both(map([80, 0], [98, 1])), ["98.00 mm", "80.00 mm"]);
+  assert.deepEqual(both(map([-0.3, 0], [-0.05, 1], [0.05, 1], [0.3, 0])), ["±0.05 mm", "beyond ±0.30 mm"]);
+  assert.deepEqual(both(map([-0.2, 0], [0, 1], [0.4, 0])), ["±0.00 mm", "beyond −0.20 mm to 0.40 mm"]);
   assert.deepEqual(both([]), ["–", "–"]);
 });

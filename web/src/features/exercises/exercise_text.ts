@@ -1,5 +1,5 @@
 import type { Bur, ExerciseState, ExerciseSummary, TouchCues } from "../../api/types";
-import { formatDuration, formatNumber, formatQuantity, micrometresAsMm } from "../../base/format";
+import { formatDuration, formatNumber, formatLimit, micrometresAsMm } from "../../base/format";
 import type { Tone } from "../../widgets/basics";
 
 const kShapes: Readonly<Record<Bur["shape"], string>> = {
@@ -46,7 +46,7 @@ export function fullMarksText(map: MarkMap, unit: string): string {
   const [low, high] = [full.at(0), full.at(-1)];
   if (low === undefined || high === undefined) return "–";
   if (isTwoSided(map)) return rangeText(low, high, unit);
-  return formatQuantity(falls(map) ? high : low, unit);
+  return formatLimit(falls(map) ? high : low, unit);
 }
 
 // From where on it gives none.
@@ -55,7 +55,7 @@ export function noMarksText(map: MarkMap, unit: string): string {
   const [low, high] = [none.at(0), none.at(-1)];
   if (low === undefined || high === undefined) return "–";
   if (isTwoSided(map)) return `beyond ${rangeText(none.filter((value) => value < middle(map)).at(-1) ?? low, none.find((value) => value > middle(map)) ?? high, unit)}`;
-  return formatQuantity(falls(map) ? low : high, unit);
+  return formatLimit(falls(map) ? low : high, unit);
 }
 
 export function falls(map: MarkMap): boolean {
@@ -72,7 +72,7 @@ function middle(map: MarkMap): number {
 }
 
 function rangeText(low: number, high: number, unit: string): string {
-  return low === -high ? `±${formatQuantity(high, unit)}` : `${formatQuantity(low, unit)} to ${formatQuantity(high, unit)}`;
+  return low === -high ? `±${formatLimit(high, unit)}` : `${formatLimit(low, unit)} to ${formatLimit(high, unit)}`;
 }
 
 // Whose it is, for who teaches.

@@ -21,14 +21,14 @@ export function DeviationLegend() {
         <canvas ref={canvas} width={kPixels} height={1} aria-hidden="true" />
         <div class="legend-ticks">
           {kTicks.map((mm) => (
-            <span key={mm} style={{ left: `${50 + (50 * mm) / kDeviationRangeMm}%` }}>{formatSigned(mm, 1)}</span>
+            <span key={mm} style={{ left: `${50 + (50 * mm) / kDeviationRangeMm}%` }}>{formatSigned(mm, 1)}{mm === kTicks.at(-1) && " mm"}</span>
           ))}
         </div>
       </div>
       <span class="legend-item">
         <span class="swatch" style={{ background: kUntouchedColor }} />Untouched
       </span>
-      <span class="legend-item hint">mm, lines 0.1 apart</span>
+      <span class="legend-item hint">a line each 0.1 mm</span>
     </div>
   );
 }
