@@ -10,7 +10,6 @@ import { accessible, signedIn, signIn } from "./session.mjs";
 import { teachingFlows } from "./teaching_flows.mjs";
 
 const kScored = "✓ Scored";
-const kThumbPx = 18;                            // of the style sheet
 
 export const flows = [
   { name: "a wrong password is refused in words and keeps the login", anywhere: true, run: wrongPassword },
@@ -154,10 +153,8 @@ async function oneTimeAxis(world) {
     const centre = ({ x, width: wide }) => x + wide / 2;
     for (const mark of await page.getByRole("group", { name: "Remarks along the time" }).getByRole("button").all()) {
       await mark.click();
-      const share = Number(await slider.inputValue()) / Number(await slider.getAttribute("max"));
       const at = centre(await page.locator(".plot-cursor").boundingBox());
-      const input = await slider.boundingBox();
-      const thumb = input.x + kThumbPx / 2 + share * (input.width - kThumbPx);
+      const thumb = (await slider.boundingBox()).x + thumbIn(await slider.screenshot());
       assert.ok(Math.abs(centre(await mark.boundingBox()) - at) < 2, `at ${width}: the mark is at ${centre(await mark.boundingBox())}, the plot's cursor at ${at}`);
       assert.ok(Math.abs(thumb - at) < 2, `at ${width}: the slider's thumb is at ${thumb}, the plot's cursor at ${at}`);
     }
@@ -214,6 +211,18 @@ async function oneViewport(world) {
     assert.ok(tooth.y >= 0 && tooth.y + tooth.height <= height, "the tooth is in view");
     await page.screenshot({ path: world.picture(`one_viewport_${width}`) });
   }
+}
+
+// The middle of the slider's thumb in its picture, by its colour.
+function thumbIn(picture) {
+  const { width, height, at } = decodePng(picture);
+  const columns = [];
+  for (let x = 0; x < width; ++x) {
+    const [r, g, b] = at(x, Math.floor(height / 2));
+    if (r < 60 && g > 60 && g < 130 && b > 80 && b < 150) columns.push(x);
+  }
+  assert.ok(columns.length > 6 && columns.length < 24, `the thumb is ${columns.length} px wide`);
+  return (columns[0] + columns.at(-1) + 1) / 2;
 }
 
 // Ivory (as the reference), red (0.3 mm too far) and the neutral of untouched tooth, in view at once.
