@@ -57,7 +57,7 @@ export function RosterPage({ client }: { readonly client: Client }) {
         <>
           <Card title="1. The file">
             <p>A CSV file (UTF-8, commas) with the columns <code>login</code>, <code>display_name</code>, <code>role</code> and <code>cohort</code>, in any order, named in the first row.
-              Who is there already keeps role and password; nobody is removed; importing the same file twice changes nothing.</p>
+              Who is there already keeps role and password; nobody is removed; importing the same file twice changes nothing. Somebody in several cohorts has a row for each.</p>
             <div class="form-grid">
               <FileField label="Roster (CSV)" accept=".csv,text/csv" onFile={(chosen) => void choose(chosen)} problem={problem} />
               <SelectField label="Cohort for rows without one" value={cohort}
