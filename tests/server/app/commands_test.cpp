@@ -205,6 +205,28 @@ TEST_F(CommandsTest, ExercisesArePublishedAssignedAndRetiredFromTheCommandLine) 
   EXPECT_EQ(PublishExercise(Data(), {"builtin:block", "", 500, "bridge"}).field(), "name");
 }
 
+TEST_F(CommandsTest, ADueTimeThatHasPassedIsToldWhenItIsSet) {
+  NewExercise exercise;
+  exercise.scene = "builtin:block";
+  exercise.voxel_um = 500;
+  exercise.name = "cross";
+  exercise.unassigned = true;
+  ASSERT_TRUE(PublishExercise(Data(), exercise).ok());
+  auto said = [&](const std::string& due, bool late) {
+    NewAssignment assignment;
+    assignment.exercise = "cross-block";
+    assignment.due = due;
+    assignment.late_allowed = late;
+    ::testing::internal::CaptureStdout();
+    EXPECT_TRUE(AssignExercise(Data(), assignment).ok());
+    return ::testing::internal::GetCapturedStdout();
+  };
+  EXPECT_NE(said("2020-01-01 12:00", false).find("has passed: nobody can begin"),
+            std::string::npos);
+  EXPECT_NE(said("2020-01-01 12:00", true).find("every attempt will be late"), std::string::npos);
+  EXPECT_EQ(said("", false).find("has passed"), std::string::npos);
+}
+
 TEST_F(CommandsTest, DemoPasswordsAreNotServedBeyondLoopback) {
   {
     auto store = OpenData();
