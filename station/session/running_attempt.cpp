@@ -172,9 +172,9 @@ void RunningAttempt::LogEnd(const Status& status) const {
   const LoopCounters& counters = loop_.counters();
   const DurationHistogram& late = loop_.lateness();
   const std::string how = fmt::format(
-      "{} ticks, {} late, {} in gaps, {} faults; a tick came {:.0f} us late or less in 99 of 100, "
-      "{:.0f} us at most; {} "
-      "chunks stored here",
+      "{} ticks, {} late, {} in gaps, {} faults; 99 of 100 ticks at most {:.0f} us late, the "
+      "latest "
+      "{:.0f} us; {} chunks stored here",
       counters.ticks, counters.late_ticks, counters.gap_ticks + counters.skipped_ticks,
       counters.faults, late.Quantile_ns(0.99) * 1e-3, static_cast<double>(late.max_ns()) * 1e-3,
       recorder_.chunks());
