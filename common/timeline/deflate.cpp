@@ -1,0 +1,45 @@
+#include "common/timeline/deflate.h"
+
+#include <zlib.h>
+
+#include <string>
+
+namespace enamel::timeline {
+namespace {
+
+// The most that a byte of a deflate stream can stand for (zlib's "Technical Details").
+constexpr size_t kMaxRatio = 1032;
+
+}  // namespace
+
+Bytes Deflate(ByteView raw, Effort effort) {
+  uLongf size = compressBound(raw.size());
+  Bytes out(size);
+  const int done =
+      compress2(out.data(), &size, raw.data(), raw.size(), effort == Effort::kMost ? 9 : 6);
+  ENAMEL_CHECK(done == Z_OK);
+  out.resize(size);
+  return out;
+}
+
+Result<Bytes> Inflate(ByteView packed, size_t size, std::string_view what) {
+  const auto damaged = [&](const std::string& why) {
+    return Status(Code::kInvalidInput, "surface timeline: section '" + std::string(what) + "' " +
+                                           why + "; the file is damaged, make it again");
+  };
+  if (size / kMaxRatio > packed.size()) {
+    return damaged("cannot hold the " + std::to_string(size) + " bytes its header asks for");
+  }
+  // One more than is asked for, so that a longer stream is seen.
+  Bytes out(size + 1);
+  uLongf found = out.size();
+  uLong used = packed.size();
+  const int done = uncompress2(out.data(), &found, packed.data(), &used);
+  if (done != Z_OK || found != size || used != packed.size()) {
+    return damaged("does not hold the " + std::to_string(size) + " bytes its header asks for");
+  }
+  out.resize(size);
+  return out;
+}
+
+}  // namespace enamel::timeline

@@ -1,0 +1,218 @@
+#include "common/timeline/recorder.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/base/check.h"
+#include "common/timeline/deflate.h"
+
+namespace enamel::timeline {
+namespace {
+
+constexpr int kOutlineSteps = 24;
+
+int32_t Nanometres(double m) { return static_cast<int32_t>(std::lround(m * 1e9)); }
+
+// By the distance alone, so that no shape has a rule of its own: the radius at which it is 0.
+double RadiusAt_m(const cutting::Bur& bur, double z_m) {
+  double inside = 0, outside = bur.radius_m * 1.01;
+  for (int i = 0; i < 40; ++i) {
+    const double middle = (inside + outside) / 2;
+    (bur.Distance({middle, 0, z_m}) <= 0 ? inside : outside) = middle;
+  }
+  return inside;
+}
+
+std::vector<OutlinePoint> OutlineOf(const cutting::Bur& bur) {
+  std::vector<OutlinePoint> out;
+  if (bur.radius_m <= 0) return out;
+  const double height = bur.height_m();
+  for (int i = 0; i <= kOutlineSteps; ++i) {
+    // Denser at both ends, where round burs turn.
+    const double s = static_cast<double>(i) / kOutlineSteps;
+    const double z = height * s * s * (3 - 2 * s);
+    out.push_back({Nanometres(z), Nanometres(RadiusAt_m(bur, z))});
+  }
+  if (bur.shank_radius_m > 0) {
+    const double from = height + bur.neck_m, to = from + cutting::kShankLength_m;
+    out.push_back({Nanometres(from), Nanometres(bur.shank_radius_m)});
+    out.push_back({Nanometres(to), Nanometres(bur.shank_radius_m)});
+  }
+  return out;
+}
+
+FramePose PoseOf(const Recorder::Tick& tick) {
+  FramePose out;
+  const dvec3 axis = tick.bur.orientation.Matrix()[2];
+  for (int i = 0; i < 3; ++i) {
+    const auto n = static_cast<size_t>(i);
+    out.tip_um[n] = static_cast<int32_t>(std::lround(tick.bur.tip_m[i] * 1e6));
+    out.axis[n] = static_cast<int8_t>(std::lround(std::clamp(axis[i], -1.0, 1.0) * 127));
+  }
+  out.turning = tick.turning;
+  return out;
+}
+
+// Bytes by significance: the high ones compress to almost nothing.
+void AppendPlanes(const std::vector<uint32_t>& values, Bytes& out) {
+  for (int shift = 0; shift < 32; shift += 8) {
+    for (uint32_t v : values) out.push_back(static_cast<uint8_t>(v >> shift));
+  }
+}
+
+uint32_t Zigzag(uint32_t v) { return v << 1 ^ (0 - (v >> 31)); }
+
+Bytes PosesOf(const std::vector<FramePose>& poses) {
+  Bytes out;
+  std::vector<uint32_t> column(poses.size());
+  for (size_t axis = 0; axis < 3; ++axis) {
+    uint32_t before = 0;
+    for (size_t i = 0; i < poses.size(); ++i) {
+      const auto now = static_cast<uint32_t>(poses[i].tip_um[axis]);
+      column[i] = Zigzag(now - before);
+      before = now;
+    }
+    AppendPlanes(column, out);
+  }
+  for (size_t axis = 0; axis < 3; ++axis) {
+    for (const FramePose& pose : poses) out.push_back(static_cast<uint8_t>(pose.axis[axis]));
+  }
+  for (size_t i = 0; i < poses.size(); ++i) column[i] = poses[i].gap_ticks;
+  AppendPlanes(column, out);
+  for (const FramePose& pose : poses) out.push_back(pose.turning ? 1 : 0);
+  return out;
+}
+
+}  // namespace
+
+Recorder::Recorder(const cutting::Volume& initial, const Sha256& start,
+                   const RecorderOptions& options)
+    : initial_(initial),
+      slot_(static_cast<size_t>(initial.spec().brick_count()), -1),
+      is_dirty_(slot_.size()) {
+  head_.spec = initial.spec();
+  head_.start = start;
+  head_.rate_hz = options.rate_hz;
+  head_.frame_ticks = options.frame_ticks;
+  head_.segment_frames = options.segment_frames;
+  head_.outline = OutlineOf(options.bur);
+  key_ = Deflate({});
+}
+
+Samples& Recorder::StateOf(int32_t brick) {
+  int32_t& slot = slot_[static_cast<size_t>(brick)];
+  if (slot < 0) {
+    slot = static_cast<int32_t>(states_.size());
+    states_.push_back(QuantiseBrick(initial_, brick));
+  }
+  return states_[static_cast<size_t>(slot)];
+}
+
+void Recorder::Add(const cutting::Volume& volume, std::span<const int32_t> touched,
+                   const Tick& tick) {
+  for (int32_t brick : touched) {
+    uint8_t& is_dirty = is_dirty_[static_cast<size_t>(brick)];
+    if (is_dirty) continue;
+    is_dirty = 1;
+    dirty_.push_back(brick);
+  }
+  const uint32_t gaps = pose_.gap_ticks + tick.gap_ticks;
+  ++head_.ticks;
+  ++ticks_in_frame_;
+  // Of every tick, as each may be the last.
+  pose_ = PoseOf(tick);
+  pose_.gap_ticks = gaps;
+  if (ticks_in_frame_ == head_.frame_ticks) EndFrame(volume);
+}
+
+void Recorder::NoteChanges(int32_t brick, const Samples& now) {
+  Samples& state = StateOf(brick);
+  uint8_t layers = 0;
+  ByteWriter rows;
+  for (size_t z = 0; z < 8; ++z) {
+    uint8_t row_mask = 0;
+    ByteWriter bits;
+    for (size_t y = 0; y < 8; ++y) {
+      uint8_t mask = 0;
+      for (size_t x = 0; x < 8; ++x) {
+        const size_t i = z * 64 + y * 8 + x;
+        if (now[i] == state[i]) continue;
+        mask |= static_cast<uint8_t>(1u << x);
+        state[i] = now[i];
+        values_.U8(static_cast<uint8_t>(now[i] - Predicted(state, i)));
+      }
+      if (mask == 0) continue;
+      row_mask |= static_cast<uint8_t>(1u << y);
+      bits.U8(mask);
+    }
+    if (row_mask == 0) continue;
+    layers |= static_cast<uint8_t>(1u << z);
+    rows.U8(row_mask);
+    rows.Raw(bits.bytes());
+  }
+  masks_.U8(layers);
+  masks_.Raw(rows.bytes());
+}
+
+void Recorder::EndFrame(const cutting::Volume& volume) {
+  std::ranges::sort(dirty_);
+  std::vector<std::pair<int32_t, Samples>> changed;
+  for (int32_t brick : dirty_) {
+    is_dirty_[static_cast<size_t>(brick)] = 0;
+    const Samples now = QuantiseBrick(volume, brick);
+    if (now != StateOf(brick)) changed.emplace_back(brick, now);
+  }
+  dirty_.clear();
+  heads_.Varint(changed.size());
+  int32_t before = -1;
+  for (const auto& [brick, now] : changed) {
+    heads_.Varint(static_cast<uint64_t>(brick - before - 1));
+    before = brick;
+    NoteChanges(brick, now);
+    auto at = std::ranges::lower_bound(changed_, brick);
+    if (at == changed_.end() || *at != brick) changed_.insert(at, brick);
+  }
+  poses_.push_back(pose_);
+  pose_.gap_ticks = 0;
+  ticks_in_frame_ = 0;
+  if (poses_.size() == head_.segment_frames) EndSegment();
+}
+
+void Recorder::EndSegment() {
+  ByteWriter changes;
+  changes.U32(static_cast<uint32_t>(heads_.size()));
+  changes.U32(static_cast<uint32_t>(masks_.size()));
+  changes.Raw(heads_.Take());
+  changes.Raw(masks_.Take());
+  changes.Raw(values_.Take());
+  heads_ = masks_ = values_ = {};
+  const Bytes poses = Deflate(PosesOf(poses_)), packed = Deflate(changes.bytes());
+  Segment segment;
+  segment.pose_bytes = static_cast<uint32_t>(poses.size());
+  segment.key_bytes = static_cast<uint32_t>(key_.size());
+  segment.change_bytes = static_cast<uint32_t>(packed.size());
+  segment.key_bricks = key_bricks_;
+  segment.change_size = static_cast<uint32_t>(changes.size());
+  head_.segments.push_back(segment);
+  for (const Bytes* part : std::initializer_list<const Bytes*>{&poses, &key_, &packed}) {
+    body_.insert(body_.end(), part->begin(), part->end());
+  }
+  poses_.clear();
+  // The next one begins with all that is no longer the start's.
+  ByteWriter key;
+  for (int32_t brick : changed_) key.U32(static_cast<uint32_t>(brick));
+  Bytes raw = key.Take();
+  for (int32_t brick : changed_) AppendResiduals(StateOf(brick), raw);
+  key_ = Deflate(raw);
+  key_bricks_ = static_cast<uint32_t>(changed_.size());
+}
+
+Bytes Recorder::Finish(const cutting::Volume& volume) {
+  if (ticks_in_frame_ > 0) EndFrame(volume);
+  if (!poses_.empty()) EndSegment();
+  Bytes out = EncodeHead(head_);
+  out.insert(out.end(), body_.begin(), body_.end());
+  return out;
+}
+
+}  // namespace enamel::timeline

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "common/base/bytes.h"
+#include "common/base/result.h"
+#include "common/base/sha256.h"
+#include "common/cutting/volume.h"
+
+// What a surface timeline says about itself: format "ENTL", version 1
+// (schemas/surface_timeline.md). How the tooth became what it is, in frames of equally many ticks,
+// beside the tooth before (start_tooth.h). Made by recorder.h, read by player.h.
+namespace enamel::timeline {
+
+// One frame's bur, and how long the frame took.
+struct FramePose {
+  std::array<int32_t, 3> tip_um{};  // scene frame, where the bur cuts, after the frame's last tick
+  std::array<int8_t, 3> axis{};     // toward the shank, /127
+  bool turning = false;
+  uint32_t gap_ticks = 0;  // that passed within the frame and were not recorded
+
+  bool operator==(const FramePose&) const = default;
+};
+
+// A point of the bur's outline, from the tip to the shank's end.
+struct OutlinePoint {
+  int32_t z_nm = 0, radius_nm = 0;
+  bool operator==(const OutlinePoint&) const = default;
+};
+
+// Where a part of the file lies that can be read by itself.
+struct Segment {
+  uint64_t offset = 0;                                       // from the start of the file
+  uint32_t pose_bytes = 0, key_bytes = 0, change_bytes = 0;  // packed, one after the other
+  uint32_t key_bricks = 0;                                   // in the key frame
+  uint32_t change_size = 0;                                  // of the changes, unpacked
+  uint64_t bytes() const { return uint64_t{pose_bytes} + key_bytes + change_bytes; }
+};
+
+struct Head {
+  // More frames than this are refused: two weeks of them at ten a second.
+  static constexpr uint32_t kMaxFrames = 12'000'000;
+  static constexpr uint32_t kMaxSegments = 65'536;
+  static constexpr uint32_t kMaxOutline = 256;
+
+  cutting::GridSpec spec;
+  Sha256 start;  // of the start tooth's file
+  uint64_t ticks = 0;
+  uint32_t rate_hz = 0;
+  uint32_t frame_ticks = 0;     // recorded ticks in a frame; the last may have fewer
+  uint32_t segment_frames = 0;  // frames in a segment; the last may have fewer
+  std::vector<OutlinePoint> outline;
+  std::vector<Segment> segments;
+
+  uint32_t frames() const { return static_cast<uint32_t>((ticks + frame_ticks - 1) / frame_ticks); }
+  uint32_t FramesIn(size_t segment) const;
+  // Bytes of the file before its first segment.
+  size_t bytes() const;
+};
+
+Bytes EncodeHead(const Head& head);
+// Of a file that begins with `bytes`. Bounded. Errors: kVersion; kInvalidInput for everything that
+// the document does not allow, also when the head is not all there.
+Result<Head> DecodeHead(ByteView bytes);
+
+}  // namespace enamel::timeline

@@ -1,0 +1,124 @@
+#include <algorithm>
+#include <string>
+
+#include "common/scene/grid_blob.h"
+#include "common/timeline/timeline.h"
+
+namespace enamel::timeline {
+namespace {
+
+constexpr std::string_view kMagic = "ENTL";
+constexpr uint16_t kVersion = 1;
+constexpr std::string_view kBlob = "surface timeline";
+constexpr size_t kFixedBytes = 108, kOutlineBytes = 8, kSegmentBytes = 20;
+
+Status Malformed(const std::string& what) {
+  return Status(Code::kInvalidInput, std::string(kBlob) + ": " + what);
+}
+
+Status Bounded(const char* what, uint64_t found, uint64_t least, uint64_t most) {
+  if (found >= least && found <= most) return Status::Ok();
+  return Malformed("expected " + std::string(what) + " from " + std::to_string(least) + " to " +
+                   std::to_string(most) + ", found " + std::to_string(found));
+}
+
+void WriteFixed(const Head& head, ByteWriter& out) {
+  for (char letter : kMagic) out.U8(static_cast<uint8_t>(letter));
+  out.U16(kVersion);
+  out.U16(0);
+  scene::WriteGrid(head.spec, out);
+  out.Raw(head.start.view());
+  out.U64(head.ticks);
+  out.U32(head.rate_hz);
+  out.U32(head.frame_ticks);
+  out.U32(head.segment_frames);
+  out.U32(static_cast<uint32_t>(head.outline.size()));
+  out.U32(static_cast<uint32_t>(head.segments.size()));
+}
+
+}  // namespace
+
+uint32_t Head::FramesIn(size_t segment) const {
+  const uint64_t first = uint64_t{segment} * segment_frames;
+  return static_cast<uint32_t>(std::min<uint64_t>(segment_frames, frames() - first));
+}
+
+size_t Head::bytes() const {
+  return kFixedBytes + outline.size() * kOutlineBytes + segments.size() * kSegmentBytes;
+}
+
+Bytes EncodeHead(const Head& head) {
+  ByteWriter out;
+  WriteFixed(head, out);
+  for (const OutlinePoint& point : head.outline) {
+    out.I32(point.z_nm);
+    out.I32(point.radius_nm);
+  }
+  for (const Segment& segment : head.segments) {
+    out.U32(segment.pose_bytes);
+    out.U32(segment.key_bytes);
+    out.U32(segment.change_bytes);
+    out.U32(segment.key_bricks);
+    out.U32(segment.change_size);
+  }
+  return out.Take();
+}
+
+Result<Head> DecodeHead(ByteView bytes) {
+  ByteReader in(bytes);
+  const ByteView magic = in.Raw(4);
+  if (!in.ok() || AsText(magic) != kMagic) {
+    return Malformed("expected the letters ENTL at its start: this is no surface timeline");
+  }
+  if (const uint16_t version = in.U16(); version != kVersion) {
+    return Status(Code::kVersion, std::string(kBlob) + ": this program reads version " +
+                                      std::to_string(kVersion) + ", found version " +
+                                      std::to_string(version));
+  }
+  const uint16_t flags = in.U16();
+  Head out;
+  ENAMEL_ASSIGN_OR_RETURN(out.spec, scene::ReadGrid(in, kBlob));
+  const ByteView start = in.Raw(out.start.bytes.size());
+  out.ticks = in.U64();
+  out.rate_hz = in.U32();
+  out.frame_ticks = in.U32();
+  out.segment_frames = in.U32();
+  const uint32_t outline = in.U32(), segments = in.U32();
+  if (!in.ok()) return Malformed("ends within its head");
+  if (flags != 0) return Malformed("expected flags 0, found " + std::to_string(flags));
+  out.start = Sha256::FromBytes(start);
+  ENAMEL_RETURN_IF_ERROR(Bounded("a rate in Hz", out.rate_hz, 1, 1'000'000));
+  ENAMEL_RETURN_IF_ERROR(Bounded("ticks of a frame", out.frame_ticks, 1, 1'000'000));
+  ENAMEL_RETURN_IF_ERROR(Bounded("frames of a segment", out.segment_frames, 1, 100'000));
+  // Before frames(), whose type would cut it.
+  ENAMEL_RETURN_IF_ERROR(
+      Bounded("ticks", out.ticks, 0, uint64_t{Head::kMaxFrames} * out.frame_ticks));
+  ENAMEL_RETURN_IF_ERROR(Bounded("points of an outline", outline, 0, Head::kMaxOutline));
+  const uint32_t expected = (out.frames() + out.segment_frames - 1) / out.segment_frames;
+  ENAMEL_RETURN_IF_ERROR(Bounded("segments", segments, expected, expected));
+  ENAMEL_RETURN_IF_ERROR(Bounded("segments", segments, 0, Head::kMaxSegments));
+  for (uint32_t i = 0; i < outline && in.ok(); ++i) {
+    const int32_t z_nm = in.I32();
+    out.outline.push_back({z_nm, in.I32()});
+    if (out.outline.back().radius_nm < 0) return Malformed("a radius of the bur is below 0");
+  }
+  uint64_t offset = kFixedBytes + uint64_t{outline} * kOutlineBytes + segments * kSegmentBytes;
+  for (uint32_t i = 0; i < segments && in.ok(); ++i) {
+    Segment segment;
+    segment.offset = offset;
+    segment.pose_bytes = in.U32();
+    segment.key_bytes = in.U32();
+    segment.change_bytes = in.U32();
+    segment.key_bricks = in.U32();
+    segment.change_size = in.U32();
+    offset += segment.bytes();
+    if (segment.key_bricks > out.spec.brick_count()) {
+      return Malformed("a key frame has more bricks than the grid");
+    }
+    out.segments.push_back(segment);
+  }
+  if (!in.ok()) return Malformed("ends within its head");
+  return out;
+}
+
+}  // namespace enamel::timeline

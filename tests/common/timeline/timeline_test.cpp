@@ -1,0 +1,325 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+
+#include "common/base/file.h"
+#include "common/cutting/cutter.h"
+#include "common/scene/builtin/builtin.h"
+#include "common/surface/surface.h"
+#include "common/timeline/player.h"
+#include "common/timeline/recorder.h"
+#include "common/timeline/start_tooth.h"
+
+namespace enamel::timeline {
+namespace {
+
+using cutting::kBrickVoxels;
+
+Bytes Golden(const char* name) {
+  auto bytes = ReadFile(std::filesystem::path(ENAMEL_SOURCE_DIR) / "schemas/golden" / name);
+  ENAMEL_CHECK(bytes.ok());
+  return *bytes;
+}
+
+// What schemas/surface_timeline.md says of the golden tooth, after `frames` frames.
+int8_t GoldenSample(const ivec3& v, uint32_t frames) {
+  const dvec3 p(v), middle(19.5);
+  const auto length = [](const dvec3& d) { return std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z); };
+  double d = length(p - middle) - 14.3;
+  for (uint32_t j = 0; j < frames; ++j) {
+    d = std::max(d, 4 - length(p - dvec3(19.5, 19.5, 34 - 1.5 * j)));
+  }
+  return static_cast<int8_t>(std::clamp(std::floor(64 * d), -64.0, 63.0));
+}
+
+void ExpectGolden(const Player& player, uint32_t frames) {
+  const ivec3 n = player.head().spec.bricks;
+  for (int b = 0; b < n.x * n.y * n.z; ++b) {
+    const ivec3 corner = ivec3(b % n.x, b / n.x % n.y, b / n.x / n.y) * 8;
+    const Samples found = player.BrickSamples(b);
+    for (int i = 0; i < kBrickVoxels; ++i) {
+      const ivec3 voxel = corner + ivec3(i % 8, i / 8 % 8, i / 64);
+      ASSERT_EQ(found[static_cast<size_t>(i)], GoldenSample(voxel, frames))
+          << "after " << frames << " frames, brick " << b << ", sample " << i;
+      if (found[static_cast<size_t>(i)] >= 0) continue;
+      const dvec3 d = dvec3(voxel) - 19.5;
+      ASSERT_EQ(player.TissueAt(voxel),
+                std::sqrt(Dot(d, d)) < 9 ? cutting::Tissue::kDentin : cutting::Tissue::kEnamel);
+    }
+  }
+}
+
+TEST(SurfaceTimelineGoldenTest, ToothAtEveryFrameIsWhatTheDocumentSays) {
+  auto player = Player::Open(Golden("surface_timeline.entb"), Golden("surface_timeline.entl"));
+  ASSERT_TRUE(player.ok()) << player.status().message();
+  ASSERT_EQ(player->head().frames(), 5u);
+  for (uint32_t frames : {0, 1, 2, 3, 4, 5, 2, 5, 1, 0, 4, 3}) {
+    ASSERT_TRUE(player->Seek(frames).ok());
+    ExpectGolden(*player, frames);
+  }
+}
+
+TEST(SurfaceTimelineGoldenTest, HeadAndPosesAreWhatTheDocumentSays) {
+  auto player = Player::Open(Golden("surface_timeline.entb"), Golden("surface_timeline.entl"));
+  ASSERT_TRUE(player.ok()) << player.status().message();
+  const Head& head = player->head();
+  EXPECT_EQ(head.ticks, 450u);
+  EXPECT_EQ(head.rate_hz, 1000u);
+  EXPECT_EQ(head.frame_ticks, 100u);
+  EXPECT_EQ(head.segment_frames, 2u);
+  EXPECT_EQ(head.outline,
+            (std::vector<OutlinePoint>{{0, 100'000}, {400'000, 200'000}, {4'000'000, 0}}));
+  ASSERT_EQ(head.segments.size(), 3u);
+  for (int k = 0; k < 5; ++k) {
+    auto poses = player->Poses(static_cast<size_t>(k / 2));
+    ASSERT_TRUE(poses.ok()) << poses.status().message();
+    const FramePose expected{{0, -5 * k, 1450 - 150 * k},
+                             {0, static_cast<int8_t>(k), 127},
+                             k % 2 == 1,
+                             static_cast<uint32_t>(k)};
+    EXPECT_EQ((*poses)[static_cast<size_t>(k % 2)], expected) << k;
+  }
+}
+
+// A ball that goes through a block, with what is seen at each tick.
+class CutBall {
+ public:
+  explicit CutBall(RecorderOptions options = {})
+      : initial_(MakeBall()),
+        volume_(initial_),
+        cutter_((volume_.Reserve(), volume_), {cutting::BurShape::kSphere, 0.5e-3}) {
+    start_ = EncodeStartTooth(StartToothOf(initial_));
+    options.bur = {cutting::BurShape::kSphere, 0.5e-3};
+    options_ = options;
+  }
+
+  // Calls seen(ticks so far, volume) after each tick.
+  template <typename Seen>
+  Bytes Record(int ticks, Seen&& seen) {
+    Recorder recorder(initial_, HashSha256(start_), options_);
+    for (int t = 0; t < ticks; ++t) {
+      cutting::RemovedUnits removed{};
+      Recorder::Tick tick;
+      tick.bur.tip_m = {-1.6e-3 + 0.04e-3 * t, 0.2e-3 * std::sin(0.2 * t), 0.6e-3};
+      tick.turning = t % 20 < 15;
+      tick.gap_ticks = t % 10 == 3 ? 2 : 0;
+      if (tick.turning) cutter_.Cut(tick.bur, removed);
+      recorder.Add(volume_, tick.turning ? cutter_.touched() : std::span<const int32_t>(), tick);
+      seen(t + 1, volume_);
+    }
+    return recorder.Finish(volume_);
+  }
+  const Bytes& start() const { return start_; }
+  const cutting::Volume& initial() const { return initial_; }
+
+ private:
+  static cutting::Volume MakeBall() {
+    cutting::GridSpec spec{50'000, ivec3(8), {-1'600'000, -1'600'000, -1'600'000}};
+    cutting::Volume out(spec);
+    for (int b = 0; b < spec.brick_count(); ++b) {
+      const ivec3 corner = ivec3(b % 8, b / 8 % 8, b / 64) * 8;
+      std::array<int16_t, kBrickVoxels> phi;
+      for (int i = 0; i < kBrickVoxels; ++i) {
+        const dvec3 d = dvec3(corner + ivec3(i % 8, i / 8 % 8, i / 64)) - 32.0;
+        const double units = (std::sqrt(Dot(d, d)) - 24) * cutting::kPhiPerVoxel;
+        phi[static_cast<size_t>(i)] = static_cast<int16_t>(std::clamp(units, -32767.0, 32767.0));
+      }
+      const auto [least, most] = std::ranges::minmax(phi);
+      if (least == cutting::kPhiLimit) continue;
+      if (most == -cutting::kPhiLimit) {
+        out.SetUniform(b, cutting::Tissue::kDentin);
+      } else {
+        out.SetBrick(b, phi, {}, cutting::Tissue::kEnamel);
+      }
+    }
+    return out;
+  }
+
+  cutting::Volume initial_, volume_;
+  cutting::Cutter cutter_;
+  Bytes start_;
+  RecorderOptions options_;
+};
+
+TEST(SurfaceTimelineTest, EveryFrameHasTheVolumesSamplesAsTheyAreQuantised) {
+  RecorderOptions options;
+  options.frame_ticks = 7;
+  options.segment_frames = 3;
+  CutBall cut(options);
+  std::map<uint32_t, std::vector<Samples>> seen;
+  const auto all = [](const cutting::Volume& volume) {
+    std::vector<Samples> out;
+    for (int b = 0; b < volume.spec().brick_count(); ++b) out.push_back(QuantiseBrick(volume, b));
+    return out;
+  };
+  seen[0] = all(cut.initial());
+  const Bytes file = cut.Record(80, [&](int ticks, const cutting::Volume& volume) {
+    if (ticks % 7 == 0 || ticks == 80) seen[static_cast<uint32_t>((ticks + 6) / 7)] = all(volume);
+  });
+  auto player = Player::Open(cut.start(), file);
+  ASSERT_TRUE(player.ok()) << player.status().message();
+  ASSERT_EQ(player->head().frames(), 12u);
+  ASSERT_EQ(seen.size(), 13u);
+  ASSERT_NE(seen[12], seen[0]) << "nothing was cut";
+  for (uint32_t frames : {0, 3, 4, 12, 11, 7, 8, 1, 12, 0}) {
+    ASSERT_TRUE(player->Seek(frames).ok());
+    for (int b = 0; b < 512; ++b) {
+      ASSERT_EQ(player->BrickSamples(b), seen[frames][static_cast<size_t>(b)])
+          << frames << " frames, brick " << b;
+    }
+  }
+}
+
+TEST(SurfaceTimelineTest, SamplesKeepTheirSideAndAreOffByAtMostAHundredAndTwentyEighthOfAVoxel) {
+  for (int phi = -32767; phi <= 32767; ++phi) {
+    const int8_t q = Quantise(phi);
+    ASSERT_EQ(q < 0, phi < 0) << phi;
+    if (std::abs(phi) >= 8192) continue;
+    ASSERT_LE(std::abs(PhiOf(q) - phi), 64) << phi;
+  }
+}
+
+// The surface made of what was decoded, against that of the volume itself. Along the surface a
+// vertex may move: where an edge runs in it, what it crosses at is rounding.
+TEST(SurfaceTimelineTest, SurfaceHasTheSameVerticesWithinAFiftiethOfAVoxel) {
+  CutBall cut;
+  cutting::Volume last;
+  const Bytes file = cut.Record(80, [&](int, const cutting::Volume& volume) { last = volume; });
+  auto player = Player::Open(cut.start(), file);
+  ASSERT_TRUE(player.ok()) << player.status().message();
+  ASSERT_TRUE(player->Seek(player->head().frames()).ok());
+  const cutting::Volume decoded = player->ToVolume();
+  size_t vertices = 0;
+  double worst = 0, turned = 1;
+  for (int b = 0; b < 512; ++b) {
+    const surface::Mesh expected = surface::ExtractBrick(last, b);
+    const surface::Mesh found = surface::ExtractBrick(decoded, b);
+    ASSERT_EQ(found.position_m.size(), expected.position_m.size()) << b;
+    ASSERT_EQ(found.triangles.size(), expected.triangles.size()) << b;
+    for (size_t v = 0; v < expected.position_m.size(); ++v) {
+      const glm::vec3 off = found.position_m[v] - expected.position_m[v];
+      worst = std::max(worst, double{std::fabs(glm::dot(off, expected.normal[v]))});
+      turned = std::min(turned, double{glm::dot(found.normal[v], expected.normal[v])});
+    }
+    vertices += expected.position_m.size();
+  }
+  EXPECT_GT(vertices, 5000u);
+  EXPECT_LT(worst, 0.02 * 50e-6);
+  EXPECT_GT(turned, std::cos(0.2));
+}
+
+TEST(SurfaceTimelineTest, PosesSayWhereTheBurIsAndHowLongAFrameTook) {
+  RecorderOptions options;
+  options.frame_ticks = 10;
+  CutBall cut(options);
+  const Bytes file = cut.Record(25, [](int, const cutting::Volume&) {});
+  auto player = Player::Open(cut.start(), file);
+  ASSERT_TRUE(player.ok()) << player.status().message();
+  auto poses = player->Poses(0);
+  ASSERT_TRUE(poses.ok()) << poses.status().message();
+  ASSERT_EQ(poses->size(), 3u);
+  // Tick 9: x = -1.6 + 0.36 mm. The ball's axis is the scene's z.
+  EXPECT_EQ((*poses)[0].tip_um[0], -1240);
+  EXPECT_EQ((*poses)[2].tip_um[0], -640);
+  EXPECT_EQ((*poses)[1].axis, (std::array<int8_t, 3>{0, 0, 127}));
+  EXPECT_TRUE((*poses)[0].turning);
+  EXPECT_FALSE((*poses)[1].turning);
+  for (const FramePose& pose : *poses) EXPECT_EQ(pose.gap_ticks, 2u);
+  // A ball's outline is a half circle.
+  for (const OutlinePoint& point : player->head().outline) {
+    const double z = point.z_nm - 500'000.0;
+    EXPECT_NEAR(std::sqrt(z * z + double{1.0} * point.radius_nm * point.radius_nm), 500'000, 20);
+  }
+}
+
+TEST(SurfaceTimelineTest, AnAttemptWithoutATickIsATimelineToo) {
+  CutBall cut;
+  const Bytes file = cut.Record(0, [](int, const cutting::Volume&) {});
+  auto player = Player::Open(cut.start(), file);
+  ASSERT_TRUE(player.ok()) << player.status().message();
+  EXPECT_EQ(player->head().frames(), 0u);
+  EXPECT_TRUE(player->Seek(0).ok());
+}
+
+TEST(SurfaceTimelineTest, BuiltInToothComesBackWithItsTissues) {
+  auto built = scene::BuildBuiltinScene("molar", 200'000);
+  ASSERT_TRUE(built.ok()) << built.status().message();
+  const Bytes start = EncodeStartTooth(StartToothOf(built->volume));
+  auto tooth = DecodeStartTooth(start);
+  ASSERT_TRUE(tooth.ok()) << tooth.status().message();
+  EXPECT_EQ(EncodeStartTooth(*tooth), start);
+  Recorder recorder(built->volume, HashSha256(start), {});
+  auto player = Player::Open(start, recorder.Finish(built->volume));
+  ASSERT_TRUE(player.ok()) << player.status().message();
+  const surface::Mesh expected = surface::ExtractSurface(built->volume);
+  const surface::Mesh found = surface::ExtractSurface(player->ToVolume());
+  ASSERT_EQ(found.triangles.size(), expected.triangles.size());
+  // Which corner is the nearest may change where two are equally near.
+  size_t others = 0;
+  for (size_t v = 0; v < expected.tissue.size(); ++v)
+    others += found.tissue[v] != expected.tissue[v];
+  EXPECT_LT(others, expected.tissue.size() / 200);
+  // Solid inside keeps its tissue, which a cut lays open.
+  const ivec3 n = built->volume.spec().voxels();
+  for (int z = 0; z < n.z; z += 3) {
+    for (int y = 0; y < n.y; y += 3) {
+      for (int x = 0; x < n.x; x += 3) {
+        const ivec3 v(x, y, z);
+        if (built->volume.PhiAt(v) >= 0) continue;
+        ASSERT_EQ(player->TissueAt(v), built->volume.TissueAt(v)) << x << " " << y << " " << z;
+      }
+    }
+  }
+}
+
+TEST(SurfaceTimelineBlobTest, EveryTruncationAndEveryExtraByteIsRefused) {
+  const Bytes start = Golden("surface_timeline.entb"), file = Golden("surface_timeline.entl");
+  for (size_t n = 0; n < file.size(); n += n < 300 ? 1 : 61) {
+    EXPECT_FALSE(Player::Open(start, {file.data(), n}).ok()) << n;
+  }
+  for (size_t n = 0; n < start.size(); n += n < 100 ? 1 : 61) {
+    EXPECT_FALSE(DecodeStartTooth({start.data(), n}).ok()) << n;
+  }
+  for (const Bytes& whole : {start, file}) {
+    Bytes longer = whole;
+    longer.push_back(0);
+    EXPECT_FALSE(&whole == &start ? DecodeStartTooth(longer).ok()
+                                  : Player::Open(start, longer).ok());
+  }
+}
+
+TEST(SurfaceTimelineBlobTest, OtherVersionsFlagsAndTeethAreRefusedByName) {
+  const Bytes start = Golden("surface_timeline.entb"), file = Golden("surface_timeline.entl");
+  const auto changed = [](Bytes bytes, size_t at, uint8_t value) {
+    bytes[at] = value;
+    return bytes;
+  };
+  EXPECT_EQ(DecodeHead(changed(file, 4, 2)).status().code(), Code::kVersion);
+  EXPECT_EQ(DecodeStartTooth(changed(start, 4, 2)).status().code(), Code::kVersion);
+  EXPECT_EQ(DecodeHead(changed(file, 6, 1)).status().code(), Code::kInvalidInput);
+  EXPECT_EQ(DecodeStartTooth(changed(start, 6, 1)).status().code(), Code::kInvalidInput);
+  // Byte 48 is the first of the start tooth's hash.
+  const Status other =
+      Player::Open(start, changed(file, 48, static_cast<uint8_t>(file[48] ^ 1))).status();
+  EXPECT_EQ(other.code(), Code::kConflict) << other.message();
+}
+
+TEST(SurfaceTimelineBlobTest, ClaimsThatTheBytesCannotHoldAreRefused) {
+  const Bytes start = Golden("surface_timeline.entb"), file = Golden("surface_timeline.entl");
+  // The number of bricks in the last key frame, and the size of its changes, unpacked.
+  const size_t last = 108 + 3 * 8 + 2 * 20;
+  for (size_t at : {last + 12, last + 16}) {
+    for (int byte = 0; byte < 4; ++byte) {
+      Bytes bad = file;
+      bad[at + static_cast<size_t>(byte)] ^= 0x55;
+      auto player = Player::Open(start, bad);
+      EXPECT_FALSE(player.ok() && player->Seek(5).ok()) << at << " " << byte;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace enamel::timeline

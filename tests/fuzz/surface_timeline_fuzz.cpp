@@ -1,0 +1,33 @@
+#include <algorithm>
+
+#include "common/base/check.h"
+#include "common/timeline/player.h"
+
+// A start tooth and a timeline in one input, each after its length (u32): refused, or played from
+// end to end without reading beyond what is there. Its start tooth's hash is set to fit, so that
+// what lies behind that check is reached.
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  using namespace enamel;
+  ByteReader in(ByteView(data, size));
+  const ByteView start = in.Blob(size);
+  const ByteView rest = in.Blob(size);
+  if (!in.ok()) return 0;
+  Bytes file(rest.begin(), rest.end());
+  constexpr size_t kHashAt = 48;
+  if (file.size() >= kHashAt + 32) {
+    const Sha256 hash = HashSha256(start);
+    std::copy(hash.bytes.begin(), hash.bytes.end(), file.begin() + kHashAt);
+  }
+  auto player = timeline::Player::Open(start, file);
+  if (!player.ok()) return 0;
+  const timeline::Head& head = player->head();
+  // What the head says is written as it was read.
+  ENAMEL_CHECK(std::ranges::equal(timeline::EncodeHead(head), ByteView(file).first(head.bytes())));
+  for (size_t s = 0; s < head.segments.size(); ++s) {
+    if (auto poses = player->Poses(s); poses.ok()) ENAMEL_CHECK(poses->size() == head.FramesIn(s));
+    const uint64_t last = uint64_t{s} * head.segment_frames + head.FramesIn(s);
+    if (!player->Seek(static_cast<uint32_t>(last)).ok()) continue;
+    ENAMEL_CHECK(player->at() == last);
+  }
+  return 0;
+}
