@@ -19,6 +19,7 @@ void RegisterMemory(CLI::App& app, int* exit_code);
 void RegisterReplay(CLI::App& app, int* exit_code);
 void RegisterScore(CLI::App& app, int* exit_code);
 void RegisterSurface(CLI::App& app, int* exit_code);
+void RegisterTimeline(CLI::App& app, int* exit_code);
 void RegisterImport(CLI::App& app, int* exit_code);
 void RegisterRecord(CLI::App& app, int* exit_code);
 void RegisterFrames(CLI::App& app, int* exit_code);
