@@ -47,6 +47,7 @@ class Parts {
   IngestStore& ingest() const requires kHas<IngestStore> { return *this; }
   AttemptStore& attempts() const requires kHas<AttemptStore> { return *this; }
   JobStore& jobs() const requires kHas<JobStore> { return *this; }
+  TimelineStore& timelines() const requires kHas<TimelineStore> { return *this; }
   BatchStore& batches() const requires kHas<BatchStore> { return *this; }
   AuditStore& audit() const requires kHas<AuditStore> { return *this; }
   UpkeepStore& upkeep() const requires kHas<UpkeepStore> { return *this; }

@@ -11,6 +11,7 @@
 #include "server/storage/rubric_store.h"
 #include "server/storage/station_store.h"
 #include "server/storage/teaching_store.h"
+#include "server/storage/timeline_store.h"
 #include "server/storage/upkeep_store.h"
 
 // The one interface to everything durable. SQLite behind it today (sqlite_store.h); a second
@@ -33,6 +34,7 @@ class Store : public PeopleStore,
               public AttemptStore,
               public JobStore,
               public BatchStore,
+              public TimelineStore,
               public AuditStore,
               public UpkeepStore {};
 

@@ -385,6 +385,7 @@ Status SqliteStore::FinishAttempt(const Uuid& attempt, const AttemptResult& resu
                     "attempt " + attempt.Text() + " is not one that waits for a score");
     }
     ENAMEL_RETURN_IF_ERROR(KeepResult(db, attempt, result, job));
+    ENAMEL_RETURN_IF_ERROR(WaitForTimeline(db, attempt));
     return WriteAudit(db, Actor{{}, "job"}, "attempt.score", attempt.Text(), "{}",
                       ScoredJson(result.score_json, result.document));
   });

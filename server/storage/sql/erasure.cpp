@@ -87,6 +87,11 @@ Result<std::set<Sha256>> NamedBlobs(Db& db) {
         "profile_reports WHERE tenant = ?1";
   }
   if (schema >= 8) sql += " UNION SELECT content FROM rubrics WHERE tenant = ?1";
+  if (schema >= 13) {
+    sql +=
+        " UNION SELECT content FROM start_teeth WHERE tenant = ?1 UNION SELECT content FROM "
+        "timelines WHERE tenant = ?1 AND content IS NOT NULL";
+  }
   Query documents(db, sql.c_str());
   ENAMEL_RETURN_IF_ERROR(add(documents, 1));
   Query attempts(db,
@@ -112,6 +117,7 @@ Status DeleteAttempts(Db& db, const std::vector<Uuid>& attempts, std::set<Sha256
     Query earlier(db, "SELECT score_json FROM attempt_results WHERE tenant = ?1 AND attempt = ?2");
     for (earlier.Bind(attempt); earlier.Next();) blobs.insert(earlier.Hash(0));
     ENAMEL_RETURN_IF_ERROR(earlier.status());
+    ENAMEL_RETURN_IF_ERROR(DropTimeline(db, attempt, blobs));
     for (const char* sql :
          {"UPDATE attempts SET reference = NULL WHERE tenant = ?1 AND reference = ?2",
           "UPDATE attempt_results SET reference = NULL WHERE tenant = ?1 AND reference = ?2",

@@ -180,6 +180,15 @@ class SqliteStore final : public Store {
   Result<std::vector<BatchRow>> Batches() override;
   Result<BatchRow> BatchById(const Uuid& id) override;
   Status CancelBatch(const Uuid& id, const Actor& by) override;
+  Result<std::optional<Uuid>> TakeTimeline() override;
+  Status ReturnTimeline(const Uuid& attempt) override;
+  Status PutTimeline(const Uuid& attempt, const Sha256& content) override;
+  Status FailTimeline(const Uuid& attempt, const std::string& problem, bool again) override;
+  Result<TimelineRow> TimelineOf(const Uuid& attempt) override;
+  Result<Sha256> StartToothOf(const Sha256& volume) override;
+  Status PutStartTooth(const Sha256& volume, const Sha256& content) override;
+  Result<bool> IsStartTooth(const Sha256& content) override;
+
   Result<std::optional<JobRow>> LeaseJob(UnixMs now_ms, UnixMs lease_ms) override;
   Status FinishJob(const Uuid& job, bool ok, const std::string& error) override;
   Status ReturnJob(const Uuid& job) override;
@@ -320,6 +329,10 @@ Json ScoredJson(const Sha256& score_json, ByteView document);
 Result<AttemptRow> FindAttempt(Db& db, const Uuid& id);
 // Every blob that a row names.
 Result<std::set<Sha256>> NamedBlobs(Db& db);
+// timelines.cpp: a scored attempt waits for its timeline, unless it waits or has one already; and
+// the timeline goes, its blob into `blobs`.
+Status WaitForTimeline(Db& db, const Uuid& attempt);
+Status DropTimeline(Db& db, const Uuid& attempt, std::set<Sha256>& blobs);
 // Deletes attempts with all that hangs on them (chunks, evidence, jobs, references); adds the blobs
 // they named to `blobs`. Others' scores that were compared with them stay, without naming them.
 Status DeleteAttempts(Db& db, const std::vector<Uuid>& attempts, std::set<Sha256>& blobs);

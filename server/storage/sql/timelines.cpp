@@ -1,0 +1,122 @@
+#include "server/storage/sql/sqlite_impl.h"
+
+// Surface timelines, and what they begin with.
+namespace enamel::server::sqlite {
+namespace {
+
+// A recording that ends the process each time must not do so for ever.
+constexpr int64_t kMaxTries = 3;
+
+}  // namespace
+
+Status WaitForTimeline(Db& db, const Uuid& attempt) {
+  Query q(db, "INSERT INTO timelines (tenant, attempt) VALUES (?1, ?2) ON CONFLICT DO NOTHING");
+  return q.Bind(attempt).Run();
+}
+
+Status DropTimeline(Db& db, const Uuid& attempt, std::set<Sha256>& blobs) {
+  Query named(db, "SELECT content FROM timelines WHERE tenant = ?1 AND attempt = ?2");
+  if (named.Bind(attempt).Next()) {
+    if (Sha256 hash = named.Hash(0); !hash.IsZero()) blobs.insert(hash);
+  }
+  ENAMEL_RETURN_IF_ERROR(named.status());
+  return Query(db, "DELETE FROM timelines WHERE tenant = ?1 AND attempt = ?2").Bind(attempt).Run();
+}
+
+Result<std::optional<Uuid>> SqliteStore::TakeTimeline() {
+  auto next = [](Db& db) -> Result<std::optional<Uuid>> {
+    Query q(db,
+            "SELECT attempt FROM timelines WHERE tenant = ?1 AND content IS NULL AND tries < ?2 "
+            "ORDER BY attempt DESC LIMIT 1");
+    std::optional<Uuid> out;
+    if (q.Bind(kMaxTries).Next()) out = q.Id(0);
+    if (!q.status().ok()) return q.status();
+    return out;
+  };
+  // Most calls find nothing: look on a reader first and leave the writer alone.
+  auto any = Read(next);
+  if (!any.ok() || !*any) return any;
+  std::optional<Uuid> taken;
+  ENAMEL_RETURN_IF_ERROR(Write([&](Db& db) -> Status {
+    ENAMEL_ASSIGN_OR_RETURN(taken, next(db));
+    if (!taken) return Status::Ok();
+    // Counted before the work, not after: a process that dies cannot count.
+    Query q(db, "UPDATE timelines SET tries = tries + 1 WHERE tenant = ?1 AND attempt = ?2");
+    return q.Bind(*taken).Run();
+  }));
+  return taken;
+}
+
+Status SqliteStore::ReturnTimeline(const Uuid& attempt) {
+  return Write([&](Db& db) -> Status {
+    Query q(db,
+            "UPDATE timelines SET tries = tries - 1 WHERE tenant = ?1 AND attempt = ?2 AND tries > "
+            "0 AND content IS NULL");
+    return q.Bind(attempt).Run();
+  });
+}
+
+Status SqliteStore::PutTimeline(const Uuid& attempt, const Sha256& content) {
+  return Write([&](Db& db) -> Status {
+    Query q(db,
+            "UPDATE timelines SET content = ?3, problem = '' WHERE tenant = ?1 AND attempt = ?2");
+    ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(content).Run());
+    if (db.Changes() > 0) return Status::Ok();
+    return Status(Code::kConflict,
+                  "attempt " + attempt.Text() + " no longer has a recording to be played back");
+  });
+}
+
+Status SqliteStore::FailTimeline(const Uuid& attempt, const std::string& problem, bool again) {
+  return Write([&](Db& db) -> Status {
+    Query q(db,
+            "UPDATE timelines SET problem = ?3, tries = CASE ?4 WHEN 1 THEN tries ELSE ?5 END "
+            "WHERE tenant = ?1 AND attempt = ?2");
+    return q.Bind(attempt).Bind(problem).Bind(int64_t{again ? 1 : 0}).Bind(kMaxTries).Run();
+  });
+}
+
+Result<TimelineRow> SqliteStore::TimelineOf(const Uuid& attempt) {
+  return Read([&](Db& db) -> Result<TimelineRow> {
+    Query q(db, "SELECT content, tries, problem FROM timelines WHERE tenant = ?1 AND attempt = ?2");
+    if (!q.Bind(attempt).Next()) {
+      if (!q.status().ok()) return q.status();
+      return Status(Code::kNotFound, "attempt " + attempt.Text() + " has no timeline");
+    }
+    TimelineRow out;
+    out.content = q.Hash(0);
+    out.waits = out.content.IsZero() && (q.Int(1) < kMaxTries || q.Text(2).empty());
+    out.problem = q.Text(2);
+    return out;
+  });
+}
+
+Result<Sha256> SqliteStore::StartToothOf(const Sha256& volume) {
+  return Read([&](Db& db) -> Result<Sha256> {
+    Query q(db, "SELECT content FROM start_teeth WHERE tenant = ?1 AND volume = ?2");
+    Sha256 out;
+    if (q.Bind(volume).Next()) out = q.Hash(0);
+    if (!q.status().ok()) return q.status();
+    return out;
+  });
+}
+
+Status SqliteStore::PutStartTooth(const Sha256& volume, const Sha256& content) {
+  return Write([&](Db& db) -> Status {
+    Query q(db,
+            "INSERT INTO start_teeth (tenant, volume, content) VALUES (?1, ?2, ?3) ON CONFLICT DO "
+            "NOTHING");
+    return q.Bind(volume).Bind(content).Run();
+  });
+}
+
+Result<bool> SqliteStore::IsStartTooth(const Sha256& content) {
+  return Read([&](Db& db) -> Result<bool> {
+    Query q(db, "SELECT 1 FROM start_teeth WHERE tenant = ?1 AND content = ?2 LIMIT 1");
+    const bool found = q.Bind(content).Next();
+    if (!q.status().ok()) return q.status();
+    return found;
+  });
+}
+
+}  // namespace enamel::server::sqlite

@@ -1,0 +1,123 @@
+#include "tests/server/storage/backends.h"
+#include "tests/server/storage/store_world.h"
+
+// Which attempts wait for their timeline, and where timelines go; the same for every backend.
+namespace enamel::server {
+namespace {
+
+using namespace testing;
+
+constexpr UnixMs kLater = 40ll * 24 * 60 * 60 * 1000;
+
+class TimelineStoreTest : public StoreSuite {
+ protected:
+  Uuid Made() {
+    const Uuid attempt = world_.ScoredAttempt();
+    EXPECT_EQ(store_->TakeTimeline()->value(), attempt);
+    content_ = *store_->PutAttemptBlob(attempt, AsBytes("timeline of " + attempt.Text()));
+    EXPECT_TRUE(store_->PutTimeline(attempt, content_).ok());
+    return attempt;
+  }
+
+  World world_{*store_};
+  Sha256 content_;
+};
+INSTANTIATE_TEST_SUITE_P(Backends, TimelineStoreTest, ::testing::ValuesIn(Backends()), BackendName);
+
+TEST_P(TimelineStoreTest, AScoredAttemptWaitsForItsTimelineUntilItHasOne) {
+  const Uuid opened = world_.OpenedAttempt();
+  EXPECT_EQ(store_->TimelineOf(opened).status().code(), Code::kNotFound);
+  EXPECT_FALSE(*store_->TakeTimeline()) << "nothing is scored";
+  const Uuid attempt = world_.ScoredAttempt();
+  EXPECT_TRUE(store_->TimelineOf(attempt)->waits);
+  EXPECT_EQ(store_->TakeTimeline()->value(), attempt);
+  EXPECT_TRUE(store_->TimelineOf(attempt)->waits) << "it is being made";
+  const Sha256 content = *store_->PutAttemptBlob(attempt, AsBytes("timeline"));
+  ASSERT_TRUE(store_->PutTimeline(attempt, content).ok());
+  EXPECT_EQ(store_->TimelineOf(attempt)->content, content);
+  EXPECT_FALSE(store_->TimelineOf(attempt)->waits);
+  EXPECT_FALSE(*store_->TakeTimeline());
+}
+
+TEST_P(TimelineStoreTest, ScoringAgainKeepsTheTimeline) {
+  const Uuid attempt = Made();
+  ASSERT_TRUE(store_->FinishAttempt(attempt, *store_->ResultOf(attempt), {}).ok());
+  EXPECT_EQ(store_->TimelineOf(attempt)->content, content_);
+  EXPECT_FALSE(*store_->TakeTimeline()) << "it follows from the recording alone";
+}
+
+TEST_P(TimelineStoreTest, TheNewestAttemptGoesFirst) {
+  const Uuid older = world_.ScoredAttempt(), newer = world_.ScoredAttempt();
+  EXPECT_EQ(store_->TakeTimeline()->value(), std::max(older, newer));
+}
+
+TEST_P(TimelineStoreTest, AfterThreeTriesItIsGivenUpWithItsProblem) {
+  const Uuid attempt = world_.ScoredAttempt();
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_EQ(store_->TakeTimeline()->value(), attempt) << i;
+    ASSERT_TRUE(store_->FailTimeline(attempt, "disk full", true).ok());
+  }
+  EXPECT_FALSE(*store_->TakeTimeline());
+  EXPECT_FALSE(store_->TimelineOf(attempt)->waits);
+  EXPECT_EQ(store_->TimelineOf(attempt)->problem, "disk full");
+}
+
+TEST_P(TimelineStoreTest, WhatNoTryCanHelpIsTriedOnce) {
+  const Uuid attempt = world_.ScoredAttempt();
+  ASSERT_TRUE(*store_->TakeTimeline());
+  ASSERT_TRUE(store_->FailTimeline(attempt, "replay and recording part", false).ok());
+  EXPECT_FALSE(*store_->TakeTimeline());
+  EXPECT_FALSE(store_->TimelineOf(attempt)->waits);
+}
+
+TEST_P(TimelineStoreTest, AStoppedTryDoesNotCount) {
+  const Uuid attempt = world_.ScoredAttempt();
+  for (int i = 0; i < 5; ++i) {
+    ASSERT_EQ(store_->TakeTimeline()->value(), attempt) << i;
+    ASSERT_TRUE(store_->ReturnTimeline(attempt).ok());
+  }
+}
+
+TEST_P(TimelineStoreTest, ItGoesWithTheRecording) {
+  const Uuid attempt = Made(), waiting = world_.ScoredAttempt();
+  for (const Uuid& id : {attempt, waiting}) {
+    auto job = store_->LeaseJob(1, 1000);
+    ASSERT_TRUE(job.ok() && job->has_value());
+    ASSERT_TRUE(store_->FinishAttempt(id, *store_->ResultOf(id), {}).ok());
+    ASSERT_TRUE(store_->FinishJob((*job)->id, true, "").ok());
+    ASSERT_TRUE(store_->ReleaseAttempt(id, kSystem).ok());
+  }
+  ASSERT_TRUE(store_->SetRetention({"recordings", 30}, kSystem).ok());
+  ASSERT_EQ(store_->ApplyRetention(kLater, false, kSystem)->recordings.size(), 2u);
+  EXPECT_FALSE(store_->HasBlob(content_));
+  EXPECT_EQ(store_->TimelineOf(attempt).status().code(), Code::kNotFound);
+  EXPECT_FALSE(*store_->TakeTimeline());
+  EXPECT_EQ(store_->PutTimeline(waiting, content_).code(), Code::kConflict)
+      << "removed while it was made";
+}
+
+TEST_P(TimelineStoreTest, ItGoesWithThePerson) {
+  const Uuid attempt = Made();
+  EXPECT_TRUE(store_->GetBlob(content_).ok());
+  auto erased = store_->ErasePerson(world_.student, false, kSystem);
+  ASSERT_TRUE(erased.ok()) << erased.status().message();
+  EXPECT_FALSE(store_->HasBlob(content_));
+  EXPECT_EQ(store_->TimelineOf(attempt).status().code(), Code::kNotFound);
+}
+
+TEST_P(TimelineStoreTest, AStartToothIsFoundByItsVolumeAndKept) {
+  const Sha256 volume = PutText(*store_, "volume"), tooth = PutText(*store_, "start tooth");
+  EXPECT_TRUE(store_->StartToothOf(volume)->IsZero());
+  EXPECT_FALSE(*store_->IsStartTooth(tooth));
+  ASSERT_TRUE(store_->PutStartTooth(volume, tooth).ok());
+  ASSERT_TRUE(store_->PutStartTooth(volume, tooth).ok()) << "the same again";
+  EXPECT_EQ(*store_->StartToothOf(volume), tooth);
+  EXPECT_TRUE(*store_->IsStartTooth(tooth));
+  EXPECT_FALSE(*store_->IsStartTooth(volume)) << "only what is one";
+  // What no row names is swept away after a day.
+  ASSERT_TRUE(store_->ApplyRetention(kLater, false, kSystem).ok());
+  EXPECT_TRUE(store_->HasBlob(tooth));
+}
+
+}  // namespace
+}  // namespace enamel::server
