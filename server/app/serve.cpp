@@ -296,7 +296,9 @@ Status Serve(const ServeOptions& options) {
   http_options.station_fingerprint = identity.fingerprint.Hex();
   http::HttpServer page(io, http_options, store, authenticator);
   stations::StationServer link(io, link_options, services, pool);
-  Worker worker(store, JobOptions(options, identity));
+  WorkerOptions job_options = JobOptions(options, identity);
+  job_options.timelines.emplace(store);
+  Worker worker(store, job_options);
 
   // The page first: with port 0 its address is known only now, and stations are told it with their
   // first answer.

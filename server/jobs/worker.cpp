@@ -14,6 +14,7 @@ namespace enamel::server {
 namespace {
 
 constexpr double kProgressStep = 0.05;
+constexpr std::chrono::milliseconds kLookAtQueue{200};
 
 // Of the calling thread: what must not wait, taking recordings and answering people, goes first. No
 // harm where it is not granted. About a third of another thread's share when all want to run.
@@ -55,7 +56,7 @@ void Worker::Loop(std::stop_token stop) {
   while (!stop.stop_requested()) {
     // Read before the queue is, so that a Notify in between is not slept through.
     uint64_t seen = Notified();
-    if (!RunOne(stop)) Wait(stop, seen);
+    if (!RunOne(stop) && !MakeTimeline(stop)) Wait(stop, seen);
   }
 }
 
@@ -89,6 +90,52 @@ bool Worker::RunOne(const std::stop_token& stop) {
                         : store_.jobs().FinishJob((*job)->id, status.ok(), status.message());
   Report(**job, status.ok() ? finished : status);
   return true;
+}
+
+bool Worker::MakeTimeline(const std::stop_token& stop) {
+  if (!options_.timelines || stop.stop_requested()) return false;
+  {
+    MutexLock lock(mutex_);
+    if (making_timeline_) return false;
+    making_timeline_ = true;
+  }
+  const bool made = MakeNextTimeline(*options_.timelines, stop);
+  MutexLock lock(mutex_);
+  making_timeline_ = false;
+  return made;
+}
+
+bool Worker::MakeNextTimeline(const TimelineParts& store, const std::stop_token& stop) {
+  auto attempt = store.timelines().TakeTimeline();
+  // What is wrong with the database is said when the queue is asked.
+  if (!attempt.ok() || !*attempt) return false;
+  auto asked = std::chrono::steady_clock::now();
+  const auto nobody_waits = [&](double) {
+    if (stop.stop_requested()) return false;
+    // Not at every chunk: the database has better things to do.
+    const auto now = std::chrono::steady_clock::now();
+    if (now - asked < kLookAtQueue) return true;
+    asked = now;
+    auto queued = store_.jobs().FindJobs({"queued", {}, {}, 1});
+    return queued.ok() && queued->empty();
+  };
+  Status status;
+  try {
+    status = RunTimelineJob(store, **attempt, nobody_waits);
+  } catch (const std::exception& e) {  // thread's entry: out of memory
+    status =
+        Status(Code::kInternal, std::string("the timeline ended with an exception: ") + e.what());
+    (void)store.timelines().FailTimeline(**attempt, status.message(), false);
+  }
+  if (status.code() == Code::kUnavailable) {
+    (void)store.timelines().ReturnTimeline(**attempt);
+    return !stop.stop_requested();
+  }
+  JobRow job;
+  job.kind = "timeline";
+  job.attempt = **attempt;
+  Report(job, status);
+  return status.ok();
 }
 
 Status Worker::RunJob(const JobRow& job, const std::stop_token& stop) {

@@ -11,6 +11,7 @@
 #include "common/base/result.h"
 #include "server/jobs/reference_cache.h"
 #include "server/jobs/score_job.h"
+#include "server/jobs/timeline_job.h"
 
 namespace enamel::server {
 
@@ -24,12 +25,17 @@ struct WorkerOptions {
   UnixMs lease_ms = 24 * 3'600'000;
   // Signs results (schemas/result.md); none: they stay unsigned.
   std::optional<trace::KeyPair> key{};
-  // Called on a worker's thread after every job, with what RunScoreJob returned; and with an empty
+  // Makes surface timelines when the queue is empty (timeline_job.h); none: it makes none.
+  std::optional<TimelineParts> timelines{};
+  // Called on a worker's thread after every job, with what RunScoreJob returned, and after every
+  // timeline, as a job of kind "timeline" without an id; and with an empty
   // job when the queue itself cannot be read (once, until it can be again). Must not call Stop.
   std::function<void(const JobRow& job, const Status& status)> on_done;
 };
 
-// Runs queued jobs on threads of its own, which yield to others: lease, run, finish. Progress goes
+// Runs queued jobs on threads of its own, which yield to others: lease, run, finish. A thread that
+// finds none makes the newest timeline that is missing, one thread at a time, and puts it off as
+// soon as a job is queued: who waits for a score goes first. Progress goes
 // to Store::SetProgress at every twentieth. An interrupted job returns to the queue. Thread safety:
 // Notify from any thread; Start and Stop from the owner's. `store` must outlive it.
 class Worker {
@@ -48,7 +54,9 @@ class Worker {
 
  private:
   void Loop(std::stop_token stop);
-  bool RunOne(const std::stop_token& stop);  // False when there was nothing to do.
+  bool RunOne(const std::stop_token& stop);        // False when there was nothing to do.
+  bool MakeTimeline(const std::stop_token& stop);  // False when there was none to make.
+  bool MakeNextTimeline(const TimelineParts& store, const std::stop_token& stop);
   Status RunJob(const JobRow& job, const std::stop_token& stop);
   uint64_t Notified();
   void Wait(const std::stop_token& stop, uint64_t seen);
@@ -61,6 +69,7 @@ class Worker {
 
   Mutex mutex_;
   std::condition_variable_any wake_;
+  bool making_timeline_ ENAMEL_GUARDED_BY(mutex_) = false;
   uint64_t notified_ ENAMEL_GUARDED_BY(mutex_) = 0;
   bool queue_ok_ ENAMEL_GUARDED_BY(mutex_) = true;
 };

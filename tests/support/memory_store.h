@@ -20,7 +20,8 @@ class MemoryStore final : public server::StationStore,
                           public server::RubricStore,
                           public server::ReferenceStore,
                           public server::AttemptStore,
-                          public server::JobStore {
+                          public server::JobStore,
+                          public server::TimelineStore {
  public:
   struct Trace {
     Bytes header;
@@ -36,9 +37,11 @@ class MemoryStore final : public server::StationStore,
   std::vector<server::ReferenceRow> older_references;
   std::map<Uuid, server::RubricRow> rubrics;  // by exercise
   std::vector<server::JobRow> jobs;
-  std::vector<double> progress;  // everything SetProgress was told
-  int failing_puts = 0;          // this many PutBlob answer kStorage
-  double cancel_at = 2;          // progress at which a run is cancelled; above 1: never
+  std::map<Uuid, server::TimelineRow> timelines;
+  std::map<Sha256, Sha256> start_teeth;  // by volume
+  std::vector<double> progress;          // everything SetProgress was told
+  int failing_puts = 0;                  // this many PutBlob answer kStorage
+  double cancel_at = 2;                  // progress at which a run is cancelled; above 1: never
 
   Result<Sha256> PutBlob(ByteView data) override {
     std::lock_guard lock(mutex_);
@@ -180,6 +183,10 @@ class MemoryStore final : public server::StationStore,
     }
     return Status(Code::kNotFound, "no such job");
   }
+  // Looks at the state alone.
+  Result<std::vector<server::JobRow>> FindJobs(const server::JobFilter& filter) override {
+    return Jobs(filter.state);
+  }
   Result<std::vector<server::JobRow>> Jobs(const std::string& state) override {
     std::lock_guard lock(mutex_);
     std::vector<server::JobRow> out;
@@ -187,6 +194,45 @@ class MemoryStore final : public server::StationStore,
                  [&](const server::JobRow& j) { return j.state == state; });
     return out;
   }
+
+  Result<std::optional<Uuid>> TakeTimeline() override {
+    std::lock_guard lock(mutex_);
+    ++timelines_taken;
+    for (const auto& [attempt, row] : timelines) {
+      if (row.waits) return std::optional(attempt);
+    }
+    return std::optional<Uuid>();
+  }
+  Status ReturnTimeline(const Uuid&) override {
+    std::lock_guard lock(mutex_);
+    ++timelines_returned;
+    return Status::Ok();
+  }
+  Status PutTimeline(const Uuid& id, const Sha256& content) override {
+    std::lock_guard lock(mutex_);
+    timelines[id] = {content, false, ""};
+    return Status::Ok();
+  }
+  Status FailTimeline(const Uuid& id, const std::string& problem, bool again) override {
+    std::lock_guard lock(mutex_);
+    timelines[id].problem = problem;
+    timelines[id].waits = again;
+    return Status::Ok();
+  }
+  Result<server::TimelineRow> TimelineOf(const Uuid& id) override {
+    std::lock_guard lock(mutex_);
+    return Find(timelines, id, "timeline");
+  }
+  Result<Sha256> StartToothOf(const Sha256& volume) override {
+    std::lock_guard lock(mutex_);
+    return start_teeth[volume];
+  }
+  Status PutStartTooth(const Sha256& volume, const Sha256& content) override {
+    std::lock_guard lock(mutex_);
+    start_teeth[volume] = content;
+    return Status::Ok();
+  }
+  Result<bool> IsStartTooth(const Sha256&) override { return No(); }
 
   void Queue(const Uuid& attempt) {
     std::lock_guard lock(mutex_);
@@ -199,6 +245,7 @@ class MemoryStore final : public server::StationStore,
 
   int chunk_reads = 0;
   int leases = 0;
+  int timelines_taken = 0, timelines_returned = 0;
 
   // Not used by jobs.
   Result<std::vector<server::EnrolCodeRow>> OpenEnrolCodes(server::UnixMs) override { return No(); }
@@ -212,7 +259,6 @@ class MemoryStore final : public server::StationStore,
   Result<server::RubricRow> PublishRubric(const server::RubricRow&, const server::Actor&) override {
     return No();
   }
-  Result<std::vector<server::JobRow>> FindJobs(const server::JobFilter&) override { return No(); }
   Result<Uuid> AddEnrolCode(const Sha256&, server::UnixMs, const server::Actor&) override {
     return No();
   }

@@ -173,5 +173,33 @@ TEST_F(WorkerTest, SeveralThreadsShareTheQueue) {
   EXPECT_EQ(store_.Jobs("done")->size(), 4u);
 }
 
+TEST_F(WorkerTest, MakesTimelinesWhenNobodyWaitsForAScore) {
+  Uuid reference = world_.RecordReference(store_);
+  store_.timelines[reference].waits = true;
+  store_.Queue(reference);
+  WorkerOptions options = Options();
+  options.timelines.emplace(store_);
+  Worker worker(store_, options);
+  worker.Start();
+  ASSERT_TRUE(reports_.WaitFor(2));
+  worker.Stop();
+  EXPECT_EQ(reports_.seen()[0].first.kind, "score");
+  EXPECT_EQ(reports_.seen()[1].first.kind, "timeline");
+  EXPECT_EQ(reports_.seen()[1].first.attempt, reference);
+  EXPECT_TRUE(reports_.seen()[1].second.ok()) << reports_.seen()[1].second.message();
+  EXPECT_FALSE(store_.timelines[reference].content.IsZero());
+}
+
+TEST_F(WorkerTest, MakesNoTimelinesWhereItWasGivenNone) {
+  Uuid reference = world_.RecordReference(store_);
+  store_.timelines[reference].waits = true;
+  store_.Queue(reference);
+  Worker worker(store_, Options());
+  worker.Start();
+  ASSERT_TRUE(reports_.WaitFor(1));
+  worker.Stop();
+  EXPECT_EQ(store_.timelines_taken, 0);
+}
+
 }  // namespace
 }  // namespace enamel::server
