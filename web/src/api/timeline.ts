@@ -1,0 +1,442 @@
+import { fail, ok, type Result } from "../base/result";
+
+// Reads what plays an attempt back: a start tooth ("ENTB") and a surface timeline ("ENTL"), version 1, both described in
+// schemas/surface_timeline.md. Nothing here draws or fetches; triangles are made of the samples by tooth_mesh.ts.
+
+export const kBrickSide = 8;
+export const kBrickSamples = 512;
+export const kDeep = -64;
+export const kFarOut = 63;
+const kVersion = 1;
+const kMaxRatio = 1032;                         // of what a packed byte can stand for
+const kMaxBricks = 8_000_000;
+const kHeadBytes = 108;
+const kTissue = 7;
+const kSampled = 8;
+const kLabelled = 16;
+const kTissues = 8;
+
+type Read<T> = Result<T, string>;
+
+export interface Grid {
+  readonly voxelMm: number;
+  readonly bricks: readonly [number, number, number];
+  readonly originMm: readonly [number, number, number];
+}
+
+export interface StartTooth {
+  readonly grid: Grid;
+  readonly bricks: Uint8Array;                  // a byte for each: tissue, and flags
+  readonly samples: Int8Array;                  // 512 of each sampled brick
+  readonly slot: Int32Array;                    // per brick: its place in `samples`, or −1
+  readonly labels: Uint8Array;
+  readonly labelSlot: Int32Array;
+}
+
+export interface Segment {
+  readonly from: number;                        // first byte in the file
+  readonly poseBytes: number;
+  readonly keyBytes: number;
+  readonly changeBytes: number;
+  readonly keyBricks: number;
+  readonly changeSize: number;
+}
+
+export interface Head {
+  readonly grid: Grid;
+  readonly start: string;                       // SHA-256 of the start tooth's file, hexadecimal
+  readonly ticks: number;
+  readonly rateHz: number;
+  readonly frameTicks: number;
+  readonly segmentFrames: number;
+  readonly frames: number;
+  readonly outline: ReadonlyArray<readonly [number, number]>;  // mm: place along the axis, radius
+  readonly segments: readonly Segment[];
+  readonly bytes: number;                       // of the head itself
+  readonly fileBytes: number;
+}
+
+export interface FramePose {
+  readonly tipMm: readonly [number, number, number];
+  readonly axis: readonly [number, number, number];  // toward the shank, unit
+  readonly turning: boolean;
+  readonly gapTicks: number;
+}
+
+// A segment as it is read: its changes are applied frame by frame.
+export interface OpenSegment {
+  readonly poses: readonly FramePose[];
+  readonly keyBricks: Uint32Array;
+  readonly keySamples: Int8Array;
+  readonly changes: Uint8Array;
+}
+
+class Broken extends Error {}
+
+// `read` may throw Broken, which becomes the result's error; anything else is a bug and goes on.
+async function reading<T>(read: () => Promise<T> | T): Promise<Read<T>> {
+  try {
+    return ok(await read());
+  } catch (error) {
+    if (error instanceof Broken || error instanceof RangeError) return fail(error.message);
+    throw error;
+  }
+}
+
+// Exactly `size` bytes; no memory is taken for a size that these bytes cannot give.
+async function inflate(packed: Uint8Array<ArrayBuffer>, size: number, what: string): Promise<Uint8Array<ArrayBuffer>> {
+  if (size > (packed.length + 1) * kMaxRatio) throw new Broken(`${what}: ${packed.length} packed bytes cannot hold the ${size} that the head asks for`);
+  const out = new Uint8Array(size);
+  const damaged = () => new Broken(`${what}: expected ${size} bytes, found others or damaged ones`);
+  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate")).getReader();
+  let at = 0;
+  for (;;) {
+    const { done, value } = await stream.read().catch(() => { throw damaged(); });
+    if (done) break;
+    if (at + value.length > size) {
+      void stream.cancel();
+      throw damaged();
+    }
+    out.set(value, at);
+    at += value.length;
+  }
+  if (at !== size) throw damaged();
+  return out;
+}
+
+function checkMagic(view: DataView, magic: string, what: string): void {
+  if (view.byteLength < 48) throw new Broken(`${what}: expected more than ${view.byteLength} bytes`);
+  const found = String.fromCharCode(view.getUint8(0), view.getUint8(1), view.getUint8(2), view.getUint8(3));
+  if (found !== magic) throw new Broken(`${what} begins with ${magic}, found something else`);
+  const version = view.getUint16(4, true);
+  if (version !== kVersion) throw new Broken(`this page reads version ${kVersion} of a ${what}, found version ${version}; load the page again`);
+  if (view.getUint16(6, true) !== 0) throw new Broken(`${what}: expected flags 0, found others`);
+}
+
+function readGrid(view: DataView): Grid {
+  const bricks = [view.getInt32(12, true), view.getInt32(16, true), view.getInt32(20, true)] as const;
+  const voxelNm = view.getInt32(8, true);
+  const count = bricks[0] * bricks[1] * bricks[2];
+  if (voxelNm < 5000 || voxelNm > 1_000_000 || bricks.some((n) => n < 1 || n > 4096) || count > kMaxBricks) {
+    throw new Broken(`the grid is none that this page draws (${bricks.join(" × ")} bricks of ${voxelNm} nm)`);
+  }
+  const origin = (i: number) => Number(view.getBigInt64(24 + 8 * i, true)) * 1e-6;
+  return { voxelMm: voxelNm * 1e-6, bricks, originMm: [origin(0), origin(1), origin(2)] };
+}
+
+// What a sample would be if the field were flat here, from those before it in the brick at `at`.
+function predicted(s: Int8Array, at: number, i: number): number {
+  const x = (i & 7) !== 0;
+  const y = (i & 56) !== 0;
+  const z = i > 63;
+  const n = at + i;
+  let p = 0;
+  if (x) p += s[n - 1]!;
+  if (y) p += s[n - 8]!;
+  if (z) p += s[n - 64]!;
+  if (x && y) p -= s[n - 9]!;
+  if (x && z) p -= s[n - 65]!;
+  if (y && z) p -= s[n - 72]!;
+  if (x && y && z) p += s[n - 73]!;
+  return p < kDeep ? kDeep : p > kFarOut ? kFarOut : p;
+}
+
+// In place: an Int8Array keeps a sum modulo 256.
+function fromResiduals(s: Int8Array, at: number): void {
+  for (let i = 0; i < kBrickSamples; ++i) s[at + i] = s[at + i]! + predicted(s, at, i);
+}
+
+const kSlice = 400;                             // bricks between two looks at the clock
+const nextTask = () => new Promise<void>((resolve) => { setTimeout(resolve); });
+
+// Leaves the thread to others now and then: there are thousands.
+async function bricksFromResiduals(samples: Int8Array): Promise<void> {
+  for (let at = 0, brick = 1; at < samples.length; at += kBrickSamples, ++brick) {
+    fromResiduals(samples, at);
+    if (brick % kSlice === 0) await nextTask();
+  }
+}
+
+export function decodeStartTooth(file: ArrayBuffer): Promise<Read<StartTooth>> {
+  return reading(async () => {
+    const view = new DataView(file);
+    checkMagic(view, "ENTB", "start tooth");
+    const grid = readGrid(view);
+    let at = 48;
+    const section = () => {
+      const size = view.getUint32(at, true);
+      if (at + 4 + size > file.byteLength) throw new Broken("the start tooth ends early");
+      const bytes = new Uint8Array(file, at + 4, size);
+      at += 4 + size;
+      return bytes;
+    };
+    const [packedBricks, packedSamples, packedLabels] = [section(), section(), section()];
+    if (at !== file.byteLength) throw new Broken(`the start tooth has ${file.byteLength - at} bytes too many`);
+    const bricks = await inflate(packedBricks, grid.bricks[0] * grid.bricks[1] * grid.bricks[2], "bricks");
+    const slot = new Int32Array(bricks.length).fill(-1);
+    const labelSlot = new Int32Array(bricks.length).fill(-1);
+    let sampled = 0;
+    let labelled = 0;
+    for (let b = 0; b < bricks.length; ++b) {
+      const flags = bricks[b]!;
+      if (flags > (kTissue | kSampled | kLabelled)) throw new Broken("a brick has flags that this page does not know");
+      if (flags & kSampled) slot[b] = sampled++;
+      if (flags & kLabelled) labelSlot[b] = labelled++;
+    }
+    const samples = new Int8Array((await inflate(packedSamples, sampled * kBrickSamples, "samples")).buffer);
+    const labels = await inflate(packedLabels, labelled * kBrickSamples, "labels");
+    if (labels.some((tissue) => tissue >= kTissues)) throw new Broken("a label is no tissue");
+    await bricksFromResiduals(samples);
+    return { grid, bricks, samples, slot, labels, labelSlot };
+  });
+}
+
+function between(what: string, value: number, least: number, most: number): number {
+  if (value < least || value > most) throw new Broken(`timeline: expected ${what} from ${least} to ${most}, found ${value}`);
+  return value;
+}
+
+// Of a file that begins with `start`; `undefined` as value: the head is not all there.
+export async function decodeHead(start: ArrayBuffer): Promise<Read<Head | undefined>> {
+  return reading(() => {
+    const view = new DataView(start);
+    checkMagic(view, "ENTL", "timeline");
+    const grid = readGrid(view);
+    if (start.byteLength < kHeadBytes) return undefined;
+    const hash = Array.from(new Uint8Array(start, 48, 32), (byte) => byte.toString(16).padStart(2, "0")).join("");
+    const rateHz = between("a rate in Hz", view.getUint32(88, true), 1, 1e6);
+    const frameTicks = between("ticks of a frame", view.getUint32(92, true), 1, 1e6);
+    const segmentFrames = between("frames of a segment", view.getUint32(96, true), 1, 1e5);
+    const ticks = between("ticks", Number(view.getBigUint64(80, true)), 0, 12e6 * frameTicks);
+    const frames = Math.ceil(ticks / frameTicks);
+    const points = between("points of an outline", view.getUint32(100, true), 0, 256);
+    const segmentCount = Math.ceil(frames / segmentFrames);
+    between("segments", view.getUint32(104, true), segmentCount, segmentCount);
+    between("segments", segmentCount, 0, 65_536);
+    const bytes = kHeadBytes + 8 * points + 20 * segmentCount;
+    if (start.byteLength < bytes) return undefined;
+    const outline = Array.from({ length: points }, (_, i) => [view.getInt32(kHeadBytes + 8 * i, true) * 1e-6, view.getInt32(kHeadBytes + 8 * i + 4, true) * 1e-6] as const);
+    let from = bytes;
+    const segments = Array.from({ length: segmentCount }, (_, i): Segment => {
+      const at = kHeadBytes + 8 * points + 20 * i;
+      const [poseBytes, keyBytes, changeBytes] = [view.getUint32(at, true), view.getUint32(at + 4, true), view.getUint32(at + 8, true)];
+      const segment = { from, poseBytes, keyBytes, changeBytes, keyBricks: view.getUint32(at + 12, true), changeSize: view.getUint32(at + 16, true) };
+      from += poseBytes + keyBytes + changeBytes;
+      return segment;
+    });
+    return { grid, start: hash, ticks, rateHz, frameTicks, segmentFrames, frames, outline, segments, bytes, fileBytes: from };
+  });
+}
+
+export const segmentBytes = ({ poseBytes, keyBytes, changeBytes }: Segment) => poseBytes + keyBytes + changeBytes;
+
+export function framesIn(head: Head, segment: number): number {
+  return Math.min(head.segmentFrames, head.frames - segment * head.segmentFrames);
+}
+
+// `bytes`: the segment's own, all of them.
+export function decodeSegment(head: Head, index: number, bytes: Uint8Array<ArrayBuffer>): Promise<Read<OpenSegment>> {
+  return reading(async () => {
+    const segment = head.segments[index]!;
+    if (bytes.length !== segmentBytes(segment)) throw new Broken(`segment ${index}: expected ${segmentBytes(segment)} bytes, found ${bytes.length}`);
+    const part = (from: number, size: number) => bytes.subarray(from, from + size);
+    const n = framesIn(head, index);
+    const poses = await inflate(part(0, segment.poseBytes), 20 * n, "poses");
+    const key = await inflate(part(segment.poseBytes, segment.keyBytes), segment.keyBricks * (4 + kBrickSamples), "key frame");
+    const changes = await inflate(part(segment.poseBytes + segment.keyBytes, segment.changeBytes), segment.changeSize, "changes");
+    const keyView = new DataView(key.buffer);
+    const keyBricks = Uint32Array.from({ length: segment.keyBricks }, (_, i) => keyView.getUint32(4 * i, true));
+    const count = head.grid.bricks[0] * head.grid.bricks[1] * head.grid.bricks[2];
+    keyBricks.forEach((brick, i) => {
+      if (brick >= count || (i > 0 && brick <= keyBricks[i - 1]!)) throw new Broken(`brick ${brick} is out of order or outside the grid`);
+    });
+    const keySamples = new Int8Array(key.buffer, 4 * segment.keyBricks);
+    await bricksFromResiduals(keySamples);
+    return { poses: readPoses(poses, n), keyBricks, keySamples, changes };
+  });
+}
+
+function readPoses(raw: Uint8Array, n: number): FramePose[] {
+  const planes = (at: number, i: number) => (raw[at + i]! | (raw[at + n + i]! << 8) | (raw[at + 2 * n + i]! << 16) | (raw[at + 3 * n + i]! << 24)) >>> 0;
+  const tip = [0, 1, 2].map((axis) => {
+    let before = 0;
+    return Array.from({ length: n }, (_, i) => {
+      const zigzag = planes(4 * n * axis, i);
+      before = (before + ((zigzag >>> 1) ^ -(zigzag & 1))) | 0;
+      return before / 1000;
+    });
+  });
+  const signed = new Int8Array(raw.buffer, raw.byteOffset);
+  return Array.from({ length: n }, (_, i) => {
+    const axis = [0, 1, 2].map((a) => signed[12 * n + a * n + i]! / 127);
+    const turning = raw[19 * n + i]!;
+    if (turning > 1) throw new Broken("a bur neither turns nor stands");
+    return { tipMm: [tip[0]![i]!, tip[1]![i]!, tip[2]![i]!], axis: [axis[0]!, axis[1]!, axis[2]!], turning: turning === 1, gapTicks: planes(15 * n, i) };
+  });
+}
+
+// The tooth at any frame. Segments are given as they come; seek says which it needs.
+export class TimelinePlayer {
+  private readonly segments = new Map<number, OpenSegment>();
+  private readonly count: number;
+  private current = new Map<number, Int8Array>();  // bricks that are not the start's
+  private entered = -1;                         // segment whose changes are open
+  private at = 0;                               // frames applied
+  private heads = 0;
+  private headsEnd = 0;
+  private masks = 0;
+  private masksEnd = 0;
+  private values = 0;
+
+  constructor(readonly head: Head, readonly start: StartTooth) {
+    this.count = start.bricks.length;
+  }
+
+  get frame(): number {
+    return this.at;
+  }
+  add(index: number, segment: OpenSegment): void {
+    this.segments.set(index, segment);
+  }
+  has(index: number): boolean {
+    return this.segments.has(index);
+  }
+  // The segment that the tooth after so many frames is read from; undefined: none, it is the start.
+  segmentOf(frames: number): number | undefined {
+    return frames === 0 ? undefined : Math.floor((frames - 1) / this.head.segmentFrames);
+  }
+  pose(frames: number): FramePose | undefined {
+    const index = this.segmentOf(Math.max(frames, 1)) ?? 0;
+    return this.segments.get(index)?.poses[Math.max(frames, 1) - 1 - index * this.head.segmentFrames];
+  }
+
+  // The tooth after so many frames. Returns the bricks that look otherwise than before. Needs: the segment was added.
+  seek(frames: number): Read<Set<number>> {
+    const before = this.current;
+    try {
+      const index = this.segmentOf(frames);
+      if (index === undefined) {
+        this.current = new Map();
+        this.entered = -1;
+        this.at = 0;
+        return ok(this.differing(before));
+      }
+      const segment = this.segments.get(index);
+      if (segment === undefined) return fail("this part of the playback is not here yet");
+      if (this.entered === index && this.at <= frames) {
+        const changed = new Set<number>();
+        while (this.at < frames) this.applyFrame(segment.changes, changed);
+        return ok(changed);
+      }
+      this.enter(index, segment);
+      while (this.at < frames) this.applyFrame(segment.changes, undefined);
+      return ok(this.differing(before));
+    } catch (error) {
+      if (!(error instanceof Broken)) throw error;
+      this.entered = -1;
+      return fail(error.message);
+    }
+  }
+
+  // Samples of a brick, or what all of them are.
+  samples(brick: number): Int8Array | number {
+    const own = this.current.get(brick);
+    if (own !== undefined) return own;
+    const slot = this.start.slot[brick]!;
+    if (slot >= 0) return this.start.samples.subarray(slot * kBrickSamples, (slot + 1) * kBrickSamples);
+    return this.start.bricks[brick] === 0 ? kFarOut : kDeep;
+  }
+  tissue(brick: number, sample: number): number {
+    const slot = this.start.labelSlot[brick]!;
+    return slot >= 0 ? this.start.labels[slot * kBrickSamples + sample]! : this.start.bricks[brick]! & kTissue;
+  }
+
+  private differing(before: Map<number, Int8Array>): Set<number> {
+    const out = new Set<number>();
+    const look = (brick: number, was: Int8Array | undefined) => {
+      const now = this.samples(brick);
+      const then = was ?? this.startSamples(brick);
+      for (let i = 0; i < kBrickSamples; ++i) {
+        if ((typeof now === "number" ? now : now[i]) === (typeof then === "number" ? then : then[i])) continue;
+        out.add(brick);
+        return;
+      }
+    };
+    for (const [brick, was] of before) look(brick, was);
+    for (const brick of this.current.keys()) if (!before.has(brick)) look(brick, undefined);
+    return out;
+  }
+  private startSamples(brick: number): Int8Array | number {
+    const slot = this.start.slot[brick]!;
+    if (slot >= 0) return this.start.samples.subarray(slot * kBrickSamples, (slot + 1) * kBrickSamples);
+    return this.start.bricks[brick] === 0 ? kFarOut : kDeep;
+  }
+
+  private enter(index: number, segment: OpenSegment): void {
+    this.current = new Map();
+    segment.keyBricks.forEach((brick, i) => this.current.set(brick, segment.keySamples.slice(i * kBrickSamples, (i + 1) * kBrickSamples)));
+    const { changes } = segment;
+    if (changes.length < 8) throw new Broken(`the changes of segment ${index} end early`);
+    const view = new DataView(changes.buffer, changes.byteOffset, changes.length);
+    this.heads = 8;
+    this.headsEnd = this.masks = 8 + view.getUint32(0, true);
+    this.masksEnd = this.values = this.masks + view.getUint32(4, true);
+    if (this.values > changes.length) throw new Broken(`the changes of segment ${index} end early`);
+    this.entered = index;
+    this.at = index * this.head.segmentFrames;
+  }
+
+  private varint(changes: Uint8Array): number {
+    let value = 0;
+    for (let scale = 1; scale < 2 ** 42; scale *= 128) {
+      if (this.heads >= this.headsEnd) break;
+      const byte = changes[this.heads++]!;
+      value += (byte & 127) * scale;
+      if (byte < 128) return value;
+    }
+    throw new Broken(`the changes of frame ${this.at} end early`);
+  }
+  private mask(changes: Uint8Array): number {
+    if (this.masks >= this.masksEnd) throw new Broken(`the changes of frame ${this.at} end early`);
+    return changes[this.masks++]!;
+  }
+
+  private applyFrame(changes: Uint8Array, changed: Set<number> | undefined): void {
+    const bricks = this.varint(changes);
+    let brick = -1;
+    for (let i = 0; i < bricks; ++i) {
+      brick += 1 + this.varint(changes);
+      if (brick >= this.count) throw new Broken("a changed brick is outside the grid");
+      changed?.add(brick);
+      this.applyBrick(brick, changes);
+    }
+    ++this.at;
+  }
+
+  private applyBrick(brick: number, changes: Uint8Array): void {
+    const state = this.ownSamples(brick);
+    const layers = this.mask(changes);
+    for (let z = 0; z < 8; ++z) {
+      if (!(layers >> z & 1)) continue;
+      const rows = this.mask(changes);
+      for (let y = 0; y < 8; ++y) {
+        if (!(rows >> y & 1)) continue;
+        const bits = this.mask(changes);
+        for (let x = 0; x < 8; ++x) {
+          if (!(bits >> x & 1)) continue;
+          if (this.values >= changes.length) throw new Broken("a brick's changes end early");
+          const i = z * 64 + y * 8 + x;
+          state[i] = changes[this.values++]! + predicted(state, 0, i);
+        }
+      }
+    }
+  }
+  private ownSamples(brick: number): Int8Array {
+    const own = this.current.get(brick);
+    if (own !== undefined) return own;
+    const now = this.samples(brick);
+    const made = typeof now === "number" ? new Int8Array(kBrickSamples).fill(now) : now.slice();
+    this.current.set(brick, made);
+    return made;
+  }
+}
