@@ -7,6 +7,7 @@
 #include "server/http/handlers/handlers.h"
 #include "server/http/handlers/seen_attempt.h"
 #include "server/http/json_body.h"
+#include "server/http/kept.h"
 #include "server/http/paging.h"
 #include "server/http/query.h"
 #include "server/http/site.h"
@@ -176,6 +177,41 @@ Response GetScore(const Call& call, Parts<ContentStore, TeachingStore, AttemptSt
 
 Response GetSurface(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store) {
   return BlobResponse(call, store, &Store::AttemptResult::surface, "application/octet-stream");
+}
+
+// Under the same conditions as the surface: both show the work.
+Response GetTimeline(const Call& call,
+                     Parts<ContentStore, TeachingStore, AttemptStore, TimelineStore> store) {
+  Result<Store::AttemptResult> result = SeeResult(call, store, true);
+  if (!result.ok()) return ErrorResponse(result.status());
+  Result<TimelineRow> row = store.timelines().TimelineOf(call.id);
+  if (!row.ok()) return ErrorResponse(row.status());
+  if (row->waits) {
+    return ErrorResponse({Code::kUnavailable,
+                          "the playback of this attempt is being made, after the scores that "
+                          "people wait for; try again"});
+  }
+  if (row->content.IsZero()) {
+    return ErrorResponse(
+        {Code::kNotFound, "the playback of this attempt could not be made: " + row->problem});
+  }
+  // Not to be kept by the browser: it shows how a person moved.
+  return KeptResponse(call.request, {row->content, "application/octet-stream", ""},
+                      [&] { return store.content().GetBlob(row->content); });
+}
+
+// Anybody who is signed in: it is nobody's, and its name is told with what begins with it.
+Response GetStartTooth(const Call& call, Parts<BlobStore, TimelineStore> store) {
+  const Status none{Code::kNotFound, "there is no such start tooth", "name"};
+  Result<Sha256> content = Sha256::FromHex(call.name);
+  if (!content.ok()) return ErrorResponse(none);
+  // Before any blob is looked at: others are named by their hash too.
+  Result<bool> known = store.timelines().IsStartTooth(*content);
+  if (!known.ok()) return ErrorResponse(known.status());
+  if (!*known) return ErrorResponse(none);
+  return KeptResponse(
+      call.request, {*content, "application/octet-stream", "private, max-age=31536000, immutable"},
+      [&] { return store.blobs().GetBlob(*content); });
 }
 
 Response GetSeries(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store) {

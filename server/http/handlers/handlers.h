@@ -81,6 +81,9 @@ Response ListAttempts(const Call& call, AttemptViewParts store);
 Response GetAttempt(const Call& call, AttemptViewParts store);
 Response GetScore(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store);
 Response GetSurface(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store);
+Response GetTimeline(const Call& call,
+                     Parts<ContentStore, TeachingStore, AttemptStore, TimelineStore> store);
+Response GetStartTooth(const Call& call, Parts<BlobStore, TimelineStore> store);
 Response GetSeries(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store);
 Response GetLive(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store);
 Response ReleaseAttempt(const Call& call, AttemptViewParts store);

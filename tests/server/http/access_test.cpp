@@ -208,6 +208,47 @@ TEST_F(AccessTest, SurfaceIsServedAsItWasStored) {
   EXPECT_EQ(surface.body, "ENSF");
 }
 
+TEST_F(AccessTest, TimelineIsToldToBeInTheMakingAndThenServedInRanges) {
+  RawResponse waits = By("ada").Get(Scored("/timeline"));
+  EXPECT_EQ(waits.status, 503) << waits.body;
+  EXPECT_NE(waits.body.find("is being made"), std::string::npos) << waits.body;
+  Store& store = *school_.store;
+  const Uuid attempt = school_.sams_scored;
+  const Sha256 content = *store.PutAttemptBlob(attempt, AsBytes("ENTL and more"));
+  ASSERT_TRUE(store.PutTimeline(attempt, content).ok());
+  RawResponse all = By("ada").Get(Scored("/timeline"));
+  EXPECT_EQ(all.status, 200);
+  EXPECT_EQ(all.body, "ENTL and more");
+  EXPECT_EQ(all.headers["cache-control"], "no-store") << "it shows how a person moved";
+  RawResponse part = By("ada").Send("GET", Scored("/timeline"), "Range: bytes=5-7\r\n");
+  EXPECT_EQ(part.status, 206);
+  EXPECT_EQ(part.body, "and");
+  EXPECT_EQ(part.headers["content-range"], "bytes 5-7/13");
+}
+
+TEST_F(AccessTest, ATimelineThatCouldNotBeMadeSaysWhy) {
+  ASSERT_TRUE(
+      school_.store->FailTimeline(school_.sams_scored, "replay and recording part", false).ok());
+  RawResponse none = By("ada").Get(Scored("/timeline"));
+  EXPECT_EQ(none.status, 404) << none.body;
+  EXPECT_NE(none.body.find("replay and recording part"), std::string::npos) << none.body;
+}
+
+TEST_F(AccessTest, AStartToothIsKeptForEverAndNoOtherBlobIsOne) {
+  Store& store = *school_.store;
+  const Sha256 tooth = *store.PutBlob(AsBytes("ENTB")), other = *store.PutBlob(AsBytes("secret"));
+  ASSERT_TRUE(store.PutStartTooth(*store.PutBlob(AsBytes("volume")), tooth).ok());
+  RawResponse found = By("sam").Get("/api/v1/start-teeth/" + tooth.Hex());
+  EXPECT_EQ(found.body, "ENTB");
+  EXPECT_EQ(found.headers["cache-control"], "private, max-age=31536000, immutable");
+  RawResponse again = By("sam").Send("GET", "/api/v1/start-teeth/" + tooth.Hex(),
+                                     "If-None-Match: " + found.headers["etag"] + "\r\n");
+  EXPECT_EQ(again.status, 304);
+  EXPECT_EQ(again.body, "");
+  EXPECT_EQ(By("sam").Get("/api/v1/start-teeth/" + other.Hex()).status, 404);
+  EXPECT_EQ(By("sam").Get("/api/v1/start-teeth/short").status, 404);
+}
+
 TEST_F(AccessTest, ProfilesNameTheSourceOfEveryNumber) {
   boost::json::value body = Parsed(By("sam").Get("/api/v1/profiles"));
   const auto& profile = body.at("profiles").as_array().at(0);

@@ -156,6 +156,8 @@ const Line kLines[] = {
     {"GET /api/v1/attempts/{id}",               "attempt",        "",                                    "401 200 404 404 200 404 200 200 401 403"},
     {"GET /api/v1/attempts/{id}/score",         "attempt",        "",                                    "401 403 404 404 200 404 200 200 401 403"},
     {"GET /api/v1/attempts/{id}/surface",       "attempt",        "",                                    "401 403 404 404 200 404 200 200 401 403"},
+    {"GET /api/v1/attempts/{id}/timeline",      "attempt",        "",                                    "401 403 404 404 200 404 200 200 401 403"},
+    {"GET /api/v1/start-teeth/{name}",          "start tooth",    "",                                    "401 200 200 200 200 200 200 200 401 403"},
     {"GET /api/v1/attempts/{id}/series",        "attempt",        "",                                    "401 403 404 404 200 404 200 200 401 403"},
     {"GET /api/v1/attempts/{id}/live",          "recording",      "",                                    "401 403 403 403 200 404 200 200 401 403"},
     {"POST /api/v1/attempts/{id}/release",      "attempt",        "",                                    "401 403 403 403 204 404 204 204 401 403"},
@@ -258,6 +260,11 @@ class Template {
     things["report"] = store.AddProfileReport(report, kBy)->id.Text();
     things["exercise"] = school.exercise.Text();
     things["attempt"] = school.sams_scored.Text();
+    const Sha256 tooth = *store.PutBlob(AsBytes("ENTB"));
+    EXPECT_TRUE(store.PutStartTooth(*store.PutBlob(AsBytes("volume")), tooth).ok());
+    things["start tooth"] = tooth.Hex();
+    const Sha256 timeline = *store.PutAttemptBlob(school.sams_scored, AsBytes("ENTL"));
+    EXPECT_TRUE(store.PutTimeline(school.sams_scored, timeline).ok());
     things["recording"] = school.sams_recording.Text();
     bodies["PASSWORD"] = kPassword;
     bodies["SAM"] = school.sam.Text();
