@@ -18,6 +18,7 @@ export const flows = [
   { name: "somebody else's attempt is as if it did not exist", anywhere: true, run: foreignAttempt },
   { name: "an instructor sees score, deviation on the tooth, and forces", anywhere: true, run: instructorReviews },
   { name: "the tooth turns by keyboard and the timeline moves the tool", anywhere: true, run: toothByKeyboard },
+  { name: "an attempt is played back with the tooth being cut", anywhere: false, run: playsBack },
   { name: "the page fits a narrow screen and a dark scheme without an accessibility violation", anywhere: true, run: narrowAndDark },
   { name: "an admin reads people, stations, devices, jobs and audit", anywhere: true, run: adminReads },
   { name: "a score that is being computed shows progress and then appears", anywhere: false, run: scoringProgress },
@@ -283,6 +284,41 @@ async function toothByKeyboard(world) {
   await page.getByText("Of the surface that was cut", { exact: false }).first().waitFor();
   assert.match(await page.getByRole("main").innerText(), /Of the surface that was cut, \d+ % lies within 0\.\d+\smm of the reference/);
   await accessible(page, "an attempt with its tables open");
+}
+
+async function playsBack(world) {
+  const page = await openScoredAttempt(world);
+  const canvas = page.locator(".tooth-frame canvas");
+  const bar = page.getByRole("group", { name: "Playback" });
+  const position = bar.getByRole("slider", { name: "Playback position" });
+  await position.waitFor();
+  const last = await position.getAttribute("max");
+  assert.equal(await position.inputValue(), last, "it begins with the tooth at the end");
+  const end = await canvas.screenshot();
+  await position.fill("0");
+  await page.waitForFunction(() => document.querySelector(".playback-time").innerText === "0.0 s");
+  await page.getByText("Enamel").first().waitFor();
+  const start = await canvas.screenshot();
+  assert.ok(!start.equals(end), "the tooth is the one before");
+  await bar.getByRole("button", { name: "One frame on" }).click();
+  await page.waitForFunction(() => document.querySelector(".playback-time").innerText === "0.1 s");
+  assert.ok(!(await canvas.screenshot()).equals(start), "a frame on, something is cut and the bur is there");
+  await page.screenshot({ path: world.picture("playback"), fullPage: true });
+  await accessible(page, "an attempt that is played back");
+  await bar.getByLabel("Speed").selectOption("0.25");
+  await page.locator(".tooth-frame").focus();
+  await page.keyboard.press("k");
+  await bar.getByRole("button", { name: "Pause" }).waitFor();
+  await page.keyboard.press("k");
+  await bar.getByRole("button", { name: "Play", exact: true }).waitFor();
+  await bar.getByLabel("Speed").selectOption("16");
+  await page.locator(".tooth-frame").focus();
+  await page.keyboard.press("Space");
+  await page.waitForFunction((frames) => document.querySelector(".playback input").value === frames, last);
+  await bar.getByRole("button", { name: "Play", exact: true }).waitFor();
+  await page.locator(".tooth-frame").focus();
+  await page.keyboard.press("j");
+  await page.waitForFunction(() => document.querySelector(".playback input").value === "0");
 }
 
 async function narrowAndDark(world) {

@@ -1,4 +1,5 @@
 // Exercises, assignments and attempts of the mock server.
+import { readFileSync } from "node:fs";
 import { referenceDetail, scoreOf, seriesOf } from "./mock_data.mjs";
 import { conflict, edit, empty, forbidden, invalid, json, notFound, page, refusal, tagged, unseen } from "./mock_reply.mjs";
 import { toothSurface } from "./mock_tooth.mjs";
@@ -249,6 +250,18 @@ function toothReply(world, name, options) {
   return { status: 200, body: world.surfaces.get(name), headers: { "Content-Type": "application/octet-stream", "Cache-Control": "no-store" } };
 }
 
+// The golden playback, whatever the attempt: a ball that is cut.
+const golden = (name) => readFileSync(new URL(`../../schemas/golden/surface_timeline.${name}`, import.meta.url));
+
+function timeline(_row, { request }) {
+  const bytes = golden("entl");
+  const [, from, to] = /^bytes=(\d+)-(\d+)$/.exec(request.headers.range ?? "") ?? [];
+  const headers = { "Content-Type": "application/octet-stream", "Cache-Control": "no-store", ETag: '"golden"' };
+  return from === undefined ? { status: 200, body: bytes, headers } : { status: 206, body: bytes.subarray(Number(from), Number(to) + 1), headers };
+}
+
+const startTooth = () => ({ status: 200, body: golden("entb"), headers: { "Content-Type": "application/octet-stream", "Cache-Control": "private, max-age=31536000, immutable" } });
+
 function override(row, { world, person, body }) {
   if (!(body.score >= 0 && body.score <= 100)) return invalid("score", "expected a number of 0 to 100");
   row.override = { score: body.score, reason: body.reason, by: person.display_name, at_ms: world.nowMs };
@@ -378,6 +391,8 @@ export const teachingRoutes = {
   "GET /attempts/{id}/score": ["person", withScore((row) => json(scoreOf(row)))],
   "GET /attempts/{id}/series": ["person", withScore(() => json(seriesOf()))],
   "GET /attempts/{id}/surface": ["person", withScore((_row, { world }) => toothReply(world, "compared", { withDeviation: true }))],
+  "GET /attempts/{id}/timeline": ["person", withScore(timeline)],
+  "GET /start-teeth/{name}": ["person", startTooth],
   "GET /attempts/{id}/live": ["instructor", withAttempt(live)],
   "GET /attempts/{id}/results": ["person", withScore(runs)],
   "GET /attempts/{id}/annotations": ["person", withScore((row, { world, person }) =>

@@ -3,6 +3,7 @@ import { type ApiResult, type Fetch, Http, segment, understood } from "./http";
 import { PeopleApi } from "./people";
 import { decodeSurface, type Surface } from "./surface";
 import { TeachingApi } from "./teaching";
+import { decodeStartTooth, type StartTooth } from "./timeline";
 import { OperationsApi, ProfilesApi, StationsApi } from "./things";
 import type { Attempt, AttemptDetail, AttemptFlag, AttemptState, Score, Series, Session } from "./types";
 
@@ -105,6 +106,15 @@ export class Client {
   private async askSurface(id: string, signal?: AbortSignal): Promise<ApiResult<Surface>> {
     const bytes = await this.http.bytes(`${attemptPath(id)}/surface`, signal);
     return bytes.ok ? understood(decodeSurface(bytes.value)) : bytes;
+  }
+  // A part of the attempt's timeline (timeline.ts): bytes from `from` to before `to`.
+  timeline(id: string, from: number, to: number, signal?: AbortSignal) {
+    return this.http.range(`${attemptPath(id)}/timeline`, from, to, signal);
+  }
+  // By the hash that a timeline's head has.
+  async startTooth(hash: string, signal?: AbortSignal): Promise<ApiResult<StartTooth>> {
+    const bytes = await this.http.kept(`/start-teeth/${segment(hash)}`, signal);
+    return bytes.ok ? understood(await decodeStartTooth(bytes.value)) : bytes;
   }
   private keepCsrf(result: ApiResult<Session>): ApiResult<Session> {
     if (result.ok) this.http.csrf = result.value.csrf;

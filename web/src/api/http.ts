@@ -32,6 +32,8 @@ export interface RequestOptions {
   readonly type?: string | undefined;
   readonly tag?: string | undefined;            // If-Match
   readonly signal?: AbortSignal | undefined;
+  readonly range?: readonly [number, number];   // bytes: from, to before
+  readonly kept?: boolean;                      // may come from the browser's cache
   readonly signingIn?: boolean;                 // a missing session is an answer here, not a loss
 }
 
@@ -81,8 +83,24 @@ export class Http {
   }
 
   async bytes(path: string, signal?: AbortSignal): Promise<ApiResult<ArrayBuffer>> {
-    const response = await this.request("GET", path, { signal });
-    return response.ok ? received(() => response.value.arrayBuffer()) : response;
+    return this.read(path, { signal });
+  }
+  // What never changes under its address: from the browser's own cache where it is there.
+  async kept(path: string, signal?: AbortSignal): Promise<ApiResult<ArrayBuffer>> {
+    return this.read(path, { signal, kept: true });
+  }
+  // Bytes from `from` to before `to`; fewer where there are no more.
+  async range(path: string, from: number, to: number, signal?: AbortSignal): Promise<ApiResult<ArrayBuffer>> {
+    return this.read(path, { signal, range: [from, to] });
+  }
+
+  private async read(path: string, options: RequestOptions): Promise<ApiResult<ArrayBuffer>> {
+    const response = await this.request("GET", path, options);
+    if (!response.ok) return response;
+    const bytes = await received(() => response.value.arrayBuffer());
+    // A server may give all of it to who asks for a part.
+    if (!bytes.ok || options.range === undefined || response.value.status === 206) return bytes;
+    return ok(bytes.value.slice(...options.range));
   }
 
   async empty(method: Method, path: string, options: RequestOptions = {}): Promise<ApiResult<undefined>> {
@@ -103,12 +121,13 @@ export class Http {
     }
   }
 
-  private init(method: Method, { body, type, tag, signal }: RequestOptions): RequestInit {
+  private init(method: Method, { body, type, tag, signal, range, kept }: RequestOptions): RequestInit {
     const headers: Record<string, string> = {};
     if (body !== undefined) headers["Content-Type"] = type ?? "application/json";
     if (method !== "GET" && this.csrf !== "") headers["X-Enamel-Csrf"] = this.csrf;
     if (tag !== undefined) headers["If-Match"] = tag;
-    const init: RequestInit = { method, headers, credentials: "same-origin", cache: "no-store" };
+    if (range !== undefined) headers["Range"] = `bytes=${range[0]}-${range[1] - 1}`;
+    const init: RequestInit = { method, headers, credentials: "same-origin", cache: kept === true ? "default" : "no-store" };
     if (body !== undefined) init.body = type === undefined ? JSON.stringify(body) : (body as BodyInit);
     if (signal !== undefined) init.signal = signal;
     return init;

@@ -25,6 +25,7 @@ import { QueueBar } from "./queue_bar";
 import { isWithheld, withheldText } from "./summary";
 import { TeacherActions } from "./teacher_actions";
 import { ToothPanel } from "./tooth_panel";
+import { usePlayback } from "./use_playback";
 
 const kPollMs = 1500;
 const kNoRemarks: readonly Annotation[] = [];
@@ -93,7 +94,6 @@ function ScoredAttempt({ client, attempt, tolerance, teacher, onChanged, onDone,
   const key = `${id} ${teacher || attempt.released} ${attempt.computed_score} ${attempt.reference?.attempt_id}`;
   const score = useRequest(key, (signal) => client.score(id, signal));
   const removed = attempt.recording_removed_ms > 0;
-  const surface = useRequest(removed ? undefined : key, (signal) => client.surface(id, signal));
   const series = useRequest(removed ? undefined : key, (signal) => client.series(id, signal));
   const remarks = useRequest(key, (signal) => client.teaching.annotations(id, signal));
   const [cursor, setCursor] = useState<number>();   // undefined until first moved
@@ -102,6 +102,10 @@ function ScoredAttempt({ client, attempt, tolerance, teacher, onChanged, onDone,
   const [chosen, setChosen] = useState<string>();   // id of a remark
   const [point, setPoint] = useState<PointMm>();    // clicked on the tooth, for the next remark
   const recorded = series.loaded.state === "ready" ? series.loaded.value : undefined;
+  const control = usePlayback(client, removed ? undefined : id, recorded, cursor, setCursor);
+  // The tooth first, in few bytes; then its deviation from the reference, in many.
+  const early = useMemo(() => control?.playback.state.state === "ready" ? control.playback.surface() : undefined, [control?.playback, control?.playback.state.state]);
+  const surface = useRequest(removed || control?.playback.state.state === "loading" ? undefined : key, (signal) => client.surface(id, signal));
   const said = remarks.loaded.state === "ready" ? remarks.loaded.value : kNoRemarks;
   const marks = useMemo(() => recorded === undefined ? [] : marksOf(recorded, said), [recorded, said]);
   const scored = score.loaded.state === "ready" ? score.loaded.value : undefined;
@@ -146,7 +150,7 @@ function ScoredAttempt({ client, attempt, tolerance, teacher, onChanged, onDone,
         {removed ? <RemovedRecording removedMs={attempt.recording_removed_ms} /> : (
           <div class="review">
             <div class="review-tooth" ref={tooth}>
-              <ToothPanel surface={surface.loaded} toleranceMm={tolerance} series={recorded} cursor={cursor} marks={marks} chosen={chosen} point={point} look={look} onMark={choose}
+              <ToothPanel surface={surface.loaded} early={early} control={control} toleranceMm={tolerance} series={recorded} cursor={cursor} marks={marks} chosen={chosen} point={point} look={look} onMark={choose}
                           onPoint={annotates ? setPoint : undefined} onRetry={surface.reload} />
             </div>
             <ForcePanel series={series.loaded} cursor={cursor ?? 0} marks={marks} chosen={chosen} onMark={choose} onCursor={setCursor} onRetry={series.reload} link={link} />

@@ -11,12 +11,16 @@ import { tissuesPresent, tissueTitle, workpiece } from "../../widgets/tooth/tiss
 import { type LookHandle, type ToothPin, ToothView } from "../../widgets/tooth/tooth_view";
 import { type DeviationSummary, outlook, summariseDeviation } from "./deviation";
 import type { Mark } from "./moments";
+import { PlaybackBar, playbackKey } from "./playback_bar";
+import type { PlaybackControl } from "./use_playback";
 
 const kPathSeconds = 3;                         // of the tool's way drawn behind it
 
 interface Props {
   readonly surface: Loaded<Surface>;
   readonly toleranceMm: number;                 // of the rubric
+  readonly early: Surface | undefined;          // the same without deviation, shown until it is there
+  readonly control: PlaybackControl | undefined;
   readonly series: Series | undefined;
   readonly cursor: number | undefined;              // undefined: no tool is drawn
   readonly marks: readonly Mark[];
@@ -28,32 +32,37 @@ interface Props {
   readonly onRetry: () => void;
 }
 
-export function ToothPanel({ surface, onRetry, ...rest }: Props) {
+export function ToothPanel({ surface, early, onRetry, ...rest }: Props) {
   return (
-    <Card className="tooth-card" title="After the attempt">
-      {surface.state === "loading" && <Loading what="the picture" />}
+    <Card className="tooth-card" title={rest.control?.playback.showing === true ? "During the attempt" : "After the attempt"}>
+      {surface.state === "loading" && (early === undefined ? <Loading what="the picture" /> : <LoadedTooth surface={early} {...rest} />)}
       {surface.state === "failed" && <SurfaceError error={surface.error} onRetry={onRetry} />}
       {surface.state === "ready" && <LoadedTooth surface={surface.value} {...rest} />}
     </Card>
   );
 }
 
-function LoadedTooth({ surface, toleranceMm, series, cursor, marks, chosen, point, look, onMark, onPoint }: Omit<Props, "surface" | "onRetry"> & { readonly surface: Surface }) {
+function LoadedTooth({ surface, toleranceMm, control, series, cursor, marks, chosen, point, look, onMark, onPoint }: Omit<Props, "surface" | "early" | "onRetry"> & { readonly surface: Surface }) {
   const summary = useMemo(() => summariseDeviation(surface, toleranceMm), [surface, toleranceMm]);
   const angled = useMemo(() => outlook(surface, summary), [surface, summary?.sides[0]?.side]);
   const tissues = useMemo(() => tissuesPresent(surface.tissue), [surface]);
   const [wanted, setMode] = useState<ColorMode>("deviation");
-  const mode: ColorMode = summary === undefined ? "tissue" : wanted;
+  // On the way there is nothing to compare with: a reference is of a finished tooth.
+  const playback = control?.playback.showing === true;
+  const mode: ColorMode = summary === undefined || playback ? "tissue" : wanted;
   const path = useMemo(() => pathBefore(series, cursor), [series, cursor]);
   const pins = useMemo(() => pinsOf(marks, chosen, point), [marks, chosen, point]);
   return (
     <>
-      {summary !== undefined && (
+      {summary !== undefined && !playback && (
         <Segmented legend="Colours show" name="tooth-mode" value={mode} onChange={setMode}
                    choices={[{ value: "deviation", title: "Deviation" }, { value: "tissue", title: "Tissues" }]} />
       )}
-      <ToothView surface={surface} mode={mode} label={pictureText(summary, tissues)} angled={angled} tool={path.at(-1)} path={path} pins={pins} look={look} onPick={onPoint}
+      <div onKeyDown={(event) => { if (control !== undefined) playbackKey(event, control); }}>
+      <ToothView film={control?.playback} surface={surface} mode={mode} label={pictureText(summary, tissues)} angled={angled} tool={playback ? undefined : path.at(-1)} path={path} pins={pins} look={look} onPick={onPoint}
                  onPin={(key) => { const mark = marks.find((item) => item.annotation.id === key); if (mark !== undefined) onMark(mark); }} />
+      </div>
+      {control !== undefined && <PlaybackBar control={control} />}
       {mode === "deviation" ? <DeviationLegend /> : <TissueLegend tissues={tissues} />}
       {summary === undefined
         ? <p class="hint">No deviation to show: the attempt has no reference, or its score is not released yet.</p>

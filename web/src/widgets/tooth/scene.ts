@@ -1,14 +1,16 @@
 import {
-  AmbientLight, BufferAttribute, BufferGeometry, Color, DataTexture, DirectionalLight, Line, LineBasicMaterial, LinearFilter,
+  AmbientLight, BufferAttribute, BufferGeometry, Color, DataTexture, DirectionalLight, Group, LatheGeometry, Line, LineBasicMaterial, LinearFilter,
   Mesh, MeshBasicMaterial, MeshStandardMaterial, PerspectiveCamera, Raycaster, Scene, SphereGeometry, Spherical,
   SRGBColorSpace, Vector2, Vector3, WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Surface } from "../../api/surface";
+import type { BlockMesh } from "../../api/tooth_mesh";
 import { Disposables } from "../../base/disposables";
 import { FrameScheduler } from "../../base/frame";
 import type { Look } from "../../base/moment_link";
 import { deviationScalePixels, kContourStepMm, kDeviationRangeMm, kUntouchedColor } from "./deviation_scale";
+import type { FilmPose, FilmScreen } from "./film";
 import { tissueColor } from "./tissue";
 import { TriangleGrid } from "./triangle_grid";
 
@@ -43,7 +45,7 @@ const kMinPolar = 0.001;                       // Spherical turns over at the po
 
 // The three.js side of the tooth view: owns the WebGL context, draws only when something changed.
 // Throws from the constructor where WebGL 2 is not available.
-export class ToothScene {
+export class ToothScene implements FilmScreen {
   private readonly renderer: WebGLRenderer;
   private readonly scene = new Scene();
   private readonly camera = new PerspectiveCamera(kFieldOfViewDeg, 1, 0.1, 500);
@@ -54,6 +56,10 @@ export class ToothScene {
   private readonly tooth: Mesh<BufferGeometry, MeshStandardMaterial>;
   private grid: TriangleGrid | undefined;       // made when something is first looked up
   private readonly marker: Mesh;
+  private readonly film = new Group();          // the tooth while it is played back, in blocks
+  private readonly filmMaterial = new MeshStandardMaterial({ vertexColors: true, roughness: 0.55, metalness: 0 });
+  private readonly blocks = new Map<number, Mesh>();
+  private bur: Mesh | undefined;
   private readonly trail: Line;
   private readonly centre = new Vector3();
   private radius = 1;
@@ -67,7 +73,9 @@ export class ToothScene {
     this.trail = new Line(new BufferGeometry(), new LineBasicMaterial({ color: 0x101418, depthTest: false, transparent: true, opacity: 0.55 }));
     this.trail.renderOrder = 1;
     this.trail.frustumCulled = false;
-    this.scene.add(this.tooth, this.trail, this.marker, this.camera, new AmbientLight(0xffffff, 1.3));
+    this.film.visible = false;
+    this.cleanup.add(() => { for (const block of this.blocks.values()) block.geometry.dispose(); this.filmMaterial.dispose(); });
+    this.scene.add(this.tooth, this.film, this.trail, this.marker, this.camera, new AmbientLight(0xffffff, 1.3));
     this.addLights();
 
     const sphere = this.tooth.geometry.boundingSphere;
@@ -102,6 +110,40 @@ export class ToothScene {
     this.trail.geometry.dispose();
     this.trail.geometry = new BufferGeometry().setFromPoints(path.map((p) => new Vector3(...p)));
     this.trail.visible = path.length > 1;
+    this.frame.request();
+  }
+
+  setBlock(index: number, mesh: BlockMesh | undefined): void {
+    const before = this.blocks.get(index);
+    if (before !== undefined) {
+      this.film.remove(before);
+      before.geometry.dispose();
+      this.blocks.delete(index);
+    }
+    if (mesh !== undefined) {
+      const made = new Mesh(blockGeometry(mesh), this.filmMaterial);
+      this.blocks.set(index, made);
+      this.film.add(made);
+    }
+    if (this.film.visible) this.frame.request();
+  }
+  showFilm(on: boolean): void {
+    this.film.visible = on;
+    this.tooth.visible = !on;
+    this.frame.request();
+  }
+  setBur(outline: readonly (readonly [number, number])[], pose: FilmPose | undefined): void {
+    if (this.bur === undefined && pose !== undefined && outline.length > 1) {
+      this.bur = burMesh(outline);
+      this.scene.add(this.bur);
+      this.cleanup.add(() => this.bur?.geometry.dispose());
+    }
+    if (this.bur === undefined) return;
+    this.bur.visible = pose !== undefined;
+    if (pose !== undefined) {
+      this.bur.position.set(...pose.tipMm);
+      this.bur.quaternion.setFromUnitVectors(new Vector3(0, 0, 1), new Vector3(...pose.axis).normalize());
+    }
     this.frame.request();
   }
 
@@ -244,6 +286,22 @@ function toothGeometry(surface: Surface): BufferGeometry {
   geometry.setIndex(new BufferAttribute(surface.triangle, 1));
   geometry.computeBoundingSphere();
   return geometry;
+}
+
+function blockGeometry({ positionMm, normal, tissue, triangle }: BlockMesh): BufferGeometry {
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("position", new BufferAttribute(positionMm, 3));
+  geometry.setAttribute("normal", new BufferAttribute(normal, 4, true));
+  geometry.setAttribute("color", new BufferAttribute(tissueColors(tissue), 3, true));
+  geometry.setIndex(new BufferAttribute(triangle, 1));
+  return geometry;
+}
+
+// A body of revolution, its tip at the origin and its shank along +z.
+function burMesh(outline: readonly (readonly [number, number])[]): Mesh {
+  const geometry = new LatheGeometry(outline.map(([place, radius]) => new Vector2(radius, place)), 32);
+  geometry.rotateX(Math.PI / 2);
+  return new Mesh(geometry, new MeshStandardMaterial({ color: 0x8a94a0, roughness: 0.35, metalness: 0.6 }));
 }
 
 function tissueColors(tissue: Uint8Array): Uint8Array<ArrayBuffer> {

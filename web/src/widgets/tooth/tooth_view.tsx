@@ -5,6 +5,7 @@ import { FrameScheduler } from "../../base/frame";
 import { formatQuantity } from "../../base/format";
 import type { Look } from "../../base/moment_link";
 import type { AngledView, CameraPreset, ColorMode, PointMm, SurfacePoint, ToothScene } from "./scene";
+import type { Film } from "./film";
 import { tissueTitle } from "./tissue";
 
 // A numbered mark at a point of the tooth.
@@ -29,6 +30,7 @@ interface Props {
   readonly angled: AngledView;                  // what the view begins with
   readonly tool?: PointMm | undefined;
   readonly path?: readonly PointMm[];
+  readonly film?: Film | undefined;             // what the tooth looked like at other moments
   readonly pins?: readonly ToothPin[];
   readonly look?: LookHandle | undefined;
   readonly onPin?: (key: string) => void;
@@ -50,7 +52,7 @@ const kNoPins: readonly ToothPin[] = [];
 const kLabelMinShare = 0.12;                    // of the picture's height: shorter points at the viewer
 
 // A tooth to turn: by mouse, finger, arrow keys, + and −, and the preset buttons.
-export function ToothView({ surface, mode, label, angled, tool, path, pins = kNoPins, look, onPin, onPick }: Props) {
+export function ToothView({ surface, mode, label, angled, tool, path, film, pins = kNoPins, look, onPin, onPick }: Props) {
   const frame = useRef<HTMLDivElement>(null);
   const scene = useRef<ToothScene | undefined>(undefined);
   const [problem, setProblem] = useState("");
@@ -85,6 +87,7 @@ export function ToothView({ surface, mode, label, angled, tool, path, pins = kNo
 
   useEffect(() => scene.current?.setMode(mode), [mode, ready]);
   useEffect(() => scene.current?.setTool(tool, path ?? []), [tool, path, ready]);
+  useEffect(() => ready && scene.current !== undefined ? film?.attach(scene.current) : undefined, [film, ready, surface]);
   useEffect(() => scene.current?.redraw(), [pins, ready]);
   // Looked up once a frame, however often the pointer tells of itself.
   const over = useRef<Place | undefined>(undefined);
