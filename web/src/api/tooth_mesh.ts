@@ -17,22 +17,28 @@ export interface BlockMesh {
 }
 
 // A cell's edges by their corners: four along x, four along y, four along z. Corner i is (i & 1, i >> 1 & 1, i >> 2).
-const kEdgeFrom = [0, 2, 4, 6, 0, 1, 4, 5, 0, 1, 2, 3] as const;
-const kEdgeTo = [1, 3, 5, 7, 2, 3, 6, 7, 4, 5, 6, 7] as const;
-const kStep = [1, kSide, kSide * kSide] as const;
-const kCellStep = [1, kCells, kCells * kCells] as const;
+const kEdgeFrom = Uint8Array.of(0, 2, 4, 6, 0, 1, 4, 5, 0, 1, 2, 3);
+const kEdgeTo = Uint8Array.of(1, 3, 5, 7, 2, 3, 6, 7, 4, 5, 6, 7);
+const kStep = Int32Array.of(1, kSide, kSide * kSide);
+const kCellStep = Int32Array.of(1, kCells, kCells * kCells);
+const kFlat = 0.05 * -kDeep;                    // of a gradient: below it the direction is rounding, not shape
 
-// Makes the meshes of a player's tooth as it is now. Owns buffers that it uses again: one mesh at a time.
+// Makes the meshes of a player's tooth as it is now. Owns buffers that it uses again, one mesh at a time: a whole tooth is
+// hundreds of thousands of vertices, and an object for each would be most of the time.
 export class ToothMesher {
   private readonly samples = new Int8Array(kSide ** 3);
   private readonly vertexOf = new Int32Array(kCells ** 3);
-  private readonly corner = new Float32Array(8);
+  private readonly position = new Float32Array(3 * kCells ** 3);
+  private readonly normal = new Int8Array(4 * kCells ** 3);
+  private readonly tissue = new Uint8Array(kCells ** 3);
+  private triangle = new Uint16Array(1 << 16);
+  private vertices = 0;
+  private corners = 0;                          // of triangles
+  private readonly v = new Float64Array(8);     // a cell's corners
+  private readonly p = new Float64Array(3);     // its vertex
+  private readonly g = new Float64Array(3);
+  private readonly first = new Int32Array(3);   // voxel of local sample (0, 0, 0)
   private readonly blocks: readonly [number, number, number];
-  private position: number[] = [];
-  private normal: number[] = [];
-  private tissue: number[] = [];
-  private triangle: number[] = [];
-  private first: [number, number, number] = [0, 0, 0];  // voxel of local sample (0, 0, 0)
 
   constructor(private readonly player: TimelinePlayer) {
     const across = (bricks: number) => Math.ceil(bricks / kBlockBricks);
@@ -69,64 +75,86 @@ export class ToothMesher {
   mesh(block: number): BlockMesh | undefined {
     const [nx, ny] = this.blocks;
     const at = [block % nx, Math.floor(block / nx) % ny, Math.floor(block / (nx * ny))] as const;
-    this.first = [at[0] * kBlock - 1, at[1] * kBlock - 1, at[2] * kBlock - 1];
+    at.forEach((n, axis) => { this.first[axis] = n * kBlock - 1; });
     if (!this.gather()) return undefined;
-    this.position = [];
-    this.normal = [];
-    this.tissue = [];
-    this.triangle = [];
     this.vertexOf.fill(-1);
+    this.vertices = this.corners = 0;
     this.quads(at);
-    if (this.triangle.length === 0) return undefined;
-    return { positionMm: Float32Array.from(this.position), normal: Int8Array.from(this.normal), tissue: Uint8Array.from(this.tissue), triangle: Uint16Array.from(this.triangle) };
+    if (this.corners === 0) return undefined;
+    return { positionMm: this.position.slice(0, 3 * this.vertices), normal: this.normal.slice(0, 4 * this.vertices), tissue: this.tissue.slice(0, this.vertices), triangle: this.triangle.slice(0, this.corners) };
   }
 
   // False: all samples are on one side.
   private gather(): boolean {
     const [bx, by, bz] = this.player.start.grid.bricks;
-    const side = [0, 0];
-    const local = (voxel: number, axis: 0 | 1 | 2) => voxel - this.first[axis];
-    const from = this.first.map((v) => Math.floor(v / kBrickSide)) as [number, number, number];
-    for (let k = from[2]; k <= from[2] + kBlockBricks + 1; ++k) {
-      for (let j = from[1]; j <= from[1] + kBlockBricks + 1; ++j) {
-        for (let i = from[0]; i <= from[0] + kBlockBricks + 1; ++i) {
+    const [fx, fy, fz] = [this.first[0]!, this.first[1]!, this.first[2]!];
+    let any = 0;
+    let all = -1;
+    for (let k = fz >> 3; k <= (fz >> 3) + kBlockBricks + 1; ++k) {
+      for (let j = fy >> 3; j <= (fy >> 3) + kBlockBricks + 1; ++j) {
+        for (let i = fx >> 3; i <= (fx >> 3) + kBlockBricks + 1; ++i) {
           const inside = i >= 0 && j >= 0 && k >= 0 && i < bx && j < by && k < bz;
           const samples = inside ? this.player.samples((k * by + j) * bx + i) : kFarOut;
-          this.copyBrick(samples, local(i * kBrickSide, 0), local(j * kBrickSide, 1), local(k * kBrickSide, 2), side);
+          const [x, y, z] = [i * kBrickSide - fx, j * kBrickSide - fy, k * kBrickSide - fz];
+          if (typeof samples === "number") {
+            this.fillBrick(samples, x, y, z);
+            any |= samples;
+            all &= samples;
+          } else {
+            const sides = this.copyBrick(samples, x, y, z);
+            if (sides & 1) any = -1;
+            if (sides & 2) all = 0;
+          }
         }
       }
     }
-    return side[0] !== 0 && side[1] !== 0;
+    return any < 0 && all >= 0;
   }
 
   // `x`, `y`, `z`: local place of the brick's first sample; what lies outside the block is left out.
-  private copyBrick(samples: Int8Array | number, x: number, y: number, z: number, side: number[]): void {
-    const x0 = Math.max(0, -x);
-    const x1 = Math.min(kBrickSide, kSide - x);
-    for (let k = Math.max(0, -z); k < Math.min(kBrickSide, kSide - z); ++k) {
-      for (let j = Math.max(0, -y); j < Math.min(kBrickSide, kSide - y); ++j) {
-        const to = ((z + k) * kSide + y + j) * kSide + x;
-        const from = k * 64 + j * 8;
+  private fillBrick(q: number, x: number, y: number, z: number): void {
+    for (let k = Math.max(0, z); k < Math.min(kSide, z + kBrickSide); ++k) {
+      for (let j = Math.max(0, y); j < Math.min(kSide, y + kBrickSide); ++j) {
+        const row = (k * kSide + j) * kSide;
+        this.samples.fill(q, row + Math.max(0, x), row + Math.min(kSide, x + kBrickSide));
+      }
+    }
+  }
+  // Bit 0: some are solid; bit 1: some are air.
+  private copyBrick(from: Int8Array, x: number, y: number, z: number): number {
+    const to = this.samples;
+    const x0 = Math.max(0, x);
+    const x1 = Math.min(kSide, x + kBrickSide);
+    let any = 0;
+    let all = -1;
+    for (let k = Math.max(0, z); k < Math.min(kSide, z + kBrickSide); ++k) {
+      for (let j = Math.max(0, y); j < Math.min(kSide, y + kBrickSide); ++j) {
+        const row = (k * kSide + j) * kSide;
+        const own = (k - z) * 64 + (j - y) * 8 - x;
         for (let i = x0; i < x1; ++i) {
-          const q = typeof samples === "number" ? samples : samples[from + i]!;
-          this.samples[to + i] = q;
-          ++side[q < 0 ? 0 : 1]!;
+          const q = from[own + i]!;
+          to[row + i] = q;
+          any |= q;
+          all &= q;
         }
       }
     }
+    return (any < 0 ? 1 : 0) | (all >= 0 ? 2 : 0);
   }
 
   // Of the crossed edges whose first sample is the block's, or lies one voxel below the grid.
   private quads(at: readonly [number, number, number]): void {
     const s = this.samples;
-    const lowest = at.map((n) => (n === 0 ? 0 : 1)) as [number, number, number];
-    for (let z = lowest[2]; z <= kBlock; ++z) {
-      for (let y = lowest[1]; y <= kBlock; ++y) {
-        for (let x = lowest[0]; x <= kBlock; ++x) {
-          const n = (z * kSide + y) * kSide + x;
-          const inside = s[n]! < 0;
+    const [lx, ly, lz] = at.map((n) => (n === 0 ? 0 : 1)) as [number, number, number];
+    for (let z = lz; z <= kBlock; ++z) {
+      for (let y = ly; y <= kBlock; ++y) {
+        let n = (z * kSide + y) * kSide + lx;
+        for (let x = lx; x <= kBlock; ++x, ++n) {
+          const side = s[n]! >> 7;
+          const crossed = (side ^ s[n + 1]! >> 7) | (side ^ s[n + kSide]! >> 7) | (side ^ s[n + kSide * kSide]! >> 7);
+          if (crossed === 0) continue;
           for (let axis = 0; axis < 3; ++axis) {
-            if (s[n + kStep[axis]!]! < 0 !== inside) this.quad(x, y, z, axis, inside);
+            if (s[n + kStep[axis]!]! >> 7 !== side) this.quad(x, y, z, axis, side < 0);
           }
         }
       }
@@ -142,87 +170,116 @@ export class ToothMesher {
     const b = this.vertex(inside ? cell - w : cell - u);
     const c = this.vertex(cell);
     const d = this.vertex(inside ? cell - u : cell - w);
-    if (this.length2(a, c) <= this.length2(b, d)) this.triangle.push(a, b, c, a, c, d);
-    else this.triangle.push(a, b, d, b, c, d);
+    if (this.length2(a, c) <= this.length2(b, d)) {
+      this.addTriangle(a, b, c);
+      this.addTriangle(a, c, d);
+    } else {
+      this.addTriangle(a, b, d);
+      this.addTriangle(b, c, d);
+    }
+  }
+  private addTriangle(a: number, b: number, c: number): void {
+    if (this.corners + 3 > this.triangle.length) {
+      const more = new Uint16Array(2 * this.triangle.length);
+      more.set(this.triangle);
+      this.triangle = more;
+    }
+    this.triangle[this.corners++] = a;
+    this.triangle[this.corners++] = b;
+    this.triangle[this.corners++] = c;
   }
   private length2(a: number, b: number): number {
     const p = this.position;
-    return (p[3 * a]! - p[3 * b]!) ** 2 + (p[3 * a + 1]! - p[3 * b + 1]!) ** 2 + (p[3 * a + 2]! - p[3 * b + 2]!) ** 2;
+    const [x, y, z] = [p[3 * a]! - p[3 * b]!, p[3 * a + 1]! - p[3 * b + 1]!, p[3 * a + 2]! - p[3 * b + 2]!];
+    return x * x + y * y + z * z;
   }
 
   private vertex(cell: number): number {
     const known = this.vertexOf[cell]!;
     if (known >= 0) return known;
     const x = cell % kCells;
-    const y = Math.floor(cell / kCells) % kCells;
-    const z = Math.floor(cell / (kCells * kCells));
+    const row = (cell - x) / kCells;
+    const y = row % kCells;
+    const z = (row - y) / kCells;
     const n = (z * kSide + y) * kSide + x;
-    const v = this.corner;
     // Each stands for half a step more: 0 has no side.
-    for (let i = 0; i < 8; ++i) v[i] = this.samples[n + (i & 1) + (i >> 1 & 1) * kSide + (i >> 2) * kSide * kSide]! + 0.5;
-    const p = meanCrossing(v);
-    const index = this.tissue.length;
+    for (let i = 0; i < 8; ++i) this.v[i] = this.samples[n + (i & 1) + (i >> 1 & 1) * kSide + (i >> 2) * kSide * kSide]! + 0.5;
+    this.meanCrossing();
+    const index = this.vertices++;
     this.vertexOf[cell] = index;
     const { voxelMm, originMm } = this.player.start.grid;
-    const voxel = [this.first[0] + x, this.first[1] + y, this.first[2] + z] as const;
-    for (let axis = 0; axis < 3; ++axis) this.position.push(originMm[axis]! + (voxel[axis]! + p[axis]!) * voxelMm);
-    this.normal.push(...normalAt(v, p), 0);
-    const under = nearestInside(v, p);
-    this.tissue.push(this.tissueAt(voxel[0] + (under & 1), voxel[1] + (under >> 1 & 1), voxel[2] + (under >> 2)));
+    const [vx, vy, vz] = [this.first[0]! + x, this.first[1]! + y, this.first[2]! + z];
+    this.position[3 * index] = originMm[0] + (vx + this.p[0]!) * voxelMm;
+    this.position[3 * index + 1] = originMm[1] + (vy + this.p[1]!) * voxelMm;
+    this.position[3 * index + 2] = originMm[2] + (vz + this.p[2]!) * voxelMm;
+    this.gradient();
+    for (let axis = 0; axis < 3; ++axis) this.normal[4 * index + axis] = Math.round(127 * this.g[axis]!);
+    const under = this.nearestInside();
+    this.tissue[index] = this.tissueAt(vx + (under & 1), vy + (under >> 1 & 1), vz + (under >> 2));
     return index;
   }
   private tissueAt(x: number, y: number, z: number): number {
     const [nx, ny] = this.player.start.grid.bricks;
     return this.player.tissue(((z >> 3) * ny + (y >> 3)) * nx + (x >> 3), (z & 7) * 64 + (y & 7) * 8 + (x & 7));
   }
-}
 
-type Triple = [number, number, number];
-
-// Of the crossings of a cell's edges. Needs: at least one.
-function meanCrossing(v: Float32Array): Triple {
-  const sum: Triple = [0, 0, 0];
-  let count = 0;
-  for (let e = 0; e < 12; ++e) {
-    const from = kEdgeFrom[e]!;
-    const [a, b] = [v[from]!, v[kEdgeTo[e]!]!];
-    if (a < 0 === b < 0) continue;
-    ++count;
-    const along = e >> 2;
-    for (let axis = 0; axis < 3; ++axis) sum[axis]! += axis === along ? a / (a - b) : from >> axis & 1;
+  // p: the mean of the crossings of the cell's edges. Needs: at least one.
+  private meanCrossing(): void {
+    const { v, p } = this;
+    p.fill(0);
+    let count = 0;
+    for (let e = 0; e < 12; ++e) {
+      const from = kEdgeFrom[e]!;
+      const a = v[from]!;
+      const b = v[kEdgeTo[e]!]!;
+      if (a < 0 === b < 0) continue;
+      ++count;
+      const along = e >> 2;
+      p[0]! += along === 0 ? a / (a - b) : from & 1;
+      p[1]! += along === 1 ? a / (a - b) : from >> 1 & 1;
+      p[2]! += along === 2 ? a / (a - b) : from >> 2;
+    }
+    for (let axis = 0; axis < 3; ++axis) p[axis]! /= count;
   }
-  return [sum[0] / count, sum[1] / count, sum[2] / count];
-}
 
-// Gradient of the trilinear interpolation, /127; where it vanishes, from the inside corners to the outside ones.
-function normalAt(v: Float32Array, p: Triple): Triple {
-  const g: Triple = [0, 0, 0];
-  for (let e = 0; e < 12; ++e) {
-    const from = kEdgeFrom[e]!;
-    const along = e >> 2;
-    let weight = v[kEdgeTo[e]!]! - v[from]!;
-    for (let axis = 0; axis < 3; ++axis) if (axis !== along) weight *= from >> axis & 1 ? p[axis]! : 1 - p[axis]!;
-    g[along]! += weight;
-  }
-  let length = Math.hypot(...g);
-  if (length < 0.05 * -kDeep) {
+  // g: the direction of the trilinear interpolation's gradient at p; where it vanishes, from the inside corners to the
+  // outside ones.
+  private gradient(): void {
+    const { v, p, g } = this;
     g.fill(0);
-    for (let i = 0; i < 8; ++i) for (let axis = 0; axis < 3; ++axis) g[axis]! += ((i >> axis & 1) - 0.5) * (v[i]! < 0 ? -1 : 1);
-    length = Math.hypot(...g);
-    if (length === 0) return [0, 0, 127];
+    for (let e = 0; e < 12; ++e) {
+      const from = kEdgeFrom[e]!;
+      const along = e >> 2;
+      const wx = along === 0 ? 1 : from & 1 ? p[0]! : 1 - p[0]!;
+      const wy = along === 1 ? 1 : from & 2 ? p[1]! : 1 - p[1]!;
+      const wz = along === 2 ? 1 : from & 4 ? p[2]! : 1 - p[2]!;
+      g[along]! += (v[kEdgeTo[e]!]! - v[from]!) * wx * wy * wz;
+    }
+    let length = Math.sqrt(g[0]! * g[0]! + g[1]! * g[1]! + g[2]! * g[2]!);
+    if (length < kFlat) {
+      g.fill(0);
+      for (let i = 0; i < 8; ++i) for (let axis = 0; axis < 3; ++axis) g[axis]! += ((i >> axis & 1) - 0.5) * (v[i]! < 0 ? -1 : 1);
+      length = Math.sqrt(g[0]! * g[0]! + g[1]! * g[1]! + g[2]! * g[2]!);
+    }
+    if (length === 0) {
+      g[2] = 1;
+      return;
+    }
+    for (let axis = 0; axis < 3; ++axis) g[axis]! /= length;
   }
-  return [Math.round(127 * g[0] / length), Math.round(127 * g[1] / length), Math.round(127 * g[2] / length)];
-}
 
-function nearestInside(v: Float32Array, p: Triple): number {
-  let nearest = Infinity;
-  let corner = 0;
-  for (let i = 0; i < 8; ++i) {
-    if (v[i]! >= 0) continue;
-    const d2 = (p[0] - (i & 1)) ** 2 + (p[1] - (i >> 1 & 1)) ** 2 + (p[2] - (i >> 2)) ** 2;
-    if (d2 >= nearest) continue;
-    nearest = d2;
-    corner = i;
+  private nearestInside(): number {
+    const { v, p } = this;
+    let nearest = Infinity;
+    let corner = 0;
+    for (let i = 0; i < 8; ++i) {
+      if (v[i]! >= 0) continue;
+      const [x, y, z] = [p[0]! - (i & 1), p[1]! - (i >> 1 & 1), p[2]! - (i >> 2)];
+      const d2 = x * x + y * y + z * z;
+      if (d2 >= nearest) continue;
+      nearest = d2;
+      corner = i;
+    }
+    return corner;
   }
-  return corner;
 }
