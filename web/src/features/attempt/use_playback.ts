@@ -1,6 +1,7 @@
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { Client } from "../../api/client";
 import type { Series } from "../../api/types";
+import { prepareTooth } from "../../widgets/tooth/tooth_view";
 import { Playback } from "./playback";
 import { stepOfTick, tickOfStep } from "./moments";
 
@@ -36,6 +37,7 @@ export function usePlayback(client: Client, attempt: string | undefined, series:
   useEffect(() => {
     setPlaying(false);
     if (playback === undefined) return undefined;
+    prepareTooth();
     void playback.load();
     return () => playback.dispose();
   }, [playback]);

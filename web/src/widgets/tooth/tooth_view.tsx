@@ -51,6 +51,11 @@ const kClickMovesPx = 4;                        // more is a turn of the tooth
 const kNoPins: readonly ToothPin[] = [];
 const kLabelMinShare = 0.12;                    // of the picture's height: shorter points at the viewer
 
+// Fetches what draws a tooth, for who will show one soon. Nobody waits for it.
+export function prepareTooth(): void {
+  import("./scene").catch(() => undefined);     // told when a tooth is to be shown
+}
+
 // A tooth to turn: by mouse, finger, arrow keys, + and −, and the preset buttons.
 export function ToothView({ surface, mode, label, angled, tool, path, film, pins = kNoPins, look, onPin, onPick }: Props) {
   const frame = useRef<HTMLDivElement>(null);
