@@ -24,7 +24,7 @@ class TimelineStore {
   virtual ~TimelineStore() = default;
 
   // The newest attempt that waits for its timeline; the try is counted. After 3 tries it no longer
-  // waits.
+  // waits, until it is scored again.
   virtual Result<std::optional<Uuid>> TakeTimeline() = 0;
   // Stopped before its end through no fault of its own: the try does not count.
   virtual Status ReturnTimeline(const Uuid& attempt) = 0;

@@ -193,7 +193,8 @@ Response GetTimeline(const Call& call,
   }
   if (row->content.IsZero()) {
     return ErrorResponse(
-        {Code::kNotFound, "the playback of this attempt could not be made: " + row->problem});
+        {Code::kNotFound, "the playback of this attempt could not be made: " + row->problem +
+                              "; scoring the attempt again tries again"});
   }
   // Not to be kept by the browser: it shows how a person moved.
   return KeptResponse(call.request, {row->content, "application/octet-stream", ""},

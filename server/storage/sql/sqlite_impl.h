@@ -329,7 +329,7 @@ Json ScoredJson(const Sha256& score_json, ByteView document);
 Result<AttemptRow> FindAttempt(Db& db, const Uuid& id);
 // Every blob that a row names.
 Result<std::set<Sha256>> NamedBlobs(Db& db);
-// timelines.cpp: a scored attempt waits for its timeline, unless it waits or has one already; and
+// timelines.cpp: a scored attempt waits for its timeline, unless it has one already; and
 // the timeline goes, its blob into `blobs`.
 Status WaitForTimeline(Db& db, const Uuid& attempt);
 Status DropTimeline(Db& db, const Uuid& attempt, std::set<Sha256>& blobs);

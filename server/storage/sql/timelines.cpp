@@ -10,7 +10,11 @@ constexpr int64_t kMaxTries = 3;
 }  // namespace
 
 Status WaitForTimeline(Db& db, const Uuid& attempt) {
-  Query q(db, "INSERT INTO timelines (tenant, attempt) VALUES (?1, ?2) ON CONFLICT DO NOTHING");
+  // Scored again after it was given up: what was in the way may be gone.
+  Query q(
+      db,
+      "INSERT INTO timelines (tenant, attempt) VALUES (?1, ?2) ON CONFLICT (tenant, attempt) DO "
+      "UPDATE SET tries = 0, problem = '' WHERE timelines.content IS NULL");
   return q.Bind(attempt).Run();
 }
 

@@ -62,6 +62,16 @@ TEST_P(TimelineStoreTest, AfterThreeTriesItIsGivenUpWithItsProblem) {
   EXPECT_EQ(store_->TimelineOf(attempt)->problem, "disk full");
 }
 
+TEST_P(TimelineStoreTest, ScoringAgainTriesAgainWhatWasGivenUp) {
+  const Uuid attempt = world_.ScoredAttempt();
+  ASSERT_TRUE(*store_->TakeTimeline());
+  ASSERT_TRUE(store_->FailTimeline(attempt, "unknown core version", false).ok());
+  ASSERT_FALSE(*store_->TakeTimeline());
+  ASSERT_TRUE(store_->FinishAttempt(attempt, *store_->ResultOf(attempt), {}).ok());
+  EXPECT_TRUE(store_->TimelineOf(attempt)->waits);
+  EXPECT_EQ(store_->TakeTimeline()->value(), attempt);
+}
+
 TEST_P(TimelineStoreTest, WhatNoTryCanHelpIsTriedOnce) {
   const Uuid attempt = world_.ScoredAttempt();
   ASSERT_TRUE(*store_->TakeTimeline());
