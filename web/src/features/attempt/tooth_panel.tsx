@@ -35,14 +35,14 @@ interface Props {
 export function ToothPanel({ surface, early, onRetry, ...rest }: Props) {
   return (
     <Card className="tooth-card" title={rest.control?.playback.showing === true ? "During the attempt" : "After the attempt"}>
-      {surface.state === "loading" && (early === undefined ? <Loading what="the picture" /> : <LoadedTooth surface={early} {...rest} />)}
+      {surface.state === "loading" && (early === undefined ? <Loading what="the picture" /> : <LoadedTooth surface={early} compared={false} {...rest} />)}
       {surface.state === "failed" && <SurfaceError error={surface.error} onRetry={onRetry} />}
-      {surface.state === "ready" && <LoadedTooth surface={surface.value} {...rest} />}
+      {surface.state === "ready" && <LoadedTooth surface={surface.value} compared {...rest} />}
     </Card>
   );
 }
 
-function LoadedTooth({ surface, toleranceMm, control, series, cursor, marks, chosen, point, look, onMark, onPoint }: Omit<Props, "surface" | "early" | "onRetry"> & { readonly surface: Surface }) {
+function LoadedTooth({ surface, toleranceMm, compared, control, series, cursor, marks, chosen, point, look, onMark, onPoint }: Omit<Props, "surface" | "early" | "onRetry"> & { readonly surface: Surface; readonly compared: boolean }) {
   const summary = useMemo(() => summariseDeviation(surface, toleranceMm), [surface, toleranceMm]);
   const angled = useMemo(() => outlook(surface, summary), [surface, summary?.sides[0]?.side]);
   const tissues = useMemo(() => tissuesPresent(surface.tissue), [surface]);
@@ -54,18 +54,20 @@ function LoadedTooth({ surface, toleranceMm, control, series, cursor, marks, cho
   const pins = useMemo(() => pinsOf(marks, chosen, point), [marks, chosen, point]);
   return (
     <>
-      {summary !== undefined && !playback && (
-        <Segmented legend="Colours show" name="tooth-mode" value={mode} onChange={setMode}
-                   choices={[{ value: "deviation", title: "Deviation" }, { value: "tissue", title: "Tissues" }]} />
+      {summary !== undefined && (
+        <div style={{ visibility: playback ? "hidden" : "visible" }}>
+          <Segmented legend="Colours show" name="tooth-mode" value={mode} onChange={setMode}
+                     choices={[{ value: "deviation", title: "Deviation" }, { value: "tissue", title: "Tissues" }]} />
+        </div>
       )}
       <div onKeyDown={(event) => { if (control !== undefined) playbackKey(event, control); }}>
-      <ToothView film={control?.playback} surface={surface} mode={mode} label={pictureText(summary, tissues)} angled={angled} tool={playback ? undefined : path.at(-1)} path={path} pins={pins} look={look} onPick={onPoint}
-                 onPin={(key) => { const mark = marks.find((item) => item.annotation.id === key); if (mark !== undefined) onMark(mark); }} />
+        <ToothView film={control?.playback} surface={surface} mode={mode} label={playback ? "Picture during the attempt" : pictureText(summary, tissues)} angled={angled} tool={playback ? undefined : path.at(-1)} path={path} pins={pins} look={look} onPick={onPoint}
+                   onPin={(key) => { const mark = marks.find((item) => item.annotation.id === key); if (mark !== undefined) onMark(mark); }} />
       </div>
       {control !== undefined && <PlaybackBar control={control} />}
       {mode === "deviation" ? <DeviationLegend /> : <TissueLegend tissues={tissues} />}
       {summary === undefined
-        ? <p class="hint">No deviation to show: the attempt has no reference, or its score is not released yet.</p>
+        ? <p class="hint">{compared ? "No deviation to show: the attempt has no reference, or its score is not released yet." : "The deviation from the reference is being loaded."}</p>
         : <DeviationTable summary={summary} />}
     </>
   );

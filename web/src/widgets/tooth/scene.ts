@@ -299,7 +299,9 @@ function blockGeometry({ positionMm, normal, tissue, triangle }: BlockMesh): Buf
 
 // A body of revolution, its tip at the origin and its shank along +z.
 function burMesh(outline: readonly (readonly [number, number])[]): Mesh {
-  const geometry = new LatheGeometry(outline.map(([place, radius]) => new Vector2(radius, place)), 32);
+  // Closed at both ends, also where the outline ends at a radius.
+  const closed = [[outline[0]![0], 0] as const, ...outline, [outline.at(-1)![0], 0] as const];
+  const geometry = new LatheGeometry(closed.map(([place, radius]) => new Vector2(radius, place)), 32);
   geometry.rotateX(Math.PI / 2);
   return new Mesh(geometry, new MeshStandardMaterial({ color: 0x8a94a0, roughness: 0.35, metalness: 0.6 }));
 }
