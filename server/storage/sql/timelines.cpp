@@ -73,10 +73,11 @@ Status SqliteStore::PutTimeline(const Uuid& attempt, const Sha256& content) {
 
 Status SqliteStore::FailTimeline(const Uuid& attempt, const std::string& problem, bool again) {
   return Write([&](Db& db) -> Status {
-    Query q(db,
-            "UPDATE timelines SET problem = ?3, tries = CASE ?4 WHEN 1 THEN tries ELSE ?5 END "
-            "WHERE tenant = ?1 AND attempt = ?2");
-    return q.Bind(attempt).Bind(problem).Bind(int64_t{again ? 1 : 0}).Bind(kMaxTries).Run();
+    Query q(db, "UPDATE timelines SET problem = ?3 WHERE tenant = ?1 AND attempt = ?2");
+    ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(problem).Run());
+    if (again) return Status::Ok();
+    Query last(db, "UPDATE timelines SET tries = ?3 WHERE tenant = ?1 AND attempt = ?2");
+    return last.Bind(attempt).Bind(kMaxTries).Run();
   });
 }
 
