@@ -4,6 +4,7 @@ import { useRequest } from "../../api/use_request";
 import { formatNumber, formatQuantity, metricTitle } from "../../base/format";
 import { Card } from "../../widgets/basics";
 import { DataTable } from "../../widgets/table";
+import { placeAmong } from "./envelope_place";
 
 interface Props {
   readonly client: Client;
@@ -36,7 +37,7 @@ export function EnvelopePanel({ client, exercise, envelope, metrics, judged }: P
         { title: "Criterion", cell: (row) => metricTitle(row.name, row.unit) },
         { title: "Here", number: true, cell: (row) => formatQuantity(row.value, row.unit) },
         { title: "Dentists", number: true, cell: (row) => `${formatQuantity(row.least, row.unit)} to ${formatQuantity(row.most, row.unit)}` },
-        { title: "Inside", cell: (row) => row.value >= row.least && row.value <= row.most ? "yes" : "no" },
+        { title: "Place", cell: placeAmong },
       ]} />
       <p class="hint">Points come from the newest reference alone.</p>
     </Card>

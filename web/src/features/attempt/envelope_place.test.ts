@@ -1,0 +1,11 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { placeAmong } from "./envelope_place";
+
+test("a value on the edge is among the dentists', and beyond it is told on which side", () => {
+  const dentists = { least: 1, most: 2 };
+  assert.equal(placeAmong({ value: 1, ...dentists }), "among them");
+  assert.equal(placeAmong({ value: 2, ...dentists }), "among them");
+  assert.equal(placeAmong({ value: 0.9, ...dentists }), "below all");
+  assert.equal(placeAmong({ value: 2.1, ...dentists }), "above all");
+});
