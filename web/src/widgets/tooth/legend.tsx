@@ -17,11 +17,11 @@ export function DeviationLegend() {
   return (
     <div class="legend">
       <div class="legend-scale">
-        <div class="legend-ends"><span>Less removed</span><span>As reference</span><span>More removed</span></div>
+        <div class="legend-ends"><span>Less removed</span><span>As reference</span><span>More removed, mm</span></div>
         <canvas ref={canvas} width={kPixels} height={1} aria-hidden="true" />
         <div class="legend-ticks">
           {kTicks.map((mm) => (
-            <span key={mm} style={{ left: `${50 + (50 * mm) / kDeviationRangeMm}%` }}>{formatSigned(mm, 1)}{mm === kTicks.at(-1) && " mm"}</span>
+            <span key={mm} style={{ left: `${50 + (50 * mm) / kDeviationRangeMm}%` }}>{formatSigned(mm, 1)}</span>
           ))}
         </div>
       </div>
