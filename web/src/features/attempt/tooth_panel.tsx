@@ -60,11 +60,11 @@ function LoadedTooth({ surface, toleranceMm, compared, control, series, cursor, 
                      choices={[{ value: "deviation", title: "Deviation" }, { value: "tissue", title: "Tissues" }]} />
         </div>
       )}
+      {control !== undefined && <PlaybackBar control={control} />}
       <div onKeyDown={(event) => { if (control !== undefined) playbackKey(event, control); }}>
         <ToothView film={control?.playback} surface={surface} mode={mode} label={playback ? "Picture during the attempt" : pictureText(summary, tissues)} angled={angled} tool={playback ? undefined : path.at(-1)} path={path} pins={pins} look={look} onPick={onPoint}
                    onPin={(key) => { const mark = marks.find((item) => item.annotation.id === key); if (mark !== undefined) onMark(mark); }} />
       </div>
-      {control !== undefined && <PlaybackBar control={control} />}
       {mode === "deviation" ? <DeviationLegend /> : <TissueLegend tissues={tissues} />}
       {summary === undefined
         ? <p class="hint">{compared ? "No deviation to show: the attempt has no reference, or its score is not released yet." : "The deviation from the reference is being loaded."}</p>
