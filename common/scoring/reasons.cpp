@@ -159,10 +159,10 @@ std::string Clause(const MetricInfo& info, const Reason& reason) {
   }
   if (reason.code == "stop_earlier" && v.size() == 2) {
     return "It began at " + Clock(v[0]) + ", and stroke " + Digits(v[1], 0) +
-           " took most of it: stop earlier there";
+           " took most of it. Stop earlier there";
   }
   if (reason.code == "cut_further" && v.size() == 1) {
-    return Number(v[0], "mm3") + " of it were left standing: cut further there";
+    return Number(v[0], "mm3") + " were left standing. Cut further there";
   }
   return "";
 }

@@ -115,7 +115,7 @@ TEST(ApplyRubricTest, AdviceNamesTheMomentAndTheStrokeThatTookMost) {
                                  {"stop_earlier", {72.4, 14}, {"s", "count"}}}));
   EXPECT_EQ(r.criteria[0].reason,
             "Mesial wall: 0.20 mm too deep (full marks within 0.05 mm, none beyond 0.30 mm). It "
-            "began at 1:12, and stroke 14 took most of it: stop earlier there. Watch the line "
+            "began at 1:12, and stroke 14 took most of it. Stop earlier there. Watch the line "
             "angle.");
   EXPECT_EQ(r.deductions.size(), 1u);
 }
@@ -127,7 +127,7 @@ TEST(ApplyRubricTest, AdviceOfAWallTakesTheSideThatItIsOffOn) {
   left.left = true;
   left.volume_m3 = 0.52e-9;
   Advise(Three(), {WallTooDeep(), left}, r);
-  EXPECT_NE(r.criteria[0].reason.find(" 0.52 mm³ of it were left standing: cut further there."),
+  EXPECT_NE(r.criteria[0].reason.find(" 0.52 mm³ were left standing. Cut further there."),
             std::string::npos)
       << r.criteria[0].reason;
   EXPECT_EQ(r.criteria[0].reason.find("stroke"), std::string::npos) << r.criteria[0].reason;
