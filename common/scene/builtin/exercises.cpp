@@ -68,7 +68,7 @@ std::vector<RubricGate> TaskGates() {
            {{5, 0}, {90, 1}},
            "The work was stopped early: part of the task is still to be cut."},
           {"damage_percent",
-           "The rest left whole",
+           "Cut where nothing was asked for",
            "%",
            {{20, 1}, {120, 0}},
            "Much was cut away that has nothing to do with the task."}};
