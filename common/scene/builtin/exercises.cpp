@@ -362,9 +362,13 @@ Exercise CrownExercise(const Scene& scene, const Sha256& scene_hash) {
     part.depth_um = crown->depth_um;
     part.stump = {crown->foot, crown->table, crown->off_top_um, crown->corner_um};
     e.target.parts = {part};
-    e.instructions = "Reduce the " + top + " by " + Mm(crown->off_top_um) + " and the walls by " +
-                     Mm(crown->off_walls_um) + " all around, down to a shoulder " +
-                     Mm(crown->depth_um) + " below " + highest + ".";
+    // The top is flat: where a fissure lies deeper nothing is taken.
+    const std::string take_top = anterior ? "Take the incisal edge down by " + Mm(crown->off_top_um)
+                                          : "Take the cusps down to a flat top " +
+                                                Mm(crown->off_top_um) + " below the highest one";
+    e.instructions = take_top + ". Reduce the walls by at least " + Mm(crown->off_walls_um) +
+                     " all around, down to a shoulder " + Mm(crown->depth_um) + " below " +
+                     highest + ".";
   }
   e.instructions += Has(scene, Tissue::kNeighbour) ? " Neighbours and root stay untouched."
                                                    : " The root stays untouched.";
