@@ -23,7 +23,7 @@ export function PlaybackBar({ control }: { readonly control: PlaybackControl }) 
           {speeds.map((value) => <option key={value} value={value}>{`${value}×`}</option>)}
         </select>
       </label>
-      <p class="hint">Space or K plays and pauses, J and L jump 5 s, the arrow keys on the slider move by a frame</p>
+      <p class="hint">Here and in the picture: Space or K plays and pauses, J and L jump 5 s; the arrow keys on the slider move by a frame</p>
     </div>
   );
 }
