@@ -32,6 +32,12 @@ export function usePlayback(client: Client, attempt: string | undefined, series:
   const playback = useMemo(() => attempt === undefined ? undefined : new Playback(client, attempt, () => redraw((n) => n + 1)), [client, attempt, round]);
   const [playing, setPlaying] = useState(false);
   const [speed, setSpeed] = useState(1);
+  // Which run of the playback it is: a frame that was asked for before somebody chose another moment must not undo that.
+  const run = useRef(0);
+  const stop = () => {
+    ++run.current;
+    setPlaying(false);
+  };
   const ownStep = useRef<number | undefined>(undefined);             // that this set the cursor to
 
   useEffect(() => {
@@ -57,7 +63,7 @@ export function usePlayback(client: Client, attempt: string | undefined, series:
   useEffect(() => {
     if (playback === undefined || head === undefined || !ready || series === undefined || cursor === undefined || cursor === ownStep.current) return;
     ownStep.current = cursor;
-    setPlaying(false);
+    stop();
     playback.show(framesAt(series, cursor, head.frameTicks, playback.frames));
   }, [playback, ready, series, cursor]);
 
@@ -76,7 +82,9 @@ export function usePlayback(client: Client, attempt: string | undefined, series:
     let at = playback.position >= playback.frames ? 0 : playback.position;
     let before: number | undefined;
     let told = 0;
+    const own = ++run.current;
     let handle = requestAnimationFrame(function next(now) {
+      if (own !== run.current) return;
       at = Math.min(at + (now - (before ?? now)) / 1000 * rate * speed, playback.frames);
       before = now;
       if (Math.floor(at) !== playback.position) playback.show(Math.floor(at));
@@ -94,7 +102,7 @@ export function usePlayback(client: Client, attempt: string | undefined, series:
   if (playback === undefined) return undefined;
   const show = (frames: number) => {
     const wanted = Math.max(0, Math.min(Math.round(frames), playback.frames));
-    setPlaying(false);
+    stop();
     playback.show(wanted);
     tell(wanted);
   };
