@@ -72,6 +72,7 @@ export function GradingPage({ client, query, onOpen }: Props) {
   ]);
   const name = title.loaded.state === "ready" ? title.loaded.value : assignment !== "" ? "the assignment" : "the cohort";
   const picked = rows.filter(({ attempt }) => chosen.has(attempt.id)).map(({ attempt }) => attempt);
+  const firstWaiting = shown.find(({ attempt }) => awaitsRelease(attempt, graded(attempt)));
   const waiting = rows.filter(({ attempt }) => awaitsRelease(attempt, graded(attempt))).length;
   return (
     <>
@@ -80,7 +81,7 @@ export function GradingPage({ client, query, onOpen }: Props) {
       <div class="filters" role="search" ref={search}>
         <TextField label="Student" value={text} onValue={setText} maxLength={100} />
         <span class="hint">{plural(shown.length, "attempt")}, {waiting} to be released</span>
-        <button type="button" class="button primary" disabled={shown.length === 0} onClick={() => open(shown[0]?.attempt.id)}>Begin with the first</button>
+        <button type="button" class="button primary" disabled={shown.length === 0} onClick={() => open((firstWaiting ?? shown[0])?.attempt.id)}>Begin with the first</button>
       </div>
       <BulkActions client={client} chosen={picked} onDone={() => { setChosen(new Set()); reload(); }} />
       {loaded.state === "loading" && <Loading what="attempts" />}
