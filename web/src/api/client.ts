@@ -3,7 +3,7 @@ import { type ApiResult, type Fetch, Http, segment, understood } from "./http";
 import { PeopleApi } from "./people";
 import { decodeSurface, type Surface } from "./surface";
 import { TeachingApi } from "./teaching";
-import { decodeStartTooth, type StartTooth } from "./timeline";
+import type { StartTooth } from "./timeline";
 import { OperationsApi, ProfilesApi, StationsApi } from "./things";
 import type { Attempt, AttemptDetail, AttemptFlag, AttemptState, Score, Series, Session } from "./types";
 
@@ -114,7 +114,10 @@ export class Client {
   // By the hash that a timeline's head has.
   async startTooth(hash: string, signal?: AbortSignal): Promise<ApiResult<StartTooth>> {
     const bytes = await this.http.kept(`/start-teeth/${segment(hash)}`, signal);
-    return bytes.ok ? understood(await decodeStartTooth(bytes.value)) : bytes;
+    if (!bytes.ok) return bytes;
+    // Where nothing is played back the page does without.
+    const { decodeStartTooth } = await import("./timeline");
+    return understood(await decodeStartTooth(bytes.value));
   }
   private keepCsrf(result: ApiResult<Session>): ApiResult<Session> {
     if (result.ok) this.http.csrf = result.value.csrf;

@@ -1,5 +1,5 @@
 import { signal } from "@preact/signals";
-import type { ComponentChildren } from "preact";
+import type { ComponentChildren, ComponentProps } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { Client } from "../api/client";
 import { queryText } from "../api/http";
@@ -8,7 +8,7 @@ import { unreachable } from "../base/assert";
 import { AccountPage, ForcedPassword } from "../features/account/account_page";
 import { ConfirmPassword } from "../features/account/confirm_password";
 import { MyWorkPage } from "../features/assignments/my_work_page";
-import { AttemptPage } from "../features/attempt/attempt_page";
+import type { AttemptPage } from "../features/attempt/attempt_page";
 import { AttemptsPage } from "../features/attempts/attempts_page";
 import { ExercisePage } from "../features/exercises/exercise_page";
 import { ExercisesPage, StaffExercisesPage } from "../features/exercises/exercises_page";
@@ -130,7 +130,7 @@ function screen(route: Route, person: Person): ComponentChildren {
     case "exercises": return teacher ? <StaffExercisesPage client={client} query={route.query} onQuery={narrow} onOpen={navigate} /> : <ExercisesPage client={client} />;
     case "exercise": return <ExercisePage client={client} id={route.id} personId={person.id} teacher={teacher} onOpen={navigate} />;
     case "attempts": return <AttemptsPage client={client} mine={!teacher} query={route.query} onQuery={narrow} />;
-    case "attempt": return <AttemptPage client={client} person={person} id={route.id} onOpen={navigate} />;
+    case "attempt": return <OneAttempt client={client} person={person} id={route.id} onOpen={navigate} />;
     case "account": return <AccountPage client={client} person={person} />;
     case "assignments": if (!teacher) return <MyWorkPage client={client} />; break;
     default: break;
@@ -138,14 +138,27 @@ function screen(route: Route, person: Person): ComponentChildren {
   return teacher ? <Staff route={route} person={person} onQuery={narrow} /> : <NotFound home={homePath(person.role)} />;
 }
 
-// What only teachers and admins see is loaded when one of them needs it.
+// A part of the page that is loaded when somebody comes to it.
+function usePart<Part>(load: () => Promise<Part>): Part | "loading" | "failed" {
+  const [loaded, setLoaded] = useState<{ readonly part: Part } | "loading" | "failed">("loading");
+  useEffect(() => { load().then((part) => setLoaded({ part }), () => setLoaded("failed")); }, []);
+  return typeof loaded === "object" ? loaded.part : loaded;
+}
+
+function PartState({ state }: { readonly state: "loading" | "failed" }) {
+  if (state === "loading") return <Loading what="the page" />;
+  return <ErrorNotice title="This part of the page could not be loaded" message="Check that this computer is connected, then load the page again." onRetry={() => window.location.reload()} />;
+}
+
+function OneAttempt(props: ComponentProps<typeof AttemptPage>) {
+  const loaded = usePart(() => import("../features/attempt/attempt_page"));
+  return loaded === "loading" || loaded === "failed" ? <PartState state={loaded} /> : <loaded.AttemptPage {...props} />;
+}
+
+// What only teachers and admins see.
 function Staff({ route, person, onQuery }: { readonly route: Route; readonly person: Person; readonly onQuery: (query: Readonly<Record<string, string>>) => void }) {
-  const [loaded, setLoaded] = useState<typeof import("./staff") | "failed">();
-  useEffect(() => { import("./staff").then(setLoaded, () => setLoaded("failed")); }, []);
-  if (loaded === undefined) return <Loading what="the page" />;
-  if (loaded === "failed") {
-    return <ErrorNotice title="This part of the page could not be loaded" message="Check that this computer is connected, then load the page again." onRetry={() => window.location.reload()} />;
-  }
+  const loaded = usePart(() => import("./staff"));
+  if (loaded === "loading" || loaded === "failed") return <PartState state={loaded} />;
   return loaded.staffScreen({ client, route, person, onQuery, onOpen: navigate }) ?? <NotFound home={homePath(person.role)} />;
 }
 

@@ -1,8 +1,8 @@
 import type { Client } from "../../api/client";
 import type { ApiError } from "../../api/http";
 import type { Surface } from "../../api/surface";
-import { decodeHead, decodeSegment, type Head, segmentBytes, TimelinePlayer } from "../../api/timeline";
-import { type BlockMesh, ToothMesher } from "../../api/tooth_mesh";
+import type { Head, TimelinePlayer } from "../../api/timeline";
+import type { BlockMesh, ToothMesher } from "../../api/tooth_mesh";
 import type { Film, FilmScreen } from "../../widgets/tooth/film";
 
 // An attempt with the tooth being cut. Loads its timeline: first what the tooth at the end needs, then the rest.
@@ -15,6 +15,10 @@ export type PlaybackState =
   | { readonly state: "waiting"; readonly message: string }   // the server has not made it yet
   | { readonly state: "failed"; readonly error: ApiError }
   | { readonly state: "ready" };
+
+// What reads timelines and makes triangles is fetched with the first of them: a page without a tooth does without.
+const timelines = () => import("../../api/timeline");
+const meshes = () => import("../../api/tooth_mesh");
 
 const nextTask = () => new Promise<void>((resolve) => { setTimeout(resolve); });
 
@@ -76,8 +80,10 @@ export class Playback implements Film {
 
   // Head, start tooth and last segment: the tooth at the end.
   private async loadEnd(): Promise<ApiError | undefined> {
-    const first = await this.part(0, kFirstBytes);
+    const [first, code] = await Promise.all([this.part(0, kFirstBytes), Promise.all([timelines(), meshes()]).catch(() => undefined)]);
     if (!first.ok) return first.error;
+    if (code === undefined) return { code: "unreachable", status: 0, field: "", message: "What reads it could not be loaded: load the page again" };
+    const [{ decodeHead, TimelinePlayer }, { ToothMesher }] = code;
     const head = await decodeHead(first.value);
     if (!head.ok) return this.malformed(head.error);
     if (head.value === undefined) return this.malformed("its head is longer than this page reads");
@@ -99,6 +105,7 @@ export class Playback implements Film {
   private async segment(head: Head, index: number) {
     const segment = head.segments[index];
     if (segment === undefined) return undefined;
+    const { decodeSegment, segmentBytes } = await timelines();
     const bytes = await this.part(segment.from, segment.from + segmentBytes(segment));
     if (!bytes.ok) return bytes.error;
     const open = await decodeSegment(head, index, new Uint8Array(bytes.value));
@@ -110,6 +117,7 @@ export class Playback implements Film {
     const player = this.player;
     const last = player?.head.segments.at(-1);
     if (player === undefined || last === undefined || last.from === player.head.bytes) return undefined;
+    const { decodeSegment, segmentBytes } = await timelines();
     const bytes = await this.part(player.head.bytes, last.from);
     if (!bytes.ok) return bytes.error;
     for (const [i, segment] of player.head.segments.entries()) {
