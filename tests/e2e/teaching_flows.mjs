@@ -204,7 +204,9 @@ const gradingPath = `/grading?assignment=${id(500)}`;
 const namesIn = (page) => page.locator("table.grading tbody th").allInnerTexts();
 
 async function grading(world) {
-  const page = await signedIn(world, "instructor", "/assignments");
+  const page = await signedIn(world, "instructor", "/grading");
+  await page.getByText("What is to be graded?").waitFor();
+  await page.locator("main").getByRole("link", { name: "assignments" }).click();
   await page.getByRole("link", { name: "Grade Occlusal cavity, class I" }).click();
   await page.locator("table.grading .lost-much").first().waitFor();
   await accessible(page, "grading");

@@ -26,6 +26,18 @@ interface Props {
 
 // Everything that was made under an assignment or in a cohort, criterion by criterion, to be judged one after the other.
 export function GradingPage({ client, query, onOpen }: Props) {
+  if ((query.get("assignment") ?? query.get("cohort") ?? "") === "") {
+    return (
+      <>
+        <PageTitle document="Grading">Grading</PageTitle>
+        <p>What is to be graded? Open one of your <a href="/assignments">assignments</a> or <a href="/cohorts">cohorts</a>, and choose “Grade” or “Grading” there.</p>
+      </>
+    );
+  }
+  return <GradingTable client={client} query={query} onOpen={onOpen} />;
+}
+
+function GradingTable({ client, query, onOpen }: Props) {
   const [assignment, cohort] = [query.get("assignment") ?? "", query.get("cohort") ?? ""];
   const key = `${assignment} ${cohort}`;
   const back = `/grading?${new URLSearchParams(assignment !== "" ? { assignment } : { cohort }).toString()}`;
@@ -70,6 +82,9 @@ export function GradingPage({ client, query, onOpen }: Props) {
     { key: "o", what: "Open the row, or the first one", act: () => open(focused() ?? shown[0]?.attempt.id) },
     { key: "/", what: "Search a name", act: () => search.current?.querySelector("input")?.focus() },
   ]);
+  if (title.loaded.state === "failed") {
+    return <ErrorNotice title={assignment !== "" ? "This assignment could not be opened" : "This cohort could not be opened"} message={title.loaded.error.message} onRetry={title.reload} />;
+  }
   const name = title.loaded.state === "ready" ? title.loaded.value : assignment !== "" ? "the assignment" : "the cohort";
   const picked = rows.filter(({ attempt }) => chosen.has(attempt.id)).map(({ attempt }) => attempt);
   const firstWaiting = shown.find(({ attempt }) => awaitsRelease(attempt, graded(attempt)));
