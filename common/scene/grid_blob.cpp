@@ -16,6 +16,31 @@ Status Malformed(std::string_view blob, const std::string& what) {
 
 }  // namespace
 
+void WriteBlobStart(std::string_view letters, uint16_t version, uint16_t flags, ByteWriter& out) {
+  out.Raw(AsBytes(letters));
+  out.U16(version);
+  out.U16(flags);
+}
+
+Result<uint16_t> ReadBlobStart(ByteReader& in, std::string_view letters, uint16_t version,
+                               uint16_t known_flags, std::string_view blob) {
+  const ByteView found = in.Raw(letters.size());
+  if (!in.ok() || AsText(found) != letters) {
+    return Malformed(blob, "expected the letters " + std::string(letters) +
+                               " at its start: this is no " + std::string(blob));
+  }
+  if (const uint16_t other = in.U16(); other != version) {
+    return Status(Code::kVersion, std::string(blob) + ": this program reads version " +
+                                      std::to_string(version) + ", found version " +
+                                      std::to_string(other));
+  }
+  const uint16_t flags = in.U16();
+  if ((flags & ~known_flags) == 0) return flags;
+  return Malformed(blob, "expected flags 0" +
+                             (known_flags == 0 ? "" : " or " + std::to_string(known_flags)) +
+                             ", found " + std::to_string(flags));
+}
+
 void WriteGrid(const cutting::GridSpec& spec, ByteWriter& out) {
   out.I32(spec.voxel_nm);
   for (int i = 0; i < 3; ++i) out.I32(spec.bricks[i]);

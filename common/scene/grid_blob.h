@@ -7,9 +7,17 @@
 #include "common/cutting/volume.h"
 
 // What the blobs that belong to a voxel grid have in common (schemas/volume_blob.md,
-// schemas/provenance.md): the grid, and sections packed with zstd. Bounded, deterministic.
+// schemas/provenance.md, schemas/surface_timeline.md): how they begin, the grid, and sections packed
+// with zstd. Bounded, deterministic.
 // Thread safety: functions, any thread.
 namespace enamel::scene {
+
+// Four letters, version and flags: 8 bytes.
+void WriteBlobStart(std::string_view letters, uint16_t version, uint16_t flags, ByteWriter& out);
+// The flags. `known_flags`: one bit, or 0. Errors: kInvalidInput for other letters or flags; kVersion;
+// the message begins with `blob`, what is read. What ends within the 8 bytes is left for who reads on.
+Result<uint16_t> ReadBlobStart(ByteReader& in, std::string_view letters, uint16_t version,
+                               uint16_t known_flags, std::string_view blob);
 
 // Voxel, bricks and origin: 40 bytes.
 void WriteGrid(const cutting::GridSpec& spec, ByteWriter& out);

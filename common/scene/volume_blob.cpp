@@ -15,7 +15,7 @@ using cutting::kTissueCount;
 using cutting::Tissue;
 using cutting::Volume;
 
-constexpr std::array<uint8_t, 4> kMagic = {'E', 'N', 'V', 'B'};
+constexpr std::string_view kLetters = "ENVB";
 constexpr uint16_t kVersion = 1;
 constexpr std::string_view kBlob = "volume blob";
 // Kind byte of a brick (schemas/volume_blob.md).
@@ -68,10 +68,7 @@ bool KindIsValid(uint8_t kind) {
 }
 
 void WriteHeader(const GridSpec& spec, size_t stored, size_t labelled, ByteWriter& out) {
-  out.Raw(kMagic);
-  out.U16(kVersion);
-  // Flags: none yet, and a reader refuses any.
-  out.U16(0);
+  WriteBlobStart(kLetters, kVersion, 0, out);
   WriteGrid(spec, out);
   out.U32(static_cast<uint32_t>(stored));
   out.U32(static_cast<uint32_t>(labelled));
@@ -83,23 +80,13 @@ struct Header {
 };
 
 Result<Header> ReadHeader(ByteReader& in) {
-  ByteView magic = in.Raw(4);
-  if (!in.ok() || !std::equal(magic.begin(), magic.end(), kMagic.begin())) {
-    return Malformed("expected the letters ENVB at its start: this is no volume");
-  }
-  uint16_t version = in.U16();
-  if (version != kVersion) {
-    return Status(Code::kVersion, "volume blob: this program reads version " +
-                                      std::to_string(kVersion) + ", found version " +
-                                      std::to_string(version));
-  }
-  uint16_t flags = in.U16();
+  // Flags: none yet, and any is refused.
+  ENAMEL_RETURN_IF_ERROR(ReadBlobStart(in, kLetters, kVersion, 0, kBlob).status());
   Header h;
   ENAMEL_ASSIGN_OR_RETURN(h.spec, ReadGrid(in, kBlob));
   h.stored = in.U32();
   h.labelled = in.U32();
   if (!in.ok()) return Malformed("ends within its header");
-  if (flags != 0) return Malformed("expected flags 0, found " + std::to_string(flags));
   if (h.stored > static_cast<uint64_t>(h.spec.brick_count()) || h.labelled > h.stored) {
     return Malformed("more stored bricks than its grid has");
   }

@@ -8,7 +8,7 @@
 namespace enamel::scoring {
 namespace {
 
-constexpr std::array<uint8_t, 4> kMagic = {'E', 'N', 'P', 'V'};
+constexpr std::string_view kLetters = "ENPV";
 constexpr uint16_t kVersion = 1;
 constexpr uint16_t kIncomplete = 1;  // flag
 constexpr std::string_view kBlob = "provenance";
@@ -55,9 +55,7 @@ Status UnpackTicks(const Bytes& packed, Provenance& out) {
 }
 
 void WriteHeader(const Provenance& provenance, ByteWriter& out) {
-  out.Raw(kMagic);
-  out.U16(kVersion);
-  out.U16(provenance.complete ? 0 : kIncomplete);
+  scene::WriteBlobStart(kLetters, kVersion, provenance.complete ? 0 : kIncomplete, out);
   scene::WriteGrid(provenance.spec, out);
   out.U64(provenance.ticks);
   out.U32(static_cast<uint32_t>(provenance.bricks.size()));
@@ -109,25 +107,13 @@ Bytes EncodeProvenance(const Provenance& provenance) {
 
 Result<Provenance> DecodeProvenance(ByteView blob) {
   ByteReader in(blob);
-  ByteView magic = in.Raw(4);
-  if (!in.ok() || !std::equal(magic.begin(), magic.end(), kMagic.begin())) {
-    return Malformed("expected the letters ENPV at its start: this is no provenance");
-  }
-  const uint16_t version = in.U16();
-  if (version != kVersion) {
-    return Status(Code::kVersion, "provenance: this program reads version " +
-                                      std::to_string(kVersion) + ", found version " +
-                                      std::to_string(version));
-  }
-  const uint16_t flags = in.U16();
+  ENAMEL_ASSIGN_OR_RETURN(const uint16_t flags,
+                          scene::ReadBlobStart(in, kLetters, kVersion, kIncomplete, kBlob));
   Provenance out;
   ENAMEL_ASSIGN_OR_RETURN(out.spec, scene::ReadGrid(in, kBlob));
   out.ticks = in.U64();
   const uint32_t bricks = in.U32(), voxels = in.U32();
   if (!in.ok()) return Malformed("ends within its header");
-  if ((flags & ~kIncomplete) != 0) {
-    return Malformed("expected flags 0 or 1, found " + std::to_string(flags));
-  }
   out.complete = (flags & kIncomplete) == 0;
   if (bricks > Provenance::kMaxBricks || bricks > out.spec.brick_count() ||
       voxels > uint64_t{bricks} * cutting::kBrickVoxels) {

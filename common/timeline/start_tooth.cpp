@@ -9,7 +9,7 @@
 namespace enamel::timeline {
 namespace {
 
-constexpr std::string_view kMagic = "ENTB";
+constexpr std::string_view kLetters = "ENTB";
 constexpr uint16_t kVersion = 1;
 constexpr std::string_view kBlob = "start tooth";
 
@@ -80,9 +80,7 @@ Bytes EncodeStartTooth(const StartTooth& tooth) {
     labels.insert(labels.end(), brick.tissue.begin(), brick.tissue.end());
   }
   ByteWriter out;
-  out.Raw(AsBytes(kMagic));
-  out.U16(kVersion);
-  out.U16(0);
+  scene::WriteBlobStart(kLetters, kVersion, 0, out);
   scene::WriteGrid(tooth.spec, out);
   // Made once for a scene, fetched by everybody who looks at an attempt at it.
   out.Blob(Deflate(tooth.bricks, Effort::kMost));
@@ -93,19 +91,9 @@ Bytes EncodeStartTooth(const StartTooth& tooth) {
 
 Result<StartTooth> DecodeStartTooth(ByteView blob) {
   ByteReader in(blob);
-  const ByteView magic = in.Raw(4);
-  if (!in.ok() || AsText(magic) != kMagic) {
-    return Malformed("expected the letters ENTB at its start: this is no start tooth");
-  }
-  if (const uint16_t version = in.U16(); version != kVersion) {
-    return Status(Code::kVersion, std::string(kBlob) + ": this program reads version " +
-                                      std::to_string(kVersion) + ", found version " +
-                                      std::to_string(version));
-  }
-  const uint16_t flags = in.U16();
+  ENAMEL_RETURN_IF_ERROR(scene::ReadBlobStart(in, kLetters, kVersion, 0, kBlob).status());
   StartTooth out;
   ENAMEL_ASSIGN_OR_RETURN(out.spec, scene::ReadGrid(in, kBlob));
-  if (flags != 0) return Malformed("expected flags 0, found " + std::to_string(flags));
   std::array<ByteView, 3> packed;
   for (ByteView& section : packed) section = in.Blob(blob.size());
   if (!in.ok()) return Malformed("ends early: the file was cut off");

@@ -7,7 +7,7 @@
 namespace enamel::timeline {
 namespace {
 
-constexpr std::string_view kMagic = "ENTL";
+constexpr std::string_view kLetters = "ENTL";
 constexpr uint16_t kVersion = 1;
 constexpr std::string_view kBlob = "surface timeline";
 constexpr size_t kFixedBytes = 108, kOutlineBytes = 8, kSegmentBytes = 20;
@@ -23,9 +23,7 @@ Status Bounded(const char* what, uint64_t found, uint64_t least, uint64_t most) 
 }
 
 void WriteFixed(const Head& head, ByteWriter& out) {
-  for (char letter : kMagic) out.U8(static_cast<uint8_t>(letter));
-  out.U16(kVersion);
-  out.U16(0);
+  scene::WriteBlobStart(kLetters, kVersion, 0, out);
   scene::WriteGrid(head.spec, out);
   out.Raw(head.start.view());
   out.U64(head.ticks);
@@ -66,16 +64,7 @@ Bytes EncodeHead(const Head& head) {
 
 Result<Head> DecodeHead(ByteView bytes) {
   ByteReader in(bytes);
-  const ByteView magic = in.Raw(4);
-  if (!in.ok() || AsText(magic) != kMagic) {
-    return Malformed("expected the letters ENTL at its start: this is no surface timeline");
-  }
-  if (const uint16_t version = in.U16(); version != kVersion) {
-    return Status(Code::kVersion, std::string(kBlob) + ": this program reads version " +
-                                      std::to_string(kVersion) + ", found version " +
-                                      std::to_string(version));
-  }
-  const uint16_t flags = in.U16();
+  ENAMEL_RETURN_IF_ERROR(scene::ReadBlobStart(in, kLetters, kVersion, 0, kBlob).status());
   Head out;
   ENAMEL_ASSIGN_OR_RETURN(out.spec, scene::ReadGrid(in, kBlob));
   const ByteView start = in.Raw(out.start.bytes.size());
@@ -85,7 +74,6 @@ Result<Head> DecodeHead(ByteView bytes) {
   out.segment_frames = in.U32();
   const uint32_t outline = in.U32(), segments = in.U32();
   if (!in.ok()) return Malformed("ends within its head");
-  if (flags != 0) return Malformed("expected flags 0, found " + std::to_string(flags));
   out.start = Sha256::FromBytes(start);
   ENAMEL_RETURN_IF_ERROR(Bounded("a rate in Hz", out.rate_hz, 1, 1'000'000));
   ENAMEL_RETURN_IF_ERROR(Bounded("ticks of a frame", out.frame_ticks, 1, 1'000'000));
