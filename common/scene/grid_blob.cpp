@@ -63,6 +63,18 @@ Result<cutting::GridSpec> ReadGrid(ByteReader& in, std::string_view blob) {
   return spec;
 }
 
+void AppendPlanes(std::span<const uint32_t> values, Bytes& out) {
+  for (int shift = 0; shift < 32; shift += 8) {
+    for (uint32_t v : values) out.push_back(static_cast<uint8_t>(v >> shift));
+  }
+}
+
+uint32_t FromPlanes(ByteView planes, size_t count, size_t i) {
+  uint32_t out = 0;
+  for (size_t b = 0; b < 4; ++b) out |= uint32_t{planes[b * count + i]} << (8 * b);
+  return out;
+}
+
 Bytes PackSection(ByteView raw) {
   Bytes out(ZSTD_compressBound(raw.size()));
   size_t n = ZSTD_compress(out.data(), out.size(), raw.data(), raw.size(), kLevel);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <string_view>
 
 #include "common/base/bytes.h"
@@ -24,6 +25,14 @@ void WriteGrid(const cutting::GridSpec& spec, ByteWriter& out);
 // Errors: kInvalidInput for a grid over 4 GiB, one over 1 m away, or one that ends early; the
 // message begins with `blob`, what is read.
 Result<cutting::GridSpec> ReadGrid(ByteReader& in, std::string_view blob);
+
+// Of small differences of either sign small numbers, modulo 2^32.
+constexpr uint32_t Zigzag(uint32_t v) { return v << 1 ^ (0 - (v >> 31)); }
+constexpr uint32_t Unzigzag(uint32_t v) { return v >> 1 ^ (0 - (v & 1)); }
+// Numbers as four planes, their bytes by significance: the high ones pack to almost nothing.
+void AppendPlanes(std::span<const uint32_t> values, Bytes& out);
+// Value `i` of `count`. Requires: planes.size() >= 4 * count, i < count.
+uint32_t FromPlanes(ByteView planes, size_t count, size_t i);
 
 Bytes PackSection(ByteView raw);
 // The `size` bytes that a section must hold. Errors: kInvalidInput when it holds another number, by

@@ -18,22 +18,17 @@ Status Malformed(const std::string& what) {
   return Status(Code::kInvalidInput, std::string(kBlob) + ": " + what);
 }
 
-// Of small magnitudes of either sign small numbers, modulo 2^32.
-uint32_t Zigzag(uint32_t v) { return v << 1 ^ (0 - (v >> 31)); }
-uint32_t Unzigzag(uint32_t v) { return v >> 1 ^ (0 - (v & 1)); }
-
-// Neighbours go at nearly the same time or a stroke apart: differences, and their bytes by
-// significance, so that the high ones compress to almost nothing.
+// Neighbours go at nearly the same time or a stroke apart: differences.
 Bytes PackTicks(const std::vector<uint32_t>& ticks) {
-  Bytes out(ticks.size() * 4);
+  std::vector<uint32_t> differences(ticks.size());
   uint32_t before = 0;
   for (size_t i = 0; i < ticks.size(); ++i) {
-    const uint32_t difference = Zigzag(ticks[i] - before);
+    differences[i] = scene::Zigzag(ticks[i] - before);
     before = ticks[i];
-    for (size_t b = 0; b < 4; ++b) {
-      out[b * ticks.size() + i] = static_cast<uint8_t>(difference >> (8 * b));
-    }
   }
+  Bytes out;
+  out.reserve(ticks.size() * 4);
+  scene::AppendPlanes(differences, out);
   return out;
 }
 
@@ -42,9 +37,7 @@ Status UnpackTicks(const Bytes& packed, Provenance& out) {
   out.tick.resize(count);
   uint32_t before = 0;
   for (size_t i = 0; i < count; ++i) {
-    uint32_t difference = 0;
-    for (size_t b = 0; b < 4; ++b) difference |= uint32_t{packed[b * count + i]} << (8 * b);
-    before += Unzigzag(difference);
+    before += scene::Unzigzag(scene::FromPlanes(packed, count, i));
     if (before >= out.ticks) {
       return Malformed("a voxel went at tick " + std::to_string(before) + " of a recording of " +
                        std::to_string(out.ticks));

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "common/base/check.h"
+#include "common/scene/grid_blob.h"
 #include "common/timeline/deflate.h"
 
 namespace enamel::timeline {
@@ -13,15 +14,6 @@ constexpr size_t kPoseBytes = 20, kKeyBytes = 4 + cutting::kBrickVoxels;
 
 Status Malformed(const std::string& what) {
   return Status(Code::kInvalidInput, "surface timeline: " + what);
-}
-
-uint32_t Unzigzag(uint32_t v) { return v >> 1 ^ (0 - (v & 1)); }
-
-// Value `i` of `count` kept as four planes of bytes.
-uint32_t FromPlanes(ByteView planes, size_t count, size_t i) {
-  uint32_t out = 0;
-  for (size_t b = 0; b < 4; ++b) out |= uint32_t{planes[b * count + i]} << (8 * b);
-  return out;
 }
 
 }  // namespace
@@ -183,13 +175,13 @@ Result<std::vector<FramePose>> Player::Poses(size_t segment) const {
   for (size_t axis = 0; axis < 3; ++axis) {
     uint32_t before = 0;
     for (size_t i = 0; i < n; ++i) {
-      before += Unzigzag(FromPlanes(all.subspan(axis * 4 * n), n, i));
+      before += scene::Unzigzag(scene::FromPlanes(all.subspan(axis * 4 * n), n, i));
       out[i].tip_um[axis] = static_cast<int32_t>(before);
       out[i].axis[axis] = static_cast<int8_t>(raw[12 * n + axis * n + i]);
     }
   }
   for (size_t i = 0; i < n; ++i) {
-    out[i].gap_ticks = FromPlanes(all.subspan(15 * n), n, i);
+    out[i].gap_ticks = scene::FromPlanes(all.subspan(15 * n), n, i);
     const uint8_t turning = raw[19 * n + i];
     if (turning > 1) return Malformed("a bur neither turns nor stands");
     out[i].turning = turning == 1;

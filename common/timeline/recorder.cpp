@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/base/check.h"
+#include "common/scene/grid_blob.h"
 #include "common/timeline/deflate.h"
 
 namespace enamel::timeline {
@@ -53,15 +54,6 @@ FramePose PoseOf(const Recorder::Tick& tick) {
   return out;
 }
 
-// Bytes by significance: the high ones compress to almost nothing.
-void AppendPlanes(const std::vector<uint32_t>& values, Bytes& out) {
-  for (int shift = 0; shift < 32; shift += 8) {
-    for (uint32_t v : values) out.push_back(static_cast<uint8_t>(v >> shift));
-  }
-}
-
-uint32_t Zigzag(uint32_t v) { return v << 1 ^ (0 - (v >> 31)); }
-
 Bytes PosesOf(const std::vector<FramePose>& poses) {
   Bytes out;
   std::vector<uint32_t> column(poses.size());
@@ -69,16 +61,16 @@ Bytes PosesOf(const std::vector<FramePose>& poses) {
     uint32_t before = 0;
     for (size_t i = 0; i < poses.size(); ++i) {
       const auto now = static_cast<uint32_t>(poses[i].tip_um[axis]);
-      column[i] = Zigzag(now - before);
+      column[i] = scene::Zigzag(now - before);
       before = now;
     }
-    AppendPlanes(column, out);
+    scene::AppendPlanes(column, out);
   }
   for (size_t axis = 0; axis < 3; ++axis) {
     for (const FramePose& pose : poses) out.push_back(static_cast<uint8_t>(pose.axis[axis]));
   }
   for (size_t i = 0; i < poses.size(); ++i) column[i] = poses[i].gap_ticks;
-  AppendPlanes(column, out);
+  scene::AppendPlanes(column, out);
   for (const FramePose& pose : poses) out.push_back(pose.turning ? 1 : 0);
   return out;
 }
