@@ -283,12 +283,12 @@ TEST(SurfaceTimelineBlobTest, EveryTruncationAndEveryExtraByteIsRefused) {
   for (size_t n = 0; n < start.size(); n += n < 100 ? 1 : 61) {
     EXPECT_FALSE(DecodeStartTooth({start.data(), n}).ok()) << n;
   }
-  for (const Bytes& whole : {start, file}) {
-    Bytes longer = whole;
-    longer.push_back(0);
-    EXPECT_FALSE(&whole == &start ? DecodeStartTooth(longer).ok()
-                                  : Player::Open(start, longer).ok());
-  }
+  const auto longer = [](Bytes bytes) {
+    bytes.push_back(0);
+    return bytes;
+  };
+  EXPECT_FALSE(DecodeStartTooth(longer(start)).ok());
+  EXPECT_FALSE(Player::Open(start, longer(file)).ok());
 }
 
 TEST(SurfaceTimelineBlobTest, OtherVersionsFlagsAndTeethAreRefusedByName) {
