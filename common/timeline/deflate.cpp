@@ -22,10 +22,11 @@ Bytes Deflate(ByteView raw, Effort effort) {
   return out;
 }
 
-Result<Bytes> Inflate(ByteView packed, size_t size, std::string_view what) {
+Result<Bytes> Inflate(ByteView packed, size_t size, std::string_view blob,
+                      std::string_view section) {
   const auto damaged = [&](const std::string& why) {
-    return Status(Code::kInvalidInput, "surface timeline: section '" + std::string(what) + "' " +
-                                           why + "; the file is damaged, make it again");
+    return Status(Code::kInvalidInput, std::string(blob) + ": section '" + std::string(section) +
+                                           "' " + why + "; the file is damaged, make it again");
   };
   if (size / kMaxRatio > packed.size()) {
     return damaged("cannot hold the " + std::to_string(size) + " bytes its header asks for");

@@ -12,8 +12,9 @@ namespace enamel::timeline {
 enum class Effort { kQuick, kMost };  // kMost: 4 % fewer bytes, four times as long
 Bytes Deflate(ByteView raw, Effort effort = Effort::kQuick);
 // The `size` bytes that were packed. Errors: kInvalidInput when there is another number of them or
-// they are damaged; the message names `what`. No memory is taken for a size that this many packed
-// bytes cannot give.
-Result<Bytes> Inflate(ByteView packed, size_t size, std::string_view what);
+// they are damaged; the message begins with `blob`, what is read, and names the section. No memory
+// is taken for a size that this many packed bytes cannot give.
+Result<Bytes> Inflate(ByteView packed, size_t size, std::string_view blob,
+                      std::string_view section);
 
 }  // namespace enamel::timeline

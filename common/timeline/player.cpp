@@ -10,10 +10,11 @@
 namespace enamel::timeline {
 namespace {
 
+constexpr std::string_view kBlob = "surface timeline";
 constexpr size_t kPoseBytes = 20, kKeyBytes = 4 + cutting::kBrickVoxels;
 
 Status Malformed(const std::string& what) {
-  return Status(Code::kInvalidInput, "surface timeline: " + what);
+  return Status(Code::kInvalidInput, std::string(kBlob) + ": " + what);
 }
 
 }  // namespace
@@ -84,8 +85,8 @@ Status Player::EnterSegment(size_t segment) {
   segment_ = SIZE_MAX;
   const Segment& s = head_.segments[segment];
   ENAMEL_ASSIGN_OR_RETURN(const Bytes key,
-                          Inflate(Part(segment, 1), s.key_bricks * kKeyBytes, "key frame"));
-  ENAMEL_ASSIGN_OR_RETURN(changes_.raw, Inflate(Part(segment, 2), s.change_size, "changes"));
+                          Inflate(Part(segment, 1), s.key_bricks * kKeyBytes, kBlob, "key frame"));
+  ENAMEL_ASSIGN_OR_RETURN(changes_.raw, Inflate(Part(segment, 2), s.change_size, kBlob, "changes"));
   ByteReader lengths(changes_.raw);
   const uint64_t heads = lengths.U32(), masks = lengths.U32();
   if (!lengths.ok() || 8 + heads + masks > changes_.raw.size()) {
@@ -169,7 +170,8 @@ Status Player::Seek(uint32_t frames) {
 
 Result<std::vector<FramePose>> Player::Poses(size_t segment) const {
   const size_t n = head_.FramesIn(segment);
-  ENAMEL_ASSIGN_OR_RETURN(const Bytes raw, Inflate(Part(segment, 0), n * kPoseBytes, "poses"));
+  ENAMEL_ASSIGN_OR_RETURN(const Bytes raw,
+                          Inflate(Part(segment, 0), n * kPoseBytes, kBlob, "poses"));
   const ByteView all(raw);
   std::vector<FramePose> out(n);
   for (size_t axis = 0; axis < 3; ++axis) {

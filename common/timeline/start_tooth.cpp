@@ -35,7 +35,7 @@ Counts CountOf(const std::vector<uint8_t>& bricks) {
 }
 
 Result<std::vector<uint8_t>> ReadBricks(ByteView packed, size_t count) {
-  ENAMEL_ASSIGN_OR_RETURN(Bytes bricks, Inflate(packed, count, "bricks"));
+  ENAMEL_ASSIGN_OR_RETURN(Bytes bricks, Inflate(packed, count, kBlob, "bricks"));
   for (uint8_t brick : bricks) {
     if (brick > (StartTooth::kTissue | StartTooth::kSampled | StartTooth::kLabelled)) {
       return Malformed("a brick has flags that this version does not know: " +
@@ -101,10 +101,12 @@ Result<StartTooth> DecodeStartTooth(ByteView blob) {
   ENAMEL_ASSIGN_OR_RETURN(out.bricks,
                           ReadBricks(packed[0], static_cast<size_t>(out.spec.brick_count())));
   const Counts counts = CountOf(out.bricks);
-  ENAMEL_ASSIGN_OR_RETURN(const Bytes residuals,
-                          Inflate(packed[1], counts.sampled * cutting::kBrickVoxels, "samples"));
-  ENAMEL_ASSIGN_OR_RETURN(const Bytes labels,
-                          Inflate(packed[2], counts.labelled * cutting::kBrickVoxels, "labels"));
+  ENAMEL_ASSIGN_OR_RETURN(
+      const Bytes residuals,
+      Inflate(packed[1], counts.sampled * cutting::kBrickVoxels, kBlob, "samples"));
+  ENAMEL_ASSIGN_OR_RETURN(
+      const Bytes labels,
+      Inflate(packed[2], counts.labelled * cutting::kBrickVoxels, kBlob, "labels"));
   for (size_t at = 0; at < residuals.size(); at += cutting::kBrickVoxels) {
     out.samples.push_back(FromResiduals(ByteView(residuals).subspan(at, cutting::kBrickVoxels)));
   }

@@ -291,6 +291,13 @@ TEST(SurfaceTimelineBlobTest, EveryTruncationAndEveryExtraByteIsRefused) {
   EXPECT_FALSE(Player::Open(start, longer(file)).ok());
 }
 
+TEST(SurfaceTimelineBlobTest, DamageIsToldOfTheFileThatHasIt) {
+  Bytes start = Golden("surface_timeline.entb");
+  start[60] ^= 0xff;  // in its first section
+  const Status damaged = DecodeStartTooth(start).status();
+  EXPECT_TRUE(damaged.message().starts_with("start tooth: section 'bricks'")) << damaged.message();
+}
+
 TEST(SurfaceTimelineBlobTest, OtherVersionsFlagsAndTeethAreRefusedByName) {
   const Bytes start = Golden("surface_timeline.entb"), file = Golden("surface_timeline.entl");
   const auto changed = [](Bytes bytes, size_t at, uint8_t value) {
