@@ -54,7 +54,7 @@ class Profile {
     for (double r = step_m_; r < kReach_m; r += step_m_) {
       const double phi = At(d, r, z_m);
       // A neighbour that touches is another tooth.
-      if (phi < 0 && Tissue(d, r, z_m) == Tissue::kNeighbour) return r - step_m_;
+      if (phi < 0 && IsNeighbour(d, r, z_m)) return r - step_m_;
       if (phi >= 0) return r - step_m_ * phi / (phi - before);
       before = phi;
     }
@@ -83,8 +83,8 @@ class Profile {
   double At(const Direction& d, double r_m, double z_m) const {
     return volume_.DistanceAt_m(Point(d, r_m, z_m));
   }
-  cutting::Tissue Tissue(const Direction& d, double r_m, double z_m) const {
-    return volume_.TissueAtPoint(Point(d, r_m, z_m));
+  bool IsNeighbour(const Direction& d, double r_m, double z_m) const {
+    return volume_.TissueAtPoint(Point(d, r_m, z_m)) == Tissue::kNeighbour;
   }
 
   const Volume& volume_;
@@ -199,17 +199,18 @@ void MeasureLine(const Profile& attempt, const Profile& reference,
   out.complete = complete / kPlaces;
 }
 
-// Straight down, within the stump's top as the reference has it.
+// Straight down, within the stump's top as the reference has it, on rings of as many places each: the
+// middle counts more than its area.
 void MeasureTop(const Volume& initial, const Volume& attempt, const Volume& reference,
-                const dvec3& axis_m, double top_z_m, double radius_m, CrownFigures& out) {
+                const dvec3& axis_m, double top_z_m, double radius_m,
+                const std::array<Direction, kPlaces>& directions, CrownFigures& out) {
   const double step = 2 * initial.spec().voxel_m();
   const Profile before(initial, axis_m), after(attempt, axis_m), wanted(reference, axis_m);
   const double from = initial.spec().origin_m().z +
                       static_cast<double>(initial.spec().voxels().z) * initial.spec().voxel_m();
   std::vector<double> taken;
   for (double r = 0; r <= radius_m; r += step) {
-    for (const Direction& d : Directions()) {
-      // A ring's share of points falls with its length: few near the axis.
+    for (const Direction& d : directions) {
       const std::optional<double> was = before.Height_m(d, r, from, top_z_m - 2e-3);
       const std::optional<double> asked = wanted.Height_m(d, r, from, top_z_m - 2e-3);
       if (!was || !asked) continue;
@@ -294,7 +295,7 @@ CrownFigures MeasureCrown(const Volume& initial, const CutSide& attempt, const C
   out.wall_m = {taken[0], taken[4], taken[2], taken[6]};
   out.undercut_m2 = Undercut_m2(attempt, *axis, line_z + kWallMargin_m, *top - kWallMargin_m);
   MeasureTop(initial, *attempt.volume, *reference.volume, *axis, *top, top_radius - kWallMargin_m,
-             out);
+             directions, out);
   MeasureLine(is, asked, directions, places, out);
   return out;
 }

@@ -71,7 +71,7 @@ double ShareAt(const std::vector<scene::RubricPoint>& map, double value) {
   return map.back().share;
 }
 
-// `weight`: a criterion's points in a hundred of the rubric's.
+// A criterion's points where all of the rubric's are a hundred.
 double WeightOf(const Rubric& rubric, const RubricCriterion& criterion) {
   double all = 0;
   for (const RubricCriterion& c : rubric.criteria) all += c.points;

@@ -7,7 +7,7 @@ import type { Film, FilmScreen } from "../../widgets/tooth/film";
 
 // An attempt with the tooth being cut. Loads its timeline: first what the tooth at the end needs, then the rest.
 
-const kFirstBytes = 16_384;                     // the head of an attempt of an hour and a half
+const kFirstBytes = 16_384;                     // the head of an attempt of six hours
 const kSliceMs = 12;                            // of the page's thread at a time
 
 export type PlaybackState =
