@@ -188,8 +188,8 @@ Response GetTimeline(const Call& call,
   if (!row.ok()) return ErrorResponse(row.status());
   if (row->waits) {
     return ErrorResponse({Code::kUnavailable,
-                          "the playback of this attempt is being made, after the scores that "
-                          "people wait for; try again"});
+                          "the playback of this attempt is being made; scores that people "
+                          "wait for go first. Try again in a few minutes"});
   }
   if (row->content.IsZero()) {
     return ErrorResponse(
